@@ -1,0 +1,94 @@
+#pragma once
+
+// One soft body's state and its step, without any world around it. Knows no Bullet.
+// Beside design.md's order: applyForces, accelerateTowardGoals (shape matching), [contacts], integrate.
+
+#include "pliant/material.h"
+#include "pliant/result.h"
+
+#include "lattice/lattice.h"
+#include "matching/node_state.h"
+
+#include <cstdint>
+#include <memory>
+
+namespace pliant {
+
+class Matcher;
+class TaskRunner;
+
+/// A rigid placement in double precision.
+struct Placement
+{
+	Eigen::Quaterniond rotation = Eigen::Quaterniond::Identity();
+	Vec3d position = Vec3d::Zero(); ///< where the mass centre goes, m
+};
+
+/// Sums over the nodes, in double, in a fixed order. Positions are relative to `NodeState::origin`.
+struct BodySums
+{
+	double mass = 0.0;                 ///< kg
+	Vec3d centre = Vec3d::Zero();      ///< mass centre relative to the origin, m
+	Vec3d momentum = Vec3d::Zero();    ///< kg m/s
+	Vec3d spin = Vec3d::Zero();        ///< angular momentum about the mass centre, kg m^2/s
+	double kineticEnergy = 0.0;        ///< J
+};
+
+enum class BodyHealth : int
+{
+	Good,
+	Quarantined ///< a number stopped being finite: the body was put back to its last finite state and stopped
+};
+
+class Body
+{
+public:
+	/// `lattice` must outlive the body (shared by the caller). Refuses a bad material and running out of memory.
+	static Result<std::unique_ptr<Body>> create( std::shared_ptr<const Lattice> lattice, const Material& material, const Placement& placement );
+	~Body();
+
+	// --- state, flat arrays; write freely between steps -------------------------------------------------------------
+	NodeState& nodes() { return m_nodes; }
+	const NodeState& nodes() const { return m_nodes; }
+	int nodeCount() const { return m_nodes.count; }
+	const Lattice& lattice() const { return *m_lattice; }
+	const Material& material() const { return m_material; }
+	const Matcher& matcher() const { return *m_matcher; }
+
+	/// New stiffness, damping, density ...; refused (and nothing changed) when `material` fails its check.
+	Status setMaterial( const Material& material );
+
+	/// Rigid placement of the rest shape; velocities zero; matching history forgotten.
+	void place( const Placement& placement );
+	/// Moves and turns the body as it is (deformation kept); velocities turn along.
+	void teleport( const Placement& by );
+
+	/// A pinned node keeps the velocity it is given (`NodeState::v`) and is not moved by matching or forces.
+	void setPinned( int node, bool pinned );
+
+	// --- one substep of length h, s ---------------------------------------------------------------------------------
+	/// v += h (gravity + f / m); then forces f are left as they are (the world clears them once a game step).
+	void applyForces( float h, const Vec3& gravity );
+	/// Shape matching and region damping: v += (alpha e + k de) / h. `runner` may be null (calling thread alone).
+	void accelerateTowardGoals( float h, float alpha, TaskRunner* runner );
+	/// x += h v; moves the origin along when the body strays from it. Checks every number: see BodyHealth.
+	BodyHealth integrate( float h );
+
+	// --- measures ---------------------------------------------------------------------------------------------------
+	BodySums sums() const;
+	/// The rigid motion that fits the body best (mass centre in world coordinates, rotation of all nodes together).
+	Placement bestFit() const;
+	/// Cells whose eight-corner frame has turned inside out, as a share of those that can be tested.
+	float invertedShare() const;
+
+private:
+	Body();
+	void rebase();
+
+	std::shared_ptr<const Lattice> m_lattice;
+	Material m_material;
+	NodeState m_nodes;
+	std::unique_ptr<Matcher> m_matcher;
+};
+
+} // namespace pliant

@@ -1,0 +1,95 @@
+#pragma once
+
+// What a body is made of and which of the papers' methods moves it. Every value has a unit, a range and a default that works.
+
+#include "pliant/export.h"
+#include "pliant/result.h"
+
+namespace pliant {
+
+/// How a body's regions are laid over its nodes.
+enum class Method : int
+{
+	Lattice,        ///< one region per node on the uniform lattice (Rivers and James 2007)
+	SingleCluster,  ///< one region for the whole body (Müller et al. 2005)
+	Clusters        ///< several overlapping box-shaped regions (Müller et al. 2005, section 4.4)
+};
+
+/// Deformation modes of a cluster (Müller et al. 2005, sections 3.3, 4.2, 4.3). Used by SingleCluster and Clusters.
+enum class ClusterMode : int
+{
+	Rigid,
+	Linear,
+	Quadratic
+};
+
+/// How masses enter region sums and goals.
+enum class Weights : int
+{
+	Conserving, ///< a node's mass is shared among the regions that cover it; goals are the exact transpose. Keeps momentum.
+	Literal     ///< plain mass in sums, goals averaged by region mass (Steinemann et al. 2008, eq. 6-8). Leaks momentum; for comparison.
+};
+
+/// Out of which matrix a region's rotation is taken.
+enum class RotationFrom : int
+{
+	Apq, ///< the moment matrix: torque-free with conserving weights
+	F    ///< the deformation gradient A_pq A_qq^+ (Ohta et al. 2009, eq. 1); for comparison
+};
+
+enum class Stiffness : int
+{
+	YoungsModulus, ///< alpha follows from `youngsModulus` and the step
+	RawAlpha       ///< alpha is `alpha`, whatever the step (the papers' parameter; not a material constant)
+};
+
+struct Material
+{
+	/// kg per cubic metre. Above 0, at most 1e6.
+	float density = 1000.0f;
+
+	/// Young's modulus, Pa. Above 0. Poisson's ratio is 0. Reached up to a limit that grows with substeps and
+	/// regionHalfWidth; what is out of reach is reported, and the stiffest stable setting is used instead.
+	float youngsModulus = 2.0e4f;
+
+	Stiffness stiffness = Stiffness::YoungsModulus;
+
+	/// Share of the way to the goal per substep, (0, 1]. Used with Stiffness::RawAlpha. Ohta et al. 2009, eq. 3.
+	float alpha = 1.0f;
+
+	/// Blend of the goal from rigid (0) to the best linear or quadratic fit, [0, 0.95]. Ohta et al. 2009, eq. 5. Larger is softer.
+	float beta = 0.0f;
+
+	/// Half-width w of a region, in cells, 1 to 4. Wider reaches stiffer materials per substep and costs more.
+	int regionHalfWidth = 1;
+
+	/// Rate at which motion that is no rigid motion of a region dies, 1/s, [0, 1000].
+	/// Lowest modes feel little of it; momentum is untouched.
+	float damping = 10.0f;
+
+	Method method = Method::Lattice;
+	ClusterMode clusterMode = ClusterMode::Linear;
+
+	/// Edge of a cluster's box for Method::Clusters, in cells, 2 to 64; neighbours overlap by half.
+	int clusterEdge = 4;
+
+	Weights weights = Weights::Conserving;
+	RotationFrom rotationFrom = RotationFrom::Apq;
+};
+
+/// The first thing wrong with a material, or Ok. Refuses NaN.
+PLIANT_API Status check( const Material& material );
+
+/// What a material asks of the step on a lattice of cells of edge `cellSize` (m).
+struct StiffnessPlan
+{
+	float alpha = 1.0f;           ///< what the step will use, (0, 1]
+	float reachedModulus = 0.0f;  ///< Pa; below `youngsModulus` when that is out of reach
+	int substepsNeeded = 1;       ///< substeps per game step that would reach `youngsModulus` at this regionHalfWidth
+	bool reachable = true;
+};
+
+/// alpha = 3 E h^2 / (rho d^2 w (w + 1)), at most 1; `h` is one substep, s. docs/step.md derives it.
+PLIANT_API StiffnessPlan planStiffness( const Material& material, float cellSize, float gameStep, int substeps );
+
+} // namespace pliant

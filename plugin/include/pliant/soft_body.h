@@ -1,0 +1,119 @@
+#pragma once
+
+// A soft body in a Bullet world: an ordinary btCollisionObject whose shape is a compound of node spheres.
+
+#include "pliant/body_template.h"
+#include "pliant/export.h"
+#include "pliant/material.h"
+#include "pliant/result.h"
+
+#include <BulletCollision/CollisionDispatch/btCollisionObject.h>
+#include <LinearMath/btTransform.h>
+#include <LinearMath/btVector3.h>
+
+#include <memory>
+
+class btRigidBody;
+
+namespace pliant {
+
+class SoftBody;
+using SoftBodyResult = Result<std::unique_ptr<SoftBody>>;
+
+/// The skinned render mesh, valid until the body is next stepped. Vertex i is the input mesh's vertex i. World coordinates
+/// relative to `origin` (add it in your own precision; it keeps float vertices exact far from the world's centre).
+struct SurfaceView
+{
+	btVector3 origin;                    ///< world position the vertices are relative to, m
+	const float* positions = nullptr;    ///< 3 floats a vertex, m
+	const float* normals = nullptr;      ///< 3 floats a vertex, unit length
+	const std::uint32_t* indices = nullptr;
+	int vertexCount = 0;
+	int triangleCount = 0;
+	unsigned topologyVersion = 0;        ///< changes when indices or counts change
+	unsigned frame = 0;                  ///< changes when positions change
+};
+
+/// A soft body. The game owns what it creates; the world never deletes it. Material settings that Bullet knows are set as on any
+/// btCollisionObject: setFriction, setRestitution, setRollingFriction, setCollisionFlags, setUserPointer, setActivationState.
+class PLIANT_API SoftBody : public btCollisionObject
+{
+public:
+	BT_DECLARE_ALIGNED_ALLOCATOR();
+
+	/// Place the template's mass centre at transform applied to the template's mesh (mesh coordinates go through `transform`).
+	static SoftBodyResult create( std::shared_ptr<const BodyTemplate> bodyTemplate, const btTransform& transform, const Material& material = {} );
+	~SoftBody() override;
+
+	/// The soft body behind any collision object: itself, or one of its node bodies as named by a manifold. Null for others.
+	static SoftBody* upcast( btCollisionObject* object );
+	static const SoftBody* upcast( const btCollisionObject* object );
+
+	// --- nodes ------------------------------------------------------------------------------------------------------
+	int nodeCount() const;
+	btVector3 nodePosition( int node ) const;  ///< world, m
+	btVector3 nodeVelocity( int node ) const;  ///< m/s
+	btScalar nodeMass( int node ) const;       ///< kg
+	btScalar nodeRadius( int node ) const;     ///< of the collision sphere, m
+	/// Nearest node to a world point; -1 never (a body has nodes).
+	int nearestNode( const btVector3& worldPoint ) const;
+
+	btScalar mass() const;                     ///< kg
+	btVector3 massCentre() const;              ///< world, m
+	btVector3 linearVelocity() const;          ///< of the mass centre, m/s
+	btVector3 angularMomentum() const;         ///< about the mass centre, kg m^2/s
+	/// The rigid motion that fits the deformed body best; maps mesh coordinates to the world.
+	btTransform bestFitTransform() const;
+
+	// --- what the game does to it; each wakes the body --------------------------------------------------------------
+	void setLinearVelocity( const btVector3& velocity );            ///< of every node, m/s
+	void setVelocities( const btVector3& linear, const btVector3& angular ); ///< rigid motion about the mass centre, m/s and rad/s
+	void applyCentralForce( const btVector3& force );               ///< N, spread by mass, until the step's end
+	void applyForce( const btVector3& force, int node );            ///< N, on one node, until the step's end
+	void applyCentralImpulse( const btVector3& impulse );           ///< N s
+	void applyImpulse( const btVector3& impulse, int node );        ///< N s, on one node
+	/// Overrides the world's gravity for this body, m/s^2; `clearGravity` goes back to the world's.
+	void setGravity( const btVector3& gravity );
+	void clearGravity();
+	/// Moves the whole body by a rigid transform, deformation kept; velocities turn along.
+	void teleport( const btTransform& by );
+	/// Back to the rest shape at `transform`, at rest.
+	void reset( const btTransform& transform );
+
+	Status setMaterial( const Material& material );
+	const Material& material() const;
+	/// What the last step could reach of the material's stiffness.
+	const StiffnessPlan& stiffnessPlan() const;
+
+	// --- pins -------------------------------------------------------------------------------------------------------
+	/// Holds a node where it is. A pinned node stays until it is released.
+	Status pinNode( int node );
+	/// Ties a node to a rigid body: it follows the body's motion (one way; the rigid body does not feel it).
+	Status pinNodeToBody( int node, btRigidBody* body );
+	/// The game moves the node: it reaches `worldPosition` at the end of the next step.
+	Status driveNode( int node, const btVector3& worldPosition );
+	void releaseNode( int node );
+	/// Pins every node inside a world box; returns how many.
+	int pinNodesInside( const btVector3& low, const btVector3& high );
+	bool isPinned( int node ) const;
+
+	// --- out --------------------------------------------------------------------------------------------------------
+	/// Skins now if the body has moved since; a later step writes to the other buffer, so a render thread may read on until
+	/// the step after next. Empty when the template was built with Skinning::None.
+	SurfaceView surface() const;
+
+	/// False once a number in the body stopped being finite: it stands at its last finite state until `reset`.
+	bool isHealthy() const;
+	const BodyTemplate& bodyTemplate() const;
+
+	struct Impl;
+	/// Private to Pliant's own sources.
+	Impl& impl() { return *m_impl; }
+	const Impl& impl() const { return *m_impl; }
+
+private:
+	SoftBody();
+	std::unique_ptr<Impl> m_impl;
+};
+
+} // namespace pliant

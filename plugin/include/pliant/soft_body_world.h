@@ -1,0 +1,74 @@
+#pragma once
+
+// The world class to swap in for btDiscreteDynamicsWorld. Without a soft body in it, it is that world, bit for bit.
+
+#include "pliant/export.h"
+#include "pliant/soft_body.h"
+#include "pliant/task_runner.h"
+
+#include <BulletDynamics/Dynamics/btDiscreteDynamicsWorld.h>
+
+#include <memory>
+
+namespace pliant {
+
+/// Where one game step's time went, s, and what it met. All zero for a world without soft bodies.
+struct StepReport
+{
+	double forces = 0, matching = 0, spheres = 0, collision = 0, solve = 0, integrate = 0, skinning = 0, total = 0;
+	int substeps = 0;         ///< soft substeps made in the last game step
+	int softBodies = 0;       ///< in the world
+	int awakeSoftBodies = 0;
+	int nodes = 0;            ///< in all soft bodies
+	int softContacts = 0;     ///< contact points between nodes and anything, last substep
+	int quarantined = 0;      ///< bodies that stand still because a number in them stopped being finite
+	int unreachableStiffness = 0; ///< bodies whose Young's modulus was out of reach: raise maxSoftSubsteps or regionHalfWidth
+};
+
+class PLIANT_API SoftBodyWorld : public btDiscreteDynamicsWorld
+{
+public:
+	BT_DECLARE_ALIGNED_ALLOCATOR();
+
+	/// As btDiscreteDynamicsWorld; works with any dispatcher, broadphase, solver and configuration.
+	SoftBodyWorld( btDispatcher* dispatcher, btBroadphaseInterface* broadphase, btConstraintSolver* solver, btCollisionConfiguration* configuration );
+	~SoftBodyWorld() override;
+
+	/// Group and mask as for any Bullet object. The world does not own the body. Adding twice is ignored.
+	void addSoftBody( SoftBody* body, int group = btBroadphaseProxy::DefaultFilter, int mask = btBroadphaseProxy::AllFilter );
+	void removeSoftBody( SoftBody* body );
+	int softBodyCount() const;
+	SoftBody* softBody( int index );
+
+	/// Soft substeps per game step while a soft body is awake, 1 to 64, default 4. Stiff materials raise it by themselves up to
+	/// maxSoftSubsteps (default 16).
+	void setSoftSubsteps( int count );
+	int softSubsteps() const;
+	void setMaxSoftSubsteps( int count );
+	int maxSoftSubsteps() const;
+
+	/// Own pool of that many threads, default 1; or the game's runner (not owned; null goes back to the own pool).
+	void setThreadCount( int count );
+	void setTaskRunner( TaskRunner* runner );
+
+	const StepReport& stepReport() const;
+
+	void removeCollisionObject( btCollisionObject* object ) override;
+	void debugDrawWorld() override;
+	void synchronizeMotionStates() override;
+	void solveConstraints( btContactSolverInfo& info ) override;
+
+protected:
+	void internalSingleStepSimulation( btScalar timeStep ) override;
+	void predictUnconstraintMotion( btScalar timeStep ) override;
+	void createPredictiveContacts( btScalar timeStep ) override;
+	void performDiscreteCollisionDetection() override;
+	void integrateTransforms( btScalar timeStep ) override;
+	void updateActivationState( btScalar timeStep ) override;
+
+private:
+	struct System;
+	std::unique_ptr<System> m_system;
+};
+
+} // namespace pliant

@@ -1,0 +1,48 @@
+#pragma once
+
+// The finest cells of a body at rest and the links between them: what preprocessing leaves behind.
+// Ohta et al. 2009, "Preprocessing"; Steinemann et al. 2008, section 4.1. Immutable once built; bodies share it.
+
+#include "pliant/result.h"
+
+#include <Eigen/Core>
+
+#include <cstdint>
+#include <vector>
+
+namespace pliant {
+
+using Vec3 = Eigen::Vector3f;
+using Vec3d = Eigen::Vector3d;
+
+/// Flat arrays, one entry a cell, in the order of z, then y, then x, then material part.
+/// Two cells may stand at one lattice position: they are two material parts the surface keeps apart.
+struct Lattice
+{
+	float cellSize = 0.0f;              ///< d, m
+	Vec3d corner = Vec3d::Zero();       ///< low corner of lattice position (0, 0, 0), in the mesh's coordinates, m
+	Vec3d massCentre = Vec3d::Zero();   ///< in the mesh's coordinates, m; rest centres are relative to it
+	Eigen::Vector3i extent = Eigen::Vector3i::Zero(); ///< lattice positions along x, y, z; each coordinate is in [0, extent)
+
+	std::vector<Eigen::Matrix<std::int16_t, 3, 1>> coordinate; ///< lattice position of a cell
+	std::vector<float> fill;            ///< share of the cell that is material, (0, 1]
+	std::vector<Vec3> restCentre;       ///< centre of mass of the cell's material, relative to massCentre, m
+	std::vector<std::uint8_t> isSurface; ///< 1 where the cell is not full or lacks one of its 26 links
+
+	/// The 26-neighbour links as compressed rows: cell i is linked to linkTo[ linkStart[i] .. linkStart[i + 1] ), ascending,
+	/// both directions stored, never itself.
+	std::vector<std::uint32_t> linkStart;
+	std::vector<std::uint32_t> linkTo;
+
+	int cellCount() const { return int( fill.size() ); }
+	int linkCount() const { return int( linkTo.size() / 2 ); }
+};
+
+/// A full box of nx x ny x nz cells of edge `cellSize`, every link in place. Counts at least 1.
+Lattice makeBlockLattice( int nx, int ny, int nz, float cellSize );
+
+/// Every invariant of a lattice: sizes agree, order holds, links are symmetric, sorted and between 26-neighbours,
+/// fills in (0, 1], mass centre at zero. The sentence names the first one broken.
+Status validate( const Lattice& lattice );
+
+} // namespace pliant

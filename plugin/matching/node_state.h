@@ -1,0 +1,55 @@
+#pragma once
+
+// The nodes of one body as flat arrays, component by component, padded to whole lanes. Nothing else.
+
+#include "matching/aligned_array.h"
+#include "matching/constants.h"
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+
+#include <cstdint>
+
+namespace pliant {
+
+/// Three arrays, one a component, each `padded` long; entries from `count` on are zero.
+struct Vec3Array
+{
+	AlignedArray<float> x, y, z;
+
+	void resize( int padded )
+	{
+		x.assign( padded, 0.0f );
+		y.assign( padded, 0.0f );
+		z.assign( padded, 0.0f );
+	}
+	Eigen::Vector3f get( int i ) const { return { x[i], y[i], z[i] }; }
+	void set( int i, const Eigen::Vector3f& value )
+	{
+		x[i] = value.x();
+		y[i] = value.y();
+		z[i] = value.z();
+	}
+};
+
+struct NodeState
+{
+	int count = 0;
+	int padded = 0; ///< count rounded up to a multiple of kLanes
+
+	/// World position of the local frame, m. Positions `x` are relative to it, so that a body far out computes as at home.
+	Eigen::Vector3d origin = Eigen::Vector3d::Zero();
+
+	Vec3Array x;  ///< position relative to origin, m
+	Vec3Array v;  ///< velocity, m/s
+	Vec3Array x0; ///< rest position relative to the rest mass centre, m
+	AlignedArray<float> mass;    ///< kg
+	AlignedArray<float> freedom; ///< 1, or 0 for a pinned node and for padding: by rule, not by an epsilon
+
+	/// External force, N. Empty until the first force on a single node is set: a body without pays nothing.
+	Vec3Array force;
+
+	Eigen::Vector3d worldPosition( int i ) const { return origin + x.get( i ).cast<double>(); }
+};
+
+} // namespace pliant

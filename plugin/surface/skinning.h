@@ -1,0 +1,36 @@
+#pragma once
+
+// The render mesh follows the nodes. Steinemann et al. 2008, section 7; trilinear embedding: Rivers and James 2007.
+
+#include "lattice/lattice.h"
+#include "matching/node_state.h"
+#include "pliant/body_template.h"
+
+#include <cstdint>
+#include <vector>
+
+namespace pliant {
+
+/// Which nodes move a vertex, and how much: built once with the template.
+/// Flat arrays; vertex i uses entries start[i] .. start[i + 1).
+struct SkinBinding
+{
+	Skinning kind = Skinning::None;
+	std::vector<std::uint32_t> start;
+	std::vector<std::uint32_t> node;
+	std::vector<float> weight;        ///< sums to 1 a vertex
+	std::vector<Vec3> restPosition;   ///< per vertex, relative to the lattice's mass centre, m
+	std::vector<Vec3> restNormal;     ///< per vertex, area-weighted over its triangles (welded vertices share theirs)
+	std::vector<std::uint32_t> normalGroup; ///< per vertex: vertices with one number share one normal (unwelded seams)
+	int normalGroups = 0;
+};
+
+/// `meshPositions`: 3 floats a vertex, in the mesh's coordinates.
+SkinBinding bindSkin( const MeshView& mesh, const Lattice& lattice, const std::vector<std::uint32_t>& weldedVertex, Skinning kind );
+
+/// Writes positions (relative to `state.origin`) and unit normals, 3 floats a vertex.
+/// `rotations`: one unit quaternion (x, y, z, w) a node, the rotation of the node's own region relative to rest.
+void skin( const SkinBinding& binding, const Lattice& lattice, const NodeState& state, const float* rotations, const std::uint32_t* indices,
+	int triangleCount, float* positions, float* normals );
+
+} // namespace pliant
