@@ -11,6 +11,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <vector>
 
 namespace pliant {
 
@@ -84,11 +85,16 @@ public:
 private:
 	Body();
 	void rebase();
+	void keepFiniteState();
+	void restoreFiniteState();
 
 	std::shared_ptr<const Lattice> m_lattice;
 	Material m_material;
 	NodeState m_nodes;
 	std::unique_ptr<Matcher> m_matcher;
+	std::vector<float> m_lastFinite; ///< x and v of the last finite state
+	Vec3d m_lastFiniteOrigin = Vec3d::Zero();
+	double m_strayLimit = 4.0;       ///< m; node 0 may be this far from the origin before the origin follows
 };
 
 } // namespace pliant

@@ -15,8 +15,24 @@ inline constexpr std::size_t kAlignment = 64;
 /// Eigenvalues of a second moment below this share of its largest are taken as zero when it is inverted (flat or thin regions).
 inline constexpr float kMomentFloor = 1e-3f;
 
+/// Horn's matrix is scaled to entries of about 1; eigenvalues nearer than this to its largest leave the rotation open.
+inline constexpr double kOpenRotationGap = 1e-7;
+
 /// Alpha above this is cut: the explicit step is safe up to here (algorithm derivation in docs/step.md).
 inline constexpr float kLargestAlpha = 1.0f;
+
+/// Rounding allowed before a modulus counts as out of reach, relative.
+inline constexpr double kAlphaSlack = 1e-4;
+
+/// Bounds of Material's values; the units stand there.
+inline constexpr float kLargestDensity = 1.0e6f;
+inline constexpr float kLargestBeta = 0.95f;
+inline constexpr float kLargestDamping = 1000.0f;
+inline constexpr int kLargestHalfWidth = 4;
+inline constexpr int kLargestClusterEdge = 64;
+
+/// Substeps named to the user when a modulus is out of reach are cut here: beyond, the number means "never".
+inline constexpr int kMostSubstepsNamed = 1000000;
 
 /// A body's origin follows its mass centre in multiples of this length, m, once it has strayed by more: a power of two, so that
 /// the move is exact in binary and the same on every machine.

@@ -1,0 +1,299 @@
+#include "body/body.h"
+
+#include "matching/cluster_matcher.h"
+#include "matching/lattice_matcher.h"
+#include "matching/rotation.h"
+
+#include <cmath>
+#include <new>
+
+namespace pliant {
+
+namespace {
+
+std::unique_ptr<Matcher> makeMatcher( const Lattice& lattice, const Material& material, const NodeState& nodes )
+{
+	if ( material.method == Method::Lattice )
+	{
+		return makeLatticeMatcher( lattice, material );
+	}
+	return makeClusterMatcher( lattice, material, nodes );
+}
+
+void fillNodes( const Lattice& lattice, const Material& material, NodeState& nodes )
+{
+	nodes.count = lattice.cellCount();
+	nodes.padded = ( nodes.count + kLanes - 1 ) / kLanes * kLanes;
+	nodes.x.resize( nodes.padded );
+	nodes.v.resize( nodes.padded );
+	nodes.x0.resize( nodes.padded );
+	nodes.mass.assign( nodes.padded, 0.0f );
+	nodes.freedom.assign( nodes.padded, 0.0f );
+	const float fullCell = material.density * lattice.cellSize * lattice.cellSize * lattice.cellSize;
+	for ( int i = 0; i < nodes.count; ++i )
+	{
+		nodes.x0.set( i, lattice.restCentre[i] );
+		nodes.mass[i] = fullCell * lattice.fill[i];
+		nodes.freedom[i] = 1.0f;
+	}
+}
+
+bool needsNewMatcher( const Material& a, const Material& b )
+{
+	return a.method != b.method || a.clusterMode != b.clusterMode || a.clusterEdge != b.clusterEdge || a.weights != b.weights ||
+		   a.rotationFrom != b.rotationFrom || a.regionHalfWidth != b.regionHalfWidth || a.beta != b.beta;
+}
+
+} // namespace
+
+Body::Body() = default;
+Body::~Body() = default;
+
+Result<std::unique_ptr<Body>> Body::create( std::shared_ptr<const Lattice> lattice, const Material& material, const Placement& placement )
+{
+	using Made = Result<std::unique_ptr<Body>>;
+	if ( !lattice || lattice->cellCount() == 0 )
+	{
+		return Made::failure( ResultCode::BadArgument, "A body needs a lattice with at least one cell." );
+	}
+	if ( Status status = check( material ); !status.ok() )
+	{
+		return Made{ std::move( status ), nullptr };
+	}
+	try
+	{
+		std::unique_ptr<Body> body( new Body );
+		body->m_lattice = std::move( lattice );
+		body->m_material = material;
+		fillNodes( *body->m_lattice, material, body->m_nodes );
+		body->m_matcher = makeMatcher( *body->m_lattice, material, body->m_nodes );
+		body->m_lastFinite.resize( std::size_t( body->m_nodes.padded ) * 6, 0.0f );
+		body->place( placement );
+		return Made::success( std::move( body ) );
+	}
+	catch ( const std::bad_alloc& )
+	{
+		return Made::failure( ResultCode::OutOfMemory, "Not enough memory for a body of this many cells." );
+	}
+}
+
+Status Body::setMaterial( const Material& material )
+{
+	if ( Status status = check( material ); !status.ok() )
+	{
+		return status;
+	}
+	try
+	{
+		std::unique_ptr<Matcher> matcher;
+		if ( needsNewMatcher( m_material, material ) )
+		{
+			matcher = makeMatcher( *m_lattice, material, m_nodes );
+			matcher->reset( m_nodes, bestFit().rotation );
+		}
+		const float ratio = material.density / m_material.density;
+		for ( int i = 0; i < m_nodes.count; ++i )
+		{
+			m_nodes.mass[i] *= ratio;
+		}
+		if ( matcher )
+		{
+			m_matcher = std::move( matcher );
+		}
+		m_material = material;
+		return {};
+	}
+	catch ( const std::bad_alloc& )
+	{
+		return Status{ ResultCode::OutOfMemory, "Not enough memory to change the body's method." };
+	}
+}
+
+void Body::place( const Placement& placement )
+{
+	m_nodes.origin = placement.position;
+	const Eigen::Matrix3d rotation = placement.rotation.normalized().toRotationMatrix();
+	for ( int i = 0; i < m_nodes.count; ++i )
+	{
+		m_nodes.x.set( i, ( rotation * m_nodes.x0.get( i ).cast<double>() ).cast<float>() );
+		m_nodes.v.set( i, Vec3::Zero() );
+	}
+	m_matcher->reset( m_nodes, placement.rotation.normalized() );
+	keepFiniteState();
+}
+
+void Body::teleport( const Placement& by )
+{
+	const Eigen::Matrix3d rotation = by.rotation.normalized().toRotationMatrix();
+	m_nodes.origin = rotation * m_nodes.origin + by.position;
+	for ( int i = 0; i < m_nodes.count; ++i )
+	{
+		m_nodes.x.set( i, ( rotation * m_nodes.x.get( i ).cast<double>() ).cast<float>() );
+		m_nodes.v.set( i, ( rotation * m_nodes.v.get( i ).cast<double>() ).cast<float>() );
+	}
+	m_matcher->turn( by.rotation.normalized() );
+	keepFiniteState();
+}
+
+void Body::setPinned( int node, bool pinned )
+{
+	m_nodes.freedom[node] = pinned ? 0.0f : 1.0f;
+}
+
+void Body::applyForces( float h, const Vec3& gravity )
+{
+	const bool hasForce = !m_nodes.force.x.empty();
+	for ( int i = 0; i < m_nodes.count; ++i )
+	{
+		const float step = h * m_nodes.freedom[i];
+		m_nodes.v.x[i] += step * gravity.x();
+		m_nodes.v.y[i] += step * gravity.y();
+		m_nodes.v.z[i] += step * gravity.z();
+		if ( hasForce )
+		{
+			m_nodes.v.set( i, m_nodes.v.get( i ) + ( step / m_nodes.mass[i] ) * m_nodes.force.get( i ) );
+		}
+	}
+}
+
+void Body::accelerateTowardGoals( float h, float alpha, TaskRunner* runner )
+{
+	m_matcher->accelerate( m_nodes, MatchStep{ h, alpha, m_material.damping }, runner );
+}
+
+BodyHealth Body::integrate( float h )
+{
+	// x' = x + h v'   (Ohta et al. 2009, eq. 4)
+	float worst = 0.0f; // 0 as long as every number is finite: 0 * inf and 0 * NaN are NaN
+	for ( int i = 0; i < m_nodes.padded; ++i )
+	{
+		m_nodes.x.x[i] += h * m_nodes.v.x[i];
+		m_nodes.x.y[i] += h * m_nodes.v.y[i];
+		m_nodes.x.z[i] += h * m_nodes.v.z[i];
+		worst += 0.0f * ( m_nodes.x.x[i] + m_nodes.x.y[i] + m_nodes.x.z[i] );
+	}
+	if ( worst != 0.0f )
+	{
+		restoreFiniteState();
+		return BodyHealth::Quarantined;
+	}
+	rebase();
+	keepFiniteState();
+	return BodyHealth::Good;
+}
+
+// The last finite state is kept as a plain copy: 24 bytes a node and a memory copy a substep buy that one bad number never spreads.
+void Body::keepFiniteState()
+{
+	const Vec3Array* arrays[2] = { &m_nodes.x, &m_nodes.v };
+	float* to = m_lastFinite.data();
+	for ( const Vec3Array* array : arrays )
+	{
+		for ( const AlignedArray<float>* component : { &array->x, &array->y, &array->z } )
+		{
+			to = std::copy( component->begin(), component->end(), to );
+		}
+	}
+	m_lastFiniteOrigin = m_nodes.origin;
+}
+
+void Body::restoreFiniteState()
+{
+	Vec3Array* arrays[2] = { &m_nodes.x, &m_nodes.v };
+	const float* from = m_lastFinite.data();
+	for ( Vec3Array* array : arrays )
+	{
+		for ( AlignedArray<float>* component : { &array->x, &array->y, &array->z } )
+		{
+			std::copy( from, from + m_nodes.padded, component->begin() );
+			from += m_nodes.padded;
+		}
+	}
+	for ( int i = 0; i < m_nodes.count; ++i )
+	{
+		m_nodes.v.set( i, Vec3::Zero() );
+	}
+	m_nodes.origin = m_lastFiniteOrigin;
+	m_matcher->reset( m_nodes, bestFit().rotation );
+}
+
+void Body::rebase()
+{
+	// One node stands for the body here: the origin need only stay near, and the test is then free.
+	const Vec3d strayed = m_nodes.x.get( 0 ).cast<double>();
+	if ( strayed.cwiseAbs().maxCoeff() <= m_strayLimit )
+	{
+		return;
+	}
+	// Moves by whole multiples of a power of two: origin and positions change by the same exactly representable amount.
+	const Vec3d move = ( strayed / kRebaseGrid ).array().round() * kRebaseGrid;
+	m_nodes.origin += move;
+	const Vec3 back = move.cast<float>();
+	for ( int i = 0; i < m_nodes.count; ++i )
+	{
+		m_nodes.x.set( i, m_nodes.x.get( i ) - back );
+	}
+}
+
+BodySums Body::sums() const
+{
+	BodySums sums;
+	for ( int i = 0; i < m_nodes.count; ++i )
+	{
+		const double m = m_nodes.mass[i];
+		sums.mass += m;
+		sums.centre += m * m_nodes.x.get( i ).cast<double>();
+		sums.momentum += m * m_nodes.v.get( i ).cast<double>();
+		sums.kineticEnergy += 0.5 * m * m_nodes.v.get( i ).cast<double>().squaredNorm();
+	}
+	sums.centre /= sums.mass;
+	for ( int i = 0; i < m_nodes.count; ++i )
+	{
+		const Vec3d arm = m_nodes.x.get( i ).cast<double>() - sums.centre;
+		sums.spin += double( m_nodes.mass[i] ) * arm.cross( m_nodes.v.get( i ).cast<double>() );
+	}
+	return sums;
+}
+
+Placement Body::bestFit() const
+{
+	const BodySums whole = sums();
+	Eigen::Matrix3d moment = Eigen::Matrix3d::Zero();
+	for ( int i = 0; i < m_nodes.count; ++i )
+	{
+		const Vec3d p = m_nodes.x.get( i ).cast<double>() - whole.centre;
+		moment += double( m_nodes.mass[i] ) * p * m_nodes.x0.get( i ).cast<double>().transpose();
+	}
+	return Placement{ fitRotation( moment, Eigen::Quaterniond::Identity() ), m_nodes.origin + whole.centre };
+}
+
+float Body::invertedShare() const
+{
+	// A cell's frame: the mean of the edge vectors to its links along each axis, as far as they exist. Inside out when their
+	// determinant is not positive.
+	int tested = 0, inverted = 0;
+	for ( int i = 0; i < m_nodes.count; ++i )
+	{
+		Eigen::Matrix3f now = Eigen::Matrix3f::Zero(), rest = Eigen::Matrix3f::Zero();
+		for ( std::uint32_t k = m_lattice->linkStart[i]; k < m_lattice->linkStart[i + 1]; ++k )
+		{
+			const int j = int( m_lattice->linkTo[k] );
+			const Eigen::Vector3i step = m_lattice->coordinate[j].cast<int>() - m_lattice->coordinate[i].cast<int>();
+			if ( step.cwiseAbs().sum() != 1 )
+			{
+				continue;
+			}
+			const int axis = step.x() != 0 ? 0 : step.y() != 0 ? 1 : 2;
+			now.col( axis ) += float( step.sum() ) * ( m_nodes.x.get( j ) - m_nodes.x.get( i ) );
+			rest.col( axis ) += float( step.sum() ) * ( m_nodes.x0.get( j ) - m_nodes.x0.get( i ) );
+		}
+		if ( rest.determinant() > 0.0f )
+		{
+			++tested;
+			inverted += now.determinant() > 0.0f ? 0 : 1;
+		}
+	}
+	return tested == 0 ? 0.0f : float( inverted ) / float( tested );
+}
+
+} // namespace pliant

@@ -1,0 +1,169 @@
+#include "lattice/region.h"
+
+#include "pliant/task_runner.h"
+
+#include <algorithm>
+#include <array>
+
+namespace pliant {
+
+namespace {
+
+constexpr int kCellsPerTask = 512;
+
+/// Breadth-first search from one cell, w rounds over the links, with marks that need no clearing between searches.
+class Reach
+{
+public:
+	explicit Reach( const Lattice& lattice ) : m_lattice( lattice ), m_mark( lattice.cellCount(), 0 ) {}
+
+	const std::vector<std::uint32_t>& from( std::uint32_t owner, int rounds )
+	{
+		++m_stamp;
+		m_found.assign( 1, owner );
+		m_mark[owner] = m_stamp;
+		std::size_t front = 0;
+		for ( int round = 0; round < rounds; ++round )
+		{
+			const std::size_t end = m_found.size();
+			for ( ; front < end; ++front )
+			{
+				const std::uint32_t cell = m_found[front];
+				for ( std::uint32_t k = m_lattice.linkStart[cell]; k < m_lattice.linkStart[cell + 1]; ++k )
+				{
+					const std::uint32_t next = m_lattice.linkTo[k];
+					if ( m_mark[next] != m_stamp )
+					{
+						m_mark[next] = m_stamp;
+						m_found.push_back( next );
+					}
+				}
+			}
+		}
+		std::sort( m_found.begin(), m_found.end() );
+		return m_found;
+	}
+
+private:
+	const Lattice& m_lattice;
+	std::vector<std::uint32_t> m_mark;
+	std::vector<std::uint32_t> m_found;
+	std::uint32_t m_stamp = 0;
+};
+
+/// Cells within the cube of half-width w around each cell, whatever their links, by box counts over the grid.
+/// Empty when a lattice position holds two cells or the grid would be much larger than the body.
+std::vector<std::uint32_t> cubeCounts( const Lattice& lattice, int w )
+{
+	const int nx = lattice.extent.x(), ny = lattice.extent.y(), nz = lattice.extent.z();
+	const std::size_t positions = std::size_t( nx ) * ny * nz;
+	constexpr std::size_t kMostPositionsPerCell = 64;
+	if ( positions > kMostPositionsPerCell * lattice.fill.size() + 4096 )
+	{
+		return {};
+	}
+	std::vector<std::uint32_t> count( positions, 0 );
+	for ( const auto& c : lattice.coordinate )
+	{
+		if ( count[( std::size_t( c.z() ) * ny + c.y() ) * nx + c.x()]++ != 0 )
+		{
+			return {};
+		}
+	}
+	const std::array<std::size_t, 3> stride = { 1, std::size_t( nx ), std::size_t( nx ) * ny };
+	const std::array<int, 3> length = { nx, ny, nz };
+	std::vector<std::uint32_t> line;
+	for ( int axis = 0; axis < 3; ++axis )
+	{
+		for ( std::size_t first = 0; first < positions; ++first )
+		{
+			if ( ( first / stride[axis] ) % length[axis] != 0 )
+			{
+				continue;
+			}
+			line.assign( length[axis], 0 );
+			for ( int i = 0; i < length[axis]; ++i )
+			{
+				for ( int j = std::max( 0, i - w ); j <= std::min( length[axis] - 1, i + w ); ++j )
+				{
+					line[i] += count[first + j * stride[axis]];
+				}
+			}
+			for ( int i = 0; i < length[axis]; ++i )
+			{
+				count[first + i * stride[axis]] = line[i];
+			}
+		}
+	}
+	std::vector<std::uint32_t> perCell;
+	perCell.reserve( lattice.coordinate.size() );
+	for ( const auto& c : lattice.coordinate )
+	{
+		perCell.push_back( count[( std::size_t( c.z() ) * ny + c.y() ) * nx + c.x()] );
+	}
+	return perCell;
+}
+
+struct SearchJob
+{
+	const Lattice* lattice = nullptr;
+	int halfWidth = 1;
+	std::vector<std::vector<std::uint32_t>> members; // one list a task, regions one after the other
+	std::vector<std::uint16_t>* size = nullptr;
+
+	static void run( void* context, int task )
+	{
+		SearchJob& job = *static_cast<SearchJob*>( context );
+		Reach reach( *job.lattice );
+		const int end = std::min( job.lattice->cellCount(), ( task + 1 ) * kCellsPerTask );
+		for ( int cell = task * kCellsPerTask; cell < end; ++cell )
+		{
+			const auto& found = reach.from( std::uint32_t( cell ), job.halfWidth );
+			( *job.size )[cell] = std::uint16_t( found.size() );
+			job.members[task].insert( job.members[task].end(), found.begin(), found.end() );
+		}
+	}
+};
+
+} // namespace
+
+RegionSet buildRegions( const Lattice& lattice, int halfWidth, TaskRunner* runner )
+{
+	RegionSet regions;
+	const int cells = lattice.cellCount();
+	regions.halfWidth = halfWidth;
+	regions.size.resize( cells );
+
+	const int tasks = ( cells + kCellsPerTask - 1 ) / kCellsPerTask;
+	SearchJob job{ &lattice, halfWidth, std::vector<std::vector<std::uint32_t>>( tasks ), &regions.size };
+	if ( runner )
+	{
+		runner->run( tasks, &SearchJob::run, &job );
+	}
+	else
+	{
+		for ( int task = 0; task < tasks; ++task )
+		{
+			SearchJob::run( &job, task );
+		}
+	}
+
+	regions.start.resize( std::size_t( cells ) + 1, 0 );
+	for ( int cell = 0; cell < cells; ++cell )
+	{
+		regions.start[cell + 1] = regions.start[cell] + regions.size[cell];
+	}
+	regions.member.reserve( regions.start[cells] );
+	for ( auto& part : job.members )
+	{
+		regions.member.insert( regions.member.end(), part.begin(), part.end() );
+		part = {};
+	}
+
+	const std::vector<std::uint32_t> cube = cubeCounts( lattice, halfWidth );
+	regions.isFullCubes = !cube.empty() && std::equal( cube.begin(), cube.end(), regions.size.begin(), regions.size.end(),
+												[]( std::uint32_t a, std::uint16_t b ) { return a == b; } );
+	return regions;
+}
+
+} // namespace pliant

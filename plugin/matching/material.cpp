@@ -1,0 +1,85 @@
+#include "pliant/material.h"
+
+#include "matching/constants.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace pliant {
+
+namespace {
+
+bool within( float value, float low, float high )
+{
+	return value >= low && value <= high; // false for NaN
+}
+
+Status refuse( const char* sentence )
+{
+	return Status{ ResultCode::BadMaterial, sentence };
+}
+
+} // namespace
+
+Status check( const Material& material )
+{
+	if ( !( material.density > 0.0f ) || !within( material.density, 0.0f, kLargestDensity ) )
+	{
+		return refuse( "Material::density must be above 0 and at most 1e6 kg/m^3." );
+	}
+	if ( !( material.youngsModulus > 0.0f ) || !std::isfinite( material.youngsModulus ) )
+	{
+		return refuse( "Material::youngsModulus must be above 0 Pa and finite." );
+	}
+	if ( !( material.alpha > 0.0f ) || !within( material.alpha, 0.0f, kLargestAlpha ) )
+	{
+		return refuse( "Material::alpha must be above 0 and at most 1." );
+	}
+	if ( !within( material.beta, 0.0f, kLargestBeta ) )
+	{
+		return refuse( "Material::beta must lie in [0, 0.95]." );
+	}
+	if ( material.regionHalfWidth < 1 || material.regionHalfWidth > kLargestHalfWidth )
+	{
+		return refuse( "Material::regionHalfWidth must lie in 1 to 4 cells." );
+	}
+	if ( !within( material.damping, 0.0f, kLargestDamping ) )
+	{
+		return refuse( "Material::damping must lie in [0, 1000] 1/s." );
+	}
+	if ( material.clusterEdge < 2 || material.clusterEdge > kLargestClusterEdge )
+	{
+		return refuse( "Material::clusterEdge must lie in 2 to 64 cells." );
+	}
+	return {};
+}
+
+StiffnessPlan planStiffness( const Material& material, float cellSize, float gameStep, int substeps )
+{
+	StiffnessPlan plan;
+	const double w = material.regionHalfWidth;
+	const double h = double( gameStep ) / std::max( substeps, 1 );
+
+	// A lattice of regions of half-width w, alpha at step h, is an elastic solid of modulus
+	// E = alpha rho d^2 w (w + 1) / (3 h^2), Poisson's ratio 0; so the modulus reached per unit of alpha is:
+	const double modulusPerAlpha = material.density * double( cellSize ) * cellSize * w * ( w + 1.0 ) / ( 3.0 * h * h );
+	if ( material.stiffness == Stiffness::RawAlpha )
+	{
+		plan.alpha = material.alpha;
+		plan.reachedModulus = float( modulusPerAlpha * material.alpha );
+		plan.substepsNeeded = std::max( substeps, 1 );
+		return plan;
+	}
+
+	const double alpha = material.youngsModulus / modulusPerAlpha;
+	plan.reachable = alpha <= double( kLargestAlpha ) * ( 1.0 + kAlphaSlack );
+	plan.alpha = float( std::min( alpha, double( kLargestAlpha ) ) );
+	plan.reachedModulus = float( modulusPerAlpha * plan.alpha );
+
+	// alpha falls with the square of the substep: n substeps reach E when alpha( 1 substep ) <= n^2.
+	const double needed = std::ceil( std::sqrt( alpha / kLargestAlpha ) * std::max( substeps, 1 ) - kAlphaSlack );
+	plan.substepsNeeded = int( std::clamp( needed, 1.0, double( kMostSubstepsNamed ) ) );
+	return plan;
+}
+
+} // namespace pliant

@@ -1,0 +1,135 @@
+#include "matching/region_moments.h"
+
+#include <Eigen/Eigenvalues>
+
+#include <algorithm>
+
+namespace pliant {
+
+namespace {
+
+int paddedCount( int count )
+{
+	return ( count + kLanes - 1 ) / kLanes * kLanes;
+}
+
+void storeSymmetric( AlignedArray<float> ( &to )[6], int i, const Eigen::Matrix3d& m )
+{
+	to[0][i] = float( m( 0, 0 ) );
+	to[1][i] = float( m( 1, 1 ) );
+	to[2][i] = float( m( 2, 2 ) );
+	to[3][i] = float( m( 1, 2 ) );
+	to[4][i] = float( m( 0, 2 ) );
+	to[5][i] = float( m( 0, 1 ) );
+}
+
+void weighNodes( const Lattice& lattice, const RegionSet& regions, Weights weights, RegionMoments& out )
+{
+	for ( int i = 0; i < out.count; ++i )
+	{
+		if ( weights == Weights::Conserving )
+		{
+			out.nodeWeight[i] = lattice.fill[i] / float( regions.size[i] );
+			out.inverseCover[i] = 1.0f / float( regions.size[i] );
+			continue;
+		}
+		double cover = 0.0;
+		for ( std::uint32_t k = regions.start[i]; k < regions.start[i + 1]; ++k )
+		{
+			cover += lattice.fill[regions.member[k]];
+		}
+		out.nodeWeight[i] = lattice.fill[i];
+		out.inverseCover[i] = float( 1.0 / cover );
+	}
+	if ( weights == Weights::Literal )
+	{
+		out.regionWeight.assign( out.padded, 0.0f );
+		std::copy( lattice.fill.begin(), lattice.fill.end(), out.regionWeight.begin() );
+	}
+}
+
+} // namespace
+
+Eigen::Matrix3d flooredInverse( const Eigen::Matrix3d& moment, double floorShare )
+{
+	const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver( moment );
+	const double largest = solver.eigenvalues()[2];
+	if ( !( largest > 0.0 ) )
+	{
+		return Eigen::Matrix3d::Zero();
+	}
+	const Eigen::Vector3d raised = solver.eigenvalues().cwiseMax( floorShare * largest );
+	return solver.eigenvectors() * raised.cwiseInverse().asDiagonal() * solver.eigenvectors().transpose();
+}
+
+RegionMoments computeRegionMoments( const Lattice& lattice, const RegionSet& regions, Weights weights, bool withInverse )
+{
+	RegionMoments out;
+	out.count = lattice.cellCount();
+	out.padded = paddedCount( out.count );
+	out.nodeWeight.assign( out.padded, 0.0f );
+	out.inverseCover.assign( out.padded, 0.0f );
+	out.inverseMass.assign( out.padded, 0.0f );
+	for ( auto& array : out.centre )
+	{
+		array.assign( out.padded, 0.0f );
+	}
+	for ( int k = 0; k < 6; ++k )
+	{
+		out.moment[k].assign( out.padded, k < 3 ? 1.0f : 0.0f );
+		if ( withInverse )
+		{
+			out.inverseMoment[k].assign( out.padded, 0.0f );
+		}
+	}
+	weighNodes( lattice, regions, weights, out );
+
+	const double perCell = 1.0 / lattice.cellSize;
+	for ( int r = 0; r < out.count; ++r )
+	{
+		// Two passes, so that the second moment is summed about its own centre and nothing cancels.
+		double mass = 0.0;
+		Vec3d first = Vec3d::Zero();
+		for ( std::uint32_t k = regions.start[r]; k < regions.start[r + 1]; ++k )
+		{
+			const std::uint32_t i = regions.member[k];
+			mass += out.nodeWeight[i];
+			first += double( out.nodeWeight[i] ) * lattice.restCentre[i].cast<double>() * perCell;
+		}
+		const Vec3d centre = first / mass;
+		Eigen::Matrix3d moment = Eigen::Matrix3d::Zero();
+		for ( std::uint32_t k = regions.start[r]; k < regions.start[r + 1]; ++k )
+		{
+			const std::uint32_t i = regions.member[k];
+			const Vec3d q = lattice.restCentre[i].cast<double>() * perCell - centre;
+			moment += double( out.nodeWeight[i] ) * q * q.transpose();
+		}
+		out.inverseMass[r] = float( 1.0 / mass );
+		for ( int axis = 0; axis < 3; ++axis )
+		{
+			out.centre[axis][r] = float( centre[axis] );
+		}
+		storeSymmetric( out.moment, r, moment );
+		if ( withInverse )
+		{
+			storeSymmetric( out.inverseMoment, r, flooredInverse( moment, kMomentFloor ) );
+		}
+	}
+	return out;
+}
+
+std::size_t RegionMoments::bytes() const
+{
+	std::size_t floats = nodeWeight.size() + inverseCover.size() + regionWeight.size() + inverseMass.size();
+	for ( const auto& array : centre )
+	{
+		floats += array.size();
+	}
+	for ( int k = 0; k < 6; ++k )
+	{
+		floats += moment[k].size() + inverseMoment[k].size();
+	}
+	return floats * sizeof( float );
+}
+
+} // namespace pliant

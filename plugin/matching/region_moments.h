@@ -1,0 +1,46 @@
+#pragma once
+
+// What a region knows of its rest shape: weights, mass, centre and second moment. Built once per lattice, half-width and weight rule.
+//
+// Lengths are in cells and masses in full cells, so that every number here is of order 1 whatever the body's size.
+// With node weights a_i, region weights b_r and covers C_i the step computes
+//   gather:   M_r = sum a_i,  c0_r = sum a_i q_i / M_r,  J_r = sum a_i (q_i - c0_r)(q_i - c0_r)^T        (i in r)
+//   scatter:  goal_i = sum b_r goal_{r,i} / C_i                                                          (r containing i)
+// Conserving weights: a_i = m_i / n_i, b_r = 1, C_i = n_i. The scatter is then the transpose of the gather: m_i / C_i = a_i.
+// Literal weights (Steinemann et al. 2008, eq. 6-8): a_i = m_i, b_r = m_r, C_i = sum of m_r. They leak momentum; kept for comparison.
+
+#include "lattice/region.h"
+#include "matching/aligned_array.h"
+#include "pliant/material.h"
+
+#include <Eigen/Core>
+
+namespace pliant {
+
+/// Arrays padded to whole lanes; padding regions hold zero mass moments and a unit second moment, so that no lane meets a zero.
+struct RegionMoments
+{
+	int count = 0;
+	int padded = 0;
+
+	AlignedArray<float> nodeWeight;   ///< a_i
+	AlignedArray<float> inverseCover; ///< 1 / C_i
+	AlignedArray<float> regionWeight; ///< b_r; empty when all are 1
+
+	AlignedArray<float> inverseMass;  ///< 1 / M_r
+	AlignedArray<float> centre[3];    ///< c0_r, cells, relative to the rest mass centre
+	AlignedArray<float> moment[6];    ///< J_r as xx, yy, zz, yz, xz, xy
+
+	/// J_r^+, same order, eigenvalues floored at kMomentFloor of the largest. Empty unless beta > 0 or rotations come from F.
+	AlignedArray<float> inverseMoment[6];
+
+	std::size_t bytes() const;
+};
+
+RegionMoments computeRegionMoments( const Lattice& lattice, const RegionSet& regions, Weights weights, bool withInverse );
+
+/// The pseudo-inverse of a symmetric positive semidefinite matrix, eigenvalues below `floorShare` of the largest raised to it.
+/// The zero matrix gives zero.
+Eigen::Matrix3d flooredInverse( const Eigen::Matrix3d& moment, double floorShare );
+
+} // namespace pliant
