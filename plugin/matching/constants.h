@@ -18,6 +18,9 @@ inline constexpr float kMomentFloor = 1e-3f;
 /// Horn's matrix is scaled to entries of about 1; eigenvalues nearer than this to its largest leave the rotation open.
 inline constexpr double kOpenRotationGap = 1e-7;
 
+/// Floor of a body's inertia when net turns are taken off, share of its largest moment: a rod has none about its own axis.
+inline constexpr double kInertiaFloor = 1e-6;
+
 /// Alpha above this is cut: the explicit step is safe up to here (algorithm derivation in docs/step.md).
 inline constexpr float kLargestAlpha = 1.0f;
 

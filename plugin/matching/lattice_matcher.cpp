@@ -1,12 +1,323 @@
 #include "matching/lattice_matcher.h"
 
-#include "matching/reference_matcher.h"
+#include "matching/parallel.h"
+#include "matching/rotation.h"
+
+#include <algorithm>
+#include <cmath>
 
 namespace pliant {
 
+namespace {
+
+/// Nodes of one task: sums are folded chunk by chunk, so this is part of the result's bits and never follows the thread count.
+constexpr int kChunk = 1024;
+static_assert( kChunk % kTile == 0 );
+
+/// Box sums touch every position of the grid, the table only what is there: largest positions per node at which the grid wins,
+/// by half-width (measured, docs/benchmarks.md).
+constexpr float kGridPays[kLargestHalfWidth + 1] = { 0.0f, 1.6f, 4.0f, 8.0f, 16.0f };
+
+int chunks( int padded )
+{
+	return ( padded + kChunk - 1 ) / kChunk;
+}
+
+Vec3d toVec3d( const double* p )
+{
+	return { p[0], p[1], p[2] };
+}
+
+} // namespace
+
+LatticeMatcher::LatticeMatcher( const Lattice& lattice, const Material& material, Summation summation, const Kernels& kernels ) :
+	m_kernels( kernels ), m_regions( buildRegions( lattice, material.regionHalfWidth ) ),
+	m_moments( computeRegionMoments( lattice, m_regions, material.weights,
+		material.beta > 0.0f || material.rotationFrom == RotationFrom::F ) ),
+	m_cellSize( lattice.cellSize ), m_beta( material.beta ), m_rotationFromF( material.rotationFrom == RotationFrom::F ),
+	m_keepsMomentum( material.weights == Weights::Conserving && material.rotationFrom == RotationFrom::Apq )
+{
+	chooseSummation( lattice, summation );
+	const int padded = m_moments.padded;
+	for ( auto& component : m_quaternion )
+	{
+		component.assign( padded, 0.0f );
+	}
+	m_quaternion[0].assign( padded, 1.0f );
+	for ( int k = 0; k < 3; ++k )
+	{
+		m_residual[k].assign( padded, 0.0f );
+		m_change[k].assign( padded, 0.0f );
+	}
+	const std::size_t records = m_usesGrid ? std::size_t( m_grid.x() ) * m_grid.y() * m_grid.z() : std::size_t( padded );
+	m_nodeRecord.assign( records * kRecordFloats, 0.0f );
+	m_regionRecord.assign( records * kRecordFloats, 0.0f );
+	m_open.resize( padded );
+	m_openCount.resize( chunks( padded ) );
+	m_partial.resize( chunks( padded ) );
+}
+
+void LatticeMatcher::chooseSummation( const Lattice& lattice, Summation summation )
+{
+	m_grid = lattice.extent;
+	const float positions = float( m_grid.x() ) * float( m_grid.y() ) * float( m_grid.z() );
+	const float perNode = positions / float( m_moments.count );
+	m_usesGrid = m_regions.isFullCubes &&
+				 ( summation == Summation::BoxSums || ( summation == Summation::Automatic && perNode <= kGridPays[m_regions.halfWidth] ) );
+	if ( !m_usesGrid )
+	{
+		return;
+	}
+	m_gridHasHoles = positions != float( m_moments.count );
+	if ( m_gridHasHoles )
+	{
+		m_slot.resize( m_moments.count );
+		for ( int i = 0; i < m_moments.count; ++i )
+		{
+			const auto& c = lattice.coordinate[i];
+			m_slot[i] = std::uint32_t( ( c.z() * m_grid.y() + c.y() ) * m_grid.x() + c.x() );
+		}
+	}
+	m_regions.start = {};
+	m_regions.member = {};
+}
+
+void LatticeMatcher::reset( const NodeState&, const Eigen::Quaterniond& rotation )
+{
+	m_frame = rotation;
+	std::fill( m_quaternion[0].begin(), m_quaternion[0].end(), 1.0f );
+	for ( int k = 0; k < 3; ++k )
+	{
+		std::fill( m_quaternion[k + 1].begin(), m_quaternion[k + 1].end(), 0.0f );
+		std::fill( m_residual[k].begin(), m_residual[k].end(), 0.0f );
+	}
+}
+
+void LatticeMatcher::turn( const Eigen::Quaterniond& by )
+{
+	m_frame = ( by * m_frame ).normalized(); // everything else is kept relative to the frame
+}
+
+MatchView LatticeMatcher::view( NodeState& nodes )
+{
+	MatchView v;
+	v.nodeCount = m_moments.count;
+	float* const velocity[3] = { nodes.v.x.data(), nodes.v.y.data(), nodes.v.z.data() };
+	const float* const position[3] = { nodes.x.x.data(), nodes.x.y.data(), nodes.x.z.data() };
+	const float* const rest[3] = { nodes.x0.x.data(), nodes.x0.y.data(), nodes.x0.z.data() };
+	for ( int k = 0; k < 3; ++k )
+	{
+		v.x[k] = position[k];
+		v.v[k] = velocity[k];
+		v.x0[k] = rest[k];
+		v.change[k] = m_change[k].data();
+		v.residual[k] = m_residual[k].data();
+		v.centre[k] = m_moments.centre[k].data();
+	}
+	v.mass = nodes.mass.data();
+	v.freedom = nodes.freedom.data();
+	v.nodeWeight = m_moments.nodeWeight.data();
+	v.inverseCover = m_moments.inverseCover.data();
+	v.start = m_regions.start.data();
+	v.member = m_regions.member.data();
+	v.inverseMass = m_moments.inverseMass.data();
+	for ( int k = 0; k < 6; ++k )
+	{
+		v.moment[k] = m_moments.moment[k].data();
+		v.inverseMoment[k] = m_moments.inverseMoment[k].empty() ? nullptr : m_moments.inverseMoment[k].data();
+	}
+	v.regionWeight = m_moments.regionWeight.empty() ? nullptr : m_moments.regionWeight.data();
+	for ( int k = 0; k < 4; ++k )
+	{
+		v.quaternion[k] = m_quaternion[k].data();
+	}
+	v.nodeRecord = m_nodeRecord.data();
+	v.regionRecord = m_regionRecord.data();
+	v.slot = m_slot.empty() ? nullptr : m_slot.data();
+	v.gridX = m_usesGrid ? m_grid.x() : 0;
+	v.gridY = m_usesGrid ? m_grid.y() : 0;
+	v.gridZ = m_usesGrid ? m_grid.z() : 0;
+	v.halfWidth = m_regions.halfWidth;
+	v.cellsPerMetre = 1.0f / m_cellSize;
+	v.beta = m_beta;
+	v.rotationFromF = m_rotationFromF;
+	return v;
+}
+
+// The frame need not be exact: it only keeps u small. It is measured from the nodes each substep, so that nothing the game does
+// to them in between can be missed.
+void LatticeMatcher::measureFrame( const NodeState& nodes, MatchView& view, TaskRunner* runner )
+{
+	auto task = [&]( int chunk ) {
+		m_partial[chunk].fill( 0.0f );
+		m_kernels.frameSums( view, chunk * kChunk, std::min( nodes.padded, ( chunk + 1 ) * kChunk ), m_partial[chunk].data() );
+	};
+	runTasks( runner, chunks( nodes.padded ), task );
+
+	double sum[kFrameSums] = {};
+	for ( const auto& partial : m_partial )
+	{
+		for ( int k = 0; k < kFrameSums; ++k )
+		{
+			sum[k] += partial[k];
+		}
+	}
+	m_mass = sum[12];
+	const Vec3d centre = toVec3d( sum ) / m_mass;
+	Eigen::Matrix3d moment;
+	moment << sum[3], sum[4], sum[5], sum[6], sum[7], sum[8], sum[9], sum[10], sum[11];
+	m_frame = fitRotation( moment, m_frame );
+	const Eigen::Matrix3d rotation = m_frame.toRotationMatrix();
+	for ( int i = 0; i < 3; ++i )
+	{
+		view.frameCentre[i] = float( centre[i] );
+		for ( int j = 0; j < 3; ++j )
+		{
+			view.frameRotation[3 * i + j] = float( rotation( i, j ) );
+		}
+	}
+}
+
+void LatticeMatcher::boxSums( const MatchView& view, float* records, TaskRunner* runner )
+{
+	auto task = [&]( int z ) { m_kernels.boxPlane( view, records, z ); };
+	runTasks( runner, view.gridZ, task );
+}
+
+void LatticeMatcher::gatherAndFit( const MatchView& view, TaskRunner* runner )
+{
+	if ( m_gridHasHoles )
+	{
+		std::fill( m_nodeRecord.begin(), m_nodeRecord.end(), 0.0f );
+		std::fill( m_regionRecord.begin(), m_regionRecord.end(), 0.0f );
+	}
+	const int padded = m_moments.padded;
+	auto records = [&]( int chunk ) { m_kernels.nodeRecords( view, chunk * kChunk, std::min( padded, ( chunk + 1 ) * kChunk ) ); };
+	runTasks( runner, chunks( padded ), records );
+	if ( m_usesGrid )
+	{
+		boxSums( view, m_nodeRecord.data(), runner );
+	}
+	auto fit = [&]( int chunk ) {
+		m_openCount[chunk] = m_kernels.fitRegions( view, chunk * kChunk, std::min( padded, ( chunk + 1 ) * kChunk ), &m_open[chunk * kChunk] );
+	};
+	runTasks( runner, chunks( padded ), fit );
+	settleOpenRegions( view );
+	if ( m_usesGrid )
+	{
+		boxSums( view, m_regionRecord.data(), runner );
+	}
+}
+
+void LatticeMatcher::settleOpenRegions( const MatchView& view )
+{
+	m_openRegions = 0;
+	for ( int chunk = 0; chunk < int( m_openCount.size() ); ++chunk )
+	{
+		for ( int k = 0; k < m_openCount[chunk]; ++k )
+		{
+			const int r = int( m_open[chunk * kChunk + k] );
+			float a[9];
+			m_kernels.regionMatrix( view, r, a );
+			const Eigen::Quaternionf before( m_quaternion[0][r], m_quaternion[1][r], m_quaternion[2][r], m_quaternion[3][r] );
+			const Eigen::Quaternionf now = fitRotation( Eigen::Matrix3f( Eigen::Map<Eigen::Matrix<float, 3, 3, Eigen::RowMajor>>( a ) ), before );
+			m_quaternion[0][r] = now.w();
+			m_quaternion[1][r] = now.x();
+			m_quaternion[2][r] = now.y();
+			m_quaternion[3][r] = now.z();
+			m_kernels.finishRegion( view, r );
+			++m_openRegions;
+		}
+	}
+}
+
+// Internal forces give no net impulse and no net turn; in floats a little is left. The rigid motion of it is taken off, about the
+// present positions, where it would be felt.
+void LatticeMatcher::removeNetImpulse( MatchView& view, float h ) const
+{
+	double sum[kImpulseSums] = {};
+	for ( const auto& partial : m_partial )
+	{
+		for ( int k = 0; k < kImpulseSums; ++k )
+		{
+			sum[k] += partial[k];
+		}
+	}
+	const Vec3d impulse = toVec3d( sum ), centre = toVec3d( sum + 6 ) / m_mass;
+	const Vec3d turn = toVec3d( sum + 3 ) - centre.cross( impulse );
+
+	// I = sum m ( |p|^2 1 - p p^T ) about the mass centre
+	Eigen::Matrix3d second;
+	second << sum[9], sum[14], sum[13], sum[14], sum[10], sum[12], sum[13], sum[12], sum[11];
+	second -= m_mass * centre * centre.transpose();
+	const Eigen::Matrix3d inertia = second.trace() * Eigen::Matrix3d::Identity() - second;
+
+	const Eigen::Matrix3d rotation = m_frame.toRotationMatrix();
+	const Vec3d shift = rotation * impulse / m_mass * view.speedPerCell;
+	const Vec3d spin = rotation * ( flooredInverse( inertia, kInertiaFloor ) * turn ) / h;
+	const Vec3d pivot = rotation * centre * m_cellSize;
+	for ( int k = 0; k < 3; ++k )
+	{
+		view.shift[k] = float( shift[k] );
+		view.turn[k] = float( spin[k] );
+		view.pivot[k] = float( view.frameCentre[k] + pivot[k] );
+	}
+}
+
+void LatticeMatcher::accelerate( NodeState& nodes, const MatchStep& step, TaskRunner* runner )
+{
+	MatchView v = view( nodes );
+	v.alpha = step.alpha;
+	v.dampingShare = float( 1.0 - std::exp( -double( step.damping ) * step.h ) );
+	v.speedPerCell = m_cellSize / step.h;
+	measureFrame( nodes, v, runner );
+	gatherAndFit( v, runner );
+
+	auto scatter = [&]( int chunk ) {
+		m_partial[chunk].fill( 0.0f );
+		m_kernels.scatter( v, chunk * kChunk, std::min( nodes.padded, ( chunk + 1 ) * kChunk ), m_partial[chunk].data() );
+	};
+	runTasks( runner, chunks( nodes.padded ), scatter );
+	if ( m_keepsMomentum )
+	{
+		removeNetImpulse( v, step.h );
+	}
+	auto apply = [&]( int chunk ) { m_kernels.apply( v, chunk * kChunk, std::min( nodes.padded, ( chunk + 1 ) * kChunk ) ); };
+	runTasks( runner, chunks( nodes.padded ), apply );
+}
+
+void LatticeMatcher::nodeRotations( const NodeState& nodes, float* quaternions ) const
+{
+	const Eigen::Quaternionf frame = m_frame.cast<float>();
+	for ( int i = 0; i < nodes.count; ++i )
+	{
+		const Eigen::Quaternionf q = frame * Eigen::Quaternionf( m_quaternion[0][i], m_quaternion[1][i], m_quaternion[2][i], m_quaternion[3][i] );
+		quaternions[4 * i + 0] = q.x();
+		quaternions[4 * i + 1] = q.y();
+		quaternions[4 * i + 2] = q.z();
+		quaternions[4 * i + 3] = q.w();
+	}
+}
+
+std::size_t LatticeMatcher::bytes() const
+{
+	std::size_t bytes = m_moments.bytes() + ( m_nodeRecord.size() + m_regionRecord.size() ) * sizeof( float );
+	bytes += ( m_regions.start.size() + m_regions.member.size() + m_slot.size() + m_open.size() ) * sizeof( std::uint32_t );
+	bytes += m_regions.size.size() * sizeof( std::uint16_t );
+	for ( int k = 0; k < 4; ++k )
+	{
+		bytes += m_quaternion[k].size() * sizeof( float );
+	}
+	for ( int k = 0; k < 3; ++k )
+	{
+		bytes += ( m_residual[k].size() + m_change[k].size() ) * sizeof( float );
+	}
+	return bytes + m_partial.size() * sizeof( m_partial[0] ) + m_openCount.size() * sizeof( int );
+}
+
 std::unique_ptr<Matcher> makeLatticeMatcher( const Lattice& lattice, const Material& material )
 {
-	return std::make_unique<ReferenceMatcher>( lattice, material );
+	return std::make_unique<LatticeMatcher>( lattice, material );
 }
 
 } // namespace pliant

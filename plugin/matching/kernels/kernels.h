@@ -1,0 +1,113 @@
+#pragma once
+
+// The hot loops of lattice shape matching behind plain function pointers, one table per instruction set.
+// Every table gives the same bits: 16 virtual lanes, one order of every sum, no fused or approximate operation.
+//
+// The arithmetic runs in the body's own turning frame (rotation R_b, centre c_b) in units of cells:
+//   u_i = R_b^T (x_i - c_b) / d - q_i,   q_i = rest position / d
+// so that a rigid motion of the whole body leaves u = 0 and what is summed, subtracted and rounded is deformation only.
+
+#include <cstdint>
+
+namespace pliant {
+
+/// Floats of a record: what one node gives to its regions, or one region to its nodes. 12 are used; 16 fill a cache line.
+inline constexpr int kRecordFloats = 16;
+inline constexpr int kRecordUsed = 12;
+
+/// Nodes worked on together between two transpositions.
+inline constexpr int kTile = 64;
+
+/// Sums of the body frame pass: m x (3), m x q^T (9, row by row), m.
+inline constexpr int kFrameSums = 13;
+
+/// Sums over the nodes' changes y: m y (3), m p x y (3), m p (3), m p p^T as xx, yy, zz, yz, xz, xy (6).
+inline constexpr int kImpulseSums = 15;
+
+/// Everything a kernel reads and writes. Borrowed arrays, padded to whole lanes; names as in lattice_matcher.cpp.
+struct MatchView
+{
+	int nodeCount = 0;
+
+	// Nodes, component by component.
+	const float* x[3] = {};
+	float* v[3] = {};
+	const float* x0[3] = {};       ///< rest position, m
+	const float* mass = nullptr;
+	const float* freedom = nullptr;
+	const float* nodeWeight = nullptr;
+	const float* inverseCover = nullptr;
+	float* change[3] = {};         ///< u after nodeRecords; y after scatter. Cells, body frame
+	float* residual[3] = {};       ///< goal - position of the last substep. Cells, body frame
+
+	// Regions.
+	const std::uint32_t* start = nullptr;
+	const std::uint32_t* member = nullptr;
+	const float* inverseMass = nullptr;
+	const float* centre[3] = {};
+	const float* moment[6] = {};
+	const float* inverseMoment[6] = {}; ///< null unless beta > 0 or rotations come from F
+	const float* regionWeight = nullptr; ///< null when all are 1
+	float* quaternion[4] = {};     ///< w, x, y, z: rotation relative to the body frame
+
+	// Records: one line a node or region; on the grid one line a lattice position.
+	float* nodeRecord = nullptr;
+	float* regionRecord = nullptr;
+	const std::uint32_t* slot = nullptr; ///< lattice position of a node; null when node i is record i
+	int gridX = 0, gridY = 0, gridZ = 0; ///< 0 when the table is used instead of box sums
+	int halfWidth = 1;
+
+	// The body frame and the step.
+	float frameRotation[9] = {};   ///< R_b, row by row
+	float frameCentre[3] = {};     ///< c_b, m, relative to the origin
+	float cellsPerMetre = 1.0f;
+	float alpha = 1.0f;
+	float dampingShare = 0.0f;     ///< k
+	float beta = 0.0f;
+	bool rotationFromF = false;
+
+	// What `apply` takes off the change, world axes: y_w = speedPerCell R_b y - shift - turn x (x - pivot).
+	float speedPerCell = 0.0f;     ///< d / h
+	float shift[3] = {};           ///< m/s
+	float turn[3] = {};            ///< rad/s
+	float pivot[3] = {};           ///< m
+};
+
+/// Ranges [begin, end) are multiples of 16 at the start; the end may be the padded count.
+struct Kernels
+{
+	/// Adds the body frame's sums over the nodes of the range to `sums` (kFrameSums floats), lane sums folded in a fixed tree.
+	void ( *frameSums )( const MatchView&, int begin, int end, float* sums );
+	/// u, and each node's record a_i (u, u q^T).
+	void ( *nodeRecords )( const MatchView&, int begin, int end );
+	/// Replaces each record of the lattice plane z by its sum over 2w + 1 positions along x and y.
+	void ( *boxPlane )( const MatchView&, float* records, int z );
+	/// Sums of records, rotation, goal transform, each region's record b_r (L - 1, c - L c0). Returns how many lanes stayed open;
+	/// their numbers are appended to `open`.
+	int ( *fitRegions )( const MatchView&, int begin, int end, std::uint32_t* open );
+	/// The record of one region whose rotation was settled elsewhere (quaternion already stored).
+	void ( *finishRegion )( const MatchView&, int region );
+	/// e = goal - position, y = alpha e + k (e - e before); adds the impulse sums of the range (kImpulseSums floats).
+	void ( *scatter )( const MatchView&, int begin, int end, float* sums );
+	/// v += freedom y_w.
+	void ( *apply )( const MatchView&, int begin, int end );
+	/// The matrix whose rotation is wanted for one region, row by row: what fitRegions saw.
+	void ( *regionMatrix )( const MatchView&, int region, float* matrix );
+
+	const char* name;
+};
+
+enum class KernelTarget : int
+{
+	Baseline, ///< SSE2, NEON, or whatever the compiler makes of four-float vectors
+	Avx2,
+	Avx512
+};
+
+/// The table of a target, or null where this build or this processor lacks it.
+const Kernels* findKernels( KernelTarget target );
+
+/// The widest table this processor runs.
+const Kernels& bestKernels();
+
+} // namespace pliant

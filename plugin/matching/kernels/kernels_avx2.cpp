@@ -1,0 +1,6 @@
+// The kernels in vectors of eight. Compiled with -mavx2; entered only where the processor has it.
+
+#define PLIANT_LANE_WIDTH 8
+#define PLIANT_KERNEL_TABLE kAvx2Kernels
+#define PLIANT_KERNEL_NAME "avx2"
+#include "matching/kernels/kernel_source.h"

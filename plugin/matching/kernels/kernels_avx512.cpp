@@ -1,0 +1,6 @@
+// The kernels in vectors of sixteen. Compiled with -mavx512f and its kin; entered only where the processor has them.
+
+#define PLIANT_LANE_WIDTH 16
+#define PLIANT_KERNEL_TABLE kAvx512Kernels
+#define PLIANT_KERNEL_NAME "avx512"
+#include "matching/kernels/kernel_source.h"
