@@ -1,0 +1,18 @@
+#pragma once
+
+// Any model file assimp reads -> plain triangle arrays, and back out as glTF, OBJ, PLY or STL.
+
+#include "third_party_glue/model_file.h"
+
+namespace pliant_glue {
+
+/// Read every triangle of a file into one mesh: node transforms applied, one submesh per mesh of the file, equal vertices joined.
+/// Never throws and never runs longer than `limits.seconds` (plus a fraction of a second).
+/// .off files go through a reader of our own (off_reader.h): assimp's loses a face per comment line.
+ReadResult readModel( const std::string& path, const ReadLimits& limits = {} );
+
+/// Write meshes into one file; the format follows from the ending: .glb, .gltf, .obj, .ply or .stl.
+/// PLY and STL know no separate meshes: theirs are put together.
+FileStatus writeModel( const std::string& path, const std::vector<ModelMesh>& meshes );
+
+} // namespace pliant_glue

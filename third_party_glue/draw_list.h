@@ -1,0 +1,81 @@
+#pragma once
+
+// One picture as plain data: what is drawn, where the light and the eye are. Needs no graphics library, so that a scene can also be
+// written to a model file.
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+namespace pliant_glue {
+
+using Vec3 = std::array<float, 3>;
+
+/// Linear RGB, 0 to 1.
+using Colour = std::array<float, 3>;
+
+/// A triangle mesh, borrowed until the picture is drawn.
+struct DrawMesh
+{
+	/// The same number names the same mesh in the next picture, whose indices need not be sent again while `topologyVersion` stays.
+	std::uint64_t id = 0;
+	unsigned topologyVersion = 0;
+	const float* positions = nullptr;
+	const float* normals = nullptr;
+	const std::uint32_t* indices = nullptr;
+	int vertexCount = 0;
+	int triangleCount = 0;
+	Vec3 origin = { 0, 0, 0 }; ///< added to every position
+	Colour colour = { 0.8f, 0.8f, 0.8f };
+};
+
+/// A unit shape (edge 1, or diameter 1) put in place: columns of a 3x3 matrix with the size in it, then the position.
+struct DrawInstance
+{
+	Vec3 axisX = { 1, 0, 0 }, axisY = { 0, 1, 0 }, axisZ = { 0, 0, 1 };
+	Vec3 position = { 0, 0, 0 };
+	Colour colour = { 0.8f, 0.8f, 0.8f };
+};
+
+struct DrawLine
+{
+	Vec3 from, to;
+	Colour colour;
+};
+
+struct DrawCamera
+{
+	Vec3 eye = { 3, 2, 5 };
+	Vec3 target = { 0, 0.5f, 0 };
+	float fieldOfView = 40.0f; ///< degrees, bottom to top
+};
+
+struct DrawLight
+{
+	Vec3 toSun = { -0.55f, 0.75f, 0.35f };
+	Vec3 shadowCentre = { 0, 0.5f, 0 }; ///< shadows are drawn within a ball
+	float shadowRadius = 4.0f;
+};
+
+/// y is up.
+struct DrawList
+{
+	std::vector<DrawMesh> meshes;
+	std::vector<DrawInstance> boxes;   ///< unit cubes
+	std::vector<DrawInstance> spheres; ///< diameter 1
+	std::vector<DrawLine> lines;
+	bool hasGround = true;
+	float groundHeight = 0.0f;
+	DrawCamera camera;
+	DrawLight light;
+
+	void clear()
+	{
+		meshes.clear();
+		boxes.clear();
+		spheres.clear();
+		lines.clear();
+	}
+};
+
+} // namespace pliant_glue
