@@ -38,6 +38,17 @@ void fillNodes( const Lattice& lattice, const Material& material, NodeState& nod
 	}
 }
 
+double longestExtent( const Lattice& lattice )
+{
+	Vec3 low = lattice.restCentre[0], high = low;
+	for ( const Vec3& p : lattice.restCentre )
+	{
+		low = low.cwiseMin( p );
+		high = high.cwiseMax( p );
+	}
+	return double( ( high - low ).maxCoeff() ) + lattice.cellSize;
+}
+
 bool needsNewMatcher( const Material& a, const Material& b )
 {
 	return a.method != b.method || a.clusterMode != b.clusterMode || a.clusterEdge != b.clusterEdge || a.weights != b.weights ||
@@ -66,6 +77,8 @@ Result<std::unique_ptr<Body>> Body::create( std::shared_ptr<const Lattice> latti
 		body->m_lattice = std::move( lattice );
 		body->m_material = material;
 		fillNodes( *body->m_lattice, material, body->m_nodes );
+		body->m_restLength = longestExtent( *body->m_lattice );
+		body->m_isOnePart = countComponents( *body->m_lattice ) == 1;
 		body->m_matcher = makeMatcher( *body->m_lattice, material, body->m_nodes );
 		body->m_lastFinite.resize( std::size_t( body->m_nodes.padded ) * 6, 0.0f );
 		body->place( placement );
@@ -158,7 +171,22 @@ void Body::applyForces( float h, const Vec3& gravity )
 
 void Body::accelerateTowardGoals( float h, float alpha, TaskRunner* runner )
 {
-	m_matcher->accelerate( m_nodes, MatchStep{ h, alpha, m_material.damping }, runner );
+	m_matcher->accelerate( m_nodes, MatchStep{ h, alpha, m_material.damping, wobbleRate( h, alpha ) }, runner );
+}
+
+// The slowest free vibration of a bar of length L has omega = pi c / L with c = sqrt( E / rho ); a motion damped at rate r has
+// damping ratio r / ( 2 omega ). E is what this alpha and h amount to (see planStiffness), so that a body stiffened or softened
+// by its settings keeps the same ratio.
+float Body::wobbleRate( float h, float alpha ) const
+{
+	if ( m_material.wobbleDamping == 0.0f || !m_isOnePart )
+	{
+		return 0.0f;
+	}
+	const double w = m_material.regionHalfWidth;
+	const double speed = m_lattice->cellSize / double( h ) * std::sqrt( alpha * w * ( w + 1.0 ) / 3.0 );
+	const double omega = kPi * speed / m_restLength;
+	return float( 2.0 * m_material.wobbleDamping * omega );
 }
 
 BodyHealth Body::integrate( float h )

@@ -85,6 +85,7 @@ public:
 private:
 	Body();
 	void rebase();
+	float wobbleRate( float h, float alpha ) const;
 	void keepFiniteState();
 	void restoreFiniteState();
 
@@ -92,6 +93,8 @@ private:
 	Material m_material;
 	NodeState m_nodes;
 	std::unique_ptr<Matcher> m_matcher;
+	bool m_isOnePart = true;
+	double m_restLength = 1.0;       ///< m, longest edge of the rest shape's box
 	std::vector<float> m_lastFinite; ///< x and v of the last finite state
 	Vec3d m_lastFiniteOrigin = Vec3d::Zero();
 	double m_strayLimit = 4.0;       ///< m; node 0 may be this far from the origin before the origin follows

@@ -127,6 +127,37 @@ struct SearchJob
 
 } // namespace
 
+int countComponents( const Lattice& lattice )
+{
+	std::vector<char> seen( lattice.cellCount(), 0 );
+	std::vector<std::uint32_t> stack;
+	int components = 0;
+	for ( int first = 0; first < lattice.cellCount(); ++first )
+	{
+		if ( seen[first] )
+		{
+			continue;
+		}
+		++components;
+		seen[first] = 1;
+		stack.assign( 1, std::uint32_t( first ) );
+		while ( !stack.empty() )
+		{
+			const std::uint32_t cell = stack.back();
+			stack.pop_back();
+			for ( std::uint32_t k = lattice.linkStart[cell]; k < lattice.linkStart[cell + 1]; ++k )
+			{
+				if ( !seen[lattice.linkTo[k]] )
+				{
+					seen[lattice.linkTo[k]] = 1;
+					stack.push_back( lattice.linkTo[k] );
+				}
+			}
+		}
+	}
+	return components;
+}
+
 RegionSet buildRegions( const Lattice& lattice, int halfWidth, TaskRunner* runner )
 {
 	RegionSet regions;

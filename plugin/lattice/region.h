@@ -33,6 +33,9 @@ struct RegionSet
 	bool isFullCubes = false;
 };
 
+/// Connected parts of the lattice.
+int countComponents( const Lattice& lattice );
+
 /// `runner` may be null.
 RegionSet buildRegions( const Lattice& lattice, int halfWidth, TaskRunner* runner = nullptr );
 

@@ -21,6 +21,8 @@ inline constexpr double kOpenRotationGap = 1e-7;
 /// Floor of a body's inertia when net turns are taken off, share of its largest moment: a rod has none about its own axis.
 inline constexpr double kInertiaFloor = 1e-6;
 
+inline constexpr double kPi = 3.14159265358979323846;
+
 /// Alpha above this is cut: the explicit step is safe up to here (algorithm derivation in docs/step.md).
 inline constexpr float kLargestAlpha = 1.0f;
 

@@ -231,9 +231,10 @@ void LatticeMatcher::settleOpenRegions( const MatchView& view )
 	}
 }
 
-// Internal forces give no net impulse and no net turn; in floats a little is left. The rigid motion of it is taken off, about the
-// present positions, where it would be felt.
-void LatticeMatcher::removeNetImpulse( MatchView& view, float h ) const
+// Two rigid motions are taken off the change, both about the present positions, where they would be felt:
+// - what rounding leaves of the internal forces' net impulse and turn, which should be none;
+// - of the wobble damping -k v, the part that brakes the body as a whole: - k ( v - V - Omega x p ) is what remains.
+void LatticeMatcher::spareRigidMotion( MatchView& view, float h ) const
 {
 	double sum[kImpulseSums] = {};
 	for ( const auto& partial : m_partial )
@@ -243,23 +244,33 @@ void LatticeMatcher::removeNetImpulse( MatchView& view, float h ) const
 			sum[k] += partial[k];
 		}
 	}
-	const Vec3d impulse = toVec3d( sum ), centre = toVec3d( sum + 6 ) / m_mass;
-	const Vec3d turn = toVec3d( sum + 3 ) - centre.cross( impulse );
+	const Eigen::Matrix3d rotation = m_frame.toRotationMatrix();
+	const Vec3d centre = toVec3d( sum + 6 ) / m_mass; // cells, body frame
+	const Vec3d pivot = rotation * centre * m_cellSize;
 
 	// I = sum m ( |p|^2 1 - p p^T ) about the mass centre
 	Eigen::Matrix3d second;
 	second << sum[9], sum[14], sum[13], sum[14], sum[10], sum[12], sum[13], sum[12], sum[11];
 	second -= m_mass * centre * centre.transpose();
 	const Eigen::Matrix3d inertia = second.trace() * Eigen::Matrix3d::Identity() - second;
+	const Eigen::Matrix3d inverseInertia = flooredInverse( inertia, kInertiaFloor ); // 1 / (kg cells^2)
 
-	const Eigen::Matrix3d rotation = m_frame.toRotationMatrix();
-	const Vec3d shift = rotation * impulse / m_mass * view.speedPerCell;
-	const Vec3d spin = rotation * ( flooredInverse( inertia, kInertiaFloor ) * turn ) / h;
-	const Vec3d pivot = rotation * centre * m_cellSize;
+	Vec3d shift = Vec3d::Zero(), turn = Vec3d::Zero();
+	if ( m_keepsMomentum )
+	{
+		const Vec3d impulse = toVec3d( sum );
+		shift += rotation * impulse / m_mass * view.speedPerCell;
+		turn += rotation * ( inverseInertia * ( toVec3d( sum + 3 ) - centre.cross( impulse ) ) ) / h;
+	}
+	const Vec3d momentum = toVec3d( sum + 15 );
+	const Vec3d spin = toVec3d( sum + 18 ) - pivot.cross( momentum );
+	const double perSquareMetre = 1.0 / ( double( m_cellSize ) * m_cellSize );
+	shift -= view.wobbleShare * momentum / m_mass;
+	turn -= view.wobbleShare * ( rotation * ( inverseInertia * ( rotation.transpose() * spin ) ) ) * perSquareMetre;
 	for ( int k = 0; k < 3; ++k )
 	{
 		view.shift[k] = float( shift[k] );
-		view.turn[k] = float( spin[k] );
+		view.turn[k] = float( turn[k] );
 		view.pivot[k] = float( view.frameCentre[k] + pivot[k] );
 	}
 }
@@ -269,6 +280,7 @@ void LatticeMatcher::accelerate( NodeState& nodes, const MatchStep& step, TaskRu
 	MatchView v = view( nodes );
 	v.alpha = step.alpha;
 	v.dampingShare = float( 1.0 - std::exp( -double( step.damping ) * step.h ) );
+	v.wobbleShare = float( 1.0 - std::exp( -double( step.wobbleDamping ) * step.h ) );
 	v.speedPerCell = m_cellSize / step.h;
 	measureFrame( nodes, v, runner );
 	gatherAndFit( v, runner );
@@ -278,10 +290,7 @@ void LatticeMatcher::accelerate( NodeState& nodes, const MatchStep& step, TaskRu
 		m_kernels.scatter( v, chunk * kChunk, std::min( nodes.padded, ( chunk + 1 ) * kChunk ), m_partial[chunk].data() );
 	};
 	runTasks( runner, chunks( nodes.padded ), scatter );
-	if ( m_keepsMomentum )
-	{
-		removeNetImpulse( v, step.h );
-	}
+	spareRigidMotion( v, step.h );
 	auto apply = [&]( int chunk ) { m_kernels.apply( v, chunk * kChunk, std::min( nodes.padded, ( chunk + 1 ) * kChunk ) ); };
 	runTasks( runner, chunks( nodes.padded ), apply );
 }

@@ -45,7 +45,7 @@ private:
 	void gatherAndFit( const MatchView& view, TaskRunner* runner );
 	void boxSums( const MatchView& view, float* records, TaskRunner* runner );
 	void settleOpenRegions( const MatchView& view );
-	void removeNetImpulse( MatchView& view, float h ) const;
+	void spareRigidMotion( MatchView& view, float h ) const;
 
 	const Kernels& m_kernels;
 	RegionSet m_regions;
@@ -72,7 +72,7 @@ private:
 	AlignedArray<float> m_nodeRecord, m_regionRecord;
 	std::vector<std::uint32_t> m_open;
 	std::vector<int> m_openCount;
-	std::vector<std::array<float, 16>> m_partial; ///< one set of sums a chunk
+	std::vector<std::array<float, kImpulseSums>> m_partial; ///< one set of sums a chunk
 	int m_openRegions = 0;
 };
 

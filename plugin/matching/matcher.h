@@ -18,6 +18,7 @@ struct MatchStep
 	float h = 0.0f;       ///< substep, s, above 0
 	float alpha = 1.0f;   ///< share of the way to the goal, (0, 1]
 	float damping = 0.0f; ///< 1/s; the factor a substep is k = 1 - exp(-damping h)
+	float wobbleDamping = 0.0f; ///< 1/s, of all motion that is no rigid motion of the whole body
 };
 
 class Matcher

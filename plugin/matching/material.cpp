@@ -47,6 +47,10 @@ Status check( const Material& material )
 	{
 		return refuse( "Material::damping must lie in [0, 1000] 1/s." );
 	}
+	if ( !within( material.wobbleDamping, 0.0f, 1.0f ) )
+	{
+		return refuse( "Material::wobbleDamping must lie in [0, 1]." );
+	}
 	if ( material.clusterEdge < 2 || material.clusterEdge > kLargestClusterEdge )
 	{
 		return refuse( "Material::clusterEdge must lie in 2 to 64 cells." );

@@ -67,6 +67,11 @@ struct Material
 	/// Lowest modes feel little of it; momentum is untouched.
 	float damping = 10.0f;
 
+	/// Damping of the slow wobble, as a share of critical damping of the body's slowest free vibration, [0, 1]. 0 lets it ring.
+	/// Flight, rolling and swinging of the body as a whole, and its momentum, are untouched.
+	/// Not applied to a body whose cells fall into several unconnected parts.
+	float wobbleDamping = 0.15f;
+
 	Method method = Method::Lattice;
 	ClusterMode clusterMode = ClusterMode::Linear;
 

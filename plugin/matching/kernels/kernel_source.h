@@ -628,8 +628,12 @@ void scatter( const MatchView& view, int begin, int end, float* sums )
 			const Vec p = { q.x + u.x, q.y + u.y, q.z + u.z };
 			const Vec mp = { m * p.x, m * p.y, m * p.z };
 			const Vec turn = cross( mp, y );
+			const Vec mv = { m * load( view.v[0] + i ), m * load( view.v[1] + i ), m * load( view.v[2] + i ) };
+			const Vec arm = { load( view.x[0] + i ) - view.frameCentre[0], load( view.x[1] + i ) - view.frameCentre[1],
+				load( view.x[2] + i ) - view.frameCentre[2] };
+			const Vec spin = cross( arm, mv );
 			const V value[kImpulseSums] = { m * y.x, m * y.y, m * y.z, turn.x, turn.y, turn.z, mp.x, mp.y, mp.z, mp.x * p.x, mp.y * p.y,
-				mp.z * p.z, mp.y * p.z, mp.x * p.z, mp.x * p.y };
+				mp.z * p.z, mp.y * p.z, mp.x * p.z, mp.x * p.y, mv.x, mv.y, mv.z, spin.x, spin.y, spin.z };
 			for ( int s = 0; s < kImpulseSums; ++s )
 			{
 				sum.add( s, sub, value[s] );
@@ -651,7 +655,8 @@ void apply( const MatchView& view, int begin, int end )
 			( y.z * view.speedPerCell - view.shift[2] ) - turn.z };
 		for ( int k = 0; k < 3; ++k )
 		{
-			store( view.v[k] + i, load( view.v[k] + i ) + freedom * change[k] );
+			const V v = load( view.v[k] + i );
+			store( view.v[k] + i, v + freedom * ( change[k] - view.wobbleShare * v ) );
 		}
 	}
 }

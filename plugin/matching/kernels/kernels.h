@@ -21,8 +21,9 @@ inline constexpr int kTile = 64;
 /// Sums of the body frame pass: m x (3), m x q^T (9, row by row), m.
 inline constexpr int kFrameSums = 13;
 
-/// Sums over the nodes' changes y: m y (3), m p x y (3), m p (3), m p p^T as xx, yy, zz, yz, xz, xy (6).
-inline constexpr int kImpulseSums = 15;
+/// Sums over the nodes' changes y and motion: m y (3), m p x y (3), m p (3), m p p^T as xx, yy, zz, yz, xz, xy (6) in cells and
+/// body frame; m v (3), m ( x - c_b ) x v (3) in metres and world axes.
+inline constexpr int kImpulseSums = 21;
 
 /// Everything a kernel reads and writes. Borrowed arrays, padded to whole lanes; names as in lattice_matcher.cpp.
 struct MatchView
@@ -66,8 +67,9 @@ struct MatchView
 	float beta = 0.0f;
 	bool rotationFromF = false;
 
-	// What `apply` takes off the change, world axes: y_w = speedPerCell R_b y - shift - turn x (x - pivot).
+	// What `apply` makes of the change, world axes: y_w = speedPerCell R_b y - wobbleShare v - shift - turn x (x - pivot).
 	float speedPerCell = 0.0f;     ///< d / h
+	float wobbleShare = 0.0f;
 	float shift[3] = {};           ///< m/s
 	float turn[3] = {};            ///< rad/s
 	float pivot[3] = {};           ///< m
@@ -89,7 +91,7 @@ struct Kernels
 	void ( *finishRegion )( const MatchView&, int region );
 	/// e = goal - position, y = alpha e + k (e - e before); adds the impulse sums of the range (kImpulseSums floats).
 	void ( *scatter )( const MatchView&, int begin, int end, float* sums );
-	/// v += freedom y_w.
+	/// v += freedom y_w
 	void ( *apply )( const MatchView&, int begin, int end );
 	/// The matrix whose rotation is wanted for one region, row by row: what fitRegions saw.
 	void ( *regionMatrix )( const MatchView&, int region, float* matrix );
