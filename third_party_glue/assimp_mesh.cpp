@@ -34,7 +34,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr int kMaxNodeDepth = 256;
-constexpr std::size_t kPlyHeaderBytes = 65536;
+constexpr std::size_t kHeaderBytes = 65536;
 
 using Stop = std::atomic<bool>;
 
@@ -190,12 +190,16 @@ ReadResult importOff( const std::string& path, const ReadLimits& limits )
 	return file ? readOff( text.view(), limits ) : ReadResult::failure( FileCode::Unreadable, "The file cannot be read." );
 }
 
-/// A PLY element takes at least a byte, but assimp makes room for as many as the header claims. Returns what is wrong, or nothing.
-std::string checkPlyHeader( const std::string& path, std::uintmax_t fileBytes )
+std::string lowerCaseEnding( const std::string& path )
 {
-	std::ifstream file( path, std::ios::binary );
-	std::string header( std::min<std::uintmax_t>( fileBytes, kPlyHeaderBytes ), '\0' );
-	file.read( header.data(), std::streamsize( header.size() ) );
+	std::string ending = fs::path( path ).extension().string();
+	std::transform( ending.begin(), ending.end(), ending.begin(), []( unsigned char c ) { return char( std::tolower( c ) ); } );
+	return ending;
+}
+
+/// A PLY element takes at least a byte, but assimp makes room for as many as the header claims.
+bool plyPromisesTooMuch( const std::string& header, std::uintmax_t fileBytes )
+{
 	std::istringstream lines( header );
 	for( std::string line; std::getline( lines, line ) && line.substr( 0, 10 ) != "end_header"; )
 	{
@@ -204,17 +208,34 @@ std::string checkPlyHeader( const std::string& path, std::uintmax_t fileBytes )
 		double count = 0;
 		if( words >> keyword >> name >> count && keyword == "element" && !( count >= 0 && count <= double( fileBytes ) ) )
 		{
-			return "Its header promises more elements than the file holds.";
+			return true;
 		}
 	}
-	return "";
+	return false;
 }
 
-std::string lowerCaseEnding( const std::string& path )
+/// Bytes 8 and 12 of a .glb file give its own length and that of its first chunk; assimp allocates the latter unseen.
+bool glbPromisesTooMuch( const std::string& header, std::uintmax_t fileBytes )
 {
-	std::string ending = fs::path( path ).extension().string();
-	std::transform( ending.begin(), ending.end(), ending.begin(), []( unsigned char c ) { return char( std::tolower( c ) ); } );
-	return ending;
+	const auto word = [&]( std::size_t at ) {
+		std::uint32_t value = 0;
+		for( std::size_t k = 0; k < 4; ++k )
+		{
+			value |= std::uint32_t( std::uint8_t( header[at + k] ) ) << ( 8 * k );
+		}
+		return value;
+	};
+	return header.size() < 20 || word( 8 ) > fileBytes || word( 12 ) > fileBytes;
+}
+
+/// Looks at what a header claims before assimp believes it.
+bool promisesTooMuch( const std::string& path, std::uintmax_t fileBytes )
+{
+	const std::string ending = lowerCaseEnding( path );
+	std::ifstream file( path, std::ios::binary );
+	std::string header( std::size_t( std::min<std::uintmax_t>( fileBytes, kHeaderBytes ) ), '\0' );
+	file.read( header.data(), std::streamsize( header.size() ) );
+	return ( ending == ".ply" && plyPromisesTooMuch( header, fileBytes ) ) || ( ending == ".glb" && glbPromisesTooMuch( header, fileBytes ) );
 }
 
 ReadResult import( const std::string& path, const ReadLimits& limits, const std::shared_ptr<Stop>& stop )
@@ -302,12 +323,9 @@ ReadResult readChecked( const std::string& path, const ReadLimits& limits )
 		return ReadResult::failure( FileCode::TooLarge,
 			"The file has " + std::to_string( bytes ) + " bytes, more than the limit of " + std::to_string( limits.fileBytes ) + "." );
 	}
-	if( lowerCaseEnding( path ) == ".ply" )
+	if( promisesTooMuch( path, bytes ) )
 	{
-		if( std::string wrong = checkPlyHeader( path, bytes ); !wrong.empty() )
-		{
-			return ReadResult::failure( FileCode::Unreadable, std::move( wrong ) );
-		}
+		return ReadResult::failure( FileCode::Unreadable, "Its header promises more than the file holds." );
 	}
 	ReadResult result = importWithin( path, limits );
 	if( result.ok() )
