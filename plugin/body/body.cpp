@@ -4,6 +4,7 @@
 #include "matching/lattice_matcher.h"
 #include "matching/rotation.h"
 
+#include <algorithm>
 #include <cmath>
 #include <new>
 
@@ -49,6 +50,18 @@ double longestExtent( const Lattice& lattice )
 	return double( ( high - low ).maxCoeff() ) + lattice.cellSize;
 }
 
+/// Mean over the axes of the second moment of the material about its centre, per mass, m^2.
+double meanSecondMoment( const Lattice& lattice )
+{
+	double moment = 0.0, fill = 0.0;
+	for ( int i = 0; i < lattice.cellCount(); ++i )
+	{
+		moment += double( lattice.fill[i] ) * lattice.restCentre[i].squaredNorm();
+		fill += lattice.fill[i];
+	}
+	return moment / ( 3.0 * fill );
+}
+
 bool needsNewMatcher( const Material& a, const Material& b )
 {
 	return a.method != b.method || a.clusterMode != b.clusterMode || a.clusterEdge != b.clusterEdge || a.weights != b.weights ||
@@ -78,6 +91,7 @@ Result<std::unique_ptr<Body>> Body::create( std::shared_ptr<const Lattice> latti
 		body->m_material = material;
 		fillNodes( *body->m_lattice, material, body->m_nodes );
 		body->m_restLength = longestExtent( *body->m_lattice );
+		body->m_secondMoment = meanSecondMoment( *body->m_lattice );
 		body->m_isOnePart = countComponents( *body->m_lattice ) == 1;
 		body->m_matcher = makeMatcher( *body->m_lattice, material, body->m_nodes );
 		body->m_lastFinite.resize( std::size_t( body->m_nodes.padded ) * 6, 0.0f );
@@ -171,7 +185,7 @@ void Body::applyForces( float h, const Vec3& gravity )
 
 void Body::accelerateTowardGoals( float h, float alpha, TaskRunner* runner )
 {
-	m_matcher->accelerate( m_nodes, MatchStep{ h, alpha, m_material.damping, wobbleRate( h, alpha ) }, runner );
+	m_matcher->accelerate( m_nodes, MatchStep{ h, alpha, m_material.damping, wobbleRate( h, alpha ), bodyShare( h, alpha ) }, runner );
 }
 
 // The slowest free vibration of a bar of length L has omega = pi c / L with c = sqrt( E / rho ); a motion damped at rate r has
@@ -187,6 +201,25 @@ float Body::wobbleRate( float h, float alpha ) const
 	const double speed = m_lattice->cellSize / double( h ) * std::sqrt( alpha * w * ( w + 1.0 ) / 3.0 );
 	const double omega = kPi * speed / m_restLength;
 	return float( 2.0 * m_material.wobbleDamping * omega );
+}
+
+// Where alpha is cut at its limit the regions alone reach E_f = rho d^2 w ( w + 1 ) / ( 3 h^2 ) only. One match of the whole body
+// reaches E_b = rho m / h^2, m the mean second moment an axis, which for bodies of many cells is more. A share s of it in the goal
+// makes up what can be made up: ( 1 - s ) E_f + s E_b = E. Both matches are contractions, and so is their blend.
+float Body::bodyShare( float h, float alpha ) const
+{
+	if ( m_material.stiffness != Stiffness::YoungsModulus || alpha < kLargestAlpha || !m_isOnePart )
+	{
+		return 0.0f;
+	}
+	const double w = m_material.regionHalfWidth, d = m_lattice->cellSize;
+	const double perStep = m_material.density / ( double( h ) * h );
+	const double ofRegions = perStep * d * d * w * ( w + 1.0 ) / 3.0, ofBody = perStep * m_secondMoment;
+	if ( ofBody <= ofRegions )
+	{
+		return 0.0f;
+	}
+	return float( std::clamp( ( m_material.youngsModulus - ofRegions ) / ( ofBody - ofRegions ), 0.0, 1.0 ) );
 }
 
 BodyHealth Body::integrate( float h )

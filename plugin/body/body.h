@@ -86,6 +86,7 @@ private:
 	Body();
 	void rebase();
 	float wobbleRate( float h, float alpha ) const;
+	float bodyShare( float h, float alpha ) const;
 	void keepFiniteState();
 	void restoreFiniteState();
 
@@ -94,6 +95,7 @@ private:
 	NodeState m_nodes;
 	std::unique_ptr<Matcher> m_matcher;
 	bool m_isOnePart = true;
+	double m_secondMoment = 0.0;     ///< m^2, mean over the axes, per mass
 	double m_restLength = 1.0;       ///< m, longest edge of the rest shape's box
 	std::vector<float> m_lastFinite; ///< x and v of the last finite state
 	Vec3d m_lastFiniteOrigin = Vec3d::Zero();

@@ -279,6 +279,7 @@ void LatticeMatcher::accelerate( NodeState& nodes, const MatchStep& step, TaskRu
 {
 	MatchView v = view( nodes );
 	v.alpha = step.alpha;
+	v.bodyShare = step.bodyShare;
 	v.dampingShare = float( 1.0 - std::exp( -double( step.damping ) * step.h ) );
 	v.wobbleShare = float( 1.0 - std::exp( -double( step.wobbleDamping ) * step.h ) );
 	v.speedPerCell = m_cellSize / step.h;

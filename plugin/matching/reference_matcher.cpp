@@ -96,7 +96,7 @@ void ReferenceMatcher::fitMotion( const NodeState& nodes, int region, Fit& fit )
 	fit.spin = flooredInverse( inertia, kMomentFloor ) * spin;
 }
 
-Eigen::Quaterniond ReferenceMatcher::fitBody( const NodeState& nodes ) const
+Eigen::Quaterniond ReferenceMatcher::fitBody( const NodeState& nodes )
 {
 	Vec3d first = Vec3d::Zero();
 	Eigen::Matrix3d moment = Eigen::Matrix3d::Zero();
@@ -106,9 +106,10 @@ Eigen::Quaterniond ReferenceMatcher::fitBody( const NodeState& nodes ) const
 		mass += nodes.mass[i];
 		first += double( nodes.mass[i] ) * nodes.x.get( i ).cast<double>();
 	}
+	m_bodyCentre = first / mass;
 	for ( int i = 0; i < nodes.count; ++i )
 	{
-		const Vec3d p = nodes.x.get( i ).cast<double>() - first / mass;
+		const Vec3d p = nodes.x.get( i ).cast<double>() - m_bodyCentre;
 		moment += double( nodes.mass[i] ) * p * nodes.x0.get( i ).cast<double>().transpose();
 	}
 	return fitRotation( moment, m_bodyRotation );
@@ -141,7 +142,8 @@ void ReferenceMatcher::accelerate( NodeState& nodes, const MatchStep& step, Task
 		}
 		m_residual[i] = goal * m_moments.inverseCover[i] - x;
 
-		Vec3d change = step.alpha * m_residual[i] / step.h;
+		const Vec3d wholeBody = m_bodyRotation * x0 + m_bodyCentre;
+		Vec3d change = ( ( 1.0 - step.bodyShare ) * step.alpha * m_residual[i] + double( step.bodyShare ) * ( wholeBody - x ) ) / step.h;
 		if ( m_dampingForm == DampingForm::GoalRate )
 		{
 			change += k * ( m_residual[i] - m_residualBefore[i] ) / step.h;

@@ -42,7 +42,7 @@ private:
 		Vec3d spin = Vec3d::Zero();                           ///< angular velocity, rad/s
 	};
 
-	Eigen::Quaterniond fitBody( const NodeState& nodes ) const;
+	Eigen::Quaterniond fitBody( const NodeState& nodes );
 	void fitRegions( const NodeState& nodes );
 	void fitMotion( const NodeState& nodes, int region, Fit& fit ) const;
 
@@ -53,6 +53,7 @@ private:
 	RegionMoments m_moments;
 	std::vector<Fit> m_fits;
 	Eigen::Quaterniond m_bodyRotation = Eigen::Quaterniond::Identity();
+	Vec3d m_bodyCentre = Vec3d::Zero();
 	std::vector<Vec3d> m_residual;
 	std::vector<Vec3d> m_residualBefore;
 };

@@ -613,10 +613,11 @@ void scatter( const MatchView& view, int begin, int end, float* sums )
 			const Vec u = { load( view.change[0] + i ), load( view.change[1] + i ), load( view.change[2] + i ) };
 			const Vec e = residualOf( view, tile, i, i - first, q, u );
 
-			// y = alpha e + k ( e - e before )
-			const float k = view.dampingShare;
-			const Vec y = { view.alpha * e.x + k * ( e.x - load( view.residual[0] + i ) ),
-				view.alpha * e.y + k * ( e.y - load( view.residual[1] + i ) ), view.alpha * e.z + k * ( e.z - load( view.residual[2] + i ) ) };
+			// y = ( 1 - s ) alpha e - s u + k ( e - e before ); u is the way from the whole body's rigid fit
+			const float k = view.dampingShare, s = view.bodyShare, alpha = ( 1.0f - s ) * view.alpha;
+			const Vec y = { ( alpha * e.x - s * u.x ) + k * ( e.x - load( view.residual[0] + i ) ),
+				( alpha * e.y - s * u.y ) + k * ( e.y - load( view.residual[1] + i ) ),
+				( alpha * e.z - s * u.z ) + k * ( e.z - load( view.residual[2] + i ) ) };
 			store( view.residual[0] + i, e.x );
 			store( view.residual[1] + i, e.y );
 			store( view.residual[2] + i, e.z );
@@ -634,9 +635,9 @@ void scatter( const MatchView& view, int begin, int end, float* sums )
 			const Vec spin = cross( arm, mv );
 			const V value[kImpulseSums] = { m * y.x, m * y.y, m * y.z, turn.x, turn.y, turn.z, mp.x, mp.y, mp.z, mp.x * p.x, mp.y * p.y,
 				mp.z * p.z, mp.y * p.z, mp.x * p.z, mp.x * p.y, mv.x, mv.y, mv.z, spin.x, spin.y, spin.z };
-			for ( int s = 0; s < kImpulseSums; ++s )
+			for ( int n = 0; n < kImpulseSums; ++n )
 			{
-				sum.add( s, sub, value[s] );
+				sum.add( n, sub, value[n] );
 			}
 		}
 	}

@@ -64,6 +64,7 @@ struct MatchView
 	float cellsPerMetre = 1.0f;
 	float alpha = 1.0f;
 	float dampingShare = 0.0f;     ///< k
+	float bodyShare = 0.0f;        ///< of the whole body's rigid fit in the goal
 	float beta = 0.0f;
 	bool rotationFromF = false;
 
@@ -89,7 +90,7 @@ struct Kernels
 	int ( *fitRegions )( const MatchView&, int begin, int end, std::uint32_t* open );
 	/// The record of one region whose rotation was settled elsewhere (quaternion already stored).
 	void ( *finishRegion )( const MatchView&, int region );
-	/// e = goal - position, y = alpha e + k (e - e before); adds the impulse sums of the range (kImpulseSums floats).
+	/// e = goal - position, y = (1 - s) alpha e - s u + k (e - e before), s the body share; adds the impulse sums of the range (kImpulseSums floats).
 	void ( *scatter )( const MatchView&, int begin, int end, float* sums );
 	/// v += freedom y_w
 	void ( *apply )( const MatchView&, int begin, int end );
