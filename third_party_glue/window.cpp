@@ -41,6 +41,7 @@ struct Window::State
 	GLFWwindow* window = nullptr;
 	bool hasPanel = false;
 	double mouseX = 0, mouseY = 0;
+	double now = 0, before = 0;
 };
 
 Window::Window() : m_state( new State ) {}
@@ -95,6 +96,8 @@ std::unique_ptr<Window> Window::create( const std::string& title, int width, int
 bool Window::takeInput( DrawCamera& camera )
 {
 	State& state = *m_state;
+	state.before = state.now;
+	state.now = glfwGetTime();
 	glfwPollEvents();
 	ImGui_ImplOpenGL3_NewFrame();
 	ImGui_ImplGlfw_NewFrame();
@@ -154,6 +157,11 @@ MouseRay Window::mouseRay( const DrawCamera& camera ) const
 	const float u = ( 2 * float( m_state->mouseX ) / float( std::max( w, 1 ) ) - 1 ) * halfHeight * float( w ) / float( std::max( h, 1 ) );
 	const float v = ( 1 - 2 * float( m_state->mouseY ) / float( std::max( h, 1 ) ) ) * halfHeight;
 	return { camera.eye, fromGlm( glm::normalize( forward + right * u + up * v ) ) };
+}
+
+double Window::secondsSinceLastPicture() const
+{
+	return m_state->now - m_state->before;
 }
 
 int Window::width() const

@@ -52,6 +52,9 @@ public:
 	bool isGrabbing() const;
 	MouseRay mouseRay( const DrawCamera& camera ) const;
 
+	/// Between the last two calls of takeInput.
+	double secondsSinceLastPicture() const;
+
 	int width() const;  ///< of the framebuffer, pixels
 	int height() const;
 

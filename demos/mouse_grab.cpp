@@ -1,0 +1,101 @@
+// +-----------------------------------------------------------------------------------------------------------------+
+// | A rigid body is held by a ball joint, a soft one by springs to the nodes around the point that was hit.           |
+// +-----------------------------------------------------------------------------------------------------------------+
+
+#include "demos/mouse_grab.h"
+
+#include <cmath>
+
+namespace pliant_demos {
+
+namespace {
+
+constexpr btScalar kReach = btScalar( 100 );         // m
+constexpr btScalar kGrabCells = btScalar( 2.5 );     // radius of the held ball of nodes, in cells
+constexpr btScalar kFrequency = btScalar( 12 );      // rad/s: how eagerly the body follows the mouse
+constexpr btScalar kJointImpulse = btScalar( 0.5 );  // N s per kg
+constexpr btScalar kJointTau = btScalar( 0.08 );
+
+} // namespace
+
+void MouseGrab::grab( const btVector3& from, const btVector3& direction )
+{
+	release();
+	const btVector3 to = from + direction * kReach;
+	btCollisionWorld::ClosestRayResultCallback hit( from, to );
+	m_world.rayTest( from, to, hit );
+	if( !hit.hasHit() )
+	{
+		return;
+	}
+	m_target = hit.m_hitPointWorld;
+	m_distance = ( m_target - from ).length();
+	auto* object = const_cast<btCollisionObject*>( hit.m_collisionObject ); // Bullet's callback hands it out const
+	m_soft = pliant::SoftBody::upcast( object );
+	m_rigid = m_soft == nullptr ? btRigidBody::upcast( object ) : nullptr;
+	if( m_soft != nullptr )
+	{
+		m_node = m_soft->nearestNode( m_target );
+	}
+	else if( m_rigid != nullptr && m_rigid->getInvMass() > 0 )
+	{
+		m_rigid->activate( true );
+		m_joint = std::make_unique<btPoint2PointConstraint>( *m_rigid, m_rigid->getWorldTransform().inverse() * m_target );
+		m_joint->m_setting.m_impulseClamp = kJointImpulse / m_rigid->getInvMass();
+		m_joint->m_setting.m_tau = kJointTau;
+		m_world.addConstraint( m_joint.get(), true );
+	}
+}
+
+void MouseGrab::move( const btVector3& from, const btVector3& direction )
+{
+	m_target = from + direction * m_distance;
+	if( m_joint != nullptr )
+	{
+		m_rigid->activate( true );
+		m_joint->setPivotB( m_target );
+	}
+}
+
+void MouseGrab::release()
+{
+	if( m_joint != nullptr )
+	{
+		m_world.removeConstraint( m_joint.get() );
+	}
+	m_joint.reset();
+	m_soft = nullptr;
+	m_rigid = nullptr;
+}
+
+void MouseGrab::apply()
+{
+	if( m_soft == nullptr )
+	{
+		return;
+	}
+	const btVector3 centre = m_soft->nodePosition( m_node );
+	const btScalar radius = kGrabCells * btScalar( m_soft->bodyTemplate().cellSize() );
+	btScalar held = 0;
+	for( int i = 0; i < m_soft->nodeCount(); ++i )
+	{
+		held += ( m_soft->nodePosition( i ) - centre ).length() < radius ? m_soft->nodeMass( i ) : 0;
+	}
+	// The whole body hangs on the held nodes, so the spring must be made for its mass: f = M (k^2 (target - x) - 2 k v), critically damped.
+	const btScalar share = m_soft->mass() / held;
+	for( int i = 0; i < m_soft->nodeCount(); ++i )
+	{
+		if( ( m_soft->nodePosition( i ) - centre ).length() < radius )
+		{
+			const btVector3 pull = ( m_target - centre ) * ( kFrequency * kFrequency ) - m_soft->linearVelocity() * ( 2 * kFrequency );
+			m_soft->applyForce( pull * ( m_soft->nodeMass( i ) * share ), i );
+		}
+	}
+}
+
+btVector3 MouseGrab::heldPoint() const
+{
+	return m_soft != nullptr ? m_soft->nodePosition( m_node ) : m_joint != nullptr ? m_rigid->getWorldTransform() * m_joint->getPivotInA() : m_target;
+}
+
+} // namespace pliant_demos

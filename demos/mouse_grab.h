@@ -1,0 +1,44 @@
+#pragma once
+
+// Pulls the soft or rigid body under the mouse.
+
+#include <pliant/soft_body_world.h>
+
+#include <btBulletDynamicsCommon.h>
+
+#include <memory>
+
+namespace pliant_demos {
+
+class MouseGrab
+{
+public:
+	explicit MouseGrab( pliant::SoftBodyWorld& world ) : m_world( world ) {}
+	~MouseGrab() { release(); }
+	MouseGrab( const MouseGrab& ) = delete;
+	MouseGrab& operator=( const MouseGrab& ) = delete;
+
+	/// Take what the ray meets first, if it can move.
+	void grab( const btVector3& from, const btVector3& direction );
+	/// Keep it as far from the eye as it was taken.
+	void move( const btVector3& from, const btVector3& direction );
+	void release();
+	bool isHolding() const { return m_soft != nullptr || m_joint != nullptr; }
+
+	/// Before each step: the pull on a soft body is a force and must be given anew.
+	void apply();
+
+	btVector3 heldPoint() const;
+	btVector3 target() const { return m_target; }
+
+private:
+	pliant::SoftBodyWorld& m_world;
+	pliant::SoftBody* m_soft = nullptr;
+	int m_node = 0;
+	btRigidBody* m_rigid = nullptr;
+	std::unique_ptr<btPoint2PointConstraint> m_joint;
+	btVector3 m_target = btVector3( 0, 0, 0 );
+	btScalar m_distance = 0;
+};
+
+} // namespace pliant_demos

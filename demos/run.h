@@ -1,0 +1,31 @@
+#pragma once
+
+// Runs a scene: into files, or in a window.
+
+#include "demos/scene.h"
+
+#include <string>
+
+namespace pliant_demos {
+
+constexpr int kStepsPerSecond = 60;
+
+struct RunSettings
+{
+	StageOptions stage;
+	std::string folder;       ///< frames, film and summary.json go here
+	int frames = 0;           ///< 0: the scene's own length
+	int framesPerSecond = 30; ///< divides kStepsPerSecond
+	int width = 960, height = 540;
+	float supersampling = 1.5f;
+	bool render = true;
+	bool showNodes = false;
+	std::string exportFormat; ///< "", "glb", "gltf", "obj", "ply" or "stl"
+	int exportEvery = 10;     ///< frames from one model file to the next
+};
+
+/// Both return the process's exit code.
+int runHeadless( const SceneEntry& entry, const RunSettings& settings );
+int runInWindow( const SceneEntry& entry, const RunSettings& settings );
+
+} // namespace pliant_demos

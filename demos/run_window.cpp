@@ -1,0 +1,242 @@
+// +-----------------------------------------------------------------------------------------------------------------+
+// | A scene in a window: pause, step, grab, and turn the material's knobs while it runs.                             |
+// +-----------------------------------------------------------------------------------------------------------------+
+
+#include "demos/run.h"
+
+#if PLIANT_HAS_WINDOW
+	#include "demos/mouse_grab.h"
+	#include "third_party_glue/renderer.h"
+	#include "third_party_glue/window.h"
+#endif
+
+#include <cmath>
+#include <cstdio>
+
+namespace pliant_demos {
+
+#if PLIANT_HAS_WINDOW
+
+namespace {
+
+constexpr int kMaxStepsPerPicture = 4; // a slow machine shows slow motion rather than fewer and fewer pictures
+constexpr pliant_glue::Colour kGrabColour = { 0.9f, 0.1f, 0.05f };
+
+btVector3 toBullet( const pliant_glue::Vec3& v )
+{
+	return btVector3( btScalar( v[0] ), btScalar( v[1] ), btScalar( v[2] ) );
+}
+
+pliant_glue::Vec3 fromBullet( const btVector3& v )
+{
+	return { float( v.x() ), float( v.y() ), float( v.z() ) };
+}
+
+/// The knobs of the panel. Multipliers, since each body has its own material.
+struct Knobs
+{
+	float stiffness = 1, damping = 1, gravity = 9.81f, substeps = 4;
+
+	bool operator==( const Knobs& ) const = default;
+};
+
+/// One life of the scene: made anew by "restart".
+class Life
+{
+public:
+	Life( const SceneEntry& entry, const RunSettings& settings ) :
+		m_scene( entry.make() ), m_stage( settings.stage ), m_grab( m_stage.world() ), m_isGood( m_scene->init( m_stage ) )
+	{
+		for( int i = 0; i < m_stage.world().softBodyCount(); ++i )
+		{
+			m_materials.push_back( m_stage.world().softBody( i )->material() );
+		}
+		m_knobs.substeps = float( m_stage.world().softSubsteps() );
+	}
+
+	bool isGood() const { return m_isGood; }
+	Stage& stage() { return m_stage; }
+	const Scene& scene() const { return *m_scene; }
+	MouseGrab& mouse() { return m_grab; }
+
+	void step()
+	{
+		m_scene->beforeStep( m_stage, double( m_steps ) / kStepsPerSecond );
+		m_grab.apply();
+		m_stage.world().stepSimulation( btScalar( 1 ) / kStepsPerSecond, 0 );
+		++m_steps;
+	}
+
+	void turn( const Knobs& knobs )
+	{
+		if( knobs == m_knobs )
+		{
+			return;
+		}
+		m_knobs = knobs;
+		pliant::SoftBodyWorld& world = m_stage.world();
+		world.setGravity( btVector3( 0, btScalar( -knobs.gravity ), 0 ) );
+		world.setSoftSubsteps( int( std::lround( knobs.substeps ) ) );
+		for( std::size_t i = 0; i < m_materials.size(); ++i )
+		{
+			pliant::Material material = m_materials[i];
+			material.youngsModulus *= knobs.stiffness;
+			material.damping *= knobs.damping;
+			if( const pliant::Status status = world.softBody( int( i ) )->setMaterial( material ); !status.ok() )
+			{
+				std::fprintf( stderr, "%s\n", status.sentence.c_str() );
+			}
+		}
+	}
+
+	double seconds() const { return double( m_steps ) / kStepsPerSecond; }
+
+private:
+	std::unique_ptr<Scene> m_scene;
+	Stage m_stage;
+	MouseGrab m_grab; // lets go before the stage falls
+	bool m_isGood;
+	std::vector<pliant::Material> m_materials;
+	Knobs m_knobs;
+	int m_steps = 0;
+};
+
+class WindowRun
+{
+public:
+	WindowRun( const SceneEntry& entry, const RunSettings& settings ) : m_entry( entry ), m_settings( settings ) {}
+
+	int run()
+	{
+		std::string why;
+		m_window = pliant_glue::Window::create( std::string( "Pliant: " ) + m_entry.name, m_settings.width * 4 / 3, m_settings.height * 4 / 3, why );
+		m_renderer = m_window == nullptr ? nullptr : pliant_glue::Renderer::create( why );
+		if( m_renderer == nullptr )
+		{
+			std::fprintf( stderr, "No window: %s. Without --window the scene is written into files.\n", why.c_str() );
+			return 1;
+		}
+		if( !restart() )
+		{
+			return 1;
+		}
+		m_panel.title = m_entry.name;
+		m_panel.sliders = { { "stiffness x", &m_knobs.stiffness, 0.1f, 10.0f, true }, { "damping x", &m_knobs.damping, 0.0f, 10.0f, false },
+			{ "gravity, m/s2", &m_knobs.gravity, 0.0f, 20.0f, false }, { "substeps", &m_knobs.substeps, 1.0f, 16.0f, false } };
+		m_list.camera = m_life->scene().camera( 0 );
+		while( m_window->takeInput( m_list.camera ) && ( m_settings.frames == 0 || m_pictures < m_settings.frames ) )
+		{
+			if( m_panel.restart && !restart() )
+			{
+				return 1;
+			}
+			m_life->turn( m_knobs );
+			useMouse();
+			advance();
+			show();
+			++m_pictures;
+		}
+		return 0;
+	}
+
+private:
+	bool restart()
+	{
+		m_life = std::make_unique<Life>( m_entry, m_settings );
+		if( !m_life->isGood() )
+		{
+			std::fprintf( stderr, "%s: %s\n", m_entry.name, m_life->stage().status().sentence.c_str() );
+		}
+		m_list.light = m_life->scene().light();
+		return m_life->isGood();
+	}
+
+	void useMouse()
+	{
+		MouseGrab& mouse = m_life->mouse();
+		const pliant_glue::MouseRay ray = m_window->mouseRay( m_list.camera );
+		const bool isDown = m_window->isGrabbing();
+		if( isDown && !m_wasDown )
+		{
+			mouse.grab( toBullet( ray.from ), toBullet( ray.direction ) );
+		}
+		else if( isDown && mouse.isHolding() )
+		{
+			mouse.move( toBullet( ray.from ), toBullet( ray.direction ) );
+		}
+		else if( !isDown )
+		{
+			mouse.release();
+		}
+		m_wasDown = isDown;
+	}
+
+	void advance()
+	{
+		m_unspent += m_window->secondsSinceLastPicture();
+		int steps = std::min( int( m_unspent * kStepsPerSecond ), kMaxStepsPerPicture );
+		m_unspent = steps == kMaxStepsPerPicture ? 0 : m_unspent - double( steps ) / kStepsPerSecond;
+		if( m_panel.paused )
+		{
+			steps = m_panel.stepOnce ? 1 : 0;
+		}
+		for( int k = 0; k < steps; ++k )
+		{
+			m_life->step();
+		}
+	}
+
+	void show()
+	{
+		m_list.clear();
+		m_life->stage().draw( m_list, m_panel.showNodes );
+		if( m_life->mouse().isHolding() )
+		{
+			m_list.lines.push_back( { fromBullet( m_life->mouse().heldPoint() ), fromBullet( m_life->mouse().target() ), kGrabColour } );
+		}
+		m_renderer->draw( m_list, m_window->width(), m_window->height() );
+		const pliant::StepReport& report = m_life->stage().world().stepReport();
+		char line[128];
+		m_panel.lines.clear();
+		std::snprintf( line, sizeof( line ), "%.1f s   %d nodes, %d soft contacts, %d of %d bodies awake", m_life->seconds(), report.nodes,
+			report.softContacts, report.awakeSoftBodies, report.softBodies );
+		m_panel.lines.emplace_back( line );
+		std::snprintf( line, sizeof( line ), "%.2f ms a step, %d substeps", 1e3 * report.total, report.substeps );
+		m_panel.lines.emplace_back( line );
+		std::snprintf( line, sizeof( line ), "matching %.2f  collision %.2f  solve %.2f  skinning %.2f ms", 1e3 * report.matching,
+			1e3 * report.collision, 1e3 * report.solve, 1e3 * report.skinning );
+		m_panel.lines.emplace_back( line );
+		m_window->present( m_panel );
+	}
+
+	const SceneEntry& m_entry;
+	RunSettings m_settings;
+	std::unique_ptr<pliant_glue::Window> m_window; // outlives the renderer, whose objects live in its context
+	std::unique_ptr<pliant_glue::Renderer> m_renderer;
+	std::unique_ptr<Life> m_life;
+	pliant_glue::WindowPanel m_panel;
+	pliant_glue::DrawList m_list;
+	Knobs m_knobs;
+	double m_unspent = 0;
+	bool m_wasDown = false;
+	int m_pictures = 0;
+};
+
+} // namespace
+
+int runInWindow( const SceneEntry& entry, const RunSettings& settings )
+{
+	return WindowRun( entry, settings ).run();
+}
+
+#else
+
+int runInWindow( const SceneEntry&, const RunSettings& )
+{
+	std::fprintf( stderr, "No window: built without libglfw3-dev and libimgui-dev. Without --window the scene is written into files.\n" );
+	return 1;
+}
+
+#endif
+
+} // namespace pliant_demos

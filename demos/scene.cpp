@@ -1,0 +1,28 @@
+// +-----------------------------------------------------------------------------------------------------------------+
+// | The scenes by name.                                                                                              |
+// +-----------------------------------------------------------------------------------------------------------------+
+
+#include "demos/scene.h"
+
+#include <algorithm>
+
+namespace pliant_demos {
+
+const std::vector<SceneEntry>& sceneList()
+{
+	static const std::vector<SceneEntry> kScenes = {
+		{ "bunny_pile", "The Stanford bunny and a Glob fall down stairs among rigid boxes and balls and push a hinged door open.", makeBunnyPile },
+		{ "hello", "One soft cube falls on a rigid box.", makeHello },
+		{ "stack", "Soft cubes and rigid boxes stand on each other.", makeStack },
+	};
+	return kScenes;
+}
+
+const SceneEntry* findScene( const std::string& name )
+{
+	const std::vector<SceneEntry>& list = sceneList();
+	const auto found = std::find_if( list.begin(), list.end(), [&]( const SceneEntry& entry ) { return name == entry.name; } );
+	return found == list.end() ? nullptr : &*found;
+}
+
+} // namespace pliant_demos

@@ -1,0 +1,153 @@
+// +-----------------------------------------------------------------------------------------------------------------+
+// | bunny_pile, the main scene: soft and rigid bodies meet, roll and pile up, and a joint is in their way.            |
+// +-----------------------------------------------------------------------------------------------------------------+
+
+#include "demos/palette.h"
+#include "demos/scene.h"
+#include "demos/shapes.h"
+
+#include <random>
+
+namespace pliant_demos {
+
+namespace {
+
+constexpr int kSteps = 5;
+constexpr btScalar kRise = btScalar( 0.19 ), kTread = btScalar( 0.42 ), kWidth = btScalar( 1.7 );
+constexpr btScalar kStairsEnd = btScalar( 0.3 ); // x where the ground begins
+constexpr btScalar kDoorX = btScalar( 1.05 ), kDoorWidth = btScalar( 1.1 ), kDoorHeight = btScalar( 0.95 );
+constexpr int kLooseBodies = 22;
+
+btTransform at( btScalar x, btScalar y, btScalar z )
+{
+	return btTransform( btQuaternion::getIdentity(), btVector3( x, y, z ) );
+}
+
+class BunnyPile : public Scene
+{
+public:
+	bool init( Stage& stage ) override
+	{
+		stage.addGround( btScalar( 0.6 ) );
+		addStairs( stage );
+		addDoor( stage );
+		addLooseBodies( stage );
+		return addBunny( stage ) && addGlob( stage );
+	}
+
+	double duration() const override { return 6.0; }
+
+	pliant_glue::DrawCamera camera( double seconds ) const override
+	{
+		const float swing = float( seconds / duration() );
+		return { { 3.1f - 0.5f * swing, 1.75f, 3.3f + 0.3f * swing }, { -0.15f + 0.35f * swing, 0.50f, 0 }, 38.0f };
+	}
+	pliant_glue::DrawLight light() const override { return { { -0.25f, 0.80f, 0.55f }, { 0, 0.6f, 0 }, 3.4f }; }
+
+private:
+	static void addStairs( Stage& stage )
+	{
+		for( int k = 0; k < kSteps; ++k )
+		{
+			// Each step is a block down to the ground; the top one is the landing.
+			const btScalar height = kRise * btScalar( kSteps - k );
+			const btScalar tread = k == 0 ? 2 * kTread : kTread;
+			const btScalar x = kStairsEnd - kTread * btScalar( kSteps - 1 - k ) - tread / 2;
+			stage.addBox( btVector3( tread, height, kWidth ), at( x, height / 2, 0 ), 0, kStone );
+		}
+	}
+
+	static void addDoor( Stage& stage )
+	{
+		const btScalar post = btScalar( 0.1 ), gap = btScalar( 0.02 );
+		for( const int side : { -1, 1 } )
+		{
+			const btScalar z = btScalar( side ) * ( kDoorWidth / 2 + gap + post / 2 );
+			stage.addBox( btVector3( post, kDoorHeight + 3 * gap, post ), at( kDoorX, ( kDoorHeight + 3 * gap ) / 2, z ), 0, kOak );
+		}
+		btRigidBody* door = stage.addBox( btVector3( btScalar( 0.06 ), kDoorHeight, kDoorWidth ), at( kDoorX, kDoorHeight / 2 + gap, 0 ), 6, kMoss );
+		door->setActivationState( DISABLE_DEACTIVATION ); // a door that sleeps would not swing
+		auto hinge = std::make_unique<btHingeConstraint>( *door, btVector3( 0, 0, -kDoorWidth / 2 ), btVector3( 0, 1, 0 ) );
+		hinge->setLimit( btScalar( -1.9 ), btScalar( 1.9 ) );
+		hinge->enableAngularMotor( true, 0, btScalar( 0.004 ) ); // the hinge's own friction
+		stage.addConstraint( std::move( hinge ), true );
+	}
+
+	static void addLooseBodies( Stage& stage )
+	{
+		std::mt19937 random( stage.options().seed );
+		// mt19937's numbers are the same everywhere; the standard distributions' are not.
+		const auto between = [&]( btScalar low, btScalar high ) { return low + ( high - low ) * btScalar( random() ) / btScalar( 4294967296.0 ); };
+		const pliant_glue::Colour colours[] = { kSlate, kOchre, kBrick, kTeal };
+		for( int i = 0; i < kLooseBodies; ++i )
+		{
+			const bool isAtFoot = i % 2 == 0;
+			const btScalar x = isAtFoot ? between( btScalar( 0.45 ), btScalar( 0.85 ) ) : between( btScalar( -1.6 ), btScalar( -0.2 ) );
+			const btVector3 place( x, btScalar( 0.3 ) + btScalar( 0.11 ) * btScalar( i ) + ( isAtFoot ? 0 : btScalar( 0.7 ) ), between( btScalar( -0.5 ), btScalar( 0.5 ) ) );
+			const pliant_glue::Colour& colour = colours[i % 4];
+			if( i % 3 == 0 )
+			{
+				const btScalar diameter = between( btScalar( 0.16 ), btScalar( 0.26 ) );
+				stage.addSphere( diameter, place, 250 * diameter * diameter * diameter, colour );
+			}
+			else
+			{
+				const btVector3 size( between( btScalar( 0.13 ), btScalar( 0.26 ) ), between( btScalar( 0.12 ), btScalar( 0.22 ) ), between( btScalar( 0.13 ), btScalar( 0.26 ) ) );
+				const btQuaternion turn( btVector3( between( -1, 1 ), 1, between( -1, 1 ) ).normalized(), between( 0, 3 ) );
+				stage.addBox( size, btTransform( turn, place ), 300 * size.x() * size.y() * size.z(), colour );
+			}
+		}
+	}
+
+	static bool addBunny( Stage& stage )
+	{
+		pliant_glue::ModelMesh mesh = stage.modelOr( "bunny00.off", makeBunnyLike );
+		fitHeight( mesh, 0.72f );
+		SoftOrder order;
+		order.name = "bunny";
+		order.mesh = &mesh;
+		order.cells = 2000;
+		order.place = btTransform( btQuaternion( btVector3( 0, 0, 1 ), btScalar( -0.25 ) ), btVector3( btScalar( -1.45 ), btScalar( 1.75 ), btScalar( 0.05 ) ) );
+		order.material.density = 300.0f;
+		order.material.youngsModulus = 4.0e4f; // soft foam: its own weight shortens it by about 2 %, the fall bends its ears flat
+		order.material.damping = 6.0f;
+		order.friction = btScalar( 0.45 );
+		order.colour = kTerracotta;
+		pliant::SoftBody* bunny = stage.addSoft( order );
+		if( bunny != nullptr )
+		{
+			bunny->setVelocities( btVector3( btScalar( 1.6 ), 0, 0 ), btVector3( 0, 0, btScalar( -2.5 ) ) );
+		}
+		return bunny != nullptr;
+	}
+
+	static bool addGlob( Stage& stage )
+	{
+		const pliant_glue::ModelMesh mesh = makeGlob();
+		SoftOrder order;
+		order.name = "Glob";
+		order.mesh = &mesh;
+		order.cells = 800;
+		order.place = at( btScalar( -1.1 ), btScalar( 3.1 ), btScalar( -0.15 ) );
+		order.material.density = 300.0f;
+		order.material.youngsModulus = 2.0e4f;
+		order.material.damping = 6.0f;
+		order.friction = btScalar( 0.45 );
+		order.colour = kPlum;
+		pliant::SoftBody* glob = stage.addSoft( order );
+		if( glob != nullptr )
+		{
+			glob->setVelocities( btVector3( 1, 0, 0 ), btVector3( 0, 0, -3 ) );
+		}
+		return glob != nullptr;
+	}
+};
+
+} // namespace
+
+std::unique_ptr<Scene> makeBunnyPile()
+{
+	return std::make_unique<BunnyPile>();
+}
+
+} // namespace pliant_demos

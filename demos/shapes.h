@@ -1,0 +1,36 @@
+#pragma once
+
+// Closed meshes made in code: what the demos fall back to when no model file can be had.
+
+#include "third_party_glue/model_file.h"
+
+#include <vector>
+
+namespace pliant_demos {
+
+/// Each face cut into `cuts` x `cuts` squares, 1 to 200; centre at the origin. Vertices are shared, so shading rounds the edges.
+pliant_glue::ModelMesh makeCube( float edge, int cuts );
+pliant_glue::ModelMesh makeSphere( float diameter, int subdivisions );
+/// Lies flat: its axis is y.
+pliant_glue::ModelMesh makeTorus( float radius, float tubeRadius, int around, int along );
+
+/// An ellipsoid that adds to a blobby field: 1 at its centre, falling off as exp( -|x|^2 / radius^2 ).
+struct MetaBall
+{
+	float centre[3];
+	float radius[3];
+};
+
+/// The surface where the field of all balls is `level`, by marching tetrahedra on cubes of edge `cell`. Closed and consistently
+/// oriented by construction.
+pliant_glue::ModelMesh makeMetaballs( const std::vector<MetaBall>& balls, float level, float cell );
+
+/// A blob with a few lumps, about 0.6 m across.
+pliant_glue::ModelMesh makeGlob();
+/// Stands in for the Stanford bunny: a body, a head and two ears, about 1 m high like the scaled scan.
+pliant_glue::ModelMesh makeBunnyLike();
+
+/// Puts the mesh's bounding box on the origin's centre and makes it `height` high.
+void fitHeight( pliant_glue::ModelMesh& mesh, float height );
+
+} // namespace pliant_demos

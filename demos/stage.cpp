@@ -1,0 +1,252 @@
+// +-----------------------------------------------------------------------------------------------------------------+
+// | Makes bodies, keeps them alive as long as the world needs them, and hands them to the renderer as plain data.     |
+// +-----------------------------------------------------------------------------------------------------------------+
+
+#include "demos/stage.h"
+
+#include "third_party_glue/assimp_mesh.h"
+
+#include <cstring>
+
+namespace pliant_demos {
+
+using pliant_glue::Colour;
+using pliant_glue::ModelMesh;
+using pliant_glue::Vec3;
+
+namespace {
+
+constexpr btScalar kRigidFriction = btScalar( 0.5 );
+
+Vec3 toVec3( const btVector3& v )
+{
+	return { float( v.x() ), float( v.y() ), float( v.z() ) };
+}
+
+class Fnv1a
+{
+public:
+	void add( const btVector3& v )
+	{
+		for( int k = 0; k < 3; ++k )
+		{
+			unsigned char bytes[sizeof( btScalar )];
+			std::memcpy( bytes, &v.m_floats[k], sizeof( btScalar ) );
+			for( const unsigned char byte : bytes )
+			{
+				m_hash = ( m_hash ^ byte ) * 0x100000001b3ull;
+			}
+		}
+	}
+	std::uint64_t value() const { return m_hash; }
+
+private:
+	std::uint64_t m_hash = 0xcbf29ce484222325ull;
+};
+
+} // namespace
+
+Stage::Stage( const StageOptions& options ) :
+	m_options( options ), m_configuration( new btDefaultCollisionConfiguration ), m_dispatcher( new btCollisionDispatcher( m_configuration.get() ) ),
+	m_broadphase( new btDbvtBroadphase ), m_solver( new btSequentialImpulseConstraintSolver ),
+	m_world( new pliant::SoftBodyWorld( m_dispatcher.get(), m_broadphase.get(), m_solver.get(), m_configuration.get() ) )
+{
+	m_world->setThreadCount( options.threads );
+	if( options.softSubsteps > 0 )
+	{
+		m_world->setSoftSubsteps( options.softSubsteps );
+	}
+}
+
+Stage::~Stage()
+{
+	for( const auto& constraint : m_constraints )
+	{
+		m_world->removeConstraint( constraint.get() );
+	}
+	for( const SoftItem& item : m_soft )
+	{
+		m_world->removeSoftBody( item.body.get() );
+	}
+	for( const RigidItem& item : m_rigid )
+	{
+		m_world->removeRigidBody( item.body.get() );
+	}
+}
+
+btRigidBody* Stage::addRigid( std::unique_ptr<btCollisionShape> shape, const btTransform& place, btScalar mass, RigidItem looks )
+{
+	btVector3 inertia( 0, 0, 0 );
+	if( mass > 0 )
+	{
+		shape->calculateLocalInertia( mass, inertia );
+	}
+	btRigidBody::btRigidBodyConstructionInfo info( mass, nullptr, shape.get(), inertia );
+	info.m_startWorldTransform = place;
+	info.m_friction = kRigidFriction;
+	looks.shape = std::move( shape );
+	looks.body = std::make_unique<btRigidBody>( info );
+	m_world->addRigidBody( looks.body.get() );
+	m_rigid.push_back( std::move( looks ) );
+	return m_rigid.back().body.get();
+}
+
+void Stage::addGround( btScalar friction )
+{
+	RigidItem looks;
+	looks.isDrawn = false; // the renderer draws its own ground
+	addRigid( std::make_unique<btStaticPlaneShape>( btVector3( 0, 1, 0 ), btScalar( 0 ) ), btTransform::getIdentity(), 0, std::move( looks ) )
+		->setFriction( friction );
+}
+
+btRigidBody* Stage::addBox( const btVector3& size, const btTransform& place, btScalar mass, const Colour& colour )
+{
+	RigidItem looks;
+	looks.size = size;
+	looks.colour = colour;
+	return addRigid( std::make_unique<btBoxShape>( size / 2 ), place, mass, std::move( looks ) );
+}
+
+btRigidBody* Stage::addSphere( btScalar diameter, const btVector3& place, btScalar mass, const Colour& colour )
+{
+	RigidItem looks;
+	looks.size = btVector3( diameter, diameter, diameter );
+	looks.colour = colour;
+	looks.isSphere = true;
+	btRigidBody* ball = addRigid( std::make_unique<btSphereShape>( diameter / 2 ), btTransform( btQuaternion::getIdentity(), place ), mass, std::move( looks ) );
+	ball->setRollingFriction( btScalar( 0.004 ) ); // a ball on a plane would roll for ever
+	return ball;
+}
+
+void Stage::addConstraint( std::unique_ptr<btTypedConstraint> constraint, bool bodiesCollide )
+{
+	m_world->addConstraint( constraint.get(), !bodiesCollide );
+	m_constraints.push_back( std::move( constraint ) );
+}
+
+pliant::SoftBody* Stage::addSoft( const SoftOrder& order )
+{
+	pliant::MeshView view;
+	view.positions = order.mesh->positions.data();
+	view.vertexCount = order.mesh->vertexCount();
+	view.indices = order.mesh->indices.data();
+	view.triangleCount = order.mesh->triangleCount();
+	view.submeshOfTriangle = order.mesh->submeshOfTriangle.empty() ? nullptr : order.mesh->submeshOfTriangle.data();
+	pliant::LatticeSettings settings;
+	settings.targetCells = order.cells;
+	const auto made = pliant::BodyTemplate::build( view, settings );
+	if( !made.ok() )
+	{
+		m_status = { made.status.code, order.name + ": " + made.status.sentence };
+		return nullptr;
+	}
+	pliant::SoftBodyResult body = pliant::SoftBody::create( made.value, order.place, order.material );
+	if( !body.ok() )
+	{
+		m_status = { body.status.code, order.name + ": " + body.status.sentence };
+		return nullptr;
+	}
+	body.value->setFriction( order.friction );
+	m_world->addSoftBody( body.value.get() );
+	m_soft.push_back( { std::move( body.value ), order.colour } );
+	return m_soft.back().body.get();
+}
+
+ModelMesh Stage::modelOr( const std::string& file, const std::function<ModelMesh()>& shape )
+{
+	const std::string path = m_options.modelFolder + "/data/meshes/" + file;
+	pliant_glue::ReadResult read = pliant_glue::readModel( path );
+	if( read.ok() )
+	{
+		m_notes.push_back( "model " + path );
+		return std::move( read.mesh );
+	}
+	ModelMesh made = shape();
+	m_notes.push_back( "shape \"" + made.name + "\" made in code instead of " + file + " (" + read.status.sentence +
+	                   " demos/fetch_models.sh fetches it)" );
+	return made;
+}
+
+StageCounts Stage::counts() const
+{
+	StageCounts counts;
+	for( const SoftItem& item : m_soft )
+	{
+		++counts.softBodies;
+		counts.nodes += item.body->nodeCount();
+		counts.links += item.body->bodyTemplate().linkCount();
+		counts.triangles += item.body->bodyTemplate().triangleCount();
+	}
+	counts.rigidBodies = int( m_rigid.size() );
+	return counts;
+}
+
+std::uint64_t Stage::stateHash() const
+{
+	Fnv1a hash;
+	for( const SoftItem& item : m_soft )
+	{
+		for( int i = 0; i < item.body->nodeCount(); ++i )
+		{
+			hash.add( item.body->nodePosition( i ) );
+		}
+	}
+	for( const RigidItem& item : m_rigid )
+	{
+		const btTransform& at = item.body->getWorldTransform();
+		hash.add( at.getOrigin() );
+		hash.add( at.getBasis()[0] );
+		hash.add( at.getBasis()[1] );
+	}
+	return hash.value();
+}
+
+void Stage::drawNodes( const SoftItem& item, pliant_glue::DrawList& list ) const
+{
+	for( int i = 0; i < item.body->nodeCount(); ++i )
+	{
+		const float d = 2 * float( item.body->nodeRadius( i ) );
+		list.spheres.push_back( { { d, 0, 0 }, { 0, d, 0 }, { 0, 0, d }, toVec3( item.body->nodePosition( i ) ), item.colour } );
+	}
+}
+
+void Stage::draw( pliant_glue::DrawList& list, bool showNodes ) const
+{
+	for( const RigidItem& item : m_rigid )
+	{
+		if( item.isDrawn )
+		{
+			const btTransform& at = item.body->getWorldTransform();
+			pliant_glue::DrawInstance drawn;
+			drawn.axisX = toVec3( at.getBasis().getColumn( 0 ) * item.size.x() );
+			drawn.axisY = toVec3( at.getBasis().getColumn( 1 ) * item.size.y() );
+			drawn.axisZ = toVec3( at.getBasis().getColumn( 2 ) * item.size.z() );
+			drawn.position = toVec3( at.getOrigin() );
+			drawn.colour = item.colour;
+			( item.isSphere ? list.spheres : list.boxes ).push_back( drawn );
+		}
+	}
+	for( std::size_t i = 0; i < m_soft.size(); ++i )
+	{
+		const SoftItem& item = m_soft[i];
+		const pliant::SurfaceView skin = item.body->surface();
+		if( showNodes || skin.triangleCount == 0 )
+		{
+			drawNodes( item, list );
+			continue;
+		}
+		pliant_glue::DrawMesh mesh;
+		mesh.id = i;
+		mesh.topologyVersion = skin.topologyVersion;
+		mesh.positions = skin.positions;
+		mesh.normals = skin.normals;
+		mesh.indices = skin.indices;
+		mesh.vertexCount = skin.vertexCount;
+		mesh.triangleCount = skin.triangleCount;
+		mesh.origin = toVec3( skin.origin );
+		mesh.colour = item.colour;
+		list.meshes.push_back( mesh );
+	}
+}
+
+} // namespace pliant_demos

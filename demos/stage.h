@@ -1,0 +1,110 @@
+#pragma once
+
+// What a scene stands on: a world, the rigid and soft bodies put into it, and their colours.
+
+#include "third_party_glue/draw_list.h"
+#include "third_party_glue/model_file.h"
+
+#include <pliant/soft_body_world.h>
+
+#include <btBulletDynamicsCommon.h>
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace pliant_demos {
+
+struct StageOptions
+{
+	int threads = 1;
+	int softSubsteps = 0; ///< 0: the world's default
+	unsigned seed = 1;
+	std::string modelFolder; ///< holds data/meshes of libcgal-demo; may be missing
+};
+
+/// How a soft body is asked for.
+struct SoftOrder
+{
+	std::string name;
+	const pliant_glue::ModelMesh* mesh = nullptr;
+	int cells = 1000;
+	btTransform place = btTransform::getIdentity();
+	pliant::Material material;
+	btScalar friction = btScalar( 0.5 );
+	pliant_glue::Colour colour = { 0.8f, 0.4f, 0.25f };
+};
+
+struct StageCounts
+{
+	int softBodies = 0, nodes = 0, links = 0, rigidBodies = 0, triangles = 0;
+};
+
+class Stage
+{
+public:
+	explicit Stage( const StageOptions& options );
+	~Stage();
+	Stage( const Stage& ) = delete;
+	Stage& operator=( const Stage& ) = delete;
+
+	pliant::SoftBodyWorld& world() { return *m_world; }
+	const StageOptions& options() const { return m_options; }
+
+	/// The plane y = 0.
+	void addGround( btScalar friction );
+	/// Mass 0 makes a static body.
+	btRigidBody* addBox( const btVector3& size, const btTransform& place, btScalar mass, const pliant_glue::Colour& colour );
+	btRigidBody* addSphere( btScalar diameter, const btVector3& place, btScalar mass, const pliant_glue::Colour& colour );
+	void addConstraint( std::unique_ptr<btTypedConstraint> constraint, bool bodiesCollide );
+	/// Null when the mesh or the material is refused; `status()` then says why.
+	pliant::SoftBody* addSoft( const SoftOrder& order );
+
+	/// The model file if it is there, else the shape from code; which of both is noted.
+	pliant_glue::ModelMesh modelOr( const std::string& file, const std::function<pliant_glue::ModelMesh()>& shape );
+	const std::vector<std::string>& notes() const { return m_notes; }
+
+	const pliant::Status& status() const { return m_status; }
+	StageCounts counts() const;
+	/// FNV-1a over the bits of every node and rigid body: equal for equal runs.
+	std::uint64_t stateHash() const;
+
+	/// Adds every body to the picture; nodes as spheres instead of skins when `showNodes`.
+	void draw( pliant_glue::DrawList& list, bool showNodes ) const;
+
+private:
+	struct RigidItem
+	{
+		std::unique_ptr<btCollisionShape> shape;
+		std::unique_ptr<btRigidBody> body;
+		btVector3 size = btVector3( 0, 0, 0 );
+		pliant_glue::Colour colour = { 0, 0, 0 };
+		bool isSphere = false;
+		bool isDrawn = true;
+	};
+	struct SoftItem
+	{
+		std::unique_ptr<pliant::SoftBody> body;
+		pliant_glue::Colour colour = { 0, 0, 0 };
+	};
+
+	btRigidBody* addRigid( std::unique_ptr<btCollisionShape> shape, const btTransform& place, btScalar mass, RigidItem looks );
+	void drawNodes( const SoftItem& item, pliant_glue::DrawList& list ) const;
+
+	StageOptions m_options;
+	pliant::Status m_status;
+	std::vector<std::string> m_notes;
+	// Bullet asks that the world goes first and what it points to afterwards: members die from the bottom up.
+	std::unique_ptr<btCollisionConfiguration> m_configuration;
+	std::unique_ptr<btCollisionDispatcher> m_dispatcher;
+	std::unique_ptr<btBroadphaseInterface> m_broadphase;
+	std::unique_ptr<btConstraintSolver> m_solver;
+	std::vector<RigidItem> m_rigid;
+	std::vector<SoftItem> m_soft;
+	std::vector<std::unique_ptr<btTypedConstraint>> m_constraints;
+	std::unique_ptr<pliant::SoftBodyWorld> m_world;
+};
+
+} // namespace pliant_demos

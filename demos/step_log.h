@@ -1,0 +1,47 @@
+#pragma once
+
+// Where each step's time went, and what it met: medians and maxima for the table and summary.json.
+
+#include <pliant/soft_body_world.h>
+
+#include <nlohmann/json_fwd.hpp>
+
+#include <string>
+#include <vector>
+
+namespace pliant_demos {
+
+class StepLog
+{
+public:
+	/// `wallSeconds` is the whole of stepSimulation as seen from outside.
+	void add( const pliant::StepReport& report, double wallSeconds, int manifoldPoints );
+
+	int steps() const { return int( m_wall.size() ); }
+	double wallSeconds() const;
+	int maxSoftContacts() const { return m_maxSoftContacts; }
+	int maxContacts() const { return m_maxContacts; }
+	int maxSubsteps() const { return m_maxSubsteps; }
+	int quarantined() const { return m_quarantined; }
+	int unreachableStiffness() const { return m_unreachable; }
+
+	/// Rows of stage, median and maximum, ms.
+	std::string table() const;
+	nlohmann::json json() const;
+
+private:
+	struct Stage
+	{
+		const char* name;
+		double pliant::StepReport::*member;
+		std::vector<double> seconds;
+	};
+	std::vector<Stage> m_stages = { { "forces", &pliant::StepReport::forces, {} }, { "matching", &pliant::StepReport::matching, {} },
+		{ "spheres", &pliant::StepReport::spheres, {} }, { "collision", &pliant::StepReport::collision, {} },
+		{ "solve", &pliant::StepReport::solve, {} }, { "integrate", &pliant::StepReport::integrate, {} },
+		{ "skinning", &pliant::StepReport::skinning, {} } };
+	std::vector<double> m_wall;
+	int m_maxSoftContacts = 0, m_maxContacts = 0, m_maxSubsteps = 0, m_quarantined = 0, m_unreachable = 0;
+};
+
+} // namespace pliant_demos
