@@ -12,11 +12,11 @@ namespace pliant {
 
 namespace {
 
-std::unique_ptr<Matcher> makeMatcher( const Lattice& lattice, const Material& material, const NodeState& nodes )
+std::unique_ptr<Matcher> makeMatcher( const Lattice& lattice, const Material& material, const NodeState& nodes, RegionCache* cache )
 {
 	if ( material.method == Method::Lattice )
 	{
-		return makeLatticeMatcher( lattice, material );
+		return makeLatticeMatcher( lattice, material, cache );
 	}
 	return makeClusterMatcher( lattice, material, nodes );
 }
@@ -73,7 +73,8 @@ bool needsNewMatcher( const Material& a, const Material& b )
 Body::Body() = default;
 Body::~Body() = default;
 
-Result<std::unique_ptr<Body>> Body::create( std::shared_ptr<const Lattice> lattice, const Material& material, const Placement& placement )
+Result<std::unique_ptr<Body>> Body::create(
+	std::shared_ptr<const Lattice> lattice, const Material& material, const Placement& placement, std::shared_ptr<RegionCache> cache )
 {
 	using Made = Result<std::unique_ptr<Body>>;
 	if ( !lattice || lattice->cellCount() == 0 )
@@ -88,12 +89,13 @@ Result<std::unique_ptr<Body>> Body::create( std::shared_ptr<const Lattice> latti
 	{
 		std::unique_ptr<Body> body( new Body );
 		body->m_lattice = std::move( lattice );
+		body->m_cache = std::move( cache );
 		body->m_material = material;
 		fillNodes( *body->m_lattice, material, body->m_nodes );
 		body->m_restLength = longestExtent( *body->m_lattice );
 		body->m_secondMoment = meanSecondMoment( *body->m_lattice );
 		body->m_isOnePart = countComponents( *body->m_lattice ) == 1;
-		body->m_matcher = makeMatcher( *body->m_lattice, material, body->m_nodes );
+		body->m_matcher = makeMatcher( *body->m_lattice, material, body->m_nodes, body->m_cache.get() );
 		body->m_lastFinite.resize( std::size_t( body->m_nodes.padded ) * 6, 0.0f );
 		body->place( placement );
 		return Made::success( std::move( body ) );
@@ -115,7 +117,7 @@ Status Body::setMaterial( const Material& material )
 		std::unique_ptr<Matcher> matcher;
 		if ( needsNewMatcher( m_material, material ) )
 		{
-			matcher = makeMatcher( *m_lattice, material, m_nodes );
+			matcher = makeMatcher( *m_lattice, material, m_nodes, m_cache.get() );
 			matcher->reset( m_nodes, bestFit().rotation );
 		}
 		const float ratio = material.density / m_material.density;

@@ -16,6 +16,7 @@
 namespace pliant {
 
 class Matcher;
+class RegionCache;
 class TaskRunner;
 
 /// A rigid placement in double precision.
@@ -44,8 +45,9 @@ enum class BodyHealth : int
 class Body
 {
 public:
-	/// `lattice` must outlive the body (shared by the caller). Refuses a bad material and running out of memory.
-	static Result<std::unique_ptr<Body>> create( std::shared_ptr<const Lattice> lattice, const Material& material, const Placement& placement );
+	/// Refuses a bad material and running out of memory. Bodies of one lattice share their region tables through `cache` (may be null).
+	static Result<std::unique_ptr<Body>> create( std::shared_ptr<const Lattice> lattice, const Material& material, const Placement& placement,
+		std::shared_ptr<RegionCache> cache = nullptr );
 	~Body();
 
 	// --- state, flat arrays; write freely between steps -------------------------------------------------------------
@@ -91,6 +93,7 @@ private:
 	void restoreFiniteState();
 
 	std::shared_ptr<const Lattice> m_lattice;
+	std::shared_ptr<RegionCache> m_cache;
 	Material m_material;
 	NodeState m_nodes;
 	std::unique_ptr<Matcher> m_matcher;

@@ -14,10 +14,6 @@ namespace {
 constexpr int kChunk = 1024;
 static_assert( kChunk % kTile == 0 );
 
-/// Box sums touch every position of the grid, the table only what is there: largest positions per node at which the grid wins,
-/// by half-width (measured, docs/benchmarks.md).
-constexpr float kGridPays[kLargestHalfWidth + 1] = { 0.0f, 1.6f, 4.0f, 8.0f, 16.0f };
-
 int chunks( int padded )
 {
 	return ( padded + kChunk - 1 ) / kChunk;
@@ -31,14 +27,17 @@ Vec3d toVec3d( const double* p )
 } // namespace
 
 LatticeMatcher::LatticeMatcher( const Lattice& lattice, const Material& material, Summation summation, const Kernels& kernels ) :
-	m_kernels( kernels ), m_regions( buildRegions( lattice, material.regionHalfWidth ) ),
-	m_moments( computeRegionMoments( lattice, m_regions, material.weights,
-		material.beta > 0.0f || material.rotationFrom == RotationFrom::F ) ),
-	m_cellSize( lattice.cellSize ), m_beta( material.beta ), m_rotationFromF( material.rotationFrom == RotationFrom::F ),
+	LatticeMatcher( lattice, material, buildRegionTables( lattice, material, summation ), kernels )
+{
+}
+
+LatticeMatcher::LatticeMatcher(
+	const Lattice& lattice, const Material& material, std::shared_ptr<const RegionTables> tables, const Kernels& kernels ) :
+	m_kernels( kernels ), m_tables( std::move( tables ) ), m_cellSize( lattice.cellSize ), m_beta( material.beta ),
+	m_rotationFromF( material.rotationFrom == RotationFrom::F ),
 	m_keepsMomentum( material.weights == Weights::Conserving && material.rotationFrom == RotationFrom::Apq )
 {
-	chooseSummation( lattice, summation );
-	const int padded = m_moments.padded;
+	const int padded = m_tables->moments.padded;
 	for ( auto& component : m_quaternion )
 	{
 		component.assign( padded, 0.0f );
@@ -49,37 +48,13 @@ LatticeMatcher::LatticeMatcher( const Lattice& lattice, const Material& material
 		m_residual[k].assign( padded, 0.0f );
 		m_change[k].assign( padded, 0.0f );
 	}
-	const std::size_t records = m_usesGrid ? std::size_t( m_grid.x() ) * m_grid.y() * m_grid.z() : std::size_t( padded );
+	const Eigen::Vector3i grid = m_tables->grid;
+	const std::size_t records = m_tables->usesGrid ? std::size_t( grid.x() ) * grid.y() * grid.z() : std::size_t( padded );
 	m_nodeRecord.assign( records * kRecordFloats, 0.0f );
 	m_regionRecord.assign( records * kRecordFloats, 0.0f );
 	m_open.resize( padded );
 	m_openCount.resize( chunks( padded ) );
 	m_partial.resize( chunks( padded ) );
-}
-
-void LatticeMatcher::chooseSummation( const Lattice& lattice, Summation summation )
-{
-	m_grid = lattice.extent;
-	const float positions = float( m_grid.x() ) * float( m_grid.y() ) * float( m_grid.z() );
-	const float perNode = positions / float( m_moments.count );
-	m_usesGrid = m_regions.isFullCubes &&
-				 ( summation == Summation::BoxSums || ( summation == Summation::Automatic && perNode <= kGridPays[m_regions.halfWidth] ) );
-	if ( !m_usesGrid )
-	{
-		return;
-	}
-	m_gridHasHoles = positions != float( m_moments.count );
-	if ( m_gridHasHoles )
-	{
-		m_slot.resize( m_moments.count );
-		for ( int i = 0; i < m_moments.count; ++i )
-		{
-			const auto& c = lattice.coordinate[i];
-			m_slot[i] = std::uint32_t( ( c.z() * m_grid.y() + c.y() ) * m_grid.x() + c.x() );
-		}
-	}
-	m_regions.start = {};
-	m_regions.member = {};
 }
 
 void LatticeMatcher::reset( const NodeState&, const Eigen::Quaterniond& rotation )
@@ -100,8 +75,11 @@ void LatticeMatcher::turn( const Eigen::Quaterniond& by )
 
 MatchView LatticeMatcher::view( NodeState& nodes )
 {
+	const RegionMoments& moments = m_tables->moments;
+	const RegionSet& regions = m_tables->regions;
+	const Eigen::Vector3i grid = m_tables->usesGrid ? m_tables->grid : Eigen::Vector3i( Eigen::Vector3i::Zero() );
 	MatchView v;
-	v.nodeCount = m_moments.count;
+	v.nodeCount = moments.count;
 	float* const velocity[3] = { nodes.v.x.data(), nodes.v.y.data(), nodes.v.z.data() };
 	const float* const position[3] = { nodes.x.x.data(), nodes.x.y.data(), nodes.x.z.data() };
 	const float* const rest[3] = { nodes.x0.x.data(), nodes.x0.y.data(), nodes.x0.z.data() };
@@ -112,32 +90,32 @@ MatchView LatticeMatcher::view( NodeState& nodes )
 		v.x0[k] = rest[k];
 		v.change[k] = m_change[k].data();
 		v.residual[k] = m_residual[k].data();
-		v.centre[k] = m_moments.centre[k].data();
+		v.centre[k] = moments.centre[k].data();
 	}
 	v.mass = nodes.mass.data();
 	v.freedom = nodes.freedom.data();
-	v.nodeWeight = m_moments.nodeWeight.data();
-	v.inverseCover = m_moments.inverseCover.data();
-	v.start = m_regions.start.data();
-	v.member = m_regions.member.data();
-	v.inverseMass = m_moments.inverseMass.data();
+	v.nodeWeight = moments.nodeWeight.data();
+	v.inverseCover = moments.inverseCover.data();
+	v.start = regions.start.data();
+	v.member = regions.member.data();
+	v.inverseMass = moments.inverseMass.data();
 	for ( int k = 0; k < 6; ++k )
 	{
-		v.moment[k] = m_moments.moment[k].data();
-		v.inverseMoment[k] = m_moments.inverseMoment[k].empty() ? nullptr : m_moments.inverseMoment[k].data();
+		v.moment[k] = moments.moment[k].data();
+		v.inverseMoment[k] = moments.inverseMoment[k].empty() ? nullptr : moments.inverseMoment[k].data();
 	}
-	v.regionWeight = m_moments.regionWeight.empty() ? nullptr : m_moments.regionWeight.data();
+	v.regionWeight = moments.regionWeight.empty() ? nullptr : moments.regionWeight.data();
 	for ( int k = 0; k < 4; ++k )
 	{
 		v.quaternion[k] = m_quaternion[k].data();
 	}
 	v.nodeRecord = m_nodeRecord.data();
 	v.regionRecord = m_regionRecord.data();
-	v.slot = m_slot.empty() ? nullptr : m_slot.data();
-	v.gridX = m_usesGrid ? m_grid.x() : 0;
-	v.gridY = m_usesGrid ? m_grid.y() : 0;
-	v.gridZ = m_usesGrid ? m_grid.z() : 0;
-	v.halfWidth = m_regions.halfWidth;
+	v.slot = m_tables->slot.empty() ? nullptr : m_tables->slot.data();
+	v.gridX = grid.x();
+	v.gridY = grid.y();
+	v.gridZ = grid.z();
+	v.halfWidth = regions.halfWidth;
 	v.cellsPerMetre = 1.0f / m_cellSize;
 	v.beta = m_beta;
 	v.rotationFromF = m_rotationFromF;
@@ -186,15 +164,15 @@ void LatticeMatcher::boxSums( const MatchView& view, float* records, TaskRunner*
 
 void LatticeMatcher::gatherAndFit( const MatchView& view, TaskRunner* runner )
 {
-	if ( m_gridHasHoles )
+	if ( m_tables->gridHasHoles )
 	{
 		std::fill( m_nodeRecord.begin(), m_nodeRecord.end(), 0.0f );
 		std::fill( m_regionRecord.begin(), m_regionRecord.end(), 0.0f );
 	}
-	const int padded = m_moments.padded;
+	const int padded = m_tables->moments.padded;
 	auto records = [&]( int chunk ) { m_kernels.nodeRecords( view, chunk * kChunk, std::min( padded, ( chunk + 1 ) * kChunk ) ); };
 	runTasks( runner, chunks( padded ), records );
-	if ( m_usesGrid )
+	if ( m_tables->usesGrid )
 	{
 		boxSums( view, m_nodeRecord.data(), runner );
 	}
@@ -203,7 +181,7 @@ void LatticeMatcher::gatherAndFit( const MatchView& view, TaskRunner* runner )
 	};
 	runTasks( runner, chunks( padded ), fit );
 	settleOpenRegions( view );
-	if ( m_usesGrid )
+	if ( m_tables->usesGrid )
 	{
 		boxSums( view, m_regionRecord.data(), runner );
 	}
@@ -311,9 +289,7 @@ void LatticeMatcher::nodeRotations( const NodeState& nodes, float* quaternions )
 
 std::size_t LatticeMatcher::bytes() const
 {
-	std::size_t bytes = m_moments.bytes() + ( m_nodeRecord.size() + m_regionRecord.size() ) * sizeof( float );
-	bytes += ( m_regions.start.size() + m_regions.member.size() + m_slot.size() + m_open.size() ) * sizeof( std::uint32_t );
-	bytes += m_regions.size.size() * sizeof( std::uint16_t );
+	std::size_t bytes = ( m_nodeRecord.size() + m_regionRecord.size() ) * sizeof( float ) + m_open.size() * sizeof( std::uint32_t );
 	for ( int k = 0; k < 4; ++k )
 	{
 		bytes += m_quaternion[k].size() * sizeof( float );
@@ -325,9 +301,10 @@ std::size_t LatticeMatcher::bytes() const
 	return bytes + m_partial.size() * sizeof( m_partial[0] ) + m_openCount.size() * sizeof( int );
 }
 
-std::unique_ptr<Matcher> makeLatticeMatcher( const Lattice& lattice, const Material& material )
+std::unique_ptr<Matcher> makeLatticeMatcher( const Lattice& lattice, const Material& material, RegionCache* cache )
 {
-	return std::make_unique<LatticeMatcher>( lattice, material );
+	return std::make_unique<LatticeMatcher>(
+		lattice, material, cache ? cache->find( lattice, material ) : buildRegionTables( lattice, material, Summation::Automatic ) );
 }
 
 } // namespace pliant

@@ -3,10 +3,9 @@
 // Uniform lattice shape matching (Rivers and James 2007; Steinemann et al. 2008, section 3.2) on the 16-lane kernels.
 // ReferenceMatcher is its slow twin.
 
-#include "lattice/region.h"
 #include "matching/kernels/kernels.h"
 #include "matching/matcher.h"
-#include "matching/region_moments.h"
+#include "matching/region_tables.h"
 
 #include <array>
 #include <memory>
@@ -14,17 +13,11 @@
 
 namespace pliant {
 
-/// How the sums over regions are made.
-enum class Summation : int
-{
-	Automatic, ///< box sums where regions are full cubes and the grid is well filled, else the table
-	Table,     ///< one term a member of the region (flat compressed rows)
-	BoxSums    ///< separable sums over the grid; falls back to the table where regions are not full cubes
-};
-
 class LatticeMatcher : public Matcher
 {
 public:
+	LatticeMatcher( const Lattice& lattice, const Material& material, std::shared_ptr<const RegionTables> tables,
+		const Kernels& kernels = bestKernels() );
 	LatticeMatcher( const Lattice& lattice, const Material& material, Summation summation = Summation::Automatic,
 		const Kernels& kernels = bestKernels() );
 
@@ -32,14 +25,14 @@ public:
 	void turn( const Eigen::Quaterniond& by ) override;
 	void accelerate( NodeState& nodes, const MatchStep& step, TaskRunner* runner ) override;
 	void nodeRotations( const NodeState& nodes, float* quaternions ) const override;
-	std::size_t bytes() const override;
+	std::size_t bytes() const override; ///< without the shared tables
+	const RegionTables& tables() const { return *m_tables; }
 
-	bool usesBoxSums() const { return m_usesGrid; }
+	bool usesBoxSums() const { return m_tables->usesGrid; }
 	/// Regions whose rotation the lanes left to the careful scalar road in the last step.
 	int openRegions() const { return m_openRegions; }
 
 private:
-	void chooseSummation( const Lattice& lattice, Summation summation );
 	MatchView view( NodeState& nodes );
 	void measureFrame( const NodeState& nodes, MatchView& view, TaskRunner* runner );
 	void gatherAndFit( const MatchView& view, TaskRunner* runner );
@@ -48,18 +41,11 @@ private:
 	void spareRigidMotion( MatchView& view, float h ) const;
 
 	const Kernels& m_kernels;
-	RegionSet m_regions;
-	RegionMoments m_moments;
+	std::shared_ptr<const RegionTables> m_tables;
 	float m_cellSize = 0.0f;
 	float m_beta = 0.0f;
 	bool m_rotationFromF = false;
 	bool m_keepsMomentum = true; ///< conserving weights and rotations from A_pq: what rounding leaves is taken off
-
-	// Box sums.
-	bool m_usesGrid = false;
-	bool m_gridHasHoles = false;
-	Eigen::Vector3i m_grid = Eigen::Vector3i::Zero();
-	std::vector<std::uint32_t> m_slot;
 
 	// State between substeps.
 	Eigen::Quaterniond m_frame = Eigen::Quaterniond::Identity();
@@ -76,6 +62,7 @@ private:
 	int m_openRegions = 0;
 };
 
-std::unique_ptr<Matcher> makeLatticeMatcher( const Lattice& lattice, const Material& material );
+/// `cache` may be null: the tables are then built for this matcher alone.
+std::unique_ptr<Matcher> makeLatticeMatcher( const Lattice& lattice, const Material& material, RegionCache* cache );
 
 } // namespace pliant

@@ -1,0 +1,74 @@
+#include "matching/region_tables.h"
+
+namespace pliant {
+
+namespace {
+
+/// Box sums touch every position of the grid, the table only what is there: largest positions per node at which the grid wins,
+/// by half-width (measured, docs/benchmarks.md).
+constexpr float kGridPays[kLargestHalfWidth + 1] = { 0.0f, 1.6f, 4.0f, 8.0f, 16.0f };
+
+bool needsInverse( const Material& material )
+{
+	return material.beta > 0.0f || material.rotationFrom == RotationFrom::F;
+}
+
+} // namespace
+
+std::shared_ptr<const RegionTables> buildRegionTables( const Lattice& lattice, const Material& material, Summation summation )
+{
+	auto tables = std::make_shared<RegionTables>();
+	tables->regions = buildRegions( lattice, material.regionHalfWidth );
+	tables->moments = computeRegionMoments( lattice, tables->regions, material.weights, needsInverse( material ) );
+	tables->grid = lattice.extent;
+
+	const int nodes = lattice.cellCount();
+	const double positions = double( lattice.extent.x() ) * lattice.extent.y() * lattice.extent.z();
+	const bool pays = positions / nodes <= kGridPays[material.regionHalfWidth];
+	tables->usesGrid = tables->regions.isFullCubes && ( summation == Summation::BoxSums || ( summation == Summation::Automatic && pays ) );
+	if ( !tables->usesGrid )
+	{
+		return tables;
+	}
+	tables->gridHasHoles = positions != nodes;
+	if ( tables->gridHasHoles )
+	{
+		tables->slot.reserve( nodes );
+		for ( const auto& c : lattice.coordinate )
+		{
+			tables->slot.push_back( std::uint32_t( ( c.z() * lattice.extent.y() + c.y() ) * lattice.extent.x() + c.x() ) );
+		}
+	}
+	tables->regions.start = {};
+	tables->regions.member = {};
+	return tables;
+}
+
+std::size_t RegionTables::bytes() const
+{
+	return moments.bytes() + ( regions.start.size() + regions.member.size() + slot.size() ) * sizeof( std::uint32_t ) +
+		   regions.size.size() * sizeof( std::uint16_t );
+}
+
+std::shared_ptr<const RegionTables> RegionCache::find( const Lattice& lattice, const Material& material )
+{
+	const std::lock_guard<std::mutex> lock( m_mutex );
+	for ( Entry& entry : m_entries )
+	{
+		if ( entry.halfWidth == material.regionHalfWidth && entry.weights == material.weights && entry.withInverse == needsInverse( material ) )
+		{
+			std::shared_ptr<const RegionTables> tables = entry.tables.lock();
+			if ( !tables )
+			{
+				tables = buildRegionTables( lattice, material, Summation::Automatic );
+				entry.tables = tables;
+			}
+			return tables;
+		}
+	}
+	std::shared_ptr<const RegionTables> tables = buildRegionTables( lattice, material, Summation::Automatic );
+	m_entries.push_back( Entry{ material.regionHalfWidth, material.weights, needsInverse( material ), tables } );
+	return tables;
+}
+
+} // namespace pliant

@@ -1,0 +1,62 @@
+#pragma once
+
+// What all bodies of one template and one setting share: regions, their weights and moments, and the way their sums are made.
+// Fifteen elephants hold it once.
+
+#include "lattice/region.h"
+#include "matching/region_moments.h"
+#include "pliant/material.h"
+
+#include <Eigen/Core>
+
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <vector>
+
+namespace pliant {
+
+/// How the sums over regions are made.
+enum class Summation : int
+{
+	Automatic, ///< box sums where regions are full cubes and the grid is well filled, else the table
+	Table,     ///< one term a member of the region (flat compressed rows)
+	BoxSums    ///< separable sums over the grid; falls back to the table where regions are not full cubes
+};
+
+/// Immutable once built.
+struct RegionTables
+{
+	RegionSet regions;
+	RegionMoments moments;
+
+	bool usesGrid = false;                         ///< box sums; the table of members is then not kept
+	bool gridHasHoles = false;
+	Eigen::Vector3i grid = Eigen::Vector3i::Zero();
+	std::vector<std::uint32_t> slot;               ///< lattice position of each cell; empty without holes
+
+	std::size_t bytes() const;
+};
+
+std::shared_ptr<const RegionTables> buildRegionTables( const Lattice& lattice, const Material& material, Summation summation );
+
+/// Hands out tables by setting, each built once for as long as a body holds it. Safe to call from several threads.
+class RegionCache
+{
+public:
+	std::shared_ptr<const RegionTables> find( const Lattice& lattice, const Material& material );
+
+private:
+	struct Entry
+	{
+		int halfWidth;
+		Weights weights;
+		bool withInverse;
+		std::weak_ptr<const RegionTables> tables;
+	};
+
+	std::mutex m_mutex;
+	std::vector<Entry> m_entries;
+};
+
+} // namespace pliant
