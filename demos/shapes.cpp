@@ -20,6 +20,8 @@ namespace {
 
 using Point = std::array<float, 3>;
 
+constexpr int kHalvings = 12; // a cell's edge over 4096
+
 ModelMesh named( const char* name, ModelMesh mesh )
 {
 	mesh.name = name;
@@ -56,7 +58,7 @@ private:
 class FieldGrid
 {
 public:
-	FieldGrid( const std::vector<MetaBall>& balls, float cell ) : m_cell( cell )
+	FieldGrid( const std::vector<MetaBall>& balls, float cell ) : m_balls( balls ), m_cell( cell )
 	{
 		Point low, high;
 		low.fill( std::numeric_limits<float>::max() );
@@ -78,7 +80,7 @@ public:
 		m_values.reserve( std::size_t( m_size[0] ) * std::size_t( m_size[1] ) * std::size_t( m_size[2] ) );
 		for( int i = 0; i < m_size[0] * m_size[1] * m_size[2]; ++i )
 		{
-			m_values.push_back( fieldAt( balls, position( i ) ) );
+			m_values.push_back( fieldAt( position( i ) ) );
 		}
 	}
 
@@ -92,11 +94,10 @@ public:
 		return { m_low[0] + float( x ) * m_cell, m_low[1] + float( y ) * m_cell, m_low[2] + float( z ) * m_cell };
 	}
 
-private:
-	static float fieldAt( const std::vector<MetaBall>& balls, const Point& p )
+	float fieldAt( const Point& p ) const
 	{
 		float sum = 0;
-		for( const MetaBall& ball : balls )
+		for( const MetaBall& ball : m_balls )
 		{
 			float square = 0;
 			for( int k = 0; k < 3; ++k )
@@ -109,6 +110,8 @@ private:
 		return sum;
 	}
 
+private:
+	const std::vector<MetaBall>& m_balls;
 	float m_cell;
 	Point m_low;
 	std::array<int, 3> m_size;
@@ -159,10 +162,20 @@ private:
 	{
 		return m_vertices.at( std::minmax( a, b ), [&] {
 			const auto [first, second] = std::minmax( a, b );
-			const float share = ( m_level - m_grid.value( first ) ) / ( m_grid.value( second ) - m_grid.value( first ) );
-			const Point p = m_grid.position( first ), q = m_grid.position( second );
-			return Point{ p[0] + share * ( q[0] - p[0] ), p[1] + share * ( q[1] - p[1] ), p[2] + share * ( q[2] - p[2] ) };
+			return surfacePoint( m_grid.position( first ), m_grid.position( second ), m_grid.value( first ) > m_level );
 		} );
+	}
+
+	/// Halving, not one linear step: vertices off the true surface would show as ripples in the shading.
+	Point surfacePoint( Point low, Point high, bool lowIsInside ) const
+	{
+		const auto middle = [&] { return Point{ ( low[0] + high[0] ) / 2, ( low[1] + high[1] ) / 2, ( low[2] + high[2] ) / 2 }; };
+		for( int k = 0; k < kHalvings; ++k )
+		{
+			const Point p = middle();
+			( ( m_grid.fieldAt( p ) > m_level ) == lowIsInside ? low : high ) = p;
+		}
+		return middle();
 	}
 
 	void triangle( std::uint32_t a, std::uint32_t b, std::uint32_t c )

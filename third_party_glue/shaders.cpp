@@ -105,9 +105,9 @@ uniform float uFogDistance;
 
 out vec4 outColour;
 
-const vec3 kSun = vec3( 2.75, 2.55, 2.25 );
-const vec3 kSkyLight = vec3( 0.48, 0.58, 0.74 );
-const vec3 kGroundLight = vec3( 0.26, 0.24, 0.22 );
+const vec3 kSun = vec3( 2.45, 2.20, 1.85 );
+const vec3 kSkyLight = vec3( 0.40, 0.49, 0.64 );
+const vec3 kGroundLight = vec3( 0.22, 0.20, 0.18 );
 
 vec3 skyColour( vec3 direction )
 {

@@ -40,7 +40,7 @@ public:
 	pliant_glue::DrawCamera camera( double seconds ) const override
 	{
 		const float swing = float( seconds / duration() );
-		return { { 3.1f - 0.5f * swing, 1.75f, 3.3f + 0.3f * swing }, { -0.15f + 0.35f * swing, 0.50f, 0 }, 38.0f };
+		return { { 2.1f - 0.3f * swing, 1.65f, 3.7f }, { -0.15f + 0.45f * swing, 0.48f, 0 }, 38.0f };
 	}
 	pliant_glue::DrawLight light() const override { return { { -0.25f, 0.80f, 0.55f }, { 0, 0.6f, 0 }, 3.4f }; }
 
