@@ -1,0 +1,7 @@
+#pragma once
+
+// Pliant's version, here and nowhere else: CMakeLists.txt reads it from this file.
+
+#define PLIANT_VERSION_MAJOR 0
+#define PLIANT_VERSION_MINOR 1
+#define PLIANT_VERSION_PATCH 0
