@@ -33,7 +33,7 @@ LatticeMatcher::LatticeMatcher( const Lattice& lattice, const Material& material
 
 LatticeMatcher::LatticeMatcher(
 	const Lattice& lattice, const Material& material, std::shared_ptr<const RegionTables> tables, const Kernels& kernels ) :
-	m_kernels( kernels ), m_tables( std::move( tables ) ), m_cellSize( lattice.cellSize ), m_beta( material.beta ),
+	m_kernels( kernels ), m_lattice( lattice ), m_tables( std::move( tables ) ), m_cellSize( lattice.cellSize ), m_beta( material.beta ),
 	m_rotationFromF( material.rotationFrom == RotationFrom::F ),
 	m_keepsMomentum( material.weights == Weights::Conserving && material.rotationFrom == RotationFrom::Apq )
 {
@@ -96,8 +96,9 @@ MatchView LatticeMatcher::view( NodeState& nodes )
 	v.freedom = nodes.freedom.data();
 	v.nodeWeight = moments.nodeWeight.data();
 	v.inverseCover = moments.inverseCover.data();
-	v.start = regions.start.data();
-	v.member = regions.member.data();
+	v.start = m_tables->usesLinks ? m_lattice.linkStart.data() : regions.start.data();
+	v.member = m_tables->usesLinks ? m_lattice.linkTo.data() : regions.member.data();
+	v.addOwner = m_tables->usesLinks;
 	v.inverseMass = moments.inverseMass.data();
 	for ( int k = 0; k < 6; ++k )
 	{

@@ -41,6 +41,7 @@ private:
 	void spareRigidMotion( MatchView& view, float h ) const;
 
 	const Kernels& m_kernels;
+	const Lattice& m_lattice;
 	std::shared_ptr<const RegionTables> m_tables;
 	float m_cellSize = 0.0f;
 	float m_beta = 0.0f;

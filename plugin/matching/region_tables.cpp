@@ -26,6 +26,12 @@ std::shared_ptr<const RegionTables> buildRegionTables( const Lattice& lattice, c
 	const double positions = double( lattice.extent.x() ) * lattice.extent.y() * lattice.extent.z();
 	const bool pays = positions / nodes <= kGridPays[material.regionHalfWidth];
 	tables->usesGrid = tables->regions.isFullCubes && ( summation == Summation::BoxSums || ( summation == Summation::Automatic && pays ) );
+	tables->usesLinks = !tables->usesGrid && material.regionHalfWidth == 1;
+	if ( tables->usesGrid || tables->usesLinks )
+	{
+		tables->regions.start = {};
+		tables->regions.member = {};
+	}
 	if ( !tables->usesGrid )
 	{
 		return tables;
@@ -39,8 +45,6 @@ std::shared_ptr<const RegionTables> buildRegionTables( const Lattice& lattice, c
 			tables->slot.push_back( std::uint32_t( ( c.z() * lattice.extent.y() + c.y() ) * lattice.extent.x() + c.x() ) );
 		}
 	}
-	tables->regions.start = {};
-	tables->regions.member = {};
 	return tables;
 }
 

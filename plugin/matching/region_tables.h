@@ -31,6 +31,7 @@ struct RegionTables
 	RegionMoments moments;
 
 	bool usesGrid = false;                         ///< box sums; the table of members is then not kept
+	bool usesLinks = false;                        ///< w = 1: a region is its owner and the owner's links; the lattice's table serves
 	bool gridHasHoles = false;
 	Eigen::Vector3i grid = Eigen::Vector3i::Zero();
 	std::vector<std::uint32_t> slot;               ///< lattice position of each cell; empty without holes

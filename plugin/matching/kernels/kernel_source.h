@@ -172,7 +172,14 @@ inline Record sumAround( const MatchView& view, const float* records, int i )
 	{
 		return sumColumn( view, records, slotOf( view, i ) );
 	}
-	return sumList( records, view.member + view.start[i], view.start[i + 1] - view.start[i] );
+	const std::uint32_t* member = view.member + view.start[i];
+	const std::uint32_t count = view.start[i + 1] - view.start[i];
+	if ( !view.addOwner )
+	{
+		return sumList( records, member, count );
+	}
+	const Record own = loadRecord( records + std::size_t( i ) * kRecordFloats );
+	return count == 0 ? own : sumList( records, member, count ) + own;
 }
 
 void gatherTile( const MatchView& view, const float* records, int begin, int end, Tile& tile )

@@ -44,6 +44,7 @@ struct MatchView
 	// Regions.
 	const std::uint32_t* start = nullptr;
 	const std::uint32_t* member = nullptr;
+	bool addOwner = false;         ///< the table lists a region's other members only (the lattice's links, w = 1)
 	const float* inverseMass = nullptr;
 	const float* centre[3] = {};
 	const float* moment[6] = {};
