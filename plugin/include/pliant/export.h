@@ -1,17 +1,15 @@
 #pragma once
 
-// Which symbols a shared build of Pliant shows. A static build needs none of it.
+// Which symbols a shared library of Pliant shows. Elsewhere than on Windows the mark costs a static library nothing, so it always stands.
 
-#if defined( PLIANT_SHARED )
-	#if defined( _WIN32 )
-		#if defined( PLIANT_BUILDING )
-			#define PLIANT_API __declspec( dllexport )
-		#else
-			#define PLIANT_API __declspec( dllimport )
-		#endif
+#if defined( _WIN32 )
+	#if defined( PLIANT_SHARED ) && defined( PLIANT_BUILDING )
+		#define PLIANT_API __declspec( dllexport )
+	#elif defined( PLIANT_SHARED )
+		#define PLIANT_API __declspec( dllimport )
 	#else
-		#define PLIANT_API __attribute__( ( visibility( "default" ) ) )
+		#define PLIANT_API
 	#endif
 #else
-	#define PLIANT_API
+	#define PLIANT_API __attribute__( ( visibility( "default" ) ) )
 #endif
