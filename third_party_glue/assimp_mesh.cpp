@@ -6,6 +6,7 @@
 #include "third_party_glue/assimp_mesh.h"
 
 #include "third_party_glue/off_reader.h"
+#include "third_party_glue/ply_reader.h"
 
 #include <assimp/DefaultIOSystem.h>
 #include <assimp/Importer.hpp>
@@ -34,7 +35,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr int kMaxNodeDepth = 256;
-constexpr std::size_t kHeaderBytes = 65536;
+constexpr std::size_t kGlbHeaderBytes = 20;
 
 using Stop = std::atomic<bool>;
 
@@ -182,12 +183,13 @@ ReadResult importWithAssimp( const std::string& path, const ReadLimits& limits, 
 	return Gatherer( *scene, limits ).gather();
 }
 
-ReadResult importOff( const std::string& path, const ReadLimits& limits )
+/// .off and .ply: our own readers, which lose nothing and survive anything.
+ReadResult importPlain( const std::string& path, const ReadLimits& limits, ReadResult ( *reader )( std::string_view, const ReadLimits& ) )
 {
 	std::ifstream file( path, std::ios::binary );
 	std::ostringstream text;
 	text << file.rdbuf();
-	return file ? readOff( text.view(), limits ) : ReadResult::failure( FileCode::Unreadable, "The file cannot be read." );
+	return file ? reader( text.view(), limits ) : ReadResult::failure( FileCode::Unreadable, "The file cannot be read." );
 }
 
 std::string lowerCaseEnding( const std::string& path )
@@ -195,23 +197,6 @@ std::string lowerCaseEnding( const std::string& path )
 	std::string ending = fs::path( path ).extension().string();
 	std::transform( ending.begin(), ending.end(), ending.begin(), []( unsigned char c ) { return char( std::tolower( c ) ); } );
 	return ending;
-}
-
-/// A PLY element takes at least a byte, but assimp makes room for as many as the header claims.
-bool plyPromisesTooMuch( const std::string& header, std::uintmax_t fileBytes )
-{
-	std::istringstream lines( header );
-	for( std::string line; std::getline( lines, line ) && line.substr( 0, 10 ) != "end_header"; )
-	{
-		std::istringstream words( line );
-		std::string keyword, name;
-		double count = 0;
-		if( words >> keyword >> name >> count && keyword == "element" && !( count >= 0 && count <= double( fileBytes ) ) )
-		{
-			return true;
-		}
-	}
-	return false;
 }
 
 /// Bytes 8 and 12 of a .glb file give its own length and that of its first chunk; assimp allocates the latter unseen.
@@ -225,24 +210,30 @@ bool glbPromisesTooMuch( const std::string& header, std::uintmax_t fileBytes )
 		}
 		return value;
 	};
-	return header.size() < 20 || word( 8 ) > fileBytes || word( 12 ) > fileBytes;
+	return header.size() < kGlbHeaderBytes || word( 8 ) > fileBytes || word( 12 ) > fileBytes;
 }
 
 /// Looks at what a header claims before assimp believes it.
 bool promisesTooMuch( const std::string& path, std::uintmax_t fileBytes )
 {
-	const std::string ending = lowerCaseEnding( path );
+	if( lowerCaseEnding( path ) != ".glb" )
+	{
+		return false;
+	}
 	std::ifstream file( path, std::ios::binary );
-	std::string header( std::size_t( std::min<std::uintmax_t>( fileBytes, kHeaderBytes ) ), '\0' );
+	std::string header( std::size_t( std::min<std::uintmax_t>( fileBytes, kGlbHeaderBytes ) ), '\0' );
 	file.read( header.data(), std::streamsize( header.size() ) );
-	return ( ending == ".ply" && plyPromisesTooMuch( header, fileBytes ) ) || ( ending == ".glb" && glbPromisesTooMuch( header, fileBytes ) );
+	return glbPromisesTooMuch( header, fileBytes );
 }
 
 ReadResult import( const std::string& path, const ReadLimits& limits, const std::shared_ptr<Stop>& stop )
 {
 	try
 	{
-		return lowerCaseEnding( path ) == ".off" ? importOff( path, limits ) : importWithAssimp( path, limits, stop );
+		const std::string ending = lowerCaseEnding( path );
+		return ending == ".off"   ? importPlain( path, limits, readOff )
+		       : ending == ".ply" ? importPlain( path, limits, readPly )
+		                          : importWithAssimp( path, limits, stop );
 	}
 	catch( const std::bad_alloc& )
 	{

@@ -2,6 +2,7 @@
 
 #include "third_party_glue/assimp_mesh.h"
 #include "third_party_glue/off_reader.h"
+#include "third_party_glue/ply_reader.h"
 #include "third_party_glue/primitives.h"
 
 #include <gtest/gtest.h>
@@ -9,8 +10,10 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <random>
 #include <sstream>
 #include <thread>
@@ -203,6 +206,86 @@ TEST( Off, RefusesWhatIsNotThere )
 		EXPECT_FALSE( in.ok() ) << text;
 		EXPECT_FALSE( in.status.sentence.empty() ) << text;
 	}
+}
+
+TEST( Ply, ReadsTextAndBothByteOrders )
+{
+	const std::string elements = "comment made by hand\nelement vertex 3\nproperty float x\nproperty double y\nproperty short z\nproperty uchar red\n"
+								 "element face 1\nproperty list uchar int vertex_indices\nproperty list char float weights\nend_header\n";
+	const std::vector<float> expected = { 0, 0, 0, 1, 0, -2, 0, 1, 3 };
+	const ReadResult text = readPly( "ply\r\nformat ascii 1.0\r\n" + elements + "0 0 0 255\n1 0 -2 255\n0 +1 3e0 255\n3 0 1 2 1 .5\n" );
+	ASSERT_TRUE( text.ok() ) << text.status.sentence;
+	EXPECT_EQ( text.mesh.positions, expected );
+	EXPECT_EQ( text.mesh.indices, ( std::vector<std::uint32_t>{ 0, 1, 2 } ) );
+
+	for( const bool isBig : { false, true } )
+	{
+		std::string bytes;
+		const auto put = [&]( auto value ) {
+			char raw[sizeof( value )];
+			std::memcpy( raw, &value, sizeof( value ) ); // the machine's order, little-endian wherever these tests run
+			bytes += isBig ? std::string( std::reverse_iterator( raw + sizeof( value ) ), std::reverse_iterator( raw ) ) : std::string( raw, sizeof( value ) );
+		};
+		for( std::size_t i = 0; i < 9; i += 3 )
+		{
+			put( expected[i] );
+			put( double( expected[i + 1] ) );
+			put( std::int16_t( expected[i + 2] ) );
+			put( std::uint8_t( 255 ) );
+		}
+		put( std::uint8_t( 3 ) );
+		for( const std::int32_t corner : { 0, 1, 2 } )
+		{
+			put( corner );
+		}
+		put( std::int8_t( 1 ) );
+		put( 0.5f );
+		const std::string header = std::string( "ply\nformat " ) + ( isBig ? "binary_big_endian" : "binary_little_endian" ) + " 1.0\n";
+		const ReadResult binary = readPly( header + elements + bytes );
+		ASSERT_TRUE( binary.ok() ) << binary.status.sentence;
+		EXPECT_EQ( binary.mesh.positions, expected );
+		EXPECT_EQ( binary.mesh.indices, ( std::vector<std::uint32_t>{ 0, 1, 2 } ) );
+		EXPECT_FALSE( readPly( header + elements + bytes.substr( 0, bytes.size() - 1 ) ).ok() );
+	}
+}
+
+/// A few bytes of a good file changed or taken out.
+std::string damage( const std::string& good, std::mt19937& random )
+{
+	std::string bytes = good;
+	for( unsigned k = 0; k < 1 + random() % 8 && !bytes.empty(); ++k )
+	{
+		const std::size_t at = random() % ( random() % 3 == 0 ? std::min<std::size_t>( bytes.size(), 300 ) : bytes.size() );
+		switch( random() % 3 )
+		{
+		case 0: bytes[at] = char( random() & 0xff ); break;
+		case 1: bytes[at] = "0123456789-."[random() % 12]; break;
+		default: bytes.erase( at, 1 + random() % 5 ); break;
+		}
+	}
+	return bytes;
+}
+
+TEST_F( ModelFiles, DamagedPlyAndOffAreReadOrRefused )
+{
+	ASSERT_TRUE( writeModel( path( "ball.ply" ), { ball( "ball", 0 ) } ).ok() );
+	const std::string ply = bytesOf( path( "ball.ply" ) );
+	ASSERT_TRUE( readPly( ply ).ok() );
+	std::mt19937 random( 11 );
+	int good = 0;
+	for( int i = 0; i < 4000; ++i )
+	{
+		const bool isPly = i % 2 == 0;
+		const ReadResult in = isPly ? readPly( damage( ply, random ) ) : readOff( damage( kCubeOff, random ) );
+		good += in.ok() ? 1 : 0;
+		ASSERT_EQ( in.ok(), in.status.sentence.empty() );
+		for( const std::uint32_t index : in.mesh.indices )
+		{
+			ASSERT_TRUE( !in.ok() || index < in.mesh.vertexCount() );
+		}
+	}
+	EXPECT_GT( good, 0 );
+	EXPECT_LT( good, 4000 );
 }
 
 TEST_F( ModelFiles, MissingEmptyAndFolder )
