@@ -3,6 +3,7 @@
 // The world class to swap in for btDiscreteDynamicsWorld. Without a soft body in it, it is that world, bit for bit.
 
 #include "pliant/export.h"
+#include "pliant/precision.h"
 #include "pliant/soft_body.h"
 #include "pliant/task_runner.h"
 
@@ -30,8 +31,10 @@ class PLIANT_API SoftBodyWorld : public btDiscreteDynamicsWorld
 public:
 	BT_DECLARE_ALIGNED_ALLOCATOR();
 
-	/// As btDiscreteDynamicsWorld; works with any dispatcher, broadphase, solver and configuration.
-	SoftBodyWorld( btDispatcher* dispatcher, btBroadphaseInterface* broadphase, btConstraintSolver* solver, btCollisionConfiguration* configuration );
+	/// As btDiscreteDynamicsWorld; works with any dispatcher, broadphase, solver and configuration. Leave the last parameter alone:
+	/// it makes a program that disagrees with the library about Bullet's precision fail to link (precision.h).
+	SoftBodyWorld( btDispatcher* dispatcher, btBroadphaseInterface* broadphase, btConstraintSolver* solver, btCollisionConfiguration* configuration,
+		BulletPrecision = {} );
 	~SoftBodyWorld() override;
 
 	/// Group and mask as for any Bullet object. The world does not own the body. Adding twice is ignored.
