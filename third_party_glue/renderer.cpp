@@ -6,8 +6,9 @@
 #include "third_party_glue/renderer.h"
 
 #include "third_party_glue/gl_objects.h"
+#include "third_party_glue/gl_programs.h"
 #include "third_party_glue/primitives.h"
-#include "third_party_glue/shaders.h"
+#include "third_party_glue/shadow_map.h"
 
 #include <glm/glm.hpp>
 #include <glm/gtc/matrix_transform.hpp>
@@ -57,46 +58,6 @@ void describe( GLuint attribute, std::size_t stride, std::size_t offset )
 	glVertexAttribPointer( attribute, 3, GL_FLOAT, GL_FALSE, GLsizei( stride ), reinterpret_cast<const void*>( offset ) );
 }
 
-/// A depth texture that a shader compares with, and the camera it is seen from.
-struct ShadowMap
-{
-	GlTexture texture;
-	GlFramebuffer framebuffer;
-	int size = 0;
-	glm::mat4 viewProjection = glm::mat4( 1.0f );
-
-	void allocate( int edge )
-	{
-		size = edge;
-		glBindTexture( GL_TEXTURE_2D, texture.name() );
-		glTexImage2D( GL_TEXTURE_2D, 0, GL_DEPTH_COMPONENT24, edge, edge, 0, GL_DEPTH_COMPONENT, GL_UNSIGNED_INT, nullptr );
-		glTexParameteri( GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_LINEAR );
-		glTexParameteri( GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_LINEAR );
-		glTexParameteri( GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE );
-		glTexParameteri( GL_TEXTURE_2D, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE );
-		glTexParameteri( GL_TEXTURE_2D, GL_TEXTURE_COMPARE_MODE, GL_COMPARE_REF_TO_TEXTURE );
-		glBindFramebuffer( GL_FRAMEBUFFER, framebuffer.name() );
-		glFramebufferTexture2D( GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_TEXTURE_2D, texture.name(), 0 );
-		glDrawBuffer( GL_NONE );
-		glReadBuffer( GL_NONE );
-	}
-
-	void aim( const DrawLight& light, const glm::vec3& toLight )
-	{
-		const float radius = light.shadowRadius;
-		const glm::vec3 centre = toGlm( light.shadowCentre );
-		const glm::vec3 up = std::abs( toLight.y ) > 0.99f ? glm::vec3( 0, 0, 1 ) : glm::vec3( 0, 1, 0 );
-		viewProjection = glm::ortho( -radius, radius, -radius, radius, 0.0f, 4 * radius ) *
-		                 glm::lookAt( centre + toLight * 2.0f * radius, centre, up );
-	}
-
-	/// Clip space [-1, 1] to texture space [0, 1].
-	glm::mat4 lookUp() const
-	{
-		return glm::translate( glm::mat4( 1.0f ), glm::vec3( 0.5f ) ) * glm::scale( glm::mat4( 1.0f ), glm::vec3( 0.5f ) ) * viewProjection;
-	}
-};
-
 struct GpuMesh
 {
 	GlArrays arrays;
@@ -114,30 +75,11 @@ struct GpuInstances
 	int count = 0;
 };
 
-bool compile( GLuint program, GLenum kind, const char* define, const char* body, std::string& why )
-{
-	const GLuint shader = glCreateShader( kind );
-	const char* parts[] = { "#version 330 core\n", define, body };
-	glShaderSource( shader, 3, parts, nullptr );
-	glCompileShader( shader );
-	GLint good = GL_FALSE;
-	glGetShaderiv( shader, GL_COMPILE_STATUS, &good );
-	if( good != GL_TRUE )
-	{
-		char log[1024] = "";
-		glGetShaderInfoLog( shader, sizeof( log ), nullptr, log );
-		why = std::string( "a shader does not compile: " ) + log;
-	}
-	glAttachShader( program, shader );
-	glDeleteShader( shader );
-	return good == GL_TRUE;
-}
-
 } // namespace
 
 struct Renderer::Device
 {
-	std::array<GlProgram, std::size_t( Program::Count )> programs;
+	GlPrograms programs;
 	ShadowMap sun, sky;
 	std::map<std::uint64_t, GpuMesh> meshes;
 	GpuInstances boxes, spheres;
@@ -174,23 +116,9 @@ bool Renderer::Device::build( std::string& why )
 		why = "OpenGL 3.3 is needed";
 		return false;
 	}
-	for( int k = 0; k < int( Program::Count ); ++k )
+	if( !buildPrograms( programs, why ) )
 	{
-		const GLuint program = programs[std::size_t( k )].name();
-		const char* define = programDefine( Program( k ) );
-		if( !compile( program, GL_VERTEX_SHADER, define, kVertexSource, why ) ||
-		    !compile( program, GL_FRAGMENT_SHADER, define, kFragmentSource, why ) )
-		{
-			return false;
-		}
-		glLinkProgram( program );
-		GLint good = GL_FALSE;
-		glGetProgramiv( program, GL_LINK_STATUS, &good );
-		if( good != GL_TRUE )
-		{
-			why = "a shader program does not link";
-			return false;
-		}
+		return false;
 	}
 	sun.allocate( kSunMapSize );
 	sky.allocate( kSkyMapSize );
