@@ -5,6 +5,7 @@
 #include "lattice/lattice.h"
 #include "matching/node_state.h"
 #include "pliant/body_template.h"
+#include "pliant/mesh.h"
 
 #include <cstdint>
 #include <vector>
@@ -25,12 +26,26 @@ struct SkinBinding
 	int normalGroups = 0;
 };
 
-/// `meshPositions`: 3 floats a vertex, in the mesh's coordinates.
+/// `weldedVertex`: for each vertex the number of the vertex it was welded to (itself when alone); empty: none were.
 SkinBinding bindSkin( const MeshView& mesh, const Lattice& lattice, const std::vector<std::uint32_t>& weldedVertex, Skinning kind );
+
+/// The render mesh's triangles, three vertex numbers each.
+struct SkinTriangles
+{
+	const std::uint32_t* indices = nullptr;
+	int count = 0;
+};
+
+/// Room that `skin` needs and keeps between calls, so that only the first call allocates.
+struct SkinScratch
+{
+	AlignedArray<float> nodeMap;
+	std::vector<float> groupNormal;
+};
 
 /// Writes positions (relative to `state.origin`) and unit normals, 3 floats a vertex.
 /// `rotations`: one unit quaternion (x, y, z, w) a node, the rotation of the node's own region relative to rest.
-void skin( const SkinBinding& binding, const Lattice& lattice, const NodeState& state, const float* rotations, const std::uint32_t* indices,
-	int triangleCount, float* positions, float* normals );
+void skin( const SkinBinding& binding, const NodeState& state, const float* rotations, const SkinTriangles& triangles, SkinScratch& scratch,
+	float* positions, float* normals );
 
 } // namespace pliant
