@@ -2,6 +2,8 @@
 
 // Numbers of the preprocessing, each with its reason.
 
+#include <cstddef>
+
 namespace pliant {
 
 /// Cells around a cell: 3^3 - 1.
@@ -12,5 +14,64 @@ inline constexpr int kMaxExtent = 32767;
 
 /// What float rounding of positions may amount to, as a share of the lattice's size: 8 units in the last place.
 inline constexpr double kRoundingShare = 1e-6;
+
+/// Diagonals of a mesh, m, for which products such as mass x length^2 stay inside float's range with room to spare.
+inline constexpr double kSmallestDiagonal = 1e-7;
+inline constexpr double kLargestDiagonal = 1e7;
+
+/// A mesh may stick out of a whole number of cells by this share of a cell before another layer is added: it is rounding, not shape.
+inline constexpr double kOverhang = 1e-3;
+
+/// Coordinates are snapped to integers below 2^29, so that products of differences are exact in 64 bits.
+inline constexpr int kCoordinateBits = 29;
+
+/// Welding: buckets are this many tolerances wide, so that few vertices stand near a border; and at most 2^20 of them along an axis.
+inline constexpr double kTolerancesPerBucket = 4.0;
+inline constexpr double kMostBuckets = 1048576.0;
+
+/// A bucket with more different points than this is welded whole: only a mesh that is dust at this scale has one.
+inline constexpr std::size_t kCrowdedBucket = 1024;
+
+/// |sum of area vectors| / area: 0 for a closed shell, 1/2 for a hemisphere. Below this a shell has an inside of its own.
+inline constexpr double kNearlyClosed = 0.1;
+
+/// How many of the largest shells are asked whether they hold a smaller one, and at how many of its triangles.
+inline constexpr std::size_t kMostContainers = 32;
+inline constexpr std::size_t kContainmentProbes = 9;
+
+/// Above this share of unpaired edges to triangles the surface is a soup: closing its rims would cost more than it saves.
+inline constexpr double kMostRimShare = 0.2;
+
+/// A cluster of triangles is one dipole from this many of its radii on: error of the winding number below 0.01 (Barill et al. 2018, figure 6).
+inline constexpr double kFarField = 2.3;
+inline constexpr int kTrianglesPerLeaf = 8;
+
+/// |W| above this is inside: half way between 0 and 1, and the same for a mesh turned inside out.
+inline constexpr double kInsideWinding = 0.5;
+
+/// A cell without surface whose |W| is this near the threshold is sampled too: the rim of a hole passes close by.
+inline constexpr double kUncertainWinding = 0.2;
+
+/// Row crossings are kept in memory, 16 bytes each; above this many for a cell that is asked for the surface is folded beyond use.
+inline constexpr double kMostCrossingsPerCell = 48.0;
+inline constexpr double kMostCrossingsAtLeast = 1.0e6;
+
+/// Lattice positions searched for a cell that is allowed, where the mesh is not closed and each has to be asked.
+inline constexpr double kMostPositionsPerCell = 16.0;
+
+/// Cells cut by a surface of area A: 1.5 A / d^2 on average, half of each filled, a tenth below the least fill. So this many more than
+/// V / d^3: 1.5 * 0.9 - 0.75.
+inline constexpr double kCellsPerArea = 0.6;
+
+/// Rows across the longest side of the mesh when its volume is estimated, and when a sliver is looked for.
+inline constexpr int kEstimateRows = 64;
+inline constexpr int kSliverRows[] = { 64, 256, 1024 };
+
+/// targetCells is met when the count is off by no more than this share; so many tries.
+inline constexpr double kTargetSlack = 0.1;
+inline constexpr int kTargetTries = 4;
+
+/// Tasks a pass is cut into at most. Fixed, so that nothing depends on the number of threads.
+inline constexpr std::size_t kMostTasks = 64;
 
 } // namespace pliant

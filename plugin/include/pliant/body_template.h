@@ -102,6 +102,7 @@ public:
 
 	/// Private to Pliant's own sources (the types are not public).
 	const Lattice& lattice() const;
+	std::shared_ptr<const Lattice> sharedLattice() const;
 	const SkinBinding& skin() const;
 
 private:

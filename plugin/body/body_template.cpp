@@ -1,0 +1,165 @@
+// From a mesh to everything that bodies share: cells, links and skin. Ohta et al. 2009, "Preprocessing".
+
+#include "pliant/body_template.h"
+
+#include "lattice/build_lattice.h"
+#include "surface/skinning.h"
+
+#include <chrono>
+#include <exception>
+#include <new>
+
+namespace pliant {
+
+struct BodyTemplate::Data
+{
+	std::shared_ptr<const Lattice> lattice; // bodies hold it too
+	SkinBinding skin;
+	BuildReport report;
+	int vertexCount = 0;
+	int triangleCount = 0;
+	std::vector<std::uint32_t> indices;
+	std::vector<float> textureCoordinates;
+	std::vector<std::uint32_t> submeshOfTriangle;
+};
+
+namespace {
+
+/// Positions without gaps between them, whatever the stride they came in.
+std::vector<float> packedPositions( const MeshView& mesh )
+{
+	std::vector<float> packed;
+	packed.reserve( 3 * mesh.vertexCount );
+	for ( std::size_t i = 0; i < mesh.vertexCount; ++i )
+	{
+		const float* p = mesh.positions + i * mesh.positionStride;
+		packed.insert( packed.end(), p, p + 3 );
+	}
+	return packed;
+}
+
+template <class T>
+std::vector<T> copyOf( const T* first, std::size_t count )
+{
+	return first ? std::vector<T>( first, first + count ) : std::vector<T>();
+}
+
+template <class T>
+const T* dataOrNull( const std::vector<T>& values )
+{
+	return values.empty() ? nullptr : values.data();
+}
+
+} // namespace
+
+BodyTemplate::BodyTemplate() : m_data( std::make_unique<Data>() ) {}
+
+BodyTemplate::~BodyTemplate() = default;
+
+Result<std::shared_ptr<const BodyTemplate>> BodyTemplate::build( const MeshView& mesh, const LatticeSettings& settings )
+{
+	using Answer = Result<std::shared_ptr<const BodyTemplate>>;
+	const auto start = std::chrono::steady_clock::now();
+	try
+	{
+		Result<LatticeBuild> built = buildLattice( mesh, settings );
+		if ( !built.ok() )
+		{
+			return Answer::failure( built.status.code, std::move( built.status.sentence ) );
+		}
+		const std::shared_ptr<BodyTemplate> made( new BodyTemplate );
+		Data& data = *made->m_data;
+		data.lattice = std::make_shared<const Lattice>( std::move( built.value.lattice ) );
+		if ( settings.skinning != Skinning::None )
+		{
+			const std::vector<float> packed = packedPositions( mesh );
+			MeshView packedMesh = mesh;
+			packedMesh.positions = packed.data();
+			packedMesh.positionStride = 3;
+			data.skin = bindSkin( packedMesh, *data.lattice, built.value.weldedVertex, settings.skinning );
+			data.vertexCount = int( mesh.vertexCount );
+			data.triangleCount = int( mesh.triangleCount );
+			data.indices = copyOf( mesh.indices, 3 * mesh.triangleCount );
+			data.textureCoordinates = copyOf( mesh.textureCoordinates, 2 * mesh.vertexCount );
+			data.submeshOfTriangle = copyOf( mesh.submeshOfTriangle, mesh.triangleCount );
+		}
+		data.report = built.value.report;
+		data.report.seconds = std::chrono::duration<double>( std::chrono::steady_clock::now() - start ).count();
+		return Answer::success( made );
+	}
+	catch ( const std::bad_alloc& )
+	{
+		return Answer::failure( ResultCode::OutOfMemory, "Not enough memory to build the body; a larger LatticeSettings::cellSize needs less." );
+	}
+	catch ( const std::exception& problem )
+	{
+		return Answer::failure( ResultCode::BadArgument, std::string( "Building the body failed: " ) + problem.what() );
+	}
+}
+
+int BodyTemplate::cellCount() const
+{
+	return m_data->lattice->cellCount();
+}
+
+int BodyTemplate::linkCount() const
+{
+	return m_data->lattice->linkCount();
+}
+
+float BodyTemplate::cellSize() const
+{
+	return m_data->lattice->cellSize;
+}
+
+const double* BodyTemplate::massCentre() const
+{
+	return m_data->lattice->massCentre.data();
+}
+
+const BuildReport& BodyTemplate::report() const
+{
+	return m_data->report;
+}
+
+int BodyTemplate::vertexCount() const
+{
+	return m_data->vertexCount;
+}
+
+int BodyTemplate::triangleCount() const
+{
+	return m_data->triangleCount;
+}
+
+const std::uint32_t* BodyTemplate::indices() const
+{
+	return dataOrNull( m_data->indices );
+}
+
+const float* BodyTemplate::textureCoordinates() const
+{
+	return dataOrNull( m_data->textureCoordinates );
+}
+
+const std::uint32_t* BodyTemplate::submeshOfTriangle() const
+{
+	return dataOrNull( m_data->submeshOfTriangle );
+}
+
+const Lattice& BodyTemplate::lattice() const
+{
+	return *m_data->lattice;
+}
+
+std::shared_ptr<const Lattice> BodyTemplate::sharedLattice() const
+{
+	return m_data->lattice;
+}
+
+const SkinBinding& BodyTemplate::skin() const
+{
+	return m_data->skin;
+}
+
+} // namespace pliant

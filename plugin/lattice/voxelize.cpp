@@ -1,0 +1,394 @@
+// Positions without a crossing on or next to any of their rows are wholly inside or wholly outside and asked once; in the others every
+// sample is asked. So the cost follows the surface.
+
+#include "lattice/voxelize.h"
+
+#include "lattice/constants.h"
+#include "lattice/guarded_tasks.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace pliant {
+
+bool Progress::report( float share )
+{
+	m_done = std::max( m_done, share );
+	return !m_settings.progress || m_settings.progress( m_done, m_settings.progressContext );
+}
+
+namespace {
+
+constexpr std::array<std::uint8_t, 3> kBlocked = { kBlockedX, kBlockedY, kBlockedZ };
+
+template <class T>
+void appendAll( std::vector<std::vector<T>>& parts, std::vector<T>& out )
+{
+	std::size_t total = out.size();
+	for ( const auto& part : parts )
+	{
+		total += part.size();
+	}
+	out.reserve( total );
+	for ( auto& part : parts )
+	{
+		out.insert( out.end(), part.begin(), part.end() );
+		std::vector<T>().swap( part );
+	}
+}
+
+class Voxelizer
+{
+public:
+	Voxelizer( const SnappedSurface& surface, const VoxelizeOptions& options, Voxels& out )
+		: m_surface( surface ), m_grid( surface.grid() ), m_options( options ), m_out( out )
+	{
+		m_out = Voxels{};
+		m_out.grid = m_grid;
+	}
+
+	ResultCode run()
+	{
+		constexpr std::array<float, 3> kRowsDone = { 0.4f, 0.5f, 0.6f };
+		for ( int axis = 0; axis < 3; ++axis )
+		{
+			m_rows[std::size_t( axis )] = m_surface.makeRows( axis, m_options.runner );
+			if ( !m_options.progress.report( kRowsDone[std::size_t( axis )] ) )
+			{
+				return ResultCode::Cancelled;
+			}
+		}
+		if ( isTooMuch() )
+		{
+			return ResultCode::TooManyCells;
+		}
+		markCutCells();
+		classifyTheRest();
+		if ( double( m_out.full.size() ) > m_options.mostCells || double( m_out.cut.size() ) > kMostPositionsPerCell * m_options.mostCells )
+		{
+			return ResultCode::TooManyCells;
+		}
+		if ( !m_options.progress.report( 0.7f ) )
+		{
+			return ResultCode::Cancelled;
+		}
+		m_out.flags.assign( m_out.cut.size() * m_out.samplesPerCell(), 0 );
+		const PositionIndex index( m_grid, m_out.cut );
+		m_index = &index;
+		sampleCutCells();
+		std::vector<Sliver> slivers;
+		for ( const RowSet& rows : m_rows )
+		{
+			searchBetweenSamples( rows, slivers );
+		}
+		keepSlivers( slivers );
+		return m_options.progress.report( 0.8f ) ? ResultCode::Ok : ResultCode::Cancelled;
+	}
+
+private:
+	/// A sample by its row and its number along it.
+	struct Place
+	{
+		std::uint64_t key;
+		std::size_t sample;
+	};
+
+	Place place( int axis, int u, int v, int along ) const
+	{
+		const int s = m_grid.samples;
+		Eigen::Vector3i at;
+		at[axis] = along;
+		at[( axis + 1 ) % 3] = u;
+		at[( axis + 2 ) % 3] = v;
+		const Eigen::Vector3i cell = at / s;
+		const Eigen::Vector3i in = at - cell * s;
+		return { m_grid.key( cell.x(), cell.y(), cell.z() ), std::size_t( ( in.z() * s + in.y() ) * s + in.x() ) };
+	}
+
+	/// The volume along the rows is known before any cell is made; and where the surface is open, every position will be asked.
+	bool isTooMuch() const
+	{
+		if ( !m_surface.field().isWhole() )
+		{
+			return double( m_grid.positions() ) > kMostPositionsPerCell * m_options.mostCells;
+		}
+		double length = 0.0;
+		for ( const InsideRun& run : insideRuns( m_surface, m_rows[0] ) )
+		{
+			length += run.to - run.from;
+		}
+		const double cells = length / ( m_grid.cellSize * m_grid.samples * m_grid.samples );
+		return cells > ( 1.0 + kTargetSlack ) * m_options.mostCells;
+	}
+
+	void markCutCells()
+	{
+		std::vector<std::uint64_t>& cut = m_out.cut;
+		for ( const RowSet& rows : m_rows )
+		{
+			const int most = m_grid.sampleCount( rows.axis );
+			for ( const Crossing& c : rows.crossing )
+			{
+				const int above = m_grid.firstAbove( rows.axis, c.at );
+				for ( int along = std::max( above - 1, 0 ); along < std::min( above + 1, most ); ++along )
+				{
+					const std::uint64_t key = place( rows.axis, c.u(), c.v(), along ).key;
+					if ( cut.empty() || cut.back() != key )
+					{
+						cut.push_back( key );
+					}
+				}
+			}
+			std::sort( cut.begin(), cut.end() );
+			cut.erase( std::unique( cut.begin(), cut.end() ), cut.end() );
+		}
+	}
+
+	/// Every position that is not cut, layer by layer.
+	void classifyTheRest()
+	{
+		const int layers = m_grid.extent.z();
+		std::vector<std::vector<std::uint64_t>> full( static_cast<std::size_t>( layers ) );
+		std::vector<std::vector<std::uint64_t>> uncertain( static_cast<std::size_t>( layers ) );
+		auto classifyLayer = [&]( int z ) {
+			for ( int y = 0; y < m_grid.extent.y(); ++y )
+			{
+				classifyRow( y, z, full[std::size_t( z )], uncertain[std::size_t( z )] );
+			}
+		};
+		if ( m_surface.field().isWhole() )
+		{
+			auto classifyCrossed = [&]( int z ) { classifyCrossedRows( z, full[std::size_t( z )], uncertain[std::size_t( z )] ); };
+			runGuarded( m_options.runner, layers, classifyCrossed );
+		}
+		else
+		{
+			runGuarded( m_options.runner, layers, classifyLayer );
+		}
+		appendAll( full, m_out.full );
+		std::vector<std::uint64_t> more;
+		appendAll( uncertain, more );
+		const auto middle = std::ptrdiff_t( m_out.cut.size() );
+		m_out.cut.insert( m_out.cut.end(), more.begin(), more.end() );
+		std::inplace_merge( m_out.cut.begin(), m_out.cut.begin() + middle, m_out.cut.end() );
+	}
+
+	/// A row of cells without any crossing is outside, when counting says it all: only the others are walked.
+	void classifyCrossedRows( int z, std::vector<std::uint64_t>& full, std::vector<std::uint64_t>& uncertain ) const
+	{
+		const RowSet& rows = m_rows[0];
+		int done = -1;
+		for ( std::size_t k = rows.slabStart[std::size_t( z )]; k < rows.slabStart[std::size_t( z ) + 1]; ++k )
+		{
+			const Crossing& c = rows.crossing[k];
+			if ( c.v() != z * m_grid.samples )
+			{
+				break; // the cells' first rows stand first in the slab
+			}
+			if ( c.u() % m_grid.samples == 0 && c.u() / m_grid.samples != done )
+			{
+				done = c.u() / m_grid.samples;
+				classifyRow( done, z, full, uncertain );
+			}
+		}
+	}
+
+	void classifyRow( int y, int z, std::vector<std::uint64_t>& full, std::vector<std::uint64_t>& uncertain ) const
+	{
+		auto [next, last] = m_rows[0].row( y * m_grid.samples, z * m_grid.samples, m_grid.samples );
+		const std::uint64_t first = m_grid.key( 0, y, z );
+		auto cut = std::lower_bound( m_out.cut.begin(), m_out.cut.end(), first );
+		int count = 0;
+		for ( int x = 0; x < m_grid.extent.x(); ++x )
+		{
+			while ( next != last && next->at <= m_grid.sampleAt( x * m_grid.samples ) )
+			{
+				count += m_surface.counted( *next++ );
+			}
+			const std::uint64_t key = first + std::uint64_t( x );
+			if ( cut != m_out.cut.end() && *cut == key )
+			{
+				++cut;
+				continue;
+			}
+			const Vec3d middle = m_grid.corner + m_grid.cellSize * Vec3d( x + 0.5, y + 0.5, z + 0.5 );
+			const double winding = std::abs( m_surface.field().winding( count, middle ) );
+			if ( !m_surface.field().isWhole() && std::abs( winding - kInsideWinding ) < kUncertainWinding )
+			{
+				uncertain.push_back( key );
+			}
+			else if ( winding > kInsideWinding )
+			{
+				full.push_back( key );
+			}
+		}
+	}
+
+	void sampleCutCells()
+	{
+		// Cut cells of one row of cells share their rows of samples.
+		std::vector<std::size_t> start;
+		for ( std::size_t k = 0; k < m_out.cut.size(); ++k )
+		{
+			const std::uint64_t nx = std::uint64_t( m_grid.extent.x() );
+			if ( k == 0 || m_out.cut[k] / nx != m_out.cut[k - 1] / nx )
+			{
+				start.push_back( k );
+			}
+		}
+		start.push_back( m_out.cut.size() );
+		const std::size_t count = start.size() - 1;
+		const std::size_t tasks = std::min( kMostTasks, count );
+		auto sampleSome = [&]( int task ) {
+			for ( std::size_t k = count * std::size_t( task ) / tasks; k < count * ( std::size_t( task ) + 1 ) / tasks; ++k )
+			{
+				sampleRowOfCells( start[k], start[k + 1] );
+			}
+		};
+		runGuarded( m_options.runner, int( tasks ), sampleSome );
+	}
+
+	void sampleRowOfCells( std::size_t begin, std::size_t end )
+	{
+		const int s = m_grid.samples;
+		const Eigen::Vector3i at = m_grid.at( m_out.cut[begin] );
+		for ( int inRow = 0; inRow < s * s; ++inRow )
+		{
+			const int u = at.y() * s + inRow % s;
+			const int v = at.z() * s + inRow / s;
+			const Crossing row{ Crossing::packRow( u, v ), 0.0 };
+			auto [next, last] = m_rows[0].row( u, v, s );
+			int count = 0;
+			for ( std::size_t k = begin; k < end; ++k )
+			{
+				const int x = m_grid.at( m_out.cut[k] ).x();
+				std::uint8_t* flags = &m_out.flags[k * m_out.samplesPerCell() + std::size_t( inRow * s )];
+				for ( int i = 0; i < s; ++i )
+				{
+					const double place = m_grid.sampleAt( x * s + i );
+					while ( next != last && next->at <= place )
+					{
+						count += m_surface.counted( *next++ );
+					}
+					flags[i] = m_surface.field().isWhole() ? std::uint8_t( count != 0 ? kInside : 0 )
+														   : std::uint8_t( m_surface.field().isInside( count, m_surface.pointOn( 0, row, place ) ) ? kInside : 0 );
+				}
+			}
+		}
+	}
+
+	std::uint8_t* flagsAt( const Place& place )
+	{
+		const std::int32_t cell = m_index->find( place.key );
+		return cell == PositionIndex::kNone ? nullptr : &m_out.flags[std::size_t( cell ) * m_out.samplesPerCell() + place.sample];
+	}
+
+	void searchBetweenSamples( const RowSet& rows, std::vector<Sliver>& slivers )
+	{
+		std::vector<std::vector<Sliver>> found( static_cast<std::size_t>( rows.slabs() ) );
+		auto searchSlab = [&]( int slab ) {
+			int count = 0;
+			for ( std::size_t k = rows.slabStart[std::size_t( slab )]; k < rows.slabStart[std::size_t( slab ) + 1]; ++k )
+			{
+				const Crossing& c = rows.crossing[k];
+				count += m_surface.counted( c );
+				const bool isLast = k + 1 == rows.slabStart[std::size_t( slab ) + 1] || rows.crossing[k + 1].row() != c.row();
+				if ( isLast )
+				{
+					count = 0;
+				}
+				else
+				{
+					inspect( rows.axis, c, rows.crossing[k + 1].at, count, found[std::size_t( slab )] );
+				}
+			}
+		};
+		runGuarded( m_options.runner, rows.slabs(), searchSlab );
+		appendAll( found, slivers );
+	}
+
+	/// The piece of a row between two crossings, when no sample stands in it: a gap between inside samples, or a sliver between outside ones.
+	void inspect( int axis, const Crossing& from, double to, int count, std::vector<Sliver>& slivers )
+	{
+		const int above = m_grid.firstAbove( axis, from.at );
+		if ( to <= from.at || above != m_grid.firstAbove( axis, to ) )
+		{
+			return;
+		}
+		const int most = m_grid.sampleCount( axis );
+		std::uint8_t* low = above > 0 ? flagsAt( place( axis, from.u(), from.v(), above - 1 ) ) : nullptr;
+		const std::uint8_t* high = above < most ? flagsAt( place( axis, from.u(), from.v(), above ) ) : nullptr;
+		const bool isLowInside = low && ( *low & kInside );
+		const bool isHighInside = high && ( *high & kInside );
+		const double middle = 0.5 * ( from.at + to );
+		const bool isInside = m_surface.field().isInside( count, m_surface.pointOn( axis, from, middle ) );
+		const double length = ( to - from.at ) * m_grid.quantum();
+		if ( isLowInside && isHighInside && !isInside && length > m_options.gap )
+		{
+			*low |= kBlocked[std::size_t( axis )];
+		}
+		if ( isLowInside || isHighInside || !isInside || middle < 0.0 )
+		{
+			return;
+		}
+		const double edge = double( std::int64_t( 1 ) << m_grid.bits );
+		const int along = std::min( int( middle / edge * m_grid.samples ), most - 1 );
+		const Place at = place( axis, from.u(), from.v(), along );
+		const std::int32_t cell = m_index->find( at.key );
+		const float share = float( length / m_grid.cellSize / ( m_grid.samples * m_grid.samples ) );
+		const Vec3d point = ( m_surface.pointOn( axis, from, middle ) - m_grid.corner ) / m_grid.cellSize;
+		if ( cell != PositionIndex::kNone && share > 0.0f )
+		{
+			slivers.push_back( { cell, std::uint16_t( at.sample ), std::uint8_t( axis ), share, point } );
+		}
+	}
+
+	/// Only cells without an inside sample need them. Rows along each axis measure the same material: the axis that sees most of it counts.
+	void keepSlivers( std::vector<Sliver>& slivers )
+	{
+		const std::size_t perCell = m_out.samplesPerCell();
+		const auto hasInside = [&]( const Sliver& sliver ) {
+			const auto first = m_out.flags.begin() + std::ptrdiff_t( std::size_t( sliver.cutCell ) * perCell );
+			return std::any_of( first, first + std::ptrdiff_t( perCell ), []( std::uint8_t f ) { return ( f & kInside ) != 0; } );
+		};
+		slivers.erase( std::remove_if( slivers.begin(), slivers.end(), hasInside ), slivers.end() );
+		std::sort( slivers.begin(), slivers.end(), []( const Sliver& a, const Sliver& b ) {
+			return a.cutCell != b.cutCell ? a.cutCell < b.cutCell : a.axis != b.axis ? a.axis < b.axis : a.sample != b.sample ? a.sample < b.sample :
+				a.point[a.axis] < b.point[b.axis];
+		} );
+		for ( std::size_t first = 0, last = 0; first < slivers.size(); first = last )
+		{
+			std::array<double, 3> share{};
+			for ( ; last < slivers.size() && slivers[last].cutCell == slivers[first].cutCell; ++last )
+			{
+				share[slivers[last].axis] += slivers[last].share;
+			}
+			const auto best = std::max_element( share.begin(), share.end() ) - share.begin();
+			for ( std::size_t k = first; k < last; ++k )
+			{
+				if ( slivers[k].axis == best )
+				{
+					m_out.flags[std::size_t( slivers[k].cutCell ) * perCell + slivers[k].sample] |= kSliver;
+					m_out.slivers.push_back( slivers[k] );
+				}
+			}
+		}
+	}
+
+	const SnappedSurface& m_surface;
+	const Grid m_grid;
+	const VoxelizeOptions& m_options;
+	Voxels& m_out;
+	std::array<RowSet, 3> m_rows;
+	const PositionIndex* m_index = nullptr;
+};
+
+} // namespace
+
+ResultCode voxelize( const SnappedSurface& surface, const VoxelizeOptions& options, Voxels& out )
+{
+	return Voxelizer( surface, options, out ).run();
+}
+
+} // namespace pliant
