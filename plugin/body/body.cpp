@@ -39,6 +39,12 @@ void fillNodes( const Lattice& lattice, const Material& material, NodeState& nod
 	}
 }
 
+/// The grid point next to a position. Origins stand on this grid, so that they are the same number in float and in double.
+Vec3d snapped( const Vec3d& position )
+{
+	return ( position / kOriginGrid ).array().round() * kOriginGrid;
+}
+
 double longestExtent( const Lattice& lattice )
 {
 	Vec3 low = lattice.restCentre[0], high = low;
@@ -140,11 +146,12 @@ Status Body::setMaterial( const Material& material )
 
 void Body::place( const Placement& placement )
 {
-	m_nodes.origin = placement.position;
+	m_nodes.origin = snapped( placement.position );
+	const Vec3d centre = placement.position - m_nodes.origin;
 	const Eigen::Matrix3d rotation = placement.rotation.normalized().toRotationMatrix();
 	for ( int i = 0; i < m_nodes.count; ++i )
 	{
-		m_nodes.x.set( i, ( rotation * m_nodes.x0.get( i ).cast<double>() ).cast<float>() );
+		m_nodes.x.set( i, ( rotation * m_nodes.x0.get( i ).cast<double>() + centre ).cast<float>() );
 		m_nodes.v.set( i, Vec3::Zero() );
 	}
 	m_matcher->reset( m_nodes, placement.rotation.normalized() );
@@ -154,10 +161,11 @@ void Body::place( const Placement& placement )
 void Body::teleport( const Placement& by )
 {
 	const Eigen::Matrix3d rotation = by.rotation.normalized().toRotationMatrix();
-	m_nodes.origin = rotation * m_nodes.origin + by.position;
+	const Vec3d moved = rotation * m_nodes.origin + by.position;
+	m_nodes.origin = snapped( moved );
 	for ( int i = 0; i < m_nodes.count; ++i )
 	{
-		m_nodes.x.set( i, ( rotation * m_nodes.x.get( i ).cast<double>() ).cast<float>() );
+		m_nodes.x.set( i, ( rotation * m_nodes.x.get( i ).cast<double>() + ( moved - m_nodes.origin ) ).cast<float>() );
 		m_nodes.v.set( i, ( rotation * m_nodes.v.get( i ).cast<double>() ).cast<float>() );
 	}
 	m_matcher->turn( by.rotation.normalized() );
@@ -289,7 +297,7 @@ void Body::rebase()
 		return;
 	}
 	// Moves by whole multiples of a power of two: origin and positions change by the same exactly representable amount.
-	const Vec3d move = ( strayed / kRebaseGrid ).array().round() * kRebaseGrid;
+	const Vec3d move = snapped( strayed );
 	m_nodes.origin += move;
 	const Vec3 back = move.cast<float>();
 	for ( int i = 0; i < m_nodes.count; ++i )
@@ -328,6 +336,11 @@ Placement Body::bestFit() const
 		moment += double( m_nodes.mass[i] ) * p * m_nodes.x0.get( i ).cast<double>().transpose();
 	}
 	return Placement{ fitRotation( moment, Eigen::Quaterniond::Identity() ), m_nodes.origin + whole.centre };
+}
+
+void Body::nodeRotations( float* quaternions ) const
+{
+	m_matcher->nodeRotations( m_nodes, quaternions );
 }
 
 float Body::invertedShare() const

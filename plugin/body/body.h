@@ -81,6 +81,8 @@ public:
 	BodySums sums() const;
 	/// The rigid motion that fits the body best (mass centre in world coordinates, rotation of all nodes together).
 	Placement bestFit() const;
+	/// A unit quaternion (x, y, z, w) a node: the rotation of its own region from rest to now. 4 floats a node.
+	void nodeRotations( float* quaternions ) const;
 	/// Cells whose eight-corner frame has turned inside out, as a share of those that can be tested.
 	float invertedShare() const;
 

@@ -3,6 +3,7 @@
 #include "pliant/body_template.h"
 
 #include "lattice/build_lattice.h"
+#include "matching/region_tables.h"
 #include "surface/skinning.h"
 
 #include <chrono>
@@ -14,6 +15,7 @@ namespace pliant {
 struct BodyTemplate::Data
 {
 	std::shared_ptr<const Lattice> lattice; // bodies hold it too
+	std::shared_ptr<RegionCache> regionCache = std::make_shared<RegionCache>();
 	SkinBinding skin;
 	BuildReport report;
 	int vertexCount = 0;
@@ -155,6 +157,11 @@ const Lattice& BodyTemplate::lattice() const
 std::shared_ptr<const Lattice> BodyTemplate::sharedLattice() const
 {
 	return m_data->lattice;
+}
+
+std::shared_ptr<RegionCache> BodyTemplate::regionCache() const
+{
+	return m_data->regionCache;
 }
 
 const SkinBinding& BodyTemplate::skin() const

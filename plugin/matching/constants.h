@@ -39,9 +39,9 @@ inline constexpr int kLargestClusterEdge = 64;
 /// Substeps named to the user when a modulus is out of reach are cut here: beyond, the number means "never".
 inline constexpr int kMostSubstepsNamed = 1000000;
 
-/// A body's origin follows its mass centre in multiples of this length, m, once it has strayed by more: a power of two, so that
-/// the move is exact in binary and the same on every machine.
-inline constexpr double kRebaseGrid = 1.0;
+/// Bodies' origins are multiples of this length, m: a power of two, so that origins and moves are exact in binary, in float up to
+/// 1000 km out, and the same on every machine.
+inline constexpr double kOriginGrid = 1.0 / 16.0;
 
 /// Speed above which a node is held back, m/s: faster is an error of the game, and 16-bit cell hashes and float contacts end here.
 inline constexpr float kSpeedLimit = 1.0e5f;

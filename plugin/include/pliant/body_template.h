@@ -14,6 +14,7 @@ namespace pliant {
 class TaskRunner;
 struct Lattice;
 struct SkinBinding;
+class RegionCache;
 
 /// How the render mesh follows the nodes.
 enum class Skinning : int
@@ -103,6 +104,7 @@ public:
 	/// Private to Pliant's own sources (the types are not public).
 	const Lattice& lattice() const;
 	std::shared_ptr<const Lattice> sharedLattice() const;
+	std::shared_ptr<RegionCache> regionCache() const;
 	const SkinBinding& skin() const;
 
 private:

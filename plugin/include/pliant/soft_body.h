@@ -54,7 +54,10 @@ public:
 	btVector3 nodePosition( int node ) const;  ///< world, m
 	btVector3 nodeVelocity( int node ) const;  ///< m/s
 	btScalar nodeMass( int node ) const;       ///< kg
-	btScalar nodeRadius( int node ) const;     ///< of the collision sphere, m
+	btScalar nodeRadius( int node ) const;     ///< of the collision sphere, m; 0 for a node deep inside, which has none
+	/// The node behind a child shape's index, as ray, sweep and contact tests report it; -1 when there is none.
+	/// Node spheres stand for the surface and one layer below; contact points carry the node's own number.
+	int nodeOfShapeIndex( int shapeIndex ) const;
 	/// Nearest node to a world point; -1 never (a body has nodes).
 	int nearestNode( const btVector3& worldPoint ) const;
 
@@ -112,7 +115,17 @@ public:
 	const Impl& impl() const { return *m_impl; }
 
 private:
+	struct PinRequest
+	{
+		int node;
+		int kind;
+		btRigidBody* body;
+		btVector3 point;
+	};
+
 	SoftBody();
+	Status pin( const PinRequest& request );
+	void hasMoved();
 	std::unique_ptr<Impl> m_impl;
 };
 

@@ -57,8 +57,9 @@ public:
 	const StepReport& stepReport() const;
 
 	void removeCollisionObject( btCollisionObject* object ) override;
+	void removeRigidBody( btRigidBody* body ) override;
+	void clearForces() override;
 	void debugDrawWorld() override;
-	void synchronizeMotionStates() override;
 	void solveConstraints( btContactSolverInfo& info ) override;
 
 protected:

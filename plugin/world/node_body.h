@@ -1,0 +1,53 @@
+#pragma once
+
+// The stand-in through which Bullet's solver moves one node: a light rigid body that is in no world, made when the node is first
+// touched and given back to a pool when nothing touches it any more. A body of 20 000 nodes resting on 100 of them has 100.
+
+#include <BulletDynamics/Dynamics/btRigidBody.h>
+
+#include <memory>
+#include <vector>
+
+namespace pliant {
+
+class SoftBody;
+
+class NodeBody : public btRigidBody
+{
+public:
+	BT_DECLARE_ALIGNED_ALLOCATOR();
+
+	NodeBody();
+
+	SoftBody* owner = nullptr;
+	int node = -1;
+	int uses = 0;           ///< manifolds and predictive contacts that name it
+	unsigned stamp = 0;     ///< collision phase in which it was last written
+	btVector3 written = btVector3( 0, 0, 0 ); ///< world position given to the solver, m
+};
+
+/// The soft body behind a node body, or null for any other object.
+SoftBody* ownerOfNodeBody( const btCollisionObject* object );
+
+class NodeBodyPool
+{
+public:
+	~NodeBodyPool();
+
+	/// The node's stand-in, written for this collision phase; counts one use.
+	NodeBody* acquire( SoftBody& owner, int node );
+	void release( NodeBody* body );
+
+	/// A new collision phase begins: stand-ins are written anew when they are next acquired or refreshed.
+	void nextPhase() { ++m_phase; }
+	/// Position, velocity, mass and surface properties from the node, once a phase.
+	void refresh( NodeBody& body );
+
+	std::size_t count() const { return m_all.size(); }
+
+private:
+	std::vector<NodeBody*> m_all, m_free;
+	unsigned m_phase = 1;
+};
+
+} // namespace pliant

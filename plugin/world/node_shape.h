@@ -1,0 +1,64 @@
+#pragma once
+
+// A soft body's collision shape: one Bullet compound of shared spheres, one a colliding node, its tree refitted each substep.
+// Ray, sweep and contact tests, ghosts and debug drawing work on it as on any compound.
+
+#include "lattice/lattice.h"
+#include "matching/node_state.h"
+
+#include <BulletCollision/BroadphaseCollision/btDbvt.h>
+#include <BulletCollision/CollisionShapes/btCompoundShape.h>
+#include <BulletCollision/CollisionShapes/btSphereShape.h>
+
+#include <map>
+#include <memory>
+#include <vector>
+
+namespace pliant {
+
+class NodeShape : public btCompoundShape
+{
+public:
+	BT_DECLARE_ALIGNED_ALLOCATOR();
+
+	/// Spheres for the cells of the surface and one layer below it: with a bare shell, what once got through meets nothing.
+	explicit NodeShape( const Lattice& lattice );
+
+	/// Writes the spheres' places and boxes, the boxes stretched by `h` times the nodes' velocities, and refits the tree.
+	void update( const NodeState& nodes, btScalar h );
+
+	int nodeOfChild( int child ) const { return m_nodeOfChild[child]; }
+	/// -1 for a node that does not collide.
+	int childOfNode( int node ) const { return m_childOfNode[node]; }
+	btScalar radius( int child ) const { return static_cast<const btSphereShape*>( m_children[child].m_childShape )->getRadius(); }
+	btSphereShape* sphere( int child ) const { return static_cast<btSphereShape*>( m_children[child].m_childShape ); }
+	/// Largest radius of any node, m.
+	btScalar largestRadius() const { return m_largestRadius; }
+
+	/// Calls visit( child ) for every child whose stretched box meets the box, which is in the shape's own coordinates.
+	template <class Visit>
+	void visitOverlaps( const btVector3& low, const btVector3& high, Visit&& visit ) const
+	{
+		struct Collect : btDbvt::ICollide
+		{
+			explicit Collect( Visit& v ) : call( v ) {}
+			void Process( const btDbvtNode* leaf ) override { call( leaf->dataAsInt ); }
+			Visit& call;
+		} collect( visit );
+		const btDbvtVolume box = btDbvtVolume::FromMM( low, high );
+		m_dynamicAabbTree->collideTV( m_dynamicAabbTree->m_root, box, collect );
+	}
+	const btDbvt& tree() const { return *m_dynamicAabbTree; }
+
+	std::size_t bytes() const;
+
+private:
+	btSphereShape* sphereOf( double radius );
+
+	std::map<int, std::unique_ptr<btSphereShape>> m_spheres; // by radius step
+	std::vector<int> m_nodeOfChild, m_childOfNode;
+	std::vector<btDbvtNode*> m_inner; // children before parents
+	btScalar m_largestRadius = btScalar( 0 );
+};
+
+} // namespace pliant

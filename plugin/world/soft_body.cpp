@@ -1,0 +1,439 @@
+#include "pliant/soft_body.h"
+
+#include "world/constants.h"
+#include "world/soft_body_impl.h"
+#include "world/soft_body_system.h"
+
+#include <BulletDynamics/Dynamics/btRigidBody.h>
+
+#include <algorithm>
+#include <cmath>
+#include <new>
+
+namespace pliant {
+
+namespace {
+
+bool isFinite( const btVector3& a )
+{
+	return std::isfinite( a.x() ) && std::isfinite( a.y() ) && std::isfinite( a.z() );
+}
+
+bool isFinite( const btTransform& t )
+{
+	return isFinite( t.getOrigin() ) && isFinite( t.getBasis()[0] ) && isFinite( t.getBasis()[1] ) && isFinite( t.getBasis()[2] );
+}
+
+Eigen::Quaterniond rotationOf( const btTransform& t )
+{
+	const btQuaternion q = t.getRotation();
+	return Eigen::Quaterniond( q.w(), q.x(), q.y(), q.z() ).normalized();
+}
+
+/// Where the template's mass centre goes when its mesh goes through `t`.
+Placement placementOf( const BodyTemplate& bodyTemplate, const btTransform& t )
+{
+	const double* c = bodyTemplate.massCentre();
+	const Eigen::Quaterniond rotation = rotationOf( t );
+	return Placement{ rotation, rotation * Vec3d( c[0], c[1], c[2] ) + toVec3d( t.getOrigin() ) };
+}
+
+} // namespace
+
+Pin* SoftBody::Impl::findPin( int node )
+{
+	const auto found = std::lower_bound( pins.begin(), pins.end(), node, []( const Pin& pin, int n ) { return pin.node < n; } );
+	return found != pins.end() && found->node == node ? &*found : nullptr;
+}
+
+SoftBody* asSoftBody( btCollisionObject* object )
+{
+	const bool isOurs = object && object->internalGetExtensionPointer() == &kSoftBodyMark;
+	return isOurs ? static_cast<SoftBody*>( object ) : nullptr;
+}
+
+SoftBody::SoftBody() = default;
+
+SoftBodyResult SoftBody::create( std::shared_ptr<const BodyTemplate> bodyTemplate, const btTransform& transform, const Material& material )
+{
+	if ( !bodyTemplate )
+	{
+		return SoftBodyResult::failure( ResultCode::BadArgument, "SoftBody::create needs a template." );
+	}
+	if ( !isFinite( transform ) )
+	{
+		return SoftBodyResult::failure( ResultCode::BadArgument, "SoftBody::create: the transform holds a number that is not finite." );
+	}
+	try
+	{
+		Result<std::unique_ptr<Body>> made = Body::create(
+			bodyTemplate->sharedLattice(), material, placementOf( *bodyTemplate, transform ), bodyTemplate->regionCache() );
+		if ( !made )
+		{
+			return SoftBodyResult{ std::move( made.status ), nullptr };
+		}
+		std::unique_ptr<SoftBody> soft( new SoftBody );
+		soft->m_impl = std::make_unique<Impl>();
+		Impl& impl = *soft->m_impl;
+		impl.bodyTemplate = std::move( bodyTemplate );
+		impl.body = std::move( made.value );
+		impl.shape = std::make_unique<NodeShape>( impl.body->lattice() );
+		impl.nodeBody.assign( impl.body->nodeCount(), nullptr );
+		impl.shape->update( impl.body->nodes(), btScalar( 0 ) );
+		soft->m_internalType = CO_USER_TYPE;
+		soft->m_collisionFlags &= ~CF_STATIC_OBJECT; // Bullet's objects are born static
+		soft->internalSetExtensionPointer( const_cast<char*>( &kSoftBodyMark ) );
+		soft->setCollisionShape( impl.shape.get() );
+		soft->setWorldTransform( btTransform( btQuaternion::getIdentity(), impl.worldOrigin() ) );
+		soft->setInterpolationWorldTransform( soft->getWorldTransform() );
+		return SoftBodyResult::success( std::move( soft ) );
+	}
+	catch ( const std::bad_alloc& )
+	{
+		return SoftBodyResult::failure( ResultCode::OutOfMemory, "Not enough memory for a soft body of this many cells." );
+	}
+}
+
+SoftBody::~SoftBody()
+{
+	if ( m_impl && m_impl->system )
+	{
+		m_impl->system->forget( *this );
+	}
+}
+
+SoftBody* SoftBody::upcast( btCollisionObject* object )
+{
+	SoftBody* const soft = asSoftBody( object );
+	return soft ? soft : ownerOfNodeBody( object );
+}
+
+const SoftBody* SoftBody::upcast( const btCollisionObject* object )
+{
+	return upcast( const_cast<btCollisionObject*>( object ) );
+}
+
+int SoftBody::nodeCount() const
+{
+	return m_impl->body->nodeCount();
+}
+
+int SoftBody::nodeOfShapeIndex( int shapeIndex ) const
+{
+	const bool isChild = shapeIndex >= 0 && shapeIndex < m_impl->shape->getNumChildShapes();
+	return isChild ? m_impl->shape->nodeOfChild( shapeIndex ) : -1;
+}
+
+btVector3 SoftBody::nodePosition( int node ) const
+{
+	return m_impl->position( node );
+}
+
+btVector3 SoftBody::nodeVelocity( int node ) const
+{
+	return m_impl->velocity( node );
+}
+
+btScalar SoftBody::nodeMass( int node ) const
+{
+	return m_impl->body->nodes().mass[node];
+}
+
+btScalar SoftBody::nodeRadius( int node ) const
+{
+	const int child = m_impl->shape->childOfNode( node );
+	return child < 0 ? btScalar( 0 ) : m_impl->shape->radius( child );
+}
+
+int SoftBody::nearestNode( const btVector3& worldPoint ) const
+{
+	const NodeState& nodes = m_impl->body->nodes();
+	const btVector3 point = worldPoint - m_impl->worldOrigin();
+	int best = 0;
+	btScalar bestDistance = SIMD_INFINITY;
+	for ( int i = 0; i < nodes.count; ++i )
+	{
+		const btScalar distance = ( btVector3( nodes.x.x[i], nodes.x.y[i], nodes.x.z[i] ) - point ).length2();
+		if ( distance < bestDistance )
+		{
+			bestDistance = distance;
+			best = i;
+		}
+	}
+	return best;
+}
+
+btScalar SoftBody::mass() const
+{
+	return btScalar( m_impl->body->sums().mass );
+}
+
+btVector3 SoftBody::massCentre() const
+{
+	return toBt( m_impl->body->nodes().origin + m_impl->body->sums().centre );
+}
+
+btVector3 SoftBody::linearVelocity() const
+{
+	const BodySums sums = m_impl->body->sums();
+	return toBt( sums.momentum / sums.mass );
+}
+
+btVector3 SoftBody::angularMomentum() const
+{
+	return toBt( m_impl->body->sums().spin );
+}
+
+btTransform SoftBody::bestFitTransform() const
+{
+	const Placement fit = m_impl->body->bestFit();
+	const double* c = m_impl->bodyTemplate->massCentre();
+	const Vec3d origin = fit.position - fit.rotation * Vec3d( c[0], c[1], c[2] );
+	const btQuaternion q(
+		btScalar( fit.rotation.x() ), btScalar( fit.rotation.y() ), btScalar( fit.rotation.z() ), btScalar( fit.rotation.w() ) );
+	return btTransform( q, toBt( origin ) );
+}
+
+void SoftBody::setLinearVelocity( const btVector3& velocity )
+{
+	setVelocities( velocity, btVector3( 0, 0, 0 ) );
+}
+
+void SoftBody::setVelocities( const btVector3& linear, const btVector3& angular )
+{
+	NodeState& nodes = m_impl->body->nodes();
+	const Vec3d centre = m_impl->body->sums().centre;
+	for ( int i = 0; i < nodes.count; ++i )
+	{
+		const Vec3d arm = nodes.x.get( i ).cast<double>() - centre;
+		nodes.v.set( i, ( toVec3d( linear ) + toVec3d( angular ).cross( arm ) ).cast<float>() );
+	}
+	activate( true );
+}
+
+void SoftBody::applyCentralForce( const btVector3& force )
+{
+	m_impl->centralForce += force;
+	activate( true );
+}
+
+void SoftBody::applyForce( const btVector3& force, int node )
+{
+	NodeState& nodes = m_impl->body->nodes();
+	if ( nodes.force.x.empty() )
+	{
+		nodes.force.resize( nodes.padded );
+	}
+	nodes.force.set( node, nodes.force.get( node ) + toVec3( force ) );
+	m_impl->hasNodeForces = true;
+	activate( true );
+}
+
+void SoftBody::applyCentralImpulse( const btVector3& impulse )
+{
+	NodeState& nodes = m_impl->body->nodes();
+	const Vec3 change = toVec3( impulse / mass() );
+	for ( int i = 0; i < nodes.count; ++i )
+	{
+		nodes.v.set( i, nodes.v.get( i ) + nodes.freedom[i] * change );
+	}
+	activate( true );
+}
+
+void SoftBody::applyImpulse( const btVector3& impulse, int node )
+{
+	NodeState& nodes = m_impl->body->nodes();
+	nodes.v.set( node, nodes.v.get( node ) + ( nodes.freedom[node] / nodes.mass[node] ) * toVec3( impulse ) );
+	activate( true );
+}
+
+void SoftBody::setGravity( const btVector3& gravity )
+{
+	m_impl->hasOwnGravity = true;
+	m_impl->gravity = gravity;
+	activate( true );
+}
+
+void SoftBody::clearGravity()
+{
+	m_impl->hasOwnGravity = false;
+	activate( true );
+}
+
+void SoftBody::hasMoved()
+{
+	m_impl->skin.isStale = true;
+	m_impl->shape->update( m_impl->body->nodes(), btScalar( 0 ) );
+	setWorldTransform( btTransform( btQuaternion::getIdentity(), m_impl->worldOrigin() ) );
+	if ( m_impl->system )
+	{
+		m_impl->system->refreshBox( *this );
+	}
+	activate( true );
+}
+
+void SoftBody::teleport( const btTransform& by )
+{
+	if ( !isFinite( by ) )
+	{
+		return;
+	}
+	m_impl->body->teleport( Placement{ rotationOf( by ), toVec3d( by.getOrigin() ) } );
+	hasMoved();
+}
+
+void SoftBody::reset( const btTransform& transform )
+{
+	if ( !isFinite( transform ) )
+	{
+		return;
+	}
+	m_impl->body->place( placementOf( *m_impl->bodyTemplate, transform ) );
+	m_impl->isHealthy = true;
+	hasMoved();
+}
+
+Status SoftBody::setMaterial( const Material& material )
+{
+	Status status = m_impl->body->setMaterial( material );
+	if ( status.ok() )
+	{
+		activate( true );
+	}
+	return status;
+}
+
+const Material& SoftBody::material() const
+{
+	return m_impl->body->material();
+}
+
+const StiffnessPlan& SoftBody::stiffnessPlan() const
+{
+	return m_impl->plan;
+}
+
+Status SoftBody::pin( const PinRequest& request )
+{
+	if ( request.node < 0 || request.node >= nodeCount() )
+	{
+		return Status{ ResultCode::BadArgument, "There is no node of this number." };
+	}
+	if ( !isFinite( request.point ) )
+	{
+		return Status{ ResultCode::BadArgument, "The pin's target is not finite." };
+	}
+	Impl& impl = *m_impl;
+	Pin* pin = impl.findPin( request.node );
+	if ( !pin )
+	{
+		const auto place = std::lower_bound( impl.pins.begin(), impl.pins.end(), request.node, []( const Pin& p, int n ) { return p.node < n; } );
+		pin = &*impl.pins.insert( place, Pin{} );
+	}
+	pin->node = request.node;
+	pin->kind = PinKind( request.kind );
+	pin->body = request.body;
+	pin->point = request.point;
+	pin->hasTarget = pin->kind == PinKind::Driven;
+	impl.body->setPinned( request.node, true );
+	impl.body->nodes().v.set( request.node, Vec3::Zero() );
+	activate( true );
+	return {};
+}
+
+Status SoftBody::pinNode( int node )
+{
+	return pin( PinRequest{ node, int( PinKind::Still ), nullptr, btVector3( 0, 0, 0 ) } );
+}
+
+Status SoftBody::pinNodeToBody( int node, btRigidBody* body )
+{
+	if ( !body || node < 0 || node >= nodeCount() )
+	{
+		return Status{ ResultCode::BadArgument, "pinNodeToBody needs a node and a rigid body." };
+	}
+	return pin( PinRequest{ node, int( PinKind::FollowsBody ), body, body->getWorldTransform().invXform( nodePosition( node ) ) } );
+}
+
+Status SoftBody::driveNode( int node, const btVector3& worldPosition )
+{
+	return pin( PinRequest{ node, int( PinKind::Driven ), nullptr, worldPosition } );
+}
+
+void SoftBody::releaseNode( int node )
+{
+	Impl& impl = *m_impl;
+	if ( Pin* pinned = impl.findPin( node ) )
+	{
+		impl.pins.erase( impl.pins.begin() + ( pinned - impl.pins.data() ) );
+		impl.body->setPinned( node, false );
+		activate( true );
+	}
+}
+
+int SoftBody::pinNodesInside( const btVector3& low, const btVector3& high )
+{
+	int count = 0;
+	for ( int i = 0; i < nodeCount(); ++i )
+	{
+		const btVector3 p = nodePosition( i );
+		const bool isInside = p.x() >= low.x() && p.y() >= low.y() && p.z() >= low.z() && p.x() <= high.x() && p.y() <= high.y() && p.z() <= high.z();
+		if ( isInside && pinNode( i ).ok() )
+		{
+			++count;
+		}
+	}
+	return count;
+}
+
+bool SoftBody::isPinned( int node ) const
+{
+	return m_impl->findPin( node ) != nullptr;
+}
+
+SurfaceView SoftBody::surface() const
+{
+	SurfaceView view;
+	const Impl& impl = *m_impl;
+	const SkinBinding& binding = impl.bodyTemplate->skin();
+	if ( binding.kind == Skinning::None )
+	{
+		return view;
+	}
+	SkinBuffers& skinBuffers = impl.skin;
+	if ( skinBuffers.isStale )
+	{
+		const int next = 1 - skinBuffers.current;
+		skinBuffers.positions[next].resize( binding.restPosition.size() * 3 );
+		skinBuffers.normals[next].resize( binding.restPosition.size() * 3 );
+		skinBuffers.rotations.resize( std::size_t( impl.body->nodeCount() ) * 4 );
+		impl.body->nodeRotations( skinBuffers.rotations.data() );
+		const SkinTriangles triangles{ impl.bodyTemplate->indices(), impl.bodyTemplate->triangleCount() };
+		skin( binding, impl.body->nodes(), skinBuffers.rotations.data(), triangles, skinBuffers.scratch, skinBuffers.positions[next].data(),
+			skinBuffers.normals[next].data() );
+		skinBuffers.origin[next] = impl.worldOrigin();
+		skinBuffers.current = next;
+		++skinBuffers.frame;
+		skinBuffers.isStale = false;
+	}
+	view.origin = skinBuffers.origin[skinBuffers.current];
+	view.positions = skinBuffers.positions[skinBuffers.current].data();
+	view.normals = skinBuffers.normals[skinBuffers.current].data();
+	view.indices = impl.bodyTemplate->indices();
+	view.vertexCount = impl.bodyTemplate->vertexCount();
+	view.triangleCount = impl.bodyTemplate->triangleCount();
+	view.frame = skinBuffers.frame;
+	return view;
+}
+
+bool SoftBody::isHealthy() const
+{
+	return m_impl->isHealthy;
+}
+
+const BodyTemplate& SoftBody::bodyTemplate() const
+{
+	return *m_impl->bodyTemplate;
+}
+
+} // namespace pliant

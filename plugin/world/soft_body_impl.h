@@ -1,0 +1,105 @@
+#pragma once
+
+// What stands behind a SoftBody: the core's body, the collision shape, pins, forces and the skin's buffers.
+
+#include "body/body.h"
+#include "pliant/soft_body.h"
+#include "surface/skinning.h"
+#include "world/node_body.h"
+#include "world/node_shape.h"
+
+#include <memory>
+#include <vector>
+
+namespace pliant {
+
+class SoftBodySystem;
+
+enum class PinKind : int
+{
+	Still,
+	FollowsBody,
+	Driven
+};
+
+struct Pin
+{
+	int node = -1;
+	PinKind kind = PinKind::Still;
+	btRigidBody* body = nullptr;             ///< FollowsBody
+	btVector3 point = btVector3( 0, 0, 0 );  ///< FollowsBody: in the body's frame; Driven: target in the world
+	bool hasTarget = false;                  ///< Driven: the target has not been reached yet
+};
+
+struct SkinBuffers
+{
+	std::vector<float> positions[2], normals[2];
+	btVector3 origin[2] = { btVector3( 0, 0, 0 ), btVector3( 0, 0, 0 ) };
+	std::vector<float> rotations;
+	SkinScratch scratch;
+	int current = 0;
+	unsigned frame = 0;
+	bool isStale = true;
+};
+
+struct SoftBody::Impl
+{
+	std::shared_ptr<const BodyTemplate> bodyTemplate;
+	std::unique_ptr<Body> body;
+	std::unique_ptr<NodeShape> shape;
+	SoftBodySystem* system = nullptr; ///< of the world the body is in
+
+	StiffnessPlan plan;
+	bool isHealthy = true;
+	bool hasOwnGravity = false;
+	btVector3 gravity = btVector3( 0, 0, 0 );
+	btVector3 centralForce = btVector3( 0, 0, 0 );
+	bool hasNodeForces = false;
+
+	std::vector<Pin> pins;             ///< ascending by node
+	std::vector<NodeBody*> nodeBody;   ///< by node; null while untouched
+	std::vector<NodeBody*> touched;    ///< those that are not null
+	mutable SkinBuffers skin;
+
+	btVector3 worldOrigin() const
+	{
+		const Vec3d& o = body->nodes().origin;
+		return btVector3( btScalar( o.x() ), btScalar( o.y() ), btScalar( o.z() ) );
+	}
+	btVector3 position( int node ) const
+	{
+		const Vec3Array& x = body->nodes().x;
+		return worldOrigin() + btVector3( x.x[node], x.y[node], x.z[node] );
+	}
+	btVector3 velocity( int node ) const
+	{
+		const Vec3Array& v = body->nodes().v;
+		return btVector3( v.x[node], v.y[node], v.z[node] );
+	}
+	Pin* findPin( int node );
+};
+
+/// A node's place and velocity as the core keeps them.
+inline Vec3 toVec3( const btVector3& a )
+{
+	return { float( a.x() ), float( a.y() ), float( a.z() ) };
+}
+
+inline Vec3d toVec3d( const btVector3& a )
+{
+	return { double( a.x() ), double( a.y() ), double( a.z() ) };
+}
+
+inline btVector3 toBt( const Vec3d& a )
+{
+	return btVector3( btScalar( a.x() ), btScalar( a.y() ), btScalar( a.z() ) );
+}
+
+/// Marks objects as ours without touching the user's pointers.
+extern const char kSoftBodyMark;
+extern const char kNodeBodyMark;
+
+/// The object as the soft body it is, or null. Node stand-ins do not count here; SoftBody::upcast takes them too.
+SoftBody* asSoftBody( btCollisionObject* object );
+
+} // namespace pliant

@@ -1,0 +1,373 @@
+#include "world/soft_body_system.h"
+
+#include "matching/parallel.h"
+#include "world/constants.h"
+#include "world/soft_body_impl.h"
+
+#include <BulletCollision/CollisionDispatch/btCollisionConfiguration.h>
+#include <BulletCollision/CollisionDispatch/btCollisionDispatcher.h>
+#include <LinearMath/btQuickprof.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace pliant {
+
+SoftBodySystem::SoftBodySystem( btDiscreteDynamicsWorld& world, btDispatcher* dispatcher, btCollisionConfiguration* configuration ) :
+	substeps( kDefaultSubsteps ), maxSubsteps( kDefaultMaxSubsteps ), ownRunner( createThreadPool( 1 ) ), m_world( world ),
+	m_dispatcher( *static_cast<btCollisionDispatcher*>( dispatcher ) )
+{
+	// A soft body's shape is a compound: our algorithm goes in front of whatever was registered for compounds.
+	const auto wrap = [&]( int type0, int type1 ) {
+		const Wrapped wrapped{ type0, type1, configuration->getCollisionAlgorithmCreateFunc( type0, type1 ),
+			configuration->getClosestPointsAlgorithmCreateFunc( type0, type1 ) };
+		m_wrapped.push_back( wrapped );
+		m_createFuncs.push_back( std::make_unique<NodeCreateFunc>( wrapped.contactBefore, pool ) );
+		m_dispatcher.registerCollisionCreateFunc( type0, type1, m_createFuncs.back().get() );
+		m_createFuncs.push_back( std::make_unique<NodeCreateFunc>( wrapped.closestBefore, pool ) );
+		m_dispatcher.registerClosestPointsCreateFunc( type0, type1, m_createFuncs.back().get() );
+	};
+	for ( int type = 0; type < MAX_BROADPHASE_COLLISION_TYPES; ++type )
+	{
+		wrap( COMPOUND_SHAPE_PROXYTYPE, type );
+		if ( type != COMPOUND_SHAPE_PROXYTYPE )
+		{
+			wrap( type, COMPOUND_SHAPE_PROXYTYPE );
+		}
+	}
+}
+
+SoftBodySystem::~SoftBodySystem()
+{
+	dropPredictiveContacts();
+	for ( SoftBody* body : m_bodies )
+	{
+		body->impl().system = nullptr;
+	}
+}
+
+void SoftBodySystem::restoreCreateFuncs()
+{
+	for ( const Wrapped& wrapped : m_wrapped )
+	{
+		m_dispatcher.registerCollisionCreateFunc( wrapped.type0, wrapped.type1, wrapped.contactBefore );
+		m_dispatcher.registerClosestPointsCreateFunc( wrapped.type0, wrapped.type1, wrapped.closestBefore );
+	}
+	m_wrapped.clear();
+}
+
+void SoftBodySystem::releasePinsTo( const btRigidBody& body )
+{
+	for ( SoftBody* soft : m_bodies )
+	{
+		std::vector<Pin>& pins = soft->impl().pins;
+		for ( std::size_t k = pins.size(); k-- > 0; )
+		{
+			if ( pins[k].body == &body )
+			{
+				soft->releaseNode( pins[k].node );
+			}
+		}
+	}
+}
+
+bool SoftBodySystem::add( SoftBody& body )
+{
+	if ( body.impl().system )
+	{
+		return false;
+	}
+	body.impl().system = this;
+	m_bodies.push_back( &body );
+	return true;
+}
+
+bool SoftBodySystem::remove( SoftBody& body )
+{
+	const auto found = std::find( m_bodies.begin(), m_bodies.end(), &body );
+	if ( found == m_bodies.end() )
+	{
+		return false;
+	}
+	m_bodies.erase( found );
+	return true;
+}
+
+void SoftBodySystem::forget( SoftBody& body )
+{
+	m_world.removeCollisionObject( &body );
+}
+
+void SoftBodySystem::refreshBox( SoftBody& body )
+{
+	m_world.updateSingleAabb( &body );
+}
+
+bool SoftBodySystem::moves( const SoftBody& body ) const
+{
+	return body.isActive() && body.isHealthy();
+}
+
+bool SoftBodySystem::hasAwakeBody() const
+{
+	return std::any_of( m_bodies.begin(), m_bodies.end(), [this]( const SoftBody* body ) { return moves( *body ); } );
+}
+
+int SoftBodySystem::planSubsteps( btScalar gameStep )
+{
+	// The user counts substeps for a sixtieth of a second; a longer step gets as many more, so that behaviour does not follow the frame rate.
+	const int nominal = int( std::ceil( double( substeps ) * gameStep / kNominalStep - 1e-3 ) );
+	int count = std::max( substeps, std::min( nominal, std::max( substeps, maxSubsteps ) ) );
+	for ( const SoftBody* body : m_bodies )
+	{
+		if ( moves( *body ) )
+		{
+			const StiffnessPlan plan = planStiffness( body->material(), body->bodyTemplate().cellSize(), float( gameStep ), count );
+			count = std::max( count, std::min( plan.substepsNeeded, maxSubsteps ) );
+		}
+	}
+	return std::min( count, kLargestSubsteps );
+}
+
+void SoftBodySystem::beginStep( btScalar gameStep, int substepCount )
+{
+	m_gameStep = gameStep;
+	m_substepCount = substepCount;
+	report = StepReport{};
+	report.substeps = substepCount;
+	report.softBodies = int( m_bodies.size() );
+	for ( SoftBody* body : m_bodies )
+	{
+		SoftBody::Impl& impl = body->impl();
+		impl.plan = planStiffness( body->material(), impl.bodyTemplate->cellSize(), float( gameStep ), substepCount );
+		report.nodes += body->nodeCount();
+		report.awakeSoftBodies += moves( *body ) ? 1 : 0;
+		report.quarantined += impl.isHealthy ? 0 : 1;
+		report.unreachableStiffness += impl.plan.reachable ? 0 : 1;
+	}
+}
+
+// A pinned node's speed is what takes it where it must be at the substep's end.
+void SoftBodySystem::drivePins( SoftBody& body, btScalar h, int substep )
+{
+	SoftBody::Impl& impl = body.impl();
+	NodeState& nodes = impl.body->nodes();
+	for ( const Pin& pin : impl.pins )
+	{
+		btVector3 speed( 0, 0, 0 );
+		if ( pin.kind == PinKind::FollowsBody )
+		{
+			speed = pin.body->getVelocityInLocalPoint( pin.body->getWorldTransform().getBasis() * pin.point );
+		}
+		if ( pin.kind == PinKind::Driven && pin.hasTarget )
+		{
+			speed = ( pin.point - impl.position( pin.node ) ) / ( h * btScalar( m_substepCount - substep ) );
+		}
+		nodes.v.set( pin.node, toVec3( speed ) );
+	}
+}
+
+// After all has moved: a node that follows a body stands exactly where the body has taken it.
+void SoftBodySystem::settlePins( SoftBody& body, btScalar h, int substep )
+{
+	SoftBody::Impl& impl = body.impl();
+	NodeState& nodes = impl.body->nodes();
+	for ( Pin& pin : impl.pins )
+	{
+		if ( pin.kind == PinKind::FollowsBody )
+		{
+			const Vec3 target = toVec3( pin.body->getWorldTransform() * pin.point - impl.worldOrigin() );
+			nodes.v.set( pin.node, ( target - nodes.x.get( pin.node ) ) / float( h ) );
+		}
+		if ( pin.kind == PinKind::Driven && pin.hasTarget && substep + 1 == m_substepCount )
+		{
+			nodes.v.set( pin.node, ( toVec3( pin.point - impl.worldOrigin() ) - nodes.x.get( pin.node ) ) / float( h ) );
+			pin.hasTarget = false;
+		}
+	}
+}
+
+void SoftBodySystem::accelerate( btScalar h, int substep )
+{
+	BT_PROFILE( "pliant: accelerate" );
+	TaskRunner* const tasks = runner ? runner : ownRunner.get();
+	for ( SoftBody* body : m_bodies )
+	{
+		if ( !moves( *body ) )
+		{
+			continue;
+		}
+		SoftBody::Impl& impl = body->impl();
+		NodeState& nodes = impl.body->nodes();
+		drivePins( *body, h, substep );
+		btVector3 gravity = impl.hasOwnGravity ? impl.gravity : m_world.getGravity();
+		if ( !impl.centralForce.isZero() )
+		{
+			gravity += impl.centralForce / body->mass();
+		}
+		impl.body->applyForces( float( h ), toVec3( gravity ) );
+		impl.body->accelerateTowardGoals( float( h ), impl.plan.alpha, tasks );
+		impl.shape->update( nodes, h );
+		body->setWorldTransform( btTransform( btQuaternion::getIdentity(), impl.worldOrigin() ) );
+	}
+	pool.nextPhase();
+}
+
+void SoftBodySystem::dropPredictiveContacts()
+{
+	for ( NodeBody* body : m_predictive )
+	{
+		pool.release( body );
+	}
+	m_predictive.clear();
+}
+
+// Bullet's predictive contacts of fast rigid bodies name the soft body itself, which its solver takes for a wall. The nearest node's
+// stand-in takes its place.
+void SoftBodySystem::holdPredictiveContacts( btAlignedObjectArray<btPersistentManifold*>& manifolds )
+{
+	for ( int m = 0; m < manifolds.size(); ++m )
+	{
+		btPersistentManifold* const manifold = manifolds[m];
+		for ( int side = 0; side < 2; ++side )
+		{
+			const btCollisionObject* const object = side == 0 ? manifold->getBody0() : manifold->getBody1();
+			SoftBody* const soft = asSoftBody( const_cast<btCollisionObject*>( object ) );
+			if ( !soft || manifold->getNumContacts() == 0 )
+			{
+				continue;
+			}
+			btManifoldPoint& point = manifold->getContactPoint( 0 );
+			const btVector3 at = side == 0 ? point.getPositionWorldOnA() : point.getPositionWorldOnB();
+			const NodeShape& shape = *soft->impl().shape;
+			int node = soft->nearestNode( at );
+			node = shape.childOfNode( node ) < 0 ? shape.nodeOfChild( 0 ) : node;
+			NodeBody* const stand = pool.acquire( *soft, node );
+			m_predictive.push_back( stand );
+			if ( side == 0 )
+			{
+				manifold->setBodies( stand, manifold->getBody1() );
+				point.m_localPointA = stand->getWorldTransform().invXform( at );
+			}
+			else
+			{
+				manifold->setBodies( manifold->getBody0(), stand );
+				point.m_localPointB = stand->getWorldTransform().invXform( at );
+			}
+		}
+	}
+}
+
+void SoftBodySystem::copyIslandTags()
+{
+	for ( SoftBody* body : m_bodies )
+	{
+		for ( NodeBody* stand : body->impl().touched )
+		{
+			stand->setIslandTag( body->getIslandTag() );
+		}
+	}
+}
+
+void SoftBodySystem::readBack()
+{
+	BT_PROFILE( "pliant: readBack" );
+	report.softContacts = 0;
+	for ( SoftBody* body : m_bodies )
+	{
+		SoftBody::Impl& impl = body->impl();
+		NodeState& nodes = impl.body->nodes();
+		bool wakes = false;
+		for ( NodeBody* stand : impl.touched )
+		{
+			wakes = wakes || ( stand->isActive() && !body->isActive() );
+			if ( nodes.freedom[stand->node] == 0.0f || !moves( *body ) || body->getCollisionFlags() & btCollisionObject::CF_NO_CONTACT_RESPONSE )
+			{
+				continue;
+			}
+			nodes.v.set( stand->node, toVec3( stand->getLinearVelocity() ) );
+			const btVector3 pushed = stand->getWorldTransform().getOrigin() - stand->written; // split impulse moves positions
+			if ( !pushed.isZero() )
+			{
+				nodes.x.set( stand->node, nodes.x.get( stand->node ) + toVec3( pushed ) );
+			}
+			++report.softContacts;
+		}
+		if ( wakes )
+		{
+			body->activate();
+		}
+	}
+}
+
+void SoftBodySystem::integrate( btScalar h, int substep )
+{
+	BT_PROFILE( "pliant: integrate" );
+	for ( SoftBody* body : m_bodies )
+	{
+		if ( !moves( *body ) )
+		{
+			continue;
+		}
+		SoftBody::Impl& impl = body->impl();
+		settlePins( *body, h, substep );
+		if ( impl.body->integrate( float( h ) ) == BodyHealth::Quarantined )
+		{
+			impl.isHealthy = false;
+			++report.quarantined;
+		}
+		impl.skin.isStale = true;
+	}
+}
+
+void SoftBodySystem::updateActivation( btScalar h )
+{
+	for ( SoftBody* body : m_bodies )
+	{
+		const int state = body->getActivationState();
+		if ( state == ISLAND_SLEEPING || state == DISABLE_SIMULATION )
+		{
+			continue;
+		}
+		const SoftBody::Impl& impl = body->impl();
+		const BodySums sums = impl.body->sums();
+		const bool isDriven = std::any_of( impl.pins.begin(), impl.pins.end(), []( const Pin& pin ) {
+			return pin.hasTarget || ( pin.kind == PinKind::FollowsBody && pin.body->isActive() );
+		} );
+		const bool isSlow = 2.0 * sums.kineticEnergy < sums.mass * double( kSleepSpeed ) * double( kSleepSpeed );
+		const bool maySleep = isSlow && !isDriven && state != DISABLE_DEACTIVATION && !gDisableDeactivation && gDeactivationTime > 0;
+		body->setDeactivationTime( maySleep ? body->getDeactivationTime() + h : btScalar( 0 ) );
+		if ( state != DISABLE_DEACTIVATION )
+		{
+			body->setActivationState( maySleep && body->getDeactivationTime() > gDeactivationTime ? WANTS_DEACTIVATION : ACTIVE_TAG );
+		}
+	}
+}
+
+void SoftBodySystem::endStep()
+{
+	for ( SoftBody* body : m_bodies )
+	{
+		if ( body->getActivationState() == ISLAND_SLEEPING )
+		{
+			NodeState& nodes = body->impl().body->nodes();
+			nodes.v.resize( nodes.padded ); // a sleeping body stands still, every node of it
+		}
+	}
+}
+
+void SoftBodySystem::clearForces()
+{
+	for ( SoftBody* body : m_bodies )
+	{
+		SoftBody::Impl& impl = body->impl();
+		impl.centralForce.setZero();
+		if ( impl.hasNodeForces )
+		{
+			impl.body->nodes().force.resize( impl.body->nodes().padded );
+			impl.hasNodeForces = false;
+		}
+	}
+}
+
+} // namespace pliant

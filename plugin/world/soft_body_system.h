@@ -1,0 +1,80 @@
+#pragma once
+
+// The soft bodies of one world and what a world must call, in the order it must call it. SoftBodyWorld calls it from its overrides;
+// another world of the user's could do the same.
+
+#include "pliant/soft_body_world.h"
+#include "world/node_body.h"
+#include "world/node_contacts.h"
+
+#include <memory>
+#include <vector>
+
+class btCollisionDispatcher;
+
+namespace pliant {
+
+class SoftBodySystem
+{
+public:
+	SoftBodySystem( btDiscreteDynamicsWorld& world, btDispatcher* dispatcher, btCollisionConfiguration* configuration );
+	~SoftBodySystem();
+
+	bool add( SoftBody& body );    ///< false when it is there already or belongs to another world
+	bool remove( SoftBody& body ); ///< false when it is not there
+	/// A body is being destroyed while it is in the world.
+	void forget( SoftBody& body );
+	void refreshBox( SoftBody& body );
+	const std::vector<SoftBody*>& bodies() const { return m_bodies; }
+
+	bool hasAwakeBody() const;
+	/// Substeps for a game step of this length: the user's, or as many more as the stiffest awake material needs.
+	int planSubsteps( btScalar gameStep );
+
+	// One substep, in this order.
+	void beginStep( btScalar gameStep, int substeps );
+	void accelerate( btScalar h, int substep ); ///< forces, pins' speeds, shape matching, spheres
+	void holdPredictiveContacts( btAlignedObjectArray<btPersistentManifold*>& manifolds );
+	void dropPredictiveContacts();
+	void copyIslandTags();
+	void readBack();                            ///< what the solver made of the touched nodes
+	void integrate( btScalar h, int substep );
+	void updateActivation( btScalar h );
+	void endStep();
+	void clearForces();
+
+	void releasePinsTo( const btRigidBody& body );
+	/// Gives the dispatcher back the functions that were registered before ours: it may outlive this world.
+	void restoreCreateFuncs();
+
+	/// Milliseconds and counts of the game step, and the knobs.
+	StepReport report;
+	int substeps;
+	int maxSubsteps;
+	NodeBodyPool pool;
+	std::unique_ptr<TaskRunner> ownRunner;
+	TaskRunner* runner = nullptr; ///< the game's, or null
+
+private:
+	bool moves( const SoftBody& body ) const;
+	void drivePins( SoftBody& body, btScalar h, int substep );
+	void settlePins( SoftBody& body, btScalar h, int substep );
+
+	struct Wrapped
+	{
+		int type0, type1;
+		btCollisionAlgorithmCreateFunc* contactBefore;
+		btCollisionAlgorithmCreateFunc* closestBefore;
+	};
+
+	btDiscreteDynamicsWorld& m_world;
+	btCollisionDispatcher& m_dispatcher;
+	std::vector<Wrapped> m_wrapped;
+	std::vector<SoftBody*> m_bodies;
+	std::vector<std::unique_ptr<NodeCreateFunc>> m_createFuncs;
+	std::vector<NodeBody*> m_predictive;
+	btScalar m_gameStep = btScalar( 0 );
+	int m_substepCount = 1;
+};
+
+} // namespace pliant

@@ -1,0 +1,287 @@
+#include "pliant/soft_body_world.h"
+
+#include "world/constants.h"
+#include "world/debug_draw.h"
+#include "world/island_manager.h"
+#include "world/soft_body_impl.h"
+#include "world/soft_body_system.h"
+
+#include <LinearMath/btQuickprof.h>
+
+#include <algorithm>
+#include <chrono>
+#include <new>
+
+namespace pliant {
+
+namespace {
+
+/// Adds the seconds of its life to a place.
+class Stopwatch
+{
+public:
+	explicit Stopwatch( double& to ) : m_to( to ), m_start( std::chrono::steady_clock::now() ) {}
+	~Stopwatch() { m_to += std::chrono::duration<double>( std::chrono::steady_clock::now() - m_start ).count(); }
+	Stopwatch( const Stopwatch& ) = delete;
+	Stopwatch& operator=( const Stopwatch& ) = delete;
+
+private:
+	double& m_to;
+	std::chrono::steady_clock::time_point m_start;
+};
+
+} // namespace
+
+struct SoftBodyWorld::System
+{
+	System( SoftBodyWorld& world, btDispatcher* dispatcher, btCollisionConfiguration* configuration ) : bodies( world, dispatcher, configuration ) {}
+
+	SoftBodySystem bodies;
+	int substep = 0;
+	bool isStepping = false; ///< inside a substep of ours: the overrides do their part
+};
+
+SoftBodyWorld::SoftBodyWorld(
+	btDispatcher* dispatcher, btBroadphaseInterface* broadphase, btConstraintSolver* solver, btCollisionConfiguration* configuration,
+	BulletPrecision ) :
+	btDiscreteDynamicsWorld( dispatcher, broadphase, solver, configuration ),
+	m_system( std::make_unique<System>( *this, dispatcher, configuration ) )
+{
+	// As btDiscreteDynamicsWorldMt does it: the base made a manager and owns it; ours takes its place and is owned in turn.
+	m_islandManager->~btSimulationIslandManager();
+	btAlignedFree( m_islandManager );
+	void* const room = btAlignedAlloc( sizeof( IslandManager ), 16 );
+	m_islandManager = new ( room ) IslandManager( m_system->bodies );
+}
+
+SoftBodyWorld::~SoftBodyWorld()
+{
+	// What the game added stays the game's: the bodies leave, and take their contacts along while the pool still stands.
+	while ( !m_system->bodies.bodies().empty() )
+	{
+		removeSoftBody( m_system->bodies.bodies().back() );
+	}
+	releasePredictiveContacts();
+	m_system->bodies.dropPredictiveContacts();
+	m_system->bodies.restoreCreateFuncs();
+}
+
+void SoftBodyWorld::addSoftBody( SoftBody* body, int group, int mask )
+{
+	if ( body && m_system->bodies.add( *body ) )
+	{
+		addCollisionObject( body, group, mask );
+	}
+}
+
+void SoftBodyWorld::removeSoftBody( SoftBody* body )
+{
+	if ( body )
+	{
+		removeCollisionObject( body );
+	}
+}
+
+void SoftBodyWorld::removeCollisionObject( btCollisionObject* object )
+{
+	SoftBody* const soft = asSoftBody( object );
+	if ( !soft )
+	{
+		if ( btRigidBody* rigid = btRigidBody::upcast( object ) )
+		{
+			m_system->bodies.releasePinsTo( *rigid );
+		}
+		btDiscreteDynamicsWorld::removeCollisionObject( object );
+		return;
+	}
+	if ( soft->impl().system != &m_system->bodies )
+	{
+		return;
+	}
+	// Predictive contacts may still name its nodes; then the pair cache lets the algorithms go, and with them manifolds and stand-ins.
+	releasePredictiveContacts();
+	m_system->bodies.dropPredictiveContacts();
+	btCollisionWorld::removeCollisionObject( object );
+	m_system->bodies.remove( *soft );
+	soft->impl().system = nullptr;
+}
+
+void SoftBodyWorld::removeRigidBody( btRigidBody* body )
+{
+	m_system->bodies.releasePinsTo( *body );
+	btDiscreteDynamicsWorld::removeRigidBody( body );
+}
+
+int SoftBodyWorld::softBodyCount() const
+{
+	return int( m_system->bodies.bodies().size() );
+}
+
+SoftBody* SoftBodyWorld::softBody( int index )
+{
+	return m_system->bodies.bodies()[index];
+}
+
+void SoftBodyWorld::setSoftSubsteps( int count )
+{
+	m_system->bodies.substeps = std::clamp( count, 1, kLargestSubsteps );
+}
+
+int SoftBodyWorld::softSubsteps() const
+{
+	return m_system->bodies.substeps;
+}
+
+void SoftBodyWorld::setMaxSoftSubsteps( int count )
+{
+	m_system->bodies.maxSubsteps = std::clamp( count, 1, kLargestSubsteps );
+}
+
+int SoftBodyWorld::maxSoftSubsteps() const
+{
+	return m_system->bodies.maxSubsteps;
+}
+
+void SoftBodyWorld::setThreadCount( int count )
+{
+	if ( std::unique_ptr<TaskRunner> made = createThreadPool( count ) )
+	{
+		m_system->bodies.ownRunner = std::move( made );
+	}
+}
+
+void SoftBodyWorld::setTaskRunner( TaskRunner* runner )
+{
+	m_system->bodies.runner = runner;
+}
+
+const StepReport& SoftBodyWorld::stepReport() const
+{
+	return m_system->bodies.report;
+}
+
+void SoftBodyWorld::internalSingleStepSimulation( btScalar timeStep )
+{
+	SoftBodySystem& bodies = m_system->bodies;
+	if ( bodies.bodies().empty() || !bodies.hasAwakeBody() )
+	{
+		bodies.report = StepReport{};
+		if ( !bodies.bodies().empty() )
+		{
+			bodies.beginStep( timeStep, 1 );
+		}
+		btDiscreteDynamicsWorld::internalSingleStepSimulation( timeStep );
+		return;
+	}
+
+	const int substeps = bodies.planSubsteps( timeStep );
+	bodies.beginStep( timeStep, substeps );
+	Stopwatch watch( bodies.report.total );
+
+	// The game's callbacks are for the game's step: once before the first substep, once after the last.
+	const btInternalTickCallback before = m_internalPreTickCallback, after = m_internalTickCallback;
+	if ( before )
+	{
+		before( this, timeStep );
+	}
+	m_internalPreTickCallback = nullptr;
+	m_internalTickCallback = nullptr;
+	m_system->isStepping = true;
+	for ( m_system->substep = 0; m_system->substep < substeps; ++m_system->substep )
+	{
+		btDiscreteDynamicsWorld::internalSingleStepSimulation( timeStep / btScalar( substeps ) );
+	}
+	m_system->isStepping = false;
+	m_internalPreTickCallback = before;
+	m_internalTickCallback = after;
+	if ( after )
+	{
+		after( this, timeStep );
+	}
+	bodies.endStep();
+}
+
+void SoftBodyWorld::predictUnconstraintMotion( btScalar timeStep )
+{
+	if ( m_system->isStepping )
+	{
+		m_system->bodies.accelerate( timeStep, m_system->substep );
+	}
+	btDiscreteDynamicsWorld::predictUnconstraintMotion( timeStep );
+}
+
+void SoftBodyWorld::createPredictiveContacts( btScalar timeStep )
+{
+	if ( m_system->bodies.bodies().empty() )
+	{
+		btDiscreteDynamicsWorld::createPredictiveContacts( timeStep );
+		return;
+	}
+	releasePredictiveContacts(); // before the stand-ins they name
+	m_system->bodies.dropPredictiveContacts();
+	btDiscreteDynamicsWorld::createPredictiveContacts( timeStep );
+	m_system->bodies.holdPredictiveContacts( m_predictiveManifolds );
+}
+
+void SoftBodyWorld::performDiscreteCollisionDetection()
+{
+	if ( !m_system->isStepping )
+	{
+		btDiscreteDynamicsWorld::performDiscreteCollisionDetection();
+		return;
+	}
+	Stopwatch watch( m_system->bodies.report.collision );
+	btDiscreteDynamicsWorld::performDiscreteCollisionDetection();
+}
+
+void SoftBodyWorld::solveConstraints( btContactSolverInfo& info )
+{
+	if ( !m_system->isStepping )
+	{
+		btDiscreteDynamicsWorld::solveConstraints( info );
+		if ( !m_system->bodies.bodies().empty() )
+		{
+			m_system->bodies.readBack(); // a kinematic push may have woken a sleeping body's stand-in
+		}
+		return;
+	}
+	Stopwatch watch( m_system->bodies.report.solve );
+	btDiscreteDynamicsWorld::solveConstraints( info );
+	m_system->bodies.readBack();
+}
+
+void SoftBodyWorld::integrateTransforms( btScalar timeStep )
+{
+	btDiscreteDynamicsWorld::integrateTransforms( timeStep );
+	if ( m_system->isStepping )
+	{
+		Stopwatch watch( m_system->bodies.report.integrate );
+		m_system->bodies.integrate( timeStep, m_system->substep );
+	}
+}
+
+void SoftBodyWorld::updateActivationState( btScalar timeStep )
+{
+	btDiscreteDynamicsWorld::updateActivationState( timeStep );
+	if ( m_system->isStepping )
+	{
+		m_system->bodies.updateActivation( timeStep );
+	}
+}
+
+void SoftBodyWorld::clearForces()
+{
+	btDiscreteDynamicsWorld::clearForces();
+	m_system->bodies.clearForces();
+}
+
+void SoftBodyWorld::debugDrawWorld()
+{
+	btDiscreteDynamicsWorld::debugDrawWorld();
+	if ( getDebugDrawer() )
+	{
+		drawSoftBodies( m_system->bodies, *getDebugDrawer() );
+	}
+}
+
+} // namespace pliant
