@@ -127,7 +127,7 @@ private:
 			const Status status = buildAt( double( float( d ) ) );
 			const double ratio = m_out.lattice.cellCount() / target;
 			const bool isNear = std::abs( ratio - 1.0 ) <= kTargetSlack;
-			if ( !status.ok() || isNear || attempt == kTargetTries )
+			if ( !status.ok() || isNear || attempt == ( m_field->isWhole() ? kTargetTries : kTargetTriesWhenOpen ) )
 			{
 				return status;
 			}

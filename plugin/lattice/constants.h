@@ -49,9 +49,6 @@ inline constexpr int kTrianglesPerLeaf = 8;
 /// |W| above this is inside: half way between 0 and 1, and the same for a mesh turned inside out.
 inline constexpr double kInsideWinding = 0.5;
 
-/// A cell without surface whose |W| is this near the threshold is sampled too: the rim of a hole passes close by.
-inline constexpr double kUncertainWinding = 0.2;
-
 /// Row crossings are kept in memory, 16 bytes each; above this many for a cell that is asked for the surface is folded beyond use.
 inline constexpr double kMostCrossingsPerCell = 48.0;
 inline constexpr double kMostCrossingsAtLeast = 1.0e6;
@@ -70,6 +67,7 @@ inline constexpr int kSliverRows[] = { 64, 256, 1024 };
 /// targetCells is met when the count is off by no more than this share; so many tries.
 inline constexpr double kTargetSlack = 0.1;
 inline constexpr int kTargetTries = 4;
+inline constexpr int kTargetTriesWhenOpen = 2;
 
 /// Tasks a pass is cut into at most. Fixed, so that nothing depends on the number of threads.
 inline constexpr std::size_t kMostTasks = 64;

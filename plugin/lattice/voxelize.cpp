@@ -148,36 +148,27 @@ private:
 	/// Every position that is not cut, layer by layer.
 	void classifyTheRest()
 	{
-		const int layers = m_grid.extent.z();
-		std::vector<std::vector<std::uint64_t>> full( static_cast<std::size_t>( layers ) );
-		std::vector<std::vector<std::uint64_t>> uncertain( static_cast<std::size_t>( layers ) );
-		auto classifyLayer = [&]( int z ) {
-			for ( int y = 0; y < m_grid.extent.y(); ++y )
-			{
-				classifyRow( y, z, full[std::size_t( z )], uncertain[std::size_t( z )] );
-			}
-		};
-		if ( m_surface.field().isWhole() )
+		if ( !m_surface.field().isWhole() )
 		{
-			auto classifyCrossed = [&]( int z ) { classifyCrossedRows( z, full[std::size_t( z )], uncertain[std::size_t( z )] ); };
-			runGuarded( m_options.runner, layers, classifyCrossed );
+			classifyOpen();
+			return;
 		}
-		else
-		{
-			runGuarded( m_options.runner, layers, classifyLayer );
-		}
+		std::vector<std::vector<std::uint64_t>> full( static_cast<std::size_t>( m_grid.extent.z() ) );
+		auto classifyLayer = [&]( int z ) { classifyCrossedRows( z, full[std::size_t( z )] ); };
+		runGuarded( m_options.runner, m_grid.extent.z(), classifyLayer );
 		appendAll( full, m_out.full );
-		std::vector<std::uint64_t> more;
-		appendAll( uncertain, more );
-		const auto middle = std::ptrdiff_t( m_out.cut.size() );
-		m_out.cut.insert( m_out.cut.end(), more.begin(), more.end() );
-		std::inplace_merge( m_out.cut.begin(), m_out.cut.begin() + middle, m_out.cut.end() );
 	}
 
-	/// A row of cells without any crossing is outside, when counting says it all: only the others are walked.
-	void classifyCrossedRows( int z, std::vector<std::uint64_t>& full, std::vector<std::uint64_t>& uncertain ) const
+	/// Where counting says it all, a row of cells without any crossing is outside: only the others are walked.
+	void classifyCrossedRows( int z, std::vector<std::uint64_t>& full ) const
 	{
 		const RowSet& rows = m_rows[0];
+		const auto keep = [&]( std::uint64_t key, bool isInside ) {
+			if ( isInside )
+			{
+				full.push_back( key );
+			}
+		};
 		int done = -1;
 		for ( std::size_t k = rows.slabStart[std::size_t( z )]; k < rows.slabStart[std::size_t( z ) + 1]; ++k )
 		{
@@ -189,12 +180,14 @@ private:
 			if ( c.u() % m_grid.samples == 0 && c.u() / m_grid.samples != done )
 			{
 				done = c.u() / m_grid.samples;
-				classifyRow( done, z, full, uncertain );
+				classifyRow( done, z, keep );
 			}
 		}
 	}
 
-	void classifyRow( int y, int z, std::vector<std::uint64_t>& full, std::vector<std::uint64_t>& uncertain ) const
+	/// Positions between samples of a row of cells share the row's count; cut cells are passed over.
+	template <class F>
+	void classifyRow( int y, int z, F&& keep ) const
 	{
 		auto [next, last] = m_rows[0].row( y * m_grid.samples, z * m_grid.samples, m_grid.samples );
 		const std::uint64_t first = m_grid.key( 0, y, z );
@@ -212,17 +205,60 @@ private:
 				++cut;
 				continue;
 			}
-			const Vec3d middle = m_grid.corner + m_grid.cellSize * Vec3d( x + 0.5, y + 0.5, z + 0.5 );
-			const double winding = std::abs( m_surface.field().winding( count, middle ) );
-			if ( !m_surface.field().isWhole() && std::abs( winding - kInsideWinding ) < kUncertainWinding )
+			keep( key, m_surface.field().isInside( count, m_grid.corner + m_grid.cellSize * Vec3d( x + 0.5, y + 0.5, z + 0.5 ) ) );
+		}
+	}
+
+	/// Through a hole the inside ends without a crossing: where a position and its neighbour differ, both are sampled like cut ones.
+	void classifyOpen()
+	{
+		enum : std::uint8_t { kCutHere, kOutside, kFullHere };
+		std::vector<std::uint8_t> kind( std::size_t( m_grid.positions() ), kCutHere );
+		auto classifyLayer = [&]( int z ) {
+			const auto keep = [&]( std::uint64_t key, bool isInside ) { kind[std::size_t( key )] = isInside ? kFullHere : kOutside; };
+			for ( int y = 0; y < m_grid.extent.y(); ++y )
 			{
-				uncertain.push_back( key );
+				classifyRow( y, z, keep );
 			}
-			else if ( winding > kInsideWinding )
+		};
+		runGuarded( m_options.runner, m_grid.extent.z(), classifyLayer );
+		const auto differs = [&]( std::uint64_t key ) {
+			const Eigen::Vector3i at = m_grid.at( key );
+			for ( int side = 0; side < 6; ++side )
 			{
-				full.push_back( key );
+				const Eigen::Vector3i to = at + ( side % 2 ? 1 : -1 ) * Eigen::Vector3i::Unit( side / 2 );
+				const std::uint8_t there = m_grid.holds( to ) ? kind[std::size_t( m_grid.key( to.x(), to.y(), to.z() ) )] : std::uint8_t( kOutside );
+				if ( there != kCutHere && there != kind[std::size_t( key )] )
+				{
+					return true;
+				}
+			}
+			return false;
+		};
+		std::vector<std::uint64_t> rim;
+		std::vector<std::uint64_t> inside;
+		for ( std::uint64_t key = 0; key < m_grid.positions(); ++key )
+		{
+			const std::uint8_t here = kind[std::size_t( key )];
+			if ( here == kFullHere )
+			{
+				inside.push_back( key );
+			}
+			if ( here != kCutHere && differs( key ) )
+			{
+				rim.push_back( key );
 			}
 		}
+		// A hole is smaller than the surface around it. Where the winding number hangs in the middle everywhere, samples would tell no more
+		// than the position's own middle.
+		if ( rim.size() > m_out.cut.size() )
+		{
+			rim.clear();
+		}
+		std::set_difference( inside.begin(), inside.end(), rim.begin(), rim.end(), std::back_inserter( m_out.full ) );
+		const auto middle = std::ptrdiff_t( m_out.cut.size() );
+		m_out.cut.insert( m_out.cut.end(), rim.begin(), rim.end() );
+		std::inplace_merge( m_out.cut.begin(), m_out.cut.begin() + middle, m_out.cut.end() );
 	}
 
 	void sampleCutCells()

@@ -17,21 +17,27 @@ constexpr int kMostDepth = 64;
 
 constexpr double kWholeSphere = 4.0 * std::numbers::pi;
 
+Vec3d middle( const std::array<Vec3d, 3>& corners )
+{
+	return ( corners[0] + corners[1] + corners[2] ) / 3.0;
+}
+
 } // namespace
 
 WindingTree::WindingTree( const std::vector<Vec3d>& position, std::vector<Triangle> triangles )
-	: m_position( position ), m_triangles( std::move( triangles ) )
 {
-	if ( !m_triangles.empty() )
+	if ( triangles.empty() )
 	{
-		m_nodes.reserve( 4 * m_triangles.size() / kTrianglesPerLeaf + 1 );
-		build( 0, std::uint32_t( m_triangles.size() ) );
+		return;
 	}
-}
-
-Vec3d WindingTree::middle( const Triangle& t ) const
-{
-	return ( m_position[t[0]] + m_position[t[1]] + m_position[t[2]] ) / 3.0;
+	m_corners.reserve( triangles.size() );
+	for ( const Triangle& t : triangles )
+	{
+		m_corners.push_back( { position[t[0]], position[t[1]], position[t[2]] } );
+	}
+	std::vector<Triangle>().swap( triangles );
+	m_nodes.reserve( 4 * m_corners.size() / kTrianglesPerLeaf + 1 );
+	build( 0, std::uint32_t( m_corners.size() ) );
 }
 
 WindingTree::Node WindingTree::summarize( std::uint32_t first, std::uint32_t last ) const
@@ -41,21 +47,22 @@ WindingTree::Node WindingTree::summarize( std::uint32_t first, std::uint32_t las
 	Vec3d plain = Vec3d::Zero();
 	for ( std::uint32_t i = first; i < last; ++i )
 	{
-		const Triangle& t = m_triangles[i];
-		const Vec3d a = 0.5 * ( m_position[t[1]] - m_position[t[0]] ).cross( m_position[t[2]] - m_position[t[0]] );
+		const Corners& t = m_corners[i];
+		const Vec3d a = 0.5 * ( t[1] - t[0] ).cross( t[2] - t[0] );
 		const Vec3d m = middle( t );
-		area += a.norm();
+		const double size = a.norm();
+		area += size;
 		node.dipole += a;
-		node.centre += a.norm() * m;
+		node.centre += size * m;
 		plain += m;
 	}
 	node.centre = area > 0.0 ? Vec3d( node.centre / area ) : Vec3d( plain / double( last - first ) );
 	double radiusSquared = 0.0;
 	for ( std::uint32_t i = first; i < last; ++i )
 	{
-		for ( const std::uint32_t v : m_triangles[i] )
+		for ( const Vec3d& corner : m_corners[i] )
 		{
-			radiusSquared = std::max( radiusSquared, ( m_position[v] - node.centre ).squaredNorm() );
+			radiusSquared = std::max( radiusSquared, ( corner - node.centre ).squaredNorm() );
 		}
 	}
 	node.farSquared = kFarField * kFarField * radiusSquared;
@@ -72,42 +79,70 @@ void WindingTree::build( std::uint32_t first, std::uint32_t last )
 		m_nodes[here].count = last - first;
 		return;
 	}
-	Vec3d low = middle( m_triangles[first] );
+	Vec3d low = middle( m_corners[first] );
 	Vec3d high = low;
 	for ( std::uint32_t i = first; i < last; ++i )
 	{
-		low = low.cwiseMin( middle( m_triangles[i] ) );
-		high = high.cwiseMax( middle( m_triangles[i] ) );
+		low = low.cwiseMin( middle( m_corners[i] ) );
+		high = high.cwiseMax( middle( m_corners[i] ) );
 	}
 	Eigen::Index axis = 0;
 	( high - low ).maxCoeff( &axis );
-	// Triangles are all different, so that the order is total and the tree the same whatever the library's algorithm.
-	const auto isBefore = [&]( const Triangle& a, const Triangle& b ) {
-		const double ma = middle( a )[axis];
-		const double mb = middle( b )[axis];
-		return ma != mb ? ma < mb : a < b;
-	};
 	const std::uint32_t half = first + ( last - first ) / 2;
-	std::nth_element( m_triangles.begin() + first, m_triangles.begin() + half, m_triangles.begin() + last, isBefore );
+	std::nth_element( m_corners.begin() + first, m_corners.begin() + half, m_corners.begin() + last, [axis]( const Corners& a, const Corners& b ) {
+		return a[0][axis] + a[1][axis] + a[2][axis] < b[0][axis] + b[1][axis] + b[2][axis];
+	} );
 	build( first, half );
 	m_nodes[here].first = std::uint32_t( m_nodes.size() );
 	build( half, last );
 }
 
-double WindingTree::solidAngle( const Triangle& t, const Vec3d& point ) const
+namespace {
+
+/// Adds angles by multiplying complex numbers, so that a sum costs one arc tangent. Turns past half a circle are counted.
+class AngleSum
 {
-	// tan( Omega / 2 ) = a . ( b x c ) / ( |a||b||c| + ( a . b ) |c| + ( b . c ) |a| + ( c . a ) |b| ): Van Oosterom and Strackee 1983.
-	const Vec3d a = m_position[t[0]] - point;
-	const Vec3d b = m_position[t[1]] - point;
-	const Vec3d c = m_position[t[2]] - point;
+public:
+	/// The angle of ( x, y ), in (-pi, pi).
+	void add( double x, double y )
+	{
+		const double nextX = m_x * x - m_y * y;
+		const double nextY = m_x * y + m_y * x;
+		// Two angles of one sign whose sum shows the other sign have passed pi.
+		m_turns += m_y >= 0.0 && y > 0.0 && nextY < 0.0 ? 1 : m_y < 0.0 && y < 0.0 && nextY >= 0.0 ? -1 : 0;
+		// One division by the larger part keeps the product within range.
+		const double scale = 1.0 / std::max( std::abs( nextX ), std::abs( nextY ) );
+		m_x = nextX * scale;
+		m_y = nextY * scale;
+	}
+
+	double angle() const { return std::atan2( m_y, m_x ) + 2.0 * std::numbers::pi * m_turns; }
+
+private:
+	double m_x = 1.0;
+	double m_y = 0.0;
+	int m_turns = 0;
+};
+
+/// tan( Omega / 2 ) = a . ( b x c ) / ( |a||b||c| + ( a . b ) |c| + ( b . c ) |a| + ( c . a ) |b| ): Van Oosterom and Strackee 1983.
+void addHalfSolidAngle( const std::array<Vec3d, 3>& corner, const Vec3d& point, AngleSum& sum )
+{
+	const Vec3d a = corner[0] - point;
+	const Vec3d b = corner[1] - point;
+	const Vec3d c = corner[2] - point;
 	const double la = a.norm();
 	const double lb = b.norm();
 	const double lc = c.norm();
 	const double above = a.dot( b.cross( c ) );
 	const double below = la * lb * lc + a.dot( b ) * lc + b.dot( c ) * la + c.dot( a ) * lb;
 	// In the triangle's own plane it covers nothing from one side and everything from the other: call it nothing.
-	return above == 0.0 ? 0.0 : 2.0 * std::atan2( above, below );
+	if ( above != 0.0 )
+	{
+		sum.add( below, above );
+	}
 }
+
+} // namespace
 
 double WindingTree::at( const Vec3d& point ) const
 {
@@ -119,6 +154,7 @@ double WindingTree::at( const Vec3d& point ) const
 	int depth = 0;
 	stack[depth++] = 0;
 	double angle = 0.0;
+	AngleSum near;
 	while ( depth > 0 )
 	{
 		const std::uint32_t here = stack[--depth];
@@ -137,23 +173,23 @@ double WindingTree::at( const Vec3d& point ) const
 		}
 		else
 		{
-			for ( std::uint32_t i = 0; i < node.count; ++i )
+			for ( std::uint32_t i = node.first; i < node.first + node.count; ++i )
 			{
-				angle += solidAngle( m_triangles[node.first + i], point );
+				addHalfSolidAngle( m_corners[i], point, near );
 			}
 		}
 	}
-	return angle / kWholeSphere;
+	return ( angle + 2.0 * near.angle() ) / kWholeSphere;
 }
 
 double WindingTree::exactlyAt( const Vec3d& point ) const
 {
-	double angle = 0.0;
-	for ( const Triangle& t : m_triangles )
+	AngleSum sum;
+	for ( const auto& corner : m_corners )
 	{
-		angle += solidAngle( t, point );
+		addHalfSolidAngle( corner, point, sum );
 	}
-	return angle / kWholeSphere;
+	return 2.0 * sum.angle() / kWholeSphere;
 }
 
 } // namespace pliant

@@ -10,7 +10,7 @@
 
 namespace pliant {
 
-/// A tree of triangle clusters. `position` must outlive it.
+/// A tree of triangle clusters.
 class WindingTree
 {
 public:
@@ -23,6 +23,8 @@ public:
 	double exactlyAt( const Vec3d& point ) const;
 
 private:
+	using Corners = std::array<Vec3d, 3>;
+
 	struct Node
 	{
 		Vec3d centre = Vec3d::Zero(); ///< area-weighted
@@ -34,11 +36,8 @@ private:
 
 	void build( std::uint32_t first, std::uint32_t last );
 	Node summarize( std::uint32_t first, std::uint32_t last ) const;
-	Vec3d middle( const Triangle& t ) const;
-	double solidAngle( const Triangle& t, const Vec3d& point ) const;
 
-	const std::vector<Vec3d>& m_position;
-	std::vector<Triangle> m_triangles;
+	std::vector<Corners> m_corners; ///< of the triangles, leaf by leaf
 	std::vector<Node> m_nodes;
 };
 

@@ -146,17 +146,11 @@ Mesh makeBeam( double length, double width, int cuts )
 		{
 			const std::uint32_t next = ( k + 1 ) % 4;
 			mesh.addQuad( 4 * i + k, 4 * i + next, 4 * i + 4 + next, 4 * i + 4 + k );
-			
 		}
 	}
 	const std::uint32_t last = 4 * std::uint32_t( cuts );
 	mesh.addQuad( 0, 3, 2, 1 );
 	mesh.addQuad( last, last + 1, last + 2, last + 3 );
-	// The sides above run along x before they turn: that is seen from inside.
-	for ( std::size_t t = 0; t < 8 * std::size_t( cuts ); ++t )
-	{
-		std::swap( mesh.indices[3 * t + 1], mesh.indices[3 * t + 2] );
-	}
 	return mesh;
 }
 
