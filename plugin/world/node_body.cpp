@@ -51,7 +51,7 @@ NodeBody* NodeBodyPool::acquire( SoftBody& owner, int node )
 		place->node = node;
 		place->uses = 0;
 		place->stamp = m_phase - 1;
-		place->setCollisionShape( impl.shape->sphere( impl.shape->childOfNode( node ) ) );
+		place->setCollisionShape( impl.shape->sphereOfNode( node ) );
 		impl.touched.push_back( place );
 	}
 	++place->uses;
@@ -105,6 +105,7 @@ void NodeBodyPool::refresh( NodeBody& body )
 	body.setBroadphaseHandle( owner.getBroadphaseHandle() );
 	body.setIslandTag( owner.getIslandTag() );
 	body.forceActivationState( owner.getActivationState() );
+	body.wasAsleep = !owner.isActive();
 	if ( !moves )
 	{
 		body.setGravity( btVector3( 0, 0, 0 ) );

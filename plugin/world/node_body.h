@@ -23,6 +23,7 @@ public:
 	int node = -1;
 	int uses = 0;           ///< manifolds and predictive contacts that name it
 	unsigned stamp = 0;     ///< collision phase in which it was last written
+	bool wasAsleep = false; ///< when it was last written: awake now means that something has woken it
 	btVector3 written = btVector3( 0, 0, 0 ); ///< world position given to the solver, m
 };
 

@@ -178,12 +178,11 @@ void PairContacts::findCandidates( SoftBody& soft, const btCollisionObjectWrappe
 	{
 		// A plane's box is everywhere: the test is the distance itself, as far as the node can come in this step.
 		const btVector3 origin = impl.worldOrigin() - at.getOrigin();
-		for ( int child = 0; child < shape.getNumChildShapes(); ++child )
+		for ( int i = 0; i < nodes.count; ++i )
 		{
-			const int i = shape.nodeOfChild( child );
 			const Nearest nearest = nearestOn( otherShape, at.getBasis(), origin + btVector3( nodes.x.x[i], nodes.x.y[i], nodes.x.z[i] ) );
 			const btScalar approach = btMax( btScalar( 0 ), -nearest.normal.dot( impl.velocity( i ) ) * step );
-			if ( nearest.distance <= shape.radius( child ) * ( 1 + kContactSlop ) + approach )
+			if ( nearest.distance <= shape.sphereOfNode( i )->getRadius() * ( 1 + kContactSlop ) + approach )
 			{
 				m_candidates.push_back( std::uint64_t( i ) );
 			}

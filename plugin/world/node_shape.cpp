@@ -30,8 +30,11 @@ void collectInner( btDbvtNode* node, std::vector<btDbvtNode*>& inner )
 
 NodeShape::NodeShape( const Lattice& lattice ) : btCompoundShape( true, lattice.cellCount() ), m_childOfNode( lattice.cellCount(), -1 )
 {
+	m_sphereOfNode.reserve( lattice.cellCount() );
 	for ( int i = 0; i < lattice.cellCount(); ++i )
 	{
+		// r = ( d / 2 ) cbrt( fill ). Departs from [O], where it is proportional to the mass: an eighth of a cell would be a dot.
+		m_sphereOfNode.push_back( sphereOf( 0.5 * lattice.cellSize * std::cbrt( lattice.fill[i] ) ) );
 		bool collides = lattice.isSurface[i] != 0;
 		for ( std::uint32_t k = lattice.linkStart[i]; !collides && k < lattice.linkStart[i + 1]; ++k )
 		{
@@ -41,12 +44,10 @@ NodeShape::NodeShape( const Lattice& lattice ) : btCompoundShape( true, lattice.
 		{
 			continue;
 		}
-		// r = ( d / 2 ) cbrt( fill ). Departs from [O], where it is proportional to the mass: an eighth of a cell would be a dot.
-		const double radius = 0.5 * lattice.cellSize * std::cbrt( lattice.fill[i] );
 		const Vec3& p = lattice.restCentre[i];
 		m_childOfNode[i] = int( m_nodeOfChild.size() );
 		m_nodeOfChild.push_back( i );
-		addChildShape( btTransform( btQuaternion::getIdentity(), btVector3( p.x(), p.y(), p.z() ) ), sphereOf( radius ) );
+		addChildShape( btTransform( btQuaternion::getIdentity(), btVector3( p.x(), p.y(), p.z() ) ), m_sphereOfNode[i] );
 	}
 	m_dynamicAabbTree->optimizeTopDown();
 	collectInner( m_dynamicAabbTree->m_root, m_inner );
@@ -90,7 +91,7 @@ void NodeShape::update( const NodeState& nodes, btScalar h )
 std::size_t NodeShape::bytes() const
 {
 	return std::size_t( m_children.size() ) * ( sizeof( btCompoundShapeChild ) + sizeof( btDbvtNode ) + sizeof( int ) ) +
-		   m_inner.size() * ( sizeof( btDbvtNode ) + sizeof( btDbvtNode* ) ) + m_childOfNode.size() * sizeof( int );
+		   m_inner.size() * ( sizeof( btDbvtNode ) + sizeof( btDbvtNode* ) ) + m_childOfNode.size() * ( sizeof( int ) + sizeof( btSphereShape* ) );
 }
 
 } // namespace pliant

@@ -30,8 +30,9 @@ public:
 	int nodeOfChild( int child ) const { return m_nodeOfChild[child]; }
 	/// -1 for a node that does not collide.
 	int childOfNode( int node ) const { return m_childOfNode[node]; }
-	btScalar radius( int child ) const { return static_cast<const btSphereShape*>( m_children[child].m_childShape )->getRadius(); }
-	btSphereShape* sphere( int child ) const { return static_cast<btSphereShape*>( m_children[child].m_childShape ); }
+	/// Every node has a sphere, in the compound or not: against a plane all of them are tested, for there no tree is needed.
+	btSphereShape* sphereOfNode( int node ) const { return m_sphereOfNode[node]; }
+	btScalar radius( int child ) const { return m_sphereOfNode[m_nodeOfChild[child]]->getRadius(); }
 	/// Largest radius of any node, m.
 	btScalar largestRadius() const { return m_largestRadius; }
 
@@ -57,6 +58,7 @@ private:
 
 	std::map<int, std::unique_ptr<btSphereShape>> m_spheres; // by radius step
 	std::vector<int> m_nodeOfChild, m_childOfNode;
+	std::vector<btSphereShape*> m_sphereOfNode;
 	std::vector<btDbvtNode*> m_inner; // children before parents
 	btScalar m_largestRadius = btScalar( 0 );
 };

@@ -141,8 +141,7 @@ btScalar SoftBody::nodeMass( int node ) const
 
 btScalar SoftBody::nodeRadius( int node ) const
 {
-	const int child = m_impl->shape->childOfNode( node );
-	return child < 0 ? btScalar( 0 ) : m_impl->shape->radius( child );
+	return m_impl->shape->sphereOfNode( node )->getRadius();
 }
 
 int SoftBody::nearestNode( const btVector3& worldPoint ) const

@@ -280,7 +280,12 @@ void SoftBodySystem::readBack()
 		bool wakes = false;
 		for ( NodeBody* stand : impl.touched )
 		{
-			wakes = wakes || ( stand->isActive() && !body->isActive() );
+			wakes = wakes || ( stand->wasAsleep && stand->isActive() );
+			if ( !body->isActive() )
+			{
+				stand->forceActivationState( body->getActivationState() );
+				stand->wasAsleep = true;
+			}
 			if ( nodes.freedom[stand->node] == 0.0f || !moves( *body ) || body->getCollisionFlags() & btCollisionObject::CF_NO_CONTACT_RESPONSE )
 			{
 				continue;

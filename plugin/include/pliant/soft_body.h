@@ -54,7 +54,7 @@ public:
 	btVector3 nodePosition( int node ) const;  ///< world, m
 	btVector3 nodeVelocity( int node ) const;  ///< m/s
 	btScalar nodeMass( int node ) const;       ///< kg
-	btScalar nodeRadius( int node ) const;     ///< of the collision sphere, m; 0 for a node deep inside, which has none
+	btScalar nodeRadius( int node ) const;     ///< of the collision sphere, m
 	/// The node behind a child shape's index, as ray, sweep and contact tests report it; -1 when there is none.
 	/// Node spheres stand for the surface and one layer below; contact points carry the node's own number.
 	int nodeOfShapeIndex( int shapeIndex ) const;
