@@ -12,6 +12,9 @@ inline constexpr double kRadiusStepsPerOctave = 16.0;
 /// Contacts are made this far ahead of touch at least, in node radii, so that a resting contact does not flicker.
 inline constexpr btScalar kContactSlop = btScalar( 0.04 );
 
+/// A node that moves more than this share of its radius in a step is swept instead of asked for its nearest point.
+inline constexpr double kFastShare = 0.5;
+
 /// Root mean square speed of the nodes below which a body may fall asleep, m/s.
 inline constexpr btScalar kSleepSpeed = btScalar( 0.03 );
 

@@ -3,6 +3,7 @@
 #include "matching/parallel.h"
 #include "world/constants.h"
 #include "world/soft_body_impl.h"
+#include "world/stopwatch.h"
 
 #include <BulletCollision/CollisionDispatch/btCollisionConfiguration.h>
 #include <BulletCollision/CollisionDispatch/btCollisionDispatcher.h>
@@ -198,16 +199,22 @@ void SoftBodySystem::accelerate( btScalar h, int substep )
 			continue;
 		}
 		SoftBody::Impl& impl = body->impl();
-		NodeState& nodes = impl.body->nodes();
 		drivePins( *body, h, substep );
 		btVector3 gravity = impl.hasOwnGravity ? impl.gravity : m_world.getGravity();
 		if ( !impl.centralForce.isZero() )
 		{
 			gravity += impl.centralForce / body->mass();
 		}
-		impl.body->applyForces( float( h ), toVec3( gravity ) );
-		impl.body->accelerateTowardGoals( float( h ), impl.plan.alpha, tasks );
-		impl.shape->update( nodes, h );
+		{
+			Stopwatch watch( report.forces );
+			impl.body->applyForces( float( h ), toVec3( gravity ) );
+		}
+		{
+			Stopwatch watch( report.matching );
+			impl.body->accelerateTowardGoals( float( h ), impl.plan.alpha, tasks );
+		}
+		Stopwatch watch( report.spheres );
+		impl.shape->update( impl.body->nodes(), h );
 		body->setWorldTransform( btTransform( btQuaternion::getIdentity(), impl.worldOrigin() ) );
 	}
 	pool.nextPhase();

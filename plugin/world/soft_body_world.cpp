@@ -5,32 +5,14 @@
 #include "world/island_manager.h"
 #include "world/soft_body_impl.h"
 #include "world/soft_body_system.h"
+#include "world/stopwatch.h"
 
 #include <LinearMath/btQuickprof.h>
 
 #include <algorithm>
-#include <chrono>
 #include <new>
 
 namespace pliant {
-
-namespace {
-
-/// Adds the seconds of its life to a place.
-class Stopwatch
-{
-public:
-	explicit Stopwatch( double& to ) : m_to( to ), m_start( std::chrono::steady_clock::now() ) {}
-	~Stopwatch() { m_to += std::chrono::duration<double>( std::chrono::steady_clock::now() - m_start ).count(); }
-	Stopwatch( const Stopwatch& ) = delete;
-	Stopwatch& operator=( const Stopwatch& ) = delete;
-
-private:
-	double& m_to;
-	std::chrono::steady_clock::time_point m_start;
-};
-
-} // namespace
 
 struct SoftBodyWorld::System
 {

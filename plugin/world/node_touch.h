@@ -1,0 +1,55 @@
+#pragma once
+
+// Where a node's sphere meets an obstacle within a step: closed forms where there are any, Bullet's GJK for other convex shapes.
+// Everything is relative to the soft body's origin and in double: a kilometre out a float world still rests where it rests at home.
+
+#include "lattice/lattice.h"
+
+#include <BulletCollision/CollisionShapes/btCollisionShape.h>
+#include <LinearMath/btTransform.h>
+
+#include <Eigen/Core>
+
+class btSphereShape;
+
+namespace pliant {
+
+/// One simple shape as a soft body sees it; a compound is several of them.
+struct Obstacle
+{
+	const btCollisionShape* shape = nullptr;
+	Eigen::Matrix3d basis = Eigen::Matrix3d::Identity();
+	Vec3d position = Vec3d::Zero(); ///< relative to the soft body's origin, m
+	int part = -1;                  ///< Bullet's identifiers of the shape, for contact callbacks
+	int index = -1;
+
+	Vec3d toLocal( const Vec3d& p ) const { return basis.transpose() * ( p - position ); }
+	btTransform transform() const; ///< relative to the soft body's origin
+};
+
+struct MovingSphere
+{
+	Vec3d centre = Vec3d::Zero();
+	Vec3d way = Vec3d::Zero(); ///< what the node moves in this step against the obstacle, m
+	double radius = 0.0;       ///< m
+	const btSphereShape* shape = nullptr;
+
+	/// The nearest touch counts when the sphere touches it, nearly touches it, or comes that far in this step.
+	bool reaches( const Vec3d& normal, double distance ) const;
+	/// It moves so far that the place it is nearest to now need not be the place it hits.
+	bool isFast() const;
+};
+
+struct Touch
+{
+	Vec3d normal = Vec3d::Zero(); ///< out of the obstacle, towards the node
+	double distance = 0.0;        ///< of the node's centre from the surface it meets, along the normal, m; negative inside
+};
+
+/// The touch of a sphere with a plane or a convex shape in this step. False when it meets nothing.
+bool findTouch( const Obstacle& obstacle, const MovingSphere& sphere, Touch& touch );
+
+/// The same for a triangle of a mesh; corners relative to the soft body's origin. Both sides count.
+bool findTouch( const Vec3d ( &corners )[3], const MovingSphere& sphere, Touch& touch );
+
+} // namespace pliant

@@ -1,0 +1,108 @@
+// Whole frames of 1/60 s: matching, contacts, Bullet's solver, skinning not included. Counters: contacts, substeps, and the share of
+// matching in the frame.
+
+#include "support/test_world.h"
+
+#include <benchmark/benchmark.h>
+
+namespace pliant {
+namespace {
+
+void report( benchmark::State& state, SoftBodyWorld& world )
+{
+	const StepReport& step = world.stepReport();
+	state.counters["nodes"] = step.nodes;
+	state.counters["contacts"] = step.softContacts;
+	state.counters["substeps"] = step.substeps;
+	state.counters["matching_ms"] = step.matching * 1e3;
+	state.counters["spheres_ms"] = step.spheres * 1e3;
+	state.counters["collision_ms"] = step.collision * 1e3;
+	state.counters["solve_ms"] = step.solve * 1e3;
+	state.counters["total_ms"] = step.total * 1e3;
+}
+
+/// A block resting on a plane, kept awake.
+void restingBlock( benchmark::State& state )
+{
+	const int cells = int( state.range( 0 ) );
+	test::SoftWorld scene;
+	scene.addFloor();
+	Material material;
+	material.youngsModulus = 1e5f;
+	SoftBody* body = scene.add( test::cubeTemplate( 1.0f, cells ), btVector3( 0, btScalar( 0.51 ), 0 ), material );
+	body->setActivationState( DISABLE_DEACTIVATION );
+	scene.step( 60 );
+	for ( auto _ : state )
+	{
+		scene.step( 1 );
+	}
+	report( state, scene.world );
+}
+BENCHMARK( restingBlock )->Arg( 6 )->Arg( 13 )->Arg( 27 )->Unit( benchmark::kMillisecond );
+
+/// The same, asleep.
+void sleepingBlock( benchmark::State& state )
+{
+	test::SoftWorld scene;
+	scene.addFloor();
+	SoftBody* body = scene.add( test::cubeTemplate( 1.0f, 13 ), btVector3( 0, btScalar( 0.51 ), 0 ) );
+	scene.step( 60 );
+	body->forceActivationState( ISLAND_SLEEPING );
+	for ( auto _ : state )
+	{
+		scene.step( 1 );
+	}
+	report( state, scene.world );
+}
+BENCHMARK( sleepingBlock )->Unit( benchmark::kMillisecond );
+
+/// Twenty soft cubes of 216 nodes and fifty rigid boxes in a heap.
+void pile( benchmark::State& state )
+{
+	test::SoftWorld scene;
+	scene.addBoxFloor();
+	const auto cube = test::cubeTemplate( 0.6f, 6 );
+	Material material;
+	material.youngsModulus = 3e4f;
+	for ( int i = 0; i < 20; ++i )
+	{
+		scene.add( cube, btVector3( btScalar( 0.35 * ( i % 3 ) ), btScalar( 0.5 + 0.7 * i ), btScalar( 0.3 * ( i % 4 ) ) ), material );
+	}
+	for ( int i = 0; i < 50; ++i )
+	{
+		const btScalar half = btScalar( 0.12 );
+		scene.add( 10, new btBoxShape( btVector3( half, half, half ) ),
+			btVector3( btScalar( 0.3 * ( i % 5 ) - 0.4 ), btScalar( 1 + 0.3 * i ), btScalar( 0.2 * ( i % 7 ) - 0.4 ) ) );
+	}
+	scene.step( 150 );
+	for ( auto _ : state )
+	{
+		scene.step( 1 );
+	}
+	report( state, scene.world );
+}
+BENCHMARK( pile )->Iterations( 100 )->Unit( benchmark::kMillisecond );
+
+/// Sixty rigid boxes: Bullet's own world, ours without a soft body, ours with one asleep.
+template <class World>
+void rigidScene( benchmark::State& state )
+{
+	test::WorldOf<World> scene;
+	scene.addBoxFloor();
+	for ( int i = 0; i < 60; ++i )
+	{
+		btRigidBody* box = scene.add( 1, new btBoxShape( btVector3( btScalar( 0.2 ), btScalar( 0.2 ), btScalar( 0.2 ) ) ),
+			btVector3( btScalar( 0.5 * ( i % 8 ) ), btScalar( 0.5 + 0.41 * ( i / 8 ) ), 0 ) );
+		box->setActivationState( DISABLE_DEACTIVATION );
+	}
+	scene.step( 60 );
+	for ( auto _ : state )
+	{
+		scene.step( 1 );
+	}
+}
+BENCHMARK_TEMPLATE( rigidScene, btDiscreteDynamicsWorld )->Unit( benchmark::kMillisecond );
+BENCHMARK_TEMPLATE( rigidScene, SoftBodyWorld )->Unit( benchmark::kMillisecond );
+
+} // namespace
+} // namespace pliant

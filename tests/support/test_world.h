@@ -1,0 +1,111 @@
+#pragma once
+
+// A world in one line, for tests and benchmarks: everything in it dies with it, in an order that is allowed.
+
+#include "pliant/soft_body_world.h"
+
+#include <btBulletDynamicsCommon.h>
+
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace pliant::test {
+
+/// A cube of edge `edge` m around the origin, `cells` cells along it.
+inline std::shared_ptr<const BodyTemplate> cubeTemplate( float edge, int cells )
+{
+	std::vector<float> positions;
+	for ( int i = 0; i < 8; ++i )
+	{
+		positions.push_back( edge * ( float( i & 1 ) - 0.5f ) );
+		positions.push_back( edge * ( float( i >> 1 & 1 ) - 0.5f ) );
+		positions.push_back( edge * ( float( i >> 2 & 1 ) - 0.5f ) );
+	}
+	static const std::uint32_t indices[36] = { 0, 2, 1, 1, 2, 3, 4, 5, 6, 5, 7, 6, 0, 1, 4, 1, 5, 4, 2, 6, 3, 3, 6, 7, 0, 4, 2, 2, 4, 6, 1, 3, 5, 3, 7, 5 };
+	MeshView mesh;
+	mesh.positions = positions.data();
+	mesh.vertexCount = 8;
+	mesh.indices = indices;
+	mesh.triangleCount = 12;
+	LatticeSettings settings;
+	settings.cellSize = edge / float( cells );
+	return BodyTemplate::build( mesh, settings ).value;
+}
+
+template <class World>
+struct WorldOf
+{
+	btDefaultCollisionConfiguration configuration;
+	btCollisionDispatcher dispatcher{ &configuration };
+	btDbvtBroadphase broadphase;
+	btSequentialImpulseConstraintSolver solver;
+	World world{ &dispatcher, &broadphase, &solver, &configuration };
+	std::vector<std::unique_ptr<btCollisionShape>> shapes;
+	std::vector<std::unique_ptr<btRigidBody>> rigid;
+
+	WorldOf() { world.setGravity( btVector3( 0, btScalar( -9.81 ), 0 ) ); }
+	~WorldOf()
+	{
+		for ( auto& body : rigid )
+		{
+			world.removeRigidBody( body.get() );
+		}
+	}
+
+	/// Mass 0: static.
+	btRigidBody* add( btScalar mass, btCollisionShape* shape, const btVector3& at )
+	{
+		shapes.emplace_back( shape );
+		btVector3 inertia( 0, 0, 0 );
+		if ( mass > 0 )
+		{
+			shape->calculateLocalInertia( mass, inertia );
+		}
+		rigid.push_back( std::make_unique<btRigidBody>( btRigidBody::btRigidBodyConstructionInfo( mass, nullptr, shape, inertia ) ) );
+		const btTransform place( btQuaternion::getIdentity(), at );
+		rigid.back()->setWorldTransform( place );
+		rigid.back()->setInterpolationWorldTransform( place );
+		world.addRigidBody( rigid.back().get() );
+		return rigid.back().get();
+	}
+	btRigidBody* addFloor() { return add( 0, new btStaticPlaneShape( btVector3( 0, 1, 0 ), 0 ), btVector3( 0, 0, 0 ) ); }
+	btRigidBody* addBoxFloor() { return add( 0, new btBoxShape( btVector3( 20, 1, 20 ) ), btVector3( 0, -1, 0 ) ); }
+
+	void step( int frames )
+	{
+		for ( int i = 0; i < frames; ++i )
+		{
+			world.stepSimulation( btScalar( 1 ) / 60, 0 );
+		}
+	}
+};
+
+struct SoftWorld : WorldOf<SoftBodyWorld>
+{
+	std::vector<std::unique_ptr<SoftBody>> soft;
+
+	~SoftWorld()
+	{
+		for ( auto& body : soft )
+		{
+			world.removeSoftBody( body.get() );
+		}
+	}
+	SoftBody* add( std::shared_ptr<const BodyTemplate> bodyTemplate, const btVector3& at, const Material& material = {},
+		const btQuaternion& turn = btQuaternion::getIdentity() )
+	{
+		SoftBodyResult made = SoftBody::create( std::move( bodyTemplate ), btTransform( turn, at ), material );
+		if ( !made )
+		{
+			return nullptr;
+		}
+		soft.push_back( std::move( made.value ) );
+		world.addSoftBody( soft.back().get() );
+		return soft.back().get();
+	}
+	using WorldOf<SoftBodyWorld>::add;
+};
+
+} // namespace pliant::test
