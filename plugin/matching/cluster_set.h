@@ -1,0 +1,33 @@
+#pragma once
+
+// Which nodes a cluster holds: all of them, or boxes that overlap by half, cut where the material is cut. Müller et al. 2005,
+// section 4.4.
+
+#include "lattice/lattice.h"
+
+#include <cstdint>
+#include <vector>
+
+namespace pliant {
+
+/// Both directions as compressed rows, ascending: nodes of a cluster, clusters of a node. Every node is in one cluster at least.
+struct ClusterSet
+{
+	std::vector<std::uint32_t> start;
+	std::vector<std::uint32_t> member;     ///< nodes of cluster r: member[ start[r] .. start[r + 1] )
+	std::vector<std::uint32_t> coverStart;
+	std::vector<std::uint32_t> cover;      ///< clusters of node i: cover[ coverStart[i] .. coverStart[i + 1] )
+
+	int count() const { return int( start.size() ) - 1; }
+	int coverCount( int node ) const { return int( coverStart[node + 1] - coverStart[node] ); }
+	std::size_t bytes() const;
+};
+
+/// One cluster of all nodes, linked or not.
+ClusterSet makeWholeCluster( const Lattice& lattice );
+
+/// Boxes of `edge` cells an edge, each half an edge from the next, so that two linked cells always share a box.
+/// What is not linked within its box falls into clusters of its own.
+ClusterSet makeBoxClusters( const Lattice& lattice, int edge );
+
+} // namespace pliant
