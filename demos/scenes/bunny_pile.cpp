@@ -6,6 +6,7 @@
 #include "demos/scene.h"
 #include "demos/shapes.h"
 
+#include <algorithm>
 #include <random>
 
 namespace pliant_demos {
@@ -17,6 +18,7 @@ constexpr btScalar kRise = btScalar( 0.19 ), kTread = btScalar( 0.42 ), kWidth =
 constexpr btScalar kStairsEnd = btScalar( 0.3 ); // x where the ground begins
 constexpr btScalar kDoorX = btScalar( 1.05 ), kDoorWidth = btScalar( 1.1 ), kDoorHeight = btScalar( 0.95 );
 constexpr int kLooseBodies = 22;
+constexpr double kCameraRide = 3.0; // s
 
 btTransform at( btScalar x, btScalar y, btScalar z )
 {
@@ -39,8 +41,11 @@ public:
 
 	pliant_glue::DrawCamera camera( double seconds ) const override
 	{
-		const float swing = float( seconds / duration() );
-		return { { 2.1f - 0.3f * swing, 1.65f, 3.7f }, { -0.15f + 0.45f * swing, 0.48f, 0 }, 38.0f };
+		// From the whole stairs down to the pile at their foot.
+		const float share = float( std::min( 1.0, seconds / kCameraRide ) );
+		const float ride = share * share * ( 3 - 2 * share );
+		const auto between = [&]( float from, float to ) { return from + ( to - from ) * ride; };
+		return { { between( 2.5f, 1.9f ), between( 1.95f, 1.5f ), between( 4.3f, 3.3f ) }, { between( -0.3f, 0.25f ), between( 0.8f, 0.36f ), 0 }, 38.0f };
 	}
 	pliant_glue::DrawLight light() const override { return { { -0.25f, 0.80f, 0.55f }, { 0, 0.6f, 0 }, 3.4f }; }
 
@@ -60,10 +65,13 @@ private:
 	static void addDoor( Stage& stage )
 	{
 		const btScalar post = btScalar( 0.1 ), gap = btScalar( 0.02 );
+		const btScalar postHeight = kDoorHeight + 3 * gap;
+		stage.addBox( btVector3( post, postHeight, post ), at( kDoorX, postHeight / 2, -( kDoorWidth / 2 + gap + post / 2 ) ), 0, kOak );
+		// Kerbs keep the pile between the stairs and the door.
+		const btScalar kerb = btScalar( 0.16 ), length = kDoorX - kStairsEnd + post;
 		for( const int side : { -1, 1 } )
 		{
-			const btScalar z = btScalar( side ) * ( kDoorWidth / 2 + gap + post / 2 );
-			stage.addBox( btVector3( post, kDoorHeight + 3 * gap, post ), at( kDoorX, ( kDoorHeight + 3 * gap ) / 2, z ), 0, kOak );
+			stage.addBox( btVector3( length, kerb, post ), at( kStairsEnd + length / 2, kerb / 2, btScalar( side ) * ( kWidth - post ) / 2 ), 0, kStone );
 		}
 		btRigidBody* door = stage.addBox( btVector3( btScalar( 0.06 ), kDoorHeight, kDoorWidth ), at( kDoorX, kDoorHeight / 2 + gap, 0 ), 6, kMoss );
 		door->setActivationState( DISABLE_DEACTIVATION ); // a door that sleeps would not swing
@@ -82,7 +90,7 @@ private:
 		for( int i = 0; i < kLooseBodies; ++i )
 		{
 			const bool isAtFoot = i % 2 == 0;
-			const btScalar x = isAtFoot ? between( btScalar( 0.45 ), btScalar( 0.85 ) ) : between( btScalar( -1.6 ), btScalar( -0.2 ) );
+			const btScalar x = isAtFoot ? between( btScalar( 0.6 ), btScalar( 0.85 ) ) : between( btScalar( -1.6 ), btScalar( -0.2 ) );
 			const btVector3 place( x, btScalar( 0.3 ) + btScalar( 0.11 ) * btScalar( i ) + ( isAtFoot ? 0 : btScalar( 0.7 ) ), between( btScalar( -0.5 ), btScalar( 0.5 ) ) );
 			const pliant_glue::Colour& colour = colours[i % 4];
 			if( i % 3 == 0 )
@@ -102,21 +110,21 @@ private:
 	static bool addBunny( Stage& stage )
 	{
 		pliant_glue::ModelMesh mesh = stage.modelOr( "bunny00.off", makeBunnyLike );
-		fitHeight( mesh, 0.72f );
+		fitHeight( mesh, 0.78f );
 		SoftOrder order;
 		order.name = "bunny";
 		order.mesh = &mesh;
 		order.cells = 2000;
-		order.place = btTransform( btQuaternion( btVector3( 0, 0, 1 ), btScalar( -0.25 ) ), btVector3( btScalar( -1.45 ), btScalar( 1.75 ), btScalar( 0.05 ) ) );
+		order.place = btTransform( btQuaternion( btVector3( 0, 1, 0 ), btScalar( 3.0 ) ), btVector3( btScalar( -1.35 ), btScalar( 1.6 ), btScalar( -0.1 ) ) ); // looks down the stairs
 		order.material.density = 300.0f;
 		order.material.youngsModulus = 4.0e4f; // soft foam: its own weight shortens it by about 2 %, the fall bends its ears flat
-		order.material.damping = 6.0f;
-		order.friction = btScalar( 0.45 );
+		order.material.damping = 25.0f;
+		order.friction = btScalar( 0.6 );
 		order.colour = kTerracotta;
 		pliant::SoftBody* bunny = stage.addSoft( order );
 		if( bunny != nullptr )
 		{
-			bunny->setVelocities( btVector3( btScalar( 1.6 ), 0, 0 ), btVector3( 0, 0, btScalar( -2.5 ) ) );
+			bunny->setVelocities( btVector3( btScalar( 1.4 ), 0, 0 ), btVector3( 0, 0, -2 ) );
 		}
 		return bunny != nullptr;
 	}
@@ -131,8 +139,8 @@ private:
 		order.place = at( btScalar( -1.1 ), btScalar( 3.1 ), btScalar( -0.15 ) );
 		order.material.density = 300.0f;
 		order.material.youngsModulus = 2.0e4f;
-		order.material.damping = 6.0f;
-		order.friction = btScalar( 0.45 );
+		order.material.damping = 25.0f;
+		order.friction = btScalar( 0.6 );
 		order.colour = kPlum;
 		pliant::SoftBody* glob = stage.addSoft( order );
 		if( glob != nullptr )
