@@ -2,8 +2,6 @@
 
 #include "world/soft_body_impl.h"
 
-#include <algorithm>
-
 namespace pliant {
 
 const char kSoftBodyMark = 0;
@@ -34,6 +32,32 @@ NodeBodyPool::~NodeBodyPool()
 	}
 }
 
+namespace {
+
+/// What a user sets on the soft body and Bullet asks of the stand-in.
+void copySurface( const SoftBody& owner, NodeBody& body )
+{
+	body.setFriction( owner.getFriction() );
+	body.setRestitution( owner.getRestitution() );
+	body.setRollingFriction( owner.getRollingFriction() );
+	body.setSpinningFriction( owner.getSpinningFriction() );
+	body.setUserPointer( owner.getUserPointer() );
+	body.setUserIndex( owner.getUserIndex() );
+	body.setUserIndex2( owner.getUserIndex2() );
+	body.setUserIndex3( owner.getUserIndex3() );
+	body.setContactProcessingThreshold( owner.getContactProcessingThreshold() );
+	if ( owner.getCollisionFlags() & btCollisionObject::CF_HAS_CONTACT_STIFFNESS_DAMPING )
+	{
+		body.setContactStiffnessAndDamping( owner.getContactStiffness(), owner.getContactDamping() );
+	}
+	if ( owner.hasAnisotropicFriction() )
+	{
+		body.setAnisotropicFriction( owner.getAnisotropicFriction() );
+	}
+}
+
+} // namespace
+
 NodeBody* NodeBodyPool::acquire( SoftBody& owner, int node )
 {
 	SoftBody::Impl& impl = owner.impl();
@@ -52,6 +76,7 @@ NodeBody* NodeBodyPool::acquire( SoftBody& owner, int node )
 		place->uses = 0;
 		place->stamp = m_phase - 1;
 		place->setCollisionShape( impl.shape->sphereOfNode( node ) );
+		place->place = int( impl.touched.size() );
 		impl.touched.push_back( place );
 	}
 	++place->uses;
@@ -67,7 +92,9 @@ void NodeBodyPool::release( NodeBody* body )
 	}
 	SoftBody::Impl& impl = body->owner->impl();
 	impl.nodeBody[body->node] = nullptr;
-	impl.touched.erase( std::find( impl.touched.begin(), impl.touched.end(), body ) );
+	impl.touched[body->place] = impl.touched.back();
+	impl.touched[body->place]->place = body->place;
+	impl.touched.pop_back();
 	body->owner = nullptr;
 	body->setBroadphaseHandle( nullptr );
 	m_free.push_back( body );
@@ -83,33 +110,32 @@ void NodeBodyPool::refresh( NodeBody& body )
 	SoftBody& owner = *body.owner;
 	const SoftBody::Impl& impl = owner.impl();
 	const NodeState& nodes = impl.body->nodes();
-	const bool moves = nodes.freedom[body.node] != 0.0f && impl.isHealthy;
-	body.setMassProps( moves ? btScalar( nodes.mass[body.node] ) : btScalar( 0 ), btVector3( 0, 0, 0 ) );
+	const btVector3 velocity = impl.velocity( body.node );
+	const btScalar mass = impl.isHealthy && nodes.freedom[body.node] != 0.0f ? btScalar( nodes.mass[body.node] ) : btScalar( 0 );
+	if ( mass != body.mass )
+	{
+		body.setMassProps( mass, btVector3( 0, 0, 0 ) );
+		body.mass = mass;
+	}
+	// What is held moves others only while it moves itself: Bullet keeps everything awake that touches a kinematic body.
 	int flags = owner.getCollisionFlags() & ~( btCollisionObject::CF_STATIC_OBJECT | btCollisionObject::CF_KINEMATIC_OBJECT );
-	flags |= moves ? 0 : btCollisionObject::CF_KINEMATIC_OBJECT; // a pinned node pushes with its own velocity
+	if ( mass == 0 )
+	{
+		flags |= velocity.isZero() ? btCollisionObject::CF_STATIC_OBJECT : btCollisionObject::CF_KINEMATIC_OBJECT;
+	}
 	body.setCollisionFlags( flags );
 
 	body.written = impl.position( body.node );
 	const btTransform at( btQuaternion::getIdentity(), body.written );
 	body.setWorldTransform( at );
 	body.setInterpolationWorldTransform( at );
-	body.setLinearVelocity( impl.velocity( body.node ) );
-	body.setInterpolationLinearVelocity( impl.velocity( body.node ) );
-	body.setFriction( owner.getFriction() );
-	body.setRestitution( owner.getRestitution() );
-	body.setRollingFriction( owner.getRollingFriction() );
-	body.setSpinningFriction( owner.getSpinningFriction() );
-	body.setUserPointer( owner.getUserPointer() );
-	body.setUserIndex( owner.getUserIndex() );
-	body.setUserIndex2( owner.getUserIndex2() );
+	body.setLinearVelocity( velocity );
+	body.setInterpolationLinearVelocity( velocity );
+	copySurface( owner, body );
 	body.setBroadphaseHandle( owner.getBroadphaseHandle() );
 	body.setIslandTag( owner.getIslandTag() );
 	body.forceActivationState( owner.getActivationState() );
 	body.wasAsleep = !owner.isActive();
-	if ( !moves )
-	{
-		body.setGravity( btVector3( 0, 0, 0 ) );
-	}
 }
 
 } // namespace pliant

@@ -22,6 +22,8 @@ public:
 	SoftBody* owner = nullptr;
 	int node = -1;
 	int uses = 0;           ///< manifolds and predictive contacts that name it
+	int place = -1;         ///< among its owner's touched ones
+	btScalar mass = btScalar( 1 ); ///< kg, 0 while the node is held
 	unsigned stamp = 0;     ///< collision phase in which it was last written
 	bool wasAsleep = false; ///< when it was last written: awake now means that something has woken it
 	btVector3 written = btVector3( 0, 0, 0 ); ///< world position given to the solver, m

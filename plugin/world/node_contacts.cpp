@@ -3,12 +3,9 @@
 #include "world/constants.h"
 #include "world/soft_body_impl.h"
 
-#include <BulletCollision/CollisionDispatch/btCollisionDispatcher.h>
+#include <BulletCollision/BroadphaseCollision/btDispatcher.h>
 #include <BulletCollision/CollisionDispatch/btCollisionObjectWrapper.h>
 #include <BulletCollision/CollisionDispatch/btManifoldResult.h>
-#include <BulletCollision/CollisionShapes/btBoxShape.h>
-#include <BulletCollision/CollisionShapes/btConcaveShape.h>
-#include <BulletCollision/CollisionShapes/btStaticPlaneShape.h>
 
 #include <algorithm>
 #include <new>
@@ -23,88 +20,74 @@ SoftBody* softOf( const btCollisionObjectWrapper* wrapper )
 	return asSoftBody( const_cast<btCollisionObject*>( wrapper->getCollisionObject() ) );
 }
 
-/// The nearest point of a shape to a sphere's centre, for the shapes that have it in closed form.
-struct Nearest
+btScalar radiusOf( const NodeBody& body )
 {
-	btVector3 normal;  ///< out of the shape, towards the sphere
-	btScalar distance; ///< of the centre from the surface, negative inside
-};
-
-bool hasClosedForm( const btCollisionShape* shape )
-{
-	const int type = shape->getShapeType();
-	return type == STATIC_PLANE_PROXYTYPE || type == SPHERE_SHAPE_PROXYTYPE || type == BOX_SHAPE_PROXYTYPE;
+	return static_cast<const btSphereShape*>( body.getCollisionShape() )->getRadius();
 }
 
-Nearest nearestOnBox( const btBoxShape& box, const btVector3& p )
+/// Rolling friction turns bodies. Between two that cannot turn Bullet's row would divide by zero.
+bool canTurn( const btCollisionObject* object )
 {
-	const btVector3 half = box.getHalfExtentsWithMargin();
-	btVector3 inside = p;
-	inside.setMin( half );
-	inside.setMax( -half );
-	const btVector3 out = p - inside;
-	const btScalar length = out.length();
-	if ( length > 0 )
-	{
-		return { out / length, length };
-	}
-	// Inside: out through the nearest face.
-	int axis = 0;
-	for ( int k = 1; k < 3; ++k )
-	{
-		axis = half[k] - btFabs( p[k] ) < half[axis] - btFabs( p[axis] ) ? k : axis;
-	}
-	btVector3 normal( 0, 0, 0 );
-	normal[axis] = p[axis] < 0 ? btScalar( -1 ) : btScalar( 1 );
-	return { normal, btFabs( p[axis] ) - half[axis] };
+	const btRigidBody* rigid = btRigidBody::upcast( object );
+	return rigid && !rigid->getInvInertiaDiagLocal().isZero();
 }
 
-/// `offset`: the sphere's centre relative to the shape's own origin, world axes (taken before rounding to world coordinates).
-Nearest nearestOn( const btCollisionShape* shape, const btMatrix3x3& basis, const btVector3& offset )
+/// What the two surfaces make of each other, through Bullet's (and the game's) own combination rules.
+void combineSurfaces( const btCollisionObject* body0, const btCollisionObject* body1, btManifoldPoint& point )
 {
-	const btVector3 p = basis.transpose() * offset;
-	switch ( shape->getShapeType() )
+	point.m_combinedFriction = gCalculateCombinedFrictionCallback( body0, body1 );
+	point.m_combinedRestitution = gCalculateCombinedRestitutionCallback( body0, body1 );
+	if ( canTurn( body0 ) || canTurn( body1 ) )
 	{
-		case STATIC_PLANE_PROXYTYPE:
-		{
-			const auto& plane = *static_cast<const btStaticPlaneShape*>( shape );
-			return { basis * plane.getPlaneNormal(), plane.getPlaneNormal().dot( p ) - plane.getPlaneConstant() };
-		}
-		case SPHERE_SHAPE_PROXYTYPE:
-		{
-			const btScalar length = p.length();
-			const btVector3 normal = length > 0 ? offset / length : btVector3( 0, 1, 0 );
-			return { normal, length - static_cast<const btSphereShape*>( shape )->getRadius() };
-		}
-		default:
-		{
-			const Nearest nearest = nearestOnBox( *static_cast<const btBoxShape*>( shape ), p );
-			return { basis * nearest.normal, nearest.distance };
-		}
+		point.m_combinedRollingFriction = gCalculateCombinedRollingFrictionCallback( body0, body1 );
+		point.m_combinedSpinningFriction = gCalculateCombinedSpinningFrictionCallback( body0, body1 );
+	}
+	const int flags = body0->getCollisionFlags() | body1->getCollisionFlags();
+	if ( flags & btCollisionObject::CF_HAS_CONTACT_STIFFNESS_DAMPING )
+	{
+		point.m_combinedContactDamping1 = gCalculateCombinedContactDampingCallback( body0, body1 );
+		point.m_combinedContactStiffness1 = gCalculateCombinedContactStiffnessCallback( body0, body1 );
+		point.m_contactPointFlags |= BT_CONTACT_FLAG_CONTACT_STIFFNESS_DAMPING;
+	}
+	if ( flags & btCollisionObject::CF_HAS_FRICTION_ANCHOR )
+	{
+		point.m_contactPointFlags |= BT_CONTACT_FLAG_FRICTION_ANCHOR;
+	}
+	btPlaneSpace1( point.m_normalWorldOnB, point.m_lateralFrictionDir1, point.m_lateralFrictionDir2 );
+}
+
+/// The game may change a new or renewed point, as with any contact of Bullet's.
+void tellAdded( const btPersistentManifold& manifold, btManifoldPoint& point )
+{
+	const btCollisionObject* const body0 = manifold.getBody0();
+	const btCollisionObject* const body1 = manifold.getBody1();
+	const int flags = body0->getCollisionFlags() | body1->getCollisionFlags();
+	if ( gContactAddedCallback && ( flags & btCollisionObject::CF_CUSTOM_MATERIAL_CALLBACK ) != 0 )
+	{
+		const btCollisionObjectWrapper wrap0( nullptr, body0->getCollisionShape(), body0, body0->getWorldTransform(), point.m_partId0, point.m_index0 );
+		const btCollisionObjectWrapper wrap1( nullptr, body1->getCollisionShape(), body1, body1->getWorldTransform(), point.m_partId1, point.m_index1 );
+		gContactAddedCallback( point, &wrap0, point.m_partId0, point.m_index0, &wrap1, point.m_partId1, point.m_index1 );
 	}
 }
 
-/// Marks the nodes whose boxes meet a triangle's box.
-struct TriangleCandidates : btTriangleCallback
+/// The old point that a hit carries on: of the same triangle or part. A manifold of one point keeps it wherever it slides.
+int findPoint( const btPersistentManifold& manifold, const NodeHit& hit, int hitCount, bool nodeIsFirst )
 {
-	TriangleCandidates( const NodeShape& s, const btTransform& t, std::vector<std::uint64_t>& to ) : shape( s ), meshToShape( t ), keys( to ) {}
-
-	void processTriangle( btVector3* triangle, int, int ) override
+	const int count = manifold.getNumContacts();
+	if ( count == 1 && hitCount == 1 )
 	{
-		btVector3 low = meshToShape * triangle[0], high = low;
-		for ( int k = 1; k < 3; ++k )
-		{
-			const btVector3 corner = meshToShape * triangle[k];
-			low.setMin( corner );
-			high.setMax( corner );
-		}
-		shape.visitOverlaps( low, high, [&]( int child ) { keys.push_back( std::uint64_t( shape.nodeOfChild( child ) ) ); } );
+		return 0;
 	}
-
-	const NodeShape& shape;
-	btTransform meshToShape;
-	std::vector<std::uint64_t>& keys;
-};
+	for ( int k = 0; k < count; ++k )
+	{
+		const btManifoldPoint& point = manifold.getContactPoint( k );
+		if ( ( nodeIsFirst ? point.m_index1 : point.m_index0 ) == hit.index && ( nodeIsFirst ? point.m_partId1 : point.m_partId0 ) == hit.part )
+		{
+			return k;
+		}
+	}
+	return -1;
+}
 
 } // namespace
 
@@ -112,6 +95,16 @@ PairContacts::~PairContacts()
 {
 	for ( NodeContact& contact : m_contacts )
 	{
+		// What the pair held up falls when it goes: wake it, for Bullet does not look at sleeping bodies when a floor is taken away.
+		const bool held = contact.manifold->getNumContacts() > 0;
+		if ( held )
+		{
+			contact.first->owner->activate();
+			if ( contact.second )
+			{
+				contact.second->owner->activate();
+			}
+		}
 		drop( contact );
 	}
 }
@@ -119,15 +112,7 @@ PairContacts::~PairContacts()
 void PairContacts::drop( NodeContact& contact )
 {
 	// Manifolds before the bodies they name.
-	if ( contact.manifold )
-	{
-		m_dispatcher.releaseManifold( contact.manifold );
-	}
-	if ( contact.algorithm )
-	{
-		contact.algorithm->~btCollisionAlgorithm();
-		m_dispatcher.freeCollisionAlgorithm( contact.algorithm );
-	}
+	m_dispatcher.releaseManifold( contact.manifold );
 	m_pool.release( contact.first );
 	m_pool.release( contact.second );
 	contact = NodeContact{};
@@ -137,102 +122,60 @@ void PairContacts::collectManifolds( btManifoldArray& manifolds ) const
 {
 	for ( const NodeContact& contact : m_contacts )
 	{
-		if ( contact.manifold )
-		{
-			manifolds.push_back( contact.manifold );
-		}
-		if ( contact.algorithm )
-		{
-			contact.algorithm->getAllContactManifolds( manifolds );
-		}
+		manifolds.push_back( contact.manifold );
 	}
 }
 
-void PairContacts::process(
-	const btCollisionObjectWrapper* body0, const btCollisionObjectWrapper* body1, const btDispatcherInfo& info, btManifoldResult& result )
+void PairContacts::process( const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1, double step )
 {
-	SoftBody* const soft0 = softOf( body0 );
-	SoftBody* const soft1 = softOf( body1 );
+	SoftBody* const soft0 = softOf( &body0 );
+	SoftBody* const soft1 = softOf( &body1 );
 	if ( soft0 && soft1 )
 	{
-		processSoft( *soft0, *soft1, info, result );
+		matchHits( Pair{ soft0, soft1, &body1, true }, m_search.againstSoft( *soft0, *soft1, step ) );
 	}
 	else if ( soft0 )
 	{
-		processRigid( *soft0, Side{ body0, true }, body1, info, result );
-	}
-	else if ( soft1 )
-	{
-		processRigid( *soft1, Side{ body1, false }, body0, info, result );
-	}
-}
-
-void PairContacts::findCandidates( SoftBody& soft, const btCollisionObjectWrapper* other, btScalar step )
-{
-	const SoftBody::Impl& impl = soft.impl();
-	const NodeShape& shape = *impl.shape;
-	const NodeState& nodes = impl.body->nodes();
-	const btCollisionShape* otherShape = other->getCollisionShape();
-	const btTransform& at = other->getWorldTransform();
-	if ( otherShape->getShapeType() == STATIC_PLANE_PROXYTYPE )
-	{
-		// A plane's box is everywhere: the test is the distance itself, as far as the node can come in this step.
-		const btVector3 origin = impl.worldOrigin() - at.getOrigin();
-		for ( int i = 0; i < nodes.count; ++i )
-		{
-			const Nearest nearest = nearestOn( otherShape, at.getBasis(), origin + btVector3( nodes.x.x[i], nodes.x.y[i], nodes.x.z[i] ) );
-			const btScalar approach = btMax( btScalar( 0 ), -nearest.normal.dot( impl.velocity( i ) ) * step );
-			if ( nearest.distance <= shape.sphereOfNode( i )->getRadius() * ( 1 + kContactSlop ) + approach )
-			{
-				m_candidates.push_back( std::uint64_t( i ) );
-			}
-		}
-		return;
-	}
-
-	btTransform inShape = at;
-	inShape.setOrigin( at.getOrigin() - impl.worldOrigin() );
-	if ( otherShape->isConcave() )
-	{
-		const btTransform shapeInMesh = inShape.inverse();
-		btVector3 low, high, centre = btScalar( 0.5 ) * ( shape.tree().m_root->volume.Mins() + shape.tree().m_root->volume.Maxs() );
-		const btVector3 half = btScalar( 0.5 ) * ( shape.tree().m_root->volume.Maxs() - shape.tree().m_root->volume.Mins() );
-		const btVector3 reach = shapeInMesh.getBasis().absolute() * half;
-		centre = shapeInMesh * centre;
-		low = centre - reach;
-		high = centre + reach;
-		TriangleCandidates marks( shape, inShape, m_candidates );
-		static_cast<const btConcaveShape*>( otherShape )->processAllTriangles( &marks, low, high );
+		matchHits( Pair{ soft0, nullptr, &body1, true }, m_search.againstRigid( *soft0, body1, step ) );
 	}
 	else
 	{
-		btVector3 low, high;
-		otherShape->getAabb( inShape, low, high );
-		shape.visitOverlaps( low, high, [&]( int child ) { m_candidates.push_back( std::uint64_t( shape.nodeOfChild( child ) ) ); } );
+		matchHits( Pair{ soft1, nullptr, &body0, false }, m_search.againstRigid( *soft1, body0, step ) );
 	}
-	std::sort( m_candidates.begin(), m_candidates.end() );
-	m_candidates.erase( std::unique( m_candidates.begin(), m_candidates.end() ), m_candidates.end() );
 }
 
-// Keeps the contacts whose key is a candidate still, drops the others, opens new ones, all in the order of the keys.
-void PairContacts::matchEntries()
+// Carries on the contacts that still have a hit, drops the others, opens new ones, all in the order of the keys.
+void PairContacts::matchHits( const Pair& pair, const std::vector<NodeHit>& hits )
 {
 	m_next.clear();
 	std::size_t old = 0;
-	for ( const std::uint64_t key : m_candidates )
+	for ( std::size_t start = 0, end = 0; start < hits.size(); start = end )
 	{
+		const std::uint64_t key = hits[start].key;
+		for ( end = start; end < hits.size() && hits[end].key == key; ++end )
+		{
+		}
 		for ( ; old < m_contacts.size() && m_contacts[old].key < key; ++old )
 		{
 			drop( m_contacts[old] );
 		}
+		NodeContact contact;
+		contact.key = key;
 		if ( old < m_contacts.size() && m_contacts[old].key == key )
 		{
-			m_next.push_back( m_contacts[old++] );
-			continue;
+			contact = m_contacts[old++];
+			m_pool.refresh( *contact.first );
+			if ( contact.second )
+			{
+				m_pool.refresh( *contact.second );
+			}
 		}
-		NodeContact fresh;
-		fresh.key = key;
-		m_next.push_back( fresh );
+		else
+		{
+			open( pair, contact );
+		}
+		write( pair, contact, &hits[start], int( end - start ) );
+		m_next.push_back( contact );
 	}
 	for ( ; old < m_contacts.size(); ++old )
 	{
@@ -241,209 +184,117 @@ void PairContacts::matchEntries()
 	m_contacts.swap( m_next );
 }
 
-void PairContacts::processRigid( SoftBody& soft, const Side& softSide, const btCollisionObjectWrapper* other, const btDispatcherInfo& info,
-	btManifoldResult& result )
+void PairContacts::open( const Pair& pair, NodeContact& contact )
 {
-	m_candidates.clear();
-	findCandidates( soft, other, info.m_timeStep );
-	matchEntries();
-	const bool closed = hasClosedForm( other->getCollisionShape() );
-	for ( NodeContact& contact : m_contacts )
+	const NodeHit hit{ contact.key, {}, -1, -1 };
+	contact.first = m_pool.acquire( *pair.soft, hit.node() );
+	const btCollisionObject* other = pair.other->getCollisionObject();
+	if ( pair.otherSoft )
 	{
-		if ( !contact.first )
+		contact.second = m_pool.acquire( *pair.otherSoft, hit.other() );
+		other = contact.second;
+	}
+	contact.manifold = pair.softIsFirst ? m_dispatcher.getNewManifold( contact.first, other ) : m_dispatcher.getNewManifold( other, contact.first );
+}
+
+void PairContacts::write( const Pair& pair, NodeContact& contact, const NodeHit* hits, int count )
+{
+	btPersistentManifold& manifold = *contact.manifold;
+	const btScalar radius = radiusOf( *contact.first );
+	const btVector3 centre = contact.first->written;
+	const bool isNew = manifold.getNumContacts() == 0;
+	// Hits come nearest first; Bullet keeps what lies within the threshold.
+	manifold.setContactBreakingThreshold( btMax( btScalar( hits[count - 1].touch.distance ) - radius, btScalar( 0 ) ) + kContactSlop * radius );
+
+	unsigned renewed = 0; // bit k: old point k is carried on
+	int places[MANIFOLD_CACHE_SIZE];
+	for ( int h = 0; h < count; ++h )
+	{
+		places[h] = findPoint( manifold, hits[h], count, pair.softIsFirst );
+		renewed |= places[h] < 0 ? 0u : 1u << places[h];
+	}
+	for ( int k = manifold.getNumContacts(); k-- > 0; )
+	{
+		if ( ( renewed & 1u << k ) == 0 )
 		{
-			contact.first = m_pool.acquire( soft, int( contact.key ) );
+			// The last point moves into the gap.
+			manifold.removeContactPoint( k );
+			std::replace( places, places + count, manifold.getNumContacts(), k );
 		}
-		m_pool.refresh( *contact.first );
-		if ( closed )
+	}
+	for ( int h = 0; h < count; ++h )
+	{
+		const Touch& touch = hits[h].touch;
+		const btVector3 outward = toBt( touch.normal );
+		const btVector3 onNode = centre - outward * radius, onOther = centre - outward * btScalar( touch.distance );
+		const btVector3& onA = pair.softIsFirst ? onNode : onOther;
+		const btVector3& onB = pair.softIsFirst ? onOther : onNode;
+		btManifoldPoint point( manifold.getBody0()->getWorldTransform().invXform( onA ), manifold.getBody1()->getWorldTransform().invXform( onB ),
+			pair.softIsFirst ? outward : -outward, btScalar( touch.distance ) - radius );
+		point.m_positionWorldOnA = onA;
+		point.m_positionWorldOnB = onB;
+		point.m_partId0 = pair.softIsFirst ? -1 : hits[h].part;
+		point.m_index0 = pair.softIsFirst ? contact.first->node : hits[h].index;
+		point.m_partId1 = pair.softIsFirst ? hits[h].part : -1;
+		point.m_index1 = pair.softIsFirst ? hits[h].index : contact.first->node;
+		combineSurfaces( manifold.getBody0(), manifold.getBody1(), point );
+		if ( places[h] >= 0 )
 		{
-			closedForm( contact, other, softSide.isFirst, info.m_timeStep, result );
+			manifold.replaceContactPoint( point, places[h] );
+			++manifold.getContactPoint( places[h] ).m_lifeTime;
 		}
 		else
 		{
-			stockForm( contact, other, softSide.isFirst, info, result );
+			places[h] = manifold.addManifoldPoint( point );
 		}
+		btManifoldPoint& kept = manifold.getContactPoint( places[h] );
+		tellAdded( manifold, kept );
+		if ( gContactProcessedCallback )
+		{
+			gContactProcessedCallback( kept, const_cast<btCollisionObject*>( manifold.getBody0() ), const_cast<btCollisionObject*>( manifold.getBody1() ) );
+		}
+	}
+	if ( isNew && gContactStartedCallback )
+	{
+		btPersistentManifold* const started = &manifold;
+		gContactStartedCallback( started );
 	}
 }
 
 namespace {
 
-/// A manifold of ours with its one point brought up to date; `depth` is the signed distance of the two surfaces.
-struct ContactPoint
+int moveContacts( btDispatcher& dispatcher, btScalar sign )
 {
-	btVector3 normalOnSecond;
-	btVector3 pointOnSecond;
-	btScalar depth;
-};
-
-void updateManifold( btPersistentManifold* manifold, const ContactPoint& point, btScalar reach, btManifoldResult& result )
-{
-	manifold->setContactBreakingThreshold( reach );
-	result.setPersistentManifold( manifold );
-	if ( manifold->getNumContacts() > 0 )
+	int count = 0;
+	for ( int m = 0; m < dispatcher.getNumManifolds(); ++m )
 	{
-		// The node's sphere touches in one point: a slid point is moved, not joined by a second one.
-		btManifoldPoint& kept = manifold->getContactPoint( 0 );
-		const btVector3 onFirst = point.pointOnSecond + point.normalOnSecond * point.depth;
-		if ( point.depth > reach )
+		btPersistentManifold& manifold = *dispatcher.getManifoldByIndexInternal( m );
+		const bool nodeIsFirst = ownerOfNodeBody( manifold.getBody0() ) != nullptr;
+		if ( !nodeIsFirst && !ownerOfNodeBody( manifold.getBody1() ) )
 		{
-			manifold->clearManifold();
-			return;
+			continue;
 		}
-		kept.m_localPointA = manifold->getBody0()->getWorldTransform().invXform( onFirst );
-		kept.m_localPointB = manifold->getBody1()->getWorldTransform().invXform( point.pointOnSecond );
-		kept.m_positionWorldOnA = onFirst;
-		kept.m_positionWorldOnB = point.pointOnSecond;
-		kept.m_normalWorldOnB = point.normalOnSecond;
-		kept.m_distance1 = point.depth;
-		++kept.m_lifeTime;
-		kept.m_combinedFriction = btManifoldResult::calculateCombinedFriction( manifold->getBody0(), manifold->getBody1() );
-		kept.m_combinedRestitution = btManifoldResult::calculateCombinedRestitution( manifold->getBody0(), manifold->getBody1() );
-		return;
+		const auto& node = static_cast<const NodeBody&>( *( nodeIsFirst ? manifold.getBody0() : manifold.getBody1() ) );
+		for ( int k = 0; k < manifold.getNumContacts(); ++k, ++count )
+		{
+			btManifoldPoint& point = manifold.getContactPoint( k );
+			const btScalar fromSurface = sign * ( point.m_distance1 + radiusOf( node ) );
+			( nodeIsFirst ? point.m_positionWorldOnB : point.m_positionWorldOnA ) += point.m_normalWorldOnB * ( nodeIsFirst ? fromSurface : -fromSurface );
+		}
 	}
-	result.addContactPoint( point.normalOnSecond, point.pointOnSecond, point.depth );
+	return count;
 }
 
 } // namespace
 
-void PairContacts::closedForm(
-	NodeContact& contact, const btCollisionObjectWrapper* other, bool softIsFirst, btScalar step, btManifoldResult& result )
+int moveContactsToNodes( btDispatcher& dispatcher )
 {
-	const SoftBody::Impl& impl = contact.first->owner->impl();
-	const NodeState& nodes = impl.body->nodes();
-	const int i = contact.first->node;
-	const btTransform& at = other->getWorldTransform();
-	const btVector3 offset = ( impl.worldOrigin() - at.getOrigin() ) + btVector3( nodes.x.x[i], nodes.x.y[i], nodes.x.z[i] );
-	const Nearest nearest = nearestOn( other->getCollisionShape(), at.getBasis(), offset );
-	const btScalar radius = static_cast<const btSphereShape*>( contact.first->getCollisionShape() )->getRadius();
-	const btScalar depth = nearest.distance - radius;
-
-	// Far enough ahead that nothing passes in this step: Bullet's solver lets a gap close within the step, and no further.
-	btVector3 relative = contact.first->getLinearVelocity();
-	if ( const btRigidBody* rigid = btRigidBody::upcast( other->getCollisionObject() ) )
-	{
-		relative -= rigid->getVelocityInLocalPoint( contact.first->written - rigid->getCenterOfMassPosition() );
-	}
-	const btScalar reach = radius * kContactSlop + btMax( btScalar( 0 ), -nearest.normal.dot( relative ) * step );
-	if ( !contact.manifold )
-	{
-		if ( depth > reach )
-		{
-			return;
-		}
-		contact.manifold = m_dispatcher.getNewManifold( softIsFirst ? contact.first : const_cast<btCollisionObject*>( other->getCollisionObject() ),
-			softIsFirst ? const_cast<btCollisionObject*>( other->getCollisionObject() ) : contact.first );
-	}
-
-	const btCollisionObjectWrapper node( nullptr, contact.first->getCollisionShape(), contact.first, contact.first->getWorldTransform(), -1, i );
-	const btVector3 onOther = contact.first->written - nearest.normal * nearest.distance;
-	const btVector3 onNode = contact.first->written - nearest.normal * radius;
-	const btCollisionObjectWrapper* const saved0 = result.getBody0Wrap();
-	const btCollisionObjectWrapper* const saved1 = result.getBody1Wrap();
-	if ( softIsFirst )
-	{
-		result.setBody0Wrap( &node );
-		result.setShapeIdentifiersA( -1, i );
-		updateManifold( contact.manifold, ContactPoint{ nearest.normal, onOther, depth }, reach, result );
-	}
-	else
-	{
-		result.setBody1Wrap( &node );
-		result.setShapeIdentifiersB( -1, i );
-		updateManifold( contact.manifold, ContactPoint{ -nearest.normal, onNode, depth }, reach, result );
-	}
-	result.setBody0Wrap( saved0 );
-	result.setBody1Wrap( saved1 );
+	return moveContacts( dispatcher, btScalar( 1 ) );
 }
 
-void PairContacts::stockForm( NodeContact& contact, const btCollisionObjectWrapper* other, bool softIsFirst, const btDispatcherInfo& info,
-	btManifoldResult& result )
+void moveContactsToSurfaces( btDispatcher& dispatcher )
 {
-	const btCollisionObjectWrapper node(
-		nullptr, contact.first->getCollisionShape(), contact.first, contact.first->getWorldTransform(), -1, contact.first->node );
-	const btCollisionObjectWrapper* const first = softIsFirst ? &node : other;
-	const btCollisionObjectWrapper* const second = softIsFirst ? other : &node;
-	if ( !contact.algorithm )
-	{
-		// No manifold is handed over: an algorithm that does not own its manifold never refreshes it.
-		contact.algorithm = m_dispatcher.findAlgorithm( first, second, nullptr, BT_CONTACT_POINT_ALGORITHMS );
-	}
-	const btCollisionObjectWrapper* const saved0 = result.getBody0Wrap();
-	const btCollisionObjectWrapper* const saved1 = result.getBody1Wrap();
-	result.setBody0Wrap( first );
-	result.setBody1Wrap( second );
-	softIsFirst ? result.setShapeIdentifiersA( -1, contact.first->node ) : result.setShapeIdentifiersB( -1, contact.first->node );
-	contact.algorithm->processCollision( first, second, info, &result );
-	result.setBody0Wrap( saved0 );
-	result.setBody1Wrap( saved1 );
-}
-
-void PairContacts::findSoftCandidates( SoftBody& a, SoftBody& b )
-{
-	const NodeShape& shapeA = *a.impl().shape;
-	const NodeShape& shapeB = *b.impl().shape;
-	const btVector3 shift = b.impl().worldOrigin() - a.impl().worldOrigin(); // from b's coordinates to a's
-	btVector3 low = shapeB.tree().m_root->volume.Mins() + shift, high = shapeB.tree().m_root->volume.Maxs() + shift;
-	shapeA.visitOverlaps( low, high, [&]( int childA ) {
-		const btTransform& at = shapeA.getChildTransform( childA );
-		const btScalar r = shapeA.radius( childA ) * ( 1 + kContactSlop );
-		const btVector3 around( r, r, r );
-		const btVector3 p = at.getOrigin() - shift;
-		shapeB.visitOverlaps( p - around, p + around, [&]( int childB ) {
-			m_candidates.push_back( std::uint64_t( shapeA.nodeOfChild( childA ) ) << 32 | std::uint64_t( shapeB.nodeOfChild( childB ) ) );
-		} );
-	} );
-	std::sort( m_candidates.begin(), m_candidates.end() );
-}
-
-void PairContacts::processSoft( SoftBody& a, SoftBody& b, const btDispatcherInfo& info, btManifoldResult& result )
-{
-	m_candidates.clear();
-	findSoftCandidates( a, b );
-	matchEntries();
-	for ( NodeContact& contact : m_contacts )
-	{
-		if ( !contact.first )
-		{
-			contact.first = m_pool.acquire( a, int( contact.key >> 32 ) );
-			contact.second = m_pool.acquire( b, int( contact.key & 0xffffffffu ) );
-		}
-		m_pool.refresh( *contact.first );
-		m_pool.refresh( *contact.second );
-		softSoft( contact, info.m_timeStep, result );
-	}
-}
-
-void PairContacts::softSoft( NodeContact& contact, btScalar step, btManifoldResult& result )
-{
-	const auto radiusOf = []( const NodeBody& body ) { return static_cast<const btSphereShape*>( body.getCollisionShape() )->getRadius(); };
-	const btVector3 between = contact.first->written - contact.second->written;
-	const btScalar length = between.length();
-	const btVector3 normal = length > 0 ? between / length : btVector3( 0, 1, 0 );
-	const btScalar depth = length - radiusOf( *contact.first ) - radiusOf( *contact.second );
-	const btScalar approach = -normal.dot( contact.first->getLinearVelocity() - contact.second->getLinearVelocity() ) * step;
-	const btScalar reach = radiusOf( *contact.first ) * kContactSlop + btMax( btScalar( 0 ), approach );
-	if ( !contact.manifold )
-	{
-		if ( depth > reach )
-		{
-			return;
-		}
-		contact.manifold = m_dispatcher.getNewManifold( contact.first, contact.second );
-	}
-	const btCollisionObjectWrapper first(
-		nullptr, contact.first->getCollisionShape(), contact.first, contact.first->getWorldTransform(), -1, contact.first->node );
-	const btCollisionObjectWrapper second(
-		nullptr, contact.second->getCollisionShape(), contact.second, contact.second->getWorldTransform(), -1, contact.second->node );
-	const btCollisionObjectWrapper* const saved0 = result.getBody0Wrap();
-	const btCollisionObjectWrapper* const saved1 = result.getBody1Wrap();
-	result.setBody0Wrap( &first );
-	result.setBody1Wrap( &second );
-	result.setShapeIdentifiersA( -1, contact.first->node );
-	result.setShapeIdentifiersB( -1, contact.second->node );
-	updateManifold( contact.manifold, ContactPoint{ normal, contact.second->written + normal * radiusOf( *contact.second ), depth }, reach, result );
-	result.setBody0Wrap( saved0 );
-	result.setBody1Wrap( saved1 );
+	moveContacts( dispatcher, btScalar( -1 ) );
 }
 
 NodeAlgorithm::NodeAlgorithm( const btCollisionAlgorithmConstructionInfo& info, NodeBodyPool& pool ) :
@@ -457,9 +308,9 @@ NodeAlgorithm::~NodeAlgorithm()
 }
 
 void NodeAlgorithm::processCollision( const btCollisionObjectWrapper* body0, const btCollisionObjectWrapper* body1,
-	const btDispatcherInfo& info, btManifoldResult* result )
+	const btDispatcherInfo& info, btManifoldResult* )
 {
-	m_contacts->process( body0, body1, info, *result );
+	m_contacts->process( *body0, *body1, double( info.m_timeStep ) );
 }
 
 btCollisionAlgorithm* NodeCreateFunc::CreateCollisionAlgorithm(

@@ -4,15 +4,14 @@
 // object, so that Bullet's own solver does the rest. Registered by the world for pairs with a compound; other compounds pass through.
 
 #include "world/node_body.h"
+#include "world/node_search.h"
 
 #include <BulletCollision/BroadphaseCollision/btCollisionAlgorithm.h>
 #include <BulletCollision/CollisionDispatch/btCollisionCreateFunc.h>
 
 #include <cstdint>
-#include <memory>
 #include <vector>
 
-class btCollisionDispatcher;
 class btManifoldResult;
 
 namespace pliant {
@@ -20,47 +19,43 @@ namespace pliant {
 /// One touching node (or pair of nodes) and what Bullet keeps for it.
 struct NodeContact
 {
-	std::uint64_t key = 0;                    ///< node, or ( node of the first body ) << 32 | node of the second
+	std::uint64_t key = 0; ///< NodeHit's
 	NodeBody* first = nullptr;
-	NodeBody* second = nullptr;               ///< soft against soft only
-	btPersistentManifold* manifold = nullptr; ///< closed forms: ours
-	btCollisionAlgorithm* algorithm = nullptr; ///< other shapes: Bullet's own, which keeps its manifolds itself
+	NodeBody* second = nullptr; ///< soft against soft only
+	btPersistentManifold* manifold = nullptr;
 };
 
 /// All contacts of one pair of objects, in the order of their keys.
 class PairContacts
 {
 public:
+	BT_DECLARE_ALIGNED_ALLOCATOR();
+
 	PairContacts( btDispatcher& dispatcher, NodeBodyPool& pool ) : m_dispatcher( dispatcher ), m_pool( pool ) {}
 	~PairContacts();
 
-	void process( const btCollisionObjectWrapper* body0, const btCollisionObjectWrapper* body1, const btDispatcherInfo& info,
-		btManifoldResult& result );
+	void process( const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1, double step );
 	void collectManifolds( btManifoldArray& manifolds ) const;
 
 private:
-	struct Side
+	/// The two objects as Bullet ordered them; `soft` is the one whose nodes the keys name first.
+	struct Pair
 	{
-		const btCollisionObjectWrapper* wrapper;
-		bool isFirst; ///< of the two objects as Bullet ordered them
+		SoftBody* soft;
+		SoftBody* otherSoft;
+		const btCollisionObjectWrapper* other;
+		bool softIsFirst;
 	};
 
-	void processRigid( SoftBody& soft, const Side& softSide, const btCollisionObjectWrapper* other, const btDispatcherInfo& info,
-		btManifoldResult& result );
-	void processSoft( SoftBody& a, SoftBody& b, const btDispatcherInfo& info, btManifoldResult& result );
-	void findCandidates( SoftBody& soft, const btCollisionObjectWrapper* other, btScalar step );
-	void findSoftCandidates( SoftBody& a, SoftBody& b );
-	void matchEntries();
+	void matchHits( const Pair& pair, const std::vector<NodeHit>& hits );
+	void open( const Pair& pair, NodeContact& contact );
+	void write( const Pair& pair, NodeContact& contact, const NodeHit* hits, int count );
 	void drop( NodeContact& contact );
-	void closedForm( NodeContact& contact, const btCollisionObjectWrapper* other, bool softIsFirst, btScalar step, btManifoldResult& result );
-	void stockForm( NodeContact& contact, const btCollisionObjectWrapper* other, bool softIsFirst, const btDispatcherInfo& info,
-		btManifoldResult& result );
-	void softSoft( NodeContact& contact, btScalar step, btManifoldResult& result );
 
 	btDispatcher& m_dispatcher;
 	NodeBodyPool& m_pool;
+	NodeSearch m_search;
 	std::vector<NodeContact> m_contacts, m_next;
-	std::vector<std::uint64_t> m_candidates;
 };
 
 /// Bullet's pools give an algorithm a fixed room: this one holds a pointer only.
@@ -94,5 +89,10 @@ private:
 	btCollisionAlgorithmCreateFunc* m_before;
 	NodeBodyPool& m_pool;
 };
+
+/// While Bullet's solver is at work a contact acts at the node's centre, on both sides: a node has no spin that could take up the rest,
+/// and angular momentum is kept. At all other times the contact's point lies on the surfaces. Returns how many points it moved.
+int moveContactsToNodes( btDispatcher& dispatcher );
+void moveContactsToSurfaces( btDispatcher& dispatcher );
 
 } // namespace pliant

@@ -65,27 +65,33 @@ btSphereShape* NodeShape::sphereOf( double radius )
 	return shape.get();
 }
 
-void NodeShape::update( const NodeState& nodes, btScalar h )
+void NodeShape::update( const NodeState& nodes, const Vec3& shift )
 {
 	for ( int child = 0; child < m_children.size(); ++child )
 	{
 		const int i = m_nodeOfChild[child];
-		const btVector3 p( nodes.x.x[i], nodes.x.y[i], nodes.x.z[i] );
-		const btVector3 way = h * btVector3( nodes.v.x[i], nodes.v.y[i], nodes.v.z[i] );
+		const Vec3 at = nodes.x.get( i ) - shift;
+		const btVector3 p( at.x(), at.y(), at.z() );
 		const btScalar r = radius( child ) * ( 1 + kContactSlop );
 		const btVector3 around( r, r, r );
-		btVector3 low = p, high = p;
-		low.setMin( p + way );
-		high.setMax( p + way );
 		m_children[child].m_transform.setOrigin( p );
-		m_children[child].m_node->volume = btDbvtVolume::FromMM( low - around, high + around );
+		m_children[child].m_node->volume = btDbvtVolume::FromMM( p - around, p + around );
 	}
 	for ( btDbvtNode* node : m_inner )
 	{
 		Merge( node->childs[0]->volume, node->childs[1]->volume, node->volume );
 	}
-	m_localAabbMin = m_dynamicAabbTree->m_root->volume.Mins();
-	m_localAabbMax = m_dynamicAabbTree->m_root->volume.Maxs();
+	setSweep( btVector3( 0, 0, 0 ), btVector3( 0, 0, 0 ) );
+}
+
+void NodeShape::setSweep( const btVector3& low, const btVector3& high )
+{
+	m_sweepLow = low;
+	m_sweepHigh = high;
+	m_sweepLow.setMin( btVector3( 0, 0, 0 ) );
+	m_sweepHigh.setMax( btVector3( 0, 0, 0 ) );
+	m_localAabbMin = m_dynamicAabbTree->m_root->volume.Mins() + m_sweepLow;
+	m_localAabbMax = m_dynamicAabbTree->m_root->volume.Maxs() + m_sweepHigh;
 }
 
 std::size_t NodeShape::bytes() const

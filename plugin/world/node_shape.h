@@ -1,6 +1,6 @@
 #pragma once
 
-// A soft body's collision shape: one Bullet compound of shared spheres, one a colliding node, its tree refitted each substep.
+// A soft body's collision shape: one Bullet compound of shared spheres, one a colliding node, its tree refitted after each substep.
 // Ray, sweep and contact tests, ghosts and debug drawing work on it as on any compound.
 
 #include "lattice/lattice.h"
@@ -24,8 +24,12 @@ public:
 	/// Spheres for the cells of the surface and one layer below it: with a bare shell, what once got through meets nothing.
 	explicit NodeShape( const Lattice& lattice );
 
-	/// Writes the spheres' places and boxes, the boxes stretched by `h` times the nodes' velocities, and refits the tree.
-	void update( const NodeState& nodes, btScalar h );
+	/// Writes the spheres' places and boxes and refits the tree. `shift`: the shape's own origin in the nodes' coordinates.
+	void update( const NodeState& nodes, const Vec3& shift );
+	/// The nodes may move by anything between `low` and `high`, m, in this step: the shape's box grows by it, the spheres' do not.
+	void setSweep( const btVector3& low, const btVector3& high );
+	const btVector3& sweepLow() const { return m_sweepLow; }
+	const btVector3& sweepHigh() const { return m_sweepHigh; }
 
 	int nodeOfChild( int child ) const { return m_nodeOfChild[child]; }
 	/// -1 for a node that does not collide.
@@ -36,9 +40,10 @@ public:
 	/// Largest radius of any node, m.
 	btScalar largestRadius() const { return m_largestRadius; }
 
-	/// Calls visit( child ) for every child whose stretched box meets the box, which is in the shape's own coordinates.
+	/// Calls visit( child ) for every child whose box meets the box, which is in the shape's own coordinates. `stack` is scratch that the
+	/// caller keeps, so that only the first calls allocate.
 	template <class Visit>
-	void visitOverlaps( const btVector3& low, const btVector3& high, Visit&& visit ) const
+	void visitOverlaps( const btVector3& low, const btVector3& high, btNodeStack& stack, Visit&& visit ) const
 	{
 		struct Collect : btDbvt::ICollide
 		{
@@ -47,7 +52,7 @@ public:
 			Visit& call;
 		} collect( visit );
 		const btDbvtVolume box = btDbvtVolume::FromMM( low, high );
-		m_dynamicAabbTree->collideTV( m_dynamicAabbTree->m_root, box, collect );
+		m_dynamicAabbTree->collideTVNoStackAlloc( m_dynamicAabbTree->m_root, box, stack, collect );
 	}
 	const btDbvt& tree() const { return *m_dynamicAabbTree; }
 
@@ -61,6 +66,7 @@ private:
 	std::vector<btSphereShape*> m_sphereOfNode;
 	std::vector<btDbvtNode*> m_inner; // children before parents
 	btScalar m_largestRadius = btScalar( 0 );
+	btVector3 m_sweepLow = btVector3( 0, 0, 0 ), m_sweepHigh = btVector3( 0, 0, 0 );
 };
 
 } // namespace pliant

@@ -8,7 +8,7 @@
 #include <BulletCollision/CollisionShapes/btCollisionShape.h>
 #include <LinearMath/btTransform.h>
 
-#include <Eigen/Core>
+#include <Eigen/Geometry>
 
 class btSphereShape;
 

@@ -46,6 +46,35 @@ Pin* SoftBody::Impl::findPin( int node )
 	return found != pins.end() && found->node == node ? &*found : nullptr;
 }
 
+void SoftBody::Impl::placeShape( btCollisionObject& object )
+{
+	const NodeState& nodes = body->nodes();
+	Vec3d centre = Vec3d::Zero();
+	mass = 0.0;
+	for ( int i = 0; i < nodes.count; ++i )
+	{
+		centre += double( nodes.mass[i] ) * nodes.x.get( i ).cast<double>();
+		mass += double( nodes.mass[i] );
+	}
+	centre /= mass;
+	const btTransform at( btQuaternion::getIdentity(), toBt( nodes.origin + centre ) );
+	shapeShift = ( toVec3d( at.getOrigin() ) - nodes.origin ).cast<float>();
+	shape->update( nodes, shapeShift );
+	object.setWorldTransform( at );
+	object.setInterpolationWorldTransform( at );
+}
+
+void SoftBody::Impl::measureSpeed()
+{
+	const NodeState& nodes = body->nodes();
+	double sum = 0.0;
+	for ( int i = 0; i < nodes.count; ++i )
+	{
+		sum += double( nodes.mass[i] ) * double( nodes.v.get( i ).squaredNorm() );
+	}
+	meanSquareSpeed = sum / mass;
+}
+
 SoftBody* asSoftBody( btCollisionObject* object )
 {
 	const bool isOurs = object && object->internalGetExtensionPointer() == &kSoftBodyMark;
@@ -79,13 +108,11 @@ SoftBodyResult SoftBody::create( std::shared_ptr<const BodyTemplate> bodyTemplat
 		impl.body = std::move( made.value );
 		impl.shape = std::make_unique<NodeShape>( impl.body->lattice() );
 		impl.nodeBody.assign( impl.body->nodeCount(), nullptr );
-		impl.shape->update( impl.body->nodes(), btScalar( 0 ) );
 		soft->m_internalType = CO_USER_TYPE;
 		soft->m_collisionFlags &= ~CF_STATIC_OBJECT; // Bullet's objects are born static
 		soft->internalSetExtensionPointer( const_cast<char*>( &kSoftBodyMark ) );
 		soft->setCollisionShape( impl.shape.get() );
-		soft->setWorldTransform( btTransform( btQuaternion::getIdentity(), impl.worldOrigin() ) );
-		soft->setInterpolationWorldTransform( soft->getWorldTransform() );
+		impl.placeShape( *soft );
 		return SoftBodyResult::success( std::move( soft ) );
 	}
 	catch ( const std::bad_alloc& )
@@ -164,7 +191,7 @@ int SoftBody::nearestNode( const btVector3& worldPoint ) const
 
 btScalar SoftBody::mass() const
 {
-	return btScalar( m_impl->body->sums().mass );
+	return btScalar( m_impl->mass );
 }
 
 btVector3 SoftBody::massCentre() const
@@ -262,8 +289,7 @@ void SoftBody::clearGravity()
 void SoftBody::hasMoved()
 {
 	m_impl->skin.isStale = true;
-	m_impl->shape->update( m_impl->body->nodes(), btScalar( 0 ) );
-	setWorldTransform( btTransform( btQuaternion::getIdentity(), m_impl->worldOrigin() ) );
+	m_impl->placeShape( *this );
 	if ( m_impl->system )
 	{
 		m_impl->system->refreshBox( *this );
@@ -289,6 +315,7 @@ void SoftBody::reset( const btTransform& transform )
 	}
 	m_impl->body->place( placementOf( *m_impl->bodyTemplate, transform ) );
 	m_impl->isHealthy = true;
+	forceActivationState( ACTIVE_TAG ); // quarantine had taken it out of the simulation
 	hasMoved();
 }
 
@@ -297,6 +324,7 @@ Status SoftBody::setMaterial( const Material& material )
 	Status status = m_impl->body->setMaterial( material );
 	if ( status.ok() )
 	{
+		m_impl->mass = m_impl->body->sums().mass;
 		activate( true );
 	}
 	return status;

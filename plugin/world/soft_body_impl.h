@@ -47,6 +47,12 @@ struct SoftBody::Impl
 	std::shared_ptr<const BodyTemplate> bodyTemplate;
 	std::unique_ptr<Body> body;
 	std::unique_ptr<NodeShape> shape;
+	/// The object's transform stands at the mass centre, rounded to Bullet's precision; the shape's spheres are relative to it. This is
+	/// where that is in the nodes' own coordinates.
+	Vec3 shapeShift = Vec3::Zero();
+	double mass = 0.0;                ///< kg, of all nodes
+	double meanSquareSpeed = 0.0;     ///< m^2/s^2, weighted by mass, after the last substep
+	bool isBroken = false;            ///< the last substep met a number that is not finite
 	SoftBodySystem* system = nullptr; ///< of the world the body is in
 
 	StiffnessPlan plan;
@@ -68,8 +74,9 @@ struct SoftBody::Impl
 	}
 	btVector3 position( int node ) const
 	{
-		const Vec3Array& x = body->nodes().x;
-		return worldOrigin() + btVector3( x.x[node], x.y[node], x.z[node] );
+		const NodeState& nodes = body->nodes();
+		const Vec3d at = nodes.origin + nodes.x.get( node ).cast<double>();
+		return btVector3( btScalar( at.x() ), btScalar( at.y() ), btScalar( at.z() ) );
 	}
 	btVector3 velocity( int node ) const
 	{
@@ -77,6 +84,9 @@ struct SoftBody::Impl
 		return btVector3( v.x[node], v.y[node], v.z[node] );
 	}
 	Pin* findPin( int node );
+	/// Spheres, boxes and the object's transform go where the nodes are.
+	void placeShape( btCollisionObject& object );
+	void measureSpeed();
 };
 
 /// A node's place and velocity as the core keeps them.

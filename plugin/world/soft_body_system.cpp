@@ -11,6 +11,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace pliant {
 
@@ -18,18 +19,20 @@ SoftBodySystem::SoftBodySystem( btDiscreteDynamicsWorld& world, btDispatcher* di
 	substeps( kDefaultSubsteps ), maxSubsteps( kDefaultMaxSubsteps ), ownRunner( createThreadPool( 1 ) ), m_world( world ),
 	m_dispatcher( *static_cast<btCollisionDispatcher*>( dispatcher ) )
 {
-	// A soft body's shape is a compound: our algorithm goes in front of whatever was registered for compounds.
+	// A soft body's shape is a compound: our algorithm goes in front of Bullet's for compounds. The table of closest-point algorithms stays
+	// as it is: contact tests see a compound of spheres. So do the entries for GImpact meshes, which games register themselves.
 	const auto wrap = [&]( int type0, int type1 ) {
-		const Wrapped wrapped{ type0, type1, configuration->getCollisionAlgorithmCreateFunc( type0, type1 ),
-			configuration->getClosestPointsAlgorithmCreateFunc( type0, type1 ) };
+		const Wrapped wrapped{ type0, type1, configuration->getCollisionAlgorithmCreateFunc( type0, type1 ) };
 		m_wrapped.push_back( wrapped );
-		m_createFuncs.push_back( std::make_unique<NodeCreateFunc>( wrapped.contactBefore, pool ) );
+		m_createFuncs.push_back( std::make_unique<NodeCreateFunc>( wrapped.before, pool ) );
 		m_dispatcher.registerCollisionCreateFunc( type0, type1, m_createFuncs.back().get() );
-		m_createFuncs.push_back( std::make_unique<NodeCreateFunc>( wrapped.closestBefore, pool ) );
-		m_dispatcher.registerClosestPointsCreateFunc( type0, type1, m_createFuncs.back().get() );
 	};
 	for ( int type = 0; type < MAX_BROADPHASE_COLLISION_TYPES; ++type )
 	{
+		if ( type == GIMPACT_SHAPE_PROXYTYPE )
+		{
+			continue;
+		}
 		wrap( COMPOUND_SHAPE_PROXYTYPE, type );
 		if ( type != COMPOUND_SHAPE_PROXYTYPE )
 		{
@@ -51,8 +54,7 @@ void SoftBodySystem::restoreCreateFuncs()
 {
 	for ( const Wrapped& wrapped : m_wrapped )
 	{
-		m_dispatcher.registerCollisionCreateFunc( wrapped.type0, wrapped.type1, wrapped.contactBefore );
-		m_dispatcher.registerClosestPointsCreateFunc( wrapped.type0, wrapped.type1, wrapped.closestBefore );
+		m_dispatcher.registerCollisionCreateFunc( wrapped.type0, wrapped.type1, wrapped.before );
 	}
 	m_wrapped.clear();
 }
@@ -177,47 +179,94 @@ void SoftBodySystem::settlePins( SoftBody& body, btScalar h, int substep )
 	{
 		if ( pin.kind == PinKind::FollowsBody )
 		{
-			const Vec3 target = toVec3( pin.body->getWorldTransform() * pin.point - impl.worldOrigin() );
-			nodes.v.set( pin.node, ( target - nodes.x.get( pin.node ) ) / float( h ) );
+			const Vec3d target = toVec3d( pin.body->getWorldTransform() * pin.point ) - nodes.origin;
+			nodes.v.set( pin.node, ( ( target - nodes.x.get( pin.node ).cast<double>() ) / double( h ) ).cast<float>() );
 		}
 		if ( pin.kind == PinKind::Driven && pin.hasTarget && substep + 1 == m_substepCount )
 		{
-			nodes.v.set( pin.node, ( toVec3( pin.point - impl.worldOrigin() ) - nodes.x.get( pin.node ) ) / float( h ) );
+			const Vec3d way = toVec3d( pin.point ) - nodes.worldPosition( pin.node );
+			nodes.v.set( pin.node, ( way / double( h ) ).cast<float>() );
 			pin.hasTarget = false;
 		}
 	}
 }
 
+TaskRunner* SoftBodySystem::tasks() const
+{
+	return runner ? runner : ownRunner.get();
+}
+
 void SoftBodySystem::accelerate( btScalar h, int substep )
 {
 	BT_PROFILE( "pliant: accelerate" );
-	TaskRunner* const tasks = runner ? runner : ownRunner.get();
+	m_awake.clear();
 	for ( SoftBody* body : m_bodies )
 	{
-		if ( !moves( *body ) )
+		if ( moves( *body ) )
 		{
-			continue;
+			m_awake.push_back( body );
 		}
-		SoftBody::Impl& impl = body->impl();
-		drivePins( *body, h, substep );
-		btVector3 gravity = impl.hasOwnGravity ? impl.gravity : m_world.getGravity();
-		if ( !impl.centralForce.isZero() )
-		{
-			gravity += impl.centralForce / body->mass();
-		}
-		{
-			Stopwatch watch( report.forces );
-			impl.body->applyForces( float( h ), toVec3( gravity ) );
-		}
-		{
-			Stopwatch watch( report.matching );
-			impl.body->accelerateTowardGoals( float( h ), impl.plan.alpha, tasks );
-		}
-		Stopwatch watch( report.spheres );
-		impl.shape->update( impl.body->nodes(), h );
-		body->setWorldTransform( btTransform( btQuaternion::getIdentity(), impl.worldOrigin() ) );
 	}
-	pool.nextPhase();
+	{
+		Stopwatch watch( report.forces );
+		for ( SoftBody* body : m_awake )
+		{
+			SoftBody::Impl& impl = body->impl();
+			drivePins( *body, h, substep );
+			const btVector3 gravity = impl.hasOwnGravity ? impl.gravity : m_world.getGravity();
+			impl.body->applyForces( float( h ), toVec3( gravity + impl.centralForce / btScalar( impl.mass ) ) );
+		}
+	}
+	{
+		// Many bodies: each in one task. Few: the threads share a body. The bits are the same.
+		Stopwatch watch( report.matching );
+		const bool oneTaskEach = int( m_awake.size() ) >= tasks()->threadCount();
+		auto match = [&]( int k ) {
+			SoftBody::Impl& impl = m_awake[k]->impl();
+			impl.body->accelerateTowardGoals( float( h ), impl.plan.alpha, oneTaskEach ? nullptr : tasks() );
+		};
+		runTasks( oneTaskEach ? tasks() : nullptr, int( m_awake.size() ), match );
+	}
+	Stopwatch watch( report.spheres );
+	for ( SoftBody* body : m_awake )
+	{
+		sweepBox( *body, h );
+	}
+}
+
+// The body's box must hold what its nodes sweep in this step; it is also the last place where a bad number can be caught before it
+// reaches Bullet's broadphase, and with it every other body.
+void SoftBodySystem::sweepBox( SoftBody& body, btScalar h )
+{
+	SoftBody::Impl& impl = body.impl();
+	const NodeState& nodes = impl.body->nodes();
+	Vec3 low = Vec3::Zero(), high = Vec3::Zero();
+	float worst = 0.0f; // 0 as long as every number is finite
+	for ( int i = 0; i < nodes.count; ++i )
+	{
+		const Vec3 v = nodes.v.get( i );
+		low = low.cwiseMin( v );
+		high = high.cwiseMax( v );
+		worst += 0.0f * ( v.x() + v.y() + v.z() );
+	}
+	if ( worst != 0.0f || std::max( high.maxCoeff(), -low.minCoeff() ) > kSpeedLimit )
+	{
+		quarantine( body );
+		return;
+	}
+	impl.shape->setSweep( h * toBt( low.cast<double>() ), h * toBt( high.cast<double>() ) );
+}
+
+void SoftBodySystem::quarantine( SoftBody& body )
+{
+	SoftBody::Impl& impl = body.impl();
+	NodeState& nodes = impl.body->nodes();
+	nodes.v.x[0] = std::numeric_limits<float>::quiet_NaN(); // whatever was wrong, the body now goes back to its last finite state
+	impl.body->integrate( 0.0f );
+	impl.isHealthy = false;
+	impl.placeShape( body );
+	body.forceActivationState( DISABLE_SIMULATION );
+	++report.quarantined;
 }
 
 void SoftBodySystem::dropPredictiveContacts()
@@ -246,10 +295,7 @@ void SoftBodySystem::holdPredictiveContacts( btAlignedObjectArray<btPersistentMa
 			}
 			btManifoldPoint& point = manifold->getContactPoint( 0 );
 			const btVector3 at = side == 0 ? point.getPositionWorldOnA() : point.getPositionWorldOnB();
-			const NodeShape& shape = *soft->impl().shape;
-			int node = soft->nearestNode( at );
-			node = shape.childOfNode( node ) < 0 ? shape.nodeOfChild( 0 ) : node;
-			NodeBody* const stand = pool.acquire( *soft, node );
+			NodeBody* const stand = pool.acquire( *soft, soft->nearestNode( at ) );
 			m_predictive.push_back( stand );
 			if ( side == 0 )
 			{
@@ -279,7 +325,6 @@ void SoftBodySystem::copyIslandTags()
 void SoftBodySystem::readBack()
 {
 	BT_PROFILE( "pliant: readBack" );
-	report.softContacts = 0;
 	for ( SoftBody* body : m_bodies )
 	{
 		SoftBody::Impl& impl = body->impl();
@@ -303,7 +348,6 @@ void SoftBodySystem::readBack()
 			{
 				nodes.x.set( stand->node, nodes.x.get( stand->node ) + toVec3( pushed ) );
 			}
-			++report.softContacts;
 		}
 		if ( wakes )
 		{
@@ -315,20 +359,49 @@ void SoftBodySystem::readBack()
 void SoftBodySystem::integrate( btScalar h, int substep )
 {
 	BT_PROFILE( "pliant: integrate" );
+	auto move = [&]( int k ) {
+		SoftBody& body = *m_awake[k];
+		SoftBody::Impl& impl = body.impl();
+		impl.isBroken = false;
+		if ( !moves( body ) )
+		{
+			return; // it has fallen asleep in this substep
+		}
+		settlePins( body, h, substep );
+		impl.isBroken = impl.body->integrate( float( h ) ) == BodyHealth::Quarantined;
+		impl.measureSpeed();
+		impl.placeShape( body );
+		impl.skin.isStale = true;
+	};
+	runTasks( tasks(), int( m_awake.size() ), move );
+	for ( SoftBody* body : m_awake )
+	{
+		if ( body->impl().isBroken )
+		{
+			quarantine( *body );
+		}
+	}
+}
+
+namespace {
+
+bool isDriven( const SoftBody& body )
+{
+	const std::vector<Pin>& pins = body.impl().pins;
+	return std::any_of( pins.begin(), pins.end(),
+		[]( const Pin& pin ) { return pin.hasTarget || ( pin.kind == PinKind::FollowsBody && pin.body->isActive() ); } );
+}
+
+} // namespace
+
+void SoftBodySystem::wakeDriven()
+{
 	for ( SoftBody* body : m_bodies )
 	{
-		if ( !moves( *body ) )
+		if ( !body->isActive() && isDriven( *body ) )
 		{
-			continue;
+			body->activate();
 		}
-		SoftBody::Impl& impl = body->impl();
-		settlePins( *body, h, substep );
-		if ( impl.body->integrate( float( h ) ) == BodyHealth::Quarantined )
-		{
-			impl.isHealthy = false;
-			++report.quarantined;
-		}
-		impl.skin.isStale = true;
 	}
 }
 
@@ -341,13 +414,8 @@ void SoftBodySystem::updateActivation( btScalar h )
 		{
 			continue;
 		}
-		const SoftBody::Impl& impl = body->impl();
-		const BodySums sums = impl.body->sums();
-		const bool isDriven = std::any_of( impl.pins.begin(), impl.pins.end(), []( const Pin& pin ) {
-			return pin.hasTarget || ( pin.kind == PinKind::FollowsBody && pin.body->isActive() );
-		} );
-		const bool isSlow = 2.0 * sums.kineticEnergy < sums.mass * double( kSleepSpeed ) * double( kSleepSpeed );
-		const bool maySleep = isSlow && !isDriven && state != DISABLE_DEACTIVATION && !gDisableDeactivation && gDeactivationTime > 0;
+		const bool isSlow = body->impl().meanSquareSpeed < double( kSleepSpeed ) * double( kSleepSpeed );
+		const bool maySleep = isSlow && !isDriven( *body ) && state != DISABLE_DEACTIVATION && !gDisableDeactivation && gDeactivationTime > 0;
 		body->setDeactivationTime( maySleep ? body->getDeactivationTime() + h : btScalar( 0 ) );
 		if ( state != DISABLE_DEACTIVATION )
 		{

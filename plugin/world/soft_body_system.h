@@ -33,7 +33,8 @@ public:
 
 	// One substep, in this order.
 	void beginStep( btScalar gameStep, int substeps );
-	void accelerate( btScalar h, int substep ); ///< forces, pins' speeds, shape matching, spheres
+	void wakeDriven();                          ///< sleeping bodies whose pins move
+	void accelerate( btScalar h, int substep ); ///< forces, pins' speeds, shape matching, the boxes' sweep
 	void holdPredictiveContacts( btAlignedObjectArray<btPersistentManifold*>& manifolds );
 	void dropPredictiveContacts();
 	void copyIslandTags();
@@ -47,7 +48,7 @@ public:
 	/// Gives the dispatcher back the functions that were registered before ours: it may outlive this world.
 	void restoreCreateFuncs();
 
-	/// Milliseconds and counts of the game step, and the knobs.
+	/// Seconds and counts of the game step, and the knobs.
 	StepReport report;
 	int substeps;
 	int maxSubsteps;
@@ -57,14 +58,16 @@ public:
 
 private:
 	bool moves( const SoftBody& body ) const;
+	TaskRunner* tasks() const;
+	void sweepBox( SoftBody& body, btScalar h );
+	void quarantine( SoftBody& body );
 	void drivePins( SoftBody& body, btScalar h, int substep );
 	void settlePins( SoftBody& body, btScalar h, int substep );
 
 	struct Wrapped
 	{
 		int type0, type1;
-		btCollisionAlgorithmCreateFunc* contactBefore;
-		btCollisionAlgorithmCreateFunc* closestBefore;
+		btCollisionAlgorithmCreateFunc* before;
 	};
 
 	btDiscreteDynamicsWorld& m_world;
@@ -73,6 +76,7 @@ private:
 	std::vector<SoftBody*> m_bodies;
 	std::vector<std::unique_ptr<NodeCreateFunc>> m_createFuncs;
 	std::vector<NodeBody*> m_predictive;
+	std::vector<SoftBody*> m_awake; ///< in this substep
 	btScalar m_gameStep = btScalar( 0 );
 	int m_substepCount = 1;
 };

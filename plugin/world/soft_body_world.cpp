@@ -145,6 +145,7 @@ const StepReport& SoftBodyWorld::stepReport() const
 void SoftBodyWorld::internalSingleStepSimulation( btScalar timeStep )
 {
 	SoftBodySystem& bodies = m_system->bodies;
+	bodies.wakeDriven();
 	if ( bodies.bodies().empty() || !bodies.hasAwakeBody() )
 	{
 		bodies.report = StepReport{};
@@ -176,15 +177,16 @@ void SoftBodyWorld::internalSingleStepSimulation( btScalar timeStep )
 	m_system->isStepping = false;
 	m_internalPreTickCallback = before;
 	m_internalTickCallback = after;
+	bodies.endStep();
 	if ( after )
 	{
 		after( this, timeStep );
 	}
-	bodies.endStep();
 }
 
 void SoftBodyWorld::predictUnconstraintMotion( btScalar timeStep )
 {
+	m_system->bodies.pool.nextPhase();
 	if ( m_system->isStepping )
 	{
 		m_system->bodies.accelerate( timeStep, m_system->substep );
@@ -218,17 +220,16 @@ void SoftBodyWorld::performDiscreteCollisionDetection()
 
 void SoftBodyWorld::solveConstraints( btContactSolverInfo& info )
 {
-	if ( !m_system->isStepping )
+	if ( m_system->bodies.bodies().empty() )
 	{
 		btDiscreteDynamicsWorld::solveConstraints( info );
-		if ( !m_system->bodies.bodies().empty() )
-		{
-			m_system->bodies.readBack(); // a kinematic push may have woken a sleeping body's stand-in
-		}
 		return;
 	}
+	// Sleeping bodies too: a rigid body may have hit one of them and woken it in this very step.
 	Stopwatch watch( m_system->bodies.report.solve );
+	m_system->bodies.report.softContacts = moveContactsToNodes( *getDispatcher() );
 	btDiscreteDynamicsWorld::solveConstraints( info );
+	moveContactsToSurfaces( *getDispatcher() );
 	m_system->bodies.readBack();
 }
 

@@ -1,0 +1,294 @@
+#include "world/node_search.h"
+
+#include "world/constants.h"
+#include "world/soft_body_impl.h"
+
+#include <BulletCollision/CollisionDispatch/btCollisionObjectWrapper.h>
+#include <BulletCollision/CollisionShapes/btConcaveShape.h>
+#include <BulletCollision/NarrowPhaseCollision/btPersistentManifold.h>
+
+#include <algorithm>
+#include <tuple>
+
+namespace pliant {
+
+namespace {
+
+Eigen::Matrix3d toEigen( const btMatrix3x3& m )
+{
+	Eigen::Matrix3d to;
+	for ( int row = 0; row < 3; ++row )
+	{
+		to.row( row ) = toVec3d( m[row] ).transpose();
+	}
+	return to;
+}
+
+/// A box in the coordinates of a soft body's shape, and room around it for what moves in this step.
+struct Box
+{
+	btVector3 low, high;
+
+	void move( const btVector3& from, const btVector3& to )
+	{
+		low += from;
+		high += to;
+	}
+	/// The nodes may come to the box by what they sweep: it is the box that is stretched, backwards.
+	void stretchAgainst( const NodeShape& shape ) { move( -shape.sweepHigh(), -shape.sweepLow() ); }
+	void stretchAlong( const btVector3& way )
+	{
+		btVector3 back = way, forth = way;
+		back.setMin( btVector3( 0, 0, 0 ) );
+		forth.setMax( btVector3( 0, 0, 0 ) );
+		move( back, forth );
+	}
+};
+
+struct TriangleCall : btTriangleCallback
+{
+	using Call = void ( * )( void* context, btVector3* triangle, int part, int index );
+	void processTriangle( btVector3* corners, int part, int index ) override { call( context, corners, part, index ); }
+	Call call = nullptr;
+	void* context = nullptr;
+};
+
+} // namespace
+
+const std::vector<NodeHit>& NodeSearch::againstRigid( const SoftBody& soft, const btCollisionObjectWrapper& other, double step )
+{
+	const Vec3d& origin = soft.impl().body->nodes().origin;
+	m_soft = &soft;
+	m_step = step;
+	m_leaf = 0;
+	m_hits.clear();
+	m_motion = Motion{};
+	if ( const btRigidBody* rigid = btRigidBody::upcast( other.getCollisionObject() ) )
+	{
+		// Bullet's solver adds the forces of the step to the velocity: the contact must see the same.
+		m_motion.linear = toVec3d( rigid->getLinearVelocity() + rigid->getTotalForce() * rigid->getInvMass() * btScalar( step ) );
+		m_motion.angular = toVec3d( rigid->getAngularVelocity() );
+		m_motion.centre = toVec3d( rigid->getCenterOfMassPosition() ) - origin;
+	}
+	Obstacle obstacle;
+	obstacle.shape = other.getCollisionShape();
+	obstacle.basis = toEigen( other.getWorldTransform().getBasis() );
+	obstacle.position = toVec3d( other.getWorldTransform().getOrigin() ) - origin;
+	visit( obstacle );
+	sortHits();
+	keepFlatNeighboursOut();
+	return m_hits;
+}
+
+void NodeSearch::sortHits()
+{
+	std::sort( m_hits.begin(), m_hits.end(), []( const NodeHit& a, const NodeHit& b ) {
+		return std::tie( a.key, a.touch.distance, a.part, a.index ) < std::tie( b.key, b.touch.distance, b.part, b.index );
+	} );
+}
+
+// Compounds may hold compounds; nobody nests them deep.
+void NodeSearch::visit( Obstacle obstacle )
+{
+	const btCollisionShape* shape = obstacle.shape;
+	if ( shape->isCompound() )
+	{
+		const auto* compound = static_cast<const btCompoundShape*>( shape );
+		for ( int child = 0; child < compound->getNumChildShapes(); ++child )
+		{
+			const btTransform& at = compound->getChildTransform( child );
+			Obstacle part;
+			part.shape = compound->getChildShape( child );
+			part.basis = obstacle.basis * toEigen( at.getBasis() );
+			part.position = obstacle.position + obstacle.basis * toVec3d( at.getOrigin() );
+			part.index = child;
+			visit( part );
+		}
+		return;
+	}
+	const int type = shape->getShapeType();
+	if ( type == STATIC_PLANE_PROXYTYPE )
+	{
+		plane( obstacle );
+	}
+	else if ( shape->isConcave() && type != SDF_SHAPE_PROXYTYPE )
+	{
+		mesh( obstacle );
+	}
+	else if ( type != EMPTY_SHAPE_PROXYTYPE )
+	{
+		solid( obstacle );
+	}
+	++m_leaf;
+}
+
+MovingSphere NodeSearch::sphereOf( int node ) const
+{
+	const SoftBody::Impl& impl = m_soft->impl();
+	const NodeState& nodes = impl.body->nodes();
+	MovingSphere sphere;
+	sphere.shape = impl.shape->sphereOfNode( node );
+	sphere.radius = double( sphere.shape->getRadius() );
+	sphere.centre = nodes.x.get( node ).cast<double>();
+	sphere.way = m_step * nodes.v.get( node ).cast<double>() - m_motion.way( sphere.centre, m_step );
+	return sphere;
+}
+
+// A plane's box is everywhere: every node is asked, the deep ones too, for here no tree is needed.
+void NodeSearch::plane( const Obstacle& obstacle )
+{
+	const int count = m_soft->nodeCount();
+	Touch touch;
+	for ( int node = 0; node < count; ++node )
+	{
+		if ( findTouch( obstacle, sphereOf( node ), touch ) )
+		{
+			m_hits.push_back( NodeHit{ std::uint64_t( node ) << 32 | m_leaf, touch, obstacle.part, obstacle.index } );
+		}
+	}
+}
+
+void NodeSearch::solid( const Obstacle& obstacle )
+{
+	const SoftBody::Impl& impl = m_soft->impl();
+	Obstacle inShape = obstacle;
+	inShape.position -= impl.shapeShift.cast<double>();
+	Box box;
+	obstacle.shape->getAabb( inShape.transform(), box.low, box.high );
+	box.stretchAlong( toBt( m_step * m_motion.linear ) );
+	const btScalar turn = btScalar( m_step * m_motion.angular.norm() * ( obstacle.position - m_motion.centre ).norm() ) +
+						  btScalar( m_step * m_motion.angular.norm() ) * ( box.high - box.low ).length() / 2;
+	box.move( btVector3( -turn, -turn, -turn ), btVector3( turn, turn, turn ) );
+	box.stretchAgainst( *impl.shape );
+	impl.shape->visitOverlaps( box.low, box.high, m_stack, [&]( int child ) {
+		const int node = impl.shape->nodeOfChild( child );
+		Touch touch;
+		if ( findTouch( obstacle, sphereOf( node ), touch ) )
+		{
+			m_hits.push_back( NodeHit{ std::uint64_t( node ) << 32 | m_leaf, touch, obstacle.part, obstacle.index } );
+		}
+	} );
+}
+
+void NodeSearch::mesh( const Obstacle& obstacle )
+{
+	// The soft body's box in the mesh's coordinates, swept by both motions.
+	const SoftBody::Impl& impl = m_soft->impl();
+	const btDbvtVolume& root = impl.shape->tree().m_root->volume;
+	Box box{ root.Mins() + impl.shape->sweepLow(), root.Maxs() + impl.shape->sweepHigh() };
+	box.stretchAlong( toBt( -m_step * m_motion.linear ) );
+	const Vec3d centre = toVec3d( box.low + box.high ) / 2.0 + impl.shapeShift.cast<double>();
+	const Vec3d half = toVec3d( box.high - box.low ) / 2.0;
+	const Vec3d reach = obstacle.basis.transpose().cwiseAbs() * half;
+	const Vec3d low = obstacle.toLocal( centre ) - reach, high = obstacle.toLocal( centre ) + reach;
+
+	struct Context
+	{
+		NodeSearch& search;
+		Obstacle mesh;
+	} context{ *this, obstacle };
+	TriangleCall call;
+	call.context = &context;
+	call.call = []( void* to, btVector3* corners, int part, int index ) {
+		Context& c = *static_cast<Context*>( to );
+		Vec3d placed[3];
+		for ( int k = 0; k < 3; ++k )
+		{
+			placed[k] = c.mesh.basis * toVec3d( corners[k] ) + c.mesh.position;
+		}
+		c.mesh.part = part;
+		c.mesh.index = index;
+		c.search.triangle( c.mesh, placed );
+	};
+	static_cast<const btConcaveShape*>( obstacle.shape )->processAllTriangles( &call, toBt( low ), toBt( high ) );
+}
+
+void NodeSearch::triangle( const Obstacle& mesh, const Vec3d ( &corners )[3] )
+{
+	const SoftBody::Impl& impl = m_soft->impl();
+	const Vec3d shift = impl.shapeShift.cast<double>();
+	Box box{ toBt( corners[0].cwiseMin( corners[1] ).cwiseMin( corners[2] ) - shift ), toBt( corners[0].cwiseMax( corners[1] ).cwiseMax( corners[2] ) - shift ) };
+	box.stretchAlong( toBt( m_step * m_motion.linear ) );
+	box.stretchAgainst( *impl.shape );
+	impl.shape->visitOverlaps( box.low, box.high, m_stack, [&]( int child ) {
+		const int node = impl.shape->nodeOfChild( child );
+		Touch touch;
+		if ( findTouch( corners, sphereOf( node ), touch ) )
+		{
+			m_hits.push_back( NodeHit{ std::uint64_t( node ) << 32 | m_leaf, touch, mesh.part, mesh.index } );
+		}
+	} );
+}
+
+// A sphere on a flat mesh is nearest to one triangle's face and to its neighbours' edges. An edge that does not stand out of the plane
+// of a nearer touch is no obstacle of its own: left in, it would trip the node at every seam.
+void NodeSearch::keepFlatNeighboursOut()
+{
+	const SoftBody::Impl& impl = m_soft->impl();
+	std::size_t kept = 0, groupStart = 0;
+	for ( std::size_t k = 0; k < m_hits.size(); ++k )
+	{
+		const NodeHit hit = m_hits[k];
+		if ( kept == 0 || m_hits[kept - 1].key != hit.key )
+		{
+			groupStart = kept;
+		}
+		bool isNew = kept - groupStart < MANIFOLD_CACHE_SIZE;
+		for ( std::size_t g = groupStart; isNew && g < kept; ++g )
+		{
+			// Points relative to the centre: p = - distance * normal.
+			const Touch& nearer = m_hits[g].touch;
+			const Vec3d apart = nearer.distance * nearer.normal - hit.touch.distance * hit.touch.normal;
+			isNew = apart.dot( nearer.normal ) > kContactSlop * double( impl.shape->sphereOfNode( hit.node() )->getRadius() );
+		}
+		if ( isNew )
+		{
+			m_hits[kept++] = hit;
+		}
+	}
+	m_hits.resize( kept );
+}
+
+const std::vector<NodeHit>& NodeSearch::againstSoft( const SoftBody& a, const SoftBody& b, double step )
+{
+	const SoftBody::Impl& implA = a.impl();
+	const SoftBody::Impl& implB = b.impl();
+	const NodeShape& shapeA = *implA.shape;
+	const NodeShape& shapeB = *implB.shape;
+	const NodeState& nodesB = implB.body->nodes();
+	m_soft = &a;
+	m_step = step;
+	m_motion = Motion{};
+	m_hits.clear();
+	const Vec3d fromAToB = implA.body->nodes().origin - nodesB.origin; // adds to a position of A's to make it one of B's
+	const btVector3 shapesApart = toBt( fromAToB + ( implA.shapeShift - implB.shapeShift ).cast<double>() );
+	const btDbvtVolume& rootB = shapeB.tree().m_root->volume;
+	Box whole{ rootB.Mins() + shapeB.sweepLow() - shapesApart, rootB.Maxs() + shapeB.sweepHigh() - shapesApart };
+	whole.stretchAgainst( shapeA );
+	shapeA.visitOverlaps( whole.low, whole.high, m_stack, [&]( int childA ) {
+		const int nodeA = shapeA.nodeOfChild( childA );
+		const MovingSphere own = sphereOf( nodeA );
+		const btVector3 at = shapeA.getChildTransform( childA ).getOrigin() + shapesApart;
+		const btScalar r = btScalar( own.radius ) * ( 1 + kContactSlop );
+		Box box{ at - btVector3( r, r, r ), at + btVector3( r, r, r ) };
+		box.stretchAlong( toBt( own.way ) );
+		box.stretchAgainst( shapeB );
+		shapeB.visitOverlaps( box.low, box.high, m_otherStack, [&]( int childB ) {
+			const int nodeB = shapeB.nodeOfChild( childB );
+			MovingSphere sphere = own;
+			sphere.way -= step * nodesB.v.get( nodeB ).cast<double>();
+			Obstacle ball;
+			ball.shape = shapeB.sphereOfNode( nodeB );
+			ball.position = nodesB.x.get( nodeB ).cast<double>() - fromAToB;
+			Touch touch;
+			if ( findTouch( ball, sphere, touch ) )
+			{
+				m_hits.push_back( NodeHit{ std::uint64_t( nodeA ) << 32 | std::uint32_t( nodeB ), touch, -1, nodeB } );
+			}
+		} );
+	} );
+	sortHits();
+	return m_hits;
+}
+
+} // namespace pliant

@@ -1,0 +1,65 @@
+#pragma once
+
+// Finds which nodes of a soft body meet another object in this step, in an order that does not depend on trees: by node, then by the
+// part of the other object, then by distance.
+
+#include "world/node_touch.h"
+
+#include <BulletCollision/BroadphaseCollision/btDbvt.h>
+
+#include <cstdint>
+#include <vector>
+
+class btConcaveShape;
+class btTransform;
+struct btCollisionObjectWrapper;
+
+namespace pliant {
+
+class SoftBody;
+
+struct NodeHit
+{
+	std::uint64_t key = 0; ///< ( node ) << 32 | simple shape of the other object, counted through its compounds, or its node
+	Touch touch;
+	int part = -1; ///< Bullet's identifiers of what was hit
+	int index = -1;
+
+	int node() const { return int( key >> 32 ); }
+	int other() const { return int( key & 0xffffffffu ); }
+};
+
+/// Keeps its scratch between calls: a warmed-up search allocates nothing.
+class NodeSearch
+{
+public:
+	const std::vector<NodeHit>& againstRigid( const SoftBody& soft, const btCollisionObjectWrapper& other, double step );
+	/// Normals point from `b` to `a`.
+	const std::vector<NodeHit>& againstSoft( const SoftBody& a, const SoftBody& b, double step );
+
+private:
+	/// How the other object moves in this step, relative to the soft body's origin.
+	struct Motion
+	{
+		Vec3d linear = Vec3d::Zero(), angular = Vec3d::Zero(), centre = Vec3d::Zero();
+		Vec3d way( const Vec3d& at, double step ) const { return step * ( linear + angular.cross( at - centre ) ); }
+	};
+
+	void visit( Obstacle obstacle );
+	void plane( const Obstacle& obstacle );
+	void solid( const Obstacle& obstacle );
+	void mesh( const Obstacle& obstacle );
+	void triangle( const Obstacle& mesh, const Vec3d ( &corners )[3] );
+	MovingSphere sphereOf( int node ) const;
+	void keepFlatNeighboursOut();
+	void sortHits();
+
+	const SoftBody* m_soft = nullptr;
+	double m_step = 0.0;
+	Motion m_motion;
+	std::uint32_t m_leaf = 0;
+	std::vector<NodeHit> m_hits;
+	btNodeStack m_stack, m_otherStack;
+};
+
+} // namespace pliant
