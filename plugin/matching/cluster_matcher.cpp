@@ -234,9 +234,9 @@ void ClusterMatcher::fitLinear( Cluster& cluster, const Eigen::Matrix3d& apq ) c
 	// A = A_pq A_qq, written as the way away from R: where the pseudo-inverse cannot tell (flat, thin), A is R and not zero.
 	Eigen::Matrix3d a = rotation + ( apq - rotation * cluster.moment ) * cluster.inverseMoment;
 
-	// A / cbrt( det A ) keeps the volume   (Müller et al. 2005, section 4.2). An inverted A keeps its sign: the way back leads through
-	// flat, and a negative factor would turn it inside out at once.
-	const double volume = std::abs( a.determinant() );
+	// A / cbrt( det A ) keeps the volume   (Müller et al. 2005, section 4.2). A flat or inverted A has none to keep: scaled up, it would
+	// stay where it is.
+	const double volume = a.determinant();
 	if ( volume > 0.0 )
 	{
 		a *= std::min( kLargestVolumeScale, 1.0 / std::cbrt( volume ) );
