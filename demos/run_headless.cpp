@@ -27,12 +27,15 @@ double secondsSince( Clock::time_point begin )
 	return std::chrono::duration<double>( Clock::now() - begin ).count();
 }
 
-int manifoldPoints( pliant::SoftBodyWorld& world )
+/// Contact points that no soft body has a part in; the step report counts the others.
+int rigidContacts( pliant::SoftBodyWorld& world )
 {
 	int points = 0;
 	for( int i = 0; i < world.getDispatcher()->getNumManifolds(); ++i )
 	{
-		points += world.getDispatcher()->getManifoldByIndexInternal( i )->getNumContacts();
+		const btPersistentManifold* manifold = world.getDispatcher()->getManifoldByIndexInternal( i );
+		const bool isRigid = pliant::SoftBody::upcast( manifold->getBody0() ) == nullptr && pliant::SoftBody::upcast( manifold->getBody1() ) == nullptr;
+		points += isRigid ? manifold->getNumContacts() : 0;
 	}
 	return points;
 }
@@ -148,7 +151,7 @@ private:
 		const Clock::time_point begin = Clock::now();
 		m_stage.world().stepSimulation( btScalar( 1 ) / kStepsPerSecond, 0 );
 		const double seconds = secondsSince( begin );
-		m_log.add( m_stage.world().stepReport(), seconds, manifoldPoints( m_stage.world() ) );
+		m_log.add( m_stage.world().stepReport(), seconds, rigidContacts( m_stage.world() ) );
 	}
 
 	bool writeFrame( int frame )
@@ -180,7 +183,7 @@ private:
 		const StageCounts counts = m_stage.counts();
 		std::printf( "\n  soft bodies %d, nodes %d, links %d, triangles %d, rigid bodies %d\n", counts.softBodies, counts.nodes, counts.links,
 			counts.triangles, counts.rigidBodies );
-		std::printf( "  steps %d of 1/%d s, up to %d soft substeps each; contacts at most %d, %d of them soft; threads %d\n", m_log.steps(),
+		std::printf( "  steps %d of 1/%d s, up to %d soft substeps each; contacts at most %d, %d of them on soft bodies; threads %d\n", m_log.steps(),
 			kStepsPerSecond, m_log.maxSubsteps(), m_log.maxContacts(), m_log.maxSoftContacts(), m_settings.stage.threads );
 		if( m_log.unreachableStiffness() > 0 )
 		{

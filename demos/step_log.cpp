@@ -45,7 +45,7 @@ nlohmann::json toJson( const Spread& spread )
 
 } // namespace
 
-void StepLog::add( const pliant::StepReport& report, double wallSeconds, int manifoldPoints )
+void StepLog::add( const pliant::StepReport& report, double wallSeconds, int rigidContacts )
 {
 	for( Stage& stage : m_stages )
 	{
@@ -53,7 +53,7 @@ void StepLog::add( const pliant::StepReport& report, double wallSeconds, int man
 	}
 	m_wall.push_back( wallSeconds );
 	m_maxSoftContacts = std::max( m_maxSoftContacts, report.softContacts );
-	m_maxContacts = std::max( m_maxContacts, manifoldPoints );
+	m_maxContacts = std::max( m_maxContacts, rigidContacts + report.softContacts );
 	m_maxSubsteps = std::max( m_maxSubsteps, report.substeps );
 	m_quarantined = std::max( m_quarantined, report.quarantined );
 	m_unreachable = std::max( m_unreachable, report.unreachableStiffness );

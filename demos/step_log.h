@@ -15,7 +15,7 @@ class StepLog
 {
 public:
 	/// `wallSeconds` is the whole of stepSimulation as seen from outside.
-	void add( const pliant::StepReport& report, double wallSeconds, int manifoldPoints );
+	void add( const pliant::StepReport& report, double wallSeconds, int rigidContacts );
 
 	int steps() const { return int( m_wall.size() ); }
 	double wallSeconds() const;

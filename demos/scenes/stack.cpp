@@ -13,6 +13,7 @@ namespace {
 constexpr btScalar kSoftEdge = btScalar( 0.4 );
 constexpr btScalar kBoxHeight = btScalar( 0.12 );
 constexpr btScalar kGap = btScalar( 0.02 );
+constexpr btScalar kBoxMass = btScalar( 20 ); // about a soft cube's own 26 kg
 constexpr double kBallTime = 3.0;
 
 class Stack : public Scene
@@ -36,7 +37,7 @@ public:
 	}
 
 	double duration() const override { return 5.0; }
-	pliant_glue::DrawCamera camera( double ) const override { return { { 2.2f, 1.7f, 4.0f }, { 0, 0.6f, 0 }, 38.0f }; }
+	pliant_glue::DrawCamera camera( double ) const override { return { { 1.3f, 1.25f, 3.1f }, { 0, 0.53f, 0 }, 36.0f }; }
 	pliant_glue::DrawLight light() const override { return { { -0.5f, 0.75f, 0.5f }, { 0, 0.6f, 0 }, 3.4f }; }
 
 private:
@@ -61,7 +62,7 @@ private:
 				return false;
 			}
 			y += kSoftEdge + kGap;
-			stage.addBox( btVector3( kSoftEdge, kBoxHeight, kSoftEdge ), btTransform( btQuaternion::getIdentity(), btVector3( x, y + kBoxHeight / 2, 0 ) ), 8, kSlate );
+			stage.addBox( btVector3( kSoftEdge, kBoxHeight, kSoftEdge ), btTransform( btQuaternion::getIdentity(), btVector3( x, y + kBoxHeight / 2, 0 ) ), kBoxMass, kSlate );
 			y += kBoxHeight + kGap;
 		}
 		return true;
