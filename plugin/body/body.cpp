@@ -338,6 +338,12 @@ Placement Body::bestFit() const
 	return Placement{ fitRotation( moment, Eigen::Quaterniond::Identity() ), m_nodes.origin + whole.centre };
 }
 
+std::size_t Body::bytes() const
+{
+	const std::size_t floats = std::size_t( m_nodes.padded ) * 11 + m_nodes.force.x.size() * 3 + m_lastFinite.size();
+	return floats * sizeof( float ) + m_matcher->bytes() + m_matcher->sharedBytes() + m_lattice->bytes();
+}
+
 void Body::nodeRotations( float* quaternions ) const
 {
 	m_matcher->nodeRotations( m_nodes, quaternions );

@@ -7,8 +7,8 @@
 #include "surface/skinning.h"
 
 #include <chrono>
-#include <exception>
 #include <new>
+#include <stdexcept>
 
 namespace pliant {
 
@@ -91,11 +91,11 @@ Result<std::shared_ptr<const BodyTemplate>> BodyTemplate::build( const MeshView&
 	}
 	catch ( const std::bad_alloc& )
 	{
-		return Answer::failure( ResultCode::OutOfMemory, "Not enough memory to build the body; a larger LatticeSettings::cellSize needs less." );
+		return Answer{ outOfMemory(), nullptr };
 	}
-	catch ( const std::exception& problem )
+	catch ( const std::length_error& )
 	{
-		return Answer::failure( ResultCode::BadArgument, std::string( "Building the body failed: " ) + problem.what() );
+		return Answer{ outOfMemory(), nullptr };
 	}
 }
 

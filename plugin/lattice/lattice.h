@@ -36,6 +36,11 @@ struct Lattice
 
 	int cellCount() const { return int( fill.size() ); }
 	int linkCount() const { return int( linkTo.size() / 2 ); }
+	std::size_t bytes() const
+	{
+		const std::size_t perCell = sizeof( coordinate[0] ) + sizeof( float ) + sizeof( Vec3 ) + sizeof( std::uint8_t );
+		return fill.size() * perCell + ( linkStart.size() + linkTo.size() ) * sizeof( std::uint32_t );
+	}
 };
 
 /// A full box of nx x ny x nz cells of edge `cellSize`, every link in place. Counts at least 1.

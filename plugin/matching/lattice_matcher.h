@@ -26,6 +26,7 @@ public:
 	void accelerate( NodeState& nodes, const MatchStep& step, TaskRunner* runner ) override;
 	void nodeRotations( const NodeState& nodes, float* quaternions ) const override;
 	std::size_t bytes() const override; ///< without the shared tables
+	std::size_t sharedBytes() const override { return m_tables->bytes(); }
 	const RegionTables& tables() const { return *m_tables; }
 
 	bool usesBoxSums() const { return m_tables->usesGrid; }

@@ -40,8 +40,10 @@ public:
 	/// Writes, for each node, the unit quaternion (x, y, z, w) of the rotation of its own region from rest to now.
 	virtual void nodeRotations( const NodeState& nodes, float* quaternions ) const = 0;
 
-	/// Bytes held, buffers included.
+	/// Bytes held, buffers included, what is shared with other bodies left out.
 	virtual std::size_t bytes() const = 0;
+	/// Bytes shared with other bodies of the same template and setting.
+	virtual std::size_t sharedBytes() const { return 0; }
 };
 
 } // namespace pliant
