@@ -1,14 +1,19 @@
-// A small pool of threads that share out one run of tasks after the other. Tasks are claimed by an atomic counter; the caller works
-// too. Nothing is allocated in a run.
+// A small pool of threads that share out one run of tasks after the other. Nothing is allocated in a run.
+//
+// One atomic number, the ticket, holds the run's number and how many of its tasks nobody has taken yet. Taking a task is one
+// compare-and-swap on it, so that a thread that wakes late can neither miss nor mix up a run: no task is left, or the number has changed.
+// For the same reason nobody waits for threads that sleep through a run.
 
 #include "pliant/task_runner.h"
 
 #include <algorithm>
 #include <atomic>
+#include <chrono>
 #include <condition_variable>
+#include <cstdint>
+#include <exception>
 #include <mutex>
 #include <new>
-#include <system_error>
 #include <thread>
 #include <vector>
 
@@ -19,6 +24,13 @@ TaskRunner::~TaskRunner() = default;
 namespace {
 
 constexpr int kMostThreads = 64;
+
+/// How long a thread looks for work, or for the end of a run, before it sleeps: about what waking up costs. The stages of a step
+/// follow one another faster than this.
+constexpr std::chrono::microseconds kPatience( 20 );
+
+/// Looks at the clock after this many looks at the work.
+constexpr int kLooksPerGlance = 64;
 
 class SerialRunner : public TaskRunner
 {
@@ -46,17 +58,19 @@ public:
 				m_threads.emplace_back( [this] { serve(); } );
 			}
 		}
-		catch ( const std::system_error& )
+		catch ( const std::exception& )
 		{
-			// The system gives no more threads: those there are will do.
+			// The system gives no more threads, or no memory for them: those there are will do.
 		}
+		// Where threads share a core, one that spins keeps another from its work.
+		m_maySpin = m_threads.size() < std::thread::hardware_concurrency();
 	}
 
 	~Pool() override
 	{
 		{
 			const std::lock_guard<std::mutex> lock( m_mutex );
-			m_isEnding = true;
+			m_isEnding.store( true );
 		}
 		m_wake.notify_all();
 		for ( std::thread& thread : m_threads )
@@ -75,69 +89,140 @@ public:
 			}
 			return;
 		}
-		{
-			const std::lock_guard<std::mutex> lock( m_mutex );
-			m_task = task;
-			m_context = context;
-			m_count = count;
-			m_next.store( 0, std::memory_order_relaxed );
-			m_busy = int( m_threads.size() );
-			++m_round;
-		}
-		m_wake.notify_all();
-		work( task, context, count );
+		// No task of the last run is left and none is under way, so nobody uses these. The ticket makes them known.
+		m_task.store( task, std::memory_order_relaxed );
+		m_context.store( context, std::memory_order_relaxed );
+		m_count.store( count, std::memory_order_relaxed );
+		m_finished.store( 0, std::memory_order_relaxed );
+		++m_run;
+		m_ticket.store( std::uint64_t( m_run ) << 32 | std::uint32_t( count ) );
+		wakeHelpers( count - 1 );
 
-		// Every helper must have seen this round before the next may begin, or a late one would claim tasks of the wrong run.
-		std::unique_lock<std::mutex> lock( m_mutex );
-		m_done.wait( lock, [this] { return m_busy == 0; } );
+		work();
+		waitForEnd( count );
 	}
 
 	int threadCount() const override { return int( m_threads.size() ) + 1; }
 
 private:
-	void work( Task task, void* context, int count )
+	bool hasWork() const { return std::uint32_t( m_ticket.load() ) != 0; }
+
+	/// Takes and does tasks until none is left.
+	void work()
 	{
-		for ( int i = m_next.fetch_add( 1, std::memory_order_relaxed ); i < count; i = m_next.fetch_add( 1, std::memory_order_relaxed ) )
+		int done = 0;
+		std::uint64_t ticket = m_ticket.load();
+		while ( std::uint32_t( ticket ) != 0 )
 		{
-			task( context, i );
+			// Read before the swap: should they belong to a later run, the ticket has changed and the swap fails.
+			const Task task = m_task.load( std::memory_order_relaxed );
+			void* const context = m_context.load( std::memory_order_relaxed );
+			const int count = m_count.load( std::memory_order_relaxed );
+			if ( m_ticket.compare_exchange_weak( ticket, ticket - 1 ) )
+			{
+				task( context, count - int( std::uint32_t( ticket ) ) );
+				++done;
+				ticket = m_ticket.load(); // still of this run: the next cannot begin before these are reported
+			}
 		}
+		report( done );
+	}
+
+	void report( int done )
+	{
+		if ( done > 0 && m_finished.fetch_add( done ) + done == m_count.load( std::memory_order_relaxed ) && m_callerSleeps.load() )
+		{
+			const std::lock_guard<std::mutex> lock( m_mutex );
+			m_end.notify_one();
+		}
+	}
+
+	void wakeHelpers( int most )
+	{
+		if ( m_sleepers.load() == 0 )
+		{
+			return;
+		}
+		const std::lock_guard<std::mutex> lock( m_mutex ); // a helper is either before its last look at the ticket, or asleep
+		for ( int i = std::min( most, m_sleepers.load() ); i > 0; --i )
+		{
+			m_wake.notify_one();
+		}
+	}
+
+	void waitForEnd( int count )
+	{
+		const auto isOver = [&] { return m_finished.load() == count; };
+		if ( spinUntil( isOver ) )
+		{
+			return;
+		}
+		std::unique_lock<std::mutex> lock( m_mutex );
+		m_callerSleeps.store( true );
+		m_end.wait( lock, isOver );
+		m_callerSleeps.store( false );
 	}
 
 	void serve()
 	{
-		unsigned long seen = 0;
-		std::unique_lock<std::mutex> lock( m_mutex );
+		const auto isCalled = [this] { return hasWork() || m_isEnding.load(); };
 		while ( true )
 		{
-			m_wake.wait( lock, [&] { return m_isEnding || m_round != seen; } );
-			if ( m_isEnding )
+			if ( !spinUntil( isCalled ) )
+			{
+				std::unique_lock<std::mutex> lock( m_mutex );
+				++m_sleepers;
+				m_wake.wait( lock, isCalled );
+				--m_sleepers;
+			}
+			if ( m_isEnding.load() )
 			{
 				return;
 			}
-			seen = m_round;
-			const Task task = m_task;
-			void* const context = m_context;
-			const int count = m_count;
-			lock.unlock();
-			work( task, context, count );
-			lock.lock();
-			if ( --m_busy == 0 )
-			{
-				m_done.notify_one();
-			}
+			work();
 		}
 	}
 
-	std::vector<std::thread> m_threads;
+	/// Whether the condition came true before patience ran out.
+	template <class F>
+	bool spinUntil( const F& condition ) const
+	{
+		if ( condition() )
+		{
+			return true;
+		}
+		if ( !m_maySpin.load( std::memory_order_relaxed ) )
+		{
+			return false;
+		}
+		const auto limit = std::chrono::steady_clock::now() + kPatience;
+		do
+		{
+			for ( int look = 0; look < kLooksPerGlance; ++look )
+			{
+				if ( condition() )
+				{
+					return true;
+				}
+			}
+		} while ( std::chrono::steady_clock::now() < limit );
+		return false;
+	}
+
+	// What all threads write often stands on lines of its own.
+	alignas( 64 ) std::atomic<std::uint64_t> m_ticket{ 0 }; ///< run number in the upper half, tasks not taken in the lower
+	alignas( 64 ) std::atomic<int> m_finished{ 0 };         ///< tasks of this run that are done
+	alignas( 64 ) std::atomic<Task> m_task{ nullptr };
+	std::atomic<void*> m_context{ nullptr };
+	std::atomic<int> m_count{ 0 };
+	std::atomic<int> m_sleepers{ 0 };                       ///< helpers that wait for m_wake; changes under the mutex
+	std::atomic<bool> m_callerSleeps{ false };
+	std::atomic<bool> m_isEnding{ false };
+	std::atomic<bool> m_maySpin{ false };
+	std::uint32_t m_run = 0;                                ///< the caller's own
 	std::mutex m_mutex;
-	std::condition_variable m_wake, m_done;
-	std::atomic<int> m_next{ 0 };
-	Task m_task = nullptr;
-	void* m_context = nullptr;
-	int m_count = 0;
-	int m_busy = 0;
-	unsigned long m_round = 0;
-	bool m_isEnding = false;
+	std::condition_variable m_wake, m_end;
+	std::vector<std::thread> m_threads;                     ///< last: they use all the rest
 };
 
 } // namespace
