@@ -81,6 +81,10 @@ private:
 			return cancelled();
 		}
 		m_field.emplace( m_mesh, rim );
+		if ( !m_field->isWhole() )
+		{
+			m_survey = m_field->survey();
+		}
 		m_area = 0.0;
 		for ( const Triangle& t : m_mesh.triangle )
 		{
@@ -89,17 +93,30 @@ private:
 		return m_progress.report( 0.3f ) ? Status{} : cancelled();
 	}
 
-	double mostCrossings() const
+	double cellsAskedFor() const { return m_settings.cellSize > 0.0f ? m_settings.maxCells : m_settings.targetCells; }
+	double mostCrossings() const { return kMostCrossingsAtLeast + kMostCrossingsPerCell * cellsAskedFor(); }
+
+	/// Winding numbers asked for, each position once, each sample of a cut one, and each run between crossings.
+	bool isTooMuchWork( const Grid& grid, double crossings ) const
 	{
-		const int cells = m_settings.cellSize > 0.0f ? m_settings.maxCells : m_settings.targetCells;
-		return kMostCrossingsAtLeast + kMostCrossingsPerCell * cells;
+		const double positions = double( grid.positions() );
+		const double cut = std::min( positions, 2.0 * m_area / ( grid.cellSize * grid.cellSize ) );
+		const double answers = positions + cut * grid.samplesPerCell() + crossings;
+		return !m_field->isWhole() && answers * m_survey.work > kMostWorkPerCell * std::max( cellsAskedFor(), 1000.0 );
+	}
+
+	Status tooFolded() const
+	{
+		return { ResultCode::TooManyTriangles, sentence( "The surface has ", m_area, " m^2 folded into a box of ", ( m_mesh.high - m_mesh.low ).norm(),
+			" m, or is open so widely that telling inside from outside takes too long. Close its holes, use fewer triangles, or lower "
+			"LatticeSettings::samplesPerEdge." ) };
 	}
 
 	double volume()
 	{
 		if ( !m_volume )
 		{
-			m_volume = estimateVolume( m_mesh, *m_field, mostCrossings() );
+			m_volume = m_field->isWhole() ? estimateVolume( m_mesh, *m_field, mostCrossings() ) : m_survey.volume;
 		}
 		return *m_volume;
 	}
@@ -109,7 +126,7 @@ private:
 	{
 		double low = ( m_mesh.high - m_mesh.low ).maxCoeff() / ( kMaxExtent - 2 );
 		double high = 2.0 * std::max( std::cbrt( volume() / cells ), std::sqrt( kCellsPerArea * m_area / cells ) );
-		high = std::max( high, low );
+		high = std::max( std::min( high, ( m_mesh.high - m_mesh.low ).maxCoeff() ), low );
 		while ( high - low > kOverhang * low )
 		{
 			const double d = 0.5 * ( low + high );
@@ -126,7 +143,7 @@ private:
 		{
 			const Status status = buildAt( double( float( d ) ) );
 			const double ratio = m_out.lattice.cellCount() / target;
-			const bool isNear = std::abs( ratio - 1.0 ) <= kTargetSlack;
+			const bool isNear = std::abs( ratio - 1.0 ) <= ( m_field->isWhole() ? kTargetSlack : kTargetSlackWhenOpen );
 			if ( !status.ok() || isNear || attempt == ( m_field->isWhole() ? kTargetTries : kTargetTriesWhenOpen ) )
 			{
 				return status;
@@ -146,6 +163,10 @@ private:
 	Status makeGridAt( double d, Grid& grid )
 	{
 		const double farthest = std::max( m_mesh.low.cwiseAbs().maxCoeff(), m_mesh.high.cwiseAbs().maxCoeff() );
+		if ( d > kLargestDiagonal )
+		{
+			return { ResultCode::ExtentOutOfRange, "LatticeSettings::cellSize is above the 1e7 m that float arithmetic bears." };
+		}
 		if ( !( d > kRoundingShare * farthest ) )
 		{
 			return { ResultCode::ExtentOutOfRange, sentence( "Cells of ", d, " m are below float rounding ", farthest,
@@ -173,8 +194,11 @@ private:
 			{
 				return tooManyCells( d );
 			}
-			return { ResultCode::TooManyTriangles, sentence( "The surface has ", m_area, " m^2 folded into a box of ", ( m_mesh.high - m_mesh.low ).norm(),
-				" m: too many layers to tell inside from outside. Use fewer triangles or a lower LatticeSettings::samplesPerEdge." ) };
+			return tooFolded();
+		}
+		if ( isTooMuchWork( grid, surface.expectedCrossings() ) )
+		{
+			return tooFolded();
 		}
 		VoxelizeOptions options{ std::max( m_mesh.tolerance, 2.0 * grid.quantum() ), double( m_settings.maxCells ), m_settings.runner, m_progress };
 		Voxels voxels;
@@ -259,6 +283,7 @@ private:
 	WeldedMesh m_mesh;
 	std::optional<InsideField> m_field;
 	std::optional<double> m_volume;
+	InsideField::Survey m_survey; ///< of an open surface
 	double m_area = 0.0;
 };
 
@@ -302,22 +327,36 @@ Status checkSettings( const LatticeSettings& settings )
 	return {};
 }
 
+Status outOfMemory() noexcept
+{
+	Status status;
+	status.code = ResultCode::OutOfMemory;
+	try
+	{
+		status.sentence = "Not enough memory to build the body; a larger LatticeSettings::cellSize needs less.";
+	}
+	catch ( const std::bad_alloc& )
+	{
+		status.sentence = "Out of memory."; // short enough to be kept without an allocation
+	}
+	return status;
+}
+
 Result<LatticeBuild> buildLattice( const MeshView& mesh, const LatticeSettings& settings )
 {
 	const auto start = std::chrono::steady_clock::now();
 	Result<LatticeBuild> result;
-	result.status = checkSettings( settings );
-	if ( !result.ok() )
-	{
-		return result;
-	}
 	try
 	{
-		result.status = Builder( mesh, settings, result.value ).build();
+		result.status = checkSettings( settings );
+		if ( result.ok() )
+		{
+			result.status = Builder( mesh, settings, result.value ).build();
+		}
 	}
 	catch ( const std::bad_alloc& )
 	{
-		result.status = { ResultCode::OutOfMemory, "Not enough memory to build the lattice; a larger LatticeSettings::cellSize needs less." };
+		result.status = outOfMemory();
 	}
 	if ( !result.ok() )
 	{

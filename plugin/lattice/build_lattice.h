@@ -20,6 +20,9 @@ struct LatticeBuild
 /// The first knob out of its range, or Ok. Rejects NaN.
 Status checkSettings( const LatticeSettings& settings );
 
+/// The answer when memory runs out; itself content with none.
+Status outOfMemory() noexcept;
+
 /// Does not throw: what goes wrong is in the status.
 Result<LatticeBuild> buildLattice( const MeshView& mesh, const LatticeSettings& settings );
 

@@ -42,8 +42,8 @@ inline constexpr std::size_t kContainmentProbes = 9;
 /// Above this share of unpaired edges to triangles the surface is a soup: closing its rims would cost more than it saves.
 inline constexpr double kMostRimShare = 0.2;
 
-/// A cluster of triangles is one dipole from this many of its radii on: error of the winding number below 0.01 (Barill et al. 2018, figure 6).
-inline constexpr double kFarField = 2.3;
+/// A cluster of triangles is one dipole from this many of its radii on (Barill et al. 2018). Measured error of W below 0.05, far from 1/2.
+inline constexpr double kFarField = 2.6;
 inline constexpr int kTrianglesPerLeaf = 8;
 
 /// |W| above this is inside: half way between 0 and 1, and the same for a mesh turned inside out.
@@ -60,6 +60,13 @@ inline constexpr double kMostPositionsPerCell = 16.0;
 /// V / d^3: 1.5 * 0.9 - 0.75.
 inline constexpr double kCellsPerArea = 0.6;
 
+/// An open surface is asked for its winding number sample by sample. Triangles and clusters looked at for a cell that is asked for; more
+/// would take seconds.
+inline constexpr double kMostWorkPerCell = 15000.0;
+
+/// Points per axis at which an open surface is asked for its volume, and for what an answer costs.
+inline constexpr int kProbes = 12;
+
 /// Rows across the longest side of the mesh when its volume is estimated, and when a sliver is looked for.
 inline constexpr int kEstimateRows = 64;
 inline constexpr int kSliverRows[] = { 64, 256, 1024 };
@@ -67,6 +74,7 @@ inline constexpr int kSliverRows[] = { 64, 256, 1024 };
 /// targetCells is met when the count is off by no more than this share; so many tries.
 inline constexpr double kTargetSlack = 0.1;
 inline constexpr int kTargetTries = 4;
+inline constexpr double kTargetSlackWhenOpen = 0.3;
 inline constexpr int kTargetTriesWhenOpen = 2;
 
 /// Tasks a pass is cut into at most. Fixed, so that nothing depends on the number of threads.

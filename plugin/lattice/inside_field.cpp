@@ -65,14 +65,43 @@ bool InsideField::isInside( int count, const Vec3d& point ) const
 	return m_smooth ? std::abs( winding( count, point ) ) > kInsideWinding : count != 0;
 }
 
-bool InsideField::isInside( const Vec3d& point ) const
+bool InsideField::isCrossed( const Vec3d& from, const Vec3d& to ) const
 {
 	if ( m_isSoup )
 	{
-		return isInside( 0, point );
+		return m_smooth->isCrossed( from, to );
 	}
 	std::call_once( m_wholeOnce, [this]() { m_whole = std::make_unique<WindingTree>( m_mesh.position, m_mesh.triangle ); } );
-	return std::abs( m_whole->at( point ) ) > kInsideWinding;
+	return m_whole->isCrossed( from, to );
+}
+
+InsideField::Survey InsideField::survey() const
+{
+	// Without rows there is no count: the smooth part of a capped surface gives the work only, and the caps' count is that of its signed volume.
+	Survey survey;
+	const Vec3d size = m_mesh.high - m_mesh.low;
+	int inside = 0;
+	for ( int code = 0; code < kProbes * kProbes * kProbes; ++code )
+	{
+		const Vec3d at( code % kProbes + 0.5, code / kProbes % kProbes + 0.5, code / kProbes / kProbes + 0.5 );
+		const Vec3d point = m_mesh.low + size.cwiseProduct( at / kProbes );
+		survey.work += m_smooth->workAt( point ) / ( kProbes * kProbes * kProbes );
+		inside += m_isSoup && std::abs( m_smooth->at( point ) ) > kInsideWinding;
+	}
+	survey.volume = size.prod() * inside / ( kProbes * kProbes * kProbes );
+	if ( !m_isSoup )
+	{
+		for ( const std::vector<Triangle>* triangles : { &m_mesh.triangle, &m_caps } )
+		{
+			for ( const Triangle& t : *triangles )
+			{
+				const Vec3d a = m_mesh.position[t[0]] - m_mesh.low;
+				survey.volume += a.dot( ( m_mesh.position[t[1]] - m_mesh.low ).cross( m_mesh.position[t[2]] - m_mesh.low ) ) / 6.0;
+			}
+		}
+		survey.volume = std::abs( survey.volume );
+	}
+	return survey;
 }
 
 } // namespace pliant

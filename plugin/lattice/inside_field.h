@@ -27,8 +27,16 @@ public:
 	/// W at a point whose row count is known.
 	double winding( int count, const Vec3d& point ) const { return m_smooth ? count + m_smooth->at( point ) : double( count ); }
 	bool isInside( int count, const Vec3d& point ) const;
-	/// The same where no row passes: the winding number of the whole surface.
-	bool isInside( const Vec3d& point ) const;
+	/// Whether the surface passes between two points, for ways that are no rows.
+	bool isCrossed( const Vec3d& from, const Vec3d& to ) const;
+
+	/// For a surface that is not whole: volume inside, m^3, and work for one answer, both from a coarse grid of points.
+	struct Survey
+	{
+		double volume = 0.0;
+		double work = 0.0;
+	};
+	Survey survey() const;
 
 private:
 	const WeldedMesh& m_mesh;

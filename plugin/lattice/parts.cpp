@@ -42,8 +42,8 @@ const std::vector<Eigen::Vector3i>& diagonalSteps()
 bool leadsAcross( const InsideField& field, const Grid& grid, const Eigen::Vector3i& sample, const Eigen::Vector3i& step )
 {
 	const double spacing = grid.cellSize / grid.samples;
-	const Vec3d middle = sample.cast<double>() + 0.5 * step.cast<double>() + Vec3d::Constant( 0.5 );
-	return field.isInside( Vec3d( grid.corner + spacing * middle ) );
+	const Vec3d from = grid.corner + spacing * ( sample.cast<double>() + Vec3d::Constant( 0.5 ) );
+	return !field.isCrossed( from, from + spacing * step.cast<double>() );
 }
 
 Parts::Parts( const Voxels& voxels, const InsideField& field, float minimumFill, TaskRunner* runner ) : m_voxels( voxels )
@@ -143,18 +143,10 @@ void Parts::cutPieces( std::size_t cutCell, float minimumFill, const InsideField
 	std::vector<std::uint16_t> label;
 	const std::uint32_t groups = labelSamples( cutCell, field, label );
 
-	// Whole samples are counted, so that a full cell is exactly full; slivers bring their own shares.
+	// Whole samples are counted, so that a full cell is exactly full; thin runs bring their own shares.
 	std::vector<Vec3d> sum( groups, Vec3d::Zero() );
 	std::vector<double> weight( groups, 0.0 );
-	for ( std::size_t p = 0; p < perCell; ++p )
-	{
-		if ( flags[p] & kInside )
-		{
-			const int n = int( p );
-			sum[label[p]] += Vec3d( n % s + 0.5, n / s % s + 0.5, n / s / s + 0.5 );
-			weight[label[p]] += 1.0;
-		}
-	}
+	std::vector<std::uint8_t> isReplaced( perCell, 0 );
 	const Vec3d origin = m_voxels.grid.at( m_voxels.cut[cutCell] ).cast<double>();
 	const auto sliver = std::lower_bound( m_voxels.slivers.begin(), m_voxels.slivers.end(), std::int32_t( cutCell ),
 		[]( const Sliver& a, std::int32_t wanted ) { return a.cutCell < wanted; } );
@@ -163,6 +155,16 @@ void Parts::cutPieces( std::size_t cutCell, float minimumFill, const InsideField
 		const double share = double( it->share ) * double( perCell );
 		sum[label[it->sample]] += share * double( s ) * ( it->point - origin );
 		weight[label[it->sample]] += share;
+		isReplaced[it->sample] |= std::uint8_t( it->hasSample ? 1 : 0 );
+	}
+	for ( std::size_t p = 0; p < perCell; ++p )
+	{
+		if ( ( flags[p] & kInside ) && !isReplaced[p] )
+		{
+			const int n = int( p );
+			sum[label[p]] += Vec3d( n % s + 0.5, n / s % s + 0.5, n / s / s + 0.5 );
+			weight[label[p]] += 1.0;
+		}
 	}
 
 	std::int32_t kept = 0;

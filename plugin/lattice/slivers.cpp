@@ -40,6 +40,9 @@ bool makeFineRows( const WeldedMesh& mesh, const InsideField& field, int rows, i
 		return false;
 	}
 	out.runs = insideRuns( surface, surface.makeRows( axis, nullptr ) );
+	// What is thinner than the welding tolerance is rounding.
+	const auto isNothing = [&mesh]( const InsideRun& run ) { return run.to - run.from <= mesh.tolerance; };
+	out.runs.erase( std::remove_if( out.runs.begin(), out.runs.end(), isNothing ), out.runs.end() );
 	const int u = ( axis + 1 ) % 3;
 	const int v = ( axis + 2 ) % 3;
 	out.area = size[u] / out.grid.extent[u] * ( size[v] / out.grid.extent[v] );
@@ -99,11 +102,14 @@ std::vector<CellDraft> gather( std::vector<Piece>& pieces )
 
 std::vector<CellDraft> findSliverCells( const WeldedMesh& mesh, const InsideField& field, const Grid& grid, double mostCrossings )
 {
+	// Where each interval has to ask for its winding number, fine rows would take too long; and what is open and holds nothing is a sheet.
+	if ( !field.isWhole() )
+	{
+		return {};
+	}
 	for ( const int rows : kSliverRows )
 	{
-		// Where each interval has to ask for its winding number, the finer rows would take too long.
-		const bool isTooSlow = !field.isWhole() && rows > kSliverRows[0];
-		for ( int axis = 0; axis < 3 && !isTooSlow; ++axis )
+		for ( int axis = 0; axis < 3; ++axis )
 		{
 			FineRows fine;
 			if ( !makeFineRows( mesh, field, rows, axis, mostCrossings, fine ) || fine.runs.empty() )
@@ -155,7 +161,7 @@ double estimateVolume( const WeldedMesh& mesh, const InsideField& field, double 
 {
 	double volume = 0.0;
 	int axes = 0;
-	for ( int axis = 0; axis < ( field.isWhole() ? 3 : 1 ); ++axis )
+	for ( int axis = 0; axis < 3; ++axis )
 	{
 		FineRows fine;
 		if ( makeFineRows( mesh, field, kEstimateRows, axis, mostCrossings, fine ) )

@@ -13,7 +13,7 @@ std::vector<CellDraft> findSliverCells( const WeldedMesh& mesh, const InsideFiel
 /// Links every cell to whatever stands next to it.
 void linkAllNeighbours( const std::vector<CellDraft>& cells, const Grid& grid, Lattice& lattice );
 
-/// Volume inside, m^3, from rows across the whole mesh. An estimate.
+/// Volume inside a closed surface, m^3, from rows across the whole mesh. An estimate.
 double estimateVolume( const WeldedMesh& mesh, const InsideField& field, double mostCrossings );
 
 } // namespace pliant

@@ -344,12 +344,26 @@ private:
 		appendAll( found, slivers );
 	}
 
-	/// The piece of a row between two crossings, when no sample stands in it: a gap between inside samples, or a sliver between outside ones.
+	/// The piece of a row between two crossings. Without a sample in it, it is a gap between inside samples or a sliver between outside
+	/// ones; with one, it is a thin run, whose length says more than the sample.
 	void inspect( int axis, const Crossing& from, double to, int count, std::vector<Sliver>& slivers )
 	{
 		const int above = m_grid.firstAbove( axis, from.at );
-		if ( to <= from.at || above != m_grid.firstAbove( axis, to ) )
+		const int samplesWithin = m_grid.firstAbove( axis, to ) - above;
+		if ( to <= from.at || samplesWithin > 1 )
 		{
+			return;
+		}
+		const double middle = 0.5 * ( from.at + to );
+		const bool isInside = m_surface.field().isInside( count, m_surface.pointOn( axis, from, middle ) );
+		const double length = ( to - from.at ) * m_grid.quantum();
+		if ( samplesWithin == 1 )
+		{
+			const std::uint8_t* flags = flagsAt( place( axis, from.u(), from.v(), above ) );
+			if ( isInside && flags && ( *flags & kInside ) )
+			{
+				addSliver( axis, from, above, { middle, length, true }, slivers );
+			}
 			return;
 		}
 		const int most = m_grid.sampleCount( axis );
@@ -357,55 +371,70 @@ private:
 		const std::uint8_t* high = above < most ? flagsAt( place( axis, from.u(), from.v(), above ) ) : nullptr;
 		const bool isLowInside = low && ( *low & kInside );
 		const bool isHighInside = high && ( *high & kInside );
-		const double middle = 0.5 * ( from.at + to );
-		const bool isInside = m_surface.field().isInside( count, m_surface.pointOn( axis, from, middle ) );
-		const double length = ( to - from.at ) * m_grid.quantum();
 		if ( isLowInside && isHighInside && !isInside && length > m_options.gap )
 		{
 			*low |= kBlocked[std::size_t( axis )];
 		}
-		if ( isLowInside || isHighInside || !isInside || middle < 0.0 )
+		if ( isLowInside || isHighInside || !isInside || middle < 0.0 || length <= m_options.gap )
 		{
 			return;
 		}
 		const double edge = double( std::int64_t( 1 ) << m_grid.bits );
-		const int along = std::min( int( middle / edge * m_grid.samples ), most - 1 );
-		const Place at = place( axis, from.u(), from.v(), along );
+		addSliver( axis, from, std::min( int( middle / edge * m_grid.samples ), most - 1 ), { middle, length, false }, slivers );
+	}
+
+	struct Run
+	{
+		double middle; ///< quanta
+		double length; ///< m
+		bool hasSample;
+	};
+
+	void addSliver( int axis, const Crossing& row, int along, const Run& run, std::vector<Sliver>& slivers ) const
+	{
+		const Place at = place( axis, row.u(), row.v(), along );
 		const std::int32_t cell = m_index->find( at.key );
-		const float share = float( length / m_grid.cellSize / ( m_grid.samples * m_grid.samples ) );
-		const Vec3d point = ( m_surface.pointOn( axis, from, middle ) - m_grid.corner ) / m_grid.cellSize;
+		const float share = float( run.length / m_grid.cellSize / ( m_grid.samples * m_grid.samples ) );
+		const Vec3d point = ( m_surface.pointOn( axis, row, run.middle ) - m_grid.corner ) / m_grid.cellSize;
 		if ( cell != PositionIndex::kNone && share > 0.0f )
 		{
-			slivers.push_back( { cell, std::uint16_t( at.sample ), std::uint8_t( axis ), share, point } );
+			slivers.push_back( { cell, std::uint16_t( at.sample ), std::uint8_t( axis ), run.hasSample, share, point } );
 		}
 	}
 
-	/// Only cells without an inside sample need them. Rows along each axis measure the same material: the axis that sees most of it counts.
+	/// Only where the material is thin: where no more than one sample stands in most runs. Rows along each axis measure the same material;
+	/// the axis with most rows through it looks across it. (Choosing by what the samples happened to see would favour lucky estimates.)
 	void keepSlivers( std::vector<Sliver>& slivers )
 	{
-		const std::size_t perCell = m_out.samplesPerCell();
-		const auto hasInside = [&]( const Sliver& sliver ) {
-			const auto first = m_out.flags.begin() + std::ptrdiff_t( std::size_t( sliver.cutCell ) * perCell );
-			return std::any_of( first, first + std::ptrdiff_t( perCell ), []( std::uint8_t f ) { return ( f & kInside ) != 0; } );
-		};
-		slivers.erase( std::remove_if( slivers.begin(), slivers.end(), hasInside ), slivers.end() );
 		std::sort( slivers.begin(), slivers.end(), []( const Sliver& a, const Sliver& b ) {
 			return a.cutCell != b.cutCell ? a.cutCell < b.cutCell : a.axis != b.axis ? a.axis < b.axis : a.sample != b.sample ? a.sample < b.sample :
 				a.point[a.axis] < b.point[b.axis];
 		} );
+		const std::size_t perCell = m_out.samplesPerCell();
 		for ( std::size_t first = 0, last = 0; first < slivers.size(); first = last )
 		{
-			std::array<double, 3> share{};
+			std::array<int, 3> seen{};
+			std::array<int, 3> unseen{};
 			for ( ; last < slivers.size() && slivers[last].cutCell == slivers[first].cutCell; ++last )
 			{
-				share[slivers[last].axis] += slivers[last].share;
+				++( slivers[last].hasSample ? seen : unseen )[slivers[last].axis];
 			}
-			const auto best = std::max_element( share.begin(), share.end() ) - share.begin();
+			std::uint8_t* flags = &m_out.flags[std::size_t( slivers[first].cutCell ) * perCell];
+			const auto inside = std::count_if( flags, flags + perCell, []( std::uint8_t f ) { return ( f & kInside ) != 0; } );
+			std::size_t best = 0;
+			for ( std::size_t axis = 1; axis < 3; ++axis )
+			{
+				best = seen[axis] + unseen[axis] > seen[best] + unseen[best] ? axis : best;
+			}
+			if ( unseen[best] == 0 || 2 * seen[best] < inside )
+			{
+				continue;
+			}
 			for ( std::size_t k = first; k < last; ++k )
 			{
-				if ( slivers[k].axis == best )
+				if ( slivers[k].axis == std::uint8_t( best ) )
 				{
-					m_out.flags[std::size_t( slivers[k].cutCell ) * perCell + slivers[k].sample] |= kSliver;
+					flags[slivers[k].sample] |= slivers[k].hasSample ? 0 : kSliver;
 					m_out.slivers.push_back( slivers[k] );
 				}
 			}

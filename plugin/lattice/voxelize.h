@@ -21,13 +21,14 @@ enum SampleFlag : std::uint8_t
 	kSliver = 16   ///< outside, but material thinner than the sample spacing passes close by
 };
 
-/// Material that no sample hits, found where a row passes in and out of it between two samples.
+/// Material that no sample hits, or just one, found where a row passes in and out of it.
 struct Sliver
 {
 	std::int32_t cutCell;
 	std::uint16_t sample;
 	std::uint8_t axis;
-	float share; ///< of a whole cell
+	bool hasSample; ///< takes that sample's place in the sums
+	float share;    ///< of a whole cell
 	Vec3d point; ///< in cells, from the low corner of the grid
 };
 
@@ -38,7 +39,7 @@ struct Voxels
 	std::vector<std::uint64_t> full;  ///< keys of positions within the material
 	std::vector<std::uint64_t> cut;   ///< keys of positions that the surface passes through or near
 	std::vector<std::uint8_t> flags;  ///< of each cut cell's samples, x fastest
-	std::vector<Sliver> slivers;      ///< of cut cells without an inside sample; by cell, then sample
+	std::vector<Sliver> slivers;      ///< of cut cells with thin material; by cell, then sample
 
 	std::size_t samplesPerCell() const { return std::size_t( grid.samplesPerCell() ); }
 };

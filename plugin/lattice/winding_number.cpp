@@ -77,6 +77,7 @@ void WindingTree::build( std::uint32_t first, std::uint32_t last )
 	{
 		m_nodes[here].first = first;
 		m_nodes[here].count = last - first;
+		m_nodes[here].end = std::uint32_t( m_nodes.size() );
 		return;
 	}
 	Vec3d low = middle( m_corners[first] );
@@ -95,6 +96,7 @@ void WindingTree::build( std::uint32_t first, std::uint32_t last )
 	build( first, half );
 	m_nodes[here].first = std::uint32_t( m_nodes.size() );
 	build( half, last );
+	m_nodes[here].end = std::uint32_t( m_nodes.size() );
 }
 
 namespace {
@@ -182,6 +184,20 @@ double WindingTree::at( const Vec3d& point ) const
 	return ( angle + 2.0 * near.angle() ) / kWholeSphere;
 }
 
+double WindingTree::workAt( const Vec3d& point ) const
+{
+	double work = 0.0;
+	for ( std::size_t here = 0; here < m_nodes.size(); )
+	{
+		// The first child follows its node, so that a walk in order visits what the search would; a far node's children are skipped.
+		const Node& node = m_nodes[here];
+		const bool isFar = ( node.centre - point ).squaredNorm() > node.farSquared;
+		work += 1.0 + ( isFar ? 0.0 : double( node.count ) );
+		here = isFar ? std::size_t( node.end ) : here + 1;
+	}
+	return work;
+}
+
 double WindingTree::exactlyAt( const Vec3d& point ) const
 {
 	AngleSum sum;
@@ -190,6 +206,63 @@ double WindingTree::exactlyAt( const Vec3d& point ) const
 		addHalfSolidAngle( corner, point, sum );
 	}
 	return 2.0 * sum.angle() / kWholeSphere;
+}
+
+namespace {
+
+/// Signs of the volumes that the way spans with the triangle's edges, and that its ends span with the triangle.
+bool meets( const std::array<Vec3d, 3>& corner, const Vec3d& from, const Vec3d& to )
+{
+	const Vec3d way = to - from;
+	const Vec3d a = corner[0] - from;
+	const Vec3d b = corner[1] - from;
+	const Vec3d c = corner[2] - from;
+	const Vec3d normal = ( b - a ).cross( c - a );
+	if ( a.dot( normal ) * ( a - way ).dot( normal ) > 0.0 )
+	{
+		return false;
+	}
+	const double ab = way.dot( a.cross( b ) );
+	const double bc = way.dot( b.cross( c ) );
+	const double ca = way.dot( c.cross( a ) );
+	return ( ab >= 0.0 && bc >= 0.0 && ca >= 0.0 ) || ( ab <= 0.0 && bc <= 0.0 && ca <= 0.0 );
+}
+
+} // namespace
+
+bool WindingTree::isCrossed( const Vec3d& from, const Vec3d& to ) const
+{
+	const Vec3d way = to - from;
+	std::uint32_t stack[kMostDepth];
+	int depth = 0;
+	if ( !m_nodes.empty() )
+	{
+		stack[depth++] = 0;
+	}
+	while ( depth > 0 )
+	{
+		const std::uint32_t here = stack[--depth];
+		const Node& node = m_nodes[here];
+		const double along = std::clamp( ( node.centre - from ).dot( way ) / way.squaredNorm(), 0.0, 1.0 );
+		if ( ( from + along * way - node.centre ).squaredNorm() * kFarField * kFarField > node.farSquared * ( 1.0 + kRoundingShare ) )
+		{
+			continue;
+		}
+		if ( node.count == 0 )
+		{
+			stack[depth++] = node.first;
+			stack[depth++] = here + 1;
+			continue;
+		}
+		for ( std::uint32_t i = node.first; i < node.first + node.count; ++i )
+		{
+			if ( meets( m_corners[i], from, to ) )
+			{
+				return true;
+			}
+		}
+	}
+	return false;
 }
 
 } // namespace pliant

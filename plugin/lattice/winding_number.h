@@ -16,11 +16,17 @@ class WindingTree
 public:
 	WindingTree( const std::vector<Vec3d>& position, std::vector<Triangle> triangles );
 
-	/// Error below 0.01, from the far field; exact near the surface. Safe to call from many threads.
+	/// Error below 0.05, from the far field. Safe to call from many threads.
 	double at( const Vec3d& point ) const;
+
+	/// Triangles and clusters that at() looks at.
+	double workAt( const Vec3d& point ) const;
 
 	/// The sum over every triangle, without the tree: the slow twin.
 	double exactlyAt( const Vec3d& point ) const;
+
+	/// Whether any triangle meets the way from one point to another.
+	bool isCrossed( const Vec3d& from, const Vec3d& to ) const;
 
 private:
 	using Corners = std::array<Vec3d, 3>;
@@ -32,6 +38,7 @@ private:
 		double farSquared = 0.0;      ///< from here on the dipole will do, m^2
 		std::uint32_t first = 0;      ///< triangles of a leaf; for an inner node the second child, the first follows the node
 		std::uint32_t count = 0;      ///< 0 for an inner node
+		std::uint32_t end = 0;        ///< the first node that is not below this one
 	};
 
 	void build( std::uint32_t first, std::uint32_t last );
