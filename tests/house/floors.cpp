@@ -1,0 +1,230 @@
+#include "house/source_tree.h"
+
+#include <algorithm>
+#include <optional>
+#include <set>
+
+namespace house {
+
+namespace {
+
+// The floors of the plugin, from the ground up. A file includes files of its own folder and of lower floors; folders on one floor do not
+// know each other.
+struct Floor
+{
+	const char* folder;
+	int height;
+};
+
+const Floor kFloors[] = {
+	{ "plugin/include/", 0 }, { "plugin/lattice/", 1 }, { "plugin/threads/", 1 }, { "plugin/matching/", 2 },
+	{ "plugin/surface/", 3 }, { "plugin/body/", 4 },    { "plugin/world/", 5 },
+};
+
+const Floor* floorOf( const std::string& path )
+{
+	const auto* found = std::ranges::find_if( kFloors, [&path]( const Floor& floor ) { return path.starts_with( floor.folder ); } );
+	return found == std::end( kFloors ) ? nullptr : found;
+}
+
+bool isCore( const std::string& path )
+{
+	const Floor* floor = floorOf( path );
+	return floor != nullptr && floor->height >= 1 && floor->height <= 4;
+}
+
+bool isPublic( const std::string& path )
+{
+	return path.starts_with( "plugin/include/" );
+}
+
+bool isBullet( const std::string& name )
+{
+	return name.starts_with( "Bullet" ) || name.starts_with( "LinearMath/" ) || name.starts_with( "bt" );
+}
+
+bool isEigen( const std::string& name )
+{
+	return name.starts_with( "Eigen/" ) || name.starts_with( "unsupported/Eigen/" );
+}
+
+// The standard library's headers have neither a slash nor a dot; the processor's own are the one exception.
+bool isStandard( const std::string& name )
+{
+	return name.find_first_of( "/." ) == std::string::npos || name == "immintrin.h" || name == "arm_neon.h";
+}
+
+std::string place( const SourceFile& file, const Include& include )
+{
+	return file.path + ":" + std::to_string( include.line ) + ": includes " + include.name + ", ";
+}
+
+std::optional<std::string> wrongInPlugin( const SourceFile& file, const Include& include )
+{
+	const Floor* from = floorOf( file.path );
+	if( from == nullptr )
+	{
+		return "and stands in no folder that has a floor (house/floors.cpp lists them)";
+	}
+	if( include.resolved.empty() )
+	{
+		if( isStandard( include.name ) && include.angled )
+		{
+			return std::nullopt;
+		}
+		const bool eigenWelcome = !isPublic( file.path );
+		const bool bulletWelcome = isPublic( file.path ) || from->height == 5;
+		if( ( eigenWelcome && isEigen( include.name ) ) || ( bulletWelcome && isBullet( include.name ) ) )
+		{
+			return std::nullopt;
+		}
+		return "which this folder does not know";
+	}
+	const Floor* to = floorOf( include.resolved );
+	if( to == nullptr )
+	{
+		return "which is not the plugin's";
+	}
+	if( from != to && to->height >= from->height )
+	{
+		return "an arrow that does not run down (" + std::string( from->folder ) + " to " + to->folder + ")";
+	}
+	return std::nullopt;
+}
+
+std::optional<std::string> wrongElsewhere( const SourceFile& file, const Include& include )
+{
+	const bool demo = file.path.starts_with( "demos/" );
+	const bool glue = file.path.starts_with( "third_party_glue/" );
+	const std::string& to = include.resolved;
+	if( glue && ( to.starts_with( "plugin/" ) || to.starts_with( "demos/" ) || include.name.starts_with( "pliant/" ) ) )
+	{
+		return "but glue knows foreign libraries only";
+	}
+	if( demo && to.starts_with( "plugin/" ) && !isPublic( to ) )
+	{
+		return "a private header of the plugin";
+	}
+	if( ( demo || glue ) && to.starts_with( "tests/" ) )
+	{
+		return "which belongs to the tests";
+	}
+	return std::nullopt;
+}
+
+// Depth first through the includes; `path` is the way from the start.
+class CircleSearch
+{
+public:
+	explicit CircleSearch( const SourceTree& tree ) : m_tree( tree ) {}
+
+	Complaints run()
+	{
+		for( const auto& [path, file] : m_tree.files() )
+		{
+			visit( path );
+		}
+		return m_found;
+	}
+
+private:
+	void visit( const std::string& path )
+	{
+		if( const auto at = std::ranges::find( m_way, path ); at != m_way.end() )
+		{
+			std::string circle = "a circle of includes: ";
+			std::for_each( at, m_way.end(), [&circle]( const std::string& step ) { circle += step + " -> "; } );
+			m_found.push_back( circle + path );
+			return;
+		}
+		if( !m_done.insert( path ).second )
+		{
+			return;
+		}
+		m_way.push_back( path );
+		for( const Include& include : m_tree.files().at( path ).includes )
+		{
+			if( !include.resolved.empty() )
+			{
+				visit( include.resolved );
+			}
+		}
+		m_way.pop_back();
+	}
+
+	const SourceTree& m_tree;
+	std::vector<std::string> m_way;
+	std::set<std::string> m_done;
+	Complaints m_found;
+};
+
+// Every foreign header that a file reaches through our own, and the file of ours that names it.
+std::map<std::string, std::string> foreignReach( const SourceTree& tree, const std::string& start )
+{
+	std::map<std::string, std::string> reached;
+	std::set<std::string> seen = { start };
+	std::vector<std::string> open = { start };
+	while( !open.empty() )
+	{
+		const SourceFile& file = tree.files().at( open.back() );
+		open.pop_back();
+		for( const Include& include : file.includes )
+		{
+			if( include.resolved.empty() )
+			{
+				reached.emplace( include.name, file.path );
+			}
+			else if( seen.insert( include.resolved ).second )
+			{
+				open.push_back( include.resolved );
+			}
+		}
+	}
+	return reached;
+}
+
+} // namespace
+
+Complaints checkFloors( const SourceTree& tree )
+{
+	Complaints complaints;
+	for( const auto& [path, file] : tree.files() )
+	{
+		for( const Include& include : file.includes )
+		{
+			const auto wrong = path.starts_with( "plugin/" ) ? wrongInPlugin( file, include ) : wrongElsewhere( file, include );
+			if( wrong )
+			{
+				complaints.push_back( place( file, include ) + *wrong );
+			}
+		}
+	}
+	return complaints;
+}
+
+Complaints checkCircles( const SourceTree& tree )
+{
+	return CircleSearch( tree ).run();
+}
+
+Complaints checkReach( const SourceTree& tree )
+{
+	Complaints complaints;
+	for( const auto& [path, file] : tree.files() )
+	{
+		if( !isCore( path ) && !isPublic( path ) )
+		{
+			continue;
+		}
+		for( const auto& [name, through] : foreignReach( tree, path ) )
+		{
+			if( ( isCore( path ) && isBullet( name ) ) || ( isPublic( path ) && isEigen( name ) ) )
+			{
+				complaints.push_back( path + ": reaches " + name + " through " + through );
+			}
+		}
+	}
+	return complaints;
+}
+
+} // namespace house

@@ -1,0 +1,241 @@
+// The house rules, on the repository itself; and on small broken houses, to see that each rule bites.
+
+#include "house/source_tree.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <fstream>
+
+namespace house {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string listOf( const Complaints& complaints )
+{
+	std::string list;
+	for( const std::string& complaint : complaints )
+	{
+		list += "\n  " + complaint;
+	}
+	return list;
+}
+
+const SourceTree& ours()
+{
+	static const SourceTree kTree{ fs::path( PLIANT_ROOT ) };
+	return kTree;
+}
+
+// A house of a few files in a folder of its own.
+class SmallHouse : public testing::Test
+{
+protected:
+	SmallHouse()
+	{
+		const testing::TestInfo* test = testing::UnitTest::GetInstance()->current_test_info();
+		m_root = fs::path( testing::TempDir() ) / ( std::string( "pliant_house_" ) + test->name() );
+		fs::remove_all( m_root );
+		fs::create_directories( m_root );
+	}
+
+	~SmallHouse() override { fs::remove_all( m_root ); }
+
+	void put( const std::string& path, const std::string& text )
+	{
+		fs::create_directories( ( m_root / path ).parent_path() );
+		std::ofstream( m_root / path ) << text;
+	}
+
+	SourceTree tree() const { return SourceTree( m_root ); }
+
+	fs::path m_root;
+};
+
+std::string repeated( const std::string& line, int count )
+{
+	std::string text;
+	for( int i = 0; i < count; ++i )
+	{
+		text += line;
+	}
+	return text;
+}
+
+// --- the repository -----------------------------------------------------------------------------------------------------
+
+TEST( House, IsReadAtAll )
+{
+	ASSERT_GT( ours().files().size(), 60u );
+	const SourceFile& body = ours().files().at( "plugin/body/body.cpp" );
+	const bool resolves = std::ranges::any_of( body.includes, []( const Include& include ) { return include.resolved == "plugin/body/body.h"; } );
+	EXPECT_TRUE( resolves );
+}
+
+TEST( House, ArrowsRunDownTheFloors )
+{
+	const Complaints complaints = checkFloors( ours() );
+	EXPECT_TRUE( complaints.empty() ) << listOf( complaints );
+}
+
+TEST( House, HasNoCircles )
+{
+	const Complaints complaints = checkCircles( ours() );
+	EXPECT_TRUE( complaints.empty() ) << listOf( complaints );
+}
+
+TEST( House, CoreReachesNoBulletAndPublicHeadersNoEigen )
+{
+	const Complaints complaints = checkReach( ours() );
+	EXPECT_TRUE( complaints.empty() ) << listOf( complaints );
+}
+
+TEST( House, FilesAndFunctionsAreShort )
+{
+	const Complaints complaints = checkShape( ours() );
+	EXPECT_TRUE( complaints.empty() ) << listOf( complaints );
+}
+
+TEST( House, TopLevelHoldsWhatBelongsThere )
+{
+	const Complaints complaints = checkTopLevel( PLIANT_ROOT );
+	EXPECT_TRUE( complaints.empty() ) << listOf( complaints );
+}
+
+TEST( House, HasOneVersion )
+{
+	const Complaints complaints = checkVersion( PLIANT_ROOT );
+	EXPECT_TRUE( complaints.empty() ) << listOf( complaints );
+}
+
+// --- broken houses ------------------------------------------------------------------------------------------------------
+
+struct Breach
+{
+	const char* name;
+	const char* path;
+	const char* include;
+	bool allowed;
+};
+
+class FloorBreach : public SmallHouse, public testing::WithParamInterface<Breach>
+{
+};
+
+TEST_P( FloorBreach, IsSeen )
+{
+	for( const char* path : { "plugin/include/pliant/mesh.h", "plugin/lattice/lattice.h", "plugin/threads/pool.h", "plugin/matching/matcher.h",
+			 "plugin/surface/skinning.h", "plugin/body/body.h", "plugin/world/node_shape.h", "third_party_glue/window.h", "tests/support/block.h" } )
+	{
+		put( path, "#pragma once\n" );
+	}
+	put( GetParam().path, std::string( "#include " ) + GetParam().include + "\n" );
+	EXPECT_EQ( checkFloors( tree() ).empty(), GetParam().allowed ) << listOf( checkFloors( tree() ) );
+}
+
+const Breach kBreaches[] = {
+	{ "MatchingMayUseLattice", "plugin/matching/a.cpp", "\"lattice/lattice.h\"", true },
+	{ "LatticeMayUseFaceAndEigen", "plugin/lattice/a.cpp", "\"pliant/mesh.h\"\n#include <Eigen/Core>\n#include <vector>", true },
+	{ "WorldMayUseBullet", "plugin/world/a.cpp", "<BulletDynamics/Dynamics/btRigidBody.h>", true },
+	{ "DemosMayUseGlueAndFace", "demos/a.cpp", "\"third_party_glue/window.h\"\n#include <pliant/mesh.h>", true },
+	{ "TestsMayLookInside", "tests/body/a.cpp", "\"body/body.h\"", true },
+	{ "LatticeUsesMatching", "plugin/lattice/a.cpp", "\"matching/matcher.h\"", false },
+	{ "LatticeUsesThreads", "plugin/lattice/a.cpp", "\"threads/pool.h\"", false },
+	{ "SurfaceUsesBody", "plugin/surface/a.cpp", "\"../body/body.h\"", false },
+	{ "BodyUsesWorld", "plugin/body/a.cpp", "\"world/node_shape.h\"", false },
+	{ "FaceUsesLattice", "plugin/include/pliant/a.h", "\"lattice/lattice.h\"", false },
+	{ "FaceUsesEigen", "plugin/include/pliant/a.h", "<Eigen/Core>", false },
+	{ "CoreUsesBullet", "plugin/matching/a.cpp", "<LinearMath/btVector3.h>", false },
+	{ "CoreUsesBulletAll", "plugin/body/a.cpp", "<btBulletDynamicsCommon.h>", false },
+	{ "CoreUsesAssimp", "plugin/lattice/a.cpp", "<assimp/scene.h>", false },
+	{ "PluginUsesGlue", "plugin/world/a.cpp", "\"third_party_glue/window.h\"", false },
+	{ "PluginUsesTests", "plugin/body/a.cpp", "\"support/block.h\"", false },
+	{ "FolderWithoutFloor", "plugin/attic/a.cpp", "<vector>", false },
+	{ "GlueUsesFace", "third_party_glue/a.cpp", "<pliant/mesh.h>", false },
+	{ "GlueUsesPlugin", "third_party_glue/a.cpp", "\"plugin/body/body.h\"", false },
+	{ "DemosLookInside", "demos/a.cpp", "\"plugin/body/body.h\"", false },
+	{ "DemosUseTests", "demos/a.cpp", "\"tests/support/block.h\"", false },
+};
+
+INSTANTIATE_TEST_SUITE_P( House, FloorBreach, testing::ValuesIn( kBreaches ), []( const auto& breach ) { return breach.param.name; } );
+
+TEST_F( SmallHouse, CircleIsSeen )
+{
+	put( "plugin/body/a.h", "#include \"body/b.h\"\n" );
+	put( "plugin/body/b.h", "#include \"c.h\"\n" );
+	put( "plugin/body/c.h", "#include <vector>\n" );
+	EXPECT_TRUE( checkCircles( tree() ).empty() );
+	put( "plugin/body/c.h", "#include \"a.h\"\n" );
+	EXPECT_EQ( checkCircles( tree() ).size(), 1u );
+}
+
+TEST_F( SmallHouse, BulletReachedThroughAFaceIsSeen )
+{
+	put( "plugin/include/pliant/soft_body.h", "#include <LinearMath/btVector3.h>\n" );
+	put( "plugin/lattice/lattice.h", "#include \"pliant/soft_body.h\"\n" );
+	const Complaints complaints = checkReach( tree() );
+	ASSERT_EQ( complaints.size(), 1u );
+	EXPECT_NE( complaints[0].find( "btVector3" ), std::string::npos );
+}
+
+TEST_F( SmallHouse, EigenReachedFromAFaceIsSeen )
+{
+	put( "plugin/lattice/lattice.h", "#include <Eigen/Core>\n" );
+	put( "plugin/include/pliant/mesh.h", "#include \"lattice/lattice.h\"\n" );
+	EXPECT_EQ( checkReach( tree() ).size(), 1u );
+}
+
+TEST_F( SmallHouse, LengthIsSeen )
+{
+	put( "plugin/body/a.cpp", repeated( "int a();\n", 420 ) );
+	put( "plugin/body/b.cpp", "void b()\n{\n" + repeated( "\ta();\n", 60 ) + "}\n" );
+	put( "plugin/body/c.cpp", "class C\n{\npublic:\n\tvoid c() const\n\t{\n" + repeated( "\t\ta();\n", 60 ) + "\t}\n};\n" );
+	put( "plugin/body/d.cpp", "namespace d\n{\n" + repeated( "int a();\n", 90 ) + "}\nconst int kNumbers[] =\n{\n" + repeated( "\t1,\n", 90 ) + "};\n" );
+	EXPECT_TRUE( checkShape( tree() ).empty() ) << listOf( checkShape( tree() ) );
+
+	put( "plugin/body/a.cpp", repeated( "int a();\n", 421 ) );
+	put( "plugin/body/b.cpp", "void b(\n\tint x )\n{\n" + repeated( "\ta();\n", 61 ) + "}\n" );
+	put( "plugin/body/c.cpp", "class C\n{\npublic:\n\tvoid c() const\n\t{\n" + repeated( "\t\ta();\n", 61 ) + "\t}\n};\n" );
+	EXPECT_EQ( checkShape( tree() ).size(), 3u ) << listOf( checkShape( tree() ) );
+}
+
+TEST_F( SmallHouse, UnwantedWordsAreSeen )
+{
+	put( "plugin/body/a.cpp", "int a = operand( 1 ); // rand() is not used, nor throw\n" );
+	put( "plugin/body/a.h", "#pragma once\n" );
+	EXPECT_TRUE( checkShape( tree() ).empty() ) << listOf( checkShape( tree() ) );
+
+	put( "plugin/body/a.cpp", "int a = rand();\nvoid b() { throw 1; }\nauto* c = dynamic_cast<C*>( d );\nint e = std::printf( \"e\" );\n" );
+	put( "plugin/body/a.h", "using namespace std;\n" );
+	EXPECT_EQ( checkShape( tree() ).size(), 6u ) << listOf( checkShape( tree() ) );
+}
+
+TEST_F( SmallHouse, TopLevelIsSeen )
+{
+	for( const char* name : { "CMakeLists.txt", "README.md", "LICENSE", "CHANGELOG.md", "CMakePresets.json", "vcpkg.json", ".gitignore", "plugin/a",
+			 "demos/a", "third_party_glue/a", "tests/a", "docs/a", "build/a", "out/a" } )
+	{
+		put( name, "" );
+	}
+	EXPECT_TRUE( checkTopLevel( m_root ).empty() ) << listOf( checkTopLevel( m_root ) );
+	put( "scripts/a", "" );
+	fs::remove( m_root / "LICENSE" );
+	EXPECT_EQ( checkTopLevel( m_root ).size(), 2u );
+}
+
+TEST_F( SmallHouse, VersionsAreSeen )
+{
+	put( "plugin/include/pliant/version.h", "#define PLIANT_VERSION_MAJOR 1\n#define PLIANT_VERSION_MINOR 2\n#define PLIANT_VERSION_PATCH 3\n" );
+	put( "vcpkg.json", "{ \"version\": \"1.2.3\" }\n" );
+	put( "CHANGELOG.md", "# Changes\n\n## 1.2.3\n\n## 1.2.2\n" );
+	EXPECT_TRUE( checkVersion( m_root ).empty() ) << listOf( checkVersion( m_root ) );
+	put( "vcpkg.json", "{ \"version\": \"1.2.2\" }\n" );
+	put( "CHANGELOG.md", "# Changes\n\n## 1.2.4\n\n## 1.2.3\n" );
+	EXPECT_EQ( checkVersion( m_root ).size(), 2u );
+}
+
+} // namespace
+
+} // namespace house

@@ -1,0 +1,223 @@
+#include "house/source_tree.h"
+
+#include <algorithm>
+#include <fstream>
+#include <regex>
+#include <set>
+#include <sstream>
+
+namespace house {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr std::size_t kMostFileLines = 420;
+constexpr std::size_t kMostFunctionLines = 60;
+
+// What our sources do without, and why.
+struct Unwanted
+{
+	const char* folder;
+	std::regex word;
+	const char* reason;
+};
+
+const std::vector<Unwanted>& unwantedWords()
+{
+	static const std::vector<Unwanted> kWords = {
+		{ "", std::regex( R"(\bs?rand\s*\()" ), "rand() is not the same everywhere: take a seeded generator of our own" },
+		{ "plugin/", std::regex( R"(\bdynamic_cast\b)" ), "dynamic_cast needs run-time type information, which Bullet may be built without" },
+		{ "plugin/", std::regex( R"(\bthrow\b)" ), "nothing is thrown: answer with a Status" },
+		{ "plugin/", std::regex( R"(\bbtPolarDecomposition\b)" ), "btPolarDecomposition gives NaN and mirror images" },
+		{ "plugin/", std::regex( R"(\bg(ContactAdded|ContactStarted|ContactEnded|ContactDestroyed|ContactProcessed)Callback\b)" ),
+		  "Bullet's global callbacks belong to the game" },
+		{ "plugin/", std::regex( R"(\bstd::(cout|cerr|clog)\b|\bprintf\s*\()" ), "a library does not print" },
+		{ "plugin/", std::regex( R"(\bstd::atomic<\s*(float|double)\b)" ), "atomic sums depend on the order of threads" },
+	};
+	return kWords;
+}
+
+std::string withoutComment( const std::string& line )
+{
+	return line.substr( 0, line.find( "//" ) );
+}
+
+std::size_t indentOf( const std::string& line )
+{
+	return std::min( line.find_first_not_of( '\t' ), line.size() );
+}
+
+bool startsLikeType( const std::string& line )
+{
+	static const std::regex kType( R"(^\s*(template\b.*>\s*)?(struct|class|union)\b)" );
+	return std::regex_search( line, kType );
+}
+
+bool startsLikeFunction( const std::string& line )
+{
+	static const std::regex kOther( R"(^\s*(namespace|struct|class|union|enum|extern)\b|=\s*$)" );
+	return !line.empty() && !std::regex_search( line, kOther );
+}
+
+// The first line of what stands before an opening brace alone on its line.
+std::string introduction( const std::vector<std::string>& lines, std::size_t brace )
+{
+	std::string first;
+	for( std::size_t i = brace; i > 0; --i )
+	{
+		const std::string line = withoutComment( lines[i - 1] );
+		const std::size_t last = line.find_last_not_of( " \t" );
+		if( last == std::string::npos || std::string( ";{}" ).find( line[last] ) != std::string::npos || line.ends_with( "public:" ) ||
+			line.ends_with( "private:" ) || line.ends_with( "protected:" ) || line[0] == '#' )
+		{
+			break;
+		}
+		first = line;
+	}
+	return first;
+}
+
+// Functions stand at the outermost column, or one tab in within a type, in our layout: no parser is needed to measure them.
+void measureFunctions( const SourceFile& file, Complaints& complaints )
+{
+	bool inType = false;
+	for( std::size_t i = 0; i < file.lines.size(); ++i )
+	{
+		const std::string& line = file.lines[i];
+		const std::size_t indent = indentOf( line );
+		if( line.substr( indent ) != "{" || indent > 1 || ( indent == 1 && !inType ) )
+		{
+			inType = inType && line != "};";
+			continue;
+		}
+		const std::string before = introduction( file.lines, i );
+		if( indent == 0 )
+		{
+			inType = startsLikeType( before );
+		}
+		if( !startsLikeFunction( before ) )
+		{
+			continue;
+		}
+		const std::string closing = line.substr( 0, indent ) + "}";
+		const auto end = std::find_if( file.lines.begin() + std::ptrdiff_t( i ), file.lines.end(),
+			[&closing]( const std::string& other ) { return other.starts_with( closing ); } );
+		const std::size_t length = std::size_t( end - file.lines.begin() ) - i - 1;
+		if( length > kMostFunctionLines )
+		{
+			complaints.push_back( file.path + ":" + std::to_string( i ) + ": a function of " + std::to_string( length ) + " lines: " + before );
+		}
+	}
+}
+
+void lookForWords( const SourceFile& file, Complaints& complaints )
+{
+	for( std::size_t i = 0; i < file.lines.size(); ++i )
+	{
+		const std::string code = withoutComment( file.lines[i] );
+		for( const Unwanted& unwanted : unwantedWords() )
+		{
+			if( file.path.starts_with( unwanted.folder ) && std::regex_search( code, unwanted.word ) )
+			{
+				complaints.push_back( file.path + ":" + std::to_string( i + 1 ) + ": " + unwanted.reason );
+			}
+		}
+		static const std::regex kUsing( R"(^\s*using\s+namespace\b)" );
+		if( file.isHeader() && std::regex_search( code, kUsing ) )
+		{
+			complaints.push_back( file.path + ":" + std::to_string( i + 1 ) + ": a header opens a namespace for everyone who includes it" );
+		}
+	}
+}
+
+std::string contentsOf( const fs::path& path )
+{
+	std::ifstream stream( path );
+	std::ostringstream text;
+	text << stream.rdbuf();
+	return text.str();
+}
+
+std::string firstMatch( const std::string& text, const std::string& pattern )
+{
+	std::smatch match;
+	return std::regex_search( text, match, std::regex( pattern ) ) ? match[1].str() : "nothing";
+}
+
+} // namespace
+
+Complaints checkShape( const SourceTree& tree )
+{
+	Complaints complaints;
+	for( const auto& [path, file] : tree.files() )
+	{
+		if( file.lines.size() > kMostFileLines )
+		{
+			complaints.push_back( path + ": " + std::to_string( file.lines.size() ) + " lines" );
+		}
+		if( file.isHeader() && std::ranges::find( file.lines, "#pragma once" ) == file.lines.end() )
+		{
+			complaints.push_back( path + ": no #pragma once" );
+		}
+		measureFunctions( file, complaints );
+		if( !path.starts_with( "tests/house/" ) ) // which names the words
+		{
+			lookForWords( file, complaints );
+		}
+	}
+	return complaints;
+}
+
+Complaints checkTopLevel( const fs::path& root )
+{
+	static const std::set<std::string> kBelongs = { "CMakeLists.txt", "plugin", "demos", "third_party_glue", "tests", "docs", "README.md", "LICENSE",
+		"CHANGELOG.md", "CMakePresets.json", "vcpkg.json" };
+	// Made by the two commands or by tools, and ignored by git.
+	static const std::regex kMade( R"(build.*|out|models|compile_commands\.json|CMakeUserPresets\.json|Testing)" );
+
+	Complaints complaints;
+	std::set<std::string> there;
+	for( const fs::directory_entry& entry : fs::directory_iterator( root ) )
+	{
+		const std::string name = entry.path().filename().string();
+		there.insert( name );
+		if( !name.starts_with( "." ) && !kBelongs.contains( name ) && !std::regex_match( name, kMade ) )
+		{
+			complaints.push_back( name + " does not belong to the top level" );
+		}
+	}
+	for( const std::string& name : kBelongs )
+	{
+		if( !there.contains( name ) )
+		{
+			complaints.push_back( name + " is missing from the top level" );
+		}
+	}
+	return complaints;
+}
+
+Complaints checkVersion( const fs::path& root )
+{
+	const std::string header = contentsOf( root / "plugin/include/pliant/version.h" );
+	std::string version;
+	for( const char* part : { "MAJOR", "MINOR", "PATCH" } )
+	{
+		version += ( version.empty() ? "" : "." ) + firstMatch( header, std::string( "PLIANT_VERSION_" ) + part + R"( (\d+))" );
+	}
+	const std::string manifest = firstMatch( contentsOf( root / "vcpkg.json" ), R"re("version": "([^"]*)")re" );
+	const std::string change = firstMatch( contentsOf( root / "CHANGELOG.md" ), R"(\n## (\d+\.\d+\.\d+))" );
+
+	Complaints complaints;
+	if( manifest != version )
+	{
+		complaints.push_back( "vcpkg.json says " + manifest + ", version.h " + version );
+	}
+	if( change != version )
+	{
+		complaints.push_back( "the latest heading of CHANGELOG.md says " + change + ", version.h " + version );
+	}
+	return complaints;
+}
+
+} // namespace house

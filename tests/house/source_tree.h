@@ -1,0 +1,70 @@
+#pragma once
+
+// +-----------------------------------------------------------------------------------------------------------------+
+// | The repository's own sources as text: files, their lines, what they include, and the rules they are held to.    |
+// +-----------------------------------------------------------------------------------------------------------------+
+
+#include <filesystem>
+#include <map>
+#include <string>
+#include <vector>
+
+namespace house {
+
+struct Include
+{
+	std::string name;     ///< as written
+	std::string resolved; ///< the file of ours that it names, from the root; empty when it is none of ours
+	int line = 0;
+	bool angled = false;
+};
+
+struct SourceFile
+{
+	std::string path; ///< from the root, with slashes
+	std::vector<std::string> lines;
+	std::vector<Include> includes;
+
+	bool isHeader() const;
+};
+
+/// What is wrong, a sentence each, in the order of the paths.
+using Complaints = std::vector<std::string>;
+
+class SourceTree
+{
+public:
+	/// Reads every .h and .cpp below the folders of `root` that hold sources.
+	explicit SourceTree( const std::filesystem::path& root );
+
+	/// Sorted by path.
+	const std::map<std::string, SourceFile>& files() const { return m_files; }
+	const std::filesystem::path& root() const { return m_root; }
+
+private:
+	void read( const std::filesystem::path& file );
+	std::string resolve( const SourceFile& from, const Include& include ) const;
+
+	std::filesystem::path m_root;
+	std::map<std::string, SourceFile> m_files;
+};
+
+/// Arrows only run down the floors of the plugin, and foreign libraries stay behind their doors.
+Complaints checkFloors( const SourceTree& tree );
+
+/// No header reaches itself.
+Complaints checkCircles( const SourceTree& tree );
+
+/// A core file reaches no Bullet header, through whatever it includes; a public one no Eigen header.
+Complaints checkReach( const SourceTree& tree );
+
+/// Length of files and functions, include guards, words that our sources do without.
+Complaints checkShape( const SourceTree& tree );
+
+/// Nothing at the top level but what belongs there.
+Complaints checkTopLevel( const std::filesystem::path& root );
+
+/// One version everywhere.
+Complaints checkVersion( const std::filesystem::path& root );
+
+} // namespace house
