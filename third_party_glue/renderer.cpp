@@ -24,7 +24,7 @@ namespace pliant_glue {
 namespace {
 
 constexpr int kSunMapSize = 2048;
-constexpr int kSkyMapSize = 512;
+constexpr int kSkyMapSize = 192; // coarse on purpose: it is looked up blurred, and fine steps would show as stripes on walls
 constexpr int kSphereSubdivisions = 3;
 constexpr float kGroundExtent = 60.0f; // m from the camera's target; the fog hides the edge
 constexpr float kFogDistance = 22.0f;  // m

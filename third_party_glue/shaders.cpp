@@ -79,7 +79,7 @@ void main()
 	#if defined( LIT )
 	// Looking up a little off the surface keeps a face from shading itself.
 	vShadow = uToShadow * vec4( world + normal * uShadowTexel * 1.5, 1.0 );
-	vSkyShadow = uToSkyShadow * vec4( world + normal * uShadowTexel * 20.0, 1.0 );
+	vSkyShadow = uToSkyShadow * vec4( world + normal * uShadowTexel * 32.0, 1.0 );
 	#endif
 #endif
 }
