@@ -90,6 +90,10 @@ private:
 		{
 			m_area += 0.5 * ( m_mesh.position[t[1]] - m_mesh.position[t[0]] ).cross( m_mesh.position[t[2]] - m_mesh.position[t[0]] ).norm();
 		}
+		if ( !m_field->isWhole() && !m_field->isSoup() && m_survey.volume <= kRoundingShare * m_area * ( m_mesh.high - m_mesh.low ).norm() )
+		{
+			return { ResultCode::ZeroVolume, "The mesh is a flat sheet: closed along its rims it holds nothing." };
+		}
 		return m_progress.report( 0.3f ) ? Status{} : cancelled();
 	}
 
@@ -121,10 +125,13 @@ private:
 		return *m_volume;
 	}
 
+	/// The mesh spans no more of these than there are coordinates for.
+	double smallestSize() const { return ( m_mesh.high - m_mesh.low ).maxCoeff() / ( kMaxExtent - 2 ); }
+
 	/// The cell edge that gives about so many cells: N = V / d^3 + c A / d^2, solved by halving.
 	double sizeForCells( double cells )
 	{
-		double low = ( m_mesh.high - m_mesh.low ).maxCoeff() / ( kMaxExtent - 2 );
+		double low = smallestSize();
 		double high = 2.0 * std::max( std::cbrt( volume() / cells ), std::sqrt( kCellsPerArea * m_area / cells ) );
 		high = std::max( std::min( high, ( m_mesh.high - m_mesh.low ).maxCoeff() ), low );
 		while ( high - low > kOverhang * low )
@@ -148,7 +155,7 @@ private:
 			{
 				return status;
 			}
-			d *= std::cbrt( ratio );
+			d = std::max( d * std::cbrt( ratio ), smallestSize() );
 		}
 	}
 

@@ -60,12 +60,17 @@ inline constexpr double kMostPositionsPerCell = 16.0;
 /// V / d^3: 1.5 * 0.9 - 0.75.
 inline constexpr double kCellsPerArea = 0.6;
 
+/// Area over the square of the diagonal. A ball has 0.8, a tree with all its leaves some tens.
+inline constexpr double kMostFolds = 2000.0;
+
 /// An open surface is asked for its winding number sample by sample. Triangles and clusters looked at for a cell that is asked for; more
 /// would take seconds.
-inline constexpr double kMostWorkPerCell = 15000.0;
+inline constexpr double kMostWorkPerCell = 25000.0;
 
-/// Points per axis at which an open surface is asked for its volume, and for what an answer costs.
-inline constexpr int kProbes = 12;
+/// Points per axis at which an open surface is asked what an answer costs, and for its volume; beyond so much work it is not asked.
+inline constexpr int kWorkProbes = 2;
+inline constexpr int kVolumeProbes = 12;
+inline constexpr double kMostSurveyWork = 5e6;
 
 /// Rows across the longest side of the mesh when its volume is estimated, and when a sliver is looked for.
 inline constexpr int kEstimateRows = 64;

@@ -77,18 +77,26 @@ bool InsideField::isCrossed( const Vec3d& from, const Vec3d& to ) const
 
 InsideField::Survey InsideField::survey() const
 {
-	// Without rows there is no count: the smooth part of a capped surface gives the work only, and the caps' count is that of its signed volume.
 	Survey survey;
 	const Vec3d size = m_mesh.high - m_mesh.low;
-	int inside = 0;
-	for ( int code = 0; code < kProbes * kProbes * kProbes; ++code )
+	const auto probe = [&]( int perAxis, int code ) {
+		const Vec3d at( code % perAxis + 0.5, code / perAxis % perAxis + 0.5, code / perAxis / perAxis + 0.5 );
+		return Vec3d( m_mesh.low + size.cwiseProduct( at / perAxis ) );
+	};
+	for ( int code = 0; code < kWorkProbes * kWorkProbes * kWorkProbes; ++code )
 	{
-		const Vec3d at( code % kProbes + 0.5, code / kProbes % kProbes + 0.5, code / kProbes / kProbes + 0.5 );
-		const Vec3d point = m_mesh.low + size.cwiseProduct( at / kProbes );
-		survey.work += m_smooth->workAt( point ) / ( kProbes * kProbes * kProbes );
-		inside += m_isSoup && std::abs( m_smooth->at( point ) ) > kInsideWinding;
+		survey.work += m_smooth->workAt( probe( kWorkProbes, code ) ) / ( kWorkProbes * kWorkProbes * kWorkProbes );
 	}
-	survey.volume = size.prod() * inside / ( kProbes * kProbes * kProbes );
+	constexpr int kProbes = kVolumeProbes * kVolumeProbes * kVolumeProbes;
+	if ( m_isSoup && survey.work * kProbes < kMostSurveyWork )
+	{
+		for ( int code = 0; code < kProbes; ++code )
+		{
+			const bool isInside = std::abs( m_smooth->at( probe( kVolumeProbes, code ) ) ) > kInsideWinding;
+			survey.volume += isInside ? size.prod() / kProbes : 0.0;
+		}
+	}
+	// Caps close the surface: its volume is that of both.
 	if ( !m_isSoup )
 	{
 		for ( const std::vector<Triangle>* triangles : { &m_mesh.triangle, &m_caps } )

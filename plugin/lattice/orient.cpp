@@ -11,19 +11,28 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <span>
 
 namespace pliant {
 
 namespace {
 
-/// Triangles connected through edges of exactly two: over these the sense of one is the sense of all.
+/// Triangles connected through edges of exactly two: over these the sense of one is the sense of all. A soup has as many patches as
+/// triangles, so they are kept small.
 struct Patch
 {
-	std::vector<std::uint32_t> triangle;
-	double volume = 0.0; ///< signed; about the patch's own middle, so that a few holes do little
+	std::uint32_t first = 0; ///< of its triangles in Patches::triangle
+	std::uint32_t last = 0;
 	bool isNearlyClosed = false;
-	Vec3d low = Vec3d::Zero();
-	Vec3d high = Vec3d::Zero();
+	double volume = 0.0; ///< signed; about the patch's own middle, so that a few holes do little
+};
+
+struct Patches
+{
+	std::vector<Patch> patch;
+	std::vector<std::uint32_t> triangle; ///< patch by patch
+
+	std::span<const std::uint32_t> of( const Patch& p ) const { return { triangle.data() + p.first, triangle.data() + p.last }; }
 };
 
 Vec3d areaVector( const WeldedMesh& mesh, const Triangle& t )
@@ -36,17 +45,20 @@ void turn( Triangle& t )
 	std::swap( t[1], t[2] );
 }
 
-/// Walks each patch from its first triangle and makes neighbours agree; what the larger area says stays.
-std::vector<Patch> collectPatches( WeldedMesh& mesh, const EdgeTable& edges )
+constexpr std::uint32_t kNone = ~0u;
+
+struct Neighbour
 {
-	constexpr std::uint32_t kNone = ~0u;
-	struct Neighbour
-	{
-		std::uint32_t triangle = kNone;
-		bool agrees = true;
-	};
-	std::vector<std::array<Neighbour, 3>> neighbours( mesh.triangle.size() );
-	const auto addNeighbour = [&]( std::uint32_t t, Neighbour other ) {
+	std::uint32_t triangle = kNone;
+	bool agrees = true;
+};
+
+using Neighbours = std::vector<std::array<Neighbour, 3>>;
+
+Neighbours findNeighbours( const EdgeTable& edges, std::size_t triangles )
+{
+	Neighbours neighbours( triangles );
+	const auto add = [&]( std::uint32_t t, Neighbour other ) {
 		auto& row = neighbours[t];
 		*std::find_if( row.begin(), row.end(), []( const Neighbour& n ) { return n.triangle == kNone; } ) = other;
 	};
@@ -56,27 +68,35 @@ std::vector<Patch> collectPatches( WeldedMesh& mesh, const EdgeTable& edges )
 		{
 			const EdgeTable::Entry& a = edges.entry[edges.start[e]];
 			const EdgeTable::Entry& b = edges.entry[edges.start[e] + 1];
-			addNeighbour( a.triangle, { b.triangle, a.isForward != b.isForward } );
-			addNeighbour( b.triangle, { a.triangle, a.isForward != b.isForward } );
+			add( a.triangle, { b.triangle, a.isForward != b.isForward } );
+			add( b.triangle, { a.triangle, a.isForward != b.isForward } );
 		}
 	}
+	return neighbours;
+}
 
-	std::vector<Patch> patches;
+/// Walks each patch from its first triangle and makes neighbours agree; what the larger area says stays.
+Patches collectPatches( WeldedMesh& mesh, const EdgeTable& edges )
+{
+	const Neighbours neighbours = findNeighbours( edges, mesh.triangle.size() );
+	Patches patches;
+	patches.triangle.reserve( mesh.triangle.size() );
 	std::vector<std::uint8_t> isReached( mesh.triangle.size(), 0 );
 	std::vector<std::uint8_t> isTurned( mesh.triangle.size(), 0 );
-	for ( std::size_t seed = 0; seed < mesh.triangle.size(); ++seed )
+	for ( std::uint32_t seed = 0; seed < mesh.triangle.size(); ++seed )
 	{
 		if ( isReached[seed] )
 		{
 			continue;
 		}
-		Patch& patch = patches.emplace_back();
-		patch.triangle.push_back( std::uint32_t( seed ) );
+		Patch patch;
+		patch.first = std::uint32_t( patches.triangle.size() );
+		patches.triangle.push_back( seed );
 		isReached[seed] = 1;
 		double turnedArea = 0.0; // minus what is not turned
-		for ( std::size_t k = 0; k < patch.triangle.size(); ++k )
+		for ( std::size_t k = patch.first; k < patches.triangle.size(); ++k )
 		{
-			const std::uint32_t t = patch.triangle[k];
+			const std::uint32_t t = patches.triangle[k];
 			turnedArea += ( isTurned[t] ? 1.0 : -1.0 ) * areaVector( mesh, mesh.triangle[t] ).norm();
 			for ( const Neighbour& next : neighbours[t] )
 			{
@@ -84,28 +104,29 @@ std::vector<Patch> collectPatches( WeldedMesh& mesh, const EdgeTable& edges )
 				{
 					isReached[next.triangle] = 1;
 					isTurned[next.triangle] = isTurned[t] ^ std::uint8_t( next.agrees ? 0 : 1 );
-					patch.triangle.push_back( next.triangle );
+					patches.triangle.push_back( next.triangle );
 				}
 			}
 		}
-		for ( const std::uint32_t t : patch.triangle )
+		patch.last = std::uint32_t( patches.triangle.size() );
+		for ( const std::uint32_t t : patches.of( patch ) )
 		{
 			if ( ( isTurned[t] != 0 ) == ( turnedArea <= 0.0 ) )
 			{
 				turn( mesh.triangle[t] );
 			}
 		}
+		patches.patch.push_back( patch );
 	}
 	return patches;
 }
 
-void measurePatch( const WeldedMesh& mesh, Patch& patch )
+void measurePatch( const WeldedMesh& mesh, const Patches& patches, Patch& patch )
 {
 	double area = 0.0;
 	Vec3d vectorArea = Vec3d::Zero();
 	Vec3d middle = Vec3d::Zero();
-	patch.low = patch.high = mesh.position[mesh.triangle[patch.triangle[0]][0]];
-	for ( const std::uint32_t t : patch.triangle )
+	for ( const std::uint32_t t : patches.of( patch ) )
 	{
 		const Vec3d a = areaVector( mesh, mesh.triangle[t] );
 		area += a.norm();
@@ -113,8 +134,6 @@ void measurePatch( const WeldedMesh& mesh, Patch& patch )
 		for ( const std::uint32_t v : mesh.triangle[t] )
 		{
 			middle += a.norm() / 3.0 * mesh.position[v];
-			patch.low = patch.low.cwiseMin( mesh.position[v] );
-			patch.high = patch.high.cwiseMax( mesh.position[v] );
 		}
 	}
 	if ( area == 0.0 )
@@ -122,7 +141,7 @@ void measurePatch( const WeldedMesh& mesh, Patch& patch )
 		return;
 	}
 	middle /= area;
-	for ( const std::uint32_t t : patch.triangle )
+	for ( const std::uint32_t t : patches.of( patch ) )
 	{
 		// V = 1/3 sum over triangles of A . ( p - middle )
 		patch.volume += areaVector( mesh, mesh.triangle[t] ).dot( mesh.position[mesh.triangle[t][0]] - middle ) / 3.0;
@@ -134,18 +153,18 @@ void measurePatch( const WeldedMesh& mesh, Patch& patch )
 class Nesting
 {
 public:
-	Nesting( const WeldedMesh& mesh, const std::vector<Patch>& patches ) : m_mesh( mesh ), m_patches( patches )
+	Nesting( const WeldedMesh& mesh, const Patches& patches ) : m_mesh( mesh ), m_patches( patches )
 	{
-		for ( std::uint32_t i = 0; i < patches.size(); ++i )
+		for ( std::uint32_t i = 0; i < patches.patch.size(); ++i )
 		{
-			if ( patches[i].isNearlyClosed && patches[i].volume != 0.0 )
+			if ( patches.patch[i].isNearlyClosed && patches.patch[i].volume != 0.0 )
 			{
 				m_containers.push_back( i );
 			}
 		}
 		std::sort( m_containers.begin(), m_containers.end(), [&]( std::uint32_t a, std::uint32_t b ) {
-			const double va = std::abs( patches[a].volume );
-			const double vb = std::abs( patches[b].volume );
+			const double va = std::abs( patches.patch[a].volume );
+			const double vb = std::abs( patches.patch[b].volume );
 			return va != vb ? va > vb : a < b;
 		} );
 		m_containers.resize( std::min( m_containers.size(), kMostContainers ) );
@@ -157,7 +176,7 @@ public:
 	{
 		for ( std::size_t k = 0; k < m_containers.size() && m_containers[k] != patch; ++k )
 		{
-			if ( holds( k, m_patches[patch] ) )
+			if ( holds( k, m_patches.patch[patch] ) )
 			{
 				return m_containers[k];
 			}
@@ -168,24 +187,20 @@ public:
 private:
 	bool holds( std::size_t k, const Patch& inner )
 	{
-		const Patch& outer = m_patches[m_containers[k]];
-		if ( ( inner.low - outer.low ).minCoeff() < 0.0 || ( outer.high - inner.high ).minCoeff() < 0.0 )
-		{
-			return false;
-		}
 		if ( !m_trees[k] )
 		{
 			std::vector<Triangle> triangles;
-			for ( const std::uint32_t t : outer.triangle )
+			for ( const std::uint32_t t : m_patches.of( m_patches.patch[m_containers[k]] ) )
 			{
 				triangles.push_back( m_mesh.triangle[t] );
 			}
 			m_trees[k] = std::make_unique<WindingTree>( m_mesh.position, std::move( triangles ) );
 		}
-		const std::size_t step = std::max<std::size_t>( 1, inner.triangle.size() / kContainmentProbes );
-		for ( std::size_t i = 0; i < inner.triangle.size(); i += step )
+		const std::span<const std::uint32_t> probed = m_patches.of( inner );
+		const std::size_t step = std::max<std::size_t>( 1, probed.size() / kContainmentProbes );
+		for ( std::size_t i = 0; i < probed.size(); i += step )
 		{
-			const Triangle& t = m_mesh.triangle[inner.triangle[i]];
+			const Triangle& t = m_mesh.triangle[probed[i]];
 			const Vec3d probe = ( m_mesh.position[t[0]] + m_mesh.position[t[1]] + m_mesh.position[t[2]] ) / 3.0;
 			if ( std::abs( m_trees[k]->at( probe ) ) < kInsideWinding )
 			{
@@ -196,16 +211,16 @@ private:
 	}
 
 	const WeldedMesh& m_mesh;
-	const std::vector<Patch>& m_patches;
+	const Patches& m_patches;
 	std::vector<std::uint32_t> m_containers;
 	std::vector<std::unique_ptr<WindingTree>> m_trees;
 };
 
-void turnInsideOut( WeldedMesh& mesh, const std::vector<Patch>& patches )
+void turnInsideOut( WeldedMesh& mesh, const Patches& patches )
 {
 	bool anyPositive = false;
 	bool anyNegative = false;
-	for ( const Patch& patch : patches )
+	for ( const Patch& patch : patches.patch )
 	{
 		anyPositive = anyPositive || ( patch.isNearlyClosed && patch.volume > 0.0 );
 		anyNegative = anyNegative || ( patch.isNearlyClosed && patch.volume < 0.0 );
@@ -215,16 +230,16 @@ void turnInsideOut( WeldedMesh& mesh, const std::vector<Patch>& patches )
 		return;
 	}
 	Nesting nesting( mesh, patches );
-	std::vector<std::uint32_t> outermost( patches.size() );
-	for ( std::uint32_t i = 0; i < patches.size(); ++i )
+	std::vector<std::uint32_t> outermost( patches.patch.size() );
+	for ( std::uint32_t i = 0; i < patches.patch.size(); ++i )
 	{
-		outermost[i] = anyPositive && patches[i].isNearlyClosed ? nesting.outermost( i ) : i;
+		outermost[i] = anyPositive && patches.patch[i].isNearlyClosed ? nesting.outermost( i ) : i;
 	}
-	for ( std::size_t i = 0; i < patches.size(); ++i )
+	for ( std::size_t i = 0; i < patches.patch.size(); ++i )
 	{
-		if ( patches[i].isNearlyClosed && patches[outermost[i]].volume < 0.0 )
+		if ( patches.patch[i].isNearlyClosed && patches.patch[outermost[i]].volume < 0.0 )
 		{
-			for ( const std::uint32_t t : patches[i].triangle )
+			for ( const std::uint32_t t : patches.of( patches.patch[i] ) )
 			{
 				turn( mesh.triangle[t] );
 			}
@@ -256,12 +271,14 @@ std::vector<RimEdge> orientTriangles( WeldedMesh& mesh, BuildReport& report )
 {
 	const EdgeTable edges = makeEdgeTable( mesh.triangle, mesh.position.size() );
 	const std::vector<Triangle> before = mesh.triangle;
-	std::vector<Patch> patches = collectPatches( mesh, edges );
-	for ( Patch& patch : patches )
 	{
-		measurePatch( mesh, patch );
+		Patches patches = collectPatches( mesh, edges );
+		for ( Patch& patch : patches.patch )
+		{
+			measurePatch( mesh, patches, patch );
+		}
+		turnInsideOut( mesh, patches );
 	}
-	turnInsideOut( mesh, patches );
 	std::vector<std::uint8_t> isTurned( mesh.triangle.size() );
 	for ( std::size_t t = 0; t < mesh.triangle.size(); ++t )
 	{

@@ -89,6 +89,23 @@ Status boundingBox( const MeshView& mesh, WeldedMesh& out )
 	return {};
 }
 
+/// A surface so crumpled that no cell size can tell its layers apart is refused before the dear part begins.
+Status checkFolds( const MeshView& mesh, const WeldedMesh& box )
+{
+	double area = 0.0;
+	for ( std::size_t t = 0; t < mesh.triangleCount; ++t )
+	{
+		const std::uint32_t* corner = mesh.indices + 3 * t;
+		const Vec3d a = positionOf( mesh, corner[0] );
+		area += 0.5 * ( positionOf( mesh, corner[1] ) - a ).cross( positionOf( mesh, corner[2] ) - a ).norm();
+	}
+	if ( area > kMostFolds * ( box.high - box.low ).squaredNorm() )
+	{
+		return { ResultCode::TooManyTriangles, "The surface is folded thousands of times into its bounding box: no inside can be told from that." };
+	}
+	return {};
+}
+
 /// A vertex and the bucket it falls into. Outliers that no triangle uses are clamped to the border buckets; distances still decide.
 struct Slot
 {
@@ -255,6 +272,10 @@ Status weldMesh( const MeshView& mesh, const LatticeSettings& settings, WeldedMe
 		return status;
 	}
 	if ( Status status = boundingBox( mesh, out ); !status.ok() )
+	{
+		return status;
+	}
+	if ( Status status = checkFolds( mesh, out ); !status.ok() )
 	{
 		return status;
 	}

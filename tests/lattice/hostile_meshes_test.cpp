@@ -4,9 +4,9 @@
 #include "lattice_checks.h"
 
 #include <atomic>
-#include <chrono>
 #include <cstdio>
 #include <cstdlib>
+#include <ctime>
 #include <new>
 
 #if defined( __has_feature )
@@ -128,9 +128,10 @@ TEST_P( Hostile, GivesABodyOrAClearError )
 
 	g_peak = g_live.load();
 	const std::size_t before = g_live;
-	const auto start = std::chrono::steady_clock::now();
+	// Processor time: the build runs on this thread alone, and a busy machine must not fail the test.
+	const std::clock_t start = std::clock();
 	const Result<LatticeBuild> result = buildLattice( mesh.view(), settings );
-	const double seconds = std::chrono::duration<double>( std::chrono::steady_clock::now() - start ).count();
+	const double seconds = double( std::clock() - start ) / CLOCKS_PER_SEC;
 	const std::size_t bytes = g_peak - before;
 
 	EXPECT_STREQ( toString( result.status.code ), toString( hostile.expected ) ) << result.status.sentence;
