@@ -283,7 +283,7 @@ void addSizes( List& list )
 	list.push_back( { "open, cells of a thousandth", []() { return without( ball(), []( std::size_t t ) { return t < 30; } ); }, ResultCode::TooManyCells, 1e-3f } );
 	list.push_back( { "10^6 triangles", []() { return makeSphere( 1.0, 708, 708 ); } } );
 	list.push_back( { "10^6 needles", []() { return thrown( 1000000, 0.5 ); }, ResultCode::TooManyTriangles } );
-	list.push_back( { "10^6 triangles at one corner", []() { Mesh m = cube(); m.indices.reserve( 3000036 ); for ( std::uint32_t k = 0; k < 1000000; ++k ) { m.addTriangle( 0, 1 + k % 7, 1 + k / 7 % 7 ); } return m; } } );
+	list.push_back( { "10^6 triangles at one corner", []() { Mesh m = cube(); m.indices.reserve( 3000036 ); for ( std::uint32_t k = 0; k < 1000000; ++k ) { m.addTriangle( 0, 1 + k % 7, 1 + k / 7 % 7 ); } return m; }, ResultCode::TooManyTriangles } );
 	list.push_back( { "10^6 vertices at one place", []() { Mesh m = cube(); for ( std::uint32_t k = 0; k < 1000000; ++k ) { m.addVertex( 0.5, 0.5, 0.5 ); } m.addTriangle( 8, 1000, 100000 ); return m; } } );
 }
 
