@@ -2,7 +2,7 @@
 
 // Tasks that may run out of memory: what a pool's thread must not throw is thrown again in the building thread.
 
-#include "matching/parallel.h"
+#include "threads/parallel.h"
 
 #include <atomic>
 #include <new>

@@ -1,6 +1,6 @@
 #include "matching/cluster_matcher.h"
 
-#include "matching/parallel.h"
+#include "threads/parallel.h"
 #include "matching/raised_inverse.h"
 #include "matching/region_moments.h"
 #include "matching/rotation.h"

@@ -1,6 +1,6 @@
 #include "matching/lattice_matcher.h"
 
-#include "matching/parallel.h"
+#include "threads/parallel.h"
 #include "matching/rotation.h"
 
 #include <algorithm>

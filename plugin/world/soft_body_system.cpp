@@ -1,6 +1,6 @@
 #include "world/soft_body_system.h"
 
-#include "matching/parallel.h"
+#include "threads/parallel.h"
 #include "world/constants.h"
 #include "world/soft_body_impl.h"
 #include "world/stopwatch.h"

@@ -203,7 +203,8 @@ Complaints checkVersion( const fs::path& root )
 	std::string version;
 	for( const char* part : { "MAJOR", "MINOR", "PATCH" } )
 	{
-		version += ( version.empty() ? "" : "." ) + firstMatch( header, std::string( "PLIANT_VERSION_" ) + part + R"( (\d+))" );
+		version += version.empty() ? "" : ".";
+		version += firstMatch( header, std::string( "PLIANT_VERSION_" ) + part + R"( (\d+))" );
 	}
 	const std::string manifest = firstMatch( contentsOf( root / "vcpkg.json" ), R"re("version": "([^"]*)")re" );
 	const std::string change = firstMatch( contentsOf( root / "CHANGELOG.md" ), R"(\n## (\d+\.\d+\.\d+))" );

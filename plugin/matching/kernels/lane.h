@@ -2,6 +2,8 @@
 // Included by kernel_source.h only, once per instruction set, inside an unnamed namespace: nothing here may be shared between
 // object files, or the linker could keep the AVX-512 copy for a processor that lacks it.
 
+#pragma once
+
 using V = float __attribute__( ( vector_size( 4 * PLIANT_LANE_WIDTH ), may_alias ) );
 using VU = float __attribute__( ( vector_size( 4 * PLIANT_LANE_WIDTH ), may_alias, aligned( 4 ) ) );
 using I = int __attribute__( ( vector_size( 4 * PLIANT_LANE_WIDTH ), may_alias ) );

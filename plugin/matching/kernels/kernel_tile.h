@@ -1,0 +1,200 @@
+// Tiles of 64 nodes or regions: between records (one line a node, as gathers want them) and rows (one a component, as arithmetic
+// wants them), and the sums of records. Included by kernel_source.h only, inside its unnamed namespace (see lane.h).
+
+#pragma once
+
+struct Vec
+{
+	V x, y, z;
+};
+
+struct Mat
+{
+	V m[3][3];
+};
+
+inline Vec cross( const Vec& a, const Vec& b )
+{
+	return { a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x };
+}
+
+/// Sums kept per virtual lane. `sub` is the first virtual lane of the vector at hand.
+template <int n>
+struct LaneSums
+{
+	alignas( 64 ) float lane[n][kVirtualLanes];
+
+	LaneSums()
+	{
+		__builtin_memset( lane, 0, sizeof( lane ) );
+	}
+	void add( int k, int sub, V value )
+	{
+		store( &lane[k][sub], load( &lane[k][sub] ) + value );
+	}
+	/// Folds 16 lanes to one, halves onto halves, and adds that to `to`.
+	void foldInto( float* to )
+	{
+		for ( int k = 0; k < n; ++k )
+		{
+			for ( int half = kVirtualLanes / 2; half > 0; half /= 2 )
+			{
+				for ( int i = 0; i < half; ++i )
+				{
+					lane[k][i] += lane[k][i + half];
+				}
+			}
+			to[k] += lane[k][0];
+		}
+	}
+};
+
+/// Twelve rows of one tile, component by component.
+struct Tile
+{
+	alignas( 64 ) float row[kRecordUsed][kTile];
+};
+
+inline void storeGroup( Tile& tile, int first, F4 a, F4 b, F4 c, F4 d, int at )
+{
+	transpose4( a, b, c, d );
+	store4( &tile.row[first + 0][at], a );
+	store4( &tile.row[first + 1][at], b );
+	store4( &tile.row[first + 2][at], c );
+	store4( &tile.row[first + 3][at], d );
+}
+
+/// Four records become four columns of the tile at `at`.
+inline void storeColumns( Tile& tile, const Record ( &r )[4], int at )
+{
+	storeGroup( tile, 0, quarter<0>( r[0] ), quarter<0>( r[1] ), quarter<0>( r[2] ), quarter<0>( r[3] ), at );
+	storeGroup( tile, 4, quarter<1>( r[0] ), quarter<1>( r[1] ), quarter<1>( r[2] ), quarter<1>( r[3] ), at );
+	storeGroup( tile, 8, quarter<2>( r[0] ), quarter<2>( r[1] ), quarter<2>( r[2] ), quarter<2>( r[3] ), at );
+}
+
+inline std::uint32_t slotOf( const MatchView& view, int node )
+{
+	return view.slot ? view.slot[node] : std::uint32_t( node );
+}
+
+/// Columns of the tile become records of nodes or regions begin .. end.
+void writeRecords( const MatchView& view, const Tile& tile, int begin, int end, float* records )
+{
+	for ( int first = begin; first < end; first += 4 )
+	{
+		float* to[4];
+		for ( int j = 0; j < 4; ++j )
+		{
+			to[j] = records + std::size_t( first + j < end ? slotOf( view, first + j ) : slotOf( view, end - 1 ) ) * kRecordFloats;
+		}
+		for ( int group = 0; group < kRecordUsed; group += 4 )
+		{
+			F4 a = load4( &tile.row[group + 0][first - begin] );
+			F4 b = load4( &tile.row[group + 1][first - begin] );
+			F4 c = load4( &tile.row[group + 2][first - begin] );
+			F4 d = load4( &tile.row[group + 3][first - begin] );
+			transpose4( a, b, c, d );
+			const F4 column[4] = { a, b, c, d };
+			for ( int j = 0; j < 4 && first + j < end; ++j )
+			{
+				store4( to[j] + group, column[j] );
+			}
+		}
+	}
+}
+
+/// Sum of the listed records, even and odd terms apart, so that two chains of additions run side by side.
+inline Record sumList( const float* records, const std::uint32_t* member, std::uint32_t count )
+{
+	Record even = loadRecord( records + std::size_t( member[0] ) * kRecordFloats );
+	if ( count == 1 )
+	{
+		return even;
+	}
+	Record odd = loadRecord( records + std::size_t( member[1] ) * kRecordFloats );
+	std::uint32_t k = 2;
+	for ( ; k + 1 < count; k += 2 )
+	{
+		even = even + loadRecord( records + std::size_t( member[k] ) * kRecordFloats );
+		odd = odd + loadRecord( records + std::size_t( member[k + 1] ) * kRecordFloats );
+	}
+	if ( k < count )
+	{
+		even = even + loadRecord( records + std::size_t( member[k] ) * kRecordFloats );
+	}
+	return even + odd;
+}
+
+/// Sum of 2w + 1 plane sums through a lattice position along z, from below.
+inline Record sumColumn( const MatchView& view, const float* records, std::uint32_t slot )
+{
+	const std::size_t plane = std::size_t( view.gridX ) * std::size_t( view.gridY );
+	const int z = int( slot / plane );
+	const int low = z - view.halfWidth > 0 ? z - view.halfWidth : 0;
+	const int high = z + view.halfWidth < view.gridZ - 1 ? z + view.halfWidth : view.gridZ - 1;
+	const float* from = records + ( slot - std::size_t( z - low ) * plane ) * kRecordFloats;
+	Record sum = loadRecord( from );
+	for ( int k = low + 1; k <= high; ++k )
+	{
+		from += plane * kRecordFloats;
+		sum = sum + loadRecord( from );
+	}
+	return sum;
+}
+
+inline Record sumAround( const MatchView& view, const float* records, int i )
+{
+	if ( view.gridX > 0 )
+	{
+		return sumColumn( view, records, slotOf( view, i ) );
+	}
+	const std::uint32_t* member = view.member + view.start[i];
+	const std::uint32_t count = view.start[i + 1] - view.start[i];
+	if ( !view.addOwner )
+	{
+		return sumList( records, member, count );
+	}
+	const Record own = loadRecord( records + std::size_t( i ) * kRecordFloats );
+	return count == 0 ? own : sumList( records, member, count ) + own;
+}
+
+void gatherTile( const MatchView& view, const float* records, int begin, int end, Tile& tile )
+{
+	for ( int first = begin; first < end; first += 4 )
+	{
+		Record r[4];
+		for ( int j = 0; j < 4; ++j )
+		{
+			if ( first + j < view.nodeCount )
+			{
+				r[j] = sumAround( view, records, first + j );
+				continue;
+			}
+			for ( V& piece : r[j].piece )
+			{
+				piece = V{};
+			}
+		}
+		storeColumns( tile, r, first - begin );
+	}
+}
+
+inline Vec restPosition( const MatchView& view, int i )
+{
+	const V perMetre = splat( view.cellsPerMetre );
+	return { load( view.x0[0] + i ) * perMetre, load( view.x0[1] + i ) * perMetre, load( view.x0[2] + i ) * perMetre };
+}
+
+/// R_b^T a.
+inline Vec toFrame( const MatchView& view, const Vec& a )
+{
+	const float* r = view.frameRotation;
+	return { ( a.x * r[0] + a.y * r[3] ) + a.z * r[6], ( a.x * r[1] + a.y * r[4] ) + a.z * r[7], ( a.x * r[2] + a.y * r[5] ) + a.z * r[8] };
+}
+
+/// R_b a.
+inline Vec fromFrame( const MatchView& view, const Vec& a )
+{
+	const float* r = view.frameRotation;
+	return { ( a.x * r[0] + a.y * r[1] ) + a.z * r[2], ( a.x * r[3] + a.y * r[4] ) + a.z * r[5], ( a.x * r[6] + a.y * r[7] ) + a.z * r[8] };
+}
