@@ -12,6 +12,8 @@
 
 namespace pliant {
 
+class TaskRunner;
+
 /// Which nodes move a vertex, and how much: built once with the template.
 /// Flat arrays; vertex i uses entries start[i] .. start[i + 1).
 struct SkinBinding
@@ -21,12 +23,18 @@ struct SkinBinding
 	std::vector<std::uint32_t> node;
 	std::vector<float> weight;        ///< sums to 1 a vertex
 	std::vector<Vec3> restPosition;   ///< per vertex, relative to the lattice's mass centre, m
-	std::vector<Vec3> restNormal;     ///< per vertex, area-weighted over its triangles (welded vertices share theirs)
+	std::vector<Vec3> restNormal;     ///< per vertex, area-weighted over its triangles (welded vertices share theirs), unit; any, of no triangle
 	std::vector<std::uint32_t> normalGroup; ///< per vertex: vertices with one number share one normal (unwelded seams)
 	int normalGroups = 0;
 };
 
 /// `weldedVertex`: for each vertex the number of the vertex it was welded to (itself when alone); empty: none were.
+/// The input gives no normals, so nothing tells a hard edge from a seam of texture coordinates: vertices at one place share one normal.
+///
+/// NearbyNodes: the cells whose middles are within 1.4 edges of the vertex, weights falling smoothly to zero there.
+/// Trilinear: the eight cells whose middles make the cube around the vertex. Rivers and James embed in a grid whose corners are nodes;
+/// our nodes are the cells, so the grid is that of their middles, and half a cell at the surface is carried by the nodes' rotations.
+/// Both: only cells that two links join to the cell whose material lies behind the vertex. A vertex out of reach follows that one alone.
 SkinBinding bindSkin( const MeshView& mesh, const Lattice& lattice, const std::vector<std::uint32_t>& weldedVertex, Skinning kind );
 
 /// The render mesh's triangles, three vertex numbers each.
@@ -40,12 +48,14 @@ struct SkinTriangles
 struct SkinScratch
 {
 	AlignedArray<float> nodeMap;
-	std::vector<float> groupNormal;
+	AlignedArray<float> position; ///< four floats a vertex
+	AlignedArray<float> groupNormal;
 };
 
 /// Writes positions (relative to `state.origin`) and unit normals, 3 floats a vertex.
 /// `rotations`: one unit quaternion (x, y, z, w) a node, the rotation of the node's own region relative to rest.
+/// `triangles`: those of the mesh that was bound. The same bits on any thread count.
 void skin( const SkinBinding& binding, const NodeState& state, const float* rotations, const SkinTriangles& triangles, SkinScratch& scratch,
-	float* positions, float* normals );
+	float* positions, float* normals, TaskRunner* runner = nullptr );
 
 } // namespace pliant
