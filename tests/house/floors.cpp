@@ -8,8 +8,7 @@ namespace house {
 
 namespace {
 
-// The floors of the plugin, from the ground up. A file includes files of its own folder and of lower floors; folders on one floor do not
-// know each other.
+// The floors of the plugin, from the ground up. A file includes files of its own folder and of lower floors.
 struct Floor
 {
 	const char* folder;
@@ -17,9 +16,12 @@ struct Floor
 };
 
 const Floor kFloors[] = {
-	{ "plugin/include/", 0 }, { "plugin/lattice/", 1 }, { "plugin/threads/", 1 }, { "plugin/matching/", 2 },
-	{ "plugin/surface/", 3 }, { "plugin/body/", 4 },    { "plugin/world/", 5 },
+	{ "plugin/include/", 0 }, { "plugin/threads/", 1 }, { "plugin/lattice/", 2 }, { "plugin/matching/", 3 },
+	{ "plugin/surface/", 4 }, { "plugin/body/", 5 },    { "plugin/world/", 6 },
 };
+
+constexpr int kFace = 0;
+constexpr int kWorld = 6;
 
 const Floor* floorOf( const std::string& path )
 {
@@ -30,7 +32,7 @@ const Floor* floorOf( const std::string& path )
 bool isCore( const std::string& path )
 {
 	const Floor* floor = floorOf( path );
-	return floor != nullptr && floor->height >= 1 && floor->height <= 4;
+	return floor != nullptr && floor->height > kFace && floor->height < kWorld;
 }
 
 bool isPublic( const std::string& path )
@@ -73,7 +75,7 @@ std::optional<std::string> wrongInPlugin( const SourceFile& file, const Include&
 			return std::nullopt;
 		}
 		const bool eigenWelcome = !isPublic( file.path );
-		const bool bulletWelcome = isPublic( file.path ) || from->height == 5;
+		const bool bulletWelcome = isPublic( file.path ) || from->height == kWorld;
 		if( ( eigenWelcome && isEigen( include.name ) ) || ( bulletWelcome && isBullet( include.name ) ) )
 		{
 			return std::nullopt;
