@@ -5,6 +5,7 @@
 
 #include "lattice/constants.h"
 #include "lattice/guarded_tasks.h"
+#include "lattice/neighbour_rows.h"
 
 #include <algorithm>
 #include <array>
@@ -15,51 +16,8 @@ namespace {
 
 constexpr std::array<std::uint8_t, 3> kBlocked = { kBlockedX, kBlockedY, kBlockedZ };
 
-using Pair = std::pair<std::uint32_t, std::uint32_t>;
-
-/// Neighbours of every cell, both directions, each row ascending.
-struct Rows
-{
-	std::vector<std::uint32_t> start;
-	std::vector<std::uint32_t> to;
-
-	const std::uint32_t* begin( std::size_t i ) const { return to.data() + start[i]; }
-	const std::uint32_t* end( std::size_t i ) const { return to.data() + start[i + 1]; }
-	bool has( std::size_t i, std::uint32_t j ) const { return std::binary_search( begin( i ), end( i ), j ); }
-};
-
-Rows makeRows( const std::vector<std::vector<Pair>>& pairs, std::size_t count )
-{
-	Rows rows;
-	rows.start.assign( count + 1, 0 );
-	for ( const auto& some : pairs )
-	{
-		for ( const auto& [a, b] : some )
-		{
-			++rows.start[a + 1];
-			++rows.start[b + 1];
-		}
-	}
-	for ( std::size_t i = 0; i < count; ++i )
-	{
-		rows.start[i + 1] += rows.start[i];
-	}
-	rows.to.resize( rows.start.back() );
-	std::vector<std::uint32_t> next( rows.start.begin(), rows.start.end() - 1 );
-	for ( const auto& some : pairs )
-	{
-		for ( const auto& [a, b] : some )
-		{
-			rows.to[next[a]++] = b;
-			rows.to[next[b]++] = a;
-		}
-	}
-	for ( std::size_t i = 0; i < count; ++i )
-	{
-		std::sort( rows.to.begin() + rows.start[i], rows.to.begin() + rows.start[i + 1] );
-	}
-	return rows;
-}
+using Rows = NeighbourRows;
+using Pair = CellPair;
 
 class Linker
 {
@@ -76,9 +34,9 @@ public:
 
 	int link( Lattice& lattice )
 	{
-		m_face = makeRows( forCells( [this]( std::size_t i, std::vector<Pair>& out ) { linkFaces( i, out ); } ), m_count );
+		m_face = makeNeighbourRows( forCells( [this]( std::size_t i, std::vector<Pair>& out ) { linkFaces( i, out ); } ), m_count );
 		sortOut( forCells( [this]( std::size_t i, std::vector<Pair>& out ) { linkSlantwise( i, out ); } ) );
-		m_edge = makeRows( forCells( [this]( std::size_t i, std::vector<Pair>& out ) { linkEdges( i, out ); } ), m_count );
+		m_edge = makeNeighbourRows( forCells( [this]( std::size_t i, std::vector<Pair>& out ) { linkEdges( i, out ); } ), m_count );
 		return writeLinks( lattice );
 	}
 
@@ -281,7 +239,7 @@ private:
 					}
 				} );
 			}
-			m_face = makeRows( faces, m_count );
+			m_face = makeNeighbourRows( faces, m_count );
 		}
 	}
 

@@ -5,6 +5,7 @@
 
 #include "lattice/constants.h"
 #include "lattice/guarded_tasks.h"
+#include "lattice/thin_runs.h"
 
 #include <algorithm>
 #include <array>
@@ -21,7 +22,6 @@ bool Progress::report( float share )
 namespace {
 
 constexpr std::array<std::uint8_t, 3> kBlocked = { kBlockedX, kBlockedY, kBlockedZ };
-
 template <class T>
 void appendAll( std::vector<std::vector<T>>& parts, std::vector<T>& out )
 {
@@ -82,7 +82,7 @@ public:
 		{
 			searchBetweenSamples( rows, slivers );
 		}
-		keepSlivers( slivers );
+		keepThinRuns( slivers, m_out );
 		return m_options.progress.report( 0.8f ) ? ResultCode::Ok : ResultCode::Cancelled;
 	}
 
@@ -399,45 +399,6 @@ private:
 		if ( cell != PositionIndex::kNone && share > 0.0f )
 		{
 			slivers.push_back( { cell, std::uint16_t( at.sample ), std::uint8_t( axis ), run.hasSample, share, point } );
-		}
-	}
-
-	/// Only where the material is thin: where no more than one sample stands in most runs. Rows along each axis measure the same material;
-	/// the axis with most rows through it looks across it. (Choosing by what the samples happened to see would favour lucky estimates.)
-	void keepSlivers( std::vector<Sliver>& slivers )
-	{
-		std::sort( slivers.begin(), slivers.end(), []( const Sliver& a, const Sliver& b ) {
-			return a.cutCell != b.cutCell ? a.cutCell < b.cutCell : a.axis != b.axis ? a.axis < b.axis : a.sample != b.sample ? a.sample < b.sample :
-				a.point[a.axis] < b.point[b.axis];
-		} );
-		const std::size_t perCell = m_out.samplesPerCell();
-		for ( std::size_t first = 0, last = 0; first < slivers.size(); first = last )
-		{
-			std::array<int, 3> seen{};
-			std::array<int, 3> unseen{};
-			for ( ; last < slivers.size() && slivers[last].cutCell == slivers[first].cutCell; ++last )
-			{
-				++( slivers[last].hasSample ? seen : unseen )[slivers[last].axis];
-			}
-			std::uint8_t* flags = &m_out.flags[std::size_t( slivers[first].cutCell ) * perCell];
-			const auto inside = std::count_if( flags, flags + perCell, []( std::uint8_t f ) { return ( f & kInside ) != 0; } );
-			std::size_t best = 0;
-			for ( std::size_t axis = 1; axis < 3; ++axis )
-			{
-				best = seen[axis] + unseen[axis] > seen[best] + unseen[best] ? axis : best;
-			}
-			if ( unseen[best] == 0 || 2 * seen[best] < inside )
-			{
-				continue;
-			}
-			for ( std::size_t k = first; k < last; ++k )
-			{
-				if ( slivers[k].axis == std::uint8_t( best ) )
-				{
-					flags[slivers[k].sample] |= slivers[k].hasSample ? 0 : kSliver;
-					m_out.slivers.push_back( slivers[k] );
-				}
-			}
 		}
 	}
 
