@@ -156,11 +156,13 @@ private:
 
 	bool writeFrame( int frame )
 	{
+		const Clock::time_point begin = Clock::now();
+		m_stage.skin();
+		m_log.addSkinning( secondsSince( begin ) );
 		if( m_sinks.empty() )
 		{
 			return true;
 		}
-		const Clock::time_point begin = Clock::now();
 		m_list.clear();
 		m_stage.draw( m_list, m_settings.showNodes );
 		m_list.camera = m_scene->camera( double( frame ) / m_settings.framesPerSecond );

@@ -203,8 +203,8 @@ private:
 		m_panel.lines.emplace_back( line );
 		std::snprintf( line, sizeof( line ), "%.2f ms a step, %d substeps", 1e3 * report.total, report.substeps );
 		m_panel.lines.emplace_back( line );
-		std::snprintf( line, sizeof( line ), "matching %.2f  collision %.2f  solve %.2f  skinning %.2f ms", 1e3 * report.matching,
-			1e3 * report.collision, 1e3 * report.solve, 1e3 * report.skinning );
+		std::snprintf( line, sizeof( line ), "matching %.2f  collision %.2f  solve %.2f ms", 1e3 * report.matching, 1e3 * report.collision,
+			1e3 * report.solve );
 		m_panel.lines.emplace_back( line );
 		m_window->present( m_panel );
 	}

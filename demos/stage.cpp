@@ -201,6 +201,14 @@ std::uint64_t Stage::stateHash() const
 	return hash.value();
 }
 
+void Stage::skin() const
+{
+	for( const SoftItem& item : m_soft )
+	{
+		item.body->surface();
+	}
+}
+
 void Stage::drawNodes( const SoftItem& item, pliant_glue::DrawList& list ) const
 {
 	for( int i = 0; i < item.body->nodeCount(); ++i )

@@ -71,6 +71,9 @@ public:
 	/// FNV-1a over the bits of every node and rigid body: equal for equal runs.
 	std::uint64_t stateHash() const;
 
+	/// Brings every skin up to date, which drawing would do otherwise.
+	void skin() const;
+
 	/// Adds every body to the picture; nodes as spheres instead of skins when `showNodes`.
 	void draw( pliant_glue::DrawList& list, bool showNodes ) const;
 

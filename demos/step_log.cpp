@@ -73,7 +73,7 @@ std::string StepLog::table() const
 	{
 		text += row( stage.name, spreadOf( stage.seconds ) );
 	}
-	return text + row( "whole step", spreadOf( m_wall ) );
+	return text + row( "whole step", spreadOf( m_wall ) ) + row( "skins, frame", spreadOf( m_skinning ) );
 }
 
 nlohmann::json StepLog::json() const
@@ -84,6 +84,7 @@ nlohmann::json StepLog::json() const
 		stages[stage.name] = toJson( spreadOf( stage.seconds ) );
 	}
 	stages["whole step"] = toJson( spreadOf( m_wall ) );
+	stages["skinning per frame"] = toJson( spreadOf( m_skinning ) );
 	return stages;
 }
 

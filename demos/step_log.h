@@ -17,6 +17,9 @@ public:
 	/// `wallSeconds` is the whole of stepSimulation as seen from outside.
 	void add( const pliant::StepReport& report, double wallSeconds, int rigidContacts );
 
+	/// Skins are made when they are asked for, once a frame, not within a step.
+	void addSkinning( double seconds ) { m_skinning.push_back( seconds ); }
+
 	int steps() const { return int( m_wall.size() ); }
 	double wallSeconds() const;
 	int maxSoftContacts() const { return m_maxSoftContacts; }
@@ -38,9 +41,8 @@ private:
 	};
 	std::vector<Stage> m_stages = { { "forces", &pliant::StepReport::forces, {} }, { "matching", &pliant::StepReport::matching, {} },
 		{ "spheres", &pliant::StepReport::spheres, {} }, { "collision", &pliant::StepReport::collision, {} },
-		{ "solve", &pliant::StepReport::solve, {} }, { "integrate", &pliant::StepReport::integrate, {} },
-		{ "skinning", &pliant::StepReport::skinning, {} } };
-	std::vector<double> m_wall;
+		{ "solve", &pliant::StepReport::solve, {} }, { "integrate", &pliant::StepReport::integrate, {} } };
+	std::vector<double> m_wall, m_skinning;
 	int m_maxSoftContacts = 0, m_maxContacts = 0, m_maxSubsteps = 0, m_quarantined = 0, m_unreachable = 0;
 };
 
