@@ -1,0 +1,205 @@
+// What two bodies do to each other: momentum, fast bodies, every kind of shape, callbacks, filters.
+
+#include "test_world.h"
+
+#include <BulletCollision/CollisionShapes/btHeightfieldTerrainShape.h>
+
+#include <cmath>
+
+namespace pliant {
+namespace {
+
+using test::at;
+using test::block;
+using test::stiff;
+using test::TestWorld;
+
+struct Momentum
+{
+	btVector3 linear, angular; ///< angular about the world's origin
+};
+
+Momentum momentumOf( const btRigidBody& rigid, const SoftBody& soft )
+{
+	const btVector3 ofRigid = rigid.getLinearVelocity() / rigid.getInvMass(), ofSoft = soft.linearVelocity() * soft.mass();
+	const btVector3 spin = rigid.getInvInertiaTensorWorld().inverse() * rigid.getAngularVelocity();
+	return { ofRigid + ofSoft, rigid.getCenterOfMassPosition().cross( ofRigid ) + spin + soft.massCentre().cross( ofSoft ) + soft.angularMomentum() };
+}
+
+TEST( Collision, KeepsMomentum )
+{
+	TestWorld t;
+	t.world.setGravity( btVector3( 0, 0, 0 ) );
+	SoftBody* cube = t.addSoft( block( 5, 5, 5, 0.1f ), at( 0, 0, 0 ), stiff( 2e4f ) );
+	btRigidBody* box = t.addBox( 20, btVector3( 0.15f, 0.15f, 0.15f ), at( -1, btScalar( 0.12 ), btScalar( 0.03 ) ) );
+	box->setLinearVelocity( btVector3( 4, 0, 0 ) );
+	box->setDamping( 0, 0 );
+	box->setActivationState( DISABLE_DEACTIVATION );
+	const Momentum before = momentumOf( *box, *cube );
+	t.run( 120 );
+	const Momentum after = momentumOf( *box, *cube );
+	const btScalar linear = ( after.linear - before.linear ).length() / before.linear.length();
+	const btScalar angular = ( after.angular - before.angular ).length() / before.angular.length();
+	std::printf( "momentum in a collision: linear %.1e, angular %.1e of what there was\n", double( linear ), double( angular ) );
+	EXPECT_LT( box->getLinearVelocity().x(), btScalar( 2 ) ) << "they did not meet";
+	EXPECT_LT( linear, btScalar( 1e-5 ) );
+	EXPECT_LT( angular, btScalar( 1e-3 ) );
+}
+
+TEST( Collision, TwoSoftBodiesKeepMomentum )
+{
+	TestWorld t;
+	t.world.setGravity( btVector3( 0, 0, 0 ) );
+	const auto shape = block( 4, 4, 4, 0.1f );
+	SoftBody* a = t.addSoft( shape, at( 0, 0, 0 ) );
+	SoftBody* b = t.addSoft( shape, at( btScalar( 0.6 ), btScalar( 0.1 ), btScalar( 0.05 ) ) );
+	b->setLinearVelocity( btVector3( -3, 0, 0 ) );
+	const btVector3 before = b->linearVelocity() * b->mass();
+	t.run( 60 );
+	const btVector3 after = b->linearVelocity() * b->mass() + a->linearVelocity() * a->mass();
+	EXPECT_LT( a->linearVelocity().x(), btScalar( -0.5 ) );
+	EXPECT_LT( ( after - before ).length() / before.length(), btScalar( 1e-5 ) );
+}
+
+TEST( Collision, FastBulletGivesItsMomentum )
+{
+	// With Bullet's own continuous detection and without, slow and fast: what the bullet loses the body gains.
+	for ( const bool continuous : { false, true } )
+	{
+		for ( const btScalar speed : { btScalar( 30 ), btScalar( 100 ), btScalar( 300 ) } )
+		{
+			TestWorld t;
+			t.world.setGravity( btVector3( 0, 0, 0 ) );
+			SoftBody* cube = t.addSoft( block( 6, 6, 6, 0.1f ), at( 0, 0, 0 ), stiff( 2e4f ) );
+			btRigidBody* shot = t.add( btScalar( 0.5 ), new btSphereShape( btScalar( 0.06 ) ), at( -3, btScalar( 0.02 ), btScalar( 0.03 ) ) );
+			shot->setLinearVelocity( btVector3( speed, 0, 0 ) );
+			if ( continuous )
+			{
+				shot->setCcdMotionThreshold( btScalar( 0.06 ) );
+				shot->setCcdSweptSphereRadius( btScalar( 0.05 ) );
+			}
+			t.run( 30 );
+			const btScalar total = cube->linearVelocity().x() * cube->mass() + shot->getLinearVelocity().x() * btScalar( 0.5 );
+			EXPECT_GT( cube->linearVelocity().x() * cube->mass(), btScalar( 0.3 ) * speed * btScalar( 0.5 ) ) << speed << " m/s, continuous " << continuous;
+			EXPECT_NEAR( double( total / ( speed * btScalar( 0.5 ) ) ), 1.0, 1e-3 ) << speed << " m/s, continuous " << continuous;
+		}
+	}
+}
+
+TEST( Collision, AFastSoftBodyDoesNotPassAThinWall )
+{
+	TestWorld t;
+	t.world.setGravity( btVector3( 0, 0, 0 ) );
+	t.addBox( 0, btVector3( 0.02f, 3, 3 ), at( 2, 0, 0 ) );
+	SoftBody* cube = t.addSoft( block( 4, 4, 4, 0.1f ), at( 0, 0, 0 ) );
+	cube->setLinearVelocity( btVector3( 60, 0, 0 ) );
+	t.run( 60 );
+	for ( int i = 0; i < cube->nodeCount(); ++i )
+	{
+		ASSERT_LT( cube->nodePosition( i ).x(), 2 );
+	}
+}
+
+struct Ground
+{
+	const char* name;
+	btScalar top; ///< m
+	btCollisionShape* ( *make )( TestWorld&, std::vector<std::unique_ptr<btStridingMeshInterface>>&, std::vector<float>& );
+};
+
+class CollisionWith : public testing::TestWithParam<Ground>
+{
+};
+
+TEST_P( CollisionWith, CubeComesToRestOnIt )
+{
+	std::vector<std::unique_ptr<btStridingMeshInterface>> meshes;
+	std::vector<float> heights;
+	TestWorld t;
+	btCollisionShape* shape = GetParam().make( t, meshes, heights );
+	t.add( 0, shape, at( 0, 0, 0 ) );
+	SoftBody* cube = t.addSoft( block( 4, 4, 4, 0.1f ), at( btScalar( 0.013 ), GetParam().top + btScalar( 0.3 ), btScalar( 0.021 ) ) );
+	t.run( 400 );
+	EXPECT_FALSE( cube->isActive() );
+	EXPECT_NEAR( test::lowestNode( *cube ), GetParam().top + btScalar( 0.05 ), 0.004 );
+	EXPECT_NEAR( cube->massCentre().x(), 0.013, 0.01 );
+}
+
+btCollisionShape* makeMesh( TestWorld&, std::vector<std::unique_ptr<btStridingMeshInterface>>& meshes, std::vector<float>& )
+{
+	auto* mesh = new btTriangleMesh;
+	meshes.emplace_back( mesh );
+	for ( int k = 0; k < 400; ++k )
+	{
+		const btScalar x = btScalar( k % 20 - 10 ) / 5, z = btScalar( k / 20 - 10 ) / 5, d = btScalar( 0.2 );
+		mesh->addTriangle( btVector3( x, 0, z ), btVector3( x, 0, z + d ), btVector3( x + d, 0, z ) );
+		mesh->addTriangle( btVector3( x + d, 0, z ), btVector3( x, 0, z + d ), btVector3( x + d, 0, z + d ) );
+	}
+	return new btBvhTriangleMeshShape( mesh, true );
+}
+
+btCollisionShape* makeTerrain( TestWorld&, std::vector<std::unique_ptr<btStridingMeshInterface>>&, std::vector<float>& heights )
+{
+	heights.assign( 9 * 9, 0.0f );
+	return new btHeightfieldTerrainShape( 9, 9, heights.data(), btScalar( -1 ), btScalar( 1 ), 1, false );
+}
+
+btCollisionShape* makeCompound( TestWorld& t, std::vector<std::unique_ptr<btStridingMeshInterface>>&, std::vector<float>& )
+{
+	auto* compound = new btCompoundShape;
+	for ( int k = 0; k < 4; ++k )
+	{
+		t.shapes.push_back( std::make_unique<btBoxShape>( btVector3( 0.5, 0.5, 0.5 ) ) );
+		compound->addChildShape( at( btScalar( k % 2 ) - btScalar( 0.5 ), btScalar( -0.5 ), btScalar( k / 2 ) - btScalar( 0.5 ) ), t.shapes.back().get() );
+	}
+	return compound;
+}
+
+btCollisionShape* makeHull( TestWorld&, std::vector<std::unique_ptr<btStridingMeshInterface>>&, std::vector<float>& )
+{
+	auto* hull = new btConvexHullShape;
+	for ( int k = 0; k < 8; ++k )
+	{
+		hull->addPoint( btVector3( btScalar( k & 1 ? 1 : -1 ), btScalar( k & 2 ? 0 : -1 ), btScalar( k & 4 ? 1 : -1 ) ) );
+	}
+	hull->setMargin( btScalar( 0.01 ) );
+	return hull;
+}
+
+btCollisionShape* makeCylinder( TestWorld&, std::vector<std::unique_ptr<btStridingMeshInterface>>&, std::vector<float>& )
+{
+	return new btCylinderShape( btVector3( 1, btScalar( 0.5 ), 1 ) );
+}
+
+INSTANTIATE_TEST_SUITE_P( All, CollisionWith,
+	testing::Values( Ground{ "TriangleMesh", 0, makeMesh }, Ground{ "Heightfield", 0, makeTerrain }, Ground{ "Compound", 0, makeCompound },
+		Ground{ "Hull", btScalar( 0.01 ), makeHull }, Ground{ "Cylinder", btScalar( 0.5 ), makeCylinder } ),
+	[]( const testing::TestParamInfo<Ground>& ground ) { return std::string( ground.param.name ); } );
+
+TEST( Collision, RollingFrictionDoesNotBreakTheNumbers )
+{
+	TestWorld t;
+	t.addFloor()->setRollingFriction( btScalar( 0.5 ) );
+	SoftBody* cube = t.addSoft( block( 4, 4, 4, 0.1f ), at( 0, btScalar( 0.3 ), 0 ) );
+	cube->setRollingFriction( btScalar( 0.5 ) );
+	t.run( 60 );
+	EXPECT_TRUE( cube->isHealthy() );
+	EXPECT_NEAR( test::lowestNode( *cube ), 0.05, 0.01 );
+}
+
+TEST( Collision, RestitutionAndContactResponseAreObeyed )
+{
+	TestWorld t;
+	t.addFloor()->setRestitution( 1 );
+	SoftBody* ghost = t.addSoft( block( 3, 3, 3, 0.1f ), at( 3, btScalar( 0.3 ), 0 ) );
+	ghost->setCollisionFlags( ghost->getCollisionFlags() | btCollisionObject::CF_NO_CONTACT_RESPONSE );
+	SoftBody* filtered = t.addSoft( block( 3, 3, 3, 0.1f ), at( -3, btScalar( 0.3 ), 0 ) );
+	t.world.removeSoftBody( filtered );
+	t.world.addSoftBody( filtered, btBroadphaseProxy::DebrisFilter, btBroadphaseProxy::DebrisFilter );
+	t.run( 60 );
+	EXPECT_LT( ghost->massCentre().y(), btScalar( -2 ) );
+	EXPECT_LT( filtered->massCentre().y(), btScalar( -2 ) );
+}
+
+} // namespace
+} // namespace pliant

@@ -1,0 +1,213 @@
+// Who may go first: everybody. And what a bad number does: nothing to anybody else.
+
+#include "test_world.h"
+
+#include <cmath>
+#include <limits>
+
+namespace pliant {
+namespace {
+
+using test::at;
+using test::block;
+using test::BulletParts;
+using test::TestWorld;
+
+TEST( Lifetime, BodiesAndWorldsGoInAnyOrder )
+{
+	const auto shape = block( 3, 3, 3, 0.1f );
+	BulletParts parts;
+	btBoxShape boxShape( btVector3( 5, 1, 5 ) );
+	for ( int order = 0; order < 5; ++order )
+	{
+		btRigidBody floor( btRigidBody::btRigidBodyConstructionInfo( 0, nullptr, &boxShape ) );
+		floor.setWorldTransform( at( 0, -1, 0 ) );
+		auto world = std::make_unique<SoftBodyWorld>( &parts.dispatcher, &parts.broadphase, &parts.solver, &parts.configuration );
+		world->addRigidBody( &floor );
+		auto low = std::move( SoftBody::create( shape, at( 0, btScalar( 0.15 ), 0 ) ).value );
+		auto high = std::move( SoftBody::create( shape, at( 0, btScalar( 0.46 ), 0 ) ).value );
+		world->addSoftBody( low.get() );
+		world->addSoftBody( high.get() );
+		world->addSoftBody( high.get() ); // ignored
+		EXPECT_EQ( world->softBodyCount(), 2 );
+		for ( int k = 0; k < 20; ++k )
+		{
+			world->stepSimulation( test::kFrame, 0 );
+		}
+		EXPECT_GT( world->stepReport().softContacts, 9 );
+		if ( order == 0 ) // the world first
+		{
+			world->removeRigidBody( &floor );
+			world.reset();
+			EXPECT_EQ( low->getWorldArrayIndex(), -1 );
+			EXPECT_EQ( low->getBroadphaseHandle(), nullptr );
+			continue;
+		}
+		if ( order == 1 ) // the lower body while it carries the upper one
+		{
+			low.reset();
+		}
+		if ( order == 2 ) // as a game's clean-up loop does it
+		{
+			world->removeCollisionObject( low.get() );
+			world->removeCollisionObject( low.get() );
+			low.reset();
+			world->removeCollisionObject( high.get() );
+			EXPECT_EQ( world->softBodyCount(), 0 );
+		}
+		if ( order == 3 ) // out and in again
+		{
+			world->removeSoftBody( low.get() );
+			low->applyCentralImpulse( btVector3( 0, 10, 0 ) );
+			low->teleport( at( 3, 0, 0 ) );
+			low->reset( at( 3, 1, 0 ) );
+			EXPECT_TRUE( low->pinNode( 0 ).ok() );
+			world->addSoftBody( low.get() );
+		}
+		for ( int k = 0; k < 20; ++k )
+		{
+			world->stepSimulation( test::kFrame, 0 );
+		}
+		EXPECT_TRUE( !high || high->isHealthy() );
+		if ( order == 4 )
+		{
+			high.reset();
+		}
+		world->removeRigidBody( &floor );
+		world.reset();
+	}
+	EXPECT_EQ( parts.dispatcher.getNumManifolds(), 0 );
+}
+
+TEST( Lifetime, AHundredWorlds )
+{
+	const auto shape = block( 2, 2, 2, 0.1f );
+	for ( int k = 0; k < 100; ++k )
+	{
+		TestWorld t;
+		t.addFloor();
+		t.addSoft( shape, at( 0, btScalar( 0.11 ), 0 ) );
+		t.run( 3 );
+		EXPECT_GE( t.world.stepReport().softContacts, 4 );
+	}
+}
+
+TEST( Lifetime, ADispatcherServesTheNextWorldAsBefore )
+{
+	// A soft world registers its algorithm with the dispatcher; when it goes, Bullet's own compounds must still collide.
+	BulletParts parts;
+	{
+		SoftBodyWorld gone( &parts.dispatcher, &parts.broadphase, &parts.solver, &parts.configuration );
+	}
+	btDiscreteDynamicsWorld world( &parts.dispatcher, &parts.broadphase, &parts.solver, &parts.configuration );
+	btBoxShape box( btVector3( 1, 1, 1 ) );
+	btCompoundShape compound;
+	compound.addChildShape( btTransform::getIdentity(), &box );
+	btRigidBody floor( btRigidBody::btRigidBodyConstructionInfo( 0, nullptr, &box ) );
+	btRigidBody top( btRigidBody::btRigidBodyConstructionInfo( 1, nullptr, &compound, btVector3( 1, 1, 1 ) ) );
+	top.setWorldTransform( at( 0, btScalar( 2.01 ), 0 ) );
+	world.addRigidBody( &floor );
+	world.addRigidBody( &top );
+	for ( int k = 0; k < 30; ++k )
+	{
+		world.stepSimulation( test::kFrame, 0 );
+	}
+	EXPECT_NEAR( top.getWorldTransform().getOrigin().y(), 2, 0.02 );
+	world.removeRigidBody( &top );
+	world.removeRigidBody( &floor );
+}
+
+/// Positions of a body beside one that is poisoned (or not).
+std::vector<btVector3> beside( int poison )
+{
+	TestWorld t;
+	t.addFloor();
+	const auto shape = block( 3, 3, 3, 0.1f );
+	SoftBody* bad = t.addSoft( shape, at( 0, btScalar( 0.3 ), 0 ) );
+	SoftBody* good = t.addSoft( shape, at( 2, btScalar( 0.3 ), 0 ) );
+	btRigidBody* box = t.addBox( 1, btVector3( 0.2f, 0.2f, 0.2f ), at( -2, 1, 0 ) );
+	t.run( 20 );
+	const btScalar nan = std::numeric_limits<btScalar>::quiet_NaN(), huge = std::numeric_limits<btScalar>::max();
+	const btVector3 poisons[] = { btVector3( 0, 0, 0 ), btVector3( nan, 0, 0 ), btVector3( 0, huge, 0 ), btVector3( huge, -huge, nan ) };
+	if ( poison > 0 )
+	{
+		bad->applyImpulse( poisons[poison], 5 );
+	}
+	t.run( 40 );
+	EXPECT_EQ( bad->isHealthy(), poison == 0 ) << "poison " << poison;
+	EXPECT_EQ( t.world.stepReport().quarantined, poison == 0 ? 0 : 1 );
+	std::vector<btVector3> places;
+	for ( int i = 0; i < bad->nodeCount(); ++i )
+	{
+		EXPECT_TRUE( std::isfinite( bad->nodePosition( i ).length() ) );
+		EXPECT_LT( bad->nodePosition( i ).length(), btScalar( 2 ) );
+		places.push_back( good->nodePosition( i ) );
+	}
+	places.push_back( box->getWorldTransform().getOrigin() );
+	if ( poison > 0 )
+	{
+		bad->reset( at( 0, 1, 0 ) );
+		t.run( 10 );
+		EXPECT_TRUE( bad->isHealthy() );
+		EXPECT_LT( bad->massCentre().y(), 1 ) << "it falls again";
+	}
+	return places;
+}
+
+TEST( Lifetime, ABodyWithABadNumberStopsAndItsNeighboursGoOnBitForBit )
+{
+	const std::vector<btVector3> clean = beside( 0 );
+	for ( const int poison : { 1, 2, 3 } )
+	{
+		const std::vector<btVector3> seen = beside( poison );
+		for ( std::size_t k = 0; k < clean.size(); ++k )
+		{
+			ASSERT_EQ( ( clean[k] - seen[k] ).length(), 0 ) << "poison " << poison;
+		}
+	}
+}
+
+TEST( Lifetime, ThreadsDoNotChangeABit )
+{
+	std::vector<btVector3> places[3];
+	const int threads[] = { 1, 2, 8 };
+	for ( int run = 0; run < 3; ++run )
+	{
+		TestWorld t;
+		t.world.setThreadCount( threads[run] );
+		t.addFloor();
+		const auto shape = block( 4, 4, 4, 0.1f );
+		for ( int k = 0; k < 6; ++k )
+		{
+			t.addSoft( shape, at( btScalar( 0.1 ) * btScalar( k % 2 ), btScalar( 0.3 ) + btScalar( 0.5 ) * btScalar( k ), btScalar( 0.05 ) * btScalar( k % 3 ) ) );
+		}
+		t.addBox( 10, btVector3( 0.2f, 0.2f, 0.2f ), at( 0, 4, 0 ) );
+		t.run( 150 );
+		for ( const auto& body : t.soft )
+		{
+			for ( int i = 0; i < body->nodeCount(); ++i )
+			{
+				places[run].push_back( body->nodePosition( i ) );
+			}
+		}
+	}
+	for ( std::size_t k = 0; k < places[0].size(); ++k )
+	{
+		ASSERT_EQ( ( places[0][k] - places[1][k] ).length(), 0 );
+		ASSERT_EQ( ( places[0][k] - places[2][k] ).length(), 0 );
+	}
+}
+
+TEST( Lifetime, RefusesWhatCannotBe )
+{
+	EXPECT_EQ( SoftBody::create( nullptr, at( 0, 0, 0 ) ).status.code, ResultCode::BadArgument );
+	btTransform bad = at( 0, 0, 0 );
+	bad.setOrigin( btVector3( std::numeric_limits<btScalar>::quiet_NaN(), 0, 0 ) );
+	EXPECT_EQ( SoftBody::create( block( 2, 2, 2, 0.1f ), bad ).status.code, ResultCode::BadArgument );
+	Material material;
+	material.density = -1.0f;
+	EXPECT_EQ( SoftBody::create( block( 2, 2, 2, 0.1f ), at( 0, 0, 0 ), material ).status.code, ResultCode::BadMaterial );
+}
+
+} // namespace
+} // namespace pliant

@@ -1,0 +1,121 @@
+#pragma once
+
+// A world in one line, for tests: Bullet's usual parts, a floor, boxes and soft blocks.
+
+#include <pliant/soft_body_world.h>
+
+#include <btBulletDynamicsCommon.h>
+
+#include <gtest/gtest.h>
+
+#include <memory>
+#include <vector>
+
+namespace pliant::test {
+
+constexpr btScalar kFrame = btScalar( 1 ) / 60;
+
+inline btTransform at( btScalar x, btScalar y, btScalar z )
+{
+	return btTransform( btQuaternion::getIdentity(), btVector3( x, y, z ) );
+}
+
+/// A block of nx x ny x nz full cells about the origin, built from its twelve triangles as a game would.
+inline std::shared_ptr<const BodyTemplate> block( int nx, int ny, int nz, float cell )
+{
+	std::vector<float> corners;
+	for ( int i = 0; i < 8; ++i )
+	{
+		corners.insert( corners.end(), { cell * nx * ( float( i & 1 ) - 0.5f ), cell * ny * ( float( i >> 1 & 1 ) - 0.5f ), cell * nz * ( float( i >> 2 & 1 ) - 0.5f ) } );
+	}
+	const std::uint32_t triangles[] = { 0, 2, 1, 1, 2, 3, 4, 5, 6, 5, 7, 6, 0, 1, 4, 1, 5, 4, 2, 6, 3, 3, 6, 7, 0, 4, 2, 2, 4, 6, 1, 3, 5, 3, 7, 5 };
+	LatticeSettings settings;
+	settings.cellSize = cell;
+	auto made = BodyTemplate::build( MeshView{ corners.data(), 8, 3, triangles, 12 }, settings );
+	EXPECT_TRUE( made.ok() ) << made.status.sentence;
+	EXPECT_EQ( made.value->cellCount(), nx * ny * nz );
+	return made.value;
+}
+
+inline Material stiff( float youngsModulus )
+{
+	Material material;
+	material.youngsModulus = youngsModulus;
+	return material;
+}
+
+struct BulletParts
+{
+	btDefaultCollisionConfiguration configuration;
+	btCollisionDispatcher dispatcher{ &configuration };
+	btDbvtBroadphase broadphase;
+	btSequentialImpulseConstraintSolver solver;
+};
+
+class TestWorld
+{
+public:
+	TestWorld() : world( &parts.dispatcher, &parts.broadphase, &parts.solver, &parts.configuration ) {}
+	~TestWorld()
+	{
+		soft.clear(); // bodies leave a living world by themselves
+		for ( const auto& body : rigid )
+		{
+			world.removeRigidBody( body.get() );
+		}
+	}
+
+	btRigidBody* add( btScalar mass, btCollisionShape* shape, const btTransform& where )
+	{
+		shapes.emplace_back( shape );
+		btVector3 inertia( 0, 0, 0 );
+		if ( mass > 0 )
+		{
+			shape->calculateLocalInertia( mass, inertia );
+		}
+		btRigidBody::btRigidBodyConstructionInfo info( mass, nullptr, shape, inertia );
+		info.m_startWorldTransform = where;
+		rigid.push_back( std::make_unique<btRigidBody>( info ) );
+		world.addRigidBody( rigid.back().get() );
+		return rigid.back().get();
+	}
+	btRigidBody* addBox( btScalar mass, const btVector3& half, const btTransform& where ) { return add( mass, new btBoxShape( half ), where ); }
+	/// Top at height y.
+	btRigidBody* addFloor( btScalar y = 0 ) { return addBox( 0, btVector3( 10, 1, 10 ), at( 0, y - 1, 0 ) ); }
+	btRigidBody* addPlane( btScalar y = 0 ) { return add( 0, new btStaticPlaneShape( btVector3( 0, 1, 0 ), y ), btTransform::getIdentity() ); }
+
+	SoftBody* addSoft( const std::shared_ptr<const BodyTemplate>& shape, const btTransform& where, const Material& material = stiff( 1e5f ) )
+	{
+		SoftBodyResult made = SoftBody::create( shape, where, material );
+		EXPECT_TRUE( made.ok() ) << made.status.sentence;
+		soft.push_back( std::move( made.value ) );
+		world.addSoftBody( soft.back().get() );
+		return soft.back().get();
+	}
+
+	void run( int frames )
+	{
+		for ( int k = 0; k < frames; ++k )
+		{
+			world.stepSimulation( kFrame, 0 );
+		}
+	}
+
+	BulletParts parts;
+	SoftBodyWorld world;
+	std::vector<std::unique_ptr<btCollisionShape>> shapes;
+	std::vector<std::unique_ptr<btRigidBody>> rigid;
+	std::vector<std::unique_ptr<SoftBody>> soft;
+};
+
+inline btScalar lowestNode( const SoftBody& body )
+{
+	btScalar low = SIMD_INFINITY;
+	for ( int i = 0; i < body.nodeCount(); ++i )
+	{
+		low = btMin( low, body.nodePosition( i ).y() );
+	}
+	return low;
+}
+
+} // namespace pliant::test
