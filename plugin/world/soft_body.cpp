@@ -14,16 +14,6 @@ namespace pliant {
 
 namespace {
 
-bool isFinite( const btVector3& a )
-{
-	return std::isfinite( a.x() ) && std::isfinite( a.y() ) && std::isfinite( a.z() );
-}
-
-bool isFinite( const btTransform& t )
-{
-	return isFinite( t.getOrigin() ) && isFinite( t.getBasis()[0] ) && isFinite( t.getBasis()[1] ) && isFinite( t.getBasis()[2] );
-}
-
 Eigen::Quaterniond rotationOf( const btTransform& t )
 {
 	const btQuaternion q = t.getRotation();
@@ -39,12 +29,6 @@ Placement placementOf( const BodyTemplate& bodyTemplate, const btTransform& t )
 }
 
 } // namespace
-
-Pin* SoftBody::Impl::findPin( int node )
-{
-	const auto found = std::lower_bound( pins.begin(), pins.end(), node, []( const Pin& pin, int n ) { return pin.node < n; } );
-	return found != pins.end() && found->node == node ? &*found : nullptr;
-}
 
 void SoftBody::Impl::placeShape( btCollisionObject& object )
 {
@@ -338,119 +322,6 @@ const Material& SoftBody::material() const
 const StiffnessPlan& SoftBody::stiffnessPlan() const
 {
 	return m_impl->plan;
-}
-
-Status SoftBody::pin( const PinRequest& request )
-{
-	if ( request.node < 0 || request.node >= nodeCount() )
-	{
-		return Status{ ResultCode::BadArgument, "There is no node of this number." };
-	}
-	if ( !isFinite( request.point ) )
-	{
-		return Status{ ResultCode::BadArgument, "The pin's target is not finite." };
-	}
-	Impl& impl = *m_impl;
-	Pin* pin = impl.findPin( request.node );
-	if ( !pin )
-	{
-		const auto place = std::lower_bound( impl.pins.begin(), impl.pins.end(), request.node, []( const Pin& p, int n ) { return p.node < n; } );
-		pin = &*impl.pins.insert( place, Pin{} );
-	}
-	pin->node = request.node;
-	pin->kind = PinKind( request.kind );
-	pin->body = request.body;
-	pin->point = request.point;
-	pin->hasTarget = pin->kind == PinKind::Driven;
-	impl.body->setPinned( request.node, true );
-	impl.body->nodes().v.set( request.node, Vec3::Zero() );
-	activate( true );
-	return {};
-}
-
-Status SoftBody::pinNode( int node )
-{
-	return pin( PinRequest{ node, int( PinKind::Still ), nullptr, btVector3( 0, 0, 0 ) } );
-}
-
-Status SoftBody::pinNodeToBody( int node, btRigidBody* body )
-{
-	if ( !body || node < 0 || node >= nodeCount() )
-	{
-		return Status{ ResultCode::BadArgument, "pinNodeToBody needs a node and a rigid body." };
-	}
-	return pin( PinRequest{ node, int( PinKind::FollowsBody ), body, body->getWorldTransform().invXform( nodePosition( node ) ) } );
-}
-
-Status SoftBody::driveNode( int node, const btVector3& worldPosition )
-{
-	return pin( PinRequest{ node, int( PinKind::Driven ), nullptr, worldPosition } );
-}
-
-void SoftBody::releaseNode( int node )
-{
-	Impl& impl = *m_impl;
-	if ( Pin* pinned = impl.findPin( node ) )
-	{
-		impl.pins.erase( impl.pins.begin() + ( pinned - impl.pins.data() ) );
-		impl.body->setPinned( node, false );
-		activate( true );
-	}
-}
-
-int SoftBody::pinNodesInside( const btVector3& low, const btVector3& high )
-{
-	int count = 0;
-	for ( int i = 0; i < nodeCount(); ++i )
-	{
-		const btVector3 p = nodePosition( i );
-		const bool isInside = p.x() >= low.x() && p.y() >= low.y() && p.z() >= low.z() && p.x() <= high.x() && p.y() <= high.y() && p.z() <= high.z();
-		if ( isInside && pinNode( i ).ok() )
-		{
-			++count;
-		}
-	}
-	return count;
-}
-
-bool SoftBody::isPinned( int node ) const
-{
-	return m_impl->findPin( node ) != nullptr;
-}
-
-SurfaceView SoftBody::surface() const
-{
-	SurfaceView view;
-	const Impl& impl = *m_impl;
-	const SkinBinding& binding = impl.bodyTemplate->skin();
-	if ( binding.kind == Skinning::None )
-	{
-		return view;
-	}
-	SkinBuffers& skinBuffers = impl.skin;
-	if ( skinBuffers.isStale )
-	{
-		const int next = 1 - skinBuffers.current;
-		skinBuffers.positions[next].resize( binding.restPosition.size() * 3 );
-		skinBuffers.normals[next].resize( binding.restPosition.size() * 3 );
-		skinBuffers.rotations.resize( std::size_t( impl.body->nodeCount() ) * 4 );
-		impl.body->nodeRotations( skinBuffers.rotations.data() );
-		const SkinTriangles triangles{ impl.bodyTemplate->indices(), impl.bodyTemplate->triangleCount() };
-		skin( binding, impl.body->nodes(), skinBuffers.rotations.data(), triangles, skinBuffers.scratch, skinBuffers.positions[next].data(),
-			skinBuffers.normals[next].data() );
-		skinBuffers.origin[next] = impl.worldOrigin();
-		skinBuffers.current = next;
-		++skinBuffers.frame;
-		skinBuffers.isStale = false;
-	}
-	view.origin = skinBuffers.origin[skinBuffers.current];
-	view.positions = skinBuffers.positions[skinBuffers.current].data();
-	view.normals = skinBuffers.normals[skinBuffers.current].data();
-	view.indices = impl.bodyTemplate->indices();
-	view.vertexCount = impl.bodyTemplate->vertexCount();
-	view.triangleCount = impl.bodyTemplate->triangleCount();
-	view.frame = skinBuffers.frame;
-	return view;
 }
 
 bool SoftBody::isHealthy() const

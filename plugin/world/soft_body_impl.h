@@ -8,6 +8,7 @@
 #include "world/node_body.h"
 #include "world/node_shape.h"
 
+#include <cmath>
 #include <memory>
 #include <vector>
 
@@ -103,6 +104,16 @@ inline Vec3d toVec3d( const btVector3& a )
 inline btVector3 toBt( const Vec3d& a )
 {
 	return btVector3( btScalar( a.x() ), btScalar( a.y() ), btScalar( a.z() ) );
+}
+
+inline bool isFinite( const btVector3& a )
+{
+	return std::isfinite( a.x() ) && std::isfinite( a.y() ) && std::isfinite( a.z() );
+}
+
+inline bool isFinite( const btTransform& t )
+{
+	return isFinite( t.getOrigin() ) && isFinite( t.getBasis()[0] ) && isFinite( t.getBasis()[1] ) && isFinite( t.getBasis()[2] );
 }
 
 /// Marks objects as ours without touching the user's pointers.

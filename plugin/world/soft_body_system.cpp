@@ -59,21 +59,6 @@ void SoftBodySystem::restoreCreateFuncs()
 	m_wrapped.clear();
 }
 
-void SoftBodySystem::releasePinsTo( const btRigidBody& body )
-{
-	for ( SoftBody* soft : m_bodies )
-	{
-		std::vector<Pin>& pins = soft->impl().pins;
-		for ( std::size_t k = pins.size(); k-- > 0; )
-		{
-			if ( pins[k].body == &body )
-			{
-				soft->releaseNode( pins[k].node );
-			}
-		}
-	}
-}
-
 bool SoftBodySystem::add( SoftBody& body )
 {
 	if ( body.impl().system )
@@ -147,47 +132,6 @@ void SoftBodySystem::beginStep( btScalar gameStep, int substepCount )
 		report.awakeSoftBodies += moves( *body ) ? 1 : 0;
 		report.quarantined += impl.isHealthy ? 0 : 1;
 		report.unreachableStiffness += impl.plan.reachable ? 0 : 1;
-	}
-}
-
-// A pinned node's speed is what takes it where it must be at the substep's end.
-void SoftBodySystem::drivePins( SoftBody& body, btScalar h, int substep )
-{
-	SoftBody::Impl& impl = body.impl();
-	NodeState& nodes = impl.body->nodes();
-	for ( const Pin& pin : impl.pins )
-	{
-		btVector3 speed( 0, 0, 0 );
-		if ( pin.kind == PinKind::FollowsBody )
-		{
-			speed = pin.body->getVelocityInLocalPoint( pin.body->getWorldTransform().getBasis() * pin.point );
-		}
-		if ( pin.kind == PinKind::Driven && pin.hasTarget )
-		{
-			speed = ( pin.point - impl.position( pin.node ) ) / ( h * btScalar( m_substepCount - substep ) );
-		}
-		nodes.v.set( pin.node, toVec3( speed ) );
-	}
-}
-
-// After all has moved: a node that follows a body stands exactly where the body has taken it.
-void SoftBodySystem::settlePins( SoftBody& body, btScalar h, int substep )
-{
-	SoftBody::Impl& impl = body.impl();
-	NodeState& nodes = impl.body->nodes();
-	for ( Pin& pin : impl.pins )
-	{
-		if ( pin.kind == PinKind::FollowsBody )
-		{
-			const Vec3d target = toVec3d( pin.body->getWorldTransform() * pin.point ) - nodes.origin;
-			nodes.v.set( pin.node, ( ( target - nodes.x.get( pin.node ).cast<double>() ) / double( h ) ).cast<float>() );
-		}
-		if ( pin.kind == PinKind::Driven && pin.hasTarget && substep + 1 == m_substepCount )
-		{
-			const Vec3d way = toVec3d( pin.point ) - nodes.worldPosition( pin.node );
-			nodes.v.set( pin.node, ( way / double( h ) ).cast<float>() );
-			pin.hasTarget = false;
-		}
 	}
 }
 
