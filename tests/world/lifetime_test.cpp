@@ -13,6 +13,14 @@ using test::block;
 using test::BulletParts;
 using test::TestWorld;
 
+void stepFor( SoftBodyWorld& world, int frames )
+{
+	for ( int k = 0; k < frames; ++k )
+	{
+		world.stepSimulation( test::kFrame, 0 );
+	}
+}
+
 TEST( Lifetime, BodiesAndWorldsGoInAnyOrder )
 {
 	const auto shape = block( 3, 3, 3, 0.1f );
@@ -30,10 +38,7 @@ TEST( Lifetime, BodiesAndWorldsGoInAnyOrder )
 		world->addSoftBody( high.get() );
 		world->addSoftBody( high.get() ); // ignored
 		EXPECT_EQ( world->softBodyCount(), 2 );
-		for ( int k = 0; k < 20; ++k )
-		{
-			world->stepSimulation( test::kFrame, 0 );
-		}
+		stepFor( *world, 20 );
 		EXPECT_GT( world->stepReport().softContacts, 9 );
 		if ( order == 0 ) // the world first
 		{
@@ -64,10 +69,7 @@ TEST( Lifetime, BodiesAndWorldsGoInAnyOrder )
 			EXPECT_TRUE( low->pinNode( 0 ).ok() );
 			world->addSoftBody( low.get() );
 		}
-		for ( int k = 0; k < 20; ++k )
-		{
-			world->stepSimulation( test::kFrame, 0 );
-		}
+		stepFor( *world, 20 );
 		EXPECT_TRUE( !high || high->isHealthy() );
 		if ( order == 4 )
 		{
