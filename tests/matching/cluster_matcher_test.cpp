@@ -42,7 +42,6 @@ std::vector<Kind> allKinds()
 		kinds.push_back( { method, ClusterMode::Rigid, 0.0f } );
 		for ( ClusterMode mode : { ClusterMode::Linear, ClusterMode::Quadratic } )
 		{
-			kinds.push_back( { method, mode, 0.0f } );
 			kinds.push_back( { method, mode, 0.6f } );
 			kinds.push_back( { method, mode, 0.9f } );
 		}
@@ -109,7 +108,7 @@ TEST_P( Clusters, LeaveARigidMotionAlone )
 
 TEST_P( Clusters, KeepBothMomentaInFreeFlight )
 {
-	const auto body = test::makeBlock( 7, 5, 9, 0.1f, materialOf( GetParam() ) );
+	const auto body = test::makeBlock( 6, 5, 7, 0.1f, materialOf( GetParam() ) );
 	NodeState& nodes = body->nodes();
 	test::Seeded random( 3 );
 	for ( int i = 0; i < nodes.count; ++i )
@@ -140,13 +139,13 @@ TEST_P( Clusters, ComeBackFromAnything )
 	};
 	for ( const auto& mangle : mangles )
 	{
-		const auto body = test::makeBlock( 6, 6, 6, 1.0f / 6.0f, materialOf( GetParam() ) );
+		const auto body = test::makeBlock( 6, 4, 4, 1.0f / 6.0f, materialOf( GetParam() ) );
 		NodeState& nodes = body->nodes();
 		for ( int i = 0; i < nodes.count; ++i )
 		{
 			nodes.x.set( i, mangle( nodes.x.get( i ) ) );
 		}
-		for ( int k = 0; k < 2400; ++k )
+		for ( int k = 0; k < 1800; ++k )
 		{
 			ASSERT_EQ( test::substep( *body, kStep, 0.3f ), BodyHealth::Good );
 		}
