@@ -176,6 +176,21 @@ INSTANTIATE_TEST_SUITE_P( All, CollisionWith,
 		Ground{ "Hull", btScalar( 0.01 ), makeHull }, Ground{ "Cylinder", btScalar( 0.5 ), makeCylinder } ),
 	[]( const testing::TestParamInfo<Ground>& ground ) { return std::string( ground.param.name ); } );
 
+TEST( Collision, SeamsOfAFlatMeshDoNotTripWhatSlidesOverThem )
+{
+	std::vector<std::unique_ptr<btStridingMeshInterface>> meshes;
+	std::vector<float> heights;
+	TestWorld t;
+	t.add( 0, makeMesh( t, meshes, heights ), at( 0, 0, 0 ) );
+	SoftBody* cube = t.addSoft( block( 4, 4, 4, 0.1f ), at( btScalar( -1.5 ), btScalar( 0.2 ), btScalar( 0.021 ) ) );
+	cube->setFriction( 0 );
+	t.run( 60 );
+	cube->setLinearVelocity( btVector3( 2, 0, 0 ) );
+	t.run( 60 );
+	EXPECT_NEAR( cube->linearVelocity().x(), 2, 0.005 );
+	EXPECT_NEAR( cube->massCentre().x(), 0.5, 0.02 );
+}
+
 TEST( Collision, RollingFrictionDoesNotBreakTheNumbers )
 {
 	TestWorld t;
