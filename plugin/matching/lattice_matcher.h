@@ -29,12 +29,13 @@ public:
 	std::size_t sharedBytes() const override { return m_tables->bytes(); }
 	const RegionTables& tables() const { return *m_tables; }
 
+	/// What the kernels see, body frame and step left at their defaults; for benchmarks of one kernel alone.
+	MatchView view( NodeState& nodes );
 	bool usesBoxSums() const { return m_tables->usesGrid; }
 	/// Regions whose rotation the lanes left to the careful scalar road in the last step.
 	int openRegions() const { return m_openRegions; }
 
 private:
-	MatchView view( NodeState& nodes );
 	void measureFrame( const NodeState& nodes, MatchView& view, TaskRunner* runner );
 	void gatherAndFit( const MatchView& view, TaskRunner* runner );
 	void boxSums( const MatchView& view, float* records, TaskRunner* runner );
