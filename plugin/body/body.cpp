@@ -3,6 +3,7 @@
 #include "matching/cluster_matcher.h"
 #include "matching/lattice_matcher.h"
 #include "matching/rotation.h"
+#include "matching/stiffness.h"
 
 #include <algorithm>
 #include <cmath>
@@ -207,8 +208,7 @@ float Body::wobbleRate( float h, float alpha ) const
 	{
 		return 0.0f;
 	}
-	const double w = m_material.regionHalfWidth;
-	const double speed = m_lattice->cellSize / double( h ) * std::sqrt( alpha * w * ( w + 1.0 ) / 3.0 );
+	const double speed = m_lattice->cellSize / double( h ) * std::sqrt( alpha * regionSecondMoment( m_material ) );
 	const double omega = kPi * speed / m_restLength;
 	return float( 2.0 * m_material.wobbleDamping * omega );
 }
@@ -218,13 +218,13 @@ float Body::wobbleRate( float h, float alpha ) const
 // makes up what can be made up: ( 1 - s ) E_f + s E_b = E. Both matches are contractions, and so is their blend.
 float Body::bodyShare( float h, float alpha ) const
 {
-	if ( m_material.stiffness != Stiffness::YoungsModulus || alpha < kLargestAlpha || !m_isOnePart )
+	if ( m_material.stiffness != Stiffness::YoungsModulus || m_material.method == Method::SingleCluster || alpha < kLargestAlpha || !m_isOnePart )
 	{
 		return 0.0f;
 	}
-	const double w = m_material.regionHalfWidth, d = m_lattice->cellSize;
+	const double d = m_lattice->cellSize;
 	const double perStep = m_material.density / ( double( h ) * h );
-	const double ofRegions = perStep * d * d * w * ( w + 1.0 ) / 3.0, ofBody = perStep * m_secondMoment;
+	const double ofRegions = perStep * d * d * regionSecondMoment( m_material ), ofBody = perStep * m_secondMoment;
 	if ( ofBody <= ofRegions )
 	{
 		return 0.0f;

@@ -1,6 +1,7 @@
 #include "pliant/material.h"
 
 #include "matching/constants.h"
+#include "matching/stiffness.h"
 
 #include <algorithm>
 #include <cmath>
@@ -61,13 +62,12 @@ Status check( const Material& material )
 StiffnessPlan planStiffness( const Material& material, float cellSize, float gameStep, int substeps )
 {
 	StiffnessPlan plan;
-	const double w = material.regionHalfWidth;
 	const double h = double( gameStep ) / std::max( substeps, 1 );
 
-	// A lattice of regions of half-width w, alpha at step h, is an elastic solid of modulus
-	// E = alpha rho d^2 w (w + 1) / (3 h^2), Poisson's ratio 0; so the modulus reached per unit of alpha is:
-	const double modulusPerAlpha = material.density * double( cellSize ) * cellSize * w * ( w + 1.0 ) / ( 3.0 * h * h );
-	if ( material.stiffness == Stiffness::RawAlpha )
+	// A lattice of regions, alpha at step h, is an elastic solid of modulus E = alpha rho d^2 mu / h^2, Poisson's ratio 0,
+	// with mu = w ( w + 1 ) / 3; so the modulus reached per unit of alpha is:
+	const double modulusPerAlpha = material.density * double( cellSize ) * cellSize * regionSecondMoment( material ) / ( h * h );
+	if ( material.stiffness == Stiffness::RawAlpha || material.method == Method::SingleCluster )
 	{
 		plan.alpha = material.alpha;
 		plan.reachedModulus = float( modulusPerAlpha * material.alpha );

@@ -50,11 +50,12 @@ struct Material
 
 	/// Young's modulus, Pa. Above 0. Poisson's ratio is 0. Reached up to a limit that grows with substeps and
 	/// regionHalfWidth; what is out of reach is reported, and the stiffest stable setting is used instead.
+	/// Not used by Method::SingleCluster, whose stiffness is `alpha`.
 	float youngsModulus = 2.0e4f;
 
 	Stiffness stiffness = Stiffness::YoungsModulus;
 
-	/// Share of the way to the goal per substep, (0, 1]. Used with Stiffness::RawAlpha. Ohta et al. 2009, eq. 3.
+	/// Share of the way to the goal per substep, (0, 1]. Used with Stiffness::RawAlpha and Method::SingleCluster. Ohta et al. 2009, eq. 3.
 	float alpha = 1.0f;
 
 	/// Blend of the goal from rigid (0) to the best linear or quadratic fit, [0, 0.95]. Ohta et al. 2009, eq. 5. Larger is softer.
@@ -94,7 +95,7 @@ struct StiffnessPlan
 	bool reachable = true;
 };
 
-/// alpha = 3 E h^2 / (rho d^2 w (w + 1)), at most 1; `h` is one substep, s. docs/step.md derives it.
+/// alpha = 3 E h^2 / (rho d^2 w (w + 1)), at most 1; `h` is one substep, s (docs/step.md). Clusters of edge e: (e^2 - 1) / 4 for w (w + 1).
 PLIANT_API StiffnessPlan planStiffness( const Material& material, float cellSize, float gameStep, int substeps );
 
 } // namespace pliant
