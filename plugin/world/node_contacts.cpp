@@ -56,6 +56,26 @@ void combineSurfaces( const btCollisionObject* body0, const btCollisionObject* b
 	btPlaneSpace1( point.m_normalWorldOnB, point.m_lateralFrictionDir1, point.m_lateralFrictionDir2 );
 }
 
+/// The hit as Bullet's solver wants it: the points on both surfaces, the normal on the second object, who it is.
+btManifoldPoint makePoint( const btPersistentManifold& manifold, const NodeBody& node, const NodeHit& hit, bool nodeIsFirst )
+{
+	const btScalar radius = radiusOf( node ), distance = btScalar( hit.touch.distance );
+	const btVector3 outward = toBt( hit.touch.normal );
+	const btVector3 onNode = node.written - outward * radius, onOther = node.written - outward * distance;
+	const btVector3& onA = nodeIsFirst ? onNode : onOther;
+	const btVector3& onB = nodeIsFirst ? onOther : onNode;
+	btManifoldPoint point( manifold.getBody0()->getWorldTransform().invXform( onA ), manifold.getBody1()->getWorldTransform().invXform( onB ),
+		nodeIsFirst ? outward : -outward, distance - radius );
+	point.m_positionWorldOnA = onA;
+	point.m_positionWorldOnB = onB;
+	point.m_partId0 = nodeIsFirst ? -1 : hit.part;
+	point.m_index0 = nodeIsFirst ? node.node : hit.index;
+	point.m_partId1 = nodeIsFirst ? hit.part : -1;
+	point.m_index1 = nodeIsFirst ? hit.index : node.node;
+	combineSurfaces( manifold.getBody0(), manifold.getBody1(), point );
+	return point;
+}
+
 /// The game may change a new or renewed point, as with any contact of Bullet's.
 void tellAdded( const btPersistentManifold& manifold, btManifoldPoint& point )
 {
@@ -201,7 +221,6 @@ void PairContacts::write( const Pair& pair, NodeContact& contact, const NodeHit*
 {
 	btPersistentManifold& manifold = *contact.manifold;
 	const btScalar radius = radiusOf( *contact.first );
-	const btVector3 centre = contact.first->written;
 	const bool isNew = manifold.getNumContacts() == 0;
 	// Hits come nearest first; Bullet keeps what lies within the threshold.
 	manifold.setContactBreakingThreshold( btMax( btScalar( hits[count - 1].touch.distance ) - radius, btScalar( 0 ) ) + kContactSlop * radius );
@@ -224,20 +243,7 @@ void PairContacts::write( const Pair& pair, NodeContact& contact, const NodeHit*
 	}
 	for ( int h = 0; h < count; ++h )
 	{
-		const Touch& touch = hits[h].touch;
-		const btVector3 outward = toBt( touch.normal );
-		const btVector3 onNode = centre - outward * radius, onOther = centre - outward * btScalar( touch.distance );
-		const btVector3& onA = pair.softIsFirst ? onNode : onOther;
-		const btVector3& onB = pair.softIsFirst ? onOther : onNode;
-		btManifoldPoint point( manifold.getBody0()->getWorldTransform().invXform( onA ), manifold.getBody1()->getWorldTransform().invXform( onB ),
-			pair.softIsFirst ? outward : -outward, btScalar( touch.distance ) - radius );
-		point.m_positionWorldOnA = onA;
-		point.m_positionWorldOnB = onB;
-		point.m_partId0 = pair.softIsFirst ? -1 : hits[h].part;
-		point.m_index0 = pair.softIsFirst ? contact.first->node : hits[h].index;
-		point.m_partId1 = pair.softIsFirst ? hits[h].part : -1;
-		point.m_index1 = pair.softIsFirst ? hits[h].index : contact.first->node;
-		combineSurfaces( manifold.getBody0(), manifold.getBody1(), point );
+		const btManifoldPoint point = makePoint( manifold, *contact.first, hits[h], pair.softIsFirst );
 		if ( places[h] >= 0 )
 		{
 			manifold.replaceContactPoint( point, places[h] );
