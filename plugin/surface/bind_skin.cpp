@@ -87,7 +87,12 @@ std::vector<Spot> makeSpots( const MeshView& mesh, const SkinBinding& binding )
 	}
 	for ( Spot& spot : spots )
 	{
-		spot.outward.stableNormalize();
+		// Scaled by the largest part first: the square of a tiny triangle's area is nothing.
+		const double largest = spot.outward.cwiseAbs().maxCoeff();
+		if ( largest > 0.0 )
+		{
+			spot.outward = ( spot.outward / largest ).normalized();
+		}
 	}
 	return spots;
 }
