@@ -16,12 +16,12 @@ struct Floor
 };
 
 const Floor kFloors[] = {
-	{ "plugin/include/", 0 }, { "plugin/threads/", 1 }, { "plugin/lattice/", 2 }, { "plugin/matching/", 3 },
-	{ "plugin/surface/", 4 }, { "plugin/body/", 5 },    { "plugin/world/", 6 },
+	{ "plugin/include/", 0 }, { "plugin/threads/", 1 },  { "plugin/lattice/", 2 }, { "plugin/adapt/", 3 },
+	{ "plugin/matching/", 4 }, { "plugin/surface/", 5 }, { "plugin/body/", 6 },    { "plugin/world/", 7 },
 };
 
 constexpr int kFace = 0;
-constexpr int kWorld = 6;
+constexpr int kWorld = 7;
 
 const Floor* floorOf( const std::string& path )
 {

@@ -1,0 +1,58 @@
+#pragma once
+
+// Regions over the nodes of a cut as a sparse matrix U: u(a, r) is the mass of node a that counts in region r. One region a node.
+// Uniform lattices, Steinemann's intervals, Ohta's unions and regions with multiplicity are ways to fill it; the step is one.
+//
+// Masses are whole multiples of kMassUnit, so that sums are exact whatever their order: splitting, merging and rebuilding from
+// nothing give the same bits.
+
+#include "adapt/cut.h"
+#include "lattice/region.h"
+
+namespace pliant {
+
+/// Share of a full finest cell's mass. 8^4 cells of it fit 32 bits; a cell in 27 regions is met to 3e-5 (its shares stay whole).
+inline constexpr double kMassUnit = 1.0 / ( 1 << 19 );
+
+/// Row r lists the nodes of region r, ascending by slot, r itself among them. Membership is symmetric, values need not be:
+/// row r of the transposed matrix stands in `share`, beside the same members.
+struct RegionMatrix
+{
+	std::vector<std::uint32_t> start;  ///< members of region r: start[r] .. start[r + 1]
+	std::vector<std::uint32_t> member; ///< slots
+	std::vector<std::uint32_t> mass;   ///< u( member, r ): what the member gives to the sums of region r, in kMassUnit
+	std::vector<std::uint32_t> share;  ///< weight of the member's region in the goal of node r; u( r, member ) where momentum is kept
+
+	int count() const { return start.empty() ? 0 : int( start.size() ) - 1; }
+	std::size_t bytes() const { return ( start.size() + member.size() * 3 ) * sizeof( std::uint32_t ); }
+};
+
+/// The finest level, on which everything coarser stands: for each cell, the cells of its region and the mass it gives to each.
+struct FineRegions
+{
+	RegionSet set;                      ///< with its table
+	std::vector<std::uint32_t> mass;    ///< m_c / n_c, in kMassUnit, at least 1
+};
+
+FineRegions buildFineRegions( const Lattice& lattice, int halfWidth );
+
+/// Regions with multiplicity: U = P^T U_fine P, the sum of all fine regions under a node. Masses of a node over its regions add up to
+/// its own; it is the uniform lattice where all nodes are finest cells. This is the slow twin of updateMultiplicityRegions.
+RegionMatrix buildMultiplicityRegions( const Octree& octree, const Cut& cut, const FineRegions& fine );
+
+/// The matrix of cut `to`, given the one of cut `from`, where only nodes that are in one of the two and not in the other changed:
+/// split nodes are counted anew from their cells, merged ones are sums of their children's rows, all else is renumbered.
+RegionMatrix updateMultiplicityRegions( const Octree& octree, const Cut& from, const RegionMatrix& matrix, const Cut& to, const FineRegions& fine );
+
+/// How weights enter where a region is a plain set of cells.
+enum class UnionWeights : int
+{
+	Conserving, ///< u( a, r ) = m_r m(a, r) / W_a, W_a = sum over r of m_r m(a, r) / m_a, and goals by the transpose
+	Literal     ///< m(a, r) in sums, m_r m(a, r) / m_a in goals
+};
+
+/// Ohta et al. 2009, "Preprocessing" and eq. 6: the region of a node is the union of its children's; m(a, r) is the mass of those cells
+/// of node a that lie in it.
+RegionMatrix buildUnionRegions( const Octree& octree, const Cut& cut, const FineRegions& fine, UnionWeights weights );
+
+} // namespace pliant
