@@ -1,5 +1,6 @@
 #include "body/body.h"
 
+#include "body/levels.h"
 #include "matching/cluster_matcher.h"
 #include "matching/lattice_matcher.h"
 #include "matching/rotation.h"
@@ -12,15 +13,6 @@
 namespace pliant {
 
 namespace {
-
-std::unique_ptr<Matcher> makeMatcher( const Lattice& lattice, const Material& material, const NodeState& nodes, RegionCache* cache )
-{
-	if ( material.method == Method::Lattice )
-	{
-		return makeLatticeMatcher( lattice, material, cache );
-	}
-	return makeClusterMatcher( lattice, material, nodes );
-}
 
 void fillNodes( const Lattice& lattice, const Material& material, NodeState& nodes )
 {
@@ -81,7 +73,8 @@ Body::Body() = default;
 Body::~Body() = default;
 
 Result<std::unique_ptr<Body>> Body::create(
-	std::shared_ptr<const Lattice> lattice, const Material& material, const Placement& placement, std::shared_ptr<RegionCache> cache )
+	std::shared_ptr<const Lattice> lattice, const Material& material, const Placement& placement, std::shared_ptr<TemplateCache> cache,
+	const Adaptivity& adaptivity )
 {
 	using Made = Result<std::unique_ptr<Body>>;
 	if ( !lattice || lattice->cellCount() == 0 )
@@ -92,17 +85,25 @@ Result<std::unique_ptr<Body>> Body::create(
 	{
 		return Made{ std::move( status ), nullptr };
 	}
+	if ( Status status = check( adaptivity ); !status.ok() )
+	{
+		return Made{ std::move( status ), nullptr };
+	}
+	if ( adaptivity.coarseLevels > 0 && material.method != Method::Lattice )
+	{
+		return Made::failure( ResultCode::BadArgument, "Adaptivity: levels need Method::Lattice." );
+	}
 	try
 	{
 		std::unique_ptr<Body> body( new Body );
 		body->m_lattice = std::move( lattice );
 		body->m_cache = std::move( cache );
 		body->m_material = material;
-		fillNodes( *body->m_lattice, material, body->m_nodes );
+		body->makeNodes( adaptivity );
 		body->m_restLength = longestExtent( *body->m_lattice );
 		body->m_secondMoment = meanSecondMoment( *body->m_lattice );
 		body->m_isOnePart = countComponents( *body->m_lattice ) == 1;
-		body->m_matcher = makeMatcher( *body->m_lattice, material, body->m_nodes, body->m_cache.get() );
+		body->m_matcher = body->makeMatcher( material );
 		body->m_lastFinite.resize( std::size_t( body->m_nodes.padded ) * 6, 0.0f );
 		body->place( placement );
 		return Made::success( std::move( body ) );
@@ -111,6 +112,91 @@ Result<std::unique_ptr<Body>> Body::create(
 	{
 		return Made::failure( ResultCode::OutOfMemory, "Not enough memory for a body of this many cells." );
 	}
+}
+
+void Body::makeNodes( const Adaptivity& adaptivity )
+{
+	if ( adaptivity.coarseLevels == 0 )
+	{
+		fillNodes( *m_lattice, m_material, m_nodes );
+		return;
+	}
+	std::shared_ptr<const LevelBase> base = m_cache ? m_cache->levels.find( *m_lattice, m_material, adaptivity )
+													 : buildLevelBase( *m_lattice, m_material, adaptivity );
+	m_levels = std::make_unique<Levels>( std::move( base ), *m_lattice, m_material, adaptivity );
+	m_levels->fillNodes( m_nodes, m_material.density );
+}
+
+std::unique_ptr<Matcher> Body::makeMatcher( const Material& material )
+{
+	m_levelMatcher = nullptr;
+	if ( m_levels )
+	{
+		auto matcher = std::make_unique<LatticeMatcher>( *m_lattice, material, m_levels->tables() );
+		m_levelMatcher = matcher.get();
+		return matcher;
+	}
+	if ( material.method == Method::Lattice )
+	{
+		return makeLatticeMatcher( *m_lattice, material, m_cache ? &m_cache->regions : nullptr );
+	}
+	return makeClusterMatcher( *m_lattice, material, m_nodes );
+}
+
+bool Body::adaptLevels( float h )
+{
+	if ( !m_levels )
+	{
+		return false;
+	}
+	m_sinceReview += h;
+	if ( m_reviewIn > 0 )
+	{
+		--m_reviewIn;
+		return false;
+	}
+	m_reviewIn = kSubstepsBetweenReviews - 1;
+	const bool hasChange = m_levels->review( m_levelMatcher->strain(), m_sinceReview );
+	m_sinceReview = 0.0f;
+	if ( hasChange )
+	{
+		m_levels->apply( m_nodes, *m_levelMatcher, m_material );
+		nodesChanged();
+	}
+	return hasChange;
+}
+
+void Body::changeLevels( const std::vector<std::uint32_t>& split, const std::vector<std::uint32_t>& merge )
+{
+	m_levels->change( m_nodes, *m_levelMatcher, m_material, split, merge );
+	nodesChanged();
+}
+
+void Body::nodesChanged()
+{
+	m_lastFinite.resize( std::size_t( m_nodes.padded ) * 6 );
+	keepFiniteState();
+}
+
+void Body::requestSplit( int node )
+{
+	if ( m_levels )
+	{
+		m_levels->requestSplit( node );
+	}
+}
+
+void Body::setFinestLevel( int level )
+{
+	if ( m_levels )
+	{
+		m_levels->setFinestLevel( level );
+	}
+}
+
+void Body::nodeDeformations( float* gradients ) const
+{
+	m_levelMatcher->deformations( const_cast<NodeState&>( m_nodes ), gradients ); // the matcher's view has one form, for reading and writing
 }
 
 Status Body::setMaterial( const Material& material )
@@ -124,7 +210,11 @@ Status Body::setMaterial( const Material& material )
 		std::unique_ptr<Matcher> matcher;
 		if ( needsNewMatcher( m_material, material ) )
 		{
-			matcher = makeMatcher( *m_lattice, material, m_nodes, m_cache.get() );
+			if ( m_levels )
+			{
+				return Status{ ResultCode::BadArgument, "Method, weights, beta and half-width of a body with levels are fixed when it is made." };
+			}
+			matcher = makeMatcher( material );
 			matcher->reset( m_nodes, bestFit().rotation );
 		}
 		const float ratio = material.density / m_material.density;
@@ -196,7 +286,8 @@ void Body::applyForces( float h, const Vec3& gravity )
 
 void Body::accelerateTowardGoals( float h, float alpha, TaskRunner* runner )
 {
-	m_matcher->accelerate( m_nodes, MatchStep{ h, alpha, m_material.damping, wobbleRate( h, alpha ), bodyShare( h, alpha ) }, runner );
+	const bool measuresStrain = m_levels && m_reviewIn == 0 && m_levels->settings().refineStrain > 0.0f;
+	m_matcher->accelerate( m_nodes, MatchStep{ h, alpha, m_material.damping, wobbleRate( h, alpha ), bodyShare( h, alpha ), measuresStrain }, runner );
 }
 
 // The slowest free vibration of a bar of length L has omega = pi c / L with c = sqrt( E / rho ); a motion damped at rate r has
@@ -341,7 +432,7 @@ Placement Body::bestFit() const
 std::size_t Body::bytes() const
 {
 	const std::size_t floats = std::size_t( m_nodes.padded ) * 11 + m_nodes.force.x.size() * 3 + m_lastFinite.size();
-	return floats * sizeof( float ) + m_matcher->bytes() + m_matcher->sharedBytes() + m_lattice->bytes();
+	return floats * sizeof( float ) + m_matcher->bytes() + m_matcher->sharedBytes() + m_lattice->bytes() + ( m_levels ? m_levels->bytes() : 0 );
 }
 
 void Body::nodeRotations( float* quaternions ) const
@@ -351,6 +442,18 @@ void Body::nodeRotations( float* quaternions ) const
 
 float Body::invertedShare() const
 {
+	if ( m_levels )
+	{
+		// A node's region is inside out when its F is.
+		std::vector<float> gradients( std::size_t( m_nodes.padded ) * 9 );
+		nodeDeformations( gradients.data() );
+		int turned = 0;
+		for ( int i = 0; i < m_nodes.count; ++i )
+		{
+			turned += Eigen::Map<const Eigen::Matrix3f>( gradients.data() + 9 * std::size_t( i ) ).determinant() > 0.0f ? 0 : 1;
+		}
+		return float( turned ) / float( m_nodes.count );
+	}
 	// A cell's frame: the mean of the edge vectors to its links along each axis, as far as they exist. Inside out when their
 	// determinant is not positive.
 	int tested = 0, inverted = 0;

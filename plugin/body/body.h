@@ -3,6 +3,7 @@
 // One soft body's state and its step, without any world around it. Knows no Bullet.
 // Beside design.md's order: applyForces, accelerateTowardGoals (shape matching), [contacts], integrate.
 
+#include "pliant/adaptivity.h"
 #include "pliant/material.h"
 #include "pliant/result.h"
 
@@ -16,8 +17,10 @@
 namespace pliant {
 
 class Matcher;
-class RegionCache;
+class LatticeMatcher;
+class Levels;
 class TaskRunner;
+struct TemplateCache;
 
 /// A rigid placement in double precision.
 struct Placement
@@ -45,9 +48,10 @@ enum class BodyHealth : int
 class Body
 {
 public:
-	/// Refuses a bad material and running out of memory. Bodies of one lattice share their region tables through `cache` (may be null).
+	/// Refuses bad settings and running out of memory. Bodies of one lattice share their tables through `cache` (may be null).
+	/// Levels need Method::Lattice.
 	static Result<std::unique_ptr<Body>> create( std::shared_ptr<const Lattice> lattice, const Material& material, const Placement& placement,
-		std::shared_ptr<RegionCache> cache = nullptr );
+		std::shared_ptr<TemplateCache> cache = nullptr, const Adaptivity& adaptivity = {} );
 	~Body();
 
 	// --- state, flat arrays; write freely between steps -------------------------------------------------------------
@@ -68,6 +72,19 @@ public:
 
 	/// A pinned node keeps the velocity it is given (`NodeState::v`) and is not moved by matching or forces.
 	void setPinned( int node, bool pinned );
+
+	// --- levels of detail --------------------------------------------------------------------------------------------
+	/// Null where the body has none: node i is then cell i.
+	const Levels* levels() const { return m_levels.get(); }
+	/// Splits and merges nodes as strain and requests ask for it; to be called at the start of a substep. True when nodes changed: their
+	/// numbers did then too (Levels::lastChange).
+	bool adaptLevels( float h );
+	/// Splits and merges octree nodes by name; see changeCut.
+	void changeLevels( const std::vector<std::uint32_t>& split, const std::vector<std::uint32_t>& merge );
+	void requestSplit( int node );
+	void setFinestLevel( int level );
+	/// F of each node's region, 9 floats a node, row by row. Only for bodies with levels.
+	void nodeDeformations( float* gradients ) const;
 
 	// --- one substep of length h, s ---------------------------------------------------------------------------------
 	/// v += h (gravity + f / m); then forces f are left as they are (the world clears them once a game step).
@@ -91,16 +108,23 @@ public:
 private:
 	Body();
 	void rebase();
+	void makeNodes( const Adaptivity& adaptivity );
+	std::unique_ptr<Matcher> makeMatcher( const Material& material );
+	void nodesChanged();
 	float wobbleRate( float h, float alpha ) const;
 	float bodyShare( float h, float alpha ) const;
 	void keepFiniteState();
 	void restoreFiniteState();
 
 	std::shared_ptr<const Lattice> m_lattice;
-	std::shared_ptr<RegionCache> m_cache;
+	std::shared_ptr<TemplateCache> m_cache;
 	Material m_material;
 	NodeState m_nodes;
 	std::unique_ptr<Matcher> m_matcher;
+	std::unique_ptr<Levels> m_levels;
+	LatticeMatcher* m_levelMatcher = nullptr; ///< m_matcher where there are levels
+	int m_reviewIn = 0;              ///< substeps until strains are measured
+	float m_sinceReview = 0.0f;      ///< s
 	bool m_isOnePart = true;
 	double m_secondMoment = 0.0;     ///< m^2, mean over the axes, per mass
 	double m_restLength = 1.0;       ///< m, longest edge of the rest shape's box

@@ -3,7 +3,7 @@
 #include "pliant/body_template.h"
 
 #include "lattice/build_lattice.h"
-#include "matching/region_tables.h"
+#include "matching/level_tables.h"
 #include "surface/skinning.h"
 
 #include <chrono>
@@ -15,7 +15,7 @@ namespace pliant {
 struct BodyTemplate::Data
 {
 	std::shared_ptr<const Lattice> lattice; // bodies hold it too
-	std::shared_ptr<RegionCache> regionCache = std::make_shared<RegionCache>();
+	std::shared_ptr<TemplateCache> cache = std::make_shared<TemplateCache>();
 	SkinBinding skin;
 	BuildReport report;
 	int vertexCount = 0;
@@ -159,9 +159,9 @@ std::shared_ptr<const Lattice> BodyTemplate::sharedLattice() const
 	return m_data->lattice;
 }
 
-std::shared_ptr<RegionCache> BodyTemplate::regionCache() const
+std::shared_ptr<TemplateCache> BodyTemplate::cache() const
 {
-	return m_data->regionCache;
+	return m_data->cache;
 }
 
 const SkinBinding& BodyTemplate::skin() const

@@ -46,4 +46,7 @@ inline constexpr double kOriginGrid = 1.0 / 16.0;
 /// Speed above which a node is held back, m/s: faster is an error of the game, and 16-bit cell hashes and float contacts end here.
 inline constexpr float kSpeedLimit = 1.0e5f;
 
+/// Strains are looked at this seldom: a split a few substeps late is not seen, a look at every substep costs some per cent.
+inline constexpr int kSubstepsBetweenReviews = 4;
+
 } // namespace pliant

@@ -37,6 +37,11 @@ LatticeMatcher::LatticeMatcher(
 	m_rotationFromF( material.rotationFrom == RotationFrom::F ),
 	m_keepsMomentum( material.weights == Weights::Conserving && material.rotationFrom == RotationFrom::Apq )
 {
+	allocate();
+}
+
+void LatticeMatcher::allocate()
+{
 	const int padded = m_tables->moments.padded;
 	for ( auto& component : m_quaternion )
 	{
@@ -57,6 +62,34 @@ LatticeMatcher::LatticeMatcher(
 	m_partial.resize( chunks( padded ) );
 }
 
+void LatticeMatcher::setTables( std::shared_ptr<const RegionTables> tables, const std::vector<std::uint32_t>& heir )
+{
+	AlignedArray<float> quaternion[4], residual[3];
+	for ( int k = 0; k < 4; ++k )
+	{
+		quaternion[k].swap( m_quaternion[k] );
+	}
+	for ( int k = 0; k < 3; ++k )
+	{
+		residual[k].swap( m_residual[k] );
+	}
+	m_tables = std::move( tables );
+	m_strain = {};
+	allocate();
+	for ( std::size_t i = 0; i < heir.size(); ++i )
+	{
+		for ( int k = 0; k < 4; ++k )
+		{
+			m_quaternion[k][i] = quaternion[k][heir[i]];
+		}
+		for ( int k = 0; k < 3; ++k )
+		{
+			m_residual[k][i] = residual[k][heir[i]];
+		}
+	}
+	m_isHistoryNew = true;
+}
+
 void LatticeMatcher::reset( const NodeState&, const Eigen::Quaterniond& rotation )
 {
 	m_frame = rotation;
@@ -71,6 +104,24 @@ void LatticeMatcher::reset( const NodeState&, const Eigen::Quaterniond& rotation
 void LatticeMatcher::turn( const Eigen::Quaterniond& by )
 {
 	m_frame = ( by * m_frame ).normalized(); // everything else is kept relative to the frame
+}
+
+void LatticeMatcher::viewLevels( MatchView& v ) const
+{
+	const auto dataOrNull = []( const AlignedArray<float>& array ) { return array.empty() ? nullptr : array.data(); };
+	v.memberMass = m_tables->memberMass.data();
+	v.memberShare = m_tables->memberShare.data();
+	v.pull = dataOrNull( m_tables->pull );
+	v.regionBeta = dataOrNull( m_tables->beta );
+	v.regionEta = dataOrNull( m_tables->eta );
+	for ( int k = 0; k < 9; ++k )
+	{
+		v.blend[k] = dataOrNull( m_tables->blend[k] );
+	}
+	for ( int k = 0; k < 6; ++k )
+	{
+		v.outOfPlane[k] = dataOrNull( m_tables->outOfPlane[k] );
+	}
 }
 
 MatchView LatticeMatcher::view( NodeState& nodes )
@@ -120,6 +171,10 @@ MatchView LatticeMatcher::view( NodeState& nodes )
 	v.cellsPerMetre = 1.0f / m_cellSize;
 	v.beta = m_beta;
 	v.rotationFromF = m_rotationFromF;
+	if ( !m_tables->memberMass.empty() )
+	{
+		viewLevels( v );
+	}
 	return v;
 }
 
@@ -262,6 +317,16 @@ void LatticeMatcher::accelerate( NodeState& nodes, const MatchStep& step, TaskRu
 	v.dampingShare = float( 1.0 - std::exp( -double( step.damping ) * step.h ) );
 	v.wobbleShare = float( 1.0 - std::exp( -double( step.wobbleDamping ) * step.h ) );
 	v.speedPerCell = m_cellSize / step.h;
+	if ( m_isHistoryNew )
+	{
+		v.dampingShare = 0.0f;
+		m_isHistoryNew = false;
+	}
+	if ( step.measuresStrain && v.inverseMoment[0] )
+	{
+		m_strain.resize( m_tables->moments.padded );
+		v.strain = m_strain.data();
+	}
 	measureFrame( nodes, v, runner );
 	gatherAndFit( v, runner );
 
@@ -285,6 +350,19 @@ void LatticeMatcher::nodeRotations( const NodeState& nodes, float* quaternions )
 		quaternions[4 * i + 1] = q.y();
 		quaternions[4 * i + 2] = q.z();
 		quaternions[4 * i + 3] = q.w();
+	}
+}
+
+void LatticeMatcher::deformations( NodeState& nodes, float* gradients )
+{
+	const MatchView v = view( nodes );
+	m_kernels.deformations( v, 0, nodes.padded, gradients );
+	// F turns with the body's frame: what the kernels see is R_b^T F.
+	const Eigen::Matrix3f frame = m_frame.toRotationMatrix().cast<float>();
+	for ( int i = 0; i < nodes.count; ++i )
+	{
+		Eigen::Map<Eigen::Matrix<float, 3, 3, Eigen::RowMajor>> f( gradients + 9 * i );
+		f = frame * f;
 	}
 }
 

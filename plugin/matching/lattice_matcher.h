@@ -29,6 +29,13 @@ public:
 	std::size_t sharedBytes() const override { return m_tables->bytes(); }
 	const RegionTables& tables() const { return *m_tables; }
 
+	/// Other regions for other nodes: node i takes over the history of the old node `heir[i]`.
+	void setTables( std::shared_ptr<const RegionTables> tables, const std::vector<std::uint32_t>& heir );
+	/// Of each region, sum over the singular values s of F of ( s - 1 )^2, as last measured (MatchStep::measuresStrain).
+	const AlignedArray<float>& strain() const { return m_strain; }
+	/// F of every region in world axes as of the last substep, 9 floats a region, row by row. The tables must hold J^+.
+	void deformations( NodeState& nodes, float* gradients );
+
 	/// What the kernels see, body frame and step left at their defaults; for benchmarks of one kernel alone.
 	MatchView view( NodeState& nodes );
 	bool usesBoxSums() const { return m_tables->usesGrid; }
@@ -41,6 +48,8 @@ private:
 	void boxSums( const MatchView& view, float* records, TaskRunner* runner );
 	void settleOpenRegions( const MatchView& view );
 	void spareRigidMotion( MatchView& view, float h ) const;
+	void allocate();
+	void viewLevels( MatchView& view ) const;
 
 	const Kernels& m_kernels;
 	const Lattice& m_lattice;
@@ -58,11 +67,13 @@ private:
 	// Scratch of one substep.
 	double m_mass = 0.0; ///< kg
 	AlignedArray<float> m_change[3];
+	AlignedArray<float> m_strain; ///< empty until it is asked for
 	AlignedArray<float> m_nodeRecord, m_regionRecord;
 	std::vector<std::uint32_t> m_open;
 	std::vector<int> m_openCount;
 	std::vector<std::array<float, kImpulseSums>> m_partial; ///< one set of sums a chunk
 	int m_openRegions = 0;
+	bool m_isHistoryNew = false; ///< the last substep's residuals are those of other regions: no damping by them
 };
 
 /// `cache` may be null: the tables are then built for this matcher alone.

@@ -8,12 +8,12 @@ namespace {
 /// by half-width (measured, docs/benchmarks.md).
 constexpr float kGridPays[kLargestHalfWidth + 1] = { 0.0f, 1.6f, 4.0f, 8.0f, 16.0f };
 
+} // namespace
+
 bool needsInverse( const Material& material )
 {
 	return material.beta > 0.0f || material.rotationFrom == RotationFrom::F;
 }
-
-} // namespace
 
 std::shared_ptr<const RegionTables> buildRegionTables( const Lattice& lattice, const Material& material, Summation summation )
 {
@@ -50,8 +50,17 @@ std::shared_ptr<const RegionTables> buildRegionTables( const Lattice& lattice, c
 
 std::size_t RegionTables::bytes() const
 {
-	return moments.bytes() + ( regions.start.size() + regions.member.size() + slot.size() ) * sizeof( std::uint32_t ) +
-		   regions.size.size() * sizeof( std::uint16_t );
+	std::size_t floats = pull.size() + beta.size() + eta.size();
+	for ( const auto& entry : blend )
+	{
+		floats += entry.size();
+	}
+	for ( const auto& entry : outOfPlane )
+	{
+		floats += entry.size();
+	}
+	const std::size_t numbers = regions.start.size() + regions.member.size() + slot.size() + memberMass.size() + memberShare.size();
+	return moments.bytes() + floats * sizeof( float ) + numbers * sizeof( std::uint32_t ) + regions.size.size() * sizeof( std::uint16_t );
 }
 
 std::shared_ptr<const RegionTables> RegionCache::find( const Lattice& lattice, const Material& material )

@@ -36,8 +36,18 @@ struct RegionTables
 	Eigen::Vector3i grid = Eigen::Vector3i::Zero();
 	std::vector<std::uint32_t> slot;               ///< lattice position of each cell; empty without holes
 
+	// Of nodes on several levels only (level_tables.h); empty on a uniform lattice. `regions` then holds the rows of the region matrix.
+	std::vector<std::uint32_t> memberMass, memberShare; ///< beside regions.member, in kMassUnit
+	AlignedArray<float> pull;                      ///< of each node; empty where all are 1
+	AlignedArray<float> beta, eta;                 ///< of each region; empty where all are 0
+	AlignedArray<float> blend[9];                  ///< C of each region; empty where beta is a number
+	AlignedArray<float> outOfPlane[6];             ///< 1 - J J^+; empty where every region is solid
+
 	std::size_t bytes() const;
 };
+
+/// Whether any of the material's settings needs J^+.
+bool needsInverse( const Material& material );
 
 std::shared_ptr<const RegionTables> buildRegionTables( const Lattice& lattice, const Material& material, Summation summation );
 

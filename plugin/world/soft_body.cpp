@@ -67,7 +67,8 @@ SoftBody* asSoftBody( btCollisionObject* object )
 
 SoftBody::SoftBody() = default;
 
-SoftBodyResult SoftBody::create( std::shared_ptr<const BodyTemplate> bodyTemplate, const btTransform& transform, const Material& material )
+SoftBodyResult SoftBody::create( std::shared_ptr<const BodyTemplate> bodyTemplate, const btTransform& transform, const Material& material,
+	const Adaptivity& adaptivity )
 {
 	if ( !bodyTemplate )
 	{
@@ -80,7 +81,7 @@ SoftBodyResult SoftBody::create( std::shared_ptr<const BodyTemplate> bodyTemplat
 	try
 	{
 		Result<std::unique_ptr<Body>> made = Body::create(
-			bodyTemplate->sharedLattice(), material, placementOf( *bodyTemplate, transform ), bodyTemplate->regionCache() );
+			bodyTemplate->sharedLattice(), material, placementOf( *bodyTemplate, transform ), bodyTemplate->cache(), adaptivity );
 		if ( !made )
 		{
 			return SoftBodyResult{ std::move( made.status ), nullptr };

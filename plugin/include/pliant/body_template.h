@@ -14,7 +14,7 @@ namespace pliant {
 class TaskRunner;
 struct Lattice;
 struct SkinBinding;
-class RegionCache;
+struct TemplateCache;
 
 /// How the render mesh follows the nodes.
 enum class Skinning : int
@@ -104,7 +104,7 @@ public:
 	/// Private to Pliant's own sources (the types are not public).
 	const Lattice& lattice() const;
 	std::shared_ptr<const Lattice> sharedLattice() const;
-	std::shared_ptr<RegionCache> regionCache() const;
+	std::shared_ptr<TemplateCache> cache() const;
 	const SkinBinding& skin() const;
 
 private:

@@ -2,6 +2,7 @@
 
 // A soft body in a Bullet world: an ordinary btCollisionObject whose shape is a compound of node spheres.
 
+#include "pliant/adaptivity.h"
 #include "pliant/body_template.h"
 #include "pliant/export.h"
 #include "pliant/material.h"
@@ -42,7 +43,8 @@ public:
 	BT_DECLARE_ALIGNED_ALLOCATOR();
 
 	/// Place the template's mass centre at transform applied to the template's mesh (mesh coordinates go through `transform`).
-	static SoftBodyResult create( std::shared_ptr<const BodyTemplate> bodyTemplate, const btTransform& transform, const Material& material = {} );
+	static SoftBodyResult create( std::shared_ptr<const BodyTemplate> bodyTemplate, const btTransform& transform, const Material& material = {},
+		const Adaptivity& adaptivity = {} );
 	~SoftBody() override;
 
 	/// The soft body behind any collision object: itself, or one of its node bodies as named by a manifold. Null for others.

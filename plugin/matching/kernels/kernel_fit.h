@@ -96,6 +96,60 @@ inline I fitLanes( const Mat& a, V floor, Quat& q )
 	return open;
 }
 
+inline Mat product( const Mat& a, const Mat& b )
+{
+	Mat c;
+	for ( int i = 0; i < 3; ++i )
+	{
+		for ( int j = 0; j < 3; ++j )
+		{
+			c.m[i][j] = ( a.m[i][0] * b.m[0][j] + a.m[i][1] * b.m[1][j] ) + a.m[i][2] * b.m[2][j];
+		}
+	}
+	return c;
+}
+
+inline Mat loadMatrix( const float* const ( &rows )[9], int r )
+{
+	Mat a;
+	for ( int i = 0; i < 3; ++i )
+	{
+		for ( int j = 0; j < 3; ++j )
+		{
+			a.m[i][j] = load( rows[3 * i + j] + r );
+		}
+	}
+	return a;
+}
+
+/// Components stand as xx, yy, zz, yz, xz, xy.
+inline Mat loadSymmetric( const float* const ( &components )[6], int r )
+{
+	Mat a;
+	for ( int i = 0; i < 3; ++i )
+	{
+		for ( int j = 0; j < 3; ++j )
+		{
+			a.m[i][j] = load( components[i == j ? i : 6 - i - j] + r );
+		}
+	}
+	return a;
+}
+
+/// a S^T with S = 1 + s.
+inline Mat timesTransposed( const Mat& a, const Mat& s )
+{
+	Mat c;
+	for ( int i = 0; i < 3; ++i )
+	{
+		for ( int j = 0; j < 3; ++j )
+		{
+			c.m[i][j] = a.m[i][j] + ( ( a.m[i][0] * s.m[j][0] + a.m[i][1] * s.m[j][1] ) + a.m[i][2] * s.m[j][2] );
+		}
+	}
+	return c;
+}
+
 /// What a region's sums say: c - c0 in cells (uc) and A_pq.
 struct RegionFit
 {
@@ -119,54 +173,187 @@ inline RegionFit readRegion( const MatchView& view, const Tile& tile, int r, int
 			fit.a.m[i][j] = load( view.moment[symmetric] + r ) + ( load( &tile.row[3 + 3 * i + j][at] ) - sum[i] * c0[j] );
 		}
 	}
+	if ( view.plastic[0] )
+	{
+		fit.a = timesTransposed( fit.a, loadMatrix( view.plastic, r ) ); // Steinemann et al. 2008, eq. 9
+	}
 	return fit;
 }
 
-/// F = A_pq J^+.
+/// F = A_pq J^+   (eq. 10: where the region has flowed, J^+ is that of its flowed shape).
 inline Mat deformation( const MatchView& view, const Mat& a, int r )
 {
-	Mat f;
-	for ( int i = 0; i < 3; ++i )
-	{
-		for ( int j = 0; j < 3; ++j )
-		{
-			V sum = V{};
-			for ( int k = 0; k < 3; ++k )
-			{
-				sum = sum + a.m[i][k] * load( view.inverseMoment[k == j ? k : 6 - k - j] + r );
-			}
-			f.m[i][j] = sum;
-		}
-	}
-	return f;
+	return product( a, loadSymmetric( view.inverseMoment, r ) );
 }
 
-/// The region's record into the tile: b_r ( L - 1, uc - ( L - 1 ) c0 ), L = R + beta ( F - R ).
-inline void writeGoal( const MatchView& view, const RegionFit& fit, const Quat& q, int r, Tile& tile, int at )
+/// The matrix whose rotation is the region's: A_pq, A_pq C where beta is a tensor, or F for comparison.
+inline Mat fittedMatrix( const MatchView& view, const Mat& a, int r )
 {
-	Mat l = rotationLessOne( q );
-	if ( view.beta > 0.0f )
+	if ( view.rotationFromF )
 	{
-		const Mat f = deformation( view, fit.a, r );
+		return deformation( view, a, r );
+	}
+	return view.blend[0] ? product( a, loadMatrix( view.blend, r ) ) : a;
+}
+
+/// F - 1. Where the region has no extent the fit says nothing, and F follows R there: F = A_pq J^+ + R ( 1 - J J^+ ).
+inline Mat deformationLessOne( const MatchView& view, const Mat& a, const Mat& rLessOne, int r )
+{
+	Mat f = deformation( view, a, r );
+	if ( view.outOfPlane[0] )
+	{
+		const Mat out = loadSymmetric( view.outOfPlane, r ), turned = product( rLessOne, out );
 		for ( int i = 0; i < 3; ++i )
 		{
 			for ( int j = 0; j < 3; ++j )
 			{
-				const V fLessOne = i == j ? f.m[i][j] - 1.0f : f.m[i][j];
-				l.m[i][j] = l.m[i][j] + view.beta * ( fLessOne - l.m[i][j] );
+				f.m[i][j] = f.m[i][j] + ( turned.m[i][j] + out.m[i][j] );
 			}
 		}
 	}
+	for ( int i = 0; i < 3; ++i )
+	{
+		f.m[i][i] = f.m[i][i] - 1.0f;
+	}
+	return f;
+}
+
+/// L - 1 from R - 1 and F - 1: L = R + beta ( F - R ) (Ohta et al. 2009, eq. 5), or F + ( R - F ) C^T with a tensor, and then
+/// - kappa tr( R^T F - 1 ) R for volume, the trace within -1 .. 1.
+inline Mat goalMatrix( const MatchView& view, const Mat& rLessOne, const Mat& fLessOne, int r )
+{
+	const V beta = view.regionBeta ? load( view.regionBeta + r ) : splat( view.beta );
+	Mat l;
+	if ( view.blend[0] )
+	{
+		const Mat c = loadMatrix( view.blend, r );
+		for ( int i = 0; i < 3; ++i )
+		{
+			for ( int j = 0; j < 3; ++j )
+			{
+				V sum = V{};
+				for ( int k = 0; k < 3; ++k )
+				{
+					sum = sum + ( rLessOne.m[i][k] - fLessOne.m[i][k] ) * c.m[j][k];
+				}
+				l.m[i][j] = fLessOne.m[i][j] + sum;
+			}
+		}
+	}
+	else
+	{
+		for ( int i = 0; i < 3; ++i )
+		{
+			for ( int j = 0; j < 3; ++j )
+			{
+				l.m[i][j] = rLessOne.m[i][j] + beta * ( fLessOne.m[i][j] - rLessOne.m[i][j] );
+			}
+		}
+	}
+	if ( view.volumeShare > 0.0f )
+	{
+		// tr( R^T F ) - 3 = tr( ( R^T - 1 ) ( F - 1 ) ) + tr( R - 1 ) + tr( F - 1 )
+		V trace = V{};
+		for ( int i = 0; i < 3; ++i )
+		{
+			trace = trace + ( rLessOne.m[i][i] + fLessOne.m[i][i] );
+			for ( int j = 0; j < 3; ++j )
+			{
+				trace = trace + rLessOne.m[i][j] * fLessOne.m[i][j];
+			}
+		}
+		trace = select( trace > 1.0f, splat( 1.0f ), select( trace < -1.0f, splat( -1.0f ), trace ) );
+		const V push = view.volumeShare * ( ( 1.0f - beta ) * trace );
+		for ( int i = 0; i < 3; ++i )
+		{
+			for ( int j = 0; j < 3; ++j )
+			{
+				const V one = splat( i == j ? 1.0f : 0.0f );
+				l.m[i][j] = l.m[i][j] - push * ( rLessOne.m[i][j] + one );
+			}
+		}
+	}
+	return l;
+}
+
+inline bool needsDeformation( const MatchView& view )
+{
+	return view.beta > 0.0f || view.regionBeta || view.regionEta || view.blend[0] || view.volumeShare > 0.0f || view.strain;
+}
+
+/// Sum over the singular values s of F of ( s - 1 )^2, which is | F - R |^2.
+inline void writeStrain( const MatchView& view, const Mat& rLessOne, const Mat& fLessOne, int r )
+{
+	V sum = V{};
+	for ( int i = 0; i < 3; ++i )
+	{
+		for ( int j = 0; j < 3; ++j )
+		{
+			const V difference = fLessOne.m[i][j] - rLessOne.m[i][j];
+			sum = sum + difference * difference;
+		}
+	}
+	store( view.strain + r, sum );
+}
+
+/// What the region asks of its nodes, as a matrix D on rest arms q and the shift that goes with it:
+///   goal - x = D ( q - c0 ) + ( 1 - eta ) uc - ( 1 - eta ) u,   D = ( L - eta F ) S_p - ( 1 - eta )
+/// from goal = c + L S_p q + eta ( x - c - F S_p q ): eta lets the nodes keep that share of what no affine motion explains.
+inline Mat goalOf( const MatchView& view, const RegionFit& fit, const Quat& q, int r )
+{
+	const Mat rLessOne = rotationLessOne( q );
+	if ( !needsDeformation( view ) && !view.plastic[0] )
+	{
+		return rLessOne;
+	}
+	const bool needsF = needsDeformation( view );
+	const Mat fLessOne = needsF ? deformationLessOne( view, fit.a, rLessOne, r ) : rLessOne;
+	if ( view.strain )
+	{
+		writeStrain( view, rLessOne, fLessOne, r );
+	}
+	Mat d = needsF ? goalMatrix( view, rLessOne, fLessOne, r ) : rLessOne;
+	const V eta = view.regionEta ? load( view.regionEta + r ) : V{};
+	if ( view.regionEta )
+	{
+		for ( int i = 0; i < 3; ++i )
+		{
+			for ( int j = 0; j < 3; ++j )
+			{
+				d.m[i][j] = d.m[i][j] - eta * fLessOne.m[i][j];
+			}
+		}
+	}
+	if ( view.plastic[0] )
+	{
+		// D = ( d + ( 1 - eta ) ) ( 1 + s ) - ( 1 - eta ) = d + d s + ( 1 - eta ) s
+		const Mat s = loadMatrix( view.plastic, r ), ds = product( d, s );
+		for ( int i = 0; i < 3; ++i )
+		{
+			for ( int j = 0; j < 3; ++j )
+			{
+				d.m[i][j] = d.m[i][j] + ( ds.m[i][j] + ( 1.0f - eta ) * s.m[i][j] );
+			}
+		}
+	}
+	return d;
+}
+
+/// The region's record into the tile: b_r ( D, ( 1 - eta ) uc - D c0 ).
+inline void writeGoal( const MatchView& view, const RegionFit& fit, const Quat& q, int r, Tile& tile, int at )
+{
+	const Mat d = goalOf( view, fit, q, r );
 	const V c0[3] = { load( view.centre[0] + r ), load( view.centre[1] + r ), load( view.centre[2] + r ) };
 	const V uc[3] = { fit.uc.x, fit.uc.y, fit.uc.z };
 	const V b = view.regionWeight ? load( view.regionWeight + r ) : splat( 1.0f );
+	const V keep = view.regionEta ? 1.0f - load( view.regionEta + r ) : splat( 1.0f );
 	for ( int i = 0; i < 3; ++i )
 	{
-		const V moved = ( l.m[i][0] * c0[0] + l.m[i][1] * c0[1] ) + l.m[i][2] * c0[2];
-		store( &tile.row[9 + i][at], b * ( uc[i] - moved ) );
+		const V moved = ( d.m[i][0] * c0[0] + d.m[i][1] * c0[1] ) + d.m[i][2] * c0[2];
+		store( &tile.row[9 + i][at], b * ( keep * uc[i] - moved ) );
 		for ( int j = 0; j < 3; ++j )
 		{
-			store( &tile.row[3 * i + j][at], b * l.m[i][j] );
+			store( &tile.row[3 * i + j][at], b * d.m[i][j] );
 		}
 	}
 }

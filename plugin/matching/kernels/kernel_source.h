@@ -163,14 +163,14 @@ int fitRegions( const MatchView& view, int begin, int end, std::uint32_t* open )
 	for ( int first = begin; first < end; first += kTile )
 	{
 		const int last = first + kTile < end ? first + kTile : end;
-		gatherTile( view, view.nodeRecord, first, last, in );
+		gatherTile( view, view.nodeRecord, view.memberMass, first, last, in );
 		for ( int r = first; r < last; r += kWidth )
 		{
 			const RegionFit fit = readRegion( view, in, r, r - first );
 			const V trace = ( load( view.moment[0] + r ) + load( view.moment[1] + r ) ) + load( view.moment[2] + r );
 			Quat q = loadQuat( view, r );
 			const V floor = view.rotationFromF ? splat( kHessianShare ) : trace * kHessianShare + kHessianFloor;
-			const I openLanes = fitLanes( view.rotationFromF ? deformation( view, fit.a, r ) : fit.a, floor, q );
+			const I openLanes = fitLanes( fittedMatrix( view, fit.a, r ), floor, q );
 			storeQuat( view, r, q );
 			writeGoal( view, fit, q, r, out, r - first );
 			for ( int lane = 0; any( openLanes ) && lane < kWidth; ++lane )
@@ -202,7 +202,7 @@ inline void readSingle( const MatchView& view, int region, Single& single )
 {
 	single.block = region / kWidth * kWidth;
 	const int first = region / kVirtualLanes * kVirtualLanes;
-	gatherTile( view, view.nodeRecord, first, first + kVirtualLanes, single.tile );
+	gatherTile( view, view.nodeRecord, view.memberMass, first, first + kVirtualLanes, single.tile );
 	single.fit = readRegion( view, single.tile, single.block, single.block - first );
 }
 
@@ -223,7 +223,7 @@ void regionMatrix( const MatchView& view, int region, float* matrix )
 {
 	Single single;
 	readSingle( view, region, single );
-	const Mat wanted = view.rotationFromF ? deformation( view, single.fit.a, single.block ) : single.fit.a;
+	const Mat wanted = fittedMatrix( view, single.fit.a, single.block );
 	for ( int i = 0; i < 3; ++i )
 	{
 		for ( int j = 0; j < 3; ++j )
@@ -233,17 +233,18 @@ void regionMatrix( const MatchView& view, int region, float* matrix )
 	}
 }
 
-/// e = ( sum of ( L - 1 ) q + sum of ( uc - ( L - 1 ) c0 ) ) / C - u
+/// e = ( sum of D q + sum of ( ( 1 - eta ) uc - D c0 ) ) / C - pull u; on a uniform lattice D = L - 1 and pull = 1.
 inline Vec residualOf( const MatchView& view, const Tile& tile, int i, int at, const Vec& q, const Vec& u )
 {
 	const V cover = load( view.inverseCover + i );
+	const V pull = view.pull ? load( view.pull + i ) : splat( 1.0f );
 	V goal[3];
 	for ( int k = 0; k < 3; ++k )
 	{
 		goal[k] = ( ( load( &tile.row[3 * k][at] ) * q.x + load( &tile.row[3 * k + 1][at] ) * q.y ) + load( &tile.row[3 * k + 2][at] ) * q.z ) +
 				  load( &tile.row[9 + k][at] );
 	}
-	return { goal[0] * cover - u.x, goal[1] * cover - u.y, goal[2] * cover - u.z };
+	return { goal[0] * cover - pull * u.x, goal[1] * cover - pull * u.y, goal[2] * cover - pull * u.z };
 }
 
 void scatter( const MatchView& view, int begin, int end, float* sums )
@@ -253,7 +254,7 @@ void scatter( const MatchView& view, int begin, int end, float* sums )
 	for ( int first = begin; first < end; first += kTile )
 	{
 		const int last = first + kTile < end ? first + kTile : end;
-		gatherTile( view, view.regionRecord, first, last, tile );
+		gatherTile( view, view.regionRecord, view.memberShare, first, last, tile );
 		for ( int i = first; i < last; i += kWidth )
 		{
 			const int sub = i % kVirtualLanes;
@@ -310,10 +311,32 @@ void apply( const MatchView& view, int begin, int end )
 	}
 }
 
+void deformations( const MatchView& view, int begin, int end, float* gradients )
+{
+	Tile in;
+	for ( int first = begin; first < end; first += kTile )
+	{
+		const int last = first + kTile < end ? first + kTile : end;
+		gatherTile( view, view.nodeRecord, view.memberMass, first, last, in );
+		for ( int r = first; r < last; r += kWidth )
+		{
+			const RegionFit fit = readRegion( view, in, r, r - first );
+			const Mat f = deformationLessOne( view, fit.a, rotationLessOne( loadQuat( view, r ) ), r );
+			for ( int lane = 0; lane < kWidth && r + lane < view.nodeCount; ++lane )
+			{
+				for ( int k = 0; k < 9; ++k )
+				{
+					gradients[9 * std::size_t( r + lane ) + k] = f.m[k / 3][k % 3][lane] + ( k % 4 == 0 ? 1.0f : 0.0f );
+				}
+			}
+		}
+	}
+}
+
 } // namespace
 
 extern const Kernels PLIANT_KERNEL_TABLE;
 const Kernels PLIANT_KERNEL_TABLE = { &frameSums, &nodeRecords, &boxPlane, &fitRegions, &finishRegion, &scatter, &apply, &regionMatrix,
-	PLIANT_KERNEL_NAME };
+	&deformations, PLIANT_KERNEL_NAME };
 
 } // namespace pliant

@@ -125,6 +125,28 @@ inline Record sumList( const float* records, const std::uint32_t* member, std::u
 	return even + odd;
 }
 
+/// The same with a weight a term. Whole masses come in, rounded once to float: the same on every processor.
+inline Record sumWeighted( const float* records, const std::uint32_t* member, const std::uint32_t* weight, std::uint32_t count )
+{
+	Record even = loadRecord( records + std::size_t( member[0] ) * kRecordFloats ) * splat( float( weight[0] ) );
+	if ( count == 1 )
+	{
+		return even;
+	}
+	Record odd = loadRecord( records + std::size_t( member[1] ) * kRecordFloats ) * splat( float( weight[1] ) );
+	std::uint32_t k = 2;
+	for ( ; k + 1 < count; k += 2 )
+	{
+		even = even + loadRecord( records + std::size_t( member[k] ) * kRecordFloats ) * splat( float( weight[k] ) );
+		odd = odd + loadRecord( records + std::size_t( member[k + 1] ) * kRecordFloats ) * splat( float( weight[k + 1] ) );
+	}
+	if ( k < count )
+	{
+		even = even + loadRecord( records + std::size_t( member[k] ) * kRecordFloats ) * splat( float( weight[k] ) );
+	}
+	return even + odd;
+}
+
 /// Sum of 2w + 1 plane sums through a lattice position along z, from below.
 inline Record sumColumn( const MatchView& view, const float* records, std::uint32_t slot )
 {
@@ -142,7 +164,7 @@ inline Record sumColumn( const MatchView& view, const float* records, std::uint3
 	return sum;
 }
 
-inline Record sumAround( const MatchView& view, const float* records, int i )
+inline Record sumAround( const MatchView& view, const float* records, const std::uint32_t* weight, int i )
 {
 	if ( view.gridX > 0 )
 	{
@@ -150,6 +172,10 @@ inline Record sumAround( const MatchView& view, const float* records, int i )
 	}
 	const std::uint32_t* member = view.member + view.start[i];
 	const std::uint32_t count = view.start[i + 1] - view.start[i];
+	if ( weight )
+	{
+		return sumWeighted( records, member, weight + view.start[i], count );
+	}
 	if ( !view.addOwner )
 	{
 		return sumList( records, member, count );
@@ -158,7 +184,8 @@ inline Record sumAround( const MatchView& view, const float* records, int i )
 	return count == 0 ? own : sumList( records, member, count ) + own;
 }
 
-void gatherTile( const MatchView& view, const float* records, int begin, int end, Tile& tile )
+/// `weight`: of each term of the table, or null.
+void gatherTile( const MatchView& view, const float* records, const std::uint32_t* weight, int begin, int end, Tile& tile )
 {
 	for ( int first = begin; first < end; first += 4 )
 	{
@@ -167,7 +194,7 @@ void gatherTile( const MatchView& view, const float* records, int begin, int end
 		{
 			if ( first + j < view.nodeCount )
 			{
-				r[j] = sumAround( view, records, first + j );
+				r[j] = sumAround( view, records, weight, first + j );
 				continue;
 			}
 			for ( V& piece : r[j].piece )

@@ -49,7 +49,19 @@ struct MatchView
 	const float* centre[3] = {};
 	const float* moment[6] = {};
 	const float* inverseMoment[6] = {}; ///< null unless beta > 0 or rotations come from F
-	const float* regionWeight = nullptr; ///< null when all are 1
+	const float* regionWeight = nullptr; ///< b_r; null when all are 1
+
+	// Regions over several levels (adapt/region_matrix.h); all null on a uniform lattice.
+	const std::uint32_t* memberMass = nullptr;  ///< beside `member`: weight of a member in the region's sums. Null: 1
+	const std::uint32_t* memberShare = nullptr; ///< beside `member`: weight of the member's region in the node's goal. Null: 1
+	const float* pull = nullptr;          ///< of each node: sum of shares b_r ( 1 - eta_r ) / C, which stands before its own u. Null: 1
+	const float* regionBeta = nullptr;    ///< beta_r; null: `beta` for all
+	const float* regionEta = nullptr;     ///< eta_r; null: 0
+	const float* blend[9] = {};           ///< C = J^+ J_fine, row by row, where beta is a tensor 1 - C^T; null where it is a number
+	const float* outOfPlane[6] = {};      ///< 1 - J J^+ of flat and thin regions: where they have no extent, F follows R. Null: all are solid
+	const float* plastic[9] = {};         ///< S_p - 1, row by row; `inverseMoment` is then that of the flowed shape
+	float volumeShare = 0.0f;             ///< kappa
+	float* strain = nullptr;              ///< out: sum over the singular values s of F of ( s - 1 )^2, a region
 	float* quaternion[4] = {};     ///< w, x, y, z: rotation relative to the body frame
 
 	// Records: one line a node or region; on the grid one line a lattice position.
@@ -97,6 +109,9 @@ struct Kernels
 	void ( *apply )( const MatchView&, int begin, int end );
 	/// The matrix whose rotation is wanted for one region, row by row: what fitRegions saw.
 	void ( *regionMatrix )( const MatchView&, int region, float* matrix );
+
+	/// F of each region of the range, 9 floats a region, row by row, in the body's frame; padding regions are left out.
+	void ( *deformations )( const MatchView&, int begin, int end, float* gradients );
 
 	const char* name;
 };

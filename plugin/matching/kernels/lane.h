@@ -120,6 +120,16 @@ inline Record operator+( const Record& a, const Record& b )
 	return r;
 }
 
+inline Record operator*( const Record& a, V b )
+{
+	Record r;
+	for ( int i = 0; i < kPieces; ++i )
+	{
+		r.piece[i] = a.piece[i] * b;
+	}
+	return r;
+}
+
 /// Floats 4k to 4k + 3 of a record, k in 0 .. 2.
 template <int k>
 inline F4 quarter( const Record& r )

@@ -1,0 +1,228 @@
+#include "adapt/energy_match.h"
+
+#include <Eigen/Dense>
+
+#include <algorithm>
+#include <cmath>
+
+namespace pliant {
+
+namespace {
+
+constexpr int kMonomials = 9;
+constexpr double kLargestSoftness = 0.95;     ///< of beta and eta: some stiffness is always left
+constexpr double kMomentShare = 1e-3;         ///< eigenvalues of J below this share of its largest count as none
+
+using Monomials = Eigen::Matrix<double, kMonomials, 1>;
+using Covariance = Eigen::Matrix<double, kMonomials, kMonomials>;
+
+/// The two axes of quadratic k: xx, yy, zz, yz, xz, xy.
+constexpr int kFirst[6] = { 0, 1, 2, 1, 0, 0 };
+constexpr int kSecond[6] = { 0, 1, 2, 2, 2, 1 };
+
+Monomials monomials( const Vec3d& s )
+{
+	Monomials m;
+	m << s.x(), s.y(), s.z(), s.x() * s.x(), s.y() * s.y(), s.z() * s.z(), s.y() * s.z(), s.x() * s.z(), s.x() * s.y();
+	return m;
+}
+
+/// ( s + t )_i ( s + t )_j = s_i s_j + t_i s_j + t_j s_i + constant, as a row over the monomials of s.
+Monomials shiftedQuadratic( int k, const Vec3d& t )
+{
+	Monomials row = Monomials::Zero();
+	row[3 + k] = 1.0;
+	row[kSecond[k]] += t[kFirst[k]];
+	row[kFirst[k]] += t[kSecond[k]];
+	return row;
+}
+
+Covariance shifted( const Covariance& covariance, const Vec3d& t )
+{
+	Covariance move = Covariance::Identity();
+	for ( int k = 0; k < 6; ++k )
+	{
+		move.row( 3 + k ) = shiftedQuadratic( k, t ).transpose();
+	}
+	return move * covariance * move.transpose();
+}
+
+Covariance unpacked( const std::array<float, 45>& packed )
+{
+	Covariance c;
+	for ( int i = 0, n = 0; i < kMonomials; ++i )
+	{
+		for ( int j = 0; j <= i; ++j, ++n )
+		{
+			c( i, j ) = c( j, i ) = packed[n];
+		}
+	}
+	return c;
+}
+
+/// One finest region about its own mean, monomials about its owner's rest centre.
+Covariance covarianceOf( const Lattice& lattice, const FineRegions& fine, std::uint32_t owner )
+{
+	const Vec3d at = lattice.restCentre[owner].cast<double>();
+	double mass = 0.0;
+	Monomials mean = Monomials::Zero();
+	Covariance second = Covariance::Zero();
+	for ( std::uint32_t k = fine.set.start[owner]; k < fine.set.start[owner + 1]; ++k )
+	{
+		const std::uint32_t c = fine.set.member[k];
+		const double a = fine.mass[c] * kMassUnit;
+		const Monomials m = monomials( ( lattice.restCentre[c].cast<double>() - at ) / double( lattice.cellSize ) );
+		mass += a;
+		mean += a * m;
+		second.selfadjointView<Eigen::Lower>().rankUpdate( m, a );
+	}
+	second.selfadjointView<Eigen::Lower>().rankUpdate( mean, -1.0 / mass );
+	return second.selfadjointView<Eigen::Lower>();
+}
+
+} // namespace
+
+FineMoments buildFineMoments( const Octree& octree, const Lattice& lattice, const FineRegions& fine )
+{
+	const std::size_t nodes = octree.parent.size();
+	std::vector<Covariance> sum( nodes, Covariance::Zero() );
+	FineMoments moments;
+	moments.covariance.resize( nodes );
+	for ( std::uint32_t n = 0; n < std::uint32_t( nodes ); ++n ) // children stand before their parents
+	{
+		if ( n < octree.levelStart[1] )
+		{
+			sum[n] = covarianceOf( lattice, fine, n );
+		}
+		if ( const std::uint32_t parent = octree.parent[n]; parent != kNoNode )
+		{
+			const Vec3d t = ( octree.restCentre[n] - octree.restCentre[parent] ).cast<double>() / double( lattice.cellSize );
+			sum[parent] += shifted( sum[n], t );
+		}
+		for ( int i = 0, k = 0; i < kMonomials; ++i )
+		{
+			for ( int j = 0; j <= i; ++j, ++k )
+			{
+				moments.covariance[n][k] = float( sum[n]( i, j ) );
+			}
+		}
+	}
+	return moments;
+}
+
+Eigen::Matrix3d fineMoment( const FineMoments& fine, std::uint32_t node )
+{
+	const std::array<float, 45>& c = fine.covariance[node];
+	Eigen::Matrix3d j;
+	j << c[0], c[1], c[3], c[1], c[2], c[4], c[3], c[4], c[5];
+	return j;
+}
+
+RegionRest measureRegion( const Octree& octree, const Cut& cut, const RegionMatrix& matrix, std::uint32_t region, float cellSize )
+{
+	// c0_r = sum u x0 / M_r,  J_r = sum u ( x0 - c0_r ) ( x0 - c0_r )^T
+	RegionRest rest;
+	Vec3d first = Vec3d::Zero();
+	for ( std::uint32_t k = matrix.start[region]; k < matrix.start[region + 1]; ++k )
+	{
+		const double u = matrix.mass[k] * kMassUnit;
+		rest.mass += u;
+		first += u * octree.restCentre[cut.node[matrix.member[k]]].cast<double>();
+	}
+	const Vec3d centre = first / rest.mass; // m
+	for ( std::uint32_t k = matrix.start[region]; k < matrix.start[region + 1]; ++k )
+	{
+		const Vec3d q = ( octree.restCentre[cut.node[matrix.member[k]]].cast<double>() - centre ) / double( cellSize );
+		rest.moment += matrix.mass[k] * kMassUnit * q * q.transpose();
+	}
+	rest.centre = centre / double( cellSize );
+	return rest;
+}
+
+double ohtaBeta( double mass, int halfWidth, int dimensions )
+{
+	const double w2 = 2.0 * halfWidth;
+	return std::clamp( 1.0 - std::pow( ( w2 + 1.0 ) / ( w2 + std::pow( mass, 1.0 / dimensions ) ), dimensions ), 0.0, kLargestSoftness );
+}
+
+double energyBeta( const Eigen::Matrix3d& fineMoment, const Eigen::Matrix3d& moment )
+{
+	const double whole = moment.trace();
+	return whole > 0.0 ? std::clamp( 1.0 - fineMoment.trace() / whole, 0.0, kLargestSoftness ) : 0.0;
+}
+
+Eigen::Matrix3d energyBlend( const Eigen::Matrix3d& fineMoment, const Eigen::Matrix3d& moment )
+{
+	// In coordinates where J_r is the identity, J_fine is symmetric: its eigenvalues are the shares 1 - beta, one a direction.
+	const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver( moment );
+	const double largest = solver.eigenvalues()[2];
+	if ( !( largest > 0.0 ) )
+	{
+		return Eigen::Matrix3d::Identity();
+	}
+	Vec3d root = Vec3d::Zero(), inverseRoot = Vec3d::Zero();
+	for ( int i = 0; i < 3; ++i )
+	{
+		const double value = solver.eigenvalues()[i];
+		root[i] = value > kMomentShare * largest ? std::sqrt( value ) : 1.0;
+		inverseRoot[i] = 1.0 / root[i];
+	}
+	const Eigen::Matrix3d& v = solver.eigenvectors();
+	const Eigen::Matrix3d half = v * root.asDiagonal() * v.transpose(), inverseHalf = v * inverseRoot.asDiagonal() * v.transpose();
+	const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> shares( inverseHalf * fineMoment * inverseHalf );
+	const Vec3d limited = shares.eigenvalues().cwiseMax( 1.0 - kLargestSoftness ).cwiseMin( 1.0 );
+	const Eigen::Matrix3d share = shares.eigenvectors() * limited.asDiagonal() * shares.eigenvectors().transpose();
+	return inverseHalf * share * half; // J^-1/2 ( J^-1/2 J_fine J^-1/2 ) J^1/2 = J^-1 J_fine
+}
+
+double quadraticEta( const Octree& octree, const Cut& cut, const RegionMatrix& matrix, std::uint32_t region, const FineMoments& fine,
+	const RegionRest& rest, float cellSize, double beta )
+{
+	// E_k: variance of the quadratics about c0_r over the finest regions.
+	const std::uint32_t node = cut.node[region];
+	const Covariance covariance = unpacked( fine.covariance[node] );
+	const Vec3d t = octree.restCentre[node].cast<double>() / double( cellSize ) - rest.centre;
+	double wanted = 0.0;
+	for ( int k = 0; k < 6; ++k )
+	{
+		const Monomials row = shiftedQuadratic( k, t );
+		wanted += row.dot( covariance * row );
+	}
+
+	// The same quadratics, averaged over each node's cells, as the region sees them: variance = affine part a_k + residual rho_k.
+	using Six = Eigen::Matrix<double, 6, 1>;
+	Six mean = Six::Zero(), square = Six::Zero();
+	Eigen::Matrix<double, 3, 6> slope = Eigen::Matrix<double, 3, 6>::Zero();
+	for ( std::uint32_t m = matrix.start[region]; m < matrix.start[region + 1]; ++m )
+	{
+		const std::uint32_t a = cut.node[matrix.member[m]];
+		const double u = matrix.mass[m] * kMassUnit;
+		const Vec3d q = octree.restCentre[a].cast<double>() / double( cellSize ) - rest.centre;
+		Six phi;
+		for ( int k = 0; k < 6; ++k )
+		{
+			phi[k] = q[kFirst[k]] * q[kSecond[k]] + octree.spread[a][k];
+		}
+		mean += u * phi;
+		square += u * phi.cwiseProduct( phi );
+		slope += u * q * phi.transpose();
+	}
+	const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver( rest.moment );
+	Vec3d inverse = Vec3d::Zero();
+	for ( int i = 0; i < 3; ++i )
+	{
+		const double value = solver.eigenvalues()[i];
+		inverse[i] = value > kMomentShare * solver.eigenvalues()[2] ? 1.0 / value : 0.0;
+	}
+	const double variance = ( square - mean.cwiseProduct( mean ) / rest.mass ).sum();
+	const Eigen::Matrix<double, 3, 6> along = solver.eigenvectors().transpose() * slope;
+	const double affine = ( inverse.asDiagonal() * along.cwiseProduct( along ) ).sum();
+	const double residual = variance - affine;
+	if ( !( residual > kMomentShare * variance ) )
+	{
+		return beta;
+	}
+	return std::clamp( 1.0 - ( wanted - ( 1.0 - beta ) * affine ) / residual, 0.0, kLargestSoftness );
+}
+
+} // namespace pliant

@@ -1,0 +1,83 @@
+#pragma once
+
+// The levels of one body: which nodes it has now, the regions over them, and when that changes.
+// Steinemann et al. 2008, section 5.2; Ohta et al. 2009, "Changing the Subdivision Level" and "Merging".
+
+#include "matching/level_tables.h"
+#include "matching/node_state.h"
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+namespace pliant {
+
+class LatticeMatcher;
+
+/// What a change of levels did to the nodes' numbers.
+struct LevelChange
+{
+	std::vector<std::uint32_t> heir;    ///< of each node now: the node before whose history it took over (its parent's, or its first child's)
+	std::vector<std::uint32_t> nodeNow; ///< of each node before: its number now, its parent's where it was merged, kNoNode where it was split
+};
+
+class Levels
+{
+public:
+	Levels( std::shared_ptr<const LevelBase> base, const Lattice& lattice, const Material& material, const Adaptivity& settings );
+
+	const Octree& octree() const { return m_base->octree; }
+	const Cut& cut() const { return m_cut; }
+	const RegionMatrix& matrix() const { return m_matrix; }
+	const Adaptivity& settings() const { return m_settings; }
+	const std::shared_ptr<const RegionTables>& tables() const { return m_tables; }
+	int levelOf( int node ) const { return m_base->octree.levelOf( m_cut.node[node] ); }
+
+	/// Goes up by one with each change; 0 as made.
+	unsigned version() const { return m_version; }
+	const LevelChange& lastChange() const { return m_change; }
+
+	/// The nodes at rest: counts, rest positions, masses. kg per cubic metre.
+	void fillNodes( NodeState& nodes, float density ) const;
+
+	/// Asks for a node to be split at the next change, down to the finest level in steps.
+	void requestSplit( int node );
+	/// Levels below this are not used, and merged away as they come to rest. 0: all may be.
+	void setFinestLevel( int level ) { m_finestLevel = level; }
+
+	/// Reads the strains last measured; `seconds` since the last reading. True when there is something to change.
+	bool review( const AlignedArray<float>& strain, float seconds );
+	/// Makes the changes that `review` and requests asked for, within the budget. Momentum and spin of the nodes stay what they were where no
+	/// node is held.
+	void apply( NodeState& nodes, LatticeMatcher& matcher, const Material& material );
+	/// The same for a list of one's own: octree nodes, as in changeCut.
+	void change( NodeState& nodes, LatticeMatcher& matcher, const Material& material, const std::vector<std::uint32_t>& split,
+		const std::vector<std::uint32_t>& merge );
+
+	std::size_t bytes() const;
+
+private:
+	void collectSplits( const AlignedArray<float>& strain );
+	void collectMerges();
+	bool mayMerge( std::uint32_t parent, int firstSlot ) const;
+	NodeState changedNodes( const NodeState& before, LatticeMatcher& matcher, const Cut& next, float density );
+	void numberHeirs( const Cut& next );
+	void mergeInto( const NodeState& before, int first, NodeState& now, int slot ) const;
+	Eigen::Matrix3d velocityGradient( const NodeState& nodes, int node ) const;
+
+	std::shared_ptr<const LevelBase> m_base;
+	const Lattice& m_lattice;
+	Adaptivity m_settings;
+	Cut m_cut;
+	RegionMatrix m_matrix;
+	std::shared_ptr<const RegionTables> m_tables;
+	unsigned m_version = 0;
+	LevelChange m_change;
+	int m_finestLevel = 0;
+
+	std::vector<float> m_quiet;                 ///< of each node: seconds since its strain was last above the merging threshold
+	std::vector<std::uint32_t> m_split, m_merge; ///< octree nodes, found by the last review
+	std::vector<std::uint32_t> m_asked;         ///< octree nodes
+};
+
+} // namespace pliant

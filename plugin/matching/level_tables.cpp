@@ -1,0 +1,287 @@
+#include "matching/level_tables.h"
+
+#include "matching/constants.h"
+
+#include <Eigen/Eigenvalues>
+
+#include <algorithm>
+
+namespace pliant {
+
+namespace {
+
+bool usesEnergies( const Adaptivity& settings )
+{
+	return settings.softening == Softening::Energy || settings.softening == Softening::EnergyTensor ||
+		   settings.residual == ResidualRule::Quadratic || settings.residual == ResidualRule::Larger;
+}
+
+void storeSymmetric( AlignedArray<float> ( &to )[6], int i, const Eigen::Matrix3d& m )
+{
+	const double values[6] = { m( 0, 0 ), m( 1, 1 ), m( 2, 2 ), m( 1, 2 ), m( 0, 2 ), m( 0, 1 ) };
+	for ( int k = 0; k < 6; ++k )
+	{
+		to[k][i] = float( values[k] );
+	}
+}
+
+/// J^+ and 1 - J J^+: directions with less than kMomentFloor of the largest extent count as none.
+struct SplitInverse
+{
+	Eigen::Matrix3d inverse = Eigen::Matrix3d::Zero();
+	Eigen::Matrix3d outside = Eigen::Matrix3d::Zero();
+	bool isFlat = false;
+};
+
+SplitInverse splitInverse( const Eigen::Matrix3d& moment )
+{
+	SplitInverse split;
+	const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver( moment );
+	const double floor = double( kMomentFloor ) * solver.eigenvalues()[2];
+	for ( int i = 0; i < 3; ++i )
+	{
+		const Vec3d axis = solver.eigenvectors().col( i );
+		if ( solver.eigenvalues()[i] > floor )
+		{
+			split.inverse += axis * axis.transpose() / solver.eigenvalues()[i];
+			continue;
+		}
+		split.outside += axis * axis.transpose();
+		split.isFlat = true;
+	}
+	return split;
+}
+
+/// Fills the tables region by region.
+class Filler
+{
+public:
+	Filler( const LevelBase& base, const Lattice& lattice, const Cut& cut, const RegionMatrix& matrix, const Material& material,
+		const Adaptivity& settings, RegionTables& tables ) :
+		m_base( base ), m_lattice( lattice ), m_cut( cut ), m_matrix( matrix ), m_material( material ), m_settings( settings ), m_tables( tables )
+	{
+	}
+
+	void run()
+	{
+		allocate();
+		for ( int r = 0; r < m_cut.count(); ++r )
+		{
+			fillRegion( r );
+		}
+		for ( int i = 0; i < m_cut.count(); ++i )
+		{
+			fillNode( i );
+		}
+		if ( !m_hasFlat )
+		{
+			for ( auto& component : m_tables.outOfPlane )
+			{
+				component = {};
+			}
+		}
+	}
+
+private:
+	/// eta = beta everywhere: the whole of a region's pull is scaled, and F is not needed.
+	bool scalesOnly() const { return m_settings.residual == ResidualRule::Soften && m_settings.softening != Softening::EnergyTensor && m_material.beta == 0.0f; }
+
+	void allocate()
+	{
+		RegionMoments& moments = m_tables.moments;
+		moments.count = m_cut.count();
+		moments.padded = ( moments.count + kLanes - 1 ) / kLanes * kLanes;
+		const int padded = moments.padded;
+		for ( AlignedArray<float>* array : { &moments.nodeWeight, &moments.inverseCover, &moments.inverseMass, &moments.centre[0], &moments.centre[1],
+				  &moments.centre[2], &m_tables.pull } )
+		{
+			array->assign( padded, 0.0f );
+		}
+		for ( int k = 0; k < 6; ++k )
+		{
+			moments.moment[k].assign( padded, k < 3 ? 1.0f : 0.0f );
+			moments.inverseMoment[k].assign( padded, 0.0f );
+			m_tables.outOfPlane[k].assign( padded, 0.0f );
+		}
+		if ( scalesOnly() )
+		{
+			moments.regionWeight.assign( padded, 1.0f );
+		}
+		else
+		{
+			m_tables.beta.assign( padded, 0.0f );
+			m_tables.eta.assign( padded, 0.0f );
+		}
+		if ( m_settings.softening == Softening::EnergyTensor )
+		{
+			for ( int k = 0; k < 9; ++k )
+			{
+				m_tables.blend[k].assign( padded, k % 4 == 0 ? 1.0f : 0.0f );
+			}
+		}
+		m_tables.regions.halfWidth = m_material.regionHalfWidth;
+		m_tables.regions.start = m_matrix.start;
+		m_tables.regions.member = m_matrix.member;
+		m_tables.memberMass = m_matrix.mass;
+		m_tables.memberShare = m_matrix.share;
+	}
+
+	double betaOf( std::uint32_t node, const RegionRest& rest ) const
+	{
+		const double mass = m_base.octree.mass[node];
+		switch ( m_settings.softening )
+		{
+			case Softening::None: return 0.0;
+			case Softening::Ohta1D: return ohtaBeta( mass, m_material.regionHalfWidth, 1 );
+			case Softening::Ohta2D: return ohtaBeta( mass, m_material.regionHalfWidth, 2 );
+			case Softening::Ohta3D: return ohtaBeta( mass, m_material.regionHalfWidth, 3 );
+			default: return energyBeta( fineMoment( m_base.moments, node ), rest.moment );
+		}
+	}
+
+	double etaOf( int region, const RegionRest& rest, double beta ) const
+	{
+		if ( m_settings.residual == ResidualRule::Keep )
+		{
+			return 0.0;
+		}
+		if ( m_settings.residual == ResidualRule::Soften )
+		{
+			return beta;
+		}
+		const double eta = quadraticEta( m_base.octree, m_cut, m_matrix, std::uint32_t( region ), m_base.moments, rest, m_lattice.cellSize, beta );
+		return m_settings.residual == ResidualRule::Larger ? std::max( eta, beta ) : eta;
+	}
+
+	void fillRegion( int r )
+	{
+		RegionMoments& moments = m_tables.moments;
+		const std::uint32_t node = m_cut.node[r];
+		const RegionRest rest = measureRegion( m_base.octree, m_cut, m_matrix, std::uint32_t( r ), m_lattice.cellSize );
+		moments.inverseMass[r] = float( 1.0 / rest.mass );
+		for ( int k = 0; k < 3; ++k )
+		{
+			moments.centre[k][r] = float( rest.centre[k] );
+		}
+		storeSymmetric( moments.moment, r, rest.moment );
+		const SplitInverse split = splitInverse( rest.moment );
+		storeSymmetric( moments.inverseMoment, r, split.inverse );
+		storeSymmetric( m_tables.outOfPlane, r, split.outside );
+		m_hasFlat = m_hasFlat || split.isFlat;
+
+		double beta = betaOf( node, rest );
+		double eta = etaOf( r, rest, beta );
+		if ( node >= m_base.octree.levelStart[1] )
+		{
+			beta = 1.0 - ( 1.0 - beta ) * m_settings.coarseStiffness;
+			eta = 1.0 - ( 1.0 - eta ) * m_settings.coarseStiffness;
+		}
+		if ( scalesOnly() )
+		{
+			moments.regionWeight[r] = float( 1.0 - beta );
+			return;
+		}
+		beta = 1.0 - ( 1.0 - beta ) * ( 1.0 - m_material.beta );
+		m_tables.beta[r] = float( beta );
+		m_tables.eta[r] = float( eta );
+		if ( m_settings.softening == Softening::EnergyTensor )
+		{
+			const Eigen::Matrix3d c = energyBlend( fineMoment( m_base.moments, node ), rest.moment );
+			for ( int k = 0; k < 9; ++k )
+			{
+				m_tables.blend[k][r] = float( c( k / 3, k % 3 ) );
+			}
+		}
+	}
+
+	void fillNode( int i )
+	{
+		double cover = 0.0, pull = 0.0;
+		for ( std::uint32_t k = m_matrix.start[i]; k < m_matrix.start[i + 1]; ++k )
+		{
+			const std::uint32_t r = m_matrix.member[k];
+			const double share = m_matrix.share[k];
+			cover += share;
+			pull += share * ( scalesOnly() ? m_tables.moments.regionWeight[r] : 1.0f - m_tables.eta[r] );
+		}
+		m_tables.moments.nodeWeight[i] = float( kMassUnit );
+		m_tables.moments.inverseCover[i] = float( 1.0 / cover );
+		m_tables.pull[i] = float( pull / cover );
+	}
+
+	const LevelBase& m_base;
+	const Lattice& m_lattice;
+	const Cut& m_cut;
+	const RegionMatrix& m_matrix;
+	const Material& m_material;
+	const Adaptivity& m_settings;
+	RegionTables& m_tables;
+	bool m_hasFlat = false;
+};
+
+} // namespace
+
+std::shared_ptr<const LevelBase> buildLevelBase( const Lattice& lattice, const Material& material, const Adaptivity& settings )
+{
+	auto base = std::make_shared<LevelBase>();
+	base->octree = buildOctree( lattice, settings.coarseLevels );
+	base->fine = buildFineRegions( lattice, material.regionHalfWidth );
+	if ( usesEnergies( settings ) )
+	{
+		base->moments = buildFineMoments( base->octree, lattice, base->fine );
+	}
+	return base;
+}
+
+std::shared_ptr<const LevelBase> LevelCache::find( const Lattice& lattice, const Material& material, const Adaptivity& settings )
+{
+	const std::lock_guard<std::mutex> lock( m_mutex );
+	const bool withMoments = usesEnergies( settings );
+	const auto found = std::find_if( m_entries.begin(), m_entries.end(), [&]( const Entry& e ) {
+		return e.coarseLevels == settings.coarseLevels && e.halfWidth == material.regionHalfWidth && e.withMoments == withMoments;
+	} );
+	if ( found != m_entries.end() )
+	{
+		if ( std::shared_ptr<const LevelBase> base = found->base.lock() )
+		{
+			return base;
+		}
+	}
+	std::shared_ptr<const LevelBase> base = buildLevelBase( lattice, material, settings );
+	if ( found != m_entries.end() )
+	{
+		found->base = base;
+	}
+	else
+	{
+		m_entries.push_back( Entry{ settings.coarseLevels, material.regionHalfWidth, withMoments, base } );
+	}
+	return base;
+}
+
+Cut firstCut( const Octree& octree, const Adaptivity& settings )
+{
+	const auto byMass = keepsByMass( octree, settings.keepMass );
+	return selectCut( octree, [&]( std::uint32_t node ) { return !( settings.isSurfaceFine && octree.isSurface[node] != 0 ) && byMass( node ); } );
+}
+
+RegionMatrix buildRegionMatrix( const LevelBase& base, const Lattice&, const Cut& cut, const Material& material, const Adaptivity& settings )
+{
+	const bool conserves = material.weights == Weights::Conserving;
+	switch ( settings.regions )
+	{
+		case RegionRule::Union:
+			return buildUnionRegions( base.octree, cut, base.fine, conserves ? UnionWeights::Conserving : UnionWeights::Literal );
+		default: return buildMultiplicityRegions( base.octree, cut, base.fine );
+	}
+}
+
+std::shared_ptr<const RegionTables> buildLevelTables( const LevelBase& base, const Lattice& lattice, const Cut& cut, const RegionMatrix& matrix,
+	const Material& material, const Adaptivity& settings )
+{
+	auto tables = std::make_shared<RegionTables>();
+	Filler( base, lattice, cut, matrix, material, settings, *tables ).run();
+	return tables;
+}
+
+} // namespace pliant

@@ -1,0 +1,60 @@
+#pragma once
+
+// The tables of a body whose nodes stand on several levels: the region matrix, its moments, and how soft each region is.
+// Ohta et al. 2009, "Stiffness Consistency when The Subdivision Level of Nodes are Changed".
+
+#include "adapt/energy_match.h"
+#include "adapt/region_matrix.h"
+#include "matching/region_tables.h"
+#include "pliant/adaptivity.h"
+
+#include <memory>
+
+namespace pliant {
+
+/// What bodies of one template, one number of levels and one half-width share.
+struct LevelBase
+{
+	Octree octree;
+	FineRegions fine;
+	FineMoments moments; ///< empty unless the settings ask for energies
+};
+
+std::shared_ptr<const LevelBase> buildLevelBase( const Lattice& lattice, const Material& material, const Adaptivity& settings );
+
+/// A base for each setting in use, built once for as long as a body holds it. Safe to call from several threads.
+class LevelCache
+{
+public:
+	std::shared_ptr<const LevelBase> find( const Lattice& lattice, const Material& material, const Adaptivity& settings );
+
+private:
+	struct Entry
+	{
+		int coarseLevels, halfWidth;
+		bool withMoments;
+		std::weak_ptr<const LevelBase> base;
+	};
+
+	std::mutex m_mutex;
+	std::vector<Entry> m_entries;
+};
+
+/// What bodies of one template share beside the lattice.
+struct TemplateCache
+{
+	RegionCache regions;
+	LevelCache levels;
+};
+
+/// The cut a body begins with.
+Cut firstCut( const Octree& octree, const Adaptivity& settings );
+
+/// The region matrix of a cut from nothing.
+RegionMatrix buildRegionMatrix( const LevelBase& base, const Lattice& lattice, const Cut& cut, const Material& material, const Adaptivity& settings );
+
+/// Tables for the step out of a region matrix.
+std::shared_ptr<const RegionTables> buildLevelTables( const LevelBase& base, const Lattice& lattice, const Cut& cut, const RegionMatrix& matrix,
+	const Material& material, const Adaptivity& settings );
+
+} // namespace pliant
