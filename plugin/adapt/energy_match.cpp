@@ -80,6 +80,34 @@ Covariance covarianceOf( const Lattice& lattice, const FineRegions& fine, std::u
 	return second.selfadjointView<Eigen::Lower>();
 }
 
+/// A matrix whose determinant is this share of the largest its trace allows has no eigenvalue below kMomentShare of its largest:
+/// with eigenvalues a >= b >= c, det = a b c <= a^2 c and ( tr / 3 )^3 >= ( a / 3 )^3, so c / a >= share / 27.
+constexpr double kSolidShare = 27.0 * kMomentShare;
+
+/// Most regions are solid and need no eigenvalues.
+void invertMoment( RegionRest& rest )
+{
+	const double third = rest.moment.trace() / 3.0;
+	if ( rest.moment.determinant() > kSolidShare * third * third * third )
+	{
+		rest.inverse = rest.moment.inverse();
+		return;
+	}
+	const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver( rest.moment );
+	const double floor = kMomentShare * solver.eigenvalues()[2];
+	for ( int i = 0; i < 3; ++i )
+	{
+		const Vec3d axis = solver.eigenvectors().col( i );
+		if ( solver.eigenvalues()[i] > floor )
+		{
+			rest.inverse += axis * axis.transpose() / solver.eigenvalues()[i];
+			continue;
+		}
+		rest.outside += axis * axis.transpose();
+		rest.isFlat = true;
+	}
+}
+
 } // namespace
 
 FineMoments buildFineMoments( const Octree& octree, const Lattice& lattice, const FineRegions& fine )
@@ -136,6 +164,7 @@ RegionRest measureRegion( const Octree& octree, const Cut& cut, const RegionMatr
 		rest.moment += matrix.mass[k] * kMassUnit * q * q.transpose();
 	}
 	rest.centre = centre / double( cellSize );
+	invertMoment( rest );
 	return rest;
 }
 
@@ -207,16 +236,8 @@ double quadraticEta( const Octree& octree, const Cut& cut, const RegionMatrix& m
 		square += u * phi.cwiseProduct( phi );
 		slope += u * q * phi.transpose();
 	}
-	const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver( rest.moment );
-	Vec3d inverse = Vec3d::Zero();
-	for ( int i = 0; i < 3; ++i )
-	{
-		const double value = solver.eigenvalues()[i];
-		inverse[i] = value > kMomentShare * solver.eigenvalues()[2] ? 1.0 / value : 0.0;
-	}
 	const double variance = ( square - mean.cwiseProduct( mean ) / rest.mass ).sum();
-	const Eigen::Matrix<double, 3, 6> along = solver.eigenvectors().transpose() * slope;
-	const double affine = ( inverse.asDiagonal() * along.cwiseProduct( along ) ).sum();
+	const double affine = slope.cwiseProduct( rest.inverse * slope ).sum();
 	const double residual = variance - affine;
 	if ( !( residual > kMomentShare * variance ) )
 	{

@@ -133,13 +133,14 @@ public:
 		{
 			if ( m_childRow[slot] != kNoNode )
 			{
-				copyCounted( slot );
+				appendCounted( slot, result );
+				continue;
 			}
-			else
+			if ( !appendRenumbered( slot, result ) )
 			{
 				takeOld( slot, firstOld );
+				m_row.appendTo( result );
 			}
-			m_row.appendTo( result );
 		}
 		return result;
 	}
@@ -181,13 +182,40 @@ private:
 		}
 	}
 
-	void copyCounted( std::uint32_t slot )
+	void appendCounted( std::uint32_t slot, RegionMatrix& result ) const
 	{
-		const std::uint32_t r = m_childRow[slot];
-		for ( std::uint32_t k = m_counted.start[r]; k < m_counted.start[r + 1]; ++k )
+		const std::uint32_t first = m_counted.start[m_childRow[slot]], last = m_counted.start[m_childRow[slot] + 1];
+		result.member.insert( result.member.end(), m_counted.member.begin() + first, m_counted.member.begin() + last );
+		result.mass.insert( result.mass.end(), m_counted.mass.begin() + first, m_counted.mass.begin() + last );
+		result.share.insert( result.share.end(), m_counted.share.begin() + first, m_counted.share.begin() + last );
+		result.start.push_back( std::uint32_t( result.member.size() ) );
+	}
+
+	/// Most rows keep all their members under other numbers, which rise as the old ones did. False, and nothing done, for the others.
+	bool appendRenumbered( std::uint32_t slot, RegionMatrix& result ) const
+	{
+		const std::uint32_t old = m_change.before[slot];
+		if ( old == kNoNode )
 		{
-			m_row.add( m_counted.member[k], m_counted.mass[k], m_counted.share[k] );
+			return false;
 		}
+		const std::uint32_t first = m_old.start[old], last = m_old.start[old + 1];
+		const std::size_t from = result.member.size();
+		result.member.resize( from + ( last - first ) );
+		for ( std::uint32_t k = first; k < last; ++k )
+		{
+			const std::uint32_t now = m_change.now[m_old.member[k]];
+			if ( now == kNoNode || m_change.wasMerged[now] != 0 )
+			{
+				result.member.resize( from );
+				return false;
+			}
+			result.member[from + ( k - first )] = now;
+		}
+		result.mass.insert( result.mass.end(), m_old.mass.begin() + first, m_old.mass.begin() + last );
+		result.share.insert( result.share.end(), m_old.share.begin() + first, m_old.share.begin() + last );
+		result.start.push_back( std::uint32_t( result.member.size() ) );
+		return true;
 	}
 
 	/// Rows of nodes that stayed or were merged: sums of the old rows. Where a member was split, its children's own rows hold what they

@@ -85,7 +85,7 @@ void resizeNodes( NodeState& nodes, int count )
 
 Levels::Levels( std::shared_ptr<const LevelBase> base, const Lattice& lattice, const Material& material, const Adaptivity& settings ) :
 	m_base( std::move( base ) ), m_lattice( lattice ), m_settings( settings ), m_cut( firstCut( m_base->octree, settings ) ),
-	m_matrix( buildRegionMatrix( *m_base, lattice, m_cut, material, settings ) ),
+	m_matrix( std::make_shared<const RegionMatrix>( buildRegionMatrix( *m_base, lattice, m_cut, material, settings ) ) ),
 	m_tables( buildLevelTables( *m_base, lattice, m_cut, m_matrix, material, settings ) ), m_quiet( m_cut.node.size(), 0.0f )
 {
 }
@@ -128,6 +128,7 @@ void Levels::collectSplits( const AlignedArray<float>& strain )
 {
 	// What was asked for comes first, then the most strained.
 	std::vector<std::pair<float, std::uint32_t>> wanted;
+	std::sort( m_asked.begin(), m_asked.end() );
 	for ( int i = 0; i < m_cut.count(); ++i )
 	{
 		const std::uint32_t node = m_cut.node[i];
@@ -136,7 +137,7 @@ void Levels::collectSplits( const AlignedArray<float>& strain )
 		{
 			continue;
 		}
-		if ( std::find( m_asked.begin(), m_asked.end(), node ) != m_asked.end() )
+		if ( std::binary_search( m_asked.begin(), m_asked.end(), node ) )
 		{
 			wanted.emplace_back( -std::numeric_limits<float>::infinity(), node );
 		}
@@ -157,15 +158,9 @@ void Levels::collectSplits( const AlignedArray<float>& strain )
 		brought += children;
 		m_split.push_back( node );
 	}
-	std::vector<std::uint32_t> left;
-	for ( const std::uint32_t node : m_asked )
-	{
-		if ( std::find( m_split.begin(), m_split.end(), node ) == m_split.end() )
-		{
-			left.push_back( node );
-		}
-	}
-	m_asked = std::move( left );
+	std::sort( m_split.begin(), m_split.end() );
+	const auto isDone = [this]( std::uint32_t node ) { return std::binary_search( m_split.begin(), m_split.end(), node ); };
+	m_asked.erase( std::remove_if( m_asked.begin(), m_asked.end(), isDone ), m_asked.end() );
 }
 
 bool Levels::mayMerge( std::uint32_t parent, int firstSlot ) const
@@ -182,7 +177,7 @@ bool Levels::mayMerge( std::uint32_t parent, int firstSlot ) const
 		const std::size_t slot = std::size_t( firstSlot ) + k;
 		const bool isThere = m_cut.node[slot] == tree.child[tree.childStart[parent] + k];
 		const bool isQuiet = isFiner || ( m_settings.refineStrain > 0.0f && m_quiet[slot] >= m_settings.mergeDelay );
-		if ( !isThere || !isQuiet || std::find( m_split.begin(), m_split.end(), m_cut.node[slot] ) != m_split.end() )
+		if ( !isThere || !isQuiet || std::binary_search( m_split.begin(), m_split.end(), m_cut.node[slot] ) )
 		{
 			return false;
 		}
@@ -224,9 +219,11 @@ void Levels::change( NodeState& nodes, LatticeMatcher& matcher, const Material& 
 	NodeState changed = changedNodes( nodes, matcher, next, material.density );
 	restoreMotion( changed, before );
 
-	m_matrix = m_settings.regions == RegionRule::Multiplicity ? updateMultiplicityRegions( octree(), m_cut, m_matrix, next, m_base->fine )
-															   : buildRegionMatrix( *m_base, m_lattice, next, material, m_settings );
-	m_tables = buildLevelTables( *m_base, m_lattice, next, m_matrix, material, m_settings );
+	RegionMatrix matrix = m_settings.regions == RegionRule::Multiplicity ? updateMultiplicityRegions( octree(), m_cut, *m_matrix, next, m_base->fine )
+																		  : buildRegionMatrix( *m_base, m_lattice, next, material, m_settings );
+	m_matrix = std::make_shared<const RegionMatrix>( std::move( matrix ) );
+	const std::shared_ptr<const RegionTables> old = m_tables;
+	m_tables = buildLevelTables( *m_base, m_lattice, next, m_matrix, material, m_settings, TablesBefore{ old.get(), unchangedRows( next ) } );
 	std::vector<float> quiet( next.node.size(), 0.0f );
 	for ( int i = 0; i < next.count(); ++i )
 	{
@@ -238,6 +235,21 @@ void Levels::change( NodeState& nodes, LatticeMatcher& matcher, const Material& 
 	nodes = std::move( changed );
 	matcher.setTables( m_tables, m_change.heir );
 	++m_version;
+}
+
+std::vector<std::uint32_t> Levels::unchangedRows( const Cut& next ) const
+{
+	const auto isKept = [&]( std::uint32_t slot ) { return m_cut.node[m_change.heir[slot]] == next.node[slot]; };
+	std::vector<std::uint32_t> before( next.node.size(), kNoNode );
+	for ( std::uint32_t r = 0; r < std::uint32_t( next.count() ); ++r )
+	{
+		const auto first = m_matrix->member.begin() + m_matrix->start[r], last = m_matrix->member.begin() + m_matrix->start[r + 1];
+		if ( std::all_of( first, last, isKept ) ) // the node itself is among its members
+		{
+			before[r] = m_change.heir[r];
+		}
+	}
+	return before;
 }
 
 void Levels::numberHeirs( const Cut& next )
@@ -275,6 +287,8 @@ NodeState Levels::changedNodes( const NodeState& before, LatticeMatcher& matcher
 
 	const double fullCell = double( density ) * std::pow( double( m_lattice.cellSize ), 3 );
 	const std::vector<std::uint32_t>& heir = m_change.heir;
+	int parent = -1; // children stand side by side
+	Eigen::Matrix3d gradient = Eigen::Matrix3d::Zero();
 	for ( int i = 0; i < now.count; ++i )
 	{
 		const std::uint32_t node = next.node[i];
@@ -292,7 +306,12 @@ NodeState Levels::changedNodes( const NodeState& before, LatticeMatcher& matcher
 			const Vec3 arm = octree().restCentre[node] - before.x0.get( old );
 			const Eigen::Matrix3f f = Eigen::Map<const Matrix3fRows>( gradients.data() + 9 * std::size_t( old ) );
 			now.x.set( i, before.x.get( old ) + f * arm );
-			now.v.set( i, before.v.get( old ) + ( velocityGradient( before, old ) * arm.cast<double>() ).cast<float>() );
+			if ( old != parent )
+			{
+				parent = old;
+				gradient = velocityGradient( before, old );
+			}
+			now.v.set( i, before.v.get( old ) + ( gradient * arm.cast<double>() ).cast<float>() );
 		}
 		else
 		{
@@ -329,11 +348,11 @@ Eigen::Matrix3d Levels::velocityGradient( const NodeState& nodes, int node ) con
 	const Vec3d centre( moments.centre[0][node], moments.centre[1][node], moments.centre[2][node] );
 	Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
 	const Vec3d own = nodes.v.get( node ).cast<double>(); // any velocity may be taken off: sum u q = 0
-	for ( std::uint32_t k = m_matrix.start[node]; k < m_matrix.start[node + 1]; ++k )
+	for ( std::uint32_t k = m_matrix->start[node]; k < m_matrix->start[node + 1]; ++k )
 	{
-		const int a = int( m_matrix.member[k] );
+		const int a = int( m_matrix->member[k] );
 		const Vec3d q = nodes.x0.get( a ).cast<double>() / double( m_lattice.cellSize ) - centre;
-		sum += m_matrix.mass[k] * kMassUnit * ( nodes.v.get( a ).cast<double>() - own ) * q.transpose();
+		sum += m_matrix->mass[k] * kMassUnit * ( nodes.v.get( a ).cast<double>() - own ) * q.transpose();
 	}
 	Eigen::Matrix3d inverse;
 	const auto& j = moments.inverseMoment;
@@ -344,7 +363,7 @@ Eigen::Matrix3d Levels::velocityGradient( const NodeState& nodes, int node ) con
 std::size_t Levels::bytes() const
 {
 	return ( m_cut.node.size() + m_cut.slotOfCell.size() + m_change.heir.size() + m_change.nodeNow.size() ) * sizeof( std::uint32_t ) +
-		   m_matrix.bytes() + m_tables->bytes() + m_quiet.size() * sizeof( float );
+		   m_tables->bytes() + m_quiet.size() * sizeof( float );
 }
 
 } // namespace pliant

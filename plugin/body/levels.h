@@ -28,7 +28,7 @@ public:
 
 	const Octree& octree() const { return m_base->octree; }
 	const Cut& cut() const { return m_cut; }
-	const RegionMatrix& matrix() const { return m_matrix; }
+	const RegionMatrix& matrix() const { return *m_matrix; }
 	const Adaptivity& settings() const { return m_settings; }
 	const std::shared_ptr<const RegionTables>& tables() const { return m_tables; }
 	int levelOf( int node ) const { return m_base->octree.levelOf( m_cut.node[node] ); }
@@ -62,6 +62,7 @@ private:
 	bool mayMerge( std::uint32_t parent, int firstSlot ) const;
 	NodeState changedNodes( const NodeState& before, LatticeMatcher& matcher, const Cut& next, float density );
 	void numberHeirs( const Cut& next );
+	std::vector<std::uint32_t> unchangedRows( const Cut& next ) const;
 	void mergeInto( const NodeState& before, int first, NodeState& now, int slot ) const;
 	Eigen::Matrix3d velocityGradient( const NodeState& nodes, int node ) const;
 
@@ -69,7 +70,7 @@ private:
 	const Lattice& m_lattice;
 	Adaptivity m_settings;
 	Cut m_cut;
-	RegionMatrix m_matrix;
+	std::shared_ptr<const RegionMatrix> m_matrix;
 	std::shared_ptr<const RegionTables> m_tables;
 	unsigned m_version = 0;
 	LevelChange m_change;

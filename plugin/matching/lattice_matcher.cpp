@@ -109,8 +109,10 @@ void LatticeMatcher::turn( const Eigen::Quaterniond& by )
 void LatticeMatcher::viewLevels( MatchView& v ) const
 {
 	const auto dataOrNull = []( const AlignedArray<float>& array ) { return array.empty() ? nullptr : array.data(); };
-	v.memberMass = m_tables->memberMass.data();
-	v.memberShare = m_tables->memberShare.data();
+	v.start = m_tables->matrix->start.data();
+	v.member = m_tables->matrix->member.data();
+	v.memberMass = m_tables->matrix->mass.data();
+	v.memberShare = m_tables->matrix->share.data();
 	v.pull = dataOrNull( m_tables->pull );
 	v.regionBeta = dataOrNull( m_tables->beta );
 	v.regionEta = dataOrNull( m_tables->eta );
@@ -171,7 +173,7 @@ MatchView LatticeMatcher::view( NodeState& nodes )
 	v.cellsPerMetre = 1.0f / m_cellSize;
 	v.beta = m_beta;
 	v.rotationFromF = m_rotationFromF;
-	if ( !m_tables->memberMass.empty() )
+	if ( m_tables->matrix )
 	{
 		viewLevels( v );
 	}

@@ -2,8 +2,6 @@
 
 #include "matching/constants.h"
 
-#include <Eigen/Eigenvalues>
-
 #include <algorithm>
 
 namespace pliant {
@@ -25,33 +23,6 @@ void storeSymmetric( AlignedArray<float> ( &to )[6], int i, const Eigen::Matrix3
 	}
 }
 
-/// J^+ and 1 - J J^+: directions with less than kMomentFloor of the largest extent count as none.
-struct SplitInverse
-{
-	Eigen::Matrix3d inverse = Eigen::Matrix3d::Zero();
-	Eigen::Matrix3d outside = Eigen::Matrix3d::Zero();
-	bool isFlat = false;
-};
-
-SplitInverse splitInverse( const Eigen::Matrix3d& moment )
-{
-	SplitInverse split;
-	const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver( moment );
-	const double floor = double( kMomentFloor ) * solver.eigenvalues()[2];
-	for ( int i = 0; i < 3; ++i )
-	{
-		const Vec3d axis = solver.eigenvectors().col( i );
-		if ( solver.eigenvalues()[i] > floor )
-		{
-			split.inverse += axis * axis.transpose() / solver.eigenvalues()[i];
-			continue;
-		}
-		split.outside += axis * axis.transpose();
-		split.isFlat = true;
-	}
-	return split;
-}
-
 /// Fills the tables region by region.
 class Filler
 {
@@ -62,11 +33,16 @@ public:
 	{
 	}
 
-	void run()
+	void run( const TablesBefore& before )
 	{
 		allocate();
 		for ( int r = 0; r < m_cut.count(); ++r )
 		{
+			if ( before.tables && before.region[r] != kNoNode )
+			{
+				copyRegion( *before.tables, int( before.region[r] ), r );
+				continue;
+			}
 			fillRegion( r );
 		}
 		for ( int i = 0; i < m_cut.count(); ++i )
@@ -120,10 +96,37 @@ private:
 			}
 		}
 		m_tables.regions.halfWidth = m_material.regionHalfWidth;
-		m_tables.regions.start = m_matrix.start;
-		m_tables.regions.member = m_matrix.member;
-		m_tables.memberMass = m_matrix.mass;
-		m_tables.memberShare = m_matrix.share;
+	}
+
+	/// What fillRegion would write again: it depends on the row alone.
+	void copyRegion( const RegionTables& from, int old, int r )
+	{
+		const auto copy = [old, r]( const AlignedArray<float>& source, AlignedArray<float>& to ) {
+			if ( !to.empty() )
+			{
+				to[r] = source.empty() ? 0.0f : source[old];
+			}
+		};
+		RegionMoments& moments = m_tables.moments;
+		copy( from.moments.inverseMass, moments.inverseMass );
+		copy( from.moments.regionWeight, moments.regionWeight );
+		copy( from.beta, m_tables.beta );
+		copy( from.eta, m_tables.eta );
+		for ( int k = 0; k < 3; ++k )
+		{
+			copy( from.moments.centre[k], moments.centre[k] );
+		}
+		for ( int k = 0; k < 6; ++k )
+		{
+			copy( from.moments.moment[k], moments.moment[k] );
+			copy( from.moments.inverseMoment[k], moments.inverseMoment[k] );
+			copy( from.outOfPlane[k], m_tables.outOfPlane[k] );
+			m_hasFlat = m_hasFlat || m_tables.outOfPlane[k][r] != 0.0f;
+		}
+		for ( int k = 0; k < 9; ++k )
+		{
+			copy( from.blend[k], m_tables.blend[k] );
+		}
 	}
 
 	double betaOf( std::uint32_t node, const RegionRest& rest ) const
@@ -153,6 +156,12 @@ private:
 		return m_settings.residual == ResidualRule::Larger ? std::max( eta, beta ) : eta;
 	}
 
+	bool holdsFinestOnly( int r ) const
+	{
+		const auto first = m_matrix.member.begin() + m_matrix.start[r], last = m_matrix.member.begin() + m_matrix.start[r + 1];
+		return std::all_of( first, last, [this]( std::uint32_t a ) { return m_cut.node[a] < m_base.octree.levelStart[1]; } );
+	}
+
 	void fillRegion( int r )
 	{
 		RegionMoments& moments = m_tables.moments;
@@ -164,13 +173,14 @@ private:
 			moments.centre[k][r] = float( rest.centre[k] );
 		}
 		storeSymmetric( moments.moment, r, rest.moment );
-		const SplitInverse split = splitInverse( rest.moment );
-		storeSymmetric( moments.inverseMoment, r, split.inverse );
-		storeSymmetric( m_tables.outOfPlane, r, split.outside );
-		m_hasFlat = m_hasFlat || split.isFlat;
+		storeSymmetric( moments.inverseMoment, r, rest.inverse );
+		storeSymmetric( m_tables.outOfPlane, r, rest.outside );
+		m_hasFlat = m_hasFlat || rest.isFlat;
 
-		double beta = betaOf( node, rest );
-		double eta = etaOf( r, rest, beta );
+		// Among finest cells only, the region is the finest one itself: nothing to soften, to the last bit.
+		const bool isFinest = holdsFinestOnly( r );
+		double beta = isFinest ? 0.0 : betaOf( node, rest );
+		double eta = isFinest ? 0.0 : etaOf( r, rest, beta );
 		if ( node >= m_base.octree.levelStart[1] )
 		{
 			beta = 1.0 - ( 1.0 - beta ) * m_settings.coarseStiffness;
@@ -276,11 +286,12 @@ RegionMatrix buildRegionMatrix( const LevelBase& base, const Lattice&, const Cut
 	}
 }
 
-std::shared_ptr<const RegionTables> buildLevelTables( const LevelBase& base, const Lattice& lattice, const Cut& cut, const RegionMatrix& matrix,
-	const Material& material, const Adaptivity& settings )
+std::shared_ptr<const RegionTables> buildLevelTables( const LevelBase& base, const Lattice& lattice, const Cut& cut,
+	std::shared_ptr<const RegionMatrix> matrix, const Material& material, const Adaptivity& settings, const TablesBefore& before )
 {
 	auto tables = std::make_shared<RegionTables>();
-	Filler( base, lattice, cut, matrix, material, settings, *tables ).run();
+	tables->matrix = std::move( matrix );
+	Filler( base, lattice, cut, *tables->matrix, material, settings, *tables ).run( before );
 	return tables;
 }
 

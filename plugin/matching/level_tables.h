@@ -53,8 +53,15 @@ Cut firstCut( const Octree& octree, const Adaptivity& settings );
 /// The region matrix of a cut from nothing.
 RegionMatrix buildRegionMatrix( const LevelBase& base, const Lattice& lattice, const Cut& cut, const Material& material, const Adaptivity& settings );
 
-/// Tables for the step out of a region matrix.
-std::shared_ptr<const RegionTables> buildLevelTables( const LevelBase& base, const Lattice& lattice, const Cut& cut, const RegionMatrix& matrix,
-	const Material& material, const Adaptivity& settings );
+/// What is left of the tables before a change of levels: rows whose members all stayed need not be measured again.
+struct TablesBefore
+{
+	const RegionTables* tables = nullptr;
+	std::vector<std::uint32_t> region; ///< of each region now: its number then, where its row holds the same nodes; else kNoNode
+};
+
+/// Tables for the step out of a region matrix. With `before` the result is the same to the bit, sooner.
+std::shared_ptr<const RegionTables> buildLevelTables( const LevelBase& base, const Lattice& lattice, const Cut& cut,
+	std::shared_ptr<const RegionMatrix> matrix, const Material& material, const Adaptivity& settings, const TablesBefore& before = {} );
 
 } // namespace pliant

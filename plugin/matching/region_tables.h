@@ -3,6 +3,7 @@
 // What all bodies of one template and one setting share: regions, their weights and moments, and the way their sums are made.
 // Fifteen elephants hold it once.
 
+#include "adapt/region_matrix.h"
 #include "lattice/region.h"
 #include "matching/region_moments.h"
 #include "pliant/material.h"
@@ -36,8 +37,8 @@ struct RegionTables
 	Eigen::Vector3i grid = Eigen::Vector3i::Zero();
 	std::vector<std::uint32_t> slot;               ///< lattice position of each cell; empty without holes
 
-	// Of nodes on several levels only (level_tables.h); empty on a uniform lattice. `regions` then holds the rows of the region matrix.
-	std::vector<std::uint32_t> memberMass, memberShare; ///< beside regions.member, in kMassUnit
+	// Of nodes on several levels only (level_tables.h); empty on a uniform lattice. The matrix then takes the place of `regions`.
+	std::shared_ptr<const RegionMatrix> matrix;
 	AlignedArray<float> pull;                      ///< of each node; empty where all are 1
 	AlignedArray<float> beta, eta;                 ///< of each region; empty where all are 0
 	AlignedArray<float> blend[9];                  ///< C of each region; empty where beta is a number
