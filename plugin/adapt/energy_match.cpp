@@ -153,7 +153,7 @@ RegionRest measureRegion( const Octree& octree, const Cut& cut, const RegionMatr
 	Vec3d first = Vec3d::Zero();
 	for ( std::uint32_t k = matrix.start[region]; k < matrix.start[region + 1]; ++k )
 	{
-		const double u = matrix.mass[k] * kMassUnit;
+		const double u = matrix.mass[k] * matrix.unit[matrix.member[k]];
 		rest.mass += u;
 		first += u * octree.restCentre[cut.node[matrix.member[k]]].cast<double>();
 	}
@@ -161,7 +161,7 @@ RegionRest measureRegion( const Octree& octree, const Cut& cut, const RegionMatr
 	for ( std::uint32_t k = matrix.start[region]; k < matrix.start[region + 1]; ++k )
 	{
 		const Vec3d q = ( octree.restCentre[cut.node[matrix.member[k]]].cast<double>() - centre ) / double( cellSize );
-		rest.moment += matrix.mass[k] * kMassUnit * q * q.transpose();
+		rest.moment += matrix.mass[k] * matrix.unit[matrix.member[k]] * q * q.transpose();
 	}
 	rest.centre = centre / double( cellSize );
 	invertMoment( rest );
@@ -225,7 +225,7 @@ double quadraticEta( const Octree& octree, const Cut& cut, const RegionMatrix& m
 	for ( std::uint32_t m = matrix.start[region]; m < matrix.start[region + 1]; ++m )
 	{
 		const std::uint32_t a = cut.node[matrix.member[m]];
-		const double u = matrix.mass[m] * kMassUnit;
+		const double u = matrix.mass[m] * matrix.unit[matrix.member[m]];
 		const Vec3d q = octree.restCentre[a].cast<double>() / double( cellSize ) - rest.centre;
 		Six phi;
 		for ( int k = 0; k < 6; ++k )

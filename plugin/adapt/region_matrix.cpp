@@ -142,6 +142,7 @@ public:
 				m_row.appendTo( result );
 			}
 		}
+		weighUnits( m_octree, m_to, result );
 		return result;
 	}
 
@@ -282,6 +283,20 @@ FineRegions buildFineRegions( const Lattice& lattice, int halfWidth )
 	return fine;
 }
 
+void weighUnits( const Octree& octree, const Cut& cut, RegionMatrix& matrix )
+{
+	matrix.unit.resize( cut.node.size() );
+	for ( int a = 0; a < cut.count(); ++a )
+	{
+		std::uint64_t sum = 0;
+		for ( std::uint32_t k = matrix.start[a]; k < matrix.start[a + 1]; ++k )
+		{
+			sum += matrix.share[k];
+		}
+		matrix.unit[a] = octree.mass[cut.node[a]] / double( sum );
+	}
+}
+
 RegionMatrix buildMultiplicityRegions( const Octree& octree, const Cut& cut, const FineRegions& fine )
 {
 	RegionMatrix matrix;
@@ -292,6 +307,7 @@ RegionMatrix buildMultiplicityRegions( const Octree& octree, const Cut& cut, con
 		countFromCells( octree, cut, fine, slot, row );
 		row.appendTo( matrix );
 	}
+	weighUnits( octree, cut, matrix );
 	return matrix;
 }
 
@@ -363,6 +379,11 @@ RegionMatrix buildUnionRegions( const Octree& octree, const Cut& cut, const Fine
 				matrix.share[back] = inUnits( ofRegion * value[k] / octree.mass[cut.node[a]] );
 			}
 		}
+	}
+	matrix.unit.assign( count, kMassUnit );
+	if ( weights == UnionWeights::Conserving )
+	{
+		weighUnits( octree, cut, matrix );
 	}
 	return matrix;
 }

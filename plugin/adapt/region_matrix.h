@@ -11,7 +11,8 @@
 
 namespace pliant {
 
-/// Share of a full finest cell's mass. 8^4 cells of it fit 32 bits; a cell in 27 regions is met to 3e-5 (its shares stay whole).
+/// About this share of a full finest cell's mass: 8^4 cells fit 32 bits. A cell's mass is no whole multiple of it; what one unit of a
+/// node weighs is corrected node by node (RegionMatrix::unit), so that its shares add up to its mass.
 inline constexpr double kMassUnit = 1.0 / ( 1 << 19 );
 
 /// Row r lists the nodes of region r, ascending by slot, r itself among them. Membership is symmetric, values need not be:
@@ -22,10 +23,14 @@ struct RegionMatrix
 	std::vector<std::uint32_t> member; ///< slots
 	std::vector<std::uint32_t> mass;   ///< u( member, r ): what the member gives to the sums of region r, in kMassUnit
 	std::vector<std::uint32_t> share;  ///< weight of the member's region in the goal of node r; u( r, member ) where momentum is kept
+	std::vector<double> unit;          ///< of each node: what one unit of its mass weighs, full cells
 
 	int count() const { return start.empty() ? 0 : int( start.size() ) - 1; }
-	std::size_t bytes() const { return ( start.size() + member.size() * 3 ) * sizeof( std::uint32_t ); }
+	std::size_t bytes() const { return ( start.size() + member.size() * 3 ) * sizeof( std::uint32_t ) + unit.size() * sizeof( double ); }
 };
+
+/// unit = mass / sum of shares, where masses are the shares' transpose: then the goals' weights and the sums' weights are the same numbers.
+void weighUnits( const Octree& octree, const Cut& cut, RegionMatrix& matrix );
 
 /// The finest level, on which everything coarser stands: for each cell, the cells of its region and the mass it gives to each.
 struct FineRegions

@@ -352,7 +352,7 @@ Eigen::Matrix3d Levels::velocityGradient( const NodeState& nodes, int node ) con
 	{
 		const int a = int( m_matrix->member[k] );
 		const Vec3d q = nodes.x0.get( a ).cast<double>() / double( m_lattice.cellSize ) - centre;
-		sum += m_matrix->mass[k] * kMassUnit * ( nodes.v.get( a ).cast<double>() - own ) * q.transpose();
+		sum += m_matrix->mass[k] * m_matrix->unit[std::size_t( a )] * ( nodes.v.get( a ).cast<double>() - own ) * q.transpose();
 	}
 	Eigen::Matrix3d inverse;
 	const auto& j = moments.inverseMoment;

@@ -214,7 +214,7 @@ private:
 			cover += share;
 			pull += share * ( scalesOnly() ? m_tables.moments.regionWeight[r] : 1.0f - m_tables.eta[r] );
 		}
-		m_tables.moments.nodeWeight[i] = float( kMassUnit );
+		m_tables.moments.nodeWeight[i] = float( m_matrix.unit[i] );
 		m_tables.moments.inverseCover[i] = float( 1.0 / cover );
 		m_tables.pull[i] = float( pull / cover );
 	}

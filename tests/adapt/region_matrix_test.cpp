@@ -18,6 +18,7 @@ void expectEqual( const RegionMatrix& a, const RegionMatrix& b )
 	EXPECT_EQ( a.member, b.member );
 	EXPECT_EQ( a.mass, b.mass );
 	EXPECT_EQ( a.share, b.share );
+	EXPECT_EQ( a.unit, b.unit );
 }
 
 /// Value of region r at node a, straight from the definition.
