@@ -1,0 +1,232 @@
+// Levels that change while the body moves: what is kept, what comes back, and when nodes are split and merged.
+
+#include "body/levels.h"
+#include "support/block_body.h"
+#include "support/shapes.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdio>
+
+namespace pliant {
+namespace {
+
+using test::substep;
+
+std::unique_ptr<Body> makeAdaptive( std::shared_ptr<const Lattice> lattice, const Adaptivity& settings, const Material& material = {} )
+{
+	Result<std::unique_ptr<Body>> made = Body::create( std::move( lattice ), material, {}, nullptr, settings );
+	EXPECT_TRUE( made.ok() ) << made.status.sentence;
+	return std::move( made.value );
+}
+
+Adaptivity levels( int count )
+{
+	Adaptivity settings;
+	settings.coarseLevels = count;
+	return settings;
+}
+
+/// Octree nodes of the cut above the finest level, at most `most`.
+std::vector<std::uint32_t> coarseNodes( const Body& body, std::size_t most )
+{
+	std::vector<std::uint32_t> nodes;
+	for ( const std::uint32_t node : body.levels()->cut().node )
+	{
+		if ( body.levels()->octree().levelOf( node ) > 0 && nodes.size() < most )
+		{
+			nodes.push_back( node );
+		}
+	}
+	return nodes;
+}
+
+TEST( Levels, AreRefusedWhereTheyMakeNoSense )
+{
+	const auto lattice = std::make_shared<const Lattice>( makeBlockLattice( 4, 4, 4, 0.1f ) );
+	Adaptivity settings = levels( 9 );
+	EXPECT_EQ( Body::create( lattice, {}, {}, nullptr, settings ).status.code, ResultCode::BadArgument );
+	settings = levels( 1 );
+	settings.refineStrain = std::nanf( "" );
+	EXPECT_EQ( Body::create( lattice, {}, {}, nullptr, settings ).status.code, ResultCode::BadArgument );
+	Material cluster;
+	cluster.method = Method::SingleCluster;
+	EXPECT_EQ( Body::create( lattice, cluster, {}, nullptr, levels( 1 ) ).status.code, ResultCode::BadArgument );
+}
+
+TEST( Levels, ChangedInFlightKeepMomentumSpinAndNearlyAllEnergy )
+{
+	const auto lattice = std::make_shared<const Lattice>( test::makeBlobLattice( 18, 0.05f, 4 ) );
+	const std::unique_ptr<Body> body = makeAdaptive( lattice, levels( 2 ) );
+	NodeState& nodes = body->nodes();
+	for ( int i = 0; i < nodes.count; ++i )
+	{
+		const Vec3 x = nodes.x.get( i );
+		nodes.v.set( i, Vec3( 1.0f, -0.5f, 0.2f ) + Vec3( 2.0f, 3.0f, -1.0f ).cross( x ) + Vec3( 0.8f * x.x(), 0.0f, 0.0f ) );
+	}
+	for ( int k = 0; k < 20; ++k )
+	{
+		substep( *body, 1.0f / 240.0f, 1.0f );
+	}
+	double worstMomentum = 0.0, worstSpin = 0.0, worstEnergy = 0.0;
+	for ( int round = 0; round < 10; ++round )
+	{
+		const std::vector<std::uint32_t> split = coarseNodes( *body, 12 );
+		for ( const bool isSplit : { true, false } )
+		{
+			const BodySums before = body->sums();
+			body->changeLevels( isSplit ? split : std::vector<std::uint32_t>(), isSplit ? std::vector<std::uint32_t>() : split );
+			const BodySums now = body->sums();
+			worstMomentum = std::max( worstMomentum, ( now.momentum - before.momentum ).norm() / before.momentum.norm() );
+			worstSpin = std::max( worstSpin, ( now.spin - before.spin ).norm() / before.spin.norm() );
+			worstEnergy = std::max( worstEnergy, std::abs( now.kineticEnergy / before.kineticEnergy - 1.0 ) );
+			substep( *body, 1.0f / 240.0f, 1.0f );
+		}
+	}
+	std::printf( "20 changes of levels: momentum %.1e, spin %.1e, kinetic energy %.2e of what there was\n", worstMomentum, worstSpin, worstEnergy );
+	EXPECT_LT( worstMomentum, 1e-6 );
+	EXPECT_LT( worstSpin, 1e-6 );
+	EXPECT_LT( worstEnergy, 0.01 );
+}
+
+TEST( Levels, OfARoundTripHaveTheSameRegionsToTheBit )
+{
+	const auto lattice = std::make_shared<const Lattice>( test::makeBlobLattice( 18, 0.05f, 5 ) );
+	for ( const RegionRule rule : { RegionRule::Multiplicity, RegionRule::Union } )
+	{
+		Adaptivity settings = levels( 3 );
+		settings.regions = rule;
+		const std::unique_ptr<Body> body = makeAdaptive( lattice, settings );
+		const std::shared_ptr<const RegionTables> before = body->levels()->tables();
+		for ( const std::size_t most : { std::size_t( 3 ), std::size_t( 1000 ) } )
+		{
+			const std::vector<std::uint32_t> split = coarseNodes( *body, most );
+			body->changeLevels( split, {} );
+			EXPECT_NE( body->levels()->tables()->matrix->member, before->matrix->member );
+			body->changeLevels( {}, split );
+			const RegionTables& now = *body->levels()->tables();
+			EXPECT_EQ( now.matrix->member, before->matrix->member );
+			EXPECT_EQ( now.matrix->mass, before->matrix->mass );
+			EXPECT_EQ( now.matrix->share, before->matrix->share );
+			EXPECT_EQ( now.beta, before->beta );
+			EXPECT_EQ( now.eta, before->eta );
+			EXPECT_EQ( now.pull, before->pull );
+			EXPECT_EQ( now.moments.inverseMass, before->moments.inverseMass );
+			for ( int k = 0; k < 6; ++k )
+			{
+				EXPECT_EQ( now.moments.moment[k], before->moments.moment[k] );
+				EXPECT_EQ( now.moments.inverseMoment[k], before->moments.inverseMoment[k] );
+			}
+		}
+	}
+}
+
+TEST( Levels, TablesChangedPieceByPieceAreThoseMadeFromNothing )
+{
+	const auto lattice = std::make_shared<const Lattice>( test::makeBlobLattice( 18, 0.05f, 6 ) );
+	Adaptivity settings = levels( 3 );
+	settings.softening = Softening::EnergyTensor;
+	const Material material;
+	const std::unique_ptr<Body> body = makeAdaptive( lattice, settings, material );
+	const std::shared_ptr<const LevelBase> base = buildLevelBase( *lattice, material, settings );
+	std::mt19937 random( 3 );
+	for ( int round = 0; round < 6; ++round )
+	{
+		std::vector<std::uint32_t> split;
+		for ( const std::uint32_t node : coarseNodes( *body, 1000 ) )
+		{
+			if ( random() % 3 == 0 )
+			{
+				split.push_back( node );
+			}
+		}
+		body->changeLevels( split, {} );
+		const Cut& cut = body->levels()->cut();
+		auto matrix = std::make_shared<const RegionMatrix>( buildRegionMatrix( *base, *lattice, cut, material, settings ) );
+		const auto wanted = buildLevelTables( *base, *lattice, cut, matrix, material, settings );
+		const RegionTables& got = *body->levels()->tables();
+		EXPECT_EQ( got.beta, wanted->beta );
+		EXPECT_EQ( got.eta, wanted->eta );
+		EXPECT_EQ( got.pull, wanted->pull );
+		for ( int k = 0; k < 9; ++k )
+		{
+			EXPECT_EQ( got.blend[k], wanted->blend[k] );
+		}
+	}
+}
+
+TEST( Levels, ASplitNodesChildrenLieWhereItsRegionPutsThem )
+{
+	// A body stretched evenly stays stretched evenly when all of it is split: no node jumps.
+	const auto lattice = std::make_shared<const Lattice>( makeBlockLattice( 8, 8, 8, 0.1f ) );
+	const std::unique_ptr<Body> body = makeAdaptive( lattice, levels( 2 ) );
+	const Vec3 stretch( 1.2f, 0.9f, 1.0f );
+	NodeState& nodes = body->nodes();
+	for ( int i = 0; i < nodes.count; ++i )
+	{
+		nodes.x.set( i, nodes.x0.get( i ).cwiseProduct( stretch ) );
+	}
+	body->accelerateTowardGoals( 0.01f, 1.0f, nullptr ); // measures the regions; velocities are not followed
+	body->changeLevels( coarseNodes( *body, 1000 ), {} );
+	ASSERT_GT( body->nodeCount(), 8 );
+	for ( int i = 0; i < nodes.count; ++i )
+	{
+		EXPECT_LT( ( nodes.x.get( i ) - nodes.x0.get( i ).cwiseProduct( stretch ) ).norm(), 1e-5f );
+	}
+}
+
+TEST( Levels, FollowStrainUpAndDown )
+{
+	const auto lattice = std::make_shared<const Lattice>( makeBlockLattice( 16, 8, 8, 0.05f ) );
+	Adaptivity settings = levels( 2 );
+	settings.refineStrain = 0.1f;
+	settings.mergeDelay = 0.2f;
+	Material material;
+	material.damping = 20.0f;
+	const std::unique_ptr<Body> body = makeAdaptive( lattice, settings, material );
+	const int atRest = body->nodeCount();
+	NodeState& nodes = body->nodes();
+	for ( int i = 0; i < nodes.count; ++i )
+	{
+		nodes.v.set( i, Vec3( 8.0f * nodes.x0.get( i ).x(), 0.0f, 0.0f ) );
+	}
+	int most = 0;
+	for ( int k = 0; k < 600; ++k )
+	{
+		body->adaptLevels( 1.0f / 240.0f );
+		substep( *body, 1.0f / 240.0f, 0.5f );
+		most = std::max( most, body->nodeCount() );
+	}
+	EXPECT_GT( most, 2 * atRest );
+	EXPECT_EQ( body->nodeCount(), atRest );
+	EXPECT_LT( test::shapeError( *body ), 1e-3 );
+}
+
+TEST( Levels, ABudgetSpreadsALargeRequestOverSteps )
+{
+	const auto lattice = std::make_shared<const Lattice>( makeBlockLattice( 16, 16, 16, 0.05f ) );
+	Adaptivity settings = levels( 2 );
+	settings.nodesPerStep = 100;
+	const std::unique_ptr<Body> body = makeAdaptive( lattice, settings );
+	int reviews = 0;
+	for ( int most = body->nodeCount(); body->nodeCount() < lattice->cellCount() && reviews < 200; ++reviews )
+	{
+		for ( int i = 0; i < body->nodeCount(); ++i )
+		{
+			body->requestSplit( i );
+		}
+		for ( int k = 0; k < kSubstepsBetweenReviews; ++k )
+		{
+			body->adaptLevels( 1.0f / 240.0f );
+			substep( *body, 1.0f / 240.0f, 0.5f );
+		}
+		EXPECT_LE( body->nodeCount(), most + 100 );
+		most = body->nodeCount();
+	}
+	EXPECT_EQ( body->nodeCount(), lattice->cellCount() );
+	EXPECT_GT( reviews, 40 );
+}
+
+} // namespace
+} // namespace pliant
