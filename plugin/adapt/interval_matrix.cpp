@@ -82,6 +82,11 @@ RegionMatrix buildIntervalRegions( const Octree& octree, const Cut& cut, const I
 		setConserving( matrix, [&]( std::uint32_t a, std::uint32_t r ) { return inUnits( perMass[a] * octree.mass[cut.node[r]] ); } );
 		break;
 	}
+	matrix.unit.assign( cut.node.size(), kMassUnit );
+	if ( weights != IntervalWeights::Literal )
+	{
+		weighUnits( octree, cut, matrix );
+	}
 	return matrix;
 }
 

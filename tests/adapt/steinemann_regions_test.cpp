@@ -226,6 +226,7 @@ TEST( IntervalRegions, OfFinestNodesAreTheLattices )
 		EXPECT_EQ( found.member, wanted.member );
 		EXPECT_EQ( found.mass, wanted.mass );
 		EXPECT_EQ( found.share, wanted.share );
+		EXPECT_EQ( found.unit, wanted.unit );
 		EXPECT_LT( regions.node.size(), found.member.size() ); // whole virtual nodes stand for their cells
 	}
 }
@@ -250,9 +251,10 @@ TEST( IntervalRegions, ConservingWeightsAreTheirOwnTransposeAndShareAllMass )
 				const auto back = std::lower_bound( row, end, r );
 				ASSERT_TRUE( back != end && *back == r );
 				EXPECT_EQ( matrix.share[k], matrix.mass[std::size_t( back - matrix.member.begin() )] );
-				shared += matrix.share[k] * kMassUnit;
+				shared += matrix.share[k] * matrix.unit[r];
 			}
-			EXPECT_NEAR( shared / octree.mass[cut.node[r]], 1.0, 1e-4 );
+			EXPECT_NEAR( shared / octree.mass[cut.node[r]], 1.0, 1e-12 );
+			EXPECT_NEAR( matrix.unit[r] / kMassUnit, 1.0, 1e-4 );
 		}
 	}
 	const RegionMatrix literal = buildIntervalRegions( octree, cut, regions, IntervalWeights::Literal );

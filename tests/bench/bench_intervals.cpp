@@ -1,0 +1,129 @@
+// Steinemann et al. 2008: what distances, regions and their change cost a node, and a fast sum a region.
+
+#include "adapt/bucket_moore.h"
+#include "adapt/hierarchical_sum.h"
+#include "support/shapes.h"
+
+#include <benchmark/benchmark.h>
+
+#include <cstddef>
+
+namespace {
+
+using namespace pliant;
+
+/// A blob with a fine skin and a coarse inside, and all that its regions stand on.
+struct BlobOfLevels
+{
+	Lattice lattice = test::makeBlobLattice( 34, 0.1f, 5, 6 );
+	Octree octree = buildOctree( lattice, 3 );
+	Cut cut = selectCut( octree, keepsByMass( octree, 0.99f ) );
+	VisibilityGraph graph = buildVisibilityGraph( lattice, octree, cut );
+	std::vector<std::uint32_t> width;
+
+	explicit BlobOfLevels( double w ) : width( intervalWidths( octree, cut, float( w ) ) ) {}
+	IntervalInput input() const { return { octree, cut, graph }; }
+};
+
+void report( benchmark::State& state, double items )
+{
+	state.counters["ns_each"] =
+	    benchmark::Counter( items * 1e-9, benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert );
+	state.counters["count"] = items;
+}
+
+void distances( benchmark::State& state )
+{
+	const BlobOfLevels blob( double( state.range( 0 ) ) );
+	BucketMoore search;
+	std::size_t reached = 0;
+	for ( auto _ : state )
+	{
+		reached = 0;
+		for ( std::uint32_t i = 0; i < std::uint32_t( blob.cut.count() ); ++i )
+		{
+			reached += search.from( blob.graph, i, blob.width[i] * 3 / 2 ).size();
+		}
+		benchmark::DoNotOptimize( reached );
+	}
+	report( state, blob.cut.count() );
+	state.counters["reached"] = double( reached ) / blob.cut.count();
+}
+
+void regionsFromNothing( benchmark::State& state )
+{
+	const BlobOfLevels blob( double( state.range( 0 ) ) );
+	std::size_t terms = 0;
+	for ( auto _ : state )
+	{
+		const IntervalRegions regions = findIntervalRegions( blob.input(), blob.width, kIntervalEps );
+		terms = regions.node.size();
+		benchmark::DoNotOptimize( terms );
+	}
+	report( state, blob.cut.count() );
+	state.counters["summation_nodes"] = double( terms ) / blob.cut.count();
+}
+
+void graphFromNothing( benchmark::State& state )
+{
+	const BlobOfLevels blob( 1.0 );
+	for ( auto _ : state )
+	{
+		benchmark::DoNotOptimize( buildVisibilityGraph( blob.lattice, blob.octree, blob.cut ).longest );
+	}
+	report( state, blob.cut.count() );
+}
+
+/// Splits as many coarse nodes as there are, up to `range`, and merges them again: graph, regions and matrix each time.
+void touchAndRelease( benchmark::State& state )
+{
+	const BlobOfLevels blob( 1.0 );
+	std::vector<std::uint32_t> split;
+	for ( const std::uint32_t node : blob.cut.node )
+	{
+		if ( node >= blob.octree.levelStart[1] && int( split.size() ) < state.range( 0 ) )
+		{
+			split.push_back( node );
+		}
+	}
+	const Cut fine = changeCut( blob.octree, blob.cut, split, {} );
+	const std::vector<std::uint32_t> fineWidth = intervalWidths( blob.octree, fine, 1.0f );
+	const IntervalRegions coarse = findIntervalRegions( blob.input(), blob.width, kIntervalEps );
+	std::size_t searched = 0;
+	for ( auto _ : state )
+	{
+		const VisibilityUpdate change = updateVisibilityGraph( blob.lattice, blob.octree, blob.cut, blob.graph, fine );
+		const IntervalInput input{ blob.octree, fine, change.graph };
+		const IntervalUpdate update = updateIntervalRegions( input, change, blob.graph, coarse, fineWidth );
+		searched = update.searched.size();
+		benchmark::DoNotOptimize( buildIntervalRegions( blob.octree, fine, update.regions, IntervalWeights::Conserving ).member.size() );
+	}
+	report( state, double( searched ) );
+	state.counters["new_nodes"] = double( fine.count() - blob.cut.count() + int( split.size() ) );
+	state.counters["nodes"] = double( fine.count() );
+}
+
+void fastSum( benchmark::State& state )
+{
+	const BlobOfLevels blob( double( state.range( 0 ) ) );
+	const IntervalRegions regions = findIntervalRegions( blob.input(), blob.width, kIntervalEps );
+	const SumPlan plan = planSums( blob.octree, blob.cut, regions );
+	std::vector<float> records( std::size_t( plan.records() ) * kRecordFloats, 1.0f ), sums( std::size_t( plan.slots ) * kRecordFloats );
+	for ( auto _ : state )
+	{
+		depthSum( plan, records.data() );
+		breadthSum( plan, records.data(), sums.data(), 0, plan.slots );
+		benchmark::DoNotOptimize( sums.data() );
+	}
+	report( state, plan.slots );
+	state.counters["summation_nodes"] = double( plan.term.size() ) / plan.slots;
+	state.counters["virtual_nodes"] = plan.virtualNodes;
+}
+
+BENCHMARK( distances )->Name( "intervals/distances" )->Arg( 1 )->Arg( 2 )->Unit( benchmark::kMicrosecond );
+BENCHMARK( regionsFromNothing )->Name( "intervals/regions" )->Arg( 1 )->Arg( 2 )->Unit( benchmark::kMicrosecond );
+BENCHMARK( graphFromNothing )->Name( "intervals/graph" )->Unit( benchmark::kMicrosecond );
+BENCHMARK( touchAndRelease )->Name( "intervals/touch" )->Arg( 1 )->Arg( 10 )->Arg( 50 )->Unit( benchmark::kMicrosecond );
+BENCHMARK( fastSum )->Name( "intervals/sum" )->Arg( 1 )->Arg( 2 )->Unit( benchmark::kMicrosecond );
+
+} // namespace
