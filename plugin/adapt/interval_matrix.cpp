@@ -14,13 +14,14 @@ std::uint32_t inUnits( double cells )
 
 void listMembers( const Octree& octree, const Cut& cut, const IntervalRegions& intervals, RegionMatrix& matrix )
 {
+	const std::vector<SlotSpan> spans = slotSpans( octree, cut );
 	matrix.start.reserve( intervals.start.size() );
 	matrix.start.push_back( 0 );
 	for ( int r = 0; r < intervals.count(); ++r )
 	{
 		for ( std::uint32_t k = intervals.start[r]; k < intervals.start[r + 1]; ++k )
 		{
-			const SlotSpan span = slotsUnder( octree, cut, intervals.node[k] );
+			const SlotSpan span = spans[intervals.node[k]];
 			for ( std::uint32_t slot = span.first; slot < span.end; ++slot )
 			{
 				matrix.member.push_back( slot );

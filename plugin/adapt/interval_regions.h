@@ -65,7 +65,7 @@ struct IntervalUpdate
 /// N_update. The paper names new nodes and those whose region held a removed one (5.2). That leaves out nodes which a removed node's
 /// edges served on the way, between w and ( 1 + eps ) w, and those a new node has come within reach of: here all are searched anew that
 /// had a removed node, or have a new one, nearer than ( 1 + eps ) w_i, besides those whose width is not what it was.
-IntervalUpdate updateIntervalRegions( const IntervalInput& to, const VisibilityUpdate& change, const VisibilityGraph& from,
+IntervalUpdate updateIntervalRegions( const IntervalInput& from, const IntervalInput& to, const CutChange& change,
                                       const IntervalRegions& old, std::vector<std::uint32_t> width, TaskRunner* runner = nullptr );
 
 /// Simulation nodes under an octree node: slots first .. end - 1. Only for nodes of the cut and above it.
@@ -78,6 +78,9 @@ inline SlotSpan slotsUnder( const Octree& octree, const Cut& cut, std::uint32_t 
 	const std::uint32_t start = octree.cellStart[node];
 	return { cut.slotOfCell[octree.cells[start]], cut.slotOfCell[octree.cells[start + octree.cellCount[node] - 1]] + 1 };
 }
+
+/// The same for all nodes of the cut and above it at once, for walks over many rows.
+std::vector<SlotSpan> slotSpans( const Octree& octree, const Cut& cut );
 
 /// How masses enter where regions are plain sets of nodes; n_a regions hold node a, and M_a is the mass of their owners.
 enum class IntervalWeights : int

@@ -321,7 +321,8 @@ TEST( IntervalRegions, ChangedStepByStepAreThoseFoundFromNothing )
 			}
 			VisibilityUpdate change = updateVisibilityGraph( lattice, octree, cut, graph, next );
 			const IntervalInput input{ octree, next, change.graph };
-			IntervalUpdate update = updateIntervalRegions( input, change, graph, regions, intervalWidths( octree, next, field ) );
+			IntervalUpdate update =
+			    updateIntervalRegions( { octree, cut, graph }, input, change.change, regions, intervalWidths( octree, next, field ) );
 			expectEqual( update.regions, findIntervalRegions( input, intervalWidths( octree, next, field ), eps ) );
 			searched += update.searched.size();
 			all += std::size_t( next.count() );

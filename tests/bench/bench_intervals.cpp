@@ -27,7 +27,7 @@ struct BlobOfLevels
 
 void report( benchmark::State& state, double items )
 {
-	state.counters["ns_each"] =
+	state.counters["ns_per_node"] =
 	    benchmark::Counter( items * 1e-9, benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert );
 	state.counters["count"] = items;
 }
@@ -94,7 +94,7 @@ void touchAndRelease( benchmark::State& state )
 	{
 		const VisibilityUpdate change = updateVisibilityGraph( blob.lattice, blob.octree, blob.cut, blob.graph, fine );
 		const IntervalInput input{ blob.octree, fine, change.graph };
-		const IntervalUpdate update = updateIntervalRegions( input, change, blob.graph, coarse, fineWidth );
+		const IntervalUpdate update = updateIntervalRegions( blob.input(), input, change.change, coarse, fineWidth );
 		searched = update.searched.size();
 		benchmark::DoNotOptimize( buildIntervalRegions( blob.octree, fine, update.regions, IntervalWeights::Conserving ).member.size() );
 	}
