@@ -9,11 +9,11 @@ namespace {
 /// sum = records[ term[0] ] + records[ term[1] ] + ..., in that order.
 inline void addRecords( const float* records, const std::uint32_t* term, const std::uint32_t* end, float* sum )
 {
-	float total[kRecordFloats] = {};
+	float total[kSumFloats] = {};
 	for ( ; term != end; ++term )
 	{
-		const float* const record = records + std::size_t( *term ) * kRecordFloats;
-		for ( int k = 0; k < kRecordFloats; ++k )
+		const float* const record = records + std::size_t( *term ) * kSumFloats;
+		for ( int k = 0; k < kSumFloats; ++k )
 		{
 			total[k] += record[k];
 		}
@@ -87,7 +87,7 @@ void depthSum( const SumPlan& plan, float* records )
 	for ( int v = 0; v < plan.virtualNodes; ++v )
 	{
 		const std::uint32_t* const child = plan.child.data();
-		float* const sum = records + std::size_t( plan.slots + v ) * kRecordFloats;
+		float* const sum = records + std::size_t( plan.slots + v ) * kSumFloats;
 		addRecords( records, child + plan.childStart[std::size_t( v )], child + plan.childStart[std::size_t( v ) + 1], sum );
 	}
 }
@@ -98,7 +98,7 @@ void breadthSum( const SumPlan& plan, const float* records, float* sums, int fir
 	for ( int r = first; r < end; ++r )
 	{
 		addRecords( records, term + plan.start[std::size_t( r )], term + plan.start[std::size_t( r ) + 1],
-		            sums + std::size_t( r ) * kRecordFloats );
+		            sums + std::size_t( r ) * kSumFloats );
 	}
 }
 

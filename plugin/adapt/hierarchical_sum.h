@@ -8,8 +8,8 @@
 
 namespace pliant {
 
-/// Floats in a record: 12 of payload (a 3 x 3 matrix and a vector), filled up to a whole cache line.
-inline constexpr int kRecordFloats = 16;
+/// Floats in a record: 12 of payload (a 3 x 3 matrix and a vector), filled up to a whole cache line. As in the step's kernels.
+inline constexpr int kSumFloats = 16;
 
 /// What to add to what. Records of the slots come first, then those of the virtual nodes that regions name and of all below them,
 /// children before parents.
@@ -26,10 +26,10 @@ struct SumPlan
 
 SumPlan planSums( const Octree& octree, const Cut& cut, const IntervalRegions& intervals );
 
-/// Fills the records of virtual nodes from those of the slots. `records`: plan.records() of kRecordFloats floats.
+/// Fills the records of virtual nodes from those of the slots. `records`: plan.records() of kSumFloats floats.
 void depthSum( const SumPlan& plan, float* records );
 
-/// The sums of regions first .. end - 1, written to sums + r kRecordFloats. Regions are independent of one another.
+/// The sums of regions first .. end - 1, written to sums + r kSumFloats. Regions are independent of one another.
 void breadthSum( const SumPlan& plan, const float* records, float* sums, int first, int end );
 
 } // namespace pliant

@@ -85,8 +85,8 @@ void resizeNodes( NodeState& nodes, int count )
 
 Levels::Levels( std::shared_ptr<const LevelBase> base, const Lattice& lattice, const Material& material, const Adaptivity& settings ) :
 	m_base( std::move( base ) ), m_lattice( lattice ), m_settings( settings ), m_cut( firstCut( m_base->octree, settings ) ),
-	m_matrix( std::make_shared<const RegionMatrix>( buildRegionMatrix( *m_base, lattice, m_cut, material, settings ) ) ),
-	m_tables( buildLevelTables( *m_base, lattice, m_cut, m_matrix, material, settings ) ), m_quiet( m_cut.node.size(), 0.0f )
+	m_regions( buildLevelRegions( *m_base, lattice, m_cut, material, settings ) ),
+	m_tables( buildLevelTables( *m_base, lattice, m_cut, m_regions, material, settings ) ), m_quiet( m_cut.node.size(), 0.0f )
 {
 }
 
@@ -219,11 +219,16 @@ void Levels::change( NodeState& nodes, LatticeMatcher& matcher, const Material& 
 	NodeState changed = changedNodes( nodes, matcher, next, material.density );
 	restoreMotion( changed, before );
 
-	RegionMatrix matrix = m_settings.regions == RegionRule::Multiplicity ? updateMultiplicityRegions( octree(), m_cut, *m_matrix, next, m_base->fine )
-																		  : buildRegionMatrix( *m_base, m_lattice, next, material, m_settings );
-	m_matrix = std::make_shared<const RegionMatrix>( std::move( matrix ) );
+	if ( m_settings.regions == RegionRule::Multiplicity )
+	{
+		m_regions.matrix = std::make_shared<const RegionMatrix>( updateMultiplicityRegions( octree(), m_cut, *m_regions.matrix, next, m_base->fine ) );
+	}
+	else
+	{
+		m_regions = buildLevelRegions( *m_base, m_lattice, next, material, m_settings );
+	}
 	const std::shared_ptr<const RegionTables> old = m_tables;
-	m_tables = buildLevelTables( *m_base, m_lattice, next, m_matrix, material, m_settings, TablesBefore{ old.get(), unchangedRows( next ) } );
+	m_tables = buildLevelTables( *m_base, m_lattice, next, m_regions, material, m_settings, TablesBefore{ old.get(), unchangedRows( next ) } );
 	std::vector<float> quiet( next.node.size(), 0.0f );
 	for ( int i = 0; i < next.count(); ++i )
 	{
@@ -243,7 +248,7 @@ std::vector<std::uint32_t> Levels::unchangedRows( const Cut& next ) const
 	std::vector<std::uint32_t> before( next.node.size(), kNoNode );
 	for ( std::uint32_t r = 0; r < std::uint32_t( next.count() ); ++r )
 	{
-		const auto first = m_matrix->member.begin() + m_matrix->start[r], last = m_matrix->member.begin() + m_matrix->start[r + 1];
+		const auto first = matrix().member.begin() + matrix().start[r], last = matrix().member.begin() + matrix().start[r + 1];
 		if ( std::all_of( first, last, isKept ) ) // the node itself is among its members
 		{
 			before[r] = m_change.heir[r];
@@ -348,11 +353,11 @@ Eigen::Matrix3d Levels::velocityGradient( const NodeState& nodes, int node ) con
 	const Vec3d centre( moments.centre[0][node], moments.centre[1][node], moments.centre[2][node] );
 	Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
 	const Vec3d own = nodes.v.get( node ).cast<double>(); // any velocity may be taken off: sum u q = 0
-	for ( std::uint32_t k = m_matrix->start[node]; k < m_matrix->start[node + 1]; ++k )
+	for ( std::uint32_t k = matrix().start[node]; k < matrix().start[node + 1]; ++k )
 	{
-		const int a = int( m_matrix->member[k] );
+		const int a = int( matrix().member[k] );
 		const Vec3d q = nodes.x0.get( a ).cast<double>() / double( m_lattice.cellSize ) - centre;
-		sum += m_matrix->mass[k] * m_matrix->unit[std::size_t( a )] * ( nodes.v.get( a ).cast<double>() - own ) * q.transpose();
+		sum += matrix().mass[k] * matrix().unit[std::size_t( a )] * ( nodes.v.get( a ).cast<double>() - own ) * q.transpose();
 	}
 	Eigen::Matrix3d inverse;
 	const auto& j = moments.inverseMoment;

@@ -28,7 +28,7 @@ public:
 
 	const Octree& octree() const { return m_base->octree; }
 	const Cut& cut() const { return m_cut; }
-	const RegionMatrix& matrix() const { return *m_matrix; }
+	const RegionMatrix& matrix() const { return *m_regions.matrix; }
 	const Adaptivity& settings() const { return m_settings; }
 	const std::shared_ptr<const RegionTables>& tables() const { return m_tables; }
 	int levelOf( int node ) const { return m_base->octree.levelOf( m_cut.node[node] ); }
@@ -70,7 +70,7 @@ private:
 	const Lattice& m_lattice;
 	Adaptivity m_settings;
 	Cut m_cut;
-	std::shared_ptr<const RegionMatrix> m_matrix;
+	LevelRegions m_regions;
 	std::shared_ptr<const RegionTables> m_tables;
 	unsigned m_version = 0;
 	LevelChange m_change;

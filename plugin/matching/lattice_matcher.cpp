@@ -13,6 +13,7 @@ namespace {
 /// Nodes of one task: sums are folded chunk by chunk, so this is part of the result's bits and never follows the thread count.
 constexpr int kChunk = 1024;
 static_assert( kChunk % kTile == 0 );
+static_assert( kRecordFloats == kSumFloats );
 
 int chunks( int padded )
 {
@@ -54,7 +55,11 @@ void LatticeMatcher::allocate()
 		m_change[k].assign( padded, 0.0f );
 	}
 	const Eigen::Vector3i grid = m_tables->grid;
-	const std::size_t records = m_tables->usesGrid ? std::size_t( grid.x() ) * grid.y() * grid.z() : std::size_t( padded );
+	std::size_t records = m_tables->usesGrid ? std::size_t( grid.x() ) * grid.y() * grid.z() : std::size_t( padded );
+	if ( m_tables->plan )
+	{
+		records = std::max( records, std::size_t( m_tables->plan->records() ) );
+	}
 	m_nodeRecord.assign( records * kRecordFloats, 0.0f );
 	m_regionRecord.assign( records * kRecordFloats, 0.0f );
 	m_open.resize( padded );
@@ -109,10 +114,18 @@ void LatticeMatcher::turn( const Eigen::Quaterniond& by )
 void LatticeMatcher::viewLevels( MatchView& v ) const
 {
 	const auto dataOrNull = []( const AlignedArray<float>& array ) { return array.empty() ? nullptr : array.data(); };
-	v.start = m_tables->matrix->start.data();
-	v.member = m_tables->matrix->member.data();
-	v.memberMass = m_tables->matrix->mass.data();
-	v.memberShare = m_tables->matrix->share.data();
+	if ( m_tables->plan )
+	{
+		v.start = m_tables->plan->start.data();
+		v.member = m_tables->plan->term.data();
+	}
+	else
+	{
+		v.start = m_tables->matrix->start.data();
+		v.member = m_tables->matrix->member.data();
+		v.memberMass = m_tables->matrix->mass.data();
+		v.memberShare = m_tables->matrix->share.data();
+	}
 	v.pull = dataOrNull( m_tables->pull );
 	v.regionBeta = dataOrNull( m_tables->beta );
 	v.regionEta = dataOrNull( m_tables->eta );
@@ -234,6 +247,10 @@ void LatticeMatcher::gatherAndFit( const MatchView& view, TaskRunner* runner )
 	{
 		boxSums( view, m_nodeRecord.data(), runner );
 	}
+	if ( m_tables->plan )
+	{
+		depthSum( *m_tables->plan, m_nodeRecord.data() );
+	}
 	auto fit = [&]( int chunk ) {
 		m_openCount[chunk] = m_kernels.fitRegions( view, chunk * kChunk, std::min( padded, ( chunk + 1 ) * kChunk ), &m_open[chunk * kChunk] );
 	};
@@ -242,6 +259,10 @@ void LatticeMatcher::gatherAndFit( const MatchView& view, TaskRunner* runner )
 	if ( m_tables->usesGrid )
 	{
 		boxSums( view, m_regionRecord.data(), runner );
+	}
+	if ( m_tables->plan )
+	{
+		depthSum( *m_tables->plan, m_regionRecord.data() );
 	}
 }
 

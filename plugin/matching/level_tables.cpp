@@ -49,6 +49,13 @@ public:
 		{
 			fillNode( i );
 		}
+		if ( m_tables.plan && m_material.weights == Weights::Literal )
+		{
+			for ( int r = 0; r < m_cut.count(); ++r )
+			{
+				m_tables.moments.regionWeight[r] *= float( m_base.octree.mass[m_cut.node[r]] ); // m_r of eq. 8
+			}
+		}
 		if ( !m_hasFlat )
 		{
 			for ( auto& component : m_tables.outOfPlane )
@@ -79,11 +86,11 @@ private:
 			moments.inverseMoment[k].assign( padded, 0.0f );
 			m_tables.outOfPlane[k].assign( padded, 0.0f );
 		}
-		if ( scalesOnly() )
+		if ( scalesOnly() || m_tables.plan )
 		{
 			moments.regionWeight.assign( padded, 1.0f );
 		}
-		else
+		if ( !scalesOnly() )
 		{
 			m_tables.beta.assign( padded, 0.0f );
 			m_tables.eta.assign( padded, 0.0f );
@@ -214,8 +221,20 @@ private:
 			cover += share;
 			pull += share * ( scalesOnly() ? m_tables.moments.regionWeight[r] : 1.0f - m_tables.eta[r] );
 		}
-		m_tables.moments.nodeWeight[i] = float( m_matrix.unit[i] );
-		m_tables.moments.inverseCover[i] = float( 1.0 / cover );
+		RegionMoments& moments = m_tables.moments;
+		if ( m_tables.plan )
+		{
+			// By way of the octree every member of a region weighs as much as in any other: weights stand at the nodes, not at the terms.
+			const double mass = m_base.octree.mass[m_cut.node[i]];
+			const std::uint32_t members = m_matrix.start[i + 1] - m_matrix.start[i];
+			const bool conserves = m_material.weights == Weights::Conserving;
+			moments.nodeWeight[i] = float( conserves ? mass / members : mass );
+			moments.inverseCover[i] = float( 1.0 / ( conserves ? members : cover * kMassUnit ) );
+			m_tables.pull[i] = float( pull / cover );
+			return;
+		}
+		moments.nodeWeight[i] = float( m_matrix.unit[i] );
+		moments.inverseCover[i] = float( 1.0 / cover );
 		m_tables.pull[i] = float( pull / cover );
 	}
 
@@ -275,22 +294,36 @@ Cut firstCut( const Octree& octree, const Adaptivity& settings )
 	return selectCut( octree, [&]( std::uint32_t node ) { return !( settings.isSurfaceFine && octree.isSurface[node] != 0 ) && byMass( node ); } );
 }
 
-RegionMatrix buildRegionMatrix( const LevelBase& base, const Lattice&, const Cut& cut, const Material& material, const Adaptivity& settings )
+LevelRegions buildLevelRegions( const LevelBase& base, const Lattice& lattice, const Cut& cut, const Material& material, const Adaptivity& settings )
 {
 	const bool conserves = material.weights == Weights::Conserving;
-	switch ( settings.regions )
+	if ( settings.regions == RegionRule::Interval )
 	{
-		case RegionRule::Union:
-			return buildUnionRegions( base.octree, cut, base.fine, conserves ? UnionWeights::Conserving : UnionWeights::Literal );
-		default: return buildMultiplicityRegions( base.octree, cut, base.fine );
+		const VisibilityGraph graph = buildVisibilityGraph( lattice, base.octree, cut );
+		const IntervalInput input{ base.octree, cut, graph };
+		const std::vector<std::uint32_t> widths = intervalWidths( base.octree, cut, float( material.regionHalfWidth ) );
+		const IntervalRegions intervals = findIntervalRegions( input, widths, settings.intervalSlack );
+		LevelRegions regions;
+		const IntervalWeights weights = conserves ? IntervalWeights::Conserving : IntervalWeights::Literal;
+		regions.matrix = std::make_shared<const RegionMatrix>( buildIntervalRegions( base.octree, cut, intervals, weights ) );
+		if ( settings.hierarchicalSums )
+		{
+			regions.plan = std::make_shared<const SumPlan>( planSums( base.octree, cut, intervals ) );
+		}
+		return regions;
 	}
+	RegionMatrix matrix = settings.regions == RegionRule::Union
+							  ? buildUnionRegions( base.octree, cut, base.fine, conserves ? UnionWeights::Conserving : UnionWeights::Literal )
+							  : buildMultiplicityRegions( base.octree, cut, base.fine );
+	return LevelRegions{ std::make_shared<const RegionMatrix>( std::move( matrix ) ), nullptr };
 }
 
 std::shared_ptr<const RegionTables> buildLevelTables( const LevelBase& base, const Lattice& lattice, const Cut& cut,
-	std::shared_ptr<const RegionMatrix> matrix, const Material& material, const Adaptivity& settings, const TablesBefore& before )
+	const LevelRegions& regions, const Material& material, const Adaptivity& settings, const TablesBefore& before )
 {
 	auto tables = std::make_shared<RegionTables>();
-	tables->matrix = std::move( matrix );
+	tables->matrix = regions.matrix;
+	tables->plan = regions.plan;
 	Filler( base, lattice, cut, *tables->matrix, material, settings, *tables ).run( before );
 	return tables;
 }

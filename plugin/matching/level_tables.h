@@ -4,6 +4,7 @@
 // Ohta et al. 2009, "Stiffness Consistency when The Subdivision Level of Nodes are Changed".
 
 #include "adapt/energy_match.h"
+#include "adapt/interval_regions.h"
 #include "adapt/region_matrix.h"
 #include "matching/region_tables.h"
 #include "pliant/adaptivity.h"
@@ -50,8 +51,15 @@ struct TemplateCache
 /// The cut a body begins with.
 Cut firstCut( const Octree& octree, const Adaptivity& settings );
 
-/// The region matrix of a cut from nothing.
-RegionMatrix buildRegionMatrix( const LevelBase& base, const Lattice& lattice, const Cut& cut, const Material& material, const Adaptivity& settings );
+/// Regions as the tables take them.
+struct LevelRegions
+{
+	std::shared_ptr<const RegionMatrix> matrix;
+	std::shared_ptr<const SumPlan> plan; ///< null: the matrix is summed
+};
+
+/// The regions of a cut from nothing.
+LevelRegions buildLevelRegions( const LevelBase& base, const Lattice& lattice, const Cut& cut, const Material& material, const Adaptivity& settings );
 
 /// What is left of the tables before a change of levels: rows whose members all stayed need not be measured again.
 struct TablesBefore
@@ -62,6 +70,6 @@ struct TablesBefore
 
 /// Tables for the step out of a region matrix. With `before` the result is the same to the bit, sooner.
 std::shared_ptr<const RegionTables> buildLevelTables( const LevelBase& base, const Lattice& lattice, const Cut& cut,
-	std::shared_ptr<const RegionMatrix> matrix, const Material& material, const Adaptivity& settings, const TablesBefore& before = {} );
+	const LevelRegions& regions, const Material& material, const Adaptivity& settings, const TablesBefore& before = {} );
 
 } // namespace pliant

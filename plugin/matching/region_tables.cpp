@@ -60,7 +60,7 @@ std::size_t RegionTables::bytes() const
 		floats += entry.size();
 	}
 	const std::size_t numbers = regions.start.size() + regions.member.size() + slot.size();
-	return ( matrix ? matrix->bytes() : 0 ) + moments.bytes() + floats * sizeof( float ) + numbers * sizeof( std::uint32_t ) + regions.size.size() * sizeof( std::uint16_t );
+	return ( matrix ? matrix->bytes() : 0 ) + ( plan ? plan->bytes() : 0 ) + moments.bytes() + floats * sizeof( float ) + numbers * sizeof( std::uint32_t ) + regions.size.size() * sizeof( std::uint16_t );
 }
 
 std::shared_ptr<const RegionTables> RegionCache::find( const Lattice& lattice, const Material& material )

@@ -3,6 +3,7 @@
 // What all bodies of one template and one setting share: regions, their weights and moments, and the way their sums are made.
 // Fifteen elephants hold it once.
 
+#include "adapt/hierarchical_sum.h"
 #include "adapt/region_matrix.h"
 #include "lattice/region.h"
 #include "matching/region_moments.h"
@@ -39,6 +40,7 @@ struct RegionTables
 
 	// Of nodes on several levels only (level_tables.h); empty on a uniform lattice. The matrix then takes the place of `regions`.
 	std::shared_ptr<const RegionMatrix> matrix;
+	std::shared_ptr<const SumPlan> plan;           ///< sums by way of the octree instead of the matrix; null: no
 	AlignedArray<float> pull;                      ///< of each node; empty where all are 1
 	AlignedArray<float> beta, eta;                 ///< of each region; empty where all are 0
 	AlignedArray<float> blend[9];                  ///< C of each region; empty where beta is a number

@@ -30,25 +30,25 @@ TEST( HierarchicalSum, IsTheSumOverAllNodesOfTheRegion )
 		ASSERT_EQ( plan.slots, cut.count() );
 
 		std::mt19937 random( seed );
-		std::vector<float> records( std::size_t( plan.records() ) * kRecordFloats, std::nanf( "" ) );
-		for ( std::size_t k = 0; k < std::size_t( plan.slots ) * kRecordFloats; ++k )
+		std::vector<float> records( std::size_t( plan.records() ) * kSumFloats, std::nanf( "" ) );
+		for ( std::size_t k = 0; k < std::size_t( plan.slots ) * kSumFloats; ++k )
 		{
 			records[k] = float( random() % 2001 ) / 1000.0f - 1.0f;
 		}
-		std::vector<float> sums( std::size_t( plan.slots ) * kRecordFloats ), parts( sums.size() );
+		std::vector<float> sums( std::size_t( plan.slots ) * kSumFloats ), parts( sums.size() );
 		depthSum( plan, records.data() );
 		breadthSum( plan, records.data(), sums.data(), 0, plan.slots );
 		for ( std::uint32_t r = 0; r < std::uint32_t( plan.slots ); ++r )
 		{
-			for ( std::size_t k = 0; k < kRecordFloats; ++k )
+			for ( std::size_t k = 0; k < kSumFloats; ++k )
 			{
 				double wanted = 0.0, size = 0.0;
 				for ( std::uint32_t m = matrix.start[r]; m < matrix.start[r + 1]; ++m )
 				{
-					wanted += records[matrix.member[m] * kRecordFloats + k];
-					size += std::abs( records[matrix.member[m] * kRecordFloats + k] );
+					wanted += records[matrix.member[m] * kSumFloats + k];
+					size += std::abs( records[matrix.member[m] * kSumFloats + k] );
 				}
-				ASSERT_NEAR( sums[r * kRecordFloats + k], wanted, 1e-6 * ( 1.0 + size ) );
+				ASSERT_NEAR( sums[r * kSumFloats + k], wanted, 1e-6 * ( 1.0 + size ) );
 			}
 		}
 
@@ -71,14 +71,14 @@ TEST( HierarchicalSum, ScattersAsItGathers )
 	const IntervalRegions regions = findIntervalRegions( { octree, cut, graph }, intervalWidths( octree, cut, 1.0f ), 0.5f );
 	const RegionMatrix matrix = buildIntervalRegions( octree, cut, regions, IntervalWeights::Literal );
 	const SumPlan plan = planSums( octree, cut, regions );
-	std::vector<float> ofRegion( std::size_t( plan.records() ) * kRecordFloats ), ofNode( std::size_t( plan.slots ) * kRecordFloats );
+	std::vector<float> ofRegion( std::size_t( plan.records() ) * kSumFloats ), ofNode( std::size_t( plan.slots ) * kSumFloats );
 	std::vector<float> wanted( ofNode.size() );
 	for ( std::uint32_t r = 0; r < std::uint32_t( plan.slots ); ++r )
 	{
-		ofRegion[r * kRecordFloats] = float( r + 1 ); // whole numbers: sums are exact
+		ofRegion[r * kSumFloats] = float( r + 1 ); // whole numbers: sums are exact
 		for ( std::uint32_t m = matrix.start[r]; m < matrix.start[r + 1]; ++m )
 		{
-			wanted[matrix.member[m] * kRecordFloats] += float( r + 1 );
+			wanted[matrix.member[m] * kSumFloats] += float( r + 1 );
 		}
 	}
 	depthSum( plan, ofRegion.data() );

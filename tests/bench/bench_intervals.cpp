@@ -108,7 +108,7 @@ void fastSum( benchmark::State& state )
 	const BlobOfLevels blob( double( state.range( 0 ) ) );
 	const IntervalRegions regions = findIntervalRegions( blob.input(), blob.width, kIntervalEps );
 	const SumPlan plan = planSums( blob.octree, blob.cut, regions );
-	std::vector<float> records( std::size_t( plan.records() ) * kRecordFloats, 1.0f ), sums( std::size_t( plan.slots ) * kRecordFloats );
+	std::vector<float> records( std::size_t( plan.records() ) * kSumFloats, 1.0f ), sums( std::size_t( plan.slots ) * kSumFloats );
 	for ( auto _ : state )
 	{
 		depthSum( plan, records.data() );

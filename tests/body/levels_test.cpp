@@ -143,8 +143,8 @@ TEST( Levels, TablesChangedPieceByPieceAreThoseMadeFromNothing )
 		}
 		body->changeLevels( split, {} );
 		const Cut& cut = body->levels()->cut();
-		auto matrix = std::make_shared<const RegionMatrix>( buildRegionMatrix( *base, *lattice, cut, material, settings ) );
-		const auto wanted = buildLevelTables( *base, *lattice, cut, matrix, material, settings );
+		const LevelRegions regions = buildLevelRegions( *base, *lattice, cut, material, settings );
+		const auto wanted = buildLevelTables( *base, *lattice, cut, regions, material, settings );
 		const RegionTables& got = *body->levels()->tables();
 		EXPECT_EQ( got.beta, wanted->beta );
 		EXPECT_EQ( got.eta, wanted->eta );

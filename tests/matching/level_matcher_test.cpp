@@ -21,6 +21,7 @@ struct Case
 	ResidualRule residual;
 	Weights weights;
 	int halfWidth;
+	bool hierarchical = true;
 };
 
 class LevelMatcher : public testing::TestWithParam<Case>
@@ -38,8 +39,8 @@ protected:
 		lattice = test::makeBlobLattice( 16, 0.1f, 3 );
 		base = buildLevelBase( lattice, material, settings );
 		cut = firstCut( base->octree, settings );
-		matrix = std::make_shared<const RegionMatrix>( buildRegionMatrix( *base, lattice, cut, material, settings ) );
-		tables = buildLevelTables( *base, lattice, cut, matrix, material, settings );
+		settings.hierarchicalSums = c.hierarchical;
+		tables = buildLevelTables( *base, lattice, cut, buildLevelRegions( *base, lattice, cut, material, settings ), material, settings );
 	}
 
 	/// Shaken by a tenth of a cell and moving.
@@ -72,7 +73,6 @@ protected:
 	Lattice lattice;
 	std::shared_ptr<const LevelBase> base;
 	Cut cut;
-	std::shared_ptr<const RegionMatrix> matrix;
 	std::shared_ptr<const RegionTables> tables;
 };
 
@@ -187,7 +187,10 @@ INSTANTIATE_TEST_SUITE_P( Settings, LevelMatcher,
 		Case{ "Scaled", RegionRule::Multiplicity, Softening::Energy, ResidualRule::Soften, Weights::Conserving, 1 },
 		Case{ "Tensor", RegionRule::Multiplicity, Softening::EnergyTensor, ResidualRule::Larger, Weights::Conserving, 1 },
 		Case{ "Ohta", RegionRule::Union, Softening::Ohta3D, ResidualRule::Keep, Weights::Literal, 1 },
-		Case{ "OhtaConserving", RegionRule::Union, Softening::Ohta2D, ResidualRule::Keep, Weights::Conserving, 2 } ),
+		Case{ "OhtaConserving", RegionRule::Union, Softening::Ohta2D, ResidualRule::Keep, Weights::Conserving, 2 },
+		Case{ "Steinemann", RegionRule::Interval, Softening::None, ResidualRule::Keep, Weights::Literal, 1 },
+		Case{ "SteinemannConserving", RegionRule::Interval, Softening::None, ResidualRule::Keep, Weights::Conserving, 1 },
+		Case{ "SteinemannNodeByNode", RegionRule::Interval, Softening::None, ResidualRule::Keep, Weights::Literal, 1, false } ),
 	[]( const auto& test ) { return std::string( test.param.name ); } );
 
 } // namespace

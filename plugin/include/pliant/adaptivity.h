@@ -23,8 +23,8 @@ enum class Softening : int
 	Ohta1D,      ///< Ohta et al. 2009, eq. 8
 	Ohta2D,      ///< eq. 9
 	Ohta3D,      ///< eq. 10
-	Energy,      ///< from the second moments of what the region holds; exact for affine deformations: the default
-	EnergyTensor ///< the same in each direction; for stiff bodies under small strain
+	Energy,      ///< from the second moments of what the region holds, one number for all directions
+	EnergyTensor ///< the same in each direction, exact for every affine deformation: the default
 };
 
 /// How much of what no affine motion explains a big region leaves alone.
@@ -48,12 +48,14 @@ struct Adaptivity
 	bool isSurfaceFine = false;
 
 	RegionRule regions = RegionRule::Multiplicity;
-	Softening softening = Softening::Energy;
+	Softening softening = Softening::EnergyTensor;
 	ResidualRule residual = ResidualRule::Larger;
 	/// 1 - beta and 1 - eta of big regions are multiplied by this, (0, 1]: below 1 they give way more in violent impacts.
 	float coarseStiffness = 1.0f;
 	/// eps of RegionRule::Interval, [0, 4].
 	float intervalSlack = 0.5f;
+	/// Sums of RegionRule::Interval go by way of the octree (Steinemann et al. 2008, section 4.3) or node by node; the same but for rounding.
+	bool hierarchicalSums = true;
 
 	/// A node is split when a singular value of its region's stretch is further from 1 than this, (0, 10]. 0: never by strain.
 	float refineStrain = 0.0f;
