@@ -143,7 +143,7 @@ std::unique_ptr<Matcher> Body::makeMatcher( const Material& material )
 	return makeClusterMatcher( *m_lattice, material, m_nodes );
 }
 
-bool Body::adaptLevels( float h )
+bool Body::reviewLevels( float h )
 {
 	if ( !m_levels )
 	{
@@ -156,12 +156,23 @@ bool Body::adaptLevels( float h )
 		return false;
 	}
 	m_reviewIn = kSubstepsBetweenReviews - 1;
-	const bool hasChange = m_levels->review( m_levelMatcher->strain(), m_sinceReview );
+	const bool hasChange = m_levels->review( m_nodes, m_levelMatcher->strain(), m_sinceReview );
 	m_sinceReview = 0.0f;
+	return hasChange;
+}
+
+void Body::applyLevels()
+{
+	m_levels->apply( m_nodes, *m_levelMatcher, m_material );
+	nodesChanged();
+}
+
+bool Body::adaptLevels( float h )
+{
+	const bool hasChange = reviewLevels( h );
 	if ( hasChange )
 	{
-		m_levels->apply( m_nodes, *m_levelMatcher, m_material );
-		nodesChanged();
+		applyLevels();
 	}
 	return hasChange;
 }

@@ -79,6 +79,9 @@ public:
 	/// Splits and merges nodes as strain and requests ask for it; to be called at the start of a substep. True when nodes changed: their
 	/// numbers did then too (Levels::lastChange).
 	bool adaptLevels( float h );
+	/// The two halves of it: whether there is something to change, and the change.
+	bool reviewLevels( float h );
+	void applyLevels();
 	/// Splits and merges octree nodes by name; see changeCut.
 	void changeLevels( const std::vector<std::uint32_t>& split, const std::vector<std::uint32_t>& merge );
 	void requestSplit( int node );

@@ -104,23 +104,25 @@ void Levels::fillNodes( NodeState& nodes, float density ) const
 
 void Levels::requestSplit( int node )
 {
+	m_quiet[std::size_t( node )] = 0.0f;
 	if ( levelOf( node ) > m_finestLevel )
 	{
 		m_asked.push_back( m_cut.node[node] );
 	}
 }
 
-bool Levels::review( const AlignedArray<float>& strain, float seconds )
+bool Levels::review( const NodeState& nodes, const AlignedArray<float>& strain, float seconds )
 {
 	m_split.clear();
 	m_merge.clear();
-	for ( int i = 0; i < m_cut.count() && !strain.empty(); ++i )
+	const bool followsStrain = m_settings.refineStrain > 0.0f;
+	for ( int i = 0; i < m_cut.count() && !( followsStrain && strain.empty() ); ++i )
 	{
-		const bool isQuiet = strainOf( strain[i] ) < m_settings.mergeShare * m_settings.refineStrain;
+		const bool isQuiet = !followsStrain || strainOf( strain[i] ) < m_settings.mergeShare * m_settings.refineStrain;
 		m_quiet[i] = isQuiet ? m_quiet[i] + seconds : 0.0f;
 	}
 	collectSplits( strain );
-	collectMerges();
+	collectMerges( nodes );
 	return !m_split.empty() || !m_merge.empty();
 }
 
@@ -163,7 +165,7 @@ void Levels::collectSplits( const AlignedArray<float>& strain )
 	m_asked.erase( std::remove_if( m_asked.begin(), m_asked.end(), isDone ), m_asked.end() );
 }
 
-bool Levels::mayMerge( std::uint32_t parent, int firstSlot ) const
+bool Levels::mayMerge( const NodeState& nodes, std::uint32_t parent, int firstSlot ) const
 {
 	const Octree& tree = octree();
 	const std::uint32_t children = tree.childStart[parent + 1] - tree.childStart[parent];
@@ -176,8 +178,9 @@ bool Levels::mayMerge( std::uint32_t parent, int firstSlot ) const
 	{
 		const std::size_t slot = std::size_t( firstSlot ) + k;
 		const bool isThere = m_cut.node[slot] == tree.child[tree.childStart[parent] + k];
-		const bool isQuiet = isFiner || ( m_settings.refineStrain > 0.0f && m_quiet[slot] >= m_settings.mergeDelay );
-		if ( !isThere || !isQuiet || std::binary_search( m_split.begin(), m_split.end(), m_cut.node[slot] ) )
+		const bool isQuiet = isFiner || m_quiet[slot] >= m_settings.mergeDelay;
+		const bool isHeld = nodes.freedom[slot] == 0.0f; // a pin holds one node, not what surrounds it
+		if ( !isThere || !isQuiet || isHeld || std::binary_search( m_split.begin(), m_split.end(), m_cut.node[slot] ) )
 		{
 			return false;
 		}
@@ -186,13 +189,13 @@ bool Levels::mayMerge( std::uint32_t parent, int firstSlot ) const
 	return isFiner || !( isTooLight || ( m_settings.isSurfaceFine && tree.isSurface[parent] != 0 ) );
 }
 
-void Levels::collectMerges()
+void Levels::collectMerges( const NodeState& nodes )
 {
 	for ( int i = 0; i < m_cut.count(); ++i )
 	{
 		const std::uint32_t parent = octree().parent[m_cut.node[i]];
 		const bool isFirst = parent != kNoNode && octree().child[octree().childStart[parent]] == m_cut.node[i];
-		if ( isFirst && mayMerge( parent, i ) )
+		if ( isFirst && mayMerge( nodes, parent, i ) )
 		{
 			m_merge.push_back( parent );
 		}

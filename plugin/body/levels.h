@@ -40,13 +40,13 @@ public:
 	/// The nodes at rest: counts, rest positions, masses. kg per cubic metre.
 	void fillNodes( NodeState& nodes, float density ) const;
 
-	/// Asks for a node to be split at the next change, down to the finest level in steps.
+	/// Asks for a node to be split at the next change; a node on the finest level is kept from being merged for Adaptivity::mergeDelay.
 	void requestSplit( int node );
 	/// Levels below this are not used, and merged away as they come to rest. 0: all may be.
 	void setFinestLevel( int level ) { m_finestLevel = level; }
 
 	/// Reads the strains last measured; `seconds` since the last reading. True when there is something to change.
-	bool review( const AlignedArray<float>& strain, float seconds );
+	bool review( const NodeState& nodes, const AlignedArray<float>& strain, float seconds );
 	/// Makes the changes that `review` and requests asked for, within the budget. Momentum and spin of the nodes stay what they were where no
 	/// node is held.
 	void apply( NodeState& nodes, LatticeMatcher& matcher, const Material& material );
@@ -58,8 +58,8 @@ public:
 
 private:
 	void collectSplits( const AlignedArray<float>& strain );
-	void collectMerges();
-	bool mayMerge( std::uint32_t parent, int firstSlot ) const;
+	void collectMerges( const NodeState& nodes );
+	bool mayMerge( const NodeState& nodes, std::uint32_t parent, int firstSlot ) const;
 	NodeState changedNodes( const NodeState& before, LatticeMatcher& matcher, const Cut& next, float density );
 	void numberHeirs( const Cut& next );
 	std::vector<std::uint32_t> unchangedRows( const Cut& next ) const;

@@ -216,6 +216,11 @@ void LatticeMatcher::measureFrame( const NodeState& nodes, MatchView& view, Task
 	Eigen::Matrix3d moment;
 	moment << sum[3], sum[4], sum[5], sum[6], sum[7], sum[8], sum[9], sum[10], sum[11];
 	m_frame = fitRotation( moment, m_frame );
+	setFrame( view, centre );
+}
+
+void LatticeMatcher::setFrame( MatchView& view, const Vec3d& centre ) const
+{
 	const Eigen::Matrix3d rotation = m_frame.toRotationMatrix();
 	for ( int i = 0; i < 3; ++i )
 	{
@@ -224,6 +229,19 @@ void LatticeMatcher::measureFrame( const NodeState& nodes, MatchView& view, Task
 		{
 			view.frameRotation[3 * i + j] = float( rotation( i, j ) );
 		}
+	}
+}
+
+/// What the table cannot do by itself: sums over the grid, or up the octree.
+void LatticeMatcher::sumNodeRecords( const MatchView& view, TaskRunner* runner )
+{
+	if ( m_tables->usesGrid )
+	{
+		boxSums( view, m_nodeRecord.data(), runner );
+	}
+	if ( m_tables->plan )
+	{
+		depthSum( *m_tables->plan, m_nodeRecord.data() );
 	}
 }
 
@@ -243,14 +261,7 @@ void LatticeMatcher::gatherAndFit( const MatchView& view, TaskRunner* runner )
 	const int padded = m_tables->moments.padded;
 	auto records = [&]( int chunk ) { m_kernels.nodeRecords( view, chunk * kChunk, std::min( padded, ( chunk + 1 ) * kChunk ) ); };
 	runTasks( runner, chunks( padded ), records );
-	if ( m_tables->usesGrid )
-	{
-		boxSums( view, m_nodeRecord.data(), runner );
-	}
-	if ( m_tables->plan )
-	{
-		depthSum( *m_tables->plan, m_nodeRecord.data() );
-	}
+	sumNodeRecords( view, runner );
 	auto fit = [&]( int chunk ) {
 		m_openCount[chunk] = m_kernels.fitRegions( view, chunk * kChunk, std::min( padded, ( chunk + 1 ) * kChunk ), &m_open[chunk * kChunk] );
 	};
@@ -378,7 +389,13 @@ void LatticeMatcher::nodeRotations( const NodeState& nodes, float* quaternions )
 
 void LatticeMatcher::deformations( NodeState& nodes, float* gradients )
 {
-	const MatchView v = view( nodes );
+	// From the positions as they are: what the last substep left of them may be those of other nodes.
+	MatchView v = view( nodes );
+	float sum[kFrameSums] = {};
+	m_kernels.frameSums( v, 0, nodes.padded, sum );
+	setFrame( v, Vec3d( sum[0], sum[1], sum[2] ) / double( sum[12] ) );
+	m_kernels.nodeRecords( v, 0, nodes.padded );
+	sumNodeRecords( v, nullptr );
 	m_kernels.deformations( v, 0, nodes.padded, gradients );
 	// F turns with the body's frame: what the kernels see is R_b^T F.
 	const Eigen::Matrix3f frame = m_frame.toRotationMatrix().cast<float>();

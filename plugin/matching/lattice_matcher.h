@@ -33,7 +33,7 @@ public:
 	void setTables( std::shared_ptr<const RegionTables> tables, const std::vector<std::uint32_t>& heir );
 	/// Of each region, sum over the singular values s of F of ( s - 1 )^2, as last measured (MatchStep::measuresStrain).
 	const AlignedArray<float>& strain() const { return m_strain; }
-	/// F of every region in world axes as of the last substep, 9 floats a region, row by row. The tables must hold J^+.
+	/// F of every region in world axes, from the nodes as they are, 9 floats a region, row by row. The tables must hold J^+.
 	void deformations( NodeState& nodes, float* gradients );
 
 	/// What the kernels see, body frame and step left at their defaults; for benchmarks of one kernel alone.
@@ -45,6 +45,8 @@ public:
 private:
 	void measureFrame( const NodeState& nodes, MatchView& view, TaskRunner* runner );
 	void gatherAndFit( const MatchView& view, TaskRunner* runner );
+	void setFrame( MatchView& view, const Vec3d& centre ) const;
+	void sumNodeRecords( const MatchView& view, TaskRunner* runner );
 	void boxSums( const MatchView& view, float* records, TaskRunner* runner );
 	void settleOpenRegions( const MatchView& view );
 	void spareRigidMotion( MatchView& view, float h ) const;

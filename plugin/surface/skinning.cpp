@@ -15,6 +15,9 @@ using F4 = float __attribute__( ( vector_size( 16 ), may_alias ) );
 /// A node's affine map from rest to now: three rows of R | x - R x0.
 constexpr int kMapFloats = 12;
 
+/// Sum of ( s - 1 )^2 over a gradient's singular values up to which the skin follows it; beyond four times that, not at all.
+constexpr float kSoundStrain = 0.5f;
+
 /// Vertices or nodes of one task.
 constexpr int kChunk = 2048;
 
@@ -33,12 +36,25 @@ void store4( float* p, F4 a )
 	*reinterpret_cast<F4*>( p ) = a;
 }
 
-void fillMaps( const NodeState& state, const float* rotations, float* maps, int first, int last )
+/// A node's stretch as its neighbours show it; where that is crushed, turned inside out or torn, the rotation alone.
+Eigen::Matrix3f soundGradient( const float* nine, const Eigen::Matrix3f& rotation )
+{
+	const Eigen::Matrix3f f = Eigen::Map<const Eigen::Matrix<float, 3, 3, Eigen::RowMajor>>( nine );
+	const float strain = ( f - rotation ).squaredNorm();
+	const float share = strain < kSoundStrain ? 1.0f : strain < 4.0f * kSoundStrain ? ( 4.0f * kSoundStrain - strain ) / ( 3.0f * kSoundStrain ) : 0.0f;
+	return rotation + share * ( share > 0.0f ? Eigen::Matrix3f( f - rotation ) : Eigen::Matrix3f( Eigen::Matrix3f::Zero() ) );
+}
+
+void fillMaps( const NodeState& state, const SkinPose& pose, float* maps, int first, int last )
 {
 	for ( int i = first; i < last; ++i )
 	{
-		const Eigen::Quaternionf q( rotations[4 * i + 3], rotations[4 * i], rotations[4 * i + 1], rotations[4 * i + 2] );
-		const Eigen::Matrix3f r = q.toRotationMatrix();
+		const float* const rotation = pose.rotations + 4 * std::size_t( i );
+		Eigen::Matrix3f r = Eigen::Quaternionf( rotation[3], rotation[0], rotation[1], rotation[2] ).toRotationMatrix();
+		if ( pose.gradients )
+		{
+			r = soundGradient( pose.gradients + 9 * std::size_t( i ), r );
+		}
 		const Vec3 shift = state.x.get( i ) - r * state.x0.get( i );
 		float* to = maps + std::size_t( i ) * kMapFloats;
 		for ( int row = 0; row < 3; ++row )
@@ -53,11 +69,13 @@ struct Blend
 {
 	F4 x{}, y{}, z{};
 
-	Blend( const SkinBinding& binding, const float* maps, std::size_t vertex )
+	/// `slot`: the node that holds a cell; null where cells are nodes.
+	Blend( const SkinBinding& binding, const float* maps, const std::uint32_t* slot, std::size_t vertex )
 	{
 		for ( std::uint32_t k = binding.start[vertex]; k < binding.start[vertex + 1]; ++k )
 		{
-			const float* map = maps + std::size_t( binding.node[k] ) * kMapFloats;
+			const std::uint32_t node = slot ? slot[binding.node[k]] : binding.node[k];
+			const float* map = maps + std::size_t( node ) * kMapFloats;
 			const float weight = binding.weight[k];
 			x += weight * load4( map );
 			y += weight * load4( map + 4 );
@@ -83,12 +101,12 @@ void write3( float* to, F4 a )
 }
 
 /// x = sum w ( x_n + R_n ( X - x0_n ) )   (Steinemann et al. 2008, section 7): the maps are blended first, then applied once.
-void writePositions( const SkinBinding& binding, SkinScratch& scratch, float* positions, std::size_t first, std::size_t last )
+void writePositions( const SkinBinding& binding, const std::uint32_t* slot, SkinScratch& scratch, float* positions, std::size_t first, std::size_t last )
 {
 	for ( std::size_t v = first; v < last; ++v )
 	{
 		const Vec3& at = binding.restPosition[v];
-		const F4 x = Blend( binding, scratch.nodeMap.data(), v ).apply( F4{ at.x(), at.y(), at.z(), 1.0f } );
+		const F4 x = Blend( binding, scratch.nodeMap.data(), slot, v ).apply( F4{ at.x(), at.y(), at.z(), 1.0f } );
 		store4( scratch.position.data() + 4 * v, x );
 		write3( positions + 3 * v, x );
 	}
@@ -120,28 +138,34 @@ void sumNormals( const SkinBinding& binding, const SkinTriangles& triangles, con
 }
 
 /// A normal that turns along with the vertex's nodes, where the triangles have no area to measure one by.
-F4 turnedNormal( const SkinBinding& binding, const float* maps, std::size_t vertex )
+F4 turnedNormal( const SkinBinding& binding, const float* maps, const std::uint32_t* slot, std::size_t vertex )
 {
 	const Vec3& n = binding.restNormal[vertex];
 	const F4 rest{ n.x(), n.y(), n.z(), 0.0f };
-	const F4 turned = Blend( binding, maps, vertex ).apply( rest );
+	const F4 turned = Blend( binding, maps, slot, vertex ).apply( rest );
 	const float length = std::sqrt( ( turned[0] * turned[0] + turned[1] * turned[1] ) + turned[2] * turned[2] );
 	return length > 0.0f ? turned / length : rest;
 }
 
-void writeNormals( const SkinBinding& binding, const SkinScratch& scratch, float* normals, std::size_t first, std::size_t last )
+void writeNormals( const SkinBinding& binding, const std::uint32_t* slot, const SkinScratch& scratch, float* normals, std::size_t first, std::size_t last )
 {
 	for ( std::size_t v = first; v < last; ++v )
 	{
 		const F4 sum = load4( scratch.groupNormal.data() + 4 * std::size_t( binding.normalGroup[v] ) );
 		const float length = std::sqrt( ( sum[0] * sum[0] + sum[1] * sum[1] ) + sum[2] * sum[2] );
-		write3( normals + 3 * v, length > 0.0f ? sum / length : turnedNormal( binding, scratch.nodeMap.data(), v ) );
+		write3( normals + 3 * v, length > 0.0f ? sum / length : turnedNormal( binding, scratch.nodeMap.data(), slot, v ) );
 	}
 }
 
 } // namespace
 
 void skin( const SkinBinding& binding, const NodeState& state, const float* rotations, const SkinTriangles& triangles, SkinScratch& scratch,
+	float* positions, float* normals, TaskRunner* runner )
+{
+	skin( binding, state, SkinPose{ rotations, nullptr, nullptr }, triangles, scratch, positions, normals, runner );
+}
+
+void skin( const SkinBinding& binding, const NodeState& state, const SkinPose& pose, const SkinTriangles& triangles, SkinScratch& scratch,
 	float* positions, float* normals, TaskRunner* runner )
 {
 	if ( binding.kind == Skinning::None )
@@ -153,16 +177,16 @@ void skin( const SkinBinding& binding, const NodeState& state, const float* rota
 	scratch.position.resize( vertices * 4 );
 	scratch.groupNormal.resize( std::size_t( binding.normalGroups ) * 4 );
 	auto maps = [&]( int chunk ) {
-		fillMaps( state, rotations, scratch.nodeMap.data(), chunk * kChunk, std::min( state.count, ( chunk + 1 ) * kChunk ) );
+		fillMaps( state, pose, scratch.nodeMap.data(), chunk * kChunk, std::min( state.count, ( chunk + 1 ) * kChunk ) );
 	};
 	runTasks( runner, chunkCount( std::size_t( state.count ) ), maps );
 
 	const auto begin = []( int chunk ) { return std::size_t( chunk ) * kChunk; };
 	const auto end = [&]( int chunk ) { return std::min( vertices, begin( chunk + 1 ) ); };
-	auto place = [&]( int chunk ) { writePositions( binding, scratch, positions, begin( chunk ), end( chunk ) ); };
+	auto place = [&]( int chunk ) { writePositions( binding, pose.slotOfCell, scratch, positions, begin( chunk ), end( chunk ) ); };
 	runTasks( runner, chunkCount( vertices ), place );
 	sumNormals( binding, triangles, scratch.position.data(), scratch.groupNormal.data() );
-	auto orient = [&]( int chunk ) { writeNormals( binding, scratch, normals, begin( chunk ), end( chunk ) ); };
+	auto orient = [&]( int chunk ) { writeNormals( binding, pose.slotOfCell, scratch, normals, begin( chunk ), end( chunk ) ); };
 	runTasks( runner, chunkCount( vertices ), orient );
 }
 

@@ -58,4 +58,15 @@ struct SkinScratch
 void skin( const SkinBinding& binding, const NodeState& state, const float* rotations, const SkinTriangles& triangles, SkinScratch& scratch,
 	float* positions, float* normals, TaskRunner* runner = nullptr );
 
+/// How the nodes of a body with levels of detail carry what is around them.
+struct SkinPose
+{
+	const float* rotations = nullptr;           ///< as above
+	const float* gradients = nullptr;           ///< F of each node, 9 floats, row by row: big nodes carry stretch too. Null: rotations alone
+	const std::uint32_t* slotOfCell = nullptr;  ///< the node that holds a cell; null where cells are nodes
+};
+
+void skin( const SkinBinding& binding, const NodeState& state, const SkinPose& pose, const SkinTriangles& triangles, SkinScratch& scratch,
+	float* positions, float* normals, TaskRunner* runner = nullptr );
+
 } // namespace pliant

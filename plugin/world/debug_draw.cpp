@@ -1,5 +1,6 @@
 #include "world/debug_draw.h"
 
+#include "body/levels.h"
 #include "world/soft_body_impl.h"
 #include "world/soft_body_system.h"
 
@@ -15,6 +16,8 @@ const btVector3 kPinColour( btScalar( 1.0 ), btScalar( 0.3 ), btScalar( 0.2 ) );
 void drawLinks( const SoftBody::Impl& impl, btIDebugDraw& drawer )
 {
 	// The six face links only: all 26 hide one another.
+	const Levels* levels = impl.body->levels();
+	const auto nodeOf = [levels]( int cell ) { return levels ? int( levels->cut().slotOfCell[std::size_t( cell )] ) : cell; };
 	const Lattice& lattice = impl.body->lattice();
 	for ( int i = 0; i < lattice.cellCount(); ++i )
 	{
@@ -22,9 +25,9 @@ void drawLinks( const SoftBody::Impl& impl, btIDebugDraw& drawer )
 		{
 			const int j = int( lattice.linkTo[k] );
 			const auto step = lattice.coordinate[j] - lattice.coordinate[i];
-			if ( j > i && step.cwiseAbs().sum() == 1 )
+			if ( j > i && step.cwiseAbs().sum() == 1 && nodeOf( i ) != nodeOf( j ) )
 			{
-				drawer.drawLine( impl.position( i ), impl.position( j ), kLinkColour );
+				drawer.drawLine( impl.position( nodeOf( i ) ), impl.position( nodeOf( j ) ), kLinkColour );
 			}
 		}
 	}

@@ -1,7 +1,9 @@
 #include "world/node_shape.h"
 
+#include "body/levels.h"
 #include "world/constants.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace pliant {
@@ -28,29 +30,41 @@ void collectInner( btDbvtNode* node, std::vector<btDbvtNode*>& inner )
 
 } // namespace
 
-NodeShape::NodeShape( const Lattice& lattice ) : btCompoundShape( true, lattice.cellCount() ), m_childOfNode( lattice.cellCount(), -1 )
+NodeShape::NodeShape( const Body& body ) : btCompoundShape( true, body.nodeCount() ), m_childOfNode( body.nodeCount(), -1 )
 {
-	m_sphereOfNode.reserve( lattice.cellCount() );
-	for ( int i = 0; i < lattice.cellCount(); ++i )
+	const Lattice& lattice = body.lattice();
+	m_sphereOfNode.reserve( body.nodeCount() );
+	for ( int i = 0; i < body.nodeCount(); ++i )
 	{
-		// r = ( d / 2 ) cbrt( fill ). Departs from [O], where it is proportional to the mass: an eighth of a cell would be a dot.
-		m_sphereOfNode.push_back( sphereOf( 0.5 * lattice.cellSize * std::cbrt( lattice.fill[i] ) ) );
-		bool collides = lattice.isSurface[i] != 0;
-		for ( std::uint32_t k = lattice.linkStart[i]; !collides && k < lattice.linkStart[i + 1]; ++k )
+		if ( const Levels* levels = body.levels() )
 		{
-			collides = lattice.isSurface[lattice.linkTo[k]] != 0;
-		}
-		if ( !collides )
-		{
+			const Octree& octree = levels->octree();
+			const RegionMatrix& regions = levels->matrix();
+			const auto isSurface = [&]( std::uint32_t slot ) { return octree.isSurface[levels->cut().node[slot]] != 0; };
+			const auto first = regions.member.begin() + regions.start[i], last = regions.member.begin() + regions.start[i + 1];
+			const std::uint32_t node = levels->cut().node[i];
+			addNode( i, octree.restCentre[node], octree.mass[node], lattice.cellSize, std::any_of( first, last, isSurface ) );
 			continue;
 		}
-		const Vec3& p = lattice.restCentre[i];
-		m_childOfNode[i] = int( m_nodeOfChild.size() );
-		m_nodeOfChild.push_back( i );
-		addChildShape( btTransform( btQuaternion::getIdentity(), btVector3( p.x(), p.y(), p.z() ) ), m_sphereOfNode[i] );
+		const auto isSurface = [&lattice]( std::uint32_t cell ) { return lattice.isSurface[cell] != 0; };
+		const auto first = lattice.linkTo.begin() + lattice.linkStart[i], last = lattice.linkTo.begin() + lattice.linkStart[i + 1];
+		const bool collides = isSurface( std::uint32_t( i ) ) || std::any_of( first, last, isSurface );
+		addNode( i, lattice.restCentre[i], lattice.fill[i], lattice.cellSize, collides );
 	}
 	m_dynamicAabbTree->optimizeTopDown();
 	collectInner( m_dynamicAabbTree->m_root, m_inner );
+}
+
+void NodeShape::addNode( int node, const Vec3& restCentre, double cells, double cellSize, bool collides )
+{
+	// r = ( d / 2 ) cbrt( mass ). Departs from [O], where it is proportional to the mass: an eighth of a cell would be a dot.
+	m_sphereOfNode.push_back( sphereOf( 0.5 * cellSize * std::cbrt( cells ) ) );
+	if ( collides )
+	{
+		m_childOfNode[node] = int( m_nodeOfChild.size() );
+		m_nodeOfChild.push_back( node );
+		addChildShape( btTransform( btQuaternion::getIdentity(), btVector3( restCentre.x(), restCentre.y(), restCentre.z() ) ), m_sphereOfNode[node] );
+	}
 }
 
 btSphereShape* NodeShape::sphereOf( double radius )

@@ -3,7 +3,7 @@
 // A soft body's collision shape: one Bullet compound of shared spheres, one a colliding node, its tree refitted after each substep.
 // Ray, sweep and contact tests, ghosts and debug drawing work on it as on any compound.
 
-#include "lattice/lattice.h"
+#include "body/body.h"
 #include "matching/node_state.h"
 
 #include <BulletCollision/BroadphaseCollision/btDbvt.h>
@@ -21,8 +21,9 @@ class NodeShape : public btCompoundShape
 public:
 	BT_DECLARE_ALIGNED_ALLOCATOR();
 
-	/// Spheres for the cells of the surface and one layer below it: with a bare shell, what once got through meets nothing.
-	explicit NodeShape( const Lattice& lattice );
+	/// Spheres for the nodes of the surface and one layer below it: with a bare shell, what once got through meets nothing. A big node's
+	/// sphere is the ball within its block where that is full: things rest on it as high as on the cells it stands for.
+	explicit NodeShape( const Body& body );
 
 	/// Writes the spheres' places and boxes and refits the tree. `shift`: the shape's own origin in the nodes' coordinates.
 	void update( const NodeState& nodes, const Vec3& shift );
@@ -59,6 +60,7 @@ public:
 	std::size_t bytes() const;
 
 private:
+	void addNode( int node, const Vec3& restCentre, double cells, double cellSize, bool collides );
 	btSphereShape* sphereOf( double radius );
 
 	std::map<int, std::unique_ptr<btSphereShape>> m_spheres; // by radius step

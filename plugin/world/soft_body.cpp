@@ -91,7 +91,7 @@ SoftBodyResult SoftBody::create( std::shared_ptr<const BodyTemplate> bodyTemplat
 		Impl& impl = *soft->m_impl;
 		impl.bodyTemplate = std::move( bodyTemplate );
 		impl.body = std::move( made.value );
-		impl.shape = std::make_unique<NodeShape>( impl.body->lattice() );
+		impl.shape = std::make_unique<NodeShape>( *impl.body );
 		impl.nodeBody.assign( impl.body->nodeCount(), nullptr );
 		soft->m_internalType = CO_USER_TYPE;
 		soft->m_collisionFlags &= ~CF_STATIC_OBJECT; // Bullet's objects are born static

@@ -36,8 +36,11 @@ struct SkinBuffers
 {
 	std::vector<float> positions[2], normals[2];
 	btVector3 origin[2] = { btVector3( 0, 0, 0 ), btVector3( 0, 0, 0 ) };
-	std::vector<float> rotations;
+	std::vector<float> rotations, gradients;
 	SkinScratch scratch;
+	/// Of bodies with levels: what a change of levels moved each vertex by, 3 floats, m; fades out after the change. Empty: nothing to fade.
+	std::vector<float> offset, before, normalsBefore;
+	float sinceChange = 0.0f; ///< s
 	int current = 0;
 	unsigned frame = 0;
 	bool isStale = true;
@@ -87,6 +90,11 @@ struct SoftBody::Impl
 	Pin* findPin( int node );
 	/// Spheres, boxes and the object's transform go where the nodes are.
 	void placeShape( btCollisionObject& object );
+	/// Skins the body as it is into the buffer.
+	void makeSkin( float* positions, float* normals ) const;
+	/// Before a change of levels: the surface as it shows, if anybody looks at it. After: what the change moved it by.
+	void keepSurface();
+	void fadeFromKeptSurface();
 	void measureSpeed();
 };
 

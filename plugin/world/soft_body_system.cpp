@@ -151,6 +151,7 @@ void SoftBodySystem::accelerate( btScalar h, int substep )
 			m_awake.push_back( body );
 		}
 	}
+	adaptLevels( h );
 	{
 		Stopwatch watch( report.forces );
 		for ( SoftBody* body : m_awake )
@@ -316,6 +317,7 @@ void SoftBodySystem::integrate( btScalar h, int substep )
 		impl.measureSpeed();
 		impl.placeShape( body );
 		impl.skin.isStale = true;
+		impl.skin.sinceChange += float( h );
 	};
 	runTasks( tasks(), int( m_awake.size() ), move );
 	for ( SoftBody* body : m_awake )

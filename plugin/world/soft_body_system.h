@@ -61,6 +61,8 @@ private:
 	TaskRunner* tasks() const;
 	void sweepBox( SoftBody& body, btScalar h );
 	void quarantine( SoftBody& body );
+	void adaptLevels( btScalar h );
+	void nodesChanged( SoftBody& body );
 	void drivePins( SoftBody& body, btScalar h, int substep );
 	void settlePins( SoftBody& body, btScalar h, int substep );
 

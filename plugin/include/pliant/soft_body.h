@@ -70,6 +70,19 @@ public:
 	/// The rigid motion that fits the deformed body best; maps mesh coordinates to the world.
 	btTransform bestFitTransform() const;
 
+	// --- levels of detail (Adaptivity); without them every node is on level 0 and none of this changes anything --------
+	/// 0: a finest cell; l: up to 8^l of them.
+	int nodeLevel( int node ) const;
+	/// The node that holds a finest cell of the template; cells without levels are nodes. -1 where there is no such cell.
+	int nodeOfCell( int cell ) const;
+	/// Changes when nodes are split or merged: nodes then have other numbers. Pins follow.
+	unsigned levelVersion() const;
+	/// Splits all nodes that reach into a world box, level by level, as the budget allows, and keeps them for Adaptivity::mergeDelay: call it
+	/// as long as they are wanted. Wakes nothing.
+	void requestRefinement( const btVector3& low, const btVector3& high );
+	/// Nothing finer than this level is used from now on, 0 to Adaptivity::coarseLevels; finer nodes are merged. For bodies far from view.
+	void setFinestLevel( int level );
+
 	// --- what the game does to it; each wakes the body --------------------------------------------------------------
 	void setLinearVelocity( const btVector3& velocity );            ///< of every node, m/s
 	void setVelocities( const btVector3& linear, const btVector3& angular ); ///< rigid motion about the mass centre, m/s and rad/s

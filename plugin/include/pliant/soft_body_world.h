@@ -16,12 +16,13 @@ namespace pliant {
 /// Where one game step's time went, s, and what it met. All zero for a world without soft bodies.
 struct StepReport
 {
-	double forces = 0, matching = 0, spheres = 0, collision = 0, solve = 0, integrate = 0, skinning = 0, total = 0;
+	double forces = 0, matching = 0, spheres = 0, collision = 0, solve = 0, integrate = 0, skinning = 0, levels = 0, total = 0;
 	int substeps = 0;         ///< soft substeps made in the last game step
 	int softBodies = 0;       ///< in the world
 	int awakeSoftBodies = 0;
 	int nodes = 0;            ///< in all soft bodies
 	int softContacts = 0;     ///< contact points between nodes and anything, last substep
+	int levelChanges = 0;     ///< changes of bodies' levels of detail: each may split and merge many nodes
 	int quarantined = 0;      ///< bodies that stand still because a number in them stopped being finite
 	int unreachableStiffness = 0; ///< bodies whose Young's modulus was out of reach: raise maxSoftSubsteps or regionHalfWidth
 };

@@ -1,0 +1,143 @@
+// Levels of detail in a world: when nodes are split or merged, everything that names them follows. Only ever at the start of a substep.
+
+#include "body/levels.h"
+#include "world/soft_body_impl.h"
+#include "world/soft_body_system.h"
+#include "world/stopwatch.h"
+
+#include <BulletCollision/BroadphaseCollision/btBroadphaseInterface.h>
+#include <BulletCollision/BroadphaseCollision/btOverlappingPairCache.h>
+#include <LinearMath/btQuickprof.h>
+
+#include <algorithm>
+
+namespace pliant {
+
+namespace {
+
+/// Where a pin's node has split, each of its children is pinned as it was.
+void movePins( SoftBody::Impl& impl, const LevelChange& change, const std::vector<btVector3>& placeBefore )
+{
+	std::vector<Pin> moved;
+	for ( int node = 0; node < impl.body->nodeCount(); ++node )
+	{
+		const int before = int( change.heir[std::size_t( node )] );
+		const Pin* pin = impl.findPin( before );
+		if ( !pin || impl.body->nodes().freedom[node] != 0.0f )
+		{
+			continue;
+		}
+		Pin now = *pin;
+		now.node = node;
+		if ( change.nodeNow[std::size_t( before )] == kNoNode )
+		{
+			const btVector3 arm = impl.position( node ) - placeBefore[std::size_t( pin - impl.pins.data() )];
+			now.point += pin->kind == PinKind::FollowsBody ? pin->body->getWorldTransform().getBasis().transpose() * arm : arm;
+		}
+		moved.push_back( now );
+	}
+	impl.pins = std::move( moved );
+}
+
+} // namespace
+
+void SoftBodySystem::adaptLevels( btScalar h )
+{
+	BT_PROFILE( "pliant: levels" );
+	for ( SoftBody* body : m_awake )
+	{
+		SoftBody::Impl& impl = body->impl();
+		const Levels* levels = impl.body->levels();
+		if ( !levels )
+		{
+			continue;
+		}
+		Stopwatch watch( report.levels );
+		if ( levels->settings().refinesOnContact )
+		{
+			for ( const NodeBody* stand : impl.touched )
+			{
+				impl.body->requestSplit( stand->node );
+			}
+		}
+		if ( !impl.body->reviewLevels( float( h ) ) )
+		{
+			continue;
+		}
+		std::vector<btVector3> placeBefore;
+		for ( const Pin& pin : impl.pins )
+		{
+			placeBefore.push_back( impl.position( pin.node ) );
+		}
+		impl.keepSurface();
+		impl.body->applyLevels();
+		movePins( impl, levels->lastChange(), placeBefore );
+		nodesChanged( *body );
+		++report.levelChanges;
+	}
+}
+
+// Contacts name nodes by number: those of this body are dropped and found anew in this substep.
+void SoftBodySystem::nodesChanged( SoftBody& body )
+{
+	SoftBody::Impl& impl = body.impl();
+	dropPredictiveContacts();
+	if ( btBroadphaseProxy* proxy = body.getBroadphaseHandle() )
+	{
+		m_world.getBroadphase()->getOverlappingPairCache()->cleanProxyFromPairs( proxy, m_world.getDispatcher() );
+	}
+	impl.nodeBody.assign( std::size_t( impl.body->nodeCount() ), nullptr );
+	std::unique_ptr<NodeShape> shape = std::make_unique<NodeShape>( *impl.body );
+	body.setCollisionShape( shape.get() );
+	impl.shape = std::move( shape );
+	impl.placeShape( body );
+	impl.fadeFromKeptSurface();
+}
+
+int SoftBody::nodeLevel( int node ) const
+{
+	const Levels* levels = m_impl->body->levels();
+	return levels ? levels->levelOf( node ) : 0;
+}
+
+int SoftBody::nodeOfCell( int cell ) const
+{
+	if ( cell < 0 || cell >= m_impl->body->lattice().cellCount() )
+	{
+		return -1;
+	}
+	const Levels* levels = m_impl->body->levels();
+	return levels ? int( levels->cut().slotOfCell[std::size_t( cell )] ) : cell;
+}
+
+unsigned SoftBody::levelVersion() const
+{
+	const Levels* levels = m_impl->body->levels();
+	return levels ? levels->version() : 0u;
+}
+
+void SoftBody::requestRefinement( const btVector3& low, const btVector3& high )
+{
+	if ( !m_impl->body->levels() || !isFinite( low ) || !isFinite( high ) )
+	{
+		return;
+	}
+	for ( int i = 0; i < nodeCount(); ++i )
+	{
+		const btVector3 p = nodePosition( i );
+		const btScalar r = nodeRadius( i );
+		const bool isOutside = p.x() + r < low.x() || p.y() + r < low.y() || p.z() + r < low.z() || p.x() - r > high.x() || p.y() - r > high.y() ||
+							   p.z() - r > high.z();
+		if ( !isOutside )
+		{
+			m_impl->body->requestSplit( i );
+		}
+	}
+}
+
+void SoftBody::setFinestLevel( int level )
+{
+	m_impl->body->setFinestLevel( std::clamp( level, 0, 4 ) );
+}
+
+} // namespace pliant
