@@ -1,0 +1,11 @@
+#pragma once
+
+// What can be run: pliant_experiments glob 6
+
+namespace pliant::experiment {
+
+void globExperiment( int orientations );
+void vibrationExperiment();
+void barExperiment();
+
+} // namespace pliant::experiment
