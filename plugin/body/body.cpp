@@ -64,7 +64,7 @@ double meanSecondMoment( const Lattice& lattice )
 bool needsNewMatcher( const Material& a, const Material& b )
 {
 	return a.method != b.method || a.clusterMode != b.clusterMode || a.clusterEdge != b.clusterEdge || a.weights != b.weights ||
-		   a.rotationFrom != b.rotationFrom || a.regionHalfWidth != b.regionHalfWidth || a.beta != b.beta;
+		   a.rotationFrom != b.rotationFrom || a.regionHalfWidth != b.regionHalfWidth || a.beta != b.beta || a.volumeKeeping != b.volumeKeeping;
 }
 
 } // namespace
@@ -310,7 +310,7 @@ float Body::wobbleRate( float h, float alpha ) const
 	{
 		return 0.0f;
 	}
-	const double speed = m_lattice->cellSize / double( h ) * std::sqrt( alpha * regionSecondMoment( m_material ) );
+	const double speed = m_lattice->cellSize / double( h ) * std::sqrt( alpha * modulusMoment( m_material ) );
 	const double omega = kPi * speed / m_restLength;
 	return float( 2.0 * m_material.wobbleDamping * omega );
 }
@@ -320,13 +320,13 @@ float Body::wobbleRate( float h, float alpha ) const
 // makes up what can be made up: ( 1 - s ) E_f + s E_b = E. Both matches are contractions, and so is their blend.
 float Body::bodyShare( float h, float alpha ) const
 {
-	if ( m_material.stiffness != Stiffness::YoungsModulus || m_material.method == Method::SingleCluster || alpha < kLargestAlpha || !m_isOnePart )
+	if ( m_material.stiffness != Stiffness::YoungsModulus || m_material.method == Method::SingleCluster || alpha < float( largestAlpha( m_material ) ) || !m_isOnePart )
 	{
 		return 0.0f;
 	}
 	const double d = m_lattice->cellSize;
 	const double perStep = m_material.density / ( double( h ) * h );
-	const double ofRegions = perStep * d * d * regionSecondMoment( m_material ), ofBody = perStep * m_secondMoment;
+	const double ofRegions = perStep * d * d * modulusMoment( m_material ), ofBody = perStep * m_secondMoment;
 	if ( ofBody <= ofRegions )
 	{
 		return 0.0f;

@@ -1,7 +1,7 @@
 #pragma once
 
 // One soft body's state and its step, without any world around it. Knows no Bullet.
-// Beside design.md's order: applyForces, accelerateTowardGoals (shape matching), [contacts], integrate.
+// A substep: accelerateTowardGoals (shape matching), applyForces, [contacts], integrate.
 
 #include "pliant/adaptivity.h"
 #include "pliant/material.h"
@@ -90,10 +90,11 @@ public:
 	void nodeDeformations( float* gradients ) const;
 
 	// --- one substep of length h, s ---------------------------------------------------------------------------------
-	/// v += h (gravity + f / m); then forces f are left as they are (the world clears them once a game step).
-	void applyForces( float h, const Vec3& gravity );
-	/// Shape matching and region damping: v += (alpha e + k de) / h. `runner` may be null (calling thread alone).
+	/// Shape matching and damping: v += (alpha e + k de) / h, and the wobble's share of v. `runner` may be null (calling thread alone).
 	void accelerateTowardGoals( float h, float alpha, TaskRunner* runner );
+	/// v += h (gravity + f / m), after matching, or damping would take its share of what holds a loaded body in shape. Forces f are left as
+	/// they are (the world clears them once a game step).
+	void applyForces( float h, const Vec3& gravity );
 	/// x += h v; moves the origin along when the body strays from it. Checks every number: see BodyHealth.
 	BodyHealth integrate( float h );
 

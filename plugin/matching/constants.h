@@ -26,6 +26,11 @@ inline constexpr double kPi = 3.14159265358979323846;
 /// Alpha above this is cut: the explicit step is safe up to here (algorithm derivation in docs/step.md).
 inline constexpr float kLargestAlpha = 1.0f;
 
+/// alpha ( 1 + 3 kappa ) is kept below this; at 4 the answer to pressing overshoots as far as it was off.
+inline constexpr double kLargestVolumeAlpha = 3.5;
+
+inline constexpr float kLargestVolumeKeeping = 2.0f;
+
 /// Rounding allowed before a modulus counts as out of reach, relative.
 inline constexpr double kAlphaSlack = 1e-4;
 

@@ -35,7 +35,7 @@ LatticeMatcher::LatticeMatcher( const Lattice& lattice, const Material& material
 LatticeMatcher::LatticeMatcher(
 	const Lattice& lattice, const Material& material, std::shared_ptr<const RegionTables> tables, const Kernels& kernels ) :
 	m_kernels( kernels ), m_lattice( lattice ), m_tables( std::move( tables ) ), m_cellSize( lattice.cellSize ), m_beta( material.beta ),
-	m_rotationFromF( material.rotationFrom == RotationFrom::F ),
+	m_volumeShare( material.volumeKeeping ), m_rotationFromF( material.rotationFrom == RotationFrom::F ),
 	m_keepsMomentum( material.weights == Weights::Conserving && material.rotationFrom == RotationFrom::Apq )
 {
 	allocate();
@@ -186,6 +186,7 @@ MatchView LatticeMatcher::view( NodeState& nodes )
 	v.cellsPerMetre = 1.0f / m_cellSize;
 	v.beta = m_beta;
 	v.rotationFromF = m_rotationFromF;
+	v.volumeShare = m_volumeShare;
 	if ( m_tables->matrix )
 	{
 		viewLevels( v );

@@ -58,6 +58,7 @@ private:
 	std::shared_ptr<const RegionTables> m_tables;
 	float m_cellSize = 0.0f;
 	float m_beta = 0.0f;
+	float m_volumeShare = 0.0f; ///< kappa
 	bool m_rotationFromF = false;
 	bool m_keepsMomentum = true; ///< conserving weights and rotations from A_pq: what rounding leaves is taken off
 

@@ -52,6 +52,14 @@ Status check( const Material& material )
 	{
 		return refuse( "Material::wobbleDamping must lie in [0, 1]." );
 	}
+	if ( !within( material.volumeKeeping, 0.0f, kLargestVolumeKeeping ) )
+	{
+		return refuse( "Material::volumeKeeping must lie in [0, 2]." );
+	}
+	if ( material.stiffness == Stiffness::RawAlpha && material.alpha > largestAlpha( material ) )
+	{
+		return refuse( "Material::alpha is too large for this volumeKeeping: alpha ( 1 + 3 kappa ) must be at most 3.5." );
+	}
 	if ( material.clusterEdge < 2 || material.clusterEdge > kLargestClusterEdge )
 	{
 		return refuse( "Material::clusterEdge must lie in 2 to 64 cells." );
@@ -64,9 +72,9 @@ StiffnessPlan planStiffness( const Material& material, float cellSize, float gam
 	StiffnessPlan plan;
 	const double h = double( gameStep ) / std::max( substeps, 1 );
 
-	// A lattice of regions, alpha at step h, is an elastic solid of modulus E = alpha rho d^2 mu / h^2, Poisson's ratio 0,
-	// with mu = w ( w + 1 ) / 3; so the modulus reached per unit of alpha is:
-	const double modulusPerAlpha = material.density * double( cellSize ) * cellSize * regionSecondMoment( material ) / ( h * h );
+	// A lattice of regions, alpha at step h, is an elastic solid of modulus E = alpha rho d^2 mu f / h^2 (stiffness.h), with
+	// mu = w ( w + 1 ) / 3; so the modulus reached per unit of alpha is:
+	const double modulusPerAlpha = material.density * double( cellSize ) * cellSize * modulusMoment( material ) / ( h * h );
 	if ( material.stiffness == Stiffness::RawAlpha || material.method == Method::SingleCluster )
 	{
 		plan.alpha = material.alpha;
@@ -75,13 +83,13 @@ StiffnessPlan planStiffness( const Material& material, float cellSize, float gam
 		return plan;
 	}
 
-	const double alpha = material.youngsModulus / modulusPerAlpha;
-	plan.reachable = alpha <= double( kLargestAlpha ) * ( 1.0 + kAlphaSlack );
-	plan.alpha = float( std::min( alpha, double( kLargestAlpha ) ) );
+	const double alpha = material.youngsModulus / modulusPerAlpha, most = largestAlpha( material );
+	plan.reachable = alpha <= most * ( 1.0 + kAlphaSlack );
+	plan.alpha = float( std::min( alpha, most ) );
 	plan.reachedModulus = float( modulusPerAlpha * plan.alpha );
 
-	// alpha falls with the square of the substep: n substeps reach E when alpha( 1 substep ) <= n^2.
-	const double needed = std::ceil( std::sqrt( alpha / kLargestAlpha ) * std::max( substeps, 1 ) - kAlphaSlack );
+	// alpha falls with the square of the substep: n substeps reach E when alpha( 1 substep ) <= n^2 times the largest.
+	const double needed = std::ceil( std::sqrt( alpha / most ) * std::max( substeps, 1 ) - kAlphaSlack );
 	plan.substepsNeeded = int( std::clamp( needed, 1.0, double( kMostSubstepsNamed ) ) );
 	return plan;
 }

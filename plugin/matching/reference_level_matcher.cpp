@@ -98,6 +98,8 @@ void ReferenceLevelMatcher::fit( const NodeState& nodes, std::uint32_t r )
 	region.f = apq * region.rest.inverse + rotation * region.rest.outside;
 	// L = F + ( R - F ) C^T, with C = 1 - beta where beta is a number: L = R + beta ( F - R )   (Ohta et al. 2009, eq. 5)
 	region.l = region.f + ( rotation - region.f ) * region.blend.transpose();
+	const double trace = std::clamp( ( rotation.transpose() * region.f ).trace() - 3.0, -1.0, 1.0 );
+	region.l -= double( m_material.volumeKeeping ) * ( 1.0 - region.beta ) * trace * rotation;
 }
 
 Eigen::Quaterniond ReferenceLevelMatcher::fitBody( const NodeState& nodes ) const

@@ -4,6 +4,7 @@
 
 #include <Eigen/Dense>
 
+#include <algorithm>
 #include <cmath>
 
 namespace pliant {
@@ -70,6 +71,9 @@ void ReferenceMatcher::fitRegions( const NodeState& nodes )
 
 		// L = R + beta (F - R)   (Ohta et al. 2009, eq. 5)
 		fit.linear = rotation + double( m_material.beta ) * ( f - rotation );
+		// - kappa tr( R^T F - 1 ) R, the trace within -1 .. 1: what is pressed one way is asked to give way in the others
+		const double trace = std::clamp( ( rotation.transpose() * f ).trace() - 3.0, -1.0, 1.0 );
+		fit.linear -= double( m_material.volumeKeeping ) * ( 1.0 - double( m_material.beta ) ) * trace * rotation;
 		if ( m_dampingForm == DampingForm::RegionVelocity )
 		{
 			fitMotion( nodes, r, fit );

@@ -12,7 +12,7 @@ constexpr float kGridPays[kLargestHalfWidth + 1] = { 0.0f, 1.6f, 4.0f, 8.0f, 16.
 
 bool needsInverse( const Material& material )
 {
-	return material.beta > 0.0f || material.rotationFrom == RotationFrom::F;
+	return material.beta > 0.0f || material.volumeKeeping > 0.0f || material.rotationFrom == RotationFrom::F;
 }
 
 std::shared_ptr<const RegionTables> buildRegionTables( const Lattice& lattice, const Material& material, Summation summation )

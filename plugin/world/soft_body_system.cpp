@@ -152,15 +152,9 @@ void SoftBodySystem::accelerate( btScalar h, int substep )
 		}
 	}
 	adaptLevels( h );
+	for ( SoftBody* body : m_awake )
 	{
-		Stopwatch watch( report.forces );
-		for ( SoftBody* body : m_awake )
-		{
-			SoftBody::Impl& impl = body->impl();
-			drivePins( *body, h, substep );
-			const btVector3 gravity = impl.hasOwnGravity ? impl.gravity : m_world.getGravity();
-			impl.body->applyForces( float( h ), toVec3( gravity + impl.centralForce / btScalar( impl.mass ) ) );
-		}
+		drivePins( *body, h, substep );
 	}
 	{
 		// Many bodies: each in one task. Few: the threads share a body. The bits are the same.
@@ -171,6 +165,16 @@ void SoftBodySystem::accelerate( btScalar h, int substep )
 			impl.body->accelerateTowardGoals( float( h ), impl.plan.alpha, oneTaskEach ? nullptr : tasks() );
 		};
 		runTasks( oneTaskEach ? tasks() : nullptr, int( m_awake.size() ), match );
+	}
+	{
+		// After matching, which looks at places and at the speeds the last substep left: damping must not take a share of this one's forces.
+		Stopwatch watch( report.forces );
+		for ( SoftBody* body : m_awake )
+		{
+			SoftBody::Impl& impl = body->impl();
+			const btVector3 gravity = impl.hasOwnGravity ? impl.gravity : m_world.getGravity();
+			impl.body->applyForces( float( h ), toVec3( gravity + impl.centralForce / btScalar( impl.mass ) ) );
+		}
 	}
 	Stopwatch watch( report.spheres );
 	for ( SoftBody* body : m_awake )

@@ -143,8 +143,8 @@ double standingSag( int cells )
 	const float ground = nodes.x0.y[0];
 	for ( int k = 0; k < 5 * 60 * substeps; ++k )
 	{
-		body->applyForces( h, Vec3( 0, -gravity, 0 ) );
 		body->accelerateTowardGoals( h, plan.alpha, nullptr );
+		body->applyForces( h, Vec3( 0, -gravity, 0 ) );
 		for ( int i = 0; i < nodes.count; ++i )
 		{
 			nodes.v.y[i] = std::max( nodes.v.y[i], ( ground - nodes.x.y[i] - float( nodes.origin.y() ) ) / h );

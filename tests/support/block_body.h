@@ -69,8 +69,8 @@ inline double shapeError( const Body& body )
 /// One whole substep without contacts.
 inline BodyHealth substep( Body& body, float h, float alpha, const Vec3& gravity = Vec3::Zero(), TaskRunner* runner = nullptr )
 {
-	body.applyForces( h, gravity );
 	body.accelerateTowardGoals( h, alpha, runner );
+	body.applyForces( h, gravity );
 	return body.integrate( h );
 }
 

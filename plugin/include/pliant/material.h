@@ -61,6 +61,11 @@ struct Material
 	/// Blend of the goal from rigid (0) to the best linear or quadratic fit, [0, 0.95]. Ohta et al. 2009, eq. 5. Larger is softer.
 	float beta = 0.0f;
 
+	/// Kept volume, kappa, [0, 2]: a pressed body bulges, with Poisson's ratio nu = kappa / (2 kappa + 1); 0: nu = 0, and nothing is paid.
+	/// 0.5 gives nu 0.25, 1 gives 0.33, 2 gives 0.4. Young's modulus stays what it is set to; how much of it can be reached changes a little.
+	/// Method::Lattice only.
+	float volumeKeeping = 0.0f;
+
 	/// Half-width w of a region, in cells, 1 to 4. Wider reaches stiffer materials per substep and costs more.
 	int regionHalfWidth = 1;
 

@@ -1,0 +1,190 @@
+// Kept volume: Poisson's ratio, what an impact leaves of the volume, and that a body without it pays nothing.
+
+#include "matching/lattice_matcher.h"
+#include "matching/reference_matcher.h"
+#include "support/block_body.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdio>
+
+namespace pliant {
+namespace {
+
+Material keeping( float kappa )
+{
+	Material material;
+	material.volumeKeeping = kappa;
+	return material;
+}
+
+TEST( Volume, SettingsOutOfRangeAreRefused )
+{
+	EXPECT_FALSE( check( keeping( -0.1f ) ).ok() );
+	EXPECT_FALSE( check( keeping( 3.0f ) ).ok() );
+	Material stiff = keeping( 2.0f );
+	stiff.stiffness = Stiffness::RawAlpha;
+	stiff.alpha = 1.0f;
+	EXPECT_FALSE( check( stiff ).ok() );
+}
+
+TEST( Volume, AgreesWithTheSlowTwin )
+{
+	for ( const Summation summation : { Summation::Table, Summation::BoxSums } )
+	{
+		const Lattice lattice = makeBlockLattice( 7, 6, 5, 0.1f );
+		const Material material = keeping( 0.8f );
+		LatticeMatcher fast( lattice, material, summation );
+		ReferenceMatcher slow( lattice, material );
+		NodeState a = test::restNodes( lattice ), b = test::restNodes( lattice );
+		test::Seeded random( 5 );
+		for ( int i = 0; i < a.count; ++i )
+		{
+			const Vec3 x = a.x0.get( i ).cwiseProduct( Vec3( 1.15f, 0.9f, 0.95f ) ) + random.inBox( 0.01f );
+			a.x.set( i, x );
+			b.x.set( i, x );
+		}
+		fast.reset( a, Eigen::Quaterniond::Identity() );
+		slow.reset( b, Eigen::Quaterniond::Identity() );
+		for ( int step = 0; step < 5; ++step )
+		{
+			const MatchStep match{ 0.01f, 0.8f };
+			fast.accelerate( a, match, nullptr );
+			slow.accelerate( b, match, nullptr );
+			for ( int i = 0; i < a.count; ++i )
+			{
+				a.x.set( i, a.x.get( i ) + 0.01f * a.v.get( i ) );
+				b.x.set( i, b.x.get( i ) + 0.01f * b.v.get( i ) );
+			}
+		}
+		for ( int i = 0; i < a.count; ++i )
+		{
+			EXPECT_LT( ( a.x.get( i ) - b.x.get( i ) ).norm(), 2e-6f );
+		}
+	}
+}
+
+/// Mean stretch of a bar's middle along an axis, from the nodes of a middle slab.
+double stretchOf( const Body& body, int axis )
+{
+	double moment = 0.0, rest = 0.0;
+	for ( int i = 0; i < body.nodeCount(); ++i )
+	{
+		const Vec3 x0 = body.nodes().x0.get( i );
+		if ( std::abs( x0.x() ) < 0.5f ) // away from the loaded ends
+		{
+			moment += double( body.nodes().worldPosition( i )[axis] ) * x0[axis];
+			rest += double( x0[axis] ) * x0[axis];
+		}
+	}
+	return moment / rest;
+}
+
+TEST( Volume, PoissonsRatioAndYoungsModulusAreWhatTheySay )
+{
+	for ( const float kappa : { 0.0f, 0.5f, 1.0f, 2.0f } )
+	{
+		Material material = keeping( kappa );
+		material.damping = 60.0f;
+		material.wobbleDamping = 1.0f;
+		material.youngsModulus = 2e4f;
+		const std::unique_ptr<Body> body = test::makeBlock( 24, 6, 6, 0.1f, material );
+		const float h = 1.0f / 240.0f;
+		const StiffnessPlan plan = planStiffness( material, 0.1f, h, 1 );
+		ASSERT_TRUE( plan.reachable );
+		// Pulled at both ends by sigma = 2 % of E over the end faces.
+		NodeState& nodes = body->nodes();
+		nodes.force.resize( nodes.padded );
+		const float force = 0.02f * material.youngsModulus * 0.01f;
+		for ( int i = 0; i < nodes.count; ++i )
+		{
+			const float x = nodes.x0.get( i ).x();
+			nodes.force.x[i] = x > 1.1f ? force : x < -1.1f ? -force : 0.0f;
+		}
+		for ( int step = 0; step < 1500; ++step )
+		{
+			test::substep( *body, h, plan.alpha );
+		}
+		const double along = stretchOf( *body, 0 ) - 1.0, across = stretchOf( *body, 1 ) - 1.0;
+		const double wanted = kappa / ( 2.0 * kappa + 1.0 );
+		std::printf( "kappa %.1f: nu %.3f (%.3f), E %.3f of what was set\n", double( kappa ), -across / along, wanted, 0.02 / along );
+		EXPECT_NEAR( -across / along, wanted, 0.05 );
+		EXPECT_NEAR( 0.02 / along, 1.0, 0.05 );
+	}
+}
+
+/// Volume of the nodes' hull as the mean of det F over cells, from face neighbours.
+double meanVolume( const Body& body )
+{
+	double sum = 0.0;
+	int count = 0;
+	const Lattice& lattice = body.lattice();
+	for ( int i = 0; i < body.nodeCount(); ++i )
+	{
+		Eigen::Matrix3f edges = Eigen::Matrix3f::Zero();
+		int found = 0;
+		for ( std::uint32_t k = lattice.linkStart[i]; k < lattice.linkStart[i + 1]; ++k )
+		{
+			const int j = int( lattice.linkTo[k] );
+			const Eigen::Vector3i step = lattice.coordinate[j].cast<int>() - lattice.coordinate[i].cast<int>();
+			if ( step.sum() == 1 && step.cwiseAbs().sum() == 1 )
+			{
+				edges.col( step.x() == 1 ? 0 : step.y() == 1 ? 1 : 2 ) = ( body.nodes().x.get( j ) - body.nodes().x.get( i ) ) / lattice.cellSize;
+				++found;
+			}
+		}
+		if ( found == 3 )
+		{
+			sum += edges.determinant();
+			++count;
+		}
+	}
+	return sum / count;
+}
+
+double leastVolumeAtImpact( float kappa, float alpha )
+{
+	Material material = keeping( kappa );
+	material.regionHalfWidth = 2;
+	material.stiffness = Stiffness::RawAlpha;
+	material.alpha = alpha;
+	material.wobbleDamping = 0.0f;
+	const std::unique_ptr<Body> body = test::makeBlock( 8, 8, 8, 1.0f, material );
+	NodeState& nodes = body->nodes();
+	const float h = 0.01f;
+	for ( int i = 0; i < nodes.count; ++i )
+	{
+		nodes.v.set( i, Vec3( 0.0f, 0.0f, -0.3f / h ) ); // 0.3 cells a step
+	}
+	double least = 1.0;
+	for ( int step = 0; step < 60; ++step )
+	{
+		body->accelerateTowardGoals( h, alpha, nullptr );
+		for ( int i = 0; i < nodes.count; ++i )
+		{
+			const double room = nodes.worldPosition( i ).z() + 4.0;
+			nodes.v.z[i] = room + h * nodes.v.z[i] < 0.0 ? float( -room / h ) : nodes.v.z[i];
+		}
+		body->integrate( h );
+		least = std::min( least, meanVolume( *body ) );
+	}
+	return least;
+}
+
+TEST( Volume, OfABlockThatHitsTheGroundIsKeptThreeTimesAsWell )
+{
+	const double plain = 1.0 - leastVolumeAtImpact( 0.0f, 1.0f ), kept = 1.0 - leastVolumeAtImpact( 0.9f, 0.94f );
+	std::printf( "volume lost at impact: %.3f plain, %.3f with kappa 0.9\n", plain, kept );
+	EXPECT_LT( kept, plain / 3.0 );
+}
+
+TEST( Volume, WithoutItNothingIsHeld )
+{
+	const Lattice lattice = makeBlockLattice( 6, 6, 6, 0.1f );
+	EXPECT_TRUE( LatticeMatcher( lattice, Material{} ).tables().moments.inverseMoment[0].empty() );
+	EXPECT_FALSE( LatticeMatcher( lattice, keeping( 0.5f ) ).tables().moments.inverseMoment[0].empty() );
+}
+
+} // namespace
+} // namespace pliant
