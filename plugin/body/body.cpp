@@ -74,7 +74,7 @@ Body::~Body() = default;
 
 Result<std::unique_ptr<Body>> Body::create(
 	std::shared_ptr<const Lattice> lattice, const Material& material, const Placement& placement, std::shared_ptr<TemplateCache> cache,
-	const Adaptivity& adaptivity )
+	const Adaptivity& adaptivity, const StiffnessField& stiffness )
 {
 	using Made = Result<std::unique_ptr<Body>>;
 	if ( !lattice || lattice->cellCount() == 0 )
@@ -99,6 +99,10 @@ Result<std::unique_ptr<Body>> Body::create(
 		body->m_lattice = std::move( lattice );
 		body->m_cache = std::move( cache );
 		body->m_material = material;
+		if ( Status status = body->sampleStiffness( stiffness ); !status.ok() )
+		{
+			return Made{ std::move( status ), nullptr };
+		}
 		body->makeNodes( adaptivity );
 		body->m_restLength = longestExtent( *body->m_lattice );
 		body->m_secondMoment = meanSecondMoment( *body->m_lattice );
@@ -114,6 +118,30 @@ Result<std::unique_ptr<Body>> Body::create(
 	}
 }
 
+Status Body::sampleStiffness( const StiffnessField& field )
+{
+	if ( !field.share )
+	{
+		return {};
+	}
+	if ( m_material.method != Method::Lattice )
+	{
+		return Status{ ResultCode::BadArgument, "StiffnessField: stiffness that varies in space needs Method::Lattice." };
+	}
+	m_stiffness.reserve( m_lattice->fill.size() );
+	for ( const Vec3& rest : m_lattice->restCentre )
+	{
+		const Vec3 point = ( rest.cast<double>() + m_lattice->massCentre ).cast<float>();
+		const float share = field.share( point.data(), field.context );
+		if ( !( share > 0.0f && share <= 1.0f ) )
+		{
+			return Status{ ResultCode::BadArgument, "StiffnessField: a share is not above 0 and at most 1." };
+		}
+		m_stiffness.push_back( share );
+	}
+	return {};
+}
+
 void Body::makeNodes( const Adaptivity& adaptivity )
 {
 	if ( adaptivity.coarseLevels == 0 )
@@ -123,7 +151,7 @@ void Body::makeNodes( const Adaptivity& adaptivity )
 	}
 	std::shared_ptr<const LevelBase> base = m_cache ? m_cache->levels.find( *m_lattice, m_material, adaptivity )
 													 : buildLevelBase( *m_lattice, m_material, adaptivity );
-	m_levels = std::make_unique<Levels>( std::move( base ), *m_lattice, m_material, adaptivity );
+	m_levels = std::make_unique<Levels>( std::move( base ), *m_lattice, m_material, adaptivity, m_stiffness );
 	m_levels->fillNodes( m_nodes, m_material.density );
 }
 
@@ -138,6 +166,10 @@ std::unique_ptr<Matcher> Body::makeMatcher( const Material& material )
 	}
 	if ( material.method == Method::Lattice )
 	{
+		if ( !m_stiffness.empty() )
+		{
+			return std::make_unique<LatticeMatcher>( *m_lattice, material, buildRegionTables( *m_lattice, material, Summation::Automatic, m_stiffness ) );
+		}
 		return makeLatticeMatcher( *m_lattice, material, m_cache ? &m_cache->regions : nullptr );
 	}
 	return makeClusterMatcher( *m_lattice, material, m_nodes );

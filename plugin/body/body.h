@@ -51,7 +51,7 @@ public:
 	/// Refuses bad settings and running out of memory. Bodies of one lattice share their tables through `cache` (may be null).
 	/// Levels need Method::Lattice.
 	static Result<std::unique_ptr<Body>> create( std::shared_ptr<const Lattice> lattice, const Material& material, const Placement& placement,
-		std::shared_ptr<TemplateCache> cache = nullptr, const Adaptivity& adaptivity = {} );
+		std::shared_ptr<TemplateCache> cache = nullptr, const Adaptivity& adaptivity = {}, const StiffnessField& stiffness = {} );
 	~Body();
 
 	// --- state, flat arrays; write freely between steps -------------------------------------------------------------
@@ -112,6 +112,7 @@ public:
 private:
 	Body();
 	void rebase();
+	Status sampleStiffness( const StiffnessField& field );
 	void makeNodes( const Adaptivity& adaptivity );
 	std::unique_ptr<Matcher> makeMatcher( const Material& material );
 	void nodesChanged();
@@ -123,6 +124,7 @@ private:
 	std::shared_ptr<const Lattice> m_lattice;
 	std::shared_ptr<TemplateCache> m_cache;
 	Material m_material;
+	std::vector<float> m_stiffness; ///< share of each finest cell; empty: 1 everywhere
 	NodeState m_nodes;
 	std::unique_ptr<Matcher> m_matcher;
 	std::unique_ptr<Levels> m_levels;

@@ -83,10 +83,11 @@ void resizeNodes( NodeState& nodes, int count )
 
 } // namespace
 
-Levels::Levels( std::shared_ptr<const LevelBase> base, const Lattice& lattice, const Material& material, const Adaptivity& settings ) :
-	m_base( std::move( base ) ), m_lattice( lattice ), m_settings( settings ), m_cut( firstCut( m_base->octree, settings ) ),
+Levels::Levels( std::shared_ptr<const LevelBase> base, const Lattice& lattice, const Material& material, const Adaptivity& settings,
+	const std::vector<float>& stiffness ) :
+	m_base( std::move( base ) ), m_lattice( lattice ), m_settings( settings ), m_stiffness( stiffness ), m_cut( firstCut( m_base->octree, settings ) ),
 	m_regions( buildLevelRegions( *m_base, lattice, m_cut, material, settings ) ),
-	m_tables( buildLevelTables( *m_base, lattice, m_cut, m_regions, material, settings ) ), m_quiet( m_cut.node.size(), 0.0f )
+	m_tables( buildLevelTables( *m_base, lattice, m_cut, m_regions, LevelSettings{ material, m_settings, m_stiffness } ) ), m_quiet( m_cut.node.size(), 0.0f )
 {
 }
 
@@ -231,7 +232,7 @@ void Levels::change( NodeState& nodes, LatticeMatcher& matcher, const Material& 
 		m_regions = buildLevelRegions( *m_base, m_lattice, next, material, m_settings );
 	}
 	const std::shared_ptr<const RegionTables> old = m_tables;
-	m_tables = buildLevelTables( *m_base, m_lattice, next, m_regions, material, m_settings, TablesBefore{ old.get(), unchangedRows( next ) } );
+	m_tables = buildLevelTables( *m_base, m_lattice, next, m_regions, LevelSettings{ material, m_settings, m_stiffness }, TablesBefore{ old.get(), unchangedRows( next ) } );
 	std::vector<float> quiet( next.node.size(), 0.0f );
 	for ( int i = 0; i < next.count(); ++i )
 	{

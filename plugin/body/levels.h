@@ -24,7 +24,9 @@ struct LevelChange
 class Levels
 {
 public:
-	Levels( std::shared_ptr<const LevelBase> base, const Lattice& lattice, const Material& material, const Adaptivity& settings );
+	/// `stiffness`: see LevelSettings; must live as long.
+	Levels( std::shared_ptr<const LevelBase> base, const Lattice& lattice, const Material& material, const Adaptivity& settings,
+		const std::vector<float>& stiffness );
 
 	const Octree& octree() const { return m_base->octree; }
 	const Cut& cut() const { return m_cut; }
@@ -69,6 +71,7 @@ private:
 	std::shared_ptr<const LevelBase> m_base;
 	const Lattice& m_lattice;
 	Adaptivity m_settings;
+	const std::vector<float>& m_stiffness;
 	Cut m_cut;
 	LevelRegions m_regions;
 	std::shared_ptr<const RegionTables> m_tables;

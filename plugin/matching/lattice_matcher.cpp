@@ -126,7 +126,6 @@ void LatticeMatcher::viewLevels( MatchView& v ) const
 		v.memberMass = m_tables->matrix->mass.data();
 		v.memberShare = m_tables->matrix->share.data();
 	}
-	v.pull = dataOrNull( m_tables->pull );
 	v.regionBeta = dataOrNull( m_tables->beta );
 	v.regionEta = dataOrNull( m_tables->eta );
 	for ( int k = 0; k < 9; ++k )
@@ -187,6 +186,7 @@ MatchView LatticeMatcher::view( NodeState& nodes )
 	v.beta = m_beta;
 	v.rotationFromF = m_rotationFromF;
 	v.volumeShare = m_volumeShare;
+	v.pull = m_tables->pull.empty() ? nullptr : m_tables->pull.data();
 	if ( m_tables->matrix )
 	{
 		viewLevels( v );

@@ -27,9 +27,10 @@ void storeSymmetric( AlignedArray<float> ( &to )[6], int i, const Eigen::Matrix3
 class Filler
 {
 public:
-	Filler( const LevelBase& base, const Lattice& lattice, const Cut& cut, const RegionMatrix& matrix, const Material& material,
-		const Adaptivity& settings, RegionTables& tables ) :
-		m_base( base ), m_lattice( lattice ), m_cut( cut ), m_matrix( matrix ), m_material( material ), m_settings( settings ), m_tables( tables )
+	Filler( const LevelBase& base, const Lattice& lattice, const Cut& cut, const RegionMatrix& matrix, const LevelSettings& settings,
+		RegionTables& tables ) :
+		m_base( base ), m_lattice( lattice ), m_cut( cut ), m_matrix( matrix ), m_material( settings.material ), m_settings( settings.adaptivity ),
+		m_stiffness( settings.stiffness ), m_tables( tables )
 	{
 	}
 
@@ -86,7 +87,7 @@ private:
 			moments.inverseMoment[k].assign( padded, 0.0f );
 			m_tables.outOfPlane[k].assign( padded, 0.0f );
 		}
-		if ( scalesOnly() || m_tables.plan )
+		if ( scalesOnly() || m_tables.plan || !m_stiffness.empty() )
 		{
 			moments.regionWeight.assign( padded, 1.0f );
 		}
@@ -169,6 +170,21 @@ private:
 		return std::all_of( first, last, [this]( std::uint32_t a ) { return m_cut.node[a] < m_base.octree.levelStart[1]; } );
 	}
 
+	double stiffnessOf( std::uint32_t node ) const
+	{
+		if ( m_stiffness.empty() )
+		{
+			return 1.0;
+		}
+		const Octree& octree = m_base.octree;
+		double sum = 0.0;
+		for ( std::uint32_t k = octree.cellStart[node]; k < octree.cellStart[node] + octree.cellCount[node]; ++k )
+		{
+			sum += octree.mass[octree.cells[k]] * m_stiffness[octree.cells[k]];
+		}
+		return sum / octree.mass[node];
+	}
+
 	void fillRegion( int r )
 	{
 		RegionMoments& moments = m_tables.moments;
@@ -193,9 +209,12 @@ private:
 			beta = 1.0 - ( 1.0 - beta ) * m_settings.coarseStiffness;
 			eta = 1.0 - ( 1.0 - eta ) * m_settings.coarseStiffness;
 		}
+		if ( !moments.regionWeight.empty() )
+		{
+			moments.regionWeight[r] = float( stiffnessOf( node ) * ( scalesOnly() ? 1.0 - beta : 1.0 ) );
+		}
 		if ( scalesOnly() )
 		{
-			moments.regionWeight[r] = float( 1.0 - beta );
 			return;
 		}
 		beta = 1.0 - ( 1.0 - beta ) * ( 1.0 - m_material.beta );
@@ -219,7 +238,8 @@ private:
 			const std::uint32_t r = m_matrix.member[k];
 			const double share = m_matrix.share[k];
 			cover += share;
-			pull += share * ( scalesOnly() ? m_tables.moments.regionWeight[r] : 1.0f - m_tables.eta[r] );
+			const float weight = m_tables.moments.regionWeight.empty() ? 1.0f : m_tables.moments.regionWeight[r];
+			pull += share * ( scalesOnly() ? weight : weight * ( 1.0f - m_tables.eta[r] ) );
 		}
 		RegionMoments& moments = m_tables.moments;
 		if ( m_tables.plan )
@@ -244,6 +264,7 @@ private:
 	const RegionMatrix& m_matrix;
 	const Material& m_material;
 	const Adaptivity& m_settings;
+	const std::vector<float>& m_stiffness;
 	RegionTables& m_tables;
 	bool m_hasFlat = false;
 };
@@ -319,12 +340,12 @@ LevelRegions buildLevelRegions( const LevelBase& base, const Lattice& lattice, c
 }
 
 std::shared_ptr<const RegionTables> buildLevelTables( const LevelBase& base, const Lattice& lattice, const Cut& cut,
-	const LevelRegions& regions, const Material& material, const Adaptivity& settings, const TablesBefore& before )
+	const LevelRegions& regions, const LevelSettings& settings, const TablesBefore& before )
 {
 	auto tables = std::make_shared<RegionTables>();
 	tables->matrix = regions.matrix;
 	tables->plan = regions.plan;
-	Filler( base, lattice, cut, *tables->matrix, material, settings, *tables ).run( before );
+	Filler( base, lattice, cut, *tables->matrix, settings, *tables ).run( before );
 	return tables;
 }
 

@@ -68,8 +68,17 @@ struct TablesBefore
 	std::vector<std::uint32_t> region; ///< of each region now: its number then, where its row holds the same nodes; else kNoNode
 };
 
+/// What a region needs beside its row. `stiffness`: share of the material's for each finest cell; empty: 1 everywhere. A region takes the mean
+/// over its node's mass: energies add up.
+struct LevelSettings
+{
+	const Material& material;
+	const Adaptivity& adaptivity;
+	const std::vector<float>& stiffness;
+};
+
 /// Tables for the step out of a region matrix. With `before` the result is the same to the bit, sooner.
 std::shared_ptr<const RegionTables> buildLevelTables( const LevelBase& base, const Lattice& lattice, const Cut& cut,
-	const LevelRegions& regions, const Material& material, const Adaptivity& settings, const TablesBefore& before = {} );
+	const LevelRegions& regions, const LevelSettings& settings, const TablesBefore& before = {} );
 
 } // namespace pliant

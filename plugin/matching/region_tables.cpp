@@ -15,12 +15,45 @@ bool needsInverse( const Material& material )
 	return material.beta > 0.0f || material.volumeKeeping > 0.0f || material.rotationFrom == RotationFrom::F;
 }
 
-std::shared_ptr<const RegionTables> buildRegionTables( const Lattice& lattice, const Material& material, Summation summation )
+namespace {
+
+/// Each region's goal counts with its share; of node i then remains the pull sum of b_r / C_i.
+void applyStiffness( const std::vector<float>& stiffness, RegionTables& tables )
+{
+	RegionMoments& moments = tables.moments;
+	if ( moments.regionWeight.empty() )
+	{
+		moments.regionWeight.assign( moments.padded, 1.0f );
+	}
+	for ( int r = 0; r < moments.count; ++r )
+	{
+		moments.regionWeight[r] *= stiffness[std::size_t( r )];
+	}
+	tables.pull.assign( moments.padded, 0.0f );
+	for ( int i = 0; i < moments.count; ++i )
+	{
+		double sum = 0.0;
+		for ( std::uint32_t k = tables.regions.start[i]; k < tables.regions.start[i + 1]; ++k )
+		{
+			sum += moments.regionWeight[tables.regions.member[k]];
+		}
+		tables.pull[i] = float( sum * moments.inverseCover[i] );
+	}
+}
+
+} // namespace
+
+std::shared_ptr<const RegionTables> buildRegionTables(
+	const Lattice& lattice, const Material& material, Summation summation, const std::vector<float>& stiffness )
 {
 	auto tables = std::make_shared<RegionTables>();
 	tables->regions = buildRegions( lattice, material.regionHalfWidth );
 	tables->moments = computeRegionMoments( lattice, tables->regions, material.weights, needsInverse( material ) );
 	tables->grid = lattice.extent;
+	if ( !stiffness.empty() )
+	{
+		applyStiffness( stiffness, *tables );
+	}
 
 	const int nodes = lattice.cellCount();
 	const double positions = double( lattice.extent.x() ) * lattice.extent.y() * lattice.extent.z();

@@ -38,10 +38,11 @@ struct RegionTables
 	Eigen::Vector3i grid = Eigen::Vector3i::Zero();
 	std::vector<std::uint32_t> slot;               ///< lattice position of each cell; empty without holes
 
+	AlignedArray<float> pull;                      ///< of each node, MatchView::pull; empty where all are 1
+
 	// Of nodes on several levels only (level_tables.h); empty on a uniform lattice. The matrix then takes the place of `regions`.
 	std::shared_ptr<const RegionMatrix> matrix;
 	std::shared_ptr<const SumPlan> plan;           ///< sums by way of the octree instead of the matrix; null: no
-	AlignedArray<float> pull;                      ///< of each node; empty where all are 1
 	AlignedArray<float> beta, eta;                 ///< of each region; empty where all are 0
 	AlignedArray<float> blend[9];                  ///< C of each region; empty where beta is a number
 	AlignedArray<float> outOfPlane[6];             ///< 1 - J J^+; empty where every region is solid
@@ -52,7 +53,10 @@ struct RegionTables
 /// Whether any of the material's settings needs J^+.
 bool needsInverse( const Material& material );
 
-std::shared_ptr<const RegionTables> buildRegionTables( const Lattice& lattice, const Material& material, Summation summation );
+/// `stiffness`: share of the material's for each cell; empty: 1 everywhere. A region takes the share of its owner, so that what it pulls and
+/// what pulls back stay equal.
+std::shared_ptr<const RegionTables> buildRegionTables(
+	const Lattice& lattice, const Material& material, Summation summation, const std::vector<float>& stiffness = {} );
 
 /// Hands out tables by setting, each built once for as long as a body holds it. Safe to call from several threads.
 class RegionCache

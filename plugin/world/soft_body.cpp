@@ -68,7 +68,7 @@ SoftBody* asSoftBody( btCollisionObject* object )
 SoftBody::SoftBody() = default;
 
 SoftBodyResult SoftBody::create( std::shared_ptr<const BodyTemplate> bodyTemplate, const btTransform& transform, const Material& material,
-	const Adaptivity& adaptivity )
+	const Adaptivity& adaptivity, const StiffnessField& stiffness )
 {
 	if ( !bodyTemplate )
 	{
@@ -81,7 +81,7 @@ SoftBodyResult SoftBody::create( std::shared_ptr<const BodyTemplate> bodyTemplat
 	try
 	{
 		Result<std::unique_ptr<Body>> made = Body::create(
-			bodyTemplate->sharedLattice(), material, placementOf( *bodyTemplate, transform ), bodyTemplate->cache(), adaptivity );
+			bodyTemplate->sharedLattice(), material, placementOf( *bodyTemplate, transform ), bodyTemplate->cache(), adaptivity, stiffness );
 		if ( !made )
 		{
 			return SoftBodyResult{ std::move( made.status ), nullptr };

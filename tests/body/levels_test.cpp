@@ -144,7 +144,7 @@ TEST( Levels, TablesChangedPieceByPieceAreThoseMadeFromNothing )
 		body->changeLevels( split, {} );
 		const Cut& cut = body->levels()->cut();
 		const LevelRegions regions = buildLevelRegions( *base, *lattice, cut, material, settings );
-		const auto wanted = buildLevelTables( *base, *lattice, cut, regions, material, settings );
+		const auto wanted = buildLevelTables( *base, *lattice, cut, regions, LevelSettings{ material, settings, {} } );
 		const RegionTables& got = *body->levels()->tables();
 		EXPECT_EQ( got.beta, wanted->beta );
 		EXPECT_EQ( got.eta, wanted->eta );

@@ -40,7 +40,8 @@ protected:
 		base = buildLevelBase( lattice, material, settings );
 		cut = firstCut( base->octree, settings );
 		settings.hierarchicalSums = c.hierarchical;
-		tables = buildLevelTables( *base, lattice, cut, buildLevelRegions( *base, lattice, cut, material, settings ), material, settings );
+		tables = buildLevelTables( *base, lattice, cut, buildLevelRegions( *base, lattice, cut, material, settings ),
+			LevelSettings{ material, settings, {} } );
 	}
 
 	/// Shaken by a tenth of a cell and moving.

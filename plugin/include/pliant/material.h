@@ -88,6 +88,16 @@ struct Material
 	RotationFrom rotationFrom = RotationFrom::Apq;
 };
 
+/// Stiffness that varies in space (Steinemann et al. 2008, section 4.2 and Fig. 4): a share of the material's, asked once for each finest cell
+/// when a body is made. Method::Lattice only.
+struct StiffnessField
+{
+	/// `point`: 3 floats, the middle of the cell's material in the mesh's own coordinates, m. Returns a share of youngsModulus (or alpha) in
+	/// (0, 1]; what lies outside is refused. Null: 1 everywhere, and nothing is kept.
+	float ( *share )( const float* point, void* context ) = nullptr;
+	void* context = nullptr;
+};
+
 /// The first thing wrong with a material, or Ok. Refuses NaN.
 PLIANT_API Status check( const Material& material );
 

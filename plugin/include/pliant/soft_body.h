@@ -44,7 +44,7 @@ public:
 
 	/// Place the template's mass centre at transform applied to the template's mesh (mesh coordinates go through `transform`).
 	static SoftBodyResult create( std::shared_ptr<const BodyTemplate> bodyTemplate, const btTransform& transform, const Material& material = {},
-		const Adaptivity& adaptivity = {} );
+		const Adaptivity& adaptivity = {}, const StiffnessField& stiffness = {} );
 	~SoftBody() override;
 
 	/// The soft body behind any collision object: itself, or one of its node bodies as named by a manifold. Null for others.
