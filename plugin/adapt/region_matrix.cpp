@@ -316,16 +316,24 @@ RegionMatrix updateMultiplicityRegions( const Octree& octree, const Cut& from, c
 	return Updater( octree, from, matrix, to, fine ).run();
 }
 
-RegionMatrix buildUnionRegions( const Octree& octree, const Cut& cut, const FineRegions& fine, UnionWeights weights )
+namespace {
+
+/// The unions as a pattern: rows, the mass m( a, r ) of each member in each, and W_a = sum over r of m_r m( a, r ) / m_a. Full cells.
+struct UnionPattern
 {
-	// m( a, r ): each cell counts once, however many of the fine regions under r hold it.
+	RegionMatrix matrix; ///< start and member only
+	std::vector<double> value, cover;
+};
+
+UnionPattern findUnions( const Octree& octree, const Cut& cut, const FineRegions& fine )
+{
+	// Each cell counts once, however many of the fine regions under r hold it.
 	const std::uint32_t count = std::uint32_t( cut.count() );
-	RegionMatrix matrix;
-	matrix.start.push_back( 0 );
-	std::vector<std::uint32_t> seenBy( octree.cells.size(), kNoNode );
-	std::vector<double> covered( count, 0.0 ), value; // m( a, r ), full cells
-	std::vector<double> cover( count, 0.0 );          // W_a
-	std::vector<std::uint32_t> members;
+	UnionPattern pattern;
+	pattern.matrix.start.push_back( 0 );
+	pattern.cover.assign( count, 0.0 );
+	std::vector<std::uint32_t> seenBy( octree.cells.size(), kNoNode ), members;
+	std::vector<double> covered( count, 0.0 );
 	for ( std::uint32_t r = 0; r < count; ++r )
 	{
 		const std::uint32_t node = cut.node[r];
@@ -350,14 +358,23 @@ RegionMatrix buildUnionRegions( const Octree& octree, const Cut& cut, const Fine
 		std::sort( members.begin(), members.end() );
 		for ( const std::uint32_t a : members )
 		{
-			matrix.member.push_back( a );
-			value.push_back( covered[a] );
-			cover[a] += octree.mass[node] * covered[a] / octree.mass[cut.node[a]];
+			pattern.matrix.member.push_back( a );
+			pattern.value.push_back( covered[a] );
+			pattern.cover[a] += octree.mass[node] * covered[a] / octree.mass[cut.node[a]];
 			covered[a] = 0.0;
 		}
-		matrix.start.push_back( std::uint32_t( matrix.member.size() ) );
+		pattern.matrix.start.push_back( std::uint32_t( pattern.matrix.member.size() ) );
 	}
+	return pattern;
+}
 
+} // namespace
+
+RegionMatrix buildUnionRegions( const Octree& octree, const Cut& cut, const FineRegions& fine, UnionWeights weights )
+{
+	const std::uint32_t count = std::uint32_t( cut.count() );
+	UnionPattern pattern = findUnions( octree, cut, fine );
+	RegionMatrix& matrix = pattern.matrix;
 	matrix.mass.resize( matrix.member.size() );
 	matrix.share.resize( matrix.member.size() );
 	for ( std::uint32_t r = 0; r < count; ++r )
@@ -370,13 +387,13 @@ RegionMatrix buildUnionRegions( const Octree& octree, const Cut& cut, const Fine
 			const std::size_t back = std::size_t( std::lower_bound( first, last, r ) - matrix.member.begin() ); // symmetric: it is there
 			if ( weights == UnionWeights::Conserving )
 			{
-				matrix.mass[k] = inUnits( ofRegion * value[k] / cover[a] );
+				matrix.mass[k] = inUnits( ofRegion * pattern.value[k] / pattern.cover[a] );
 				matrix.share[back] = matrix.mass[k];
 			}
 			else
 			{
-				matrix.mass[k] = inUnits( value[k] );
-				matrix.share[back] = inUnits( ofRegion * value[k] / octree.mass[cut.node[a]] );
+				matrix.mass[k] = inUnits( pattern.value[k] );
+				matrix.share[back] = inUnits( ofRegion * pattern.value[k] / octree.mass[cut.node[a]] );
 			}
 		}
 	}
@@ -385,7 +402,7 @@ RegionMatrix buildUnionRegions( const Octree& octree, const Cut& cut, const Fine
 	{
 		weighUnits( octree, cut, matrix );
 	}
-	return matrix;
+	return std::move( pattern.matrix );
 }
 
 } // namespace pliant

@@ -1,0 +1,95 @@
+// Sums and measures over a body's nodes, in double and in a fixed order.
+
+#include "body/body.h"
+#include "body/levels.h"
+
+#include "matching/matcher.h"
+#include "matching/rotation.h"
+
+namespace pliant {
+
+BodySums Body::sums() const
+{
+	BodySums sums;
+	for ( int i = 0; i < m_nodes.count; ++i )
+	{
+		const double m = m_nodes.mass[i];
+		sums.mass += m;
+		sums.centre += m * m_nodes.x.get( i ).cast<double>();
+		sums.momentum += m * m_nodes.v.get( i ).cast<double>();
+		sums.kineticEnergy += 0.5 * m * m_nodes.v.get( i ).cast<double>().squaredNorm();
+	}
+	sums.centre /= sums.mass;
+	for ( int i = 0; i < m_nodes.count; ++i )
+	{
+		const Vec3d arm = m_nodes.x.get( i ).cast<double>() - sums.centre;
+		sums.spin += double( m_nodes.mass[i] ) * arm.cross( m_nodes.v.get( i ).cast<double>() );
+	}
+	return sums;
+}
+
+Placement Body::bestFit() const
+{
+	const BodySums whole = sums();
+	Eigen::Matrix3d moment = Eigen::Matrix3d::Zero();
+	for ( int i = 0; i < m_nodes.count; ++i )
+	{
+		const Vec3d p = m_nodes.x.get( i ).cast<double>() - whole.centre;
+		moment += double( m_nodes.mass[i] ) * p * m_nodes.x0.get( i ).cast<double>().transpose();
+	}
+	return Placement{ fitRotation( moment, Eigen::Quaterniond::Identity() ), m_nodes.origin + whole.centre };
+}
+
+std::size_t Body::bytes() const
+{
+	const std::size_t floats = std::size_t( m_nodes.padded ) * 11 + m_nodes.force.x.size() * 3 + m_lastFinite.size();
+	return floats * sizeof( float ) + m_matcher->bytes() + m_matcher->sharedBytes() + m_lattice->bytes() + ( m_levels ? m_levels->bytes() : 0 );
+}
+
+void Body::nodeRotations( float* quaternions ) const
+{
+	m_matcher->nodeRotations( m_nodes, quaternions );
+}
+
+float Body::invertedShare() const
+{
+	if ( m_levels )
+	{
+		// A node's region is inside out when its F is.
+		std::vector<float> gradients( std::size_t( m_nodes.padded ) * 9 );
+		nodeDeformations( gradients.data() );
+		int turned = 0;
+		for ( int i = 0; i < m_nodes.count; ++i )
+		{
+			turned += Eigen::Map<const Eigen::Matrix3f>( gradients.data() + 9 * std::size_t( i ) ).determinant() > 0.0f ? 0 : 1;
+		}
+		return float( turned ) / float( m_nodes.count );
+	}
+	// A cell's frame: the mean of the edge vectors to its links along each axis, as far as they exist. Inside out when their
+	// determinant is not positive.
+	int tested = 0, inverted = 0;
+	for ( int i = 0; i < m_nodes.count; ++i )
+	{
+		Eigen::Matrix3f now = Eigen::Matrix3f::Zero(), rest = Eigen::Matrix3f::Zero();
+		for ( std::uint32_t k = m_lattice->linkStart[i]; k < m_lattice->linkStart[i + 1]; ++k )
+		{
+			const int j = int( m_lattice->linkTo[k] );
+			const Eigen::Vector3i step = m_lattice->coordinate[j].cast<int>() - m_lattice->coordinate[i].cast<int>();
+			if ( step.cwiseAbs().sum() != 1 )
+			{
+				continue;
+			}
+			const int axis = step.x() != 0 ? 0 : step.y() != 0 ? 1 : 2;
+			now.col( axis ) += float( step.sum() ) * ( m_nodes.x.get( j ) - m_nodes.x.get( i ) );
+			rest.col( axis ) += float( step.sum() ) * ( m_nodes.x0.get( j ) - m_nodes.x0.get( i ) );
+		}
+		if ( rest.determinant() > 0.0f )
+		{
+			++tested;
+			inverted += now.determinant() > 0.0f ? 0 : 1;
+		}
+	}
+	return tested == 0 ? 0.0f : float( inverted ) / float( tested );
+}
+
+} // namespace pliant
