@@ -87,8 +87,19 @@ Levels::Levels( std::shared_ptr<const LevelBase> base, const Lattice& lattice, c
 	const std::vector<float>& stiffness ) :
 	m_base( std::move( base ) ), m_lattice( lattice ), m_settings( settings ), m_stiffness( stiffness ), m_cut( firstCut( m_base->octree, settings ) ),
 	m_regions( buildLevelRegions( *m_base, lattice, m_cut, material, settings ) ),
-	m_tables( buildLevelTables( *m_base, lattice, m_cut, m_regions, LevelSettings{ material, m_settings, m_stiffness } ) ), m_quiet( m_cut.node.size(), 0.0f )
+	m_tables( buildLevelTables( *m_base, lattice, m_cut, m_regions, LevelSettings{ material, m_settings, m_stiffness } ) ), m_quiet( m_cut.node.size(), 0.0f ),
+	m_isWanted( m_cut.node.size(), 0 )
 {
+	countLevels();
+}
+
+void Levels::countLevels()
+{
+	m_nodesOnLevel.fill( 0 );
+	for ( int i = 0; i < m_cut.count(); ++i )
+	{
+		++m_nodesOnLevel[std::size_t( levelOf( i ) )];
+	}
 }
 
 void Levels::fillNodes( NodeState& nodes, float density ) const
@@ -106,6 +117,7 @@ void Levels::fillNodes( NodeState& nodes, float density ) const
 void Levels::requestSplit( int node )
 {
 	m_quiet[std::size_t( node )] = 0.0f;
+	m_isWanted[std::size_t( node )] = 1;
 	if ( levelOf( node ) > m_finestLevel )
 	{
 		m_asked.push_back( m_cut.node[node] );
@@ -120,18 +132,21 @@ bool Levels::review( const NodeState& nodes, const AlignedArray<float>& strain, 
 	for ( int i = 0; i < m_cut.count() && !( followsStrain && strain.empty() ); ++i )
 	{
 		const bool isQuiet = !followsStrain || strainOf( strain[i] ) < m_settings.mergeShare * m_settings.refineStrain;
-		m_quiet[i] = isQuiet ? m_quiet[i] + seconds : 0.0f;
+		m_quiet[i] = isQuiet && m_isWanted[i] == 0 ? m_quiet[i] + seconds : 0.0f;
 	}
 	collectSplits( strain );
 	collectMerges( nodes );
+	std::fill( m_isWanted.begin(), m_isWanted.end(), std::uint8_t( 0 ) );
 	return !m_split.empty() || !m_merge.empty();
 }
 
 void Levels::collectSplits( const AlignedArray<float>& strain )
 {
-	// What was asked for comes first, then the most strained.
+	// What was asked for comes first, then what only the finest level allowed had kept merged, then the most strained.
+	constexpr float kAsked = -std::numeric_limits<float>::infinity(), kTooBig = -std::numeric_limits<float>::max();
 	std::vector<std::pair<float, std::uint32_t>> wanted;
 	std::sort( m_asked.begin(), m_asked.end() );
+	std::vector<std::uint32_t> waiting;
 	for ( int i = 0; i < m_cut.count(); ++i )
 	{
 		const std::uint32_t node = m_cut.node[i];
@@ -142,7 +157,12 @@ void Levels::collectSplits( const AlignedArray<float>& strain )
 		}
 		if ( std::binary_search( m_asked.begin(), m_asked.end(), node ) )
 		{
-			wanted.emplace_back( -std::numeric_limits<float>::infinity(), node );
+			wanted.emplace_back( kAsked, node );
+			waiting.push_back( node );
+		}
+		else if ( isTooBig( node ) )
+		{
+			wanted.emplace_back( kTooBig, node );
 		}
 		else if ( !strain.empty() && m_settings.refineStrain > 0.0f && strainOf( strain[i] ) > m_settings.refineStrain )
 		{
@@ -163,7 +183,16 @@ void Levels::collectSplits( const AlignedArray<float>& strain )
 	}
 	std::sort( m_split.begin(), m_split.end() );
 	const auto isDone = [this]( std::uint32_t node ) { return std::binary_search( m_split.begin(), m_split.end(), node ); };
-	m_asked.erase( std::remove_if( m_asked.begin(), m_asked.end(), isDone ), m_asked.end() );
+	waiting.erase( std::remove_if( waiting.begin(), waiting.end(), isDone ), waiting.end() );
+	m_asked = std::move( waiting ); // each once, and only what is there: requests come again and again
+}
+
+/// Whether the body's own selection would never have used the node (firstCut).
+bool Levels::isTooBig( std::uint32_t node ) const
+{
+	const Octree& tree = octree();
+	const bool isTooLight = tree.mass[node] < double( m_settings.keepMass ) * std::ldexp( 1.0, 3 * tree.levelOf( node ) );
+	return isTooLight || ( m_settings.isSurfaceFine && tree.isSurface[node] != 0 );
 }
 
 bool Levels::mayMerge( const NodeState& nodes, std::uint32_t parent, int firstSlot ) const
@@ -179,15 +208,14 @@ bool Levels::mayMerge( const NodeState& nodes, std::uint32_t parent, int firstSl
 	{
 		const std::size_t slot = std::size_t( firstSlot ) + k;
 		const bool isThere = m_cut.node[slot] == tree.child[tree.childStart[parent] + k];
-		const bool isQuiet = isFiner || m_quiet[slot] >= m_settings.mergeDelay;
+		const bool isQuiet = isFiner || ( m_quiet[slot] >= m_settings.mergeDelay && m_isWanted[slot] == 0 );
 		const bool isHeld = nodes.freedom[slot] == 0.0f; // a pin holds one node, not what surrounds it
 		if ( !isThere || !isQuiet || isHeld || std::binary_search( m_split.begin(), m_split.end(), m_cut.node[slot] ) )
 		{
 			return false;
 		}
 	}
-	const bool isTooLight = tree.mass[parent] < double( m_settings.keepMass ) * std::ldexp( 1.0, 3 * tree.levelOf( parent ) );
-	return isFiner || !( isTooLight || ( m_settings.isSurfaceFine && tree.isSurface[parent] != 0 ) );
+	return isFiner || !isTooBig( parent );
 }
 
 void Levels::collectMerges( const NodeState& nodes )
@@ -220,6 +248,8 @@ void Levels::change( NodeState& nodes, LatticeMatcher& matcher, const Material& 
 	const Motion before = motionOf( nodes );
 	const Cut next = changeCut( octree(), m_cut, split, merge );
 	numberHeirs( next );
+	m_change.splits = int( split.size() );
+	m_change.merges = int( merge.size() );
 	NodeState changed = changedNodes( nodes, matcher, next, material.density );
 	restoreMotion( changed, before );
 
@@ -240,7 +270,9 @@ void Levels::change( NodeState& nodes, LatticeMatcher& matcher, const Material& 
 		quiet[i] = m_cut.node[heir] == next.node[i] ? m_quiet[heir] : 0.0f;
 	}
 	m_quiet = std::move( quiet );
+	m_isWanted.assign( next.node.size(), 0 );
 	m_cut = next;
+	countLevels();
 	nodes = std::move( changed );
 	matcher.setTables( m_tables, m_change.heir );
 	++m_version;
@@ -265,6 +297,7 @@ void Levels::numberHeirs( const Cut& next )
 {
 	m_change.heir.assign( next.node.size(), 0 );
 	m_change.nodeNow.assign( m_cut.node.size(), kNoNode );
+	m_change.keptAs.assign( m_cut.node.size(), kNoNode );
 	for ( int i = 0; i < next.count(); ++i )
 	{
 		m_change.heir[i] = m_cut.slotOfCell[octree().cells[octree().cellStart[next.node[i]]]];
@@ -274,6 +307,7 @@ void Levels::numberHeirs( const Cut& next )
 		const std::uint32_t now = next.slotOfCell[octree().cells[octree().cellStart[m_cut.node[i]]]];
 		const bool isKept = octree().cellCount[next.node[now]] >= octree().cellCount[m_cut.node[i]];
 		m_change.nodeNow[i] = isKept ? now : kNoNode;
+		m_change.keptAs[i] = next.node[now] == m_cut.node[i] ? now : kNoNode;
 	}
 }
 
@@ -371,7 +405,7 @@ Eigen::Matrix3d Levels::velocityGradient( const NodeState& nodes, int node ) con
 
 std::size_t Levels::bytes() const
 {
-	return ( m_cut.node.size() + m_cut.slotOfCell.size() + m_change.heir.size() + m_change.nodeNow.size() ) * sizeof( std::uint32_t ) +
+	return ( m_cut.node.size() + m_cut.slotOfCell.size() + m_change.heir.size() + m_change.nodeNow.size() + m_change.keptAs.size() ) * sizeof( std::uint32_t ) +
 		   m_tables->bytes() + m_quiet.size() * sizeof( float );
 }
 

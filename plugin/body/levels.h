@@ -6,6 +6,7 @@
 #include "matching/level_tables.h"
 #include "matching/node_state.h"
 
+#include <array>
 #include <cstdint>
 #include <memory>
 #include <vector>
@@ -19,6 +20,8 @@ struct LevelChange
 {
 	std::vector<std::uint32_t> heir;    ///< of each node now: the node before whose history it took over (its parent's, or its first child's)
 	std::vector<std::uint32_t> nodeNow; ///< of each node before: its number now, its parent's where it was merged, kNoNode where it was split
+	std::vector<std::uint32_t> keptAs;  ///< of each node before: its number now where it is still the same node, else kNoNode; ascending
+	int splits = 0, merges = 0;         ///< nodes split, nodes that took the place of their children
 };
 
 class Levels
@@ -34,6 +37,8 @@ public:
 	const Adaptivity& settings() const { return m_settings; }
 	const std::shared_ptr<const RegionTables>& tables() const { return m_tables; }
 	int levelOf( int node ) const { return m_base->octree.levelOf( m_cut.node[node] ); }
+	/// Nodes on each level.
+	const std::array<int, kMostCoarseLevels + 1>& nodesOnLevel() const { return m_nodesOnLevel; }
 
 	/// Goes up by one with each change; 0 as made.
 	unsigned version() const { return m_version; }
@@ -42,9 +47,10 @@ public:
 	/// The nodes at rest: counts, rest positions, masses. kg per cubic metre.
 	void fillNodes( NodeState& nodes, float density ) const;
 
-	/// Asks for a node to be split at the next change; a node on the finest level is kept from being merged for Adaptivity::mergeDelay.
+	/// Asks for a node to be split at the next change; a node on the finest level is kept from being merged, now and for
+	/// Adaptivity::mergeDelay.
 	void requestSplit( int node );
-	/// Levels below this are not used, and merged away as they come to rest. 0: all may be.
+	/// Levels below this are not used, and merged away. Nodes that only this had merged are split again when it lets them. 0: all may be.
 	void setFinestLevel( int level ) { m_finestLevel = level; }
 
 	/// Reads the strains last measured; `seconds` since the last reading. True when there is something to change.
@@ -64,6 +70,8 @@ private:
 	bool mayMerge( const NodeState& nodes, std::uint32_t parent, int firstSlot ) const;
 	NodeState changedNodes( const NodeState& before, LatticeMatcher& matcher, const Cut& next, float density );
 	void numberHeirs( const Cut& next );
+	void countLevels();
+	bool isTooBig( std::uint32_t node ) const;
 	std::vector<std::uint32_t> unchangedRows( const Cut& next ) const;
 	void mergeInto( const NodeState& before, int first, NodeState& now, int slot ) const;
 	Eigen::Matrix3d velocityGradient( const NodeState& nodes, int node ) const;
@@ -78,8 +86,10 @@ private:
 	unsigned m_version = 0;
 	LevelChange m_change;
 	int m_finestLevel = 0;
+	std::array<int, kMostCoarseLevels + 1> m_nodesOnLevel{};
 
 	std::vector<float> m_quiet;                 ///< of each node: seconds since its strain was last above the merging threshold
+	std::vector<std::uint8_t> m_isWanted;       ///< of each node: 1 where it was asked for since the last review
 	std::vector<std::uint32_t> m_split, m_merge; ///< octree nodes, found by the last review
 	std::vector<std::uint32_t> m_asked;         ///< octree nodes
 };

@@ -1,3 +1,4 @@
+#include "surface/skin_fade.h"
 #include "surface/skinning.h"
 
 #include "threads/parallel.h"
@@ -159,10 +160,17 @@ void writeNormals( const SkinBinding& binding, const std::uint32_t* slot, const 
 
 } // namespace
 
+void skinMaps( const NodeState& state, const SkinPose& pose, float* maps )
+{
+	fillMaps( state, pose, maps, 0, state.count );
+}
+
 void skin( const SkinBinding& binding, const NodeState& state, const float* rotations, const SkinTriangles& triangles, SkinScratch& scratch,
 	float* positions, float* normals, TaskRunner* runner )
 {
-	skin( binding, state, SkinPose{ rotations, nullptr, nullptr }, triangles, scratch, positions, normals, runner );
+	SkinPose pose;
+	pose.rotations = rotations;
+	skin( binding, state, pose, triangles, scratch, positions, normals, runner );
 }
 
 void skin( const SkinBinding& binding, const NodeState& state, const SkinPose& pose, const SkinTriangles& triangles, SkinScratch& scratch,
@@ -185,6 +193,10 @@ void skin( const SkinBinding& binding, const NodeState& state, const SkinPose& p
 	const auto end = [&]( int chunk ) { return std::min( vertices, begin( chunk + 1 ) ); };
 	auto place = [&]( int chunk ) { writePositions( binding, pose.slotOfCell, scratch, positions, begin( chunk ), end( chunk ) ); };
 	runTasks( runner, chunkCount( vertices ), place );
+	if ( pose.fade && pose.fade->isActive() )
+	{
+		pose.fade->addTo( positions, scratch.position.data(), pose.body );
+	}
 	sumNormals( binding, triangles, scratch.position.data(), scratch.groupNormal.data() );
 	auto orient = [&]( int chunk ) { writeNormals( binding, pose.slotOfCell, scratch, normals, begin( chunk ), end( chunk ) ); };
 	runTasks( runner, chunkCount( vertices ), orient );

@@ -12,6 +12,7 @@
 
 namespace pliant {
 
+class SkinFade;
 class TaskRunner;
 
 /// Which nodes move a vertex, and how much: built once with the template.
@@ -64,7 +65,12 @@ struct SkinPose
 	const float* rotations = nullptr;           ///< as above
 	const float* gradients = nullptr;           ///< F of each node, 9 floats, row by row: big nodes carry stretch too. Null: rotations alone
 	const std::uint32_t* slotOfCell = nullptr;  ///< the node that holds a cell; null where cells are nodes
+	const SkinFade* fade = nullptr;             ///< what changes of levels have left on the surface; null: nothing
+	Eigen::Quaternionf body = Eigen::Quaternionf::Identity(); ///< for `fade`: the body's rotation
 };
+
+/// The affine map by which each node carries what is around it, 12 floats a node on 16 bytes: rows of F | x - F x0.
+void skinMaps( const NodeState& state, const SkinPose& pose, float* maps );
 
 void skin( const SkinBinding& binding, const NodeState& state, const SkinPose& pose, const SkinTriangles& triangles, SkinScratch& scratch,
 	float* positions, float* normals, TaskRunner* runner = nullptr );

@@ -26,7 +26,4 @@ inline constexpr int kDefaultMaxSubsteps = 16;
 /// The game step that substeps are counted for, s. Longer steps get more.
 inline constexpr btScalar kNominalStep = btScalar( 1 ) / 60;
 
-/// The skin's jump at a change of levels of detail fades out over this time, s: a few frames.
-inline constexpr float kLevelFade = 0.1f;
-
 } // namespace pliant

@@ -1,15 +1,16 @@
 // Levels of detail in a world: when nodes are split or merged, everything that names them follows. Only ever at the start of a substep.
 
 #include "body/levels.h"
+#include "threads/parallel.h"
 #include "world/soft_body_impl.h"
 #include "world/soft_body_system.h"
 #include "world/stopwatch.h"
 
-#include <BulletCollision/BroadphaseCollision/btBroadphaseInterface.h>
-#include <BulletCollision/BroadphaseCollision/btOverlappingPairCache.h>
 #include <LinearMath/btQuickprof.h>
 
 #include <algorithm>
+#include <functional>
+#include <iterator>
 
 namespace pliant {
 
@@ -18,6 +19,10 @@ namespace {
 /// Where a pin's node has split, each of its children is pinned as it was.
 void movePins( SoftBody::Impl& impl, const LevelChange& change, const std::vector<btVector3>& placeBefore )
 {
+	if ( impl.pins.empty() )
+	{
+		return;
+	}
 	std::vector<Pin> moved;
 	for ( int node = 0; node < impl.body->nodeCount(); ++node )
 	{
@@ -41,9 +46,29 @@ void movePins( SoftBody::Impl& impl, const LevelChange& change, const std::vecto
 
 } // namespace
 
+void SoftBodySystem::countNodes()
+{
+	report.nodes = 0;
+	std::fill( std::begin( report.nodesOnLevel ), std::end( report.nodesOnLevel ), 0 );
+	for ( const SoftBody* body : m_bodies )
+	{
+		report.nodes += body->nodeCount();
+		if ( const Levels* levels = body->impl().body->levels() )
+		{
+			for ( std::size_t level = 0; level < levels->nodesOnLevel().size(); ++level )
+			{
+				report.nodesOnLevel[level] += levels->nodesOnLevel()[level];
+			}
+			continue;
+		}
+		report.nodesOnLevel[0] += body->nodeCount();
+	}
+}
+
 void SoftBodySystem::adaptLevels( btScalar h )
 {
 	BT_PROFILE( "pliant: levels" );
+	std::vector<SoftBody*> changing;
 	for ( SoftBody* body : m_awake )
 	{
 		SoftBody::Impl& impl = body->impl();
@@ -60,38 +85,47 @@ void SoftBodySystem::adaptLevels( btScalar h )
 				impl.body->requestSplit( stand->node );
 			}
 		}
-		if ( !impl.body->reviewLevels( float( h ) ) )
+		if ( impl.body->reviewLevels( float( h ) ) )
 		{
-			continue;
+			changing.push_back( body );
 		}
-		std::vector<btVector3> placeBefore;
-		for ( const Pin& pin : impl.pins )
-		{
-			placeBefore.push_back( impl.position( pin.node ) );
-		}
-		impl.keepSurface();
-		impl.body->applyLevels();
-		movePins( impl, levels->lastChange(), placeBefore );
-		nodesChanged( *body );
+	}
+	if ( changing.empty() )
+	{
+		return;
+	}
+	// Each body's change touches what is its own; so do its stand-ins.
+	Stopwatch watch( report.levels );
+	auto change = [&]( int k ) {
+		SoftBody::Impl& impl = changing[std::size_t( k )]->impl();
+		impl.changeNodes( *changing[std::size_t( k )], [&impl] { impl.body->applyLevels(); } );
+	};
+	runTasks( tasks(), int( changing.size() ), change );
+	for ( const SoftBody* body : changing )
+	{
+		const LevelChange& done = body->impl().body->levels()->lastChange();
 		++report.levelChanges;
+		report.splits += done.splits;
+		report.merges += done.merges;
 	}
 }
 
-// Contacts name nodes by number: those of this body are dropped and found anew in this substep.
-void SoftBodySystem::nodesChanged( SoftBody& body )
+// Contacts of nodes that are gone are let go of in the next collision phase, which is before anything else looks at them.
+void SoftBody::Impl::changeNodes( SoftBody& owner, const std::function<void()>& change )
 {
-	SoftBody::Impl& impl = body.impl();
-	dropPredictiveContacts();
-	if ( btBroadphaseProxy* proxy = body.getBroadphaseHandle() )
+	std::vector<btVector3> placeBefore;
+	for ( const Pin& pin : pins )
 	{
-		m_world.getBroadphase()->getOverlappingPairCache()->cleanProxyFromPairs( proxy, m_world.getDispatcher() );
+		placeBefore.push_back( position( pin.node ) );
 	}
-	impl.nodeBody.assign( std::size_t( impl.body->nodeCount() ), nullptr );
-	std::unique_ptr<NodeShape> shape = std::make_unique<NodeShape>( *impl.body );
-	body.setCollisionShape( shape.get() );
-	impl.shape = std::move( shape );
-	impl.placeShape( body );
-	impl.fadeFromKeptSurface();
+	keepSurface();
+	change();
+	const LevelChange& done = body->levels()->lastChange();
+	movePins( *this, done, placeBefore );
+	shape->followLevels( *body, shapeShift );
+	NodeBodyPool::renumber( owner, done.keptAs, body->nodeCount() );
+	placeShape( owner );
+	fadeFromKeptSurface();
 }
 
 int SoftBody::nodeLevel( int node ) const

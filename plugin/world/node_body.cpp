@@ -84,20 +84,51 @@ NodeBody* NodeBodyPool::acquire( SoftBody& owner, int node )
 	return place;
 }
 
+namespace {
+
+void takeFromTouched( SoftBody::Impl& impl, NodeBody& body )
+{
+	impl.touched[body.place] = impl.touched.back();
+	impl.touched[body.place]->place = body.place;
+	impl.touched.pop_back();
+}
+
+} // namespace
+
 void NodeBodyPool::release( NodeBody* body )
 {
 	if ( !body || --body->uses > 0 )
 	{
 		return;
 	}
-	SoftBody::Impl& impl = body->owner->impl();
-	impl.nodeBody[body->node] = nullptr;
-	impl.touched[body->place] = impl.touched.back();
-	impl.touched[body->place]->place = body->place;
-	impl.touched.pop_back();
+	if ( body->node >= 0 )
+	{
+		SoftBody::Impl& impl = body->owner->impl();
+		impl.nodeBody[body->node] = nullptr;
+		takeFromTouched( impl, *body );
+	}
 	body->owner = nullptr;
 	body->setBroadphaseHandle( nullptr );
 	m_free.push_back( body );
+}
+
+void NodeBodyPool::renumber( SoftBody& owner, const std::vector<std::uint32_t>& nodeNow, int nodeCount )
+{
+	SoftBody::Impl& impl = owner.impl();
+	impl.nodeBody.assign( std::size_t( nodeCount ), nullptr );
+	for ( std::size_t k = impl.touched.size(); k-- > 0; )
+	{
+		NodeBody& stand = *impl.touched[k];
+		const std::uint32_t now = nodeNow[std::size_t( stand.node )];
+		if ( now == kNoNode )
+		{
+			takeFromTouched( impl, stand );
+			stand.node = -1;
+			continue;
+		}
+		stand.node = int( now );
+		impl.nodeBody[now] = &stand;
+	}
 }
 
 void NodeBodyPool::refresh( NodeBody& body )

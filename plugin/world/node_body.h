@@ -5,6 +5,7 @@
 
 #include <BulletDynamics/Dynamics/btRigidBody.h>
 
+#include <cstdint>
 #include <memory>
 #include <vector>
 
@@ -20,7 +21,7 @@ public:
 	NodeBody();
 
 	SoftBody* owner = nullptr;
-	int node = -1;
+	int node = -1;          ///< -1: a change of levels did away with it; what names the stand-in lets go of it in the next collision phase
 	int uses = 0;           ///< manifolds and predictive contacts that name it
 	int place = -1;         ///< among its owner's touched ones
 	btScalar mass = btScalar( 1 ); ///< kg, 0 while the node is held
@@ -47,6 +48,9 @@ public:
 	void refresh( NodeBody& body );
 
 	std::size_t count() const { return m_all.size(); }
+
+	/// The owner's nodes have other numbers: `nodeNow` by the number before, kNoNode where the node is gone; `nodeCount` there are now.
+	static void renumber( SoftBody& owner, const std::vector<std::uint32_t>& nodeNow, int nodeCount );
 
 private:
 	std::vector<NodeBody*> m_all, m_free;

@@ -150,6 +150,7 @@ void PairContacts::process( const btCollisionObjectWrapper& body0, const btColli
 {
 	SoftBody* const soft0 = softOf( &body0 );
 	SoftBody* const soft1 = softOf( &body1 );
+	followNodes();
 	if ( soft0 && soft1 )
 	{
 		matchHits( Pair{ soft0, soft1, &body1, true }, m_search.againstSoft( *soft0, *soft1, step ) );
@@ -162,6 +163,26 @@ void PairContacts::process( const btCollisionObjectWrapper& body0, const btColli
 	{
 		matchHits( Pair{ soft1, nullptr, &body0, false }, m_search.againstRigid( *soft1, body0, step ) );
 	}
+}
+
+// After a change of levels: the contacts of nodes that are still there carry on under their new numbers, impulses and all. Nodes keep
+// their order, and so do the keys.
+void PairContacts::followNodes()
+{
+	std::size_t kept = 0;
+	for ( std::size_t k = 0; k < m_contacts.size(); ++k )
+	{
+		NodeContact contact = m_contacts[k];
+		if ( contact.first->node < 0 || ( contact.second && contact.second->node < 0 ) )
+		{
+			drop( contact );
+			continue;
+		}
+		const std::uint64_t other = contact.second ? std::uint64_t( contact.second->node ) : contact.key & 0xffffffffu;
+		contact.key = std::uint64_t( contact.first->node ) << 32 | other;
+		m_contacts[kept++] = contact;
+	}
+	m_contacts.resize( kept );
 }
 
 // Carries on the contacts that still have a hit, drops the others, opens new ones, all in the order of the keys.

@@ -47,6 +47,7 @@ private:
 		bool softIsFirst;
 	};
 
+	void followNodes();
 	void matchHits( const Pair& pair, const std::vector<NodeHit>& hits );
 	void open( const Pair& pair, NodeContact& contact );
 	void write( const Pair& pair, NodeContact& contact, const NodeHit* hits, int count );

@@ -3,7 +3,6 @@
 #include "body/levels.h"
 #include "world/constants.h"
 
-#include <algorithm>
 #include <cmath>
 
 namespace pliant {
@@ -32,39 +31,99 @@ void collectInner( btDbvtNode* node, std::vector<btDbvtNode*>& inner )
 
 NodeShape::NodeShape( const Body& body ) : btCompoundShape( true, body.nodeCount() ), m_childOfNode( body.nodeCount(), -1 )
 {
-	const Lattice& lattice = body.lattice();
-	m_sphereOfNode.reserve( body.nodeCount() );
-	for ( int i = 0; i < body.nodeCount(); ++i )
+	if ( const Levels* levels = body.levels() )
 	{
-		if ( const Levels* levels = body.levels() )
+		m_colliders = measureColliders( body.lattice(), levels->octree() );
+		for ( int i = 0; i < body.nodeCount(); ++i )
 		{
-			const Octree& octree = levels->octree();
-			const RegionMatrix& regions = levels->matrix();
-			const auto isSurface = [&]( std::uint32_t slot ) { return octree.isSurface[levels->cut().node[slot]] != 0; };
-			const auto first = regions.member.begin() + regions.start[i], last = regions.member.begin() + regions.start[i + 1];
 			const std::uint32_t node = levels->cut().node[i];
-			addNode( i, octree.restCentre[node], octree.mass[node], lattice.cellSize, std::any_of( first, last, isSurface ) );
-			continue;
+			m_sphereOfNode.push_back( sphereOf( double( m_colliders.radius[node] ) ) );
+			if ( m_colliders.collides[node] != 0 )
+			{
+				addNode( i, levels->octree().restCentre[node], m_sphereOfNode[i] );
+			}
 		}
-		const auto isSurface = [&lattice]( std::uint32_t cell ) { return lattice.isSurface[cell] != 0; };
-		const auto first = lattice.linkTo.begin() + lattice.linkStart[i], last = lattice.linkTo.begin() + lattice.linkStart[i + 1];
-		const bool collides = isSurface( std::uint32_t( i ) ) || std::any_of( first, last, isSurface );
-		addNode( i, lattice.restCentre[i], lattice.fill[i], lattice.cellSize, collides );
+	}
+	else
+	{
+		addUniform( body.lattice() );
 	}
 	m_dynamicAabbTree->optimizeTopDown();
 	collectInner( m_dynamicAabbTree->m_root, m_inner );
 }
 
-void NodeShape::addNode( int node, const Vec3& restCentre, double cells, double cellSize, bool collides )
+void NodeShape::addUniform( const Lattice& lattice )
 {
-	// r = ( d / 2 ) cbrt( mass ). Departs from [O], where it is proportional to the mass: an eighth of a cell would be a dot.
-	m_sphereOfNode.push_back( sphereOf( 0.5 * cellSize * std::cbrt( cells ) ) );
-	if ( collides )
+	m_sphereOfNode.reserve( lattice.cellCount() );
+	for ( int i = 0; i < lattice.cellCount(); ++i )
 	{
-		m_childOfNode[node] = int( m_nodeOfChild.size() );
-		m_nodeOfChild.push_back( node );
-		addChildShape( btTransform( btQuaternion::getIdentity(), btVector3( restCentre.x(), restCentre.y(), restCentre.z() ) ), m_sphereOfNode[node] );
+		// r = ( d / 2 ) cbrt( fill ). Departs from [O], where it is proportional to the mass: an eighth of a cell would be a dot.
+		m_sphereOfNode.push_back( sphereOf( 0.5 * lattice.cellSize * std::cbrt( lattice.fill[i] ) ) );
+		bool collides = lattice.isSurface[i] != 0;
+		for ( std::uint32_t k = lattice.linkStart[i]; !collides && k < lattice.linkStart[i + 1]; ++k )
+		{
+			collides = lattice.isSurface[lattice.linkTo[k]] != 0;
+		}
+		if ( collides )
+		{
+			addNode( i, lattice.restCentre[i], m_sphereOfNode[i] );
+		}
 	}
+}
+
+void NodeShape::addNode( int node, const Vec3& at, btSphereShape* sphere )
+{
+	m_childOfNode[node] = int( m_nodeOfChild.size() );
+	m_nodeOfChild.push_back( node );
+	addChildShape( btTransform( btQuaternion::getIdentity(), btVector3( at.x(), at.y(), at.z() ) ), sphere );
+}
+
+// Shape indices are in no order afterwards; contacts are sorted by node, so that nothing follows from that.
+void NodeShape::followLevels( const Body& body, const Vec3& shift )
+{
+	const Levels& levels = *body.levels();
+	const LevelChange& change = levels.lastChange();
+	std::vector<btSphereShape*> spheres( std::size_t( body.nodeCount() ), nullptr );
+	for ( std::size_t before = 0; before < change.keptAs.size(); ++before )
+	{
+		if ( change.keptAs[before] != kNoNode )
+		{
+			spheres[change.keptAs[before]] = m_sphereOfNode[before];
+		}
+	}
+	m_childOfNode.assign( std::size_t( body.nodeCount() ), -1 );
+	for ( int child = int( m_nodeOfChild.size() ); child-- > 0; )
+	{
+		const std::uint32_t now = change.keptAs[std::size_t( m_nodeOfChild[child] )];
+		if ( now == kNoNode )
+		{
+			removeChildShapeByIndex( child ); // the last child moves into the gap
+			m_nodeOfChild[child] = m_nodeOfChild.back();
+			m_nodeOfChild.pop_back();
+			continue;
+		}
+		m_nodeOfChild[child] = int( now );
+	}
+	for ( std::size_t child = 0; child < m_nodeOfChild.size(); ++child )
+	{
+		m_childOfNode[std::size_t( m_nodeOfChild[child] )] = int( child );
+	}
+	for ( int i = 0; i < body.nodeCount(); ++i )
+	{
+		const std::uint32_t node = levels.cut().node[i];
+		if ( spheres[i] )
+		{
+			continue;
+		}
+		spheres[i] = sphereOf( double( m_colliders.radius[node] ) );
+		if ( m_colliders.collides[node] != 0 )
+		{
+			addNode( i, body.nodes().x.get( i ) - shift, spheres[i] );
+		}
+	}
+	m_sphereOfNode.swap( spheres );
+	m_inner.clear();
+	collectInner( m_dynamicAabbTree->m_root, m_inner );
 }
 
 btSphereShape* NodeShape::sphereOf( double radius )
@@ -111,7 +170,8 @@ void NodeShape::setSweep( const btVector3& low, const btVector3& high )
 std::size_t NodeShape::bytes() const
 {
 	return std::size_t( m_children.size() ) * ( sizeof( btCompoundShapeChild ) + sizeof( btDbvtNode ) + sizeof( int ) ) +
-		   m_inner.size() * ( sizeof( btDbvtNode ) + sizeof( btDbvtNode* ) ) + m_childOfNode.size() * ( sizeof( int ) + sizeof( btSphereShape* ) );
+		   m_inner.size() * ( sizeof( btDbvtNode ) + sizeof( btDbvtNode* ) ) + m_childOfNode.size() * ( sizeof( int ) + sizeof( btSphereShape* ) ) +
+		   m_colliders.bytes();
 }
 
 } // namespace pliant

@@ -5,6 +5,7 @@
 
 #include "body/body.h"
 #include "matching/node_state.h"
+#include "world/node_colliders.h"
 
 #include <BulletCollision/BroadphaseCollision/btDbvt.h>
 #include <BulletCollision/CollisionShapes/btCompoundShape.h>
@@ -21,9 +22,11 @@ class NodeShape : public btCompoundShape
 public:
 	BT_DECLARE_ALIGNED_ALLOCATOR();
 
-	/// Spheres for the nodes of the surface and one layer below it: with a bare shell, what once got through meets nothing. A big node's
-	/// sphere is the ball within its block where that is full: things rest on it as high as on the cells it stands for.
+	/// Spheres for the nodes of the surface and one layer below it: with a bare shell, what once got through meets nothing.
 	explicit NodeShape( const Body& body );
+
+	/// Takes out the spheres of nodes that the body's last change of levels did away with and puts in those of new ones. `shift` as below.
+	void followLevels( const Body& body, const Vec3& shift );
 
 	/// Writes the spheres' places and boxes and refits the tree. `shift`: the shape's own origin in the nodes' coordinates.
 	void update( const NodeState& nodes, const Vec3& shift );
@@ -60,13 +63,15 @@ public:
 	std::size_t bytes() const;
 
 private:
-	void addNode( int node, const Vec3& restCentre, double cells, double cellSize, bool collides );
+	void addUniform( const Lattice& lattice );
+	void addNode( int node, const Vec3& at, btSphereShape* sphere );
 	btSphereShape* sphereOf( double radius );
 
 	std::map<int, std::unique_ptr<btSphereShape>> m_spheres; // by radius step
 	std::vector<int> m_nodeOfChild, m_childOfNode;
 	std::vector<btSphereShape*> m_sphereOfNode;
 	std::vector<btDbvtNode*> m_inner; // children before parents
+	NodeColliders m_colliders; // of bodies with levels only
 	btScalar m_largestRadius = btScalar( 0 );
 	btVector3 m_sweepLow = btVector3( 0, 0, 0 ), m_sweepHigh = btVector3( 0, 0, 0 );
 };

@@ -160,11 +160,16 @@ int SoftBody::nearestNode( const btVector3& worldPoint ) const
 {
 	const NodeState& nodes = m_impl->body->nodes();
 	const btVector3 point = worldPoint - m_impl->worldOrigin();
+	const bool hasLevels = m_impl->body->levels() != nullptr;
 	int best = 0;
 	btScalar bestDistance = SIMD_INFINITY;
 	for ( int i = 0; i < nodes.count; ++i )
 	{
-		const btScalar distance = ( btVector3( nodes.x.x[i], nodes.x.y[i], nodes.x.z[i] ) - point ).length2();
+		btScalar distance = ( btVector3( nodes.x.x[i], nodes.x.y[i], nodes.x.z[i] ) - point ).length2();
+		if ( hasLevels )
+		{
+			distance = btSqrt( distance ) - nodeRadius( i ); // a big node is near from further away
+		}
 		if ( distance < bestDistance )
 		{
 			bestDistance = distance;
@@ -300,6 +305,7 @@ void SoftBody::reset( const btTransform& transform )
 	}
 	m_impl->body->place( placementOf( *m_impl->bodyTemplate, transform ) );
 	m_impl->isHealthy = true;
+	m_impl->skin.fade.clear();
 	forceActivationState( ACTIVE_TAG ); // quarantine had taken it out of the simulation
 	hasMoved();
 }

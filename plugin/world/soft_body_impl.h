@@ -4,11 +4,13 @@
 
 #include "body/body.h"
 #include "pliant/soft_body.h"
+#include "surface/skin_fade.h"
 #include "surface/skinning.h"
 #include "world/node_body.h"
 #include "world/node_shape.h"
 
 #include <cmath>
+#include <functional>
 #include <memory>
 #include <vector>
 
@@ -38,9 +40,7 @@ struct SkinBuffers
 	btVector3 origin[2] = { btVector3( 0, 0, 0 ), btVector3( 0, 0, 0 ) };
 	std::vector<float> rotations, gradients;
 	SkinScratch scratch;
-	/// Of bodies with levels: what a change of levels moved each vertex by, 3 floats, m; fades out after the change. Empty: nothing to fade.
-	std::vector<float> offset, before, normalsBefore;
-	float sinceChange = 0.0f; ///< s
+	SkinFade fade; ///< of bodies with levels
 	int current = 0;
 	unsigned frame = 0;
 	bool isStale = true;
@@ -90,11 +90,13 @@ struct SoftBody::Impl
 	Pin* findPin( int node );
 	/// Spheres, boxes and the object's transform go where the nodes are.
 	void placeShape( btCollisionObject& object );
-	/// Skins the body as it is into the buffer.
-	void makeSkin( float* positions, float* normals ) const;
-	/// Before a change of levels: the surface as it shows, if anybody looks at it. After: what the change moved it by.
+	/// How the nodes carry the skin now. Valid until the next call.
+	SkinPose skinPose() const;
+	/// Before a change of levels: how the surface is carried, if anybody looks at it. After: what the change moved it by.
 	void keepSurface();
 	void fadeFromKeptSurface();
+	/// Makes a change of levels and has all that names the body's nodes follow it: pins, spheres, stand-ins, skin.
+	void changeNodes( SoftBody& owner, const std::function<void()>& change );
 	void measureSpeed();
 };
 

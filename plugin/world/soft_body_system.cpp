@@ -124,11 +124,12 @@ void SoftBodySystem::beginStep( btScalar gameStep, int substepCount )
 	report = StepReport{};
 	report.substeps = substepCount;
 	report.softBodies = int( m_bodies.size() );
+	countNodes();
 	for ( SoftBody* body : m_bodies )
 	{
 		SoftBody::Impl& impl = body->impl();
 		impl.plan = planStiffness( body->material(), impl.bodyTemplate->cellSize(), float( gameStep ), substepCount );
-		report.nodes += body->nodeCount();
+		impl.skin.isStale = impl.skin.fade.advance() || impl.skin.isStale;
 		report.awakeSoftBodies += moves( *body ) ? 1 : 0;
 		report.quarantined += impl.isHealthy ? 0 : 1;
 		report.unreachableStiffness += impl.plan.reachable ? 0 : 1;
@@ -321,7 +322,6 @@ void SoftBodySystem::integrate( btScalar h, int substep )
 		impl.measureSpeed();
 		impl.placeShape( body );
 		impl.skin.isStale = true;
-		impl.skin.sinceChange += float( h );
 	};
 	runTasks( tasks(), int( m_awake.size() ), move );
 	for ( SoftBody* body : m_awake )
@@ -376,6 +376,7 @@ void SoftBodySystem::updateActivation( btScalar h )
 
 void SoftBodySystem::endStep()
 {
+	countNodes();
 	for ( SoftBody* body : m_bodies )
 	{
 		if ( body->getActivationState() == ISLAND_SLEEPING )

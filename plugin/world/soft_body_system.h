@@ -62,7 +62,8 @@ private:
 	void sweepBox( SoftBody& body, btScalar h );
 	void quarantine( SoftBody& body );
 	void adaptLevels( btScalar h );
-	void nodesChanged( SoftBody& body );
+	void changeLevels( SoftBody& body );
+	void countNodes();
 	void drivePins( SoftBody& body, btScalar h, int substep );
 	void settlePins( SoftBody& body, btScalar h, int substep );
 

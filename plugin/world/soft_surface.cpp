@@ -2,18 +2,18 @@
 
 #include "body/levels.h"
 #include "surface/skinning.h"
-#include "world/constants.h"
 #include "world/soft_body_impl.h"
 #include "world/soft_body_system.h"
 #include "world/stopwatch.h"
 
 namespace pliant {
 
-void SoftBody::Impl::makeSkin( float* positions, float* normals ) const
+SkinPose SoftBody::Impl::skinPose() const
 {
+	SkinPose pose;
 	skin.rotations.resize( std::size_t( body->nodeCount() ) * 4 );
 	body->nodeRotations( skin.rotations.data() );
-	SkinPose pose{ skin.rotations.data(), nullptr, nullptr };
+	pose.rotations = skin.rotations.data();
 	if ( const Levels* levels = body->levels() )
 	{
 		skin.gradients.resize( std::size_t( body->nodes().padded ) * 9 );
@@ -21,51 +21,30 @@ void SoftBody::Impl::makeSkin( float* positions, float* normals ) const
 		pose.gradients = skin.gradients.data();
 		pose.slotOfCell = levels->cut().slotOfCell.data();
 	}
-	const SkinTriangles triangles{ bodyTemplate->indices(), bodyTemplate->triangleCount() };
-	pliant::skin( bodyTemplate->skin(), body->nodes(), pose, triangles, skin.scratch, positions, normals );
-	if ( !skin.offset.empty() )
+	if ( skin.fade.isActive() )
 	{
-		// What a change of levels moved the surface by goes away smoothly: 1 - 3 t^2 + 2 t^3.
-		const float t = std::min( skin.sinceChange / kLevelFade, 1.0f );
-		const float left = 1.0f - t * t * ( 3.0f - 2.0f * t );
-		for ( std::size_t k = 0; k < skin.offset.size(); ++k )
-		{
-			positions[k] += left * skin.offset[k];
-		}
-		if ( t >= 1.0f )
-		{
-			skin.offset.clear();
-		}
+		pose.fade = &skin.fade;
+		pose.body = body->bestFit().rotation.cast<float>();
 	}
+	return pose;
 }
 
 void SoftBody::Impl::keepSurface()
 {
-	if ( skin.frame == 0 )
+	if ( skin.frame > 0 ) // else nobody has ever looked
 	{
-		return; // nobody has ever looked
+		skin.fade.keep( body->nodes(), skinPose(), body->lattice().cellCount() );
 	}
-	skin.before.resize( bodyTemplate->skin().restPosition.size() * 3 );
-	skin.normalsBefore.resize( skin.before.size() );
-	makeSkin( skin.before.data(), skin.normalsBefore.data() );
 }
 
 void SoftBody::Impl::fadeFromKeptSurface()
 {
-	if ( skin.frame == 0 )
+	if ( skin.frame > 0 )
 	{
-		return;
+		const LevelChange& change = body->levels()->lastChange();
+		skin.fade.start( bodyTemplate->skin(), SkinFade::Nodes{ body->nodes(), skinPose(), change.heir, change.keptAs, body->bestFit().rotation.cast<float>() } );
+		skin.isStale = true;
 	}
-	std::vector<float> now( skin.before.size() );
-	skin.offset.clear();
-	makeSkin( now.data(), skin.normalsBefore.data() );
-	skin.offset.resize( now.size() );
-	for ( std::size_t k = 0; k < now.size(); ++k )
-	{
-		skin.offset[k] = skin.before[k] - now[k];
-	}
-	skin.sinceChange = 0.0f;
-	skin.isStale = true;
 }
 
 SurfaceView SoftBody::surface() const
@@ -85,7 +64,9 @@ SurfaceView SoftBody::surface() const
 		const int next = 1 - skinBuffers.current;
 		skinBuffers.positions[next].resize( binding.restPosition.size() * 3 );
 		skinBuffers.normals[next].resize( binding.restPosition.size() * 3 );
-		impl.makeSkin( skinBuffers.positions[next].data(), skinBuffers.normals[next].data() );
+		const SkinTriangles triangles{ impl.bodyTemplate->indices(), impl.bodyTemplate->triangleCount() };
+		skin( binding, impl.body->nodes(), impl.skinPose(), triangles, skinBuffers.scratch, skinBuffers.positions[next].data(),
+			skinBuffers.normals[next].data() );
 		skinBuffers.origin[next] = impl.worldOrigin();
 		skinBuffers.current = next;
 		++skinBuffers.frame;

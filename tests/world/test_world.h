@@ -84,9 +84,10 @@ public:
 	btRigidBody* addFloor( btScalar y = 0 ) { return addBox( 0, btVector3( 10, 1, 10 ), at( 0, y - 1, 0 ) ); }
 	btRigidBody* addPlane( btScalar y = 0 ) { return add( 0, new btStaticPlaneShape( btVector3( 0, 1, 0 ), y ), btTransform::getIdentity() ); }
 
-	SoftBody* addSoft( const std::shared_ptr<const BodyTemplate>& shape, const btTransform& where, const Material& material = stiff( 1e5f ) )
+	SoftBody* addSoft( const std::shared_ptr<const BodyTemplate>& shape, const btTransform& where, const Material& material = stiff( 1e5f ),
+		const Adaptivity& adaptivity = {} )
 	{
-		SoftBodyResult made = SoftBody::create( shape, where, material );
+		SoftBodyResult made = SoftBody::create( shape, where, material, adaptivity );
 		EXPECT_TRUE( made.ok() ) << made.status.sentence;
 		soft.push_back( std::move( made.value ) );
 		world.addSoftBody( soft.back().get() );

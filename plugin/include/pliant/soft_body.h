@@ -60,7 +60,7 @@ public:
 	/// The node behind a child shape's index, as ray, sweep and contact tests report it; -1 when there is none.
 	/// Node spheres stand for the surface and one layer below; contact points carry the node's own number.
 	int nodeOfShapeIndex( int shapeIndex ) const;
-	/// Nearest node to a world point; -1 never (a body has nodes).
+	/// Nearest node to a world point; -1 never (a body has nodes). With levels of detail: the one whose sphere is nearest.
 	int nearestNode( const btVector3& worldPoint ) const;
 
 	btScalar mass() const;                     ///< kg

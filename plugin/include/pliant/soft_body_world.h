@@ -23,6 +23,9 @@ struct StepReport
 	int nodes = 0;            ///< in all soft bodies
 	int softContacts = 0;     ///< contact points between nodes and anything, last substep
 	int levelChanges = 0;     ///< changes of bodies' levels of detail: each may split and merge many nodes
+	int splits = 0;           ///< nodes that gave way to their parts
+	int merges = 0;           ///< nodes that took the place of their parts
+	int nodesOnLevel[5] = {}; ///< of all soft bodies, finest first; bodies without levels have finest nodes only
 	int quarantined = 0;      ///< bodies that stand still because a number in them stopped being finite
 	int unreachableStiffness = 0; ///< bodies whose Young's modulus was out of reach: raise maxSoftSubsteps or regionHalfWidth
 };

@@ -1,0 +1,158 @@
+#include "surface/skin_fade.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace pliant {
+
+namespace {
+
+constexpr int kMapFloats = 12; // as skinMaps writes them
+
+/// What a fade moves a vertex by in one frame at most, as a share of the surface's diagonal: half of what a change may.
+constexpr double kFadeStep = 5e-4;
+
+/// Frames of the shortest fade: a tenth of a second.
+constexpr int kFewestFrames = 6;
+
+/// Shares of the diagonal below which an offset is not kept, and differences of gradients: a fiftieth of a step, and above rounding.
+constexpr float kFadeFloor = 1e-5f;
+
+using MapRows = Eigen::Map<const Eigen::Matrix<float, 3, 4, Eigen::RowMajor>>;
+
+Vec3 follow( const SkinBinding& binding, const float* maps, const std::uint32_t* slot, std::uint32_t vertex )
+{
+	const Eigen::Vector4f at = binding.restPosition[vertex].homogeneous();
+	Vec3 sum = Vec3::Zero();
+	for ( std::uint32_t k = binding.start[vertex]; k < binding.start[vertex + 1]; ++k )
+	{
+		sum += binding.weight[k] * ( MapRows( maps + std::size_t( slot[binding.node[k]] ) * kMapFloats ) * at );
+	}
+	return sum;
+}
+
+double diagonalOf( const std::vector<Vec3>& points )
+{
+	Vec3 low = points.front(), high = low;
+	for ( const Vec3& p : points )
+	{
+		low = low.cwiseMin( p );
+		high = high.cwiseMax( p );
+	}
+	return double( ( high - low ).norm() );
+}
+
+} // namespace
+
+void SkinFade::keep( const NodeState& nodes, const SkinPose& pose, int cellCount )
+{
+	m_mapBefore.resize( std::size_t( nodes.count ) * kMapFloats );
+	skinMaps( nodes, pose, m_mapBefore.data() );
+	m_slotBefore.assign( pose.slotOfCell, pose.slotOfCell + cellCount );
+}
+
+/// Slots whose cells are not carried as before.
+std::vector<char> SkinFade::changedSlots( const Nodes& nodes, const AlignedArray<float>& now, float visible ) const
+{
+	std::vector<char> changed( std::size_t( nodes.now.count ), 1 );
+	for ( std::size_t slot = 0; slot < changed.size(); ++slot )
+	{
+		const std::uint32_t before = nodes.heir[slot];
+		if ( nodes.keptAs[before] != slot )
+		{
+			continue;
+		}
+		const Eigen::Matrix<float, 3, 4> difference = MapRows( &now[slot * kMapFloats] ) - MapRows( &m_mapBefore[before * kMapFloats] );
+		const Vec3 atNode = difference * nodes.now.x0.get( int( slot ) ).homogeneous();
+		changed[slot] = atNode.norm() > visible || difference.leftCols<3>().norm() > kFadeFloor;
+	}
+	return changed;
+}
+
+void SkinFade::start( const SkinBinding& binding, const Nodes& nodes )
+{
+	m_diagonal = m_diagonal > 0.0 ? m_diagonal : diagonalOf( binding.restPosition );
+	const float visible = kFadeFloor * float( m_diagonal );
+	AlignedArray<float> now( std::size_t( nodes.now.count ) * kMapFloats );
+	skinMaps( nodes.now, nodes.pose, now.data() );
+	const std::vector<char> changed = changedSlots( nodes, now, visible );
+	const std::uint32_t* const slot = nodes.pose.slotOfCell;
+
+	std::vector<std::uint32_t> vertices;
+	std::vector<Vec3> offsets;
+	std::size_t old = 0;
+	const float left = share();
+	double largest = 0.0;
+	for ( std::uint32_t v = 0; v < std::uint32_t( binding.restPosition.size() ); ++v )
+	{
+		Vec3 offset = Vec3::Zero();
+		if ( old < m_vertex.size() && m_vertex[old] == v )
+		{
+			offset = left * m_offset[old++];
+		}
+		const auto isChanged = [&]( std::uint32_t cell ) { return changed[slot[cell]] != 0; };
+		if ( std::any_of( binding.node.begin() + binding.start[v], binding.node.begin() + binding.start[v + 1], isChanged ) )
+		{
+			const Vec3 jump = follow( binding, m_mapBefore.data(), m_slotBefore.data(), v ) - follow( binding, now.data(), slot, v );
+			offset += nodes.body.conjugate() * jump;
+		}
+		const float length = offset.norm();
+		if ( length > visible )
+		{
+			vertices.push_back( v );
+			offsets.push_back( offset );
+			largest = std::max( largest, double( length ) );
+		}
+	}
+	m_vertex.swap( vertices );
+	m_offset.swap( offsets );
+	// Linear in time, so that no frame moves a vertex by more than a step: N >= largest / ( step diagonal ).
+	m_frames = std::max( kFewestFrames, int( std::ceil( largest / ( kFadeStep * m_diagonal ) ) ) );
+	m_frame = 0;
+}
+
+float SkinFade::share() const
+{
+	return isActive() ? 1.0f - float( m_frame ) / float( m_frames ) : 0.0f;
+}
+
+bool SkinFade::advance()
+{
+	if ( !isActive() )
+	{
+		return false;
+	}
+	if ( ++m_frame >= m_frames )
+	{
+		clear();
+	}
+	return true;
+}
+
+void SkinFade::clear()
+{
+	m_vertex.clear();
+	m_offset.clear();
+}
+
+void SkinFade::addTo( float* packed, float* wide, const Eigen::Quaternionf& body ) const
+{
+	const Eigen::Matrix3f turn = share() * body.toRotationMatrix();
+	for ( std::size_t k = 0; k < m_vertex.size(); ++k )
+	{
+		const Vec3 offset = turn * m_offset[k];
+		for ( int axis = 0; axis < 3; ++axis )
+		{
+			packed[3 * std::size_t( m_vertex[k] ) + std::size_t( axis )] += offset[axis];
+			wide[4 * std::size_t( m_vertex[k] ) + std::size_t( axis )] += offset[axis];
+		}
+	}
+}
+
+std::size_t SkinFade::bytes() const
+{
+	return m_mapBefore.capacity() * sizeof( float ) + ( m_slotBefore.capacity() + m_vertex.capacity() ) * sizeof( std::uint32_t ) +
+		   m_offset.capacity() * sizeof( Vec3 );
+}
+
+} // namespace pliant

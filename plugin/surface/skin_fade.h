@@ -1,0 +1,51 @@
+#pragma once
+
+// No jump of the skin when nodes are split or merged: what a change moved the surface by stays on it and goes away over the next frames.
+// Beyond Steinemann et al. 2008, section 7, whose skin follows the nodes at once.
+
+#include "surface/skinning.h"
+
+namespace pliant {
+
+class SkinFade
+{
+public:
+	/// Right before a change: how the skin is carried.
+	void keep( const NodeState& nodes, const SkinPose& pose, int cellCount );
+
+	struct Nodes
+	{
+		const NodeState& now;
+		const SkinPose& pose;
+		const std::vector<std::uint32_t>& heir;   ///< of each node now: a node before
+		const std::vector<std::uint32_t>& keptAs; ///< of each node before: its number now, if it is still there
+		Eigen::Quaternionf body;                  ///< the body's rotation: offsets turn along with it
+	};
+	/// Right after the change, with nothing moved in between: what the surface would jump by, on top of what is left of earlier changes.
+	void start( const SkinBinding& binding, const Nodes& nodes );
+
+	bool isActive() const { return !m_vertex.empty(); }
+	/// One frame further. True where that moves the surface.
+	bool advance();
+	void clear();
+
+	/// Adds what is left to positions of three and of four floats a vertex.
+	void addTo( float* packed, float* wide, const Eigen::Quaternionf& body ) const;
+
+	std::size_t bytes() const;
+
+private:
+	std::vector<char> changedSlots( const Nodes& nodes, const AlignedArray<float>& now, float visible ) const;
+	float share() const;
+
+	AlignedArray<float> m_mapBefore;
+	std::vector<std::uint32_t> m_slotBefore;
+	double m_diagonal = 0.0; ///< of the surface at rest, m; 0: not measured yet
+
+	std::vector<std::uint32_t> m_vertex; ///< those with an offset, ascending
+	std::vector<Vec3> m_offset;          ///< of each of them, in the body's frame, m
+	int m_frames = 1;                    ///< that the fade takes
+	int m_frame = 0;
+};
+
+} // namespace pliant

@@ -1,0 +1,113 @@
+#include "world/node_colliders.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace pliant {
+
+namespace {
+
+/// Links from each cell to the nearest surface cell, counted up to `most`; `most` + 1 beyond.
+std::vector<int> depthBelowSurface( const Lattice& lattice, int most )
+{
+	std::vector<int> depth( std::size_t( lattice.cellCount() ), most + 1 );
+	std::vector<std::uint32_t> ring, next;
+	for ( std::uint32_t i = 0; i < std::uint32_t( lattice.cellCount() ); ++i )
+	{
+		if ( lattice.isSurface[i] != 0 )
+		{
+			depth[i] = 0;
+			ring.push_back( i );
+		}
+	}
+	for ( int layer = 1; layer <= most; ++layer )
+	{
+		next.clear();
+		for ( const std::uint32_t i : ring )
+		{
+			for ( std::uint32_t k = lattice.linkStart[i]; k < lattice.linkStart[i + 1]; ++k )
+			{
+				const std::uint32_t j = lattice.linkTo[k];
+				if ( depth[j] > layer )
+				{
+					depth[j] = layer;
+					next.push_back( j );
+				}
+			}
+		}
+		ring.swap( next );
+	}
+	return depth;
+}
+
+/// Bit 2a: the face towards lower coordinates along axis a lies open; bit 2a + 1: the one towards higher.
+unsigned openFaces( const Lattice& lattice, std::uint32_t cell )
+{
+	unsigned open = 63u;
+	for ( std::uint32_t k = lattice.linkStart[cell]; k < lattice.linkStart[cell + 1]; ++k )
+	{
+		const Eigen::Vector3i step = lattice.coordinate[lattice.linkTo[k]].cast<int>() - lattice.coordinate[cell].cast<int>();
+		for ( int axis = 0; axis < 3 && step.cwiseAbs().sum() == 1; ++axis )
+		{
+			open &= step[axis] < 0 ? ~( 1u << 2 * axis ) : step[axis] > 0 ? ~( 2u << 2 * axis ) : ~0u;
+		}
+	}
+	return open;
+}
+
+double ownRadius( const Lattice& lattice, std::uint32_t cell )
+{
+	return 0.5 * double( lattice.cellSize ) * std::cbrt( double( lattice.fill[cell] ) );
+}
+
+/// How far the cell's sphere reaches from `centre` through each of its open faces, m.
+void addReaches( const Lattice& lattice, std::uint32_t cell, unsigned open, const Vec3& centre, std::vector<double>& reaches )
+{
+	const Vec3d arm = ( lattice.restCentre[cell] - centre ).cast<double>();
+	for ( int face = 0; face < 6; ++face )
+	{
+		if ( ( open >> face & 1u ) != 0 )
+		{
+			reaches.push_back( ownRadius( lattice, cell ) + ( face % 2 == 0 ? -arm[face / 2] : arm[face / 2] ) );
+		}
+	}
+}
+
+} // namespace
+
+NodeColliders measureColliders( const Lattice& lattice, const Octree& octree )
+{
+	NodeColliders colliders;
+	const std::vector<int> depth = depthBelowSurface( lattice, 1 << ( octree.levels - 1 ) );
+	std::vector<unsigned> open( depth.size() );
+	for ( std::uint32_t i = 0; i < std::uint32_t( open.size() ); ++i )
+	{
+		open[i] = lattice.isSurface[i] != 0 ? openFaces( lattice, i ) : 0u;
+	}
+	std::vector<double> reaches;
+	for ( std::uint32_t node = 0; node < std::uint32_t( octree.nodeCount() ); ++node )
+	{
+		reaches.clear();
+		int nearest = depth[octree.cells[octree.cellStart[node]]];
+		double largestCell = 0.0;
+		for ( std::uint32_t k = octree.cellStart[node]; k < octree.cellStart[node] + octree.cellCount[node]; ++k )
+		{
+			const std::uint32_t cell = octree.cells[k];
+			nearest = std::min( nearest, depth[cell] );
+			largestCell = std::max( largestCell, ownRadius( lattice, cell ) );
+			addReaches( lattice, cell, open[cell], octree.restCentre[node], reaches );
+		}
+		double radius = 0.5 * double( lattice.cellSize ) * std::cbrt( octree.mass[node] );
+		if ( !reaches.empty() && octree.cellCount[node] > 1 )
+		{
+			const auto middle = reaches.begin() + std::ptrdiff_t( ( reaches.size() - 1 ) / 2 );
+			std::nth_element( reaches.begin(), middle, reaches.end() );
+			radius = std::min( radius, std::max( *middle, largestCell ) );
+		}
+		colliders.radius.push_back( float( radius ) );
+		colliders.collides.push_back( nearest <= 1 << octree.levelOf( node ) );
+	}
+	return colliders;
+}
+
+} // namespace pliant

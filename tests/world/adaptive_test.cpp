@@ -1,0 +1,335 @@
+// Bodies with levels of detail in a world: what they rest on and carry, and that everything follows when nodes are split and merged.
+
+#include "test_world.h"
+
+#include "body/levels.h"
+#include "world/soft_body_impl.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+namespace pliant {
+namespace {
+
+using test::at;
+using test::block;
+using test::stiff;
+using test::TestWorld;
+
+Adaptivity levels( int count )
+{
+	Adaptivity settings;
+	settings.coarseLevels = count;
+	settings.mergeDelay = 0.05f;
+	return settings;
+}
+
+btScalar lowestPoint( const SoftBody& body )
+{
+	btScalar low = SIMD_INFINITY;
+	for ( int i = 0; i < body.nodeCount(); ++i )
+	{
+		low = btMin( low, body.nodePosition( i ).y() - body.nodeRadius( i ) );
+	}
+	return low;
+}
+
+/// Splits or merges octree nodes in the place of the world, between two steps.
+void changeLevels( SoftBody& soft, const std::vector<std::uint32_t>& split, const std::vector<std::uint32_t>& merge )
+{
+	SoftBody::Impl& impl = soft.impl();
+	impl.changeNodes( soft, [&] { impl.body->changeLevels( split, merge ); } );
+}
+
+std::vector<std::uint32_t> coarseNodes( const SoftBody& soft, bool ( *isWanted )( const SoftBody& soft, int node ) )
+{
+	std::vector<std::uint32_t> nodes;
+	for ( int i = 0; i < soft.nodeCount(); ++i )
+	{
+		if ( soft.nodeLevel( i ) > 0 && isWanted( soft, i ) )
+		{
+			nodes.push_back( soft.impl().body->levels()->cut().node[std::size_t( i )] );
+		}
+	}
+	return nodes;
+}
+
+bool anyNode( const SoftBody&, int )
+{
+	return true;
+}
+
+TEST( Adaptive, UniformBodiesHaveOneLevelAndAskForNothing )
+{
+	TestWorld test;
+	SoftBody* soft = test.addSoft( block( 3, 3, 3, 0.2f ), at( 0, 1, 0 ) );
+	soft->requestRefinement( btVector3( -9, -9, -9 ), btVector3( 9, 9, 9 ) );
+	soft->setFinestLevel( 2 );
+	test.run( 3 );
+	EXPECT_EQ( soft->nodeCount(), 27 );
+	EXPECT_EQ( soft->nodeLevel( 5 ), 0 );
+	EXPECT_EQ( soft->nodeOfCell( 5 ), 5 );
+	EXPECT_EQ( soft->nodeOfCell( 27 ), -1 );
+	EXPECT_EQ( soft->levelVersion(), 0u );
+	EXPECT_EQ( test.world.stepReport().nodesOnLevel[0], 27 );
+	EXPECT_EQ( test.world.stepReport().levelChanges, 0 );
+}
+
+TEST( Adaptive, BlockRestsAndCarriesAtTheHeightOfTheUniformOne )
+{
+	// Blocks of full nodes, and of slabs, which fill half of their nodes only.
+	for ( const int height : { 8, 2 } )
+	{
+		btScalar low[2], top[2];
+		for ( const bool isAdaptive : { false, true } )
+		{
+			TestWorld test;
+			test.addFloor();
+			const btScalar half = btScalar( 0.05 ) * btScalar( height );
+			SoftBody* soft = test.addSoft( block( 8, height, 8, 0.1f ), at( 0, half, 0 ), stiff( 4e5f ), levels( isAdaptive ? 2 : 0 ) );
+			EXPECT_EQ( soft->nodeCount(), isAdaptive ? height == 8 ? 8 : 4 : 64 * height );
+			btRigidBody* box = test.addBox( 5, btVector3( btScalar( 0.4 ), btScalar( 0.1 ), btScalar( 0.4 ) ), at( 0, 2 * half + btScalar( 0.1 ), 0 ) );
+			test.run( 120 );
+			low[isAdaptive] = lowestPoint( *soft );
+			top[isAdaptive] = box->getWorldTransform().getOrigin().y() - btScalar( 0.1 );
+		}
+		std::printf( "block %d cells high: lowest point %.4f m (uniform %.4f), what it carries stands at %.4f m (uniform %.4f), cell 0.1 m\n", height,
+			double( low[1] ), double( low[0] ), double( top[1] ), double( top[0] ) );
+		EXPECT_NEAR( low[1], 0, 0.005 );
+		EXPECT_NEAR( top[1], top[0], 0.02 );
+	}
+}
+
+TEST( Adaptive, ContactRefinesWhereItIsAndMergesBackWhenItIsGone )
+{
+	TestWorld test;
+	btRigidBody* floor = test.addFloor();
+	Adaptivity settings = levels( 2 );
+	settings.refinesOnContact = true;
+	SoftBody* soft = test.addSoft( block( 8, 16, 8, 0.1f ), at( 0, btScalar( 0.8 ), 0 ), stiff( 4e5f ), settings );
+	const int before = soft->nodeCount();
+	test.run( 60 );
+	const StepReport& report = test.world.stepReport();
+	std::printf( "at rest on the floor: %d + %d + %d nodes on levels 0, 1, 2 of %d cells\n", report.nodesOnLevel[0], report.nodesOnLevel[1],
+		report.nodesOnLevel[2], soft->bodyTemplate().cellCount() );
+	EXPECT_EQ( report.nodesOnLevel[0] + report.nodesOnLevel[1] + report.nodesOnLevel[2], soft->nodeCount() );
+	EXPECT_GE( report.nodesOnLevel[0], 64 );
+	EXPECT_GE( report.nodesOnLevel[2], before / 2 );
+	for ( int i = 0; i < soft->nodeCount(); ++i )
+	{
+		EXPECT_TRUE( soft->nodeLevel( i ) == 0 || soft->nodePosition( i ).y() > soft->nodeRadius( i ) * btScalar( 1.1 ) ) << i;
+	}
+	EXPECT_NEAR( lowestPoint( *soft ), 0, 0.01 );
+	const unsigned version = soft->levelVersion();
+	test.run( 60 );
+	EXPECT_EQ( soft->levelVersion(), version ) << "levels change although the body rests";
+
+	floor->setWorldTransform( at( 0, -20, 0 ) );
+	test.world.updateSingleAabb( floor );
+	soft->activate( true );
+	test.run( 40 );
+	EXPECT_EQ( soft->nodeCount(), before );
+}
+
+TEST( Adaptive, ContactsOfNodesThatStayKeepTheirImpulses )
+{
+	TestWorld test;
+	test.addFloor();
+	SoftBody* soft = test.addSoft( block( 8, 16, 8, 0.1f ), at( 0, btScalar( 0.8 ), 0 ), stiff( 4e5f ), levels( 2 ) );
+	soft->setActivationState( DISABLE_DEACTIVATION );
+	test.run( 90 );
+	const auto oldest = [&test] {
+		int age = 0;
+		for ( int m = 0; m < test.parts.dispatcher.getNumManifolds(); ++m )
+		{
+			const btPersistentManifold* manifold = test.parts.dispatcher.getManifoldByIndexInternal( m );
+			age = manifold->getNumContacts() > 0 ? btMax( age, manifold->getContactPoint( 0 ).getLifeTime() ) : age;
+		}
+		return age;
+	};
+	const int contacts = test.world.stepReport().softContacts, age = oldest();
+	ASSERT_EQ( contacts, 4 );
+	const btScalar restsAt = soft->massCentre().y();
+	// The upper half splits, and a corner that stands on the floor.
+	changeLevels( *soft, coarseNodes( *soft, []( const SoftBody& s, int i ) { return s.nodePosition( i ).y() > btScalar( 0.8 ) || i == 0; } ), {} );
+	EXPECT_TRUE( SoftBody::upcast( test.parts.dispatcher.getManifoldByIndexInternal( 0 )->getBody0() ) == soft ||
+				 SoftBody::upcast( test.parts.dispatcher.getManifoldByIndexInternal( 0 )->getBody1() ) == soft );
+	test.run( 1 );
+	EXPECT_GT( oldest(), age );
+	EXPECT_EQ( test.world.stepReport().softContacts, contacts - 1 + 4 );
+	for ( int m = 0; m < test.parts.dispatcher.getNumManifolds(); ++m )
+	{
+		const btPersistentManifold* manifold = test.parts.dispatcher.getManifoldByIndexInternal( m );
+		const bool softIsFirst = SoftBody::upcast( manifold->getBody0() ) == soft;
+		const btManifoldPoint& point = manifold->getContactPoint( 0 );
+		const int node = softIsFirst ? point.m_index0 : point.m_index1;
+		const btVector3 where = ( softIsFirst ? manifold->getBody0() : manifold->getBody1() )->getWorldTransform().getOrigin();
+		EXPECT_LT( ( soft->nodePosition( node ) - where ).length(), 0.01 ) << node;
+	}
+	test.run( 60 );
+	EXPECT_NEAR( soft->massCentre().y(), restsAt, 0.01 );
+}
+
+TEST( Adaptive, PinsFollowTheirNodes )
+{
+	TestWorld test;
+	btRigidBody* carrier = test.addBox( 0, btVector3( 1, 1, 1 ), at( 30, 0, 0 ) );
+	SoftBody* soft = test.addSoft( block( 4, 16, 4, 0.1f ), at( 0, 2, 0 ), stiff( 1e5f ), levels( 2 ) );
+	ASSERT_EQ( soft->nodeCount(), 4 );
+	const auto ends = [soft]( bool isTop ) {
+		std::vector<int> nodes;
+		for ( int i = 0; i < soft->nodeCount(); ++i )
+		{
+			const bool isThere = std::abs( soft->nodePosition( i ).y() - 2 - ( isTop ? 1 : -1 ) * btScalar( 0.6 ) ) < 0.2;
+			if ( isThere )
+			{
+				nodes.push_back( i );
+			}
+		}
+		return nodes;
+	};
+	ASSERT_TRUE( soft->pinNode( ends( true )[0] ).ok() );
+	ASSERT_TRUE( soft->pinNodeToBody( ends( false )[0], carrier ).ok() );
+	changeLevels( *soft, coarseNodes( *soft, anyNode ), {} );
+	ASSERT_EQ( soft->nodeCount(), 32 );
+	std::vector<btVector3> was;
+	for ( const bool isTop : { true, false } )
+	{
+		EXPECT_EQ( ends( isTop ).size(), 8u );
+		for ( const int node : ends( isTop ) )
+		{
+			EXPECT_TRUE( soft->isPinned( node ) );
+			was.push_back( soft->nodePosition( node ) );
+		}
+	}
+	test.run( 30 );
+	std::size_t k = 0;
+	for ( const bool isTop : { true, false } )
+	{
+		for ( const int node : ends( isTop ) )
+		{
+			EXPECT_LT( ( soft->nodePosition( node ) - was[k++] ).length(), 1e-5 );
+		}
+	}
+	// They stay split: a pin holds one node. What lies between merges again.
+	EXPECT_EQ( soft->nodeCount(), 18 );
+	for ( int i = 0; i < soft->nodeCount(); ++i )
+	{
+		EXPECT_EQ( soft->isPinned( i ), soft->nodeLevel( i ) == 1 );
+		soft->releaseNode( i );
+	}
+	test.run( 30 );
+	EXPECT_EQ( soft->nodeCount(), 4 );
+	EXPECT_LT( soft->massCentre().y(), 1.9 ) << "what is released falls";
+}
+
+TEST( Adaptive, ViewDistanceMergesAndSplitsAgain )
+{
+	TestWorld test;
+	test.world.setGravity( btVector3( 0, 0, 0 ) );
+	Adaptivity settings = levels( 2 );
+	settings.isSurfaceFine = true;
+	SoftBody* soft = test.addSoft( block( 12, 12, 12, 0.1f ), at( 0, 0, 0 ), stiff( 1e5f ), settings );
+	soft->setActivationState( DISABLE_DEACTIVATION );
+	const int near = soft->nodeCount();
+	EXPECT_GT( near, 1000 );
+	soft->setFinestLevel( 2 );
+	test.run( 10 );
+	EXPECT_EQ( soft->nodeCount(), 27 );
+	soft->setFinestLevel( 0 );
+	test.run( 30 );
+	EXPECT_EQ( soft->nodeCount(), near );
+	soft->requestRefinement( btVector3( -9, -9, -9 ), btVector3( 9, 9, 9 ) );
+	test.run( 1 );
+	EXPECT_GT( soft->nodeCount(), near );
+}
+
+/// Positions to the last bit of a heap of bodies that split and merge, after a second.
+std::vector<float> heap( int threads )
+{
+	TestWorld test;
+	test.world.setThreadCount( threads );
+	test.addFloor();
+	Adaptivity settings = levels( 2 );
+	settings.refinesOnContact = true;
+	settings.refineStrain = 0.1f;
+	const auto shape = block( 8, 8, 8, 0.1f );
+	for ( int k = 0; k < 3; ++k )
+	{
+		test.addSoft( shape, at( btScalar( 0.2 ) * btScalar( k ), btScalar( 0.6 ) + btScalar( k ), 0 ), stiff( 3e4f ), settings );
+	}
+	std::vector<float> state;
+	int changes = 0;
+	for ( int frame = 0; frame < 60; ++frame )
+	{
+		test.run( 1 );
+		changes += test.world.stepReport().levelChanges;
+		state.push_back( test.soft[1]->surface().positions[5] );
+	}
+	EXPECT_GT( changes, 10 );
+	for ( const auto& body : test.soft )
+	{
+		const NodeState& nodes = body->impl().body->nodes();
+		state.insert( state.end(), nodes.x.y.begin(), nodes.x.y.end() );
+	}
+	return state;
+}
+
+TEST( Adaptive, SameBitsOnAnyNumberOfThreads )
+{
+	const std::vector<float> one = heap( 1 );
+	EXPECT_EQ( heap( 2 ), one );
+	EXPECT_EQ( heap( 4 ), one );
+}
+
+TEST( Adaptive, QuarantineAndResetOnWhateverLevels )
+{
+	TestWorld test;
+	test.addFloor();
+	Adaptivity settings = levels( 2 );
+	settings.refinesOnContact = true;
+	SoftBody* soft = test.addSoft( block( 8, 8, 8, 0.1f ), at( 0, btScalar( 0.5 ), 0 ), stiff( 1e5f ), settings );
+	test.run( 20 );
+	EXPECT_GT( soft->nodeCount(), 8 );
+	soft->surface();
+	soft->requestRefinement( btVector3( -9, -9, -9 ), btVector3( 9, 9, 9 ) );
+	soft->applyImpulse( btVector3( NAN, 0, 0 ), 3 );
+	test.run( 10 );
+	EXPECT_FALSE( soft->isHealthy() );
+	for ( int i = 0; i < soft->nodeCount(); ++i )
+	{
+		ASSERT_TRUE( isFinite( soft->nodePosition( i ) ) );
+	}
+	soft->reset( at( 0, 2, 0 ) );
+	EXPECT_TRUE( soft->isHealthy() );
+	EXPECT_NEAR( soft->massCentre().y(), 2, 1e-5 );
+	const SurfaceView skin = soft->surface();
+	EXPECT_NEAR( skin.positions[1] + float( skin.origin.y() ), 1.6f, 1e-4f );
+	test.run( 120 );
+	EXPECT_TRUE( soft->isHealthy() );
+	EXPECT_NEAR( lowestPoint( *soft ), 0, 0.01 );
+}
+
+TEST( Adaptive, ImpactRaisesTheCountAndRestLowersIt )
+{
+	TestWorld test;
+	test.addFloor();
+	Adaptivity settings = levels( 2 );
+	settings.refineStrain = 0.08f;
+	Material material = stiff( 3e5f );
+	material.damping = 20.0f;
+	SoftBody* soft = test.addSoft( block( 8, 8, 8, 0.1f ), at( 0, btScalar( 2.5 ), 0 ), material, settings );
+	int most = 0;
+	for ( int frame = 0; frame < 180; ++frame )
+	{
+		test.run( 1 );
+		most = std::max( most, soft->nodeCount() );
+	}
+	std::printf( "drop of 2.1 m: 8 nodes, at most %d, in the end %d\n", most, soft->nodeCount() );
+	EXPECT_GT( most, 64 );
+	EXPECT_LT( soft->nodeCount(), most / 4 );
+}
+
+} // namespace
+} // namespace pliant
