@@ -1,0 +1,124 @@
+// Levels of detail: what a step costs beside the uniform lattice of the same finest cells, naive and fast, and what changes cost.
+// Bodies: 0 a Glob of about the bunny's 2 248 cells (Ohta et al. 2009), 1 a palm with five thin fingers (Steinemann et al. 2008, Fig. 1).
+
+#include "body/body.h"
+#include "body/levels.h"
+#include "matching/reference_matcher.h"
+#include "support/block_body.h"
+#include "support/shapes.h"
+
+#include <benchmark/benchmark.h>
+
+#include <algorithm>
+
+namespace pliant {
+namespace {
+
+constexpr float kStep = 1.0f / 240.0f;
+
+/// A palm of 32^3 cells and five fingers of 2 x 2 x 24, which stand across the blocks so that they stay finest.
+Lattice makePalm()
+{
+	return test::makeShapeLattice( { 32, 32, 56 }, 1.0f, []( int x, int y, int z ) {
+		const bool isFinger = ( y == 15 || y == 16 ) && x % 6 >= 1 && x % 6 <= 2 && x < 30;
+		return z < 32 || ( isFinger && z < 56 );
+	} );
+}
+
+std::shared_ptr<const Lattice> bodyLattice( int body )
+{
+	return std::make_shared<const Lattice>( body == 0 ? test::makeBlobLattice( 27, 1.0f, 1 ) : makePalm() );
+}
+
+void reportPerNode( benchmark::State& state, int nodes )
+{
+	state.counters["nodes"] = nodes;
+	state.counters["ns_per_node"] =
+		benchmark::Counter( double( nodes ) * 1e-9, benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert );
+}
+
+Material wide( benchmark::State& state )
+{
+	Material material;
+	material.regionHalfWidth = int( state.range( 1 ) );
+	return material;
+}
+
+std::unique_ptr<Body> makeBody( std::shared_ptr<const Lattice> lattice, const Material& material, int levels )
+{
+	Adaptivity adaptivity;
+	adaptivity.coarseLevels = levels;
+	std::unique_ptr<Body> body = std::move( Body::create( std::move( lattice ), material, {}, nullptr, adaptivity ).value );
+	for ( int i = 0; i < body->nodeCount(); ++i )
+	{
+		body->nodes().v.set( i, 0.1f * body->nodes().x0.get( i ) );
+	}
+	return body;
+}
+
+/// Brute force, in double: every region sums its members anew.
+void levelsNaive( benchmark::State& state )
+{
+	const auto lattice = bodyLattice( int( state.range( 0 ) ) );
+	NodeState nodes = test::restNodes( *lattice );
+	ReferenceMatcher matcher( *lattice, wide( state ) );
+	for ( auto _ : state )
+	{
+		matcher.accelerate( nodes, MatchStep{ kStep, 0.5f, 10.0f }, nullptr );
+	}
+	reportPerNode( state, nodes.count );
+}
+
+void stepLevels( benchmark::State& state, int levels )
+{
+	const std::unique_ptr<Body> body = makeBody( bodyLattice( int( state.range( 0 ) ) ), wide( state ), levels );
+	for ( auto _ : state )
+	{
+		body->accelerateTowardGoals( kStep, 0.5f, nullptr );
+		body->integrate( kStep );
+	}
+	reportPerNode( state, body->nodeCount() );
+	state.counters["bytes_per_node"] = double( body->bytes() ) / body->nodeCount();
+}
+
+void levelsUniform( benchmark::State& state ) { stepLevels( state, 0 ); }
+void levelsAdaptive( benchmark::State& state ) { stepLevels( state, state.range( 0 ) == 0 ? 2 : 3 ); }
+
+void arguments( benchmark::internal::Benchmark* b )
+{
+	b->ArgNames( { "body", "w" } )->Args( { 0, 1 } )->Args( { 0, 2 } )->Args( { 1, 1 } )->Args( { 1, 2 } )->Unit( benchmark::kMicrosecond );
+}
+BENCHMARK( levelsNaive )->Apply( arguments );
+BENCHMARK( levelsUniform )->Apply( arguments );
+BENCHMARK( levelsAdaptive )->Apply( arguments );
+
+/// About `count` new nodes at once in a Glob of 41 000 cells, and the merge back; the label says how many rows were made.
+void levelsSplit( benchmark::State& state )
+{
+	const auto lattice = std::make_shared<const Lattice>( test::makeBlobLattice( 70, 1.0f, 1 ) );
+	const std::unique_ptr<Body> body = makeBody( lattice, Material{}, 3 );
+	const Octree& octree = body->levels()->octree();
+	std::vector<std::uint32_t> split;
+	int brought = 0;
+	for ( const std::uint32_t node : body->levels()->cut().node )
+	{
+		if ( octree.levelOf( node ) > 0 && brought < int( state.range( 0 ) ) )
+		{
+			split.push_back( node );
+			brought += int( octree.childStart[node + 1] - octree.childStart[node] );
+		}
+	}
+	for ( auto _ : state )
+	{
+		body->changeLevels( split, {} );
+		state.PauseTiming();
+		body->changeLevels( {}, split );
+		state.ResumeTiming();
+	}
+	state.counters["new_nodes"] = brought;
+	state.counters["new_nodes_per_second"] = benchmark::Counter( double( brought ), benchmark::Counter::kIsIterationInvariantRate );
+}
+BENCHMARK( levelsSplit )->Arg( 50 )->Arg( 350 )->Arg( 500 )->Arg( 1000 )->Unit( benchmark::kMillisecond );
+
+} // namespace
+} // namespace pliant
