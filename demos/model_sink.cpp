@@ -28,6 +28,10 @@ ModelMesh fromMesh( const pliant_glue::DrawMesh& from, const std::string& name )
 	mesh.positions.assign( from.positions, from.positions + std::size_t( from.vertexCount ) * 3 );
 	mesh.normals.assign( from.normals, from.normals + std::size_t( from.vertexCount ) * 3 );
 	mesh.indices.assign( from.indices, from.indices + std::size_t( from.triangleCount ) * 3 );
+	if( from.vertexColours != nullptr )
+	{
+		mesh.vertexColours.assign( from.vertexColours, from.vertexColours + std::size_t( from.vertexCount ) * 3 );
+	}
 	for( std::size_t i = 0; i < mesh.positions.size(); ++i )
 	{
 		mesh.positions[i] += from.origin[i % 3];

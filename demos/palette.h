@@ -4,6 +4,8 @@
 
 #include "third_party_glue/draw_list.h"
 
+#include <algorithm>
+
 namespace pliant_demos {
 
 inline constexpr pliant_glue::Colour kTerracotta = { 0.72f, 0.20f, 0.08f };
@@ -15,5 +17,14 @@ inline constexpr pliant_glue::Colour kOchre = { 0.70f, 0.38f, 0.04f };
 inline constexpr pliant_glue::Colour kOak = { 0.42f, 0.25f, 0.11f };
 inline constexpr pliant_glue::Colour kMoss = { 0.12f, 0.26f, 0.07f };
 inline constexpr pliant_glue::Colour kBrick = { 0.48f, 0.09f, 0.07f };
+
+/// 0: teal, as it should be; halfway: ochre; 1 and above: brick.
+inline pliant_glue::Colour heat( float share )
+{
+	const float s = std::clamp( share, 0.0f, 1.0f ) * 2;
+	const pliant_glue::Colour &low = s < 1 ? kTeal : kOchre, &high = s < 1 ? kOchre : kBrick;
+	const float t = s < 1 ? s : s - 1;
+	return { low[0] + ( high[0] - low[0] ) * t, low[1] + ( high[1] - low[1] ) * t, low[2] + ( high[2] - low[2] ) * t };
+}
 
 } // namespace pliant_demos

@@ -8,8 +8,6 @@
 
 namespace pliant_demos {
 
-constexpr int kStepsPerSecond = 60;
-
 struct RunSettings
 {
 	StageOptions stage;

@@ -3,9 +3,9 @@
 // +-----------------------------------------------------------------------------------------------------------------+
 
 #include "demos/frame_sink.h"
+#include "demos/play.h"
 #include "demos/progress_line.h"
 #include "demos/run.h"
-#include "demos/step_log.h"
 
 #include <nlohmann/json.hpp>
 
@@ -27,24 +27,11 @@ double secondsSince( Clock::time_point begin )
 	return std::chrono::duration<double>( Clock::now() - begin ).count();
 }
 
-/// Contact points that no soft body has a part in; the step report counts the others.
-int rigidContacts( pliant::SoftBodyWorld& world )
-{
-	int points = 0;
-	for( int i = 0; i < world.getDispatcher()->getNumManifolds(); ++i )
-	{
-		const btPersistentManifold* manifold = world.getDispatcher()->getManifoldByIndexInternal( i );
-		const bool isRigid = pliant::SoftBody::upcast( manifold->getBody0() ) == nullptr && pliant::SoftBody::upcast( manifold->getBody1() ) == nullptr;
-		points += isRigid ? manifold->getNumContacts() : 0;
-	}
-	return points;
-}
-
 class HeadlessRun
 {
 public:
 	HeadlessRun( const SceneEntry& entry, const RunSettings& settings ) :
-		m_entry( entry ), m_settings( settings ), m_scene( entry.make() ), m_stage( settings.stage )
+		m_entry( entry ), m_settings( settings )
 	{
 	}
 
@@ -56,7 +43,7 @@ public:
 			return 1;
 		}
 		const int stepsPerFrame = kStepsPerSecond / m_settings.framesPerSecond;
-		const int frames = m_settings.frames > 0 ? m_settings.frames : int( std::lround( m_scene->duration() * m_settings.framesPerSecond ) );
+		const int frames = m_settings.frames > 0 ? m_settings.frames : int( std::lround( m_play->scene().duration() * m_settings.framesPerSecond ) );
 		ProgressLine progress( m_entry.name, frames );
 		for( int frame = 0; frame < frames; ++frame )
 		{
@@ -66,7 +53,7 @@ public:
 			}
 			for( int k = 0; k < stepsPerFrame; ++k )
 			{
-				step( frame * stepsPerFrame + k );
+				m_play->step();
 			}
 			progress.show( frame + 1 );
 		}
@@ -78,7 +65,7 @@ public:
 		m_wholeSeconds = secondsSince( begin );
 		m_frames = frames;
 		printTable();
-		return writeSummary() && m_log.quarantined() == 0 ? 0 : 1;
+		return writeSummary() && m_play->quarantined() == 0 ? 0 : 1;
 	}
 
 private:
@@ -93,14 +80,16 @@ private:
 		}
 		removeOldFrames();
 		const Clock::time_point begin = Clock::now();
-		if( !m_scene->init( m_stage ) )
+		m_play = std::make_unique<Play>( m_entry, m_settings.stage );
+		if( !m_play->isGood() )
 		{
-			std::fprintf( stderr, "%s: %s\n", m_entry.name, m_stage.status().sentence.c_str() );
+			std::fprintf( stderr, "%s: %s\n", m_entry.name, m_play->stage().status().sentence.c_str() );
 			return false;
 		}
 		m_buildSeconds = secondsSince( begin );
 		makeSinks();
-		m_notes.insert( m_notes.begin(), m_stage.notes().begin(), m_stage.notes().end() );
+		const std::vector<std::string>& notes = m_play->stage().notes();
+		m_notes.insert( m_notes.begin(), notes.begin(), notes.end() );
 		std::printf( "%s: %s\n", m_entry.name, m_entry.description );
 		for( const std::string& note : m_notes )
 		{
@@ -145,28 +134,18 @@ private:
 		}
 	}
 
-	void step( int number )
-	{
-		m_scene->beforeStep( m_stage, double( number ) / kStepsPerSecond );
-		const Clock::time_point begin = Clock::now();
-		m_stage.world().stepSimulation( btScalar( 1 ) / kStepsPerSecond, 0 );
-		const double seconds = secondsSince( begin );
-		m_log.add( m_stage.world().stepReport(), seconds, rigidContacts( m_stage.world() ) );
-	}
-
 	bool writeFrame( int frame )
 	{
 		const Clock::time_point begin = Clock::now();
-		m_stage.skin();
-		m_log.addSkinning( secondsSince( begin ) );
+		m_play->skin();
 		if( m_sinks.empty() )
 		{
 			return true;
 		}
 		m_list.clear();
-		m_stage.draw( m_list, m_settings.showNodes );
-		m_list.camera = m_scene->camera( double( frame ) / m_settings.framesPerSecond );
-		m_list.light = m_scene->light();
+		m_play->draw( m_list, m_settings.showNodes );
+		m_list.camera = m_play->scene().camera( double( frame ) / m_settings.framesPerSecond );
+		m_list.light = m_play->scene().light();
 		for( const std::unique_ptr<FrameSink>& sink : m_sinks )
 		{
 			std::string why;
@@ -182,23 +161,30 @@ private:
 
 	void printTable() const
 	{
-		const StageCounts counts = m_stage.counts();
+		const Stage& stage = m_play->stage();
+		const StageCounts counts = stage.counts();
+		const StepLog& log = stage.log();
 		std::printf( "\n  soft bodies %d, nodes %d, links %d, triangles %d, rigid bodies %d\n", counts.softBodies, counts.nodes, counts.links,
 			counts.triangles, counts.rigidBodies );
-		std::printf( "  steps %d of 1/%d s, up to %d soft substeps each; contacts at most %d, %d of them on soft bodies; threads %d\n", m_log.steps(),
-			kStepsPerSecond, m_log.maxSubsteps(), m_log.maxContacts(), m_log.maxSoftContacts(), m_settings.stage.threads );
-		if( m_log.unreachableStiffness() > 0 )
+		std::printf( "  steps %d of 1/%d s, up to %d soft substeps each; contacts at most %d, %d of them on soft bodies; threads %d\n", log.steps(),
+			kStepsPerSecond, log.maxSubsteps(), log.maxContacts(), log.maxSoftContacts(), m_settings.stage.threads );
+		if( log.unreachableStiffness() > 0 )
 		{
-			std::printf( "  %d bodies are softer than asked: their Young's modulus needs more substeps\n", m_log.unreachableStiffness() );
+			std::printf( "  %d bodies are softer than asked: their Young's modulus needs more substeps\n", log.unreachableStiffness() );
 		}
-		if( m_log.quarantined() > 0 )
+		if( m_play->quarantined() > 0 )
 		{
-			std::printf( "  %d bodies were stopped because a number in them was no longer finite\n", m_log.quarantined() );
+			std::printf( "  %d bodies were stopped because a number in them was no longer finite\n", m_play->quarantined() );
 		}
-		std::printf( "\n%s\n", m_log.table().c_str() );
+		std::printf( "\n%s\n", log.table().c_str() );
+		printFindings( stagesTable() );
+		for( const FindingTable& table : m_play->scene().findings( stage ) )
+		{
+			printFindings( table );
+		}
 		std::printf( "  whole run %.1f s: building bodies %.2f, steps %.2f, drawing and writing %.2f\n", m_wholeSeconds, m_buildSeconds,
-			m_log.wallSeconds(), m_drawSeconds );
-		std::printf( "  state hash %016" PRIx64 "\n", m_stage.stateHash() );
+			log.wallSeconds(), m_drawSeconds );
+		std::printf( "  state hash %016" PRIx64 "\n", m_play->stateHash() );
 		for( const std::string& made : m_made )
 		{
 			std::printf( "  %s\n", made.c_str() );
@@ -206,11 +192,66 @@ private:
 		std::printf( "  in %s\n", m_settings.folder.c_str() );
 	}
 
+	/// One row a stage where there are several.
+	FindingTable stagesTable() const
+	{
+		FindingTable table{ "each body in a world of its own, ms", { "nodes", "step, median", "step, max", "matching", "skin, picture" }, {} };
+		for( const Stage* stage : m_play->stages() )
+		{
+			const StepLog& log = stage->log();
+			table.rows.push_back( { stage->name(), { double( stage->counts().nodes ), log.medianStep(), log.longestStep(), log.medianMatching(), log.medianSkinning() } } );
+		}
+		return table.rows.size() > 1 ? table : FindingTable{};
+	}
+
+	static void printFindings( const FindingTable& table )
+	{
+		if( table.rows.empty() )
+		{
+			return;
+		}
+		std::printf( "  %s\n  %-22s", table.caption.c_str(), "" );
+		for( const std::string& column : table.columns )
+		{
+			std::printf( " %14s", column.c_str() );
+		}
+		std::printf( "\n" );
+		for( const FindingTable::Row& row : table.rows )
+		{
+			std::printf( "  %-22s", row.name.c_str() );
+			for( const double value : row.values )
+			{
+				std::printf( " %14.5g", value );
+			}
+			std::printf( "\n" );
+		}
+		std::printf( "\n" );
+	}
+
+	nlohmann::json findingsJson() const
+	{
+		std::vector<FindingTable> tables = m_play->scene().findings( m_play->stage() );
+		tables.push_back( stagesTable() );
+		nlohmann::json all = nlohmann::json::object();
+		for( const FindingTable& table : tables )
+		{
+			for( const FindingTable::Row& row : table.rows )
+			{
+				for( std::size_t k = 0; k < row.values.size(); ++k )
+				{
+					all[table.caption][row.name][table.columns[k]] = row.values[k];
+				}
+			}
+		}
+		return all;
+	}
+
 	bool writeSummary() const
 	{
-		const StageCounts counts = m_stage.counts();
+		const StageCounts counts = m_play->stage().counts();
+		const StepLog& log = m_play->stage().log();
 		char hash[24];
-		std::snprintf( hash, sizeof( hash ), "%016" PRIx64, m_stage.stateHash() );
+		std::snprintf( hash, sizeof( hash ), "%016" PRIx64, m_play->stateHash() );
 		const nlohmann::json summary = {
 			{ "scene", m_entry.name },
 			{ "description", m_entry.description },
@@ -220,14 +261,15 @@ private:
 			{ "nodes", counts.nodes },
 			{ "links", counts.links },
 			{ "triangles", counts.triangles },
-			{ "steps", m_log.steps() },
-			{ "maxContacts", m_log.maxContacts() },
-			{ "maxSoftContacts", m_log.maxSoftContacts() },
-			{ "maxSubsteps", m_log.maxSubsteps() },
-			{ "quarantined", m_log.quarantined() },
-			{ "unreachableStiffness", m_log.unreachableStiffness() },
-			{ "msPerStep", m_log.json() },
-			{ "seconds", { { "whole", m_wholeSeconds }, { "build", m_buildSeconds }, { "steps", m_log.wallSeconds() }, { "draw", m_drawSeconds } } },
+			{ "steps", log.steps() },
+			{ "maxContacts", log.maxContacts() },
+			{ "maxSoftContacts", log.maxSoftContacts() },
+			{ "maxSubsteps", log.maxSubsteps() },
+			{ "quarantined", m_play->quarantined() },
+			{ "unreachableStiffness", log.unreachableStiffness() },
+			{ "msPerStep", log.json() },
+			{ "findings", findingsJson() },
+			{ "seconds", { { "whole", m_wholeSeconds }, { "build", m_buildSeconds }, { "steps", log.wallSeconds() }, { "draw", m_drawSeconds } } },
 			{ "stateHash", hash },
 			{ "notes", m_notes },
 			{ "made", m_made },
@@ -245,9 +287,7 @@ private:
 
 	const SceneEntry& m_entry;
 	RunSettings m_settings;
-	std::unique_ptr<Scene> m_scene;
-	Stage m_stage;
-	StepLog m_log;
+	std::unique_ptr<Play> m_play;
 	pliant_glue::DrawList m_list;
 	std::vector<std::unique_ptr<FrameSink>> m_sinks;
 	std::vector<std::string> m_notes, m_made;

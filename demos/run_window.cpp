@@ -2,6 +2,7 @@
 // | A scene in a window: pause, step, grab, and turn the material's knobs while it runs.                             |
 // +-----------------------------------------------------------------------------------------------------------------+
 
+#include "demos/play.h"
 #include "demos/run.h"
 
 #if PLIANT_HAS_WINDOW
@@ -45,26 +46,19 @@ class Life
 {
 public:
 	Life( const SceneEntry& entry, const RunSettings& settings ) :
-		m_scene( entry.make() ), m_stage( settings.stage ), m_grab( m_stage.world() ), m_isGood( m_scene->init( m_stage ) )
+		m_play( entry, settings.stage ), m_grab( m_play.stage().world() )
 	{
-		for( int i = 0; i < m_stage.world().softBodyCount(); ++i )
-		{
-			m_materials.push_back( m_stage.world().softBody( i )->material() );
-		}
-		m_knobs.substeps = float( m_stage.world().softSubsteps() );
+		forEachBody( [this]( pliant::SoftBody& body ) { m_materials.push_back( body.material() ); } );
+		m_knobs.substeps = float( m_play.stage().world().softSubsteps() );
 	}
 
-	bool isGood() const { return m_isGood; }
-	Stage& stage() { return m_stage; }
-	const Scene& scene() const { return *m_scene; }
+	Play& play() { return m_play; }
 	MouseGrab& mouse() { return m_grab; }
 
 	void step()
 	{
-		m_scene->beforeStep( m_stage, double( m_steps ) / kStepsPerSecond );
 		m_grab.apply();
-		m_stage.world().stepSimulation( btScalar( 1 ) / kStepsPerSecond, 0 );
-		++m_steps;
+		m_play.step();
 	}
 
 	void turn( const Knobs& knobs )
@@ -74,31 +68,40 @@ public:
 			return;
 		}
 		m_knobs = knobs;
-		pliant::SoftBodyWorld& world = m_stage.world();
-		world.setGravity( btVector3( 0, btScalar( -knobs.gravity ), 0 ) );
-		world.setSoftSubsteps( int( std::lround( knobs.substeps ) ) );
-		for( std::size_t i = 0; i < m_materials.size(); ++i )
+		for( Stage* stage : m_play.stages() )
 		{
-			pliant::Material material = m_materials[i];
+			stage->world().setGravity( btVector3( 0, btScalar( -knobs.gravity ), 0 ) );
+			stage->world().setSoftSubsteps( int( std::lround( knobs.substeps ) ) );
+		}
+		std::size_t next = 0;
+		forEachBody( [&]( pliant::SoftBody& body ) {
+			pliant::Material material = m_materials[next++];
 			material.youngsModulus *= knobs.stiffness;
 			material.damping *= knobs.damping;
-			if( const pliant::Status status = world.softBody( int( i ) )->setMaterial( material ); !status.ok() )
+			if( const pliant::Status status = body.setMaterial( material ); !status.ok() )
 			{
 				std::fprintf( stderr, "%s\n", status.sentence.c_str() );
+			}
+		} );
+	}
+
+private:
+	template <class Visit>
+	void forEachBody( Visit visit )
+	{
+		for( Stage* stage : m_play.stages() )
+		{
+			for( int i = 0; i < stage->world().softBodyCount(); ++i )
+			{
+				visit( *stage->world().softBody( i ) );
 			}
 		}
 	}
 
-	double seconds() const { return double( m_steps ) / kStepsPerSecond; }
-
-private:
-	std::unique_ptr<Scene> m_scene;
-	Stage m_stage;
+	Play m_play;
 	MouseGrab m_grab; // lets go before the stage falls
-	bool m_isGood;
 	std::vector<pliant::Material> m_materials;
 	Knobs m_knobs;
-	int m_steps = 0;
 };
 
 class WindowRun
@@ -123,7 +126,7 @@ public:
 		m_panel.title = m_entry.name;
 		m_panel.sliders = { { "stiffness x", &m_knobs.stiffness, 0.1f, 10.0f, true }, { "damping x", &m_knobs.damping, 0.0f, 10.0f, false },
 			{ "gravity, m/s2", &m_knobs.gravity, 0.0f, 20.0f, false }, { "substeps", &m_knobs.substeps, 1.0f, 16.0f, false } };
-		m_list.camera = m_life->scene().camera( 0 );
+		m_list.camera = m_life->play().scene().camera( 0 );
 		while( m_window->takeInput( m_list.camera ) && ( m_settings.frames == 0 || m_pictures < m_settings.frames ) )
 		{
 			if( m_panel.restart && !restart() )
@@ -143,12 +146,12 @@ private:
 	bool restart()
 	{
 		m_life = std::make_unique<Life>( m_entry, m_settings );
-		if( !m_life->isGood() )
+		if( !m_life->play().isGood() )
 		{
-			std::fprintf( stderr, "%s: %s\n", m_entry.name, m_life->stage().status().sentence.c_str() );
+			std::fprintf( stderr, "%s: %s\n", m_entry.name, m_life->play().stage().status().sentence.c_str() );
 		}
-		m_list.light = m_life->scene().light();
-		return m_life->isGood();
+		m_list.light = m_life->play().scene().light();
+		return m_life->play().isGood();
 	}
 
 	void useMouse()
@@ -189,16 +192,17 @@ private:
 	void show()
 	{
 		m_list.clear();
-		m_life->stage().draw( m_list, m_panel.showNodes );
+		m_life->play().skin();
+		m_life->play().draw( m_list, m_panel.showNodes );
 		if( m_life->mouse().isHolding() )
 		{
 			m_list.lines.push_back( { fromBullet( m_life->mouse().heldPoint() ), fromBullet( m_life->mouse().target() ), kGrabColour } );
 		}
 		m_renderer->draw( m_list, m_window->width(), m_window->height() );
-		const pliant::StepReport& report = m_life->stage().world().stepReport();
+		const pliant::StepReport& report = m_life->play().stage().world().stepReport();
 		char line[128];
 		m_panel.lines.clear();
-		std::snprintf( line, sizeof( line ), "%.1f s   %d nodes, %d soft contacts, %d of %d bodies awake", m_life->seconds(), report.nodes,
+		std::snprintf( line, sizeof( line ), "%.1f s   %d nodes, %d soft contacts, %d of %d bodies awake", m_life->play().seconds(), report.nodes,
 			report.softContacts, report.awakeSoftBodies, report.softBodies );
 		m_panel.lines.emplace_back( line );
 		std::snprintf( line, sizeof( line ), "%.2f ms a step, %d substeps", 1e3 * report.total, report.substeps );

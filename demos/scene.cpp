@@ -12,6 +12,7 @@ const std::vector<SceneEntry>& sceneList()
 {
 	static const std::vector<SceneEntry> kScenes = {
 		{ "bunny_pile", "The Stanford bunny and a Glob fall down stairs among rigid boxes and balls and push a hinged door open.", makeBunnyPile },
+		{ "glob_drop", "The same Glob falls with the uniform lattice and with three methods that know levels; colour shows how far they are from it.", makeGlobDrop },
 		{ "hello", "One soft cube falls on a rigid box.", makeHello },
 		{ "stack", "Soft cubes and rigid boxes stand on each other.", makeStack },
 	};

@@ -5,9 +5,23 @@
 #include "demos/stage.h"
 
 #include <memory>
+#include <string>
 #include <vector>
 
 namespace pliant_demos {
+
+/// What a scene has measured: rows of numbers under headings.
+struct FindingTable
+{
+	struct Row
+	{
+		std::string name;
+		std::vector<double> values; ///< one a column
+	};
+	std::string caption;
+	std::vector<std::string> columns;
+	std::vector<Row> rows;
+};
 
 class Scene
 {
@@ -17,8 +31,18 @@ public:
 	/// Put the bodies on the stage. False when one is refused; the stage's status says why.
 	virtual bool init( Stage& stage ) = 0;
 
-	/// Called before each step of 1/60 s.
+	/// Worlds of their own that stand beside the stage and step with it, so that each one's time is known.
+	virtual std::vector<Stage*> sideStages() { return {}; }
+
+	/// Called before and after each step of 1/60 s; `seconds` is the time then.
 	virtual void beforeStep( Stage&, double /*seconds*/ ) {}
+	virtual void afterStep( Stage&, double /*seconds*/ ) {}
+
+	/// Called before each picture, skins up to date.
+	virtual void beforePicture( Stage& ) {}
+
+	/// After the last step, for the table and summary.json.
+	virtual std::vector<FindingTable> findings( const Stage& ) const { return {}; }
 
 	/// Length of the film, s.
 	virtual double duration() const = 0;
@@ -42,6 +66,7 @@ const SceneEntry* findScene( const std::string& name );
 
 // One function a file in scenes/.
 std::unique_ptr<Scene> makeBunnyPile();
+std::unique_ptr<Scene> makeGlobDrop();
 std::unique_ptr<Scene> makeHello();
 std::unique_ptr<Scene> makeStack();
 

@@ -6,6 +6,8 @@
 
 #include "third_party_glue/assimp_mesh.h"
 
+#include <algorithm>
+#include <chrono>
 #include <cstring>
 
 namespace pliant_demos {
@@ -21,6 +23,26 @@ constexpr btScalar kRigidFriction = btScalar( 0.5 );
 Vec3 toVec3( const btVector3& v )
 {
 	return { float( v.x() ), float( v.y() ), float( v.z() ) };
+}
+
+using Clock = std::chrono::steady_clock;
+
+double secondsSince( Clock::time_point begin )
+{
+	return std::chrono::duration<double>( Clock::now() - begin ).count();
+}
+
+/// Contact points that no soft body has a part in; the step report counts the others.
+int rigidContacts( pliant::SoftBodyWorld& world )
+{
+	int points = 0;
+	for( int i = 0; i < world.getDispatcher()->getNumManifolds(); ++i )
+	{
+		const btPersistentManifold* manifold = world.getDispatcher()->getManifoldByIndexInternal( i );
+		const bool isRigid = pliant::SoftBody::upcast( manifold->getBody0() ) == nullptr && pliant::SoftBody::upcast( manifold->getBody1() ) == nullptr;
+		points += isRigid ? manifold->getNumContacts() : 0;
+	}
+	return points;
 }
 
 class Fnv1a
@@ -46,8 +68,8 @@ private:
 
 } // namespace
 
-Stage::Stage( const StageOptions& options ) :
-	m_options( options ), m_configuration( new btDefaultCollisionConfiguration ), m_dispatcher( new btCollisionDispatcher( m_configuration.get() ) ),
+Stage::Stage( const StageOptions& options, std::string name ) :
+	m_options( options ), m_name( std::move( name ) ), m_configuration( new btDefaultCollisionConfiguration ), m_dispatcher( new btCollisionDispatcher( m_configuration.get() ) ),
 	m_broadphase( new btDbvtBroadphase ), m_solver( new btSequentialImpulseConstraintSolver ),
 	m_world( new pliant::SoftBodyWorld( m_dispatcher.get(), m_broadphase.get(), m_solver.get(), m_configuration.get() ) )
 {
@@ -124,7 +146,7 @@ void Stage::addConstraint( std::unique_ptr<btTypedConstraint> constraint, bool b
 	m_constraints.push_back( std::move( constraint ) );
 }
 
-pliant::SoftBody* Stage::addSoft( const SoftOrder& order )
+std::shared_ptr<const pliant::BodyTemplate> Stage::buildShape( const SoftOrder& order )
 {
 	pliant::MeshView view;
 	view.positions = order.mesh->positions.data();
@@ -134,13 +156,23 @@ pliant::SoftBody* Stage::addSoft( const SoftOrder& order )
 	view.submeshOfTriangle = order.mesh->submeshOfTriangle.empty() ? nullptr : order.mesh->submeshOfTriangle.data();
 	pliant::LatticeSettings settings;
 	settings.targetCells = order.cells;
-	const auto made = pliant::BodyTemplate::build( view, settings );
+	settings.cellSize = order.cellSize;
+	auto made = pliant::BodyTemplate::build( view, settings );
 	if( !made.ok() )
 	{
 		m_status = { made.status.code, order.name + ": " + made.status.sentence };
+	}
+	return std::move( made.value );
+}
+
+pliant::SoftBody* Stage::addSoft( const SoftOrder& order )
+{
+	const std::shared_ptr<const pliant::BodyTemplate> shape = order.shape != nullptr ? order.shape : buildShape( order );
+	if( shape == nullptr )
+	{
 		return nullptr;
 	}
-	pliant::SoftBodyResult body = pliant::SoftBody::create( made.value, order.place, order.material );
+	pliant::SoftBodyResult body = pliant::SoftBody::create( shape, order.place, order.material, order.adaptivity );
 	if( !body.ok() )
 	{
 		m_status = { body.status.code, order.name + ": " + body.status.sentence };
@@ -148,8 +180,25 @@ pliant::SoftBody* Stage::addSoft( const SoftOrder& order )
 	}
 	body.value->setFriction( order.friction );
 	m_world->addSoftBody( body.value.get() );
-	m_soft.push_back( { std::move( body.value ), order.colour } );
+	m_soft.push_back( { std::move( body.value ), order.colour, {} } );
 	return m_soft.back().body.get();
+}
+
+void Stage::colourVertices( const pliant::SoftBody* body, std::vector<float> colours )
+{
+	const auto found = std::find_if( m_soft.begin(), m_soft.end(), [&]( const SoftItem& item ) { return item.body.get() == body; } );
+	if( found != m_soft.end() )
+	{
+		found->vertexColours = std::move( colours );
+	}
+}
+
+void Stage::step( double seconds )
+{
+	const Clock::time_point begin = Clock::now();
+	m_world->stepSimulation( btScalar( seconds ), 0 );
+	const double wallSeconds = secondsSince( begin );
+	m_log.add( m_world->stepReport(), wallSeconds, rigidContacts( *m_world ) );
 }
 
 ModelMesh Stage::modelOr( const std::string& file, const std::function<ModelMesh()>& shape )
@@ -201,12 +250,14 @@ std::uint64_t Stage::stateHash() const
 	return hash.value();
 }
 
-void Stage::skin() const
+void Stage::skin()
 {
+	const Clock::time_point begin = Clock::now();
 	for( const SoftItem& item : m_soft )
 	{
 		item.body->surface();
 	}
+	m_log.addSkinning( secondsSince( begin ) );
 }
 
 void Stage::drawNodes( const SoftItem& item, pliant_glue::DrawList& list ) const
@@ -218,7 +269,7 @@ void Stage::drawNodes( const SoftItem& item, pliant_glue::DrawList& list ) const
 	}
 }
 
-void Stage::draw( pliant_glue::DrawList& list, bool showNodes ) const
+void Stage::draw( pliant_glue::DrawList& list, bool showNodes, std::uint64_t firstId ) const
 {
 	for( const RigidItem& item : m_rigid )
 	{
@@ -244,7 +295,7 @@ void Stage::draw( pliant_glue::DrawList& list, bool showNodes ) const
 			continue;
 		}
 		pliant_glue::DrawMesh mesh;
-		mesh.id = i;
+		mesh.id = firstId + i;
 		mesh.topologyVersion = skin.topologyVersion;
 		mesh.positions = skin.positions;
 		mesh.normals = skin.normals;
@@ -253,6 +304,7 @@ void Stage::draw( pliant_glue::DrawList& list, bool showNodes ) const
 		mesh.triangleCount = skin.triangleCount;
 		mesh.origin = toVec3( skin.origin );
 		mesh.colour = item.colour;
+		mesh.vertexColours = item.vertexColours.size() == std::size_t( skin.vertexCount ) * 3 ? item.vertexColours.data() : nullptr;
 		list.meshes.push_back( mesh );
 	}
 }

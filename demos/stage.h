@@ -2,6 +2,8 @@
 
 // What a scene stands on: a world, the rigid and soft bodies put into it, and their colours.
 
+#include "demos/step_log.h"
+
 #include "third_party_glue/draw_list.h"
 #include "third_party_glue/model_file.h"
 
@@ -31,8 +33,11 @@ struct SoftOrder
 	std::string name;
 	const pliant_glue::ModelMesh* mesh = nullptr;
 	int cells = 1000;
+	float cellSize = 0; ///< m; 0: what `cells` asks for
+	std::shared_ptr<const pliant::BodyTemplate> shape; ///< when several bodies share one; `mesh` and cells are then not looked at
 	btTransform place = btTransform::getIdentity();
 	pliant::Material material;
+	pliant::Adaptivity adaptivity;
 	btScalar friction = btScalar( 0.5 );
 	pliant_glue::Colour colour = { 0.8f, 0.4f, 0.25f };
 };
@@ -45,13 +50,16 @@ struct StageCounts
 class Stage
 {
 public:
-	explicit Stage( const StageOptions& options );
+	explicit Stage( const StageOptions& options, std::string name = {} );
 	~Stage();
 	Stage( const Stage& ) = delete;
 	Stage& operator=( const Stage& ) = delete;
 
 	pliant::SoftBodyWorld& world() { return *m_world; }
+	const pliant::SoftBodyWorld& world() const { return *m_world; }
 	const StageOptions& options() const { return m_options; }
+	const std::string& name() const { return m_name; }
+	void setName( const std::string& name ) { m_name = name; }
 
 	/// The plane y = 0.
 	void addGround( btScalar friction );
@@ -61,6 +69,14 @@ public:
 	void addConstraint( std::unique_ptr<btTypedConstraint> constraint, bool bodiesCollide );
 	/// Null when the mesh or the material is refused; `status()` then says why.
 	pliant::SoftBody* addSoft( const SoftOrder& order );
+	/// The order's mesh as a template for several bodies. Null as above.
+	std::shared_ptr<const pliant::BodyTemplate> buildShape( const SoftOrder& order );
+	/// Red, green, blue for each vertex of the skin, linear; none: the body's one colour again.
+	void colourVertices( const pliant::SoftBody* body, std::vector<float> colours );
+
+	/// One game step, written into the log.
+	void step( double seconds );
+	const StepLog& log() const { return m_log; }
 
 	/// The model file if it is there, else the shape from code; which of both is noted.
 	pliant_glue::ModelMesh modelOr( const std::string& file, const std::function<pliant_glue::ModelMesh()>& shape );
@@ -71,11 +87,11 @@ public:
 	/// FNV-1a over the bits of every node and rigid body: equal for equal runs.
 	std::uint64_t stateHash() const;
 
-	/// Brings every skin up to date, which drawing would do otherwise.
-	void skin() const;
+	/// Brings every skin up to date, which drawing would do otherwise, and writes the time into the log.
+	void skin();
 
-	/// Adds every body to the picture; nodes as spheres instead of skins when `showNodes`.
-	void draw( pliant_glue::DrawList& list, bool showNodes ) const;
+	/// Adds every body to the picture; nodes as spheres instead of skins when `showNodes`. Meshes are numbered from `firstId`.
+	void draw( pliant_glue::DrawList& list, bool showNodes, std::uint64_t firstId ) const;
 
 private:
 	struct RigidItem
@@ -91,14 +107,17 @@ private:
 	{
 		std::unique_ptr<pliant::SoftBody> body;
 		pliant_glue::Colour colour = { 0, 0, 0 };
+		std::vector<float> vertexColours;
 	};
 
 	btRigidBody* addRigid( std::unique_ptr<btCollisionShape> shape, const btTransform& place, btScalar mass, RigidItem looks );
 	void drawNodes( const SoftItem& item, pliant_glue::DrawList& list ) const;
 
 	StageOptions m_options;
+	std::string m_name;
 	pliant::Status m_status;
 	std::vector<std::string> m_notes;
+	StepLog m_log;
 	// Bullet asks that the world goes first and what it points to afterwards: members die from the bottom up.
 	std::unique_ptr<btCollisionConfiguration> m_configuration;
 	std::unique_ptr<btCollisionDispatcher> m_dispatcher;

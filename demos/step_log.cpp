@@ -64,6 +64,27 @@ double StepLog::wallSeconds() const
 	return std::accumulate( m_wall.begin(), m_wall.end(), 0.0 );
 }
 
+double StepLog::medianStep() const
+{
+	return spreadOf( m_wall ).median;
+}
+
+double StepLog::longestStep() const
+{
+	return spreadOf( m_wall ).maximum;
+}
+
+double StepLog::medianMatching() const
+{
+	const auto matching = std::find_if( m_stages.begin(), m_stages.end(), []( const Stage& stage ) { return stage.member == &pliant::StepReport::matching; } );
+	return spreadOf( matching->seconds ).median;
+}
+
+double StepLog::medianSkinning() const
+{
+	return spreadOf( m_skinning ).median;
+}
+
 std::string StepLog::table() const
 {
 	char heading[80];

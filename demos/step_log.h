@@ -28,6 +28,13 @@ public:
 	int quarantined() const { return m_quarantined; }
 	int unreachableStiffness() const { return m_unreachable; }
 
+	/// ms: the whole of a step, and the part of it that moves the soft bodies' nodes.
+	double medianStep() const;
+	double longestStep() const;
+	double medianMatching() const;
+	/// ms a picture, all bodies.
+	double medianSkinning() const;
+
 	/// Rows of stage, median and maximum, ms.
 	std::string table() const;
 	nlohmann::json json() const;

@@ -41,6 +41,16 @@ aiVector3D* copyVectors( const std::vector<float>& from, std::size_t size )
 	return made;
 }
 
+aiColor4D* copyColours( const std::vector<float>& from )
+{
+	auto* made = new aiColor4D[from.size() / 3];
+	for( std::size_t i = 0; i < from.size() / 3; ++i )
+	{
+		made[i] = aiColor4D( from[i * 3], from[i * 3 + 1], from[i * 3 + 2], 1.0f );
+	}
+	return made;
+}
+
 aiMesh* makeMesh( const ModelMesh& from, unsigned material )
 {
 	auto made = std::make_unique<aiMesh>();
@@ -58,6 +68,10 @@ aiMesh* makeMesh( const ModelMesh& from, unsigned material )
 		made->mTextureCoords[0] = copyVectors( from.textureCoordinates, 2 );
 		made->mNumUVComponents[0] = 2;
 	}
+	if( from.vertexColours.size() == from.positions.size() )
+	{
+		made->mColors[0] = copyColours( from.vertexColours );
+	}
 	made->mNumFaces = unsigned( from.triangleCount() );
 	made->mFaces = new aiFace[from.triangleCount()];
 	for( std::size_t t = 0; t < from.triangleCount(); ++t )
@@ -72,7 +86,9 @@ aiMaterial* makeMaterial( const ModelMesh& from )
 {
 	auto made = std::make_unique<aiMaterial>();
 	const aiString name( from.name + "-material" );
-	const aiColor4D colour( from.colour[0], from.colour[1], from.colour[2], 1.0f );
+	// A reader multiplies a vertex's colour by the material's.
+	const bool isWhite = !from.vertexColours.empty();
+	const aiColor4D colour = isWhite ? aiColor4D( 1, 1, 1, 1 ) : aiColor4D( from.colour[0], from.colour[1], from.colour[2], 1.0f );
 	made->AddProperty( &name, AI_MATKEY_NAME );
 	made->AddProperty( &colour, 1, AI_MATKEY_COLOR_DIFFUSE );
 	made->AddProperty( &colour, 1, AI_MATKEY_BASE_COLOR );

@@ -27,6 +27,7 @@ struct DrawMesh
 	int triangleCount = 0;
 	Vec3 origin = { 0, 0, 0 }; ///< added to every position
 	Colour colour = { 0.8f, 0.8f, 0.8f };
+	const float* vertexColours = nullptr; ///< 3 floats a vertex, linear RGB; null: `colour` all over
 };
 
 /// A unit shape (edge 1, or diameter 1) put in place: columns of a 3x3 matrix with the size in it, then the position.

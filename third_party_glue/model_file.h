@@ -39,6 +39,7 @@ struct ModelMesh
 	std::vector<float> positions;                ///< x, y, z a vertex
 	std::vector<float> normals;                  ///< x, y, z a vertex
 	std::vector<float> textureCoordinates;       ///< u, v a vertex
+	std::vector<float> vertexColours;            ///< linear RGB a vertex; written, not read
 	std::vector<std::uint32_t> indices;          ///< three a triangle
 	std::vector<std::uint32_t> submeshOfTriangle; ///< into submeshNames, one a triangle
 	std::vector<std::string> submeshNames;

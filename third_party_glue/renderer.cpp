@@ -38,7 +38,7 @@ enum Attribute : GLuint
 	AxisY,
 	AxisZ,
 	Place,
-	InstanceColour
+	InstanceColour ///< of an instance, of a line's end, of a mesh's vertex
 };
 
 glm::vec3 toGlm( const Vec3& v )
@@ -61,7 +61,7 @@ void describe( GLuint attribute, std::size_t stride, std::size_t offset )
 struct GpuMesh
 {
 	GlArrays arrays;
-	GlBuffer positions, normals, indices;
+	GlBuffer positions, normals, colours, indices;
 	unsigned topologyVersion = 0;
 	int indexCount = 0;
 	unsigned lastFrame = 0;
@@ -168,6 +168,15 @@ void Renderer::Device::uploadMesh( const DrawMesh& mesh )
 	describe( Position, 3 * sizeof( float ), 0 );
 	sendArray( gpu.normals, GL_ARRAY_BUFFER, mesh.normals, bytes );
 	describe( Normal, 3 * sizeof( float ), 0 );
+	if( mesh.vertexColours != nullptr )
+	{
+		sendArray( gpu.colours, GL_ARRAY_BUFFER, mesh.vertexColours, bytes );
+		describe( InstanceColour, 3 * sizeof( float ), 0 );
+	}
+	else
+	{
+		glDisableVertexAttribArray( InstanceColour ); // drawMeshes then sets one colour for all
+	}
 	if( isNew || gpu.topologyVersion != mesh.topologyVersion || gpu.indexCount != mesh.triangleCount * 3 )
 	{
 		gpu.topologyVersion = mesh.topologyVersion;
@@ -225,8 +234,8 @@ void Renderer::Device::drawMeshes( const DrawList& list, GLuint program )
 	{
 		GpuMesh& gpu = meshes.at( mesh.id );
 		glUniform3fv( glGetUniformLocation( program, "uOrigin" ), 1, mesh.origin.data() );
-		glUniform3fv( glGetUniformLocation( program, "uColour" ), 1, mesh.colour.data() );
 		glBindVertexArray( gpu.arrays.name() );
+		glVertexAttrib3fv( InstanceColour, mesh.colour.data() );
 		glDrawElements( GL_TRIANGLES, gpu.indexCount, GL_UNSIGNED_INT, nullptr );
 	}
 }

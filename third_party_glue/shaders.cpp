@@ -38,7 +38,6 @@ uniform mat4 uInverseViewProjection;
 uniform mat4 uToShadow;
 uniform mat4 uToSkyShadow;
 uniform vec3 uOrigin;
-uniform vec3 uColour;
 uniform float uShadowTexel;
 
 out vec3 vWorld;
@@ -46,7 +45,7 @@ out vec3 vNormal;
 out vec3 vLocal;
 out vec4 vShadow;
 out vec4 vSkyShadow;
-flat out vec3 vColour;
+out vec3 vColour;
 flat out vec3 vAxisX;
 flat out vec3 vAxisY;
 flat out vec3 vAxisZ;
@@ -61,16 +60,13 @@ void main()
 #else
 	vec3 world = inPosition + uOrigin;
 	vec3 normal = inNormal;
-	vColour = uColour;
+	vColour = inColour;
 	#if defined( INSTANCED )
 	world = inAxisX * inPosition.x + inAxisY * inPosition.y + inAxisZ * inPosition.z + inPlace;
 	vAxisX = inAxisX;
 	vAxisY = inAxisY;
 	vAxisZ = inAxisZ;
 	normal = normalize( inAxisX ) * inNormal.x + normalize( inAxisY ) * inNormal.y + normalize( inAxisZ ) * inNormal.z;
-	vColour = inColour;
-	#elif defined( LINE )
-	vColour = inColour;
 	#endif
 	vWorld = world;
 	vNormal = normal;
@@ -91,7 +87,7 @@ in vec3 vNormal;
 in vec3 vLocal;
 in vec4 vShadow;
 in vec4 vSkyShadow;
-flat in vec3 vColour;
+in vec3 vColour;
 flat in vec3 vAxisX;
 flat in vec3 vAxisY;
 flat in vec3 vAxisZ;
