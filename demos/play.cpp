@@ -41,7 +41,7 @@ void Play::skin()
 
 void Play::draw( pliant_glue::DrawList& list, bool showNodes )
 {
-	m_scene->beforePicture( m_stage );
+	m_scene->beforePicture( m_stage, list );
 	std::uint64_t firstId = 0;
 	for( Stage* stage : stages() )
 	{

@@ -15,6 +15,7 @@ const std::vector<SceneEntry>& sceneList()
 		{ "glob_drop", "The same Glob falls with the uniform lattice and with three methods that know levels; colour shows how far they are from it.", makeGlobDrop },
 		{ "hello", "One soft cube falls on a rigid box.", makeHello },
 		{ "stack", "Soft cubes and rigid boxes stand on each other.", makeStack },
+		{ "thin_fingers", "A bar sweeps through thin fingers: a lattice of their size in the whole palm, and one with levels that has big nodes there.", makeThinFingers },
 	};
 	return kScenes;
 }

@@ -38,8 +38,8 @@ public:
 	virtual void beforeStep( Stage&, double /*seconds*/ ) {}
 	virtual void afterStep( Stage&, double /*seconds*/ ) {}
 
-	/// Called before each picture, skins up to date.
-	virtual void beforePicture( Stage& ) {}
+	/// Called before each picture, skins up to date; may add to it.
+	virtual void beforePicture( Stage&, pliant_glue::DrawList& ) {}
 
 	/// After the last step, for the table and summary.json.
 	virtual std::vector<FindingTable> findings( const Stage& ) const { return {}; }
@@ -69,5 +69,6 @@ std::unique_ptr<Scene> makeBunnyPile();
 std::unique_ptr<Scene> makeGlobDrop();
 std::unique_ptr<Scene> makeHello();
 std::unique_ptr<Scene> makeStack();
+std::unique_ptr<Scene> makeThinFingers();
 
 } // namespace pliant_demos

@@ -4,6 +4,8 @@
 
 #include "demos/shapes.h"
 
+#include "demos/marching.h"
+#include "demos/shared_vertices.h"
 #include "third_party_glue/primitives.h"
 
 #include <algorithm>
@@ -18,10 +20,6 @@ using pliant_glue::ModelMesh;
 
 namespace {
 
-using Point = std::array<float, 3>;
-
-constexpr int kHalvings = 12; // a cell's edge over 4096
-
 ModelMesh named( const char* name, ModelMesh mesh )
 {
 	mesh.name = name;
@@ -30,199 +28,22 @@ ModelMesh named( const char* name, ModelMesh mesh )
 	return mesh;
 }
 
-/// Gives out one vertex number for each key: neighbours that meet on an edge share its vertex.
-template <class Key>
-class SharedVertices
+/// The sum of all balls.
+float fieldOf( const std::vector<MetaBall>& balls, const Point& p )
 {
-public:
-	explicit SharedVertices( ModelMesh& mesh ) : m_mesh( mesh ) {}
-
-	template <class MakePoint>
-	std::uint32_t at( const Key& key, MakePoint makePoint )
+	float sum = 0;
+	for( const MetaBall& ball : balls )
 	{
-		const auto [entry, isNew] = m_numbers.try_emplace( key, std::uint32_t( m_mesh.vertexCount() ) );
-		if( isNew )
+		float square = 0;
+		for( std::size_t k = 0; k < 3; ++k )
 		{
-			const Point p = makePoint();
-			m_mesh.positions.insert( m_mesh.positions.end(), p.begin(), p.end() );
+			const float d = ( p[k] - ball.centre[k] ) / ball.radius[k];
+			square += d * d;
 		}
-		return entry->second;
+		sum += std::exp( -square );
 	}
-
-private:
-	ModelMesh& m_mesh;
-	std::map<Key, std::uint32_t> m_numbers;
-};
-
-/// The field of metaballs on the corners of a grid of cubes.
-class FieldGrid
-{
-public:
-	FieldGrid( const std::vector<MetaBall>& balls, float cell ) : m_balls( balls ), m_cell( cell )
-	{
-		Point low, high;
-		low.fill( std::numeric_limits<float>::max() );
-		high.fill( std::numeric_limits<float>::lowest() );
-		for( const MetaBall& ball : balls )
-		{
-			for( int k = 0; k < 3; ++k )
-			{
-				// Beyond 2.5 radii a ball adds less than 0.2 %.
-				low[k] = std::min( low[k], ball.centre[k] - 2.5f * ball.radius[k] );
-				high[k] = std::max( high[k], ball.centre[k] + 2.5f * ball.radius[k] );
-			}
-		}
-		m_low = low;
-		for( int k = 0; k < 3; ++k )
-		{
-			m_size[k] = int( std::ceil( ( high[k] - low[k] ) / cell ) ) + 1;
-		}
-		m_values.reserve( std::size_t( m_size[0] ) * std::size_t( m_size[1] ) * std::size_t( m_size[2] ) );
-		for( int i = 0; i < m_size[0] * m_size[1] * m_size[2]; ++i )
-		{
-			m_values.push_back( fieldAt( position( i ) ) );
-		}
-	}
-
-	int number( int x, int y, int z ) const { return ( z * m_size[1] + y ) * m_size[0] + x; }
-	float value( int number ) const { return m_values[std::size_t( number )]; }
-	int size( int axis ) const { return m_size[axis]; }
-
-	Point position( int number ) const
-	{
-		const int x = number % m_size[0], y = number / m_size[0] % m_size[1], z = number / ( m_size[0] * m_size[1] );
-		return { m_low[0] + float( x ) * m_cell, m_low[1] + float( y ) * m_cell, m_low[2] + float( z ) * m_cell };
-	}
-
-	float fieldAt( const Point& p ) const
-	{
-		float sum = 0;
-		for( const MetaBall& ball : m_balls )
-		{
-			float square = 0;
-			for( int k = 0; k < 3; ++k )
-			{
-				const float d = ( p[k] - ball.centre[k] ) / ball.radius[k];
-				square += d * d;
-			}
-			sum += std::exp( -square );
-		}
-		return sum;
-	}
-
-private:
-	const std::vector<MetaBall>& m_balls;
-	float m_cell;
-	Point m_low;
-	std::array<int, 3> m_size;
-	std::vector<float> m_values;
-};
-
-/// Marching tetrahedra: every cube is cut into the six tetrahedra around one diagonal, the same way, so faces of neighbours agree.
-class Marcher
-{
-public:
-	Marcher( const FieldGrid& grid, float level ) : m_grid( grid ), m_level( level ), m_vertices( m_mesh ) {}
-
-	ModelMesh march()
-	{
-		static constexpr int kOrders[6][3] = { { 0, 1, 2 }, { 1, 2, 0 }, { 2, 0, 1 }, { 0, 2, 1 }, { 2, 1, 0 }, { 1, 0, 2 } };
-		for( int z = 0; z + 1 < m_grid.size( 2 ); ++z )
-		{
-			for( int y = 0; y + 1 < m_grid.size( 1 ); ++y )
-			{
-				for( int x = 0; x + 1 < m_grid.size( 0 ); ++x )
-				{
-					for( int k = 0; k < 6; ++k )
-					{
-						// From one corner of the cube to the opposite one, an axis at a time: even orders are right-handed.
-						int at[3] = { x, y, z };
-						std::array<int, 4> corner{ m_grid.number( x, y, z ) };
-						for( int step = 0; step < 3; ++step )
-						{
-							++at[kOrders[k][step]];
-							corner[std::size_t( step ) + 1] = m_grid.number( at[0], at[1], at[2] );
-						}
-						if( k >= 3 )
-						{
-							std::swap( corner[2], corner[3] );
-						}
-						tetrahedron( corner );
-					}
-				}
-			}
-		}
-		return std::move( m_mesh );
-	}
-
-private:
-	bool isInside( int corner ) const { return m_grid.value( corner ) > m_level; }
-
-	std::uint32_t crossing( int a, int b )
-	{
-		return m_vertices.at( std::minmax( a, b ), [&] {
-			const auto [first, second] = std::minmax( a, b );
-			return surfacePoint( m_grid.position( first ), m_grid.position( second ), m_grid.value( first ) > m_level );
-		} );
-	}
-
-	/// Halving, not one linear step: vertices off the true surface would show as ripples in the shading.
-	Point surfacePoint( Point low, Point high, bool lowIsInside ) const
-	{
-		const auto middle = [&] { return Point{ ( low[0] + high[0] ) / 2, ( low[1] + high[1] ) / 2, ( low[2] + high[2] ) / 2 }; };
-		for( int k = 0; k < kHalvings; ++k )
-		{
-			const Point p = middle();
-			( ( m_grid.fieldAt( p ) > m_level ) == lowIsInside ? low : high ) = p;
-		}
-		return middle();
-	}
-
-	void triangle( std::uint32_t a, std::uint32_t b, std::uint32_t c )
-	{
-		m_mesh.indices.insert( m_mesh.indices.end(), { a, b, c } );
-	}
-
-	/// Corners of a right-handed tetrahedron: seen from 0, the corners 1, 2, 3 run clockwise.
-	void tetrahedron( const std::array<int, 4>& c )
-	{
-		// Even permutations that bring corner i (or the pair i, j) to the front keep the handedness.
-		static constexpr int kFront[4][4] = { { 0, 1, 2, 3 }, { 1, 0, 3, 2 }, { 2, 3, 0, 1 }, { 3, 2, 1, 0 } };
-		static constexpr int kPairs[6][4] = { { 0, 1, 2, 3 }, { 0, 2, 3, 1 }, { 0, 3, 1, 2 }, { 1, 2, 0, 3 }, { 1, 3, 2, 0 }, { 2, 3, 0, 1 } };
-		int inside = 0, count = 0;
-		for( int k = 0; k < 4; ++k )
-		{
-			inside |= isInside( c[std::size_t( k )] ) ? 1 << k : 0;
-			count += isInside( c[std::size_t( k )] ) ? 1 : 0;
-		}
-		if( count == 1 || count == 3 )
-		{
-			const int alone = count == 1 ? inside : 15 - inside;
-			const int* p = kFront[alone == 1 ? 0 : alone == 2 ? 1 : alone == 4 ? 2 : 3];
-			const int a = c[std::size_t( p[0] )];
-			const std::uint32_t u = crossing( a, c[std::size_t( p[1] )] ), v = crossing( a, c[std::size_t( p[2] )] ), w = crossing( a, c[std::size_t( p[3] )] );
-			count == 1 ? triangle( u, v, w ) : triangle( u, w, v );
-		}
-		else if( count == 2 )
-		{
-			for( const int* p : kPairs )
-			{
-				if( inside == ( 1 << p[0] | 1 << p[1] ) )
-				{
-					const int a = c[std::size_t( p[0] )], b = c[std::size_t( p[1] )], d = c[std::size_t( p[2] )], e = c[std::size_t( p[3] )];
-					const std::uint32_t ad = crossing( a, d ), ae = crossing( a, e ), bd = crossing( b, d ), be = crossing( b, e );
-					triangle( ad, ae, be );
-					triangle( ad, be, bd );
-				}
-			}
-		}
-	}
-
-	const FieldGrid& m_grid;
-	float m_level;
-	ModelMesh m_mesh;
-	SharedVertices<std::pair<int, int>> m_vertices;
-};
+	return sum;
+}
 
 } // namespace
 
@@ -293,7 +114,19 @@ ModelMesh makeTorus( float radius, float tubeRadius, int around, int along )
 
 ModelMesh makeMetaballs( const std::vector<MetaBall>& balls, float level, float cell )
 {
-	return named( "metaballs", Marcher( FieldGrid( balls, cell ), level ).march() );
+	Point low, high;
+	low.fill( std::numeric_limits<float>::max() );
+	high.fill( std::numeric_limits<float>::lowest() );
+	for( const MetaBall& ball : balls )
+	{
+		for( std::size_t k = 0; k < 3; ++k )
+		{
+			// Beyond 2.5 radii a ball adds less than 0.2 %.
+			low[k] = std::min( low[k], ball.centre[k] - 2.5f * ball.radius[k] );
+			high[k] = std::max( high[k], ball.centre[k] + 2.5f * ball.radius[k] );
+		}
+	}
+	return named( "metaballs", marchSurface( [&]( const Point& p ) { return fieldOf( balls, p ) - level; }, low, high, cell ) );
 }
 
 ModelMesh makeGlob()

@@ -140,6 +140,13 @@ btRigidBody* Stage::addSphere( btScalar diameter, const btVector3& place, btScal
 	return ball;
 }
 
+void Stage::moveBody( btRigidBody* body, const btTransform& place )
+{
+	body->setCollisionFlags( ( body->getCollisionFlags() & ~btCollisionObject::CF_STATIC_OBJECT ) | btCollisionObject::CF_KINEMATIC_OBJECT );
+	body->setActivationState( DISABLE_DEACTIVATION );
+	body->setWorldTransform( place ); // Bullet takes the velocity from here to there
+}
+
 void Stage::addConstraint( std::unique_ptr<btTypedConstraint> constraint, bool bodiesCollide )
 {
 	m_world->addConstraint( constraint.get(), !bodiesCollide );

@@ -66,6 +66,8 @@ public:
 	/// Mass 0 makes a static body.
 	btRigidBody* addBox( const btVector3& size, const btTransform& place, btScalar mass, const pliant_glue::Colour& colour );
 	btRigidBody* addSphere( btScalar diameter, const btVector3& place, btScalar mass, const pliant_glue::Colour& colour );
+	/// A static body becomes kinematic: it moves to `place` and pushes what is in its way.
+	static void moveBody( btRigidBody* body, const btTransform& place );
 	void addConstraint( std::unique_ptr<btTypedConstraint> constraint, bool bodiesCollide );
 	/// Null when the mesh or the material is refused; `status()` then says why.
 	pliant::SoftBody* addSoft( const SoftOrder& order );

@@ -103,7 +103,7 @@ public:
 		}
 	}
 
-	void beforePicture( Stage& ) override
+	void beforePicture( Stage&, pliant_glue::DrawList& ) override
 	{
 		for( std::size_t i = 0; i < m_bodies.size(); ++i )
 		{

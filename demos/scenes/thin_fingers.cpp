@@ -1,0 +1,214 @@
+// +-----------------------------------------------------------------------------------------------------------------+
+// | thin_fingers: Steinemann et al. 2008, figure 1. A lattice fine enough for thin fingers fills the whole palm with  |
+// | cells; levels keep the cells in the fingers and put big nodes into the palm. A bar sweeps through the fingers.    |
+// +-----------------------------------------------------------------------------------------------------------------+
+
+#include "demos/creatures.h"
+#include "demos/palette.h"
+#include "demos/scene.h"
+#include "demos/skin_distance.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace pliant_demos {
+
+namespace {
+
+constexpr int kCoarseLevels = 3;
+constexpr float kKeepMass = 0.9f; // full blocks only: a finger fills a quarter of each block it runs through
+constexpr btScalar kPalmBottom = btScalar( 0.75 ); // m above the ground
+constexpr btScalar kApart = btScalar( 1.3 );       // m from the uniform body to the one with levels
+constexpr btScalar kAside = btScalar( 1.1 );       // m from a body to the picture of its nodes
+constexpr btScalar kBarThickness = btScalar( 0.05 );
+constexpr btScalar kBarSpeed = btScalar( 0.55 );   // m/s
+constexpr double kBarStart = 0.3;                  // s
+constexpr pliant_glue::Colour kLevelColours[] = { kTerracotta, kOchre, kMoss, kSlate };
+
+PalmPlan palmPlan()
+{
+	PalmPlan plan;
+	plan.fingers = { { 6, 12 }, { 16, 10 }, { 26, 14 }, { 36, 12 } };
+	return plan;
+}
+
+/// A body and the bar that sweeps below it, at its own place.
+struct Hall
+{
+	Stage* stage = nullptr;
+	pliant::SoftBody* body = nullptr;
+	btRigidBody* bar = nullptr;
+	btScalar x = 0;
+};
+
+class ThinFingers : public Scene
+{
+public:
+	bool init( Stage& stage ) override
+	{
+		const pliant_glue::ModelMesh mesh = makePalm( m_plan );
+		SoftOrder order;
+		order.name = "palm";
+		order.mesh = &mesh;
+		order.cellSize = m_plan.cell;
+		order.material.density = 300.0f;
+		order.material.youngsModulus = 1.5e5f;
+		order.material.regionHalfWidth = 2;
+		order.material.damping = 5.0f;
+		order.shape = stage.buildShape( order );
+		if( order.shape == nullptr )
+		{
+			return false;
+		}
+		m_beside = std::make_unique<Stage>( stage.options(), "with levels" );
+		stage.setName( "uniform lattice" );
+		const bool isUniformMade = furnish( m_uniform, stage, order, -kApart / 2 );
+		order.adaptivity.coarseLevels = kCoarseLevels;
+		order.adaptivity.keepMass = kKeepMass;
+		return isUniformMade && furnish( m_levels, *m_beside, order, kApart / 2 );
+	}
+
+	std::vector<Stage*> sideStages() override { return { m_beside.get() }; }
+
+	void beforeStep( Stage&, double seconds ) override
+	{
+		const btScalar travelled = kBarSpeed * btScalar( std::max( 0.0, seconds - kBarStart ) );
+		for( const Hall& hall : { m_uniform, m_levels } )
+		{
+			hall.stage->moveBody( hall.bar, btTransform( btQuaternion::getIdentity(), barStart( hall.x ) + btVector3( travelled, 0, 0 ) ) );
+		}
+	}
+
+	void afterStep( Stage&, double ) override
+	{
+		const SkinDistance now = skinDistance( *m_levels.body, *m_uniform.body, btVector3( kApart, 0, 0 ) );
+		if( m_isFinger.empty() )
+		{
+			rememberRest();
+		}
+		double sum = 0;
+		int count = 0;
+		for( std::size_t i = 0; i < m_isFinger.size(); ++i )
+		{
+			sum += m_isFinger[i] ? double( now.vertex[i] ) : 0;
+			count += m_isFinger[i] ? 1 : 0;
+		}
+		m_meanDifference += sum / count;
+		m_largestMean = std::max( m_largestMean, sum / count );
+		m_largestDifference = std::max( m_largestDifference, now.largest );
+		m_largestDeflection = std::max( m_largestDeflection, deflection() );
+		++m_steps;
+	}
+
+	void beforePicture( Stage&, pliant_glue::DrawList& list ) override
+	{
+		drawNodes( m_uniform, -kAside, list );
+		drawNodes( m_levels, kAside, list );
+	}
+
+	std::vector<FindingTable> findings( const Stage& stage ) const override
+	{
+		const double share = 100 / m_diagonal;
+		FindingTable difference{ "fingers with levels against the uniform lattice, % of the bounding-box diagonal",
+			{ "deflection", "mean diff.", "worst mean", "worst vertex" },
+			{ { "fingers", { m_largestDeflection * share, m_meanDifference / m_steps * share, m_largestMean * share, m_largestDifference * share } } } };
+		const StepLog &slow = stage.log(), &fast = m_beside->log();
+		FindingTable speed{ "uniform over levels", { "nodes", "matching", "whole step", "skin" },
+			{ { "times", { double( m_uniform.body->nodeCount() ) / m_levels.body->nodeCount(), slow.medianMatching() / fast.medianMatching(),
+							 slow.medianStep() / fast.medianStep(), slow.medianSkinning() / fast.medianSkinning() } } } };
+		return { difference, speed };
+	}
+
+	double duration() const override { return 3.2; }
+	pliant_glue::DrawCamera camera( double ) const override { return { { 0.5f, 0.75f, 5.6f }, { 0, 0.72f, 0 }, 27.0f }; }
+	pliant_glue::DrawLight light() const override { return { { -0.35f, 0.75f, 0.6f }, { 0, 0.6f, 0 }, 3.2f }; }
+
+private:
+	btVector3 barStart( btScalar x ) const
+	{
+		const btScalar tips = kPalmBottom - m_plan.cell * btScalar( m_plan.fingerCells );
+		return btVector3( x - btScalar( m_plan.width( 0 ) ) / 2 - btScalar( 0.1 ), tips + btScalar( 0.1 ), 0 );
+	}
+
+	bool furnish( Hall& hall, Stage& stage, SoftOrder order, btScalar x ) const
+	{
+		const btScalar width = btScalar( m_plan.width( 0 ) ), height = btScalar( m_plan.width( 1 ) ), depth = btScalar( m_plan.width( 2 ) );
+		const btScalar top = kPalmBottom + height, plate = btScalar( 0.06 ), block = btScalar( 8 * m_plan.cell );
+		order.colour = kTerracotta;
+		order.place = btTransform( btQuaternion::getIdentity(), btVector3( x - width / 2, kPalmBottom, -depth / 2 ) );
+		hall.stage = &stage;
+		hall.x = x;
+		hall.body = stage.addSoft( order );
+		if( hall.body == nullptr )
+		{
+			return false;
+		}
+		// Held from above: the nodes of the topmost blocks, whatever their size.
+		hall.body->pinNodesInside( btVector3( x - width, top - block, -depth ), btVector3( x + width, top, depth ) );
+		stage.addBox( btVector3( width, plate, depth ), btTransform( btQuaternion::getIdentity(), btVector3( x, top + plate / 2, 0 ) ), 0, kStone );
+		hall.bar = stage.addBox( btVector3( kBarThickness, kBarThickness, depth * btScalar( 1.3 ) ), btTransform( btQuaternion::getIdentity(), barStart( x ) ), 0, kOak );
+		return true;
+	}
+
+	/// Nodes as cubes of the material they stand for, coloured by level.
+	void drawNodes( const Hall& hall, btScalar aside, pliant_glue::DrawList& list ) const
+	{
+		const double cellMass = double( hall.body->material().density ) * std::pow( double( m_plan.cell ), 3 );
+		for( int i = 0; i < hall.body->nodeCount(); ++i )
+		{
+			const double cells = double( hall.body->nodeMass( i ) ) / cellMass;
+			const int level = std::clamp( int( std::lround( std::log2( std::max( cells, 1.0 ) ) / 3 ) ), 0, kCoarseLevels );
+			const float edge = 0.94f * m_plan.cell * float( 1 << level );
+			const btVector3 at = hall.body->nodePosition( i ) + btVector3( aside, 0, 0 );
+			list.boxes.push_back( { { edge, 0, 0 }, { 0, edge, 0 }, { 0, 0, edge }, { float( at.x() ), float( at.y() ), float( at.z() ) }, kLevelColours[level] } );
+		}
+	}
+
+	void rememberRest()
+	{
+		const pliant::SurfaceView skin = m_uniform.body->surface();
+		m_rest.assign( skin.positions, skin.positions + std::size_t( skin.vertexCount ) * 3 );
+		m_restOrigin = skin.origin;
+		for( int i = 0; i < skin.vertexCount; ++i )
+		{
+			m_isFinger.push_back( m_rest[std::size_t( i ) * 3 + 1] + float( skin.origin.y() ) < float( kPalmBottom ) - m_plan.cell );
+		}
+		m_diagonal = boxDiagonal( *m_uniform.body );
+	}
+
+	/// How far a vertex of the uniform body is from where it was at first, at most.
+	double deflection() const
+	{
+		const pliant::SurfaceView skin = m_uniform.body->surface();
+		double largest = 0;
+		for( std::size_t i = 0; i < m_isFinger.size(); ++i )
+		{
+			double square = 0;
+			for( std::size_t k = 0; k < 3; ++k )
+			{
+				const double moved = double( skin.positions[i * 3 + k] - m_rest[i * 3 + k] ) + double( skin.origin.m_floats[k] - m_restOrigin.m_floats[k] );
+				square += moved * moved;
+			}
+			largest = std::max( largest, square );
+		}
+		return std::sqrt( largest );
+	}
+
+	const PalmPlan m_plan = palmPlan();
+	std::unique_ptr<Stage> m_beside;
+	Hall m_uniform, m_levels;
+	std::vector<float> m_rest;
+	btVector3 m_restOrigin = btVector3( 0, 0, 0 );
+	std::vector<bool> m_isFinger;
+	double m_diagonal = 1, m_meanDifference = 0, m_largestMean = 0, m_largestDifference = 0, m_largestDeflection = 0;
+	int m_steps = 0;
+};
+
+} // namespace
+
+std::unique_ptr<Scene> makeThinFingers()
+{
+	return std::make_unique<ThinFingers>();
+}
+
+} // namespace pliant_demos
