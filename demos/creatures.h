@@ -22,4 +22,19 @@ struct PalmPlan
 };
 pliant_glue::ModelMesh makePalm( const PalmPlan& plan );
 
+/// An open right hand, upright, seen from the palm: about 0.9 m from the wrist (at y = 0) to the middle finger's tip.
+pliant_glue::ModelMesh makeHand();
+/// Thumb, then the fingers in order: root and tip of each one's middle line.
+struct Digit
+{
+	std::array<float, 3> root, tip;
+	float radius;
+};
+const std::vector<Digit>& handDigits();
+
+/// A tulip, about 0.65 m high, its foot at the origin; `petals` of them around a stem with two leaves.
+pliant_glue::ModelMesh makeFlower( int petals );
+constexpr float kFlowerHeadFrom = 0.40f; ///< m: above this it is petals, below stem and leaves
+constexpr float kFlowerHeadMiddle = 0.52f;
+
 } // namespace pliant_demos

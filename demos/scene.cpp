@@ -12,7 +12,9 @@ const std::vector<SceneEntry>& sceneList()
 {
 	static const std::vector<SceneEntry> kScenes = {
 		{ "bunny_pile", "The Stanford bunny and a Glob fall down stairs among rigid boxes and balls and push a hinged door open.", makeBunnyPile },
+		{ "flowers", "Forty flowers sway in the wind; where a finger touches one, its nodes are split.", makeFlowers },
 		{ "glob_drop", "The same Glob falls with the uniform lattice and with three methods that know levels; colour shows how far they are from it.", makeGlobDrop },
+		{ "hand", "The same pull at every finger of a hand with a soft little finger and a hard thumb.", makeHandScene },
 		{ "hello", "One soft cube falls on a rigid box.", makeHello },
 		{ "stack", "Soft cubes and rigid boxes stand on each other.", makeStack },
 		{ "thin_fingers", "A bar sweeps through thin fingers: a lattice of their size in the whole palm, and one with levels that has big nodes there.", makeThinFingers },

@@ -66,7 +66,9 @@ const SceneEntry* findScene( const std::string& name );
 
 // One function a file in scenes/.
 std::unique_ptr<Scene> makeBunnyPile();
+std::unique_ptr<Scene> makeFlowers();
 std::unique_ptr<Scene> makeGlobDrop();
+std::unique_ptr<Scene> makeHandScene();
 std::unique_ptr<Scene> makeHello();
 std::unique_ptr<Scene> makeStack();
 std::unique_ptr<Scene> makeThinFingers();

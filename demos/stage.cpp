@@ -205,6 +205,7 @@ void Stage::step( double seconds )
 	const Clock::time_point begin = Clock::now();
 	m_world->stepSimulation( btScalar( seconds ), 0 );
 	const double wallSeconds = secondsSince( begin );
+	m_isSkinned = false;
 	m_log.add( m_world->stepReport(), wallSeconds, rigidContacts( *m_world ) );
 }
 
@@ -259,6 +260,11 @@ std::uint64_t Stage::stateHash() const
 
 void Stage::skin()
 {
+	if( m_isSkinned )
+	{
+		return;
+	}
+	m_isSkinned = true;
 	const Clock::time_point begin = Clock::now();
 	for( const SoftItem& item : m_soft )
 	{

@@ -89,7 +89,7 @@ public:
 	/// FNV-1a over the bits of every node and rigid body: equal for equal runs.
 	std::uint64_t stateHash() const;
 
-	/// Brings every skin up to date, which drawing would do otherwise, and writes the time into the log.
+	/// Brings every skin up to date, which looking at it would do otherwise, and writes the time into the log.
 	void skin();
 
 	/// Adds every body to the picture; nodes as spheres instead of skins when `showNodes`. Meshes are numbered from `firstId`.
@@ -120,6 +120,7 @@ private:
 	pliant::Status m_status;
 	std::vector<std::string> m_notes;
 	StepLog m_log;
+	bool m_isSkinned = false; // since the last step
 	// Bullet asks that the world goes first and what it points to afterwards: members die from the bottom up.
 	std::unique_ptr<btCollisionConfiguration> m_configuration;
 	std::unique_ptr<btCollisionDispatcher> m_dispatcher;

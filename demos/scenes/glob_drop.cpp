@@ -96,8 +96,10 @@ public:
 		++m_sinceImpact;
 		if( m_sinceImpact % kReportEvery == 0 && m_sinceImpact <= kLastStep )
 		{
+			stage.skin();
 			for( std::size_t i = 0; i < m_bodies.size(); ++i )
 			{
+				m_sides[i]->skin();
 				m_errors[i].push_back( distanceOf( i ) );
 			}
 		}

@@ -28,7 +28,7 @@ constexpr pliant_glue::Colour kLevelColours[] = { kTerracotta, kOchre, kMoss, kS
 PalmPlan palmPlan()
 {
 	PalmPlan plan;
-	plan.fingers = { { 6, 12 }, { 16, 10 }, { 26, 14 }, { 36, 12 } };
+	plan.fingers = { { 4, 14 }, { 12, 8 }, { 20, 16 }, { 28, 8 }, { 36, 14 } };
 	return plan;
 }
 
@@ -52,8 +52,7 @@ public:
 		order.mesh = &mesh;
 		order.cellSize = m_plan.cell;
 		order.material.density = 300.0f;
-		order.material.youngsModulus = 1.5e5f;
-		order.material.regionHalfWidth = 2;
+		order.material.youngsModulus = 7.0e4f;
 		order.material.damping = 5.0f;
 		order.shape = stage.buildShape( order );
 		if( order.shape == nullptr )
@@ -79,8 +78,10 @@ public:
 		}
 	}
 
-	void afterStep( Stage&, double ) override
+	void afterStep( Stage& stage, double ) override
 	{
+		stage.skin();
+		m_beside->skin();
 		const SkinDistance now = skinDistance( *m_levels.body, *m_uniform.body, btVector3( kApart, 0, 0 ) );
 		if( m_isFinger.empty() )
 		{
@@ -120,7 +121,7 @@ public:
 	}
 
 	double duration() const override { return 3.2; }
-	pliant_glue::DrawCamera camera( double ) const override { return { { 0.5f, 0.75f, 5.6f }, { 0, 0.72f, 0 }, 27.0f }; }
+	pliant_glue::DrawCamera camera( double ) const override { return { { 0.5f, 0.85f, 6.2f }, { 0, 0.76f, 0 }, 23.0f }; }
 	pliant_glue::DrawLight light() const override { return { { -0.35f, 0.75f, 0.6f }, { 0, 0.6f, 0 }, 3.2f }; }
 
 private:

@@ -1,0 +1,142 @@
+// +-----------------------------------------------------------------------------------------------------------------+
+// | flowers: Steinemann et al. 2008, figure 6. Forty flowers in the wind, each of about 140 big nodes; where a finger |
+// | touches one its nodes are split down to the finest cells, and merged again when it has come to rest.             |
+// +-----------------------------------------------------------------------------------------------------------------+
+
+#include "demos/creatures.h"
+#include "demos/palette.h"
+#include "demos/scene.h"
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+
+namespace pliant_demos {
+
+namespace {
+
+constexpr int kColumns = 8, kRows = 5;
+constexpr int kPetals = 6;
+constexpr btScalar kSpacing = btScalar( 0.55 );
+constexpr int kCoarseLevels = 2;
+constexpr float kFinestCell = 0.0105f;      // m: two in a petal's thickness
+constexpr float kKeepAll = 1e-6f;           // every block is one node at first, however little of it is filled
+constexpr btScalar kFootHeight = btScalar( 0.06 ); // m of the stem that is held
+constexpr btScalar kWind = btScalar( 2.2 ); // m/s^2 on a petal in the strongest gust
+constexpr btScalar kFingerThickness = btScalar( 0.14 ), kFingerHeight = btScalar( 0.50 );
+constexpr double kFingerStart = 0.5;        // s
+
+class Flowers : public Scene
+{
+public:
+	bool init( Stage& stage ) override
+	{
+		const pliant_glue::ModelMesh mesh = makeFlower( kPetals );
+		SoftOrder order;
+		order.name = "flower";
+		order.mesh = &mesh;
+		order.cellSize = kFinestCell;
+		order.material.density = 200.0f;
+		order.material.youngsModulus = 2.0e4f;
+		order.material.damping = 3.0f;
+		order.material.wobbleDamping = 0.1f;
+		order.adaptivity.coarseLevels = kCoarseLevels;
+		order.adaptivity.keepMass = kKeepAll;
+		order.adaptivity.softening = pliant::Softening::None; // as in the paper: big nodes are stiffer, and stems stand by that
+		order.adaptivity.residual = pliant::ResidualRule::Keep;
+		order.adaptivity.refinesOnContact = true;
+		order.adaptivity.refineStrain = 0.5f;
+		order.adaptivity.mergeShare = 0.8f;
+		order.adaptivity.mergeDelay = 0.4f;
+		order.shape = stage.buildShape( order );
+		stage.addGround( btScalar( 0.5 ) );
+		std::mt19937 random( stage.options().seed );
+		for( int i = 0; order.shape != nullptr && i < kColumns * kRows; ++i )
+		{
+			plant( stage, order, i, mesh, random );
+		}
+		m_finger = stage.addSphere( kFingerThickness, fingerAt( 0 ), 0, kOak );
+		m_nodesAtFirst = m_mostNodes = stage.counts().nodes;
+		return order.shape != nullptr && int( m_flowers.size() ) == kColumns * kRows;
+	}
+
+	void beforeStep( Stage&, double seconds ) override
+	{
+		Stage::moveBody( m_finger, btTransform( btQuaternion::getIdentity(), fingerAt( seconds ) ) );
+		for( pliant::SoftBody* flower : m_flowers )
+		{
+			const btVector3 at = flower->massCentre();
+			for( int i = 0; i < flower->nodeCount(); ++i )
+			{
+				// A gust runs over the field along x; it meets petals more than stems.
+				const double phase = 2.2 * seconds - 1.4 * double( at.x() ) - 0.5 * double( at.z() );
+				const btScalar gust = btScalar( 0.55 + 0.45 * std::sin( phase ) ) * kWind;
+				const btScalar exposed = std::clamp( flower->nodePosition( i ).y() / btScalar( kFlowerHeadMiddle ), btScalar( 0 ), btScalar( 1 ) );
+				const btScalar force = gust * exposed * flower->nodeMass( i );
+				flower->applyForce( btVector3( force, 0, force * btScalar( 0.35 * std::sin( 1.7 * phase ) ) ), i );
+			}
+		}
+	}
+
+	void afterStep( Stage& stage, double ) override { m_mostNodes = std::max( m_mostNodes, stage.counts().nodes ); }
+
+	std::vector<FindingTable> findings( const Stage& stage ) const override
+	{
+		const double count = double( m_flowers.size() );
+		return { { "flowers", { "nodes each", "nodes", "most nodes", "growth, %" },
+					 { { "forty", { m_nodesAtFirst / count, double( m_nodesAtFirst ), double( m_mostNodes ), 100.0 * ( m_mostNodes - m_nodesAtFirst ) / m_nodesAtFirst } } } },
+			{ "ms", { "step, median", "step, worst", "skin a flower" },
+				{ { "forty", { stage.log().medianStep(), stage.log().longestStep(), stage.log().medianSkinning() / count } } } } };
+	}
+
+	double duration() const override { return 4.0; }
+	pliant_glue::DrawCamera camera( double ) const override { return { { 0.4f, 1.75f, 3.7f }, { 0, 0.30f, 0.1f }, 34.0f }; }
+	pliant_glue::DrawLight light() const override { return { { -0.45f, 0.75f, 0.45f }, { 0, 0.3f, 0 }, 3.4f }; }
+
+private:
+	void plant( Stage& stage, SoftOrder order, int number, const pliant_glue::ModelMesh& mesh, std::mt19937& random )
+	{
+		const auto next = [&] { return btScalar( random() ) / btScalar( std::mt19937::max() ) - btScalar( 0.5 ); };
+		const btScalar x = ( btScalar( number % kColumns ) - btScalar( kColumns - 1 ) / 2 + next() * btScalar( 0.3 ) ) * kSpacing;
+		const btScalar z = ( btScalar( number / kColumns ) - btScalar( kRows - 1 ) / 2 + next() * btScalar( 0.3 ) ) * kSpacing;
+		order.place = btTransform( btQuaternion( btVector3( 0, 1, 0 ), SIMD_2_PI * next() ), btVector3( x, 0, z ) );
+		pliant::SoftBody* flower = stage.addSoft( order );
+		if( flower == nullptr )
+		{
+			return;
+		}
+		flower->setGravity( btVector3( 0, 0, 0 ) ); // growing things have grown against it
+		flower->pinNodesInside( btVector3( x - 1, -1, z - 1 ), btVector3( x + 1, kFootHeight, z + 1 ) );
+		const pliant_glue::Colour petals[] = { kBrick, kOchre, kPlum, kTerracotta };
+		std::vector<float> colours;
+		for( std::size_t i = 0; i < mesh.vertexCount(); ++i )
+		{
+			const bool isHead = mesh.positions[i * 3 + 1] > kFlowerHeadFrom;
+			const pliant_glue::Colour& colour = isHead ? petals[( number + number / kColumns ) % 4] : kMoss;
+			colours.insert( colours.end(), colour.begin(), colour.end() );
+		}
+		stage.colourVertices( flower, std::move( colours ) );
+		m_flowers.push_back( flower );
+	}
+
+	/// From left to right, in and out of the two front rows of heads.
+	static btVector3 fingerAt( double seconds )
+	{
+		const btScalar half = kSpacing * btScalar( kColumns ) / 2, t = btScalar( std::max( 0.0, seconds - kFingerStart ) );
+		const btScalar x = -half - btScalar( 0.3 ) + btScalar( 1.5 ) * t;
+		return btVector3( x, kFingerHeight, kSpacing * btScalar( 1.5 ) + btScalar( 0.35 ) * btScalar( std::sin( 2.0 * double( t ) ) ) );
+	}
+
+	std::vector<pliant::SoftBody*> m_flowers;
+	btRigidBody* m_finger = nullptr;
+	int m_nodesAtFirst = 0, m_mostNodes = 0;
+};
+
+} // namespace
+
+std::unique_ptr<Scene> makeFlowers()
+{
+	return std::make_unique<Flowers>();
+}
+
+} // namespace pliant_demos

@@ -1,0 +1,161 @@
+// +-----------------------------------------------------------------------------------------------------------------+
+// | hand: Steinemann et al. 2008, figure 4. One hand, its little finger soft and its thumb hard; the same force pulls |
+// | at every finger's tip.                                                                                           |
+// +-----------------------------------------------------------------------------------------------------------------+
+
+#include "demos/creatures.h"
+#include "demos/palette.h"
+#include "demos/scene.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace pliant_demos {
+
+namespace {
+
+constexpr int kCells = 4000;
+constexpr int kCoarseLevels = 2;
+constexpr btScalar kFoot = btScalar( 0.09 );      // m of the wrist that is held
+constexpr btScalar kPull = btScalar( 1.0 );       // N at each tip
+constexpr btScalar kGrip = btScalar( 0.07 );      // m around a tip that is pulled
+constexpr double kPullFrom = 0.4, kPullFullAt = 1.0, kPullUntil = 2.4; // s
+constexpr const char* kDigitNames[] = { "thumb", "index finger", "middle finger", "ring finger", "little finger" };
+
+class Hand : public Scene
+{
+public:
+	bool init( Stage& stage ) override
+	{
+		const pliant_glue::ModelMesh mesh = makeHand();
+		SoftOrder order;
+		order.name = "hand";
+		order.mesh = &mesh;
+		order.cells = kCells;
+		order.adaptivity.coarseLevels = kCoarseLevels;
+		order.material.density = 300.0f;
+		order.material.youngsModulus = 6.0e4f;
+		order.material.damping = 10.0f;
+		order.colour = kOchre;
+		m_body = stage.addSoft( order );
+		if( m_body == nullptr )
+		{
+			return false;
+		}
+		stage.addGround( btScalar( 0.5 ) );
+		stage.addBox( btVector3( btScalar( 0.5 ), kFoot, btScalar( 0.4 ) ), btTransform( btQuaternion::getIdentity(), btVector3( 0, -kFoot / 2, 0 ) ), 0, kStone );
+		m_body->pinNodesInside( btVector3( -1, -1, -1 ), btVector3( 1, kFoot, 1 ) );
+		for( const Digit& digit : handDigits() )
+		{
+			m_tips.push_back( tipOf( digit ) );
+		}
+		return true;
+	}
+
+	void beforeStep( Stage&, double seconds ) override
+	{
+		m_pull = seconds < kPullFrom || seconds > kPullUntil ? btScalar( 0 ) : kPull * btScalar( std::min( 1.0, ( seconds - kPullFrom ) / ( kPullFullAt - kPullFrom ) ) );
+		for( const Tip& tip : m_tips )
+		{
+			for( const int node : tip.nodes )
+			{
+				m_body->applyForce( btVector3( 0, 0, m_pull * m_body->nodeMass( node ) / tip.mass ), node );
+			}
+		}
+	}
+
+	void afterStep( Stage& stage, double seconds ) override
+	{
+		stage.skin();
+		for( Tip& tip : m_tips )
+		{
+			if( seconds <= kPullFrom )
+			{
+				tip.rest = placeOf( tip ); // as gravity leaves it
+			}
+			tip.deflection = std::max( tip.deflection, double( ( placeOf( tip ) - tip.rest ).length() ) );
+		}
+	}
+
+	/// The pull as a rod out of each tip.
+	void beforePicture( Stage&, pliant_glue::DrawList& list ) override
+	{
+		const float length = 0.25f * float( m_pull / kPull ), thickness = 0.012f;
+		for( const Tip& tip : m_tips )
+		{
+			const btVector3 at = placeOf( tip );
+			list.boxes.push_back( { { thickness, 0, 0 }, { 0, thickness, 0 }, { 0, 0, length }, { float( at.x() ), float( at.y() ), float( at.z() ) + length / 2 }, kBrick } );
+		}
+	}
+
+	std::vector<FindingTable> findings( const Stage& ) const override
+	{
+		FindingTable table{ "the same pull at every tip, m", { "deflection", "of the thumb's" }, {} };
+		for( std::size_t i = 0; i < m_tips.size(); ++i )
+		{
+			table.rows.push_back( { kDigitNames[i], { m_tips[i].deflection, m_tips[i].deflection / m_tips[0].deflection } } );
+		}
+		return { table };
+	}
+
+	double duration() const override { return 4.0; }
+	pliant_glue::DrawCamera camera( double ) const override { return { { -1.35f, 0.80f, 1.75f }, { -0.03f, 0.40f, 0.08f }, 28.0f }; }
+	pliant_glue::DrawLight light() const override { return { { -0.15f, 0.75f, 0.65f }, { 0, 0.4f, 0 }, 1.6f }; }
+
+private:
+	struct Tip
+	{
+		std::vector<int> nodes;
+		btScalar mass = 0;
+		int vertex = 0;
+		btVector3 rest = btVector3( 0, 0, 0 );
+		double deflection = 0;
+	};
+
+	Tip tipOf( const Digit& digit ) const
+	{
+		const btVector3 place( digit.tip[0], digit.tip[1], digit.tip[2] );
+		Tip tip;
+		for( int i = 0; i < m_body->nodeCount(); ++i )
+		{
+			if( m_body->nodePosition( i ).distance( place ) < kGrip )
+			{
+				tip.nodes.push_back( i );
+				tip.mass += m_body->nodeMass( i );
+			}
+		}
+		const pliant::SurfaceView skin = m_body->surface();
+		btScalar nearest = BT_LARGE_FLOAT;
+		for( int i = 0; i < skin.vertexCount; ++i )
+		{
+			const btScalar away = vertexAt( skin, i ).distance( place + btVector3( 0, 0, btScalar( digit.radius ) ) );
+			if( away < nearest )
+			{
+				nearest = away;
+				tip.vertex = i;
+			}
+		}
+		return tip;
+	}
+
+	static btVector3 vertexAt( const pliant::SurfaceView& skin, int i )
+	{
+		const float* p = skin.positions + std::size_t( i ) * 3;
+		return skin.origin + btVector3( btScalar( p[0] ), btScalar( p[1] ), btScalar( p[2] ) );
+	}
+
+	btVector3 placeOf( const Tip& tip ) const { return vertexAt( m_body->surface(), tip.vertex ); }
+
+	pliant::SoftBody* m_body = nullptr;
+	std::vector<Tip> m_tips;
+	btScalar m_pull = 0;
+};
+
+} // namespace
+
+std::unique_ptr<Scene> makeHandScene()
+{
+	return std::make_unique<Hand>();
+}
+
+} // namespace pliant_demos
