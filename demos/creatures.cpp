@@ -93,7 +93,7 @@ ModelMesh makeFlower( int petals )
 		}
 		return std::min( join( head, stem, 0.02f ), p[1] );
 	};
-	return named( "flower", marchSurface( field, { -0.26f, -0.009f, -0.26f }, { 0.26f, 0.68f, 0.26f }, 0.0113f ) );
+	return named( "flower", marchSurface( field, { -0.26f, -0.009f, -0.26f }, { 0.26f, 0.68f, 0.26f }, 0.0203f ) );
 }
 
 } // namespace pliant_demos

@@ -70,6 +70,7 @@ std::unique_ptr<Scene> makeFlowers();
 std::unique_ptr<Scene> makeGlobDrop();
 std::unique_ptr<Scene> makeHandScene();
 std::unique_ptr<Scene> makeHello();
+std::unique_ptr<Scene> makePlasticBlock();
 std::unique_ptr<Scene> makeStack();
 std::unique_ptr<Scene> makeThinFingers();
 

@@ -17,7 +17,7 @@ namespace {
 constexpr int kCells = 4000;
 constexpr int kCoarseLevels = 2;
 constexpr btScalar kFoot = btScalar( 0.09 );      // m of the wrist that is held
-constexpr btScalar kPull = btScalar( 1.0 );       // N at each tip
+constexpr btScalar kPull = btScalar( 0.35 );      // N at each tip
 constexpr btScalar kGrip = btScalar( 0.07 );      // m around a tip that is pulled
 constexpr double kPullFrom = 0.4, kPullFullAt = 1.0, kPullUntil = 2.4; // s
 constexpr const char* kDigitNames[] = { "thumb", "index finger", "middle finger", "ring finger", "little finger" };
@@ -81,9 +81,9 @@ public:
 	void beforePicture( Stage&, pliant_glue::DrawList& list ) override
 	{
 		const float length = 0.25f * float( m_pull / kPull ), thickness = 0.012f;
-		for( const Tip& tip : m_tips )
+		for( std::size_t i = 0; m_pull > 0 && i < m_tips.size(); ++i )
 		{
-			const btVector3 at = placeOf( tip );
+			const btVector3 at = placeOf( m_tips[i] );
 			list.boxes.push_back( { { thickness, 0, 0 }, { 0, thickness, 0 }, { 0, 0, length }, { float( at.x() ), float( at.y() ), float( at.z() ) + length / 2 }, kBrick } );
 		}
 	}

@@ -1,0 +1,160 @@
+// +-----------------------------------------------------------------------------------------------------------------+
+// | plastic_block: Steinemann et al. 2008, figure 5. A ball, an edge and a corner press into a block one after the    |
+// | other and leave their dents.                                                                                     |
+// +-----------------------------------------------------------------------------------------------------------------+
+
+#include "demos/palette.h"
+#include "demos/scene.h"
+#include "demos/shapes.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace pliant_demos {
+
+namespace {
+
+constexpr float kEdge = 0.9f;                       // m
+constexpr int kCuts = 72;                           // of the block's faces: dents need vertices
+constexpr int kCells = 6000;
+constexpr btScalar kDepth = btScalar( 0.16 );       // m that each stamp goes below the block's top
+constexpr btScalar kClearance = btScalar( 0.25 );   // m above it where a stamp waits
+constexpr double kStampSeconds = 1.1, kFirstStamp = 0.3; // down and up again; one after the other
+constexpr double kRest = 0.6;                       // s for the block to come to rest at the end
+
+struct Stamp
+{
+	const char* name;
+	btScalar x, z;
+	btScalar reach; ///< from its middle down to what touches first, m
+	bool isBall;
+	btQuaternion turn;
+	btRigidBody* body = nullptr;
+	double deepest = 0; ///< m, under it, while it pressed
+};
+
+class PlasticBlock : public Scene
+{
+public:
+	bool init( Stage& stage ) override
+	{
+		stage.addGround( btScalar( 0.9 ) );
+		const pliant_glue::ModelMesh mesh = makeCube( kEdge, kCuts );
+		SoftOrder order;
+		order.name = "block";
+		order.mesh = &mesh;
+		order.cells = kCells;
+		order.place = btTransform( btQuaternion::getIdentity(), btVector3( 0, btScalar( kEdge ) / 2, 0 ) );
+		order.material.density = 400.0f;
+		order.material.youngsModulus = 6.0e4f;
+		order.material.damping = 25.0f;
+		order.friction = btScalar( 0.9 );
+		order.colour = kTeal;
+		m_body = stage.addSoft( order );
+		if( m_body == nullptr )
+		{
+			return false;
+		}
+		const btScalar size = btScalar( 0.3 ), across = btScalar( kEdge * 0.27 );
+		const btQuaternion edgeDown( btVector3( 0, 0, 1 ), SIMD_PI / 4 );
+		const btQuaternion cornerDown = shortestArcQuat( btVector3( 1, 1, 1 ).normalized(), btVector3( 0, 1, 0 ) );
+		m_stamps = { { "ball", -across, across, size / 2, true, btQuaternion::getIdentity() },
+			{ "edge", across * btScalar( 0.9 ), across * btScalar( 0.5 ), size / btScalar( std::sqrt( 2.0 ) ), false, edgeDown },
+			{ "corner", -across * btScalar( 0.3 ), -across, size * btScalar( std::sqrt( 3.0 ) ) / 2, false, cornerDown } };
+		for( Stamp& stamp : m_stamps )
+		{
+			stamp.body = stamp.isBall ? stage.addSphere( size, btVector3( 0, 2, 0 ), 0, kOchre )
+			                          : stage.addBox( btVector3( size, size, size ), btTransform( stamp.turn ), 0, kOchre );
+		}
+		return true;
+	}
+
+	void beforeStep( Stage&, double seconds ) override
+	{
+		for( std::size_t i = 0; i < m_stamps.size(); ++i )
+		{
+			const double share = ( seconds - kFirstStamp ) / kStampSeconds - double( i );
+			// Half a cosine down, half a cosine up.
+			const btScalar down = share <= 0 || share >= 1 ? btScalar( 0 ) : btScalar( 0.5 - 0.5 * std::cos( 2 * SIMD_PI * share ) );
+			const Stamp& stamp = m_stamps[i];
+			const btScalar y = btScalar( kEdge ) + stamp.reach + kClearance - down * ( kClearance + kDepth );
+			Stage::moveBody( stamp.body, btTransform( stamp.turn, btVector3( stamp.x, y, stamp.z ) ) );
+		}
+	}
+
+	void afterStep( Stage& stage, double ) override
+	{
+		stage.skin();
+		if( m_topVertices.empty() )
+		{
+			rememberTop();
+		}
+		for( std::size_t i = 0; i < m_stamps.size(); ++i )
+		{
+			m_stamps[i].deepest = std::max( m_stamps[i].deepest, depthUnder( i ) );
+		}
+	}
+
+	std::vector<FindingTable> findings( const Stage& ) const override
+	{
+		FindingTable table{ "dents, m", { "pressed", "left", "left, %" }, {} };
+		for( std::size_t i = 0; i < m_stamps.size(); ++i )
+		{
+			table.rows.push_back( { m_stamps[i].name, { m_stamps[i].deepest, depthUnder( i ), 100 * depthUnder( i ) / m_stamps[i].deepest } } );
+		}
+		return { table };
+	}
+
+	double duration() const override { return kFirstStamp + 3 * kStampSeconds + kRest; }
+	pliant_glue::DrawCamera camera( double ) const override { return { { -0.9f, 1.95f, 2.3f }, { 0, 0.55f, 0 }, 34.0f }; }
+	pliant_glue::DrawLight light() const override { return { { 0.65f, 0.65f, 0.25f }, { 0, 0.5f, 0 }, 1.7f }; }
+
+private:
+	/// Vertices of the top face under each stamp, and how high they are at rest.
+	void rememberTop()
+	{
+		const pliant::SurfaceView skin = m_body->surface();
+		const auto height = [&]( int i ) { return double( skin.positions[std::size_t( i ) * 3 + 1] ) + double( skin.origin.y() ); };
+		for( const Stamp& stamp : m_stamps )
+		{
+			std::vector<int> under;
+			for( int i = 0; i < skin.vertexCount; ++i )
+			{
+				const float* p = skin.positions + std::size_t( i ) * 3;
+				const double dx = double( p[0] ) + double( skin.origin.x() - stamp.x ), dz = double( p[2] ) + double( skin.origin.z() - stamp.z );
+				if( height( i ) > 0.95 * double( kEdge ) && dx * dx + dz * dz < kUnder * kUnder )
+				{
+					under.push_back( i );
+				}
+			}
+			m_topVertices.push_back( std::move( under ) );
+			m_topAtRest = height( m_topVertices.back().front() );
+		}
+	}
+
+	double depthUnder( std::size_t stamp ) const
+	{
+		const pliant::SurfaceView skin = m_body->surface();
+		double depth = 0;
+		for( const int i : m_topVertices[stamp] )
+		{
+			depth = std::max( depth, m_topAtRest - double( skin.positions[std::size_t( i ) * 3 + 1] ) - double( skin.origin.y() ) );
+		}
+		return depth;
+	}
+
+	static constexpr double kUnder = 0.04; // m around a stamp's middle
+	pliant::SoftBody* m_body = nullptr;
+	std::vector<Stamp> m_stamps;
+	std::vector<std::vector<int>> m_topVertices;
+	double m_topAtRest = 0;
+};
+
+} // namespace
+
+std::unique_ptr<Scene> makePlasticBlock()
+{
+	return std::make_unique<PlasticBlock>();
+}
+
+} // namespace pliant_demos
