@@ -9,6 +9,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include <algorithm>
 #include <chrono>
 #include <cinttypes>
 #include <cmath>
@@ -42,8 +43,8 @@ public:
 		{
 			return 1;
 		}
-		const int stepsPerFrame = kStepsPerSecond / m_settings.framesPerSecond;
-		const int frames = m_settings.frames > 0 ? m_settings.frames : int( std::lround( m_play->scene().duration() * m_settings.framesPerSecond ) );
+		const int stepsPerFrame = std::max( 1, kStepsPerSecond / ( m_settings.framesPerSecond * m_play->scene().slowness() ) );
+		const int frames = m_settings.frames > 0 ? m_settings.frames : int( std::lround( m_play->scene().duration() * kStepsPerSecond / stepsPerFrame ) );
 		ProgressLine progress( m_entry.name, frames );
 		for( int frame = 0; frame < frames; ++frame )
 		{
@@ -144,7 +145,7 @@ private:
 		}
 		m_list.clear();
 		m_play->draw( m_list, m_settings.showNodes );
-		m_list.camera = m_play->scene().camera( double( frame ) / m_settings.framesPerSecond );
+		m_list.camera = m_play->scene().camera( m_play->seconds() );
 		m_list.light = m_play->scene().light();
 		for( const std::unique_ptr<FrameSink>& sink : m_sinks )
 		{

@@ -44,8 +44,10 @@ public:
 	/// After the last step, for the table and summary.json.
 	virtual std::vector<FindingTable> findings( const Stage& ) const { return {}; }
 
-	/// Length of the film, s.
+	/// Length of what happens, s.
 	virtual double duration() const = 0;
+	/// The film shows it so many times slower.
+	virtual int slowness() const { return 1; }
 
 	virtual pliant_glue::DrawCamera camera( double seconds ) const = 0;
 	virtual pliant_glue::DrawLight light() const = 0;

@@ -35,6 +35,7 @@ std::vector<Method> methods()
 {
 	pliant::Adaptivity ours;
 	ours.coarseLevels = kCoarseLevels;
+	ours.residual = pliant::ResidualRule::Soften; // a hard fall leaves lumps where the residual is softer than that
 	pliant::Adaptivity refined = ours;
 	refined.refineStrain = kRefineStrain;
 	return { { "Steinemann", pliant::steinemannAdaptivity( kCoarseLevels ) }, { "Ohta", pliant::ohtaAdaptivity( kCoarseLevels ) },
@@ -145,8 +146,9 @@ public:
 		return { means, spreads };
 	}
 
-	double duration() const override { return 3.5; }
-	pliant_glue::DrawCamera camera( double ) const override { return { { 0, 1.25f, 5.1f }, { 0, 0.42f, 0 }, 32.0f }; }
+	double duration() const override { return 1.5; }
+	int slowness() const override { return 2; }
+	pliant_glue::DrawCamera camera( double ) const override { return { { -0.1f, 1.15f, 5.1f }, { -0.1f, 0.42f, 0 }, 31.0f }; }
 	pliant_glue::DrawLight light() const override { return { { -0.35f, 0.80f, 0.55f }, { 0, 0.5f, 0 }, 3.6f }; }
 
 private:

@@ -39,6 +39,7 @@ struct Hall
 	pliant::SoftBody* body = nullptr;
 	btRigidBody* bar = nullptr;
 	btScalar x = 0;
+	std::vector<int> drawn; ///< nodes that can be seen from outside
 };
 
 class ThinFingers : public Scene
@@ -120,8 +121,8 @@ public:
 		return { difference, speed };
 	}
 
-	double duration() const override { return 3.2; }
-	pliant_glue::DrawCamera camera( double ) const override { return { { 0.5f, 0.85f, 6.2f }, { 0, 0.76f, 0 }, 23.0f }; }
+	double duration() const override { return 2.8; }
+	pliant_glue::DrawCamera camera( double ) const override { return { { 0.3f, 0.85f, 6.4f }, { 0.02f, 0.74f, 0 }, 25.0f }; }
 	pliant_glue::DrawLight light() const override { return { { -0.35f, 0.75f, 0.6f }, { 0, 0.6f, 0 }, 3.2f }; }
 
 private:
@@ -147,18 +148,33 @@ private:
 		// Held from above: the nodes of the topmost blocks, whatever their size.
 		hall.body->pinNodesInside( btVector3( x - width, top - block, -depth ), btVector3( x + width, top, depth ) );
 		stage.addBox( btVector3( width, plate, depth ), btTransform( btQuaternion::getIdentity(), btVector3( x, top + plate / 2, 0 ) ), 0, kStone );
+		for( int i = 0; i < hall.body->nodeCount(); ++i )
+		{
+			// Within half its own edge, and a little, of a face of the palm; or in a finger.
+			const btVector3 at = hall.body->nodePosition( i ) - btVector3( x, kPalmBottom + height / 2, 0 );
+			const btScalar near = btScalar( 0.6 * m_plan.cell * std::cbrt( cellsIn( *hall.body, i ) ) );
+			const bool isWithin = std::abs( at.x() ) < width / 2 - near && std::abs( at.y() ) < height / 2 - near && std::abs( at.z() ) < depth / 2 - near;
+			if( !isWithin )
+			{
+				hall.drawn.push_back( i );
+			}
+		}
 		hall.bar = stage.addBox( btVector3( kBarThickness, kBarThickness, depth * btScalar( 1.3 ) ), btTransform( btQuaternion::getIdentity(), barStart( x ) ), 0, kOak );
 		return true;
+	}
+
+	/// How many finest cells' material a node stands for.
+	double cellsIn( const pliant::SoftBody& body, int node ) const
+	{
+		return double( body.nodeMass( node ) ) / ( double( body.material().density ) * std::pow( double( m_plan.cell ), 3 ) );
 	}
 
 	/// Nodes as cubes of the material they stand for, coloured by level.
 	void drawNodes( const Hall& hall, btScalar aside, pliant_glue::DrawList& list ) const
 	{
-		const double cellMass = double( hall.body->material().density ) * std::pow( double( m_plan.cell ), 3 );
-		for( int i = 0; i < hall.body->nodeCount(); ++i )
+		for( const int i : hall.drawn )
 		{
-			const double cells = double( hall.body->nodeMass( i ) ) / cellMass;
-			const int level = std::clamp( int( std::lround( std::log2( std::max( cells, 1.0 ) ) / 3 ) ), 0, kCoarseLevels );
+			const int level = hall.body->nodeLevel( i );
 			const float edge = 0.94f * m_plan.cell * float( 1 << level );
 			const btVector3 at = hall.body->nodePosition( i ) + btVector3( aside, 0, 0 );
 			list.boxes.push_back( { { edge, 0, 0 }, { 0, edge, 0 }, { 0, 0, edge }, { float( at.x() ), float( at.y() ), float( at.z() ) }, kLevelColours[level] } );
