@@ -82,18 +82,18 @@ ModelMesh makeFlower( int petals )
 		{
 			const float angle = kTurn * float( k ) / float( petals );
 			const Point middle = { 0.085f * std::cos( angle ), kFlowerHeadMiddle, 0.085f * std::sin( angle ) };
-			head = std::max( head, ellipsoid( p, middle, turned( angle, kLean ), { 0.020f, 0.125f, 0.062f } ) );
+			head = std::max( head, ellipsoid( p, middle, turned( angle, kLean ), { 0.030f, 0.125f, 0.064f } ) );
 		}
 		float stem = rod( p, { 0, 0.02f, 0 }, { 0, kFlowerHeadFrom + 0.02f, 0 }, 0.032f, 0.026f );
 		for( int k = 0; k < 2; ++k )
 		{
 			const float angle = kTurn * ( 0.13f + 0.5f * float( k ) );
 			const Point middle = { 0.06f * std::cos( angle ), 0.12f, 0.06f * std::sin( angle ) };
-			stem = join( stem, ellipsoid( p, middle, turned( angle, 0.5f ), { 0.017f, 0.13f, 0.042f } ), 0.02f );
+			stem = join( stem, ellipsoid( p, middle, turned( angle, 0.5f ), { 0.024f, 0.13f, 0.045f } ), 0.02f );
 		}
 		return std::min( join( head, stem, 0.02f ), p[1] );
 	};
-	return named( "flower", marchSurface( field, { -0.26f, -0.009f, -0.26f }, { 0.26f, 0.68f, 0.26f }, 0.0203f ) );
+	return named( "flower", marchSurface( field, { -0.26f, -0.009f, -0.26f }, { 0.26f, 0.68f, 0.26f }, 0.0223f ) );
 }
 
 } // namespace pliant_demos

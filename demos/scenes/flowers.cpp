@@ -19,10 +19,10 @@ constexpr int kColumns = 8, kRows = 5;
 constexpr int kPetals = 6;
 constexpr btScalar kSpacing = btScalar( 0.55 );
 constexpr int kCoarseLevels = 2;
-constexpr float kFinestCell = 0.0105f;      // m: two in a petal's thickness
+constexpr float kFinestCell = 0.0148f;      // m: four in a petal's thickness
 constexpr float kKeepAll = 1e-6f;           // every block is one node at first, however little of it is filled
 constexpr btScalar kFootHeight = btScalar( 0.06 ); // m of the stem that is held
-constexpr btScalar kWind = btScalar( 2.2 ); // m/s^2 on a petal in the strongest gust
+constexpr btScalar kWind = btScalar( 0.3 ); // m/s^2 on a petal in the strongest gust
 constexpr btScalar kFingerThickness = btScalar( 0.14 ), kFingerHeight = btScalar( 0.50 );
 constexpr double kFingerStart = 0.5;        // s
 
@@ -37,7 +37,7 @@ public:
 		order.mesh = &mesh;
 		order.cellSize = kFinestCell;
 		order.material.density = 200.0f;
-		order.material.youngsModulus = 2.0e4f;
+		order.material.youngsModulus = 5.0e3f;
 		order.material.damping = 3.0f;
 		order.material.wobbleDamping = 0.1f;
 		order.adaptivity.coarseLevels = kCoarseLevels;
@@ -49,7 +49,6 @@ public:
 		order.adaptivity.mergeShare = 0.8f;
 		order.adaptivity.mergeDelay = 0.4f;
 		order.shape = stage.buildShape( order );
-		stage.addGround( btScalar( 0.5 ) );
 		std::mt19937 random( stage.options().seed );
 		for( int i = 0; order.shape != nullptr && i < kColumns * kRows; ++i )
 		{
@@ -70,7 +69,7 @@ public:
 			{
 				// A gust runs over the field along x; it meets petals more than stems.
 				const double phase = 2.2 * seconds - 1.4 * double( at.x() ) - 0.5 * double( at.z() );
-				const btScalar gust = btScalar( 0.55 + 0.45 * std::sin( phase ) ) * kWind;
+				const btScalar gust = btScalar( 0.35 + 0.65 * std::sin( phase ) ) * kWind;
 				const btScalar exposed = std::clamp( flower->nodePosition( i ).y() / btScalar( kFlowerHeadMiddle ), btScalar( 0 ), btScalar( 1 ) );
 				const btScalar force = gust * exposed * flower->nodeMass( i );
 				flower->applyForce( btVector3( force, 0, force * btScalar( 0.35 * std::sin( 1.7 * phase ) ) ), i );
@@ -89,7 +88,7 @@ public:
 				{ { "forty", { stage.log().medianStep(), stage.log().longestStep(), stage.log().medianSkinning() / count } } } } };
 	}
 
-	double duration() const override { return 4.0; }
+	double duration() const override { return 3.4; }
 	pliant_glue::DrawCamera camera( double ) const override { return { { 0.4f, 1.75f, 3.7f }, { 0, 0.30f, 0.1f }, 34.0f }; }
 	pliant_glue::DrawLight light() const override { return { { -0.45f, 0.75f, 0.45f }, { 0, 0.3f, 0 }, 3.4f }; }
 
@@ -123,7 +122,7 @@ private:
 	static btVector3 fingerAt( double seconds )
 	{
 		const btScalar half = kSpacing * btScalar( kColumns ) / 2, t = btScalar( std::max( 0.0, seconds - kFingerStart ) );
-		const btScalar x = -half - btScalar( 0.3 ) + btScalar( 1.5 ) * t;
+		const btScalar x = -half - btScalar( 0.3 ) + btScalar( 1.7 ) * t;
 		return btVector3( x, kFingerHeight, kSpacing * btScalar( 1.5 ) + btScalar( 0.35 ) * btScalar( std::sin( 2.0 * double( t ) ) ) );
 	}
 

@@ -16,8 +16,8 @@ namespace {
 
 constexpr int kCells = 4000;
 constexpr int kCoarseLevels = 2;
-constexpr btScalar kFoot = btScalar( 0.09 );      // m of the wrist that is held
-constexpr btScalar kPull = btScalar( 0.35 );      // N at each tip
+constexpr btScalar kFoot = btScalar( 0.16 );      // m of the wrist that is held
+constexpr btScalar kPull = btScalar( 0.25 );      // N at each tip
 constexpr btScalar kGrip = btScalar( 0.07 );      // m around a tip that is pulled
 constexpr double kPullFrom = 0.4, kPullFullAt = 1.0, kPullUntil = 2.4; // s
 constexpr const char* kDigitNames[] = { "thumb", "index finger", "middle finger", "ring finger", "little finger" };
@@ -34,7 +34,7 @@ public:
 		order.cells = kCells;
 		order.adaptivity.coarseLevels = kCoarseLevels;
 		order.material.density = 300.0f;
-		order.material.youngsModulus = 6.0e4f;
+		order.material.youngsModulus = 8.0e4f;
 		order.material.damping = 10.0f;
 		order.colour = kOchre;
 		m_body = stage.addSoft( order );
@@ -43,7 +43,6 @@ public:
 			return false;
 		}
 		stage.addGround( btScalar( 0.5 ) );
-		stage.addBox( btVector3( btScalar( 0.5 ), kFoot, btScalar( 0.4 ) ), btTransform( btQuaternion::getIdentity(), btVector3( 0, -kFoot / 2, 0 ) ), 0, kStone );
 		m_body->pinNodesInside( btVector3( -1, -1, -1 ), btVector3( 1, kFoot, 1 ) );
 		for( const Digit& digit : handDigits() )
 		{
