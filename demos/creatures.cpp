@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace pliant_demos {
 
@@ -53,6 +54,31 @@ const std::vector<Digit>& handDigits()
 	return kDigits;
 }
 
+DigitShare digitAt( const float* point )
+{
+	const std::vector<Digit>& digits = handDigits();
+	const Point p = { point[0], point[1], point[2] };
+	DigitShare best{ 0, 0 };
+	float most = std::numeric_limits<float>::lowest();
+	for( std::size_t i = 0; i < digits.size(); ++i )
+	{
+		const Digit& digit = digits[i];
+		const float inside = rod( p, digit.root, digit.tip, digit.radius, digit.radius );
+		if( inside > most )
+		{
+			most = inside;
+			float along = 0, length = 0;
+			for( std::size_t k = 0; k < 3; ++k )
+			{
+				along += ( p[k] - digit.root[k] ) * ( digit.tip[k] - digit.root[k] );
+				length += ( digit.tip[k] - digit.root[k] ) * ( digit.tip[k] - digit.root[k] );
+			}
+			best = { i, std::clamp( along / ( std::sqrt( length ) * digit.radius ), 0.0f, 1.0f ) };
+		}
+	}
+	return best;
+}
+
 ModelMesh makeHand()
 {
 	const auto field = [&]( const Point& p ) {
@@ -93,7 +119,7 @@ ModelMesh makeFlower( int petals )
 		}
 		return std::min( join( head, stem, 0.02f ), p[1] );
 	};
-	return named( "flower", marchSurface( field, { -0.26f, -0.009f, -0.26f }, { 0.26f, 0.68f, 0.26f }, 0.0223f ) );
+	return named( "flower", marchSurface( field, { -0.26f, -0.009f, -0.26f }, { 0.26f, 0.68f, 0.26f }, 0.0243f ) );
 }
 
 } // namespace pliant_demos

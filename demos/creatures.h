@@ -31,6 +31,13 @@ struct Digit
 	float radius;
 };
 const std::vector<Digit>& handDigits();
+/// Which digit a point of the hand belongs to, and how far beyond its root it is, 0 at the root to 1 a radius further on and beyond.
+struct DigitShare
+{
+	std::size_t digit;
+	float share;
+};
+DigitShare digitAt( const float* point );
 
 /// A tulip, about 0.65 m high, its foot at the origin; `petals` of them around a stem with two leaves.
 pliant_glue::ModelMesh makeFlower( int petals );

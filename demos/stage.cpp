@@ -179,7 +179,7 @@ pliant::SoftBody* Stage::addSoft( const SoftOrder& order )
 	{
 		return nullptr;
 	}
-	pliant::SoftBodyResult body = pliant::SoftBody::create( shape, order.place, order.material, order.adaptivity );
+	pliant::SoftBodyResult body = pliant::SoftBody::create( shape, order.place, order.material, order.adaptivity, order.stiffness );
 	if( !body.ok() )
 	{
 		m_status = { body.status.code, order.name + ": " + body.status.sentence };

@@ -38,6 +38,7 @@ struct SoftOrder
 	btTransform place = btTransform::getIdentity();
 	pliant::Material material;
 	pliant::Adaptivity adaptivity;
+	pliant::StiffnessField stiffness;
 	btScalar friction = btScalar( 0.5 );
 	pliant_glue::Colour colour = { 0.8f, 0.4f, 0.25f };
 };

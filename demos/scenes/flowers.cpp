@@ -20,10 +20,11 @@ constexpr int kPetals = 6;
 constexpr btScalar kSpacing = btScalar( 0.55 );
 constexpr int kCoarseLevels = 2;
 constexpr float kFinestCell = 0.0148f;      // m: four in a petal's thickness
+constexpr float kPetalShare = 0.25f;        // of the stem's stiffness
 constexpr float kKeepAll = 1e-6f;           // every block is one node at first, however little of it is filled
 constexpr btScalar kFootHeight = btScalar( 0.06 ); // m of the stem that is held
-constexpr btScalar kWind = btScalar( 0.3 ); // m/s^2 on a petal in the strongest gust
-constexpr btScalar kFingerThickness = btScalar( 0.14 ), kFingerHeight = btScalar( 0.50 );
+constexpr btScalar kWind = btScalar( 0.6 ); // m/s^2 on a petal in the strongest gust
+constexpr btScalar kFingerThickness = btScalar( 0.10 ), kFingerHeight = btScalar( 0.58 );
 constexpr double kFingerStart = 0.5;        // s
 
 class Flowers : public Scene
@@ -37,7 +38,8 @@ public:
 		order.mesh = &mesh;
 		order.cellSize = kFinestCell;
 		order.material.density = 200.0f;
-		order.material.youngsModulus = 5.0e3f;
+		order.material.youngsModulus = 1.4e4f;
+		order.stiffness.share = []( const float* point, void* ) { return point[1] > kFlowerHeadFrom + 0.04f ? kPetalShare : 1.0f; };
 		order.material.damping = 3.0f;
 		order.material.wobbleDamping = 0.1f;
 		order.adaptivity.coarseLevels = kCoarseLevels;
@@ -88,7 +90,7 @@ public:
 				{ { "forty", { stage.log().medianStep(), stage.log().longestStep(), stage.log().medianSkinning() / count } } } } };
 	}
 
-	double duration() const override { return 3.4; }
+	double duration() const override { return 3.0; }
 	pliant_glue::DrawCamera camera( double ) const override { return { { 0.4f, 1.75f, 3.7f }, { 0, 0.30f, 0.1f }, 34.0f }; }
 	pliant_glue::DrawLight light() const override { return { { -0.45f, 0.75f, 0.45f }, { 0, 0.3f, 0 }, 3.4f }; }
 
@@ -122,7 +124,7 @@ private:
 	static btVector3 fingerAt( double seconds )
 	{
 		const btScalar half = kSpacing * btScalar( kColumns ) / 2, t = btScalar( std::max( 0.0, seconds - kFingerStart ) );
-		const btScalar x = -half - btScalar( 0.3 ) + btScalar( 1.7 ) * t;
+		const btScalar x = -half - btScalar( 0.3 ) + btScalar( 1.9 ) * t;
 		return btVector3( x, kFingerHeight, kSpacing * btScalar( 1.5 ) + btScalar( 0.35 ) * btScalar( std::sin( 2.0 * double( t ) ) ) );
 	}
 

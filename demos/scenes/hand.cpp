@@ -16,11 +16,37 @@ namespace {
 
 constexpr int kCells = 4000;
 constexpr int kCoarseLevels = 2;
-constexpr btScalar kFoot = btScalar( 0.16 );      // m of the wrist that is held
-constexpr btScalar kPull = btScalar( 0.25 );      // N at each tip
+constexpr btScalar kHeldTo = btScalar( 0.30 );    // m: wrist and palm are held, so that only the fingers give way
+constexpr btScalar kThumbSide = btScalar( -0.12 );
+constexpr btScalar kPull = btScalar( 0.9 );       // N at each tip
 constexpr btScalar kGrip = btScalar( 0.07 );      // m around a tip that is pulled
 constexpr double kPullFrom = 0.4, kPullFullAt = 1.0, kPullUntil = 2.4; // s
+constexpr float kYoungsModulus = 8.0e4f;           // Pa, of the thumb; the rest has a share of it. About what 16 substeps reach
+constexpr float kPalmShare = 0.8f;
+constexpr float kDigitShare[] = { 1.0f, 0.8f, 0.8f, 0.8f, 0.15f };
 constexpr const char* kDigitNames[] = { "thumb", "index finger", "middle finger", "ring finger", "little finger" };
+
+/// From the palm's stiffness at a digit's root to the digit's own a radius further on.
+float stiffnessAt( const float* point, void* )
+{
+	const DigitShare at = digitAt( point );
+	return kPalmShare + ( kDigitShare[at.digit] - kPalmShare ) * at.share;
+}
+
+/// Soft is plum, the palm ochre, hard slate.
+pliant_glue::Colour colourOf( float stiffness )
+{
+	const auto tone = []( float share ) { return std::log( share / kDigitShare[4] ) / std::log( kDigitShare[0] / kDigitShare[4] ); };
+	const float t = std::clamp( tone( stiffness ), 0.0f, 1.0f ), palmTone = tone( kPalmShare );
+	pliant_glue::Colour colour;
+	for( std::size_t k = 0; k < 3; ++k )
+	{
+		const float middle = kOchre[k], end = t < palmTone ? kPlum[k] : kSlate[k];
+		const float away = t < palmTone ? ( palmTone - t ) / palmTone : ( t - palmTone ) / ( 1 - palmTone );
+		colour[k] = middle + ( end - middle ) * away;
+	}
+	return colour;
+}
 
 class Hand : public Scene
 {
@@ -34,7 +60,8 @@ public:
 		order.cells = kCells;
 		order.adaptivity.coarseLevels = kCoarseLevels;
 		order.material.density = 300.0f;
-		order.material.youngsModulus = 8.0e4f;
+		order.material.youngsModulus = kYoungsModulus;
+		order.stiffness.share = stiffnessAt;
 		order.material.damping = 10.0f;
 		order.colour = kOchre;
 		m_body = stage.addSoft( order );
@@ -43,7 +70,14 @@ public:
 			return false;
 		}
 		stage.addGround( btScalar( 0.5 ) );
-		m_body->pinNodesInside( btVector3( -1, -1, -1 ), btVector3( 1, kFoot, 1 ) );
+		m_body->pinNodesInside( btVector3( kThumbSide, -1, -1 ), btVector3( 1, kHeldTo, 1 ) );
+		std::vector<float> colours;
+		for( std::size_t i = 0; i < mesh.positions.size(); i += 3 )
+		{
+			const pliant_glue::Colour colour = colourOf( stiffnessAt( &mesh.positions[i], nullptr ) );
+			colours.insert( colours.end(), colour.begin(), colour.end() );
+		}
+		stage.colourVertices( m_body, std::move( colours ) );
 		for( const Digit& digit : handDigits() )
 		{
 			m_tips.push_back( tipOf( digit ) );
