@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace pliant {
 
@@ -15,8 +16,13 @@ constexpr double kFadeStep = 5e-4;
 /// Frames of the shortest fade: a tenth of a second.
 constexpr int kFewestFrames = 6;
 
+/// Frames in which the children of a split node part: a quarter of a second.
+constexpr int kEaseFrames = 15;
+
 /// Shares of the diagonal below which an offset is not kept, and differences of gradients: a fiftieth of a step, and above rounding.
 constexpr float kFadeFloor = 1e-5f;
+
+constexpr std::uint32_t kGone = std::numeric_limits<std::uint32_t>::max(); // LevelChange::keptAs of nodes that are not there any more
 
 using MapRows = Eigen::Map<const Eigen::Matrix<float, 3, 4, Eigen::RowMajor>>;
 
@@ -69,12 +75,77 @@ std::vector<char> SkinFade::changedSlots( const Nodes& nodes, const AlignedArray
 	return changed;
 }
 
+/// Groups whose nodes are all still there go on; each split makes a new one. Whatever that does to the maps is left to the offsets.
+void SkinFade::regroup( const Nodes& nodes )
+{
+	std::vector<Group> groups;
+	std::size_t old = 0;
+	const auto isKept = [&]( std::uint32_t before ) { return nodes.keptAs[before] != kGone; };
+	for ( std::uint32_t slot = 0, end = 0; slot < std::uint32_t( nodes.now.count ); slot = end )
+	{
+		const std::uint32_t before = nodes.heir[slot];
+		for ( end = slot + 1; end < std::uint32_t( nodes.now.count ) && nodes.heir[end] == before; ++end )
+		{
+		}
+		for ( ; old < m_group.size() && m_group[old].first < before; ++old )
+		{
+		}
+		if ( end - slot > 1 )
+		{
+			groups.push_back( Group{ slot, end - slot, 0 } );
+		}
+		else if ( old < m_group.size() && m_group[old].first == before )
+		{
+			bool isWhole = true;
+			for ( std::uint32_t k = 0; k < m_group[old].count; ++k )
+			{
+				isWhole = isWhole && isKept( before + k );
+			}
+			if ( isWhole )
+			{
+				groups.push_back( Group{ slot, m_group[old].count, m_group[old].frame } );
+			}
+		}
+	}
+	m_group.swap( groups );
+}
+
+void SkinFade::ease( const NodeState& nodes, float* maps ) const
+{
+	using Rows = Eigen::Map<Eigen::Matrix<float, 3, 4, Eigen::RowMajor>>;
+	for ( const Group& group : m_group )
+	{
+		Eigen::Matrix<float, 3, 4> sum = Eigen::Matrix<float, 3, 4>::Zero();
+		Vec3 at = Vec3::Zero(), rest = Vec3::Zero();
+		float mass = 0.0f;
+		for ( std::uint32_t slot = group.first; slot < group.first + group.count; ++slot )
+		{
+			const float m = nodes.mass[slot];
+			mass += m;
+			sum += m * Rows( maps + std::size_t( slot ) * kMapFloats );
+			at += m * nodes.x.get( int( slot ) );
+			rest += m * nodes.x0.get( int( slot ) );
+		}
+		Eigen::Matrix<float, 3, 4> common = sum / mass;
+		common.col( 3 ) = at / mass - common.leftCols<3>() * ( rest / mass );
+		const float s = 1.0f - float( group.frame ) / float( kEaseFrames );
+		for ( std::uint32_t slot = group.first; slot < group.first + group.count; ++slot )
+		{
+			Rows map( maps + std::size_t( slot ) * kMapFloats );
+			map = ( 1.0f - s ) * map + s * common;
+		}
+	}
+}
+
 void SkinFade::start( const SkinBinding& binding, const Nodes& nodes )
 {
 	m_diagonal = m_diagonal > 0.0 ? m_diagonal : diagonalOf( binding.restPosition );
 	const float visible = kFadeFloor * float( m_diagonal );
 	AlignedArray<float> now( std::size_t( nodes.now.count ) * kMapFloats );
-	skinMaps( nodes.now, nodes.pose, now.data() );
+	regroup( nodes );
+	SkinPose pose = nodes.pose;
+	pose.fade = this;
+	skinMaps( nodes.now, pose, now.data() );
 	const std::vector<char> changed = changedSlots( nodes, now, visible );
 	const std::uint32_t* const slot = nodes.pose.slotOfCell;
 
@@ -113,7 +184,7 @@ void SkinFade::start( const SkinBinding& binding, const Nodes& nodes )
 
 float SkinFade::share() const
 {
-	return isActive() ? 1.0f - float( m_frame ) / float( m_frames ) : 0.0f;
+	return m_frame < m_frames ? 1.0f - float( m_frame ) / float( m_frames ) : 0.0f;
 }
 
 bool SkinFade::advance()
@@ -124,13 +195,20 @@ bool SkinFade::advance()
 	}
 	if ( ++m_frame >= m_frames )
 	{
-		clear();
+		m_vertex.clear();
+		m_offset.clear();
 	}
+	for ( Group& group : m_group )
+	{
+		++group.frame;
+	}
+	m_group.erase( std::remove_if( m_group.begin(), m_group.end(), []( const Group& g ) { return g.frame >= kEaseFrames; } ), m_group.end() );
 	return true;
 }
 
 void SkinFade::clear()
 {
+	m_group.clear();
 	m_vertex.clear();
 	m_offset.clear();
 }
@@ -152,7 +230,7 @@ void SkinFade::addTo( float* packed, float* wide, const Eigen::Quaternionf& body
 std::size_t SkinFade::bytes() const
 {
 	return m_mapBefore.capacity() * sizeof( float ) + ( m_slotBefore.capacity() + m_vertex.capacity() ) * sizeof( std::uint32_t ) +
-		   m_offset.capacity() * sizeof( Vec3 );
+		   m_offset.capacity() * sizeof( Vec3 ) + m_group.capacity() * sizeof( Group );
 }
 
 } // namespace pliant

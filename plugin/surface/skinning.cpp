@@ -163,6 +163,10 @@ void writeNormals( const SkinBinding& binding, const std::uint32_t* slot, const 
 void skinMaps( const NodeState& state, const SkinPose& pose, float* maps )
 {
 	fillMaps( state, pose, maps, 0, state.count );
+	if ( pose.fade )
+	{
+		pose.fade->ease( state, maps );
+	}
 }
 
 void skin( const SkinBinding& binding, const NodeState& state, const float* rotations, const SkinTriangles& triangles, SkinScratch& scratch,
@@ -188,12 +192,16 @@ void skin( const SkinBinding& binding, const NodeState& state, const SkinPose& p
 		fillMaps( state, pose, scratch.nodeMap.data(), chunk * kChunk, std::min( state.count, ( chunk + 1 ) * kChunk ) );
 	};
 	runTasks( runner, chunkCount( std::size_t( state.count ) ), maps );
+	if ( pose.fade )
+	{
+		pose.fade->ease( state, scratch.nodeMap.data() );
+	}
 
 	const auto begin = []( int chunk ) { return std::size_t( chunk ) * kChunk; };
 	const auto end = [&]( int chunk ) { return std::min( vertices, begin( chunk + 1 ) ); };
 	auto place = [&]( int chunk ) { writePositions( binding, pose.slotOfCell, scratch, positions, begin( chunk ), end( chunk ) ); };
 	runTasks( runner, chunkCount( vertices ), place );
-	if ( pose.fade && pose.fade->isActive() )
+	if ( pose.fade )
 	{
 		pose.fade->addTo( positions, scratch.position.data(), pose.body );
 	}

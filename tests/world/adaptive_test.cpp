@@ -1,29 +1,21 @@
 // Bodies with levels of detail in a world: what they rest on and carry, and that everything follows when nodes are split and merged.
 
-#include "test_world.h"
-
-#include "body/levels.h"
-#include "world/soft_body_impl.h"
+#include "adaptive_bodies.h"
 
 #include <algorithm>
-#include <cmath>
 #include <cstdio>
 
 namespace pliant {
 namespace {
 
+using test::anyNode;
 using test::at;
 using test::block;
+using test::changeLevels;
+using test::coarseNodes;
+using test::levels;
 using test::stiff;
 using test::TestWorld;
-
-Adaptivity levels( int count )
-{
-	Adaptivity settings;
-	settings.coarseLevels = count;
-	settings.mergeDelay = 0.05f;
-	return settings;
-}
 
 btScalar lowestPoint( const SoftBody& body )
 {
@@ -33,31 +25,6 @@ btScalar lowestPoint( const SoftBody& body )
 		low = btMin( low, body.nodePosition( i ).y() - body.nodeRadius( i ) );
 	}
 	return low;
-}
-
-/// Splits or merges octree nodes in the place of the world, between two steps.
-void changeLevels( SoftBody& soft, const std::vector<std::uint32_t>& split, const std::vector<std::uint32_t>& merge )
-{
-	SoftBody::Impl& impl = soft.impl();
-	impl.changeNodes( soft, [&] { impl.body->changeLevels( split, merge ); } );
-}
-
-std::vector<std::uint32_t> coarseNodes( const SoftBody& soft, bool ( *isWanted )( const SoftBody& soft, int node ) )
-{
-	std::vector<std::uint32_t> nodes;
-	for ( int i = 0; i < soft.nodeCount(); ++i )
-	{
-		if ( soft.nodeLevel( i ) > 0 && isWanted( soft, i ) )
-		{
-			nodes.push_back( soft.impl().body->levels()->cut().node[std::size_t( i )] );
-		}
-	}
-	return nodes;
-}
-
-bool anyNode( const SoftBody&, int )
-{
-	return true;
 }
 
 TEST( Adaptive, UniformBodiesHaveOneLevelAndAskForNothing )
