@@ -187,12 +187,20 @@ void Levels::collectSplits( const AlignedArray<float>& strain )
 	m_asked = std::move( waiting ); // each once, and only what is there: requests come again and again
 }
 
-/// Whether the body's own selection would never have used the node (firstCut).
+/// Whether the body's own selection would use neither the node nor one above it (firstCut): on the way back to one that it uses, nodes
+/// are merged that it would not choose by themselves.
 bool Levels::isTooBig( std::uint32_t node ) const
 {
 	const Octree& tree = octree();
-	const bool isTooLight = tree.mass[node] < double( m_settings.keepMass ) * std::ldexp( 1.0, 3 * tree.levelOf( node ) );
-	return isTooLight || ( m_settings.isSurfaceFine && tree.isSurface[node] != 0 );
+	for ( ; node != kNoNode; node = tree.parent[node] )
+	{
+		const bool isTooLight = tree.mass[node] < double( m_settings.keepMass ) * std::ldexp( 1.0, 3 * tree.levelOf( node ) );
+		if ( !isTooLight && !( m_settings.isSurfaceFine && tree.isSurface[node] != 0 ) )
+		{
+			return false;
+		}
+	}
+	return true;
 }
 
 bool Levels::mayMerge( const NodeState& nodes, std::uint32_t parent, int firstSlot ) const

@@ -203,6 +203,62 @@ TEST( Levels, FollowStrainUpAndDown )
 	EXPECT_LT( test::shapeError( *body ), 1e-3 );
 }
 
+enum class Start
+{
+	Flat,
+	Mirrored,
+	Scrambled,
+	OnePoint,
+	HundredTimesAsLong
+};
+
+void distort( NodeState& nodes, Start start )
+{
+	test::Seeded random( 4 );
+	for ( int i = 0; i < nodes.count; ++i )
+	{
+		const Vec3 x = nodes.x.get( i );
+		switch ( start )
+		{
+			case Start::Flat: nodes.x.set( i, Vec3( x.x(), x.y(), 0.0f ) ); break;
+			case Start::Mirrored: nodes.x.set( i, Vec3( x.x(), x.y(), -x.z() ) ); break;
+			case Start::Scrambled: nodes.x.set( i, random.inBox( 0.9f ) ); break;
+			case Start::OnePoint: nodes.x.set( i, Vec3::Zero() ); break;
+			case Start::HundredTimesAsLong: nodes.x.set( i, 100.0f * x ); break;
+		}
+	}
+}
+
+TEST( Levels, ComeBackFromAnyShapeWithTheNodesTheyBeganWith )
+{
+	const auto lattice = std::make_shared<const Lattice>( test::makeBlobLattice( 18, 0.1f, 2 ) );
+	for ( const float kappa : { 0.0f, 0.8f } )
+	{
+		for ( const Start start : { Start::Flat, Start::Mirrored, Start::Scrambled, Start::OnePoint, Start::HundredTimesAsLong } )
+		{
+			Material material;
+			material.volumeKeeping = kappa;
+			Adaptivity settings = levels( 2 );
+			settings.refineStrain = 0.15f;
+			const std::unique_ptr<Body> body = makeAdaptive( lattice, settings, material );
+			const int before = body->nodeCount();
+			distort( body->nodes(), start );
+			const float h = 1.0f / 240.0f;
+			int most = before;
+			for ( int step = 0; step < 2400; ++step )
+			{
+				body->adaptLevels( h );
+				ASSERT_EQ( substep( *body, h, 0.9f ), BodyHealth::Good );
+				most = std::max( most, body->nodeCount() );
+			}
+			EXPECT_GT( most, 2 * before );
+			EXPECT_EQ( body->nodeCount(), before ) << "start " << int( start ) << ", kappa " << kappa;
+			EXPECT_LT( test::shapeError( *body ), 1e-5 );
+			EXPECT_EQ( body->invertedShare(), 0.0f );
+		}
+	}
+}
+
 TEST( Levels, ABudgetSpreadsALargeRequestOverSteps )
 {
 	const auto lattice = std::make_shared<const Lattice>( makeBlockLattice( 16, 16, 16, 0.05f ) );
