@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <random>
 
 namespace pliant {
 namespace {
@@ -136,6 +137,48 @@ TEST( Adaptive, ContactsOfNodesThatStayKeepTheirImpulses )
 	}
 	test.run( 60 );
 	EXPECT_NEAR( soft->massCentre().y(), restsAt, 0.01 );
+}
+
+TEST( Adaptive, SpheresAreThoseOfABodyMadeThisWay )
+{
+	TestWorld test;
+	SoftBody* soft = test.addSoft( block( 10, 12, 8, 0.1f ), at( 0, 1, 0 ), stiff( 1e5f ), levels( 2 ) );
+	std::mt19937 random( 5 );
+	std::vector<std::vector<std::uint32_t>> splits;
+	for ( int round = 0; round < 8; ++round )
+	{
+		if ( round % 4 == 3 )
+		{
+			changeLevels( *soft, {}, splits.back() );
+			splits.pop_back();
+		}
+		else
+		{
+			std::vector<std::uint32_t> split = coarseNodes( *soft, anyNode );
+			split.erase( std::remove_if( split.begin(), split.end(), [&random]( std::uint32_t ) { return random() % 2 == 0; } ), split.end() );
+			changeLevels( *soft, split, {} );
+			splits.push_back( split );
+		}
+		NodeShape& shape = *soft->impl().shape;
+		NodeShape fresh( *soft->impl().body );
+		ASSERT_EQ( shape.getNumChildShapes(), fresh.getNumChildShapes() );
+		std::vector<int> found( std::size_t( shape.getNumChildShapes() ), 0 );
+		btNodeStack stack;
+		shape.visitOverlaps( btVector3( -9, -9, -9 ), btVector3( 9, 9, 9 ), stack, [&found]( int child ) { ++found[std::size_t( child )]; } );
+		EXPECT_EQ( found, std::vector<int>( found.size(), 1 ) );
+		for ( int i = 0; i < soft->nodeCount(); ++i )
+		{
+			const int child = shape.childOfNode( i );
+			ASSERT_EQ( child < 0, fresh.childOfNode( i ) < 0 );
+			EXPECT_EQ( shape.sphereOfNode( i )->getRadius(), fresh.sphereOfNode( i )->getRadius() );
+			if ( child >= 0 )
+			{
+				EXPECT_EQ( soft->nodeOfShapeIndex( child ), i );
+				EXPECT_EQ( shape.getChildShape( child ), shape.sphereOfNode( i ) );
+				EXPECT_LT( ( soft->getWorldTransform() * shape.getChildTransform( child ).getOrigin() - soft->nodePosition( i ) ).length(), 1e-5 );
+			}
+		}
+	}
 }
 
 TEST( Adaptive, PinsFollowTheirNodes )
