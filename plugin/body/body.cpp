@@ -109,7 +109,8 @@ Status Body::setMaterial( const Material& material )
 	try
 	{
 		std::unique_ptr<Matcher> matcher;
-		if ( needsNewMatcher( m_material, material ) )
+		const bool lacksInverse = !m_levels && material.yieldStrain > 0.0f && !needsInverse( m_material );
+		if ( lacksInverse || needsNewMatcher( m_material, material ) )
 		{
 			if ( m_levels )
 			{
@@ -147,6 +148,7 @@ void Body::place( const Placement& placement )
 		m_nodes.v.set( i, Vec3::Zero() );
 	}
 	m_matcher->reset( m_nodes, placement.rotation.normalized() );
+	m_matcher->forgetFlow();
 	keepFiniteState();
 }
 
@@ -188,7 +190,8 @@ void Body::applyForces( float h, const Vec3& gravity )
 void Body::accelerateTowardGoals( float h, float alpha, TaskRunner* runner )
 {
 	const bool measuresStrain = m_levels && m_reviewIn == 0 && m_levels->settings().refineStrain > 0.0f;
-	m_matcher->accelerate( m_nodes, MatchStep{ h, alpha, m_material.damping, wobbleRate( h, alpha ), bodyShare( h, alpha ), measuresStrain }, runner );
+	m_matcher->accelerate( m_nodes, MatchStep{ h, alpha, m_material.damping, wobbleRate( h, alpha ), bodyShare( h, alpha ), measuresStrain,
+		PlasticLaw{ m_material.yieldStrain, m_material.plasticCreep, m_material.plasticLimit } }, runner );
 }
 
 // The slowest free vibration of a bar of length L has omega = pi c / L with c = sqrt( E / rho ); a motion damped at rate r has
@@ -210,7 +213,8 @@ float Body::wobbleRate( float h, float alpha ) const
 // makes up what can be made up: ( 1 - s ) E_f + s E_b = E. Both matches are contractions, and so is their blend.
 float Body::bodyShare( float h, float alpha ) const
 {
-	if ( m_material.stiffness != Stiffness::YoungsModulus || m_material.method == Method::SingleCluster || alpha < float( largestAlpha( m_material ) ) || !m_isOnePart )
+	if ( m_material.stiffness != Stiffness::YoungsModulus || m_material.method == Method::SingleCluster || alpha < float( largestAlpha( m_material ) ) ||
+		 !m_isOnePart || m_material.yieldStrain > 0.0f ) // the whole body's fit knows the first rest shape only
 	{
 		return 0.0f;
 	}

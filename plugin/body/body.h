@@ -62,7 +62,8 @@ public:
 	const Material& material() const { return m_material; }
 	const Matcher& matcher() const { return *m_matcher; }
 
-	/// New stiffness, damping, density ...; refused (and nothing changed) when `material` fails its check.
+	/// New stiffness, damping, density ...; refused (and nothing changed) when `material` fails its check. What has flowed plastically
+	/// outlives changes that leave the regions as they are: other methods, weights, widths, beta and kept volume begin at the first rest shape.
 	Status setMaterial( const Material& material );
 
 	/// Rigid placement of the rest shape; velocities zero; matching history forgotten.

@@ -281,8 +281,8 @@ void Levels::change( NodeState& nodes, LatticeMatcher& matcher, const Material& 
 	m_isWanted.assign( next.node.size(), 0 );
 	m_cut = next;
 	countLevels();
-	nodes = std::move( changed );
-	matcher.setTables( m_tables, m_change.heir );
+	std::swap( nodes, changed );
+	matcher.setTables( m_tables, FlowHeirs{ m_change.heir, m_change.nodeNow, changed.mass } );
 	++m_version;
 }
 

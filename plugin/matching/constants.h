@@ -44,6 +44,16 @@ inline constexpr int kLargestClusterEdge = 64;
 /// Substeps named to the user when a modulus is out of reach are cut here: beyond, the number means "never".
 inline constexpr int kMostSubstepsNamed = 1000000;
 
+inline constexpr float kLargestYieldStrain = 10.0f;
+inline constexpr float kLargestCreep = 1.0e4f;
+inline constexpr float kLargestPlasticLimit = 2.0f;
+
+/// A rest shape changes by at most this share in a substep.
+inline constexpr double kLargestFlow = 0.5;
+
+/// Rounds in which a plastic stretch is brought back to its limit; what is left is below float's rounding.
+inline constexpr int kLimitRounds = 8;
+
 /// Bodies' origins are multiples of this length, m: a power of two, so that origins and moves are exact in binary, in float up to
 /// 1000 km out, and the same on every machine.
 inline constexpr double kOriginGrid = 1.0 / 16.0;

@@ -114,6 +114,7 @@ MatchView LatticeMatcher::view( NodeState& nodes )
 	{
 		v.moment[k] = moments.moment[k].data();
 		v.inverseMoment[k] = moments.inverseMoment[k].empty() ? nullptr : moments.inverseMoment[k].data();
+		v.outOfPlane[k] = m_tables->outOfPlane[k].empty() ? nullptr : m_tables->outOfPlane[k].data();
 	}
 	v.regionWeight = moments.regionWeight.empty() ? nullptr : moments.regionWeight.data();
 	for ( int k = 0; k < 4; ++k )
@@ -135,6 +136,10 @@ MatchView LatticeMatcher::view( NodeState& nodes )
 	if ( m_tables->matrix )
 	{
 		viewLevels( v );
+	}
+	if ( m_plastic )
+	{
+		m_plastic->show( v );
 	}
 	return v;
 }
@@ -302,7 +307,7 @@ void LatticeMatcher::accelerate( NodeState& nodes, const MatchStep& step, TaskRu
 		v.dampingShare = 0.0f;
 		m_isHistoryNew = false;
 	}
-	if ( step.measuresStrain && v.inverseMoment[0] )
+	if ( ( step.measuresStrain || step.plastic.yieldStrain > 0.0f ) && v.inverseMoment[0] )
 	{
 		m_strain.resize( m_tables->moments.padded );
 		v.strain = m_strain.data();
@@ -318,19 +323,22 @@ void LatticeMatcher::accelerate( NodeState& nodes, const MatchStep& step, TaskRu
 	spareRigidMotion( v, step.h );
 	auto apply = [&]( int chunk ) { m_kernels.apply( v, chunk * kChunk, std::min( nodes.padded, ( chunk + 1 ) * kChunk ) ); };
 	runTasks( runner, chunks( nodes.padded ), apply );
+	flow( v, step, runner );
 }
 
-void LatticeMatcher::nodeRotations( const NodeState& nodes, float* quaternions ) const
+void LatticeMatcher::flow( const MatchView& view, const MatchStep& step, TaskRunner* runner )
 {
-	const Eigen::Quaternionf frame = m_frame.cast<float>();
-	for ( int i = 0; i < nodes.count; ++i )
+	if ( step.plastic.yieldStrain == 0.0f || !view.strain || !PlasticFlow::yieldsAnywhere( view, step.plastic.yieldStrain ) )
 	{
-		const Eigen::Quaternionf q = frame * Eigen::Quaternionf( m_quaternion[0][i], m_quaternion[1][i], m_quaternion[2][i], m_quaternion[3][i] );
-		quaternions[4 * i + 0] = q.x();
-		quaternions[4 * i + 1] = q.y();
-		quaternions[4 * i + 2] = q.z();
-		quaternions[4 * i + 3] = q.w();
+		return;
 	}
+	if ( !m_plastic )
+	{
+		m_plastic = std::make_unique<PlasticFlow>( *m_tables );
+	}
+	const int padded = m_tables->moments.padded;
+	auto task = [&]( int chunk ) { m_plastic->flow( view, m_kernels, step, chunk * kChunk, std::min( padded, ( chunk + 1 ) * kChunk ) ); };
+	runTasks( runner, chunks( padded ), task );
 }
 
 std::size_t LatticeMatcher::bytes() const
@@ -344,6 +352,7 @@ std::size_t LatticeMatcher::bytes() const
 	{
 		bytes += ( m_residual[k].size() + m_change[k].size() ) * sizeof( float );
 	}
+	bytes += m_strain.size() * sizeof( float ) + ( m_plastic ? m_plastic->bytes() : 0 );
 	return bytes + m_partial.size() * sizeof( m_partial[0] ) + m_openCount.size() * sizeof( int );
 }
 

@@ -5,6 +5,7 @@
 
 #include "matching/kernels/kernels.h"
 #include "matching/matcher.h"
+#include "matching/plasticity.h"
 #include "matching/region_tables.h"
 
 #include <array>
@@ -29,8 +30,11 @@ public:
 	std::size_t sharedBytes() const override { return m_tables->bytes(); }
 	const RegionTables& tables() const { return *m_tables; }
 
-	/// Other regions for other nodes: node i takes over the history of the old node `heir[i]`.
-	void setTables( std::shared_ptr<const RegionTables> tables, const std::vector<std::uint32_t>& heir );
+	/// Other regions for other nodes: node i takes over the history of the old node `heir[i]`, and of what has flowed what `heirs` says.
+	void setTables( std::shared_ptr<const RegionTables> tables, const FlowHeirs& heirs );
+	/// Null until a region yields.
+	const PlasticFlow* plasticFlow() const { return m_plastic.get(); }
+	void forgetFlow() override { m_plastic.reset(); }
 	/// Of each region, sum over the singular values s of F of ( s - 1 )^2, as last measured (MatchStep::measuresStrain).
 	const AlignedArray<float>& strain() const { return m_strain; }
 	/// F of every region in world axes, from the nodes as they are, 9 floats a region, row by row. The tables must hold J^+.
@@ -50,6 +54,7 @@ private:
 	void boxSums( const MatchView& view, float* records, TaskRunner* runner );
 	void settleOpenRegions( const MatchView& view );
 	void spareRigidMotion( MatchView& view, float h ) const;
+	void flow( const MatchView& view, const MatchStep& step, TaskRunner* runner );
 	void allocate();
 	void viewLevels( MatchView& view ) const;
 
@@ -66,6 +71,8 @@ private:
 	Eigen::Quaterniond m_frame = Eigen::Quaterniond::Identity();
 	AlignedArray<float> m_quaternion[4];
 	AlignedArray<float> m_residual[3];
+
+	std::unique_ptr<PlasticFlow> m_plastic;
 
 	// Scratch of one substep.
 	double m_mass = 0.0; ///< kg

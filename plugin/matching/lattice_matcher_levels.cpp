@@ -4,8 +4,13 @@
 
 namespace pliant {
 
-void LatticeMatcher::setTables( std::shared_ptr<const RegionTables> tables, const std::vector<std::uint32_t>& heir )
+void LatticeMatcher::setTables( std::shared_ptr<const RegionTables> tables, const FlowHeirs& heirs )
 {
+	const std::vector<std::uint32_t>& heir = heirs.heir;
+	if ( m_plastic )
+	{
+		m_plastic->carryOver( *m_tables, *tables, heirs );
+	}
 	AlignedArray<float> quaternion[4], residual[3];
 	for ( int k = 0; k < 4; ++k )
 	{
@@ -52,10 +57,6 @@ void LatticeMatcher::viewLevels( MatchView& v ) const
 	for ( int k = 0; k < 9; ++k )
 	{
 		v.blend[k] = dataOrNull( m_tables->blend[k] );
-	}
-	for ( int k = 0; k < 6; ++k )
-	{
-		v.outOfPlane[k] = dataOrNull( m_tables->outOfPlane[k] );
 	}
 }
 

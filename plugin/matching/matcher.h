@@ -12,6 +12,14 @@ namespace pliant {
 
 class TaskRunner;
 
+/// How rest shapes flow; see plasticity.h.
+struct PlasticLaw
+{
+	float yieldStrain = 0.0f; ///< 0: they do not
+	float creep = 0.0f;       ///< 1/s
+	float limit = 0.0f;
+};
+
 /// What one substep asks for.
 struct MatchStep
 {
@@ -21,6 +29,7 @@ struct MatchStep
 	float wobbleDamping = 0.0f; ///< 1/s, of all motion that is no rigid motion of the whole body
 	float bodyShare = 0.0f;     ///< share of the goal that is the whole body's rigid fit instead of the regions', [0, 1]
 	bool measuresStrain = false; ///< keep what `strain` tells of this substep
+	PlasticLaw plastic = {};
 };
 
 class Matcher
@@ -28,8 +37,11 @@ class Matcher
 public:
 	virtual ~Matcher() = default;
 
-	/// Forget all history; the body stands at rest shape turned by `rotation`.
+	/// Forget all history; the body stands at rest shape turned by `rotation`. What has flowed stays as it is.
 	virtual void reset( const NodeState& nodes, const Eigen::Quaterniond& rotation ) = 0;
+
+	/// The rest shape is once more the one the body was made with.
+	virtual void forgetFlow() {}
 
 	/// The whole body was turned by `by` from outside: turn the history along.
 	virtual void turn( const Eigen::Quaterniond& by ) = 0;

@@ -20,6 +20,27 @@ Status refuse( const char* sentence )
 	return Status{ ResultCode::BadMaterial, sentence };
 }
 
+Status checkFlow( const Material& material )
+{
+	if ( !within( material.yieldStrain, 0.0f, kLargestYieldStrain ) )
+	{
+		return refuse( "Material::yieldStrain must lie in [0, 10]." );
+	}
+	if ( !( material.plasticCreep > 0.0f ) || !within( material.plasticCreep, 0.0f, kLargestCreep ) )
+	{
+		return refuse( "Material::plasticCreep must be above 0 and at most 1e4 1/s." );
+	}
+	if ( !( material.plasticLimit > 0.0f ) || !within( material.plasticLimit, 0.0f, kLargestPlasticLimit ) )
+	{
+		return refuse( "Material::plasticLimit must be above 0 and at most 2." );
+	}
+	if ( material.yieldStrain > 0.0f && material.method != Method::Lattice )
+	{
+		return refuse( "Material::yieldStrain needs Method::Lattice." );
+	}
+	return {};
+}
+
 } // namespace
 
 Status check( const Material& material )
@@ -59,6 +80,10 @@ Status check( const Material& material )
 	if ( material.stiffness == Stiffness::RawAlpha && material.alpha > largestAlpha( material ) )
 	{
 		return refuse( "Material::alpha is too large for this volumeKeeping: alpha ( 1 + 3 kappa ) must be at most 3.5." );
+	}
+	if ( Status status = checkFlow( material ); !status.ok() )
+	{
+		return status;
 	}
 	if ( material.clusterEdge < 2 || material.clusterEdge > kLargestClusterEdge )
 	{

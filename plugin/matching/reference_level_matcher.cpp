@@ -1,5 +1,6 @@
 #include "matching/reference_level_matcher.h"
 
+#include "matching/plasticity.h"
 #include "matching/rotation.h"
 
 #include <Eigen/Dense>
@@ -74,7 +75,7 @@ void ReferenceLevelMatcher::turn( const Eigen::Quaterniond& by )
 	}
 }
 
-void ReferenceLevelMatcher::fit( const NodeState& nodes, std::uint32_t r )
+void ReferenceLevelMatcher::fit( const NodeState& nodes, const MatchStep& step, std::uint32_t r )
 {
 	// c_r = sum u x / M,  A_pq = sum u ( x - c ) ( x0 - c0 )^T,  F = A_pq J^+ + R ( 1 - J J^+ )
 	Region& region = m_region[r];
@@ -89,17 +90,40 @@ void ReferenceLevelMatcher::fit( const NodeState& nodes, std::uint32_t r )
 	for ( std::uint32_t k = m_matrix.start[r]; k < m_matrix.start[r + 1]; ++k )
 	{
 		const int a = int( m_matrix.member[k] );
-		const Vec3d q = nodes.x0.get( a ).cast<double>() / d - region.rest.centre;
+		const Vec3d q = region.plastic * ( nodes.x0.get( a ).cast<double>() / d - region.rest.centre );
 		apq += m_matrix.mass[k] * m_matrix.unit[std::size_t( a )] * ( nodes.x.get( a ).cast<double>() - region.centre ) / d * q.transpose();
 	}
+	// What has flowed is the rest shape: J and J_fine between two S_p   (Steinemann et al. 2008, eq. 9-10)
 	const bool isTensor = m_settings.softening == Softening::EnergyTensor;
-	region.rotation = fitRotation( isTensor ? Eigen::Matrix3d( apq * region.blend ) : apq, region.rotation );
+	const Eigen::Matrix3d& s = region.plastic;
+	const Eigen::Matrix3d moment = s * region.rest.moment * s;
+	const Eigen::Matrix3d blend = isTensor ? energyBlend( s * fineMoment( m_base.moments, m_cut.node[r] ) * s, moment ) : region.blend;
+	Eigen::Matrix3d outside;
+	const Eigen::Matrix3d inverse = inverseInPlane( moment, kMomentFloor, outside );
+	region.rotation = fitRotation( isTensor ? Eigen::Matrix3d( apq * blend ) : apq, region.rotation );
 	const Eigen::Matrix3d rotation = region.rotation.toRotationMatrix();
-	region.f = apq * region.rest.inverse + rotation * region.rest.outside;
+	region.f = apq * inverse + rotation * outside;
 	// L = F + ( R - F ) C^T, with C = 1 - beta where beta is a number: L = R + beta ( F - R )   (Ohta et al. 2009, eq. 5)
-	region.l = region.f + ( rotation - region.f ) * region.blend.transpose();
+	region.l = region.f + ( rotation - region.f ) * blend.transpose();
 	const double trace = std::clamp( ( rotation.transpose() * region.f ).trace() - 3.0, -1.0, 1.0 );
 	region.l -= double( m_material.volumeKeeping ) * ( 1.0 - region.beta ) * trace * rotation;
+	const Eigen::Matrix3d elastic = rotation.transpose() * region.f;
+	region.l *= s;
+	region.f *= s;
+	flow( step, elastic, region );
+}
+
+void ReferenceLevelMatcher::flow( const MatchStep& step, const Eigen::Matrix3d& elastic, Region& region ) const
+{
+	const Eigen::Matrix3d one = Eigen::Matrix3d::Identity(), strain = 0.5 * ( elastic + elastic.transpose() ) - one;
+	if ( step.plastic.yieldStrain > 0.0f && strain.norm() > double( step.plastic.yieldStrain ) )
+	{
+		const double share = std::min( { double( step.plastic.creep ) * step.h, 1.0, kLargestFlow / strain.norm() } );
+		const Eigen::JacobiSVD<Eigen::Matrix3d> svd( ( one + share * strain ) * region.plastic, Eigen::ComputeFullV );
+		const Vec3d stretch = svd.singularValues() / std::cbrt( svd.singularValues().prod() );
+		region.plastic = svd.matrixV() * stretch.asDiagonal() * svd.matrixV().transpose();
+		limitStretch( step.plastic.limit, region.plastic );
+	}
 }
 
 Eigen::Quaterniond ReferenceLevelMatcher::fitBody( const NodeState& nodes ) const
@@ -126,7 +150,7 @@ void ReferenceLevelMatcher::accelerate( NodeState& nodes, const MatchStep& step,
 	m_bodyRotation = fitBody( nodes );
 	for ( std::uint32_t r = 0; r < std::uint32_t( m_region.size() ); ++r )
 	{
-		fit( nodes, r );
+		fit( nodes, step, r );
 	}
 	const double k = 1.0 - std::exp( -double( step.damping ) * step.h );
 	for ( int i = 0; i < nodes.count; ++i )

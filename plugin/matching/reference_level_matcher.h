@@ -19,6 +19,8 @@ public:
 	void turn( const Eigen::Quaterniond& by ) override;
 	void accelerate( NodeState& nodes, const MatchStep& step, TaskRunner* runner ) override;
 	void nodeRotations( const NodeState& nodes, float* quaternions ) const override;
+	/// S_p of a region.
+	const Eigen::Matrix3d& plasticStretch( int region ) const { return m_region[std::size_t( region )].plastic; }
 	std::size_t bytes() const override { return m_matrix.bytes() + m_region.size() * sizeof( Region ); }
 
 private:
@@ -29,11 +31,13 @@ private:
 		Eigen::Matrix3d blend = Eigen::Matrix3d::Identity(); ///< C
 		Eigen::Quaterniond rotation = Eigen::Quaterniond::Identity();
 		Vec3d centre = Vec3d::Zero();
-		Eigen::Matrix3d f = Eigen::Matrix3d::Identity(), l = Eigen::Matrix3d::Identity();
+		Eigen::Matrix3d f = Eigen::Matrix3d::Identity(), l = Eigen::Matrix3d::Identity(); ///< F_e S_p and L S_p
+		Eigen::Matrix3d plastic = Eigen::Matrix3d::Identity();                            ///< S_p
 	};
 
 	void tune( std::uint32_t r, Region& region ) const;
-	void fit( const NodeState& nodes, std::uint32_t r );
+	void fit( const NodeState& nodes, const MatchStep& step, std::uint32_t r );
+	void flow( const MatchStep& step, const Eigen::Matrix3d& elastic, Region& region ) const;
 	Eigen::Quaterniond fitBody( const NodeState& nodes ) const;
 
 	const LevelBase& m_base;

@@ -9,6 +9,38 @@
 
 namespace pliant {
 
+namespace {
+
+/// S_p after the substep, by singular values and bisection; the law stands in plasticity.h.
+Eigen::Matrix3d flowed( const MatchStep& step, const Eigen::Matrix3d& elastic, const Eigen::Matrix3d& before )
+{
+	const Eigen::Matrix3d one = Eigen::Matrix3d::Identity(), strain = 0.5 * ( elastic + elastic.transpose() ) - one;
+	if ( strain.norm() <= double( step.plastic.yieldStrain ) )
+	{
+		return before;
+	}
+	const auto volumeOne = []( const Eigen::Matrix3d& m ) {
+		const Eigen::JacobiSVD<Eigen::Matrix3d> svd( m, Eigen::ComputeFullU | Eigen::ComputeFullV );
+		return Eigen::Matrix3d( svd.matrixV() * ( svd.singularValues() / std::cbrt( svd.singularValues().prod() ) ).asDiagonal() * svd.matrixV().transpose() );
+	};
+	const double share = std::min( { double( step.plastic.creep ) * step.h, 1.0, kLargestFlow / strain.norm() } );
+	const Eigen::Matrix3d wanted = volumeOne( ( one + share * strain ) * before );
+	const double limit = step.plastic.limit;
+	if ( ( wanted - one ).norm() <= limit )
+	{
+		return wanted;
+	}
+	double inside = 0.0, beyond = 1.0;
+	for ( int round = 0; round < 60; ++round )
+	{
+		const double t = 0.5 * ( inside + beyond );
+		( ( volumeOne( one + t * ( wanted - one ) ) - one ).norm() <= limit ? inside : beyond ) = t;
+	}
+	return volumeOne( one + inside * ( wanted - one ) );
+}
+
+} // namespace
+
 ReferenceMatcher::ReferenceMatcher( const Lattice& lattice, const Material& material, DampingForm dampingForm ) :
 	m_lattice( lattice ), m_material( material ), m_dampingForm( dampingForm ),
 	m_regions( buildRegions( lattice, material.regionHalfWidth ) ),
@@ -27,6 +59,14 @@ void ReferenceMatcher::reset( const NodeState&, const Eigen::Quaterniond& rotati
 	std::fill( m_residual.begin(), m_residual.end(), Vec3d::Zero() );
 }
 
+void ReferenceMatcher::forgetFlow()
+{
+	for ( Fit& fit : m_fits )
+	{
+		fit.plastic.setIdentity();
+	}
+}
+
 void ReferenceMatcher::turn( const Eigen::Quaterniond& by )
 {
 	m_bodyRotation = by * m_bodyRotation;
@@ -40,7 +80,7 @@ void ReferenceMatcher::turn( const Eigen::Quaterniond& by )
 	}
 }
 
-void ReferenceMatcher::fitRegions( const NodeState& nodes )
+void ReferenceMatcher::fitRegions( const NodeState& nodes, const MatchStep& step )
 {
 	const double d = m_lattice.cellSize;
 	for ( int r = 0; r < nodes.count; ++r )
@@ -61,19 +101,26 @@ void ReferenceMatcher::fitRegions( const NodeState& nodes )
 		{
 			const std::uint32_t i = m_regions.member[k];
 			const Vec3d p = nodes.x.get( i ).cast<double>() - fit.centre;
-			const Vec3d q = nodes.x0.get( i ).cast<double>() - fit.restCentre;
+			const Vec3d q = fit.plastic * ( nodes.x0.get( i ).cast<double>() - fit.restCentre ); // Steinemann et al. 2008, eq. 9-10
 			apq += double( m_moments.nodeWeight[i] ) * p * q.transpose();
 			aqq += double( m_moments.nodeWeight[i] ) * q * q.transpose();
 		}
-		const Eigen::Matrix3d f = apq * flooredInverse( aqq, kMomentFloor );
-		fit.rotation = fitRotation( m_material.rotationFrom == RotationFrom::F ? f : apq, fit.rotation );
+		Eigen::Matrix3d outside;
+		const Eigen::Matrix3d inPlane = apq * inverseInPlane( aqq, kMomentFloor, outside );
+		fit.rotation = fitRotation( m_material.rotationFrom == RotationFrom::F ? inPlane : apq, fit.rotation );
 		const Eigen::Matrix3d rotation = fit.rotation.toRotationMatrix();
+		const Eigen::Matrix3d f = inPlane + rotation * outside;
 
 		// L = R + beta (F - R)   (Ohta et al. 2009, eq. 5)
 		fit.linear = rotation + double( m_material.beta ) * ( f - rotation );
 		// - kappa tr( R^T F - 1 ) R, the trace within -1 .. 1: what is pressed one way is asked to give way in the others
 		const double trace = std::clamp( ( rotation.transpose() * f ).trace() - 3.0, -1.0, 1.0 );
 		fit.linear -= double( m_material.volumeKeeping ) * ( 1.0 - double( m_material.beta ) ) * trace * rotation;
+		fit.linear *= fit.plastic;
+		if ( step.plastic.yieldStrain > 0.0f )
+		{
+			fit.plastic = flowed( step, rotation.transpose() * f, fit.plastic );
+		}
 		if ( m_dampingForm == DampingForm::RegionVelocity )
 		{
 			fitMotion( nodes, r, fit );
@@ -128,7 +175,7 @@ void ReferenceMatcher::accelerate( NodeState& nodes, const MatchStep& step, Task
 	{
 		m_residualBefore[i] = m_bodyRotation * ( before.conjugate() * m_residual[i] );
 	}
-	fitRegions( nodes );
+	fitRegions( nodes, step );
 
 	const double k = 1.0 - std::exp( -double( step.damping ) * step.h );
 	for ( int i = 0; i < nodes.count; ++i )

@@ -26,16 +26,20 @@ public:
 	void turn( const Eigen::Quaterniond& by ) override;
 	void accelerate( NodeState& nodes, const MatchStep& step, TaskRunner* runner ) override;
 	void nodeRotations( const NodeState& nodes, float* quaternions ) const override;
+	void forgetFlow() override;
 	std::size_t bytes() const override;
 
 	/// Goal of each node minus its position, m, of the last `accelerate`, in world axes.
 	const std::vector<Vec3d>& residual() const { return m_residual; }
+	/// S_p of a region.
+	const Eigen::Matrix3d& plasticStretch( int region ) const { return m_fits[std::size_t( region )].plastic; }
 
 private:
 	struct Fit
 	{
 		Eigen::Quaterniond rotation = Eigen::Quaterniond::Identity();
-		Eigen::Matrix3d linear = Eigen::Matrix3d::Identity(); ///< R + beta (F - R)
+		Eigen::Matrix3d linear = Eigen::Matrix3d::Identity(); ///< ( R + beta (F - R) ) S_p
+		Eigen::Matrix3d plastic = Eigen::Matrix3d::Identity(); ///< S_p
 		Vec3d centre = Vec3d::Zero();                         ///< c_r, m
 		Vec3d restCentre = Vec3d::Zero();                     ///< c0_r, m
 		Vec3d velocity = Vec3d::Zero();
@@ -43,7 +47,7 @@ private:
 	};
 
 	Eigen::Quaterniond fitBody( const NodeState& nodes );
-	void fitRegions( const NodeState& nodes );
+	void fitRegions( const NodeState& nodes, const MatchStep& step );
 	void fitMotion( const NodeState& nodes, int region, Fit& fit ) const;
 
 	const Lattice& m_lattice;

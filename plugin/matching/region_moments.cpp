@@ -62,6 +62,54 @@ Eigen::Matrix3d flooredInverse( const Eigen::Matrix3d& moment, double floorShare
 	return solver.eigenvectors() * raised.cwiseInverse().asDiagonal() * solver.eigenvectors().transpose();
 }
 
+Eigen::Matrix3d inverseInPlane( const Eigen::Matrix3d& moment, double floorShare, Eigen::Matrix3d& outside )
+{
+	const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver( moment );
+	const double floor = floorShare * solver.eigenvalues()[2];
+	Eigen::Matrix3d inverse = Eigen::Matrix3d::Zero();
+	outside.setZero();
+	for ( int i = 0; i < 3; ++i )
+	{
+		const Eigen::Vector3d axis = solver.eigenvectors().col( i );
+		if ( solver.eigenvalues()[i] > floor )
+		{
+			inverse += axis * axis.transpose() / solver.eigenvalues()[i];
+		}
+		else
+		{
+			outside += axis * axis.transpose();
+		}
+	}
+	return inverse;
+}
+
+void markFlatRegions( RegionMoments& moments, AlignedArray<float> ( &outOfPlane )[6] )
+{
+	for ( int r = 0; r < moments.count; ++r )
+	{
+		const auto& j = moments.moment;
+		Eigen::Matrix3d moment, outside;
+		moment << j[0][r], j[5][r], j[4][r], j[5][r], j[1][r], j[3][r], j[4][r], j[3][r], j[2][r];
+		// Eigenvalues a >= b >= c: det = a b c <= a^2 c and ( tr / 3 )^3 >= ( a / 3 )^3, so det / ( tr / 3 )^3 <= 27 c / a.
+		const double third = moment.trace() / 3.0;
+		if ( moment.determinant() > 27.0 * double( kMomentFloor ) * third * third * third )
+		{
+			continue;
+		}
+		const Eigen::Matrix3d inverse = inverseInPlane( moment, kMomentFloor, outside );
+		if ( outside.isZero( 0.0 ) )
+		{
+			continue;
+		}
+		for ( int k = 0; k < 6 && outOfPlane[k].empty(); ++k )
+		{
+			outOfPlane[k].assign( moments.padded, 0.0f );
+		}
+		storeSymmetric( moments.inverseMoment, r, inverse );
+		storeSymmetric( outOfPlane, r, outside );
+	}
+}
+
 RegionMoments computeRegionMoments( const Lattice& lattice, const RegionSet& regions, Weights weights, bool withInverse )
 {
 	RegionMoments out;

@@ -31,11 +31,18 @@ struct RegionMoments
 	AlignedArray<float> centre[3];    ///< c0_r, cells, relative to the rest mass centre
 	AlignedArray<float> moment[6];    ///< J_r as xx, yy, zz, yz, xz, xy
 
-	/// J_r^+, same order, eigenvalues floored at kMomentFloor of the largest. Empty unless beta > 0 or rotations come from F.
+	/// J_r^+, same order, eigenvalues floored at kMomentFloor of the largest. Empty unless needed (needsInverse).
 	AlignedArray<float> inverseMoment[6];
 
 	std::size_t bytes() const;
 };
+
+/// The pseudo-inverse J^+ of a region that may be flat: axes with less than `floorShare` of the largest moment are left out of it, and
+/// make up `outside` = 1 - J J^+, which is zero for a solid region.
+Eigen::Matrix3d inverseInPlane( const Eigen::Matrix3d& moment, double floorShare, Eigen::Matrix3d& outside );
+
+/// J^+ of flat and thin regions without their missing axes, and 1 - J J^+ of all; `outOfPlane` stays empty where every region is solid.
+void markFlatRegions( RegionMoments& moments, AlignedArray<float> ( &outOfPlane )[6] );
 
 RegionMoments computeRegionMoments( const Lattice& lattice, const RegionSet& regions, Weights weights, bool withInverse );
 

@@ -12,7 +12,7 @@ constexpr float kGridPays[kLargestHalfWidth + 1] = { 0.0f, 1.6f, 4.0f, 8.0f, 16.
 
 bool needsInverse( const Material& material )
 {
-	return material.beta > 0.0f || material.volumeKeeping > 0.0f || material.rotationFrom == RotationFrom::F;
+	return material.beta > 0.0f || material.volumeKeeping > 0.0f || material.yieldStrain > 0.0f || material.rotationFrom == RotationFrom::F;
 }
 
 namespace {
@@ -49,6 +49,10 @@ std::shared_ptr<const RegionTables> buildRegionTables(
 	auto tables = std::make_shared<RegionTables>();
 	tables->regions = buildRegions( lattice, material.regionHalfWidth );
 	tables->moments = computeRegionMoments( lattice, tables->regions, material.weights, needsInverse( material ) );
+	if ( needsInverse( material ) )
+	{
+		markFlatRegions( tables->moments, tables->outOfPlane );
+	}
 	tables->grid = lattice.extent;
 	if ( !stiffness.empty() )
 	{

@@ -39,13 +39,13 @@ struct RegionTables
 	std::vector<std::uint32_t> slot;               ///< lattice position of each cell; empty without holes
 
 	AlignedArray<float> pull;                      ///< of each node, MatchView::pull; empty where all are 1
+	AlignedArray<float> outOfPlane[6];             ///< 1 - J J^+; empty where every region is solid or J^+ is not needed
 
 	// Of nodes on several levels only (level_tables.h); empty on a uniform lattice. The matrix then takes the place of `regions`.
 	std::shared_ptr<const RegionMatrix> matrix;
 	std::shared_ptr<const SumPlan> plan;           ///< sums by way of the octree instead of the matrix; null: no
 	AlignedArray<float> beta, eta;                 ///< of each region; empty where all are 0
 	AlignedArray<float> blend[9];                  ///< C of each region; empty where beta is a number
-	AlignedArray<float> outOfPlane[6];             ///< 1 - J J^+; empty where every region is solid
 
 	std::size_t bytes() const;
 };

@@ -113,6 +113,34 @@ TEST_P( LevelMatcher, AgreesWithItsSlowTwin )
 	}
 }
 
+TEST_P( LevelMatcher, FlowsLikeItsSlowTwin )
+{
+	material.yieldStrain = 0.05f;
+	LatticeMatcher fast( lattice, material, tables );
+	ReferenceLevelMatcher slow( *base, lattice, cut, material, settings );
+	NodeState a = shaken(), b = shaken();
+	const float h = 0.01f;
+	const MatchStep match{ h, 0.7f, 0.0f, 0.0f, 0.0f, false, PlasticLaw{ 0.05f, 40.0f, 0.3f } };
+	for ( int step = 0; step < 8; ++step )
+	{
+		fast.accelerate( a, match, nullptr );
+		slow.accelerate( b, match, nullptr );
+		move( a, h );
+		move( b, h );
+	}
+	ASSERT_TRUE( fast.plasticFlow() );
+	double most = 0.0, sum = 0.0, way = 0.0;
+	for ( int i = 0; i < a.count; ++i )
+	{
+		sum += ( fast.plasticFlow()->stretch( i ) - slow.plasticStretch( i ) ).norm();
+		way += double( ( a.x.get( i ) - b.x.get( i ) ).norm() );
+		most = std::max( most, ( slow.plasticStretch( i ) - Eigen::Matrix3d::Identity() ).norm() );
+	}
+	EXPECT_GT( most, 0.05 );
+	EXPECT_LT( sum / a.count, 1e-4 );
+	EXPECT_LT( way / a.count, 2e-6 ) << "of cells of 0.1";
+}
+
 TEST_P( LevelMatcher, GivesTheSameBitsOnEveryInstructionSetAndThreadCount )
 {
 	std::vector<NodeState> results;

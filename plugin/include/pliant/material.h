@@ -66,6 +66,17 @@ struct Material
 	/// Method::Lattice only.
 	float volumeKeeping = 0.0f;
 
+	/// Plasticity (Müller et al. 2005, section 4.5; Steinemann et al. 2008, eq. 9-10): what is strained beyond `yieldStrain` keeps part of it.
+	/// The strain is | S - 1 |, the root of the sum of squares of a region's principal elastic strains: a bar pulled by 5 % counts 0.05.
+	/// [0, 10]; 0: nothing flows, and nothing is paid or held. Volume is kept by what flows. Method::Lattice only.
+	float yieldStrain = 0.0f;
+
+	/// Rate at which the rest shape follows the elastic strain while that is beyond the yield strain, 1/s, (0, 1e4].
+	float plasticCreep = 10.0f;
+
+	/// Largest distance of a region's flowed rest shape from the first one, in the measure of `yieldStrain`, (0, 2].
+	float plasticLimit = 0.5f;
+
 	/// Half-width w of a region, in cells, 1 to 4. Wider reaches stiffer materials per substep and costs more.
 	int regionHalfWidth = 1;
 

@@ -150,6 +150,21 @@ inline Mat timesTransposed( const Mat& a, const Mat& s )
 	return c;
 }
 
+/// ( 1 + f ) ( 1 + s ) - 1: from F_e - 1 to F - 1.
+inline Mat withFlow( const Mat& f, const Mat& s )
+{
+	const Mat fs = product( f, s );
+	Mat c;
+	for ( int i = 0; i < 3; ++i )
+	{
+		for ( int j = 0; j < 3; ++j )
+		{
+			c.m[i][j] = f.m[i][j] + ( fs.m[i][j] + s.m[i][j] );
+		}
+	}
+	return c;
+}
+
 /// What a region's sums say: c - c0 in cells (uc) and A_pq.
 struct RegionFit
 {

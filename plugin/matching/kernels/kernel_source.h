@@ -321,12 +321,16 @@ void deformations( const MatchView& view, int begin, int end, float* gradients )
 		for ( int r = first; r < last; r += kWidth )
 		{
 			const RegionFit fit = readRegion( view, in, r, r - first );
-			const Mat f = deformationLessOne( view, fit.a, rotationLessOne( loadQuat( view, r ) ), r );
+			Mat f = deformationLessOne( view, fit.a, rotationLessOne( loadQuat( view, r ) ), r );
+			if ( view.plastic[0] )
+			{
+				f = withFlow( f, loadMatrix( view.plastic, r ) );
+			}
 			for ( int lane = 0; lane < kWidth && r + lane < view.nodeCount; ++lane )
 			{
 				for ( int k = 0; k < 9; ++k )
 				{
-					gradients[9 * std::size_t( r + lane ) + k] = f.m[k / 3][k % 3][lane] + ( k % 4 == 0 ? 1.0f : 0.0f );
+					gradients[9 * std::size_t( r + lane - begin ) + k] = f.m[k / 3][k % 3][lane] + ( k % 4 == 0 ? 1.0f : 0.0f );
 				}
 			}
 		}

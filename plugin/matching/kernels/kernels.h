@@ -110,7 +110,8 @@ struct Kernels
 	/// The matrix whose rotation is wanted for one region, row by row: what fitRegions saw.
 	void ( *regionMatrix )( const MatchView&, int region, float* matrix );
 
-	/// F of each region of the range, 9 floats a region, row by row, in the body's frame; padding regions are left out.
+	/// F of each region of the range from rest to now, flow included, 9 floats a region from `begin` on, row by row, in the body's frame;
+	/// padding regions are left out.
 	void ( *deformations )( const MatchView&, int begin, int end, float* gradients );
 
 	const char* name;

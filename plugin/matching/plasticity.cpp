@@ -1,0 +1,225 @@
+#include "matching/plasticity.h"
+
+#include "lattice/lattice.h"
+#include "matching/constants.h"
+
+#include <Eigen/Dense>
+
+#include <algorithm>
+#include <cmath>
+
+namespace pliant {
+
+namespace {
+
+using Matrix3fRows = Eigen::Matrix<float, 3, 3, Eigen::RowMajor>;
+
+constexpr int kSymmetric[6][2] = { { 0, 0 }, { 1, 1 }, { 2, 2 }, { 1, 2 }, { 0, 2 }, { 0, 1 } };
+
+Eigen::Matrix3d loadSymmetric( const AlignedArray<float> ( &from )[6], int i )
+{
+	Eigen::Matrix3d m;
+	for ( int k = 0; k < 6; ++k )
+	{
+		const auto [row, column] = kSymmetric[k];
+		m( row, column ) = m( column, row ) = from[k][i];
+	}
+	return m;
+}
+
+/// The stretch in M = Q U: the root of M^T M, scaled to det = 1.
+Eigen::Matrix3d unitStretch( const Eigen::Matrix3d& m )
+{
+	const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver( m.transpose() * m );
+	const Vec3d root = solver.eigenvalues().cwiseMax( 0.0 ).cwiseSqrt();
+	return solver.eigenvectors() * ( root / std::cbrt( root.prod() ) ).asDiagonal() * solver.eigenvectors().transpose();
+}
+
+double distanceFromOne( const Eigen::Matrix3d& m )
+{
+	return ( m - Eigen::Matrix3d::Identity() ).norm();
+}
+
+} // namespace
+
+void limitStretch( float limit, Eigen::Matrix3d& stretch )
+{
+	if ( distanceFromOne( stretch ) <= double( limit ) )
+	{
+		return;
+	}
+	// Along 1 + t ( S_p - 1 ), scaled to det = 1, the distance from 1 is nearly proportional to t.
+	const Eigen::Matrix3d one = Eigen::Matrix3d::Identity(), way = stretch - one;
+	double t = 1.0;
+	for ( int round = 0; round < kLimitRounds; ++round )
+	{
+		t *= double( limit ) / distanceFromOne( stretch );
+		stretch = unitStretch( one + t * way );
+	}
+}
+
+bool flowStretch( const PlasticLaw& law, float h, const Eigen::Matrix3d& total, const Eigen::Matrix3d& rotation, Eigen::Matrix3d& stretch )
+{
+	// S_e - 1 = sym( R^T F S_p^-1 ) - 1
+	const Eigen::Matrix3d elastic = rotation.transpose() * total * stretch.inverse();
+	const Eigen::Matrix3d strain = 0.5 * ( elastic + elastic.transpose() ) - Eigen::Matrix3d::Identity();
+	const double size = strain.norm();
+	if ( !( size > double( law.yieldStrain ) ) || !std::isfinite( size ) )
+	{
+		return false;
+	}
+	// More than all of the strain would overshoot, and a region thrown inside out must not take its rest shape along.
+	const double share = std::min( { double( law.creep ) * h, 1.0, kLargestFlow / size } );
+	stretch = unitStretch( ( Eigen::Matrix3d::Identity() + share * strain ) * stretch );
+	limitStretch( law.limit, stretch );
+	return true;
+}
+
+PlasticFlow::PlasticFlow( const RegionTables& tables )
+{
+	allocate( tables );
+}
+
+void PlasticFlow::allocate( const RegionTables& tables )
+{
+	m_tables = &tables;
+	for ( int k = 0; k < 6; ++k )
+	{
+		m_stretch[k].assign( std::size_t( tables.moments.padded ), 0.0f );
+		m_inverse[k] = tables.moments.inverseMoment[k];
+	}
+	for ( int k = 0; k < 9; ++k )
+	{
+		m_blend[k] = tables.blend[k];
+	}
+}
+
+bool PlasticFlow::yieldsAnywhere( const MatchView& view, float yieldStrain )
+{
+	const float limit = yieldStrain * yieldStrain;
+	int over = 0;
+	for ( int r = 0; r < view.nodeCount; ++r )
+	{
+		over += view.strain[r] > limit ? 1 : 0;
+	}
+	return over > 0;
+}
+
+void PlasticFlow::show( MatchView& view ) const
+{
+	for ( int k = 0; k < 6; ++k )
+	{
+		const auto [row, column] = kSymmetric[k];
+		view.plastic[3 * row + column] = view.plastic[3 * column + row] = m_stretch[k].data();
+		view.inverseMoment[k] = m_inverse[k].data();
+	}
+	for ( int k = 0; k < 9; ++k )
+	{
+		view.blend[k] = m_blend[k].empty() ? nullptr : m_blend[k].data();
+	}
+}
+
+void PlasticFlow::flow( const MatchView& view, const Kernels& kernels, const MatchStep& step, int begin, int end )
+{
+	const float limit = step.plastic.yieldStrain * step.plastic.yieldStrain;
+	for ( int block = begin; block < end; block += kLanes )
+	{
+		const int last = std::min( block + kLanes, view.nodeCount );
+		// | F_e - R |^2 holds | S_e - 1 |^2 and what R leaves askew: where it is small there is nothing to look at.
+		const bool yields = std::any_of( view.strain + block, view.strain + std::max( block, last ), [limit]( float s ) { return s > limit; } );
+		if ( !yields )
+		{
+			continue;
+		}
+		float gradients[9 * kLanes];
+		kernels.deformations( view, block, block + kLanes, gradients );
+		for ( int r = block; r < last; ++r )
+		{
+			if ( !( view.strain[r] > limit ) )
+			{
+				continue;
+			}
+			const Eigen::Matrix3d total = Eigen::Map<const Matrix3fRows>( gradients + 9 * ( r - block ) ).cast<double>();
+			const Eigen::Quaternionf q( view.quaternion[0][r], view.quaternion[1][r], view.quaternion[2][r], view.quaternion[3][r] );
+			Eigen::Matrix3d now = stretch( r );
+			if ( flowStretch( step.plastic, step.h, total, q.cast<double>().toRotationMatrix(), now ) )
+			{
+				store( r, now );
+			}
+		}
+	}
+}
+
+Eigen::Matrix3d PlasticFlow::stretch( int region ) const
+{
+	return loadSymmetric( m_stretch, region ) + Eigen::Matrix3d::Identity();
+}
+
+void PlasticFlow::store( int region, Eigen::Matrix3d stretch )
+{
+	if ( !m_tables->outOfPlane[0].empty() )
+	{
+		// A flat region stays in its plane: a slanted part of the stretch, which only a change of levels can bring, is left out.
+		const Eigen::Matrix3d out = loadSymmetric( m_tables->outOfPlane, region ), in = Eigen::Matrix3d::Identity() - out;
+		stretch = Eigen::Matrix3d( in * stretch * in + out * stretch * out );
+	}
+	// J'^+ = S_p^-1 J^+ S_p^-1,  J'^+ J'_fine = S_p^-1 ( J^+ J_fine ) S_p
+	const Eigen::Matrix3d back = stretch.inverse();
+	const Eigen::Matrix3d inverse = back * loadSymmetric( m_tables->moments.inverseMoment, region ) * back;
+	for ( int k = 0; k < 6; ++k )
+	{
+		const auto [row, column] = kSymmetric[k];
+		m_stretch[k][region] = float( stretch( row, column ) - ( row == column ? 1.0 : 0.0 ) );
+		m_inverse[k][region] = float( inverse( row, column ) );
+	}
+	if ( m_blend[0].empty() )
+	{
+		return;
+	}
+	Eigen::Matrix3d blend;
+	for ( int k = 0; k < 9; ++k )
+	{
+		blend( k / 3, k % 3 ) = m_tables->blend[k][region];
+	}
+	blend = Eigen::Matrix3d( back * blend * stretch );
+	for ( int k = 0; k < 9; ++k )
+	{
+		m_blend[k][region] = float( blend( k / 3, k % 3 ) );
+	}
+}
+
+void PlasticFlow::carryOver( const RegionTables& before, const RegionTables& now, const FlowHeirs& heirs )
+{
+	std::vector<Eigen::Matrix3d> sum( heirs.heir.size(), Eigen::Matrix3d::Zero() );
+	std::vector<double> mass( heirs.heir.size(), 0.0 );
+	std::vector<int> sources( heirs.heir.size(), 0 );
+	for ( int i = 0; i < before.moments.count; ++i )
+	{
+		if ( const std::uint32_t to = heirs.nodeNow[i]; to != kNoNode )
+		{
+			sum[to] += double( heirs.massBefore[i] ) * loadSymmetric( m_stretch, i );
+			mass[to] += heirs.massBefore[i];
+			++sources[to];
+		}
+	}
+	for ( std::size_t r = 0; r < sum.size(); ++r )
+	{
+		sum[r] = mass[r] > 0.0 ? Eigen::Matrix3d( sum[r] / mass[r] ) : loadSymmetric( m_stretch, int( heirs.heir[r] ) );
+	}
+	allocate( now );
+	for ( int r = 0; r < int( sum.size() ); ++r )
+	{
+		if ( !sum[r].isZero( 0.0 ) )
+		{
+			const Eigen::Matrix3d stretch = sum[r] + Eigen::Matrix3d::Identity();
+			store( r, sources[r] > 1 ? unitStretch( stretch ) : stretch ); // a mean of volumes kept keeps its volume only nearly
+		}
+	}
+}
+
+std::size_t PlasticFlow::bytes() const
+{
+	return ( 6 * m_stretch[0].size() + 6 * m_inverse[0].size() + 9 * m_blend[0].size() ) * sizeof( float );
+}
+
+} // namespace pliant

@@ -1,0 +1,69 @@
+#pragma once
+
+// Rest shapes that flow: each region's plastic stretch S_p, and what follows from it for the kernels.
+// Steinemann et al. 2008, section 7, eq. 9-10, after Müller et al. 2005, section 4.5.
+//
+//   A = A_pq S_p,  J' = S_p J S_p,  F_e = A J'^+,  S_e = sym( R^T F_e )
+//   where | S_e - 1 | > yield:  S_p <- ( 1 + h creep ( S_e - 1 ) ) S_p, its rotation taken out, det S_p = 1, | S_p - 1 | <= limit
+//
+// Norms are Frobenius': a bar pulled by the share e counts as e. The rotation taken out goes over into R, which is fitted anew in each
+// substep; so S_p stays a pure stretch of the rest shape, which can be averaged, bounded and inherited.
+
+#include "matching/kernels/kernels.h"
+#include "matching/matcher.h"
+#include "matching/region_tables.h"
+
+#include <Eigen/Core>
+
+#include <cstdint>
+#include <vector>
+
+namespace pliant {
+
+/// The law above for one region; `total` is F = F_e S_p, `rotation` R. False where the region does not yield: `stretch` is then untouched.
+bool flowStretch( const PlasticLaw& law, float h, const Eigen::Matrix3d& total, const Eigen::Matrix3d& rotation, Eigen::Matrix3d& stretch );
+
+/// det = 1, and | S_p - 1 | at most `limit`.
+void limitStretch( float limit, Eigen::Matrix3d& stretch );
+
+/// Who takes over whose shape when levels change. Numbers of nodes and regions are the same.
+struct FlowHeirs
+{
+	const std::vector<std::uint32_t>& heir;    ///< of each region now: a region before
+	const std::vector<std::uint32_t>& nodeNow; ///< of each region before: its number now, its parent's where it was merged, kNoNode where split
+	const AlignedArray<float>& massBefore;
+};
+
+/// S_p of all regions of a body, made when the first of them yields.
+class PlasticFlow
+{
+public:
+	explicit PlasticFlow( const RegionTables& tables );
+
+	/// Whether any region of the view strains beyond `yieldStrain`. Needs MatchView::strain.
+	static bool yieldsAnywhere( const MatchView& view, float yieldStrain );
+
+	/// Puts the flowed shapes into the view in place of those at rest.
+	void show( MatchView& view ) const;
+
+	/// Lets the regions [begin, end) flow that yield; begin a multiple of kLanes. The view as fitRegions left it. Regions do not touch one
+	/// another: ranges may run side by side.
+	void flow( const MatchView& view, const Kernels& kernels, const MatchStep& step, int begin, int end );
+
+	/// The shapes under other tables: children take their parent's, a parent the mean of its children's by mass.
+	void carryOver( const RegionTables& before, const RegionTables& now, const FlowHeirs& heirs );
+
+	Eigen::Matrix3d stretch( int region ) const;
+	std::size_t bytes() const;
+
+private:
+	void allocate( const RegionTables& tables );
+	void store( int region, Eigen::Matrix3d stretch );
+
+	const RegionTables* m_tables = nullptr;
+	AlignedArray<float> m_stretch[6]; ///< S_p - 1 as xx, yy, zz, yz, xz, xy
+	AlignedArray<float> m_inverse[6]; ///< J'^+
+	AlignedArray<float> m_blend[9];   ///< J'^+ J'_fine; empty where the tables have none
+};
+
+} // namespace pliant
