@@ -27,20 +27,19 @@ Eigen::Matrix3d loadSymmetric( const AlignedArray<float> ( &from )[6], int i )
 	return m;
 }
 
-/// The stretch in M = Q U: the root of M^T M, scaled to det = 1.
-Eigen::Matrix3d unitStretch( const Eigen::Matrix3d& m )
-{
-	const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver( m.transpose() * m );
-	const Vec3d root = solver.eigenvalues().cwiseMax( 0.0 ).cwiseSqrt();
-	return solver.eigenvectors() * ( root / std::cbrt( root.prod() ) ).asDiagonal() * solver.eigenvectors().transpose();
-}
-
 double distanceFromOne( const Eigen::Matrix3d& m )
 {
 	return ( m - Eigen::Matrix3d::Identity() ).norm();
 }
 
 } // namespace
+
+Eigen::Matrix3d unitStretch( const Eigen::Matrix3d& m )
+{
+	const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver( m.transpose() * m );
+	const Vec3d root = solver.eigenvalues().cwiseMax( 0.0 ).cwiseSqrt();
+	return solver.eigenvectors() * ( root / std::cbrt( root.prod() ) ).asDiagonal() * solver.eigenvectors().transpose();
+}
 
 void limitStretch( float limit, Eigen::Matrix3d& stretch )
 {

@@ -23,7 +23,10 @@ namespace pliant {
 /// The law above for one region; `total` is F = F_e S_p, `rotation` R. False where the region does not yield: `stretch` is then untouched.
 bool flowStretch( const PlasticLaw& law, float h, const Eigen::Matrix3d& total, const Eigen::Matrix3d& rotation, Eigen::Matrix3d& stretch );
 
-/// det = 1, and | S_p - 1 | at most `limit`.
+/// The stretch in M = Q U: the root of M^T M, scaled to det = 1.
+Eigen::Matrix3d unitStretch( const Eigen::Matrix3d& m );
+
+/// Brings | S_p - 1 | back to `limit` where it is more; det stays 1.
 void limitStretch( float limit, Eigen::Matrix3d& stretch );
 
 /// Who takes over whose shape when levels change. Numbers of nodes and regions are the same.

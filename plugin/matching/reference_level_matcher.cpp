@@ -119,9 +119,7 @@ void ReferenceLevelMatcher::flow( const MatchStep& step, const Eigen::Matrix3d& 
 	if ( step.plastic.yieldStrain > 0.0f && strain.norm() > double( step.plastic.yieldStrain ) )
 	{
 		const double share = std::min( { double( step.plastic.creep ) * step.h, 1.0, kLargestFlow / strain.norm() } );
-		const Eigen::JacobiSVD<Eigen::Matrix3d> svd( ( one + share * strain ) * region.plastic, Eigen::ComputeFullV );
-		const Vec3d stretch = svd.singularValues() / std::cbrt( svd.singularValues().prod() );
-		region.plastic = svd.matrixV() * stretch.asDiagonal() * svd.matrixV().transpose();
+		region.plastic = unitStretch( ( one + share * strain ) * region.plastic );
 		limitStretch( step.plastic.limit, region.plastic );
 	}
 }
