@@ -341,6 +341,19 @@ void LatticeMatcher::flow( const MatchView& view, const MatchStep& step, TaskRun
 	runTasks( runner, chunks( padded ), task );
 }
 
+void LatticeMatcher::nodeRotations( const NodeState& nodes, float* quaternions ) const
+{
+	const Eigen::Quaternionf frame = m_frame.cast<float>();
+	for ( int i = 0; i < nodes.count; ++i )
+	{
+		const Eigen::Quaternionf q = frame * Eigen::Quaternionf( m_quaternion[0][i], m_quaternion[1][i], m_quaternion[2][i], m_quaternion[3][i] );
+		quaternions[4 * i + 0] = q.x();
+		quaternions[4 * i + 1] = q.y();
+		quaternions[4 * i + 2] = q.z();
+		quaternions[4 * i + 3] = q.w();
+	}
+}
+
 std::size_t LatticeMatcher::bytes() const
 {
 	std::size_t bytes = ( m_nodeRecord.size() + m_regionRecord.size() ) * sizeof( float ) + m_open.size() * sizeof( std::uint32_t );

@@ -19,7 +19,8 @@ TEST( Material, RefusesEveryBadValueOnThatCall )
 	const std::vector<std::function<float&( Material& )>> values = { []( Material& m ) -> float& { return m.density; },
 		[]( Material& m ) -> float& { return m.youngsModulus; }, []( Material& m ) -> float& { return m.alpha; },
 		[]( Material& m ) -> float& { return m.beta; }, []( Material& m ) -> float& { return m.damping; },
-		[]( Material& m ) -> float& { return m.wobbleDamping; } };
+		[]( Material& m ) -> float& { return m.wobbleDamping; }, []( Material& m ) -> float& { return m.yieldStrain; },
+		[]( Material& m ) -> float& { return m.plasticCreep; }, []( Material& m ) -> float& { return m.plasticLimit; } };
 	for ( const auto& value : values )
 	{
 		for ( float bad : { nan, inf, -inf, -1.0f } )
