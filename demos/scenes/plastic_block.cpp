@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 namespace pliant_demos {
 
@@ -18,7 +19,7 @@ constexpr float kEdge = 0.9f;                       // m
 constexpr int kCuts = 72;                           // of the block's faces: dents need vertices
 constexpr int kCells = 6000;
 constexpr btScalar kDepth = btScalar( 0.16 );       // m that each stamp goes below the block's top
-constexpr btScalar kClearance = btScalar( 0.25 );   // m above it where a stamp waits
+constexpr btScalar kClearance = btScalar( 0.45 );   // m above it where a stamp waits
 constexpr double kStampSeconds = 1.1, kFirstStamp = 0.3; // down and up again; one after the other
 constexpr double kRest = 0.6;                       // s for the block to come to rest at the end
 
@@ -106,11 +107,11 @@ public:
 	}
 
 	double duration() const override { return kFirstStamp + 3 * kStampSeconds + kRest; }
-	pliant_glue::DrawCamera camera( double ) const override { return { { -0.9f, 1.95f, 2.3f }, { 0, 0.55f, 0 }, 34.0f }; }
-	pliant_glue::DrawLight light() const override { return { { 0.65f, 0.65f, 0.25f }, { 0, 0.5f, 0 }, 1.7f }; }
+	pliant_glue::DrawCamera camera( double ) const override { return { { -0.9f, 2.0f, 2.5f }, { 0, 0.62f, 0 }, 36.0f }; }
+	pliant_glue::DrawLight light() const override { return { { 0.75f, 0.45f, 0.05f }, { 0, 0.5f, 0 }, 2.0f }; }
 
 private:
-	/// Vertices of the top face under each stamp, and how high they are at rest.
+	/// Vertices of the top face, and those of them under each stamp.
 	void rememberTop()
 	{
 		const pliant::SurfaceView skin = m_body->surface();
@@ -122,32 +123,42 @@ private:
 			{
 				const float* p = skin.positions + std::size_t( i ) * 3;
 				const double dx = double( p[0] ) + double( skin.origin.x() - stamp.x ), dz = double( p[2] ) + double( skin.origin.z() - stamp.z );
-				if( height( i ) > 0.95 * double( kEdge ) && dx * dx + dz * dz < kUnder * kUnder )
+				const bool isTop = height( i ) > 0.95 * double( kEdge );
+				if( isTop && &stamp == &m_stamps.front() )
+				{
+					m_top.push_back( i );
+				}
+				if( isTop && dx * dx + dz * dz < kUnder * kUnder )
 				{
 					under.push_back( i );
 				}
 			}
 			m_topVertices.push_back( std::move( under ) );
-			m_topAtRest = height( m_topVertices.back().front() );
 		}
 	}
 
+	/// Below the middle height of the top face, which sinks under the block's own weight.
 	double depthUnder( std::size_t stamp ) const
 	{
 		const pliant::SurfaceView skin = m_body->surface();
-		double depth = 0;
+		const auto height = [&]( int i ) { return double( skin.positions[std::size_t( i ) * 3 + 1] ); };
+		std::vector<double> heights;
+		std::transform( m_top.begin(), m_top.end(), std::back_inserter( heights ), height );
+		std::nth_element( heights.begin(), heights.begin() + std::ptrdiff_t( heights.size() / 2 ), heights.end() );
+		double lowest = heights[heights.size() / 2];
+		const double middle = lowest;
 		for( const int i : m_topVertices[stamp] )
 		{
-			depth = std::max( depth, m_topAtRest - double( skin.positions[std::size_t( i ) * 3 + 1] ) - double( skin.origin.y() ) );
+			lowest = std::min( lowest, height( i ) );
 		}
-		return depth;
+		return middle - lowest;
 	}
 
 	static constexpr double kUnder = 0.04; // m around a stamp's middle
 	pliant::SoftBody* m_body = nullptr;
 	std::vector<Stamp> m_stamps;
 	std::vector<std::vector<int>> m_topVertices;
-	double m_topAtRest = 0;
+	std::vector<int> m_top;
 };
 
 } // namespace
