@@ -16,9 +16,10 @@ namespace {
 
 constexpr int kCells = 4000;
 constexpr int kCoarseLevels = 2;
+constexpr float kKeepMass = 0.95f; // full blocks only: a big node across a finger would share its softness with the palm
 constexpr btScalar kHeldTo = btScalar( 0.30 );    // m: wrist and palm are held, so that only the fingers give way
 constexpr btScalar kThumbSide = btScalar( -0.12 );
-constexpr btScalar kPull = btScalar( 0.9 );       // N at each tip
+constexpr btScalar kPull = btScalar( 0.8 );       // N at each tip
 constexpr btScalar kGrip = btScalar( 0.07 );      // m around a tip that is pulled
 constexpr double kPullFrom = 0.4, kPullFullAt = 1.0, kPullUntil = 2.4; // s
 constexpr float kYoungsModulus = 8.0e4f;           // Pa, of the thumb; the rest has a share of it. About what 16 substeps reach
@@ -59,6 +60,7 @@ public:
 		order.mesh = &mesh;
 		order.cells = kCells;
 		order.adaptivity.coarseLevels = kCoarseLevels;
+		order.adaptivity.keepMass = kKeepMass;
 		order.material.density = 300.0f;
 		order.material.youngsModulus = kYoungsModulus;
 		order.stiffness.share = stiffnessAt;
