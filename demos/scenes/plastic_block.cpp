@@ -1,6 +1,6 @@
 // +-----------------------------------------------------------------------------------------------------------------+
-// | plastic_block: Steinemann et al. 2008, figure 5. A ball, an edge and a corner press into a block one after the    |
-// | other and leave their dents.                                                                                     |
+// | plastic_block: after Steinemann et al. 2008, figure 5. A ball, an edge and a corner press into a block one after   |
+// | the other. Its material is elastic as yet: it springs back, and the table says so.                               |
 // +-----------------------------------------------------------------------------------------------------------------+
 
 #include "demos/palette.h"
