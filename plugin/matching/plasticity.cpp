@@ -27,34 +27,35 @@ Eigen::Matrix3d loadSymmetric( const AlignedArray<float> ( &from )[6], int i )
 	return m;
 }
 
-double distanceFromOne( const Eigen::Matrix3d& m )
+/// Scaled to a product of 1.
+Vec3d unitVolume( const Vec3d& stretches )
 {
-	return ( m - Eigen::Matrix3d::Identity() ).norm();
+	return stretches / std::cbrt( stretches.prod() );
+}
+
+double distanceFromOne( const Vec3d& stretches )
+{
+	return ( stretches - Vec3d::Ones() ).norm();
 }
 
 } // namespace
 
-Eigen::Matrix3d unitStretch( const Eigen::Matrix3d& m )
+Eigen::Matrix3d unitStretch( const Eigen::Matrix3d& m, double limit )
 {
 	const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver( m.transpose() * m );
-	const Vec3d root = solver.eigenvalues().cwiseMax( 0.0 ).cwiseSqrt();
-	return solver.eigenvectors() * ( root / std::cbrt( root.prod() ) ).asDiagonal() * solver.eigenvectors().transpose();
-}
-
-void limitStretch( float limit, Eigen::Matrix3d& stretch )
-{
-	if ( distanceFromOne( stretch ) <= double( limit ) )
+	Vec3d stretches = unitVolume( solver.eigenvalues().cwiseMax( 0.0 ).cwiseSqrt() );
+	if ( distanceFromOne( stretches ) > limit )
 	{
-		return;
+		// Along 1 + t ( S_p - 1 ), scaled to det = 1, the distance from 1 is nearly proportional to t.
+		const Vec3d way = stretches - Vec3d::Ones();
+		double t = 1.0;
+		for ( int round = 0; round < kLimitRounds; ++round )
+		{
+			t *= limit / distanceFromOne( stretches );
+			stretches = unitVolume( Vec3d::Ones() + t * way );
+		}
 	}
-	// Along 1 + t ( S_p - 1 ), scaled to det = 1, the distance from 1 is nearly proportional to t.
-	const Eigen::Matrix3d one = Eigen::Matrix3d::Identity(), way = stretch - one;
-	double t = 1.0;
-	for ( int round = 0; round < kLimitRounds; ++round )
-	{
-		t *= double( limit ) / distanceFromOne( stretch );
-		stretch = unitStretch( one + t * way );
-	}
+	return solver.eigenvectors() * stretches.asDiagonal() * solver.eigenvectors().transpose();
 }
 
 bool flowStretch( const PlasticLaw& law, float h, const Eigen::Matrix3d& total, const Eigen::Matrix3d& rotation, Eigen::Matrix3d& stretch )
@@ -69,8 +70,7 @@ bool flowStretch( const PlasticLaw& law, float h, const Eigen::Matrix3d& total, 
 	}
 	// More than all of the strain would overshoot, and a region thrown inside out must not take its rest shape along.
 	const double share = std::min( { double( law.creep ) * h, 1.0, kLargestFlow / size } );
-	stretch = unitStretch( ( Eigen::Matrix3d::Identity() + share * strain ) * stretch );
-	limitStretch( law.limit, stretch );
+	stretch = unitStretch( ( Eigen::Matrix3d::Identity() + share * strain ) * stretch, law.limit );
 	return true;
 }
 

@@ -16,6 +16,7 @@
 #include <Eigen/Core>
 
 #include <cstdint>
+#include <limits>
 #include <vector>
 
 namespace pliant {
@@ -23,11 +24,8 @@ namespace pliant {
 /// The law above for one region; `total` is F = F_e S_p, `rotation` R. False where the region does not yield: `stretch` is then untouched.
 bool flowStretch( const PlasticLaw& law, float h, const Eigen::Matrix3d& total, const Eigen::Matrix3d& rotation, Eigen::Matrix3d& stretch );
 
-/// The stretch in M = Q U: the root of M^T M, scaled to det = 1.
-Eigen::Matrix3d unitStretch( const Eigen::Matrix3d& m );
-
-/// Brings | S_p - 1 | back to `limit` where it is more; det stays 1.
-void limitStretch( float limit, Eigen::Matrix3d& stretch );
+/// The stretch in M = Q U, the root of M^T M, scaled to det = 1 and brought back towards 1 where it is further from it than `limit`.
+Eigen::Matrix3d unitStretch( const Eigen::Matrix3d& m, double limit = std::numeric_limits<double>::infinity() );
 
 /// Who takes over whose shape when levels change. Numbers of nodes and regions are the same.
 struct FlowHeirs

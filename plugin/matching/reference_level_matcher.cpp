@@ -119,8 +119,7 @@ void ReferenceLevelMatcher::flow( const MatchStep& step, const Eigen::Matrix3d& 
 	if ( step.plastic.yieldStrain > 0.0f && strain.norm() > double( step.plastic.yieldStrain ) )
 	{
 		const double share = std::min( { double( step.plastic.creep ) * step.h, 1.0, kLargestFlow / strain.norm() } );
-		region.plastic = unitStretch( ( one + share * strain ) * region.plastic );
-		limitStretch( step.plastic.limit, region.plastic );
+		region.plastic = unitStretch( ( one + share * strain ) * region.plastic, step.plastic.limit );
 	}
 }
 
