@@ -86,6 +86,7 @@ public:
 	/// Splits and merges octree nodes by name; see changeCut.
 	void changeLevels( const std::vector<std::uint32_t>& split, const std::vector<std::uint32_t>& merge );
 	void requestSplit( int node );
+	void keepNode( int node ); ///< from being merged
 	void setFinestLevel( int level );
 	/// F of each node's region, 9 floats a node, row by row. Only for bodies with levels.
 	void nodeDeformations( float* gradients ) const;

@@ -141,6 +141,14 @@ void Body::requestSplit( int node )
 	}
 }
 
+void Body::keepNode( int node )
+{
+	if ( m_levels )
+	{
+		m_levels->keep( node );
+	}
+}
+
 void Body::setFinestLevel( int level )
 {
 	if ( m_levels )

@@ -116,8 +116,7 @@ void Levels::fillNodes( NodeState& nodes, float density ) const
 
 void Levels::requestSplit( int node )
 {
-	m_quiet[std::size_t( node )] = 0.0f;
-	m_isWanted[std::size_t( node )] = 1;
+	keep( node );
 	if ( levelOf( node ) > m_finestLevel )
 	{
 		m_asked.push_back( m_cut.node[node] );

@@ -50,6 +50,12 @@ public:
 	/// Asks for a node to be split at the next change; a node on the finest level is kept from being merged, now and for
 	/// Adaptivity::mergeDelay.
 	void requestSplit( int node );
+	/// Keeps a node from being merged, as requestSplit does, and no more.
+	void keep( int node )
+	{
+		m_quiet[std::size_t( node )] = 0.0f;
+		m_isWanted[std::size_t( node )] = 1;
+	}
 	/// Levels below this are not used, and merged away. Nodes that only this had merged are split again when it lets them. 0: all may be.
 	void setFinestLevel( int level ) { m_finestLevel = level; }
 

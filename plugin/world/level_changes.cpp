@@ -84,6 +84,11 @@ void SoftBodySystem::adaptLevels( btScalar h )
 			{
 				impl.body->requestSplit( stand->node );
 			}
+			for ( const SoftBody::Impl::Near& near : impl.nearby )
+			{
+				near.isSmaller ? impl.body->requestSplit( near.node ) : impl.body->keepNode( near.node );
+			}
+			impl.nearby.clear();
 		}
 		if ( impl.body->reviewLevels( float( h ) ) )
 		{
@@ -113,6 +118,7 @@ void SoftBodySystem::adaptLevels( btScalar h )
 // Contacts of nodes that are gone are let go of in the next collision phase, which is before anything else looks at them.
 void SoftBody::Impl::changeNodes( SoftBody& owner, const std::function<void()>& change )
 {
+	nearby.clear();
 	std::vector<btVector3> placeBefore;
 	for ( const Pin& pin : pins )
 	{

@@ -1,5 +1,6 @@
 #include "world/node_search.h"
 
+#include "body/levels.h"
 #include "world/constants.h"
 #include "world/soft_body_impl.h"
 
@@ -63,6 +64,8 @@ const std::vector<NodeHit>& NodeSearch::againstRigid( const SoftBody& soft, cons
 	m_leaf = 0;
 	m_hits.clear();
 	m_motion = Motion{};
+	const Levels* levels = soft.impl().body->levels();
+	m_notesNear = levels && levels->settings().refinesOnContact && soft.isActive();
 	if ( const btRigidBody* rigid = btRigidBody::upcast( other.getCollisionObject() ) )
 	{
 		// Bullet's solver adds the forces of the step to the velocity: the contact must see the same.
@@ -148,6 +151,18 @@ void NodeSearch::plane( const Obstacle& obstacle )
 	}
 }
 
+// A grid of balls has channels that what is smaller than them falls through. Such a thing refines what it comes near, before it touches:
+// a node is split whose box it enters and which is larger than it; its parts, one of which it is then in, stay while it is there.
+void NodeSearch::noteNear( int node, btScalar size ) const
+{
+	const SoftBody::Impl& impl = m_soft->impl();
+	const btScalar diameter = 2 * impl.shape->sphereOfNode( node )->getRadius();
+	if ( m_notesNear && size <= 2 * diameter )
+	{
+		impl.nearby.push_back( SoftBody::Impl::Near{ node, size <= diameter } );
+	}
+}
+
 void NodeSearch::solid( const Obstacle& obstacle )
 {
 	const SoftBody::Impl& impl = m_soft->impl();
@@ -155,6 +170,8 @@ void NodeSearch::solid( const Obstacle& obstacle )
 	inShape.position -= impl.shapeShift.cast<double>();
 	Box box;
 	obstacle.shape->getAabb( inShape.transform(), box.low, box.high );
+	const btVector3 extent = box.high - box.low;
+	const btScalar size = extent[extent.maxAxis()];
 	box.stretchAlong( toBt( m_step * m_motion.linear ) );
 	const btScalar turn = btScalar( m_step * m_motion.angular.norm() * ( obstacle.position - m_motion.centre ).norm() ) +
 						  btScalar( m_step * m_motion.angular.norm() ) * ( box.high - box.low ).length() / 2;
@@ -162,6 +179,7 @@ void NodeSearch::solid( const Obstacle& obstacle )
 	box.stretchAgainst( *impl.shape );
 	impl.shape->visitOverlaps( box.low, box.high, m_stack, [&]( int child ) {
 		const int node = impl.shape->nodeOfChild( child );
+		noteNear( node, size );
 		Touch touch;
 		if ( findTouch( obstacle, sphereOf( node ), touch ) )
 		{

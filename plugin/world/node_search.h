@@ -51,11 +51,13 @@ private:
 	void mesh( const Obstacle& obstacle );
 	void triangle( const Obstacle& mesh, const Vec3d ( &corners )[3] );
 	MovingSphere sphereOf( int node ) const;
+	void noteNear( int node, btScalar size ) const;
 	void keepFlatNeighboursOut();
 	void sortHits();
 
 	const SoftBody* m_soft = nullptr;
 	double m_step = 0.0;
+	bool m_notesNear = false; ///< the body refines on contact
 	Motion m_motion;
 	std::uint32_t m_leaf = 0;
 	std::vector<NodeHit> m_hits;

@@ -68,6 +68,13 @@ struct SoftBody::Impl
 
 	std::vector<Pin> pins;             ///< ascending by node
 	std::vector<NodeBody*> nodeBody;   ///< by node; null while untouched
+	/// Nodes (with Adaptivity::refinesOnContact) that something small has come near in this substep: it might slip between big spheres.
+	struct Near
+	{
+		int node;
+		bool isSmaller; ///< than the node: the node is to be split; else it is only to stay as it is
+	};
+	mutable std::vector<Near> nearby;
 	std::vector<NodeBody*> touched;    ///< those that are not null
 	mutable SkinBuffers skin;
 

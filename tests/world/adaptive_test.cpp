@@ -100,6 +100,34 @@ TEST( Adaptive, ContactRefinesWhereItIsAndMergesBackWhenItIsGone )
 	EXPECT_EQ( soft->nodeCount(), before );
 }
 
+TEST( Adaptive, SmallThingsDoNotFallBetweenBigNodes )
+{
+	for ( const bool refines : { false, true } )
+	{
+		TestWorld test;
+		test.addFloor();
+		Adaptivity settings = levels( 2 );
+		settings.refinesOnContact = refines;
+		SoftBody* soft = test.addSoft( block( 8, 8, 8, 0.1f ), at( 0, btScalar( 0.4 ), 0 ), stiff( 4e5f ), settings );
+		test.run( 10 );
+		// Right above where four big spheres leave a channel down to the floor.
+		btRigidBody* ball = test.add( 1, new btSphereShape( btScalar( 0.07 ) ), at( 0, 1, 0 ) );
+		ball->setActivationState( DISABLE_DEACTIVATION );
+		test.run( 120 );
+		const btScalar height = ball->getWorldTransform().getOrigin().y() - btScalar( 0.07 );
+		std::printf( "a small ball %s: %.3f m high, %d nodes\n", refines ? "refines" : "meets big nodes", double( height ), soft->nodeCount() );
+		if ( refines )
+		{
+			EXPECT_NEAR( height, 0.8, 0.05 );
+			const unsigned version = soft->levelVersion();
+			test.run( 60 );
+			EXPECT_EQ( soft->levelVersion(), version );
+			continue;
+		}
+		EXPECT_LT( height, 0.5 );
+	}
+}
+
 TEST( Adaptive, ContactsOfNodesThatStayKeepTheirImpulses )
 {
 	TestWorld test;
