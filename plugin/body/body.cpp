@@ -1,5 +1,6 @@
 #include "body/body.h"
 
+#include "body/breaking.h"
 #include "body/levels.h"
 #include "matching/cluster_matcher.h"
 #include "matching/lattice_matcher.h"
@@ -86,9 +87,7 @@ Result<std::unique_ptr<Body>> Body::create(
 			return Made{ std::move( status ), nullptr };
 		}
 		body->makeNodes( adaptivity );
-		body->m_restLength = longestExtent( *body->m_lattice );
-		body->m_secondMoment = meanSecondMoment( *body->m_lattice );
-		body->m_isOnePart = countComponents( *body->m_lattice ) == 1;
+		body->makeMeasures();
 		body->m_matcher = body->makeMatcher( material );
 		body->m_lastFinite.resize( std::size_t( body->m_nodes.padded ) * 6, 0.0f );
 		body->place( placement );
@@ -98,6 +97,13 @@ Result<std::unique_ptr<Body>> Body::create(
 	{
 		return Made::failure( ResultCode::OutOfMemory, "Not enough memory for a body of this many cells." );
 	}
+}
+
+void Body::makeMeasures()
+{
+	m_restLength = longestExtent( *m_lattice );
+	m_secondMoment = meanSecondMoment( *m_lattice );
+	m_isOnePart = countComponents( *m_lattice ) == 1;
 }
 
 Status Body::setMaterial( const Material& material )

@@ -4,6 +4,7 @@
 // A substep: accelerateTowardGoals (shape matching), applyForces, [contacts], integrate.
 
 #include "pliant/adaptivity.h"
+#include "pliant/fracture.h"
 #include "pliant/material.h"
 #include "pliant/result.h"
 
@@ -21,6 +22,10 @@ class LatticeMatcher;
 class Levels;
 class TaskRunner;
 struct TemplateCache;
+struct Breaking;
+struct BodyPiece;
+struct BreakReport;
+struct CellLink;
 
 /// A rigid placement in double precision.
 struct Placement
@@ -91,6 +96,30 @@ public:
 	/// F of each node's region, 9 floats a node, row by row. Only for bodies with levels.
 	void nodeDeformations( float* gradients ) const;
 
+	// --- breaking ----------------------------------------------------------------------------------------------------
+	/// Whether and when links break. Refuses bad settings, and methods without a lattice of regions. BreakRule::Never drops all that is kept
+	/// for breaking.
+	Status setFracture( const Fracture& fracture, const ToughnessField& toughness = {} );
+	/// Null for a body that cannot break.
+	const Breaking* breaking() const { return m_breaking.get(); }
+	/// Looks for links that are stretched too far; to be called after `integrate`. They break in the next `breakApart`.
+	void testLinks( float h );
+	/// Breaks links by name, whatever they bear: `links` ascending, each once, all of them there. Also for bodies that do not break by themselves.
+	void breakLinks( const std::vector<CellLink>& links );
+	bool hasBrokenLinks() const;
+	/// Big nodes above broken links: they are split, one level at a time, before the links are taken out. Numbers of nodes change with each
+	/// (Levels::lastChange).
+	bool mustRefineToBreak() const;
+	void refineToBreak();
+	/// The parts that are left, by mass, heaviest first, equals in the order of their lowest cells; at least one. Together they have this
+	/// body's mass, momentum and spin, places and speeds to the bit. At most `most` of them, at least 1: what is too many stays one body with
+	/// the heaviest. This body is of no use afterwards.
+	std::vector<BodyPiece> breakApart( BreakReport& report, int most );
+	/// The node that holds a finest cell.
+	int nodeOfCell( std::uint32_t cell ) const;
+	/// Of each finest cell: its number in the lattice the first body of the family was made of. Empty: the same.
+	const std::vector<std::uint32_t>& firstCells() const { return m_firstCell; }
+
 	// --- one substep of length h, s ---------------------------------------------------------------------------------
 	/// Shape matching and damping: v += (alpha e + k de) / h, and the wobble's share of v. `runner` may be null (calling thread alone).
 	void accelerateTowardGoals( float h, float alpha, TaskRunner* runner );
@@ -120,6 +149,15 @@ private:
 	void nodesChanged();
 	float wobbleRate( float h, float alpha ) const;
 	float bodyShare( float h, float alpha ) const;
+	void makeMeasures();
+	void refineBeforeBreaking();
+	std::vector<CellLink> brokenLinks() const;
+	std::vector<std::uint32_t> nodesAboveBroken() const;
+	BreakReport reportOn( const std::vector<CellLink>& broken ) const;
+	std::unique_ptr<Body> makePiece( std::shared_ptr<const Lattice> lattice, BodyPiece& piece ) const;
+	void inheritLevels( const Body& from, BodyPiece& piece );
+	void inheritNodes( const Body& from, const BodyPiece& piece );
+	void inheritBreaking( const Breaking& from, const BodyPiece& piece );
 	void keepFiniteState();
 	void restoreFiniteState();
 
@@ -131,6 +169,9 @@ private:
 	std::unique_ptr<Matcher> m_matcher;
 	std::unique_ptr<Levels> m_levels;
 	LatticeMatcher* m_levelMatcher = nullptr; ///< m_matcher where there are levels
+	std::unique_ptr<Breaking> m_breaking;     ///< null: cannot break
+	std::vector<CellLink> m_cutLinks;         ///< broken by name, ascending
+	std::vector<std::uint32_t> m_firstCell;
 	int m_reviewIn = 0;              ///< substeps until strains are measured
 	float m_sinceReview = 0.0f;      ///< s
 	bool m_isOnePart = true;

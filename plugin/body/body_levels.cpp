@@ -63,7 +63,8 @@ void Body::makeNodes( const Adaptivity& adaptivity )
 	}
 	std::shared_ptr<const LevelBase> base = m_cache ? m_cache->levels.find( *m_lattice, m_material, adaptivity )
 													 : buildLevelBase( *m_lattice, m_material, adaptivity );
-	m_levels = std::make_unique<Levels>( std::move( base ), *m_lattice, m_material, adaptivity, m_stiffness );
+	Cut cut = firstCut( base->octree, adaptivity );
+	m_levels = std::make_unique<Levels>( std::move( base ), *m_lattice, m_material, adaptivity, m_stiffness, std::move( cut ) );
 	m_levels->fillNodes( m_nodes, m_material.density );
 }
 

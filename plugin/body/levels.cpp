@@ -84,8 +84,8 @@ void resizeNodes( NodeState& nodes, int count )
 } // namespace
 
 Levels::Levels( std::shared_ptr<const LevelBase> base, const Lattice& lattice, const Material& material, const Adaptivity& settings,
-	const std::vector<float>& stiffness ) :
-	m_base( std::move( base ) ), m_lattice( lattice ), m_settings( settings ), m_stiffness( stiffness ), m_cut( firstCut( m_base->octree, settings ) ),
+	const std::vector<float>& stiffness, Cut cut ) :
+	m_base( std::move( base ) ), m_lattice( lattice ), m_settings( settings ), m_stiffness( stiffness ), m_cut( std::move( cut ) ),
 	m_regions( buildLevelRegions( *m_base, lattice, m_cut, material, settings ) ),
 	m_tables( buildLevelTables( *m_base, lattice, m_cut, m_regions, LevelSettings{ material, m_settings, m_stiffness } ) ), m_quiet( m_cut.node.size(), 0.0f ),
 	m_isWanted( m_cut.node.size(), 0 )

@@ -29,7 +29,7 @@ class Levels
 public:
 	/// `stiffness`: see LevelSettings; must live as long.
 	Levels( std::shared_ptr<const LevelBase> base, const Lattice& lattice, const Material& material, const Adaptivity& settings,
-		const std::vector<float>& stiffness );
+		const std::vector<float>& stiffness, Cut cut );
 
 	const Octree& octree() const { return m_base->octree; }
 	const Cut& cut() const { return m_cut; }
@@ -58,6 +58,8 @@ public:
 	}
 	/// Levels below this are not used, and merged away. Nodes that only this had merged are split again when it lets them. 0: all may be.
 	void setFinestLevel( int level ) { m_finestLevel = level; }
+	int finestLevel() const { return m_finestLevel; }
+	void setRefineStrain( float strain ) { m_settings.refineStrain = strain; }
 
 	/// Reads the strains last measured; `seconds` since the last reading. True when there is something to change.
 	bool review( const NodeState& nodes, const AlignedArray<float>& strain, float seconds );

@@ -32,6 +32,8 @@ public:
 
 	/// Other regions for other nodes: node i takes over the history of the old node `heir[i]`, and of what has flowed what `heirs` says.
 	void setTables( std::shared_ptr<const RegionTables> tables, const FlowHeirs& heirs );
+	/// Takes over the history and the flowed shapes of another body's regions: region i those of `heir[i]`.
+	void inherit( const LatticeMatcher& from, const std::vector<std::uint32_t>& heir );
 	/// Null until a region yields.
 	const PlasticFlow* plasticFlow() const { return m_plastic.get(); }
 	void forgetFlow() override { m_plastic.reset(); }

@@ -216,6 +216,18 @@ void PlasticFlow::carryOver( const RegionTables& before, const RegionTables& now
 	}
 }
 
+void PlasticFlow::inherit( const PlasticFlow& from, const std::vector<std::uint32_t>& heir )
+{
+	for ( std::size_t r = 0; r < heir.size(); ++r )
+	{
+		const Eigen::Matrix3d stretch = from.stretch( int( heir[r] ) );
+		if ( !stretch.isIdentity( 0.0 ) )
+		{
+			store( int( r ), stretch );
+		}
+	}
+}
+
 std::size_t PlasticFlow::bytes() const
 {
 	return ( 6 * m_stretch[0].size() + 6 * m_inverse[0].size() + 9 * m_blend[0].size() ) * sizeof( float );

@@ -54,6 +54,9 @@ public:
 	/// The shapes under other tables: children take their parent's, a parent the mean of its children's by mass.
 	void carryOver( const RegionTables& before, const RegionTables& now, const FlowHeirs& heirs );
 
+	/// The shapes of other tables' regions: region r takes that of `heir[r]`.
+	void inherit( const PlasticFlow& from, const std::vector<std::uint32_t>& heir );
+
 	Eigen::Matrix3d stretch( int region ) const;
 	std::size_t bytes() const;
 

@@ -142,12 +142,14 @@ int SoftBody::nodeLevel( int node ) const
 
 int SoftBody::nodeOfCell( int cell ) const
 {
-	if ( cell < 0 || cell >= m_impl->body->lattice().cellCount() )
+	const Body& body = *m_impl->body;
+	int own = cell;
+	if ( const std::vector<std::uint32_t>& first = body.firstCells(); !first.empty() && cell >= 0 )
 	{
-		return -1;
+		const auto found = std::lower_bound( first.begin(), first.end(), std::uint32_t( cell ) );
+		own = found != first.end() && *found == std::uint32_t( cell ) ? int( found - first.begin() ) : -1;
 	}
-	const Levels* levels = m_impl->body->levels();
-	return levels ? int( levels->cut().slotOfCell[std::size_t( cell )] ) : cell;
+	return own < 0 || own >= body.lattice().cellCount() ? -1 : body.nodeOfCell( std::uint32_t( own ) );
 }
 
 unsigned SoftBody::levelVersion() const

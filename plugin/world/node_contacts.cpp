@@ -183,6 +183,12 @@ void PairContacts::followNodes()
 		m_contacts[kept++] = contact;
 	}
 	m_contacts.resize( kept );
+	// Nodes keep their order through changes of levels; what a crack leaves of a block may stand in another.
+	const auto isBefore = []( const NodeContact& a, const NodeContact& b ) { return a.key < b.key; };
+	if ( !std::is_sorted( m_contacts.begin(), m_contacts.end(), isBefore ) )
+	{
+		std::sort( m_contacts.begin(), m_contacts.end(), isBefore );
+	}
 }
 
 // Carries on the contacts that still have a hit, drops the others, opens new ones, all in the order of the keys.

@@ -46,6 +46,26 @@ struct Box
 	}
 };
 
+/// How deep the spheres of two bodies may overlap that came apart from each other; 0 for all others.
+double slackOf( const SoftBody::Impl& a, const SoftBody::Impl& b )
+{
+	const auto pair = std::find_if( a.fresh.begin(), a.fresh.end(), [&b]( const FreshPair& p ) { return p.other == b.serial; } );
+	return pair == a.fresh.end() ? 0.0 : pair->slack;
+}
+
+void setSlack( const SoftBody::Impl& of, unsigned other, double slack )
+{
+	const auto pair = std::find_if( of.fresh.begin(), of.fresh.end(), [other]( const FreshPair& p ) { return p.other == other; } );
+	if ( pair != of.fresh.end() )
+	{
+		pair->slack = slack;
+		if ( slack == 0.0 )
+		{
+			of.fresh.erase( pair ); // they have parted
+		}
+	}
+}
+
 struct TriangleCall : btTriangleCallback
 {
 	using Call = void ( * )( void* context, btVector3* triangle, int part, int index );
@@ -278,6 +298,8 @@ const std::vector<NodeHit>& NodeSearch::againstSoft( const SoftBody& a, const So
 	m_step = step;
 	m_motion = Motion{};
 	m_hits.clear();
+	const double slack = slackOf( implA, implB );
+	double deepest = 0.0;
 	const Vec3d fromAToB = implA.body->nodes().origin - nodesB.origin; // adds to a position of A's to make it one of B's
 	const btVector3 shapesApart = toBt( fromAToB + ( implA.shapeShift - implB.shapeShift ).cast<double>() );
 	const btDbvtVolume& rootB = shapeB.tree().m_root->volume;
@@ -301,10 +323,21 @@ const std::vector<NodeHit>& NodeSearch::againstSoft( const SoftBody& a, const So
 			Touch touch;
 			if ( findTouch( ball, sphere, touch ) )
 			{
+				deepest = std::max( deepest, sphere.radius - touch.distance );
+				touch.distance += slack;
+				if ( slack > 0.0 && touch.distance > sphere.radius )
+				{
+					return;
+				}
 				m_hits.push_back( NodeHit{ std::uint64_t( nodeA ) << 32 | std::uint32_t( nodeB ), touch, -1, nodeB } );
 			}
 		} );
 	} );
+	if ( slack > 0.0 )
+	{
+		setSlack( implA, implB.serial, std::min( slack, deepest ) );
+		setSlack( implB, implA.serial, std::min( slack, deepest ) );
+	}
 	sortHits();
 	return m_hits;
 }

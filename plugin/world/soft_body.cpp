@@ -20,12 +20,11 @@ Eigen::Quaterniond rotationOf( const btTransform& t )
 	return Eigen::Quaterniond( q.w(), q.x(), q.y(), q.z() ).normalized();
 }
 
-/// Where the template's mass centre goes when its mesh goes through `t`.
-Placement placementOf( const BodyTemplate& bodyTemplate, const btTransform& t )
+/// Where the lattice's mass centre goes when its mesh goes through `t`.
+Placement placementOf( const Lattice& lattice, const btTransform& t )
 {
-	const double* c = bodyTemplate.massCentre();
 	const Eigen::Quaterniond rotation = rotationOf( t );
-	return Placement{ rotation, rotation * Vec3d( c[0], c[1], c[2] ) + toVec3d( t.getOrigin() ) };
+	return Placement{ rotation, rotation * lattice.massCentre + toVec3d( t.getOrigin() ) };
 }
 
 } // namespace
@@ -46,6 +45,17 @@ void SoftBody::Impl::placeShape( btCollisionObject& object )
 	shape->update( nodes, shapeShift );
 	object.setWorldTransform( at );
 	object.setInterpolationWorldTransform( at );
+}
+
+void SoftBody::Impl::finish( SoftBody& owner )
+{
+	shape = std::make_unique<NodeShape>( *body );
+	nodeBody.assign( std::size_t( body->nodeCount() ), nullptr );
+	owner.m_internalType = CO_USER_TYPE;
+	owner.m_collisionFlags &= ~CF_STATIC_OBJECT; // Bullet's objects are born static
+	owner.internalSetExtensionPointer( const_cast<char*>( &kSoftBodyMark ) );
+	owner.setCollisionShape( shape.get() );
+	placeShape( owner );
 }
 
 void SoftBody::Impl::measureSpeed()
@@ -81,7 +91,7 @@ SoftBodyResult SoftBody::create( std::shared_ptr<const BodyTemplate> bodyTemplat
 	try
 	{
 		Result<std::unique_ptr<Body>> made = Body::create(
-			bodyTemplate->sharedLattice(), material, placementOf( *bodyTemplate, transform ), bodyTemplate->cache(), adaptivity, stiffness );
+			bodyTemplate->sharedLattice(), material, placementOf( bodyTemplate->lattice(), transform ), bodyTemplate->cache(), adaptivity, stiffness );
 		if ( !made )
 		{
 			return SoftBodyResult{ std::move( made.status ), nullptr };
@@ -91,13 +101,7 @@ SoftBodyResult SoftBody::create( std::shared_ptr<const BodyTemplate> bodyTemplat
 		Impl& impl = *soft->m_impl;
 		impl.bodyTemplate = std::move( bodyTemplate );
 		impl.body = std::move( made.value );
-		impl.shape = std::make_unique<NodeShape>( *impl.body );
-		impl.nodeBody.assign( impl.body->nodeCount(), nullptr );
-		soft->m_internalType = CO_USER_TYPE;
-		soft->m_collisionFlags &= ~CF_STATIC_OBJECT; // Bullet's objects are born static
-		soft->internalSetExtensionPointer( const_cast<char*>( &kSoftBodyMark ) );
-		soft->setCollisionShape( impl.shape.get() );
-		impl.placeShape( *soft );
+		impl.finish( *soft );
 		return SoftBodyResult::success( std::move( soft ) );
 	}
 	catch ( const std::bad_alloc& )
@@ -203,8 +207,7 @@ btVector3 SoftBody::angularMomentum() const
 btTransform SoftBody::bestFitTransform() const
 {
 	const Placement fit = m_impl->body->bestFit();
-	const double* c = m_impl->bodyTemplate->massCentre();
-	const Vec3d origin = fit.position - fit.rotation * Vec3d( c[0], c[1], c[2] );
+	const Vec3d origin = fit.position - fit.rotation * m_impl->body->lattice().massCentre;
 	const btQuaternion q(
 		btScalar( fit.rotation.x() ), btScalar( fit.rotation.y() ), btScalar( fit.rotation.z() ), btScalar( fit.rotation.w() ) );
 	return btTransform( q, toBt( origin ) );
@@ -303,7 +306,7 @@ void SoftBody::reset( const btTransform& transform )
 	{
 		return;
 	}
-	m_impl->body->place( placementOf( *m_impl->bodyTemplate, transform ) );
+	m_impl->body->place( placementOf( m_impl->body->lattice(), transform ) );
 	m_impl->isHealthy = true;
 	m_impl->skin.fade.clear();
 	forceActivationState( ACTIVE_TAG ); // quarantine had taken it out of the simulation

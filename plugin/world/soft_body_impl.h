@@ -3,7 +3,9 @@
 // What stands behind a SoftBody: the core's body, the collision shape, pins, forces and the skin's buffers.
 
 #include "body/body.h"
+#include "body/breaking.h"
 #include "pliant/soft_body.h"
+#include "surface/piece_skin.h"
 #include "surface/skin_fade.h"
 #include "surface/skinning.h"
 #include "world/node_body.h"
@@ -46,6 +48,13 @@ struct SkinBuffers
 	bool isStale = true;
 };
 
+/// Another body that this one came apart from: as deep as their spheres overlapped then they may go on doing, and no deeper.
+struct FreshPair
+{
+	unsigned other;  ///< its serial
+	double slack;    ///< m, only ever smaller; infinity until it has been measured
+};
+
 struct SoftBody::Impl
 {
 	std::shared_ptr<const BodyTemplate> bodyTemplate;
@@ -65,6 +74,14 @@ struct SoftBody::Impl
 	btVector3 gravity = btVector3( 0, 0, 0 );
 	btVector3 centralForce = btVector3( 0, 0, 0 );
 	bool hasNodeForces = false;
+
+	unsigned serial = 0;               ///< in the world it is in, never used twice
+	bool isWorldOwned = false;         ///< a fragment that nobody has released
+	unsigned fractureVersion = 0;
+	std::shared_ptr<int> family;       ///< bodies made of the one body it all came from; null: it never came apart
+	mutable std::vector<FreshPair> fresh;
+	std::unique_ptr<NodeShape> shapeBefore; ///< stand-ins of nodes that came off point to its spheres until the next collision phase
+	mutable std::unique_ptr<PieceSkin> pieceSkin; ///< null: the template's
 
 	std::vector<Pin> pins;             ///< ascending by node
 	std::vector<NodeBody*> nodeBody;   ///< by node; null while untouched
@@ -105,6 +122,13 @@ struct SoftBody::Impl
 	/// Makes a change of levels and has all that names the body's nodes follow it: pins, spheres, stand-ins, skin.
 	void changeNodes( SoftBody& owner, const std::function<void()>& change );
 	void measureSpeed();
+	const SkinBinding& binding() const;
+
+	/// The body takes the shape of what is left of it.
+	void adopt( SoftBody& owner, BodyPiece& piece );
+	static std::unique_ptr<SoftBody> makeFragment( const SoftBody& parent, BodyPiece& piece );
+	/// Everything a body needs once its core is there.
+	void finish( SoftBody& owner );
 };
 
 /// A node's place and velocity as the core keeps them.

@@ -66,6 +66,7 @@ bool SoftBodySystem::add( SoftBody& body )
 		return false;
 	}
 	body.impl().system = this;
+	body.impl().serial = ++m_serials;
 	m_bodies.push_back( &body );
 	return true;
 }
@@ -78,6 +79,7 @@ bool SoftBodySystem::remove( SoftBody& body )
 		return false;
 	}
 	m_bodies.erase( found );
+	release( body );
 	return true;
 }
 
@@ -141,9 +143,8 @@ TaskRunner* SoftBodySystem::tasks() const
 	return runner ? runner : ownRunner.get();
 }
 
-void SoftBodySystem::accelerate( btScalar h, int substep )
+void SoftBodySystem::gatherAwake()
 {
-	BT_PROFILE( "pliant: accelerate" );
 	m_awake.clear();
 	for ( SoftBody* body : m_bodies )
 	{
@@ -151,6 +152,16 @@ void SoftBodySystem::accelerate( btScalar h, int substep )
 		{
 			m_awake.push_back( body );
 		}
+	}
+}
+
+void SoftBodySystem::accelerate( btScalar h, int substep )
+{
+	BT_PROFILE( "pliant: accelerate" );
+	gatherAwake();
+	if ( breakBodies() )
+	{
+		gatherAwake();
 	}
 	adaptLevels( h );
 	for ( SoftBody* body : m_awake )

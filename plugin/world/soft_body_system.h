@@ -14,6 +14,8 @@ class btCollisionDispatcher;
 
 namespace pliant {
 
+struct BodyPiece;
+
 class SoftBodySystem
 {
 public:
@@ -44,6 +46,13 @@ public:
 	void endStep();
 	void clearForces();
 
+	/// Links that are stretched too far, found after the nodes have moved; they break at the start of the next substep.
+	void testLinks( btScalar h );
+	/// False for what is no fragment of this world's.
+	bool release( SoftBody& fragment );
+	std::vector<FractureEvent> events;
+	std::vector<SoftBody*> owned; ///< fragments that nobody has released
+
 	void releasePinsTo( const btRigidBody& body );
 	/// Gives the dispatcher back the functions that were registered before ours: it may outlive this world.
 	void restoreCreateFuncs();
@@ -61,6 +70,10 @@ private:
 	TaskRunner* tasks() const;
 	void sweepBox( SoftBody& body, btScalar h );
 	void quarantine( SoftBody& body );
+	void gatherAwake();
+	bool breakBodies();
+	void settlePieces( SoftBody& body, std::vector<BodyPiece>& pieces, FractureEvent& event );
+	void addFragment( SoftBody& parent, std::unique_ptr<SoftBody> fragment );
 	void adaptLevels( btScalar h );
 	void changeLevels( SoftBody& body );
 	void countNodes();
@@ -82,6 +95,7 @@ private:
 	std::vector<SoftBody*> m_awake; ///< in this substep
 	btScalar m_gameStep = btScalar( 0 );
 	int m_substepCount = 1;
+	unsigned m_serials = 0;
 };
 
 } // namespace pliant

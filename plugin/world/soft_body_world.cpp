@@ -38,7 +38,11 @@ SoftBodyWorld::SoftBodyWorld(
 
 SoftBodyWorld::~SoftBodyWorld()
 {
-	// What the game added stays the game's: the bodies leave, and take their contacts along while the pool still stands.
+	// Fragments that nobody has taken over go. What the game added stays the game's: the bodies leave, and take their contacts along while the pool still stands.
+	for ( SoftBody* fragment : std::vector<SoftBody*>( m_system->bodies.owned ) )
+	{
+		delete fragment;
+	}
 	while ( !m_system->bodies.bodies().empty() )
 	{
 		removeSoftBody( m_system->bodies.bodies().back() );
@@ -142,6 +146,27 @@ const StepReport& SoftBodyWorld::stepReport() const
 	return m_system->bodies.report;
 }
 
+const std::vector<FractureEvent>& SoftBodyWorld::fractureEvents() const
+{
+	return m_system->bodies.events;
+}
+
+int SoftBodyWorld::fragmentCount() const
+{
+	return int( m_system->bodies.owned.size() );
+}
+
+bool SoftBodyWorld::releaseFragment( SoftBody* fragment )
+{
+	return fragment && m_system->bodies.release( *fragment );
+}
+
+int SoftBodyWorld::stepSimulation( btScalar timeStep, int maxSubSteps, btScalar fixedTimeStep )
+{
+	m_system->bodies.events.clear();
+	return btDiscreteDynamicsWorld::stepSimulation( timeStep, maxSubSteps, fixedTimeStep );
+}
+
 void SoftBodyWorld::internalSingleStepSimulation( btScalar timeStep )
 {
 	SoftBodySystem& bodies = m_system->bodies;
@@ -240,6 +265,10 @@ void SoftBodyWorld::integrateTransforms( btScalar timeStep )
 	{
 		Stopwatch watch( m_system->bodies.report.integrate );
 		m_system->bodies.integrate( timeStep, m_system->substep );
+	}
+	if ( m_system->isStepping )
+	{
+		m_system->bodies.testLinks( timeStep );
 	}
 }
 

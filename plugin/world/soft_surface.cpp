@@ -42,20 +42,37 @@ void SoftBody::Impl::fadeFromKeptSurface()
 	if ( skin.frame > 0 )
 	{
 		const LevelChange& change = body->levels()->lastChange();
-		skin.fade.start( bodyTemplate->skin(), SkinFade::Nodes{ body->nodes(), skinPose(), change.heir, change.keptAs, body->bestFit().rotation.cast<float>() } );
+		skin.fade.start( binding(), SkinFade::Nodes{ body->nodes(), skinPose(), change.heir, change.keptAs, body->bestFit().rotation.cast<float>() } );
 		skin.isStale = true;
 	}
+}
+
+const SkinBinding& SoftBody::Impl::binding() const
+{
+	if ( body->firstCells().empty() || bodyTemplate->skin().kind == Skinning::None )
+	{
+		return bodyTemplate->skin();
+	}
+	if ( !pieceSkin )
+	{
+		const Vec3 shift = ( body->lattice().massCentre - bodyTemplate->lattice().massCentre ).cast<float>();
+		const SkinTriangles triangles{ bodyTemplate->indices(), bodyTemplate->triangleCount() };
+		pieceSkin = std::make_unique<PieceSkin>( makePieceSkin( bodyTemplate->skin(), triangles, body->firstCells(), shift ) );
+	}
+	return pieceSkin->binding;
 }
 
 SurfaceView SoftBody::surface() const
 {
 	SurfaceView view;
 	const Impl& impl = *m_impl;
-	const SkinBinding& binding = impl.bodyTemplate->skin();
+	const SkinBinding& binding = impl.binding();
 	if ( binding.kind == Skinning::None )
 	{
 		return view;
 	}
+	const SkinTriangles triangles = impl.pieceSkin ? SkinTriangles{ impl.pieceSkin->indices.data(), int( impl.pieceSkin->indices.size() / 3 ) }
+												   : SkinTriangles{ impl.bodyTemplate->indices(), impl.bodyTemplate->triangleCount() };
 	SkinBuffers& skinBuffers = impl.skin;
 	if ( skinBuffers.isStale )
 	{
@@ -64,7 +81,6 @@ SurfaceView SoftBody::surface() const
 		const int next = 1 - skinBuffers.current;
 		skinBuffers.positions[next].resize( binding.restPosition.size() * 3 );
 		skinBuffers.normals[next].resize( binding.restPosition.size() * 3 );
-		const SkinTriangles triangles{ impl.bodyTemplate->indices(), impl.bodyTemplate->triangleCount() };
 		skin( binding, impl.body->nodes(), impl.skinPose(), triangles, skinBuffers.scratch, skinBuffers.positions[next].data(),
 			skinBuffers.normals[next].data() );
 		skinBuffers.origin[next] = impl.worldOrigin();
@@ -75,9 +91,10 @@ SurfaceView SoftBody::surface() const
 	view.origin = skinBuffers.origin[skinBuffers.current];
 	view.positions = skinBuffers.positions[skinBuffers.current].data();
 	view.normals = skinBuffers.normals[skinBuffers.current].data();
-	view.indices = impl.bodyTemplate->indices();
+	view.indices = triangles.indices;
 	view.vertexCount = impl.bodyTemplate->vertexCount();
-	view.triangleCount = impl.bodyTemplate->triangleCount();
+	view.triangleCount = triangles.count;
+	view.topologyVersion = impl.fractureVersion;
 	view.frame = skinBuffers.frame;
 	return view;
 }

@@ -17,11 +17,11 @@ struct Floor
 
 const Floor kFloors[] = {
 	{ "plugin/include/", 0 }, { "plugin/threads/", 1 },  { "plugin/lattice/", 2 }, { "plugin/adapt/", 3 },
-	{ "plugin/matching/", 4 }, { "plugin/surface/", 5 }, { "plugin/body/", 6 },    { "plugin/world/", 7 },
+	{ "plugin/matching/", 4 }, { "plugin/fracture/", 5 }, { "plugin/surface/", 6 }, { "plugin/body/", 7 }, { "plugin/world/", 8 },
 };
 
 constexpr int kFace = 0;
-constexpr int kWorld = 7;
+constexpr int kWorld = 8;
 
 const Floor* floorOf( const std::string& path )
 {

@@ -5,6 +5,7 @@
 #include "pliant/adaptivity.h"
 #include "pliant/body_template.h"
 #include "pliant/export.h"
+#include "pliant/fracture.h"
 #include "pliant/material.h"
 #include "pliant/result.h"
 
@@ -73,7 +74,8 @@ public:
 	// --- levels of detail (Adaptivity); without them every node is on level 0 and none of this changes anything --------
 	/// 0: a finest cell; l: up to 8^l of them.
 	int nodeLevel( int node ) const;
-	/// The node that holds a finest cell of the template; cells without levels are nodes. -1 where there is no such cell.
+	/// The node that holds a finest cell of the template; cells without levels are nodes. -1 where there is no such cell, or another piece
+	/// has it.
 	int nodeOfCell( int cell ) const;
 	/// Changes when nodes are split or merged: nodes then have other numbers. Pins follow.
 	unsigned levelVersion() const;
@@ -82,6 +84,16 @@ public:
 	void requestRefinement( const btVector3& low, const btVector3& high );
 	/// Nothing finer than this level is used from now on, 0 to Adaptivity::coarseLevels; finer nodes are merged. For bodies far from view.
 	void setFinestLevel( int level );
+
+	// --- breaking: Fracture. Off by default; pieces take their body's settings over -----------------------------------
+	/// Whether and how links between cells break. `toughness` is asked once for every link.
+	Status setFracture( const Fracture& fracture, const ToughnessField& toughness = {} );
+	/// What was set; BreakRule::Never when nothing was.
+	Fracture fracture() const;
+	/// Finest cells of this body; nodes without levels of detail.
+	int cellCount() const;
+	/// Changes when links have broken: nodes and cells then have other numbers. Pins follow.
+	unsigned fractureVersion() const;
 
 	// --- what the game does to it; each wakes the body --------------------------------------------------------------
 	void setLinearVelocity( const btVector3& velocity );            ///< of every node, m/s

@@ -10,13 +10,14 @@
 #include <BulletDynamics/Dynamics/btDiscreteDynamicsWorld.h>
 
 #include <memory>
+#include <vector>
 
 namespace pliant {
 
 /// Where one game step's time went, s, and what it met. All zero for a world without soft bodies.
 struct StepReport
 {
-	double forces = 0, matching = 0, spheres = 0, collision = 0, solve = 0, integrate = 0, skinning = 0, levels = 0, total = 0;
+	double forces = 0, matching = 0, spheres = 0, collision = 0, solve = 0, integrate = 0, skinning = 0, levels = 0, fracture = 0, total = 0;
 	int substeps = 0;         ///< soft substeps made in the last game step
 	int softBodies = 0;       ///< in the world
 	int awakeSoftBodies = 0;
@@ -26,8 +27,23 @@ struct StepReport
 	int splits = 0;           ///< nodes that gave way to their parts
 	int merges = 0;           ///< nodes that took the place of their parts
 	int nodesOnLevel[5] = {}; ///< of all soft bodies, finest first; bodies without levels have finest nodes only
+	int brokenLinks = 0;      ///< between finest cells
+	int fragments = 0;        ///< bodies that came off others
 	int quarantined = 0;      ///< bodies that stand still because a number in them stopped being finite
 	int unreachableStiffness = 0; ///< bodies whose Young's modulus was out of reach: raise maxSoftSubsteps or regionHalfWidth
+};
+
+/// A body that broke. Its heaviest part keeps the object; the others are new bodies in the world, with its template, material, filter,
+/// surface, user pointer and indices. They belong to the world, which deletes them when it is destroyed; see releaseFragment.
+struct FractureEvent
+{
+	SoftBody* parent = nullptr;
+	std::vector<SoftBody*> fragments; ///< heaviest first; empty where the body cracked and holds together
+	int links = 0;           ///< broken, between finest cells
+	double area = 0;         ///< of the crack, one side, m^2
+	double energy = 0;       ///< J, that the broken links held
+	int removedPieces = 0;   ///< SmallPieces::Remove
+	double removedMass = 0;  ///< kg
 };
 
 class PLIANT_API SoftBodyWorld : public btDiscreteDynamicsWorld
@@ -47,6 +63,14 @@ public:
 	int softBodyCount() const;
 	SoftBody* softBody( int index );
 
+	/// What broke in the last stepSimulation, in order. Pointers stay good until a body they name is deleted.
+	const std::vector<FractureEvent>& fractureEvents() const;
+	/// Fragments that belong to the world.
+	int fragmentCount() const;
+	/// Makes the fragment the game's to delete; it stays in the world. So does removing it from the world. Deleting a fragment that
+	/// belongs to the world is legal too. False for what is no fragment of this world's.
+	bool releaseFragment( SoftBody* fragment );
+
 	/// Soft substeps per game step while a soft body is awake, 1 to 64, default 4. Stiff materials raise it by themselves up to
 	/// maxSoftSubsteps (default 16).
 	void setSoftSubsteps( int count );
@@ -60,6 +84,7 @@ public:
 
 	const StepReport& stepReport() const;
 
+	int stepSimulation( btScalar timeStep, int maxSubSteps = 1, btScalar fixedTimeStep = btScalar( 1. ) / btScalar( 60. ) ) override;
 	void removeCollisionObject( btCollisionObject* object ) override;
 	void removeRigidBody( btRigidBody* body ) override;
 	void clearForces() override;

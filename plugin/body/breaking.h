@@ -1,0 +1,40 @@
+#pragma once
+
+// What a body that can break keeps beside its state: the rule, how long each link may get, and what broke in the last substep.
+// Ohta et al. 2009, "Fracturing".
+
+#include "fracture/link_limits.h"
+#include "pliant/fracture.h"
+
+#include <memory>
+#include <vector>
+
+namespace pliant {
+
+class Body;
+
+struct Breaking
+{
+	Fracture settings;
+	LinkLimits limits;
+	std::vector<CellLink> broken; ///< waiting to be taken out, ascending
+	float coolDown = 0.0f;        ///< s until links are tested again
+};
+
+/// A part of a body that has come apart. Its nodes are some of the body's, in their order.
+struct BodyPiece
+{
+	std::unique_ptr<Body> body;
+	std::vector<std::uint32_t> nodeBefore; ///< of each node: its number in the body before
+	std::vector<std::uint32_t> cellBefore; ///< of each finest cell: its number there
+};
+
+/// What one event did.
+struct BreakReport
+{
+	int links = 0;          ///< broken
+	double area = 0.0;      ///< m^2, of one side, from the links between cells that share a face
+	double energy = 0.0;    ///< J: what the broken links held, E e^2 / 2 over their share of the material
+};
+
+} // namespace pliant

@@ -1,0 +1,109 @@
+#include "fracture/link_limits.h"
+
+#include "adapt/cut.h"
+
+#include <algorithm>
+
+namespace pliant {
+
+LinkLimits limitLinks( const Lattice& lattice, float strain, std::vector<float> toughness )
+{
+	LinkLimits limits;
+	limits.toughness = std::move( toughness );
+	limits.start.reserve( lattice.linkStart.size() );
+	limits.to.reserve( lattice.linkTo.size() / 2 );
+	limits.lengthSquared.reserve( lattice.linkTo.size() / 2 );
+	limits.start.push_back( 0 );
+	for ( std::uint32_t i = 0; i < std::uint32_t( lattice.cellCount() ); ++i )
+	{
+		const auto row = lattice.linkTo.begin() + lattice.linkStart[i], end = lattice.linkTo.begin() + lattice.linkStart[i + 1];
+		for ( auto link = std::upper_bound( row, end, i ); link != end; ++link )
+		{
+			const float share = limits.toughness.empty() ? 1.0f : limits.toughness[limits.to.size()];
+			const float longest = ( 1.0f + strain * share ) * ( lattice.restCentre[*link] - lattice.restCentre[i] ).norm();
+			limits.to.push_back( *link );
+			limits.lengthSquared.push_back( longest * longest );
+		}
+		limits.start.push_back( std::uint32_t( limits.to.size() ) );
+	}
+	return limits;
+}
+
+std::vector<float> inheritToughness( const LinkLimits& before, const Lattice& part, const std::vector<std::uint32_t>& cells )
+{
+	std::vector<float> toughness;
+	if ( before.toughness.empty() )
+	{
+		return toughness;
+	}
+	toughness.reserve( part.linkTo.size() / 2 );
+	for ( std::uint32_t i = 0; i < std::uint32_t( part.cellCount() ); ++i )
+	{
+		const auto row = before.to.begin() + before.start[cells[i]], end = before.to.begin() + before.start[cells[i] + 1];
+		for ( std::uint32_t k = part.linkStart[i]; k < part.linkStart[i + 1]; ++k )
+		{
+			if ( part.linkTo[k] > i )
+			{
+				const auto old = std::lower_bound( row, end, cells[part.linkTo[k]] );
+				toughness.push_back( before.toughness[std::size_t( old - before.to.begin() )] );
+			}
+		}
+	}
+	return toughness;
+}
+
+namespace {
+
+struct Places
+{
+	const float *x, *y, *z;
+
+	float distanceSquared( std::uint32_t i, std::uint32_t j ) const
+	{
+		const float dx = x[i] - x[j], dy = y[i] - y[j], dz = z[i] - z[j];
+		return dx * dx + dy * dy + dz * dz;
+	}
+};
+
+} // namespace
+
+void findOverstretched( const LinkLimits& limits, const NodeState& nodes, std::vector<CellLink>& found )
+{
+	const Places places{ nodes.x.x.data(), nodes.x.y.data(), nodes.x.z.data() };
+	const std::uint32_t count = std::uint32_t( limits.start.size() ) - 1;
+	for ( std::uint32_t i = 0; i < count; ++i )
+	{
+		for ( std::uint32_t k = limits.start[i]; k < limits.start[i + 1]; ++k )
+		{
+			if ( places.distanceSquared( i, limits.to[k] ) > limits.lengthSquared[k] )
+			{
+				found.push_back( CellLink{ i, limits.to[k] } );
+			}
+		}
+	}
+}
+
+void findOverstretched( const LinkLimits& limits, const NodeState& nodes, const Cut& cut, std::vector<CellLink>& found )
+{
+	// A node of the finest level has its cell's number in the octree.
+	const Places places{ nodes.x.x.data(), nodes.x.y.data(), nodes.x.z.data() };
+	const std::uint32_t count = std::uint32_t( limits.start.size() ) - 1;
+	for ( std::uint32_t i = 0; i < count; ++i )
+	{
+		const std::uint32_t slot = cut.slotOfCell[i];
+		if ( cut.node[slot] != i )
+		{
+			continue;
+		}
+		for ( std::uint32_t k = limits.start[i]; k < limits.start[i + 1]; ++k )
+		{
+			const std::uint32_t j = limits.to[k], other = cut.slotOfCell[j];
+			if ( cut.node[other] == j && places.distanceSquared( slot, other ) > limits.lengthSquared[k] )
+			{
+				found.push_back( CellLink{ i, j } );
+			}
+		}
+	}
+}
+
+} // namespace pliant

@@ -1,0 +1,166 @@
+#include "lattice/pieces.h"
+
+#include "lattice/constants.h"
+
+#include <algorithm>
+
+namespace pliant {
+
+namespace {
+
+/// Both directions of every link, ascending: the order in which the rows list them.
+std::vector<CellLink> bothWays( const std::vector<CellLink>& links )
+{
+	std::vector<CellLink> both;
+	both.reserve( 2 * links.size() );
+	for ( const CellLink& link : links )
+	{
+		both.push_back( link );
+		both.push_back( CellLink{ link.b, link.a } );
+	}
+	std::sort( both.begin(), both.end() );
+	return both;
+}
+
+bool isSurfaceCell( const Lattice& lattice, std::size_t cell )
+{
+	return lattice.fill[cell] < 1.0f || lattice.linkStart[cell + 1] - lattice.linkStart[cell] != kNeighbours;
+}
+
+} // namespace
+
+Lattice withoutLinks( const Lattice& lattice, const std::vector<CellLink>& links )
+{
+	const std::vector<CellLink> gone = bothWays( links );
+	Lattice now = lattice;
+	auto next = gone.begin();
+	std::uint32_t kept = 0;
+	for ( std::uint32_t i = 0; i < std::uint32_t( lattice.cellCount() ); ++i )
+	{
+		now.linkStart[i] = kept;
+		for ( std::uint32_t k = lattice.linkStart[i]; k < lattice.linkStart[i + 1]; ++k )
+		{
+			if ( next != gone.end() && next->a == i && next->b == lattice.linkTo[k] )
+			{
+				++next;
+				continue;
+			}
+			now.linkTo[kept++] = lattice.linkTo[k];
+		}
+	}
+	now.linkStart.back() = kept;
+	now.linkTo.resize( kept );
+	for ( const CellLink& link : gone )
+	{
+		now.isSurface[link.a] = 1;
+	}
+	return now;
+}
+
+Lattice withLinks( const Lattice& lattice, const std::vector<CellLink>& links )
+{
+	const std::vector<CellLink> added = bothWays( links );
+	Lattice now = lattice;
+	now.linkTo.clear();
+	now.linkTo.reserve( lattice.linkTo.size() + added.size() );
+	auto next = added.begin();
+	for ( std::uint32_t i = 0; i < std::uint32_t( lattice.cellCount() ); ++i )
+	{
+		now.linkStart[i] = std::uint32_t( now.linkTo.size() );
+		std::uint32_t k = lattice.linkStart[i];
+		for ( ; next != added.end() && next->a == i; ++next )
+		{
+			for ( ; k < lattice.linkStart[i + 1] && lattice.linkTo[k] < next->b; ++k )
+			{
+				now.linkTo.push_back( lattice.linkTo[k] );
+			}
+			now.linkTo.push_back( next->b );
+		}
+		now.linkTo.insert( now.linkTo.end(), lattice.linkTo.begin() + k, lattice.linkTo.begin() + lattice.linkStart[i + 1] );
+	}
+	now.linkStart.back() = std::uint32_t( now.linkTo.size() );
+	for ( const CellLink& link : added )
+	{
+		now.isSurface[link.a] = isSurfaceCell( now, link.a ) ? 1 : 0;
+	}
+	return now;
+}
+
+std::vector<std::vector<std::uint32_t>> connectedParts( const Lattice& lattice )
+{
+	constexpr std::uint32_t kNone = ~0u;
+	const std::uint32_t count = std::uint32_t( lattice.cellCount() );
+	std::vector<std::uint32_t> partOf( count, kNone ), front;
+	std::uint32_t parts = 0;
+	for ( std::uint32_t first = 0; first < count; ++first )
+	{
+		if ( partOf[first] != kNone )
+		{
+			continue;
+		}
+		partOf[first] = parts;
+		front.assign( 1, first );
+		while ( !front.empty() )
+		{
+			const std::uint32_t cell = front.back();
+			front.pop_back();
+			for ( std::uint32_t k = lattice.linkStart[cell]; k < lattice.linkStart[cell + 1]; ++k )
+			{
+				const std::uint32_t to = lattice.linkTo[k];
+				if ( partOf[to] == kNone )
+				{
+					partOf[to] = parts;
+					front.push_back( to );
+				}
+			}
+		}
+		++parts;
+	}
+	std::vector<std::vector<std::uint32_t>> cells( parts );
+	for ( std::uint32_t i = 0; i < count; ++i )
+	{
+		cells[partOf[i]].push_back( i );
+	}
+	return cells;
+}
+
+Lattice extractCells( const Lattice& lattice, const std::vector<std::uint32_t>& cells )
+{
+	std::vector<std::uint32_t> numberOf( lattice.fill.size(), 0 );
+	double mass = 0.0;
+	Vec3d centre = Vec3d::Zero();
+	for ( std::size_t i = 0; i < cells.size(); ++i )
+	{
+		numberOf[cells[i]] = std::uint32_t( i );
+		mass += lattice.fill[cells[i]];
+		centre += double( lattice.fill[cells[i]] ) * lattice.restCentre[cells[i]].cast<double>();
+	}
+	centre /= mass;
+
+	Lattice part;
+	part.cellSize = lattice.cellSize;
+	part.corner = lattice.corner;
+	part.massCentre = lattice.massCentre + centre;
+	part.extent = lattice.extent;
+	part.coordinate.reserve( cells.size() );
+	part.fill.reserve( cells.size() );
+	part.restCentre.reserve( cells.size() );
+	part.isSurface.reserve( cells.size() );
+	part.linkStart.reserve( cells.size() + 1 );
+	part.linkStart.push_back( 0 );
+	for ( const std::uint32_t cell : cells )
+	{
+		part.coordinate.push_back( lattice.coordinate[cell] );
+		part.fill.push_back( lattice.fill[cell] );
+		part.restCentre.push_back( ( lattice.restCentre[cell].cast<double>() - centre ).cast<float>() );
+		part.isSurface.push_back( lattice.isSurface[cell] );
+		for ( std::uint32_t k = lattice.linkStart[cell]; k < lattice.linkStart[cell + 1]; ++k )
+		{
+			part.linkTo.push_back( numberOf[lattice.linkTo[k]] );
+		}
+		part.linkStart.push_back( std::uint32_t( part.linkTo.size() ) );
+	}
+	return part;
+}
+
+} // namespace pliant

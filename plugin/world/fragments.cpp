@@ -1,0 +1,271 @@
+// Bodies that break: the heaviest part stays the game's object, the others become bodies of the world's. Only ever at the start of a substep.
+// Ohta et al. 2009, "Fracturing".
+
+#include "body/breaking.h"
+#include "body/levels.h"
+#include "threads/parallel.h"
+#include "world/soft_body_impl.h"
+#include "world/soft_body_system.h"
+#include "world/stopwatch.h"
+
+#include <LinearMath/btQuickprof.h>
+
+#include <algorithm>
+#include <limits>
+
+namespace pliant {
+
+namespace {
+
+/// What a user may have set on any collision object, and a piece takes over.
+void copySettings( const SoftBody& from, SoftBody& to )
+{
+	to.setCollisionFlags( from.getCollisionFlags() );
+	to.setFriction( from.getFriction() );
+	to.setRestitution( from.getRestitution() );
+	to.setRollingFriction( from.getRollingFriction() );
+	to.setSpinningFriction( from.getSpinningFriction() );
+	to.setContactStiffnessAndDamping( from.getContactStiffness(), from.getContactDamping() );
+	to.setCollisionFlags( from.getCollisionFlags() ); // the line above sets one of them
+	to.setContactProcessingThreshold( from.getContactProcessingThreshold() );
+	to.setHitFraction( from.getHitFraction() );
+	to.setCcdMotionThreshold( from.getCcdMotionThreshold() );
+	to.setCcdSweptSphereRadius( from.getCcdSweptSphereRadius() );
+	if ( from.hasAnisotropicFriction( btCollisionObject::CF_ANISOTROPIC_FRICTION ) )
+	{
+		to.setAnisotropicFriction( from.getAnisotropicFriction() );
+	}
+	if ( from.hasAnisotropicFriction( btCollisionObject::CF_ANISOTROPIC_ROLLING_FRICTION ) )
+	{
+		to.setAnisotropicFriction( from.getAnisotropicFriction(), btCollisionObject::CF_ANISOTROPIC_ROLLING_FRICTION );
+	}
+	to.setUserPointer( from.getUserPointer() );
+	to.setUserIndex( from.getUserIndex() );
+	to.setUserIndex2( from.getUserIndex2() );
+	to.setUserIndex3( from.getUserIndex3() );
+	to.forceActivationState( from.getActivationState() );
+}
+
+/// The number each node before has in the piece; kNoNode for those of other pieces.
+std::vector<std::uint32_t> numbersNow( const BodyPiece& piece, int nodesBefore )
+{
+	std::vector<std::uint32_t> now( std::size_t( nodesBefore ), kNoNode );
+	for ( std::size_t i = 0; i < piece.nodeBefore.size(); ++i )
+	{
+		now[piece.nodeBefore[i]] = std::uint32_t( i );
+	}
+	return now;
+}
+
+/// The pins of the nodes that went into the piece.
+std::vector<Pin> pinsOf( const std::vector<Pin>& before, const std::vector<std::uint32_t>& nodeNow )
+{
+	std::vector<Pin> pins;
+	for ( Pin pin : before )
+	{
+		if ( const std::uint32_t now = nodeNow[std::size_t( pin.node )]; now != kNoNode )
+		{
+			pin.node = int( now );
+			pins.push_back( pin );
+		}
+	}
+	std::sort( pins.begin(), pins.end(), []( const Pin& a, const Pin& b ) { return a.node < b.node; } );
+	return pins;
+}
+
+} // namespace
+
+// Contacts of nodes that went elsewhere are let go of in the next collision phase, which is before anything else looks at them; until then
+// their stand-ins need the spheres they were made with.
+void SoftBody::Impl::adopt( SoftBody& owner, BodyPiece& piece )
+{
+	const std::vector<std::uint32_t> nodeNow = numbersNow( piece, body->nodeCount() );
+	pins = pinsOf( pins, nodeNow );
+	nearby.clear();
+	body = std::move( piece.body );
+	shapeBefore = std::move( shape );
+	shape = std::make_unique<NodeShape>( *body );
+	owner.setCollisionShape( shape.get() );
+	NodeBodyPool::renumber( owner, nodeNow, body->nodeCount() );
+	for ( NodeBody* stand : touched )
+	{
+		stand->setCollisionShape( shape->sphereOfNode( stand->node ) );
+	}
+	placeShape( owner );
+	measureSpeed();
+	skin.fade.clear();
+	skin.isStale = true;
+	pieceSkin.reset();
+	++fractureVersion;
+}
+
+std::unique_ptr<SoftBody> SoftBody::Impl::makeFragment( const SoftBody& parent, BodyPiece& piece )
+{
+	std::unique_ptr<SoftBody> soft( new SoftBody );
+	soft->m_impl = std::make_unique<Impl>();
+	Impl& impl = *soft->m_impl;
+	const Impl& from = parent.impl();
+	impl.bodyTemplate = from.bodyTemplate;
+	impl.plan = from.plan;
+	impl.hasOwnGravity = from.hasOwnGravity;
+	impl.gravity = from.gravity;
+	impl.hasNodeForces = from.hasNodeForces;
+	impl.pins = pinsOf( from.pins, numbersNow( piece, from.body->nodeCount() ) );
+	impl.body = std::move( piece.body );
+	impl.fractureVersion = from.fractureVersion + 1;
+	impl.finish( *soft );
+	impl.centralForce = from.centralForce * btScalar( impl.mass / from.mass ); // it is spread by mass
+	impl.measureSpeed();
+	copySettings( parent, *soft );
+	return soft;
+}
+
+bool SoftBodySystem::breakBodies()
+{
+	std::vector<SoftBody*> breaking;
+	for ( SoftBody* body : m_awake )
+	{
+		if ( body->impl().body->hasBrokenLinks() )
+		{
+			breaking.push_back( body );
+		}
+	}
+	if ( breaking.empty() )
+	{
+		return false;
+	}
+	BT_PROFILE( "pliant: fracture" );
+	Stopwatch watch( report.fracture );
+	struct Outcome
+	{
+		BreakReport report;
+		std::vector<BodyPiece> pieces;
+	};
+	std::vector<Outcome> outcome( breaking.size() );
+	auto apart = [&]( int k ) {
+		SoftBody::Impl& impl = breaking[std::size_t( k )]->impl();
+		while ( impl.body->mustRefineToBreak() )
+		{
+			impl.changeNodes( *breaking[std::size_t( k )], [&impl] { impl.body->refineToBreak(); } );
+		}
+		const Breaking* rule = impl.body->breaking();
+		const int most = rule ? rule->settings.maxPieces - ( impl.family ? *impl.family - 1 : 0 ) : std::numeric_limits<int>::max();
+		outcome[std::size_t( k )].pieces = impl.body->breakApart( outcome[std::size_t( k )].report, std::max( 1, most ) );
+	};
+	runTasks( tasks(), int( breaking.size() ), apart );
+	for ( std::size_t k = 0; k < breaking.size(); ++k )
+	{
+		const BreakReport& found = outcome[k].report;
+		FractureEvent event;
+		event.parent = breaking[k];
+		event.links = found.links;
+		event.area = found.area;
+		event.energy = found.energy;
+		settlePieces( *breaking[k], outcome[k].pieces, event );
+		report.brokenLinks += event.links;
+		report.fragments += int( event.fragments.size() );
+		events.push_back( std::move( event ) );
+	}
+	return true;
+}
+
+void SoftBodySystem::settlePieces( SoftBody& body, std::vector<BodyPiece>& pieces, FractureEvent& event )
+{
+	SoftBody::Impl& impl = body.impl();
+	if ( pieces.size() > 1 && !impl.family )
+	{
+		impl.family = std::make_shared<int>( 1 );
+	}
+	std::vector<std::unique_ptr<SoftBody>> fragments;
+	for ( std::size_t k = 1; k < pieces.size(); ++k )
+	{
+		fragments.push_back( SoftBody::Impl::makeFragment( body, pieces[k] ) );
+	}
+	const double massBefore = impl.mass;
+	impl.adopt( body, pieces[0] );
+	impl.centralForce *= btScalar( impl.mass / massBefore );
+	for ( std::unique_ptr<SoftBody>& fragment : fragments )
+	{
+		event.fragments.push_back( fragment.get() );
+		addFragment( body, std::move( fragment ) );
+	}
+}
+
+void SoftBodySystem::addFragment( SoftBody& parent, std::unique_ptr<SoftBody> fragment )
+{
+	SoftBody* const piece = fragment.release();
+	SoftBody::Impl& impl = piece->impl();
+	impl.family = parent.impl().family;
+	++*impl.family;
+	add( *piece );
+	impl.isWorldOwned = true;
+	owned.push_back( piece );
+
+	// Fresh to what the parent is fresh to, with the same leave; and to the parent and what came off it before in this event.
+	impl.fresh = parent.impl().fresh;
+	impl.fresh.push_back( FreshPair{ parent.impl().serial, std::numeric_limits<double>::infinity() } );
+	for ( const FreshPair& pair : impl.fresh )
+	{
+		const auto other = std::find_if( m_bodies.begin(), m_bodies.end(), [&pair]( const SoftBody* body ) { return body->impl().serial == pair.other; } );
+		if ( other != m_bodies.end() )
+		{
+			( *other )->impl().fresh.push_back( FreshPair{ impl.serial, pair.slack } );
+		}
+	}
+	const btBroadphaseProxy* const proxy = parent.getBroadphaseHandle();
+	m_world.addCollisionObject( piece, proxy->m_collisionFilterGroup, proxy->m_collisionFilterMask );
+}
+
+bool SoftBodySystem::release( SoftBody& fragment )
+{
+	const auto found = std::find( owned.begin(), owned.end(), &fragment );
+	if ( found == owned.end() )
+	{
+		return false;
+	}
+	owned.erase( found );
+	fragment.impl().isWorldOwned = false;
+	return true;
+}
+
+void SoftBodySystem::testLinks( btScalar h )
+{
+	std::vector<SoftBody*> testing;
+	for ( SoftBody* body : m_awake )
+	{
+		if ( body->impl().body->breaking() && moves( *body ) )
+		{
+			testing.push_back( body );
+		}
+	}
+	if ( testing.empty() )
+	{
+		return;
+	}
+	Stopwatch watch( report.fracture );
+	auto test = [&]( int k ) { testing[std::size_t( k )]->impl().body->testLinks( float( h ) ); };
+	runTasks( tasks(), int( testing.size() ), test );
+}
+
+Status SoftBody::setFracture( const Fracture& fracture, const ToughnessField& toughness )
+{
+	return m_impl->body->setFracture( fracture, toughness );
+}
+
+Fracture SoftBody::fracture() const
+{
+	const Breaking* breaking = m_impl->body->breaking();
+	return breaking ? breaking->settings : Fracture{};
+}
+
+int SoftBody::cellCount() const
+{
+	return m_impl->body->lattice().cellCount();
+}
+
+unsigned SoftBody::fractureVersion() const
+{
+	return m_impl->fractureVersion;
+}
+
+} // namespace pliant

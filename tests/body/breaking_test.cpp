@@ -1,0 +1,296 @@
+// A body that breaks: what its pieces have together, and that each is a body like any other. Ohta et al. 2009, "Fracturing".
+
+#include "body/breaking.h"
+#include "body/levels.h"
+#include "support/block_body.h"
+#include "support/shapes.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdio>
+
+namespace pliant {
+namespace {
+
+using test::substep;
+
+std::unique_ptr<Body> makeBody( std::shared_ptr<const Lattice> lattice, const Adaptivity& settings = {}, const Material& material = {} )
+{
+	Result<std::unique_ptr<Body>> made = Body::create( std::move( lattice ), material, {}, nullptr, settings );
+	EXPECT_TRUE( made.ok() ) << made.status.sentence;
+	return std::move( made.value );
+}
+
+std::vector<CellLink> linksAcross( const Lattice& lattice, const Vec3& normal, float offset )
+{
+	std::vector<CellLink> links;
+	for ( std::uint32_t i = 0; i < std::uint32_t( lattice.cellCount() ); ++i )
+	{
+		for ( std::uint32_t k = lattice.linkStart[i]; k < lattice.linkStart[i + 1]; ++k )
+		{
+			const std::uint32_t j = lattice.linkTo[k];
+			if ( i < j && ( normal.dot( lattice.restCentre[i] ) < offset ) != ( normal.dot( lattice.restCentre[j] ) < offset ) )
+			{
+				links.push_back( CellLink{ i, j } );
+			}
+		}
+	}
+	return links;
+}
+
+/// Turning, pulsing, thrown: everything moves.
+void stir( Body& body, unsigned seed )
+{
+	test::Seeded random( seed );
+	for ( int i = 0; i < body.nodeCount(); ++i )
+	{
+		const Vec3 x0 = body.nodes().x0.get( i );
+		body.nodes().v.set( i, Vec3( 1.0f, 2.0f, -0.5f ) + Vec3( 3.0f, -1.0f, 2.0f ).cross( x0 ) + 0.5f * x0 + random.inBox( 0.5f ) );
+	}
+	for ( int k = 0; k < 20; ++k )
+	{
+		substep( body, 1.0f / 240.0f, 0.5f );
+	}
+}
+
+struct Whole
+{
+	double mass = 0.0, energy = 0.0;
+	Vec3d momentum = Vec3d::Zero(), spin = Vec3d::Zero(); ///< about the world's origin
+};
+
+void add( Whole& whole, const Body& body )
+{
+	const BodySums sums = body.sums();
+	whole.mass += sums.mass;
+	whole.energy += sums.kineticEnergy;
+	whole.momentum += sums.momentum;
+	whole.spin += sums.spin + ( body.nodes().origin + sums.centre ).cross( sums.momentum );
+}
+
+TEST( Breaking, RefusesWhatMakesNoSense )
+{
+	const auto lattice = std::make_shared<const Lattice>( makeBlockLattice( 3, 3, 3, 0.1f ) );
+	auto body = makeBody( lattice );
+	Fracture fracture;
+	fracture.rule = BreakRule::Distance;
+	EXPECT_TRUE( body->setFracture( fracture ).ok() );
+	for ( const float bad : { 0.0f, -1.0f, 11.0f, std::nanf( "" ) } )
+	{
+		Fracture wrong = fracture;
+		wrong.breakStrain = bad;
+		EXPECT_EQ( body->setFracture( wrong ).code, ResultCode::BadArgument );
+	}
+	Fracture wrong = fracture;
+	wrong.maxPieces = 0;
+	EXPECT_EQ( body->setFracture( wrong ).code, ResultCode::BadArgument );
+	ToughnessField field;
+	field.share = []( const float*, const float*, void* ) { return 0.0f; };
+	EXPECT_EQ( body->setFracture( fracture, field ).code, ResultCode::BadArgument );
+	EXPECT_NE( body->breaking(), nullptr ); // what was there before stays
+	Material cluster;
+	cluster.method = Method::SingleCluster;
+	EXPECT_EQ( makeBody( lattice, {}, cluster )->setFracture( fracture ).code, ResultCode::BadArgument );
+	fracture.rule = BreakRule::Never;
+	EXPECT_TRUE( body->setFracture( fracture ).ok() );
+	EXPECT_EQ( body->breaking(), nullptr );
+}
+
+// Uniform and on levels, through a shape of any form, cut in half by a slanted plane while it tumbles.
+TEST( Breaking, PiecesKeepMassMomentumSpinAndEnergy )
+{
+	for ( const int coarse : { 0, 2 } )
+	{
+		for ( unsigned seed = 1; seed <= 6; ++seed )
+		{
+			const auto lattice = std::make_shared<const Lattice>( test::makeBlobLattice( 14, 0.05f, seed ) );
+			Adaptivity settings;
+			settings.coarseLevels = coarse;
+			auto body = makeBody( lattice, settings );
+			stir( *body, seed );
+			body->breakLinks( linksAcross( *lattice, Vec3( 1.0f, 0.4f, -0.3f ).normalized(), 0.02f ) );
+			while ( body->mustRefineToBreak() )
+			{
+				body->refineToBreak();
+			}
+			Whole before, after;
+			add( before, *body );
+			BreakReport report;
+			const std::vector<BodyPiece> pieces = body->breakApart( report, 1000 );
+			ASSERT_GE( pieces.size(), 2u );
+			int cells = 0;
+			for ( const BodyPiece& piece : pieces )
+			{
+				add( after, *piece.body );
+				cells += piece.body->lattice().cellCount();
+				EXPECT_TRUE( validate( piece.body->lattice() ).ok() ) << validate( piece.body->lattice() ).sentence;
+				if ( const Levels* levels = piece.body->levels() )
+				{
+					EXPECT_TRUE( validate( levels->octree(), piece.body->lattice() ).ok() );
+					EXPECT_TRUE( validate( levels->cut(), levels->octree() ).ok() );
+				}
+			}
+			EXPECT_EQ( cells, lattice->cellCount() );
+			EXPECT_GT( report.area, 0.0 );
+			EXPECT_NEAR( after.mass / before.mass, 1.0, 1e-12 );
+			EXPECT_NEAR( ( after.momentum - before.momentum ).norm() / before.momentum.norm(), 0.0, 1e-12 );
+			EXPECT_NEAR( ( after.spin - before.spin ).norm() / before.spin.norm(), 0.0, 1e-12 );
+			EXPECT_NEAR( after.energy / before.energy, 1.0, 1e-12 );
+		}
+	}
+}
+
+TEST( Breaking, PiecesGoOnLikeBodiesOfTheirOwn )
+{
+	// A bar at rest, cut in two: nothing moves. Stirred: each half keeps its own momentum and spin, and comes back to its rest shape.
+	const auto lattice = std::make_shared<const Lattice>( makeBlockLattice( 12, 4, 4, 0.05f ) );
+	for ( const int coarse : { 0, 1 } )
+	{
+		Adaptivity settings;
+		settings.coarseLevels = coarse;
+		auto body = makeBody( lattice, settings );
+		stir( *body, 7 );
+		body->breakLinks( linksAcross( *lattice, Vec3::UnitX(), 0.0f ) );
+		while ( body->mustRefineToBreak() )
+		{
+			body->refineToBreak();
+		}
+		BreakReport report;
+		std::vector<BodyPiece> pieces = body->breakApart( report, 1000 );
+		ASSERT_EQ( pieces.size(), 2u );
+		for ( BodyPiece& piece : pieces )
+		{
+			Whole before, after;
+			add( before, *piece.body );
+			for ( int k = 0; k < 600; ++k )
+			{
+				substep( *piece.body, 1.0f / 240.0f, 0.5f );
+			}
+			add( after, *piece.body );
+			EXPECT_NEAR( ( after.momentum - before.momentum ).norm() / before.momentum.norm(), 0.0, 1e-5 );
+			EXPECT_NEAR( ( after.spin - before.spin ).norm() / before.spin.norm(), 0.0, 1e-4 );
+			EXPECT_LE( after.energy, before.energy * 1.001 + 0.5 * before.energy ); // what was stretched may come out
+			const Placement fit = piece.body->bestFit();
+			double worst = 0.0;
+			for ( int i = 0; i < piece.body->nodeCount(); ++i )
+			{
+				const Vec3d at = fit.position + fit.rotation * piece.body->nodes().x0.get( i ).cast<double>();
+				worst = std::max( worst, ( piece.body->nodes().worldPosition( i ) - at ).norm() );
+			}
+			EXPECT_LT( worst, 0.02 ); // it still turns
+		}
+	}
+}
+
+TEST( Breaking, WhatIsPulledTooFarBreaksWhereItIsWeakest )
+{
+	// Both ends are pulled apart slowly; the middle layer is half as tough.
+	for ( const int coarse : { 0, 1 } )
+	{
+		const auto lattice = std::make_shared<const Lattice>( makeBlockLattice( 16, 4, 4, 0.05f ) );
+		Adaptivity settings;
+		settings.coarseLevels = coarse;
+		auto body = makeBody( lattice, settings );
+		Fracture fracture;
+		fracture.rule = BreakRule::Distance;
+		fracture.breakStrain = 0.2f;
+		ToughnessField field;
+		field.share = []( const float* point, const float*, void* ) { return std::fabs( point[0] ) < 0.01f ? 0.5f : 1.0f; };
+		ASSERT_TRUE( body->setFracture( fracture, field ).ok() );
+		int broken = 0;
+		float pulled = 0.0f;
+		for ( int k = 0; k < 4000 && broken == 0; ++k )
+		{
+			for ( int i = 0; i < body->nodeCount(); ++i )
+			{
+				const float x0 = body->nodes().x0.get( i ).x();
+				if ( std::fabs( x0 ) > 0.3f )
+				{
+					body->setPinned( i, true );
+					body->nodes().v.set( i, Vec3( x0 > 0.0f ? 0.05f : -0.05f, 0.0f, 0.0f ) );
+				}
+			}
+			body->adaptLevels( 1.0f / 240.0f );
+			substep( *body, 1.0f / 240.0f, 0.5f );
+			pulled += 0.1f / 240.0f;
+			body->testLinks( 1.0f / 240.0f );
+			while ( body->mustRefineToBreak() )
+			{
+				body->refineToBreak();
+			}
+			if ( body->hasBrokenLinks() )
+			{
+				BreakReport report;
+				std::vector<BodyPiece> pieces = body->breakApart( report, 1000 );
+				broken = report.links;
+				EXPECT_GT( report.energy, 0.0 );
+				body = std::move( pieces[0].body );
+			}
+		}
+		EXPECT_GT( broken, 0 );
+		std::printf( "%d levels: first links break at %.3f stretch of the bar between its grips, %d of them\n", coarse, pulled / 0.6, broken );
+		EXPECT_NEAR( pulled / 0.6f, 0.1f, 0.02f );
+	}
+}
+
+TEST( Breaking, MoreThanTheMostPiecesStayWithTheHeaviest )
+{
+	const auto lattice = std::make_shared<const Lattice>( makeBlockLattice( 9, 2, 2, 0.1f ) );
+	auto body = makeBody( lattice );
+	std::vector<CellLink> all;
+	for ( std::uint32_t i = 0; i < std::uint32_t( lattice->cellCount() ); ++i )
+	{
+		for ( std::uint32_t k = lattice->linkStart[i]; k < lattice->linkStart[i + 1]; ++k )
+		{
+			if ( i < lattice->linkTo[k] )
+			{
+				all.push_back( CellLink{ i, lattice->linkTo[k] } );
+			}
+		}
+	}
+	body->breakLinks( all );
+	BreakReport report;
+	const std::vector<BodyPiece> pieces = body->breakApart( report, 5 );
+	ASSERT_EQ( pieces.size(), 5u );
+	EXPECT_EQ( pieces[0].body->nodeCount(), 32 );
+	for ( int k = 0; k < 200; ++k )
+	{
+		substep( *pieces[0].body, 1.0f / 240.0f, 0.5f );
+	}
+	EXPECT_NEAR( pieces[0].body->sums().momentum.norm(), 0.0, 1e-9 );
+}
+
+TEST( Breaking, FlowedShapesGoAlong )
+{
+	Material material;
+	material.yieldStrain = 0.01f;
+	material.plasticCreep = 500.0f;
+	const auto lattice = std::make_shared<const Lattice>( makeBlockLattice( 8, 3, 3, 0.05f ) );
+	auto body = makeBody( lattice, {}, material );
+	for ( int i = 0; i < body->nodeCount(); ++i ) // a bar stretched by half
+	{
+		const Vec3 x0 = body->nodes().x0.get( i );
+		body->nodes().x.set( i, Vec3( 1.5f * x0.x(), x0.y(), x0.z() ) );
+	}
+	for ( int k = 0; k < 400; ++k )
+	{
+		substep( *body, 1.0f / 240.0f, 0.5f );
+	}
+	const float longer = body->nodes().x.get( 7 ).x() - body->nodes().x.get( 0 ).x();
+	ASSERT_GT( longer, 1.1f * 0.35f ); // some of it stays
+	body->breakLinks( linksAcross( *lattice, Vec3::UnitX(), 0.0f ) );
+	BreakReport report;
+	std::vector<BodyPiece> pieces = body->breakApart( report, 10 );
+	ASSERT_EQ( pieces.size(), 2u );
+	const auto length = []( const Body& b ) { return b.nodes().x.get( 3 ).x() - b.nodes().x.get( 0 ).x(); };
+	const float before = length( *pieces[0].body );
+	for ( int k = 0; k < 400; ++k )
+	{
+		substep( *pieces[0].body, 1.0f / 240.0f, 0.5f );
+	}
+	EXPECT_NEAR( length( *pieces[0].body ), before, 0.01f * before );
+}
+
+} // namespace
+} // namespace pliant
