@@ -64,6 +64,7 @@ public:
 
 private:
 	void addUniform( const Lattice& lattice );
+	void addChild( int node, const Vec3& at, btSphereShape* sphere );
 	void addNode( int node, const Vec3& at, btSphereShape* sphere );
 	btSphereShape* sphereOf( double radius );
 
