@@ -146,6 +146,7 @@ private:
 	Status sampleStiffness( const StiffnessField& field );
 	void makeNodes( const Adaptivity& adaptivity );
 	std::unique_ptr<Matcher> makeMatcher( const Material& material );
+	std::unique_ptr<Matcher> makePieceMatcher( const Body& from, const BodyPiece& piece );
 	void nodesChanged();
 	float wobbleRate( float h, float alpha ) const;
 	float bodyShare( float h, float alpha ) const;

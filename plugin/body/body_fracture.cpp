@@ -287,7 +287,7 @@ std::unique_ptr<Body> Body::makePiece( std::shared_ptr<const Lattice> lattice, B
 		piece.nodeBefore = piece.cellBefore;
 	}
 	body->makeMeasures();
-	body->m_matcher = body->makeMatcher( m_material );
+	body->m_matcher = body->makePieceMatcher( *this, piece );
 	body->m_lastFinite.resize( std::size_t( body->m_nodes.padded ) * 6, 0.0f );
 	body->inheritNodes( *this, piece );
 	body->m_reviewIn = m_reviewIn;
@@ -316,6 +316,18 @@ void Body::inheritLevels( const Body& from, BodyPiece& piece )
 	m_levels = std::make_unique<Levels>( base, *m_lattice, m_material, before.settings(), m_stiffness, std::move( cut ) );
 	m_levels->setFinestLevel( before.finestLevel() );
 	m_levels->fillNodes( m_nodes, m_material.density );
+}
+
+std::unique_ptr<Matcher> Body::makePieceMatcher( const Body& from, const BodyPiece& piece )
+{
+	if ( m_levels )
+	{
+		return makeMatcher( m_material );
+	}
+	const RegionTables& before = static_cast<const LatticeMatcher&>( *from.m_matcher ).tables();
+	const Vec3d shift = ( m_lattice->massCentre - from.m_lattice->massCentre ) / double( m_lattice->cellSize );
+	const MomentsBefore moments{ before.moments, before.regions, piece.cellBefore, shift };
+	return std::make_unique<LatticeMatcher>( *m_lattice, m_material, buildRegionTables( *m_lattice, m_material, Summation::Automatic, m_stiffness, &moments ) );
 }
 
 void Body::inheritNodes( const Body& from, const BodyPiece& piece )

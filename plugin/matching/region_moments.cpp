@@ -110,7 +110,59 @@ void markFlatRegions( RegionMoments& moments, AlignedArray<float> ( &outOfPlane 
 	}
 }
 
-RegionMoments computeRegionMoments( const Lattice& lattice, const RegionSet& regions, Weights weights, bool withInverse )
+namespace {
+
+void measureRegion( const Lattice& lattice, const RegionSet& regions, int r, bool withInverse, RegionMoments& out )
+{
+	// Two passes, so that the second moment is summed about its own centre and nothing cancels.
+	const double perCell = 1.0 / lattice.cellSize;
+	double mass = 0.0;
+	Vec3d first = Vec3d::Zero();
+	for ( std::uint32_t k = regions.start[r]; k < regions.start[r + 1]; ++k )
+	{
+		const std::uint32_t i = regions.member[k];
+		mass += out.nodeWeight[i];
+		first += double( out.nodeWeight[i] ) * lattice.restCentre[i].cast<double>() * perCell;
+	}
+	const Vec3d centre = first / mass;
+	Eigen::Matrix3d moment = Eigen::Matrix3d::Zero();
+	for ( std::uint32_t k = regions.start[r]; k < regions.start[r + 1]; ++k )
+	{
+		const std::uint32_t i = regions.member[k];
+		const Vec3d q = lattice.restCentre[i].cast<double>() * perCell - centre;
+		moment += double( out.nodeWeight[i] ) * q * q.transpose();
+	}
+	out.inverseMass[r] = float( 1.0 / mass );
+	for ( int axis = 0; axis < 3; ++axis )
+	{
+		out.centre[axis][r] = float( centre[axis] );
+	}
+	storeSymmetric( out.moment, r, moment );
+	if ( withInverse )
+	{
+		storeSymmetric( out.inverseMoment, r, flooredInverse( moment, kMomentFloor ) );
+	}
+}
+
+/// Broken links only take cells out of regions: one that has as many as before has the same, and weighs them alike where each is in as many
+/// regions as before.
+bool isAsBefore( const RegionSet& regions, std::uint32_t r, const MomentsBefore& before )
+{
+	for ( std::uint32_t k = regions.start[r]; k < regions.start[r + 1]; ++k )
+	{
+		const std::uint32_t i = regions.member[k];
+		if ( regions.size[i] != before.regions.size[before.cellBefore[i]] )
+		{
+			return false;
+		}
+	}
+	return true;
+}
+
+} // namespace
+
+RegionMoments computeRegionMoments(
+	const Lattice& lattice, const RegionSet& regions, Weights weights, bool withInverse, const MomentsBefore* before )
 {
 	RegionMoments out;
 	out.count = lattice.cellCount();
@@ -132,35 +184,26 @@ RegionMoments computeRegionMoments( const Lattice& lattice, const RegionSet& reg
 	}
 	weighNodes( lattice, regions, weights, out );
 
-	const double perCell = 1.0 / lattice.cellSize;
 	for ( int r = 0; r < out.count; ++r )
 	{
-		// Two passes, so that the second moment is summed about its own centre and nothing cancels.
-		double mass = 0.0;
-		Vec3d first = Vec3d::Zero();
-		for ( std::uint32_t k = regions.start[r]; k < regions.start[r + 1]; ++k )
+		if ( !before || !isAsBefore( regions, std::uint32_t( r ), *before ) )
 		{
-			const std::uint32_t i = regions.member[k];
-			mass += out.nodeWeight[i];
-			first += double( out.nodeWeight[i] ) * lattice.restCentre[i].cast<double>() * perCell;
+			measureRegion( lattice, regions, r, withInverse, out );
+			continue;
 		}
-		const Vec3d centre = first / mass;
-		Eigen::Matrix3d moment = Eigen::Matrix3d::Zero();
-		for ( std::uint32_t k = regions.start[r]; k < regions.start[r + 1]; ++k )
-		{
-			const std::uint32_t i = regions.member[k];
-			const Vec3d q = lattice.restCentre[i].cast<double>() * perCell - centre;
-			moment += double( out.nodeWeight[i] ) * q * q.transpose();
-		}
-		out.inverseMass[r] = float( 1.0 / mass );
+		const int old = int( before->cellBefore[std::size_t( r )] );
+		out.inverseMass[r] = before->moments.inverseMass[old];
 		for ( int axis = 0; axis < 3; ++axis )
 		{
-			out.centre[axis][r] = float( centre[axis] );
+			out.centre[axis][r] = float( double( before->moments.centre[axis][old] ) - before->shift[axis] );
 		}
-		storeSymmetric( out.moment, r, moment );
-		if ( withInverse )
+		for ( int k = 0; k < 6; ++k )
 		{
-			storeSymmetric( out.inverseMoment, r, flooredInverse( moment, kMomentFloor ) );
+			out.moment[k][r] = before->moments.moment[k][old];
+			if ( withInverse )
+			{
+				out.inverseMoment[k][r] = before->moments.inverseMoment[k][old];
+			}
 		}
 	}
 	return out;

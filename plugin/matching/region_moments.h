@@ -44,7 +44,18 @@ Eigen::Matrix3d inverseInPlane( const Eigen::Matrix3d& moment, double floorShare
 /// J^+ of flat and thin regions without their missing axes, and 1 - J J^+ of all; `outOfPlane` stays empty where every region is solid.
 void markFlatRegions( RegionMoments& moments, AlignedArray<float> ( &outOfPlane )[6] );
 
-RegionMoments computeRegionMoments( const Lattice& lattice, const RegionSet& regions, Weights weights, bool withInverse );
+/// The moments of a lattice that a piece is of, with the same settings.
+struct MomentsBefore
+{
+	const RegionMoments& moments;
+	const RegionSet& regions;                     ///< sizes at least
+	const std::vector<std::uint32_t>& cellBefore; ///< of each cell of the piece
+	Vec3d shift;                                  ///< the piece's mass centre seen from the old one's, cells
+};
+
+/// With `before`, regions that are what they were are copied; the same but for how their centres are rounded.
+RegionMoments computeRegionMoments(
+	const Lattice& lattice, const RegionSet& regions, Weights weights, bool withInverse, const MomentsBefore* before = nullptr );
 
 /// The pseudo-inverse of a symmetric positive semidefinite matrix, eigenvalues below `floorShare` of the largest raised to it.
 /// The zero matrix gives zero.

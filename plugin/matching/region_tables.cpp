@@ -44,11 +44,11 @@ void applyStiffness( const std::vector<float>& stiffness, RegionTables& tables )
 } // namespace
 
 std::shared_ptr<const RegionTables> buildRegionTables(
-	const Lattice& lattice, const Material& material, Summation summation, const std::vector<float>& stiffness )
+	const Lattice& lattice, const Material& material, Summation summation, const std::vector<float>& stiffness, const MomentsBefore* before )
 {
 	auto tables = std::make_shared<RegionTables>();
 	tables->regions = buildRegions( lattice, material.regionHalfWidth );
-	tables->moments = computeRegionMoments( lattice, tables->regions, material.weights, needsInverse( material ) );
+	tables->moments = computeRegionMoments( lattice, tables->regions, material.weights, needsInverse( material ), before );
 	if ( needsInverse( material ) )
 	{
 		markFlatRegions( tables->moments, tables->outOfPlane );

@@ -56,7 +56,8 @@ bool needsInverse( const Material& material );
 /// `stiffness`: share of the material's for each cell; empty: 1 everywhere. A region takes the share of its owner, so that what it pulls and
 /// what pulls back stay equal.
 std::shared_ptr<const RegionTables> buildRegionTables(
-	const Lattice& lattice, const Material& material, Summation summation, const std::vector<float>& stiffness = {} );
+	const Lattice& lattice, const Material& material, Summation summation, const std::vector<float>& stiffness = {},
+	const MomentsBefore* before = nullptr );
 
 /// Hands out tables by setting, each built once for as long as a body holds it. Safe to call from several threads.
 class RegionCache

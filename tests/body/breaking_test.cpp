@@ -2,6 +2,7 @@
 
 #include "body/breaking.h"
 #include "body/levels.h"
+#include "matching/lattice_matcher.h"
 #include "support/block_body.h"
 #include "support/shapes.h"
 
@@ -259,6 +260,49 @@ TEST( Breaking, MoreThanTheMostPiecesStayWithTheHeaviest )
 		substep( *pieces[0].body, 1.0f / 240.0f, 0.5f );
 	}
 	EXPECT_NEAR( pieces[0].body->sums().momentum.norm(), 0.0, 1e-9 );
+}
+
+// The slow twin: what a piece's regions know, taken over where nothing changed, against the same from nothing.
+TEST( Breaking, TablesOfPiecesAreThoseFromNothing )
+{
+	for ( unsigned seed = 1; seed <= 12; ++seed )
+	{
+		const auto lattice = std::make_shared<const Lattice>( test::makeBlobLattice( 12, 0.05f, seed ) );
+		Material material;
+		material.regionHalfWidth = 1 + int( seed % 2 );
+		material.volumeKeeping = seed % 3 == 0 ? 0.5f : 0.0f; // needs inverses
+		auto body = makeBody( lattice, {}, material );
+		for ( int event = 0; event < 3; ++event )
+		{
+			test::Seeded random( 100 * seed + unsigned( event ) );
+			const Vec3 normal = random.inBox( 1.0f ).normalized();
+			body->breakLinks( linksAcross( body->lattice(), normal, random.uniform( -0.1f, 0.1f ) ) );
+			BreakReport report;
+			std::vector<BodyPiece> pieces = body->breakApart( report, 1000 );
+			for ( const BodyPiece& piece : pieces )
+			{
+				const RegionTables& now = static_cast<const LatticeMatcher&>( piece.body->matcher() ).tables();
+				const auto twin = buildRegionTables( piece.body->lattice(), material, Summation::Automatic );
+				ASSERT_EQ( now.regions.size, twin->regions.size );
+				ASSERT_EQ( now.usesGrid, twin->usesGrid );
+				for ( int r = 0; r < piece.body->nodeCount(); ++r )
+				{
+					EXPECT_EQ( now.moments.nodeWeight[r], twin->moments.nodeWeight[r] );
+					EXPECT_NEAR( now.moments.inverseMass[r], twin->moments.inverseMass[r], 1e-6f * twin->moments.inverseMass[r] );
+					for ( int k = 0; k < 6; ++k )
+					{
+						EXPECT_NEAR( now.moments.moment[k][r], twin->moments.moment[k][r], 1e-5f );
+						if ( !twin->moments.inverseMoment[k].empty() )
+						{
+							EXPECT_NEAR( now.moments.inverseMoment[k][r], twin->moments.inverseMoment[k][r], 1e-3f );
+						}
+						EXPECT_NEAR( now.moments.centre[k % 3][r], twin->moments.centre[k % 3][r], 1e-5f );
+					}
+				}
+			}
+			body = std::move( pieces[0].body );
+		}
+	}
 }
 
 TEST( Breaking, FlowedShapesGoAlong )

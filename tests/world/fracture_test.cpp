@@ -59,7 +59,7 @@ TEST( Fracture, ThrownAtTheFloorItShattersIntoBodies )
 	TestWorld test;
 	test.addFloor();
 	SoftBody* soft = test.addSoft( block( 13, 13, 13, 0.05f ), at( 0, btScalar( 0.6 ), 0 ), stiff( 2e6f ) );
-	ASSERT_TRUE( soft->setFracture( breaksAt( 0.03f ) ).ok() );
+	ASSERT_TRUE( soft->setFracture( breaksAt( 0.01f ) ).ok() );
 	soft->setVelocities( btVector3( 1, -20, 0 ), btVector3( 1, 2, 1 ) );
 	const double massBefore = double( soft->mass() );
 	int links = 0, events = 0, fragments = 0;
@@ -261,7 +261,7 @@ TEST( Fracture, PiecesComeToRestOnEachOther )
 	TestWorld test;
 	test.addFloor();
 	SoftBody* soft = test.addSoft( block( 8, 8, 8, 0.05f ), at( 0, btScalar( 0.5 ), 0 ), stiff( 5e5f ) );
-	ASSERT_TRUE( soft->setFracture( breaksAt( 0.04f ) ).ok() );
+	ASSERT_TRUE( soft->setFracture( breaksAt( 0.03f ) ).ok() );
 	soft->setVelocities( btVector3( 0, -8, 0 ), btVector3( 0, 0, 0 ) );
 	test.run( 600 );
 	ASSERT_GE( test.world.softBodyCount(), 2 );

@@ -40,7 +40,7 @@ struct Fracture
 	float strength = 0.0f;
 
 	/// No further link breaks for this long after some did, s, [0, 10]: what rings after a crack makes no dust.
-	float coolDown = 0.01f;
+	float coolDown = 1.0f / 60.0f;
 
 	/// Pieces of at most this many finest cells are small, [0, 1 000 000].
 	int smallCells = 0;
