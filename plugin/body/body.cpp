@@ -3,6 +3,7 @@
 #include "body/breaking.h"
 #include "body/levels.h"
 #include "matching/cluster_matcher.h"
+#include "matching/coarse_to_fine.h"
 #include "matching/lattice_matcher.h"
 #include "matching/rotation.h"
 #include "matching/stiffness.h"
@@ -47,7 +48,8 @@ double meanSecondMoment( const Lattice& lattice )
 bool needsNewMatcher( const Material& a, const Material& b )
 {
 	return a.method != b.method || a.clusterMode != b.clusterMode || a.clusterEdge != b.clusterEdge || a.weights != b.weights ||
-		   a.rotationFrom != b.rotationFrom || a.regionHalfWidth != b.regionHalfWidth || a.beta != b.beta || a.volumeKeeping != b.volumeKeeping;
+		   a.rotationFrom != b.rotationFrom || a.regionHalfWidth != b.regionHalfWidth || a.beta != b.beta || a.volumeKeeping != b.volumeKeeping ||
+		   a.farLevels != b.farLevels;
 }
 
 } // namespace
@@ -76,12 +78,17 @@ Result<std::unique_ptr<Body>> Body::create(
 	{
 		return Made::failure( ResultCode::BadArgument, "Adaptivity: levels need Method::Lattice." );
 	}
+	if ( adaptivity.coarseLevels > 0 && material.farLevels > 0 )
+	{
+		return Made::failure( ResultCode::BadArgument, "Adaptivity: a body with levels of detail takes no Material::farLevels." );
+	}
 	try
 	{
 		std::unique_ptr<Body> body( new Body );
 		body->m_lattice = std::move( lattice );
 		body->m_cache = std::move( cache );
 		body->m_material = material;
+		body->m_material.farLevels = usefulFarLevels( *body->m_lattice, material.farLevels );
 		if ( Status status = body->sampleStiffness( stiffness ); !status.ok() )
 		{
 			return Made{ std::move( status ), nullptr };
@@ -106,12 +113,14 @@ void Body::makeMeasures()
 	m_isOnePart = countComponents( *m_lattice ) == 1;
 }
 
-Status Body::setMaterial( const Material& material )
+Status Body::setMaterial( const Material& wanted )
 {
-	if ( Status status = check( material ); !status.ok() )
+	if ( Status status = check( wanted ); !status.ok() )
 	{
 		return status;
 	}
+	Material material = wanted;
+	material.farLevels = usefulFarLevels( *m_lattice, wanted.farLevels );
 	try
 	{
 		std::unique_ptr<Matcher> matcher;
@@ -120,7 +129,7 @@ Status Body::setMaterial( const Material& material )
 		{
 			if ( m_levels )
 			{
-				return Status{ ResultCode::BadArgument, "Method, weights, beta and half-width of a body with levels are fixed when it is made." };
+				return Status{ ResultCode::BadArgument, "Method, weights, beta, half-width and far levels of a body with levels are fixed when it is made." };
 			}
 			matcher = makeMatcher( material );
 			matcher->reset( m_nodes, bestFit().rotation );
@@ -197,7 +206,12 @@ void Body::accelerateTowardGoals( float h, float alpha, TaskRunner* runner )
 {
 	const bool measuresStrain = m_levels && m_reviewIn == 0 && m_levels->settings().refineStrain > 0.0f;
 	m_matcher->accelerate( m_nodes, MatchStep{ h, alpha, m_material.damping, wobbleRate( h, alpha ), bodyShare( h, alpha ), measuresStrain,
-		PlasticLaw{ m_material.yieldStrain, m_material.plasticCreep, m_material.plasticLimit } }, runner );
+		PlasticLaw{ m_material.yieldStrain, m_material.plasticCreep, m_material.plasticLimit }, farShares( m_material, m_lattice->cellSize, h ) }, runner );
+}
+
+double Body::stiffnessMoment( float h, float alpha ) const
+{
+	return alpha * modulusMoment( m_material ) + farMoment( farShares( m_material, m_lattice->cellSize, h ) );
 }
 
 // The slowest free vibration of a bar of length L has omega = pi c / L with c = sqrt( E / rho ); a motion damped at rate r has
@@ -209,7 +223,7 @@ float Body::wobbleRate( float h, float alpha ) const
 	{
 		return 0.0f;
 	}
-	const double speed = m_lattice->cellSize / double( h ) * std::sqrt( alpha * modulusMoment( m_material ) );
+	const double speed = m_lattice->cellSize / double( h ) * std::sqrt( stiffnessMoment( h, alpha ) );
 	const double omega = kPi * speed / m_restLength;
 	return float( 2.0 * m_material.wobbleDamping * omega );
 }
@@ -226,7 +240,7 @@ float Body::bodyShare( float h, float alpha ) const
 	}
 	const double d = m_lattice->cellSize;
 	const double perStep = m_material.density / ( double( h ) * h );
-	const double ofRegions = perStep * d * d * modulusMoment( m_material ), ofBody = perStep * m_secondMoment;
+	const double ofRegions = perStep * d * d * stiffnessMoment( h, alpha ), ofBody = perStep * m_secondMoment;
 	if ( ofBody <= ofRegions )
 	{
 		return 0.0f;

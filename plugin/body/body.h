@@ -69,7 +69,7 @@ public:
 
 	/// New stiffness, damping, density ...; refused (and nothing changed) when `material` fails its check. What has flowed plastically
 	/// outlives changes that leave the regions as they are: other methods, weights, widths, beta and kept volume begin at the first rest shape.
-	Status setMaterial( const Material& material );
+	Status setMaterial( const Material& wanted );
 
 	/// Rigid placement of the rest shape; velocities zero; matching history forgotten.
 	void place( const Placement& placement );
@@ -148,6 +148,8 @@ private:
 	std::unique_ptr<Matcher> makeMatcher( const Material& material );
 	std::unique_ptr<Matcher> makePieceMatcher( const Body& from, const BodyPiece& piece );
 	void nodesChanged();
+	/// E h^2 / ( rho d^2 ), all levels together.
+	double stiffnessMoment( float h, float alpha ) const;
 	float wobbleRate( float h, float alpha ) const;
 	float bodyShare( float h, float alpha ) const;
 	void makeMeasures();

@@ -79,11 +79,18 @@ std::unique_ptr<Matcher> Body::makeMatcher( const Material& material )
 	}
 	if ( material.method == Method::Lattice )
 	{
-		if ( !m_stiffness.empty() )
+		std::shared_ptr<const RegionTables> tables;
+		if ( m_stiffness.empty() && m_cache )
 		{
-			return std::make_unique<LatticeMatcher>( *m_lattice, material, buildRegionTables( *m_lattice, material, Summation::Automatic, m_stiffness ) );
+			tables = m_cache->regions.find( *m_lattice, material );
 		}
-		return makeLatticeMatcher( *m_lattice, material, m_cache ? &m_cache->regions : nullptr );
+		else
+		{
+			tables = buildRegionTables( *m_lattice, material, Summation::Automatic, m_stiffness );
+		}
+		auto matcher = std::make_unique<LatticeMatcher>( *m_lattice, material, std::move( tables ) );
+		matcher->setFarLevels( material.farLevels, m_stiffness );
+		return matcher;
 	}
 	return makeClusterMatcher( *m_lattice, material, m_nodes );
 }

@@ -34,6 +34,20 @@ inline constexpr float kLargestVolumeKeeping = 2.0f;
 /// Rounding allowed before a modulus counts as out of reach, relative.
 inline constexpr double kAlphaSlack = 1e-4;
 
+/// Blocks of far levels are up to 2^3 cells an edge.
+inline constexpr int kMostFarLevels = 3;
+
+/// Largest share of the way to the goal on a far level. Every level is a contraction, so the worst wave is answered
+/// 1 + 3 * 2 / 3 = 3 times at most, below the 4 at which the explicit step ends.
+inline constexpr double kLargestFarAlpha = 2.0 / 3.0;
+
+/// More than all far levels together give, cells^2.
+inline constexpr double kMostReach = 1.0e6;
+
+/// Shares of region damping with far levels: 3 + 2 * 0.25 + 2 * 2 * 0.1 < 4 (docs/step.md).
+inline constexpr float kLargestFarDampingShare = 0.25f;
+inline constexpr float kLargestDampingOfFar = 0.1f;
+
 /// Bounds of Material's values; the units stand there.
 inline constexpr float kLargestDensity = 1.0e6f;
 inline constexpr float kLargestBeta = 0.95f;

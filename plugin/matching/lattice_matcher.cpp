@@ -2,6 +2,7 @@
 
 #include "threads/parallel.h"
 #include "matching/rotation.h"
+#include "matching/settle_region.h"
 
 #include <algorithm>
 #include <cmath>
@@ -76,6 +77,15 @@ void LatticeMatcher::reset( const NodeState&, const Eigen::Quaterniond& rotation
 		std::fill( m_quaternion[k + 1].begin(), m_quaternion[k + 1].end(), 0.0f );
 		std::fill( m_residual[k].begin(), m_residual[k].end(), 0.0f );
 	}
+	if ( m_far )
+	{
+		m_far->reset();
+	}
+}
+
+void LatticeMatcher::setFarLevels( int levels, const std::vector<float>& stiffness )
+{
+	m_far = levels == 0 ? nullptr : std::make_unique<CoarseToFine>( m_lattice, levels, m_tables->moments.nodeWeight, stiffness );
 }
 
 void LatticeMatcher::turn( const Eigen::Quaterniond& by )
@@ -202,7 +212,7 @@ void LatticeMatcher::boxSums( const MatchView& view, float* records, TaskRunner*
 	runTasks( runner, view.gridZ, task );
 }
 
-void LatticeMatcher::gatherAndFit( const MatchView& view, TaskRunner* runner )
+void LatticeMatcher::gatherAndFit( MatchView& view, const MatchStep& step, TaskRunner* runner )
 {
 	if ( m_tables->gridHasHoles )
 	{
@@ -212,6 +222,10 @@ void LatticeMatcher::gatherAndFit( const MatchView& view, TaskRunner* runner )
 	const int padded = m_tables->moments.padded;
 	auto records = [&]( int chunk ) { m_kernels.nodeRecords( view, chunk * kChunk, std::min( padded, ( chunk + 1 ) * kChunk ) ); };
 	runTasks( runner, chunks( padded ), records );
+	if ( m_far && step.far[0] > 0.0f ) // before box sums take the records' place
+	{
+		m_far->match( view, step.far, m_kernels, runner );
+	}
 	sumNodeRecords( view, runner );
 	auto fit = [&]( int chunk ) {
 		m_openCount[chunk] = m_kernels.fitRegions( view, chunk * kChunk, std::min( padded, ( chunk + 1 ) * kChunk ), &m_open[chunk * kChunk] );
@@ -235,16 +249,7 @@ void LatticeMatcher::settleOpenRegions( const MatchView& view )
 	{
 		for ( int k = 0; k < m_openCount[chunk]; ++k )
 		{
-			const int r = int( m_open[chunk * kChunk + k] );
-			float a[9];
-			m_kernels.regionMatrix( view, r, a );
-			const Eigen::Quaternionf before( m_quaternion[0][r], m_quaternion[1][r], m_quaternion[2][r], m_quaternion[3][r] );
-			const Eigen::Quaternionf now = fitRotation( Eigen::Matrix3f( Eigen::Map<Eigen::Matrix<float, 3, 3, Eigen::RowMajor>>( a ) ), before );
-			m_quaternion[0][r] = now.w();
-			m_quaternion[1][r] = now.x();
-			m_quaternion[2][r] = now.y();
-			m_quaternion[3][r] = now.z();
-			m_kernels.finishRegion( view, r );
+			settleRegion( m_kernels, view, int( m_open[chunk * kChunk + k] ) );
 			++m_openRegions;
 		}
 	}
@@ -307,13 +312,18 @@ void LatticeMatcher::accelerate( NodeState& nodes, const MatchStep& step, TaskRu
 		v.dampingShare = 0.0f;
 		m_isHistoryNew = false;
 	}
+	if ( m_far && step.far[0] > 0.0f )
+	{
+		v.dampingShare = std::min( v.dampingShare, kLargestFarDampingShare );
+		v.farDamping = v.dampingShare > 0.0f ? std::min( 1.0f, kLargestDampingOfFar / v.dampingShare ) : 0.0f;
+	}
 	if ( ( step.measuresStrain || step.plastic.yieldStrain > 0.0f ) && v.inverseMoment[0] )
 	{
 		m_strain.resize( m_tables->moments.padded );
 		v.strain = m_strain.data();
 	}
 	measureFrame( nodes, v, runner );
-	gatherAndFit( v, runner );
+	gatherAndFit( v, step, runner );
 
 	auto scatter = [&]( int chunk ) {
 		m_partial[chunk].fill( 0.0f );
@@ -365,14 +375,8 @@ std::size_t LatticeMatcher::bytes() const
 	{
 		bytes += ( m_residual[k].size() + m_change[k].size() ) * sizeof( float );
 	}
-	bytes += m_strain.size() * sizeof( float ) + ( m_plastic ? m_plastic->bytes() : 0 );
+	bytes += m_strain.size() * sizeof( float ) + ( m_plastic ? m_plastic->bytes() : 0 ) + ( m_far ? m_far->bytes() : 0 );
 	return bytes + m_partial.size() * sizeof( m_partial[0] ) + m_openCount.size() * sizeof( int );
-}
-
-std::unique_ptr<Matcher> makeLatticeMatcher( const Lattice& lattice, const Material& material, RegionCache* cache )
-{
-	return std::make_unique<LatticeMatcher>(
-		lattice, material, cache ? cache->find( lattice, material ) : buildRegionTables( lattice, material, Summation::Automatic ) );
 }
 
 } // namespace pliant

@@ -3,6 +3,7 @@
 // Uniform lattice shape matching (Rivers and James 2007; Steinemann et al. 2008, section 3.2) on the 16-lane kernels.
 // ReferenceMatcher is its slow twin.
 
+#include "matching/coarse_to_fine.h"
 #include "matching/kernels/kernels.h"
 #include "matching/matcher.h"
 #include "matching/plasticity.h"
@@ -34,6 +35,9 @@ public:
 	void setTables( std::shared_ptr<const RegionTables> tables, const FlowHeirs& heirs );
 	/// Takes over the history and the flowed shapes of another body's regions: region i those of `heir[i]`.
 	void inherit( const LatticeMatcher& from, const std::vector<std::uint32_t>& heir );
+	/// Nodes must be the lattice's cells. `stiffness`: share of each cell; empty: 1 everywhere. 0 levels: none.
+	void setFarLevels( int levels, const std::vector<float>& stiffness = {} );
+	const CoarseToFine* farLevels() const { return m_far.get(); }
 	/// Null until a region yields.
 	const PlasticFlow* plasticFlow() const { return m_plastic.get(); }
 	void forgetFlow() override { m_plastic.reset(); }
@@ -50,7 +54,7 @@ public:
 
 private:
 	void measureFrame( const NodeState& nodes, MatchView& view, TaskRunner* runner );
-	void gatherAndFit( const MatchView& view, TaskRunner* runner );
+	void gatherAndFit( MatchView& view, const MatchStep& step, TaskRunner* runner );
 	void setFrame( MatchView& view, const Vec3d& centre ) const;
 	void sumNodeRecords( const MatchView& view, TaskRunner* runner );
 	void boxSums( const MatchView& view, float* records, TaskRunner* runner );
@@ -75,6 +79,7 @@ private:
 	AlignedArray<float> m_residual[3];
 
 	std::unique_ptr<PlasticFlow> m_plastic;
+	std::unique_ptr<CoarseToFine> m_far; ///< null unless asked for
 
 	// Scratch of one substep.
 	double m_mass = 0.0; ///< kg
@@ -87,8 +92,5 @@ private:
 	int m_openRegions = 0;
 	bool m_isHistoryNew = false; ///< the last substep's residuals are those of other regions: no damping by them
 };
-
-/// `cache` may be null: the tables are then built for this matcher alone.
-std::unique_ptr<Matcher> makeLatticeMatcher( const Lattice& lattice, const Material& material, RegionCache* cache );
 
 } // namespace pliant

@@ -3,6 +3,7 @@
 // What every matching method offers the body's step: goals from the nodes' positions, and the velocity change towards them.
 
 #include "matching/node_state.h"
+#include "matching/stiffness.h"
 
 #include <Eigen/Geometry>
 
@@ -30,6 +31,7 @@ struct MatchStep
 	float bodyShare = 0.0f;     ///< share of the goal that is the whole body's rigid fit instead of the regions', [0, 1]
 	bool measuresStrain = false; ///< keep what `strain` tells of this substep
 	PlasticLaw plastic = {};
+	FarShares far = {};          ///< shares of the way to the goal on the far levels, where the matcher has them
 };
 
 class Matcher

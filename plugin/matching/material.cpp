@@ -41,6 +41,27 @@ Status checkFlow( const Material& material )
 	return {};
 }
 
+Status checkFarLevels( const Material& material )
+{
+	if ( material.farLevels < 0 || material.farLevels > kMostFarLevels )
+	{
+		return refuse( "Material::farLevels must lie in 0 to 3." );
+	}
+	if ( material.farLevels == 0 )
+	{
+		return {};
+	}
+	if ( material.method != Method::Lattice || material.stiffness != Stiffness::YoungsModulus )
+	{
+		return refuse( "Material::farLevels needs Method::Lattice and Stiffness::YoungsModulus." );
+	}
+	if ( material.yieldStrain > 0.0f )
+	{
+		return refuse( "Material::farLevels knows the first rest shape only: yieldStrain must be 0." );
+	}
+	return {};
+}
+
 } // namespace
 
 Status check( const Material& material )
@@ -85,6 +106,10 @@ Status check( const Material& material )
 	{
 		return status;
 	}
+	if ( Status status = checkFarLevels( material ); !status.ok() )
+	{
+		return status;
+	}
 	if ( material.clusterEdge < 2 || material.clusterEdge > kLargestClusterEdge )
 	{
 		return refuse( "Material::clusterEdge must lie in 2 to 64 cells." );
@@ -109,12 +134,15 @@ StiffnessPlan planStiffness( const Material& material, float cellSize, float gam
 	}
 
 	const double alpha = material.youngsModulus / modulusPerAlpha, most = largestAlpha( material );
-	plan.reachable = alpha <= most * ( 1.0 + kAlphaSlack );
+	const FarShares far = farShares( material, cellSize, h );
+	const double ofFar = farMoment( far ) / modulusMoment( material );
 	plan.alpha = float( std::min( alpha, most ) );
-	plan.reachedModulus = float( modulusPerAlpha * plan.alpha );
+	plan.reachedModulus = float( modulusPerAlpha * ( plan.alpha + ofFar ) );
 
-	// alpha falls with the square of the substep: n substeps reach E when alpha( 1 substep ) <= n^2 times the largest.
-	const double needed = std::ceil( std::sqrt( alpha / most ) * std::max( substeps, 1 ) - kAlphaSlack );
+	// alpha falls with the square of the substep: n substeps reach E when alpha( 1 substep ) <= n^2 times the largest, far levels included.
+	const double reach = most + farMoment( farShares( material.farLevels, kMostReach ) ) / modulusMoment( material );
+	plan.reachable = alpha <= reach * ( 1.0 + kAlphaSlack );
+	const double needed = std::ceil( std::sqrt( alpha / reach ) * std::max( substeps, 1 ) - kAlphaSlack );
 	plan.substepsNeeded = int( std::clamp( needed, 1.0, double( kMostSubstepsNamed ) ) );
 	return plan;
 }

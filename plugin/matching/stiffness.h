@@ -6,6 +6,7 @@
 #include "pliant/material.h"
 
 #include <algorithm>
+#include <array>
 
 namespace pliant {
 
@@ -29,6 +30,53 @@ inline double largestAlpha( const Material& material )
 {
 	const double kappa = material.method == Method::Lattice ? material.volumeKeeping : 0.0;
 	return std::min( double( kLargestAlpha ), kLargestVolumeAlpha / ( 1.0 + 3.0 * kappa ) );
+}
+
+/// Share of the way to the goal on each far level, finest first; 0: the level is not used.
+using FarShares = std::array<float, kMostFarLevels>;
+
+/// Second moment an axis of a full region of far level l: three blocks of 2^l cells an edge, in cells^2.
+inline double farSecondMoment( int level )
+{
+	const double edge = 3.0 * double( 1 << level );
+	return ( edge * edge - 1.0 ) / 12.0;
+}
+
+/// What one unit of the far levels' shares makes up: sum of alpha_l mu_l, to be added to alpha mu f.
+inline double farMoment( const FarShares& shares )
+{
+	double sum = 0.0;
+	for ( int k = 0; k < kMostFarLevels; ++k )
+	{
+		sum += double( shares[k] ) * farSecondMoment( k + 1 );
+	}
+	return sum;
+}
+
+/// The energies of all levels add up, and so do their moduli: E h^2 / ( rho d^2 ) = alpha mu f + sum of alpha_l mu_l. What the finest level
+/// cannot give is asked of the next one first, up to its limit, then of the one above: short waves become as stiff as they can be, and no
+/// level works that is not needed. `beyond`: E h^2 / ( rho d^2 ) less what the finest level gives. What is out of reach is left out.
+inline FarShares farShares( int levels, double beyond )
+{
+	FarShares shares = {};
+	for ( int k = 0; k < levels && beyond > 0.0; ++k )
+	{
+		const double mu = farSecondMoment( k + 1 );
+		shares[k] = float( std::min( kLargestFarAlpha, beyond / mu ) );
+		beyond -= kLargestFarAlpha * mu;
+	}
+	return shares;
+}
+
+/// What Material::farLevels adds at a substep of h on cells of edge d.
+inline FarShares farShares( const Material& material, double cellSize, double h )
+{
+	if ( material.farLevels == 0 )
+	{
+		return {};
+	}
+	const double wanted = material.youngsModulus * h * h / ( material.density * cellSize * cellSize );
+	return farShares( material.farLevels, wanted - largestAlpha( material ) * modulusMoment( material ) );
 }
 
 } // namespace pliant

@@ -247,26 +247,69 @@ inline Vec residualOf( const MatchView& view, const Tile& tile, int i, int at, c
 	return { goal[0] * cover - pull * u.x, goal[1] * cover - pull * u.y, goal[2] * cover - pull * u.z };
 }
 
+/// The records of each node's block, as columns.
+void gatherFar( const MatchView& view, int begin, int end, Tile& tile )
+{
+	for ( int first = begin; first < end; first += 4 )
+	{
+		Record r[4];
+		for ( int j = 0; j < 4; ++j )
+		{
+			const int node = first + j < view.nodeCount ? first + j : view.nodeCount - 1;
+			r[j] = loadRecord( view.farRecord + std::size_t( view.farBlock[node] ) * kRecordFloats );
+		}
+		storeColumns( tile, r, first - begin );
+	}
+}
+
+/// What the far levels ask of a node: D q + t - P u. What holds a pinned node feels it as often as the node counted in the sums.
+inline Vec farWay( const MatchView& view, const Tile& tile, int i, int at, const Vec& q, const Vec& u )
+{
+	const V pull = load( view.farPull + i );
+	const V heavy = kPinnedWeight - ( kPinnedWeight - 1.0f ) * load( view.freedom + i );
+	const V move[3] = { u.x, u.y, u.z };
+	V way[3];
+	for ( int k = 0; k < 3; ++k )
+	{
+		way[k] = ( ( load( &tile.row[3 * k][at] ) * q.x + load( &tile.row[3 * k + 1][at] ) * q.y ) + load( &tile.row[3 * k + 2][at] ) * q.z ) +
+				 ( load( &tile.row[9 + k][at] ) - pull * move[k] );
+		way[k] = heavy * way[k];
+	}
+	return { way[0], way[1], way[2] };
+}
+
 void scatter( const MatchView& view, int begin, int end, float* sums )
 {
 	LaneSums<kImpulseSums> sum;
-	Tile tile;
+	Tile tile, farTile;
 	for ( int first = begin; first < end; first += kTile )
 	{
 		const int last = first + kTile < end ? first + kTile : end;
 		gatherTile( view, view.regionRecord, view.memberShare, first, last, tile );
+		if ( view.farRecord )
+		{
+			gatherFar( view, first, last, farTile );
+		}
 		for ( int i = first; i < last; i += kWidth )
 		{
 			const int sub = i % kVirtualLanes;
 			const Vec q = restPosition( view, i );
 			const Vec u = { load( view.change[0] + i ), load( view.change[1] + i ), load( view.change[2] + i ) };
-			const Vec e = residualOf( view, tile, i, i - first, q, u );
+			Vec e = residualOf( view, tile, i, i - first, q, u );
 
 			// y = ( 1 - s ) alpha e - s u + k ( e - e before ); u is the way from the whole body's rigid fit
 			const float k = view.dampingShare, s = view.bodyShare, alpha = ( 1.0f - s ) * view.alpha;
-			const Vec y = { ( alpha * e.x - s * u.x ) + k * ( e.x - load( view.residual[0] + i ) ),
-				( alpha * e.y - s * u.y ) + k * ( e.y - load( view.residual[1] + i ) ),
-				( alpha * e.z - s * u.z ) + k * ( e.z - load( view.residual[2] + i ) ) };
+			Vec way = { alpha * e.x, alpha * e.y, alpha * e.z };
+			if ( view.farRecord )
+			{
+				const Vec far = farWay( view, farTile, i, i - first, q, u );
+				const float share = 1.0f - s, damped = view.farDamping;
+				way = { way.x + share * far.x, way.y + share * far.y, way.z + share * far.z };
+				e = { e.x + damped * far.x, e.y + damped * far.y, e.z + damped * far.z };
+			}
+			const Vec y = { ( way.x - s * u.x ) + k * ( e.x - load( view.residual[0] + i ) ),
+				( way.y - s * u.y ) + k * ( e.y - load( view.residual[1] + i ) ),
+				( way.z - s * u.z ) + k * ( e.z - load( view.residual[2] + i ) ) };
 			store( view.residual[0] + i, e.x );
 			store( view.residual[1] + i, e.y );
 			store( view.residual[2] + i, e.z );
@@ -337,10 +380,35 @@ void deformations( const MatchView& view, int begin, int end, float* gradients )
 	}
 }
 
+void sumRecords( const RecordSums& job, int begin, int end )
+{
+	for ( int i = begin; i < end; ++i )
+	{
+		const std::uint32_t* member = job.member + job.start[i];
+		const std::uint32_t count = job.start[i + 1] - job.start[i];
+		Record sum = job.weight ? loadRecord( job.from + std::size_t( member[0] ) * kRecordFloats ) * splat( job.weight[member[0]] )
+								: sumList( job.from, member, count );
+		for ( std::uint32_t k = 1; job.weight && k < count; ++k )
+		{
+			sum = sum + loadRecord( job.from + std::size_t( member[k] ) * kRecordFloats ) * splat( job.weight[member[k]] );
+		}
+		const std::size_t at = std::size_t( i ) * kRecordFloats;
+		if ( job.sum )
+		{
+			storeRecord( job.sum + at, sum );
+		}
+		if ( job.scale )
+		{
+			sum = sum * splat( job.factor * job.scale[i] );
+		}
+		storeRecord( job.to + at, job.base ? sum + loadRecord( job.base + std::size_t( job.baseOf[i] ) * kRecordFloats ) : sum );
+	}
+}
+
 } // namespace
 
 extern const Kernels PLIANT_KERNEL_TABLE;
 const Kernels PLIANT_KERNEL_TABLE = { &frameSums, &nodeRecords, &boxPlane, &fitRegions, &finishRegion, &scatter, &apply, &regionMatrix,
-	&deformations, PLIANT_KERNEL_NAME };
+	&deformations, &sumRecords, PLIANT_KERNEL_NAME };
 
 } // namespace pliant

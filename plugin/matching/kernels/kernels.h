@@ -71,6 +71,12 @@ struct MatchView
 	int gridX = 0, gridY = 0, gridZ = 0; ///< 0 when the table is used instead of box sums
 	int halfWidth = 1;
 
+	// Far levels (coarse_to_fine.h); null and 0 without.
+	const float* farRecord = nullptr;          ///< of each block of the finest far level: what all far levels ask of its nodes
+	const std::uint32_t* farBlock = nullptr;   ///< of each node
+	const float* farPull = nullptr;            ///< of each node, as `pull`
+	float farDamping = 0.0f;                   ///< share of the region damping that the far levels' residual feels
+
 	// The body frame and the step.
 	float frameRotation[9] = {};   ///< R_b, row by row
 	float frameCentre[3] = {};     ///< c_b, m, relative to the origin
@@ -88,6 +94,24 @@ struct MatchView
 	float turn[3] = {};            ///< rad/s
 	float pivot[3] = {};           ///< m
 };
+
+/// Sums of records over lists: to[i] = scale[i] ( sum of weight[k] from[k] over the list of i ) + base[ baseOf[i] ].
+struct RecordSums
+{
+	const float* from = nullptr;
+	const std::uint32_t* start = nullptr;
+	const std::uint32_t* member = nullptr;
+	const float* weight = nullptr;         ///< of each record of `from`; null: 1
+	const float* scale = nullptr;          ///< null: 1
+	float factor = 1.0f;                   ///< times `scale`
+	const float* base = nullptr;           ///< null: 0
+	const std::uint32_t* baseOf = nullptr;
+	float* sum = nullptr;                  ///< the plain sums, where they are wanted too; else null
+	float* to = nullptr;
+};
+
+/// How much heavier a pinned node counts in the far levels' sums than its mass: what holds a body is not to be dragged along by it.
+inline constexpr float kPinnedWeight = 12.0f;
 
 /// Ranges [begin, end) are multiples of 16 at the start; the end may be the padded count.
 struct Kernels
@@ -113,6 +137,9 @@ struct Kernels
 	/// F of each region of the range from rest to now, flow included, 9 floats a region from `begin` on, row by row, in the body's frame;
 	/// padding regions are left out.
 	void ( *deformations )( const MatchView&, int begin, int end, float* gradients );
+
+	/// Lists are not empty.
+	void ( *sumRecords )( const RecordSums&, int begin, int end );
 
 	const char* name;
 };
