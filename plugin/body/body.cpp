@@ -95,7 +95,7 @@ Result<std::unique_ptr<Body>> Body::create(
 		}
 		body->makeNodes( adaptivity );
 		body->makeMeasures();
-		body->m_matcher = body->makeMatcher( material );
+		body->m_matcher = body->makeMatcher( body->m_material );
 		body->m_lastFinite.resize( std::size_t( body->m_nodes.padded ) * 6, 0.0f );
 		body->place( placement );
 		return Made::success( std::move( body ) );

@@ -269,6 +269,7 @@ std::unique_ptr<Body> Body::makePiece( std::shared_ptr<const Lattice> lattice, B
 	std::unique_ptr<Body> body( new Body );
 	body->m_lattice = std::move( lattice );
 	body->m_material = m_material;
+	body->m_material.farLevels = usefulFarLevels( *body->m_lattice, m_material.farLevels );
 	for ( const std::uint32_t cell : piece.cellBefore )
 	{
 		body->m_firstCell.push_back( m_firstCell.empty() ? cell : m_firstCell[cell] );
@@ -327,7 +328,9 @@ std::unique_ptr<Matcher> Body::makePieceMatcher( const Body& from, const BodyPie
 	const RegionTables& before = static_cast<const LatticeMatcher&>( *from.m_matcher ).tables();
 	const Vec3d shift = ( m_lattice->massCentre - from.m_lattice->massCentre ) / double( m_lattice->cellSize );
 	const MomentsBefore moments{ before.moments, before.regions, piece.cellBefore, shift };
-	return std::make_unique<LatticeMatcher>( *m_lattice, m_material, buildRegionTables( *m_lattice, m_material, Summation::Automatic, m_stiffness, &moments ) );
+	auto matcher = std::make_unique<LatticeMatcher>( *m_lattice, m_material, buildRegionTables( *m_lattice, m_material, Summation::Automatic, m_stiffness, &moments ) );
+	matcher->setFarLevels( m_material.farLevels, m_stiffness );
+	return matcher;
 }
 
 void Body::inheritNodes( const Body& from, const BodyPiece& piece )

@@ -67,7 +67,13 @@ void storeSymmetric( AlignedArray<float> ( &to )[6], int i, const Eigen::Matrix3
 
 int usefulFarLevels( const Lattice& lattice, int wanted )
 {
-	const int longest = lattice.extent.maxCoeff();
+	Eigen::Matrix<std::int16_t, 3, 1> low = lattice.coordinate[0], high = low; // a piece that came off may fill little of the extent
+	for ( const auto& c : lattice.coordinate )
+	{
+		low = low.cwiseMin( c );
+		high = high.cwiseMax( c );
+	}
+	const int longest = ( high - low ).maxCoeff() + 1;
 	int levels = 0;
 	while ( levels < std::min( wanted, kMostFarLevels ) && longest >= kLeastBlocks << ( levels + 1 ) )
 	{
