@@ -1,0 +1,132 @@
+#pragma once
+
+// The surface and the inside of a body, taken apart along its cells: what every crack of every body of a template can show. Immutable.
+// Ohta et al. 2009, "Fracturing", Fig. 4.
+//
+// Every cell's pieces of the surface and its faces form a closed surface together, and the cells' volumes sum to the mesh's: cell borders are
+// the lattice's planes, bent by noise, cut exactly.
+
+#include "lattice/lattice.h"
+#include "pliant/body_template.h"
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+namespace pliant {
+
+struct SkinBinding;
+
+/// What is drawn between cells. Exact is for use; the others show where it comes from (Ohta et al. 2009, Fig. 4).
+enum class CrackFaces : int
+{
+	Exact,           ///< the border lies on the surface
+	MarchingSquares, ///< corners inside or outside; the border runs straight between the crossings of a face's sides
+	Bricks           ///< whole squares, whether the material fills them or not
+};
+
+struct CrackSettings
+{
+	CrackFaces faces = CrackFaces::Exact;
+
+	/// How far faces stand off the lattice's planes at most, in cells, 0 (flat) to kMostNoise.
+	float noiseAmplitude = 0.3f;
+	/// Length of the noise's waves, cells, 1 to 100.
+	float noiseWavelength = 1.6f;
+	std::uint32_t noiseSeed = 1;
+
+	/// Each edge of a face is drawn with so many pieces, 1 to 8.
+	int subdivision = 2;
+};
+
+inline constexpr float kMostNoise = 0.35f;
+
+struct CrackReport
+{
+	int faces = 0;       ///< pairs of cells with material between them
+	int fallbacks = 0;   ///< lattice squares where the surface's cut does not close, drawn by Marching Squares
+	int adopted = 0;     ///< crumbs of material drawn with a neighbouring cell
+	int emptyCells = 0;  ///< cells that draw nothing, their material having gone with the noise
+	double seconds = 0.0;
+};
+
+/// The material between two cells. It shows, once for each of them, when their link is broken.
+struct CrackFace
+{
+	std::uint32_t cellA, cellB;  ///< A < B
+	std::uint32_t firstTriangle; ///< in CellComplex::faceTriangle; each turned outwards seen from A
+	std::uint32_t lastTriangle;
+	float area;                  ///< m^2
+	bool isLinked;               ///< in the lattice as it was built
+};
+
+/// Rows of a table: row i is entry[ start[i] ] .. entry[ start[i + 1] - 1 ].
+struct Table
+{
+	std::vector<std::uint32_t> start;
+	std::vector<std::uint32_t> entry;
+
+	const std::uint32_t* begin( std::size_t row ) const { return entry.data() + start[row]; }
+	const std::uint32_t* end( std::size_t row ) const { return entry.data() + start[row + 1]; }
+	std::uint32_t size( std::size_t row ) const { return start[row + 1] - start[row]; }
+};
+
+class CellComplex
+{
+public:
+	static constexpr std::uint32_t kNone = 0xffffffffu;
+
+	/// `mesh`, `build`: those the lattice was made from. `skin`: the template's, so that nothing moves when the first crack opens.
+	static Result<std::shared_ptr<const CellComplex>> build( const MeshView& mesh, const Lattice& lattice, const SkinBinding& skin,
+		const LatticeSettings& build, const CrackSettings& settings );
+
+	// === Points: places, whatever is drawn there ===
+
+	std::vector<Vec3> pointRest; ///< relative to the lattice's mass centre, m
+	Table cellsOfPoint;          ///< cells that draw something there, ascending
+	Table facesOfPoint;          ///< faces between them that pass there, ascending
+	/// Which cells carry a point while nothing is broken, and how much. Empty with Skinning::None.
+	std::vector<std::uint32_t> bindStart, bindCell;
+	std::vector<float> bindWeight;
+
+	// === Vertices of the outer surface: a point with texture coordinates ===
+
+	struct Origin
+	{
+		std::array<std::uint32_t, 3> vertex; ///< of the input; kNone where fewer will do
+		std::array<float, 3> weight;
+	};
+	std::uint32_t inputVertices = 0;       ///< vertex i of the input is vertex i
+	std::vector<std::uint32_t> vertexPoint;
+	std::vector<Origin> addedOrigin;       ///< of vertex inputVertices + k
+
+	// === What a cell draws ===
+
+	std::vector<std::uint32_t> cellTriangleStart;        ///< by cell: its pieces of the outer surface
+	std::vector<std::array<std::uint32_t, 3>> triangle;  ///< vertices
+	std::vector<std::uint32_t> triangleSource;           ///< the input's triangle
+
+	std::vector<CrackFace> face;                            ///< by cellA, then cellB
+	std::vector<std::array<std::uint32_t, 3>> faceTriangle; ///< points
+	std::vector<std::uint8_t> faceAxis;                     ///< by face triangle: 2 x axis, plus 1 where A is on the upper side
+	Table facesOfCell;
+
+	CrackReport report;
+
+	std::size_t pointCount() const { return pointRest.size(); }
+	std::size_t cellCount() const { return cellTriangleStart.size() - 1; }
+	/// The face between two cells; kNone where no material joins them.
+	std::uint32_t faceBetween( std::uint32_t a, std::uint32_t b ) const;
+	std::size_t bytes() const;
+};
+
+/// The first knob out of its range, or Ok. Rejects NaN.
+Status check( const CrackSettings& settings );
+
+/// Every invariant of the tables. The sentence names the first one broken.
+Status validate( const CellComplex& complex );
+/// Each cell's pieces and faces together close: true of exact faces of a closed mesh.
+Status validateClosed( const CellComplex& complex );
+
+} // namespace pliant

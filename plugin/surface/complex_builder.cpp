@@ -1,0 +1,285 @@
+// Weld, clip, trace faces, find owners, draw, number.
+
+#include "surface/complex_builder.h"
+
+#include "lattice/inside_field.h"
+#include "lattice/weld.h"
+#include "surface/face_drawing.h"
+#include "surface/surface_pieces.h"
+#include "surface/skinning.h"
+
+#include <algorithm>
+#include <optional>
+
+namespace pliant {
+
+namespace {
+
+/// Sorted pairs, each once, as rows by their first.
+Table makeTable( std::vector<std::pair<std::uint32_t, std::uint32_t>>& pairs, std::size_t rows )
+{
+	std::sort( pairs.begin(), pairs.end() );
+	pairs.erase( std::unique( pairs.begin(), pairs.end() ), pairs.end() );
+	Table table;
+	table.start.assign( rows + 1, 0 );
+	table.entry.reserve( pairs.size() );
+	for ( const auto& [row, entry] : pairs )
+	{
+		++table.start[row + 1];
+		table.entry.push_back( entry );
+	}
+	for ( std::size_t r = 0; r < rows; ++r )
+	{
+		table.start[r + 1] += table.start[r];
+	}
+	return table;
+}
+
+class ComplexBuilder
+{
+public:
+	ComplexBuilder( const MeshView& mesh, const Lattice& lattice, const CrackSettings& settings, CellComplex& out ) :
+		m_view( mesh ), m_lattice( lattice ), m_settings( settings ), m_out( out ),
+		m_warp( double( settings.noiseAmplitude ), double( settings.noiseWavelength ), settings.noiseSeed )
+	{
+	}
+
+	Status build( const SkinBinding& skin, const LatticeSettings& buildSettings )
+	{
+		if ( Status status = prepareMesh( buildSettings ); !status.ok() )
+		{
+			return status;
+		}
+		clip();
+		drawSurface();
+		numberPoints();
+		fillTables();
+		if ( skin.kind != Skinning::None )
+		{
+			bindPoints( skin );
+		}
+		return {};
+	}
+
+private:
+	Status prepareMesh( const LatticeSettings& buildSettings )
+	{
+		BuildReport report;
+		if ( Status status = weldMesh( m_view, buildSettings, m_mesh, report ); !status.ok() )
+		{
+			return status;
+		}
+		m_weldedCount = m_mesh.position.size();
+		cleanTriangles( m_mesh, report );
+		if ( m_mesh.triangle.empty() )
+		{
+			return { ResultCode::ZeroVolume, "Every triangle is degenerate or drawn from both sides: there is no inside." };
+		}
+		const std::vector<RimEdge> rim = orientTriangles( m_mesh, report );
+		m_field.emplace( m_mesh, rim );
+		return {};
+	}
+
+	void clip()
+	{
+		std::vector<Vec3d> cells;
+		cells.reserve( m_mesh.position.size() );
+		for ( const Vec3d& p : m_mesh.position )
+		{
+			cells.push_back( ( p - m_lattice.corner ) / double( m_lattice.cellSize ) );
+		}
+		// Caps close the holes of the mesh; they bound faces, but are not drawn.
+		std::vector<Triangle> triangles = m_mesh.triangle;
+		triangles.insert( triangles.end(), m_field->caps().begin(), m_field->caps().end() );
+		m_surface = clipSurface( { cells, triangles, m_lattice.extent, m_warp } );
+		const std::vector<FaceEdge> edges = makeFaceEdges( m_surface, m_warp, m_settings.subdivision );
+		m_merged = mergeClosePoints( m_surface, edges );
+		const FaceParts parts = traceFaces( m_surface, edges, m_merged );
+		m_owners = findOwners( m_lattice, m_surface, parts, m_merged );
+		m_faces = drawFaces( m_surface, parts, m_owners, m_warp, m_settings );
+		m_out.report.fallbacks = int( parts.broken.size() );
+		m_out.report.adopted = m_owners.adopted;
+		m_out.report.faces = int( m_faces.face.size() );
+	}
+
+	void drawSurface()
+	{
+		m_pieces = drawPieces( { m_view, m_mesh, m_lattice }, m_surface, m_owners.ofPolygon, m_merged );
+	}
+
+	// === Numbers ===
+
+	/// Places of the mesh first, then all others that something is drawn at.
+	void numberPoints()
+	{
+		std::vector<std::uint8_t> isUsed( m_surface.point.size(), 0 );
+		std::fill( isUsed.begin(), isUsed.begin() + std::ptrdiff_t( m_weldedCount ), std::uint8_t( 1 ) );
+		const auto use = [&]( const auto& triangles ) {
+			for ( const auto& t : triangles )
+			{
+				for ( const std::uint32_t p : t )
+				{
+					isUsed[p] = 1;
+				}
+			}
+		};
+		use( m_faces.triangle );
+		for ( const std::uint32_t p : m_pieces.vertexPoint )
+		{
+			isUsed[p] = 1;
+		}
+		m_number.assign( m_surface.point.size(), CellComplex::kNone );
+		for ( std::size_t p = 0; p < isUsed.size(); ++p )
+		{
+			if ( isUsed[p] )
+			{
+				m_number[p] = std::uint32_t( m_out.pointRest.size() );
+				const Vec3d at = p < m_weldedCount ? m_mesh.position[p]
+												   : Vec3d( m_lattice.corner + double( m_lattice.cellSize ) * m_surface.point[p].rest );
+				m_out.pointRest.push_back( ( at - m_lattice.massCentre ).cast<float>() );
+			}
+		}
+	}
+
+	void fillTables()
+	{
+		std::vector<std::pair<std::uint32_t, std::uint32_t>> cellOf, faceOf, faceOfCell;
+		m_out.inputVertices = std::uint32_t( m_view.vertexCount );
+		for ( const std::uint32_t p : m_pieces.vertexPoint )
+		{
+			m_out.vertexPoint.push_back( m_number[p] );
+		}
+		m_out.addedOrigin = std::move( m_pieces.addedOrigin );
+		m_out.triangle = std::move( m_pieces.triangle );
+		m_out.triangleSource = std::move( m_pieces.source );
+		m_out.cellTriangleStart = std::move( m_pieces.cellStart );
+		const std::size_t cells = std::size_t( m_lattice.cellCount() );
+		for ( std::uint32_t cell = 0; cell < cells; ++cell )
+		{
+			for ( std::uint32_t t = m_out.cellTriangleStart[cell]; t < m_out.cellTriangleStart[cell + 1]; ++t )
+			{
+				for ( const std::uint32_t v : m_out.triangle[t] )
+				{
+					cellOf.emplace_back( m_out.vertexPoint[v], cell );
+				}
+			}
+		}
+		m_out.face = std::move( m_faces.face );
+		for ( std::uint32_t f = 0; f < m_out.face.size(); ++f )
+		{
+			faceOfCell.emplace_back( m_out.face[f].cellA, f );
+			faceOfCell.emplace_back( m_out.face[f].cellB, f );
+		}
+		for ( const auto& [point, face] : m_faces.tie )
+		{
+			if ( m_number[point] != CellComplex::kNone )
+			{
+				faceOf.emplace_back( m_number[point], face );
+				cellOf.emplace_back( m_number[point], m_out.face[face].cellA );
+				cellOf.emplace_back( m_number[point], m_out.face[face].cellB );
+			}
+		}
+		m_out.cellsOfPoint = makeTable( cellOf, m_out.pointCount() );
+		m_out.facesOfPoint = makeTable( faceOf, m_out.pointCount() );
+		m_out.facesOfCell = makeTable( faceOfCell, cells );
+		fillFaces();
+		for ( std::uint32_t cell = 0; cell < cells; ++cell )
+		{
+			m_out.report.emptyCells += m_out.cellTriangleStart[cell] == m_out.cellTriangleStart[cell + 1] && m_out.facesOfCell.size( cell ) == 0;
+		}
+	}
+
+	void fillFaces()
+	{
+		m_out.faceAxis = std::move( m_faces.axis );
+		for ( std::array<std::uint32_t, 3> t : m_faces.triangle )
+		{
+			for ( std::uint32_t& p : t )
+			{
+				p = m_number[p];
+			}
+			m_out.faceTriangle.push_back( t );
+		}
+		for ( CrackFace& face : m_out.face )
+		{
+			double area = 0.0;
+			for ( std::uint32_t t = face.firstTriangle; t < face.lastTriangle; ++t )
+			{
+				const auto& c = m_out.faceTriangle[t];
+				const Vec3d a = m_out.pointRest[c[0]].cast<double>();
+				area += 0.5 * ( m_out.pointRest[c[1]].cast<double>() - a ).cross( m_out.pointRest[c[2]].cast<double>() - a ).norm();
+			}
+			face.area = float( area );
+			face.isLinked = areLinked( m_lattice, face.cellA, face.cellB );
+		}
+	}
+
+	// === Which cells carry what ===
+
+	void bindPoints( const SkinBinding& skin )
+	{
+		std::vector<float> positions;
+		positions.reserve( 3 * m_out.pointCount() );
+		for ( const Vec3& p : m_out.pointRest )
+		{
+			const Vec3d at = p.cast<double>() + m_lattice.massCentre;
+			positions.insert( positions.end(), { float( at.x() ), float( at.y() ), float( at.z() ) } );
+		}
+		std::vector<std::uint32_t> corners;
+		corners.reserve( 3 * m_out.triangle.size() );
+		for ( const auto& t : m_out.triangle )
+		{
+			for ( const std::uint32_t v : t )
+			{
+				corners.push_back( m_out.vertexPoint[v] );
+			}
+		}
+		MeshView all;
+		all.positions = positions.data();
+		all.vertexCount = m_out.pointCount();
+		all.indices = corners.data();
+		all.triangleCount = m_out.triangle.size();
+		const SkinBinding bound = bindSkin( all, m_lattice, {}, skin.kind );
+
+		// Points of the input stay with the cells they had: nothing moves when the first crack opens.
+		std::vector<std::uint32_t> inputOf( m_out.pointCount(), CellComplex::kNone );
+		for ( std::uint32_t v = 0; v < m_out.inputVertices; ++v )
+		{
+			inputOf[m_out.vertexPoint[v]] = std::min( inputOf[m_out.vertexPoint[v]], v );
+		}
+		m_out.bindStart.push_back( 0 );
+		for ( std::size_t p = 0; p < m_out.pointCount(); ++p )
+		{
+			const SkinBinding& from = inputOf[p] == CellComplex::kNone ? bound : skin;
+			const std::size_t row = inputOf[p] == CellComplex::kNone ? p : inputOf[p];
+			m_out.bindCell.insert( m_out.bindCell.end(), from.node.begin() + from.start[row], from.node.begin() + from.start[row + 1] );
+			m_out.bindWeight.insert( m_out.bindWeight.end(), from.weight.begin() + from.start[row], from.weight.begin() + from.start[row + 1] );
+			m_out.bindStart.push_back( std::uint32_t( m_out.bindCell.size() ) );
+		}
+	}
+
+	const MeshView& m_view;
+	const Lattice& m_lattice;
+	const CrackSettings& m_settings;
+	CellComplex& m_out;
+	NoiseWarp m_warp;
+	WeldedMesh m_mesh;
+	std::size_t m_weldedCount = 0;
+	std::optional<InsideField> m_field;
+	ClippedSurface m_surface;
+	std::vector<std::uint32_t> m_merged;
+	CellOwners m_owners;
+	DrawnFaces m_faces;
+	SurfacePieces m_pieces;
+	std::vector<std::uint32_t> m_number; ///< of the surface's points among those drawn
+};
+
+} // namespace
+
+Status buildComplex( const MeshView& mesh, const Lattice& lattice, const SkinBinding& skin, const LatticeSettings& build,
+	const CrackSettings& settings, CellComplex& out )
+{
+	return ComplexBuilder( mesh, lattice, settings, out ).build( skin, build );
+}
+
+} // namespace pliant

@@ -1,0 +1,55 @@
+#pragma once
+
+// Flat outlines with holes, from loose edges to triangles. Whatever comes in, the triangles' border is the outline: where the drawing folds
+// over itself the triangles are ugly, but what was closed stays closed.
+
+#include <Eigen/Core>
+
+#include <array>
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+namespace pliant {
+
+using Vec2d = Eigen::Vector2d;
+using OutlineEdge = std::pair<std::uint32_t, std::uint32_t>; ///< from, to
+
+/// Loops of points, each point once a loop. Counter-clockwise around material.
+struct Loops
+{
+	std::vector<std::uint32_t> start{ 0 };
+	std::vector<std::uint32_t> point;
+
+	std::size_t count() const { return start.size() - 1; }
+	std::size_t size( std::size_t loop ) const { return start[loop + 1] - start[loop]; }
+	void clear();
+	void close() { start.push_back( std::uint32_t( point.size() ) ); }
+};
+
+/// Edges there and back cancel; the rest is walked along. False when some point is entered more often than left: that is no outline, and
+/// what could be walked is in `out`. Sorts the edges.
+bool traceLoops( std::vector<OutlineEdge>& edges, Loops& out );
+
+/// One outer loop and the holes in it.
+struct OutlinePart
+{
+	std::uint32_t outer;
+	std::vector<std::uint32_t> holes;
+};
+
+/// `at`: by entry of loops.point.
+std::vector<OutlinePart> groupLoops( const Loops& loops, const std::vector<Vec2d>& at );
+
+/// Ear clipping, best-shaped ears first. Appends triangles of entries of loops.point.
+void triangulate( const Loops& loops, const std::vector<Vec2d>& at, const OutlinePart& part, std::vector<std::array<std::uint32_t, 3>>& out );
+
+/// Twice the area of a triangle, positive when it runs counter-clockwise.
+inline double doubleArea( const Vec2d& a, const Vec2d& b, const Vec2d& c )
+{
+	return ( b.x() - a.x() ) * ( c.y() - a.y() ) - ( b.y() - a.y() ) * ( c.x() - a.x() );
+}
+
+double loopArea( const Loops& loops, const std::vector<Vec2d>& at, std::size_t loop );
+
+} // namespace pliant
