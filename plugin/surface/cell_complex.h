@@ -86,7 +86,10 @@ public:
 	std::vector<Vec3> pointRest; ///< relative to the lattice's mass centre, m
 	Table cellsOfPoint;          ///< cells that draw something there, ascending
 	Table facesOfPoint;          ///< faces between them that pass there, ascending
-	/// Which cells carry a point while nothing is broken, and how much. Empty with Skinning::None.
+	Table pointsOfCell, pointsOfFace; ///< the other way round
+	Table boundPoints;           ///< by cell: points that it carries, ascending
+	/// Which cells carry a point while nothing is broken, and how much. Empty rows with Skinning::None.
+	Skinning skinning = Skinning::None;
 	std::vector<std::uint32_t> bindStart, bindCell;
 	std::vector<float> bindWeight;
 
@@ -113,6 +116,8 @@ public:
 	Table facesOfCell;
 
 	CrackReport report;
+
+	CrackSettings settings;
 
 	std::size_t pointCount() const { return pointRest.size(); }
 	std::size_t cellCount() const { return cellTriangleStart.size() - 1; }

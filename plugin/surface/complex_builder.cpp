@@ -35,6 +35,30 @@ Table makeTable( std::vector<std::pair<std::uint32_t, std::uint32_t>>& pairs, st
 	return table;
 }
 
+Table turned( const Table& table, std::size_t rows )
+{
+	Table out;
+	out.start.assign( rows + 1, 0 );
+	out.entry.resize( table.entry.size() );
+	for ( const std::uint32_t entry : table.entry )
+	{
+		++out.start[entry + 1];
+	}
+	for ( std::size_t r = 0; r < rows; ++r )
+	{
+		out.start[r + 1] += out.start[r];
+	}
+	std::vector<std::uint32_t> next( out.start.begin(), out.start.end() - 1 );
+	for ( std::uint32_t row = 0; row + 1 < table.start.size(); ++row )
+	{
+		for ( const std::uint32_t* e = table.begin( row ); e != table.end( row ); ++e )
+		{
+			out.entry[next[*e]++] = row;
+		}
+	}
+	return out;
+}
+
 class ComplexBuilder
 {
 public:
@@ -46,6 +70,7 @@ public:
 
 	Status build( const SkinBinding& skin, const LatticeSettings& buildSettings )
 	{
+		m_out.settings = m_settings;
 		if ( Status status = prepareMesh( buildSettings ); !status.ok() )
 		{
 			return status;
@@ -54,9 +79,15 @@ public:
 		drawSurface();
 		numberPoints();
 		fillTables();
+		m_out.skinning = skin.kind;
 		if ( skin.kind != Skinning::None )
 		{
 			bindPoints( skin );
+		}
+		else
+		{
+			m_out.bindStart.assign( m_out.pointCount() + 1, 0 );
+			m_out.boundPoints.start.assign( std::size_t( m_lattice.cellCount() ) + 1, 0 );
 		}
 		return {};
 	}
@@ -182,6 +213,8 @@ private:
 		m_out.cellsOfPoint = makeTable( cellOf, m_out.pointCount() );
 		m_out.facesOfPoint = makeTable( faceOf, m_out.pointCount() );
 		m_out.facesOfCell = makeTable( faceOfCell, cells );
+		m_out.pointsOfCell = turned( m_out.cellsOfPoint, cells );
+		m_out.pointsOfFace = turned( m_out.facesOfPoint, m_out.face.size() );
 		fillFaces();
 		for ( std::uint32_t cell = 0; cell < cells; ++cell )
 		{
@@ -256,6 +289,7 @@ private:
 			m_out.bindWeight.insert( m_out.bindWeight.end(), from.weight.begin() + from.start[row], from.weight.begin() + from.start[row + 1] );
 			m_out.bindStart.push_back( std::uint32_t( m_out.bindCell.size() ) );
 		}
+		m_out.boundPoints = turned( { m_out.bindStart, m_out.bindCell }, std::size_t( m_lattice.cellCount() ) );
 	}
 
 	const MeshView& m_view;

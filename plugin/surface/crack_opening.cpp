@@ -1,0 +1,327 @@
+// What changes when faces break: groups of cells split at the points along the crack, and each side lets go of the cells beyond it.
+
+#include "surface/crack_surface.h"
+
+#include <algorithm>
+
+namespace pliant {
+
+void CrackSurface::breakLinks( const std::vector<std::pair<std::uint32_t, std::uint32_t>>& links )
+{
+	std::vector<std::uint32_t> faces;
+	for ( const auto& [a, b] : links )
+	{
+		const std::uint32_t face = m_complex->faceBetween( a, b );
+		if ( face != kNone )
+		{
+			faces.push_back( face );
+		}
+	}
+	breakFaces( faces );
+}
+
+bool CrackSurface::isBroken( std::uint32_t face ) const
+{
+	const std::uint32_t local = localFace( face );
+	return local == kNone || m_face[local].isBroken;
+}
+
+void CrackSurface::breakFaces( const std::vector<std::uint32_t>& faces )
+{
+	std::vector<std::uint32_t> fresh; // local
+	for ( const std::uint32_t face : faces )
+	{
+		const std::uint32_t local = localFace( face );
+		if ( local != kNone && !m_face[local].isBroken )
+		{
+			m_face[local].isBroken = true;
+			fresh.push_back( local );
+		}
+	}
+	if ( fresh.empty() )
+	{
+		return;
+	}
+	std::sort( fresh.begin(), fresh.end() );
+	++m_version;
+	m_change = { vertexCount(), std::uint32_t( m_triangle.size() ), std::uint32_t( m_triangle.size() ), 0 };
+	splitGroups( fresh );
+	for ( const std::uint32_t f : fresh )
+	{
+		drawSide( m_face[f], true );
+		drawSide( m_face[f], false );
+	}
+	m_change.firstChanged = std::min( m_change.firstChanged, m_change.lastChanged );
+	letGo( fresh );
+}
+
+void CrackSurface::splitGroups( const std::vector<std::uint32_t>& fresh )
+{
+	std::vector<std::uint32_t> points;
+	for ( const std::uint32_t f : fresh )
+	{
+		const std::uint32_t number = m_face[f].number;
+		for ( const std::uint32_t* p = m_complex->pointsOfFace.begin( number ); p != m_complex->pointsOfFace.end( number ); ++p )
+		{
+			collect( localPoint( *p ), points );
+		}
+	}
+	clearMarks( points );
+	std::vector<std::uint32_t> cells;
+	for ( const std::uint32_t point : points )
+	{
+		// A point at which nothing is drawn so far needs no copies: sides are drawn later, into their groups.
+		if ( regroup( point ) && m_firstVertex[point] != kNone )
+		{
+			std::for_each( m_slotCell.begin() + m_slotStart[point], m_slotCell.begin() + m_slotStart[point + 1],
+				[&]( std::uint32_t cell ) { collect( cell, cells ); } );
+		}
+	}
+	clearMarks( cells );
+	std::sort( cells.begin(), cells.end() );
+	for ( const std::uint32_t cell : cells )
+	{
+		redirect( cell );
+	}
+}
+
+void CrackSurface::collect( std::uint32_t item, std::vector<std::uint32_t>& list )
+{
+	if ( !m_isMarked[item] )
+	{
+		m_isMarked[item] = 1;
+		list.push_back( item );
+	}
+}
+
+void CrackSurface::clearMarks( const std::vector<std::uint32_t>& list )
+{
+	for ( const std::uint32_t item : list )
+	{
+		m_isMarked[item] = 0;
+	}
+}
+
+/// Splits the groups of a point's cells along broken faces. The part with a group's first cell keeps its number, and with it its copies.
+bool CrackSurface::regroup( std::uint32_t point )
+{
+	const std::uint32_t first = m_slotStart[point];
+	const std::size_t count = m_slotStart[point + 1] - first;
+	m_root.resize( count );
+	for ( std::size_t k = 0; k < count; ++k )
+	{
+		m_root[k] = std::uint16_t( k );
+	}
+	const auto rootOf = [this]( std::uint16_t slot ) {
+		while ( m_root[slot] != slot )
+		{
+			slot = m_root[slot];
+		}
+		return slot;
+	};
+	for ( std::uint32_t t = m_tieStart[point]; t < m_tieStart[point + 1]; ++t )
+	{
+		if ( !m_face[m_tie[t].face].isBroken )
+		{
+			const std::uint16_t a = rootOf( m_tie[t].a ), b = rootOf( m_tie[t].b );
+			m_root[std::max( a, b )] = std::min( a, b );
+		}
+	}
+	// From the first slot up: those before it have their new numbers, those behind it still the old ones.
+	const std::uint16_t before = m_groups[point];
+	for ( std::size_t k = 0; k < count; ++k )
+	{
+		std::uint16_t& group = m_slotGroup[first + k];
+		const std::uint16_t root = rootOf( std::uint16_t( k ) );
+		if ( root != k )
+		{
+			group = m_slotGroup[first + root];
+			continue;
+		}
+		const bool isTaken = std::any_of( m_slotGroup.begin() + first, m_slotGroup.begin() + first + std::ptrdiff_t( k ),
+			[group]( std::uint16_t earlier ) { return earlier == group; } );
+		group = isTaken ? m_groups[point]++ : group;
+	}
+	return m_groups[point] != before;
+}
+
+void CrackSurface::redirect( std::uint32_t cell )
+{
+	redirectTriangles( cell, m_cellTriangle[cell], m_cellTriangle[cell + 1] );
+	for ( std::uint32_t k = m_cellFaceStart[cell]; k < m_cellFaceStart[cell + 1]; ++k )
+	{
+		const Face& face = m_face[m_cellFace[k]];
+		const std::uint32_t first = face.cellA == cell ? face.firstA : face.firstB;
+		if ( first != kNone )
+		{
+			const CrackFace& known = m_complex->face[face.number];
+			redirectTriangles( cell, first, first + known.lastTriangle - known.firstTriangle );
+		}
+	}
+}
+
+void CrackSurface::redirectTriangles( std::uint32_t cell, std::uint32_t first, std::uint32_t last )
+{
+	for ( std::uint32_t t = first; t < last; ++t )
+	{
+		for ( std::size_t k = 0; k < 3; ++k )
+		{
+			const std::uint32_t old = m_triangle[t][k];
+			const Vertex known = m_vertex[old];
+			if ( m_groups[known.point] == 1 )
+			{
+				continue;
+			}
+			const std::uint16_t group = groupOf( known.point, cell );
+			if ( group != known.group )
+			{
+				const std::uint32_t made = vertexFor( known.point, known.kind, group );
+				m_binding.restNormal[made] = m_binding.restNormal[old];
+				m_triangle[t][k] = made;
+				m_change.firstChanged = std::min( m_change.firstChanged, t );
+				m_change.lastChanged = std::max( m_change.lastChanged, t + 1 );
+			}
+		}
+	}
+}
+
+// === Binding ===
+
+/// A point follows cells on both sides only where both of the face's cells carried it.
+void CrackSurface::letGo( const std::vector<std::uint32_t>& fresh )
+{
+	std::vector<std::uint32_t> points;
+	for ( const std::uint32_t f : fresh )
+	{
+		const CrackFace& known = m_complex->face[m_face[f].number];
+		const auto look = [&]( const std::uint32_t* p, const std::uint32_t* end ) {
+			for ( ; p != end; ++p )
+			{
+				const std::uint32_t local = localPoint( *p );
+				if ( local != kNone && m_firstVertex[local] != kNone )
+				{
+					collect( local, points );
+				}
+			}
+		};
+		look( m_complex->boundPoints.begin( known.cellA ), m_complex->boundPoints.end( known.cellA ) );
+		look( m_complex->pointsOfFace.begin( m_face[f].number ), m_complex->pointsOfFace.end( m_face[f].number ) );
+	}
+	clearMarks( points );
+	for ( const std::uint32_t point : points )
+	{
+		rebind( point );
+	}
+}
+
+void CrackSurface::rebind( std::uint32_t point )
+{
+	if ( m_binding.kind == Skinning::None || m_slotStart[point] == m_slotStart[point + 1] )
+	{
+		return;
+	}
+	for ( std::uint16_t group = 0; group < m_groups[point]; ++group )
+	{
+		bool isReached = false;
+		for ( std::uint32_t v = m_firstVertex[point]; v != kNone; v = m_vertex[v].next )
+		{
+			if ( m_vertex[v].group == group )
+			{
+				if ( !isReached )
+				{
+					reach( point, group );
+					isReached = true;
+				}
+				std::copy( m_rowCell.begin(), m_rowCell.end(), m_binding.node.begin() + m_binding.start[v] );
+				std::copy( m_rowWeight.begin(), m_rowWeight.end(), m_binding.weight.begin() + m_binding.start[v] );
+			}
+		}
+	}
+}
+
+/// The row of one side: of the cells that carry the point in the whole body, those that standing faces join to it, by way of one another.
+void CrackSurface::reach( std::uint32_t point, std::uint16_t group )
+{
+	const std::uint32_t whole = m_point[point];
+	const std::uint32_t first = m_complex->bindStart[whole], last = m_complex->bindStart[whole + 1];
+	m_round += 2;
+	const std::uint32_t asked = m_round, reached = m_round + 1;
+	for ( std::uint32_t k = first; k < last; ++k )
+	{
+		const std::uint32_t cell = localCell( m_complex->bindCell[k] );
+		if ( cell != kNone )
+		{
+			m_mark[cell] = asked;
+		}
+	}
+	m_open.clear();
+	for ( std::uint32_t s = m_slotStart[point]; s < m_slotStart[point + 1]; ++s )
+	{
+		if ( m_slotGroup[s] == group )
+		{
+			m_mark[m_slotCell[s]] = reached;
+			m_open.push_back( m_slotCell[s] );
+		}
+	}
+	const std::uint32_t home = m_cell[m_open.front()];
+	for ( std::size_t k = 0; k < m_open.size(); ++k )
+	{
+		const std::uint32_t cell = m_open[k];
+		for ( std::uint32_t f = m_cellFaceStart[cell]; f < m_cellFaceStart[cell + 1]; ++f )
+		{
+			const Face& face = m_face[m_cellFace[f]];
+			const std::uint32_t other = face.cellA == cell ? face.cellB : face.cellA;
+			if ( !face.isBroken && m_mark[other] == asked )
+			{
+				m_mark[other] = reached;
+				m_open.push_back( other );
+			}
+		}
+	}
+	writeRow( first, last, reached, home );
+}
+
+void CrackSurface::writeRow( std::uint32_t first, std::uint32_t last, std::uint32_t reached, std::uint32_t home )
+{
+	m_rowCell.clear();
+	m_rowWeight.clear();
+	double sum = 0.0;
+	for ( std::uint32_t k = first; k < last; ++k )
+	{
+		const std::uint32_t cell = localCell( m_complex->bindCell[k] );
+		if ( cell != kNone && m_mark[cell] == reached )
+		{
+			m_rowCell.push_back( m_complex->bindCell[k] );
+			m_rowWeight.push_back( m_complex->bindWeight[k] );
+			sum += double( m_complex->bindWeight[k] );
+		}
+	}
+	const std::size_t reachedCount = m_rowCell.size();
+	if ( reachedCount == 0 )
+	{
+		m_rowCell.push_back( home );
+		m_rowWeight.push_back( 1.0f );
+	}
+	else if ( reachedCount != last - first )
+	{
+		for ( float& weight : m_rowWeight )
+		{
+			weight = float( double( weight ) / sum );
+		}
+	}
+	// What is left of the row weighs nothing.
+	m_rowCell.resize( last - first, m_rowCell.front() );
+	m_rowWeight.resize( last - first, 0.0f );
+}
+
+std::size_t CrackSurface::bytes() const
+{
+	const auto sizeOf = []( const auto& list ) { return list.size() * sizeof( list[0] ); };
+	return sizeOf( m_cell ) + sizeOf( m_point ) + sizeOf( m_face ) + sizeOf( m_cellFaceStart ) + sizeOf( m_cellFace ) + sizeOf( m_cellTriangle ) +
+		sizeOf( m_slotStart ) + sizeOf( m_slotCell ) + sizeOf( m_slotGroup ) + sizeOf( m_groups ) + sizeOf( m_tieStart ) + sizeOf( m_tie ) +
+		sizeOf( m_vertex ) + sizeOf( m_firstVertex ) + sizeOf( m_triangle ) + sizeOf( m_source ) + sizeOf( m_binding.node ) +
+		sizeOf( m_binding.weight ) + sizeOf( m_binding.start ) + sizeOf( m_binding.restPosition ) + sizeOf( m_binding.restNormal ) +
+		sizeOf( m_binding.normalGroup ) + sizeOf( m_mark );
+}
+
+} // namespace pliant

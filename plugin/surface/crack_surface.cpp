@@ -1,0 +1,345 @@
+// Taking a body's share of the complex, and drawing it.
+
+#include "surface/crack_surface.h"
+
+#include <Eigen/Geometry>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+namespace pliant {
+
+namespace {
+
+/// Number of an entry in an ascending list; most bodies hold all there is, and then it is the entry itself.
+std::uint32_t numberIn( const std::vector<std::uint32_t>& list, std::size_t all, std::uint32_t wanted )
+{
+	if ( list.size() == all )
+	{
+		return wanted;
+	}
+	const auto found = std::lower_bound( list.begin(), list.end(), wanted );
+	return found != list.end() && *found == wanted ? std::uint32_t( found - list.begin() ) : CrackSurface::kNone;
+}
+
+std::vector<std::uint32_t> allUpTo( std::size_t count )
+{
+	std::vector<std::uint32_t> all( count );
+	std::iota( all.begin(), all.end(), 0u );
+	return all;
+}
+
+} // namespace
+
+CrackSurface::CrackSurface( std::shared_ptr<const CellComplex> complex ) :
+	CrackSurface( complex, allUpTo( complex->cellCount() ), std::vector<std::uint8_t>( complex->face.size(), 0 ) )
+{
+}
+
+CrackSurface::CrackSurface( std::shared_ptr<const CellComplex> complex, std::vector<std::uint32_t> cells, const std::vector<std::uint8_t>& isBroken ) :
+	m_complex( std::move( complex ) ), m_cell( std::move( cells ) ), m_mark( m_cell.size(), 0 )
+{
+	takeFaces( isBroken );
+	takePoints();
+	drawAll();
+}
+
+CrackSurface CrackSurface::piece( const std::vector<std::uint32_t>& cells ) const
+{
+	std::vector<std::uint8_t> isBroken( m_complex->face.size(), 0 );
+	for ( const Face& face : m_face )
+	{
+		isBroken[face.number] = face.isBroken;
+	}
+	return CrackSurface( m_complex, cells, isBroken );
+}
+
+// === Taking ===
+
+void CrackSurface::takeFaces( const std::vector<std::uint8_t>& isBroken )
+{
+	std::vector<std::uint32_t> numbers;
+	for ( const std::uint32_t cell : m_cell )
+	{
+		numbers.insert( numbers.end(), m_complex->facesOfCell.begin( cell ), m_complex->facesOfCell.end( cell ) );
+	}
+	std::sort( numbers.begin(), numbers.end() );
+	numbers.erase( std::unique( numbers.begin(), numbers.end() ), numbers.end() );
+	m_face.reserve( numbers.size() );
+	for ( const std::uint32_t number : numbers )
+	{
+		const CrackFace& known = m_complex->face[number];
+		Face face{ number, localCell( known.cellA ), localCell( known.cellB ), kNone, kNone, false };
+		face.isBroken = isBroken[number] != 0 || !known.isLinked || face.cellA == kNone || face.cellB == kNone;
+		m_face.push_back( face );
+	}
+	m_cellFaceStart.push_back( 0 );
+	for ( const std::uint32_t cell : m_cell )
+	{
+		for ( const std::uint32_t* f = m_complex->facesOfCell.begin( cell ); f != m_complex->facesOfCell.end( cell ); ++f )
+		{
+			m_cellFace.push_back( localFace( *f ) );
+		}
+		m_cellFaceStart.push_back( std::uint32_t( m_cellFace.size() ) );
+	}
+}
+
+void CrackSurface::takePoints()
+{
+	if ( m_cell.size() == m_complex->cellCount() )
+	{
+		m_point = allUpTo( m_complex->pointCount() );
+	}
+	else
+	{
+		for ( const std::uint32_t cell : m_cell )
+		{
+			m_point.insert( m_point.end(), m_complex->pointsOfCell.begin( cell ), m_complex->pointsOfCell.end( cell ) );
+		}
+		std::sort( m_point.begin(), m_point.end() );
+		m_point.erase( std::unique( m_point.begin(), m_point.end() ), m_point.end() );
+	}
+	m_firstVertex.assign( m_point.size(), kNone );
+	m_groups.assign( m_point.size(), 1 );
+	m_slotStart.push_back( 0 );
+	m_tieStart.push_back( 0 );
+	for ( const std::uint32_t point : m_point )
+	{
+		const std::uint32_t first = m_slotStart.back();
+		for ( const std::uint32_t* c = m_complex->cellsOfPoint.begin( point ); c != m_complex->cellsOfPoint.end( point ); ++c )
+		{
+			if ( const std::uint32_t cell = localCell( *c ); cell != kNone )
+			{
+				m_slotCell.push_back( cell );
+			}
+		}
+		const auto slot = [&]( std::uint32_t cell ) {
+			return std::uint16_t( std::lower_bound( m_slotCell.begin() + first, m_slotCell.end(), cell ) - m_slotCell.begin() - first );
+		};
+		for ( const std::uint32_t* f = m_complex->facesOfPoint.begin( point ); f != m_complex->facesOfPoint.end( point ); ++f )
+		{
+			const std::uint32_t number = localFace( *f );
+			if ( number != kNone && m_face[number].cellA != kNone && m_face[number].cellB != kNone )
+			{
+				m_tie.push_back( { number, slot( m_face[number].cellA ), slot( m_face[number].cellB ) } );
+			}
+		}
+		m_slotStart.push_back( std::uint32_t( m_slotCell.size() ) );
+		m_tieStart.push_back( std::uint32_t( m_tie.size() ) );
+	}
+	m_slotGroup.assign( m_slotCell.size(), 0 );
+	m_isMarked.assign( std::max( m_point.size(), m_cell.size() ), 0 );
+}
+
+std::uint32_t CrackSurface::localCell( std::uint32_t cell ) const
+{
+	return numberIn( m_cell, m_complex->cellCount(), cell );
+}
+
+std::uint32_t CrackSurface::localPoint( std::uint32_t point ) const
+{
+	return numberIn( m_point, m_complex->pointCount(), point );
+}
+
+std::uint32_t CrackSurface::localFace( std::uint32_t face ) const
+{
+	if ( m_face.size() == m_complex->face.size() )
+	{
+		return face;
+	}
+	const auto found = std::lower_bound( m_face.begin(), m_face.end(), face, []( const Face& a, std::uint32_t wanted ) { return a.number < wanted; } );
+	return found != m_face.end() && found->number == face ? std::uint32_t( found - m_face.begin() ) : kNone;
+}
+
+// === Drawing ===
+
+void CrackSurface::drawAll()
+{
+	m_binding.kind = m_complex->skinning;
+	m_binding.start.push_back( 0 );
+	const bool isWhole = m_cell.size() == m_complex->cellCount();
+	bool isCut = !isWhole;
+	for ( std::uint32_t p = 0; p < m_point.size(); ++p )
+	{
+		isCut = regroup( p ) || isCut;
+	}
+	for ( std::uint32_t v = 0; isWhole && v < m_complex->inputVertices; ++v )
+	{
+		addVertex( m_complex->vertexPoint[v], v, 0 );
+	}
+	for ( std::uint32_t cell = 0; cell < m_cell.size(); ++cell )
+	{
+		m_cellTriangle.push_back( std::uint32_t( m_triangle.size() ) );
+		for ( std::uint32_t t = m_complex->cellTriangleStart[m_cell[cell]]; t < m_complex->cellTriangleStart[m_cell[cell] + 1]; ++t )
+		{
+			std::array<std::uint32_t, 3> corner = m_complex->triangle[t];
+			for ( std::uint32_t& v : corner )
+			{
+				const std::uint32_t point = localPoint( m_complex->vertexPoint[v] );
+				v = vertexFor( point, v, groupOf( point, cell ) );
+			}
+			m_triangle.push_back( corner );
+			m_source.push_back( m_complex->triangleSource[t] );
+		}
+	}
+	m_cellTriangle.push_back( std::uint32_t( m_triangle.size() ) );
+	measureNormals();
+	for ( Face& face : m_face )
+	{
+		if ( face.isBroken )
+		{
+			drawSide( face, true );
+			drawSide( face, false );
+		}
+	}
+	for ( std::uint32_t p = 0; isCut && p < m_point.size(); ++p )
+	{
+		rebind( p );
+	}
+}
+
+/// Of the outer surface, before there are inner ones.
+void CrackSurface::measureNormals()
+{
+	std::vector<Vec3> sum( std::size_t( m_binding.normalGroups ), Vec3::Zero() );
+	for ( const auto& corner : m_triangle )
+	{
+		const Vec3& a = m_binding.restPosition[corner[0]];
+		const Vec3 area = ( m_binding.restPosition[corner[1]] - a ).cross( m_binding.restPosition[corner[2]] - a );
+		for ( const std::uint32_t v : corner )
+		{
+			sum[m_binding.normalGroup[v]] += area;
+		}
+	}
+	for ( std::size_t v = 0; v < m_vertex.size(); ++v )
+	{
+		const Vec3& area = sum[m_binding.normalGroup[v]];
+		const float largest = area.cwiseAbs().maxCoeff();
+		m_binding.restNormal[v] = largest > 0.0f ? Vec3( ( area / largest ).normalized() ) : Vec3( Vec3::UnitZ() );
+	}
+}
+
+void CrackSurface::drawSide( Face& face, bool isA )
+{
+	const std::uint32_t cell = isA ? face.cellA : face.cellB;
+	if ( cell == kNone )
+	{
+		return;
+	}
+	( isA ? face.firstA : face.firstB ) = std::uint32_t( m_triangle.size() );
+	const CrackFace& known = m_complex->face[face.number];
+	for ( std::uint32_t t = known.firstTriangle; t < known.lastTriangle; ++t )
+	{
+		std::array<std::uint32_t, 3> corner = m_complex->faceTriangle[t];
+		if ( !isA )
+		{
+			std::swap( corner[1], corner[2] );
+		}
+		const std::uint32_t kind = kInside + ( m_complex->faceAxis[t] ^ ( isA ? 0u : 1u ) );
+		for ( std::uint32_t& v : corner )
+		{
+			const std::uint32_t point = localPoint( v );
+			v = vertexFor( point, kind, groupOf( point, cell ) );
+		}
+		m_triangle.push_back( corner );
+		m_source.push_back( kNone );
+	}
+}
+
+std::uint16_t CrackSurface::groupOf( std::uint32_t point, std::uint32_t cell ) const
+{
+	std::uint32_t slot = m_slotStart[point];
+	while ( m_slotCell[slot] != cell )
+	{
+		++slot;
+	}
+	return m_slotGroup[slot];
+}
+
+std::uint32_t CrackSurface::vertexFor( std::uint32_t point, std::uint32_t kind, std::uint16_t group )
+{
+	for ( std::uint32_t v = m_firstVertex[point]; v != kNone; v = m_vertex[v].next )
+	{
+		if ( m_vertex[v].kind == kind && m_vertex[v].group == group )
+		{
+			return v;
+		}
+	}
+	return addVertex( point, kind, group );
+}
+
+std::uint32_t CrackSurface::addVertex( std::uint32_t point, std::uint32_t kind, std::uint16_t group )
+{
+	const std::uint32_t made = vertexCount();
+	const std::uint32_t whole = m_point[point];
+	m_binding.normalGroup.push_back( normalGroupFor( point, kind, group ) );
+	m_binding.restPosition.push_back( m_complex->pointRest[whole] );
+	m_binding.restNormal.push_back( Vec3::UnitZ() );
+	if ( kind >= kInside )
+	{
+		m_binding.restNormal.back() = ( ( kind & 1u ) != 0 ? -1.0f : 1.0f ) * Vec3::Unit( int( ( kind - kInside ) / 2 ) );
+	}
+	// Room for all that could ever carry it.
+	const std::uint32_t first = m_complex->bindStart[whole], last = m_complex->bindStart[whole + 1];
+	m_binding.node.insert( m_binding.node.end(), m_complex->bindCell.begin() + first, m_complex->bindCell.begin() + last );
+	m_binding.weight.insert( m_binding.weight.end(), m_complex->bindWeight.begin() + first, m_complex->bindWeight.begin() + last );
+	m_binding.start.push_back( std::uint32_t( m_binding.node.size() ) );
+	m_vertex.push_back( { point, kind, m_firstVertex[point], group } );
+	m_firstVertex[point] = made;
+	return made;
+}
+
+/// Copies of one side at a point share a normal: the outer ones one, the inner ones another. Without noise the inner ones are the sides of
+/// cubes, and each keeps its own.
+std::uint32_t CrackSurface::normalGroupFor( std::uint32_t point, std::uint32_t kind, std::uint16_t group )
+{
+	const bool isInside = kind >= kInside;
+	const bool isSmooth = m_complex->settings.noiseAmplitude > 0.0f;
+	for ( std::uint32_t v = m_firstVertex[point]; v != kNone; v = m_vertex[v].next )
+	{
+		const bool isAlike = ( m_vertex[v].kind >= kInside ) == isInside && ( !isInside || isSmooth || m_vertex[v].kind == kind );
+		if ( m_vertex[v].group == group && isAlike )
+		{
+			return m_binding.normalGroup[v];
+		}
+	}
+	return std::uint32_t( m_binding.normalGroups++ );
+}
+
+std::uint32_t CrackSurface::inputVertexOf( std::uint32_t vertex ) const
+{
+	const std::uint32_t kind = m_vertex[vertex].kind;
+	return kind < m_complex->inputVertices ? kind : kNone;
+}
+
+void CrackSurface::textureCoordinates( const float* input, float tile, std::uint32_t first, float* out ) const
+{
+	for ( std::uint32_t v = first; v < vertexCount(); ++v, out += 2 )
+	{
+		const std::uint32_t kind = m_vertex[v].kind;
+		out[0] = out[1] = 0.0f;
+		if ( kind >= kInside )
+		{
+			const int axis = int( ( kind - kInside ) / 2 );
+			out[0] = m_binding.restPosition[v][( axis + 1 ) % 3] / tile;
+			out[1] = m_binding.restPosition[v][( axis + 2 ) % 3] / tile;
+		}
+		else if ( input && kind < m_complex->inputVertices )
+		{
+			out[0] = input[2 * std::size_t( kind )];
+			out[1] = input[2 * std::size_t( kind ) + 1];
+		}
+		else if ( input )
+		{
+			const CellComplex::Origin& origin = m_complex->addedOrigin[kind - m_complex->inputVertices];
+			for ( std::size_t k = 0; k < 3 && origin.vertex[k] != kNone; ++k )
+			{
+				out[0] += origin.weight[k] * input[2 * std::size_t( origin.vertex[k] )];
+				out[1] += origin.weight[k] * input[2 * std::size_t( origin.vertex[k] ) + 1];
+			}
+		}
+	}
+}
+
+} // namespace pliant

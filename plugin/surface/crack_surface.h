@@ -1,0 +1,158 @@
+#pragma once
+
+// The drawn surface of a body that has cracks. Ohta et al. 2009, "Fracturing"; cut surfaces: Steinemann et al. 2008, section 7.
+//
+// Its triangles are the pieces of the outer surface that its cells have, and both sides of every broken face. A point of the complex is drawn
+// once for each side: the cells that meet there fall into groups that standing faces join, and each group has copies of its own. Where a
+// crack ends all cells are one group: the sides stay joined. Breaking only ever splits groups, so that vertices are added, never moved.
+
+#include "surface/cell_complex.h"
+#include "surface/skinning.h"
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+namespace pliant {
+
+class CrackSurface
+{
+public:
+	static constexpr std::uint32_t kNone = CellComplex::kNone;
+
+	/// A body of all cells of a template, faces without a link broken. Vertex i of the input is vertex i.
+	explicit CrackSurface( std::shared_ptr<const CellComplex> complex );
+	/// A body of some of them, ascending. `isBroken`: by face of the complex; faces to other cells count as broken.
+	CrackSurface( std::shared_ptr<const CellComplex> complex, std::vector<std::uint32_t> cells, const std::vector<std::uint8_t>& isBroken );
+
+	/// A piece of this body: its own vertices and triangles, the cracks as they are.
+	CrackSurface piece( const std::vector<std::uint32_t>& cells ) const;
+
+	/// Numbers of the complex; those broken before or not of this body are passed over. Appends vertices and triangles, redirects those of
+	/// cells along the crack, and binds anew what the crack cuts off.
+	void breakFaces( const std::vector<std::uint32_t>& faces );
+	/// The faces between pairs of cells whose links broke; pairs that no face joins are passed over.
+	void breakLinks( const std::vector<std::pair<std::uint32_t, std::uint32_t>>& links );
+
+	bool isBroken( std::uint32_t face ) const;
+
+	// === What is drawn ===
+
+	/// How vertices follow the cells, which bear the template's numbers. Empty rows never occur; weights sum to 1.
+	const SkinBinding& binding() const { return m_binding; }
+	const std::vector<std::array<std::uint32_t, 3>>& triangles() const { return m_triangle; }
+	/// By triangle: the input's, or kNone for the inside.
+	const std::vector<std::uint32_t>& sources() const { return m_source; }
+	/// By vertex: the input's vertex, or kNone for one that was added.
+	std::uint32_t inputVertexOf( std::uint32_t vertex ) const;
+	/// u, v of the vertices from `first` on. Outside as in the input (0 where it has none); inside by place, once every `tile` metres.
+	void textureCoordinates( const float* input, float tile, std::uint32_t first, float* out ) const;
+
+	std::uint32_t vertexCount() const { return std::uint32_t( m_vertex.size() ); }
+	const std::vector<std::uint32_t>& cells() const { return m_cell; }
+	const CellComplex& complex() const { return *m_complex; }
+
+	/// Grows with every change.
+	std::uint64_t topologyVersion() const { return m_version; }
+	/// What the latest change touched: upload new vertices and triangles, triangles changed.first .. changed.last again.
+	struct Change
+	{
+		std::uint32_t firstNewVertex = 0;
+		std::uint32_t firstNewTriangle = 0;
+		std::uint32_t firstChanged = 0; ///< of the triangles before; equal to lastChanged: none
+		std::uint32_t lastChanged = 0;
+	};
+	const Change& latestChange() const { return m_change; }
+
+	std::size_t bytes() const;
+
+private:
+	friend Status validate( const CrackSurface& surface );
+
+	/// A copy of a point. `kind`: the complex's vertex, or kInside + 2 x axis + side for a face.
+	struct Vertex
+	{
+		std::uint32_t point; ///< local
+		std::uint32_t kind;
+		std::uint32_t next;  ///< of the same point
+		std::uint16_t group;
+	};
+	static constexpr std::uint32_t kInside = 0xfffffff0u;
+
+	struct Tie
+	{
+		std::uint32_t face; ///< local
+		std::uint16_t a, b; ///< slots of its cells, from the point's first
+	};
+	struct Face
+	{
+		std::uint32_t number;               ///< in the complex
+		std::uint32_t cellA, cellB;         ///< local; kNone: of another body
+		std::uint32_t firstA, firstB;       ///< triangles of either side; kNone: not drawn
+		bool isBroken;
+	};
+
+	void takeFaces( const std::vector<std::uint8_t>& isBroken );
+	void takePoints();
+	void drawAll();
+
+	std::uint32_t localCell( std::uint32_t cell ) const;
+	std::uint32_t localPoint( std::uint32_t point ) const;
+	std::uint32_t localFace( std::uint32_t face ) const;
+
+	bool regroup( std::uint32_t point );
+	std::uint16_t groupOf( std::uint32_t point, std::uint32_t cell ) const;
+	std::uint32_t vertexFor( std::uint32_t point, std::uint32_t kind, std::uint16_t group );
+	std::uint32_t addVertex( std::uint32_t point, std::uint32_t kind, std::uint16_t group );
+	std::uint32_t normalGroupFor( std::uint32_t point, std::uint32_t kind, std::uint16_t group );
+	void drawSide( Face& face, bool isA );
+	void measureNormals();
+
+	void splitGroups( const std::vector<std::uint32_t>& fresh );
+	void redirect( std::uint32_t cell );
+	void redirectTriangles( std::uint32_t cell, std::uint32_t first, std::uint32_t last );
+	void collect( std::uint32_t item, std::vector<std::uint32_t>& list );
+	void clearMarks( const std::vector<std::uint32_t>& list );
+
+	void letGo( const std::vector<std::uint32_t>& fresh );
+	void rebind( std::uint32_t point );
+	void reach( std::uint32_t point, std::uint16_t group );
+	void writeRow( std::uint32_t first, std::uint32_t last, std::uint32_t reached, std::uint32_t home );
+
+	Status validateTriangles() const;
+	Status validateGroups() const;
+	Status validateBinding() const;
+
+	std::shared_ptr<const CellComplex> m_complex;
+	std::vector<std::uint32_t> m_cell, m_point; ///< of the complex, ascending
+	std::vector<Face> m_face;                   ///< ascending
+	std::vector<std::uint32_t> m_cellFaceStart, m_cellFace;  ///< local faces by local cell
+	std::vector<std::uint32_t> m_cellTriangle;               ///< by local cell, and one past the last: its pieces of the outer surface
+
+	std::vector<std::uint32_t> m_slotStart, m_slotCell; ///< cells of each point, local
+	std::vector<std::uint16_t> m_slotGroup, m_groups;   ///< by slot; how many, by point
+	std::vector<std::uint32_t> m_tieStart;
+	std::vector<Tie> m_tie;
+
+	std::vector<Vertex> m_vertex;
+	std::vector<std::uint32_t> m_firstVertex; ///< by point
+	std::vector<std::array<std::uint32_t, 3>> m_triangle;
+	std::vector<std::uint32_t> m_source;
+	SkinBinding m_binding;
+	std::uint64_t m_version = 1;
+	Change m_change;
+
+	// Room kept between calls.
+	std::vector<std::uint32_t> m_mark, m_open; ///< by local cell; local cells
+	std::uint32_t m_round = 0;
+	std::vector<std::uint32_t> m_rowCell;
+	std::vector<float> m_rowWeight;
+	std::vector<std::uint16_t> m_root;          ///< by slot of the point at hand
+	std::vector<std::uint8_t> m_isMarked;       ///< by point or cell
+};
+
+/// Every invariant: copies belong to groups, groups to standing faces, rows of the binding to the vertex's own side.
+Status validate( const CrackSurface& surface );
+
+} // namespace pliant

@@ -1,0 +1,136 @@
+#include "surface/crack_surface.h"
+
+#include <cmath>
+
+namespace pliant {
+
+namespace {
+
+Status broken( const char* words )
+{
+	return { ResultCode::BadArgument, words };
+}
+
+/// Weights are floats: their sum is 1 but for rounding.
+constexpr double kSumSlack = 1e-5;
+
+} // namespace
+
+Status CrackSurface::validateTriangles() const
+{
+	const auto isOfSide = [this]( std::uint32_t cell, std::uint32_t first, std::uint32_t last ) {
+		for ( std::uint32_t t = first; t < last; ++t )
+		{
+			for ( const std::uint32_t v : m_triangle[t] )
+			{
+				if ( v >= m_vertex.size() || m_vertex[v].group != groupOf( m_vertex[v].point, cell ) )
+				{
+					return false;
+				}
+			}
+		}
+		return true;
+	};
+	for ( std::uint32_t cell = 0; cell < m_cell.size(); ++cell )
+	{
+		if ( !isOfSide( cell, m_cellTriangle[cell], m_cellTriangle[cell + 1] ) )
+		{
+			return broken( "A piece of the outer surface is drawn with another side's vertex." );
+		}
+	}
+	for ( const Face& face : m_face )
+	{
+		const CrackFace& known = m_complex->face[face.number];
+		const std::uint32_t count = known.lastTriangle - known.firstTriangle;
+		for ( const bool isA : { true, false } )
+		{
+			const std::uint32_t cell = isA ? face.cellA : face.cellB, first = isA ? face.firstA : face.firstB;
+			if ( ( first != kNone ) != ( face.isBroken && cell != kNone ) )
+			{
+				return broken( "A broken face is not drawn, or a standing one is." );
+			}
+			if ( first != kNone && !isOfSide( cell, first, first + count ) )
+			{
+				return broken( "A side of a crack is drawn with another side's vertex." );
+			}
+		}
+	}
+	return {};
+}
+
+Status CrackSurface::validateGroups() const
+{
+	for ( std::uint32_t p = 0; p < m_point.size(); ++p )
+	{
+		const std::uint32_t first = m_slotStart[p], count = m_slotStart[p + 1] - first;
+		std::uint32_t joins = 0;
+		std::vector<std::uint32_t> label( count );
+		for ( std::uint32_t k = 0; k < count; ++k )
+		{
+			label[k] = k;
+		}
+		for ( std::uint32_t t = m_tieStart[p]; t < m_tieStart[p + 1]; ++t )
+		{
+			const Tie& tie = m_tie[t];
+			if ( m_face[tie.face].isBroken )
+			{
+				continue;
+			}
+			if ( m_slotGroup[first + tie.a] != m_slotGroup[first + tie.b] )
+			{
+				return broken( "A standing face parts its cells." );
+			}
+			const std::uint32_t from = label[tie.b], to = label[tie.a];
+			joins += from != to;
+			for ( std::uint32_t& l : label )
+			{
+				l = l == from ? to : l;
+			}
+		}
+		if ( count > 0 && count - joins != m_groups[p] )
+		{
+			return broken( "Cells that no standing face joins are one group." );
+		}
+	}
+	return {};
+}
+
+Status CrackSurface::validateBinding() const
+{
+	if ( m_binding.start.size() != m_vertex.size() + 1 || m_binding.restPosition.size() != m_vertex.size() ||
+		m_binding.normalGroup.size() != m_vertex.size() || m_binding.restNormal.size() != m_vertex.size() )
+	{
+		return broken( "The binding and the vertices differ in number." );
+	}
+	for ( std::size_t v = 0; v < m_vertex.size() && m_binding.kind != Skinning::None; ++v )
+	{
+		double sum = 0.0;
+		for ( std::uint32_t k = m_binding.start[v]; k < m_binding.start[v + 1]; ++k )
+		{
+			sum += double( m_binding.weight[k] );
+			if ( localCell( m_binding.node[k] ) == kNone )
+			{
+				return broken( "A vertex follows a cell of another body." );
+			}
+		}
+		if ( !( std::abs( sum - 1.0 ) < kSumSlack ) )
+		{
+			return broken( "The weights of a vertex do not sum to 1." );
+		}
+	}
+	return {};
+}
+
+Status validate( const CrackSurface& surface )
+{
+	for ( const auto check : { &CrackSurface::validateTriangles, &CrackSurface::validateGroups, &CrackSurface::validateBinding } )
+	{
+		if ( Status status = ( surface.*check )(); !status.ok() )
+		{
+			return status;
+		}
+	}
+	return {};
+}
+
+} // namespace pliant

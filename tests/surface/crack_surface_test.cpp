@@ -1,0 +1,407 @@
+// Cracks open: each side closed, tips joined, nothing follows what is across.
+
+#include "surface/crack_case.h"
+
+#include "surface/crack_surface.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <numeric>
+#include <random>
+#include <set>
+
+namespace pliant {
+namespace {
+
+using namespace test;
+
+CrackSettings noisy( float amplitude = 0.3f )
+{
+	CrackSettings settings;
+	settings.noiseAmplitude = amplitude;
+	settings.subdivision = amplitude > 0.0f ? 2 : 1;
+	return settings;
+}
+
+double volumeOf( const CrackSurface& surface )
+{
+	double sum = 0.0;
+	const auto at = [&]( std::uint32_t v ) { return Vec3d( surface.binding().restPosition[v].cast<double>() ); };
+	for ( const TrianglePoints& t : surface.triangles() )
+	{
+		sum += signedVolume( at( t[0] ), at( t[1] ), at( t[2] ) );
+	}
+	return sum;
+}
+
+/// Vertices at one place on one side are one: the surface without the seams of normals and texture coordinates.
+std::vector<TrianglePoints> welded( const CrackSurface& surface )
+{
+	// Outer and inner copies of one side have different normal groups but the same place and, to the bit, the same cells.
+	std::map<std::pair<std::vector<float>, std::vector<std::uint32_t>>, std::uint32_t> number;
+	std::vector<std::uint32_t> of( surface.vertexCount() );
+	const SkinBinding& b = surface.binding();
+	for ( std::uint32_t v = 0; v < surface.vertexCount(); ++v )
+	{
+		std::vector<float> key{ b.restPosition[v].x(), b.restPosition[v].y(), b.restPosition[v].z() };
+		std::vector<std::uint32_t> cells;
+		for ( std::uint32_t k = b.start[v]; k < b.start[v + 1]; ++k )
+		{
+			if ( b.weight[k] > 0.0f )
+			{
+				cells.push_back( b.node[k] );
+				key.push_back( b.weight[k] );
+			}
+		}
+		of[v] = number.emplace( std::make_pair( key, cells ), std::uint32_t( number.size() ) ).first->second;
+	}
+	std::vector<TrianglePoints> out;
+	for ( const TrianglePoints& t : surface.triangles() )
+	{
+		out.push_back( { of[t[0]], of[t[1]], of[t[2]] } );
+	}
+	return out;
+}
+
+/// Cells by which of the seeds they are nearest to, along the lattice.
+std::vector<std::vector<std::uint32_t>> shatter( const Lattice& lattice, int pieces, unsigned seed )
+{
+	std::mt19937 random( seed );
+	std::vector<Vec3> middle;
+	for ( int k = 0; k < pieces; ++k )
+	{
+		middle.push_back( lattice.restCentre[random() % lattice.restCentre.size()] );
+	}
+	std::vector<std::vector<std::uint32_t>> out( middle.size() );
+	for ( std::uint32_t cell = 0; cell < std::uint32_t( lattice.cellCount() ); ++cell )
+	{
+		const auto nearest = std::min_element( middle.begin(), middle.end(), [&]( const Vec3& a, const Vec3& b ) {
+			return ( a - lattice.restCentre[cell] ).squaredNorm() < ( b - lattice.restCentre[cell] ).squaredNorm();
+		} );
+		out[std::size_t( nearest - middle.begin() )].push_back( cell );
+	}
+	return out;
+}
+
+std::vector<std::uint32_t> facesBetween( const CellComplex& complex, const std::vector<std::vector<std::uint32_t>>& pieces )
+{
+	std::vector<std::size_t> of( complex.cellCount() );
+	for ( std::size_t k = 0; k < pieces.size(); ++k )
+	{
+		for ( const std::uint32_t cell : pieces[k] )
+		{
+			of[cell] = k;
+		}
+	}
+	std::vector<std::uint32_t> faces;
+	for ( std::uint32_t f = 0; f < complex.face.size(); ++f )
+	{
+		if ( of[complex.face[f].cellA] != of[complex.face[f].cellB] )
+		{
+			faces.push_back( f );
+		}
+	}
+	return faces;
+}
+
+void expectValid( const CrackSurface& surface )
+{
+	const Status status = validate( surface );
+	EXPECT_TRUE( status.ok() ) << status.sentence;
+}
+
+struct Solid
+{
+	const char* name;
+	std::function<Mesh()> make;
+	double cellSize;
+	friend void PrintTo( const Solid& solid, std::ostream* out ) { *out << solid.name; }
+};
+
+std::vector<Solid> solids()
+{
+	return {
+		{ "BoxOnTheGrid", [] { return makeBox( { 0, 0, 0 }, { 1, 1, 1 } ); }, 0.2 },
+		{ "Sphere", [] { return makeSphere( 1.0, 16, 24 ); }, 0.3 },
+		{ "Torus", [] { return rotated( makeTorus( 1.0, 0.4, 24, 16 ), 0.4 ); }, 0.21 },
+		{ "BumpySphere", [] { return makeBumpySphere( 1.0, 0.2, 30, 40 ); }, 0.23 },
+		{ "HollowSphere", [] { return joined( makeSphere( 1.0, 16, 24 ), flipped( makeSphere( 0.6, 12, 20 ) ) ); }, 0.27 },
+		{ "TwoShells", [] { return joined( makeSphere( 1.0, 16, 24 ), moved( makeSphere( 0.7, 12, 20 ), { 1.75, 0.1, 0.2 } ) ); }, 0.25 },
+		{ "ThinPlate", [] { return rotated( makeBox( { 0, 0, 0 }, { 2, 1.5, 0.03 }, 3 ), 0.3 ); }, 0.2 },
+		{ "Fork", [] { return joined( makeBox( { 0, 0, 0 }, { 2, 0.2, 0.2 } ), makeBox( { 0, 0.25, 0 }, { 2, 0.45, 0.2 } ) ); }, 0.3 },
+	};
+}
+
+class Cracks : public testing::TestWithParam<std::tuple<Solid, float>>
+{
+protected:
+	CrackCase make( Skinning kind = Skinning::NearbyNodes ) const
+	{
+		return CrackCase( std::get<0>( GetParam() ).make(), std::get<0>( GetParam() ).cellSize, noisy( std::get<1>( GetParam() ) ), kind );
+	}
+};
+
+TEST_P( Cracks, UnbrokenItIsTheMesh )
+{
+	const CrackCase it = make();
+	const CrackSurface surface( it.complex );
+	expectValid( surface );
+	EXPECT_NEAR( volumeOf( surface ) / meshVolume( it.mesh ), 1.0, 1e-5 );
+	for ( std::uint32_t v = 0; v < std::uint32_t( it.mesh.vertexCount() ); ++v )
+	{
+		EXPECT_EQ( surface.inputVertexOf( v ), v );
+		EXPECT_EQ( surface.binding().restPosition[v], it.binding.restPosition[v] );
+	}
+}
+
+TEST_P( Cracks, PiecesAreClosedAndSumToTheWhole )
+{
+	const CrackCase it = make();
+	CrackSurface whole( it.complex );
+	const auto pieces = shatter( it.lattice(), 8, 5 );
+	whole.breakFaces( facesBetween( *it.complex, pieces ) );
+	expectValid( whole );
+	double sum = 0.0;
+	for ( const auto& cells : pieces )
+	{
+		const CrackSurface piece = whole.piece( cells );
+		expectValid( piece );
+		EXPECT_EQ( openEdges( welded( piece ) ), 0 );
+		sum += volumeOf( piece );
+	}
+	EXPECT_NEAR( sum / meshVolume( it.mesh ), 1.0, 1e-5 );
+}
+
+/// Both sides of every crack: same triangles turned round, so that areas agree to the bit.
+TEST_P( Cracks, SidesAreEqualAndOpposite )
+{
+	const CrackCase it = make();
+	CrackSurface whole( it.complex );
+	whole.breakFaces( facesBetween( *it.complex, shatter( it.lattice(), 8, 7 ) ) );
+	Vec3d sum = Vec3d::Zero();
+	double area = 0.0, expected = 0.0;
+	for ( std::size_t t = 0; t < whole.triangles().size(); ++t )
+	{
+		if ( whole.sources()[t] == CrackSurface::kNone )
+		{
+			const auto at = [&]( std::size_t k ) { return Vec3d( whole.binding().restPosition[whole.triangles()[t][k]].cast<double>() ); };
+			const Vec3d twice = ( at( 1 ) - at( 0 ) ).cross( at( 2 ) - at( 0 ) );
+			sum += 0.5 * twice;
+			area += 0.5 * twice.norm();
+		}
+	}
+	for ( std::uint32_t f = 0; f < it.complex->face.size(); ++f )
+	{
+		expected += whole.isBroken( f ) ? 2.0 * double( it.complex->face[f].area ) : 0.0;
+	}
+	EXPECT_LT( sum.norm(), 1e-12 * area );
+	EXPECT_NEAR( area / expected, 1.0, 1e-5 );
+}
+
+TEST_P( Cracks, BrokenFaceByFaceAreThoseBrokenAtOnce )
+{
+	const CrackCase it = make();
+	CrackSurface atOnce( it.complex ), stepwise( it.complex );
+	std::vector<std::uint32_t> faces = facesBetween( *it.complex, shatter( it.lattice(), 5, 3 ) );
+	atOnce.breakFaces( faces );
+	std::mt19937 random( 3 );
+	for ( std::size_t k = faces.size(); k > 1; --k )
+	{
+		std::swap( faces[k - 1], faces[random() % k] );
+	}
+	for ( const std::uint32_t face : faces )
+	{
+		stepwise.breakFaces( { face } );
+	}
+	expectValid( atOnce );
+	expectValid( stepwise );
+	ASSERT_EQ( atOnce.triangles().size(), stepwise.triangles().size() );
+	auto a = welded( atOnce ), b = welded( stepwise );
+	EXPECT_EQ( openEdges( a ), openEdges( b ) );
+	EXPECT_NEAR( volumeOf( atOnce ), volumeOf( stepwise ), 1e-9 );
+	// Every cell's rows agree: compare what each vertex place and row is drawn with, order aside.
+	const auto corners = []( const CrackSurface& s ) {
+		std::vector<std::array<float, 5>> all;
+		for ( const TrianglePoints& t : s.triangles() )
+		{
+			for ( const std::uint32_t v : t )
+			{
+				const Vec3& p = s.binding().restPosition[v];
+				const std::uint32_t k = s.binding().start[v];
+				all.push_back( { p.x(), p.y(), p.z(), float( s.binding().node[k] ), s.binding().weight[k] } );
+			}
+		}
+		std::sort( all.begin(), all.end() );
+		return all;
+	};
+	EXPECT_EQ( corners( atOnce ), corners( stepwise ) );
+}
+
+/// Any faces at all, in several goes: what is left stays closed in the sense of sums, and sound.
+TEST_P( Cracks, AnyBreaksLeaveItClosed )
+{
+	const CrackCase it = make();
+	std::mt19937 random( 11 );
+	CrackSurface surface( it.complex );
+	for ( int round = 0; round < 4; ++round )
+	{
+		std::vector<std::uint32_t> faces;
+		for ( std::uint32_t f = 0; f < it.complex->face.size(); ++f )
+		{
+			if ( random() % 6 == 0 )
+			{
+				faces.push_back( f );
+			}
+		}
+		const std::uint64_t version = surface.topologyVersion();
+		const std::uint32_t vertices = surface.vertexCount();
+		const std::vector<TrianglePoints> before = surface.triangles();
+		surface.breakFaces( faces );
+		expectValid( surface );
+		EXPECT_GT( surface.topologyVersion(), version );
+		EXPECT_EQ( surface.latestChange().firstNewVertex, vertices );
+		for ( std::uint32_t t = 0; t < before.size(); ++t )
+		{
+			const bool isNoted = t >= surface.latestChange().firstChanged && t < surface.latestChange().lastChanged;
+			EXPECT_TRUE( isNoted || before[t] == surface.triangles()[t] );
+		}
+		EXPECT_EQ( openEdges( welded( surface ) ), 0 );
+		EXPECT_NEAR( volumeOf( surface ) / meshVolume( it.mesh ), 1.0, 1e-5 );
+	}
+}
+
+INSTANTIATE_TEST_SUITE_P( Solids, Cracks, testing::Combine( testing::ValuesIn( solids() ), testing::Values( 0.0f, 0.3f ) ),
+	[]( const auto& it ) { return std::string( std::get<0>( it.param ).name ) + ( std::get<1>( it.param ) > 0.0f ? "Noisy" : "Flat" ); } );
+
+/// A piece of a box broken along a plane: every edge of its surface is used once each way.
+TEST( CrackSurface, HalvesAreManifolds )
+{
+	for ( const float noise : { 0.0f, 0.3f } )
+	{
+		const CrackCase it( makeSphere( 1.0, 24, 32 ), 0.22, noisy( noise ) );
+		CrackSurface whole( it.complex );
+		std::vector<std::vector<std::uint32_t>> halves( 2 );
+		for ( std::uint32_t cell = 0; cell < it.complex->cellCount(); ++cell )
+		{
+			halves[it.lattice().coordinate[cell].x() < it.lattice().extent.x() / 2 ? 0 : 1].push_back( cell );
+		}
+		whole.breakFaces( facesBetween( *it.complex, halves ) );
+		for ( const auto& half : halves )
+		{
+			EXPECT_EQ( oddEdges( welded( whole.piece( half ) ) ), 0 );
+		}
+	}
+}
+
+/// No vertex of a side follows a cell that the crack cuts off, once the crack goes all the way through.
+TEST( CrackSurface, SidesLetGoOfEachOther )
+{
+	for ( const Skinning kind : { Skinning::NearbyNodes, Skinning::Trilinear } )
+	{
+		const CrackCase it( makeBox( { 0, 0, 0 }, { 2, 1, 1 }, 6 ), 0.2, noisy(), kind );
+		CrackSurface whole( it.complex );
+		std::vector<std::vector<std::uint32_t>> halves( 2 );
+		std::vector<int> halfOf( it.complex->cellCount() );
+		for ( std::uint32_t cell = 0; cell < it.complex->cellCount(); ++cell )
+		{
+			halfOf[cell] = it.lattice().coordinate[cell].x() < 5 ? 0 : 1;
+			halves[std::size_t( halfOf[cell] )].push_back( cell );
+		}
+		whole.breakFaces( facesBetween( *it.complex, halves ) );
+		int both = 0;
+		const SkinBinding& b = whole.binding();
+		for ( std::uint32_t v = 0; v < whole.vertexCount(); ++v )
+		{
+			std::set<int> sides;
+			for ( std::uint32_t k = b.start[v]; k < b.start[v + 1]; ++k )
+			{
+				sides.insert( halfOf[b.node[k]] );
+			}
+			both += sides.size() == 2;
+		}
+		EXPECT_EQ( both, 0 );
+	}
+}
+
+/// A crack half way through: at its tip nothing is doubled, behind it everything is.
+TEST( CrackSurface, TipsStayJoined )
+{
+	const CrackCase it( makeBox( { 0, 0, 0 }, { 1, 1, 1 } ), 0.25, noisy( 0.0f ) );
+	CrackSurface surface( it.complex );
+	const auto cellAt = [&]( int x, int y, int z ) {
+		for ( std::uint32_t cell = 0; cell < it.complex->cellCount(); ++cell )
+		{
+			if ( it.lattice().coordinate[cell].cast<int>() == Eigen::Vector3i( x, y, z ) )
+			{
+				return cell;
+			}
+		}
+		return CrackSurface::kNone;
+	};
+	std::vector<std::pair<std::uint32_t, std::uint32_t>> links;
+	for ( int y = 0; y < 4; ++y )
+	{
+		links.emplace_back( cellAt( 1, y, 0 ), cellAt( 2, y, 0 ) );
+		links.emplace_back( cellAt( 2, y, 1 ), cellAt( 1, y, 1 ) );
+	}
+	surface.breakLinks( links );
+	expectValid( surface );
+	const auto rowsAt = [&]( const Vec3d& place ) {
+		std::set<std::vector<std::uint32_t>> rows;
+		const SkinBinding& b = surface.binding();
+		for ( const TrianglePoints& t : surface.triangles() )
+		{
+			for ( const std::uint32_t v : t )
+			{
+				if ( ( b.restPosition[v].cast<double>() + it.lattice().massCentre - place ).norm() < 1e-6 )
+				{
+					rows.insert( std::vector<std::uint32_t>( b.node.begin() + b.start[v], b.node.begin() + b.start[v + 1] ) );
+				}
+			}
+		}
+		return rows.size();
+	};
+	EXPECT_EQ( rowsAt( { 0.5, 0.0, 0.5 } ), 1u );  // the tip
+	EXPECT_EQ( rowsAt( { 0.5, 0.0, 0.25 } ), 2u ); // behind it
+	EXPECT_EQ( rowsAt( { 0.5, 0.5, 0.0 } ), 2u );
+	EXPECT_EQ( rowsAt( { 0.25, 0.0, 0.25 } ), 1u ); // beside it
+}
+
+TEST( CrackSurface, TextureCoordinatesRunThroughCutsOfTheSurface )
+{
+	const CrackCase it( makeBox( { 0, 0, 0 }, { 1, 1, 1 } ), 0.23, noisy() );
+	CrackSurface surface( it.complex );
+	surface.breakFaces( facesBetween( *it.complex, shatter( it.lattice(), 4, 1 ) ) );
+	// u, v linear in place on the input: then they must be on every cut of it.
+	std::vector<float> input;
+	for ( std::size_t v = 0; v < it.mesh.vertexCount(); ++v )
+	{
+		const float* p = &it.mesh.positions[3 * v];
+		input.insert( input.end(), { 2.0f * p[0] + p[1], p[2] - 3.0f * p[1] } );
+	}
+	std::vector<float> uv( 2 * surface.vertexCount() );
+	surface.textureCoordinates( input.data(), 0.5f, 0, uv.data() );
+	int outer = 0;
+	for ( std::size_t t = 0; t < surface.triangles().size(); ++t )
+	{
+		for ( const std::uint32_t v : surface.triangles()[t] )
+		{
+			const Vec3 p = surface.binding().restPosition[v] + it.lattice().massCentre.cast<float>();
+			if ( surface.sources()[t] != CrackSurface::kNone )
+			{
+				ASSERT_NEAR( uv[2 * v], 2.0f * p.x() + p.y(), 1e-3 );
+				ASSERT_NEAR( uv[2 * v + 1], p.z() - 3.0f * p.y(), 1e-3 );
+				++outer;
+			}
+			else
+			{
+				ASSERT_LT( std::abs( uv[2 * v] ), 2.0f );
+			}
+		}
+	}
+	EXPECT_GT( outer, 100 );
+}
+
+} // namespace
+} // namespace pliant
