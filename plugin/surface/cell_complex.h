@@ -114,6 +114,10 @@ public:
 	std::vector<std::array<std::uint32_t, 3>> faceTriangle; ///< points
 	std::vector<std::uint8_t> faceAxis;                     ///< by face triangle: 2 x axis, plus 1 where A is on the upper side
 	Table facesOfCell;
+	/// Two cells may share a face and have no link: one of them took a crumb beyond its own position, or the lattice's samples saw no way.
+	/// Such a face stands as long as linked ones lead from cell to cell round it. By face: threes of linked faces that lead so (of a shorter
+	/// way the last one twice); and by linked face, whom it holds.
+	Table holdersOfFace, heldByFace;
 
 	CrackReport report;
 

@@ -135,7 +135,20 @@ private:
 
 	void drawSurface()
 	{
-		m_pieces = drawPieces( { m_view, m_mesh, m_lattice }, m_surface, m_owners.ofPolygon, m_merged );
+		std::vector<std::pair<std::uint32_t, std::uint32_t>> edges;
+		for ( const auto& t : m_faces.triangle )
+		{
+			for ( std::size_t k = 0; k < 3; ++k )
+			{
+				const auto [a, b] = std::minmax( t[k], t[( k + 1 ) % 3] );
+				if ( !m_surface.point[a].origin.isInterior() && !m_surface.point[b].origin.isInterior() )
+				{
+					edges.emplace_back( a, b );
+				}
+			}
+		}
+		std::sort( edges.begin(), edges.end() );
+		m_pieces = drawPieces( { m_view, m_mesh, m_lattice, std::move( edges ) }, m_surface, m_owners.ofPolygon, m_merged );
 	}
 
 	// === Numbers ===
@@ -216,6 +229,7 @@ private:
 		m_out.pointsOfCell = turned( m_out.cellsOfPoint, cells );
 		m_out.pointsOfFace = turned( m_out.facesOfPoint, m_out.face.size() );
 		fillFaces();
+		findHolders();
 		for ( std::uint32_t cell = 0; cell < cells; ++cell )
 		{
 			m_out.report.emptyCells += m_out.cellTriangleStart[cell] == m_out.cellTriangleStart[cell + 1] && m_out.facesOfCell.size( cell ) == 0;
@@ -244,6 +258,44 @@ private:
 			}
 			face.area = float( area );
 			face.isLinked = areLinked( m_lattice, face.cellA, face.cellB );
+		}
+	}
+
+	void findHolders()
+	{
+		std::vector<std::pair<std::uint32_t, std::uint32_t>> held;
+		m_out.holdersOfFace.start.push_back( 0 );
+		for ( std::uint32_t f = 0; f < m_out.face.size(); ++f )
+		{
+			const CrackFace& face = m_out.face[f];
+			if ( !face.isLinked )
+			{
+				forLinked( face.cellA, [&]( std::uint32_t first, std::uint32_t third ) {
+					forLinked( third, [&]( std::uint32_t second, std::uint32_t fourth ) {
+						const std::uint32_t last = fourth == face.cellB ? second : m_out.faceBetween( fourth, face.cellB );
+						if ( fourth != face.cellA && last != CellComplex::kNone && m_out.face[last].isLinked )
+						{
+							m_out.holdersOfFace.entry.insert( m_out.holdersOfFace.entry.end(), { first, second, last } );
+							held.insert( held.end(), { { first, f }, { second, f }, { last, f } } );
+						}
+					} );
+				} );
+			}
+			m_out.holdersOfFace.start.push_back( std::uint32_t( m_out.holdersOfFace.entry.size() ) );
+		}
+		m_out.heldByFace = makeTable( held, m_out.face.size() );
+	}
+
+	/// Calls visit( face, neighbour ) for each cell linked to this one across a face.
+	template <class F>
+	void forLinked( std::uint32_t cell, F&& visit ) const
+	{
+		for ( const std::uint32_t* f = m_out.facesOfCell.begin( cell ); f != m_out.facesOfCell.end( cell ); ++f )
+		{
+			if ( m_out.face[*f].isLinked )
+			{
+				visit( *f, m_out.face[*f].cellA == cell ? m_out.face[*f].cellB : m_out.face[*f].cellA );
+			}
 		}
 	}
 

@@ -42,7 +42,7 @@ void CrackSurface::breakFaces( const std::vector<std::uint32_t>& faces )
 	{
 		return;
 	}
-	std::sort( fresh.begin(), fresh.end() );
+	addUnheld( fresh );
 	++m_version;
 	m_change = { vertexCount(), std::uint32_t( m_triangle.size() ), std::uint32_t( m_triangle.size() ), 0 };
 	splitGroups( fresh );
@@ -53,6 +53,26 @@ void CrackSurface::breakFaces( const std::vector<std::uint32_t>& faces )
 	}
 	m_change.firstChanged = std::min( m_change.firstChanged, m_change.lastChanged );
 	letGo( fresh );
+}
+
+/// Faces without a link go with those that held them.
+void CrackSurface::addUnheld( std::vector<std::uint32_t>& fresh )
+{
+	const std::size_t count = fresh.size();
+	for ( std::size_t k = 0; k < count; ++k )
+	{
+		const std::uint32_t number = m_face[fresh[k]].number;
+		for ( const std::uint32_t* held = m_complex->heldByFace.begin( number ); held != m_complex->heldByFace.end( number ); ++held )
+		{
+			const std::uint32_t local = localFace( *held );
+			if ( local != kNone && !m_face[local].isBroken && !isHeld( local ) )
+			{
+				m_face[local].isBroken = true;
+				fresh.push_back( local );
+			}
+		}
+	}
+	std::sort( fresh.begin(), fresh.end() );
 }
 
 void CrackSurface::splitGroups( const std::vector<std::uint32_t>& fresh )

@@ -71,8 +71,12 @@ void CrackSurface::takeFaces( const std::vector<std::uint8_t>& isBroken )
 	{
 		const CrackFace& known = m_complex->face[number];
 		Face face{ number, localCell( known.cellA ), localCell( known.cellB ), kNone, kNone, false };
-		face.isBroken = isBroken[number] != 0 || !known.isLinked || face.cellA == kNone || face.cellB == kNone;
+		face.isBroken = isBroken[number] != 0 || face.cellA == kNone || face.cellB == kNone;
 		m_face.push_back( face );
+	}
+	for ( std::uint32_t f = 0; f < m_face.size(); ++f )
+	{
+		m_face[f].isBroken = m_face[f].isBroken || !isHeld( f );
 	}
 	m_cellFaceStart.push_back( 0 );
 	for ( const std::uint32_t cell : m_cell )
@@ -83,6 +87,18 @@ void CrackSurface::takeFaces( const std::vector<std::uint8_t>& isBroken )
 		}
 		m_cellFaceStart.push_back( std::uint32_t( m_cellFace.size() ) );
 	}
+}
+
+/// Whether a face may stand: its cells are linked, or linked ones lead round it.
+bool CrackSurface::isHeld( std::uint32_t face ) const
+{
+	const std::uint32_t number = m_face[face].number;
+	bool isHeld = m_complex->face[number].isLinked;
+	for ( const std::uint32_t* h = m_complex->holdersOfFace.begin( number ); !isHeld && h != m_complex->holdersOfFace.end( number ); h += 3 )
+	{
+		isHeld = !isBroken( h[0] ) && !isBroken( h[1] ) && !isBroken( h[2] );
+	}
+	return isHeld;
 }
 
 void CrackSurface::takePoints()
@@ -311,6 +327,11 @@ std::uint32_t CrackSurface::inputVertexOf( std::uint32_t vertex ) const
 {
 	const std::uint32_t kind = m_vertex[vertex].kind;
 	return kind < m_complex->inputVertices ? kind : kNone;
+}
+
+std::pair<std::uint32_t, std::uint32_t> CrackSurface::sideOf( std::uint32_t vertex ) const
+{
+	return { m_point[m_vertex[vertex].point], m_vertex[vertex].group };
 }
 
 void CrackSurface::textureCoordinates( const float* input, float tile, std::uint32_t first, float* out ) const

@@ -46,6 +46,9 @@ public:
 	const std::vector<std::uint32_t>& sources() const { return m_source; }
 	/// By vertex: the input's vertex, or kNone for one that was added.
 	std::uint32_t inputVertexOf( std::uint32_t vertex ) const;
+	/// Vertices with one answer are at one place on one side, whatever their normals and texture coordinates: a point of the complex and which
+	/// of its sides.
+	std::pair<std::uint32_t, std::uint32_t> sideOf( std::uint32_t vertex ) const;
 	/// u, v of the vertices from `first` on. Outside as in the input (0 where it has none); inside by place, once every `tile` metres.
 	void textureCoordinates( const float* input, float tile, std::uint32_t first, float* out ) const;
 
@@ -94,6 +97,7 @@ private:
 	};
 
 	void takeFaces( const std::vector<std::uint8_t>& isBroken );
+	bool isHeld( std::uint32_t face ) const;
 	void takePoints();
 	void drawAll();
 
@@ -109,6 +113,7 @@ private:
 	void drawSide( Face& face, bool isA );
 	void measureNormals();
 
+	void addUnheld( std::vector<std::uint32_t>& fresh );
 	void splitGroups( const std::vector<std::uint32_t>& fresh );
 	void redirect( std::uint32_t cell );
 	void redirectTriangles( std::uint32_t cell, std::uint32_t first, std::uint32_t last );

@@ -15,6 +15,18 @@ struct Wall
 	bool isAUpper;
 };
 
+/// The piece of surface there may draw the same edge: then an edge would have four triangles.
+bool isOnOneTriangle( const SurfaceOrigin& a, const SurfaceOrigin& b )
+{
+	std::size_t count = 0, more = 0;
+	for ( std::size_t k = 0; k < 3; ++k )
+	{
+		count += a.vertex[k] != SurfaceOrigin::kNone;
+		more += b.vertex[k] != SurfaceOrigin::kNone && std::find( a.vertex.begin(), a.vertex.end(), b.vertex[k] ) == a.vertex.end();
+	}
+	return !a.isInterior() && !b.isInterior() && count + more <= 3;
+}
+
 class FaceDrawer
 {
 public:
@@ -153,7 +165,9 @@ private:
 		{
 			outline.holes.push_back( loop );
 		}
-		triangulate( m_parts.loops, m_parts.at, outline, m_drawn );
+		triangulate( m_parts.loops, m_parts.at, outline, m_drawn, [this]( std::uint32_t a, std::uint32_t b ) {
+			return isOnOneTriangle( m_surface.point[m_parts.loops.point[a]].origin, m_surface.point[m_parts.loops.point[b]].origin );
+		} );
 		for ( std::array<std::uint32_t, 3>& t : m_drawn )
 		{
 			t = { m_parts.loops.point[t[0]], m_parts.loops.point[t[1]], m_parts.loops.point[t[2]] };

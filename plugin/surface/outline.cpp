@@ -263,40 +263,65 @@ std::vector<OutlinePart> groupLoops( const Loops& loops, const std::vector<Vec2d
 	return parts;
 }
 
-void triangulate( const Loops& loops, const std::vector<Vec2d>& at, const OutlinePart& part, std::vector<std::array<std::uint32_t, 3>>& out )
+namespace {
+
+/// What is no ear is taken only where there is none.
+constexpr double kNoEar = -2.0;
+/// An ear that leaves an unwanted edge comes after all others.
+constexpr double kUnwanted = 1e-6;
+
+/// How good an ear the ring has at k. Flat ones are worse than any ear and better than what is none.
+double earAt( const std::vector<std::uint32_t>& ring, std::size_t k, const std::vector<Vec2d>& at )
+{
+	const std::size_t count = ring.size();
+	const auto corner = [&]( std::size_t i ) -> const Vec2d& { return at[ring[i % count]]; };
+	const std::array<Vec2d, 3> t = { corner( k + count - 1 ), corner( k ), corner( k + 1 ) };
+	const double shape = shapeOf( t );
+	for ( std::size_t m = 2; m + 1 < count && shape > 0.0; ++m )
+	{
+		const Vec2d& p = corner( k + m );
+		if ( p != t[0] && p != t[1] && p != t[2] && isWithin( t, p ) )
+		{
+			return shape + kNoEar;
+		}
+	}
+	return shape;
+}
+
+} // namespace
+
+void triangulate( const Loops& loops, const std::vector<Vec2d>& at, const OutlinePart& part, std::vector<std::array<std::uint32_t, 3>>& out,
+	const EdgeTest& isUnwanted )
 {
 	std::vector<std::uint32_t> ring = std::move( Ring( loops, at, part ).m_entry );
-	const auto corner = [&]( std::size_t k ) { return ring[k % ring.size()]; };
+	std::vector<double> ear( ring.size() );
+	const auto measure = [&]( std::size_t k ) {
+		const std::size_t count = ring.size();
+		ear[k] = earAt( ring, k, at );
+		if ( ear[k] > 0.0 && isUnwanted && isUnwanted( ring[( k + count - 1 ) % count], ring[( k + 1 ) % count] ) )
+		{
+			ear[k] *= kUnwanted;
+		}
+	};
+	for ( std::size_t k = 0; k < ring.size() && ring.size() > 3; ++k )
+	{
+		measure( k );
+	}
 	while ( ring.size() > 3 )
 	{
-		const std::size_t count = ring.size();
-		std::size_t best = 0;
-		double bestShape = -kFar;
-		for ( std::size_t k = 0; k < count; ++k )
+		const std::size_t best = std::size_t( std::max_element( ear.begin(), ear.end() ) - ear.begin() );
+		out.push_back( { ring[( best + ring.size() - 1 ) % ring.size()], ring[best], ring[( best + 1 ) % ring.size()] } );
+		ring.erase( ring.begin() + std::ptrdiff_t( best ) );
+		ear.erase( ear.begin() + std::ptrdiff_t( best ) );
+		// Taking an ear leaves the others what they are, but for its neighbours and for those its tip stood in.
+		for ( std::size_t k = 0; k < ring.size(); ++k )
 		{
-			const std::array<Vec2d, 3> t = { at[corner( k + count - 1 )], at[ring[k]], at[corner( k + 1 )] };
-			double shape = shapeOf( t );
-			if ( shape <= bestShape )
+			const bool isNeighbour = k == best % ring.size() || k == ( best + ring.size() - 1 ) % ring.size();
+			if ( isNeighbour || ear[k] <= 0.0 )
 			{
-				continue;
-			}
-			for ( std::size_t m = 2; m + 1 < count && shape > 0.0; ++m )
-			{
-				const Vec2d& p = at[corner( k + m )];
-				if ( p != t[0] && p != t[1] && p != t[2] && isWithin( t, p ) )
-				{
-					shape -= 2.0; // no ear, and taken only when there is none
-				}
-			}
-			// A flat one is worse than any ear and better than what is none.
-			if ( shape > bestShape )
-			{
-				best = k;
-				bestShape = shape;
+				measure( k );
 			}
 		}
-		out.push_back( { corner( best + count - 1 ), ring[best], corner( best + 1 ) } );
-		ring.erase( ring.begin() + std::ptrdiff_t( best ) );
 	}
 	if ( ring.size() == 3 )
 	{

@@ -7,6 +7,7 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <utility>
 #include <vector>
 
@@ -41,8 +42,12 @@ struct OutlinePart
 /// `at`: by entry of loops.point.
 std::vector<OutlinePart> groupLoops( const Loops& loops, const std::vector<Vec2d>& at );
 
+/// Whether an edge between two entries of loops.point had better not be drawn.
+using EdgeTest = std::function<bool( std::uint32_t, std::uint32_t )>;
+
 /// Ear clipping, best-shaped ears first. Appends triangles of entries of loops.point.
-void triangulate( const Loops& loops, const std::vector<Vec2d>& at, const OutlinePart& part, std::vector<std::array<std::uint32_t, 3>>& out );
+void triangulate( const Loops& loops, const std::vector<Vec2d>& at, const OutlinePart& part, std::vector<std::array<std::uint32_t, 3>>& out,
+	const EdgeTest& isUnwanted = {} );
 
 /// Twice the area of a triangle, positive when it runs counter-clockwise.
 inline double doubleArea( const Vec2d& a, const Vec2d& b, const Vec2d& c )

@@ -35,7 +35,8 @@ class PieceDrawer
 {
 public:
 	PieceDrawer( const PieceInput& input, const ClippedSurface& surface, const std::vector<std::uint32_t>& merged ) :
-		m_mesh( input.mesh ), m_welded( input.welded ), m_lattice( input.lattice ), m_surface( surface ), m_merged( merged ),
+		m_mesh( input.mesh ), m_welded( input.welded ), m_lattice( input.lattice ), m_faceEdges( input.faceEdges ), m_surface( surface ),
+		m_merged( merged ),
 		m_firstVertex( surface.point.size(), kNone )
 	{
 		m_out.vertexPoint = m_welded.weldedVertex;
@@ -164,7 +165,10 @@ private:
 		m_drawn.clear();
 		for ( const OutlinePart& part : groupLoops( m_loops, m_at ) )
 		{
-			triangulate( m_loops, m_at, part, m_drawn );
+			triangulate( m_loops, m_at, part, m_drawn, [this]( std::uint32_t a, std::uint32_t b ) {
+				const std::pair<std::uint32_t, std::uint32_t> ends = std::minmax( m_loops.point[a], m_loops.point[b] );
+				return std::binary_search( m_faceEdges.begin(), m_faceEdges.end(), ends );
+			} );
 		}
 		for ( const auto& t : m_drawn )
 		{
@@ -273,6 +277,7 @@ private:
 	const MeshView& m_mesh;
 	const WeldedMesh& m_welded;
 	const Lattice& m_lattice;
+	const std::vector<std::pair<std::uint32_t, std::uint32_t>>& m_faceEdges;
 	const ClippedSurface& m_surface;
 	const std::vector<std::uint32_t>& m_merged;
 	SurfacePieces m_out;

@@ -38,23 +38,11 @@ double volumeOf( const CrackSurface& surface )
 /// Vertices at one place on one side are one: the surface without the seams of normals and texture coordinates.
 std::vector<TrianglePoints> welded( const CrackSurface& surface )
 {
-	// Outer and inner copies of one side have different normal groups but the same place and, to the bit, the same cells.
-	std::map<std::pair<std::vector<float>, std::vector<std::uint32_t>>, std::uint32_t> number;
+	std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> number;
 	std::vector<std::uint32_t> of( surface.vertexCount() );
-	const SkinBinding& b = surface.binding();
 	for ( std::uint32_t v = 0; v < surface.vertexCount(); ++v )
 	{
-		std::vector<float> key{ b.restPosition[v].x(), b.restPosition[v].y(), b.restPosition[v].z() };
-		std::vector<std::uint32_t> cells;
-		for ( std::uint32_t k = b.start[v]; k < b.start[v + 1]; ++k )
-		{
-			if ( b.weight[k] > 0.0f )
-			{
-				cells.push_back( b.node[k] );
-				key.push_back( b.weight[k] );
-			}
-		}
-		of[v] = number.emplace( std::make_pair( key, cells ), std::uint32_t( number.size() ) ).first->second;
+		of[v] = number.emplace( surface.sideOf( v ), std::uint32_t( number.size() ) ).first->second;
 	}
 	std::vector<TrianglePoints> out;
 	for ( const TrianglePoints& t : surface.triangles() )
@@ -133,6 +121,21 @@ std::vector<Solid> solids()
 	};
 }
 
+/// Copies of one side are carried alike, to the bit: no seam can open between them.
+void expectNoSeams( const CrackSurface& surface )
+{
+	const SkinBinding& b = surface.binding();
+	std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> first;
+	int seams = 0;
+	for ( std::uint32_t v = 0; v < surface.vertexCount(); ++v )
+	{
+		const std::uint32_t w = first.emplace( surface.sideOf( v ), v ).first->second;
+		const auto row = [&b]( const auto& list, std::uint32_t i ) { return std::vector( list.begin() + b.start[i], list.begin() + b.start[i + 1] ); };
+		seams += row( b.node, v ) != row( b.node, w ) || row( b.weight, v ) != row( b.weight, w ) || b.restPosition[v] != b.restPosition[w];
+	}
+	EXPECT_EQ( seams, 0 );
+}
+
 class Cracks : public testing::TestWithParam<std::tuple<Solid, float>>
 {
 protected:
@@ -162,15 +165,21 @@ TEST_P( Cracks, PiecesAreClosedAndSumToTheWhole )
 	const auto pieces = shatter( it.lattice(), 8, 5 );
 	whole.breakFaces( facesBetween( *it.complex, pieces ) );
 	expectValid( whole );
+	expectNoSeams( whole );
 	double sum = 0.0;
+	int odd = 0;
 	for ( const auto& cells : pieces )
 	{
 		const CrackSurface piece = whole.piece( cells );
 		expectValid( piece );
 		EXPECT_EQ( openEdges( welded( piece ) ), 0 );
+		odd += oddEdges( welded( piece ) );
 		sum += volumeOf( piece );
 	}
 	EXPECT_NEAR( sum / meshVolume( it.mesh ), 1.0, 1e-5 );
+	// Two triangles an edge, but for a rare place where a face and a piece of surface find no other way than through the same two points:
+	// there four meet, and two of them lie flat on each other.
+	EXPECT_LE( odd, 1 );
 }
 
 /// Both sides of every crack: same triangles turned round, so that areas agree to the bit.
@@ -249,16 +258,21 @@ TEST_P( Cracks, AnyBreaksLeaveItClosed )
 		std::vector<std::uint32_t> faces;
 		for ( std::uint32_t f = 0; f < it.complex->face.size(); ++f )
 		{
-			if ( random() % 6 == 0 )
+			if ( random() % 6 == 0 && !surface.isBroken( f ) )
 			{
 				faces.push_back( f );
 			}
+		}
+		if ( faces.empty() )
+		{
+			continue; // the fork has few
 		}
 		const std::uint64_t version = surface.topologyVersion();
 		const std::uint32_t vertices = surface.vertexCount();
 		const std::vector<TrianglePoints> before = surface.triangles();
 		surface.breakFaces( faces );
 		expectValid( surface );
+		expectNoSeams( surface );
 		EXPECT_GT( surface.topologyVersion(), version );
 		EXPECT_EQ( surface.latestChange().firstNewVertex, vertices );
 		for ( std::uint32_t t = 0; t < before.size(); ++t )
