@@ -6,12 +6,12 @@
 
 namespace pliant {
 
-void CrackSurface::breakLinks( const std::vector<std::pair<std::uint32_t, std::uint32_t>>& links )
+void CrackSurface::breakLinks( const std::vector<CellLink>& links )
 {
 	std::vector<std::uint32_t> faces;
-	for ( const auto& [a, b] : links )
+	for ( const CellLink& link : links )
 	{
-		const std::uint32_t face = m_complex->faceBetween( a, b );
+		const std::uint32_t face = m_complex->faceBetween( m_cell[link.a], m_cell[link.b] );
 		if ( face != kNone )
 		{
 			faces.push_back( face );
@@ -283,7 +283,7 @@ void CrackSurface::reach( std::uint32_t point, std::uint16_t group )
 			m_open.push_back( m_slotCell[s] );
 		}
 	}
-	const std::uint32_t home = m_cell[m_open.front()];
+	const std::uint32_t home = m_open.front();
 	for ( std::size_t k = 0; k < m_open.size(); ++k )
 	{
 		const std::uint32_t cell = m_open[k];
@@ -311,7 +311,7 @@ void CrackSurface::writeRow( std::uint32_t first, std::uint32_t last, std::uint3
 		const std::uint32_t cell = localCell( m_complex->bindCell[k] );
 		if ( cell != kNone && m_mark[cell] == reached )
 		{
-			m_rowCell.push_back( m_complex->bindCell[k] );
+			m_rowCell.push_back( cell );
 			m_rowWeight.push_back( m_complex->bindWeight[k] );
 			sum += double( m_complex->bindWeight[k] );
 		}

@@ -2,6 +2,8 @@
 
 #include "surface/crack_surface.h"
 
+#include "surface/cell_owners.h"
+
 #include <Eigen/Geometry>
 
 #include <algorithm>
@@ -30,29 +32,54 @@ std::vector<std::uint32_t> allUpTo( std::size_t count )
 	return all;
 }
 
+/// By face: whether the lattice of a body lacks its link.
+std::vector<std::uint8_t> unlinkedFaces( const CellComplex& complex, const std::vector<std::uint32_t>& cells, const Lattice& body )
+{
+	std::vector<std::uint8_t> isBroken( complex.face.size(), 0 );
+	for ( std::uint32_t cell = 0; cell < cells.size(); ++cell )
+	{
+		for ( const std::uint32_t* f = complex.facesOfCell.begin( cells[cell] ); f != complex.facesOfCell.end( cells[cell] ); ++f )
+		{
+			const CrackFace& face = complex.face[*f];
+			const std::uint32_t other = numberIn( cells, complex.cellCount(), face.cellA == cells[cell] ? face.cellB : face.cellA );
+			if ( face.isLinked && other != CrackSurface::kNone && other > cell )
+			{
+				isBroken[*f] = areLinked( body, cell, other ) ? 0 : 1;
+			}
+		}
+	}
+	return isBroken;
+}
+
 } // namespace
 
 CrackSurface::CrackSurface( std::shared_ptr<const CellComplex> complex ) :
-	CrackSurface( complex, allUpTo( complex->cellCount() ), std::vector<std::uint8_t>( complex->face.size(), 0 ) )
+	CrackSurface( complex, allUpTo( complex->cellCount() ), std::vector<std::uint8_t>( complex->face.size(), 0 ), Vec3::Zero() )
 {
 }
 
-CrackSurface::CrackSurface( std::shared_ptr<const CellComplex> complex, std::vector<std::uint32_t> cells, const std::vector<std::uint8_t>& isBroken ) :
-	m_complex( std::move( complex ) ), m_cell( std::move( cells ) ), m_mark( m_cell.size(), 0 )
+CrackSurface::CrackSurface( std::shared_ptr<const CellComplex> complex, std::vector<std::uint32_t> cells, const std::vector<std::uint8_t>& isBroken,
+	const Vec3& shift ) :
+	m_complex( std::move( complex ) ), m_shift( shift ), m_cell( std::move( cells ) ), m_mark( m_cell.size(), 0 )
 {
 	takeFaces( isBroken );
 	takePoints();
 	drawAll();
 }
 
-CrackSurface CrackSurface::piece( const std::vector<std::uint32_t>& cells ) const
+CrackSurface::CrackSurface( std::shared_ptr<const CellComplex> complex, std::vector<std::uint32_t> cells, const Lattice& body, const Vec3& shift ) :
+	CrackSurface( complex, cells, unlinkedFaces( *complex, cells, body ), shift )
+{
+}
+
+CrackSurface CrackSurface::piece( std::vector<std::uint32_t> cells, const Vec3& shift ) const
 {
 	std::vector<std::uint8_t> isBroken( m_complex->face.size(), 0 );
 	for ( const Face& face : m_face )
 	{
 		isBroken[face.number] = face.isBroken;
 	}
-	return CrackSurface( m_complex, cells, isBroken );
+	return CrackSurface( m_complex, std::move( cells ), isBroken, shift );
 }
 
 // === Taking ===
@@ -290,13 +317,13 @@ std::uint32_t CrackSurface::addVertex( std::uint32_t point, std::uint32_t kind, 
 	const std::uint32_t made = vertexCount();
 	const std::uint32_t whole = m_point[point];
 	m_binding.normalGroup.push_back( normalGroupFor( point, kind, group ) );
-	m_binding.restPosition.push_back( m_complex->pointRest[whole] );
+	m_binding.restPosition.push_back( m_complex->pointRest[whole] - m_shift );
 	m_binding.restNormal.push_back( Vec3::UnitZ() );
 	if ( kind >= kInside )
 	{
 		m_binding.restNormal.back() = ( ( kind & 1u ) != 0 ? -1.0f : 1.0f ) * Vec3::Unit( int( ( kind - kInside ) / 2 ) );
 	}
-	// Room for all that could ever carry it.
+	// Room for all that could ever carry it; a piece's rows are written when all is drawn.
 	const std::uint32_t first = m_complex->bindStart[whole], last = m_complex->bindStart[whole + 1];
 	m_binding.node.insert( m_binding.node.end(), m_complex->bindCell.begin() + first, m_complex->bindCell.begin() + last );
 	m_binding.weight.insert( m_binding.weight.end(), m_complex->bindWeight.begin() + first, m_complex->bindWeight.begin() + last );
@@ -343,8 +370,9 @@ void CrackSurface::textureCoordinates( const float* input, float tile, std::uint
 		if ( kind >= kInside )
 		{
 			const int axis = int( ( kind - kInside ) / 2 );
-			out[0] = m_binding.restPosition[v][( axis + 1 ) % 3] / tile;
-			out[1] = m_binding.restPosition[v][( axis + 2 ) % 3] / tile;
+			const Vec3& place = m_complex->pointRest[m_point[m_vertex[v].point]]; // of the template: pieces fit together
+			out[0] = place[( axis + 1 ) % 3] / tile;
+			out[1] = place[( axis + 2 ) % 3] / tile;
 		}
 		else if ( input && kind < m_complex->inputVertices )
 		{

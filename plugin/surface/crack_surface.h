@@ -6,6 +6,7 @@
 // once for each side: the cells that meet there fall into groups that standing faces join, and each group has copies of its own. Where a
 // crack ends all cells are one group: the sides stay joined. Breaking only ever splits groups, so that vertices are added, never moved.
 
+#include "lattice/pieces.h"
 #include "surface/cell_complex.h"
 #include "surface/skinning.h"
 
@@ -23,23 +24,28 @@ public:
 
 	/// A body of all cells of a template, faces without a link broken. Vertex i of the input is vertex i.
 	explicit CrackSurface( std::shared_ptr<const CellComplex> complex );
-	/// A body of some of them, ascending. `isBroken`: by face of the complex; faces to other cells count as broken.
-	CrackSurface( std::shared_ptr<const CellComplex> complex, std::vector<std::uint32_t> cells, const std::vector<std::uint8_t>& isBroken );
+	/// A body of some of them, ascending. `isBroken`: by face of the complex; faces to other cells count as broken. `shift`: the body's mass
+	/// centre seen from the template's, m; rest places are relative to it.
+	CrackSurface( std::shared_ptr<const CellComplex> complex, std::vector<std::uint32_t> cells, const std::vector<std::uint8_t>& isBroken,
+		const Vec3& shift );
 
-	/// A piece of this body: its own vertices and triangles, the cracks as they are.
-	CrackSurface piece( const std::vector<std::uint32_t>& cells ) const;
+	/// The same, broken where `body`, the body's own lattice, has no link any more (its cell k is cells[k]).
+	CrackSurface( std::shared_ptr<const CellComplex> complex, std::vector<std::uint32_t> cells, const Lattice& body, const Vec3& shift );
+
+	/// A piece of this body: its own vertices and triangles, the cracks as they are. Cells by the template's numbers, ascending.
+	CrackSurface piece( std::vector<std::uint32_t> cells, const Vec3& shift = Vec3::Zero() ) const;
 
 	/// Numbers of the complex; those broken before or not of this body are passed over. Appends vertices and triangles, redirects those of
 	/// cells along the crack, and binds anew what the crack cuts off.
 	void breakFaces( const std::vector<std::uint32_t>& faces );
-	/// The faces between pairs of cells whose links broke; pairs that no face joins are passed over.
-	void breakLinks( const std::vector<std::pair<std::uint32_t, std::uint32_t>>& links );
+	/// The faces between cells whose links broke, by the body's own numbers; pairs that no face joins are passed over.
+	void breakLinks( const std::vector<CellLink>& links );
 
 	bool isBroken( std::uint32_t face ) const;
 
 	// === What is drawn ===
 
-	/// How vertices follow the cells, which bear the template's numbers. Empty rows never occur; weights sum to 1.
+	/// How vertices follow the body's cells, numbered as in cells(). Weights sum to 1; entries that weigh nothing fill rows up.
 	const SkinBinding& binding() const { return m_binding; }
 	const std::vector<std::array<std::uint32_t, 3>>& triangles() const { return m_triangle; }
 	/// By triangle: the input's, or kNone for the inside.
@@ -53,6 +59,7 @@ public:
 	void textureCoordinates( const float* input, float tile, std::uint32_t first, float* out ) const;
 
 	std::uint32_t vertexCount() const { return std::uint32_t( m_vertex.size() ); }
+	/// The body's cells by the template's numbers, ascending.
 	const std::vector<std::uint32_t>& cells() const { return m_cell; }
 	const CellComplex& complex() const { return *m_complex; }
 
@@ -130,6 +137,7 @@ private:
 	Status validateBinding() const;
 
 	std::shared_ptr<const CellComplex> m_complex;
+	Vec3 m_shift;
 	std::vector<std::uint32_t> m_cell, m_point; ///< of the complex, ascending
 	std::vector<Face> m_face;                   ///< ascending
 	std::vector<std::uint32_t> m_cellFaceStart, m_cellFace;  ///< local faces by local cell

@@ -108,7 +108,7 @@ Status CrackSurface::validateBinding() const
 		for ( std::uint32_t k = m_binding.start[v]; k < m_binding.start[v + 1]; ++k )
 		{
 			sum += double( m_binding.weight[k] );
-			if ( localCell( m_binding.node[k] ) == kNone )
+			if ( m_binding.node[k] >= m_cell.size() )
 			{
 				return broken( "A vertex follows a cell of another body." );
 			}

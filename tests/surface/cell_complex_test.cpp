@@ -36,7 +36,7 @@ std::vector<Solid> solids()
 		{ "Sphere", [] { return makeSphere( 1.0, 16, 24 ); }, 0.3 },
 		{ "SphereOfBigCells", [] { return makeSphere( 1.0, 24, 32 ); }, 1.3 },
 		{ "Torus", [] { return rotated( makeTorus( 1.0, 0.4, 24, 16 ), 0.4 ); }, 0.21 },
-		{ "BumpySphere", [] { return makeBumpySphere( 1.0, 0.2, 40, 60 ); }, 0.19 },
+		{ "BumpySphere", [] { return makeBumpySphere( 1.0, 0.2, 30, 40 ); }, 0.22 },
 		{ "Glob", [] { return makeGlob( 1.0, 24 ); }, 0.2 },
 		{ "HollowSphere", [] { return joined( makeSphere( 1.0, 16, 24 ), flipped( makeSphere( 0.6, 12, 20 ) ) ); }, 0.27 },
 		{ "TwoShells", [] { return joined( makeSphere( 1.0, 16, 24 ), moved( makeSphere( 0.7, 12, 20 ), { 1.75, 0.1, 0.2 } ) ); }, 0.23 },
