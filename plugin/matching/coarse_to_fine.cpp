@@ -63,7 +63,7 @@ void CoarseToFine::match( MatchView& view, const FarShares& shares, const Kernel
 		up.from = l == 0 ? view.nodeRecord : m_levels[l - 1].sums.data();
 		up.weight = l == 0 ? m_perRecord.data() : nullptr;
 		up.start = level.childStart.data();
-		up.member = level.child.data();
+		up.member = l == 0 && !m_record.empty() ? m_record.data() : level.child.data();
 		up.scale = level.inverseCover.data();
 		up.sum = level.sums.data();
 		up.to = level.blockRecord.data();
@@ -129,7 +129,7 @@ void CoarseToFine::matchLevel( Level& level, const MatchView& body, const Kernel
 
 std::size_t CoarseToFine::bytes() const
 {
-	std::size_t numbers = m_block.size() + m_stiffness.size() + m_perRecord.size() + m_nodeWeight.size() + m_nodePull.size() + m_freedom.size();
+	std::size_t numbers = m_block.size() + m_record.size() + m_slot.size() + m_stiffness.size() + m_perRecord.size() + m_nodeWeight.size() + m_nodePull.size() + m_freedom.size();
 	for ( const Level& level : m_levels )
 	{
 		constexpr std::size_t perRegion = 4 + 3 + 6 * 3 + 5; // the float arrays of a region

@@ -17,6 +17,7 @@
 #include "matching/far_region.h"
 #include "matching/kernels/kernels.h"
 #include "matching/node_state.h"
+#include "matching/region_tables.h"
 #include "matching/stiffness.h"
 
 #include <functional>
@@ -33,8 +34,8 @@ int usefulFarLevels( const Lattice& lattice, int wanted );
 class CoarseToFine
 {
 public:
-	/// `nodeWeight`: what each cell's record on the finest level was weighted by. `stiffness`: share of each cell; empty: 1 everywhere.
-	CoarseToFine( const Lattice& lattice, int levels, const AlignedArray<float>& nodeWeight, const std::vector<float>& stiffness );
+	/// `tables`: those of the finest level, whose records the sums begin with. `stiffness`: share of each cell; empty: 1 everywhere.
+	CoarseToFine( const Lattice& lattice, int levels, const RegionTables& tables, const std::vector<float>& stiffness );
 
 	void reset();
 	/// Matches all levels that have a share and shows the view what they ask of the nodes. The view's node records must be fresh.
@@ -83,6 +84,8 @@ private:
 	std::vector<Level> m_levels;          ///< blocks of 2 cells an edge first
 	std::vector<std::uint32_t> m_block;   ///< of each cell
 	std::vector<float> m_stiffness;
+	std::vector<std::uint32_t> m_record;  ///< beside the finest blocks' children: which record is theirs; empty: record i is cell i
+	std::vector<std::uint32_t> m_slot;    ///< of each cell: its record; empty: its own number
 	AlignedArray<float> m_perRecord;      ///< from a record of the finest level to w_i m_i ( u, u q^T )
 	AlignedArray<float> m_nodeWeight;
 	AlignedArray<float> m_nodePull;       ///< P of each cell

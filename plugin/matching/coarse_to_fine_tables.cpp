@@ -112,8 +112,8 @@ double CoarseToFine::heldEta( int number, int r, const FarRegion& region, const 
 	return etaOfHeld( cells, region, plain, farSecondMoment( number ) );
 }
 
-CoarseToFine::CoarseToFine( const Lattice& lattice, int levels, const AlignedArray<float>& nodeWeight, const std::vector<float>& stiffness ) :
-	m_lattice( lattice ), m_stiffness( stiffness ), m_nodeWeight( nodeWeight )
+CoarseToFine::CoarseToFine( const Lattice& lattice, int levels, const RegionTables& tables, const std::vector<float>& stiffness ) :
+	m_lattice( lattice ), m_stiffness( stiffness ), m_slot( tables.slot ), m_nodeWeight( tables.moments.nodeWeight )
 {
 	const Octree octree = buildOctree( lattice, levels );
 	m_levels.resize( octree.levels - 1 );
@@ -130,9 +130,16 @@ CoarseToFine::CoarseToFine( const Lattice& lattice, int levels, const AlignedArr
 		buildLevel( m_levels[l], parent, int( last - first ), links );
 		( l == 0 ? m_block : m_levels[l - 1].parent ) = std::move( parent );
 	}
-	m_nodePull.assign( nodeWeight.size(), 0.0f );
-	m_perRecord.assign( nodeWeight.size(), 0.0f );
-	const AlignedArray<float> free( nodeWeight.size(), 1.0f );
+	m_nodePull.assign( m_nodeWeight.size(), 0.0f );
+	m_perRecord.assign( std::max( m_nodeWeight.size(), std::size_t( tables.usesGrid ? tables.grid.prod() : 0 ) ), 0.0f );
+	if ( !m_slot.empty() && !m_levels.empty() ) // on a grid with holes, records stand where the cells do
+	{
+		for ( const std::uint32_t cell : m_levels[0].child )
+		{
+			m_record.push_back( m_slot[cell] );
+		}
+	}
+	const AlignedArray<float> free( m_nodeWeight.size(), 1.0f );
 	weighCells( free.data() );
 	reset();
 }
@@ -206,7 +213,7 @@ void CoarseToFine::weighCells( const float* freedom )
 		const double m = m_lattice.fill[i];
 		moments.plain[i] = FarMoments{ m, m * q, m * q * q.transpose() };
 		moments.heavy[i].add( moments.plain[i], times );
-		m_perRecord[i] = times * m_lattice.fill[i] / m_nodeWeight[i];
+		m_perRecord[m_slot.empty() ? std::size_t( i ) : m_slot[i]] = times * m_lattice.fill[i] / m_nodeWeight[i];
 	}
 	for ( int l = 0; l < levels(); ++l )
 	{

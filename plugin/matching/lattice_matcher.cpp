@@ -85,7 +85,7 @@ void LatticeMatcher::reset( const NodeState&, const Eigen::Quaterniond& rotation
 
 void LatticeMatcher::setFarLevels( int levels, const std::vector<float>& stiffness )
 {
-	m_far = levels == 0 ? nullptr : std::make_unique<CoarseToFine>( m_lattice, levels, m_tables->moments.nodeWeight, stiffness );
+	m_far = levels == 0 ? nullptr : std::make_unique<CoarseToFine>( m_lattice, levels, *m_tables, stiffness );
 }
 
 void LatticeMatcher::turn( const Eigen::Quaterniond& by )

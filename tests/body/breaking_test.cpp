@@ -235,6 +235,33 @@ TEST( Breaking, WhatIsPulledTooFarBreaksWhereItIsWeakest )
 	}
 }
 
+TEST( Breaking, PiecesHaveAsManyFarLevelsAsTheyAreLongEnoughFor )
+{
+	Material material;
+	material.youngsModulus = 1e7f; // out of the finest level's reach
+	material.farLevels = 3;
+	const auto lattice = std::make_shared<const Lattice>( makeBlockLattice( 48, 4, 4, 0.1f ) );
+	auto body = makeBody( lattice, {}, material );
+	stir( *body, 7 );
+	body->breakLinks( linksAcross( *lattice, Vec3::UnitX(), -0.8f ) ); // 16 and 32 cells
+	BreakReport report;
+	Whole before, after;
+	add( before, *body );
+	std::vector<BodyPiece> pieces = body->breakApart( report, 1000 );
+	ASSERT_EQ( pieces.size(), 2u );
+	for ( BodyPiece& piece : pieces )
+	{
+		EXPECT_EQ( piece.body->material().farLevels, piece.body->nodeCount() == 32 * 16 ? 3 : 2 );
+		for ( int k = 0; k < 300; ++k )
+		{
+			ASSERT_EQ( substep( *piece.body, 1.0f / 240.0f, 1.0f ), BodyHealth::Good );
+		}
+		EXPECT_EQ( piece.body->invertedShare(), 0.0f );
+		add( after, *piece.body );
+	}
+	EXPECT_LT( ( after.momentum - before.momentum ).norm(), 1e-5 * before.momentum.norm() );
+}
+
 TEST( Breaking, MoreThanTheMostPiecesStayWithTheHeaviest )
 {
 	const auto lattice = std::make_shared<const Lattice>( makeBlockLattice( 9, 2, 2, 0.1f ) );

@@ -190,6 +190,34 @@ TEST_P( FarBar, HangsAsRodTheorySays )
 
 INSTANTIATE_TEST_SUITE_P( Widths, FarBar, testing::Values( 4, 8 ) );
 
+/// The substep at which the far end of a bar of 64 cells has made half of a sudden move of its other end.
+int arrival( double times, int farLevels )
+{
+	const std::unique_ptr<Body> body = makeBar( { 64, 4, times, farLevels, true } );
+	NodeState& nodes = body->nodes();
+	const float move = 0.1f * kCell;
+	for ( int i = 0; i < nodes.count; ++i )
+	{
+		nodes.x.y[i] += nodes.freedom[i] == 0.0f ? move : 0.0f;
+	}
+	const double start = body->nodes().worldPosition( 0 ).y();
+	int substeps = 0;
+	while ( substeps < 1000 && body->nodes().worldPosition( 0 ).y() - start < 0.5 * double( move ) )
+	{
+		test::substep( *body, kStep, 1.0f );
+		++substeps;
+	}
+	return substeps;
+}
+
+TEST( FarLevels, CarryAPushAlongABarInFewSubsteps )
+{
+	const int plain = arrival( 1.0, 0 ), one = arrival( 4.0, 1 ), two = arrival( 20.0, 2 ), three = arrival( 60.0, 3 );
+	std::printf( "64 cells in %d substeps; with one, two, three far levels at work %d, %d, %d\n", plain, one, two, three );
+	EXPECT_GT( plain, 60 ); // 64 cells at sqrt( 2 / 3 ) a substep
+	EXPECT_LT( three, plain / 5 );
+}
+
 TEST( FarLevels, KeepBothMomentaInFreeFlight )
 {
 	const std::unique_ptr<Body> body = makeBar( { 48, 6, 30.0, 3, false } );

@@ -22,6 +22,7 @@ constexpr int kVirtualLanes = 16;
 
 #include "matching/kernels/kernel_tile.h"
 #include "matching/kernels/kernel_fit.h"
+#include "matching/kernels/kernel_far.h"
 
 void frameSums( const MatchView& view, int begin, int end, float* sums )
 {
@@ -247,37 +248,6 @@ inline Vec residualOf( const MatchView& view, const Tile& tile, int i, int at, c
 	return { goal[0] * cover - pull * u.x, goal[1] * cover - pull * u.y, goal[2] * cover - pull * u.z };
 }
 
-/// The records of each node's block, as columns.
-void gatherFar( const MatchView& view, int begin, int end, Tile& tile )
-{
-	for ( int first = begin; first < end; first += 4 )
-	{
-		Record r[4];
-		for ( int j = 0; j < 4; ++j )
-		{
-			const int node = first + j < view.nodeCount ? first + j : view.nodeCount - 1;
-			r[j] = loadRecord( view.farRecord + std::size_t( view.farBlock[node] ) * kRecordFloats );
-		}
-		storeColumns( tile, r, first - begin );
-	}
-}
-
-/// What the far levels ask of a node: D q + t - P u. What holds a pinned node feels it as often as the node counted in the sums.
-inline Vec farWay( const MatchView& view, const Tile& tile, int i, int at, const Vec& q, const Vec& u )
-{
-	const V pull = load( view.farPull + i );
-	const V heavy = kPinnedWeight - ( kPinnedWeight - 1.0f ) * load( view.freedom + i );
-	const V move[3] = { u.x, u.y, u.z };
-	V way[3];
-	for ( int k = 0; k < 3; ++k )
-	{
-		way[k] = ( ( load( &tile.row[3 * k][at] ) * q.x + load( &tile.row[3 * k + 1][at] ) * q.y ) + load( &tile.row[3 * k + 2][at] ) * q.z ) +
-				 ( load( &tile.row[9 + k][at] ) - pull * move[k] );
-		way[k] = heavy * way[k];
-	}
-	return { way[0], way[1], way[2] };
-}
-
 void scatter( const MatchView& view, int begin, int end, float* sums )
 {
 	LaneSums<kImpulseSums> sum;
@@ -377,31 +347,6 @@ void deformations( const MatchView& view, int begin, int end, float* gradients )
 				}
 			}
 		}
-	}
-}
-
-void sumRecords( const RecordSums& job, int begin, int end )
-{
-	for ( int i = begin; i < end; ++i )
-	{
-		const std::uint32_t* member = job.member + job.start[i];
-		const std::uint32_t count = job.start[i + 1] - job.start[i];
-		Record sum = job.weight ? loadRecord( job.from + std::size_t( member[0] ) * kRecordFloats ) * splat( job.weight[member[0]] )
-								: sumList( job.from, member, count );
-		for ( std::uint32_t k = 1; job.weight && k < count; ++k )
-		{
-			sum = sum + loadRecord( job.from + std::size_t( member[k] ) * kRecordFloats ) * splat( job.weight[member[k]] );
-		}
-		const std::size_t at = std::size_t( i ) * kRecordFloats;
-		if ( job.sum )
-		{
-			storeRecord( job.sum + at, sum );
-		}
-		if ( job.scale )
-		{
-			sum = sum * splat( job.factor * job.scale[i] );
-		}
-		storeRecord( job.to + at, job.base ? sum + loadRecord( job.base + std::size_t( job.baseOf[i] ) * kRecordFloats ) : sum );
 	}
 }
 
