@@ -16,7 +16,7 @@ const std::vector<SceneEntry>& sceneList()
 		{ "glob_drop", "The same Glob falls with the uniform lattice and with three methods that know levels; colour shows how far they are from it.", makeGlobDrop },
 		{ "hand", "The same pull at every finger of a hand with a soft little finger and a hard thumb.", makeHandScene },
 		{ "hello", "One soft cube falls on a rigid box.", makeHello },
-		{ "plastic_block", "A ball, an edge and a corner press into a block; how deep, and how much is left.", makePlasticBlock },
+		{ "plastic_block", "A ball, an edge and a corner press into rubber, wax and clay; how deep, and how much is left.", makePlasticBlock },
 		{ "stack", "Soft cubes and rigid boxes stand on each other.", makeStack },
 		{ "thin_fingers", "A bar sweeps through thin fingers: a lattice of their size in the whole palm, and one with levels that has big nodes there.", makeThinFingers },
 	};

@@ -1,6 +1,7 @@
 // +-----------------------------------------------------------------------------------------------------------------+
-// | plastic_block: after Steinemann et al. 2008, figure 5. A ball, an edge and a corner press into a block one after   |
-// | the other. Its material is elastic as yet: it springs back, and the table says so.                               |
+// | plastic_block: after Steinemann et al. 2008, figure 5. A ball, an edge and a corner press into three blocks that  |
+// | differ only in how they flow: not at all, little and late, much and at once. The table tells what of each dent    |
+// | is left.                                                                                                          |
 // +-----------------------------------------------------------------------------------------------------------------+
 
 #include "demos/palette.h"
@@ -15,23 +16,33 @@ namespace pliant_demos {
 
 namespace {
 
-constexpr float kEdge = 0.9f;                       // m
-constexpr int kCuts = 72;                           // of the block's faces: dents need vertices
-constexpr int kCells = 6000;
-constexpr btScalar kDepth = btScalar( 0.16 );       // m that each stamp goes below the block's top
-constexpr btScalar kClearance = btScalar( 0.45 );   // m above it where a stamp waits
+constexpr float kEdge = 0.6f;                       // m
+constexpr btScalar kApart = btScalar( 0.86 );       // m from one block to the next
+constexpr int kCuts = 60;                           // of a block's faces: dents need vertices
+constexpr int kCells = 5832;                        // 18 along an edge
+constexpr int kCoarseLevels = 2;
+constexpr btScalar kDepth = btScalar( 0.12 );       // m that each stamp goes below the block's top
+constexpr btScalar kClearance = btScalar( 0.90 );   // m above it where a stamp waits, out of the picture, its shadow behind the blocks
 constexpr double kStampSeconds = 1.1, kFirstStamp = 0.3; // down and up again; one after the other
-constexpr double kRest = 0.6;                       // s for the block to come to rest at the end
+constexpr double kRest = 1.2;                       // s for the blocks to come to rest at the end
+
+/// How a block flows; see pliant::Material.
+struct Flow
+{
+	const char* name;
+	float yieldStrain, creep, limit;
+	pliant_glue::Colour colour;
+};
+constexpr Flow kFlows[] = { { "rubber", 0.0f, 10.0f, 0.5f, kTeal }, { "wax", 0.15f, 6.0f, 0.3f, kOchre }, { "clay", 0.10f, 60.0f, 1.0f, kTerracotta } };
 
 struct Stamp
 {
 	const char* name;
-	btScalar x, z;
-	btScalar reach; ///< from its middle down to what touches first, m
+	btScalar x, z; ///< from a block's middle
+	btScalar reach; ///< from its own middle down to what touches first, m
 	bool isBall;
 	btQuaternion turn;
-	btRigidBody* body = nullptr;
-	double deepest = 0; ///< m, under it, while it pressed
+	std::vector<btRigidBody*> bodies = {}; ///< one a block
 };
 
 class PlasticBlock : public Scene
@@ -42,32 +53,32 @@ public:
 		stage.addGround( btScalar( 0.9 ) );
 		const pliant_glue::ModelMesh mesh = makeCube( kEdge, kCuts );
 		SoftOrder order;
-		order.name = "block";
 		order.mesh = &mesh;
 		order.cells = kCells;
-		order.place = btTransform( btQuaternion::getIdentity(), btVector3( 0, btScalar( kEdge ) / 2, 0 ) );
-		order.material.density = 400.0f;
+		order.material.density = 250.0f;
 		order.material.youngsModulus = 6.0e4f;
 		order.material.damping = 25.0f;
+		order.adaptivity.coarseLevels = kCoarseLevels;
+		order.adaptivity.refinesOnContact = true;
+		order.adaptivity.refineStrain = 0.1f;
 		order.friction = btScalar( 0.9 );
-		order.colour = kTeal;
-		m_body = stage.addSoft( order );
-		if( m_body == nullptr )
+		order.shape = stage.buildShape( order );
+		for( std::size_t i = 0; order.shape != nullptr && i < std::size( kFlows ); ++i )
 		{
-			return false;
+			order.name = kFlows[i].name;
+			order.material.yieldStrain = kFlows[i].yieldStrain;
+			order.material.plasticCreep = kFlows[i].creep;
+			order.material.plasticLimit = kFlows[i].limit;
+			order.colour = kFlows[i].colour;
+			order.place = btTransform( btQuaternion::getIdentity(), btVector3( middleOf( i ), btScalar( kEdge ) / 2, 0 ) );
+			m_blocks.push_back( Block{ stage.addSoft( order ), {}, {}, {} } );
+			if( m_blocks.back().body == nullptr )
+			{
+				return false;
+			}
 		}
-		const btScalar size = btScalar( 0.3 ), across = btScalar( kEdge * 0.27 );
-		const btQuaternion edgeDown( btVector3( 0, 0, 1 ), SIMD_PI / 4 );
-		const btQuaternion cornerDown = shortestArcQuat( btVector3( 1, 1, 1 ).normalized(), btVector3( 0, 1, 0 ) );
-		m_stamps = { { "ball", -across, across, size / 2, true, btQuaternion::getIdentity() },
-			{ "edge", across * btScalar( 0.9 ), across * btScalar( 0.5 ), size / btScalar( std::sqrt( 2.0 ) ), false, edgeDown },
-			{ "corner", -across * btScalar( 0.3 ), -across, size * btScalar( std::sqrt( 3.0 ) ) / 2, false, cornerDown } };
-		for( Stamp& stamp : m_stamps )
-		{
-			stamp.body = stamp.isBall ? stage.addSphere( size, btVector3( 0, 2, 0 ), 0, kOchre )
-			                          : stage.addBox( btVector3( size, size, size ), btTransform( stamp.turn ), 0, kOchre );
-		}
-		return true;
+		addStamps( stage );
+		return order.shape != nullptr;
 	}
 
 	void beforeStep( Stage&, double seconds ) override
@@ -79,86 +90,123 @@ public:
 			const btScalar down = share <= 0 || share >= 1 ? btScalar( 0 ) : btScalar( 0.5 - 0.5 * std::cos( 2 * SIMD_PI * share ) );
 			const Stamp& stamp = m_stamps[i];
 			const btScalar y = btScalar( kEdge ) + stamp.reach + kClearance - down * ( kClearance + kDepth );
-			Stage::moveBody( stamp.body, btTransform( stamp.turn, btVector3( stamp.x, y, stamp.z ) ) );
+			for( std::size_t k = 0; k < stamp.bodies.size(); ++k )
+			{
+				Stage::moveBody( stamp.bodies[k], btTransform( stamp.turn, btVector3( middleOf( k ) + stamp.x, y, stamp.z ) ) );
+			}
 		}
 	}
 
 	void afterStep( Stage& stage, double ) override
 	{
 		stage.skin();
-		if( m_topVertices.empty() )
+		for( std::size_t k = 0; k < m_blocks.size(); ++k )
 		{
-			rememberTop();
-		}
-		for( std::size_t i = 0; i < m_stamps.size(); ++i )
-		{
-			m_stamps[i].deepest = std::max( m_stamps[i].deepest, depthUnder( i ) );
+			Block& block = m_blocks[k];
+			if( block.top.empty() )
+			{
+				rememberTop( block, middleOf( k ) );
+			}
+			for( std::size_t i = 0; i < m_stamps.size(); ++i )
+			{
+				block.deepest[i] = std::max( block.deepest[i], depthUnder( block, i ) );
+			}
 		}
 	}
 
 	std::vector<FindingTable> findings( const Stage& ) const override
 	{
-		FindingTable table{ "dents, m", { "pressed", "left", "left, %" }, {} };
-		for( std::size_t i = 0; i < m_stamps.size(); ++i )
+		FindingTable table{ "dents, mm", { "pressed", "left", "left, %" }, {} };
+		for( std::size_t k = 0; k < m_blocks.size(); ++k )
 		{
-			table.rows.push_back( { m_stamps[i].name, { m_stamps[i].deepest, depthUnder( i ), 100 * depthUnder( i ) / m_stamps[i].deepest } } );
+			for( std::size_t i = 0; i < m_stamps.size(); ++i )
+			{
+				const double pressed = m_blocks[k].deepest[i], left = depthUnder( m_blocks[k], i );
+				table.rows.push_back( { std::string( kFlows[k].name ) + ", " + m_stamps[i].name, { 1000 * pressed, 1000 * left, 100 * left / pressed } } );
+			}
 		}
 		return { table };
 	}
 
-	double duration() const override { return kFirstStamp + 3 * kStampSeconds + kRest; }
-	pliant_glue::DrawCamera camera( double ) const override { return { { -0.9f, 2.0f, 2.5f }, { 0, 0.62f, 0 }, 36.0f }; }
-	pliant_glue::DrawLight light() const override { return { { 0.75f, 0.45f, 0.05f }, { 0, 0.5f, 0 }, 2.0f }; }
+	double duration() const override { return kFirstStamp + double( m_stamps.size() ) * kStampSeconds + kRest; }
+	pliant_glue::DrawCamera camera( double ) const override { return { { -0.35f, 1.75f, 2.65f }, { 0, 0.34f, 0 }, 36.0f }; }
+	pliant_glue::DrawLight light() const override { return { { 0.62f, 0.42f, 0.45f }, { 0, 0.4f, 0 }, 2.4f }; }
 
 private:
-	/// Vertices of the top face, and those of them under each stamp.
-	void rememberTop()
+	struct Block
 	{
-		const pliant::SurfaceView skin = m_body->surface();
-		const auto height = [&]( int i ) { return double( skin.positions[std::size_t( i ) * 3 + 1] ) + double( skin.origin.y() ); };
-		for( const Stamp& stamp : m_stamps )
+		pliant::SoftBody* body;
+		std::vector<int> top;                ///< vertices of the top face
+		std::vector<std::vector<int>> under; ///< those of them under each stamp
+		std::vector<double> deepest;         ///< m, under each stamp, while it pressed
+	};
+
+	static btScalar middleOf( std::size_t block ) { return kApart * ( btScalar( block ) - 1 ); }
+
+	void addStamps( Stage& stage )
+	{
+		const btScalar size = btScalar( 0.2 ), across = btScalar( kEdge * 0.27 );
+		const btQuaternion edgeDown( btVector3( 0, 0, 1 ), SIMD_PI / 4 );
+		const btQuaternion cornerDown = shortestArcQuat( btVector3( 1, 1, 1 ).normalized(), btVector3( 0, 1, 0 ) );
+		m_stamps = { { "ball", -across, across, size / 2, true, btQuaternion::getIdentity() },
+			{ "edge", across * btScalar( 0.9 ), across * btScalar( 0.5 ), size / btScalar( std::sqrt( 2.0 ) ), false, edgeDown },
+			{ "corner", -across * btScalar( 0.3 ), -across, size * btScalar( std::sqrt( 3.0 ) ) / 2, false, cornerDown } };
+		for( Stamp& stamp : m_stamps )
 		{
-			std::vector<int> under;
-			for( int i = 0; i < skin.vertexCount; ++i )
+			for( std::size_t k = 0; k < m_blocks.size(); ++k )
 			{
-				const float* p = skin.positions + std::size_t( i ) * 3;
-				const double dx = double( p[0] ) + double( skin.origin.x() - stamp.x ), dz = double( p[2] ) + double( skin.origin.z() - stamp.z );
-				const bool isTop = height( i ) > 0.95 * double( kEdge );
-				if( isTop && &stamp == &m_stamps.front() )
+				const btVector3 at( middleOf( k ) + stamp.x, btScalar( kEdge ) + stamp.reach + kClearance, stamp.z );
+				stamp.bodies.push_back( stamp.isBall ? stage.addSphere( size, at, 0, kStone )
+				                                     : stage.addBox( btVector3( size, size, size ), btTransform( stamp.turn, at ), 0, kStone ) );
+			}
+		}
+	}
+
+	/// Vertices of the top face, and those of them under each stamp.
+	void rememberTop( Block& block, btScalar middle )
+	{
+		const pliant::SurfaceView skin = block.body->surface();
+		block.under.resize( m_stamps.size() );
+		block.deepest.resize( m_stamps.size() );
+		for( int i = 0; i < skin.vertexCount; ++i )
+		{
+			const float* p = skin.positions + std::size_t( i ) * 3;
+			if( double( p[1] ) + double( skin.origin.y() ) < 0.95 * double( kEdge ) )
+			{
+				continue;
+			}
+			block.top.push_back( i );
+			for( std::size_t k = 0; k < m_stamps.size(); ++k )
+			{
+				const double dx = double( p[0] ) + double( skin.origin.x() - middle - m_stamps[k].x ), dz = double( p[2] ) + double( skin.origin.z() - m_stamps[k].z );
+				if( dx * dx + dz * dz < kUnder * kUnder )
 				{
-					m_top.push_back( i );
-				}
-				if( isTop && dx * dx + dz * dz < kUnder * kUnder )
-				{
-					under.push_back( i );
+					block.under[k].push_back( i );
 				}
 			}
-			m_topVertices.push_back( std::move( under ) );
 		}
 	}
 
 	/// Below the middle height of the top face, which sinks under the block's own weight.
-	double depthUnder( std::size_t stamp ) const
+	static double depthUnder( const Block& block, std::size_t stamp )
 	{
-		const pliant::SurfaceView skin = m_body->surface();
+		const pliant::SurfaceView skin = block.body->surface();
 		const auto height = [&]( int i ) { return double( skin.positions[std::size_t( i ) * 3 + 1] ); };
 		std::vector<double> heights;
-		std::transform( m_top.begin(), m_top.end(), std::back_inserter( heights ), height );
+		std::transform( block.top.begin(), block.top.end(), std::back_inserter( heights ), height );
 		std::nth_element( heights.begin(), heights.begin() + std::ptrdiff_t( heights.size() / 2 ), heights.end() );
 		double lowest = heights[heights.size() / 2];
 		const double middle = lowest;
-		for( const int i : m_topVertices[stamp] )
+		for( const int i : block.under[stamp] )
 		{
 			lowest = std::min( lowest, height( i ) );
 		}
 		return middle - lowest;
 	}
 
-	static constexpr double kUnder = 0.04; // m around a stamp's middle
-	pliant::SoftBody* m_body = nullptr;
+	static constexpr double kUnder = 0.03; // m around a stamp's middle
+	std::vector<Block> m_blocks;
 	std::vector<Stamp> m_stamps;
-	std::vector<std::vector<int>> m_topVertices;
-	std::vector<int> m_top;
 };
 
 } // namespace

@@ -135,6 +135,9 @@ public:
 	Placement bestFit() const;
 	/// A unit quaternion (x, y, z, w) a node: the rotation of its own region from rest to now. 4 floats a node.
 	void nodeRotations( float* quaternions ) const;
+	/// Whether rest shapes have flowed, and each node's stretch of it, 9 floats a node, row by row: the goals of its region are R S_p.
+	bool hasFlowed() const;
+	void nodeFlow( float* stretches ) const;
 	/// Bytes of the body's state, its matching, and of the lattice and tables it shares with others of its template.
 	std::size_t bytes() const;
 	/// Cells whose eight-corner frame has turned inside out, as a share of those that can be tested.

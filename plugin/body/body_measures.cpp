@@ -51,6 +51,16 @@ void Body::nodeRotations( float* quaternions ) const
 	m_matcher->nodeRotations( m_nodes, quaternions );
 }
 
+bool Body::hasFlowed() const
+{
+	return m_matcher->hasFlowed();
+}
+
+void Body::nodeFlow( float* stretches ) const
+{
+	m_matcher->nodeFlow( m_nodes.count, stretches );
+}
+
 float Body::invertedShare() const
 {
 	if ( m_levels )

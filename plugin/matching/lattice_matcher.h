@@ -41,6 +41,8 @@ public:
 	/// Null until a region yields.
 	const PlasticFlow* plasticFlow() const { return m_plastic.get(); }
 	void forgetFlow() override { m_plastic.reset(); }
+	bool hasFlowed() const override { return m_plastic != nullptr; }
+	bool nodeFlow( int count, float* stretches ) const override;
 	/// Of each region, sum over the singular values s of F of ( s - 1 )^2, as last measured (MatchStep::measuresStrain).
 	const AlignedArray<float>& strain() const { return m_strain; }
 	/// F of every region in world axes, from the nodes as they are, 9 floats a region, row by row. The tables must hold J^+.

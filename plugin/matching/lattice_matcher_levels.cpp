@@ -60,6 +60,15 @@ void LatticeMatcher::viewLevels( MatchView& v ) const
 	}
 }
 
+bool LatticeMatcher::nodeFlow( int count, float* stretches ) const
+{
+	for ( int i = 0; m_plastic && i < count; ++i )
+	{
+		Eigen::Map<Eigen::Matrix<float, 3, 3, Eigen::RowMajor>>( stretches + 9 * std::size_t( i ) ) = m_plastic->stretch( i ).cast<float>();
+	}
+	return hasFlowed();
+}
+
 void LatticeMatcher::deformations( NodeState& nodes, float* gradients )
 {
 	// From the positions as they are: what the last substep left of them may be those of other nodes.

@@ -55,6 +55,11 @@ public:
 	/// Writes, for each node, the unit quaternion (x, y, z, w) of the rotation of its own region from rest to now.
 	virtual void nodeRotations( const NodeState& nodes, float* quaternions ) const = 0;
 
+	/// Writes each region's flowed stretch S_p, 9 floats a region, row by row; false, and nothing written, where nothing has flowed.
+	virtual bool nodeFlow( int /*count*/, float* /*stretches*/ ) const { return false; }
+	/// Whether it would.
+	virtual bool hasFlowed() const { return false; }
+
 	/// Bytes held, buffers included, what is shared with other bodies left out.
 	virtual std::size_t bytes() const = 0;
 	/// Bytes shared with other bodies of the same template and setting.

@@ -13,7 +13,7 @@ namespace {
 /// Four floats as every compiler we build with has them; where the processor has no such registers, as four.
 using F4 = float __attribute__( ( vector_size( 16 ), may_alias ) );
 
-/// A node's affine map from rest to now: three rows of R | x - R x0.
+/// A node's affine map from rest to now: three rows of F | x - F x0.
 constexpr int kMapFloats = 12;
 
 /// Sum of ( s - 1 )^2 over a gradient's singular values up to which the skin follows it; beyond four times that, not at all.
@@ -37,13 +37,15 @@ void store4( float* p, F4 a )
 	*reinterpret_cast<F4*>( p ) = a;
 }
 
-/// A node's stretch as its neighbours show it; where that is crushed, turned inside out or torn, the rotation alone.
-Eigen::Matrix3f soundGradient( const float* nine, const Eigen::Matrix3f& rotation )
+using Matrix3fRows = Eigen::Matrix<float, 3, 3, Eigen::RowMajor>;
+
+/// A node's stretch as its neighbours show it; where that is crushed, turned inside out or torn, what its region would have it be: R S_p.
+Eigen::Matrix3f soundGradient( const float* nine, const Eigen::Matrix3f& wanted )
 {
-	const Eigen::Matrix3f f = Eigen::Map<const Eigen::Matrix<float, 3, 3, Eigen::RowMajor>>( nine );
-	const float strain = ( f - rotation ).squaredNorm();
+	const Eigen::Matrix3f f = Eigen::Map<const Matrix3fRows>( nine );
+	const float strain = ( f - wanted ).squaredNorm();
 	const float share = strain < kSoundStrain ? 1.0f : strain < 4.0f * kSoundStrain ? ( 4.0f * kSoundStrain - strain ) / ( 3.0f * kSoundStrain ) : 0.0f;
-	return rotation + share * ( share > 0.0f ? Eigen::Matrix3f( f - rotation ) : Eigen::Matrix3f( Eigen::Matrix3f::Zero() ) );
+	return wanted + share * ( share > 0.0f ? Eigen::Matrix3f( f - wanted ) : Eigen::Matrix3f( Eigen::Matrix3f::Zero() ) );
 }
 
 void fillMaps( const NodeState& state, const SkinPose& pose, float* maps, int first, int last )
@@ -52,6 +54,11 @@ void fillMaps( const NodeState& state, const SkinPose& pose, float* maps, int fi
 	{
 		const float* const rotation = pose.rotations + 4 * std::size_t( i );
 		Eigen::Matrix3f r = Eigen::Quaternionf( rotation[3], rotation[0], rotation[1], rotation[2] ).toRotationMatrix();
+		if ( pose.flow )
+		{
+			// T = [R S_p , c - R S_p c0]   (Steinemann et al. 2008, below eq. 10)
+			r *= Eigen::Map<const Matrix3fRows>( pose.flow + 9 * std::size_t( i ) );
+		}
 		if ( pose.gradients )
 		{
 			r = soundGradient( pose.gradients + 9 * std::size_t( i ), r );

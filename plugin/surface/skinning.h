@@ -63,6 +63,7 @@ void skin( const SkinBinding& binding, const NodeState& state, const float* rota
 struct SkinPose
 {
 	const float* rotations = nullptr;           ///< as above
+	const float* flow = nullptr;                ///< S_p of each node, 9 floats, row by row: its rest shape has flowed. Null: none has
 	const float* gradients = nullptr;           ///< F of each node, 9 floats, row by row: big nodes carry stretch too. Null: rotations alone
 	const std::uint32_t* slotOfCell = nullptr;  ///< the node that holds a cell; null where cells are nodes
 	const SkinFade* fade = nullptr;             ///< what changes of levels have left on the surface; null: nothing

@@ -40,7 +40,7 @@ struct SkinBuffers
 {
 	std::vector<float> positions[2], normals[2];
 	btVector3 origin[2] = { btVector3( 0, 0, 0 ), btVector3( 0, 0, 0 ) };
-	std::vector<float> rotations, gradients;
+	std::vector<float> rotations, gradients, flow;
 	SkinScratch scratch;
 	SkinFade fade; ///< of bodies with levels
 	int current = 0;

@@ -14,6 +14,12 @@ SkinPose SoftBody::Impl::skinPose() const
 	skin.rotations.resize( std::size_t( body->nodeCount() ) * 4 );
 	body->nodeRotations( skin.rotations.data() );
 	pose.rotations = skin.rotations.data();
+	if ( body->hasFlowed() )
+	{
+		skin.flow.resize( std::size_t( body->nodeCount() ) * 9 );
+		body->nodeFlow( skin.flow.data() );
+		pose.flow = skin.flow.data();
+	}
 	if ( const Levels* levels = body->levels() )
 	{
 		skin.gradients.resize( std::size_t( body->nodes().padded ) * 9 );

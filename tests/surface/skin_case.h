@@ -22,6 +22,7 @@ struct SkinCase
 	SkinBinding binding;
 	NodeState nodes;
 	std::vector<float> rotations;
+	const float* flow = nullptr; ///< SkinPose::flow
 	std::vector<float> positions, normals;
 	SkinScratch scratch;
 
@@ -74,7 +75,10 @@ struct SkinCase
 		positions.assign( mesh.positions.size(), 1e9f );
 		normals.assign( mesh.positions.size(), 1e9f );
 		const SkinTriangles triangles{ mesh.indices.data(), int( mesh.triangleCount() ) };
-		skin( binding, nodes, rotations.data(), triangles, scratch, positions.data(), normals.data(), runner );
+		SkinPose pose;
+		pose.rotations = rotations.data();
+		pose.flow = flow;
+		skin( binding, nodes, pose, triangles, scratch, positions.data(), normals.data(), runner );
 	}
 
 	/// Largest distance of the skinned vertices from where a map of the rest shape puts them, m.

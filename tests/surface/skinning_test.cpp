@@ -67,6 +67,27 @@ TEST_P( Skin, ALinearDeformationIsMetWithinWhatHalfACellCanHide )
 	}
 }
 
+TEST_P( Skin, AFlowedRestShapeIsFollowedToTheLastHalfCell )
+{
+	SkinCase it( test::makeBox( { -0.5, -0.5, -0.5 }, { 0.5, 0.5, 0.5 }, 12 ), 0.1, GetParam() );
+	const Eigen::Matrix3f turn = Eigen::AngleAxisf( 0.7f, Vec3( 1, 2, -1 ).normalized() ).toRotationMatrix();
+	Eigen::Matrix3f stretch;
+	stretch << 1.3f, 0.1f, 0.0f, 0.1f, 0.9f, 0.05f, 0.0f, 0.05f, 0.85f;
+	const auto wanted = [&]( const Vec3& x ) { return Vec3( turn * stretch * x ); };
+	it.deform( wanted, [&]( const Vec3& ) { return turn; } );
+	it.skinIt();
+	EXPECT_GT( it.largestError( wanted ), 0.01 ) << "rotations alone know nothing of it";
+
+	std::vector<float> flow;
+	for ( int i = 0; i < it.nodes.count; ++i )
+	{
+		flow.insert( flow.end(), stretch.data(), stretch.data() + 9 ); // symmetric
+	}
+	it.flow = flow.data();
+	it.skinIt();
+	EXPECT_LT( it.largestError( wanted ), 2e-6 );
+}
+
 TEST_P( Skin, BendingIsFollowedSmoothly )
 {
 	// A bar bent to a quarter circle: vertices lie on it within a small part of a cell, and the surface has no steps: every edge is as

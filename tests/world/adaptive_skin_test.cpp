@@ -161,5 +161,74 @@ TEST( AdaptiveSkin, LoadedBeamChangesLevelsWithoutAJump )
 	EXPECT_LT( energy, 0.01 );
 }
 
+/// A bar that was pulled to 1.3 of its length, flowed, and was let go.
+TestWorld& pullPlasticBar( TestWorld& test, int coarseLevels )
+{
+	test.world.setGravity( btVector3( 0, 0, 0 ) );
+	Material material = stiff( 3e5f );
+	material.damping = 20.0f;
+	material.yieldStrain = 0.02f;
+	material.plasticCreep = 40.0f;
+	SoftBody* soft = test.addSoft( gridBlock( { 16, 4, 4 }, 0.1f ), at( 0, 0, 0 ), material, levels( coarseLevels ) );
+	NodeState& nodes = soft->impl().body->nodes();
+	std::vector<int> ends;
+	for ( int i = 0; i < nodes.count; ++i )
+	{
+		nodes.x.x[i] += 0.3f * nodes.x0.x[i];
+		if ( std::abs( nodes.x0.x[i] ) > 0.65f )
+		{
+			soft->pinNode( i );
+			ends.push_back( i );
+		}
+	}
+	test.run( 30 );
+	for ( const int node : ends )
+	{
+		soft->releaseNode( node );
+	}
+	test.run( 60 );
+	return test;
+}
+
+TEST( PlasticSkin, ReachesTheEndsOfABarThatWasPulled )
+{
+	for ( const int coarseLevels : { 0, 1 } )
+	{
+		TestWorld test;
+		const SoftBody& soft = *pullPlasticBar( test, coarseLevels ).soft.front();
+		const NodeState& nodes = soft.impl().body->nodes();
+		ASSERT_TRUE( soft.impl().body->hasFlowed() );
+		// The set next to the ends, by which half a cell there is longer than at rest.
+		float inner[2] = { 0, 0 }, outer[2] = { 0, 0 };
+		for ( int i = 0; i < nodes.count; ++i )
+		{
+			if ( nodes.x0.x[i] > outer[0] )
+			{
+				outer[0] = nodes.x0.x[i];
+				outer[1] = nodes.x.x[i];
+			}
+		}
+		for ( int i = 0; i < nodes.count; ++i )
+		{
+			if ( nodes.x0.x[i] > inner[0] && nodes.x0.x[i] < outer[0] - 0.01f )
+			{
+				inner[0] = nodes.x0.x[i];
+				inner[1] = nodes.x.x[i];
+			}
+		}
+		const float set = ( outer[1] - inner[1] ) / ( outer[0] - inner[0] );
+		const SurfaceView view = soft.surface();
+		float end = 0.0f;
+		for ( int v = 0; v < view.vertexCount; ++v )
+		{
+			end = std::max( end, view.positions[3 * v] );
+		}
+		const float wanted = outer[1] + set * ( 0.8f - outer[0] );
+		std::printf( "%d levels: set %.3f at the end, which is at %.4f (%.4f)\n", coarseLevels, double( set ), double( end ), double( wanted ) );
+		EXPECT_GT( set, 1.1f );
+		EXPECT_NEAR( end, wanted, 0.1f * 0.5f * 0.1f ) << "a tenth of half a cell";
+	}
+}
+
 } // namespace
 } // namespace pliant
