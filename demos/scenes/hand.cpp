@@ -1,6 +1,7 @@
 // +-----------------------------------------------------------------------------------------------------------------+
 // | hand: Steinemann et al. 2008, figure 4. One hand, its little finger soft and its thumb hard; the same force pulls |
-// | at every finger's tip.                                                                                           |
+// | at every finger's tip. Beside it, not in the picture, the same hand of one stiffness: what the stiffness alone    |
+// | does to each finger is the ratio of the two.                                                                      |
 // +-----------------------------------------------------------------------------------------------------------------+
 
 #include "demos/creatures.h"
@@ -66,35 +67,42 @@ public:
 		order.stiffness.share = stiffnessAt;
 		order.material.damping = 10.0f;
 		order.colour = kOchre;
-		m_body = stage.addSoft( order );
-		if( m_body == nullptr )
+		order.shape = stage.buildShape( order );
+		if( order.shape == nullptr )
+		{
+			return false;
+		}
+		m_beside = std::make_unique<Stage>( stage.options(), "one stiffness" );
+		stage.setName( "soft and hard" );
+		if( !take( stage, order, m_hand ) )
 		{
 			return false;
 		}
 		stage.addGround( btScalar( 0.5 ) );
-		m_body->pinNodesInside( btVector3( kThumbSide, -1, -1 ), btVector3( 1, kHeldTo, 1 ) );
 		std::vector<float> colours;
 		for( std::size_t i = 0; i < mesh.positions.size(); i += 3 )
 		{
 			const pliant_glue::Colour colour = colourOf( stiffnessAt( &mesh.positions[i], nullptr ) );
 			colours.insert( colours.end(), colour.begin(), colour.end() );
 		}
-		stage.colourVertices( m_body, std::move( colours ) );
-		for( const Digit& digit : handDigits() )
-		{
-			m_tips.push_back( tipOf( digit ) );
-		}
-		return true;
+		stage.colourVertices( m_hand.body, std::move( colours ) );
+		order.stiffness.share = []( const float*, void* ) { return kPalmShare; };
+		return take( *m_beside, order, m_plain );
 	}
+
+	std::vector<Stage*> sideStages() override { return { m_beside.get() }; }
 
 	void beforeStep( Stage&, double seconds ) override
 	{
 		m_pull = seconds < kPullFrom || seconds > kPullUntil ? btScalar( 0 ) : kPull * btScalar( std::min( 1.0, ( seconds - kPullFrom ) / ( kPullFullAt - kPullFrom ) ) );
-		for( const Tip& tip : m_tips )
+		for( const Held* hand : { &m_hand, &m_plain } )
 		{
-			for( const int node : tip.nodes )
+			for( const Tip& tip : hand->tips )
 			{
-				m_body->applyForce( btVector3( 0, 0, m_pull * m_body->nodeMass( node ) / tip.mass ), node );
+				for( const int node : tip.nodes )
+				{
+					hand->body->applyForce( btVector3( 0, 0, m_pull * hand->body->nodeMass( node ) / tip.mass ), node );
+				}
 			}
 		}
 	}
@@ -102,13 +110,20 @@ public:
 	void afterStep( Stage& stage, double seconds ) override
 	{
 		stage.skin();
-		for( Tip& tip : m_tips )
+		m_beside->skin();
+		for( Held* hand : { &m_hand, &m_plain } )
 		{
-			if( seconds <= kPullFrom )
+			for( Tip& tip : hand->tips )
 			{
-				tip.rest = placeOf( tip ); // as gravity leaves it
+				if( seconds <= kPullFrom )
+				{
+					tip.rest = placeOf( *hand, tip ); // as gravity leaves it
+				}
+				if( seconds <= kPullUntil )
+				{
+					tip.deflection = double( ( placeOf( *hand, tip ) - tip.rest ).length() ); // what stays is that of the pull held
+				}
 			}
-			tip.deflection = std::max( tip.deflection, double( ( placeOf( tip ) - tip.rest ).length() ) );
 		}
 	}
 
@@ -116,19 +131,21 @@ public:
 	void beforePicture( Stage&, pliant_glue::DrawList& list ) override
 	{
 		const float length = 0.25f * float( m_pull / kPull ), thickness = 0.012f;
-		for( std::size_t i = 0; m_pull > 0 && i < m_tips.size(); ++i )
+		for( std::size_t i = 0; m_pull > 0 && i < m_hand.tips.size(); ++i )
 		{
-			const btVector3 at = placeOf( m_tips[i] );
+			const btVector3 at = placeOf( m_hand, m_hand.tips[i] );
 			list.boxes.push_back( { { thickness, 0, 0 }, { 0, thickness, 0 }, { 0, 0, length }, { float( at.x() ), float( at.y() ), float( at.z() ) + length / 2 }, kBrick } );
 		}
 	}
 
 	std::vector<FindingTable> findings( const Stage& ) const override
 	{
-		FindingTable table{ "the same pull at every tip, m", { "deflection", "of the thumb's" }, {} };
-		for( std::size_t i = 0; i < m_tips.size(); ++i )
+		// A softer finger gives way as its stiffness says, but for what the palm gives and for how far a finger that hangs over can still bend.
+		FindingTable table{ "the same pull at every tip, held, m", { "deflection", "of the thumb's", "one stiffness", "ratio", "stiffness says" }, {} };
+		for( std::size_t i = 0; i < m_hand.tips.size(); ++i )
 		{
-			table.rows.push_back( { kDigitNames[i], { m_tips[i].deflection, m_tips[i].deflection / m_tips[0].deflection } } );
+			const double here = m_hand.tips[i].deflection, plain = m_plain.tips[i].deflection;
+			table.rows.push_back( { kDigitNames[i], { here, here / m_hand.tips[0].deflection, plain, here / plain, double( kPalmShare / kDigitShare[i] ) } } );
 		}
 		return { table };
 	}
@@ -147,19 +164,41 @@ private:
 		double deflection = 0;
 	};
 
-	Tip tipOf( const Digit& digit ) const
+	struct Held
+	{
+		pliant::SoftBody* body = nullptr;
+		std::vector<Tip> tips = {};
+	};
+
+	/// A hand that is held, and its tips.
+	static bool take( Stage& stage, const SoftOrder& order, Held& hand )
+	{
+		hand.body = stage.addSoft( order );
+		if( hand.body == nullptr )
+		{
+			return false;
+		}
+		hand.body->pinNodesInside( btVector3( kThumbSide, -1, -1 ), btVector3( 1, kHeldTo, 1 ) );
+		for( const Digit& digit : handDigits() )
+		{
+			hand.tips.push_back( tipOf( *hand.body, digit ) );
+		}
+		return true;
+	}
+
+	static Tip tipOf( const pliant::SoftBody& body, const Digit& digit )
 	{
 		const btVector3 place( digit.tip[0], digit.tip[1], digit.tip[2] );
 		Tip tip;
-		for( int i = 0; i < m_body->nodeCount(); ++i )
+		for( int i = 0; i < body.nodeCount(); ++i )
 		{
-			if( m_body->nodePosition( i ).distance( place ) < kGrip )
+			if( body.nodePosition( i ).distance( place ) < kGrip )
 			{
 				tip.nodes.push_back( i );
-				tip.mass += m_body->nodeMass( i );
+				tip.mass += body.nodeMass( i );
 			}
 		}
-		const pliant::SurfaceView skin = m_body->surface();
+		const pliant::SurfaceView skin = body.surface();
 		btScalar nearest = BT_LARGE_FLOAT;
 		for( int i = 0; i < skin.vertexCount; ++i )
 		{
@@ -179,10 +218,10 @@ private:
 		return skin.origin + btVector3( btScalar( p[0] ), btScalar( p[1] ), btScalar( p[2] ) );
 	}
 
-	btVector3 placeOf( const Tip& tip ) const { return vertexAt( m_body->surface(), tip.vertex ); }
+	static btVector3 placeOf( const Held& hand, const Tip& tip ) { return vertexAt( hand.body->surface(), tip.vertex ); }
 
-	pliant::SoftBody* m_body = nullptr;
-	std::vector<Tip> m_tips;
+	std::unique_ptr<Stage> m_beside;
+	Held m_hand, m_plain;
 	btScalar m_pull = 0;
 };
 

@@ -7,5 +7,6 @@ namespace pliant::experiment {
 void globExperiment( int orientations );
 void vibrationExperiment();
 void barExperiment();
+void splitsExperiment();
 
 } // namespace pliant::experiment

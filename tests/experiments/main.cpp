@@ -1,5 +1,5 @@
 // Runs one experiment and prints its tables:
-//   pliant_experiments glob [orientations] | vibration | bars
+//   pliant_experiments glob [orientations] | vibration | bars | splits
 
 #include "experiments/experiments.h"
 
@@ -26,6 +26,11 @@ int main( int argc, char** argv )
 		barExperiment();
 		return 0;
 	}
-	std::puts( "pliant_experiments glob [orientations] | vibration | bars" );
+	if ( std::strcmp( name, "splits" ) == 0 )
+	{
+		splitsExperiment();
+		return 0;
+	}
+	std::puts( "pliant_experiments glob [orientations] | vibration | bars | splits" );
 	return 1;
 }
