@@ -79,15 +79,23 @@ public:
 		}
 	}
 
-	void afterStep( Stage& stage, double ) override { m_mostNodes = std::max( m_mostNodes, stage.counts().nodes ); }
+	void afterStep( Stage& stage, double ) override
+	{
+		m_mostNodes = std::max( m_mostNodes, stage.counts().nodes );
+		const pliant::StepReport& report = stage.world().stepReport();
+		( report.splits > 0 ? m_touches : m_quiet ).push_back( report.levels );
+		m_splits += report.splits;
+	}
 
 	std::vector<FindingTable> findings( const Stage& stage ) const override
 	{
 		const double count = double( m_flowers.size() );
 		return { { "flowers", { "nodes each", "nodes", "most nodes", "growth, %" },
 					 { { "forty", { m_nodesAtFirst / count, double( m_nodesAtFirst ), double( m_mostNodes ), 100.0 * ( m_mostNodes - m_nodesAtFirst ) / m_nodesAtFirst } } } },
-			{ "ms", { "step, median", "step, worst", "skin a flower" },
-				{ { "forty", { stage.log().medianStep(), stage.log().longestStep(), stage.log().medianSkinning() / count } } } } };
+			{ "ms", { "step, median", "step, worst", "skin, frame", "skin a flower" },
+				{ { "forty", { stage.log().medianStep(), stage.log().longestStep(), stage.log().medianSkinning(), stage.log().medianSkinning() / count } } } },
+			{ "levels in frames that split nodes, over those that do not, ms (goal: worst 2)", { "frames", "nodes split", "median", "95 %", "worst" },
+				{ { "touch", { double( m_touches.size() ), double( m_splits ), costOfTouch( 0.5 ), costOfTouch( 0.95 ), costOfTouch( 1.0 ) } } } } };
 	}
 
 	double duration() const override { return 3.0; }
@@ -95,6 +103,16 @@ public:
 	pliant_glue::DrawLight light() const override { return { { -0.45f, 0.75f, 0.45f }, { 0, 0.3f, 0 }, 3.4f }; }
 
 private:
+	/// ms that so many of the frames that split nodes do not exceed, less the median of the others.
+	double costOfTouch( double share ) const
+	{
+		const auto at = []( std::vector<double> seconds, double part ) {
+			std::sort( seconds.begin(), seconds.end() );
+			return seconds.empty() ? 0.0 : 1e3 * seconds[std::min( seconds.size() - 1, std::size_t( part * double( seconds.size() ) ) )];
+		};
+		return at( m_touches, share ) - at( m_quiet, 0.5 );
+	}
+
 	void plant( Stage& stage, SoftOrder order, int number, const pliant_glue::ModelMesh& mesh, std::mt19937& random )
 	{
 		const auto next = [&] { return btScalar( random() ) / btScalar( std::mt19937::max() ) - btScalar( 0.5 ); };
@@ -130,7 +148,8 @@ private:
 
 	std::vector<pliant::SoftBody*> m_flowers;
 	btRigidBody* m_finger = nullptr;
-	int m_nodesAtFirst = 0, m_mostNodes = 0;
+	std::vector<double> m_touches, m_quiet; ///< s that changes of levels took in each frame
+	int m_nodesAtFirst = 0, m_mostNodes = 0, m_splits = 0;
 };
 
 } // namespace
