@@ -284,6 +284,10 @@ void Stage::drawNodes( const SoftItem& item, pliant_glue::DrawList& list ) const
 
 void Stage::draw( pliant_glue::DrawList& list, bool showNodes, std::uint64_t firstId ) const
 {
+	if( !m_isDrawn )
+	{
+		return;
+	}
 	for( const RigidItem& item : m_rigid )
 	{
 		if( item.isDrawn )

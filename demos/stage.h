@@ -61,6 +61,8 @@ public:
 	const StageOptions& options() const { return m_options; }
 	const std::string& name() const { return m_name; }
 	void setName( const std::string& name ) { m_name = name; }
+	/// Steps and is measured, but stands in no picture.
+	void hide() { m_isDrawn = false; }
 
 	/// The plane y = 0.
 	void addGround( btScalar friction );
@@ -122,6 +124,7 @@ private:
 	std::vector<std::string> m_notes;
 	StepLog m_log;
 	bool m_isSkinned = false; // since the last step
+	bool m_isDrawn = true;
 	// Bullet asks that the world goes first and what it points to afterwards: members die from the bottom up.
 	std::unique_ptr<btCollisionConfiguration> m_configuration;
 	std::unique_ptr<btCollisionDispatcher> m_dispatcher;

@@ -73,6 +73,7 @@ public:
 			return false;
 		}
 		m_beside = std::make_unique<Stage>( stage.options(), "one stiffness" );
+		m_beside->hide();
 		stage.setName( "soft and hard" );
 		if( !take( stage, order, m_hand ) )
 		{
