@@ -11,7 +11,7 @@ namespace {
 
 constexpr int kMonomials = 9;
 constexpr double kLargestSoftness = 0.95;     ///< of beta and eta: some stiffness is always left
-constexpr double kMomentShare = 1e-3;         ///< eigenvalues of J below this share of its largest count as none
+constexpr double kMomentShare = 1e-2;         ///< eigenvalues of J below this share of its largest count as none
 
 using Monomials = Eigen::Matrix<double, kMonomials, 1>;
 using Covariance = Eigen::Matrix<double, kMonomials, kMonomials>;
@@ -189,19 +189,29 @@ Eigen::Matrix3d energyBlend( const Eigen::Matrix3d& fineMoment, const Eigen::Mat
 	{
 		return Eigen::Matrix3d::Identity();
 	}
-	Vec3d root = Vec3d::Zero(), inverseRoot = Vec3d::Zero();
+	const Eigen::Matrix3d& v = solver.eigenvectors();
+	Eigen::Matrix3d fine = v.transpose() * fineMoment * v; // along the axes of J_r
+	Vec3d root = Vec3d::Zero();
 	for ( int i = 0; i < 3; ++i )
 	{
 		const double value = solver.eigenvalues()[i];
-		root[i] = value > kMomentShare * largest ? std::sqrt( value ) : 1.0;
-		inverseRoot[i] = 1.0 / root[i];
+		root[i] = 1.0;
+		if ( value > kMomentShare * largest )
+		{
+			root[i] = std::sqrt( value );
+			continue;
+		}
+		// Out of a flat region's plane its nodes say nothing: what the cells under them do there must not turn what lies in the plane.
+		fine.row( i ).setZero();
+		fine.col( i ).setZero();
+		fine( i, i ) = 1.0;
 	}
-	const Eigen::Matrix3d& v = solver.eigenvectors();
-	const Eigen::Matrix3d half = v * root.asDiagonal() * v.transpose(), inverseHalf = v * inverseRoot.asDiagonal() * v.transpose();
-	const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> shares( inverseHalf * fineMoment * inverseHalf );
+	const Vec3d inverseRoot = root.cwiseInverse();
+	const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> shares( Eigen::Matrix3d( inverseRoot.asDiagonal() * fine * inverseRoot.asDiagonal() ) );
 	const Vec3d limited = shares.eigenvalues().cwiseMax( 1.0 - kLargestSoftness ).cwiseMin( 1.0 );
 	const Eigen::Matrix3d share = shares.eigenvectors() * limited.asDiagonal() * shares.eigenvectors().transpose();
-	return inverseHalf * share * half; // J^-1/2 ( J^-1/2 J_fine J^-1/2 ) J^1/2 = J^-1 J_fine
+	// J^-1/2 ( J^-1/2 J_fine J^-1/2 ) J^1/2 = J^-1 J_fine
+	return v * inverseRoot.asDiagonal() * share * root.asDiagonal() * v.transpose();
 }
 
 double quadraticEta( const Octree& octree, const Cut& cut, const RegionMatrix& matrix, std::uint32_t region, const FineMoments& fine,

@@ -92,6 +92,15 @@ std::vector<std::vector<std::uint32_t>> partsByMass( const Lattice& lattice, std
 
 } // namespace
 
+void Breaking::prepare( const Lattice& lattice, float breakStrain, std::vector<float> toughness )
+{
+	if ( settings.rule == BreakRule::Plane )
+	{
+		planes = std::make_unique<PlaneCracks>( breakStrain );
+	}
+	limits = limitLinks( lattice, planes ? planes->candidateStrain() : breakStrain, std::move( toughness ) );
+}
+
 Status Body::setFracture( const Fracture& fracture, const ToughnessField& field )
 {
 	if ( Status status = check( fracture ); !status.ok() )
@@ -116,7 +125,7 @@ Status Body::setFracture( const Fracture& fracture, const ToughnessField& field 
 		}
 		auto breaking = std::make_unique<Breaking>();
 		breaking->settings = fracture;
-		breaking->limits = limitLinks( *m_lattice, breakStrainOf( fracture, m_material ), std::move( toughness.value ) );
+		breaking->prepare( *m_lattice, breakStrainOf( fracture, m_material ), std::move( toughness.value ) );
 		m_breaking = std::move( breaking );
 		refineBeforeBreaking();
 		return {};
@@ -144,22 +153,31 @@ void Body::testLinks( float h )
 	{
 		return;
 	}
-	m_breaking->coolDown -= h;
-	if ( m_breaking->coolDown > 0.0f || !m_breaking->broken.empty() )
+	Breaking& b = *m_breaking;
+	b.coolDown -= h;
+	const bool isCool = b.coolDown <= 0.0f;
+	const std::vector<std::uint8_t>* const mayBreak = m_levels ? &b.settled.update( *m_lattice, m_levels->cut(), m_levels->settings().coarseLevels, h ) : nullptr;
+	if ( !b.broken.empty() || ( !isCool && !b.planes ) )
 	{
 		return;
 	}
-	if ( m_levels )
+	bool hasBegun = false;
+	if ( b.planes )
 	{
-		findOverstretched( m_breaking->limits, m_nodes, m_levels->cut(), m_breaking->broken );
+		const CellPlaces places = m_levels ? CellPlaces( m_nodes, m_levels->cut(), *mayBreak ) : CellPlaces( m_nodes );
+		hasBegun = b.planes->find( *m_lattice, b.limits, places, h, isCool, b.broken );
+	}
+	else if ( m_levels )
+	{
+		findOverstretched( b.limits, CellPlaces( m_nodes, m_levels->cut(), *mayBreak ), b.broken );
 	}
 	else
 	{
-		findOverstretched( m_breaking->limits, m_nodes, m_breaking->broken );
+		findOverstretched( b.limits, m_nodes, b.broken );
 	}
-	if ( !m_breaking->broken.empty() )
+	if ( hasBegun || ( !b.planes && !b.broken.empty() ) )
 	{
-		m_breaking->coolDown = m_breaking->settings.coolDown;
+		b.coolDown = b.settings.coolDown;
 	}
 }
 
@@ -360,7 +378,15 @@ void Body::inheritBreaking( const Breaking& from, const BodyPiece& piece )
 	m_breaking = std::make_unique<Breaking>();
 	m_breaking->settings = from.settings;
 	m_breaking->coolDown = from.coolDown;
-	m_breaking->limits = limitLinks( *m_lattice, breakStrainOf( from.settings, m_material ), inheritToughness( from.limits, *m_lattice, piece.cellBefore ) );
+	m_breaking->prepare( *m_lattice, breakStrainOf( from.settings, m_material ), inheritToughness( from.limits, *m_lattice, piece.cellBefore ) );
+	if ( m_levels )
+	{
+		m_breaking->settled.inherit( from.settled, piece.cellBefore );
+	}
+	if ( from.planes )
+	{
+		*m_breaking->planes = *from.planes; // cracks are where they were
+	}
 }
 
 } // namespace pliant

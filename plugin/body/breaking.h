@@ -4,6 +4,7 @@
 // Ohta et al. 2009, "Fracturing".
 
 #include "fracture/link_limits.h"
+#include "fracture/plane_cracks.h"
 #include "pliant/fracture.h"
 
 #include <memory>
@@ -18,7 +19,12 @@ struct Breaking
 	Fracture settings;
 	LinkLimits limits;
 	std::vector<CellLink> broken; ///< waiting to be taken out, ascending
-	float coolDown = 0.0f;        ///< s until links are tested again
+	float coolDown = 0.0f;        ///< s until links are tested again, or new cracks may begin
+	SettledCells settled;         ///< bodies with levels only
+	std::unique_ptr<PlaneCracks> planes; ///< BreakRule::Plane only
+
+	/// Limits and planes for the settings.
+	void prepare( const Lattice& lattice, float breakStrain, std::vector<float> toughness );
 };
 
 /// A part of a body that has come apart. Its nodes are some of the body's, in their order.

@@ -14,4 +14,21 @@ inline constexpr int kMostPieces = 100000;
 /// Bodies with levels that can break are refined at this share of the stretch they break at, so that what breaks is always finest cells.
 inline constexpr float kRefineBeforeBreak = 0.5f;
 
+/// A node that has been split rings for this long, s, before what it has become may break.
+inline constexpr float kSettleTime = 0.05f;
+
+/// Along a pull in any direction lies a link whose cosine with it is at least 0.85 (worst between an axis, a face's and a cell's diagonal):
+/// it is strained by more than this share of what the material is.
+inline constexpr float kCandidateShare = 0.6f;
+/// Axes along which a cell's neighbours spread less than this share of the widest are left out of its deformation.
+inline constexpr double kFlatNeighbourhood = 1e-3;
+/// A crack goes on in its plane where the pull is within 40 degrees of its normal, ...
+inline constexpr double kSameCrackCosine = 0.77;
+/// ... the cell this near to the plane and this near to what has broken, cells; ...
+inline constexpr double kCrackThickness = 1.0, kCrackReach = 2.0;
+/// ... and nothing begins beside it within this many cells and half its own size.
+inline constexpr double kCrackShield = 3.0;
+/// A crack that has not grown for this long is forgotten, s.
+inline constexpr float kCrackRest = 0.25f;
+
 } // namespace pliant

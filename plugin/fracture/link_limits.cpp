@@ -1,6 +1,6 @@
 #include "fracture/link_limits.h"
 
-#include "adapt/cut.h"
+#include "fracture/cell_places.h"
 
 #include <algorithm>
 
@@ -83,22 +83,15 @@ void findOverstretched( const LinkLimits& limits, const NodeState& nodes, std::v
 	}
 }
 
-void findOverstretched( const LinkLimits& limits, const NodeState& nodes, const Cut& cut, std::vector<CellLink>& found )
+void findOverstretched( const LinkLimits& limits, const CellPlaces& places, std::vector<CellLink>& found )
 {
-	// A node of the finest level has its cell's number in the octree.
-	const Places places{ nodes.x.x.data(), nodes.x.y.data(), nodes.x.z.data() };
 	const std::uint32_t count = std::uint32_t( limits.start.size() ) - 1;
 	for ( std::uint32_t i = 0; i < count; ++i )
 	{
-		const std::uint32_t slot = cut.slotOfCell[i];
-		if ( cut.node[slot] != i )
+		for ( std::uint32_t k = limits.start[i]; places.mayBreak( i ) && k < limits.start[i + 1]; ++k )
 		{
-			continue;
-		}
-		for ( std::uint32_t k = limits.start[i]; k < limits.start[i + 1]; ++k )
-		{
-			const std::uint32_t j = limits.to[k], other = cut.slotOfCell[j];
-			if ( cut.node[other] == j && places.distanceSquared( slot, other ) > limits.lengthSquared[k] )
+			const std::uint32_t j = limits.to[k];
+			if ( places.mayBreak( j ) && ( places.at( i ) - places.at( j ) ).squaredNorm() > limits.lengthSquared[k] )
 			{
 				found.push_back( CellLink{ i, j } );
 			}

@@ -11,7 +11,7 @@
 
 namespace pliant {
 
-struct Cut;
+class CellPlaces;
 
 /// The links of a lattice, each once, from its lower cell: link k of cell i leads to to[k], start[i] <= k < start[i + 1].
 struct LinkLimits
@@ -34,7 +34,7 @@ std::vector<float> inheritToughness( const LinkLimits& before, const Lattice& pa
 
 /// All links longer than they may be, ascending. Cells are nodes.
 void findOverstretched( const LinkLimits& limits, const NodeState& nodes, std::vector<CellLink>& found );
-/// The same where nodes differ in size: links between two finest nodes. What is under bigger nodes is refined before it can break.
-void findOverstretched( const LinkLimits& limits, const NodeState& nodes, const Cut& cut, std::vector<CellLink>& found );
+/// The same where nodes differ in size: links between two cells that may break.
+void findOverstretched( const LinkLimits& limits, const CellPlaces& places, std::vector<CellLink>& found );
 
 } // namespace pliant

@@ -13,7 +13,7 @@ inline constexpr int kLanes = 16;
 inline constexpr std::size_t kAlignment = 64;
 
 /// Eigenvalues of a second moment below this share of its largest are taken as zero when it is inverted (flat or thin regions).
-inline constexpr float kMomentFloor = 1e-3f;
+inline constexpr float kMomentFloor = 1e-2f;
 
 /// Horn's matrix is scaled to entries of about 1; eigenvalues nearer than this to its largest leave the rotation open.
 inline constexpr double kOpenRotationGap = 1e-7;

@@ -4,6 +4,7 @@
 #include "body/levels.h"
 #include "matching/lattice_matcher.h"
 #include "support/block_body.h"
+#include "support/pulled_bar.h"
 #include "support/shapes.h"
 
 #include <gtest/gtest.h>
@@ -260,6 +261,22 @@ TEST( Breaking, PiecesHaveAsManyFarLevelsAsTheyAreLongEnoughFor )
 		add( after, *piece.body );
 	}
 	EXPECT_LT( ( after.momentum - before.momentum ).norm(), 1e-5 * before.momentum.norm() );
+}
+
+TEST( Breaking, InPlaneModeABarPartsAcrossThePullAtWhatWasSet )
+{
+	// More angles and levels: pliant_experiments pull.
+	for ( const int coarse : { 0, 1 } )
+	{
+		for ( const double degrees : { 0.0, 20.0, 45.0 } )
+		{
+			const test::PullResult pulled = test::pullBar( { degrees, coarse, BreakRule::Plane, 0.1f } );
+			std::printf( "%d levels, %.0f degrees: breaks at %.3f of what was set, crack tilted by %.1f degrees\n", coarse, degrees, pulled.firstStrain / 0.1, pulled.tilt );
+			EXPECT_NEAR( pulled.firstStrain, 0.1, 0.01 );
+			EXPECT_LT( pulled.tilt, 10.0 );
+			EXPECT_GE( pulled.pieces, 2 );
+		}
+	}
 }
 
 TEST( Breaking, MoreThanTheMostPiecesStayWithTheHeaviest )

@@ -55,6 +55,39 @@ TEST( Levels, AreRefusedWhereTheyMakeNoSense )
 	EXPECT_EQ( Body::create( lattice, cluster, {}, nullptr, levels( 1 ) ).status.code, ResultCode::BadArgument );
 }
 
+// Where the surface is slanted, big nodes at its edge have regions that lie in a plane. What the cells under them do across it once turned
+// them: at rest they were strained by a third.
+TEST( Levels, NothingStrainsAtRestHoweverSlantedTheSurface )
+{
+	for ( const double degrees : { 15.0, 30.0, 40.0 } )
+	{
+		const double angle = degrees * 3.14159265358979323846 / 180.0;
+		const Vec3d along( std::cos( angle ), std::sin( angle ), 0.0 ), across( -std::sin( angle ), std::cos( angle ), 0.0 );
+		const auto isInside = [&]( int x, int y, int ) {
+			const Vec3d p( x - 23.5, y - 23.5, 0.0 );
+			return std::fabs( p.dot( along ) ) < 20.0 && std::fabs( p.dot( across ) ) < 4.0;
+		};
+		const auto lattice = std::make_shared<const Lattice>( test::makeShapeLattice( { 48, 48, 8 }, 0.05f, isInside ) );
+		for ( int count = 1; count <= 3; ++count )
+		{
+			Adaptivity settings = levels( count );
+			settings.refineStrain = 0.01f;
+			const auto body = makeAdaptive( lattice, settings );
+			const int nodes = body->nodeCount();
+			for ( int k = 0; k < 40; ++k )
+			{
+				body->adaptLevels( 1.0f / 240.0f );
+				substep( *body, 1.0f / 240.0f, 1.0f );
+			}
+			EXPECT_EQ( body->nodeCount(), nodes );
+			for ( int i = 0; i < body->nodeCount(); ++i )
+			{
+				EXPECT_LT( ( body->nodes().x.get( i ) - body->nodes().x0.get( i ) ).norm(), 1e-6f ) << degrees << " degrees, " << count << " levels, node " << i;
+			}
+		}
+	}
+}
+
 TEST( Levels, ChangedInFlightKeepMomentumSpinAndNearlyAllEnergy )
 {
 	const auto lattice = std::make_shared<const Lattice>( test::makeBlobLattice( 18, 0.05f, 4 ) );

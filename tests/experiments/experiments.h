@@ -8,5 +8,6 @@ void globExperiment( int orientations );
 void vibrationExperiment();
 void barExperiment();
 void splitsExperiment();
+void pullExperiment();
 
 } // namespace pliant::experiment

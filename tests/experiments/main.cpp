@@ -1,5 +1,4 @@
-// Runs one experiment and prints its tables:
-//   pliant_experiments glob [orientations] | vibration | bars | splits
+// Runs one experiment and prints its tables. Without a name: lists them.
 
 #include "experiments/experiments.h"
 
@@ -7,30 +6,41 @@
 #include <cstdlib>
 #include <cstring>
 
+namespace {
+
+using namespace pliant::experiment;
+
+struct Entry
+{
+	const char* name;
+	void ( *run )( int number );
+	int number; ///< what it takes when no other is given
+};
+
+const Entry kEntries[] = {
+	{ "glob", []( int orientations ) { globExperiment( orientations ); }, 6 },
+	{ "vibration", []( int ) { vibrationExperiment(); }, 0 },
+	{ "bars", []( int ) { barExperiment(); }, 0 },
+	{ "splits", []( int ) { splitsExperiment(); }, 0 },
+	{ "pull", []( int ) { pullExperiment(); }, 0 },
+};
+
+} // namespace
+
 int main( int argc, char** argv )
 {
-	using namespace pliant::experiment;
-	const char* const name = argc > 1 ? argv[1] : "";
-	if ( std::strcmp( name, "glob" ) == 0 )
+	for ( const Entry& entry : kEntries )
 	{
-		globExperiment( argc > 2 ? std::atoi( argv[2] ) : 6 );
-		return 0;
+		if ( argc > 1 && std::strcmp( argv[1], entry.name ) == 0 )
+		{
+			entry.run( argc > 2 ? std::atoi( argv[2] ) : entry.number );
+			return 0;
+		}
 	}
-	if ( std::strcmp( name, "vibration" ) == 0 )
+	std::puts( "pliant_experiments <name> [number]" );
+	for ( const Entry& entry : kEntries )
 	{
-		vibrationExperiment();
-		return 0;
+		std::printf( "  %s\n", entry.name );
 	}
-	if ( std::strcmp( name, "bars" ) == 0 )
-	{
-		barExperiment();
-		return 0;
-	}
-	if ( std::strcmp( name, "splits" ) == 0 )
-	{
-		splitsExperiment();
-		return 0;
-	}
-	std::puts( "pliant_experiments glob [orientations] | vibration | bars | splits" );
 	return 1;
 }

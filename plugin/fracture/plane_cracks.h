@@ -1,0 +1,53 @@
+#pragma once
+
+// Cracks as planes: where the material around a cell is stretched too far, all links that cross the plane normal to the largest stretch break
+// together, and a crack goes on in the plane it began in. Beyond Ohta et al. 2009, "Fracturing": distances between neighbours depend on how
+// the lattice lies (a pull between two of the 26 directions stretches no link by the whole of it), and cracks of single links follow it.
+
+#include "fracture/cell_places.h"
+#include "fracture/link_limits.h"
+
+#include <vector>
+
+namespace pliant {
+
+class PlaneCracks
+{
+public:
+	/// Strain at which a cell of toughness 1 cracks.
+	explicit PlaneCracks( float breakStrain ) : m_breakStrain( breakStrain ) {}
+
+	/// Links for `limitLinks`: what may be the start of something. A body strained by e has a link strained by this share of it at least,
+	/// whatever the direction.
+	float candidateStrain() const;
+
+	/// Adds the links that break in this substep of length h, ascending. `limits` made for candidateStrain(). `mayBegin`: new cracks may,
+	/// else the ones there are go on only. True when one has begun.
+	bool find( const Lattice& lattice, const LinkLimits& limits, const CellPlaces& places, float h, bool mayBegin, std::vector<CellLink>& broken );
+
+	std::size_t count() const { return m_planes.size(); }
+
+private:
+	struct Plane
+	{
+		Vec3d point, normal; ///< at rest, in the mesh's coordinates
+		Vec3d low, high;     ///< box around the cells it has run through
+		float age;           ///< s since it last grew
+	};
+	struct Overload
+	{
+		float excess; ///< strain over what the material bears
+		std::uint32_t cell;
+		Vec3d normal;
+	};
+
+	std::vector<Overload> overloads( const Lattice& lattice, const LinkLimits& limits, const CellPlaces& places ) const;
+	bool measure( const Lattice& lattice, const LinkLimits& limits, const CellPlaces& places, Overload& found ) const;
+	Plane* planeFor( const Overload& found, const Vec3d& at, double cellSize, bool& isShielded );
+	void breakAcross( const Lattice& lattice, const LinkLimits& limits, std::uint32_t cell, Plane& plane, std::vector<CellLink>& broken ) const;
+
+	float m_breakStrain;
+	std::vector<Plane> m_planes;
+};
+
+} // namespace pliant
