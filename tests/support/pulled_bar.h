@@ -64,91 +64,127 @@ inline double crackTilt( const std::vector<Vec3d>& middles, double reach, const 
 	return std::acos( std::min( 1.0, std::fabs( solver.eigenvectors().col( 0 ).dot( along ) ) ) ) * 180.0 / 3.14159265358979323846;
 }
 
-inline PullResult pullBar( const PulledBar& bar )
+/// The specimen in its machine.
+class PullTest
 {
-	const double length = 40.0, height = 8.0, grip = 4.0, shoulder = 4.0, cell = 0.05; // cells, m
-	const double angle = bar.degrees * 3.14159265358979323846 / 180.0;
-	const Vec3d along( std::cos( angle ), std::sin( angle ), 0.0 ), across( -std::sin( angle ), std::cos( angle ), 0.0 );
-	const int room = 48;
-	const auto isInside = [&]( int x, int y, int ) {
-		const Vec3d p( x + 0.5 - room / 2, y + 0.5 - room / 2, 0.0 );
-		return std::fabs( p.dot( along ) ) < length / 2 && std::fabs( p.dot( across ) ) < height / 2;
-	};
-	const auto lattice = std::make_shared<const Lattice>( makeShapeLattice( { room, room, int( height ) }, float( cell ), isInside ) );
-	Material material;
-	material.youngsModulus = 1e5f;
-	material.wobbleDamping = 0.0f;
-	Adaptivity levels;
-	levels.coarseLevels = bar.coarseLevels;
-	std::unique_ptr<Body> body = std::move( Body::create( lattice, material, {}, nullptr, levels ).value );
-	Fracture fracture;
-	fracture.rule = bar.rule;
-	fracture.breakStrain = bar.breakStrain;
-	// As in a testing machine, where the specimen is thicker at its ends: what the grips do there is not what is asked about.
-	struct Shoulders
+public:
+	explicit PullTest( const PulledBar& bar ) :
+		m_angle( bar.degrees * 3.14159265358979323846 / 180.0 ), m_along( std::cos( m_angle ), std::sin( m_angle ), 0.0 )
 	{
-		Vec3 along;
-		float middle, from; // m along the bar, in the mesh's coordinates
-	} shoulders{ along.cast<float>(), float( along.dot( lattice->massCentre ) ), float( ( length / 2 - grip - shoulder ) * cell ) };
-	ToughnessField field;
-	field.context = &shoulders;
-	field.share = []( const float* point, const float*, void* context ) {
-		const Shoulders& s = *static_cast<const Shoulders*>( context );
-		return std::fabs( s.along.dot( Vec3( point[0], point[1], point[2] ) ) - s.middle ) > s.from ? std::numeric_limits<float>::infinity() : 1.0f;
-	};
-	body->setFracture( fracture, field );
-
-	const float h = 1.0f / 240.0f, alpha = planStiffness( material, float( cell ), 4.0f * h, 4 ).alpha;
-	const double rate = 0.05; // strain a second; sound takes 0.2 s from end to end
-	const double free = ( length / 2 - grip ) * cell;
-	for ( int i = 0; i < body->nodeCount(); ++i )
-	{
-		const double s = body->nodes().x0.get( i ).cast<double>().dot( along );
-		body->nodes().v.set( i, ( along * rate * std::clamp( s, -free, free ) ).cast<float>() );
-	}
-	PullResult result;
-	std::vector<Vec3d> middles;
-	for ( int step = 1; step < 2400 && result.pieces < 2; ++step )
-	{
-		for ( int i = 0; i < body->nodeCount(); ++i )
+		const Vec3d across( -std::sin( m_angle ), std::cos( m_angle ), 0.0 );
+		const int room = 48;
+		const auto isInside = [&]( int x, int y, int ) {
+			const Vec3d p( x + 0.5 - room / 2, y + 0.5 - room / 2, 0.0 );
+			return std::fabs( p.dot( m_along ) ) < kLength / 2 && std::fabs( p.dot( across ) ) < kHeight / 2;
+		};
+		const auto lattice = std::make_shared<const Lattice>( makeShapeLattice( { room, room, int( kHeight ) }, float( kCell ), isInside ) );
+		Material material;
+		material.youngsModulus = 1e5f;
+		material.wobbleDamping = 0.0f;
+		m_alpha = planStiffness( material, float( kCell ), 4.0f * kStep, 4 ).alpha;
+		Adaptivity levels;
+		levels.coarseLevels = bar.coarseLevels;
+		m_body = std::move( Body::create( lattice, material, {}, nullptr, levels ).value );
+		setFracture( bar );
+		for ( int i = 0; i < m_body->nodeCount(); ++i )
 		{
-			const double s = body->nodes().x0.get( i ).cast<double>().dot( along );
-			if ( std::fabs( s ) > free )
+			m_body->nodes().v.set( i, ( m_along * kRate * std::clamp( place( i ), -kFree, kFree ) ).cast<float>() );
+		}
+	}
+
+	PullResult run()
+	{
+		PullResult result;
+		std::vector<Vec3d> middles;
+		for ( int step = 1; step < 2400 && result.pieces < 2; ++step )
+		{
+			draw();
+			if ( m_body->hasBrokenLinks() )
 			{
-				body->setPinned( i, true );
-				body->nodes().v.set( i, ( along * rate * std::copysign( free, s ) ).cast<float>() );
+				const double strain = kRate * double( kStep ) * step;
+				result.firstStrain = result.firstStrain == 0.0 ? strain : result.firstStrain;
+				result.partedStrain = strain;
+				result.pieces = breakApart( middles );
 			}
 		}
-		body->adaptLevels( h );
-		body->accelerateTowardGoals( h, alpha, nullptr );
-		body->integrate( h );
-		body->testLinks( h );
-		if ( !body->hasBrokenLinks() )
+		if ( !middles.empty() )
 		{
-			continue;
+			result.tilt = crackTilt( middles, 1.5 * kCell, m_along, result.links );
 		}
-		while ( body->mustRefineToBreak() )
+		return result;
+	}
+
+private:
+	static constexpr double kLength = 40.0, kHeight = 8.0, kGrip = 4.0, kShoulder = 4.0; // cells
+	static constexpr double kCell = 0.05;                                               // m
+	static constexpr double kFree = ( kLength / 2 - kGrip ) * kCell;                     // m, from the middle to a grip
+	static constexpr double kRate = 0.05; // strain a second; sound takes 0.2 s from end to end
+	static constexpr float kStep = 1.0f / 240.0f;
+
+	double place( int node ) const { return m_body->nodes().x0.get( node ).cast<double>().dot( m_along ); }
+
+	// As in a testing machine, where the specimen is thicker at its ends: what the grips do there is not what is asked about.
+	void setFracture( const PulledBar& bar )
+	{
+		struct Shoulders
 		{
-			body->refineToBreak();
+			Vec3 along;
+			float middle, from; // m along the bar, in the mesh's coordinates
+		} shoulders{ m_along.cast<float>(), float( m_along.dot( m_body->lattice().massCentre ) ), float( kFree - kShoulder * kCell ) };
+		ToughnessField field;
+		field.context = &shoulders;
+		field.share = []( const float* point, const float*, void* context ) {
+			const Shoulders& s = *static_cast<const Shoulders*>( context );
+			return std::fabs( s.along.dot( Vec3( point[0], point[1], point[2] ) ) - s.middle ) > s.from ? std::numeric_limits<float>::infinity() : 1.0f;
+		};
+		Fracture fracture;
+		fracture.rule = bar.rule;
+		fracture.breakStrain = bar.breakStrain;
+		m_body->setFracture( fracture, field );
+	}
+
+	void draw()
+	{
+		for ( int i = 0; i < m_body->nodeCount(); ++i )
+		{
+			if ( std::fabs( place( i ) ) > kFree )
+			{
+				m_body->setPinned( i, true );
+				m_body->nodes().v.set( i, ( m_along * kRate * std::copysign( kFree, place( i ) ) ).cast<float>() );
+			}
 		}
-		const double strain = rate * h * step;
-		result.firstStrain = result.firstStrain == 0.0 ? strain : result.firstStrain;
-		for ( const CellLink& link : body->breaking()->broken )
+		m_body->adaptLevels( kStep );
+		m_body->accelerateTowardGoals( kStep, m_alpha, nullptr );
+		m_body->integrate( kStep );
+		m_body->testLinks( kStep );
+	}
+
+	int breakApart( std::vector<Vec3d>& middles )
+	{
+		while ( m_body->mustRefineToBreak() )
 		{
-			const Lattice& now = body->lattice();
+			m_body->refineToBreak();
+		}
+		for ( const CellLink& link : m_body->breaking()->broken )
+		{
+			const Lattice& now = m_body->lattice();
 			middles.push_back( 0.5 * ( now.restCentre[link.a] + now.restCentre[link.b] ).cast<double>() );
 		}
 		BreakReport report;
-		std::vector<BodyPiece> pieces = body->breakApart( report, 1000 );
-		result.pieces = int( pieces.size() );
-		result.partedStrain = strain;
-		body = std::move( pieces[0].body );
+		std::vector<BodyPiece> pieces = m_body->breakApart( report, 1000 );
+		m_body = std::move( pieces[0].body );
+		return int( pieces.size() );
 	}
-	if ( !middles.empty() )
-	{
-		result.tilt = crackTilt( middles, 1.5 * cell, along, result.links );
-	}
-	return result;
+
+	double m_angle;
+	Vec3d m_along;
+	float m_alpha = 0.0f;
+	std::unique_ptr<Body> m_body;
+};
+
+inline PullResult pullBar( const PulledBar& bar )
+{
+	return PullTest( bar ).run();
 }
 
 } // namespace pliant::test
