@@ -4,9 +4,11 @@
 
 #include "lattice/build_lattice.h"
 #include "matching/level_tables.h"
+#include "surface/cell_complex.h"
 #include "surface/skinning.h"
 
 #include <chrono>
+#include <mutex>
 #include <new>
 #include <stdexcept>
 
@@ -23,6 +25,13 @@ struct BodyTemplate::Data
 	std::vector<std::uint32_t> indices;
 	std::vector<float> textureCoordinates;
 	std::vector<std::uint32_t> submeshOfTriangle;
+
+	// For cracks, which most templates never show.
+	std::vector<float> positions; ///< of the mesh's vertices, m
+	LatticeSettings settings;
+	std::mutex crackMutex;
+	bool hasTriedCracks = false;
+	std::shared_ptr<const CellComplex> crackComplex;
 };
 
 namespace {
@@ -62,6 +71,10 @@ Result<std::shared_ptr<const BodyTemplate>> BodyTemplate::build( const MeshView&
 {
 	using Answer = Result<std::shared_ptr<const BodyTemplate>>;
 	const auto start = std::chrono::steady_clock::now();
+	if ( Status status = check( settings.cracks ); !status.ok() )
+	{
+		return Answer{ std::move( status ), nullptr };
+	}
 	try
 	{
 		Result<LatticeBuild> built = buildLattice( mesh, settings );
@@ -74,9 +87,9 @@ Result<std::shared_ptr<const BodyTemplate>> BodyTemplate::build( const MeshView&
 		data.lattice = std::make_shared<const Lattice>( std::move( built.value.lattice ) );
 		if ( settings.skinning != Skinning::None )
 		{
-			const std::vector<float> packed = packedPositions( mesh );
+			data.positions = packedPositions( mesh );
 			MeshView packedMesh = mesh;
-			packedMesh.positions = packed.data();
+			packedMesh.positions = data.positions.data();
 			packedMesh.positionStride = 3;
 			data.skin = bindSkin( packedMesh, *data.lattice, built.value.weldedVertex, settings.skinning );
 			data.vertexCount = int( mesh.vertexCount );
@@ -85,6 +98,9 @@ Result<std::shared_ptr<const BodyTemplate>> BodyTemplate::build( const MeshView&
 			data.textureCoordinates = copyOf( mesh.textureCoordinates, 2 * mesh.vertexCount );
 			data.submeshOfTriangle = copyOf( mesh.submeshOfTriangle, mesh.triangleCount );
 		}
+		data.settings = settings;
+		data.settings.runner = nullptr; // the game's, and only while it builds
+		data.settings.progress = nullptr;
 		data.report = built.value.report;
 		data.report.seconds = std::chrono::duration<double>( std::chrono::steady_clock::now() - start ).count();
 		return Answer::success( made );
@@ -167,6 +183,24 @@ std::shared_ptr<TemplateCache> BodyTemplate::cache() const
 const SkinBinding& BodyTemplate::skin() const
 {
 	return m_data->skin;
+}
+
+std::shared_ptr<const CellComplex> BodyTemplate::crackComplex() const
+{
+	Data& data = *m_data;
+	const std::lock_guard<std::mutex> lock( data.crackMutex );
+	if ( !data.hasTriedCracks && data.skin.kind != Skinning::None )
+	{
+		MeshView mesh;
+		mesh.positions = data.positions.data();
+		mesh.vertexCount = std::size_t( data.vertexCount );
+		mesh.indices = data.indices.data();
+		mesh.triangleCount = std::size_t( data.triangleCount );
+		mesh.textureCoordinates = dataOrNull( data.textureCoordinates );
+		data.crackComplex = CellComplex::build( mesh, *data.lattice, data.skin, data.settings, data.settings.cracks ).value;
+		data.hasTriedCracks = true;
+	}
+	return data.crackComplex;
 }
 
 } // namespace pliant

@@ -38,6 +38,10 @@ Status check( const CrackSettings& settings )
 	{
 		return broken( "CrackSettings::subdivision must be 1 to 8." );
 	}
+	if ( !( settings.textureTile > 0.0f && std::isfinite( settings.textureTile ) ) )
+	{
+		return broken( "CrackSettings::textureTile must be above 0 m and finite." );
+	}
 	if ( int( settings.faces ) < int( CrackFaces::Exact ) || int( settings.faces ) > int( CrackFaces::Bricks ) )
 	{
 		return broken( "CrackSettings::faces is none of CrackFaces' values." );

@@ -95,7 +95,7 @@ void SoftBody::Impl::adopt( SoftBody& owner, BodyPiece& piece )
 	measureSpeed();
 	skin.fade.clear();
 	skin.isStale = true;
-	pieceSkin.reset();
+	cracks.reset();
 	++fractureVersion;
 }
 
@@ -249,7 +249,12 @@ void SoftBodySystem::testLinks( btScalar h )
 
 Status SoftBody::setFracture( const Fracture& fracture, const ToughnessField& toughness )
 {
-	return m_impl->body->setFracture( fracture, toughness );
+	Status status = m_impl->body->setFracture( fracture, toughness );
+	if ( status.ok() && fracture.rule != BreakRule::Never )
+	{
+		m_impl->bodyTemplate->crackComplex(); // now, and not when the first crack opens
+	}
+	return status;
 }
 
 Fracture SoftBody::fracture() const

@@ -5,7 +5,7 @@
 #include "body/body.h"
 #include "body/breaking.h"
 #include "pliant/soft_body.h"
-#include "surface/piece_skin.h"
+#include "surface/crack_surface.h"
 #include "surface/skin_fade.h"
 #include "surface/skinning.h"
 #include "world/node_body.h"
@@ -81,7 +81,8 @@ struct SoftBody::Impl
 	std::shared_ptr<int> family;       ///< bodies made of the one body it all came from; null: it never came apart
 	mutable std::vector<FreshPair> fresh;
 	std::unique_ptr<NodeShape> shapeBefore; ///< stand-ins of nodes that came off point to its spheres until the next collision phase
-	mutable std::unique_ptr<PieceSkin> pieceSkin; ///< null: the template's
+	mutable std::unique_ptr<CrackSurface> cracks;       ///< null: the template's mesh is drawn as it is
+	mutable std::vector<float> crackTexture;            ///< u, v of its vertices
 
 	std::vector<Pin> pins;             ///< ascending by node
 	std::vector<NodeBody*> nodeBody;   ///< by node; null while untouched

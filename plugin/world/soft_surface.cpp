@@ -55,17 +55,20 @@ void SoftBody::Impl::fadeFromKeptSurface()
 
 const SkinBinding& SoftBody::Impl::binding() const
 {
-	if ( body->firstCells().empty() || bodyTemplate->skin().kind == Skinning::None )
+	if ( cracks )
+	{
+		return cracks->binding();
+	}
+	const std::shared_ptr<const CellComplex> complex = body->firstCells().empty() ? nullptr : bodyTemplate->crackComplex();
+	if ( !complex )
 	{
 		return bodyTemplate->skin();
 	}
-	if ( !pieceSkin )
-	{
-		const Vec3 shift = ( body->lattice().massCentre - bodyTemplate->lattice().massCentre ).cast<float>();
-		const SkinTriangles triangles{ bodyTemplate->indices(), bodyTemplate->triangleCount() };
-		pieceSkin = std::make_unique<PieceSkin>( makePieceSkin( bodyTemplate->skin(), triangles, body->firstCells(), shift ) );
-	}
-	return pieceSkin->binding;
+	const Vec3 shift = ( body->lattice().massCentre - bodyTemplate->lattice().massCentre ).cast<float>();
+	cracks = std::make_unique<CrackSurface>( complex, body->firstCells(), body->lattice(), shift );
+	crackTexture.resize( 2 * std::size_t( cracks->vertexCount() ) );
+	cracks->textureCoordinates( bodyTemplate->textureCoordinates(), complex->settings.textureTile, 0, crackTexture.data() );
+	return cracks->binding();
 }
 
 SurfaceView SoftBody::surface() const
@@ -77,8 +80,12 @@ SurfaceView SoftBody::surface() const
 	{
 		return view;
 	}
-	const SkinTriangles triangles = impl.pieceSkin ? SkinTriangles{ impl.pieceSkin->indices.data(), int( impl.pieceSkin->indices.size() / 3 ) }
-												   : SkinTriangles{ impl.bodyTemplate->indices(), impl.bodyTemplate->triangleCount() };
+	SkinTriangles triangles{ impl.bodyTemplate->indices(), impl.bodyTemplate->triangleCount() };
+	if ( impl.cracks )
+	{
+		triangles.count = int( impl.cracks->triangles().size() );
+		triangles.indices = triangles.count > 0 ? impl.cracks->triangles()[0].data() : nullptr;
+	}
 	SkinBuffers& skinBuffers = impl.skin;
 	if ( skinBuffers.isStale )
 	{
@@ -98,9 +105,15 @@ SurfaceView SoftBody::surface() const
 	view.positions = skinBuffers.positions[skinBuffers.current].data();
 	view.normals = skinBuffers.normals[skinBuffers.current].data();
 	view.indices = triangles.indices;
-	view.vertexCount = impl.bodyTemplate->vertexCount();
+	view.vertexCount = int( binding.restPosition.size() );
 	view.triangleCount = triangles.count;
 	view.topologyVersion = impl.fractureVersion;
+	view.textureCoordinates = impl.bodyTemplate->textureCoordinates();
+	if ( impl.cracks )
+	{
+		view.textureCoordinates = impl.crackTexture.data();
+		view.triangleSource = impl.cracks->sources().data();
+	}
 	view.frame = skinBuffers.frame;
 	return view;
 }

@@ -286,7 +286,24 @@ TEST( Fracture, PiecesComeToRestOnEachOther )
 	EXPECT_GT( closest, 0.5 * 0.05 );
 }
 
-TEST( Fracture, SurfacesOfPiecesShowEachTheirOwn )
+/// Of what the surface encloses, m^3; right only where it is closed.
+double enclosedVolume( const SurfaceView& view )
+{
+	double six = 0.0;
+	for ( int t = 0; t < view.triangleCount; ++t )
+	{
+		btVector3 corner[3];
+		for ( int k = 0; k < 3; ++k )
+		{
+			const float* p = view.positions + 3 * std::size_t( view.indices[3 * t + k] );
+			corner[k] = btVector3( p[0], p[1], p[2] );
+		}
+		six += double( corner[0].dot( corner[1].cross( corner[2] ) ) );
+	}
+	return six / 6.0;
+}
+
+TEST( Fracture, SurfacesOfPiecesAreClosedAndShowEachItsOwn )
 {
 	TestWorld test;
 	test.world.setGravity( btVector3( 0, 0, 0 ) );
@@ -297,9 +314,21 @@ TEST( Fracture, SurfacesOfPiecesShowEachTheirOwn )
 	test.run( 60 );
 	ASSERT_GE( test.world.softBodyCount(), 2 );
 	EXPECT_NE( soft->surface().topologyVersion, topology );
+	double volume = 0.0;
 	for ( const SoftBody* body : allSoft( test.world ) )
 	{
 		const SurfaceView view = body->surface();
+		volume += enclosedVolume( view );
+		ASSERT_NE( view.triangleSource, nullptr );
+		ASSERT_NE( view.textureCoordinates, nullptr );
+		int inside = 0;
+		for ( int t = 0; t < view.triangleCount; ++t )
+		{
+			inside += view.triangleSource[t] == SurfaceView::kInside ? 1 : 0;
+			EXPECT_TRUE( view.triangleSource[t] == SurfaceView::kInside || view.triangleSource[t] < 12u );
+		}
+		EXPECT_GT( inside, 0 );
+		EXPECT_LT( inside, view.triangleCount );
 		for ( int k = 0; k < 3 * view.triangleCount; ++k )
 		{
 			const float* p = view.positions + 3 * std::size_t( view.indices[k] );
@@ -308,6 +337,7 @@ TEST( Fracture, SurfacesOfPiecesShowEachTheirOwn )
 			EXPECT_LT( body->nodePosition( node ).distance( place ), btScalar( 0.2 ) );
 		}
 	}
+	EXPECT_NEAR( volume, 0.16, 0.16 * 0.05 ); // they still pulse a little
 }
 
 } // namespace

@@ -2,6 +2,7 @@
 
 // A mesh turned into finest cells, links and skin weights: immutable, built once, shared by any number of bodies.
 
+#include "pliant/crack.h"
 #include "pliant/export.h"
 #include "pliant/mesh.h"
 #include "pliant/result.h"
@@ -15,6 +16,7 @@ class TaskRunner;
 struct Lattice;
 struct SkinBinding;
 struct TemplateCache;
+class CellComplex;
 
 /// How the render mesh follows the nodes.
 enum class Skinning : int
@@ -48,6 +50,9 @@ struct LatticeSettings
 	float minimumFill = 0.03f;
 
 	Skinning skinning = Skinning::NearbyNodes;
+
+	/// The faces that cracks show. They are made when the first body of the template is allowed to break, or is cut, and not before.
+	CrackSettings cracks;
 
 	/// Threads for building; null: the calling thread alone. The result does not depend on it.
 	TaskRunner* runner = nullptr;
@@ -106,6 +111,9 @@ public:
 	std::shared_ptr<const Lattice> sharedLattice() const;
 	std::shared_ptr<TemplateCache> cache() const;
 	const SkinBinding& skin() const;
+	/// What cracks can show, made at the first call; safe from several threads. Null with Skinning::None, or when there is no memory for it:
+	/// cracks are then not drawn.
+	std::shared_ptr<const CellComplex> crackComplex() const;
 
 private:
 	BodyTemplate();

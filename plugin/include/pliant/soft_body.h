@@ -22,7 +22,8 @@ namespace pliant {
 class SoftBody;
 using SoftBodyResult = Result<std::unique_ptr<SoftBody>>;
 
-/// The skinned render mesh, valid until the body is next stepped. Vertex i is the input mesh's vertex i. World coordinates
+/// The skinned render mesh, valid until the body is next stepped. Vertex i is the input mesh's vertex i as long as nothing has broken; then
+/// vertices stand for the sides of cracks, and topologyVersion says when to take the indices and texture coordinates anew. World coordinates
 /// relative to `origin` (add it in your own precision; it keeps float vertices exact far from the world's centre).
 struct SurfaceView
 {
@@ -30,6 +31,11 @@ struct SurfaceView
 	const float* positions = nullptr;    ///< 3 floats a vertex, m
 	const float* normals = nullptr;      ///< 3 floats a vertex, unit length
 	const std::uint32_t* indices = nullptr;
+	/// 2 floats a vertex; null when the mesh had none and nothing has broken.
+	const float* textureCoordinates = nullptr;
+	/// Of each triangle: the input's triangle it is a piece of, or kInside for the face of a crack. Null: triangle i is the input's triangle i.
+	const std::uint32_t* triangleSource = nullptr;
+	static constexpr std::uint32_t kInside = 0xffffffffu;
 	int vertexCount = 0;
 	int triangleCount = 0;
 	unsigned topologyVersion = 0;        ///< changes when indices or counts change
