@@ -119,6 +119,10 @@ Status Body::setMaterial( const Material& wanted )
 	{
 		return status;
 	}
+	if ( m_breaking && wanted.method != Method::Lattice )
+	{
+		return Status{ ResultCode::BadArgument, "A body that can break needs Method::Lattice." };
+	}
 	Material material = wanted;
 	material.farLevels = usefulFarLevels( *m_lattice, wanted.farLevels );
 	try
@@ -144,6 +148,10 @@ Status Body::setMaterial( const Material& wanted )
 			m_matcher = std::move( matcher );
 		}
 		m_material = material;
+		if ( m_breaking && m_breaking->settings.strength > 0.0f ) // the strain it breaks at follows the modulus
+		{
+			m_breaking->prepare( *m_lattice, breakStrain( m_breaking->settings, m_material ), std::move( m_breaking->limits.toughness ) );
+		}
 		return {};
 	}
 	catch ( const std::bad_alloc& )
@@ -164,6 +172,11 @@ void Body::place( const Placement& placement )
 	}
 	m_matcher->reset( m_nodes, placement.rotation.normalized() );
 	m_matcher->forgetFlow();
+	m_cutLinks.clear();
+	if ( m_breaking )
+	{
+		m_breaking->broken.clear(); // found where the nodes no longer are
+	}
 	keepFiniteState();
 }
 

@@ -24,12 +24,6 @@ bool sharesFace( const Lattice& lattice, const CellLink& link )
 	return ( lattice.coordinate[link.a].cast<int>() - lattice.coordinate[link.b].cast<int>() ).cwiseAbs().sum() == 1;
 }
 
-/// The stretch at which a link of toughness 1 breaks.
-float breakStrainOf( const Fracture& fracture, const Material& material )
-{
-	return fracture.strength > 0.0f ? fracture.strength / material.youngsModulus : fracture.breakStrain;
-}
-
 Result<std::vector<float>> sampleToughness( const Lattice& lattice, const ToughnessField& field )
 {
 	using Answer = Result<std::vector<float>>;
@@ -92,13 +86,13 @@ std::vector<std::vector<std::uint32_t>> partsByMass( const Lattice& lattice, std
 
 } // namespace
 
-void Breaking::prepare( const Lattice& lattice, float breakStrain, std::vector<float> toughness )
+void Breaking::prepare( const Lattice& lattice, float strain, std::vector<float> toughness )
 {
 	if ( settings.rule == BreakRule::Plane )
 	{
-		planes = std::make_unique<PlaneCracks>( breakStrain );
+		planes = std::make_unique<PlaneCracks>( strain );
 	}
-	limits = limitLinks( lattice, planes ? planes->candidateStrain() : breakStrain, std::move( toughness ) );
+	limits = limitLinks( lattice, planes ? planes->candidateStrain() : strain, std::move( toughness ) );
 }
 
 Status Body::setFracture( const Fracture& fracture, const ToughnessField& field )
@@ -125,7 +119,7 @@ Status Body::setFracture( const Fracture& fracture, const ToughnessField& field 
 		}
 		auto breaking = std::make_unique<Breaking>();
 		breaking->settings = fracture;
-		breaking->prepare( *m_lattice, breakStrainOf( fracture, m_material ), std::move( toughness.value ) );
+		breaking->prepare( *m_lattice, breakStrain( fracture, m_material ), std::move( toughness.value ) );
 		m_breaking = std::move( breaking );
 		refineBeforeBreaking();
 		return {};
@@ -143,7 +137,7 @@ void Body::refineBeforeBreaking()
 	{
 		const std::vector<float>& toughness = m_breaking->limits.toughness;
 		const float weakest = toughness.empty() ? 1.0f : *std::min_element( toughness.begin(), toughness.end() );
-		const float strain = std::min( kRefineBeforeBreak * weakest * breakStrainOf( m_breaking->settings, m_material ), kLargestBreakStrain );
+		const float strain = std::min( kRefineBeforeBreak * weakest * breakStrain( m_breaking->settings, m_material ), kLargestBreakStrain );
 		const float before = m_levels->settings().refineStrain;
 		m_levels->setRefineStrain( before > 0.0f ? std::min( before, strain ) : strain );
 	}
@@ -380,7 +374,7 @@ void Body::inheritBreaking( const Breaking& from, const BodyPiece& piece )
 	m_breaking = std::make_unique<Breaking>();
 	m_breaking->settings = from.settings;
 	m_breaking->coolDown = from.coolDown;
-	m_breaking->prepare( *m_lattice, breakStrainOf( from.settings, m_material ), inheritToughness( from.limits, *m_lattice, piece.cellBefore ) );
+	m_breaking->prepare( *m_lattice, breakStrain( from.settings, m_material ), inheritToughness( from.limits, *m_lattice, piece.cellBefore ) );
 	if ( m_levels )
 	{
 		m_breaking->settled.inherit( from.settled, piece.cellBefore );

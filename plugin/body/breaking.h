@@ -6,6 +6,7 @@
 #include "fracture/link_limits.h"
 #include "fracture/plane_cracks.h"
 #include "pliant/fracture.h"
+#include "pliant/material.h"
 
 #include <memory>
 #include <vector>
@@ -13,6 +14,12 @@
 namespace pliant {
 
 class Body;
+
+/// The stretch at which a link of toughness 1 breaks.
+inline float breakStrain( const Fracture& fracture, const Material& material )
+{
+	return fracture.strength > 0.0f ? fracture.strength / material.youngsModulus : fracture.breakStrain;
+}
 
 struct Breaking
 {
@@ -24,7 +31,7 @@ struct Breaking
 	std::unique_ptr<PlaneCracks> planes; ///< BreakRule::Plane only
 
 	/// Limits and planes for the settings.
-	void prepare( const Lattice& lattice, float breakStrain, std::vector<float> toughness );
+	void prepare( const Lattice& lattice, float strain, std::vector<float> toughness );
 };
 
 /// A part of a body that has come apart. Its nodes are some of the body's, in their order.

@@ -94,6 +94,17 @@ TEST( Breaking, RefusesWhatMakesNoSense )
 	Material cluster;
 	cluster.method = Method::SingleCluster;
 	EXPECT_EQ( makeBody( lattice, {}, cluster )->setFracture( fracture ).code, ResultCode::BadArgument );
+	EXPECT_EQ( body->setMaterial( cluster ).code, ResultCode::BadArgument );
+
+	// Strength is in pascals: a stiffer body breaks at less strain.
+	fracture.strength = 1e4f;
+	EXPECT_TRUE( body->setFracture( fracture ).ok() );
+	const float longest = std::sqrt( body->breaking()->limits.lengthSquared[0] );
+	Material stiffer = body->material();
+	stiffer.youngsModulus *= 2.0f;
+	EXPECT_TRUE( body->setMaterial( stiffer ).ok() );
+	EXPECT_NEAR( std::sqrt( body->breaking()->limits.lengthSquared[0] ) - 0.1f, ( longest - 0.1f ) / 2.0f, 1e-6f );
+
 	fracture.rule = BreakRule::Never;
 	EXPECT_TRUE( body->setFracture( fracture ).ok() );
 	EXPECT_EQ( body->breaking(), nullptr );
