@@ -11,6 +11,7 @@
 
 #include <array>
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 namespace pliant {
@@ -69,6 +70,7 @@ struct ClippedSurface
 	std::vector<ClipPoint> point; ///< vertex i of the welded mesh is point i
 	ClipPolygons polygons;
 	std::vector<Pierce> pierce;
+	std::vector<std::pair<Eigen::Vector3i, std::uint32_t>> insideCorner; ///< by planes; from makeFaceEdges
 
 	int positionOf( std::uint32_t p, int axis ) const;
 };

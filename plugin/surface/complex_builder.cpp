@@ -2,13 +2,16 @@
 
 #include "surface/complex_builder.h"
 
+#include "lattice/constants.h"
 #include "lattice/inside_field.h"
 #include "lattice/weld.h"
+#include "lattice/winding_number.h"
 #include "surface/face_drawing.h"
 #include "surface/surface_pieces.h"
 #include "surface/skinning.h"
 
 #include <algorithm>
+#include <cmath>
 #include <optional>
 
 namespace pliant {
@@ -125,12 +128,55 @@ private:
 		m_surface = clipSurface( { cells, triangles, m_lattice.extent, m_warp } );
 		const std::vector<FaceEdge> edges = makeFaceEdges( m_surface, m_warp, m_settings.subdivision );
 		m_merged = mergeClosePoints( m_surface, edges );
-		const FaceParts parts = traceFaces( m_surface, edges, m_merged );
+		FaceParts parts = traceFaces( m_surface, edges, m_merged );
+		MarchingSquares squares( m_surface, m_warp, m_merged );
+		if ( m_field->isSoup() )
+		{
+			parts = FaceParts{}; // the lattice's lines miss much of such a surface: its faces are all asked for
+			parts.broken = facesOfLattice();
+		}
+		if ( !parts.broken.empty() )
+		{
+			closeBroken( parts, edges );
+		}
 		m_owners = findOwners( m_lattice, m_surface, parts, m_merged );
-		m_faces = drawFaces( m_surface, parts, m_owners, m_warp, m_settings );
+		m_faces = drawFaces( m_surface, parts, m_owners, m_warp, m_settings, squares );
 		m_out.report.fallbacks = int( parts.broken.size() );
 		m_out.report.adopted = m_owners.adopted;
 		m_out.report.faces = int( m_faces.face.size() );
+	}
+
+	/// Those between positions that both have cells.
+	std::vector<std::uint64_t> facesOfLattice() const
+	{
+		std::vector<std::uint64_t> keys, faces;
+		for ( const auto& at : m_lattice.coordinate )
+		{
+			keys.push_back( positionKey( m_lattice.extent, at.cast<int>() ) );
+		}
+		for ( const std::uint64_t key : keys )
+		{
+			for ( int axis = 0; axis < 3; ++axis )
+			{
+				const Eigen::Vector3i above = positionOfKey( m_lattice.extent, key ) + Eigen::Vector3i::Unit( axis );
+				if ( above[axis] < m_lattice.extent[axis] && std::binary_search( keys.begin(), keys.end(), positionKey( m_lattice.extent, above ) ) )
+				{
+					faces.push_back( 3 * key + std::uint64_t( axis ) );
+				}
+			}
+		}
+		faces.erase( std::unique( faces.begin(), faces.end() ), faces.end() );
+		return faces;
+	}
+
+	void closeBroken( FaceParts& parts, const std::vector<FaceEdge>& edges )
+	{
+		const WindingTree tree( m_mesh.position, m_mesh.triangle );
+		const auto isInside = [&]( const Vec3d& rest ) {
+			return std::abs( tree.at( m_lattice.corner + double( m_lattice.cellSize ) * rest ) ) > kInsideWinding;
+		};
+		MarchingSquares squares( m_surface, m_warp, m_merged, isInside );
+		closeByMarchingSquares( parts, edges, m_surface, squares, m_merged );
 	}
 
 	void drawSurface()

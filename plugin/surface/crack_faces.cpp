@@ -104,6 +104,7 @@ private:
 		if ( isNew )
 		{
 			entry->second = addPoint( line, at );
+			m_surface.insideCorner.emplace_back( plane, entry->second );
 		}
 		return entry->second;
 	}

@@ -33,6 +33,7 @@ struct FacePart
 	std::uint64_t below;  ///< key of the position under it
 	int axis;
 	std::uint32_t firstLoop, lastLoop;
+	std::uint32_t firstCut = 0, lastCut = 0; ///< of FaceParts::cutPoint: more points that it parts
 };
 
 struct FaceParts
@@ -40,6 +41,7 @@ struct FaceParts
 	Loops loops;
 	std::vector<Vec2d> at; ///< by entry of loops.point: place along axis + 1 and axis + 2
 	std::vector<FacePart> part;
+	std::vector<std::uint32_t> cutPoint;
 	std::vector<std::uint64_t> broken; ///< faces whose border does not close: the mesh has holes that were not closed
 };
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <tuple>
+#include <utility>
 
 namespace pliant {
 
@@ -30,8 +31,8 @@ bool isOnOneTriangle( const SurfaceOrigin& a, const SurfaceOrigin& b )
 class FaceDrawer
 {
 public:
-	FaceDrawer( ClippedSurface& surface, const FaceParts& parts, const NoiseWarp& warp, const CrackSettings& settings ) :
-		m_surface( surface ), m_parts( parts ), m_warp( warp ), m_settings( settings )
+	FaceDrawer( ClippedSurface& surface, const FaceParts& parts, const NoiseWarp& warp, const CrackSettings& settings, MarchingSquares& squares ) :
+		m_surface( surface ), m_parts( parts ), m_warp( warp ), m_settings( settings ), m_squares( squares )
 	{
 	}
 
@@ -69,8 +70,16 @@ private:
 		{
 			m_out.tie.emplace_back( m_parts.loops.point[k], std::uint32_t( m_out.face.size() - 1 ) );
 		}
+		for ( std::uint32_t k = part.firstCut; k < part.lastCut; ++k )
+		{
+			m_out.tie.emplace_back( m_parts.cutPoint[k], std::uint32_t( m_out.face.size() - 1 ) );
+		}
 		m_drawn.clear();
-		if ( isWholeSquare( part ) )
+		if ( m_settings.faces != CrackFaces::Exact )
+		{
+			drawCoarsely( wall );
+		}
+		else if ( isWholeSquare( part ) )
 		{
 			drawSquare( part );
 		}
@@ -90,6 +99,26 @@ private:
 			}
 			m_out.triangle.push_back( t );
 			m_out.axis.push_back( std::uint8_t( 2 * part.axis + ( wall.isAUpper ? 1 : 0 ) ) );
+		}
+	}
+
+	/// A square is drawn once between two cells, however many parts of it stand there.
+	void drawCoarsely( const Wall& wall )
+	{
+		const FacePart& part = m_parts.part[wall.part];
+		const Wall* before = std::exchange( m_before, &wall );
+		const bool isKnown = before && before->a == wall.a && before->b == wall.b && m_parts.part[before->part].below == part.below &&
+			m_parts.part[before->part].axis == part.axis;
+		if ( isKnown )
+		{
+			return;
+		}
+		const Eigen::Vector3i below = positionOfKey( m_surface.extent, part.below );
+		std::vector<std::uint32_t> ring;
+		m_settings.faces == CrackFaces::Bricks ? m_squares.square( below, part.axis, ring ) : m_squares.outline( below, part.axis, ring );
+		for ( std::size_t k = 2; k < ring.size(); ++k )
+		{
+			m_drawn.push_back( { ring[0], ring[k - 1], ring[k] } );
 		}
 	}
 
@@ -178,15 +207,18 @@ private:
 	const FaceParts& m_parts;
 	const NoiseWarp& m_warp;
 	const CrackSettings& m_settings;
+	MarchingSquares& m_squares;
+	const Wall* m_before = nullptr; ///< the wall drawn last
 	DrawnFaces m_out;
 	std::vector<std::array<std::uint32_t, 3>> m_drawn;
 };
 
 } // namespace
 
-DrawnFaces drawFaces( ClippedSurface& surface, const FaceParts& parts, const CellOwners& owners, const NoiseWarp& warp, const CrackSettings& settings )
+DrawnFaces drawFaces( ClippedSurface& surface, const FaceParts& parts, const CellOwners& owners, const NoiseWarp& warp, const CrackSettings& settings,
+	MarchingSquares& squares )
 {
-	return FaceDrawer( surface, parts, warp, settings ).run( owners );
+	return FaceDrawer( surface, parts, warp, settings, squares ).run( owners );
 }
 
 } // namespace pliant

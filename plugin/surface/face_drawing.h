@@ -4,6 +4,7 @@
 
 #include "surface/cell_complex.h"
 #include "surface/cell_owners.h"
+#include "surface/marching_squares.h"
 
 #include <array>
 #include <cstdint>
@@ -19,7 +20,8 @@ struct DrawnFaces
 	std::vector<std::pair<std::uint32_t, std::uint32_t>> tie; ///< point, face: faces that pass a point
 };
 
-/// Adds points to the surface: middles of faces.
-DrawnFaces drawFaces( ClippedSurface& surface, const FaceParts& parts, const CellOwners& owners, const NoiseWarp& warp, const CrackSettings& settings );
+/// Adds points to the surface: middles of faces, and `squares` its own.
+DrawnFaces drawFaces( ClippedSurface& surface, const FaceParts& parts, const CellOwners& owners, const NoiseWarp& warp, const CrackSettings& settings,
+	MarchingSquares& squares );
 
 } // namespace pliant
