@@ -9,5 +9,7 @@ void vibrationExperiment();
 void barExperiment();
 void splitsExperiment();
 void pullExperiment();
+/// Writes crack.png and crack_near.png into the working directory.
+void crackExperiment();
 
 } // namespace pliant::experiment

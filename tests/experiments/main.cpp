@@ -23,6 +23,7 @@ const Entry kEntries[] = {
 	{ "bars", []( int ) { barExperiment(); }, 0 },
 	{ "splits", []( int ) { splitsExperiment(); }, 0 },
 	{ "pull", []( int ) { pullExperiment(); }, 0 },
+	{ "crack", []( int ) { crackExperiment(); }, 0 },
 };
 
 } // namespace
