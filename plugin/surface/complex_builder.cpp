@@ -18,24 +18,38 @@ namespace pliant {
 
 namespace {
 
-/// Sorted pairs, each once, as rows by their first.
-Table makeTable( std::vector<std::pair<std::uint32_t, std::uint32_t>>& pairs, std::size_t rows )
+/// Pairs of row and entry, in any order, as rows of ascending entries, each once.
+Table makeTable( const std::vector<std::pair<std::uint32_t, std::uint32_t>>& pairs, std::size_t rows )
 {
-	std::sort( pairs.begin(), pairs.end() );
-	pairs.erase( std::unique( pairs.begin(), pairs.end() ), pairs.end() );
-	Table table;
-	table.start.assign( rows + 1, 0 );
-	table.entry.reserve( pairs.size() );
-	for ( const auto& [row, entry] : pairs )
+	Table all;
+	all.start.assign( rows + 1, 0 );
+	for ( const auto& pair : pairs )
 	{
-		++table.start[row + 1];
-		table.entry.push_back( entry );
+		++all.start[pair.first + 1];
 	}
 	for ( std::size_t r = 0; r < rows; ++r )
 	{
-		table.start[r + 1] += table.start[r];
+		all.start[r + 1] += all.start[r];
 	}
-	return table;
+	all.entry.resize( pairs.size() );
+	std::vector<std::uint32_t> next( all.start.begin(), all.start.end() - 1 );
+	for ( const auto& [row, entry] : pairs )
+	{
+		all.entry[next[row]++] = entry;
+	}
+	// Each row sorted, doubles dropped, and moved up.
+	std::uint32_t kept = 0;
+	for ( std::size_t r = 0; r < rows; ++r )
+	{
+		const auto first = all.entry.begin() + all.start[r], last = all.entry.begin() + all.start[r + 1];
+		std::sort( first, last );
+		const auto end = std::unique( first, last );
+		all.start[r] = kept;
+		kept = std::uint32_t( std::move( first, end, all.entry.begin() + kept ) - all.entry.begin() );
+	}
+	all.start[rows] = kept;
+	all.entry.resize( kept );
+	return all;
 }
 
 Table turned( const Table& table, std::size_t rows )

@@ -34,7 +34,7 @@ void CrackSurface::breakFaces( const std::vector<std::uint32_t>& faces )
 		const std::uint32_t local = localFace( face );
 		if ( local != kNone && !m_face[local].isBroken )
 		{
-			m_face[local].isBroken = true;
+			shut( local );
 			fresh.push_back( local );
 		}
 	}
@@ -55,6 +55,16 @@ void CrackSurface::breakFaces( const std::vector<std::uint32_t>& faces )
 	letGo( fresh );
 }
 
+void CrackSurface::shut( std::uint32_t face )
+{
+	m_face[face].isBroken = true;
+	for ( const std::uint32_t cell : { m_face[face].cellA, m_face[face].cellB } )
+	{
+		const auto first = m_cellFace.begin() + m_cellFaceStart[cell], last = m_cellFace.begin() + m_cellFaceStart[cell + 1];
+		m_neighbour[std::size_t( std::find( first, last, face ) - m_cellFace.begin() )] = kNone;
+	}
+}
+
 /// Faces without a link go with those that held them.
 void CrackSurface::addUnheld( std::vector<std::uint32_t>& fresh )
 {
@@ -67,7 +77,7 @@ void CrackSurface::addUnheld( std::vector<std::uint32_t>& fresh )
 			const std::uint32_t local = localFace( *held );
 			if ( local != kNone && !m_face[local].isBroken && !isHeld( local ) )
 			{
-				m_face[local].isBroken = true;
+				shut( local );
 				fresh.push_back( local );
 			}
 		}
@@ -208,25 +218,35 @@ void CrackSurface::redirectTriangles( std::uint32_t cell, std::uint32_t first, s
 // === Binding ===
 
 /// A point follows cells on both sides only where both of the face's cells carried it.
-void CrackSurface::letGo( const std::vector<std::uint32_t>& fresh )
+void CrackSurface::letGo( const std::vector<std::uint32_t>& broken )
 {
 	std::vector<std::uint32_t> points;
-	for ( const std::uint32_t f : fresh )
+	const auto look = [&]( const std::uint32_t* p, const std::uint32_t* end ) {
+		for ( ; p != end; ++p )
+		{
+			const std::uint32_t local = localPoint( *p );
+			if ( local != kNone && m_firstVertex[local] != kNone )
+			{
+				collect( local, points );
+			}
+		}
+	};
+	std::uint32_t before = kNone;
+	for ( const std::uint32_t f : broken )
 	{
 		const CrackFace& known = m_complex->face[m_face[f].number];
-		const auto look = [&]( const std::uint32_t* p, const std::uint32_t* end ) {
-			for ( ; p != end; ++p )
-			{
-				const std::uint32_t local = localPoint( *p );
-				if ( local != kNone && m_firstVertex[local] != kNone )
-				{
-					collect( local, points );
-				}
-			}
-		};
-		look( m_complex->boundPoints.begin( known.cellA ), m_complex->boundPoints.end( known.cellA ) );
+		if ( known.cellA != before )
+		{
+			look( m_complex->boundPoints.begin( known.cellA ), m_complex->boundPoints.end( known.cellA ) );
+			before = known.cellA;
+		}
 		look( m_complex->pointsOfFace.begin( m_face[f].number ), m_complex->pointsOfFace.end( m_face[f].number ) );
 	}
+	for ( const std::uint32_t point : m_strange )
+	{
+		collect( point, points );
+	}
+	m_strange.clear();
 	clearMarks( points );
 	for ( const std::uint32_t point : points )
 	{
@@ -266,35 +286,37 @@ void CrackSurface::reach( std::uint32_t point, std::uint16_t group )
 	const std::uint32_t first = m_complex->bindStart[whole], last = m_complex->bindStart[whole + 1];
 	m_round += 2;
 	const std::uint32_t asked = m_round, reached = m_round + 1;
+	m_asked.clear();
 	for ( std::uint32_t k = first; k < last; ++k )
 	{
-		const std::uint32_t cell = localCell( m_complex->bindCell[k] );
-		if ( cell != kNone )
+		m_asked.push_back( localCell( m_complex->bindCell[k] ) );
+		if ( m_asked.back() != kNone )
 		{
-			m_mark[cell] = asked;
+			m_mark[m_asked.back()] = asked;
 		}
 	}
 	m_open.clear();
+	std::size_t found = 0;
 	for ( std::uint32_t s = m_slotStart[point]; s < m_slotStart[point + 1]; ++s )
 	{
 		if ( m_slotGroup[s] == group )
 		{
+			found += m_mark[m_slotCell[s]] == asked;
 			m_mark[m_slotCell[s]] = reached;
 			m_open.push_back( m_slotCell[s] );
 		}
 	}
 	const std::uint32_t home = m_open.front();
-	for ( std::size_t k = 0; k < m_open.size(); ++k )
+	for ( std::size_t k = 0; k < m_open.size() && found < m_asked.size(); ++k )
 	{
-		const std::uint32_t cell = m_open[k];
-		for ( std::uint32_t f = m_cellFaceStart[cell]; f < m_cellFaceStart[cell + 1]; ++f )
+		for ( std::uint32_t f = m_cellFaceStart[m_open[k]]; f < m_cellFaceStart[m_open[k] + 1]; ++f )
 		{
-			const Face& face = m_face[m_cellFace[f]];
-			const std::uint32_t other = face.cellA == cell ? face.cellB : face.cellA;
-			if ( !face.isBroken && m_mark[other] == asked )
+			const std::uint32_t other = m_neighbour[f];
+			if ( other != kNone && m_mark[other] == asked )
 			{
 				m_mark[other] = reached;
 				m_open.push_back( other );
+				++found;
 			}
 		}
 	}
@@ -308,7 +330,7 @@ void CrackSurface::writeRow( std::uint32_t first, std::uint32_t last, std::uint3
 	double sum = 0.0;
 	for ( std::uint32_t k = first; k < last; ++k )
 	{
-		const std::uint32_t cell = localCell( m_complex->bindCell[k] );
+		const std::uint32_t cell = m_asked[k - first];
 		if ( cell != kNone && m_mark[cell] == reached )
 		{
 			m_rowCell.push_back( cell );
@@ -316,13 +338,12 @@ void CrackSurface::writeRow( std::uint32_t first, std::uint32_t last, std::uint3
 			sum += double( m_complex->bindWeight[k] );
 		}
 	}
-	const std::size_t reachedCount = m_rowCell.size();
-	if ( reachedCount == 0 )
+	if ( m_rowCell.empty() )
 	{
 		m_rowCell.push_back( home );
 		m_rowWeight.push_back( 1.0f );
 	}
-	else if ( reachedCount != last - first )
+	else if ( m_rowCell.size() != last - first )
 	{
 		for ( float& weight : m_rowWeight )
 		{

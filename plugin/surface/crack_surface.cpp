@@ -14,15 +14,27 @@ namespace pliant {
 
 namespace {
 
-/// Number of an entry in an ascending list; most bodies hold all there is, and then it is the entry itself.
-std::uint32_t numberIn( const std::vector<std::uint32_t>& list, std::size_t all, std::uint32_t wanted )
+/// Pieces of less than this share of the template search for numbers rather than keep a table as long as the template's.
+constexpr std::size_t kTableShare = 16;
+
+std::uint32_t numberIn( const std::vector<std::uint32_t>& list, std::uint32_t wanted )
 {
-	if ( list.size() == all )
-	{
-		return wanted;
-	}
 	const auto found = std::lower_bound( list.begin(), list.end(), wanted );
 	return found != list.end() && *found == wanted ? std::uint32_t( found - list.begin() ) : CrackSurface::kNone;
+}
+
+std::vector<std::uint32_t> tableOf( const std::vector<std::uint32_t>& list, std::size_t all )
+{
+	std::vector<std::uint32_t> table;
+	if ( list.size() * kTableShare >= all )
+	{
+		table.assign( all, CrackSurface::kNone );
+		for ( std::uint32_t k = 0; k < list.size(); ++k )
+		{
+			table[list[k]] = k;
+		}
+	}
+	return table;
 }
 
 std::vector<std::uint32_t> allUpTo( std::size_t count )
@@ -41,7 +53,7 @@ std::vector<std::uint8_t> unlinkedFaces( const CellComplex& complex, const std::
 		for ( const std::uint32_t* f = complex.facesOfCell.begin( cells[cell] ); f != complex.facesOfCell.end( cells[cell] ); ++f )
 		{
 			const CrackFace& face = complex.face[*f];
-			const std::uint32_t other = numberIn( cells, complex.cellCount(), face.cellA == cells[cell] ? face.cellB : face.cellA );
+			const std::uint32_t other = numberIn( cells, face.cellA == cells[cell] ? face.cellB : face.cellA );
 			if ( face.isLinked && other != CrackSurface::kNone && other > cell )
 			{
 				isBroken[*f] = areLinked( body, cell, other ) ? 0 : 1;
@@ -62,6 +74,7 @@ CrackSurface::CrackSurface( std::shared_ptr<const CellComplex> complex, std::vec
 	const Vec3& shift ) :
 	m_complex( std::move( complex ) ), m_shift( shift ), m_cell( std::move( cells ) ), m_mark( m_cell.size(), 0 )
 {
+	m_localCell = tableOf( m_cell, m_complex->cellCount() );
 	takeFaces( isBroken );
 	takePoints();
 	drawAll();
@@ -93,6 +106,7 @@ void CrackSurface::takeFaces( const std::vector<std::uint8_t>& isBroken )
 	}
 	std::sort( numbers.begin(), numbers.end() );
 	numbers.erase( std::unique( numbers.begin(), numbers.end() ), numbers.end() );
+	m_localFace = tableOf( numbers, m_complex->face.size() );
 	m_face.reserve( numbers.size() );
 	for ( const std::uint32_t number : numbers )
 	{
@@ -110,7 +124,8 @@ void CrackSurface::takeFaces( const std::vector<std::uint8_t>& isBroken )
 	{
 		for ( const std::uint32_t* f = m_complex->facesOfCell.begin( cell ); f != m_complex->facesOfCell.end( cell ); ++f )
 		{
-			m_cellFace.push_back( localFace( *f ) );
+			const Face& face = m_face[m_cellFace.emplace_back( localFace( *f ) )];
+			m_neighbour.push_back( face.isBroken ? kNone : m_cell[face.cellA] == cell ? face.cellB : face.cellA );
 		}
 		m_cellFaceStart.push_back( std::uint32_t( m_cellFace.size() ) );
 	}
@@ -143,6 +158,7 @@ void CrackSurface::takePoints()
 		std::sort( m_point.begin(), m_point.end() );
 		m_point.erase( std::unique( m_point.begin(), m_point.end() ), m_point.end() );
 	}
+	m_localPoint = tableOf( m_point, m_complex->pointCount() );
 	m_firstVertex.assign( m_point.size(), kNone );
 	m_groups.assign( m_point.size(), 1 );
 	m_slotStart.push_back( 0 );
@@ -177,19 +193,19 @@ void CrackSurface::takePoints()
 
 std::uint32_t CrackSurface::localCell( std::uint32_t cell ) const
 {
-	return numberIn( m_cell, m_complex->cellCount(), cell );
+	return m_localCell.empty() ? numberIn( m_cell, cell ) : m_localCell[cell];
 }
 
 std::uint32_t CrackSurface::localPoint( std::uint32_t point ) const
 {
-	return numberIn( m_point, m_complex->pointCount(), point );
+	return m_localPoint.empty() ? numberIn( m_point, point ) : m_localPoint[point];
 }
 
 std::uint32_t CrackSurface::localFace( std::uint32_t face ) const
 {
-	if ( m_face.size() == m_complex->face.size() )
+	if ( !m_localFace.empty() )
 	{
-		return face;
+		return m_localFace[face];
 	}
 	const auto found = std::lower_bound( m_face.begin(), m_face.end(), face, []( const Face& a, std::uint32_t wanted ) { return a.number < wanted; } );
 	return found != m_face.end() && found->number == face ? std::uint32_t( found - m_face.begin() ) : kNone;
@@ -202,10 +218,9 @@ void CrackSurface::drawAll()
 	m_binding.kind = m_complex->skinning;
 	m_binding.start.push_back( 0 );
 	const bool isWhole = m_cell.size() == m_complex->cellCount();
-	bool isCut = !isWhole;
 	for ( std::uint32_t p = 0; p < m_point.size(); ++p )
 	{
-		isCut = regroup( p ) || isCut;
+		regroup( p );
 	}
 	for ( std::uint32_t v = 0; isWhole && v < m_complex->inputVertices; ++v )
 	{
@@ -228,18 +243,17 @@ void CrackSurface::drawAll()
 	}
 	m_cellTriangle.push_back( std::uint32_t( m_triangle.size() ) );
 	measureNormals();
-	for ( Face& face : m_face )
+	std::vector<std::uint32_t> broken;
+	for ( std::uint32_t f = 0; f < m_face.size(); ++f )
 	{
-		if ( face.isBroken )
+		if ( m_face[f].isBroken )
 		{
-			drawSide( face, true );
-			drawSide( face, false );
+			broken.push_back( f );
+			drawSide( m_face[f], true );
+			drawSide( m_face[f], false );
 		}
 	}
-	for ( std::uint32_t p = 0; isCut && p < m_point.size(); ++p )
-	{
-		rebind( p );
-	}
+	letGo( broken );
 }
 
 /// Of the outer surface, before there are inner ones.
@@ -323,9 +337,18 @@ std::uint32_t CrackSurface::addVertex( std::uint32_t point, std::uint32_t kind, 
 	{
 		m_binding.restNormal.back() = ( ( kind & 1u ) != 0 ? -1.0f : 1.0f ) * Vec3::Unit( int( ( kind - kInside ) / 2 ) );
 	}
-	// Room for all that could ever carry it; a piece's rows are written when all is drawn.
+	// Room for all that could ever carry it; where cells of other bodies did, the row is written when all is drawn.
 	const std::uint32_t first = m_complex->bindStart[whole], last = m_complex->bindStart[whole + 1];
-	m_binding.node.insert( m_binding.node.end(), m_complex->bindCell.begin() + first, m_complex->bindCell.begin() + last );
+	bool isStrange = false;
+	for ( std::uint32_t k = first; k < last; ++k )
+	{
+		m_binding.node.push_back( localCell( m_complex->bindCell[k] ) );
+		isStrange = isStrange || m_binding.node.back() == kNone;
+	}
+	if ( isStrange )
+	{
+		m_strange.push_back( point );
+	}
 	m_binding.weight.insert( m_binding.weight.end(), m_complex->bindWeight.begin() + first, m_complex->bindWeight.begin() + last );
 	m_binding.start.push_back( std::uint32_t( m_binding.node.size() ) );
 	m_vertex.push_back( { point, kind, m_firstVertex[point], group } );

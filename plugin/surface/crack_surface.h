@@ -127,10 +127,11 @@ private:
 	void collect( std::uint32_t item, std::vector<std::uint32_t>& list );
 	void clearMarks( const std::vector<std::uint32_t>& list );
 
-	void letGo( const std::vector<std::uint32_t>& fresh );
+	void letGo( const std::vector<std::uint32_t>& broken );
 	void rebind( std::uint32_t point );
 	void reach( std::uint32_t point, std::uint16_t group );
 	void writeRow( std::uint32_t first, std::uint32_t last, std::uint32_t reached, std::uint32_t home );
+	void shut( std::uint32_t face );
 
 	Status validateTriangles() const;
 	Status validateGroups() const;
@@ -139,8 +140,10 @@ private:
 	std::shared_ptr<const CellComplex> m_complex;
 	Vec3 m_shift;
 	std::vector<std::uint32_t> m_cell, m_point; ///< of the complex, ascending
+	std::vector<std::uint32_t> m_localCell, m_localPoint, m_localFace; ///< the other way round; empty for small pieces, which search
 	std::vector<Face> m_face;                   ///< ascending
 	std::vector<std::uint32_t> m_cellFaceStart, m_cellFace;  ///< local faces by local cell
+	std::vector<std::uint32_t> m_neighbour;                  ///< by entry of m_cellFace: the cell beyond while the face stands, or kNone
 	std::vector<std::uint32_t> m_cellTriangle;               ///< by local cell, and one past the last: its pieces of the outer surface
 
 	std::vector<std::uint32_t> m_slotStart, m_slotCell; ///< cells of each point, local
@@ -159,10 +162,11 @@ private:
 	// Room kept between calls.
 	std::vector<std::uint32_t> m_mark, m_open; ///< by local cell; local cells
 	std::uint32_t m_round = 0;
-	std::vector<std::uint32_t> m_rowCell;
+	std::vector<std::uint32_t> m_asked, m_rowCell;
 	std::vector<float> m_rowWeight;
 	std::vector<std::uint16_t> m_root;          ///< by slot of the point at hand
 	std::vector<std::uint8_t> m_isMarked;       ///< by point or cell
+	std::vector<std::uint32_t> m_strange;       ///< points that cells of other bodies carried
 };
 
 /// Every invariant: copies belong to groups, groups to standing faces, rows of the binding to the vertex's own side.

@@ -27,7 +27,7 @@ namespace {
 
 constexpr double kRadius = 0.5;
 constexpr double kCellSize = 1.0 / 11.0;
-constexpr float kPullApart = 0.35f; ///< of a piece's distance from the middle
+constexpr float kPullApart = 0.75f; ///< of a piece's distance from the middle
 
 struct DrawnPiece
 {
@@ -189,12 +189,12 @@ void drawPicture( const std::list<DrawnPiece>& drawn, const char* path )
 		mesh.vertexColours = piece.colours.data();
 		list.meshes.push_back( mesh );
 	}
-	list.camera.eye = { 0.0f, 1.35f, 4.4f };
-	list.camera.target = { 0.0f, 0.62f, 0.0f };
-	list.camera.fieldOfView = 26.0f;
+	list.camera.eye = { 0.0f, 2.6f, 8.4f };
+	list.camera.target = { 0.0f, 0.85f, 0.0f };
+	list.camera.fieldOfView = 15.0f;
 	list.light.toSun = { -0.35f, 0.8f, 0.75f };
 	list.light.shadowRadius = 4.0f;
-	std::printf( "%s: %s\n", path, pliant_glue::writePng( path, renderer->drawPicture( list, 2000, 800, 2.0f ) ) ? "written" : "cannot be written" );
+	std::printf( "%s: %s\n", path, pliant_glue::writePng( path, renderer->drawPicture( list, 2400, 700, 2.0f ) ) ? "written" : "cannot be written" );
 }
 #else
 void drawPicture( const std::list<DrawnPiece>&, const char* )
@@ -209,11 +209,11 @@ void crackExperiment( const char* path )
 {
 	std::puts( "way                 cells    faces triangles   build ms    open ms" );
 	std::list<DrawnPiece> drawn;
-	float x = -2.4f;
+	float x = -2.85f;
 	for ( const Way& way : kWays )
 	{
-		breakSphere( way, Vec3( x, 0.75f, 0.0f ), drawn );
-		x += 1.6f;
+		breakSphere( way, Vec3( x, 0.95f, 0.0f ), drawn );
+		x += 1.9f;
 	}
 	drawPicture( drawn, path );
 }
