@@ -52,7 +52,7 @@ void CrackSurface::breakFaces( const std::vector<std::uint32_t>& faces )
 		drawSide( m_face[f], false );
 	}
 	m_change.firstChanged = std::min( m_change.firstChanged, m_change.lastChanged );
-	letGo( fresh );
+	m_unsettled.insert( m_unsettled.end(), fresh.begin(), fresh.end() );
 }
 
 void CrackSurface::shut( std::uint32_t face )
@@ -218,7 +218,7 @@ void CrackSurface::redirectTriangles( std::uint32_t cell, std::uint32_t first, s
 // === Binding ===
 
 /// A point follows cells on both sides only where both of the face's cells carried it.
-void CrackSurface::letGo( const std::vector<std::uint32_t>& broken )
+void CrackSurface::settle()
 {
 	std::vector<std::uint32_t> points;
 	const auto look = [&]( const std::uint32_t* p, const std::uint32_t* end ) {
@@ -232,7 +232,7 @@ void CrackSurface::letGo( const std::vector<std::uint32_t>& broken )
 		}
 	};
 	std::uint32_t before = kNone;
-	for ( const std::uint32_t f : broken )
+	for ( const std::uint32_t f : m_unsettled )
 	{
 		const CrackFace& known = m_complex->face[m_face[f].number];
 		if ( known.cellA != before )
@@ -247,6 +247,7 @@ void CrackSurface::letGo( const std::vector<std::uint32_t>& broken )
 		collect( point, points );
 	}
 	m_strange.clear();
+	m_unsettled.clear();
 	clearMarks( points );
 	for ( const std::uint32_t point : points )
 	{

@@ -243,17 +243,16 @@ void CrackSurface::drawAll()
 	}
 	m_cellTriangle.push_back( std::uint32_t( m_triangle.size() ) );
 	measureNormals();
-	std::vector<std::uint32_t> broken;
 	for ( std::uint32_t f = 0; f < m_face.size(); ++f )
 	{
 		if ( m_face[f].isBroken )
 		{
-			broken.push_back( f );
+			m_unsettled.push_back( f );
 			drawSide( m_face[f], true );
 			drawSide( m_face[f], false );
 		}
 	}
-	letGo( broken );
+	settle();
 }
 
 /// Of the outer surface, before there are inner ones.

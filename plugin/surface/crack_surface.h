@@ -35,17 +35,21 @@ public:
 	/// A piece of this body: its own vertices and triangles, the cracks as they are. Cells by the template's numbers, ascending.
 	CrackSurface piece( std::vector<std::uint32_t> cells, const Vec3& shift = Vec3::Zero() ) const;
 
-	/// Numbers of the complex; those broken before or not of this body are passed over. Appends vertices and triangles, redirects those of
-	/// cells along the crack, and binds anew what the crack cuts off.
+	/// Numbers of the complex; those broken before or not of this body are passed over. Appends vertices and triangles, and redirects those of
+	/// cells along the crack.
 	void breakFaces( const std::vector<std::uint32_t>& faces );
 	/// The faces between cells whose links broke, by the body's own numbers; pairs that no face joins are passed over.
 	void breakLinks( const std::vector<CellLink>& links );
+
+	/// Binds anew what the cracks since the last time cut off: once a picture is enough, before the binding is used.
+	void settle();
+	bool isSettled() const { return m_unsettled.empty(); }
 
 	bool isBroken( std::uint32_t face ) const;
 
 	// === What is drawn ===
 
-	/// How vertices follow the body's cells, numbered as in cells(). Weights sum to 1; entries that weigh nothing fill rows up.
+	/// How vertices follow the body's cells, numbered as in cells(), once settled. Weights sum to 1; entries that weigh nothing fill rows up.
 	const SkinBinding& binding() const { return m_binding; }
 	const std::vector<std::array<std::uint32_t, 3>>& triangles() const { return m_triangle; }
 	/// By triangle: the input's, or kNone for the inside.
@@ -127,7 +131,6 @@ private:
 	void collect( std::uint32_t item, std::vector<std::uint32_t>& list );
 	void clearMarks( const std::vector<std::uint32_t>& list );
 
-	void letGo( const std::vector<std::uint32_t>& broken );
 	void rebind( std::uint32_t point );
 	void reach( std::uint32_t point, std::uint16_t group );
 	void writeRow( std::uint32_t first, std::uint32_t last, std::uint32_t reached, std::uint32_t home );
@@ -156,6 +159,7 @@ private:
 	std::vector<std::array<std::uint32_t, 3>> m_triangle;
 	std::vector<std::uint32_t> m_source;
 	SkinBinding m_binding;
+	std::vector<std::uint32_t> m_unsettled; ///< faces that broke since, local
 	std::uint64_t m_version = 1;
 	Change m_change;
 

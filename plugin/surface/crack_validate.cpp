@@ -102,7 +102,7 @@ Status CrackSurface::validateBinding() const
 	{
 		return broken( "The binding and the vertices differ in number." );
 	}
-	for ( std::size_t v = 0; v < m_vertex.size() && m_binding.kind != Skinning::None; ++v )
+	for ( std::size_t v = 0; v < m_vertex.size() && m_binding.kind != Skinning::None && isSettled(); ++v )
 	{
 		double sum = 0.0;
 		for ( std::uint32_t k = m_binding.start[v]; k < m_binding.start[v + 1]; ++k )

@@ -20,6 +20,7 @@
 #include <chrono>
 #include <cstdio>
 #include <list>
+#include <string>
 
 namespace pliant::experiment {
 
@@ -150,6 +151,7 @@ void breakSphere( const Way& way, const Vec3& at, std::list<DrawnPiece>& drawn )
 	const auto pieces = piecesOf( lattice );
 	const auto start = std::chrono::steady_clock::now();
 	surface.breakLinks( linksBetween( lattice, pieces ) );
+	surface.settle();
 	const double opened = milliseconds( start );
 	const Lattice torn = withoutLinks( lattice, linksBetween( lattice, pieces ) );
 	std::size_t triangles = 0;
@@ -164,8 +166,15 @@ void breakSphere( const Way& way, const Vec3& at, std::list<DrawnPiece>& drawn )
 		1e3 * complex.value->report.seconds, opened );
 }
 
+struct View
+{
+	std::array<float, 3> eye, target;
+	float fieldOfView;
+	int width, height;
+};
+
 #ifdef PLIANT_HAS_PICTURES
-void drawPicture( const std::list<DrawnPiece>& drawn, const char* path )
+void drawPicture( const std::list<DrawnPiece>& drawn, const std::string& path, const View& view )
 {
 	std::string why;
 	const auto screen = pliant_glue::Offscreen::create( why );
@@ -189,15 +198,16 @@ void drawPicture( const std::list<DrawnPiece>& drawn, const char* path )
 		mesh.vertexColours = piece.colours.data();
 		list.meshes.push_back( mesh );
 	}
-	list.camera.eye = { 0.0f, 2.6f, 8.4f };
-	list.camera.target = { 0.0f, 0.85f, 0.0f };
-	list.camera.fieldOfView = 15.0f;
+	list.camera.eye = view.eye;
+	list.camera.target = view.target;
+	list.camera.fieldOfView = view.fieldOfView;
 	list.light.toSun = { -0.35f, 0.8f, 0.75f };
 	list.light.shadowRadius = 4.0f;
-	std::printf( "%s: %s\n", path, pliant_glue::writePng( path, renderer->drawPicture( list, 2400, 700, 2.0f ) ) ? "written" : "cannot be written" );
+	const bool isWritten = pliant_glue::writePng( path, renderer->drawPicture( list, view.width, view.height, 2.0f ) );
+	std::printf( "%s: %s\n", path.c_str(), isWritten ? "written" : "cannot be written" );
 }
 #else
-void drawPicture( const std::list<DrawnPiece>&, const char* )
+void drawPicture( const std::list<DrawnPiece>&, const std::string&, const View& )
 {
 	std::puts( "no picture: built without OpenGL" );
 }
@@ -215,7 +225,10 @@ void crackExperiment( const char* path )
 		breakSphere( way, Vec3( x, 0.95f, 0.0f ), drawn );
 		x += 1.9f;
 	}
-	drawPicture( drawn, path );
+	const std::string name = path;
+	const std::string stem = name.substr( 0, name.rfind( ".png" ) );
+	drawPicture( drawn, stem + ".png", { { 0.0f, 2.6f, 8.4f }, { 0.0f, 0.85f, 0.0f }, 15.0f, 2400, 700 } );
+	drawPicture( drawn, stem + "_near.png", { { 2.6f, 2.3f, 3.2f }, { 1.9f, 0.8f, 0.0f }, 32.0f, 1800, 1000 } );
 }
 
 } // namespace pliant::experiment

@@ -43,6 +43,7 @@ TEST( CrackModes, BricksAreWholeSquares )
 	EXPECT_GT( whole, 0.8 * double( it.complex->face.size() ) );
 	CrackSurface surface( it.complex );
 	surface.breakFaces( facesBetween( *it.complex, shatter( it.lattice(), 8, 1 ) ) );
+	surface.settle();
 	expectValid( surface );
 	expectNoSeams( surface );
 }
@@ -65,6 +66,7 @@ TEST( CrackModes, MarchingSquaresComesNearTheExactFaces )
 	}
 	CrackSurface surface( it.complex );
 	surface.breakFaces( facesBetween( *it.complex, shatter( it.lattice(), 8, 1 ) ) );
+	surface.settle();
 	expectValid( surface );
 	expectNoSeams( surface );
 }
@@ -97,6 +99,7 @@ TEST( CrackModes, HolesStayTheOnlyOpenPlaces )
 		EXPECT_LT( lowest, 0.2 ); // faces fill the inside
 		CrackSurface surface( it.complex );
 		surface.breakFaces( facesBetween( *it.complex, shatter( it.lattice(), 8, 1 ) ) );
+		surface.settle();
 		expectValid( surface );
 	}
 }
@@ -118,6 +121,7 @@ TEST( CrackModes, SoupFallsBackOnMarchingSquares )
 	EXPECT_NEAR( areaOf( *it.complex ) / exact, 1.0, 0.05 );
 	CrackSurface surface( it.complex );
 	surface.breakFaces( facesBetween( *it.complex, shatter( it.lattice(), 8, 1 ) ) );
+	surface.settle();
 	expectValid( surface );
 	expectNoSeams( surface );
 }

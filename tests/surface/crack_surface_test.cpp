@@ -63,6 +63,7 @@ TEST_P( Cracks, PiecesAreClosedAndSumToTheWhole )
 	CrackSurface whole( it.complex );
 	const auto pieces = shatter( it.lattice(), 8, 5 );
 	whole.breakFaces( facesBetween( *it.complex, pieces ) );
+	whole.settle();
 	expectValid( whole );
 	expectNoSeams( whole );
 	double sum = 0.0;
@@ -87,6 +88,7 @@ TEST_P( Cracks, SidesAreEqualAndOpposite )
 	const CrackCase it = make();
 	CrackSurface whole( it.complex );
 	whole.breakFaces( facesBetween( *it.complex, shatter( it.lattice(), 8, 7 ) ) );
+	whole.settle();
 	Vec3d sum = Vec3d::Zero();
 	double area = 0.0, expected = 0.0;
 	for ( std::size_t t = 0; t < whole.triangles().size(); ++t )
@@ -113,6 +115,7 @@ TEST_P( Cracks, BrokenFaceByFaceAreThoseBrokenAtOnce )
 	CrackSurface atOnce( it.complex ), stepwise( it.complex );
 	std::vector<std::uint32_t> faces = facesBetween( *it.complex, shatter( it.lattice(), 5, 3 ) );
 	atOnce.breakFaces( faces );
+	atOnce.settle();
 	std::mt19937 random( 3 );
 	for ( std::size_t k = faces.size(); k > 1; --k )
 	{
@@ -122,6 +125,7 @@ TEST_P( Cracks, BrokenFaceByFaceAreThoseBrokenAtOnce )
 	{
 		stepwise.breakFaces( { face } );
 	}
+	stepwise.settle();
 	expectValid( atOnce );
 	expectValid( stepwise );
 	ASSERT_EQ( atOnce.triangles().size(), stepwise.triangles().size() );
@@ -170,6 +174,7 @@ TEST_P( Cracks, AnyBreaksLeaveItClosed )
 		const std::uint32_t vertices = surface.vertexCount();
 		const std::vector<TrianglePoints> before = surface.triangles();
 		surface.breakFaces( faces );
+		surface.settle();
 		expectValid( surface );
 		expectNoSeams( surface );
 		EXPECT_GT( surface.topologyVersion(), version );
@@ -200,6 +205,7 @@ TEST( CrackSurface, HalvesAreManifolds )
 			halves[it.lattice().coordinate[cell].x() < it.lattice().extent.x() / 2 ? 0 : 1].push_back( cell );
 		}
 		whole.breakFaces( facesBetween( *it.complex, halves ) );
+		whole.settle();
 		for ( const auto& half : halves )
 		{
 			EXPECT_EQ( oddEdges( welded( whole.piece( half ) ) ), 0 );
@@ -222,6 +228,7 @@ TEST( CrackSurface, SidesLetGoOfEachOther )
 			halves[std::size_t( halfOf[cell] )].push_back( cell );
 		}
 		whole.breakFaces( facesBetween( *it.complex, halves ) );
+		whole.settle();
 		int both = 0;
 		const SkinBinding& b = whole.binding();
 		for ( std::uint32_t v = 0; v < whole.vertexCount(); ++v )
@@ -244,6 +251,7 @@ TEST( CrackSurface, MadeFromALatticeItIsTheSame )
 	const auto pieces = shatter( it.lattice(), 4, 2 );
 	CrackSurface whole( it.complex );
 	whole.breakFaces( facesBetween( *it.complex, pieces ) );
+	whole.settle();
 	std::vector<CellLink> links;
 	std::vector<std::size_t> pieceOf( it.complex->cellCount() );
 	for ( std::size_t k = 0; k < pieces.size(); ++k )
@@ -277,6 +285,7 @@ TEST( CrackSurface, MadeFromALatticeItIsTheSame )
 	}
 	CrackSurface byLinks( it.complex );
 	byLinks.breakLinks( links );
+	byLinks.settle();
 	EXPECT_EQ( byLinks.triangles(), whole.triangles() );
 }
 
@@ -302,6 +311,7 @@ TEST( CrackSurface, TipsStayJoined )
 		links.push_back( { cellAt( 1, y, 1 ), cellAt( 2, y, 1 ) } );
 	}
 	surface.breakLinks( links );
+	surface.settle();
 	expectValid( surface );
 	const auto rowsAt = [&]( const Vec3d& place ) {
 		std::set<std::vector<std::uint32_t>> rows;
@@ -329,6 +339,7 @@ TEST( CrackSurface, TextureCoordinatesRunThroughCutsOfTheSurface )
 	const CrackCase it( makeBox( { 0, 0, 0 }, { 1, 1, 1 } ), 0.23, noisy() );
 	CrackSurface surface( it.complex );
 	surface.breakFaces( facesBetween( *it.complex, shatter( it.lattice(), 4, 1 ) ) );
+	surface.settle();
 	// u, v linear in place on the input: then they must be on every cut of it.
 	std::vector<float> input;
 	for ( std::size_t v = 0; v < it.mesh.vertexCount(); ++v )
