@@ -97,7 +97,7 @@ std::size_t CellComplex::bytes() const
 	const auto sizeOfTable = [&]( const Table& table ) { return sizeOf( table.start ) + sizeOf( table.entry ); };
 	return sizeOf( pointRest ) + sizeOfTable( cellsOfPoint ) + sizeOfTable( facesOfPoint ) + sizeOfTable( pointsOfCell ) +
 		sizeOfTable( pointsOfFace ) + sizeOfTable( boundPoints ) + sizeOf( bindStart ) + sizeOf( bindCell ) +
-		sizeOf( bindWeight ) + sizeOf( vertexPoint ) + sizeOf( addedOrigin ) + sizeOf( cellTriangleStart ) + sizeOf( triangle ) +
+		sizeOf( bindWeight ) + sizeOf( vertexPoint ) + sizeOf( addedOrigin ) + sizeOf( vertexNormal ) + sizeOf( cellTriangleStart ) + sizeOf( triangle ) +
 		sizeOf( triangleSource ) + sizeOf( face ) + sizeOf( faceTriangle ) + sizeOf( faceAxis ) + sizeOfTable( facesOfCell );
 }
 

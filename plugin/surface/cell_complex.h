@@ -80,6 +80,7 @@ public:
 	std::uint32_t inputVertices = 0;       ///< vertex i of the input is vertex i
 	std::vector<std::uint32_t> vertexPoint;
 	std::vector<Origin> addedOrigin;       ///< of vertex inputVertices + k
+	std::vector<Vec3> vertexNormal;        ///< at rest, as the whole mesh is shaded; empty with Skinning::None
 
 	// === What a cell draws ===
 

@@ -100,6 +100,7 @@ public:
 		if ( skin.kind != Skinning::None )
 		{
 			bindPoints( skin );
+			shade( skin );
 		}
 		else
 		{
@@ -402,6 +403,21 @@ private:
 			m_out.bindStart.push_back( std::uint32_t( m_out.bindCell.size() ) );
 		}
 		m_out.boundPoints = turned( { m_out.bindStart, m_out.bindCell }, std::size_t( m_lattice.cellCount() ) );
+	}
+
+	/// Between the input's vertices normals are interpolated, as a renderer does.
+	void shade( const SkinBinding& skin )
+	{
+		m_out.vertexNormal = skin.restNormal;
+		for ( const CellComplex::Origin& origin : m_out.addedOrigin )
+		{
+			Vec3 sum = Vec3::Zero();
+			for ( std::size_t k = 0; k < 3 && origin.vertex[k] != CellComplex::kNone; ++k )
+			{
+				sum += origin.weight[k] * skin.restNormal[origin.vertex[k]];
+			}
+			m_out.vertexNormal.push_back( sum.isZero( 0.0f ) ? skin.restNormal[origin.vertex[0]] : Vec3( sum.normalized() ) );
+		}
 	}
 
 	const MeshView& m_view;

@@ -206,7 +206,6 @@ void CrackSurface::redirectTriangles( std::uint32_t cell, std::uint32_t first, s
 			if ( group != known.group )
 			{
 				const std::uint32_t made = vertexFor( known.point, known.kind, group );
-				m_binding.restNormal[made] = m_binding.restNormal[old];
 				m_triangle[t][k] = made;
 				m_change.firstChanged = std::min( m_change.firstChanged, t );
 				m_change.lastChanged = std::max( m_change.lastChanged, t + 1 );
@@ -253,6 +252,7 @@ void CrackSurface::settle()
 	{
 		rebind( point );
 	}
+	matchNormals();
 }
 
 void CrackSurface::rebind( std::uint32_t point )

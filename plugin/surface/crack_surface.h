@@ -122,7 +122,7 @@ private:
 	std::uint32_t addVertex( std::uint32_t point, std::uint32_t kind, std::uint16_t group );
 	std::uint32_t normalGroupFor( std::uint32_t point, std::uint32_t kind, std::uint16_t group );
 	void drawSide( Face& face, bool isA );
-	void measureNormals();
+	void matchNormals();
 
 	void addUnheld( std::vector<std::uint32_t>& fresh );
 	void splitGroups( const std::vector<std::uint32_t>& fresh );

@@ -98,7 +98,8 @@ Status CrackSurface::validateGroups() const
 Status CrackSurface::validateBinding() const
 {
 	if ( m_binding.start.size() != m_vertex.size() + 1 || m_binding.restPosition.size() != m_vertex.size() ||
-		m_binding.normalGroup.size() != m_vertex.size() || m_binding.restNormal.size() != m_vertex.size() )
+		m_binding.normalGroup.size() != m_vertex.size() || m_binding.restNormal.size() != m_vertex.size() ||
+		( isSettled() && m_binding.normalShift.size() != m_vertex.size() ) )
 	{
 		return broken( "The binding and the vertices differ in number." );
 	}

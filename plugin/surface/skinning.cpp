@@ -145,23 +145,41 @@ void sumNormals( const SkinBinding& binding, const SkinTriangles& triangles, con
 	}
 }
 
+/// A direction that turns along with the vertex's nodes.
+F4 turned( const SkinBinding& binding, const float* maps, const std::uint32_t* slot, std::size_t vertex, const Vec3& direction )
+{
+	return Blend( binding, maps, slot, vertex ).apply( F4{ direction.x(), direction.y(), direction.z(), 0.0f } );
+}
+
+float lengthOf( F4 a )
+{
+	return std::sqrt( ( a[0] * a[0] + a[1] * a[1] ) + a[2] * a[2] );
+}
+
 /// A normal that turns along with the vertex's nodes, where the triangles have no area to measure one by.
 F4 turnedNormal( const SkinBinding& binding, const float* maps, const std::uint32_t* slot, std::size_t vertex )
 {
 	const Vec3& n = binding.restNormal[vertex];
-	const F4 rest{ n.x(), n.y(), n.z(), 0.0f };
-	const F4 turned = Blend( binding, maps, slot, vertex ).apply( rest );
-	const float length = std::sqrt( ( turned[0] * turned[0] + turned[1] * turned[1] ) + turned[2] * turned[2] );
-	return length > 0.0f ? turned / length : rest;
+	const F4 now = turned( binding, maps, slot, vertex, n );
+	const float length = lengthOf( now );
+	return length > 0.0f ? now / length : F4{ n.x(), n.y(), n.z(), 0.0f };
 }
 
 void writeNormals( const SkinBinding& binding, const std::uint32_t* slot, const SkinScratch& scratch, float* normals, std::size_t first, std::size_t last )
 {
+	const float* const maps = scratch.nodeMap.data();
 	for ( std::size_t v = first; v < last; ++v )
 	{
 		const F4 sum = load4( scratch.groupNormal.data() + 4 * std::size_t( binding.normalGroup[v] ) );
-		const float length = std::sqrt( ( sum[0] * sum[0] + sum[1] * sum[1] ) + sum[2] * sum[2] );
-		write3( normals + 3 * v, length > 0.0f ? sum / length : turnedNormal( binding, scratch.nodeMap.data(), slot, v ) );
+		const float length = lengthOf( sum );
+		F4 normal = length > 0.0f ? sum / length : turnedNormal( binding, maps, slot, v );
+		if ( length > 0.0f && !binding.normalShift.empty() )
+		{
+			const F4 shifted = normal + turned( binding, maps, slot, v, binding.normalShift[v] );
+			const float shiftedLength = lengthOf( shifted );
+			normal = shiftedLength > 0.0f ? shifted / shiftedLength : normal;
+		}
+		write3( normals + 3 * v, normal );
 	}
 }
 

@@ -27,6 +27,8 @@ struct SkinBinding
 	std::vector<Vec3> restNormal;     ///< per vertex, area-weighted over its triangles (welded vertices share theirs), unit; any, of no triangle
 	std::vector<std::uint32_t> normalGroup; ///< per vertex: vertices with one number share one normal (unwelded seams)
 	int normalGroups = 0;
+	/// Per vertex: by how much its normal at rest is to differ from what its triangles give. It turns along. Empty: nowhere.
+	std::vector<Vec3> normalShift;
 };
 
 /// `weldedVertex`: for each vertex the number of the vertex it was welded to (itself when alone); empty: none were.
