@@ -215,7 +215,7 @@ void drawPicture( const std::list<DrawnPiece>&, const std::string&, const View& 
 
 } // namespace
 
-void crackExperiment( const char* path )
+void crackExperiment()
 {
 	std::puts( "way                 cells    faces triangles   build ms    open ms" );
 	std::list<DrawnPiece> drawn;
@@ -225,10 +225,8 @@ void crackExperiment( const char* path )
 		breakSphere( way, Vec3( x, 0.95f, 0.0f ), drawn );
 		x += 1.9f;
 	}
-	const std::string name = path;
-	const std::string stem = name.substr( 0, name.rfind( ".png" ) );
-	drawPicture( drawn, stem + ".png", { { 0.0f, 2.6f, 8.4f }, { 0.0f, 0.85f, 0.0f }, 15.0f, 2400, 700 } );
-	drawPicture( drawn, stem + "_near.png", { { 2.6f, 2.3f, 3.2f }, { 1.9f, 0.8f, 0.0f }, 32.0f, 1800, 1000 } );
+	drawPicture( drawn, "crack.png", { { 0.0f, 2.6f, 8.4f }, { 0.0f, 0.85f, 0.0f }, 15.0f, 1600, 470 } );
+	drawPicture( drawn, "crack_near.png", { { 2.6f, 2.3f, 3.2f }, { 1.9f, 0.8f, 0.0f }, 32.0f, 1200, 670 } );
 }
 
 } // namespace pliant::experiment
