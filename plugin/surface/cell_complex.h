@@ -9,6 +9,7 @@
 #include "lattice/lattice.h"
 #include "pliant/body_template.h"
 #include "pliant/crack.h"
+#include "surface/table.h"
 
 #include <array>
 #include <cstdint>
@@ -36,17 +37,6 @@ struct CrackFace
 	std::uint32_t lastTriangle;
 	float area;                  ///< m^2
 	bool isLinked;               ///< in the lattice as it was built
-};
-
-/// Rows of a table: row i is entry[ start[i] ] .. entry[ start[i + 1] - 1 ].
-struct Table
-{
-	std::vector<std::uint32_t> start;
-	std::vector<std::uint32_t> entry;
-
-	const std::uint32_t* begin( std::size_t row ) const { return entry.data() + start[row]; }
-	const std::uint32_t* end( std::size_t row ) const { return entry.data() + start[row + 1]; }
-	std::uint32_t size( std::size_t row ) const { return start[row + 1] - start[row]; }
 };
 
 class CellComplex

@@ -2,6 +2,8 @@
 
 #include "surface/crack_surface.h"
 
+#include <Eigen/Geometry>
+
 #include <algorithm>
 
 namespace pliant {
@@ -354,6 +356,34 @@ void CrackSurface::writeRow( std::uint32_t first, std::uint32_t last, std::uint3
 	// What is left of the row weighs nothing.
 	m_rowCell.resize( last - first, m_rowCell.front() );
 	m_rowWeight.resize( last - first, 0.0f );
+}
+
+/// A cut through the outer surface must not show as long as it is closed: at rest its vertices are shaded like the whole mesh, however few
+/// of the triangles around are left on their side.
+void CrackSurface::matchNormals()
+{
+	std::vector<Vec3> sum( std::size_t( m_binding.normalGroups ), Vec3::Zero() );
+	for ( std::uint32_t t = 0; t < m_cellTriangle.back(); ++t )
+	{
+		const auto& corner = m_triangle[t];
+		const Vec3& a = m_binding.restPosition[corner[0]];
+		const Vec3 area = ( m_binding.restPosition[corner[1]] - a ).cross( m_binding.restPosition[corner[2]] - a );
+		for ( const std::uint32_t v : corner )
+		{
+			sum[m_binding.normalGroup[v]] += area;
+		}
+	}
+	m_binding.normalShift.assign( m_vertex.size(), Vec3::Zero() );
+	for ( std::size_t v = 0; v < m_vertex.size() && !m_complex->vertexNormal.empty(); ++v )
+	{
+		const Vec3& area = sum[m_binding.normalGroup[v]];
+		const float largest = area.cwiseAbs().maxCoeff(); // its square would be nothing
+		if ( m_vertex[v].kind < kInside )
+		{
+			m_binding.restNormal[v] = m_complex->vertexNormal[m_vertex[v].kind];
+			m_binding.normalShift[v] = largest > 0.0f ? Vec3( m_binding.restNormal[v] - ( area / largest ).normalized() ) : Vec3( Vec3::Zero() );
+		}
+	}
 }
 
 std::size_t CrackSurface::bytes() const
