@@ -35,7 +35,7 @@ void MouseGrab::grab( const btVector3& from, const btVector3& direction )
 	m_rigid = m_soft == nullptr ? btRigidBody::upcast( object ) : nullptr;
 	if( m_soft != nullptr )
 	{
-		m_node = m_soft->nearestNode( m_target );
+		takeNode( m_target );
 	}
 	else if( m_rigid != nullptr && m_rigid->getInvMass() > 0 )
 	{
@@ -45,6 +45,13 @@ void MouseGrab::grab( const btVector3& from, const btVector3& direction )
 		m_joint->m_setting.m_tau = kJointTau;
 		m_world.addConstraint( m_joint.get(), true );
 	}
+}
+
+void MouseGrab::takeNode( const btVector3& place )
+{
+	m_node = m_soft->nearestNode( place );
+	m_heldAt = m_soft->nodePosition( m_node );
+	m_versions = { m_soft->levelVersion(), m_soft->fractureVersion() };
 }
 
 void MouseGrab::move( const btVector3& from, const btVector3& direction )
@@ -74,7 +81,12 @@ void MouseGrab::apply()
 	{
 		return;
 	}
+	if( m_versions != std::array<unsigned, 2>{ m_soft->levelVersion(), m_soft->fractureVersion() } )
+	{
+		takeNode( m_heldAt ); // nodes have other numbers
+	}
 	const btVector3 centre = m_soft->nodePosition( m_node );
+	m_heldAt = centre;
 	const btScalar radius = kGrabCells * btScalar( m_soft->bodyTemplate().cellSize() );
 	btScalar held = 0;
 	for( int i = 0; i < m_soft->nodeCount(); ++i )
@@ -95,7 +107,7 @@ void MouseGrab::apply()
 
 btVector3 MouseGrab::heldPoint() const
 {
-	return m_soft != nullptr ? m_soft->nodePosition( m_node ) : m_joint != nullptr ? m_rigid->getWorldTransform() * m_joint->getPivotInA() : m_target;
+	return m_soft != nullptr ? m_heldAt : m_joint != nullptr ? m_rigid->getWorldTransform() * m_joint->getPivotInA() : m_target;
 }
 
 } // namespace pliant_demos

@@ -6,6 +6,7 @@
 
 #include <btBulletDynamicsCommon.h>
 
+#include <array>
 #include <memory>
 
 namespace pliant_demos {
@@ -32,9 +33,13 @@ public:
 	btVector3 target() const { return m_target; }
 
 private:
+	void takeNode( const btVector3& place );
+
 	pliant::SoftBodyWorld& m_world;
 	pliant::SoftBody* m_soft = nullptr;
 	int m_node = 0;
+	btVector3 m_heldAt = btVector3( 0, 0, 0 ); ///< where that node was last
+	std::array<unsigned, 2> m_versions = {};   ///< of its body when it was taken
 	btRigidBody* m_rigid = nullptr;
 	std::unique_ptr<btPoint2PointConstraint> m_joint;
 	btVector3 m_target = btVector3( 0, 0, 0 );

@@ -165,7 +165,8 @@ private:
 		const Stage& stage = m_play->stage();
 		const StageCounts counts = stage.counts();
 		const StepLog& log = stage.log();
-		std::printf( "\n  soft bodies %d, nodes %d, links %d, triangles %d, rigid bodies %d\n", counts.softBodies, counts.nodes, counts.links,
+		std::printf( "\n  soft bodies %d%s, nodes %d, links %d, triangles %d, rigid bodies %d\n", counts.softBodies,
+			counts.fragments > 0 ? ( " (" + std::to_string( counts.fragments ) + " came off others)" ).c_str() : "", counts.nodes, counts.links,
 			counts.triangles, counts.rigidBodies );
 		std::printf( "  steps %d of 1/%d s, up to %d soft substeps each; contacts at most %d, %d of them on soft bodies; threads %d\n", log.steps(),
 			kStepsPerSecond, log.maxSubsteps(), log.maxContacts(), log.maxSoftContacts(), m_settings.stage.threads );
@@ -258,6 +259,7 @@ private:
 			{ "description", m_entry.description },
 			{ "settings", { { "seed", m_settings.stage.seed }, { "threads", m_settings.stage.threads }, { "frames", m_frames }, { "framesPerSecond", m_settings.framesPerSecond }, { "stepsPerSecond", kStepsPerSecond } } },
 			{ "softBodies", counts.softBodies },
+			{ "fragments", counts.fragments },
 			{ "rigidBodies", counts.rigidBodies },
 			{ "nodes", counts.nodes },
 			{ "links", counts.links },

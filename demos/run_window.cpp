@@ -48,7 +48,10 @@ public:
 	Life( const SceneEntry& entry, const RunSettings& settings ) :
 		m_play( entry, settings.stage ), m_grab( m_play.stage().world() )
 	{
-		forEachBody( [this]( pliant::SoftBody& body ) { m_materials.push_back( body.material() ); } );
+		forEachBody( [this]( pliant::SoftBody& body ) {
+			body.setUserIndex3( int( m_materials.size() ) ); // what breaks off has it too
+			m_materials.push_back( body.material() );
+		} );
 		m_knobs.substeps = float( m_play.stage().world().softSubsteps() );
 	}
 
@@ -73,9 +76,8 @@ public:
 			stage->world().setGravity( btVector3( 0, btScalar( -knobs.gravity ), 0 ) );
 			stage->world().setSoftSubsteps( int( std::lround( knobs.substeps ) ) );
 		}
-		std::size_t next = 0;
 		forEachBody( [&]( pliant::SoftBody& body ) {
-			pliant::Material material = m_materials[next++];
+			pliant::Material material = m_materials[std::size_t( body.getUserIndex3() )];
 			material.youngsModulus *= knobs.stiffness;
 			material.damping *= knobs.damping;
 			if( const pliant::Status status = body.setMaterial( material ); !status.ok() )

@@ -12,6 +12,9 @@ const std::vector<SceneEntry>& sceneList()
 {
 	static const std::vector<SceneEntry> kScenes = {
 		{ "bunny_pile", "The Stanford bunny and a Glob fall down stairs among rigid boxes and balls and push a hinged door open.", makeBunnyPile },
+		{ "bar_pull", "Bars drawn out until they break, by both rules, at three angles to their lattices; at what strain over the one that was set.", makeBarPull },
+		{ "bunny_tear", "A bunny held by its head is torn by its weight; nodes and time, with merging and without.", makeBunnyTear },
+		{ "elephants", "Five, ten and fifteen elephants fall, collide and break; what touches the pink ball sticks to it.", makeElephants },
 		{ "flowers", "Forty flowers sway in the wind; where a finger touches one, its nodes are split.", makeFlowers },
 		{ "glob_drop", "The same Glob falls with the uniform lattice and with three methods that know levels; colour shows how far they are from it.", makeGlobDrop },
 		{ "hand", "The same pull at every finger of a hand with a soft little finger and a hard thumb.", makeHandScene },
@@ -19,6 +22,7 @@ const std::vector<SceneEntry>& sceneList()
 		{ "plastic_block", "A ball, an edge and a corner press into rubber, wax and clay; how deep, and how much is left.", makePlasticBlock },
 		{ "stack", "Soft cubes and rigid boxes stand on each other.", makeStack },
 		{ "thin_fingers", "A bar sweeps through thin fingers: a lattice of their size in the whole palm, and one with levels that has big nodes there.", makeThinFingers },
+		{ "vase_shatter", "A rigid ball flies into a brittle vase.", makeVaseShatter },
 	};
 	return kScenes;
 }

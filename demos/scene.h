@@ -67,7 +67,10 @@ const std::vector<SceneEntry>& sceneList();
 const SceneEntry* findScene( const std::string& name );
 
 // One function a file in scenes/.
+std::unique_ptr<Scene> makeBarPull();
 std::unique_ptr<Scene> makeBunnyPile();
+std::unique_ptr<Scene> makeBunnyTear();
+std::unique_ptr<Scene> makeElephants();
 std::unique_ptr<Scene> makeFlowers();
 std::unique_ptr<Scene> makeGlobDrop();
 std::unique_ptr<Scene> makeHandScene();
@@ -75,5 +78,6 @@ std::unique_ptr<Scene> makeHello();
 std::unique_ptr<Scene> makePlasticBlock();
 std::unique_ptr<Scene> makeStack();
 std::unique_ptr<Scene> makeThinFingers();
+std::unique_ptr<Scene> makeVaseShatter();
 
 } // namespace pliant_demos

@@ -112,6 +112,96 @@ ModelMesh makeTorus( float radius, float tubeRadius, int around, int along )
 	return named( "torus", std::move( mesh ) );
 }
 
+namespace {
+
+using RadiusHeight = std::array<float, 2>;
+
+/// A smooth line through the given points (Catmull and Rom's), in steps of about `step`.
+std::vector<RadiusHeight> smoothLine( const std::vector<RadiusHeight>& points, float step )
+{
+	std::vector<RadiusHeight> line;
+	for( std::size_t i = 0; i + 1 < points.size(); ++i )
+	{
+		const RadiusHeight &b = points[i], &c = points[i + 1], &a = i > 0 ? points[i - 1] : b, &d = i + 2 < points.size() ? points[i + 2] : c;
+		const int cuts = std::max( 1, int( std::ceil( std::hypot( c[0] - b[0], c[1] - b[1] ) / step ) ) );
+		for( int k = 0; k < cuts; ++k )
+		{
+			const float t = float( k ) / float( cuts );
+			RadiusHeight p;
+			for( std::size_t j = 0; j < 2; ++j )
+			{
+				p[j] = b[j] + 0.5f * t * ( c[j] - a[j] + t * ( 2 * a[j] - 5 * b[j] + 4 * c[j] - d[j] + t * ( 3 * ( b[j] - c[j] ) + d[j] - a[j] ) ) );
+			}
+			line.push_back( p );
+		}
+	}
+	line.push_back( points.back() );
+	return line;
+}
+
+/// From `from` to `to`, without both.
+void straightLine( const RadiusHeight& from, const RadiusHeight& to, float step, std::vector<RadiusHeight>& line )
+{
+	const int cuts = std::max( 1, int( std::ceil( std::hypot( to[0] - from[0], to[1] - from[1] ) / step ) ) );
+	for( int k = 1; k < cuts; ++k )
+	{
+		const float t = float( k ) / float( cuts );
+		line.push_back( { from[0] + t * ( to[0] - from[0] ), from[1] + t * ( to[1] - from[1] ) } );
+	}
+}
+
+} // namespace
+
+ModelMesh makeVessel( const std::vector<RadiusHeight>& line, float wall, float row, int around )
+{
+	// Rings in order: foot from the axis outward, outside up, lip, inside down, bottom to the axis.
+	const std::vector<RadiusHeight> outside = smoothLine( line, row );
+	std::vector<RadiusHeight> inside;
+	for( std::size_t i = outside.size(); i-- > 0; )
+	{
+		// Inward at right angles to the outer line.
+		const RadiusHeight &before = outside[i > 0 ? i - 1 : 0], &after = outside[std::min( i + 1, outside.size() - 1 )];
+		const float dr = after[0] - before[0], dy = after[1] - before[1], length = std::hypot( dr, dy );
+		const RadiusHeight p = { outside[i][0] - wall * dy / length, outside[i][1] + wall * dr / length };
+		if( p[1] > line.front()[1] + wall )
+		{
+			inside.push_back( p );
+		}
+	}
+	const RadiusHeight foot = { 0, line.front()[1] }, bottom = { 0, line.front()[1] + wall };
+	inside.push_back( { inside.back()[0], bottom[1] } );
+	std::vector<RadiusHeight> rings;
+	straightLine( foot, outside.front(), row, rings );
+	rings.insert( rings.end(), outside.begin(), outside.end() );
+	straightLine( outside.back(), inside.front(), row, rings );
+	rings.insert( rings.end(), inside.begin(), inside.end() );
+	straightLine( inside.back(), bottom, row, rings );
+
+	constexpr float kTurn = 6.28318530718f;
+	ModelMesh mesh;
+	for( const RadiusHeight& ring : rings )
+	{
+		for( int k = 0; k < around; ++k )
+		{
+			const float angle = kTurn * float( k ) / float( around );
+			mesh.positions.insert( mesh.positions.end(), { ring[0] * std::cos( angle ), ring[1], -ring[0] * std::sin( angle ) } );
+		}
+	}
+	const auto at = [&]( std::size_t ring, int k ) { return std::uint32_t( int( ring ) * around + k % around ); };
+	const std::uint32_t first = std::uint32_t( mesh.vertexCount() ), last = first + 1;
+	mesh.positions.insert( mesh.positions.end(), { foot[0], foot[1], 0, bottom[0], bottom[1], 0 } );
+	for( int k = 0; k < around; ++k )
+	{
+		mesh.indices.insert( mesh.indices.end(), { first, at( 0, k + 1 ), at( 0, k ) } );
+		for( std::size_t i = 0; i + 1 < rings.size(); ++i )
+		{
+			mesh.indices.insert( mesh.indices.end(), { at( i, k ), at( i, k + 1 ), at( i + 1, k + 1 ), at( i, k ), at( i + 1, k + 1 ), at( i + 1, k ) } );
+		}
+		mesh.indices.insert( mesh.indices.end(), { last, at( rings.size() - 1, k ), at( rings.size() - 1, k + 1 ) } );
+	}
+	return named( "vessel", std::move( mesh ) );
+}
+
 ModelMesh makeMetaballs( const std::vector<MetaBall>& balls, float level, float cell )
 {
 	Point low, high;

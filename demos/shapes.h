@@ -4,6 +4,7 @@
 
 #include "third_party_glue/model_file.h"
 
+#include <array>
 #include <vector>
 
 namespace pliant_demos {
@@ -13,6 +14,10 @@ pliant_glue::ModelMesh makeCube( float edge, int cuts );
 pliant_glue::ModelMesh makeSphere( float diameter, int subdivisions );
 /// Lies flat: its axis is y.
 pliant_glue::ModelMesh makeTorus( float radius, float tubeRadius, int around, int along );
+
+/// An open vessel, turned about y: its outer line from the foot up to the lip (radius and height, m), inside it a wall and a bottom of that
+/// thickness. Rows of triangles are about `row` high.
+pliant_glue::ModelMesh makeVessel( const std::vector<std::array<float, 2>>& line, float wall, float row, int around );
 
 /// An ellipsoid that adds to a blobby field: 1 at its centre, falling off as exp( -|x|^2 / radius^2 ).
 struct MetaBall

@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cstring>
+#include <set>
 
 namespace pliant_demos {
 
@@ -88,7 +89,10 @@ Stage::~Stage()
 	}
 	for( const SoftItem& item : m_soft )
 	{
-		m_world->removeSoftBody( item.body.get() );
+		if( item.owned != nullptr )
+		{
+			m_world->removeSoftBody( item.body );
+		}
 	}
 	for( const RigidItem& item : m_rigid )
 	{
@@ -185,15 +189,24 @@ pliant::SoftBody* Stage::addSoft( const SoftOrder& order )
 		m_status = { body.status.code, order.name + ": " + body.status.sentence };
 		return nullptr;
 	}
-	body.value->setFriction( order.friction );
-	m_world->addSoftBody( body.value.get() );
-	m_soft.push_back( { std::move( body.value ), order.colour, {} } );
-	return m_soft.back().body.get();
+	if( order.fracture.rule != pliant::BreakRule::Never )
+	{
+		if( const pliant::Status status = body.value->setFracture( order.fracture, order.toughness ); !status.ok() )
+		{
+			m_status = { status.code, order.name + ": " + status.sentence };
+			return nullptr;
+		}
+	}
+	pliant::SoftBody* const added = body.value.get();
+	added->setFriction( order.friction );
+	m_world->addSoftBody( added );
+	m_soft.push_back( { std::move( body.value ), added, m_nextId++, order.colour, {} } );
+	return added;
 }
 
 void Stage::colourVertices( const pliant::SoftBody* body, std::vector<float> colours )
 {
-	const auto found = std::find_if( m_soft.begin(), m_soft.end(), [&]( const SoftItem& item ) { return item.body.get() == body; } );
+	const auto found = std::find_if( m_soft.begin(), m_soft.end(), [&]( const SoftItem& item ) { return item.body == body; } );
 	if( found != m_soft.end() )
 	{
 		found->vertexColours = std::move( colours );
@@ -206,7 +219,42 @@ void Stage::step( double seconds )
 	m_world->stepSimulation( btScalar( seconds ), 0 );
 	const double wallSeconds = secondsSince( begin );
 	m_isSkinned = false;
+	followFragments();
 	m_log.add( m_world->stepReport(), wallSeconds, rigidContacts( *m_world ) );
+}
+
+/// What broke off gets the colour of what it broke off from; what the world has taken out is forgotten.
+void Stage::followFragments()
+{
+	for( const pliant::FractureEvent& event : m_world->fractureEvents() )
+	{
+		for( pliant::SoftBody* fragment : event.fragments )
+		{
+			const auto itemOf = [this]( const pliant::SoftBody* body ) { return std::find_if( m_soft.begin(), m_soft.end(), [body]( const SoftItem& item ) { return item.body == body; } ); };
+			// A fragment may lie where one was that is gone: it is another all the same.
+			if( const auto old = itemOf( fragment ); old != m_soft.end() )
+			{
+				m_soft.erase( old );
+			}
+			const auto parent = itemOf( event.parent );
+			SoftItem item;
+			item.body = fragment;
+			item.id = m_nextId++;
+			item.colour = parent == m_soft.end() ? item.colour : parent->colour;
+			item.vertexColours = parent == m_soft.end() ? std::vector<float>() : parent->vertexColours;
+			m_soft.push_back( std::move( item ) );
+		}
+	}
+	if( m_soft.size() == std::size_t( m_world->softBodyCount() ) )
+	{
+		return;
+	}
+	std::set<const pliant::SoftBody*> present;
+	for( int i = 0; i < m_world->softBodyCount(); ++i )
+	{
+		present.insert( m_world->softBody( i ) );
+	}
+	std::erase_if( m_soft, [&]( const SoftItem& item ) { return item.owned == nullptr && present.count( item.body ) == 0; } );
 }
 
 ModelMesh Stage::modelOr( const std::string& file, const std::function<ModelMesh()>& shape )
@@ -233,6 +281,7 @@ StageCounts Stage::counts() const
 		counts.nodes += item.body->nodeCount();
 		counts.links += item.body->bodyTemplate().linkCount();
 		counts.triangles += item.body->bodyTemplate().triangleCount();
+		counts.fragments += item.owned == nullptr ? 1 : 0;
 	}
 	counts.rigidBodies = int( m_rigid.size() );
 	return counts;
@@ -302,9 +351,8 @@ void Stage::draw( pliant_glue::DrawList& list, bool showNodes, std::uint64_t fir
 			( item.isSphere ? list.spheres : list.boxes ).push_back( drawn );
 		}
 	}
-	for( std::size_t i = 0; i < m_soft.size(); ++i )
+	for( const SoftItem& item : m_soft )
 	{
-		const SoftItem& item = m_soft[i];
 		const pliant::SurfaceView skin = item.body->surface();
 		if( showNodes || skin.triangleCount == 0 )
 		{
@@ -312,7 +360,7 @@ void Stage::draw( pliant_glue::DrawList& list, bool showNodes, std::uint64_t fir
 			continue;
 		}
 		pliant_glue::DrawMesh mesh;
-		mesh.id = firstId + i;
+		mesh.id = firstId + item.id;
 		mesh.topologyVersion = skin.topologyVersion;
 		mesh.positions = skin.positions;
 		mesh.normals = skin.normals;

@@ -39,6 +39,8 @@ struct SoftOrder
 	pliant::Material material;
 	pliant::Adaptivity adaptivity;
 	pliant::StiffnessField stiffness;
+	pliant::Fracture fracture;
+	pliant::ToughnessField toughness;
 	btScalar friction = btScalar( 0.5 );
 	pliant_glue::Colour colour = { 0.8f, 0.4f, 0.25f };
 };
@@ -46,6 +48,7 @@ struct SoftOrder
 struct StageCounts
 {
 	int softBodies = 0, nodes = 0, links = 0, rigidBodies = 0, triangles = 0;
+	int fragments = 0; ///< of the soft bodies: came off others
 };
 
 class Stage
@@ -110,12 +113,15 @@ private:
 	};
 	struct SoftItem
 	{
-		std::unique_ptr<pliant::SoftBody> body;
+		std::unique_ptr<pliant::SoftBody> owned; ///< null for fragments, which belong to the world
+		pliant::SoftBody* body = nullptr;
+		std::uint64_t id = 0; ///< of the mesh that is drawn; no other item of this stage ever has it
 		pliant_glue::Colour colour = { 0, 0, 0 };
 		std::vector<float> vertexColours;
 	};
 
 	btRigidBody* addRigid( std::unique_ptr<btCollisionShape> shape, const btTransform& place, btScalar mass, RigidItem looks );
+	void followFragments();
 	void drawNodes( const SoftItem& item, pliant_glue::DrawList& list ) const;
 
 	StageOptions m_options;
@@ -132,6 +138,7 @@ private:
 	std::unique_ptr<btConstraintSolver> m_solver;
 	std::vector<RigidItem> m_rigid;
 	std::vector<SoftItem> m_soft;
+	std::uint64_t m_nextId = 0;
 	std::vector<std::unique_ptr<btTypedConstraint>> m_constraints;
 	std::unique_ptr<pliant::SoftBodyWorld> m_world;
 };

@@ -20,6 +20,9 @@ public:
 	/// Skins are made when they are asked for, once a frame, not within a step.
 	void addSkinning( double seconds ) { m_skinning.push_back( seconds ); }
 
+	std::size_t skinnings() const { return m_skinning.size(); }
+	double lastSkinning() const { return m_skinning.empty() ? 0 : m_skinning.back(); }
+
 	int steps() const { return int( m_wall.size() ); }
 	double wallSeconds() const;
 	int maxSoftContacts() const { return m_maxSoftContacts; }
@@ -49,7 +52,7 @@ private:
 	std::vector<Stage> m_stages = { { "forces", &pliant::StepReport::forces, {} }, { "matching", &pliant::StepReport::matching, {} },
 		{ "spheres", &pliant::StepReport::spheres, {} }, { "collision", &pliant::StepReport::collision, {} },
 		{ "solve", &pliant::StepReport::solve, {} }, { "integrate", &pliant::StepReport::integrate, {} },
-		{ "levels", &pliant::StepReport::levels, {} } };
+		{ "levels", &pliant::StepReport::levels, {} }, { "fracture", &pliant::StepReport::fracture, {} } };
 	std::vector<double> m_wall, m_skinning;
 	int m_maxSoftContacts = 0, m_maxContacts = 0, m_maxSubsteps = 0, m_quarantined = 0, m_unreachable = 0;
 };
