@@ -47,17 +47,19 @@ Covariance shifted( const Covariance& covariance, const Vec3d& t )
 	return move * covariance * move.transpose();
 }
 
-Covariance unpacked( const std::array<float, 45>& packed )
+/// sum E_k: variance of the six quadratics about a place `t` away from the monomials' own, over the finest regions. With the row of
+/// shiftedQuadratic, e_q + t_a e_b + t_b e_a, each is
+///   C_qq + 2 ( t_a C_qb + t_b C_qa ) + t_a^2 C_bb + 2 t_a t_b C_ab + t_b^2 C_aa.
+double quadraticVariance( const std::array<float, 45>& packed, const Vec3d& t )
 {
-	Covariance c;
-	for ( int i = 0, n = 0; i < kMonomials; ++i )
+	const auto c = [&packed]( int row, int column ) { return double( packed[std::size_t( row * ( row + 1 ) / 2 + column )] ); };
+	double sum = 0.0;
+	for ( int k = 0; k < 6; ++k )
 	{
-		for ( int j = 0; j <= i; ++j, ++n )
-		{
-			c( i, j ) = c( j, i ) = packed[n];
-		}
+		const int q = 3 + k, a = kFirst[k], b = kSecond[k]; // a <= b < q
+		sum += c( q, q ) + 2.0 * ( t[a] * c( q, b ) + t[b] * c( q, a ) ) + t[a] * t[a] * c( b, b ) + 2.0 * t[a] * t[b] * c( b, a ) + t[b] * t[b] * c( a, a );
 	}
-	return c;
+	return sum;
 }
 
 /// One finest region about its own mean, monomials about its owner's rest centre.
@@ -84,11 +86,22 @@ Covariance covarianceOf( const Lattice& lattice, const FineRegions& fine, std::u
 /// with eigenvalues a >= b >= c, det = a b c <= a^2 c and ( tr / 3 )^3 >= ( a / 3 )^3, so c / a >= share / 27.
 constexpr double kSolidShare = 27.0 * kMomentShare;
 
+bool isSolid( const Eigen::Matrix3d& moment )
+{
+	const double third = moment.trace() / 3.0;
+	return moment.determinant() > kSolidShare * third * third * third;
+}
+
+/// Sylvester: every leading minor of a symmetric matrix is above zero.
+bool isPositive( const Eigen::Matrix3d& m )
+{
+	return m( 0, 0 ) > 0.0 && m( 0, 0 ) * m( 1, 1 ) - m( 0, 1 ) * m( 0, 1 ) > 0.0 && m.determinant() > 0.0;
+}
+
 /// Most regions are solid and need no eigenvalues.
 void invertMoment( RegionRest& rest )
 {
-	const double third = rest.moment.trace() / 3.0;
-	if ( rest.moment.determinant() > kSolidShare * third * third * third )
+	if ( isSolid( rest.moment ) )
 	{
 		rest.inverse = rest.moment.inverse();
 		return;
@@ -182,6 +195,16 @@ double energyBeta( const Eigen::Matrix3d& fineMoment, const Eigen::Matrix3d& mom
 
 Eigen::Matrix3d energyBlend( const Eigen::Matrix3d& fineMoment, const Eigen::Matrix3d& moment )
 {
+	// Where no direction meets a limit, C is the product itself.
+	if ( isSolid( moment ) && isPositive( moment - fineMoment ) && isPositive( fineMoment - ( 1.0 - kLargestSoftness ) * moment ) )
+	{
+		return moment.inverse() * fineMoment;
+	}
+	return energyBlendByDirections( fineMoment, moment );
+}
+
+Eigen::Matrix3d energyBlendByDirections( const Eigen::Matrix3d& fineMoment, const Eigen::Matrix3d& moment )
+{
 	// In coordinates where J_r is the identity, J_fine is symmetric: its eigenvalues are the shares 1 - beta, one a direction.
 	const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver( moment );
 	const double largest = solver.eigenvalues()[2];
@@ -217,16 +240,9 @@ Eigen::Matrix3d energyBlend( const Eigen::Matrix3d& fineMoment, const Eigen::Mat
 double quadraticEta( const Octree& octree, const Cut& cut, const RegionMatrix& matrix, std::uint32_t region, const FineMoments& fine,
 	const RegionRest& rest, float cellSize, double beta )
 {
-	// E_k: variance of the quadratics about c0_r over the finest regions.
 	const std::uint32_t node = cut.node[region];
-	const Covariance covariance = unpacked( fine.covariance[node] );
 	const Vec3d t = octree.restCentre[node].cast<double>() / double( cellSize ) - rest.centre;
-	double wanted = 0.0;
-	for ( int k = 0; k < 6; ++k )
-	{
-		const Monomials row = shiftedQuadratic( k, t );
-		wanted += row.dot( covariance * row );
-	}
+	const double wanted = quadraticVariance( fine.covariance[node], t );
 
 	// The same quadratics, averaged over each node's cells, as the region sees them: variance = affine part a_k + residual rho_k.
 	using Six = Eigen::Matrix<double, 6, 1>;

@@ -45,6 +45,8 @@ double energyBeta( const Eigen::Matrix3d& fineMoment, const Eigen::Matrix3d& mom
 /// The same for each direction: C = J_r^+ J_fine, its stretch within what beta in [0, 0.95] allows. Symmetric parts of the two need not
 /// commute; C is taken as the product, J_fine limited so that 0.05 J_r <= J_fine <= J_r.
 Eigen::Matrix3d energyBlend( const Eigen::Matrix3d& fineMoment, const Eigen::Matrix3d& moment );
+/// The same always by way of eigenvalues: energyBlend's slow twin, and what it does where a limit is met.
+Eigen::Matrix3d energyBlendByDirections( const Eigen::Matrix3d& fineMoment, const Eigen::Matrix3d& moment );
 
 /// Share of the residual, which no affine motion explains, that a region leaves alone, so that quadratic deformations too cost what
 /// they cost the finest regions: eta = 1 - sum ( E_k - ( 1 - beta ) a_k ) / sum rho_k over the six quadratics, within [0, 0.95].

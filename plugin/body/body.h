@@ -87,7 +87,7 @@ public:
 	bool adaptLevels( float h );
 	/// The two halves of it: whether there is something to change, and the change.
 	bool reviewLevels( float h );
-	void applyLevels();
+	void applyLevels( TaskRunner* tasks = nullptr );
 	/// Splits and merges octree nodes by name; see changeCut.
 	void changeLevels( const std::vector<std::uint32_t>& split, const std::vector<std::uint32_t>& merge );
 	void requestSplit( int node );

@@ -113,9 +113,9 @@ bool Body::reviewLevels( float h )
 	return hasChange;
 }
 
-void Body::applyLevels()
+void Body::applyLevels( TaskRunner* tasks )
 {
-	m_levels->apply( m_nodes, *m_levelMatcher, m_material );
+	m_levels->apply( m_nodes, *m_levelMatcher, m_material, tasks );
 	nodesChanged();
 }
 

@@ -238,19 +238,19 @@ void Levels::collectMerges( const NodeState& nodes )
 	}
 }
 
-void Levels::apply( NodeState& nodes, LatticeMatcher& matcher, const Material& material )
+void Levels::apply( NodeState& nodes, LatticeMatcher& matcher, const Material& material, TaskRunner* tasks )
 {
 	if ( !m_split.empty() || !m_merge.empty() )
 	{
 		const std::vector<std::uint32_t> split = std::move( m_split ), merge = std::move( m_merge );
 		m_split.clear();
 		m_merge.clear();
-		change( nodes, matcher, material, split, merge );
+		change( nodes, matcher, material, split, merge, tasks );
 	}
 }
 
 void Levels::change( NodeState& nodes, LatticeMatcher& matcher, const Material& material, const std::vector<std::uint32_t>& split,
-	const std::vector<std::uint32_t>& merge )
+	const std::vector<std::uint32_t>& merge, TaskRunner* tasks )
 {
 	const Motion before = motionOf( nodes );
 	const Cut next = changeCut( octree(), m_cut, split, merge );
@@ -260,16 +260,10 @@ void Levels::change( NodeState& nodes, LatticeMatcher& matcher, const Material& 
 	NodeState changed = changedNodes( nodes, matcher, next, material.density );
 	restoreMotion( changed, before );
 
-	if ( m_settings.regions == RegionRule::Multiplicity )
-	{
-		m_regions.matrix = std::make_shared<const RegionMatrix>( updateMultiplicityRegions( octree(), m_cut, *m_regions.matrix, next, m_base->fine ) );
-	}
-	else
-	{
-		m_regions = buildLevelRegions( *m_base, m_lattice, next, material, m_settings );
-	}
+	m_regions = updateLevelRegions( RegionInput{ *m_base, m_lattice, material, m_settings, tasks }, m_cut, m_regions, next );
 	const std::shared_ptr<const RegionTables> old = m_tables;
-	m_tables = buildLevelTables( *m_base, m_lattice, next, m_regions, LevelSettings{ material, m_settings, m_stiffness }, TablesBefore{ old.get(), unchangedRows( next ) } );
+	m_tables = buildLevelTables( *m_base, m_lattice, next, m_regions, LevelSettings{ material, m_settings, m_stiffness, tasks },
+		TablesBefore{ old.get(), unchangedRows( *old->matrix, next ) } );
 	std::vector<float> quiet( next.node.size(), 0.0f );
 	for ( int i = 0; i < next.count(); ++i )
 	{
@@ -285,17 +279,24 @@ void Levels::change( NodeState& nodes, LatticeMatcher& matcher, const Material& 
 	++m_version;
 }
 
-std::vector<std::uint32_t> Levels::unchangedRows( const Cut& next ) const
+std::vector<std::uint32_t> Levels::unchangedRows( const RegionMatrix& old, const Cut& next ) const
 {
-	const auto isKept = [&]( std::uint32_t slot ) { return m_cut.node[m_change.heir[slot]] == next.node[slot]; };
-	std::vector<std::uint32_t> before( next.node.size(), kNoNode );
+	const RegionMatrix& now = matrix();
+	// Nor may masses differ: in unions and intervals a member's share hangs on regions farther off, which may have changed.
+	const auto isSame = [&]( std::uint32_t r ) {
+		const std::uint32_t heir = m_change.heir[r], size = now.start[r + 1] - now.start[r];
+		bool same = old.start[heir + 1] - old.start[heir] == size;
+		for ( std::uint32_t k = 0; same && k < size; ++k )
+		{
+			const std::uint32_t a = now.member[now.start[r] + k], before = old.member[old.start[heir] + k];
+			same = m_cut.node[before] == next.node[a] && now.mass[now.start[r] + k] == old.mass[old.start[heir] + k] && now.unit[a] == old.unit[before];
+		}
+		return same;
+	};
+	std::vector<std::uint32_t> before( next.node.size() );
 	for ( std::uint32_t r = 0; r < std::uint32_t( next.count() ); ++r )
 	{
-		const auto first = matrix().member.begin() + matrix().start[r], last = matrix().member.begin() + matrix().start[r + 1];
-		if ( std::all_of( first, last, isKept ) ) // the node itself is among its members
-		{
-			before[r] = m_change.heir[r];
-		}
+		before[r] = m_cut.node[m_change.heir[r]] == next.node[r] && isSame( r ) ? m_change.heir[r] : kNoNode;
 	}
 	return before;
 }

@@ -65,10 +65,10 @@ public:
 	bool review( const NodeState& nodes, const AlignedArray<float>& strain, float seconds );
 	/// Makes the changes that `review` and requests asked for, within the budget. Momentum and spin of the nodes stay what they were where no
 	/// node is held.
-	void apply( NodeState& nodes, LatticeMatcher& matcher, const Material& material );
+	void apply( NodeState& nodes, LatticeMatcher& matcher, const Material& material, TaskRunner* tasks = nullptr );
 	/// The same for a list of one's own: octree nodes, as in changeCut.
 	void change( NodeState& nodes, LatticeMatcher& matcher, const Material& material, const std::vector<std::uint32_t>& split,
-		const std::vector<std::uint32_t>& merge );
+		const std::vector<std::uint32_t>& merge, TaskRunner* tasks = nullptr );
 
 	std::size_t bytes() const;
 
@@ -80,7 +80,7 @@ private:
 	void numberHeirs( const Cut& next );
 	void countLevels();
 	bool isTooBig( std::uint32_t node ) const;
-	std::vector<std::uint32_t> unchangedRows( const Cut& next ) const;
+	std::vector<std::uint32_t> unchangedRows( const RegionMatrix& old, const Cut& next ) const;
 	void mergeInto( const NodeState& before, int first, NodeState& now, int slot ) const;
 	Eigen::Matrix3d velocityGradient( const NodeState& nodes, int node ) const;
 

@@ -1,6 +1,7 @@
 #include "matching/level_tables.h"
 
 #include "matching/constants.h"
+#include "threads/parallel.h"
 
 #include <algorithm>
 
@@ -23,6 +24,9 @@ void storeSymmetric( AlignedArray<float> ( &to )[6], int i, const Eigen::Matrix3
 	}
 }
 
+/// Rows that one task measures: a multiple of the floats in a cache line, so that no two tasks write to one.
+constexpr int kRowsPerTask = 64;
+
 /// Fills the tables region by region.
 class Filler
 {
@@ -30,34 +34,40 @@ public:
 	Filler( const LevelBase& base, const Lattice& lattice, const Cut& cut, const RegionMatrix& matrix, const LevelSettings& settings,
 		RegionTables& tables ) :
 		m_base( base ), m_lattice( lattice ), m_cut( cut ), m_matrix( matrix ), m_material( settings.material ), m_settings( settings.adaptivity ),
-		m_stiffness( settings.stiffness ), m_tables( tables )
+		m_stiffness( settings.stiffness ), m_tasks( settings.tasks ), m_tables( tables )
 	{
 	}
 
 	void run( const TablesBefore& before )
 	{
 		allocate();
-		for ( int r = 0; r < m_cut.count(); ++r )
-		{
-			if ( before.tables && before.region[r] != kNoNode )
+		// Literal weights by way of the octree are multiplied by m_r at the end, and could not be taken over as they were.
+		const bool isWeighed = m_tables.plan && m_material.weights == Weights::Literal;
+		auto fill = [this, &before, isWeighed]( int chunk ) {
+			const int last = std::min( m_cut.count(), ( chunk + 1 ) * kRowsPerTask );
+			for ( int r = chunk * kRowsPerTask; r < last; ++r )
 			{
-				copyRegion( *before.tables, int( before.region[r] ), r );
-				continue;
+				if ( before.tables && !isWeighed && before.region[r] != kNoNode )
+				{
+					copyRegion( *before.tables, int( before.region[r] ), r );
+					continue;
+				}
+				fillRegion( r );
 			}
-			fillRegion( r );
-		}
+		};
+		runTasks( m_tasks, ( m_cut.count() + kRowsPerTask - 1 ) / kRowsPerTask, fill );
 		for ( int i = 0; i < m_cut.count(); ++i )
 		{
 			fillNode( i );
 		}
-		if ( m_tables.plan && m_material.weights == Weights::Literal )
+		if ( isWeighed )
 		{
 			for ( int r = 0; r < m_cut.count(); ++r )
 			{
 				m_tables.moments.regionWeight[r] *= float( m_base.octree.mass[m_cut.node[r]] ); // m_r of eq. 8
 			}
 		}
-		if ( !m_hasFlat )
+		if ( !hasFlat() )
 		{
 			for ( auto& component : m_tables.outOfPlane )
 			{
@@ -106,6 +116,13 @@ private:
 		m_tables.regions.halfWidth = m_material.regionHalfWidth;
 	}
 
+	bool hasFlat() const
+	{
+		const auto isZero = []( float value ) { return value == 0.0f; };
+		return std::any_of( std::begin( m_tables.outOfPlane ), std::end( m_tables.outOfPlane ),
+			[&isZero]( const AlignedArray<float>& component ) { return !std::all_of( component.begin(), component.end(), isZero ); } );
+	}
+
 	/// What fillRegion would write again: it depends on the row alone.
 	void copyRegion( const RegionTables& from, int old, int r )
 	{
@@ -129,7 +146,6 @@ private:
 			copy( from.moments.moment[k], moments.moment[k] );
 			copy( from.moments.inverseMoment[k], moments.inverseMoment[k] );
 			copy( from.outOfPlane[k], m_tables.outOfPlane[k] );
-			m_hasFlat = m_hasFlat || m_tables.outOfPlane[k][r] != 0.0f;
 		}
 		for ( int k = 0; k < 9; ++k )
 		{
@@ -198,7 +214,6 @@ private:
 		storeSymmetric( moments.moment, r, rest.moment );
 		storeSymmetric( moments.inverseMoment, r, rest.inverse );
 		storeSymmetric( m_tables.outOfPlane, r, rest.outside );
-		m_hasFlat = m_hasFlat || rest.isFlat;
 
 		// Among finest cells only, the region is the finest one itself: nothing to soften, to the last bit.
 		const bool isFinest = holdsFinestOnly( r );
@@ -220,7 +235,7 @@ private:
 		beta = 1.0 - ( 1.0 - beta ) * ( 1.0 - m_material.beta );
 		m_tables.beta[r] = float( beta );
 		m_tables.eta[r] = float( eta );
-		if ( m_settings.softening == Softening::EnergyTensor )
+		if ( m_settings.softening == Softening::EnergyTensor && !isFinest )
 		{
 			const Eigen::Matrix3d c = energyBlend( fineMoment( m_base.moments, node ), rest.moment );
 			for ( int k = 0; k < 9; ++k )
@@ -265,8 +280,8 @@ private:
 	const Material& m_material;
 	const Adaptivity& m_settings;
 	const std::vector<float>& m_stiffness;
+	TaskRunner* m_tasks;
 	RegionTables& m_tables;
-	bool m_hasFlat = false;
 };
 
 } // namespace
@@ -315,28 +330,57 @@ Cut firstCut( const Octree& octree, const Adaptivity& settings )
 	return selectCut( octree, [&]( std::uint32_t node ) { return !( settings.isSurfaceFine && octree.isSurface[node] != 0 ) && byMass( node ); } );
 }
 
+namespace {
+
+/// Matrix and sums of Steinemann's regions, which are kept with their graph for the next change.
+LevelRegions fromIntervals( const RegionInput& input, const Cut& cut, VisibilityGraph graph, IntervalRegions intervals )
+{
+	LevelRegions regions;
+	const IntervalWeights weights = input.material.weights == Weights::Conserving ? IntervalWeights::Conserving : IntervalWeights::Literal;
+	regions.matrix = std::make_shared<const RegionMatrix>( buildIntervalRegions( input.base.octree, cut, intervals, weights ) );
+	if ( input.settings.hierarchicalSums )
+	{
+		regions.plan = std::make_shared<const SumPlan>( planSums( input.base.octree, cut, intervals ) );
+	}
+	regions.graph = std::make_shared<const VisibilityGraph>( std::move( graph ) );
+	regions.intervals = std::make_shared<const IntervalRegions>( std::move( intervals ) );
+	return regions;
+}
+
+} // namespace
+
 LevelRegions buildLevelRegions( const LevelBase& base, const Lattice& lattice, const Cut& cut, const Material& material, const Adaptivity& settings )
 {
-	const bool conserves = material.weights == Weights::Conserving;
 	if ( settings.regions == RegionRule::Interval )
 	{
-		const VisibilityGraph graph = buildVisibilityGraph( lattice, base.octree, cut );
-		const IntervalInput input{ base.octree, cut, graph };
-		const std::vector<std::uint32_t> widths = intervalWidths( base.octree, cut, float( material.regionHalfWidth ) );
-		const IntervalRegions intervals = findIntervalRegions( input, widths, settings.intervalSlack );
-		LevelRegions regions;
-		const IntervalWeights weights = conserves ? IntervalWeights::Conserving : IntervalWeights::Literal;
-		regions.matrix = std::make_shared<const RegionMatrix>( buildIntervalRegions( base.octree, cut, intervals, weights ) );
-		if ( settings.hierarchicalSums )
-		{
-			regions.plan = std::make_shared<const SumPlan>( planSums( base.octree, cut, intervals ) );
-		}
-		return regions;
+		VisibilityGraph graph = buildVisibilityGraph( lattice, base.octree, cut );
+		IntervalRegions intervals = findIntervalRegions(
+			IntervalInput{ base.octree, cut, graph }, intervalWidths( base.octree, cut, float( material.regionHalfWidth ) ), settings.intervalSlack );
+		return fromIntervals( RegionInput{ base, lattice, material, settings }, cut, std::move( graph ), std::move( intervals ) );
 	}
-	RegionMatrix matrix = settings.regions == RegionRule::Union
-							  ? buildUnionRegions( base.octree, cut, base.fine, conserves ? UnionWeights::Conserving : UnionWeights::Literal )
-							  : buildMultiplicityRegions( base.octree, cut, base.fine );
+	const UnionWeights weights = material.weights == Weights::Conserving ? UnionWeights::Conserving : UnionWeights::Literal;
+	RegionMatrix matrix = settings.regions == RegionRule::Union ? buildUnionRegions( base.octree, cut, base.fine, weights )
+																 : buildMultiplicityRegions( base.octree, cut, base.fine );
 	return LevelRegions{ std::make_shared<const RegionMatrix>( std::move( matrix ) ), nullptr };
+}
+
+LevelRegions updateLevelRegions( const RegionInput& input, const Cut& from, const LevelRegions& regions, const Cut& to )
+{
+	const Octree& octree = input.base.octree;
+	switch ( input.settings.regions )
+	{
+		case RegionRule::Multiplicity:
+			return LevelRegions{ std::make_shared<const RegionMatrix>( updateMultiplicityRegions( octree, from, *regions.matrix, to, input.base.fine ) ), nullptr };
+		case RegionRule::Interval:
+		{
+			VisibilityUpdate sight = updateVisibilityGraph( input.lattice, octree, from, *regions.graph, to );
+			const IntervalInput before{ octree, from, *regions.graph }, after{ octree, to, sight.graph };
+			IntervalUpdate update = updateIntervalRegions( before, after, sight.change, *regions.intervals,
+				intervalWidths( octree, to, float( input.material.regionHalfWidth ) ), input.tasks );
+			return fromIntervals( input, to, std::move( sight.graph ), std::move( update.regions ) );
+		}
+		default: return buildLevelRegions( input.base, input.lattice, to, input.material, input.settings );
+	}
 }
 
 std::shared_ptr<const RegionTables> buildLevelTables( const LevelBase& base, const Lattice& lattice, const Cut& cut,

@@ -6,8 +6,10 @@
 #include "adapt/energy_match.h"
 #include "adapt/interval_regions.h"
 #include "adapt/region_matrix.h"
+#include "adapt/visibility_graph.h"
 #include "matching/region_tables.h"
 #include "pliant/adaptivity.h"
+#include "pliant/task_runner.h"
 
 #include <memory>
 
@@ -56,16 +58,32 @@ struct LevelRegions
 {
 	std::shared_ptr<const RegionMatrix> matrix;
 	std::shared_ptr<const SumPlan> plan; ///< null: the matrix is summed
+	// Of RegionRule::Interval only: what the next cut's regions are made from.
+	std::shared_ptr<const VisibilityGraph> graph{};
+	std::shared_ptr<const IntervalRegions> intervals{};
 };
 
 /// The regions of a cut from nothing.
 LevelRegions buildLevelRegions( const LevelBase& base, const Lattice& lattice, const Cut& cut, const Material& material, const Adaptivity& settings );
 
-/// What is left of the tables before a change of levels: rows whose members all stayed need not be measured again.
+/// What the regions of a cut are built for.
+struct RegionInput
+{
+	const LevelBase& base;
+	const Lattice& lattice;
+	const Material& material;
+	const Adaptivity& settings;
+	TaskRunner* tasks = nullptr;
+};
+
+/// The regions of cut `to`, given those of cut `from`: equal to those from nothing. Unions alone are built from nothing.
+LevelRegions updateLevelRegions( const RegionInput& input, const Cut& from, const LevelRegions& regions, const Cut& to );
+
+/// What is left of the tables before a change of levels: rows that are what they were need not be measured again.
 struct TablesBefore
 {
 	const RegionTables* tables = nullptr;
-	std::vector<std::uint32_t> region; ///< of each region now: its number then, where its row holds the same nodes; else kNoNode
+	std::vector<std::uint32_t> region; ///< of each region now: its number then, where its row holds the same nodes and masses; else kNoNode
 };
 
 /// What a region needs beside its row. `stiffness`: share of the material's for each finest cell; empty: 1 everywhere. A region takes the mean
@@ -75,6 +93,7 @@ struct LevelSettings
 	const Material& material;
 	const Adaptivity& adaptivity;
 	const std::vector<float>& stiffness;
+	TaskRunner* tasks = nullptr; ///< rows are measured on its threads, to the same bits; null: on the calling one
 };
 
 /// Tables for the step out of a region matrix. With `before` the result is the same to the bit, sooner.

@@ -100,12 +100,15 @@ void SoftBodySystem::adaptLevels( btScalar h )
 		return;
 	}
 	// Each body's change touches what is its own; so do its stand-ins.
+	// Many: each in one task. Few: the threads share a body. The bits are the same.
 	Stopwatch watch( report.levels );
+	const bool oneTaskEach = int( changing.size() ) >= tasks()->threadCount();
 	auto change = [&]( int k ) {
 		SoftBody::Impl& impl = changing[std::size_t( k )]->impl();
-		impl.changeNodes( *changing[std::size_t( k )], [&impl] { impl.body->applyLevels(); } );
+		TaskRunner* const within = oneTaskEach ? nullptr : tasks();
+		impl.changeNodes( *changing[std::size_t( k )], [&impl, within] { impl.body->applyLevels( within ); } );
 	};
-	runTasks( tasks(), int( changing.size() ), change );
+	runTasks( oneTaskEach ? tasks() : nullptr, int( changing.size() ), change );
 	for ( const SoftBody* body : changing )
 	{
 		const LevelChange& done = body->impl().body->levels()->lastChange();

@@ -11,5 +11,6 @@ void splitsExperiment();
 void pullExperiment();
 /// Writes crack.png and crack_near.png into the working directory.
 void crackExperiment();
+void refineExperiment();
 
 } // namespace pliant::experiment

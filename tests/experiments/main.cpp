@@ -24,6 +24,7 @@ const Entry kEntries[] = {
 	{ "splits", []( int ) { splitsExperiment(); }, 0 },
 	{ "pull", []( int ) { pullExperiment(); }, 0 },
 	{ "crack", []( int ) { crackExperiment(); }, 0 },
+	{ "refine", []( int ) { refineExperiment(); }, 0 },
 };
 
 } // namespace
