@@ -171,11 +171,15 @@ RegionRest measureRegion( const Octree& octree, const Cut& cut, const RegionMatr
 		first += u * octree.restCentre[cut.node[matrix.member[k]]].cast<double>();
 	}
 	const Vec3d centre = first / rest.mass; // m
+	Vec3d diagonal = Vec3d::Zero(), beside = Vec3d::Zero(); // of the symmetric J: xx, yy, zz and yz, xz, xy
 	for ( std::uint32_t k = matrix.start[region]; k < matrix.start[region + 1]; ++k )
 	{
 		const Vec3d q = ( octree.restCentre[cut.node[matrix.member[k]]].cast<double>() - centre ) / double( cellSize );
-		rest.moment += matrix.mass[k] * matrix.unit[matrix.member[k]] * q * q.transpose();
+		const Vec3d uq = matrix.mass[k] * matrix.unit[matrix.member[k]] * q;
+		diagonal += uq.cwiseProduct( q );
+		beside += Vec3d( uq[1] * q[2], uq[0] * q[2], uq[0] * q[1] );
 	}
+	rest.moment << diagonal[0], beside[2], beside[1], beside[2], diagonal[1], beside[0], beside[1], beside[0], diagonal[2];
 	rest.centre = centre / double( cellSize );
 	invertMoment( rest );
 	return rest;
@@ -245,24 +249,24 @@ double quadraticEta( const Octree& octree, const Cut& cut, const RegionMatrix& m
 	const double wanted = quadraticVariance( fine.covariance[node], t );
 
 	// The same quadratics, averaged over each node's cells, as the region sees them: variance = affine part a_k + residual rho_k.
-	using Six = Eigen::Matrix<double, 6, 1>;
-	Six mean = Six::Zero(), square = Six::Zero();
-	Eigen::Matrix<double, 3, 6> slope = Eigen::Matrix<double, 3, 6>::Zero();
+	// A fourth coordinate of 1 sums the means beside the slopes, in whole vector registers.
+	Eigen::Matrix<double, 4, 6> sums = Eigen::Matrix<double, 4, 6>::Zero();
+	double square = 0.0;
 	for ( std::uint32_t m = matrix.start[region]; m < matrix.start[region + 1]; ++m )
 	{
 		const std::uint32_t a = cut.node[matrix.member[m]];
 		const double u = matrix.mass[m] * matrix.unit[matrix.member[m]];
 		const Vec3d q = octree.restCentre[a].cast<double>() / double( cellSize ) - rest.centre;
-		Six phi;
+		const Eigen::Vector4d homogeneous( q[0], q[1], q[2], 1.0 );
 		for ( int k = 0; k < 6; ++k )
 		{
-			phi[k] = q[kFirst[k]] * q[kSecond[k]] + octree.spread[a][k];
+			const double phi = q[kFirst[k]] * q[kSecond[k]] + octree.spread[a][k];
+			sums.col( k ) += u * phi * homogeneous;
+			square += u * phi * phi;
 		}
-		mean += u * phi;
-		square += u * phi.cwiseProduct( phi );
-		slope += u * q * phi.transpose();
 	}
-	const double variance = ( square - mean.cwiseProduct( mean ) / rest.mass ).sum();
+	const Eigen::Matrix<double, 3, 6> slope = sums.topRows<3>();
+	const double variance = square - sums.row( 3 ).squaredNorm() / rest.mass;
 	const double affine = slope.cwiseProduct( rest.inverse * slope ).sum();
 	const double residual = variance - affine;
 	if ( !( residual > kMomentShare * variance ) )
