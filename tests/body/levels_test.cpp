@@ -1,13 +1,11 @@
 // Levels that change while the body moves: what is kept, what comes back, and when nodes are split and merged.
 
 #include "body/levels.h"
-#include "matching/lattice_matcher.h"
 #include "support/block_body.h"
 #include "support/shapes.h"
 
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <cmath>
 #include <cstdio>
 
@@ -189,115 +187,6 @@ TEST( Levels, TablesChangedPieceByPieceAreThoseMadeFromNothing )
 			EXPECT_EQ( got.blend[k], wanted->blend[k] );
 		}
 	}
-}
-
-void expectSameTables( const RegionTables& got, const RegionTables& wanted )
-{
-	EXPECT_EQ( got.matrix->start, wanted.matrix->start );
-	EXPECT_EQ( got.matrix->member, wanted.matrix->member );
-	EXPECT_EQ( got.matrix->mass, wanted.matrix->mass );
-	EXPECT_EQ( got.matrix->share, wanted.matrix->share );
-	EXPECT_EQ( got.matrix->unit, wanted.matrix->unit );
-	ASSERT_EQ( got.plan != nullptr, wanted.plan != nullptr );
-	if ( got.plan )
-	{
-		EXPECT_EQ( got.plan->start, wanted.plan->start );
-		EXPECT_EQ( got.plan->term, wanted.plan->term );
-	}
-	EXPECT_EQ( got.pull, wanted.pull );
-	EXPECT_EQ( got.beta, wanted.beta );
-	EXPECT_EQ( got.eta, wanted.eta );
-	EXPECT_EQ( got.moments.regionWeight, wanted.moments.regionWeight );
-	EXPECT_EQ( got.moments.nodeWeight, wanted.moments.nodeWeight );
-	for ( int k = 0; k < 6; ++k )
-	{
-		EXPECT_EQ( got.moments.moment[k], wanted.moments.moment[k] );
-		EXPECT_EQ( got.moments.inverseMoment[k], wanted.moments.inverseMoment[k] );
-		EXPECT_EQ( got.outOfPlane[k], wanted.outOfPlane[k] );
-	}
-	for ( int k = 0; k < 9; ++k )
-	{
-		EXPECT_EQ( got.blend[k], wanted.blend[k] );
-	}
-}
-
-/// Random splits and merges back, with 1 and 3 threads: all tables are those from nothing.
-void expectChangesAsFromNothing( const Adaptivity& settings, Material material )
-{
-	const auto lattice = std::make_shared<const Lattice>( test::makeBlobLattice( 18, 0.05f, 6 ) );
-	const std::shared_ptr<const LevelBase> base = buildLevelBase( *lattice, material, settings );
-	const std::vector<float> everywhere;
-	const std::unique_ptr<TaskRunner> pool = createThreadPool( 3 );
-	for ( TaskRunner* tasks : { static_cast<TaskRunner*>( nullptr ), pool.get() } )
-	{
-		Levels levels( base, *lattice, material, settings, everywhere, firstCut( base->octree, settings ) );
-		NodeState nodes;
-		levels.fillNodes( nodes, material.density );
-		LatticeMatcher matcher( *lattice, material, levels.tables() );
-		std::mt19937 random( 5 );
-		std::vector<std::uint32_t> taken;
-		for ( int round = 0; round < 8; ++round )
-		{
-			std::vector<std::uint32_t> split, merge;
-			for ( const std::uint32_t node : levels.cut().node )
-			{
-				if ( levels.octree().levelOf( node ) == 2 && random() % 3 == 0 )
-				{
-					split.push_back( node );
-				}
-			}
-			for ( const std::uint32_t node : taken )
-			{
-				( random() % 2 == 0 ? merge : split ).push_back( node );
-			}
-			split.erase( std::remove_if( split.begin(), split.end(),
-							 [&taken]( std::uint32_t node ) { return std::find( taken.begin(), taken.end(), node ) != taken.end(); } ),
-				split.end() );
-			levels.change( nodes, matcher, material, split, merge, tasks );
-			taken.erase( std::remove_if( taken.begin(), taken.end(),
-							 [&merge]( std::uint32_t node ) { return std::find( merge.begin(), merge.end(), node ) != merge.end(); } ),
-				taken.end() );
-			taken.insert( taken.end(), split.begin(), split.end() );
-			const LevelRegions regions = buildLevelRegions( *base, *lattice, levels.cut(), material, settings );
-			expectSameTables( *levels.tables(),
-				*buildLevelTables( *base, *lattice, levels.cut(), regions, LevelSettings{ material, settings, everywhere } ) );
-		}
-		EXPECT_FALSE( taken.empty() );
-	}
-}
-
-TEST( Levels, OfEveryRegionRuleChangeAsIfMadeFromNothingOnAnyNumberOfThreads )
-{
-	for ( const Adaptivity& settings : { levels( 3 ), steinemannAdaptivity( 3 ), ohtaAdaptivity( 3 ) } )
-	{
-		for ( const Weights weights : { Weights::Conserving, Weights::Literal } )
-		{
-			Material material;
-			material.weights = weights;
-			expectChangesAsFromNothing( settings, material );
-			material.regionHalfWidth = 2;
-			expectChangesAsFromNothing( settings, material );
-		}
-	}
-}
-
-TEST( Levels, BlendsByTheShortWayAreThoseByDirections )
-{
-	std::mt19937 random( 9 );
-	std::normal_distribution<double> normal;
-	int limited = 0;
-	for ( int round = 0; round < 1000; ++round )
-	{
-		const auto some = [&] { return Eigen::Matrix3d::NullaryExpr( [&] { return normal( random ); } ).eval(); };
-		const Eigen::Matrix3d a = some(), b = some();
-		const Eigen::Matrix3d moment = a * a.transpose() + 0.3 * Eigen::Matrix3d::Identity();
-		const Eigen::Matrix3d fine = 0.2 * ( b * b.transpose() ) + 0.1 * moment;
-		const Eigen::Matrix3d difference = energyBlend( fine, moment ) - energyBlendByDirections( fine, moment );
-		EXPECT_LT( difference.norm(), 1e-9 * ( moment.inverse() * fine ).norm() + 1e-9 );
-		limited += ( moment.inverse() * fine - energyBlend( fine, moment ) ).norm() > 1e-6 ? 1 : 0;
-	}
-	EXPECT_GT( limited, 50 ); // both ways were gone
-	EXPECT_LT( limited, 950 );
 }
 
 TEST( Levels, ASplitNodesChildrenLieWhereItsRegionPutsThem )
