@@ -173,6 +173,7 @@ void Body::place( const Placement& placement )
 	m_matcher->reset( m_nodes, placement.rotation.normalized() );
 	m_matcher->forgetFlow();
 	m_cutLinks.clear();
+	m_healedLinks.clear();
 	if ( m_breaking )
 	{
 		m_breaking->broken.clear(); // found where the nodes no longer are

@@ -98,22 +98,30 @@ public:
 
 	// --- breaking ----------------------------------------------------------------------------------------------------
 	/// Whether and when links break. Refuses bad settings, and methods without a lattice of regions. BreakRule::Never drops all that is kept
-	/// for breaking.
+	/// for breaking; what becomes of pieces that are cut off is kept with any rule.
 	Status setFracture( const Fracture& fracture, const ToughnessField& toughness = {} );
+	/// What was set.
+	const Fracture& fracture() const { return m_fracture; }
 	/// Null for a body that cannot break.
 	const Breaking* breaking() const { return m_breaking.get(); }
 	/// Looks for links that are stretched too far; to be called after `integrate`. They break in the next `breakApart`.
 	void testLinks( float h );
 	/// Breaks links by name, whatever they bear: `links` ascending, each once, all of them there. Also for bodies that do not break by themselves.
-	void breakLinks( const std::vector<CellLink>& links );
+	/// Returns how many had not been broken so before.
+	int breakLinks( const std::vector<CellLink>& links );
+	/// Puts links back by name: ascending, each once, none of them there, between 26-neighbours. Returns how many had not been before.
+	int healLinks( const std::vector<CellLink>& links );
+	/// Where each finest cell is now, relative to `NodeState::origin`; those under a big node where its region's deformation has them.
+	std::vector<Vec3d> cellPlaces() const;
+	/// Whether there are links to be taken out or put back.
 	bool hasBrokenLinks() const;
-	/// Big nodes above broken links: they are split, one level at a time, before the links are taken out. Numbers of nodes change with each
-	/// (Levels::lastChange).
+	/// Big nodes above such links, and above what will be rigid pieces: they are split, one level at a time, before anything else is done.
+	/// Numbers of nodes change with each (Levels::lastChange).
 	bool mustRefineToBreak() const;
 	void refineToBreak();
 	/// The parts that are left, by mass, heaviest first, equals in the order of their lowest cells; at least one. Together they have this
-	/// body's mass, momentum and spin, places and speeds to the bit. At most `most` of them, at least 1: what is too many stays one body with
-	/// the heaviest. This body is of no use afterwards.
+	/// body's mass, momentum and spin, places and speeds to the bit, but for small ones that are removed (SmallPieces). At most `most` of them,
+	/// at least 1: what is too many stays one body with the heaviest. This body is of no use afterwards.
 	std::vector<BodyPiece> breakApart( BreakReport& report, int most );
 	/// The node that holds a finest cell.
 	int nodeOfCell( std::uint32_t cell ) const;
@@ -132,7 +140,8 @@ public:
 	// --- measures ---------------------------------------------------------------------------------------------------
 	BodySums sums() const;
 	/// The rigid motion that fits the body best (mass centre in world coordinates, rotation of all nodes together).
-	Placement bestFit() const;
+	/// `guess`: the rotation where the nodes leave it open (few of them, or in one line).
+	Placement bestFit( const Eigen::Quaterniond& guess = Eigen::Quaterniond::Identity() ) const;
 	/// A unit quaternion (x, y, z, w) a node: the rotation of its own region from rest to now. 4 floats a node.
 	void nodeRotations( float* quaternions ) const;
 	/// Whether rest shapes have flowed, and each node's stretch of it, 9 floats a node, row by row: the goals of its region are R S_p.
@@ -158,6 +167,10 @@ private:
 	void makeMeasures();
 	void refineBeforeBreaking();
 	std::vector<CellLink> brokenLinks() const;
+	bool isSmall( const std::vector<std::uint32_t>& cells ) const { return int( cells.size() ) <= m_fracture.smallCells; }
+	bool makesRigid() const;
+	void addNodesOfRigid( std::vector<std::uint32_t>& nodes ) const;
+	void removeSmall( std::vector<std::vector<std::uint32_t>>& parts, BreakReport& report ) const;
 	std::vector<std::uint32_t> nodesAboveBroken() const;
 	BreakReport reportOn( const std::vector<CellLink>& broken ) const;
 	std::unique_ptr<Body> makePiece( std::shared_ptr<const Lattice> lattice, BodyPiece& piece ) const;
@@ -176,7 +189,8 @@ private:
 	std::unique_ptr<Levels> m_levels;
 	LatticeMatcher* m_levelMatcher = nullptr; ///< m_matcher where there are levels
 	std::unique_ptr<Breaking> m_breaking;     ///< null: cannot break
-	std::vector<CellLink> m_cutLinks;         ///< broken by name, ascending
+	Fracture m_fracture;
+	std::vector<CellLink> m_cutLinks, m_healedLinks; ///< by name, ascending
 	std::vector<std::uint32_t> m_firstCell;
 	int m_reviewIn = 0;              ///< substeps until strains are measured
 	float m_sinceReview = 0.0f;      ///< s

@@ -17,7 +17,6 @@ namespace pliant {
 
 namespace {
 
-
 /// Links whose cells share a face carry the area of the crack; d^2 each.
 bool sharesFace( const Lattice& lattice, const CellLink& link )
 {
@@ -55,35 +54,6 @@ Result<std::vector<float>> sampleToughness( const Lattice& lattice, const Toughn
 	return Answer::success( std::move( toughness ) );
 }
 
-/// The connected parts, heaviest first, equals by lowest cell; those beyond `most` are counted to the heaviest.
-std::vector<std::vector<std::uint32_t>> partsByMass( const Lattice& lattice, std::size_t most )
-{
-	std::vector<std::vector<std::uint32_t>> parts = connectedParts( lattice );
-	std::vector<std::pair<double, std::size_t>> order;
-	for ( std::size_t k = 0; k < parts.size(); ++k )
-	{
-		double fill = 0.0;
-		for ( const std::uint32_t cell : parts[k] )
-		{
-			fill += lattice.fill[cell];
-		}
-		order.emplace_back( -fill, k );
-	}
-	std::sort( order.begin(), order.end() );
-	std::vector<std::vector<std::uint32_t>> sorted;
-	for ( const auto& [fill, k] : order )
-	{
-		if ( sorted.size() < most )
-		{
-			sorted.push_back( std::move( parts[k] ) );
-			continue;
-		}
-		sorted[0].insert( sorted[0].end(), parts[k].begin(), parts[k].end() );
-	}
-	std::sort( sorted[0].begin(), sorted[0].end() );
-	return sorted;
-}
-
 } // namespace
 
 void Breaking::prepare( const Lattice& lattice, float strain, std::vector<float> toughness )
@@ -103,6 +73,7 @@ Status Body::setFracture( const Fracture& fracture, const ToughnessField& field 
 	}
 	if ( fracture.rule == BreakRule::Never )
 	{
+		m_fracture = fracture;
 		m_breaking.reset();
 		return {};
 	}
@@ -121,6 +92,7 @@ Status Body::setFracture( const Fracture& fracture, const ToughnessField& field 
 		breaking->settings = fracture;
 		breaking->prepare( *m_lattice, breakStrain( fracture, m_material ), std::move( toughness.value ) );
 		m_breaking = std::move( breaking );
+		m_fracture = fracture;
 		refineBeforeBreaking();
 		return {};
 	}
@@ -177,16 +149,33 @@ void Body::testLinks( float h )
 	}
 }
 
-void Body::breakLinks( const std::vector<CellLink>& links )
+namespace {
+
+/// Adds links to some there are; how many were new.
+int join( std::vector<CellLink>& some, const std::vector<CellLink>& more )
 {
 	std::vector<CellLink> all;
-	std::set_union( m_cutLinks.begin(), m_cutLinks.end(), links.begin(), links.end(), std::back_inserter( all ) );
-	m_cutLinks = std::move( all );
+	std::set_union( some.begin(), some.end(), more.begin(), more.end(), std::back_inserter( all ) );
+	const int added = int( all.size() - some.size() );
+	some = std::move( all );
+	return added;
+}
+
+} // namespace
+
+int Body::breakLinks( const std::vector<CellLink>& links )
+{
+	return join( m_cutLinks, links );
+}
+
+int Body::healLinks( const std::vector<CellLink>& links )
+{
+	return join( m_healedLinks, links );
 }
 
 bool Body::hasBrokenLinks() const
 {
-	return !m_cutLinks.empty() || ( m_breaking && !m_breaking->broken.empty() );
+	return !m_cutLinks.empty() || !m_healedLinks.empty() || ( m_breaking && !m_breaking->broken.empty() );
 }
 
 std::vector<CellLink> Body::brokenLinks() const
@@ -203,7 +192,9 @@ std::vector<CellLink> Body::brokenLinks() const
 std::vector<std::uint32_t> Body::nodesAboveBroken() const
 {
 	std::vector<std::uint32_t> above;
-	for ( const CellLink& link : brokenLinks() )
+	std::vector<CellLink> links = brokenLinks();
+	links.insert( links.end(), m_healedLinks.begin(), m_healedLinks.end() );
+	for ( const CellLink& link : links )
 	{
 		for ( const std::uint32_t cell : { link.a, link.b } )
 		{
@@ -214,6 +205,7 @@ std::vector<std::uint32_t> Body::nodesAboveBroken() const
 			}
 		}
 	}
+	addNodesOfRigid( above );
 	std::sort( above.begin(), above.end() );
 	above.erase( std::unique( above.begin(), above.end() ), above.end() );
 	return above;
@@ -227,29 +219,6 @@ bool Body::mustRefineToBreak() const
 void Body::refineToBreak()
 {
 	changeLevels( nodesAboveBroken(), {} );
-}
-
-std::vector<BodyPiece> Body::breakApart( BreakReport& report, int most )
-{
-	const std::vector<CellLink> broken = brokenLinks();
-	report = reportOn( broken );
-	m_cutLinks.clear();
-	if ( m_breaking )
-	{
-		m_breaking->broken.clear();
-	}
-	auto whole = std::make_shared<const Lattice>( withoutLinks( *m_lattice, broken ) );
-	std::vector<std::vector<std::uint32_t>> parts = partsByMass( *whole, std::size_t( most ) );
-	std::vector<BodyPiece> pieces;
-	for ( std::vector<std::uint32_t>& cells : parts )
-	{
-		std::shared_ptr<const Lattice> lattice = parts.size() == 1 ? whole : std::make_shared<const Lattice>( extractCells( *whole, cells ) );
-		BodyPiece piece;
-		piece.cellBefore = std::move( cells );
-		piece.body = makePiece( std::move( lattice ), piece );
-		pieces.push_back( std::move( piece ) );
-	}
-	return pieces;
 }
 
 BreakReport Body::reportOn( const std::vector<CellLink>& broken ) const
@@ -276,113 +245,6 @@ BreakReport Body::reportOn( const std::vector<CellLink>& broken ) const
 int Body::nodeOfCell( std::uint32_t cell ) const
 {
 	return m_levels ? int( m_levels->cut().slotOfCell[cell] ) : int( cell );
-}
-
-std::unique_ptr<Body> Body::makePiece( std::shared_ptr<const Lattice> lattice, BodyPiece& piece ) const
-{
-	std::unique_ptr<Body> body( new Body );
-	body->m_lattice = std::move( lattice );
-	body->m_material = m_material;
-	body->m_material.farLevels = usefulFarLevels( *body->m_lattice, m_material.farLevels );
-	for ( const std::uint32_t cell : piece.cellBefore )
-	{
-		body->m_firstCell.push_back( m_firstCell.empty() ? cell : m_firstCell[cell] );
-		if ( !m_stiffness.empty() )
-		{
-			body->m_stiffness.push_back( m_stiffness[cell] );
-		}
-	}
-	if ( m_levels )
-	{
-		body->inheritLevels( *this, piece );
-	}
-	else
-	{
-		body->makeNodes( Adaptivity{} );
-		piece.nodeBefore = piece.cellBefore;
-	}
-	body->makeMeasures();
-	body->m_matcher = body->makePieceMatcher( *this, piece );
-	body->m_lastFinite.resize( std::size_t( body->m_nodes.padded ) * 6, 0.0f );
-	body->inheritNodes( *this, piece );
-	body->m_reviewIn = m_reviewIn;
-	body->m_sinceReview = m_sinceReview;
-	static_cast<LatticeMatcher&>( *body->m_matcher ).inherit( static_cast<const LatticeMatcher&>( *m_matcher ), piece.nodeBefore );
-	if ( m_breaking )
-	{
-		body->inheritBreaking( *m_breaking, piece );
-	}
-	body->keepFiniteState();
-	return body;
-}
-
-// The same cells stand under one node as before, as far as they are still connected: blocks are where they were.
-void Body::inheritLevels( const Body& from, BodyPiece& piece )
-{
-	const Levels& before = *from.m_levels;
-	const std::shared_ptr<const LevelBase> base = buildLevelBase( *m_lattice, m_material, before.settings() );
-	const Octree& tree = base->octree;
-	auto slotBefore = [&]( std::uint32_t node ) { return before.cut().slotOfCell[piece.cellBefore[tree.cells[tree.cellStart[node]]]]; };
-	Cut cut = selectCut( tree, [&]( std::uint32_t node ) { return tree.levelOf( node ) == before.levelOf( int( slotBefore( node ) ) ); } );
-	for ( const std::uint32_t node : cut.node )
-	{
-		piece.nodeBefore.push_back( slotBefore( node ) );
-	}
-	m_levels = std::make_unique<Levels>( base, *m_lattice, m_material, before.settings(), m_stiffness, std::move( cut ) );
-	m_levels->setFinestLevel( before.finestLevel() );
-	m_levels->fillNodes( m_nodes, m_material.density );
-}
-
-std::unique_ptr<Matcher> Body::makePieceMatcher( const Body& from, const BodyPiece& piece )
-{
-	if ( m_levels )
-	{
-		return makeMatcher( m_material );
-	}
-	const RegionTables& before = static_cast<const LatticeMatcher&>( *from.m_matcher ).tables();
-	const Vec3d shift = ( m_lattice->massCentre - from.m_lattice->massCentre ) / double( m_lattice->cellSize );
-	const MomentsBefore moments{ before.moments, before.regions, piece.cellBefore, shift };
-	auto matcher = std::make_unique<LatticeMatcher>( *m_lattice, m_material, buildRegionTables( *m_lattice, m_material, Summation::Automatic, m_stiffness, &moments ) );
-	matcher->setFarLevels( m_material.farLevels, m_stiffness );
-	return matcher;
-}
-
-void Body::inheritNodes( const Body& from, const BodyPiece& piece )
-{
-	const NodeState& before = from.m_nodes;
-	m_nodes.origin = before.origin;
-	const bool hasForce = !before.force.x.empty();
-	if ( hasForce )
-	{
-		m_nodes.force.resize( m_nodes.padded );
-	}
-	for ( int i = 0; i < m_nodes.count; ++i )
-	{
-		const int old = int( piece.nodeBefore[std::size_t( i )] );
-		m_nodes.x.set( i, before.x.get( old ) );
-		m_nodes.v.set( i, before.v.get( old ) );
-		m_nodes.freedom[i] = before.freedom[old];
-		if ( hasForce )
-		{
-			m_nodes.force.set( i, before.force.get( old ) );
-		}
-	}
-}
-
-void Body::inheritBreaking( const Breaking& from, const BodyPiece& piece )
-{
-	m_breaking = std::make_unique<Breaking>();
-	m_breaking->settings = from.settings;
-	m_breaking->coolDown = from.coolDown;
-	m_breaking->prepare( *m_lattice, breakStrain( from.settings, m_material ), inheritToughness( from.limits, *m_lattice, piece.cellBefore ) );
-	if ( m_levels )
-	{
-		m_breaking->settled.inherit( from.settled, piece.cellBefore );
-	}
-	if ( from.planes )
-	{
-		*m_breaking->planes = *from.planes; // cracks are where they were
-	}
 }
 
 } // namespace pliant

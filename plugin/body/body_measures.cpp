@@ -28,7 +28,7 @@ BodySums Body::sums() const
 	return sums;
 }
 
-Placement Body::bestFit() const
+Placement Body::bestFit( const Eigen::Quaterniond& guess ) const
 {
 	const BodySums whole = sums();
 	Eigen::Matrix3d moment = Eigen::Matrix3d::Zero();
@@ -37,13 +37,37 @@ Placement Body::bestFit() const
 		const Vec3d p = m_nodes.x.get( i ).cast<double>() - whole.centre;
 		moment += double( m_nodes.mass[i] ) * p * m_nodes.x0.get( i ).cast<double>().transpose();
 	}
-	return Placement{ fitRotation( moment, Eigen::Quaterniond::Identity() ), m_nodes.origin + whole.centre };
+	return Placement{ fitRotation( moment, guess ), m_nodes.origin + whole.centre };
 }
 
 std::size_t Body::bytes() const
 {
 	const std::size_t floats = std::size_t( m_nodes.padded ) * 11 + m_nodes.force.x.size() * 3 + m_lastFinite.size();
 	return floats * sizeof( float ) + m_matcher->bytes() + m_matcher->sharedBytes() + m_lattice->bytes() + ( m_levels ? m_levels->bytes() : 0 );
+}
+
+std::vector<Vec3d> Body::cellPlaces() const
+{
+	std::vector<Vec3d> places( m_lattice->fill.size() );
+	if ( !m_levels )
+	{
+		for ( int i = 0; i < m_nodes.count; ++i )
+		{
+			places[std::size_t( i )] = m_nodes.x.get( i ).cast<double>();
+		}
+		return places;
+	}
+	// x_c = x_a + F_a ( x0_c - x0_a ), a the node above cell c
+	std::vector<float> gradients( std::size_t( m_nodes.padded ) * 9 );
+	nodeDeformations( gradients.data() );
+	for ( std::uint32_t cell = 0; cell < std::uint32_t( places.size() ); ++cell )
+	{
+		const int node = nodeOfCell( cell );
+		const Eigen::Map<const Eigen::Matrix<float, 3, 3, Eigen::RowMajor>> f( gradients.data() + 9 * std::size_t( node ) );
+		const Vec3 arm = m_lattice->restCentre[cell] - m_nodes.x0.get( node );
+		places[cell] = ( m_nodes.x.get( node ) + f * arm ).cast<double>();
+	}
+	return places;
 }
 
 void Body::nodeRotations( float* quaternions ) const

@@ -8,6 +8,8 @@
 #include "pliant/fracture.h"
 #include "pliant/material.h"
 
+#include <Eigen/Geometry>
+
 #include <memory>
 #include <vector>
 
@@ -40,6 +42,9 @@ struct BodyPiece
 	std::unique_ptr<Body> body;
 	std::vector<std::uint32_t> nodeBefore; ///< of each node: its number in the body before
 	std::vector<std::uint32_t> cellBefore; ///< of each finest cell: its number there
+	bool isSmall = false;                  ///< Fracture::smallCells
+	bool isRigid = false;                  ///< one rigid cluster
+	Eigen::Quaternionf turn = Eigen::Quaternionf::Identity(); ///< of the material at one of its nodes
 };
 
 /// What one event did.
@@ -48,6 +53,8 @@ struct BreakReport
 	int links = 0;          ///< broken
 	double area = 0.0;      ///< m^2, of one side, from the links between cells that share a face
 	double energy = 0.0;    ///< J: what the broken links held, E e^2 / 2 over their share of the material
+	int removedPieces = 0;  ///< SmallPieces::Remove
+	double removedMass = 0.0; ///< kg
 };
 
 } // namespace pliant

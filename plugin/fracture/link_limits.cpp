@@ -45,7 +45,8 @@ std::vector<float> inheritToughness( const LinkLimits& before, const Lattice& pa
 			if ( part.linkTo[k] > i )
 			{
 				const auto old = std::lower_bound( row, end, cells[part.linkTo[k]] );
-				toughness.push_back( before.toughness[std::size_t( old - before.to.begin() )] );
+				const bool isOld = old != end && *old == cells[part.linkTo[k]];
+				toughness.push_back( isOld ? before.toughness[std::size_t( old - before.to.begin() )] : 1.0f );
 			}
 		}
 	}

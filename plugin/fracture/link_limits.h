@@ -29,7 +29,7 @@ struct LinkLimits
 /// Limits ( 1 + strain toughness ) L with L the links' lengths at rest. `toughness`: one a link in the order of LinkLimits; empty: 1.
 LinkLimits limitLinks( const Lattice& lattice, float strain, std::vector<float> toughness );
 
-/// Toughness for some cells of a lattice (ascending) whose links are some of the old ones: `before` holds theirs.
+/// Toughness for some cells of a lattice (ascending): `before` holds that of the old links; links that are new (healed) have 1.
 std::vector<float> inheritToughness( const LinkLimits& before, const Lattice& part, const std::vector<std::uint32_t>& cells );
 
 /// All links longer than they may be, ascending. Cells are nodes.

@@ -113,6 +113,12 @@ std::unique_ptr<SoftBody> SoftBody::Impl::makeFragment( const SoftBody& parent, 
 	impl.pins = pinsOf( from.pins, numbersNow( piece, from.body->nodeCount() ) );
 	impl.body = std::move( piece.body );
 	impl.fractureVersion = from.fractureVersion + 1;
+	impl.fading = from.fading;
+	const Fracture& settings = impl.body->fracture();
+	if ( piece.isSmall && settings.smallPieces == SmallPieces::Fade && impl.fading.time == 0.0f )
+	{
+		impl.fading = Fading{ settings.fadeTime, double( settings.fadeTime ), false };
+	}
 	impl.finish( *soft );
 	impl.centralForce = from.centralForce * btScalar( impl.mass / from.mass ); // it is spread by mass
 	impl.measureSpeed();
@@ -148,8 +154,7 @@ bool SoftBodySystem::breakBodies()
 		{
 			impl.changeNodes( *breaking[std::size_t( k )], [&impl] { impl.body->refineToBreak(); } );
 		}
-		const Breaking* rule = impl.body->breaking();
-		const int most = rule ? rule->settings.maxPieces - ( impl.family ? *impl.family - 1 : 0 ) : std::numeric_limits<int>::max();
+		const int most = impl.body->fracture().maxPieces - ( impl.family ? *impl.family - 1 : 0 );
 		outcome[std::size_t( k )].pieces = impl.body->breakApart( outcome[std::size_t( k )].report, std::max( 1, most ) );
 	};
 	runTasks( tasks(), int( breaking.size() ), apart );
@@ -161,10 +166,16 @@ bool SoftBodySystem::breakBodies()
 		event.links = found.links;
 		event.area = found.area;
 		event.energy = found.energy;
+		event.removedPieces = found.removedPieces;
+		event.removedMass = found.removedMass;
 		settlePieces( *breaking[k], outcome[k].pieces, event );
 		report.brokenLinks += event.links;
 		report.fragments += int( event.fragments.size() );
-		events.push_back( std::move( event ) );
+		report.removedPieces += event.removedPieces;
+		if ( event.links > 0 ) // else links have only been put back
+		{
+			events.push_back( std::move( event ) );
+		}
 	}
 	return true;
 }
@@ -228,6 +239,46 @@ bool SoftBodySystem::release( SoftBody& fragment )
 	return true;
 }
 
+void SoftBodySystem::advanceFading( btScalar gameStep )
+{
+	for ( SoftBody* body : m_bodies )
+	{
+		body->impl().fading.left -= double( gameStep );
+	}
+}
+
+// Between steps, where nobody holds a pointer that the last step's events do not already call perishable.
+void SoftBodySystem::removeFaded()
+{
+	removedSinceStep = 0;
+	std::vector<SoftBody*> faded;
+	for ( SoftBody* body : m_bodies )
+	{
+		const Fading& fading = body->impl().fading;
+		if ( fading.time > 0.0f && fading.left <= 0.0 && !fading.isOver )
+		{
+			faded.push_back( body );
+		}
+	}
+	for ( SoftBody* body : faded )
+	{
+		body->impl().fading.isOver = true;
+		const bool isOurs = body->impl().isWorldOwned;
+		m_world.removeCollisionObject( body );
+		if ( isOurs )
+		{
+			delete body;
+		}
+	}
+	removedSinceStep = int( faded.size() );
+}
+
+float SoftBody::fadeShare() const
+{
+	const Fading& fading = m_impl->fading;
+	return fading.time > 0.0f ? std::clamp( float( fading.left ) / fading.time, 0.0f, 1.0f ) : 1.0f;
+}
+
 void SoftBodySystem::testLinks( btScalar h )
 {
 	std::vector<SoftBody*> testing;
@@ -259,8 +310,7 @@ Status SoftBody::setFracture( const Fracture& fracture, const ToughnessField& to
 
 Fracture SoftBody::fracture() const
 {
-	const Breaking* breaking = m_impl->body->breaking();
-	return breaking ? breaking->settings : Fracture{};
+	return m_impl->body->fracture();
 }
 
 int SoftBody::cellCount() const

@@ -55,6 +55,14 @@ struct FreshPair
 	double slack;    ///< m, only ever smaller; infinity until it has been measured
 };
 
+/// SmallPieces::Fade. A piece that has faded has left the world once; it may be added again by who owns it.
+struct Fading
+{
+	float time = 0.0f; ///< s, of the whole; 0: it does not fade
+	double left = 0.0; ///< s
+	bool isOver = false;
+};
+
 struct SoftBody::Impl
 {
 	std::shared_ptr<const BodyTemplate> bodyTemplate;
@@ -80,6 +88,7 @@ struct SoftBody::Impl
 	unsigned fractureVersion = 0;
 	std::shared_ptr<int> family;       ///< bodies made of the one body it all came from; null: it never came apart
 	mutable std::vector<FreshPair> fresh;
+	Fading fading;
 	std::unique_ptr<NodeShape> shapeBefore; ///< stand-ins of nodes that came off point to its spheres until the next collision phase
 	mutable std::unique_ptr<CrackSurface> cracks;       ///< null: the template's mesh is drawn as it is
 	mutable std::vector<float> crackTexture;            ///< u, v of its vertices

@@ -126,6 +126,8 @@ void SoftBodySystem::beginStep( btScalar gameStep, int substepCount )
 	report = StepReport{};
 	report.substeps = substepCount;
 	report.softBodies = int( m_bodies.size() );
+	report.removedPieces = removedSinceStep;
+	advanceFading( gameStep );
 	countNodes();
 	for ( SoftBody* body : m_bodies )
 	{

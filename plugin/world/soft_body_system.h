@@ -48,6 +48,9 @@ public:
 
 	/// Links that are stretched too far, found after the nodes have moved; they break at the start of the next substep.
 	void testLinks( btScalar h );
+	/// Small pieces that have faded leave the world; to be called between game steps.
+	void removeFaded();
+	int removedSinceStep = 0; ///< by the last call
 	/// False for what is no fragment of this world's.
 	bool release( SoftBody& fragment );
 	std::vector<FractureEvent> events;
@@ -73,6 +76,7 @@ private:
 	void gatherAwake();
 	bool breakBodies();
 	void settlePieces( SoftBody& body, std::vector<BodyPiece>& pieces, FractureEvent& event );
+	void advanceFading( btScalar gameStep );
 	void addFragment( SoftBody& parent, std::unique_ptr<SoftBody> fragment );
 	void adaptLevels( btScalar h );
 	void changeLevels( SoftBody& body );

@@ -164,6 +164,7 @@ bool SoftBodyWorld::releaseFragment( SoftBody* fragment )
 int SoftBodyWorld::stepSimulation( btScalar timeStep, int maxSubSteps, btScalar fixedTimeStep )
 {
 	m_system->bodies.events.clear();
+	m_system->bodies.removeFaded();
 	return btDiscreteDynamicsWorld::stepSimulation( timeStep, maxSubSteps, fixedTimeStep );
 }
 
@@ -174,6 +175,7 @@ void SoftBodyWorld::internalSingleStepSimulation( btScalar timeStep )
 	if ( bodies.bodies().empty() || !bodies.hasAwakeBody() )
 	{
 		bodies.report = StepReport{};
+		bodies.report.removedPieces = bodies.removedSinceStep;
 		if ( !bodies.bodies().empty() )
 		{
 			bodies.beginStep( timeStep, 1 );

@@ -24,12 +24,13 @@ enum class BreakRule : int
 enum class SmallPieces : int
 {
 	Keep,   ///< bodies like all others
-	Rigid,  ///< one rigid cluster each: the cheapest body there is
-	Fade,   ///< rigid too, and taken out of the world after Fracture::fadeTime
-	Remove  ///< taken out at once; FractureEvent says how many and what they weighed
+	Rigid,  ///< one rigid cluster each (Method::SingleCluster): the cheapest body there is; it breaks no further by itself, but can be cut
+	Fade,   ///< rigid too, and taken out of the world after Fracture::fadeTime: deleted if it is the world's, else only removed
+	Remove  ///< never made, with what it weighed; FractureEvent says how many and how much. What is left of the body itself always stays
 };
 
-/// Off by default: a body that cannot break keeps nothing for it and does nothing for it.
+/// Off by default: a body that cannot break keeps nothing for it and does nothing for it. Small pieces and maxPieces are for what is cut as
+/// well, with any rule.
 struct Fracture
 {
 	BreakRule rule = BreakRule::Never;

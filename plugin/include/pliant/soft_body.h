@@ -101,6 +101,21 @@ public:
 	/// Changes when links have broken: nodes and cells then have other numbers. Pins follow.
 	unsigned fractureVersion() const;
 
+	// --- cutting: also bodies whose rule is Never. Links between cells are cut where the straight line between the cells' middles, as they
+	// --- are now, goes through the cut; they part at the start of the next substep, and what comes off is a fragment like any other. Each
+	// --- returns the number of links that were not cut already, and wakes the body if there are any; 0 too where memory does not suffice.
+	/// By a plane, or a disc of it about `point`. A middle in the plane is on the side `normal` points to.
+	int cutPlane( const btVector3& point, const btVector3& normal, btScalar radius = SIMD_INFINITY );
+	/// By the surface of a sphere.
+	int cutSphere( const btVector3& centre, btScalar radius );
+	/// By a blade whose edge has gone from p0 p1 to q0 q1: the triangles p0 p1 q0 and q0 p1 q1.
+	int cutSweep( const btVector3& p0, const btVector3& p1, const btVector3& q0, const btVector3& q1 );
+	/// The inverse: puts back links the template has, that were cut or broke, between cells of this one body that are now within `reach`
+	/// times their distance at rest. From the next substep on; returns how many. Toughness of healed links is 1.
+	int heal( btScalar reach = btScalar( 1.2 ) );
+	/// SmallPieces::Fade: 1 when it has just come off, 0 when its time is up; 1 for all others.
+	float fadeShare() const;
+
 	// --- what the game does to it; each wakes the body --------------------------------------------------------------
 	void setLinearVelocity( const btVector3& velocity );            ///< of every node, m/s
 	void setVelocities( const btVector3& linear, const btVector3& angular ); ///< rigid motion about the mass centre, m/s and rad/s

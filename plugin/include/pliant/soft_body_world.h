@@ -29,6 +29,7 @@ struct StepReport
 	int nodesOnLevel[5] = {}; ///< of all soft bodies, finest first; bodies without levels have finest nodes only
 	int brokenLinks = 0;      ///< between finest cells
 	int fragments = 0;        ///< bodies that came off others
+	int removedPieces = 0;    ///< small pieces that were not made, or have faded (SmallPieces)
 	int quarantined = 0;      ///< bodies that stand still because a number in them stopped being finite
 	int unreachableStiffness = 0; ///< bodies whose Young's modulus was out of reach: raise maxSoftSubsteps or regionHalfWidth
 };
@@ -63,7 +64,8 @@ public:
 	int softBodyCount() const;
 	SoftBody* softBody( int index );
 
-	/// What broke in the last stepSimulation, in order. Pointers stay good until a body they name is deleted.
+	/// What broke in the last stepSimulation, in order. Pointers stay good until a body they name is deleted; the world itself deletes small
+	/// pieces that have faded, at the start of a stepSimulation.
 	const std::vector<FractureEvent>& fractureEvents() const;
 	/// Fragments that belong to the world.
 	int fragmentCount() const;

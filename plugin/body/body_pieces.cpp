@@ -1,0 +1,279 @@
+// The pieces of a body that has come apart: which there are, and what each takes over from the whole. Ohta et al. 2009, "Fracturing".
+
+#include "body/body.h"
+#include "body/breaking.h"
+#include "body/levels.h"
+
+#include "matching/lattice_matcher.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace pliant {
+
+namespace {
+
+/// The connected parts, heaviest first, equals by lowest cell.
+std::vector<std::vector<std::uint32_t>> partsByMass( const Lattice& lattice )
+{
+	std::vector<std::vector<std::uint32_t>> parts = connectedParts( lattice );
+	std::vector<std::pair<double, std::size_t>> order;
+	for ( std::size_t k = 0; k < parts.size(); ++k )
+	{
+		double fill = 0.0;
+		for ( const std::uint32_t cell : parts[k] )
+		{
+			fill += lattice.fill[cell];
+		}
+		order.emplace_back( -fill, k );
+	}
+	std::sort( order.begin(), order.end() );
+	std::vector<std::vector<std::uint32_t>> sorted;
+	for ( const auto& [fill, k] : order )
+	{
+		sorted.push_back( std::move( parts[k] ) );
+	}
+	return sorted;
+}
+
+/// Parts beyond `most` are counted to the heaviest.
+void keepMost( std::vector<std::vector<std::uint32_t>>& parts, std::size_t most )
+{
+	for ( std::size_t k = most; k < parts.size(); ++k )
+	{
+		parts[0].insert( parts[0].end(), parts[k].begin(), parts[k].end() );
+	}
+	parts.resize( std::min( parts.size(), most ) );
+	std::sort( parts[0].begin(), parts[0].end() );
+}
+
+/// One rigid cluster of the same stuff, as stiff as can be. What has flowed stays behind: the cluster's rest shape is the first one.
+Material rigidMaterial( const Material& of )
+{
+	Material material = of;
+	material.method = Method::SingleCluster;
+	material.clusterMode = ClusterMode::Rigid;
+	material.alpha = 1.0f;
+	material.beta = 0.0f;
+	material.volumeKeeping = 0.0f;
+	material.farLevels = 0;
+	material.yieldStrain = 0.0f;
+	return material;
+}
+
+} // namespace
+
+std::vector<BodyPiece> Body::breakApart( BreakReport& report, int most )
+{
+	const std::vector<CellLink> broken = brokenLinks();
+	report = reportOn( broken );
+	auto whole = std::make_shared<const Lattice>( withLinks( withoutLinks( *m_lattice, broken ), m_healedLinks ) );
+	m_cutLinks.clear();
+	m_healedLinks.clear();
+	if ( m_breaking )
+	{
+		m_breaking->broken.clear();
+	}
+	std::vector<std::vector<std::uint32_t>> parts = partsByMass( *whole );
+	removeSmall( parts, report );
+	keepMost( parts, std::size_t( most ) );
+	std::vector<float> rotations;
+	if ( makesRigid() || m_material.method != Method::Lattice )
+	{
+		rotations.resize( std::size_t( m_nodes.count ) * 4 );
+		nodeRotations( rotations.data() );
+	}
+	std::vector<BodyPiece> pieces;
+	for ( std::vector<std::uint32_t>& cells : parts )
+	{
+		const bool isAll = cells.size() == whole->fill.size();
+		std::shared_ptr<const Lattice> lattice = isAll ? whole : std::make_shared<const Lattice>( extractCells( *whole, cells ) );
+		BodyPiece piece;
+		piece.isSmall = !pieces.empty() && isSmall( cells );
+		piece.isRigid = piece.isSmall && makesRigid();
+		if ( !rotations.empty() )
+		{
+			piece.turn = Eigen::Map<const Eigen::Quaternionf>( rotations.data() + 4 * std::size_t( nodeOfCell( cells[0] ) ) );
+		}
+		piece.cellBefore = std::move( cells );
+		piece.body = makePiece( std::move( lattice ), piece );
+		pieces.push_back( std::move( piece ) );
+	}
+	return pieces;
+}
+
+bool Body::makesRigid() const
+{
+	return m_fracture.smallCells > 0 && ( m_fracture.smallPieces == SmallPieces::Rigid || m_fracture.smallPieces == SmallPieces::Fade );
+}
+
+// Rigid pieces are made of finest cells: what holds them then is their own cluster alone.
+void Body::addNodesOfRigid( std::vector<std::uint32_t>& nodes ) const
+{
+	if ( !makesRigid() )
+	{
+		return;
+	}
+	const std::vector<std::vector<std::uint32_t>> parts = partsByMass( withLinks( withoutLinks( *m_lattice, brokenLinks() ), m_healedLinks ) );
+	for ( std::size_t k = 1; k < parts.size(); ++k )
+	{
+		for ( std::size_t i = 0; isSmall( parts[k] ) && i < parts[k].size(); ++i )
+		{
+			const std::uint32_t cell = parts[k][i], node = m_levels->cut().node[m_levels->cut().slotOfCell[cell]];
+			if ( node != cell )
+			{
+				nodes.push_back( node );
+			}
+		}
+	}
+}
+
+// What is removed is never made, and counts to no limit. The heaviest part is nobody's small piece.
+void Body::removeSmall( std::vector<std::vector<std::uint32_t>>& parts, BreakReport& report ) const
+{
+	if ( m_fracture.smallPieces != SmallPieces::Remove )
+	{
+		return;
+	}
+	std::vector<std::vector<std::uint32_t>> kept;
+	const double d = m_lattice->cellSize, fullCell = m_material.density * d * d * d;
+	for ( std::vector<std::uint32_t>& cells : parts )
+	{
+		if ( kept.empty() || !isSmall( cells ) )
+		{
+			kept.push_back( std::move( cells ) );
+			continue;
+		}
+		++report.removedPieces;
+		for ( const std::uint32_t cell : cells )
+		{
+			report.removedMass += fullCell * m_lattice->fill[cell];
+		}
+	}
+	parts = std::move( kept );
+}
+
+std::unique_ptr<Body> Body::makePiece( std::shared_ptr<const Lattice> lattice, BodyPiece& piece ) const
+{
+	std::unique_ptr<Body> body( new Body );
+	body->m_lattice = std::move( lattice );
+	body->m_material = piece.isRigid ? rigidMaterial( m_material ) : m_material;
+	body->m_material.farLevels = usefulFarLevels( *body->m_lattice, body->m_material.farLevels );
+	body->m_fracture = m_fracture;
+	for ( const std::uint32_t cell : piece.cellBefore )
+	{
+		body->m_firstCell.push_back( m_firstCell.empty() ? cell : m_firstCell[cell] );
+		if ( !m_stiffness.empty() && !piece.isRigid )
+		{
+			body->m_stiffness.push_back( m_stiffness[cell] );
+		}
+	}
+	if ( m_levels && !piece.isRigid )
+	{
+		body->inheritLevels( *this, piece );
+	}
+	else
+	{
+		body->makeNodes( Adaptivity{} );
+		for ( const std::uint32_t cell : piece.cellBefore )
+		{
+			piece.nodeBefore.push_back( std::uint32_t( nodeOfCell( cell ) ) );
+		}
+	}
+	body->makeMeasures();
+	body->m_lastFinite.resize( std::size_t( body->m_nodes.padded ) * 6, 0.0f );
+	body->inheritNodes( *this, piece );
+	body->m_reviewIn = m_reviewIn;
+	body->m_sinceReview = m_sinceReview;
+	if ( body->m_material.method == Method::Lattice )
+	{
+		body->m_matcher = body->makePieceMatcher( *this, piece );
+		static_cast<LatticeMatcher&>( *body->m_matcher ).inherit( static_cast<const LatticeMatcher&>( *m_matcher ), piece.nodeBefore );
+	}
+	else
+	{
+		body->m_matcher = body->makeMatcher( body->m_material );
+		body->m_matcher->reset( body->m_nodes, body->bestFit( piece.turn.cast<double>() ).rotation );
+	}
+	if ( piece.isRigid )
+	{
+		body->m_fracture.rule = BreakRule::Never;
+	}
+	else if ( m_breaking )
+	{
+		body->inheritBreaking( *m_breaking, piece );
+	}
+	body->keepFiniteState();
+	return body;
+}
+
+// The same cells stand under one node as before, as far as they are still connected: blocks are where they were.
+void Body::inheritLevels( const Body& from, BodyPiece& piece )
+{
+	const Levels& before = *from.m_levels;
+	const std::shared_ptr<const LevelBase> base = buildLevelBase( *m_lattice, m_material, before.settings() );
+	const Octree& tree = base->octree;
+	auto slotBefore = [&]( std::uint32_t node ) { return before.cut().slotOfCell[piece.cellBefore[tree.cells[tree.cellStart[node]]]]; };
+	Cut cut = selectCut( tree, [&]( std::uint32_t node ) { return tree.levelOf( node ) == before.levelOf( int( slotBefore( node ) ) ); } );
+	for ( const std::uint32_t node : cut.node )
+	{
+		piece.nodeBefore.push_back( slotBefore( node ) );
+	}
+	m_levels = std::make_unique<Levels>( base, *m_lattice, m_material, before.settings(), m_stiffness, std::move( cut ) );
+	m_levels->setFinestLevel( before.finestLevel() );
+	m_levels->fillNodes( m_nodes, m_material.density );
+}
+
+std::unique_ptr<Matcher> Body::makePieceMatcher( const Body& from, const BodyPiece& piece )
+{
+	if ( m_levels )
+	{
+		return makeMatcher( m_material );
+	}
+	const RegionTables& before = static_cast<const LatticeMatcher&>( *from.m_matcher ).tables();
+	const Vec3d shift = ( m_lattice->massCentre - from.m_lattice->massCentre ) / double( m_lattice->cellSize );
+	const MomentsBefore moments{ before.moments, before.regions, piece.cellBefore, shift };
+	auto matcher = std::make_unique<LatticeMatcher>( *m_lattice, m_material, buildRegionTables( *m_lattice, m_material, Summation::Automatic, m_stiffness, &moments ) );
+	matcher->setFarLevels( m_material.farLevels, m_stiffness );
+	return matcher;
+}
+
+void Body::inheritNodes( const Body& from, const BodyPiece& piece )
+{
+	const NodeState& before = from.m_nodes;
+	m_nodes.origin = before.origin;
+	const bool hasForce = !before.force.x.empty();
+	if ( hasForce )
+	{
+		m_nodes.force.resize( m_nodes.padded );
+	}
+	for ( int i = 0; i < m_nodes.count; ++i )
+	{
+		const int old = int( piece.nodeBefore[std::size_t( i )] );
+		m_nodes.x.set( i, before.x.get( old ) );
+		m_nodes.v.set( i, before.v.get( old ) );
+		m_nodes.freedom[i] = before.freedom[old];
+		if ( hasForce )
+		{
+			m_nodes.force.set( i, before.force.get( old ) );
+		}
+	}
+}
+
+void Body::inheritBreaking( const Breaking& from, const BodyPiece& piece )
+{
+	m_breaking = std::make_unique<Breaking>();
+	m_breaking->settings = from.settings;
+	m_breaking->coolDown = from.coolDown;
+	m_breaking->prepare( *m_lattice, breakStrain( from.settings, m_material ), inheritToughness( from.limits, *m_lattice, piece.cellBefore ) );
+	if ( m_levels )
+	{
+		m_breaking->settled.inherit( from.settled, piece.cellBefore );
+	}
+	if ( from.planes )
+	{
+		*m_breaking->planes = *from.planes; // cracks are where they were
+	}
+}
+
+} // namespace pliant
