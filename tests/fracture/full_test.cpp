@@ -7,7 +7,7 @@ namespace {
 
 TEST( RandomBreakingFull, LeavesEveryStructureWholeTenThousandTimes )
 {
-	EXPECT_GE( test::breakAtRandom( 520, 20, 1000 ).events, 10000 );
+	EXPECT_GE( test::breakAtRandom( 800, 20, 1000 ).events, 10000 );
 }
 
 } // namespace
