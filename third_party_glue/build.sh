@@ -14,7 +14,7 @@ JOBS=${JOBS:-$( nproc )}
 
 configure() # options for CMake ...
 {
-	local options=( -DCMAKE_BUILD_TYPE="${BUILD_TYPE:-Release}" -DPLIANT_SHARED_TOO=ON )
+	local options=( -DCMAKE_BUILD_TYPE="${BUILD_TYPE:-Release}" -DPLIANT_SHARED_TOO=ON -DPLIANT_PRECOMPILE=ON )
 	if command -v ccache > /dev/null 2>&1; then
 		options+=( -DCMAKE_CXX_COMPILER_LAUNCHER=ccache )
 	fi

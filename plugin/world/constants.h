@@ -15,6 +15,15 @@ inline constexpr btScalar kContactSlop = btScalar( 0.04 );
 /// A node that moves more than this share of its radius in a step is swept instead of asked for its nearest point.
 inline constexpr double kFastShare = 0.5;
 
+/// Self-collision. Two ways out of the material (unit vectors) that differ by less than this leave open which side is which.
+inline constexpr double kFacing = 0.5;
+/// A way out of the material that is shorter than this before it is normalised is rounding: as much lies on one side as on the other.
+inline constexpr float kNoSide = 1e-3f;
+/// How much further than they touch from pairs are noted that may come to touch, in radii of the largest node.
+inline constexpr double kNearMargin = 0.5;
+/// Nodes that are this many diameters apart at rest, with material between them, are not brought together by crushing it.
+inline constexpr double kCrushedNodes = 8.0;
+
 /// Root mean square speed of the nodes below which a body may fall asleep, m/s.
 inline constexpr btScalar kSleepSpeed = btScalar( 0.03 );
 

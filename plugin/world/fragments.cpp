@@ -96,6 +96,10 @@ void SoftBody::Impl::adopt( SoftBody& owner, BodyPiece& piece )
 	skin.fade.clear();
 	skin.isStale = true;
 	cracks.reset();
+	if ( self )
+	{
+		self->search.forget();
+	}
 	++fractureVersion;
 }
 
@@ -114,6 +118,7 @@ std::unique_ptr<SoftBody> SoftBody::Impl::makeFragment( const SoftBody& parent, 
 	impl.body = std::move( piece.body );
 	impl.fractureVersion = from.fractureVersion + 1;
 	impl.fading = from.fading;
+	impl.self = from.self ? std::make_unique<SelfCollision>() : nullptr;
 	const Fracture& settings = impl.body->fracture();
 	if ( piece.isSmall && settings.smallPieces == SmallPieces::Fade && impl.fading.time == 0.0f )
 	{

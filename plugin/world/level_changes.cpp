@@ -133,6 +133,10 @@ void SoftBody::Impl::changeNodes( SoftBody& owner, const std::function<void()>& 
 	movePins( *this, done, placeBefore );
 	shape->followLevels( *body, shapeShift );
 	NodeBodyPool::renumber( owner, done.keptAs, body->nodeCount() );
+	if ( self )
+	{
+		self->search.renumber( done.keptAs );
+	}
 	placeShape( owner );
 	fadeFromKeptSurface();
 }

@@ -153,16 +153,22 @@ void PairContacts::process( const btCollisionObjectWrapper& body0, const btColli
 	followNodes();
 	if ( soft0 && soft1 )
 	{
-		matchHits( Pair{ soft0, soft1, &body1, true }, m_search.againstSoft( *soft0, *soft1, step ) );
+		matchHits( Pair{ soft0, soft1, nullptr, true }, m_search.againstSoft( *soft0, *soft1, step ) );
 	}
 	else if ( soft0 )
 	{
-		matchHits( Pair{ soft0, nullptr, &body1, true }, m_search.againstRigid( *soft0, body1, step ) );
+		matchHits( Pair{ soft0, nullptr, body1.getCollisionObject(), true }, m_search.againstRigid( *soft0, body1, step ) );
 	}
 	else
 	{
-		matchHits( Pair{ soft1, nullptr, &body0, false }, m_search.againstRigid( *soft1, body0, step ) );
+		matchHits( Pair{ soft1, nullptr, body0.getCollisionObject(), false }, m_search.againstRigid( *soft1, body0, step ) );
 	}
+}
+
+void PairContacts::processSelf( SoftBody& soft, SelfSearch& search, double step )
+{
+	followNodes();
+	matchHits( Pair{ &soft, &soft, nullptr, true }, search.find( soft, step ) );
 }
 
 // After a change of levels: the contacts of nodes that are still there carry on under their new numbers, impulses and all. Nodes keep
@@ -235,7 +241,7 @@ void PairContacts::open( const Pair& pair, NodeContact& contact )
 {
 	const NodeHit hit{ contact.key, {}, -1, -1 };
 	contact.first = m_pool.acquire( *pair.soft, hit.node() );
-	const btCollisionObject* other = pair.other->getCollisionObject();
+	const btCollisionObject* other = pair.other;
 	if ( pair.otherSoft )
 	{
 		contact.second = m_pool.acquire( *pair.otherSoft, hit.other() );

@@ -5,6 +5,7 @@
 
 #include "world/node_body.h"
 #include "world/node_search.h"
+#include "world/self_search.h"
 
 #include <BulletCollision/BroadphaseCollision/btCollisionAlgorithm.h>
 #include <BulletCollision/CollisionDispatch/btCollisionCreateFunc.h>
@@ -35,15 +36,19 @@ public:
 	~PairContacts();
 
 	void process( const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1, double step );
+	/// A body's contacts with itself.
+	void processSelf( SoftBody& soft, SelfSearch& search, double step );
+	/// How many there are.
+	int count() const { return int( m_contacts.size() ); }
 	void collectManifolds( btManifoldArray& manifolds ) const;
 
 private:
-	/// The two objects as Bullet ordered them; `soft` is the one whose nodes the keys name first.
+	/// The two objects as Bullet ordered them; `soft` is the one whose nodes the keys name first; `other` where that is rigid.
 	struct Pair
 	{
 		SoftBody* soft;
 		SoftBody* otherSoft;
-		const btCollisionObjectWrapper* other;
+		const btCollisionObject* other;
 		bool softIsFirst;
 	};
 

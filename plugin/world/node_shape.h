@@ -13,6 +13,7 @@
 
 #include <map>
 #include <memory>
+#include <utility>
 #include <vector>
 
 namespace pliant {
@@ -58,11 +59,46 @@ public:
 		const btDbvtVolume box = btDbvtVolume::FromMM( low, high );
 		m_dynamicAabbTree->collideTVNoStackAlloc( m_dynamicAabbTree->m_root, box, stack, collect );
 	}
+	/// Calls visit( childA, childB ) for every pair of children whose boxes come within `margin` of each other, each pair once.
+	template <class Visit>
+	void visitOwnPairs( btScalar margin, Visit&& visit ) const
+	{
+		std::vector<std::pair<const btDbvtNode*, const btDbvtNode*>> waiting{ { m_dynamicAabbTree->m_root, m_dynamicAabbTree->m_root } };
+		while ( !waiting.empty() )
+		{
+			const auto [a, b] = waiting.back();
+			waiting.pop_back();
+			if ( a == b && a->isinternal() )
+			{
+				waiting.insert( waiting.end(), { { a->childs[0], a->childs[0] }, { a->childs[1], a->childs[1] }, { a->childs[0], a->childs[1] } } );
+			}
+			else if ( a != b && areNear( a->volume, b->volume, margin ) )
+			{
+				if ( a->isinternal() )
+				{
+					waiting.insert( waiting.end(), { { a->childs[0], b }, { a->childs[1], b } } );
+				}
+				else if ( b->isinternal() )
+				{
+					waiting.insert( waiting.end(), { { a, b->childs[0] }, { a, b->childs[1] } } );
+				}
+				else
+				{
+					visit( a->dataAsInt, b->dataAsInt );
+				}
+			}
+		}
+	}
 	const btDbvt& tree() const { return *m_dynamicAabbTree; }
 
 	std::size_t bytes() const;
 
 private:
+	static bool areNear( const btDbvtVolume& a, const btDbvtVolume& b, btScalar margin )
+	{
+		const btVector3 below = a.Mins() - b.Maxs(), above = b.Mins() - a.Maxs();
+		return btMax( below[below.maxAxis()], above[above.maxAxis()] ) <= margin;
+	}
 	void addUniform( const Lattice& lattice );
 	void addChild( int node, const Vec3& at, btSphereShape* sphere );
 	void addNode( int node, const Vec3& at, btSphereShape* sphere );

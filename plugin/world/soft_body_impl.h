@@ -9,6 +9,7 @@
 #include "surface/skin_fade.h"
 #include "surface/skinning.h"
 #include "world/node_body.h"
+#include "world/node_contacts.h"
 #include "world/node_shape.h"
 
 #include <cmath>
@@ -63,6 +64,13 @@ struct Fading
 	bool isOver = false;
 };
 
+/// SoftBody::setSelfCollision.
+struct SelfCollision
+{
+	SelfSearch search;
+	std::unique_ptr<PairContacts> contacts; ///< null while the body is in no world
+};
+
 struct SoftBody::Impl
 {
 	std::shared_ptr<const BodyTemplate> bodyTemplate;
@@ -93,6 +101,7 @@ struct SoftBody::Impl
 	mutable std::unique_ptr<CrackSurface> cracks;       ///< null: the template's mesh is drawn as it is
 	mutable std::vector<float> crackTexture;            ///< u, v of its vertices
 
+	std::unique_ptr<SelfCollision> self; ///< null: its nodes do not meet each other
 	std::vector<Pin> pins;             ///< ascending by node
 	std::vector<NodeBody*> nodeBody;   ///< by node; null while untouched
 	/// Nodes (with Adaptivity::refinesOnContact) that something small has come near in this substep: it might slip between big spheres.

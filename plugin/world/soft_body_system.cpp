@@ -79,6 +79,10 @@ bool SoftBodySystem::remove( SoftBody& body )
 		return false;
 	}
 	m_bodies.erase( found );
+	if ( body.impl().self )
+	{
+		body.impl().self->contacts.reset();
+	}
 	release( body );
 	return true;
 }
@@ -230,48 +234,6 @@ void SoftBodySystem::quarantine( SoftBody& body )
 	impl.placeShape( body );
 	body.forceActivationState( DISABLE_SIMULATION );
 	++report.quarantined;
-}
-
-void SoftBodySystem::dropPredictiveContacts()
-{
-	for ( NodeBody* body : m_predictive )
-	{
-		pool.release( body );
-	}
-	m_predictive.clear();
-}
-
-// Bullet's predictive contacts of fast rigid bodies name the soft body itself, which its solver takes for a wall. The nearest node's
-// stand-in takes its place.
-void SoftBodySystem::holdPredictiveContacts( btAlignedObjectArray<btPersistentManifold*>& manifolds )
-{
-	for ( int m = 0; m < manifolds.size(); ++m )
-	{
-		btPersistentManifold* const manifold = manifolds[m];
-		for ( int side = 0; side < 2; ++side )
-		{
-			const btCollisionObject* const object = side == 0 ? manifold->getBody0() : manifold->getBody1();
-			SoftBody* const soft = asSoftBody( const_cast<btCollisionObject*>( object ) );
-			if ( !soft || manifold->getNumContacts() == 0 )
-			{
-				continue;
-			}
-			btManifoldPoint& point = manifold->getContactPoint( 0 );
-			const btVector3 at = side == 0 ? point.getPositionWorldOnA() : point.getPositionWorldOnB();
-			NodeBody* const stand = pool.acquire( *soft, soft->nearestNode( at ) );
-			m_predictive.push_back( stand );
-			if ( side == 0 )
-			{
-				manifold->setBodies( stand, manifold->getBody1() );
-				point.m_localPointA = stand->getWorldTransform().invXform( at );
-			}
-			else
-			{
-				manifold->setBodies( manifold->getBody0(), stand );
-				point.m_localPointB = stand->getWorldTransform().invXform( at );
-			}
-		}
-	}
 }
 
 void SoftBodySystem::copyIslandTags()

@@ -37,6 +37,7 @@ public:
 	void beginStep( btScalar gameStep, int substeps );
 	void wakeDriven();                          ///< sleeping bodies whose pins move
 	void accelerate( btScalar h, int substep ); ///< forces, pins' speeds, shape matching, the boxes' sweep
+	void collideWithThemselves( btScalar h );   ///< with the broadphase's pairs done
 	void holdPredictiveContacts( btAlignedObjectArray<btPersistentManifold*>& manifolds );
 	void dropPredictiveContacts();
 	void copyIslandTags();

@@ -40,6 +40,25 @@ void restingBlock( benchmark::State& state )
 }
 BENCHMARK( restingBlock )->Arg( 6 )->Arg( 13 )->Arg( 27 )->Unit( benchmark::kMillisecond );
 
+/// The same once more with self-collision off and on: nothing touches, what it costs is the looking.
+void selfCollision( benchmark::State& state )
+{
+	test::SoftWorld scene;
+	scene.addFloor();
+	Material material;
+	material.youngsModulus = 1e5f;
+	SoftBody* body = scene.add( test::cubeTemplate( 1.0f, 13 ), btVector3( 0, btScalar( 0.51 ), 0 ), material );
+	body->setActivationState( DISABLE_DEACTIVATION );
+	body->setSelfCollision( state.range( 0 ) != 0 );
+	scene.step( 60 );
+	for ( auto _ : state )
+	{
+		scene.step( 1 );
+	}
+	report( state, scene.world );
+}
+BENCHMARK( selfCollision )->ArgName( "on" )->Arg( 0 )->Arg( 1 )->Unit( benchmark::kMillisecond );
+
 /// The same, asleep.
 void sleepingBlock( benchmark::State& state )
 {

@@ -131,6 +131,11 @@ public:
 	/// Back to the rest shape at `transform`, at rest.
 	void reset( const btTransform& transform );
 
+	/// Whether the body's own parts collide, sides of cuts among them; off by default, and then nothing is kept or done for it. Nodes that
+	/// shape matching holds together never do. Pieces that come off take it over. Steinemann et al. 2008, section 7.
+	void setSelfCollision( bool isOn );
+	bool selfCollision() const;
+
 	Status setMaterial( const Material& material );
 	const Material& material() const;
 	/// What the last step could reach of the material's stiffness.

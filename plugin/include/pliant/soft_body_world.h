@@ -23,6 +23,7 @@ struct StepReport
 	int awakeSoftBodies = 0;
 	int nodes = 0;            ///< in all soft bodies
 	int softContacts = 0;     ///< contact points between nodes and anything, last substep
+	int selfContacts = 0;     ///< those of them between two nodes of one body (SoftBody::setSelfCollision)
 	int levelChanges = 0;     ///< changes of bodies' levels of detail: each may split and merge many nodes
 	int splits = 0;           ///< nodes that gave way to their parts
 	int merges = 0;           ///< nodes that took the place of their parts

@@ -1,0 +1,50 @@
+// Bullet's predictive contacts, where they name a soft body.
+
+#include "world/soft_body_impl.h"
+#include "world/soft_body_system.h"
+
+namespace pliant {
+
+void SoftBodySystem::dropPredictiveContacts()
+{
+	for ( NodeBody* body : m_predictive )
+	{
+		pool.release( body );
+	}
+	m_predictive.clear();
+}
+
+// Bullet's predictive contacts of fast rigid bodies name the soft body itself, which its solver takes for a wall. The nearest node's
+// stand-in takes its place.
+void SoftBodySystem::holdPredictiveContacts( btAlignedObjectArray<btPersistentManifold*>& manifolds )
+{
+	for ( int m = 0; m < manifolds.size(); ++m )
+	{
+		btPersistentManifold* const manifold = manifolds[m];
+		for ( int side = 0; side < 2; ++side )
+		{
+			const btCollisionObject* const object = side == 0 ? manifold->getBody0() : manifold->getBody1();
+			SoftBody* const soft = asSoftBody( const_cast<btCollisionObject*>( object ) );
+			if ( !soft || manifold->getNumContacts() == 0 )
+			{
+				continue;
+			}
+			btManifoldPoint& point = manifold->getContactPoint( 0 );
+			const btVector3 at = side == 0 ? point.getPositionWorldOnA() : point.getPositionWorldOnB();
+			NodeBody* const stand = pool.acquire( *soft, soft->nearestNode( at ) );
+			m_predictive.push_back( stand );
+			if ( side == 0 )
+			{
+				manifold->setBodies( stand, manifold->getBody1() );
+				point.m_localPointA = stand->getWorldTransform().invXform( at );
+			}
+			else
+			{
+				manifold->setBodies( manifold->getBody0(), stand );
+				point.m_localPointB = stand->getWorldTransform().invXform( at );
+			}
+		}
+	}
+}
+
+} // namespace pliant

@@ -1,0 +1,55 @@
+// Bodies that meet themselves. The broadphase pairs no object with itself: their contacts are found right after its pairs', by the same
+// means, and solved with all others.
+
+#include "world/soft_body_impl.h"
+#include "world/soft_body_system.h"
+
+#include <LinearMath/btQuickprof.h>
+
+namespace pliant {
+
+void SoftBodySystem::collideWithThemselves( btScalar h )
+{
+	report.selfContacts = 0;
+	for ( SoftBody* body : m_bodies )
+	{
+		SelfCollision* const self = body->impl().self.get();
+		if ( !self )
+		{
+			continue;
+		}
+		if ( !body->isHealthy() )
+		{
+			self->contacts.reset();
+			continue;
+		}
+		if ( !self->contacts )
+		{
+			self->contacts = std::make_unique<PairContacts>( m_dispatcher, pool );
+		}
+		// A sleeping body keeps the contacts it has, as pairs of Bullet's do.
+		if ( moves( *body ) )
+		{
+			BT_PROFILE( "pliant: self-collision" );
+			self->contacts->processSelf( *body, self->search, double( h ) );
+		}
+		report.selfContacts += self->contacts->count();
+	}
+}
+
+void SoftBody::setSelfCollision( bool isOn )
+{
+	if ( isOn == selfCollision() )
+	{
+		return;
+	}
+	m_impl->self = isOn ? std::make_unique<SelfCollision>() : nullptr;
+	activate();
+}
+
+bool SoftBody::selfCollision() const
+{
+	return m_impl->self != nullptr;
+}
+
+} // namespace pliant

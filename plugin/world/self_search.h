@@ -1,0 +1,71 @@
+#pragma once
+
+// Finds which nodes of a soft body meet others of the same body. Steinemann et al. 2008, section 7.
+//
+// Nodes that one region holds together do not collide: what keeps them apart is matching. All others do, sides of a cut among them, from the
+// distance they have at rest on where that is less than their radii.
+//
+// Two spheres whose sides have gone through one another are told by the way out of the material at each of them (inside_distance.h): they are
+// pushed back the way they came, and not on. The paper looks the penetration depth up in its distance field; here it is the spheres', as in all
+// other contacts, and the field says only which way.
+
+#include "world/node_search.h"
+
+#include <cstdint>
+#include <vector>
+
+namespace pliant {
+
+class Body;
+class NodeShape;
+
+class SelfSearch
+{
+public:
+	/// Normals point from the node of the higher number to that of the lower, which comes first in the key.
+	const std::vector<NodeHit>& find( const SoftBody& soft, double step );
+	/// Links have been cut: what is known of the body is measured anew.
+	void forget();
+	/// Nodes have other numbers: `nodeNow` by the number before, kNoNode where the node is gone; in the same order.
+	void renumber( const std::vector<std::uint32_t>& nodeNow );
+
+	std::size_t bytes() const;
+
+private:
+	/// As deep as the two sides of a fresh cut overlapped at first they may go on doing, and no deeper, until they have parted.
+	struct Slack
+	{
+		std::uint64_t key;
+		double depth; ///< m
+	};
+
+	bool mayUseNear();
+	void gatherNear();
+	void noteNear( int a, int b );
+	void consider( int a, int b );
+	bool areLinked( int a, int b ) const;
+	bool areHeldTogether( int a, int b ) const;
+	Touch touchOf( int a, int b, const Vec3& apart );
+	bool faceAwayAtRest( int a, int b );
+	Vec3 outwardAtRest( int node );
+	Vec3 outwardNow( int node );
+	void giveSlack();
+
+	const SoftBody* m_soft = nullptr;
+	const Body* m_body = nullptr;
+	double m_step = 0.0;
+	const std::vector<std::uint32_t>* m_rowStart = nullptr; ///< of each node: those a region holds with it, ascending
+	const std::vector<std::uint32_t>* m_rowTo = nullptr;
+	std::vector<NodeHit> m_hits;
+	/// Pairs that may touch before any node has moved by half a margin against the others; most bodies in one piece have none, and then
+	/// nothing is looked for until they have.
+	std::vector<std::uint64_t> m_near;
+	std::vector<Vec3> m_placeThen; ///< of each node when they were gathered, relative to the mean; empty: gather them now
+	double m_margin = 0.0;         ///< m
+	std::vector<std::uint32_t> m_depth;   ///< floodInside; empty: not asked for yet
+	std::vector<float> m_rotation;        ///< 4 a node; empty: not asked for in this search
+	std::vector<Slack> m_slack, m_slackNext; ///< by key
+	bool m_isFirst = true;                ///< search since the body was cut
+};
+
+} // namespace pliant
