@@ -22,7 +22,7 @@ const std::vector<SceneEntry>& sceneList()
 		{ "plastic_block", "A ball, an edge and a corner press into rubber, wax and clay; how deep, and how much is left.", makePlasticBlock },
 		{ "stack", "Soft cubes and rigid boxes stand on each other.", makeStack },
 		{ "thin_fingers", "A bar sweeps through thin fingers: a lattice of their size in the whole palm, and one with levels that has big nodes there.", makeThinFingers },
-		{ "vase_shatter", "A rigid ball flies into a brittle vase.", makeVaseShatter },
+		{ "vase_shatter", "An iron ball falls on a brittle vase, which flies apart.", makeVaseShatter },
 	};
 	return kScenes;
 }

@@ -279,8 +279,8 @@ StageCounts Stage::counts() const
 	{
 		++counts.softBodies;
 		counts.nodes += item.body->nodeCount();
-		counts.links += item.body->bodyTemplate().linkCount();
-		counts.triangles += item.body->bodyTemplate().triangleCount();
+		counts.links += item.body->linkCount();
+		counts.triangles += item.body->surface().triangleCount;
 		counts.fragments += item.owned == nullptr ? 1 : 0;
 	}
 	counts.rigidBodies = int( m_rigid.size() );

@@ -60,7 +60,7 @@ void Breaking::prepare( const Lattice& lattice, float strain, std::vector<float>
 {
 	if ( settings.rule == BreakRule::Plane )
 	{
-		planes = std::make_unique<PlaneCracks>( strain );
+		planes = std::make_unique<PlaneCracks>( strain, settings.growthShare );
 	}
 	limits = limitLinks( lattice, planes ? planes->candidateStrain() : strain, std::move( toughness ) );
 }

@@ -32,6 +32,10 @@ Status check( const Fracture& fracture )
 	{
 		return refuse( "Fracture::coolDown must lie in [0, 10] s." );
 	}
+	if ( !( fracture.growthShare > 0.0f ) || !within( fracture.growthShare, 0.0f, 1.0f ) )
+	{
+		return refuse( "Fracture::growthShare must be above 0 and at most 1." );
+	}
 	if ( fracture.smallCells < 0 || fracture.smallCells > kLargestSmallPiece )
 	{
 		return refuse( "Fracture::smallCells must lie in 0 to 1 000 000." );

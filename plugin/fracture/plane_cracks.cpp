@@ -38,7 +38,7 @@ Vec3d restPlace( const Lattice& lattice, std::uint32_t cell )
 
 float PlaneCracks::candidateStrain() const
 {
-	return kCandidateShare * m_breakStrain;
+	return kCandidateShare * m_growthShare * m_breakStrain;
 }
 
 // Links are cheap to look at and single out the few cells for which the deformation of all that is around them is worth measuring.
@@ -107,7 +107,7 @@ bool PlaneCracks::measure( const Lattice& lattice, const LinkLimits& limits, con
 		weights += along * along;
 	}
 	found.excess = float( strain * weights / ( double( m_breakStrain ) * toughness ) );
-	return found.excess > 1.0f;
+	return found.excess > m_growthShare;
 }
 
 PlaneCracks::Plane* PlaneCracks::planeFor( const Overload& found, const Vec3d& at, double cellSize, bool& isShielded )
@@ -169,7 +169,7 @@ bool PlaneCracks::find(
 		const Vec3d at = restPlace( lattice, overload.cell );
 		bool isShielded = false;
 		Plane* plane = planeFor( overload, at, lattice.cellSize, isShielded );
-		if ( !plane && mayBegin && !isShielded )
+		if ( !plane && mayBegin && !isShielded && overload.excess > 1.0f )
 		{
 			m_planes.push_back( Plane{ at + 0.5 * double( lattice.cellSize ) * overload.normal, overload.normal, at, at, 0.0f } );
 			plane = &m_planes.back();

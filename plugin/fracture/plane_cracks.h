@@ -14,8 +14,8 @@ namespace pliant {
 class PlaneCracks
 {
 public:
-	/// Strain at which a cell of toughness 1 cracks.
-	explicit PlaneCracks( float breakStrain ) : m_breakStrain( breakStrain ) {}
+	/// Strain at which a cell of toughness 1 cracks; the share of it at which a crack that is there goes on.
+	PlaneCracks( float breakStrain, float growthShare ) : m_breakStrain( breakStrain ), m_growthShare( growthShare ) {}
 
 	/// Links for `limitLinks`: what may be the start of something. A body strained by e has a link strained by this share of it at least,
 	/// whatever the direction.
@@ -46,7 +46,7 @@ private:
 	Plane* planeFor( const Overload& found, const Vec3d& at, double cellSize, bool& isShielded );
 	void breakAcross( const Lattice& lattice, const LinkLimits& limits, std::uint32_t cell, Plane& plane, std::vector<CellLink>& broken ) const;
 
-	float m_breakStrain;
+	float m_breakStrain, m_growthShare;
 	std::vector<Plane> m_planes;
 };
 

@@ -323,6 +323,11 @@ int SoftBody::cellCount() const
 	return m_impl->body->lattice().cellCount();
 }
 
+int SoftBody::linkCount() const
+{
+	return m_impl->body->lattice().linkCount();
+}
+
 unsigned SoftBody::fractureVersion() const
 {
 	return m_impl->fractureVersion;

@@ -43,6 +43,10 @@ struct Fracture
 	/// No further link breaks for this long after some did, s, [0, 10]: what rings after a crack makes no dust.
 	float coolDown = 1.0f / 60.0f;
 
+	/// BreakRule::Plane: a crack that is there goes on at this share of the stretch that it takes to begin one, (0, 1]. Brittle things fly
+	/// apart in few large pieces when it is small.
+	float growthShare = 1.0f;
+
 	/// Pieces of at most this many finest cells are small, [0, 1 000 000].
 	int smallCells = 0;
 	SmallPieces smallPieces = SmallPieces::Keep;

@@ -98,6 +98,8 @@ public:
 	Fracture fracture() const;
 	/// Finest cells of this body; nodes without levels of detail.
 	int cellCount() const;
+	/// Links between them that stand, each counted once.
+	int linkCount() const;
 	/// Changes when links have broken: nodes and cells then have other numbers. Pins follow.
 	unsigned fractureVersion() const;
 
