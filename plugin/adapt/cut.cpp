@@ -54,13 +54,15 @@ void numberCells( const Octree& octree, Cut& cut )
 	}
 }
 
-Cut changeCut( const Octree& octree, const Cut& cut, const std::vector<std::uint32_t>& split, const std::vector<std::uint32_t>& merge )
+Cut changeCut( const Octree& octree, const Cut& cut, const std::vector<std::uint32_t>& split, const std::vector<std::uint32_t>& merge,
+	Cut room )
 {
 	const auto isBefore = [&octree]( std::uint32_t a, std::uint32_t b ) { return octree.cellStart[a] < octree.cellStart[b]; };
 	std::vector<std::uint32_t> splits( split ), merges( merge );
 	std::sort( splits.begin(), splits.end(), isBefore );
 	std::sort( merges.begin(), merges.end(), isBefore );
-	Cut changed;
+	Cut changed = std::move( room );
+	changed.node.clear();
 	changed.node.reserve( cut.node.size() + 8 * split.size() );
 	auto nextSplit = splits.begin();
 	auto nextMerge = merges.begin();

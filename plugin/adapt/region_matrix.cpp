@@ -7,11 +7,6 @@ namespace pliant {
 
 namespace {
 
-std::uint32_t inUnits( double cells )
-{
-	return std::uint32_t( std::max( 1.0, std::round( cells / kMassUnit ) ) );
-}
-
 /// One row in the making: sums by slot, and the slots that have any.
 class Row
 {
@@ -74,6 +69,17 @@ void countFromCells( const Octree& octree, const Cut& cut, const FineRegions& fi
 	}
 }
 
+/// What one unit of a node's mass weighs.
+double unitOf( double mass, const RegionMatrix& matrix, std::uint32_t row )
+{
+	std::uint64_t sum = 0;
+	for ( std::uint32_t k = matrix.start[row]; k < matrix.start[row + 1]; ++k )
+	{
+		sum += matrix.share[k];
+	}
+	return mass / double( sum );
+}
+
 /// What the change of a cut means for its slots.
 struct SlotChange
 {
@@ -109,7 +115,7 @@ SlotChange compare( const Octree& octree, const Cut& from, const Cut& to )
 	return change;
 }
 
-/// Makes the rows of a changed cut one after the other.
+/// Makes the rows of a changed cut: those that nothing touched in runs, the others one after the other.
 class Updater
 {
 public:
@@ -117,37 +123,91 @@ public:
 		m_octree( octree ), m_from( from ), m_old( matrix ), m_to( to ), m_fine( fine ), m_change( compare( octree, from, to ) ), m_row( to.count() ),
 		m_children( to.count() ), m_childRow( to.node.size(), kNoNode )
 	{
+		findUntouched();
 		countNewRows();
 	}
 
-	RegionMatrix run()
+	RegionMatrix run( MatrixRoom* room )
 	{
 		RegionMatrix result;
-		result.start.reserve( m_to.node.size() + 1 );
-		result.start.push_back( 0 );
-		result.member.reserve( m_old.member.size() + m_counted.member.size() );
-		result.mass.reserve( result.member.capacity() );
-		result.share.reserve( result.member.capacity() );
-		std::uint32_t firstOld = 0;
-		for ( std::uint32_t slot = 0; slot < std::uint32_t( m_to.count() ); ++slot )
+		if ( room )
 		{
+			result = std::move( room->matrix );
+		}
+		clear( result );
+		std::uint32_t firstOld = 0;
+		const std::uint32_t count = std::uint32_t( m_to.count() );
+		for ( std::uint32_t slot = 0; slot < count; )
+		{
+			if ( m_untouched[slot] != kNoNode )
+			{
+				std::uint32_t end = slot + 1;
+				while ( end < count && m_untouched[end] == m_untouched[slot] + ( end - slot ) )
+				{
+					++end;
+				}
+				appendUntouched( slot, end, result );
+				slot = end;
+				continue;
+			}
 			if ( m_childRow[slot] != kNoNode )
 			{
 				appendCounted( slot, result );
-				continue;
 			}
-			if ( !appendRenumbered( slot, result ) )
+			else
 			{
 				takeOld( slot, firstOld );
 				m_row.appendTo( result );
 			}
+			result.unit.push_back( unitOf( m_octree.mass[m_to.node[slot]], result, slot ) );
+			++slot;
 		}
-		weighUnits( m_octree, m_to, result );
+		if ( room )
+		{
+			room->rowBefore = std::move( m_untouched );
+		}
 		return result;
 	}
 
 private:
 	bool isCounted( std::uint32_t slot ) const { return m_change.before[slot] == kNoNode && m_change.wasMerged[slot] == 0; }
+
+	void clear( RegionMatrix& result ) const
+	{
+		for ( std::vector<std::uint32_t>* array : { &result.start, &result.member, &result.mass, &result.share } )
+		{
+			array->clear();
+		}
+		result.unit.clear();
+		result.start.reserve( m_to.node.size() + 1 );
+		result.start.push_back( 0 );
+		result.unit.reserve( m_to.node.size() );
+		for ( std::vector<std::uint32_t>* array : { &result.member, &result.mass, &result.share } )
+		{
+			array->reserve( m_old.member.size() + m_counted.member.size() );
+		}
+	}
+
+	/// Membership is symmetric: whoever has a changed node in its row stands in that node's.
+	void findUntouched()
+	{
+		m_untouched = m_change.before;
+		for ( std::uint32_t i = 0; i < std::uint32_t( m_from.count() ); ++i )
+		{
+			const std::uint32_t own = m_change.now[i];
+			if ( own != kNoNode && m_change.wasMerged[own] == 0 )
+			{
+				continue;
+			}
+			for ( std::uint32_t k = m_old.start[i]; k < m_old.start[i + 1]; ++k )
+			{
+				if ( const std::uint32_t now = m_change.now[m_old.member[k]]; now != kNoNode )
+				{
+					m_untouched[now] = kNoNode;
+				}
+			}
+		}
+	}
 
 	void countNewRows()
 	{
@@ -186,37 +246,33 @@ private:
 	void appendCounted( std::uint32_t slot, RegionMatrix& result ) const
 	{
 		const std::uint32_t first = m_counted.start[m_childRow[slot]], last = m_counted.start[m_childRow[slot] + 1];
-		result.member.insert( result.member.end(), m_counted.member.begin() + first, m_counted.member.begin() + last );
-		result.mass.insert( result.mass.end(), m_counted.mass.begin() + first, m_counted.mass.begin() + last );
-		result.share.insert( result.share.end(), m_counted.share.begin() + first, m_counted.share.begin() + last );
+		appendEntries( m_counted, first, last, result );
 		result.start.push_back( std::uint32_t( result.member.size() ) );
 	}
 
-	/// Most rows keep all their members under other numbers, which rise as the old ones did. False, and nothing done, for the others.
-	bool appendRenumbered( std::uint32_t slot, RegionMatrix& result ) const
+	static void appendEntries( const RegionMatrix& of, std::uint32_t first, std::uint32_t last, RegionMatrix& result )
 	{
-		const std::uint32_t old = m_change.before[slot];
-		if ( old == kNoNode )
+		result.member.insert( result.member.end(), of.member.begin() + first, of.member.begin() + last );
+		result.mass.insert( result.mass.end(), of.mass.begin() + first, of.mass.begin() + last );
+		result.share.insert( result.share.end(), of.share.begin() + first, of.share.begin() + last );
+	}
+
+	/// Rows that keep all their members, under other numbers, which rise as the old ones did.
+	void appendUntouched( std::uint32_t slot, std::uint32_t end, RegionMatrix& result ) const
+	{
+		const std::uint32_t old = m_untouched[slot], oldEnd = old + ( end - slot );
+		const std::uint32_t first = m_old.start[old], to = std::uint32_t( result.member.size() );
+		appendEntries( m_old, first, m_old.start[oldEnd], result );
+		std::uint32_t* const member = result.member.data();
+		for ( std::size_t k = to; k < result.member.size(); ++k )
 		{
-			return false;
+			member[k] = m_change.now[member[k]];
 		}
-		const std::uint32_t first = m_old.start[old], last = m_old.start[old + 1];
-		const std::size_t from = result.member.size();
-		result.member.resize( from + ( last - first ) );
-		for ( std::uint32_t k = first; k < last; ++k )
+		for ( std::uint32_t r = old; r < oldEnd; ++r )
 		{
-			const std::uint32_t now = m_change.now[m_old.member[k]];
-			if ( now == kNoNode || m_change.wasMerged[now] != 0 )
-			{
-				result.member.resize( from );
-				return false;
-			}
-			result.member[from + ( k - first )] = now;
+			result.start.push_back( m_old.start[r + 1] - first + to );
 		}
-		result.mass.insert( result.mass.end(), m_old.mass.begin() + first, m_old.mass.begin() + last );
-		result.share.insert( result.share.end(), m_old.share.begin() + first, m_old.share.begin() + last );
-		result.start.push_back( std::uint32_t( result.member.size() ) );
-		return true;
+		result.unit.insert( result.unit.end(), m_old.unit.begin() + old, m_old.unit.begin() + oldEnd );
 	}
 
 	/// Rows of nodes that stayed or were merged: sums of the old rows. Where a member was split, its children's own rows hold what they
@@ -266,6 +322,7 @@ private:
 	Row m_row, m_children;
 	RegionMatrix m_counted;                ///< rows of the nodes that splits brought
 	std::vector<std::uint32_t> m_childRow; ///< of each new slot: its row there, or kNoNode
+	std::vector<std::uint32_t> m_untouched; ///< of each new slot: its old one, where its row is to be renumbered and no more
 	std::vector<std::uint32_t> m_childStart, m_childSlot;
 };
 
@@ -278,7 +335,7 @@ FineRegions buildFineRegions( const Lattice& lattice, int halfWidth )
 	fine.mass.reserve( lattice.fill.size() );
 	for ( int c = 0; c < lattice.cellCount(); ++c )
 	{
-		fine.mass.push_back( inUnits( double( lattice.fill[c] ) / fine.set.size[c] ) );
+		fine.mass.push_back( inMassUnits( double( lattice.fill[c] ) / fine.set.size[c] ) );
 	}
 	return fine;
 }
@@ -286,14 +343,9 @@ FineRegions buildFineRegions( const Lattice& lattice, int halfWidth )
 void weighUnits( const Octree& octree, const Cut& cut, RegionMatrix& matrix )
 {
 	matrix.unit.resize( cut.node.size() );
-	for ( int a = 0; a < cut.count(); ++a )
+	for ( std::uint32_t a = 0; a < std::uint32_t( cut.count() ); ++a )
 	{
-		std::uint64_t sum = 0;
-		for ( std::uint32_t k = matrix.start[a]; k < matrix.start[a + 1]; ++k )
-		{
-			sum += matrix.share[k];
-		}
-		matrix.unit[a] = octree.mass[cut.node[a]] / double( sum );
+		matrix.unit[a] = unitOf( octree.mass[cut.node[a]], matrix, a );
 	}
 }
 
@@ -311,98 +363,10 @@ RegionMatrix buildMultiplicityRegions( const Octree& octree, const Cut& cut, con
 	return matrix;
 }
 
-RegionMatrix updateMultiplicityRegions( const Octree& octree, const Cut& from, const RegionMatrix& matrix, const Cut& to, const FineRegions& fine )
+RegionMatrix updateMultiplicityRegions( const Octree& octree, const Cut& from, const RegionMatrix& matrix, const Cut& to, const FineRegions& fine,
+	MatrixRoom* room )
 {
-	return Updater( octree, from, matrix, to, fine ).run();
-}
-
-namespace {
-
-/// The unions as a pattern: rows, the mass m( a, r ) of each member in each, and W_a = sum over r of m_r m( a, r ) / m_a. Full cells.
-struct UnionPattern
-{
-	RegionMatrix matrix; ///< start and member only
-	std::vector<double> value, cover;
-};
-
-UnionPattern findUnions( const Octree& octree, const Cut& cut, const FineRegions& fine )
-{
-	// Each cell counts once, however many of the fine regions under r hold it.
-	const std::uint32_t count = std::uint32_t( cut.count() );
-	UnionPattern pattern;
-	pattern.matrix.start.push_back( 0 );
-	pattern.cover.assign( count, 0.0 );
-	std::vector<std::uint32_t> seenBy( octree.cells.size(), kNoNode ), members;
-	std::vector<double> covered( count, 0.0 );
-	for ( std::uint32_t r = 0; r < count; ++r )
-	{
-		const std::uint32_t node = cut.node[r];
-		members.clear();
-		for ( std::uint32_t k = octree.cellStart[node]; k < octree.cellStart[node] + octree.cellCount[node]; ++k )
-		{
-			for ( std::uint32_t m = fine.set.start[octree.cells[k]]; m < fine.set.start[octree.cells[k] + 1]; ++m )
-			{
-				const std::uint32_t cell = fine.set.member[m], slot = cut.slotOfCell[cell];
-				if ( seenBy[cell] == r )
-				{
-					continue;
-				}
-				seenBy[cell] = r;
-				if ( covered[slot] == 0.0 )
-				{
-					members.push_back( slot );
-				}
-				covered[slot] += octree.mass[cell]; // node i of level 0 is cell i
-			}
-		}
-		std::sort( members.begin(), members.end() );
-		for ( const std::uint32_t a : members )
-		{
-			pattern.matrix.member.push_back( a );
-			pattern.value.push_back( covered[a] );
-			pattern.cover[a] += octree.mass[node] * covered[a] / octree.mass[cut.node[a]];
-			covered[a] = 0.0;
-		}
-		pattern.matrix.start.push_back( std::uint32_t( pattern.matrix.member.size() ) );
-	}
-	return pattern;
-}
-
-} // namespace
-
-RegionMatrix buildUnionRegions( const Octree& octree, const Cut& cut, const FineRegions& fine, UnionWeights weights )
-{
-	const std::uint32_t count = std::uint32_t( cut.count() );
-	UnionPattern pattern = findUnions( octree, cut, fine );
-	RegionMatrix& matrix = pattern.matrix;
-	matrix.mass.resize( matrix.member.size() );
-	matrix.share.resize( matrix.member.size() );
-	for ( std::uint32_t r = 0; r < count; ++r )
-	{
-		const double ofRegion = octree.mass[cut.node[r]];
-		for ( std::uint32_t k = matrix.start[r]; k < matrix.start[r + 1]; ++k )
-		{
-			const std::uint32_t a = matrix.member[k];
-			const auto first = matrix.member.begin() + matrix.start[a], last = matrix.member.begin() + matrix.start[a + 1];
-			const std::size_t back = std::size_t( std::lower_bound( first, last, r ) - matrix.member.begin() ); // symmetric: it is there
-			if ( weights == UnionWeights::Conserving )
-			{
-				matrix.mass[k] = inUnits( ofRegion * pattern.value[k] / pattern.cover[a] );
-				matrix.share[back] = matrix.mass[k];
-			}
-			else
-			{
-				matrix.mass[k] = inUnits( pattern.value[k] );
-				matrix.share[back] = inUnits( ofRegion * pattern.value[k] / octree.mass[cut.node[a]] );
-			}
-		}
-	}
-	matrix.unit.assign( count, kMassUnit );
-	if ( weights == UnionWeights::Conserving )
-	{
-		weighUnits( octree, cut, matrix );
-	}
-	return std::move( pattern.matrix );
+	return Updater( octree, from, matrix, to, fine ).run( room );
 }
 
 } // namespace pliant

@@ -9,11 +9,20 @@
 #include "adapt/cut.h"
 #include "lattice/region.h"
 
+#include <algorithm>
+#include <cmath>
+
 namespace pliant {
 
 /// About this share of a full finest cell's mass: 8^4 cells fit 32 bits. A cell's mass is no whole multiple of it; what one unit of a
 /// node weighs is corrected node by node (RegionMatrix::unit), so that its shares add up to its mass.
 inline constexpr double kMassUnit = 1.0 / ( 1 << 19 );
+
+/// A mass in full cells as a number of units, at least one.
+inline std::uint32_t inMassUnits( double cells )
+{
+	return std::uint32_t( std::max( 1.0, std::round( cells / kMassUnit ) ) );
+}
 
 /// Row r lists the nodes of region r, ascending by slot, r itself among them. Membership is symmetric, values need not be:
 /// row r of the transposed matrix stands in `share`, beside the same members.
@@ -45,9 +54,18 @@ FineRegions buildFineRegions( const Lattice& lattice, int halfWidth );
 /// its own; it is the uniform lattice where all nodes are finest cells. This is the slow twin of updateMultiplicityRegions.
 RegionMatrix buildMultiplicityRegions( const Octree& octree, const Cut& cut, const FineRegions& fine );
 
+/// What a change of the cut may build in, and what it finds on the way.
+struct MatrixRoom
+{
+	RegionMatrix matrix;                  ///< taken for the new one: what it has allocated, not what it holds
+	std::vector<std::uint32_t> rowBefore; ///< of each new row: its number before, where it holds the same nodes and masses; else kNoNode
+};
+
 /// The matrix of cut `to`, given the one of cut `from`, where only nodes that are in one of the two and not in the other changed:
 /// split nodes are counted anew from their cells, merged ones are sums of their children's rows, all else is renumbered.
-RegionMatrix updateMultiplicityRegions( const Octree& octree, const Cut& from, const RegionMatrix& matrix, const Cut& to, const FineRegions& fine );
+/// `room` may be null.
+RegionMatrix updateMultiplicityRegions( const Octree& octree, const Cut& from, const RegionMatrix& matrix, const Cut& to, const FineRegions& fine,
+	MatrixRoom* room = nullptr );
 
 /// How weights enter where a region is a plain set of cells.
 enum class UnionWeights : int

@@ -97,6 +97,10 @@ Result<std::unique_ptr<Body>> Body::create(
 		body->makeMeasures();
 		body->m_matcher = body->makeMatcher( body->m_material );
 		body->m_lastFinite.resize( std::size_t( body->m_nodes.padded ) * 6, 0.0f );
+		if ( body->m_levels )
+		{
+			makeRoom( body->m_lastFinite, std::size_t( body->m_levels->roomNodes() + kLanes ) * 6, std::size_t( kRoomShare * double( body->m_lastFinite.size() ) ) );
+		}
 		body->place( placement );
 		return Made::success( std::move( body ) );
 	}

@@ -74,6 +74,7 @@ std::unique_ptr<Matcher> Body::makeMatcher( const Material& material )
 	if ( m_levels )
 	{
 		auto matcher = std::make_unique<LatticeMatcher>( *m_lattice, material, m_levels->tables() );
+		matcher->reserveNodes( m_levels->roomNodes() );
 		m_levelMatcher = matcher.get();
 		return matcher;
 	}
@@ -137,7 +138,7 @@ void Body::changeLevels( const std::vector<std::uint32_t>& split, const std::vec
 
 void Body::nodesChanged()
 {
-	m_lastFinite.resize( std::size_t( m_nodes.padded ) * 6 );
+	m_lastFinite.resize( std::size_t( m_nodes.padded ) * 6 ); // within its room (Body::create)
 	keepFiniteState();
 }
 

@@ -1,5 +1,7 @@
 #include "body/levels.h"
 
+#include "body/level_nodes.h"
+
 #include "matching/lattice_matcher.h"
 
 #include <Eigen/Dense>
@@ -11,74 +13,10 @@ namespace pliant {
 
 namespace {
 
-using Matrix3fRows = Eigen::Matrix<float, 3, 3, Eigen::RowMajor>;
-
 /// Largest | s - 1 | over the singular values s of F lies between the root of a third of their squares' sum and the root of it.
 float strainOf( float squares )
 {
 	return std::sqrt( squares );
-}
-
-/// Sum and spin of all nodes, in double.
-struct Motion
-{
-	double mass = 0.0;
-	Vec3d centre = Vec3d::Zero(), momentum = Vec3d::Zero(), spin = Vec3d::Zero();
-	bool isHeld = false;
-};
-
-Motion motionOf( const NodeState& nodes )
-{
-	Motion motion;
-	for ( int i = 0; i < nodes.count; ++i )
-	{
-		const double m = nodes.mass[i];
-		motion.mass += m;
-		motion.centre += m * nodes.x.get( i ).cast<double>();
-		motion.momentum += m * nodes.v.get( i ).cast<double>();
-		motion.isHeld = motion.isHeld || nodes.freedom[i] == 0.0f;
-	}
-	motion.centre /= motion.mass;
-	for ( int i = 0; i < nodes.count; ++i )
-	{
-		const Vec3d arm = nodes.x.get( i ).cast<double>() - motion.centre;
-		motion.spin += double( nodes.mass[i] ) * arm.cross( nodes.v.get( i ).cast<double>() );
-	}
-	return motion;
-}
-
-/// One rigid motion for the whole body makes up for what the change cost in momentum and spin: a big node has no spin of its own.
-void restoreMotion( NodeState& nodes, const Motion& before )
-{
-	const Motion now = motionOf( nodes );
-	if ( now.isHeld || nodes.count < 2 )
-	{
-		return;
-	}
-	Eigen::Matrix3d inertia = Eigen::Matrix3d::Zero();
-	for ( int i = 0; i < nodes.count; ++i )
-	{
-		const Vec3d p = nodes.x.get( i ).cast<double>() - now.centre;
-		inertia += double( nodes.mass[i] ) * ( p.squaredNorm() * Eigen::Matrix3d::Identity() - p * p.transpose() );
-	}
-	const Vec3d turn = flooredInverse( inertia, kInertiaFloor ) * ( before.spin - now.spin );
-	const Vec3d shift = ( before.momentum - now.momentum ) / now.mass;
-	for ( int i = 0; i < nodes.count; ++i )
-	{
-		const Vec3d p = nodes.x.get( i ).cast<double>() - now.centre;
-		nodes.v.set( i, ( nodes.v.get( i ).cast<double>() + shift + turn.cross( p ) ).cast<float>() );
-	}
-}
-
-void resizeNodes( NodeState& nodes, int count )
-{
-	nodes.count = count;
-	nodes.padded = ( count + kLanes - 1 ) / kLanes * kLanes;
-	nodes.x.resize( nodes.padded );
-	nodes.v.resize( nodes.padded );
-	nodes.x0.resize( nodes.padded );
-	nodes.mass.assign( nodes.padded, 0.0f );
-	nodes.freedom.assign( nodes.padded, 0.0f );
 }
 
 } // namespace
@@ -91,6 +29,7 @@ Levels::Levels( std::shared_ptr<const LevelBase> base, const Lattice& lattice, c
 	m_isWanted( m_cut.node.size(), 0 )
 {
 	countLevels();
+	prepareRoom();
 }
 
 void Levels::countLevels()
@@ -104,6 +43,10 @@ void Levels::countLevels()
 
 void Levels::fillNodes( NodeState& nodes, float density ) const
 {
+	for ( AlignedArray<float>* array : arraysOf( nodes ) )
+	{
+		makeRoom( *array, std::size_t( m_room.count ), 0 );
+	}
 	resizeNodes( nodes, m_cut.count() );
 	const double fullCell = double( density ) * std::pow( double( m_lattice.cellSize ), 3 );
 	for ( int i = 0; i < nodes.count; ++i )
@@ -252,31 +195,76 @@ void Levels::apply( NodeState& nodes, LatticeMatcher& matcher, const Material& m
 void Levels::change( NodeState& nodes, LatticeMatcher& matcher, const Material& material, const std::vector<std::uint32_t>& split,
 	const std::vector<std::uint32_t>& merge, TaskRunner* tasks )
 {
-	const Motion before = motionOf( nodes );
-	const Cut next = changeCut( octree(), m_cut, split, merge );
+	Cut next = changeCut( octree(), m_cut, split, merge, std::move( m_room.cut ) );
 	numberHeirs( next );
 	m_change.splits = int( split.size() );
 	m_change.merges = int( merge.size() );
 	NodeState changed = changedNodes( nodes, matcher, next, material.density );
-	restoreMotion( changed, before );
+	restoreMotion( changed, nodes );
 
-	m_regions = updateLevelRegions( RegionInput{ *m_base, m_lattice, material, m_settings, tasks }, m_cut, m_regions, next );
-	const std::shared_ptr<const RegionTables> old = m_tables;
+	m_room.matrix.rowBefore.clear();
+	m_regions = updateLevelRegions( RegionInput{ *m_base, m_lattice, material, m_settings, tasks, &m_room.matrix }, m_cut, m_regions, next );
+	std::shared_ptr<const RegionTables> old = m_tables;
+	const bool isKnown = !m_room.matrix.rowBefore.empty();
 	m_tables = buildLevelTables( *m_base, m_lattice, next, m_regions, LevelSettings{ material, m_settings, m_stiffness, tasks },
-		TablesBefore{ old.get(), unchangedRows( *old->matrix, next ) } );
-	std::vector<float> quiet( next.node.size(), 0.0f );
+		TablesBefore{ old.get(), isKnown ? std::move( m_room.matrix.rowBefore ) : unchangedRows( *old->matrix, next ), std::move( m_room.tables ) } );
+	m_room.quiet.assign( next.node.size(), 0.0f );
 	for ( int i = 0; i < next.count(); ++i )
 	{
 		const std::uint32_t heir = m_change.heir[i];
-		quiet[i] = m_cut.node[heir] == next.node[i] ? m_quiet[heir] : 0.0f;
+		m_room.quiet[i] = m_cut.node[heir] == next.node[i] ? m_quiet[heir] : 0.0f;
 	}
-	m_quiet = std::move( quiet );
+	m_quiet.swap( m_room.quiet );
 	m_isWanted.assign( next.node.size(), 0 );
-	m_cut = next;
+	std::swap( m_cut, next );
+	m_room.cut = std::move( next );
 	countLevels();
 	std::swap( nodes, changed );
-	matcher.setTables( m_tables, FlowHeirs{ m_change.heir, m_change.nodeNow, changed.mass } );
+	m_room.nodes = std::move( changed );
+	matcher.setTables( m_tables, FlowHeirs{ m_change.heir, m_change.nodeNow, nodes.mass } );
+	keepRoom( std::move( old ) );
 	++m_version;
+}
+
+// A change in a running game must not wait for the system to hand out memory, which takes longer than the change: each is built where the
+// one before the last was. Reserved is what several changes may bring; what is not used of it takes no memory.
+void Levels::prepareRoom()
+{
+	const int cells = m_lattice.cellCount(), count = m_cut.count();
+	m_room.count = int( std::min<long long>( cells, count + static_cast<long long>( kRoomChanges ) * m_settings.nodesPerStep ) );
+	const int touched = std::min( m_room.count, int( count * kRoomShare ) );
+	const std::size_t edge = 2 * std::size_t( m_tables->regions.halfWidth ) + 1, entries = edge * edge * edge * std::size_t( m_room.count );
+	RegionMatrix& matrix = *std::const_pointer_cast<RegionMatrix>( m_regions.matrix ); // it is ours, and what it holds stays
+	const std::size_t touchedEntries = std::min( entries, std::size_t( double( matrix.member.size() ) * kRoomShare ) );
+	for ( std::vector<std::uint32_t> RegionMatrix::*array : { &RegionMatrix::member, &RegionMatrix::mass, &RegionMatrix::share } )
+	{
+		makeRoom( matrix.*array, entries, 0 );
+		makeRoom( m_room.matrix.matrix.*array, entries, touchedEntries );
+	}
+	m_room.tables = std::make_shared<RegionTables>();
+	makeLevelRoom( *std::const_pointer_cast<RegionTables>( m_tables ), *m_room.tables, m_room.count, touched );
+	makeRoom( m_room.cut.slotOfCell, m_cut.slotOfCell.size(), m_cut.slotOfCell.size() );
+	for ( AlignedArray<float>* array : arraysOf( m_room.nodes ) )
+	{
+		makeRoom( *array, std::size_t( m_room.count ), std::size_t( touched ) );
+	}
+}
+
+/// The tables before become room for those after the next change, unless somebody else looks at them still.
+void Levels::keepRoom( std::shared_ptr<const RegionTables> old )
+{
+	std::shared_ptr<RegionTables> tables = std::const_pointer_cast<RegionTables>( std::move( old ) );
+	if ( tables.use_count() != 1 )
+	{
+		return;
+	}
+	tables->plan.reset();
+	if ( const auto matrix = std::const_pointer_cast<RegionMatrix>( std::move( tables->matrix ) ); matrix.use_count() == 1 )
+	{
+		m_room.matrix.matrix = std::move( *matrix );
+	}
+	tables->matrix.reset();
+	m_room.tables = std::move( tables );
 }
 
 std::vector<std::uint32_t> Levels::unchangedRows( const RegionMatrix& old, const Cut& next ) const
@@ -301,120 +289,12 @@ std::vector<std::uint32_t> Levels::unchangedRows( const RegionMatrix& old, const
 	return before;
 }
 
-void Levels::numberHeirs( const Cut& next )
-{
-	m_change.heir.assign( next.node.size(), 0 );
-	m_change.nodeNow.assign( m_cut.node.size(), kNoNode );
-	m_change.keptAs.assign( m_cut.node.size(), kNoNode );
-	for ( int i = 0; i < next.count(); ++i )
-	{
-		m_change.heir[i] = m_cut.slotOfCell[octree().cells[octree().cellStart[next.node[i]]]];
-	}
-	for ( int i = 0; i < m_cut.count(); ++i )
-	{
-		const std::uint32_t now = next.slotOfCell[octree().cells[octree().cellStart[m_cut.node[i]]]];
-		const bool isKept = octree().cellCount[next.node[now]] >= octree().cellCount[m_cut.node[i]];
-		m_change.nodeNow[i] = isKept ? now : kNoNode;
-		m_change.keptAs[i] = next.node[now] == m_cut.node[i] ? now : kNoNode;
-	}
-}
-
-// A child stands where its parent's region has carried its rest place: x = x_a + F ( x0_c - x0_a ), and moves as the region does:
-// v = v_a + G ( x0_c - x0_a ). The children's mass centre is the parent's, at rest and hence now: momentum is kept, and what spin the
-// parent did not have is taken off the body afterwards. A parent stands and moves as the mean of its children.
-NodeState Levels::changedNodes( const NodeState& before, LatticeMatcher& matcher, const Cut& next, float density )
-{
-	NodeState now;
-	now.origin = before.origin;
-	resizeNodes( now, next.count() );
-	const bool hasForce = !before.force.x.empty();
-	if ( hasForce )
-	{
-		now.force.resize( now.padded );
-	}
-	std::vector<float> gradients( std::size_t( before.padded ) * 9 );
-	NodeState& readable = const_cast<NodeState&>( before ); // the matcher's view has one form, for reading and writing
-	matcher.deformations( readable, gradients.data() );
-
-	const double fullCell = double( density ) * std::pow( double( m_lattice.cellSize ), 3 );
-	const std::vector<std::uint32_t>& heir = m_change.heir;
-	int parent = -1; // children stand side by side
-	Eigen::Matrix3d gradient = Eigen::Matrix3d::Zero();
-	for ( int i = 0; i < now.count; ++i )
-	{
-		const std::uint32_t node = next.node[i];
-		const int old = int( heir[i] );
-		now.x0.set( i, octree().restCentre[node] );
-		now.mass[i] = float( fullCell * octree().mass[node] );
-		now.freedom[i] = before.freedom[old];
-		if ( m_cut.node[old] == node )
-		{
-			now.x.set( i, before.x.get( old ) );
-			now.v.set( i, before.v.get( old ) );
-		}
-		else if ( octree().cellCount[m_cut.node[old]] >= octree().cellCount[node] )
-		{
-			const Vec3 arm = octree().restCentre[node] - before.x0.get( old );
-			const Eigen::Matrix3f f = Eigen::Map<const Matrix3fRows>( gradients.data() + 9 * std::size_t( old ) );
-			now.x.set( i, before.x.get( old ) + f * arm );
-			if ( old != parent )
-			{
-				parent = old;
-				gradient = velocityGradient( before, old );
-			}
-			now.v.set( i, before.v.get( old ) + ( gradient * arm.cast<double>() ).cast<float>() );
-		}
-		else
-		{
-			mergeInto( before, old, now, i );
-		}
-		if ( hasForce )
-		{
-			now.force.set( i, before.force.get( old ) * ( now.mass[i] / before.mass[old] ) );
-		}
-	}
-	return now;
-}
-
-void Levels::mergeInto( const NodeState& before, int first, NodeState& now, int slot ) const
-{
-	Vec3d x = Vec3d::Zero(), v = Vec3d::Zero();
-	double mass = 0.0;
-	for ( int k = first; k < before.count && m_change.nodeNow[k] == std::uint32_t( slot ); ++k )
-	{
-		const double m = before.mass[k];
-		mass += m;
-		x += m * before.x.get( k ).cast<double>();
-		v += m * before.v.get( k ).cast<double>();
-		now.freedom[slot] = std::min( now.freedom[slot], before.freedom[k] );
-	}
-	now.x.set( slot, ( x / mass ).cast<float>() );
-	now.v.set( slot, ( v / mass ).cast<float>() );
-}
-
-/// G = sum u ( v - v_r ) q^T J^+, 1/s: how the velocities around a node change over its rest shape.
-Eigen::Matrix3d Levels::velocityGradient( const NodeState& nodes, int node ) const
-{
-	const RegionMoments& moments = m_tables->moments;
-	const Vec3d centre( moments.centre[0][node], moments.centre[1][node], moments.centre[2][node] );
-	Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
-	const Vec3d own = nodes.v.get( node ).cast<double>(); // any velocity may be taken off: sum u q = 0
-	for ( std::uint32_t k = matrix().start[node]; k < matrix().start[node + 1]; ++k )
-	{
-		const int a = int( matrix().member[k] );
-		const Vec3d q = nodes.x0.get( a ).cast<double>() / double( m_lattice.cellSize ) - centre;
-		sum += matrix().mass[k] * matrix().unit[std::size_t( a )] * ( nodes.v.get( a ).cast<double>() - own ) * q.transpose();
-	}
-	Eigen::Matrix3d inverse;
-	const auto& j = moments.inverseMoment;
-	inverse << j[0][node], j[5][node], j[4][node], j[5][node], j[1][node], j[3][node], j[4][node], j[3][node], j[2][node];
-	return sum * inverse / double( m_lattice.cellSize );
-}
-
 std::size_t Levels::bytes() const
 {
-	return ( m_cut.node.size() + m_cut.slotOfCell.size() + m_change.heir.size() + m_change.nodeNow.size() + m_change.keptAs.size() ) * sizeof( std::uint32_t ) +
-		   m_tables->bytes() + m_quiet.size() * sizeof( float );
+	const std::size_t cut = ( m_cut.node.size() + m_cut.slotOfCell.size() ) * sizeof( std::uint32_t );
+	const std::size_t change = ( m_change.heir.size() + m_change.nodeNow.size() + m_change.keptAs.size() ) * sizeof( std::uint32_t );
+	// Room is of the size of what is in use.
+	return 2 * ( cut + m_tables->bytes() ) + change + m_quiet.size() * sizeof( float );
 }
 
 } // namespace pliant

@@ -44,6 +44,9 @@ public:
 	unsigned version() const { return m_version; }
 	const LevelChange& lastChange() const { return m_change; }
 
+	/// As many nodes as there may be before arrays that were made for them outgrow their room.
+	int roomNodes() const { return m_room.count; }
+
 	/// The nodes at rest: counts, rest positions, masses. kg per cubic metre.
 	void fillNodes( NodeState& nodes, float density ) const;
 
@@ -76,11 +79,16 @@ private:
 	void collectSplits( const AlignedArray<float>& strain );
 	void collectMerges( const NodeState& nodes );
 	bool mayMerge( const NodeState& nodes, std::uint32_t parent, int firstSlot ) const;
+	void prepareRoom();
+	void keepRoom( std::shared_ptr<const RegionTables> old );
 	NodeState changedNodes( const NodeState& before, LatticeMatcher& matcher, const Cut& next, float density );
+	void splitInto( const NodeState& before, const std::vector<std::uint32_t>& parents, const std::vector<float>& gradients, const Cut& next, NodeState& now ) const;
+	std::vector<std::uint32_t> splitNodes( const Cut& next ) const;
 	void numberHeirs( const Cut& next );
 	void countLevels();
 	bool isTooBig( std::uint32_t node ) const;
 	std::vector<std::uint32_t> unchangedRows( const RegionMatrix& old, const Cut& next ) const;
+	bool isKept( const Cut& next, int node ) const { return m_cut.node[m_change.heir[node]] == next.node[node]; }
 	void mergeInto( const NodeState& before, int first, NodeState& now, int slot ) const;
 	Eigen::Matrix3d velocityGradient( const NodeState& nodes, int node ) const;
 
@@ -95,6 +103,18 @@ private:
 	LevelChange m_change;
 	int m_finestLevel = 0;
 	std::array<int, kMostCoarseLevels + 1> m_nodesOnLevel{};
+
+	/// What the change before the last left, for the next to be built in.
+	struct Room
+	{
+		int count = 0; ///< nodes there is room for
+		Cut cut;
+		MatrixRoom matrix;
+		std::shared_ptr<RegionTables> tables;
+		NodeState nodes;
+		std::vector<float> quiet;
+	};
+	Room m_room;
 
 	std::vector<float> m_quiet;                 ///< of each node: seconds since its strain was last above the merging threshold
 	std::vector<std::uint8_t> m_isWanted;       ///< of each node: 1 where it was asked for since the last review

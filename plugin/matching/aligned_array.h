@@ -4,6 +4,7 @@
 
 #include "matching/constants.h"
 
+#include <algorithm>
 #include <cstdlib>
 #include <new>
 #include <vector>
@@ -28,5 +29,18 @@ struct LineAllocator
 
 template <class T>
 using AlignedArray = std::vector<T, LineAllocator<T>>;
+
+/// Reserves `reserved` entries and has the system give the memory of the first `touched` of them now rather than when they are first used.
+template <class T, class A>
+void makeRoom( std::vector<T, A>& array, std::size_t reserved, std::size_t touched )
+{
+	const std::size_t size = array.size();
+	array.reserve( std::max( reserved, touched ) );
+	if ( touched > size )
+	{
+		array.resize( touched );
+		array.resize( size );
+	}
+}
 
 } // namespace pliant

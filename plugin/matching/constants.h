@@ -78,4 +78,10 @@ inline constexpr float kSpeedLimit = 1.0e5f;
 /// Strains are looked at this seldom: a split a few substeps late is not seen, a look at every substep costs some per cent.
 inline constexpr int kSubstepsBetweenReviews = 4;
 
+/// Changes of levels that arrays are reserved for, each with all the nodes it may bring. What is reserved and not used takes no memory.
+inline constexpr int kRoomChanges = 10;
+
+/// Room that a body with levels has from the start, in memory that is there, as a share of what its nodes take.
+inline constexpr double kRoomShare = 1.125;
+
 } // namespace pliant

@@ -50,10 +50,19 @@ void LatticeMatcher::allocate()
 		component.assign( padded, 0.0f );
 	}
 	m_quaternion[0].assign( padded, 1.0f );
-	for ( int k = 0; k < 3; ++k )
+	for ( auto& component : m_residual )
 	{
-		m_residual[k].assign( padded, 0.0f );
-		m_change[k].assign( padded, 0.0f );
+		component.assign( padded, 0.0f );
+	}
+	allocateScratch();
+}
+
+void LatticeMatcher::allocateScratch()
+{
+	const int padded = m_tables->moments.padded;
+	for ( auto& component : m_change )
+	{
+		component.assign( padded, 0.0f );
 	}
 	const Eigen::Vector3i grid = m_tables->grid;
 	std::size_t records = m_tables->usesGrid ? std::size_t( grid.x() ) * grid.y() * grid.z() : std::size_t( padded );

@@ -47,6 +47,10 @@ public:
 	const AlignedArray<float>& strain() const { return m_strain; }
 	/// F of every region in world axes, from the nodes as they are, 9 floats a region, row by row. The tables must hold J^+.
 	void deformations( NodeState& nodes, float* gradients );
+	/// The same of a few, ascending: 9 floats each, to the same bits.
+	void deformationsOf( NodeState& nodes, const std::vector<std::uint32_t>& which, float* gradients );
+	/// Room for as many nodes, so that setTables need not ask for memory before there are more.
+	void reserveNodes( int count );
 
 	/// What the kernels see, body frame and step left at their defaults; for benchmarks of one kernel alone.
 	MatchView view( NodeState& nodes );
@@ -64,6 +68,9 @@ private:
 	void spareRigidMotion( MatchView& view, float h ) const;
 	void flow( const MatchView& view, const MatchStep& step, TaskRunner* runner );
 	void allocate();
+	void allocateScratch();
+	std::array<AlignedArray<float>*, 7> history();
+	MatchView viewOfNow( NodeState& nodes );
 	void viewLevels( MatchView& view ) const;
 
 	const Kernels& m_kernels;
@@ -79,6 +86,7 @@ private:
 	Eigen::Quaterniond m_frame = Eigen::Quaterniond::Identity();
 	AlignedArray<float> m_quaternion[4];
 	AlignedArray<float> m_residual[3];
+	AlignedArray<float> m_historyRoom; ///< of a change of levels
 
 	std::unique_ptr<PlasticFlow> m_plastic;
 	std::unique_ptr<CoarseToFine> m_far; ///< null unless asked for

@@ -2,6 +2,8 @@
 
 #include "matching/lattice_matcher.h"
 
+#include <algorithm>
+
 namespace pliant {
 
 void LatticeMatcher::setTables( std::shared_ptr<const RegionTables> tables, const FlowHeirs& heirs )
@@ -11,29 +13,19 @@ void LatticeMatcher::setTables( std::shared_ptr<const RegionTables> tables, cons
 	{
 		m_plastic->carryOver( *m_tables, *tables, heirs );
 	}
-	AlignedArray<float> quaternion[4], residual[3];
-	for ( int k = 0; k < 4; ++k )
-	{
-		quaternion[k].swap( m_quaternion[k] );
-	}
-	for ( int k = 0; k < 3; ++k )
-	{
-		residual[k].swap( m_residual[k] );
-	}
 	m_tables = std::move( tables );
-	m_strain = {};
-	allocate();
-	for ( std::size_t i = 0; i < heir.size(); ++i )
+	m_strain.clear();
+	const std::size_t padded = std::size_t( m_tables->moments.padded );
+	for ( AlignedArray<float>* array : history() )
 	{
-		for ( int k = 0; k < 4; ++k )
+		m_historyRoom.assign( padded, array == &m_quaternion[0] ? 1.0f : 0.0f );
+		for ( std::size_t i = 0; i < heir.size(); ++i )
 		{
-			m_quaternion[k][i] = quaternion[k][heir[i]];
+			m_historyRoom[i] = ( *array )[heir[i]];
 		}
-		for ( int k = 0; k < 3; ++k )
-		{
-			m_residual[k][i] = residual[k][heir[i]];
-		}
+		array->swap( m_historyRoom );
 	}
+	allocateScratch();
 	m_isHistoryNew = true;
 }
 
@@ -69,22 +61,78 @@ bool LatticeMatcher::nodeFlow( int count, float* stretches ) const
 	return hasFlowed();
 }
 
-void LatticeMatcher::deformations( NodeState& nodes, float* gradients )
+std::array<AlignedArray<float>*, 7> LatticeMatcher::history()
 {
-	// From the positions as they are: what the last substep left of them may be those of other nodes.
+	return { &m_quaternion[0], &m_quaternion[1], &m_quaternion[2], &m_quaternion[3], &m_residual[0], &m_residual[1], &m_residual[2] };
+}
+
+void LatticeMatcher::reserveNodes( int count )
+{
+	const std::size_t reserved = std::size_t( count ) + kLanes, touched = std::size_t( kRoomShare * m_tables->moments.padded );
+	for ( AlignedArray<float>* array : history() )
+	{
+		makeRoom( *array, reserved, touched );
+	}
+	for ( AlignedArray<float>* array : { &m_historyRoom, &m_change[0], &m_change[1], &m_change[2] } )
+	{
+		makeRoom( *array, reserved, touched );
+	}
+	makeRoom( m_open, reserved, touched );
+	for ( AlignedArray<float>* records : { &m_nodeRecord, &m_regionRecord } )
+	{
+		makeRoom( *records, reserved * kRecordFloats, std::size_t( kRoomShare * double( records->size() ) ) );
+	}
+}
+
+/// The view that `deformations` needs, from the positions as they are: what the last substep left of them may be those of other nodes.
+MatchView LatticeMatcher::viewOfNow( NodeState& nodes )
+{
 	MatchView v = view( nodes );
 	float sum[kFrameSums] = {};
 	m_kernels.frameSums( v, 0, nodes.padded, sum );
 	setFrame( v, Vec3d( sum[0], sum[1], sum[2] ) / double( sum[12] ) );
 	m_kernels.nodeRecords( v, 0, nodes.padded );
 	sumNodeRecords( v, nullptr );
+	return v;
+}
+
+namespace {
+
+using Matrix3fRows = Eigen::Matrix<float, 3, 3, Eigen::RowMajor>;
+
+} // namespace
+
+void LatticeMatcher::deformations( NodeState& nodes, float* gradients )
+{
+	const MatchView v = viewOfNow( nodes );
 	m_kernels.deformations( v, 0, nodes.padded, gradients );
 	// F turns with the body's frame: what the kernels see is R_b^T F.
 	const Eigen::Matrix3f frame = m_frame.toRotationMatrix().cast<float>();
 	for ( int i = 0; i < nodes.count; ++i )
 	{
-		Eigen::Map<Eigen::Matrix<float, 3, 3, Eigen::RowMajor>> f( gradients + 9 * i );
+		Eigen::Map<Matrix3fRows> f( gradients + 9 * i );
 		f = frame * f;
+	}
+}
+
+void LatticeMatcher::deformationsOf( NodeState& nodes, const std::vector<std::uint32_t>& which, float* gradients )
+{
+	if ( which.empty() )
+	{
+		return;
+	}
+	const MatchView v = viewOfNow( nodes );
+	const Eigen::Matrix3f frame = m_frame.toRotationMatrix().cast<float>();
+	float tile[9 * kTile];
+	for ( std::size_t k = 0; k < which.size(); )
+	{
+		const int first = int( which[k] ) / kTile * kTile;
+		m_kernels.deformations( v, first, std::min( first + kTile, nodes.padded ), tile );
+		for ( ; k < which.size() && int( which[k] ) < first + kTile; ++k )
+		{
+			Eigen::Map<Matrix3fRows> f( gradients + 9 * k );
+			f = frame * Eigen::Map<const Matrix3fRows>( tile + 9 * ( int( which[k] ) - first ) );
+		}
 	}
 }
 

@@ -9,12 +9,6 @@ namespace pliant {
 
 namespace {
 
-bool usesEnergies( const Adaptivity& settings )
-{
-	return settings.softening == Softening::Energy || settings.softening == Softening::EnergyTensor ||
-		   settings.residual == ResidualRule::Quadratic || settings.residual == ResidualRule::Larger;
-}
-
 void storeSymmetric( AlignedArray<float> ( &to )[6], int i, const Eigen::Matrix3d& m )
 {
 	const double values[6] = { m( 0, 0 ), m( 1, 1 ), m( 2, 2 ), m( 1, 2 ), m( 0, 2 ), m( 0, 1 ) };
@@ -43,23 +37,27 @@ public:
 		allocate();
 		// Literal weights by way of the octree are multiplied by m_r at the end, and could not be taken over as they were.
 		const bool isWeighed = m_tables.plan && m_material.weights == Weights::Literal;
-		auto fill = [this, &before, isWeighed]( int chunk ) {
+		const bool takesOver = before.tables && !isWeighed;
+		const int chunks = ( m_cut.count() + kRowsPerTask - 1 ) / kRowsPerTask;
+		m_hasFlat.assign( std::size_t( chunks ), 0 );
+		auto fill = [this, &before, takesOver]( int chunk ) {
 			const int last = std::min( m_cut.count(), ( chunk + 1 ) * kRowsPerTask );
-			for ( int r = chunk * kRowsPerTask; r < last; ++r )
+			for ( int r = chunk * kRowsPerTask; r < last; )
 			{
-				if ( before.tables && !isWeighed && before.region[r] != kNoNode )
+				const int end = takesOver ? endOfRun( before.region, r, last ) : r;
+				if ( end > r )
 				{
-					copyRegion( *before.tables, int( before.region[r] ), r );
+					copyRegions( *before.tables, int( before.region[r] ), r, end );
+					r = end;
 					continue;
 				}
-				fillRegion( r );
+				m_hasFlat[std::size_t( chunk )] |= fillRegion( r ) ? 1 : 0;
+				++r;
 			}
 		};
-		runTasks( m_tasks, ( m_cut.count() + kRowsPerTask - 1 ) / kRowsPerTask, fill );
-		for ( int i = 0; i < m_cut.count(); ++i )
-		{
-			fillNode( i );
-		}
+		runTasks( m_tasks, chunks, fill );
+		// By way of the octree a node's weights hang on more than its own row.
+		fillNodes( takesOver && !m_tables.plan ? &before : nullptr );
 		if ( isWeighed )
 		{
 			for ( int r = 0; r < m_cut.count(); ++r )
@@ -67,11 +65,11 @@ public:
 				m_tables.moments.regionWeight[r] *= float( m_base.octree.mass[m_cut.node[r]] ); // m_r of eq. 8
 			}
 		}
-		if ( !hasFlat() )
+		if ( !hasFlat( takesOver ? before.tables : nullptr ) )
 		{
 			for ( auto& component : m_tables.outOfPlane )
 			{
-				component = {};
+				component.clear();
 			}
 		}
 	}
@@ -80,58 +78,93 @@ private:
 	/// eta = beta everywhere: the whole of a region's pull is scaled, and F is not needed.
 	bool scalesOnly() const { return m_settings.residual == ResidualRule::Soften && m_settings.softening != Softening::EnergyTensor && m_material.beta == 0.0f; }
 
+	/// Rows are written one by one; padding stands here. A table that had been in use keeps its memory.
+	void shape( AlignedArray<float>& array, float padding ) const
+	{
+		array.resize( std::size_t( m_tables.moments.padded ) );
+		std::fill( array.begin() + m_cut.count(), array.end(), padding );
+	}
+
 	void allocate()
 	{
 		RegionMoments& moments = m_tables.moments;
 		moments.count = m_cut.count();
 		moments.padded = ( moments.count + kLanes - 1 ) / kLanes * kLanes;
-		const int padded = moments.padded;
 		for ( AlignedArray<float>* array : { &moments.nodeWeight, &moments.inverseCover, &moments.inverseMass, &moments.centre[0], &moments.centre[1],
 				  &moments.centre[2], &m_tables.pull } )
 		{
-			array->assign( padded, 0.0f );
+			shape( *array, 0.0f );
 		}
 		for ( int k = 0; k < 6; ++k )
 		{
-			moments.moment[k].assign( padded, k < 3 ? 1.0f : 0.0f );
-			moments.inverseMoment[k].assign( padded, 0.0f );
-			m_tables.outOfPlane[k].assign( padded, 0.0f );
+			shape( moments.moment[k], k < 3 ? 1.0f : 0.0f );
+			shape( moments.inverseMoment[k], 0.0f );
+			shape( m_tables.outOfPlane[k], 0.0f );
 		}
 		if ( scalesOnly() || m_tables.plan || !m_stiffness.empty() )
 		{
-			moments.regionWeight.assign( padded, 1.0f );
+			shape( moments.regionWeight, 1.0f );
 		}
 		if ( !scalesOnly() )
 		{
-			m_tables.beta.assign( padded, 0.0f );
-			m_tables.eta.assign( padded, 0.0f );
+			shape( m_tables.beta, 0.0f );
+			shape( m_tables.eta, 0.0f );
 		}
 		if ( m_settings.softening == Softening::EnergyTensor )
 		{
 			for ( int k = 0; k < 9; ++k )
 			{
-				m_tables.blend[k].assign( padded, k % 4 == 0 ? 1.0f : 0.0f );
+				shape( m_tables.blend[k], k % 4 == 0 ? 1.0f : 0.0f );
 			}
 		}
 		m_tables.regions.halfWidth = m_material.regionHalfWidth;
 	}
 
-	bool hasFlat() const
+	/// `before`: null, or the tables that rows were taken from.
+	bool hasFlat( const RegionTables* before ) const
 	{
+		if ( std::any_of( m_hasFlat.begin(), m_hasFlat.end(), []( char flat ) { return flat != 0; } ) )
+		{
+			return true;
+		}
 		const auto isZero = []( float value ) { return value == 0.0f; };
-		return std::any_of( std::begin( m_tables.outOfPlane ), std::end( m_tables.outOfPlane ),
-			[&isZero]( const AlignedArray<float>& component ) { return !std::all_of( component.begin(), component.end(), isZero ); } );
+		return before && !before->outOfPlane[0].empty() &&
+			   std::any_of( std::begin( m_tables.outOfPlane ), std::end( m_tables.outOfPlane ),
+				   [&isZero]( const AlignedArray<float>& component ) { return !std::all_of( component.begin(), component.end(), isZero ); } );
+	}
+
+	/// Rows r to end - 1 are what those before were, one after the other.
+	static int endOfRun( const std::vector<std::uint32_t>& before, int r, int last )
+	{
+		if ( before[std::size_t( r )] == kNoNode )
+		{
+			return r;
+		}
+		int end = r + 1;
+		while ( end < last && before[std::size_t( end )] == before[std::size_t( r )] + std::uint32_t( end - r ) )
+		{
+			++end;
+		}
+		return end;
+	}
+
+	/// Entries `old`, old + 1, ... of an array become `first` to end - 1; an empty source is all zero.
+	static void copyRun( const AlignedArray<float>& source, AlignedArray<float>& to, int old, int first, int end )
+	{
+		if ( !to.empty() && source.empty() )
+		{
+			std::fill( to.begin() + first, to.begin() + end, 0.0f );
+		}
+		else if ( !to.empty() )
+		{
+			std::copy( source.begin() + old, source.begin() + old + ( end - first ), to.begin() + first );
+		}
 	}
 
 	/// What fillRegion would write again: it depends on the row alone.
-	void copyRegion( const RegionTables& from, int old, int r )
+	void copyRegions( const RegionTables& from, int old, int first, int end )
 	{
-		const auto copy = [old, r]( const AlignedArray<float>& source, AlignedArray<float>& to ) {
-			if ( !to.empty() )
-			{
-				to[r] = source.empty() ? 0.0f : source[old];
-			}
-		};
+		const auto copy = [old, first, end]( const AlignedArray<float>& source, AlignedArray<float>& to ) { copyRun( source, to, old, first, end ); };
 		RegionMoments& moments = m_tables.moments;
 		copy( from.moments.inverseMass, moments.inverseMass );
 		copy( from.moments.regionWeight, moments.regionWeight );
@@ -150,6 +183,43 @@ private:
 		for ( int k = 0; k < 9; ++k )
 		{
 			copy( from.blend[k], m_tables.blend[k] );
+		}
+	}
+
+	/// With `before`: a node whose row and regions are all what they were has the weights it had.
+	void fillNodes( const TablesBefore* before )
+	{
+		const int count = m_cut.count();
+		if ( !before )
+		{
+			for ( int i = 0; i < count; ++i )
+			{
+				fillNode( i );
+			}
+			return;
+		}
+		std::vector<std::uint32_t> same = before->region;
+		for ( int r = 0; r < count; ++r )
+		{
+			for ( std::uint32_t k = m_matrix.start[r]; before->region[std::size_t( r )] == kNoNode && k < m_matrix.start[r + 1]; ++k )
+			{
+				same[m_matrix.member[k]] = kNoNode; // membership is symmetric
+			}
+		}
+		const RegionMoments& old = before->tables->moments;
+		for ( int i = 0; i < count; )
+		{
+			const int end = endOfRun( same, i, count );
+			if ( end > i )
+			{
+				const int was = int( same[std::size_t( i )] );
+				copyRun( old.nodeWeight, m_tables.moments.nodeWeight, was, i, end );
+				copyRun( old.inverseCover, m_tables.moments.inverseCover, was, i, end );
+				copyRun( before->tables->pull, m_tables.pull, was, i, end );
+				i = end;
+				continue;
+			}
+			fillNode( i++ );
 		}
 	}
 
@@ -201,7 +271,8 @@ private:
 		return sum / octree.mass[node];
 	}
 
-	void fillRegion( int r )
+	/// True where the region is flat.
+	bool fillRegion( int r )
 	{
 		RegionMoments& moments = m_tables.moments;
 		const std::uint32_t node = m_cut.node[r];
@@ -230,19 +301,20 @@ private:
 		}
 		if ( scalesOnly() )
 		{
-			return;
+			return rest.isFlat;
 		}
 		beta = 1.0 - ( 1.0 - beta ) * ( 1.0 - m_material.beta );
 		m_tables.beta[r] = float( beta );
 		m_tables.eta[r] = float( eta );
-		if ( m_settings.softening == Softening::EnergyTensor && !isFinest )
+		if ( m_settings.softening == Softening::EnergyTensor )
 		{
-			const Eigen::Matrix3d c = energyBlend( fineMoment( m_base.moments, node ), rest.moment );
+			const Eigen::Matrix3d c = isFinest ? Eigen::Matrix3d( Eigen::Matrix3d::Identity() ) : energyBlend( fineMoment( m_base.moments, node ), rest.moment );
 			for ( int k = 0; k < 9; ++k )
 			{
 				m_tables.blend[k][r] = float( c( k / 3, k % 3 ) );
 			}
 		}
+		return rest.isFlat;
 	}
 
 	void fillNode( int i )
@@ -282,111 +354,48 @@ private:
 	const std::vector<float>& m_stiffness;
 	TaskRunner* m_tasks;
 	RegionTables& m_tables;
+	std::vector<char> m_hasFlat; ///< of each task
 };
 
 } // namespace
 
-std::shared_ptr<const LevelBase> buildLevelBase( const Lattice& lattice, const Material& material, const Adaptivity& settings )
+void makeLevelRoom( RegionTables& tables, RegionTables& others, int reserved, int touched )
 {
-	auto base = std::make_shared<LevelBase>();
-	base->octree = buildOctree( lattice, settings.coarseLevels );
-	base->fine = buildFineRegions( lattice, material.regionHalfWidth );
-	if ( usesEnergies( settings ) )
-	{
-		base->moments = buildFineMoments( base->octree, lattice, base->fine );
-	}
-	return base;
-}
-
-std::shared_ptr<const LevelBase> LevelCache::find( const Lattice& lattice, const Material& material, const Adaptivity& settings )
-{
-	const std::lock_guard<std::mutex> lock( m_mutex );
-	const bool withMoments = usesEnergies( settings );
-	const auto found = std::find_if( m_entries.begin(), m_entries.end(), [&]( const Entry& e ) {
-		return e.coarseLevels == settings.coarseLevels && e.halfWidth == material.regionHalfWidth && e.withMoments == withMoments;
-	} );
-	if ( found != m_entries.end() )
-	{
-		if ( std::shared_ptr<const LevelBase> base = found->base.lock() )
+	const auto make = [&]( AlignedArray<float>& one, AlignedArray<float>& other ) {
+		if ( !one.empty() )
 		{
-			return base;
+			makeRoom( one, std::size_t( reserved ), 0 );
+			makeRoom( other, std::size_t( reserved ), std::size_t( touched ) );
 		}
-	}
-	std::shared_ptr<const LevelBase> base = buildLevelBase( lattice, material, settings );
-	if ( found != m_entries.end() )
+	};
+	RegionMoments &a = tables.moments, &b = others.moments;
+	make( a.nodeWeight, b.nodeWeight );
+	make( a.inverseCover, b.inverseCover );
+	make( a.inverseMass, b.inverseMass );
+	make( a.regionWeight, b.regionWeight );
+	make( tables.pull, others.pull );
+	make( tables.beta, others.beta );
+	make( tables.eta, others.eta );
+	for ( int k = 0; k < 3; ++k )
 	{
-		found->base = base;
+		make( a.centre[k], b.centre[k] );
 	}
-	else
+	for ( int k = 0; k < 6; ++k )
 	{
-		m_entries.push_back( Entry{ settings.coarseLevels, material.regionHalfWidth, withMoments, base } );
+		make( a.moment[k], b.moment[k] );
+		make( a.inverseMoment[k], b.inverseMoment[k] );
+		makeRoom( others.outOfPlane[k], std::size_t( reserved ), std::size_t( touched ) ); // in use while tables are made, at least
 	}
-	return base;
-}
-
-Cut firstCut( const Octree& octree, const Adaptivity& settings )
-{
-	const auto byMass = keepsByMass( octree, settings.keepMass );
-	return selectCut( octree, [&]( std::uint32_t node ) { return !( settings.isSurfaceFine && octree.isSurface[node] != 0 ) && byMass( node ); } );
-}
-
-namespace {
-
-/// Matrix and sums of Steinemann's regions, which are kept with their graph for the next change.
-LevelRegions fromIntervals( const RegionInput& input, const Cut& cut, VisibilityGraph graph, IntervalRegions intervals )
-{
-	LevelRegions regions;
-	const IntervalWeights weights = input.material.weights == Weights::Conserving ? IntervalWeights::Conserving : IntervalWeights::Literal;
-	regions.matrix = std::make_shared<const RegionMatrix>( buildIntervalRegions( input.base.octree, cut, intervals, weights ) );
-	if ( input.settings.hierarchicalSums )
+	for ( int k = 0; k < 9; ++k )
 	{
-		regions.plan = std::make_shared<const SumPlan>( planSums( input.base.octree, cut, intervals ) );
-	}
-	regions.graph = std::make_shared<const VisibilityGraph>( std::move( graph ) );
-	regions.intervals = std::make_shared<const IntervalRegions>( std::move( intervals ) );
-	return regions;
-}
-
-} // namespace
-
-LevelRegions buildLevelRegions( const LevelBase& base, const Lattice& lattice, const Cut& cut, const Material& material, const Adaptivity& settings )
-{
-	if ( settings.regions == RegionRule::Interval )
-	{
-		VisibilityGraph graph = buildVisibilityGraph( lattice, base.octree, cut );
-		IntervalRegions intervals = findIntervalRegions(
-			IntervalInput{ base.octree, cut, graph }, intervalWidths( base.octree, cut, float( material.regionHalfWidth ) ), settings.intervalSlack );
-		return fromIntervals( RegionInput{ base, lattice, material, settings }, cut, std::move( graph ), std::move( intervals ) );
-	}
-	const UnionWeights weights = material.weights == Weights::Conserving ? UnionWeights::Conserving : UnionWeights::Literal;
-	RegionMatrix matrix = settings.regions == RegionRule::Union ? buildUnionRegions( base.octree, cut, base.fine, weights )
-																 : buildMultiplicityRegions( base.octree, cut, base.fine );
-	return LevelRegions{ std::make_shared<const RegionMatrix>( std::move( matrix ) ), nullptr };
-}
-
-LevelRegions updateLevelRegions( const RegionInput& input, const Cut& from, const LevelRegions& regions, const Cut& to )
-{
-	const Octree& octree = input.base.octree;
-	switch ( input.settings.regions )
-	{
-		case RegionRule::Multiplicity:
-			return LevelRegions{ std::make_shared<const RegionMatrix>( updateMultiplicityRegions( octree, from, *regions.matrix, to, input.base.fine ) ), nullptr };
-		case RegionRule::Interval:
-		{
-			VisibilityUpdate sight = updateVisibilityGraph( input.lattice, octree, from, *regions.graph, to );
-			const IntervalInput before{ octree, from, *regions.graph }, after{ octree, to, sight.graph };
-			IntervalUpdate update = updateIntervalRegions( before, after, sight.change, *regions.intervals,
-				intervalWidths( octree, to, float( input.material.regionHalfWidth ) ), input.tasks );
-			return fromIntervals( input, to, std::move( sight.graph ), std::move( update.regions ) );
-		}
-		default: return buildLevelRegions( input.base, input.lattice, to, input.material, input.settings );
+		make( tables.blend[k], others.blend[k] );
 	}
 }
 
 std::shared_ptr<const RegionTables> buildLevelTables( const LevelBase& base, const Lattice& lattice, const Cut& cut,
 	const LevelRegions& regions, const LevelSettings& settings, const TablesBefore& before )
 {
-	auto tables = std::make_shared<RegionTables>();
+	const std::shared_ptr<RegionTables> tables = before.room ? before.room : std::make_shared<RegionTables>();
 	tables->matrix = regions.matrix;
 	tables->plan = regions.plan;
 	Filler( base, lattice, cut, *tables->matrix, settings, *tables ).run( before );

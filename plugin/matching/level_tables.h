@@ -74,6 +74,7 @@ struct RegionInput
 	const Material& material;
 	const Adaptivity& settings;
 	TaskRunner* tasks = nullptr;
+	MatrixRoom* room = nullptr; ///< for RegionRule::Multiplicity; may be null
 };
 
 /// The regions of cut `to`, given those of cut `from`: equal to those from nothing. Unions alone are built from nothing.
@@ -84,6 +85,7 @@ struct TablesBefore
 {
 	const RegionTables* tables = nullptr;
 	std::vector<std::uint32_t> region; ///< of each region now: its number then, where its row holds the same nodes and masses; else kNoNode
+	std::shared_ptr<RegionTables> room{}; ///< tables of the same settings that nobody uses any more, to be written over; null: none
 };
 
 /// What a region needs beside its row. `stiffness`: share of the material's for each finest cell; empty: 1 everywhere. A region takes the mean
@@ -95,6 +97,9 @@ struct LevelSettings
 	const std::vector<float>& stiffness;
 	TaskRunner* tasks = nullptr; ///< rows are measured on its threads, to the same bits; null: on the calling one
 };
+
+/// Room for `reserved` nodes in tables and in others of the same kind, which are empty; for `touched` of them in memory that is there.
+void makeLevelRoom( RegionTables& tables, RegionTables& others, int reserved, int touched );
 
 /// Tables for the step out of a region matrix. With `before` the result is the same to the bit, sooner.
 std::shared_ptr<const RegionTables> buildLevelTables( const LevelBase& base, const Lattice& lattice, const Cut& cut,
