@@ -87,6 +87,8 @@ public:
 	bool adaptLevels( float h );
 	/// The two halves of it: whether there is something to change, and the change.
 	bool reviewLevels( float h );
+	/// A game step begins: Adaptivity::nodesPerStep holds for all its changes together, and what had to wait comes now.
+	void openLevelBudget();
 	void applyLevels( TaskRunner* tasks = nullptr );
 	/// Splits and merges octree nodes by name; see changeCut.
 	void changeLevels( const std::vector<std::uint32_t>& split, const std::vector<std::uint32_t>& merge );

@@ -114,6 +114,15 @@ bool Body::reviewLevels( float h )
 	return hasChange;
 }
 
+void Body::openLevelBudget()
+{
+	if ( m_levels )
+	{
+		m_levels->openBudget();
+		m_reviewIn = m_levels->hasBacklog() ? 0 : m_reviewIn;
+	}
+}
+
 void Body::applyLevels( TaskRunner* tasks )
 {
 	m_levels->apply( m_nodes, *m_levelMatcher, m_material, tasks );

@@ -112,17 +112,21 @@ void Levels::collectSplits( const AlignedArray<float>& strain )
 		}
 	}
 	std::stable_sort( wanted.begin(), wanted.end(), []( const auto& a, const auto& b ) { return a.first < b.first; } );
-	std::size_t brought = 0;
+	int left = m_budget == kNoBudget ? m_settings.nodesPerStep : m_budget;
+	m_hasBacklog = false;
 	for ( const auto& [order, node] : wanted )
 	{
-		const std::size_t children = octree().childStart[node + 1] - octree().childStart[node];
-		if ( brought + children > std::size_t( m_settings.nodesPerStep ) )
+		const int children = int( octree().childStart[node + 1] - octree().childStart[node] );
+		m_hasBacklog = children > left;
+		if ( m_hasBacklog )
 		{
+			left = 0; // what waits, waits together: a second change for a few nodes would cost nearly as much as one for all
 			break;
 		}
-		brought += children;
+		left -= children;
 		m_split.push_back( node );
 	}
+	m_budget = m_budget == kNoBudget ? kNoBudget : left;
 	std::sort( m_split.begin(), m_split.end() );
 	const auto isDone = [this]( std::uint32_t node ) { return std::binary_search( m_split.begin(), m_split.end(), node ); };
 	waiting.erase( std::remove_if( waiting.begin(), waiting.end(), isDone ), waiting.end() );

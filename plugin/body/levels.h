@@ -64,6 +64,11 @@ public:
 	int finestLevel() const { return m_finestLevel; }
 	void setRefineStrain( float strain ) { m_settings.refineStrain = strain; }
 
+	/// From now on, until it is said again, changes together bring no more than Adaptivity::nodesPerStep. Unsaid: each change may.
+	void openBudget() { m_budget = m_settings.nodesPerStep; }
+	/// Whether something waits that the budget had no room for.
+	bool hasBacklog() const { return m_hasBacklog; }
+
 	/// Reads the strains last measured; `seconds` since the last reading. True when there is something to change.
 	bool review( const NodeState& nodes, const AlignedArray<float>& strain, float seconds );
 	/// Makes the changes that `review` and requests asked for, within the budget. Momentum and spin of the nodes stay what they were where no
@@ -76,6 +81,8 @@ public:
 	std::size_t bytes() const;
 
 private:
+	static constexpr int kNoBudget = -1;
+
 	void collectSplits( const AlignedArray<float>& strain );
 	void collectMerges( const NodeState& nodes );
 	bool mayMerge( const NodeState& nodes, std::uint32_t parent, int firstSlot ) const;
@@ -120,6 +127,8 @@ private:
 	std::vector<std::uint8_t> m_isWanted;       ///< of each node: 1 where it was asked for since the last review
 	std::vector<std::uint32_t> m_split, m_merge; ///< octree nodes, found by the last review
 	std::vector<std::uint32_t> m_asked;         ///< octree nodes
+	int m_budget = kNoBudget;                   ///< new nodes that changes may still bring
+	bool m_hasBacklog = false;
 };
 
 } // namespace pliant

@@ -137,6 +137,7 @@ void SoftBodySystem::beginStep( btScalar gameStep, int substepCount )
 	{
 		SoftBody::Impl& impl = body->impl();
 		impl.plan = planStiffness( body->material(), impl.bodyTemplate->cellSize(), float( gameStep ), substepCount );
+		impl.body->openLevelBudget();
 		impl.skin.isStale = impl.skin.fade.advance() || impl.skin.isStale;
 		report.awakeSoftBodies += moves( *body ) ? 1 : 0;
 		report.quarantined += impl.isHealthy ? 0 : 1;
