@@ -11,24 +11,27 @@ namespace {
 class Row
 {
 public:
-	explicit Row( int slots ) : m_mass( slots, 0 ), m_share( slots, 0 ), m_isListed( slots, 0 ) {}
+	explicit Row( int slots ) : m_sum( static_cast<std::size_t>( slots ) ) {}
 
+	/// Shares are at least 1: a slot without any is not listed yet.
 	void add( std::uint32_t slot, std::uint32_t mass, std::uint32_t share )
 	{
-		if ( m_isListed[slot] == 0 )
+		Entry& entry = m_sum[slot];
+		if ( entry.share == 0 )
 		{
-			m_isListed[slot] = 1;
 			m_members.push_back( slot );
 		}
-		m_mass[slot] += mass;
-		m_share[slot] += share;
+		entry.mass += mass;
+		entry.share += share;
 	}
 
 	void set( std::uint32_t slot, std::uint32_t mass, std::uint32_t share )
 	{
-		add( slot, 0, 0 );
-		m_mass[slot] = mass;
-		m_share[slot] = share;
+		if ( m_sum[slot].share == 0 )
+		{
+			m_members.push_back( slot );
+		}
+		m_sum[slot] = Entry{ mass, share };
 	}
 
 	/// Appends the row to the matrix, ascending, and is empty again.
@@ -38,18 +41,21 @@ public:
 		for ( const std::uint32_t slot : m_members )
 		{
 			matrix.member.push_back( slot );
-			matrix.mass.push_back( m_mass[slot] );
-			matrix.share.push_back( m_share[slot] );
-			m_mass[slot] = m_share[slot] = 0;
-			m_isListed[slot] = 0;
+			matrix.mass.push_back( m_sum[slot].mass );
+			matrix.share.push_back( m_sum[slot].share );
+			m_sum[slot] = Entry{};
 		}
 		m_members.clear();
 		matrix.start.push_back( std::uint32_t( matrix.member.size() ) );
 	}
 
 private:
-	std::vector<std::uint32_t> m_mass, m_share;
-	std::vector<std::uint8_t> m_isListed;
+	struct Entry
+	{
+		std::uint32_t mass = 0, share = 0;
+	};
+
+	std::vector<Entry> m_sum;
 	std::vector<std::uint32_t> m_members;
 };
 

@@ -97,6 +97,8 @@ public:
 	void setFinestLevel( int level );
 	/// F of each node's region, 9 floats a node, row by row. Only for bodies with levels.
 	void nodeDeformations( float* gradients ) const;
+	/// The same of a few, ascending.
+	void nodeDeformationsOf( const std::vector<std::uint32_t>& nodes, float* gradients ) const;
 
 	// --- breaking ----------------------------------------------------------------------------------------------------
 	/// Whether and when links break. Refuses bad settings, and methods without a lattice of regions. BreakRule::Never drops all that is kept

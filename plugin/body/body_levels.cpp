@@ -180,4 +180,9 @@ void Body::nodeDeformations( float* gradients ) const
 	m_levelMatcher->deformations( const_cast<NodeState&>( m_nodes ), gradients ); // the matcher's view has one form, for reading and writing
 }
 
+void Body::nodeDeformationsOf( const std::vector<std::uint32_t>& nodes, float* gradients ) const
+{
+	m_levelMatcher->deformationsOf( const_cast<NodeState&>( m_nodes ), nodes, gradients );
+}
+
 } // namespace pliant

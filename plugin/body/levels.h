@@ -21,6 +21,7 @@ struct LevelChange
 	std::vector<std::uint32_t> heir;    ///< of each node now: the node before whose history it took over (its parent's, or its first child's)
 	std::vector<std::uint32_t> nodeNow; ///< of each node before: its number now, its parent's where it was merged, kNoNode where it was split
 	std::vector<std::uint32_t> keptAs;  ///< of each node before: its number now where it is still the same node, else kNoNode; ascending
+	std::vector<std::uint32_t> measured; ///< nodes now whose regions hold other nodes or masses than before, ascending
 	int splits = 0, merges = 0;         ///< nodes split, nodes that took the place of their children
 };
 

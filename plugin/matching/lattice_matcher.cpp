@@ -70,8 +70,16 @@ void LatticeMatcher::allocateScratch()
 	{
 		records = std::max( records, std::size_t( m_tables->plan->records() ) );
 	}
-	m_nodeRecord.assign( records * kRecordFloats, 0.0f );
-	m_regionRecord.assign( records * kRecordFloats, 0.0f );
+	if ( m_tables->matrix && !m_tables->plan ) // each is written before it is read
+	{
+		m_nodeRecord.resize( records * kRecordFloats );
+		m_regionRecord.resize( records * kRecordFloats );
+	}
+	else
+	{
+		m_nodeRecord.assign( records * kRecordFloats, 0.0f );
+		m_regionRecord.assign( records * kRecordFloats, 0.0f );
+	}
 	m_open.resize( padded );
 	m_openCount.resize( chunks( padded ) );
 	m_partial.resize( chunks( padded ) );

@@ -50,6 +50,13 @@ double diagonalOf( const std::vector<Vec3>& points )
 
 } // namespace
 
+void SkinFade::reserveNodes( int count, std::size_t touched, int cellCount )
+{
+	makeRoom( m_mapBefore, std::size_t( count ) * kMapFloats, touched * kMapFloats );
+	makeRoom( m_mapNow, std::size_t( count ) * kMapFloats, touched * kMapFloats );
+	makeRoom( m_slotBefore, std::size_t( cellCount ), std::size_t( cellCount ) );
+}
+
 void SkinFade::keep( const NodeState& nodes, const SkinPose& pose, int cellCount )
 {
 	m_mapBefore.resize( std::size_t( nodes.count ) * kMapFloats );
@@ -141,7 +148,8 @@ void SkinFade::start( const SkinBinding& binding, const Nodes& nodes )
 {
 	m_diagonal = m_diagonal > 0.0 ? m_diagonal : diagonalOf( binding.restPosition );
 	const float visible = kFadeFloor * float( m_diagonal );
-	AlignedArray<float> now( std::size_t( nodes.now.count ) * kMapFloats );
+	AlignedArray<float>& now = m_mapNow;
+	now.resize( std::size_t( nodes.now.count ) * kMapFloats );
 	regroup( nodes );
 	SkinPose pose = nodes.pose;
 	pose.fade = this;
@@ -229,7 +237,7 @@ void SkinFade::addTo( float* packed, float* wide, const Eigen::Quaternionf& body
 
 std::size_t SkinFade::bytes() const
 {
-	return m_mapBefore.capacity() * sizeof( float ) + ( m_slotBefore.capacity() + m_vertex.capacity() ) * sizeof( std::uint32_t ) +
+	return ( m_mapBefore.size() + m_mapNow.size() ) * sizeof( float ) + ( m_slotBefore.size() + m_vertex.capacity() ) * sizeof( std::uint32_t ) +
 		   m_offset.capacity() * sizeof( Vec3 ) + m_group.capacity() * sizeof( Group );
 }
 

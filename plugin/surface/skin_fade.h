@@ -14,6 +14,9 @@ namespace pliant {
 class SkinFade
 {
 public:
+	/// Room for as many nodes, for `touched` of them in memory that is there.
+	void reserveNodes( int count, std::size_t touched, int cellCount );
+
 	/// Right before a change: how the skin is carried.
 	void keep( const NodeState& nodes, const SkinPose& pose, int cellCount );
 
@@ -52,7 +55,7 @@ private:
 	std::vector<char> changedSlots( const Nodes& nodes, const AlignedArray<float>& now, float visible ) const;
 	float share() const;
 
-	AlignedArray<float> m_mapBefore;
+	AlignedArray<float> m_mapBefore, m_mapNow;
 	std::vector<std::uint32_t> m_slotBefore;
 	double m_diagonal = 0.0; ///< of the surface at rest, m; 0: not measured yet
 

@@ -94,7 +94,7 @@ void SoftBody::Impl::adopt( SoftBody& owner, BodyPiece& piece )
 	placeShape( owner );
 	measureSpeed();
 	skin.fade.clear();
-	skin.isStale = true;
+	skin.nodesMoved();
 	cracks.reset();
 	if ( self )
 	{

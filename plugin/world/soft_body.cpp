@@ -281,7 +281,7 @@ void SoftBody::clearGravity()
 
 void SoftBody::hasMoved()
 {
-	m_impl->skin.isStale = true;
+	m_impl->skin.nodesMoved();
 	m_impl->placeShape( *this );
 	if ( m_impl->system )
 	{

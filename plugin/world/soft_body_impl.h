@@ -42,11 +42,19 @@ struct SkinBuffers
 	std::vector<float> positions[2], normals[2];
 	btVector3 origin[2] = { btVector3( 0, 0, 0 ), btVector3( 0, 0, 0 ) };
 	std::vector<float> rotations, gradients, flow;
+	std::vector<float> gradientsRoom; ///< of a change of levels
 	SkinScratch scratch;
 	SkinFade fade; ///< of bodies with levels
 	int current = 0;
 	unsigned frame = 0;
 	bool isStale = true;
+	bool isPoseKnown = false; ///< rotations, gradients and flow are those of the nodes as they are
+
+	void nodesMoved()
+	{
+		isStale = true;
+		isPoseKnown = false;
+	}
 };
 
 /// Another body that this one came apart from: as deep as their spheres overlapped then they may go on doing, and no deeper.

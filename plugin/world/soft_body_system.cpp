@@ -297,7 +297,7 @@ void SoftBodySystem::integrate( btScalar h, int substep )
 		impl.isBroken = impl.body->integrate( float( h ) ) == BodyHealth::Quarantined;
 		impl.measureSpeed();
 		impl.placeShape( body );
-		impl.skin.isStale = true;
+		impl.skin.nodesMoved();
 	};
 	runTasks( tasks(), int( m_awake.size() ), move );
 	for ( SoftBody* body : m_awake )

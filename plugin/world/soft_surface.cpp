@@ -6,32 +6,74 @@
 #include "world/soft_body_system.h"
 #include "world/stopwatch.h"
 
+#include <algorithm>
+
 namespace pliant {
+
+namespace {
+
+/// What of the pose is cheap, or a node's own: everything but the gradients.
+void measureTurns( const Body& body, SkinBuffers& skin )
+{
+	skin.rotations.resize( std::size_t( body.nodeCount() ) * 4 );
+	body.nodeRotations( skin.rotations.data() );
+	if ( body.hasFlowed() )
+	{
+		skin.flow.resize( std::size_t( body.nodeCount() ) * 9 );
+		body.nodeFlow( skin.flow.data() );
+	}
+}
+
+/// After a change of levels, with nothing moved: a region that holds what it held is stretched as it was.
+void followGradients( const Body& body, SkinBuffers& skin )
+{
+	const LevelChange& change = body.levels()->lastChange();
+	skin.gradientsRoom.resize( std::size_t( body.nodes().padded ) * 9 );
+	for ( std::size_t i = 0; i < change.heir.size(); ++i )
+	{
+		std::copy_n( skin.gradients.data() + 9 * std::size_t( change.heir[i] ), 9, skin.gradientsRoom.data() + 9 * i );
+	}
+	skin.gradients.swap( skin.gradientsRoom );
+	std::vector<float> measured( change.measured.size() * 9 );
+	body.nodeDeformationsOf( change.measured, measured.data() );
+	for ( std::size_t k = 0; k < change.measured.size(); ++k )
+	{
+		std::copy_n( measured.data() + 9 * k, 9, skin.gradients.data() + 9 * std::size_t( change.measured[k] ) );
+	}
+}
+
+} // namespace
 
 SkinPose SoftBody::Impl::skinPose() const
 {
-	SkinPose pose;
-	skin.rotations.resize( std::size_t( body->nodeCount() ) * 4 );
-	body->nodeRotations( skin.rotations.data() );
-	pose.rotations = skin.rotations.data();
-	if ( body->hasFlowed() )
+	const Levels* const levels = body->levels();
+	if ( !skin.isPoseKnown )
 	{
-		skin.flow.resize( std::size_t( body->nodeCount() ) * 9 );
-		body->nodeFlow( skin.flow.data() );
-		pose.flow = skin.flow.data();
+		measureTurns( *body, skin );
+		if ( levels )
+		{
+			const std::size_t count = std::size_t( body->nodes().padded ) * 9;
+			if ( skin.gradients.capacity() == 0 )
+			{
+				const std::size_t reserved = std::size_t( levels->roomNodes() + kLanes ) * 9, touchedNow = std::size_t( kRoomShare * double( count ) );
+				makeRoom( skin.gradients, reserved, touchedNow );
+				makeRoom( skin.gradientsRoom, reserved, touchedNow );
+				skin.fade.reserveNodes( levels->roomNodes(), touchedNow / 9, body->lattice().cellCount() );
+			}
+			skin.gradients.resize( count );
+			body->nodeDeformations( skin.gradients.data() );
+		}
+		skin.isPoseKnown = true;
 	}
-	if ( const Levels* levels = body->levels() )
+	SkinPose pose;
+	pose.rotations = skin.rotations.data();
+	pose.flow = body->hasFlowed() ? skin.flow.data() : nullptr;
+	if ( levels )
 	{
-		skin.gradients.resize( std::size_t( body->nodes().padded ) * 9 );
-		body->nodeDeformations( skin.gradients.data() );
 		pose.gradients = skin.gradients.data();
 		pose.slotOfCell = levels->cut().slotOfCell.data();
 	}
-	if ( skin.fade.isActive() )
-	{
-		pose.fade = &skin.fade;
-		pose.body = body->bestFit().rotation.cast<float>();
-	}
+	pose.fade = skin.fade.isActive() ? &skin.fade : nullptr;
 	return pose;
 }
 
@@ -48,9 +90,14 @@ void SoftBody::Impl::fadeFromKeptSurface()
 	if ( skin.frame > 0 )
 	{
 		const LevelChange& change = body->levels()->lastChange();
+		measureTurns( *body, skin );
+		followGradients( *body, skin );
+		skin.isPoseKnown = true;
 		skin.fade.start( binding(), SkinFade::Nodes{ body->nodes(), skinPose(), change.heir, change.keptAs, body->bestFit().rotation.cast<float>() } );
 		skin.isStale = true;
+		return;
 	}
+	skin.nodesMoved();
 }
 
 const SkinBinding& SoftBody::Impl::binding() const
@@ -92,9 +139,14 @@ SurfaceView SoftBody::surface() const
 		double untold = 0.0; // a body in no world has nobody to tell
 		Stopwatch watch( impl.system ? impl.system->report.skinning : untold );
 		const int next = 1 - skinBuffers.current;
+		SkinPose pose = impl.skinPose();
+		if ( pose.fade )
+		{
+			pose.body = impl.body->bestFit().rotation.cast<float>();
+		}
 		skinBuffers.positions[next].resize( binding.restPosition.size() * 3 );
 		skinBuffers.normals[next].resize( binding.restPosition.size() * 3 );
-		skin( binding, impl.body->nodes(), impl.skinPose(), triangles, skinBuffers.scratch, skinBuffers.positions[next].data(),
+		skin( binding, impl.body->nodes(), pose, triangles, skinBuffers.scratch, skinBuffers.positions[next].data(),
 			skinBuffers.normals[next].data() );
 		skinBuffers.origin[next] = impl.worldOrigin();
 		skinBuffers.current = next;
