@@ -12,5 +12,7 @@ void pullExperiment();
 /// Writes crack.png and crack_near.png into the working directory.
 void crackExperiment();
 void refineExperiment();
+void bunnyExperiment();
+void nodeExperiment();
 
 } // namespace pliant::experiment

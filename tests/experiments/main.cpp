@@ -24,6 +24,8 @@ const Entry kEntries[] = {
 	{ "splits", []( int ) { splitsExperiment(); }, 0 },
 	{ "pull", []( int ) { pullExperiment(); }, 0 },
 	{ "crack", []( int ) { crackExperiment(); }, 0 },
+	{ "bunny", []( int ) { bunnyExperiment(); }, 0 },
+	{ "nodes", []( int ) { nodeExperiment(); }, 0 },
 	{ "refine", []( int ) { refineExperiment(); }, 0 },
 };
 

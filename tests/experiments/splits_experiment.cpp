@@ -1,15 +1,13 @@
-// The rows of Steinemann et al. 2008, section 7: one step of a palm with thin fingers by each road, and where its time goes; and of Ohta et al.
-// 2009, table of the bunny: a body of its 2 248 cells, uniform and with levels, the step alone and the whole frame. Shortest of several runs.
+// The rows of Steinemann et al. 2008, section 7: one step of a palm with thin fingers by each road, and where its time goes. Shortest of several
+// runs.
 
 #include "body/body.h"
 #include "body/levels.h"
 #include "experiments/experiments.h"
-#include "lattice/test_meshes.h"
 #include "matching/lattice_matcher.h"
 #include "matching/reference_matcher.h"
 #include "support/block_body.h"
 #include "support/shapes.h"
-#include "support/test_world.h"
 
 #include <algorithm>
 #include <chrono>
@@ -166,74 +164,6 @@ void printSplits( const std::shared_ptr<const Lattice>& palm )
 	std::puts( "  (damping is no pass of its own here: it is the change of goal - position, which the sums to nodes have at hand)" );
 }
 
-/// The median of each part over frames of a body that lies on a plane, ms.
-struct Frame
-{
-	int nodes = 0, substeps = 0;
-	double matching = 0, whole = 0, skin = 0;
-};
-
-Frame frameOf( const std::shared_ptr<const BodyTemplate>& shape, int coarseLevels )
-{
-	test::SoftWorld scene;
-	scene.addFloor();
-	Material material;
-	material.youngsModulus = 2e4f;
-	Adaptivity adaptivity;
-	adaptivity.coarseLevels = coarseLevels;
-	SoftBodyResult made = SoftBody::create( shape, btTransform( btQuaternion::getIdentity(), btVector3( 0, btScalar( 0.55 ), 0 ) ), material, adaptivity );
-	scene.soft.push_back( std::move( made.value ) );
-	SoftBody& body = *scene.soft.back();
-	scene.world.addSoftBody( &body );
-	body.setActivationState( DISABLE_DEACTIVATION );
-	scene.step( 120 );
-	std::vector<double> whole, matching, skin;
-	for ( int frame = 0; frame < 200; ++frame )
-	{
-		using Clock = std::chrono::steady_clock;
-		const Clock::time_point begin = Clock::now();
-		scene.step( 1 );
-		const Clock::time_point stepped = Clock::now();
-		body.surface();
-		const Clock::time_point end = Clock::now();
-		whole.push_back( std::chrono::duration<double>( end - begin ).count() );
-		skin.push_back( std::chrono::duration<double>( end - stepped ).count() );
-		const StepReport& report = scene.world.stepReport();
-		matching.push_back( report.matching + report.integrate );
-	}
-	const auto median = []( std::vector<double>& values ) {
-		std::nth_element( values.begin(), values.begin() + std::ptrdiff_t( values.size() / 2 ), values.end() );
-		return 1e3 * values[values.size() / 2];
-	};
-	return Frame{ body.nodeCount(), scene.world.stepReport().substeps, median( matching ), median( whole ), median( skin ) };
-}
-
-/// O35, and the whole frame beside it.
-void framesOfTheBunny()
-{
-	const test::Mesh mesh = test::makeGlob( 0.5, 40 );
-	LatticeSettings settings;
-	settings.targetCells = 2248;
-	const std::shared_ptr<const BodyTemplate> shape = BodyTemplate::build( mesh.view(), settings ).value;
-	const auto lattice = std::make_shared<const Lattice>( shape->lattice() );
-	NodeState nodes = test::restNodes( *lattice );
-	ReferenceMatcher reference( *lattice, Material{} );
-	const double naive = 1e3 * secondsOf( [&] { reference.accelerate( nodes, MatchStep{ kStep, 0.5f, 10.0f }, nullptr ); } );
-	std::printf( "\nA Glob of the bunny's size, %d triangles, w = 1; the frame: a game step of 1/60 s on a plane, and the skin; ms\n", int( mesh.triangleCount() ) );
-	std::printf( "  %-16s %6s %12s %9s | %10s %12s %9s %9s   %s\n", "", "nodes", "step alone", "x naive", "substeps", "their steps", "skin", "frame", "in the paper, step alone" );
-	std::printf( "  %-16s %6d %12.4f %9.1f | %10s %12s %9s %9s   2 248 nodes, 59 ms\n", "naive LSM", nodes.count, naive, 1.0, "-", "-", "-", "-" );
-	for ( const int levels : { 0, 2 } )
-	{
-		Adaptivity adaptivity;
-		adaptivity.coarseLevels = levels;
-		const std::unique_ptr<Body> body = makeBody( lattice, adaptivity );
-		const double step = 1e3 * secondsOfStep( *body );
-		const Frame frame = frameOf( shape, levels );
-		std::printf( "  %-16s %6d %12.4f %9.1f | %10d %12.4f %9.4f %9.4f   %s\n", levels == 0 ? "fast LSM" : "with levels", frame.nodes, step, naive / step,
-			frame.substeps, frame.matching, frame.skin, frame.whole, levels == 0 ? "" : "207 nodes, 3 ms, 20 x" );
-	}
-}
-
 } // namespace
 
 void splitsExperiment()
@@ -241,7 +171,6 @@ void splitsExperiment()
 	const std::shared_ptr<const Lattice> palm = makePalm();
 	roadsOfThePalm( palm );
 	printSplits( palm );
-	framesOfTheBunny();
 }
 
 } // namespace pliant::experiment

@@ -153,7 +153,7 @@ TEST( AdaptiveSkin, LoadedBeamChangesLevelsWithoutAJump )
 			deepest = std::max( deepest, changing.deepest() );
 		}
 	}
-	std::printf( "beam bent by %.1f %% of its diagonal, ten changes: the surface jumps %.4f %% of it a frame, momentum %.1e, energy %.1e\n",
+	std::printf( "beam bent by %.1f %% of its diagonal, ten changes: the surface jumps %.4f %% of it a frame (at most 0.1), momentum %.1e (1e-6), energy %.1e (0.01)\n",
 		100.0 * double( deepest ), 100.0 * double( worst ), momentum, energy );
 	EXPECT_GT( deepest, 0.03f );
 	EXPECT_LT( worst, 1e-3f );
