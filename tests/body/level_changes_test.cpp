@@ -104,6 +104,64 @@ TEST( Levels, OfEveryRegionRuleChangeAsIfMadeFromNothingOnAnyNumberOfThreads )
 	}
 }
 
+/// How regions are stretched, as the skin asks for it around a change: a few at a time they are to the bit what they are all at once, and one
+/// that a change has not measured anew is stretched as before it.
+TEST( Levels, StretchOfAFewRegionsIsThatOfAllAndStaysWhereNothingChanged )
+{
+	const auto lattice = std::make_shared<const Lattice>( test::makeBlobLattice( 18, 0.05f, 6 ) );
+	const Material material;
+	Adaptivity settings;
+	settings.coarseLevels = 3;
+	const std::vector<float> everywhere;
+	const std::shared_ptr<const LevelBase> base = buildLevelBase( *lattice, material, settings );
+	Levels levels( base, *lattice, material, settings, everywhere, firstCut( base->octree, settings ) );
+	NodeState nodes;
+	levels.fillNodes( nodes, material.density );
+	for ( int i = 0; i < nodes.count; ++i )
+	{
+		const Vec3 at = nodes.x0.get( i );
+		nodes.x.set( i, at + Vec3( 0.3f * at.y() * at.y(), 0.2f * at.x(), -0.1f * at.z() * at.x() ) );
+	}
+	LatticeMatcher matcher( *lattice, material, levels.tables() );
+	matcher.reset( nodes, Eigen::Quaterniond::Identity() );
+	std::vector<float> before( std::size_t( nodes.padded ) * 9 );
+	matcher.deformations( nodes, before.data() );
+
+	std::vector<std::uint32_t> split;
+	for ( const std::uint32_t node : levels.cut().node )
+	{
+		if ( levels.octree().levelOf( node ) > 1 && split.size() < 2 )
+		{
+			split.push_back( node );
+		}
+	}
+	levels.change( nodes, matcher, material, split, {} );
+	const LevelChange& change = levels.lastChange();
+	ASSERT_FALSE( change.measured.empty() );
+	ASSERT_LT( change.measured.size(), std::size_t( nodes.count ) );
+	std::vector<float> all( std::size_t( nodes.padded ) * 9 ), few( change.measured.size() * 9 );
+	matcher.deformations( nodes, all.data() );
+	matcher.deformationsOf( nodes, change.measured, few.data() );
+	std::size_t next = 0;
+	for ( std::uint32_t i = 0; i < std::uint32_t( nodes.count ); ++i )
+	{
+		const bool isMeasured = next < change.measured.size() && change.measured[next] == i;
+		for ( std::size_t k = 0; k < 9; ++k )
+		{
+			if ( isMeasured )
+			{
+				EXPECT_EQ( few[9 * next + k], all[9 * i + k] );
+			}
+			else
+			{
+				EXPECT_NEAR( before[9 * change.heir[i] + k], all[9 * i + k], 1e-5f );
+			}
+		}
+		next += isMeasured ? 1 : 0;
+	}
+	EXPECT_EQ( next, change.measured.size() );
+}
+
 TEST( Levels, BlendsByTheShortWayAreThoseByDirections )
 {
 	std::mt19937 random( 9 );

@@ -317,5 +317,34 @@ TEST( Levels, ABudgetSpreadsALargeRequestOverSteps )
 	EXPECT_GT( reviews, 40 );
 }
 
+// However many reviews fall into a game step, they share its budget; what waits comes at the start of the next one.
+TEST( Levels, ABudgetHoldsForAWholeGameStep )
+{
+	const auto lattice = std::make_shared<const Lattice>( makeBlockLattice( 16, 16, 16, 0.05f ) );
+	Adaptivity settings = levels( 1 );
+	settings.nodesPerStep = 128;
+	settings.mergeDelay = 60.0f;
+	const std::unique_ptr<Body> body = makeAdaptive( lattice, settings );
+	const int before = body->nodeCount();
+	body->openLevelBudget();
+	for ( int i = 0; i < before; ++i )
+	{
+		body->requestSplit( i );
+	}
+	constexpr int kBroughtByOne = 128 / 8 * 7;
+	for ( int step = 1; step <= 32; ++step )
+	{
+		for ( int k = 0; k < 3 * kSubstepsBetweenReviews; ++k )
+		{
+			const bool hasChanged = body->adaptLevels( 1.0f / 240.0f );
+			EXPECT_EQ( hasChanged, k == 0 ) << "step " << step << ", substep " << k;
+			substep( *body, 1.0f / 240.0f, 0.5f );
+		}
+		EXPECT_EQ( body->nodeCount(), before + step * kBroughtByOne );
+		body->openLevelBudget();
+	}
+	EXPECT_EQ( body->nodeCount(), lattice->cellCount() );
+}
+
 } // namespace
 } // namespace pliant
