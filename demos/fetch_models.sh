@@ -11,8 +11,18 @@ set -eu
 here=$(CDPATH= cd -- "$(dirname -- "$0")" && pwd)
 models=${1:-$here/../models}
 wanted=$models/data/meshes/bunny00.off
+scan=$models/data/images/liver.inr # 25 MB, packed in the package
+
+# Kept beside the packed one, so that the demos need no library for it.
+unpack_scan()
+{
+	if [ -s "$scan.gz" ] && [ ! -s "$scan" ]; then
+		gzip -dc "$scan.gz" > "$scan.part" && mv "$scan.part" "$scan"
+	fi
+}
 
 if [ -s "$wanted" ]; then
+	unpack_scan || echo "models: $scan.gz cannot be unpacked; liver_cut uses a shape made in code" >&2
 	echo "models: already in $models"
 	exit 0
 fi
@@ -48,4 +58,5 @@ if [ ! -s "$wanted" ]; then
 	echo "models: data.tar.gz was unpacked into $models, but $wanted is not in it" >&2
 	exit 1
 fi
+unpack_scan || echo "models: $scan.gz cannot be unpacked; liver_cut uses a shape made in code" >&2
 echo "models: $( find "$models/data/meshes" -type f | wc -l ) meshes in $models/data/meshes"

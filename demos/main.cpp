@@ -40,6 +40,8 @@ void describe( CLI::App& app, Arguments& to )
 	app.add_option( "--seed", to.run.stage.seed, "Seed of what is random in a scene" )->capture_default_str();
 	app.add_option( "--threads", to.run.stage.threads, "Threads of the soft bodies" )->check( CLI::Range( 1, 64 ) )->capture_default_str();
 	app.add_option( "--substeps", to.run.stage.softSubsteps, "Soft substeps a step; 0: the world's default" )->check( CLI::Range( 0, 64 ) );
+	app.footer( "In the window: left button grabs, right turns, middle shifts, wheel zooms. With C held, soft bodies are cut along the way of the "
+				"mouse, through all that lies under it. Esc closes it." );
 	app.add_option( "--models", to.run.stage.modelFolder, "Folder made by demos/fetch_models.sh" )->capture_default_str();
 }
 

@@ -6,6 +6,7 @@
 #include "demos/run.h"
 
 #if PLIANT_HAS_WINDOW
+	#include "demos/mouse_blade.h"
 	#include "demos/mouse_grab.h"
 	#include "third_party_glue/renderer.h"
 	#include "third_party_glue/window.h"
@@ -46,7 +47,7 @@ class Life
 {
 public:
 	Life( const SceneEntry& entry, const RunSettings& settings ) :
-		m_play( entry, settings.stage ), m_grab( m_play.stage().world() )
+		m_play( entry, settings.stage ), m_grab( m_play.stage().world() ), m_blade( m_play.stage().world() )
 	{
 		forEachBody( [this]( pliant::SoftBody& body ) {
 			body.setUserIndex3( int( m_materials.size() ) ); // what breaks off has it too
@@ -57,6 +58,7 @@ public:
 
 	Play& play() { return m_play; }
 	MouseGrab& mouse() { return m_grab; }
+	MouseBlade& blade() { return m_blade; }
 
 	void step()
 	{
@@ -102,6 +104,7 @@ private:
 
 	Play m_play;
 	MouseGrab m_grab; // lets go before the stage falls
+	MouseBlade m_blade;
 	std::vector<pliant::Material> m_materials;
 	Knobs m_knobs;
 };
@@ -174,6 +177,14 @@ private:
 			mouse.release();
 		}
 		m_wasDown = isDown;
+		if( m_window->isCutting() )
+		{
+			m_life->blade().move( toBullet( ray.from ), toBullet( ray.direction ) );
+		}
+		else
+		{
+			m_life->blade().lift();
+		}
 	}
 
 	void advance()

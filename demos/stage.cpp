@@ -168,6 +168,7 @@ std::shared_ptr<const pliant::BodyTemplate> Stage::buildShape( const SoftOrder& 
 	pliant::LatticeSettings settings;
 	settings.targetCells = order.cells;
 	settings.cellSize = order.cellSize;
+	settings.cracks = order.cracks;
 	auto made = pliant::BodyTemplate::build( view, settings );
 	if( !made.ok() )
 	{
@@ -200,7 +201,7 @@ pliant::SoftBody* Stage::addSoft( const SoftOrder& order )
 	pliant::SoftBody* const added = body.value.get();
 	added->setFriction( order.friction );
 	m_world->addSoftBody( added );
-	m_soft.push_back( { std::move( body.value ), added, m_nextId++, order.colour, {} } );
+	m_soft.push_back( { std::move( body.value ), added, m_nextId++, order.colour, {}, order.insideColour } );
 	return added;
 }
 
@@ -241,7 +242,11 @@ void Stage::followFragments()
 			item.body = fragment;
 			item.id = m_nextId++;
 			item.colour = parent == m_soft.end() ? item.colour : parent->colour;
-			item.vertexColours = parent == m_soft.end() ? std::vector<float>() : parent->vertexColours;
+			item.insideColour = parent == m_soft.end() ? item.insideColour : parent->insideColour;
+			if( parent != m_soft.end() && item.insideColour[0] < 0 )
+			{
+				item.vertexColours = parent->vertexColours;
+			}
 			m_soft.push_back( std::move( item ) );
 		}
 	}
@@ -320,6 +325,33 @@ void Stage::skin()
 		item.body->surface();
 	}
 	m_log.addSkinning( secondsSince( begin ) );
+	for( SoftItem& item : m_soft )
+	{
+		colourCracks( item );
+	}
+}
+
+/// Vertices of crack faces belong to them alone: the normals have a crease at the border.
+void Stage::colourCracks( SoftItem& item )
+{
+	const pliant::SurfaceView skin = item.body->surface();
+	if( item.insideColour[0] < 0 || skin.triangleSource == nullptr || skin.topologyVersion == item.colouredVersion )
+	{
+		return;
+	}
+	item.colouredVersion = skin.topologyVersion;
+	item.vertexColours.resize( std::size_t( skin.vertexCount ) * 3 );
+	for( std::size_t i = 0; i < item.vertexColours.size(); ++i )
+	{
+		item.vertexColours[i] = item.colour[i % 3];
+	}
+	for( int t = 0; t < skin.triangleCount; ++t )
+	{
+		for( int k = 0; skin.triangleSource[t] == pliant::SurfaceView::kInside && k < 3; ++k )
+		{
+			std::copy( item.insideColour.begin(), item.insideColour.end(), item.vertexColours.begin() + std::ptrdiff_t( skin.indices[3 * t + k] ) * 3 );
+		}
+	}
 }
 
 void Stage::drawNodes( const SoftItem& item, pliant_glue::DrawList& list ) const

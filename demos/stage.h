@@ -41,8 +41,10 @@ struct SoftOrder
 	pliant::StiffnessField stiffness;
 	pliant::Fracture fracture;
 	pliant::ToughnessField toughness;
+	pliant::CrackSettings cracks; ///< not looked at where `shape` is given
 	btScalar friction = btScalar( 0.5 );
 	pliant_glue::Colour colour = { 0.8f, 0.4f, 0.25f };
+	pliant_glue::Colour insideColour = { -1, -1, -1 }; ///< of the faces of cracks; below 0: `colour`
 };
 
 struct StageCounts
@@ -88,6 +90,7 @@ public:
 
 	/// The model file if it is there, else the shape from code; which of both is noted.
 	pliant_glue::ModelMesh modelOr( const std::string& file, const std::function<pliant_glue::ModelMesh()>& shape );
+	void note( const std::string& sentence ) { m_notes.push_back( sentence ); }
 	const std::vector<std::string>& notes() const { return m_notes; }
 
 	const pliant::Status& status() const { return m_status; }
@@ -118,10 +121,13 @@ private:
 		std::uint64_t id = 0; ///< of the mesh that is drawn; no other item of this stage ever has it
 		pliant_glue::Colour colour = { 0, 0, 0 };
 		std::vector<float> vertexColours;
+		pliant_glue::Colour insideColour = { -1, -1, -1 };
+		unsigned colouredVersion = 0; ///< topology whose crack faces vertexColours shows
 	};
 
 	btRigidBody* addRigid( std::unique_ptr<btCollisionShape> shape, const btTransform& place, btScalar mass, RigidItem looks );
 	void followFragments();
+	static void colourCracks( SoftItem& item );
 	void drawNodes( const SoftItem& item, pliant_glue::DrawList& list ) const;
 
 	StageOptions m_options;

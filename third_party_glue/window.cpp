@@ -145,6 +145,11 @@ bool Window::isGrabbing() const
 	return !ImGui::GetIO().WantCaptureMouse && glfwGetMouseButton( m_state->window, GLFW_MOUSE_BUTTON_LEFT ) == GLFW_PRESS;
 }
 
+bool Window::isCutting() const
+{
+	return !ImGui::GetIO().WantCaptureKeyboard && glfwGetKey( m_state->window, GLFW_KEY_C ) == GLFW_PRESS;
+}
+
 MouseRay Window::mouseRay( const DrawCamera& camera ) const
 {
 	int w = 1, h = 1; // the cursor counts in window units, which need not be pixels
@@ -199,7 +204,7 @@ void Window::present( WindowPanel& panel )
 	{
 		ImGui::TextUnformatted( line.c_str() );
 	}
-	ImGui::TextUnformatted( "left: grab   right: turn   middle: shift   wheel: zoom" );
+	ImGui::TextUnformatted( "left: grab   right: turn   middle: shift   wheel: zoom   C held: cut along the mouse" );
 	ImGui::End();
 	ImGui::Render();
 	ImGui_ImplOpenGL3_RenderDrawData( ImGui::GetDrawData() );

@@ -50,6 +50,8 @@ public:
 	bool takeInput( DrawCamera& camera );
 	/// Held left button, not over the panel.
 	bool isGrabbing() const;
+	/// Held key C, while nothing is typed into the panel.
+	bool isCutting() const;
 	MouseRay mouseRay( const DrawCamera& camera ) const;
 
 	/// Between the last two calls of takeInput.

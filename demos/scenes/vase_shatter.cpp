@@ -54,6 +54,7 @@ public:
 		order.fracture.maxPieces = kMostPieces;
 		order.friction = btScalar( 0.6 );
 		order.colour = kTeal;
+		order.insideColour = kOchre; // clay under the glaze
 		m_vase = stage.addSoft( order );
 		stage.addSphere( kBall, btVector3( kAside / 2, kFallsFrom, kAside ), kBallMass, kBrick );
 		return m_vase != nullptr;

@@ -220,6 +220,7 @@ void Body::inheritLevels( const Body& from, BodyPiece& piece )
 		piece.nodeBefore.push_back( slotBefore( node ) );
 	}
 	m_levels = std::make_unique<Levels>( base, *m_lattice, m_material, before.settings(), m_stiffness, std::move( cut ) );
+	m_levels->inheritCoarsest( before, piece.cellBefore );
 	m_levels->setFinestLevel( before.finestLevel() );
 	m_levels->fillNodes( m_nodes, m_material.density );
 }

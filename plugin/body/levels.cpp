@@ -30,6 +30,18 @@ Levels::Levels( std::shared_ptr<const LevelBase> base, const Lattice& lattice, c
 {
 	countLevels();
 	prepareRoom();
+	for ( const std::uint32_t slot : m_cut.slotOfCell )
+	{
+		m_coarsest.push_back( std::uint8_t( levelOf( int( slot ) ) ) );
+	}
+}
+
+void Levels::inheritCoarsest( const Levels& whole, const std::vector<std::uint32_t>& cellBefore )
+{
+	for ( std::size_t cell = 0; cell < cellBefore.size(); ++cell )
+	{
+		m_coarsest[cell] = whole.m_coarsest[cellBefore[cell]];
+	}
 }
 
 void Levels::countLevels()
@@ -131,22 +143,6 @@ void Levels::collectSplits( const AlignedArray<float>& strain )
 	const auto isDone = [this]( std::uint32_t node ) { return std::binary_search( m_split.begin(), m_split.end(), node ); };
 	waiting.erase( std::remove_if( waiting.begin(), waiting.end(), isDone ), waiting.end() );
 	m_asked = std::move( waiting ); // each once, and only what is there: requests come again and again
-}
-
-/// Whether the body's own selection would use neither the node nor one above it (firstCut): on the way back to one that it uses, nodes
-/// are merged that it would not choose by themselves.
-bool Levels::isTooBig( std::uint32_t node ) const
-{
-	const Octree& tree = octree();
-	for ( ; node != kNoNode; node = tree.parent[node] )
-	{
-		const bool isTooLight = tree.mass[node] < double( m_settings.keepMass ) * std::ldexp( 1.0, 3 * tree.levelOf( node ) );
-		if ( !isTooLight && !( m_settings.isSurfaceFine && tree.isSurface[node] != 0 ) )
-		{
-			return false;
-		}
-	}
-	return true;
 }
 
 bool Levels::mayMerge( const NodeState& nodes, std::uint32_t parent, int firstSlot ) const
@@ -306,7 +302,7 @@ std::size_t Levels::bytes() const
 	const std::size_t cut = ( m_cut.node.size() + m_cut.slotOfCell.size() ) * sizeof( std::uint32_t );
 	const std::size_t change = ( m_change.heir.size() + m_change.nodeNow.size() + m_change.keptAs.size() ) * sizeof( std::uint32_t );
 	// Room is of the size of what is in use.
-	return 2 * ( cut + m_tables->bytes() ) + change + m_quiet.size() * sizeof( float );
+	return 2 * ( cut + m_tables->bytes() ) + change + m_quiet.size() * sizeof( float ) + m_coarsest.size();
 }
 
 } // namespace pliant

@@ -51,6 +51,10 @@ public:
 	/// The nodes at rest: counts, rest positions, masses. kg per cubic metre.
 	void fillNodes( NodeState& nodes, float density ) const;
 
+	/// Of a piece of a body that had these: material is merged as far as it was in the whole, however little of a block the piece has.
+	/// `cellBefore`: of each finest cell.
+	void inheritCoarsest( const Levels& whole, const std::vector<std::uint32_t>& cellBefore );
+
 	/// Asks for a node to be split at the next change; a node on the finest level is kept from being merged, now and for
 	/// Adaptivity::mergeDelay.
 	void requestSplit( int node );
@@ -94,7 +98,12 @@ private:
 	std::vector<std::uint32_t> splitNodes( const Cut& next ) const;
 	void numberHeirs( const Cut& next );
 	void countLevels();
-	bool isTooBig( std::uint32_t node ) const;
+	/// Whether the first cut of the whole body has smaller nodes there: on the way back to one of its nodes, nodes are merged that it would not
+	/// choose by themselves. What a piece has of a block may weigh too little for keepMass: it was one node with the rest, and may be one without.
+	bool isTooBig( std::uint32_t node ) const
+	{
+		return octree().levelOf( node ) > int( m_coarsest[octree().cells[octree().cellStart[node]]] );
+	}
 	std::vector<std::uint32_t> unchangedRows( const RegionMatrix& old, const Cut& next ) const;
 	bool isKept( const Cut& next, int node ) const { return m_cut.node[m_change.heir[node]] == next.node[node]; }
 	void mergeInto( const NodeState& before, int first, NodeState& now, int slot ) const;
@@ -124,6 +133,7 @@ private:
 	};
 	Room m_room;
 
+	std::vector<std::uint8_t> m_coarsest;       ///< of each finest cell: the level of the node that the first cut of the whole body has there
 	std::vector<float> m_quiet;                 ///< of each node: seconds since its strain was last above the merging threshold
 	std::vector<std::uint8_t> m_isWanted;       ///< of each node: 1 where it was asked for since the last review
 	std::vector<std::uint32_t> m_split, m_merge; ///< octree nodes, found by the last review

@@ -247,6 +247,31 @@ TEST( Breaking, WhatIsPulledTooFarBreaksWhereItIsWeakest )
 	}
 }
 
+TEST( Breaking, PiecesAreMergedAsFarAsTheWholeWas )
+{
+	// Blocks of four cells: the slice has a quarter of four of them, too little to be nodes of a body of its own.
+	const auto lattice = std::make_shared<const Lattice>( makeBlockLattice( 8, 8, 8, 0.1f ) );
+	Adaptivity settings;
+	settings.coarseLevels = 2;
+	settings.refineStrain = 0.2f;
+	settings.mergeDelay = 0.1f;
+	auto body = makeBody( lattice, settings );
+	ASSERT_EQ( body->nodeCount(), 8 );
+	body->breakLinks( linksAcross( *lattice, Vec3::UnitX(), -0.3f ) );
+	for ( ; body->mustRefineToBreak(); body->refineToBreak() ) {}
+	BreakReport report;
+	for ( const BodyPiece& piece : body->breakApart( report, 1000 ) )
+	{
+		EXPECT_GT( piece.body->nodeCount(), 16 );
+		for ( int k = 0; k < 100; ++k )
+		{
+			piece.body->adaptLevels( 1.0f / 240.0f );
+			ASSERT_EQ( substep( *piece.body, 1.0f / 240.0f, 1.0f ), BodyHealth::Good );
+		}
+		EXPECT_EQ( piece.body->nodeCount(), piece.cellBefore.size() == 64 ? 4 : 8 );
+	}
+}
+
 TEST( Breaking, PiecesHaveAsManyFarLevelsAsTheyAreLongEnoughFor )
 {
 	Material material;

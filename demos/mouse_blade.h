@@ -1,0 +1,25 @@
+#pragma once
+
+// Cuts soft bodies along the way of the mouse, through all that is under it.
+
+#include <pliant/soft_body_world.h>
+
+namespace pliant_demos {
+
+class MouseBlade
+{
+public:
+	explicit MouseBlade( pliant::SoftBodyWorld& world ) : m_world( world ) {}
+
+	/// The ray under the mouse: what lies between it and the one before is cut. Returns the number of links that were.
+	int move( const btVector3& from, const btVector3& direction );
+	/// The next ray begins a new cut.
+	void lift() { m_isDown = false; }
+
+private:
+	pliant::SoftBodyWorld& m_world;
+	btVector3 m_from = btVector3( 0, 0, 0 ), m_to = btVector3( 0, 0, 0 ); ///< of the ray before
+	bool m_isDown = false;
+};
+
+} // namespace pliant_demos
