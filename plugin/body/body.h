@@ -99,6 +99,8 @@ public:
 	void nodeDeformations( float* gradients ) const;
 	/// The same of a few, ascending.
 	void nodeDeformationsOf( const std::vector<std::uint32_t>& nodes, float* gradients ) const;
+	/// The rotation of a body with levels, as the last substep found it.
+	Eigen::Quaternionf levelFrame() const;
 
 	// --- breaking ----------------------------------------------------------------------------------------------------
 	/// Whether and when links break. Refuses bad settings, and methods without a lattice of regions. BreakRule::Never drops all that is kept

@@ -185,4 +185,9 @@ void Body::nodeDeformationsOf( const std::vector<std::uint32_t>& nodes, float* g
 	m_levelMatcher->deformationsOf( const_cast<NodeState&>( m_nodes ), nodes, gradients );
 }
 
+Eigen::Quaternionf Body::levelFrame() const
+{
+	return m_levelMatcher->frame().cast<float>();
+}
+
 } // namespace pliant

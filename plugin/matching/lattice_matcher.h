@@ -45,6 +45,8 @@ public:
 	bool nodeFlow( int count, float* stretches ) const override;
 	/// Of each region, sum over the singular values s of F of ( s - 1 )^2, as last measured (MatchStep::measuresStrain).
 	const AlignedArray<float>& strain() const { return m_strain; }
+	/// The body's own rotation, as the last substep found it.
+	const Eigen::Quaterniond& frame() const { return m_frame; }
 	/// F of every region in world axes, from the nodes as they are, 9 floats a region, row by row. The tables must hold J^+.
 	void deformations( NodeState& nodes, float* gradients );
 	/// The same of a few, ascending: 9 floats each, to the same bits.

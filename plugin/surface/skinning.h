@@ -72,6 +72,8 @@ struct SkinPose
 	Eigen::Quaternionf body = Eigen::Quaternionf::Identity(); ///< for `fade`: the body's rotation
 };
 
+inline constexpr int kSkinMapFloats = 12;
+
 /// The affine map by which each node carries what is around it, 12 floats a node on 16 bytes: rows of F | x - F x0.
 void skinMaps( const NodeState& state, const SkinPose& pose, float* maps );
 

@@ -95,6 +95,11 @@ NodeShape::NodeShape( const Body& body ) : btCompoundShape( true, body.nodeCount
 	if ( const Levels* levels = body.levels() )
 	{
 		m_colliders = measureColliders( body.lattice(), levels->octree() );
+		const int room = levels->roomNodes();
+		m_children.reserve( room );
+		m_nodeOfChild.reserve( std::size_t( room ) );
+		m_sphereOfNode.reserve( std::size_t( room ) );
+		m_inner.reserve( std::size_t( room ) );
 		for ( int i = 0; i < body.nodeCount(); ++i )
 		{
 			const std::uint32_t node = levels->cut().node[i];

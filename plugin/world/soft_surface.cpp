@@ -24,6 +24,17 @@ void measureTurns( const Body& body, SkinBuffers& skin )
 	}
 }
 
+/// For as many nodes as the body has room for.
+void makeSkinRoom( const Body& body, SkinBuffers& skin )
+{
+	const std::size_t reserved = std::size_t( body.levels()->roomNodes() + kLanes ), now = std::size_t( kRoomShare * body.nodes().padded );
+	makeRoom( skin.gradients, 9 * reserved, 9 * now );
+	makeRoom( skin.gradientsRoom, 9 * reserved, 9 * now );
+	makeRoom( skin.rotations, 4 * reserved, 4 * now );
+	makeRoom( skin.scratch.nodeMap, kSkinMapFloats * reserved, kSkinMapFloats * now );
+	skin.fade.reserveNodes( int( reserved ), now, body.lattice().cellCount() );
+}
+
 /// After a change of levels, with nothing moved: a region that holds what it held is stretched as it was.
 void followGradients( const Body& body, SkinBuffers& skin )
 {
@@ -55,10 +66,7 @@ SkinPose SoftBody::Impl::skinPose() const
 			const std::size_t count = std::size_t( body->nodes().padded ) * 9;
 			if ( skin.gradients.capacity() == 0 )
 			{
-				const std::size_t reserved = std::size_t( levels->roomNodes() + kLanes ) * 9, touchedNow = std::size_t( kRoomShare * double( count ) );
-				makeRoom( skin.gradients, reserved, touchedNow );
-				makeRoom( skin.gradientsRoom, reserved, touchedNow );
-				skin.fade.reserveNodes( levels->roomNodes(), touchedNow / 9, body->lattice().cellCount() );
+				makeSkinRoom( *body, skin );
 			}
 			skin.gradients.resize( count );
 			body->nodeDeformations( skin.gradients.data() );
@@ -93,7 +101,7 @@ void SoftBody::Impl::fadeFromKeptSurface()
 		measureTurns( *body, skin );
 		followGradients( *body, skin );
 		skin.isPoseKnown = true;
-		skin.fade.start( binding(), SkinFade::Nodes{ body->nodes(), skinPose(), change.heir, change.keptAs, body->bestFit().rotation.cast<float>() } );
+		skin.fade.start( binding(), SkinFade::Nodes{ body->nodes(), skinPose(), change.heir, change.keptAs, body->levelFrame() } );
 		skin.isStale = true;
 		return;
 	}
@@ -142,7 +150,7 @@ SurfaceView SoftBody::surface() const
 		SkinPose pose = impl.skinPose();
 		if ( pose.fade )
 		{
-			pose.body = impl.body->bestFit().rotation.cast<float>();
+			pose.body = impl.body->levelFrame();
 		}
 		skinBuffers.positions[next].resize( binding.restPosition.size() * 3 );
 		skinBuffers.normals[next].resize( binding.restPosition.size() * 3 );

@@ -85,7 +85,7 @@ struct Frame
 struct Outcome
 {
 	double over = 0.0;        ///< ms
-	double rebuilds = 1e30;   ///< a second: regions of new nodes, the fewest of any change, with all that a change costs besides
+	double rebuilds = 1e30;   ///< a second: regions of new nodes, the fewest of any change, by all that its frame took over the steady state
 	int frames = 0;           ///< until nothing waits any more
 	int before = 0, after = 0;
 };
@@ -166,12 +166,13 @@ Outcome runScene( const Scene& scene )
 		worstLevels = std::max( worstLevels, frame.levels );
 		// Steady state grows with the nodes there are: in between, as many nodes as this frame ends with.
 		const double grown = double( frame.nodes - outcome.before ), whole = double( outcome.after - outcome.before );
-		outcome.over = std::max( outcome.over, frame.ms - ( before + ( after - before ) * ( whole > 0.0 ? grown / whole : 0.0 ) ) );
+		const double over = frame.ms - ( before + ( after - before ) * ( whole > 0.0 ? grown / whole : 0.0 ) );
+		outcome.over = std::max( outcome.over, over );
 		if ( frame.splits > 0 )
 		{
 			outcome.frames = f - touched + 1;
 			const int brought = frame.nodes - frames[std::size_t( f - 1 )].nodes + frame.splits;
-			outcome.rebuilds = std::min( outcome.rebuilds, 1e3 * brought / frame.levels );
+			outcome.rebuilds = std::min( outcome.rebuilds, 1e3 * brought / over );
 		}
 	}
 	std::printf( "%-28s %d  %6d %6d  %5d  %7.2f %7.2f  %7.2f %7.2f %7.2f  %4d %9.0f\n", scene.name, scene.halfWidth, outcome.before, outcome.after,
@@ -184,7 +185,7 @@ Outcome runScene( const Scene& scene )
 void refineExperiment()
 {
 	std::puts( "Processor time in ms, one thread, each frame the shortest of 7 runs. over: worst frame over the steady state of as many nodes; levels: the change alone, wall clock;\n"
-			   "rebuilds: regions of new nodes a second of it, the slowest change.\n"
+			   "rebuilds: regions of new nodes in a second of what a frame takes over the steady state, the slowest change.\n"
 			   "                             w   nodes  after   a step   steady before, after    worst    over  levels  frames  rebuilds" );
 	const Scene touch{ "touch, +6 %", { 40, 36, 32 }, 1, 0, 1000, kTouch, 1, false };
 	const Scene all{ "everything, level 2 to 1", { 40, 36, 28 }, 2, 1, 520, kEverything, 1, false };
