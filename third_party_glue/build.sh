@@ -3,7 +3,7 @@
 # repository's folder.
 
 build_packages=( g++ cmake ninja-build pkg-config libbullet-dev libeigen3-dev )
-demo_packages=( libassimp-dev libcli11-dev nlohmann-json3-dev )
+demo_packages=( libassimp-dev zlib1g-dev libcli11-dev nlohmann-json3-dev )
 test_packages=( libgtest-dev libgmock-dev libbenchmark-dev )
 picture_packages=( libepoxy-dev libegl-dev libgl-dev libgl1-mesa-dri libglm-dev libstb-dev )
 window_packages=( libglfw3-dev libimgui-dev )

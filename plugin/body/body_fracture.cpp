@@ -111,7 +111,7 @@ void Body::refineBeforeBreaking()
 		const float weakest = toughness.empty() ? 1.0f : *std::min_element( toughness.begin(), toughness.end() );
 		const float strain = std::min( kRefineBeforeBreak * weakest * breakStrain( m_breaking->settings, m_material ), kLargestBreakStrain );
 		const float before = m_levels->settings().refineStrain;
-		m_levels->setRefineStrain( before > 0.0f ? std::min( before, strain ) : strain );
+		m_levels->setRefineStrain( before > 0.0f ? std::min( before, strain ) : strain, kRefineTogether );
 	}
 }
 

@@ -94,6 +94,42 @@ bool Levels::review( const NodeState& nodes, const AlignedArray<float>& strain, 
 	return !m_split.empty() || !m_merge.empty();
 }
 
+// Above the threshold; and, where nodes are to be split together, all that hang together with such a one and are nearly as strained.
+std::vector<std::uint8_t> Levels::strainedNodes( const AlignedArray<float>& strain ) const
+{
+	const float limit = m_settings.refineStrain;
+	std::vector<std::uint8_t> isStrained;
+	if ( strain.empty() || !( limit > 0.0f ) )
+	{
+		return isStrained;
+	}
+	isStrained.resize( std::size_t( m_cut.count() ) );
+	std::vector<std::uint32_t> front;
+	for ( std::uint32_t i = 0; i < std::uint32_t( m_cut.count() ); ++i )
+	{
+		isStrained[i] = strainOf( strain[i] ) > limit ? 1 : 0;
+		if ( isStrained[i] != 0 && m_together < 1.0f && octree().levelOf( m_cut.node[i] ) > m_finestLevel )
+		{
+			front.push_back( i );
+		}
+	}
+	while ( !front.empty() )
+	{
+		const std::uint32_t node = front.back();
+		front.pop_back();
+		for ( std::uint32_t k = matrix().start[node]; k < matrix().start[node + 1]; ++k )
+		{
+			const std::uint32_t to = matrix().member[k];
+			if ( isStrained[to] == 0 && strainOf( strain[to] ) > m_together * limit )
+			{
+				isStrained[to] = 1;
+				front.push_back( to );
+			}
+		}
+	}
+	return isStrained;
+}
+
 void Levels::collectSplits( const AlignedArray<float>& strain )
 {
 	// What was asked for comes first, then what only the finest level allowed had kept merged, then the most strained.
@@ -101,6 +137,7 @@ void Levels::collectSplits( const AlignedArray<float>& strain )
 	std::vector<std::pair<float, std::uint32_t>> wanted;
 	std::sort( m_asked.begin(), m_asked.end() );
 	std::vector<std::uint32_t> waiting;
+	const std::vector<std::uint8_t> isStrained = strainedNodes( strain );
 	for ( int i = 0; i < m_cut.count(); ++i )
 	{
 		const std::uint32_t node = m_cut.node[i];
@@ -118,7 +155,7 @@ void Levels::collectSplits( const AlignedArray<float>& strain )
 		{
 			wanted.emplace_back( kTooBig, node );
 		}
-		else if ( !strain.empty() && m_settings.refineStrain > 0.0f && strainOf( strain[i] ) > m_settings.refineStrain )
+		else if ( !isStrained.empty() && isStrained[std::size_t( i )] != 0 )
 		{
 			wanted.emplace_back( -strain[i], node );
 		}

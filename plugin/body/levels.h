@@ -67,7 +67,13 @@ public:
 	/// Levels below this are not used, and merged away. Nodes that only this had merged are split again when it lets them. 0: all may be.
 	void setFinestLevel( int level ) { m_finestLevel = level; }
 	int finestLevel() const { return m_finestLevel; }
-	void setRefineStrain( float strain ) { m_settings.refineStrain = strain; }
+	/// `together`: where a node is split, so are those its regions reach that are strained by this share of the threshold, and those theirs
+	/// reach; 1: none.
+	void setRefineStrain( float strain, float together )
+	{
+		m_settings.refineStrain = strain;
+		m_together = together;
+	}
 
 	/// From now on, until it is said again, changes together bring no more than Adaptivity::nodesPerStep. Unsaid: each change may.
 	void openBudget() { m_budget = m_settings.nodesPerStep; }
@@ -88,6 +94,7 @@ public:
 private:
 	static constexpr int kNoBudget = -1;
 
+	std::vector<std::uint8_t> strainedNodes( const AlignedArray<float>& strain ) const;
 	void collectSplits( const AlignedArray<float>& strain );
 	void collectMerges( const NodeState& nodes );
 	bool mayMerge( const NodeState& nodes, std::uint32_t parent, int firstSlot ) const;
@@ -119,6 +126,7 @@ private:
 	unsigned m_version = 0;
 	LevelChange m_change;
 	int m_finestLevel = 0;
+	float m_together = 1.0f;
 	std::array<int, kMostCoarseLevels + 1> m_nodesOnLevel{};
 
 	/// What the change before the last left, for the next to be built in.

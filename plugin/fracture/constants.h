@@ -14,6 +14,10 @@ inline constexpr int kMostPieces = 100000;
 /// Bodies with levels that can break are refined at this share of the stretch they break at, so that what breaks is always finest cells.
 inline constexpr float kRefineBeforeBreak = 0.5f;
 
+/// Around a node that is split for it so are those strained by this share of that: one border between sizes, and not one after the other, each of
+/// which leaves its own ringing behind.
+inline constexpr float kRefineTogether = 0.75f;
+
 /// A node that has been split rings for this long, s, before what it has become may break.
 inline constexpr float kSettleTime = 0.05f;
 

@@ -41,8 +41,11 @@ private:
 		Vec3d normal;
 	};
 
+	struct Moment;
+	class Moments;
+
 	std::vector<Overload> overloads( const Lattice& lattice, const LinkLimits& limits, const CellPlaces& places ) const;
-	bool measure( const Lattice& lattice, const LinkLimits& limits, const CellPlaces& places, Overload& found ) const;
+	bool measure( const Lattice& lattice, const LinkLimits& limits, const Moment& around, Overload& found ) const;
 	Plane* planeFor( const Overload& found, const Vec3d& at, double cellSize, bool& isShielded );
 	void breakAcross( const Lattice& lattice, const LinkLimits& limits, std::uint32_t cell, Plane& plane, std::vector<CellLink>& broken ) const;
 
