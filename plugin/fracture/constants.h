@@ -16,7 +16,7 @@ inline constexpr float kRefineBeforeBreak = 0.5f;
 
 /// Around a node that is split for it so are those strained by this share of that: one border between sizes, and not one after the other, each of
 /// which leaves its own ringing behind.
-inline constexpr float kRefineTogether = 0.75f;
+inline constexpr float kRefineTogether = 0.6f;
 
 /// A node that has been split rings for this long, s, before what it has become may break.
 inline constexpr float kSettleTime = 0.05f;
@@ -26,6 +26,8 @@ inline constexpr float kSettleTime = 0.05f;
 inline constexpr float kCandidateShare = 0.6f;
 /// Axes along which a cell's neighbours spread less than this share of the widest are left out of its deformation.
 inline constexpr double kFlatNeighbourhood = 1e-3;
+/// A cell's own links at this many times what it bears begin a crack, whatever its neighbours' are at: a neck, which they are not part of.
+inline constexpr float kNeck = 2.0f;
 /// A crack goes on in its plane where the pull is within 40 degrees of its normal, ...
 inline constexpr double kSameCrackCosine = 0.77;
 /// ... the cell this near to the plane and this near to what has broken, cells; ...

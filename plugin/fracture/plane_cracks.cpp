@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <tuple>
 
 namespace pliant {
 
@@ -48,6 +49,15 @@ class PlaneCracks::Moments
 public:
 	Moments( const Lattice& lattice, const CellPlaces& places ) : m_lattice( lattice ), m_places( places ), m_slot( std::size_t( lattice.cellCount() ), kNone ) {}
 
+	const Moment& of( std::uint32_t cell )
+	{
+		if ( m_slot[cell] == kNone )
+		{
+			m_slot[cell] = std::uint32_t( m_made.size() );
+			m_made.push_back( measure( cell ) );
+		}
+		return m_made[m_slot[cell]];
+	}
 	/// Of the cell and of all it is linked to.
 	Moment around( std::uint32_t cell )
 	{
@@ -64,15 +74,6 @@ public:
 private:
 	static constexpr std::uint32_t kNone = 0xffffffffu;
 
-	const Moment& of( std::uint32_t cell )
-	{
-		if ( m_slot[cell] == kNone )
-		{
-			m_slot[cell] = std::uint32_t( m_made.size() );
-			m_made.push_back( measure( cell ) );
-		}
-		return m_made[m_slot[cell]];
-	}
 	Moment measure( std::uint32_t cell ) const
 	{
 		Moment sum;
@@ -120,22 +121,32 @@ std::vector<PlaneCracks::Overload> PlaneCracks::overloads( const Lattice& lattic
 	Moments moments( lattice, places );
 	for ( std::uint32_t i = 0; i < std::uint32_t( isStretched.size() ); ++i )
 	{
-		Overload overload{ 0.0f, i, Vec3d::Zero() };
-		if ( isStretched[i] != 0 && places.mayBreak( i ) && measure( lattice, limits, moments.around( i ), overload ) )
+		if ( isStretched[i] == 0 || !places.mayBreak( i ) )
+		{
+			continue;
+		}
+		Overload overload{ i, measure( lattice, limits, moments.of( i ), i ), {} };
+		if ( overload.near.excess > 1.0f )
+		{
+			overload.wide = measure( lattice, limits, moments.around( i ), i );
+			overload.wide.excess = overload.near.excess > kNeck ? std::max( overload.wide.excess, 1.0f + overload.near.excess - kNeck ) : overload.wide.excess;
+		}
+		if ( overload.near.excess > m_growthShare )
 		{
 			found.push_back( overload );
 		}
 	}
-	std::sort( found.begin(), found.end(), []( const Overload& a, const Overload& b ) { return a.excess != b.excess ? a.excess > b.excess : a.cell < b.cell; } );
+	std::sort( found.begin(), found.end(), []( const Overload& a, const Overload& b ) {
+		return std::tie( b.wide.excess, b.near.excess, a.cell ) < std::tie( a.wide.excess, a.near.excess, b.cell );
+	} );
 	return found;
 }
 
-// F = ( sum p q^T ) ( sum q q^T )^+ over the links of the cell and of all it is linked to; the largest stretch is the root of the largest
-// eigenvalue of F^T F, and its eigenvector the direction in the body at rest. Over the cell's own links alone every step of a slanted surface
-// is a notch, and bars at 5 degrees to the lattice broke at 0.87 of what was set.
-bool PlaneCracks::measure( const Lattice& lattice, const LinkLimits& limits, const Moment& around, Overload& found ) const
+// F = ( sum p q^T ) ( sum q q^T )^+ over the links of the cell, or of it and all it is linked to; the largest stretch is the root of the largest
+// eigenvalue of F^T F, and its eigenvector the direction in the body at rest.
+PlaneCracks::Pull PlaneCracks::measure( const Lattice& lattice, const LinkLimits& limits, const Moment& around, std::uint32_t i ) const
 {
-	const std::uint32_t i = found.cell;
+	Pull found;
 	Eigen::Matrix3d outside;
 	const Eigen::Matrix3d f = around.now * inverseInPlane( around.rest, kFlatNeighbourhood, outside );
 	const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver( Eigen::Matrix3d( f.transpose() * f ) );
@@ -156,7 +167,7 @@ bool PlaneCracks::measure( const Lattice& lattice, const LinkLimits& limits, con
 		weights += along * along;
 	}
 	found.excess = float( strain * weights / ( double( m_breakStrain ) * toughness ) );
-	return found.excess > m_growthShare;
+	return found;
 }
 
 PlaneCracks::Plane* PlaneCracks::planeFor( const Overload& found, const Vec3d& at, double cellSize, bool& isShielded )
@@ -166,7 +177,7 @@ PlaneCracks::Plane* PlaneCracks::planeFor( const Overload& found, const Vec3d& a
 	double least = kCrackThickness * cellSize;
 	for ( Plane& plane : m_planes )
 	{
-		if ( std::fabs( plane.normal.dot( found.normal ) ) < kSameCrackCosine )
+		if ( std::fabs( plane.normal.dot( found.near.normal ) ) < kSameCrackCosine )
 		{
 			continue;
 		}
@@ -218,9 +229,9 @@ bool PlaneCracks::find(
 		const Vec3d at = restPlace( lattice, overload.cell );
 		bool isShielded = false;
 		Plane* plane = planeFor( overload, at, lattice.cellSize, isShielded );
-		if ( !plane && mayBegin && !isShielded && overload.excess > 1.0f )
+		if ( !plane && mayBegin && !isShielded && overload.wide.excess > 1.0f )
 		{
-			m_planes.push_back( Plane{ at + 0.5 * double( lattice.cellSize ) * overload.normal, overload.normal, at, at, 0.0f } );
+			m_planes.push_back( Plane{ at + 0.5 * double( lattice.cellSize ) * overload.wide.normal, overload.wide.normal, at, at, 0.0f } );
 			plane = &m_planes.back();
 			hasBegun = true;
 		}

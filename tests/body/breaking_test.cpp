@@ -302,13 +302,13 @@ TEST( Breaking, PiecesHaveAsManyFarLevelsAsTheyAreLongEnoughFor )
 TEST( Breaking, InPlaneModeABarPartsAcrossThePullAtWhatWasSet )
 {
 	// More angles and levels: pliant_experiments pull.
-	for ( const int coarse : { 0, 1 } )
+	for ( const int coarse : { 0, 1, 2 } )
 	{
-		for ( const double degrees : { 0.0, 20.0, 45.0 } )
+		for ( const double degrees : { 0.0, 10.0, 45.0 } )
 		{
 			const test::PullResult pulled = test::pullBar( { degrees, coarse, BreakRule::Plane, 0.1f } );
 			std::printf( "%d levels, %.0f degrees: breaks at %.3f of what was set, crack tilted by %.1f degrees\n", coarse, degrees, pulled.firstStrain / 0.1, pulled.tilt );
-			EXPECT_NEAR( pulled.firstStrain, 0.1, 0.01 );
+			EXPECT_NEAR( pulled.firstStrain, 0.1, coarse == 0 ? 0.01 : 0.012 );
 			EXPECT_LT( pulled.tilt, 10.0 );
 			EXPECT_GE( pulled.pieces, 2 );
 		}

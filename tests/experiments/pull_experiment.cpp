@@ -3,31 +3,45 @@
 #include "experiments/experiments.h"
 #include "support/pulled_bar.h"
 
+#include <algorithm>
 #include <cstdio>
 
 namespace pliant::experiment {
 
+namespace {
+
+void pullBars( BreakRule rule, bool rings )
+{
+	const char* const name = rule == BreakRule::Plane ? "plane" : "distance";
+	double low = 1e9, high = 0.0, tilt = 0.0;
+	for ( int levels = 0; levels <= 2; ++levels )
+	{
+		std::printf( "| %s, %d |", name, levels );
+		for ( const double degrees : { 0.0, 5.0, 10.0, 20.0, 30.0, 45.0 } )
+		{
+			const test::PullResult r = test::pullBar( { degrees, levels, rule, 0.1f, rings } );
+			std::printf( " %.2f, %.2f, %.1f |", r.firstStrain / 0.1, r.partedStrain / 0.1, r.tilt );
+			low = std::min( low, r.firstStrain / 0.1 );
+			high = std::max( high, r.firstStrain / 0.1 );
+			tilt = std::max( tilt, r.tilt );
+		}
+		std::printf( "\n" );
+		std::fflush( stdout );
+	}
+	std::printf( "\n%s: breaks at %.3f to %.3f of what was set, tilt up to %.1f degrees\n\n", name, low, high, tilt );
+}
+
+} // namespace
+
 void pullExperiment()
 {
-	std::printf( "Bar of 40 x 8 x 8 cells, break strain 0.1; first break over what was set, strain when parted, tilt of the crack\n\n"
-				 "| rule | levels | 0 | 10 | 20 | 30 | 45 degrees |\n|---|---|---|---|---|---|---|\n" );
-	for ( const BreakRule rule : { BreakRule::Plane, BreakRule::Distance } )
+	for ( const bool rings : { false, true } )
 	{
-		double low = 1e9, high = 0.0, tilt = 0.0;
-		for ( int levels = 0; levels <= 2; ++levels )
-		{
-			std::printf( "| %s | %d |", rule == BreakRule::Plane ? "plane" : "distance", levels );
-			for ( const double degrees : { 0.0, 10.0, 20.0, 30.0, 45.0 } )
-			{
-				const test::PullResult r = test::pullBar( { degrees, levels, rule, 0.1f } );
-				std::printf( " %.3f, %.3f, %.1f deg |", r.firstStrain / 0.1, r.partedStrain, r.tilt );
-				low = std::min( low, r.firstStrain / 0.1 );
-				high = std::max( high, r.firstStrain / 0.1 );
-				tilt = std::max( tilt, r.tilt );
-			}
-			std::printf( "\n" );
-		}
-		std::printf( "%s: breaks at %.3f to %.3f of what was set, tilt up to %.1f degrees\n\n", rule == BreakRule::Plane ? "plane" : "distance", low, high, tilt );
+		std::printf( "Bar of 40 x 8 x 8 cells, break strain 0.1, %s: first break and parting over what was set, tilt of the crack, degrees\n\n"
+					 "| rule, levels | 0 degrees | 5 | 10 | 20 | 30 | 45 |\n|---|---|---|---|---|---|---|\n",
+			rings ? "nothing damped" : "wobble damped as by default" );
+		pullBars( BreakRule::Plane, rings );
+		pullBars( BreakRule::Distance, rings );
 	}
 }
 

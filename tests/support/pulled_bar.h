@@ -23,6 +23,7 @@ struct PulledBar
 	int coarseLevels = 0;
 	BreakRule rule = BreakRule::Plane;
 	float breakStrain = 0.1f;
+	bool rings = false;     ///< nothing damps what a change of levels sets ringing: Material::wobbleDamping 0
 };
 
 struct PullResult
@@ -80,7 +81,7 @@ public:
 		const auto lattice = std::make_shared<const Lattice>( makeShapeLattice( { room, room, int( kHeight ) }, float( kCell ), isInside ) );
 		Material material;
 		material.youngsModulus = 1e5f;
-		material.wobbleDamping = 0.0f;
+		material.wobbleDamping = bar.rings ? 0.0f : material.wobbleDamping;
 		m_alpha = planStiffness( material, float( kCell ), 4.0f * kStep, 4 ).alpha;
 		Adaptivity levels;
 		levels.coarseLevels = bar.coarseLevels;
