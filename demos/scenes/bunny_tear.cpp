@@ -17,8 +17,8 @@ namespace {
 
 constexpr float kHeight = 0.8f;                  // m
 constexpr int kCells = 2000;
-constexpr int kCoarseLevels = 2;
-constexpr btScalar kLift = btScalar( 1.3 );     // m of the bunny's middle above the ground
+constexpr int kCoarseLevels = 1;                 // what breaks is two cells a level away from big nodes: with more, cracks stop early
+constexpr btScalar kLift = btScalar( 1.25 );    // m of the bunny's middle above the ground
 constexpr btScalar kApart = btScalar( 1.1 );     // m from one bunny to the other
 constexpr btScalar kHeldFrom = btScalar( 0.13 ); // m above its middle: head and ears
 constexpr double kFullWeightAt = 2.0;            // s
@@ -61,12 +61,16 @@ public:
 		order.cells = kCells;
 		order.material.density = 300.0f;
 		order.material.youngsModulus = 7.0e3f;
-		order.material.damping = 25.0f;
+		order.material.damping = 50.0f;
 		order.adaptivity.coarseLevels = kCoarseLevels;
-		order.adaptivity.refineStrain = 0.15f;
+		order.adaptivity.keepMass = 0.1f;
+		order.adaptivity.refineStrain = 1.0f; // half of what breaks it, as for all that breaks
+		order.adaptivity.mergeShare = 0.95f;  // it lies under its own weight afterwards
 		order.adaptivity.mergeDelay = 0.25f;
 		order.fracture.rule = pliant::BreakRule::Plane;
-		order.fracture.breakStrain = 0.25f;
+		order.fracture.breakStrain = 0.45f; // little less than what its weight brings about
+		order.fracture.growthShare = 0.25f; // a tear runs through and leaves few crumbs
+		order.fracture.coolDown = 0.1f;
 		order.shape = stage.buildShape( order );
 		if( order.shape == nullptr )
 		{
