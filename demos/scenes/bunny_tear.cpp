@@ -68,7 +68,7 @@ public:
 		order.adaptivity.mergeShare = 0.95f;  // it lies under its own weight afterwards
 		order.adaptivity.mergeDelay = 0.25f;
 		order.fracture.rule = pliant::BreakRule::Plane;
-		order.fracture.breakStrain = 0.45f; // little less than what its weight brings about
+		order.fracture.breakStrain = 0.38f; // little less than what its weight brings about
 		order.fracture.growthShare = 0.25f; // a tear runs through and leaves few crumbs
 		order.fracture.coolDown = 0.1f;
 		order.shape = stage.buildShape( order );

@@ -46,7 +46,7 @@ public:
 		order.material.youngsModulus = 2.0e6f;
 		order.material.damping = 150.0f; // shards neither ring nor bounce
 		order.fracture.rule = pliant::BreakRule::Plane;
-		order.fracture.breakStrain = 0.04f;
+		order.fracture.breakStrain = 0.035f;
 		order.fracture.growthShare = 0.3f;
 		order.fracture.coolDown = 0.02f;
 		order.fracture.smallCells = kCrumb;
