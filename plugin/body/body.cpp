@@ -222,6 +222,10 @@ void Body::applyForces( float h, const Vec3& gravity )
 
 void Body::accelerateTowardGoals( float h, float alpha, TaskRunner* runner )
 {
+	if ( m_nodes.count == 1 )
+	{
+		return; // its goal is where it is: dust costs nothing
+	}
 	const bool measuresStrain = m_levels && m_reviewIn == 0 && m_levels->settings().refineStrain > 0.0f;
 	m_matcher->accelerate( m_nodes, MatchStep{ h, alpha, m_material.damping, wobbleRate( h, alpha ), bodyShare( h, alpha ), measuresStrain,
 		PlasticLaw{ m_material.yieldStrain, m_material.plasticCreep, m_material.plasticLimit }, farShares( m_material, m_lattice->cellSize, h ) }, runner );

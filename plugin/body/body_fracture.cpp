@@ -107,9 +107,7 @@ void Body::refineBeforeBreaking()
 {
 	if ( m_levels )
 	{
-		const std::vector<float>& toughness = m_breaking->limits.toughness;
-		const float weakest = toughness.empty() ? 1.0f : *std::min_element( toughness.begin(), toughness.end() );
-		const float strain = std::min( kRefineBeforeBreak * weakest * breakStrain( m_breaking->settings, m_material ), kLargestBreakStrain );
+		const float strain = std::min( kRefineBeforeBreak * m_breaking->limits.weakest * breakStrain( m_breaking->settings, m_material ), kLargestBreakStrain );
 		const float before = m_levels->settings().refineStrain;
 		m_levels->setRefineStrain( before > 0.0f ? std::min( before, strain ) : strain, kRefineTogether );
 	}

@@ -47,6 +47,13 @@ void keepMost( std::vector<std::vector<std::uint32_t>>& parts, std::size_t most 
 	std::sort( parts[0].begin(), parts[0].end() );
 }
 
+/// The lattice with some links gone and others back.
+Lattice relinked( const Lattice& lattice, const std::vector<CellLink>& broken, const std::vector<CellLink>& healed )
+{
+	Lattice now = withoutLinks( lattice, broken );
+	return healed.empty() ? now : withLinks( now, healed );
+}
+
 /// One rigid cluster of the same stuff, as stiff as can be. What has flowed stays behind: the cluster's rest shape is the first one.
 Material rigidMaterial( const Material& of )
 {
@@ -67,7 +74,9 @@ std::vector<BodyPiece> Body::breakApart( BreakReport& report, int most )
 {
 	const std::vector<CellLink> broken = brokenLinks();
 	report = reportOn( broken );
-	auto whole = std::make_shared<const Lattice>( withLinks( withoutLinks( *m_lattice, broken ), m_healedLinks ) );
+	report.broken = broken;
+	report.hasHealed = !m_healedLinks.empty();
+	auto whole = std::make_shared<const Lattice>( relinked( *m_lattice, broken, m_healedLinks ) );
 	m_cutLinks.clear();
 	m_healedLinks.clear();
 	if ( m_breaking )
@@ -114,7 +123,7 @@ void Body::addNodesOfRigid( std::vector<std::uint32_t>& nodes ) const
 	{
 		return;
 	}
-	const std::vector<std::vector<std::uint32_t>> parts = partsByMass( withLinks( withoutLinks( *m_lattice, brokenLinks() ), m_healedLinks ) );
+	const std::vector<std::vector<std::uint32_t>> parts = partsByMass( relinked( *m_lattice, brokenLinks(), m_healedLinks ) );
 	for ( std::size_t k = 1; k < parts.size(); ++k )
 	{
 		for ( std::size_t i = 0; isSmall( parts[k] ) && i < parts[k].size(); ++i )
@@ -266,14 +275,15 @@ void Body::inheritBreaking( const Breaking& from, const BodyPiece& piece )
 	m_breaking = std::make_unique<Breaking>();
 	m_breaking->settings = from.settings;
 	m_breaking->coolDown = from.coolDown;
-	m_breaking->prepare( *m_lattice, breakStrain( from.settings, m_material ), inheritToughness( from.limits, *m_lattice, piece.cellBefore ) );
+	const float strain = from.planes ? from.planes->candidateStrain() : breakStrain( from.settings, m_material );
+	m_breaking->limits = inheritLimits( from.limits, *m_lattice, piece.cellBefore, strain );
 	if ( m_levels )
 	{
 		m_breaking->settled.inherit( from.settled, piece.cellBefore );
 	}
 	if ( from.planes )
 	{
-		*m_breaking->planes = *from.planes; // cracks are where they were
+		m_breaking->planes = std::make_unique<PlaneCracks>( *from.planes ); // cracks are where they were
 	}
 }
 

@@ -5,6 +5,7 @@
 #include "lattice/build_lattice.h"
 #include "matching/level_tables.h"
 #include "surface/cell_complex.h"
+#include "surface/crack_surface.h"
 #include "surface/skinning.h"
 
 #include <chrono>
@@ -32,6 +33,7 @@ struct BodyTemplate::Data
 	std::mutex crackMutex;
 	bool hasTriedCracks = false;
 	std::shared_ptr<const CellComplex> crackComplex;
+	std::shared_ptr<const CrackSurface> crackSurface;
 };
 
 namespace {
@@ -198,9 +200,16 @@ std::shared_ptr<const CellComplex> BodyTemplate::crackComplex() const
 		mesh.triangleCount = std::size_t( data.triangleCount );
 		mesh.textureCoordinates = dataOrNull( data.textureCoordinates );
 		data.crackComplex = CellComplex::build( mesh, *data.lattice, data.skin, data.settings, data.settings.cracks ).value;
+		data.crackSurface = data.crackComplex ? std::make_shared<const CrackSurface>( data.crackComplex ) : nullptr;
 		data.hasTriedCracks = true;
 	}
 	return data.crackComplex;
+}
+
+std::shared_ptr<const CrackSurface> BodyTemplate::crackSurface() const
+{
+	crackComplex();
+	return m_data->crackSurface;
 }
 
 } // namespace pliant

@@ -53,6 +53,8 @@ struct BreakReport
 	int links = 0;          ///< broken
 	double area = 0.0;      ///< m^2, of one side, from the links between cells that share a face
 	double energy = 0.0;    ///< J: what the broken links held, E e^2 / 2 over their share of the material
+	std::vector<CellLink> broken; ///< by the numbers of the body before
+	bool hasHealed = false; ///< links were put back
 	int removedPieces = 0;  ///< SmallPieces::Remove
 	double removedMass = 0.0; ///< kg
 };

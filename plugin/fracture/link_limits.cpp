@@ -6,6 +6,21 @@
 
 namespace pliant {
 
+namespace {
+
+float limitSquared( const Lattice& lattice, std::uint32_t a, std::uint32_t b, float strain )
+{
+	const float longest = ( 1.0f + strain ) * ( lattice.restCentre[b] - lattice.restCentre[a] ).norm();
+	return longest * longest;
+}
+
+void findWeakest( LinkLimits& limits )
+{
+	limits.weakest = limits.toughness.empty() ? 1.0f : *std::min_element( limits.toughness.begin(), limits.toughness.end() );
+}
+
+} // namespace
+
 LinkLimits limitLinks( const Lattice& lattice, float strain, std::vector<float> toughness )
 {
 	LinkLimits limits;
@@ -20,12 +35,48 @@ LinkLimits limitLinks( const Lattice& lattice, float strain, std::vector<float> 
 		for ( auto link = std::upper_bound( row, end, i ); link != end; ++link )
 		{
 			const float share = limits.toughness.empty() ? 1.0f : limits.toughness[limits.to.size()];
-			const float longest = ( 1.0f + strain * share ) * ( lattice.restCentre[*link] - lattice.restCentre[i] ).norm();
 			limits.to.push_back( *link );
-			limits.lengthSquared.push_back( longest * longest );
+			limits.lengthSquared.push_back( limitSquared( lattice, i, *link, strain * share ) );
 		}
 		limits.start.push_back( std::uint32_t( limits.to.size() ) );
 	}
+	findWeakest( limits );
+	return limits;
+}
+
+LinkLimits inheritLimits( const LinkLimits& before, const Lattice& part, const std::vector<std::uint32_t>& cells, float strain )
+{
+	LinkLimits limits;
+	limits.start.reserve( part.linkStart.size() );
+	limits.to.reserve( part.linkTo.size() / 2 );
+	limits.lengthSquared.reserve( part.linkTo.size() / 2 );
+	limits.start.push_back( 0 );
+	for ( std::uint32_t i = 0; i < std::uint32_t( part.cellCount() ); ++i )
+	{
+		std::uint32_t old = before.start[cells[i]];
+		const std::uint32_t oldEnd = before.start[cells[i] + 1];
+		for ( std::uint32_t k = part.linkStart[i]; k < part.linkStart[i + 1]; ++k )
+		{
+			const std::uint32_t j = part.linkTo[k];
+			if ( j < i )
+			{
+				continue;
+			}
+			while ( old < oldEnd && before.to[old] < cells[j] )
+			{
+				++old;
+			}
+			const bool isOld = old < oldEnd && before.to[old] == cells[j];
+			limits.to.push_back( j );
+			limits.lengthSquared.push_back( isOld ? before.lengthSquared[old] : limitSquared( part, i, j, strain ) );
+			if ( !before.toughness.empty() )
+			{
+				limits.toughness.push_back( isOld ? before.toughness[old] : 1.0f );
+			}
+		}
+		limits.start.push_back( std::uint32_t( limits.to.size() ) );
+	}
+	findWeakest( limits );
 	return limits;
 }
 

@@ -19,6 +19,7 @@ struct LinkLimits
 	std::vector<std::uint32_t> start, to;
 	std::vector<float> toughness;     ///< share of what the settings say; empty: 1 everywhere
 	std::vector<float> lengthSquared; ///< beyond this the link breaks, m^2; infinity: never
+	float weakest = 1.0f;             ///< least toughness
 
 	std::size_t bytes() const
 	{
@@ -31,6 +32,10 @@ LinkLimits limitLinks( const Lattice& lattice, float strain, std::vector<float> 
 
 /// Toughness for some cells of a lattice (ascending): `before` holds that of the old links; links that are new (healed) have 1.
 std::vector<float> inheritToughness( const LinkLimits& before, const Lattice& part, const std::vector<std::uint32_t>& cells );
+
+/// Limits for some cells of a lattice (ascending): those of the old links, made for `strain`, as they were; healed ones are measured.
+/// limitLinks with inheritToughness is its slow twin.
+LinkLimits inheritLimits( const LinkLimits& before, const Lattice& part, const std::vector<std::uint32_t>& cells, float strain );
 
 /// All links longer than they may be, ascending. Cells are nodes.
 void findOverstretched( const LinkLimits& limits, const NodeState& nodes, std::vector<CellLink>& found );

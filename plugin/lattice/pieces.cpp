@@ -38,6 +38,12 @@ Lattice withoutLinks( const Lattice& lattice, const std::vector<CellLink>& links
 	for ( std::uint32_t i = 0; i < std::uint32_t( lattice.cellCount() ); ++i )
 	{
 		now.linkStart[i] = kept;
+		if ( next == gone.end() || next->a != i )
+		{
+			std::copy( lattice.linkTo.begin() + lattice.linkStart[i], lattice.linkTo.begin() + lattice.linkStart[i + 1], now.linkTo.begin() + kept );
+			kept += lattice.linkStart[i + 1] - lattice.linkStart[i];
+			continue;
+		}
 		for ( std::uint32_t k = lattice.linkStart[i]; k < lattice.linkStart[i + 1]; ++k )
 		{
 			if ( next != gone.end() && next->a == i && next->b == lattice.linkTo[k] )

@@ -75,12 +75,10 @@ std::vector<std::uint32_t> cubeCounts( const Lattice& lattice, int w )
 	std::vector<std::uint32_t> line;
 	for ( int axis = 0; axis < 3; ++axis )
 	{
-		for ( std::size_t first = 0; first < positions; ++first )
+		const std::size_t block = stride[axis] * std::size_t( length[axis] );
+		for ( std::size_t k = 0; k < positions / std::size_t( length[axis] ); ++k )
 		{
-			if ( ( first / stride[axis] ) % length[axis] != 0 )
-			{
-				continue;
-			}
+			const std::size_t first = k / stride[axis] * block + k % stride[axis];
 			line.assign( length[axis], 0 );
 			for ( int i = 0; i < length[axis]; ++i )
 			{
@@ -125,6 +123,43 @@ struct SearchJob
 	}
 };
 
+/// Half-width 1: a cell and what it is linked to, in order.
+void takeLinkRows( const Lattice& lattice, RegionSet& regions )
+{
+	regions.member.reserve( lattice.linkTo.size() + lattice.fill.size() );
+	for ( std::uint32_t cell = 0; cell < std::uint32_t( lattice.cellCount() ); ++cell )
+	{
+		const auto row = lattice.linkTo.begin() + lattice.linkStart[cell], end = lattice.linkTo.begin() + lattice.linkStart[cell + 1];
+		const auto after = std::lower_bound( row, end, cell );
+		regions.size[cell] = std::uint16_t( end - row + 1 );
+		regions.member.insert( regions.member.end(), row, after );
+		regions.member.push_back( cell );
+		regions.member.insert( regions.member.end(), after, end );
+	}
+}
+
+void searchRows( const Lattice& lattice, RegionSet& regions, TaskRunner* runner )
+{
+	const int tasks = ( lattice.cellCount() + kCellsPerTask - 1 ) / kCellsPerTask;
+	SearchJob job{ &lattice, regions.halfWidth, std::vector<std::vector<std::uint32_t>>( tasks ), &regions.size };
+	if ( runner )
+	{
+		runner->run( tasks, &SearchJob::run, &job );
+	}
+	else
+	{
+		for ( int task = 0; task < tasks; ++task )
+		{
+			SearchJob::run( &job, task );
+		}
+	}
+	for ( auto& part : job.members )
+	{
+		regions.member.insert( regions.member.end(), part.begin(), part.end() );
+		part = {};
+	}
+}
+
 } // namespace
 
 int countComponents( const Lattice& lattice )
@@ -165,30 +200,18 @@ RegionSet buildRegions( const Lattice& lattice, int halfWidth, TaskRunner* runne
 	regions.halfWidth = halfWidth;
 	regions.size.resize( cells );
 
-	const int tasks = ( cells + kCellsPerTask - 1 ) / kCellsPerTask;
-	SearchJob job{ &lattice, halfWidth, std::vector<std::vector<std::uint32_t>>( tasks ), &regions.size };
-	if ( runner )
+	if ( halfWidth == 1 )
 	{
-		runner->run( tasks, &SearchJob::run, &job );
+		takeLinkRows( lattice, regions );
 	}
 	else
 	{
-		for ( int task = 0; task < tasks; ++task )
-		{
-			SearchJob::run( &job, task );
-		}
+		searchRows( lattice, regions, runner );
 	}
-
 	regions.start.resize( std::size_t( cells ) + 1, 0 );
 	for ( int cell = 0; cell < cells; ++cell )
 	{
 		regions.start[cell + 1] = regions.start[cell] + regions.size[cell];
-	}
-	regions.member.reserve( regions.start[cells] );
-	for ( auto& part : job.members )
-	{
-		regions.member.insert( regions.member.end(), part.begin(), part.end() );
-		part = {};
 	}
 
 	const std::vector<std::uint32_t> cube = cubeCounts( lattice, halfWidth );

@@ -145,18 +145,21 @@ void measureRegion( const Lattice& lattice, const RegionSet& regions, int r, boo
 }
 
 /// Broken links only take cells out of regions: one that has as many as before has the same, and weighs them alike where each is in as many
-/// regions as before.
-bool isAsBefore( const RegionSet& regions, std::uint32_t r, const MomentsBefore& before )
+/// regions as before. So regions change that hold a cell whose own one has another size; membership is symmetric.
+std::vector<std::uint8_t> changedRegions( const RegionSet& regions, const MomentsBefore& before )
 {
-	for ( std::uint32_t k = regions.start[r]; k < regions.start[r + 1]; ++k )
+	std::vector<std::uint8_t> isChanged( regions.size.size(), 0 );
+	for ( std::size_t i = 0; i < isChanged.size(); ++i )
 	{
-		const std::uint32_t i = regions.member[k];
 		if ( regions.size[i] != before.regions.size[before.cellBefore[i]] )
 		{
-			return false;
+			for ( std::uint32_t k = regions.start[i]; k < regions.start[i + 1]; ++k )
+			{
+				isChanged[regions.member[k]] = 1;
+			}
 		}
 	}
-	return true;
+	return isChanged;
 }
 
 } // namespace
@@ -184,9 +187,10 @@ RegionMoments computeRegionMoments(
 	}
 	weighNodes( lattice, regions, weights, out );
 
+	const std::vector<std::uint8_t> isChanged = before ? changedRegions( regions, *before ) : std::vector<std::uint8_t>();
 	for ( int r = 0; r < out.count; ++r )
 	{
-		if ( !before || !isAsBefore( regions, std::uint32_t( r ), *before ) )
+		if ( !before || isChanged[std::size_t( r )] != 0 )
 		{
 			measureRegion( lattice, regions, r, withInverse, out );
 			continue;

@@ -105,6 +105,7 @@ void CrackSurface::splitGroups( const std::vector<std::uint32_t>& fresh )
 		// A point at which nothing is drawn so far needs no copies: sides are drawn later, into their groups.
 		if ( regroup( point ) && m_firstVertex[point] != kNone )
 		{
+			m_split.push_back( point );
 			std::for_each( m_slotCell.begin() + m_slotStart[point], m_slotCell.begin() + m_slotStart[point + 1],
 				[&]( std::uint32_t cell ) { collect( cell, cells ); } );
 		}
@@ -254,7 +255,9 @@ void CrackSurface::settle()
 	{
 		rebind( point );
 	}
-	matchNormals();
+	m_binding.normalShift.resize( m_vertex.size(), Vec3::Zero() );
+	matchNormals( m_split );
+	m_split.clear();
 }
 
 void CrackSurface::rebind( std::uint32_t point )
@@ -263,22 +266,21 @@ void CrackSurface::rebind( std::uint32_t point )
 	{
 		return;
 	}
-	for ( std::uint16_t group = 0; group < m_groups[point]; ++group )
+	m_copies.clear();
+	for ( std::uint32_t v = m_firstVertex[point]; v != kNone; v = m_vertex[v].next )
 	{
-		bool isReached = false;
-		for ( std::uint32_t v = m_firstVertex[point]; v != kNone; v = m_vertex[v].next )
+		m_copies.emplace_back( m_vertex[v].group, v );
+	}
+	std::sort( m_copies.begin(), m_copies.end() );
+	for ( std::size_t k = 0; k < m_copies.size(); ++k )
+	{
+		if ( k == 0 || m_copies[k].first != m_copies[k - 1].first )
 		{
-			if ( m_vertex[v].group == group )
-			{
-				if ( !isReached )
-				{
-					reach( point, group );
-					isReached = true;
-				}
-				std::copy( m_rowCell.begin(), m_rowCell.end(), m_binding.node.begin() + m_binding.start[v] );
-				std::copy( m_rowWeight.begin(), m_rowWeight.end(), m_binding.weight.begin() + m_binding.start[v] );
-			}
+			reach( point, m_copies[k].first );
 		}
+		const std::uint32_t start = m_binding.start[m_copies[k].second];
+		std::copy( m_rowCell.begin(), m_rowCell.end(), m_binding.node.begin() + start );
+		std::copy( m_rowWeight.begin(), m_rowWeight.end(), m_binding.weight.begin() + start );
 	}
 }
 
@@ -360,30 +362,94 @@ void CrackSurface::writeRow( std::uint32_t first, std::uint32_t last, std::uint3
 
 /// A cut through the outer surface must not show as long as it is closed: at rest its vertices are shaded like the whole mesh, however few
 /// of the triangles around are left on their side.
+void CrackSurface::shadeLikeTheMesh( std::uint32_t vertex, const Vec3& area )
+{
+	const float largest = area.cwiseAbs().maxCoeff(); // its square would be nothing
+	if ( m_vertex[vertex].kind < kInside && !m_complex->vertexNormal.empty() )
+	{
+		m_binding.restNormal[vertex] = m_complex->vertexNormal[m_vertex[vertex].kind];
+		m_binding.normalShift[vertex] = largest > 0.0f ? Vec3( m_binding.restNormal[vertex] - ( area / largest ).normalized() ) : Vec3( Vec3::Zero() );
+	}
+}
+
 void CrackSurface::matchNormals()
 {
-	std::vector<Vec3> sum( std::size_t( m_binding.normalGroups ), Vec3::Zero() );
+	m_area.assign( std::size_t( m_binding.normalGroups ), Vec3::Zero() );
 	for ( std::uint32_t t = 0; t < m_cellTriangle.back(); ++t )
 	{
-		const auto& corner = m_triangle[t];
-		const Vec3& a = m_binding.restPosition[corner[0]];
-		const Vec3 area = ( m_binding.restPosition[corner[1]] - a ).cross( m_binding.restPosition[corner[2]] - a );
-		for ( const std::uint32_t v : corner )
-		{
-			sum[m_binding.normalGroup[v]] += area;
-		}
+		addArea( t );
 	}
-	m_binding.normalShift.assign( m_vertex.size(), Vec3::Zero() );
-	for ( std::size_t v = 0; v < m_vertex.size() && !m_complex->vertexNormal.empty(); ++v )
+	for ( std::uint32_t v = 0; v < vertexCount(); ++v )
 	{
-		const Vec3& area = sum[m_binding.normalGroup[v]];
-		const float largest = area.cwiseAbs().maxCoeff(); // its square would be nothing
-		if ( m_vertex[v].kind < kInside )
+		shadeLikeTheMesh( v, m_area[m_binding.normalGroup[v]] );
+	}
+}
+
+/// The same where only the groups of these points have changed: of all cells there, in the triangles' order.
+void CrackSurface::matchNormals( std::vector<std::uint32_t>& points )
+{
+	std::vector<std::uint32_t> cells, once;
+	for ( const std::uint32_t point : points )
+	{
+		collect( point, once );
+	}
+	clearMarks( once );
+	m_area.resize( std::size_t( m_binding.normalGroups ), Vec3::Zero() );
+	for ( const std::uint32_t point : once )
+	{
+		for ( std::uint32_t v = m_firstVertex[point]; v != kNone; v = m_vertex[v].next )
 		{
-			m_binding.restNormal[v] = m_complex->vertexNormal[m_vertex[v].kind];
-			m_binding.normalShift[v] = largest > 0.0f ? Vec3( m_binding.restNormal[v] - ( area / largest ).normalized() ) : Vec3( Vec3::Zero() );
+			m_area[m_binding.normalGroup[v]].setZero();
+		}
+		std::for_each( m_slotCell.begin() + m_slotStart[point], m_slotCell.begin() + m_slotStart[point + 1],
+			[&]( std::uint32_t cell ) { collect( cell, cells ); } );
+	}
+	clearMarks( cells );
+	std::sort( cells.begin(), cells.end() );
+	for ( const std::uint32_t cell : cells )
+	{
+		for ( std::uint32_t t = m_cellTriangle[cell]; t < m_cellTriangle[cell + 1]; ++t )
+		{
+			addArea( t );
 		}
 	}
+	for ( const std::uint32_t point : once )
+	{
+		for ( std::uint32_t v = m_firstVertex[point]; v != kNone; v = m_vertex[v].next )
+		{
+			shadeLikeTheMesh( v, m_area[m_binding.normalGroup[v]] );
+		}
+	}
+}
+
+void CrackSurface::addArea( std::uint32_t triangle )
+{
+	const auto& corner = m_triangle[triangle];
+	const Vec3& a = m_binding.restPosition[corner[0]];
+	const Vec3 area = ( m_binding.restPosition[corner[1]] - a ).cross( m_binding.restPosition[corner[2]] - a );
+	for ( const std::uint32_t v : corner )
+	{
+		m_area[m_binding.normalGroup[v]] += area;
+	}
+}
+
+void CrackSurface::makeRoom()
+{
+	// Were all faces to break, so many would come to it; half of them is a lot.
+	const std::size_t triangles = m_complex->faceTriangle.size(), vertices = m_complex->pointsOfFace.entry.size();
+	const double rowLength = double( m_binding.node.size() ) / double( std::max( std::size_t( 1 ), m_vertex.size() ) );
+	const auto entries = std::size_t( rowLength * double( vertices ) );
+	const auto more = []( auto& list, std::size_t count ) { list.reserve( list.size() + count ); };
+	more( m_triangle, triangles );
+	more( m_source, triangles );
+	more( m_vertex, vertices );
+	more( m_binding.node, entries );
+	more( m_binding.weight, entries );
+	more( m_binding.start, vertices );
+	more( m_binding.restPosition, vertices );
+	more( m_binding.restNormal, vertices );
+	more( m_binding.normalGroup, vertices );
+	more( m_binding.normalShift, vertices );
 }
 
 std::size_t CrackSurface::bytes() const

@@ -252,6 +252,7 @@ void CrackSurface::drawAll()
 		}
 	}
 	settle();
+	matchNormals();
 }
 
 void CrackSurface::drawSide( Face& face, bool isA )
@@ -317,9 +318,13 @@ std::uint32_t CrackSurface::addVertex( std::uint32_t point, std::uint32_t kind, 
 	// Room for all that could ever carry it; where cells of other bodies did, the row is written when all is drawn.
 	const std::uint32_t first = m_complex->bindStart[whole], last = m_complex->bindStart[whole + 1];
 	bool isStrange = false;
-	for ( std::uint32_t k = first; k < last; ++k )
+	if ( m_cell.size() == m_complex->cellCount() )
 	{
-		m_binding.node.push_back( localCell( m_complex->bindCell[k] ) );
+		m_binding.node.insert( m_binding.node.end(), m_complex->bindCell.begin() + first, m_complex->bindCell.begin() + last );
+	}
+	for ( std::uint32_t k = std::uint32_t( m_binding.node.size() ) - m_binding.start.back(); k < last - first; ++k )
+	{
+		m_binding.node.push_back( localCell( m_complex->bindCell[first + k] ) );
 		isStrange = isStrange || m_binding.node.back() == kNone;
 	}
 	if ( isStrange )

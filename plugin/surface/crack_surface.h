@@ -13,6 +13,7 @@
 #include <array>
 #include <cstdint>
 #include <memory>
+#include <utility>
 #include <vector>
 
 namespace pliant {
@@ -81,8 +82,12 @@ public:
 
 	std::size_t bytes() const;
 
+	/// Room for half of all faces, so that what breaks next need not move what is there.
+	void makeRoom();
+
 private:
 	friend Status validate( const CrackSurface& surface );
+	friend class CrackFamily;
 
 	/// A copy of a point. `kind`: the complex's vertex, or kInside + 2 x axis + side for a face.
 	struct Vertex
@@ -123,6 +128,9 @@ private:
 	std::uint32_t normalGroupFor( std::uint32_t point, std::uint32_t kind, std::uint16_t group );
 	void drawSide( Face& face, bool isA );
 	void matchNormals();
+	void matchNormals( std::vector<std::uint32_t>& points );
+	void addArea( std::uint32_t triangle );
+	void shadeLikeTheMesh( std::uint32_t vertex, const Vec3& area );
 
 	void addUnheld( std::vector<std::uint32_t>& fresh );
 	void splitGroups( const std::vector<std::uint32_t>& fresh );
@@ -160,6 +168,7 @@ private:
 	std::vector<std::uint32_t> m_source;
 	SkinBinding m_binding;
 	std::vector<std::uint32_t> m_unsettled; ///< faces that broke since, local
+	std::vector<std::uint32_t> m_split;     ///< points that have more groups since, local; some twice
 	std::uint64_t m_version = 1;
 	Change m_change;
 
@@ -171,6 +180,8 @@ private:
 	std::vector<std::uint16_t> m_root;          ///< by slot of the point at hand
 	std::vector<std::uint8_t> m_isMarked;       ///< by point or cell
 	std::vector<std::uint32_t> m_strange;       ///< points that cells of other bodies carried
+	std::vector<Vec3> m_area;                   ///< by group of normals
+	std::vector<std::pair<std::uint16_t, std::uint32_t>> m_copies; ///< group and vertex
 };
 
 /// Every invariant: copies belong to groups, groups to standing faces, rows of the binding to the vertex's own side.

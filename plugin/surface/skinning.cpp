@@ -108,15 +108,26 @@ void write3( float* to, F4 a )
 	to[2] = a[2];
 }
 
+bool isShifted( const SkinBinding& binding, std::size_t vertex )
+{
+	return !binding.normalShift.empty() && !binding.normalShift[vertex].isZero( 0.0f );
+}
+
 /// x = sum w ( x_n + R_n ( X - x0_n ) )   (Steinemann et al. 2008, section 7): the maps are blended first, then applied once.
 void writePositions( const SkinBinding& binding, const std::uint32_t* slot, SkinScratch& scratch, float* positions, std::size_t first, std::size_t last )
 {
 	for ( std::size_t v = first; v < last; ++v )
 	{
 		const Vec3& at = binding.restPosition[v];
-		const F4 x = Blend( binding, scratch.nodeMap.data(), slot, v ).apply( F4{ at.x(), at.y(), at.z(), 1.0f } );
+		const Blend blend( binding, scratch.nodeMap.data(), slot, v );
+		const F4 x = blend.apply( F4{ at.x(), at.y(), at.z(), 1.0f } );
 		store4( scratch.position.data() + 4 * v, x );
 		write3( positions + 3 * v, x );
+		if ( isShifted( binding, v ) )
+		{
+			const Vec3& shift = binding.normalShift[v];
+			store4( scratch.turnedShift.data() + 4 * v, blend.apply( F4{ shift.x(), shift.y(), shift.z(), 0.0f } ) );
+		}
 	}
 }
 
@@ -173,9 +184,9 @@ void writeNormals( const SkinBinding& binding, const std::uint32_t* slot, const 
 		const F4 sum = load4( scratch.groupNormal.data() + 4 * std::size_t( binding.normalGroup[v] ) );
 		const float length = lengthOf( sum );
 		F4 normal = length > 0.0f ? sum / length : turnedNormal( binding, maps, slot, v );
-		if ( length > 0.0f && !binding.normalShift.empty() )
+		if ( length > 0.0f && isShifted( binding, v ) )
 		{
-			const F4 shifted = normal + turned( binding, maps, slot, v, binding.normalShift[v] );
+			const F4 shifted = normal + load4( scratch.turnedShift.data() + 4 * v );
 			const float shiftedLength = lengthOf( shifted );
 			normal = shiftedLength > 0.0f ? shifted / shiftedLength : normal;
 		}
@@ -212,6 +223,7 @@ void skin( const SkinBinding& binding, const NodeState& state, const SkinPose& p
 	const std::size_t vertices = binding.restPosition.size();
 	scratch.nodeMap.resize( std::size_t( state.count ) * kMapFloats );
 	scratch.position.resize( vertices * 4 );
+	scratch.turnedShift.resize( binding.normalShift.empty() ? 0 : vertices * 4 );
 	scratch.groupNormal.resize( std::size_t( binding.normalGroups ) * 4 );
 	auto maps = [&]( int chunk ) {
 		fillMaps( state, pose, scratch.nodeMap.data(), chunk * kChunk, std::min( state.count, ( chunk + 1 ) * kChunk ) );

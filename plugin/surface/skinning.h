@@ -52,6 +52,7 @@ struct SkinScratch
 {
 	AlignedArray<float> nodeMap;
 	AlignedArray<float> position; ///< four floats a vertex
+	AlignedArray<float> turnedShift; ///< the same; of vertices whose normals are shifted
 	AlignedArray<float> groupNormal;
 };
 

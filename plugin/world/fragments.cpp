@@ -79,23 +79,26 @@ std::vector<Pin> pinsOf( const std::vector<Pin>& before, const std::vector<std::
 // their stand-ins need the spheres they were made with.
 void SoftBody::Impl::adopt( SoftBody& owner, BodyPiece& piece )
 {
+	const bool keepsNodes = !body->levels() && int( piece.nodeBefore.size() ) == body->nodeCount();
 	const std::vector<std::uint32_t> nodeNow = numbersNow( piece, body->nodeCount() );
 	pins = pinsOf( pins, nodeNow );
 	nearby.clear();
 	body = std::move( piece.body );
-	shapeBefore = std::move( shape );
-	shape = std::make_unique<NodeShape>( *body );
-	owner.setCollisionShape( shape.get() );
-	NodeBodyPool::renumber( owner, nodeNow, body->nodeCount() );
-	for ( NodeBody* stand : touched )
+	if ( !keepsNodes || !shape->followCracks( *body ) )
 	{
-		stand->setCollisionShape( shape->sphereOfNode( stand->node ) );
+		shapeBefore = std::move( shape );
+		shape = std::make_unique<NodeShape>( *body );
+		owner.setCollisionShape( shape.get() );
+		NodeBodyPool::renumber( owner, nodeNow, body->nodeCount() );
+		for ( NodeBody* stand : touched )
+		{
+			stand->setCollisionShape( shape->sphereOfNode( stand->node ) );
+		}
 	}
 	placeShape( owner );
 	measureSpeed();
 	skin.fade.clear();
 	skin.nodesMoved();
-	cracks.reset();
 	if ( self )
 	{
 		self->search.forget();
@@ -117,6 +120,7 @@ std::unique_ptr<SoftBody> SoftBody::Impl::makeFragment( const SoftBody& parent, 
 	impl.pins = pinsOf( from.pins, numbersNow( piece, from.body->nodeCount() ) );
 	impl.body = std::move( piece.body );
 	impl.fractureVersion = from.fractureVersion + 1;
+	impl.crackFamily = from.crackFamily;
 	impl.fading = from.fading;
 	impl.self = from.self ? std::make_unique<SelfCollision>() : nullptr;
 	const Fracture& settings = impl.body->fracture();
@@ -173,6 +177,7 @@ bool SoftBodySystem::breakBodies()
 		event.energy = found.energy;
 		event.removedPieces = found.removedPieces;
 		event.removedMass = found.removedMass;
+		breaking[k]->impl().noteCracks( found );
 		settlePieces( *breaking[k], outcome[k].pieces, event );
 		report.brokenLinks += event.links;
 		report.fragments += int( event.fragments.size() );
@@ -219,11 +224,13 @@ void SoftBodySystem::addFragment( SoftBody& parent, std::unique_ptr<SoftBody> fr
 
 	// Fresh to what the parent is fresh to, with the same leave; and to the parent and what came off it before in this event.
 	impl.fresh = parent.impl().fresh;
-	impl.fresh.push_back( FreshPair{ parent.impl().serial, std::numeric_limits<double>::infinity() } );
+	const FreshPair own{ parent.impl().serial, std::numeric_limits<double>::infinity() };
+	impl.fresh.insert( std::lower_bound( impl.fresh.begin(), impl.fresh.end(), own ), own );
 	for ( const FreshPair& pair : impl.fresh )
 	{
-		const auto other = std::find_if( m_bodies.begin(), m_bodies.end(), [&pair]( const SoftBody* body ) { return body->impl().serial == pair.other; } );
-		if ( other != m_bodies.end() )
+		// Bodies stand in the order of their serials, and this one's is the highest.
+		const auto other = std::lower_bound( m_bodies.begin(), m_bodies.end(), pair.other, []( const SoftBody* body, unsigned serial ) { return body->impl().serial < serial; } );
+		if ( other != m_bodies.end() && ( *other )->impl().serial == pair.other )
 		{
 			( *other )->impl().fresh.push_back( FreshPair{ impl.serial, pair.slack } );
 		}

@@ -46,16 +46,22 @@ struct Box
 	}
 };
 
+std::vector<FreshPair>::iterator findFresh( std::vector<FreshPair>& fresh, unsigned other )
+{
+	const auto found = std::lower_bound( fresh.begin(), fresh.end(), FreshPair{ other, 0.0 } );
+	return found != fresh.end() && found->other == other ? found : fresh.end();
+}
+
 /// How deep the spheres of two bodies may overlap that came apart from each other; 0 for all others.
 double slackOf( const SoftBody::Impl& a, const SoftBody::Impl& b )
 {
-	const auto pair = std::find_if( a.fresh.begin(), a.fresh.end(), [&b]( const FreshPair& p ) { return p.other == b.serial; } );
+	const auto pair = findFresh( a.fresh, b.serial );
 	return pair == a.fresh.end() ? 0.0 : pair->slack;
 }
 
 void setSlack( const SoftBody::Impl& of, unsigned other, double slack )
 {
-	const auto pair = std::find_if( of.fresh.begin(), of.fresh.end(), [other]( const FreshPair& p ) { return p.other == other; } );
+	const auto pair = findFresh( of.fresh, other );
 	if ( pair != of.fresh.end() )
 	{
 		pair->slack = slack;

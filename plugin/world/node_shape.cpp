@@ -38,6 +38,20 @@ btDbvtNode* makeTreeNode( btDbvtNode* parent )
 	return node;
 }
 
+/// Leaf by leaf into a tree takes twenty times as long as all at once: beyond this share of what is in it, it is made anew.
+constexpr double kMostPutIn = 0.05;
+
+/// Cells of the surface and one layer below.
+bool isNearSurface( const Lattice& lattice, int cell )
+{
+	bool isNear = lattice.isSurface[cell] != 0;
+	for ( std::uint32_t k = lattice.linkStart[cell]; !isNear && k < lattice.linkStart[cell + 1]; ++k )
+	{
+		isNear = lattice.isSurface[lattice.linkTo[k]] != 0;
+	}
+	return isNear;
+}
+
 /// A tree over all children at once, halved along its longest side again and again: Bullet's own way, leaf by leaf and then rebuilt, takes
 /// twenty times as long, which is the worst of what a fracture would cost.
 class TreeBuilder
@@ -45,9 +59,11 @@ class TreeBuilder
 public:
 	TreeBuilder( btCompoundShapeChild* children, int count ) : m_children( children )
 	{
+		m_order.reserve( std::size_t( count ) );
 		for ( int i = 0; i < count; ++i )
 		{
-			m_order.push_back( i );
+			const btVector3& at = children[i].m_transform.getOrigin();
+			m_order.push_back( Leaf{ { at.x(), at.y(), at.z() }, i } );
 		}
 	}
 
@@ -56,28 +72,34 @@ public:
 		btDbvtNode* const node = makeTreeNode( parent );
 		if ( last - first == 1 )
 		{
-			const int child = m_order[std::size_t( first )];
+			const int child = m_order[std::size_t( first )].child;
 			node->dataAsInt = child;
 			m_children[child].m_node = node;
 			return node;
 		}
 		const int axis = longestAxis( first, last ), middle = ( first + last ) / 2;
-		const auto place = [this, axis]( int child ) { return m_children[child].m_transform.getOrigin()[axis]; };
 		const auto begin = m_order.begin();
 		std::nth_element( begin + first, begin + middle, begin + last,
-			[&place]( int a, int b ) { return place( a ) != place( b ) ? place( a ) < place( b ) : a < b; } );
+			[axis]( const Leaf& a, const Leaf& b ) { return a.at[axis] != b.at[axis] ? a.at[axis] < b.at[axis] : a.child < b.child; } );
 		node->childs[0] = build( node, first, middle );
 		node->childs[1] = build( node, middle, last );
 		return node;
 	}
 
 private:
+	struct Leaf
+	{
+		btScalar at[3];
+		int child;
+	};
+
 	int longestAxis( int first, int last ) const
 	{
 		btVector3 low( BT_LARGE_FLOAT, BT_LARGE_FLOAT, BT_LARGE_FLOAT ), high( -low );
 		for ( int k = first; k < last; ++k )
 		{
-			const btVector3& at = m_children[m_order[std::size_t( k )]].m_transform.getOrigin();
+			const btScalar* const place = m_order[std::size_t( k )].at;
+			const btVector3 at( place[0], place[1], place[2] );
 			low.setMin( at );
 			high.setMax( at );
 		}
@@ -85,7 +107,7 @@ private:
 	}
 
 	btCompoundShapeChild* m_children;
-	std::vector<int> m_order;
+	std::vector<Leaf> m_order;
 };
 
 } // namespace
@@ -127,16 +149,43 @@ void NodeShape::addUniform( const Lattice& lattice )
 	{
 		// r = ( d / 2 ) cbrt( fill ). Departs from [O], where it is proportional to the mass: an eighth of a cell would be a dot.
 		m_sphereOfNode.push_back( sphereOf( 0.5 * lattice.cellSize * std::cbrt( lattice.fill[i] ) ) );
-		bool collides = lattice.isSurface[i] != 0;
-		for ( std::uint32_t k = lattice.linkStart[i]; !collides && k < lattice.linkStart[i + 1]; ++k )
-		{
-			collides = lattice.isSurface[lattice.linkTo[k]] != 0;
-		}
-		if ( collides )
+		if ( isNearSurface( lattice, i ) )
 		{
 			addChild( i, lattice.restCentre[i], m_sphereOfNode[i] );
 		}
 	}
+}
+
+bool NodeShape::followCracks( const Body& body )
+{
+	const Lattice& lattice = body.lattice();
+	std::vector<int> bare;
+	for ( int i = 0; i < lattice.cellCount(); ++i )
+	{
+		const bool collides = isNearSurface( lattice, i );
+		if ( !collides && m_childOfNode[i] >= 0 )
+		{
+			return false;
+		}
+		if ( collides && m_childOfNode[i] < 0 )
+		{
+			bare.push_back( i );
+		}
+	}
+	if ( double( bare.size() ) > kMostPutIn * double( m_nodeOfChild.size() ) )
+	{
+		return false;
+	}
+	for ( const int i : bare )
+	{
+		addNode( i, body.nodes().x.get( i ), m_sphereOfNode[i] ); // placed with all others when the substep goes on
+	}
+	if ( !bare.empty() )
+	{
+		m_inner.clear();
+		collectInner( m_dynamicAabbTree->m_root, m_inner );
+	}
+	return true;
 }
 
 // The child alone; the tree is built when all are there.

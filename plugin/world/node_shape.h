@@ -29,6 +29,10 @@ public:
 	/// Takes out the spheres of nodes that the body's last change of levels did away with and puts in those of new ones. `shift` as below.
 	void followLevels( const Body& body, const Vec3& shift );
 
+	/// The body has lost links and no nodes: nodes that now lie at the surface get their spheres. False where it takes a new shape: where nodes
+	/// lie at the surface no more, or many do that did not. Only for bodies without levels.
+	bool followCracks( const Body& body );
+
 	/// Writes the spheres' places and boxes and refits the tree. `shift`: the shape's own origin in the nodes' coordinates.
 	void update( const NodeState& nodes, const Vec3& shift );
 	/// The nodes may move by anything between `low` and `high`, m, in this step: the shape's box grows by it, the spheres' do not.

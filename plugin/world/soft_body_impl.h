@@ -5,7 +5,7 @@
 #include "body/body.h"
 #include "body/breaking.h"
 #include "pliant/soft_body.h"
-#include "surface/crack_surface.h"
+#include "surface/crack_family.h"
 #include "surface/skin_fade.h"
 #include "surface/skinning.h"
 #include "world/node_body.h"
@@ -62,6 +62,8 @@ struct FreshPair
 {
 	unsigned other;  ///< its serial
 	double slack;    ///< m, only ever smaller; infinity until it has been measured
+
+	friend bool operator<( const FreshPair& a, const FreshPair& b ) { return a.other < b.other; }
 };
 
 /// SmallPieces::Fade. A piece that has faded has left the world once; it may be added again by who owns it.
@@ -103,11 +105,14 @@ struct SoftBody::Impl
 	bool isWorldOwned = false;         ///< a fragment that nobody has released
 	unsigned fractureVersion = 0;
 	std::shared_ptr<int> family;       ///< bodies made of the one body it all came from; null: it never came apart
-	mutable std::vector<FreshPair> fresh;
+	mutable std::vector<FreshPair> fresh; ///< ascending
 	Fading fading;
 	std::unique_ptr<NodeShape> shapeBefore; ///< stand-ins of nodes that came off point to its spheres until the next collision phase
-	mutable std::unique_ptr<CrackSurface> cracks;       ///< null: the template's mesh is drawn as it is
-	mutable std::vector<float> crackTexture;            ///< u, v of its vertices
+	std::shared_ptr<CrackFamily> crackFamily;        ///< null: nobody had looked when it broke, or links were healed
+	mutable std::unique_ptr<CrackView> crackView;    ///< null: the template's mesh is drawn as it is
+	mutable std::unique_ptr<CrackSurface> ownCracks; ///< what the view shows where there is no family
+	mutable unsigned crackVersion = 0;               ///< fractureVersion that the view shows
+	mutable unsigned crackVersionBefore = 0;         ///< and that its change is from
 
 	std::unique_ptr<SelfCollision> self; ///< null: its nodes do not meet each other
 	std::vector<Pin> pins;             ///< ascending by node
@@ -150,6 +155,10 @@ struct SoftBody::Impl
 	void changeNodes( SoftBody& owner, const std::function<void()>& change );
 	void measureSpeed();
 	const SkinBinding& binding() const;
+	bool hasNewCracks() const;
+	void showOwnCracks() const;
+	/// Links broke that the body's lattice had so far. Before it takes the shape of what is left of it.
+	void noteCracks( const BreakReport& report );
 
 	/// The body takes the shape of what is left of it.
 	void adopt( SoftBody& owner, BodyPiece& piece );

@@ -108,38 +108,93 @@ void SoftBody::Impl::fadeFromKeptSurface()
 	skin.nodesMoved();
 }
 
+bool SoftBody::Impl::hasNewCracks() const
+{
+	const bool isKnown = body->firstCells().empty() || ( crackView && crackVersion == fractureVersion );
+	return !isKnown && bodyTemplate->crackComplex();
+}
+
+// With a family, cracks are drawn once for all that came from one body. Else, where nobody looked before it broke, from the body's own links.
 const SkinBinding& SoftBody::Impl::binding() const
 {
-	if ( cracks )
+	if ( !hasNewCracks() )
 	{
-		return cracks->binding();
+		return crackView ? *crackView->binding : bodyTemplate->skin();
 	}
-	const std::shared_ptr<const CellComplex> complex = body->firstCells().empty() ? nullptr : bodyTemplate->crackComplex();
-	if ( !complex )
+	crackView = crackView ? std::move( crackView ) : std::make_unique<CrackView>();
+	if ( crackFamily )
 	{
-		return bodyTemplate->skin();
+		const Vec3 shift = ( body->lattice().massCentre - bodyTemplate->lattice().massCentre ).cast<float>();
+		crackFamily->show( body->firstCells(), shift, *crackView );
 	}
+	else
+	{
+		showOwnCracks();
+	}
+	crackVersionBefore = crackVersion;
+	crackVersion = fractureVersion;
+	return *crackView->binding;
+}
+
+void SoftBody::Impl::showOwnCracks() const
+{
+	const std::shared_ptr<const CellComplex> complex = bodyTemplate->crackComplex();
 	const Vec3 shift = ( body->lattice().massCentre - bodyTemplate->lattice().massCentre ).cast<float>();
-	cracks = std::make_unique<CrackSurface>( complex, body->firstCells(), body->lattice(), shift );
-	crackTexture.resize( 2 * std::size_t( cracks->vertexCount() ) );
-	cracks->textureCoordinates( bodyTemplate->textureCoordinates(), complex->settings.textureTile, 0, crackTexture.data() );
-	return cracks->binding();
+	ownCracks = std::make_unique<CrackSurface>( complex, body->firstCells(), body->lattice(), shift );
+	CrackView& view = *crackView;
+	view.ownTexture.resize( 2 * std::size_t( ownCracks->vertexCount() ) );
+	ownCracks->textureCoordinates( bodyTemplate->textureCoordinates(), complex->settings.textureTile, 0, view.ownTexture.data() );
+	view.binding = &ownCracks->binding();
+	view.triangles = ownCracks->triangles().data();
+	view.triangleCount = int( ownCracks->triangles().size() );
+	view.sources = ownCracks->sources().data();
+	view.texture = view.ownTexture.data();
+	view.change = {};
+}
+
+void SoftBody::Impl::noteCracks( const BreakReport& report )
+{
+	const std::vector<std::uint32_t>& first = body->firstCells();
+	const bool isLookedAt = skin.frame > 0;
+	if ( !crackFamily && isLookedAt && first.empty() && bodyTemplate->crackSurface() )
+	{
+		crackFamily = std::make_shared<CrackFamily>( *bodyTemplate->crackSurface(), bodyTemplate->textureCoordinates() );
+	}
+	if ( report.hasHealed )
+	{
+		crackFamily.reset(); // its cracks do not close
+	}
+	if ( crackFamily )
+	{
+		std::vector<CellLink> links = report.broken;
+		for ( CellLink& link : links )
+		{
+			link = first.empty() ? link : CellLink{ first[link.a], first[link.b] };
+		}
+		crackFamily->breakLinks( links );
+	}
 }
 
 SurfaceView SoftBody::surface() const
 {
 	SurfaceView view;
 	const Impl& impl = *m_impl;
-	const SkinBinding& binding = impl.binding();
+	double unheard = 0.0; // a body in no world has nobody to tell
+	const auto drawnCracks = [&]() -> const SkinBinding& {
+		Stopwatch watch( impl.system ? impl.system->report.fracture : unheard );
+		return impl.binding();
+	};
+	const SkinBinding& binding = impl.hasNewCracks() ? drawnCracks() : impl.binding();
 	if ( binding.kind == Skinning::None )
 	{
 		return view;
 	}
 	SkinTriangles triangles{ impl.bodyTemplate->indices(), impl.bodyTemplate->triangleCount() };
-	if ( impl.cracks )
+	const CrackView* const cracks = impl.crackView && impl.crackVersion == impl.fractureVersion ? impl.crackView.get() : nullptr;
+	if ( cracks )
 	{
-		triangles.count = int( impl.cracks->triangles().size() );
-		triangles.indices = triangles.count > 0 ? impl.cracks->triangles()[0].data() : nullptr;
+		triangles.count = cracks->triangleCount;
+		triangles.indices = triangles.count > 0 ? cracks->triangles->data() : nullptr;
 	}
 	SkinBuffers& skinBuffers = impl.skin;
 	if ( skinBuffers.isStale )
@@ -169,10 +224,16 @@ SurfaceView SoftBody::surface() const
 	view.triangleCount = triangles.count;
 	view.topologyVersion = impl.fractureVersion;
 	view.textureCoordinates = impl.bodyTemplate->textureCoordinates();
-	if ( impl.cracks )
+	view.changedSince = view.topologyVersion;
+	if ( cracks )
 	{
-		view.textureCoordinates = impl.crackTexture.data();
-		view.triangleSource = impl.cracks->sources().data();
+		view.textureCoordinates = cracks->texture;
+		view.triangleSource = cracks->sources;
+		view.changedSince = impl.crackVersionBefore;
+		view.firstNewVertex = int( cracks->change.firstNewVertex );
+		view.firstNewTriangle = int( cracks->change.firstNewTriangle );
+		view.firstChangedTriangle = int( cracks->change.firstChanged );
+		view.lastChangedTriangle = int( cracks->change.lastChanged );
 	}
 	view.frame = skinBuffers.frame;
 	return view;

@@ -92,6 +92,11 @@ TEST( LinkLimits, PiecesKeepTheirLinksToughness )
 		const Lattice part = extractCells( open, cells );
 		const LinkLimits now = limitLinks( part, 0.1f, inheritToughness( limits, part, cells ) );
 		ASSERT_EQ( now.toughness.size(), std::size_t( part.linkCount() ) );
+		const LinkLimits inherited = inheritLimits( limits, part, cells, 0.1f ); // the fast road
+		EXPECT_EQ( inherited.start, now.start );
+		EXPECT_EQ( inherited.to, now.to );
+		EXPECT_EQ( inherited.toughness, now.toughness );
+		EXPECT_EQ( inherited.weakest, now.weakest );
 		for ( std::uint32_t i = 0; i < std::uint32_t( part.cellCount() ); ++i )
 		{
 			for ( std::uint32_t k = now.start[i]; k < now.start[i + 1]; ++k )
@@ -100,6 +105,7 @@ TEST( LinkLimits, PiecesKeepTheirLinksToughness )
 				const auto old = std::find( row, limits.to.begin() + limits.start[cells[i] + 1], cells[now.to[k]] ) - limits.to.begin();
 				EXPECT_EQ( now.toughness[k], limits.toughness[std::size_t( old )] );
 				EXPECT_FLOAT_EQ( now.lengthSquared[k], limits.lengthSquared[std::size_t( old )] );
+				EXPECT_EQ( inherited.lengthSquared[k], limits.lengthSquared[std::size_t( old )] );
 			}
 		}
 	}

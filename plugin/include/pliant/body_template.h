@@ -17,6 +17,7 @@ struct Lattice;
 struct SkinBinding;
 struct TemplateCache;
 class CellComplex;
+class CrackSurface;
 
 /// How the render mesh follows the nodes.
 enum class Skinning : int
@@ -114,6 +115,8 @@ public:
 	/// What cracks can show, made at the first call; safe from several threads. Null with Skinning::None, or when there is no memory for it:
 	/// cracks are then not drawn.
 	std::shared_ptr<const CellComplex> crackComplex() const;
+	/// The surface of a whole body, ready to crack; made with it.
+	std::shared_ptr<const CrackSurface> crackSurface() const;
 
 private:
 	BodyTemplate();

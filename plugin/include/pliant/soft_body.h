@@ -39,6 +39,10 @@ struct SurfaceView
 	int vertexCount = 0;
 	int triangleCount = 0;
 	unsigned topologyVersion = 0;        ///< changes when indices or counts change
+	/// What has to be uploaded again where the version that was uploaded is `changedSince`: vertices from firstNewVertex on, triangles from
+	/// firstNewTriangle on, and triangles firstChangedTriangle .. lastChangedTriangle - 1. Everything, where another version was.
+	unsigned changedSince = 0;
+	int firstNewVertex = 0, firstNewTriangle = 0, firstChangedTriangle = 0, lastChangedTriangle = 0;
 	unsigned frame = 0;                  ///< changes when positions change
 };
 

@@ -1,0 +1,166 @@
+#include "surface/crack_family.h"
+
+#include <algorithm>
+
+namespace pliant {
+
+CrackFamily::CrackFamily( const CrackSurface& whole, const float* texture ) : m_whole( whole ), m_input( texture )
+{
+	m_whole.makeRoom();
+	m_cellNow.resize( m_whole.cells().size() );
+	catchUp();
+}
+
+void CrackFamily::breakLinks( const std::vector<CellLink>& links )
+{
+	m_pending.insert( m_pending.end(), links.begin(), links.end() );
+}
+
+void CrackFamily::catchUp()
+{
+	if ( !m_pending.empty() )
+	{
+		m_whole.breakLinks( m_pending );
+		m_whole.settle();
+		m_pending.clear();
+	}
+	const std::uint32_t known = std::uint32_t( m_texture.size() / 2 );
+	if ( known < m_whole.vertexCount() )
+	{
+		m_texture.resize( 2 * std::size_t( m_whole.vertexCount() ) );
+		m_whole.textureCoordinates( m_input, m_whole.complex().settings.textureTile, known, m_texture.data() + 2 * std::size_t( known ) );
+		m_vertexMark.resize( m_whole.vertexCount(), 0 );
+		m_vertexNow.resize( m_whole.vertexCount() );
+		m_groupMark.resize( std::size_t( m_whole.binding().normalGroups ), 0 );
+		m_groupNow.resize( std::size_t( m_whole.binding().normalGroups ) );
+	}
+}
+
+void CrackFamily::show( const std::vector<std::uint32_t>& cells, const Vec3& shift, CrackView& view )
+{
+	const std::lock_guard<std::mutex> lock( m_mutex );
+	catchUp();
+	if ( cells.size() == m_whole.cells().size() )
+	{
+		showWhole( view );
+		return;
+	}
+	for ( std::uint32_t k = 0; k < std::uint32_t( cells.size() ); ++k )
+	{
+		m_cellNow[cells[k]] = k;
+	}
+	gatherTriangles( cells, view );
+	gatherVertices( shift, view );
+	view.binding = &view.ownBinding;
+	view.triangles = view.ownTriangles.data();
+	view.sources = view.ownSources.data();
+	view.texture = view.ownTexture.data();
+	view.triangleCount = int( view.ownTriangles.size() );
+	view.change = {};
+}
+
+void CrackFamily::showWhole( CrackView& view ) const
+{
+	const bool isSame = view.binding == &m_whole.binding();
+	view.change = isSame ? m_whole.latestChange() : CrackSurface::Change{};
+	view.binding = &m_whole.binding();
+	view.triangles = m_whole.triangles().data();
+	view.sources = m_whole.sources().data();
+	view.texture = m_texture.data();
+	view.triangleCount = int( m_whole.triangles().size() );
+}
+
+void CrackFamily::gatherTriangle( std::uint32_t triangle, CrackView& view )
+{
+	std::array<std::uint32_t, 3> corner = m_whole.m_triangle[triangle];
+	for ( std::uint32_t& v : corner )
+	{
+		if ( m_vertexMark[v] != m_round )
+		{
+			m_vertexMark[v] = m_round;
+			m_vertexNow[v] = std::uint32_t( m_vertex.size() );
+			m_vertex.push_back( v );
+		}
+		v = m_vertexNow[v];
+	}
+	view.ownTriangles.push_back( corner );
+	view.ownSources.push_back( m_whole.m_source[triangle] );
+}
+
+void CrackFamily::gatherSides( std::uint32_t cell, CrackView& view )
+{
+	for ( std::uint32_t k = m_whole.m_cellFaceStart[cell]; k < m_whole.m_cellFaceStart[cell + 1]; ++k )
+	{
+		const CrackSurface::Face& face = m_whole.m_face[m_whole.m_cellFace[k]];
+		const std::uint32_t first = face.cellA == cell ? face.firstA : face.firstB;
+		if ( first != CrackSurface::kNone )
+		{
+			const CrackFace& known = m_whole.complex().face[face.number];
+			for ( std::uint32_t t = first; t < first + known.lastTriangle - known.firstTriangle; ++t )
+			{
+				gatherTriangle( t, view );
+			}
+		}
+	}
+}
+
+void CrackFamily::gatherTriangles( const std::vector<std::uint32_t>& cells, CrackView& view )
+{
+	++m_round;
+	m_vertex.clear();
+	view.ownTriangles.clear();
+	view.ownSources.clear();
+	for ( const std::uint32_t cell : cells )
+	{
+		for ( std::uint32_t t = m_whole.m_cellTriangle[cell]; t < m_whole.m_cellTriangle[cell + 1]; ++t )
+		{
+			gatherTriangle( t, view );
+		}
+	}
+	for ( const std::uint32_t cell : cells )
+	{
+		gatherSides( cell, view );
+	}
+}
+
+// Rows lose what weighs nothing: it is at their ends.
+void CrackFamily::gatherVertices( const Vec3& shift, CrackView& view )
+{
+	const SkinBinding& from = m_whole.binding();
+	SkinBinding& to = view.ownBinding;
+	const std::size_t count = m_vertex.size();
+	to.kind = from.kind;
+	to.normalGroups = 0;
+	to.start.resize( count + 1 );
+	to.restPosition.resize( count );
+	to.restNormal.resize( count );
+	to.normalShift.resize( count );
+	to.normalGroup.resize( count );
+	view.ownTexture.resize( 2 * count );
+	to.node.clear();
+	to.weight.clear();
+	for ( std::size_t k = 0; k < count; ++k )
+	{
+		const std::uint32_t v = m_vertex[k], group = from.normalGroup[v];
+		if ( m_groupMark[group] != m_round )
+		{
+			m_groupMark[group] = m_round;
+			m_groupNow[group] = std::uint32_t( to.normalGroups++ );
+		}
+		to.normalGroup[k] = m_groupNow[group];
+		to.restPosition[k] = from.restPosition[v] - shift;
+		to.restNormal[k] = from.restNormal[v];
+		to.normalShift[k] = from.normalShift[v];
+		view.ownTexture[2 * k] = m_texture[2 * std::size_t( v )];
+		view.ownTexture[2 * k + 1] = m_texture[2 * std::size_t( v ) + 1];
+		to.start[k] = std::uint32_t( to.node.size() );
+		for ( std::uint32_t e = from.start[v]; e < from.start[v + 1] && from.weight[e] != 0.0f; ++e )
+		{
+			to.node.push_back( m_cellNow[from.node[e]] );
+			to.weight.push_back( from.weight[e] );
+		}
+	}
+	to.start[count] = std::uint32_t( to.node.size() );
+}
+
+} // namespace pliant

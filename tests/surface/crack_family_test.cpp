@@ -1,0 +1,195 @@
+// What bodies take out of their family's cracks is what each would draw from its own links.
+
+#include "surface/crack_pieces.h"
+
+#include "surface/crack_family.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <random>
+
+namespace pliant {
+namespace {
+
+using namespace test;
+
+/// Everything there is to a corner: place, normal, texture coordinates, which cells carry it and how much.
+using Corner = std::vector<float>;
+using Drawing = std::vector<std::vector<Corner>>;
+
+Corner cornerOf( const SkinBinding& b, const float* texture, std::uint32_t v )
+{
+	Corner corner = { texture[2 * std::size_t( v )], texture[2 * std::size_t( v ) + 1] };
+	for ( const Vec3& a : { b.restPosition[v], b.restNormal[v], b.normalShift[v] } )
+	{
+		corner.insert( corner.end(), a.data(), a.data() + 3 );
+	}
+	for ( std::uint32_t k = b.start[v]; k < b.start[v + 1] && b.weight[k] != 0.0f; ++k )
+	{
+		corner.push_back( float( b.node[k] ) );
+		corner.push_back( b.weight[k] );
+	}
+	return corner;
+}
+
+/// Triangles in an order of their own, each beginning with its least corner.
+Drawing drawingOf( const SkinBinding& b, const std::array<std::uint32_t, 3>* triangles, const std::uint32_t* sources, int count, const float* texture )
+{
+	Drawing drawing;
+	for ( int t = 0; t < count; ++t )
+	{
+		std::vector<Corner> corners;
+		for ( const std::uint32_t v : triangles[t] )
+		{
+			corners.push_back( cornerOf( b, texture, v ) );
+		}
+		std::rotate( corners.begin(), std::min_element( corners.begin(), corners.end() ), corners.end() );
+		corners.push_back( { float( sources[t] ) } );
+		drawing.push_back( corners );
+	}
+	std::sort( drawing.begin(), drawing.end() );
+	return drawing;
+}
+
+Drawing drawingOf( const CrackView& view )
+{
+	return drawingOf( *view.binding, view.triangles, view.sources, view.triangleCount, view.texture );
+}
+
+Drawing drawingOf( const CrackSurface& surface, const float* input )
+{
+	std::vector<float> texture( 2 * std::size_t( surface.vertexCount() ) );
+	surface.textureCoordinates( input, surface.complex().settings.textureTile, 0, texture.data() );
+	return drawingOf( surface.binding(), surface.triangles().data(), surface.sources().data(), int( surface.triangles().size() ), texture.data() );
+}
+
+struct Torn
+{
+	explicit Torn( const CrackCase& it ) : whole( it.complex ), lattice( it.lattice() )
+	{
+		for ( std::size_t v = 0; v < it.mesh.vertexCount(); ++v )
+		{
+			const float* p = &it.mesh.positions[3 * v];
+			texture.insert( texture.end(), { 2.0f * p[0] + p[1], p[2] - 3.0f * p[1] } );
+		}
+		family = std::make_unique<CrackFamily>( whole, texture.data() );
+	}
+
+	/// A share of all links that are left, and those between pieces.
+	void tear( double share, int pieces, unsigned seed )
+	{
+		std::mt19937 random( seed );
+		std::vector<std::size_t> pieceOf( lattice.fill.size(), 0 );
+		const auto parts = shatter( lattice, pieces, seed );
+		for ( std::size_t k = 0; k < parts.size(); ++k )
+		{
+			for ( const std::uint32_t cell : parts[k] )
+			{
+				pieceOf[cell] = k;
+			}
+		}
+		std::vector<CellLink> links;
+		for ( std::uint32_t a = 0; a < std::uint32_t( lattice.cellCount() ); ++a )
+		{
+			for ( std::uint32_t k = lattice.linkStart[a]; k < lattice.linkStart[a + 1]; ++k )
+			{
+				const std::uint32_t b = lattice.linkTo[k];
+				if ( a < b && ( pieceOf[a] != pieceOf[b] || random() < share * 4294967296.0 ) )
+				{
+					links.push_back( { a, b } );
+				}
+			}
+		}
+		lattice = withoutLinks( lattice, links );
+		family->breakLinks( links );
+		EXPECT_TRUE( family->hasNews() || links.empty() );
+	}
+
+	CrackSurface whole;
+	Lattice lattice;
+	std::vector<float> texture;
+	std::unique_ptr<CrackFamily> family;
+};
+
+class Families : public testing::TestWithParam<float>
+{
+};
+
+TEST_P( Families, EachBodyShowsWhatItWouldByItself )
+{
+	const CrackCase it( makeSphere( 1.0, 16, 24 ), 0.3, noisy( GetParam() ) );
+	Torn torn( it );
+	CrackView view;
+	int bodies = 0;
+	for ( const auto& [share, pieces] : { std::pair( 0.02, 1 ), std::pair( 0.05, 4 ), std::pair( 0.0, 1 ), std::pair( 0.3, 6 ), std::pair( 0.9, 2 ) } )
+	{
+		torn.tear( share, pieces, unsigned( 7 + bodies ) );
+		for ( const auto& cells : connectedParts( torn.lattice ) )
+		{
+			const CrackSurface alone( it.complex, cells, extractCells( torn.lattice, cells ), Vec3::Zero() );
+			torn.family->show( cells, Vec3::Zero(), view );
+			EXPECT_EQ( drawingOf( view ), drawingOf( alone, torn.texture.data() ) );
+			++bodies;
+		}
+		expectValid( torn.family->whole() );
+	}
+	EXPECT_GT( bodies, 50 );
+}
+
+TEST_P( Families, PlacesAreSeenFromTheBodysOwnCentre )
+{
+	const CrackCase it( makeSphere( 1.0, 16, 24 ), 0.3, noisy( GetParam() ) );
+	Torn torn( it );
+	torn.tear( 0.0, 3, 5 );
+	const std::vector<std::uint32_t> cells = connectedParts( torn.lattice )[0];
+	const Vec3 shift( 0.25f, -0.5f, 1.0f );
+	CrackView here, there;
+	torn.family->show( cells, Vec3::Zero(), here );
+	torn.family->show( cells, shift, there );
+	ASSERT_EQ( here.binding->restPosition.size(), there.binding->restPosition.size() );
+	for ( std::size_t v = 0; v < here.binding->restPosition.size(); ++v )
+	{
+		EXPECT_EQ( there.binding->restPosition[v], here.binding->restPosition[v] - shift );
+	}
+}
+
+/// As long as it is all there, the ranges of a view tell all that is new.
+TEST_P( Families, RangesOfTheWholeTellWhatIsNew )
+{
+	const CrackCase it( makeSphere( 1.0, 16, 24 ), 0.3, noisy( GetParam() ) );
+	Torn torn( it );
+	std::vector<std::uint32_t> all( it.complex->cellCount() );
+	for ( std::uint32_t k = 0; k < all.size(); ++k )
+	{
+		all[k] = k;
+	}
+	CrackView view;
+	torn.tear( 0.02, 1, 1 );
+	torn.family->show( all, Vec3::Zero(), view );
+	EXPECT_EQ( view.change.firstNewVertex, 0u );
+	EXPECT_EQ( view.change.firstNewTriangle, 0u );
+	int kept = 0;
+	for ( unsigned round = 2; round < 6; ++round )
+	{
+		const std::vector<std::array<std::uint32_t, 3>> before( view.triangles, view.triangles + view.triangleCount );
+		const std::uint32_t vertices = std::uint32_t( view.binding->restPosition.size() );
+		torn.tear( 0.02, 1, round );
+		torn.tear( 0.01, 1, round + 100 );
+		torn.family->show( all, Vec3::Zero(), view );
+		EXPECT_EQ( view.change.firstNewVertex, vertices );
+		EXPECT_EQ( view.change.firstNewTriangle, before.size() );
+		for ( std::uint32_t t = 0; t < before.size(); ++t )
+		{
+			const bool isNoted = t >= view.change.firstChanged && t < view.change.lastChanged;
+			EXPECT_TRUE( isNoted || before[t] == view.triangles[t] );
+			kept += isNoted ? 0 : 1;
+		}
+	}
+	EXPECT_GT( kept, 0 );
+}
+
+INSTANTIATE_TEST_SUITE_P( Noise, Families, testing::Values( 0.0f, 0.3f ) );
+
+} // namespace
+} // namespace pliant

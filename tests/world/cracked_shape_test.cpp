@@ -1,0 +1,58 @@
+// The spheres of a body that cracks and loses no node: its shape is kept, and has those that a new one would have.
+
+#include "test_world.h"
+
+#include "world/node_shape.h"
+#include "world/soft_body_impl.h"
+
+#include <cstdio>
+#include <vector>
+
+namespace pliant {
+namespace {
+
+using test::at;
+using test::block;
+using test::TestWorld;
+
+TEST( CrackedShape, HasTheSpheresOfANewOne )
+{
+	TestWorld test;
+	test.world.setGravity( btVector3( 0, 0, 0 ) );
+	SoftBody* soft = test.addSoft( block( 9, 9, 9, 0.1f ), at( 0, 2, 0 ) );
+	int kept = 0, added = 0;
+	for ( int cut = 0; cut < 12; ++cut )
+	{
+		const NodeShape* const before = soft->impl().shape.get();
+		const int spheres = before->getNumChildShapes();
+		// A disc of a cut that ends inside: the body hangs together.
+		ASSERT_GT( soft->cutPlane( btVector3( btScalar( 0.07 * ( cut - 6 ) ), btScalar( 2 + 0.02 * cut ), 0 ), btVector3( 1, btScalar( 0.3 ), btScalar( 0.1 * cut ) ), btScalar( 0.16 ) ), 0 );
+		test.run( 1 );
+		ASSERT_EQ( test.world.softBodyCount(), 1 );
+		const NodeShape& now = *soft->impl().shape;
+		kept += &now == before ? 1 : 0;
+		added += now.getNumChildShapes() - spheres;
+		const NodeShape fresh( *soft->impl().body );
+		ASSERT_EQ( now.getNumChildShapes(), fresh.getNumChildShapes() );
+		for ( int node = 0; node < soft->nodeCount(); ++node )
+		{
+			EXPECT_EQ( now.childOfNode( node ) >= 0, fresh.childOfNode( node ) >= 0 );
+			EXPECT_EQ( now.sphereOfNode( node )->getRadius(), fresh.sphereOfNode( node )->getRadius() );
+		}
+		for ( int child = 0; child < now.getNumChildShapes(); ++child )
+		{
+			const btDbvtNode* const leaf = now.getChildList()[child].m_node;
+			EXPECT_EQ( leaf->dataAsInt, child );
+			EXPECT_EQ( now.getChildList()[child].m_childShape, now.sphereOfNode( now.nodeOfChild( child ) ) );
+			btVector3 places = soft->nodePosition( now.nodeOfChild( child ) ) - soft->getWorldTransform().getOrigin();
+			EXPECT_LT( places.distance( now.getChildList()[child].m_transform.getOrigin() ), btScalar( 1e-4 ) );
+			EXPECT_TRUE( now.tree().m_root->volume.Contain( leaf->volume ) );
+		}
+	}
+	std::printf( "kept %d of 12 times, %d spheres came to it\n", kept, added );
+	EXPECT_GT( kept, 4 );
+	EXPECT_GT( added, 20 );
+}
+
+} // namespace
+} // namespace pliant
