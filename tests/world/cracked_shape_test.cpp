@@ -29,7 +29,7 @@ TEST( CrackedShape, HasTheSpheresOfANewOne )
 		ASSERT_GT( soft->cutPlane( btVector3( btScalar( 0.07 * ( cut - 6 ) ), btScalar( 2 + 0.02 * cut ), 0 ), btVector3( 1, btScalar( 0.3 ), btScalar( 0.1 * cut ) ), btScalar( 0.16 ) ), 0 );
 		test.run( 1 );
 		ASSERT_EQ( test.world.softBodyCount(), 1 );
-		const NodeShape& now = *soft->impl().shape;
+		NodeShape& now = *soft->impl().shape;
 		kept += &now == before ? 1 : 0;
 		added += now.getNumChildShapes() - spheres;
 		const NodeShape fresh( *soft->impl().body );
@@ -44,7 +44,7 @@ TEST( CrackedShape, HasTheSpheresOfANewOne )
 			const btDbvtNode* const leaf = now.getChildList()[child].m_node;
 			EXPECT_EQ( leaf->dataAsInt, child );
 			EXPECT_EQ( now.getChildList()[child].m_childShape, now.sphereOfNode( now.nodeOfChild( child ) ) );
-			btVector3 places = soft->nodePosition( now.nodeOfChild( child ) ) - soft->getWorldTransform().getOrigin();
+			const btVector3 places = soft->nodePosition( now.nodeOfChild( child ) ) - soft->getWorldTransform().getOrigin();
 			EXPECT_LT( places.distance( now.getChildList()[child].m_transform.getOrigin() ), btScalar( 1e-4 ) );
 			EXPECT_TRUE( now.tree().m_root->volume.Contain( leaf->volume ) );
 		}
