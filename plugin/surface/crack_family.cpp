@@ -31,6 +31,8 @@ void CrackFamily::catchUp()
 		m_whole.textureCoordinates( m_input, m_whole.complex().settings.textureTile, known, m_texture.data() + 2 * std::size_t( known ) );
 		m_vertexMark.resize( m_whole.vertexCount(), 0 );
 		m_vertexNow.resize( m_whole.vertexCount() );
+		m_carrierMark.resize( m_whole.vertexCount(), 0 );
+		m_carrierNow.resize( m_whole.vertexCount() );
 		m_groupMark.resize( std::size_t( m_whole.binding().normalGroups ), 0 );
 		m_groupNow.resize( std::size_t( m_whole.binding().normalGroups ) );
 	}
@@ -136,6 +138,7 @@ void CrackFamily::gatherVertices( const Vec3& shift, CrackView& view )
 	to.restNormal.resize( count );
 	to.normalShift.resize( count );
 	to.normalGroup.resize( count );
+	to.carrier.resize( count );
 	view.ownTexture.resize( 2 * count );
 	to.node.clear();
 	to.weight.clear();
@@ -154,7 +157,15 @@ void CrackFamily::gatherVertices( const Vec3& shift, CrackView& view )
 		view.ownTexture[2 * k] = m_texture[2 * std::size_t( v )];
 		view.ownTexture[2 * k + 1] = m_texture[2 * std::size_t( v ) + 1];
 		to.start[k] = std::uint32_t( to.node.size() );
-		for ( std::uint32_t e = from.start[v]; e < from.start[v + 1] && from.weight[e] != 0.0f; ++e )
+		const std::uint32_t carrier = from.carrier[v]; // of this side, whether the body draws it or not
+		if ( m_carrierMark[carrier] == m_round )
+		{
+			to.carrier[k] = m_carrierNow[carrier];
+			continue;
+		}
+		m_carrierMark[carrier] = m_round;
+		m_carrierNow[carrier] = to.carrier[k] = std::uint32_t( k );
+		for ( std::uint32_t e = from.start[carrier]; e < from.start[carrier + 1] && from.weight[e] != 0.0f; ++e )
 		{
 			to.node.push_back( m_cellNow[from.node[e]] );
 			to.weight.push_back( from.weight[e] );

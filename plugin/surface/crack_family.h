@@ -65,8 +65,8 @@ private:
 
 	// Room kept between calls.
 	std::vector<std::uint32_t> m_cellNow;             ///< by cell: its number in the body at hand
-	std::vector<std::uint32_t> m_vertexNow, m_groupNow; ///< the same of vertices and groups of normals, as far as they are marked
-	std::vector<std::uint32_t> m_vertexMark, m_groupMark;
+	std::vector<std::uint32_t> m_vertexNow, m_groupNow, m_carrierNow; ///< the same of vertices, groups of normals, and who carries, as far as marked
+	std::vector<std::uint32_t> m_vertexMark, m_groupMark, m_carrierMark;
 	std::vector<std::uint32_t> m_vertex;              ///< of the body at hand
 	std::uint32_t m_round = 0;
 };

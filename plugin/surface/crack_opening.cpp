@@ -266,21 +266,14 @@ void CrackSurface::rebind( std::uint32_t point )
 	{
 		return;
 	}
-	m_copies.clear();
 	for ( std::uint32_t v = m_firstVertex[point]; v != kNone; v = m_vertex[v].next )
 	{
-		m_copies.emplace_back( m_vertex[v].group, v );
-	}
-	std::sort( m_copies.begin(), m_copies.end() );
-	for ( std::size_t k = 0; k < m_copies.size(); ++k )
-	{
-		if ( k == 0 || m_copies[k].first != m_copies[k - 1].first )
+		if ( m_binding.carrier[v] == v )
 		{
-			reach( point, m_copies[k].first );
+			reach( point, m_vertex[v].group );
+			std::copy( m_rowCell.begin(), m_rowCell.end(), m_binding.node.begin() + m_binding.start[v] );
+			std::copy( m_rowWeight.begin(), m_rowWeight.end(), m_binding.weight.begin() + m_binding.start[v] );
 		}
-		const std::uint32_t start = m_binding.start[m_copies[k].second];
-		std::copy( m_rowCell.begin(), m_rowCell.end(), m_binding.node.begin() + start );
-		std::copy( m_rowWeight.begin(), m_rowWeight.end(), m_binding.weight.begin() + start );
 	}
 }
 
@@ -437,8 +430,7 @@ void CrackSurface::makeRoom()
 {
 	// Were all faces to break, so many would come to it; half of them is a lot.
 	const std::size_t triangles = m_complex->faceTriangle.size(), vertices = m_complex->pointsOfFace.entry.size();
-	const double rowLength = double( m_binding.node.size() ) / double( std::max( std::size_t( 1 ), m_vertex.size() ) );
-	const auto entries = std::size_t( rowLength * double( vertices ) );
+	const std::size_t entries = m_binding.node.size();
 	const auto more = []( auto& list, std::size_t count ) { list.reserve( list.size() + count ); };
 	more( m_triangle, triangles );
 	more( m_source, triangles );
@@ -450,6 +442,7 @@ void CrackSurface::makeRoom()
 	more( m_binding.restNormal, vertices );
 	more( m_binding.normalGroup, vertices );
 	more( m_binding.normalShift, vertices );
+	more( m_binding.carrier, vertices );
 }
 
 std::size_t CrackSurface::bytes() const
@@ -459,7 +452,7 @@ std::size_t CrackSurface::bytes() const
 		sizeOf( m_slotStart ) + sizeOf( m_slotCell ) + sizeOf( m_slotGroup ) + sizeOf( m_groups ) + sizeOf( m_tieStart ) + sizeOf( m_tie ) +
 		sizeOf( m_vertex ) + sizeOf( m_firstVertex ) + sizeOf( m_triangle ) + sizeOf( m_source ) + sizeOf( m_binding.node ) +
 		sizeOf( m_binding.weight ) + sizeOf( m_binding.start ) + sizeOf( m_binding.restPosition ) + sizeOf( m_binding.restNormal ) +
-		sizeOf( m_binding.normalGroup ) + sizeOf( m_mark );
+		sizeOf( m_binding.normalGroup ) + sizeOf( m_binding.carrier ) + sizeOf( m_mark );
 }
 
 } // namespace pliant

@@ -315,27 +315,44 @@ std::uint32_t CrackSurface::addVertex( std::uint32_t point, std::uint32_t kind, 
 	{
 		m_binding.restNormal.back() = ( ( kind & 1u ) != 0 ? -1.0f : 1.0f ) * Vec3::Unit( int( ( kind - kInside ) / 2 ) );
 	}
-	// Room for all that could ever carry it; where cells of other bodies did, the row is written when all is drawn.
+	// One row a side.
+	std::uint32_t carrier = made;
+	for ( std::uint32_t v = m_firstVertex[point]; carrier == made && v != kNone; v = m_vertex[v].next )
+	{
+		carrier = m_vertex[v].group == group ? m_binding.carrier[v] : made;
+	}
+	m_binding.carrier.push_back( carrier );
+	if ( carrier == made )
+	{
+		addRow( point );
+	}
+	m_binding.start.push_back( std::uint32_t( m_binding.node.size() ) );
+	m_vertex.push_back( { point, kind, m_firstVertex[point], group } );
+	m_firstVertex[point] = made;
+	return made;
+}
+
+/// Room for all that could ever carry it; where cells of other bodies did, the row is written when all is drawn.
+void CrackSurface::addRow( std::uint32_t point )
+{
+	const std::uint32_t whole = m_point[point];
 	const std::uint32_t first = m_complex->bindStart[whole], last = m_complex->bindStart[whole + 1];
-	bool isStrange = false;
+	m_binding.weight.insert( m_binding.weight.end(), m_complex->bindWeight.begin() + first, m_complex->bindWeight.begin() + last );
 	if ( m_cell.size() == m_complex->cellCount() )
 	{
 		m_binding.node.insert( m_binding.node.end(), m_complex->bindCell.begin() + first, m_complex->bindCell.begin() + last );
+		return;
 	}
-	for ( std::uint32_t k = std::uint32_t( m_binding.node.size() ) - m_binding.start.back(); k < last - first; ++k )
+	bool isStrange = false;
+	for ( std::uint32_t k = first; k < last; ++k )
 	{
-		m_binding.node.push_back( localCell( m_complex->bindCell[first + k] ) );
+		m_binding.node.push_back( localCell( m_complex->bindCell[k] ) );
 		isStrange = isStrange || m_binding.node.back() == kNone;
 	}
 	if ( isStrange )
 	{
 		m_strange.push_back( point );
 	}
-	m_binding.weight.insert( m_binding.weight.end(), m_complex->bindWeight.begin() + first, m_complex->bindWeight.begin() + last );
-	m_binding.start.push_back( std::uint32_t( m_binding.node.size() ) );
-	m_vertex.push_back( { point, kind, m_firstVertex[point], group } );
-	m_firstVertex[point] = made;
-	return made;
 }
 
 /// Copies of one side at a point share a normal: the outer ones one, the inner ones another. Without noise the inner ones are the sides of

@@ -125,6 +125,7 @@ private:
 	std::uint16_t groupOf( std::uint32_t point, std::uint32_t cell ) const;
 	std::uint32_t vertexFor( std::uint32_t point, std::uint32_t kind, std::uint16_t group );
 	std::uint32_t addVertex( std::uint32_t point, std::uint32_t kind, std::uint16_t group );
+	void addRow( std::uint32_t point );
 	std::uint32_t normalGroupFor( std::uint32_t point, std::uint32_t kind, std::uint16_t group );
 	void drawSide( Face& face, bool isA );
 	void matchNormals();
@@ -181,7 +182,6 @@ private:
 	std::vector<std::uint8_t> m_isMarked;       ///< by point or cell
 	std::vector<std::uint32_t> m_strange;       ///< points that cells of other bodies carried
 	std::vector<Vec3> m_area;                   ///< by group of normals
-	std::vector<std::pair<std::uint16_t, std::uint32_t>> m_copies; ///< group and vertex
 };
 
 /// Every invariant: copies belong to groups, groups to standing faces, rows of the binding to the vertex's own side.

@@ -98,7 +98,7 @@ Status CrackSurface::validateGroups() const
 Status CrackSurface::validateBinding() const
 {
 	if ( m_binding.start.size() != m_vertex.size() + 1 || m_binding.restPosition.size() != m_vertex.size() ||
-		m_binding.normalGroup.size() != m_vertex.size() || m_binding.restNormal.size() != m_vertex.size() ||
+		m_binding.normalGroup.size() != m_vertex.size() || m_binding.carrier.size() != m_vertex.size() || m_binding.restNormal.size() != m_vertex.size() ||
 		( isSettled() && m_binding.normalShift.size() != m_vertex.size() ) )
 	{
 		return broken( "The binding and the vertices differ in number." );
@@ -106,7 +106,12 @@ Status CrackSurface::validateBinding() const
 	for ( std::size_t v = 0; v < m_vertex.size() && m_binding.kind != Skinning::None && isSettled(); ++v )
 	{
 		double sum = 0.0;
-		for ( std::uint32_t k = m_binding.start[v]; k < m_binding.start[v + 1]; ++k )
+		const std::uint32_t carrier = m_binding.carrier[v];
+		if ( m_binding.carrier[carrier] != carrier || m_vertex[carrier].point != m_vertex[v].point || m_vertex[carrier].group != m_vertex[v].group )
+		{
+			return broken( "A vertex is carried by one of another side." );
+		}
+		for ( std::uint32_t k = m_binding.start[carrier]; k < m_binding.start[carrier + 1]; ++k )
 		{
 			sum += double( m_binding.weight[k] );
 			if ( m_binding.node[k] >= m_cell.size() )

@@ -30,7 +30,8 @@ Vec3 follow( const SkinBinding& binding, const float* maps, const std::uint32_t*
 {
 	const Eigen::Vector4f at = binding.restPosition[vertex].homogeneous();
 	Vec3 sum = Vec3::Zero();
-	for ( std::uint32_t k = binding.start[vertex]; k < binding.start[vertex + 1]; ++k )
+	const std::uint32_t carrier = binding.carrierOf( vertex );
+	for ( std::uint32_t k = binding.start[carrier]; k < binding.start[carrier + 1]; ++k )
 	{
 		sum += binding.weight[k] * ( MapRows( maps + std::size_t( slot[binding.node[k]] ) * kMapFloats ) * at );
 	}
@@ -170,7 +171,8 @@ void SkinFade::start( const SkinBinding& binding, const Nodes& nodes )
 			offset = left * m_offset[old++];
 		}
 		const auto isChanged = [&]( std::uint32_t cell ) { return changed[slot[cell]] != 0; };
-		if ( std::any_of( binding.node.begin() + binding.start[v], binding.node.begin() + binding.start[v + 1], isChanged ) )
+		const std::uint32_t carrier = binding.carrierOf( v );
+		if ( std::any_of( binding.node.begin() + binding.start[carrier], binding.node.begin() + binding.start[carrier + 1], isChanged ) )
 		{
 			const Vec3 jump = follow( binding, m_mapBefore.data(), m_slotBefore.data(), v ) - follow( binding, now.data(), slot, v );
 			offset += nodes.body.conjugate() * jump;

@@ -80,7 +80,8 @@ struct Blend
 	/// `slot`: the node that holds a cell; null where cells are nodes.
 	Blend( const SkinBinding& binding, const float* maps, const std::uint32_t* slot, std::size_t vertex )
 	{
-		for ( std::uint32_t k = binding.start[vertex]; k < binding.start[vertex + 1]; ++k )
+		const std::uint32_t carrier = binding.carrierOf( vertex );
+		for ( std::uint32_t k = binding.start[carrier]; k < binding.start[carrier + 1]; ++k )
 		{
 			const std::uint32_t node = slot ? slot[binding.node[k]] : binding.node[k];
 			const float* map = maps + std::size_t( node ) * kMapFloats;
@@ -118,15 +119,37 @@ void writePositions( const SkinBinding& binding, const std::uint32_t* slot, Skin
 {
 	for ( std::size_t v = first; v < last; ++v )
 	{
+		const bool isCarried = binding.carrierOf( v ) != v;
+		if ( isCarried && !isShifted( binding, v ) )
+		{
+			continue;
+		}
 		const Vec3& at = binding.restPosition[v];
 		const Blend blend( binding, scratch.nodeMap.data(), slot, v );
-		const F4 x = blend.apply( F4{ at.x(), at.y(), at.z(), 1.0f } );
-		store4( scratch.position.data() + 4 * v, x );
-		write3( positions + 3 * v, x );
+		if ( !isCarried )
+		{
+			const F4 x = blend.apply( F4{ at.x(), at.y(), at.z(), 1.0f } );
+			store4( scratch.position.data() + 4 * v, x );
+			write3( positions + 3 * v, x );
+		}
 		if ( isShifted( binding, v ) )
 		{
 			const Vec3& shift = binding.normalShift[v];
 			store4( scratch.turnedShift.data() + 4 * v, blend.apply( F4{ shift.x(), shift.y(), shift.z(), 0.0f } ) );
+		}
+	}
+}
+
+/// Once all others have their places.
+void writeCarried( const SkinBinding& binding, SkinScratch& scratch, float* positions, std::size_t first, std::size_t last )
+{
+	for ( std::size_t v = first; v < last; ++v )
+	{
+		if ( const std::uint32_t carrier = binding.carrierOf( v ); carrier != v )
+		{
+			const F4 x = load4( scratch.position.data() + 4 * std::size_t( carrier ) );
+			store4( scratch.position.data() + 4 * v, x );
+			write3( positions + 3 * v, x );
 		}
 	}
 }
@@ -238,6 +261,11 @@ void skin( const SkinBinding& binding, const NodeState& state, const SkinPose& p
 	const auto end = [&]( int chunk ) { return std::min( vertices, begin( chunk + 1 ) ); };
 	auto place = [&]( int chunk ) { writePositions( binding, pose.slotOfCell, scratch, positions, begin( chunk ), end( chunk ) ); };
 	runTasks( runner, chunkCount( vertices ), place );
+	if ( !binding.carrier.empty() )
+	{
+		auto carry = [&]( int chunk ) { writeCarried( binding, scratch, positions, begin( chunk ), end( chunk ) ); };
+		runTasks( runner, chunkCount( vertices ), carry );
+	}
 	if ( pose.fade )
 	{
 		pose.fade->addTo( positions, scratch.position.data(), pose.body );

@@ -29,6 +29,11 @@ struct SkinBinding
 	int normalGroups = 0;
 	/// Per vertex: by how much its normal at rest is to differ from what its triangles give. It turns along. Empty: nowhere.
 	std::vector<Vec3> normalShift;
+	/// Per vertex: the one it stands where and goes with, to the bit (sides of a crack that meet in an edge, seams). Only that one has a row.
+	/// Empty: each has its own.
+	std::vector<std::uint32_t> carrier;
+
+	std::uint32_t carrierOf( std::size_t vertex ) const { return carrier.empty() ? std::uint32_t( vertex ) : carrier[vertex]; }
 };
 
 /// `weldedVertex`: for each vertex the number of the vertex it was welded to (itself when alone); empty: none were.

@@ -25,7 +25,7 @@ Corner cornerOf( const SkinBinding& b, const float* texture, std::uint32_t v )
 	{
 		corner.insert( corner.end(), a.data(), a.data() + 3 );
 	}
-	for ( std::uint32_t k = b.start[v]; k < b.start[v + 1] && b.weight[k] != 0.0f; ++k )
+	for ( std::uint32_t c = b.carrierOf( v ), k = b.start[c]; k < b.start[c + 1] && b.weight[k] != 0.0f; ++k )
 	{
 		corner.push_back( float( b.node[k] ) );
 		corner.push_back( b.weight[k] );

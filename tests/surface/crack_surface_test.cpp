@@ -140,7 +140,7 @@ TEST_P( Cracks, BrokenFaceByFaceAreThoseBrokenAtOnce )
 			for ( const std::uint32_t v : t )
 			{
 				const Vec3& p = s.binding().restPosition[v];
-				const std::uint32_t k = s.binding().start[v];
+				const std::uint32_t k = s.binding().start[s.binding().carrierOf( v )];
 				all.push_back( { p.x(), p.y(), p.z(), float( s.binding().node[k] ), s.binding().weight[k] } );
 			}
 		}
@@ -322,7 +322,8 @@ TEST( CrackSurface, TipsStayJoined )
 			{
 				if ( ( b.restPosition[v].cast<double>() + it.lattice().massCentre - place ).norm() < 1e-6 )
 				{
-					rows.insert( std::vector<std::uint32_t>( b.node.begin() + b.start[v], b.node.begin() + b.start[v + 1] ) );
+					const std::uint32_t c = b.carrierOf( v );
+					rows.insert( std::vector<std::uint32_t>( b.node.begin() + b.start[c], b.node.begin() + b.start[c + 1] ) );
 				}
 			}
 		}
