@@ -175,6 +175,21 @@ void SoftBody::Impl::noteCracks( const BreakReport& report )
 	}
 }
 
+namespace {
+
+void showCracks( const CrackView& cracks, unsigned since, SurfaceView& view )
+{
+	view.textureCoordinates = cracks.texture;
+	view.triangleSource = cracks.sources;
+	view.changedSince = since;
+	view.firstNewVertex = int( cracks.change.firstNewVertex );
+	view.firstNewTriangle = int( cracks.change.firstNewTriangle );
+	view.firstChangedTriangle = int( cracks.change.firstChanged );
+	view.lastChangedTriangle = int( cracks.change.lastChanged );
+}
+
+} // namespace
+
 SurfaceView SoftBody::surface() const
 {
 	SurfaceView view;
@@ -227,13 +242,7 @@ SurfaceView SoftBody::surface() const
 	view.changedSince = view.topologyVersion;
 	if ( cracks )
 	{
-		view.textureCoordinates = cracks->texture;
-		view.triangleSource = cracks->sources;
-		view.changedSince = impl.crackVersionBefore;
-		view.firstNewVertex = int( cracks->change.firstNewVertex );
-		view.firstNewTriangle = int( cracks->change.firstNewTriangle );
-		view.firstChangedTriangle = int( cracks->change.firstChanged );
-		view.lastChangedTriangle = int( cracks->change.lastChanged );
+		showCracks( *cracks, impl.crackVersionBefore, view );
 	}
 	view.frame = skinBuffers.frame;
 	return view;

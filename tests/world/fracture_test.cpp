@@ -3,6 +3,7 @@
 #include "test_world.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdio>
 #include <cstring>
@@ -338,6 +339,54 @@ TEST( Fracture, SurfacesOfPiecesAreClosedAndShowEachItsOwn )
 		}
 	}
 	EXPECT_NEAR( volume, 0.16, 0.16 * 0.05 ); // they still pulse a little
+}
+
+/// Every triangle as it is drawn, beginning with its least corner; in an order of their own.
+std::vector<std::array<float, 10>> trianglesOf( const SurfaceView& view )
+{
+	std::vector<std::array<float, 10>> all;
+	for ( int t = 0; t < view.triangleCount; ++t )
+	{
+		std::array<std::array<float, 3>, 3> corner{};
+		for ( std::size_t k = 0; k < 3; ++k )
+		{
+			const float* p = view.positions + 3 * std::size_t( view.indices[3 * std::size_t( t ) + k] );
+			std::copy( p, p + 3, corner[k].begin() );
+		}
+		std::rotate( corner.begin(), std::min_element( corner.begin(), corner.end() ), corner.end() );
+		all.push_back( { corner[0][0], corner[0][1], corner[0][2], corner[1][0], corner[1][1], corner[1][2], corner[2][0], corner[2][1], corner[2][2],
+			view.triangleSource ? float( view.triangleSource[t] ) : float( t ) } );
+	}
+	std::sort( all.begin(), all.end() );
+	return all;
+}
+
+/// Looked at in every frame, bodies draw what their family's cracks are; looked at once, after all is over, what their own links are.
+TEST( Fracture, ABodyLooksTheSameHoweverOftenItIsLookedAt )
+{
+	std::vector<std::vector<std::array<float, 10>>> drawn[2];
+	for ( const bool looks : { false, true } )
+	{
+		TestWorld test;
+		test.world.setGravity( btVector3( 0, 0, 0 ) );
+		SoftBody* soft = test.addSoft( block( 10, 4, 4, 0.1f ), at( 0, 1, 0 ), stiff( 1e5f ) );
+		ASSERT_TRUE( soft->setFracture( breaksAt( 0.03f ) ).ok() );
+		soft->setVelocities( btVector3( 0, 0, 0 ), btVector3( 0, 14, 0 ) );
+		for ( int frame = 0; frame < 60; ++frame )
+		{
+			for ( const SoftBody* body : allSoft( test.world ) )
+			{
+				looks ? void( body->surface() ) : void();
+			}
+			test.run( 1 );
+		}
+		ASSERT_GE( test.world.softBodyCount(), 3 );
+		for ( const SoftBody* body : allSoft( test.world ) )
+		{
+			drawn[looks ? 1 : 0].push_back( trianglesOf( body->surface() ) );
+		}
+	}
+	EXPECT_EQ( drawn[0], drawn[1] );
 }
 
 } // namespace

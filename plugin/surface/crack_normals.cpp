@@ -1,0 +1,84 @@
+// Shading of the outer surface where it is cut: as on the whole mesh, until something moves.
+
+#include "surface/crack_surface.h"
+
+#include <Eigen/Geometry>
+
+#include <algorithm>
+
+namespace pliant {
+
+/// A cut through the outer surface must not show as long as it is closed: at rest its vertices are shaded like the whole mesh, however few
+/// of the triangles around are left on their side.
+void CrackSurface::shadeLikeTheMesh( std::uint32_t vertex, const Vec3& area )
+{
+	const float largest = area.cwiseAbs().maxCoeff(); // its square would be nothing
+	if ( m_vertex[vertex].kind < kInside && !m_complex->vertexNormal.empty() )
+	{
+		m_binding.restNormal[vertex] = m_complex->vertexNormal[m_vertex[vertex].kind];
+		m_binding.normalShift[vertex] = largest > 0.0f ? Vec3( m_binding.restNormal[vertex] - ( area / largest ).normalized() ) : Vec3( Vec3::Zero() );
+	}
+}
+
+void CrackSurface::matchNormals()
+{
+	m_area.assign( std::size_t( m_binding.normalGroups ), Vec3::Zero() );
+	for ( std::uint32_t t = 0; t < m_cellTriangle.back(); ++t )
+	{
+		addArea( t );
+	}
+	for ( std::uint32_t v = 0; v < vertexCount(); ++v )
+	{
+		shadeLikeTheMesh( v, m_area[m_binding.normalGroup[v]] );
+	}
+}
+
+/// The same where only the groups of these points have changed: of all cells there, in the triangles' order.
+void CrackSurface::matchNormals( std::vector<std::uint32_t>& points )
+{
+	std::vector<std::uint32_t> cells, once;
+	for ( const std::uint32_t point : points )
+	{
+		collect( point, once );
+	}
+	clearMarks( once );
+	m_area.resize( std::size_t( m_binding.normalGroups ), Vec3::Zero() );
+	for ( const std::uint32_t point : once )
+	{
+		for ( std::uint32_t v = m_firstVertex[point]; v != kNone; v = m_vertex[v].next )
+		{
+			m_area[m_binding.normalGroup[v]].setZero();
+		}
+		std::for_each( m_slotCell.begin() + m_slotStart[point], m_slotCell.begin() + m_slotStart[point + 1],
+			[&]( std::uint32_t cell ) { collect( cell, cells ); } );
+	}
+	clearMarks( cells );
+	std::sort( cells.begin(), cells.end() );
+	for ( const std::uint32_t cell : cells )
+	{
+		for ( std::uint32_t t = m_cellTriangle[cell]; t < m_cellTriangle[cell + 1]; ++t )
+		{
+			addArea( t );
+		}
+	}
+	for ( const std::uint32_t point : once )
+	{
+		for ( std::uint32_t v = m_firstVertex[point]; v != kNone; v = m_vertex[v].next )
+		{
+			shadeLikeTheMesh( v, m_area[m_binding.normalGroup[v]] );
+		}
+	}
+}
+
+void CrackSurface::addArea( std::uint32_t triangle )
+{
+	const auto& corner = m_triangle[triangle];
+	const Vec3& a = m_binding.restPosition[corner[0]];
+	const Vec3 area = ( m_binding.restPosition[corner[1]] - a ).cross( m_binding.restPosition[corner[2]] - a );
+	for ( const std::uint32_t v : corner )
+	{
+		m_area[m_binding.normalGroup[v]] += area;
+	}
+}
+
+} // namespace pliant
