@@ -98,7 +98,7 @@ void fractureThrown( benchmark::State& state )
 {
 	constexpr int kFrames = 60;
 	std::vector<double> breaking( kFrames, 1e9 ), drawing( kFrames, 1e9 );
-	const auto cube = test::cubeTemplate( 0.65f, 13 );
+	const auto cube = test::cubeTemplate( 0.05f * 13, 13 );
 	int pieces = 0, links = 0;
 	for ( auto _ : state )
 	{

@@ -26,7 +26,8 @@ TEST( CrackedShape, HasTheSpheresOfANewOne )
 		const NodeShape* const before = soft->impl().shape.get();
 		const int spheres = before->getNumChildShapes();
 		// A disc of a cut that ends inside: the body hangs together.
-		ASSERT_GT( soft->cutPlane( btVector3( btScalar( 0.07 * ( cut - 6 ) ), btScalar( 2 + 0.02 * cut ), 0 ), btVector3( 1, btScalar( 0.3 ), btScalar( 0.1 * cut ) ), btScalar( 0.16 ) ), 0 );
+		const btVector3 middle( btScalar( 0.07 * ( cut - 6 ) ), btScalar( 2 + 0.02 * cut ), 0 ), normal( 1, btScalar( 0.3 ), btScalar( 0.1 * cut ) );
+		ASSERT_GT( soft->cutPlane( middle, normal, btScalar( 0.16 ) ), 0 );
 		test.run( 1 );
 		ASSERT_EQ( test.world.softBodyCount(), 1 );
 		NodeShape& now = *soft->impl().shape;
