@@ -7,7 +7,7 @@ namespace pliant {
 CrackFamily::CrackFamily( const CrackSurface& whole, const float* texture ) : m_whole( whole ), m_input( texture )
 {
 	m_whole.makeRoom();
-	m_cellNow.resize( m_whole.cells().size() );
+	m_cellNow.resize( m_whole.cells().size(), CrackSurface::kNone );
 	catchUp();
 }
 
@@ -53,6 +53,10 @@ void CrackFamily::show( const std::vector<std::uint32_t>& cells, const Vec3& shi
 	}
 	gatherTriangles( cells, view );
 	gatherVertices( shift, view );
+	for ( const std::uint32_t cell : cells )
+	{
+		m_cellNow[cell] = CrackSurface::kNone;
+	}
 	view.binding = &view.ownBinding;
 	view.triangles = view.ownTriangles.data();
 	view.sources = view.ownSources.data();
@@ -167,8 +171,12 @@ void CrackFamily::gatherVertices( const Vec3& shift, CrackView& view )
 		m_carrierNow[carrier] = to.carrier[k] = std::uint32_t( k );
 		for ( std::uint32_t e = from.start[carrier]; e < from.start[carrier + 1] && from.weight[e] != 0.0f; ++e )
 		{
-			to.node.push_back( m_cellNow[from.node[e]] );
-			to.weight.push_back( from.weight[e] );
+			const std::uint32_t cell = m_cellNow[from.node[e]];
+			if ( cell != CrackSurface::kNone )
+			{
+				to.node.push_back( cell );
+				to.weight.push_back( from.weight[e] );
+			}
 		}
 	}
 	to.start[count] = std::uint32_t( to.node.size() );

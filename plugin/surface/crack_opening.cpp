@@ -242,6 +242,7 @@ void CrackSurface::settle()
 			look( m_complex->boundPoints.begin( known.cellA ), m_complex->boundPoints.end( known.cellA ) );
 			before = known.cellA;
 		}
+		look( m_complex->boundPoints.begin( known.cellB ), m_complex->boundPoints.end( known.cellB ) ); // drawn by A, which need not carry it
 		look( m_complex->pointsOfFace.begin( m_face[f].number ), m_complex->pointsOfFace.end( m_face[f].number ) );
 	}
 	for ( const std::uint32_t point : m_strange )
