@@ -169,6 +169,7 @@ void CrackFamily::gatherVertices( const Vec3& shift, CrackView& view )
 		}
 		m_carrierMark[carrier] = m_round;
 		m_carrierNow[carrier] = to.carrier[k] = std::uint32_t( k );
+		float others = 0.0f; // weight of cells that other bodies have
 		for ( std::uint32_t e = from.start[carrier]; e < from.start[carrier + 1] && from.weight[e] != 0.0f; ++e )
 		{
 			const std::uint32_t cell = m_cellNow[from.node[e]];
@@ -177,6 +178,12 @@ void CrackFamily::gatherVertices( const Vec3& shift, CrackView& view )
 				to.node.push_back( cell );
 				to.weight.push_back( from.weight[e] );
 			}
+			others += cell != CrackSurface::kNone ? 0.0f : from.weight[e];
+		}
+		// A cell that hardly carries a point (weights to 6e-5 have been seen) may come off without its side being asked anew: the rest carry all.
+		for ( std::size_t e = to.start[k]; others > 0.0f && e < to.weight.size(); ++e )
+		{
+			to.weight[e] /= 1.0f - others;
 		}
 	}
 	to.start[count] = std::uint32_t( to.node.size() );
