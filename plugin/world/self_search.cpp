@@ -275,10 +275,4 @@ void SelfSearch::giveSlack()
 	m_isFirst = false;
 }
 
-std::size_t SelfSearch::bytes() const
-{
-	return m_hits.capacity() * sizeof( NodeHit ) + m_near.capacity() * sizeof( std::uint64_t ) + m_placeThen.capacity() * sizeof( Vec3 ) + m_depth.capacity() * sizeof( std::uint32_t ) + m_rotation.capacity() * sizeof( float ) +
-		   ( m_slack.capacity() + m_slackNext.capacity() ) * sizeof( Slack );
-}
-
 } // namespace pliant

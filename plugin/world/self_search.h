@@ -29,8 +29,6 @@ public:
 	/// Nodes have other numbers: `nodeNow` by the number before, kNoNode where the node is gone; in the same order.
 	void renumber( const std::vector<std::uint32_t>& nodeNow );
 
-	std::size_t bytes() const;
-
 private:
 	/// As deep as the two sides of a fresh cut overlapped at first they may go on doing, and no deeper, until they have parted.
 	struct Slack
