@@ -26,6 +26,8 @@ inline constexpr float kSettleTime = 0.05f;
 inline constexpr float kCandidateShare = 0.6f;
 /// Axes along which a cell's neighbours spread less than this share of the widest are left out of its deformation.
 inline constexpr double kFlatNeighbourhood = 1e-3;
+/// Two stretches that differ by less than this share of what the third differs are alike: their directions are any.
+inline constexpr double kAlikeStretches = 1e-6;
 /// A cell's own links at this many times what it bears begin a crack, whatever its neighbours' are at: a neck, which they are not part of.
 inline constexpr float kNeck = 2.0f;
 /// A crack goes on in its plane where the pull is within 40 degrees of its normal, ...

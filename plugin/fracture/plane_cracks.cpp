@@ -1,9 +1,6 @@
 #include "fracture/plane_cracks.h"
 
 #include "fracture/constants.h"
-#include "matching/region_moments.h"
-
-#include <Eigen/Eigenvalues>
 
 #include <algorithm>
 #include <cmath>
@@ -37,98 +34,98 @@ Vec3d restPlace( const Lattice& lattice, std::uint32_t cell )
 
 } // namespace
 
-/// Sums over links: p q^T and q q^T.
-struct PlaneCracks::Moment
-{
-	Eigen::Matrix3d now = Eigen::Matrix3d::Zero(), rest = Eigen::Matrix3d::Zero();
-};
-
-/// Of the links of cells, each cell's made when they are first asked for.
-class PlaneCracks::Moments
-{
-public:
-	Moments( const Lattice& lattice, const CellPlaces& places ) : m_lattice( lattice ), m_places( places ), m_slot( std::size_t( lattice.cellCount() ), kNone ) {}
-
-	const Moment& of( std::uint32_t cell )
-	{
-		if ( m_slot[cell] == kNone )
-		{
-			m_slot[cell] = std::uint32_t( m_made.size() );
-			m_made.push_back( measure( cell ) );
-		}
-		return m_made[m_slot[cell]];
-	}
-	/// Of the cell and of all it is linked to.
-	Moment around( std::uint32_t cell )
-	{
-		Moment sum = of( cell );
-		for ( std::uint32_t k = m_lattice.linkStart[cell]; k < m_lattice.linkStart[cell + 1]; ++k )
-		{
-			const Moment& more = of( m_lattice.linkTo[k] );
-			sum.now += more.now;
-			sum.rest += more.rest;
-		}
-		return sum;
-	}
-
-private:
-	static constexpr std::uint32_t kNone = 0xffffffffu;
-
-	Moment measure( std::uint32_t cell ) const
-	{
-		Moment sum;
-		for ( std::uint32_t k = m_lattice.linkStart[cell]; k < m_lattice.linkStart[cell + 1] && m_places.has( cell ); ++k )
-		{
-			const std::uint32_t j = m_lattice.linkTo[k];
-			if ( m_places.has( j ) )
-			{
-				const Vec3d q = ( m_lattice.restCentre[j] - m_lattice.restCentre[cell] ).cast<double>();
-				sum.now += ( m_places.at( j ) - m_places.at( cell ) ).cast<double>() * q.transpose();
-				sum.rest += q * q.transpose();
-			}
-		}
-		return sum;
-	}
-
-	const Lattice& m_lattice;
-	const CellPlaces& m_places;
-	std::vector<std::uint32_t> m_slot;
-	std::vector<Moment> m_made;
-};
-
 float PlaneCracks::candidateStrain() const
 {
 	return kCandidateShare * m_growthShare * m_breakStrain;
 }
 
 // Links are cheap to look at and single out the few cells for which the deformation of all that is around them is worth measuring.
-std::vector<PlaneCracks::Overload> PlaneCracks::overloads( const Lattice& lattice, const LinkLimits& limits, const CellPlaces& places ) const
+void PlaneCracks::findStretched( const Lattice& lattice, const LinkLimits& limits, const CellPlaces& places )
 {
-	std::vector<std::uint8_t> isStretched( std::size_t( lattice.cellCount() ), 0 );
-	for ( std::uint32_t i = 0; i < std::uint32_t( lattice.cellCount() ); ++i )
+	std::vector<std::uint8_t>& isStretched = m_room.mark;
+	isStretched.assign( std::size_t( lattice.cellCount() ), 0 );
+	m_room.stretched.clear();
+	const LinkMoments& cells = m_room.moments;
+	for ( std::uint32_t i = 0; i < std::uint32_t( isStretched.size() ); ++i )
 	{
-		const bool hasPlace = places.has( i );
-		for ( std::uint32_t k = limits.start[i]; hasPlace && k < limits.start[i + 1]; ++k )
+		for ( std::uint32_t k = limits.start[i]; cells.has( i ) && k < limits.start[i + 1]; ++k )
 		{
 			const std::uint32_t j = limits.to[k];
-			if ( places.has( j ) && ( places.at( i ) - places.at( j ) ).squaredNorm() > limits.lengthSquared[k] )
+			if ( cells.has( j ) && cells.distanceSquared( i, j ) > limits.lengthSquared[k] )
 			{
 				isStretched[i] = isStretched[j] = 1;
 			}
 		}
-	}
-	std::vector<Overload> found;
-	Moments moments( lattice, places );
-	for ( std::uint32_t i = 0; i < std::uint32_t( isStretched.size() ); ++i )
-	{
-		if ( isStretched[i] == 0 || !places.mayBreak( i ) )
+		if ( isStretched[i] != 0 && places.mayBreak( i ) ) // all links of i have been looked at: those to lower cells were theirs
 		{
-			continue;
+			m_room.stretched.push_back( i );
 		}
-		Overload overload{ i, measure( lattice, limits, moments.of( i ), i ), {} };
+	}
+}
+
+// Where no crack may begin, only those can break links that a crack gets to: they lie within its plane's thickness, and near to where it has been
+// or to another such cell that it then has been at.
+void PlaneCracks::dropUnreachable( const Lattice& lattice )
+{
+	std::vector<std::uint8_t>& isReached = m_room.mark;
+	isReached.assign( std::size_t( lattice.cellCount() ), 0 );
+	const double reach = kCrackReach * lattice.cellSize, most = kCrackThickness * lattice.cellSize;
+	const Vec3d ring = Vec3d::Constant( 2.0 * lattice.cellSize ); // middles of material in neighbouring cells are no further apart
+	for ( const Plane& plane : m_planes )
+	{
+		m_room.inSlab.clear();
+		for ( const std::uint32_t cell : m_room.stretched )
+		{
+			if ( std::fabs( plane.normal.dot( restPlace( lattice, cell ) - plane.point ) ) <= most )
+			{
+				m_room.inSlab.push_back( cell );
+			}
+		}
+		Vec3d low = plane.low, high = plane.high;
+		for ( std::size_t before = m_room.inSlab.size() + 1; m_room.inSlab.size() < before; )
+		{
+			before = m_room.inSlab.size();
+			const auto isNear = [&]( std::uint32_t cell ) {
+				const Vec3d at = restPlace( lattice, cell );
+				if ( std::sqrt( outsideSquared( at, low, high ) ) > reach )
+				{
+					return false;
+				}
+				isReached[cell] = 1;
+				low = low.cwiseMin( at - ring );
+				high = high.cwiseMax( at + ring );
+				return true;
+			};
+			m_room.inSlab.erase( std::remove_if( m_room.inSlab.begin(), m_room.inSlab.end(), isNear ), m_room.inSlab.end() );
+		}
+	}
+	std::vector<std::uint32_t>& cells = m_room.stretched;
+	cells.erase( std::remove_if( cells.begin(), cells.end(), [&]( std::uint32_t cell ) { return isReached[cell] == 0; } ), cells.end() );
+}
+
+/// Whether a crack could go on in the cell, were it near enough.
+bool PlaneCracks::isInSomePlane( const Overload& found, const Vec3d& at, double cellSize ) const
+{
+	return std::any_of( m_planes.begin(), m_planes.end(), [&]( const Plane& plane ) {
+		return std::fabs( plane.normal.dot( at - plane.point ) ) <= kCrackThickness * cellSize &&
+			std::fabs( plane.normal.dot( found.near.normal ) ) >= kSameCrackCosine;
+	} );
+}
+
+void PlaneCracks::findOverloads( const Lattice& lattice, const LinkLimits& limits, bool mayBegin )
+{
+	std::vector<Overload>& found = m_room.found;
+	found.clear();
+	for ( const std::uint32_t i : m_room.stretched )
+	{
+		Overload overload{ i, measure( lattice, limits, m_room.moments.of( i ), i ), {} };
+		if ( !mayBegin && !m_looksEverywhere && !isInSomePlane( overload, restPlace( lattice, i ), lattice.cellSize ) )
+		{
+			continue; // it would do nothing
+		}
 		if ( overload.near.excess > 1.0f )
 		{
-			overload.wide = measure( lattice, limits, moments.around( i ), i );
+			overload.wide = measure( lattice, limits, m_room.moments.around( i ), i );
 			overload.wide.excess = overload.near.excess > kNeck ? std::max( overload.wide.excess, 1.0f + overload.near.excess - kNeck ) : overload.wide.excess;
 		}
 		if ( overload.near.excess > m_growthShare )
@@ -139,38 +136,36 @@ std::vector<PlaneCracks::Overload> PlaneCracks::overloads( const Lattice& lattic
 	std::sort( found.begin(), found.end(), []( const Overload& a, const Overload& b ) {
 		return std::tie( b.wide.excess, b.near.excess, a.cell ) < std::tie( a.wide.excess, a.near.excess, b.cell );
 	} );
-	return found;
 }
 
-// F = ( sum p q^T ) ( sum q q^T )^+ over the links of the cell, or of it and all it is linked to; the largest stretch is the root of the largest
-// eigenvalue of F^T F, and its eigenvector the direction in the body at rest.
-PlaneCracks::Pull PlaneCracks::measure( const Lattice& lattice, const LinkLimits& limits, const Moment& around, std::uint32_t i ) const
+PlaneCracks::Pull PlaneCracks::measure( const Lattice& lattice, const LinkLimits& limits, const LinkMoments::Moment& around, std::uint32_t i ) const
 {
+	const Stretch stretch = largestStretch( around.deformation() );
 	Pull found;
-	Eigen::Matrix3d outside;
-	const Eigen::Matrix3d f = around.now * inverseInPlane( around.rest, kFlatNeighbourhood, outside );
-	const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver( Eigen::Matrix3d( f.transpose() * f ) );
-	found.normal = solver.eigenvectors().col( 2 );
+	found.normal = stretch.axis;
 	if ( found.normal.dot( Vec3d( 1.0, 1e-3, 1e-6 ) ) < 0.0 )
 	{
 		found.normal = -found.normal; // either would do; one must
 	}
-	const double strain = std::sqrt( std::max( 0.0, solver.eigenvalues()[2] ) ) - 1.0;
-
-	// What is to break is as tough as its links are, those weighed most that lie along the pull.
-	double toughness = 0.0, weights = 0.0;
-	for ( std::uint32_t k = lattice.linkStart[i]; k < lattice.linkStart[i + 1]; ++k )
+	double toughness = 1.0;
+	if ( !limits.toughness.empty() )
 	{
-		const std::uint32_t j = lattice.linkTo[k];
-		const double along = ( lattice.restCentre[j] - lattice.restCentre[i] ).cast<double>().normalized().dot( found.normal );
-		toughness += along * along * toughnessOf( limits, std::min( i, j ), std::max( i, j ) );
-		weights += along * along;
+		// What is to break is as tough as its links are, those weighed most that lie along the pull.
+		double sum = 0.0, weights = 0.0;
+		for ( std::uint32_t k = lattice.linkStart[i]; k < lattice.linkStart[i + 1]; ++k )
+		{
+			const std::uint32_t j = lattice.linkTo[k];
+			const double along = ( lattice.restCentre[j] - lattice.restCentre[i] ).cast<double>().normalized().dot( found.normal );
+			sum += along * along * toughnessOf( limits, std::min( i, j ), std::max( i, j ) );
+			weights += along * along;
+		}
+		toughness = sum / weights;
 	}
-	found.excess = float( strain * weights / ( double( m_breakStrain ) * toughness ) );
+	found.excess = float( stretch.strain / ( double( m_breakStrain ) * toughness ) );
 	return found;
 }
 
-PlaneCracks::Plane* PlaneCracks::planeFor( const Overload& found, const Vec3d& at, double cellSize, bool& isShielded )
+PlaneCracks::Plane* PlaneCracks::planeFor( const Overload& found, const Vec3d& at, double cellSize, bool mayBegin, bool& isShielded )
 {
 	isShielded = false;
 	Plane* nearest = nullptr;
@@ -181,8 +176,12 @@ PlaneCracks::Plane* PlaneCracks::planeFor( const Overload& found, const Vec3d& a
 		{
 			continue;
 		}
-		const double outside = std::sqrt( outsideSquared( at, plane.low, plane.high ) );
 		const double height = std::fabs( plane.normal.dot( at - plane.point ) );
+		if ( height > least && !mayBegin )
+		{
+			continue;
+		}
+		const double outside = std::sqrt( outsideSquared( at, plane.low, plane.high ) );
 		if ( outside <= kCrackReach * cellSize && height <= least )
 		{
 			least = height;
@@ -194,24 +193,41 @@ PlaneCracks::Plane* PlaneCracks::planeFor( const Overload& found, const Vec3d& a
 	return nearest;
 }
 
-void PlaneCracks::breakAcross( const Lattice& lattice, const LinkLimits& limits, std::uint32_t cell, Plane& plane, std::vector<CellLink>& broken ) const
+void PlaneCracks::breakAcross( const Lattice& lattice, const LinkLimits& limits, std::uint32_t cell, Plane& plane, std::vector<CellLink>& broken )
 {
-	std::vector<std::uint32_t> members( lattice.linkTo.begin() + lattice.linkStart[cell], lattice.linkTo.begin() + lattice.linkStart[cell + 1] );
+	std::vector<std::uint32_t>& members = m_room.members;
+	members.assign( lattice.linkTo.begin() + lattice.linkStart[cell], lattice.linkTo.begin() + lattice.linkStart[cell + 1] );
 	members.insert( std::lower_bound( members.begin(), members.end(), cell ), cell );
-	const auto isAbove = [&]( std::uint32_t c ) { return plane.normal.dot( restPlace( lattice, c ) - plane.point ) >= 0.0; };
+	std::vector<std::uint8_t>& isAbove = m_room.isAbove;
+	isAbove.clear();
 	for ( const std::uint32_t a : members )
 	{
-		for ( std::uint32_t k = limits.start[a]; k < limits.start[a + 1]; ++k )
+		const Vec3d at = restPlace( lattice, a );
+		isAbove.push_back( plane.normal.dot( at - plane.point ) >= 0.0 ? 1 : 0 );
+		plane.low = plane.low.cwiseMin( at );
+		plane.high = plane.high.cwiseMax( at );
+	}
+	if ( std::equal( isAbove.begin() + 1, isAbove.end(), isAbove.begin() ) )
+	{
+		return; // all on one side
+	}
+	for ( std::size_t m = 0; m < members.size(); ++m )
+	{
+		// Both lists ascend, and a row leads to higher cells only.
+		std::size_t other = m + 1;
+		for ( std::uint32_t k = limits.start[members[m]]; k < limits.start[members[m] + 1]; ++k )
 		{
 			const std::uint32_t b = limits.to[k];
-			const bool isTough = !limits.toughness.empty() && std::isinf( limits.toughness[k] );
-			if ( !isTough && isAbove( a ) != isAbove( b ) && std::binary_search( members.begin(), members.end(), b ) )
+			while ( other < members.size() && members[other] < b )
 			{
-				broken.push_back( CellLink{ a, b } );
+				++other;
+			}
+			const bool isTough = !limits.toughness.empty() && std::isinf( limits.toughness[k] );
+			if ( other < members.size() && members[other] == b && isAbove[m] != isAbove[other] && !isTough )
+			{
+				broken.push_back( CellLink{ members[m], b } );
 			}
 		}
-		plane.low = plane.low.cwiseMin( restPlace( lattice, a ) );
-		plane.high = plane.high.cwiseMax( restPlace( lattice, a ) );
 	}
 }
 
@@ -223,12 +239,23 @@ bool PlaneCracks::find(
 		plane.age += h;
 	}
 	m_planes.erase( std::remove_if( m_planes.begin(), m_planes.end(), []( const Plane& plane ) { return plane.age > kCrackRest; } ), m_planes.end() );
+	if ( m_planes.empty() && !mayBegin )
+	{
+		return false;
+	}
+	m_room.moments.look( lattice, places );
+	findStretched( lattice, limits, places );
+	if ( !mayBegin && !m_looksEverywhere )
+	{
+		dropUnreachable( lattice );
+	}
+	findOverloads( lattice, limits, mayBegin );
 	bool hasBegun = false;
-	for ( const Overload& overload : overloads( lattice, limits, places ) )
+	for ( const Overload& overload : m_room.found )
 	{
 		const Vec3d at = restPlace( lattice, overload.cell );
 		bool isShielded = false;
-		Plane* plane = planeFor( overload, at, lattice.cellSize, isShielded );
+		Plane* plane = planeFor( overload, at, lattice.cellSize, mayBegin, isShielded );
 		if ( !plane && mayBegin && !isShielded && overload.wide.excess > 1.0f )
 		{
 			m_planes.push_back( Plane{ at + 0.5 * double( lattice.cellSize ) * overload.wide.normal, overload.wide.normal, at, at, 0.0f } );

@@ -6,6 +6,7 @@
 
 #include "fracture/cell_places.h"
 #include "fracture/link_limits.h"
+#include "fracture/stretch.h"
 
 #include <vector>
 
@@ -24,6 +25,9 @@ public:
 	/// Adds the links that break in this substep of length h, ascending. `limits` made for candidateStrain(). `mayBegin`: new cracks may,
 	/// else the ones there are go on only. True when one has begun.
 	bool find( const Lattice& lattice, const LinkLimits& limits, const CellPlaces& places, float h, bool mayBegin, std::vector<CellLink>& broken );
+
+	/// The slow twin of what find() does: measures around every stretched cell, whether a crack can get there or not.
+	void lookEverywhere() { m_looksEverywhere = true; }
 
 	std::size_t count() const { return m_planes.size(); }
 
@@ -48,16 +52,34 @@ private:
 		std::uint32_t cell;
 		Pull near, wide;
 	};
-	struct Moment;
-	class Moments;
+	/// Kept between calls; a piece makes its own.
+	struct Room
+	{
+		Room() = default;
+		Room( const Room& ) {}
+		Room& operator=( const Room& ) { return *this; }
 
-	std::vector<Overload> overloads( const Lattice& lattice, const LinkLimits& limits, const CellPlaces& places ) const;
-	Pull measure( const Lattice& lattice, const LinkLimits& limits, const Moment& around, std::uint32_t i ) const;
-	Plane* planeFor( const Overload& found, const Vec3d& at, double cellSize, bool& isShielded );
-	void breakAcross( const Lattice& lattice, const LinkLimits& limits, std::uint32_t cell, Plane& plane, std::vector<CellLink>& broken ) const;
+		LinkMoments moments;
+		std::vector<std::uint32_t> stretched; ///< cells, ascending
+		std::vector<std::uint8_t> mark;       ///< by cell
+		std::vector<std::uint32_t> inSlab;
+		std::vector<Overload> found;
+		std::vector<std::uint32_t> members;
+		std::vector<std::uint8_t> isAbove;
+	};
+
+	void findStretched( const Lattice& lattice, const LinkLimits& limits, const CellPlaces& places );
+	void dropUnreachable( const Lattice& lattice );
+	void findOverloads( const Lattice& lattice, const LinkLimits& limits, bool mayBegin );
+	bool isInSomePlane( const Overload& found, const Vec3d& at, double cellSize ) const;
+	Pull measure( const Lattice& lattice, const LinkLimits& limits, const LinkMoments::Moment& around, std::uint32_t i ) const;
+	Plane* planeFor( const Overload& found, const Vec3d& at, double cellSize, bool mayBegin, bool& isShielded );
+	void breakAcross( const Lattice& lattice, const LinkLimits& limits, std::uint32_t cell, Plane& plane, std::vector<CellLink>& broken );
 
 	float m_breakStrain, m_growthShare;
+	bool m_looksEverywhere = false;
 	std::vector<Plane> m_planes;
+	Room m_room;
 };
 
 } // namespace pliant

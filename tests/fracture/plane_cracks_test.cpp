@@ -8,6 +8,9 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <random>
 
 namespace pliant {
 namespace {
@@ -80,6 +83,61 @@ TEST( PlaneCracks, RunOnAtTheirShareAndBeginNoSooner )
 	Slab sound;
 	std::fill( sound.toughness.begin(), sound.toughness.end(), 1.0f );
 	EXPECT_TRUE( sound.breakFor( 30, 0.5f ).empty() );
+}
+
+/// A block that random waves run through, its links taken out as they break, new cracks allowed now and then; all that broke, in order.
+std::vector<std::vector<CellLink>> breakInWaves( unsigned seed, float growthShare, bool everywhere, bool isTough )
+{
+	Lattice lattice = makeBlockLattice( 9, 8, 7, kCell );
+	NodeState nodes = test::restNodes( lattice );
+	std::mt19937 random( seed );
+	std::uniform_real_distribution<float> any( -1.0f, 1.0f );
+	PlaneCracks cracks( kBreakStrain, growthShare );
+	if ( everywhere )
+	{
+		cracks.lookEverywhere();
+	}
+	std::vector<float> toughness( isTough ? lattice.linkTo.size() / 2 : 0 );
+	std::generate( toughness.begin(), toughness.end(), [&] { return any( random ) < 0.985f ? 2.0f : 0.01f; } ); // weak spots, far apart
+	LinkLimits limits = limitLinks( lattice, cracks.candidateStrain(), toughness );
+	std::vector<std::uint32_t> all( std::size_t( lattice.cellCount() ) );
+	std::iota( all.begin(), all.end(), 0u );
+	Eigen::Matrix3f pull = Eigen::Matrix3f::Zero();
+	std::vector<std::vector<CellLink>> history;
+	for ( int step = 0; step < 24; ++step )
+	{
+		for ( int k = 0; k < 9; ++k )
+		{
+			pull( k / 3, k % 3 ) = 0.7f * pull( k / 3, k % 3 ) + 0.05f * any( random );
+		}
+		for ( int i = 0; i < nodes.count; ++i )
+		{
+			const Vec3 rest = nodes.x0.get( i );
+			nodes.x.set( i, rest + pull * rest * ( 1.0f + std::sin( 5.0f * rest.x() + float( step ) ) ) );
+		}
+		std::vector<CellLink> broken;
+		cracks.find( lattice, limits, CellPlaces( nodes ), 1.0f / 240.0f, step % 8 == 0, broken );
+		lattice = withoutLinks( lattice, broken );
+		limits = inheritLimits( limits, lattice, all, cracks.candidateStrain() );
+		history.push_back( std::move( broken ) );
+	}
+	return history;
+}
+
+TEST( PlaneCracks, AreThoseOfLookingEverywhere )
+{
+	std::size_t goneOn = 0;
+	for ( unsigned seed = 0; seed < 40; ++seed )
+	{
+		const float share = seed % 2 == 0 ? 1.0f : 0.6f;
+		const std::vector<std::vector<CellLink>> quick = breakInWaves( seed, share, false, seed % 3 == 0 ), slow = breakInWaves( seed, share, true, seed % 3 == 0 );
+		ASSERT_EQ( quick, slow ) << seed;
+		for ( std::size_t step = 0; step < quick.size(); ++step )
+		{
+			goneOn += step % 8 == 0 ? 0 : quick[step].size();
+		}
+	}
+	EXPECT_GT( goneOn, 5000u );
 }
 
 TEST( PlaneCracks, TheShareIsChecked )
