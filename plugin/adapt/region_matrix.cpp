@@ -25,15 +25,6 @@ public:
 		entry.share += share;
 	}
 
-	void set( std::uint32_t slot, std::uint32_t mass, std::uint32_t share )
-	{
-		if ( m_sum[slot].share == 0 )
-		{
-			m_members.push_back( slot );
-		}
-		m_sum[slot] = Entry{ mass, share };
-	}
-
 	/// Appends the row to the matrix, ascending, and is empty again.
 	void appendTo( RegionMatrix& matrix )
 	{
@@ -162,8 +153,7 @@ public:
 			}
 			else
 			{
-				takeOld( slot, firstOld );
-				m_row.appendTo( result );
+				takeOld( slot, firstOld, result );
 			}
 			result.unit.push_back( unitOf( m_octree.mass[m_to.node[slot]], result, slot ) );
 			++slot;
@@ -176,6 +166,11 @@ public:
 	}
 
 private:
+	struct Entry
+	{
+		std::uint32_t slot, mass, share;
+	};
+
 	bool isCounted( std::uint32_t slot ) const { return m_change.before[slot] == kNoNode && m_change.wasMerged[slot] == 0; }
 
 	void clear( RegionMatrix& result ) const
@@ -227,25 +222,34 @@ private:
 				m_children.appendTo( m_counted );
 			}
 		}
-		listChildren();
+		listColumns();
 	}
 
-	/// For each old node that was split: the slots of its children.
-	void listChildren()
+	/// For each slot that is not counted: what it has in common with the nodes that splits brought. It stands in their rows; membership is
+	/// symmetric.
+	void listColumns()
 	{
-		m_childStart.assign( m_from.node.size() + 1, 0 );
-		for ( std::uint32_t slot = 0; slot < std::uint32_t( m_to.count() ); ++slot )
+		m_columnStart.assign( m_to.node.size() + 1, 0 );
+		for ( const std::uint32_t slot : m_counted.member )
 		{
-			if ( isCounted( slot ) )
-			{
-				const std::uint32_t cell = m_octree.cells[m_octree.cellStart[m_to.node[slot]]];
-				++m_childStart[m_from.slotOfCell[cell] + 1];
-				m_childSlot.push_back( slot ); // ascending in both: the order is depth-first
-			}
+			m_columnStart[slot + 1] += isCounted( slot ) ? 0 : 1;
 		}
-		for ( std::size_t i = 1; i < m_childStart.size(); ++i )
+		for ( std::size_t i = 1; i < m_columnStart.size(); ++i )
 		{
-			m_childStart[i] += m_childStart[i - 1];
+			m_columnStart[i] += m_columnStart[i - 1];
+		}
+		m_column.resize( m_columnStart.back() );
+		std::vector<std::uint32_t> next( m_columnStart.begin(), m_columnStart.end() - 1 );
+		for ( std::uint32_t child = 0; child < std::uint32_t( m_to.count() ); ++child )
+		{
+			const std::uint32_t r = m_childRow[child];
+			for ( std::uint32_t k = r == kNoNode ? 0 : m_counted.start[r]; r != kNoNode && k < m_counted.start[r + 1]; ++k )
+			{
+				if ( const std::uint32_t slot = m_counted.member[k]; !isCounted( slot ) )
+				{
+					m_column[next[slot]++] = Entry{ child, m_counted.share[k], m_counted.mass[k] }; // row and column swapped
+				}
+			}
 		}
 	}
 
@@ -281,42 +285,70 @@ private:
 		result.unit.insert( result.unit.end(), m_old.unit.begin() + old, m_old.unit.begin() + oldEnd );
 	}
 
-	/// Rows of nodes that stayed or were merged: sums of the old rows. Where a member was split, its children's own rows hold what they
-	/// and this node have in common, with row and column swapped.
-	void takeOld( std::uint32_t slot, std::uint32_t& firstOld )
+	/// Rows of nodes that stayed or were merged: sums of the old rows. Where a member was split, its children stand in the column.
+	void takeOld( std::uint32_t slot, std::uint32_t& firstOld, RegionMatrix& result )
 	{
-		while ( firstOld < m_change.now.size() && m_change.now[firstOld] != slot )
+		while ( m_change.now[firstOld] != slot )
 		{
 			++firstOld;
+		}
+		const Entry* next = m_column.data() + m_columnStart[slot];
+		const Entry* const last = m_column.data() + m_columnStart[slot + 1];
+		if ( m_change.wasMerged[slot] == 0 )
+		{
+			takeOne( firstOld++, next, last, result );
+			return;
 		}
 		for ( ; firstOld < m_change.now.size() && m_change.now[firstOld] == slot; ++firstOld )
 		{
 			for ( std::uint32_t k = m_old.start[firstOld]; k < m_old.start[firstOld + 1]; ++k )
 			{
-				const std::uint32_t member = m_old.member[k];
-				if ( m_change.now[member] != kNoNode )
+				if ( const std::uint32_t now = m_change.now[m_old.member[k]]; now != kNoNode )
 				{
-					m_row.add( m_change.now[member], m_old.mass[k], m_old.share[k] );
-					continue;
-				}
-				for ( std::uint32_t c = m_childStart[member]; c < m_childStart[member + 1]; ++c )
-				{
-					takeFromChild( slot, m_childSlot[c] );
+					m_row.add( now, m_old.mass[k], m_old.share[k] );
 				}
 			}
 		}
+		for ( ; next != last; ++next )
+		{
+			m_row.add( next->slot, next->mass, next->share );
+		}
+		m_row.appendTo( result );
 	}
 
-	void takeFromChild( std::uint32_t slot, std::uint32_t child )
+	/// New numbers rise as the old ones did, equals where members were merged; children come between those beside their parent.
+	void takeOne( std::uint32_t old, const Entry* next, const Entry* last, RegionMatrix& result ) const
 	{
-		const std::uint32_t r = m_childRow[child];
-		const auto first = m_counted.member.begin() + m_counted.start[r], last = m_counted.member.begin() + m_counted.start[r + 1];
-		const auto found = std::lower_bound( first, last, slot );
-		if ( found != last && *found == slot )
+		const std::size_t first = result.member.size();
+		const auto append = [&result]( const Entry& entry ) {
+			result.member.push_back( entry.slot );
+			result.mass.push_back( entry.mass );
+			result.share.push_back( entry.share );
+		};
+		for ( std::uint32_t k = m_old.start[old]; k < m_old.start[old + 1]; ++k )
 		{
-			const std::size_t k = std::size_t( found - m_counted.member.begin() );
-			m_row.set( child, m_counted.share[k], m_counted.mass[k] );
+			const std::uint32_t now = m_change.now[m_old.member[k]];
+			if ( now == kNoNode )
+			{
+				continue;
+			}
+			for ( ; next != last && next->slot < now; ++next )
+			{
+				append( *next );
+			}
+			if ( result.member.size() > first && result.member.back() == now )
+			{
+				result.mass.back() += m_old.mass[k];
+				result.share.back() += m_old.share[k];
+				continue;
+			}
+			append( Entry{ now, m_old.mass[k], m_old.share[k] } );
 		}
+		for ( ; next != last; ++next )
+		{
+			append( *next );
+		}
+		result.start.push_back( std::uint32_t( result.member.size() ) );
 	}
 
 	const Octree& m_octree;
@@ -329,7 +361,8 @@ private:
 	RegionMatrix m_counted;                ///< rows of the nodes that splits brought
 	std::vector<std::uint32_t> m_childRow; ///< of each new slot: its row there, or kNoNode
 	std::vector<std::uint32_t> m_untouched; ///< of each new slot: its old one, where its row is to be renumbered and no more
-	std::vector<std::uint32_t> m_childStart, m_childSlot;
+	std::vector<std::uint32_t> m_columnStart; ///< of each new slot
+	std::vector<Entry> m_column;            ///< ascending by slot
 };
 
 } // namespace

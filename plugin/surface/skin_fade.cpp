@@ -58,29 +58,84 @@ void SkinFade::reserveNodes( int count, std::size_t touched, int cellCount )
 	makeRoom( m_slotBefore, std::size_t( cellCount ), std::size_t( cellCount ) );
 }
 
-void SkinFade::keep( const NodeState& nodes, const SkinPose& pose, int cellCount )
+void SkinFade::keep( const NodeState& nodes, const SkinPose& pose, int cellCount, AlignedArray<float>* maps )
 {
-	m_mapBefore.resize( std::size_t( nodes.count ) * kMapFloats );
-	skinMaps( nodes, pose, m_mapBefore.data() );
+	if ( maps )
+	{
+		m_mapBefore.swap( *maps );
+	}
+	else
+	{
+		m_mapBefore.resize( std::size_t( nodes.count ) * kMapFloats );
+		skinMaps( nodes, pose, m_mapBefore.data() );
+	}
 	m_slotBefore.assign( pose.slotOfCell, pose.slotOfCell + cellCount );
 }
 
-/// Slots whose cells are not carried as before.
-std::vector<char> SkinFade::changedSlots( const Nodes& nodes, const AlignedArray<float>& now, float visible ) const
+/// Slots that may not be carried as before: what was measured anew, and what was in a group, for that may be over.
+std::vector<char> SkinFade::freshSlots( const Nodes& nodes ) const
 {
-	std::vector<char> changed( std::size_t( nodes.now.count ), 1 );
+	std::vector<char> isFresh( std::size_t( nodes.now.count ), nodes.measured ? 0 : 1 );
+	if ( !nodes.measured )
+	{
+		return isFresh;
+	}
+	for ( const std::uint32_t slot : *nodes.measured )
+	{
+		isFresh[slot] = 1;
+	}
+	for ( const Group& group : m_group )
+	{
+		for ( std::uint32_t before = group.first; before < group.first + group.count; ++before )
+		{
+			if ( nodes.keptAs[before] != kGone )
+			{
+				isFresh[nodes.keptAs[before]] = 1;
+			}
+		}
+	}
+	return isFresh;
+}
+
+void SkinFade::measureMaps( const Nodes& nodes, const std::vector<char>& isFresh )
+{
+	m_mapNow.resize( isFresh.size() * kMapFloats );
+	for ( std::size_t slot = 0; slot < isFresh.size(); )
+	{
+		std::size_t end = slot + 1;
+		for ( ; end < isFresh.size() && isFresh[end] == isFresh[slot] && nodes.heir[end] == nodes.heir[slot] + ( end - slot ); ++end )
+		{
+		}
+		if ( isFresh[slot] != 0 )
+		{
+			skinMaps( nodes.now, nodes.pose, m_mapNow.data(), int( slot ), int( end ) );
+		}
+		else
+		{
+			const auto from = m_mapBefore.begin() + std::ptrdiff_t( nodes.heir[slot] ) * kMapFloats;
+			std::copy( from, from + std::ptrdiff_t( end - slot ) * kMapFloats, m_mapNow.begin() + std::ptrdiff_t( slot ) * kMapFloats );
+		}
+		slot = end;
+	}
+	ease( nodes.now, m_mapNow.data() );
+}
+
+/// Slots whose cells are not carried as before.
+std::vector<char> SkinFade::changedSlots( const Nodes& nodes, std::vector<char> isFresh, float visible ) const
+{
+	std::vector<char>& changed = isFresh;
 	for ( std::size_t slot = 0; slot < changed.size(); ++slot )
 	{
 		const std::uint32_t before = nodes.heir[slot];
-		if ( nodes.keptAs[before] != slot )
+		if ( changed[slot] == 0 || nodes.keptAs[before] != slot )
 		{
 			continue;
 		}
-		const Eigen::Matrix<float, 3, 4> difference = MapRows( &now[slot * kMapFloats] ) - MapRows( &m_mapBefore[before * kMapFloats] );
+		const Eigen::Matrix<float, 3, 4> difference = MapRows( &m_mapNow[slot * kMapFloats] ) - MapRows( &m_mapBefore[before * kMapFloats] );
 		const Vec3 atNode = difference * nodes.now.x0.get( int( slot ) ).homogeneous();
 		changed[slot] = atNode.norm() > visible || difference.leftCols<3>().norm() > kFadeFloor;
 	}
-	return changed;
+	return isFresh;
 }
 
 /// Groups whose nodes are all still there go on; each split makes a new one. Whatever that does to the maps is left to the offsets.
@@ -149,13 +204,10 @@ void SkinFade::start( const SkinBinding& binding, const Nodes& nodes )
 {
 	m_diagonal = m_diagonal > 0.0 ? m_diagonal : diagonalOf( binding.restPosition );
 	const float visible = kFadeFloor * float( m_diagonal );
-	AlignedArray<float>& now = m_mapNow;
-	now.resize( std::size_t( nodes.now.count ) * kMapFloats );
+	const std::vector<char> isFresh = freshSlots( nodes );
 	regroup( nodes );
-	SkinPose pose = nodes.pose;
-	pose.fade = this;
-	skinMaps( nodes.now, pose, now.data() );
-	const std::vector<char> changed = changedSlots( nodes, now, visible );
+	measureMaps( nodes, isFresh );
+	const std::vector<char> changed = changedSlots( nodes, isFresh, visible );
 	const std::uint32_t* const slot = nodes.pose.slotOfCell;
 
 	std::vector<std::uint32_t> vertices;
@@ -174,7 +226,7 @@ void SkinFade::start( const SkinBinding& binding, const Nodes& nodes )
 		const std::uint32_t carrier = binding.carrierOf( v );
 		if ( std::any_of( binding.node.begin() + binding.start[carrier], binding.node.begin() + binding.start[carrier + 1], isChanged ) )
 		{
-			const Vec3 jump = follow( binding, m_mapBefore.data(), m_slotBefore.data(), v ) - follow( binding, now.data(), slot, v );
+			const Vec3 jump = follow( binding, m_mapBefore.data(), m_slotBefore.data(), v ) - follow( binding, m_mapNow.data(), slot, v );
 			offset += nodes.body.conjugate() * jump;
 		}
 		const float length = offset.norm();

@@ -17,8 +17,8 @@ public:
 	/// Room for as many nodes, for `touched` of them in memory that is there.
 	void reserveNodes( int count, std::size_t touched, int cellCount );
 
-	/// Right before a change: how the skin is carried.
-	void keep( const NodeState& nodes, const SkinPose& pose, int cellCount );
+	/// Right before a change: how the skin is carried. `maps`: those of this very pose, which are taken; null where nobody has them.
+	void keep( const NodeState& nodes, const SkinPose& pose, int cellCount, AlignedArray<float>* maps = nullptr );
 
 	struct Nodes
 	{
@@ -27,6 +27,7 @@ public:
 		const std::vector<std::uint32_t>& heir;   ///< of each node now: a node before
 		const std::vector<std::uint32_t>& keptAs; ///< of each node before: its number now, if it is still there
 		Eigen::Quaternionf body;                  ///< the body's rotation: offsets turn along with it
+		const std::vector<std::uint32_t>* measured = nullptr; ///< nodes now, ascending: all others are carried as before. Null: nobody knows
 	};
 	/// Right after the change, with nothing moved in between: what the surface would jump by, on top of what is left of earlier changes.
 	void start( const SkinBinding& binding, const Nodes& nodes );
@@ -52,7 +53,9 @@ private:
 	};
 
 	void regroup( const Nodes& nodes );
-	std::vector<char> changedSlots( const Nodes& nodes, const AlignedArray<float>& now, float visible ) const;
+	std::vector<char> freshSlots( const Nodes& nodes ) const;
+	void measureMaps( const Nodes& nodes, const std::vector<char>& isFresh );
+	std::vector<char> changedSlots( const Nodes& nodes, std::vector<char> isFresh, float visible ) const;
 	float share() const;
 
 	AlignedArray<float> m_mapBefore, m_mapNow;

@@ -228,6 +228,11 @@ void skinMaps( const NodeState& state, const SkinPose& pose, float* maps )
 	}
 }
 
+void skinMaps( const NodeState& state, const SkinPose& pose, float* maps, int first, int last )
+{
+	fillMaps( state, pose, maps, first, last );
+}
+
 void skin( const SkinBinding& binding, const NodeState& state, const float* rotations, const SkinTriangles& triangles, SkinScratch& scratch,
 	float* positions, float* normals, TaskRunner* runner )
 {

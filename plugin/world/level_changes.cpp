@@ -137,7 +137,6 @@ void SoftBody::Impl::changeNodes( SoftBody& owner, const std::function<void()>& 
 	{
 		self->search.renumber( done.keptAs );
 	}
-	placeShape( owner );
 	fadeFromKeptSurface();
 }
 

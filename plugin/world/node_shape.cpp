@@ -2,41 +2,16 @@
 
 #include "body/levels.h"
 #include "world/constants.h"
+#include "world/node_tree.h"
 
 #include <algorithm>
 #include <cmath>
-#include <new>
+#include <functional>
+#include <numeric>
 
 namespace pliant {
 
 namespace {
-
-void collectInner( btDbvtNode* node, std::vector<btDbvtNode*>& inner )
-{
-	// Parents before children on the stack, then turned round: no recursion, the tree may be deep.
-	std::vector<btDbvtNode*> stack( 1, node );
-	while ( !stack.empty() )
-	{
-		btDbvtNode* top = stack.back();
-		stack.pop_back();
-		if ( top && top->isinternal() )
-		{
-			inner.push_back( top );
-			stack.push_back( top->childs[0] );
-			stack.push_back( top->childs[1] );
-		}
-	}
-	std::vector<btDbvtNode*>( inner.rbegin(), inner.rend() ).swap( inner );
-}
-
-btDbvtNode* makeTreeNode( btDbvtNode* parent )
-{
-	// As btDbvt makes them: it is the tree that frees them.
-	auto* const node = new ( btAlignedAlloc( sizeof( btDbvtNode ), 16 ) ) btDbvtNode();
-	node->parent = parent;
-	node->childs[1] = nullptr;
-	return node;
-}
 
 /// Leaf by leaf into a tree takes twenty times as long as all at once: beyond this share of what is in it, it is made anew.
 constexpr double kMostPutIn = 0.05;
@@ -51,64 +26,6 @@ bool isNearSurface( const Lattice& lattice, int cell )
 	}
 	return isNear;
 }
-
-/// A tree over all children at once, halved along its longest side again and again: Bullet's own way, leaf by leaf and then rebuilt, takes
-/// twenty times as long, which is the worst of what a fracture would cost.
-class TreeBuilder
-{
-public:
-	TreeBuilder( btCompoundShapeChild* children, int count ) : m_children( children )
-	{
-		m_order.reserve( std::size_t( count ) );
-		for ( int i = 0; i < count; ++i )
-		{
-			const btVector3& at = children[i].m_transform.getOrigin();
-			m_order.push_back( Leaf{ { at.x(), at.y(), at.z() }, i } );
-		}
-	}
-
-	btDbvtNode* build( btDbvtNode* parent, int first, int last ) // NOLINT(misc-no-recursion): as deep as the logarithm of the count
-	{
-		btDbvtNode* const node = makeTreeNode( parent );
-		if ( last - first == 1 )
-		{
-			const int child = m_order[std::size_t( first )].child;
-			node->dataAsInt = child;
-			m_children[child].m_node = node;
-			return node;
-		}
-		const int axis = longestAxis( first, last ), middle = ( first + last ) / 2;
-		const auto begin = m_order.begin();
-		std::nth_element( begin + first, begin + middle, begin + last,
-			[axis]( const Leaf& a, const Leaf& b ) { return a.at[axis] != b.at[axis] ? a.at[axis] < b.at[axis] : a.child < b.child; } );
-		node->childs[0] = build( node, first, middle );
-		node->childs[1] = build( node, middle, last );
-		return node;
-	}
-
-private:
-	struct Leaf
-	{
-		btScalar at[3];
-		int child;
-	};
-
-	int longestAxis( int first, int last ) const
-	{
-		btVector3 low( BT_LARGE_FLOAT, BT_LARGE_FLOAT, BT_LARGE_FLOAT ), high( -low );
-		for ( int k = first; k < last; ++k )
-		{
-			const btScalar* const place = m_order[std::size_t( k )].at;
-			const btVector3 at( place[0], place[1], place[2] );
-			low.setMin( at );
-			high.setMax( at );
-		}
-		return ( high - low ).maxAxis();
-	}
-
-	btCompoundShapeChild* m_children;
-	std::vector<Leaf> m_order;
-};
 
 } // namespace
 
@@ -136,8 +53,9 @@ NodeShape::NodeShape( const Body& body ) : btCompoundShape( true, body.nodeCount
 	{
 		addUniform( body.lattice() );
 	}
-	TreeBuilder builder( &m_children[0], m_children.size() );
-	m_dynamicAabbTree->m_root = builder.build( nullptr, 0, m_children.size() );
+	std::vector<int> all( std::size_t( m_children.size() ) );
+	std::iota( all.begin(), all.end(), 0 );
+	m_dynamicAabbTree->m_root = buildNodeTree( &m_children[0], all );
 	m_dynamicAabbTree->m_leaves = m_children.size();
 	collectInner( m_dynamicAabbTree->m_root, m_inner );
 }
@@ -209,12 +127,90 @@ void NodeShape::addNode( int node, const Vec3& at, btSphereShape* sphere )
 	addChildShape( btTransform( btQuaternion::getIdentity(), btVector3( at.x(), at.y(), at.z() ) ), sphere );
 }
 
-// Shape indices are in no order afterwards; contacts are sorted by node, so that nothing follows from that.
+namespace {
+
+/// New nodes that collide, one list for each node before that was split: those of node i stand at node[start[i]] to node[start[i + 1] - 1].
+struct NewChildren
+{
+	std::vector<int> start, node;
+
+	NewChildren( const LevelChange& change, const std::function<bool( int )>& collides ) : start( change.nodeNow.size() + 1, 0 )
+	{
+		for ( int i = 0; i < int( change.heir.size() ); ++i )
+		{
+			const std::uint32_t heir = change.heir[std::size_t( i )];
+			if ( change.nodeNow[heir] == kNoNode && collides( i ) )
+			{
+				++start[heir + 1];
+				node.push_back( i ); // ascending in both
+			}
+		}
+		std::partial_sum( start.begin(), start.end(), start.begin() );
+	}
+	int count( int before ) const { return start[std::size_t( before ) + 1] - start[std::size_t( before )]; }
+};
+
+} // namespace
+
+// What a node was split into stands in the tree where it stood itself. Shape indices are in no order afterwards; contacts are sorted by node, so
+// that nothing follows from that.
 void NodeShape::followLevels( const Body& body, const Vec3& shift )
 {
 	const Levels& levels = *body.levels();
 	const LevelChange& change = levels.lastChange();
-	std::vector<btSphereShape*> spheres( std::size_t( body.nodeCount() ), nullptr );
+	const auto collides = [&]( int node ) { return m_colliders.collides[levels.cut().node[std::size_t( node )]] != 0; };
+	const NewChildren born( change, collides );
+	renumberSpheres( levels );
+	bool isSameTree = true; // but for what stands in the place of leaves
+	for ( int child = int( m_nodeOfChild.size() ); child-- > 0; )
+	{
+		const int node = m_nodeOfChild[child];
+		if ( change.keptAs[std::size_t( node )] == kNoNode && born.count( node ) == 0 )
+		{
+			removeChildShapeByIndex( child ); // the last child moves into the gap
+			m_nodeOfChild[child] = m_nodeOfChild.back();
+			m_nodeOfChild.pop_back();
+			isSameTree = false;
+		}
+	}
+	m_childOfNode.assign( std::size_t( body.nodeCount() ), -1 );
+	std::vector<btDbvtNode*> inner;
+	for ( int child = 0, count = int( m_nodeOfChild.size() ); child < count; ++child )
+	{
+		const int before = m_nodeOfChild[child];
+		if ( const std::uint32_t now = change.keptAs[std::size_t( before )]; now != kNoNode )
+		{
+			m_nodeOfChild[child] = int( now );
+			m_childOfNode[now] = child;
+			continue;
+		}
+		const auto first = born.node.begin() + born.start[std::size_t( before )];
+		splitLeaf( child, std::vector<int>( first, first + born.count( before ) ), inner, PlacedNodes{ body.nodes(), shift } );
+	}
+	for ( int i = 0; i < body.nodeCount(); ++i )
+	{
+		if ( m_childOfNode[i] < 0 && collides( i ) ) // merged
+		{
+			addNode( i, body.nodes().x.get( i ) - shift, m_sphereOfNode[i] );
+			isSameTree = false;
+		}
+	}
+	if ( isSameTree )
+	{
+		inner.insert( inner.end(), m_inner.begin(), m_inner.end() );
+		m_inner.swap( inner );
+		setSweep( btVector3( 0, 0, 0 ), btVector3( 0, 0, 0 ) );
+		return;
+	}
+	m_inner.clear();
+	collectInner( m_dynamicAabbTree->m_root, m_inner );
+	update( body.nodes(), shift );
+}
+
+void NodeShape::renumberSpheres( const Levels& levels )
+{
+	const LevelChange& change = levels.lastChange();
+	std::vector<btSphereShape*> spheres( levels.cut().node.size(), nullptr );
 	for ( std::size_t before = 0; before < change.keptAs.size(); ++before )
 	{
 		if ( change.keptAs[before] != kNoNode )
@@ -222,39 +218,56 @@ void NodeShape::followLevels( const Body& body, const Vec3& shift )
 			spheres[change.keptAs[before]] = m_sphereOfNode[before];
 		}
 	}
-	m_childOfNode.assign( std::size_t( body.nodeCount() ), -1 );
-	for ( int child = int( m_nodeOfChild.size() ); child-- > 0; )
+	for ( std::size_t i = 0; i < spheres.size(); ++i )
 	{
-		const std::uint32_t now = change.keptAs[std::size_t( m_nodeOfChild[child] )];
-		if ( now == kNoNode )
-		{
-			removeChildShapeByIndex( child ); // the last child moves into the gap
-			m_nodeOfChild[child] = m_nodeOfChild.back();
-			m_nodeOfChild.pop_back();
-			continue;
-		}
-		m_nodeOfChild[child] = int( now );
-	}
-	for ( std::size_t child = 0; child < m_nodeOfChild.size(); ++child )
-	{
-		m_childOfNode[std::size_t( m_nodeOfChild[child] )] = int( child );
-	}
-	for ( int i = 0; i < body.nodeCount(); ++i )
-	{
-		const std::uint32_t node = levels.cut().node[i];
-		if ( spheres[i] )
-		{
-			continue;
-		}
-		spheres[i] = sphereOf( double( m_colliders.radius[node] ) );
-		if ( m_colliders.collides[node] != 0 )
-		{
-			addNode( i, body.nodes().x.get( i ) - shift, spheres[i] );
-		}
+		spheres[i] = spheres[i] ? spheres[i] : sphereOf( double( m_colliders.radius[levels.cut().node[i]] ) );
 	}
 	m_sphereOfNode.swap( spheres );
-	m_inner.clear();
-	collectInner( m_dynamicAabbTree->m_root, m_inner );
+}
+
+/// The first of the new nodes takes the child over. New inner nodes are added to `inner`, children before parents.
+void NodeShape::splitLeaf( int child, const std::vector<int>& into, std::vector<btDbvtNode*>& inner, const PlacedNodes& placed )
+{
+	btDbvtNode* const leaf = m_children[child].m_node;
+	std::vector<int> which;
+	for ( const int node : into )
+	{
+		which.push_back( which.empty() ? child : m_children.size() );
+		if ( which.size() > 1 )
+		{
+			addChild( node, Vec3::Zero(), m_sphereOfNode[node] );
+		}
+		else
+		{
+			m_nodeOfChild[child] = node;
+			m_childOfNode[node] = child;
+			m_children[child].m_childShape = m_sphereOfNode[node];
+			m_children[child].m_childMargin = m_sphereOfNode[node]->getMargin();
+		}
+		const Vec3 at = placed.nodes.x.get( node ) - placed.shift;
+		m_children[which.back()].m_transform.setOrigin( btVector3( at.x(), at.y(), at.z() ) );
+	}
+	btDbvtNode* const top = buildNodeTree( &m_children[0], which );
+	replaceLeaf( *m_dynamicAabbTree, leaf, top, int( which.size() ) );
+	for ( const int part : which )
+	{
+		m_children[part].m_node->volume = boxOf( part );
+	}
+	const std::size_t first = inner.size();
+	collectInner( top, inner );
+	for ( std::size_t k = first; k < inner.size(); ++k )
+	{
+		Merge( inner[k]->childs[0]->volume, inner[k]->childs[1]->volume, inner[k]->volume );
+	}
+	refitUpwards( top );
+}
+
+btDbvtVolume NodeShape::boxOf( int child ) const
+{
+	const btVector3& at = m_children[child].m_transform.getOrigin();
+	const btScalar r = radius( child ) * ( 1 + kContactSlop );
+	const btVector3 around( r, r, r );
+	return btDbvtVolume::FromMM( at - around, at + around );
 }
 
 btSphereShape* NodeShape::sphereOf( double radius )
@@ -275,11 +288,8 @@ void NodeShape::update( const NodeState& nodes, const Vec3& shift )
 	{
 		const int i = m_nodeOfChild[child];
 		const Vec3 at = nodes.x.get( i ) - shift;
-		const btVector3 p( at.x(), at.y(), at.z() );
-		const btScalar r = radius( child ) * ( 1 + kContactSlop );
-		const btVector3 around( r, r, r );
-		m_children[child].m_transform.setOrigin( p );
-		m_children[child].m_node->volume = btDbvtVolume::FromMM( p - around, p + around );
+		m_children[child].m_transform.setOrigin( btVector3( at.x(), at.y(), at.z() ) );
+		m_children[child].m_node->volume = boxOf( child );
 	}
 	for ( btDbvtNode* node : m_inner )
 	{

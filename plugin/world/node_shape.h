@@ -26,7 +26,8 @@ public:
 	/// Spheres for the nodes of the surface and one layer below it: with a bare shell, what once got through meets nothing.
 	explicit NodeShape( const Body& body );
 
-	/// Takes out the spheres of nodes that the body's last change of levels did away with and puts in those of new ones. `shift` as below.
+	/// Takes out the spheres of nodes that the body's last change of levels did away with and puts in those of new ones, in their places; those
+	/// of others stay where they are. `shift` as below.
 	void followLevels( const Body& body, const Vec3& shift );
 
 	/// The body has lost links and no nodes: nodes that now lie at the surface get their spheres. False where it takes a new shape: where nodes
@@ -107,6 +108,14 @@ private:
 	void addChild( int node, const Vec3& at, btSphereShape* sphere );
 	void addNode( int node, const Vec3& at, btSphereShape* sphere );
 	btSphereShape* sphereOf( double radius );
+	struct PlacedNodes
+	{
+		const NodeState& nodes;
+		const Vec3& shift;
+	};
+	void renumberSpheres( const Levels& levels );
+	void splitLeaf( int child, const std::vector<int>& into, std::vector<btDbvtNode*>& inner, const PlacedNodes& placed );
+	btDbvtVolume boxOf( int child ) const;
 
 	std::map<int, std::unique_ptr<btSphereShape>> m_spheres; // by radius step
 	std::vector<int> m_nodeOfChild, m_childOfNode;

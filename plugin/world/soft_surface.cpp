@@ -89,7 +89,7 @@ void SoftBody::Impl::keepSurface()
 {
 	if ( skin.frame > 0 ) // else nobody has ever looked
 	{
-		skin.fade.keep( body->nodes(), skinPose(), body->lattice().cellCount() );
+		skin.fade.keep( body->nodes(), skinPose(), body->lattice().cellCount(), skin.isStale ? nullptr : &skin.scratch.nodeMap );
 	}
 }
 
@@ -101,7 +101,7 @@ void SoftBody::Impl::fadeFromKeptSurface()
 		measureTurns( *body, skin );
 		followGradients( *body, skin );
 		skin.isPoseKnown = true;
-		skin.fade.start( binding(), SkinFade::Nodes{ body->nodes(), skinPose(), change.heir, change.keptAs, body->levelFrame() } );
+		skin.fade.start( binding(), SkinFade::Nodes{ body->nodes(), skinPose(), change.heir, change.keptAs, body->levelFrame(), &change.measured } );
 		skin.isStale = true;
 		return;
 	}

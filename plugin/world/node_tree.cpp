@@ -1,0 +1,129 @@
+#include "world/node_tree.h"
+
+#include <algorithm>
+#include <new>
+
+namespace pliant {
+
+namespace {
+
+btDbvtNode* makeTreeNode( btDbvtNode* parent )
+{
+	// As btDbvt makes them: it is the tree that frees them.
+	auto* const node = new ( btAlignedAlloc( sizeof( btDbvtNode ), 16 ) ) btDbvtNode();
+	node->parent = parent;
+	node->childs[1] = nullptr;
+	return node;
+}
+
+class TreeBuilder
+{
+public:
+	TreeBuilder( btCompoundShapeChild* children, const std::vector<int>& which ) : m_children( children )
+	{
+		m_order.reserve( which.size() );
+		for ( const int child : which )
+		{
+			const btVector3& at = children[child].m_transform.getOrigin();
+			m_order.push_back( Leaf{ { at.x(), at.y(), at.z() }, child } );
+		}
+	}
+
+	btDbvtNode* build( btDbvtNode* parent, int first, int last ) // NOLINT(misc-no-recursion): as deep as the logarithm of the count
+	{
+		btDbvtNode* const node = makeTreeNode( parent );
+		if ( last - first == 1 )
+		{
+			const int child = m_order[std::size_t( first )].child;
+			node->dataAsInt = child;
+			m_children[child].m_node = node;
+			return node;
+		}
+		const int axis = longestAxis( first, last ), middle = ( first + last ) / 2;
+		const auto begin = m_order.begin();
+		std::nth_element( begin + first, begin + middle, begin + last,
+			[axis]( const Leaf& a, const Leaf& b ) { return a.at[axis] != b.at[axis] ? a.at[axis] < b.at[axis] : a.child < b.child; } );
+		node->childs[0] = build( node, first, middle );
+		node->childs[1] = build( node, middle, last );
+		return node;
+	}
+
+private:
+	struct Leaf
+	{
+		btScalar at[3];
+		int child;
+	};
+
+	int longestAxis( int first, int last ) const
+	{
+		btVector3 low( BT_LARGE_FLOAT, BT_LARGE_FLOAT, BT_LARGE_FLOAT ), high( -low );
+		for ( int k = first; k < last; ++k )
+		{
+			const btScalar* const place = m_order[std::size_t( k )].at;
+			const btVector3 at( place[0], place[1], place[2] );
+			low.setMin( at );
+			high.setMax( at );
+		}
+		return ( high - low ).maxAxis();
+	}
+
+	btCompoundShapeChild* m_children;
+	std::vector<Leaf> m_order;
+};
+
+} // namespace
+
+btDbvtNode* buildNodeTree( btCompoundShapeChild* children, const std::vector<int>& which )
+{
+	return TreeBuilder( children, which ).build( nullptr, 0, int( which.size() ) );
+}
+
+void replaceLeaf( btDbvt& tree, btDbvtNode* leaf, btDbvtNode* top, int leaves )
+{
+	top->parent = leaf->parent;
+	if ( leaf->parent )
+	{
+		leaf->parent->childs[leaf->parent->childs[1] == leaf ? 1 : 0] = top;
+	}
+	else
+	{
+		tree.m_root = top;
+	}
+	tree.m_leaves += leaves - 1;
+	btAlignedFree( leaf );
+}
+
+void collectInner( btDbvtNode* top, std::vector<btDbvtNode*>& inner )
+{
+	// Parents before children on the stack, then turned round: no recursion, the tree may be deep.
+	const auto first = std::ptrdiff_t( inner.size() );
+	std::vector<btDbvtNode*> stack( 1, top );
+	while ( !stack.empty() )
+	{
+		btDbvtNode* const node = stack.back();
+		stack.pop_back();
+		if ( node && node->isinternal() )
+		{
+			inner.push_back( node );
+			stack.push_back( node->childs[0] );
+			stack.push_back( node->childs[1] );
+		}
+	}
+	std::reverse( inner.begin() + first, inner.end() );
+}
+
+void refitUpwards( btDbvtNode* node )
+{
+	for ( btDbvtNode* parent = node->parent; parent; parent = parent->parent )
+	{
+		const btDbvtVolume before = parent->volume;
+		Merge( parent->childs[0]->volume, parent->childs[1]->volume, parent->volume );
+		if ( !NotEqual( before, parent->volume ) )
+		{
+			return;
+		}
+	}
+}
+
+} // namespace pliant
