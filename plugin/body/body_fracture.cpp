@@ -113,6 +113,17 @@ void Body::refineBeforeBreaking()
 	}
 }
 
+namespace {
+
+/// How long a crack takes for a cell, s: it goes on by one or two with each look at the body.
+float timeForACell( const Lattice& lattice, const Material& material )
+{
+	const float waves = std::sqrt( material.youngsModulus / material.density );
+	return material.stiffness == Stiffness::YoungsModulus ? lattice.cellSize / ( kCrackSpeed * waves ) : 0.0f;
+}
+
+} // namespace
+
 void Body::testLinks( float h )
 {
 	if ( !m_breaking )
@@ -130,8 +141,14 @@ void Body::testLinks( float h )
 	bool hasBegun = false;
 	if ( b.planes )
 	{
+		b.sinceLook += h;
+		if ( b.planes->count() > 0 && b.sinceLook + 0.5f * h < timeForACell( *m_lattice, m_material ) )
+		{
+			return;
+		}
 		const CellPlaces places = m_levels ? CellPlaces( m_nodes, m_levels->cut(), *mayBreak ) : CellPlaces( m_nodes );
-		hasBegun = b.planes->find( *m_lattice, b.limits, places, h, isCool, b.broken );
+		hasBegun = b.planes->find( *m_lattice, b.limits, places, b.sinceLook, isCool, b.broken );
+		b.sinceLook = 0.0f;
 	}
 	else if ( m_levels )
 	{

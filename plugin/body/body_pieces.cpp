@@ -275,6 +275,7 @@ void Body::inheritBreaking( const Breaking& from, const BodyPiece& piece )
 	m_breaking = std::make_unique<Breaking>();
 	m_breaking->settings = from.settings;
 	m_breaking->coolDown = from.coolDown;
+	m_breaking->sinceLook = from.sinceLook;
 	const float strain = from.planes ? from.planes->candidateStrain() : breakStrain( from.settings, m_material );
 	m_breaking->limits = inheritLimits( from.limits, *m_lattice, piece.cellBefore, strain );
 	if ( m_levels )

@@ -28,6 +28,7 @@ struct Breaking
 	Fracture settings;
 	LinkLimits limits;
 	std::vector<CellLink> broken; ///< waiting to be taken out, ascending
+	float sinceLook = 0.0f;       ///< s since planes were looked at
 	float coolDown = 0.0f;        ///< s until links are tested again, or new cracks may begin
 	SettledCells settled;         ///< bodies with levels only
 	std::unique_ptr<PlaneCracks> planes; ///< BreakRule::Plane only

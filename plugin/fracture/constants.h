@@ -36,6 +36,8 @@ inline constexpr double kSameCrackCosine = 0.77;
 inline constexpr double kCrackThickness = 1.0, kCrackReach = 2.0;
 /// ... and nothing begins beside it within this many cells and half its own size.
 inline constexpr double kCrackShield = 3.0;
+/// Cracks run no faster than this share of the speed of waves in a rod, sqrt( E / rho ) (in brittle materials branching holds them to about half).
+inline constexpr float kCrackSpeed = 0.5f;
 /// A crack that has not grown for this long is forgotten, s.
 inline constexpr float kCrackRest = 0.25f;
 

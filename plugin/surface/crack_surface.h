@@ -45,6 +45,8 @@ public:
 	/// Binds anew what the cracks since the last time cut off: once a picture is enough, before the binding is used.
 	void settle();
 	bool isSettled() const { return m_unsettled.empty(); }
+	/// The slow twin of settle(): from cell to cell, for each side by itself.
+	void bindPlainly() { m_bindsPlainly = true; }
 
 	bool isBroken( std::uint32_t face ) const;
 
@@ -99,6 +101,17 @@ private:
 	};
 	static constexpr std::uint32_t kInside = 0xfffffff0u;
 
+	/// What a new copy shares with those there are; kNone: it is the first.
+	struct Copies
+	{
+		std::uint32_t carrier = kNone, normalGroup = kNone;
+	};
+	/// The copy of a point that the side at hand is drawn with, as far as it is of this round.
+	struct SideVertex
+	{
+		std::uint32_t round = 0, vertex = kNone;
+	};
+
 	struct Tie
 	{
 		std::uint32_t face; ///< local
@@ -126,7 +139,7 @@ private:
 	std::uint32_t vertexFor( std::uint32_t point, std::uint32_t kind, std::uint16_t group );
 	std::uint32_t addVertex( std::uint32_t point, std::uint32_t kind, std::uint16_t group );
 	void addRow( std::uint32_t point );
-	std::uint32_t normalGroupFor( std::uint32_t point, std::uint32_t kind, std::uint16_t group );
+	Copies copiesAlike( std::uint32_t point, std::uint32_t kind, std::uint16_t group ) const;
 	void drawSide( Face& face, bool isA );
 	void matchNormals();
 	void matchNormals( std::vector<std::uint32_t>& points );
@@ -141,8 +154,12 @@ private:
 	void clearMarks( const std::vector<std::uint32_t>& list );
 
 	void rebind( std::uint32_t point );
+	bool askCarriers( std::uint32_t point );
+	std::uint64_t carriersBeside( std::uint32_t cell ) const;
+	void reachInWords( std::uint32_t point, std::uint16_t group );
 	void reach( std::uint32_t point, std::uint16_t group );
-	void writeRow( std::uint32_t first, std::uint32_t last, std::uint32_t reached, std::uint32_t home );
+	template <class IsReached>
+	void writeRow( std::uint32_t first, std::uint32_t home, const IsReached& isReached );
 	void shut( std::uint32_t face );
 
 	Status validateTriangles() const;
@@ -174,9 +191,14 @@ private:
 	Change m_change;
 
 	// Room kept between calls.
+	std::vector<SideVertex> m_sideVertex; ///< by point
+	std::uint32_t m_sideRound = 0;
 	std::vector<std::uint32_t> m_mark, m_open; ///< by local cell; local cells
 	std::uint32_t m_round = 0;
 	std::vector<std::uint32_t> m_asked, m_rowCell;
+	std::vector<std::uint8_t> m_bitOf;          ///< by local cell, as far as marked
+	std::vector<std::uint64_t> m_beside;        ///< by cell asked
+	bool m_bindsPlainly = false;
 	std::vector<float> m_rowWeight;
 	std::vector<std::uint16_t> m_root;          ///< by slot of the point at hand
 	std::vector<std::uint8_t> m_isMarked;       ///< by point or cell

@@ -289,6 +289,35 @@ TEST( CrackSurface, MadeFromALatticeItIsTheSame )
 	EXPECT_EQ( byLinks.triangles(), whole.triangles() );
 }
 
+/// Of more and more random links; the slow twin goes from cell to cell for each side.
+TEST( CrackSurface, SidesFollowWhatFacesLeadThemTo )
+{
+	const CrackCase it( makeSphere( 1.0, 16, 24 ), 0.3, noisy( 0.3f ) );
+	CrackSurface quick( it.complex ), plain( it.complex );
+	plain.bindPlainly();
+	std::mt19937 random( 11 );
+	for ( const unsigned oneIn : { 50u, 20u, 8u, 3u, 2u } )
+	{
+		std::vector<std::uint32_t> faces;
+		for ( std::uint32_t f = 0; f < it.complex->face.size(); ++f )
+		{
+			if ( random() % oneIn == 0 )
+			{
+				faces.push_back( f );
+			}
+		}
+		for ( CrackSurface* surface : { &quick, &plain } )
+		{
+			surface->breakFaces( faces );
+			surface->settle();
+		}
+		EXPECT_EQ( quick.binding().start, plain.binding().start );
+		EXPECT_EQ( quick.binding().node, plain.binding().node );
+		EXPECT_EQ( quick.binding().weight, plain.binding().weight );
+		expectValid( quick );
+	}
+}
+
 /// A crack half way through: at its tip nothing is doubled, behind it everything is.
 TEST( CrackSurface, TipsStayJoined )
 {

@@ -1,0 +1,84 @@
+// How often a body with cracks is looked at: cracks run no faster than half of what waves do.
+
+#include "body/body.h"
+#include "body/breaking.h"
+
+#include <gtest/gtest.h>
+
+namespace pliant {
+namespace {
+
+constexpr float kStep = 1.0f / 240.0f;
+
+/// A slab that is weak in the middle of one side, drawn out by hand.
+std::unique_ptr<Body> pulledSlab( Stiffness stiffness )
+{
+	Material material;
+	material.youngsModulus = 2.5e4f; // waves: 5 m/s, so that a cell takes a crack 40 ms
+	material.stiffness = stiffness;
+	auto made = Body::create( std::make_shared<const Lattice>( makeBlockLattice( 8, 12, 3, 0.1f ) ), material, {}, nullptr, {} );
+	EXPECT_TRUE( made.ok() );
+	Fracture brittle;
+	brittle.rule = BreakRule::Plane;
+	brittle.breakStrain = 0.1f;
+	brittle.coolDown = 10.0f;
+	const ToughnessField notch{ []( const float* point, const float*, void* ) { return point[0] * point[0] < 0.01f && point[1] < -0.35f ? 0.4f : 1.0f; }, nullptr };
+	EXPECT_TRUE( made.value->setFracture( brittle, notch ).ok() );
+	for ( int i = 0; i < made.value->nodeCount(); ++i )
+	{
+		made.value->nodes().x.x[i] *= 1.08f;
+	}
+	return std::move( made.value );
+}
+
+/// Substeps until the next look.
+int untilLook( Body& body )
+{
+	int steps = 0;
+	do
+	{
+		body.testLinks( kStep );
+		++steps;
+	} while ( body.breaking()->sinceLook > 0.0f && steps < 100 );
+	return steps;
+}
+
+std::unique_ptr<Body> cracked( std::unique_ptr<Body> body )
+{
+	EXPECT_EQ( untilLook( *body ), 1 );
+	EXPECT_TRUE( body->hasBrokenLinks() );
+	BreakReport report;
+	std::vector<BodyPiece> pieces = body->breakApart( report, 10 );
+	EXPECT_EQ( pieces.size(), 1u );
+	return std::move( pieces[0].body );
+}
+
+TEST( CrackSpeed, IsHalfOfWhatWavesHave )
+{
+	std::unique_ptr<Body> body = cracked( pulledSlab( Stiffness::YoungsModulus ) );
+	EXPECT_EQ( untilLook( *body ), 10 ); // 41.7 ms; nine substeps are more than half a substep short of 40
+	EXPECT_EQ( untilLook( *body ), 10 );
+}
+
+TEST( CrackSpeed, WhatIsSoundIsLookedAtInEverySubstep )
+{
+	std::unique_ptr<Body> body = pulledSlab( Stiffness::YoungsModulus );
+	for ( int i = 0; i < body->nodeCount(); ++i )
+	{
+		body->nodes().x.x[i] /= 1.08f;
+	}
+	for ( int look = 0; look < 20; ++look )
+	{
+		EXPECT_EQ( untilLook( *body ), 1 );
+	}
+}
+
+/// Nothing is known of waves where the stiffness is a bare number.
+TEST( CrackSpeed, IsNotKnownOfRawAlpha )
+{
+	std::unique_ptr<Body> body = cracked( pulledSlab( Stiffness::RawAlpha ) );
+	EXPECT_EQ( untilLook( *body ), 1 );
+}
+
+} // namespace
+} // namespace pliant
