@@ -1,6 +1,7 @@
 #include "body/body.h"
 
 #include "body/breaking.h"
+#include "body/implicit_motion.h"
 #include "body/levels.h"
 #include "matching/cluster_matcher.h"
 #include "matching/coarse_to_fine.h"
@@ -82,6 +83,10 @@ Result<std::unique_ptr<Body>> Body::create(
 	{
 		return Made::failure( ResultCode::BadArgument, "Adaptivity: a body with levels of detail takes no Material::farLevels." );
 	}
+	if ( adaptivity.coarseLevels > 0 && material.elasticity == Elasticity::Implicit )
+	{
+		return Made::failure( ResultCode::BadArgument, "Adaptivity: a body with levels of detail takes no Elasticity::Implicit yet." );
+	}
 	try
 	{
 		std::unique_ptr<Body> body( new Body );
@@ -126,6 +131,10 @@ Status Body::setMaterial( const Material& wanted )
 	if ( m_breaking && wanted.method != Method::Lattice )
 	{
 		return Status{ ResultCode::BadArgument, "A body that can break needs Method::Lattice." };
+	}
+	if ( m_levels && wanted.elasticity == Elasticity::Implicit )
+	{
+		return Status{ ResultCode::BadArgument, "A body with levels of detail takes no Elasticity::Implicit yet." };
 	}
 	Material material = wanted;
 	material.farLevels = usefulFarLevels( *m_lattice, wanted.farLevels );

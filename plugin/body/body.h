@@ -20,6 +20,7 @@ namespace pliant {
 class Matcher;
 class LatticeMatcher;
 class Levels;
+class ImplicitMotion;
 class TaskRunner;
 struct TemplateCache;
 struct Breaking;
@@ -140,6 +141,21 @@ public:
 	/// v += h (gravity + f / m), after matching, or damping would take its share of what holds a loaded body in shape. Forces f are left as
 	/// they are (the world clears them once a game step).
 	void applyForces( float h, const Vec3& gravity );
+
+	// The implicit substep (docs/implicit.md) in the place of the two above: pushImplicitly, [contacts and the system's solution], integrate.
+	/// Whether there are regions to linearise: a lattice of one level.
+	bool canStepImplicitly() const;
+	/// Prepares `implicit()`; leaves the nodes with the speeds of free flight. `alpha` may be of any size.
+	void pushImplicitly( float h, float alpha, const Vec3& gravity, TaskRunner* runner );
+	/// For a body whose forces are applied: it takes part in other bodies' system with its masses alone.
+	ImplicitMotion& takePartFreely();
+	/// Null before the first of the two.
+	ImplicitMotion* implicit() { return m_implicit.get(); }
+	/// Speeds at the start of the substep.
+	const Vec3Array& speedBefore() const { return m_speedBefore; }
+	/// The end of pushImplicitly for a body that touches nothing; returns how many products it took.
+	int solveAlone( TaskRunner* runner );
+
 	/// x += h v; moves the origin along when the body strays from it. Checks every number: see BodyHealth.
 	BodyHealth integrate( float h );
 
@@ -192,6 +208,9 @@ private:
 	std::vector<float> m_stiffness; ///< share of each finest cell; empty: 1 everywhere
 	NodeState m_nodes;
 	std::unique_ptr<Matcher> m_matcher;
+	std::unique_ptr<ImplicitMotion> m_implicit; ///< null until the first implicit substep
+	Vec3Array m_speedBefore;                    ///< of it
+	AlignedArray<float> m_pushed;
 	std::unique_ptr<Levels> m_levels;
 	LatticeMatcher* m_levelMatcher = nullptr; ///< m_matcher where there are levels
 	std::unique_ptr<Breaking> m_breaking;     ///< null: cannot break

@@ -48,6 +48,12 @@ inline constexpr double kMostReach = 1.0e6;
 inline constexpr float kLargestFarDampingShare = 0.25f;
 inline constexpr float kLargestDampingOfFar = 0.1f;
 
+/// The implicit step's solver stops when what is left (r . z, twice an energy) is this share of what it began with, or the body's mass times
+/// the square of this speed, m/s; after so many products at the latest.
+inline constexpr double kGradientShare = 1e-8;
+inline constexpr float kGradientSpeed = 1e-4f;
+inline constexpr int kMostGradients = 60;
+
 /// Bounds of Material's values; the units stand there.
 inline constexpr float kLargestDensity = 1.0e6f;
 inline constexpr float kLargestBeta = 0.95f;

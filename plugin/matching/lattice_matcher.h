@@ -30,6 +30,9 @@ public:
 	std::size_t bytes() const override; ///< without the shared tables
 	std::size_t sharedBytes() const override { return m_tables->bytes(); }
 	const RegionTables& tables() const { return *m_tables; }
+	const Kernels& kernels() const { return m_kernels; }
+	/// Length of each of the two arrays of records that `view` shows.
+	std::size_t recordFloats() const { return m_nodeRecord.size(); }
 
 	/// Other regions for other nodes: node i takes over the history of the old node `heir[i]`, and of what has flowed what `heirs` says.
 	void setTables( std::shared_ptr<const RegionTables> tables, const FlowHeirs& heirs );

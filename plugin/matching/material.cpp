@@ -62,6 +62,27 @@ Status checkFarLevels( const Material& material )
 	return {};
 }
 
+Status checkElasticity( const Material& material )
+{
+	if ( !within( material.numericalDamping, 0.0f, 1.0f ) )
+	{
+		return refuse( "Material::numericalDamping must lie in [0, 1]." );
+	}
+	if ( material.elasticity != Elasticity::Implicit )
+	{
+		return {};
+	}
+	if ( material.method != Method::Lattice || material.weights != Weights::Conserving || material.rotationFrom != RotationFrom::Apq )
+	{
+		return refuse( "Elasticity::Implicit needs Method::Lattice, Weights::Conserving and RotationFrom::Apq." );
+	}
+	if ( material.farLevels > 0 )
+	{
+		return refuse( "Elasticity::Implicit reaches any stiffness by itself: Material::farLevels must be 0." );
+	}
+	return {};
+}
+
 } // namespace
 
 Status check( const Material& material )
@@ -110,6 +131,10 @@ Status check( const Material& material )
 	{
 		return status;
 	}
+	if ( Status status = checkElasticity( material ); !status.ok() )
+	{
+		return status;
+	}
 	if ( material.clusterEdge < 2 || material.clusterEdge > kLargestClusterEdge )
 	{
 		return refuse( "Material::clusterEdge must lie in 2 to 64 cells." );
@@ -134,6 +159,12 @@ StiffnessPlan planStiffness( const Material& material, float cellSize, float gam
 	}
 
 	const double alpha = material.youngsModulus / modulusPerAlpha, most = largestAlpha( material );
+	if ( material.elasticity == Elasticity::Implicit )
+	{
+		plan.alpha = float( alpha );
+		plan.reachedModulus = material.youngsModulus;
+		return plan;
+	}
 	const FarShares far = farShares( material, cellSize, h );
 	const double ofFar = farMoment( far ) / modulusMoment( material );
 	plan.alpha = float( std::min( alpha, most ) );

@@ -27,6 +27,22 @@ inline constexpr double kCrushedNodes = 8.0;
 /// Root mean square speed of the nodes below which a body may fall asleep, m/s.
 inline constexpr btScalar kSleepSpeed = btScalar( 0.03 );
 
+// The implicit step's contacts (docs/implicit.md says how each was found).
+/// A contact's stiffness in units of what its nodes resist with by themselves.
+inline constexpr double kContactStiffness = 10.0;
+/// Below this speed a contact that has just begun to rub counts as held, m/s; one that is held creeps by less with every substep.
+inline constexpr double kSlipSpeed = 5e-3;
+/// Friction that is off by less than this share of its limit is good enough.
+inline constexpr double kFrictionError = 0.01;
+/// Solutions of a substep: contacts that press or slide otherwise than they were taken for make it one more.
+inline constexpr int kMostPasses = 4;
+/// Halvings of the way to a solution: as many as a float has bits.
+inline constexpr int kLineSearchHalvings = 24;
+/// Nodes that have come too deep are pushed out at most this fast, m/s.
+inline constexpr double kPushOutSpeed = 2.0;
+/// Share in which a rigid body's impulses from the rest of the world (joints, rigid contacts) follow those of the last substep.
+inline constexpr double kOutsideShare = 0.25;
+
 /// Soft substeps: default, largest, and the default bound up to which stiff materials raise them by themselves.
 inline constexpr int kDefaultSubsteps = 4;
 inline constexpr int kLargestSubsteps = 64;

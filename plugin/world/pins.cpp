@@ -95,6 +95,7 @@ bool SoftBody::isPinned( int node ) const
 
 void SoftBodySystem::releasePinsTo( const btRigidBody& body )
 {
+	m_implicit.forget( body );
 	for ( SoftBody* soft : m_bodies )
 	{
 		std::vector<Pin>& pins = soft->impl().pins;

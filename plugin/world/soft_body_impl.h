@@ -95,6 +95,8 @@ struct SoftBody::Impl
 	SoftBodySystem* system = nullptr; ///< of the world the body is in
 
 	StiffnessPlan plan;
+	bool isImplicit = false;           ///< in this substep
+	int block = -1, blockPart = -1;    ///< in this substep's implicit solution; -1: in none
 	bool isHealthy = true;
 	bool hasOwnGravity = false;
 	btVector3 gravity = btVector3( 0, 0, 0 );

@@ -111,11 +111,13 @@ int SoftBodySystem::planSubsteps( btScalar gameStep )
 {
 	// The user counts substeps for a sixtieth of a second; a longer step gets as many more, so that behaviour does not follow the frame rate.
 	const int nominal = int( std::ceil( double( substeps ) * gameStep / kNominalStep - 1e-3 ) );
-	int count = std::max( substeps, std::min( nominal, std::max( substeps, maxSubsteps ) ) );
+	const int usual = std::max( substeps, std::min( nominal, std::max( substeps, maxSubsteps ) ) );
+	int count = 1; // what is implicit needs no more
 	for ( const SoftBody* body : m_bodies )
 	{
-		if ( moves( *body ) )
+		if ( moves( *body ) && !stepsImplicitly( *body ) )
 		{
+			count = std::max( count, usual );
 			const StiffnessPlan plan = planStiffness( body->material(), body->bodyTemplate().cellSize(), float( gameStep ), count );
 			count = std::max( count, std::min( plan.substepsNeeded, maxSubsteps ) );
 		}
@@ -145,6 +147,11 @@ void SoftBodySystem::beginStep( btScalar gameStep, int substepCount )
 	}
 }
 
+bool SoftBodySystem::stepsImplicitly( const SoftBody& body ) const
+{
+	return body.material().elasticity == Elasticity::Implicit && body.impl().body->canStepImplicitly();
+}
+
 TaskRunner* SoftBodySystem::tasks() const
 {
 	return runner ? runner : ownRunner.get();
@@ -160,6 +167,13 @@ void SoftBodySystem::gatherAwake()
 			m_awake.push_back( body );
 		}
 	}
+}
+
+Vec3 SoftBodySystem::ownAcceleration( const SoftBody& body ) const
+{
+	const SoftBody::Impl& impl = body.impl();
+	const btVector3 gravity = impl.hasOwnGravity ? impl.gravity : m_world.getGravity();
+	return toVec3( gravity + impl.centralForce / btScalar( impl.mass ) );
 }
 
 void SoftBodySystem::accelerate( btScalar h, int substep )
@@ -181,7 +195,14 @@ void SoftBodySystem::accelerate( btScalar h, int substep )
 		const bool oneTaskEach = int( m_awake.size() ) >= tasks()->threadCount();
 		auto match = [&]( int k ) {
 			SoftBody::Impl& impl = m_awake[k]->impl();
-			impl.body->accelerateTowardGoals( float( h ), impl.plan.alpha, oneTaskEach ? nullptr : tasks() );
+			TaskRunner* const within = oneTaskEach ? nullptr : tasks();
+			impl.isImplicit = stepsImplicitly( *m_awake[k] );
+			if ( impl.isImplicit )
+			{
+				impl.body->pushImplicitly( float( h ), impl.plan.alpha, ownAcceleration( *m_awake[k] ), within );
+				return;
+			}
+			impl.body->accelerateTowardGoals( float( h ), impl.plan.alpha, within );
 		};
 		runTasks( oneTaskEach ? tasks() : nullptr, int( m_awake.size() ), match );
 	}
@@ -190,9 +211,10 @@ void SoftBodySystem::accelerate( btScalar h, int substep )
 		Stopwatch watch( report.forces );
 		for ( SoftBody* body : m_awake )
 		{
-			SoftBody::Impl& impl = body->impl();
-			const btVector3 gravity = impl.hasOwnGravity ? impl.gravity : m_world.getGravity();
-			impl.body->applyForces( float( h ), toVec3( gravity + impl.centralForce / btScalar( impl.mass ) ) );
+			if ( !body->impl().isImplicit )
+			{
+				body->impl().body->applyForces( float( h ), ownAcceleration( *body ) );
+			}
 		}
 	}
 	Stopwatch watch( report.spheres );
@@ -248,6 +270,11 @@ void SoftBodySystem::copyIslandTags()
 	}
 }
 
+void SoftBodySystem::solveImplicit( const btContactSolverInfo& info )
+{
+	m_implicit.before( m_awake, m_dispatcher, info, tasks() );
+}
+
 void SoftBodySystem::readBack()
 {
 	BT_PROFILE( "pliant: readBack" );
@@ -264,7 +291,7 @@ void SoftBodySystem::readBack()
 				stand->forceActivationState( body->getActivationState() );
 				stand->wasAsleep = true;
 			}
-			if ( nodes.freedom[stand->node] == 0.0f || !moves( *body ) || body->getCollisionFlags() & btCollisionObject::CF_NO_CONTACT_RESPONSE )
+			if ( nodes.freedom[stand->node] == 0.0f || impl.block >= 0 || !moves( *body ) || body->getCollisionFlags() & btCollisionObject::CF_NO_CONTACT_RESPONSE )
 			{
 				continue;
 			}

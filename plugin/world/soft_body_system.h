@@ -4,6 +4,7 @@
 // another world of the user's could do the same.
 
 #include "pliant/soft_body_world.h"
+#include "world/implicit_solve.h"
 #include "world/node_body.h"
 #include "world/node_contacts.h"
 
@@ -41,6 +42,9 @@ public:
 	void holdPredictiveContacts( btAlignedObjectArray<btPersistentManifold*>& manifolds );
 	void dropPredictiveContacts();
 	void copyIslandTags();
+	/// Implicit bodies and what they touch, before Bullet's solver; and what that says to them afterwards.
+	void solveImplicit( const btContactSolverInfo& info );
+	void noteSolved() { m_implicit.after(); }
 	void readBack();                            ///< what the solver made of the touched nodes
 	void integrate( btScalar h, int substep );
 	void updateActivation( btScalar h );
@@ -71,6 +75,8 @@ public:
 
 private:
 	bool moves( const SoftBody& body ) const;
+	bool stepsImplicitly( const SoftBody& body ) const;
+	Vec3 ownAcceleration( const SoftBody& body ) const; ///< gravity and the game's force, m/s^2
 	TaskRunner* tasks() const;
 	void sweepBox( SoftBody& body, btScalar h );
 	void quarantine( SoftBody& body );
@@ -97,6 +103,7 @@ private:
 	std::vector<SoftBody*> m_bodies;
 	std::vector<std::unique_ptr<NodeCreateFunc>> m_createFuncs;
 	std::vector<NodeBody*> m_predictive;
+	ImplicitSolve m_implicit;
 	std::vector<SoftBody*> m_awake; ///< in this substep
 	btScalar m_gameStep = btScalar( 0 );
 	int m_substepCount = 1;

@@ -256,7 +256,15 @@ void SoftBodyWorld::solveConstraints( btContactSolverInfo& info )
 	// Sleeping bodies too: a rigid body may have hit one of them and woken it in this very step.
 	Stopwatch watch( m_system->bodies.report.solve );
 	m_system->bodies.report.softContacts = moveContactsToNodes( *getDispatcher() );
+	if ( m_system->isStepping )
+	{
+		m_system->bodies.solveImplicit( info );
+	}
 	btDiscreteDynamicsWorld::solveConstraints( info );
+	if ( m_system->isStepping )
+	{
+		m_system->bodies.noteSolved();
+	}
 	moveContactsToSurfaces( *getDispatcher() );
 	m_system->bodies.readBack();
 }

@@ -43,6 +43,13 @@ enum class Stiffness : int
 	RawAlpha       ///< alpha is `alpha`, whatever the step (the papers' parameter; not a material constant)
 };
 
+/// How a body's elasticity moves it in time.
+enum class Elasticity : int
+{
+	Explicit, ///< the papers' step: cheap; stiffness needs substeps, and heavy loads do too
+	Implicit  ///< any stiffness and any load at the game's own step, for more time a step (docs/implicit.md). Method::Lattice only
+};
+
 struct Material
 {
 	/// kg per cubic metre. Above 0, at most 1e6.
@@ -96,6 +103,12 @@ struct Material
 	/// Not applied to a body whose cells fall into several unconnected parts.
 	float wobbleDamping = 0.15f;
 
+	Elasticity elasticity = Elasticity::Explicit;
+
+	/// Damping that the implicit step brings along, [0, 1]: 1 calms a body within a few swings of a sixtieth of a second's step and is the
+	/// sturdiest, 0 lets it ring as long as `damping` and `wobbleDamping` allow. Rigid motion and momentum are untouched. Elasticity::Implicit only.
+	float numericalDamping = 1.0f;
+
 	Method method = Method::Lattice;
 	ClusterMode clusterMode = ClusterMode::Linear;
 
@@ -122,7 +135,7 @@ PLIANT_API Status check( const Material& material );
 /// What a material asks of the step on a lattice of cells of edge `cellSize` (m).
 struct StiffnessPlan
 {
-	float alpha = 1.0f;           ///< what the step will use, (0, 1]
+	float alpha = 1.0f;           ///< what the step will use, (0, 1]; with Elasticity::Implicit of any size
 	float reachedModulus = 0.0f;  ///< Pa; below `youngsModulus` when that is out of reach
 	int substepsNeeded = 1;       ///< substeps per game step that would reach `youngsModulus` at this regionHalfWidth with these far levels
 	bool reachable = true;

@@ -23,6 +23,7 @@ constexpr int kVirtualLanes = 16;
 #include "matching/kernels/kernel_tile.h"
 #include "matching/kernels/kernel_fit.h"
 #include "matching/kernels/kernel_far.h"
+#include "matching/kernels/kernel_rates.h"
 
 void frameSums( const MatchView& view, int begin, int end, float* sums )
 {
@@ -354,6 +355,6 @@ void deformations( const MatchView& view, int begin, int end, float* gradients )
 
 extern const Kernels PLIANT_KERNEL_TABLE;
 const Kernels PLIANT_KERNEL_TABLE = { &frameSums, &nodeRecords, &boxPlane, &fitRegions, &finishRegion, &scatter, &apply, &regionMatrix,
-	&deformations, &sumRecords, PLIANT_KERNEL_NAME };
+	&deformations, &sumRecords, &inertiaRecords, &regionInertias, &rateSums, &rateRecords, &rigidRates, &resist, PLIANT_KERNEL_NAME };
 
 } // namespace pliant

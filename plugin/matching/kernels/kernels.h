@@ -95,6 +95,24 @@ struct MatchView
 	float pivot[3] = {};           ///< m
 };
 
+/// Sums of the rates' pass: m v (3), m p x v (3).
+inline constexpr int kRateSums = 6;
+
+/// What the implicit step's kernels see beside the MatchView, of which they use nodes, tables and records (kernel_rates.h).
+struct RateView
+{
+	const MatchView* match = nullptr;
+	float* regionCentre[3] = {};         ///< c of each region, cells from the frame's centre, world axes
+	float* inverseInertia[6] = {};       ///< T^-1 of each region, as xx, yy, zz, yz, xz, xy
+	const float* regionShare = nullptr;  ///< g_r; null: 1
+	const float* pull = nullptr;         ///< of each node: sum of its regions' g_r / C; null: 1
+	const float* rate[3] = {};           ///< v
+	float* result[3] = {};
+	float stiffness = 0.0f;              ///< G
+	float shift[3] = {};                 ///< a rigid motion that is taken off v before anything is summed
+	float turn[3] = {};
+};
+
 /// Sums of records over lists: to[i] = scale[i] ( sum of weight[k] from[k] over the list of i ) + base[ baseOf[i] ].
 struct RecordSums
 {
@@ -141,6 +159,14 @@ struct Kernels
 
 	/// Lists are not empty.
 	void ( *sumRecords )( const RecordSums&, int begin, int end );
+
+	// The implicit step (kernel_rates.h), in the order it calls them; box sums stand between records and what gathers them.
+	void ( *inertiaRecords )( const RateView&, int begin, int end );
+	void ( *regionInertias )( const RateView&, int begin, int end );
+	void ( *rateSums )( const RateView&, int begin, int end, float* sums );
+	void ( *rateRecords )( const RateView&, int begin, int end );
+	void ( *rigidRates )( const RateView&, int begin, int end );
+	void ( *resist )( const RateView&, int begin, int end );
 
 	const char* name;
 };

@@ -1,0 +1,112 @@
+// The implicit substep of a body: its part in a linear system, and the system of a body that touches nothing.
+
+#include "body/body.h"
+
+#include "body/implicit_motion.h"
+#include "matching/conjugate_gradients.h"
+#include "matching/lattice_matcher.h"
+
+namespace pliant {
+
+namespace {
+
+/// A body by itself: its own matrix, and in front of it the masses and the body's rigid motions.
+class AloneSystem : public LinearSystem
+{
+public:
+	AloneSystem( ImplicitMotion& motion, TaskRunner* runner ) :
+		m_motion( motion ), m_runner( runner ), m_inverse( motion.rigidMass().inverse() )
+	{
+	}
+	int size() const override { return m_motion.size(); }
+	void apply( const float* v, float* to ) override { m_motion.apply( v, to, m_runner ); }
+	void precondition( const float* r, float* z ) override
+	{
+		const int padded = m_motion.padded();
+		std::fill( z, z + size(), 0.0f );
+		for ( int i = 0; i < m_motion.nodes().count; ++i )
+		{
+			const float inverse = 1.0f / m_motion.diagonal( i );
+			for ( int k = 0; k < 3; ++k )
+			{
+				z[k * padded + i] = inverse * r[k * padded + i];
+			}
+		}
+		if ( !m_motion.hasHeldNodes() )
+		{
+			m_motion.addRigid( m_inverse * m_motion.rigidSums( r ), z );
+		}
+	}
+
+private:
+	ImplicitMotion& m_motion;
+	TaskRunner* m_runner;
+	Matrix6 m_inverse;
+};
+
+} // namespace
+
+bool Body::canStepImplicitly() const
+{
+	return m_material.method == Method::Lattice && !m_levels && m_nodes.count > 1;
+}
+
+// Matching first, from the speeds the last substep left, then forces: the order of the explicit step.
+void Body::pushImplicitly( float h, float alpha, const Vec3& gravity, TaskRunner* runner )
+{
+	if ( !m_implicit )
+	{
+		m_implicit = std::make_unique<ImplicitMotion>();
+	}
+	const std::size_t padded = std::size_t( m_nodes.padded );
+	m_pushed.resize( 3 * padded );
+	m_speedBefore = m_nodes.v;
+	m_matcher->accelerate( m_nodes, MatchStep{ h, alpha, 0.0f, wobbleRate( h, alpha ), 0.0f, false,
+		PlasticLaw{ m_material.yieldStrain, m_material.plasticCreep, m_material.plasticLimit }, {} }, runner );
+	std::swap( m_speedBefore, m_nodes.v ); // now: what matching makes of the speeds
+	const AlignedArray<float>* const pushed[3] = { &m_speedBefore.x, &m_speedBefore.y, &m_speedBefore.z };
+	const AlignedArray<float>* const speed[3] = { &m_nodes.v.x, &m_nodes.v.y, &m_nodes.v.z };
+	for ( std::size_t k = 0; k < 3 * padded; ++k )
+	{
+		m_pushed[k] = ( *pushed[k / padded] )[k % padded] - ( *speed[k / padded] )[k % padded];
+	}
+	m_speedBefore = m_nodes.v;
+	applyForces( h, gravity );
+	for ( std::size_t k = 0; k < 3 * padded; ++k )
+	{
+		m_pushed[k] += ( *speed[k / padded] )[k % padded];
+	}
+	m_implicit->begin( static_cast<LatticeMatcher&>( *m_matcher ), m_nodes, m_pushed.data(),
+		ImplicitStep{ h, alpha, m_material.damping, m_material.numericalDamping, m_material.volumeKeeping }, runner );
+}
+
+ImplicitMotion& Body::takePartFreely()
+{
+	if ( !m_implicit )
+	{
+		m_implicit = std::make_unique<ImplicitMotion>();
+	}
+	m_speedBefore = m_nodes.v;
+	m_implicit->beginFree( m_nodes );
+	return *m_implicit;
+}
+
+int Body::solveAlone( TaskRunner* runner )
+{
+	AloneSystem system( *m_implicit, runner );
+	AlignedArray<float> v( static_cast<std::size_t>( system.size() ) );
+	m_implicit->copySpeeds( v.data() );
+	double mass = 0.0;
+	for ( const float m : m_nodes.mass )
+	{
+		mass += double( m );
+	}
+	ConjugateGradients gradients;
+	const int count = gradients.solve( system, m_implicit->rightSide(), v.data(),
+		GradientLimits{ kGradientShare, mass * double( kGradientSpeed ) * double( kGradientSpeed ), kMostGradients } );
+	m_implicit->setSpeeds( v.data() );
+	m_implicit->keepMomentum();
+	return count;
+}
+
+} // namespace pliant

@@ -1,0 +1,86 @@
+#pragma once
+
+// One body's part in an implicit substep: the linear system for the speeds it will have, the force of its matching linearised in them.
+// docs/implicit.md. Knows no contacts: who solves for several bodies at once adds them to the system.
+//
+//   A v = b,   A = m ( 1 + G ( 1 - P ) ),   G = gamma alpha ( 1 + 3 kappa ) + h c
+//   b = m ( v* + alpha e d / h ) + m ( gamma - sigma ) alpha ( 1 + 3 kappa ) ( 1 - P ) v*,   v* = v + h ( g + f / m )
+//   gamma = ( 1 + sigma ) / 2
+//
+// sigma is Material::numericalDamping, c Material::damping, alpha = E h^2 / ( rho d^2 mu ) of any size, 1 - P of StrainRates.
+
+#include "matching/node_state.h"
+#include "matching/strain_rates.h"
+
+#include <Eigen/Core>
+
+namespace pliant {
+
+class LatticeMatcher;
+class TaskRunner;
+
+using Vector6 = Eigen::Matrix<double, 6, 1>;
+using Matrix6 = Eigen::Matrix<double, 6, 6>;
+
+struct ImplicitStep
+{
+	float h = 0.0f;
+	float alpha = 0.0f;
+	float damping = 0.0f;          ///< 1/s
+	float numericalDamping = 1.0f; ///< sigma
+	float volumeKeeping = 0.0f;    ///< kappa
+};
+
+class ImplicitMotion
+{
+public:
+	/// `pushed`: nodes' speeds with what matching adds to them; nodes.v: those of free flight, v*; `before`: at the substep's start. All three
+	/// as long as `size`.
+	void begin( LatticeMatcher& matcher, NodeState& nodes, const float* pushed, const ImplicitStep& step, TaskRunner* runner );
+	/// A body that is moved by its contacts alone in this substep: G = 0, b = m v.
+	void beginFree( NodeState& nodes );
+
+	/// Floats of a vector of speeds: three components, each padded to whole lanes.
+	int size() const { return 3 * m_nodes->padded; }
+	int padded() const { return m_nodes->padded; }
+	const NodeState& nodes() const { return *m_nodes; }
+	const float* rightSide() const { return m_rightSide.data(); }
+	/// to = A v; rows of held nodes are 0.
+	void apply( const float* v, float* to, TaskRunner* runner );
+	/// The mean of A's three diagonal entries of a node, kg.
+	float diagonal( int node ) const;
+	bool isElastic() const { return m_stiffness > 0.0f; }
+	bool hasHeldNodes() const { return m_hasHeldNodes; }
+
+	// Rigid motions ( V, Omega ) about the mass centre, in which A is the mass alone.
+	Matrix6 rigidMass() const;
+	/// Sum and turn about the centre of what stands at the nodes.
+	Vector6 rigidSums( const float* r ) const;
+	/// z += the rigid motion, at free nodes.
+	void addRigid( const Vector6& motion, float* z ) const;
+	const Eigen::Vector3d& centre() const { return m_centre; }
+
+	/// What the solver's end and rounding left of Qt( b - m v ), Q the rigid motions, as a rigid motion of a body that touches nothing.
+	void keepMomentum();
+	/// Qt( b - m v ): what the nodes' momentum lacks to what it was at the substep's start and what forces brought since.
+	Vector6 missingMomentum() const;
+	/// Adds a rigid motion to the nodes' speeds.
+	void addMotion( const Vector6& motion );
+	void copySpeeds( float* v ) const;       ///< of the nodes as they are
+	void setSpeeds( const float* v );        ///< of the free nodes
+	std::size_t bytes() const { return m_rightSide.size() * sizeof( float ) + m_rates.bytes(); }
+
+private:
+	void measureHeld();
+
+	StrainRates m_rates;
+	NodeState* m_nodes = nullptr;
+	AlignedArray<float> m_rightSide;
+	float m_stiffness = 0.0f; ///< G
+	bool m_hasHeldNodes = false;
+	Eigen::Vector3d m_centre = Eigen::Vector3d::Zero();
+	Eigen::Matrix3d m_inertia = Eigen::Matrix3d::Identity();
+	double m_mass = 0.0;
+};
+
+} // namespace pliant

@@ -1,0 +1,42 @@
+#pragma once
+
+// Preconditioned conjugate gradients over one flat array of floats, for symmetric positive definite systems that are given by what they do
+// to a vector (Hestenes and Stiefel 1952). Sums are in double and in one order.
+
+#include "matching/aligned_array.h"
+
+namespace pliant {
+
+/// A v = b, as the iteration sees it.
+class LinearSystem
+{
+public:
+	virtual ~LinearSystem() = default;
+	virtual int size() const = 0;                                ///< a multiple of kLanes
+	virtual void apply( const float* v, float* to ) = 0;         ///< to = A v
+	virtual void precondition( const float* r, float* z ) = 0;   ///< z ~ A^-1 r
+};
+
+/// When to stop: at r . z <= relative * ( r . z at the start ) or <= absolute, or after so many products.
+struct GradientLimits
+{
+	double relative = 0.0;
+	double absolute = 0.0;
+	int most = 0;
+};
+
+class ConjugateGradients
+{
+public:
+	/// Improves x. Returns the number of products beyond the first. What is no number stops it.
+	int solve( LinearSystem& system, const float* b, float* x, const GradientLimits& limits );
+	std::size_t bytes() const { return ( m_r.size() + m_z.size() + m_p.size() + m_ap.size() ) * sizeof( float ); }
+
+private:
+	AlignedArray<float> m_r, m_z, m_p, m_ap;
+};
+
+/// a . b, kLanes sums side by side, folded halves onto halves.
+double dot( const float* a, const float* b, int size );
+
+} // namespace pliant

@@ -1,0 +1,229 @@
+// How fast a body's regions strain: v - P v, with P v at a node the mean of its regions' rigid motions, about the nodes' present places.
+// The operator of the implicit step (matching/strain_rates.h; docs/implicit.md). Rivers and James 2007, section 5, have the same P for damping.
+// Included by kernel_source.h only, inside its unnamed namespace (see lane.h). Lengths in cells, world axes.
+
+#pragma once
+
+/// Regions without extent about some axis: where the determinant of their inertia is below this share of ( trace / 3 )^3, it is raised before
+/// it is inverted. No more than float needs: what is raised brakes turns about that axis.
+constexpr float kThinInertia = 1e-5f;
+constexpr float kThinRaise = 1e-4f;
+/// Added to those, in cells^2 of full cells: a region of one cell has none at all, and its rotation says nothing.
+constexpr float kPointInertia = 1e-4f;
+
+inline Vec placeOf( const MatchView& view, int i )
+{
+	const V perMetre = splat( view.cellsPerMetre );
+	return { ( load( view.x[0] + i ) - view.frameCentre[0] ) * perMetre, ( load( view.x[1] + i ) - view.frameCentre[1] ) * perMetre,
+		( load( view.x[2] + i ) - view.frameCentre[2] ) * perMetre };
+}
+
+/// v less the rigid motion that the step takes off before anything is summed.
+inline Vec strainingRate( const RateView& rates, const Vec& place, int i )
+{
+	const Vec turn = cross( { splat( rates.turn[0] ), splat( rates.turn[1] ), splat( rates.turn[2] ) }, place );
+	return { load( rates.rate[0] + i ) - rates.shift[0] - turn.x, load( rates.rate[1] + i ) - rates.shift[1] - turn.y,
+		load( rates.rate[2] + i ) - rates.shift[2] - turn.z };
+}
+
+inline void clearRows( Tile& tile, int from )
+{
+	__builtin_memset( tile.row[from], 0, sizeof( tile.row[0] ) * std::size_t( kRecordUsed - from ) );
+}
+
+/// a p and a p p^T of each node.
+void inertiaRecords( const RateView& rates, int begin, int end )
+{
+	const MatchView& view = *rates.match;
+	Tile tile;
+	clearRows( tile, 9 );
+	for ( int first = begin; first < end; first += kTile )
+	{
+		const int last = first + kTile < end ? first + kTile : end;
+		for ( int i = first; i < last; i += kWidth )
+		{
+			const V a = load( view.nodeWeight + i );
+			const Vec p = placeOf( view, i );
+			const V ap[3] = { a * p.x, a * p.y, a * p.z };
+			const V row[9] = { ap[0], ap[1], ap[2], ap[0] * p.x, ap[1] * p.y, ap[2] * p.z, ap[1] * p.z, ap[0] * p.z, ap[0] * p.y };
+			for ( int k = 0; k < 9; ++k )
+			{
+				store( &tile.row[k][i - first], row[k] );
+			}
+		}
+		const int real = last < view.nodeCount ? last : view.nodeCount;
+		if ( real > first )
+		{
+			writeRecords( view, tile, first, real, view.nodeRecord );
+		}
+	}
+}
+
+/// The inverse of a symmetric matrix xx, yy, zz, yz, xz, xy by cofactors, same order.
+inline void invertSymmetric( V ( &t )[6] )
+{
+	const V cxx = t[1] * t[2] - t[3] * t[3], cyy = t[0] * t[2] - t[4] * t[4], czz = t[0] * t[1] - t[5] * t[5];
+	const V cyz = t[4] * t[5] - t[0] * t[3], cxz = t[5] * t[3] - t[1] * t[4], cxy = t[4] * t[3] - t[2] * t[5];
+	const V inverse = 1.0f / ( ( t[0] * cxx + t[5] * cxy ) + t[4] * cxz );
+	const V c[6] = { cxx, cyy, czz, cyz, cxz, cxy };
+	for ( int k = 0; k < 6; ++k )
+	{
+		t[k] = c[k] * inverse;
+	}
+}
+
+inline V determinant( const V ( &t )[6] )
+{
+	return ( t[0] * ( t[1] * t[2] - t[3] * t[3] ) + t[5] * ( t[4] * t[3] - t[2] * t[5] ) ) + t[4] * ( t[5] * t[3] - t[1] * t[4] );
+}
+
+/// Of each region: centre c and T^-1, T = sum a ( |p - c|^2 1 - ( p - c )( p - c )^T ).
+void regionInertias( const RateView& rates, int begin, int end )
+{
+	const MatchView& view = *rates.match;
+	Tile tile;
+	for ( int first = begin; first < end; first += kTile )
+	{
+		const int last = first + kTile < end ? first + kTile : end;
+		gatherTile( view, view.nodeRecord, view.memberMass, first, last, tile );
+		for ( int r = first; r < last; r += kWidth )
+		{
+			const int at = r - first;
+			const V inverseMass = load( view.inverseMass + r );
+			const V sum[3] = { load( &tile.row[0][at] ), load( &tile.row[1][at] ), load( &tile.row[2][at] ) };
+			const V c[3] = { sum[0] * inverseMass, sum[1] * inverseMass, sum[2] * inverseMass };
+			const V s[6] = { load( &tile.row[3][at] ) - sum[0] * c[0], load( &tile.row[4][at] ) - sum[1] * c[1],
+				load( &tile.row[5][at] ) - sum[2] * c[2], load( &tile.row[6][at] ) - sum[1] * c[2], load( &tile.row[7][at] ) - sum[0] * c[2],
+				load( &tile.row[8][at] ) - sum[0] * c[1] };
+			V t[6] = { s[1] + s[2], s[0] + s[2], s[0] + s[1], -s[3], -s[4], -s[5] };
+			const V third = ( ( t[0] + t[1] ) + t[2] ) * ( 1.0f / 3.0f );
+			const I thin = determinant( t ) <= kThinInertia * ( third * third * third );
+			const V raised = select( thin, kThinRaise * third + kPointInertia, V{} );
+			for ( int k = 0; k < 3; ++k )
+			{
+				t[k] = t[k] + raised;
+				store( rates.regionCentre[k] + r, c[k] );
+			}
+			invertSymmetric( t );
+			for ( int k = 0; k < 6; ++k )
+			{
+				store( rates.inverseInertia[k] + r, t[k] );
+			}
+		}
+	}
+}
+
+/// Sums over the nodes: m v and m p x v.
+void rateSums( const RateView& rates, int begin, int end, float* sums )
+{
+	const MatchView& view = *rates.match;
+	LaneSums<kRateSums> sum;
+	for ( int i = begin; i < end; i += kWidth )
+	{
+		const int sub = i % kVirtualLanes;
+		const V m = load( view.mass + i );
+		const Vec mv = { m * load( rates.rate[0] + i ), m * load( rates.rate[1] + i ), m * load( rates.rate[2] + i ) };
+		const Vec spin = cross( placeOf( view, i ), mv );
+		const V value[kRateSums] = { mv.x, mv.y, mv.z, spin.x, spin.y, spin.z };
+		for ( int k = 0; k < kRateSums; ++k )
+		{
+			sum.add( k, sub, value[k] );
+		}
+	}
+	sum.foldInto( sums );
+}
+
+/// a v and a p x v of each node.
+void rateRecords( const RateView& rates, int begin, int end )
+{
+	const MatchView& view = *rates.match;
+	Tile tile;
+	clearRows( tile, 6 );
+	for ( int first = begin; first < end; first += kTile )
+	{
+		const int last = first + kTile < end ? first + kTile : end;
+		for ( int i = first; i < last; i += kWidth )
+		{
+			const Vec p = placeOf( view, i ), v = strainingRate( rates, p, i );
+			const V a = load( view.nodeWeight + i );
+			const Vec av = { a * v.x, a * v.y, a * v.z };
+			const Vec spin = cross( p, av );
+			const V row[6] = { av.x, av.y, av.z, spin.x, spin.y, spin.z };
+			for ( int k = 0; k < 6; ++k )
+			{
+				store( &tile.row[k][i - first], row[k] );
+			}
+		}
+		const int real = last < view.nodeCount ? last : view.nodeCount;
+		if ( real > first )
+		{
+			writeRecords( view, tile, first, real, view.nodeRecord );
+		}
+	}
+}
+
+/// Of each region its rigid motion: g ( w, vc - w x c ), w = T^-1 ( sum a p x v - c x sum a v ).
+void rigidRates( const RateView& rates, int begin, int end )
+{
+	const MatchView& view = *rates.match;
+	Tile in, out;
+	clearRows( out, 6 );
+	for ( int first = begin; first < end; first += kTile )
+	{
+		const int last = first + kTile < end ? first + kTile : end;
+		gatherTile( view, view.nodeRecord, view.memberMass, first, last, in );
+		for ( int r = first; r < last; r += kWidth )
+		{
+			const int at = r - first;
+			const V inverseMass = load( view.inverseMass + r ), share = rates.regionShare ? load( rates.regionShare + r ) : splat( 1.0f );
+			const Vec sum = { load( &in.row[0][at] ), load( &in.row[1][at] ), load( &in.row[2][at] ) };
+			const Vec c = { load( rates.regionCentre[0] + r ), load( rates.regionCentre[1] + r ), load( rates.regionCentre[2] + r ) };
+			const Vec moved = cross( c, sum );
+			const Vec b = { load( &in.row[3][at] ) - moved.x, load( &in.row[4][at] ) - moved.y, load( &in.row[5][at] ) - moved.z };
+			V t[6];
+			for ( int k = 0; k < 6; ++k )
+			{
+				t[k] = share * load( rates.inverseInertia[k] + r );
+			}
+			const Vec w = { ( t[0] * b.x + t[5] * b.y ) + t[4] * b.z, ( t[5] * b.x + t[1] * b.y ) + t[3] * b.z, ( t[4] * b.x + t[3] * b.y ) + t[2] * b.z };
+			const Vec turned = cross( w, c );
+			const V mean = share * inverseMass;
+			const V row[6] = { w.x, w.y, w.z, sum.x * mean - turned.x, sum.y * mean - turned.y, sum.z * mean - turned.z };
+			for ( int k = 0; k < 6; ++k )
+			{
+				store( &out.row[k][at], row[k] );
+			}
+		}
+		const int real = last < view.nodeCount ? last : view.nodeCount;
+		if ( real > first )
+		{
+			writeRecords( view, out, first, real, view.regionRecord );
+		}
+	}
+}
+
+/// m ( v + G ( v - P v ) ) of each free node, 0 of the others.
+void resist( const RateView& rates, int begin, int end )
+{
+	const MatchView& view = *rates.match;
+	Tile tile;
+	for ( int first = begin; first < end; first += kTile )
+	{
+		const int last = first + kTile < end ? first + kTile : end;
+		gatherTile( view, view.regionRecord, view.memberShare, first, last, tile );
+		for ( int i = first; i < last; i += kWidth )
+		{
+			const int at = i - first;
+			const Vec p = placeOf( view, i ), v = strainingRate( rates, p, i );
+			const V cover = load( view.inverseCover + i ), pull = rates.pull ? load( rates.pull + i ) : splat( 1.0f );
+			const Vec turn = cross( { load( &tile.row[0][at] ), load( &tile.row[1][at] ), load( &tile.row[2][at] ) }, p );
+			const V carried[3] = { load( &tile.row[3][at] ) + turn.x, load( &tile.row[4][at] ) + turn.y, load( &tile.row[5][at] ) + turn.z };
+			const V own[3] = { v.x, v.y, v.z };
+			const V mass = load( view.mass + i ) * load( view.freedom + i );
+			for ( int k = 0; k < 3; ++k )
+			{
+				store( rates.result[k] + i, mass * ( load( rates.rate[k] + i ) + rates.stiffness * ( pull * own[k] - cover * carried[k] ) ) );
+			}
+		}
+	}
+}

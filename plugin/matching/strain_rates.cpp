@@ -1,0 +1,209 @@
+#include "matching/strain_rates.h"
+
+#include "matching/lattice_matcher.h"
+#include "threads/parallel.h"
+
+#include <algorithm>
+
+namespace pliant {
+
+namespace {
+
+/// As the matcher's: part of the result's bits.
+constexpr int kChunk = 1024;
+static_assert( kChunk % kTile == 0 );
+
+int chunks( int padded )
+{
+	return ( padded + kChunk - 1 ) / kChunk;
+}
+
+template <class Kernel>
+void overNodes( int padded, TaskRunner* runner, Kernel kernel )
+{
+	auto task = [&]( int chunk ) { kernel( chunk, chunk * kChunk, std::min( padded, ( chunk + 1 ) * kChunk ) ); };
+	runTasks( runner, chunks( padded ), task );
+}
+
+/// The nodes within the half-width of node i on the grid.
+template <class Visit>
+void overCube( const MatchView& view, const std::vector<int>& nodeAt, int i, Visit visit )
+{
+	const int slot = view.slot ? int( view.slot[i] ) : i, w = view.halfWidth;
+	const int x = slot % view.gridX, y = slot / view.gridX % view.gridY, z = slot / ( view.gridX * view.gridY );
+	for ( int c = std::max( 0, z - w ); c <= std::min( view.gridZ - 1, z + w ); ++c )
+	{
+		for ( int b = std::max( 0, y - w ); b <= std::min( view.gridY - 1, y + w ); ++b )
+		{
+			for ( int a = std::max( 0, x - w ); a <= std::min( view.gridX - 1, x + w ); ++a )
+			{
+				const int node = nodeAt[( std::size_t( c ) * std::size_t( view.gridY ) + std::size_t( b ) ) * std::size_t( view.gridX ) + std::size_t( a )];
+				if ( node >= 0 )
+				{
+					visit( node );
+				}
+			}
+		}
+	}
+}
+
+} // namespace
+
+void StrainRates::prepare( LatticeMatcher& matcher, NodeState& nodes, TaskRunner* runner )
+{
+	const RegionTables& tables = matcher.tables();
+	m_kernels = &matcher.kernels();
+	m_view = matcher.view( nodes );
+	m_padded = nodes.padded;
+	m_gridHasHoles = tables.gridHasHoles;
+	m_recordFloats = matcher.recordFloats();
+	m_partial.resize( std::size_t( chunks( m_padded ) ) );
+	measureBody( nodes );
+	for ( int k = 0; k < 3; ++k )
+	{
+		m_view.frameCentre[k] = float( m_centre[k] );
+		m_centres[k].resize( std::size_t( m_padded ) );
+	}
+	for ( AlignedArray<float>& component : m_inverseInertias )
+	{
+		component.resize( std::size_t( m_padded ) );
+	}
+	m_rates = RateView{};
+	m_rates.match = &m_view;
+	m_rates.regionShare = m_view.regionWeight;
+	m_rates.pull = m_view.pull;
+	for ( int k = 0; k < 6; ++k )
+	{
+		m_rates.regionCentre[k % 3] = m_centres[k % 3].data();
+		m_rates.inverseInertia[k] = m_inverseInertias[k].data();
+	}
+	if ( m_diagonalOf != &tables )
+	{
+		measureDiagonal( matcher );
+		m_diagonalOf = &tables;
+	}
+
+	if ( m_gridHasHoles )
+	{
+		std::fill( m_view.nodeRecord, m_view.nodeRecord + m_recordFloats, 0.0f );
+	}
+	overNodes( m_padded, runner, [&]( int, int begin, int end ) { m_kernels->inertiaRecords( m_rates, begin, end ); } );
+	sumRecords( m_view.nodeRecord, runner );
+	overNodes( m_padded, runner, [&]( int, int begin, int end ) { m_kernels->regionInertias( m_rates, begin, end ); } );
+}
+
+void StrainRates::measureBody( const NodeState& nodes )
+{
+	m_mass = 0.0;
+	m_centre.setZero();
+	for ( int i = 0; i < nodes.count; ++i )
+	{
+		m_mass += double( nodes.mass[i] );
+		m_centre += double( nodes.mass[i] ) * nodes.x.get( i ).cast<double>();
+	}
+	m_centre /= m_mass;
+	Eigen::Matrix3d second = Eigen::Matrix3d::Zero();
+	for ( int i = 0; i < nodes.count; ++i )
+	{
+		const Eigen::Vector3d arm = nodes.x.get( i ).cast<double>() - m_centre;
+		second += double( nodes.mass[i] ) * arm * arm.transpose();
+	}
+	m_inertia = second.trace() * Eigen::Matrix3d::Identity() - second;
+	m_inverseInertia = flooredInverse( m_inertia, kInertiaFloor );
+}
+
+// Of P a node's own share: from each region a / M in each of three directions, and about as much from its three rotations. A region of one or
+// two nodes does not resist at all.
+void StrainRates::measureDiagonal( const LatticeMatcher& matcher )
+{
+	m_diagonal.assign( std::size_t( m_padded ), 0.0f );
+	std::vector<int> nodeAt; // by lattice position
+	if ( matcher.tables().usesGrid )
+	{
+		nodeAt.assign( std::size_t( m_view.gridX ) * std::size_t( m_view.gridY ) * std::size_t( m_view.gridZ ), -1 );
+		for ( int i = 0; i < m_view.nodeCount; ++i )
+		{
+			nodeAt[m_view.slot ? m_view.slot[i] : std::uint32_t( i )] = i;
+		}
+	}
+	for ( int i = 0; i < m_view.nodeCount; ++i )
+	{
+		double sum = 0.0;
+		const auto add = [&]( int r ) {
+			const double share = m_view.regionWeight ? double( m_view.regionWeight[r] ) : 1.0;
+			sum += share * std::max( 0.0, 1.0 - 2.0 * double( m_view.nodeWeight[i] ) * double( m_view.inverseMass[r] ) );
+		};
+		if ( matcher.tables().usesGrid )
+		{
+			overCube( m_view, nodeAt, i, add );
+		}
+		else
+		{
+			std::for_each( m_view.member + m_view.start[i], m_view.member + m_view.start[i + 1], [&]( std::uint32_t r ) { add( int( r ) ); } );
+		}
+		if ( m_view.addOwner )
+		{
+			add( i );
+		}
+		m_diagonal[std::size_t( i )] = float( sum * double( m_view.inverseCover[i] ) );
+	}
+}
+
+void StrainRates::sumRecords( float* records, TaskRunner* runner )
+{
+	auto task = [&]( int z ) { m_kernels->boxPlane( m_view, records, z ); };
+	runTasks( runner, m_view.gridZ, task );
+}
+
+// A v is the same without it. In float it is not: a turn that every region shares would be summed, subtracted and multiplied by G.
+void StrainRates::takeRigidMotionOff( TaskRunner* runner )
+{
+	overNodes( m_padded, runner, [&]( int chunk, int begin, int end ) {
+		m_partial[std::size_t( chunk )].fill( 0.0f );
+		m_kernels->rateSums( m_rates, begin, end, m_partial[std::size_t( chunk )].data() );
+	} );
+	double sum[kRateSums] = {};
+	for ( const auto& partial : m_partial )
+	{
+		for ( int k = 0; k < kRateSums; ++k )
+		{
+			sum[k] += double( partial[std::size_t( k )] );
+		}
+	}
+	const double cell = 1.0 / double( m_view.cellsPerMetre );
+	const Eigen::Vector3d turn = m_inverseInertia * Eigen::Vector3d( sum[3], sum[4], sum[5] ) * ( cell * cell );
+	for ( int k = 0; k < 3; ++k )
+	{
+		m_rates.shift[k] = float( sum[k] / m_mass );
+		m_rates.turn[k] = float( turn[k] );
+	}
+}
+
+void StrainRates::resist( const float* v, float stiffness, float* to, TaskRunner* runner )
+{
+	for ( int k = 0; k < 3; ++k )
+	{
+		m_rates.rate[k] = v + std::size_t( k ) * std::size_t( m_padded );
+		m_rates.result[k] = to + std::size_t( k ) * std::size_t( m_padded );
+	}
+	m_rates.stiffness = stiffness;
+	takeRigidMotionOff( runner );
+	if ( m_gridHasHoles )
+	{
+		std::fill( m_view.nodeRecord, m_view.nodeRecord + m_recordFloats, 0.0f );
+		std::fill( m_view.regionRecord, m_view.regionRecord + m_recordFloats, 0.0f );
+	}
+	overNodes( m_padded, runner, [&]( int, int begin, int end ) { m_kernels->rateRecords( m_rates, begin, end ); } );
+	sumRecords( m_view.nodeRecord, runner );
+	overNodes( m_padded, runner, [&]( int, int begin, int end ) { m_kernels->rigidRates( m_rates, begin, end ); } );
+	sumRecords( m_view.regionRecord, runner );
+	overNodes( m_padded, runner, [&]( int, int begin, int end ) { m_kernels->resist( m_rates, begin, end ); } );
+}
+
+std::size_t StrainRates::bytes() const
+{
+	return ( m_centres[0].size() * 3 + m_inverseInertias[0].size() * 6 + m_diagonal.size() ) * sizeof( float ) +
+		   m_partial.size() * sizeof( m_partial[0] );
+}
+
+} // namespace pliant

@@ -1,0 +1,66 @@
+#pragma once
+
+// The operator of the implicit step for one body: what its regions' stiffness makes of nodes' speeds. docs/implicit.md.
+//
+//   A v = m ( v + G ( v - P v ) ),   P v at node i = sum over its regions r of g_r ( vc_r + w_r x ( x_i - c_r ) ) / C_i
+//   vc_r = sum a v / M_r,   w_r = T_r^-1 sum a ( x - c_r ) x v,   T_r = sum a ( |x - c_r|^2 1 - ( x - c_r )( x - c_r )^T )
+//
+// with the weights a, C of shape matching (region_moments.h). P_r projects onto the region's rigid motions at the places the nodes have now,
+// so 1 - P is symmetric under the masses and positive semidefinite, and is zero for rigid motions of the whole: no turn is braked, and no
+// momentum moved. It is what the derivative of the matching force becomes where the regions are not strained; what strain adds (it can make
+// the derivative indefinite) is left out. Rivers and James 2007, section 5, use the same projection to damp.
+
+#include "matching/kernels/kernels.h"
+#include "matching/node_state.h"
+
+#include <Eigen/Core>
+
+#include <array>
+#include <vector>
+
+namespace pliant {
+
+class LatticeMatcher;
+class TaskRunner;
+
+class StrainRates
+{
+public:
+	/// Nodes and tables as they are now: centres and inertias of the regions. The matcher's records are scratch here.
+	/// Both must stay as they are for as long as `resist` is called. The tables must be those of a uniform lattice.
+	void prepare( LatticeMatcher& matcher, NodeState& nodes, TaskRunner* runner );
+
+	/// The part of it that says where the body is and how heavy.
+	void measureBody( const NodeState& nodes );
+
+	/// to = A v for free nodes, 0 for the others: m ( v + stiffness ( v - P v ) ). Arrays are `padded` long each, component by component.
+	void resist( const float* v, float stiffness, float* to, TaskRunner* runner );
+
+	/// The mean of A's three diagonal entries of a node is m ( 1 + stiffness diagonal[i] ).
+	const AlignedArray<float>& diagonal() const { return m_diagonal; }
+	/// Centre of mass relative to the origin, m, and the body's inertia about it, kg m^2.
+	const Eigen::Vector3d& centre() const { return m_centre; }
+	const Eigen::Matrix3d& inertia() const { return m_inertia; }
+	double mass() const { return m_mass; }
+	std::size_t bytes() const;
+
+private:
+	void measureDiagonal( const LatticeMatcher& matcher );
+	void sumRecords( float* records, TaskRunner* runner );
+	void takeRigidMotionOff( TaskRunner* runner );
+
+	const Kernels* m_kernels = nullptr;
+	MatchView m_view;
+	RateView m_rates;
+	int m_padded = 0;
+	bool m_gridHasHoles = false;
+	std::size_t m_recordFloats = 0;
+	AlignedArray<float> m_centres[3], m_inverseInertias[6], m_diagonal;
+	const void* m_diagonalOf = nullptr; ///< the tables it was measured for
+	std::vector<std::array<float, kRateSums>> m_partial;
+	Eigen::Vector3d m_centre = Eigen::Vector3d::Zero();
+	Eigen::Matrix3d m_inertia = Eigen::Matrix3d::Identity(), m_inverseInertia = Eigen::Matrix3d::Identity();
+	double m_mass = 0.0;
+};
+
+} // namespace pliant

@@ -1,0 +1,142 @@
+#pragma once
+
+// The linear system of one island in an implicit substep: the speeds of soft bodies' nodes and of the rigid bodies they touch, and the
+// contacts between them, unilateral and with Coulomb friction. docs/implicit.md has the formulas and where the numbers come from.
+
+#include "body/implicit_motion.h"
+#include "lattice/lattice.h"
+#include "matching/conjugate_gradients.h"
+
+#include <vector>
+
+class btManifoldPoint;
+class btRigidBody;
+
+namespace pliant {
+
+class SoftBody;
+class TaskRunner;
+
+/// One side of a contact: a node, a rigid body, or something whose speed is given.
+struct ContactSide
+{
+	int soft = -1;                  ///< part, or -1
+	int node = -1;
+	int rigid = -1;                 ///< part, or -1
+	Vec3d arm = Vec3d::Zero();      ///< from the rigid body's mass centre, m
+	Vec3d given = Vec3d::Zero();    ///< m/s, where both are -1
+	int block = -1;                 ///< among the block's nodes with contacts
+};
+
+struct BlockContact
+{
+	ContactSide side[2];            ///< the normal points from the second to the first
+	Vec3d normal = Vec3d::Zero();
+	double target = 0.0;            ///< b: speed of parting that is asked for at least, m/s
+	double friction = 0.0;          ///< mu
+	btManifoldPoint* point = nullptr;
+
+	// Impulses, N s: at first those of the last substep, at the end those of this one.
+	double normalImpulse = 0.0;
+	Vec3d tangentImpulse = Vec3d::Zero();
+
+	// The linearised law: jn = pushed + k ( b - u.n ) while it presses; jt = held - kt ut.
+	double stiffness = 0.0;         ///< k, kg
+	double pushed = 0.0;            ///< ln
+	double tangentStiffness = 0.0;  ///< kt, kg
+	Vec3d held = Vec3d::Zero();
+	Vec3d heldBefore = Vec3d::Zero(); ///< lt
+	bool presses = false;
+};
+
+struct SoftPart
+{
+	SoftBody* owner = nullptr;
+	ImplicitMotion* motion = nullptr;
+	const Vec3Array* before = nullptr; ///< speeds at the substep's start: where the iteration begins
+	int offset = 0;                    ///< of its speeds in the vector
+	Matrix6 inverseRigid = Matrix6::Zero();
+};
+
+struct RigidPart
+{
+	btRigidBody* body = nullptr;
+	int offset = 0;
+	double mass = 1.0;                                   ///< kg
+	Eigen::Matrix3d inertia = Eigen::Matrix3d::Identity(); ///< kg m^2, world axes
+	bool moves[3] = { true, true, true };                ///< false: the game has locked that axis
+	bool turns[3] = { true, true, true };
+	Vector6 free = Vector6::Zero();                      ///< speeds without contacts: V + h F / M + e
+	Vector6 before = Vector6::Zero();
+	Vector6 speed = Vector6::Zero();                     ///< the answer
+	Vector6 given = Vector6::Zero();                     ///< what Bullet's solver should make of it without joints and rigid contacts
+	Vec3d centre = Vec3d::Zero();                        ///< of mass, world, m
+	Matrix6 inverse = Matrix6::Zero();
+};
+
+/// What a solution took.
+struct BlockCount
+{
+	int passes = 0, products = 0;
+};
+
+class ImplicitBlock : private LinearSystem
+{
+public:
+	std::vector<SoftPart> soft;
+	std::vector<RigidPart> rigid;
+	std::vector<BlockContact> contacts;
+
+	/// Speeds of nodes and rigid parts and impulses of contacts, as they are at the end of the substep.
+	BlockCount solve( TaskRunner* runner );
+	void clear();
+	/// Relative speed at a contact without any contact's impulse, elasticity left out, m/s.
+	Vec3d freeSpeed( const BlockContact& contact ) const;
+
+private:
+	struct NodeBlock
+	{
+		int part = -1, node = -1;
+		Eigen::Matrix3d matrix = Eigen::Matrix3d::Zero(); ///< its 3 x 3 of A; later the inverse
+	};
+
+	int size() const override { return m_size; }
+	void apply( const float* v, float* to ) override;
+	void precondition( const float* r, float* z ) override;
+
+	void layOut();
+	void startFrom( const SoftPart& part );
+	void nameNodeBlocks();
+	void applyMasses( const float* v, float* to );
+	Vec3d speedOf( const ContactSide& side, const float* v ) const;
+	Vec3d relativeSpeed( const BlockContact& contact, const float* v ) const;
+	void addImpulse( const ContactSide& side, const Vec3d& impulse, float* to ) const;
+	void addPair( const BlockContact& contact, const Vec3d& impulse, float* to ) const;
+	void fillRightSide();
+	void fillPreconditioner();
+	void addToPreconditioner( const BlockContact& contact );
+	void readAnswer();
+
+	// The law, in implicit_law.cpp.
+	void chooseStiffness();
+	void linearise( const float* v );
+	/// Contacts that press or slide otherwise at these speeds than they were linearised for.
+	int countChanged( const float* v ) const;
+	void readImpulses( const float* v );
+	double stepTowards( const float* to );
+
+	// In implicit_momentum.cpp.
+	void keepMomentum();
+	void keepMomentumOf( const std::vector<int>& softOnes, const std::vector<int>& rigidOnes );
+
+	int m_size = 0;
+	TaskRunner* m_runner = nullptr;
+	ConjugateGradients m_gradients;
+	AlignedArray<float> m_v, m_next, m_rightSide, m_masses, m_scratch;
+	AlignedArray<float> m_inverseDiagonal; ///< 1 / A_ii of the soft parts' nodes, at the place of their first component
+	std::vector<NodeBlock> m_nodeBlocks;   ///< of the nodes that contacts name
+	std::vector<int> m_blockOf;            ///< by place of the node's first component; -1: no contact names it
+	double m_softMass = 0.0;
+};
+
+} // namespace pliant

@@ -1,0 +1,145 @@
+#include "world/implicit_contacts.h"
+
+#include "world/constants.h"
+#include "world/soft_body_impl.h"
+
+#include <BulletCollision/BroadphaseCollision/btDispatcher.h>
+#include <BulletCollision/NarrowPhaseCollision/btPersistentManifold.h>
+#include <BulletDynamics/ConstraintSolver/btContactSolverInfo.h>
+
+#include <algorithm>
+
+namespace pliant {
+
+namespace {
+
+const NodeBody* asNode( const btCollisionObject* object )
+{
+	return ownerOfNodeBody( object ) ? static_cast<const NodeBody*>( object ) : nullptr;
+}
+
+/// b: speed of parting asked for. Before touch, whatever closes the gap within the step; then out of what is too deep, and bouncing off.
+double targetSpeed( const btManifoldPoint& point, const btContactSolverInfo& info, double approach )
+{
+	const double h = double( info.m_timeStep ), gap = double( point.m_distance1 );
+	double target = gap > 0.0 ? -gap / h : std::min( -gap * double( info.m_erp2 ) / h, kPushOutSpeed );
+	const bool meets = gap < approach * h;
+	if ( meets && point.m_combinedRestitution > 0 && approach > double( info.m_restitutionVelocityThreshold ) )
+	{
+		target = std::max( target, double( point.m_combinedRestitution ) * approach );
+	}
+	return target;
+}
+
+} // namespace
+
+void ImplicitContacts::gather( btDispatcher& dispatcher, const btContactSolverInfo& info, BlockPlaces& places, std::vector<ImplicitBlock>& blocks )
+{
+	m_count = 0;
+	m_hidden.clear();
+	for ( int m = 0; m < dispatcher.getNumManifolds(); ++m )
+	{
+		gatherFrom( *dispatcher.getManifoldByIndexInternal( m ), info, places, blocks );
+	}
+}
+
+void ImplicitContacts::gatherFrom(
+	btPersistentManifold& manifold, const btContactSolverInfo& info, BlockPlaces& places, std::vector<ImplicitBlock>& blocks )
+{
+	const btCollisionObject* const objects[2] = { manifold.getBody0(), manifold.getBody1() };
+	const NodeBody* const nodes[2] = { asNode( objects[0] ), asNode( objects[1] ) };
+	int block = -1;
+	for ( const NodeBody* node : nodes )
+	{
+		block = node && block < 0 && node->node >= 0 ? places.blockOf( *node->owner ) : block;
+	}
+	if ( block < 0 )
+	{
+		return;
+	}
+	m_hidden.push_back( Hidden{ &manifold, manifold.getContactProcessingThreshold() } );
+	manifold.setContactProcessingThreshold( -BT_LARGE_FLOAT );
+	if ( !objects[0]->hasContactResponse() || !objects[1]->hasContactResponse() )
+	{
+		return;
+	}
+	const double threshold = double( m_hidden.back().threshold );
+	for ( int k = 0; k < manifold.getNumContacts(); ++k )
+	{
+		btManifoldPoint& point = manifold.getContactPoint( k );
+		if ( double( point.m_distance1 ) > threshold )
+		{
+			continue;
+		}
+		BlockContact contact;
+		for ( int side = 0; side < 2; ++side )
+		{
+			// A node's contact acts at its centre, on both sides: so no turn is lost.
+			const NodeBody* const own = nodes[side] ? nodes[side] : nodes[1 - side];
+			contact.side[side] = sideOf( *objects[side], block, places, toVec3d( own->getWorldTransform().getOrigin() ) );
+		}
+		if ( contact.side[0].soft < 0 && contact.side[1].soft < 0 )
+		{
+			continue; // a held node against what is fixed or moves freely
+		}
+		contact.normal = toVec3d( point.m_normalWorldOnB );
+		contact.friction = double( point.m_combinedFriction );
+		contact.point = &point;
+		contact.normalImpulse = double( point.m_appliedImpulse );
+		contact.tangentImpulse = double( point.m_appliedImpulseLateral1 ) * toVec3d( point.m_lateralFrictionDir1 ) +
+								 double( point.m_appliedImpulseLateral2 ) * toVec3d( point.m_lateralFrictionDir2 );
+		contact.target = targetSpeed( point, info, -contact.normal.dot( blocks[std::size_t( block )].freeSpeed( contact ) ) );
+		blocks[std::size_t( block )].contacts.push_back( contact );
+		++m_count;
+	}
+}
+
+ContactSide ImplicitContacts::sideOf( const btCollisionObject& object, int block, BlockPlaces& places, const Vec3d& at ) const
+{
+	ContactSide side;
+	if ( const NodeBody* node = asNode( &object ) )
+	{
+		const NodeState& nodes = node->owner->impl().body->nodes();
+		const bool isFree = node->node >= 0 && places.blockOf( *node->owner ) == block && nodes.freedom[node->node] != 0.0f;
+		side.soft = isFree ? places.softPart( *node->owner ) : -1;
+		side.node = node->node;
+		side.given = isFree ? Vec3d( Vec3d::Zero() ) : toVec3d( node->getLinearVelocity() );
+		return side;
+	}
+	btRigidBody* const rigid = btRigidBody::upcast( const_cast<btCollisionObject*>( &object ) );
+	if ( !rigid || rigid->isStaticObject() )
+	{
+		return side;
+	}
+	const Vec3d arm = at - toVec3d( rigid->getCenterOfMassPosition() );
+	if ( rigid->isKinematicObject() || rigid->getInvMass() == 0 )
+	{
+		side.given = toVec3d( rigid->getLinearVelocity() ) + toVec3d( rigid->getAngularVelocity() ).cross( arm );
+		return side;
+	}
+	side.rigid = places.rigidPart( block, *rigid );
+	side.arm = arm;
+	return side;
+}
+
+void ImplicitContacts::writeBack( ImplicitBlock& block )
+{
+	for ( BlockContact& contact : block.contacts )
+	{
+		btManifoldPoint& point = *contact.point;
+		point.m_appliedImpulse = btScalar( std::max( 0.0, contact.normalImpulse ) );
+		point.m_appliedImpulseLateral1 = btScalar( contact.tangentImpulse.dot( toVec3d( point.m_lateralFrictionDir1 ) ) );
+		point.m_appliedImpulseLateral2 = btScalar( contact.tangentImpulse.dot( toVec3d( point.m_lateralFrictionDir2 ) ) );
+	}
+}
+
+void ImplicitContacts::show()
+{
+	for ( const Hidden& hidden : m_hidden )
+	{
+		hidden.manifold->setContactProcessingThreshold( hidden.threshold );
+	}
+	m_hidden.clear();
+}
+
+} // namespace pliant

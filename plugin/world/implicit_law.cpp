@@ -1,0 +1,184 @@
+// Contacts of an implicit block: how hard they press and rub at given speeds, linearised.
+//
+//   jn = max( 0, ln + k ( b - u.n ) ),   ln the impulse of the last substep
+//   jt = s ( lt - ks ut ),   s = min( 1, mu jn / | lt - ks ut | ),   ks = min( k, mu jn / u_eps )
+//
+// Both are what an augmented Lagrangian with one step a substep makes of Signorini's and Coulomb's laws (Alart and Curnier 1991): a contact
+// that keeps pressing ends with u.n = b and, held, with ut = 0, however soft k is. The derivative of jt is replaced by its secant, - s ks, which
+// can only dissipate; Newton's own turned small slips round in this place and threw stacks.
+
+#include "world/constants.h"
+#include "world/implicit_block.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace pliant {
+
+namespace {
+
+struct Law
+{
+	bool presses;
+	double tangentStiffness;
+	Vec3d held;
+};
+
+Law lawAt( const BlockContact& contact, const Vec3d& u )
+{
+	const double along = contact.normal.dot( u );
+	const double press = contact.pushed + contact.stiffness * ( contact.target - along );
+	if ( !( press > 0.0 ) )
+	{
+		return Law{ false, 0.0, Vec3d::Zero() };
+	}
+	const double limit = contact.friction * press;
+	const double stick = std::min( contact.stiffness, limit / kSlipSpeed );
+	const Vec3d trial = contact.heldBefore - stick * ( u - along * contact.normal );
+	const double size = trial.norm();
+	const double share = size > limit ? limit / size : 1.0;
+	return Law{ true, share * stick, share * contact.heldBefore };
+}
+
+} // namespace
+
+Vec3d ImplicitBlock::freeSpeed( const BlockContact& contact ) const
+{
+	Vec3d speed[2];
+	for ( int k = 0; k < 2; ++k )
+	{
+		const ContactSide& side = contact.side[k];
+		speed[k] = side.given;
+		if ( side.soft >= 0 )
+		{
+			speed[k] = soft[std::size_t( side.soft )].motion->nodes().v.get( side.node ).cast<double>();
+		}
+		else if ( side.rigid >= 0 )
+		{
+			const Vector6& free = rigid[std::size_t( side.rigid )].free;
+			speed[k] = free.head<3>() + free.tail<3>().cross( side.arm );
+		}
+	}
+	return speed[0] - speed[1];
+}
+
+// k is as much more than the nodes' own resistance as keeps the error of a first touch small and the system easy to solve.
+void ImplicitBlock::chooseStiffness()
+{
+	for ( BlockContact& contact : contacts )
+	{
+		double least = HUGE_VAL;
+		for ( const ContactSide& side : contact.side )
+		{
+			least = side.soft < 0 ? least : std::min( least, double( soft[std::size_t( side.soft )].motion->diagonal( side.node ) ) );
+		}
+		contact.stiffness = kContactStiffness * least;
+		contact.pushed = contact.normalImpulse;
+		contact.heldBefore = contact.tangentImpulse;
+	}
+}
+
+void ImplicitBlock::linearise( const float* v )
+{
+	for ( BlockContact& contact : contacts )
+	{
+		const Law law = lawAt( contact, relativeSpeed( contact, v ) );
+		contact.presses = law.presses;
+		contact.tangentStiffness = law.tangentStiffness;
+		contact.held = law.held;
+	}
+}
+
+int ImplicitBlock::countChanged( const float* v ) const
+{
+	int count = 0;
+	for ( const BlockContact& contact : contacts )
+	{
+		const Vec3d u = relativeSpeed( contact, v );
+		const Law law = lawAt( contact, u );
+		const Vec3d across = u - contact.normal.dot( u ) * contact.normal;
+		const double limit = contact.friction * contact.normalImpulse;
+		const Vec3d wanted = law.held - law.tangentStiffness * across;
+		const bool rubsOtherwise = law.presses && contact.presses && ( wanted - contact.tangentImpulse ).norm() > kFrictionError * limit;
+		count += law.presses != contact.presses || rubsOtherwise ? 1 : 0;
+	}
+	return count;
+}
+
+// With the law as it was linearised, not as it would be now: impulses that no solved system has carried would bring energy in.
+void ImplicitBlock::readImpulses( const float* v )
+{
+	for ( BlockContact& contact : contacts )
+	{
+		const Vec3d u = relativeSpeed( contact, v );
+		const double along = contact.normal.dot( u );
+		contact.normalImpulse = contact.presses ? contact.pushed + contact.stiffness * ( contact.target - along ) : 0.0;
+		contact.tangentImpulse = contact.presses ? Vec3d( contact.held - contact.tangentStiffness * ( u - along * contact.normal ) ) : Vec3d( Vec3d::Zero() );
+	}
+}
+
+// The energy that is minimised, with friction's secants as they are, is convex and quadratic in pieces: the lowest point on the way from m_v
+// to `to`, as a share of the way.
+double ImplicitBlock::stepTowards( const float* to )
+{
+	AlignedArray<float>& along = m_scratch;
+	for ( int k = 0; k < m_size; ++k )
+	{
+		along[k] = to[k] - m_v[k];
+	}
+	// slope( t ) = d.( A v - b ) + t d.A d - sum over contacts of ( jn n + jt ).u( d )
+	applyMasses( m_v.data(), m_masses.data() );
+	double slope = dot( along.data(), m_masses.data(), m_size );
+	for ( const SoftPart& part : soft )
+	{
+		slope -= dot( along.data() + part.offset, part.motion->rightSide(), part.motion->size() );
+	}
+	for ( const RigidPart& part : rigid )
+	{
+		const Vec3d spin = part.inertia * part.free.tail<3>();
+		for ( int k = 0; k < 3; ++k )
+		{
+			slope -= double( along[part.offset + k] ) * ( part.moves[k] ? part.mass * part.free[k] : 0.0 );
+			slope -= double( along[part.offset + 3 + k] ) * ( part.turns[k] ? spin[k] : 0.0 );
+		}
+	}
+	applyMasses( along.data(), m_masses.data() );
+	const double curvature = dot( along.data(), m_masses.data(), m_size );
+
+	struct Way
+	{
+		double start, way;         // normal
+		double slideStart, slide;  // ( jt . ut( d ) ) at 0 and its change
+	};
+	std::vector<Way> ways;
+	for ( const BlockContact& contact : contacts )
+	{
+		const Vec3d u = relativeSpeed( contact, m_v.data() ), d = speedOf( contact.side[0], along.data() ) - speedOf( contact.side[1], along.data() );
+		const double un = contact.normal.dot( u ), dn = contact.normal.dot( d );
+		const Vec3d ut = u - un * contact.normal, dt = d - dn * contact.normal;
+		ways.push_back( Way{ un, dn, contact.held.dot( dt ) - contact.tangentStiffness * ut.dot( dt ), -contact.tangentStiffness * dt.squaredNorm() } );
+	}
+	const auto slopeAt = [&]( double t ) {
+		double sum = slope + t * curvature;
+		for ( std::size_t c = 0; c < ways.size(); ++c )
+		{
+			const BlockContact& contact = contacts[c];
+			const double press = std::max( 0.0, contact.pushed + contact.stiffness * ( contact.target - ways[c].start - t * ways[c].way ) );
+			sum -= press * ways[c].way + ( contact.presses ? ways[c].slideStart + t * ways[c].slide : 0.0 );
+		}
+		return sum;
+	};
+	if ( slopeAt( 1.0 ) <= 0.0 )
+	{
+		return 1.0;
+	}
+	double low = 0.0, high = 1.0;
+	for ( int k = 0; k < kLineSearchHalvings; ++k )
+	{
+		const double middle = 0.5 * ( low + high );
+		( slopeAt( middle ) > 0.0 ? high : low ) = middle;
+	}
+	return low;
+}
+
+} // namespace pliant

@@ -1,0 +1,216 @@
+// The implicit substep of a body that touches nothing.
+
+#include "body/implicit_motion.h"
+#include "support/block_body.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdio>
+#include <vector>
+
+namespace pliant {
+namespace {
+
+constexpr float kStep = 1.0f / 60.0f;
+
+/// An elastic material whose alpha at a sixtieth of a second on cells of 0.1 m is about this.
+Material material( float alpha, float numericalDamping, int halfWidth = 1 )
+{
+	Material m;
+	m.elasticity = Elasticity::Implicit;
+	m.numericalDamping = numericalDamping;
+	m.damping = 0.0f;
+	m.wobbleDamping = 0.0f;
+	m.regionHalfWidth = halfWidth;
+	m.youngsModulus = alpha * m.density * 0.01f * float( halfWidth * ( halfWidth + 1 ) ) / ( 3.0f * kStep * kStep );
+	return m;
+}
+
+int implicitSubstep( Body& body, float h, const Vec3& gravity = Vec3::Zero() )
+{
+	const StiffnessPlan plan = planStiffness( body.material(), body.lattice().cellSize, h, 1 );
+	body.pushImplicitly( h, plan.alpha, gravity, nullptr );
+	const int products = body.solveAlone( nullptr );
+	EXPECT_EQ( body.integrate( h ), BodyHealth::Good );
+	return products;
+}
+
+/// Of the regions' springs, in units of the masses' energy at G: alpha / ( 2 h^2 ) sum a |x - goal|^2 is not at hand; the nodes' distance from
+/// the best rigid placement bounds it, and the kinetic energy is exact.
+double stretch( const Body& body )
+{
+	return test::shapeError( body );
+}
+
+TEST( ImplicitBody, ComesToRestFromAnyStretchAndNeverGainsEnergy )
+{
+	for ( const float alpha : { 0.5f, 30.0f, 3000.0f } )
+	{
+		for ( const int w : { 1, 2 } )
+		{
+			auto body = test::makeBlock( 6, 6, 6, 0.1f, material( alpha, 1.0f, w ) );
+			for ( int i = 0; i < body->nodeCount(); ++i )
+			{
+				body->nodes().x.set( i, body->nodes().x0.get( i ).cwiseProduct( Vec3( 1.5f, 0.7f, 1.0f ) ) );
+			}
+			const double first = stretch( *body );
+			double most = 0.0;
+			for ( int k = 0; k < 240; ++k )
+			{
+				implicitSubstep( *body, kStep );
+				most = std::max( most, stretch( *body ) );
+			}
+			EXPECT_LE( most, first * 1.0001 ) << alpha << " w " << w;
+			EXPECT_LT( stretch( *body ), 1e-4 ) << alpha << " w " << w;
+			EXPECT_LT( body->sums().kineticEnergy, 1e-4 ) << alpha;
+		}
+	}
+}
+
+TEST( ImplicitBody, KeepsMomentumAndSpinInFreeFlight )
+{
+	for ( const float alpha : { 0.5f, 30.0f, 3000.0f } )
+	{
+		for ( const float sigma : { 0.0f, 1.0f } )
+		{
+			auto body = test::makeBlock( 6, 4, 5, 0.1f, material( alpha, sigma ) );
+			for ( int i = 0; i < body->nodeCount(); ++i )
+			{
+				body->nodes().v.set( i, Vec3( 1, 2, -1 ) + Vec3( 0.5f, 2.0f, 1.0f ).cross( body->nodes().x.get( i ) ) );
+			}
+			const BodySums before = body->sums();
+			for ( int k = 0; k < 600; ++k )
+			{
+				implicitSubstep( *body, kStep );
+			}
+			const BodySums after = body->sums();
+			EXPECT_LT( ( after.momentum - before.momentum ).norm() / before.momentum.norm(), 1e-5 ) << alpha << " " << sigma;
+			EXPECT_LT( ( after.spin - before.spin ).norm() / before.spin.norm(), 1e-4 ) << alpha << " " << sigma;
+			std::printf( "alpha %6.1f sigma %.0f: momentum %.1e spin %.1e stretch %.1e m\n", double( alpha ), double( sigma ),
+				( after.momentum - before.momentum ).norm() / before.momentum.norm(), ( after.spin - before.spin ).norm() / before.spin.norm(), stretch( *body ) );
+		}
+	}
+}
+
+TEST( ImplicitBody, HangsAsLongAsElasticityTellsWhateverTheStep )
+{
+	// A bar of 16 cells, held at its top layer: sag of the free end rho g L^2 / ( 2 E ).
+	for ( const int w : { 1, 2 } )
+	{
+		for ( const float step : { 1.0f / 30.0f, 1.0f / 60.0f, 1.0f / 240.0f } )
+		{
+			Material m = material( 40.0f, 1.0f, w );
+			m.damping = 10.0f;
+			m.youngsModulus = 1e6f;
+			auto body = test::makeBlock( 4, 16, 4, 0.1f, m );
+			for ( int i = 0; i < body->nodeCount(); ++i )
+			{
+				body->setPinned( i, body->nodes().x0.y[i] > 0.7f );
+			}
+			const auto lowest = [&] {
+				double sum = 0.0;
+				int count = 0;
+				for ( int i = 0; i < body->nodeCount(); ++i )
+				{
+					if ( body->nodes().x0.y[i] < -0.7f )
+					{
+						sum += body->nodes().worldPosition( i ).y();
+						++count;
+					}
+				}
+				return sum / count;
+			};
+			const double before = lowest();
+			for ( int k = 0; k < int( 4.0f / step ); ++k )
+			{
+				implicitSubstep( *body, step, Vec3( 0, -9.81f, 0 ) );
+			}
+			const double length = 1.5, sag = 1000.0 * 9.81 * ( length * 1.55 - 0.5 * length * length ) / 1e6; // the last layer's middle
+			std::printf( "w %d h 1/%.0f: sag %.5f of %.5f, %+.1f %%\n", w, 1.0 / double( step ), before - lowest(), sag, 100.0 * ( ( before - lowest() ) / sag - 1.0 ) );
+			EXPECT_NEAR( ( before - lowest() ) / sag, 1.0, w == 1 ? 0.02 : 0.14 );
+		}
+	}
+}
+
+TEST( ImplicitBody, RingsOnWhereItAsksForNoDamping )
+{
+	// Free bending of a bar: amplitude left after five periods, and the period.
+	for ( const float sigma : { 0.0f, 1.0f } )
+	{
+		Material m = material( 1.0f, sigma );
+		m.youngsModulus = 6e4f;
+		auto body = test::makeBlock( 16, 4, 4, 0.1f, m );
+		const auto shape = [&]( int i ) {
+			const double x = double( body->nodes().x0.x[i] ) / 1.6;
+			return std::cos( 4.73 * x ) / std::cos( 2.365 ) + std::cosh( 4.73 * x ) / std::cosh( 2.365 );
+		};
+		for ( int i = 0; i < body->nodeCount(); ++i )
+		{
+			body->nodes().x.y[i] += 0.01f * float( shape( i ) );
+		}
+		// Both ends against the middle.
+		const auto bend = [&] {
+			double ends = 0.0, middle = 0.0;
+			for ( int i = 0; i < body->nodeCount(); ++i )
+			{
+				const double x = double( body->nodes().x0.x[i] ), y = body->nodes().worldPosition( i ).y() - double( body->nodes().x0.y[i] );
+				ends += std::abs( x ) > 0.7 ? y / 32.0 : 0.0;
+				middle += std::abs( x ) < 0.1 ? y / 32.0 : 0.0;
+			}
+			return ends - middle;
+		};
+		std::vector<double> at;
+		for ( int k = 0; k < 400; ++k )
+		{
+			at.push_back( bend() );
+			implicitSubstep( *body, kStep );
+		}
+		int crossings = 0;
+		double first = -1.0, last = -1.0, tail = 0.0;
+		for ( std::size_t k = 1; k < at.size() && crossings < 11; ++k )
+		{
+			if ( at[k - 1] * at[k] < 0.0 )
+			{
+				last = double( k - 1 ) + at[k - 1] / ( at[k - 1] - at[k] );
+				first = first < 0.0 ? last : first;
+				++crossings;
+			}
+			if ( crossings >= 9 )
+			{
+				tail = std::max( tail, std::abs( at[k] ) );
+			}
+		}
+		std::printf( "sigma %.0f: period %.3f s, left after five %.2f\n", double( sigma ), 2.0 * ( last - first ) / std::max( 1, crossings - 1 ) * double( kStep ), tail / at[0] );
+		if ( sigma == 0.0f )
+		{
+			EXPECT_GE( tail / at[0], 0.7 );
+			EXPECT_LE( tail / at[0], 1.1 );
+		}
+		else
+		{
+			EXPECT_LT( tail / at[0], 0.5 );
+		}
+	}
+}
+
+TEST( ImplicitBody, IsRefusedWhereThereIsNothingToLinearise )
+{
+	Material m = material( 1.0f, 1.0f );
+	m.method = Method::SingleCluster;
+	EXPECT_FALSE( check( m ).ok() );
+	m = material( 1.0f, 1.5f );
+	EXPECT_FALSE( check( m ).ok() );
+	m = material( 1.0f, 1.0f );
+	m.farLevels = 1;
+	EXPECT_FALSE( check( m ).ok() );
+	m = material( 1.0f, 1.0f );
+	EXPECT_TRUE( check( m ).ok() );
+	Adaptivity levels;
+	levels.coarseLevels = 1;
+	auto lattice = std::make_shared<Lattice>( makeBlockLattice( 4, 4, 4, 0.1f ) );
+	EXPECT_FALSE( Body::create( lattice, m, {}, nullptr, levels ).ok() );
+}
+
+} // namespace
+} // namespace pliant

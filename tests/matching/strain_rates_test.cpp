@@ -1,0 +1,305 @@
+// The implicit step's operator against its definition, and the laws that make it one.
+
+#include "matching/strain_rates.h"
+
+#include "matching/lattice_matcher.h"
+#include "pliant/task_runner.h"
+#include "support/block_body.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <vector>
+
+namespace pliant {
+namespace {
+
+/// A block turned, moved, bent and shaken.
+NodeState strained( const Lattice& lattice )
+{
+	NodeState nodes = test::restNodes( lattice );
+	test::Seeded random( 11 );
+	const Eigen::Matrix3f turn = Eigen::AngleAxisf( 1.3f, Vec3( 1, 2, 3 ).normalized() ).toRotationMatrix();
+	for ( int i = 0; i < nodes.count; ++i )
+	{
+		Vec3 p = nodes.x0.get( i );
+		p.y() += 0.4f * p.x() * p.x();
+		nodes.x.set( i, turn * p + random.inBox( 0.2f * lattice.cellSize ) + Vec3( 3, 1, -2 ) );
+	}
+	return nodes;
+}
+
+/// A block whose upper half is slit: regions that are no full cubes.
+Lattice slitLattice()
+{
+	Lattice lattice = makeBlockLattice( 6, 5, 4, 0.1f );
+	std::vector<std::uint32_t> start( 1, 0 ), to;
+	for ( int i = 0; i < lattice.cellCount(); ++i )
+	{
+		for ( std::uint32_t k = lattice.linkStart[i]; k < lattice.linkStart[i + 1]; ++k )
+		{
+			const auto a = lattice.coordinate[i], b = lattice.coordinate[lattice.linkTo[k]];
+			if ( ( a.x() <= 2 ) == ( b.x() <= 2 ) || std::max( a.y(), b.y() ) < 2 )
+			{
+				to.push_back( lattice.linkTo[k] );
+			}
+		}
+		start.push_back( std::uint32_t( to.size() ) );
+	}
+	lattice.linkStart = start;
+	lattice.linkTo = to;
+	return lattice;
+}
+
+struct Case
+{
+	Lattice lattice;
+	int halfWidth;
+	Summation summation;
+	std::vector<float> stiffness = {};
+};
+
+/// A line of cells: what its regions do about their own axis is open, and held back.
+bool isLine( const Case& c )
+{
+	return c.lattice.cellCount() == 5;
+}
+
+std::vector<Case> cases()
+{
+	std::vector<Case> all;
+	all.push_back( { makeBlockLattice( 7, 6, 5, 0.1f ), 1, Summation::BoxSums } );
+	all.push_back( { makeBlockLattice( 7, 6, 5, 0.1f ), 2, Summation::BoxSums } );
+	all.push_back( { makeBlockLattice( 7, 6, 5, 0.1f ), 1, Summation::Table } );
+	all.push_back( { slitLattice(), 1, Summation::Automatic } );
+	all.push_back( { slitLattice(), 2, Summation::Automatic } );
+	all.push_back( { makeBlockLattice( 5, 1, 1, 0.1f ), 1, Summation::Table } );
+	Case uneven{ makeBlockLattice( 6, 4, 4, 0.1f ), 1, Summation::Automatic };
+	for ( int i = 0; i < uneven.lattice.cellCount(); ++i )
+	{
+		uneven.stiffness.push_back( i % 3 == 0 ? 0.25f : 1.0f );
+	}
+	all.push_back( std::move( uneven ) );
+	return all;
+}
+
+struct Operator
+{
+	Operator( const Case& c, const Kernels& kernels = bestKernels() ) : nodes( strained( c.lattice ) )
+	{
+		Material material;
+		material.regionHalfWidth = c.halfWidth;
+		matcher = std::make_unique<LatticeMatcher>( c.lattice, material, buildRegionTables( c.lattice, material, c.summation, c.stiffness ), kernels );
+		rates.prepare( *matcher, nodes, nullptr );
+	}
+	std::vector<double> operator()( const std::vector<double>& v, float stiffness, TaskRunner* runner = nullptr )
+	{
+		AlignedArray<float> in( v.begin(), v.end() ), out( v.size(), -1.0f );
+		rates.resist( in.data(), stiffness, out.data(), runner );
+		return std::vector<double>( out.begin(), out.end() );
+	}
+	std::vector<double> random( unsigned seed ) const
+	{
+		test::Seeded seeded( seed );
+		std::vector<double> v( 3 * std::size_t( nodes.padded ), 0.0 );
+		for ( int k = 0; k < 3; ++k )
+		{
+			for ( int i = 0; i < nodes.count; ++i )
+			{
+				v[std::size_t( k * nodes.padded + i )] = double( seeded.uniform( -1, 1 ) );
+			}
+		}
+		return v;
+	}
+	std::vector<double> rigid( const Vec3d& shift, const Vec3d& turn ) const
+	{
+		std::vector<double> v( 3 * std::size_t( nodes.padded ), 0.0 );
+		for ( int i = 0; i < nodes.count; ++i )
+		{
+			const Vec3d move = shift + turn.cross( nodes.x.get( i ).cast<double>() );
+			for ( int k = 0; k < 3; ++k )
+			{
+				v[std::size_t( k * nodes.padded + i )] = move[k];
+			}
+		}
+		return v;
+	}
+
+	NodeState nodes;
+	std::unique_ptr<LatticeMatcher> matcher;
+	StrainRates rates;
+};
+
+double product( const std::vector<double>& a, const std::vector<double>& b )
+{
+	double sum = 0.0;
+	for ( std::size_t k = 0; k < a.size(); ++k )
+	{
+		sum += a[k] * b[k];
+	}
+	return sum;
+}
+
+/// The definition, one region after the other, in double.
+std::vector<double> byDefinition( const Case& c, const NodeState& nodes, const std::vector<double>& v, double stiffness )
+{
+	const RegionSet regions = buildRegions( c.lattice, c.halfWidth );
+	const std::size_t padded = std::size_t( nodes.padded );
+	const auto speed = [&]( std::size_t i ) { return Vec3d( v[i], v[padded + i], v[2 * padded + i] ); };
+	std::vector<double> to( v.size(), 0.0 );
+	const auto add = [&]( std::size_t i, const Vec3d& value ) {
+		for ( std::size_t k = 0; k < 3; ++k )
+		{
+			to[k * padded + i] += value[int( k )];
+		}
+	};
+	for ( std::size_t i = 0; i < std::size_t( nodes.count ); ++i )
+	{
+		add( i, double( nodes.mass[i] ) * speed( i ) );
+	}
+	for ( std::size_t r = 0; r < std::size_t( nodes.count ); ++r )
+	{
+		double mass = 0.0;
+		Vec3d centre = Vec3d::Zero(), mean = Vec3d::Zero(), spin = Vec3d::Zero();
+		const auto each = [&]( auto&& what ) {
+			for ( std::uint32_t k = regions.start[r]; k < regions.start[r + 1]; ++k )
+			{
+				const std::size_t i = regions.member[k];
+				what( i, double( nodes.mass[i] ) / double( regions.size[i] ) );
+			}
+		};
+		each( [&]( std::size_t i, double a ) {
+			mass += a;
+			centre += a * nodes.x.get( int( i ) ).cast<double>();
+			mean += a * speed( i );
+		} );
+		centre /= mass;
+		mean /= mass;
+		Eigen::Matrix3d inertia = Eigen::Matrix3d::Zero();
+		each( [&]( std::size_t i, double a ) {
+			const Vec3d arm = nodes.x.get( int( i ) ).cast<double>() - centre;
+			spin += a * arm.cross( speed( i ) - mean );
+			inertia += a * ( arm.squaredNorm() * Eigen::Matrix3d::Identity() - arm * arm.transpose() );
+		} );
+		const Vec3d turn = flooredInverse( inertia, 1e-9 ) * spin;
+		const double share = c.stiffness.empty() ? 1.0 : double( c.stiffness[r] );
+		each( [&]( std::size_t i, double a ) {
+			const Vec3d arm = nodes.x.get( int( i ) ).cast<double>() - centre;
+			add( i, stiffness * share * a * ( speed( i ) - mean - turn.cross( arm ) ) );
+		} );
+	}
+	return to;
+}
+
+TEST( StrainRates, AgreeWithTheirDefinition )
+{
+	for ( const Case& c : cases() )
+	{
+		Operator resist( c );
+		const std::vector<double> v = resist.random( 5 ), wanted = byDefinition( c, resist.nodes, v, 3.0 ), got = resist( v, 3.0f );
+		const double scale = std::sqrt( product( wanted, wanted ) );
+		double error = 0.0;
+		for ( std::size_t k = 0; k < v.size(); ++k )
+		{
+			error += ( got[k] - wanted[k] ) * ( got[k] - wanted[k] );
+		}
+		// A line of cells: what it does about its own axis is open.
+		EXPECT_LT( std::sqrt( error ) / scale, isLine( c ) ? 0.1 : 2e-5 ) << c.lattice.cellCount() << " w " << c.halfWidth;
+	}
+}
+
+TEST( StrainRates, AreSymmetricAndNeverPush )
+{
+	for ( const Case& c : cases() )
+	{
+		Operator resist( c );
+		for ( unsigned seed = 1; seed < 6; ++seed )
+		{
+			const std::vector<double> a = resist.random( seed ), b = resist.random( seed + 100 );
+			const std::vector<double> aa = resist( a, 50.0f ), ab = resist( b, 50.0f );
+			const double size = std::sqrt( product( aa, aa ) * product( b, b ) );
+			EXPECT_LT( std::abs( product( a, ab ) - product( b, aa ) ), isLine( c ) ? 1e-4 * size : 1e-5 * size );
+			std::vector<double> inertia = resist( a, 0.0f );
+			EXPECT_GT( product( a, aa ), product( a, inertia ) * ( 1.0 - 1e-6 ) );
+		}
+	}
+}
+
+TEST( StrainRates, LeaveRigidMotionsAloneHoweverStiff )
+{
+	for ( const Case& c : cases() )
+	{
+		Operator resist( c );
+		const std::vector<double> v = resist.rigid( Vec3d( 3, -2, 1 ), Vec3d( 4, 5, -6 ) ), mv = resist( v, 0.0f ), av = resist( v, 3000.0f );
+		const double size = std::sqrt( product( mv, mv ) );
+		double error = 0.0;
+		for ( std::size_t k = 0; k < v.size(); ++k )
+		{
+			error += ( av[k] - mv[k] ) * ( av[k] - mv[k] );
+		}
+		EXPECT_LT( std::sqrt( error ) / size, 2e-3 ); // 3000 times float's rounding
+	}
+}
+
+TEST( StrainRates, MoveNoMomentum )
+{
+	for ( const Case& c : cases() )
+	{
+		Operator resist( c );
+		const std::vector<double> v = resist.random( 9 ), to = resist( v, 100.0f );
+		double leak = 0.0;
+		for ( const Vec3d& axis : { Vec3d( 1, 0, 0 ), Vec3d( 0, 1, 0 ), Vec3d( 0, 0, 1 ) } )
+		{
+			const std::vector<double> shift = resist.rigid( axis, Vec3d::Zero() ), turn = resist.rigid( Vec3d::Zero(), axis );
+			leak = std::max( leak, std::abs( product( shift, to ) - product( v, resist( shift, 0.0f ) ) ) );
+			leak = std::max( leak, std::abs( product( turn, to ) - product( v, resist( turn, 0.0f ) ) ) );
+		}
+		EXPECT_LT( leak, ( isLine( c ) ? 1e-3 : 1e-4 ) * std::sqrt( product( to, to ) ) );
+	}
+}
+
+TEST( StrainRates, GiveTheSameBitsOnEveryInstructionSetAndAnyThreadCount )
+{
+	for ( const Case& c : cases() )
+	{
+		Operator best( c );
+		const std::vector<double> v = best.random( 3 ), wanted = best( v, 7.0f );
+		for ( const KernelTarget target : { KernelTarget::Baseline, KernelTarget::Avx2, KernelTarget::Avx512 } )
+		{
+			if ( const Kernels* kernels = findKernels( target ) )
+			{
+				Operator other( c, *kernels );
+				EXPECT_EQ( other( v, 7.0f ), wanted ) << kernels->name;
+			}
+		}
+	}
+	const Case large{ makeBlockLattice( 20, 20, 20, 0.1f ), 1, Summation::Automatic };
+	Operator resist( large );
+	const std::vector<double> v = resist.random( 3 ), wanted = resist( v, 7.0f );
+	const auto threads = createThreadPool( 3 );
+	EXPECT_EQ( resist( v, 7.0f, threads.get() ), wanted );
+}
+
+TEST( StrainRates, NameTheirDiagonal )
+{
+	for ( const std::size_t which : { 0, 1, 2, 3 } )
+	{
+		const Case c = cases()[which];
+		Operator resist( c );
+		const int padded = resist.nodes.padded;
+		for ( const int i : { 0, 40, 104 } )
+		{
+			double sum = 0.0;
+			for ( int k = 0; k < 3; ++k )
+			{
+				std::vector<double> unit( 3 * std::size_t( padded ), 0.0 );
+				unit[std::size_t( k * padded + i )] = 1.0;
+				sum += resist( unit, 1.0f )[std::size_t( k * padded + i )] / double( resist.nodes.mass[i] );
+			}
+			EXPECT_NEAR( sum / 3.0, 1.0 + double( resist.rates.diagonal()[std::size_t( i )] ), 0.05 ) << i << " of case " << which;
+		}
+	}
+}
+
+} // namespace
+} // namespace pliant
