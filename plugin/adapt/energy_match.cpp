@@ -1,5 +1,7 @@
 #include "adapt/energy_match.h"
 
+#include "adapt/quadratics.h"
+
 #include <Eigen/Dense>
 
 #include <algorithm>
@@ -9,43 +11,8 @@ namespace pliant {
 
 namespace {
 
-constexpr int kMonomials = 9;
 constexpr double kLargestSoftness = 0.95;     ///< of beta and eta: some stiffness is always left
 constexpr double kMomentShare = 1e-2;         ///< eigenvalues of J below this share of its largest count as none
-
-using Monomials = Eigen::Matrix<double, kMonomials, 1>;
-using Covariance = Eigen::Matrix<double, kMonomials, kMonomials>;
-
-/// The two axes of quadratic k: xx, yy, zz, yz, xz, xy.
-constexpr int kFirst[6] = { 0, 1, 2, 1, 0, 0 };
-constexpr int kSecond[6] = { 0, 1, 2, 2, 2, 1 };
-
-Monomials monomials( const Vec3d& s )
-{
-	Monomials m;
-	m << s.x(), s.y(), s.z(), s.x() * s.x(), s.y() * s.y(), s.z() * s.z(), s.y() * s.z(), s.x() * s.z(), s.x() * s.y();
-	return m;
-}
-
-/// ( s + t )_i ( s + t )_j = s_i s_j + t_i s_j + t_j s_i + constant, as a row over the monomials of s.
-Monomials shiftedQuadratic( int k, const Vec3d& t )
-{
-	Monomials row = Monomials::Zero();
-	row[3 + k] = 1.0;
-	row[kSecond[k]] += t[kFirst[k]];
-	row[kFirst[k]] += t[kSecond[k]];
-	return row;
-}
-
-Covariance shifted( const Covariance& covariance, const Vec3d& t )
-{
-	Covariance move = Covariance::Identity();
-	for ( int k = 0; k < 6; ++k )
-	{
-		move.row( 3 + k ) = shiftedQuadratic( k, t ).transpose();
-	}
-	return move * covariance * move.transpose();
-}
 
 /// sum E_k: variance of the six quadratics about a place `t` away from the monomials' own, over the finest regions. With the row of
 /// shiftedQuadratic, e_q + t_a e_b + t_b e_a, each is
@@ -56,30 +23,10 @@ double quadraticVariance( const std::array<float, 45>& packed, const Vec3d& t )
 	double sum = 0.0;
 	for ( int k = 0; k < 6; ++k )
 	{
-		const int q = 3 + k, a = kFirst[k], b = kSecond[k]; // a <= b < q
+		const int q = 3 + k, a = kQuadraticFirst[k], b = kQuadraticSecond[k]; // a <= b < q
 		sum += c( q, q ) + 2.0 * ( t[a] * c( q, b ) + t[b] * c( q, a ) ) + t[a] * t[a] * c( b, b ) + 2.0 * t[a] * t[b] * c( b, a ) + t[b] * t[b] * c( a, a );
 	}
 	return sum;
-}
-
-/// One finest region about its own mean, monomials about its owner's rest centre.
-Covariance covarianceOf( const Lattice& lattice, const FineRegions& fine, std::uint32_t owner )
-{
-	const Vec3d at = lattice.restCentre[owner].cast<double>();
-	double mass = 0.0;
-	Monomials mean = Monomials::Zero();
-	Covariance second = Covariance::Zero();
-	for ( std::uint32_t k = fine.set.start[owner]; k < fine.set.start[owner + 1]; ++k )
-	{
-		const std::uint32_t c = fine.set.member[k];
-		const double a = fine.mass[c] * kMassUnit;
-		const Monomials m = monomials( ( lattice.restCentre[c].cast<double>() - at ) / double( lattice.cellSize ) );
-		mass += a;
-		mean += a * m;
-		second.selfadjointView<Eigen::Lower>().rankUpdate( m, a );
-	}
-	second.selfadjointView<Eigen::Lower>().rankUpdate( mean, -1.0 / mass );
-	return second.selfadjointView<Eigen::Lower>();
 }
 
 /// A matrix whose determinant is this share of the largest its trace allows has no eigenvalue below kMomentShare of its largest:
@@ -122,34 +69,6 @@ void invertMoment( RegionRest& rest )
 }
 
 } // namespace
-
-FineMoments buildFineMoments( const Octree& octree, const Lattice& lattice, const FineRegions& fine )
-{
-	const std::size_t nodes = octree.parent.size();
-	std::vector<Covariance> sum( nodes, Covariance::Zero() );
-	FineMoments moments;
-	moments.covariance.resize( nodes );
-	for ( std::uint32_t n = 0; n < std::uint32_t( nodes ); ++n ) // children stand before their parents
-	{
-		if ( n < octree.levelStart[1] )
-		{
-			sum[n] = covarianceOf( lattice, fine, n );
-		}
-		if ( const std::uint32_t parent = octree.parent[n]; parent != kNoNode )
-		{
-			const Vec3d t = ( octree.restCentre[n] - octree.restCentre[parent] ).cast<double>() / double( lattice.cellSize );
-			sum[parent] += shifted( sum[n], t );
-		}
-		for ( int i = 0, k = 0; i < kMonomials; ++i )
-		{
-			for ( int j = 0; j <= i; ++j, ++k )
-			{
-				moments.covariance[n][k] = float( sum[n]( i, j ) );
-			}
-		}
-	}
-	return moments;
-}
 
 Eigen::Matrix3d fineMoment( const FineMoments& fine, std::uint32_t node )
 {
@@ -260,7 +179,7 @@ double quadraticEta( const Octree& octree, const Cut& cut, const RegionMatrix& m
 		const Eigen::Vector4d homogeneous( q[0], q[1], q[2], 1.0 );
 		for ( int k = 0; k < 6; ++k )
 		{
-			const double phi = q[kFirst[k]] * q[kSecond[k]] + octree.spread[a][k];
+			const double phi = q[kQuadraticFirst[k]] * q[kQuadraticSecond[k]] + octree.spread[a][k];
 			sums.col( k ) += u * phi * homogeneous;
 			square += u * phi * phi;
 		}

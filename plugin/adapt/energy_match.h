@@ -4,23 +4,9 @@
 // Ohta et al. 2009, eq. 7-10 (by size alone) and, beyond it, by the second and fourth moments of what the regions really hold, so that
 // borders, cracks and mixed levels count. Evaluated with the node positions the step uses.
 
-#include "adapt/region_matrix.h"
-
-#include <array>
+#include "adapt/fine_moments.h"
 
 namespace pliant {
-
-/// Sums over the finest regions under each octree node. Lengths in cells, masses in full cells.
-struct FineMoments
-{
-	/// Covariance of the nine monomials x, y, z, xx, yy, zz, yz, xz, xy about the node's rest centre, each finest region about its own
-	/// mean, summed: the lower triangle row by row. Its first three rows are J_fine.
-	std::vector<std::array<float, 45>> covariance;
-
-	std::size_t bytes() const { return covariance.size() * sizeof( covariance[0] ); }
-};
-
-FineMoments buildFineMoments( const Octree& octree, const Lattice& lattice, const FineRegions& fine );
 
 /// What a region of the step needs to know of its rest shape.
 struct RegionRest

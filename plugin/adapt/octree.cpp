@@ -1,5 +1,6 @@
 #include "adapt/octree.h"
 
+#include "adapt/octree_steps.h"
 #include "lattice/union_find.h"
 
 #include <algorithm>
@@ -10,11 +11,6 @@ namespace pliant {
 namespace {
 
 using Coordinate = Eigen::Matrix<std::int16_t, 3, 1>;
-
-Coordinate blockAbove( const Coordinate& c )
-{
-	return { std::int16_t( c.x() >> 1 ), std::int16_t( c.y() >> 1 ), std::int16_t( c.z() >> 1 ) };
-}
 
 /// The order of z, then y, then x.
 bool isBefore( const Coordinate& a, const Coordinate& b )
@@ -135,40 +131,6 @@ void orderCells( Octree& octree )
 	}
 }
 
-/// Mass, centre and spread of each node from its cells: m = sum m_c, x0 = sum m_c x0_c / m (Ohta et al. 2009, "Preprocessing").
-void measureNodes( Octree& octree, const Lattice& lattice )
-{
-	const std::size_t nodes = octree.parent.size();
-	octree.mass.resize( nodes );
-	octree.restCentre.resize( nodes );
-	octree.spread.resize( nodes );
-	octree.isSurface.resize( nodes );
-	for ( std::size_t n = 0; n < nodes; ++n )
-	{
-		const std::uint32_t* const first = octree.cells.data() + octree.cellStart[n];
-		const std::uint32_t* const last = first + octree.cellCount[n];
-		double mass = 0.0;
-		Vec3d centre = Vec3d::Zero();
-		for ( const std::uint32_t* c = first; c != last; ++c )
-		{
-			mass += lattice.fill[*c];
-			centre += double( lattice.fill[*c] ) * lattice.restCentre[*c].cast<double>();
-			octree.isSurface[n] |= lattice.isSurface[*c];
-		}
-		centre /= mass;
-		Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
-		for ( const std::uint32_t* c = first; c != last; ++c )
-		{
-			const Vec3d arm = ( lattice.restCentre[*c].cast<double>() - centre ) / double( lattice.cellSize );
-			spread += double( lattice.fill[*c] ) / mass * arm * arm.transpose();
-		}
-		octree.mass[n] = mass;
-		octree.restCentre[n] = octree.cellCount[n] == 1 ? lattice.restCentre[*first] : Vec3( centre.cast<float>() );
-		octree.spread[n] = { float( spread( 0, 0 ) ), float( spread( 1, 1 ) ), float( spread( 2, 2 ) ), float( spread( 1, 2 ) ),
-			float( spread( 0, 2 ) ), float( spread( 0, 1 ) ) };
-	}
-}
-
 Status broken( const char* sentence )
 {
 	return Status{ ResultCode::BadArgument, sentence };
@@ -206,6 +168,48 @@ Status validateCells( const Octree& octree, const Lattice& lattice )
 
 } // namespace
 
+void orderOctree( Octree& octree )
+{
+	listChildren( octree );
+	orderCells( octree );
+}
+
+// m = sum m_c, x0 = sum m_c x0_c / m (Ohta et al. 2009, "Preprocessing").
+void measureNode( Octree& octree, const Lattice& lattice, std::uint32_t n )
+{
+	const std::uint32_t* const first = octree.cells.data() + octree.cellStart[n];
+	const std::uint32_t* const last = first + octree.cellCount[n];
+	double mass = 0.0;
+	Vec3d centre = Vec3d::Zero();
+	octree.isSurface[n] = 0;
+	for ( const std::uint32_t* c = first; c != last; ++c )
+	{
+		mass += lattice.fill[*c];
+		centre += double( lattice.fill[*c] ) * lattice.restCentre[*c].cast<double>();
+		octree.isSurface[n] |= lattice.isSurface[*c];
+	}
+	centre /= mass;
+	Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
+	for ( const std::uint32_t* c = first; c != last; ++c )
+	{
+		const Vec3d arm = ( lattice.restCentre[*c].cast<double>() - centre ) / double( lattice.cellSize );
+		spread += double( lattice.fill[*c] ) / mass * arm * arm.transpose();
+	}
+	octree.mass[n] = mass;
+	octree.restCentre[n] = octree.cellCount[n] == 1 ? lattice.restCentre[*first] : Vec3( centre.cast<float>() );
+	octree.spread[n] = { float( spread( 0, 0 ) ), float( spread( 1, 1 ) ), float( spread( 2, 2 ) ), float( spread( 1, 2 ) ),
+		float( spread( 0, 2 ) ), float( spread( 0, 1 ) ) };
+}
+
+void allocateMeasures( Octree& octree )
+{
+	const std::size_t nodes = octree.parent.size();
+	octree.mass.resize( nodes );
+	octree.restCentre.resize( nodes );
+	octree.spread.resize( nodes );
+	octree.isSurface.resize( nodes );
+}
+
 Octree buildOctree( const Lattice& lattice, int coarseLevels )
 {
 	Octree octree;
@@ -219,9 +223,12 @@ Octree buildOctree( const Lattice& lattice, int coarseLevels )
 	{
 		addLevel( octree, lattice, nodeOfCell, octree.levelStart[level] );
 	}
-	listChildren( octree );
-	orderCells( octree );
-	measureNodes( octree, lattice );
+	orderOctree( octree );
+	allocateMeasures( octree );
+	for ( std::uint32_t n = 0; n < std::uint32_t( octree.nodeCount() ); ++n )
+	{
+		measureNode( octree, lattice, n );
+	}
 	return octree;
 }
 

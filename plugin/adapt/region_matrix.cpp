@@ -1,5 +1,7 @@
 #include "adapt/region_matrix.h"
 
+#include "adapt/slot_change.h"
+
 #include <algorithm>
 #include <cmath>
 
@@ -77,48 +79,13 @@ double unitOf( double mass, const RegionMatrix& matrix, std::uint32_t row )
 	return mass / double( sum );
 }
 
-/// What the change of a cut means for its slots.
-struct SlotChange
-{
-	std::vector<std::uint32_t> now;    ///< of each old slot: its slot, or that of the merged node that took it in; kNoNode where it was split
-	std::vector<std::uint32_t> before; ///< of each new slot: its old slot; kNoNode where it is new
-	std::vector<std::uint8_t> wasMerged; ///< of each new slot
-};
-
-SlotChange compare( const Octree& octree, const Cut& from, const Cut& to )
-{
-	SlotChange change;
-	change.now.assign( from.node.size(), kNoNode );
-	change.before.assign( to.node.size(), kNoNode );
-	change.wasMerged.assign( to.node.size(), 0 );
-	std::size_t i = 0, j = 0;
-	while ( i < from.node.size() )
-	{
-		const std::uint32_t old = from.node[i], now = to.node[j];
-		const std::uint32_t oldEnd = octree.cellStart[old] + octree.cellCount[old], nowEnd = octree.cellStart[now] + octree.cellCount[now];
-		if ( old == now )
-		{
-			change.now[i] = std::uint32_t( j );
-			change.before[j] = std::uint32_t( i );
-		}
-		else if ( octree.cellCount[now] >= octree.cellCount[old] ) // taken in
-		{
-			change.now[i] = std::uint32_t( j );
-			change.wasMerged[j] = 1;
-		}
-		i += oldEnd <= nowEnd ? 1 : 0;
-		j += nowEnd <= oldEnd ? 1 : 0;
-	}
-	return change;
-}
-
 /// Makes the rows of a changed cut: those that nothing touched in runs, the others one after the other.
 class Updater
 {
 public:
-	Updater( const Octree& octree, const Cut& from, const RegionMatrix& matrix, const Cut& to, const FineRegions& fine ) :
-		m_octree( octree ), m_from( from ), m_old( matrix ), m_to( to ), m_fine( fine ), m_change( compare( octree, from, to ) ), m_row( to.count() ),
-		m_children( to.count() ), m_childRow( to.node.size(), kNoNode )
+	Updater( const Octree& octree, const RegionMatrix& matrix, const Cut& to, const FineRegions& fine, SlotChange change ) :
+		m_octree( octree ), m_old( matrix ), m_to( to ), m_fine( fine ), m_change( std::move( change ) ), m_row( to.count() ), m_children( to.count() ),
+		m_childRow( to.node.size(), kNoNode )
 	{
 		findUntouched();
 		countNewRows();
@@ -193,19 +160,36 @@ private:
 	void findUntouched()
 	{
 		m_untouched = m_change.before;
-		for ( std::uint32_t i = 0; i < std::uint32_t( m_from.count() ); ++i )
+		for ( std::uint32_t i = 0; i < std::uint32_t( m_old.count() ); ++i )
 		{
 			const std::uint32_t own = m_change.now[i];
-			if ( own != kNoNode && m_change.wasMerged[own] == 0 )
+			if ( own == kNoNode || m_change.wasMerged[own] != 0 )
 			{
-				continue;
+				touchMembers( i );
 			}
+		}
+		const std::vector<std::uint32_t> moved = slotsOutOfOrder( m_change.now );
+		m_isMixed.assign( moved.empty() ? 0 : m_to.node.size(), 0 );
+		for ( const std::uint32_t i : moved )
+		{
+			touchMembers( i );
 			for ( std::uint32_t k = m_old.start[i]; k < m_old.start[i + 1]; ++k )
 			{
 				if ( const std::uint32_t now = m_change.now[m_old.member[k]]; now != kNoNode )
 				{
-					m_untouched[now] = kNoNode;
+					m_isMixed[now] = 1;
 				}
+			}
+		}
+	}
+
+	void touchMembers( std::uint32_t old )
+	{
+		for ( std::uint32_t k = m_old.start[old]; k < m_old.start[old + 1]; ++k )
+		{
+			if ( const std::uint32_t now = m_change.now[m_old.member[k]]; now != kNoNode )
+			{
+				m_untouched[now] = kNoNode;
 			}
 		}
 	}
@@ -288,32 +272,39 @@ private:
 	/// Rows of nodes that stayed or were merged: sums of the old rows. Where a member was split, its children stand in the column.
 	void takeOld( std::uint32_t slot, std::uint32_t& firstOld, RegionMatrix& result )
 	{
-		while ( m_change.now[firstOld] != slot )
-		{
-			++firstOld;
-		}
 		const Entry* next = m_column.data() + m_columnStart[slot];
 		const Entry* const last = m_column.data() + m_columnStart[slot + 1];
-		if ( m_change.wasMerged[slot] == 0 )
+		const bool wasMerged = m_change.wasMerged[slot] != 0;
+		if ( !wasMerged && ( m_isMixed.empty() || m_isMixed[slot] == 0 ) )
 		{
-			takeOne( firstOld++, next, last, result );
+			takeOne( m_change.before[slot], next, last, result );
 			return;
 		}
-		for ( ; firstOld < m_change.now.size() && m_change.now[firstOld] == slot; ++firstOld )
+		if ( !wasMerged )
 		{
-			for ( std::uint32_t k = m_old.start[firstOld]; k < m_old.start[firstOld + 1]; ++k )
-			{
-				if ( const std::uint32_t now = m_change.now[m_old.member[k]]; now != kNoNode )
-				{
-					m_row.add( now, m_old.mass[k], m_old.share[k] );
-				}
-			}
+			addRow( m_change.before[slot] );
+		}
+		for ( ; wasMerged && m_change.now[firstOld] != slot; ++firstOld ) {}
+		for ( ; wasMerged && firstOld < m_change.now.size() && m_change.now[firstOld] == slot; ++firstOld )
+		{
+			addRow( firstOld );
 		}
 		for ( ; next != last; ++next )
 		{
 			m_row.add( next->slot, next->mass, next->share );
 		}
 		m_row.appendTo( result );
+	}
+
+	void addRow( std::uint32_t old )
+	{
+		for ( std::uint32_t k = m_old.start[old]; k < m_old.start[old + 1]; ++k )
+		{
+			if ( const std::uint32_t now = m_change.now[m_old.member[k]]; now != kNoNode )
+			{
+				m_row.add( now, m_old.mass[k], m_old.share[k] );
+			}
+		}
 	}
 
 	/// New numbers rise as the old ones did, equals where members were merged; children come between those beside their parent.
@@ -352,7 +343,6 @@ private:
 	}
 
 	const Octree& m_octree;
-	const Cut& m_from;
 	const RegionMatrix& m_old;
 	const Cut& m_to;
 	const FineRegions& m_fine;
@@ -361,6 +351,7 @@ private:
 	RegionMatrix m_counted;                ///< rows of the nodes that splits brought
 	std::vector<std::uint32_t> m_childRow; ///< of each new slot: its row there, or kNoNode
 	std::vector<std::uint32_t> m_untouched; ///< of each new slot: its old one, where its row is to be renumbered and no more
+	std::vector<std::uint8_t> m_isMixed;    ///< of each new slot: 1 where members of its row stand in another order than before; empty: none
 	std::vector<std::uint32_t> m_columnStart; ///< of each new slot
 	std::vector<Entry> m_column;            ///< ascending by slot
 };
@@ -405,7 +396,13 @@ RegionMatrix buildMultiplicityRegions( const Octree& octree, const Cut& cut, con
 RegionMatrix updateMultiplicityRegions( const Octree& octree, const Cut& from, const RegionMatrix& matrix, const Cut& to, const FineRegions& fine,
 	MatrixRoom* room )
 {
-	return Updater( octree, from, matrix, to, fine ).run( room );
+	return Updater( octree, matrix, to, fine, slotChange( octree, from, to ) ).run( room );
+}
+
+RegionMatrix updateRelinkedRegions(
+	const Octree& octree, const Cut& cut, const FineRegions& fine, const RegionMatrix& matrix, const RelinkedNodes& nodes, MatrixRoom* room )
+{
+	return Updater( octree, matrix, cut, fine, slotChange( nodes ) ).run( room );
 }
 
 } // namespace pliant

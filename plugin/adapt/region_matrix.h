@@ -67,6 +67,19 @@ struct MatrixRoom
 RegionMatrix updateMultiplicityRegions( const Octree& octree, const Cut& from, const RegionMatrix& matrix, const Cut& to, const FineRegions& fine,
 	MatrixRoom* room = nullptr );
 
+/// How the nodes of a cut stand to those of another one, over the same cells or more, where links are others.
+struct RelinkedNodes
+{
+	std::vector<std::uint32_t> now;    ///< of each node before: its number now; kNoNode: gone
+	std::vector<std::uint32_t> before; ///< of each node now; all were there before, with the same cells
+	std::vector<std::uint8_t> isNew;   ///< 1 for nodes now whose finest regions hold other cells or masses
+};
+
+/// The matrix of a cut, given the one before links went or came back: rows of new nodes are counted from cells, those of their neighbours take
+/// from them, all else is renumbered. `fine`: of the links as they are.
+RegionMatrix updateRelinkedRegions(
+	const Octree& octree, const Cut& cut, const FineRegions& fine, const RegionMatrix& matrix, const RelinkedNodes& nodes, MatrixRoom* room = nullptr );
+
 /// How weights enter where a region is a plain set of cells.
 enum class UnionWeights : int
 {

@@ -56,6 +56,7 @@ bool needsNewMatcher( const Material& a, const Material& b )
 } // namespace
 
 Body::Body() = default;
+Body::Body( Body&& ) noexcept = default;
 Body::~Body() = default;
 
 Result<std::unique_ptr<Body>> Body::create(

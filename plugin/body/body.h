@@ -27,6 +27,8 @@ struct Breaking;
 struct BodyPiece;
 struct BreakReport;
 struct CellLink;
+struct PieceOfLevels;
+struct LinkLimits;
 
 /// A rigid placement in double precision.
 struct Placement
@@ -43,6 +45,13 @@ struct BodySums
 	Vec3d momentum = Vec3d::Zero();    ///< kg m/s
 	Vec3d spin = Vec3d::Zero();        ///< angular momentum about the mass centre, kg m^2/s
 	double kineticEnergy = 0.0;        ///< J
+};
+
+/// How a piece with levels comes to its octree and its regions.
+enum class PieceRoad : int
+{
+	TakeOver,   ///< from those of the whole, which are kept where no link changed
+	FromNothing ///< from its lattice: the slow twin
 };
 
 enum class BodyHealth : int
@@ -129,7 +138,7 @@ public:
 	/// The parts that are left, by mass, heaviest first, equals in the order of their lowest cells; at least one. Together they have this
 	/// body's mass, momentum and spin, places and speeds to the bit, but for small ones that are removed (SmallPieces). At most `most` of them,
 	/// at least 1: what is too many stays one body with the heaviest. This body is of no use afterwards.
-	std::vector<BodyPiece> breakApart( BreakReport& report, int most );
+	std::vector<BodyPiece> breakApart( BreakReport& report, int most, PieceRoad road = PieceRoad::TakeOver );
 	/// The node that holds a finest cell.
 	int nodeOfCell( std::uint32_t cell ) const;
 	/// Of each finest cell: its number in the lattice the first body of the family was made of. Empty: the same.
@@ -176,6 +185,7 @@ public:
 
 private:
 	Body();
+	Body( Body&& ) noexcept;
 	void rebase();
 	Status sampleStiffness( const StiffnessField& field );
 	void makeNodes( const Adaptivity& adaptivity );
@@ -195,8 +205,11 @@ private:
 	void removeSmall( std::vector<std::vector<std::uint32_t>>& parts, BreakReport& report ) const;
 	std::vector<std::uint32_t> nodesAboveBroken() const;
 	BreakReport reportOn( const std::vector<CellLink>& broken ) const;
-	std::unique_ptr<Body> makePiece( std::shared_ptr<const Lattice> lattice, BodyPiece& piece ) const;
-	void inheritLevels( const Body& from, BodyPiece& piece );
+	std::unique_ptr<Body> makePiece( std::shared_ptr<const Lattice> lattice, BodyPiece& piece, PieceRoad road ) const;
+	std::unique_ptr<Body> relinkWhole( const std::shared_ptr<const Lattice>& lattice, BodyPiece& piece );
+	PieceOfLevels pieceOfLevels( const Body& from, const BodyPiece& piece, PieceRoad road ) const;
+	void inheritLevels( const Body& from, BodyPiece& piece, PieceRoad road );
+	LinkLimits limitsOf( const Breaking& from, const BodyPiece& piece ) const;
 	void inheritNodes( const Body& from, const BodyPiece& piece );
 	void inheritBreaking( const Breaking& from, const BodyPiece& piece );
 	void keepFiniteState();

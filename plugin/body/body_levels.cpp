@@ -74,7 +74,10 @@ std::unique_ptr<Matcher> Body::makeMatcher( const Material& material )
 	if ( m_levels )
 	{
 		auto matcher = std::make_unique<LatticeMatcher>( *m_lattice, material, m_levels->tables() );
-		matcher->reserveNodes( m_levels->roomNodes() );
+		if ( m_levels->hasRoom() )
+		{
+			matcher->reserveNodes( m_levels->roomNodes() );
+		}
 		m_levelMatcher = matcher.get();
 		return matcher;
 	}

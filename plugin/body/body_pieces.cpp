@@ -54,6 +54,37 @@ Lattice relinked( const Lattice& lattice, const std::vector<CellLink>& broken, c
 	return healed.empty() ? now : withLinks( now, healed );
 }
 
+/// Both ends of all links, each cell once, ascending.
+std::vector<std::uint32_t> cellsOf( const std::vector<CellLink>& broken, const std::vector<CellLink>& healed )
+{
+	std::vector<std::uint32_t> cells;
+	for ( const std::vector<CellLink>* links : { &broken, &healed } )
+	{
+		for ( const CellLink& link : *links )
+		{
+			cells.push_back( link.a );
+			cells.push_back( link.b );
+		}
+	}
+	std::sort( cells.begin(), cells.end() );
+	cells.erase( std::unique( cells.begin(), cells.end() ), cells.end() );
+	return cells;
+}
+
+/// What numbers those of `some` have that are in `cells`; both ascending.
+std::vector<std::uint32_t> theirNumbers( const std::vector<std::uint32_t>& some, const std::vector<std::uint32_t>& cells )
+{
+	std::vector<std::uint32_t> numbers;
+	for ( const std::uint32_t cell : some )
+	{
+		if ( const auto found = std::lower_bound( cells.begin(), cells.end(), cell ); found != cells.end() && *found == cell )
+		{
+			numbers.push_back( std::uint32_t( found - cells.begin() ) );
+		}
+	}
+	return numbers;
+}
+
 /// One rigid cluster of the same stuff, as stiff as can be. What has flowed stays behind: the cluster's rest shape is the first one.
 Material rigidMaterial( const Material& of )
 {
@@ -70,9 +101,10 @@ Material rigidMaterial( const Material& of )
 
 } // namespace
 
-std::vector<BodyPiece> Body::breakApart( BreakReport& report, int most )
+std::vector<BodyPiece> Body::breakApart( BreakReport& report, int most, PieceRoad road )
 {
 	const std::vector<CellLink> broken = brokenLinks();
+	const std::vector<std::uint32_t> touched = cellsOf( broken, m_healedLinks );
 	report = reportOn( broken );
 	report.broken = broken;
 	report.hasHealed = !m_healedLinks.empty();
@@ -105,7 +137,15 @@ std::vector<BodyPiece> Body::breakApart( BreakReport& report, int most )
 			piece.turn = Eigen::Map<const Eigen::Quaternionf>( rotations.data() + 4 * std::size_t( nodeOfCell( cells[0] ) ) );
 		}
 		piece.cellBefore = std::move( cells );
-		piece.body = makePiece( std::move( lattice ), piece );
+		piece.touched = theirNumbers( touched, piece.cellBefore );
+		if ( isAll && m_levels && road == PieceRoad::TakeOver )
+		{
+			piece.body = relinkWhole( lattice, piece );
+		}
+		if ( !piece.body )
+		{
+			piece.body = makePiece( std::move( lattice ), piece, road );
+		}
 		pieces.push_back( std::move( piece ) );
 	}
 	return pieces;
@@ -162,7 +202,7 @@ void Body::removeSmall( std::vector<std::vector<std::uint32_t>>& parts, BreakRep
 	parts = std::move( kept );
 }
 
-std::unique_ptr<Body> Body::makePiece( std::shared_ptr<const Lattice> lattice, BodyPiece& piece ) const
+std::unique_ptr<Body> Body::makePiece( std::shared_ptr<const Lattice> lattice, BodyPiece& piece, PieceRoad road ) const
 {
 	std::unique_ptr<Body> body( new Body );
 	body->m_lattice = std::move( lattice );
@@ -179,7 +219,7 @@ std::unique_ptr<Body> Body::makePiece( std::shared_ptr<const Lattice> lattice, B
 	}
 	if ( m_levels && !piece.isRigid )
 	{
-		body->inheritLevels( *this, piece );
+		body->inheritLevels( *this, piece, road );
 	}
 	else
 	{
@@ -214,24 +254,6 @@ std::unique_ptr<Body> Body::makePiece( std::shared_ptr<const Lattice> lattice, B
 	}
 	body->keepFiniteState();
 	return body;
-}
-
-// The same cells stand under one node as before, as far as they are still connected: blocks are where they were.
-void Body::inheritLevels( const Body& from, BodyPiece& piece )
-{
-	const Levels& before = *from.m_levels;
-	const std::shared_ptr<const LevelBase> base = buildLevelBase( *m_lattice, m_material, before.settings() );
-	const Octree& tree = base->octree;
-	auto slotBefore = [&]( std::uint32_t node ) { return before.cut().slotOfCell[piece.cellBefore[tree.cells[tree.cellStart[node]]]]; };
-	Cut cut = selectCut( tree, [&]( std::uint32_t node ) { return tree.levelOf( node ) == before.levelOf( int( slotBefore( node ) ) ); } );
-	for ( const std::uint32_t node : cut.node )
-	{
-		piece.nodeBefore.push_back( slotBefore( node ) );
-	}
-	m_levels = std::make_unique<Levels>( base, *m_lattice, m_material, before.settings(), m_stiffness, std::move( cut ) );
-	m_levels->inheritCoarsest( before, piece.cellBefore );
-	m_levels->setFinestLevel( before.finestLevel() );
-	m_levels->fillNodes( m_nodes, m_material.density );
 }
 
 std::unique_ptr<Matcher> Body::makePieceMatcher( const Body& from, const BodyPiece& piece )
@@ -276,8 +298,7 @@ void Body::inheritBreaking( const Breaking& from, const BodyPiece& piece )
 	m_breaking->settings = from.settings;
 	m_breaking->coolDown = from.coolDown;
 	m_breaking->sinceLook = from.sinceLook;
-	const float strain = from.planes ? from.planes->candidateStrain() : breakStrain( from.settings, m_material );
-	m_breaking->limits = inheritLimits( from.limits, *m_lattice, piece.cellBefore, strain );
+	m_breaking->limits = limitsOf( from, piece );
 	if ( m_levels )
 	{
 		m_breaking->settled.inherit( from.settled, piece.cellBefore );
@@ -286,6 +307,12 @@ void Body::inheritBreaking( const Breaking& from, const BodyPiece& piece )
 	{
 		m_breaking->planes = std::make_unique<PlaneCracks>( *from.planes ); // cracks are where they were
 	}
+}
+
+LinkLimits Body::limitsOf( const Breaking& from, const BodyPiece& piece ) const
+{
+	const float strain = from.planes ? from.planes->candidateStrain() : breakStrain( from.settings, m_material );
+	return inheritLimits( from.limits, *m_lattice, piece.cellBefore, strain );
 }
 
 } // namespace pliant

@@ -43,6 +43,7 @@ struct BodyPiece
 	std::unique_ptr<Body> body;
 	std::vector<std::uint32_t> nodeBefore; ///< of each node: its number in the body before
 	std::vector<std::uint32_t> cellBefore; ///< of each finest cell: its number there
+	std::vector<std::uint32_t> touched;    ///< finest cells, ascending, that lost links or got some
 	bool isSmall = false;                  ///< Fracture::smallCells
 	bool isRigid = false;                  ///< one rigid cluster
 	Eigen::Quaternionf turn = Eigen::Quaternionf::Identity(); ///< of the material at one of its nodes

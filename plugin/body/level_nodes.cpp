@@ -188,7 +188,7 @@ NodeState Levels::changedNodes( const NodeState& before, LatticeMatcher& matcher
 	NodeState now = std::move( m_room.nodes );
 	now.origin = before.origin;
 	resizeNodes( now, next.count() );
-	const double fullCell = double( density ) * std::pow( double( m_lattice.cellSize ), 3 );
+	const double fullCell = double( density ) * std::pow( double( m_lattice->cellSize ), 3 );
 	for ( int i = 0; i < now.count; )
 	{
 		const int old = int( m_change.heir[i] );
@@ -289,13 +289,13 @@ Eigen::Matrix3d Levels::velocityGradient( const NodeState& nodes, int node ) con
 	for ( std::uint32_t k = matrix().start[node]; k < matrix().start[node + 1]; ++k )
 	{
 		const int a = int( matrix().member[k] );
-		const Vec3d q = nodes.x0.get( a ).cast<double>() / double( m_lattice.cellSize ) - centre;
+		const Vec3d q = nodes.x0.get( a ).cast<double>() / double( m_lattice->cellSize ) - centre;
 		sum += matrix().mass[k] * matrix().unit[std::size_t( a )] * ( nodes.v.get( a ).cast<double>() - own ) * q.transpose();
 	}
 	Eigen::Matrix3d inverse;
 	const auto& j = moments.inverseMoment;
 	inverse << j[0][node], j[5][node], j[4][node], j[5][node], j[1][node], j[3][node], j[4][node], j[3][node], j[2][node];
-	return sum * inverse / double( m_lattice.cellSize );
+	return sum * inverse / double( m_lattice->cellSize );
 }
 
 } // namespace pliant

@@ -23,13 +23,20 @@ float strainOf( float squares )
 
 Levels::Levels( std::shared_ptr<const LevelBase> base, const Lattice& lattice, const Material& material, const Adaptivity& settings,
 	const std::vector<float>& stiffness, Cut cut ) :
-	m_base( std::move( base ) ), m_lattice( lattice ), m_settings( settings ), m_stiffness( stiffness ), m_cut( std::move( cut ) ),
-	m_regions( buildLevelRegions( *m_base, lattice, m_cut, material, settings ) ),
-	m_tables( buildLevelTables( *m_base, lattice, m_cut, m_regions, LevelSettings{ material, m_settings, m_stiffness } ) ), m_quiet( m_cut.node.size(), 0.0f ),
-	m_isWanted( m_cut.node.size(), 0 )
+	Levels( std::move( base ), lattice, settings, stiffness, std::move( cut ), {}, nullptr )
+{
+	m_regions = buildLevelRegions( *m_base, lattice, m_cut, material, settings );
+	m_tables = buildLevelTables( *m_base, lattice, m_cut, m_regions, LevelSettings{ material, m_settings, stiffness } );
+	prepareRoom();
+}
+
+Levels::Levels( std::shared_ptr<const LevelBase> base, const Lattice& lattice, const Adaptivity& settings, const std::vector<float>& stiffness, Cut cut,
+	LevelRegions regions, std::shared_ptr<const RegionTables> tables ) :
+	m_base( std::move( base ) ), m_lattice( &lattice ), m_settings( settings ), m_stiffness( &stiffness ), m_cut( std::move( cut ) ),
+	m_regions( std::move( regions ) ), m_tables( std::move( tables ) ), m_quiet( m_cut.node.size(), 0.0f ), m_isWanted( m_cut.node.size(), 0 )
 {
 	countLevels();
-	prepareRoom();
+	countRoom();
 	for ( const std::uint32_t slot : m_cut.slotOfCell )
 	{
 		m_coarsest.push_back( std::uint8_t( levelOf( int( slot ) ) ) );
@@ -57,10 +64,10 @@ void Levels::fillNodes( NodeState& nodes, float density ) const
 {
 	for ( AlignedArray<float>* array : arraysOf( nodes ) )
 	{
-		makeRoom( *array, std::size_t( m_room.count ), 0 );
+		makeRoom( *array, std::size_t( m_hasRoom ? m_room.count : 0 ), 0 );
 	}
 	resizeNodes( nodes, m_cut.count() );
-	const double fullCell = double( density ) * std::pow( double( m_lattice.cellSize ), 3 );
+	const double fullCell = double( density ) * std::pow( double( m_lattice->cellSize ), 3 );
 	for ( int i = 0; i < nodes.count; ++i )
 	{
 		nodes.x0.set( i, octree().restCentre[m_cut.node[i]] );
@@ -232,6 +239,10 @@ void Levels::apply( NodeState& nodes, LatticeMatcher& matcher, const Material& m
 void Levels::change( NodeState& nodes, LatticeMatcher& matcher, const Material& material, const std::vector<std::uint32_t>& split,
 	const std::vector<std::uint32_t>& merge, TaskRunner* tasks )
 {
+	if ( !m_hasRoom )
+	{
+		prepareRoom();
+	}
 	Cut next = changeCut( octree(), m_cut, split, merge, std::move( m_room.cut ) );
 	numberHeirs( next );
 	m_change.splits = int( split.size() );
@@ -240,11 +251,11 @@ void Levels::change( NodeState& nodes, LatticeMatcher& matcher, const Material& 
 	restoreMotion( changed, nodes );
 
 	m_room.matrix.rowBefore.clear();
-	m_regions = updateLevelRegions( RegionInput{ *m_base, m_lattice, material, m_settings, tasks, &m_room.matrix }, m_cut, m_regions, next );
+	m_regions = updateLevelRegions( RegionInput{ *m_base, *m_lattice, material, m_settings, tasks, &m_room.matrix }, m_cut, m_regions, next );
 	std::shared_ptr<const RegionTables> old = m_tables;
 	const bool isKnown = !m_room.matrix.rowBefore.empty();
 	const TablesBefore before{ old.get(), isKnown ? std::move( m_room.matrix.rowBefore ) : unchangedRows( *old->matrix, next ), std::move( m_room.tables ) };
-	m_tables = buildLevelTables( *m_base, m_lattice, next, m_regions, LevelSettings{ material, m_settings, m_stiffness, tasks }, before );
+	m_tables = buildLevelTables( *m_base, *m_lattice, next, m_regions, LevelSettings{ material, m_settings, *m_stiffness, tasks }, before );
 	m_change.measured.clear();
 	for ( std::uint32_t r = 0; r < std::uint32_t( next.count() ); ++r )
 	{
@@ -266,17 +277,23 @@ void Levels::change( NodeState& nodes, LatticeMatcher& matcher, const Material& 
 	countLevels();
 	std::swap( nodes, changed );
 	m_room.nodes = std::move( changed );
-	matcher.setTables( m_tables, FlowHeirs{ m_change.heir, m_change.nodeNow, nodes.mass } );
+	matcher.setTables( m_tables, FlowHeirs{ m_change.heir, m_change.nodeNow, m_room.nodes.mass } );
 	keepRoom( std::move( old ) );
 	++m_version;
+}
+
+void Levels::countRoom()
+{
+	const int cells = m_lattice->cellCount(), count = m_cut.count();
+	m_room.count = int( std::min<long long>( cells, count + static_cast<long long>( kRoomChanges ) * m_settings.nodesPerStep ) );
 }
 
 // A change in a running game must not wait for the system to hand out memory, which takes longer than the change: each is built where the
 // one before the last was. Reserved is what several changes may bring; what is not used of it takes no memory.
 void Levels::prepareRoom()
 {
-	const int cells = m_lattice.cellCount(), count = m_cut.count();
-	m_room.count = int( std::min<long long>( cells, count + static_cast<long long>( kRoomChanges ) * m_settings.nodesPerStep ) );
+	const int count = m_cut.count();
+	m_hasRoom = true;
 	const int touched = std::min( m_room.count, int( count * kRoomShare ) );
 	const std::size_t edge = 2 * std::size_t( m_tables->regions.halfWidth ) + 1, entries = edge * edge * edge * std::size_t( m_room.count );
 	RegionMatrix& matrix = *std::const_pointer_cast<RegionMatrix>( m_regions.matrix ); // it is ours, and what it holds stays

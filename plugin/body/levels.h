@@ -3,7 +3,7 @@
 // The levels of one body: which nodes it has now, the regions over them, and when that changes.
 // Steinemann et al. 2008, section 5.2; Ohta et al. 2009, "Changing the Subdivision Level" and "Merging".
 
-#include "matching/level_tables.h"
+#include "matching/level_update.h"
 #include "matching/node_state.h"
 
 #include <array>
@@ -25,6 +25,15 @@ struct LevelChange
 	int splits = 0, merges = 0;         ///< nodes split, nodes that took the place of their children
 };
 
+/// What a piece takes over, or the whole after links have changed.
+struct PieceOfLevels
+{
+	LevelBaseUpdate update;
+	Cut cut;
+	RelinkedNodes nodes; ///< empty: regions are made from nothing
+	Vec3d shift = Vec3d::Zero(); ///< of the mass centre, cells
+};
+
 class Levels
 {
 public:
@@ -32,6 +41,7 @@ public:
 	Levels( std::shared_ptr<const LevelBase> base, const Lattice& lattice, const Material& material, const Adaptivity& settings,
 		const std::vector<float>& stiffness, Cut cut );
 
+	const LevelBase& base() const { return *m_base; }
 	const Octree& octree() const { return m_base->octree; }
 	const Cut& cut() const { return m_cut; }
 	const RegionMatrix& matrix() const { return *m_regions.matrix; }
@@ -47,9 +57,18 @@ public:
 
 	/// As many nodes as there may be before arrays that were made for them outgrow their room.
 	int roomNodes() const { return m_room.count; }
+	/// False of a piece that has not changed its levels yet: most never do.
+	bool hasRoom() const { return m_hasRoom; }
 
 	/// The nodes at rest: counts, rest positions, masses. kg per cubic metre.
 	void fillNodes( NodeState& nodes, float density ) const;
+
+	/// Whether regions and tables can be made from those that are there: by multiplicity, where links changed between finest cells alone.
+	bool canTakeOver( const PieceOfLevels& piece ) const { return m_settings.regions == RegionRule::Multiplicity && !piece.nodes.before.empty(); }
+	/// The levels of a piece of a body that had these: as made from nothing for its lattice, from what is left of the whole's.
+	std::unique_ptr<Levels> ofPiece( PieceOfLevels piece, const LevelSettings& settings, const Lattice& lattice ) const;
+	/// The whole is one piece still, some of its links are others: the same in place, and what is kept of each node with it.
+	void relink( PieceOfLevels piece, const LevelSettings& settings, const Lattice& lattice, NodeState& nodes, LatticeMatcher& matcher );
 
 	/// Of a piece of a body that had these: material is merged as far as it was in the whole, however little of a block the piece has.
 	/// `cellBefore`: of each finest cell.
@@ -94,10 +113,15 @@ public:
 private:
 	static constexpr int kNoBudget = -1;
 
+	/// `regions` and `tables` are the cut's.
+	Levels( std::shared_ptr<const LevelBase> base, const Lattice& lattice, const Adaptivity& settings, const std::vector<float>& stiffness, Cut cut,
+		LevelRegions regions, std::shared_ptr<const RegionTables> tables );
+
 	std::vector<std::uint8_t> strainedNodes( const AlignedArray<float>& strain ) const;
 	void collectSplits( const AlignedArray<float>& strain );
 	void collectMerges( const NodeState& nodes );
 	bool mayMerge( const NodeState& nodes, std::uint32_t parent, int firstSlot ) const;
+	void countRoom();
 	void prepareRoom();
 	void keepRoom( std::shared_ptr<const RegionTables> old );
 	NodeState changedNodes( const NodeState& before, LatticeMatcher& matcher, const Cut& next, float density );
@@ -117,9 +141,9 @@ private:
 	Eigen::Matrix3d velocityGradient( const NodeState& nodes, int node ) const;
 
 	std::shared_ptr<const LevelBase> m_base;
-	const Lattice& m_lattice;
+	const Lattice* m_lattice;
 	Adaptivity m_settings;
-	const std::vector<float>& m_stiffness;
+	const std::vector<float>* m_stiffness;
 	Cut m_cut;
 	LevelRegions m_regions;
 	std::shared_ptr<const RegionTables> m_tables;
@@ -140,6 +164,7 @@ private:
 		std::vector<float> quiet;
 	};
 	Room m_room;
+	bool m_hasRoom = false;
 
 	std::vector<std::uint8_t> m_coarsest;       ///< of each finest cell: the level of the node that the first cut of the whole body has there
 	std::vector<float> m_quiet;                 ///< of each node: seconds since its strain was last above the merging threshold

@@ -1,5 +1,6 @@
 #include "lattice/region.h"
 
+#include "lattice/reach.h"
 #include "pliant/task_runner.h"
 
 #include <algorithm>
@@ -10,46 +11,6 @@ namespace pliant {
 namespace {
 
 constexpr int kCellsPerTask = 512;
-
-/// Breadth-first search from one cell, w rounds over the links, with marks that need no clearing between searches.
-class Reach
-{
-public:
-	explicit Reach( const Lattice& lattice ) : m_lattice( lattice ), m_mark( lattice.cellCount(), 0 ) {}
-
-	const std::vector<std::uint32_t>& from( std::uint32_t owner, int rounds )
-	{
-		++m_stamp;
-		m_found.assign( 1, owner );
-		m_mark[owner] = m_stamp;
-		std::size_t front = 0;
-		for ( int round = 0; round < rounds; ++round )
-		{
-			const std::size_t end = m_found.size();
-			for ( ; front < end; ++front )
-			{
-				const std::uint32_t cell = m_found[front];
-				for ( std::uint32_t k = m_lattice.linkStart[cell]; k < m_lattice.linkStart[cell + 1]; ++k )
-				{
-					const std::uint32_t next = m_lattice.linkTo[k];
-					if ( m_mark[next] != m_stamp )
-					{
-						m_mark[next] = m_stamp;
-						m_found.push_back( next );
-					}
-				}
-			}
-		}
-		std::sort( m_found.begin(), m_found.end() );
-		return m_found;
-	}
-
-private:
-	const Lattice& m_lattice;
-	std::vector<std::uint32_t> m_mark;
-	std::vector<std::uint32_t> m_found;
-	std::uint32_t m_stamp = 0;
-};
 
 /// Cells within the cube of half-width w around each cell, whatever their links, by box counts over the grid.
 /// Empty when a lattice position holds two cells or the grid would be much larger than the body.

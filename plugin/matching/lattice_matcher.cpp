@@ -35,7 +35,7 @@ LatticeMatcher::LatticeMatcher( const Lattice& lattice, const Material& material
 
 LatticeMatcher::LatticeMatcher(
 	const Lattice& lattice, const Material& material, std::shared_ptr<const RegionTables> tables, const Kernels& kernels ) :
-	m_kernels( kernels ), m_lattice( lattice ), m_tables( std::move( tables ) ), m_cellSize( lattice.cellSize ), m_beta( material.beta ),
+	m_kernels( kernels ), m_lattice( &lattice ), m_tables( std::move( tables ) ), m_cellSize( lattice.cellSize ), m_beta( material.beta ),
 	m_volumeShare( material.volumeKeeping ), m_rotationFromF( material.rotationFrom == RotationFrom::F ),
 	m_keepsMomentum( material.weights == Weights::Conserving && material.rotationFrom == RotationFrom::Apq )
 {
@@ -102,7 +102,7 @@ void LatticeMatcher::reset( const NodeState&, const Eigen::Quaterniond& rotation
 
 void LatticeMatcher::setFarLevels( int levels, const std::vector<float>& stiffness )
 {
-	m_far = levels == 0 ? nullptr : std::make_unique<CoarseToFine>( m_lattice, levels, *m_tables, stiffness );
+	m_far = levels == 0 ? nullptr : std::make_unique<CoarseToFine>( *m_lattice, levels, *m_tables, stiffness );
 }
 
 void LatticeMatcher::turn( const Eigen::Quaterniond& by )
@@ -133,8 +133,8 @@ MatchView LatticeMatcher::view( NodeState& nodes )
 	v.freedom = nodes.freedom.data();
 	v.nodeWeight = moments.nodeWeight.data();
 	v.inverseCover = moments.inverseCover.data();
-	v.start = m_tables->usesLinks ? m_lattice.linkStart.data() : regions.start.data();
-	v.member = m_tables->usesLinks ? m_lattice.linkTo.data() : regions.member.data();
+	v.start = m_tables->usesLinks ? m_lattice->linkStart.data() : regions.start.data();
+	v.member = m_tables->usesLinks ? m_lattice->linkTo.data() : regions.member.data();
 	v.addOwner = m_tables->usesLinks;
 	v.inverseMass = moments.inverseMass.data();
 	for ( int k = 0; k < 6; ++k )

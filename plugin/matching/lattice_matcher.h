@@ -38,6 +38,9 @@ public:
 	void setTables( std::shared_ptr<const RegionTables> tables, const FlowHeirs& heirs );
 	/// Takes over the history and the flowed shapes of another body's regions: region i those of `heir[i]`.
 	void inherit( const LatticeMatcher& from, const std::vector<std::uint32_t>& heir );
+	/// The same nodes, in the order `before`, on a lattice with other links, which must live as long as this; on levels. What `inherit` does
+	/// for a new matcher, in the memory of this one.
+	void relink( const Lattice& lattice, std::shared_ptr<const RegionTables> tables, const std::vector<std::uint32_t>& before );
 	/// Nodes must be the lattice's cells. `stiffness`: share of each cell; empty: 1 everywhere. 0 levels: none.
 	void setFarLevels( int levels, const std::vector<float>& stiffness = {} );
 	const CoarseToFine* farLevels() const { return m_far.get(); }
@@ -79,7 +82,7 @@ private:
 	void viewLevels( MatchView& view ) const;
 
 	const Kernels& m_kernels;
-	const Lattice& m_lattice;
+	const Lattice* m_lattice;
 	std::shared_ptr<const RegionTables> m_tables;
 	float m_cellSize = 0.0f;
 	float m_beta = 0.0f;

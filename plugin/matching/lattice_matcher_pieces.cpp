@@ -26,4 +26,28 @@ void LatticeMatcher::inherit( const LatticeMatcher& from, const std::vector<std:
 	}
 }
 
+void LatticeMatcher::relink( const Lattice& lattice, std::shared_ptr<const RegionTables> tables, const std::vector<std::uint32_t>& before )
+{
+	m_lattice = &lattice;
+	m_tables = std::move( tables );
+	m_strain.clear();
+	for ( AlignedArray<float>* array : history() )
+	{
+		m_historyRoom = *array; // what is beyond the last node stays
+		for ( std::size_t i = 0; i < before.size(); ++i )
+		{
+			m_historyRoom[i] = ( *array )[before[i]];
+		}
+		array->swap( m_historyRoom );
+	}
+	allocateScratch();
+	m_isHistoryNew = true;
+	if ( m_plastic )
+	{
+		const std::unique_ptr<PlasticFlow> flowed = std::move( m_plastic );
+		m_plastic = std::make_unique<PlasticFlow>( *m_tables );
+		m_plastic->inherit( *flowed, before );
+	}
+}
+
 } // namespace pliant

@@ -48,6 +48,7 @@ public:
 				if ( end > r )
 				{
 					copyRegions( *before.tables, int( before.region[r] ), r, end );
+					moveCentres( before.shift, r, end );
 					r = end;
 					continue;
 				}
@@ -183,6 +184,18 @@ private:
 		for ( int k = 0; k < 9; ++k )
 		{
 			copy( from.blend[k], m_tables.blend[k] );
+		}
+	}
+
+	void moveCentres( const Vec3d& shift, int first, int end )
+	{
+		for ( int k = 0; k < 3; ++k )
+		{
+			AlignedArray<float>& centre = m_tables.moments.centre[k];
+			for ( int r = first; shift[k] != 0.0 && r < end; ++r )
+			{
+				centre[std::size_t( r )] = float( double( centre[std::size_t( r )] ) - shift[k] );
+			}
 		}
 	}
 

@@ -86,6 +86,7 @@ struct TablesBefore
 	const RegionTables* tables = nullptr;
 	std::vector<std::uint32_t> region; ///< of each region now: its number then, where its row holds the same nodes and masses; else kNoNode
 	std::shared_ptr<RegionTables> room{}; ///< tables of the same settings that nobody uses any more, to be written over; null: none
+	Vec3d shift = Vec3d::Zero(); ///< from the rest places before to those now, cells: of the mass centre of a piece
 };
 
 /// What a region needs beside its row. `stiffness`: share of the material's for each finest cell; empty: 1 everywhere. A region takes the mean

@@ -1,0 +1,141 @@
+#include "adapt/fine_moments.h"
+
+#include "adapt/quadratics.h"
+
+namespace pliant {
+
+namespace {
+
+constexpr int kMonomials = 9;
+
+/// A symmetric matrix over the monomials, or its lower triangle.
+using Covariance = std::array<std::array<double, kMonomials>, kMonomials>;
+using Monomials = std::array<double, kMonomials>;
+
+Monomials monomials( const Vec3d& s )
+{
+	return { s.x(), s.y(), s.z(), s.x() * s.x(), s.y() * s.y(), s.z() * s.z(), s.y() * s.z(), s.x() * s.z(), s.x() * s.y() };
+}
+
+/// lower triangle += weight m m^T
+void addSquare( const Monomials& m, double weight, Covariance& sum )
+{
+	for ( std::size_t i = 0; i < kMonomials; ++i )
+	{
+		const double scaled = weight * m[i];
+		for ( std::size_t j = 0; j <= i; ++j )
+		{
+			sum[i][j] += scaled * m[j];
+		}
+	}
+}
+
+void pack( const Covariance& covariance, std::array<float, 45>& packed )
+{
+	for ( std::size_t i = 0, k = 0; i < kMonomials; ++i )
+	{
+		for ( std::size_t j = 0; j <= i; ++j, ++k )
+		{
+			packed[k] = float( covariance[i][j] );
+		}
+	}
+}
+
+Covariance unpack( const std::array<float, 45>& packed )
+{
+	Covariance covariance;
+	for ( std::size_t i = 0, k = 0; i < kMonomials; ++i )
+	{
+		for ( std::size_t j = 0; j <= i; ++j, ++k )
+		{
+			covariance[i][j] = covariance[j][i] = double( packed[k] );
+		}
+	}
+	return covariance;
+}
+
+/// The same about a place `t` away: ( s + t )_a ( s + t )_b = s_a s_b + t_a s_b + t_b s_a + constant, rows first, then columns.
+void shift( const Vec3d& t, Covariance& c )
+{
+	for ( std::size_t k = 0; k < 6; ++k )
+	{
+		const std::size_t a = std::size_t( kQuadraticFirst[k] ), b = std::size_t( kQuadraticSecond[k] );
+		for ( std::size_t j = 0; j < kMonomials; ++j )
+		{
+			c[3 + k][j] += t[int( a )] * c[b][j] + t[int( b )] * c[a][j];
+		}
+	}
+	for ( std::size_t i = 0; i < kMonomials; ++i )
+	{
+		for ( std::size_t k = 0; k < 6; ++k )
+		{
+			const std::size_t a = std::size_t( kQuadraticFirst[k] ), b = std::size_t( kQuadraticSecond[k] );
+			c[i][3 + k] += t[int( a )] * c[i][b] + t[int( b )] * c[i][a];
+		}
+	}
+}
+
+} // namespace
+
+// About its own mean, monomials about its owner's rest centre.
+void measureFineRegion( const Lattice& lattice, const FineRegions& fine, std::uint32_t cell, FineMoments& moments )
+{
+	const Vec3d at = lattice.restCentre[cell].cast<double>();
+	double mass = 0.0;
+	Monomials mean{};
+	Covariance second{};
+	for ( std::uint32_t k = fine.set.start[cell]; k < fine.set.start[cell + 1]; ++k )
+	{
+		const std::uint32_t c = fine.set.member[k];
+		const double a = fine.mass[c] * kMassUnit;
+		const Monomials m = monomials( ( lattice.restCentre[c].cast<double>() - at ) / double( lattice.cellSize ) );
+		mass += a;
+		for ( std::size_t i = 0; i < kMonomials; ++i )
+		{
+			mean[i] += a * m[i];
+		}
+		addSquare( m, a, second );
+	}
+	addSquare( mean, -1.0 / mass, second );
+	pack( second, moments.covariance[cell] );
+}
+
+// Of what the children have as it is stored: where few of them change, few are measured again.
+void sumFineMoments( const Octree& octree, const Lattice& lattice, std::uint32_t node, FineMoments& moments )
+{
+	Covariance sum{};
+	for ( std::uint32_t k = octree.childStart[node]; k < octree.childStart[node + 1]; ++k )
+	{
+		const std::uint32_t child = octree.child[k];
+		Covariance part = unpack( moments.covariance[child] );
+		shift( ( octree.restCentre[child] - octree.restCentre[node] ).cast<double>() / double( lattice.cellSize ), part );
+		for ( std::size_t i = 0; i < kMonomials; ++i )
+		{
+			for ( std::size_t j = 0; j <= i; ++j )
+			{
+				sum[i][j] += part[i][j];
+			}
+		}
+	}
+	pack( sum, moments.covariance[node] );
+}
+
+FineMoments buildFineMoments( const Octree& octree, const Lattice& lattice, const FineRegions& fine )
+{
+	FineMoments moments;
+	moments.covariance.resize( octree.parent.size() );
+	for ( std::uint32_t n = 0; n < std::uint32_t( octree.nodeCount() ); ++n ) // children stand before their parents
+	{
+		if ( n < octree.levelStart[1] )
+		{
+			measureFineRegion( lattice, fine, n, moments );
+		}
+		else
+		{
+			sumFineMoments( octree, lattice, n, moments );
+		}
+	}
+	return moments;
+}
+
+} // namespace pliant

@@ -1,0 +1,125 @@
+#include "adapt/fine_update.h"
+
+#include "lattice/reach.h"
+
+#include <algorithm>
+#include <iterator>
+
+namespace pliant {
+
+namespace {
+
+/// A region of w links changes where one of its links did that starts within w - 1 of them, as they were or as they are.
+std::vector<std::uint32_t> changedRegions( const CellChange& change, const OctreeUpdate& tree, int halfWidth )
+{
+	if ( halfWidth == 1 )
+	{
+		return change.touched;
+	}
+	std::vector<std::uint32_t> touchedBefore, near;
+	for ( const std::uint32_t cell : change.touched )
+	{
+		touchedBefore.push_back( change.cellBefore[cell] );
+	}
+	Reach before( change.before ), now( change.now );
+	for ( const std::uint32_t cell : before.from( touchedBefore, halfWidth - 1 ) )
+	{
+		if ( tree.nodeNow[cell] != kNoNode )
+		{
+			near.push_back( tree.nodeNow[cell] ); // ascending: numbers keep their order
+		}
+	}
+	std::vector<std::uint32_t> changed;
+	const std::vector<std::uint32_t>& nearNow = now.from( change.touched, halfWidth - 1 );
+	std::set_union( near.begin(), near.end(), nearNow.begin(), nearNow.end(), std::back_inserter( changed ) );
+	return changed;
+}
+
+/// Appends the rows of cells `cell` to `end` - 1, which are what they were.
+void appendRows( const FineRegions& before, const CellChange& change, const OctreeUpdate& tree, std::uint32_t cell, std::uint32_t end, FineRegions& fine )
+{
+	for ( ; cell < end; ++cell )
+	{
+		const std::uint32_t old = change.cellBefore[cell];
+		const auto first = before.set.member.begin() + before.set.start[old], last = before.set.member.begin() + before.set.start[old + 1];
+		const std::size_t at = fine.set.member.size();
+		fine.set.member.insert( fine.set.member.end(), first, last );
+		for ( std::size_t k = at; !change.isWhole() && k < fine.set.member.size(); ++k )
+		{
+			fine.set.member[k] = tree.nodeNow[fine.set.member[k]];
+		}
+		fine.set.start.push_back( std::uint32_t( fine.set.member.size() ) );
+		fine.set.size.push_back( before.set.size[old] );
+		fine.mass.push_back( before.mass[old] );
+	}
+}
+
+} // namespace
+
+FineUpdate updateFineRegions( const FineRegions& before, const CellChange& change, const OctreeUpdate& tree )
+{
+	FineUpdate update;
+	FineRegions& fine = update.fine;
+	const std::uint32_t cells = std::uint32_t( change.now.cellCount() );
+	update.collected = changedRegions( change, tree, before.set.halfWidth );
+	fine.set.halfWidth = before.set.halfWidth;
+	fine.set.start.reserve( std::size_t( cells ) + 1 );
+	fine.set.start.push_back( 0 );
+	fine.set.member.reserve( before.set.member.size() );
+	fine.set.size.reserve( cells );
+	fine.mass.reserve( cells );
+	Reach reach( change.now );
+	std::uint32_t next = 0;
+	for ( const std::uint32_t cell : update.collected )
+	{
+		appendRows( before, change, tree, next, cell, fine );
+		const std::vector<std::uint32_t>& found = reach.from( cell, before.set.halfWidth );
+		fine.set.member.insert( fine.set.member.end(), found.begin(), found.end() );
+		fine.set.start.push_back( std::uint32_t( fine.set.member.size() ) );
+		fine.set.size.push_back( std::uint16_t( found.size() ) );
+		fine.mass.push_back( inMassUnits( double( change.now.fill[cell] ) / double( found.size() ) ) );
+		next = cell + 1;
+	}
+	appendRows( before, change, tree, next, cells, fine );
+	return update;
+}
+
+FineMoments updateFineMoments( const FineMoments& before, const CellChange& change, const OctreeUpdate& tree, const FineUpdate& update )
+{
+	const Octree& octree = tree.octree;
+	const RegionSet& set = update.fine.set;
+	FineMoments moments;
+	moments.covariance.resize( octree.parent.size() );
+	std::vector<std::uint8_t> isOld( octree.parent.size(), 1 ); // 0: to be measured again
+	for ( const std::uint32_t cell : update.collected )
+	{
+		for ( std::uint32_t k = set.start[cell]; k < set.start[cell + 1]; ++k ) // itself, and all in whose regions it weighs something else
+		{
+			isOld[set.member[k]] = 0;
+		}
+	}
+	for ( std::uint32_t n = 0; n < std::uint32_t( octree.nodeCount() ); ++n ) // children stand before their parents
+	{
+		const bool isKept = isOld[n] != 0 && tree.nodeBefore[n] != kNoNode;
+		if ( isKept )
+		{
+			moments.covariance[n] = before.covariance[tree.nodeBefore[n]];
+			continue;
+		}
+		if ( n < octree.levelStart[1] )
+		{
+			measureFineRegion( change.now, update.fine, n, moments );
+		}
+		else
+		{
+			sumFineMoments( octree, change.now, n, moments );
+		}
+		if ( octree.parent[n] != kNoNode )
+		{
+			isOld[octree.parent[n]] = 0;
+		}
+	}
+	return moments;
+}
+
+} // namespace pliant

@@ -1,0 +1,22 @@
+#pragma once
+
+// Finest regions and their moments after links have gone or come back: those near such links are made anew, the others taken over.
+// buildFineRegions and buildFineMoments are the slow twins.
+
+#include "adapt/fine_moments.h"
+#include "adapt/octree_update.h"
+
+namespace pliant {
+
+struct FineUpdate
+{
+	FineRegions fine; ///< but for RegionSet::isFullCubes, which nobody asks of them
+	std::vector<std::uint32_t> collected; ///< cells whose regions were made anew, ascending: all whose regions hold other cells, and all that weigh other shares
+};
+
+/// `tree`: of the same change.
+FineUpdate updateFineRegions( const FineRegions& before, const CellChange& change, const OctreeUpdate& tree );
+
+FineMoments updateFineMoments( const FineMoments& before, const CellChange& change, const OctreeUpdate& tree, const FineUpdate& fine );
+
+} // namespace pliant

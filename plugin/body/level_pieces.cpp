@@ -1,0 +1,166 @@
+// Levels of a body whose links have changed, and of the pieces that came off it: what is above links that stayed is taken over.
+// Steinemann et al. 2008, section 5.1; Ohta et al. 2009, "Fracturing".
+
+#include "body/level_nodes.h"
+
+#include "body/body.h"
+#include "body/breaking.h"
+#include "body/levels.h"
+#include "matching/lattice_matcher.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace pliant {
+
+namespace {
+
+void takeInOrder( AlignedArray<float>& array, const std::vector<std::uint32_t>& before, AlignedArray<float>& room )
+{
+	room = array; // padding stays
+	for ( std::size_t i = 0; i < before.size(); ++i )
+	{
+		room[i] = array[before[i]];
+	}
+	array.swap( room );
+}
+
+/// The same cells stand under one node as before, as far as they are still connected: blocks are where they were.
+Cut cutOfPiece( const Levels& whole, const Octree& tree, const std::vector<std::uint32_t>& cellBefore )
+{
+	return selectCut( tree, [&]( std::uint32_t node ) {
+		return tree.levelOf( node ) == whole.levelOf( int( whole.cut().slotOfCell[cellBefore[tree.cells[tree.cellStart[node]]]] ) );
+	} );
+}
+
+} // namespace
+
+std::unique_ptr<Levels> Levels::ofPiece( PieceOfLevels piece, const LevelSettings& settings, const Lattice& lattice ) const
+{
+	std::unique_ptr<Levels> levels;
+	if ( canTakeOver( piece ) )
+	{
+		MatrixRoom room;
+		LevelRegions regions{ std::make_shared<RegionMatrix>( updateRelinkedRegions(
+								  piece.update.base->octree, piece.cut, piece.update.base->fine, matrix(), piece.nodes, &room ) ),
+			nullptr };
+		std::shared_ptr<const RegionTables> tables = buildLevelTables(
+			*piece.update.base, lattice, piece.cut, regions, settings, TablesBefore{ m_tables.get(), std::move( room.rowBefore ), nullptr, piece.shift } );
+		levels.reset( new Levels( piece.update.base, lattice, m_settings, settings.stiffness, std::move( piece.cut ), std::move( regions ), std::move( tables ) ) );
+	}
+	else
+	{
+		levels = std::make_unique<Levels>( piece.update.base, lattice, settings.material, m_settings, settings.stiffness, std::move( piece.cut ) );
+	}
+	return levels;
+}
+
+// As a change of levels is made (Levels::change): in the room the one before the last left.
+void Levels::relink( PieceOfLevels piece, const LevelSettings& settings, const Lattice& lattice, NodeState& nodes, LatticeMatcher& matcher )
+{
+	m_room.matrix.rowBefore.clear();
+	LevelRegions regions{ std::make_shared<RegionMatrix>( updateRelinkedRegions(
+							  piece.update.base->octree, piece.cut, piece.update.base->fine, matrix(), piece.nodes, &m_room.matrix ) ),
+		nullptr };
+	std::shared_ptr<const RegionTables> old = m_tables;
+	m_tables = buildLevelTables( *piece.update.base, lattice, piece.cut, regions, settings,
+		TablesBefore{ old.get(), std::move( m_room.matrix.rowBefore ), std::move( m_room.tables ) } );
+	matcher.relink( lattice, m_tables, piece.nodes.before );
+	m_regions = std::move( regions );
+	keepRoom( std::move( old ) );
+	if ( !std::is_sorted( piece.nodes.before.begin(), piece.nodes.before.end() ) )
+	{
+		AlignedArray<float> room;
+		for ( AlignedArray<float>* array : arraysOf( nodes ) )
+		{
+			takeInOrder( *array, piece.nodes.before, room );
+		}
+		for ( AlignedArray<float>* array : { &nodes.force.x, &nodes.force.y, &nodes.force.z } )
+		{
+			if ( !array->empty() )
+			{
+				takeInOrder( *array, piece.nodes.before, room );
+			}
+		}
+	}
+	m_base = piece.update.base;
+	m_lattice = &lattice;
+	m_stiffness = &settings.stiffness;
+	m_cut = std::move( piece.cut );
+	countLevels();
+	// What waits and what was asked for names nodes of the octree before.
+	m_change = {};
+	m_split.clear();
+	m_merge.clear();
+	m_asked.clear();
+	std::fill( m_quiet.begin(), m_quiet.end(), 0.0f );
+	std::fill( m_isWanted.begin(), m_isWanted.end(), std::uint8_t( 0 ) );
+	m_budget = kNoBudget;
+	m_hasBacklog = false;
+	m_together = 1.0f;
+	++m_version;
+}
+
+PieceOfLevels Body::pieceOfLevels( const Body& from, const BodyPiece& piece, PieceRoad road ) const
+{
+	const Levels& before = *from.m_levels;
+	PieceOfLevels made;
+	if ( road == PieceRoad::FromNothing )
+	{
+		made.update.base = buildLevelBase( *m_lattice, m_material, before.settings() );
+		made.cut = cutOfPiece( before, made.update.base->octree, piece.cellBefore );
+		return made;
+	}
+	made.update = updateLevelBase( before.base(), CellChange{ *from.m_lattice, *m_lattice, piece.cellBefore, piece.touched } );
+	made.cut = cutOfPiece( before, made.update.base->octree, piece.cellBefore );
+	made.nodes = relinkNodes( before.cut(), made.cut, made.update, piece.cellBefore );
+	made.shift = ( m_lattice->massCentre - from.m_lattice->massCentre ) / double( m_lattice->cellSize );
+	return made;
+}
+
+void Body::inheritLevels( const Body& from, BodyPiece& piece, PieceRoad road )
+{
+	const Levels& before = *from.m_levels;
+	PieceOfLevels made = pieceOfLevels( from, piece, road );
+	for ( const std::uint32_t node : made.cut.node )
+	{
+		const Octree& tree = made.update.base->octree;
+		piece.nodeBefore.push_back( before.cut().slotOfCell[piece.cellBefore[tree.cells[tree.cellStart[node]]]] );
+	}
+	m_levels = before.ofPiece( std::move( made ), LevelSettings{ m_material, before.settings(), m_stiffness }, *m_lattice );
+	m_levels->inheritCoarsest( before, piece.cellBefore );
+	m_levels->setFinestLevel( before.finestLevel() );
+	m_levels->fillNodes( m_nodes, m_material.density );
+}
+
+// Nothing came off: what makes up this body goes on in another one, and only what is near the links in question is made anew.
+std::unique_ptr<Body> Body::relinkWhole( const std::shared_ptr<const Lattice>& lattice, BodyPiece& piece )
+{
+	const std::shared_ptr<const Lattice> before = m_lattice;
+	PieceOfLevels made;
+	made.update = updateLevelBase( m_levels->base(), CellChange{ *before, *lattice, piece.cellBefore, piece.touched } );
+	made.cut = cutOfPiece( *m_levels, made.update.base->octree, piece.cellBefore );
+	made.nodes = relinkNodes( m_levels->cut(), made.cut, made.update, piece.cellBefore );
+	if ( !m_levels->canTakeOver( made ) )
+	{
+		return nullptr;
+	}
+	piece.nodeBefore = made.nodes.before;
+	std::unique_ptr<Body> body( new Body( std::move( *this ) ) );
+	body->m_lattice = lattice;
+	body->m_cache.reset(); // it is of the lattice as it was
+	if ( body->m_firstCell.empty() )
+	{
+		body->m_firstCell = piece.cellBefore;
+	}
+	body->m_levels->relink( std::move( made ), LevelSettings{ body->m_material, body->m_levels->settings(), body->m_stiffness }, *lattice, body->m_nodes,
+		*body->m_levelMatcher );
+	if ( body->m_breaking )
+	{
+		body->m_breaking->limits = body->limitsOf( *body->m_breaking, piece );
+	}
+	body->keepFiniteState();
+	return body;
+}
+
+} // namespace pliant

@@ -1,0 +1,307 @@
+// Bodies with levels whose links break and heal: what is taken over from before is what would be made from nothing. Steinemann et al. 2008, 5.1.
+
+#include "adapt/fine_update.h"
+#include "body/breaking.h"
+#include "body/levels.h"
+#include "matching/lattice_matcher.h"
+#include "support/block_body.h"
+#include "support/shapes.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace pliant {
+namespace {
+
+constexpr float kStep = 1.0f / 240.0f;
+
+void expectSameTree( const Octree& got, const Octree& wanted )
+{
+	EXPECT_EQ( got.levelStart, wanted.levelStart );
+	EXPECT_EQ( got.parent, wanted.parent );
+	EXPECT_EQ( got.childStart, wanted.childStart );
+	EXPECT_EQ( got.child, wanted.child );
+	EXPECT_EQ( got.cells, wanted.cells );
+	EXPECT_EQ( got.cellStart, wanted.cellStart );
+	EXPECT_EQ( got.cellCount, wanted.cellCount );
+	EXPECT_EQ( got.coordinate, wanted.coordinate );
+	EXPECT_EQ( got.isSurface, wanted.isSurface );
+	EXPECT_EQ( got.mass, wanted.mass );
+}
+
+/// `allowed`: share of what is above 1, or the number itself; 0: the same bits.
+template <class Array> void expectNear( const Array& got, const Array& wanted, float allowed, const char* what )
+{
+	ASSERT_EQ( got.size(), wanted.size() ) << what;
+	float worst = 0.0f;
+	for ( std::size_t i = 0; i < got.size(); ++i )
+	{
+		worst = std::max( worst, std::abs( got[i] - wanted[i] ) / std::max( 1.0f, std::abs( wanted[i] ) ) );
+	}
+	EXPECT_LE( worst, allowed ) << what;
+}
+
+void expectNearBase( const LevelBase& got, const LevelBase& wanted, float allowed )
+{
+	expectSameTree( got.octree, wanted.octree );
+	EXPECT_EQ( got.fine.set.start, wanted.fine.set.start );
+	EXPECT_EQ( got.fine.set.member, wanted.fine.set.member );
+	EXPECT_EQ( got.fine.set.size, wanted.fine.set.size );
+	EXPECT_EQ( got.fine.mass, wanted.fine.mass );
+	ASSERT_EQ( got.moments.covariance.size(), wanted.moments.covariance.size() );
+	for ( std::size_t n = 0; n < got.moments.covariance.size(); ++n )
+	{
+		expectNear( got.moments.covariance[n], wanted.moments.covariance[n], allowed, "covariance" );
+		expectNear( got.octree.spread[n], wanted.octree.spread[n], allowed, "spread" );
+		EXPECT_LE( ( got.octree.restCentre[n] - wanted.octree.restCentre[n] ).norm(), allowed );
+	}
+}
+
+void expectNearTables( const RegionTables& got, const RegionTables& wanted, float allowed )
+{
+	EXPECT_EQ( got.matrix->start, wanted.matrix->start );
+	EXPECT_EQ( got.matrix->member, wanted.matrix->member );
+	EXPECT_EQ( got.matrix->mass, wanted.matrix->mass );
+	EXPECT_EQ( got.matrix->share, wanted.matrix->share );
+	EXPECT_EQ( got.matrix->unit, wanted.matrix->unit );
+	expectNear( got.pull, wanted.pull, allowed, "pull" );
+	expectNear( got.beta, wanted.beta, allowed, "beta" );
+	expectNear( got.eta, wanted.eta, allowed, "eta" );
+	expectNear( got.moments.nodeWeight, wanted.moments.nodeWeight, allowed, "nodeWeight" );
+	expectNear( got.moments.inverseCover, wanted.moments.inverseCover, allowed, "inverseCover" );
+	expectNear( got.moments.inverseMass, wanted.moments.inverseMass, allowed, "inverseMass" );
+	expectNear( got.moments.regionWeight, wanted.moments.regionWeight, allowed, "regionWeight" );
+	for ( std::size_t k = 0; k < 9; ++k )
+	{
+		expectNear( got.blend[k], wanted.blend[k], allowed, "blend" );
+	}
+	for ( std::size_t k = 0; k < 6; ++k )
+	{
+		expectNear( got.moments.moment[k], wanted.moments.moment[k], allowed, "moment" );
+		expectNear( got.moments.inverseMoment[k], wanted.moments.inverseMoment[k], allowed, "inverseMoment" );
+		expectNear( got.outOfPlane[k], wanted.outOfPlane[k], allowed, "outOfPlane" );
+		expectNear( got.moments.centre[k / 2], wanted.moments.centre[k / 2], allowed, "centre" );
+	}
+}
+
+void expectNearNodes( const NodeState& got, const NodeState& wanted, float allowed )
+{
+	ASSERT_EQ( got.count, wanted.count );
+	EXPECT_EQ( got.mass, wanted.mass );
+	EXPECT_EQ( got.freedom, wanted.freedom );
+	for ( int i = 0; i < got.count; ++i )
+	{
+		ASSERT_LE( ( got.x0.get( i ) - wanted.x0.get( i ) ).norm(), allowed );
+		ASSERT_LE( ( got.x.get( i ) - wanted.x.get( i ) ).norm(), allowed );
+		ASSERT_LE( ( got.v.get( i ) - wanted.v.get( i ) ).norm(), allowed );
+	}
+}
+
+/// Two bodies with the same past; one takes over, the other is made from nothing.
+struct Twins
+{
+	std::unique_ptr<Body> body, slow;
+
+	template <class Act> void both( Act&& act )
+	{
+		act( *body );
+		act( *slow );
+	}
+};
+
+Twins makeTwins( unsigned seed, int coarseLevels, int halfWidth, bool isSoftInParts )
+{
+	std::mt19937 random( seed );
+	const auto lattice = std::make_shared<const Lattice>( test::makeBlobLattice( 16, 0.05f, seed, 6, [&random]( int, int ) { return random() % 12 != 0; } ) );
+	Adaptivity settings;
+	settings.coarseLevels = coarseLevels;
+	settings.refineStrain = 0.04f;
+	settings.mergeDelay = 0.02f;
+	Material material;
+	material.regionHalfWidth = halfWidth;
+	material.yieldStrain = 0.02f;
+	material.plasticCreep = 10.0f;
+	StiffnessField field;
+	if ( isSoftInParts )
+	{
+		field.share = []( const float* p, void* ) { return p[0] > 0.4f ? 0.5f : 1.0f; };
+	}
+	const auto make = [&] { return std::move( Body::create( lattice, material, {}, nullptr, settings, field ).value ); };
+	Twins twins{ make(), make() };
+	twins.both( [seed]( Body& body ) {
+		test::Seeded shake( seed );
+		for ( int i = 0; i < body.nodeCount(); ++i )
+		{
+			const Vec3 x0 = body.nodes().x0.get( i );
+			body.nodes().v.set( i, Vec3( 3.0f, -1.0f, 2.0f ).cross( x0 ) + 2.0f * Vec3( x0.x(), -x0.y(), 0.5f * x0.z() ) + shake.inBox( 0.5f ) );
+		}
+		body.setFracture( [] { Fracture f; f.rule = BreakRule::Distance; f.breakStrain = 5.0f; return f; }() );
+	} );
+	return twins;
+}
+
+/// Links through a ball or a disc, not all of them, and some of those that went before.
+void cutByChance( Twins& twins, std::mt19937& random, std::vector<CellLink>& gone )
+{
+	const Lattice& lattice = twins.body->lattice();
+	const Vec3 middle = lattice.restCentre[random() % lattice.restCentre.size()];
+	const float reach = lattice.cellSize * float( 1 + random() % 4 );
+	const int axis = int( random() % 3 );
+	const bool isPlane = random() % 2 == 0;
+	std::vector<CellLink> broken, healed;
+	for ( std::uint32_t i = 0; i < std::uint32_t( lattice.cellCount() ); ++i )
+	{
+		for ( std::uint32_t k = lattice.linkStart[i]; k < lattice.linkStart[i + 1]; ++k )
+		{
+			const std::uint32_t j = lattice.linkTo[k];
+			const Vec3 a = lattice.restCentre[i] - middle, b = lattice.restCentre[j] - middle;
+			const bool goesThrough = isPlane ? ( a[axis] < 0.0f ) != ( b[axis] < 0.0f ) : random() % 3 == 0;
+			if ( i < j && a.norm() < reach && goesThrough )
+			{
+				broken.push_back( CellLink{ i, j } );
+			}
+		}
+	}
+	for ( std::size_t k = gone.size(); k-- > 0; )
+	{
+		if ( random() % 3 == 0 )
+		{
+			healed.push_back( gone[k] );
+			gone.erase( gone.begin() + std::ptrdiff_t( k ) );
+		}
+	}
+	gone.insert( gone.end(), broken.begin(), broken.end() );
+	std::sort( gone.begin(), gone.end() );
+	std::sort( healed.begin(), healed.end() );
+	twins.both( [&]( Body& body ) {
+		body.breakLinks( broken );
+		body.healLinks( healed );
+		while ( body.mustRefineToBreak() )
+		{
+			body.refineToBreak();
+		}
+	} );
+}
+
+void run( Body& body, int steps )
+{
+	for ( int k = 0; k < steps; ++k )
+	{
+		body.adaptLevels( kStep );
+		ASSERT_EQ( test::substep( body, kStep, 0.5f ), BodyHealth::Good );
+	}
+}
+
+void expectNear( const Body& got, const Body& wanted, float allowed )
+{
+	expectNearBase( got.levels()->base(), wanted.levels()->base(), allowed );
+	EXPECT_EQ( got.levels()->cut().node, wanted.levels()->cut().node );
+	EXPECT_EQ( got.levels()->cut().slotOfCell, wanted.levels()->cut().slotOfCell );
+	expectNearTables( *got.levels()->tables(), *wanted.levels()->tables(), allowed );
+	expectNearNodes( got.nodes(), wanted.nodes(), allowed );
+	EXPECT_EQ( got.breaking()->limits.to, wanted.breaking()->limits.to );
+	EXPECT_EQ( got.breaking()->limits.lengthSquared, wanted.breaking()->limits.lengthSquared );
+	EXPECT_EQ( got.firstCells(), wanted.firstCells() );
+}
+
+/// A piece's places are those of the whole, moved: a rounding each.
+constexpr float kRounding = 2e-5f;
+
+struct Count
+{
+	int whole = 0, pieces = 0, reordered = 0, refined = 0, flowed = 0;
+};
+
+void breakAndCompare( Twins& twins, std::mt19937& random, std::vector<CellLink>& gone, Count& count )
+{
+	cutByChance( twins, random, gone );
+	BreakReport report;
+	std::vector<BodyPiece> got = twins.body->breakApart( report, 1000 );
+	std::vector<BodyPiece> wanted = twins.slow->breakApart( report, 1000, PieceRoad::FromNothing );
+	ASSERT_EQ( got.size(), wanted.size() );
+	const bool isWhole = got.size() == 1;
+	( isWhole ? count.whole : count.pieces ) += int( got.size() );
+	for ( std::size_t k = 0; k < got.size(); ++k )
+	{
+		EXPECT_EQ( got[k].cellBefore, wanted[k].cellBefore );
+		EXPECT_EQ( got[k].nodeBefore, wanted[k].nodeBefore );
+		count.reordered += std::is_sorted( got[k].nodeBefore.begin(), got[k].nodeBefore.end() ) ? 0 : 1;
+		expectNear( *got[k].body, *wanted[k].body, isWhole ? 0.0f : kRounding );
+	}
+	twins.body = std::move( got[0].body );
+	twins.slow = std::move( wanted[0].body );
+}
+
+TEST( LevelPieces, OfAWholeWhoseLinksChangeAreThoseFromNothingToTheBit )
+{
+	Count count;
+	for ( unsigned seed = 1; seed <= 8; ++seed )
+	{
+		std::mt19937 random( seed );
+		Twins twins = makeTwins( seed, 1 + int( seed % 3 ), 1 + int( seed / 2 % 2 ), seed % 4 == 0 );
+		std::vector<CellLink> gone;
+		twins.both( []( Body& body ) { run( body, 6 ); } );
+		for ( int round = 0; round < 12; ++round )
+		{
+			const int before = count.pieces;
+			breakAndCompare( twins, random, gone, count );
+			if ( HasFailure() || count.pieces > before )
+			{
+				break; // pieces are compared below
+			}
+			twins.both( []( Body& body ) { run( body, 8 ); } );
+			expectNear( *twins.body, *twins.slow, 0.0f );
+			EXPECT_EQ( twins.body->hasFlowed(), twins.slow->hasFlowed() );
+			count.flowed += twins.body->hasFlowed() ? 1 : 0;
+			count.refined += int( twins.body->levels()->lastChange().heir.size() > 0 );
+			ASSERT_FALSE( HasFailure() ) << "seed " << seed << " round " << round;
+		}
+	}
+	std::printf( "%d whole, %d with nodes in another order, %d with levels changed since, %d that had flowed\n", count.whole, count.reordered, count.refined, count.flowed );
+	EXPECT_GT( count.whole, 40 );
+	EXPECT_GT( count.reordered, 0 );
+	EXPECT_GT( count.refined, 20 );
+	EXPECT_GT( count.flowed, 20 );
+}
+
+/// Links across a plane through the body.
+std::vector<CellLink> slabOf( const Lattice& lattice, const Vec3& normal )
+{
+	std::vector<CellLink> slab;
+	for ( std::uint32_t i = 0; i < std::uint32_t( lattice.cellCount() ); ++i )
+	{
+		for ( std::uint32_t k = lattice.linkStart[i]; k < lattice.linkStart[i + 1]; ++k )
+		{
+			const std::uint32_t j = lattice.linkTo[k];
+			if ( i < j && ( normal.dot( lattice.restCentre[i] ) < 0.013f ) != ( normal.dot( lattice.restCentre[j] ) < 0.013f ) )
+			{
+				slab.push_back( CellLink{ i, j } );
+			}
+		}
+	}
+	return slab;
+}
+
+TEST( LevelPieces, ThatCameOffAreThoseFromNothingButForRounding )
+{
+	Count count;
+	for ( unsigned seed = 11; seed <= 18; ++seed )
+	{
+		std::mt19937 random( seed );
+		Twins twins = makeTwins( seed, 1 + int( seed % 3 ), 1 + int( seed / 2 % 2 ), seed % 4 == 0 );
+		const std::vector<CellLink> slab = slabOf( twins.body->lattice(), Vec3( 1.0f, 0.4f, -0.3f ).normalized() );
+		twins.both( [&slab]( Body& body ) {
+			run( body, 6 );
+			body.breakLinks( slab );
+		} );
+		std::vector<CellLink> gone;
+		breakAndCompare( twins, random, gone, count );
+		ASSERT_FALSE( HasFailure() ) << "seed " << seed;
+	}
+	std::printf( "%d pieces\n", count.pieces );
+	EXPECT_GE( count.pieces, 16 );
+}
+
+} // namespace
+} // namespace pliant
