@@ -2,38 +2,9 @@
 
 #include "lattice/reach.h"
 
-#include <algorithm>
-#include <iterator>
-
 namespace pliant {
 
 namespace {
-
-/// A region of w links changes where one of its links did that starts within w - 1 of them, as they were or as they are.
-std::vector<std::uint32_t> changedRegions( const CellChange& change, const OctreeUpdate& tree, int halfWidth )
-{
-	if ( halfWidth == 1 )
-	{
-		return change.touched;
-	}
-	std::vector<std::uint32_t> touchedBefore, near;
-	for ( const std::uint32_t cell : change.touched )
-	{
-		touchedBefore.push_back( change.cellBefore[cell] );
-	}
-	Reach before( change.before ), now( change.now );
-	for ( const std::uint32_t cell : before.from( touchedBefore, halfWidth - 1 ) )
-	{
-		if ( tree.nodeNow[cell] != kNoNode )
-		{
-			near.push_back( tree.nodeNow[cell] ); // ascending: numbers keep their order
-		}
-	}
-	std::vector<std::uint32_t> changed;
-	const std::vector<std::uint32_t>& nearNow = now.from( change.touched, halfWidth - 1 );
-	std::set_union( near.begin(), near.end(), nearNow.begin(), nearNow.end(), std::back_inserter( changed ) );
-	return changed;
-}
 
 /// Appends the rows of cells `cell` to `end` - 1, which are what they were.
 void appendRows( const FineRegions& before, const CellChange& change, const OctreeUpdate& tree, std::uint32_t cell, std::uint32_t end, FineRegions& fine )
@@ -61,14 +32,16 @@ FineUpdate updateFineRegions( const FineRegions& before, const CellChange& chang
 	FineUpdate update;
 	FineRegions& fine = update.fine;
 	const std::uint32_t cells = std::uint32_t( change.now.cellCount() );
-	update.collected = changedRegions( change, tree, before.set.halfWidth );
+	Reach reach( change.now );
+	// A region of w links changes where a link did that starts within w - 1 of them. As they are: of a way that is no more, the first link that
+	// broke is to be come at still.
+	update.collected = reach.from( change.touched, before.set.halfWidth - 1 );
 	fine.set.halfWidth = before.set.halfWidth;
 	fine.set.start.reserve( std::size_t( cells ) + 1 );
 	fine.set.start.push_back( 0 );
 	fine.set.member.reserve( before.set.member.size() );
 	fine.set.size.reserve( cells );
 	fine.mass.reserve( cells );
-	Reach reach( change.now );
 	std::uint32_t next = 0;
 	for ( const std::uint32_t cell : update.collected )
 	{

@@ -265,6 +265,31 @@ TEST( LevelPieces, OfAWholeWhoseLinksChangeAreThoseFromNothingToTheBit )
 	EXPECT_GT( count.flowed, 20 );
 }
 
+// Two arms in one block hang together at their ends, and by a cell of the block above them: when the ends part, cells of the one come before
+// those of the other that they had come after, and that cell's row, in which nothing else changed, must follow.
+TEST( LevelPieces, RowsFollowCellsThatChangeTheirOrder )
+{
+	const Eigen::Vector3i cells[] = { { 0, 0, 3 }, { 1, 0, 3 }, { 2, 0, 3 }, { 0, 1, 3 }, { 3, 1, 3 }, { 0, 2, 3 }, { 1, 3, 3 }, { 2, 2, 4 } };
+	const auto lattice = std::make_shared<const Lattice>( test::makeShapeLattice( { 4, 4, 5 }, 0.05f, [&cells]( int x, int y, int z ) {
+		return std::find( std::begin( cells ), std::end( cells ), Eigen::Vector3i( x, y, z ) ) != std::end( cells );
+	} ) );
+	Adaptivity settings;
+	settings.coarseLevels = 2;
+	const auto cut = [&]( PieceRoad road ) {
+		const std::unique_ptr<Body> body = std::move( Body::create( lattice, Material{}, {}, nullptr, settings ).value );
+		EXPECT_EQ( body->nodeCount(), 8 );
+		body->breakLinks( { CellLink{ 1, 2 } } );
+		BreakReport report;
+		return body->breakApart( report, 1000, road );
+	};
+	const std::vector<BodyPiece> got = cut( PieceRoad::TakeOver ), wanted = cut( PieceRoad::FromNothing );
+	ASSERT_EQ( got.size(), 1u );
+	ASSERT_FALSE( std::is_sorted( got[0].nodeBefore.begin(), got[0].nodeBefore.end() ) );
+	EXPECT_EQ( got[0].nodeBefore, wanted[0].nodeBefore );
+	expectNearTables( *got[0].body->levels()->tables(), *wanted[0].body->levels()->tables(), 0.0f );
+	expectNearNodes( got[0].body->nodes(), wanted[0].body->nodes(), 0.0f );
+}
+
 /// Links across a plane through the body.
 std::vector<CellLink> slabOf( const Lattice& lattice, const Vec3& normal )
 {
