@@ -137,7 +137,7 @@ public:
 	void refineToBreak();
 	/// The parts that are left, by mass, heaviest first, equals in the order of their lowest cells; at least one. Together they have this
 	/// body's mass, momentum and spin, places and speeds to the bit, but for small ones that are removed (SmallPieces). At most `most` of them,
-	/// at least 1: what is too many stays one body with the heaviest. This body is of no use afterwards.
+	/// at least 1: what is too many stays one body with the heaviest. Nothing is left of this body afterwards but nodeCount() and firstCells().
 	std::vector<BodyPiece> breakApart( BreakReport& report, int most, PieceRoad road = PieceRoad::TakeOver );
 	/// The node that holds a finest cell.
 	int nodeOfCell( std::uint32_t cell ) const;

@@ -146,7 +146,9 @@ std::unique_ptr<Body> Body::relinkWhole( const std::shared_ptr<const Lattice>& l
 		return nullptr;
 	}
 	piece.nodeBefore = made.nodes.before;
+	const std::vector<std::uint32_t> names = m_firstCell;
 	std::unique_ptr<Body> body( new Body( std::move( *this ) ) );
+	m_firstCell = names; // what the report says is in the numbers of the body before
 	body->m_lattice = lattice;
 	body->m_cache.reset(); // it is of the lattice as it was
 	if ( body->m_firstCell.empty() )

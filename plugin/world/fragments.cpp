@@ -79,17 +79,21 @@ std::vector<Pin> pinsOf( const std::vector<Pin>& before, const std::vector<std::
 // their stand-ins need the spheres they were made with.
 void SoftBody::Impl::adopt( SoftBody& owner, BodyPiece& piece )
 {
-	const bool keepsNodes = !body->levels() && int( piece.nodeBefore.size() ) == body->nodeCount();
 	const std::vector<std::uint32_t> nodeNow = numbersNow( piece, body->nodeCount() );
+	const bool keepsNodes = nodeNow.size() == piece.nodeBefore.size() && std::find( nodeNow.begin(), nodeNow.end(), kNoNode ) == nodeNow.end();
 	pins = pinsOf( pins, nodeNow );
 	nearby.clear();
 	body = std::move( piece.body );
-	if ( !keepsNodes || !shape->followCracks( *body ) )
+	const bool keepsShape = keepsNodes && shape->followCracks( *body, nodeNow );
+	if ( !keepsShape || !std::is_sorted( nodeNow.begin(), nodeNow.end() ) )
+	{
+		NodeBodyPool::renumber( owner, nodeNow, body->nodeCount() );
+	}
+	if ( !keepsShape )
 	{
 		shapeBefore = std::move( shape );
 		shape = std::make_unique<NodeShape>( *body );
 		owner.setCollisionShape( shape.get() );
-		NodeBodyPool::renumber( owner, nodeNow, body->nodeCount() );
 		for ( NodeBody* stand : touched )
 		{
 			stand->setCollisionShape( shape->sphereOfNode( stand->node ) );

@@ -74,18 +74,49 @@ void NodeShape::addUniform( const Lattice& lattice )
 	}
 }
 
-bool NodeShape::followCracks( const Body& body )
+bool NodeShape::collides( const Body& body, int node ) const
 {
-	const Lattice& lattice = body.lattice();
-	std::vector<int> bare;
-	for ( int i = 0; i < lattice.cellCount(); ++i )
+	const Levels* const levels = body.levels();
+	return levels ? m_colliders.collides[levels->cut().node[std::size_t( node )]] != 0 : isNearSurface( body.lattice(), node );
+}
+
+void NodeShape::renumber( const std::vector<std::uint32_t>& nodeNow )
+{
+	if ( std::is_sorted( nodeNow.begin(), nodeNow.end() ) )
 	{
-		const bool collides = isNearSurface( lattice, i );
-		if ( !collides && m_childOfNode[i] >= 0 )
+		return; // all are there: each is where it was
+	}
+	std::vector<btSphereShape*> spheres( m_sphereOfNode.size() );
+	for ( std::size_t before = 0; before < nodeNow.size(); ++before )
+	{
+		spheres[nodeNow[before]] = m_sphereOfNode[before];
+	}
+	m_sphereOfNode.swap( spheres );
+	std::fill( m_childOfNode.begin(), m_childOfNode.end(), -1 );
+	for ( std::size_t child = 0; child < m_nodeOfChild.size(); ++child )
+	{
+		m_nodeOfChild[child] = int( nodeNow[std::size_t( m_nodeOfChild[child] )] );
+		m_childOfNode[std::size_t( m_nodeOfChild[child] )] = int( child );
+	}
+}
+
+// Spheres are as large as they were: links change between finest cells alone, whose size does not hang on them.
+bool NodeShape::followCracks( const Body& body, const std::vector<std::uint32_t>& nodeNow )
+{
+	renumber( nodeNow );
+	if ( const Levels* levels = body.levels() )
+	{
+		m_colliders = measureColliders( body.lattice(), levels->octree() );
+	}
+	std::vector<int> bare;
+	for ( int i = 0; i < body.nodeCount(); ++i )
+	{
+		const bool isNear = collides( body, i );
+		if ( !isNear && m_childOfNode[std::size_t( i )] >= 0 )
 		{
 			return false;
 		}
-		if ( collides && m_childOfNode[i] < 0 )
+		if ( isNear && m_childOfNode[std::size_t( i )] < 0 )
 		{
 			bare.push_back( i );
 		}

@@ -30,9 +30,9 @@ public:
 	/// of others stay where they are. `shift` as below.
 	void followLevels( const Body& body, const Vec3& shift );
 
-	/// The body has lost links and no nodes: nodes that now lie at the surface get their spheres. False where it takes a new shape: where nodes
-	/// lie at the surface no more, or many do that did not. Only for bodies without levels.
-	bool followCracks( const Body& body );
+	/// The body's links have changed, its nodes are those it had, under the numbers `nodeNow`: those that now lie at the surface get their spheres.
+	/// False where it takes a new shape: where nodes lie at the surface no more, or many do that did not.
+	bool followCracks( const Body& body, const std::vector<std::uint32_t>& nodeNow );
 
 	/// Writes the spheres' places and boxes and refits the tree. `shift`: the shape's own origin in the nodes' coordinates.
 	void update( const NodeState& nodes, const Vec3& shift );
@@ -105,6 +105,8 @@ private:
 		return btMax( below[below.maxAxis()], above[above.maxAxis()] ) <= margin;
 	}
 	void addUniform( const Lattice& lattice );
+	void renumber( const std::vector<std::uint32_t>& nodeNow );
+	bool collides( const Body& body, int node ) const;
 	void addChild( int node, const Vec3& at, btSphereShape* sphere );
 	void addNode( int node, const Vec3& at, btSphereShape* sphere );
 	btSphereShape* sphereOf( double radius );

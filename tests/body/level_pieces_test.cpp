@@ -220,6 +220,8 @@ void breakAndCompare( Twins& twins, std::mt19937& random, std::vector<CellLink>&
 	std::vector<BodyPiece> got = twins.body->breakApart( report, 1000 );
 	std::vector<BodyPiece> wanted = twins.slow->breakApart( report, 1000, PieceRoad::FromNothing );
 	ASSERT_EQ( got.size(), wanted.size() );
+	EXPECT_EQ( twins.body->firstCells(), twins.slow->firstCells() ); // the report's numbers
+	EXPECT_EQ( twins.body->nodeCount(), twins.slow->nodeCount() );
 	const bool isWhole = got.size() == 1;
 	( isWhole ? count.whole : count.pieces ) += int( got.size() );
 	for ( std::size_t k = 0; k < got.size(); ++k )

@@ -15,11 +15,21 @@ using test::at;
 using test::block;
 using test::TestWorld;
 
-TEST( CrackedShape, HasTheSpheresOfANewOne )
+class CrackedShape : public testing::TestWithParam<int>
+{
+};
+
+// On one level, and on three.
+TEST_P( CrackedShape, HasTheSpheresOfANewOne )
 {
 	TestWorld test;
 	test.world.setGravity( btVector3( 0, 0, 0 ) );
-	SoftBody* soft = test.addSoft( block( 9, 9, 9, 0.1f ), at( 0, 2, 0 ) );
+	Adaptivity levels;
+	levels.coarseLevels = GetParam();
+	levels.mergeDelay = 60.0f;
+	SoftBody* soft = test.addSoft( block( 9, 9, 9, 0.1f ), at( 0, 2, 0 ), test::stiff( 1e5f ), levels );
+	soft->requestRefinement( btVector3( -1, 1, -1 ), btVector3( 1, 3, 1 ) );
+	test.run( 4 );
 	int kept = 0, added = 0;
 	for ( int cut = 0; cut < 12; ++cut )
 	{
@@ -54,6 +64,8 @@ TEST( CrackedShape, HasTheSpheresOfANewOne )
 	EXPECT_GT( kept, 4 );
 	EXPECT_GT( added, 20 );
 }
+
+INSTANTIATE_TEST_SUITE_P( Levels, CrackedShape, testing::Values( 0, 2 ) );
 
 } // namespace
 } // namespace pliant
