@@ -5,6 +5,7 @@
 
 #include "body/body.h"
 #include "body/breaking.h"
+#include "body/implicit_motion.h"
 #include "body/levels.h"
 #include "matching/lattice_matcher.h"
 
@@ -151,6 +152,7 @@ std::unique_ptr<Body> Body::relinkWhole( const std::shared_ptr<const Lattice>& l
 	m_firstCell = names; // what the report says is in the numbers of the body before
 	body->m_lattice = lattice;
 	body->m_cache.reset(); // it is of the lattice as it was
+	body->m_implicit.reset(); // it knows this body, and is made again when it is asked for
 	if ( body->m_firstCell.empty() )
 	{
 		body->m_firstCell = piece.cellBefore;
