@@ -147,6 +147,7 @@ std::unique_ptr<Body> Body::relinkWhole( const std::shared_ptr<const Lattice>& l
 		return nullptr;
 	}
 	piece.nodeBefore = made.nodes.before;
+	piece.treeBefore = made.update.nodeBefore;
 	const std::vector<std::uint32_t> names = m_firstCell;
 	std::unique_ptr<Body> body( new Body( std::move( *this ) ) );
 	m_firstCell = names; // what the report says is in the numbers of the body before

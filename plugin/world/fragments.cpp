@@ -84,7 +84,7 @@ void SoftBody::Impl::adopt( SoftBody& owner, BodyPiece& piece )
 	pins = pinsOf( pins, nodeNow );
 	nearby.clear();
 	body = std::move( piece.body );
-	const bool keepsShape = keepsNodes && shape->followCracks( *body, nodeNow );
+	const bool keepsShape = keepsNodes && shape->followCracks( *body, nodeNow, piece.treeBefore );
 	if ( !keepsShape || !std::is_sorted( nodeNow.begin(), nodeNow.end() ) )
 	{
 		NodeBodyPool::renumber( owner, nodeNow, body->nodeCount() );
@@ -165,7 +165,7 @@ bool SoftBodySystem::breakBodies()
 		SoftBody::Impl& impl = breaking[std::size_t( k )]->impl();
 		while ( impl.body->mustRefineToBreak() )
 		{
-			impl.changeNodes( *breaking[std::size_t( k )], [&impl] { impl.body->refineToBreak(); } );
+			impl.changeNodes( *breaking[std::size_t( k )], [&impl] { impl.body->refineToBreak(); }, false ); // adopt() would let go of it
 		}
 		const int most = impl.body->fracture().maxPieces - ( impl.family ? *impl.family - 1 : 0 );
 		outcome[std::size_t( k )].pieces = impl.body->breakApart( outcome[std::size_t( k )].report, std::max( 1, most ) );

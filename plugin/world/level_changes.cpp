@@ -119,7 +119,7 @@ void SoftBodySystem::adaptLevels( btScalar h )
 }
 
 // Contacts of nodes that are gone are let go of in the next collision phase, which is before anything else looks at them.
-void SoftBody::Impl::changeNodes( SoftBody& owner, const std::function<void()>& change )
+void SoftBody::Impl::changeNodes( SoftBody& owner, const std::function<void()>& change, bool fades )
 {
 	nearby.clear();
 	std::vector<btVector3> placeBefore;
@@ -127,7 +127,10 @@ void SoftBody::Impl::changeNodes( SoftBody& owner, const std::function<void()>& 
 	{
 		placeBefore.push_back( position( pin.node ) );
 	}
-	keepSurface();
+	if ( fades )
+	{
+		keepSurface();
+	}
 	change();
 	const LevelChange& done = body->levels()->lastChange();
 	movePins( *this, done, placeBefore );
@@ -137,7 +140,14 @@ void SoftBody::Impl::changeNodes( SoftBody& owner, const std::function<void()>& 
 	{
 		self->search.renumber( done.keptAs );
 	}
-	fadeFromKeptSurface();
+	if ( fades )
+	{
+		fadeFromKeptSurface();
+	}
+	else
+	{
+		skin.nodesMoved();
+	}
 }
 
 int SoftBody::nodeLevel( int node ) const

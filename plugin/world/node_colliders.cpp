@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace pliant {
 
@@ -73,39 +74,50 @@ void addReaches( const Lattice& lattice, std::uint32_t cell, unsigned open, cons
 	}
 }
 
+/// The median of what its cells reach, or the ball of its volume.
+float radiusOf( const Lattice& lattice, const Octree& octree, std::uint32_t node, std::vector<double>& reaches )
+{
+	reaches.clear();
+	double largestCell = 0.0;
+	for ( std::uint32_t k = octree.cellStart[node]; k < octree.cellStart[node] + octree.cellCount[node]; ++k )
+	{
+		const std::uint32_t cell = octree.cells[k];
+		largestCell = std::max( largestCell, ownRadius( lattice, cell ) );
+		if ( lattice.isSurface[cell] != 0 && octree.cellCount[node] > 1 )
+		{
+			addReaches( lattice, cell, openFaces( lattice, cell ), octree.restCentre[node], reaches );
+		}
+	}
+	double radius = 0.5 * double( lattice.cellSize ) * std::cbrt( octree.mass[node] );
+	if ( !reaches.empty() )
+	{
+		const auto middle = reaches.begin() + std::ptrdiff_t( ( reaches.size() - 1 ) / 2 );
+		std::nth_element( reaches.begin(), middle, reaches.end() );
+		radius = std::min( radius, std::max( *middle, largestCell ) );
+	}
+	return float( radius );
+}
+
 } // namespace
 
-NodeColliders measureColliders( const Lattice& lattice, const Octree& octree )
+NodeColliders measureColliders( const Lattice& lattice, const Octree& octree, const NodeColliders* before, const std::vector<std::uint32_t>& nodeBefore )
 {
 	NodeColliders colliders;
+	colliders.radius.reserve( std::size_t( octree.nodeCount() ) );
+	colliders.collides.reserve( std::size_t( octree.nodeCount() ) );
 	const std::vector<int> depth = depthBelowSurface( lattice, 1 << ( octree.levels - 1 ) );
-	std::vector<unsigned> open( depth.size() );
-	for ( std::uint32_t i = 0; i < std::uint32_t( open.size() ); ++i )
-	{
-		open[i] = lattice.isSurface[i] != 0 ? openFaces( lattice, i ) : 0u;
-	}
+	std::vector<int> nearest( std::size_t( octree.nodeCount() ), std::numeric_limits<int>::max() );
+	std::copy( depth.begin(), depth.end(), nearest.begin() );
 	std::vector<double> reaches;
-	for ( std::uint32_t node = 0; node < std::uint32_t( octree.nodeCount() ); ++node )
+	for ( std::uint32_t node = 0; node < std::uint32_t( octree.nodeCount() ); ++node ) // children stand before their parents
 	{
-		reaches.clear();
-		int nearest = depth[octree.cells[octree.cellStart[node]]];
-		double largestCell = 0.0;
-		for ( std::uint32_t k = octree.cellStart[node]; k < octree.cellStart[node] + octree.cellCount[node]; ++k )
+		const std::uint32_t old = before ? nodeBefore[node] : kNoNode;
+		colliders.radius.push_back( old == kNoNode ? radiusOf( lattice, octree, node, reaches ) : before->radius[old] );
+		colliders.collides.push_back( nearest[node] <= 1 << octree.levelOf( node ) );
+		if ( const std::uint32_t parent = octree.parent[node]; parent != kNoNode )
 		{
-			const std::uint32_t cell = octree.cells[k];
-			nearest = std::min( nearest, depth[cell] );
-			largestCell = std::max( largestCell, ownRadius( lattice, cell ) );
-			addReaches( lattice, cell, open[cell], octree.restCentre[node], reaches );
+			nearest[parent] = std::min( nearest[parent], nearest[node] );
 		}
-		double radius = 0.5 * double( lattice.cellSize ) * std::cbrt( octree.mass[node] );
-		if ( !reaches.empty() && octree.cellCount[node] > 1 )
-		{
-			const auto middle = reaches.begin() + std::ptrdiff_t( ( reaches.size() - 1 ) / 2 );
-			std::nth_element( reaches.begin(), middle, reaches.end() );
-			radius = std::min( radius, std::max( *middle, largestCell ) );
-		}
-		colliders.radius.push_back( float( radius ) );
-		colliders.collides.push_back( nearest <= 1 << octree.levelOf( node ) );
 	}
 	return colliders;
 }

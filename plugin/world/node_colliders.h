@@ -25,6 +25,8 @@ struct NodeColliders
 	std::size_t bytes() const { return radius.size() * ( sizeof( float ) + 1 ); }
 };
 
-NodeColliders measureColliders( const Lattice& lattice, const Octree& octree );
+/// `before`: null, or those before some links changed; `nodeBefore` names the node before that each node is, kNoNode where it is none.
+NodeColliders measureColliders( const Lattice& lattice, const Octree& octree, const NodeColliders* before = nullptr,
+	const std::vector<std::uint32_t>& nodeBefore = {} );
 
 } // namespace pliant

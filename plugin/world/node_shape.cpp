@@ -101,12 +101,12 @@ void NodeShape::renumber( const std::vector<std::uint32_t>& nodeNow )
 }
 
 // Spheres are as large as they were: links change between finest cells alone, whose size does not hang on them.
-bool NodeShape::followCracks( const Body& body, const std::vector<std::uint32_t>& nodeNow )
+bool NodeShape::followCracks( const Body& body, const std::vector<std::uint32_t>& nodeNow, const std::vector<std::uint32_t>& treeBefore )
 {
 	renumber( nodeNow );
 	if ( const Levels* levels = body.levels() )
 	{
-		m_colliders = measureColliders( body.lattice(), levels->octree() );
+		m_colliders = measureColliders( body.lattice(), levels->octree(), treeBefore.empty() ? nullptr : &m_colliders, treeBefore );
 	}
 	std::vector<int> bare;
 	for ( int i = 0; i < body.nodeCount(); ++i )

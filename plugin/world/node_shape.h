@@ -32,7 +32,8 @@ public:
 
 	/// The body's links have changed, its nodes are those it had, under the numbers `nodeNow`: those that now lie at the surface get their spheres.
 	/// False where it takes a new shape: where nodes lie at the surface no more, or many do that did not.
-	bool followCracks( const Body& body, const std::vector<std::uint32_t>& nodeNow );
+	/// `treeBefore`: BodyPiece::treeBefore.
+	bool followCracks( const Body& body, const std::vector<std::uint32_t>& nodeNow, const std::vector<std::uint32_t>& treeBefore );
 
 	/// Writes the spheres' places and boxes and refits the tree. `shift`: the shape's own origin in the nodes' coordinates.
 	void update( const NodeState& nodes, const Vec3& shift );
@@ -69,27 +70,34 @@ public:
 	void visitOwnPairs( btScalar margin, Visit&& visit ) const
 	{
 		std::vector<std::pair<const btDbvtNode*, const btDbvtNode*>> waiting{ { m_dynamicAabbTree->m_root, m_dynamicAabbTree->m_root } };
+		const auto note = [&waiting, margin]( const btDbvtNode* a, const btDbvtNode* b ) {
+			if ( areNear( a->volume, b->volume, margin ) )
+			{
+				waiting.emplace_back( a, b );
+			}
+		};
 		while ( !waiting.empty() )
 		{
 			const auto [a, b] = waiting.back();
 			waiting.pop_back();
 			if ( a == b && a->isinternal() )
 			{
-				waiting.insert( waiting.end(), { { a->childs[0], a->childs[0] }, { a->childs[1], a->childs[1] }, { a->childs[0], a->childs[1] } } );
+				waiting.emplace_back( a->childs[0], a->childs[0] );
+				waiting.emplace_back( a->childs[1], a->childs[1] );
+				note( a->childs[0], a->childs[1] );
 			}
-			else if ( a != b && areNear( a->volume, b->volume, margin ) )
+			else if ( a != b && a->isleaf() && b->isleaf() )
 			{
-				if ( a->isinternal() )
+				visit( a->dataAsInt, b->dataAsInt );
+			}
+			else if ( a != b )
+			{
+				for ( int i = 0; i < ( a->isleaf() ? 1 : 2 ); ++i )
 				{
-					waiting.insert( waiting.end(), { { a->childs[0], b }, { a->childs[1], b } } );
-				}
-				else if ( b->isinternal() )
-				{
-					waiting.insert( waiting.end(), { { a, b->childs[0] }, { a, b->childs[1] } } );
-				}
-				else
-				{
-					visit( a->dataAsInt, b->dataAsInt );
+					for ( int j = 0; j < ( b->isleaf() ? 1 : 2 ); ++j )
+					{
+						note( a->isleaf() ? a : a->childs[i], b->isleaf() ? b : b->childs[j] );
+					}
 				}
 			}
 		}
@@ -101,8 +109,9 @@ public:
 private:
 	static bool areNear( const btDbvtVolume& a, const btDbvtVolume& b, btScalar margin )
 	{
-		const btVector3 below = a.Mins() - b.Maxs(), above = b.Mins() - a.Maxs();
-		return btMax( below[below.maxAxis()], above[above.maxAxis()] ) <= margin;
+		const btVector3 &lowA = a.Mins(), &highA = a.Maxs(), &lowB = b.Mins(), &highB = b.Maxs();
+		return lowA.x() - highB.x() <= margin && lowB.x() - highA.x() <= margin && lowA.y() - highB.y() <= margin && lowB.y() - highA.y() <= margin &&
+			   lowA.z() - highB.z() <= margin && lowB.z() - highA.z() <= margin;
 	}
 	void addUniform( const Lattice& lattice );
 	void renumber( const std::vector<std::uint32_t>& nodeNow );

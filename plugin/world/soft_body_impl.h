@@ -153,8 +153,9 @@ struct SoftBody::Impl
 	/// Before a change of levels: how the surface is carried, if anybody looks at it. After: what the change moved it by.
 	void keepSurface();
 	void fadeFromKeptSurface();
-	/// Makes a change of levels and has all that names the body's nodes follow it: pins, spheres, stand-ins, skin.
-	void changeNodes( SoftBody& owner, const std::function<void()>& change );
+	/// Makes a change of levels and has all that names the body's nodes follow it: pins, spheres, stand-ins, skin. `fades`: what the surface jumps
+	/// by is faded out.
+	void changeNodes( SoftBody& owner, const std::function<void()>& change, bool fades = true );
 	void measureSpeed();
 	const SkinBinding& binding() const;
 	bool hasNewCracks() const;

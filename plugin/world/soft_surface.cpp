@@ -93,9 +93,14 @@ void SoftBody::Impl::keepSurface()
 	}
 }
 
+// Where it has cracked since anybody looked there is no surface to go on from: the new one is drawn when it is asked for, and jumps with its cracks.
 void SoftBody::Impl::fadeFromKeptSurface()
 {
-	if ( skin.frame > 0 )
+	if ( skin.frame > 0 && hasNewCracks() )
+	{
+		skin.fade.clear();
+	}
+	else if ( skin.frame > 0 )
 	{
 		const LevelChange& change = body->levels()->lastChange();
 		measureTurns( *body, skin );
