@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 namespace pliant {
 
@@ -118,22 +119,56 @@ void SelfSearch::gatherNear()
 	{
 		m_placeThen[std::size_t( i )] = nodes.x.get( i ) - mean;
 	}
-	m_near.clear();
-	shape.visitOwnPairs( btScalar( m_margin ), [this, &shape]( int childA, int childB ) {
-		const int a = shape.nodeOfChild( childA ), b = shape.nodeOfChild( childB );
-		noteNear( std::min( a, b ), std::max( a, b ) );
-	} );
-	std::sort( m_near.begin(), m_near.end() );
+	m_close.clear();
+	shape.visitOwnPairs( btScalar( m_margin ), [this, &shape]( int childA, int childB ) { noteClose( shape.nodeOfChild( childA ), shape.nodeOfChild( childB ) ); } );
+	keepFree();
 }
 
-void SelfSearch::noteNear( int a, int b )
+void SelfSearch::noteClose( int a, int b )
 {
 	const SoftBody::Impl& impl = m_soft->impl();
 	const float reach = float( ( radiusOf( impl, a ) + radiusOf( impl, b ) ) * ( 1.0 + kContactSlop ) + m_margin );
-	if ( ( m_placeThen[std::size_t( a )] - m_placeThen[std::size_t( b )] ).squaredNorm() <= reach * reach && !areHeldTogether( a, b ) )
+	if ( ( m_placeThen[std::size_t( a )] - m_placeThen[std::size_t( b )] ).squaredNorm() <= reach * reach )
 	{
-		m_near.push_back( std::uint64_t( a ) << 32 | std::uint32_t( b ) );
+		m_close.push_back( std::uint64_t( std::min( a, b ) ) << 32 | std::uint32_t( std::max( a, b ) ) );
 	}
+}
+
+// Of the close pairs, those that no region holds together, ascending: linked neither to one another nor to a third. Links go both ways: a third
+// stands in both rows.
+void SelfSearch::keepFree()
+{
+	const std::size_t count = m_placeThen.size();
+	std::vector<std::uint32_t> start( count + 1, 0 ), other( m_close.size() );
+	for ( const std::uint64_t pair : m_close )
+	{
+		++start[( pair >> 32 ) + 1];
+	}
+	std::partial_sum( start.begin(), start.end(), start.begin() );
+	std::vector<std::uint32_t> next( start.begin(), start.end() - 1 );
+	for ( const std::uint64_t pair : m_close )
+	{
+		other[next[pair >> 32]++] = std::uint32_t( pair );
+	}
+	m_near.clear();
+	std::vector<std::uint32_t> owner( count, kNoNode ); // the last node in whose row each stood
+	for ( std::uint32_t a = 0; a < std::uint32_t( count ); ++a )
+	{
+		for ( std::uint32_t k = ( *m_rowStart )[a]; start[a] < start[a + 1] && k < ( *m_rowStart )[a + 1]; ++k )
+		{
+			owner[( *m_rowTo )[k]] = a;
+		}
+		for ( std::uint32_t k = start[a]; k < start[a + 1]; ++k )
+		{
+			const std::uint32_t b = other[k];
+			const auto first = m_rowTo->begin() + ( *m_rowStart )[b], last = m_rowTo->begin() + ( *m_rowStart )[b + 1];
+			if ( owner[b] != a && std::none_of( first, last, [&owner, a]( std::uint32_t third ) { return owner[third] == a; } ) )
+			{
+				m_near.push_back( std::uint64_t( a ) << 32 | b );
+			}
+		}
+	}
+	std::sort( m_near.begin(), m_near.end() );
 }
 
 void SelfSearch::consider( int a, int b )
@@ -156,29 +191,6 @@ void SelfSearch::consider( int a, int b )
 	{
 		m_hits.push_back( hit );
 	}
-}
-
-bool SelfSearch::areLinked( int a, int b ) const
-{
-	const auto row = m_rowTo->begin();
-	return std::binary_search( row + ( *m_rowStart )[std::size_t( a )], row + ( *m_rowStart )[std::size_t( a ) + 1], std::uint32_t( b ) );
-}
-
-// Linked to one another or to a third.
-bool SelfSearch::areHeldTogether( int a, int b ) const
-{
-	if ( areLinked( a, b ) )
-	{
-		return true;
-	}
-	for ( std::uint32_t k = ( *m_rowStart )[std::size_t( a )]; k < ( *m_rowStart )[std::size_t( a ) + 1]; ++k )
-	{
-		if ( areLinked( int( ( *m_rowTo )[k] ), b ) )
-		{
-			return true;
-		}
-	}
-	return false;
 }
 
 // The spheres' own normal, n = ( x_a - x_b ) / |x_a - x_b|, as long as it leads out of b's material and into a's:

@@ -39,10 +39,9 @@ private:
 
 	bool mayUseNear();
 	void gatherNear();
-	void noteNear( int a, int b );
+	void noteClose( int a, int b );
+	void keepFree();
 	void consider( int a, int b );
-	bool areLinked( int a, int b ) const;
-	bool areHeldTogether( int a, int b ) const;
 	Touch touchOf( int a, int b, const Vec3& apart );
 	bool faceAwayAtRest( int a, int b );
 	Vec3 outwardAtRest( int node );
@@ -58,6 +57,7 @@ private:
 	/// Pairs that may touch before any node has moved by half a margin against the others; most bodies in one piece have none, and then
 	/// nothing is looked for until they have.
 	std::vector<std::uint64_t> m_near;
+	std::vector<std::uint64_t> m_close; ///< pairs near enough, held together or not
 	std::vector<Vec3> m_placeThen; ///< of each node when they were gathered, relative to the mean; empty: gather them now
 	double m_margin = 0.0;         ///< m
 	std::vector<std::uint32_t> m_depth;   ///< floodInside; empty: not asked for yet
