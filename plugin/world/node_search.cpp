@@ -308,36 +308,22 @@ const std::vector<NodeHit>& NodeSearch::againstSoft( const SoftBody& a, const So
 	double deepest = 0.0;
 	const Vec3d fromAToB = implA.body->nodes().origin - nodesB.origin; // adds to a position of A's to make it one of B's
 	const btVector3 shapesApart = toBt( fromAToB + ( implA.shapeShift - implB.shapeShift ).cast<double>() );
-	const btDbvtVolume& rootB = shapeB.tree().m_root->volume;
-	Box whole{ rootB.Mins() + shapeB.sweepLow() - shapesApart, rootB.Maxs() + shapeB.sweepHigh() - shapesApart };
-	whole.stretchAgainst( shapeA );
-	shapeA.visitOverlaps( whole.low, whole.high, m_stack, [&]( int childA ) {
-		const int nodeA = shapeA.nodeOfChild( childA );
-		const MovingSphere own = sphereOf( nodeA );
-		const btVector3 at = shapeA.getChildTransform( childA ).getOrigin() + shapesApart;
-		const btScalar r = btScalar( own.radius ) * ( 1 + kContactSlop );
-		Box box{ at - btVector3( r, r, r ), at + btVector3( r, r, r ) };
-		box.stretchAlong( toBt( own.way ) );
-		box.stretchAgainst( shapeB );
-		shapeB.visitOverlaps( box.low, box.high, m_otherStack, [&]( int childB ) {
-			const int nodeB = shapeB.nodeOfChild( childB );
-			MovingSphere sphere = own;
-			sphere.way -= step * nodesB.v.get( nodeB ).cast<double>();
-			Obstacle ball;
-			ball.shape = shapeB.sphereOfNode( nodeB );
-			ball.position = nodesB.x.get( nodeB ).cast<double>() - fromAToB;
-			Touch touch;
-			if ( findTouch( ball, sphere, touch ) )
+	const btVector3 low = shapeA.sweepLow() - shapeB.sweepHigh(), high = shapeA.sweepHigh() - shapeB.sweepLow();
+	NodeShape::visitPairs( shapeA, shapeB, NodeShape::Stretch{ shapesApart, low, high }, m_pairs, [&]( int childA, int childB ) {
+		const int nodeA = shapeA.nodeOfChild( childA ), nodeB = shapeB.nodeOfChild( childB );
+		MovingSphere sphere = sphereOf( nodeA );
+		sphere.way -= step * nodesB.v.get( nodeB ).cast<double>();
+		Touch touch;
+		if ( findBallTouch( *shapeB.sphereOfNode( nodeB ), nodesB.x.get( nodeB ).cast<double>() - fromAToB, sphere, touch ) )
+		{
+			deepest = std::max( deepest, sphere.radius - touch.distance );
+			touch.distance += slack;
+			if ( slack > 0.0 && touch.distance > sphere.radius )
 			{
-				deepest = std::max( deepest, sphere.radius - touch.distance );
-				touch.distance += slack;
-				if ( slack > 0.0 && touch.distance > sphere.radius )
-				{
-					return;
-				}
-				m_hits.push_back( NodeHit{ std::uint64_t( nodeA ) << 32 | std::uint32_t( nodeB ), touch, -1, nodeB } );
+				return;
 			}
-		} );
+			m_hits.push_back( NodeHit{ std::uint64_t( nodeA ) << 32 | std::uint32_t( nodeB ), touch, -1, nodeB } );
+		}
 	} );
 	if ( slack > 0.0 )
 	{

@@ -3,6 +3,7 @@
 // Finds which nodes of a soft body meet another object in this step, in an order that does not depend on trees: by node, then by the
 // part of the other object, then by distance.
 
+#include "world/node_shape.h"
 #include "world/node_touch.h"
 
 #include <BulletCollision/BroadphaseCollision/btDbvt.h>
@@ -61,7 +62,8 @@ private:
 	Motion m_motion;
 	std::uint32_t m_leaf = 0;
 	std::vector<NodeHit> m_hits;
-	btNodeStack m_stack, m_otherStack;
+	btNodeStack m_stack;
+	std::vector<TreePair> m_pairs;
 };
 
 } // namespace pliant

@@ -18,6 +18,9 @@
 
 namespace pliant {
 
+/// Nodes of two trees that are still to be looked at together.
+using TreePair = std::pair<const btDbvtNode*, const btDbvtNode*>;
+
 class NodeShape : public btCompoundShape
 {
 public:
@@ -65,6 +68,45 @@ public:
 		const btDbvtVolume box = btDbvtVolume::FromMM( low, high );
 		m_dynamicAabbTree->collideTVNoStackAlloc( m_dynamicAabbTree->m_root, box, stack, collect );
 	}
+	/// Calls visit( childA, childB ) for every pair of children of two shapes whose boxes meet, a's moved by `shift` and stretched by `low` and
+	/// `high`, which are not above and not below zero.
+	struct Stretch
+	{
+		btVector3 shift, low, high;
+	};
+	template <class Visit>
+	static void visitPairs( const NodeShape& a, const NodeShape& b, const Stretch& stretch, std::vector<TreePair>& waiting, Visit&& visit )
+	{
+		const btVector3 low = stretch.shift + stretch.low, high = stretch.shift + stretch.high;
+		waiting.assign( 1, { a.m_dynamicAabbTree->m_root, b.m_dynamicAabbTree->m_root } );
+		while ( !waiting.empty() )
+		{
+			const auto [one, other] = waiting.back();
+			waiting.pop_back();
+			const btVector3 oneLow = one->volume.Mins() + low, oneHigh = one->volume.Maxs() + high;
+			const btVector3 &otherLow = other->volume.Mins(), &otherHigh = other->volume.Maxs();
+			if ( oneLow.x() > otherHigh.x() || oneHigh.x() < otherLow.x() || oneLow.y() > otherHigh.y() || oneHigh.y() < otherLow.y() ||
+				 oneLow.z() > otherHigh.z() || oneHigh.z() < otherLow.z() )
+			{
+				continue;
+			}
+			const bool isLeaf = one->isleaf(), isOtherLeaf = other->isleaf();
+			if ( isLeaf && isOtherLeaf )
+			{
+				visit( one->dataAsInt, other->dataAsInt );
+			}
+			else if ( isOtherLeaf || ( !isLeaf && isLarger( one->volume, other->volume ) ) )
+			{
+				waiting.push_back( { one->childs[0], other } );
+				waiting.push_back( { one->childs[1], other } );
+			}
+			else
+			{
+				waiting.push_back( { one, other->childs[0] } );
+				waiting.push_back( { one, other->childs[1] } );
+			}
+		}
+	}
 	/// Calls visit( childA, childB ) for every pair of children whose boxes come within `margin` of each other, each pair once.
 	template <class Visit>
 	void visitOwnPairs( btScalar margin, Visit&& visit ) const
@@ -107,6 +149,10 @@ public:
 	std::size_t bytes() const;
 
 private:
+	static bool isLarger( const btDbvtVolume& a, const btDbvtVolume& b )
+	{
+		return ( a.Maxs() - a.Mins() ).length2() > ( b.Maxs() - b.Mins() ).length2();
+	}
 	static bool areNear( const btDbvtVolume& a, const btDbvtVolume& b, btScalar margin )
 	{
 		const btVector3 &lowA = a.Mins(), &highA = a.Maxs(), &lowB = b.Mins(), &highB = b.Maxs();

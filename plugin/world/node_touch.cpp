@@ -230,6 +230,31 @@ bool findTouch( const Obstacle& obstacle, const MovingSphere& sphere, Touch& tou
 	return sweep( obstacle, sphere, touch );
 }
 
+bool findBallTouch( const btSphereShape& ball, const Vec3d& at, const MovingSphere& sphere, Touch& touch )
+{
+	const Vec3d apart = sphere.centre - at;
+	const double radius = double( ball.getRadius() ), touching = sphere.radius * ( 1.0 + kContactSlop ) + radius;
+	const double square = apart.squaredNorm();
+	if ( square > touching * touching )
+	{
+		// Where it is too far for whatever it moves, no root is needed.
+		const double farthest = touching + std::sqrt( sphere.way.squaredNorm() );
+		if ( square > farthest * farthest )
+		{
+			return false;
+		}
+	}
+	touch = fromCore( apart, radius );
+	if ( touch.distance <= sphere.radius * ( 1.0 + kContactSlop ) || !sphere.isFast() )
+	{
+		return sphere.reaches( touch.normal, touch.distance );
+	}
+	Obstacle obstacle;
+	obstacle.shape = &ball;
+	obstacle.position = at;
+	return sweep( obstacle, sphere, touch );
+}
+
 bool findTouch( const Vec3d ( &corners )[3], const MovingSphere& sphere, Touch& touch )
 {
 	touch = fromCore( sphere.centre - nearestInTriangle( corners, sphere.centre ), 0.0 );
