@@ -5,6 +5,8 @@
 
 #include "lattice/pieces.h"
 
+#include <Eigen/Geometry>
+
 #include <limits>
 #include <vector>
 
@@ -36,6 +38,22 @@ struct BladeCut
 std::vector<CellLink> linksCut( const Lattice& lattice, const std::vector<Vec3d>& places, const PlaneCut& cut );
 std::vector<CellLink> linksCut( const Lattice& lattice, const std::vector<Vec3d>& places, const SphereCut& cut );
 std::vector<CellLink> linksCut( const Lattice& lattice, const std::vector<Vec3d>& places, const BladeCut& cut );
+
+/// Where a cut goes through a link, in the rest shape.
+struct CutTrace
+{
+	CellLink link;
+	Vec3 point = Vec3::Zero();  ///< on the line between the rest places of the two middles, m
+	Vec3 normal = Vec3::Zero(); ///< of the cut's surface, length 1, from the side of cell a to that of b
+};
+
+/// What the cut left on each of the links it goes through. `rotations`: x y z w of each cell: what lay at rest is turned so now.
+std::vector<CutTrace> tracesOf( const Lattice& lattice, const std::vector<Vec3d>& places, const std::vector<CellLink>& links, const PlaneCut& cut,
+	const std::vector<Eigen::Quaternionf>& rotations );
+std::vector<CutTrace> tracesOf( const Lattice& lattice, const std::vector<Vec3d>& places, const std::vector<CellLink>& links, const SphereCut& cut,
+	const std::vector<Eigen::Quaternionf>& rotations );
+std::vector<CutTrace> tracesOf( const Lattice& lattice, const std::vector<Vec3d>& places, const std::vector<CellLink>& links, const BladeCut& cut,
+	const std::vector<Eigen::Quaternionf>& rotations );
 
 /// The links that `whole` has and `part` has not, between cells of `part` that are not further apart than `most` times their rest length:
 /// what may grow together again. `cellInWhole`: of each cell of the part, ascending; empty: the same. Ascending, each once.

@@ -90,6 +90,7 @@ public:
 	CrackReport report;
 
 	CrackSettings settings;
+	float cellSize = 0.0f; ///< of the lattice, m
 
 	std::size_t pointCount() const { return pointRest.size(); }
 	std::size_t cellCount() const { return cellTriangleStart.size() - 1; }

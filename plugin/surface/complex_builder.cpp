@@ -31,6 +31,7 @@ public:
 	Status build( const SkinBinding& skin, const LatticeSettings& buildSettings )
 	{
 		m_out.settings = m_settings;
+		m_out.cellSize = m_lattice.cellSize;
 		if ( Status status = prepareMesh( buildSettings ); !status.ok() )
 		{
 			return status;

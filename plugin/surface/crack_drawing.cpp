@@ -108,10 +108,9 @@ std::uint32_t CrackSurface::vertexFor( std::uint32_t point, std::uint32_t kind, 
 std::uint32_t CrackSurface::addVertex( std::uint32_t point, std::uint32_t kind, std::uint16_t group )
 {
 	const std::uint32_t made = vertexCount();
-	const std::uint32_t whole = m_point[point];
 	const Copies alike = copiesAlike( point, kind, group );
 	m_binding.normalGroup.push_back( alike.normalGroup != kNone ? alike.normalGroup : std::uint32_t( m_binding.normalGroups++ ) );
-	m_binding.restPosition.push_back( m_complex->pointRest[whole] - m_shift );
+	m_binding.restPosition.push_back( restOf( point ) - m_shift );
 	m_binding.restNormal.push_back( Vec3::UnitZ() );
 	if ( kind >= kInside )
 	{

@@ -16,8 +16,19 @@ void CrackFamily::breakLinks( const std::vector<CellLink>& links )
 	m_pending.insert( m_pending.end(), links.begin(), links.end() );
 }
 
+void CrackFamily::follow( const std::vector<CutTrace>& traces )
+{
+	m_newTraces.insert( m_newTraces.end(), traces.begin(), traces.end() );
+}
+
 void CrackFamily::catchUp()
 {
+	if ( !m_newTraces.empty() )
+	{
+		m_path = m_path ? std::move( m_path ) : std::make_unique<BladePath>( m_whole.m_complex );
+		m_whole.follow( *m_path, m_path->add( m_newTraces ) );
+		m_newTraces.clear();
+	}
 	if ( !m_pending.empty() )
 	{
 		m_whole.breakLinks( m_pending );

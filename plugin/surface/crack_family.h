@@ -6,6 +6,7 @@
 // there is one crack surface for the whole family, which only ever grows by what breaks, and a body's drawing is copied out of it: its
 // cells' triangles and their vertices. A CrackSurface made from a body's own lattice is the slow twin.
 
+#include "surface/blade_path.h"
 #include "surface/crack_surface.h"
 
 #include <memory>
@@ -39,6 +40,8 @@ public:
 
 	/// Links that broke, by the template's numbers. They are kept until somebody looks.
 	void breakLinks( const std::vector<CellLink>& links );
+	/// Where a blade went through links: cells and rest places of the template. To be said before the links break.
+	void follow( const std::vector<CutTrace>& traces );
 	/// Whether links have broken since anybody looked.
 	bool hasNews() const { return !m_pending.empty(); }
 
@@ -62,6 +65,8 @@ private:
 	const float* m_input;
 	std::vector<float> m_texture;
 	std::vector<CellLink> m_pending;
+	std::unique_ptr<BladePath> m_path; ///< null: nothing has been cut
+	std::vector<CutTrace> m_newTraces;
 
 	// Room kept between calls.
 	std::vector<std::uint32_t> m_cellNow;             ///< by cell: its number in the body at hand

@@ -2,6 +2,8 @@
 
 #include "surface/crack_surface.h"
 
+#include "surface/blade_path.h"
+
 #include <Eigen/Geometry>
 
 #include <algorithm>
@@ -68,6 +70,44 @@ void CrackSurface::matchNormals( std::vector<std::uint32_t>& points )
 			shadeLikeTheMesh( v, m_area[m_binding.normalGroup[v]] );
 		}
 	}
+}
+
+// Triangles around a moved point change, and with them the shading of all their corners.
+void CrackSurface::follow( const BladePath& path, const std::vector<std::uint32_t>& points )
+{
+	std::vector<std::uint32_t> cells, shaded;
+	for ( const std::uint32_t known : points )
+	{
+		const std::uint32_t point = localPoint( known );
+		const Vec3 place = point != kNone ? path.placeOf( known ) : Vec3( Vec3::Zero() );
+		if ( point == kNone || place == restOf( point ) )
+		{
+			continue;
+		}
+		if ( m_place.empty() )
+		{
+			for ( const std::uint32_t any : m_point )
+			{
+				m_place.push_back( m_complex->pointRest[any] );
+			}
+		}
+		m_place[point] = place;
+		for ( std::uint32_t v = m_firstVertex[point]; v != kNone; v = m_vertex[v].next )
+		{
+			m_binding.restPosition[v] = place - m_shift;
+		}
+		std::for_each( m_slotCell.begin() + m_slotStart[point], m_slotCell.begin() + m_slotStart[point + 1],
+			[&]( std::uint32_t cell ) { collect( cell, cells ); } );
+	}
+	clearMarks( cells );
+	for ( const std::uint32_t cell : cells )
+	{
+		for ( const std::uint32_t* p = m_complex->pointsOfCell.begin( m_cell[cell] ); p != m_complex->pointsOfCell.end( m_cell[cell] ); ++p )
+		{
+			shaded.push_back( localPoint( *p ) );
+		}
+	}
+	matchNormals( shaded );
 }
 
 void CrackSurface::addArea( std::uint32_t triangle )

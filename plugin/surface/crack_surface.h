@@ -18,6 +18,8 @@
 
 namespace pliant {
 
+class BladePath;
+
 class CrackSurface
 {
 public:
@@ -49,6 +51,9 @@ public:
 	void bindPlainly() { m_bindsPlainly = true; }
 
 	bool isBroken( std::uint32_t face ) const;
+
+	/// Draws points of the complex (others than the body's are passed over) where a blade's path has them.
+	void follow( const BladePath& path, const std::vector<std::uint32_t>& points );
 
 	// === What is drawn ===
 
@@ -133,6 +138,8 @@ private:
 	std::uint32_t localCell( std::uint32_t cell ) const;
 	std::uint32_t localPoint( std::uint32_t point ) const;
 	std::uint32_t localFace( std::uint32_t face ) const;
+	/// A local point's place at rest, relative to the template's mass centre.
+	const Vec3& restOf( std::uint32_t point ) const { return m_place.empty() ? m_complex->pointRest[m_point[point]] : m_place[point]; }
 
 	bool regroup( std::uint32_t point );
 	std::uint16_t groupOf( std::uint32_t point, std::uint32_t cell ) const;
@@ -169,6 +176,7 @@ private:
 	std::shared_ptr<const CellComplex> m_complex;
 	Vec3 m_shift;
 	std::vector<std::uint32_t> m_cell, m_point; ///< of the complex, ascending
+	std::vector<Vec3> m_place;                  ///< by point; empty: those of the complex
 	std::vector<std::uint32_t> m_localCell, m_localPoint, m_localFace; ///< the other way round; empty for small pieces, which search
 	std::vector<Face> m_face;                   ///< ascending
 	std::vector<std::uint32_t> m_cellFaceStart, m_cellFace;  ///< local faces by local cell

@@ -28,15 +28,48 @@ BladeCut moved( const BladeCut& cut, const Vec3d& origin )
 	return BladeCut{ cut.p0 - origin, cut.p1 - origin, cut.q0 - origin, cut.q1 - origin };
 }
 
+/// x y z w of each cell, of the node that holds it.
+std::vector<Eigen::Quaternionf> cellRotations( const Body& body )
+{
+	std::vector<float> ofNode( 4 * std::size_t( body.nodeCount() ) );
+	body.nodeRotations( ofNode.data() );
+	std::vector<Eigen::Quaternionf> rotations;
+	for ( std::uint32_t cell = 0; cell < std::uint32_t( body.lattice().cellCount() ); ++cell )
+	{
+		rotations.emplace_back( Eigen::Map<const Eigen::Quaternionf>( ofNode.data() + 4 * std::size_t( body.nodeOfCell( cell ) ) ) );
+	}
+	return rotations;
+}
+
+/// As the template's cells, in its rest shape.
+void noteTraces( SoftBody::Impl& impl, std::vector<CutTrace> traces )
+{
+	const std::vector<std::uint32_t>& first = impl.body->firstCells();
+	const Vec3 shift = ( impl.body->lattice().massCentre - impl.bodyTemplate->lattice().massCentre ).cast<float>();
+	for ( CutTrace& trace : traces )
+	{
+		trace.link = first.empty() ? trace.link : CellLink{ first[trace.link.a], first[trace.link.b] };
+		trace.point += shift;
+		impl.newCuts.push_back( trace );
+	}
+}
+
 template <class Cut>
 int cutBody( SoftBody& soft, const Cut& cut )
 {
 	try
 	{
 		Body& body = *soft.impl().body;
-		const int count = body.breakLinks( linksCut( body.lattice(), body.cellPlaces(), moved( cut, body.nodes().origin ) ) );
+		const std::vector<Vec3d> places = body.cellPlaces();
+		const Cut here = moved( cut, body.nodes().origin );
+		const std::vector<CellLink> links = linksCut( body.lattice(), places, here );
+		const int count = body.breakLinks( links );
 		if ( count > 0 )
 		{
+			if ( soft.impl().bodyTemplate->skin().kind != Skinning::None )
+			{
+				noteTraces( soft.impl(), tracesOf( body.lattice(), places, links, here, cellRotations( body ) ) );
+			}
 			soft.activate( true );
 		}
 		return count;

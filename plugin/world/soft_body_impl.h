@@ -111,6 +111,8 @@ struct SoftBody::Impl
 	Fading fading;
 	std::unique_ptr<NodeShape> shapeBefore; ///< stand-ins of nodes that came off point to its spheres until the next collision phase
 	std::shared_ptr<CrackFamily> crackFamily;        ///< null: nobody had looked when it broke, or links were healed
+	std::vector<CutTrace> newCuts;                   ///< their links are to break
+	std::shared_ptr<std::vector<CutTrace>> cuts;     ///< of the family, as the template's cells; null: nobody has cut it
 	mutable std::unique_ptr<CrackView> crackView;    ///< null: the template's mesh is drawn as it is
 	mutable std::unique_ptr<CrackSurface> ownCracks; ///< what the view shows where there is no family
 	mutable unsigned crackVersion = 0;               ///< fractureVersion that the view shows
@@ -161,6 +163,7 @@ struct SoftBody::Impl
 	bool hasNewCracks() const;
 	void showOwnCracks() const;
 	/// Links broke that the body's lattice had so far. Before it takes the shape of what is left of it.
+	void noteCuts();
 	void noteCracks( const BreakReport& report );
 
 	/// The body takes the shape of what is left of it.

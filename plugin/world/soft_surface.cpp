@@ -1,6 +1,7 @@
 // The skin, made when it is asked for, in one of two buffers. Steinemann et al. 2008, section 7.
 
 #include "body/levels.h"
+#include "surface/cell_owners.h"
 #include "surface/skinning.h"
 #include "world/soft_body_impl.h"
 #include "world/soft_body_system.h"
@@ -51,6 +52,26 @@ void followGradients( const Body& body, SkinBuffers& skin )
 	{
 		std::copy_n( measured.data() + 9 * k, 9, skin.gradients.data() + 9 * std::size_t( change.measured[k] ) );
 	}
+}
+
+/// Those that are still there: what has healed follows no blade.
+std::vector<CutTrace> openCuts( const std::vector<CutTrace>& cuts, const Body& body )
+{
+	const std::vector<std::uint32_t>& first = body.firstCells();
+	const auto local = [&first]( std::uint32_t cell ) {
+		const auto found = std::lower_bound( first.begin(), first.end(), cell );
+		return first.empty() ? cell : found != first.end() && *found == cell ? std::uint32_t( found - first.begin() ) : kNoNode;
+	};
+	std::vector<CutTrace> open;
+	for ( const CutTrace& cut : cuts )
+	{
+		const std::uint32_t a = local( cut.link.a ), b = local( cut.link.b );
+		if ( a == kNoNode || b == kNoNode || !areLinked( body.lattice(), a, b ) )
+		{
+			open.push_back( cut );
+		}
+	}
+	return open;
 }
 
 } // namespace
@@ -146,6 +167,11 @@ void SoftBody::Impl::showOwnCracks() const
 	const std::shared_ptr<const CellComplex> complex = bodyTemplate->crackComplex();
 	const Vec3 shift = ( body->lattice().massCentre - bodyTemplate->lattice().massCentre ).cast<float>();
 	ownCracks = std::make_unique<CrackSurface>( complex, body->firstCells(), body->lattice(), shift );
+	if ( cuts )
+	{
+		BladePath path( complex );
+		ownCracks->follow( path, path.add( openCuts( *cuts, *body ) ) );
+	}
 	CrackView& view = *crackView;
 	view.ownTexture.resize( 2 * std::size_t( ownCracks->vertexCount() ) );
 	ownCracks->textureCoordinates( bodyTemplate->textureCoordinates(), complex->settings.textureTile, 0, view.ownTexture.data() );
@@ -157,6 +183,21 @@ void SoftBody::Impl::showOwnCracks() const
 	view.change = {};
 }
 
+/// What was cut is known to all that came from one body: a point is drawn at one place on every side.
+void SoftBody::Impl::noteCuts()
+{
+	if ( !newCuts.empty() )
+	{
+		cuts = cuts ? std::move( cuts ) : std::make_shared<std::vector<CutTrace>>();
+		cuts->insert( cuts->end(), newCuts.begin(), newCuts.end() );
+		if ( crackFamily )
+		{
+			crackFamily->follow( newCuts );
+		}
+		newCuts.clear();
+	}
+}
+
 void SoftBody::Impl::noteCracks( const BreakReport& report )
 {
 	const std::vector<std::uint32_t>& first = body->firstCells();
@@ -165,6 +206,7 @@ void SoftBody::Impl::noteCracks( const BreakReport& report )
 	{
 		crackFamily = std::make_shared<CrackFamily>( *bodyTemplate->crackSurface(), bodyTemplate->textureCoordinates() );
 	}
+	noteCuts();
 	if ( report.hasHealed )
 	{
 		crackFamily.reset(); // its cracks do not close

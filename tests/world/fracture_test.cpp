@@ -341,26 +341,6 @@ TEST( Fracture, SurfacesOfPiecesAreClosedAndShowEachItsOwn )
 	EXPECT_NEAR( volume, 0.16, 0.16 * 0.05 ); // they still pulse a little
 }
 
-/// Every triangle as it is drawn, beginning with its least corner; in an order of their own.
-std::vector<std::array<float, 10>> trianglesOf( const SurfaceView& view )
-{
-	std::vector<std::array<float, 10>> all;
-	for ( int t = 0; t < view.triangleCount; ++t )
-	{
-		std::array<std::array<float, 3>, 3> corner{};
-		for ( std::size_t k = 0; k < 3; ++k )
-		{
-			const float* p = view.positions + 3 * std::size_t( view.indices[3 * std::size_t( t ) + k] );
-			std::copy( p, p + 3, corner[k].begin() );
-		}
-		std::rotate( corner.begin(), std::min_element( corner.begin(), corner.end() ), corner.end() );
-		all.push_back( { corner[0][0], corner[0][1], corner[0][2], corner[1][0], corner[1][1], corner[1][2], corner[2][0], corner[2][1], corner[2][2],
-			view.triangleSource ? float( view.triangleSource[t] ) : float( t ) } );
-	}
-	std::sort( all.begin(), all.end() );
-	return all;
-}
-
 /// Looked at in every frame, bodies draw what their family's cracks are; looked at once, after all is over, what their own links are.
 TEST( Fracture, ABodyLooksTheSameHoweverOftenItIsLookedAt )
 {
@@ -383,7 +363,7 @@ TEST( Fracture, ABodyLooksTheSameHoweverOftenItIsLookedAt )
 		ASSERT_GE( test.world.softBodyCount(), 3 );
 		for ( const SoftBody* body : allSoft( test.world ) )
 		{
-			drawn[looks ? 1 : 0].push_back( trianglesOf( body->surface() ) );
+			drawn[looks ? 1 : 0].push_back( test::trianglesOf( body->surface() ) );
 		}
 	}
 	EXPECT_EQ( drawn[0], drawn[1] );

@@ -2,6 +2,8 @@
 
 // A world in one line, for tests: Bullet's usual parts, a floor, boxes and soft blocks.
 
+#include <algorithm>
+#include <array>
 #include <pliant/soft_body_world.h>
 
 #include <btBulletDynamicsCommon.h>
@@ -117,6 +119,26 @@ inline btScalar lowestNode( const SoftBody& body )
 		low = btMin( low, body.nodePosition( i ).y() );
 	}
 	return low;
+}
+
+/// Every triangle as it is drawn, beginning with its least corner; in an order of their own.
+inline std::vector<std::array<float, 10>> trianglesOf( const SurfaceView& view )
+{
+	std::vector<std::array<float, 10>> all;
+	for ( int t = 0; t < view.triangleCount; ++t )
+	{
+		std::array<std::array<float, 3>, 3> corner{};
+		for ( std::size_t k = 0; k < 3; ++k )
+		{
+			const float* p = view.positions + 3 * std::size_t( view.indices[3 * std::size_t( t ) + k] );
+			std::copy( p, p + 3, corner[k].begin() );
+		}
+		std::rotate( corner.begin(), std::min_element( corner.begin(), corner.end() ), corner.end() );
+		all.push_back( { corner[0][0], corner[0][1], corner[0][2], corner[1][0], corner[1][1], corner[1][2], corner[2][0], corner[2][1], corner[2][2],
+			view.triangleSource ? float( view.triangleSource[t] ) : float( t ) } );
+	}
+	std::sort( all.begin(), all.end() );
+	return all;
 }
 
 } // namespace pliant::test
