@@ -18,6 +18,7 @@ const std::vector<SceneEntry>& sceneList()
 		{ "flowers", "Forty flowers sway in the wind; where a finger touches one, its nodes are split.", makeFlowers },
 		{ "glob_drop", "The same Glob falls with the uniform lattice and with three methods that know levels; colour shows how far they are from it.", makeGlobDrop },
 		{ "hand", "The same pull at every finger of a hand with a soft little finger and a hard thumb.", makeHandScene },
+		{ "heavy_on_soft", "Boxes of 1, 10, 100 and 1000 times a soft block's mass rest on blocks; in the middle, off it, on an edge.", makeHeavyOnSoft },
 		{ "hello", "One soft cube falls on a rigid box.", makeHello },
 		{ "liver_cut", "A hanging liver is cut along a scripted path; nodes are split ahead of the blade.", makeLiverCut },
 		{ "plastic_block", "A ball, an edge and a corner press into rubber, wax and clay; how deep, and how much is left.", makePlasticBlock },

@@ -74,6 +74,7 @@ std::unique_ptr<Scene> makeElephants();
 std::unique_ptr<Scene> makeFlowers();
 std::unique_ptr<Scene> makeGlobDrop();
 std::unique_ptr<Scene> makeHandScene();
+std::unique_ptr<Scene> makeHeavyOnSoft();
 std::unique_ptr<Scene> makeHello();
 std::unique_ptr<Scene> makeLiverCut();
 std::unique_ptr<Scene> makePlasticBlock();

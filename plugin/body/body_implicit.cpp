@@ -5,17 +5,18 @@
 #include "body/implicit_motion.h"
 #include "matching/conjugate_gradients.h"
 #include "matching/lattice_matcher.h"
+#include "matching/stiffness.h"
 
 namespace pliant {
 
 namespace {
 
-/// A body by itself: its own matrix, and in front of it the masses and the body's rigid motions.
+/// A body by itself: its own matrix, and in front of it the masses and the body's affine motions.
 class AloneSystem : public LinearSystem
 {
 public:
 	AloneSystem( ImplicitMotion& motion, TaskRunner* runner ) :
-		m_motion( motion ), m_runner( runner ), m_inverse( motion.rigidMass().inverse() )
+		m_motion( motion ), m_runner( runner ), m_inverse( motion.affineMatrix().inverse() )
 	{
 	}
 	int size() const override { return m_motion.size(); }
@@ -34,14 +35,14 @@ public:
 		}
 		if ( !m_motion.hasHeldNodes() )
 		{
-			m_motion.addRigid( m_inverse * m_motion.rigidSums( r ), z );
+			m_motion.addAffine( m_inverse * m_motion.affineSums( r ), z );
 		}
 	}
 
 private:
 	ImplicitMotion& m_motion;
 	TaskRunner* m_runner;
-	Matrix6 m_inverse;
+	Matrix12 m_inverse;
 };
 
 } // namespace
@@ -77,7 +78,8 @@ void Body::pushImplicitly( float h, float alpha, const Vec3& gravity, TaskRunner
 		m_pushed[k] += ( *speed[k / padded] )[k % padded];
 	}
 	m_implicit->begin( static_cast<LatticeMatcher&>( *m_matcher ), m_nodes, m_pushed.data(),
-		ImplicitStep{ h, alpha, m_material.damping, m_material.numericalDamping, m_material.volumeKeeping }, runner );
+		ImplicitStep{ h, alpha, m_material.damping, m_material.numericalDamping, m_material.volumeKeeping,
+			regionSecondMoment( m_material ) * double( m_lattice->cellSize ) * double( m_lattice->cellSize ) }, runner );
 }
 
 ImplicitMotion& Body::takePartFreely()

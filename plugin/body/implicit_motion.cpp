@@ -1,5 +1,6 @@
 #include "body/implicit_motion.h"
 
+#include "matching/conjugate_gradients.h"
 #include "matching/lattice_matcher.h"
 #include "matching/region_moments.h"
 
@@ -36,6 +37,8 @@ void ImplicitMotion::begin( LatticeMatcher& matcher, NodeState& nodes, const flo
 	const float elastic = step.alpha * ( 1.0f + 3.0f * step.volumeKeeping ), sigma = step.numericalDamping;
 	const float gamma = 0.5f * ( 1.0f + sigma );
 	m_stiffness = gamma * elastic + step.h * step.damping;
+	m_affineMass = double( m_stiffness ) * m_mass * step.secondMoment;
+	measureArms();
 
 	const int padded = nodes.padded;
 	m_rightSide.assign( std::size_t( size() ), 0.0f );
@@ -114,18 +117,76 @@ Vector6 ImplicitMotion::rigidSums( const float* r ) const
 	return sum;
 }
 
-void ImplicitMotion::addRigid( const Vector6& motion, float* z ) const
+void ImplicitMotion::measureArms()
+{
+	const NodeState& nodes = *m_nodes;
+	m_arms.assign( std::size_t( size() ), 0.0f );
+	for ( int i = 0; i < nodes.count; ++i )
+	{
+		const Eigen::Vector3f own = ( nodes.x.get( i ).cast<double>() - m_centre ).cast<float>() * nodes.freedom[i];
+		for ( int k = 0; k < 3; ++k )
+		{
+			m_arms[std::size_t( k * nodes.padded + i )] = own[k];
+		}
+	}
+}
+
+Eigen::Vector3d ImplicitMotion::arm( int node ) const
+{
+	return at( m_arms.data(), m_nodes->padded, node );
+}
+
+// Masses: sum m ( 1, p )( 1, p )^T for each component of v. Elasticity: every region of a full lattice resists the symmetric part S of L with
+// its second moment, together G m mu d^2 |S|^2, and |S|^2 = sum over k, j of ( L_kj^2 + L_kj L_jk ) / 2.
+Matrix12 ImplicitMotion::affineMatrix() const
+{
+	const Eigen::Matrix3d second = 0.5 * m_inertia.trace() * Eigen::Matrix3d::Identity() - m_inertia;
+	Matrix12 matrix = Matrix12::Zero();
+	for ( int k = 0; k < 3; ++k )
+	{
+		matrix( k, k ) = m_mass;
+		for ( int j = 0; j < 3; ++j )
+		{
+			for ( int i = 0; i < 3; ++i )
+			{
+				matrix( 3 + 3 * j + k, 3 + 3 * i + k ) += second( j, i );
+			}
+			matrix( 3 + 3 * j + k, 3 + 3 * j + k ) += 0.5 * m_affineMass + kInertiaFloor * m_inertia.trace();
+			matrix( 3 + 3 * j + k, 3 + 3 * k + j ) += 0.5 * m_affineMass;
+		}
+	}
+	return matrix;
+}
+
+Vector12 ImplicitMotion::affineSums( const float* r ) const
 {
 	const NodeState& nodes = *m_nodes;
 	const int padded = nodes.padded;
-	const Eigen::Vector3d v = motion.head<3>(), w = motion.tail<3>();
-	for ( int i = 0; i < nodes.count; ++i )
+	Vector12 sums;
+	for ( int k = 0; k < 3; ++k )
 	{
-		const Eigen::Vector3d arm = nodes.x.get( i ).cast<double>() - m_centre;
-		const Eigen::Vector3d move = double( nodes.freedom[i] ) * ( v + w.cross( arm ) );
-		z[i] += float( move.x() );
-		z[padded + i] += float( move.y() );
-		z[2 * padded + i] += float( move.z() );
+		sums[k] = dot( r + k * padded, nodes.freedom.data(), padded );
+		for ( int j = 0; j < 3; ++j )
+		{
+			sums[3 + 3 * j + k] = dot( r + k * padded, m_arms.data() + j * padded, padded );
+		}
+	}
+	return sums;
+}
+
+void ImplicitMotion::addAffine( const Vector12& motion, float* z ) const
+{
+	const NodeState& nodes = *m_nodes;
+	const int padded = nodes.padded;
+	const float *const x = m_arms.data(), *const y = x + padded, *const w = y + padded, *const free = nodes.freedom.data();
+	for ( int k = 0; k < 3; ++k )
+	{
+		const float shift = float( motion[k] ), alongX = float( motion[3 + k] ), alongY = float( motion[6 + k] ), alongZ = float( motion[9 + k] );
+		float* const to = z + k * padded;
+		for ( int i = 0; i < padded; ++i )
+		{
+			to[i] += shift * free[i] + ( ( alongX * x[i] + alongY * y[i] ) + alongZ * w[i] );
+		}
 	}
 }
 
@@ -143,10 +204,14 @@ Vector6 ImplicitMotion::missingMomentum() const
 
 void ImplicitMotion::addMotion( const Vector6& motion )
 {
-	AlignedArray<float> v( static_cast<std::size_t>( size() ) );
-	copySpeeds( v.data() );
-	addRigid( motion, v.data() );
-	setSpeeds( v.data() );
+	NodeState& nodes = *m_nodes;
+	const Eigen::Vector3d shift = motion.head<3>(), turn = motion.tail<3>();
+	for ( int i = 0; i < nodes.count; ++i )
+	{
+		const Eigen::Vector3d place = nodes.x.get( i ).cast<double>() - m_centre;
+		const Eigen::Vector3d speed = nodes.v.get( i ).cast<double>() + double( nodes.freedom[i] ) * ( shift + turn.cross( place ) );
+		nodes.v.set( i, speed.cast<float>() );
+	}
 }
 
 void ImplicitMotion::keepMomentum()

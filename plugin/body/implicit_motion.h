@@ -21,6 +21,9 @@ class TaskRunner;
 
 using Vector6 = Eigen::Matrix<double, 6, 1>;
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
+/// An affine motion v = V + L p, p from the mass centre: V, then the columns of L.
+using Vector12 = Eigen::Matrix<double, 12, 1>;
+using Matrix12 = Eigen::Matrix<double, 12, 12>;
 
 struct ImplicitStep
 {
@@ -29,6 +32,7 @@ struct ImplicitStep
 	float damping = 0.0f;          ///< 1/s
 	float numericalDamping = 1.0f; ///< sigma
 	float volumeKeeping = 0.0f;    ///< kappa
+	double secondMoment = 0.0;     ///< of a full region, an axis, per mass, m^2
 };
 
 class ImplicitMotion
@@ -56,9 +60,15 @@ public:
 	Matrix6 rigidMass() const;
 	/// Sum and turn about the centre of what stands at the nodes.
 	Vector6 rigidSums( const float* r ) const;
-	/// z += the rigid motion, at free nodes.
-	void addRigid( const Vector6& motion, float* z ) const;
 	const Eigen::Vector3d& centre() const { return m_centre; }
+
+	// Affine motions, for what stands in front of the system: A among them as a full lattice would have it, about right elsewhere.
+	Matrix12 affineMatrix() const;
+	Vector12 affineSums( const float* r ) const;
+	/// z += the affine motion, at free nodes.
+	void addAffine( const Vector12& motion, float* z ) const;
+	/// A node's place from the mass centre, m.
+	Eigen::Vector3d arm( int node ) const;
 
 	/// What the solver's end and rounding left of Qt( b - m v ), Q the rigid motions, as a rigid motion of a body that touches nothing.
 	void keepMomentum();
@@ -72,10 +82,13 @@ public:
 
 private:
 	void measureHeld();
+	void measureArms();
 
 	StrainRates m_rates;
 	NodeState* m_nodes = nullptr;
 	AlignedArray<float> m_rightSide;
+	AlignedArray<float> m_arms;     ///< of the nodes from the mass centre, m, component by component; 0 where one is held
+	double m_affineMass = 0.0;      ///< G times the sum of the regions' second moments, kg m^2
 	float m_stiffness = 0.0f; ///< G
 	bool m_hasHeldNodes = false;
 	Eigen::Vector3d m_centre = Eigen::Vector3d::Zero();

@@ -32,8 +32,10 @@ inline constexpr btScalar kSleepSpeed = btScalar( 0.03 );
 inline constexpr double kContactStiffness = 10.0;
 /// Below this speed a contact that has just begun to rub counts as held, m/s; one that is held creeps by less with every substep.
 inline constexpr double kSlipSpeed = 5e-3;
-/// Friction that is off by less than this share of its limit is good enough.
-inline constexpr double kFrictionError = 0.01;
+/// Impulses that together are off by less than this share of all that presses are good enough.
+inline constexpr double kImpulseError = 0.01;
+/// End of the iteration, as kGradientSpeed for a body alone; finer, for a contact's impulse is k times what its speed is off by.
+inline constexpr double kContactGradientSpeed = 1e-5;
 /// Solutions of a substep: contacts that press or slide otherwise than they were taken for make it one more.
 inline constexpr int kMostPasses = 4;
 /// Halvings of the way to a solution: as many as a float has bits.

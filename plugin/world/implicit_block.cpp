@@ -7,32 +7,6 @@
 
 namespace pliant {
 
-namespace {
-
-Eigen::Matrix3d hat( const Vec3d& a )
-{
-	Eigen::Matrix3d m;
-	m << 0.0, -a.z(), a.y(), a.z(), 0.0, -a.x(), -a.y(), a.x(), 0.0;
-	return m;
-}
-
-/// k n n^T + kt ( 1 - n n^T ), the contact's resistance.
-Eigen::Matrix3d resistance( const BlockContact& contact )
-{
-	const Eigen::Matrix3d across = contact.normal * contact.normal.transpose();
-	return contact.stiffness * across + contact.tangentStiffness * ( Eigen::Matrix3d::Identity() - across );
-}
-
-Matrix6 atArm( const Eigen::Matrix3d& resists, const Vec3d& arm )
-{
-	// u = V + W x arm: J = ( 1, - hat( arm ) )
-	Eigen::Matrix<double, 3, 6> j;
-	j << Eigen::Matrix3d::Identity(), -hat( arm );
-	return j.transpose() * resists * j;
-}
-
-} // namespace
-
 void ImplicitBlock::clear()
 {
 	soft.clear();
@@ -75,6 +49,7 @@ void ImplicitBlock::layOut()
 		}
 	}
 	nameNodeBlocks();
+	layOutCoarse();
 }
 
 /// The iteration begins with the speeds of the substep's start; what is held has its speed already.
@@ -237,135 +212,23 @@ void ImplicitBlock::fillRightSide()
 	}
 }
 
-void ImplicitBlock::addToPreconditioner( const BlockContact& contact )
-{
-	const Eigen::Matrix3d resists = resistance( contact );
-	for ( const ContactSide& side : contact.side )
-	{
-		if ( side.soft >= 0 )
-		{
-			SoftPart& part = soft[std::size_t( side.soft )];
-			m_nodeBlocks[std::size_t( side.block )].matrix += resists;
-			const Vec3d arm = part.motion->nodes().x.get( side.node ).cast<double>() - part.motion->centre();
-			part.inverseRigid += atArm( resists, arm );
-		}
-		else if ( side.rigid >= 0 )
-		{
-			rigid[std::size_t( side.rigid )].inverse += atArm( resists, side.arm );
-		}
-	}
-}
-
-// In front of the system: 3x3 of each node with its contacts, 6x6 of each rigid body with its contacts, and, added to the nodes', 6x6 of each
-// soft body's motion as a whole, which the nodes' own blocks hardly move where the body is stiff.
-void ImplicitBlock::fillPreconditioner()
-{
-	for ( NodeBlock& block : m_nodeBlocks )
-	{
-		block.matrix = double( soft[std::size_t( block.part )].motion->diagonal( block.node ) ) * Eigen::Matrix3d::Identity();
-	}
-	for ( SoftPart& part : soft )
-	{
-		part.inverseRigid = part.motion->isElastic() ? part.motion->rigidMass() : Matrix6::Zero();
-	}
-	for ( RigidPart& part : rigid )
-	{
-		part.inverse.setZero();
-		part.inverse.topLeftCorner<3, 3>() = part.mass * Eigen::Matrix3d::Identity();
-		part.inverse.bottomRightCorner<3, 3>() = part.inertia;
-	}
-	for ( const BlockContact& contact : contacts )
-	{
-		if ( contact.presses )
-		{
-			addToPreconditioner( contact );
-		}
-	}
-	for ( NodeBlock& block : m_nodeBlocks )
-	{
-		block.matrix = block.matrix.inverse().eval();
-	}
-	for ( SoftPart& part : soft )
-	{
-		const bool asWhole = part.motion->isElastic() && !part.motion->hasHeldNodes();
-		part.inverseRigid = asWhole ? Matrix6( part.inverseRigid.inverse() ) : Matrix6( Matrix6::Zero() );
-	}
-	for ( RigidPart& part : rigid )
-	{
-		for ( int k = 0; k < 6; ++k )
-		{
-			if ( !( k < 3 ? part.moves[k] : part.turns[k - 3] ) )
-			{
-				part.inverse.row( k ).setZero();
-				part.inverse.col( k ).setZero();
-				part.inverse( k, k ) = 1.0;
-			}
-		}
-		part.inverse = part.inverse.inverse().eval();
-	}
-}
-
-void ImplicitBlock::precondition( const float* r, float* z )
-{
-	std::fill( z, z + m_size, 0.0f );
-	for ( const SoftPart& part : soft )
-	{
-		const int padded = part.motion->padded();
-		const float* const inverse = m_inverseDiagonal.data() + part.offset;
-		for ( int k = 0; k < 3; ++k )
-		{
-			const float* const from = r + part.offset + k * padded;
-			float* const to = z + part.offset + k * padded;
-			for ( int i = 0; i < padded; ++i )
-			{
-				to[i] = inverse[i] * from[i];
-			}
-		}
-	}
-	for ( const NodeBlock& block : m_nodeBlocks )
-	{
-		const SoftPart& part = soft[std::size_t( block.part )];
-		const int padded = part.motion->padded(), at = part.offset + block.node;
-		const Vec3d value = block.matrix * Vec3d( double( r[at] ), double( r[at + padded] ), double( r[at + 2 * padded] ) );
-		for ( int k = 0; k < 3; ++k )
-		{
-			z[at + k * padded] = float( value[k] );
-		}
-	}
-	for ( const SoftPart& part : soft )
-	{
-		if ( part.motion->isElastic() && !part.motion->hasHeldNodes() )
-		{
-			part.motion->addRigid( part.inverseRigid * part.motion->rigidSums( r + part.offset ), z + part.offset );
-		}
-	}
-	for ( const RigidPart& part : rigid )
-	{
-		const Vector6 value = part.inverse * Eigen::Map<const Eigen::Matrix<float, 6, 1>>( r + part.offset ).cast<double>();
-		for ( int k = 0; k < 6; ++k )
-		{
-			z[part.offset + k] = float( value[k] );
-		}
-	}
-}
-
 BlockCount ImplicitBlock::solve( TaskRunner* runner )
 {
 	BlockCount count;
 	m_runner = runner;
 	layOut();
 	chooseStiffness();
-	linearise( m_v.data() );
+	linearise( m_v.data(), true );
 	while ( true )
 	{
 		fillRightSide();
 		fillPreconditioner();
 		m_next = m_v;
-		const GradientLimits limits{ kGradientShare, m_softMass * double( kGradientSpeed ) * double( kGradientSpeed ), kMostGradients };
+		const GradientLimits limits{ kGradientShare, m_softMass * kContactGradientSpeed * kContactGradientSpeed, kMostGradients };
 		count.products += m_gradients.solve( *this, m_rightSide.data(), m_next.data(), limits ) + 1;
 		++count.passes;
 		readImpulses( m_next.data() );
-		if ( count.passes == kMostPasses || countChanged( m_next.data() ) == 0 )
+		if ( count.passes == kMostPasses || holdsAt( m_next.data() ) )
 		{
 			break;
 		}
@@ -375,7 +238,7 @@ BlockCount ImplicitBlock::solve( TaskRunner* runner )
 		{
 			m_v[k] += t * ( m_next[k] - m_v[k] );
 		}
-		linearise( m_v.data() );
+		linearise( m_v.data(), false );
 	}
 	m_v = m_next;
 	readAnswer();

@@ -6,6 +6,7 @@
 #include "body/implicit_motion.h"
 #include "lattice/lattice.h"
 #include "matching/conjugate_gradients.h"
+#include "world/coarse_system.h"
 
 #include <vector>
 
@@ -55,7 +56,7 @@ struct SoftPart
 	ImplicitMotion* motion = nullptr;
 	const Vec3Array* before = nullptr; ///< speeds at the substep's start: where the iteration begins
 	int offset = 0;                    ///< of its speeds in the vector
-	Matrix6 inverseRigid = Matrix6::Zero();
+	int coarse = -1;                   ///< body of the coarse system; -1: its nodes stand by themselves
 };
 
 struct RigidPart
@@ -71,7 +72,7 @@ struct RigidPart
 	Vector6 speed = Vector6::Zero();                     ///< the answer
 	Vector6 given = Vector6::Zero();                     ///< what Bullet's solver should make of it without joints and rigid contacts
 	Vec3d centre = Vec3d::Zero();                        ///< of mass, world, m
-	Matrix6 inverse = Matrix6::Zero();
+	int coarse = -1;                                     ///< body of the coarse system
 };
 
 /// What a solution took.
@@ -114,14 +115,16 @@ private:
 	void addPair( const BlockContact& contact, const Vec3d& impulse, float* to ) const;
 	void fillRightSide();
 	void fillPreconditioner();
+	void layOutCoarse();
 	void addToPreconditioner( const BlockContact& contact );
+	void lockAxes( const RigidPart& part, int body );
 	void readAnswer();
 
 	// The law, in implicit_law.cpp.
 	void chooseStiffness();
-	void linearise( const float* v );
-	/// Contacts that press or slide otherwise at these speeds than they were linearised for.
-	int countChanged( const float* v ) const;
+	void linearise( const float* v, bool isFirst );
+	/// Whether the impulses are those of the law at these speeds, all together, as it was not linearised.
+	bool holdsAt( const float* v ) const;
 	void readImpulses( const float* v );
 	double stepTowards( const float* to );
 
@@ -136,6 +139,9 @@ private:
 	AlignedArray<float> m_inverseDiagonal; ///< 1 / A_ii of the soft parts' nodes, at the place of their first component
 	std::vector<NodeBlock> m_nodeBlocks;   ///< of the nodes that contacts name
 	std::vector<int> m_blockOf;            ///< by place of the node's first component; -1: no contact names it
+	CoarseSystem m_coarse;
+	std::vector<int> m_coarseSizes;
+	Eigen::VectorXd m_coarseSums, m_coarseMotion;
 	double m_softMass = 0.0;
 };
 

@@ -33,7 +33,7 @@ double targetSpeed( const btManifoldPoint& point, const btContactSolverInfo& inf
 
 } // namespace
 
-void ImplicitContacts::gather( btDispatcher& dispatcher, const btContactSolverInfo& info, BlockPlaces& places, std::vector<ImplicitBlock>& blocks )
+void ImplicitContacts::gather( btDispatcher& dispatcher, const btContactSolverInfo& info, BlockPlaces& places, std::deque<ImplicitBlock>& blocks )
 {
 	m_count = 0;
 	m_hidden.clear();
@@ -44,7 +44,7 @@ void ImplicitContacts::gather( btDispatcher& dispatcher, const btContactSolverIn
 }
 
 void ImplicitContacts::gatherFrom(
-	btPersistentManifold& manifold, const btContactSolverInfo& info, BlockPlaces& places, std::vector<ImplicitBlock>& blocks )
+	btPersistentManifold& manifold, const btContactSolverInfo& info, BlockPlaces& places, std::deque<ImplicitBlock>& blocks )
 {
 	const btCollisionObject* const objects[2] = { manifold.getBody0(), manifold.getBody1() };
 	const NodeBody* const nodes[2] = { asNode( objects[0] ), asNode( objects[1] ) };

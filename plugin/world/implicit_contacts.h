@@ -7,6 +7,7 @@
 
 #include <LinearMath/btScalar.h>
 
+#include <deque>
 #include <vector>
 
 class btCollisionObject;
@@ -35,7 +36,7 @@ class ImplicitContacts
 {
 public:
 	/// Adds the contacts of all manifolds that name a node of a block's body, and hides them from Bullet's solver.
-	void gather( btDispatcher& dispatcher, const btContactSolverInfo& info, BlockPlaces& places, std::vector<ImplicitBlock>& blocks );
+	void gather( btDispatcher& dispatcher, const btContactSolverInfo& info, BlockPlaces& places, std::deque<ImplicitBlock>& blocks );
 	/// Impulses into the contact points; sleeping bodies that are pressed wake.
 	static void writeBack( ImplicitBlock& block );
 	/// Bullet may see them again.
@@ -43,7 +44,7 @@ public:
 	int count() const { return m_count; }
 
 private:
-	void gatherFrom( btPersistentManifold& manifold, const btContactSolverInfo& info, BlockPlaces& places, std::vector<ImplicitBlock>& blocks );
+	void gatherFrom( btPersistentManifold& manifold, const btContactSolverInfo& info, BlockPlaces& places, std::deque<ImplicitBlock>& blocks );
 	ContactSide sideOf( const btCollisionObject& object, int block, BlockPlaces& places, const Vec3d& at ) const;
 
 	struct Hidden

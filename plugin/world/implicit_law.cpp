@@ -24,10 +24,14 @@ struct Law
 	Vec3d held;
 };
 
-Law lawAt( const BlockContact& contact, const Vec3d& u )
+double pressAt( const BlockContact& contact, const Vec3d& u )
+{
+	return contact.pushed + contact.stiffness * ( contact.target - contact.normal.dot( u ) );
+}
+
+Law lawAt( const BlockContact& contact, const Vec3d& u, double press )
 {
 	const double along = contact.normal.dot( u );
-	const double press = contact.pushed + contact.stiffness * ( contact.target - along );
 	if ( !( press > 0.0 ) )
 	{
 		return Law{ false, 0.0, Vec3d::Zero() };
@@ -78,31 +82,35 @@ void ImplicitBlock::chooseStiffness()
 	}
 }
 
-void ImplicitBlock::linearise( const float* v )
+// At the start speeds are the last substep's, and k times what they are off by says little: what has pressed presses on as hard.
+void ImplicitBlock::linearise( const float* v, bool isFirst )
 {
 	for ( BlockContact& contact : contacts )
 	{
-		const Law law = lawAt( contact, relativeSpeed( contact, v ) );
+		const Vec3d u = relativeSpeed( contact, v );
+		const Law law = lawAt( contact, u, isFirst && contact.pushed > 0.0 ? contact.pushed : pressAt( contact, u ) );
 		contact.presses = law.presses;
 		contact.tangentStiffness = law.tangentStiffness;
 		contact.held = law.held;
 	}
 }
 
-int ImplicitBlock::countChanged( const float* v ) const
+bool ImplicitBlock::holdsAt( const float* v ) const
 {
-	int count = 0;
+	double pressError = 0.0, pressed = 0.0, rubError = 0.0, rubbed = 0.0;
 	for ( const BlockContact& contact : contacts )
 	{
 		const Vec3d u = relativeSpeed( contact, v );
-		const Law law = lawAt( contact, u );
-		const Vec3d across = u - contact.normal.dot( u ) * contact.normal;
-		const double limit = contact.friction * contact.normalImpulse;
-		const Vec3d wanted = law.held - law.tangentStiffness * across;
-		const bool rubsOtherwise = law.presses && contact.presses && ( wanted - contact.tangentImpulse ).norm() > kFrictionError * limit;
-		count += law.presses != contact.presses || rubsOtherwise ? 1 : 0;
+		const double along = contact.normal.dot( u );
+		const double press = std::max( 0.0, pressAt( contact, u ) );
+		const Law law = lawAt( contact, u, press );
+		const Vec3d rub = law.held - law.tangentStiffness * ( u - along * contact.normal );
+		pressError += std::abs( press - contact.normalImpulse );
+		rubError += ( rub - contact.tangentImpulse ).norm();
+		pressed += press;
+		rubbed += contact.friction * press;
 	}
-	return count;
+	return pressError <= kImpulseError * pressed && rubError <= kImpulseError * rubbed;
 }
 
 // With the law as it was linearised, not as it would be now: impulses that no solved system has carried would bring energy in.

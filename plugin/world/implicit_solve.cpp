@@ -133,7 +133,10 @@ void ImplicitSolve::makeBlocks( const std::vector<SoftBody*>& awake )
 			m_tagOf.push_back( body->getIslandTag() );
 		}
 	}
-	m_blocks.resize( std::max( m_blocks.size(), m_tagOf.size() ) );
+	while ( m_blocks.size() < m_tagOf.size() )
+	{
+		m_blocks.emplace_back();
+	}
 	for ( ImplicitBlock& block : m_blocks )
 	{
 		block.clear();

@@ -5,6 +5,7 @@
 
 #include "world/implicit_contacts.h"
 
+#include <deque>
 #include <vector>
 
 namespace pliant {
@@ -40,7 +41,7 @@ private:
 	OutsideImpulse& outsideOf( const btRigidBody& body );
 	void giveSpeeds( ImplicitBlock& block );
 
-	std::vector<ImplicitBlock> m_blocks;
+	std::deque<ImplicitBlock> m_blocks; ///< as many as ever were needed
 	std::vector<int> m_tagOf; ///< island of each block
 	ImplicitContacts m_contacts;
 	std::vector<OutsideImpulse> m_outside; ///< in the order in which they were first touched

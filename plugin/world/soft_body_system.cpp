@@ -273,6 +273,8 @@ void SoftBodySystem::copyIslandTags()
 void SoftBodySystem::solveImplicit( const btContactSolverInfo& info )
 {
 	m_implicit.before( m_awake, m_dispatcher, info, tasks() );
+	report.implicitPasses = m_implicit.count().passes;
+	report.implicitProducts = m_implicit.count().products;
 }
 
 void SoftBodySystem::readBack()

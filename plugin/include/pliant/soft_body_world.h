@@ -23,6 +23,8 @@ struct StepReport
 	int awakeSoftBodies = 0;
 	int nodes = 0;            ///< in all soft bodies
 	int softContacts = 0;     ///< contact points between nodes and anything, last substep
+	int implicitPasses = 0;   ///< of the implicit solution that took most, last substep (docs/implicit.md)
+	int implicitProducts = 0; ///< the same: products with its matrix
 	int selfContacts = 0;     ///< those of them between two nodes of one body (SoftBody::setSelfCollision)
 	int levelChanges = 0;     ///< changes of bodies' levels of detail: each may split and merge many nodes
 	int splits = 0;           ///< nodes that gave way to their parts

@@ -1,0 +1,129 @@
+// +-----------------------------------------------------------------------------------------------------------------+
+// | heavy_on_soft: boxes of 1, 10, 100 and 1000 times a soft block's mass on blocks whose modulus lets them give by   |
+// | a twentieth; in the middle, off it, and on an edge. One step of 1/60 s a frame (docs/implicit.md).                |
+// +-----------------------------------------------------------------------------------------------------------------+
+
+#include "demos/palette.h"
+#include "demos/scene.h"
+#include "demos/shapes.h"
+
+#include <cmath>
+#include <string>
+
+namespace pliant_demos {
+
+namespace {
+
+constexpr btScalar kEdge = btScalar( 0.6 );
+constexpr int kCells = 6;
+constexpr float kDensity = 1000.0f;
+constexpr double kStrain = 0.05;       // of the box's weight over E and the block's top
+constexpr btScalar kGap = btScalar( 0.002 );
+constexpr btScalar kApart = btScalar( 1.0 );
+
+struct Column
+{
+	pliant::SoftBody* block = nullptr;
+	btRigidBody* box = nullptr;
+	double ratio = 1.0, modulus = 1.0;
+	std::string name;
+};
+
+class HeavyOnSoft : public Scene
+{
+public:
+	bool init( Stage& stage ) override
+	{
+		stage.addGround( btScalar( 0.8 ) );
+		const double ratios[] = { 1, 10, 100, 1000 };
+		const pliant_glue::Colour colours[] = { kTeal, kOchre, kTerracotta, kPlum };
+		// In the middle, off it by a tenth of the edge, and a narrow box along one edge.
+		for( int row = 0; row < 3; ++row )
+		{
+			for( int k = 0; k < 4; ++k )
+			{
+				if( !addColumn( stage, row, k, ratios[k], colours[k] ) )
+				{
+					return false;
+				}
+			}
+		}
+		return true;
+	}
+
+	std::vector<FindingTable> findings( const Stage& stage ) const override
+	{
+		FindingTable table;
+		table.caption = "Strain of the blocks under their boxes; a block's own weight is in both";
+		table.columns = { "strain", "sigma / E", "lean, degrees", "box speed, m/s" };
+		const double g = double( -stage.world().getGravity().y() );
+		for( const Column& column : m_columns )
+		{
+			// Between the middles of the lowest and the highest layer; the mean of what the layers between carry.
+			double top = 0.0, bottom = 0.0;
+			for( int k = 0; k < kCells * kCells; ++k )
+			{
+				const int first = k / kCells * kCells * kCells + k % kCells;
+				bottom += double( column.block->nodePosition( first ).y() );
+				top += double( column.block->nodePosition( first + kCells * ( kCells - 1 ) ).y() );
+			}
+			const double length = double( kEdge ) * ( kCells - 1 ) / kCells;
+			const double strain = 1.0 - ( top - bottom ) / ( kCells * kCells * length );
+			const double theory = ( column.ratio + 0.5 ) * double( column.block->mass() ) * g / ( double( kEdge ) * double( kEdge ) * column.modulus );
+			const double lean = double( btAcos( btMin( btScalar( 1 ), column.box->getWorldTransform().getBasis()[1].y() ) ) ) * 180.0 / SIMD_PI;
+			table.rows.push_back( { column.name, { strain, theory, lean, double( column.box->getLinearVelocity().length() ) } } );
+		}
+		return { table };
+	}
+
+	double duration() const override { return 5.0; }
+	pliant_glue::DrawCamera camera( double ) const override { return { { 2.6f, 2.7f, 5.2f }, { 0, 0.45f, 0 }, 36.0f }; }
+	pliant_glue::DrawLight light() const override { return { { -0.5f, 0.75f, 0.5f }, { 0, 0.6f, 0 }, 4.5f }; }
+
+private:
+	bool addColumn( Stage& stage, int row, int k, double ratio, const pliant_glue::Colour& colour )
+	{
+		static const char* const kWhere[] = { "middle", "off middle", "edge" };
+		const pliant_glue::ModelMesh cube = makeCube( float( kEdge ), 12 );
+		const double mass = double( kDensity ) * std::pow( double( kEdge ), 3.0 );
+		const btVector3 at( kApart * ( btScalar( k ) - btScalar( 1.5 ) ), 0, -kApart * ( btScalar( row ) - 1 ) );
+		const double g = double( -stage.world().getGravity().y() );
+
+		Column column;
+		column.ratio = ratio;
+		column.name = "1:" + std::to_string( int( ratio ) ) + " " + kWhere[row];
+		column.modulus = ratio * mass * g / ( double( kEdge ) * double( kEdge ) * kStrain * ( row == 2 ? 0.1 : 1.0 ) );
+		SoftOrder order;
+		order.name = column.name;
+		order.mesh = &cube;
+		order.cellSize = float( kEdge ) / kCells;
+		order.place = btTransform( btQuaternion::getIdentity(), at + btVector3( 0, kEdge / 2, 0 ) );
+		order.material.density = kDensity;
+		order.material.youngsModulus = float( column.modulus );
+		order.material.elasticity = pliant::Elasticity::Implicit;
+		order.friction = btScalar( 0.8 );
+		order.colour = colour;
+		column.block = stage.addSoft( order );
+		if( column.block == nullptr )
+		{
+			return false;
+		}
+		const btVector3 size = row == 2 ? btVector3( kEdge / 3, kEdge / 3, kEdge ) : btVector3( kEdge, kEdge / 2, kEdge );
+		const btScalar aside = row == 0 ? btScalar( 0 ) : row == 1 ? kEdge / 10 : kEdge / 3;
+		const btVector3 place = at + btVector3( aside, kEdge + kGap + size.y() / 2, 0 );
+		column.box = stage.addBox( size, btTransform( btQuaternion::getIdentity(), place ), btScalar( ratio * mass ), kSlate );
+		m_columns.push_back( column );
+		return true;
+	}
+
+	std::vector<Column> m_columns;
+};
+
+} // namespace
+
+std::unique_ptr<Scene> makeHeavyOnSoft()
+{
+	return std::make_unique<HeavyOnSoft>();
+}
+
+} // namespace pliant_demos

@@ -1,0 +1,224 @@
+// What stands in front of an implicit block's system: 3 x 3 of each node with its contacts, and, added to it, the contacts as whole bodies feel
+// them, each rigid body with its 6 and each soft one with its 12 affine motions (coarse_system.h).
+
+#include "world/implicit_block.h"
+#include "world/soft_body_impl.h"
+
+#include <algorithm>
+
+namespace pliant {
+
+namespace {
+
+Eigen::Matrix3d hat( const Vec3d& a )
+{
+	Eigen::Matrix3d m;
+	m << 0.0, -a.z(), a.y(), a.z(), 0.0, -a.x(), -a.y(), a.x(), 0.0;
+	return m;
+}
+
+/// k n n^T + kt ( 1 - n n^T ), the contact's resistance.
+Eigen::Matrix3d resistance( const BlockContact& contact )
+{
+	const Eigen::Matrix3d across = contact.normal * contact.normal.transpose();
+	return contact.stiffness * across + contact.tangentStiffness * ( Eigen::Matrix3d::Identity() - across );
+}
+
+/// u = V + L p of a soft body's node: ( 1, px, py, pz ) for each component. Of a rigid body's point u = V + W x arm.
+struct Feels
+{
+	int body = -1;
+	int count = 0;       ///< blocks of three columns
+	Eigen::Matrix3d block[4];
+};
+
+} // namespace
+
+void ImplicitBlock::layOutCoarse()
+{
+	m_coarseSizes.clear();
+	for ( SoftPart& part : soft )
+	{
+		part.coarse = -1;
+		if ( part.motion->isElastic() && !part.motion->hasHeldNodes() )
+		{
+			part.coarse = int( m_coarseSizes.size() );
+			m_coarseSizes.push_back( 12 );
+		}
+	}
+	for ( RigidPart& part : rigid )
+	{
+		part.coarse = int( m_coarseSizes.size() );
+		m_coarseSizes.push_back( 6 );
+	}
+}
+
+void ImplicitBlock::addToPreconditioner( const BlockContact& contact )
+{
+	const Eigen::Matrix3d resists = resistance( contact );
+	Feels feels[2];
+	for ( int k = 0; k < 2; ++k )
+	{
+		const ContactSide& side = contact.side[k];
+		Feels& own = feels[k];
+		if ( side.soft >= 0 )
+		{
+			m_nodeBlocks[std::size_t( side.block )].matrix += resists;
+			const SoftPart& part = soft[std::size_t( side.soft )];
+			const Vec3d arm = part.motion->arm( side.node );
+			own.body = part.coarse;
+			own.count = 4;
+			own.block[0].setIdentity();
+			for ( int j = 0; j < 3; ++j )
+			{
+				own.block[1 + j] = arm[j] * Eigen::Matrix3d::Identity();
+			}
+		}
+		else if ( side.rigid >= 0 )
+		{
+			own.body = rigid[std::size_t( side.rigid )].coarse;
+			own.count = 2;
+			own.block[0].setIdentity();
+			own.block[1] = -hat( side.arm );
+		}
+	}
+	for ( int a = 0; a < 2; ++a )
+	{
+		for ( int b = 0; b < 2; ++b )
+		{
+			if ( feels[a].body < 0 || feels[b].body < 0 || feels[a].body < feels[b].body )
+			{
+				continue;
+			}
+			CoarseSystem::Piece& piece = m_coarse.block( feels[a].body, feels[b].body );
+			const double sign = a == b ? 1.0 : -1.0;
+			for ( int j = 0; j < feels[b].count; ++j )
+			{
+				const Eigen::Matrix3d pressed = sign * resists * feels[b].block[j];
+				for ( int i = 0; i < feels[a].count; ++i )
+				{
+					piece.block<3, 3>( 3 * i, 3 * j ) += feels[a].block[i].transpose() * pressed;
+				}
+			}
+		}
+	}
+}
+
+/// A rigid body's locked axes take no part.
+void ImplicitBlock::lockAxes( const RigidPart& part, int body )
+{
+	for ( int k = 0; k < 6; ++k )
+	{
+		if ( k < 3 ? part.moves[k] : part.turns[k - 3] )
+		{
+			continue;
+		}
+		for ( int other = 0; other < int( m_coarseSizes.size() ); ++other )
+		{
+			if ( m_coarse.has( std::max( body, other ), std::min( body, other ) ) )
+			{
+				CoarseSystem::Piece& piece = m_coarse.block( std::max( body, other ), std::min( body, other ) );
+				if ( body >= other )
+				{
+					piece.row( k ).setZero();
+				}
+				if ( body <= other )
+				{
+					piece.col( k ).setZero();
+				}
+			}
+		}
+		m_coarse.block( body, body )( k, k ) = 1.0;
+	}
+}
+
+void ImplicitBlock::fillPreconditioner()
+{
+	for ( NodeBlock& block : m_nodeBlocks )
+	{
+		block.matrix = double( soft[std::size_t( block.part )].motion->diagonal( block.node ) ) * Eigen::Matrix3d::Identity();
+	}
+	m_coarse.begin( m_coarseSizes );
+	for ( const SoftPart& part : soft )
+	{
+		if ( part.coarse >= 0 )
+		{
+			m_coarse.block( part.coarse, part.coarse ) = part.motion->affineMatrix();
+		}
+	}
+	for ( const RigidPart& part : rigid )
+	{
+		CoarseSystem::Piece& piece = m_coarse.block( part.coarse, part.coarse );
+		piece.block<3, 3>( 0, 0 ) = part.mass * Eigen::Matrix3d::Identity();
+		piece.block<3, 3>( 3, 3 ) = part.inertia;
+	}
+	for ( const BlockContact& contact : contacts )
+	{
+		if ( contact.presses )
+		{
+			addToPreconditioner( contact );
+		}
+	}
+	for ( const RigidPart& part : rigid )
+	{
+		lockAxes( part, part.coarse );
+	}
+	m_coarse.factor();
+	m_coarseSums.resize( m_coarse.size() );
+	for ( NodeBlock& block : m_nodeBlocks )
+	{
+		block.matrix = block.matrix.inverse().eval();
+	}
+}
+
+void ImplicitBlock::precondition( const float* r, float* z )
+{
+	std::fill( z, z + m_size, 0.0f );
+	for ( const SoftPart& part : soft )
+	{
+		const int padded = part.motion->padded();
+		const float* const inverse = m_inverseDiagonal.data() + part.offset;
+		for ( int k = 0; k < 3; ++k )
+		{
+			const float* const from = r + part.offset + k * padded;
+			float* const to = z + part.offset + k * padded;
+			for ( int i = 0; i < padded; ++i )
+			{
+				to[i] = inverse[i] * from[i];
+			}
+		}
+		if ( part.coarse >= 0 )
+		{
+			m_coarseSums.segment<12>( m_coarse.offset( part.coarse ) ) = part.motion->affineSums( r + part.offset );
+		}
+	}
+	for ( const NodeBlock& block : m_nodeBlocks )
+	{
+		const SoftPart& part = soft[std::size_t( block.part )];
+		const int padded = part.motion->padded(), at = part.offset + block.node;
+		const Vec3d value = block.matrix * Vec3d( double( r[at] ), double( r[at + padded] ), double( r[at + 2 * padded] ) );
+		for ( int k = 0; k < 3; ++k )
+		{
+			z[at + k * padded] = float( value[k] );
+		}
+	}
+	for ( const RigidPart& part : rigid )
+	{
+		m_coarseSums.segment<6>( m_coarse.offset( part.coarse ) ) = Eigen::Map<const Eigen::Matrix<float, 6, 1>>( r + part.offset ).cast<double>();
+	}
+	m_coarse.solve( m_coarseSums, m_coarseMotion );
+	for ( const SoftPart& part : soft )
+	{
+		if ( part.coarse >= 0 )
+		{
+			part.motion->addAffine( m_coarseMotion.segment<12>( m_coarse.offset( part.coarse ) ), z + part.offset );
+		}
+	}
+	for ( const RigidPart& part : rigid )
+	{
+		Eigen::Map<Eigen::Matrix<float, 6, 1>> to( z + part.offset );
+		to = m_coarseMotion.segment<6>( m_coarse.offset( part.coarse ) ).cast<float>();
+	}
+}
+
+} // namespace pliant
