@@ -65,8 +65,12 @@ void ImplicitBlock::addToPreconditioner( const BlockContact& contact )
 		{
 			m_nodeBlocks[std::size_t( side.block )].matrix += resists;
 			const SoftPart& part = soft[std::size_t( side.soft )];
-			const Vec3d arm = part.motion->arm( side.node );
 			own.body = part.coarse;
+			if ( own.body < 0 )
+			{
+				continue;
+			}
+			const Vec3d arm = part.motion->arm( side.node );
 			own.count = 4;
 			own.block[0].setIdentity();
 			for ( int j = 0; j < 3; ++j )
