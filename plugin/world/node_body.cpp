@@ -75,6 +75,7 @@ NodeBody* NodeBodyPool::acquire( SoftBody& owner, int node )
 		place->node = node;
 		place->uses = 0;
 		place->stamp = m_phase - 1;
+		place->step = m_step - 1;
 		place->setCollisionShape( impl.shape->sphereOfNode( node ) );
 		place->place = int( impl.touched.size() );
 		impl.touched.push_back( place );
@@ -162,7 +163,11 @@ void NodeBodyPool::refresh( NodeBody& body )
 	body.setInterpolationWorldTransform( at );
 	body.setLinearVelocity( velocity );
 	body.setInterpolationLinearVelocity( velocity );
-	copySurface( owner, body );
+	if ( body.step != m_step )
+	{
+		body.step = m_step;
+		copySurface( owner, body );
+	}
 	body.setBroadphaseHandle( owner.getBroadphaseHandle() );
 	body.setIslandTag( owner.getIslandTag() );
 	body.forceActivationState( owner.getActivationState() );

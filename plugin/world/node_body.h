@@ -26,6 +26,7 @@ public:
 	int place = -1;         ///< among its owner's touched ones
 	btScalar mass = btScalar( 1 ); ///< kg, 0 while the node is held
 	unsigned stamp = 0;     ///< collision phase in which it was last written
+	unsigned step = 0;      ///< game step in which its surface was
 	bool wasAsleep = false; ///< when it was last written: awake now means that something has woken it
 	btVector3 written = btVector3( 0, 0, 0 ); ///< world position given to the solver, m
 };
@@ -42,8 +43,13 @@ public:
 	NodeBody* acquire( SoftBody& owner, int node );
 	void release( NodeBody* body );
 
-	/// A new collision phase begins: stand-ins are written anew when they are next acquired or refreshed.
-	void nextPhase() { ++m_phase; }
+	/// A new collision phase begins: stand-ins are written anew when they are next acquired or refreshed; what the game sets on a body
+	/// (friction and the like) once a game step.
+	void nextPhase( bool isNewStep )
+	{
+		++m_phase;
+		m_step += isNewStep ? 1 : 0;
+	}
 	/// Position, velocity, mass and surface properties from the node, once a phase.
 	void refresh( NodeBody& body );
 
@@ -54,7 +60,7 @@ public:
 
 private:
 	std::vector<NodeBody*> m_all, m_free;
-	unsigned m_phase = 1;
+	unsigned m_phase = 1, m_step = 1;
 };
 
 } // namespace pliant

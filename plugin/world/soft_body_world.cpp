@@ -213,7 +213,7 @@ void SoftBodyWorld::internalSingleStepSimulation( btScalar timeStep )
 
 void SoftBodyWorld::predictUnconstraintMotion( btScalar timeStep )
 {
-	m_system->bodies.pool.nextPhase();
+	m_system->bodies.pool.nextPhase( !m_system->isStepping || m_system->substep == 0 );
 	if ( m_system->isStepping )
 	{
 		m_system->bodies.accelerate( timeStep, m_system->substep );
