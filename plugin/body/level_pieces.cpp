@@ -163,6 +163,7 @@ std::unique_ptr<Body> Body::relinkWhole( const std::shared_ptr<const Lattice>& l
 	if ( body->m_breaking )
 	{
 		body->m_breaking->limits = body->limitsOf( *body->m_breaking, piece );
+		body->m_breaking->settled.forgetLinks();
 	}
 	body->keepFiniteState();
 	return body;

@@ -28,12 +28,20 @@ const std::vector<std::uint8_t>& SettledCells::update( const Lattice& lattice, c
 	{
 		m_finestFor.assign( count, kSettleTime ); // as made: nothing has been split yet
 	}
-	m_mayBreak.resize( count );
+	m_isFinest.resize( count );
+	bool isKnown = m_mayBreak.size() == count;
 	for ( std::uint32_t i = 0; i < std::uint32_t( count ); ++i )
 	{
 		m_finestFor[i] = cut.node[cut.slotOfCell[i]] == i ? m_finestFor[i] + h : 0.0f;
-		m_mayBreak[i] = m_finestFor[i] >= kSettleTime ? 1 : 0;
+		const std::uint8_t isFinest = m_finestFor[i] >= kSettleTime ? 1 : 0;
+		isKnown = isKnown && isFinest == m_isFinest[i];
+		m_isFinest[i] = isFinest;
 	}
+	if ( isKnown ) // in most substeps nothing has changed, and the rings below are most of the work
+	{
+		return m_mayBreak;
+	}
+	m_mayBreak = m_isFinest;
 	for ( int ring = 0; ring < 2 * coarseLevels; ++ring )
 	{
 		shrink( lattice, m_mayBreak, m_ring );

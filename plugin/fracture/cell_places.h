@@ -35,12 +35,15 @@ class SettledCells
 public:
 	/// One substep of length h further; 1 for each cell that may break.
 	const std::vector<std::uint8_t>& update( const Lattice& lattice, const Cut& cut, int coarseLevels, float h );
+	/// Links have changed: the cells around others are no more what they were.
+	void forgetLinks() { m_mayBreak.clear(); }
 	/// Pieces go on where the whole was.
 	void inherit( const SettledCells& from, const std::vector<std::uint32_t>& cellBefore );
 
 private:
 	std::vector<float> m_finestFor; ///< s
-	std::vector<std::uint8_t> m_ring, m_mayBreak;
+	std::vector<std::uint8_t> m_isFinest; ///< 1 for cells that have been finest ones for long enough
+	std::vector<std::uint8_t> m_ring, m_mayBreak; ///< m_mayBreak: of m_isFinest as it is; empty: not known
 };
 
 } // namespace pliant
