@@ -48,6 +48,9 @@ struct BlockContact
 	Vec3d held = Vec3d::Zero();
 	Vec3d heldBefore = Vec3d::Zero(); ///< lt
 	bool presses = false;
+
+	/// Whether an impulse could change anything.
+	bool moves() const { return side[0].soft >= 0 || side[1].soft >= 0 || side[0].rigid >= 0 || side[1].rigid >= 0; }
 };
 
 struct SoftPart

@@ -18,6 +18,20 @@ const NodeBody* asNode( const btCollisionObject* object )
 	return ownerOfNodeBody( object ) ? static_cast<const NodeBody*>( object ) : nullptr;
 }
 
+/// Two rigid bodies whose contacts the block can take over: nothing but friction. Between two solvers a stack would be pressed through itself.
+bool isPlainRigid( const btPersistentManifold& manifold )
+{
+	for ( int k = 0; k < manifold.getNumContacts(); ++k )
+	{
+		const btManifoldPoint& point = manifold.getContactPoint( k );
+		if ( point.m_combinedRollingFriction != 0 || point.m_combinedSpinningFriction != 0 || point.m_contactPointFlags != 0 )
+		{
+			return false;
+		}
+	}
+	return btRigidBody::upcast( manifold.getBody0() ) && btRigidBody::upcast( manifold.getBody1() );
+}
+
 /// b: speed of parting asked for. Before touch, whatever closes the gap within the step; then out of what is too deep, and bouncing off.
 double targetSpeed( const btManifoldPoint& point, const btContactSolverInfo& info, double approach )
 {
@@ -53,6 +67,10 @@ void ImplicitContacts::gatherFrom(
 	{
 		block = node && block < 0 && node->node >= 0 ? places.blockOf( *node->owner ) : block;
 	}
+	if ( !nodes[0] && !nodes[1] && isPlainRigid( manifold ) )
+	{
+		block = std::max( places.blockOfIsland( objects[0]->getIslandTag() ), places.blockOfIsland( objects[1]->getIslandTag() ) );
+	}
 	if ( block < 0 )
 	{
 		return;
@@ -76,11 +94,12 @@ void ImplicitContacts::gatherFrom(
 		{
 			// A node's contact acts at its centre, on both sides: so no turn is lost.
 			const NodeBody* const own = nodes[side] ? nodes[side] : nodes[1 - side];
-			contact.side[side] = sideOf( *objects[side], block, places, toVec3d( own->getWorldTransform().getOrigin() ) );
+			const btVector3& touches = own ? own->getWorldTransform().getOrigin() : side == 0 ? point.getPositionWorldOnA() : point.getPositionWorldOnB();
+			contact.side[side] = sideOf( *objects[side], block, places, toVec3d( touches ) );
 		}
-		if ( contact.side[0].soft < 0 && contact.side[1].soft < 0 )
+		if ( !contact.moves() )
 		{
-			continue; // a held node against what is fixed or moves freely
+			continue;
 		}
 		contact.normal = toVec3d( point.m_normalWorldOnB );
 		contact.friction = double( point.m_combinedFriction );

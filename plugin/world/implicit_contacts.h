@@ -26,6 +26,8 @@ public:
 	virtual ~BlockPlaces() = default;
 	/// The block of a soft body; -1: it takes part in none.
 	virtual int blockOf( const SoftBody& body ) const = 0;
+	/// The block of an island, by Bullet's tag; -1: it has none.
+	virtual int blockOfIsland( int tag ) const = 0;
 	virtual int softPart( const SoftBody& body ) const = 0;
 	/// The part of a rigid body that can be moved in a block; made where it is missing.
 	virtual int rigidPart( int block, btRigidBody& body ) = 0;
@@ -35,7 +37,7 @@ public:
 class ImplicitContacts
 {
 public:
-	/// Adds the contacts of all manifolds that name a node of a block's body, and hides them from Bullet's solver.
+	/// Adds the contacts of all manifolds that name a node of a block's body, or two rigid bodies of its island, and hides them from Bullet's solver.
 	void gather( btDispatcher& dispatcher, const btContactSolverInfo& info, BlockPlaces& places, std::deque<ImplicitBlock>& blocks );
 	/// Impulses into the contact points; sleeping bodies that are pressed wake.
 	static void writeBack( ImplicitBlock& block );

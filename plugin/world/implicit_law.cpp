@@ -76,6 +76,11 @@ void ImplicitBlock::chooseStiffness()
 		{
 			least = side.soft < 0 ? least : std::min( least, double( soft[std::size_t( side.soft )].motion->diagonal( side.node ) ) );
 		}
+		const bool hasNode = contact.side[0].soft >= 0 || contact.side[1].soft >= 0;
+		for ( const ContactSide& side : contact.side )
+		{
+			least = hasNode || side.rigid < 0 ? least : std::min( least, rigid[std::size_t( side.rigid )].mass );
+		}
 		contact.stiffness = kContactStiffness * least;
 		contact.pushed = contact.normalImpulse;
 		contact.heldBefore = contact.tangentImpulse;

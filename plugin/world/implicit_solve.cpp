@@ -71,6 +71,12 @@ int ImplicitSolve::blockOf( const SoftBody& body ) const
 	return body.impl().block;
 }
 
+int ImplicitSolve::blockOfIsland( int tag ) const
+{
+	const auto found = std::find( m_tagOf.begin(), m_tagOf.end(), tag );
+	return tag < 0 || found == m_tagOf.end() ? -1 : int( found - m_tagOf.begin() );
+}
+
 int ImplicitSolve::softPart( const SoftBody& body ) const
 {
 	return body.impl().blockPart;

@@ -34,6 +34,7 @@ public:
 
 private:
 	int blockOf( const SoftBody& body ) const override;
+	int blockOfIsland( int tag ) const override;
 	int softPart( const SoftBody& body ) const override;
 	int rigidPart( int block, btRigidBody& body ) override;
 

@@ -165,6 +165,31 @@ TEST( Implicit, StacksOfSoftCubesStandAndSleep )
 	}
 }
 
+TEST( Implicit, CarriesStacksOfRigidBoxes )
+{
+	for ( const float youngsModulus : { 6e4f, 1e6f } )
+	{
+		TestWorld t;
+		t.addFloor();
+		Material material = implicit( youngsModulus );
+		material.density = 1000.0f / 216.0f; // 1 kg under 50
+		SoftBody* cube = t.addSoft( block( 6, 6, 6, 0.1f ), at( 0, btScalar( 0.3 ), 0 ), material );
+		std::vector<btRigidBody*> boxes;
+		for ( int k = 0; k < 5; ++k )
+		{
+			boxes.push_back( t.addBox( 10, btVector3( 0.3f, 0.15f, 0.3f ), at( 0, btScalar( 0.752 + 0.302 * k ), 0 ) ) );
+		}
+		t.run( 300 );
+		EXPECT_EQ( cube->getActivationState(), ISLAND_SLEEPING ) << youngsModulus;
+		for ( std::size_t k = 1; k < boxes.size(); ++k )
+		{
+			const btVector3 step = boxes[k]->getWorldTransform().getOrigin() - boxes[k - 1]->getWorldTransform().getOrigin();
+			EXPECT_NEAR( step.y(), 0.3, 1e-3 ) << youngsModulus;
+			EXPECT_GT( boxes[k]->getWorldTransform().getBasis()[1].y(), btScalar( 0.9999 ) );
+		}
+	}
+}
+
 struct Sums
 {
 	Vec3d momentum = Vec3d::Zero(), spin = Vec3d::Zero();
