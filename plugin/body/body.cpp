@@ -100,7 +100,7 @@ Result<std::unique_ptr<Body>> Body::create(
 			return Made{ std::move( status ), nullptr };
 		}
 		body->makeNodes( adaptivity );
-		body->makeMeasures();
+		body->makeMeasures( countComponents( *body->m_lattice ) == 1 );
 		body->m_matcher = body->makeMatcher( body->m_material );
 		body->m_lastFinite.resize( std::size_t( body->m_nodes.padded ) * 6, 0.0f );
 		if ( body->m_levels )
@@ -116,11 +116,11 @@ Result<std::unique_ptr<Body>> Body::create(
 	}
 }
 
-void Body::makeMeasures()
+void Body::makeMeasures( bool isOnePart )
 {
 	m_restLength = longestExtent( *m_lattice );
 	m_secondMoment = meanSecondMoment( *m_lattice );
-	m_isOnePart = countComponents( *m_lattice ) == 1;
+	m_isOnePart = isOnePart;
 }
 
 Status Body::setMaterial( const Material& wanted )

@@ -196,7 +196,7 @@ private:
 	double stiffnessMoment( float h, float alpha ) const;
 	float wobbleRate( float h, float alpha ) const;
 	float bodyShare( float h, float alpha ) const;
-	void makeMeasures();
+	void makeMeasures( bool isOnePart );
 	void refineBeforeBreaking();
 	std::vector<CellLink> brokenLinks() const;
 	bool isSmall( const std::vector<std::uint32_t>& cells ) const { return int( cells.size() ) <= m_fracture.smallCells; }

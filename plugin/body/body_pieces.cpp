@@ -117,6 +117,7 @@ std::vector<BodyPiece> Body::breakApart( BreakReport& report, int most, PieceRoa
 	}
 	std::vector<std::vector<std::uint32_t>> parts = partsByMass( *whole );
 	removeSmall( parts, report );
+	const bool isMerged = parts.size() > std::size_t( most );
 	keepMost( parts, std::size_t( most ) );
 	std::vector<float> rotations;
 	if ( makesRigid() || m_material.method != Method::Lattice )
@@ -130,6 +131,7 @@ std::vector<BodyPiece> Body::breakApart( BreakReport& report, int most, PieceRoa
 		const bool isAll = cells.size() == whole->fill.size();
 		std::shared_ptr<const Lattice> lattice = isAll ? whole : std::make_shared<const Lattice>( extractCells( *whole, cells ) );
 		BodyPiece piece;
+		piece.isOnePart = !isMerged || !pieces.empty();
 		piece.isSmall = !pieces.empty() && isSmall( cells );
 		piece.isRigid = piece.isSmall && makesRigid();
 		if ( !rotations.empty() )
@@ -229,7 +231,7 @@ std::unique_ptr<Body> Body::makePiece( std::shared_ptr<const Lattice> lattice, B
 			piece.nodeBefore.push_back( std::uint32_t( nodeOfCell( cell ) ) );
 		}
 	}
-	body->makeMeasures();
+	body->makeMeasures( piece.isOnePart );
 	body->m_lastFinite.resize( std::size_t( body->m_nodes.padded ) * 6, 0.0f );
 	body->inheritNodes( *this, piece );
 	body->m_reviewIn = m_reviewIn;

@@ -45,6 +45,7 @@ struct BodyPiece
 	std::vector<std::uint32_t> cellBefore; ///< of each finest cell: its number there
 	std::vector<std::uint32_t> touched;    ///< finest cells, ascending, that lost links or got some
 	std::vector<std::uint32_t> treeBefore; ///< LevelBaseUpdate::nodeBefore, where all of the body goes on in place; else empty
+	bool isOnePart = true;
 	bool isSmall = false;                  ///< Fracture::smallCells
 	bool isRigid = false;                  ///< one rigid cluster
 	Eigen::Quaternionf turn = Eigen::Quaternionf::Identity(); ///< of the material at one of its nodes

@@ -55,13 +55,22 @@ LinkLimits inheritLimits( const LinkLimits& before, const Lattice& part, const s
 	{
 		std::uint32_t old = before.start[cells[i]];
 		const std::uint32_t oldEnd = before.start[cells[i] + 1];
-		for ( std::uint32_t k = part.linkStart[i]; k < part.linkStart[i + 1]; ++k )
+		const auto row = part.linkTo.begin() + part.linkStart[i], end = part.linkTo.begin() + part.linkStart[i + 1];
+		const auto upper = std::upper_bound( row, end, i );
+		if ( std::equal( upper, end, before.to.begin() + old, before.to.begin() + oldEnd, [&]( std::uint32_t now, std::uint32_t then ) { return cells[now] == then; } ) )
 		{
-			const std::uint32_t j = part.linkTo[k];
-			if ( j < i )
+			limits.to.insert( limits.to.end(), upper, end );
+			limits.lengthSquared.insert( limits.lengthSquared.end(), before.lengthSquared.begin() + old, before.lengthSquared.begin() + oldEnd );
+			if ( !before.toughness.empty() )
 			{
-				continue;
+				limits.toughness.insert( limits.toughness.end(), before.toughness.begin() + old, before.toughness.begin() + oldEnd );
 			}
+			limits.start.push_back( std::uint32_t( limits.to.size() ) );
+			continue;
+		}
+		for ( auto link = upper; link != end; ++link )
+		{
+			const std::uint32_t j = *link;
 			while ( old < oldEnd && before.to[old] < cells[j] )
 			{
 				++old;

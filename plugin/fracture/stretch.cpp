@@ -12,21 +12,52 @@ namespace pliant {
 
 namespace {
 
-/// A unit vector that a singular symmetric matrix takes to nothing: at right angles to its rows, by the two that tell it best.
-Vec3d kernelOf( const Eigen::Matrix3d& matrix )
+/// Symmetric: xx, yy, zz, yz, xz, xy.
+struct Symmetric
 {
+	double xx, yy, zz, yz, xz, xy;
+
+	/// F^T F - 1.
+	explicit Symmetric( const Eigen::Matrix3d& f ) :
+		xx( f.col( 0 ).squaredNorm() - 1.0 ), yy( f.col( 1 ).squaredNorm() - 1.0 ), zz( f.col( 2 ).squaredNorm() - 1.0 ),
+		yz( f.col( 1 ).dot( f.col( 2 ) ) ), xz( f.col( 0 ).dot( f.col( 2 ) ) ), xy( f.col( 0 ).dot( f.col( 1 ) ) )
+	{
+	}
+	void addToDiagonal( double a )
+	{
+		xx += a;
+		yy += a;
+		zz += a;
+	}
+	double squaredNorm() const { return xx * xx + yy * yy + zz * zz + 2.0 * ( yz * yz + xz * xz + xy * xy ); }
+	double determinant() const { return xx * ( yy * zz - yz * yz ) - xy * ( xy * zz - yz * xz ) + xz * ( xy * yz - yy * xz ); }
+	Vec3d row( int k ) const { return k == 0 ? Vec3d( xx, xy, xz ) : k == 1 ? Vec3d( xy, yy, yz ) : Vec3d( xz, yz, zz ); }
+};
+
+/// A unit vector that a singular symmetric matrix takes to nothing: at right angles to its rows, by the two that tell it best.
+Vec3d kernelOf( const Symmetric& matrix )
+{
+	const Vec3d row[3] = { matrix.row( 0 ), matrix.row( 1 ), matrix.row( 2 ) };
 	Vec3d best = Vec3d::Zero(), line = Vec3d::Zero();
+	double most = 0.0, size = 0.0;
 	for ( int k = 0; k < 3; ++k )
 	{
-		const Vec3d row = matrix.row( k ), normal = row.cross( Vec3d( matrix.row( ( k + 1 ) % 3 ) ) );
-		best = normal.squaredNorm() > best.squaredNorm() ? normal : best;
-		line = row.squaredNorm() > line.squaredNorm() ? row : line;
+		const Vec3d normal = row[k].cross( row[( k + 1 ) % 3] );
+		if ( normal.squaredNorm() > most )
+		{
+			best = normal;
+			most = normal.squaredNorm();
+		}
+		if ( row[k].squaredNorm() > size )
+		{
+			line = row[k];
+			size = row[k].squaredNorm();
+		}
 	}
 	// Rows along one line: whatever lies across it is stretched alike, and which way the crosses point is rounding.
-	const double size = line.squaredNorm();
-	if ( best.squaredNorm() > kAlikeStretches * kAlikeStretches * size * size )
+	if ( most > kAlikeStretches * kAlikeStretches * size * size )
 	{
-		return best.normalized();
+		return best / std::sqrt( most );
 	}
 	return size > 0.0 ? Vec3d( line.unitOrthogonal() ) : Vec3d( Vec3d::UnitX() );
 }
@@ -39,26 +70,25 @@ Vec3d kernelOf( const Eigen::Matrix3d& matrix )
 // to the last bit.
 Stretch largestStretch( const Eigen::Matrix3d& deformation )
 {
-	Eigen::Matrix3d strain = deformation.transpose() * deformation - Eigen::Matrix3d::Identity();
-	const double mean = strain.trace() / 3.0;
-	strain.diagonal().array() -= mean;
+	Symmetric strain( deformation );
+	const double mean = ( strain.xx + strain.yy + strain.zz ) / 3.0;
+	strain.addToDiagonal( -mean );
 	const double spread = std::sqrt( strain.squaredNorm() / 6.0 );
 	Stretch found;
 	double largest = mean;
 	if ( spread > 0.0 )
 	{
-		Eigen::Matrix3d shape = strain / spread;
-		const double s = std::clamp( 2.0 + shape.determinant(), 0.0, 4.0 );
+		const double s = std::clamp( 2.0 + strain.determinant() / ( spread * spread * spread ), 0.0, 4.0 );
 		const double k = std::sqrt( s / 27.0 );
 		double z = 1.0;
 		for ( int step = 0; step < 4; ++step )
 		{
 			z -= ( ( k * z + 1.0 ) * z * z - 1.0 ) / ( ( 3.0 * k * z + 2.0 ) * z );
 		}
-		const double root = 1.0 + z * std::sqrt( s / 3.0 );
-		largest += spread * root;
-		shape.diagonal().array() -= root;
-		found.axis = kernelOf( shape );
+		const double above = spread * ( 1.0 + 3.0 * k * z ); // 3 k = sqrt( s / 3 )
+		largest += above;
+		strain.addToDiagonal( -above );
+		found.axis = kernelOf( strain );
 	}
 	found.strain = largest / ( std::sqrt( std::max( 0.0, 1.0 + largest ) ) + 1.0 );
 	return found;

@@ -8,17 +8,29 @@ namespace pliant {
 
 namespace {
 
-/// Both directions of every link, ascending: the order in which the rows list them.
-std::vector<CellLink> bothWays( const std::vector<CellLink>& links )
+/// Both directions of every link, ascending: the order in which the rows list them. `links` ascend, so that those to one cell from lower ones stand
+/// in order, and before those from it: counting sorts them.
+std::vector<CellLink> bothWays( const std::vector<CellLink>& links, std::size_t cells )
 {
-	std::vector<CellLink> both;
-	both.reserve( 2 * links.size() );
+	std::vector<std::uint32_t> next( cells + 1, 0 );
 	for ( const CellLink& link : links )
 	{
-		both.push_back( link );
-		both.push_back( CellLink{ link.b, link.a } );
+		++next[link.a + 1];
+		++next[link.b + 1];
 	}
-	std::sort( both.begin(), both.end() );
+	for ( std::size_t i = 0; i < cells; ++i )
+	{
+		next[i + 1] += next[i];
+	}
+	std::vector<CellLink> both( 2 * links.size() );
+	for ( const CellLink& link : links )
+	{
+		both[next[link.b]++] = CellLink{ link.b, link.a };
+	}
+	for ( const CellLink& link : links )
+	{
+		both[next[link.a]++] = link;
+	}
 	return both;
 }
 
@@ -31,7 +43,7 @@ bool isSurfaceCell( const Lattice& lattice, std::size_t cell )
 
 Lattice withoutLinks( const Lattice& lattice, const std::vector<CellLink>& links )
 {
-	const std::vector<CellLink> gone = bothWays( links );
+	const std::vector<CellLink> gone = bothWays( links, lattice.fill.size() );
 	Lattice now = lattice;
 	auto next = gone.begin();
 	std::uint32_t kept = 0;
@@ -65,7 +77,7 @@ Lattice withoutLinks( const Lattice& lattice, const std::vector<CellLink>& links
 
 Lattice withLinks( const Lattice& lattice, const std::vector<CellLink>& links )
 {
-	const std::vector<CellLink> added = bothWays( links );
+	const std::vector<CellLink> added = bothWays( links, lattice.fill.size() );
 	Lattice now = lattice;
 	now.linkTo.clear();
 	now.linkTo.reserve( lattice.linkTo.size() + added.size() );

@@ -16,17 +16,27 @@ constexpr int kCellsPerTask = 512;
 /// Empty when a lattice position holds two cells or the grid would be much larger than the body.
 std::vector<std::uint32_t> cubeCounts( const Lattice& lattice, int w )
 {
-	const int nx = lattice.extent.x(), ny = lattice.extent.y(), nz = lattice.extent.z();
-	const std::size_t positions = std::size_t( nx ) * ny * nz;
 	constexpr std::size_t kMostPositionsPerCell = 64;
-	if ( positions > kMostPositionsPerCell * lattice.fill.size() + 4096 )
+	if ( std::size_t( lattice.extent.x() ) * lattice.extent.y() * lattice.extent.z() > kMostPositionsPerCell * lattice.fill.size() + 4096 )
 	{
 		return {};
 	}
+	// Pieces keep the coordinates of what they came off: the box they fill is what counts.
+	Eigen::Matrix<std::int16_t, 3, 1> low = lattice.coordinate[0], high = low;
+	for ( const auto& c : lattice.coordinate )
+	{
+		low = low.cwiseMin( c );
+		high = high.cwiseMax( c );
+	}
+	const int nx = high.x() - low.x() + 1, ny = high.y() - low.y() + 1, nz = high.z() - low.z() + 1;
+	const std::size_t positions = std::size_t( nx ) * ny * nz;
+	const auto positionOf = [&]( const Eigen::Matrix<std::int16_t, 3, 1>& c ) {
+		return ( std::size_t( c.z() - low.z() ) * ny + std::size_t( c.y() - low.y() ) ) * nx + std::size_t( c.x() - low.x() );
+	};
 	std::vector<std::uint32_t> count( positions, 0 );
 	for ( const auto& c : lattice.coordinate )
 	{
-		if ( count[( std::size_t( c.z() ) * ny + c.y() ) * nx + c.x()]++ != 0 )
+		if ( count[positionOf( c )]++ != 0 )
 		{
 			return {};
 		}
@@ -58,7 +68,7 @@ std::vector<std::uint32_t> cubeCounts( const Lattice& lattice, int w )
 	perCell.reserve( lattice.coordinate.size() );
 	for ( const auto& c : lattice.coordinate )
 	{
-		perCell.push_back( count[( std::size_t( c.z() ) * ny + c.y() ) * nx + c.x()] );
+		perCell.push_back( count[positionOf( c )] );
 	}
 	return perCell;
 }

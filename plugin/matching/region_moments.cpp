@@ -3,6 +3,7 @@
 #include <Eigen/Eigenvalues>
 
 #include <algorithm>
+#include <vector>
 
 namespace pliant {
 
@@ -112,30 +113,47 @@ void markFlatRegions( RegionMoments& moments, AlignedArray<float> ( &outOfPlane 
 
 namespace {
 
-void measureRegion( const Lattice& lattice, const RegionSet& regions, int r, bool withInverse, RegionMoments& out )
+/// Rest places in cells, and 1: four doubles a cell, so that all sums below go in pairs.
+using Places = std::vector<Eigen::Array4d>;
+
+Places placesInCells( const Lattice& lattice )
 {
-	// Two passes, so that the second moment is summed about its own centre and nothing cancels.
 	const double perCell = 1.0 / lattice.cellSize;
-	double mass = 0.0;
-	Vec3d first = Vec3d::Zero();
-	for ( std::uint32_t k = regions.start[r]; k < regions.start[r + 1]; ++k )
+	Places places( lattice.restCentre.size() );
+	for ( std::size_t i = 0; i < places.size(); ++i )
 	{
-		const std::uint32_t i = regions.member[k];
-		mass += out.nodeWeight[i];
-		first += double( out.nodeWeight[i] ) * lattice.restCentre[i].cast<double>() * perCell;
+		places[i] << lattice.restCentre[i].cast<double>().array() * perCell, 1.0;
 	}
-	const Vec3d centre = first / mass;
-	Eigen::Matrix3d moment = Eigen::Matrix3d::Zero();
+	return places;
+}
+
+// Summed about the owner's place q_r, which is at most w cells from the centre, so that in doubles nothing cancels that a float could tell:
+//   c0 = q_r + sum a d / M,  J = sum a d d^T - M (c0 - q_r)(c0 - q_r)^T  with d = q - q_r.
+void measureRegion( const Places& places, const RegionSet& regions, int r, bool withInverse, RegionMoments& out )
+{
+	Eigen::Array4d owner = places[std::size_t( r )];
+	owner[3] = 0.0; // the last of d is 1, and sums to the mass
+	Eigen::Array4d first = Eigen::Array4d::Zero(), row[3] = { first, first, first };
 	for ( std::uint32_t k = regions.start[r]; k < regions.start[r + 1]; ++k )
 	{
 		const std::uint32_t i = regions.member[k];
-		const Vec3d q = lattice.restCentre[i].cast<double>() * perCell - centre;
-		moment += double( out.nodeWeight[i] ) * q * q.transpose();
+		const Eigen::Array4d d = places[i] - owner, weighed = double( out.nodeWeight[i] ) * d;
+		first += weighed;
+		row[0] += d[0] * weighed;
+		row[1] += d[1] * weighed;
+		row[2] += d[2] * weighed;
+	}
+	const double mass = first[3];
+	const Vec3d off = first.head<3>().matrix() / mass;
+	Eigen::Matrix3d moment;
+	for ( int k = 0; k < 3; ++k )
+	{
+		moment.row( k ) = row[k].head<3>().matrix().transpose() - mass * off[k] * off.transpose();
 	}
 	out.inverseMass[r] = float( 1.0 / mass );
 	for ( int axis = 0; axis < 3; ++axis )
 	{
-		out.centre[axis][r] = float( centre[axis] );
+		out.centre[axis][r] = float( owner[axis] + off[axis] );
 	}
 	storeSymmetric( out.moment, r, moment );
 	if ( withInverse )
@@ -188,11 +206,12 @@ RegionMoments computeRegionMoments(
 	weighNodes( lattice, regions, weights, out );
 
 	const std::vector<std::uint8_t> isChanged = before ? changedRegions( regions, *before ) : std::vector<std::uint8_t>();
+	const Places places = placesInCells( lattice );
 	for ( int r = 0; r < out.count; ++r )
 	{
 		if ( !before || isChanged[std::size_t( r )] != 0 )
 		{
-			measureRegion( lattice, regions, r, withInverse, out );
+			measureRegion( places, regions, r, withInverse, out );
 			continue;
 		}
 		const int old = int( before->cellBefore[std::size_t( r )] );
