@@ -26,7 +26,7 @@ void CrackSurface::settle()
 		for ( ; p != end; ++p )
 		{
 			const std::uint32_t local = localPoint( *p );
-			if ( local != kNone && m_firstVertex[local] != kNone )
+			if ( local != kNone && m_firstSide[local] != kNone )
 			{
 				collect( local, points );
 			}
@@ -64,36 +64,40 @@ void CrackSurface::settle()
 	m_split.clear();
 }
 
-template <class IsReached>
-void CrackSurface::writeRow( std::uint32_t first, std::uint32_t home, const IsReached& isReached )
+/// Of those asked, the ones in m_reached.
+void CrackSurface::writeRow( std::uint32_t point, const Side& side, std::uint32_t home )
 {
-	m_rowCell.clear();
-	m_rowWeight.clear();
-	double sum = 0.0;
-	for ( std::size_t k = 0; k < m_asked.size(); ++k )
+	const float* const whole = m_complex->bindWeight.data() + m_complex->bindStart[m_point[point]];
+	std::uint32_t* const node = m_binding.node.data() + m_binding.start[side.carrier];
+	float* const weight = m_binding.weight.data() + m_binding.start[side.carrier];
+	const std::size_t asked = m_asked.size(), count = m_reached.size();
+	if ( count == 0 && asked > 0 )
 	{
-		if ( isReached( k ) )
+		std::fill( node, node + asked, home );
+		std::fill( weight, weight + asked, 0.0f );
+		weight[0] = 1.0f;
+	}
+	else if ( count == asked )
+	{
+		std::copy( m_asked.begin(), m_asked.end(), node );
+		std::copy( whole, whole + asked, weight );
+	}
+	else
+	{
+		double sum = 0.0;
+		for ( const std::uint32_t k : m_reached )
 		{
-			m_rowCell.push_back( m_asked[k] );
-			m_rowWeight.push_back( m_complex->bindWeight[first + k] );
-			sum += double( m_complex->bindWeight[first + k] );
+			sum += double( whole[k] );
 		}
-	}
-	if ( m_rowCell.empty() )
-	{
-		m_rowCell.push_back( home );
-		m_rowWeight.push_back( 1.0f );
-	}
-	else if ( m_rowCell.size() != m_asked.size() )
-	{
-		for ( float& weight : m_rowWeight )
+		for ( std::size_t k = 0; k < count; ++k )
 		{
-			weight = float( double( weight ) / sum );
+			node[k] = m_asked[m_reached[k]];
+			weight[k] = float( double( whole[m_reached[k]] ) / sum );
 		}
+		// What is left of the row weighs nothing.
+		std::fill( node + count, node + asked, node[0] );
+		std::fill( weight + count, weight + asked, 0.0f );
 	}
-	// What is left of the row weighs nothing.
-	m_rowCell.resize( m_asked.size(), m_rowCell.front() );
-	m_rowWeight.resize( m_asked.size(), 0.0f );
 }
 
 void CrackSurface::rebind( std::uint32_t point )
@@ -103,28 +107,23 @@ void CrackSurface::rebind( std::uint32_t point )
 		return;
 	}
 	const bool isQuick = !m_bindsPlainly && askCarriers( point );
-	for ( std::uint32_t v = m_firstVertex[point]; v != kNone; v = m_vertex[v].next )
+	for ( std::uint32_t side = m_firstSide[point]; side != kNone; side = m_side[side].next )
 	{
-		if ( m_binding.carrier[v] == v )
-		{
-			isQuick ? reachInWords( point, m_vertex[v].group ) : reach( point, m_vertex[v].group );
-			std::copy( m_rowCell.begin(), m_rowCell.end(), m_binding.node.begin() + m_binding.start[v] );
-			std::copy( m_rowWeight.begin(), m_rowWeight.end(), m_binding.weight.begin() + m_binding.start[v] );
-		}
+		isQuick ? reachInWords( point, m_side[side] ) : reach( point, m_side[side] );
+	}
+	if ( isQuick )
+	{
+		forgetCarriers();
 	}
 }
 
-/// Cells of `asked` beyond a cell's standing faces, a bit each.
+/// Cells asked that lie beyond a cell's standing faces, a bit each.
 std::uint64_t CrackSurface::carriersBeside( std::uint32_t cell ) const
 {
 	std::uint64_t beside = 0;
 	for ( std::uint32_t f = m_cellFaceStart[cell]; f < m_cellFaceStart[cell + 1]; ++f )
 	{
-		const std::uint32_t other = m_neighbour[f];
-		if ( other != kNone && m_mark[other] == m_round )
-		{
-			beside |= std::uint64_t( 1 ) << m_bitOf[other];
-		}
+		beside |= m_bitOf[m_neighbour[f]];
 	}
 	return beside;
 }
@@ -139,16 +138,14 @@ bool CrackSurface::askCarriers( std::uint32_t point )
 	{
 		return false;
 	}
-	m_round += 2; // `reach` takes two
-	m_bitOf.resize( m_cell.size() );
+	m_bitOf.resize( m_cell.size() + 1, 0 );
 	m_asked.clear();
 	for ( std::uint32_t k = first; k < last; ++k )
 	{
 		m_asked.push_back( localCell( m_complex->bindCell[k] ) );
 		if ( m_asked.back() != kNone )
 		{
-			m_mark[m_asked.back()] = m_round;
-			m_bitOf[m_asked.back()] = std::uint8_t( k - first );
+			m_bitOf[m_asked.back()] = std::uint64_t( 1 ) << ( k - first );
 		}
 	}
 	m_beside.clear();
@@ -159,18 +156,26 @@ bool CrackSurface::askCarriers( std::uint32_t point )
 	return true;
 }
 
+void CrackSurface::forgetCarriers()
+{
+	for ( const std::uint32_t cell : m_asked )
+	{
+		m_bitOf[cell == kNone ? m_cell.size() : cell] = 0;
+	}
+}
+
 /// `reach` with a bit for each cell asked; after askCarriers.
-void CrackSurface::reachInWords( std::uint32_t point, std::uint16_t group )
+void CrackSurface::reachInWords( std::uint32_t point, const Side& side )
 {
 	std::uint64_t reached = 0;
 	std::uint32_t home = kNone;
 	for ( std::uint32_t s = m_slotStart[point]; s < m_slotStart[point + 1]; ++s )
 	{
-		if ( m_slotGroup[s] == group )
+		if ( m_slotGroup[s] == side.group )
 		{
 			const std::uint32_t cell = m_slotCell[s];
 			home = home == kNone ? cell : home;
-			reached |= m_mark[cell] == m_round ? std::uint64_t( 1 ) << m_bitOf[cell] : carriersBeside( cell );
+			reached |= m_bitOf[cell] != 0 ? m_bitOf[cell] : carriersBeside( cell );
 		}
 	}
 	for ( std::uint64_t open = reached; open != 0; )
@@ -181,11 +186,16 @@ void CrackSurface::reachInWords( std::uint32_t point, std::uint16_t group )
 		reached |= fresh;
 		open |= fresh;
 	}
-	writeRow( m_complex->bindStart[m_point[point]], home, [&]( std::size_t k ) { return ( reached >> k & 1 ) != 0; } );
+	m_reached.clear();
+	for ( ; reached != 0; reached &= reached - 1 )
+	{
+		m_reached.push_back( std::uint32_t( std::countr_zero( reached ) ) );
+	}
+	writeRow( point, side, home );
 }
 
 /// The row of one side: of the cells that carry the point in the whole body, those that standing faces join to it, by way of one another.
-void CrackSurface::reach( std::uint32_t point, std::uint16_t group )
+void CrackSurface::reach( std::uint32_t point, const Side& side )
 {
 	const std::uint32_t whole = m_point[point];
 	const std::uint32_t first = m_complex->bindStart[whole], last = m_complex->bindStart[whole + 1];
@@ -204,7 +214,7 @@ void CrackSurface::reach( std::uint32_t point, std::uint16_t group )
 	std::size_t found = 0;
 	for ( std::uint32_t s = m_slotStart[point]; s < m_slotStart[point + 1]; ++s )
 	{
-		if ( m_slotGroup[s] == group )
+		if ( m_slotGroup[s] == side.group )
 		{
 			found += m_mark[m_slotCell[s]] == asked;
 			m_mark[m_slotCell[s]] = reached;
@@ -217,7 +227,7 @@ void CrackSurface::reach( std::uint32_t point, std::uint16_t group )
 		for ( std::uint32_t f = m_cellFaceStart[m_open[k]]; f < m_cellFaceStart[m_open[k] + 1]; ++f )
 		{
 			const std::uint32_t other = m_neighbour[f];
-			if ( other != kNone && m_mark[other] == asked )
+			if ( m_mark[other] == asked )
 			{
 				m_mark[other] = reached;
 				m_open.push_back( other );
@@ -225,7 +235,15 @@ void CrackSurface::reach( std::uint32_t point, std::uint16_t group )
 			}
 		}
 	}
-	writeRow( first, home, [&]( std::size_t k ) { return m_asked[k] != kNone && m_mark[m_asked[k]] == reached; } );
+	m_reached.clear();
+	for ( std::uint32_t k = 0; k < std::uint32_t( m_asked.size() ); ++k )
+	{
+		if ( m_asked[k] != kNone && m_mark[m_asked[k]] == reached )
+		{
+			m_reached.push_back( k );
+		}
+	}
+	writeRow( point, side, home );
 }
 
 } // namespace pliant

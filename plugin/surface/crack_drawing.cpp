@@ -17,7 +17,7 @@ void CrackSurface::drawAll()
 	}
 	for ( std::uint32_t v = 0; isWhole && v < m_complex->inputVertices; ++v )
 	{
-		addVertex( m_complex->vertexPoint[v], v, 0 );
+		addVertex( m_complex->vertexPoint[v], v, 0, sideAt( m_complex->vertexPoint[v], 0 ) );
 	}
 	for ( std::uint32_t cell = 0; cell < m_cell.size(); ++cell )
 	{
@@ -93,37 +93,52 @@ std::uint16_t CrackSurface::groupOf( std::uint32_t point, std::uint32_t cell ) c
 	return m_slotGroup[slot];
 }
 
+std::uint32_t CrackSurface::sideAt( std::uint32_t point, std::uint16_t group ) const
+{
+	std::uint32_t side = m_firstSide[point];
+	while ( side != kNone && m_side[side].group != group )
+	{
+		side = m_side[side].next;
+	}
+	return side;
+}
+
 std::uint32_t CrackSurface::vertexFor( std::uint32_t point, std::uint32_t kind, std::uint16_t group )
 {
-	for ( std::uint32_t v = m_firstVertex[point]; v != kNone; v = m_vertex[v].next )
+	const std::uint32_t side = sideAt( point, group );
+	for ( std::uint32_t v = side == kNone ? kNone : m_side[side].newest; v != kNone; v = m_vertex[v].next )
 	{
-		if ( m_vertex[v].kind == kind && m_vertex[v].group == group )
+		if ( m_vertex[v].kind == kind )
 		{
 			return v;
 		}
 	}
-	return addVertex( point, kind, group );
+	return addVertex( point, kind, group, side );
 }
 
-std::uint32_t CrackSurface::addVertex( std::uint32_t point, std::uint32_t kind, std::uint16_t group )
+/// `side`: that of the group, or kNone where this is its first copy.
+std::uint32_t CrackSurface::addVertex( std::uint32_t point, std::uint32_t kind, std::uint16_t group, std::uint32_t side )
 {
 	const std::uint32_t made = vertexCount();
-	const Copies alike = copiesAlike( point, kind, group );
-	m_binding.normalGroup.push_back( alike.normalGroup != kNone ? alike.normalGroup : std::uint32_t( m_binding.normalGroups++ ) );
+	if ( side == kNone ) // one row a side
+	{
+		side = std::uint32_t( m_side.size() );
+		m_side.push_back( { made, kNone, m_firstSide[point], kNone, kNone, group } );
+		m_firstSide[point] = side;
+		addRow( point );
+	}
+	Side& of = m_side[side];
+	m_binding.carrier.push_back( of.carrier );
+	m_binding.normalGroup.push_back( normalGroupFor( of, kind >= kInside ) );
 	m_binding.restPosition.push_back( restOf( point ) - m_shift );
 	m_binding.restNormal.push_back( Vec3::UnitZ() );
 	if ( kind >= kInside )
 	{
 		m_binding.restNormal.back() = ( ( kind & 1u ) != 0 ? -1.0f : 1.0f ) * Vec3::Unit( int( ( kind - kInside ) / 2 ) );
 	}
-	m_binding.carrier.push_back( alike.carrier != kNone ? alike.carrier : made ); // one row a side
-	if ( alike.carrier == kNone )
-	{
-		addRow( point );
-	}
 	m_binding.start.push_back( std::uint32_t( m_binding.node.size() ) );
-	m_vertex.push_back( { point, kind, m_firstVertex[point], group } );
-	m_firstVertex[point] = made;
+	m_vertex.push_back( { point, kind, of.newest, group } );
+	of.newest = made;
 	return made;
 }
 
@@ -150,27 +165,16 @@ void CrackSurface::addRow( std::uint32_t point )
 	}
 }
 
-/// Copies of one side at a point share a row, and a normal: the outer ones one, the inner ones another. Without noise the inner ones are the
-/// sides of cubes, and each keeps its own.
-CrackSurface::Copies CrackSurface::copiesAlike( std::uint32_t point, std::uint32_t kind, std::uint16_t group ) const
+/// Copies of one side at a point share a normal: the outer ones one, the inner ones another. Without noise the inner ones are the sides of cubes,
+/// and each keeps its own.
+std::uint32_t CrackSurface::normalGroupFor( Side& side, bool isInside )
 {
-	const bool isInside = kind >= kInside;
-	const bool isSmooth = m_complex->settings.noiseAmplitude > 0.0f;
-	Copies found;
-	for ( std::uint32_t v = m_firstVertex[point]; v != kNone; v = m_vertex[v].next )
+	std::uint32_t& known = isInside ? side.innerNormals : side.outerNormals;
+	if ( known == kNone || ( isInside && !( m_complex->settings.noiseAmplitude > 0.0f ) ) )
 	{
-		if ( m_vertex[v].group != group )
-		{
-			continue;
-		}
-		found.carrier = m_binding.carrier[v];
-		if ( ( m_vertex[v].kind >= kInside ) == isInside && ( !isInside || isSmooth || m_vertex[v].kind == kind ) )
-		{
-			found.normalGroup = m_binding.normalGroup[v];
-			break;
-		}
+		known = std::uint32_t( m_binding.normalGroups++ );
 	}
-	return found;
+	return known;
 }
 
 std::uint32_t CrackSurface::inputVertexOf( std::uint32_t vertex ) const

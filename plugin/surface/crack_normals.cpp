@@ -47,9 +47,12 @@ void CrackSurface::matchNormals( std::vector<std::uint32_t>& points )
 	m_area.resize( std::size_t( m_binding.normalGroups ), Vec3::Zero() );
 	for ( const std::uint32_t point : once )
 	{
-		for ( std::uint32_t v = m_firstVertex[point]; v != kNone; v = m_vertex[v].next )
+		for ( std::uint32_t side = m_firstSide[point]; side != kNone; side = m_side[side].next )
 		{
-			m_area[m_binding.normalGroup[v]].setZero();
+			for ( std::uint32_t v = m_side[side].newest; v != kNone; v = m_vertex[v].next )
+			{
+				m_area[m_binding.normalGroup[v]].setZero();
+			}
 		}
 		std::for_each( m_slotCell.begin() + m_slotStart[point], m_slotCell.begin() + m_slotStart[point + 1],
 			[&]( std::uint32_t cell ) { collect( cell, cells ); } );
@@ -65,9 +68,12 @@ void CrackSurface::matchNormals( std::vector<std::uint32_t>& points )
 	}
 	for ( const std::uint32_t point : once )
 	{
-		for ( std::uint32_t v = m_firstVertex[point]; v != kNone; v = m_vertex[v].next )
+		for ( std::uint32_t side = m_firstSide[point]; side != kNone; side = m_side[side].next )
 		{
-			shadeLikeTheMesh( v, m_area[m_binding.normalGroup[v]] );
+			for ( std::uint32_t v = m_side[side].newest; v != kNone; v = m_vertex[v].next )
+			{
+				shadeLikeTheMesh( v, m_area[m_binding.normalGroup[v]] );
+			}
 		}
 	}
 }
@@ -92,9 +98,12 @@ void CrackSurface::follow( const BladePath& path, const std::vector<std::uint32_
 			}
 		}
 		m_place[point] = place;
-		for ( std::uint32_t v = m_firstVertex[point]; v != kNone; v = m_vertex[v].next )
+		for ( std::uint32_t side = m_firstSide[point]; side != kNone; side = m_side[side].next )
 		{
-			m_binding.restPosition[v] = place - m_shift;
+			for ( std::uint32_t v = m_side[side].newest; v != kNone; v = m_vertex[v].next )
+			{
+				m_binding.restPosition[v] = place - m_shift;
+			}
 		}
 		std::for_each( m_slotCell.begin() + m_slotStart[point], m_slotCell.begin() + m_slotStart[point + 1],
 			[&]( std::uint32_t cell ) { collect( cell, cells ); } );

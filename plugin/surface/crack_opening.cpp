@@ -63,7 +63,7 @@ void CrackSurface::shut( std::uint32_t face )
 	for ( const std::uint32_t cell : { m_face[face].cellA, m_face[face].cellB } )
 	{
 		const auto first = m_cellFace.begin() + m_cellFaceStart[cell], last = m_cellFace.begin() + m_cellFaceStart[cell + 1];
-		m_neighbour[std::size_t( std::find( first, last, face ) - m_cellFace.begin() )] = kNone;
+		m_neighbour[std::size_t( std::find( first, last, face ) - m_cellFace.begin() )] = std::uint32_t( m_cell.size() );
 	}
 }
 
@@ -103,7 +103,7 @@ void CrackSurface::splitGroups( const std::vector<std::uint32_t>& fresh )
 	for ( const std::uint32_t point : points )
 	{
 		// A point at which nothing is drawn so far needs no copies: sides are drawn later, into their groups.
-		if ( regroup( point ) && m_firstVertex[point] != kNone )
+		if ( regroup( point ) && m_firstSide[point] != kNone )
 		{
 			m_split.push_back( point );
 			std::for_each( m_slotCell.begin() + m_slotStart[point], m_slotCell.begin() + m_slotStart[point + 1],
@@ -226,6 +226,7 @@ void CrackSurface::makeRoom()
 	more( m_triangle, triangles );
 	more( m_source, triangles );
 	more( m_vertex, vertices );
+	more( m_side, vertices );
 	more( m_binding.node, entries );
 	more( m_binding.weight, entries );
 	more( m_binding.start, vertices );
@@ -241,7 +242,7 @@ std::size_t CrackSurface::bytes() const
 	const auto sizeOf = []( const auto& list ) { return list.size() * sizeof( list[0] ); };
 	return sizeOf( m_cell ) + sizeOf( m_point ) + sizeOf( m_face ) + sizeOf( m_cellFaceStart ) + sizeOf( m_cellFace ) + sizeOf( m_cellTriangle ) +
 		sizeOf( m_slotStart ) + sizeOf( m_slotCell ) + sizeOf( m_slotGroup ) + sizeOf( m_groups ) + sizeOf( m_tieStart ) + sizeOf( m_tie ) +
-		sizeOf( m_vertex ) + sizeOf( m_firstVertex ) + sizeOf( m_triangle ) + sizeOf( m_source ) + sizeOf( m_binding.node ) +
+		sizeOf( m_vertex ) + sizeOf( m_firstSide ) + sizeOf( m_side ) + sizeOf( m_triangle ) + sizeOf( m_source ) + sizeOf( m_binding.node ) +
 		sizeOf( m_binding.weight ) + sizeOf( m_binding.start ) + sizeOf( m_binding.restPosition ) + sizeOf( m_binding.restNormal ) +
 		sizeOf( m_binding.normalGroup ) + sizeOf( m_binding.carrier ) + sizeOf( m_mark );
 }

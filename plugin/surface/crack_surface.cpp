@@ -12,16 +12,16 @@
 
 namespace pliant {
 
+std::uint32_t numberIn( const std::vector<std::uint32_t>& list, std::uint32_t wanted )
+{
+	const auto found = std::lower_bound( list.begin(), list.end(), wanted );
+	return found != list.end() && *found == wanted ? std::uint32_t( found - list.begin() ) : CellComplex::kNone;
+}
+
 namespace {
 
 /// Pieces of less than this share of the template search for numbers rather than keep a table as long as the template's.
 constexpr std::size_t kTableShare = 16;
-
-std::uint32_t numberIn( const std::vector<std::uint32_t>& list, std::uint32_t wanted )
-{
-	const auto found = std::lower_bound( list.begin(), list.end(), wanted );
-	return found != list.end() && *found == wanted ? std::uint32_t( found - list.begin() ) : CrackSurface::kNone;
-}
 
 std::vector<std::uint32_t> tableOf( const std::vector<std::uint32_t>& list, std::size_t all )
 {
@@ -72,7 +72,7 @@ CrackSurface::CrackSurface( std::shared_ptr<const CellComplex> complex ) :
 
 CrackSurface::CrackSurface( std::shared_ptr<const CellComplex> complex, std::vector<std::uint32_t> cells, const std::vector<std::uint8_t>& isBroken,
 	const Vec3& shift ) :
-	m_complex( std::move( complex ) ), m_shift( shift ), m_cell( std::move( cells ) ), m_mark( m_cell.size(), 0 )
+	m_complex( std::move( complex ) ), m_shift( shift ), m_cell( std::move( cells ) ), m_mark( m_cell.size() + 1, 0 )
 {
 	m_localCell = tableOf( m_cell, m_complex->cellCount() );
 	takeFaces( isBroken );
@@ -125,7 +125,7 @@ void CrackSurface::takeFaces( const std::vector<std::uint8_t>& isBroken )
 		for ( const std::uint32_t* f = m_complex->facesOfCell.begin( cell ); f != m_complex->facesOfCell.end( cell ); ++f )
 		{
 			const Face& face = m_face[m_cellFace.emplace_back( localFace( *f ) )];
-			m_neighbour.push_back( face.isBroken ? kNone : m_cell[face.cellA] == cell ? face.cellB : face.cellA );
+			m_neighbour.push_back( face.isBroken ? std::uint32_t( m_cell.size() ) : m_cell[face.cellA] == cell ? face.cellB : face.cellA );
 		}
 		m_cellFaceStart.push_back( std::uint32_t( m_cellFace.size() ) );
 	}
@@ -159,7 +159,7 @@ void CrackSurface::takePoints()
 		m_point.erase( std::unique( m_point.begin(), m_point.end() ), m_point.end() );
 	}
 	m_localPoint = tableOf( m_point, m_complex->pointCount() );
-	m_firstVertex.assign( m_point.size(), kNone );
+	m_firstSide.assign( m_point.size(), kNone );
 	m_sideVertex.resize( m_point.size() );
 	m_groups.assign( m_point.size(), 1 );
 	m_slotStart.push_back( 0 );
@@ -190,16 +190,6 @@ void CrackSurface::takePoints()
 	}
 	m_slotGroup.assign( m_slotCell.size(), 0 );
 	m_isMarked.assign( std::max( m_point.size(), m_cell.size() ), 0 );
-}
-
-std::uint32_t CrackSurface::localCell( std::uint32_t cell ) const
-{
-	return m_localCell.empty() ? numberIn( m_cell, cell ) : m_localCell[cell];
-}
-
-std::uint32_t CrackSurface::localPoint( std::uint32_t point ) const
-{
-	return m_localPoint.empty() ? numberIn( m_point, point ) : m_localPoint[point];
 }
 
 std::uint32_t CrackSurface::localFace( std::uint32_t face ) const

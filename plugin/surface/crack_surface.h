@@ -20,6 +20,9 @@ namespace pliant {
 
 class BladePath;
 
+/// Where an ascending list holds `wanted`; CellComplex::kNone: nowhere.
+std::uint32_t numberIn( const std::vector<std::uint32_t>& list, std::uint32_t wanted );
+
 class CrackSurface
 {
 public:
@@ -101,16 +104,20 @@ private:
 	{
 		std::uint32_t point; ///< local
 		std::uint32_t kind;
-		std::uint32_t next;  ///< of the same point
+		std::uint32_t next;  ///< of the same side
+		std::uint16_t group;
+	};
+	/// The copies of a point that one group of its cells has, once something is drawn with them.
+	struct Side
+	{
+		std::uint32_t carrier;                          ///< the copy that has the row
+		std::uint32_t newest;                           ///< copy
+		std::uint32_t next;                             ///< side of the same point
+		std::uint32_t outerNormals = kNone, innerNormals = kNone; ///< SkinBinding::normalGroup of all copies that share one
 		std::uint16_t group;
 	};
 	static constexpr std::uint32_t kInside = 0xfffffff0u;
 
-	/// What a new copy shares with those there are; kNone: it is the first.
-	struct Copies
-	{
-		std::uint32_t carrier = kNone, normalGroup = kNone;
-	};
 	/// The copy of a point that the side at hand is drawn with, as far as it is of this round.
 	struct SideVertex
 	{
@@ -135,8 +142,8 @@ private:
 	void takePoints();
 	void drawAll();
 
-	std::uint32_t localCell( std::uint32_t cell ) const;
-	std::uint32_t localPoint( std::uint32_t point ) const;
+	std::uint32_t localCell( std::uint32_t cell ) const { return m_localCell.empty() ? numberIn( m_cell, cell ) : m_localCell[cell]; }
+	std::uint32_t localPoint( std::uint32_t point ) const { return m_localPoint.empty() ? numberIn( m_point, point ) : m_localPoint[point]; }
 	std::uint32_t localFace( std::uint32_t face ) const;
 	/// A local point's place at rest, relative to the template's mass centre.
 	const Vec3& restOf( std::uint32_t point ) const { return m_place.empty() ? m_complex->pointRest[m_point[point]] : m_place[point]; }
@@ -144,9 +151,10 @@ private:
 	bool regroup( std::uint32_t point );
 	std::uint16_t groupOf( std::uint32_t point, std::uint32_t cell ) const;
 	std::uint32_t vertexFor( std::uint32_t point, std::uint32_t kind, std::uint16_t group );
-	std::uint32_t addVertex( std::uint32_t point, std::uint32_t kind, std::uint16_t group );
+	std::uint32_t sideAt( std::uint32_t point, std::uint16_t group ) const;
+	std::uint32_t addVertex( std::uint32_t point, std::uint32_t kind, std::uint16_t group, std::uint32_t side );
 	void addRow( std::uint32_t point );
-	Copies copiesAlike( std::uint32_t point, std::uint32_t kind, std::uint16_t group ) const;
+	std::uint32_t normalGroupFor( Side& side, bool isInside );
 	void drawSide( Face& face, bool isA );
 	void matchNormals();
 	void matchNormals( std::vector<std::uint32_t>& points );
@@ -163,10 +171,10 @@ private:
 	void rebind( std::uint32_t point );
 	bool askCarriers( std::uint32_t point );
 	std::uint64_t carriersBeside( std::uint32_t cell ) const;
-	void reachInWords( std::uint32_t point, std::uint16_t group );
-	void reach( std::uint32_t point, std::uint16_t group );
-	template <class IsReached>
-	void writeRow( std::uint32_t first, std::uint32_t home, const IsReached& isReached );
+	void forgetCarriers();
+	void reachInWords( std::uint32_t point, const Side& side );
+	void reach( std::uint32_t point, const Side& side );
+	void writeRow( std::uint32_t point, const Side& side, std::uint32_t home );
 	void shut( std::uint32_t face );
 
 	Status validateTriangles() const;
@@ -180,7 +188,7 @@ private:
 	std::vector<std::uint32_t> m_localCell, m_localPoint, m_localFace; ///< the other way round; empty for small pieces, which search
 	std::vector<Face> m_face;                   ///< ascending
 	std::vector<std::uint32_t> m_cellFaceStart, m_cellFace;  ///< local faces by local cell
-	std::vector<std::uint32_t> m_neighbour;                  ///< by entry of m_cellFace: the cell beyond while the face stands, or kNone
+	std::vector<std::uint32_t> m_neighbour;                  ///< by entry of m_cellFace: the cell beyond while the face stands, or the number of cells
 	std::vector<std::uint32_t> m_cellTriangle;               ///< by local cell, and one past the last: its pieces of the outer surface
 
 	std::vector<std::uint32_t> m_slotStart, m_slotCell; ///< cells of each point, local
@@ -189,7 +197,8 @@ private:
 	std::vector<Tie> m_tie;
 
 	std::vector<Vertex> m_vertex;
-	std::vector<std::uint32_t> m_firstVertex; ///< by point
+	std::vector<Side> m_side;
+	std::vector<std::uint32_t> m_firstSide; ///< by point
 	std::vector<std::array<std::uint32_t, 3>> m_triangle;
 	std::vector<std::uint32_t> m_source;
 	SkinBinding m_binding;
@@ -201,13 +210,12 @@ private:
 	// Room kept between calls.
 	std::vector<SideVertex> m_sideVertex; ///< by point
 	std::uint32_t m_sideRound = 0;
-	std::vector<std::uint32_t> m_mark, m_open; ///< by local cell; local cells
+	std::vector<std::uint32_t> m_mark, m_open; ///< by local cell, and one for none; local cells
 	std::uint32_t m_round = 0;
-	std::vector<std::uint32_t> m_asked, m_rowCell;
-	std::vector<std::uint8_t> m_bitOf;          ///< by local cell, as far as marked
+	std::vector<std::uint32_t> m_asked, m_reached; ///< cells; entries of those
+	std::vector<std::uint64_t> m_bitOf;         ///< by local cell, and one for none: which of those asked it is, else 0
 	std::vector<std::uint64_t> m_beside;        ///< by cell asked
 	bool m_bindsPlainly = false;
-	std::vector<float> m_rowWeight;
 	std::vector<std::uint16_t> m_root;          ///< by slot of the point at hand
 	std::vector<std::uint8_t> m_isMarked;       ///< by point or cell
 	std::vector<std::uint32_t> m_strange;       ///< points that cells of other bodies carried
