@@ -121,12 +121,32 @@ void CrackFamily::gatherSides( std::uint32_t cell, CrackView& view )
 	}
 }
 
+/// How many the cell draws.
+std::size_t CrackFamily::trianglesOf( std::uint32_t cell ) const
+{
+	std::size_t count = m_whole.m_cellTriangle[cell + 1] - m_whole.m_cellTriangle[cell];
+	for ( std::uint32_t k = m_whole.m_cellFaceStart[cell]; k < m_whole.m_cellFaceStart[cell + 1]; ++k )
+	{
+		const CrackSurface::Face& face = m_whole.m_face[m_whole.m_cellFace[k]];
+		const CrackFace& known = m_whole.complex().face[face.number];
+		count += face.isBroken ? known.lastTriangle - known.firstTriangle : 0;
+	}
+	return count;
+}
+
 void CrackFamily::gatherTriangles( const std::vector<std::uint32_t>& cells, CrackView& view )
 {
 	++m_round;
 	m_vertex.clear();
 	view.ownTriangles.clear();
 	view.ownSources.clear();
+	std::size_t triangles = 0;
+	for ( const std::uint32_t cell : cells )
+	{
+		triangles += trianglesOf( cell );
+	}
+	view.ownTriangles.reserve( triangles );
+	view.ownSources.reserve( triangles );
 	for ( const std::uint32_t cell : cells )
 	{
 		for ( std::uint32_t t = m_whole.m_cellTriangle[cell]; t < m_whole.m_cellTriangle[cell + 1]; ++t )
@@ -157,6 +177,9 @@ void CrackFamily::gatherVertices( const Vec3& shift, CrackView& view )
 	view.ownTexture.resize( 2 * count );
 	to.node.clear();
 	to.weight.clear();
+	const std::size_t likely = from.node.size() / ( from.restPosition.size() + 1 ) * count;
+	to.node.reserve( likely );
+	to.weight.reserve( likely );
 	for ( std::size_t k = 0; k < count; ++k )
 	{
 		const std::uint32_t v = m_vertex[k], group = from.normalGroup[v];

@@ -55,6 +55,7 @@ public:
 private:
 	void catchUp();
 	void showWhole( CrackView& view ) const;
+	std::size_t trianglesOf( std::uint32_t cell ) const;
 	void gatherTriangles( const std::vector<std::uint32_t>& cells, CrackView& view );
 	void gatherSides( std::uint32_t cell, CrackView& view );
 	void gatherTriangle( std::uint32_t triangle, CrackView& view );
