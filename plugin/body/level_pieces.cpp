@@ -152,6 +152,7 @@ std::unique_ptr<Body> Body::relinkWhole( const std::shared_ptr<const Lattice>& l
 	std::unique_ptr<Body> body( new Body( std::move( *this ) ) );
 	m_firstCell = names; // what the report says is in the numbers of the body before
 	body->m_lattice = lattice;
+	body->m_isOnePart = piece.isOnePart;
 	body->m_cache.reset(); // it is of the lattice as it was
 	body->m_implicit.reset(); // it knows this body, and is made again when it is asked for
 	if ( body->m_firstCell.empty() )
