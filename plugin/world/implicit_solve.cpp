@@ -68,7 +68,11 @@ RigidPart makeRigid( btRigidBody& body )
 
 int ImplicitSolve::blockOf( const SoftBody& body ) const
 {
-	return body.impl().block;
+	// A body that has fallen asleep since remembers a place that is another's now.
+	const int block = body.impl().block;
+	const bool isThere = block >= 0 && block < int( m_tagOf.size() ) && std::size_t( body.impl().blockPart ) < m_blocks[std::size_t( block )].soft.size() &&
+						 m_blocks[std::size_t( block )].soft[std::size_t( body.impl().blockPart )].owner == &body;
+	return isThere ? block : -1;
 }
 
 int ImplicitSolve::blockOfIsland( int tag ) const
