@@ -104,7 +104,7 @@ Material rigidMaterial( const Material& of )
 std::vector<BodyPiece> Body::breakApart( BreakReport& report, int most, PieceRoad road )
 {
 	const std::vector<CellLink> broken = brokenLinks();
-	const std::vector<std::uint32_t> touched = cellsOf( broken, m_healedLinks );
+	const std::vector<std::uint32_t> touched = m_levels ? cellsOf( broken, m_healedLinks ) : std::vector<std::uint32_t>(); // only levels ask
 	report = reportOn( broken );
 	report.broken = broken;
 	report.hasHealed = !m_healedLinks.empty();
@@ -139,7 +139,7 @@ std::vector<BodyPiece> Body::breakApart( BreakReport& report, int most, PieceRoa
 			piece.turn = Eigen::Map<const Eigen::Quaternionf>( rotations.data() + 4 * std::size_t( nodeOfCell( cells[0] ) ) );
 		}
 		piece.cellBefore = std::move( cells );
-		piece.touched = theirNumbers( touched, piece.cellBefore );
+		piece.touched = m_levels ? theirNumbers( touched, piece.cellBefore ) : std::vector<std::uint32_t>();
 		if ( isAll && m_levels && road == PieceRoad::TakeOver )
 		{
 			piece.body = relinkWhole( lattice, piece );
