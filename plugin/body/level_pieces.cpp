@@ -96,9 +96,7 @@ void Levels::relink( PieceOfLevels piece, const LevelSettings& settings, const L
 	m_asked.clear();
 	std::fill( m_quiet.begin(), m_quiet.end(), 0.0f );
 	std::fill( m_isWanted.begin(), m_isWanted.end(), std::uint8_t( 0 ) );
-	m_budget = kNoBudget;
 	m_hasBacklog = false;
-	m_together = 1.0f;
 	++m_version;
 }
 
@@ -129,7 +127,7 @@ void Body::inheritLevels( const Body& from, BodyPiece& piece, PieceRoad road )
 		piece.nodeBefore.push_back( before.cut().slotOfCell[piece.cellBefore[tree.cells[tree.cellStart[node]]]] );
 	}
 	m_levels = before.ofPiece( std::move( made ), LevelSettings{ m_material, before.settings(), m_stiffness }, *m_lattice );
-	m_levels->inheritCoarsest( before, piece.cellBefore );
+	m_levels->inherit( before, piece.cellBefore );
 	m_levels->setFinestLevel( before.finestLevel() );
 	m_levels->fillNodes( m_nodes, m_material.density );
 }

@@ -43,8 +43,10 @@ Levels::Levels( std::shared_ptr<const LevelBase> base, const Lattice& lattice, c
 	}
 }
 
-void Levels::inheritCoarsest( const Levels& whole, const std::vector<std::uint32_t>& cellBefore )
+void Levels::inherit( const Levels& whole, const std::vector<std::uint32_t>& cellBefore )
 {
+	m_together = whole.m_together;
+	m_budget = whole.m_budget;
 	for ( std::size_t cell = 0; cell < cellBefore.size(); ++cell )
 	{
 		m_coarsest[cell] = whole.m_coarsest[cellBefore[cell]];

@@ -70,9 +70,10 @@ public:
 	/// The whole is one piece still, some of its links are others: the same in place, and what is kept of each node with it.
 	void relink( PieceOfLevels piece, const LevelSettings& settings, const Lattice& lattice, NodeState& nodes, LatticeMatcher& matcher );
 
-	/// Of a piece of a body that had these: material is merged as far as it was in the whole, however little of a block the piece has.
+	/// Of a piece of a body that had these: what is split together and what is left of the budget are the whole's; material is merged as far as it
+	/// was there, however little of a block the piece has.
 	/// `cellBefore`: of each finest cell.
-	void inheritCoarsest( const Levels& whole, const std::vector<std::uint32_t>& cellBefore );
+	void inherit( const Levels& whole, const std::vector<std::uint32_t>& cellBefore );
 
 	/// Asks for a node to be split at the next change; a node on the finest level is kept from being merged, now and for
 	/// Adaptivity::mergeDelay.
@@ -93,6 +94,7 @@ public:
 		m_settings.refineStrain = strain;
 		m_together = together;
 	}
+	float together() const { return m_together; }
 
 	/// From now on, until it is said again, changes together bring no more than Adaptivity::nodesPerStep. Unsaid: each change may.
 	void openBudget() { m_budget = m_settings.nodesPerStep; }

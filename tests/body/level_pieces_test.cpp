@@ -330,5 +330,53 @@ TEST( LevelPieces, ThatCameOffAreThoseFromNothingButForRounding )
 	EXPECT_GE( count.pieces, 16 );
 }
 
+// From the first event on, what had cracked or come off was refined node by node again: bars on coarse levels break too early then.
+TEST( LevelPieces, AreRefinedTogetherAsTheWholeWas )
+{
+	for ( const PieceRoad road : { PieceRoad::TakeOver, PieceRoad::FromNothing } )
+	{
+		for ( const bool comesApart : { false, true } )
+		{
+			Adaptivity settings;
+			settings.coarseLevels = 1;
+			const auto lattice = std::make_shared<const Lattice>( makeBlockLattice( 8, 4, 4, 0.1f ) );
+			Result<std::unique_ptr<Body>> made = Body::create( lattice, Material{}, {}, nullptr, settings );
+			ASSERT_TRUE( made.ok() );
+			Fracture fracture;
+			fracture.rule = BreakRule::Plane;
+			fracture.breakStrain = 0.2f;
+			ASSERT_TRUE( made.value->setFracture( fracture ).ok() );
+			const float together = made.value->levels()->together();
+			ASSERT_LT( together, 1.0f );
+			std::vector<CellLink> links;
+			for ( std::uint32_t i = 0; i < std::uint32_t( lattice->cellCount() ); ++i )
+			{
+				for ( std::uint32_t k = lattice->linkStart[i]; k < lattice->linkStart[i + 1]; ++k )
+				{
+					const std::uint32_t j = lattice->linkTo[k];
+					const bool isAcross = lattice->coordinate[i].x() == 3 && lattice->coordinate[j].x() == 4;
+					if ( isAcross && ( comesApart || lattice->coordinate[i].y() == 0 ) )
+					{
+						links.push_back( CellLink{ std::min( i, j ), std::max( i, j ) } );
+					}
+				}
+			}
+			std::sort( links.begin(), links.end() );
+			made.value->breakLinks( links );
+			while ( made.value->mustRefineToBreak() )
+			{
+				made.value->refineToBreak();
+			}
+			BreakReport report;
+			const std::vector<BodyPiece> pieces = made.value->breakApart( report, 10, road );
+			ASSERT_EQ( pieces.size(), comesApart ? 2u : 1u );
+			for ( const BodyPiece& piece : pieces )
+			{
+				EXPECT_EQ( piece.body->levels()->together(), together );
+			}
+		}
+	}
+}
+
 } // namespace
 } // namespace pliant
