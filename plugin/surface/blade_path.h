@@ -44,7 +44,6 @@ private:
 	Vec3 wayOut( std::uint32_t point, const Vec3& normal ) const;
 
 	std::shared_ptr<const CellComplex> m_complex;
-	float m_cellSize;
 	std::vector<CutTrace> m_trace;
 	std::vector<std::uint32_t> m_start;           ///< by cell: its latest trace's entry, or kNone
 	std::vector<std::array<std::uint32_t, 2>> m_next; ///< by trace: the entry before it of either cell; an entry is 2 x trace + which cell
