@@ -204,6 +204,10 @@ TEST( Adaptive, SpheresAreThoseOfABodyMadeThisWay )
 				EXPECT_EQ( soft->nodeOfShapeIndex( child ), i );
 				EXPECT_EQ( shape.getChildShape( child ), shape.sphereOfNode( i ) );
 				EXPECT_LT( ( soft->getWorldTransform() * shape.getChildTransform( child ).getOrigin() - soft->nodePosition( i ) ).length(), 1e-5 );
+				for ( const btDbvtNode* node = shape.getChildList()[child].m_node; node->parent; node = node->parent )
+				{
+					EXPECT_TRUE( node->parent->volume.Contain( node->volume ) ); // parts stand out of the sphere they were one of
+				}
 			}
 		}
 	}

@@ -87,6 +87,82 @@ TEST( Blade, ASlantedPlaneIsDrawnAsOnePlane )
 	}
 }
 
+/// A block of 8 x 4 x 4 cells about the origin, three vertices a cell along each of its sides' edges.
+std::shared_ptr<const BodyTemplate> fineBlock()
+{
+	constexpr int kCells[3] = { 8, 4, 4 }, kFine = 3;
+	std::vector<float> positions;
+	std::vector<std::uint32_t> indices;
+	for ( int side = 0; side < 6; ++side )
+	{
+		const int axis = side / 2, u = ( axis + 1 ) % 3, v = ( axis + 2 ) % 3, nu = kFine * kCells[u], nv = kFine * kCells[v];
+		const std::uint32_t first = std::uint32_t( positions.size() / 3 );
+		for ( int k = 0; k < ( nu + 1 ) * ( nv + 1 ); ++k )
+		{
+			float at[3];
+			at[axis] = ( side % 2 == 0 ? -0.5f : 0.5f ) * kCell * float( kCells[axis] );
+			at[u] = kCell * ( float( k % ( nu + 1 ) ) / kFine - 0.5f * float( kCells[u] ) );
+			at[v] = kCell * ( float( k / ( nu + 1 ) ) / kFine - 0.5f * float( kCells[v] ) );
+			positions.insert( positions.end(), at, at + 3 );
+		}
+		for ( int k = 0; k < nu * nv; ++k )
+		{
+			const std::uint32_t a = first + std::uint32_t( k / nu * ( nu + 1 ) + k % nu ), b = a + 1, c = a + std::uint32_t( nu ) + 1, d = c + 1;
+			const std::uint32_t out[6] = { a, b, d, a, d, c }, in[6] = { a, d, b, a, c, d };
+			indices.insert( indices.end(), side % 2 != 0 ? out : in, ( side % 2 != 0 ? out : in ) + 6 );
+		}
+	}
+	LatticeSettings settings;
+	settings.cellSize = kCell;
+	return BodyTemplate::build( MeshView{ positions.data(), positions.size() / 3, 3, indices.data(), indices.size() / 3 }, settings ).value;
+}
+
+// Where triangles are smaller than cells, what lies beyond the blade is drawn back to it: nothing of one half stands out of its cut.
+TEST( Blade, NothingStandsOutOfACutHoweverFineTheMesh )
+{
+	const btVector3 normal = btVector3( 1, btScalar( 0.5 ), btScalar( 0.3 ) ).normalized(), middle( btScalar( 0.013 ), 1, 0 );
+	TestWorld test;
+	test.world.setGravity( btVector3( 0, 0, 0 ) );
+	SoftBody* soft = test.addSoft( fineBlock(), at( 0, 1, 0 ), stiff( 1e5f ) );
+	ASSERT_GT( soft->cutPlane( middle, normal ), 0 );
+	test.run( 1 );
+	ASSERT_EQ( test.world.softBodyCount(), 2 );
+	for ( int i = 0; i < 2; ++i )
+	{
+		const SoftBody& half = *test.world.softBody( i );
+		const SurfaceView view = half.surface();
+		const btScalar side = normal.dot( half.massCentre() - middle ) < 0 ? btScalar( -1 ) : btScalar( 1 );
+		btScalar out = 0;
+		for ( int k = 0; k < 3 * view.triangleCount; ++k )
+		{
+			const float* p = view.positions + 3 * std::size_t( view.indices[k] );
+			out = btMin( out, side * normal.dot( view.origin + btVector3( p[0], p[1], p[2] ) - middle ) );
+		}
+		std::printf( "%.4f cells beyond the plane\n", double( -out ) / kCell );
+		EXPECT_GT( out, btScalar( -0.01 ) * kCell );
+	}
+}
+
+// A healed slit is drawn nowhere any more: the vertices that lay beyond the blade are where they were.
+TEST( Blade, WhatHasHealedIsDrawnAsItWas )
+{
+	TestWorld test;
+	test.world.setGravity( btVector3( 0, 0, 0 ) );
+	SoftBody* soft = test.addSoft( fineBlock(), at( 0, 1, 0 ), stiff( 1e5f ) );
+	const SurfaceView whole = soft->surface();
+	const std::vector<float> before( whole.positions, whole.positions + 3 * whole.vertexCount );
+	ASSERT_GT( soft->cutPlane( btVector3( btScalar( 0.013 ), btScalar( 1.2 ), 0 ), btVector3( 1, btScalar( 0.5 ), btScalar( 0.3 ) ), btScalar( 0.25 ) ), 0 );
+	test.run( 1 );
+	soft->surface();
+	ASSERT_GT( soft->heal(), 0 );
+	test.run( 1 );
+	const SurfaceView healed = soft->surface();
+	for ( std::size_t k = 0; k < before.size(); ++k )
+	{
+		ASSERT_NEAR( healed.positions[k], before[k], 0.02f * kCell ) << k; // it has swung a little
+	}
+}
+
 TEST( Blade, ASphereIsDrawnRound )
 {
 	TestWorld test;

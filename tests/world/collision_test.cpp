@@ -26,6 +26,24 @@ Momentum momentumOf( const btRigidBody& rigid, const SoftBody& soft )
 	return { ofRigid + ofSoft, rigid.getCenterOfMassPosition().cross( ofRigid ) + spin + soft.massCentre().cross( ofSoft ) + soft.angularMomentum() };
 }
 
+// Stand-ins live as long as their contacts: what the game sets on a body that lies there must reach them.
+TEST( Collision, FrictionSetOnABodyThatLiesThereHoldsFromTheNextStepOn )
+{
+	TestWorld t;
+	t.addPlane();
+	SoftBody* cube = t.addSoft( block( 4, 4, 4, 0.1f ), at( 0, btScalar( 0.2 ), 0 ), stiff( 1e5f ) );
+	cube->setActivationState( DISABLE_DEACTIVATION );
+	t.run( 60 );
+	ASSERT_GT( t.world.stepReport().softContacts, 0 );
+	cube->setFriction( 0 );
+	cube->setVelocities( btVector3( 1, 0, 0 ), btVector3( 0, 0, 0 ) );
+	t.run( 30 );
+	EXPECT_GT( cube->linearVelocity().x(), btScalar( 0.95 ) );
+	cube->setFriction( 1 );
+	t.run( 30 );
+	EXPECT_LT( cube->linearVelocity().x(), btScalar( 0.1 ) );
+}
+
 TEST( Collision, KeepsMomentum )
 {
 	TestWorld t;
