@@ -12,16 +12,6 @@ namespace pliant {
 
 namespace {
 
-Eigen::Matrix3d toMatrix( const btMatrix3x3& m )
-{
-	Eigen::Matrix3d to;
-	for ( int i = 0; i < 3; ++i )
-	{
-		to.row( i ) = toVec3d( m[i] ).transpose();
-	}
-	return to;
-}
-
 Vector6 speedOf( const btRigidBody& body )
 {
 	Vector6 speed;
@@ -53,7 +43,7 @@ RigidPart makeRigid( btRigidBody& body )
 	const bool canTurn = inverse.minCoeff() > 0.0;
 	if ( canTurn )
 	{
-		const Eigen::Matrix3d axes = toMatrix( body.getWorldTransform().getBasis() );
+		const Eigen::Matrix3d axes = toMatrix3d( body.getWorldTransform().getBasis() );
 		part.inertia = axes * inverse.cwiseInverse().asDiagonal() * axes.transpose();
 	}
 	for ( int k = 0; k < 3; ++k )

@@ -15,16 +15,6 @@ namespace pliant {
 
 namespace {
 
-Eigen::Matrix3d toEigen( const btMatrix3x3& m )
-{
-	Eigen::Matrix3d to;
-	for ( int row = 0; row < 3; ++row )
-	{
-		to.row( row ) = toVec3d( m[row] ).transpose();
-	}
-	return to;
-}
-
 /// A box in the coordinates of a soft body's shape, and room around it for what moves in this step.
 struct Box
 {
@@ -101,7 +91,7 @@ const std::vector<NodeHit>& NodeSearch::againstRigid( const SoftBody& soft, cons
 	}
 	Obstacle obstacle;
 	obstacle.shape = other.getCollisionShape();
-	obstacle.basis = toEigen( other.getWorldTransform().getBasis() );
+	obstacle.basis = toMatrix3d( other.getWorldTransform().getBasis() );
 	obstacle.position = toVec3d( other.getWorldTransform().getOrigin() ) - origin;
 	visit( obstacle );
 	sortHits();
@@ -128,7 +118,7 @@ void NodeSearch::visit( Obstacle obstacle )
 			const btTransform& at = compound->getChildTransform( child );
 			Obstacle part;
 			part.shape = compound->getChildShape( child );
-			part.basis = obstacle.basis * toEigen( at.getBasis() );
+			part.basis = obstacle.basis * toMatrix3d( at.getBasis() );
 			part.position = obstacle.position + obstacle.basis * toVec3d( at.getOrigin() );
 			part.index = child;
 			visit( part );

@@ -179,6 +179,15 @@ inline Vec3 toVec3( const btVector3& a )
 	return { float( a.x() ), float( a.y() ), float( a.z() ) };
 }
 
+inline Eigen::Matrix3d toMatrix3d( const btMatrix3x3& m )
+{
+	Eigen::Matrix3d to;
+	for ( int row = 0; row < 3; ++row )
+	{
+		to.row( row ) << double( m[row].x() ), double( m[row].y() ), double( m[row].z() );
+	}
+	return to;
+}
 inline Vec3d toVec3d( const btVector3& a )
 {
 	return { double( a.x() ), double( a.y() ), double( a.z() ) };
