@@ -19,6 +19,8 @@ namespace {
 
 constexpr int kBarWidth = 40;
 
+} // namespace
+
 bool standardOutputIsTerminal()
 {
 #if defined( _WIN32 )
@@ -27,8 +29,6 @@ bool standardOutputIsTerminal()
 	return isatty( STDOUT_FILENO ) != 0;
 #endif
 }
-
-} // namespace
 
 ProgressLine::ProgressLine( std::string name, int total ) : m_name( std::move( name ) ), m_total( total ), m_isTerminal( standardOutputIsTerminal() ) {}
 

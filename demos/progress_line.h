@@ -6,6 +6,9 @@
 
 namespace pliant_demos {
 
+/// Someone reads it as it comes, and lines can be drawn over.
+bool standardOutputIsTerminal();
+
 class ProgressLine
 {
 public:

@@ -8,6 +8,7 @@ test_packages=( libgtest-dev libgmock-dev libbenchmark-dev )
 picture_packages=( libepoxy-dev libegl-dev libgl-dev libgl1-mesa-dri libglm-dev libstb-dev )
 window_packages=( libglfw3-dev libimgui-dev )
 film_packages=( ffmpeg )
+plot_packages=( gnuplot-nox )
 
 BUILD_DIR=${BUILD_DIR:-$root/build}
 JOBS=${JOBS:-$( nproc )}

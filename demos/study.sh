@@ -1,0 +1,18 @@
+#!/usr/bin/env bash
+# Installs what the study needs, builds it, and runs it: error against run time for a mesh of yours. Results land in out/study_<mesh>/:
+# study.html (one page that needs nothing beside it), study.csv, study.json and runs.jsonl. Stopped, it goes on where it was.
+#
+# Usage: demos/study.sh [options of pliant_study ...]       e.g. demos/study.sh --mesh rabbit.obj --scene all --budget 1ms
+#
+#   --help          names them all
+#
+# Environment: BUILD_DIR (default: build beside this repository's README), JOBS, CMAKE_ARGS, CXX.
+set -euo pipefail
+
+root=$( cd "$( dirname "${BASH_SOURCE[0]}" )/.." && pwd )
+. "$root/third_party_glue/build.sh"
+
+"$root/third_party_glue/install_packages.sh" "${build_packages[@]}" "${demo_packages[@]}" --wish "${plot_packages[@]}" --wish "${picture_packages[@]}"
+configure -DPLIANT_BUILD_DEMOS=ON -DPLIANT_BUILD_TESTS=OFF -DPLIANT_BUILD_BENCH=OFF # their packages may not be there
+build pliant_study
+exec "$BUILD_DIR/demos/study/pliant_study" "$@"

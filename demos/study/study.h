@@ -1,0 +1,45 @@
+#pragma once
+
+// The study of one mesh: every candidate in every scene at every orientation, written down run by run, so that it can be stopped and
+// goes on where it was.
+
+#include "demos/study/reference.h"
+#include "demos/study/summary.h"
+
+#include <string>
+#include <vector>
+
+namespace pliant_study {
+
+struct StudyPlan
+{
+	std::string meshName;
+	std::vector<SceneInfo> scenes;
+	CandidatePlan candidates;
+	int orientations = 6;
+	std::string folder;
+	double budget = 0;      ///< s a game step; 0: none
+	bool isFresh = false;   ///< what is in the folder is thrown away
+	bool drawsPictures = true;
+};
+
+/// 0, or the process's exit code. `specimen` outlives the call.
+int study( const StudyPlan& plan, const Specimen& specimen );
+
+/// Runs by line in a file; the first line names the plan, and a file of another plan is not gone on with.
+class RunStore
+{
+public:
+	/// False when the folder cannot be used; `why` then says so.
+	bool open( const StudyPlan& plan, const Specimen& specimen, std::string& why );
+	const std::vector<Record>& records() const { return m_records; }
+	bool has( const std::string& candidate, const std::string& scene, int orientation ) const;
+	/// Written at once: a study that is killed loses the run it was at.
+	bool add( const Record& record );
+
+private:
+	std::string m_path;
+	std::vector<Record> m_records;
+};
+
+} // namespace pliant_study
