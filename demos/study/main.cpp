@@ -2,6 +2,7 @@
 // | pliant_study: error against run time for a mesh of one's own.                                                    |
 // +-----------------------------------------------------------------------------------------------------------------+
 
+#include "demos/study/stability.h"
 #include "demos/study/study.h"
 
 #include "third_party_glue/assimp_mesh.h"
@@ -24,7 +25,21 @@ struct Arguments
 	double diagonal = 0, modulus = 0;
 	bool noPictures = false, noBullet = false;
 	StudyPlan plan;
+	StabilityPlan stability;
 };
+
+CLI::App* describeStability( CLI::App& app, StabilityPlan& to )
+{
+	CLI::App* command = app.add_subcommand( "stability", "Instead: extreme cases by every method, as a table of green, yellow and red" );
+	command->add_option( "--steps", to.steps, "Game steps a cell" )->check( CLI::Range( 10, 10000000 ) )->capture_default_str();
+	command->add_option( "--seed", to.seed, "Of what is random" )->capture_default_str();
+	command->add_option( "--case", to.cases, "Only cases that begin so" );
+	command->add_option( "--method", to.methods, "Only methods that begin so" );
+	command->add_option( "--out", to.folder, "Folder for the results" )->capture_default_str();
+	command->add_flag( "--fresh", to.isFresh, "Begin anew instead of going on with what is in the folder" );
+	command->add_flag( "!--no-bullet", to.withBullet, "Without Bullet's own soft bodies" );
+	return command;
+}
 
 void describe( CLI::App& app, Arguments& to )
 {
@@ -88,7 +103,12 @@ int runProgram( int count, char** words )
 	CLI::App app( "Error against run time: which method, at which settings, for this mesh" );
 	Arguments arguments;
 	describe( app, arguments );
+	const CLI::App* stability = describeStability( app, arguments.stability );
 	CLI11_PARSE( app, count, words );
+	if( stability->parsed() )
+	{
+		return studyStability( arguments.stability );
+	}
 	StudyPlan& plan = arguments.plan;
 	plan.budget = arguments.budget.empty() ? 0 : secondsFrom( arguments.budget );
 	if( plan.budget < 0 )

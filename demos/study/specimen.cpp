@@ -21,6 +21,18 @@ Eigen::Vector3i cornersOf( const pliant_glue::ModelMesh& mesh, std::size_t trian
 	return { int( v[0] ), int( v[1] ), int( v[2] ) };
 }
 
+/// On a square of edge `width`, as high as `height`.
+pliant_glue::ModelMesh makeBox( float width, float height )
+{
+	constexpr int kCuts = 16;
+	pliant_glue::ModelMesh mesh = pliant_demos::makeCube( width, kCuts );
+	for( std::size_t v = 0; v < mesh.vertexCount(); ++v )
+	{
+		mesh.positions[3 * v + 1] *= height / width;
+	}
+	return mesh;
+}
+
 /// Volume and second moment of what is enclosed: sums over the tetrahedra from the origin to each triangle.
 void measureInside( Specimen& specimen )
 {
@@ -72,7 +84,7 @@ Specimen makeSpecimen( pliant_glue::ModelMesh mesh, double diagonal )
 
 const std::vector<std::string>& shapeNames()
 {
-	static const std::vector<std::string> kNames = { "bunny", "bar", "cube", "sphere", "torus", "glob" };
+	static const std::vector<std::string> kNames = { "bunny", "bar", "cube", "plate", "rod", "sphere", "torus", "glob" };
 	return kNames;
 }
 
@@ -82,17 +94,21 @@ bool makeShape( const std::string& name, pliant_glue::ModelMesh& mesh )
 	{
 		mesh = pliant_demos::makeBunnyLike();
 	}
-	else if( name == "bar" )
+	else if( name == "bar" ) // upright
 	{
-		mesh = pliant_demos::makeCube( 1.0f, 16 );
-		for( std::size_t v = 0; v < mesh.vertexCount(); ++v )
-		{
-			mesh.positions[3 * v + 1] *= 4.0f; // stands upright, four times as high as wide
-		}
+		mesh = makeBox( 1.0f, 4.0f );
+	}
+	else if( name == "plate" )
+	{
+		mesh = makeBox( 1.0f, 0.1f );
+	}
+	else if( name == "rod" )
+	{
+		mesh = makeBox( 1.0f, 10.0f );
 	}
 	else if( name == "cube" )
 	{
-		mesh = pliant_demos::makeCube( 1.0f, 16 );
+		mesh = makeBox( 1.0f, 1.0f );
 	}
 	else if( name == "sphere" )
 	{

@@ -29,7 +29,7 @@ struct Specimen
 /// Takes a mesh from a file or from code. `diagonal`, m: 0 leaves the mesh's own size.
 Specimen makeSpecimen( pliant_glue::ModelMesh mesh, double diagonal );
 
-/// cube, bar, sphere, torus, glob or bunny. False where there is no such shape.
+/// cube, bar, plate, rod, sphere, torus, glob or bunny. False where there is no such shape.
 bool makeShape( const std::string& name, pliant_glue::ModelMesh& mesh );
 const std::vector<std::string>& shapeNames();
 

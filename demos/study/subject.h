@@ -63,6 +63,7 @@ public:
 		Eigen::Quaterniond lattice = Eigen::Quaterniond::Identity(); ///< the mesh is turned by it before cells are laid, and back when placed
 		btTransform place = btTransform::getIdentity();              ///< of the mesh
 		pliant::Fracture fracture;
+		double cellSize = 0; ///< m; 0: as the candidate's number of cells asks
 		bool skins = true; ///< a step's time has the skin in it
 	};
 
@@ -78,6 +79,14 @@ public:
 	/// Moves what is held and higher (or lower) than a height to `to( where it is )` by the end of the next step.
 	virtual void drive( bool upper, double height, const std::function<btVector3( const btVector3& )>& to ) = 0;
 	virtual void release() = 0;
+
+	/// Where each finest cell is, m; of a body that has broken: of its main piece, others do not count and stay as `to` has them. Bullet's
+	/// bodies: each node.
+	virtual void cells( Points& to ) const = 0;
+	/// Puts every node where `to( its number, where it is )` says, by the end of the next step; then it is free again.
+	virtual void put( const std::function<btVector3( int, const btVector3& )>& to, double seconds ) = 0;
+	/// Soft substeps a step that the stiffness asks for; 1 where it asks for none.
+	virtual int substepsNeeded() const { return 1; }
 
 	virtual int nodes() const = 0;
 	virtual int pieces() const = 0;

@@ -58,7 +58,6 @@ public:
 			{
 				m_body->m_clusters[k]->m_matching = btScalar( share );
 			}
-			m_body->m_cfg.collisions = btSoftBody::fCollision::CL_RS;
 		}
 		m_body->setActivationState( DISABLE_DEACTIVATION );
 		m_world.addSoftBody( m_body.get() );
@@ -156,6 +155,25 @@ public:
 			m_body->setMass( held.node, held.mass );
 		}
 		m_held.clear();
+	}
+
+	void cells( Points& to ) const override
+	{
+		to.resize( 3, m_body->m_nodes.size() );
+		for( int i = 0; i < m_body->m_nodes.size(); ++i )
+		{
+			to.col( i ) = toEigen( m_body->m_nodes[i].m_x );
+		}
+	}
+
+	void put( const std::function<btVector3( int, const btVector3& )>& to, double ) override
+	{
+		for( int i = 0; i < m_body->m_nodes.size(); ++i )
+		{
+			btSoftBody::Node& node = m_body->m_nodes[i];
+			node.m_x = node.m_q = to( i, node.m_x );
+			node.m_v.setZero();
+		}
 	}
 
 	int nodes() const override { return m_body->m_nodes.size(); }

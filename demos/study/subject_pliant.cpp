@@ -39,6 +39,7 @@ public:
 		const pliant::MeshView view = { turned.positions.data(), turned.vertexCount(), 3, turned.indices.data(), turned.triangleCount(), nullptr, nullptr };
 		pliant::LatticeSettings settings;
 		settings.targetCells = order.candidate.cells;
+		settings.cellSize = float( order.cellSize );
 		settings.skinning = order.skins ? pliant::Skinning::NearbyNodes : pliant::Skinning::None;
 		const auto shape = pliant::BodyTemplate::build( view, settings );
 		if( !shape )
@@ -171,6 +172,33 @@ public:
 			}
 		}
 	}
+
+	void cells( Points& to ) const override
+	{
+		const int count = m_body->bodyTemplate().cellCount();
+		to.conservativeResize( 3, count );
+		for( int k = 0; k < count; ++k )
+		{
+			const int node = m_body->nodeOfCell( k );
+			if( node >= 0 )
+			{
+				to.col( k ) = toEigen( m_body->nodePosition( node ) );
+			}
+		}
+	}
+
+	void put( const std::function<btVector3( int, const btVector3& )>& to, double seconds ) override
+	{
+		for( int i = 0; i < m_body->nodeCount(); ++i )
+		{
+			m_body->driveNode( i, to( i, m_body->nodePosition( i ) ) );
+		}
+		step( seconds );
+		release();
+		m_body->setVelocities( btVector3( 0, 0, 0 ), btVector3( 0, 0, 0 ) );
+	}
+
+	int substepsNeeded() const override { return m_body->stiffnessPlan().substepsNeeded; }
 
 	int nodes() const override { return m_world.stepReport().nodes > 0 ? m_world.stepReport().nodes : m_body->nodeCount(); }
 	int pieces() const override { return m_world.softBodyCount(); }
