@@ -15,6 +15,20 @@ inline constexpr btScalar kContactSlop = btScalar( 0.04 );
 /// A node that moves more than this share of its radius in a step is swept instead of asked for its nearest point.
 inline constexpr double kFastShare = 0.5;
 
+/// Advances of what is swept until it touches: most take two, what grazes an edge a few more.
+inline constexpr int kMostAdvances = 32;
+
+/// What was fast is held back (node_guard.h) near what stands until it moves less than this share of its radius in a step.
+inline constexpr double kSlowShare = 0.1;
+/// What holds fast nodes back (node_guard.h). A node's centre is kept this share of its radius away from what stands ...
+inline constexpr double kGuardShare = 0.25;
+/// ... as far as it is not nearer yet; less than this share through a barrier is rounding.
+inline constexpr double kGuardSlack = 1e-3;
+/// A node that was turned is looked at again, this often; then it stays where it is.
+inline constexpr int kGuardRounds = 4;
+/// Sweeps over the barriers of one node.
+inline constexpr int kGuardSweeps = 16;
+
 /// Self-collision. Two ways out of the material (unit vectors) that differ by less than this leave open which side is which.
 inline constexpr double kFacing = 0.5;
 /// A way out of the material that is shorter than this before it is normalised is rounding: as much lies on one side as on the other.

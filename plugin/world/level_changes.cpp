@@ -103,14 +103,24 @@ void SoftBodySystem::adaptLevels( btScalar h )
 	// Many: each in one task. Few: the threads share a body. The bits are the same.
 	Stopwatch watch( report.levels );
 	const bool oneTaskEach = int( changing.size() ) >= tasks()->threadCount();
+	std::vector<std::vector<Vec3>> placesBefore( changing.size() ); // of those that are fast near what stands
 	auto change = [&]( int k ) {
 		SoftBody::Impl& impl = changing[std::size_t( k )]->impl();
 		TaskRunner* const within = oneTaskEach ? nullptr : tasks();
+		for ( int i = 0; impl.isGuarded && i < impl.body->nodeCount(); ++i )
+		{
+			placesBefore[std::size_t( k )].push_back( impl.body->nodes().x.get( i ) );
+		}
 		impl.changeNodes( *changing[std::size_t( k )], [&impl, within] { impl.body->applyLevels( within ); } );
 	};
 	runTasks( oneTaskEach ? tasks() : nullptr, int( changing.size() ), change );
-	for ( const SoftBody* body : changing )
+	for ( std::size_t k = 0; k < changing.size(); ++k )
 	{
+		SoftBody* const body = changing[k];
+		if ( body->impl().isGuarded )
+		{
+			keepNewNodesOut( *body, placesBefore[k] );
+		}
 		const LevelChange& done = body->impl().body->levels()->lastChange();
 		++report.levelChanges;
 		report.splits += done.splits;

@@ -2,6 +2,7 @@
 
 #include "body/levels.h"
 #include "world/constants.h"
+#include "world/obstacle_parts.h"
 #include "world/soft_body_impl.h"
 
 #include <BulletCollision/CollisionDispatch/btCollisionObjectWrapper.h>
@@ -79,7 +80,7 @@ const std::vector<NodeHit>& NodeSearch::againstRigid( const SoftBody& soft, cons
 	m_step = step;
 	m_leaf = 0;
 	m_hits.clear();
-	m_motion = Motion{};
+	m_motion = ObstacleMotion{};
 	const Levels* levels = soft.impl().body->levels();
 	m_notesNear = levels && levels->settings().refinesOnContact && soft.isActive();
 	if ( const btRigidBody* rigid = btRigidBody::upcast( other.getCollisionObject() ) )
@@ -93,7 +94,7 @@ const std::vector<NodeHit>& NodeSearch::againstRigid( const SoftBody& soft, cons
 	obstacle.shape = other.getCollisionShape();
 	obstacle.basis = toMatrix3d( other.getWorldTransform().getBasis() );
 	obstacle.position = toVec3d( other.getWorldTransform().getOrigin() ) - origin;
-	visit( obstacle );
+	visitParts( obstacle, [this]( const Obstacle& part ) { visit( part ); } );
 	sortHits();
 	keepFlatNeighboursOut();
 	return m_hits;
@@ -106,25 +107,9 @@ void NodeSearch::sortHits()
 	} );
 }
 
-// Compounds may hold compounds; nobody nests them deep.
-void NodeSearch::visit( Obstacle obstacle )
+void NodeSearch::visit( const Obstacle& obstacle )
 {
 	const btCollisionShape* shape = obstacle.shape;
-	if ( shape->isCompound() )
-	{
-		const auto* compound = static_cast<const btCompoundShape*>( shape );
-		for ( int child = 0; child < compound->getNumChildShapes(); ++child )
-		{
-			const btTransform& at = compound->getChildTransform( child );
-			Obstacle part;
-			part.shape = compound->getChildShape( child );
-			part.basis = obstacle.basis * toMatrix3d( at.getBasis() );
-			part.position = obstacle.position + obstacle.basis * toVec3d( at.getOrigin() );
-			part.index = child;
-			visit( part );
-		}
-		return;
-	}
 	const int type = shape->getShapeType();
 	if ( type == STATIC_PLANE_PROXYTYPE )
 	{
@@ -292,7 +277,7 @@ const std::vector<NodeHit>& NodeSearch::againstSoft( const SoftBody& a, const So
 	const NodeState& nodesB = implB.body->nodes();
 	m_soft = &a;
 	m_step = step;
-	m_motion = Motion{};
+	m_motion = ObstacleMotion{};
 	m_hits.clear();
 	const double slack = slackOf( implA, implB );
 	double deepest = 0.0;

@@ -5,6 +5,7 @@
 
 #include "world/node_shape.h"
 #include "world/node_touch.h"
+#include "world/obstacle_motion.h"
 
 #include <BulletCollision/BroadphaseCollision/btDbvt.h>
 
@@ -39,14 +40,7 @@ public:
 	const std::vector<NodeHit>& againstSoft( const SoftBody& a, const SoftBody& b, double step );
 
 private:
-	/// How the other object moves in this step, relative to the soft body's origin.
-	struct Motion
-	{
-		Vec3d linear = Vec3d::Zero(), angular = Vec3d::Zero(), centre = Vec3d::Zero();
-		Vec3d way( const Vec3d& at, double step ) const { return step * ( linear + angular.cross( at - centre ) ); }
-	};
-
-	void visit( Obstacle obstacle );
+	void visit( const Obstacle& part );
 	void plane( const Obstacle& obstacle );
 	void solid( const Obstacle& obstacle );
 	void mesh( const Obstacle& obstacle );
@@ -59,7 +53,7 @@ private:
 	const SoftBody* m_soft = nullptr;
 	double m_step = 0.0;
 	bool m_notesNear = false; ///< the body refines on contact
-	Motion m_motion;
+	ObstacleMotion m_motion;
 	std::uint32_t m_leaf = 0;
 	std::vector<NodeHit> m_hits;
 	btNodeStack m_stack;

@@ -34,6 +34,7 @@ NodeShape::NodeShape( const Body& body ) : btCompoundShape( true, body.nodeCount
 	if ( const Levels* levels = body.levels() )
 	{
 		m_colliders = measureColliders( body.lattice(), levels->octree() );
+		m_smallestRadius = btScalar( *std::min_element( m_colliders.radius.begin(), m_colliders.radius.end() ) );
 		const int room = levels->roomNodes();
 		m_children.reserve( room );
 		m_nodeOfChild.reserve( std::size_t( room ) );
@@ -52,6 +53,7 @@ NodeShape::NodeShape( const Body& body ) : btCompoundShape( true, body.nodeCount
 	else
 	{
 		addUniform( body.lattice() );
+		m_smallestRadius = m_spheres.begin()->second->getRadius(); // ascending
 	}
 	std::vector<int> all( std::size_t( m_children.size() ) );
 	std::iota( all.begin(), all.end(), 0 );

@@ -51,8 +51,9 @@ public:
 	/// Every node has a sphere, in the compound or not: against a plane all of them are tested, for there no tree is needed.
 	btSphereShape* sphereOfNode( int node ) const { return m_sphereOfNode[node]; }
 	btScalar radius( int child ) const { return m_sphereOfNode[m_nodeOfChild[child]]->getRadius(); }
-	/// Largest radius of any node, m.
+	/// Radii that no node is larger, or smaller, than, m; with levels: none there ever could be.
 	btScalar largestRadius() const { return m_largestRadius; }
+	btScalar smallestRadius() const { return m_smallestRadius; }
 
 	/// Calls visit( child ) for every child whose box meets the box, which is in the shape's own coordinates. `stack` is scratch that the
 	/// caller keeps, so that only the first calls allocate.
@@ -179,7 +180,7 @@ private:
 	std::vector<btSphereShape*> m_sphereOfNode;
 	std::vector<btDbvtNode*> m_inner; // children before parents
 	NodeColliders m_colliders; // of bodies with levels only
-	btScalar m_largestRadius = btScalar( 0 );
+	btScalar m_largestRadius = btScalar( 0 ), m_smallestRadius = btScalar( SIMD_INFINITY );
 	btVector3 m_sweepLow = btVector3( 0, 0, 0 ), m_sweepHigh = btVector3( 0, 0, 0 );
 };
 

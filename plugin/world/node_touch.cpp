@@ -9,7 +9,6 @@
 #include <BulletCollision/CollisionShapes/btStaticPlaneShape.h>
 #include <BulletCollision/NarrowPhaseCollision/btGjkEpaPenetrationDepthSolver.h>
 #include <BulletCollision/NarrowPhaseCollision/btGjkPairDetector.h>
-#include <BulletCollision/NarrowPhaseCollision/btSubSimplexConvexCast.h>
 #include <BulletCollision/NarrowPhaseCollision/btVoronoiSimplexSolver.h>
 
 #include <algorithm>
@@ -137,25 +136,6 @@ bool nearest( const Obstacle& obstacle, const MovingSphere& sphere, Touch& touch
 	return true;
 }
 
-/// Where the sphere, moving straight, first meets a convex shape: the plane there stands for the shape in this step.
-bool sweep( const Obstacle& obstacle, const MovingSphere& sphere, Touch& touch )
-{
-	btVoronoiSimplexSolver simplex;
-	btSubsimplexConvexCast caster( sphere.shape, static_cast<const btConvexShape*>( obstacle.shape ), &simplex );
-	btConvexCast::CastResult result;
-	const btTransform from( btMatrix3x3::getIdentity(), toBullet( sphere.centre ) );
-	const btTransform to( btMatrix3x3::getIdentity(), toBullet( sphere.centre + sphere.way ) );
-	const btTransform at = obstacle.transform();
-	if ( !caster.calcTimeOfImpact( from, to, at, at, result ) || result.m_normal.fuzzyZero() )
-	{
-		return false;
-	}
-	// At the time of impact the centre is one radius from that plane; now it is farther by what it comes closer until then.
-	touch.normal = toEigen( result.m_normal ).normalized();
-	touch.distance = sphere.radius - double( result.m_fraction ) * sphere.way.dot( touch.normal );
-	return sphere.reaches( touch.normal, touch.distance );
-}
-
 /// The point of a triangle nearest to p (Ericson, Real-Time Collision Detection, section 5.1.5: which of the seven regions p lies in).
 Vec3d nearestInTriangle( const Vec3d ( &c )[3], const Vec3d& p )
 {
@@ -196,6 +176,52 @@ Vec3d nearestInTriangle( const Vec3d ( &c )[3], const Vec3d& p )
 	return area > 0.0 ? Vec3d( c[0] + ( vb * ab + vc * ac ) / area ) : c[0];
 }
 
+/// Where the sphere, moving straight, first meets a convex shape: the plane there stands for the shape in this step. Conservative advancement
+/// (Mirtich 1996, section 2.3.2): as far as the plane at the nearest point, which the shape lies behind, lets it go, again and again. Any of these planes
+/// that the sphere does not reach shows that it reaches nothing; so the answer is right whenever it ends.
+/// `find( sphere, touch )`: the nearest touch of the sphere where it is.
+template <class Find>
+bool sweep( const MovingSphere& sphere, Touch& touch, const Find& find )
+{
+	MovingSphere now = sphere;
+	double gone = 0.0; // share of the way
+	for ( int step = 0; step < kMostAdvances; ++step )
+	{
+		now.centre = sphere.centre + gone * sphere.way;
+		if ( !find( now, touch ) )
+		{
+			return false;
+		}
+		const double approach = -sphere.way.dot( touch.normal ), room = touch.distance - sphere.radius;
+		if ( room <= kContactSlop * sphere.radius )
+		{
+			break;
+		}
+		if ( approach <= 0.0 || gone + room / approach > 1.0 )
+		{
+			return false;
+		}
+		gone += room / approach;
+	}
+	touch.distance -= gone * sphere.way.dot( touch.normal );
+	return true;
+}
+
+/// The nearest plane stands for a convex shape when the sphere is slow or touches; else the one it will meet.
+template <class Find>
+bool findConvexTouch( const MovingSphere& sphere, Touch& touch, const Find& find )
+{
+	if ( !find( sphere, touch ) )
+	{
+		return false;
+	}
+	if ( touch.distance <= sphere.radius * ( 1.0 + kContactSlop ) || !sphere.isFast() )
+	{
+		return sphere.reaches( touch.normal, touch.distance );
+	}
+	return sweep( sphere, touch, find );
+}
+
 } // namespace
 
 btTransform Obstacle::transform() const
@@ -218,16 +244,12 @@ bool MovingSphere::isFast() const
 
 bool findTouch( const Obstacle& obstacle, const MovingSphere& sphere, Touch& touch )
 {
-	if ( !nearest( obstacle, sphere, touch ) )
+	const auto find = [&obstacle]( const MovingSphere& at, Touch& found ) { return nearest( obstacle, at, found ); };
+	if ( !obstacle.shape->isConvex() )
 	{
-		return false;
+		return find( sphere, touch ) && sphere.reaches( touch.normal, touch.distance );
 	}
-	const bool isTouching = touch.distance <= sphere.radius * ( 1.0 + kContactSlop );
-	if ( isTouching || !sphere.isFast() || !obstacle.shape->isConvex() )
-	{
-		return sphere.reaches( touch.normal, touch.distance );
-	}
-	return sweep( obstacle, sphere, touch );
+	return findConvexTouch( sphere, touch, find );
 }
 
 bool findBallTouch( const btSphereShape& ball, const Vec3d& at, const MovingSphere& sphere, Touch& touch )
@@ -244,47 +266,18 @@ bool findBallTouch( const btSphereShape& ball, const Vec3d& at, const MovingSphe
 			return false;
 		}
 	}
-	touch = fromCore( apart, radius );
-	if ( touch.distance <= sphere.radius * ( 1.0 + kContactSlop ) || !sphere.isFast() )
-	{
-		return sphere.reaches( touch.normal, touch.distance );
-	}
-	Obstacle obstacle;
-	obstacle.shape = &ball;
-	obstacle.position = at;
-	return sweep( obstacle, sphere, touch );
+	return findConvexTouch( sphere, touch, [&]( const MovingSphere& now, Touch& found ) {
+		found = fromCore( now.centre - at, radius );
+		return true;
+	} );
 }
 
 bool findTouch( const Vec3d ( &corners )[3], const MovingSphere& sphere, Touch& touch )
 {
-	touch = fromCore( sphere.centre - nearestInTriangle( corners, sphere.centre ), 0.0 );
-	const bool isTouching = touch.distance <= sphere.radius * ( 1.0 + kContactSlop );
-	if ( isTouching || !sphere.isFast() )
-	{
-		return sphere.reaches( touch.normal, touch.distance );
-	}
-	const Vec3d across = ( corners[1] - corners[0] ).cross( corners[2] - corners[0] );
-	if ( across.isZero( 0.0 ) )
-	{
-		return false;
-	}
-	// Fast: the face counts when the sphere's lowest point comes through it.
-	const Vec3d face = across.normalized();
-	const double side = face.dot( sphere.centre - corners[0] ) < 0.0 ? -1.0 : 1.0;
-	const double height = side * face.dot( sphere.centre - corners[0] );
-	const double approach = -side * face.dot( sphere.way );
-	if ( approach <= height - sphere.radius )
-	{
-		return false;
-	}
-	const double share = std::max( 0.0, ( height - sphere.radius ) / approach );
-	const Vec3d hit = sphere.centre + share * sphere.way - side * std::min( height, sphere.radius ) * face;
-	if ( ( hit - nearestInTriangle( corners, hit ) ).norm() > kContactSlop * sphere.radius )
-	{
-		return false;
-	}
-	touch = Touch{ side * face, height };
-	return true;
+	return findConvexTouch( sphere, touch, [&corners]( const MovingSphere& now, Touch& found ) {
+		found = fromCore( now.centre - nearestInTriangle( corners, now.centre ), 0.0 );
+		return true;
+	} );
 }
 
 } // namespace pliant

@@ -97,6 +97,7 @@ struct SoftBody::Impl
 	StiffnessPlan plan;
 	bool isImplicit = false;           ///< in this substep
 	int block = -1, blockPart = -1;    ///< in this substep's implicit solution; -1: in none
+	bool isGuarded = false;            ///< it was fast, and is near what it must not pass: it is held back though it is slow now
 	bool isHealthy = true;
 	bool hasOwnGravity = false;
 	btVector3 gravity = btVector3( 0, 0, 0 );

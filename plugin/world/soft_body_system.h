@@ -7,6 +7,7 @@
 #include "world/implicit_solve.h"
 #include "world/node_body.h"
 #include "world/node_contacts.h"
+#include "world/node_guard.h"
 
 #include <memory>
 #include <vector>
@@ -46,6 +47,7 @@ public:
 	void solveImplicit( const btContactSolverInfo& info );
 	void noteSolved() { m_implicit.after(); }
 	void readBack();                            ///< what the solver made of the touched nodes
+	void holdBack( btScalar h );                ///< fast nodes, from passing through what stands
 	void integrate( btScalar h, int substep );
 	void updateActivation( btScalar h );
 	void endStep();
@@ -88,6 +90,9 @@ private:
 	void adaptLevels( btScalar h );
 	void changeLevels( SoftBody& body );
 	void countNodes();
+	/// What stands within `reach` of a body's nodes and collides with it, ascending by the order in which Bullet came to know it.
+	std::vector<const btCollisionObject*> wallsAround( SoftBody& body, double reach );
+	void keepNewNodesOut( SoftBody& body, const std::vector<Vec3>& placeBefore );
 	void drivePins( SoftBody& body, btScalar h, int substep );
 	void settlePins( SoftBody& body, btScalar h, int substep );
 
@@ -104,6 +109,7 @@ private:
 	std::vector<std::unique_ptr<NodeCreateFunc>> m_createFuncs;
 	std::vector<NodeBody*> m_predictive;
 	ImplicitSolve m_implicit;
+	NodeGuard m_guard;
 	std::vector<SoftBody*> m_awake; ///< in this substep
 	btScalar m_gameStep = btScalar( 0 );
 	int m_substepCount = 1;

@@ -275,6 +275,7 @@ void SoftBodyWorld::integrateTransforms( btScalar timeStep )
 	if ( m_system->isStepping )
 	{
 		Stopwatch watch( m_system->bodies.report.integrate );
+		m_system->bodies.holdBack( timeStep );
 		m_system->bodies.integrate( timeStep, m_system->substep );
 	}
 	if ( m_system->isStepping )

@@ -9,6 +9,7 @@ void vibrationExperiment();
 void barExperiment();
 void splitsExperiment();
 void pullExperiment();
+void shotsExperiment( int count );
 /// Writes crack.png and crack_near.png into the working directory.
 void crackExperiment();
 void refineExperiment();

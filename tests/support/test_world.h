@@ -94,9 +94,9 @@ struct SoftWorld : WorldOf<SoftBodyWorld>
 		}
 	}
 	SoftBody* add( std::shared_ptr<const BodyTemplate> bodyTemplate, const btVector3& at, const Material& material = {},
-		const btQuaternion& turn = btQuaternion::getIdentity() )
+		const btQuaternion& turn = btQuaternion::getIdentity(), const Adaptivity& adaptivity = {} )
 	{
-		SoftBodyResult made = SoftBody::create( std::move( bodyTemplate ), btTransform( turn, at ), material );
+		SoftBodyResult made = SoftBody::create( std::move( bodyTemplate ), btTransform( turn, at ), material, adaptivity );
 		if ( !made )
 		{
 			return nullptr;

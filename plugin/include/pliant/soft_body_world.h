@@ -26,6 +26,7 @@ struct StepReport
 	int implicitPasses = 0;   ///< of the implicit solution that took most, last substep (docs/implicit.md)
 	int implicitProducts = 0; ///< the same: products with its matrix
 	int selfContacts = 0;     ///< those of them between two nodes of one body (SoftBody::setSelfCollision)
+	int heldNodes = 0;        ///< fast nodes that were kept from passing through what stands (docs/contacts.md), all substeps
 	int levelChanges = 0;     ///< changes of bodies' levels of detail: each may split and merge many nodes
 	int splits = 0;           ///< nodes that gave way to their parts
 	int merges = 0;           ///< nodes that took the place of their parts

@@ -1,0 +1,17 @@
+#pragma once
+
+// How what a soft body meets moves.
+
+#include "lattice/lattice.h"
+
+namespace pliant {
+
+/// How an object moves in a step, relative to the soft body's origin.
+struct ObstacleMotion
+{
+	Vec3d linear = Vec3d::Zero(), angular = Vec3d::Zero(), centre = Vec3d::Zero();
+
+	Vec3d way( const Vec3d& at, double step ) const { return step * ( linear + angular.cross( at - centre ) ); }
+};
+
+} // namespace pliant
