@@ -33,15 +33,20 @@ void SoftBodySystem::holdPredictiveContacts( btAlignedObjectArray<btPersistentMa
 			const btVector3 at = side == 0 ? point.getPositionWorldOnA() : point.getPositionWorldOnB();
 			NodeBody* const stand = pool.acquire( *soft, soft->nearestNode( at ) );
 			m_predictive.push_back( stand );
+			// Bullet takes the bullet's centre for the point where it is hit. The impulse acts at the node: what is turned by it must see the same lever, or
+			// spin is lost. Where that is before moveContactsToNodes:
+			const btScalar outward = soft->nodeRadius( stand->node ) + point.m_distance1;
 			if ( side == 0 )
 			{
 				manifold->setBodies( stand, manifold->getBody1() );
 				point.m_localPointA = stand->getWorldTransform().invXform( at );
+				point.m_positionWorldOnB = stand->written - outward * point.m_normalWorldOnB;
 			}
 			else
 			{
 				manifold->setBodies( manifold->getBody0(), stand );
 				point.m_localPointB = stand->getWorldTransform().invXform( at );
+				point.m_positionWorldOnA = stand->written + outward * point.m_normalWorldOnB;
 			}
 		}
 	}
