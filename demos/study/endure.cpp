@@ -54,6 +54,11 @@ public:
 		const auto start = std::chrono::steady_clock::now();
 		for( int k = 1; k <= steps && m_isFinite; ++k )
 		{
+			if( k == steps / 2 && !isFree() )
+			{
+				relent();
+				m_relented = k * m_case.step;
+			}
 			m_subject->step( m_case.step );
 			watch( k * m_case.step, k % every == 0 || k == steps, k <= steps / 2 );
 		}
@@ -134,6 +139,17 @@ private:
 		m_subject->world().addRigidBody( m_rigid.back().get() );
 	}
 
+	/// What weighs on the body is taken away halfway: what was crushed has to come back.
+	void relent()
+	{
+		m_subject->world().setGravity( btVector3( 0, 0, 0 ) );
+		if( m_case.ordeal == Ordeal::Load )
+		{
+			m_subject->world().removeRigidBody( m_rigid.back().get() );
+			m_rigid.pop_back();
+		}
+	}
+
 	/// Puts the nodes where the ordeal wants them.
 	void deform()
 	{
@@ -185,14 +201,14 @@ private:
 		const Motion motion = m_subject->motion();
 		double& most = isFirstHalf ? m_mostEarly : m_mostLate;
 		most = std::max( most, motion.kineticEnergy );
-		m_mostMechanical = std::max( m_mostMechanical, mechanicalEnergy() );
-		if( looksAtShape && isFree() && !m_hasBroken )
+		m_mostMechanical = m_relented > 0 ? m_mostMechanical : std::max( m_mostMechanical, mechanicalEnergy() );
+		if( looksAtShape && ( isFree() || m_relented > 0 ) && !m_hasBroken )
 		{
 			Points points = m_specimen.points;
 			m_subject->vertices( points );
 			const double shape = errorsOf( m_specimen, points, m_specimen.points ).shape;
-			m_recovery = shape > kRecovered || !std::isfinite( shape ) ? now : m_recovery;
-			m_lastLook = now;
+			m_recovery = shape > kRecovered || !std::isfinite( shape ) ? now - m_relented : m_recovery;
+			m_lastLook = now - m_relented;
 		}
 	}
 
@@ -250,7 +266,7 @@ private:
 		verdict.energyGrowth = isFree() ? m_mostLate / std::max( m_mostEarly, 1e-12 * m_subject->motion().mass ) - 1
 										: m_case.ordeal == Ordeal::Load || m_first <= 0 ? 0.0 : m_mostMechanical / m_first - 1;
 		verdict.depth = isFree() ? 0.0 : std::max( 0.0, 0.5 - m_lowest / m_cell );
-		const bool isElastic = !m_method.isPlastic && !m_hasBroken && isFree() && m_case.ordeal != Ordeal::Spin;
+		const bool isElastic = !m_method.isPlastic && !m_hasBroken && m_case.ordeal != Ordeal::Spin;
 		verdict.recovery = isElastic ? m_recovery : -1;
 		verdict.inverted = m_hasBroken ? 0.0 : invertedShare();
 		if( verdict.inverted > kMostInverted )
@@ -293,6 +309,7 @@ private:
 	Points m_rest, m_now;
 	double m_cell = 1, m_first = 0;
 	bool m_isFinite = true, m_hasBroken = false;
+	double m_relented = 0; ///< s, when what weighed on it was taken away; 0: not yet
 	double m_lowest = 1e300, m_mostEarly = 0, m_mostLate = 0, m_mostMechanical = 0, m_recovery = 0, m_lastLook = 0;
 };
 

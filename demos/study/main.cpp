@@ -2,6 +2,7 @@
 // | pliant_study: error against run time for a mesh of one's own.                                                    |
 // +-----------------------------------------------------------------------------------------------------------------+
 
+#include "demos/study/scale.h"
 #include "demos/study/stability.h"
 #include "demos/study/study.h"
 
@@ -26,7 +27,26 @@ struct Arguments
 	bool noPictures = false, noBullet = false;
 	StudyPlan plan;
 	StabilityPlan stability;
+	ScalePlan scale;
+	FeaturePlan features;
 };
+
+CLI::App* describeScale( CLI::App& app, ScalePlan& to )
+{
+	CLI::App* command = app.add_subcommand( "scale", "Instead: what a step costs against the number of nodes, bodies and threads" );
+	command->add_option( "--most-nodes", to.mostNodes, "Of one body" )->check( CLI::Range( 1000, 10000000 ) )->capture_default_str();
+	command->add_option( "--most-bodies", to.mostBodies, "In one world" )->check( CLI::Range( 1, 10000 ) )->capture_default_str();
+	command->add_option( "--out", to.folder, "Folder for the results" )->capture_default_str();
+	return command;
+}
+
+CLI::App* describeFeatures( CLI::App& app, FeaturePlan& to )
+{
+	CLI::App* command = app.add_subcommand( "features", "Instead: what each feature costs, off, idle and working" );
+	command->add_option( "--steps", to.steps, "Game steps each" )->check( CLI::Range( 10, 100000 ) )->capture_default_str();
+	command->add_option( "--out", to.folder, "Folder for the results" )->capture_default_str();
+	return command;
+}
 
 CLI::App* describeStability( CLI::App& app, StabilityPlan& to )
 {
@@ -104,10 +124,19 @@ int runProgram( int count, char** words )
 	Arguments arguments;
 	describe( app, arguments );
 	const CLI::App* stability = describeStability( app, arguments.stability );
+	const CLI::App *scale = describeScale( app, arguments.scale ), *features = describeFeatures( app, arguments.features );
 	CLI11_PARSE( app, count, words );
 	if( stability->parsed() )
 	{
 		return studyStability( arguments.stability );
+	}
+	if( scale->parsed() )
+	{
+		return studyScale( arguments.scale );
+	}
+	if( features->parsed() )
+	{
+		return studyFeatures( arguments.features );
 	}
 	StudyPlan& plan = arguments.plan;
 	plan.budget = arguments.budget.empty() ? 0 : secondsFrom( arguments.budget );

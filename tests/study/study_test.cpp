@@ -1,6 +1,7 @@
 // The study's arithmetic.
 
 #include "demos/study/page.h"
+#include "demos/study/scale.h"
 
 #include <gtest/gtest.h>
 
@@ -127,6 +128,23 @@ TEST( Standing, IsTheWorstRatioUnderTheBudget )
 	EXPECT_EQ( standing( all, 2e-3 ).other, "theirs" );
 	EXPECT_NEAR( standing( all, 1.0 ).ratio, 10.0, 1e-12 );
 	EXPECT_EQ( standing( { all[0] }, 1.0 ).ratio, 0.0 );
+}
+
+TEST( Scale, ExponentIsTheSlopeOfTheLogarithms )
+{
+	EXPECT_NEAR( exponentOf( { 1, 10, 100 }, { 3, 3 * std::pow( 10, 1.3 ), 3 * std::pow( 100, 1.3 ) } ), 1.3, 1e-12 );
+	EXPECT_EQ( exponentOf( { 5 }, { 1 } ), 0.0 );
+}
+
+TEST( Scale, CountsNodesAndTheirMemory )
+{
+	const ScaleRow one = flyingBlock( 1000, 1 ), three = pile( 3, 27, 2 );
+	EXPECT_EQ( one.nodes, 1000 );
+	EXPECT_GT( one.median, 0.0 );
+	EXPECT_LT( one.bytes, 2000.0 );
+	EXPECT_EQ( three.nodes, 81 );
+	EXPECT_EQ( three.bodies, 3 );
+	EXPECT_EQ( three.threads, 2 );
 }
 
 TEST( RunStore, GoesOnWhereItWasCutOff )

@@ -1,0 +1,46 @@
+#pragma once
+
+// What a step costs against how much there is: nodes in one body, bodies in a world, threads; and what each feature costs.
+
+#include <string>
+#include <vector>
+
+namespace pliant_study {
+
+struct ScalePlan
+{
+	int mostNodes = 1000000;
+	int mostBodies = 200;
+	std::string folder = "out/scale";
+};
+
+struct ScaleRow
+{
+	std::string what;       ///< "one block, flying", ...
+	int bodies = 0, nodes = 0, threads = 1;
+	double median = 0;      ///< s a game step
+	double nanoseconds = 0; ///< a node and soft substep
+	double bytes = 0;       ///< a node, template and body
+};
+
+/// One block of about `nodes` cells, or `bodies` of them; flying, or piled up on a plane. Median of some steps.
+ScaleRow flyingBlock( int nodes, int threads );
+ScaleRow flyingBodies( int bodies, int nodesEach, int threads );
+ScaleRow pile( int bodies, int nodesEach, int threads );
+
+/// Slope of log y over log x by least squares.
+double exponentOf( const std::vector<double>& x, const std::vector<double>& y );
+
+/// Writes scale.csv and scale.json; 0, or the process's exit code.
+int studyScale( const ScalePlan& plan );
+
+struct FeaturePlan
+{
+	int steps = 120;
+	std::string folder = "out/features";
+};
+
+/// Each feature off, on but idle, on and working: time, instructions and memory as ratios to the plain body. Writes features.csv.
+int studyFeatures( const FeaturePlan& plan );
+
+} // namespace pliant_study

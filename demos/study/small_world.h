@@ -1,0 +1,45 @@
+#pragma once
+
+// A world of Pliant's with blocks in it, for what is timed.
+
+#include "demos/study/specimen.h"
+
+#include <pliant/soft_body_world.h>
+
+#include <btBulletDynamicsCommon.h>
+
+#include <memory>
+#include <vector>
+
+namespace pliant_study {
+
+/// Cells of a cube of `edge` cells an edge, each `cell` m. Null where it is refused.
+std::shared_ptr<const pliant::BodyTemplate> cubeTemplate( int edge, double cell, pliant::Skinning skinning );
+
+class SmallWorld
+{
+public:
+	SmallWorld();
+	~SmallWorld();
+
+	pliant::SoftBodyWorld& world() { return m_world; }
+	/// Null where it is refused. Never falls asleep.
+	pliant::SoftBody* add( const std::shared_ptr<const pliant::BodyTemplate>& shape, const btVector3& at, const pliant::Material& material,
+		const pliant::Adaptivity& adaptivity = {} );
+	void addGround();
+	const std::vector<std::unique_ptr<pliant::SoftBody>>& bodies() const { return m_bodies; }
+	/// s, of the step and the skins.
+	double timedStep();
+
+private:
+	btDefaultCollisionConfiguration m_configuration;
+	btCollisionDispatcher m_dispatcher{ &m_configuration };
+	btDbvtBroadphase m_broadphase;
+	btSequentialImpulseConstraintSolver m_solver;
+	pliant::SoftBodyWorld m_world{ &m_dispatcher, &m_broadphase, &m_solver, &m_configuration };
+	btStaticPlaneShape m_plane{ btVector3( 0, 1, 0 ), btScalar( 0 ) };
+	std::unique_ptr<btRigidBody> m_ground;
+	std::vector<std::unique_ptr<pliant::SoftBody>> m_bodies;
+};
+
+} // namespace pliant_study
