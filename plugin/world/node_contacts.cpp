@@ -25,23 +25,13 @@ btScalar radiusOf( const NodeBody& body )
 	return static_cast<const btSphereShape*>( body.getCollisionShape() )->getRadius();
 }
 
-/// Rolling friction turns bodies. Between two that cannot turn Bullet's row would divide by zero.
-bool canTurn( const btCollisionObject* object )
-{
-	const btRigidBody* rigid = btRigidBody::upcast( object );
-	return rigid && !rigid->getInvInertiaDiagLocal().isZero();
-}
-
 /// What the two surfaces make of each other, through Bullet's (and the game's) own combination rules.
 void combineSurfaces( const btCollisionObject* body0, const btCollisionObject* body1, btManifoldPoint& point )
 {
 	point.m_combinedFriction = gCalculateCombinedFrictionCallback( body0, body1 );
 	point.m_combinedRestitution = gCalculateCombinedRestitutionCallback( body0, body1 );
-	if ( canTurn( body0 ) || canTurn( body1 ) )
-	{
-		point.m_combinedRollingFriction = gCalculateCombinedRollingFrictionCallback( body0, body1 );
-		point.m_combinedSpinningFriction = gCalculateCombinedSpinningFrictionCallback( body0, body1 );
-	}
+	point.m_combinedRollingFriction = gCalculateCombinedRollingFrictionCallback( body0, body1 );
+	point.m_combinedSpinningFriction = gCalculateCombinedSpinningFrictionCallback( body0, body1 );
 	const int flags = body0->getCollisionFlags() | body1->getCollisionFlags();
 	if ( flags & btCollisionObject::CF_HAS_CONTACT_STIFFNESS_DAMPING )
 	{
@@ -302,9 +292,9 @@ void PairContacts::write( const Pair& pair, NodeContact& contact, const NodeHit*
 
 namespace {
 
-int moveContacts( btDispatcher& dispatcher, btScalar sign )
+MovedContacts moveContacts( btDispatcher& dispatcher, btScalar sign )
 {
-	int count = 0;
+	MovedContacts moved;
 	for ( int m = 0; m < dispatcher.getNumManifolds(); ++m )
 	{
 		btPersistentManifold& manifold = *dispatcher.getManifoldByIndexInternal( m );
@@ -314,19 +304,20 @@ int moveContacts( btDispatcher& dispatcher, btScalar sign )
 			continue;
 		}
 		const auto& node = static_cast<const NodeBody&>( *( nodeIsFirst ? manifold.getBody0() : manifold.getBody1() ) );
-		for ( int k = 0; k < manifold.getNumContacts(); ++k, ++count )
+		for ( int k = 0; k < manifold.getNumContacts(); ++k, ++moved.count )
 		{
 			btManifoldPoint& point = manifold.getContactPoint( k );
+			moved.turn = moved.turn || point.m_combinedRollingFriction != 0 || point.m_combinedSpinningFriction != 0;
 			const btScalar fromSurface = sign * ( point.m_distance1 + radiusOf( node ) );
 			( nodeIsFirst ? point.m_positionWorldOnB : point.m_positionWorldOnA ) += point.m_normalWorldOnB * ( nodeIsFirst ? fromSurface : -fromSurface );
 		}
 	}
-	return count;
+	return moved;
 }
 
 } // namespace
 
-int moveContactsToNodes( btDispatcher& dispatcher )
+MovedContacts moveContactsToNodes( btDispatcher& dispatcher )
 {
 	return moveContacts( dispatcher, btScalar( 1 ) );
 }

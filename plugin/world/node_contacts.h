@@ -97,8 +97,13 @@ private:
 };
 
 /// While Bullet's solver is at work a contact acts at the node's centre, on both sides: a node has no spin that could take up the rest,
-/// and angular momentum is kept. At all other times the contact's point lies on the surfaces. Returns how many points it moved.
-int moveContactsToNodes( btDispatcher& dispatcher );
+/// and angular momentum is kept. At all other times the contact's point lies on the surfaces.
+struct MovedContacts
+{
+	int count = 0;
+	bool turn = false; ///< some have rolling or spinning friction
+};
+MovedContacts moveContactsToNodes( btDispatcher& dispatcher );
 void moveContactsToSurfaces( btDispatcher& dispatcher );
 
 } // namespace pliant

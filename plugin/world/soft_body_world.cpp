@@ -6,6 +6,7 @@
 #include "world/soft_body_impl.h"
 #include "world/soft_body_system.h"
 #include "world/stopwatch.h"
+#include "world/turning_friction.h"
 
 #include <LinearMath/btQuickprof.h>
 
@@ -19,6 +20,7 @@ struct SoftBodyWorld::System
 	System( SoftBodyWorld& world, btDispatcher* dispatcher, btCollisionConfiguration* configuration ) : bodies( world, dispatcher, configuration ) {}
 
 	SoftBodySystem bodies;
+	TurningFriction turning;
 	int substep = 0;
 	bool isStepping = false; ///< inside a substep of ours: the overrides do their part
 };
@@ -255,7 +257,12 @@ void SoftBodyWorld::solveConstraints( btContactSolverInfo& info )
 	}
 	// Sleeping bodies too: a rigid body may have hit one of them and woken it in this very step.
 	Stopwatch watch( m_system->bodies.report.solve );
-	m_system->bodies.report.softContacts = moveContactsToNodes( *getDispatcher() );
+	const MovedContacts moved = moveContactsToNodes( *getDispatcher() );
+	m_system->bodies.report.softContacts = moved.count;
+	if ( moved.turn )
+	{
+		m_system->turning.hide( *getDispatcher() );
+	}
 	if ( m_system->isStepping )
 	{
 		m_system->bodies.solveImplicit( info );
@@ -267,6 +274,10 @@ void SoftBodyWorld::solveConstraints( btContactSolverInfo& info )
 	}
 	moveContactsToSurfaces( *getDispatcher() );
 	m_system->bodies.readBack();
+	if ( moved.turn )
+	{
+		m_system->turning.apply();
+	}
 }
 
 void SoftBodyWorld::integrateTransforms( btScalar timeStep )

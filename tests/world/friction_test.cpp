@@ -80,5 +80,88 @@ TEST( Friction, HoldsBelowTheSetAngleAndSlidesAboveIt )
 	}
 }
 
+/// Inertia of a soft body about the vertical through its mass centre, kg m^2.
+double inertiaOf( const SoftBody& body )
+{
+	double sum = 0.0;
+	for ( int i = 0; i < body.nodeCount(); ++i )
+	{
+		const btVector3 p = body.nodePosition( i ) - body.massCentre();
+		sum += double( body.nodeMass( i ) * ( p.x() * p.x() + p.z() * p.z() ) );
+	}
+	return sum;
+}
+
+Material implicitOr( Elasticity elasticity )
+{
+	Material material = test::stiff( 1e5f );
+	material.elasticity = elasticity;
+	material.density = 100.0f;
+	return material;
+}
+
+// Nothing rubs (the product of frictions is 0), but what spins is braked: s f0 = 0.04 * 0.5.
+TEST( Friction, SpinningFrictionBrakesASoftBodyByItsLaw )
+{
+	for ( const Elasticity elasticity : { Elasticity::Explicit, Elasticity::Implicit } )
+	{
+		TestWorld t;
+		t.world.setGravity( btVector3( 0, btScalar( -9.81 ), 0 ) );
+		t.addFloor()->setFriction( btScalar( 0.5 ) );
+		SoftBody* cube = t.addSoft( block( 5, 5, 5, 0.1f ), at( 0, btScalar( 0.25 ), 0 ), implicitOr( elasticity ) );
+		cube->setFriction( 0 );
+		cube->setSpinningFriction( btScalar( 0.04 ) );
+		cube->setActivationState( DISABLE_DEACTIVATION );
+		t.run( 60 );
+		cube->setVelocities( btVector3( 0, 0, 0 ), btVector3( 0, 3, 0 ) );
+		const double inertia = inertiaOf( *cube );
+		double before = 0.0;
+		for ( int frame = 0; frame < 25; ++frame )
+		{
+			t.run( 1 );
+			before = frame == 9 ? double( cube->angularMomentum().y() ) / inertia : before;
+		}
+		const double got = ( before - double( cube->angularMomentum().y() ) / inertia ) / 0.25; // frames 10 to 24
+		const double wanted = 0.04 * 0.5 * double( cube->mass() ) * 9.81 / inertia;
+		std::printf( "spin lost: %.4f of %.4f rad/s^2\n", got, wanted );
+		EXPECT_NEAR( got / wanted, 1.0, 0.03 );
+		t.run( 240 );
+		EXPECT_NEAR( cube->angularMomentum().y(), 0, 1e-4 * inertia ); // stopped, and not turned back
+	}
+}
+
+// A ball that turns on the spot on a soft block: both axes by their law, and the block takes up what the ball loses.
+TEST( Friction, RollingAndSpinningFrictionTurnBothBodies )
+{
+	for ( const Elasticity elasticity : { Elasticity::Explicit, Elasticity::Implicit } )
+	{
+		TestWorld t;
+		t.world.setGravity( btVector3( 0, btScalar( -9.81 ), 0 ) );
+		t.addFloor()->setFriction( 0 );
+		SoftBody* cube = t.addSoft( block( 5, 5, 5, 0.1f ), at( 0, btScalar( 0.25 ), 0 ), implicitOr( elasticity ) );
+		cube->setFriction( btScalar( 0.5 ) );
+		cube->setActivationState( DISABLE_DEACTIVATION );
+		btRigidBody* ball = t.add( 1, new btSphereShape( btScalar( 0.2 ) ), at( 0, btScalar( 0.705 ), 0 ) );
+		ball->setFriction( 0 );
+		ball->setRollingFriction( btScalar( 0.02 ) );
+		ball->setSpinningFriction( btScalar( 0.01 ) );
+		ball->setActivationState( DISABLE_DEACTIVATION );
+		t.run( 120 );
+		ball->setAngularVelocity( btVector3( 4, 8, 0 ) );
+		t.run( 10 );
+		const double inertia = 0.4 * 0.2 * 0.2;
+		const auto spin = [&] { return double( cube->angularMomentum().y() + ball->getAngularVelocity().y() * btScalar( inertia ) ); };
+		const btVector3 before = ball->getAngularVelocity();
+		const double spinBefore = spin();
+		t.run( 15 );
+		const btVector3 lost = ( before - ball->getAngularVelocity() ) / btScalar( 0.25 );
+		std::printf( "lost: rolling %.3f of %.3f, spinning %.3f of %.3f rad/s^2; of both bodies' spin %.1e\n", double( lost.x() ), 0.02 * 0.5 * 9.81 / inertia, double( lost.y() ),
+			0.01 * 0.5 * 9.81 / inertia, std::abs( spin() / spinBefore - 1.0 ) );
+		EXPECT_NEAR( double( lost.x() ) / ( 0.02 * 0.5 * 9.81 / inertia ), 1.0, 0.05 );
+		EXPECT_NEAR( double( lost.y() ) / ( 0.01 * 0.5 * 9.81 / inertia ), 1.0, 0.05 );
+		EXPECT_NEAR( spin() / spinBefore, 1.0, 1e-4 );
+	}
+}
+
 } // namespace
 } // namespace pliant

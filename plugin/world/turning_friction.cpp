@@ -1,0 +1,191 @@
+#include "world/turning_friction.h"
+
+#include "world/soft_body_impl.h"
+
+#include <BulletCollision/BroadphaseCollision/btDispatcher.h>
+#include <BulletCollision/NarrowPhaseCollision/btPersistentManifold.h>
+
+#include <Eigen/Eigenvalues>
+
+#include <algorithm>
+
+namespace pliant {
+
+namespace {
+
+/// The body a contact belongs to: the soft one for its node.
+btCollisionObject* wholeOf( const btCollisionObject* object )
+{
+	SoftBody* const owner = ownerOfNodeBody( object );
+	return owner ? owner : const_cast<btCollisionObject*>( object );
+}
+
+/// A body as something that turns.
+struct Turner
+{
+	SoftBody* soft = nullptr;
+	btRigidBody* rigid = nullptr;
+	Vec3d speed = Vec3d::Zero();                              ///< rad/s
+	Eigen::Matrix3d inverse = Eigen::Matrix3d::Zero();        ///< of its inertia; 0: nothing turns it
+	Vec3d centre = Vec3d::Zero();                             ///< of a soft body's mass, relative to its origin, m
+
+	explicit Turner( btCollisionObject* object )
+	{
+		soft = asSoftBody( object );
+		rigid = soft ? nullptr : btRigidBody::upcast( object );
+		if ( soft )
+		{
+			measure( *soft );
+		}
+		else if ( rigid && !rigid->isStaticObject() )
+		{
+			speed = toVec3d( rigid->getAngularVelocity() );
+			inverse = rigid->isKinematicObject() ? Eigen::Matrix3d( Eigen::Matrix3d::Zero() ) : toMatrix3d( rigid->getInvInertiaTensorWorld() );
+		}
+	}
+
+	// A body that is held somewhere does not turn as a whole; nor does one that sleeps.
+	void measure( const SoftBody& body )
+	{
+		const NodeState& nodes = body.impl().body->nodes();
+		const BodySums sums = body.impl().body->sums();
+		Eigen::Matrix3d inertia = Eigen::Matrix3d::Zero();
+		bool isHeld = !body.isActive() || !body.isHealthy();
+		for ( int i = 0; i < nodes.count; ++i )
+		{
+			const Vec3d p = nodes.x.get( i ).cast<double>() - sums.centre;
+			inertia += double( nodes.mass[i] ) * ( p.squaredNorm() * Eigen::Matrix3d::Identity() - p * p.transpose() );
+			isHeld = isHeld || nodes.freedom[i] == 0.0f;
+		}
+		if ( isHeld )
+		{
+			return;
+		}
+		// Nodes in one line have no inertia about it.
+		const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes( inertia );
+		Vec3d inverses = Vec3d::Zero();
+		for ( int k = 0; k < 3; ++k )
+		{
+			const double moment = axes.eigenvalues()[k];
+			inverses[k] = moment > 1e-6 * axes.eigenvalues()[2] ? 1.0 / moment : 0.0;
+		}
+		inverse = axes.eigenvectors() * inverses.asDiagonal() * axes.eigenvectors().transpose();
+		speed = inverse * sums.spin;
+		centre = sums.centre;
+	}
+
+	void turn( const Vec3d& impulse )
+	{
+		const Vec3d change = inverse * impulse;
+		speed += change;
+		if ( rigid && !inverse.isZero( 0.0 ) )
+		{
+			rigid->setAngularVelocity( rigid->getAngularVelocity() + toBt( change ) * rigid->getAngularFactor() );
+		}
+		if ( soft && !inverse.isZero( 0.0 ) )
+		{
+			NodeState& nodes = soft->impl().body->nodes();
+			for ( int i = 0; i < nodes.count; ++i )
+			{
+				const Vec3d p = nodes.x.get( i ).cast<double>() - centre;
+				nodes.v.set( i, nodes.v.get( i ) + change.cross( p ).cast<float>() );
+			}
+		}
+	}
+};
+
+/// Brakes their turning against each other about an axis of unit length, as far as `limit` (N m s) does it.
+void brakeAbout( Turner& a, Turner& b, const Vec3d& axis, double limit )
+{
+	const double ease = axis.dot( ( a.inverse + b.inverse ) * axis );
+	if ( ease > 0.0 && limit > 0.0 )
+	{
+		// The impulse that would end it; never more, so it can only take energy.
+		const double wanted = -axis.dot( a.speed - b.speed ) / ease;
+		const Vec3d impulse = std::clamp( wanted, -limit, limit ) * axis;
+		a.turn( impulse );
+		b.turn( -impulse );
+	}
+}
+
+} // namespace
+
+void TurningFriction::hide( btDispatcher& dispatcher )
+{
+	m_hidden.clear();
+	for ( int m = 0; m < dispatcher.getNumManifolds(); ++m )
+	{
+		btPersistentManifold* const manifold = dispatcher.getManifoldByIndexInternal( m );
+		if ( !ownerOfNodeBody( manifold->getBody0() ) && !ownerOfNodeBody( manifold->getBody1() ) )
+		{
+			continue;
+		}
+		for ( int k = 0; k < manifold->getNumContacts(); ++k )
+		{
+			btManifoldPoint& point = manifold->getContactPoint( k );
+			if ( point.m_combinedRollingFriction != 0 || point.m_combinedSpinningFriction != 0 )
+			{
+				m_hidden.push_back( Hidden{ manifold, k, point.m_combinedRollingFriction, point.m_combinedSpinningFriction } );
+				point.m_combinedRollingFriction = point.m_combinedSpinningFriction = 0;
+			}
+		}
+	}
+}
+
+TurningFriction::Pair& TurningFriction::pairOf( btCollisionObject* first, btCollisionObject* second )
+{
+	for ( Pair& pair : m_pairs )
+	{
+		if ( pair.first == first && pair.second == second )
+		{
+			return pair;
+		}
+	}
+	m_pairs.push_back( Pair{ first, second, Vec3d::Zero() } );
+	return m_pairs.back();
+}
+
+void TurningFriction::apply()
+{
+	m_pairs.clear();
+	for ( const Hidden& hidden : m_hidden )
+	{
+		btManifoldPoint& point = hidden.manifold->getContactPoint( hidden.point );
+		point.m_combinedRollingFriction = hidden.rolling;
+		point.m_combinedSpinningFriction = hidden.spinning;
+		btCollisionObject* const first = wholeOf( hidden.manifold->getBody0() );
+		btCollisionObject* const second = wholeOf( hidden.manifold->getBody1() );
+		const double pressing = double( point.m_appliedImpulse );
+		// The impulses of what sleeps are those of when it fell asleep.
+		if ( pressing <= 0.0 || ( !first->isActive() && !second->isActive() ) || !first->hasContactResponse() || !second->hasContactResponse() )
+		{
+			continue;
+		}
+		Pair& pair = pairOf( first, second );
+		pair.pressing += pressing * toVec3d( point.m_normalWorldOnB );
+		pair.rolling += pressing * double( hidden.rolling );
+		pair.spinning += pressing * double( hidden.spinning );
+	}
+	for ( const Pair& pair : m_pairs )
+	{
+		brake( pair );
+	}
+}
+
+void TurningFriction::brake( const Pair& pair )
+{
+	if ( pair.pressing.isZero( 0.0 ) )
+	{
+		return;
+	}
+	const Vec3d normal = pair.pressing.normalized();
+	Turner a( pair.first ), b( pair.second );
+	brakeAbout( a, b, normal, pair.spinning );
+	const Vec3d turning = a.speed - b.speed, rolling = turning - normal.dot( turning ) * normal;
+	if ( !rolling.isZero( 0.0 ) )
+	{
+		brakeAbout( a, b, rolling.normalized(), pair.rolling );
+	}
+}
+
+} // namespace pliant
