@@ -212,6 +212,10 @@ void Body::teleport( const Placement& by )
 void Body::setPinned( int node, bool pinned )
 {
 	m_nodes.freedom[node] = pinned ? 0.0f : 1.0f;
+	if ( m_levels && pinned )
+	{
+		m_levels->hold( node );
+	}
 }
 
 void Body::applyForces( float h, const Vec3& gravity )
@@ -236,7 +240,7 @@ void Body::accelerateTowardGoals( float h, float alpha, TaskRunner* runner )
 	{
 		return; // its goal is where it is: dust costs nothing
 	}
-	const bool measuresStrain = m_levels && m_reviewIn == 0 && m_levels->settings().refineStrain > 0.0f;
+	const bool measuresStrain = m_levels && m_reviewIn == 0 && m_levels->followsStrain();
 	m_matcher->accelerate( m_nodes, MatchStep{ h, alpha, m_material.damping, wobbleRate( h, alpha ), bodyShare( h, alpha ), measuresStrain,
 		PlasticLaw{ m_material.yieldStrain, m_material.plasticCreep, m_material.plasticLimit }, farShares( m_material, m_lattice->cellSize, h ) }, runner );
 }

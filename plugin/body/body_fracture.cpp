@@ -108,8 +108,7 @@ void Body::refineBeforeBreaking()
 	if ( m_levels )
 	{
 		const float strain = std::min( kRefineBeforeBreak * m_breaking->limits.weakest * breakStrain( m_breaking->settings, m_material ), kLargestBreakStrain );
-		const float before = m_levels->settings().refineStrain;
-		m_levels->setRefineStrain( before > 0.0f ? std::min( before, strain ) : strain, kRefineTogether );
+		m_levels->setRefineStretch( strain, kRefineTogether );
 	}
 }
 
@@ -133,7 +132,7 @@ void Body::testLinks( float h )
 	Breaking& b = *m_breaking;
 	b.coolDown -= h;
 	const bool isCool = b.coolDown <= 0.0f;
-	const std::vector<std::uint8_t>* const mayBreak = m_levels ? &b.settled.update( *m_lattice, m_levels->cut(), m_levels->settings().coarseLevels, h ) : nullptr;
+	const std::vector<std::uint8_t>* const mayBreak = m_levels ? &b.settled.update( *m_lattice, m_levels->cut(), m_levels->version(), m_levels->settings().coarseLevels, h ) : nullptr;
 	if ( !b.broken.empty() || ( !isCool && !b.planes ) )
 	{
 		return;

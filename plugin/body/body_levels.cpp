@@ -112,7 +112,7 @@ bool Body::reviewLevels( float h )
 		return false;
 	}
 	m_reviewIn = kSubstepsBetweenReviews - 1;
-	const bool hasChange = m_levels->review( m_nodes, m_levelMatcher->strain(), m_sinceReview );
+	const bool hasChange = m_levels->review( m_nodes, m_levelMatcher->strain(), m_levelMatcher->stretch(), m_sinceReview );
 	m_sinceReview = 0.0f;
 	return hasChange;
 }

@@ -84,6 +84,12 @@ void Levels::relink( PieceOfLevels piece, const LevelSettings& settings, const L
 			}
 		}
 	}
+	m_room.quiet.clear();
+	for ( const std::uint32_t before : piece.nodes.before )
+	{
+		m_room.quiet.push_back( m_quiet[before] );
+	}
+	m_quiet.swap( m_room.quiet );
 	m_base = piece.update.base;
 	m_lattice = &lattice;
 	m_stiffness = &settings.stiffness;
@@ -94,7 +100,6 @@ void Levels::relink( PieceOfLevels piece, const LevelSettings& settings, const L
 	m_split.clear();
 	m_merge.clear();
 	m_asked.clear();
-	std::fill( m_quiet.begin(), m_quiet.end(), 0.0f );
 	std::fill( m_isWanted.begin(), m_isWanted.end(), std::uint8_t( 0 ) );
 	m_hasBacklog = false;
 	++m_version;

@@ -13,10 +13,12 @@ namespace pliant {
 
 namespace {
 
-/// Largest | s - 1 | over the singular values s of F lies between the root of a third of their squares' sum and the root of it.
-float strainOf( float squares )
+/// How much of what splits it a node is strained by; limits at 0 do not count. Largest | s - 1 | over the singular values s of F lies between the
+/// root of a third of their squares' sum and the root of it.
+float loadOf( float squares, float strainLimit, float stretch, float stretchLimit )
 {
-	return std::sqrt( squares );
+	const float strained = strainLimit > 0.0f ? std::sqrt( squares ) / strainLimit : 0.0f;
+	return stretchLimit > 0.0f ? std::max( strained, stretch / stretchLimit ) : strained;
 }
 
 } // namespace
@@ -45,11 +47,25 @@ Levels::Levels( std::shared_ptr<const LevelBase> base, const Lattice& lattice, c
 
 void Levels::inherit( const Levels& whole, const std::vector<std::uint32_t>& cellBefore )
 {
+	m_refineStretch = whole.m_refineStretch;
 	m_together = whole.m_together;
 	m_budget = whole.m_budget;
 	for ( std::size_t cell = 0; cell < cellBefore.size(); ++cell )
 	{
 		m_coarsest[cell] = whole.m_coarsest[cellBefore[cell]];
+	}
+	for ( std::size_t i = 0; i < m_quiet.size(); ++i )
+	{
+		const std::uint32_t cell = octree().cells[octree().cellStart[m_cut.node[i]]];
+		m_quiet[i] = whole.m_quiet[whole.m_cut.slotOfCell[cellBefore[cell]]];
+	}
+	if ( !whole.m_heldOn.empty() )
+	{
+		m_heldOn.reserve( cellBefore.size() );
+		for ( const std::uint32_t cell : cellBefore )
+		{
+			m_heldOn.push_back( whole.m_heldOn[cell] );
+		}
 	}
 }
 
@@ -87,28 +103,54 @@ void Levels::requestSplit( int node )
 	}
 }
 
-bool Levels::review( const NodeState& nodes, const AlignedArray<float>& strain, float seconds )
+void Levels::hold( int node )
+{
+	m_heldOn.resize( std::size_t( m_lattice->cellCount() ), 0 );
+	const std::uint32_t held = m_cut.node[node], first = octree().cellStart[held];
+	for ( std::uint32_t k = first; k < first + octree().cellCount[held]; ++k )
+	{
+		m_heldOn[octree().cells[k]] = std::uint8_t( levelOf( node ) );
+	}
+}
+
+/// Whether each of its cells was held by a node at least as big, while it was held last.
+bool Levels::isHeldAsOne( std::uint32_t node ) const
+{
+	const auto first = octree().cells.begin() + octree().cellStart[node];
+	return !m_heldOn.empty() && std::all_of( first, first + octree().cellCount[node],
+									[&]( std::uint32_t cell ) { return int( m_heldOn[cell] ) >= octree().levelOf( node ); } );
+}
+
+void Levels::measureLoads( const AlignedArray<float>& strain, const AlignedArray<float>& stretch )
+{
+	m_load.clear();
+	for ( std::size_t i = 0; followsStrain() && !stretch.empty() && i < m_cut.node.size(); ++i )
+	{
+		m_load.push_back( loadOf( strain[i], m_settings.refineStrain, stretch[i], m_refineStretch ) );
+	}
+}
+
+bool Levels::review( const NodeState& nodes, const AlignedArray<float>& strain, const AlignedArray<float>& stretch, float seconds )
 {
 	m_split.clear();
 	m_merge.clear();
-	const bool followsStrain = m_settings.refineStrain > 0.0f;
-	for ( int i = 0; i < m_cut.count() && !( followsStrain && strain.empty() ); ++i )
+	measureLoads( strain, stretch );
+	for ( int i = 0; i < m_cut.count() && !( followsStrain() && m_load.empty() ); ++i )
 	{
-		const bool isQuiet = !followsStrain || strainOf( strain[i] ) < m_settings.mergeShare * m_settings.refineStrain;
+		const bool isQuiet = !followsStrain() || m_load[std::size_t( i )] < m_settings.mergeShare;
 		m_quiet[i] = isQuiet && m_isWanted[i] == 0 ? m_quiet[i] + seconds : 0.0f;
 	}
-	collectSplits( strain );
+	collectSplits();
 	collectMerges( nodes );
 	std::fill( m_isWanted.begin(), m_isWanted.end(), std::uint8_t( 0 ) );
 	return !m_split.empty() || !m_merge.empty();
 }
 
 // Above the threshold; and, where nodes are to be split together, all that hang together with such a one and are nearly as strained.
-std::vector<std::uint8_t> Levels::strainedNodes( const AlignedArray<float>& strain ) const
+std::vector<std::uint8_t> Levels::strainedNodes() const
 {
-	const float limit = m_settings.refineStrain;
 	std::vector<std::uint8_t> isStrained;
-	if ( strain.empty() || !( limit > 0.0f ) )
+	if ( m_load.empty() )
 	{
 		return isStrained;
 	}
@@ -116,7 +158,7 @@ std::vector<std::uint8_t> Levels::strainedNodes( const AlignedArray<float>& stra
 	std::vector<std::uint32_t> front;
 	for ( std::uint32_t i = 0; i < std::uint32_t( m_cut.count() ); ++i )
 	{
-		isStrained[i] = strainOf( strain[i] ) > limit ? 1 : 0;
+		isStrained[i] = m_load[i] > 1.0f ? 1 : 0;
 		if ( isStrained[i] != 0 && m_together < 1.0f && octree().levelOf( m_cut.node[i] ) > m_finestLevel )
 		{
 			front.push_back( i );
@@ -129,7 +171,7 @@ std::vector<std::uint8_t> Levels::strainedNodes( const AlignedArray<float>& stra
 		for ( std::uint32_t k = matrix().start[node]; k < matrix().start[node + 1]; ++k )
 		{
 			const std::uint32_t to = matrix().member[k];
-			if ( isStrained[to] == 0 && strainOf( strain[to] ) > m_together * limit )
+			if ( isStrained[to] == 0 && m_load[to] > m_together )
 			{
 				isStrained[to] = 1;
 				front.push_back( to );
@@ -139,14 +181,14 @@ std::vector<std::uint8_t> Levels::strainedNodes( const AlignedArray<float>& stra
 	return isStrained;
 }
 
-void Levels::collectSplits( const AlignedArray<float>& strain )
+void Levels::collectSplits()
 {
 	// What was asked for comes first, then what only the finest level allowed had kept merged, then the most strained.
 	constexpr float kAsked = -std::numeric_limits<float>::infinity(), kTooBig = -std::numeric_limits<float>::max();
 	std::vector<std::pair<float, std::uint32_t>> wanted;
 	std::sort( m_asked.begin(), m_asked.end() );
 	std::vector<std::uint32_t> waiting;
-	const std::vector<std::uint8_t> isStrained = strainedNodes( strain );
+	const std::vector<std::uint8_t> isStrained = strainedNodes();
 	for ( int i = 0; i < m_cut.count(); ++i )
 	{
 		const std::uint32_t node = m_cut.node[i];
@@ -166,7 +208,7 @@ void Levels::collectSplits( const AlignedArray<float>& strain )
 		}
 		else if ( !isStrained.empty() && isStrained[std::size_t( i )] != 0 )
 		{
-			wanted.emplace_back( -strain[i], node );
+			wanted.emplace_back( -m_load[std::size_t( i )], node );
 		}
 	}
 	std::stable_sort( wanted.begin(), wanted.end(), []( const auto& a, const auto& b ) { return a.first < b.first; } );
@@ -199,19 +241,19 @@ bool Levels::mayMerge( const NodeState& nodes, std::uint32_t parent, int firstSl
 	{
 		return false;
 	}
-	const bool isFiner = tree.levelOf( parent ) <= m_finestLevel;
+	const bool isFiner = tree.levelOf( parent ) <= m_finestLevel, isHeld = nodes.freedom[firstSlot] == 0.0f;
 	for ( std::uint32_t k = 0; k < children; ++k )
 	{
 		const std::size_t slot = std::size_t( firstSlot ) + k;
 		const bool isThere = m_cut.node[slot] == tree.child[tree.childStart[parent] + k];
 		const bool isQuiet = isFiner || ( m_quiet[slot] >= m_settings.mergeDelay && m_isWanted[slot] == 0 );
-		const bool isHeld = nodes.freedom[slot] == 0.0f; // a pin holds one node, not what surrounds it
-		if ( !isThere || !isQuiet || isHeld || std::binary_search( m_split.begin(), m_split.end(), m_cut.node[slot] ) )
+		const bool isAlike = ( nodes.freedom[slot] == 0.0f ) == isHeld; // a pin holds one node, not what surrounds it
+		if ( !isThere || !isQuiet || !isAlike || std::binary_search( m_split.begin(), m_split.end(), m_cut.node[slot] ) )
 		{
 			return false;
 		}
 	}
-	return isFiner || !isTooBig( parent );
+	return ( isFiner || !isTooBig( parent ) ) && ( !isHeld || isHeldAsOne( parent ) );
 }
 
 void Levels::collectMerges( const NodeState& nodes )
@@ -358,7 +400,7 @@ std::size_t Levels::bytes() const
 	const std::size_t cut = ( m_cut.node.size() + m_cut.slotOfCell.size() ) * sizeof( std::uint32_t );
 	const std::size_t change = ( m_change.heir.size() + m_change.nodeNow.size() + m_change.keptAs.size() ) * sizeof( std::uint32_t );
 	// Room is of the size of what is in use.
-	return 2 * ( cut + m_tables->bytes() ) + change + m_quiet.size() * sizeof( float ) + m_coarsest.size();
+	return 2 * ( cut + m_tables->bytes() ) + change + ( m_quiet.size() + m_load.size() ) * sizeof( float ) + m_coarsest.size() + m_heldOn.size();
 }
 
 } // namespace pliant

@@ -71,7 +71,7 @@ public:
 	void relink( PieceOfLevels piece, const LevelSettings& settings, const Lattice& lattice, NodeState& nodes, LatticeMatcher& matcher );
 
 	/// Of a piece of a body that had these: what is split together and what is left of the budget are the whole's; material is merged as far as it
-	/// was there, however little of a block the piece has.
+	/// was there, however little of a block the piece has, and as soon.
 	/// `cellBefore`: of each finest cell.
 	void inherit( const Levels& whole, const std::vector<std::uint32_t>& cellBefore );
 
@@ -84,16 +84,20 @@ public:
 		m_quiet[std::size_t( node )] = 0.0f;
 		m_isWanted[std::size_t( node )] = 1;
 	}
+	/// A pin holds the node as it is now, and what that is made of: where it is split its parts are held, which may be merged up to it again.
+	void hold( int node );
 	/// Levels below this are not used, and merged away. Nodes that only this had merged are split again when it lets them. 0: all may be.
 	void setFinestLevel( int level ) { m_finestLevel = level; }
 	int finestLevel() const { return m_finestLevel; }
+	/// Beside Adaptivity::refineStrain: nodes are split that are stretched by more in some direction, however little they are squeezed.
 	/// `together`: where a node is split, so are those its regions reach that are strained by this share of the threshold, and those theirs
 	/// reach; 1: none.
-	void setRefineStrain( float strain, float together )
+	void setRefineStretch( float stretch, float together )
 	{
-		m_settings.refineStrain = strain;
+		m_refineStretch = stretch;
 		m_together = together;
 	}
+	bool followsStrain() const { return m_settings.refineStrain > 0.0f || m_refineStretch > 0.0f; }
 	float together() const { return m_together; }
 
 	/// From now on, until it is said again, changes together bring no more than Adaptivity::nodesPerStep. Unsaid: each change may.
@@ -101,8 +105,8 @@ public:
 	/// Whether something waits that the budget had no room for.
 	bool hasBacklog() const { return m_hasBacklog; }
 
-	/// Reads the strains last measured; `seconds` since the last reading. True when there is something to change.
-	bool review( const NodeState& nodes, const AlignedArray<float>& strain, float seconds );
+	/// Reads the strains and stretches last measured; `seconds` since the last reading. True when there is something to change.
+	bool review( const NodeState& nodes, const AlignedArray<float>& strain, const AlignedArray<float>& stretch, float seconds );
 	/// Makes the changes that `review` and requests asked for, within the budget. Momentum and spin of the nodes stay what they were where no
 	/// node is held.
 	void apply( NodeState& nodes, LatticeMatcher& matcher, const Material& material, TaskRunner* tasks = nullptr );
@@ -119,9 +123,11 @@ private:
 	Levels( std::shared_ptr<const LevelBase> base, const Lattice& lattice, const Adaptivity& settings, const std::vector<float>& stiffness, Cut cut,
 		LevelRegions regions, std::shared_ptr<const RegionTables> tables );
 
-	std::vector<std::uint8_t> strainedNodes( const AlignedArray<float>& strain ) const;
-	void collectSplits( const AlignedArray<float>& strain );
+	void measureLoads( const AlignedArray<float>& strain, const AlignedArray<float>& stretch );
+	std::vector<std::uint8_t> strainedNodes() const;
+	void collectSplits();
 	void collectMerges( const NodeState& nodes );
+	bool isHeldAsOne( std::uint32_t node ) const;
 	bool mayMerge( const NodeState& nodes, std::uint32_t parent, int firstSlot ) const;
 	void countRoom();
 	void prepareRoom();
@@ -152,7 +158,7 @@ private:
 	unsigned m_version = 0;
 	LevelChange m_change;
 	int m_finestLevel = 0;
-	float m_together = 1.0f;
+	float m_refineStretch = 0.0f, m_together = 1.0f;
 	std::array<int, kMostCoarseLevels + 1> m_nodesOnLevel{};
 
 	/// What the change before the last left, for the next to be built in.
@@ -169,6 +175,8 @@ private:
 	bool m_hasRoom = false;
 
 	std::vector<std::uint8_t> m_coarsest;       ///< of each finest cell: the level of the node that the first cut of the whole body has there
+	std::vector<std::uint8_t> m_heldOn;         ///< of each finest cell: the level of the node that was held above it last; empty: none ever was
+	std::vector<float> m_load;                  ///< of each node: its strain over what splits it, as last reviewed; empty: not known
 	std::vector<float> m_quiet;                 ///< of each node: seconds since its strain was last above the merging threshold
 	std::vector<std::uint8_t> m_isWanted;       ///< of each node: 1 where it was asked for since the last review
 	std::vector<std::uint32_t> m_split, m_merge; ///< octree nodes, found by the last review

@@ -21,9 +21,15 @@ void shrink( const Lattice& lattice, const std::vector<std::uint8_t>& inner, std
 
 } // namespace
 
-const std::vector<std::uint8_t>& SettledCells::update( const Lattice& lattice, const Cut& cut, int coarseLevels, float h )
+const std::vector<std::uint8_t>& SettledCells::update( const Lattice& lattice, const Cut& cut, unsigned version, int coarseLevels, float h )
 {
 	const std::size_t count = std::size_t( lattice.cellCount() );
+	if ( m_mayBreak.size() == count && m_version == version && !m_isWaiting )
+	{
+		return m_mayBreak; // time makes no difference any more
+	}
+	m_version = version;
+	m_isWaiting = false;
 	if ( m_finestFor.size() != count )
 	{
 		m_finestFor.assign( count, kSettleTime ); // as made: nothing has been split yet
@@ -32,8 +38,10 @@ const std::vector<std::uint8_t>& SettledCells::update( const Lattice& lattice, c
 	bool isKnown = m_mayBreak.size() == count;
 	for ( std::uint32_t i = 0; i < std::uint32_t( count ); ++i )
 	{
-		m_finestFor[i] = cut.node[cut.slotOfCell[i]] == i ? m_finestFor[i] + h : 0.0f;
+		const bool isNode = cut.node[cut.slotOfCell[i]] == i;
+		m_finestFor[i] = isNode ? m_finestFor[i] + h : 0.0f;
 		const std::uint8_t isFinest = m_finestFor[i] >= kSettleTime ? 1 : 0;
+		m_isWaiting = m_isWaiting || ( isNode && isFinest == 0 );
 		isKnown = isKnown && isFinest == m_isFinest[i];
 		m_isFinest[i] = isFinest;
 	}

@@ -33,8 +33,8 @@ private:
 class SettledCells
 {
 public:
-	/// One substep of length h further; 1 for each cell that may break.
-	const std::vector<std::uint8_t>& update( const Lattice& lattice, const Cut& cut, int coarseLevels, float h );
+	/// One substep of length h further; 1 for each cell that may break. `version`: another one where the cut is another.
+	const std::vector<std::uint8_t>& update( const Lattice& lattice, const Cut& cut, unsigned version, int coarseLevels, float h );
 	/// Links have changed: the cells around others are no more what they were.
 	void forgetLinks() { m_mayBreak.clear(); }
 	/// Pieces go on where the whole was.
@@ -42,6 +42,8 @@ public:
 
 private:
 	std::vector<float> m_finestFor; ///< s
+	unsigned m_version = 0;
+	bool m_isWaiting = true; ///< some finest cells are too young
 	std::vector<std::uint8_t> m_isFinest; ///< 1 for cells that have been finest ones for long enough
 	std::vector<std::uint8_t> m_ring, m_mayBreak; ///< m_mayBreak: of m_isFinest as it is; empty: not known
 };

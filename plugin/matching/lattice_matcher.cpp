@@ -339,6 +339,11 @@ void LatticeMatcher::accelerate( NodeState& nodes, const MatchStep& step, TaskRu
 		m_strain.resize( m_tables->moments.padded );
 		v.strain = m_strain.data();
 	}
+	if ( step.measuresStrain && v.strain )
+	{
+		m_stretch.resize( m_strain.size() );
+		v.stretch = m_stretch.data();
+	}
 	measureFrame( nodes, v, runner );
 	gatherAndFit( v, step, runner );
 
@@ -392,7 +397,7 @@ std::size_t LatticeMatcher::bytes() const
 	{
 		bytes += ( m_residual[k].size() + m_change[k].size() ) * sizeof( float );
 	}
-	bytes += m_strain.size() * sizeof( float ) + ( m_plastic ? m_plastic->bytes() : 0 ) + ( m_far ? m_far->bytes() : 0 );
+	bytes += ( m_strain.size() + m_stretch.size() ) * sizeof( float ) + ( m_plastic ? m_plastic->bytes() : 0 ) + ( m_far ? m_far->bytes() : 0 );
 	return bytes + m_partial.size() * sizeof( m_partial[0] ) + m_openCount.size() * sizeof( int );
 }
 

@@ -51,6 +51,8 @@ public:
 	bool nodeFlow( int count, float* stretches ) const override;
 	/// Of each region, sum over the singular values s of F of ( s - 1 )^2, as last measured (MatchStep::measuresStrain).
 	const AlignedArray<float>& strain() const { return m_strain; }
+	/// The same of what is not less than the largest s - 1: what is squeezed counts little.
+	const AlignedArray<float>& stretch() const { return m_stretch; }
 	/// The body's own rotation, as the last substep found it.
 	const Eigen::Quaterniond& frame() const { return m_frame; }
 	/// F of every region in world axes, from the nodes as they are, 9 floats a region, row by row. The tables must hold J^+.
@@ -102,7 +104,7 @@ private:
 	// Scratch of one substep.
 	double m_mass = 0.0; ///< kg
 	AlignedArray<float> m_change[3];
-	AlignedArray<float> m_strain; ///< empty until it is asked for
+	AlignedArray<float> m_strain, m_stretch; ///< empty until they are asked for
 	AlignedArray<float> m_nodeRecord, m_regionRecord;
 	std::vector<std::uint32_t> m_open;
 	std::vector<int> m_openCount;

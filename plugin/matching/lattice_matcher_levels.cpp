@@ -15,6 +15,7 @@ void LatticeMatcher::setTables( std::shared_ptr<const RegionTables> tables, cons
 	}
 	m_tables = std::move( tables );
 	m_strain.clear();
+	m_stretch.clear();
 	const std::size_t padded = std::size_t( m_tables->moments.padded );
 	for ( AlignedArray<float>* array : history() )
 	{

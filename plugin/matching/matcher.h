@@ -29,7 +29,7 @@ struct MatchStep
 	float damping = 0.0f; ///< 1/s; the factor a substep is k = 1 - exp(-damping h)
 	float wobbleDamping = 0.0f; ///< 1/s, of all motion that is no rigid motion of the whole body
 	float bodyShare = 0.0f;     ///< share of the goal that is the whole body's rigid fit instead of the regions', [0, 1]
-	bool measuresStrain = false; ///< keep what `strain` tells of this substep
+	bool measuresStrain = false; ///< keep what `strain` and `stretch` tell of this substep
 	PlasticLaw plastic = {};
 	FarShares far = {};          ///< shares of the way to the goal on the far levels, where the matcher has them
 };

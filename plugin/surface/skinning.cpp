@@ -122,6 +122,10 @@ void writePositions( const SkinBinding& binding, const std::uint32_t* slot, Skin
 		const bool isCarried = binding.carrierOf( v ) != v;
 		if ( isCarried && !isShifted( binding, v ) )
 		{
+			if ( !binding.normalShift.empty() )
+			{
+				store4( scratch.turnedShift.data() + 4 * v, F4{} );
+			}
 			continue;
 		}
 		const Vec3& at = binding.restPosition[v];
@@ -136,6 +140,10 @@ void writePositions( const SkinBinding& binding, const std::uint32_t* slot, Skin
 		{
 			const Vec3& shift = binding.normalShift[v];
 			store4( scratch.turnedShift.data() + 4 * v, blend.apply( F4{ shift.x(), shift.y(), shift.z(), 0.0f } ) );
+		}
+		else if ( !binding.normalShift.empty() )
+		{
+			store4( scratch.turnedShift.data() + 4 * v, F4{} );
 		}
 	}
 }
@@ -199,11 +207,71 @@ F4 turnedNormal( const SkinBinding& binding, const float* maps, const std::uint3
 	return length > 0.0f ? now / length : F4{ n.x(), n.y(), n.z(), 0.0f };
 }
 
+F4 rootOf( F4 a )
+{
+	return F4{ std::sqrt( a[0] ), std::sqrt( a[1] ), std::sqrt( a[2] ), std::sqrt( a[3] ) };
+}
+
+/// Four directions side by side: component by component. Turns one way and back alike.
+struct Four
+{
+	F4 x, y, z;
+
+	Four( F4 a, F4 b, F4 c, F4 d )
+	{
+		const F4 ab0 = __builtin_shufflevector( a, b, 0, 4, 1, 5 ), cd0 = __builtin_shufflevector( c, d, 0, 4, 1, 5 );
+		const F4 ab1 = __builtin_shufflevector( a, b, 2, 6, 3, 7 ), cd1 = __builtin_shufflevector( c, d, 2, 6, 3, 7 );
+		x = __builtin_shufflevector( ab0, cd0, 0, 1, 4, 5 );
+		y = __builtin_shufflevector( ab0, cd0, 2, 3, 6, 7 );
+		z = __builtin_shufflevector( ab1, cd1, 0, 1, 4, 5 );
+	}
+	F4 length() const { return rootOf( ( x * x + y * y ) + z * z ); }
+};
+
+/// Normals of vertices v to v + 3, to the bit what they are one by one. False where one of them has none to begin with.
+bool writeFourNormals( const SkinBinding& binding, const SkinScratch& scratch, float* normals, std::size_t v )
+{
+	const auto sumOf = [&]( std::size_t vertex ) { return load4( scratch.groupNormal.data() + 4 * std::size_t( binding.normalGroup[vertex] ) ); };
+	Four n( sumOf( v ), sumOf( v + 1 ), sumOf( v + 2 ), sumOf( v + 3 ) );
+	const F4 length = n.length();
+	if ( !( length[0] > 0.0f && length[1] > 0.0f && length[2] > 0.0f && length[3] > 0.0f ) )
+	{
+		return false;
+	}
+	n.x /= length;
+	n.y /= length;
+	n.z /= length;
+	if ( !binding.normalShift.empty() )
+	{
+		const float* const from = scratch.turnedShift.data() + 4 * v;
+		const Four shift( load4( from ), load4( from + 4 ), load4( from + 8 ), load4( from + 12 ) );
+		Four shifted = n;
+		shifted.x += shift.x;
+		shifted.y += shift.y;
+		shifted.z += shift.z;
+		const F4 shiftedLength = shifted.length();
+		const auto isShiftedTo = ( ( shift.x != 0.0f ) | ( shift.y != 0.0f ) | ( shift.z != 0.0f ) ) & ( shiftedLength > 0.0f );
+		n.x = isShiftedTo ? shifted.x / shiftedLength : n.x;
+		n.y = isShiftedTo ? shifted.y / shiftedLength : n.y;
+		n.z = isShiftedTo ? shifted.z / shiftedLength : n.z;
+	}
+	for ( std::size_t k = 0; k < 4; ++k )
+	{
+		write3( normals + 3 * ( v + k ), F4{ n.x[k], n.y[k], n.z[k], 0.0f } );
+	}
+	return true;
+}
+
 void writeNormals( const SkinBinding& binding, const std::uint32_t* slot, const SkinScratch& scratch, float* normals, std::size_t first, std::size_t last )
 {
 	const float* const maps = scratch.nodeMap.data();
 	for ( std::size_t v = first; v < last; ++v )
 	{
+		if ( v % 4 == 0 && v + 4 <= last && writeFourNormals( binding, scratch, normals, v ) )
+		{
+			v += 3;
+			continue;
+		}
 		const F4 sum = load4( scratch.groupNormal.data() + 4 * std::size_t( binding.normalGroup[v] ) );
 		const float length = lengthOf( sum );
 		F4 normal = length > 0.0f ? sum / length : turnedNormal( binding, maps, slot, v );

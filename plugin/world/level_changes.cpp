@@ -16,7 +16,8 @@ namespace pliant {
 
 namespace {
 
-/// Where a pin's node has split, each of its children is pinned as it was.
+/// Where a pin's node has split, each of its children is pinned as it was; where such children have merged, the node they make up is, and
+/// stands as the first of them does.
 void movePins( SoftBody::Impl& impl, const LevelChange& change, const std::vector<btVector3>& placeBefore )
 {
 	if ( impl.pins.empty() )
@@ -34,7 +35,7 @@ void movePins( SoftBody::Impl& impl, const LevelChange& change, const std::vecto
 		}
 		Pin now = *pin;
 		now.node = node;
-		if ( change.nodeNow[std::size_t( before )] == kNoNode )
+		if ( change.keptAs[std::size_t( before )] == kNoNode )
 		{
 			const btVector3 arm = impl.position( node ) - placeBefore[std::size_t( pin - impl.pins.data() )];
 			now.point += pin->kind == PinKind::FollowsBody ? pin->body->getWorldTransform().getBasis().transpose() * arm : arm;

@@ -330,6 +330,24 @@ TEST( LevelPieces, ThatCameOffAreThoseFromNothingButForRounding )
 	EXPECT_GE( count.pieces, 16 );
 }
 
+/// Of a bar of eight cells, from the bottom up to `most` cells.
+std::vector<CellLink> linksAtTheMiddle( const Lattice& lattice, int most )
+{
+	std::vector<CellLink> links;
+	for ( std::uint32_t i = 0; i < std::uint32_t( lattice.cellCount() ); ++i )
+	{
+		const bool isHere = lattice.coordinate[i].x() == 3 && lattice.coordinate[i].y() < most;
+		for ( std::uint32_t k = lattice.linkStart[i]; isHere && k < lattice.linkStart[i + 1]; ++k )
+		{
+			if ( const std::uint32_t j = lattice.linkTo[k]; lattice.coordinate[j].x() == 4 )
+			{
+				links.push_back( CellLink{ std::min( i, j ), std::max( i, j ) } );
+			}
+		}
+	}
+	std::sort( links.begin(), links.end() );
+	return links;
+}
 // From the first event on, what had cracked or come off was refined node by node again: bars on coarse levels break too early then.
 TEST( LevelPieces, AreRefinedTogetherAsTheWholeWas )
 {
@@ -341,28 +359,13 @@ TEST( LevelPieces, AreRefinedTogetherAsTheWholeWas )
 			settings.coarseLevels = 1;
 			const auto lattice = std::make_shared<const Lattice>( makeBlockLattice( 8, 4, 4, 0.1f ) );
 			Result<std::unique_ptr<Body>> made = Body::create( lattice, Material{}, {}, nullptr, settings );
-			ASSERT_TRUE( made.ok() );
 			Fracture fracture;
 			fracture.rule = BreakRule::Plane;
 			fracture.breakStrain = 0.2f;
 			ASSERT_TRUE( made.value->setFracture( fracture ).ok() );
 			const float together = made.value->levels()->together();
 			ASSERT_LT( together, 1.0f );
-			std::vector<CellLink> links;
-			for ( std::uint32_t i = 0; i < std::uint32_t( lattice->cellCount() ); ++i )
-			{
-				for ( std::uint32_t k = lattice->linkStart[i]; k < lattice->linkStart[i + 1]; ++k )
-				{
-					const std::uint32_t j = lattice->linkTo[k];
-					const bool isAcross = lattice->coordinate[i].x() == 3 && lattice->coordinate[j].x() == 4;
-					if ( isAcross && ( comesApart || lattice->coordinate[i].y() == 0 ) )
-					{
-						links.push_back( CellLink{ std::min( i, j ), std::max( i, j ) } );
-					}
-				}
-			}
-			std::sort( links.begin(), links.end() );
-			made.value->breakLinks( links );
+			made.value->breakLinks( linksAtTheMiddle( *lattice, comesApart ? 4 : 1 ) );
 			while ( made.value->mustRefineToBreak() )
 			{
 				made.value->refineToBreak();
@@ -374,6 +377,41 @@ TEST( LevelPieces, AreRefinedTogetherAsTheWholeWas )
 			{
 				EXPECT_EQ( piece.body->levels()->together(), together );
 			}
+		}
+	}
+}
+
+// What has been quiet for most of the delay when a crack opens need not wait for all of it anew.
+TEST( LevelPieces, AreMergedWhenTheWholeWouldHaveBeen )
+{
+	for ( const PieceRoad road : { PieceRoad::TakeOver, PieceRoad::FromNothing } )
+	{
+		for ( const int most : { 4, 1 } ) // through all of it; a notch
+		{
+			Adaptivity settings;
+			settings.coarseLevels = 1;
+			settings.refineStrain = 0.2f;
+			settings.mergeDelay = 0.1f;
+			const auto lattice = std::make_shared<const Lattice>( makeBlockLattice( 8, 4, 4, 0.1f ) );
+			Result<std::unique_ptr<Body>> made = Body::create( lattice, Material{}, {}, nullptr, settings );
+			const auto run = []( Body& body, int substeps ) {
+				for ( ; substeps > 0; --substeps )
+				{
+					body.adaptLevels( kStep );
+					ASSERT_EQ( test::substep( body, kStep, 1.0f ), BodyHealth::Good );
+				}
+			};
+			made.value->changeLevels( made.value->levels()->cut().node, {} );
+			run( *made.value, 20 );
+			made.value->breakLinks( linksAtTheMiddle( *lattice, most ) );
+			int nodes = 0;
+			BreakReport report;
+			for ( const BodyPiece& piece : made.value->breakApart( report, 10, road ) )
+			{
+				run( *piece.body, 12 );
+				nodes += piece.body->nodeCount();
+			}
+			EXPECT_EQ( nodes, 16 );
 		}
 	}
 }

@@ -23,6 +23,7 @@ TEST( SettledCells, AreTheSameRememberedOrLookedAtAnew )
 	std::vector<std::uint32_t> all( lattice.fill.size() );
 	std::iota( all.begin(), all.end(), 0u );
 	SettledCells kept;
+	unsigned version = 0;
 	int changed = 0;
 	std::size_t fewest = all.size(), most = 0;
 	std::vector<std::uint8_t> last;
@@ -35,6 +36,7 @@ TEST( SettledCells, AreTheSameRememberedOrLookedAtAnew )
 				isSplit[node] = random() % 8 != 0;
 			}
 			cut = cutNow();
+			++version;
 		}
 		if ( step % 31 == 17 ) // links go
 		{
@@ -54,8 +56,8 @@ TEST( SettledCells, AreTheSameRememberedOrLookedAtAnew )
 		}
 		SettledCells anew;
 		anew.inherit( kept, all );
-		const std::vector<std::uint8_t> wanted = anew.update( lattice, cut, kCoarse, 0.01f );
-		const std::vector<std::uint8_t>& got = kept.update( lattice, cut, kCoarse, 0.01f );
+		const std::vector<std::uint8_t> wanted = anew.update( lattice, cut, version, kCoarse, 0.01f );
+		const std::vector<std::uint8_t>& got = kept.update( lattice, cut, version, kCoarse, 0.01f );
 		ASSERT_EQ( got, wanted ) << "step " << step;
 		changed += got != last ? 1 : 0;
 		last = got;

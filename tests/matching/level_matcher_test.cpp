@@ -6,7 +6,10 @@
 #include "support/block_body.h"
 #include "support/shapes.h"
 
+#include <Eigen/SVD>
 #include <gtest/gtest.h>
+
+#include <cmath>
 
 namespace pliant {
 namespace {
@@ -144,6 +147,7 @@ TEST_P( LevelMatcher, FlowsLikeItsSlowTwin )
 TEST_P( LevelMatcher, GivesTheSameBitsOnEveryInstructionSetAndThreadCount )
 {
 	std::vector<NodeState> results;
+	std::vector<AlignedArray<float>> stretches;
 	const std::unique_ptr<TaskRunner> pool = createThreadPool( 3 );
 	for ( const KernelTarget target : { KernelTarget::Baseline, KernelTarget::Avx2, KernelTarget::Avx512 } )
 	{
@@ -163,7 +167,12 @@ TEST_P( LevelMatcher, GivesTheSameBitsOnEveryInstructionSetAndThreadCount )
 				move( nodes, 0.01f );
 			}
 			results.push_back( std::move( nodes ) );
+			stretches.push_back( matcher.stretch() );
 		}
+	}
+	for ( const AlignedArray<float>& other : stretches )
+	{
+		EXPECT_EQ( other, stretches[0] );
 	}
 	for ( const NodeState& other : results )
 	{
@@ -171,6 +180,31 @@ TEST_P( LevelMatcher, GivesTheSameBitsOnEveryInstructionSetAndThreadCount )
 		EXPECT_EQ( other.x.y, results[0].x.y );
 		EXPECT_EQ( other.x.z, results[0].x.z );
 	}
+}
+
+TEST_P( LevelMatcher, TellsAStretchBetweenTheLargestAndTheWholeStrain )
+{
+	NodeState nodes = shaken();
+	LatticeMatcher matcher( lattice, material, tables );
+	matcher.reset( nodes, Eigen::Quaterniond::Identity() );
+	matcher.accelerate( nodes, MatchStep{ 0.01f, 0.0f, 0.0f, 0.0f, 0.0f, true }, nullptr );
+	std::vector<float> gradients( std::size_t( nodes.padded ) * 9 );
+	matcher.deformations( nodes, gradients.data() );
+	std::vector<float> turns( std::size_t( nodes.count ) * 4 );
+	matcher.nodeRotations( nodes, turns.data() );
+	double below = 0.0;
+	for ( int i = 0; i < nodes.count; ++i )
+	{
+		const Eigen::Matrix3f f = Eigen::Map<const Eigen::Matrix<float, 3, 3, Eigen::RowMajor>>( gradients.data() + 9 * i );
+		const Eigen::Matrix3f e = Eigen::Map<const Eigen::Quaternionf>( turns.data() + 4 * i ).conjugate() * f - Eigen::Matrix3f::Identity();
+		const Eigen::Vector3d s = ( f.jacobiSvd().singularValues().array() - 1.0f ).cast<double>();
+		const float mean = e.trace() / 3.0f, about = ( e - mean * Eigen::Matrix3f::Identity() ).norm();
+		EXPECT_NEAR( matcher.stretch()[i], mean + std::sqrt( 2.0f / 3.0f ) * about, 1e-5f );
+		EXPECT_GT( matcher.stretch()[i], s.maxCoeff() - 1e-4 );
+		EXPECT_LT( matcher.stretch()[i], std::sqrt( matcher.strain()[i] ) + 1e-6f );
+		below = std::max( below, std::sqrt( double( matcher.strain()[i] ) ) - double( matcher.stretch()[i] ) );
+	}
+	EXPECT_GT( below, 0.01 );
 }
 
 TEST_P( LevelMatcher, KeepsMomentumAndSpinWithConservingWeights )

@@ -296,19 +296,27 @@ inline bool needsDeformation( const MatchView& view )
 	return view.beta > 0.0f || view.regionBeta || view.regionEta || view.blend[0] || view.volumeShare > 0.0f || view.strain;
 }
 
-/// Sum over the singular values s of F of ( s - 1 )^2, which is | F - R |^2.
+/// Sum over the singular values s of F of ( s - 1 )^2, which is | F - R |^2. And of E = R^T F - 1, with the mean m and n = | E - m 1 | about it, m +
+/// sqrt( 2 / 3 ) n: the largest s - 1 where the other two are alike, as in a pull; else more, up to a third of a squeeze, and at most | E |.
 inline void writeStrain( const MatchView& view, const Mat& rLessOne, const Mat& fLessOne, int r )
 {
-	V sum = V{};
+	V sum = V{}, trace = V{};
 	for ( int i = 0; i < 3; ++i )
 	{
 		for ( int j = 0; j < 3; ++j )
 		{
 			const V difference = fLessOne.m[i][j] - rLessOne.m[i][j];
 			sum = sum + difference * difference;
+			trace = trace + rLessOne.m[i][j] * difference;
+			trace = i == j ? trace + difference : trace;
 		}
 	}
 	store( view.strain + r, sum );
+	if ( view.stretch )
+	{
+		const V mean = trace * ( 1.0f / 3.0f ), about = sum - mean * trace;
+		store( view.stretch + r, mean + squareRoot( select( about > 0.0f, about, V{} ) * ( 2.0f / 3.0f ) ) );
+	}
 }
 
 /// What the region asks of its nodes, as a matrix D on rest arms q and the shift that goes with it:

@@ -62,6 +62,7 @@ struct MatchView
 	const float* plastic[9] = {};         ///< S_p - 1, row by row; `inverseMoment` is then that of the flowed shape
 	float volumeShare = 0.0f;             ///< kappa
 	float* strain = nullptr;              ///< out: sum over the singular values s of F of ( s - 1 )^2, a region
+	float* stretch = nullptr;             ///< out, with strain: not less than the largest s - 1, a region
 	float* quaternion[4] = {};     ///< w, x, y, z: rotation relative to the body frame
 
 	// Records: one line a node or region; on the grid one line a lattice position.
