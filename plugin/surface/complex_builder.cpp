@@ -158,35 +158,60 @@ private:
 
 	// === Numbers ===
 
-	/// Places of the mesh first, then all others that something is drawn at.
-	void numberPoints()
+	/// Of each point of the surface the lowest cell that draws something there; kNone: none does.
+	std::vector<std::uint32_t> lowestCells() const
 	{
-		std::vector<std::uint8_t> isUsed( m_surface.point.size(), 0 );
-		std::fill( isUsed.begin(), isUsed.begin() + std::ptrdiff_t( m_weldedCount ), std::uint8_t( 1 ) );
-		const auto use = [&]( const auto& triangles ) {
-			for ( const auto& t : triangles )
+		std::vector<std::uint32_t> lowest( m_surface.point.size(), CellComplex::kNone );
+		const auto see = [&lowest]( std::uint32_t point, std::uint32_t cell ) { lowest[point] = std::min( lowest[point], cell ); };
+		for ( std::uint32_t cell = 0; cell + 1 < std::uint32_t( m_pieces.cellStart.size() ); ++cell )
+		{
+			for ( std::uint32_t t = m_pieces.cellStart[cell]; t < m_pieces.cellStart[cell + 1]; ++t )
 			{
-				for ( const std::uint32_t p : t )
+				for ( const std::uint32_t v : m_pieces.triangle[t] )
 				{
-					isUsed[p] = 1;
+					see( m_pieces.vertexPoint[v], cell );
 				}
 			}
-		};
-		use( m_faces.triangle );
+		}
+		for ( const CrackFace& face : m_faces.face )
+		{
+			for ( std::uint32_t t = face.firstTriangle; t < face.lastTriangle; ++t )
+			{
+				for ( const std::uint32_t point : m_faces.triangle[t] )
+				{
+					see( point, face.cellA );
+				}
+			}
+		}
+		return lowest;
+	}
+
+	/// Places of the mesh and all others that something is drawn at: those of one cell side by side, so that what is done for a crack's faces
+	/// finds them near to one another in memory.
+	void numberPoints()
+	{
+		const std::vector<std::uint32_t> lowest = lowestCells();
+		std::vector<std::uint8_t> isOfVertex( lowest.size(), 0 );
 		for ( const std::uint32_t p : m_pieces.vertexPoint )
 		{
-			isUsed[p] = 1;
+			isOfVertex[p] = 1;
 		}
-		m_number.assign( m_surface.point.size(), CellComplex::kNone );
-		for ( std::size_t p = 0; p < isUsed.size(); ++p )
+		std::vector<std::pair<std::uint32_t, std::uint32_t>> order; // lowest cell, point
+		for ( std::uint32_t p = 0; p < std::uint32_t( lowest.size() ); ++p )
 		{
-			if ( isUsed[p] )
+			if ( p < m_weldedCount || lowest[p] != CellComplex::kNone || isOfVertex[p] )
 			{
-				m_number[p] = std::uint32_t( m_out.pointRest.size() );
-				const Vec3d at = p < m_weldedCount ? m_mesh.position[p]
-												   : Vec3d( m_lattice.corner + double( m_lattice.cellSize ) * m_surface.point[p].rest );
-				m_out.pointRest.push_back( ( at - m_lattice.massCentre ).cast<float>() );
+				order.emplace_back( lowest[p], p );
 			}
+		}
+		std::sort( order.begin(), order.end() );
+		m_number.assign( m_surface.point.size(), CellComplex::kNone );
+		for ( const auto& [cell, p] : order )
+		{
+			m_number[p] = std::uint32_t( m_out.pointRest.size() );
+			const Vec3d at = p < m_weldedCount ? m_mesh.position[p]
+											   : Vec3d( m_lattice.corner + double( m_lattice.cellSize ) * m_surface.point[p].rest );
+			m_out.pointRest.push_back( ( at - m_lattice.massCentre ).cast<float>() );
 		}
 	}
 
