@@ -79,12 +79,12 @@ public:
 		order.place = btTransform( btQuaternion::getIdentity(), btVector3( 0, kLift, 0 ) );
 		stage.addGround( btScalar( 0.8 ) );
 		order.shape = stage.buildShape( order );
-		if( order.shape == nullptr || !prepareInside( order ) )
+		if( order.shape == nullptr )
 		{
 			return false;
 		}
 		m_liver = stage.addSoft( order );
-		if( m_liver == nullptr )
+		if( m_liver == nullptr || !m_liver->prepareCracks().ok() ) // now, and not at the first cut
 		{
 			return false;
 		}
@@ -171,15 +171,6 @@ public:
 
 private:
 	static constexpr pliant_glue::Colour kLiver = { 0.30f, 0.05f, 0.035f }, kFlesh = { 0.55f, 0.13f, 0.09f }, kSteel = { 0.55f, 0.57f, 0.60f };
-
-	/// The template's drawn inside is made when its first body may break: now, and not at the first cut.
-	static bool prepareInside( const SoftOrder& order )
-	{
-		const pliant::SoftBodyResult body = pliant::SoftBody::create( order.shape, order.place, order.material );
-		pliant::Fracture fracture;
-		fracture.rule = pliant::BreakRule::Distance;
-		return body.ok() && body.value->setFracture( fracture ).ok();
-	}
 
 	static pliant_glue::ModelMesh shape( Stage& stage )
 	{

@@ -71,16 +71,15 @@ void CrackSurface::writeRow( std::uint32_t point, const Side& side, std::uint32_
 	std::uint32_t* const node = m_binding.node.data() + m_binding.start[side.carrier];
 	float* const weight = m_binding.weight.data() + m_binding.start[side.carrier];
 	const std::size_t asked = m_asked.size(), count = m_reached.size();
-	if ( count == 0 && asked > 0 )
+	if ( count == asked )
+	{
+		return; // they carried it all along: the row is as addRow() made it
+	}
+	if ( count == 0 )
 	{
 		std::fill( node, node + asked, home );
 		std::fill( weight, weight + asked, 0.0f );
 		weight[0] = 1.0f;
-	}
-	else if ( count == asked )
-	{
-		std::copy( m_asked.begin(), m_asked.end(), node );
-		std::copy( whole, whole + asked, weight );
 	}
 	else
 	{

@@ -39,9 +39,20 @@ void CrackSurface::matchNormals()
 void CrackSurface::matchNormals( std::vector<std::uint32_t>& points )
 {
 	std::vector<std::uint32_t> cells, once;
+	const auto isOnSurface = [this]( std::uint32_t point ) {
+		std::uint32_t side = m_firstSide[point];
+		while ( side != kNone && m_side[side].outerNormals == kNone )
+		{
+			side = m_side[side].next;
+		}
+		return side != kNone;
+	};
 	for ( const std::uint32_t point : points )
 	{
-		collect( point, once );
+		if ( isOnSurface( point ) ) // inside there is no mesh to be like
+		{
+			collect( point, once );
+		}
 	}
 	clearMarks( once );
 	m_area.resize( std::size_t( m_binding.normalGroups ), Vec3::Zero() );

@@ -100,14 +100,22 @@ void CrackSurface::splitGroups( const std::vector<std::uint32_t>& fresh )
 	}
 	clearMarks( points );
 	std::vector<std::uint32_t> cells;
+	std::vector<std::uint16_t> before;
 	for ( const std::uint32_t point : points )
 	{
+		const std::uint32_t first = m_slotStart[point], last = m_slotStart[point + 1];
+		before.assign( m_slotGroup.begin() + first, m_slotGroup.begin() + last );
 		// A point at which nothing is drawn so far needs no copies: sides are drawn later, into their groups.
 		if ( regroup( point ) && m_firstSide[point] != kNone )
 		{
 			m_split.push_back( point );
-			std::for_each( m_slotCell.begin() + m_slotStart[point], m_slotCell.begin() + m_slotStart[point + 1],
-				[&]( std::uint32_t cell ) { collect( cell, cells ); } );
+			for ( std::uint32_t slot = first; slot < last; ++slot )
+			{
+				if ( m_slotGroup[slot] != before[slot - first] )
+				{
+					collect( m_slotCell[slot], cells );
+				}
+			}
 		}
 	}
 	clearMarks( cells );

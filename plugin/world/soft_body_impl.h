@@ -165,6 +165,7 @@ struct SoftBody::Impl
 	void showOwnCracks() const;
 	/// Links broke that the body's lattice had so far. Before it takes the shape of what is left of it.
 	void noteCuts();
+	void makeCrackFamily();
 	void noteCracks( const BreakReport& report );
 
 	/// The body takes the shape of what is left of it.

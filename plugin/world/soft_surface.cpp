@@ -8,6 +8,7 @@
 #include "world/stopwatch.h"
 
 #include <algorithm>
+#include <new>
 
 namespace pliant {
 
@@ -198,13 +199,33 @@ void SoftBody::Impl::noteCuts()
 	}
 }
 
+void SoftBody::Impl::makeCrackFamily()
+{
+	if ( !crackFamily && body->firstCells().empty() && bodyTemplate->crackSurface() )
+	{
+		crackFamily = std::make_shared<CrackFamily>( *bodyTemplate->crackSurface(), bodyTemplate->textureCoordinates() );
+	}
+}
+
+Status SoftBody::prepareCracks()
+{
+	try
+	{
+		m_impl->makeCrackFamily();
+		return {};
+	}
+	catch ( const std::bad_alloc& )
+	{
+		return Status{ ResultCode::OutOfMemory, "Not enough memory for what the body's cracks are drawn with." };
+	}
+}
+
 void SoftBody::Impl::noteCracks( const BreakReport& report )
 {
 	const std::vector<std::uint32_t>& first = body->firstCells();
-	const bool isLookedAt = skin.frame > 0;
-	if ( !crackFamily && isLookedAt && first.empty() && bodyTemplate->crackSurface() )
+	if ( skin.frame > 0 ) // somebody looks at it
 	{
-		crackFamily = std::make_shared<CrackFamily>( *bodyTemplate->crackSurface(), bodyTemplate->textureCoordinates() );
+		makeCrackFamily();
 	}
 	noteCuts();
 	if ( report.hasHealed )

@@ -1,6 +1,7 @@
 // Bodies that break in a world: pieces are bodies like any other, belong to somebody, and keep what the whole had.
 
 #include "test_world.h"
+#include "world/soft_body_impl.h"
 
 #include <algorithm>
 #include <array>
@@ -350,29 +351,34 @@ TEST( Fracture, SurfacesOfPiecesAreClosedAndShowEachItsOwn )
 /// Looked at in every frame, bodies draw what their family's cracks are; looked at once, after all is over, what their own links are.
 TEST( Fracture, ABodyLooksTheSameHoweverOftenItIsLookedAt )
 {
-	std::vector<std::vector<std::array<float, 10>>> drawn[2];
-	for ( const bool looks : { false, true } )
+	enum Way { Once, Always, Prepared };
+	std::vector<std::vector<std::array<float, 10>>> drawn[3];
+	for ( const Way way : { Once, Always, Prepared } )
 	{
 		TestWorld test;
 		test.world.setGravity( btVector3( 0, 0, 0 ) );
 		SoftBody* soft = test.addSoft( block( 10, 4, 4, 0.1f ), at( 0, 1, 0 ), stiff( 1e5f ) );
 		ASSERT_TRUE( soft->setFracture( breaksAt( 0.03f ) ).ok() );
+		EXPECT_TRUE( way != Prepared || soft->prepareCracks().ok() );
+		EXPECT_EQ( soft->impl().crackFamily != nullptr, way == Prepared );
 		soft->setVelocities( btVector3( 0, 0, 0 ), btVector3( 0, 14, 0 ) );
 		for ( int frame = 0; frame < 60; ++frame )
 		{
 			for ( const SoftBody* body : allSoft( test.world ) )
 			{
-				looks ? void( body->surface() ) : void();
+				way == Always ? void( body->surface() ) : void();
 			}
 			test.run( 1 );
 		}
 		ASSERT_GE( test.world.softBodyCount(), 3 );
 		for ( const SoftBody* body : allSoft( test.world ) )
 		{
-			drawn[looks ? 1 : 0].push_back( test::trianglesOf( body->surface() ) );
+			EXPECT_EQ( body->impl().crackFamily != nullptr, way != Once );
+			drawn[way].push_back( test::trianglesOf( body->surface() ) );
 		}
 	}
-	EXPECT_EQ( drawn[0], drawn[1] );
+	EXPECT_EQ( drawn[Once], drawn[Always] );
+	EXPECT_EQ( drawn[Once], drawn[Prepared] );
 }
 
 } // namespace
