@@ -119,19 +119,17 @@ void SelfSearch::gatherNear()
 	{
 		m_placeThen[std::size_t( i )] = nodes.x.get( i ) - mean;
 	}
-	m_close.clear();
-	shape.visitOwnPairs( btScalar( m_margin ), [this, &shape]( int childA, int childB ) { noteClose( shape.nodeOfChild( childA ), shape.nodeOfChild( childB ) ); } );
-	keepFree();
-}
-
-void SelfSearch::noteClose( int a, int b )
-{
-	const SoftBody::Impl& impl = m_soft->impl();
-	const float reach = float( ( radiusOf( impl, a ) + radiusOf( impl, b ) ) * ( 1.0 + kContactSlop ) + m_margin );
-	if ( ( m_placeThen[std::size_t( a )] - m_placeThen[std::size_t( b )] ).squaredNorm() <= reach * reach )
+	m_spheres.clear();
+	for ( int node = 0; node < nodes.count; ++node )
 	{
-		m_close.push_back( std::uint64_t( std::min( a, b ) ) << 32 | std::uint32_t( std::max( a, b ) ) );
+		if ( shape.childOfNode( node ) >= 0 )
+		{
+			m_spheres.push_back( { m_placeThen[std::size_t( node )], float( shape.sphereOfNode( node )->getRadius() ), std::uint32_t( node ) } );
+		}
 	}
+	m_close.clear();
+	m_pairs.find( m_spheres, float( kContactSlop ), float( m_margin ), m_close );
+	keepFree();
 }
 
 // Of the close pairs, those that no region holds together, ascending: linked neither to one another nor to a third. Links go both ways: a third

@@ -9,6 +9,7 @@
 // pushed back the way they came, and not on. The paper looks the penetration depth up in its distance field; here it is the spheres', as in all
 // other contacts, and the field says only which way.
 
+#include "world/close_pairs.h"
 #include "world/node_search.h"
 
 #include <cstdint>
@@ -39,7 +40,6 @@ private:
 
 	bool mayUseNear();
 	void gatherNear();
-	void noteClose( int a, int b );
 	void keepFree();
 	void consider( int a, int b );
 	Touch touchOf( int a, int b, const Vec3& apart );
@@ -58,6 +58,8 @@ private:
 	/// nothing is looked for until they have.
 	std::vector<std::uint64_t> m_near;
 	std::vector<std::uint64_t> m_close; ///< pairs near enough, held together or not
+	ClosePairs m_pairs;
+	std::vector<ClosePairs::Sphere> m_spheres; ///< of nodes that collide
 	std::vector<Vec3> m_placeThen; ///< of each node when they were gathered, relative to the mean; empty: gather them now
 	double m_margin = 0.0;         ///< m
 	std::vector<std::uint32_t> m_depth;   ///< floodInside; empty: not asked for yet
