@@ -13,6 +13,7 @@ const std::vector<SceneEntry>& sceneList()
 	static const std::vector<SceneEntry> kScenes = {
 		{ "bunny_pile", "The Stanford bunny and a Glob fall down stairs among rigid boxes and balls and push a hinged door open.", makeBunnyPile },
 		{ "bar_pull", "Bars drawn out until they break, by both rules, at three angles to their lattices; at what strain over the one that was set.", makeBarPull },
+		{ "bullet_hit", "Fast balls hit a soft block and foam, and a fast soft ball meets a wall of a millimetre; what goes over, what goes through.", makeBulletHit },
 		{ "bunny_tear", "A bunny held by its head is torn by its weight; nodes and time, with merging and without.", makeBunnyTear },
 		{ "elephants", "Five, ten and fifteen elephants fall, collide and break; what touches the pink ball sticks to it.", makeElephants },
 		{ "flowers", "Forty flowers sway in the wind; where a finger touches one, its nodes are split.", makeFlowers },
@@ -22,6 +23,8 @@ const std::vector<SceneEntry>& sceneList()
 		{ "hello", "One soft cube falls on a rigid box.", makeHello },
 		{ "liver_cut", "A hanging liver is cut along a scripted path; nodes are split ahead of the blade.", makeLiverCut },
 		{ "plastic_block", "A ball, an edge and a corner press into rubber, wax and clay; how deep, and how much is left.", makePlasticBlock },
+		{ "slope", "Soft cubes and a rigid box slide down a slope, by friction and stiffness; their acceleration against theory.", makeSlope },
+		{ "soft_stack", "Two, four and eight soft cubes on each other, and four with rigid boxes between.", makeSoftStack },
 		{ "sphere_crack", "The same cracks in four spheres: bricks, Marching Squares, exact faces, exact faces with noise.", makeSphereCrack },
 		{ "stack", "Soft cubes and rigid boxes stand on each other.", makeStack },
 		{ "thin_fingers", "A bar sweeps through thin fingers: a lattice of their size in the whole palm, and one with levels that has big nodes there.", makeThinFingers },

@@ -68,6 +68,7 @@ const SceneEntry* findScene( const std::string& name );
 
 // One function a file in scenes/.
 std::unique_ptr<Scene> makeBarPull();
+std::unique_ptr<Scene> makeBulletHit();
 std::unique_ptr<Scene> makeBunnyPile();
 std::unique_ptr<Scene> makeBunnyTear();
 std::unique_ptr<Scene> makeElephants();
@@ -78,6 +79,8 @@ std::unique_ptr<Scene> makeHeavyOnSoft();
 std::unique_ptr<Scene> makeHello();
 std::unique_ptr<Scene> makeLiverCut();
 std::unique_ptr<Scene> makePlasticBlock();
+std::unique_ptr<Scene> makeSlope();
+std::unique_ptr<Scene> makeSoftStack();
 std::unique_ptr<Scene> makeSphereCrack();
 std::unique_ptr<Scene> makeStack();
 std::unique_ptr<Scene> makeThinFingers();
