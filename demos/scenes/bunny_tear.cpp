@@ -21,6 +21,7 @@ constexpr int kCoarseLevels = 1;                 // what breaks is two cells a l
 constexpr btScalar kLift = btScalar( 1.25 );    // m of the bunny's middle above the ground
 constexpr btScalar kApart = btScalar( 1.1 );     // m from one bunny to the other
 constexpr btScalar kHeldFrom = btScalar( 0.13 ); // m above its middle: head and ears
+constexpr btScalar kRolling = btScalar( 0.02 );  // m: what has come off would roll to and fro for as long as the film
 constexpr double kFullWeightAt = 2.0;            // s
 constexpr btScalar kGravity = btScalar( 9.81 );  // m/s^2
 constexpr float kNever = 60.0f;                  // s of mergeDelay: longer than the film
@@ -155,6 +156,7 @@ private:
 		{
 			return false;
 		}
+		body->setRollingFriction( kRolling );
 		return body->pinNodesInside( btVector3( x - 1, kLift + kHeldFrom, -1 ), btVector3( x + 1, kLift + 2, 1 ) ) > 0;
 	}
 

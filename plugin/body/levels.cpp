@@ -47,6 +47,7 @@ Levels::Levels( std::shared_ptr<const LevelBase> base, const Lattice& lattice, c
 
 void Levels::inherit( const Levels& whole, const std::vector<std::uint32_t>& cellBefore )
 {
+	m_sinceMerge = whole.m_sinceMerge;
 	m_refineStretch = whole.m_refineStretch;
 	m_together = whole.m_together;
 	m_budget = whole.m_budget;
@@ -142,6 +143,7 @@ bool Levels::review( const NodeState& nodes, const AlignedArray<float>& strain, 
 	}
 	collectSplits();
 	collectMerges( nodes );
+	gatherMerges( seconds );
 	std::fill( m_isWanted.begin(), m_isWanted.end(), std::uint8_t( 0 ) );
 	return !m_split.empty() || !m_merge.empty();
 }

@@ -8,6 +8,7 @@
 
 #include <array>
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <vector>
 
@@ -118,6 +119,7 @@ public:
 
 private:
 	static constexpr int kNoBudget = -1;
+	static constexpr float kMergeTogether = 0.5f; ///< share of Adaptivity::mergeDelay between one merging and the next
 
 	/// `regions` and `tables` are the cut's.
 	Levels( std::shared_ptr<const LevelBase> base, const Lattice& lattice, const Adaptivity& settings, const std::vector<float>& stiffness, Cut cut,
@@ -128,6 +130,17 @@ private:
 	void collectSplits();
 	void collectMerges( const NodeState& nodes );
 	bool isHeldAsOne( std::uint32_t node ) const;
+	/// A change for a few nodes costs nearly as much as one for many, and what comes to rest does so node by node: what is to be merged waits for
+	/// more of it, for a share of the delay that each node has waited for already.
+	void gatherMerges( float seconds )
+	{
+		m_sinceMerge += seconds;
+		if ( m_split.empty() && m_sinceMerge < kMergeTogether * m_settings.mergeDelay )
+		{
+			m_merge.clear();
+		}
+		m_sinceMerge = m_merge.empty() ? m_sinceMerge : 0.0f;
+	}
 	bool mayMerge( const NodeState& nodes, std::uint32_t parent, int firstSlot ) const;
 	void countRoom();
 	void prepareRoom();
@@ -178,6 +191,7 @@ private:
 	std::vector<std::uint8_t> m_heldOn;         ///< of each finest cell: the level of the node that was held above it last; empty: none ever was
 	std::vector<float> m_load;                  ///< of each node: its strain over what splits it, as last reviewed; empty: not known
 	std::vector<float> m_quiet;                 ///< of each node: seconds since its strain was last above the merging threshold
+	float m_sinceMerge = std::numeric_limits<float>::max(); ///< s
 	std::vector<std::uint8_t> m_isWanted;       ///< of each node: 1 where it was asked for since the last review
 	std::vector<std::uint32_t> m_split, m_merge; ///< octree nodes, found by the last review
 	std::vector<std::uint32_t> m_asked;         ///< octree nodes

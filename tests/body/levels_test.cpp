@@ -267,6 +267,32 @@ TEST( Levels, OfABodyThatCanBreakFollowStretchAndNotSqueeze )
 	EXPECT_EQ( nodesAt( Vec3( 0.9f, 0.9f, 0.9f ) ), 8 );
 }
 
+// What comes to rest node by node is merged a few times a second, and not at every look.
+TEST( Levels, MergeTogetherWhatComesToRestOneByOne )
+{
+	const auto lattice = std::make_shared<const Lattice>( makeBlockLattice( 16, 8, 8, 0.05f ) );
+	Adaptivity settings = levels( 1 );
+	settings.mergeDelay = 0.2f;
+	const std::unique_ptr<Body> body = makeAdaptive( lattice, settings );
+	const std::vector<std::uint32_t> blocks = coarseNodes( *body, 1000 );
+	body->changeLevels( blocks, {} );
+	const unsigned before = body->levels()->version();
+	constexpr int kSteps = 240;
+	for ( int k = 0; k < kSteps; ++k ) // from one end on, a block a substep is asked for no more
+	{
+		for ( int i = 0; i < body->nodeCount() && k < int( blocks.size() ); ++i )
+		{
+			if ( body->levels()->levelOf( i ) == 0 && body->levels()->octree().parent[body->levels()->cut().node[std::size_t( i )]] > blocks[std::size_t( k )] )
+			{
+				body->keepNode( i );
+			}
+		}
+		body->adaptLevels( 1.0f / 240.0f );
+	}
+	EXPECT_EQ( body->nodeCount(), int( blocks.size() ) );
+	EXPECT_LE( body->levels()->version() - before, 7u ); // every tenth of a second; at every look: 33
+}
+
 enum class Start
 {
 	Flat,
