@@ -10,11 +10,15 @@
 #include <BulletCollision/NarrowPhaseCollision/btPersistentManifold.h>
 
 #include <algorithm>
+#include <cmath>
 #include <tuple>
 
 namespace pliant {
 
 namespace {
+
+/// From a cube's middle to its corner, in half edges, and a tenth more: a node of level 2 takes two substeps to give way to finest ones.
+const double kCornerReach = 1.1 * std::sqrt( 3.0 );
 
 /// A box in the coordinates of a soft body's shape, and room around it for what moves in this step.
 struct Box
@@ -149,6 +153,10 @@ void NodeSearch::plane( const Obstacle& obstacle )
 		{
 			m_hits.push_back( NodeHit{ std::uint64_t( node ) << 32 | m_leaf, touch, obstacle.part, obstacle.index } );
 		}
+		if ( m_notesNear )
+		{
+			foresee( node, [&obstacle]( const MovingSphere& sphere, Touch& found ) { return findTouch( obstacle, sphere, found ); } );
+		}
 	}
 }
 
@@ -162,6 +170,54 @@ void NodeSearch::noteNear( int node, btScalar size ) const
 	{
 		impl.nearby.push_back( SoftBody::Impl::Near{ node, size <= diameter } );
 	}
+}
+
+// A big node's ball leaves out its cube's corners, sqrt( 3 ) radii from the middle. Split only when the ball has touched, the cells at the
+// corners would come into the world inside the obstacle, and be shot out of it. So a node is split before, as soon as a corner may touch; and
+// what stands where its parent's corner would touch stays as it is.
+template <class Find>
+void NodeSearch::foresee( int node, const Find& find ) const
+{
+	const SoftBody::Impl& impl = m_soft->impl();
+	MovingSphere sphere = sphereOf( node );
+	const double corner = kCornerReach * sphere.radius;
+	Touch touch;
+	sphere.radius = corner;
+	if ( m_soft->nodeLevel( node ) > 0 && find( sphere, touch ) )
+	{
+		impl.nearby.push_back( SoftBody::Impl::Near{ node, true } );
+		return;
+	}
+	sphere.radius = 2.0 * corner;
+	if ( find( sphere, touch ) )
+	{
+		impl.nearby.push_back( SoftBody::Impl::Near{ node, false } );
+	}
+}
+
+/// From the coarsest node's middle to its corner, along each axis: no other reaches further beyond its ball. Zero where nothing is foreseen.
+btVector3 NodeSearch::cornerReach() const
+{
+	if ( !m_notesNear )
+	{
+		return btVector3( 0, 0, 0 );
+	}
+	const int levels = m_soft->impl().body->levels()->settings().coarseLevels;
+	const btScalar reach = btScalar( kCornerReach * 0.5 * std::exp2( double( levels ) ) * double( m_soft->bodyTemplate().cellSize() ) );
+	return btVector3( reach, reach, reach );
+}
+
+/// The same for all nodes whose corners, or whose parents', reach into a box that has been stretched for what moves.
+template <class Find>
+void NodeSearch::foreseeIn( const btVector3& low, const btVector3& high, const Find& find )
+{
+	if ( !m_notesNear )
+	{
+		return;
+	}
+	const SoftBody::Impl& impl = m_soft->impl();
+	const btVector3 aside = cornerReach();
+	impl.shape->visitOverlaps( low - aside, high + aside, m_stack, [&]( int child ) { foresee( impl.shape->nodeOfChild( child ), find ); } );
 }
 
 void NodeSearch::solid( const Obstacle& obstacle )
@@ -187,6 +243,7 @@ void NodeSearch::solid( const Obstacle& obstacle )
 			m_hits.push_back( NodeHit{ std::uint64_t( node ) << 32 | m_leaf, touch, obstacle.part, obstacle.index } );
 		}
 	} );
+	foreseeIn( box.low, box.high, [&obstacle]( const MovingSphere& sphere, Touch& found ) { return findTouch( obstacle, sphere, found ); } );
 }
 
 void NodeSearch::mesh( const Obstacle& obstacle )
@@ -196,6 +253,7 @@ void NodeSearch::mesh( const Obstacle& obstacle )
 	const btDbvtVolume& root = impl.shape->tree().m_root->volume;
 	Box box{ root.Mins() + impl.shape->sweepLow(), root.Maxs() + impl.shape->sweepHigh() };
 	box.stretchAlong( toBt( -m_step * m_motion.linear ) );
+	box.move( -cornerReach(), cornerReach() );
 	const Vec3d centre = toVec3d( box.low + box.high ) / 2.0 + impl.shapeShift.cast<double>();
 	const Vec3d half = toVec3d( box.high - box.low ) / 2.0;
 	const Vec3d reach = obstacle.basis.transpose().cwiseAbs() * half;
@@ -237,6 +295,7 @@ void NodeSearch::triangle( const Obstacle& mesh, const Vec3d ( &corners )[3] )
 			m_hits.push_back( NodeHit{ std::uint64_t( node ) << 32 | m_leaf, touch, mesh.part, mesh.index } );
 		}
 	} );
+	foreseeIn( box.low, box.high, [&corners]( const MovingSphere& sphere, Touch& found ) { return findTouch( corners, sphere, found ); } );
 }
 
 // A sphere on a flat mesh is nearest to one triangle's face and to its neighbours' edges. An edge that does not stand out of the plane

@@ -47,6 +47,11 @@ private:
 	void triangle( const Obstacle& mesh, const Vec3d ( &corners )[3] );
 	MovingSphere sphereOf( int node ) const;
 	void noteNear( int node, btScalar size ) const;
+	btVector3 cornerReach() const;
+	template <class Find>
+	void foresee( int node, const Find& find ) const;
+	template <class Find>
+	void foreseeIn( const btVector3& low, const btVector3& high, const Find& find );
 	void keepFlatNeighboursOut();
 	void sortHits();
 
