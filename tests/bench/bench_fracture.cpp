@@ -92,7 +92,7 @@ void fractureShape( benchmark::State& state )
 	}
 }
 
-/// A block of 2 197 cells thrown at the floor at 20 m/s, looked at in every frame; E = 2 MPa. All fracture work: tests, edits, regions, new
+/// A block of 2 197 cells thrown at the floor at 20 m/s, an edge first (what falls flat is pressed evenly, and hardly breaks), looked at in every frame; E = 2 MPa. All fracture work: tests, edits, regions, new
 /// bodies, and the faces. Each frame counts with the least it took in any run, and of these the worst is told.
 void fractureThrown( benchmark::State& state )
 {
@@ -106,7 +106,7 @@ void fractureThrown( benchmark::State& state )
 		scene.addBoxFloor();
 		Material material;
 		material.youngsModulus = 2e6f;
-		SoftBody* const body = scene.add( cube, btVector3( 0, btScalar( 0.6 ), 0 ), material );
+		SoftBody* const body = scene.add( cube, btVector3( 0, btScalar( 0.7 ), 0 ), material, btQuaternion( btVector3( 0, 0, 1 ), btScalar( 0.3 ) ) );
 		Fracture fracture;
 		fracture.rule = BreakRule( state.range( 0 ) );
 		fracture.breakStrain = 1e-3f * float( state.range( 1 ) );
