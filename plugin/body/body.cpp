@@ -6,6 +6,7 @@
 #include "matching/cluster_matcher.h"
 #include "matching/coarse_to_fine.h"
 #include "matching/lattice_matcher.h"
+#include "matching/link_moments.h"
 #include "matching/rotation.h"
 #include "matching/stiffness.h"
 
@@ -50,7 +51,7 @@ bool needsNewMatcher( const Material& a, const Material& b )
 {
 	return a.method != b.method || a.clusterMode != b.clusterMode || a.clusterEdge != b.clusterEdge || a.weights != b.weights ||
 		   a.rotationFrom != b.rotationFrom || a.regionHalfWidth != b.regionHalfWidth || a.beta != b.beta || a.volumeKeeping != b.volumeKeeping ||
-		   a.farLevels != b.farLevels;
+		   a.farLevels != b.farLevels || usesLinkMoments( a ) != usesLinkMoments( b );
 }
 
 } // namespace

@@ -160,6 +160,10 @@ MatchView LatticeMatcher::view( NodeState& nodes )
 	v.rotationFromF = m_rotationFromF;
 	v.volumeShare = m_volumeShare;
 	v.pull = m_tables->pull.empty() ? nullptr : m_tables->pull.data();
+	for ( int k = 0; k < 9; ++k )
+	{
+		v.blend[k] = m_tables->blend[k].empty() ? nullptr : m_tables->blend[k].data();
+	}
 	if ( m_tables->matrix )
 	{
 		viewLevels( v );

@@ -1,5 +1,7 @@
 #include "matching/region_tables.h"
 
+#include "matching/link_moments.h"
+
 namespace pliant {
 
 namespace {
@@ -12,7 +14,8 @@ constexpr float kGridPays[kLargestHalfWidth + 1] = { 0.0f, 1.6f, 4.0f, 8.0f, 16.
 
 bool needsInverse( const Material& material )
 {
-	return material.beta > 0.0f || material.volumeKeeping > 0.0f || material.yieldStrain > 0.0f || material.rotationFrom == RotationFrom::F;
+	return material.beta > 0.0f || material.volumeKeeping > 0.0f || material.yieldStrain > 0.0f || material.rotationFrom == RotationFrom::F ||
+		   usesLinkMoments( material );
 }
 
 namespace {
@@ -58,6 +61,10 @@ std::shared_ptr<const RegionTables> buildRegionTables(
 	{
 		applyStiffness( stiffness, *tables );
 	}
+	if ( usesLinkMoments( material ) )
+	{
+		applyLinkMoments( lattice, material, *tables );
+	}
 
 	const int nodes = lattice.cellCount();
 	const double positions = double( lattice.extent.x() ) * lattice.extent.y() * lattice.extent.z();
@@ -87,7 +94,7 @@ std::shared_ptr<const RegionTables> buildRegionTables(
 
 std::size_t RegionTables::bytes() const
 {
-	std::size_t floats = pull.size() + beta.size() + eta.size();
+	std::size_t floats = pull.size() + beta.size() + eta.size() + rateShare.size() + ratePull.size();
 	for ( const auto& entry : blend )
 	{
 		floats += entry.size();
@@ -103,9 +110,11 @@ std::size_t RegionTables::bytes() const
 std::shared_ptr<const RegionTables> RegionCache::find( const Lattice& lattice, const Material& material )
 {
 	const std::lock_guard<std::mutex> lock( m_mutex );
+	const float linkBeta = usesLinkMoments( material ) ? material.beta : -1.0f;
 	for ( Entry& entry : m_entries )
 	{
-		if ( entry.halfWidth == material.regionHalfWidth && entry.weights == material.weights && entry.withInverse == needsInverse( material ) )
+		if ( entry.halfWidth == material.regionHalfWidth && entry.weights == material.weights && entry.withInverse == needsInverse( material ) &&
+			 entry.linkBeta == linkBeta )
 		{
 			std::shared_ptr<const RegionTables> tables = entry.tables.lock();
 			if ( !tables )
@@ -117,7 +126,7 @@ std::shared_ptr<const RegionTables> RegionCache::find( const Lattice& lattice, c
 		}
 	}
 	std::shared_ptr<const RegionTables> tables = buildRegionTables( lattice, material, Summation::Automatic );
-	m_entries.push_back( Entry{ material.regionHalfWidth, material.weights, needsInverse( material ), tables } );
+	m_entries.push_back( Entry{ material.regionHalfWidth, material.weights, needsInverse( material ), linkBeta, tables } );
 	return tables;
 }
 

@@ -40,12 +40,13 @@ struct RegionTables
 
 	AlignedArray<float> pull;                      ///< of each node, MatchView::pull; empty where all are 1
 	AlignedArray<float> outOfPlane[6];             ///< 1 - J J^+; empty where every region is solid or J^+ is not needed
+	AlignedArray<float> blend[9];                  ///< C of each region (level_tables.h, link_moments.h); empty where beta is a number
+	AlignedArray<float> rateShare, ratePull;       ///< what the implicit step's operator takes for b_r and `pull` (link_moments.h); empty: those
 
 	// Of nodes on several levels only (level_tables.h); empty on a uniform lattice. The matrix then takes the place of `regions`.
 	std::shared_ptr<const RegionMatrix> matrix;
 	std::shared_ptr<const SumPlan> plan;           ///< sums by way of the octree instead of the matrix; null: no
 	AlignedArray<float> beta, eta;                 ///< of each region; empty where all are 0
-	AlignedArray<float> blend[9];                  ///< C of each region; empty where beta is a number
 
 	std::size_t bytes() const;
 };
@@ -71,6 +72,7 @@ private:
 		int halfWidth;
 		Weights weights;
 		bool withInverse;
+		float linkBeta; ///< of tables with link moments, which know it; -1: they have none
 		std::weak_ptr<const RegionTables> tables;
 	};
 

@@ -70,8 +70,9 @@ void StrainRates::prepare( LatticeMatcher& matcher, NodeState& nodes, TaskRunner
 	}
 	m_rates = RateView{};
 	m_rates.match = &m_view;
-	m_rates.regionShare = m_view.regionWeight;
-	m_rates.pull = m_view.pull;
+	const bool hasOwnShares = !tables.rateShare.empty();
+	m_rates.regionShare = hasOwnShares ? tables.rateShare.data() : m_view.regionWeight;
+	m_rates.pull = hasOwnShares ? tables.ratePull.data() : m_view.pull;
 	for ( int k = 0; k < 6; ++k )
 	{
 		m_rates.regionCentre[k % 3] = m_centres[k % 3].data();
@@ -130,7 +131,7 @@ void StrainRates::measureDiagonal( const LatticeMatcher& matcher )
 	{
 		double sum = 0.0;
 		const auto add = [&]( int r ) {
-			const double share = m_view.regionWeight ? double( m_view.regionWeight[r] ) : 1.0;
+			const double share = m_rates.regionShare ? double( m_rates.regionShare[r] ) : 1.0;
 			sum += share * std::max( 0.0, 1.0 - 2.0 * double( m_view.nodeWeight[i] ) * double( m_view.inverseMass[r] ) );
 		};
 		if ( matcher.tables().usesGrid )

@@ -48,8 +48,10 @@ inline constexpr double kContactStiffness = 10.0;
 inline constexpr double kSlipSpeed = 5e-3;
 /// Impulses that together are off by less than this share of all that presses are good enough.
 inline constexpr double kImpulseError = 0.01;
-/// End of the iteration, as kGradientSpeed for a body alone; finer, for a contact's impulse is k times what its speed is off by.
+/// The iteration never need go on below this speed, m/s; it ends between this and kGradientSpeed, where impulses are right to kImpulseError.
 inline constexpr double kContactGradientSpeed = 1e-5;
+/// Share of what is off (twice an energy) that a pass leaves if others follow: a tenth of the speeds.
+inline constexpr double kPassShare = 1e-2;
 /// Solutions of a substep: contacts that press or slide otherwise than they were taken for make it one more.
 inline constexpr int kMostPasses = 4;
 /// Halvings of the way to a solution: as many as a float has bits.

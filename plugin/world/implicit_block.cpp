@@ -212,6 +212,26 @@ void ImplicitBlock::fillRightSide()
 	}
 }
 
+// Impulses are what must be right, and k times what a speed is off by is what they are off by: r . z, twice the energy of all that is off, is
+// small enough where it is less than kImpulseError of each impulse would store, sum of ( kImpulseError jn )^2 / k.
+double ImplicitBlock::energyLeft() const
+{
+	double stored = 0.0;
+	for ( const BlockContact& contact : contacts )
+	{
+		stored += contact.presses ? contact.normalImpulse * contact.normalImpulse / contact.stiffness : 0.0;
+	}
+	const double least = m_softMass * kContactGradientSpeed * kContactGradientSpeed, most = m_softMass * double( kGradientSpeed ) * double( kGradientSpeed );
+	return std::clamp( kImpulseError * kImpulseError * stored, least, most );
+}
+
+void ImplicitBlock::iterate( double share, BlockCount& count )
+{
+	count.products += m_gradients.solve( *this, m_rightSide.data(), m_next.data(), GradientLimits{ share, energyLeft(), kMostGradients } ) + 1;
+	readImpulses( m_next.data() );
+}
+
+// A pass that others follow need not be solved to its end: what contacts it changes is plain long before.
 BlockCount ImplicitBlock::solve( TaskRunner* runner )
 {
 	BlockCount count;
@@ -224,11 +244,14 @@ BlockCount ImplicitBlock::solve( TaskRunner* runner )
 		fillRightSide();
 		fillPreconditioner();
 		m_next = m_v;
-		const GradientLimits limits{ kGradientShare, m_softMass * kContactGradientSpeed * kContactGradientSpeed, kMostGradients };
-		count.products += m_gradients.solve( *this, m_rightSide.data(), m_next.data(), limits ) + 1;
-		++count.passes;
-		readImpulses( m_next.data() );
-		if ( count.passes == kMostPasses || holdsAt( m_next.data() ) )
+		bool isLast = ++count.passes == kMostPasses;
+		iterate( isLast ? kGradientShare : kPassShare, count );
+		if ( !isLast && holdsAt( m_next.data() ) )
+		{
+			iterate( 0.0, count );
+			isLast = holdsAt( m_next.data() );
+		}
+		if ( isLast )
 		{
 			break;
 		}

@@ -117,6 +117,9 @@ private:
 	void addImpulse( const ContactSide& side, const Vec3d& impulse, float* to ) const;
 	void addPair( const BlockContact& contact, const Vec3d& impulse, float* to ) const;
 	void fillRightSide();
+	double energyLeft() const;
+	/// Improves m_next until `share` of what is off is left, or little enough, and reads its impulses.
+	void iterate( double share, BlockCount& count );
 	void fillPreconditioner();
 	void layOutCoarse();
 	void addToPreconditioner( const BlockContact& contact );
