@@ -96,6 +96,10 @@ Result<std::unique_ptr<Body>> Body::create(
 		body->m_cache = std::move( cache );
 		body->m_material = material;
 		body->m_material.farLevels = usefulFarLevels( *body->m_lattice, material.farLevels );
+		if ( adaptivity.coarseLevels > 0 ) // not Implicit; nodes of several sizes step explicitly
+		{
+			body->m_material.elasticity = Elasticity::Explicit;
+		}
 		if ( Status status = body->sampleStiffness( stiffness ); !status.ok() )
 		{
 			return Made{ std::move( status ), nullptr };
@@ -140,6 +144,7 @@ Status Body::setMaterial( const Material& wanted )
 	}
 	Material material = wanted;
 	material.farLevels = usefulFarLevels( *m_lattice, wanted.farLevels );
+	material.elasticity = m_levels ? Elasticity::Explicit : wanted.elasticity;
 	try
 	{
 		std::unique_ptr<Matcher> matcher;

@@ -154,6 +154,10 @@ public:
 	// The implicit substep (docs/implicit.md) in the place of the two above: pushImplicitly, [contacts and the system's solution], integrate.
 	/// Whether there are regions to linearise: a lattice of one level.
 	bool canStepImplicitly() const;
+	/// The same with the reason.
+	Status implicitStatus() const;
+	/// How much harder than others a region of the body answers at most (link_moments.h).
+	float largestRegionShare() const;
 	/// Prepares `implicit()`; leaves the nodes with the speeds of free flight. `alpha` may be of any size.
 	void pushImplicitly( float h, float alpha, const Vec3& gravity, TaskRunner* runner );
 	/// For a body whose forces are applied: it takes part in other bodies' system with its masses alone.

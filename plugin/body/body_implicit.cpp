@@ -49,7 +49,34 @@ private:
 
 bool Body::canStepImplicitly() const
 {
-	return m_material.method == Method::Lattice && !m_levels && m_nodes.count > 1;
+	return m_material.method == Method::Lattice && m_material.weights == Weights::Conserving && m_material.rotationFrom == RotationFrom::Apq &&
+		   m_material.farLevels == 0 && !m_levels && m_nodes.count > 1;
+}
+
+Status Body::implicitStatus() const
+{
+	if ( canStepImplicitly() )
+	{
+		return {};
+	}
+	if ( m_levels )
+	{
+		return { ResultCode::BadArgument, "A body with levels of detail steps explicitly: the implicit step knows nodes of one size." };
+	}
+	if ( m_material.farLevels > 0 )
+	{
+		return { ResultCode::BadMaterial, "A body with Material::farLevels steps explicitly: the implicit step reaches any stiffness without them." };
+	}
+	if ( m_nodes.count == 1 )
+	{
+		return { ResultCode::BadArgument, "A body of one cell has nothing that could strain." };
+	}
+	return { ResultCode::BadMaterial, "The implicit step needs Method::Lattice, Weights::Conserving and RotationFrom::Apq: this body steps explicitly." };
+}
+
+float Body::largestRegionShare() const
+{
+	return canStepImplicitly() ? static_cast<const LatticeMatcher&>( *m_matcher ).tables().largestRateShare : 1.0f;
 }
 
 // Matching first, from the speeds the last substep left, then forces: the order of the explicit step.

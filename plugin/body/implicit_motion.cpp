@@ -32,6 +32,7 @@ void ImplicitMotion::begin( LatticeMatcher& matcher, NodeState& nodes, const flo
 	m_inertia = m_rates.inertia();
 	m_mass = m_rates.mass();
 	measureHeld();
+	m_freeMomentum = momentum();
 
 	// Kept volume answers pressing 1 + 3 kappa times as hard as pulling: all of it is made as stiff here, so that the step stays safe.
 	const float elastic = step.alpha * ( 1.0f + 3.0f * step.volumeKeeping ), sigma = step.numericalDamping;
@@ -68,6 +69,7 @@ void ImplicitMotion::beginFree( NodeState& nodes )
 	m_centre = m_rates.centre();
 	m_inertia = m_rates.inertia();
 	m_mass = m_rates.mass();
+	m_freeMomentum = momentum();
 	m_rightSide.resize( std::size_t( size() ) );
 	copySpeeds( m_rightSide.data() );
 	for ( int k = 0; k < size(); ++k )
@@ -104,13 +106,13 @@ Matrix6 ImplicitMotion::rigidMass() const
 	return mass;
 }
 
-Vector6 ImplicitMotion::rigidSums( const float* r ) const
+Vector6 ImplicitMotion::momentum() const
 {
 	const NodeState& nodes = *m_nodes;
 	Vector6 sum = Vector6::Zero();
 	for ( int i = 0; i < nodes.count; ++i )
 	{
-		const Eigen::Vector3d value = at( r, nodes.padded, i );
+		const Eigen::Vector3d value = double( nodes.mass[i] ) * nodes.v.get( i ).cast<double>();
 		sum.head<3>() += value;
 		sum.tail<3>() += ( nodes.x.get( i ).cast<double>() - m_centre ).cross( value );
 	}
@@ -160,46 +162,21 @@ Matrix12 ImplicitMotion::affineMatrix() const
 
 Vector12 ImplicitMotion::affineSums( const float* r ) const
 {
-	const NodeState& nodes = *m_nodes;
-	const int padded = nodes.padded;
 	Vector12 sums;
-	for ( int k = 0; k < 3; ++k )
-	{
-		sums[k] = dot( r + k * padded, nodes.freedom.data(), padded );
-		for ( int j = 0; j < 3; ++j )
-		{
-			sums[3 + 3 * j + k] = dot( r + k * padded, m_arms.data() + j * padded, padded );
-		}
-	}
+	bestKernels().affineSums( r, m_arms.data(), m_nodes->freedom.data(), m_nodes->padded, sums.data() );
 	return sums;
 }
 
 void ImplicitMotion::addAffine( const Vector12& motion, float* z ) const
 {
-	const NodeState& nodes = *m_nodes;
-	const int padded = nodes.padded;
-	const float *const x = m_arms.data(), *const y = x + padded, *const w = y + padded, *const free = nodes.freedom.data();
-	for ( int k = 0; k < 3; ++k )
-	{
-		const float shift = float( motion[k] ), alongX = float( motion[3 + k] ), alongY = float( motion[6 + k] ), alongZ = float( motion[9 + k] );
-		float* const to = z + k * padded;
-		for ( int i = 0; i < padded; ++i )
-		{
-			to[i] += shift * free[i] + ( ( alongX * x[i] + alongY * y[i] ) + alongZ * w[i] );
-		}
-	}
+	const Eigen::Matrix<float, 12, 1> rounded = motion.cast<float>();
+	bestKernels().addAffine( rounded.data(), m_arms.data(), m_nodes->freedom.data(), m_nodes->padded, z );
 }
 
+// Qt b = Qt m v*, but b holds elastic kicks that cancel in the sum, and in float do not quite: v* says it better.
 Vector6 ImplicitMotion::missingMomentum() const
 {
-	const NodeState& nodes = *m_nodes;
-	AlignedArray<float> missing( static_cast<std::size_t>( size() ) );
-	copySpeeds( missing.data() );
-	for ( int k = 0; k < size(); ++k )
-	{
-		missing[k] = m_rightSide[k] - nodes.mass[k % nodes.padded] * missing[k];
-	}
-	return rigidSums( missing.data() );
+	return m_freeMomentum - momentum();
 }
 
 void ImplicitMotion::addMotion( const Vector6& motion )

@@ -58,8 +58,8 @@ public:
 
 	// Rigid motions ( V, Omega ) about the mass centre, in which A is the mass alone.
 	Matrix6 rigidMass() const;
-	/// Sum and turn about the centre of what stands at the nodes.
-	Vector6 rigidSums( const float* r ) const;
+	/// Momentum of the nodes as they are, and their spin about the centre.
+	Vector6 momentum() const;
 	const Eigen::Vector3d& centre() const { return m_centre; }
 
 	// Affine motions, for what stands in front of the system: A among them as a full lattice would have it, about right elsewhere.
@@ -70,9 +70,9 @@ public:
 	/// A node's place from the mass centre, m.
 	Eigen::Vector3d arm( int node ) const;
 
-	/// What the solver's end and rounding left of Qt( b - m v ), Q the rigid motions, as a rigid motion of a body that touches nothing.
+	/// What the solver's end and rounding left of Qt( m v* - m v ), Q the rigid motions, as a rigid motion of a body that touches nothing.
 	void keepMomentum();
-	/// Qt( b - m v ): what the nodes' momentum lacks to what it was at the substep's start and what forces brought since.
+	/// Qt( m v* - m v ): what the nodes' momentum lacks to what it was at the substep's start and what forces brought since.
 	Vector6 missingMomentum() const;
 	/// Adds a rigid motion to the nodes' speeds.
 	void addMotion( const Vector6& motion );
@@ -91,6 +91,7 @@ private:
 	double m_affineMass = 0.0;      ///< G times the sum of the regions' second moments, kg m^2
 	float m_stiffness = 0.0f; ///< G
 	bool m_hasHeldNodes = false;
+	Vector6 m_freeMomentum = Vector6::Zero(); ///< with the speeds of free flight, v*
 	Eigen::Vector3d m_centre = Eigen::Vector3d::Zero();
 	Eigen::Matrix3d m_inertia = Eigen::Matrix3d::Identity();
 	double m_mass = 0.0;

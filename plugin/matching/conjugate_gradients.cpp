@@ -1,25 +1,12 @@
 #include "matching/conjugate_gradients.h"
 
+#include "matching/kernels/kernels.h"
+
 namespace pliant {
 
 double dot( const float* a, const float* b, int size )
 {
-	double lane[kLanes] = {};
-	for ( int i = 0; i < size; i += kLanes )
-	{
-		for ( int k = 0; k < kLanes; ++k )
-		{
-			lane[k] += double( a[i + k] ) * double( b[i + k] );
-		}
-	}
-	for ( int half = kLanes / 2; half > 0; half /= 2 )
-	{
-		for ( int k = 0; k < half; ++k )
-		{
-			lane[k] += lane[k + half];
-		}
-	}
-	return lane[0];
+	return bestKernels().dot( a, b, size );
 }
 
 int ConjugateGradients::solve( LinearSystem& system, const float* b, float* x, const GradientLimits& limits )

@@ -160,10 +160,7 @@ MatchView LatticeMatcher::view( NodeState& nodes )
 	v.rotationFromF = m_rotationFromF;
 	v.volumeShare = m_volumeShare;
 	v.pull = m_tables->pull.empty() ? nullptr : m_tables->pull.data();
-	for ( int k = 0; k < 9; ++k )
-	{
-		v.blend[k] = m_tables->blend[k].empty() ? nullptr : m_tables->blend[k].data();
-	}
+	viewBlend( v );
 	if ( m_tables->matrix )
 	{
 		viewLevels( v );

@@ -82,6 +82,7 @@ private:
 	std::array<AlignedArray<float>*, 7> history();
 	MatchView viewOfNow( NodeState& nodes );
 	void viewLevels( MatchView& view ) const;
+	void viewBlend( MatchView& view ) const;
 
 	const Kernels& m_kernels;
 	const Lattice* m_lattice;

@@ -47,9 +47,13 @@ void LatticeMatcher::viewLevels( MatchView& v ) const
 	}
 	v.regionBeta = dataOrNull( m_tables->beta );
 	v.regionEta = dataOrNull( m_tables->eta );
+}
+
+void LatticeMatcher::viewBlend( MatchView& v ) const
+{
 	for ( int k = 0; k < 9; ++k )
 	{
-		v.blend[k] = dataOrNull( m_tables->blend[k] );
+		v.blend[k] = m_tables->blend[k].empty() ? nullptr : m_tables->blend[k].data();
 	}
 }
 

@@ -100,7 +100,8 @@ Eigen::Vector3d linksOf( const AxisLinks& links, const RegionSet& regions, int r
 
 bool usesLinkMoments( const Material& material )
 {
-	return material.elasticity != Elasticity::Explicit && material.method == Method::Lattice && material.regionHalfWidth > 1;
+	return material.elasticity != Elasticity::Explicit && material.method == Method::Lattice && material.weights == Weights::Conserving &&
+		   material.rotationFrom == RotationFrom::Apq && material.farLevels == 0 && material.regionHalfWidth > 1;
 }
 
 void applyLinkMoments( const Lattice& lattice, const Material& material, RegionTables& tables )
@@ -124,6 +125,7 @@ void applyLinkMoments( const Lattice& lattice, const Material& material, RegionT
 		}
 		const double weight = moments.regionWeight.empty() ? 1.0 : double( moments.regionWeight[std::size_t( r )] );
 		tables.rateShare[std::size_t( r )] = float( weight * largestShare( wanted, inverse ) );
+		tables.largestRateShare = std::max( tables.largestRateShare, tables.rateShare[std::size_t( r )] );
 	}
 	tables.ratePull.assign( std::size_t( moments.padded ), 0.0f );
 	for ( int i = 0; i < moments.count; ++i )

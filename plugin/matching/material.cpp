@@ -159,7 +159,8 @@ StiffnessPlan planStiffness( const Material& material, float cellSize, float gam
 	}
 
 	const double alpha = material.youngsModulus / modulusPerAlpha, most = largestAlpha( material );
-	if ( material.elasticity == Elasticity::Implicit )
+	const bool isOutOfReach = alpha > most * ( 1.0 + kAlphaSlack );
+	if ( material.elasticity == Elasticity::Implicit || ( material.elasticity == Elasticity::Automatic && isOutOfReach && material.farLevels == 0 ) )
 	{
 		plan.alpha = float( alpha );
 		plan.reachedModulus = material.youngsModulus;

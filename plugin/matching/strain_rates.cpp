@@ -89,7 +89,7 @@ void StrainRates::prepare( LatticeMatcher& matcher, NodeState& nodes, TaskRunner
 		std::fill( m_view.nodeRecord, m_view.nodeRecord + m_recordFloats, 0.0f );
 	}
 	overNodes( m_padded, runner, [&]( int, int begin, int end ) { m_kernels->inertiaRecords( m_rates, begin, end ); } );
-	sumRecords( m_view.nodeRecord, runner );
+	sumRecords( m_view.nodeRecord, false, runner );
 	overNodes( m_padded, runner, [&]( int, int begin, int end ) { m_kernels->regionInertias( m_rates, begin, end ); } );
 }
 
@@ -150,9 +150,10 @@ void StrainRates::measureDiagonal( const LatticeMatcher& matcher )
 	}
 }
 
-void StrainRates::sumRecords( float* records, TaskRunner* runner )
+void StrainRates::sumRecords( float* records, bool isOfRates, TaskRunner* runner )
 {
-	auto task = [&]( int z ) { m_kernels->boxPlane( m_view, records, z ); };
+	const auto boxPlane = isOfRates ? m_kernels->boxPlaneHalf : m_kernels->boxPlane;
+	auto task = [&]( int z ) { boxPlane( m_view, records, z ); };
 	runTasks( runner, m_view.gridZ, task );
 }
 
@@ -191,13 +192,14 @@ void StrainRates::resist( const float* v, float stiffness, float* to, TaskRunner
 	takeRigidMotionOff( runner );
 	if ( m_gridHasHoles )
 	{
-		std::fill( m_view.nodeRecord, m_view.nodeRecord + m_recordFloats, 0.0f );
-		std::fill( m_view.regionRecord, m_view.regionRecord + m_recordFloats, 0.0f );
+		const std::size_t floats = m_recordFloats / kRecordFloats * kRateFloats;
+		std::fill( m_view.nodeRecord, m_view.nodeRecord + floats, 0.0f );
+		std::fill( m_view.regionRecord, m_view.regionRecord + floats, 0.0f );
 	}
 	overNodes( m_padded, runner, [&]( int, int begin, int end ) { m_kernels->rateRecords( m_rates, begin, end ); } );
-	sumRecords( m_view.nodeRecord, runner );
+	sumRecords( m_view.nodeRecord, true, runner );
 	overNodes( m_padded, runner, [&]( int, int begin, int end ) { m_kernels->rigidRates( m_rates, begin, end ); } );
-	sumRecords( m_view.regionRecord, runner );
+	sumRecords( m_view.regionRecord, true, runner );
 	overNodes( m_padded, runner, [&]( int, int begin, int end ) { m_kernels->resist( m_rates, begin, end ); } );
 }
 

@@ -46,7 +46,7 @@ public:
 
 private:
 	void measureDiagonal( const LatticeMatcher& matcher );
-	void sumRecords( float* records, TaskRunner* runner );
+	void sumRecords( float* records, bool isOfRates, TaskRunner* runner );
 	void takeRigidMotionOff( TaskRunner* runner );
 
 	const Kernels* m_kernels = nullptr;

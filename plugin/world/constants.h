@@ -61,6 +61,14 @@ inline constexpr double kPushOutSpeed = 2.0;
 /// Share in which a rigid body's impulses from the rest of the world (joints, rigid contacts) follow those of the last substep.
 inline constexpr double kOutsideShare = 0.25;
 
+// Elasticity::Automatic (implicit_choice.cpp).
+/// Time over which what nodes carry is averaged, s: several times a bounce, for that is no load.
+inline constexpr double kLoadTime = 0.5;
+/// A body that has taken the implicit step keeps it until its loads are down to this share of what asked for it, and stay so for this long, s:
+/// the time that Bullet waits before it puts a body to sleep.
+inline constexpr double kLeaveShare = 0.5;
+inline constexpr double kCalmTime = 2.0;
+
 /// Soft substeps: default, largest, and the default bound up to which stiff materials raise them by themselves.
 inline constexpr int kDefaultSubsteps = 4;
 inline constexpr int kLargestSubsteps = 64;

@@ -118,6 +118,7 @@ std::unique_ptr<SoftBody> SoftBody::Impl::makeFragment( const SoftBody& parent, 
 	const Impl& from = parent.impl();
 	impl.bodyTemplate = from.bodyTemplate;
 	impl.plan = from.plan;
+	impl.elasticity = from.elasticity;
 	impl.hasOwnGravity = from.hasOwnGravity;
 	impl.gravity = from.gravity;
 	impl.hasNodeForces = from.hasNodeForces;

@@ -169,18 +169,100 @@ void ImplicitBlock::applyMasses( const float* v, float* to )
 	std::fill( to + used, to + m_size, 0.0f );
 }
 
-void ImplicitBlock::apply( const float* v, float* to )
+void ImplicitBlock::listPressing()
 {
-	applyMasses( v, to );
+	m_pressing.clear();
 	for ( const BlockContact& contact : contacts )
 	{
 		if ( !contact.presses )
 		{
 			continue;
 		}
-		const Vec3d u = speedOf( contact.side[0], v ) - speedOf( contact.side[1], v );
-		const double along = contact.normal.dot( u );
-		addPair( contact, ( contact.stiffness - contact.tangentStiffness ) * along * contact.normal + contact.tangentStiffness * u, to );
+		Pressing flat;
+		for ( int k = 0; k < 2; ++k )
+		{
+			const ContactSide& side = contact.side[k];
+			flat.stride[k] = side.soft >= 0 ? soft[std::size_t( side.soft )].motion->padded() : 0;
+			flat.place[k] = side.soft >= 0 ? soft[std::size_t( side.soft )].offset + side.node : side.rigid >= 0 ? rigid[std::size_t( side.rigid )].offset : -1;
+			Eigen::Map<Vec3d>( flat.arm[k] ) = side.arm;
+		}
+		Eigen::Map<Vec3d>( flat.normal ) = contact.normal;
+		flat.along = contact.stiffness - contact.tangentStiffness;
+		flat.across = contact.tangentStiffness;
+		m_pressing.push_back( flat );
+	}
+}
+
+namespace {
+
+/// u += sign times the speed of one side.
+void addSpeed( const Pressing& c, int side, const float* v, double sign, double ( &u )[3] )
+{
+	const float* const at = v + c.place[side];
+	if ( c.stride[side] > 0 )
+	{
+		for ( int k = 0; k < 3; ++k )
+		{
+			u[k] += sign * double( at[k * c.stride[side]] );
+		}
+		return;
+	}
+	const double* const r = c.arm[side];
+	const double w[3] = { double( at[3] ), double( at[4] ), double( at[5] ) };
+	u[0] += sign * ( double( at[0] ) + ( w[1] * r[2] - w[2] * r[1] ) );
+	u[1] += sign * ( double( at[1] ) + ( w[2] * r[0] - w[0] * r[2] ) );
+	u[2] += sign * ( double( at[2] ) + ( w[0] * r[1] - w[1] * r[0] ) );
+}
+
+void addForce( const Pressing& c, int side, const double ( &f )[3], double sign, float* to )
+{
+	float* const at = to + c.place[side];
+	const int step = c.stride[side] > 0 ? c.stride[side] : 1;
+	for ( int k = 0; k < 3; ++k )
+	{
+		at[k * step] += float( sign * f[k] );
+	}
+	if ( c.stride[side] == 0 )
+	{
+		const double* const r = c.arm[side];
+		at[3] += float( sign * ( r[1] * f[2] - r[2] * f[1] ) );
+		at[4] += float( sign * ( r[2] * f[0] - r[0] * f[2] ) );
+		at[5] += float( sign * ( r[0] * f[1] - r[1] * f[0] ) );
+	}
+}
+
+} // namespace
+
+void ImplicitBlock::apply( const float* v, float* to )
+{
+	applyMasses( v, to );
+	for ( const Pressing& c : m_pressing )
+	{
+		double u[3] = {};
+		for ( int side = 0; side < 2; ++side )
+		{
+			if ( c.place[side] >= 0 )
+			{
+				addSpeed( c, side, v, side == 0 ? 1.0 : -1.0, u );
+			}
+		}
+		const double along = c.along * ( ( c.normal[0] * u[0] + c.normal[1] * u[1] ) + c.normal[2] * u[2] );
+		const double f[3] = { along * c.normal[0] + c.across * u[0], along * c.normal[1] + c.across * u[1], along * c.normal[2] + c.across * u[2] };
+		for ( int side = 0; side < 2; ++side )
+		{
+			if ( c.place[side] >= 0 )
+			{
+				addForce( c, side, f, side == 0 ? 1.0 : -1.0, to );
+			}
+		}
+	}
+	for ( const RigidPart& part : rigid ) // an axis that the game has locked stays 0
+	{
+		for ( int k = 0; k < 3; ++k )
+		{
+			to[part.offset + k] = part.moves[k] ? to[part.offset + k] : 0.0f;
+			to[part.offset + 3 + k] = part.turns[k] ? to[part.offset + 3 + k] : 0.0f;
+		}
 	}
 }
 

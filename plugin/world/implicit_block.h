@@ -78,6 +78,15 @@ struct RigidPart
 	int coarse = -1;                                     ///< body of the coarse system
 };
 
+/// A contact that presses, as the iteration walks it: u.n is answered by `along` more than u, and u by `across`.
+struct Pressing
+{
+	int place[2] = { -1, -1 };     ///< of each side's first number in the vector; -1: its speed is given
+	int stride[2] = { 0, 0 };      ///< between a node's components; 0: six numbers of a rigid body
+	double normal[3], arm[2][3];
+	double along = 0.0, across = 0.0; ///< k - kt and kt, kg
+};
+
 /// What a solution took.
 struct BlockCount
 {
@@ -112,6 +121,7 @@ private:
 	void startFrom( const SoftPart& part );
 	void nameNodeBlocks();
 	void applyMasses( const float* v, float* to );
+	void listPressing();
 	Vec3d speedOf( const ContactSide& side, const float* v ) const;
 	Vec3d relativeSpeed( const BlockContact& contact, const float* v ) const;
 	void addImpulse( const ContactSide& side, const Vec3d& impulse, float* to ) const;
@@ -143,6 +153,7 @@ private:
 	ConjugateGradients m_gradients;
 	AlignedArray<float> m_v, m_next, m_rightSide, m_masses, m_scratch;
 	AlignedArray<float> m_inverseDiagonal; ///< 1 / A_ii of the soft parts' nodes, at the place of their first component
+	std::vector<Pressing> m_pressing;      ///< as last linearised
 	std::vector<NodeBlock> m_nodeBlocks;   ///< of the nodes that contacts name
 	std::vector<int> m_blockOf;            ///< by place of the node's first component; -1: no contact names it
 	CoarseSystem m_coarse;

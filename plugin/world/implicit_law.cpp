@@ -98,6 +98,7 @@ void ImplicitBlock::linearise( const float* v, bool isFirst )
 		contact.tangentStiffness = law.tangentStiffness;
 		contact.held = law.held;
 	}
+	listPressing();
 }
 
 bool ImplicitBlock::holdsAt( const float* v ) const

@@ -24,13 +24,45 @@ Eigen::Matrix3d resistance( const BlockContact& contact )
 	return contact.stiffness * across + contact.tangentStiffness * ( Eigen::Matrix3d::Identity() - across );
 }
 
-/// u = V + L p of a soft body's node: ( 1, px, py, pz ) for each component. Of a rigid body's point u = V + W x arm.
+/// How a whole body feels a contact: a node's u = V + L p by its arm, ( 1, p ) times the identity, a rigid body's point u = V + W x arm by `turns`.
 struct Feels
 {
 	int body = -1;
-	int count = 0;       ///< blocks of three columns
-	Eigen::Matrix3d block[4];
+	bool isSoft = false;
+	Eigen::Vector4d arm;
+	Eigen::Matrix<double, 3, 6> turns;
 };
+
+template <int rows, int cols>
+using Fixed = Eigen::Map<Eigen::Matrix<double, rows, cols>>;
+
+/// piece += sign Ga^T R Gb, of rows of a and columns of b.
+void addCoarse( const Feels& a, const Feels& b, const Eigen::Matrix3d& resists, double sign, double* piece )
+{
+	if ( a.isSoft ) // then b, which comes no later, is soft too
+	{
+		Fixed<12, 12> to( piece );
+		for ( int j = 0; j < 4; ++j )
+		{
+			for ( int i = 0; i < 4; ++i )
+			{
+				to.block<3, 3>( 3 * i, 3 * j ) += ( sign * a.arm[i] * b.arm[j] ) * resists;
+			}
+		}
+		return;
+	}
+	const Eigen::Matrix<double, 6, 3> pressed = sign * a.turns.transpose() * resists;
+	if ( !b.isSoft )
+	{
+		Fixed<6, 6>( piece ) += pressed * b.turns;
+		return;
+	}
+	Fixed<6, 12> to( piece );
+	for ( int j = 0; j < 4; ++j )
+	{
+		to.block<6, 3>( 0, 3 * j ) += b.arm[j] * pressed;
+	}
+}
 
 } // namespace
 
@@ -66,43 +98,25 @@ void ImplicitBlock::addToPreconditioner( const BlockContact& contact )
 			m_nodeBlocks[std::size_t( side.block )].matrix += resists;
 			const SoftPart& part = soft[std::size_t( side.soft )];
 			own.body = part.coarse;
-			if ( own.body < 0 )
+			own.isSoft = true;
+			if ( own.body >= 0 )
 			{
-				continue;
-			}
-			const Vec3d arm = part.motion->arm( side.node );
-			own.count = 4;
-			own.block[0].setIdentity();
-			for ( int j = 0; j < 3; ++j )
-			{
-				own.block[1 + j] = arm[j] * Eigen::Matrix3d::Identity();
+				own.arm << 1.0, part.motion->arm( side.node );
 			}
 		}
 		else if ( side.rigid >= 0 )
 		{
 			own.body = rigid[std::size_t( side.rigid )].coarse;
-			own.count = 2;
-			own.block[0].setIdentity();
-			own.block[1] = -hat( side.arm );
+			own.turns << Eigen::Matrix3d::Identity(), -hat( side.arm );
 		}
 	}
 	for ( int a = 0; a < 2; ++a )
 	{
 		for ( int b = 0; b < 2; ++b )
 		{
-			if ( feels[a].body < 0 || feels[b].body < 0 || feels[a].body < feels[b].body )
+			if ( feels[b].body >= 0 && feels[a].body >= feels[b].body )
 			{
-				continue;
-			}
-			CoarseSystem::Piece& piece = m_coarse.block( feels[a].body, feels[b].body );
-			const double sign = a == b ? 1.0 : -1.0;
-			for ( int j = 0; j < feels[b].count; ++j )
-			{
-				const Eigen::Matrix3d pressed = sign * resists * feels[b].block[j];
-				for ( int i = 0; i < feels[a].count; ++i )
-				{
-					piece.block<3, 3>( 3 * i, 3 * j ) += feels[a].block[i].transpose() * pressed;
-				}
+				addCoarse( feels[a], feels[b], resists, a == b ? 1.0 : -1.0, m_coarse.block( feels[a].body, feels[b].body ).data() );
 			}
 		}
 	}

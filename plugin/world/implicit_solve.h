@@ -38,6 +38,7 @@ private:
 	int softPart( const SoftBody& body ) const override;
 	int rigidPart( int block, btRigidBody& body ) override;
 
+	static void scaleImpulses( btDispatcher& dispatcher, double by );
 	void makeBlocks( const std::vector<SoftBody*>& awake );
 	OutsideImpulse& outsideOf( const btRigidBody& body );
 	void giveSpeeds( ImplicitBlock& block );
@@ -48,6 +49,7 @@ private:
 	std::vector<OutsideImpulse> m_outside; ///< in the order in which they were first touched
 	BlockCount m_count;
 	double m_h = 0.0;
+	bool m_hadBlocks = false; ///< in the last substep
 	unsigned m_stamp = 0;
 };
 

@@ -324,6 +324,16 @@ Status SoftBody::setMaterial( const Material& material )
 	return status;
 }
 
+bool SoftBody::stepsImplicitly() const
+{
+	return m_impl->isImplicit;
+}
+
+Status SoftBody::implicitStatus() const
+{
+	return m_impl->body->implicitStatus();
+}
+
 const Material& SoftBody::material() const
 {
 	return m_impl->body->material();

@@ -8,6 +8,7 @@
 #include "surface/crack_family.h"
 #include "surface/skin_fade.h"
 #include "surface/skinning.h"
+#include "world/implicit_choice.h"
 #include "world/node_body.h"
 #include "world/node_contacts.h"
 #include "world/node_shape.h"
@@ -95,6 +96,7 @@ struct SoftBody::Impl
 	SoftBodySystem* system = nullptr; ///< of the world the body is in
 
 	StiffnessPlan plan;
+	ElasticityState elasticity;        ///< of Elasticity::Automatic
 	bool isImplicit = false;           ///< in this substep
 	int block = -1, blockPart = -1;    ///< in this substep's implicit solution; -1: in none
 	bool isGuarded = false;            ///< it was fast, and is near what it must not pass: it is held back though it is slow now

@@ -112,14 +112,14 @@ int SoftBodySystem::planSubsteps( btScalar gameStep )
 	// The user counts substeps for a sixtieth of a second; a longer step gets as many more, so that behaviour does not follow the frame rate.
 	const int nominal = int( std::ceil( double( substeps ) * gameStep / kNominalStep - 1e-3 ) );
 	const int usual = std::max( substeps, std::min( nominal, std::max( substeps, maxSubsteps ) ) );
+	m_choice.choose( m_bodies, m_world, gameStep, usual, m_lastSubstep );
 	int count = 1; // what is implicit needs no more
 	for ( const SoftBody* body : m_bodies )
 	{
 		if ( moves( *body ) && !stepsImplicitly( *body ) )
 		{
 			count = std::max( count, usual );
-			const StiffnessPlan plan = planStiffness( body->material(), body->bodyTemplate().cellSize(), float( gameStep ), count );
-			count = std::max( count, std::min( plan.substepsNeeded, maxSubsteps ) );
+			count = std::max( count, std::min( planOf( *body, gameStep, count ).substepsNeeded, maxSubsteps ) );
 		}
 	}
 	return std::min( count, kLargestSubsteps );
@@ -138,10 +138,11 @@ void SoftBodySystem::beginStep( btScalar gameStep, int substepCount )
 	for ( SoftBody* body : m_bodies )
 	{
 		SoftBody::Impl& impl = body->impl();
-		impl.plan = planStiffness( body->material(), impl.bodyTemplate->cellSize(), float( gameStep ), substepCount );
+		impl.plan = planOf( *body, gameStep, substepCount );
 		impl.body->openLevelBudget();
 		impl.skin.isStale = impl.skin.fade.advance() || impl.skin.isStale;
 		report.awakeSoftBodies += moves( *body ) ? 1 : 0;
+		report.implicitBodies += moves( *body ) && stepsImplicitly( *body ) ? 1 : 0;
 		report.quarantined += impl.isHealthy ? 0 : 1;
 		report.unreachableStiffness += impl.plan.reachable ? 0 : 1;
 	}
@@ -149,7 +150,15 @@ void SoftBodySystem::beginStep( btScalar gameStep, int substepCount )
 
 bool SoftBodySystem::stepsImplicitly( const SoftBody& body ) const
 {
-	return body.material().elasticity == Elasticity::Implicit && body.impl().body->canStepImplicitly();
+	const Elasticity wanted = body.material().elasticity;
+	return ( wanted == Elasticity::Implicit || ( wanted == Elasticity::Automatic && body.impl().elasticity.isImplicit ) ) && body.impl().body->canStepImplicitly();
+}
+
+StiffnessPlan SoftBodySystem::planOf( const SoftBody& body, btScalar gameStep, int count ) const
+{
+	Material material = body.material();
+	material.elasticity = stepsImplicitly( body ) ? Elasticity::Implicit : Elasticity::Explicit;
+	return planStiffness( material, body.bodyTemplate().cellSize(), float( gameStep ), count );
 }
 
 TaskRunner* SoftBodySystem::tasks() const
@@ -179,6 +188,7 @@ Vec3 SoftBodySystem::ownAcceleration( const SoftBody& body ) const
 void SoftBodySystem::accelerate( btScalar h, int substep )
 {
 	BT_PROFILE( "pliant: accelerate" );
+	m_lastSubstep = h;
 	gatherAwake();
 	if ( breakBodies() )
 	{

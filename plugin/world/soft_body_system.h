@@ -4,6 +4,7 @@
 // another world of the user's could do the same.
 
 #include "pliant/soft_body_world.h"
+#include "world/implicit_choice.h"
 #include "world/implicit_solve.h"
 #include "world/node_body.h"
 #include "world/node_contacts.h"
@@ -78,6 +79,7 @@ public:
 private:
 	bool moves( const SoftBody& body ) const;
 	bool stepsImplicitly( const SoftBody& body ) const;
+	StiffnessPlan planOf( const SoftBody& body, btScalar gameStep, int count ) const;
 	Vec3 ownAcceleration( const SoftBody& body ) const; ///< gravity and the game's force, m/s^2
 	TaskRunner* tasks() const;
 	void sweepBox( SoftBody& body, btScalar h );
@@ -110,6 +112,8 @@ private:
 	std::vector<NodeBody*> m_predictive;
 	ImplicitSolve m_implicit;
 	NodeGuard m_guard;
+	ImplicitChoice m_choice;
+	btScalar m_lastSubstep = btScalar( 0 ); ///< s; 0: there was none
 	std::vector<SoftBody*> m_awake; ///< in this substep
 	btScalar m_gameStep = btScalar( 0 );
 	int m_substepCount = 1;

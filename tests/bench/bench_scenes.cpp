@@ -76,13 +76,13 @@ void sleepingBlock( benchmark::State& state )
 BENCHMARK( sleepingBlock )->Unit( benchmark::kMillisecond );
 
 /// Twenty soft cubes of 216 nodes and fifty rigid boxes in a heap.
-void pile( benchmark::State& state )
+void fillPile( test::SoftWorld& scene, Elasticity elasticity )
 {
-	test::SoftWorld scene;
 	scene.addBoxFloor();
 	const auto cube = test::cubeTemplate( 0.6f, 6 );
 	Material material;
 	material.youngsModulus = 3e4f;
+	material.elasticity = elasticity;
 	for ( int i = 0; i < 20; ++i )
 	{
 		scene.add( cube, btVector3( btScalar( 0.35 * ( i % 3 ) ), btScalar( 0.5 + 0.7 * i ), btScalar( 0.3 * ( i % 4 ) ) ), material );
@@ -94,13 +94,45 @@ void pile( benchmark::State& state )
 			btVector3( btScalar( 0.3 * ( i % 5 ) - 0.4 ), btScalar( 1 + 0.3 * i ), btScalar( 0.2 * ( i % 7 ) - 0.4 ) ) );
 	}
 	scene.step( 150 );
+}
+
+/// Elasticity 0: explicit, 1: implicit, 2: automatic.
+void pile( benchmark::State& state )
+{
+	test::SoftWorld scene;
+	fillPile( scene, Elasticity( state.range( 0 ) ) );
 	for ( auto _ : state )
 	{
 		scene.step( 1 );
 	}
 	report( state, scene.world );
+	state.counters["implicit"] = scene.world.stepReport().implicitBodies;
+	state.counters["products"] = scene.world.stepReport().implicitProducts;
 }
-BENCHMARK( pile )->Iterations( 100 )->Unit( benchmark::kMillisecond );
+BENCHMARK( pile )->ArgName( "elasticity" )->DenseRange( 0, 2 )->Iterations( 100 )->Unit( benchmark::kMillisecond );
+
+/// The same, asleep.
+void sleepingPile( benchmark::State& state )
+{
+	test::SoftWorld scene;
+	fillPile( scene, Elasticity( state.range( 0 ) ) );
+	for ( const auto& body : scene.soft )
+	{
+		body->forceActivationState( ISLAND_SLEEPING );
+	}
+	for ( const auto& body : scene.rigid )
+	{
+		body->forceActivationState( ISLAND_SLEEPING );
+	}
+	scene.step( 2 );
+	for ( auto _ : state )
+	{
+		scene.step( 1 );
+	}
+	report( state, scene.world );
+	state.counters["awake"] = scene.world.stepReport().awakeSoftBodies;
+}
+BENCHMARK( sleepingPile )->ArgName( "elasticity" )->DenseRange( 0, 2 )->Iterations( 100 )->Unit( benchmark::kMillisecond );
 
 /// Sixty rigid boxes: Bullet's own world, ours without a soft body, ours with one asleep.
 template <class World>

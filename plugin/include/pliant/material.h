@@ -47,7 +47,9 @@ enum class Stiffness : int
 enum class Elasticity : int
 {
 	Explicit, ///< the papers' step: cheap; stiffness needs substeps, and heavy loads do too
-	Implicit  ///< any stiffness and any load at the game's own step, for more time a step (docs/implicit.md). Method::Lattice only
+	Implicit, ///< any stiffness and any load at the game's own step, for more time a step (docs/implicit.md). Method::Lattice only
+	Automatic ///< implicit where the explicit step cannot reach the stiffness or a heavy load lies on the body's island, else explicit. What the
+	          ///< implicit step cannot do (levels of detail, far levels, other methods) steps explicitly: SoftBody::implicitStatus tells why
 };
 
 struct Material
@@ -106,7 +108,7 @@ struct Material
 	Elasticity elasticity = Elasticity::Explicit;
 
 	/// Damping that the implicit step brings along, [0, 1]: 1 calms a body within a few swings of a sixtieth of a second's step and is the
-	/// sturdiest, 0 lets it ring as long as `damping` and `wobbleDamping` allow. Rigid motion and momentum are untouched. Elasticity::Implicit only.
+	/// sturdiest, 0 lets it ring as long as `damping` and `wobbleDamping` allow. Rigid motion and momentum are untouched. Of the implicit step only.
 	float numericalDamping = 1.0f;
 
 	Method method = Method::Lattice;

@@ -147,6 +147,10 @@ public:
 
 	Status setMaterial( const Material& material );
 	const Material& material() const;
+	/// Whether the last step was the implicit one (Material::elasticity).
+	bool stepsImplicitly() const;
+	/// Ok where this body can take the implicit step; else the reason why it steps explicitly.
+	Status implicitStatus() const;
 	/// What the last step could reach of the material's stiffness.
 	const StiffnessPlan& stiffnessPlan() const;
 

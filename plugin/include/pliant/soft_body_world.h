@@ -23,6 +23,7 @@ struct StepReport
 	int awakeSoftBodies = 0;
 	int nodes = 0;            ///< in all soft bodies
 	int softContacts = 0;     ///< contact points between nodes and anything, last substep
+	int implicitBodies = 0;   ///< awake bodies that took the implicit step
 	int implicitPasses = 0;   ///< of the implicit solution that took most, last substep (docs/implicit.md)
 	int implicitProducts = 0; ///< the same: products with its matrix
 	int selfContacts = 0;     ///< those of them between two nodes of one body (SoftBody::setSelfCollision)

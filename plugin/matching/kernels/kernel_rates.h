@@ -157,7 +157,7 @@ void rateRecords( const RateView& rates, int begin, int end )
 		const int real = last < view.nodeCount ? last : view.nodeCount;
 		if ( real > first )
 		{
-			writeRecords( view, tile, first, real, view.nodeRecord );
+			writeRecords<Half>( view, tile, first, real, view.nodeRecord );
 		}
 	}
 }
@@ -171,7 +171,7 @@ void rigidRates( const RateView& rates, int begin, int end )
 	for ( int first = begin; first < end; first += kTile )
 	{
 		const int last = first + kTile < end ? first + kTile : end;
-		gatherTile( view, view.nodeRecord, view.memberMass, first, last, in );
+		gatherTile<Half>( view, view.nodeRecord, view.memberMass, first, last, in );
 		for ( int r = first; r < last; r += kWidth )
 		{
 			const int at = r - first;
@@ -197,7 +197,7 @@ void rigidRates( const RateView& rates, int begin, int end )
 		const int real = last < view.nodeCount ? last : view.nodeCount;
 		if ( real > first )
 		{
-			writeRecords( view, out, first, real, view.regionRecord );
+			writeRecords<Half>( view, out, first, real, view.regionRecord );
 		}
 	}
 }
@@ -210,7 +210,7 @@ void resist( const RateView& rates, int begin, int end )
 	for ( int first = begin; first < end; first += kTile )
 	{
 		const int last = first + kTile < end ? first + kTile : end;
-		gatherTile( view, view.regionRecord, view.memberShare, first, last, tile );
+		gatherTile<Half>( view, view.regionRecord, view.memberShare, first, last, tile );
 		for ( int i = first; i < last; i += kWidth )
 		{
 			const int at = i - first;

@@ -24,6 +24,7 @@ constexpr int kVirtualLanes = 16;
 #include "matching/kernels/kernel_fit.h"
 #include "matching/kernels/kernel_far.h"
 #include "matching/kernels/kernel_rates.h"
+#include "matching/kernels/kernel_sums.h"
 
 void frameSums( const MatchView& view, int begin, int end, float* sums )
 {
@@ -87,62 +88,74 @@ void nodeRecords( const MatchView& view, int begin, int end )
 }
 
 /// Along one line of `count` records, `stride` records apart: each becomes the sum over w neighbours to either side, in place.
-template <int w>
+template <int w, class Size>
 void boxLine( float* line, int count, std::size_t stride )
 {
-	const std::size_t step = stride * kRecordFloats;
-	for ( int piece = 0; piece < kPieces; ++piece )
+	using Piece = typename Size::Piece;
+	const std::size_t step = stride * Size::floats;
+	for ( int piece = 0; piece < Size::pieces; ++piece )
 	{
-		float* at = line + piece * kWidth;
-		V window[2 * w + 1]; // originals i - w .. i + w
+		float* at = line + piece * kPieceFloats<Size>;
+		Piece window[2 * w + 1]; // originals i - w .. i + w
 		for ( int k = 0; k < w; ++k )
 		{
-			window[k] = V{};
+			window[k] = Piece{};
 		}
 		for ( int k = 0; k <= w; ++k )
 		{
-			window[w + k] = k < count ? load( at + std::size_t( k ) * step ) : V{};
+			window[w + k] = k < count ? loadPiece<Size>( at + std::size_t( k ) * step ) : Piece{};
 		}
 		for ( int i = 0; i < count; ++i )
 		{
-			V sum = window[0];
+			Piece sum = window[0];
 			for ( int k = 1; k <= 2 * w; ++k )
 			{
 				sum = sum + window[k];
 			}
-			store( at + std::size_t( i ) * step, sum );
+			*reinterpret_cast<Piece*>( at + std::size_t( i ) * step ) = sum;
 			for ( int k = 0; k < 2 * w; ++k )
 			{
 				window[k] = window[k + 1];
 			}
-			window[2 * w] = i + w + 1 < count ? load( at + std::size_t( i + w + 1 ) * step ) : V{};
+			window[2 * w] = i + w + 1 < count ? loadPiece<Size>( at + std::size_t( i + w + 1 ) * step ) : Piece{};
 		}
 	}
 }
 
-template <int w>
+template <int w, class Size>
 void boxPlaneOf( const MatchView& view, float* plane )
 {
 	for ( int y = 0; y < view.gridY; ++y )
 	{
-		boxLine<w>( plane + std::size_t( y ) * view.gridX * kRecordFloats, view.gridX, 1 );
+		boxLine<w, Size>( plane + std::size_t( y ) * view.gridX * Size::floats, view.gridX, 1 );
 	}
 	for ( int x = 0; x < view.gridX; ++x )
 	{
-		boxLine<w>( plane + std::size_t( x ) * kRecordFloats, view.gridY, std::size_t( view.gridX ) );
+		boxLine<w, Size>( plane + std::size_t( x ) * Size::floats, view.gridY, std::size_t( view.gridX ) );
+	}
+}
+
+template <class Size>
+void boxPlaneOfSize( const MatchView& view, float* records, int z )
+{
+	float* plane = records + std::size_t( z ) * view.gridX * view.gridY * Size::floats;
+	switch ( view.halfWidth )
+	{
+		case 1: boxPlaneOf<1, Size>( view, plane ); break;
+		case 2: boxPlaneOf<2, Size>( view, plane ); break;
+		case 3: boxPlaneOf<3, Size>( view, plane ); break;
+		default: boxPlaneOf<4, Size>( view, plane ); break;
 	}
 }
 
 void boxPlane( const MatchView& view, float* records, int z )
 {
-	float* plane = records + std::size_t( z ) * view.gridX * view.gridY * kRecordFloats;
-	switch ( view.halfWidth )
-	{
-		case 1: boxPlaneOf<1>( view, plane ); break;
-		case 2: boxPlaneOf<2>( view, plane ); break;
-		case 3: boxPlaneOf<3>( view, plane ); break;
-		default: boxPlaneOf<4>( view, plane ); break;
-	}
+	boxPlaneOfSize<Whole>( view, records, z );
+}
+
+void boxPlaneHalf( const MatchView& view, float* records, int z )
+{
+	boxPlaneOfSize<Half>( view, records, z );
 }
 
 inline Quat loadQuat( const MatchView& view, int r )
@@ -355,6 +368,6 @@ void deformations( const MatchView& view, int begin, int end, float* gradients )
 
 extern const Kernels PLIANT_KERNEL_TABLE;
 const Kernels PLIANT_KERNEL_TABLE = { &frameSums, &nodeRecords, &boxPlane, &fitRegions, &finishRegion, &scatter, &apply, &regionMatrix,
-	&deformations, &sumRecords, &inertiaRecords, &regionInertias, &rateSums, &rateRecords, &rigidRates, &resist, PLIANT_KERNEL_NAME };
+	&deformations, &sumRecords, &inertiaRecords, &regionInertias, &rateSums, &rateRecords, &boxPlaneHalf, &rigidRates, &resist, &dot, &affineSums, &addAffine, PLIANT_KERNEL_NAME };
 
 } // namespace pliant

@@ -65,11 +65,15 @@ inline void storeGroup( Tile& tile, int first, F4 a, F4 b, F4 c, F4 d, int at )
 }
 
 /// Four records become four columns of the tile at `at`.
-inline void storeColumns( Tile& tile, const Record ( &r )[4], int at )
+template <class Size>
+inline void storeColumns( Tile& tile, const RecordOf<Size> ( &r )[4], int at )
 {
 	storeGroup( tile, 0, quarter<0>( r[0] ), quarter<0>( r[1] ), quarter<0>( r[2] ), quarter<0>( r[3] ), at );
 	storeGroup( tile, 4, quarter<1>( r[0] ), quarter<1>( r[1] ), quarter<1>( r[2] ), quarter<1>( r[3] ), at );
-	storeGroup( tile, 8, quarter<2>( r[0] ), quarter<2>( r[1] ), quarter<2>( r[2] ), quarter<2>( r[3] ), at );
+	if constexpr ( Size::groups == 3 )
+	{
+		storeGroup( tile, 8, quarter<2>( r[0] ), quarter<2>( r[1] ), quarter<2>( r[2] ), quarter<2>( r[3] ), at );
+	}
 }
 
 inline std::uint32_t slotOf( const MatchView& view, int node )
@@ -78,6 +82,7 @@ inline std::uint32_t slotOf( const MatchView& view, int node )
 }
 
 /// Columns of the tile become records of nodes or regions begin .. end.
+template <class Size = Whole>
 void writeRecords( const MatchView& view, const Tile& tile, int begin, int end, float* records )
 {
 	for ( int first = begin; first < end; first += 4 )
@@ -85,9 +90,9 @@ void writeRecords( const MatchView& view, const Tile& tile, int begin, int end, 
 		float* to[4];
 		for ( int j = 0; j < 4; ++j )
 		{
-			to[j] = records + std::size_t( first + j < end ? slotOf( view, first + j ) : slotOf( view, end - 1 ) ) * kRecordFloats;
+			to[j] = records + std::size_t( first + j < end ? slotOf( view, first + j ) : slotOf( view, end - 1 ) ) * Size::floats;
 		}
-		for ( int group = 0; group < kRecordUsed; group += 4 )
+		for ( int group = 0; group < 4 * Size::groups; group += 4 )
 		{
 			F4 a = load4( &tile.row[group + 0][first - begin] );
 			F4 b = load4( &tile.row[group + 1][first - begin] );
@@ -104,23 +109,24 @@ void writeRecords( const MatchView& view, const Tile& tile, int begin, int end, 
 }
 
 /// Sum of the listed records, even and odd terms apart, so that two chains of additions run side by side.
-inline Record sumList( const float* records, const std::uint32_t* member, std::uint32_t count )
+template <class Size = Whole>
+inline RecordOf<Size> sumList( const float* records, const std::uint32_t* member, std::uint32_t count )
 {
-	Record even = loadRecord( records + std::size_t( member[0] ) * kRecordFloats );
+	RecordOf<Size> even = loadRecord<Size>( records + std::size_t( member[0] ) * Size::floats );
 	if ( count == 1 )
 	{
 		return even;
 	}
-	Record odd = loadRecord( records + std::size_t( member[1] ) * kRecordFloats );
+	RecordOf<Size> odd = loadRecord<Size>( records + std::size_t( member[1] ) * Size::floats );
 	std::uint32_t k = 2;
 	for ( ; k + 1 < count; k += 2 )
 	{
-		even = even + loadRecord( records + std::size_t( member[k] ) * kRecordFloats );
-		odd = odd + loadRecord( records + std::size_t( member[k + 1] ) * kRecordFloats );
+		even = even + loadRecord<Size>( records + std::size_t( member[k] ) * Size::floats );
+		odd = odd + loadRecord<Size>( records + std::size_t( member[k + 1] ) * Size::floats );
 	}
 	if ( k < count )
 	{
-		even = even + loadRecord( records + std::size_t( member[k] ) * kRecordFloats );
+		even = even + loadRecord<Size>( records + std::size_t( member[k] ) * Size::floats );
 	}
 	return even + odd;
 }
@@ -128,81 +134,87 @@ inline Record sumList( const float* records, const std::uint32_t* member, std::u
 /// The same with a weight a term. Whole masses come in, rounded once to float: the same on every processor.
 inline Record sumWeighted( const float* records, const std::uint32_t* member, const std::uint32_t* weight, std::uint32_t count )
 {
-	Record even = loadRecord( records + std::size_t( member[0] ) * kRecordFloats ) * splat( float( weight[0] ) );
+	Record even = loadRecord<Whole>( records + std::size_t( member[0] ) * kRecordFloats ) * splat( float( weight[0] ) );
 	if ( count == 1 )
 	{
 		return even;
 	}
-	Record odd = loadRecord( records + std::size_t( member[1] ) * kRecordFloats ) * splat( float( weight[1] ) );
+	Record odd = loadRecord<Whole>( records + std::size_t( member[1] ) * kRecordFloats ) * splat( float( weight[1] ) );
 	std::uint32_t k = 2;
 	for ( ; k + 1 < count; k += 2 )
 	{
-		even = even + loadRecord( records + std::size_t( member[k] ) * kRecordFloats ) * splat( float( weight[k] ) );
-		odd = odd + loadRecord( records + std::size_t( member[k + 1] ) * kRecordFloats ) * splat( float( weight[k + 1] ) );
+		even = even + loadRecord<Whole>( records + std::size_t( member[k] ) * kRecordFloats ) * splat( float( weight[k] ) );
+		odd = odd + loadRecord<Whole>( records + std::size_t( member[k + 1] ) * kRecordFloats ) * splat( float( weight[k + 1] ) );
 	}
 	if ( k < count )
 	{
-		even = even + loadRecord( records + std::size_t( member[k] ) * kRecordFloats ) * splat( float( weight[k] ) );
+		even = even + loadRecord<Whole>( records + std::size_t( member[k] ) * kRecordFloats ) * splat( float( weight[k] ) );
 	}
 	return even + odd;
 }
 
 /// Sum of 2w + 1 plane sums through a lattice position along z, from below.
-inline Record sumColumn( const MatchView& view, const float* records, std::uint32_t slot )
+template <class Size>
+inline RecordOf<Size> sumColumn( const MatchView& view, const float* records, std::uint32_t slot )
 {
 	const std::size_t plane = std::size_t( view.gridX ) * std::size_t( view.gridY );
 	const int z = int( slot / plane );
 	const int low = z - view.halfWidth > 0 ? z - view.halfWidth : 0;
 	const int high = z + view.halfWidth < view.gridZ - 1 ? z + view.halfWidth : view.gridZ - 1;
-	const float* from = records + ( slot - std::size_t( z - low ) * plane ) * kRecordFloats;
-	Record sum = loadRecord( from );
+	const float* from = records + ( slot - std::size_t( z - low ) * plane ) * Size::floats;
+	RecordOf<Size> sum = loadRecord<Size>( from );
 	for ( int k = low + 1; k <= high; ++k )
 	{
-		from += plane * kRecordFloats;
-		sum = sum + loadRecord( from );
+		from += plane * Size::floats;
+		sum = sum + loadRecord<Size>( from );
 	}
 	return sum;
 }
 
-inline Record sumAround( const MatchView& view, const float* records, const std::uint32_t* weight, int i )
+template <class Size>
+inline RecordOf<Size> sumAround( const MatchView& view, const float* records, const std::uint32_t* weight, int i )
 {
 	if ( view.gridX > 0 )
 	{
-		return sumColumn( view, records, slotOf( view, i ) );
+		return sumColumn<Size>( view, records, slotOf( view, i ) );
 	}
 	const std::uint32_t* member = view.member + view.start[i];
 	const std::uint32_t count = view.start[i + 1] - view.start[i];
-	if ( weight )
+	if constexpr ( Size::floats == Whole::floats )
 	{
-		return sumWeighted( records, member, weight + view.start[i], count );
+		if ( weight )
+		{
+			return sumWeighted( records, member, weight + view.start[i], count );
+		}
 	}
 	if ( !view.addOwner )
 	{
-		return sumList( records, member, count );
+		return sumList<Size>( records, member, count );
 	}
-	const Record own = loadRecord( records + std::size_t( i ) * kRecordFloats );
-	return count == 0 ? own : sumList( records, member, count ) + own;
+	const RecordOf<Size> own = loadRecord<Size>( records + std::size_t( i ) * Size::floats );
+	return count == 0 ? own : sumList<Size>( records, member, count ) + own;
 }
 
-/// `weight`: of each term of the table, or null.
+/// `weight`: of each term of the table, or null; records of 8 floats have none.
+template <class Size = Whole>
 void gatherTile( const MatchView& view, const float* records, const std::uint32_t* weight, int begin, int end, Tile& tile )
 {
 	for ( int first = begin; first < end; first += 4 )
 	{
-		Record r[4];
+		RecordOf<Size> r[4];
 		for ( int j = 0; j < 4; ++j )
 		{
 			if ( first + j < view.nodeCount )
 			{
-				r[j] = sumAround( view, records, weight, first + j );
+				r[j] = sumAround<Size>( view, records, weight, first + j );
 				continue;
 			}
-			for ( V& piece : r[j].piece )
+			for ( typename Size::Piece& piece : r[j].piece )
 			{
-				piece = V{};
+				piece = typename Size::Piece{};
 			}
 		}
-		storeColumns( tile, r, first - begin );
+		storeColumns<Size>( tile, r, first - begin );
 	}
 }
 

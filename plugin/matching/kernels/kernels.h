@@ -15,6 +15,9 @@ namespace pliant {
 inline constexpr int kRecordFloats = 16;
 inline constexpr int kRecordUsed = 12;
 
+/// The same of the implicit step's rates: 6 are used.
+inline constexpr int kRateFloats = 8;
+
 /// Nodes worked on together between two transpositions.
 inline constexpr int kTile = 64;
 
@@ -166,8 +169,19 @@ struct Kernels
 	void ( *regionInertias )( const RateView&, int begin, int end );
 	void ( *rateSums )( const RateView&, int begin, int end, float* sums );
 	void ( *rateRecords )( const RateView&, int begin, int end );
+	/// As boxPlane, of records of kRateFloats floats: rateRecords and rigidRates write such.
+	void ( *boxPlaneHalf )( const MatchView&, float* records, int z );
 	void ( *rigidRates )( const RateView&, int begin, int end );
 	void ( *resist )( const RateView&, int begin, int end );
+
+	// Of vectors as long as whole lanes, for what solves with them.
+	/// a . b in double, 16 sums side by side, folded halves onto halves.
+	double ( *dot )( const float* a, const float* b, int size );
+	/// Sums over the nodes of each component of r ( 1, arm ): 12 doubles, the plain sums first, then arm by arm (ImplicitMotion::affineSums).
+	/// Components stand `padded` apart.
+	void ( *affineSums )( const float* r, const float* arms, const float* free, int padded, double* sums );
+	/// z += V free + L arm, `motion` as `affineSums` orders them.
+	void ( *addAffine )( const float* motion, const float* arms, const float* free, int padded, float* z );
 
 	const char* name;
 };

@@ -84,36 +84,65 @@ inline void transpose4( F4& a, F4& b, F4& c, F4& d )
 	d = __builtin_shufflevector( ab1, cd1, 2, 3, 6, 7 );
 }
 
-/// A record while it is summed: one vector of 16, two of 8, or three of 4 (the last four floats of a record are unused).
-constexpr int kPieces = PLIANT_LANE_WIDTH == 16 ? 1 : PLIANT_LANE_WIDTH == 8 ? 2 : 3;
-
-struct Record
+/// A record of 16 floats while it is summed: one vector of 16, two of 8, or three of 4 (the last four floats of a record are unused).
+struct Whole
 {
-	V piece[kPieces];
+	using Piece = V;
+	static constexpr int floats = 16, groups = 3, pieces = PLIANT_LANE_WIDTH == 16 ? 1 : PLIANT_LANE_WIDTH == 8 ? 2 : 3;
 };
 
-inline Record loadRecord( const float* p )
+/// One of 8 floats: one vector of 8, or two of 4.
+struct Half
 {
-	Record r;
-	for ( int i = 0; i < kPieces; ++i )
+#if PLIANT_LANE_WIDTH == 4
+	using Piece = V;
+	static constexpr int floats = 8, groups = 2, pieces = 2;
+#else
+	using Piece = float __attribute__( ( vector_size( 32 ), may_alias ) );
+	static constexpr int floats = 8, groups = 2, pieces = 1;
+#endif
+};
+
+template <class Size>
+struct RecordOf
+{
+	typename Size::Piece piece[Size::pieces];
+};
+using Record = RecordOf<Whole>;
+
+template <class Size>
+constexpr int kPieceFloats = int( sizeof( typename Size::Piece ) / sizeof( float ) );
+
+template <class Size>
+inline typename Size::Piece loadPiece( const float* p )
+{
+	return *reinterpret_cast<const typename Size::Piece*>( p );
+}
+
+template <class Size = Whole>
+inline RecordOf<Size> loadRecord( const float* p )
+{
+	RecordOf<Size> r;
+	for ( int i = 0; i < Size::pieces; ++i )
 	{
-		r.piece[i] = load( p + i * kWidth );
+		r.piece[i] = loadPiece<Size>( p + i * kPieceFloats<Size> );
 	}
 	return r;
 }
 
 inline void storeRecord( float* p, const Record& r )
 {
-	for ( int i = 0; i < kPieces; ++i )
+	for ( int i = 0; i < Whole::pieces; ++i )
 	{
 		store( p + i * kWidth, r.piece[i] );
 	}
 }
 
-inline Record operator+( const Record& a, const Record& b )
+template <class Size>
+inline RecordOf<Size> operator+( const RecordOf<Size>& a, const RecordOf<Size>& b )
 {
-	Record r;
-	for ( int i = 0; i < kPieces; ++i )
+	RecordOf<Size> r;
+	for ( int i = 0; i < Size::pieces; ++i )
 	{
 		r.piece[i] = a.piece[i] + b.piece[i];
 	}
@@ -123,7 +152,7 @@ inline Record operator+( const Record& a, const Record& b )
 inline Record operator*( const Record& a, V b )
 {
 	Record r;
-	for ( int i = 0; i < kPieces; ++i )
+	for ( int i = 0; i < Whole::pieces; ++i )
 	{
 		r.piece[i] = a.piece[i] * b;
 	}
@@ -131,15 +160,15 @@ inline Record operator*( const Record& a, V b )
 }
 
 /// Floats 4k to 4k + 3 of a record, k in 0 .. 2.
-template <int k>
-inline F4 quarter( const Record& r )
+template <int k, class Size>
+inline F4 quarter( const RecordOf<Size>& r )
 {
 #if PLIANT_LANE_WIDTH == 4
 	return r.piece[k];
 #else
-	constexpr int perPiece = PLIANT_LANE_WIDTH / 4;
+	constexpr int perPiece = kPieceFloats<Size> / 4;
 	constexpr int from = 4 * ( k % perPiece );
-	const V piece = r.piece[k / perPiece];
+	const typename Size::Piece piece = r.piece[k / perPiece];
 	return __builtin_shufflevector( piece, piece, from, from + 1, from + 2, from + 3 );
 #endif
 }

@@ -1,0 +1,42 @@
+#pragma once
+
+// Elasticity::Automatic: which bodies take the implicit step in the next game step. docs/implicit.md, "Automatic".
+
+class btDiscreteDynamicsWorld;
+
+#include <LinearMath/btScalar.h>
+
+#include <vector>
+
+namespace pliant {
+
+class SoftBody;
+
+class ImplicitChoice
+{
+public:
+	/// Decides for all bodies with Elasticity::Automatic, an island at a time. `substeps`: those that explicit bodies would get; `lastStep`: the
+	/// length of the last substep, s, in which contacts' impulses were found; 0: there was none.
+	void choose( const std::vector<SoftBody*>& bodies, btDiscreteDynamicsWorld& world, btScalar gameStep, int substeps, btScalar lastStep );
+
+private:
+	void measureLoads( btDiscreteDynamicsWorld& world, btScalar gameStep, btScalar lastStep );
+	bool needsImplicit( SoftBody& body, btScalar gameStep, int substeps, double iterations ) const;
+
+	std::vector<SoftBody*> m_asked;
+};
+
+/// Choice of one body, as kept between steps.
+struct ElasticityState
+{
+	bool isImplicit = false;   ///< chosen
+	double calm = 0.0;         ///< s for which nothing has asked for it
+	double load = 0.0;         ///< what its touched nodes carry in units of their own weight, smoothed
+
+	// Of this step.
+	bool needs = false;
+	double heaviest = 0.0;     ///< mass of the heaviest thing that lies on it, kg
+	double impulse = 0.0, nodeMass = 0.0; ///< that its nodes carry, N s, and their mass, kg
+};
+
+} // namespace pliant
