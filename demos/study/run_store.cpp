@@ -39,6 +39,7 @@ bool RunStore::open( const StudyPlan& plan, const Specimen& specimen, std::strin
 	std::ifstream file( m_path );
 	std::string line;
 	std::string whole; // lines that can be read: the last may have been cut off
+	bool isCutOff = false;
 	if( std::getline( file, line ) )
 	{
 		if( nlohmann::json::parse( line, nullptr, false ) != header )
@@ -55,14 +56,29 @@ bool RunStore::open( const StudyPlan& plan, const Specimen& specimen, std::strin
 				m_records.push_back( recordFrom( json ) );
 				whole += line + "\n";
 			}
+			isCutOff = isCutOff || !json.is_object();
 		}
 	}
 	else
 	{
 		whole = header.dump() + "\n";
+		isCutOff = true;
 	}
-	std::ofstream out( m_path, std::ios::trunc );
-	if( !( out << whole ).flush() )
+	return !isCutOff || writeAnew( whole, why );
+}
+
+// By way of a second file: nobody, this program killed among them, ever finds half a file in its place.
+bool RunStore::writeAnew( const std::string& whole, std::string& why ) const
+{
+	const std::string fresh = m_path + ".new";
+	std::ofstream out( fresh, std::ios::trunc );
+	std::error_code error;
+	if( ( out << whole ).flush() )
+	{
+		out.close();
+		std::filesystem::rename( fresh, m_path, error );
+	}
+	if( !out || error )
 	{
 		why = m_path + " cannot be written.";
 		return false;

@@ -38,6 +38,7 @@ public:
 	bool add( const Record& record );
 
 private:
+	bool writeAnew( const std::string& whole, std::string& why ) const;
 	std::string m_path;
 	std::vector<Record> m_records;
 };

@@ -20,10 +20,12 @@ inline constexpr int kMostAdvances = 32;
 
 /// What was fast is held back (node_guard.h) near what stands until it moves less than this share of its radius in a step.
 inline constexpr double kSlowShare = 0.1;
+/// What is squeezed so deep into what stands, in node radii, is held back too, however slow.
+inline constexpr btScalar kDeepShare = btScalar( 0.6 );
 /// What holds fast nodes back (node_guard.h). A node's centre is kept this share of its radius away from what stands ...
 inline constexpr double kGuardShare = 0.25;
 /// ... as far as it is not nearer yet; less than this share through a barrier is rounding.
-inline constexpr double kGuardSlack = 1e-3;
+inline constexpr double kGuardSlack = 1e-6;
 /// A node that was turned is looked at again, this often; then it stays where it is.
 inline constexpr int kGuardRounds = 4;
 /// Sweeps over the barriers of one node.

@@ -304,9 +304,14 @@ MovedContacts moveContacts( btDispatcher& dispatcher, btScalar sign )
 			continue;
 		}
 		const auto& node = static_cast<const NodeBody&>( *( nodeIsFirst ? manifold.getBody0() : manifold.getBody1() ) );
+		const btScalar deep = -kDeepShare * radiusOf( node );
 		for ( int k = 0; k < manifold.getNumContacts(); ++k, ++moved.count )
 		{
 			btManifoldPoint& point = manifold.getContactPoint( k );
+			if ( point.m_distance1 < deep && ( nodeIsFirst ? manifold.getBody1() : manifold.getBody0() )->isStaticOrKinematicObject() )
+			{
+				node.owner->impl().isGuarded = true; // what is crushed goes through slowly
+			}
 			moved.turn = moved.turn || point.m_combinedRollingFriction != 0 || point.m_combinedSpinningFriction != 0;
 			const btScalar fromSurface = sign * ( point.m_distance1 + radiusOf( node ) );
 			( nodeIsFirst ? point.m_positionWorldOnB : point.m_positionWorldOnA ) += point.m_normalWorldOnB * ( nodeIsFirst ? fromSurface : -fromSurface );

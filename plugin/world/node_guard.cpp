@@ -59,24 +59,34 @@ int NodeGuard::hold( SoftBody& body, const std::vector<const btCollisionObject*>
 // As if they came from where their parents were.
 bool NodeGuard::place( SoftBody& body, const std::vector<const btCollisionObject*>& walls, const std::vector<Vec3>& placeBefore )
 {
-	NodeState& nodes = body.impl().body->nodes();
+	const NodeState& nodes = body.impl().body->nodes();
 	const LevelChange& change = body.impl().body->levels()->lastChange();
-	begin( body, 0.0 );
-	std::vector<char> isNew( std::size_t( nodes.count ), 1 );
+	std::vector<Vec3> from;
+	for ( int i = 0; i < nodes.count; ++i )
+	{
+		from.push_back( placeBefore[change.heir[std::size_t( i )]] );
+	}
 	for ( const std::uint32_t now : change.keptAs )
 	{
 		if ( now != kNoNode )
 		{
-			isNew[now] = 0;
+			from[now] = nodes.x.get( int( now ) );
 		}
 	}
+	return keep( body, walls, from );
+}
+
+bool NodeGuard::keep( SoftBody& body, const std::vector<const btCollisionObject*>& walls, const std::vector<Vec3>& from )
+{
+	NodeState& nodes = body.impl().body->nodes();
+	begin( body, 0.0 );
 	for ( int i = 0; i < nodes.count; ++i )
 	{
-		if ( isNew[std::size_t( i )] != 0 && nodes.freedom[i] != 0.0f )
+		const Vec3 before = from[std::size_t( i )], now = nodes.x.get( i );
+		if ( before != now && nodes.freedom[i] != 0.0f )
 		{
-			const Vec3 from = placeBefore[change.heir[std::size_t( i )]];
-			m_from[std::size_t( i )] = from.cast<double>();
-			m_way[std::size_t( i )] = ( nodes.x.get( i ) - from ).cast<double>();
+			m_from[std::size_t( i )] = before.cast<double>();
+			m_way[std::size_t( i )] = ( now - before ).cast<double>();
 			m_nodes.push_back( i );
 		}
 	}
@@ -337,6 +347,16 @@ void SoftBodySystem::keepNewNodesOut( SoftBody& body, const std::vector<Vec3>& p
 	if ( !walls.empty() && m_guard.place( body, walls, placeBefore ) )
 	{
 		body.impl().shape->update( body.impl().body->nodes(), body.impl().shapeShift );
+	}
+}
+
+// Bullet's split impulse moves places and not speeds; of a node between a heavy thing and the floor it makes the floor's guest.
+void SoftBodySystem::keepPushedNodesOut( SoftBody& body, const std::vector<Vec3>& placeBefore )
+{
+	const std::vector<const btCollisionObject*> walls = wallsAround( body, 0.0 );
+	if ( !walls.empty() )
+	{
+		m_guard.keep( body, walls, placeBefore );
 	}
 }
 

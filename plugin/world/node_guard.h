@@ -25,6 +25,8 @@ public:
 	int hold( SoftBody& body, const std::vector<const btCollisionObject*>& walls, double h );
 	/// The same for the places of nodes that a change of levels has brought, by that of their heirs before; true when there were some to be moved.
 	bool place( SoftBody& body, const std::vector<const btCollisionObject*>& walls, const std::vector<Vec3>& placeBefore );
+	/// The same for all nodes, by their own places before; what has not moved is not looked at.
+	bool keep( SoftBody& body, const std::vector<const btCollisionObject*>& walls, const std::vector<Vec3>& from );
 	/// Whether nodes that have no sphere came to a wall in the last call.
 	bool isAsked() const { return m_isAsked; }
 

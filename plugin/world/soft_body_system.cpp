@@ -287,40 +287,6 @@ void SoftBodySystem::solveImplicit( const btContactSolverInfo& info )
 	report.implicitProducts = m_implicit.count().products;
 }
 
-void SoftBodySystem::readBack()
-{
-	BT_PROFILE( "pliant: readBack" );
-	for ( SoftBody* body : m_bodies )
-	{
-		SoftBody::Impl& impl = body->impl();
-		NodeState& nodes = impl.body->nodes();
-		bool wakes = false;
-		for ( NodeBody* stand : impl.touched )
-		{
-			wakes = wakes || ( stand->wasAsleep && stand->isActive() );
-			if ( !body->isActive() )
-			{
-				stand->forceActivationState( body->getActivationState() );
-				stand->wasAsleep = true;
-			}
-			if ( nodes.freedom[stand->node] == 0.0f || impl.block >= 0 || !moves( *body ) || body->getCollisionFlags() & btCollisionObject::CF_NO_CONTACT_RESPONSE )
-			{
-				continue;
-			}
-			nodes.v.set( stand->node, toVec3( stand->getLinearVelocity() ) );
-			const btVector3 pushed = stand->getWorldTransform().getOrigin() - stand->written; // split impulse moves positions
-			if ( !pushed.isZero() )
-			{
-				nodes.x.set( stand->node, nodes.x.get( stand->node ) + toVec3( pushed ) );
-			}
-		}
-		if ( wakes )
-		{
-			body->activate();
-		}
-	}
-}
-
 void SoftBodySystem::integrate( btScalar h, int substep )
 {
 	BT_PROFILE( "pliant: integrate" );

@@ -95,6 +95,7 @@ private:
 	/// What stands within `reach` of a body's nodes and collides with it, ascending by the order in which Bullet came to know it.
 	std::vector<const btCollisionObject*> wallsAround( SoftBody& body, double reach );
 	void keepNewNodesOut( SoftBody& body, const std::vector<Vec3>& placeBefore );
+	void keepPushedNodesOut( SoftBody& body, const std::vector<Vec3>& placeBefore );
 	void drivePins( SoftBody& body, btScalar h, int substep );
 	void settlePins( SoftBody& body, btScalar h, int substep );
 
@@ -112,6 +113,7 @@ private:
 	std::vector<NodeBody*> m_predictive;
 	ImplicitSolve m_implicit;
 	NodeGuard m_guard;
+	std::vector<Vec3> m_placesBefore; ///< scratch of readBack
 	ImplicitChoice m_choice;
 	btScalar m_lastSubstep = btScalar( 0 ); ///< s; 0: there was none
 	std::vector<SoftBody*> m_awake; ///< in this substep

@@ -46,12 +46,16 @@ TEST( Verdicts, SayThatStiffnessIsOutOfReach )
 	EXPECT_EQ( verdict.reason, "stiffness out of reach" );
 }
 
-/// A crushed body has its cells turned over, and is seen to.
-TEST( Verdicts, SeeWhatIsCrushed )
+/// Bullet's own soft bodies let a box of a hundred times their mass press them through the floor, and it is seen.
+TEST( Verdicts, SeeWhatGoesThroughTheFloor )
 {
-	const Verdict verdict = verdictOf( "load 1:1000000", "default", 120 );
+	const Verdict verdict = verdictOf( "load 1:100", "Bullet pose", 120 );
+	if( verdict.colour == Colour::None )
+	{
+		GTEST_SKIP() << verdict.reason;
+	}
 	EXPECT_EQ( verdict.colour, Colour::Red );
-	EXPECT_GT( verdict.inverted + verdict.depth, 0.5 );
+	EXPECT_GT( verdict.depth, 0.5 );
 }
 
 TEST( Verdicts, AreTheSameEachTime )

@@ -180,6 +180,25 @@ TEST( Resting, NoNodeEverGoesThroughAPlane )
 	}
 }
 
+/// Ten thousand times its mass is more than a body can bear; Bullet's split impulse then moved its nodes through the floor, a little in each step.
+TEST( Resting, WhatIsCrushedStaysAboveTheFloor )
+{
+	TestWorld t;
+	t.addPlane();
+	SoftBody* cube = t.addSoft( block( 5, 5, 5, 0.115f ), at( 0, btScalar( 0.2875 ), 0 ), stiff( 5.7e4f ) );
+	btRigidBody* box = t.addBox( btScalar( 1e4 ) * cube->mass(), btVector3( 0.29f, 0.145f, 0.29f ), at( 0, btScalar( 0.575 + 0.146 ), 0 ) );
+	box->setActivationState( DISABLE_DEACTIVATION );
+	btScalar lowest = 1;
+	for ( int k = 0; k < 120; ++k )
+	{
+		t.run( 1 );
+		lowest = btMin( lowest, test::lowestNode( *cube ) );
+	}
+	EXPECT_GT( lowest, 0 );
+	EXPECT_LT( box->getWorldTransform().getOrigin().y(), btScalar( 0.3 ) ) << "it was not crushed: this shows nothing";
+	EXPECT_TRUE( cube->isHealthy() );
+}
+
 TEST( Resting, LongStepsWithOneSubstepAreReportedAndStayAboveThePlane )
 {
 	TestWorld t;
