@@ -16,6 +16,16 @@ namespace pliant_study {
 /// Cells of a cube of `edge` cells an edge, each `cell` m. Null where it is refused.
 std::shared_ptr<const pliant::BodyTemplate> cubeTemplate( int edge, double cell, pliant::Skinning skinning );
 
+/// A world and what it stands on, in the order in which they have to go.
+struct WorldParts
+{
+	btDefaultCollisionConfiguration configuration;
+	btCollisionDispatcher dispatcher{ &configuration };
+	btDbvtBroadphase broadphase;
+	btSequentialImpulseConstraintSolver solver;
+	pliant::SoftBodyWorld world{ &dispatcher, &broadphase, &solver, &configuration };
+};
+
 class SmallWorld
 {
 public:
@@ -32,11 +42,8 @@ public:
 	double timedStep();
 
 private:
-	btDefaultCollisionConfiguration m_configuration;
-	btCollisionDispatcher m_dispatcher{ &m_configuration };
-	btDbvtBroadphase m_broadphase;
-	btSequentialImpulseConstraintSolver m_solver;
-	pliant::SoftBodyWorld m_world{ &m_dispatcher, &m_broadphase, &m_solver, &m_configuration };
+	WorldParts m_parts;
+	pliant::SoftBodyWorld& m_world = m_parts.world;
 	btStaticPlaneShape m_plane{ btVector3( 0, 1, 0 ), btScalar( 0 ) };
 	std::unique_ptr<btRigidBody> m_ground;
 	std::vector<std::unique_ptr<pliant::SoftBody>> m_bodies;

@@ -2,6 +2,7 @@
 // | A body of Pliant's under study, through the public face alone.                                                   |
 // +-----------------------------------------------------------------------------------------------------------------+
 
+#include "demos/study/small_world.h"
 #include "demos/study/subject.h"
 
 #include <pliant/soft_body_world.h>
@@ -110,10 +111,9 @@ public:
 	Motion motion() const override
 	{
 		Motion sum;
-		auto& world = const_cast<pliant::SoftBodyWorld&>( m_world );
 		for( int k = 0; k < m_world.softBodyCount(); ++k )
 		{
-			const pliant::SoftBody& body = *world.softBody( k );
+			const pliant::SoftBody& body = *m_world.softBody( k );
 			const double mass = double( body.mass() );
 			const Eigen::Vector3d centre = toEigen( body.massCentre() ), momentum = mass * toEigen( body.linearVelocity() );
 			sum.mass += mass;
@@ -212,11 +212,8 @@ public:
 	}
 
 private:
-	btDefaultCollisionConfiguration m_configuration;
-	btCollisionDispatcher m_dispatcher{ &m_configuration };
-	btDbvtBroadphase m_broadphase;
-	btSequentialImpulseConstraintSolver m_solver;
-	pliant::SoftBodyWorld m_world{ &m_dispatcher, &m_broadphase, &m_solver, &m_configuration };
+	WorldParts m_parts;
+	pliant::SoftBodyWorld& m_world = m_parts.world;
 	std::unique_ptr<pliant::SoftBody> m_body;
 	bool m_skins = true;
 };

@@ -108,43 +108,6 @@ public:
 			}
 		}
 	}
-	/// Calls visit( childA, childB ) for every pair of children whose boxes come within `margin` of each other, each pair once.
-	template <class Visit>
-	void visitOwnPairs( btScalar margin, Visit&& visit ) const
-	{
-		std::vector<std::pair<const btDbvtNode*, const btDbvtNode*>> waiting{ { m_dynamicAabbTree->m_root, m_dynamicAabbTree->m_root } };
-		const auto note = [&waiting, margin]( const btDbvtNode* a, const btDbvtNode* b ) {
-			if ( areNear( a->volume, b->volume, margin ) )
-			{
-				waiting.emplace_back( a, b );
-			}
-		};
-		while ( !waiting.empty() )
-		{
-			const auto [a, b] = waiting.back();
-			waiting.pop_back();
-			if ( a == b && a->isinternal() )
-			{
-				waiting.emplace_back( a->childs[0], a->childs[0] );
-				waiting.emplace_back( a->childs[1], a->childs[1] );
-				note( a->childs[0], a->childs[1] );
-			}
-			else if ( a != b && a->isleaf() && b->isleaf() )
-			{
-				visit( a->dataAsInt, b->dataAsInt );
-			}
-			else if ( a != b )
-			{
-				for ( int i = 0; i < ( a->isleaf() ? 1 : 2 ); ++i )
-				{
-					for ( int j = 0; j < ( b->isleaf() ? 1 : 2 ); ++j )
-					{
-						note( a->isleaf() ? a : a->childs[i], b->isleaf() ? b : b->childs[j] );
-					}
-				}
-			}
-		}
-	}
 	const btDbvt& tree() const { return *m_dynamicAabbTree; }
 
 	std::size_t bytes() const;
@@ -153,12 +116,6 @@ private:
 	static bool isLarger( const btDbvtVolume& a, const btDbvtVolume& b )
 	{
 		return ( a.Maxs() - a.Mins() ).length2() > ( b.Maxs() - b.Mins() ).length2();
-	}
-	static bool areNear( const btDbvtVolume& a, const btDbvtVolume& b, btScalar margin )
-	{
-		const btVector3 &lowA = a.Mins(), &highA = a.Maxs(), &lowB = b.Mins(), &highB = b.Maxs();
-		return lowA.x() - highB.x() <= margin && lowB.x() - highA.x() <= margin && lowA.y() - highB.y() <= margin && lowB.y() - highA.y() <= margin &&
-			   lowA.z() - highB.z() <= margin && lowB.z() - highA.z() <= margin;
 	}
 	void addUniform( const Lattice& lattice );
 	void renumber( const std::vector<std::uint32_t>& nodeNow );
