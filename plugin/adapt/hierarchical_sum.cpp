@@ -7,18 +7,30 @@ namespace pliant {
 namespace {
 
 /// sum = records[ term[0] ] + records[ term[1] ] + ..., in that order.
+template <int floats>
 inline void addRecords( const float* records, const std::uint32_t* term, const std::uint32_t* end, float* sum )
 {
-	float total[kSumFloats] = {};
+	float total[floats] = {};
 	for ( ; term != end; ++term )
 	{
-		const float* const record = records + std::size_t( *term ) * kSumFloats;
-		for ( int k = 0; k < kSumFloats; ++k )
+		const float* const record = records + std::size_t( *term ) * floats;
+		for ( int k = 0; k < floats; ++k )
 		{
 			total[k] += record[k];
 		}
 	}
 	std::memcpy( sum, total, sizeof( total ) );
+}
+
+template <int floats>
+void addUp( const SumPlan& plan, float* records )
+{
+	for ( int v = 0; v < plan.virtualNodes; ++v )
+	{
+		const std::uint32_t* const child = plan.child.data();
+		float* const sum = records + std::size_t( plan.slots + v ) * floats;
+		addRecords<floats>( records, child + plan.childStart[std::size_t( v )], child + plan.childStart[std::size_t( v ) + 1], sum );
+	}
 }
 
 bool isSimulated( const Cut& cut, std::uint32_t slot, std::uint32_t node )
@@ -84,12 +96,12 @@ SumPlan planSums( const Octree& octree, const Cut& cut, const IntervalRegions& i
 
 void depthSum( const SumPlan& plan, float* records )
 {
-	for ( int v = 0; v < plan.virtualNodes; ++v )
-	{
-		const std::uint32_t* const child = plan.child.data();
-		float* const sum = records + std::size_t( plan.slots + v ) * kSumFloats;
-		addRecords( records, child + plan.childStart[std::size_t( v )], child + plan.childStart[std::size_t( v ) + 1], sum );
-	}
+	addUp<kSumFloats>( plan, records );
+}
+
+void depthSumHalf( const SumPlan& plan, float* records )
+{
+	addUp<kSumFloats / 2>( plan, records );
 }
 
 void breadthSum( const SumPlan& plan, const float* records, float* sums, int first, int end )
@@ -97,7 +109,7 @@ void breadthSum( const SumPlan& plan, const float* records, float* sums, int fir
 	const std::uint32_t* const term = plan.term.data();
 	for ( int r = first; r < end; ++r )
 	{
-		addRecords( records, term + plan.start[std::size_t( r )], term + plan.start[std::size_t( r ) + 1],
+		addRecords<kSumFloats>( records, term + plan.start[std::size_t( r )], term + plan.start[std::size_t( r ) + 1],
 		            sums + std::size_t( r ) * kSumFloats );
 	}
 }

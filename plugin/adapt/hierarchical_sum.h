@@ -28,6 +28,8 @@ SumPlan planSums( const Octree& octree, const Cut& cut, const IntervalRegions& i
 
 /// Fills the records of virtual nodes from those of the slots. `records`: plan.records() of kSumFloats floats.
 void depthSum( const SumPlan& plan, float* records );
+/// The same of records of half as many floats.
+void depthSumHalf( const SumPlan& plan, float* records );
 
 /// The sums of regions first .. end - 1, written to sums + r kSumFloats. Regions are independent of one another.
 void breadthSum( const SumPlan& plan, const float* records, float* sums, int first, int end );

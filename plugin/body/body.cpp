@@ -47,11 +47,11 @@ double meanSecondMoment( const Lattice& lattice )
 	return moment / ( 3.0 * fill );
 }
 
-bool needsNewMatcher( const Material& a, const Material& b )
+bool needsNewMatcher( const Material& a, const Material& b, bool hasLevels )
 {
 	return a.method != b.method || a.clusterMode != b.clusterMode || a.clusterEdge != b.clusterEdge || a.weights != b.weights ||
 		   a.rotationFrom != b.rotationFrom || a.regionHalfWidth != b.regionHalfWidth || a.beta != b.beta || a.volumeKeeping != b.volumeKeeping ||
-		   a.farLevels != b.farLevels || usesLinkMoments( a ) != usesLinkMoments( b );
+		   a.farLevels != b.farLevels || ( !hasLevels && usesLinkMoments( a ) != usesLinkMoments( b ) );
 }
 
 } // namespace
@@ -85,10 +85,6 @@ Result<std::unique_ptr<Body>> Body::create(
 	{
 		return Made::failure( ResultCode::BadArgument, "Adaptivity: a body with levels of detail takes no Material::farLevels." );
 	}
-	if ( adaptivity.coarseLevels > 0 && material.elasticity == Elasticity::Implicit )
-	{
-		return Made::failure( ResultCode::BadArgument, "Adaptivity: a body with levels of detail takes no Elasticity::Implicit yet." );
-	}
 	try
 	{
 		std::unique_ptr<Body> body( new Body );
@@ -96,10 +92,6 @@ Result<std::unique_ptr<Body>> Body::create(
 		body->m_cache = std::move( cache );
 		body->m_material = material;
 		body->m_material.farLevels = usefulFarLevels( *body->m_lattice, material.farLevels );
-		if ( adaptivity.coarseLevels > 0 ) // not Implicit; nodes of several sizes step explicitly
-		{
-			body->m_material.elasticity = Elasticity::Explicit;
-		}
 		if ( Status status = body->sampleStiffness( stiffness ); !status.ok() )
 		{
 			return Made{ std::move( status ), nullptr };
@@ -138,18 +130,13 @@ Status Body::setMaterial( const Material& wanted )
 	{
 		return Status{ ResultCode::BadArgument, "A body that can break needs Method::Lattice." };
 	}
-	if ( m_levels && wanted.elasticity == Elasticity::Implicit )
-	{
-		return Status{ ResultCode::BadArgument, "A body with levels of detail takes no Elasticity::Implicit yet." };
-	}
 	Material material = wanted;
 	material.farLevels = usefulFarLevels( *m_lattice, wanted.farLevels );
-	material.elasticity = m_levels ? Elasticity::Explicit : wanted.elasticity;
 	try
 	{
 		std::unique_ptr<Matcher> matcher;
 		const bool lacksInverse = !m_levels && material.yieldStrain > 0.0f && !needsInverse( m_material );
-		if ( lacksInverse || needsNewMatcher( m_material, material ) )
+		if ( lacksInverse || needsNewMatcher( m_material, material, m_levels != nullptr ) )
 		{
 			if ( m_levels )
 			{
@@ -166,6 +153,7 @@ Status Body::setMaterial( const Material& wanted )
 		if ( matcher )
 		{
 			m_matcher = std::move( matcher );
+			m_implicit.reset(); // it knows the old one
 		}
 		m_material = material;
 		if ( m_breaking && m_breaking->settings.strength > 0.0f ) // the strain it breaks at follows the modulus
@@ -242,6 +230,7 @@ void Body::applyForces( float h, const Vec3& gravity )
 
 void Body::accelerateTowardGoals( float h, float alpha, TaskRunner* runner )
 {
+	m_wasImplicit = false;
 	if ( m_nodes.count == 1 )
 	{
 		return; // its goal is where it is: dust costs nothing

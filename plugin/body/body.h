@@ -236,6 +236,7 @@ private:
 	std::vector<std::uint32_t> m_firstCell;
 	int m_reviewIn = 0;              ///< substeps until strains are measured
 	float m_sinceReview = 0.0f;      ///< s
+	bool m_wasImplicit = false;      ///< the last substep
 	bool m_isOnePart = true;
 	double m_secondMoment = 0.0;     ///< m^2, mean over the axes, per mass
 	double m_restLength = 1.0;       ///< m, longest edge of the rest shape's box

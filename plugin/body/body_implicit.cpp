@@ -3,6 +3,7 @@
 #include "body/body.h"
 
 #include "body/implicit_motion.h"
+#include "body/levels.h"
 #include "matching/conjugate_gradients.h"
 #include "matching/lattice_matcher.h"
 #include "matching/stiffness.h"
@@ -50,7 +51,7 @@ private:
 bool Body::canStepImplicitly() const
 {
 	return m_material.method == Method::Lattice && m_material.weights == Weights::Conserving && m_material.rotationFrom == RotationFrom::Apq &&
-		   m_material.farLevels == 0 && !m_levels && m_nodes.count > 1;
+		   m_material.farLevels == 0 && m_nodes.count > 1;
 }
 
 Status Body::implicitStatus() const
@@ -58,10 +59,6 @@ Status Body::implicitStatus() const
 	if ( canStepImplicitly() )
 	{
 		return {};
-	}
-	if ( m_levels )
-	{
-		return { ResultCode::BadArgument, "A body with levels of detail steps explicitly: the implicit step knows nodes of one size." };
 	}
 	if ( m_material.farLevels > 0 )
 	{
@@ -89,7 +86,9 @@ void Body::pushImplicitly( float h, float alpha, const Vec3& gravity, TaskRunner
 	const std::size_t padded = std::size_t( m_nodes.padded );
 	m_pushed.resize( 3 * padded );
 	m_speedBefore = m_nodes.v;
-	m_matcher->accelerate( m_nodes, MatchStep{ h, alpha, 0.0f, wobbleRate( h, alpha ), 0.0f, false,
+	m_wasImplicit = true;
+	const bool measuresStrain = m_levels && m_reviewIn == 0 && m_levels->followsStrain();
+	m_matcher->accelerate( m_nodes, MatchStep{ h, alpha, 0.0f, wobbleRate( h, alpha ), 0.0f, measuresStrain,
 		PlasticLaw{ m_material.yieldStrain, m_material.plasticCreep, m_material.plasticLimit }, {} }, runner );
 	std::swap( m_speedBefore, m_nodes.v ); // now: what matching makes of the speeds
 	const AlignedArray<float>* const pushed[3] = { &m_speedBefore.x, &m_speedBefore.y, &m_speedBefore.z };

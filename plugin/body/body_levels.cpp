@@ -111,7 +111,7 @@ bool Body::reviewLevels( float h )
 		--m_reviewIn;
 		return false;
 	}
-	m_reviewIn = kSubstepsBetweenReviews - 1;
+	m_reviewIn = m_wasImplicit ? 0 : kSubstepsBetweenReviews - 1; // an implicit substep is as long as several others
 	const bool hasChange = m_levels->review( m_nodes, m_levelMatcher->strain(), m_levelMatcher->stretch(), m_sinceReview );
 	m_sinceReview = 0.0f;
 	return hasChange;

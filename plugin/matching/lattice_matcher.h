@@ -30,6 +30,8 @@ public:
 	std::size_t bytes() const override; ///< without the shared tables
 	std::size_t sharedBytes() const override { return m_tables->bytes(); }
 	const RegionTables& tables() const { return *m_tables; }
+	/// Goes up whenever the tables become others.
+	unsigned tablesVersion() const { return m_tablesVersion; }
 	const Kernels& kernels() const { return m_kernels; }
 	/// Length of each of the two arrays of records that `view` shows.
 	std::size_t recordFloats() const { return m_nodeRecord.size(); }
@@ -87,6 +89,7 @@ private:
 	const Kernels& m_kernels;
 	const Lattice* m_lattice;
 	std::shared_ptr<const RegionTables> m_tables;
+	unsigned m_tablesVersion = 0;
 	float m_cellSize = 0.0f;
 	float m_beta = 0.0f;
 	float m_volumeShare = 0.0f; ///< kappa

@@ -14,6 +14,7 @@ void LatticeMatcher::setTables( std::shared_ptr<const RegionTables> tables, cons
 		m_plastic->carryOver( *m_tables, *tables, heirs );
 	}
 	m_tables = std::move( tables );
+	++m_tablesVersion;
 	m_strain.clear();
 	m_stretch.clear();
 	const std::size_t padded = std::size_t( m_tables->moments.padded );

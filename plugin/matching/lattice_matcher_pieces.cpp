@@ -30,6 +30,7 @@ void LatticeMatcher::relink( const Lattice& lattice, std::shared_ptr<const Regio
 {
 	m_lattice = &lattice;
 	m_tables = std::move( tables );
+	++m_tablesVersion;
 	m_strain.clear();
 	m_stretch.clear();
 	for ( AlignedArray<float>* array : history() )

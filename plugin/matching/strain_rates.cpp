@@ -4,6 +4,7 @@
 #include "threads/parallel.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace pliant {
 
@@ -73,15 +74,27 @@ void StrainRates::prepare( LatticeMatcher& matcher, NodeState& nodes, TaskRunner
 	const bool hasOwnShares = !tables.rateShare.empty();
 	m_rates.regionShare = hasOwnShares ? tables.rateShare.data() : m_view.regionWeight;
 	m_rates.pull = hasOwnShares ? tables.ratePull.data() : m_view.pull;
+	m_plan = tables.plan;
 	for ( int k = 0; k < 6; ++k )
 	{
 		m_rates.regionCentre[k % 3] = m_centres[k % 3].data();
 		m_rates.inverseInertia[k] = m_inverseInertias[k].data();
 	}
-	if ( m_diagonalOf != &tables )
+	const bool isMeasured = m_measuredOf == &matcher && m_measuredVersion == matcher.tablesVersion();
+	if ( tables.matrix )
 	{
-		measureDiagonal( matcher );
-		m_diagonalOf = &tables;
+		if ( !isMeasured )
+		{
+			measureShares( tables );
+		}
+		m_rates.regionShare = m_share.data();
+		m_rates.pull = m_pull.data();
+	}
+	if ( !isMeasured )
+	{
+		measureDiagonal( tables );
+		m_measuredOf = &matcher;
+		m_measuredVersion = matcher.tablesVersion();
 	}
 
 	if ( m_gridHasHoles )
@@ -113,13 +126,62 @@ void StrainRates::measureBody( const NodeState& nodes )
 	m_inverseInertia = flooredInverse( m_inertia, kInertiaFloor );
 }
 
+namespace {
+
+/// Not less than the largest eigenvalue of C, which are real and positive: mean and scatter of the three bound it, and it is met where two are
+/// alike.
+double largestStretch( const AlignedArray<float> ( &blend )[9], std::size_t r )
+{
+	double trace = 0.0, square = 0.0;
+	for ( int i = 0; i < 3; ++i )
+	{
+		trace += double( blend[4 * i][r] );
+		for ( int j = 0; j < 3; ++j )
+		{
+			square += double( blend[3 * i + j][r] ) * double( blend[3 * j + i][r] );
+		}
+	}
+	const double mean = trace / 3.0, scatter = std::max( 0.0, square / 3.0 - mean * mean );
+	return mean + std::sqrt( 2.0 * scatter );
+}
+
+/// g of a region of nodes on several levels, without b.
+double shareOfLevels( const RegionTables& tables, std::size_t r )
+{
+	const double affine = !tables.blend[0].empty() ? largestStretch( tables.blend, r ) : tables.beta.empty() ? 1.0 : 1.0 - double( tables.beta[r] );
+	return std::max( affine, tables.eta.empty() ? 0.0 : 1.0 - double( tables.eta[r] ) );
+}
+
+} // namespace
+
+void StrainRates::measureShares( const RegionTables& tables )
+{
+	const RegionMatrix& matrix = *tables.matrix;
+	m_share.assign( std::size_t( m_padded ), 1.0f );
+	m_pull.assign( std::size_t( m_padded ), 0.0f );
+	for ( std::size_t r = 0; r < std::size_t( matrix.count() ); ++r )
+	{
+		const double weight = tables.moments.regionWeight.empty() ? 1.0 : double( tables.moments.regionWeight[r] );
+		m_share[r] = float( weight * shareOfLevels( tables, r ) );
+	}
+	for ( std::size_t i = 0; i < std::size_t( matrix.count() ); ++i )
+	{
+		double sum = 0.0;
+		for ( std::uint32_t k = matrix.start[i]; k < matrix.start[i + 1]; ++k )
+		{
+			sum += double( m_share[matrix.member[k]] ) * ( tables.plan ? 1.0 : double( matrix.share[k] ) );
+		}
+		m_pull[i] = float( sum * double( tables.moments.inverseCover[i] ) );
+	}
+}
+
 // Of P a node's own share: from each region a / M in each of three directions, and about as much from its three rotations. A region of one or
 // two nodes does not resist at all.
-void StrainRates::measureDiagonal( const LatticeMatcher& matcher )
+void StrainRates::measureDiagonal( const RegionTables& tables )
 {
 	m_diagonal.assign( std::size_t( m_padded ), 0.0f );
 	std::vector<int> nodeAt; // by lattice position
-	if ( matcher.tables().usesGrid )
+	if ( tables.usesGrid )
 	{
 		nodeAt.assign( std::size_t( m_view.gridX ) * std::size_t( m_view.gridY ) * std::size_t( m_view.gridZ ), -1 );
 		for ( int i = 0; i < m_view.nodeCount; ++i )
@@ -130,21 +192,31 @@ void StrainRates::measureDiagonal( const LatticeMatcher& matcher )
 	for ( int i = 0; i < m_view.nodeCount; ++i )
 	{
 		double sum = 0.0;
-		const auto add = [&]( int r ) {
+		const auto add = [&]( int r, double given, double taken ) { // weights of the node in the region's sums and of the region in its goal
 			const double share = m_rates.regionShare ? double( m_rates.regionShare[r] ) : 1.0;
-			sum += share * std::max( 0.0, 1.0 - 2.0 * double( m_view.nodeWeight[i] ) * double( m_view.inverseMass[r] ) );
+			sum += taken * share * std::max( 0.0, 1.0 - 2.0 * given * double( m_view.nodeWeight[i] ) * double( m_view.inverseMass[r] ) );
 		};
-		if ( matcher.tables().usesGrid )
+		if ( tables.matrix )
 		{
-			overCube( m_view, nodeAt, i, add );
+			const RegionMatrix& matrix = *tables.matrix;
+			for ( std::uint32_t k = matrix.start[std::size_t( i )]; k < matrix.start[std::size_t( i ) + 1]; ++k )
+			{
+				// What the node gives to the member's region is what that gives to the node's goal: conserving weights.
+				const double weight = tables.plan ? 1.0 : double( matrix.share[k] );
+				add( int( matrix.member[k] ), weight, weight );
+			}
+		}
+		else if ( tables.usesGrid )
+		{
+			overCube( m_view, nodeAt, i, [&add]( int r ) { add( r, 1.0, 1.0 ); } );
 		}
 		else
 		{
-			std::for_each( m_view.member + m_view.start[i], m_view.member + m_view.start[i + 1], [&]( std::uint32_t r ) { add( int( r ) ); } );
+			std::for_each( m_view.member + m_view.start[i], m_view.member + m_view.start[i + 1], [&]( std::uint32_t r ) { add( int( r ), 1.0, 1.0 ); } );
 		}
 		if ( m_view.addOwner )
 		{
-			add( i );
+			add( i, 1.0, 1.0 );
 		}
 		m_diagonal[std::size_t( i )] = float( sum * double( m_view.inverseCover[i] ) );
 	}
@@ -152,6 +224,10 @@ void StrainRates::measureDiagonal( const LatticeMatcher& matcher )
 
 void StrainRates::sumRecords( float* records, bool isOfRates, TaskRunner* runner )
 {
+	if ( m_plan )
+	{
+		isOfRates ? depthSumHalf( *m_plan, records ) : depthSum( *m_plan, records );
+	}
 	const auto boxPlane = isOfRates ? m_kernels->boxPlaneHalf : m_kernels->boxPlane;
 	auto task = [&]( int z ) { boxPlane( m_view, records, z ); };
 	runTasks( runner, m_view.gridZ, task );
@@ -205,7 +281,7 @@ void StrainRates::resist( const float* v, float stiffness, float* to, TaskRunner
 
 std::size_t StrainRates::bytes() const
 {
-	return ( m_centres[0].size() * 3 + m_inverseInertias[0].size() * 6 + m_diagonal.size() ) * sizeof( float ) +
+	return ( m_centres[0].size() * 3 + m_inverseInertias[0].size() * 6 + m_diagonal.size() + m_share.size() + m_pull.size() ) * sizeof( float ) +
 		   m_partial.size() * sizeof( m_partial[0] );
 }
 

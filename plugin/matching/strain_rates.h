@@ -9,6 +9,10 @@
 // so 1 - P is symmetric under the masses and positive semidefinite, and is zero for rigid motions of the whole: no turn is braked, and no
 // momentum moved. It is what the derivative of the matching force becomes where the regions are not strained; what strain adds (it can make
 // the derivative indefinite) is left out. Rivers and James 2007, section 5, use the same projection to damp.
+//
+// Nodes on several levels: a region asks for ( 1 - eta ) | n |^2 + | F - R |^2 in J_fine = J C, n what no affine motion explains
+// (level_tables.h). With g_r = b_r max( 1 - eta, largest stretch of C ) the operator bounds that, and is its equal for affine motions where C
+// is the same in all directions.
 
 #include "matching/kernels/kernels.h"
 #include "matching/node_state.h"
@@ -16,18 +20,21 @@
 #include <Eigen/Core>
 
 #include <array>
+#include <memory>
 #include <vector>
 
 namespace pliant {
 
 class LatticeMatcher;
 class TaskRunner;
+struct RegionTables;
+struct SumPlan;
 
 class StrainRates
 {
 public:
 	/// Nodes and tables as they are now: centres and inertias of the regions. The matcher's records are scratch here.
-	/// Both must stay as they are for as long as `resist` is called. The tables must be those of a uniform lattice.
+	/// Both must stay as they are for as long as `resist` is called.
 	void prepare( LatticeMatcher& matcher, NodeState& nodes, TaskRunner* runner );
 
 	/// The part of it that says where the body is and how heavy.
@@ -45,7 +52,8 @@ public:
 	std::size_t bytes() const;
 
 private:
-	void measureDiagonal( const LatticeMatcher& matcher );
+	void measureShares( const RegionTables& tables );
+	void measureDiagonal( const RegionTables& tables );
 	void sumRecords( float* records, bool isOfRates, TaskRunner* runner );
 	void takeRigidMotionOff( TaskRunner* runner );
 
@@ -56,7 +64,10 @@ private:
 	bool m_gridHasHoles = false;
 	std::size_t m_recordFloats = 0;
 	AlignedArray<float> m_centres[3], m_inverseInertias[6], m_diagonal;
-	const void* m_diagonalOf = nullptr; ///< the tables it was measured for
+	AlignedArray<float> m_share, m_pull;          ///< of nodes on several levels; empty on a uniform lattice
+	const LatticeMatcher* m_measuredOf = nullptr; ///< what diagonal and shares were measured for, and which of its tables
+	unsigned m_measuredVersion = 0;
+	std::shared_ptr<const SumPlan> m_plan;
 	std::vector<std::array<float, kRateSums>> m_partial;
 	Eigen::Vector3d m_centre = Eigen::Vector3d::Zero();
 	Eigen::Matrix3d m_inertia = Eigen::Matrix3d::Identity(), m_inverseInertia = Eigen::Matrix3d::Identity();

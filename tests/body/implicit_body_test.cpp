@@ -206,10 +206,6 @@ TEST( ImplicitBody, IsRefusedWhereThereIsNothingToLinearise )
 	EXPECT_FALSE( check( m ).ok() );
 	m = material( 1.0f, 1.0f );
 	EXPECT_TRUE( check( m ).ok() );
-	Adaptivity levels;
-	levels.coarseLevels = 1;
-	auto lattice = std::make_shared<Lattice>( makeBlockLattice( 4, 4, 4, 0.1f ) );
-	EXPECT_FALSE( Body::create( lattice, m, {}, nullptr, levels ).ok() );
 }
 
 } // namespace

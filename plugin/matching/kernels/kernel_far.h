@@ -38,7 +38,7 @@ inline Vec farWay( const MatchView& view, const Tile& tile, int i, int at, const
 inline Record sumScaled( const float* records, const float* weight, const std::uint32_t* member, std::uint32_t count )
 {
 	const auto term = [&]( std::uint32_t k ) {
-		return loadRecord( records + std::size_t( member[k] ) * kRecordFloats ) * splat( weight[member[k]] );
+		return loadRecord( records + std::size_t( member[k] ) * kRecordFloats ) * weight[member[k]];
 	};
 	Record even = term( 0 );
 	if ( count == 1 )
@@ -69,7 +69,7 @@ void sumRecords( const RecordSums& job, int begin, int end )
 		}
 		if ( job.scale )
 		{
-			sum = sum * splat( job.factor * job.scale[i] );
+			sum = sum * ( job.factor * job.scale[i] );
 		}
 		storeRecord( job.to + at, job.base ? sum + loadRecord( job.base + std::size_t( job.baseOf[i] ) * kRecordFloats ) : sum );
 	}

@@ -132,23 +132,24 @@ inline RecordOf<Size> sumList( const float* records, const std::uint32_t* member
 }
 
 /// The same with a weight a term. Whole masses come in, rounded once to float: the same on every processor.
-inline Record sumWeighted( const float* records, const std::uint32_t* member, const std::uint32_t* weight, std::uint32_t count )
+template <class Size>
+inline RecordOf<Size> sumWeighted( const float* records, const std::uint32_t* member, const std::uint32_t* weight, std::uint32_t count )
 {
-	Record even = loadRecord<Whole>( records + std::size_t( member[0] ) * kRecordFloats ) * splat( float( weight[0] ) );
+	RecordOf<Size> even = loadRecord<Size>( records + std::size_t( member[0] ) * Size::floats ) * float( weight[0] );
 	if ( count == 1 )
 	{
 		return even;
 	}
-	Record odd = loadRecord<Whole>( records + std::size_t( member[1] ) * kRecordFloats ) * splat( float( weight[1] ) );
+	RecordOf<Size> odd = loadRecord<Size>( records + std::size_t( member[1] ) * Size::floats ) * float( weight[1] );
 	std::uint32_t k = 2;
 	for ( ; k + 1 < count; k += 2 )
 	{
-		even = even + loadRecord<Whole>( records + std::size_t( member[k] ) * kRecordFloats ) * splat( float( weight[k] ) );
-		odd = odd + loadRecord<Whole>( records + std::size_t( member[k + 1] ) * kRecordFloats ) * splat( float( weight[k + 1] ) );
+		even = even + loadRecord<Size>( records + std::size_t( member[k] ) * Size::floats ) * float( weight[k] );
+		odd = odd + loadRecord<Size>( records + std::size_t( member[k + 1] ) * Size::floats ) * float( weight[k + 1] );
 	}
 	if ( k < count )
 	{
-		even = even + loadRecord<Whole>( records + std::size_t( member[k] ) * kRecordFloats ) * splat( float( weight[k] ) );
+		even = even + loadRecord<Size>( records + std::size_t( member[k] ) * Size::floats ) * float( weight[k] );
 	}
 	return even + odd;
 }
@@ -180,12 +181,9 @@ inline RecordOf<Size> sumAround( const MatchView& view, const float* records, co
 	}
 	const std::uint32_t* member = view.member + view.start[i];
 	const std::uint32_t count = view.start[i + 1] - view.start[i];
-	if constexpr ( Size::floats == Whole::floats )
+	if ( weight )
 	{
-		if ( weight )
-		{
-			return sumWeighted( records, member, weight + view.start[i], count );
-		}
+		return sumWeighted<Size>( records, member, weight + view.start[i], count );
 	}
 	if ( !view.addOwner )
 	{
@@ -195,7 +193,7 @@ inline RecordOf<Size> sumAround( const MatchView& view, const float* records, co
 	return count == 0 ? own : sumList<Size>( records, member, count ) + own;
 }
 
-/// `weight`: of each term of the table, or null; records of 8 floats have none.
+/// `weight`: of each term of the table, or null.
 template <class Size = Whole>
 void gatherTile( const MatchView& view, const float* records, const std::uint32_t* weight, int begin, int end, Tile& tile )
 {

@@ -149,10 +149,11 @@ inline RecordOf<Size> operator+( const RecordOf<Size>& a, const RecordOf<Size>& 
 	return r;
 }
 
-inline Record operator*( const Record& a, V b )
+template <class Size>
+inline RecordOf<Size> operator*( const RecordOf<Size>& a, float b )
 {
-	Record r;
-	for ( int i = 0; i < Whole::pieces; ++i )
+	RecordOf<Size> r;
+	for ( int i = 0; i < Size::pieces; ++i )
 	{
 		r.piece[i] = a.piece[i] * b;
 	}

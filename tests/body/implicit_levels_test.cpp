@@ -1,0 +1,336 @@
+// The implicit substep of bodies with levels of detail: the operator of their regions, and what it must keep while nodes are split and merged.
+
+#include "body/implicit_motion.h"
+#include "body/levels.h"
+#include "matching/lattice_matcher.h"
+#include "matching/strain_rates.h"
+#include "support/block_body.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdio>
+#include <string>
+#include <vector>
+
+namespace pliant {
+namespace {
+
+constexpr float kStep = 1.0f / 60.0f;
+
+Material material( float alpha )
+{
+	Material m;
+	m.elasticity = Elasticity::Implicit;
+	m.damping = 0.0f;
+	m.wobbleDamping = 0.0f;
+	m.youngsModulus = alpha * m.density * 0.01f * 2.0f / ( 3.0f * kStep * kStep );
+	return m;
+}
+
+Adaptivity levels( int count, RegionRule rule = RegionRule::Multiplicity, bool isHierarchical = true )
+{
+	Adaptivity settings;
+	settings.coarseLevels = count;
+	settings.regions = rule;
+	settings.hierarchicalSums = isHierarchical;
+	return settings;
+}
+
+std::unique_ptr<Body> make( int nx, int ny, int nz, const Material& m, const Adaptivity& settings )
+{
+	Result<std::unique_ptr<Body>> made = Body::create( std::make_shared<Lattice>( makeBlockLattice( nx, ny, nz, 0.1f ) ), m, {}, nullptr, settings );
+	EXPECT_TRUE( made.ok() ) << made.status.sentence;
+	return std::move( made.value );
+}
+
+/// Splits every node of the first cut that lies at positive x: nodes of all sizes side by side.
+void splitHalf( Body& body )
+{
+	for ( int round = 0; round < 2; ++round )
+	{
+		std::vector<std::uint32_t> split;
+		for ( int i = 0; i < body.nodeCount(); ++i )
+		{
+			if ( body.levels()->levelOf( i ) > 0 && body.nodes().x0.x[i] > ( round == 0 ? 0.0f : 0.3f ) )
+			{
+				split.push_back( body.levels()->cut().node[std::size_t( i )] );
+			}
+		}
+		body.changeLevels( split, {} );
+	}
+}
+
+struct Rates
+{
+	explicit Rates( Body& own, const Kernels& kernels = bestKernels() ) :
+		body( own ), matcher( own.lattice(), own.material(), own.levels()->tables(), kernels )
+	{
+		rates.prepare( matcher, body.nodes(), nullptr );
+	}
+	std::vector<float> operator()( const std::vector<float>& v, float stiffness )
+	{
+		AlignedArray<float> in( v.begin(), v.end() ), out( v.size(), -1.0f );
+		rates.resist( in.data(), stiffness, out.data(), nullptr );
+		return std::vector<float>( out.begin(), out.end() );
+	}
+	/// What `of( node )` gives, component by component.
+	template <class Of>
+	std::vector<float> field( Of of ) const
+	{
+		const std::size_t padded = std::size_t( body.nodes().padded );
+		std::vector<float> v( 3 * padded, 0.0f );
+		for ( int i = 0; i < body.nodeCount(); ++i )
+		{
+			const Vec3 value = of( i );
+			for ( std::size_t k = 0; k < 3; ++k )
+			{
+				v[k * padded + std::size_t( i )] = value[Eigen::Index( k )];
+			}
+		}
+		return v;
+	}
+
+	Body& body;
+	LatticeMatcher matcher;
+	StrainRates rates;
+};
+
+double product( const std::vector<float>& a, const std::vector<float>& b )
+{
+	double sum = 0.0;
+	for ( std::size_t k = 0; k < a.size(); ++k )
+	{
+		sum += double( a[k] ) * double( b[k] );
+	}
+	return sum;
+}
+
+struct Rule
+{
+	const char* name;
+	Adaptivity settings;
+};
+
+std::vector<Rule> rules()
+{
+	Adaptivity scaled = levels( 2 );
+	scaled.softening = Softening::Ohta3D;
+	scaled.residual = ResidualRule::Soften;
+	return { { "multiplicity", levels( 2 ) }, { "union", levels( 2, RegionRule::Union ) }, { "interval", levels( 2, RegionRule::Interval, false ) },
+		{ "interval by the octree", levels( 2, RegionRule::Interval, true ) }, { "by size", scaled } };
+}
+
+/// - m dv of one explicit step of alpha from the nodes moved by `move` from rest, in the masses' and the move's units: minus the elastic force's
+/// derivative along it.
+std::vector<float> forceOf( Rates& r, const std::vector<float>& move )
+{
+	NodeState& nodes = r.body.nodes();
+	const NodeState before = nodes;
+	const std::size_t padded = std::size_t( nodes.padded );
+	for ( int i = 0; i < nodes.count; ++i )
+	{
+		nodes.x.set( i, nodes.x.get( i ) + Vec3( move[std::size_t( i )], move[padded + std::size_t( i )], move[2 * padded + std::size_t( i )] ) );
+		nodes.v.set( i, Vec3::Zero() );
+	}
+	r.matcher.reset( nodes, Eigen::Quaterniond::Identity() );
+	r.matcher.accelerate( nodes, MatchStep{ 1.0f, 1.0f, 0.0f, 0.0f, 0.0f, false, {}, {} }, nullptr );
+	const std::vector<float> force = r.field( [&]( int i ) { return Vec3( -nodes.mass[i] * nodes.v.get( i ) ); } );
+	nodes = before;
+	return force;
+}
+
+TEST( ImplicitLevels, TheirOperatorIsSymmetricLeavesRigidMotionsAndBoundsTheForcesDerivative )
+{
+	for ( const Rule& rule : rules() )
+	{
+		auto body = make( 12, 8, 8, material( 1.0f ), rule.settings );
+		splitHalf( *body );
+		EXPECT_GT( body->levels()->nodesOnLevel()[2] * body->levels()->nodesOnLevel()[1] * body->levels()->nodesOnLevel()[0], 0 ) << rule.name;
+		Rates r( *body );
+		test::Seeded random( 5 );
+		const auto noise = [&] { return r.field( [&]( int ) { return random.inBox( 1.0f ); } ); };
+		const auto masses = [&]( const std::vector<float>& v ) { return r( v, 0.0f ); };
+		double most = 0.0, least = 1.0;
+		for ( int k = 0; k < 5; ++k )
+		{
+			const std::vector<float> a = noise(), b = noise(), ka = r( a, 100.0f ), kb = r( b, 100.0f );
+			EXPECT_NEAR( product( b, ka ) / product( a, kb ), 1.0, 2e-3 ) << rule.name;
+			// v . A v with the stiffness 1 less the masses', against v . f of a small move.
+			std::vector<float> small = a;
+			for ( float& value : small )
+			{
+				value *= 1e-4f;
+			}
+			const double force = product( small, forceOf( r, small ) ), own = product( small, r( small, 1.0f ) ) - product( small, masses( small ) );
+			most = std::max( most, force / own );
+			least = std::min( least, force / own );
+		}
+		std::printf( "%s: the force's derivative is %.3f to %.3f of the operator\n", rule.name, least, most );
+		EXPECT_LT( most, 1.0 + 2e-3 ) << rule.name;
+		EXPECT_GT( least, 0.4 ) << rule.name; // noise is mostly what eta lets go
+		const std::vector<float> turn = r.field( [&]( int i ) { return Vec3( Vec3( 1, 2, -1 ) + Vec3( 0.5f, -1.0f, 2.0f ).cross( body->nodes().x.get( i ) ) ); } );
+		const std::vector<float> free = masses( turn ), stiff = r( turn, 3000.0f );
+		double off = 0.0;
+		for ( std::size_t k = 0; k < turn.size(); ++k )
+		{
+			off = std::max( off, std::abs( double( stiff[k] - free[k] ) ) );
+		}
+		EXPECT_LT( off, 1e-2 * std::sqrt( product( free, free ) / double( body->nodeCount() ) ) ) << rule.name;
+	}
+}
+
+TEST( ImplicitLevels, OfFinestCellsAloneAreTheUniformBody )
+{
+	auto fine = make( 6, 5, 4, material( 30.0f ), levels( 1 ) );
+	std::vector<std::uint32_t> split;
+	for ( int i = 0; i < fine->nodeCount(); ++i )
+	{
+		if ( fine->levels()->levelOf( i ) > 0 )
+		{
+			split.push_back( fine->levels()->cut().node[std::size_t( i )] );
+		}
+	}
+	fine->changeLevels( split, {} );
+	auto uniform = test::makeBlock( 6, 5, 4, 0.1f, material( 30.0f ) );
+	ASSERT_EQ( fine->nodeCount(), uniform->nodeCount() );
+	for ( int k = 0; k < 20; ++k )
+	{
+		for ( Body* body : { fine.get(), uniform.get() } )
+		{
+			for ( int i = 0; i < body->nodeCount() && k == 0; ++i )
+			{
+				body->nodes().x.set( i, body->nodes().x0.get( i ).cwiseProduct( Vec3( 1.2f, 0.9f, 1.0f ) ) );
+			}
+			body->pushImplicitly( kStep, planStiffness( body->material(), 0.1f, kStep, 1 ).alpha, Vec3::Zero(), nullptr );
+			body->solveAlone( nullptr );
+			EXPECT_EQ( body->integrate( kStep ), BodyHealth::Good );
+		}
+	}
+	// Nodes stand in another order, so sums are rounded otherwise: the places, not the bits.
+	double apart = 0.0;
+	for ( int i = 0; i < fine->nodeCount(); ++i )
+	{
+		double nearest = HUGE_VAL;
+		int twin = -1;
+		for ( int j = 0; j < uniform->nodeCount(); ++j )
+		{
+			const double distance = double( ( fine->nodes().x0.get( i ) - uniform->nodes().x0.get( j ) ).norm() );
+			twin = distance < nearest ? j : twin;
+			nearest = std::min( nearest, distance );
+		}
+		apart = std::max( apart, ( fine->nodes().worldPosition( i ) - uniform->nodes().worldPosition( twin ) ).norm() );
+	}
+	EXPECT_LT( apart, 1e-5 );
+}
+
+TEST( ImplicitLevels, GiveTheSameBitsOnEveryInstructionSet )
+{
+	for ( const Rule& rule : rules() )
+	{
+		auto body = make( 12, 8, 8, material( 1.0f ), rule.settings );
+		splitHalf( *body );
+		std::vector<float> once;
+		for ( const KernelTarget target : { KernelTarget::Baseline, KernelTarget::Avx2, KernelTarget::Avx512 } )
+		{
+			if ( const Kernels* kernels = findKernels( target ) )
+			{
+				Rates r( *body, *kernels );
+				test::Seeded random( 5 );
+				const std::vector<float> got = r( r.field( [&]( int ) { return random.inBox( 1.0f ); } ), 30.0f );
+				once = once.empty() ? got : once;
+				EXPECT_EQ( got, once ) << rule.name << " " << kernels->name;
+			}
+		}
+	}
+}
+
+/// A bar of 16 cells, held at its top, a while after it was let go.
+std::unique_ptr<Body> hung( const Adaptivity& settings, Elasticity elasticity )
+{
+	Material m = material( 1.0f );
+	m.elasticity = elasticity;
+	m.damping = 10.0f;
+	m.wobbleDamping = 0.7f;
+	m.youngsModulus = 1e6f;
+	auto body = make( 4, 16, 4, m, settings );
+	splitHalf( *body );
+	for ( int i = 0; i < body->nodeCount(); ++i )
+	{
+		body->setPinned( i, body->nodes().x0.y[i] > 0.4f );
+	}
+	const bool isImplicit = elasticity == Elasticity::Implicit;
+	const float h = isImplicit ? kStep : kStep / 10.0f;
+	const float alpha = planStiffness( m, 0.1f, h, 1 ).alpha;
+	const Vec3 gravity( 0, -9.81f, 0 );
+	for ( int k = 0; k < int( 3.0f / h ); ++k )
+	{
+		if ( isImplicit )
+		{
+			body->pushImplicitly( h, alpha, gravity, nullptr );
+			body->solveAlone( nullptr );
+			body->integrate( h );
+			continue;
+		}
+		test::substep( *body, h, alpha, gravity );
+	}
+	return body;
+}
+
+TEST( ImplicitLevels, HangAsTheyDoExplicitly )
+{
+	for ( const Rule& rule : rules() )
+	{
+		const auto explicitOne = hung( rule.settings, Elasticity::Explicit ), implicitOne = hung( rule.settings, Elasticity::Implicit );
+		ASSERT_EQ( explicitOne->nodeCount(), implicitOne->nodeCount() );
+		double sag = 0.0, apart = 0.0;
+		for ( int i = 0; i < explicitOne->nodeCount(); ++i )
+		{
+			const Vec3d place = explicitOne->nodes().worldPosition( i );
+			sag = std::max( sag, ( place - explicitOne->nodes().x0.get( i ).cast<double>() ).norm() );
+			apart = std::max( apart, ( place - implicitOne->nodes().worldPosition( i ) ).norm() );
+		}
+		std::printf( "%s: sag %.5f m, nodes %.1e m apart\n", rule.name, sag, apart );
+		EXPECT_GT( sag, 0.004 ) << rule.name;
+		EXPECT_LT( apart, 0.005 * sag ) << rule.name;
+	}
+}
+
+TEST( ImplicitLevels, KeepMomentumAndSpinInFreeFlightWhileNodesAreSplitAndMerged )
+{
+	for ( const float alpha : { 0.5f, 30.0f, 3000.0f } )
+	{
+		Adaptivity settings = levels( 2 );
+		settings.refineStrain = 0.02f;
+		settings.mergeDelay = 0.1f;
+		Material m = material( alpha );
+		m.numericalDamping = 0.0f; // rings on
+		auto body = make( 12, 8, 8, m, settings );
+		for ( int i = 0; i < body->nodeCount(); ++i )
+		{
+			body->nodes().x.set( i, body->nodes().x0.get( i ).cwiseProduct( Vec3( 1.1f, 0.9f, 1.0f ) ) );
+			body->nodes().v.set( i, Vec3( 1, 2, -1 ) + Vec3( 0.5f, 2.0f, 1.0f ).cross( body->nodes().x.get( i ) ) );
+		}
+		const BodySums before = body->sums();
+		int changes = 0, most = 0, least = 1 << 20;
+		for ( int k = 0; k < 600; ++k )
+		{
+			body->openLevelBudget();
+			changes += body->adaptLevels( kStep ) ? 1 : 0;
+			most = std::max( most, body->nodeCount() );
+			least = std::min( least, body->nodeCount() );
+			body->pushImplicitly( kStep, planStiffness( body->material(), 0.1f, kStep, 1 ).alpha, Vec3::Zero(), nullptr );
+			body->solveAlone( nullptr );
+			ASSERT_EQ( body->integrate( kStep ), BodyHealth::Good );
+		}
+		const BodySums after = body->sums();
+		const double momentum = ( after.momentum - before.momentum ).norm() / before.momentum.norm(), spin = ( after.spin - before.spin ).norm() / before.spin.norm();
+		std::printf( "alpha %6.1f: %d changes, %d to %d nodes, momentum %.1e, spin %.1e\n", double( alpha ), changes, least, most, momentum, spin );
+		EXPECT_GT( changes, 1 );
+		EXPECT_LT( momentum, 1e-5 );
+		EXPECT_LT( spin, 1e-4 );
+	}
+}
+
+} // namespace
+} // namespace pliant
