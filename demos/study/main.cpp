@@ -2,6 +2,7 @@
 // | pliant_study: error against run time for a mesh of one's own.                                                    |
 // +-----------------------------------------------------------------------------------------------------------------+
 
+#include "demos/study/materials.h"
 #include "demos/study/scale.h"
 #include "demos/study/stability.h"
 #include "demos/study/study.h"
@@ -29,6 +30,7 @@ struct Arguments
 	StabilityPlan stability;
 	ScalePlan scale;
 	FeaturePlan features;
+	MaterialPlan materials;
 };
 
 CLI::App* describeScale( CLI::App& app, ScalePlan& to )
@@ -44,6 +46,15 @@ CLI::App* describeFeatures( CLI::App& app, FeaturePlan& to )
 {
 	CLI::App* command = app.add_subcommand( "features", "Instead: what each feature costs, off, idle and working" );
 	command->add_option( "--steps", to.steps, "Game steps each" )->check( CLI::Range( 10, 100000 ) )->capture_default_str();
+	command->add_option( "--out", to.folder, "Folder for the results" )->capture_default_str();
+	return command;
+}
+
+CLI::App* describeMaterials( CLI::App& app, MaterialPlan& to )
+{
+	CLI::App* command = app.add_subcommand( "materials", "Instead: testing pieces against the theory of elasticity, M1 to M15" );
+	command->add_option( "--only", to.only, "Only these, e.g. --only M1 M3" );
+	command->add_flag( "--short", to.isShort, "Fewer and smaller pieces" );
 	command->add_option( "--out", to.folder, "Folder for the results" )->capture_default_str();
 	return command;
 }
@@ -124,6 +135,7 @@ int runProgram( int count, char** words )
 	Arguments arguments;
 	describe( app, arguments );
 	const CLI::App* stability = describeStability( app, arguments.stability );
+	const CLI::App* materials = describeMaterials( app, arguments.materials );
 	const CLI::App *scale = describeScale( app, arguments.scale ), *features = describeFeatures( app, arguments.features );
 	CLI11_PARSE( app, count, words );
 	if( stability->parsed() )
@@ -137,6 +149,10 @@ int runProgram( int count, char** words )
 	if( features->parsed() )
 	{
 		return studyFeatures( arguments.features );
+	}
+	if( materials->parsed() )
+	{
+		return studyMaterials( arguments.materials );
 	}
 	StudyPlan& plan = arguments.plan;
 	plan.budget = arguments.budget.empty() ? 0 : secondsFrom( arguments.budget );

@@ -1,0 +1,176 @@
+// +-----------------------------------------------------------------------------------------------------------------+
+// | M8 to M11: large stretch, Cook's membrane, a plate and a rod of one cell.                                        |
+// +-----------------------------------------------------------------------------------------------------------------+
+
+#include "demos/shapes.h"
+#include "demos/study/materials.h"
+#include "demos/study/theory.h"
+
+#include <Eigen/Geometry>
+#include <Eigen/LU>
+
+#include <cmath>
+
+namespace pliant_study {
+
+namespace {
+
+constexpr int kMostSteps = 40000;
+constexpr double kMostPoisson = 0.4; // at Material::volumeKeeping 2
+
+/// kappa = nu / ( 1 - 2 nu ), as much of it as there is.
+float volumeKeepingFor( double nu )
+{
+	const double most = std::min( nu, kMostPoisson );
+	return float( most / ( 1 - 2 * most ) );
+}
+
+CouponOrder calmOrder( int x, int y, int z )
+{
+	CouponOrder order;
+	order.cells = { x, y, z };
+	order.reach = 0.5;
+	order.material.wobbleDamping = 0;
+	order.material.damping = 5;
+	return order;
+}
+
+/// The membrane, `cell` its edge and `unit` metres a unit, with half a cell more at its left: what is held there has its middles at x = 0.
+pliant_glue::ModelMesh cookMesh( double cell, double unit, double depth )
+{
+	pliant_glue::ModelMesh mesh = pliant_demos::makeCube( 1.0f, 16 );
+	for( std::size_t k = 0; k < mesh.positions.size(); k += 3 )
+	{
+		const double v = double( mesh.positions[k + 1] ) + 0.5;
+		const double x = -cell / 2 + ( double( mesh.positions[k] ) + 0.5 ) * ( 48 * unit + cell / 2 ), u = std::max( 0.0, x / ( 48 * unit ) );
+		mesh.positions[k] = float( x );
+		mesh.positions[k + 1] = float( unit * ( 44 * v + u * ( 44 - 28 * v ) ) );
+		mesh.positions[k + 2] *= float( depth );
+	}
+	return mesh;
+}
+
+} // namespace
+
+std::vector<MaterialRow> measureStretch( bool isShort )
+{
+	struct Case
+	{
+		double stretch, nu;
+	};
+	std::vector<Case> cases = { { 2, 0.0 }, { 2, 0.3 }, { 2, 0.49 } };
+	if( !isShort )
+	{
+		cases.insert( cases.end(), { { 3, 0.0 }, { 3, 0.3 }, { 3, 0.49 } } );
+	}
+	std::vector<MaterialRow> rows;
+	for( const auto& [stretch, nu] : cases )
+	{
+		CouponOrder order = calmOrder( 30, 6, 6 );
+		order.material.volumeKeeping = volumeKeepingFor( nu );
+		Coupon bar( order );
+		const double half = order.cell * 15;
+		bar.hold( [&]( const Eigen::Vector3d& rest ) { return std::abs( rest.x() ) > half - order.cell; } );
+		for( int k = 1; k <= 60; ++k )
+		{
+			const double now = 1 + ( stretch - 1 ) * k / 60;
+			bar.drive( [now]( const Eigen::Vector3d& rest ) { return Eigen::Vector3d( now * rest.x(), rest.y(), rest.z() ); } );
+			bar.step();
+		}
+		bar.settle( kMostSteps );
+		const Eigen::Matrix3d f = bar.deformation( [half]( const Eigen::Vector3d& rest ) { return std::abs( rest.x() ) < half / 3; } );
+		const double across = ( f.col( 1 ).norm() + f.col( 2 ).norm() ) / 2;
+		const std::string name = "stretched " + shortNumber( stretch ) + " times, nu " + shortNumber( nu );
+		const std::string note = nu > kMostPoisson ? "out of reach: taken at nu 0.4, the most there is" : "";
+		rows.push_back( { "M8", name + ": width, Neo-Hookean", "", across / neoHookeanAcross( f.col( 0 ).norm(), nu ), 1, 0.1, Judge::Ratio,
+			note.empty() ? "no bound asked; 10 % taken" : note } );
+		if( nu > kMostPoisson )
+		{
+			rows.push_back( { "M8", name + ": volume", "", f.determinant(), 1, 0.01, Judge::Ratio, note } );
+		}
+	}
+	return rows;
+}
+
+std::vector<MaterialRow> measureCook( bool isShort )
+{
+	std::vector<MaterialRow> rows;
+	for( const double nu : { 0.3, 0.499 } )
+	{
+		for( const int side : isShort ? std::vector<int>{ 8 } : std::vector<int>{ 8, 16 } )
+		{
+			CouponOrder order = calmOrder( 0, 0, 2 );
+			order.material.volumeKeeping = volumeKeepingFor( nu );
+			const double unit = order.cell * side / 48; // cells end where the membrane does
+			order.mesh = cookMesh( order.cell, unit, 2 * order.cell );
+			Coupon slab( order );
+			slab.hold( [&]( const Eigen::Vector3d& rest ) { return rest.x() < order.cell / 2; } );
+			const double right = 48 * unit - order.cell;
+			const Where edge = [right]( const Eigen::Vector3d& rest ) { return rest.x() > right; };
+			// Up by 1 % of the left edge's height; v = P / ( E t ) times what a load of 1 does.
+			const Eigen::Vector3d at = slab.meanRest( edge ) / unit;
+			const double unitUp = cookDeflection( nu, at.x(), at.y() ), load = 0.01 * 44 * unit * slab.modulus() * 2 * order.cell / unitUp;
+			slab.pushAt( edge, { 0, load, 0 } );
+			slab.settle( kMostSteps );
+			rows.push_back( { "M9", "Cook's membrane, nu " + shortNumber( nu ) + ", " + std::to_string( side ) + " cells a side: edge up, over elements'", "",
+				slab.meanMoved( edge ).y() / ( load * unitUp / ( slab.modulus() * 2 * order.cell ) ), 1, side == 8 ? 0.1 : 0.05, Judge::Ratio,
+				nu > kMostPoisson ? "out of reach: taken at nu 0.4, the most there is" : "plane stress" } );
+		}
+	}
+	return rows;
+}
+
+std::vector<MaterialRow> measurePlate( bool isShort )
+{
+	const int free = isShort ? 20 : 40;
+	CouponOrder order = calmOrder( free + 4, 1, free + 4 );
+	Coupon plate( order );
+	const double a = ( free + 1 ) * order.cell, d = order.cell;
+	const auto middle = [d]( const Eigen::Vector3d& rest ) { return std::max( std::abs( rest.x() ), std::abs( rest.z() ) ) < d; };
+	// Two rows are held: the inner one is where it neither moves nor turns.
+	plate.hold( [a, d]( const Eigen::Vector3d& rest ) { return std::max( std::abs( rest.x() ), std::abs( rest.z() ) ) > a / 2 - d / 2; } );
+	// Clamped and square: w = 0.00126 q a^4 / D, D = E t^3 / 12 at nu = 0.
+	const double stiff = plate.modulus() * d * d * d / 12, wanted = 0.1 * d, load = wanted * stiff / ( 0.00126 * std::pow( a, 4 ) );
+	const double perMass = load / ( double( order.material.density ) * d );
+	plate.push( [perMass]( const Eigen::Vector3d& ) { return Eigen::Vector3d( 0, -perMass, 0 ); } );
+	plate.settle( kMostSteps );
+	return { { "M10", "plate of one cell, clamped, even load: middle down", "m", -plate.meanMoved( middle ).y(), wanted, 0.2, Judge::Ratio,
+		std::to_string( free ) + " cells across; sag a tenth of its thickness" } };
+}
+
+std::vector<MaterialRow> measureRod( bool isShort )
+{
+	const int free = 24;
+	CouponOrder order = calmOrder( free + 2, 1, 1 );
+	std::vector<MaterialRow> rows;
+	{
+		Coupon rod( order );
+		const double half = order.cells.x() * order.cell / 2, d = order.cell;
+		rod.hold( [&]( const Eigen::Vector3d& rest ) { return rest.x() < -half + 2 * d; } );
+		// Clamped at the inner of the two: w s^2 ( 6 L^2 - 4 L s + s^2 ) / ( 24 E I ), L to the rod's end and s to its last middle.
+		const double length = ( free + 0.5 ) * d, s = free * d, stiff = rod.modulus() * std::pow( d, 4 ) / 12;
+		const double shape = s * s * ( 6 * length * length - 4 * length * s + s * s ) / 24, weight = 0.01 * length * stiff / shape;
+		rod.push( [&]( const Eigen::Vector3d& ) { return Eigen::Vector3d( 0, -weight / ( double( order.material.density ) * d * d ), 0 ); } );
+		rod.settle( kMostSteps );
+		rows.push_back( { "M11", "rod of one cell under its weight: tip down", "m", -rod.meanMoved( [&]( const Eigen::Vector3d& rest ) { return rest.x() > half - d; } ).y(),
+			0.01 * length, 0.2, Judge::Ratio, "" } );
+	}
+	// Bent to a half circle, turned about its length as it goes, and let whirl.
+	order.material = pliant::Material();
+	order.reach = 0.5;
+	Coupon rod( order );
+	const double radius = order.cells.x() * order.cell / 3.14159265358979;
+	rod.put( [radius]( const Eigen::Vector3d& rest ) {
+		const double angle = rest.x() / radius;
+		return Eigen::Vector3d( radius * std::sin( angle ), radius * ( 1 - std::cos( angle ) ) * std::cos( angle ), radius * ( 1 - std::cos( angle ) ) * std::sin( angle ) );
+	} );
+	for( int k = 0; k < ( isShort ? 1800 : 18000 ) && rod.isHealthy(); ++k )
+	{
+		rod.step();
+	}
+	rows.push_back( { "M11", "rod bent and twisted to a screw, let whirl: off its shape", "L", rod.isHealthy() ? rod.misfit() / ( order.cells.x() * order.cell ) : HUGE_VAL, 0, 1e-3,
+		Judge::AtMost, isShort ? "7 200 substeps" : "72 000 substeps" } );
+	return rows;
+}
+
+} // namespace pliant_study
