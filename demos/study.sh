@@ -5,6 +5,7 @@
 # Usage: demos/study.sh [options of pliant_study ...]       e.g. demos/study.sh --mesh rabbit.obj --scene all --budget 1ms
 #
 #   --help          names them all
+#   --full          everything there is, for hours, into docs/study/ (demos/study_full.sh)
 #
 # Environment: BUILD_DIR (default: build beside this repository's README), JOBS, CMAKE_ARGS, CXX.
 set -euo pipefail
@@ -15,4 +16,7 @@ root=$( cd "$( dirname "${BASH_SOURCE[0]}" )/.." && pwd )
 "$root/third_party_glue/install_packages.sh" "${build_packages[@]}" "${demo_packages[@]}" --wish "${plot_packages[@]}" --wish "${picture_packages[@]}"
 configure -DPLIANT_BUILD_DEMOS=ON -DPLIANT_BUILD_TESTS=OFF -DPLIANT_BUILD_BENCH=OFF # their packages may not be there
 build pliant_study
+if [ "${1:-}" = --full ]; then
+	exec "$root/demos/study_full.sh"
+fi
 exec "$BUILD_DIR/demos/study/pliant_study" "$@"

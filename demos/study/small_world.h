@@ -38,8 +38,8 @@ public:
 		const pliant::Adaptivity& adaptivity = {} );
 	void addGround();
 	const std::vector<std::unique_ptr<pliant::SoftBody>>& bodies() const { return m_bodies; }
-	/// s, of the step and the skins.
-	double timedStep();
+	/// s, of the step and, where somebody looks, the skins.
+	double timedStep( bool isLookedAt = true );
 
 private:
 	WorldParts m_parts;

@@ -1,6 +1,7 @@
 #include "pliant/adaptivity.h"
 
 #include "adapt/octree.h"
+#include "lattice/features.h"
 
 #include <cmath>
 
@@ -42,6 +43,10 @@ Adaptivity ohtaAdaptivity( int coarseLevels )
 
 Status check( const Adaptivity& settings )
 {
+	if ( Status status = settings.coarseLevels > 0 ? needFeature( Feature::Levels ) : Status{}; !status.ok() )
+	{
+		return status;
+	}
 	if ( settings.coarseLevels < 0 || settings.coarseLevels > kMostCoarseLevels )
 	{
 		return refuse( "Adaptivity: coarseLevels must be 0 to 4." );

@@ -256,9 +256,4 @@ BreakReport Body::reportOn( const std::vector<CellLink>& broken ) const
 	return report;
 }
 
-int Body::nodeOfCell( std::uint32_t cell ) const
-{
-	return m_levels ? int( m_levels->cut().slotOfCell[cell] ) : int( cell );
-}
-
 } // namespace pliant

@@ -46,6 +46,11 @@ std::size_t Body::bytes() const
 	return floats * sizeof( float ) + m_matcher->bytes() + m_matcher->sharedBytes() + m_lattice->bytes() + ( m_levels ? m_levels->bytes() : 0 );
 }
 
+int Body::nodeOfCell( std::uint32_t cell ) const
+{
+	return m_levels ? int( m_levels->cut().slotOfCell[cell] ) : int( cell );
+}
+
 std::vector<Vec3d> Body::cellPlaces() const
 {
 	std::vector<Vec3d> places( m_lattice->fill.size() );

@@ -3,6 +3,7 @@
 #include "pliant/body_template.h"
 
 #include "lattice/build_lattice.h"
+#include "lattice/features.h"
 #include "matching/level_tables.h"
 #include "surface/cell_complex.h"
 #include "surface/crack_surface.h"
@@ -76,6 +77,10 @@ Result<std::shared_ptr<const BodyTemplate>> BodyTemplate::build( const MeshView&
 	if ( Status status = check( settings.cracks ); !status.ok() )
 	{
 		return Answer{ std::move( status ), nullptr };
+	}
+	if ( Status status = settings.skinning != Skinning::None ? needFeature( Feature::Surface ) : Status{}; !status.ok() )
+	{
+		return Answer{ Status{ status.code, status.sentence + " Ask for Skinning::None." }, nullptr };
 	}
 	try
 	{

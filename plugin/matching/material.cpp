@@ -1,5 +1,6 @@
 #include "pliant/material.h"
 
+#include "lattice/features.h"
 #include "matching/constants.h"
 #include "matching/stiffness.h"
 
@@ -85,8 +86,35 @@ Status checkElasticity( const Material& material )
 
 } // namespace
 
+namespace {
+
+/// What it asks for that this build may be without.
+Status checkBuild( const Material& material )
+{
+	const struct
+	{
+		bool isAsked;
+		Feature feature;
+	} asked[] = { { material.method != Method::Lattice, Feature::Clusters }, { material.yieldStrain > 0.0f, Feature::Plasticity },
+		{ material.farLevels > 0, Feature::FarLevels }, { material.elasticity == Elasticity::Implicit, Feature::Implicit } };
+	for ( const auto& [isAsked, feature] : asked )
+	{
+		if ( Status status = isAsked ? needFeature( feature ) : Status{}; !status.ok() )
+		{
+			return status;
+		}
+	}
+	return {};
+}
+
+} // namespace
+
 Status check( const Material& material )
 {
+	if ( Status status = checkBuild( material ); !status.ok() )
+	{
+		return status;
+	}
 	if ( !( material.density > 0.0f ) || !within( material.density, 0.0f, kLargestDensity ) )
 	{
 		return refuse( "Material::density must be above 0 and at most 1e6 kg/m^3." );
@@ -160,7 +188,7 @@ StiffnessPlan planStiffness( const Material& material, float cellSize, float gam
 
 	const double alpha = material.youngsModulus / modulusPerAlpha, most = largestAlpha( material );
 	const bool isOutOfReach = alpha > most * ( 1.0 + kAlphaSlack );
-	if ( material.elasticity == Elasticity::Implicit || ( material.elasticity == Elasticity::Automatic && isOutOfReach && material.farLevels == 0 ) )
+	if ( material.elasticity == Elasticity::Implicit || ( material.elasticity == Elasticity::Automatic && isOutOfReach && material.farLevels == 0 && hasFeature( Feature::Implicit ) ) )
 	{
 		plan.alpha = float( alpha );
 		plan.reachedModulus = material.youngsModulus;

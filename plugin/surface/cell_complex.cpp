@@ -14,40 +14,12 @@ namespace pliant {
 
 namespace {
 
-constexpr float kLongestWave = 100.0f;
-constexpr int kMostSubdivision = 8;
-
 Status broken( const char* words )
 {
 	return { ResultCode::BadSettings, words };
 }
 
 } // namespace
-
-Status check( const CrackSettings& settings )
-{
-	if ( !( settings.noiseAmplitude >= 0.0f && settings.noiseAmplitude <= kMostNoise ) )
-	{
-		return broken( "CrackSettings::noiseAmplitude must be 0 to 0.35 cells." );
-	}
-	if ( !( settings.noiseWavelength >= 1.0f && settings.noiseWavelength <= kLongestWave ) )
-	{
-		return broken( "CrackSettings::noiseWavelength must be 1 to 100 cells." );
-	}
-	if ( settings.subdivision < 1 || settings.subdivision > kMostSubdivision )
-	{
-		return broken( "CrackSettings::subdivision must be 1 to 8." );
-	}
-	if ( !( settings.textureTile > 0.0f && std::isfinite( settings.textureTile ) ) )
-	{
-		return broken( "CrackSettings::textureTile must be above 0 m and finite." );
-	}
-	if ( int( settings.faces ) < int( CrackFaces::Exact ) || int( settings.faces ) > int( CrackFaces::Bricks ) )
-	{
-		return broken( "CrackSettings::faces is none of CrackFaces' values." );
-	}
-	return {};
-}
 
 Result<std::shared_ptr<const CellComplex>> CellComplex::build( const MeshView& mesh, const Lattice& lattice, const SkinBinding& skin,
 	const LatticeSettings& build, const CrackSettings& settings )

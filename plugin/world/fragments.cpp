@@ -331,19 +331,4 @@ Fracture SoftBody::fracture() const
 	return m_impl->body->fracture();
 }
 
-int SoftBody::cellCount() const
-{
-	return m_impl->body->lattice().cellCount();
-}
-
-int SoftBody::linkCount() const
-{
-	return m_impl->body->lattice().linkCount();
-}
-
-unsigned SoftBody::fractureVersion() const
-{
-	return m_impl->fractureVersion;
-}
-
 } // namespace pliant

@@ -47,25 +47,6 @@ void movePins( SoftBody::Impl& impl, const LevelChange& change, const std::vecto
 
 } // namespace
 
-void SoftBodySystem::countNodes()
-{
-	report.nodes = 0;
-	std::fill( std::begin( report.nodesOnLevel ), std::end( report.nodesOnLevel ), 0 );
-	for ( const SoftBody* body : m_bodies )
-	{
-		report.nodes += body->nodeCount();
-		if ( const Levels* levels = body->impl().body->levels() )
-		{
-			for ( std::size_t level = 0; level < levels->nodesOnLevel().size(); ++level )
-			{
-				report.nodesOnLevel[level] += levels->nodesOnLevel()[level];
-			}
-			continue;
-		}
-		report.nodesOnLevel[0] += body->nodeCount();
-	}
-}
-
 void SoftBodySystem::adaptLevels( btScalar h )
 {
 	BT_PROFILE( "pliant: levels" );
@@ -165,18 +146,6 @@ int SoftBody::nodeLevel( int node ) const
 {
 	const Levels* levels = m_impl->body->levels();
 	return levels ? levels->levelOf( node ) : 0;
-}
-
-int SoftBody::nodeOfCell( int cell ) const
-{
-	const Body& body = *m_impl->body;
-	int own = cell;
-	if ( const std::vector<std::uint32_t>& first = body.firstCells(); !first.empty() && cell >= 0 )
-	{
-		const auto found = std::lower_bound( first.begin(), first.end(), std::uint32_t( cell ) );
-		own = found != first.end() && *found == std::uint32_t( cell ) ? int( found - first.begin() ) : -1;
-	}
-	return own < 0 || own >= body.lattice().cellCount() ? -1 : body.nodeOfCell( std::uint32_t( own ) );
 }
 
 unsigned SoftBody::levelVersion() const

@@ -354,4 +354,31 @@ const BodyTemplate& SoftBody::bodyTemplate() const
 	return *m_impl->bodyTemplate;
 }
 
+int SoftBody::cellCount() const
+{
+	return m_impl->body->lattice().cellCount();
+}
+
+int SoftBody::linkCount() const
+{
+	return m_impl->body->lattice().linkCount();
+}
+
+unsigned SoftBody::fractureVersion() const
+{
+	return m_impl->fractureVersion;
+}
+
+int SoftBody::nodeOfCell( int cell ) const
+{
+	const Body& body = *m_impl->body;
+	int own = cell;
+	if ( const std::vector<std::uint32_t>& first = body.firstCells(); !first.empty() && cell >= 0 )
+	{
+		const auto found = std::lower_bound( first.begin(), first.end(), std::uint32_t( cell ) );
+		own = found != first.end() && *found == std::uint32_t( cell ) ? int( found - first.begin() ) : -1;
+	}
+	return own < 0 || own >= body.lattice().cellCount() ? -1 : body.nodeOfCell( std::uint32_t( own ) );
+}
+
 } // namespace pliant

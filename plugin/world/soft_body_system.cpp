@@ -1,5 +1,6 @@
 #include "world/soft_body_system.h"
 
+#include "body/levels.h"
 #include "threads/parallel.h"
 #include "world/constants.h"
 #include "world/soft_body_impl.h"
@@ -145,6 +146,25 @@ void SoftBodySystem::beginStep( btScalar gameStep, int substepCount )
 		report.implicitBodies += moves( *body ) && stepsImplicitly( *body ) ? 1 : 0;
 		report.quarantined += impl.isHealthy ? 0 : 1;
 		report.unreachableStiffness += impl.plan.reachable ? 0 : 1;
+	}
+}
+
+void SoftBodySystem::countNodes()
+{
+	report.nodes = 0;
+	std::fill( std::begin( report.nodesOnLevel ), std::end( report.nodesOnLevel ), 0 );
+	for ( const SoftBody* body : m_bodies )
+	{
+		report.nodes += body->nodeCount();
+		if ( const Levels* levels = body->impl().body->levels() )
+		{
+			for ( std::size_t level = 0; level < levels->nodesOnLevel().size(); ++level )
+			{
+				report.nodesOnLevel[level] += levels->nodesOnLevel()[level];
+			}
+			continue;
+		}
+		report.nodesOnLevel[0] += body->nodeCount();
 	}
 }
 

@@ -1,0 +1,9 @@
+// In a build without fracture no body ever breaks: Body::m_breaking stays null, and this is never reached.
+
+#include "body/breaking.h"
+
+namespace pliant {
+
+void Breaking::prepare( const Lattice&, float, std::vector<float> ) {}
+
+} // namespace pliant

@@ -1,0 +1,22 @@
+// In a build without the implicit step: Elasticity::Implicit is refused (material.cpp), and Automatic steps explicitly.
+
+#include "body/body.h"
+
+#include "body/implicit_motion.h"
+#include "lattice/features.h"
+
+namespace pliant {
+
+bool Body::canStepImplicitly() const
+{
+	return false;
+}
+
+Status Body::implicitStatus() const
+{
+	return needFeature( Feature::Implicit );
+}
+
+void Body::pushImplicitly( float, float, const Vec3&, TaskRunner* ) {}
+
+} // namespace pliant

@@ -1,0 +1,15 @@
+// In a build with fracture and without levels of detail: what pieces would take over of levels.
+
+#include "body/body.h"
+#include "body/breaking.h"
+
+namespace pliant {
+
+void Body::inheritLevels( const Body&, BodyPiece&, PieceRoad ) {}
+
+std::unique_ptr<Body> Body::relinkWhole( const std::shared_ptr<const Lattice>&, BodyPiece& )
+{
+	return nullptr;
+}
+
+} // namespace pliant

@@ -1,0 +1,29 @@
+// In a build without levels of detail: bodies that ask for them are refused (adaptivity.cpp), and none of this is ever reached.
+
+#include "body/levels.h"
+
+namespace pliant {
+
+Levels::Levels( std::shared_ptr<const LevelBase> base, const Lattice& lattice, const Material&, const Adaptivity& settings, const std::vector<float>& stiffness, Cut cut ) :
+	m_base( std::move( base ) ), m_lattice( &lattice ), m_settings( settings ), m_stiffness( &stiffness ), m_cut( std::move( cut ) )
+{
+}
+
+void Levels::fillNodes( NodeState&, float ) const {}
+void Levels::requestSplit( int ) {}
+void Levels::hold( int ) {}
+
+bool Levels::review( const NodeState&, const AlignedArray<float>&, const AlignedArray<float>&, float )
+{
+	return false;
+}
+
+void Levels::apply( NodeState&, LatticeMatcher&, const Material&, TaskRunner* ) {}
+void Levels::change( NodeState&, LatticeMatcher&, const Material&, const std::vector<std::uint32_t>&, const std::vector<std::uint32_t>&, TaskRunner* ) {}
+
+std::size_t Levels::bytes() const
+{
+	return m_lattice && m_stiffness ? sizeof( Levels ) : 0;
+}
+
+} // namespace pliant

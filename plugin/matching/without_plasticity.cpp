@@ -1,0 +1,29 @@
+// In a build without plasticity: materials that flow are refused (material.cpp), and none of this is ever reached.
+
+#include "matching/plasticity.h"
+
+namespace pliant {
+
+PlasticFlow::PlasticFlow( const RegionTables& tables ) : m_tables( &tables ) {}
+
+bool PlasticFlow::yieldsAnywhere( const MatchView&, float )
+{
+	return false;
+}
+
+void PlasticFlow::show( MatchView& ) const {}
+void PlasticFlow::flow( const MatchView&, const Kernels&, const MatchStep&, int, int ) {}
+void PlasticFlow::carryOver( const RegionTables&, const RegionTables&, const FlowHeirs& ) {}
+void PlasticFlow::inherit( const PlasticFlow&, const std::vector<std::uint32_t>& ) {}
+
+Eigen::Matrix3d PlasticFlow::stretch( int ) const
+{
+	return Eigen::Matrix3d::Identity();
+}
+
+std::size_t PlasticFlow::bytes() const
+{
+	return 0;
+}
+
+} // namespace pliant

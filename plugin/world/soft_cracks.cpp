@@ -1,0 +1,143 @@
+// Cracks in the skin: what is drawn of them, and what is kept for it.
+
+#include "surface/cell_owners.h"
+#include "world/soft_body_impl.h"
+
+#include <algorithm>
+#include <new>
+
+namespace pliant {
+
+namespace {
+
+/// Those that are still there: what has healed follows no blade.
+std::vector<CutTrace> openCuts( const std::vector<CutTrace>& cuts, const Body& body )
+{
+	const std::vector<std::uint32_t>& first = body.firstCells();
+	const auto local = [&first]( std::uint32_t cell ) {
+		const auto found = std::lower_bound( first.begin(), first.end(), cell );
+		return first.empty() ? cell : found != first.end() && *found == cell ? std::uint32_t( found - first.begin() ) : kNoNode;
+	};
+	std::vector<CutTrace> open;
+	for ( const CutTrace& cut : cuts )
+	{
+		const std::uint32_t a = local( cut.link.a ), b = local( cut.link.b );
+		if ( a == kNoNode || b == kNoNode || !areLinked( body.lattice(), a, b ) )
+		{
+			open.push_back( cut );
+		}
+	}
+	return open;
+}
+
+} // namespace
+
+bool SoftBody::Impl::hasNewCracks() const
+{
+	const bool isKnown = body->firstCells().empty() || ( crackView && crackVersion == fractureVersion );
+	return !isKnown && bodyTemplate->crackComplex();
+}
+
+// With a family, cracks are drawn once for all that came from one body. Else, where nobody looked before it broke, from the body's own links.
+const SkinBinding& SoftBody::Impl::binding() const
+{
+	if ( !hasNewCracks() )
+	{
+		return crackView ? *crackView->binding : bodyTemplate->skin();
+	}
+	crackView = crackView ? std::move( crackView ) : std::make_unique<CrackView>();
+	if ( crackFamily )
+	{
+		const Vec3 shift = ( body->lattice().massCentre - bodyTemplate->lattice().massCentre ).cast<float>();
+		crackFamily->show( body->firstCells(), shift, *crackView );
+	}
+	else
+	{
+		showOwnCracks();
+	}
+	crackVersionBefore = crackVersion;
+	crackVersion = fractureVersion;
+	return *crackView->binding;
+}
+
+void SoftBody::Impl::showOwnCracks() const
+{
+	const std::shared_ptr<const CellComplex> complex = bodyTemplate->crackComplex();
+	const Vec3 shift = ( body->lattice().massCentre - bodyTemplate->lattice().massCentre ).cast<float>();
+	ownCracks = std::make_unique<CrackSurface>( complex, body->firstCells(), body->lattice(), shift );
+	if ( cuts )
+	{
+		BladePath path( complex );
+		ownCracks->follow( path, path.add( openCuts( *cuts, *body ) ) );
+	}
+	CrackView& view = *crackView;
+	view.ownTexture.resize( 2 * std::size_t( ownCracks->vertexCount() ) );
+	ownCracks->textureCoordinates( bodyTemplate->textureCoordinates(), complex->settings.textureTile, 0, view.ownTexture.data() );
+	view.binding = &ownCracks->binding();
+	view.triangles = ownCracks->triangles().data();
+	view.triangleCount = int( ownCracks->triangles().size() );
+	view.sources = ownCracks->sources().data();
+	view.texture = view.ownTexture.data();
+	view.change = {};
+}
+
+/// What was cut is known to all that came from one body: a point is drawn at one place on every side.
+void SoftBody::Impl::noteCuts()
+{
+	if ( !newCuts.empty() )
+	{
+		cuts = cuts ? std::move( cuts ) : std::make_shared<std::vector<CutTrace>>();
+		cuts->insert( cuts->end(), newCuts.begin(), newCuts.end() );
+		if ( crackFamily )
+		{
+			crackFamily->follow( newCuts );
+		}
+		newCuts.clear();
+	}
+}
+
+void SoftBody::Impl::makeCrackFamily()
+{
+	if ( !crackFamily && body->firstCells().empty() && bodyTemplate->crackSurface() )
+	{
+		crackFamily = std::make_shared<CrackFamily>( *bodyTemplate->crackSurface(), bodyTemplate->textureCoordinates() );
+	}
+}
+
+Status SoftBody::prepareCracks()
+{
+	try
+	{
+		m_impl->makeCrackFamily();
+		return {};
+	}
+	catch ( const std::bad_alloc& )
+	{
+		return Status{ ResultCode::OutOfMemory, "Not enough memory for what the body's cracks are drawn with." };
+	}
+}
+
+void SoftBody::Impl::noteCracks( const BreakReport& report )
+{
+	const std::vector<std::uint32_t>& first = body->firstCells();
+	if ( skin.frame > 0 ) // somebody looks at it
+	{
+		makeCrackFamily();
+	}
+	noteCuts();
+	if ( report.hasHealed )
+	{
+		crackFamily.reset(); // its cracks do not close
+	}
+	if ( crackFamily )
+	{
+		std::vector<CellLink> links = report.broken;
+		for ( CellLink& link : links )
+		{
+			link = first.empty() ? link : CellLink{ first[link.a], first[link.b] };
+		}
+		crackFamily->breakLinks( links );
+	}
+}
+
+} // namespace pliant

@@ -1,0 +1,15 @@
+// In a build without skins a body has no surface, as with Skinning::None.
+
+#include "world/soft_body_impl.h"
+
+namespace pliant {
+
+SurfaceView SoftBody::surface() const
+{
+	return {};
+}
+
+void SoftBody::Impl::keepSurface() {}
+void SoftBody::Impl::fadeFromKeptSurface() {}
+
+} // namespace pliant
