@@ -9,9 +9,11 @@
 #include "matching/link_moments.h"
 #include "matching/rotation.h"
 #include "matching/stiffness.h"
+#include "threads/parallel.h"
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <new>
 
 namespace pliant {
@@ -212,20 +214,22 @@ void Body::setPinned( int node, bool pinned )
 	}
 }
 
-void Body::applyForces( float h, const Vec3& gravity )
+void Body::applyForces( float h, const Vec3& gravity, TaskRunner* runner )
 {
 	const bool hasForce = !m_nodes.force.x.empty();
-	for ( int i = 0; i < m_nodes.count; ++i )
-	{
-		const float step = h * m_nodes.freedom[i];
-		m_nodes.v.x[i] += step * gravity.x();
-		m_nodes.v.y[i] += step * gravity.y();
-		m_nodes.v.z[i] += step * gravity.z();
-		if ( hasForce )
+	runPieces( runner, Pieces{ m_nodes.count }, [&]( int, int begin, int end ) {
+		for ( int i = begin; i < end; ++i )
 		{
-			m_nodes.v.set( i, m_nodes.v.get( i ) + ( step / m_nodes.mass[i] ) * m_nodes.force.get( i ) );
+			const float step = h * m_nodes.freedom[i];
+			m_nodes.v.x[i] += step * gravity.x();
+			m_nodes.v.y[i] += step * gravity.y();
+			m_nodes.v.z[i] += step * gravity.z();
+			if ( hasForce )
+			{
+				m_nodes.v.set( i, m_nodes.v.get( i ) + ( step / m_nodes.mass[i] ) * m_nodes.force.get( i ) );
+			}
 		}
-	}
+	} );
 }
 
 void Body::accelerateTowardGoals( float h, float alpha, TaskRunner* runner )
@@ -279,39 +283,41 @@ float Body::bodyShare( float h, float alpha ) const
 	return float( std::clamp( ( m_material.youngsModulus - ofRegions ) / ( ofBody - ofRegions ), 0.0, 1.0 ) );
 }
 
-BodyHealth Body::integrate( float h )
+BodyHealth Body::integrate( float h, TaskRunner* runner )
 {
 	// x' = x + h v'   (Ohta et al. 2009, eq. 4)
-	float worst = 0.0f; // 0 as long as every number is finite: 0 * inf and 0 * NaN are NaN
-	for ( int i = 0; i < m_nodes.padded; ++i )
-	{
-		m_nodes.x.x[i] += h * m_nodes.v.x[i];
-		m_nodes.x.y[i] += h * m_nodes.v.y[i];
-		m_nodes.x.z[i] += h * m_nodes.v.z[i];
-		worst += 0.0f * ( m_nodes.x.x[i] + m_nodes.x.y[i] + m_nodes.x.z[i] );
-	}
-	if ( worst != 0.0f )
+	OfPieces<float> worst{}; // 0 as long as every number is finite: 0 * inf and 0 * NaN are NaN
+	runPieces( runner, Pieces{ m_nodes.padded }, [&]( int piece, int begin, int end ) {
+		float sum = 0.0f;
+		for ( int i = begin; i < end; ++i )
+		{
+			m_nodes.x.x[i] += h * m_nodes.v.x[i];
+			m_nodes.x.y[i] += h * m_nodes.v.y[i];
+			m_nodes.x.z[i] += h * m_nodes.v.z[i];
+			sum += 0.0f * ( m_nodes.x.x[i] + m_nodes.x.y[i] + m_nodes.x.z[i] );
+		}
+		worst[std::size_t( piece )] = sum;
+	} );
+	if ( std::any_of( worst.begin(), worst.end(), []( float sum ) { return sum != 0.0f; } ) )
 	{
 		restoreFiniteState();
 		return BodyHealth::Quarantined;
 	}
 	rebase();
-	keepFiniteState();
+	keepFiniteState( runner );
 	return BodyHealth::Good;
 }
 
 // The last finite state is kept as a plain copy: 24 bytes a node and a memory copy a substep buy that one bad number never spreads.
-void Body::keepFiniteState()
+void Body::keepFiniteState( TaskRunner* runner )
 {
-	const Vec3Array* arrays[2] = { &m_nodes.x, &m_nodes.v };
-	float* to = m_lastFinite.data();
-	for ( const Vec3Array* array : arrays )
-	{
-		for ( const AlignedArray<float>* component : { &array->x, &array->y, &array->z } )
+	const AlignedArray<float>* const from[6] = { &m_nodes.x.x, &m_nodes.x.y, &m_nodes.x.z, &m_nodes.v.x, &m_nodes.v.y, &m_nodes.v.z };
+	runPieces( runner, Pieces{ m_nodes.padded }, [&]( int, int begin, int end ) {
+		for ( std::size_t k = 0; k < std::size( from ); ++k )
 		{
-			to = std::copy( component->begin(), component->end(), to );
+			std::copy( from[k]->begin() + begin, from[k]->begin() + end, m_lastFinite.data() + k * std::size_t( m_nodes.padded ) + begin );
 		}
-	}
+	} );
 	m_lastFiniteOrigin = m_nodes.origin;
 }
 

@@ -149,7 +149,7 @@ public:
 	void accelerateTowardGoals( float h, float alpha, TaskRunner* runner );
 	/// v += h (gravity + f / m), after matching, or damping would take its share of what holds a loaded body in shape. Forces f are left as
 	/// they are (the world clears them once a game step).
-	void applyForces( float h, const Vec3& gravity );
+	void applyForces( float h, const Vec3& gravity, TaskRunner* runner = nullptr );
 
 	// The implicit substep (docs/implicit.md) in the place of the two above: pushImplicitly, [contacts and the system's solution], integrate.
 	/// Whether there are regions to linearise: a lattice of one level.
@@ -170,7 +170,7 @@ public:
 	int solveAlone( TaskRunner* runner );
 
 	/// x += h v; moves the origin along when the body strays from it. Checks every number: see BodyHealth.
-	BodyHealth integrate( float h );
+	BodyHealth integrate( float h, TaskRunner* runner = nullptr );
 
 	// --- measures ---------------------------------------------------------------------------------------------------
 	BodySums sums() const;
@@ -216,7 +216,7 @@ private:
 	LinkLimits limitsOf( const Breaking& from, const BodyPiece& piece ) const;
 	void inheritNodes( const Body& from, const BodyPiece& piece );
 	void inheritBreaking( const Breaking& from, const BodyPiece& piece );
-	void keepFiniteState();
+	void keepFiniteState( TaskRunner* runner = nullptr );
 	void restoreFiniteState();
 
 	std::shared_ptr<const Lattice> m_lattice;

@@ -98,7 +98,7 @@ void Body::pushImplicitly( float h, float alpha, const Vec3& gravity, TaskRunner
 		m_pushed[k] = ( *pushed[k / padded] )[k % padded] - ( *speed[k / padded] )[k % padded];
 	}
 	m_speedBefore = m_nodes.v;
-	applyForces( h, gravity );
+	applyForces( h, gravity, runner );
 	for ( std::size_t k = 0; k < 3 * padded; ++k )
 	{
 		m_pushed[k] += ( *speed[k / padded] )[k % padded];

@@ -1,8 +1,11 @@
 // A small pool of threads that share out one run of tasks after the other. Nothing is allocated in a run.
 //
-// One atomic number, the ticket, holds the run's number and how many of its tasks nobody has taken yet. Taking a task is one
+// One atomic number, the ticket, holds the run's number and which of its tasks nobody has taken yet. Taking a task is one
 // compare-and-swap on it, so that a thread that wakes late can neither miss nor mix up a run: no task is left, or the number has changed.
 // For the same reason nobody waits for threads that sleep through a run.
+//
+// Half of the threads take tasks from the front, half from the back. The stages of a step cut the same arrays into the same tasks, and so each
+// of two threads mostly finds what it wrote itself a stage ago: in its own cache and not in the other's.
 
 #include "pliant/task_runner.h"
 
@@ -24,6 +27,22 @@ TaskRunner::~TaskRunner() = default;
 namespace {
 
 constexpr int kMostThreads = 64;
+
+/// The ticket, from the highest bits down: the run's number, 24 bits; the first task that is left and the one behind the last, 20 bits each.
+constexpr int kTaskBits = 20;
+constexpr int kMostTasks = ( 1 << kTaskBits ) - 1; // of one run
+
+struct Ticket
+{
+	std::uint64_t bits;
+
+	static Ticket of( std::uint32_t run, int count ) { return { std::uint64_t( run ) << ( 2 * kTaskBits ) | std::uint64_t( count ) }; }
+	int first() const { return int( bits >> kTaskBits & kMostTasks ); }
+	int end() const { return int( bits & kMostTasks ); }
+	bool hasTask() const { return first() != end(); }
+	std::uint64_t withoutFirst() const { return bits + ( std::uint64_t( 1 ) << kTaskBits ); }
+	std::uint64_t withoutLast() const { return bits - 1; }
+};
 
 /// How long a thread looks for work, or for the end of a run, before it sleeps: about what waking up costs. The stages of a step
 /// follow one another faster than this.
@@ -55,7 +74,7 @@ public:
 		{
 			for ( int i = 0; i < helpers; ++i )
 			{
-				m_threads.emplace_back( [this] { serve(); } );
+				m_threads.emplace_back( [this, isFromBack = i % 2 == 0] { serve( isFromBack ); } );
 			}
 		}
 		catch ( const std::exception& )
@@ -89,40 +108,64 @@ public:
 			}
 			return;
 		}
+		Slice slice{ task, context, 0 };
+		for ( ; slice.first + kMostTasks < count; slice.first += kMostTasks )
+		{
+			share( kMostTasks, Slice::call, &slice );
+		}
+		slice.first > 0 ? share( count - slice.first, Slice::call, &slice ) : share( count, task, context );
+	}
+
+	int threadCount() const override { return int( m_threads.size() ) + 1; }
+
+private:
+	/// Of a run of more tasks than a ticket can name.
+	struct Slice
+	{
+		Task task;
+		void* context;
+		int first;
+
+		static void call( void* of, int index )
+		{
+			const Slice& slice = *static_cast<const Slice*>( of );
+			slice.task( slice.context, slice.first + index );
+		}
+	};
+
+	void share( int count, Task task, void* context )
+	{
 		// No task of the last run is left and none is under way, so nobody uses these. The ticket makes them known.
 		m_task.store( task, std::memory_order_relaxed );
 		m_context.store( context, std::memory_order_relaxed );
 		m_count.store( count, std::memory_order_relaxed );
 		m_finished.store( 0, std::memory_order_relaxed );
 		++m_run;
-		m_ticket.store( std::uint64_t( m_run ) << 32 | std::uint32_t( count ) );
+		m_ticket.store( Ticket::of( m_run, count ).bits );
 		wakeHelpers( count - 1 );
 
-		work();
+		work( false );
 		waitForEnd( count );
 	}
 
-	int threadCount() const override { return int( m_threads.size() ) + 1; }
-
-private:
-	bool hasWork() const { return std::uint32_t( m_ticket.load() ) != 0; }
+	bool hasWork() const { return Ticket{ m_ticket.load() }.hasTask(); }
 
 	/// Takes and does tasks until none is left.
-	void work()
+	void work( bool isFromBack )
 	{
 		int done = 0;
-		std::uint64_t ticket = m_ticket.load();
-		while ( std::uint32_t( ticket ) != 0 )
+		Ticket ticket{ m_ticket.load() };
+		while ( ticket.hasTask() )
 		{
 			// Read before the swap: should they belong to a later run, the ticket has changed and the swap fails.
 			const Task task = m_task.load( std::memory_order_relaxed );
 			void* const context = m_context.load( std::memory_order_relaxed );
-			const int count = m_count.load( std::memory_order_relaxed );
-			if ( m_ticket.compare_exchange_weak( ticket, ticket - 1 ) )
+			const int index = isFromBack ? ticket.end() - 1 : ticket.first();
+			if ( m_ticket.compare_exchange_weak( ticket.bits, isFromBack ? ticket.withoutLast() : ticket.withoutFirst() ) )
 			{
-				task( context, count - int( std::uint32_t( ticket ) ) );
+				task( context, index );
 				++done;
-				ticket = m_ticket.load(); // still of this run: the next cannot begin before these are reported
+				ticket.bits = m_ticket.load(); // still of this run: the next cannot begin before these are reported
 			}
 		}
 		report( done );
@@ -163,7 +206,7 @@ private:
 		m_callerSleeps.store( false );
 	}
 
-	void serve()
+	void serve( bool isFromBack )
 	{
 		const auto isCalled = [this] { return hasWork() || m_isEnding.load(); };
 		while ( true )
@@ -179,7 +222,7 @@ private:
 			{
 				return;
 			}
-			work();
+			work( isFromBack );
 		}
 	}
 
@@ -210,7 +253,7 @@ private:
 	}
 
 	// What all threads write often stands on lines of its own.
-	alignas( 64 ) std::atomic<std::uint64_t> m_ticket{ 0 }; ///< run number in the upper half, tasks not taken in the lower
+	alignas( 64 ) std::atomic<std::uint64_t> m_ticket{ 0 }; ///< see Ticket
 	alignas( 64 ) std::atomic<int> m_finished{ 0 };         ///< tasks of this run that are done
 	alignas( 64 ) std::atomic<Task> m_task{ nullptr };
 	std::atomic<void*> m_context{ nullptr };

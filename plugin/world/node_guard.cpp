@@ -1,6 +1,7 @@
 #include "world/node_guard.h"
 
 #include "body/levels.h"
+#include "threads/parallel.h"
 #include "world/constants.h"
 #include "world/obstacle_parts.h"
 #include "world/soft_body_impl.h"
@@ -298,10 +299,14 @@ private:
 };
 
 /// Of any component of any node's; whole lanes at a time, for every awake body is asked.
-float largest( const NodeState& nodes )
+float largest( const NodeState& nodes, TaskRunner* runner )
 {
-	const auto of = [&nodes]( const AlignedArray<float>& v ) { return Eigen::Map<const Eigen::ArrayXf>( v.data(), nodes.padded ).abs().maxCoeff(); };
-	return std::max( of( nodes.v.x ), std::max( of( nodes.v.y ), of( nodes.v.z ) ) );
+	OfPieces<float> most{};
+	runPieces( runner, Pieces{ nodes.padded }, [&]( int piece, int begin, int end ) {
+		const auto of = [&]( const AlignedArray<float>& v ) { return Eigen::Map<const Eigen::ArrayXf>( v.data() + begin, end - begin ).abs().maxCoeff(); };
+		most[std::size_t( piece )] = std::max( of( nodes.v.x ), std::max( of( nodes.v.y ), of( nodes.v.z ) ) );
+	} );
+	return *std::max_element( most.begin(), most.end() );
 }
 
 } // namespace
@@ -325,7 +330,7 @@ void SoftBodySystem::holdBack( btScalar h )
 	{
 		SoftBody::Impl& impl = body->impl();
 		const NodeState& nodes = impl.body->nodes();
-		const double sweep = double( h ) * double( largest( nodes ) );
+		const double sweep = double( h ) * double( largest( nodes, tasks() ) );
 		const bool isFast = sweep > kFastShare * double( impl.shape->smallestRadius() );
 		if ( ( !isFast && !impl.isGuarded ) || !moves( *body ) || !body->hasContactResponse() )
 		{

@@ -1,6 +1,7 @@
 #include "world/node_shape.h"
 
 #include "body/levels.h"
+#include "threads/parallel.h"
 #include "world/constants.h"
 #include "world/node_tree.h"
 
@@ -16,7 +17,7 @@ namespace {
 /// Leaf by leaf into a tree takes twenty times as long as all at once: beyond this share of what is in it, it is made anew.
 constexpr double kMostPutIn = 0.05;
 
-/// The tree's nodes lie anywhere in memory, and waiting for them is most of a refit: each is asked for this many steps ahead.
+/// Leaves lie anywhere in memory, and waiting for them is most of what writing them takes: each is asked for this many steps ahead.
 constexpr int kAhead = 8;
 
 /// Cells of the surface and one layer below.
@@ -42,7 +43,7 @@ NodeShape::NodeShape( const Body& body ) : btCompoundShape( true, body.nodeCount
 		m_children.reserve( room );
 		m_nodeOfChild.reserve( std::size_t( room ) );
 		m_sphereOfNode.reserve( std::size_t( room ) );
-		m_inner.reserve( std::size_t( room ) );
+		m_refit.reserve( std::size_t( room ) );
 		for ( int i = 0; i < body.nodeCount(); ++i )
 		{
 			const std::uint32_t node = levels->cut().node[i];
@@ -62,7 +63,7 @@ NodeShape::NodeShape( const Body& body ) : btCompoundShape( true, body.nodeCount
 	std::iota( all.begin(), all.end(), 0 );
 	m_dynamicAabbTree->m_root = buildNodeTree( &m_children[0], all );
 	m_dynamicAabbTree->m_leaves = m_children.size();
-	collectInner( m_dynamicAabbTree->m_root, m_inner );
+	m_refit.collect( m_dynamicAabbTree->m_root );
 }
 
 void NodeShape::addUniform( const Lattice& lattice )
@@ -136,8 +137,7 @@ bool NodeShape::followCracks( const Body& body, const std::vector<std::uint32_t>
 	}
 	if ( !bare.empty() )
 	{
-		m_inner.clear();
-		collectInner( m_dynamicAabbTree->m_root, m_inner );
+		m_refit.collect( m_dynamicAabbTree->m_root );
 	}
 	return true;
 }
@@ -233,13 +233,11 @@ void NodeShape::followLevels( const Body& body, const Vec3& shift )
 	}
 	if ( isSameTree )
 	{
-		inner.insert( inner.end(), m_inner.begin(), m_inner.end() );
-		m_inner.swap( inner );
+		m_refit.putBefore( inner );
 		setSweep( btVector3( 0, 0, 0 ), btVector3( 0, 0, 0 ) );
 		return;
 	}
-	m_inner.clear();
-	collectInner( m_dynamicAabbTree->m_root, m_inner );
+	m_refit.collect( m_dynamicAabbTree->m_root );
 	update( body.nodes(), shift );
 }
 
@@ -318,23 +316,19 @@ btSphereShape* NodeShape::sphereOf( double radius )
 	return shape.get();
 }
 
-void NodeShape::update( const NodeState& nodes, const Vec3& shift )
+void NodeShape::update( const NodeState& nodes, const Vec3& shift, TaskRunner* runner )
 {
-	const int last = m_children.size() - 1, lastInner = int( m_inner.size() ) - 1;
-	for ( int child = 0; child <= last; ++child )
-	{
-		__builtin_prefetch( m_children[std::min( child + kAhead, last )].m_node, 1 );
-		const int i = m_nodeOfChild[child];
-		const Vec3 at = nodes.x.get( i ) - shift;
-		m_children[child].m_transform.setOrigin( btVector3( at.x(), at.y(), at.z() ) );
-		m_children[child].m_node->volume = boxOf( child );
-	}
-	for ( int k = 0; k <= lastInner; ++k )
-	{
-		__builtin_prefetch( m_inner[std::size_t( std::min( k + kAhead, lastInner ) )], 1 );
-		btDbvtNode* const node = m_inner[std::size_t( k )];
-		Merge( node->childs[0]->volume, node->childs[1]->volume, node->volume );
-	}
+	runPieces( runner, Pieces{ m_children.size() }, [&]( int, int begin, int end ) {
+		for ( int child = begin; child < end; ++child )
+		{
+			__builtin_prefetch( m_children[std::min( child + kAhead, end - 1 )].m_node, 1 );
+			const int i = m_nodeOfChild[child];
+			const Vec3 at = nodes.x.get( i ) - shift;
+			m_children[child].m_transform.setOrigin( btVector3( at.x(), at.y(), at.z() ) );
+			m_children[child].m_node->volume = boxOf( child );
+		}
+	} );
+	m_refit.run( runner );
 	setSweep( btVector3( 0, 0, 0 ), btVector3( 0, 0, 0 ) );
 }
 
@@ -351,7 +345,7 @@ void NodeShape::setSweep( const btVector3& low, const btVector3& high )
 std::size_t NodeShape::bytes() const
 {
 	return std::size_t( m_children.size() ) * ( sizeof( btCompoundShapeChild ) + sizeof( btDbvtNode ) + sizeof( int ) ) +
-		   m_inner.size() * ( sizeof( btDbvtNode ) + sizeof( btDbvtNode* ) ) + m_childOfNode.size() * ( sizeof( int ) + sizeof( btSphereShape* ) ) +
+		   m_refit.count() * ( sizeof( btDbvtNode ) + sizeof( btDbvtNode* ) ) + m_childOfNode.size() * ( sizeof( int ) + sizeof( btSphereShape* ) ) +
 		   m_colliders.bytes();
 }
 

@@ -6,6 +6,7 @@
 #include "body/body.h"
 #include "matching/node_state.h"
 #include "world/node_colliders.h"
+#include "world/node_tree.h"
 
 #include <BulletCollision/BroadphaseCollision/btDbvt.h>
 #include <BulletCollision/CollisionShapes/btCompoundShape.h>
@@ -39,7 +40,8 @@ public:
 	bool followCracks( const Body& body, const std::vector<std::uint32_t>& nodeNow, const std::vector<std::uint32_t>& treeBefore );
 
 	/// Writes the spheres' places and boxes and refits the tree. `shift`: the shape's own origin in the nodes' coordinates.
-	void update( const NodeState& nodes, const Vec3& shift );
+	/// `runner` may be null.
+	void update( const NodeState& nodes, const Vec3& shift, TaskRunner* runner = nullptr );
 	/// The nodes may move by anything between `low` and `high`, m, in this step: the shape's box grows by it, the spheres' do not.
 	void setSweep( const btVector3& low, const btVector3& high );
 	const btVector3& sweepLow() const { return m_sweepLow; }
@@ -135,7 +137,7 @@ private:
 	std::map<int, std::unique_ptr<btSphereShape>> m_spheres; // by radius step
 	std::vector<int> m_nodeOfChild, m_childOfNode;
 	std::vector<btSphereShape*> m_sphereOfNode;
-	std::vector<btDbvtNode*> m_inner; // children before parents
+	TreeRefit m_refit;
 	NodeColliders m_colliders; // of bodies with levels only
 	btScalar m_largestRadius = btScalar( 0 ), m_smallestRadius = btScalar( SIMD_INFINITY );
 	btVector3 m_sweepLow = btVector3( 0, 0, 0 ), m_sweepHigh = btVector3( 0, 0, 0 );

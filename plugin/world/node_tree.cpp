@@ -1,11 +1,16 @@
 #include "world/node_tree.h"
 
+#include "threads/parallel.h"
+
 #include <algorithm>
 #include <new>
 
 namespace pliant {
 
 namespace {
+
+/// The tree's nodes lie anywhere in memory, and waiting for them is most of a refit: each is asked for this many steps ahead.
+constexpr int kAhead = 8;
 
 btDbvtNode* makeTreeNode( btDbvtNode* parent )
 {
@@ -111,6 +116,65 @@ void collectInner( btDbvtNode* top, std::vector<btDbvtNode*>& inner )
 		}
 	}
 	std::reverse( inner.begin() + first, inner.end() );
+}
+
+void TreeRefit::collect( btDbvtNode* root )
+{
+	m_inner.clear();
+	m_branch.assign( 1, 0 );
+	// Down from the root, the widest rank that is no wider than there are to be branches.
+	std::vector<btDbvtNode*> above, rank, next;
+	for ( next.assign( root && root->isinternal() ? 1 : 0, root ); !next.empty() && int( next.size() ) <= kMostPieces; )
+	{
+		above.insert( above.end(), rank.begin(), rank.end() );
+		rank.swap( next );
+		next.clear();
+		for ( btDbvtNode* const node : rank )
+		{
+			for ( btDbvtNode* const child : node->childs )
+			{
+				if ( child->isinternal() )
+				{
+					next.push_back( child );
+				}
+			}
+		}
+	}
+	for ( btDbvtNode* const top : rank )
+	{
+		collectInner( top, m_inner );
+		m_branch.push_back( int( m_inner.size() ) );
+	}
+	m_inner.insert( m_inner.end(), above.rbegin(), above.rend() );
+}
+
+void TreeRefit::putBefore( std::vector<btDbvtNode*>& fresh )
+{
+	for ( int& bound : m_branch )
+	{
+		bound += int( fresh.size() );
+	}
+	fresh.insert( fresh.end(), m_inner.begin(), m_inner.end() );
+	m_inner.swap( fresh );
+}
+
+void TreeRefit::run( TaskRunner* runner ) const
+{
+	const int branches = int( m_branch.size() ) - 1;
+	run( 0, m_branch.front() );
+	auto refitBranch = [&]( int k ) { run( m_branch[std::size_t( k )], m_branch[std::size_t( k ) + 1] ); };
+	runTasks( m_branch.back() - m_branch.front() < kLeastPiece ? nullptr : runner, branches, refitBranch );
+	run( m_branch.back(), int( m_inner.size() ) );
+}
+
+void TreeRefit::run( int first, int last ) const
+{
+	for ( int k = first; k < last; ++k )
+	{
+		__builtin_prefetch( m_inner[std::size_t( std::min( k + kAhead, last - 1 ) )], 1 );
+		btDbvtNode* const node = m_inner[std::size_t( k )];
+		Merge( node->childs[0]->volume, node->childs[1]->volume, node->volume );
+	}
 }
 
 void refitUpwards( btDbvtNode* node )

@@ -1,5 +1,6 @@
 #include "pliant/soft_body.h"
 
+#include "threads/parallel.h"
 #include "world/constants.h"
 #include "world/soft_body_impl.h"
 #include "world/soft_body_system.h"
@@ -7,8 +8,10 @@
 #include <BulletDynamics/Dynamics/btRigidBody.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <new>
+#include <numeric>
 
 namespace pliant {
 
@@ -29,20 +32,31 @@ Placement placementOf( const Lattice& lattice, const btTransform& t )
 
 } // namespace
 
-void SoftBody::Impl::placeShape( btCollisionObject& object )
+void SoftBody::Impl::placeShape( btCollisionObject& object, TaskRunner* runner )
 {
 	const NodeState& nodes = body->nodes();
+	OfPieces<std::array<double, 4>> sums{}; // kg m, kg
+	runPieces( runner, Pieces{ nodes.count }, [&]( int piece, int begin, int end ) {
+		Vec3d moment = Vec3d::Zero();
+		double weight = 0.0;
+		for ( int i = begin; i < end; ++i )
+		{
+			moment += double( nodes.mass[i] ) * nodes.x.get( i ).cast<double>();
+			weight += double( nodes.mass[i] );
+		}
+		sums[std::size_t( piece )] = { moment.x(), moment.y(), moment.z(), weight };
+	} );
 	Vec3d centre = Vec3d::Zero();
 	mass = 0.0;
-	for ( int i = 0; i < nodes.count; ++i )
+	for ( const std::array<double, 4>& sum : sums )
 	{
-		centre += double( nodes.mass[i] ) * nodes.x.get( i ).cast<double>();
-		mass += double( nodes.mass[i] );
+		centre += Vec3d( sum[0], sum[1], sum[2] );
+		mass += sum[3];
 	}
 	centre /= mass;
 	const btTransform at( btQuaternion::getIdentity(), toBt( nodes.origin + centre ) );
 	shapeShift = ( toVec3d( at.getOrigin() ) - nodes.origin ).cast<float>();
-	shape->update( nodes, shapeShift );
+	shape->update( nodes, shapeShift, runner );
 	object.setWorldTransform( at );
 	object.setInterpolationWorldTransform( at );
 }
@@ -58,15 +72,19 @@ void SoftBody::Impl::finish( SoftBody& owner )
 	placeShape( owner );
 }
 
-void SoftBody::Impl::measureSpeed()
+void SoftBody::Impl::measureSpeed( TaskRunner* runner )
 {
 	const NodeState& nodes = body->nodes();
-	double sum = 0.0;
-	for ( int i = 0; i < nodes.count; ++i )
-	{
-		sum += double( nodes.mass[i] ) * double( nodes.v.get( i ).squaredNorm() );
-	}
-	meanSquareSpeed = sum / mass;
+	OfPieces<double> sums{};
+	runPieces( runner, Pieces{ nodes.count }, [&]( int piece, int begin, int end ) {
+		double sum = 0.0;
+		for ( int i = begin; i < end; ++i )
+		{
+			sum += double( nodes.mass[i] ) * double( nodes.v.get( i ).squaredNorm() );
+		}
+		sums[std::size_t( piece )] = sum;
+	} );
+	meanSquareSpeed = std::accumulate( sums.begin(), sums.end(), 0.0 ) / mass;
 }
 
 SoftBody* asSoftBody( btCollisionObject* object )

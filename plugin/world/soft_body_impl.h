@@ -152,7 +152,7 @@ struct SoftBody::Impl
 	}
 	Pin* findPin( int node );
 	/// Spheres, boxes and the object's transform go where the nodes are.
-	void placeShape( btCollisionObject& object );
+	void placeShape( btCollisionObject& object, TaskRunner* runner = nullptr );
 	/// How the nodes carry the skin now. Valid until the next call.
 	SkinPose skinPose() const;
 	/// Before a change of levels: how the surface is carried, if anybody looks at it. After: what the change moved it by.
@@ -161,7 +161,7 @@ struct SoftBody::Impl
 	/// Makes a change of levels and has all that names the body's nodes follow it: pins, spheres, stand-ins, skin. `fades`: what the surface jumps
 	/// by is faded out.
 	void changeNodes( SoftBody& owner, const std::function<void()>& change, bool fades = true );
-	void measureSpeed();
+	void measureSpeed( TaskRunner* runner = nullptr );
 	const SkinBinding& binding() const;
 	bool hasNewCracks() const;
 	void showOwnCracks() const;

@@ -189,13 +189,36 @@ TaskRunner* SoftBodySystem::tasks() const
 void SoftBodySystem::gatherAwake()
 {
 	m_awake.clear();
+	long long nodes = 0;
 	for ( SoftBody* body : m_bodies )
 	{
 		if ( moves( *body ) )
 		{
 			m_awake.push_back( body );
+			nodes += body->nodeCount();
 		}
 	}
+	m_sharedOut.clear();
+	m_whole.clear();
+	for ( SoftBody* body : m_awake )
+	{
+		const int count = body->nodeCount();
+		const bool isMoreThanAShare = count >= 2 * kLeastPiece && (long long)( count )*tasks()->threadCount() > nodes;
+		( isMoreThanAShare ? m_sharedOut : m_whole ).push_back( body );
+	}
+}
+
+// A body that is more than one thread's share of all nodes is done by all threads together, after each other; the others are a task each.
+// The bits are the same.
+template <class F>
+void SoftBodySystem::forAwake( F&& work )
+{
+	for ( SoftBody* body : m_sharedOut )
+	{
+		work( *body, tasks() );
+	}
+	auto alone = [&]( int k ) { work( *m_whole[std::size_t( k )], nullptr ); };
+	runTasks( tasks(), int( m_whole.size() ), alone );
 }
 
 Vec3 SoftBodySystem::ownAcceleration( const SoftBody& body ) const
@@ -220,61 +243,80 @@ void SoftBodySystem::accelerate( btScalar h, int substep )
 		drivePins( *body, h, substep );
 	}
 	{
-		// Many bodies: each in one task. Few: the threads share a body. The bits are the same.
 		Stopwatch watch( report.matching );
-		const bool oneTaskEach = int( m_awake.size() ) >= tasks()->threadCount();
-		auto match = [&]( int k ) {
-			SoftBody::Impl& impl = m_awake[k]->impl();
-			TaskRunner* const within = oneTaskEach ? nullptr : tasks();
-			impl.isImplicit = stepsImplicitly( *m_awake[k] );
+		forAwake( [&]( SoftBody& body, TaskRunner* within ) {
+			SoftBody::Impl& impl = body.impl();
+			impl.isImplicit = stepsImplicitly( body );
 			if ( impl.isImplicit )
 			{
-				impl.body->pushImplicitly( float( h ), impl.plan.alpha, ownAcceleration( *m_awake[k] ), within );
+				impl.body->pushImplicitly( float( h ), impl.plan.alpha, ownAcceleration( body ), within );
 				return;
 			}
 			impl.body->accelerateTowardGoals( float( h ), impl.plan.alpha, within );
-		};
-		runTasks( oneTaskEach ? tasks() : nullptr, int( m_awake.size() ), match );
+		} );
 	}
 	{
 		// After matching, which looks at places and at the speeds the last substep left: damping must not take a share of this one's forces.
 		Stopwatch watch( report.forces );
-		for ( SoftBody* body : m_awake )
-		{
-			if ( !body->impl().isImplicit )
+		forAwake( [&]( SoftBody& body, TaskRunner* within ) {
+			if ( !body.impl().isImplicit )
 			{
-				body->impl().body->applyForces( float( h ), ownAcceleration( *body ) );
+				body.impl().body->applyForces( float( h ), ownAcceleration( body ), within );
 			}
-		}
+		} );
 	}
 	Stopwatch watch( report.spheres );
-	for ( SoftBody* body : m_awake )
-	{
-		sweepBox( *body, h );
-	}
+	forAwake( [&]( SoftBody& body, TaskRunner* within ) { body.impl().isBroken = !sweepBox( body, h, within ); } );
+	quarantineBroken();
 }
 
 // The body's box must hold what its nodes sweep in this step; it is also the last place where a bad number can be caught before it
 // reaches Bullet's broadphase, and with it every other body.
-void SoftBodySystem::sweepBox( SoftBody& body, btScalar h )
+bool SoftBodySystem::sweepBox( SoftBody& body, btScalar h, TaskRunner* within ) const
 {
+	struct Span
+	{
+		Vec3 low = Vec3::Zero(), high = Vec3::Zero();
+		float worst = 0.0f; // 0 as long as every number is finite
+	};
 	SoftBody::Impl& impl = body.impl();
 	const NodeState& nodes = impl.body->nodes();
-	Vec3 low = Vec3::Zero(), high = Vec3::Zero();
-	float worst = 0.0f; // 0 as long as every number is finite
-	for ( int i = 0; i < nodes.count; ++i )
+	OfPieces<Span> spans;
+	runPieces( within, Pieces{ nodes.count }, [&]( int piece, int begin, int end ) {
+		Span span;
+		for ( int i = begin; i < end; ++i )
+		{
+			const Vec3 v = nodes.v.get( i );
+			span.low = span.low.cwiseMin( v );
+			span.high = span.high.cwiseMax( v );
+			span.worst += 0.0f * ( v.x() + v.y() + v.z() );
+		}
+		spans[std::size_t( piece )] = span;
+	} );
+	Span all;
+	for ( const Span& span : spans )
 	{
-		const Vec3 v = nodes.v.get( i );
-		low = low.cwiseMin( v );
-		high = high.cwiseMax( v );
-		worst += 0.0f * ( v.x() + v.y() + v.z() );
+		all.low = all.low.cwiseMin( span.low );
+		all.high = all.high.cwiseMax( span.high );
+		all.worst += span.worst;
 	}
-	if ( worst != 0.0f || std::max( high.maxCoeff(), -low.minCoeff() ) > kSpeedLimit )
+	if ( all.worst != 0.0f || std::max( all.high.maxCoeff(), -all.low.minCoeff() ) > kSpeedLimit )
 	{
-		quarantine( body );
-		return;
+		return false;
 	}
-	impl.shape->setSweep( h * toBt( low.cast<double>() ), h * toBt( high.cast<double>() ) );
+	impl.shape->setSweep( h * toBt( all.low.cast<double>() ), h * toBt( all.high.cast<double>() ) );
+	return true;
+}
+
+void SoftBodySystem::quarantineBroken()
+{
+	for ( SoftBody* body : m_awake )
+	{
+		if ( body->impl().isBroken )
+		{
+			quarantine( *body );
+		}
+	}
 }
 
 void SoftBodySystem::quarantine( SoftBody& body )
@@ -310,8 +352,7 @@ void SoftBodySystem::solveImplicit( const btContactSolverInfo& info )
 void SoftBodySystem::integrate( btScalar h, int substep )
 {
 	BT_PROFILE( "pliant: integrate" );
-	auto move = [&]( int k ) {
-		SoftBody& body = *m_awake[k];
+	forAwake( [&]( SoftBody& body, TaskRunner* within ) {
 		SoftBody::Impl& impl = body.impl();
 		impl.isBroken = false;
 		if ( !moves( body ) )
@@ -319,19 +360,12 @@ void SoftBodySystem::integrate( btScalar h, int substep )
 			return; // it has fallen asleep in this substep
 		}
 		settlePins( body, h, substep );
-		impl.isBroken = impl.body->integrate( float( h ) ) == BodyHealth::Quarantined;
-		impl.measureSpeed();
-		impl.placeShape( body );
+		impl.isBroken = impl.body->integrate( float( h ), within ) == BodyHealth::Quarantined;
+		impl.measureSpeed( within );
+		impl.placeShape( body, within );
 		impl.skin.nodesMoved();
-	};
-	runTasks( tasks(), int( m_awake.size() ), move );
-	for ( SoftBody* body : m_awake )
-	{
-		if ( body->impl().isBroken )
-		{
-			quarantine( *body );
-		}
-	}
+	} );
+	quarantineBroken();
 }
 
 namespace {

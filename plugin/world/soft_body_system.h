@@ -75,16 +75,22 @@ public:
 	NodeBodyPool pool;
 	std::unique_ptr<TaskRunner> ownRunner;
 	TaskRunner* runner = nullptr; ///< the game's, or null
+	/// The game's, or the own.
+	TaskRunner* tasks() const;
 
 private:
 	bool moves( const SoftBody& body ) const;
 	bool stepsImplicitly( const SoftBody& body ) const;
 	StiffnessPlan planOf( const SoftBody& body, btScalar gameStep, int count ) const;
 	Vec3 ownAcceleration( const SoftBody& body ) const; ///< gravity and the game's force, m/s^2
-	TaskRunner* tasks() const;
-	void sweepBox( SoftBody& body, btScalar h );
+	/// False where a number is not finite, or a node beyond the limit of speed.
+	bool sweepBox( SoftBody& body, btScalar h, TaskRunner* within ) const;
 	void quarantine( SoftBody& body );
+	void quarantineBroken();
 	void gatherAwake();
+	/// work( body, runner for its own loops or null ) for each that is awake.
+	template <class F>
+	void forAwake( F&& work );
 	bool breakBodies();
 	void settlePieces( SoftBody& body, std::vector<BodyPiece>& pieces, FractureEvent& event );
 	void advanceFading( btScalar gameStep );
@@ -117,6 +123,7 @@ private:
 	ImplicitChoice m_choice;
 	btScalar m_lastSubstep = btScalar( 0 ); ///< s; 0: there was none
 	std::vector<SoftBody*> m_awake; ///< in this substep
+	std::vector<SoftBody*> m_sharedOut, m_whole; ///< those of them that all threads do together, and that one does
 	btScalar m_gameStep = btScalar( 0 );
 	int m_substepCount = 1;
 	unsigned m_serials = 0;

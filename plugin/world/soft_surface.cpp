@@ -163,7 +163,7 @@ SurfaceView SoftBody::surface() const
 		skinBuffers.positions[next].resize( binding.restPosition.size() * 3 );
 		skinBuffers.normals[next].resize( binding.restPosition.size() * 3 );
 		skin( binding, impl.body->nodes(), pose, triangles, skinBuffers.scratch, skinBuffers.positions[next].data(),
-			skinBuffers.normals[next].data() );
+			skinBuffers.normals[next].data(), impl.system ? impl.system->tasks() : nullptr );
 		skinBuffers.origin[next] = impl.worldOrigin();
 		skinBuffers.current = next;
 		++skinBuffers.frame;

@@ -47,6 +47,16 @@ TEST( TaskRunner, RunsEveryIndexOnce )
 	}
 }
 
+TEST( TaskRunner, RunsMoreTasksThanItCanNameAtOnce )
+{
+	const std::unique_ptr<TaskRunner> runner = createThreadPool( 2 );
+	Tally tally;
+	for ( int count : { ( 1 << 20 ) - 1, 1 << 20, ( 2 << 20 ) - 2, ( 2 << 20 ) - 1, 5 << 19 } )
+	{
+		tally.expectOnceEach( *runner, count );
+	}
+}
+
 TEST( TaskRunner, BearsTenThousandShortRuns )
 {
 	for ( int threads : { 2, 4 } )
