@@ -217,7 +217,7 @@ void Body::setPinned( int node, bool pinned )
 void Body::applyForces( float h, const Vec3& gravity, TaskRunner* runner )
 {
 	const bool hasForce = !m_nodes.force.x.empty();
-	runPieces( runner, Pieces{ m_nodes.count }, [&]( int, int begin, int end ) {
+	runShares( runner, Shares{ m_nodes.count }, [&]( int, int begin, int end ) {
 		for ( int i = begin; i < end; ++i )
 		{
 			const float step = h * m_nodes.freedom[i];
@@ -286,8 +286,8 @@ float Body::bodyShare( float h, float alpha ) const
 BodyHealth Body::integrate( float h, TaskRunner* runner )
 {
 	// x' = x + h v'   (Ohta et al. 2009, eq. 4)
-	OfPieces<float> worst{}; // 0 as long as every number is finite: 0 * inf and 0 * NaN are NaN
-	runPieces( runner, Pieces{ m_nodes.padded }, [&]( int piece, int begin, int end ) {
+	OfShares<float> worst{}; // 0 as long as every number is finite: 0 * inf and 0 * NaN are NaN
+	runShares( runner, Shares{ m_nodes.padded }, [&]( int share, int begin, int end ) {
 		float sum = 0.0f;
 		for ( int i = begin; i < end; ++i )
 		{
@@ -296,7 +296,7 @@ BodyHealth Body::integrate( float h, TaskRunner* runner )
 			m_nodes.x.z[i] += h * m_nodes.v.z[i];
 			sum += 0.0f * ( m_nodes.x.x[i] + m_nodes.x.y[i] + m_nodes.x.z[i] );
 		}
-		worst[std::size_t( piece )] = sum;
+		worst[std::size_t( share )] = sum;
 	} );
 	if ( std::any_of( worst.begin(), worst.end(), []( float sum ) { return sum != 0.0f; } ) )
 	{
@@ -312,7 +312,7 @@ BodyHealth Body::integrate( float h, TaskRunner* runner )
 void Body::keepFiniteState( TaskRunner* runner )
 {
 	const AlignedArray<float>* const from[6] = { &m_nodes.x.x, &m_nodes.x.y, &m_nodes.x.z, &m_nodes.v.x, &m_nodes.v.y, &m_nodes.v.z };
-	runPieces( runner, Pieces{ m_nodes.padded }, [&]( int, int begin, int end ) {
+	runShares( runner, Shares{ m_nodes.padded }, [&]( int, int begin, int end ) {
 		for ( std::size_t k = 0; k < std::size( from ); ++k )
 		{
 			std::copy( from[k]->begin() + begin, from[k]->begin() + end, m_lastFinite.data() + k * std::size_t( m_nodes.padded ) + begin );

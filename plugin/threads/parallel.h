@@ -24,33 +24,33 @@ void runTasks( TaskRunner* runner, int count, F& task )
 	}
 }
 
-/// Pieces a range is cut into at most. What is summed up piece by piece, and the pieces in order, is the same for any number of threads.
-constexpr int kMostPieces = 16;
-/// Entries a piece has at least: some microseconds of work, which is what handing out a task costs.
-constexpr int kLeastPiece = 1024;
+/// Shares a range is cut into at most. What is summed up share by share, and the shares in order, is the same for any number of threads.
+constexpr int kMostShares = 16;
+/// Entries a share has at least: some microseconds of work, which is what handing out a task costs.
+constexpr int kLeastShare = 1024;
 
-/// A value for each piece, without memory from the heap.
+/// A value for each share, without memory from the heap.
 template <class T>
-using OfPieces = std::array<T, kMostPieces>;
+using OfShares = std::array<T, kMostShares>;
 
-/// 0 .. count - 1, cut into pieces by nothing but how many there are.
-struct Pieces
+/// 0 .. count - 1, cut into shares by nothing but how many there are.
+struct Shares
 {
 	int count;
 
-	/// A multiple of 16, so that no two pieces write to one line of the cache.
-	int size() const { return std::max( kLeastPiece, ( ( count + kMostPieces - 1 ) / kMostPieces + 15 ) / 16 * 16 ); }
-	int pieces() const { return ( count + size() - 1 ) / size(); }
-	int begin( int piece ) const { return piece * size(); }
-	int end( int piece ) const { return std::min( count, ( piece + 1 ) * size() ); }
+	/// A multiple of 16, so that no two shares write to one line of the cache.
+	int size() const { return std::max( kLeastShare, ( ( count + kMostShares - 1 ) / kMostShares + 15 ) / 16 * 16 ); }
+	int shares() const { return ( count + size() - 1 ) / size(); }
+	int begin( int share ) const { return share * size(); }
+	int end( int share ) const { return std::min( count, ( share + 1 ) * size() ); }
 };
 
-/// work( piece, begin, end ) for each.
+/// work( share, begin, end ) for each.
 template <class F>
-void runPieces( TaskRunner* runner, const Pieces& range, F&& work )
+void runShares( TaskRunner* runner, const Shares& range, F&& work )
 {
-	auto task = [&]( int piece ) { work( piece, range.begin( piece ), range.end( piece ) ); };
-	runTasks( runner, range.pieces(), task );
+	auto task = [&]( int share ) { work( share, range.begin( share ), range.end( share ) ); };
+	runTasks( runner, range.shares(), task );
 }
 
 } // namespace pliant

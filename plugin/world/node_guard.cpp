@@ -301,10 +301,10 @@ private:
 /// Of any component of any node's; whole lanes at a time, for every awake body is asked.
 float largest( const NodeState& nodes, TaskRunner* runner )
 {
-	OfPieces<float> most{};
-	runPieces( runner, Pieces{ nodes.padded }, [&]( int piece, int begin, int end ) {
+	OfShares<float> most{};
+	runShares( runner, Shares{ nodes.padded }, [&]( int share, int begin, int end ) {
 		const auto of = [&]( const AlignedArray<float>& v ) { return Eigen::Map<const Eigen::ArrayXf>( v.data() + begin, end - begin ).abs().maxCoeff(); };
-		most[std::size_t( piece )] = std::max( of( nodes.v.x ), std::max( of( nodes.v.y ), of( nodes.v.z ) ) );
+		most[std::size_t( share )] = std::max( of( nodes.v.x ), std::max( of( nodes.v.y ), of( nodes.v.z ) ) );
 	} );
 	return *std::max_element( most.begin(), most.end() );
 }

@@ -318,7 +318,7 @@ btSphereShape* NodeShape::sphereOf( double radius )
 
 void NodeShape::update( const NodeState& nodes, const Vec3& shift, TaskRunner* runner )
 {
-	runPieces( runner, Pieces{ m_children.size() }, [&]( int, int begin, int end ) {
+	runShares( runner, Shares{ m_children.size() }, [&]( int, int begin, int end ) {
 		for ( int child = begin; child < end; ++child )
 		{
 			__builtin_prefetch( m_children[std::min( child + kAhead, end - 1 )].m_node, 1 );

@@ -35,8 +35,8 @@ Placement placementOf( const Lattice& lattice, const btTransform& t )
 void SoftBody::Impl::placeShape( btCollisionObject& object, TaskRunner* runner )
 {
 	const NodeState& nodes = body->nodes();
-	OfPieces<std::array<double, 4>> sums{}; // kg m, kg
-	runPieces( runner, Pieces{ nodes.count }, [&]( int piece, int begin, int end ) {
+	OfShares<std::array<double, 4>> sums{}; // kg m, kg
+	runShares( runner, Shares{ nodes.count }, [&]( int share, int begin, int end ) {
 		Vec3d moment = Vec3d::Zero();
 		double weight = 0.0;
 		for ( int i = begin; i < end; ++i )
@@ -44,7 +44,7 @@ void SoftBody::Impl::placeShape( btCollisionObject& object, TaskRunner* runner )
 			moment += double( nodes.mass[i] ) * nodes.x.get( i ).cast<double>();
 			weight += double( nodes.mass[i] );
 		}
-		sums[std::size_t( piece )] = { moment.x(), moment.y(), moment.z(), weight };
+		sums[std::size_t( share )] = { moment.x(), moment.y(), moment.z(), weight };
 	} );
 	Vec3d centre = Vec3d::Zero();
 	mass = 0.0;
@@ -75,14 +75,14 @@ void SoftBody::Impl::finish( SoftBody& owner )
 void SoftBody::Impl::measureSpeed( TaskRunner* runner )
 {
 	const NodeState& nodes = body->nodes();
-	OfPieces<double> sums{};
-	runPieces( runner, Pieces{ nodes.count }, [&]( int piece, int begin, int end ) {
+	OfShares<double> sums{};
+	runShares( runner, Shares{ nodes.count }, [&]( int share, int begin, int end ) {
 		double sum = 0.0;
 		for ( int i = begin; i < end; ++i )
 		{
 			sum += double( nodes.mass[i] ) * double( nodes.v.get( i ).squaredNorm() );
 		}
-		sums[std::size_t( piece )] = sum;
+		sums[std::size_t( share )] = sum;
 	} );
 	meanSquareSpeed = std::accumulate( sums.begin(), sums.end(), 0.0 ) / mass;
 }

@@ -203,7 +203,7 @@ void SoftBodySystem::gatherAwake()
 	for ( SoftBody* body : m_awake )
 	{
 		const int count = body->nodeCount();
-		const bool isMoreThanAShare = count >= 2 * kLeastPiece && (long long)( count )*tasks()->threadCount() > nodes;
+		const bool isMoreThanAShare = count >= 2 * kLeastShare && (long long)( count )*tasks()->threadCount() > nodes;
 		( isMoreThanAShare ? m_sharedOut : m_whole ).push_back( body );
 	}
 }
@@ -281,8 +281,8 @@ bool SoftBodySystem::sweepBox( SoftBody& body, btScalar h, TaskRunner* within ) 
 	};
 	SoftBody::Impl& impl = body.impl();
 	const NodeState& nodes = impl.body->nodes();
-	OfPieces<Span> spans;
-	runPieces( within, Pieces{ nodes.count }, [&]( int piece, int begin, int end ) {
+	OfShares<Span> spans;
+	runShares( within, Shares{ nodes.count }, [&]( int share, int begin, int end ) {
 		Span span;
 		for ( int i = begin; i < end; ++i )
 		{
@@ -291,7 +291,7 @@ bool SoftBodySystem::sweepBox( SoftBody& body, btScalar h, TaskRunner* within ) 
 			span.high = span.high.cwiseMax( v );
 			span.worst += 0.0f * ( v.x() + v.y() + v.z() );
 		}
-		spans[std::size_t( piece )] = span;
+		spans[std::size_t( share )] = span;
 	} );
 	Span all;
 	for ( const Span& span : spans )

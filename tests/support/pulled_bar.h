@@ -86,6 +86,7 @@ public:
 		Adaptivity levels;
 		levels.coarseLevels = bar.coarseLevels;
 		m_body = std::move( Body::create( lattice, material, {}, nullptr, levels ).value );
+		takeHold( bar.coarseLevels );
 		setFracture( bar );
 		for ( int i = 0; i < m_body->nodeCount(); ++i )
 		{
@@ -123,6 +124,25 @@ private:
 	static constexpr float kStep = 1.0f / 240.0f;
 
 	double place( int node ) const { return m_body->nodes().x0.get( node ).cast<double>().dot( m_along ); }
+
+	// A node is pinned as a whole. One that reached out of its grip would leave less of the bar free than its strain is reckoned with, and let that
+	// go with a jerk when it is split.
+	void takeHold( int coarseLevels )
+	{
+		const double reach = std::fabs( m_along.x() ) + std::fabs( m_along.y() ); // of a block along the bar, in edges
+		for ( int round = 0; round < coarseLevels; ++round )
+		{
+			for ( int i = 0; i < m_body->nodeCount(); ++i )
+			{
+				const double half = 0.5 * kCell * double( 1 << m_body->levels()->levelOf( i ) ) * reach;
+				if ( std::fabs( std::fabs( place( i ) ) - kFree ) < half )
+				{
+					m_body->requestSplit( i );
+				}
+			}
+			m_body->adaptLevels( kStep );
+		}
+	}
 
 	// As in a testing machine, where the specimen is thicker at its ends: what the grips do there is not what is asked about.
 	void setFracture( const PulledBar& bar )

@@ -162,7 +162,8 @@ public:
 	/// The game moves the node: it reaches `worldPosition` at the end of the next step.
 	Status driveNode( int node, const btVector3& worldPosition );
 	void releaseNode( int node );
-	/// Pins every node inside a world box; returns how many.
+	/// Pins every node whose middle is inside a world box; returns how many. A node of a body with levels is pinned as a whole: where the box is to
+	/// hold to the cell, let `requestRefinement` split what is in it, and pin after the next step.
 	int pinNodesInside( const btVector3& low, const btVector3& high );
 	bool isPinned( int node ) const;
 
