@@ -12,6 +12,7 @@ void ImplicitBlock::clear()
 	soft.clear();
 	rigid.clear();
 	contacts.clear();
+	directions.clear();
 }
 
 void ImplicitBlock::layOut()
@@ -187,8 +188,9 @@ void ImplicitBlock::listPressing()
 			Eigen::Map<Vec3d>( flat.arm[k] ) = side.arm;
 		}
 		Eigen::Map<Vec3d>( flat.normal ) = contact.normal;
-		flat.along = contact.stiffness - contact.tangentStiffness;
+		flat.along = contact.stiffness - ( contact.directed < 0 ? contact.tangentStiffness : 0.0 );
 		flat.across = contact.tangentStiffness;
+		flat.directed = contact.directed;
 		m_pressing.push_back( flat );
 	}
 }
@@ -247,6 +249,11 @@ void ImplicitBlock::apply( const float* v, float* to )
 			}
 		}
 		const double along = c.along * ( ( c.normal[0] * u[0] + c.normal[1] * u[1] ) + c.normal[2] * u[2] );
+		if ( c.directed >= 0 )
+		{
+			Eigen::Map<Vec3d> across( u );
+			across = ( directions[std::size_t( c.directed )] * across ).eval();
+		}
 		const double f[3] = { along * c.normal[0] + c.across * u[0], along * c.normal[1] + c.across * u[1], along * c.normal[2] + c.across * u[2] };
 		for ( int side = 0; side < 2; ++side )
 		{
@@ -288,7 +295,8 @@ void ImplicitBlock::fillRightSide()
 			const Vec3d given = contact.side[0].given - contact.side[1].given;
 			const double along = contact.normal.dot( given );
 			const Vec3d across = given - along * contact.normal;
-			addPair( contact, ( contact.pushed + contact.stiffness * ( contact.target - along ) ) * contact.normal + contact.held - contact.tangentStiffness * across,
+			addPair( contact, ( contact.pushed + contact.stiffness * ( contact.target - along ) ) * contact.normal +
+								  directed( contact, contact.held - contact.tangentStiffness * across ),
 				m_rightSide.data() );
 		}
 	}
@@ -326,8 +334,10 @@ BlockCount ImplicitBlock::solve( TaskRunner* runner )
 		fillRightSide();
 		fillPreconditioner();
 		m_next = m_v;
-		bool isLast = ++count.passes == kMostPasses;
+		++count.passes;
+		bool isLast = count.passes >= kMostPasses;
 		iterate( isLast ? kGradientShare : kPassShare, count );
+		isLast = isLast && ( !isWild() || count.passes >= kMostHardPasses );
 		if ( !isLast && holdsAt( m_next.data() ) )
 		{
 			iterate( 0.0, count );

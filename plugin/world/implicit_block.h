@@ -35,6 +35,7 @@ struct BlockContact
 	Vec3d normal = Vec3d::Zero();
 	double target = 0.0;            ///< b: speed of parting that is asked for at least, m/s
 	double friction = 0.0;          ///< mu
+	int directed = -1;              ///< among the block's directions; -1: friction is the same in all
 	btManifoldPoint* point = nullptr;
 
 	// Impulses, N s: at first those of the last substep, at the end those of this one.
@@ -84,7 +85,8 @@ struct Pressing
 	int place[2] = { -1, -1 };     ///< of each side's first number in the vector; -1: its speed is given
 	int stride[2] = { 0, 0 };      ///< between a node's components; 0: six numbers of a rigid body
 	double normal[3], arm[2][3];
-	double along = 0.0, across = 0.0; ///< k - kt and kt, kg
+	double along = 0.0, across = 0.0; ///< k - kt and kt, kg; k and kt where directed
+	int directed = -1;
 };
 
 /// What a solution took.
@@ -99,6 +101,8 @@ public:
 	std::vector<SoftPart> soft;
 	std::vector<RigidPart> rigid;
 	std::vector<BlockContact> contacts;
+	/// Friction by direction, S: jt = S ( held - kt ut ), symmetric, without the normal.
+	std::vector<Eigen::Matrix3d> directions;
 
 	/// Speeds of nodes and rigid parts and impulses of contacts, as they are at the end of the substep.
 	BlockCount solve( TaskRunner* runner );
@@ -126,6 +130,12 @@ private:
 	Vec3d relativeSpeed( const BlockContact& contact, const float* v ) const;
 	void addImpulse( const ContactSide& side, const Vec3d& impulse, float* to ) const;
 	void addPair( const BlockContact& contact, const Vec3d& impulse, float* to ) const;
+	/// S v, or v where friction is the same in all directions. v: without the normal.
+	Vec3d directed( const BlockContact& contact, const Vec3d& v ) const
+	{
+		return contact.directed < 0 ? v : Vec3d( directions[std::size_t( contact.directed )] * v );
+	}
+	Eigen::Matrix3d resistance( const BlockContact& contact ) const;
 	void fillRightSide();
 	double energyLeft() const;
 	/// Improves m_next until `share` of what is off is left, or little enough, and reads its impulses.
@@ -137,8 +147,11 @@ private:
 	void readAnswer();
 
 	// The law, in implicit_law.cpp.
+	Vec3d undirected( const BlockContact& contact ) const;
 	void chooseStiffness();
 	void linearise( const float* v, bool isFirst );
+	/// Whether the impulses found are none that contacts could have: pulling, or rubbing far beyond their limits.
+	bool isWild() const;
 	/// Whether the impulses are those of the law at these speeds, all together, as it was not linearised.
 	bool holdsAt( const float* v ) const;
 	void readImpulses( const float* v );

@@ -32,6 +32,31 @@ bool isPlainRigid( const btPersistentManifold& manifold )
 	return btRigidBody::upcast( manifold.getBody0() ) && btRigidBody::upcast( manifold.getBody1() );
 }
 
+/// An object's friction by direction, the root of its scales, in world axes.
+Eigen::Matrix3d rootOfScales( const btCollisionObject& object )
+{
+	if ( !object.hasAnisotropicFriction( btCollisionObject::CF_ANISOTROPIC_FRICTION ) )
+	{
+		return Eigen::Matrix3d::Identity();
+	}
+	const Eigen::Matrix3d axes = toMatrix3d( object.getWorldTransform().getBasis() );
+	return axes * toVec3d( object.getAnisotropicFriction() ).cwiseMax( 0.0 ).cwiseSqrt().asDiagonal() * axes.transpose();
+}
+
+/// S of a contact, where one of the two has any: their product where they have the same axes.
+void giveDirections( const btCollisionObject* const ( &objects )[2], BlockContact& contact, ImplicitBlock& block )
+{
+	if ( !objects[0]->hasAnisotropicFriction( btCollisionObject::CF_ANISOTROPIC_FRICTION ) &&
+		 !objects[1]->hasAnisotropicFriction( btCollisionObject::CF_ANISOTROPIC_FRICTION ) )
+	{
+		return;
+	}
+	const Eigen::Matrix3d roots = rootOfScales( *objects[1] ) * rootOfScales( *objects[0] );
+	const Eigen::Matrix3d inPlane = Eigen::Matrix3d::Identity() - contact.normal * contact.normal.transpose();
+	contact.directed = int( block.directions.size() );
+	block.directions.push_back( inPlane * ( roots.transpose() * roots ) * inPlane );
+}
+
 /// b: speed of parting asked for. Before touch, whatever closes the gap within the step; then out of what is too deep, and bouncing off.
 double targetSpeed( const btManifoldPoint& point, const btContactSolverInfo& info, double approach )
 {
@@ -103,6 +128,7 @@ void ImplicitContacts::gatherFrom(
 		}
 		contact.normal = toVec3d( point.m_normalWorldOnB );
 		contact.friction = double( point.m_combinedFriction );
+		giveDirections( objects, contact, blocks[std::size_t( block )] );
 		contact.point = &point;
 		contact.normalImpulse = double( point.m_appliedImpulse );
 		contact.tangentImpulse = double( point.m_appliedImpulseLateral1 ) * toVec3d( point.m_lateralFrictionDir1 ) +

@@ -6,9 +6,14 @@
 // Both are what an augmented Lagrangian with one step a substep makes of Signorini's and Coulomb's laws (Alart and Curnier 1991): a contact
 // that keeps pressing ends with u.n = b and, held, with ut = 0, however soft k is. The derivative of jt is replaced by its secant, - s ks, which
 // can only dissipate; Newton's own turned small slips round in this place and threw stacks.
+//
+// Friction by direction (btCollisionObject::setAnisotropicFriction): the same law finds t, of length mu jn at most, and jt = S t, S the things'
+// scales in their own axes, without the normal. So a slide along t is braked by mu jn S t, as Bullet's solver does.
 
 #include "world/constants.h"
 #include "world/implicit_block.h"
+
+#include <Eigen/Eigenvalues>
 
 #include <algorithm>
 #include <cmath>
@@ -66,6 +71,19 @@ Vec3d ImplicitBlock::freeSpeed( const BlockContact& contact ) const
 	return speed[0] - speed[1];
 }
 
+// The impulse t of the last substep that has become S t: what S does not let through was none.
+Vec3d ImplicitBlock::undirected( const BlockContact& contact ) const
+{
+	if ( contact.directed < 0 )
+	{
+		return contact.tangentImpulse;
+	}
+	const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes( directions[std::size_t( contact.directed )] );
+	const double floor = kLeastDirection * std::max( 1.0, axes.eigenvalues()[2] );
+	const Vec3d inverse = ( axes.eigenvalues().array() > floor ).select( axes.eigenvalues().array().max( floor ).inverse(), 0.0 );
+	return axes.eigenvectors() * ( inverse.asDiagonal() * ( axes.eigenvectors().transpose() * contact.tangentImpulse ) );
+}
+
 // k is as much more than the nodes' own resistance as keeps the error of a first touch small and the system easy to solve.
 void ImplicitBlock::chooseStiffness()
 {
@@ -83,7 +101,7 @@ void ImplicitBlock::chooseStiffness()
 		}
 		contact.stiffness = kContactStiffness * least;
 		contact.pushed = contact.normalImpulse;
-		contact.heldBefore = contact.tangentImpulse;
+		contact.heldBefore = undirected( contact );
 	}
 }
 
@@ -110,13 +128,27 @@ bool ImplicitBlock::holdsAt( const float* v ) const
 		const double along = contact.normal.dot( u );
 		const double press = std::max( 0.0, pressAt( contact, u ) );
 		const Law law = lawAt( contact, u, press );
-		const Vec3d rub = law.held - law.tangentStiffness * ( u - along * contact.normal );
+		const Vec3d rub = directed( contact, law.held - law.tangentStiffness * ( u - along * contact.normal ) );
 		pressError += std::abs( press - contact.normalImpulse );
 		rubError += ( rub - contact.tangentImpulse ).norm();
 		pressed += press;
 		rubbed += contact.friction * press;
 	}
 	return pressError <= kImpulseError * pressed && rubError <= kImpulseError * rubbed;
+}
+
+// A pull of what still approaches brings energy in, and so does rubbing that holds what bounces against others. A little too much or too little
+// rubbing, which is what most last passes end with, does not.
+bool ImplicitBlock::isWild() const
+{
+	double pull = 0.0, press = 0.0, rub = 0.0, limit = 0.0;
+	for ( const BlockContact& contact : contacts )
+	{
+		( contact.normalImpulse < 0.0 ? pull : press ) += std::abs( contact.normalImpulse );
+		rub += contact.tangentImpulse.norm();
+		limit += contact.friction * std::max( 0.0, contact.normalImpulse );
+	}
+	return pull > kImpulseError * press || rub > kWildRubbing * limit;
 }
 
 // With the law as it was linearised, not as it would be now: impulses that no solved system has carried would bring energy in.
@@ -127,7 +159,8 @@ void ImplicitBlock::readImpulses( const float* v )
 		const Vec3d u = relativeSpeed( contact, v );
 		const double along = contact.normal.dot( u );
 		contact.normalImpulse = contact.presses ? contact.pushed + contact.stiffness * ( contact.target - along ) : 0.0;
-		contact.tangentImpulse = contact.presses ? Vec3d( contact.held - contact.tangentStiffness * ( u - along * contact.normal ) ) : Vec3d( Vec3d::Zero() );
+		const Vec3d rub = contact.held - contact.tangentStiffness * ( u - along * contact.normal );
+		contact.tangentImpulse = contact.presses ? directed( contact, rub ) : Vec3d( Vec3d::Zero() );
 	}
 }
 
@@ -170,7 +203,8 @@ double ImplicitBlock::stepTowards( const float* to )
 		const Vec3d u = relativeSpeed( contact, m_v.data() ), d = speedOf( contact.side[0], along.data() ) - speedOf( contact.side[1], along.data() );
 		const double un = contact.normal.dot( u ), dn = contact.normal.dot( d );
 		const Vec3d ut = u - un * contact.normal, dt = d - dn * contact.normal;
-		ways.push_back( Way{ un, dn, contact.held.dot( dt ) - contact.tangentStiffness * ut.dot( dt ), -contact.tangentStiffness * dt.squaredNorm() } );
+		const Vec3d felt = directed( contact, dt );
+		ways.push_back( Way{ un, dn, contact.held.dot( felt ) - contact.tangentStiffness * ut.dot( felt ), -contact.tangentStiffness * dt.dot( felt ) } );
 	}
 	const auto slopeAt = [&]( double t ) {
 		double sum = slope + t * curvature;

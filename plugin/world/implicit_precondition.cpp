@@ -17,13 +17,6 @@ Eigen::Matrix3d hat( const Vec3d& a )
 	return m;
 }
 
-/// k n n^T + kt ( 1 - n n^T ), the contact's resistance.
-Eigen::Matrix3d resistance( const BlockContact& contact )
-{
-	const Eigen::Matrix3d across = contact.normal * contact.normal.transpose();
-	return contact.stiffness * across + contact.tangentStiffness * ( Eigen::Matrix3d::Identity() - across );
-}
-
 /// How a whole body feels a contact: a node's u = V + L p by its arm, ( 1, p ) times the identity, a rigid body's point u = V + W x arm by `turns`.
 struct Feels
 {
@@ -65,6 +58,14 @@ void addCoarse( const Feels& a, const Feels& b, const Eigen::Matrix3d& resists, 
 }
 
 } // namespace
+
+/// k n n^T + kt S, the contact's resistance; S is 1 - n n^T where friction is the same in all directions.
+Eigen::Matrix3d ImplicitBlock::resistance( const BlockContact& contact ) const
+{
+	const Eigen::Matrix3d press = contact.normal * contact.normal.transpose();
+	const Eigen::Matrix3d rub = contact.directed < 0 ? Eigen::Matrix3d( Eigen::Matrix3d::Identity() - press ) : directions[std::size_t( contact.directed )];
+	return contact.stiffness * press + contact.tangentStiffness * rub;
+}
 
 void ImplicitBlock::layOutCoarse()
 {

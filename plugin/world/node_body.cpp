@@ -50,10 +50,27 @@ void copySurface( const SoftBody& owner, NodeBody& body )
 	{
 		body.setContactStiffnessAndDamping( owner.getContactStiffness(), owner.getContactDamping() );
 	}
-	if ( owner.hasAnisotropicFriction() )
+	// Stand-ins go from owner to owner: what one asked for is taken back.
+	const bool isDirected = owner.hasAnisotropicFriction( btCollisionObject::CF_ANISOTROPIC_FRICTION );
+	body.setAnisotropicFriction( isDirected ? owner.getAnisotropicFriction() : btVector3( 1, 1, 1 ) );
+}
+
+/// The axes of the material at a node, which friction by direction goes by; others ask for no rotation.
+btQuaternion axesAt( const SoftBody& owner, int node )
+{
+	if ( !owner.hasAnisotropicFriction( btCollisionObject::CF_ANISOTROPIC_FRICTION ) )
 	{
-		body.setAnisotropicFriction( owner.getAnisotropicFriction() );
+		return btQuaternion::getIdentity();
 	}
+	const SoftBody::Impl& impl = owner.impl();
+	const std::size_t count = std::size_t( impl.body->nodeCount() );
+	if ( impl.nodeAxes.size() != 4 * count ) // asleep since it was made
+	{
+		impl.nodeAxes.resize( 4 * count );
+		impl.body->nodeRotations( impl.nodeAxes.data() );
+	}
+	const float* const q = impl.nodeAxes.data() + 4 * std::size_t( node );
+	return btQuaternion( q[0], q[1], q[2], q[3] );
 }
 
 } // namespace
@@ -158,7 +175,7 @@ void NodeBodyPool::refresh( NodeBody& body )
 	body.setCollisionFlags( flags );
 
 	body.written = impl.position( body.node );
-	const btTransform at( btQuaternion::getIdentity(), body.written );
+	const btTransform at( axesAt( owner, body.node ), body.written );
 	body.setWorldTransform( at );
 	body.setInterpolationWorldTransform( at );
 	body.setLinearVelocity( velocity );

@@ -266,9 +266,12 @@ void PairContacts::write( const Pair& pair, NodeContact& contact, const NodeHit*
 	}
 	for ( int h = 0; h < count; ++h )
 	{
-		const btManifoldPoint point = makePoint( manifold, *contact.first, hits[h], pair.softIsFirst );
+		btManifoldPoint point = makePoint( manifold, *contact.first, hits[h], pair.softIsFirst );
 		if ( places[h] >= 0 )
 		{
+			// It bounces once a touch: a node that is pressed on, and struck in each substep, would bring in more than it takes.
+			const bool hasBounced = manifold.getContactPoint( places[h] ).m_appliedImpulse > 0;
+			point.m_combinedRestitution = hasBounced ? btScalar( 0 ) : point.m_combinedRestitution;
 			manifold.replaceContactPoint( point, places[h] );
 			++manifold.getContactPoint( places[h] ).m_lifeTime;
 		}

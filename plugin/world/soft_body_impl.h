@@ -132,6 +132,7 @@ struct SoftBody::Impl
 	};
 	mutable std::vector<Near> nearby;
 	std::vector<NodeBody*> touched;    ///< those that are not null
+	mutable std::vector<float> nodeAxes; ///< rotations at the nodes (Body::nodeRotations), of bodies with friction by direction only
 	mutable SkinBuffers skin;
 
 	btVector3 worldOrigin() const

@@ -266,7 +266,10 @@ void SoftBodySystem::accelerate( btScalar h, int substep )
 		} );
 	}
 	Stopwatch watch( report.spheres );
-	forAwake( [&]( SoftBody& body, TaskRunner* within ) { body.impl().isBroken = !sweepBox( body, h, within ); } );
+	forAwake( [&]( SoftBody& body, TaskRunner* within ) {
+		body.impl().nodeAxes.clear(); // those that are asked for are measured anew
+		body.impl().isBroken = !sweepBox( body, h, within );
+	} );
 	quarantineBroken();
 }
 

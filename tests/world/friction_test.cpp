@@ -163,5 +163,68 @@ TEST( Friction, RollingAndSpinningFrictionTurnBothBodies )
 	}
 }
 
+/// A cube that is turned about the vertical and rubs along its own x by a fifth of what it does along its own z, on a slope that is down along the
+/// world's x: its speed after a while, m/s.
+btVector3 slideDirected( Elasticity elasticity, double turn, double slope, const btVector3& scales, bool isOfFloor = false )
+{
+	TestWorld t;
+	t.world.setGravity( btVector3( btScalar( 9.81 * std::sin( slope ) ), btScalar( -9.81 * std::cos( slope ) ), 0 ) );
+	btRigidBody* floor = t.addBox( 0, btVector3( 50, 1, 50 ), at( 0, -1, 0 ) );
+	floor->setFriction( 1 );
+	const btTransform turned( btQuaternion( btVector3( 0, 1, 0 ), btScalar( turn ) ), btVector3( 0, btScalar( 0.25 ), 0 ) );
+	Material material = implicitOr( elasticity );
+	SoftBody* cube = t.addSoft( block( 5, 5, 5, 0.1f ), turned, material );
+	cube->setFriction( btScalar( 0.5 ) );
+	isOfFloor ? floor->setAnisotropicFriction( scales ) : cube->setAnisotropicFriction( scales );
+	cube->setActivationState( DISABLE_DEACTIVATION );
+	t.run( 60 );
+	const btVector3 before = cube->linearVelocity();
+	t.run( 30 );
+	return ( cube->linearVelocity() - before ) / btScalar( 0.5 );
+}
+
+TEST( Friction, ByDirectionGoesByTheBodysOwnAxes )
+{
+	const btVector3 scales( btScalar( 0.2 ), 1, 1 );
+	const double down = 9.81 * std::sin( kSlope ), press = 9.81 * std::cos( kSlope );
+	for ( const Elasticity elasticity : { Elasticity::Explicit, Elasticity::Implicit } )
+	{
+		// mu 0.5: held across its slippery axis, braked by a fifth of that along it.
+		const double along = double( slideDirected( elasticity, 0.0, kSlope, scales ).x() ), wanted = down - 0.5 * 0.2 * press;
+		const double across = double( slideDirected( elasticity, SIMD_HALF_PI, kSlope, scales ).x() );
+		std::printf( "%s: along %.3f of %.3f m/s^2, across %.4f\n", elasticity == Elasticity::Explicit ? "explicit" : "implicit", along, wanted, across );
+		EXPECT_NEAR( along / wanted, 1.0, 0.03 );
+		EXPECT_NEAR( across, 0.0, 0.01 );
+		// Oblique, it goes off to the side where it slips: both alike, and towards its own x, which is ( cos 45, 0, - sin 45 ) in the world.
+		const btVector3 oblique = slideDirected( elasticity, 0.25 * SIMD_PI, kSlope, scales );
+		std::printf( "oblique %.3f %.3f m/s^2\n", double( oblique.x() ), double( oblique.z() ) );
+		EXPECT_LT( oblique.z(), btScalar( -0.3 ) );
+		EXPECT_GT( oblique.x(), btScalar( 0.3 ) );
+		// Of what it lies on, in that thing's axes, whichever way the cube is turned.
+		EXPECT_NEAR( double( slideDirected( elasticity, 0.5, kSlope, scales, true ).x() ) / wanted, 1.0, 0.03 );
+	}
+	const btVector3 explicitOne = slideDirected( Elasticity::Explicit, 0.25 * SIMD_PI, kSlope, scales );
+	const btVector3 implicitOne = slideDirected( Elasticity::Implicit, 0.25 * SIMD_PI, kSlope, scales );
+	EXPECT_LT( ( explicitOne - implicitOne ).length(), btScalar( 0.05 ) * explicitOne.length() );
+}
+
+// Stand-ins go from one body to the next: what the first asked for must not stay with them.
+TEST( Friction, ByDirectionIsNotHandedOnToOtherBodies )
+{
+	for ( const bool hadDirections : { false, true } )
+	{
+		TestWorld t;
+		t.world.setGravity( btVector3( btScalar( 9.81 * std::sin( kSlope ) ), btScalar( -9.81 * std::cos( kSlope ) ), 0 ) );
+		t.addBox( 0, btVector3( 50, 1, 50 ), at( 0, -1, 0 ) )->setFriction( 1 );
+		SoftBody* first = t.addSoft( block( 5, 5, 5, 0.1f ), at( 0, btScalar( 0.25 ), 0 ), implicitOr( Elasticity::Explicit ) );
+		first->setAnisotropicFriction( hadDirections ? btVector3( 0, 1, 0 ) : btVector3( 1, 1, 1 ) );
+		t.run( 10 );
+		t.world.removeSoftBody( first );
+		SoftBody* second = t.addSoft( block( 5, 5, 5, 0.1f ), at( 3, btScalar( 0.25 ), 0 ), implicitOr( Elasticity::Explicit ) );
+		t.run( 60 );
+		EXPECT_NEAR( second->linearVelocity().x(), 0, 0.02 ) << hadDirections;
+	}
+}
+
 } // namespace
 } // namespace pliant
