@@ -1,7 +1,7 @@
 // Whole frames of 1/60 s: matching, contacts, Bullet's solver, skinning not included. Counters: contacts, substeps, and the share of
 // matching in the frame.
 
-#include "support/test_world.h"
+#include "bench_pile.h"
 
 #include <benchmark/benchmark.h>
 
@@ -75,32 +75,11 @@ void sleepingBlock( benchmark::State& state )
 }
 BENCHMARK( sleepingBlock )->Unit( benchmark::kMillisecond );
 
-/// Twenty soft cubes of 216 nodes and fifty rigid boxes in a heap.
-void fillPile( test::SoftWorld& scene, Elasticity elasticity )
-{
-	scene.addBoxFloor();
-	const auto cube = test::cubeTemplate( 0.6f, 6 );
-	Material material;
-	material.youngsModulus = 3e4f;
-	material.elasticity = elasticity;
-	for ( int i = 0; i < 20; ++i )
-	{
-		scene.add( cube, btVector3( btScalar( 0.35 * ( i % 3 ) ), btScalar( 0.5 + 0.7 * i ), btScalar( 0.3 * ( i % 4 ) ) ), material );
-	}
-	for ( int i = 0; i < 50; ++i )
-	{
-		const btScalar half = btScalar( 0.12 );
-		scene.add( 10, new btBoxShape( btVector3( half, half, half ) ),
-			btVector3( btScalar( 0.3 * ( i % 5 ) - 0.4 ), btScalar( 1 + 0.3 * i ), btScalar( 0.2 * ( i % 7 ) - 0.4 ) ) );
-	}
-	scene.step( 150 );
-}
-
 /// Elasticity 0: explicit, 1: implicit, 2: automatic.
 void pile( benchmark::State& state )
 {
 	test::SoftWorld scene;
-	fillPile( scene, Elasticity( state.range( 0 ) ) );
+	test::fillPile( scene, Elasticity( state.range( 0 ) ) );
 	for ( auto _ : state )
 	{
 		scene.step( 1 );
@@ -115,7 +94,7 @@ BENCHMARK( pile )->ArgName( "elasticity" )->DenseRange( 0, 2 )->Iterations( 100 
 void sleepingPile( benchmark::State& state )
 {
 	test::SoftWorld scene;
-	fillPile( scene, Elasticity( state.range( 0 ) ) );
+	test::fillPile( scene, Elasticity( state.range( 0 ) ) );
 	for ( const auto& body : scene.soft )
 	{
 		body->forceActivationState( ISLAND_SLEEPING );

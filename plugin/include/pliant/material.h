@@ -49,7 +49,7 @@ enum class Elasticity : int
 	Explicit, ///< the papers' step: cheap; stiffness needs substeps, and heavy loads do too
 	Implicit, ///< any stiffness and any load at the game's own step, for more time a step (docs/implicit.md). Method::Lattice only
 	Automatic ///< implicit where the explicit step cannot reach the stiffness or a heavy load lies on the body's island, else explicit. What the
-	          ///< implicit step cannot do (levels of detail, far levels, other methods) steps explicitly: SoftBody::implicitStatus tells why
+	          ///< implicit step cannot do (far levels, other methods) steps explicitly: SoftBody::implicitStatus tells why
 };
 
 struct Material
