@@ -8,6 +8,9 @@ namespace pliant {
 
 namespace {
 
+/// Least inertia of a body, in units of what its regions have as full ones about their own middles: all nodes in one point have none.
+constexpr double kLeastInertia = 1e-12;
+
 Eigen::Vector3d at( const float* v, int padded, int i )
 {
 	return { double( v[i] ), double( v[padded + i] ), double( v[2 * padded + i] ) };
@@ -31,6 +34,12 @@ void ImplicitMotion::begin( LatticeMatcher& matcher, NodeState& nodes, const flo
 	m_centre = m_rates.centre();
 	m_inertia = m_rates.inertia();
 	m_mass = m_rates.mass();
+	// In one point nothing can be turned, whatever its inertia is taken for.
+	const double least = kLeastInertia * m_mass * step.secondMoment;
+	if ( m_inertia.trace() < least )
+	{
+		m_inertia = least / 3.0 * Eigen::Matrix3d::Identity();
+	}
 	measureHeld();
 	m_freeMomentum = momentum();
 

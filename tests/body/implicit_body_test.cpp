@@ -68,6 +68,24 @@ TEST( ImplicitBody, ComesToRestFromAnyStretchAndNeverGainsEnergy )
 	}
 }
 
+TEST( ImplicitBody, ComesBackFromOnePoint )
+{
+	for ( const float alpha : { 0.5f, 300.0f } )
+	{
+		auto body = test::makeBlock( 6, 6, 6, 0.1f, material( alpha, 1.0f ) );
+		for ( int i = 0; i < body->nodeCount(); ++i )
+		{
+			body->nodes().x.set( i, Vec3( 0.3f, 0.1f, 0.7f ) );
+		}
+		for ( int k = 0; k < 600; ++k )
+		{
+			implicitSubstep( *body, kStep );
+		}
+		EXPECT_LT( stretch( *body ), 1e-3 ) << alpha;
+		EXPECT_EQ( body->invertedShare(), 0.0f ) << alpha;
+	}
+}
+
 TEST( ImplicitBody, KeepsMomentumAndSpinInFreeFlight )
 {
 	for ( const float alpha : { 0.5f, 30.0f, 3000.0f } )
