@@ -149,25 +149,6 @@ void SoftBodySystem::beginStep( btScalar gameStep, int substepCount )
 	}
 }
 
-void SoftBodySystem::countNodes()
-{
-	report.nodes = 0;
-	std::fill( std::begin( report.nodesOnLevel ), std::end( report.nodesOnLevel ), 0 );
-	for ( const SoftBody* body : m_bodies )
-	{
-		report.nodes += body->nodeCount();
-		if ( const Levels* levels = body->impl().body->levels() )
-		{
-			for ( std::size_t level = 0; level < levels->nodesOnLevel().size(); ++level )
-			{
-				report.nodesOnLevel[level] += levels->nodesOnLevel()[level];
-			}
-			continue;
-		}
-		report.nodesOnLevel[0] += body->nodeCount();
-	}
-}
-
 bool SoftBodySystem::stepsImplicitly( const SoftBody& body ) const
 {
 	const Elasticity wanted = body.material().elasticity;
