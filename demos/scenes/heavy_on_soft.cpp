@@ -7,6 +7,7 @@
 #include "demos/scene.h"
 #include "demos/shapes.h"
 
+#include <algorithm>
 #include <cmath>
 #include <string>
 
@@ -20,6 +21,7 @@ constexpr float kDensity = 1000.0f;
 constexpr double kStrain = 0.05;       // of the box's weight over E and the block's top
 constexpr btScalar kGap = btScalar( 0.002 );
 constexpr btScalar kApart = btScalar( 1.0 );
+constexpr double kPutDown = 2.0;       // s in which a box gets its weight: let go at once, the heaviest on an edge would swing over and fall
 
 struct Column
 {
@@ -51,6 +53,18 @@ public:
 		return true;
 	}
 
+	void beforeStep( Stage& stage, double seconds ) override
+	{
+		const double share = std::min( 1.0, seconds / kPutDown );
+		for( Column& column : m_columns )
+		{
+			if( seconds < kPutDown + 1.0 )
+			{
+				column.box->setGravity( stage.world().getGravity() * btScalar( share ) );
+			}
+		}
+	}
+
 	std::vector<FindingTable> findings( const Stage& stage ) const override
 	{
 		FindingTable table;
@@ -76,7 +90,7 @@ public:
 		return { table };
 	}
 
-	double duration() const override { return 5.0; }
+	double duration() const override { return 7.0; }
 	pliant_glue::DrawCamera camera( double ) const override { return { { 2.6f, 2.7f, 5.2f }, { 0, 0.45f, 0 }, 36.0f }; }
 	pliant_glue::DrawLight light() const override { return { { -0.5f, 0.75f, 0.5f }, { 0, 0.6f, 0 }, 4.5f }; }
 

@@ -247,6 +247,18 @@ TEST( Implicit, ContactPointsTellTheImpulsesThatWereFound )
 	EXPECT_NEAR( sum / ( 216.0 * kGravity / 60.0 ), 1.0, 5e-3 );
 }
 
+// Fast, it is met before it touches; that must close the gap and not keep it open.
+TEST( Implicit, WhatFallsComesDownToTouch )
+{
+	TestWorld t;
+	t.addFloor();
+	SoftBody* cube = t.addSoft( block( 6, 6, 6, 0.1f ), at( 0, btScalar( 1.3 ), 0 ), implicit( 1e7f ) );
+	btRigidBody* box = t.addBox( 500, btVector3( 0.3f, 0.1f, 0.3f ), at( 0, 3, 0 ) );
+	t.run( 300 );
+	EXPECT_NEAR( test::lowestNode( *cube ) - cube->nodeRadius( 0 ), 0, 2e-4 );
+	EXPECT_NEAR( box->getWorldTransform().getOrigin().y() - 0.1 - layer( *cube, 5 ) - cube->nodeRadius( 0 ), 0, 2e-4 );
+}
+
 TEST( Implicit, BouncesAsRestitutionAsks )
 {
 	const auto highest = []( btScalar restitution ) {
