@@ -128,27 +128,31 @@ void StrainRates::measureBody( const NodeState& nodes )
 
 namespace {
 
-/// Not less than the largest eigenvalue of C, which are real and positive: mean and scatter of the three bound it, and it is met where two are
-/// alike.
-double largestStretch( const AlignedArray<float> ( &blend )[9], std::size_t r )
+/// The largest eigenvalue of C, which are real and not negative, within what the region has extent in: of a matrix M = m + p B with tr B = 0 and
+/// tr B^2 = 6 it is m + 2 p cos( acos( det B / 2 ) / 3 ).
+double largestStretch( const RegionTables& tables, std::size_t r )
 {
-	double trace = 0.0, square = 0.0;
-	for ( int i = 0; i < 3; ++i )
+	Eigen::Matrix3d c;
+	for ( int k = 0; k < 9; ++k )
 	{
-		trace += double( blend[4 * i][r] );
-		for ( int j = 0; j < 3; ++j )
-		{
-			square += double( blend[3 * i + j][r] ) * double( blend[3 * j + i][r] );
-		}
+		const int symmetric = k % 4 == 0 ? k / 4 : 6 - k / 3 - k % 3; // xx yy zz yz xz xy
+		const double outside = tables.outOfPlane[0].empty() ? 0.0 : double( tables.outOfPlane[symmetric][r] );
+		c( k / 3, k % 3 ) = double( tables.blend[k][r] ) - outside;
 	}
-	const double mean = trace / 3.0, scatter = std::max( 0.0, square / 3.0 - mean * mean );
-	return mean + std::sqrt( 2.0 * scatter );
+	const double mean = c.trace() / 3.0;
+	c.diagonal().array() -= mean;
+	const double scatter = std::sqrt( std::max( 0.0, ( c * c ).trace() / 6.0 ) );
+	if ( !( scatter > 1e-9 ) )
+	{
+		return mean;
+	}
+	return mean + 2.0 * scatter * std::cos( std::acos( std::clamp( 0.5 * ( c / scatter ).determinant(), -1.0, 1.0 ) ) / 3.0 );
 }
 
 /// g of a region of nodes on several levels, without b.
 double shareOfLevels( const RegionTables& tables, std::size_t r )
 {
-	const double affine = !tables.blend[0].empty() ? largestStretch( tables.blend, r ) : tables.beta.empty() ? 1.0 : 1.0 - double( tables.beta[r] );
+	const double affine = !tables.blend[0].empty() ? largestStretch( tables, r ) : tables.beta.empty() ? 1.0 : 1.0 - double( tables.beta[r] );
 	return std::max( affine, tables.eta.empty() ? 0.0 : 1.0 - double( tables.eta[r] ) );
 }
 
