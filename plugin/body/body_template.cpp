@@ -6,6 +6,7 @@
 #include "lattice/features.h"
 #include "matching/level_tables.h"
 #include "surface/cell_complex.h"
+#include "surface/crack_patches.h"
 #include "surface/crack_surface.h"
 #include "surface/skinning.h"
 
@@ -35,6 +36,7 @@ struct BodyTemplate::Data
 	bool hasTriedCracks = false;
 	std::shared_ptr<const CellComplex> crackComplex;
 	std::shared_ptr<const CrackSurface> crackSurface;
+	std::shared_ptr<const CrackPatches> crackPatches;
 };
 
 namespace {
@@ -206,6 +208,7 @@ std::shared_ptr<const CellComplex> BodyTemplate::crackComplex() const
 		mesh.textureCoordinates = dataOrNull( data.textureCoordinates );
 		data.crackComplex = CellComplex::build( mesh, *data.lattice, data.skin, data.settings, data.settings.cracks ).value;
 		data.crackSurface = data.crackComplex ? std::make_shared<const CrackSurface>( data.crackComplex ) : nullptr;
+		data.crackPatches = data.crackSurface ? CrackPatches::make( *data.crackSurface, mesh.textureCoordinates ) : nullptr;
 		data.hasTriedCracks = true;
 	}
 	return data.crackComplex;
@@ -215,6 +218,12 @@ std::shared_ptr<const CrackSurface> BodyTemplate::crackSurface() const
 {
 	crackComplex();
 	return m_data->crackSurface;
+}
+
+std::shared_ptr<const CrackPatches> BodyTemplate::crackPatches() const
+{
+	crackComplex();
+	return m_data->crackPatches;
 }
 
 } // namespace pliant

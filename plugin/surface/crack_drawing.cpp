@@ -134,7 +134,7 @@ std::uint32_t CrackSurface::addVertex( std::uint32_t point, std::uint32_t kind, 
 	m_binding.restNormal.push_back( Vec3::UnitZ() );
 	if ( kind >= kInside )
 	{
-		m_binding.restNormal.back() = ( ( kind & 1u ) != 0 ? -1.0f : 1.0f ) * Vec3::Unit( int( ( kind - kInside ) / 2 ) );
+		m_binding.restNormal.back() = insideNormal( kind );
 	}
 	m_binding.start.push_back( std::uint32_t( m_binding.node.size() ) );
 	m_vertex.push_back( { point, kind, of.newest, group } );
@@ -188,32 +188,36 @@ std::pair<std::uint32_t, std::uint32_t> CrackSurface::sideOf( std::uint32_t vert
 	return { m_point[m_vertex[vertex].point], m_vertex[vertex].group };
 }
 
-void CrackSurface::textureCoordinates( const float* input, float tile, std::uint32_t first, float* out ) const
+void CrackSurface::textureCoordinates( const float* input, std::uint32_t first, float* out ) const
 {
 	for ( std::uint32_t v = first; v < vertexCount(); ++v, out += 2 )
 	{
-		const std::uint32_t kind = m_vertex[v].kind;
-		out[0] = out[1] = 0.0f;
-		if ( kind >= kInside )
+		textureOf( *m_complex, m_point[m_vertex[v].point], m_vertex[v].kind, input, out );
+	}
+}
+
+void CrackSurface::textureOf( const CellComplex& complex, std::uint32_t point, std::uint32_t kind, const float* input, float* out )
+{
+	out[0] = out[1] = 0.0f;
+	if ( kind >= kInside )
+	{
+		const int axis = int( ( kind - kInside ) / 2 );
+		const Vec3& place = complex.pointRest[point]; // of the template: pieces fit together
+		out[0] = place[( axis + 1 ) % 3] / complex.settings.textureTile;
+		out[1] = place[( axis + 2 ) % 3] / complex.settings.textureTile;
+	}
+	else if ( input && kind < complex.inputVertices )
+	{
+		out[0] = input[2 * std::size_t( kind )];
+		out[1] = input[2 * std::size_t( kind ) + 1];
+	}
+	else if ( input )
+	{
+		const CellComplex::Origin& origin = complex.addedOrigin[kind - complex.inputVertices];
+		for ( std::size_t k = 0; k < 3 && origin.vertex[k] != kNone; ++k )
 		{
-			const int axis = int( ( kind - kInside ) / 2 );
-			const Vec3& place = m_complex->pointRest[m_point[m_vertex[v].point]]; // of the template: pieces fit together
-			out[0] = place[( axis + 1 ) % 3] / tile;
-			out[1] = place[( axis + 2 ) % 3] / tile;
-		}
-		else if ( input && kind < m_complex->inputVertices )
-		{
-			out[0] = input[2 * std::size_t( kind )];
-			out[1] = input[2 * std::size_t( kind ) + 1];
-		}
-		else if ( input )
-		{
-			const CellComplex::Origin& origin = m_complex->addedOrigin[kind - m_complex->inputVertices];
-			for ( std::size_t k = 0; k < 3 && origin.vertex[k] != kNone; ++k )
-			{
-				out[0] += origin.weight[k] * input[2 * std::size_t( origin.vertex[k] )];
-				out[1] += origin.weight[k] * input[2 * std::size_t( origin.vertex[k] ) + 1];
-			}
+			out[0] += origin.weight[k] * input[2 * std::size_t( origin.vertex[k] )];
+			out[1] += origin.weight[k] * input[2 * std::size_t( origin.vertex[k] ) + 1];
 		}
 	}
 }

@@ -14,12 +14,17 @@ namespace pliant {
 /// of the triangles around are left on their side.
 void CrackSurface::shadeLikeTheMesh( std::uint32_t vertex, const Vec3& area )
 {
-	const float largest = area.cwiseAbs().maxCoeff(); // its square would be nothing
 	if ( m_vertex[vertex].kind < kInside && !m_complex->vertexNormal.empty() )
 	{
 		m_binding.restNormal[vertex] = m_complex->vertexNormal[m_vertex[vertex].kind];
-		m_binding.normalShift[vertex] = largest > 0.0f ? Vec3( m_binding.restNormal[vertex] - ( area / largest ).normalized() ) : Vec3( Vec3::Zero() );
+		m_binding.normalShift[vertex] = normalShift( m_binding.restNormal[vertex], area );
 	}
+}
+
+Vec3 CrackSurface::normalShift( const Vec3& normal, const Vec3& area )
+{
+	const float largest = area.cwiseAbs().maxCoeff(); // its square would be nothing
+	return largest > 0.0f ? Vec3( normal - ( area / largest ).normalized() ) : Vec3( Vec3::Zero() );
 }
 
 void CrackSurface::matchNormals()

@@ -27,6 +27,9 @@ class CrackSurface
 {
 public:
 	static constexpr std::uint32_t kNone = CellComplex::kNone;
+	/// Kinds of copies of a point: vertices of the complex, or kInside + 2 x axis + side for a face.
+	static constexpr std::uint32_t kInside = 0xfffffff0u;
+	static Vec3 insideNormal( std::uint32_t kind ) { return ( ( kind & 1u ) != 0 ? -1.0f : 1.0f ) * Vec3::Unit( int( ( kind - kInside ) / 2 ) ); }
 
 	/// A body of all cells of a template, faces without a link broken. Vertex i of the input is vertex i.
 	explicit CrackSurface( std::shared_ptr<const CellComplex> complex );
@@ -70,8 +73,13 @@ public:
 	/// Vertices with one answer are at one place on one side, whatever their normals and texture coordinates: a point of the complex and which
 	/// of its sides.
 	std::pair<std::uint32_t, std::uint32_t> sideOf( std::uint32_t vertex ) const;
-	/// u, v of the vertices from `first` on. Outside as in the input (0 where it has none); inside by place, once every `tile` metres.
-	void textureCoordinates( const float* input, float tile, std::uint32_t first, float* out ) const;
+	/// u, v of the vertices from `first` on. Outside as in the input (0 where it has none); inside by place, once every CrackSettings::textureTile.
+	void textureCoordinates( const float* input, std::uint32_t first, float* out ) const;
+	/// The same of one copy of a point.
+	static void textureOf( const CellComplex& complex, std::uint32_t point, std::uint32_t kind, const float* input, float* out );
+
+	/// SkinBinding::normalShift of a vertex that is to have `normal` where its triangles' areas sum to `area`.
+	static Vec3 normalShift( const Vec3& normal, const Vec3& area );
 
 	std::uint32_t vertexCount() const { return std::uint32_t( m_vertex.size() ); }
 	/// The body's cells by the template's numbers, ascending.
@@ -98,8 +106,10 @@ public:
 private:
 	friend Status validate( const CrackSurface& surface );
 	friend class CrackFamily;
+	friend class CrackPatches;
+	friend class CrackSides;
 
-	/// A copy of a point. `kind`: the complex's vertex, or kInside + 2 x axis + side for a face.
+	/// A copy of a point.
 	struct Vertex
 	{
 		std::uint32_t point; ///< local
@@ -116,7 +126,6 @@ private:
 		std::uint32_t outerNormals = kNone, innerNormals = kNone; ///< SkinBinding::normalGroup of all copies that share one
 		std::uint16_t group;
 	};
-	static constexpr std::uint32_t kInside = 0xfffffff0u;
 
 	/// The copy of a point that the side at hand is drawn with, as far as it is of this round.
 	struct SideVertex

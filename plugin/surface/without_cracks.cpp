@@ -2,6 +2,7 @@
 
 #include "lattice/features.h"
 #include "surface/cell_complex.h"
+#include "surface/crack_patches.h"
 #include "surface/crack_surface.h"
 
 namespace pliant {
@@ -13,5 +14,10 @@ Result<std::shared_ptr<const CellComplex>> CellComplex::build( const MeshView&, 
 }
 
 CrackSurface::CrackSurface( std::shared_ptr<const CellComplex> complex ) : m_complex( std::move( complex ) ), m_shift( Vec3::Zero() ) {}
+
+std::shared_ptr<const CrackPatches> CrackPatches::make( const CrackSurface&, const float* )
+{
+	return nullptr;
+}
 
 } // namespace pliant

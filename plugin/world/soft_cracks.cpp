@@ -72,7 +72,7 @@ void SoftBody::Impl::showOwnCracks() const
 	}
 	CrackView& view = *crackView;
 	view.ownTexture.resize( 2 * std::size_t( ownCracks->vertexCount() ) );
-	ownCracks->textureCoordinates( bodyTemplate->textureCoordinates(), complex->settings.textureTile, 0, view.ownTexture.data() );
+	ownCracks->textureCoordinates( bodyTemplate->textureCoordinates(), 0, view.ownTexture.data() );
 	view.binding = &ownCracks->binding();
 	view.triangles = ownCracks->triangles().data();
 	view.triangleCount = int( ownCracks->triangles().size() );
@@ -98,9 +98,9 @@ void SoftBody::Impl::noteCuts()
 
 void SoftBody::Impl::makeCrackFamily()
 {
-	if ( !crackFamily && body->firstCells().empty() && bodyTemplate->crackSurface() )
+	if ( !crackFamily && body->firstCells().empty() && bodyTemplate->crackPatches() )
 	{
-		crackFamily = std::make_shared<CrackFamily>( *bodyTemplate->crackSurface(), bodyTemplate->textureCoordinates() );
+		crackFamily = std::make_shared<CrackFamily>( *bodyTemplate->crackSurface(), bodyTemplate->crackPatches(), bodyTemplate->textureCoordinates() );
 	}
 }
 

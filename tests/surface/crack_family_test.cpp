@@ -60,7 +60,7 @@ Drawing drawingOf( const CrackView& view )
 Drawing drawingOf( const CrackSurface& surface, const float* input )
 {
 	std::vector<float> texture( 2 * std::size_t( surface.vertexCount() ) );
-	surface.textureCoordinates( input, surface.complex().settings.textureTile, 0, texture.data() );
+	surface.textureCoordinates( input, 0, texture.data() );
 	return drawingOf( surface.binding(), surface.triangles().data(), surface.sources().data(), int( surface.triangles().size() ), texture.data() );
 }
 
@@ -73,7 +73,7 @@ struct Torn
 			const float* p = &it.mesh.positions[3 * v];
 			texture.insert( texture.end(), { 2.0f * p[0] + p[1], p[2] - 3.0f * p[1] } );
 		}
-		family = std::make_unique<CrackFamily>( whole, texture.data() );
+		family = std::make_unique<CrackFamily>( whole, CrackPatches::make( whole, texture.data() ), texture.data() );
 	}
 
 	/// A share of all links that are left, and those between pieces.
@@ -106,6 +106,14 @@ struct Torn
 		EXPECT_TRUE( family->hasNews() || links.empty() );
 	}
 
+	/// Whether the family draws in patches, once its structures have been looked through.
+	bool isInPatches() const
+	{
+		const Status status = family->whole() ? validate( *family->whole() ) : validate( *family->sides() );
+		EXPECT_TRUE( status.ok() ) << status.sentence;
+		return family->sides() != nullptr;
+	}
+
 	CrackSurface whole;
 	Lattice lattice;
 	std::vector<float> texture;
@@ -132,9 +140,27 @@ TEST_P( Families, EachBodyShowsWhatItWouldByItself )
 			EXPECT_EQ( drawingOf( view ), drawingOf( alone, torn.texture.data() ) );
 			++bodies;
 		}
-		expectValid( torn.family->whole() );
+		EXPECT_EQ( torn.isInPatches(), bodies > 1 );
 	}
 	EXPECT_GT( bodies, 50 );
+}
+
+TEST_P( Families, AWholeThatBreaksMuchAtOnceIsDrawnInPatches )
+{
+	const CrackCase it( makeSphere( 1.0, 16, 24 ), 0.3, noisy( GetParam() ) );
+	Torn torn( it );
+	const std::vector<std::uint32_t> all = connectedParts( torn.lattice )[0];
+	CrackView view;
+	for ( const double share : { 0.01, 0.2, 0.01, 0.1 } )
+	{
+		torn.tear( share, 1, unsigned( 1000.0 * share ) );
+		ASSERT_EQ( connectedParts( torn.lattice ).size(), 1u );
+		torn.family->show( all, Vec3::Zero(), view );
+		EXPECT_EQ( drawingOf( view ), drawingOf( CrackSurface( it.complex, all, torn.lattice, Vec3::Zero() ), torn.texture.data() ) );
+		EXPECT_EQ( view.change.firstNewVertex, 0u );
+		EXPECT_EQ( torn.isInPatches(), share != 0.01 || torn.family->sides() );
+	}
+	EXPECT_TRUE( torn.isInPatches() );
 }
 
 TEST_P( Families, PlacesAreSeenFromTheBodysOwnCentre )

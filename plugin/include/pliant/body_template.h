@@ -17,6 +17,7 @@ struct Lattice;
 struct SkinBinding;
 struct TemplateCache;
 class CellComplex;
+class CrackPatches;
 class CrackSurface;
 
 /// How the render mesh follows the nodes.
@@ -117,6 +118,7 @@ public:
 	std::shared_ptr<const CellComplex> crackComplex() const;
 	/// The surface of a whole body, ready to crack; made with it.
 	std::shared_ptr<const CrackSurface> crackSurface() const;
+	std::shared_ptr<const CrackPatches> crackPatches() const;
 
 private:
 	BodyTemplate();

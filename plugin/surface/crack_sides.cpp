@@ -1,0 +1,336 @@
+#include "surface/crack_sides.h"
+
+#include "surface/blade_path.h"
+#include "surface/crack_surface.h"
+
+#include <algorithm>
+#include <bit>
+
+namespace pliant {
+
+namespace {
+
+/// The lowest so many bits.
+std::uint64_t bitsUpTo( std::uint32_t count )
+{
+	return count == 64 ? ~std::uint64_t( 0 ) : ( std::uint64_t( 1 ) << count ) - 1;
+}
+
+} // namespace
+
+CrackSides::CrackSides( std::shared_ptr<const CrackPatches> patches, const CrackSurface& whole ) :
+	m_patches( std::move( patches ) ), m_isBroken( complex().face.size(), 0 ), m_side( m_patches->pointOfSlot.size() ), m_carriers( m_side.size() ),
+	m_isDrawn( complex().pointCount(), 0 ), m_isShadedAnew( m_isDrawn.size(), 0 ), m_isMarked( m_isDrawn.size(), 0 )
+{
+	const CellComplex& c = complex();
+	for ( std::size_t slot = 0; slot < m_side.size(); ++slot )
+	{
+		const std::uint32_t point = m_patches->pointOfSlot[slot];
+		m_side[slot] = c.cellsOfPoint.start[point];
+		m_carriers[slot] = bitsUpTo( c.bindStart[point + 1] - c.bindStart[point] );
+	}
+	for ( const std::uint32_t point : c.vertexPoint )
+	{
+		m_isDrawn[point] = 1;
+	}
+	std::vector<std::uint32_t> fresh;
+	for ( const CrackSurface::Face& face : whole.m_face )
+	{
+		m_isBroken[face.number] = face.isBroken ? 1 : 0;
+		if ( face.isBroken )
+		{
+			fresh.push_back( face.number );
+		}
+	}
+	splitSides( fresh );
+	askAround( fresh );
+	if ( !whole.m_place.empty() )
+	{
+		m_place = whole.m_place;
+		for ( std::uint32_t point = 0; point < std::uint32_t( m_place.size() ); ++point )
+		{
+			if ( m_place[point] != c.pointRest[point] )
+			{
+				shadeAnewAround( point );
+			}
+		}
+	}
+}
+
+void CrackSides::breakFaces( const std::vector<std::uint32_t>& faces )
+{
+	std::vector<std::uint32_t> fresh;
+	for ( const std::uint32_t face : faces )
+	{
+		if ( m_isBroken[face] == 0 )
+		{
+			m_isBroken[face] = 1;
+			fresh.push_back( face );
+		}
+	}
+	addUnheld( fresh );
+	splitSides( fresh );
+	askAround( fresh );
+}
+
+/// Whether a face without a link may stand: linked ones lead round it.
+bool CrackSides::isHeld( std::uint32_t face ) const
+{
+	bool isHeld = false;
+	for ( const std::uint32_t* h = complex().holdersOfFace.begin( face ); !isHeld && h != complex().holdersOfFace.end( face ); h += 3 )
+	{
+		isHeld = !isBroken( h[0] ) && !isBroken( h[1] ) && !isBroken( h[2] );
+	}
+	return isHeld;
+}
+
+void CrackSides::addUnheld( std::vector<std::uint32_t>& fresh )
+{
+	const std::size_t count = fresh.size();
+	for ( std::size_t k = 0; k < count; ++k )
+	{
+		for ( const std::uint32_t* held = complex().heldByFace.begin( fresh[k] ); held != complex().heldByFace.end( fresh[k] ); ++held )
+		{
+			if ( m_isBroken[*held] == 0 && !isHeld( *held ) )
+			{
+				m_isBroken[*held] = 1;
+				fresh.push_back( *held );
+			}
+		}
+	}
+	std::sort( fresh.begin(), fresh.end() );
+}
+
+void CrackSides::splitSides( const std::vector<std::uint32_t>& fresh )
+{
+	m_found.clear();
+	for ( const std::uint32_t face : fresh )
+	{
+		const std::uint32_t* const first = complex().pointsOfFace.begin( face );
+		const std::uint32_t* const last = complex().pointsOfFace.end( face );
+		std::for_each( first, last, [this]( std::uint32_t point ) { m_isDrawn[point] = 1; } );
+		collect( first, last );
+	}
+	for ( const std::uint32_t point : m_found )
+	{
+		m_isMarked[point] = 0;
+		regroup( point );
+	}
+}
+
+/// Those that are drawn, each once.
+void CrackSides::collect( const std::uint32_t* point, const std::uint32_t* end )
+{
+	for ( ; point != end; ++point )
+	{
+		if ( m_isMarked[*point] < m_isDrawn[*point] )
+		{
+			m_isMarked[*point] = 1;
+			m_found.push_back( *point );
+		}
+	}
+}
+
+void CrackSides::regroup( std::uint32_t point )
+{
+	const std::uint32_t first = complex().cellsOfPoint.start[point], last = complex().cellsOfPoint.start[point + 1];
+	for ( std::uint32_t slot = first; slot < last; ++slot )
+	{
+		m_side[slot] = slot;
+	}
+	const auto rootOf = [this]( std::uint32_t slot ) {
+		while ( m_side[slot] != slot )
+		{
+			slot = m_side[slot];
+		}
+		return slot;
+	};
+	for ( std::uint32_t t = m_patches->slotTieStart[point]; t < m_patches->slotTieStart[point + 1]; ++t )
+	{
+		const CrackPatches::Tie& tie = m_patches->slotTie[t];
+		if ( !isBroken( tie.face ) )
+		{
+			const std::uint32_t a = rootOf( first + tie.a ), b = rootOf( first + tie.b );
+			m_side[std::max( a, b )] = std::min( a, b );
+		}
+	}
+	for ( std::uint32_t slot = first; slot < last; ++slot )
+	{
+		m_side[slot] = m_side[m_side[slot]]; // those before it have their roots by now
+		m_isShadedAnew[point] |= m_side[slot] != first ? 1 : 0;
+	}
+}
+
+/// A point can be carried by others now only where a cell along the crack carried it.
+void CrackSides::askAround( const std::vector<std::uint32_t>& fresh )
+{
+	std::vector<std::uint32_t> cells;
+	for ( const std::uint32_t face : fresh )
+	{
+		cells.insert( cells.end(), { complex().face[face].cellA, complex().face[face].cellB } );
+	}
+	std::sort( cells.begin(), cells.end() );
+	cells.erase( std::unique( cells.begin(), cells.end() ), cells.end() );
+	m_found.clear();
+	for ( const std::uint32_t cell : cells )
+	{
+		collect( complex().boundPoints.begin( cell ), complex().boundPoints.end( cell ) );
+	}
+	for ( const std::uint32_t face : fresh )
+	{
+		collect( complex().pointsOfFace.begin( face ), complex().pointsOfFace.end( face ) );
+	}
+	for ( const std::uint32_t point : m_found )
+	{
+		m_isMarked[point] = 0;
+		ask( point );
+	}
+}
+
+/// Of the cells that carry the point, each side has those that it reaches by way of one another.
+void CrackSides::ask( std::uint32_t point )
+{
+	const CrackPatches& p = *m_patches;
+	std::uint64_t beside[CrackPatches::kMostCarriers];
+	std::fill_n( beside, complex().bindStart[point + 1] - complex().bindStart[point], 0 );
+	for ( std::uint32_t t = p.carrierTieStart[point]; t < p.carrierTieStart[point + 1]; ++t )
+	{
+		const CrackPatches::Tie& tie = p.carrierTie[t];
+		const std::uint64_t stands = m_isBroken[tie.face] ^ 1u;
+		beside[tie.a] |= stands << tie.b;
+		beside[tie.b] |= stands << tie.a;
+	}
+	const std::uint32_t first = complex().cellsOfPoint.start[point], last = complex().cellsOfPoint.start[point + 1];
+	std::fill( m_carriers.begin() + first, m_carriers.begin() + last, 0 );
+	for ( std::uint32_t slot = first; slot < last; ++slot )
+	{
+		m_carriers[m_side[slot]] |= p.bitOfSlot[slot] == CrackPatches::kNoBit ? 0 : std::uint64_t( 1 ) << p.bitOfSlot[slot];
+	}
+	for ( std::uint32_t t = p.looseTieStart[point]; t < p.looseTieStart[point + 1]; ++t )
+	{
+		const CrackPatches::Tie& tie = p.looseTie[t];
+		m_carriers[m_side[first + tie.a]] |= std::uint64_t( m_isBroken[tie.face] ^ 1u ) << tie.b;
+	}
+	for ( std::uint32_t slot = first; slot < last; ++slot )
+	{
+		for ( std::uint64_t open = m_carriers[slot]; open != 0; ) // of slots that begin no side, nothing
+		{
+			const std::uint64_t fresh = beside[std::countr_zero( open )] & ~m_carriers[slot];
+			open &= open - 1;
+			m_carriers[slot] |= fresh;
+			open |= fresh;
+		}
+	}
+}
+
+void CrackSides::follow( const BladePath& path, const std::vector<std::uint32_t>& points )
+{
+	m_place = m_place.empty() ? complex().pointRest : std::move( m_place );
+	for ( const std::uint32_t point : points )
+	{
+		const Vec3 place = path.placeOf( point );
+		if ( place != m_place[point] )
+		{
+			m_place[point] = place;
+			shadeAnewAround( point );
+		}
+	}
+}
+
+/// Triangles around a moved point change, and with them the shading of all their corners.
+void CrackSides::shadeAnewAround( std::uint32_t point )
+{
+	for ( const std::uint32_t* cell = complex().cellsOfPoint.begin( point ); cell != complex().cellsOfPoint.end( point ); ++cell )
+	{
+		std::for_each( complex().pointsOfCell.begin( *cell ), complex().pointsOfCell.end( *cell ), [this]( std::uint32_t p ) { m_isShadedAnew[p] = 1; } );
+	}
+}
+
+std::size_t CrackSides::bytes() const
+{
+	const auto sizeOf = []( const auto& list ) { return list.size() * sizeof( list[0] ); };
+	return sizeOf( m_isBroken ) + sizeOf( m_side ) + sizeOf( m_carriers ) + 3 * sizeOf( m_isDrawn ) + sizeOf( m_place );
+}
+
+// === What must hold ===
+
+namespace {
+
+/// Cells that standing faces join to some, going only through those asked; with a point, through faces that pass there.
+std::vector<std::uint32_t> walkFrom( const CrackSides& sides, std::vector<std::uint32_t> open, const std::vector<std::uint32_t>& asked, std::uint32_t point )
+{
+	const CellComplex& complex = sides.complex();
+	const auto isThere = [&]( std::uint32_t face ) {
+		return point == CellComplex::kNone || std::find( complex.facesOfPoint.begin( point ), complex.facesOfPoint.end( point ), face ) != complex.facesOfPoint.end( point );
+	};
+	for ( std::size_t k = 0; k < open.size(); ++k )
+	{
+		for ( const std::uint32_t* f = complex.facesOfCell.begin( open[k] ); f != complex.facesOfCell.end( open[k] ); ++f )
+		{
+			const std::uint32_t other = complex.face[*f].cellA == open[k] ? complex.face[*f].cellB : complex.face[*f].cellA;
+			const bool isAsked = std::find( asked.begin(), asked.end(), other ) != asked.end();
+			if ( isAsked && isThere( *f ) && !sides.isBroken( *f ) && std::find( open.begin(), open.end(), other ) == open.end() )
+			{
+				open.push_back( other );
+			}
+		}
+	}
+	return open;
+}
+
+Status broken( const char* words )
+{
+	return { ResultCode::BadArgument, words };
+}
+
+/// Of the side that begins with a slot.
+Status validateSide( const CrackSides& sides, std::uint32_t slot )
+{
+	const CellComplex& complex = sides.complex();
+	const std::uint32_t point = sides.patches().pointOfSlot[slot], first = complex.cellsOfPoint.start[point];
+	const std::vector<std::uint32_t> there( complex.cellsOfPoint.begin( point ), complex.cellsOfPoint.end( point ) );
+	const std::vector<std::uint32_t> carriers( complex.bindCell.begin() + complex.bindStart[point], complex.bindCell.begin() + complex.bindStart[point + 1] );
+	std::vector<std::uint32_t> side;
+	for ( std::size_t k = 0; k < there.size(); ++k )
+	{
+		if ( sides.sideOf( first + std::uint32_t( k ) ) == slot )
+		{
+			side.push_back( there[k] );
+		}
+	}
+	std::vector<std::uint32_t> joined = walkFrom( sides, { there[slot - first] }, there, point );
+	std::sort( joined.begin(), joined.end() );
+	if ( joined != side )
+	{
+		return broken( "A side of a crack is not what standing faces join." );
+	}
+	const std::vector<std::uint32_t> reached = walkFrom( sides, side, carriers, CellComplex::kNone );
+	for ( std::size_t k = 0; k < carriers.size(); ++k )
+	{
+		const bool isReached = std::find( reached.begin(), reached.end(), carriers[k] ) != reached.end();
+		if ( isReached != ( ( sides.carriersOf( slot ) >> k & 1u ) != 0 ) )
+		{
+			return broken( "A side of a crack has other carriers than it reaches." );
+		}
+	}
+	return {};
+}
+
+} // namespace
+
+Status validate( const CrackSides& sides )
+{
+	for ( std::uint32_t slot = 0; slot < std::uint32_t( sides.m_side.size() ); ++slot )
+	{
+		if ( sides.m_isDrawn[sides.patches().pointOfSlot[slot]] != 0 && sides.sideOf( slot ) == slot )
+		{
+			if ( Status status = validateSide( sides, slot ); !status.ok() )
+			{
+				return status;
+			}
+		}
+	}
+	return {};
+}
+
+} // namespace pliant
