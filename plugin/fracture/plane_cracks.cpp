@@ -27,16 +27,20 @@ float toughnessOf( const LinkLimits& limits, std::uint32_t a, std::uint32_t b )
 	return limits.toughness[std::size_t( std::lower_bound( row, end, b ) - limits.to.begin() )];
 }
 
-Vec3d restPlace( const Lattice& lattice, std::uint32_t cell )
-{
-	return lattice.massCentre + lattice.restCentre[cell].cast<double>();
-}
-
 } // namespace
 
 float PlaneCracks::candidateStrain() const
 {
 	return kCandidateShare * m_growthShare * m_breakStrain;
+}
+
+void PlaneCracks::placeAtRest( const Lattice& lattice )
+{
+	m_room.rest.resize( std::size_t( lattice.cellCount() ) );
+	for ( std::size_t cell = 0; cell < m_room.rest.size(); ++cell )
+	{
+		m_room.rest[cell] = lattice.massCentre + lattice.restCentre[cell].cast<double>();
+	}
 }
 
 // Links are cheap to look at and single out the few cells for which the deformation of all that is around them is worth measuring.
@@ -76,7 +80,7 @@ void PlaneCracks::dropUnreachable( const Lattice& lattice )
 		m_room.inSlab.clear();
 		for ( const std::uint32_t cell : m_room.stretched )
 		{
-			if ( std::fabs( plane.normal.dot( restPlace( lattice, cell ) - plane.point ) ) <= most )
+			if ( std::fabs( plane.normal.dot( m_room.rest[cell] - plane.point ) ) <= most )
 			{
 				m_room.inSlab.push_back( cell );
 			}
@@ -86,7 +90,7 @@ void PlaneCracks::dropUnreachable( const Lattice& lattice )
 		{
 			before = m_room.inSlab.size();
 			const auto isNear = [&]( std::uint32_t cell ) {
-				const Vec3d at = restPlace( lattice, cell );
+				const Vec3d& at = m_room.rest[cell];
 				if ( std::sqrt( outsideSquared( at, low, high ) ) > reach )
 				{
 					return false;
@@ -119,7 +123,7 @@ void PlaneCracks::findOverloads( const Lattice& lattice, const LinkLimits& limit
 	for ( const std::uint32_t i : m_room.stretched )
 	{
 		Overload overload{ i, measure( lattice, limits, m_room.moments.of( i ), i ), {} };
-		if ( !mayBegin && !m_looksEverywhere && !isInSomePlane( overload, restPlace( lattice, i ), lattice.cellSize ) )
+		if ( !mayBegin && !m_looksEverywhere && !isInSomePlane( overload, m_room.rest[i], lattice.cellSize ) )
 		{
 			continue; // it would do nothing
 		}
@@ -198,36 +202,33 @@ void PlaneCracks::breakAcross( const Lattice& lattice, const LinkLimits& limits,
 	std::vector<std::uint32_t>& members = m_room.members;
 	members.assign( lattice.linkTo.begin() + lattice.linkStart[cell], lattice.linkTo.begin() + lattice.linkStart[cell + 1] );
 	members.insert( std::lower_bound( members.begin(), members.end(), cell ), cell );
-	std::vector<std::uint8_t>& isAbove = m_room.isAbove;
-	isAbove.clear();
+	std::vector<std::uint8_t>& sideOf = m_room.sideOf;
+	sideOf.resize( std::max( sideOf.size(), std::size_t( lattice.cellCount() ) ), 0 );
+	std::uint8_t sides = 0;
 	for ( const std::uint32_t a : members )
 	{
-		const Vec3d at = restPlace( lattice, a );
-		isAbove.push_back( plane.normal.dot( at - plane.point ) >= 0.0 ? 1 : 0 );
+		const Vec3d& at = m_room.rest[a];
+		sideOf[a] = plane.normal.dot( at - plane.point ) >= 0.0 ? 2 : 1;
+		sides |= sideOf[a];
 		plane.low = plane.low.cwiseMin( at );
 		plane.high = plane.high.cwiseMax( at );
 	}
-	if ( std::equal( isAbove.begin() + 1, isAbove.end(), isAbove.begin() ) )
+	for ( std::size_t m = 0; m < members.size() && sides == 3; ++m ) // else all are on one side
 	{
-		return; // all on one side
-	}
-	for ( std::size_t m = 0; m < members.size(); ++m )
-	{
-		// Both lists ascend, and a row leads to higher cells only.
-		std::size_t other = m + 1;
-		for ( std::uint32_t k = limits.start[members[m]]; k < limits.start[members[m] + 1]; ++k )
+		const std::uint32_t a = members[m];
+		for ( std::uint32_t k = limits.start[a]; k < limits.start[a + 1]; ++k )
 		{
 			const std::uint32_t b = limits.to[k];
-			while ( other < members.size() && members[other] < b )
-			{
-				++other;
-			}
 			const bool isTough = !limits.toughness.empty() && std::isinf( limits.toughness[k] );
-			if ( other < members.size() && members[other] == b && isAbove[m] != isAbove[other] && !isTough )
+			if ( ( sideOf[a] ^ sideOf[b] ) == 3 && !isTough )
 			{
-				broken.push_back( CellLink{ members[m], b } );
+				broken.push_back( CellLink{ a, b } );
 			}
 		}
+	}
+	for ( const std::uint32_t a : members )
+	{
+		sideOf[a] = 0;
 	}
 }
 
@@ -243,6 +244,7 @@ bool PlaneCracks::find(
 	{
 		return false;
 	}
+	placeAtRest( lattice );
 	m_room.moments.look( lattice, places );
 	findStretched( lattice, limits, places );
 	if ( !mayBegin && !m_looksEverywhere )
@@ -253,7 +255,7 @@ bool PlaneCracks::find(
 	bool hasBegun = false;
 	for ( const Overload& overload : m_room.found )
 	{
-		const Vec3d at = restPlace( lattice, overload.cell );
+		const Vec3d& at = m_room.rest[overload.cell];
 		bool isShielded = false;
 		Plane* plane = planeFor( overload, at, lattice.cellSize, mayBegin, isShielded );
 		if ( !plane && mayBegin && !isShielded && overload.wide.excess > 1.0f )

@@ -64,13 +64,15 @@ private:
 		std::vector<std::uint8_t> mark;       ///< by cell
 		std::vector<std::uint32_t> inSlab;
 		std::vector<Overload> found;
+		std::vector<Vec3d> rest;              ///< by cell, in the mesh's coordinates
 		std::vector<std::uint32_t> members;
-		std::vector<std::uint8_t> isAbove;
+		std::vector<std::uint8_t> sideOf;     ///< by cell, while a crack goes on by it: 1 below, 2 above; else 0
 	};
 
 	void findStretched( const Lattice& lattice, const LinkLimits& limits, const CellPlaces& places );
 	void dropUnreachable( const Lattice& lattice );
 	void findOverloads( const Lattice& lattice, const LinkLimits& limits, bool mayBegin );
+	void placeAtRest( const Lattice& lattice );
 	bool isInSomePlane( const Overload& found, const Vec3d& at, double cellSize ) const;
 	Pull measure( const Lattice& lattice, const LinkLimits& limits, const LinkMoments::Moment& around, std::uint32_t i ) const;
 	Plane* planeFor( const Overload& found, const Vec3d& at, double cellSize, bool mayBegin, bool& isShielded );

@@ -84,8 +84,8 @@ void SoftBody::Impl::adopt( SoftBody& owner, BodyPiece& piece )
 	pins = pinsOf( pins, nodeNow );
 	nearby.clear();
 	body = std::move( piece.body );
-	const bool keepsShape = keepsNodes && shape->followCracks( *body, nodeNow, piece.treeBefore );
-	if ( !keepsShape || !std::is_sorted( nodeNow.begin(), nodeNow.end() ) )
+	const bool keepsShape = shape->followCracks( *body, nodeNow, piece.nodeBefore, piece.treeBefore );
+	if ( !keepsShape || !keepsNodes || !std::is_sorted( nodeNow.begin(), nodeNow.end() ) )
 	{
 		NodeBodyPool::renumber( owner, nodeNow, body->nodeCount() );
 	}

@@ -56,36 +56,56 @@ unsigned openFaces( const Lattice& lattice, std::uint32_t cell )
 	return open;
 }
 
-double ownRadius( const Lattice& lattice, std::uint32_t cell )
+/// What nodes of all levels ask of their cells, once for each that is asked for.
+class CellReaches
 {
-	return 0.5 * double( lattice.cellSize ) * std::cbrt( double( lattice.fill[cell] ) );
-}
+public:
+	explicit CellReaches( const Lattice& lattice ) : m_lattice( lattice ), m_radius( lattice.fill.size(), -1.0 ), m_open( lattice.fill.size(), kUnknown ) {}
 
-/// How far the cell's sphere reaches from `centre` through each of its open faces, m.
-void addReaches( const Lattice& lattice, std::uint32_t cell, unsigned open, const Vec3& centre, std::vector<double>& reaches )
-{
-	const Vec3d arm = ( lattice.restCentre[cell] - centre ).cast<double>();
-	for ( int face = 0; face < 6; ++face )
+	double radiusOf( std::uint32_t cell )
 	{
-		if ( ( open >> face & 1u ) != 0 )
+		if ( m_radius[cell] < 0.0 )
 		{
-			reaches.push_back( ownRadius( lattice, cell ) + ( face % 2 == 0 ? -arm[face / 2] : arm[face / 2] ) );
+			const double fill = double( m_lattice.fill[cell] );
+			m_radius[cell] = 0.5 * double( m_lattice.cellSize ) * ( fill == 1.0 ? 1.0 : std::cbrt( fill ) );
+		}
+		return m_radius[cell];
+	}
+
+	/// How far the cell's sphere reaches from `centre` through each of its open faces, m.
+	void addTo( std::vector<double>& reaches, std::uint32_t cell, const Vec3& centre )
+	{
+		m_open[cell] = m_open[cell] == kUnknown ? std::uint8_t( openFaces( m_lattice, cell ) ) : m_open[cell];
+		const Vec3d arm = ( m_lattice.restCentre[cell] - centre ).cast<double>();
+		for ( int face = 0; face < 6; ++face )
+		{
+			if ( ( m_open[cell] >> face & 1u ) != 0 )
+			{
+				reaches.push_back( radiusOf( cell ) + ( face % 2 == 0 ? -arm[face / 2] : arm[face / 2] ) );
+			}
 		}
 	}
-}
+
+private:
+	static constexpr std::uint8_t kUnknown = 0xff;
+
+	const Lattice& m_lattice;
+	std::vector<double> m_radius;     ///< negative: not asked for
+	std::vector<std::uint8_t> m_open; ///< openFaces, or kUnknown
+};
 
 /// The median of what its cells reach, or the ball of its volume.
-float radiusOf( const Lattice& lattice, const Octree& octree, std::uint32_t node, std::vector<double>& reaches )
+float radiusOf( const Lattice& lattice, const Octree& octree, std::uint32_t node, CellReaches& cells, std::vector<double>& reaches )
 {
 	reaches.clear();
 	double largestCell = 0.0;
 	for ( std::uint32_t k = octree.cellStart[node]; k < octree.cellStart[node] + octree.cellCount[node]; ++k )
 	{
 		const std::uint32_t cell = octree.cells[k];
-		largestCell = std::max( largestCell, ownRadius( lattice, cell ) );
+		largestCell = std::max( largestCell, cells.radiusOf( cell ) );
 		if ( lattice.isSurface[cell] != 0 && octree.cellCount[node] > 1 )
 		{
-			addReaches( lattice, cell, openFaces( lattice, cell ), octree.restCentre[node], reaches );
+			cells.addTo( reaches, cell, octree.restCentre[node] );
 		}
 	}
 	double radius = 0.5 * double( lattice.cellSize ) * std::cbrt( octree.mass[node] );
@@ -109,10 +129,11 @@ NodeColliders measureColliders( const Lattice& lattice, const Octree& octree, co
 	std::vector<int> nearest( std::size_t( octree.nodeCount() ), std::numeric_limits<int>::max() );
 	std::copy( depth.begin(), depth.end(), nearest.begin() );
 	std::vector<double> reaches;
+	CellReaches cells( lattice );
 	for ( std::uint32_t node = 0; node < std::uint32_t( octree.nodeCount() ); ++node ) // children stand before their parents
 	{
 		const std::uint32_t old = before ? nodeBefore[node] : kNoNode;
-		colliders.radius.push_back( old == kNoNode ? radiusOf( lattice, octree, node, reaches ) : before->radius[old] );
+		colliders.radius.push_back( old == kNoNode ? radiusOf( lattice, octree, node, cells, reaches ) : before->radius[old] );
 		colliders.collides.push_back( nearest[node] <= 1 << octree.levelOf( node ) );
 		if ( const std::uint32_t parent = octree.parent[node]; parent != kNoNode )
 		{

@@ -17,6 +17,9 @@ namespace {
 /// Leaf by leaf into a tree takes twenty times as long as all at once: beyond this share of what is in it, it is made anew.
 constexpr double kMostPutIn = 0.05;
 
+/// Sphere by sphere out of a tree is quicker than a new one as long as this share of a body is left.
+constexpr double kLeastLeft = 0.8;
+
 /// Leaves lie anywhere in memory, and waiting for them is most of what writing them takes: each is asked for this many steps ahead.
 constexpr int kAhead = 8;
 
@@ -86,19 +89,35 @@ bool NodeShape::collides( const Body& body, int node ) const
 	return levels ? m_colliders.collides[levels->cut().node[std::size_t( node )]] != 0 : isNearSurface( body.lattice(), node );
 }
 
-void NodeShape::renumber( const std::vector<std::uint32_t>& nodeNow )
+/// The last child moves into the gap.
+void NodeShape::removeChild( int child )
 {
-	if ( std::is_sorted( nodeNow.begin(), nodeNow.end() ) )
+	removeChildShapeByIndex( child );
+	m_nodeOfChild[child] = m_nodeOfChild.back();
+	m_nodeOfChild.pop_back();
+}
+
+/// Nodes that are no more there take their spheres along. `before`: the number that each node had.
+void NodeShape::renumber( const std::vector<std::uint32_t>& nodeNow, const std::vector<std::uint32_t>& before )
+{
+	for ( int child = int( m_nodeOfChild.size() ); before.size() < nodeNow.size() && child-- > 0; )
+	{
+		if ( nodeNow[std::size_t( m_nodeOfChild[child] )] == kNoNode )
+		{
+			removeChild( child );
+		}
+	}
+	if ( before.size() == nodeNow.size() && std::is_sorted( nodeNow.begin(), nodeNow.end() ) )
 	{
 		return; // all are there: each is where it was
 	}
-	std::vector<btSphereShape*> spheres( m_sphereOfNode.size() );
-	for ( std::size_t before = 0; before < nodeNow.size(); ++before )
+	std::vector<btSphereShape*> spheres( before.size() );
+	for ( std::size_t i = 0; i < before.size(); ++i )
 	{
-		spheres[nodeNow[before]] = m_sphereOfNode[before];
+		spheres[i] = m_sphereOfNode[before[i]];
 	}
 	m_sphereOfNode.swap( spheres );
-	std::fill( m_childOfNode.begin(), m_childOfNode.end(), -1 );
+	m_childOfNode.assign( before.size(), -1 );
 	for ( std::size_t child = 0; child < m_nodeOfChild.size(); ++child )
 	{
 		m_nodeOfChild[child] = int( nodeNow[std::size_t( m_nodeOfChild[child] )] );
@@ -107,22 +126,27 @@ void NodeShape::renumber( const std::vector<std::uint32_t>& nodeNow )
 }
 
 // Spheres are as large as they were: links change between finest cells alone, whose size does not hang on them.
-bool NodeShape::followCracks( const Body& body, const std::vector<std::uint32_t>& nodeNow, const std::vector<std::uint32_t>& treeBefore )
+bool NodeShape::followCracks( const Body& body, const std::vector<std::uint32_t>& nodeNow, const std::vector<std::uint32_t>& nodeBefore,
+	const std::vector<std::uint32_t>& treeBefore )
 {
-	renumber( nodeNow );
+	if ( double( nodeBefore.size() ) < kLeastLeft * double( nodeNow.size() ) )
+	{
+		return false;
+	}
 	if ( const Levels* levels = body.levels() )
 	{
 		m_colliders = measureColliders( body.lattice(), levels->octree(), treeBefore.empty() ? nullptr : &m_colliders, treeBefore );
+		m_smallestRadius = btScalar( *std::min_element( m_colliders.radius.begin(), m_colliders.radius.end() ) );
 	}
 	std::vector<int> bare;
 	for ( int i = 0; i < body.nodeCount(); ++i )
 	{
-		const bool isNear = collides( body, i );
-		if ( !isNear && m_childOfNode[std::size_t( i )] >= 0 )
+		const bool isNear = collides( body, i ), wasNear = m_childOfNode[std::size_t( nodeBefore[std::size_t( i )] )] >= 0;
+		if ( !isNear && wasNear )
 		{
 			return false;
 		}
-		if ( isNear && m_childOfNode[std::size_t( i )] < 0 )
+		if ( isNear && !wasNear )
 		{
 			bare.push_back( i );
 		}
@@ -131,11 +155,20 @@ bool NodeShape::followCracks( const Body& body, const std::vector<std::uint32_t>
 	{
 		return false;
 	}
+	const bool hasLost = nodeBefore.size() < nodeNow.size(), isSameTree = bare.empty() && !hasLost;
+	renumber( nodeNow, nodeBefore );
+	if ( hasLost && !body.levels() )
+	{
+		const auto isSmaller = []( const btSphereShape* a, const btSphereShape* b ) { return a->getRadius() < b->getRadius(); };
+		const auto [smallest, largest] = std::minmax_element( m_sphereOfNode.begin(), m_sphereOfNode.end(), isSmaller );
+		m_smallestRadius = ( *smallest )->getRadius();
+		m_largestRadius = ( *largest )->getRadius();
+	}
 	for ( const int i : bare )
 	{
 		addNode( i, body.nodes().x.get( i ), m_sphereOfNode[i] ); // placed with all others when the substep goes on
 	}
-	if ( !bare.empty() )
+	if ( !isSameTree )
 	{
 		m_refit.collect( m_dynamicAabbTree->m_root );
 	}
@@ -203,9 +236,7 @@ void NodeShape::followLevels( const Body& body, const Vec3& shift )
 		const int node = m_nodeOfChild[child];
 		if ( change.keptAs[std::size_t( node )] == kNoNode && born.count( node ) == 0 )
 		{
-			removeChildShapeByIndex( child ); // the last child moves into the gap
-			m_nodeOfChild[child] = m_nodeOfChild.back();
-			m_nodeOfChild.pop_back();
+			removeChild( child );
 			isSameTree = false;
 		}
 	}

@@ -34,10 +34,11 @@ public:
 	/// of others stay where they are. `shift` as below.
 	void followLevels( const Body& body, const Vec3& shift );
 
-	/// The body's links have changed, its nodes are those it had, under the numbers `nodeNow`: those that now lie at the surface get their spheres.
-	/// False where it takes a new shape: where nodes lie at the surface no more, or many do that did not.
-	/// `treeBefore`: BodyPiece::treeBefore.
-	bool followCracks( const Body& body, const std::vector<std::uint32_t>& nodeNow, const std::vector<std::uint32_t>& treeBefore );
+	/// The body's links have changed, and it may have lost nodes: those before are now `nodeNow`, or kNoNode; those it has were `nodeBefore`. Those that
+	/// now lie at the surface get their spheres. False where it takes a new shape: where nodes lie at the surface no more, many do that did not,
+	/// or a fifth has gone. `treeBefore`: BodyPiece::treeBefore.
+	bool followCracks( const Body& body, const std::vector<std::uint32_t>& nodeNow, const std::vector<std::uint32_t>& nodeBefore,
+		const std::vector<std::uint32_t>& treeBefore );
 
 	/// Writes the spheres' places and boxes and refits the tree. `shift`: the shape's own origin in the nodes' coordinates.
 	/// `runner` may be null.
@@ -120,7 +121,8 @@ private:
 		return ( a.Maxs() - a.Mins() ).length2() > ( b.Maxs() - b.Mins() ).length2();
 	}
 	void addUniform( const Lattice& lattice );
-	void renumber( const std::vector<std::uint32_t>& nodeNow );
+	void removeChild( int child );
+	void renumber( const std::vector<std::uint32_t>& nodeNow, const std::vector<std::uint32_t>& before );
 	bool collides( const Body& body, int node ) const;
 	void addChild( int node, const Vec3& at, btSphereShape* sphere );
 	void addNode( int node, const Vec3& at, btSphereShape* sphere );
