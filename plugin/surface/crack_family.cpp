@@ -15,7 +15,7 @@ CrackFamily::CrackFamily( const CrackSurface& whole, std::shared_ptr<const Crack
 	m_patches( std::move( patches ) ), m_input( texture ), m_whole( std::make_unique<CrackSurface>( whole ) )
 {
 	m_whole->makeRoom();
-	catchUp( true );
+	takeIn( true, nullptr );
 }
 
 void CrackFamily::breakLinks( const std::vector<CellLink>& links )
@@ -42,12 +42,12 @@ std::vector<std::uint32_t> CrackFamily::pendingFaces() const
 }
 
 /// `isWhole`: somebody asks for what all cells are.
-void CrackFamily::catchUp( bool isWhole )
+void CrackFamily::takeIn( bool isWhole, TaskRunner* runner )
 {
 	const std::vector<std::uint32_t> faces = pendingFaces();
 	if ( m_whole && ( !isWhole || faces.size() * kFewFaces > m_patches->complex->face.size() ) )
 	{
-		m_sides = std::make_unique<CrackSides>( m_patches, *m_whole );
+		m_sides = std::make_unique<CrackSides>( m_patches, *m_whole, runner );
 		m_whole.reset();
 		m_texture = {};
 	}
@@ -60,7 +60,7 @@ void CrackFamily::catchUp( bool isWhole )
 	}
 	if ( !m_pending.empty() )
 	{
-		m_whole ? m_whole->breakFaces( faces ) : m_sides->breakFaces( faces );
+		m_whole ? m_whole->breakFaces( faces ) : m_sides->breakFaces( faces, runner );
 		m_pending.clear();
 	}
 	if ( m_whole )
@@ -74,9 +74,31 @@ void CrackFamily::catchUp( bool isWhole )
 
 void CrackFamily::show( const std::vector<std::uint32_t>& cells, const Vec3& shift, CrackView& view )
 {
+	std::unique_ptr<CrackGatherer> gatherer;
+	{
+		const std::lock_guard<std::mutex> lock( m_mutex );
+		takeIn( cells.size() == m_patches->complex->cellCount(), nullptr );
+		if ( m_whole )
+		{
+			showWhole( view );
+			return;
+		}
+		if ( m_gatherer.empty() )
+		{
+			m_gatherer.push_back( std::make_unique<CrackGatherer>() );
+		}
+		gatherer = std::move( m_gatherer.back() );
+		m_gatherer.pop_back();
+	}
+	gatherer->gather( *m_sides, cells, shift, view );
 	const std::lock_guard<std::mutex> lock( m_mutex );
-	catchUp( cells.size() == m_patches->complex->cellCount() );
-	m_whole ? showWhole( view ) : m_gatherer.gather( *m_sides, cells, shift, view );
+	m_gatherer.push_back( std::move( gatherer ) );
+}
+
+void CrackFamily::catchUp( std::size_t cells, TaskRunner* runner )
+{
+	const std::lock_guard<std::mutex> lock( m_mutex );
+	takeIn( cells == m_patches->complex->cellCount(), runner );
 }
 
 void CrackFamily::showWhole( CrackView& view ) const

@@ -31,6 +31,8 @@ public:
 	/// Whether links have broken since anybody looked.
 	bool hasNews() const { return !m_pending.empty(); }
 
+	/// Takes in what has broken, on the runner's threads, for a body of so many cells that is to be shown; else the next who is shown does it alone.
+	void catchUp( std::size_t cells, TaskRunner* runner );
 	/// What a body of these cells (ascending) shows. `shift`: its mass centre seen from the template's, m.
 	void show( const std::vector<std::uint32_t>& cells, const Vec3& shift, CrackView& view );
 
@@ -41,7 +43,7 @@ public:
 
 private:
 	std::vector<std::uint32_t> pendingFaces() const;
-	void catchUp( bool isWhole );
+	void takeIn( bool isWhole, TaskRunner* runner );
 	void showWhole( CrackView& view ) const;
 
 	std::mutex m_mutex;
@@ -50,7 +52,7 @@ private:
 	std::unique_ptr<CrackSurface> m_whole;
 	std::vector<float> m_texture; ///< of the whole
 	std::unique_ptr<CrackSides> m_sides;
-	CrackGatherer m_gatherer;
+	std::vector<std::unique_ptr<CrackGatherer>> m_gatherer; ///< that nobody uses at the moment
 	std::vector<CellLink> m_pending;
 	std::unique_ptr<BladePath> m_path; ///< null: nothing has been cut
 	std::vector<CutTrace> m_newTraces;

@@ -2,6 +2,7 @@
 
 #include "surface/blade_path.h"
 #include "surface/crack_surface.h"
+#include "threads/parallel.h"
 
 #include <algorithm>
 #include <bit>
@@ -9,6 +10,9 @@
 namespace pliant {
 
 namespace {
+
+/// Points of one task.
+constexpr std::size_t kChunk = 1024;
 
 /// The lowest so many bits.
 std::uint64_t bitsUpTo( std::uint32_t count )
@@ -18,7 +22,7 @@ std::uint64_t bitsUpTo( std::uint32_t count )
 
 } // namespace
 
-CrackSides::CrackSides( std::shared_ptr<const CrackPatches> patches, const CrackSurface& whole ) :
+CrackSides::CrackSides( std::shared_ptr<const CrackPatches> patches, const CrackSurface& whole, TaskRunner* runner ) :
 	m_patches( std::move( patches ) ), m_isBroken( complex().face.size(), 0 ), m_side( m_patches->pointOfSlot.size() ), m_carriers( m_side.size() ),
 	m_isDrawn( complex().pointCount(), 0 ), m_isShadedAnew( m_isDrawn.size(), 0 ), m_isMarked( m_isDrawn.size(), 0 )
 {
@@ -43,7 +47,7 @@ CrackSides::CrackSides( std::shared_ptr<const CrackPatches> patches, const Crack
 		}
 	}
 	splitSides( fresh );
-	askAround( fresh );
+	askAround( fresh, runner );
 	if ( !whole.m_place.empty() )
 	{
 		m_place = whole.m_place;
@@ -57,7 +61,7 @@ CrackSides::CrackSides( std::shared_ptr<const CrackPatches> patches, const Crack
 	}
 }
 
-void CrackSides::breakFaces( const std::vector<std::uint32_t>& faces )
+void CrackSides::breakFaces( const std::vector<std::uint32_t>& faces, TaskRunner* runner )
 {
 	std::vector<std::uint32_t> fresh;
 	for ( const std::uint32_t face : faces )
@@ -70,7 +74,7 @@ void CrackSides::breakFaces( const std::vector<std::uint32_t>& faces )
 	}
 	addUnheld( fresh );
 	splitSides( fresh );
-	askAround( fresh );
+	askAround( fresh, runner );
 }
 
 /// Whether a face without a link may stand: linked ones lead round it.
@@ -161,30 +165,23 @@ void CrackSides::regroup( std::uint32_t point )
 	}
 }
 
-/// A point can be carried by others now only where a cell along the crack carried it.
-void CrackSides::askAround( const std::vector<std::uint32_t>& fresh )
+/// What a side reaches is others now only where the point has a tie of a broken face.
+void CrackSides::askAround( const std::vector<std::uint32_t>& fresh, TaskRunner* runner )
 {
-	std::vector<std::uint32_t> cells;
-	for ( const std::uint32_t face : fresh )
-	{
-		cells.insert( cells.end(), { complex().face[face].cellA, complex().face[face].cellB } );
-	}
-	std::sort( cells.begin(), cells.end() );
-	cells.erase( std::unique( cells.begin(), cells.end() ), cells.end() );
 	m_found.clear();
-	for ( const std::uint32_t cell : cells )
-	{
-		collect( complex().boundPoints.begin( cell ), complex().boundPoints.end( cell ) );
-	}
 	for ( const std::uint32_t face : fresh )
 	{
-		collect( complex().pointsOfFace.begin( face ), complex().pointsOfFace.end( face ) );
+		collect( m_patches->tiedPoints.begin( face ), m_patches->tiedPoints.end( face ) );
 	}
-	for ( const std::uint32_t point : m_found )
-	{
-		m_isMarked[point] = 0;
-		ask( point );
-	}
+	auto askThem = [this]( int chunk ) {
+		const std::size_t first = std::size_t( chunk ) * kChunk, last = std::min( m_found.size(), first + kChunk );
+		for ( std::size_t k = first; k < last; ++k )
+		{
+			m_isMarked[m_found[k]] = 0;
+			ask( m_found[k] );
+		}
+	};
+	runTasks( runner, int( ( m_found.size() + kChunk - 1 ) / kChunk ), askThem );
 }
 
 /// Of the cells that carry the point, each side has those that it reaches by way of one another.

@@ -10,15 +10,16 @@
 namespace pliant {
 
 class BladePath;
+class TaskRunner;
 
 class CrackSides
 {
 public:
 	/// Broken as `whole` is.
-	CrackSides( std::shared_ptr<const CrackPatches> patches, const CrackSurface& whole );
+	CrackSides( std::shared_ptr<const CrackPatches> patches, const CrackSurface& whole, TaskRunner* runner = nullptr );
 
 	/// Those broken before are passed over.
-	void breakFaces( const std::vector<std::uint32_t>& faces );
+	void breakFaces( const std::vector<std::uint32_t>& faces, TaskRunner* runner = nullptr );
 	/// Draws points where a blade's path has them.
 	void follow( const BladePath& path, const std::vector<std::uint32_t>& points );
 
@@ -42,7 +43,7 @@ private:
 	void addUnheld( std::vector<std::uint32_t>& fresh );
 	void splitSides( const std::vector<std::uint32_t>& fresh );
 	void regroup( std::uint32_t point );
-	void askAround( const std::vector<std::uint32_t>& fresh );
+	void askAround( const std::vector<std::uint32_t>& fresh, TaskRunner* runner );
 	void ask( std::uint32_t point );
 	void collect( const std::uint32_t* point, const std::uint32_t* end );
 	void shadeAnewAround( std::uint32_t point );

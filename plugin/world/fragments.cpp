@@ -126,6 +126,7 @@ std::unique_ptr<SoftBody> SoftBody::Impl::makeFragment( const SoftBody& parent, 
 	impl.body = std::move( piece.body );
 	impl.fractureVersion = from.fractureVersion + 1;
 	impl.crackFamily = from.crackFamily;
+	impl.wasLookedAt = from.isLookedAt();
 	impl.cuts = from.cuts;
 	impl.fading = from.fading;
 	impl.self = from.self ? std::make_unique<SelfCollision>() : nullptr;

@@ -118,6 +118,7 @@ struct SoftBody::Impl
 	std::shared_ptr<std::vector<CutTrace>> cuts;     ///< of the family, as the template's cells; null: nobody has cut it
 	mutable std::unique_ptr<CrackView> crackView;    ///< null: the template's mesh is drawn as it is
 	mutable std::unique_ptr<CrackSurface> ownCracks; ///< what the view shows where there is no family
+	bool wasLookedAt = false;                        ///< what it came off
 	mutable unsigned crackVersion = 0;               ///< fractureVersion that the view shows
 	mutable unsigned crackVersionBefore = 0;         ///< and that its change is from
 
@@ -166,6 +167,9 @@ struct SoftBody::Impl
 	const SkinBinding& binding() const;
 	bool hasNewCracks() const;
 	void showOwnCracks() const;
+	void drawCracks() const;
+	void drawKin() const;
+	bool isLookedAt() const { return wasLookedAt || skin.frame > 0; }
 	/// Links broke that the body's lattice had so far. Before it takes the shape of what is left of it.
 	void noteCuts();
 	void makeCrackFamily();

@@ -1,7 +1,9 @@
 // Cracks in the skin: what is drawn of them, and what is kept for it.
 
+#include "lattice/guarded_tasks.h"
 #include "surface/cell_owners.h"
 #include "world/soft_body_impl.h"
+#include "world/soft_body_system.h"
 
 #include <algorithm>
 #include <new>
@@ -45,6 +47,35 @@ const SkinBinding& SoftBody::Impl::binding() const
 	{
 		return crackView ? *crackView->binding : bodyTemplate->skin();
 	}
+	drawCracks();
+	return *crackView->binding;
+}
+
+// What came from the same body is asked for next: where there are threads to share the work, all of it is drawn at once.
+void SoftBody::Impl::drawKin() const
+{
+	TaskRunner* const runner = system ? system->tasks() : nullptr;
+	if ( !crackFamily || !runner || runner->threadCount() < 2 )
+	{
+		return;
+	}
+	std::vector<const Impl*> kin;
+	for ( const SoftBody* soft : system->bodies() )
+	{
+		const Impl& other = soft->impl();
+		if ( other.crackFamily == crackFamily && ( &other == this || other.isLookedAt() ) && other.hasNewCracks() )
+		{
+			kin.push_back( &other );
+		}
+	}
+	std::stable_sort( kin.begin(), kin.end(), []( const Impl* a, const Impl* b ) { return a->body->firstCells().size() > b->body->firstCells().size(); } );
+	crackFamily->catchUp( kin.front()->body->firstCells().size(), runner );
+	auto draw = [&kin]( int k ) { kin[std::size_t( k )]->drawCracks(); };
+	runGuarded( runner, int( kin.size() ), draw );
+}
+
+void SoftBody::Impl::drawCracks() const
+{
 	crackView = crackView ? std::move( crackView ) : std::make_unique<CrackView>();
 	if ( crackFamily )
 	{
@@ -57,7 +88,6 @@ const SkinBinding& SoftBody::Impl::binding() const
 	}
 	crackVersionBefore = crackVersion;
 	crackVersion = fractureVersion;
-	return *crackView->binding;
 }
 
 void SoftBody::Impl::showOwnCracks() const

@@ -135,6 +135,7 @@ SurfaceView SoftBody::surface() const
 	double unheard = 0.0; // a body in no world has nobody to tell
 	const auto drawnCracks = [&]() -> const SkinBinding& {
 		Stopwatch watch( impl.system ? impl.system->report.fracture : unheard );
+		impl.drawKin();
 		return impl.binding();
 	};
 	const SkinBinding& binding = impl.hasNewCracks() ? drawnCracks() : impl.binding();

@@ -16,6 +16,8 @@ const SkinBinding& SoftBody::Impl::binding() const
 	return bodyTemplate->skin();
 }
 
+void SoftBody::Impl::drawKin() const {}
+
 void SoftBody::Impl::noteCracks( const BreakReport& )
 {
 	newCuts.clear();

@@ -103,6 +103,7 @@ void fractureThrown( benchmark::State& state )
 	for ( auto _ : state )
 	{
 		test::SoftWorld scene;
+		scene.world.setThreadCount( int( state.range( 2 ) ) );
 		scene.addBoxFloor();
 		Material material;
 		material.youngsModulus = 2e6f;
@@ -140,7 +141,11 @@ void fractureThrown( benchmark::State& state )
 	state.counters["worst_frame_ms"] = 1e3 * worst;
 }
 
-BENCHMARK( fractureThrown )->ArgNames( { "rule", "milli_strain" } )->Args( { 1, 7 } )->Args( { 2, 10 } )->Iterations( 5 )->Unit( benchmark::kMillisecond );
+BENCHMARK( fractureThrown )
+	->ArgNames( { "rule", "milli_strain", "threads" } )
+	->Args( { 1, 7, 1 } )->Args( { 2, 10, 1 } )->Args( { 1, 7, 2 } )->Args( { 2, 10, 2 } )
+	->Iterations( 5 )
+	->Unit( benchmark::kMillisecond );
 BENCHMARK( fractureTest )->Arg( 6 )->Arg( 13 )->Arg( 27 )->Unit( benchmark::kMicrosecond );
 BENCHMARK( fractureApart )->ArgsProduct( { { 4, 13, 27 }, { 0, 1 } } )->Unit( benchmark::kMicrosecond );
 BENCHMARK( fractureShape )->Arg( 4 )->Arg( 13 )->Arg( 27 )->Unit( benchmark::kMicrosecond );

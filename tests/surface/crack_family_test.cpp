@@ -3,6 +3,7 @@
 #include "surface/crack_pieces.h"
 
 #include "surface/crack_family.h"
+#include "threads/parallel.h"
 
 #include <gtest/gtest.h>
 
@@ -177,6 +178,32 @@ TEST_P( Families, PlacesAreSeenFromTheBodysOwnCentre )
 	for ( std::size_t v = 0; v < here.binding->restPosition.size(); ++v )
 	{
 		EXPECT_EQ( there.binding->restPosition[v], here.binding->restPosition[v] - shift );
+	}
+}
+
+TEST_P( Families, SeveralThreadsShowWhatOneDoes )
+{
+	const CrackCase it( makeSphere( 1.0, 16, 24 ), 0.3, noisy( GetParam() ) );
+	const std::unique_ptr<TaskRunner> runner = createThreadPool( 3 );
+	Torn one( it ), several( it );
+	for ( unsigned round = 1; round < 4; ++round )
+	{
+		one.tear( 0.1, 4, round );
+		several.tear( 0.1, 4, round );
+		const auto parts = connectedParts( one.lattice );
+		std::vector<CrackView> views( parts.size() );
+		several.family->catchUp( parts[0].size(), runner.get() );
+		EXPECT_FALSE( several.family->hasNews() );
+		auto show = [&]( int k ) { several.family->show( parts[std::size_t( k )], Vec3::Zero(), views[std::size_t( k )] ); };
+		runTasks( runner.get(), int( parts.size() ), show );
+		for ( std::size_t k = 0; k < parts.size(); ++k )
+		{
+			CrackView alone;
+			one.family->show( parts[k], Vec3::Zero(), alone );
+			EXPECT_EQ( views[k].ownTriangles, alone.ownTriangles );
+			EXPECT_EQ( drawingOf( views[k] ), drawingOf( alone ) );
+		}
+		EXPECT_TRUE( several.isInPatches() );
 	}
 }
 

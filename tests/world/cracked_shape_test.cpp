@@ -1,4 +1,4 @@
-// The spheres of a body that cracks and loses no node: its shape is kept, and has those that a new one would have.
+// The spheres of a body that cracks: its shape is kept, unless many nodes leave it, and has those that a new one would have.
 
 #include "test_world.h"
 
@@ -14,6 +14,27 @@ namespace {
 using test::at;
 using test::block;
 using test::TestWorld;
+
+void expectSpheresOfANewOne( const SoftBody& soft )
+{
+	NodeShape& now = *soft.impl().shape;
+	const NodeShape fresh( *soft.impl().body );
+	ASSERT_EQ( now.getNumChildShapes(), fresh.getNumChildShapes() );
+	for ( int node = 0; node < soft.nodeCount(); ++node )
+	{
+		EXPECT_EQ( now.childOfNode( node ) >= 0, fresh.childOfNode( node ) >= 0 );
+		EXPECT_EQ( now.sphereOfNode( node )->getRadius(), fresh.sphereOfNode( node )->getRadius() );
+	}
+	for ( int child = 0; child < now.getNumChildShapes(); ++child )
+	{
+		const btDbvtNode* const leaf = now.getChildList()[child].m_node;
+		EXPECT_EQ( leaf->dataAsInt, child );
+		EXPECT_EQ( now.getChildList()[child].m_childShape, now.sphereOfNode( now.nodeOfChild( child ) ) );
+		const btVector3 places = soft.nodePosition( now.nodeOfChild( child ) ) - soft.getWorldTransform().getOrigin();
+		EXPECT_LT( places.distance( now.getChildList()[child].m_transform.getOrigin() ), btScalar( 1e-4 ) );
+		EXPECT_TRUE( now.tree().m_root->volume.Contain( leaf->volume ) );
+	}
+}
 
 class CrackedShape : public testing::TestWithParam<int>
 {
@@ -40,29 +61,44 @@ TEST_P( CrackedShape, HasTheSpheresOfANewOne )
 		ASSERT_GT( soft->cutPlane( middle, normal, btScalar( 0.16 ) ), 0 );
 		test.run( 1 );
 		ASSERT_EQ( test.world.softBodyCount(), 1 );
-		NodeShape& now = *soft->impl().shape;
+		const NodeShape& now = *soft->impl().shape;
 		kept += &now == before ? 1 : 0;
 		added += now.getNumChildShapes() - spheres;
-		const NodeShape fresh( *soft->impl().body );
-		ASSERT_EQ( now.getNumChildShapes(), fresh.getNumChildShapes() );
-		for ( int node = 0; node < soft->nodeCount(); ++node )
-		{
-			EXPECT_EQ( now.childOfNode( node ) >= 0, fresh.childOfNode( node ) >= 0 );
-			EXPECT_EQ( now.sphereOfNode( node )->getRadius(), fresh.sphereOfNode( node )->getRadius() );
-		}
-		for ( int child = 0; child < now.getNumChildShapes(); ++child )
-		{
-			const btDbvtNode* const leaf = now.getChildList()[child].m_node;
-			EXPECT_EQ( leaf->dataAsInt, child );
-			EXPECT_EQ( now.getChildList()[child].m_childShape, now.sphereOfNode( now.nodeOfChild( child ) ) );
-			const btVector3 places = soft->nodePosition( now.nodeOfChild( child ) ) - soft->getWorldTransform().getOrigin();
-			EXPECT_LT( places.distance( now.getChildList()[child].m_transform.getOrigin() ), btScalar( 1e-4 ) );
-			EXPECT_TRUE( now.tree().m_root->volume.Contain( leaf->volume ) );
-		}
+		expectSpheresOfANewOne( *soft );
 	}
 	std::printf( "kept %d of 12 times, %d spheres came to it\n", kept, added );
 	EXPECT_GT( kept, 4 );
 	EXPECT_GT( added, 20 );
+}
+
+// Corners are cut off one after the other, then half of what is left.
+TEST_P( CrackedShape, LetsGoOfNodesThatLeave )
+{
+	TestWorld test;
+	test.world.setGravity( btVector3( 0, 0, 0 ) );
+	Adaptivity levels;
+	levels.coarseLevels = GetParam();
+	levels.mergeDelay = 60.0f;
+	SoftBody* soft = test.addSoft( block( 9, 9, 9, 0.1f ), at( 0, 2, 0 ), test::stiff( 1e5f ), levels );
+	soft->requestRefinement( btVector3( -1, 1, -1 ), btVector3( 1, 3, 1 ) );
+	test.run( 4 );
+	int kept = 0;
+	for ( int corner = 0; corner < 8; ++corner )
+	{
+		const NodeShape* const before = soft->impl().shape.get();
+		const btVector3 way( btScalar( corner & 1 ? 1 : -1 ), btScalar( corner & 2 ? 1 : -1 ), btScalar( corner & 4 ? 1 : -1 ) );
+		ASSERT_GT( soft->cutPlane( btVector3( 0, 2, 0 ) + btScalar( 0.33 ) * way, way ), 0 );
+		test.run( 1 );
+		ASSERT_EQ( test.world.softBodyCount(), corner + 2 );
+		kept += soft->impl().shape.get() == before ? 1 : 0;
+		expectSpheresOfANewOne( *soft );
+	}
+	EXPECT_GT( kept, 4 );
+	const NodeShape* const before = soft->impl().shape.get();
+	ASSERT_GT( soft->cutPlane( btVector3( 0, 2, 0 ), btVector3( 1, 0, 0 ) ), 0 );
+	test.run( 1 );
+	EXPECT_NE( soft->impl().shape.get(), before );
+	expectSpheresOfANewOne( *soft );
 }
 
 INSTANTIATE_TEST_SUITE_P( Levels, CrackedShape, testing::Values( 0, 2 ) );

@@ -233,6 +233,16 @@ TEST( Fracture, IsTheSameOnAnyNumberOfThreads )
 		for ( int frame = 0; frame < 60; ++frame )
 		{
 			test.run( 1 );
+			for ( const SoftBody* body : allSoft( test.world ) )
+			{
+				const SurfaceView seen = body->surface();
+				if ( frame % 20 == 19 )
+				{
+					states[run].insert( states[run].end(), seen.positions, seen.positions + 3 * seen.vertexCount );
+					states[run].insert( states[run].end(), seen.normals, seen.normals + 3 * seen.vertexCount );
+					sizes[run].insert( sizes[run].end(), seen.indices, seen.indices + 3 * seen.triangleCount );
+				}
+			}
 			for ( const FractureEvent& event : test.world.fractureEvents() )
 			{
 				sizes[run].push_back( event.links );
