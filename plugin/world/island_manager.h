@@ -2,7 +2,12 @@
 
 // Bullet's island manager, which also tells the nodes' stand-ins which island their body is in. It is asked twice a step: once for the
 // union-find's index, once for the final tag.
+//
+// Bullet makes one island of all whose boxes overlap. A soft body's box is large for what is in it, and pieces of what broke lie in one
+// another's boxes: they are one island with what they touch. Otherwise nothing of a heap would sleep as long as one in it swings.
 
+#include "pliant/soft_body.h"
+#include "world/node_body.h"
 #include "world/soft_body_system.h"
 
 #include <BulletCollision/CollisionDispatch/btSimulationIslandManager.h>
@@ -16,7 +21,25 @@ public:
 
 	void updateActivationState( btCollisionWorld* world, btDispatcher* dispatcher ) override
 	{
-		btSimulationIslandManager::updateActivationState( world, dispatcher );
+		if ( m_bodies.isEmpty() )
+		{
+			btSimulationIslandManager::updateActivationState( world, dispatcher );
+			return;
+		}
+		int index = 0;
+		for ( int i = 0; i < world->getNumCollisionObjects(); ++i )
+		{
+			btCollisionObject* const object = world->getCollisionObjectArray()[i];
+			if ( !object->isStaticOrKinematicObject() )
+			{
+				object->setIslandTag( index++ );
+			}
+			object->setCompanionId( -1 );
+			object->setHitFraction( btScalar( 1 ) );
+		}
+		initUnionFind( index );
+		uniteByBoxes( *world->getPairCache() );
+		uniteByContacts( *dispatcher );
 		m_bodies.copyIslandTags();
 	}
 	void storeIslandActivationState( btCollisionWorld* world ) override
@@ -26,6 +49,45 @@ public:
 	}
 
 private:
+	void unite( const btCollisionObject* a, const btCollisionObject* b )
+	{
+		if ( a && b && a->mergesSimulationIslands() && b->mergesSimulationIslands() )
+		{
+			getUnionFind().unite( a->getIslandTag(), b->getIslandTag() );
+		}
+	}
+	static bool isSoft( const btCollisionObject* object ) { return object && SoftBody::upcast( object ); }
+
+	/// Rigid bodies among themselves: as Bullet does.
+	void uniteByBoxes( btOverlappingPairCache& pairs )
+	{
+		for ( int i = 0; i < pairs.getNumOverlappingPairs(); ++i )
+		{
+			const btBroadphasePair& pair = pairs.getOverlappingPairArrayPtr()[i];
+			const auto* const a = static_cast<const btCollisionObject*>( pair.m_pProxy0->m_clientObject );
+			const auto* const b = static_cast<const btCollisionObject*>( pair.m_pProxy1->m_clientObject );
+			if ( !isSoft( a ) && !isSoft( b ) )
+			{
+				unite( a, b );
+			}
+		}
+	}
+
+	void uniteByContacts( btDispatcher& dispatcher )
+	{
+		for ( int i = 0; i < dispatcher.getNumManifolds(); ++i )
+		{
+			const btPersistentManifold& manifold = *dispatcher.getManifoldByIndexInternal( i );
+			const btCollisionObject *a = manifold.getBody0(), *b = manifold.getBody1();
+			a = ownerOfNodeBody( a ) ? ownerOfNodeBody( a ) : a;
+			b = ownerOfNodeBody( b ) ? ownerOfNodeBody( b ) : b;
+			if ( manifold.getNumContacts() > 0 && ( isSoft( a ) || isSoft( b ) ) )
+			{
+				unite( a, b );
+			}
+		}
+	}
+
 	SoftBodySystem& m_bodies;
 };
 

@@ -44,6 +44,7 @@ public:
 	void holdPredictiveContacts( btAlignedObjectArray<btPersistentManifold*>& manifolds );
 	void dropPredictiveContacts();
 	void copyIslandTags();
+	bool isEmpty() const { return m_bodies.empty(); }
 	/// Implicit bodies and what they touch, before Bullet's solver; and what that says to them afterwards.
 	void solveImplicit( const btContactSolverInfo& info );
 	void noteSolved() { m_implicit.after(); }
