@@ -3,7 +3,6 @@
 #include "surface/crack_surface.h"
 
 #include <algorithm>
-#include <numeric>
 
 namespace pliant {
 
@@ -21,7 +20,6 @@ std::shared_ptr<const CrackPatches> CrackPatches::make( const CrackSurface& whol
 	}
 	made->addPatches( texture );
 	made->addTies();
-	made->tiePoints();
 	made->normalShift.resize( complex.vertexPoint.size(), Vec3::Zero() );
 	for ( std::uint32_t v = 0; v < whole.vertexCount(); ++v )
 	{
@@ -124,37 +122,6 @@ void CrackPatches::addTies()
 	looseTieStart.push_back( std::uint32_t( looseTie.size() ) );
 }
 
-void CrackPatches::tiePoints()
-{
-	// Counted, then put in their places: the points ascend.
-	std::vector<std::uint32_t> latest( complex->face.size(), kNone );
-	const auto forTied = [&]( auto&& take ) {
-		latest.assign( latest.size(), kNone );
-		for ( std::uint32_t point = 0; point < std::uint32_t( complex->pointCount() ); ++point )
-		{
-			const auto forTies = [&]( const std::vector<Tie>& tie, const std::vector<std::uint32_t>& start ) {
-				for ( std::uint32_t t = start[point]; t < start[point + 1]; ++t )
-				{
-					if ( latest[tie[t].face] != point )
-					{
-						latest[tie[t].face] = point;
-						take( tie[t].face, point );
-					}
-				}
-			};
-			forTies( slotTie, slotTieStart );
-			forTies( carrierTie, carrierTieStart );
-			forTies( looseTie, looseTieStart );
-		}
-	};
-	tiedPoints.start.assign( complex->face.size() + 1, 0 );
-	forTied( [this]( std::uint32_t face, std::uint32_t ) { ++tiedPoints.start[face + 1]; } );
-	std::partial_sum( tiedPoints.start.begin(), tiedPoints.start.end(), tiedPoints.start.begin() );
-	tiedPoints.entry.resize( tiedPoints.start.back() );
-	std::vector<std::uint32_t> next = tiedPoints.start;
-	forTied( [&]( std::uint32_t face, std::uint32_t point ) { tiedPoints.entry[next[face]++] = point; } );
-}
-
 void CrackPatches::addCarrierTies( std::uint32_t point, const std::vector<std::uint8_t>& bitOfCell )
 {
 	const auto forNeighbours = [&]( std::uint32_t cell, auto&& take ) {
@@ -194,7 +161,7 @@ std::size_t CrackPatches::bytes() const
 {
 	const auto sizeOf = []( const auto& list ) { return list.size() * sizeof( list[0] ); };
 	return sizeOf( patch ) + sizeOf( vertex ) + sizeOf( triangle ) + sizeOf( pointOfSlot ) + sizeOf( normalShift ) + sizeOf( slotTieStart ) +
-		sizeOf( carrierTieStart ) + sizeOf( looseTieStart ) + sizeOf( slotTie ) + sizeOf( carrierTie ) + sizeOf( looseTie ) + sizeOf( bitOfSlot ) + sizeOf( tiedPoints.start ) + sizeOf( tiedPoints.entry );
+		sizeOf( carrierTieStart ) + sizeOf( looseTieStart ) + sizeOf( slotTie ) + sizeOf( carrierTie ) + sizeOf( looseTie ) + sizeOf( bitOfSlot );
 }
 
 } // namespace pliant

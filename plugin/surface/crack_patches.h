@@ -61,7 +61,6 @@ public:
 	/// By point. Of its cells; of what carries it; and of its cells that do not carry it with those next to them that do.
 	std::vector<std::uint32_t> slotTieStart, carrierTieStart, looseTieStart;
 	std::vector<Tie> slotTie, carrierTie, looseTie;
-	Table tiedPoints; ///< by face: points with a tie of it, ascending: those for which it matters
 	std::vector<std::uint8_t> bitOfSlot; ///< which of those that carry the point the cell is, or kNoBit
 
 	std::shared_ptr<const CellComplex> complex;
@@ -74,7 +73,6 @@ private:
 	void addPatches( const float* texture );
 	void addCorners( const std::array<Vertex, 3>& corners );
 	void addTies();
-	void tiePoints();
 	void addCarrierTies( std::uint32_t point, const std::vector<std::uint8_t>& bitOfCell );
 };
 

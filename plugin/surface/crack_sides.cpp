@@ -165,13 +165,25 @@ void CrackSides::regroup( std::uint32_t point )
 	}
 }
 
-/// What a side reaches is others now only where the point has a tie of a broken face.
+/// A point can be carried by others now only where a cell along the crack carried it. Not every one of those has a tie of a broken face: where crumbs
+/// hang on by no face at all, a side lets go of them the first time it is asked.
 void CrackSides::askAround( const std::vector<std::uint32_t>& fresh, TaskRunner* runner )
 {
-	m_found.clear();
+	std::vector<std::uint32_t> cells;
 	for ( const std::uint32_t face : fresh )
 	{
-		collect( m_patches->tiedPoints.begin( face ), m_patches->tiedPoints.end( face ) );
+		cells.insert( cells.end(), { complex().face[face].cellA, complex().face[face].cellB } );
+	}
+	std::sort( cells.begin(), cells.end() );
+	cells.erase( std::unique( cells.begin(), cells.end() ), cells.end() );
+	m_found.clear();
+	for ( const std::uint32_t cell : cells )
+	{
+		collect( complex().boundPoints.begin( cell ), complex().boundPoints.end( cell ) );
+	}
+	for ( const std::uint32_t face : fresh )
+	{
+		collect( complex().pointsOfFace.begin( face ), complex().pointsOfFace.end( face ) );
 	}
 	auto askThem = [this]( int chunk ) {
 		const std::size_t first = std::size_t( chunk ) * kChunk, last = std::min( m_found.size(), first + kChunk );

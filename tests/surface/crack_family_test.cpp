@@ -181,6 +181,25 @@ TEST_P( Families, PlacesAreSeenFromTheBodysOwnCentre )
 	}
 }
 
+/// Crumbs hang on by faces without links, as long as linked ones lead round them.
+TEST_P( Families, FacesWithoutLinksGoWithThoseThatHeldThem )
+{
+	const CrackCase it( makeBumpySphere( 1.0, 0.3, 24, 36 ), 0.21, noisy( GetParam() ) );
+	Torn torn( it );
+	EXPECT_GT( it.complex->heldByFace.entry.size(), 0u );
+	CrackView view;
+	for ( unsigned round = 1; round < 4; ++round )
+	{
+		torn.tear( 0.15, 3, round );
+		for ( const auto& cells : connectedParts( torn.lattice ) )
+		{
+			torn.family->show( cells, Vec3::Zero(), view );
+			EXPECT_EQ( drawingOf( view ), drawingOf( CrackSurface( it.complex, cells, extractCells( torn.lattice, cells ), Vec3::Zero() ), torn.texture.data() ) );
+		}
+		EXPECT_TRUE( torn.isInPatches() );
+	}
+}
+
 TEST_P( Families, SeveralThreadsShowWhatOneDoes )
 {
 	const CrackCase it( makeSphere( 1.0, 16, 24 ), 0.3, noisy( GetParam() ) );
