@@ -6,6 +6,8 @@
 #
 #   no feature      without all of them
 #   each            without each of them in turn, and then without all
+#
+# Environment: JOBS, OPTIMISE (default -O0: what is asked is whether it builds and refuses, not how fast it is).
 set -euo pipefail
 
 here=$( cd "$( dirname "${BASH_SOURCE[0]}" )" && pwd )
@@ -35,7 +37,7 @@ try_without() # name FEATURE ...
 	fi
 	echo "--- without $*"
 	mkdir -p "$work"
-	if ! cmake -S "$here" -B "$work" -G Ninja -DCMAKE_BUILD_TYPE=Release "${options[@]}" > "$work/log" 2>&1 ||
+	if ! cmake -S "$here" -B "$work" -G Ninja -DCMAKE_BUILD_TYPE=Debug "-DCMAKE_CXX_FLAGS_DEBUG=${OPTIMISE:--O0}" "${options[@]}" > "$work/log" 2>&1 ||
 		! cmake --build "$work" --parallel "${JOBS:-$( nproc )}" --target options >> "$work/log" 2>&1; then
 		cat "$work/log"
 		echo "options: does not build without $*" >&2
