@@ -143,6 +143,8 @@ public:
 	int nodeOfCell( std::uint32_t cell ) const;
 	/// Of each finest cell: its number in the lattice the first body of the family was made of. Empty: the same.
 	const std::vector<std::uint32_t>& firstCells() const { return m_firstCell; }
+	/// The other way round: the number here of a cell of that lattice; kNoNode where this body has none of it.
+	std::uint32_t ownCell( std::uint32_t first ) const;
 
 	// --- one substep of length h, s ---------------------------------------------------------------------------------
 	/// Shape matching and damping: v += (alpha e + k de) / h, and the wobble's share of v. `runner` may be null (calling thread alone).
@@ -152,7 +154,7 @@ public:
 	void applyForces( float h, const Vec3& gravity, TaskRunner* runner = nullptr );
 
 	// The implicit substep (docs/implicit.md) in the place of the two above: pushImplicitly, [contacts and the system's solution], integrate.
-	/// Whether there are regions to linearise: a lattice of one level.
+	/// Whether there are regions to linearise, of one size or several: Method::Lattice with conserving weights and no far levels.
 	bool canStepImplicitly() const;
 	/// The same with the reason.
 	Status implicitStatus() const;

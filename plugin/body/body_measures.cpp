@@ -46,6 +46,16 @@ std::size_t Body::bytes() const
 	return floats * sizeof( float ) + m_matcher->bytes() + m_matcher->sharedBytes() + m_lattice->bytes() + ( m_levels ? m_levels->bytes() : 0 );
 }
 
+std::uint32_t Body::ownCell( std::uint32_t first ) const
+{
+	if ( m_firstCell.empty() )
+	{
+		return int( first ) < m_lattice->cellCount() ? first : kNoNode;
+	}
+	const auto found = std::lower_bound( m_firstCell.begin(), m_firstCell.end(), first );
+	return found != m_firstCell.end() && *found == first ? std::uint32_t( found - m_firstCell.begin() ) : kNoNode;
+}
+
 int Body::nodeOfCell( std::uint32_t cell ) const
 {
 	return m_levels ? int( m_levels->cut().slotOfCell[cell] ) : int( cell );

@@ -20,9 +20,6 @@ constexpr double kMostPutIn = 0.05;
 /// Sphere by sphere out of a tree is quicker than a new one as long as this share of a body is left.
 constexpr double kLeastLeft = 0.8;
 
-/// Leaves lie anywhere in memory, and waiting for them is most of what writing them takes: each is asked for this many steps ahead.
-constexpr int kAhead = 8;
-
 /// Cells of the surface and one layer below.
 bool isNearSurface( const Lattice& lattice, int cell )
 {
@@ -352,7 +349,7 @@ void NodeShape::update( const NodeState& nodes, const Vec3& shift, TaskRunner* r
 	runShares( runner, Shares{ m_children.size() }, [&]( int, int begin, int end ) {
 		for ( int child = begin; child < end; ++child )
 		{
-			__builtin_prefetch( m_children[std::min( child + kAhead, end - 1 )].m_node, 1 );
+			__builtin_prefetch( m_children[std::min( child + kAskedAhead, end - 1 )].m_node, 1 );
 			const int i = m_nodeOfChild[child];
 			const Vec3 at = nodes.x.get( i ) - shift;
 			m_children[child].m_transform.setOrigin( btVector3( at.x(), at.y(), at.z() ) );

@@ -9,9 +9,6 @@ namespace pliant {
 
 namespace {
 
-/// The tree's nodes lie anywhere in memory, and waiting for them is most of a refit: each is asked for this many steps ahead.
-constexpr int kAhead = 8;
-
 btDbvtNode* makeTreeNode( btDbvtNode* parent )
 {
 	// As btDbvt makes them: it is the tree that frees them.
@@ -171,7 +168,7 @@ void TreeRefit::run( int first, int last ) const
 {
 	for ( int k = first; k < last; ++k )
 	{
-		__builtin_prefetch( m_inner[std::size_t( std::min( k + kAhead, last - 1 ) )], 1 );
+		__builtin_prefetch( m_inner[std::size_t( std::min( k + kAskedAhead, last - 1 ) )], 1 );
 		btDbvtNode* const node = m_inner[std::size_t( k )];
 		Merge( node->childs[0]->volume, node->childs[1]->volume, node->volume );
 	}

@@ -13,6 +13,9 @@ namespace pliant {
 
 class TaskRunner;
 
+/// A tree's nodes lie anywhere in memory, and waiting for them is most of a refit: each is asked for this many steps ahead.
+inline constexpr int kAskedAhead = 8;
+
 /// A tree over children `which` of a compound, halved along its longest side again and again. At least one. Boxes are not set.
 btDbvtNode* buildNodeTree( btCompoundShapeChild* children, const std::vector<int>& which );
 
@@ -40,7 +43,7 @@ private:
 	void run( int first, int last ) const;
 
 	std::vector<btDbvtNode*> m_inner;     // below old leaves, then the branches, then what is above them
-	std::vector<int> m_branch = { 0, 0 }; // where each branch begins, and where the last one ends
+	std::vector<int> m_branch = { 0 };    // where each branch begins, and where the last one ends
 };
 
 /// Boxes of a node's parents, as far up as they change.

@@ -390,13 +390,8 @@ unsigned SoftBody::fractureVersion() const
 int SoftBody::nodeOfCell( int cell ) const
 {
 	const Body& body = *m_impl->body;
-	int own = cell;
-	if ( const std::vector<std::uint32_t>& first = body.firstCells(); !first.empty() && cell >= 0 )
-	{
-		const auto found = std::lower_bound( first.begin(), first.end(), std::uint32_t( cell ) );
-		own = found != first.end() && *found == std::uint32_t( cell ) ? int( found - first.begin() ) : -1;
-	}
-	return own < 0 || own >= body.lattice().cellCount() ? -1 : body.nodeOfCell( std::uint32_t( own ) );
+	const std::uint32_t own = cell < 0 ? kNoNode : body.ownCell( std::uint32_t( cell ) );
+	return own == kNoNode ? -1 : body.nodeOfCell( own );
 }
 
 } // namespace pliant

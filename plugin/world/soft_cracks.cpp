@@ -15,15 +15,10 @@ namespace {
 /// Those that are still there: what has healed follows no blade.
 std::vector<CutTrace> openCuts( const std::vector<CutTrace>& cuts, const Body& body )
 {
-	const std::vector<std::uint32_t>& first = body.firstCells();
-	const auto local = [&first]( std::uint32_t cell ) {
-		const auto found = std::lower_bound( first.begin(), first.end(), cell );
-		return first.empty() ? cell : found != first.end() && *found == cell ? std::uint32_t( found - first.begin() ) : kNoNode;
-	};
 	std::vector<CutTrace> open;
 	for ( const CutTrace& cut : cuts )
 	{
-		const std::uint32_t a = local( cut.link.a ), b = local( cut.link.b );
+		const std::uint32_t a = body.ownCell( cut.link.a ), b = body.ownCell( cut.link.b );
 		if ( a == kNoNode || b == kNoNode || !areLinked( body.lattice(), a, b ) )
 		{
 			open.push_back( cut );

@@ -36,21 +36,28 @@ void expectSpheresOfANewOne( const SoftBody& soft )
 	}
 }
 
+/// A cube in the air, of finest nodes all through.
 class CrackedShape : public testing::TestWithParam<int>
 {
+protected:
+	CrackedShape()
+	{
+		test.world.setGravity( btVector3( 0, 0, 0 ) );
+		Adaptivity levels;
+		levels.coarseLevels = GetParam();
+		levels.mergeDelay = 60.0f;
+		soft = test.addSoft( block( 9, 9, 9, 0.1f ), at( 0, 2, 0 ), test::stiff( 1e5f ), levels );
+		soft->requestRefinement( btVector3( -1, 1, -1 ), btVector3( 1, 3, 1 ) );
+		test.run( 4 );
+	}
+
+	TestWorld test;
+	SoftBody* soft;
 };
 
 // On one level, and on three.
 TEST_P( CrackedShape, HasTheSpheresOfANewOne )
 {
-	TestWorld test;
-	test.world.setGravity( btVector3( 0, 0, 0 ) );
-	Adaptivity levels;
-	levels.coarseLevels = GetParam();
-	levels.mergeDelay = 60.0f;
-	SoftBody* soft = test.addSoft( block( 9, 9, 9, 0.1f ), at( 0, 2, 0 ), test::stiff( 1e5f ), levels );
-	soft->requestRefinement( btVector3( -1, 1, -1 ), btVector3( 1, 3, 1 ) );
-	test.run( 4 );
 	int kept = 0, added = 0;
 	for ( int cut = 0; cut < 12; ++cut )
 	{
@@ -74,14 +81,6 @@ TEST_P( CrackedShape, HasTheSpheresOfANewOne )
 // Corners are cut off one after the other, then half of what is left.
 TEST_P( CrackedShape, LetsGoOfNodesThatLeave )
 {
-	TestWorld test;
-	test.world.setGravity( btVector3( 0, 0, 0 ) );
-	Adaptivity levels;
-	levels.coarseLevels = GetParam();
-	levels.mergeDelay = 60.0f;
-	SoftBody* soft = test.addSoft( block( 9, 9, 9, 0.1f ), at( 0, 2, 0 ), test::stiff( 1e5f ), levels );
-	soft->requestRefinement( btVector3( -1, 1, -1 ), btVector3( 1, 3, 1 ) );
-	test.run( 4 );
 	int kept = 0;
 	for ( int corner = 0; corner < 8; ++corner )
 	{

@@ -11,16 +11,9 @@ namespace {
 
 using test::at;
 using test::block;
+using test::implicit;
+using test::kGravity;
 using test::TestWorld;
-
-constexpr double kGravity = 10.0; // a world's own, m/s^2
-
-Material implicit( float youngsModulus )
-{
-	Material material = test::stiff( youngsModulus );
-	material.elasticity = Elasticity::Implicit;
-	return material;
-}
 
 /// Bullet's callbacks are functions without a context.
 struct Calls

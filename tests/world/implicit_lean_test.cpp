@@ -12,9 +12,9 @@ namespace {
 
 using test::at;
 using test::block;
+using test::kGravity;
 using test::TestWorld;
 
-constexpr double kGravity = 10.0; // a world's own, m/s^2
 constexpr double kWeight = 216.0 * kGravity, kArea = 0.36;
 constexpr int kFineSubsteps = 64;
 

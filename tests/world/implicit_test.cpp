@@ -13,17 +13,9 @@ namespace {
 
 using test::at;
 using test::block;
+using test::implicit;
+using test::kGravity;
 using test::TestWorld;
-
-constexpr double kGravity = 10.0; // a world's own, m/s^2
-
-Material implicit( float youngsModulus, int halfWidth = 1 )
-{
-	Material material = test::stiff( youngsModulus );
-	material.elasticity = Elasticity::Implicit;
-	material.regionHalfWidth = halfWidth;
-	return material;
-}
 
 /// Mean height of a layer of a cube of 6 cells: nodes come in the order of z, then y, then x.
 double layer( const SoftBody& cube, int y )

@@ -46,6 +46,17 @@ inline Material stiff( float youngsModulus )
 	return material;
 }
 
+/// The same in the implicit step.
+inline Material implicit( float youngsModulus, int halfWidth = 1 )
+{
+	Material material = stiff( youngsModulus );
+	material.elasticity = Elasticity::Implicit;
+	material.regionHalfWidth = halfWidth;
+	return material;
+}
+
+constexpr double kGravity = 10.0; // a world's own, m/s^2
+
 struct BulletParts
 {
 	btDefaultCollisionConfiguration configuration;
