@@ -133,7 +133,7 @@ void look( const RunOrder& order, Rig& rig, const Drifts& drifts, Points& points
 		record.brokenAt = rig.frame() * kGameStep;
 	}
 	drifts.look( rig, record );
-	if( rig.frame() % kFramesAWrite != 0 )
+	if( rig.frame() % order.scene.framesAWrite != 0 )
 	{
 		return;
 	}
@@ -144,7 +144,7 @@ void look( const RunOrder& order, Rig& rig, const Drifts& drifts, Points& points
 	{
 		record.volumeDrift = std::max( record.volumeDrift, bounded( std::abs( enclosedVolume( order.specimen->mesh, points ) / rest - 1 ) ) );
 	}
-	const std::size_t write = std::size_t( rig.frame() / kFramesAWrite ) - 1;
+	const std::size_t write = std::size_t( rig.frame() / order.scene.framesAWrite ) - 1;
 	const bool isComparable = isWhole && ( order.referenceBrokenAt < 0 || rig.frame() * kGameStep < order.referenceBrokenAt );
 	if( order.track != nullptr )
 	{
@@ -198,6 +198,10 @@ Record run( const RunOrder& order )
 	}
 	record.bytes = std::max( 0.0, bytesInUse() - rig->subject().bytesBefore() );
 	sumUpTimes( std::move( times ), record );
+	if( order.reference != nullptr && record.curve.empty() )
+	{
+		record.refused = "it broke before it could be compared"; // else its error would be read as none
+	}
 	return record;
 }
 

@@ -20,8 +20,7 @@ struct Errors
 
 Errors errorsOf( const Specimen& specimen, const Points& points, const Points& reference );
 
-/// The vertices at every kFramesAWrite-th frame.
-constexpr int kFramesAWrite = 3;
+/// The vertices at every framesAWrite-th frame of the scene.
 using Track = std::vector<Points>;
 
 struct Record
@@ -38,7 +37,7 @@ struct Record
 	Errors last;
 	double worst = 0;             ///< largest mean error, and the frame it was at
 	int worstFrame = 0;
-	std::vector<double> curve;    ///< mean error at every kFramesAWrite-th frame
+	std::vector<double> curve;    ///< mean error at every framesAWrite-th frame
 	double volumeDrift = 0;       ///< largest change of the enclosed volume, share of it
 	double momentumDrift = -1, spinDrift = -1; ///< largest change in scenes where nothing changes it, share of what there is; else -1
 	double energyGrowth = -1;     ///< largest growth in scenes that do not feed it, share of what there is; else -1

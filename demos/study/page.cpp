@@ -120,7 +120,7 @@ Plot curvePlot( const PageScene& scene )
 		Series series = { s->candidate, "lines lw 1.5", {}, s->curve };
 		for( std::size_t k = 0; k < s->curve.size(); ++k )
 		{
-			series.x.push_back( double( k + 1 ) * kFramesAWrite * kGameStep );
+			series.x.push_back( double( k + 1 ) * scene.scene.framesAWrite * kGameStep );
 		}
 		plot.series.push_back( series );
 	}

@@ -21,7 +21,7 @@ constexpr double kQuarter = 1.5707963267948966;
 constexpr double kTwistTime = 2.0, kTwistHeld = 3.0; // sqrt( D / g )
 constexpr double kPushTime = 1.5, kPushDepth = 0.15, kBallRadius = 0.15; // D
 constexpr double kImpactSpeed = 1.0, kImpactMass = 0.5;                  // sqrt( g D ), of the body's mass
-constexpr double kPullSpeed = 0.35;      // D per sqrt( D / g )
+constexpr double kPull = 0.14;           // g: from rest, so that no jerk at the grips tears off what they hold
 constexpr float kBreakStrain = 0.3f;
 constexpr double kSpinSpeed = 3.0;       // radians per sqrt( D / g )
 constexpr double kGap = 0.01;            // D, between a ball and the body at first
@@ -52,13 +52,13 @@ double smooth( double share )
 const std::vector<SceneInfo>& sceneInfos()
 {
 	static const std::vector<SceneInfo> kScenes = {
-		{ SceneKind::Drop, "drop", "falls on the ground", 2.5, true, false, true, true },
-		{ SceneKind::Hang, "hang", "held at its top, under its own weight", 6.0, true, false, true, true },
-		{ SceneKind::Twist, "twist", "one end turned by 90 degrees against the other, then let go", 5.0, false, false, false, true },
-		{ SceneKind::Push, "push", "a ball pushed into its side and taken away", 4.5, true, false, false, true },
-		{ SceneKind::Impact, "impact", "hit by a ball of half its mass", 3.0, false, true, true, true },
-		{ SceneKind::Tear, "tear", "pulled until it breaks", 2.5, false, false, false, false },
-		{ SceneKind::Fly, "fly", "spins freely", 4.0, false, true, true, true },
+		{ SceneKind::Drop, "drop", "falls on the ground", 2.5, true, false, true, true, 3 },
+		{ SceneKind::Hang, "hang", "held at its top, under its own weight", 6.0, true, false, true, true, 3 },
+		{ SceneKind::Twist, "twist", "one end turned by 90 degrees against the other, then let go", 5.0, false, false, false, true, 3 },
+		{ SceneKind::Push, "push", "a ball pushed into its side and taken away", 4.5, true, false, false, true, 3 },
+		{ SceneKind::Impact, "impact", "hit by a ball of half its mass", 3.0, false, true, true, true, 3 },
+		{ SceneKind::Tear, "tear", "pulled until it breaks", 2.5, false, false, false, false, 1 },
+		{ SceneKind::Fly, "fly", "spins freely", 4.0, false, true, true, true, 3 },
 	};
 	return kScenes;
 }
@@ -190,7 +190,7 @@ void Rig::drive()
 	}
 	else if( m_scene.kind == SceneKind::Tear )
 	{
-		const btVector3 way( 0, btScalar( kPullSpeed * m_specimen.diagonal * ( then - now ) ), 0 );
+		const btVector3 way( 0, btScalar( kPull * m_specimen.diagonal * ( then * then - now * now ) ), 0 );
 		m_subject->drive( true, height / 2, [&way]( const btVector3& at ) { return at + way; } );
 	}
 	else if( m_scene.kind == SceneKind::Push )

@@ -35,6 +35,7 @@ struct SceneInfo
 	bool isFree;       ///< nothing holds or moves it from outside: momentum has to stay
 	bool keepsEnergy;  ///< nothing feeds it: mechanical energy must not grow
 	bool takesBullet;  ///< Bullet's own bodies can be tried
+	int framesAWrite;  ///< the vertices are compared at every so many frames
 };
 
 const std::vector<SceneInfo>& sceneInfos();

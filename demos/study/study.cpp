@@ -36,13 +36,16 @@ std::vector<Job> jobsOf( const StudyPlan& plan )
 		Candidate turned = reference( plan.candidates );
 		turned.setting += ", turned";
 		jobs.push_back( { scene, turned, 1 } );
-		for( const Candidate& candidate : candidates( plan.candidates ) )
+		// All of them at each orientation in turn: what else the machine does for a while then slows all alike.
+		for( int o = 0; o < plan.orientations; ++o )
 		{
-			// Bullet's own bodies have no lattice: one orientation is all there is.
-			const int orientations = candidate.engine == Engine::Pliant ? plan.orientations : 1;
-			for( int o = 0; o < orientations; ++o )
+			for( const Candidate& candidate : candidates( plan.candidates ) )
 			{
-				jobs.push_back( { scene, candidate, o } );
+				// Bullet's own bodies have no lattice: one orientation is all there is.
+				if( o == 0 || candidate.engine == Engine::Pliant )
+				{
+					jobs.push_back( { scene, candidate, o } );
+				}
 			}
 		}
 	}

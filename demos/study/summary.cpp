@@ -30,13 +30,25 @@ void markFront( std::vector<Summary>& all )
 	}
 }
 
+/// 0 of none. Of an even number the lower one: what disturbs a run only makes it longer.
+double middleOf( std::vector<double> values )
+{
+	if( values.empty() )
+	{
+		return 0;
+	}
+	const auto middle = values.begin() + std::ptrdiff_t( ( values.size() - 1 ) / 2 );
+	std::nth_element( values.begin(), middle, values.end() );
+	return *middle;
+}
+
 void addRun( Summary& sum, const Record& record )
 {
 	const double share = 1.0 / ++sum.runs;
 	const auto blend = [share]( double& mean, double value ) { mean += share * ( value - mean ); };
 	blend( sum.nodes, record.nodes );
 	blend( sum.substeps, record.substeps );
-	blend( sum.median, record.median );
+	sum.medians.push_back( record.median );
 	blend( sum.slow, record.slow );
 	for( std::size_t k = 0; k < kStageCount; ++k )
 	{
@@ -104,6 +116,7 @@ std::vector<Summary> summarise( const std::vector<Record>& records, const std::s
 	}
 	for( Summary& one : all )
 	{
+		one.median = middleOf( one.medians );
 		one.spread = one.runs > 1 ? std::sqrt( one.spread / ( one.runs - 1 ) ) : 0.0;
 	}
 	markFront( all );

@@ -169,7 +169,7 @@ std::string drawWorst( const StudyPlan& plan, const Specimen& specimen, const Sc
 		{
 			rig->subject().vertices( points );
 		}
-		if( !rig || !painter.paint( specimen, *rig, points, reference.track[std::size_t( s.worstFrame / kFramesAWrite ) - 1], path ) )
+		if( !rig || !painter.paint( specimen, *rig, points, reference.track[std::size_t( s.worstFrame / scene.framesAWrite ) - 1], path ) )
 		{
 			continue;
 		}

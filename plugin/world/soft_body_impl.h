@@ -48,6 +48,7 @@ struct SkinBuffers
 	SkinFade fade; ///< of bodies with levels
 	int current = 0;
 	unsigned frame = 0;
+	unsigned askedIn = 0;     ///< the world's step after which the surface was last asked for; 0: never
 	bool isStale = true;
 	bool isPoseKnown = false; ///< rotations, gradients and flow are those of the nodes as they are
 
@@ -165,6 +166,10 @@ struct SoftBody::Impl
 	void changeNodes( SoftBody& owner, const std::function<void()>& change, bool fades = true );
 	void measureSpeed( TaskRunner* runner = nullptr );
 	const SkinBinding& binding() const;
+	const CrackView* shownCracks() const; ///< null: the template's mesh is shown
+	SkinTriangles shownTriangles() const;
+	/// The skin of the nodes as they are, into the buffer that nobody reads.
+	void drawSkin( TaskRunner* runner ) const;
 	bool hasNewCracks() const;
 	void showOwnCracks() const;
 	void drawCracks() const;

@@ -128,6 +128,7 @@ int SoftBodySystem::planSubsteps( btScalar gameStep )
 
 void SoftBodySystem::beginStep( btScalar gameStep, int substepCount )
 {
+	++m_steps;
 	m_gameStep = gameStep;
 	m_substepCount = substepCount;
 	report = StepReport{};

@@ -54,6 +54,8 @@ public:
 	void updateActivation( btScalar h );
 	void endStep();
 	void clearForces();
+	/// Somebody is about to read this body's skin.
+	void noteAsked( const SoftBody& asked );
 
 	/// Links that are stretched too far, found after the nodes have moved; they break at the start of the next substep.
 	void testLinks( btScalar h );
@@ -92,6 +94,7 @@ private:
 	/// work( body, runner for its own loops or null ) for each that is awake.
 	template <class F>
 	void forAwake( F&& work );
+	void drawSkins( long long vertices );
 	bool breakBodies();
 	void settlePieces( SoftBody& body, std::vector<BodyPiece>& pieces, FractureEvent& event );
 	void advanceFading( btScalar gameStep );
@@ -125,6 +128,8 @@ private:
 	btScalar m_lastSubstep = btScalar( 0 ); ///< s; 0: there was none
 	std::vector<SoftBody*> m_awake; ///< in this substep
 	std::vector<SoftBody*> m_sharedOut, m_whole; ///< those of them that all threads do together, and that one does
+	std::vector<SoftBody*> m_stale; ///< scratch of noteAsked
+	unsigned m_steps = 1, m_askedIn = 0; ///< game steps so far, from 1; after which of them a skin was last asked for (0: never)
 	btScalar m_gameStep = btScalar( 0 );
 	int m_substepCount = 1;
 	unsigned m_serials = 0;

@@ -1,6 +1,7 @@
 // The skin, made when it is asked for, in one of two buffers. Steinemann et al. 2008, section 7.
 
 #include "body/levels.h"
+#include "lattice/guarded_tasks.h"
 #include "surface/skinning.h"
 #include "world/soft_body_impl.h"
 #include "world/soft_body_system.h"
@@ -128,6 +129,39 @@ void showCracks( const CrackView& cracks, unsigned since, SurfaceView& view )
 
 } // namespace
 
+const CrackView* SoftBody::Impl::shownCracks() const
+{
+	return crackView && crackVersion == fractureVersion ? crackView.get() : nullptr;
+}
+
+SkinTriangles SoftBody::Impl::shownTriangles() const
+{
+	const CrackView* const cracks = shownCracks();
+	if ( !cracks )
+	{
+		return { bodyTemplate->indices(), bodyTemplate->triangleCount() };
+	}
+	return { cracks->triangleCount > 0 ? cracks->triangles->data() : nullptr, cracks->triangleCount };
+}
+
+void SoftBody::Impl::drawSkin( TaskRunner* runner ) const
+{
+	const SkinBinding& shown = binding();
+	const int next = 1 - skin.current;
+	SkinPose pose = skinPose();
+	if ( pose.fade )
+	{
+		pose.body = body->levelFrame();
+	}
+	skin.positions[next].resize( shown.restPosition.size() * 3 );
+	skin.normals[next].resize( shown.restPosition.size() * 3 );
+	pliant::skin( shown, body->nodes(), pose, shownTriangles(), skin.scratch, skin.positions[next].data(), skin.normals[next].data(), runner );
+	skin.origin[next] = worldOrigin();
+	skin.current = next;
+	++skin.frame;
+	skin.isStale = false;
+}
+
 SurfaceView SoftBody::surface() const
 {
 	SurfaceView view;
@@ -143,32 +177,18 @@ SurfaceView SoftBody::surface() const
 	{
 		return view;
 	}
-	SkinTriangles triangles{ impl.bodyTemplate->indices(), impl.bodyTemplate->triangleCount() };
-	const CrackView* const cracks = impl.crackView && impl.crackVersion == impl.fractureVersion ? impl.crackView.get() : nullptr;
-	if ( cracks )
+	const CrackView* const cracks = impl.shownCracks();
+	const SkinTriangles triangles = impl.shownTriangles();
+	const SkinBuffers& skinBuffers = impl.skin;
+	if ( impl.system )
 	{
-		triangles.count = cracks->triangleCount;
-		triangles.indices = triangles.count > 0 ? cracks->triangles->data() : nullptr;
+		impl.system->noteAsked( *this );
 	}
-	SkinBuffers& skinBuffers = impl.skin;
 	if ( skinBuffers.isStale )
 	{
 		double untold = 0.0; // a body in no world has nobody to tell
 		Stopwatch watch( impl.system ? impl.system->report.skinning : untold );
-		const int next = 1 - skinBuffers.current;
-		SkinPose pose = impl.skinPose();
-		if ( pose.fade )
-		{
-			pose.body = impl.body->levelFrame();
-		}
-		skinBuffers.positions[next].resize( binding.restPosition.size() * 3 );
-		skinBuffers.normals[next].resize( binding.restPosition.size() * 3 );
-		skin( binding, impl.body->nodes(), pose, triangles, skinBuffers.scratch, skinBuffers.positions[next].data(),
-			skinBuffers.normals[next].data(), impl.system ? impl.system->tasks() : nullptr );
-		skinBuffers.origin[next] = impl.worldOrigin();
-		skinBuffers.current = next;
-		++skinBuffers.frame;
-		skinBuffers.isStale = false;
+		impl.drawSkin( impl.system ? impl.system->tasks() : nullptr );
 	}
 	view.origin = skinBuffers.origin[skinBuffers.current];
 	view.positions = skinBuffers.positions[skinBuffers.current].data();
@@ -185,6 +205,46 @@ SurfaceView SoftBody::surface() const
 	}
 	view.frame = skinBuffers.frame;
 	return view;
+}
+
+// Who was looked at after the last step will be looked at after this one: with threads to share the work, the first question draws them all.
+// What nobody asks for any more is drawn once in vain.
+void SoftBodySystem::noteAsked( const SoftBody& asked )
+{
+	SkinBuffers& own = asked.impl().skin;
+	const unsigned before = m_askedIn;
+	own.askedIn = m_askedIn = m_steps;
+	if ( before == m_steps || tasks()->threadCount() < 2 )
+	{
+		return;
+	}
+	m_stale.clear();
+	long long vertices = 0;
+	for ( SoftBody* body : m_bodies )
+	{
+		const SoftBody::Impl& impl = body->impl();
+		// New cracks are not drawn ahead: that takes memory, and its time counts as the break's.
+		const bool isWanted = body == &asked || ( before > 0 && impl.skin.askedIn == before );
+		if ( isWanted && impl.skin.isStale && !impl.hasNewCracks() && impl.binding().kind != Skinning::None )
+		{
+			m_stale.push_back( body );
+			vertices += (long long)( impl.binding().restPosition.size() );
+		}
+	}
+	Stopwatch watch( report.skinning );
+	drawSkins( vertices );
+}
+
+// As forAwake: all threads do what is more than a thread's share, body after body.
+void SoftBodySystem::drawSkins( long long vertices )
+{
+	const auto isMoreThanAShare = [&]( const SoftBody* body ) {
+		return (long long)( body->impl().binding().restPosition.size() ) * tasks()->threadCount() > vertices;
+	};
+	const auto whole = std::partition( m_stale.begin(), m_stale.end(), isMoreThanAShare );
+	std::for_each( m_stale.begin(), whole, [this]( const SoftBody* body ) { body->impl().drawSkin( tasks() ); } );
+	auto alone = [&whole]( int k ) { whole[k]->impl().drawSkin( nullptr ); };
+	runGuarded( tasks(), int( m_stale.end() - whole ), alone );
 }
 
 } // namespace pliant

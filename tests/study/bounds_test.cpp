@@ -104,6 +104,8 @@ TEST( StudyBounds, TornBarBreaksInTwo )
 	for( const Summary& s : shortStudy( specimen, "tear", { "uniform w 1", "ours, levels" } ) )
 	{
 		EXPECT_GT( s.brokenAt, 0.0 ) << s.candidate;
+		EXPECT_GE( s.curve.size(), 5u ) << s.candidate << " broke before it could be compared";
+		EXPECT_GT( s.errors.mean, 0.0 ) << s.candidate;
 		EXPECT_LT( s.errors.mean, 0.05 ) << s.candidate;
 	}
 }
