@@ -3,6 +3,7 @@
 
 #include "adaptive_bodies.h"
 #include "pliant/task_runner.h"
+#include "world/soft_body_system.h"
 
 #include <limits>
 #include <memory>
@@ -63,6 +64,24 @@ TEST( LargeBodies, StopAtABadNumberWhereverItStands )
 		EXPECT_FALSE( large->isHealthy() ) << "node " << node;
 		EXPECT_TRUE( small->isHealthy() );
 		EXPECT_EQ( test.world.stepReport().quarantined, 1 );
+	}
+}
+
+// Whichever share of the nodes it is in: before a box of no size reaches the broadphase, and with it every other body.
+TEST( LargeBodies, StopBeforeABadNumberReachesBullet )
+{
+	for ( const int node : { 0, 1500, 4095 } )
+	{
+		TestWorld test;
+		test.world.setThreadCount( 2 );
+		SoftBody* const large = test.addSoft( block( 16, 16, 16, 0.1f ), at( 0, 0, 0 ) );
+		test.run( 1 );
+		large->impl().body->nodes().v.y[std::size_t( node )] = std::numeric_limits<float>::quiet_NaN();
+		SoftBodySystem& system = *large->impl().system;
+		system.beginStep( kFrame, 1 );
+		system.accelerate( kFrame, 0 );
+		EXPECT_FALSE( large->isHealthy() ) << "node " << node;
+		EXPECT_EQ( system.report.quarantined, 1 );
 	}
 }
 
