@@ -235,6 +235,7 @@ void Body::applyForces( float h, const Vec3& gravity, TaskRunner* runner )
 void Body::accelerateTowardGoals( float h, float alpha, TaskRunner* runner )
 {
 	m_wasImplicit = false;
+	m_speedBefore = m_nodes.v;
 	if ( m_nodes.count == 1 )
 	{
 		return; // its goal is where it is: dust costs nothing

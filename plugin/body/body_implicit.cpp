@@ -114,7 +114,6 @@ ImplicitMotion& Body::takePartFreely()
 	{
 		m_implicit = std::make_unique<ImplicitMotion>();
 	}
-	m_speedBefore = m_nodes.v;
 	m_implicit->beginFree( m_nodes );
 	return *m_implicit;
 }

@@ -43,6 +43,12 @@ inline constexpr double kCrushedNodes = 8.0;
 /// Root mean square speed of the nodes below which a body may fall asleep, m/s.
 inline constexpr btScalar kSleepSpeed = btScalar( 0.03 );
 
+/// Where contacts of one island brought energy in, their impulses are made smaller, to this share at most: half of it still stops what came.
+inline constexpr double kLeastBounce = 0.5;
+
+/// What an implicit block's contacts bring in, as a share of all they move, is rounding below this, and the end of its iteration.
+inline constexpr double kBounceSlack = 1e-4;
+
 // The implicit step's contacts (docs/implicit.md says how each was found).
 /// A contact's stiffness in units of what its nodes resist with by themselves.
 inline constexpr double kContactStiffness = 10.0;

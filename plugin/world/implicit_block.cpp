@@ -356,6 +356,7 @@ BlockCount ImplicitBlock::solve( TaskRunner* runner )
 		linearise( m_v.data(), false );
 	}
 	m_v = m_next;
+	keepEnergy( count );
 	readAnswer();
 	keepMomentum();
 	return count;

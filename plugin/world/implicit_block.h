@@ -33,6 +33,7 @@ struct BlockContact
 {
 	ContactSide side[2];            ///< the normal points from the second to the first
 	Vec3d normal = Vec3d::Zero();
+	Vec3d before = Vec3d::Zero();   ///< relative speed at the substep's start, m/s
 	double target = 0.0;            ///< b: speed of parting that is asked for at least, m/s
 	double friction = 0.0;          ///< mu
 	int directed = -1;              ///< among the block's directions; -1: friction is the same in all
@@ -49,6 +50,7 @@ struct BlockContact
 	Vec3d held = Vec3d::Zero();
 	Vec3d heldBefore = Vec3d::Zero(); ///< lt
 	bool presses = false;
+	bool bounces = false;           ///< off something that it meets fast enough
 
 	/// Whether an impulse could change anything.
 	bool moves() const { return side[0].soft >= 0 || side[1].soft >= 0 || side[0].rigid >= 0 || side[1].rigid >= 0; }
@@ -109,6 +111,8 @@ public:
 	void clear();
 	/// Relative speed at a contact without any contact's impulse, elasticity left out, m/s.
 	Vec3d freeSpeed( const BlockContact& contact ) const;
+	/// And at the substep's start.
+	Vec3d speedBefore( const BlockContact& contact ) const;
 
 private:
 	struct NodeBlock
@@ -156,6 +160,9 @@ private:
 	bool holdsAt( const float* v ) const;
 	void readImpulses( const float* v );
 	double stepTowards( const float* to );
+
+	// In implicit_bounce.cpp.
+	void keepEnergy( BlockCount& count );
 
 	// In implicit_momentum.cpp.
 	void keepMomentum();

@@ -58,16 +58,18 @@ void giveDirections( const btCollisionObject* const ( &objects )[2], BlockContac
 }
 
 /// b: speed of parting asked for. Before touch, whatever closes the gap within the step; then out of what is too deep, and bouncing off.
-double targetSpeed( const btManifoldPoint& point, const btContactSolverInfo& info, double approach )
+/// `approach`: without contacts, elasticity left out; it bounces off the speed at the substep's start (implicit_bounce.cpp).
+void aim( BlockContact& contact, const btContactSolverInfo& info, double approach )
 {
+	const btManifoldPoint& point = *contact.point;
 	const double h = double( info.m_timeStep ), gap = double( point.m_distance1 );
-	double target = gap > 0.0 ? -gap / h : std::min( -gap * double( info.m_erp2 ) / h, kPushOutSpeed );
-	const bool meets = gap < approach * h;
-	if ( meets && point.m_combinedRestitution > 0 && approach > double( info.m_restitutionVelocityThreshold ) )
+	contact.target = gap > 0.0 ? -gap / h : std::min( -gap * double( info.m_erp2 ) / h, kPushOutSpeed );
+	const double met = -contact.normal.dot( contact.before );
+	contact.bounces = gap < approach * h && point.m_combinedRestitution > 0 && met > double( info.m_restitutionVelocityThreshold );
+	if ( contact.bounces )
 	{
-		target = std::max( target, double( point.m_combinedRestitution ) * approach );
+		contact.target = std::max( contact.target, double( point.m_combinedRestitution ) * met );
 	}
-	return target;
 }
 
 } // namespace
@@ -133,7 +135,9 @@ void ImplicitContacts::gatherFrom(
 		contact.normalImpulse = double( point.m_appliedImpulse );
 		contact.tangentImpulse = double( point.m_appliedImpulseLateral1 ) * toVec3d( point.m_lateralFrictionDir1 ) +
 								 double( point.m_appliedImpulseLateral2 ) * toVec3d( point.m_lateralFrictionDir2 );
-		contact.target = targetSpeed( point, info, -contact.normal.dot( blocks[std::size_t( block )].freeSpeed( contact ) ) );
+		const ImplicitBlock& own = blocks[std::size_t( block )];
+		contact.before = own.speedBefore( contact );
+		aim( contact, info, -contact.normal.dot( own.freeSpeed( contact ) ) );
 		blocks[std::size_t( block )].contacts.push_back( contact );
 		++m_count;
 	}

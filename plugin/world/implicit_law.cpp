@@ -71,6 +71,26 @@ Vec3d ImplicitBlock::freeSpeed( const BlockContact& contact ) const
 	return speed[0] - speed[1];
 }
 
+Vec3d ImplicitBlock::speedBefore( const BlockContact& contact ) const
+{
+	Vec3d speed[2];
+	for ( int k = 0; k < 2; ++k )
+	{
+		const ContactSide& side = contact.side[k];
+		speed[k] = side.given;
+		if ( side.soft >= 0 )
+		{
+			speed[k] = soft[std::size_t( side.soft )].before->get( side.node ).cast<double>();
+		}
+		else if ( side.rigid >= 0 )
+		{
+			const Vector6& before = rigid[std::size_t( side.rigid )].before;
+			speed[k] = before.head<3>() + before.tail<3>().cross( side.arm );
+		}
+	}
+	return speed[0] - speed[1];
+}
+
 // The impulse t of the last substep that has become S t: what S does not let through was none.
 Vec3d ImplicitBlock::undirected( const BlockContact& contact ) const
 {

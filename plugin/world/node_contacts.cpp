@@ -316,6 +316,7 @@ MovedContacts moveContacts( btDispatcher& dispatcher, btScalar sign )
 				node.owner->impl().isGuarded = true; // what is crushed goes through slowly
 			}
 			moved.turn = moved.turn || point.m_combinedRollingFriction != 0 || point.m_combinedSpinningFriction != 0;
+			moved.bounce = moved.bounce || point.m_combinedRestitution > 0;
 			const btScalar fromSurface = sign * ( point.m_distance1 + radiusOf( node ) );
 			( nodeIsFirst ? point.m_positionWorldOnB : point.m_positionWorldOnA ) += point.m_normalWorldOnB * ( nodeIsFirst ? fromSurface : -fromSurface );
 		}

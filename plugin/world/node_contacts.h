@@ -102,6 +102,7 @@ struct MovedContacts
 {
 	int count = 0;
 	bool turn = false; ///< some have rolling or spinning friction
+	bool bounce = false; ///< some have restitution
 };
 MovedContacts moveContactsToNodes( btDispatcher& dispatcher );
 void moveContactsToSurfaces( btDispatcher& dispatcher );

@@ -1,5 +1,6 @@
 #include "pliant/soft_body_world.h"
 
+#include "world/bounce.h"
 #include "world/constants.h"
 #include "world/debug_draw.h"
 #include "world/island_manager.h"
@@ -21,6 +22,7 @@ struct SoftBodyWorld::System
 
 	SoftBodySystem bodies;
 	TurningFriction turning;
+	Bounces bounces;
 	int substep = 0;
 	bool isStepping = false; ///< inside a substep of ours: the overrides do their part
 };
@@ -267,7 +269,15 @@ void SoftBodyWorld::solveConstraints( btContactSolverInfo& info )
 	{
 		m_system->bodies.solveImplicit( info );
 	}
+	if ( moved.bounce && m_system->isStepping )
+	{
+		m_system->bounces.aim( *getDispatcher(), info );
+	}
 	btDiscreteDynamicsWorld::solveConstraints( info );
+	if ( moved.bounce && m_system->isStepping )
+	{
+		m_system->bounces.settle();
+	}
 	if ( m_system->isStepping )
 	{
 		m_system->bodies.noteSolved();
