@@ -30,6 +30,19 @@ protected:
 		}
 	}
 
+	/// Steps, and looks at these bodies after each.
+	void run( int frames, const std::vector<int>& lookedAt )
+	{
+		for ( int frame = 0; frame < frames; ++frame )
+		{
+			world->run( 1 );
+			for ( const int k : lookedAt )
+			{
+				body( k ).surface();
+			}
+		}
+	}
+
 	const SoftBody& body( int k ) const { return *world->soft[std::size_t( k )]; }
 	/// Of a body that may not have been asked for.
 	unsigned frameOf( int k ) const { return body( k ).impl().skin.frame; }
@@ -75,16 +88,8 @@ TEST_F( Skins, AreTheSameForAnyNumberOfThreads )
 TEST_F( Skins, OfThoseLookedAtAreDrawnWithTheFirst )
 {
 	fill( 2 );
-	for ( int frame = 0; frame < 3; ++frame )
-	{
-		world->run( 1 );
-		for ( const int k : { 0, 2, 3, 4 } )
-		{
-			body( k ).surface();
-		}
-	}
-	world->run( 1 );
-	body( 4 ).surface();
+	run( 3, { 0, 2, 3, 4 } );
+	run( 1, { 4 } );
 	for ( int k = 0; k < kBodies; ++k )
 	{
 		const bool isLookedAt = k == 0 || k == 2 || k == 3 || k == 4;
@@ -92,8 +97,7 @@ TEST_F( Skins, OfThoseLookedAtAreDrawnWithTheFirst )
 		EXPECT_EQ( body( k ).impl().skin.isStale, !isLookedAt ) << "body " << k;
 	}
 	// Only the one was asked for: after the next step the others are left alone.
-	world->run( 1 );
-	body( 4 ).surface();
+	run( 1, { 4 } );
 	EXPECT_EQ( frameOf( 4 ), 5u );
 	EXPECT_EQ( frameOf( 0 ), 4u );
 	EXPECT_EQ( frameOf( 3 ), 4u );
@@ -102,14 +106,8 @@ TEST_F( Skins, OfThoseLookedAtAreDrawnWithTheFirst )
 TEST_F( Skins, AreDrawnOneByOneWithoutThreads )
 {
 	fill( 1 );
-	for ( int frame = 0; frame < 2; ++frame )
-	{
-		world->run( 1 );
-		body( 0 ).surface();
-		body( 1 ).surface();
-	}
-	world->run( 1 );
-	body( 0 ).surface();
+	run( 2, { 0, 1 } );
+	run( 1, { 0 } );
 	EXPECT_EQ( frameOf( 0 ), 3u );
 	EXPECT_EQ( frameOf( 1 ), 2u );
 }
@@ -139,14 +137,7 @@ TEST_F( Skins, StayReadableUntilTheStepAfterNext )
 TEST_F( Skins, OfABodyThatHasLeftAreItsOwn )
 {
 	fill( 2 );
-	for ( int frame = 0; frame < 2; ++frame )
-	{
-		world->run( 1 );
-		for ( int k = 0; k < kBodies; ++k )
-		{
-			body( k ).surface();
-		}
-	}
+	run( 2, { 0, 1, 2, 3, 4, 5, 6 } );
 	world->run( 1 );
 	world->world.removeSoftBody( world->soft[2].get() );
 	body( 0 ).surface();
