@@ -325,9 +325,13 @@ void SoftBody::reset( const btTransform& transform )
 		return;
 	}
 	m_impl->body->place( placementOf( m_impl->body->lattice(), transform ) );
+	if ( !m_impl->isHealthy )
+	{
+		forceActivationState( m_impl->stateBefore ); // quarantine had taken it out of the simulation
+	}
 	m_impl->isHealthy = true;
 	m_impl->skin.fade.clear();
-	forceActivationState( ACTIVE_TAG ); // quarantine had taken it out of the simulation
+	activate( true ); // leaves alone what the game has set for good
 	hasMoved();
 }
 

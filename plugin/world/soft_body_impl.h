@@ -102,6 +102,7 @@ struct SoftBody::Impl
 	int block = -1, blockPart = -1;    ///< in this substep's implicit solution; -1: in none
 	bool isGuarded = false;            ///< it was fast, and is near what it must not pass: it is held back though it is slow now
 	bool isHealthy = true;
+	int stateBefore = ACTIVE_TAG;      ///< of activation, before quarantine took the body out of the simulation
 	bool hasOwnGravity = false;
 	btVector3 gravity = btVector3( 0, 0, 0 );
 	btVector3 centralForce = btVector3( 0, 0, 0 );

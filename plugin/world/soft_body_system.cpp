@@ -311,6 +311,7 @@ void SoftBodySystem::quarantine( SoftBody& body )
 	nodes.v.x[0] = std::numeric_limits<float>::quiet_NaN(); // whatever was wrong, the body now goes back to its last finite state
 	impl.body->integrate( 0.0f );
 	impl.isHealthy = false;
+	impl.stateBefore = body.getActivationState();
 	impl.placeShape( body );
 	body.forceActivationState( DISABLE_SIMULATION );
 	++report.quarantined;

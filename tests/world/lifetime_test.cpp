@@ -172,6 +172,33 @@ TEST( Lifetime, ABodyWithABadNumberStopsAndItsNeighboursGoOnBitForBit )
 	}
 }
 
+// A game that keeps a body awake for good had to say so again after each reset.
+TEST( Lifetime, ResetWakesABodyAndKeepsWhatTheGameSetForGood )
+{
+	TestWorld t;
+	const auto shape = block( 2, 2, 2, 0.1f );
+	SoftBody* awake = t.addSoft( shape, at( 0, 1, 0 ) );
+	SoftBody* asleep = t.addSoft( shape, at( 2, 1, 0 ) );
+	awake->setActivationState( DISABLE_DEACTIVATION );
+	awake->reset( at( 0, 2, 0 ) );
+	EXPECT_EQ( awake->getActivationState(), DISABLE_DEACTIVATION );
+	asleep->forceActivationState( ISLAND_SLEEPING );
+	asleep->reset( at( 2, 2, 0 ) );
+	EXPECT_EQ( asleep->getActivationState(), ACTIVE_TAG );
+	for ( SoftBody* body : { awake, asleep } )
+	{
+		body->applyImpulse( btVector3( std::numeric_limits<btScalar>::quiet_NaN(), 0, 0 ), 1 );
+	}
+	t.run( 2 );
+	for ( SoftBody* body : { awake, asleep } )
+	{
+		EXPECT_EQ( body->getActivationState(), DISABLE_SIMULATION );
+		body->reset( at( body == awake ? 0 : 2, 2, 0 ) );
+	}
+	EXPECT_EQ( awake->getActivationState(), DISABLE_DEACTIVATION );
+	EXPECT_EQ( asleep->getActivationState(), ACTIVE_TAG );
+}
+
 TEST( Lifetime, ThreadsDoNotChangeABit )
 {
 	std::vector<btVector3> places[3];
