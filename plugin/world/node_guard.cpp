@@ -317,7 +317,7 @@ std::vector<const btCollisionObject*> SoftBodySystem::wallsAround( SoftBody& bod
 	const btScalar room = btScalar( reach ) + shape.largestRadius();
 	const btVector3 around( room, room, room ), at = body.getWorldTransform().getOrigin();
 	WallsAround found( m_world, body );
-	m_world.getBroadphase()->aabbTest( at + shape.tree().m_root->volume.Mins() - around, at + shape.tree().m_root->volume.Maxs() + around, found );
+	m_world.getBroadphase()->aabbTest( at + shape.rows().whole().mins() - around, at + shape.rows().whole().maxs() + around, found );
 	std::sort( found.walls.begin(), found.walls.end(), []( const btCollisionObject* a, const btCollisionObject* b ) {
 		return a->getBroadphaseHandle()->m_uniqueId < b->getBroadphaseHandle()->m_uniqueId;
 	} );
@@ -351,7 +351,7 @@ void SoftBodySystem::keepNewNodesOut( SoftBody& body, const std::vector<Vec3>& p
 	const std::vector<const btCollisionObject*> walls = wallsAround( body, 0.0 );
 	if ( !walls.empty() && m_guard.place( body, walls, placeBefore ) )
 	{
-		body.impl().shape->update( body.impl().body->nodes(), body.impl().shapeShift );
+		body.impl().shape->place( body.impl().body->nodes(), body.impl().shapeShift );
 	}
 }
 

@@ -217,7 +217,7 @@ void NodeSearch::foreseeIn( const btVector3& low, const btVector3& high, const F
 	}
 	const SoftBody::Impl& impl = m_soft->impl();
 	const btVector3 aside = cornerReach();
-	impl.shape->visitOverlaps( low - aside, high + aside, m_stack, [&]( int child ) { foresee( impl.shape->nodeOfChild( child ), find ); } );
+	impl.shape->rows().visitOverlaps( SphereRows::Box::of( low - aside, high + aside ), [&]( int node ) { foresee( node, find ); } );
 }
 
 void NodeSearch::solid( const Obstacle& obstacle )
@@ -234,8 +234,7 @@ void NodeSearch::solid( const Obstacle& obstacle )
 						  btScalar( m_step * m_motion.angular.norm() ) * ( box.high - box.low ).length() / 2;
 	box.move( btVector3( -turn, -turn, -turn ), btVector3( turn, turn, turn ) );
 	box.stretchAgainst( *impl.shape );
-	impl.shape->visitOverlaps( box.low, box.high, m_stack, [&]( int child ) {
-		const int node = impl.shape->nodeOfChild( child );
+	impl.shape->rows().visitOverlaps( SphereRows::Box::of( box.low, box.high ), [&]( int node ) {
 		noteNear( node, size );
 		Touch touch;
 		if ( findTouch( obstacle, sphereOf( node ), touch ) )
@@ -250,8 +249,8 @@ void NodeSearch::mesh( const Obstacle& obstacle )
 {
 	// The soft body's box in the mesh's coordinates, swept by both motions.
 	const SoftBody::Impl& impl = m_soft->impl();
-	const btDbvtVolume& root = impl.shape->tree().m_root->volume;
-	Box box{ root.Mins() + impl.shape->sweepLow(), root.Maxs() + impl.shape->sweepHigh() };
+	const SphereRows::Box& whole = impl.shape->rows().whole();
+	Box box{ whole.mins() + impl.shape->sweepLow(), whole.maxs() + impl.shape->sweepHigh() };
 	box.stretchAlong( toBt( -m_step * m_motion.linear ) );
 	box.move( -cornerReach(), cornerReach() );
 	const Vec3d centre = toVec3d( box.low + box.high ) / 2.0 + impl.shapeShift.cast<double>();
@@ -287,8 +286,7 @@ void NodeSearch::triangle( const Obstacle& mesh, const Vec3d ( &corners )[3] )
 	Box box{ toBt( corners[0].cwiseMin( corners[1] ).cwiseMin( corners[2] ) - shift ), toBt( corners[0].cwiseMax( corners[1] ).cwiseMax( corners[2] ) - shift ) };
 	box.stretchAlong( toBt( m_step * m_motion.linear ) );
 	box.stretchAgainst( *impl.shape );
-	impl.shape->visitOverlaps( box.low, box.high, m_stack, [&]( int child ) {
-		const int node = impl.shape->nodeOfChild( child );
+	impl.shape->rows().visitOverlaps( SphereRows::Box::of( box.low, box.high ), [&]( int node ) {
 		Touch touch;
 		if ( findTouch( corners, sphereOf( node ), touch ) )
 		{
@@ -343,8 +341,7 @@ const std::vector<NodeHit>& NodeSearch::againstSoft( const SoftBody& a, const So
 	const Vec3d fromAToB = implA.body->nodes().origin - nodesB.origin; // adds to a position of A's to make it one of B's
 	const btVector3 shapesApart = toBt( fromAToB + ( implA.shapeShift - implB.shapeShift ).cast<double>() );
 	const btVector3 low = shapeA.sweepLow() - shapeB.sweepHigh(), high = shapeA.sweepHigh() - shapeB.sweepLow();
-	NodeShape::visitPairs( shapeA, shapeB, NodeShape::Stretch{ shapesApart, low, high }, m_pairs, [&]( int childA, int childB ) {
-		const int nodeA = shapeA.nodeOfChild( childA ), nodeB = shapeB.nodeOfChild( childB );
+	SphereRows::visitPairs( shapeA.rows(), shapeB.rows(), SphereRows::Approach{ shapesApart, low, high }, m_near, [&]( int nodeA, int nodeB ) {
 		MovingSphere sphere = sphereOf( nodeA );
 		sphere.way -= step * nodesB.v.get( nodeB ).cast<double>();
 		Touch touch;

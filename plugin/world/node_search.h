@@ -61,8 +61,7 @@ private:
 	ObstacleMotion m_motion;
 	std::uint32_t m_leaf = 0;
 	std::vector<NodeHit> m_hits;
-	btNodeStack m_stack;
-	std::vector<TreePair> m_pairs;
+	std::vector<int> m_near; ///< scratch of SphereRows::visitPairs
 };
 
 } // namespace pliant

@@ -64,6 +64,7 @@ NodeShape::NodeShape( const Body& body ) : btCompoundShape( true, body.nodeCount
 	m_dynamicAabbTree->m_root = buildNodeTree( &m_children[0], all );
 	m_dynamicAabbTree->m_leaves = m_children.size();
 	m_refit.collect( m_dynamicAabbTree->m_root );
+	arrangeRows();
 }
 
 void NodeShape::addUniform( const Lattice& lattice )
@@ -169,6 +170,7 @@ bool NodeShape::followCracks( const Body& body, const std::vector<std::uint32_t>
 	{
 		m_refit.collect( m_dynamicAabbTree->m_root );
 	}
+	arrangeRows(); // placed with all others
 	return true;
 }
 
@@ -259,10 +261,11 @@ void NodeShape::followLevels( const Body& body, const Vec3& shift )
 			isSameTree = false;
 		}
 	}
+	arrangeRows();
 	if ( isSameTree )
 	{
 		m_refit.putBefore( inner );
-		setSweep( btVector3( 0, 0, 0 ), btVector3( 0, 0, 0 ) );
+		place( body.nodes(), shift );
 		return;
 	}
 	m_refit.collect( m_dynamicAabbTree->m_root );
@@ -344,20 +347,34 @@ btSphereShape* NodeShape::sphereOf( double radius )
 	return shape.get();
 }
 
-void NodeShape::update( const NodeState& nodes, const Vec3& shift, TaskRunner* runner )
+void NodeShape::place( const NodeState& nodes, const Vec3& shift, TaskRunner* runner )
 {
-	runShares( runner, Shares{ m_children.size() }, [&]( int, int begin, int end ) {
-		for ( int child = begin; child < end; ++child )
-		{
-			__builtin_prefetch( m_children[std::min( child + kAskedAhead, end - 1 )].m_node, 1 );
-			const int i = m_nodeOfChild[child];
-			const Vec3 at = nodes.x.get( i ) - shift;
-			m_children[child].m_transform.setOrigin( btVector3( at.x(), at.y(), at.z() ) );
+	m_rows.place( nodes, shift, runner );
+	m_isStale = true;
+	setSweep( btVector3( 0, 0, 0 ), btVector3( 0, 0, 0 ) );
+}
+
+void NodeShape::freshen( TaskRunner* runner )
+{
+	if ( !m_isStale )
+	{
+		return;
+	}
+	m_isStale = false;
+	runShares( runner, Shares{ m_rows.count() }, [&]( int, int begin, int end ) {
+		m_rows.visitPlaces( begin, end, [&]( int node, const btVector3& at ) {
+			const int child = m_childOfNode[std::size_t( node )];
+			m_children[child].m_transform.setOrigin( at );
 			m_children[child].m_node->volume = boxOf( child );
-		}
+		} );
 	} );
 	m_refit.run( runner );
-	setSweep( btVector3( 0, 0, 0 ), btVector3( 0, 0, 0 ) );
+}
+
+void NodeShape::update( const NodeState& nodes, const Vec3& shift, TaskRunner* runner )
+{
+	place( nodes, shift, runner );
+	freshen( runner );
 }
 
 void NodeShape::setSweep( const btVector3& low, const btVector3& high )
@@ -366,15 +383,15 @@ void NodeShape::setSweep( const btVector3& low, const btVector3& high )
 	m_sweepHigh = high;
 	m_sweepLow.setMin( btVector3( 0, 0, 0 ) );
 	m_sweepHigh.setMax( btVector3( 0, 0, 0 ) );
-	m_localAabbMin = m_dynamicAabbTree->m_root->volume.Mins() + m_sweepLow;
-	m_localAabbMax = m_dynamicAabbTree->m_root->volume.Maxs() + m_sweepHigh;
+	m_localAabbMin = m_rows.whole().mins() + m_sweepLow;
+	m_localAabbMax = m_rows.whole().maxs() + m_sweepHigh;
 }
 
 std::size_t NodeShape::bytes() const
 {
 	return std::size_t( m_children.size() ) * ( sizeof( btCompoundShapeChild ) + sizeof( btDbvtNode ) + sizeof( int ) ) +
 		   m_refit.count() * ( sizeof( btDbvtNode ) + sizeof( btDbvtNode* ) ) + m_childOfNode.size() * ( sizeof( int ) + sizeof( btSphereShape* ) ) +
-		   m_colliders.bytes();
+		   m_colliders.bytes() + m_rows.bytes();
 }
 
 } // namespace pliant

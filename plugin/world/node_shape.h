@@ -1,12 +1,13 @@
 #pragma once
 
-// A soft body's collision shape: one Bullet compound of shared spheres, one a colliding node, its tree refitted after each substep.
-// Ray, sweep and contact tests, ghosts and debug drawing work on it as on any compound.
+// A soft body's collision shape: one Bullet compound of shared spheres, one a colliding node, its tree refitted after each step.
+// Ray, sweep and contact tests, ghosts and debug drawing work on it as on any compound. A substep's own searches ask sphere_rows.h.
 
 #include "body/body.h"
 #include "matching/node_state.h"
 #include "world/node_colliders.h"
 #include "world/node_tree.h"
+#include "world/sphere_rows.h"
 
 #include <BulletCollision/BroadphaseCollision/btDbvt.h>
 #include <BulletCollision/CollisionShapes/btCompoundShape.h>
@@ -14,13 +15,9 @@
 
 #include <map>
 #include <memory>
-#include <utility>
 #include <vector>
 
 namespace pliant {
-
-/// Nodes of two trees that are still to be looked at together.
-using TreePair = std::pair<const btDbvtNode*, const btDbvtNode*>;
 
 class NodeShape : public btCompoundShape
 {
@@ -40,8 +37,13 @@ public:
 	bool followCracks( const Body& body, const std::vector<std::uint32_t>& nodeNow, const std::vector<std::uint32_t>& nodeBefore,
 		const std::vector<std::uint32_t>& treeBefore );
 
-	/// Writes the spheres' places and boxes and refits the tree. `shift`: the shape's own origin in the nodes' coordinates.
-	/// `runner` may be null.
+	/// The spheres go where the nodes are. `shift`: the shape's own origin in the nodes' coordinates. `runner` may be null. What Bullet is asked
+	/// (the compound's children and its tree) stays where it is until it is freshened: most of a substep's work for nothing while only we ask.
+	void place( const NodeState& nodes, const Vec3& shift, TaskRunner* runner = nullptr );
+	/// Children and tree go where the spheres are.
+	void freshen( TaskRunner* runner = nullptr );
+	bool isStale() const { return m_isStale; }
+	/// Both.
 	void update( const NodeState& nodes, const Vec3& shift, TaskRunner* runner = nullptr );
 	/// The nodes may move by anything between `low` and `high`, m, in this step: the shape's box grows by it, the spheres' do not.
 	void setSweep( const btVector3& low, const btVector3& high );
@@ -58,68 +60,14 @@ public:
 	btScalar largestRadius() const { return m_largestRadius; }
 	btScalar smallestRadius() const { return m_smallestRadius; }
 
-	/// Calls visit( child ) for every child whose box meets the box, which is in the shape's own coordinates. `stack` is scratch that the
-	/// caller keeps, so that only the first calls allocate.
-	template <class Visit>
-	void visitOverlaps( const btVector3& low, const btVector3& high, btNodeStack& stack, Visit&& visit ) const
-	{
-		struct Collect : btDbvt::ICollide
-		{
-			explicit Collect( Visit& v ) : call( v ) {}
-			void Process( const btDbvtNode* leaf ) override { call( leaf->dataAsInt ); }
-			Visit& call;
-		} collect( visit );
-		const btDbvtVolume box = btDbvtVolume::FromMM( low, high );
-		m_dynamicAabbTree->collideTVNoStackAlloc( m_dynamicAabbTree->m_root, box, stack, collect );
-	}
-	/// Calls visit( childA, childB ) for every pair of children of two shapes whose boxes meet, a's moved by `shift` and stretched by `low` and
-	/// `high`, which are not above and not below zero.
-	struct Stretch
-	{
-		btVector3 shift, low, high;
-	};
-	template <class Visit>
-	static void visitPairs( const NodeShape& a, const NodeShape& b, const Stretch& stretch, std::vector<TreePair>& waiting, Visit&& visit )
-	{
-		const btVector3 low = stretch.shift + stretch.low, high = stretch.shift + stretch.high;
-		waiting.assign( 1, { a.m_dynamicAabbTree->m_root, b.m_dynamicAabbTree->m_root } );
-		while ( !waiting.empty() )
-		{
-			const auto [one, other] = waiting.back();
-			waiting.pop_back();
-			const btVector3 oneLow = one->volume.Mins() + low, oneHigh = one->volume.Maxs() + high;
-			const btVector3 &otherLow = other->volume.Mins(), &otherHigh = other->volume.Maxs();
-			if ( oneLow.x() > otherHigh.x() || oneHigh.x() < otherLow.x() || oneLow.y() > otherHigh.y() || oneHigh.y() < otherLow.y() ||
-				 oneLow.z() > otherHigh.z() || oneHigh.z() < otherLow.z() )
-			{
-				continue;
-			}
-			const bool isLeaf = one->isleaf(), isOtherLeaf = other->isleaf();
-			if ( isLeaf && isOtherLeaf )
-			{
-				visit( one->dataAsInt, other->dataAsInt );
-			}
-			else if ( isOtherLeaf || ( !isLeaf && isLarger( one->volume, other->volume ) ) )
-			{
-				waiting.push_back( { one->childs[0], other } );
-				waiting.push_back( { one->childs[1], other } );
-			}
-			else
-			{
-				waiting.push_back( { one, other->childs[0] } );
-				waiting.push_back( { one, other->childs[1] } );
-			}
-		}
-	}
+	/// What a substep's searches ask: the spheres where the nodes are, in the shape's own coordinates.
+	const SphereRows& rows() const { return m_rows; }
+	/// Bullet's tree, where it was last freshened.
 	const btDbvt& tree() const { return *m_dynamicAabbTree; }
 
 	std::size_t bytes() const;
 
 private:
-	static bool isLarger( const btDbvtVolume& a, const btDbvtVolume& b )
-	{
-		return ( a.Maxs() - a.Mins() ).length2() > ( b.Maxs() - b.Mins() ).length2();
-	}
 	void addUniform( const Lattice& lattice );
 	void removeChild( int child );
 	void renumber( const std::vector<std::uint32_t>& nodeNow, const std::vector<std::uint32_t>& before );
@@ -135,10 +83,13 @@ private:
 	void renumberSpheres( const Levels& levels );
 	void splitLeaf( int child, const std::vector<int>& into, std::vector<btDbvtNode*>& inner, const PlacedNodes& placed );
 	btDbvtVolume boxOf( int child ) const;
+	void arrangeRows() { m_rows.arrange( m_dynamicAabbTree->m_root, m_nodeOfChild, m_sphereOfNode ); }
 
 	std::map<int, std::unique_ptr<btSphereShape>> m_spheres; // by radius step
 	std::vector<int> m_nodeOfChild, m_childOfNode;
 	std::vector<btSphereShape*> m_sphereOfNode;
+	SphereRows m_rows;
+	bool m_isStale = false; // the tree stands where the spheres no longer are
 	TreeRefit m_refit;
 	NodeColliders m_colliders; // of bodies with levels only
 	btScalar m_largestRadius = btScalar( 0 ), m_smallestRadius = btScalar( SIMD_INFINITY );

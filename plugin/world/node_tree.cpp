@@ -1,6 +1,7 @@
 #include "world/node_tree.h"
 
 #include "threads/parallel.h"
+#include "world/sphere_rows.h"
 
 #include <algorithm>
 #include <new>
@@ -41,7 +42,9 @@ public:
 			m_children[child].m_node = node;
 			return node;
 		}
-		const int axis = longestAxis( first, last ), middle = ( first + last ) / 2;
+		const int axis = longestAxis( first, last ), half = ( last - first ) / 2;
+		// Whole rows of eight below each half: SphereRows takes the leaves as they stand.
+		const int middle = first + ( last - first > SphereRows::kWide ? ( half + SphereRows::kWide - 1 ) / SphereRows::kWide * SphereRows::kWide : half );
 		const auto begin = m_order.begin();
 		std::nth_element( begin + first, begin + middle, begin + last,
 			[axis]( const Leaf& a, const Leaf& b ) { return a.at[axis] != b.at[axis] ? a.at[axis] < b.at[axis] : a.child < b.child; } );

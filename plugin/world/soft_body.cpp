@@ -32,7 +32,7 @@ Placement placementOf( const Lattice& lattice, const btTransform& t )
 
 } // namespace
 
-void SoftBody::Impl::placeShape( btCollisionObject& object, TaskRunner* runner )
+void SoftBody::Impl::placeSpheres( btCollisionObject& object, TaskRunner* runner )
 {
 	const NodeState& nodes = body->nodes();
 	OfShares<std::array<double, 4>> sums{}; // kg m, kg
@@ -56,9 +56,15 @@ void SoftBody::Impl::placeShape( btCollisionObject& object, TaskRunner* runner )
 	centre /= mass;
 	const btTransform at( btQuaternion::getIdentity(), toBt( nodes.origin + centre ) );
 	shapeShift = ( toVec3d( at.getOrigin() ) - nodes.origin ).cast<float>();
-	shape->update( nodes, shapeShift, runner );
+	shape->place( nodes, shapeShift, runner );
 	object.setWorldTransform( at );
 	object.setInterpolationWorldTransform( at );
+}
+
+void SoftBody::Impl::placeShape( btCollisionObject& object )
+{
+	placeSpheres( object );
+	shape->freshen();
 }
 
 void SoftBody::Impl::finish( SoftBody& owner )

@@ -155,8 +155,9 @@ struct SoftBody::Impl
 		return btVector3( v.x[node], v.y[node], v.z[node] );
 	}
 	Pin* findPin( int node );
-	/// Spheres, boxes and the object's transform go where the nodes are.
-	void placeShape( btCollisionObject& object, TaskRunner* runner = nullptr );
+	/// The object's transform and the spheres go where the nodes are; what Bullet is asked of them is to be freshened.
+	void placeSpheres( btCollisionObject& object, TaskRunner* runner = nullptr );
+	void placeShape( btCollisionObject& object );
 	/// How the nodes carry the skin now. Valid until the next call.
 	SkinPose skinPose() const;
 	/// Before a change of levels: how the surface is carried, if anybody looks at it. After: what the change moved it by.

@@ -12,6 +12,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 
 namespace pliant {
@@ -348,14 +349,26 @@ void SoftBodySystem::integrate( btScalar h, int substep )
 		settlePins( body, h, substep );
 		impl.isBroken = impl.body->integrate( float( h ), within ) == BodyHealth::Quarantined;
 		impl.measureSpeed( within );
-		impl.placeShape( body, within );
+		impl.placeSpheres( body, within );
 		impl.skin.nodesMoved();
 	} );
 	quarantineBroken();
 }
 
+void SoftBodySystem::freshenShapes()
+{
+	Stopwatch watch( report.spheres );
+	m_stale.clear();
+	std::copy_if( m_bodies.begin(), m_bodies.end(), std::back_inserter( m_stale ), []( const SoftBody* body ) { return body->impl().shape->isStale(); } );
+	// Many: each in one task. Few: the threads share a body.
+	const bool oneTaskEach = int( m_stale.size() ) >= tasks()->threadCount();
+	auto freshen = [&]( int k ) { m_stale[std::size_t( k )]->impl().shape->freshen( oneTaskEach ? nullptr : tasks() ); };
+	runTasks( oneTaskEach ? tasks() : nullptr, int( m_stale.size() ), freshen );
+}
+
 void SoftBodySystem::endStep()
 {
+	freshenShapes();
 	countNodes();
 	for ( SoftBody* body : m_bodies )
 	{

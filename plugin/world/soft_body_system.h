@@ -51,6 +51,8 @@ public:
 	void readBack();                            ///< what the solver made of the touched nodes
 	void holdBack( btScalar h );                ///< fast nodes, from passing through what stands
 	void integrate( btScalar h, int substep );
+	/// For what asks Bullet where the bodies are (rays, sweeps, contact tests) before the step has ended.
+	void freshenShapes();
 	void updateActivation( btScalar h );
 	void endStep();
 	void clearForces();
@@ -127,6 +129,7 @@ private:
 	ImplicitChoice m_choice;
 	btScalar m_lastSubstep = btScalar( 0 ); ///< s; 0: there was none
 	std::vector<SoftBody*> m_awake; ///< in this substep
+	std::vector<SoftBody*> m_stale; ///< scratch of freshenShapes
 	std::vector<SoftBody*> m_sharedOut, m_whole; ///< those of them that all threads do together, and that one does
 	std::vector<SoftBody*> m_stale; ///< scratch of noteAsked
 	unsigned m_steps = 1, m_askedIn = 0; ///< game steps so far, from 1; after which of them a skin was last asked for (0: never)

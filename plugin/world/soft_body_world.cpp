@@ -25,6 +25,18 @@ struct SoftBodyWorld::System
 	Bounces bounces;
 	int substep = 0;
 	bool isStepping = false; ///< inside a substep of ours: the overrides do their part
+
+	/// Something asks Bullet between substeps where soft bodies are. Actions may ask anything (a vehicle's wheels cast rays), and Bullet's continuous
+	/// detection sweeps bodies against all that is there.
+	static bool isAsked( const SoftBodyWorld& world )
+	{
+		bool isSwept = false;
+		for ( int i = 0; world.getDispatchInfo().m_useContinuous && !isSwept && i < world.m_nonStaticRigidBodies.size(); ++i )
+		{
+			isSwept = world.m_nonStaticRigidBodies[i]->getCcdSquareMotionThreshold() != 0;
+		}
+		return isSwept || world.m_actions.size() > 0;
+	}
 };
 
 SoftBodyWorld::SoftBodyWorld(
@@ -298,6 +310,10 @@ void SoftBodyWorld::integrateTransforms( btScalar timeStep )
 		Stopwatch watch( m_system->bodies.report.integrate );
 		m_system->bodies.holdBack( timeStep );
 		m_system->bodies.integrate( timeStep, m_system->substep );
+	}
+	if ( m_system->isStepping && System::isAsked( *this ) )
+	{
+		m_system->bodies.freshenShapes();
 	}
 	if ( m_system->isStepping )
 	{

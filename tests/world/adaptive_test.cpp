@@ -191,8 +191,7 @@ TEST( Adaptive, SpheresAreThoseOfABodyMadeThisWay )
 		NodeShape fresh( *soft->impl().body );
 		ASSERT_EQ( shape.getNumChildShapes(), fresh.getNumChildShapes() );
 		std::vector<int> found( std::size_t( shape.getNumChildShapes() ), 0 );
-		btNodeStack stack;
-		shape.visitOverlaps( btVector3( -9, -9, -9 ), btVector3( 9, 9, 9 ), stack, [&found]( int child ) { ++found[std::size_t( child )]; } );
+		shape.rows().visitOverlaps( SphereRows::Box{ { -9, -9, -9 }, { 9, 9, 9 } }, [&]( int node ) { ++found[std::size_t( shape.childOfNode( node ) )]; } );
 		EXPECT_EQ( found, std::vector<int>( found.size(), 1 ) );
 		for ( int i = 0; i < soft->nodeCount(); ++i )
 		{

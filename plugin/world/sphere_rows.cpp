@@ -1,0 +1,117 @@
+#include "world/sphere_rows.h"
+
+#include "threads/parallel.h"
+#include "world/constants.h"
+
+#include <algorithm>
+
+namespace pliant {
+
+namespace {
+
+/// A box that meets none, and that adds nothing to another.
+constexpr float kNowhere = 1e30f;
+constexpr SphereRows::Box kEmpty{ { kNowhere, kNowhere, kNowhere }, { -kNowhere, -kNowhere, -kNowhere } };
+
+std::size_t eighthOf( std::size_t count )
+{
+	return ( count + SphereRows::kWide - 1 ) / SphereRows::kWide;
+}
+
+} // namespace
+
+void SphereRows::Boxes::set( int k, const Box& box )
+{
+	for ( int axis = 0; axis < 3; ++axis )
+	{
+		low[axis][k] = box.low[axis];
+		high[axis][k] = box.high[axis];
+	}
+}
+
+SphereRows::Box SphereRows::Boxes::around() const
+{
+	Box box;
+	for ( int axis = 0; axis < 3; ++axis )
+	{
+		box.low[axis] = Eigen::Map<const Eigen::Array<float, kWide, 1>>( low[axis] ).minCoeff();
+		box.high[axis] = Eigen::Map<const Eigen::Array<float, kWide, 1>>( high[axis] ).maxCoeff();
+	}
+	return box;
+}
+
+void SphereRows::arrange( const btDbvtNode* root, const std::vector<int>& nodeOfChild, const std::vector<btSphereShape*>& sphereOfNode )
+{
+	m_rows.clear();
+	m_rows.reserve( eighthOf( nodeOfChild.size() ) );
+	m_count = 0;
+	Row none{};
+	std::fill( std::begin( none.reach ), std::end( none.reach ), -kNowhere );
+	std::vector<const btDbvtNode*> waiting( root ? 1 : 0, root );
+	while ( !waiting.empty() )
+	{
+		const btDbvtNode* const at = waiting.back();
+		waiting.pop_back();
+		if ( at->isinternal() )
+		{
+			waiting.push_back( at->childs[1] );
+			waiting.push_back( at->childs[0] );
+			continue;
+		}
+		const int k = m_count++ % kWide;
+		if ( k == 0 )
+		{
+			m_rows.push_back( none );
+		}
+		const int node = nodeOfChild[std::size_t( at->dataAsInt )];
+		m_rows.back().node[k] = node;
+		m_rows.back().reach[k] = float( sphereOfNode[std::size_t( node )]->getRadius() * ( 1 + kContactSlop ) );
+	}
+	m_rank.clear();
+	std::size_t boxes = 0;
+	for ( std::size_t wide = m_rows.size(); wide > 1 || m_rank.empty(); )
+	{
+		m_rank.push_back( int( boxes ) );
+		wide = eighthOf( wide );
+		boxes += wide;
+	}
+	Boxes empty;
+	for ( int k = 0; k < kWide; ++k )
+	{
+		empty.set( k, kEmpty );
+	}
+	m_boxes.assign( boxes, empty );
+}
+
+void SphereRows::placeRows( int first, int last, const NodeState& nodes, const Vec3& shift )
+{
+	for ( int r = first; r < last; ++r )
+	{
+		Row& row = m_rows[std::size_t( r )];
+		for ( int k = 0; k < kWide; ++k )
+		{
+			const int node = row.node[k]; // where there is none, any
+			row.x[0][k] = nodes.x.x[node] - shift.x();
+			row.x[1][k] = nodes.x.y[node] - shift.y();
+			row.x[2][k] = nodes.x.z[node] - shift.z();
+		}
+		m_boxes[std::size_t( r / kWide )].set( r % kWide, boxesOf( row ).around() );
+	}
+}
+
+void SphereRows::place( const NodeState& nodes, const Vec3& shift, TaskRunner* runner )
+{
+	// Shares are whole numbers of rows: multiples of 16 spheres.
+	runShares( runner, Shares{ int( m_rows.size() ) * kWide }, [&]( int, int begin, int end ) { placeRows( begin / kWide, end / kWide, nodes, shift ); } );
+	for ( std::size_t rank = 1; rank < m_rank.size(); ++rank )
+	{
+		const int from = m_rank[rank - 1], to = m_rank[rank];
+		for ( int i = from; i < to; ++i )
+		{
+			m_boxes[std::size_t( to + ( i - from ) / kWide )].set( ( i - from ) % kWide, m_boxes[std::size_t( i )].around() );
+		}
+	}
+	m_whole = m_boxes.back().around();
+}
+
+} // namespace pliant

@@ -1,0 +1,208 @@
+#pragma once
+
+// The spheres of a soft body's nodes as a substep's searches want them: rows of eight that lie near one another, boxes around rows, eight of them side by
+// side, boxes around those, and so on. Nothing is pointed to and eight are asked at once: a body of some hundred nodes is 5 kB that stay in the cache.
+// Bullet's tree over the same spheres takes 40, and is there for those who ask Bullet (node_shape.h).
+
+#include "lattice/lattice.h"
+#include "matching/node_state.h"
+
+#include <BulletCollision/BroadphaseCollision/btDbvt.h>
+#include <BulletCollision/CollisionShapes/btSphereShape.h>
+
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <cstring>
+#include <vector>
+
+namespace pliant {
+
+class TaskRunner;
+
+class SphereRows
+{
+public:
+	static constexpr int kWide = 8;
+
+	struct Box
+	{
+		float low[3], high[3];
+
+		static Box of( const btVector3& low, const btVector3& high )
+		{
+			return Box{ { float( low.x() ), float( low.y() ), float( low.z() ) }, { float( high.x() ), float( high.y() ), float( high.z() ) } };
+		}
+		btVector3 mins() const { return btVector3( low[0], low[1], low[2] ); }
+		btVector3 maxs() const { return btVector3( high[0], high[1], high[2] ); }
+		Box moved( const Box& by ) const
+		{
+			return Box{ { low[0] + by.low[0], low[1] + by.low[1], low[2] + by.low[2] }, { high[0] + by.high[0], high[1] + by.high[1], high[2] + by.high[2] } };
+		}
+	};
+	/// Where the spheres of one body stand in the coordinates of another, and by how much more one may come towards one of the other's, m. `low` and
+	/// `high` are not above and not below zero.
+	struct Approach
+	{
+		btVector3 shift, low, high;
+	};
+
+	/// The spheres of a tree's leaves, in their order; leaves name children. They are to be placed.
+	void arrange( const btDbvtNode* root, const std::vector<int>& nodeOfChild, const std::vector<btSphereShape*>& sphereOfNode );
+	/// Spheres and boxes go where the nodes are. `shift`: where the rows' own origin is in the nodes' coordinates. `runner` may be null.
+	void place( const NodeState& nodes, const Vec3& shift, TaskRunner* runner );
+	/// Around all of them.
+	const Box& whole() const { return m_whole; }
+	int count() const { return m_count; }
+	std::size_t bytes() const { return m_rows.size() * sizeof( Row ) + m_boxes.size() * sizeof( Boxes ); }
+
+	/// visit( node ) for every sphere whose box meets the box.
+	template <class Visit>
+	void visitOverlaps( const Box& box, Visit&& visit ) const
+	{
+		visitRows( box, [&]( int at ) {
+			const Row& row = m_rows[std::size_t( at )];
+			forEach( met( row, box ), [&]( int k ) { visit( row.node[k] ); } );
+		} );
+	}
+	/// visit( nodeA, nodeB ) for every pair of spheres that may come to touch, and for some that nearly do. `near` is scratch that the caller keeps.
+	template <class Visit>
+	static void visitPairs( const SphereRows& a, const SphereRows& b, const Approach& approach, std::vector<int>& near, Visit&& visit );
+	/// visit( node, where its sphere is ) for the first-th to the one before the last-th.
+	template <class Visit>
+	void visitPlaces( int first, int last, Visit&& visit ) const
+	{
+		for ( int i = first; i < last; ++i )
+		{
+			const Row& row = m_rows[std::size_t( i / kWide )];
+			const int k = i % kWide;
+			visit( row.node[k], btVector3( row.x[0][k], row.x[1][k], row.x[2][k] ) );
+		}
+	}
+
+private:
+	/// `reach`: of a sphere's box from its middle. Places without a sphere have boxes that nothing meets.
+	struct alignas( 32 ) Row
+	{
+		float x[3][kWide], reach[kWide];
+		int node[kWide];
+	};
+	struct alignas( 32 ) Boxes
+	{
+		float low[3][kWide], high[3][kWide];
+
+		Box at( int k ) const { return Box{ { low[0][k], low[1][k], low[2][k] }, { high[0][k], high[1][k], high[2][k] } }; }
+		void set( int k, const Box& box );
+		Box around() const;
+	};
+	/// Not 0 where it is so.
+	using Lanes = std::array<std::uint8_t, kWide>;
+
+	static Boxes boxesOf( const Row& row )
+	{
+		Boxes boxes;
+		for ( int axis = 0; axis < 3; ++axis )
+		{
+			for ( int k = 0; k < kWide; ++k )
+			{
+				boxes.low[axis][k] = row.x[axis][k] - row.reach[k];
+				boxes.high[axis][k] = row.x[axis][k] + row.reach[k];
+			}
+		}
+		return boxes;
+	}
+	static Lanes met( const Boxes& boxes, const Box& box )
+	{
+		Lanes is;
+		for ( int k = 0; k < kWide; ++k )
+		{
+			const bool alongX = bool( int( boxes.low[0][k] <= box.high[0] ) & int( boxes.high[0][k] >= box.low[0] ) );
+			const bool alongY = bool( int( boxes.low[1][k] <= box.high[1] ) & int( boxes.high[1][k] >= box.low[1] ) );
+			const bool alongZ = bool( int( boxes.low[2][k] <= box.high[2] ) & int( boxes.high[2][k] >= box.low[2] ) );
+			is[std::size_t( k )] = std::uint8_t( int( alongX ) & int( alongY ) & int( alongZ ) );
+		}
+		return is;
+	}
+	static Lanes met( const Row& row, const Box& box ) { return met( boxesOf( row ), box ); }
+	/// Those whose middles are nearer to `x` than the sum of both reaches.
+	static Lanes near( const Row& row, const float ( &x )[3], float reach )
+	{
+		Lanes is;
+		for ( int k = 0; k < kWide; ++k )
+		{
+			const float dx = row.x[0][k] - x[0], dy = row.x[1][k] - x[1], dz = row.x[2][k] - x[2], both = row.reach[k] + reach;
+			is[std::size_t( k )] = std::uint8_t( int( dx * dx + dy * dy + dz * dz <= both * both ) & int( both >= 0.0f ) );
+		}
+		return is;
+	}
+	template <class Visit>
+	static void forEach( const Lanes& is, Visit&& visit )
+	{
+		std::uint64_t all = 0;
+		static_assert( sizeof all == sizeof is );
+		std::memcpy( &all, is.data(), sizeof all );
+		for ( int k = 0; all != 0 && k < kWide; ++k )
+		{
+			if ( is[std::size_t( k )] != 0 )
+			{
+				visit( k );
+			}
+		}
+	}
+	/// visit( row ) for every row whose box meets the box.
+	template <class Visit>
+	void visitRows( const Box& box, Visit&& visit ) const
+	{
+		if ( m_count > 0 )
+		{
+			descend( int( m_rank.size() ) - 1, 0, box, visit );
+		}
+	}
+	template <class Visit>
+	void descend( int rank, int at, const Box& box, Visit& visit ) const // NOLINT(misc-no-recursion): as deep as the logarithm of the count
+	{
+		forEach( met( m_boxes[std::size_t( m_rank[std::size_t( rank )] + at )], box ), [&]( int k ) {
+			if ( rank == 0 )
+			{
+				visit( at * kWide + k );
+				return;
+			}
+			descend( rank - 1, at * kWide + k, box, visit );
+		} );
+	}
+	Box boxOfRow( int row ) const { return m_boxes[std::size_t( row / kWide )].at( row % kWide ); }
+	void placeRows( int first, int last, const NodeState& nodes, const Vec3& shift );
+
+	std::vector<Row> m_rows;
+	std::vector<Boxes> m_boxes; // of the rows, then of those, up to a single one
+	std::vector<int> m_rank;    // where the boxes of each rank begin
+	Box m_whole{};
+	int m_count = 0;
+};
+
+template <class Visit>
+void SphereRows::visitPairs( const SphereRows& a, const SphereRows& b, const Approach& approach, std::vector<int>& near, Visit&& visit )
+{
+	// What the way from a's coordinates to b's, and back, makes of a box.
+	const Box there = Box::of( approach.shift + approach.low, approach.shift + approach.high );
+	const Box back = Box::of( -approach.shift - approach.high, -approach.shift - approach.low );
+	btVector3 farthest = -approach.low;
+	farthest.setMax( approach.high );
+	const float way = float( farthest.length() );
+	const float shift[3] = { float( approach.shift.x() ), float( approach.shift.y() ), float( approach.shift.z() ) };
+	near.clear();
+	a.visitRows( b.m_whole.moved( back ), [&near]( int row ) { near.push_back( row ); } );
+	for ( const int mine : near )
+	{
+		const Row& row = a.m_rows[std::size_t( mine )];
+		b.visitRows( a.boxOfRow( mine ).moved( there ), [&]( int others ) {
+			const Row& other = b.m_rows[std::size_t( others )];
+			forEach( met( row, b.boxOfRow( others ).moved( back ) ), [&]( int k ) {
+				const float x[3] = { row.x[0][k] + shift[0], row.x[1][k] + shift[1], row.x[2][k] + shift[2] };
+				forEach( SphereRows::near( other, x, row.reach[k] + way ), [&]( int l ) { visit( row.node[k], other.node[l] ); } );
+			} );
+		} );
+	}
+}
+
+} // namespace pliant
