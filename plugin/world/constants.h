@@ -4,10 +4,17 @@
 
 #include <LinearMath/btScalar.h>
 
+#include <cstddef>
+
 namespace pliant {
 
 /// Sphere radii are rounded to steps of 2^(1/16), so that nodes share shapes.
 inline constexpr double kRadiusStepsPerOctave = 16.0;
+
+/// Contacts of a pair whose memory is asked for before their turn.
+inline constexpr std::size_t kContactsAhead = 2;
+/// The same of a body's stand-ins.
+inline constexpr std::size_t kStandsAhead = 4;
 
 /// Contacts are made this far ahead of touch at least, in node radii, so that a resting contact does not flicker.
 inline constexpr btScalar kContactSlop = btScalar( 0.04 );

@@ -7,6 +7,7 @@
 // another's boxes: they are one island with what they touch. Otherwise nothing of a heap would sleep as long as one in it swings.
 
 #include "pliant/soft_body.h"
+#include "world/ahead.h"
 #include "world/node_body.h"
 #include "world/soft_body_system.h"
 
@@ -75,17 +76,16 @@ private:
 
 	void uniteByContacts( btDispatcher& dispatcher )
 	{
-		for ( int i = 0; i < dispatcher.getNumManifolds(); ++i )
-		{
-			const btPersistentManifold& manifold = *dispatcher.getManifoldByIndexInternal( i );
+		forEachManifold( dispatcher, [this]( const btPersistentManifold& manifold ) {
 			const btCollisionObject *a = manifold.getBody0(), *b = manifold.getBody1();
-			a = ownerOfNodeBody( a ) ? ownerOfNodeBody( a ) : a;
-			b = ownerOfNodeBody( b ) ? ownerOfNodeBody( b ) : b;
-			if ( manifold.getNumContacts() > 0 && ( isSoft( a ) || isSoft( b ) ) )
+			const SoftBody *const ownerA = ownerOfNodeBody( a ), *const ownerB = ownerOfNodeBody( b );
+			a = ownerA ? ownerA : a;
+			b = ownerB ? ownerB : b;
+			if ( manifold.getNumContacts() > 0 && ( ownerA || ownerB || isSoft( a ) || isSoft( b ) ) )
 			{
 				unite( a, b );
 			}
-		}
+		} );
 	}
 
 	SoftBodySystem& m_bodies;

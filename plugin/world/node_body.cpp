@@ -1,5 +1,6 @@
 #include "world/node_body.h"
 
+#include "world/ahead.h"
 #include "world/soft_body_impl.h"
 
 namespace pliant {
@@ -13,15 +14,6 @@ NodeBody::NodeBody() : btRigidBody( btRigidBodyConstructionInfo( btScalar( 1 ), 
 	setAngularFactor( btVector3( 0, 0, 0 ) );
 	internalSetExtensionPointer( const_cast<char*>( &kNodeBodyMark ) );
 	setFlags( getFlags() | BT_DISABLE_WORLD_GRAVITY );
-}
-
-SoftBody* ownerOfNodeBody( const btCollisionObject* object )
-{
-	if ( !object || object->internalGetExtensionPointer() != &kNodeBodyMark )
-	{
-		return nullptr;
-	}
-	return static_cast<const NodeBody*>( object )->owner;
 }
 
 NodeBodyPool::~NodeBodyPool()
@@ -133,6 +125,7 @@ void NodeBodyPool::release( NodeBody* body )
 void NodeBodyPool::renumber( SoftBody& owner, const std::vector<std::uint32_t>& nodeNow, int nodeCount )
 {
 	SoftBody::Impl& impl = owner.impl();
+	++impl.numbering;
 	impl.nodeBody.assign( std::size_t( nodeCount ), nullptr );
 	for ( std::size_t k = impl.touched.size(); k-- > 0; )
 	{
@@ -147,6 +140,14 @@ void NodeBodyPool::renumber( SoftBody& owner, const std::vector<std::uint32_t>& 
 		stand.node = int( now );
 		impl.nodeBody[now] = &stand;
 	}
+}
+
+void NodeBodyPool::askAhead( const NodeBody& body )
+{
+	askFor( &body.getWorldTransform(), 2 * sizeof( btTransform ) + 2 * sizeof( btVector3 ) ); // both transforms, both speeds
+	askWho( body );
+	askFor( &body.getLinearVelocity(), sizeof( btVector3 ) );
+	askFor( &body.owner, sizeof( NodeBody ) - sizeof( btRigidBody ) );
 }
 
 void NodeBodyPool::refresh( NodeBody& body )

@@ -31,8 +31,14 @@ public:
 	btVector3 written = btVector3( 0, 0, 0 ); ///< world position given to the solver, m
 };
 
+/// Marks an object as a stand-in without touching the user's pointers.
+extern const char kNodeBodyMark;
+
 /// The soft body behind a node body, or null for any other object.
-SoftBody* ownerOfNodeBody( const btCollisionObject* object );
+inline SoftBody* ownerOfNodeBody( const btCollisionObject* object )
+{
+	return object && object->internalGetExtensionPointer() == &kNodeBodyMark ? static_cast<const NodeBody*>( object )->owner : nullptr;
+}
 
 class NodeBodyPool
 {
@@ -52,6 +58,8 @@ public:
 	}
 	/// Position, velocity, mass and surface properties from the node, once a phase.
 	void refresh( NodeBody& body );
+	/// The body is to be refreshed some turns later: what of it is written then.
+	static void askAhead( const NodeBody& body );
 
 	std::size_t count() const { return m_all.size(); }
 

@@ -1,5 +1,6 @@
 #include "world/node_contacts.h"
 
+#include "world/ahead.h"
 #include "world/constants.h"
 #include "world/soft_body_impl.h"
 
@@ -140,7 +141,7 @@ void PairContacts::process( const btCollisionObjectWrapper& body0, const btColli
 {
 	SoftBody* const soft0 = softOf( &body0 );
 	SoftBody* const soft1 = softOf( &body1 );
-	followNodes();
+	followNodes( soft0, soft1 );
 	if ( soft0 && soft1 )
 	{
 		matchHits( Pair{ soft0, soft1, nullptr, true }, m_search.againstSoft( *soft0, *soft1, step ) );
@@ -157,14 +158,21 @@ void PairContacts::process( const btCollisionObjectWrapper& body0, const btColli
 
 void PairContacts::processSelf( SoftBody& soft, SelfSearch& search, double step )
 {
-	followNodes();
+	followNodes( &soft, nullptr );
 	matchHits( Pair{ &soft, &soft, nullptr, true }, search.find( soft, step ) );
 }
 
 // After a change of levels: the contacts of nodes that are still there carry on under their new numbers, impulses and all. Nodes keep
 // their order, and so do the keys.
-void PairContacts::followNodes()
+void PairContacts::followNodes( const SoftBody* soft0, const SoftBody* soft1 )
 {
+	// Either number only ever grows: the sum is the same only where both are.
+	const unsigned numbering = ( soft0 ? soft0->impl().numbering : 0u ) + ( soft1 ? soft1->impl().numbering : 0u );
+	if ( numbering == m_numbering )
+	{
+		return;
+	}
+	m_numbering = numbering;
 	std::size_t kept = 0;
 	for ( std::size_t k = 0; k < m_contacts.size(); ++k )
 	{
@@ -187,10 +195,29 @@ void PairContacts::followNodes()
 	}
 }
 
+void PairContacts::askAhead( std::size_t contact ) const
+{
+	if ( contact >= m_contacts.size() )
+	{
+		return;
+	}
+	const NodeContact& ahead = m_contacts[contact];
+	askForManifold( *ahead.manifold );
+	NodeBodyPool::askAhead( *ahead.first );
+	if ( ahead.second )
+	{
+		NodeBodyPool::askAhead( *ahead.second );
+	}
+}
+
 // Carries on the contacts that still have a hit, drops the others, opens new ones, all in the order of the keys.
 void PairContacts::matchHits( const Pair& pair, const std::vector<NodeHit>& hits )
 {
 	m_next.clear();
+	for ( std::size_t k = 0; k <= kContactsAhead && !hits.empty(); ++k )
+	{
+		askAhead( k );
+	}
 	std::size_t old = 0;
 	for ( std::size_t start = 0, end = 0; start < hits.size(); start = end )
 	{
@@ -207,6 +234,7 @@ void PairContacts::matchHits( const Pair& pair, const std::vector<NodeHit>& hits
 		if ( old < m_contacts.size() && m_contacts[old].key == key )
 		{
 			contact = m_contacts[old++];
+			askAhead( old + kContactsAhead );
 			m_pool.refresh( *contact.first );
 			if ( contact.second )
 			{
@@ -293,47 +321,41 @@ void PairContacts::write( const Pair& pair, NodeContact& contact, const NodeHit*
 	}
 }
 
-namespace {
-
-MovedContacts moveContacts( btDispatcher& dispatcher, btScalar sign )
+void MovedContacts::moveToNodes( btDispatcher& dispatcher )
 {
-	MovedContacts moved;
-	for ( int m = 0; m < dispatcher.getNumManifolds(); ++m )
-	{
-		btPersistentManifold& manifold = *dispatcher.getManifoldByIndexInternal( m );
+	m_moved.clear();
+	m_hasTurning = m_hasBounces = false;
+	forEachManifold( dispatcher, [this]( btPersistentManifold& manifold ) {
 		const bool nodeIsFirst = ownerOfNodeBody( manifold.getBody0() ) != nullptr;
 		if ( !nodeIsFirst && !ownerOfNodeBody( manifold.getBody1() ) )
 		{
-			continue;
+			return;
 		}
 		const auto& node = static_cast<const NodeBody&>( *( nodeIsFirst ? manifold.getBody0() : manifold.getBody1() ) );
 		const btScalar deep = -kDeepShare * radiusOf( node );
-		for ( int k = 0; k < manifold.getNumContacts(); ++k, ++moved.count )
+		for ( int k = 0; k < manifold.getNumContacts(); ++k )
 		{
 			btManifoldPoint& point = manifold.getContactPoint( k );
 			if ( point.m_distance1 < deep && ( nodeIsFirst ? manifold.getBody1() : manifold.getBody0() )->isStaticOrKinematicObject() )
 			{
 				node.owner->impl().isGuarded = true; // what is crushed goes through slowly
 			}
-			moved.turn = moved.turn || point.m_combinedRollingFriction != 0 || point.m_combinedSpinningFriction != 0;
-			moved.bounce = moved.bounce || point.m_combinedRestitution > 0;
-			const btScalar fromSurface = sign * ( point.m_distance1 + radiusOf( node ) );
-			( nodeIsFirst ? point.m_positionWorldOnB : point.m_positionWorldOnA ) += point.m_normalWorldOnB * ( nodeIsFirst ? fromSurface : -fromSurface );
+			m_hasTurning = m_hasTurning || point.m_combinedRollingFriction != 0 || point.m_combinedSpinningFriction != 0;
+			m_hasBounces = m_hasBounces || point.m_combinedRestitution > 0;
+			const btScalar fromSurface = point.m_distance1 + radiusOf( node );
+			btVector3& place = nodeIsFirst ? point.m_positionWorldOnB : point.m_positionWorldOnA;
+			m_moved.push_back( Moved{ &place, place } );
+			place += point.m_normalWorldOnB * ( nodeIsFirst ? fromSurface : -fromSurface );
 		}
+	} );
+}
+
+void MovedContacts::moveBack()
+{
+	for ( const Moved& moved : m_moved )
+	{
+		*moved.point = moved.was;
 	}
-	return moved;
-}
-
-} // namespace
-
-MovedContacts moveContactsToNodes( btDispatcher& dispatcher )
-{
-	return moveContacts( dispatcher, btScalar( 1 ) );
-}
-
-void moveContactsToSurfaces( btDispatcher& dispatcher )
-{
-	moveContacts( dispatcher, btScalar( -1 ) );
 }
 
 NodeAlgorithm::NodeAlgorithm( const btCollisionAlgorithmConstructionInfo& info, NodeBodyPool& pool ) :

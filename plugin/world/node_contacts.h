@@ -52,7 +52,8 @@ private:
 		bool softIsFirst;
 	};
 
-	void followNodes();
+	void followNodes( const SoftBody* soft0, const SoftBody* soft1 );
+	void askAhead( std::size_t contact ) const;
 	void matchHits( const Pair& pair, const std::vector<NodeHit>& hits );
 	void open( const Pair& pair, NodeContact& contact );
 	void write( const Pair& pair, NodeContact& contact, const NodeHit* hits, int count );
@@ -62,6 +63,7 @@ private:
 	NodeBodyPool& m_pool;
 	NodeSearch m_search;
 	std::vector<NodeContact> m_contacts, m_next;
+	unsigned m_numbering = 0; ///< of both bodies, when their nodes were last followed
 };
 
 /// Bullet's pools give an algorithm a fixed room: this one holds a pointer only.
@@ -98,13 +100,27 @@ private:
 
 /// While Bullet's solver is at work a contact acts at the node's centre, on both sides: a node has no spin that could take up the rest,
 /// and angular momentum is kept. At all other times the contact's point lies on the surfaces.
-struct MovedContacts
+class MovedContacts
 {
-	int count = 0;
-	bool turn = false; ///< some have rolling or spinning friction
-	bool bounce = false; ///< some have restitution
+public:
+	void moveToNodes( btDispatcher& dispatcher );
+	void moveBack();
+	/// Those moved last.
+	int count() const { return int( m_moved.size() ); }
+	/// Some of them have rolling or spinning friction.
+	bool hasTurning() const { return m_hasTurning; }
+	/// Some have restitution.
+	bool hasBounces() const { return m_hasBounces; }
+
+private:
+	struct Moved
+	{
+		btVector3* point;
+		btVector3 was; ///< the point on the surface
+	};
+
+	std::vector<Moved> m_moved;
+	bool m_hasTurning = false, m_hasBounces = false;
 };
-MovedContacts moveContactsToNodes( btDispatcher& dispatcher );
-void moveContactsToSurfaces( btDispatcher& dispatcher );
 
 } // namespace pliant

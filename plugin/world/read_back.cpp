@@ -1,9 +1,12 @@
 // What Bullet's solver made of the stand-ins' speeds and places goes back to their nodes.
 
+#include "world/constants.h"
 #include "world/soft_body_impl.h"
 #include "world/soft_body_system.h"
 
 #include <LinearMath/btQuickprof.h>
+
+#include <algorithm>
 
 namespace pliant {
 
@@ -23,8 +26,10 @@ void SoftBodySystem::readBack()
 				m_placesBefore[std::size_t( i )] = nodes.x.get( i );
 			}
 		}
-		for ( NodeBody* stand : impl.touched )
+		for ( std::size_t k = 0; k < impl.touched.size(); ++k )
 		{
+			NodeBody* const stand = impl.touched[k];
+			NodeBodyPool::askAhead( *impl.touched[std::min( k + kStandsAhead, impl.touched.size() - 1 )] );
 			wakes = wakes || ( stand->wasAsleep && stand->isActive() );
 			if ( !body->isActive() )
 			{

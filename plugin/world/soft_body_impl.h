@@ -127,6 +127,7 @@ struct SoftBody::Impl
 	std::unique_ptr<SelfCollision> self; ///< null: its nodes do not meet each other
 	std::vector<Pin> pins;             ///< ascending by node
 	std::vector<NodeBody*> nodeBody;   ///< by node; null while untouched
+	unsigned numbering = 0;            ///< one more whenever nodes get other numbers
 	/// Nodes (with Adaptivity::refinesOnContact) that something small has come near in this substep: it might slip between big spheres.
 	struct Near
 	{
@@ -226,7 +227,6 @@ inline bool isFinite( const btTransform& t )
 
 /// Marks objects as ours without touching the user's pointers.
 extern const char kSoftBodyMark;
-extern const char kNodeBodyMark;
 
 /// The object as the soft body it is, or null. Node stand-ins do not count here; SoftBody::upcast takes them too.
 SoftBody* asSoftBody( btCollisionObject* object );

@@ -23,6 +23,7 @@ struct SoftBodyWorld::System
 	SoftBodySystem bodies;
 	TurningFriction turning;
 	Bounces bounces;
+	MovedContacts moved;
 	int substep = 0;
 	bool isStepping = false; ///< inside a substep of ours: the overrides do their part
 
@@ -271,9 +272,10 @@ void SoftBodyWorld::solveConstraints( btContactSolverInfo& info )
 	}
 	// Sleeping bodies too: a rigid body may have hit one of them and woken it in this very step.
 	Stopwatch watch( m_system->bodies.report.solve );
-	const MovedContacts moved = moveContactsToNodes( *getDispatcher() );
-	m_system->bodies.report.softContacts = moved.count;
-	if ( moved.turn )
+	MovedContacts& moved = m_system->moved;
+	moved.moveToNodes( *getDispatcher() );
+	m_system->bodies.report.softContacts = moved.count();
+	if ( moved.hasTurning() )
 	{
 		m_system->turning.hide( *getDispatcher() );
 	}
@@ -281,12 +283,12 @@ void SoftBodyWorld::solveConstraints( btContactSolverInfo& info )
 	{
 		m_system->bodies.solveImplicit( info );
 	}
-	if ( moved.bounce && m_system->isStepping )
+	if ( moved.hasBounces() && m_system->isStepping )
 	{
 		m_system->bounces.aim( *getDispatcher(), info );
 	}
 	btDiscreteDynamicsWorld::solveConstraints( info );
-	if ( moved.bounce && m_system->isStepping )
+	if ( moved.hasBounces() && m_system->isStepping )
 	{
 		m_system->bounces.settle();
 	}
@@ -294,9 +296,9 @@ void SoftBodyWorld::solveConstraints( btContactSolverInfo& info )
 	{
 		m_system->bodies.noteSolved();
 	}
-	moveContactsToSurfaces( *getDispatcher() );
+	moved.moveBack();
 	m_system->bodies.readBack();
-	if ( moved.turn )
+	if ( moved.hasTurning() )
 	{
 		m_system->turning.apply();
 	}

@@ -52,6 +52,39 @@ TEST( Queries, ARayFindsTheNodeItHits )
 	EXPECT_EQ( cube->nodeOfShapeIndex( 100000 ), -1 );
 }
 
+/// Asks in each substep, as a vehicle's wheels do.
+struct Asking : btActionInterface
+{
+	explicit Asking( SoftBody& body ) : cube( body ) {}
+	void updateAction( btCollisionWorld* world, btScalar ) override
+	{
+		const int node = cube.nearestNode( cube.getWorldTransform().getOrigin() + btVector3( 0, -1, 0 ) );
+		const btVector3 target = cube.nodePosition( node ), from = target - btVector3( 0, 3, 0 );
+		NodeRay ray( from, target );
+		world->rayTest( from, target, ray );
+		hits += ray.hasHit() && ray.m_collisionObject == &cube ? 1 : 0;
+		worst = btMax( worst, btFabs( ray.m_hitPointWorld.y() - ( target.y() - cube.nodeRadius( node ) ) ) );
+	}
+	void debugDraw( btIDebugDraw* ) override {}
+	SoftBody& cube;
+	int hits = 0;
+	btScalar worst = 0;
+};
+
+TEST( Queries, AnActionSeesTheBodyWhereItIs )
+{
+	TestWorld t;
+	t.world.setGravity( btVector3( 0, 0, 0 ) );
+	SoftBody* cube = t.addSoft( block( 5, 5, 5, 0.1f ), at( 1, 2, 3 ) );
+	cube->setLinearVelocity( btVector3( 0, 6, 0 ) );
+	Asking action( *cube );
+	t.world.addAction( &action );
+	t.run( 5 );
+	t.world.removeAction( &action );
+	EXPECT_EQ( action.hits, 5 * t.world.softSubsteps() );
+	EXPECT_LT( action.worst, btScalar( 1e-4 ) );
+}
+
 TEST( Queries, ASweepStopsAtTheSurface )
 {
 	TestWorld t;

@@ -1,0 +1,64 @@
+#pragma once
+
+// Memory asked for before its turn. A heap's manifolds and stand-ins are a kilobyte each and lie anywhere: waiting for them was most of what a
+// contact cost.
+
+#include <BulletCollision/BroadphaseCollision/btDispatcher.h>
+#include <BulletCollision/CollisionDispatch/btCollisionObject.h>
+#include <BulletCollision/NarrowPhaseCollision/btPersistentManifold.h>
+
+#include <cstddef>
+
+namespace pliant {
+
+/// Bytes that the processor fetches at once.
+inline constexpr std::size_t kFetched = 64;
+
+/// `size` bytes from `at` on: what is asked for need not be there.
+inline void askFor( const void* at, std::size_t size )
+{
+	const char* const from = static_cast<const char*>( at );
+	for ( std::size_t k = 0; k < size; k += kFetched )
+	{
+		__builtin_prefetch( from + k );
+	}
+	__builtin_prefetch( from + size - 1 );
+}
+
+/// A manifold's bodies and counts, behind the room for its points, and its first point.
+inline void askForManifold( const btPersistentManifold& manifold )
+{
+	const char* const end = reinterpret_cast<const char*>( &manifold.m_companionIdA );
+	askFor( end - kFetched, kFetched + sizeof( int ) );
+	askFor( &manifold, sizeof( btManifoldPoint ) );
+}
+
+/// Who an object is: from its friction to its flags.
+inline void askWho( const btCollisionObject& object )
+{
+	askFor( &object.getAnisotropicFriction(), kFetched );
+}
+
+/// visit( manifold ) for all that the dispatcher has, in its order.
+template <class Visit>
+void forEachManifold( btDispatcher& dispatcher, Visit&& visit )
+{
+	constexpr int kManifolds = 12, kBodies = 6; // asked for so many turns ahead
+	btPersistentManifold** const all = dispatcher.getInternalManifoldPointer();
+	const int count = dispatcher.getNumManifolds();
+	for ( int m = 0; m < count; ++m )
+	{
+		if ( m + kManifolds < count )
+		{
+			askForManifold( *all[m + kManifolds] );
+		}
+		if ( m + kBodies < count )
+		{
+			askWho( *all[m + kBodies]->getBody0() );
+			askWho( *all[m + kBodies]->getBody1() );
+		}
+		visit( *all[m] );
+	}
+}
+
+} // namespace pliant
