@@ -358,12 +358,12 @@ void SoftBodySystem::integrate( btScalar h, int substep )
 void SoftBodySystem::freshenShapes()
 {
 	Stopwatch watch( report.spheres );
-	m_stale.clear();
-	std::copy_if( m_bodies.begin(), m_bodies.end(), std::back_inserter( m_stale ), []( const SoftBody* body ) { return body->impl().shape->isStale(); } );
+	m_staleShapes.clear();
+	std::copy_if( m_bodies.begin(), m_bodies.end(), std::back_inserter( m_staleShapes ), []( const SoftBody* body ) { return body->impl().shape->isStale(); } );
 	// Many: each in one task. Few: the threads share a body.
-	const bool oneTaskEach = int( m_stale.size() ) >= tasks()->threadCount();
-	auto freshen = [&]( int k ) { m_stale[std::size_t( k )]->impl().shape->freshen( oneTaskEach ? nullptr : tasks() ); };
-	runTasks( oneTaskEach ? tasks() : nullptr, int( m_stale.size() ), freshen );
+	const bool oneTaskEach = int( m_staleShapes.size() ) >= tasks()->threadCount();
+	auto freshen = [&]( int k ) { m_staleShapes[std::size_t( k )]->impl().shape->freshen( oneTaskEach ? nullptr : tasks() ); };
+	runTasks( oneTaskEach ? tasks() : nullptr, int( m_staleShapes.size() ), freshen );
 }
 
 void SoftBodySystem::endStep()

@@ -129,7 +129,7 @@ private:
 	ImplicitChoice m_choice;
 	btScalar m_lastSubstep = btScalar( 0 ); ///< s; 0: there was none
 	std::vector<SoftBody*> m_awake; ///< in this substep
-	std::vector<SoftBody*> m_stale; ///< scratch of freshenShapes
+	std::vector<SoftBody*> m_staleShapes; ///< scratch of freshenShapes
 	std::vector<SoftBody*> m_sharedOut, m_whole; ///< those of them that all threads do together, and that one does
 	std::vector<SoftBody*> m_stale; ///< scratch of noteAsked
 	unsigned m_steps = 1, m_askedIn = 0; ///< game steps so far, from 1; after which of them a skin was last asked for (0: never)
