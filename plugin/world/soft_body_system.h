@@ -86,6 +86,8 @@ public:
 private:
 	bool moves( const SoftBody& body ) const;
 	bool stepsImplicitly( const SoftBody& body ) const;
+	/// A crumb of one node, of what may step implicitly: nothing in it is elastic, so it asks for no substeps.
+	bool isImplicitPoint( const SoftBody& body ) const;
 	StiffnessPlan planOf( const SoftBody& body, btScalar gameStep, int count ) const;
 	Vec3 ownAcceleration( const SoftBody& body ) const; ///< gravity and the game's force, m/s^2
 	/// False where a number is not finite, or a node beyond the limit of speed.

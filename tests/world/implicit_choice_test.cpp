@@ -95,6 +95,26 @@ TEST( Automatic, TakesTheImplicitStepWhereStiffnessIsOutOfReach )
 	}
 }
 
+// What breaks leaves crumbs of one cell, which cannot step implicitly: the whole herd they came from would take sixteen substeps for them.
+TEST( Automatic, OneNodeHasNothingElasticAndAsksForNoSubsteps )
+{
+	for ( const Elasticity elasticity : { Elasticity::Explicit, Elasticity::Implicit, Elasticity::Automatic } )
+	{
+		TestWorld t;
+		t.addFloor();
+		SoftBody* crumb = t.addSoft( block( 1, 1, 1, 0.1f ), at( 2, btScalar( 0.2 ), 0 ), automatic( 3.9e6f, elasticity ) );
+		SoftBody* cube = t.addSoft( block( 6, 6, 6, 0.1f ), at( 0, btScalar( 0.31 ), 0 ), automatic( 3.9e6f ) );
+		ASSERT_EQ( crumb->nodeCount(), 1 );
+		t.run( 1 );
+		const bool isExplicit = elasticity == Elasticity::Explicit;
+		EXPECT_TRUE( cube->stepsImplicitly() );
+		EXPECT_EQ( t.world.stepReport().substeps, isExplicit ? 13 : 1 ); // sqrt( 3.9 / 3.84 ) * 4 * sqrt( 10 ), rounded up
+		EXPECT_EQ( t.world.stepReport().unreachableStiffness, 0 );
+		t.run( 59 );
+		EXPECT_NEAR( crumb->nodePosition( 0 ).y(), crumb->nodeRadius( 0 ), 2e-3 );
+	}
+}
+
 TEST( Automatic, TakesTheImplicitStepUnderAHeavyLoadAndGoesBackWhenItIsGone )
 {
 	TestWorld t;

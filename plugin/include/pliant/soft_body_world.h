@@ -17,7 +17,7 @@ namespace pliant {
 /// Where one game step's time went, s, and what it met. All zero for a world without soft bodies.
 struct StepReport
 {
-	double forces = 0, matching = 0, spheres = 0, collision = 0, solve = 0, integrate = 0, skinning = 0, levels = 0, fracture = 0, total = 0;
+	double forces = 0, matching = 0, spheres = 0, collision = 0, solve = 0, integrate = 0, skinning = 0, levels = 0, fracture = 0, total = 0; ///< s; the implicit solution is matching's
 	int substeps = 0;         ///< soft substeps made in the last game step
 	int softBodies = 0;       ///< in the world
 	int awakeSoftBodies = 0;
