@@ -25,13 +25,20 @@ public:
 	static constexpr std::size_t kMostCarriers = 64;
 
 	/// `whole`: of all cells, nothing broken. `texture`: u, v of the input's vertices, or null. Null where a point is carried by more cells than a
-	/// word has bits.
+	/// word has bits, or where one patch has more vertices than half a word counts.
 	static std::shared_ptr<const CrackPatches> make( const CrackSurface& whole, const float* texture );
 
-	/// A point as one cell draws it.
+	/// A point as one cell draws it: what tells which vertices are one, ...
 	struct Vertex
 	{
-		std::uint32_t slot; ///< a point and a cell there: an entry of CellComplex::cellsOfPoint
+		std::uint32_t slot;    ///< a point and a cell there: an entry of CellComplex::cellsOfPoint
+		std::uint16_t kindAt;  ///< which of the kinds that are drawn at the point
+		std::uint8_t isInside; ///< 1: of a face
+		std::uint8_t isAlone;  ///< 1: inside a face, where no other patch of the cell comes, and no other cell once the face is broken
+	};
+	/// ... and what they look like.
+	struct Look
+	{
 		std::uint32_t point;
 		std::uint32_t kind; ///< as CrackSurface has it
 		float u, v;
@@ -44,11 +51,16 @@ public:
 	};
 	std::vector<Patch> patch;
 	std::vector<Vertex> vertex; ///< of each patch in the order of first use
-	std::vector<std::array<std::uint32_t, 3>> triangle; ///< by the patch's vertices
+	std::vector<Look> look;     ///< by vertex
+	std::vector<std::array<std::uint16_t, 3>> triangle; ///< by the patch's vertices
 	/// `entry`: of CellComplex::facesOfCell.
 	std::uint32_t sideOfFace( std::uint32_t entry ) const { return std::uint32_t( complex->cellCount() ) + entry; }
 
 	std::vector<std::uint32_t> pointOfSlot;
+	/// By slot: where a side that begins there may keep one number for each kind drawn at the point, and kNumbersOfSide more before them (none, where
+	/// only a vertex draws it that is alone). Then how many there are in all.
+	std::vector<std::uint32_t> numbersOfSlot;
+	static constexpr std::uint32_t kNumbersOfSide = 3;
 	/// By vertex of the complex: how the whole, closed surface shifts its normal (SkinBinding::normalShift).
 	std::vector<Vec3> normalShift;
 
@@ -58,8 +70,13 @@ public:
 		std::uint32_t face;
 		std::uint16_t a, b;
 	};
-	/// By point. Of its cells; of what carries it; and of its cells that do not carry it with those next to them that do.
-	std::vector<std::uint32_t> slotTieStart, carrierTieStart, looseTieStart;
+	/// Points that the same cells carry are of one class.
+	std::vector<std::uint32_t> classOfPoint;
+	std::vector<std::uint32_t> firstOfClass; ///< where a class has a place for each of its cells, among all; and how many there are in all
+	Table classesOfCell;                     ///< by cell: of the points that it carries
+	std::size_t classCount() const { return firstOfClass.size() - 1; }
+	/// By point: of its cells, and of its cells that do not carry it with those next to them that do. By class: of what carries its points.
+	std::vector<std::uint32_t> slotTieStart, looseTieStart, carrierTieStart;
 	std::vector<Tie> slotTie, carrierTie, looseTie;
 	std::vector<std::uint8_t> bitOfSlot; ///< which of those that carry the point the cell is, or kNoBit
 
@@ -70,10 +87,21 @@ public:
 private:
 	explicit CrackPatches( std::shared_ptr<const CellComplex> of ) : complex( std::move( of ) ) {}
 	std::uint32_t slotOf( std::uint32_t point, std::uint32_t cell ) const;
-	void addPatches( const float* texture );
-	void addCorners( const std::array<Vertex, 3>& corners );
+	bool addPatches( const float* texture );
+	struct Corner
+	{
+		std::uint32_t slot;
+		Look look;
+	};
+	bool addCorners( const std::array<Corner, 3>& corners );
+	void numberKinds();
+	void findAlone();
+	void sortIntoClasses();
 	void addTies();
+	template <class Take>
+	void forCarriersBeside( std::uint32_t cell, const std::vector<std::uint8_t>& bitOfCell, Take&& take ) const;
 	void addCarrierTies( std::uint32_t point, const std::vector<std::uint8_t>& bitOfCell );
+	void addLooseTies( std::uint32_t point, const std::vector<std::uint8_t>& bitOfCell );
 };
 
 } // namespace pliant

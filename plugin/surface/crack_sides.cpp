@@ -14,17 +14,37 @@ namespace {
 /// Points of one task.
 constexpr std::size_t kChunk = 1024;
 
+/// Less than one in so many is few.
+constexpr std::size_t kFew = 32;
+
 /// The lowest so many bits.
 std::uint64_t bitsUpTo( std::uint32_t count )
 {
 	return count == 64 ? ~std::uint64_t( 0 ) : ( std::uint64_t( 1 ) << count ) - 1;
 }
 
+/// Those that are marked, ascending, so that what is theirs is gone through in the order of memory. Few stay as they are.
+void inOrder( std::vector<std::uint32_t>& list, const std::vector<std::uint8_t>& isMarked )
+{
+	if ( list.size() * kFew > isMarked.size() )
+	{
+		list.clear();
+		for ( std::uint32_t k = 0; k < std::uint32_t( isMarked.size() ); ++k )
+		{
+			if ( isMarked[k] != 0 )
+			{
+				list.push_back( k );
+			}
+		}
+	}
+}
+
 } // namespace
 
 CrackSides::CrackSides( std::shared_ptr<const CrackPatches> patches, const CrackSurface& whole, TaskRunner* runner ) :
 	m_patches( std::move( patches ) ), m_isBroken( complex().face.size(), 0 ), m_side( m_patches->pointOfSlot.size() ), m_carriers( m_side.size() ),
-	m_isDrawn( complex().pointCount(), 0 ), m_isShadedAnew( m_isDrawn.size(), 0 ), m_isMarked( m_isDrawn.size(), 0 )
+	m_joined( m_patches->firstOfClass.back() ), m_isDrawn( complex().pointCount(), 0 ), m_isShadedAnew( m_isDrawn.size(), 0 ), m_isMarked( m_isDrawn.size(), 0 ),
+	m_isClassMarked( m_patches->classCount(), 0 )
 {
 	const CellComplex& c = complex();
 	for ( std::size_t slot = 0; slot < m_side.size(); ++slot )
@@ -115,6 +135,7 @@ void CrackSides::splitSides( const std::vector<std::uint32_t>& fresh )
 		std::for_each( first, last, [this]( std::uint32_t point ) { m_isDrawn[point] = 1; } );
 		collect( first, last );
 	}
+	inOrder( m_found, m_isMarked );
 	for ( const std::uint32_t point : m_found )
 	{
 		m_isMarked[point] = 0;
@@ -177,58 +198,113 @@ void CrackSides::askAround( const std::vector<std::uint32_t>& fresh, TaskRunner*
 	std::sort( cells.begin(), cells.end() );
 	cells.erase( std::unique( cells.begin(), cells.end() ), cells.end() );
 	m_found.clear();
-	for ( const std::uint32_t cell : cells )
+	if ( cells.size() * kFew > complex().cellCount() )
 	{
-		collect( complex().boundPoints.begin( cell ), complex().boundPoints.end( cell ) );
+		collectByClass( cells );
+	}
+	for ( std::size_t k = 0; k < cells.size() && cells.size() * kFew <= complex().cellCount(); ++k )
+	{
+		collect( complex().boundPoints.begin( cells[k] ), complex().boundPoints.end( cells[k] ) );
 	}
 	for ( const std::uint32_t face : fresh )
 	{
 		collect( complex().pointsOfFace.begin( face ), complex().pointsOfFace.end( face ) );
 	}
-	auto askThem = [this]( int chunk ) {
-		const std::size_t first = std::size_t( chunk ) * kChunk, last = std::min( m_found.size(), first + kChunk );
-		for ( std::size_t k = first; k < last; ++k )
+	inOrder( m_found, m_isMarked );
+	for ( const std::uint32_t point : m_found )
+	{
+		m_isMarked[point] = 0;
+		const std::uint32_t ofClass = m_patches->classOfPoint[point];
+		if ( m_isClassMarked[ofClass] == 0 )
 		{
-			m_isMarked[m_found[k]] = 0;
-			ask( m_found[k] );
+			m_isClassMarked[ofClass] = 1;
+			m_foundClass.push_back( ofClass );
 		}
-	};
-	runTasks( runner, int( ( m_found.size() + kChunk - 1 ) / kChunk ), askThem );
+	}
+	inOrder( m_foundClass, m_isClassMarked );
+	runOver( m_foundClass, &CrackSides::joinCarriers, runner );
+	m_foundClass.clear();
+	runOver( m_found, &CrackSides::ask, runner );
 }
 
-/// Of the cells that carry the point, each side has those that it reaches by way of one another.
-void CrackSides::ask( std::uint32_t point )
+/// All points that these cells carry.
+void CrackSides::collectByClass( const std::vector<std::uint32_t>& cells )
+{
+	for ( const std::uint32_t cell : cells )
+	{
+		std::for_each( m_patches->classesOfCell.begin( cell ), m_patches->classesOfCell.end( cell ), [this]( std::uint32_t c ) { m_isClassMarked[c] = 1; } );
+	}
+	for ( std::uint32_t point = 0; point < std::uint32_t( m_isMarked.size() ); ++point )
+	{
+		if ( m_isClassMarked[m_patches->classOfPoint[point]] != 0 && m_isDrawn[point] != 0 )
+		{
+			m_isMarked[point] = 1;
+			m_found.push_back( point );
+		}
+	}
+	std::fill( m_isClassMarked.begin(), m_isClassMarked.end(), 0 );
+}
+
+void CrackSides::runOver( std::vector<std::uint32_t>& list, void ( CrackSides::*each )( std::uint32_t ), TaskRunner* runner )
+{
+	auto some = [&]( int chunk ) {
+		const std::size_t first = std::size_t( chunk ) * kChunk, last = std::min( list.size(), first + kChunk );
+		for ( std::size_t k = first; k < last; ++k )
+		{
+			( this->*each )( list[k] );
+		}
+	};
+	runTasks( runner, int( ( list.size() + kChunk - 1 ) / kChunk ), some );
+}
+
+/// Of the cells that carry the points of a class: which of them each reaches by way of one another.
+void CrackSides::joinCarriers( std::uint32_t ofClass )
 {
 	const CrackPatches& p = *m_patches;
+	m_isClassMarked[ofClass] = 0;
+	const std::uint32_t first = p.firstOfClass[ofClass], count = p.firstOfClass[ofClass + 1] - first;
 	std::uint64_t beside[CrackPatches::kMostCarriers];
-	std::fill_n( beside, complex().bindStart[point + 1] - complex().bindStart[point], 0 );
-	for ( std::uint32_t t = p.carrierTieStart[point]; t < p.carrierTieStart[point + 1]; ++t )
+	std::fill_n( beside, count, 0 );
+	for ( std::uint32_t t = p.carrierTieStart[ofClass]; t < p.carrierTieStart[ofClass + 1]; ++t )
 	{
 		const CrackPatches::Tie& tie = p.carrierTie[t];
 		const std::uint64_t stands = m_isBroken[tie.face] ^ 1u;
 		beside[tie.a] |= stands << tie.b;
 		beside[tie.b] |= stands << tie.a;
 	}
+	for ( std::uint64_t left = bitsUpTo( count ); left != 0; )
+	{
+		std::uint64_t joined = left & ( ~left + 1 ), open = joined;
+		while ( open != 0 )
+		{
+			const std::uint64_t fresh = beside[std::countr_zero( open )] & ~joined;
+			open &= open - 1;
+			joined |= fresh;
+			open |= fresh;
+		}
+		left &= ~joined;
+		for ( std::uint64_t each = joined; each != 0; each &= each - 1 )
+		{
+			m_joined[first + std::uint32_t( std::countr_zero( each ) )] = joined;
+		}
+	}
+}
+
+/// Each side has the carriers that its cells are or stand beside, and what those reach.
+void CrackSides::ask( std::uint32_t point )
+{
+	const CrackPatches& p = *m_patches;
+	const std::uint64_t* const joined = m_joined.data() + p.firstOfClass[p.classOfPoint[point]];
 	const std::uint32_t first = complex().cellsOfPoint.start[point], last = complex().cellsOfPoint.start[point + 1];
 	std::fill( m_carriers.begin() + first, m_carriers.begin() + last, 0 );
 	for ( std::uint32_t slot = first; slot < last; ++slot )
 	{
-		m_carriers[m_side[slot]] |= p.bitOfSlot[slot] == CrackPatches::kNoBit ? 0 : std::uint64_t( 1 ) << p.bitOfSlot[slot];
+		m_carriers[m_side[slot]] |= p.bitOfSlot[slot] == CrackPatches::kNoBit ? 0 : joined[p.bitOfSlot[slot]];
 	}
 	for ( std::uint32_t t = p.looseTieStart[point]; t < p.looseTieStart[point + 1]; ++t )
 	{
 		const CrackPatches::Tie& tie = p.looseTie[t];
-		m_carriers[m_side[first + tie.a]] |= std::uint64_t( m_isBroken[tie.face] ^ 1u ) << tie.b;
-	}
-	for ( std::uint32_t slot = first; slot < last; ++slot )
-	{
-		for ( std::uint64_t open = m_carriers[slot]; open != 0; ) // of slots that begin no side, nothing
-		{
-			const std::uint64_t fresh = beside[std::countr_zero( open )] & ~m_carriers[slot];
-			open &= open - 1;
-			m_carriers[slot] |= fresh;
-			open |= fresh;
-		}
+		m_carriers[m_side[first + tie.a]] |= m_isBroken[tie.face] == 0 ? joined[tie.b] : 0;
 	}
 }
 
@@ -258,7 +334,7 @@ void CrackSides::shadeAnewAround( std::uint32_t point )
 std::size_t CrackSides::bytes() const
 {
 	const auto sizeOf = []( const auto& list ) { return list.size() * sizeof( list[0] ); };
-	return sizeOf( m_isBroken ) + sizeOf( m_side ) + sizeOf( m_carriers ) + 3 * sizeOf( m_isDrawn ) + sizeOf( m_place );
+	return sizeOf( m_isBroken ) + sizeOf( m_side ) + sizeOf( m_carriers ) + sizeOf( m_joined ) + 3 * sizeOf( m_isDrawn ) + sizeOf( m_place );
 }
 
 // === What must hold ===

@@ -28,7 +28,10 @@ public:
 	std::uint32_t sideOf( std::uint32_t slot ) const { return m_side[slot]; }
 	/// Of those that carry the point in the whole body, the ones that a side has, a bit each; by the side's first slot.
 	std::uint64_t carriersOf( std::uint32_t side ) const { return m_carriers[side]; }
+	const std::uint64_t* carriersAt( std::uint32_t side ) const { return &m_carriers[side]; }
 	const Vec3& placeOf( std::uint32_t point ) const { return m_place.empty() ? m_patches->complex->pointRest[point] : m_place[point]; }
+	void fetchSide( std::uint32_t slot ) const { __builtin_prefetch( &m_side[slot] ); }
+	void fetchPlace( std::uint32_t point ) const { __builtin_prefetch( &placeOf( point ) ); }
 	/// Whether the outer surface around a point is not what it was in the whole body.
 	bool isShadedAnew( std::uint32_t point ) const { return m_isShadedAnew[point] != 0; }
 
@@ -44,6 +47,9 @@ private:
 	void splitSides( const std::vector<std::uint32_t>& fresh );
 	void regroup( std::uint32_t point );
 	void askAround( const std::vector<std::uint32_t>& fresh, TaskRunner* runner );
+	void collectByClass( const std::vector<std::uint32_t>& cells );
+	void runOver( std::vector<std::uint32_t>& list, void ( CrackSides::*each )( std::uint32_t ), TaskRunner* runner );
+	void joinCarriers( std::uint32_t ofClass );
 	void ask( std::uint32_t point );
 	void collect( const std::uint32_t* point, const std::uint32_t* end );
 	void shadeAnewAround( std::uint32_t point );
@@ -52,9 +58,12 @@ private:
 	std::vector<std::uint8_t> m_isBroken;      ///< by face
 	std::vector<std::uint32_t> m_side;         ///< by slot
 	std::vector<std::uint64_t> m_carriers;     ///< by slot; of sides' first slots
+	std::vector<std::uint64_t> m_joined;       ///< by place of a class (CrackPatches::firstOfClass): the carriers that standing faces join to this one
 	std::vector<std::uint8_t> m_isDrawn, m_isShadedAnew, m_isMarked; ///< by point
 	std::vector<Vec3> m_place;                 ///< by point; empty: those of the complex
 	std::vector<std::uint32_t> m_found;        ///< points
+	std::vector<std::uint32_t> m_foundClass;
+	std::vector<std::uint8_t> m_isClassMarked;
 };
 
 /// Every side is what standing faces join, and has the carriers that a walk from cell to cell finds.

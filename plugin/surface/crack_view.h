@@ -36,40 +36,50 @@ private:
 	/// A vertex of the body at hand.
 	struct Made
 	{
-		std::uint32_t side, point, kind;
-		std::uint32_t next;  ///< of the same side
+		std::uint32_t vertex; ///< of the patches
 		std::uint32_t carrier, normalGroup;
-		float u, v;
 	};
-	/// What of a side the body at hand draws, if it is of this round.
-	struct SideNow
+	/// A side that the body at hand draws: its first vertex carries the others.
+	struct Row
 	{
-		std::uint32_t round = 0;
-		std::uint32_t newest = kNone; ///< vertex
-		std::uint32_t carrier = kNone;
-		std::uint32_t outerNormals = kNone, innerNormals = kNone;
+		std::uint32_t vertex; ///< of the body
+		std::uint32_t side;
+		std::uint64_t carriers;
+	};
+	/// What a side keeps numbers for, before those of its kinds (CrackPatches::numbersOfSlot).
+	enum Number : std::uint32_t
+	{
+		Carrier,
+		OuterNormals,
+		InnerNormals
 	};
 
-	void takeCells( const std::vector<std::uint32_t>& cells, CrackView& view );
-	void takePatch( std::uint32_t patch );
-	std::uint32_t numberOf( const CrackPatches::Vertex& vertex, std::uint32_t side );
-	std::uint32_t normalsOf( SideNow& side, bool isInside );
-	void addAreas( std::uint32_t patch );
-	void fill( const Vec3& shift, CrackView& view );
-	void fetchAhead( std::size_t k ) const;
-	void addRow( const Made& made );
-	void fillNormals( CrackView& view ) const;
+	void makeRoom( const std::vector<std::uint32_t>& cells, CrackView& view );
+	void takeSources( const std::vector<std::uint32_t>& cells, CrackView& view ) const;
+	std::uint32_t verticesOf( std::uint32_t patch ) const { return m_sides->patches().patch[patch + 1].firstVertex - m_sides->patches().patch[patch].firstVertex; }
+	bool isOuter( std::size_t patch ) const { return patch < m_cells; } ///< by place in m_patch
+	std::size_t lookAhead( std::size_t first );
+	std::array<std::uint32_t, 3>* takePatch( std::uint32_t patch, std::uint32_t* local, std::array<std::uint32_t, 3>* triangles );
+	std::uint32_t numberOf( std::uint32_t vertex, std::uint32_t* known );
+	std::uint32_t addVertex( std::uint32_t vertex, std::uint32_t carrier, std::uint32_t normalGroup );
+	void addAreas( std::uint32_t patch, const std::uint32_t* local );
+	void writeVertices( const Vec3& shift, CrackView& view ) const;
+	void writeNormals( SkinBinding& to ) const;
+	void writeStarts( SkinBinding& to );
+	void writeRows( SkinBinding& to ) const;
+	void writeRow( const Row& row, std::uint32_t* node, float* weight ) const;
 
 	const CrackSides* m_sides = nullptr;
 	std::vector<std::uint32_t> m_cellNow; ///< by cell: its number in the body
-	std::vector<SideNow> m_side;          ///< by a side's first slot
-	std::uint32_t m_round = 0;
-	std::vector<Made> m_made;
-	std::uint32_t m_normalGroups = 0;
-	std::vector<std::uint32_t> m_local;   ///< of the patch at hand: its vertices' numbers in the body
-	std::vector<std::array<std::uint32_t, 3>> m_triangle;
-	std::vector<std::uint32_t> m_node;
-	std::vector<float> m_weight;
+	std::vector<std::uint32_t> m_patch;   ///< of the body: its cells, then their sides of broken faces
+	std::vector<std::uint32_t> m_number;  ///< as CrackPatches::numbersOfSlot says; below m_first: of an earlier body
+	std::uint32_t m_first = 1;
+	std::vector<Made> m_made;             ///< room for all; m_count are
+	std::size_t m_cells = 0;              ///< of the body
+	std::uint32_t m_count = 0, m_outerCount = 0, m_normalGroups = 0; ///< vertices, those of the outer surface first
+	std::vector<Row> m_row;               ///< by vertex
+	std::vector<std::uint32_t> m_vertex;  ///< of the patches at hand
+	std::vector<std::uint32_t> m_local;   ///< of the patches at hand: their vertices' numbers in the body
 	std::vector<Vec3> m_area;             ///< by group of normals, where points are shaded anew: of the outer surface
 };
 

@@ -111,7 +111,7 @@ void write3( float* to, F4 a )
 
 bool isShifted( const SkinBinding& binding, std::size_t vertex )
 {
-	return !binding.normalShift.empty() && !binding.normalShift[vertex].isZero( 0.0f );
+	return vertex < binding.normalShift.size() && !binding.normalShift[vertex].isZero( 0.0f );
 }
 
 /// x = sum w ( x_n + R_n ( X - x0_n ) )   (Steinemann et al. 2008, section 7): the maps are blended first, then applied once.
@@ -122,7 +122,7 @@ void writePositions( const SkinBinding& binding, const std::uint32_t* slot, Skin
 		const bool isCarried = binding.carrierOf( v ) != v;
 		if ( isCarried && !isShifted( binding, v ) )
 		{
-			if ( !binding.normalShift.empty() )
+			if ( v < binding.normalShift.size() )
 			{
 				store4( scratch.turnedShift.data() + 4 * v, F4{} );
 			}
@@ -141,7 +141,7 @@ void writePositions( const SkinBinding& binding, const std::uint32_t* slot, Skin
 			const Vec3& shift = binding.normalShift[v];
 			store4( scratch.turnedShift.data() + 4 * v, blend.apply( F4{ shift.x(), shift.y(), shift.z(), 0.0f } ) );
 		}
-		else if ( !binding.normalShift.empty() )
+		else if ( v < binding.normalShift.size() )
 		{
 			store4( scratch.turnedShift.data() + 4 * v, F4{} );
 		}
@@ -228,9 +228,14 @@ struct Four
 	F4 length() const { return rootOf( ( x * x + y * y ) + z * z ); }
 };
 
-/// Normals of vertices v to v + 3, to the bit what they are one by one. False where one of them has none to begin with.
+/// Normals of vertices v to v + 3, to the bit what they are one by one. False where one of them has none to begin with, or shifts end among them.
 bool writeFourNormals( const SkinBinding& binding, const SkinScratch& scratch, float* normals, std::size_t v )
 {
+	const std::size_t shifted = binding.normalShift.size();
+	if ( v < shifted && v + 4 > shifted )
+	{
+		return false;
+	}
 	const auto sumOf = [&]( std::size_t vertex ) { return load4( scratch.groupNormal.data() + 4 * std::size_t( binding.normalGroup[vertex] ) ); };
 	Four n( sumOf( v ), sumOf( v + 1 ), sumOf( v + 2 ), sumOf( v + 3 ) );
 	const F4 length = n.length();
@@ -241,19 +246,19 @@ bool writeFourNormals( const SkinBinding& binding, const SkinScratch& scratch, f
 	n.x /= length;
 	n.y /= length;
 	n.z /= length;
-	if ( !binding.normalShift.empty() )
+	if ( v < binding.normalShift.size() )
 	{
 		const float* const from = scratch.turnedShift.data() + 4 * v;
 		const Four shift( load4( from ), load4( from + 4 ), load4( from + 8 ), load4( from + 12 ) );
-		Four shifted = n;
-		shifted.x += shift.x;
-		shifted.y += shift.y;
-		shifted.z += shift.z;
-		const F4 shiftedLength = shifted.length();
+		Four turned = n;
+		turned.x += shift.x;
+		turned.y += shift.y;
+		turned.z += shift.z;
+		const F4 shiftedLength = turned.length();
 		const auto isShiftedTo = ( ( shift.x != 0.0f ) | ( shift.y != 0.0f ) | ( shift.z != 0.0f ) ) & ( shiftedLength > 0.0f );
-		n.x = isShiftedTo ? shifted.x / shiftedLength : n.x;
-		n.y = isShiftedTo ? shifted.y / shiftedLength : n.y;
-		n.z = isShiftedTo ? shifted.z / shiftedLength : n.z;
+		n.x = isShiftedTo ? turned.x / shiftedLength : n.x;
+		n.y = isShiftedTo ? turned.y / shiftedLength : n.y;
+		n.z = isShiftedTo ? turned.z / shiftedLength : n.z;
 	}
 	for ( std::size_t k = 0; k < 4; ++k )
 	{
@@ -319,7 +324,7 @@ void skin( const SkinBinding& binding, const NodeState& state, const SkinPose& p
 	const std::size_t vertices = binding.restPosition.size();
 	scratch.nodeMap.resize( std::size_t( state.count ) * kMapFloats );
 	scratch.position.resize( vertices * 4 );
-	scratch.turnedShift.resize( binding.normalShift.empty() ? 0 : vertices * 4 );
+	scratch.turnedShift.resize( binding.normalShift.size() * 4 );
 	scratch.groupNormal.resize( std::size_t( binding.normalGroups ) * 4 );
 	auto maps = [&]( int chunk ) {
 		fillMaps( state, pose, scratch.nodeMap.data(), chunk * kChunk, std::min( state.count, ( chunk + 1 ) * kChunk ) );

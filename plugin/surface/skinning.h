@@ -27,12 +27,13 @@ struct SkinBinding
 	std::vector<Vec3> restNormal;     ///< per vertex, area-weighted over its triangles (welded vertices share theirs), unit; any, of no triangle
 	std::vector<std::uint32_t> normalGroup; ///< per vertex: vertices with one number share one normal (unwelded seams)
 	int normalGroups = 0;
-	/// Per vertex: by how much its normal at rest is to differ from what its triangles give. It turns along. Empty: nowhere.
+	/// Of the first so many vertices: by how much their normals at rest are to differ from what their triangles give. It turns along. Others' do not.
 	std::vector<Vec3> normalShift;
 	/// Per vertex: the one it stands where and goes with, to the bit (sides of a crack that meet in an edge, seams). Only that one has a row.
 	/// Empty: each has its own.
 	std::vector<std::uint32_t> carrier;
 
+	Vec3 normalShiftOf( std::size_t vertex ) const { return vertex < normalShift.size() ? normalShift[vertex] : Vec3( Vec3::Zero() ); }
 	std::uint32_t carrierOf( std::size_t vertex ) const { return carrier.empty() ? std::uint32_t( vertex ) : carrier[vertex]; }
 };
 

@@ -22,7 +22,7 @@ using Drawing = std::vector<std::vector<Corner>>;
 Corner cornerOf( const SkinBinding& b, const float* texture, std::uint32_t v )
 {
 	Corner corner = { texture[2 * std::size_t( v )], texture[2 * std::size_t( v ) + 1] };
-	for ( const Vec3& a : { b.restPosition[v], b.restNormal[v], b.normalShift[v] } )
+	for ( const Vec3& a : { b.restPosition[v], b.restNormal[v], b.normalShiftOf( v ) } )
 	{
 		corner.insert( corner.end(), a.data(), a.data() + 3 );
 	}

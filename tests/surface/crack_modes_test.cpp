@@ -166,6 +166,30 @@ TEST( CrackModes, CutsDoNotShowOnTheOuterSurface )
 	EXPECT_GT( wronglyShaded( it, surface, unshifted ).first, all / 20 );
 }
 
+/// Shifts may end anywhere: what is beyond is as if it had shifts of nothing.
+TEST( CrackModes, NormalShiftsMayEndEarly )
+{
+	CrackCase it( makeSphere( 1.0, 24, 32 ), 0.2, noisy() );
+	CrackSurface surface( it.complex );
+	surface.breakFaces( facesBetween( *it.complex, shatter( it.lattice(), 8, 1 ) ) );
+	surface.settle();
+	const SkinTriangles triangles{ surface.triangles()[0].data(), int( surface.triangles().size() ) };
+	it.affine( Eigen::AngleAxisf( 1.1f, Vec3( 1, 2, 3 ).normalized() ).toRotationMatrix() );
+	const auto normalsOf = [&]( const SkinBinding& binding ) {
+		std::vector<float> positions( 3 * surface.vertexCount() ), normals( 3 * surface.vertexCount() );
+		skin( binding, it.nodes, it.rotations.data(), triangles, it.scratch, positions.data(), normals.data() );
+		return normals;
+	};
+	for ( std::size_t count = surface.vertexCount() / 2; count < surface.vertexCount() / 2 + 4; ++count )
+	{
+		SkinBinding cutShort = surface.binding(), filledUp = cutShort;
+		cutShort.normalShift.resize( count );
+		std::fill( filledUp.normalShift.begin() + std::ptrdiff_t( count ), filledUp.normalShift.end(), Vec3( Vec3::Zero() ) );
+		EXPECT_EQ( normalsOf( cutShort ), normalsOf( filledUp ) );
+		EXPECT_NE( normalsOf( cutShort ), normalsOf( surface.binding() ) );
+	}
+}
+
 TEST( CrackModes, WrongSettingsAreRefusedWithASentence )
 {
 	const CrackCase it( makeBox( { 0, 0, 0 }, { 1, 1, 1 } ), 0.25, noisy() );
