@@ -185,8 +185,10 @@ TEST( CrackModes, NormalShiftsMayEndEarly )
 		SkinBinding cutShort = surface.binding(), filledUp = cutShort;
 		cutShort.normalShift.resize( count );
 		std::fill( filledUp.normalShift.begin() + std::ptrdiff_t( count ), filledUp.normalShift.end(), Vec3( Vec3::Zero() ) );
-		EXPECT_EQ( normalsOf( cutShort ), normalsOf( filledUp ) );
-		EXPECT_NE( normalsOf( cutShort ), normalsOf( surface.binding() ) );
+		const std::vector<float> all = normalsOf( surface.binding() ); // its shifts lie about where none are asked for next
+		const std::vector<float> some = normalsOf( cutShort );
+		EXPECT_EQ( some, normalsOf( filledUp ) );
+		EXPECT_NE( some, all );
 	}
 }
 
