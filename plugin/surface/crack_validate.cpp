@@ -1,5 +1,7 @@
+#include "surface/crack_sides.h"
 #include "surface/crack_surface.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace pliant {
@@ -134,6 +136,82 @@ Status validate( const CrackSurface& surface )
 		if ( Status status = ( surface.*check )(); !status.ok() )
 		{
 			return status;
+		}
+	}
+	return {};
+}
+
+// === Of the sides of a family's cracks ===
+
+namespace {
+
+/// Cells that standing faces join to some, going only through those asked; with a point, through faces that pass there.
+std::vector<std::uint32_t> walkFrom( const CrackSides& sides, std::vector<std::uint32_t> open, const std::vector<std::uint32_t>& asked, std::uint32_t point )
+{
+	const CellComplex& complex = sides.complex();
+	const auto isThere = [&]( std::uint32_t face ) {
+		return point == CellComplex::kNone || std::find( complex.facesOfPoint.begin( point ), complex.facesOfPoint.end( point ), face ) != complex.facesOfPoint.end( point );
+	};
+	for ( std::size_t k = 0; k < open.size(); ++k )
+	{
+		for ( const std::uint32_t* f = complex.facesOfCell.begin( open[k] ); f != complex.facesOfCell.end( open[k] ); ++f )
+		{
+			const std::uint32_t other = complex.face[*f].cellA == open[k] ? complex.face[*f].cellB : complex.face[*f].cellA;
+			const bool isAsked = std::find( asked.begin(), asked.end(), other ) != asked.end();
+			if ( isAsked && isThere( *f ) && !sides.isBroken( *f ) && std::find( open.begin(), open.end(), other ) == open.end() )
+			{
+				open.push_back( other );
+			}
+		}
+	}
+	return open;
+}
+
+/// Of the side that begins with a slot.
+Status validateSide( const CrackSides& sides, std::uint32_t slot )
+{
+	const CellComplex& complex = sides.complex();
+	const std::uint32_t point = sides.patches().pointOfSlot[slot], first = complex.cellsOfPoint.start[point];
+	const std::vector<std::uint32_t> there( complex.cellsOfPoint.begin( point ), complex.cellsOfPoint.end( point ) );
+	const std::vector<std::uint32_t> carriers( complex.bindCell.begin() + complex.bindStart[point], complex.bindCell.begin() + complex.bindStart[point + 1] );
+	std::vector<std::uint32_t> side;
+	for ( std::size_t k = 0; k < there.size(); ++k )
+	{
+		if ( sides.sideOf( first + std::uint32_t( k ) ) == slot )
+		{
+			side.push_back( there[k] );
+		}
+	}
+	std::vector<std::uint32_t> joined = walkFrom( sides, { there[slot - first] }, there, point );
+	std::sort( joined.begin(), joined.end() );
+	if ( joined != side )
+	{
+		return broken( "A side of a crack is not what standing faces join." );
+	}
+	const std::vector<std::uint32_t> reached = walkFrom( sides, side, carriers, CellComplex::kNone );
+	for ( std::size_t k = 0; k < carriers.size(); ++k )
+	{
+		const bool isReached = std::find( reached.begin(), reached.end(), carriers[k] ) != reached.end();
+		if ( isReached != ( ( sides.carriersOf( slot ) >> k & 1u ) != 0 ) )
+		{
+			return broken( "A side of a crack has other carriers than it reaches." );
+		}
+	}
+	return {};
+}
+
+} // namespace
+
+Status validate( const CrackSides& sides )
+{
+	for ( std::uint32_t slot = 0; slot < std::uint32_t( sides.m_side.size() ); ++slot )
+	{
+		if ( sides.m_isDrawn[sides.patches().pointOfSlot[slot]] != 0 && sides.sideOf( slot ) == slot )
+		{
+			if ( Status status = validateSide( sides, slot ); !status.ok() )
+			{
+				return status;
+			}
 		}
 	}
 	return {};
