@@ -53,11 +53,6 @@ bool crossesTriangle( const Vec3d& a, const Vec3d& b, const Vec3d& u, const Vec3
 
 bool crosses( const BladeCut& cut, const Vec3d& a, const Vec3d& b )
 {
-	const Vec3d low = cut.p0.cwiseMin( cut.p1 ).cwiseMin( cut.q0.cwiseMin( cut.q1 ) ), high = cut.p0.cwiseMax( cut.p1 ).cwiseMax( cut.q0.cwiseMax( cut.q1 ) );
-	if ( ( a.cwiseMax( b ).array() < low.array() ).any() || ( a.cwiseMin( b ).array() > high.array() ).any() )
-	{
-		return false;
-	}
 	return crossesTriangle( a, b, cut.p0, cut.p1, cut.q0 ) || crossesTriangle( a, b, cut.q0, cut.p1, cut.q1 );
 }
 
@@ -76,6 +71,30 @@ bool isSomething( const BladeCut& cut )
 	return cut.p0.allFinite() && cut.p1.allFinite() && cut.q0.allFinite() && cut.q1.allFinite();
 }
 
+/// Where each place lies beyond the blade's box: a bit a side. What has its both ends beyond one side is not cut.
+std::vector<std::uint8_t> sidesBeyond( const std::vector<Vec3d>& places, const BladeCut& cut )
+{
+	const Vec3d low = cut.p0.cwiseMin( cut.p1 ).cwiseMin( cut.q0.cwiseMin( cut.q1 ) ), high = cut.p0.cwiseMax( cut.p1 ).cwiseMax( cut.q0.cwiseMax( cut.q1 ) );
+	std::vector<std::uint8_t> beyond;
+	beyond.reserve( places.size() );
+	for ( const Vec3d& at : places )
+	{
+		unsigned bits = 0;
+		for ( int axis = 0; axis < 3; ++axis )
+		{
+			bits |= unsigned( at[axis] < low[axis] ) << 2 * axis | unsigned( at[axis] > high[axis] ) << ( 2 * axis + 1 );
+		}
+		beyond.push_back( std::uint8_t( bits ) );
+	}
+	return beyond;
+}
+
+template <class Cut>
+std::vector<std::uint8_t> sidesBeyond( const std::vector<Vec3d>& places, const Cut& )
+{
+	return std::vector<std::uint8_t>( places.size(), 0 );
+}
+
 template <class Cut>
 std::vector<CellLink> findCut( const Lattice& lattice, const std::vector<Vec3d>& places, const Cut& cut )
 {
@@ -84,12 +103,13 @@ std::vector<CellLink> findCut( const Lattice& lattice, const std::vector<Vec3d>&
 	{
 		return links;
 	}
+	const std::vector<std::uint8_t> beyond = sidesBeyond( places, cut );
 	for ( std::uint32_t i = 0; i < std::uint32_t( lattice.cellCount() ); ++i )
 	{
 		const auto row = lattice.linkTo.begin() + lattice.linkStart[i], end = lattice.linkTo.begin() + lattice.linkStart[i + 1];
 		for ( auto to = std::upper_bound( row, end, i ); to != end; ++to )
 		{
-			if ( crosses( cut, places[i], places[*to] ) )
+			if ( ( beyond[i] & beyond[*to] ) == 0 && crosses( cut, places[i], places[*to] ) )
 			{
 				links.push_back( CellLink{ i, *to } );
 			}

@@ -157,6 +157,34 @@ TEST( CutLinks, ABladeThatHasGoneThroughAllOfItCutsLikeItsPlane )
 	}
 }
 
+/// Solves for the point where a link meets a triangle's plane.
+bool meets( const Vec3d& a, const Vec3d& b, const Vec3d& u, const Vec3d& v, const Vec3d& w )
+{
+	Eigen::Matrix3d columns;
+	columns << b - a, u - v, u - w;
+	const Vec3d at = columns.inverse() * ( u - a );
+	return at.x() >= 0.0 && at.x() <= 1.0 && at.y() >= 0.0 && at.z() >= 0.0 && at.y() + at.z() <= 1.0;
+}
+
+TEST( CutLinks, SmallBladesCutWhatMeetsTheirTriangles )
+{
+	int cut = 0;
+	for ( unsigned seed = 1; seed <= 50; ++seed )
+	{
+		test::Seeded random( seed );
+		const Lattice blob = test::makeBlobLattice( 10, 0.1f, seed );
+		const Eigen::Matrix3d map = someMap( random, 0.3f );
+		const auto places = placed( blob, [&]( const Vec3d& x ) { return Vec3d( map * x ); } );
+		const Vec3d p0 = wide( random.inBox( 0.4f ) ), p1 = wide( random.inBox( 0.4f ) ), q0 = wide( random.inBox( 0.4f ) ), q1 = wide( random.inBox( 0.4f ) );
+		const auto wanted = linksThat( blob, [&]( std::uint32_t i, std::uint32_t j ) {
+			return meets( places[i], places[j], p0, p1, q0 ) || meets( places[i], places[j], q0, p1, q1 );
+		} );
+		EXPECT_EQ( linksCut( blob, places, BladeCut{ p0, p1, q0, q1 } ), wanted ) << seed;
+		cut += int( wanted.size() );
+	}
+	EXPECT_GT( cut, 1000 );
+}
+
 TEST( CutLinks, LinksThroughTheLineTwoTrianglesShareAreCut )
 {
 	const Lattice pair = makeBlockLattice( 1, 1, 2, 1.0f );
