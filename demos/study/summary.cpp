@@ -30,15 +30,23 @@ void markFront( std::vector<Summary>& all )
 	}
 }
 
-/// 0 of none. Of an even number the lower one: what disturbs a run only makes it longer.
-double middleOf( std::vector<double> values )
+/// The middle one of a candidate's runs; of an even number the lower one: what disturbs a run only makes it longer. 0 of none.
+double middleOver( const std::vector<Record>& records, const Summary& of, const std::string& scene, double Record::*time )
 {
-	if( values.empty() )
+	std::vector<double> times;
+	for( const Record& record : records )
+	{
+		if( record.scene == scene && record.candidate == of.candidate && record.refused.empty() )
+		{
+			times.push_back( record.*time );
+		}
+	}
+	if( times.empty() )
 	{
 		return 0;
 	}
-	const auto middle = values.begin() + std::ptrdiff_t( ( values.size() - 1 ) / 2 );
-	std::nth_element( values.begin(), middle, values.end() );
+	const auto middle = times.begin() + std::ptrdiff_t( ( times.size() - 1 ) / 2 );
+	std::nth_element( times.begin(), middle, times.end() );
 	return *middle;
 }
 
@@ -48,8 +56,6 @@ void addRun( Summary& sum, const Record& record )
 	const auto blend = [share]( double& mean, double value ) { mean += share * ( value - mean ); };
 	blend( sum.nodes, record.nodes );
 	blend( sum.substeps, record.substeps );
-	sum.medians.push_back( record.median );
-	blend( sum.slow, record.slow );
 	for( std::size_t k = 0; k < kStageCount; ++k )
 	{
 		blend( sum.stages[k], record.stages[k] );
@@ -76,7 +82,6 @@ void addRun( Summary& sum, const Record& record )
 	}
 	const auto most = []( double& to, double value ) { to = std::max( to, value ); };
 	most( sum.bytes, record.bytes ); // what later runs take from memory that was freed before is not seen: the first says it
-	most( sum.slowest, record.slowest );
 	most( sum.volumeDrift, record.volumeDrift );
 	most( sum.momentumDrift, record.momentumDrift );
 	most( sum.spinDrift, record.spinDrift );
@@ -116,7 +121,9 @@ std::vector<Summary> summarise( const std::vector<Record>& records, const std::s
 	}
 	for( Summary& one : all )
 	{
-		one.median = middleOf( one.medians );
+		one.median = middleOver( records, one, scene, &Record::median );
+		one.slow = middleOver( records, one, scene, &Record::slow );
+		one.slowest = middleOver( records, one, scene, &Record::slowest );
 		one.spread = one.runs > 1 ? std::sqrt( one.spread / ( one.runs - 1 ) ) : 0.0;
 	}
 	markFront( all );

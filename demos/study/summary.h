@@ -19,8 +19,7 @@ struct Summary
 	int runs = 0;
 	std::string refused;
 	double nodes = 0, substeps = 0, bytes = 0;
-	double median = 0, slow = 0, slowest = 0; ///< s a game step; the median is the middle one of those of the runs
-	std::vector<double> medians; ///< of the runs, s
+	double median = 0, slow = 0, slowest = 0; ///< s a game step; the middle ones of the runs'
 	StageTimes stages{};
 	Errors errors, last;
 	double spread = 0;          ///< standard deviation of the mean error over orientations

@@ -40,6 +40,7 @@ Record recordOf( const char* name, int orientation, double error, double seconds
 	r.orientation = orientation;
 	r.errors.mean = error;
 	r.median = seconds;
+	r.slowest = 2 * seconds;
 	r.curve = { error, 2 * error };
 	return r;
 }
@@ -91,6 +92,7 @@ TEST( Summaries, AreMeansOverOrientationsAndMarkTheFront )
 	EXPECT_NEAR( all[0].errors.mean, 0.02, 1e-15 );
 	EXPECT_NEAR( all[0].spread, 0.01, 1e-12 );
 	EXPECT_EQ( all[0].median, 5e-3 ) << "the middle one: a run that was disturbed says nothing";
+	EXPECT_EQ( all[0].slowest, 10e-3 );
 	EXPECT_NEAR( all[0].curve[1], 0.04, 1e-15 );
 	EXPECT_TRUE( all[0].isOnFront );
 	EXPECT_TRUE( all[1].isOnFront );
