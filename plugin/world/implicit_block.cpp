@@ -76,6 +76,7 @@ void ImplicitBlock::startFrom( const SoftPart& part )
 void ImplicitBlock::nameNodeBlocks()
 {
 	m_nodeBlocks.clear();
+	m_clusters.clear();
 	m_blockOf.assign( std::size_t( m_size ), -1 );
 	for ( BlockContact& contact : contacts )
 	{
@@ -85,15 +86,22 @@ void ImplicitBlock::nameNodeBlocks()
 			{
 				continue;
 			}
-			int& block = m_blockOf[std::size_t( soft[std::size_t( side.soft )].offset + side.node )];
-			if ( block < 0 )
-			{
-				block = int( m_nodeBlocks.size() );
-				m_nodeBlocks.push_back( NodeBlock{ side.soft, side.node } );
-			}
-			side.block = block;
+			side.block = nameNode( side.soft, side.node );
+			side.innerBlock = side.inner >= 0 ? nameNode( side.soft, side.inner ) : -1;
 		}
+		nameClusters( contact );
 	}
+}
+
+int ImplicitBlock::nameNode( int part, int node )
+{
+	int& block = m_blockOf[std::size_t( soft[std::size_t( part )].offset + node )];
+	if ( block < 0 )
+	{
+		block = int( m_nodeBlocks.size() );
+		m_nodeBlocks.push_back( NodeBlock{ part, node } );
+	}
+	return block;
 }
 
 Vec3d ImplicitBlock::speedOf( const ContactSide& side, const float* v ) const
@@ -101,9 +109,12 @@ Vec3d ImplicitBlock::speedOf( const ContactSide& side, const float* v ) const
 	if ( side.soft >= 0 )
 	{
 		const SoftPart& part = soft[std::size_t( side.soft )];
-		const float* at = v + part.offset + side.node;
 		const int padded = part.motion->padded();
-		return { double( at[0] ), double( at[padded] ), double( at[2 * padded] ) };
+		const auto of = [&]( int node ) {
+			const float* const at = v + part.offset + node;
+			return Vec3d( double( at[0] ), double( at[padded] ), double( at[2 * padded] ) );
+		};
+		return side.inner < 0 ? of( side.node ) : Vec3d( ( 1.0 - side.share ) * of( side.node ) + side.share * of( side.inner ) );
 	}
 	if ( side.rigid >= 0 )
 	{
@@ -128,7 +139,11 @@ void ImplicitBlock::addImpulse( const ContactSide& side, const Vec3d& impulse, f
 		const int padded = part.motion->padded();
 		for ( int k = 0; k < 3; ++k )
 		{
-			at[k * padded] += float( impulse[k] );
+			at[k * padded] += float( ( 1.0 - side.share ) * impulse[k] );
+			if ( side.inner >= 0 )
+			{
+				at[k * padded + side.inner - side.node] += float( side.share * impulse[k] );
+			}
 		}
 	}
 	else if ( side.rigid >= 0 )
@@ -185,6 +200,8 @@ void ImplicitBlock::listPressing()
 			const ContactSide& side = contact.side[k];
 			flat.stride[k] = side.soft >= 0 ? soft[std::size_t( side.soft )].motion->padded() : 0;
 			flat.place[k] = side.soft >= 0 ? soft[std::size_t( side.soft )].offset + side.node : side.rigid >= 0 ? rigid[std::size_t( side.rigid )].offset : -1;
+			flat.inner[k] = side.inner >= 0 ? flat.place[k] + side.inner - side.node : -1;
+			flat.share[k] = side.share;
 			Eigen::Map<Vec3d>( flat.arm[k] ) = side.arm;
 		}
 		Eigen::Map<Vec3d>( flat.normal ) = contact.normal;
@@ -203,9 +220,14 @@ void addSpeed( const Pressing& c, int side, const float* v, double sign, double 
 	const float* const at = v + c.place[side];
 	if ( c.stride[side] > 0 )
 	{
+		const double outer = sign * ( 1.0 - c.share[side] ), inner = sign * c.share[side];
 		for ( int k = 0; k < 3; ++k )
 		{
-			u[k] += sign * double( at[k * c.stride[side]] );
+			u[k] += outer * double( at[k * c.stride[side]] );
+		}
+		for ( int k = 0; k < 3 && c.inner[side] >= 0; ++k )
+		{
+			u[k] += inner * double( v[c.inner[side] + k * c.stride[side]] );
 		}
 		return;
 	}
@@ -220,9 +242,14 @@ void addForce( const Pressing& c, int side, const double ( &f )[3], double sign,
 {
 	float* const at = to + c.place[side];
 	const int step = c.stride[side] > 0 ? c.stride[side] : 1;
+	const double outer = sign * ( 1.0 - c.share[side] ), inner = sign * c.share[side];
 	for ( int k = 0; k < 3; ++k )
 	{
-		at[k * step] += float( sign * f[k] );
+		at[k * step] += float( outer * f[k] );
+	}
+	for ( int k = 0; k < 3 && c.inner[side] >= 0; ++k )
+	{
+		to[c.inner[side] + k * step] += float( inner * f[k] );
 	}
 	if ( c.stride[side] == 0 )
 	{

@@ -27,6 +27,8 @@ struct ContactSide
 	Vec3d arm = Vec3d::Zero();      ///< from the rigid body's mass centre, m
 	Vec3d given = Vec3d::Zero();    ///< m/s, where both are -1
 	int block = -1;                 ///< among the block's nodes with contacts
+	int inner = -1, innerBlock = -1; ///< the node behind that takes `share` of it (round_surface.h); -1: none
+	double share = 0.0;
 };
 
 struct BlockContact
@@ -86,6 +88,8 @@ struct Pressing
 {
 	int place[2] = { -1, -1 };     ///< of each side's first number in the vector; -1: its speed is given
 	int stride[2] = { 0, 0 };      ///< between a node's components; 0: six numbers of a rigid body
+	int inner[2] = { -1, -1 };     ///< the same of the node behind
+	double share[2] = { 0.0, 0.0 };
 	double normal[3], arm[2][3];
 	double along = 0.0, across = 0.0; ///< k - kt and kt, kg; k and kt where directed
 	int directed = -1;
@@ -118,7 +122,15 @@ private:
 	struct NodeBlock
 	{
 		int part = -1, node = -1;
-		Eigen::Matrix3d matrix = Eigen::Matrix3d::Zero(); ///< its 3 x 3 of A; later the inverse
+		int cluster = -1, slot = -1;
+	};
+	/// Nodes that contacts hold together: a dense piece of the preconditioner.
+	struct Cluster
+	{
+		static constexpr int kMost = 4; ///< a round contact's
+		int blocks[kMost] = { -1, -1, -1, -1 };
+		int count = 0;
+		int room = 0; ///< of its matrix, later the inverse, in m_clusterRoom
 	};
 
 	int size() const override { return m_size; }
@@ -126,6 +138,7 @@ private:
 	void precondition( const float* r, float* z ) override;
 
 	void layOut();
+	int nameNode( int part, int node );
 	void startFrom( const SoftPart& part );
 	void nameNodeBlocks();
 	void applyMasses( const float* v, float* to );
@@ -146,6 +159,15 @@ private:
 	void iterate( double share, BlockCount& count );
 	void fillPreconditioner();
 	void layOutCoarse();
+	void nameClusters( const BlockContact& contact );
+	Eigen::Map<Eigen::MatrixXd> matrixOf( const Cluster& cluster )
+	{
+		return { m_clusterRoom.data() + cluster.room, 3 * cluster.count, 3 * cluster.count };
+	}
+	void beginClusters();
+	void addToClusters( const BlockContact& contact, const Eigen::Matrix3d& resists );
+	void invertClusters();
+	void preconditionClusters( const float* r, float* z ) const;
 	void addToPreconditioner( const BlockContact& contact );
 	void lockAxes( const RigidPart& part, int body );
 	void readAnswer();
@@ -175,6 +197,8 @@ private:
 	AlignedArray<float> m_inverseDiagonal; ///< 1 / A_ii of the soft parts' nodes, at the place of their first component
 	std::vector<Pressing> m_pressing;      ///< as last linearised
 	std::vector<NodeBlock> m_nodeBlocks;   ///< of the nodes that contacts name
+	std::vector<Cluster> m_clusters;
+	std::vector<double> m_clusterRoom;
 	std::vector<int> m_blockOf;            ///< by place of the node's first component; -1: no contact names it
 	CoarseSystem m_coarse;
 	std::vector<int> m_coarseSizes;

@@ -1,6 +1,7 @@
 #include "world/implicit_contacts.h"
 
 #include "world/constants.h"
+#include "world/round_surface.h"
 #include "world/soft_body_impl.h"
 
 #include <BulletCollision/BroadphaseCollision/btDispatcher.h>
@@ -55,6 +56,25 @@ void giveDirections( const btCollisionObject* const ( &objects )[2], BlockContac
 	const Eigen::Matrix3d inPlane = Eigen::Matrix3d::Identity() - contact.normal * contact.normal.transpose();
 	contact.directed = int( block.directions.size() );
 	block.directions.push_back( inPlane * ( roots.transpose() * roots ) * inPlane );
+}
+
+/// Between soft bodies: over the nodes behind, as it was found.
+void spread( const NodeBody* const ( &nodes )[2], BlockContact& contact )
+{
+	if ( !nodes[0] || !nodes[1] || nodes[0]->node < 0 || nodes[1]->node < 0 || !meetRound( *nodes[0]->owner, *nodes[1]->owner ) )
+	{
+		return;
+	}
+	const Vec3d apart = toVec3d( nodes[1]->owner->impl().position( nodes[1]->node ) - nodes[0]->owner->impl().position( nodes[0]->node ) );
+	for ( int side = 0; side < 2; ++side )
+	{
+		const RoundSphere round = roundSphere( *nodes[side]->owner, nodes[side]->node, side == 0 ? apart : Vec3d( -apart ) );
+		if ( contact.side[side].soft >= 0 && round.inner >= 0 )
+		{
+			contact.side[side].inner = round.inner;
+			contact.side[side].share = round.share;
+		}
+	}
 }
 
 /// b: speed of parting asked for. Before touch, whatever closes the gap within the step; then out of what is too deep, and bouncing off.
@@ -124,6 +144,7 @@ void ImplicitContacts::gatherFrom(
 			const btVector3& touches = own ? own->getWorldTransform().getOrigin() : side == 0 ? point.getPositionWorldOnA() : point.getPositionWorldOnB();
 			contact.side[side] = sideOf( *objects[side], block, places, toVec3d( touches ) );
 		}
+		spread( nodes, contact );
 		if ( !contact.moves() )
 		{
 			continue;

@@ -34,6 +34,12 @@ double pressAt( const BlockContact& contact, const Vec3d& u )
 	return contact.pushed + contact.stiffness * ( contact.target - contact.normal.dot( u ) );
 }
 
+Vec3d speedAmong( const ContactSide& side, const Vec3Array& v )
+{
+	const Vec3d own = v.get( side.node ).cast<double>();
+	return side.inner < 0 ? own : Vec3d( ( 1.0 - side.share ) * own + side.share * v.get( side.inner ).cast<double>() );
+}
+
 Law lawAt( const BlockContact& contact, const Vec3d& u, double press )
 {
 	const double along = contact.normal.dot( u );
@@ -60,7 +66,7 @@ Vec3d ImplicitBlock::freeSpeed( const BlockContact& contact ) const
 		speed[k] = side.given;
 		if ( side.soft >= 0 )
 		{
-			speed[k] = soft[std::size_t( side.soft )].motion->nodes().v.get( side.node ).cast<double>();
+			speed[k] = speedAmong( side, soft[std::size_t( side.soft )].motion->nodes().v );
 		}
 		else if ( side.rigid >= 0 )
 		{
@@ -80,7 +86,7 @@ Vec3d ImplicitBlock::speedBefore( const BlockContact& contact ) const
 		speed[k] = side.given;
 		if ( side.soft >= 0 )
 		{
-			speed[k] = soft[std::size_t( side.soft )].before->get( side.node ).cast<double>();
+			speed[k] = speedAmong( side, *soft[std::size_t( side.soft )].before );
 		}
 		else if ( side.rigid >= 0 )
 		{

@@ -1,4 +1,4 @@
-// What stands in front of an implicit block's system: 3 x 3 of each node with its contacts, and, added to it, the contacts as whole bodies feel
+// What stands in front of an implicit block's system: nodes with their contacts (implicit_clusters.cpp), and, added to them, the contacts as whole bodies feel
 // them, each rigid body with its 6 and each soft one with its 12 affine motions (coarse_system.h).
 
 #include "world/implicit_block.h"
@@ -89,6 +89,7 @@ void ImplicitBlock::layOutCoarse()
 void ImplicitBlock::addToPreconditioner( const BlockContact& contact )
 {
 	const Eigen::Matrix3d resists = resistance( contact );
+	addToClusters( contact, resists );
 	Feels feels[2];
 	for ( int k = 0; k < 2; ++k )
 	{
@@ -96,13 +97,13 @@ void ImplicitBlock::addToPreconditioner( const BlockContact& contact )
 		Feels& own = feels[k];
 		if ( side.soft >= 0 )
 		{
-			m_nodeBlocks[std::size_t( side.block )].matrix += resists;
 			const SoftPart& part = soft[std::size_t( side.soft )];
 			own.body = part.coarse;
 			own.isSoft = true;
 			if ( own.body >= 0 )
 			{
-				own.arm << 1.0, part.motion->arm( side.node );
+				const Vec3d arm = part.motion->arm( side.node );
+				own.arm << 1.0, side.inner < 0 ? arm : Vec3d( ( 1.0 - side.share ) * arm + side.share * part.motion->arm( side.inner ) );
 			}
 		}
 		else if ( side.rigid >= 0 )
@@ -153,10 +154,7 @@ void ImplicitBlock::lockAxes( const RigidPart& part, int body )
 
 void ImplicitBlock::fillPreconditioner()
 {
-	for ( NodeBlock& block : m_nodeBlocks )
-	{
-		block.matrix = double( soft[std::size_t( block.part )].motion->diagonal( block.node ) ) * Eigen::Matrix3d::Identity();
-	}
+	beginClusters();
 	m_coarse.begin( m_coarseSizes );
 	for ( const SoftPart& part : soft )
 	{
@@ -184,10 +182,7 @@ void ImplicitBlock::fillPreconditioner()
 	}
 	m_coarse.factor();
 	m_coarseSums.resize( m_coarse.size() );
-	for ( NodeBlock& block : m_nodeBlocks )
-	{
-		block.matrix = block.matrix.inverse().eval();
-	}
+	invertClusters();
 }
 
 void ImplicitBlock::precondition( const float* r, float* z )
@@ -211,16 +206,7 @@ void ImplicitBlock::precondition( const float* r, float* z )
 			m_coarseSums.segment<12>( m_coarse.offset( part.coarse ) ) = part.motion->affineSums( r + part.offset );
 		}
 	}
-	for ( const NodeBlock& block : m_nodeBlocks )
-	{
-		const SoftPart& part = soft[std::size_t( block.part )];
-		const int padded = part.motion->padded(), at = part.offset + block.node;
-		const Vec3d value = block.matrix * Vec3d( double( r[at] ), double( r[at + padded] ), double( r[at + 2 * padded] ) );
-		for ( int k = 0; k < 3; ++k )
-		{
-			z[at + k * padded] = float( value[k] );
-		}
-	}
+	preconditionClusters( r, z );
 	for ( const RigidPart& part : rigid )
 	{
 		m_coarseSums.segment<6>( m_coarse.offset( part.coarse ) ) = Eigen::Map<const Eigen::Matrix<float, 6, 1>>( r + part.offset ).cast<double>();

@@ -3,6 +3,7 @@
 #include "body/levels.h"
 #include "world/constants.h"
 #include "world/obstacle_parts.h"
+#include "world/round_surface.h"
 #include "world/soft_body_impl.h"
 
 #include <BulletCollision/CollisionDispatch/btCollisionObjectWrapper.h>
@@ -337,16 +338,32 @@ const std::vector<NodeHit>& NodeSearch::againstSoft( const SoftBody& a, const So
 	m_motion = ObstacleMotion{};
 	m_hits.clear();
 	const double slack = slackOf( implA, implB );
+	const bool isRound = slack == 0.0 && meetRound( a, b );
 	double deepest = 0.0;
 	const Vec3d fromAToB = implA.body->nodes().origin - nodesB.origin; // adds to a position of A's to make it one of B's
 	const btVector3 shapesApart = toBt( fromAToB + ( implA.shapeShift - implB.shapeShift ).cast<double>() );
-	const btVector3 low = shapeA.sweepLow() - shapeB.sweepHigh(), high = shapeA.sweepHigh() - shapeB.sweepLow();
+	const btScalar room = isRound ? kRoundRoom * ( shapeA.largestRadius() + shapeB.largestRadius() ) : btScalar( 0 );
+	const btVector3 around( room, room, room );
+	const btVector3 low = shapeA.sweepLow() - shapeB.sweepHigh() - around, high = shapeA.sweepHigh() - shapeB.sweepLow() + around;
 	SphereRows::visitPairs( shapeA.rows(), shapeB.rows(), SphereRows::Approach{ shapesApart, low, high }, m_near, [&]( int nodeA, int nodeB ) {
 		MovingSphere sphere = sphereOf( nodeA );
 		sphere.way -= step * nodesB.v.get( nodeB ).cast<double>();
-		Touch touch;
-		if ( findBallTouch( *shapeB.sphereOfNode( nodeB ), nodesB.x.get( nodeB ).cast<double>() - fromAToB, sphere, touch ) )
+		Vec3d at = nodesB.x.get( nodeB ).cast<double>() - fromAToB;
+		double radius = double( shapeB.sphereOfNode( nodeB )->getRadius() );
+		const double own = sphere.radius;
+		if ( isRound )
 		{
+			const RoundSphere one = roundSphere( a, nodeA, at - sphere.centre ), other = roundSphere( b, nodeB, sphere.centre - at );
+			sphere.centre += one.inwards;
+			sphere.radius += one.inwards.norm();
+			at += other.inwards;
+			radius += other.inwards.norm();
+		}
+		Touch touch;
+		if ( findBallTouch( radius, at, sphere, touch ) )
+		{
+			touch.distance -= sphere.radius - own; // of the node's own sphere that would be as near
+			sphere.radius = own;
 			deepest = std::max( deepest, sphere.radius - touch.distance );
 			touch.distance += slack;
 			if ( slack > 0.0 && touch.distance > sphere.radius )

@@ -252,10 +252,10 @@ bool findTouch( const Obstacle& obstacle, const MovingSphere& sphere, Touch& tou
 	return findConvexTouch( sphere, touch, find );
 }
 
-bool findBallTouch( const btSphereShape& ball, const Vec3d& at, const MovingSphere& sphere, Touch& touch )
+bool findBallTouch( double radius, const Vec3d& at, const MovingSphere& sphere, Touch& touch )
 {
 	const Vec3d apart = sphere.centre - at;
-	const double radius = double( ball.getRadius() ), touching = sphere.radius * ( 1.0 + kContactSlop ) + radius;
+	const double touching = sphere.radius * ( 1.0 + kContactSlop ) + radius;
 	const double square = apart.squaredNorm();
 	if ( square > touching * touching )
 	{

@@ -50,7 +50,7 @@ struct Touch
 bool findTouch( const Obstacle& obstacle, const MovingSphere& sphere, Touch& touch );
 
 /// The same for a sphere around `at`: what findTouch would say of it, sooner.
-bool findBallTouch( const btSphereShape& ball, const Vec3d& at, const MovingSphere& sphere, Touch& touch );
+bool findBallTouch( double radius, const Vec3d& at, const MovingSphere& sphere, Touch& touch );
 
 /// The same for a triangle of a mesh; corners relative to the soft body's origin. Both sides count.
 bool findTouch( const Vec3d ( &corners )[3], const MovingSphere& sphere, Touch& touch );

@@ -234,7 +234,7 @@ TEST_P( SphereRowsOf, TwoBodiesFindTheNodesThatMeet )
 				sphere.way -= kSubstep * others.v.get( b ).cast<double>();
 				Touch touch;
 				const bool collide = soft[0]->impl().shape->childOfNode( a ) >= 0 && soft[1]->impl().shape->childOfNode( b ) >= 0;
-				if ( collide && findBallTouch( *soft[1]->impl().shape->sphereOfNode( b ), others.x.get( b ).cast<double>() - apart, sphere, touch ) )
+				if ( collide && findBallTouch( double( soft[1]->impl().shape->sphereOfNode( b )->getRadius() ), others.x.get( b ).cast<double>() - apart, sphere, touch ) )
 				{
 					expected.push_back( std::uint64_t( a ) << 32 | std::uint32_t( b ) );
 				}
