@@ -30,9 +30,10 @@ RoundSphere roundSphere( const SoftBody& body, int node, const Vec3d& towards )
 	{
 		const std::uint32_t other = lattice.linkTo[l];
 		const Eigen::Vector3i step = ( lattice.coordinate[other] - lattice.coordinate[std::size_t( node )] ).cast<int>();
-		for ( int axis = 0; axis < 3 && step.cwiseAbs().sum() == 1; ++axis )
+		if ( step.squaredNorm() == 1 )
 		{
-			behind[2 * axis + ( step[axis] > 0 ? 1 : 0 )] = step[axis] != 0 ? int( other ) : behind[2 * axis + ( step[axis] > 0 ? 1 : 0 )];
+			const int axis = step.x() != 0 ? 0 : step.y() != 0 ? 1 : 2;
+			behind[2 * axis + ( step[axis] > 0 ? 1 : 0 )] = int( other );
 		}
 	}
 	// The open face that looks there most. Where none does, the sphere is the node's own, and between it becomes so by and by.

@@ -169,8 +169,8 @@ public:
 
 	// --- out --------------------------------------------------------------------------------------------------------
 	/// Skins now if the body has moved since; a later step writes to the other buffer, so a render thread may read on until
-	/// the step after next. Empty when the template was built with Skinning::None. From one thread at a time, and not during a step: the world's
-	/// threads help with large bodies.
+	/// the step after next. Empty when the template was built with Skinning::None. From one thread at a time for all bodies of a world, and not during
+	/// a step: the first call after one draws, on the world's threads, all bodies that were asked for after the last.
 	SurfaceView surface() const;
 
 	/// False once a number in the body stopped being finite: it stands at its last finite state until `reset`.
