@@ -8,6 +8,9 @@
 
 namespace pliant {
 
+/// SoftBody::setSurfaceTolerance unless set, cells: a tenth of a pixel where a cell is ten of them.
+inline constexpr double kSurfaceTolerance = 1e-2;
+
 /// Sphere radii are rounded to steps of 2^(1/16), so that nodes share shapes.
 inline constexpr double kRadiusStepsPerOctave = 16.0;
 

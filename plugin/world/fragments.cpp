@@ -102,7 +102,7 @@ void SoftBody::Impl::adopt( SoftBody& owner, BodyPiece& piece )
 	placeShape( owner );
 	measureSpeed();
 	skin.fade.clear();
-	skin.nodesMoved();
+	skin.nodesChanged();
 	if ( self )
 	{
 		self->search.forget();
@@ -128,6 +128,7 @@ std::unique_ptr<SoftBody> SoftBody::Impl::makeFragment( const SoftBody& parent, 
 	impl.crackFamily = from.crackFamily;
 	impl.wasLookedAt = from.isLookedAt();
 	impl.cuts = from.cuts;
+	impl.skin.tolerance = from.skin.tolerance;
 	impl.fading = from.fading;
 	impl.self = from.self ? std::make_unique<SelfCollision>() : nullptr;
 	const Fracture& settings = impl.body->fracture();

@@ -138,7 +138,7 @@ void SoftBody::Impl::changeNodes( SoftBody& owner, const std::function<void()>& 
 	}
 	else
 	{
-		skin.nodesMoved();
+		skin.nodesChanged();
 	}
 }
 

@@ -347,6 +347,7 @@ Status SoftBody::setMaterial( const Material& material )
 	if ( status.ok() )
 	{
 		m_impl->mass = m_impl->body->sums().mass;
+		m_impl->skin.rigid.forget(); // other regions carry the skin otherwise
 		activate( true );
 	}
 	return status;

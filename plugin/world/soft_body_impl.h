@@ -6,8 +6,10 @@
 #include "body/breaking.h"
 #include "pliant/soft_body.h"
 #include "surface/crack_family.h"
+#include "surface/rigid_skin.h"
 #include "surface/skin_fade.h"
 #include "surface/skinning.h"
+#include "world/constants.h"
 #include "world/implicit_choice.h"
 #include "world/node_body.h"
 #include "world/node_contacts.h"
@@ -40,22 +42,35 @@ struct Pin
 
 struct SkinBuffers
 {
-	std::vector<float> positions[2], normals[2];
-	btVector3 origin[2] = { btVector3( 0, 0, 0 ), btVector3( 0, 0, 0 ) };
+	/// One is shown, one was shown before that; and of a body that moves as one, one is what was skinned last in full.
+	static constexpr int kCount = 3;
+	std::vector<float> positions[kCount], normals[kCount];
+	btVector3 origin[kCount] = { btVector3( 0, 0, 0 ), btVector3( 0, 0, 0 ), btVector3( 0, 0, 0 ) };
 	std::vector<float> rotations, gradients, flow;
 	std::vector<float> gradientsRoom; ///< of a change of levels
 	SkinScratch scratch;
 	SkinFade fade; ///< of bodies with levels
+	RigidSkin rigid;
+	double tolerance = kSurfaceTolerance; ///< in cells
 	int current = 0;
+	int full = 0;             ///< skinned last in full
 	unsigned frame = 0;
 	unsigned askedIn = 0;     ///< the world's step after which the surface was last asked for; 0: never
 	bool isStale = true;
-	bool isPoseKnown = false; ///< rotations, gradients and flow are those of the nodes as they are
+	bool areTurnsKnown = false; ///< rotations and flow are those of the nodes as they are
+	bool isPoseKnown = false; ///< gradients too
+	bool isMapKnown = false;  ///< and the maps in `scratch`
 
 	void nodesMoved()
 	{
 		isStale = true;
-		isPoseKnown = false;
+		areTurnsKnown = isPoseKnown = isMapKnown = false;
+	}
+	/// What is kept for bodies that move as one is another's: nodes have other numbers, or what is drawn is another surface.
+	void nodesChanged()
+	{
+		nodesMoved();
+		rigid.forget();
 	}
 };
 
@@ -171,8 +186,10 @@ struct SoftBody::Impl
 	const SkinBinding& binding() const;
 	const CrackView* shownCracks() const; ///< null: the template's mesh is shown
 	SkinTriangles shownTriangles() const;
-	/// The skin of the nodes as they are, into the buffer that nobody reads.
+	/// The skin of the nodes as they are, into a buffer that nobody reads.
 	void drawSkin( TaskRunner* runner ) const;
+	bool turnSkin( TaskRunner* runner ) const; ///< the same where they have moved as one. False: they have not
+	void skinInFull( TaskRunner* runner ) const;
 	bool hasNewCracks() const;
 	void showOwnCracks() const;
 	void drawCracks() const;

@@ -83,6 +83,7 @@ void SoftBody::Impl::drawCracks() const
 	}
 	crackVersionBefore = crackVersion;
 	crackVersion = fractureVersion;
+	skin.rigid.forget();
 }
 
 void SoftBody::Impl::showOwnCracks() const

@@ -16,6 +16,11 @@ namespace {
 /// What of the pose is cheap, or a node's own: everything but the gradients.
 void measureTurns( const Body& body, SkinBuffers& skin )
 {
+	if ( skin.areTurnsKnown )
+	{
+		return;
+	}
+	skin.areTurnsKnown = true;
 	skin.rotations.resize( std::size_t( body.nodeCount() ) * 4 );
 	body.nodeRotations( skin.rotations.data() );
 	if ( body.hasFlowed() )
@@ -90,7 +95,8 @@ void SoftBody::Impl::keepSurface()
 {
 	if ( skin.frame > 0 ) // else nobody has ever looked
 	{
-		skin.fade.keep( body->nodes(), skinPose(), body->lattice().cellCount(), skin.isStale ? nullptr : &skin.scratch.nodeMap );
+		const bool areMapsThere = !skin.isStale && skin.isMapKnown;
+		skin.fade.keep( body->nodes(), skinPose(), body->lattice().cellCount(), areMapsThere ? &skin.scratch.nodeMap : nullptr );
 	}
 }
 
@@ -104,14 +110,14 @@ void SoftBody::Impl::fadeFromKeptSurface()
 	else if ( skin.frame > 0 )
 	{
 		const LevelChange& change = body->levels()->lastChange();
+		skin.nodesChanged();
 		measureTurns( *body, skin );
 		followGradients( *body, skin );
 		skin.isPoseKnown = true;
 		skin.fade.start( binding(), SkinFade::Nodes{ body->nodes(), skinPose(), change.heir, change.keptAs, body->levelFrame(), &change.measured } );
-		skin.isStale = true;
 		return;
 	}
-	skin.nodesMoved();
+	skin.nodesChanged();
 }
 
 namespace {
@@ -146,8 +152,38 @@ SkinTriangles SoftBody::Impl::shownTriangles() const
 
 void SoftBody::Impl::drawSkin( TaskRunner* runner ) const
 {
+	if ( !turnSkin( runner ) )
+	{
+		skinInFull( runner );
+	}
+	skin.isStale = false;
+}
+
+bool SoftBody::Impl::turnSkin( TaskRunner* runner ) const
+{
+	if ( !skin.rigid.isKept() || skin.fade.isActive() )
+	{
+		return false;
+	}
+	measureTurns( *body, skin );
+	const double cell = double( bodyTemplate->cellSize() );
+	const float* const flow = body->hasFlowed() ? skin.flow.data() : nullptr;
+	const RigidSkin::Since since = skin.rigid.ask( body->nodes(), skin.rotations.data(), flow, skin.tolerance * cell, cell );
+	if ( since == RigidSkin::Since::Moved )
+	{
+		const int next = skin.current == skin.full ? ( skin.full + 1 ) % SkinBuffers::kCount : SkinBuffers::kCount - skin.full - skin.current;
+		skin.rigid.turn( skin.positions[skin.full], skin.normals[skin.full], skin.positions[next], skin.normals[next], runner );
+		skin.origin[next] = skin.origin[skin.full];
+		skin.current = next;
+		++skin.frame;
+	}
+	return since != RigidSkin::Since::Bent;
+}
+
+void SoftBody::Impl::skinInFull( TaskRunner* runner ) const
+{
 	const SkinBinding& shown = binding();
-	const int next = 1 - skin.current;
+	const int next = skin.current == 0 ? 1 : 0;
 	SkinPose pose = skinPose();
 	if ( pose.fade )
 	{
@@ -157,9 +193,24 @@ void SoftBody::Impl::drawSkin( TaskRunner* runner ) const
 	skin.normals[next].resize( shown.restPosition.size() * 3 );
 	pliant::skin( shown, body->nodes(), pose, shownTriangles(), skin.scratch, skin.positions[next].data(), skin.normals[next].data(), runner );
 	skin.origin[next] = worldOrigin();
-	skin.current = next;
+	skin.current = skin.full = next;
 	++skin.frame;
-	skin.isStale = false;
+	skin.isMapKnown = true;
+	skin.rigid.forget();
+	if ( skin.tolerance > 0.0 && !pose.fade )
+	{
+		skin.rigid.keep( body->nodes(), pose.rotations, pose.flow, pose.gradients != nullptr );
+	}
+}
+
+void SoftBody::setSurfaceTolerance( btScalar cells )
+{
+	m_impl->skin.tolerance = cells > 0 ? double( cells ) : 0.0;
+}
+
+btScalar SoftBody::surfaceTolerance() const
+{
+	return btScalar( m_impl->skin.tolerance );
 }
 
 SurfaceView SoftBody::surface() const

@@ -9,6 +9,13 @@ SurfaceView SoftBody::surface() const
 	return {};
 }
 
+void SoftBody::setSurfaceTolerance( btScalar ) {}
+
+btScalar SoftBody::surfaceTolerance() const
+{
+	return btScalar( m_impl->skin.tolerance );
+}
+
 void SoftBody::Impl::keepSurface() {}
 void SoftBody::Impl::fadeFromKeptSurface() {}
 
