@@ -53,6 +53,7 @@ public:
 
 private:
 	void measureShares( const RegionTables& tables );
+	void roundMembers();
 	void measureDiagonal( const RegionTables& tables );
 	void sumRecords( float* records, bool isOfRates, TaskRunner* runner );
 	void takeRigidMotionOff( TaskRunner* runner );
@@ -65,6 +66,7 @@ private:
 	std::size_t m_recordFloats = 0;
 	AlignedArray<float> m_centres[3], m_inverseInertias[6], m_diagonal;
 	AlignedArray<float> m_share, m_pull;          ///< of nodes on several levels; empty on a uniform lattice
+	AlignedArray<float> m_memberMass, m_memberShare; ///< the same
 	const LatticeMatcher* m_measuredOf = nullptr; ///< what diagonal and shares were measured for, and which of its tables
 	unsigned m_measuredVersion = 0;
 	std::shared_ptr<const SumPlan> m_plan;

@@ -53,11 +53,13 @@ void ImplicitBlock::layOut()
 	layOutCoarse();
 }
 
-/// The iteration begins with the speeds of the substep's start; what is held has its speed already.
+/// The iteration begins with the speeds of the substep's start; what is held has its speed already. What touches nothing falls: it begins with the
+/// speeds of free flight, as it would alone, and where it is not strained is done.
 void ImplicitBlock::startFrom( const SoftPart& part )
 {
 	const int padded = part.motion->padded();
-	const AlignedArray<float>* const from[3] = { &part.before->x, &part.before->y, &part.before->z };
+	const Vec3Array& start = contacts.empty() ? part.motion->nodes().v : *part.before;
+	const AlignedArray<float>* const from[3] = { &start.x, &start.y, &start.z };
 	for ( int k = 0; k < 3; ++k )
 	{
 		std::copy( from[k]->begin(), from[k]->begin() + padded, m_v.begin() + part.offset + k * padded );
@@ -330,7 +332,8 @@ void ImplicitBlock::fillRightSide()
 }
 
 // Impulses are what must be right, and k times what a speed is off by is what they are off by: r . z, twice the energy of all that is off, is
-// small enough where it is less than kImpulseError of each impulse would store, sum of ( kImpulseError jn )^2 / k.
+// small enough where it is less than kImpulseError of each impulse would store, sum of ( kImpulseError jn )^2 / k. Without contacts there are none, and
+// speeds are what a body alone is asked for.
 double ImplicitBlock::energyLeft() const
 {
 	double stored = 0.0;
@@ -339,7 +342,7 @@ double ImplicitBlock::energyLeft() const
 		stored += contact.presses ? contact.normalImpulse * contact.normalImpulse / contact.stiffness : 0.0;
 	}
 	const double least = m_softMass * kContactGradientSpeed * kContactGradientSpeed, most = m_softMass * double( kGradientSpeed ) * double( kGradientSpeed );
-	return std::clamp( kImpulseError * kImpulseError * stored, least, most );
+	return contacts.empty() ? most : std::clamp( kImpulseError * kImpulseError * stored, least, most );
 }
 
 void ImplicitBlock::iterate( double share, BlockCount& count )

@@ -85,7 +85,7 @@ void regionInertias( const RateView& rates, int begin, int end )
 	for ( int first = begin; first < end; first += kTile )
 	{
 		const int last = first + kTile < end ? first + kTile : end;
-		gatherTile( view, view.nodeRecord, view.memberMass, first, last, tile );
+		gatherTile( view, view.nodeRecord, rates.memberMass, first, last, tile );
 		for ( int r = first; r < last; r += kWidth )
 		{
 			const int at = r - first;
@@ -171,7 +171,7 @@ void rigidRates( const RateView& rates, int begin, int end )
 	for ( int first = begin; first < end; first += kTile )
 	{
 		const int last = first + kTile < end ? first + kTile : end;
-		gatherTile<Half>( view, view.nodeRecord, view.memberMass, first, last, in );
+		gatherTile<Half>( view, view.nodeRecord, rates.memberMass, first, last, in );
 		for ( int r = first; r < last; r += kWidth )
 		{
 			const int at = r - first;
@@ -210,7 +210,7 @@ void resist( const RateView& rates, int begin, int end )
 	for ( int first = begin; first < end; first += kTile )
 	{
 		const int last = first + kTile < end ? first + kTile : end;
-		gatherTile<Half>( view, view.regionRecord, view.memberShare, first, last, tile );
+		gatherTile<Half>( view, view.regionRecord, rates.memberShare, first, last, tile );
 		for ( int i = first; i < last; i += kWidth )
 		{
 			const int at = i - first;

@@ -131,9 +131,9 @@ inline RecordOf<Size> sumList( const float* records, const std::uint32_t* member
 	return even + odd;
 }
 
-/// The same with a weight a term. Whole masses come in, rounded once to float: the same on every processor.
-template <class Size>
-inline RecordOf<Size> sumWeighted( const float* records, const std::uint32_t* member, const std::uint32_t* weight, std::uint32_t count )
+/// The same with a weight a term. Whole masses come in, rounded once to float, here or before: the same on every processor.
+template <class Size, class Weight>
+inline RecordOf<Size> sumWeighted( const float* records, const std::uint32_t* member, const Weight* weight, std::uint32_t count )
 {
 	RecordOf<Size> even = loadRecord<Size>( records + std::size_t( member[0] ) * Size::floats ) * float( weight[0] );
 	if ( count == 1 )
@@ -172,8 +172,8 @@ inline RecordOf<Size> sumColumn( const MatchView& view, const float* records, st
 	return sum;
 }
 
-template <class Size>
-inline RecordOf<Size> sumAround( const MatchView& view, const float* records, const std::uint32_t* weight, int i )
+template <class Size, class Weight>
+inline RecordOf<Size> sumAround( const MatchView& view, const float* records, const Weight* weight, int i )
 {
 	if ( view.gridX > 0 )
 	{
@@ -194,8 +194,8 @@ inline RecordOf<Size> sumAround( const MatchView& view, const float* records, co
 }
 
 /// `weight`: of each term of the table, or null.
-template <class Size = Whole>
-void gatherTile( const MatchView& view, const float* records, const std::uint32_t* weight, int begin, int end, Tile& tile )
+template <class Size = Whole, class Weight>
+void gatherTile( const MatchView& view, const float* records, const Weight* weight, int begin, int end, Tile& tile )
 {
 	for ( int first = begin; first < end; first += 4 )
 	{

@@ -110,6 +110,8 @@ struct RateView
 	float* inverseInertia[6] = {};       ///< T^-1 of each region, as xx, yy, zz, yz, xz, xy
 	const float* regionShare = nullptr;  ///< g_r; null: 1
 	const float* pull = nullptr;         ///< of each node: sum of its regions' g_r / C; null: 1
+	const float* memberMass = nullptr;   ///< MatchView's as floats: the table is gone through twice a product, and rounding it takes as long as adding it up
+	const float* memberShare = nullptr;
 	const float* rate[3] = {};           ///< v
 	float* result[3] = {};
 	float stiffness = 0.0f;              ///< G
