@@ -10,6 +10,8 @@ namespace {
 
 /// Least inertia of a body, in units of what its regions have as full ones about their own middles: all nodes in one point have none.
 constexpr double kLeastInertia = 1e-12;
+/// And of a body of one node, m^2 per mass: it has none, and nothing there to be turned.
+constexpr double kPointInertia = 1e-12;
 
 Eigen::Vector3d at( const float* v, int padded, int i )
 {
@@ -78,6 +80,10 @@ void ImplicitMotion::beginFree( NodeState& nodes )
 	m_centre = m_rates.centre();
 	m_inertia = m_rates.inertia();
 	m_mass = m_rates.mass();
+	if ( m_inertia.trace() < kPointInertia * m_mass )
+	{
+		m_inertia = kPointInertia * m_mass * Eigen::Matrix3d::Identity();
+	}
 	m_freeMomentum = momentum();
 	m_rightSide.resize( std::size_t( size() ) );
 	copySpeeds( m_rightSide.data() );

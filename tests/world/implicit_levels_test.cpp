@@ -335,6 +335,27 @@ TEST( ImplicitLevels, ABodyThatFallsIsDoneAtOnce )
 	}
 }
 
+// A crumb of one node takes part in an implicit body's island with its mass alone. Where it touched nothing yet, what was to keep its momentum divided by
+// the inertia that it does not have: it was stopped for numbers that were none, one crumb of a herd of elephants that broke.
+TEST( ImplicitLevels, ACrumbBesideAnImplicitBodyGoesOn )
+{
+	TestWorld t;
+	t.world.setGravity( btVector3( 0, 0, 0 ) );
+	// A millimetre apart: near enough for a contact, and nothing presses.
+	SoftBody* const cube = t.addSoft( block( 4, 4, 4, 0.1f ), at( 0, 0, 0 ), implicit( 1e5f ) );
+	SoftBody* const crumb = t.addSoft( block( 1, 1, 1, 0.1f ), at( btScalar( 0.05 ), btScalar( 0.251 ), btScalar( 0.05 ) ), implicit( 1e5f ) );
+	ASSERT_EQ( crumb->nodeCount(), 1 );
+	crumb->setLinearVelocity( btVector3( 0, btScalar( 0.01 ), 0 ) );
+	for ( int frame = 0; frame < 10; ++frame )
+	{
+		t.run( 1 );
+		ASSERT_TRUE( frame > 0 || crumb->getIslandTag() == cube->getIslandTag() );
+		ASSERT_EQ( t.world.stepReport().quarantined, 0 ) << frame;
+	}
+	EXPECT_TRUE( cube->isHealthy() && crumb->isHealthy() );
+	EXPECT_NEAR( crumb->linearVelocity().y(), 0.01, 1e-5 );
+}
+
 TEST( ImplicitLevels, SplitAndBreakToTheSameBitsForAnyThreadCount )
 {
 	const auto once = placesAfterBreaking( 1 );
