@@ -10,6 +10,9 @@ namespace pliant {
 
 namespace {
 
+/// What an excess, a float, may be off by.
+constexpr double kRoundedShare = 1e-6;
+
 /// Squared distance of a point from a box.
 double outsideSquared( const Vec3d& at, const Vec3d& low, const Vec3d& high )
 {
@@ -120,16 +123,22 @@ void PlaneCracks::findOverloads( const Lattice& lattice, const LinkLimits& limit
 {
 	std::vector<Overload>& found = m_room.found;
 	found.clear();
+	const double least = double( m_growthShare ) * double( m_breakStrain ) * double( limits.weakest );
 	for ( const std::uint32_t i : m_room.stretched )
 	{
-		Overload overload{ i, measure( lattice, limits, m_room.moments.of( i ), i ), {} };
+		const Eigen::Matrix3d around = m_room.moments.of( i ).deformation();
+		if ( !m_looksEverywhere && isStretchedLess( around, least * ( 1.0 - kRoundedShare ) ) )
+		{
+			continue; // no crack would go on or begin
+		}
+		Overload overload{ i, measure( lattice, limits, around, i ), {} };
 		if ( !mayBegin && !m_looksEverywhere && !isInSomePlane( overload, m_room.rest[i], lattice.cellSize ) )
 		{
 			continue; // it would do nothing
 		}
 		if ( overload.near.excess > 1.0f )
 		{
-			overload.wide = measure( lattice, limits, m_room.moments.around( i ), i );
+			overload.wide = measure( lattice, limits, m_room.moments.around( i ).deformation(), i );
 			overload.wide.excess = overload.near.excess > kNeck ? std::max( overload.wide.excess, 1.0f + overload.near.excess - kNeck ) : overload.wide.excess;
 		}
 		if ( overload.near.excess > m_growthShare )
@@ -142,9 +151,9 @@ void PlaneCracks::findOverloads( const Lattice& lattice, const LinkLimits& limit
 	} );
 }
 
-PlaneCracks::Pull PlaneCracks::measure( const Lattice& lattice, const LinkLimits& limits, const LinkMoments::Moment& around, std::uint32_t i ) const
+PlaneCracks::Pull PlaneCracks::measure( const Lattice& lattice, const LinkLimits& limits, const Eigen::Matrix3d& around, std::uint32_t i ) const
 {
-	const Stretch stretch = largestStretch( around.deformation() );
+	const Stretch stretch = largestStretch( around );
 	Pull found;
 	found.normal = stretch.axis;
 	if ( found.normal.dot( Vec3d( 1.0, 1e-3, 1e-6 ) ) < 0.0 )
@@ -197,7 +206,7 @@ PlaneCracks::Plane* PlaneCracks::planeFor( const Overload& found, const Vec3d& a
 	return nearest;
 }
 
-void PlaneCracks::breakAcross( const Lattice& lattice, const LinkLimits& limits, std::uint32_t cell, Plane& plane, std::vector<CellLink>& broken )
+bool PlaneCracks::breakAcross( const Lattice& lattice, const LinkLimits& limits, std::uint32_t cell, Plane& plane )
 {
 	std::vector<std::uint32_t>& members = m_room.members;
 	members.assign( lattice.linkTo.begin() + lattice.linkStart[cell], lattice.linkTo.begin() + lattice.linkStart[cell + 1] );
@@ -213,22 +222,53 @@ void PlaneCracks::breakAcross( const Lattice& lattice, const LinkLimits& limits,
 		plane.low = plane.low.cwiseMin( at );
 		plane.high = plane.high.cwiseMax( at );
 	}
+	bool breaks = false;
 	for ( std::size_t m = 0; m < members.size() && sides == 3; ++m ) // else all are on one side
 	{
 		const std::uint32_t a = members[m];
+		bool breaksHere = false;
 		for ( std::uint32_t k = limits.start[a]; k < limits.start[a + 1]; ++k )
 		{
 			const std::uint32_t b = limits.to[k];
 			const bool isTough = !limits.toughness.empty() && std::isinf( limits.toughness[k] );
 			if ( ( sideOf[a] ^ sideOf[b] ) == 3 && !isTough )
 			{
-				broken.push_back( CellLink{ a, b } );
+				m_room.isBroken[k] = 1;
+				breaksHere = true;
 			}
+		}
+		if ( breaksHere )
+		{
+			m_room.mark[a] = 1;
+			breaks = true;
 		}
 	}
 	for ( const std::uint32_t a : members )
 	{
 		sideOf[a] = 0;
+	}
+	return breaks;
+}
+
+/// Those that have been marked, ascending, as limits list them: links are met by many of the cells along a crack.
+void PlaneCracks::takeBroken( const LinkLimits& limits, std::vector<CellLink>& broken )
+{
+	const bool areMore = !broken.empty();
+	for ( std::uint32_t a = 0; a < std::uint32_t( m_room.mark.size() ); ++a )
+	{
+		for ( std::uint32_t k = limits.start[a]; m_room.mark[a] != 0 && k < limits.start[a + 1]; ++k )
+		{
+			if ( m_room.isBroken[k] != 0 )
+			{
+				m_room.isBroken[k] = 0;
+				broken.push_back( CellLink{ a, limits.to[k] } );
+			}
+		}
+	}
+	if ( areMore )
+	{
+		std::sort( broken.begin(), broken.end() );
+		broken.erase( std::unique( broken.begin(), broken.end() ), broken.end() );
 	}
 }
 
@@ -252,6 +292,8 @@ bool PlaneCracks::find(
 		dropUnreachable( lattice );
 	}
 	findOverloads( lattice, limits, mayBegin );
+	m_room.mark.assign( std::size_t( lattice.cellCount() ), 0 );
+	m_room.isBroken.resize( std::max( m_room.isBroken.size(), limits.to.size() ), 0 );
 	bool hasBegun = false;
 	for ( const Overload& overload : m_room.found )
 	{
@@ -266,13 +308,10 @@ bool PlaneCracks::find(
 		}
 		if ( plane )
 		{
-			const std::size_t before = broken.size();
-			breakAcross( lattice, limits, overload.cell, *plane, broken );
-			plane->age = broken.size() > before ? 0.0f : plane->age;
+			plane->age = breakAcross( lattice, limits, overload.cell, *plane ) ? 0.0f : plane->age;
 		}
 	}
-	std::sort( broken.begin(), broken.end() );
-	broken.erase( std::unique( broken.begin(), broken.end() ), broken.end() );
+	takeBroken( limits, broken );
 	return hasBegun;
 }
 

@@ -26,7 +26,7 @@ public:
 	/// else the ones there are go on only. True when one has begun.
 	bool find( const Lattice& lattice, const LinkLimits& limits, const CellPlaces& places, float h, bool mayBegin, std::vector<CellLink>& broken );
 
-	/// The slow twin of what find() does: measures around every stretched cell, whether a crack can get there or not.
+	/// The slow twin of what find() does: measures around every stretched cell, whether a crack can get there or not, and however little it may be.
 	void lookEverywhere() { m_looksEverywhere = true; }
 
 	std::size_t count() const { return m_planes.size(); }
@@ -66,6 +66,7 @@ private:
 		std::vector<Overload> found;
 		std::vector<Vec3d> rest;              ///< by cell, in the mesh's coordinates
 		std::vector<std::uint32_t> members;
+		std::vector<std::uint8_t> isBroken;   ///< by link of the limits, in this look
 		std::vector<std::uint8_t> sideOf;     ///< by cell, while a crack goes on by it: 1 below, 2 above; else 0
 	};
 
@@ -74,9 +75,10 @@ private:
 	void findOverloads( const Lattice& lattice, const LinkLimits& limits, bool mayBegin );
 	void placeAtRest( const Lattice& lattice );
 	bool isInSomePlane( const Overload& found, const Vec3d& at, double cellSize ) const;
-	Pull measure( const Lattice& lattice, const LinkLimits& limits, const LinkMoments::Moment& around, std::uint32_t i ) const;
+	Pull measure( const Lattice& lattice, const LinkLimits& limits, const Eigen::Matrix3d& around, std::uint32_t i ) const;
 	Plane* planeFor( const Overload& found, const Vec3d& at, double cellSize, bool mayBegin, bool& isShielded );
-	void breakAcross( const Lattice& lattice, const LinkLimits& limits, std::uint32_t cell, Plane& plane, std::vector<CellLink>& broken );
+	bool breakAcross( const Lattice& lattice, const LinkLimits& limits, std::uint32_t cell, Plane& plane );
+	void takeBroken( const LinkLimits& limits, std::vector<CellLink>& broken );
 
 	float m_breakStrain, m_growthShare;
 	bool m_looksEverywhere = false;

@@ -94,6 +94,18 @@ Stretch largestStretch( const Eigen::Matrix3d& deformation )
 	return found;
 }
 
+// The largest eigenvalue of E is at most m + 2 sqrt( |S|^2 / 6 ), and is that where the two others are alike, as in a pull. Left half open by what
+// rounding could make of it.
+bool isStretchedLess( const Eigen::Matrix3d& deformation, double strain )
+{
+	constexpr double kRounding = 1e-9;
+	Symmetric e( deformation );
+	const double mean = ( e.xx + e.yy + e.zz ) / 3.0, limit = ( 1.0 + strain ) * ( 1.0 + strain ) - 1.0;
+	e.addToDiagonal( -mean );
+	const double above = limit * ( 1.0 - kRounding ) - kRounding - mean;
+	return above > 0.0 && e.squaredNorm() * ( 4.0 / 6.0 ) < above * above;
+}
+
 Eigen::Matrix3d inverseOfRest( const Eigen::Matrix3d& moment )
 {
 	// det / ( tr / 3 )^3 <= 27 c / a with c the smallest and a the largest eigenvalue, as in markFlatRegions.

@@ -22,6 +22,9 @@ struct Stretch
 /// In closed form but for four Newton steps; Eigen's solver is the slow twin.
 Stretch largestStretch( const Eigen::Matrix3d& deformation );
 
+/// No more than `strain` in any direction, for certain: told by mean and spread of F^T F alone. False tells nothing.
+bool isStretchedLess( const Eigen::Matrix3d& deformation, double strain );
+
 /// The pseudo-inverse of a second moment without the axes along which there is nothing (kFlatNeighbourhood). A solid one's is its adjugate over its
 /// determinant; inverseInPlane is the slow twin.
 Eigen::Matrix3d inverseOfRest( const Eigen::Matrix3d& moment );

@@ -72,12 +72,12 @@ void CrackFamily::takeIn( bool isWhole, TaskRunner* runner )
 	}
 }
 
-void CrackFamily::show( const std::vector<std::uint32_t>& cells, const Vec3& shift, CrackView& view )
+void CrackFamily::show( const std::vector<std::uint32_t>& cells, const Vec3& shift, CrackView& view, TaskRunner* runner )
 {
 	std::unique_ptr<CrackGatherer> gatherer;
 	{
 		const std::lock_guard<std::mutex> lock( m_mutex );
-		takeIn( cells.size() == m_patches->complex->cellCount(), nullptr );
+		takeIn( cells.size() == m_patches->complex->cellCount(), runner );
 		if ( m_whole )
 		{
 			showWhole( view );
@@ -90,7 +90,7 @@ void CrackFamily::show( const std::vector<std::uint32_t>& cells, const Vec3& shi
 		gatherer = std::move( m_gatherer.back() );
 		m_gatherer.pop_back();
 	}
-	gatherer->gather( *m_sides, cells, shift, view );
+	gatherer->gather( *m_sides, cells, shift, view, runner );
 	const std::lock_guard<std::mutex> lock( m_mutex );
 	m_gatherer.push_back( std::move( gatherer ) );
 }

@@ -33,8 +33,8 @@ public:
 
 	/// Takes in what has broken, on the runner's threads, for a body of so many cells that is to be shown; else the next who is shown does it alone.
 	void catchUp( std::size_t cells, TaskRunner* runner );
-	/// What a body of these cells (ascending) shows. `shift`: its mass centre seen from the template's, m.
-	void show( const std::vector<std::uint32_t>& cells, const Vec3& shift, CrackView& view );
+	/// What a body of these cells (ascending) shows. `shift`: its mass centre seen from the template's, m. `runner`: whose threads share the work.
+	void show( const std::vector<std::uint32_t>& cells, const Vec3& shift, CrackView& view, TaskRunner* runner = nullptr );
 
 	/// The crack surface of all, as anybody has seen it last; null from when it is drawn in patches.
 	const CrackSurface* whole() const { return m_whole.get(); }

@@ -66,7 +66,7 @@ CrackSides::CrackSides( std::shared_ptr<const CrackPatches> patches, const Crack
 			fresh.push_back( face.number );
 		}
 	}
-	splitSides( fresh );
+	splitSides( fresh, runner );
 	askAround( fresh, runner );
 	if ( !whole.m_place.empty() )
 	{
@@ -93,7 +93,7 @@ void CrackSides::breakFaces( const std::vector<std::uint32_t>& faces, TaskRunner
 		}
 	}
 	addUnheld( fresh );
-	splitSides( fresh );
+	splitSides( fresh, runner );
 	askAround( fresh, runner );
 }
 
@@ -125,7 +125,7 @@ void CrackSides::addUnheld( std::vector<std::uint32_t>& fresh )
 	std::sort( fresh.begin(), fresh.end() );
 }
 
-void CrackSides::splitSides( const std::vector<std::uint32_t>& fresh )
+void CrackSides::splitSides( const std::vector<std::uint32_t>& fresh, TaskRunner* runner )
 {
 	m_found.clear();
 	for ( const std::uint32_t face : fresh )
@@ -136,11 +136,7 @@ void CrackSides::splitSides( const std::vector<std::uint32_t>& fresh )
 		collect( first, last );
 	}
 	inOrder( m_found, m_isMarked );
-	for ( const std::uint32_t point : m_found )
-	{
-		m_isMarked[point] = 0;
-		regroup( point );
-	}
+	runOver( m_found, &CrackSides::regroup, runner );
 }
 
 /// Those that are drawn, each once.
@@ -158,6 +154,7 @@ void CrackSides::collect( const std::uint32_t* point, const std::uint32_t* end )
 
 void CrackSides::regroup( std::uint32_t point )
 {
+	m_isMarked[point] = 0;
 	const std::uint32_t first = complex().cellsOfPoint.start[point], last = complex().cellsOfPoint.start[point + 1];
 	for ( std::uint32_t slot = first; slot < last; ++slot )
 	{

@@ -44,7 +44,7 @@ private:
 
 	bool isHeld( std::uint32_t face ) const;
 	void addUnheld( std::vector<std::uint32_t>& fresh );
-	void splitSides( const std::vector<std::uint32_t>& fresh );
+	void splitSides( const std::vector<std::uint32_t>& fresh, TaskRunner* runner );
 	void regroup( std::uint32_t point );
 	void askAround( const std::vector<std::uint32_t>& fresh, TaskRunner* runner );
 	void collectByClass( const std::vector<std::uint32_t>& cells );

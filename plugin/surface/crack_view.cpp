@@ -1,9 +1,11 @@
 #include "surface/crack_view.h"
 
+#include "surface/make_place.h"
+#include "threads/parallel.h"
+
 #include <Eigen/Geometry>
 
 #include <algorithm>
-#include <bit>
 #include <limits>
 
 namespace pliant {
@@ -11,41 +13,23 @@ namespace pliant {
 namespace {
 
 /// How far ahead of its use memory is asked for that lies anywhere in the template's, vertices.
-constexpr std::size_t kFar = 24, kNear = 8, kBlock = 512, kFewPatches = 4, kLine = 64;
+constexpr std::size_t kFar = 24, kBlock = 512, kFewPatches = 4, kLine = 64;
 
 } // namespace
 
-void CrackGatherer::gather( const CrackSides& sides, const std::vector<std::uint32_t>& cells, const Vec3& shift, CrackView& view )
+void CrackGatherer::gather( const CrackSides& sides, const std::vector<std::uint32_t>& cells, const Vec3& shift, CrackView& view, TaskRunner* runner )
 {
 	m_sides = &sides;
 	makeRoom( cells, view );
-	for ( std::uint32_t k = 0; k < std::uint32_t( cells.size() ); ++k )
+	if ( runner && runner->threadCount() > 1 )
 	{
-		m_cellNow[cells[k]] = k;
+		numberTogether( view, runner );
 	}
-	std::array<std::uint32_t, 3>* triangles = view.ownTriangles.data();
-	for ( std::size_t k = 0; k < m_patch.size(); )
+	else
 	{
-		const std::size_t end = lookAhead( k );
-		for ( std::uint32_t first = 0; k < end; ++k )
-		{
-			triangles = takePatch( m_patch[k], m_local.data() + first, triangles );
-			if ( k < cells.size() )
-			{
-				addAreas( m_patch[k], m_local.data() + first );
-			}
-			first += verticesOf( m_patch[k] );
-		}
-		m_outerCount = k <= cells.size() ? m_count : m_outerCount;
+		number( 0, m_patch.size(), view.ownTriangles.data() );
 	}
-	takeSources( cells, view );
-	writeVertices( shift, view );
-	writeStarts( view.ownBinding );
-	writeRows( view.ownBinding );
-	for ( const std::uint32_t cell : cells )
-	{
-		m_cellNow[cell] = kNone;
-	}
+	write( cells, shift, view, runner );
 	view.binding = &view.ownBinding;
 	view.triangles = view.ownTriangles.data();
 	view.sources = view.ownSources.data();
@@ -76,7 +60,15 @@ void CrackGatherer::makeRoom( const std::vector<std::uint32_t>& cells, CrackView
 		vertices += patches.patch[patch + 1].firstVertex - patches.patch[patch].firstVertex;
 		triangles += patches.patch[patch + 1].firstTriangle - patches.patch[patch].firstTriangle;
 	}
-	m_cellNow.resize( complex.cellCount(), kNone );
+	begin( vertices );
+	m_cells = cells.size();
+	makePlace( view.ownTriangles, triangles );
+}
+
+/// Numbers from nothing.
+void CrackGatherer::begin( std::size_t vertices )
+{
+	const CrackPatches& patches = m_sides->patches();
 	// All numbers of the body before are below its first of now, and vertices are at least as many as groups of normals.
 	const std::size_t used = std::size_t( m_first ) + m_made.size();
 	m_first = std::uint32_t( used );
@@ -85,36 +77,113 @@ void CrackGatherer::makeRoom( const std::vector<std::uint32_t>& cells, CrackView
 		m_number.assign( patches.numbersOfSlot.back(), 0 );
 		m_first = 1;
 	}
-	m_made.resize( std::max( m_made.size(), vertices ) );
-	m_cells = cells.size();
+	if ( m_made.size() < vertices )
+	{
+		makePlace( m_made, vertices );
+	}
 	m_count = 0;
 	m_outerCount = 0;
 	m_normalGroups = 0;
 	m_row.clear();
+	m_sharedRow.clear();
 	m_area.clear();
-	view.ownTriangles.resize( triangles );
 }
 
-void CrackGatherer::takeSources( const std::vector<std::uint32_t>& cells, CrackView& view ) const
+/// Patches first to last - 1 of m_patch.
+void CrackGatherer::number( std::size_t first, std::size_t last, std::array<std::uint32_t, 3>* triangles )
 {
-	const CellComplex& complex = m_sides->complex();
-	view.ownSources.resize( view.ownTriangles.size() );
-	auto to = view.ownSources.begin();
-	for ( const std::uint32_t cell : cells )
+	for ( std::size_t k = first; k < last; )
 	{
-		to = std::copy( complex.triangleSource.begin() + complex.cellTriangleStart[cell], complex.triangleSource.begin() + complex.cellTriangleStart[cell + 1], to );
+		const std::size_t end = lookAhead( k, last );
+		for ( std::uint32_t local = 0; k < end; ++k )
+		{
+			triangles = takePatch( m_patch[k], m_local.data() + local, triangles );
+			if ( isOuter( k ) )
+			{
+				addAreas( m_patch[k], m_local.data() + local );
+			}
+			local += verticesOf( m_patch[k] );
+		}
+		m_outerCount = k <= m_cells ? m_count : m_outerCount;
 	}
-	std::fill( to, view.ownSources.end(), kNone );
+}
+
+/// The outer surface in one task, the inside in another, each with numbers of its own.
+void CrackGatherer::numberTogether( CrackView& view, TaskRunner* runner )
+{
+	const CrackPatches& patches = m_sides->patches();
+	m_inner = m_inner ? std::move( m_inner ) : std::make_unique<CrackGatherer>();
+	CrackGatherer& inner = *m_inner;
+	inner.m_sides = m_sides;
+	inner.m_patch.assign( m_patch.begin() + std::ptrdiff_t( m_cells ), m_patch.end() );
+	std::size_t vertices = 0, outer = 0;
+	for ( std::size_t k = 0; k < m_patch.size(); ++k )
+	{
+		vertices += isOuter( k ) ? 0 : verticesOf( m_patch[k] );
+		outer += isOuter( k ) ? patches.patch[m_patch[k] + 1].firstTriangle - patches.patch[m_patch[k]].firstTriangle : 0;
+	}
+	inner.begin( vertices );
+	auto task = [&]( int k ) {
+		k == 0 ? number( 0, m_cells, view.ownTriangles.data() ) : inner.number( 0, inner.m_patch.size(), view.ownTriangles.data() + outer );
+	};
+	runTasks( runner, 2, task );
+	append( view.ownTriangles.data() + outer, view.ownTriangles.size() - outer, runner );
+}
+
+/// What has been numbered of the inside, behind the outer surface: sides that it has too are carried there.
+void CrackGatherer::append( std::array<std::uint32_t, 3>* triangles, std::size_t count, TaskRunner* runner )
+{
+	constexpr std::uint32_t kOuter = 1u << 31;
+	CrackGatherer& inner = *m_inner;
+	const std::vector<SharedRow>& shared = inner.m_sharedRow;
+	runShares( runner, Shares{ int( shared.size() ) }, [&]( int, int begin, int end ) {
+		for ( int k = begin; k < end; ++k )
+		{
+			__builtin_prefetch( &m_number[shared[std::min( std::size_t( k ) + kFar, shared.size() - 1 )].number] );
+			const SharedRow& at = shared[std::size_t( k )];
+			if ( const std::uint32_t outer = m_number[at.number]; outer >= m_first )
+			{
+				Row& row = inner.m_row[at.row];
+				inner.m_made[row.vertex].carrier = ( outer - m_first ) | kOuter;
+				row.side = kNone;
+			}
+		}
+	} );
+	const std::uint32_t vertices = m_count, groups = m_normalGroups;
+	for ( const Row& row : inner.m_row )
+	{
+		if ( row.side != kNone )
+		{
+			m_row.push_back( { row.vertex + vertices, row.side, 0 } );
+		}
+	}
+	runShares( runner, Shares{ int( inner.m_count ) }, [&]( int, int begin, int end ) {
+		for ( int k = begin; k < end; ++k )
+		{
+			const Made& made = inner.m_made[std::size_t( k )];
+			const std::uint32_t carrier = ( made.carrier & kOuter ) != 0 ? made.carrier : inner.m_made[made.carrier].carrier;
+			m_made[std::size_t( k ) + vertices] = { made.vertex, ( carrier & kOuter ) != 0 ? carrier ^ kOuter : carrier + vertices, made.normalGroup + groups };
+		}
+	} );
+	runShares( runner, Shares{ int( count ) }, [&]( int, int begin, int end ) {
+		for ( int t = begin; t < end; ++t )
+		{
+			std::array<std::uint32_t, 3>& corner = triangles[t];
+			corner = { corner[0] + vertices, corner[1] + vertices, corner[2] + vertices };
+		}
+	} );
+	m_count += inner.m_count;
+	m_normalGroups += inner.m_normalGroups;
 }
 
 /// Looks up the sides of the next patches, some hundreds of vertices, in steps, so that what each leads to is on its way when it is asked for. Where
 /// those patches end.
-std::size_t CrackGatherer::lookAhead( std::size_t first )
+std::size_t CrackGatherer::lookAhead( std::size_t first, std::size_t last )
 {
 	const CrackPatches& patches = m_sides->patches();
 	m_vertex.clear();
 	std::size_t end = first;
-	for ( ; end < m_patch.size() && m_vertex.size() < kBlock && isOuter( end ) == isOuter( first ); ++end )
+	for ( ; end < last && m_vertex.size() < kBlock && isOuter( end ) == isOuter( first ); ++end )
 	{
 		const CrackPatches::Patch& soon = patches.patch[m_patch[std::min( end + kFewPatches, m_patch.size() - 1 )]];
 		__builtin_prefetch( &patches.vertex[soon.firstVertex] );
@@ -190,6 +259,10 @@ std::uint32_t CrackGatherer::numberOf( std::uint32_t vertex, std::uint32_t* know
 		if ( known[Carrier] < m_first )
 		{
 			known[Carrier] = number;
+			if ( m_cells == 0 )
+			{
+				m_sharedRow.push_back( { std::uint32_t( m_row.size() ), std::uint32_t( &known[Carrier] - m_number.data() ) } );
+			}
 			m_row.push_back( { m_count, m_sides->sideOf( of.slot ), 0 } );
 		}
 		const bool isInside = of.isInside != 0;
@@ -225,138 +298,6 @@ void CrackGatherer::addAreas( std::uint32_t patch, const std::uint32_t* local )
 			m_area[m_made[local[k]].normalGroup] += area;
 		}
 	}
-}
-
-/// Outside, a vertex is shaded as the whole mesh was, however few of the triangles around it are left on its side.
-void CrackGatherer::writeVertices( const Vec3& shift, CrackView& view ) const
-{
-	const CrackPatches& patches = m_sides->patches();
-	SkinBinding& to = view.ownBinding;
-	to.kind = m_sides->complex().skinning;
-	to.normalGroups = int( m_normalGroups );
-	to.restPosition.resize( m_count );
-	to.restNormal.resize( m_count );
-	to.normalShift.resize( m_outerCount );
-	to.normalGroup.resize( m_count );
-	to.carrier.resize( m_count );
-	view.ownTexture.resize( 2 * std::size_t( m_count ) );
-	for ( std::size_t k = 0; k < m_count; ++k )
-	{
-		__builtin_prefetch( &patches.look[m_made[std::min<std::size_t>( k + kFar, m_count - 1 )].vertex] );
-		m_sides->fetchPlace( patches.look[m_made[std::min<std::size_t>( k + kNear, m_count - 1 )].vertex].point );
-		const Made& made = m_made[k];
-		const CrackPatches::Look& look = patches.look[made.vertex];
-		to.restPosition[k] = m_sides->placeOf( look.point ) - shift;
-		to.normalGroup[k] = made.normalGroup;
-		to.carrier[k] = made.carrier;
-		view.ownTexture[2 * k] = look.u;
-		view.ownTexture[2 * k + 1] = look.v;
-	}
-	writeNormals( to );
-}
-
-void CrackGatherer::writeNormals( SkinBinding& to ) const
-{
-	const CrackPatches& patches = m_sides->patches();
-	for ( std::uint32_t k = 0; k < m_outerCount; ++k )
-	{
-		const CrackPatches::Look& look = patches.look[m_made[k].vertex];
-		const Vec3& normal = m_sides->complex().vertexNormal[look.kind];
-		to.restNormal[k] = normal;
-		to.normalShift[k] = m_sides->isShadedAnew( look.point ) ? CrackSurface::normalShift( normal, m_area[m_made[k].normalGroup] ) : patches.normalShift[look.kind];
-	}
-	Vec3 inside[6];
-	for ( std::uint32_t side = 0; side < 6; ++side )
-	{
-		inside[side] = CrackSurface::insideNormal( CrackSurface::kInside + side );
-	}
-	for ( std::uint32_t k = m_outerCount; k < m_count; ++k )
-	{
-		to.restNormal[k] = inside[patches.look[m_made[k].vertex].kind - CrackSurface::kInside];
-	}
-}
-
-/// A row has a place for each cell that its side follows, and one where it follows none. Only vertices that carry others have one.
-void CrackGatherer::writeStarts( SkinBinding& to )
-{
-	to.start.resize( std::size_t( m_count ) + 1 );
-	std::uint32_t entries = 0, vertex = 0;
-	for ( std::size_t k = 0; k < m_row.size(); ++k )
-	{
-		__builtin_prefetch( m_sides->carriersAt( m_row[std::min( k + kFar, m_row.size() - 1 )].side ) );
-		Row& row = m_row[k];
-		std::fill( to.start.begin() + vertex, to.start.begin() + row.vertex + 1, entries );
-		vertex = row.vertex + 1;
-		row.carriers = m_sides->carriersOf( row.side );
-		entries += std::max( 1u, std::uint32_t( std::popcount( row.carriers ) ) );
-	}
-	std::fill( to.start.begin() + vertex, to.start.end(), entries );
-	to.node.resize( entries );
-	to.weight.resize( entries );
-}
-
-void CrackGatherer::writeRows( SkinBinding& to ) const
-{
-	const CellComplex& complex = m_sides->complex();
-	const auto pointOf = [this]( std::size_t k ) { return m_sides->patches().pointOfSlot[m_row[std::min( k, m_row.size() - 1 )].side]; };
-	for ( std::size_t k = 0; k < m_row.size(); ++k )
-	{
-		__builtin_prefetch( &complex.bindStart[pointOf( k + kFar )] );
-		const std::uint32_t soon = complex.bindStart[pointOf( k + kNear )];
-		__builtin_prefetch( complex.bindCell.data() + soon );
-		__builtin_prefetch( complex.bindWeight.data() + soon );
-		const std::uint32_t start = to.start[m_row[k].vertex];
-		writeRow( m_row[k], to.node.data() + start, to.weight.data() + start );
-	}
-}
-
-void CrackGatherer::writeRow( const Row& row, std::uint32_t* node, float* weight ) const
-{
-	const CellComplex& complex = m_sides->complex();
-	const std::uint32_t point = m_sides->patches().pointOfSlot[row.side], first = complex.bindStart[point];
-	const std::uint64_t carriers = row.carriers;
-	int count = 0, known = 0;
-	double sum = 0.0;
-	for ( std::uint64_t open = carriers; open != 0; open &= open - 1, ++count )
-	{
-		const std::uint32_t k = first + std::uint32_t( std::countr_zero( open ) );
-		node[count] = m_cellNow[complex.bindCell[k]];
-		weight[count] = complex.bindWeight[k];
-		known += node[count] != kNone ? 1 : 0;
-		sum += double( weight[count] );
-	}
-	if ( known == 0 ) // it goes with the first of its own cells
-	{
-		std::fill( node, node + std::max( 1, count ), m_cellNow[complex.cellsOfPoint.entry[row.side]] );
-		std::fill( weight, weight + std::max( 1, count ), 0.0f );
-		weight[0] = 1.0f;
-		return;
-	}
-	const bool isWhole = first + std::uint32_t( count ) == complex.bindStart[point + 1];
-	for ( int k = 0; k < count && !isWhole; ++k )
-	{
-		weight[k] = float( double( weight[k] ) / sum );
-	}
-	if ( known == count )
-	{
-		return;
-	}
-	// A cell that hardly carries a point (weights to 6e-5 have been seen) may come off without its side being asked anew: the rest carry all.
-	float others = 0.0f;
-	int kept = 0;
-	for ( int k = 0; k < count; ++k )
-	{
-		if ( node[k] == kNone )
-		{
-			others += weight[k];
-			continue;
-		}
-		node[kept] = node[k];
-		weight[kept++] = weight[k];
-	}
-	std::for_each( weight, weight + kept, [others]( float& w ) { w /= 1.0f - others; } );
-	std::fill( node + kept, node + count, node[0] );
-	std::fill( weight + kept, weight + count, 0.0f );
 }
 
 } // namespace pliant

@@ -5,7 +5,11 @@
 #include "surface/crack_sides.h"
 #include "surface/crack_surface.h"
 
+#include <memory>
+
 namespace pliant {
+
+class TaskRunner;
 
 /// What a body shows. Borrowed from the family while the body is all of it; then its own.
 struct CrackView
@@ -27,8 +31,9 @@ struct CrackView
 class CrackGatherer
 {
 public:
-	/// What a body of these cells (ascending) shows. `shift`: its mass centre seen from the template's, m.
-	void gather( const CrackSides& sides, const std::vector<std::uint32_t>& cells, const Vec3& shift, CrackView& view );
+	/// What a body of these cells (ascending) shows. `shift`: its mass centre seen from the template's, m. Its inside is numbered beside its outer
+	/// surface, and what is written is shared out, on the runner's threads; with one or none, one after the other, which is the slow twin.
+	void gather( const CrackSides& sides, const std::vector<std::uint32_t>& cells, const Vec3& shift, CrackView& view, TaskRunner* runner = nullptr );
 
 private:
 	static constexpr std::uint32_t kNone = CrackSurface::kNone;
@@ -54,19 +59,31 @@ private:
 		InnerNormals
 	};
 
+	/// Sides of the inside that are numbered by themselves, and where their numbers are: the outer surface may have them too.
+	struct SharedRow
+	{
+		std::uint32_t row, number;
+	};
+
 	void makeRoom( const std::vector<std::uint32_t>& cells, CrackView& view );
-	void takeSources( const std::vector<std::uint32_t>& cells, CrackView& view ) const;
+	void begin( std::size_t vertices );
 	std::uint32_t verticesOf( std::uint32_t patch ) const { return m_sides->patches().patch[patch + 1].firstVertex - m_sides->patches().patch[patch].firstVertex; }
 	bool isOuter( std::size_t patch ) const { return patch < m_cells; } ///< by place in m_patch
-	std::size_t lookAhead( std::size_t first );
+	void number( std::size_t first, std::size_t last, std::array<std::uint32_t, 3>* triangles );
+	void numberTogether( CrackView& view, TaskRunner* runner );
+	void append( std::array<std::uint32_t, 3>* triangles, std::size_t count, TaskRunner* runner );
+	std::size_t lookAhead( std::size_t first, std::size_t last );
 	std::array<std::uint32_t, 3>* takePatch( std::uint32_t patch, std::uint32_t* local, std::array<std::uint32_t, 3>* triangles );
 	std::uint32_t numberOf( std::uint32_t vertex, std::uint32_t* known );
 	std::uint32_t addVertex( std::uint32_t vertex, std::uint32_t carrier, std::uint32_t normalGroup );
 	void addAreas( std::uint32_t patch, const std::uint32_t* local );
-	void writeVertices( const Vec3& shift, CrackView& view ) const;
-	void writeNormals( SkinBinding& to ) const;
-	void writeStarts( SkinBinding& to );
-	void writeRows( SkinBinding& to ) const;
+	void write( const std::vector<std::uint32_t>& cells, const Vec3& shift, CrackView& view, TaskRunner* runner );
+	void makeArrays( CrackView& view ) const;
+	void takeSources( const std::vector<std::uint32_t>& cells, CrackView& view ) const;
+	std::uint32_t takeCarriers( std::size_t first, std::size_t last );
+	void writeVertices( const Vec3& shift, CrackView& view, std::size_t first, std::size_t last ) const;
+	void writeNormals( SkinBinding& to, std::size_t first, std::size_t last ) const;
+	void writeRows( SkinBinding& to, std::size_t first, std::size_t last, std::uint32_t entries ) const;
 	void writeRow( const Row& row, std::uint32_t* node, float* weight ) const;
 
 	const CrackSides* m_sides = nullptr;
@@ -80,6 +97,8 @@ private:
 	std::vector<Row> m_row;               ///< by vertex
 	std::vector<std::uint32_t> m_vertex;  ///< of the patches at hand
 	std::vector<std::uint32_t> m_local;   ///< of the patches at hand: their vertices' numbers in the body
+	std::vector<SharedRow> m_sharedRow;   ///< while the inside is numbered by itself
+	std::unique_ptr<CrackGatherer> m_inner; ///< numbers the inside meanwhile
 	std::vector<Vec3> m_area;             ///< by group of normals, where points are shaded anew: of the outer surface
 };
 

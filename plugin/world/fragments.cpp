@@ -75,24 +75,32 @@ std::vector<Pin> pinsOf( const std::vector<Pin>& before, const std::vector<std::
 
 } // namespace
 
+SoftBody::Impl::Remains SoftBody::Impl::remainsOf( const BodyPiece& piece )
+{
+	Remains remains;
+	remains.nodeNow = numbersNow( piece, body->nodeCount() );
+	remains.keepsShape = shape->followCracks( *piece.body, remains.nodeNow, piece.nodeBefore, piece.treeBefore );
+	remains.shape = remains.keepsShape ? nullptr : std::make_unique<NodeShape>( *piece.body );
+	return remains;
+}
+
 // Contacts of nodes that went elsewhere are let go of in the next collision phase, which is before anything else looks at them; until then
 // their stand-ins need the spheres they were made with.
-void SoftBody::Impl::adopt( SoftBody& owner, BodyPiece& piece )
+void SoftBody::Impl::adopt( SoftBody& owner, BodyPiece& piece, Remains remains )
 {
-	const std::vector<std::uint32_t> nodeNow = numbersNow( piece, body->nodeCount() );
+	const std::vector<std::uint32_t>& nodeNow = remains.nodeNow;
 	const bool keepsNodes = nodeNow.size() == piece.nodeBefore.size() && std::find( nodeNow.begin(), nodeNow.end(), kNoNode ) == nodeNow.end();
 	pins = pinsOf( pins, nodeNow );
 	nearby.clear();
 	body = std::move( piece.body );
-	const bool keepsShape = shape->followCracks( *body, nodeNow, piece.nodeBefore, piece.treeBefore );
-	if ( !keepsShape || !keepsNodes || !std::is_sorted( nodeNow.begin(), nodeNow.end() ) )
+	if ( !remains.keepsShape || !keepsNodes || !std::is_sorted( nodeNow.begin(), nodeNow.end() ) )
 	{
 		NodeBodyPool::renumber( owner, nodeNow, body->nodeCount() );
 	}
-	if ( !keepsShape )
+	if ( !remains.keepsShape )
 	{
 		shapeBefore = std::move( shape );
-		shape = std::make_unique<NodeShape>( *body );
+		shape = std::move( remains.shape );
 		owner.setCollisionShape( shape.get() );
 		for ( NodeBody* stand : touched )
 		{
@@ -143,80 +151,120 @@ std::unique_ptr<SoftBody> SoftBody::Impl::makeFragment( const SoftBody& parent, 
 	return soft;
 }
 
+/// What becomes of one body.
+struct SoftBodySystem::Broken
+{
+	SoftBody* body;
+	BreakReport report;
+	std::vector<BodyPiece> pieces;
+	std::vector<std::unique_ptr<SoftBody>> fragments; ///< by piece; not of the first, which is the body itself
+	SoftBody::Impl::Remains remains;
+};
+
 bool SoftBodySystem::breakBodies()
 {
-	std::vector<SoftBody*> breaking;
+	std::vector<Broken> broken;
 	for ( SoftBody* body : m_awake )
 	{
 		if ( body->impl().body->hasBrokenLinks() )
 		{
-			breaking.push_back( body );
+			broken.push_back( {} );
+			broken.back().body = body;
 		}
 	}
-	if ( breaking.empty() )
+	if ( broken.empty() )
 	{
 		return false;
 	}
 	BT_PROFILE( "pliant: fracture" );
 	Stopwatch watch( report.fracture );
-	struct Outcome
-	{
-		BreakReport report;
-		std::vector<BodyPiece> pieces;
-	};
-	std::vector<Outcome> outcome( breaking.size() );
 	auto apart = [&]( int k ) {
-		SoftBody::Impl& impl = breaking[std::size_t( k )]->impl();
+		Broken& each = broken[std::size_t( k )];
+		SoftBody::Impl& impl = each.body->impl();
 		while ( impl.body->mustRefineToBreak() )
 		{
-			impl.changeNodes( *breaking[std::size_t( k )], [&impl] { impl.body->refineToBreak(); }, false ); // adopt() would let go of it
+			impl.changeNodes( *each.body, [&impl] { impl.body->refineToBreak(); }, false ); // adopt() would let go of it
 		}
 		const int most = impl.body->fracture().maxPieces - ( impl.family ? *impl.family - 1 : 0 );
-		outcome[std::size_t( k )].pieces = impl.body->breakApart( outcome[std::size_t( k )].report, std::max( 1, most ) );
+		each.pieces = impl.body->breakApart( each.report, std::max( 1, most ) );
 	};
-	runTasks( tasks(), int( breaking.size() ), apart );
-	for ( std::size_t k = 0; k < breaking.size(); ++k )
+	runTasks( tasks(), int( broken.size() ), apart );
+	for ( const Broken& each : broken )
 	{
-		const BreakReport& found = outcome[k].report;
-		FractureEvent event;
-		event.parent = breaking[k];
-		event.links = found.links;
-		event.area = found.area;
-		event.energy = found.energy;
-		event.removedPieces = found.removedPieces;
-		event.removedMass = found.removedMass;
-		breaking[k]->impl().noteCracks( found );
-		settlePieces( *breaking[k], outcome[k].pieces, event );
-		report.brokenLinks += event.links;
-		report.fragments += int( event.fragments.size() );
-		report.removedPieces += event.removedPieces;
-		if ( event.links > 0 ) // else links have only been put back
-		{
-			events.push_back( std::move( event ) );
-		}
+		each.body->impl().noteCracks( each.report );
+	}
+	makeFragments( broken );
+	for ( Broken& each : broken )
+	{
+		settlePieces( each );
 	}
 	return true;
 }
 
-void SoftBodySystem::settlePieces( SoftBody& body, std::vector<BodyPiece>& pieces, FractureEvent& event )
+// What takes long is the pieces' spheres.
+void SoftBodySystem::makeFragments( std::vector<Broken>& broken )
 {
+	struct Task
+	{
+		Broken* of;
+		std::size_t piece;
+	};
+	std::vector<Task> making;
+	for ( Broken& each : broken )
+	{
+		each.fragments.resize( each.pieces.size() );
+		for ( std::size_t k = 0; k < each.pieces.size(); ++k )
+		{
+			making.push_back( { &each, k } );
+		}
+	}
+	std::stable_sort( making.begin(), making.end(), []( const Task& a, const Task& b ) {
+		return a.of->pieces[a.piece].cellBefore.size() > b.of->pieces[b.piece].cellBefore.size(); // what takes longest first
+	} );
+	auto make = [&making]( int k ) {
+		Broken& of = *making[std::size_t( k )].of;
+		const std::size_t piece = making[std::size_t( k )].piece;
+		if ( piece == 0 )
+		{
+			of.remains = of.body->impl().remainsOf( of.pieces[0] );
+		}
+		else
+		{
+			of.fragments[piece] = SoftBody::Impl::makeFragment( *of.body, of.pieces[piece] );
+		}
+	};
+	runTasks( tasks(), int( making.size() ), make );
+}
+
+void SoftBodySystem::settlePieces( Broken& broken )
+{
+	SoftBody& body = *broken.body;
 	SoftBody::Impl& impl = body.impl();
-	if ( pieces.size() > 1 && !impl.family )
+	FractureEvent event;
+	event.parent = &body;
+	event.links = broken.report.links;
+	event.area = broken.report.area;
+	event.energy = broken.report.energy;
+	event.removedPieces = broken.report.removedPieces;
+	event.removedMass = broken.report.removedMass;
+	if ( broken.pieces.size() > 1 && !impl.family )
 	{
 		impl.family = std::make_shared<int>( 1 );
 	}
-	std::vector<std::unique_ptr<SoftBody>> fragments;
-	for ( std::size_t k = 1; k < pieces.size(); ++k )
-	{
-		fragments.push_back( SoftBody::Impl::makeFragment( body, pieces[k] ) );
-	}
 	const double massBefore = impl.mass;
-	impl.adopt( body, pieces[0] );
+	impl.adopt( body, broken.pieces[0], std::move( broken.remains ) );
 	impl.centralForce *= btScalar( impl.mass / massBefore );
-	for ( std::unique_ptr<SoftBody>& fragment : fragments )
+	for ( std::size_t k = 1; k < broken.fragments.size(); ++k )
 	{
-		event.fragments.push_back( fragment.get() );
-		addFragment( body, std::move( fragment ) );
+		event.fragments.push_back( broken.fragments[k].get() );
+		addFragment( body, std::move( broken.fragments[k] ) );
+	}
+	report.brokenLinks += event.links;
+	report.fragments += int( event.fragments.size() );
+	report.removedPieces += event.removedPieces;
+	if ( event.links > 0 ) // else links have only been put back
+	{
+		events.push_back( std::move( event ) );
 	}
 }
 

@@ -192,7 +192,7 @@ struct SoftBody::Impl
 	void skinInFull( TaskRunner* runner ) const;
 	bool hasNewCracks() const;
 	void showOwnCracks() const;
-	void drawCracks() const;
+	void drawCracks( TaskRunner* runner = nullptr ) const;
 	void drawKin() const;
 	bool isLookedAt() const { return wasLookedAt || skin.frame > 0; }
 	/// Links broke that the body's lattice had so far. Before it takes the shape of what is left of it.
@@ -200,8 +200,17 @@ struct SoftBody::Impl
 	void makeCrackFamily();
 	void noteCracks( const BreakReport& report );
 
+	/// What is left of the body, and its spheres: those there were, or `shape`.
+	struct Remains
+	{
+		std::vector<std::uint32_t> nodeNow; ///< by node before: its number; kNoNode for those of other pieces
+		bool keepsShape = false;
+		std::unique_ptr<NodeShape> shape;   ///< null where that is kept
+	};
+	/// Safe to use on several bodies at once, and beside makeFragment.
+	Remains remainsOf( const BodyPiece& piece );
 	/// The body takes the shape of what is left of it.
-	void adopt( SoftBody& owner, BodyPiece& piece );
+	void adopt( SoftBody& owner, BodyPiece& piece, Remains remains );
 	static std::unique_ptr<SoftBody> makeFragment( const SoftBody& parent, BodyPiece& piece );
 	/// Everything a body needs once its core is there.
 	void finish( SoftBody& owner );

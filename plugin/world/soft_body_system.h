@@ -17,7 +17,6 @@ class btCollisionDispatcher;
 
 namespace pliant {
 
-struct BodyPiece;
 
 class SoftBodySystem
 {
@@ -100,7 +99,9 @@ private:
 	void forAwake( F&& work );
 	void drawSkins( long long vertices );
 	bool breakBodies();
-	void settlePieces( SoftBody& body, std::vector<BodyPiece>& pieces, FractureEvent& event );
+	struct Broken;
+	void makeFragments( std::vector<Broken>& broken );
+	void settlePieces( Broken& broken );
 	void advanceFading( btScalar gameStep );
 	void addFragment( SoftBody& parent, std::unique_ptr<SoftBody> fragment );
 	void adaptLevels( btScalar h );

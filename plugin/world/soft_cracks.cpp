@@ -55,27 +55,35 @@ void SoftBody::Impl::drawKin() const
 		return;
 	}
 	std::vector<const Impl*> kin;
+	std::size_t cells = 0;
 	for ( const SoftBody* soft : system->bodies() )
 	{
 		const Impl& other = soft->impl();
 		if ( other.crackFamily == crackFamily && ( &other == this || other.isLookedAt() ) && other.hasNewCracks() )
 		{
 			kin.push_back( &other );
+			cells += other.body->firstCells().size();
 		}
 	}
 	std::stable_sort( kin.begin(), kin.end(), []( const Impl* a, const Impl* b ) { return a->body->firstCells().size() > b->body->firstCells().size(); } );
 	crackFamily->catchUp( kin.front()->body->firstCells().size(), runner );
-	auto draw = [&kin]( int k ) { kin[std::size_t( k )]->drawCracks(); };
-	runGuarded( runner, int( kin.size() ), draw );
+	// All threads draw what is more than a thread's share, body after body.
+	auto shared = kin.begin();
+	for ( ; shared != kin.end() && ( *shared )->body->firstCells().size() * std::size_t( runner->threadCount() ) > cells; ++shared )
+	{
+		( *shared )->drawCracks( runner );
+	}
+	auto draw = [&shared]( int k ) { shared[k]->drawCracks(); };
+	runGuarded( runner, int( kin.end() - shared ), draw );
 }
 
-void SoftBody::Impl::drawCracks() const
+void SoftBody::Impl::drawCracks( TaskRunner* runner ) const
 {
 	crackView = crackView ? std::move( crackView ) : std::make_unique<CrackView>();
 	if ( crackFamily )
 	{
 		const Vec3 shift = ( body->lattice().massCentre - bodyTemplate->lattice().massCentre ).cast<float>();
-		crackFamily->show( body->firstCells(), shift, *crackView );
+		crackFamily->show( body->firstCells(), shift, *crackView, runner );
 	}
 	else
 	{

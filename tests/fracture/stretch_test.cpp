@@ -63,6 +63,30 @@ TEST( Stretch, WhereDirectionsAreAlike )
 	}
 }
 
+/// Never said of what is stretched more; said of a pull that is a thousandth less.
+TEST( Stretch, IsLessOnlyWhereItIs )
+{
+	std::mt19937 random( 8 );
+	std::uniform_real_distribution<double> any( 0.0, 1.0 );
+	int told = 0;
+	for ( const double size : { 1e-3, 0.03, 0.3, 1.0 } )
+	{
+		for ( int k = 0; k < 2000; ++k )
+		{
+			const Eigen::Matrix3d f = Eigen::Matrix3d::Identity() + randomMatrix( random, size );
+			const double strain = largestStretch( f ).strain, asked = size * any( random );
+			EXPECT_FALSE( isStretchedLess( f, strain ) );
+			EXPECT_FALSE( isStretchedLess( f, asked ) && strain >= asked ) << strain << " " << asked;
+			told += isStretchedLess( f, asked ) ? 1 : 0;
+			const Eigen::HouseholderQR<Eigen::Matrix3d> turn( randomMatrix( random, 1.0 ) );
+			const Eigen::Matrix3d q = turn.householderQ();
+			const double pull = 0.01 + size * any( random );
+			EXPECT_TRUE( isStretchedLess( q * Vec3d( 1.0 + pull, 1.0 - 0.3 * pull, 1.0 - 0.3 * pull ).asDiagonal() * q.transpose(), 1.001 * pull ) );
+		}
+	}
+	EXPECT_GT( told, 500 );
+}
+
 TEST( Stretch, OfFlatNeighbourhoodsIsWithinThem )
 {
 	std::mt19937 random( 7 );

@@ -226,6 +226,43 @@ TEST_P( Families, SeveralThreadsShowWhatOneDoes )
 	}
 }
 
+/// The inside of a large body is numbered beside its outer surface, and what is written is shared out: every array is what one thread makes.
+TEST_P( Families, ABodySharedOutIsWhatOneThreadMakes )
+{
+	const CrackCase it( makeSphere( 1.0, 24, 36 ), 0.16, noisy( GetParam() ) );
+	const std::unique_ptr<TaskRunner> runner = createThreadPool( 3 );
+	Torn one( it ), several( it );
+	std::size_t most = 0;
+	CrackView shared; // keeps what it was for as long as it can
+	for ( unsigned round = 1; round < 3; ++round )
+	{
+		one.tear( 0.12, 4, round );
+		several.tear( 0.12, 4, round );
+		for ( const std::vector<std::uint32_t>& part : connectedParts( one.lattice ) )
+		{
+			CrackView alone;
+			one.family->show( part, Vec3( 0.1f, 0.2f, 0.3f ), alone );
+			several.family->show( part, Vec3( 0.1f, 0.2f, 0.3f ), shared, runner.get() );
+			const SkinBinding &a = alone.ownBinding, &b = shared.ownBinding;
+			ASSERT_EQ( alone.ownTriangles, shared.ownTriangles );
+			EXPECT_EQ( alone.ownSources, shared.ownSources );
+			EXPECT_EQ( alone.ownTexture, shared.ownTexture );
+			EXPECT_EQ( a.start, b.start );
+			EXPECT_EQ( a.node, b.node );
+			EXPECT_EQ( a.weight, b.weight );
+			EXPECT_EQ( a.restPosition, b.restPosition );
+			EXPECT_EQ( a.restNormal, b.restNormal );
+			EXPECT_EQ( a.normalShift, b.normalShift );
+			EXPECT_EQ( a.normalGroup, b.normalGroup );
+			EXPECT_EQ( a.normalGroups, b.normalGroups );
+			EXPECT_EQ( a.carrier, b.carrier );
+			most = std::max( most, a.restPosition.size() );
+		}
+		EXPECT_TRUE( several.isInPatches() );
+	}
+	EXPECT_GT( most, 2048u ); // several shares
+}
+
 /// As long as it is all there, the ranges of a view tell all that is new.
 TEST_P( Families, RangesOfTheWholeTellWhatIsNew )
 {
