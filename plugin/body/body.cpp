@@ -20,12 +20,6 @@ namespace pliant {
 
 namespace {
 
-/// The grid point next to a position. Origins stand on this grid, so that they are the same number in float and in double.
-Vec3d snapped( const Vec3d& position )
-{
-	return ( position / kOriginGrid ).array().round() * kOriginGrid;
-}
-
 double longestExtent( const Lattice& lattice )
 {
 	Vec3 low = lattice.restCentre[0], high = low;
@@ -101,11 +95,7 @@ Result<std::unique_ptr<Body>> Body::create(
 		body->makeNodes( adaptivity );
 		body->makeMeasures( countComponents( *body->m_lattice ) == 1 );
 		body->m_matcher = body->makeMatcher( body->m_material );
-		body->m_lastFinite.resize( std::size_t( body->m_nodes.padded ) * 6, 0.0f );
-		if ( body->m_levels )
-		{
-			makeRoom( body->m_lastFinite, std::size_t( body->m_levels->roomNodes() + kLanes ) * 6, std::size_t( kRoomShare * double( body->m_lastFinite.size() ) ) );
-		}
+		body->makeRoomToMove();
 		body->place( placement );
 		return Made::success( std::move( body ) );
 	}
@@ -170,41 +160,6 @@ Status Body::setMaterial( const Material& wanted )
 	}
 }
 
-void Body::place( const Placement& placement )
-{
-	m_nodes.origin = snapped( placement.position );
-	const Vec3d centre = placement.position - m_nodes.origin;
-	const Eigen::Matrix3d rotation = placement.rotation.normalized().toRotationMatrix();
-	for ( int i = 0; i < m_nodes.count; ++i )
-	{
-		m_nodes.x.set( i, ( rotation * m_nodes.x0.get( i ).cast<double>() + centre ).cast<float>() );
-		m_nodes.v.set( i, Vec3::Zero() );
-	}
-	m_matcher->reset( m_nodes, placement.rotation.normalized() );
-	m_matcher->forgetFlow();
-	m_cutLinks.clear();
-	m_healedLinks.clear();
-	if ( m_breaking )
-	{
-		m_breaking->broken.clear(); // found where the nodes no longer are
-	}
-	keepFiniteState();
-}
-
-void Body::teleport( const Placement& by )
-{
-	const Eigen::Matrix3d rotation = by.rotation.normalized().toRotationMatrix();
-	const Vec3d moved = rotation * m_nodes.origin + by.position;
-	m_nodes.origin = snapped( moved );
-	for ( int i = 0; i < m_nodes.count; ++i )
-	{
-		m_nodes.x.set( i, ( rotation * m_nodes.x.get( i ).cast<double>() + ( moved - m_nodes.origin ) ).cast<float>() );
-		m_nodes.v.set( i, ( rotation * m_nodes.v.get( i ).cast<double>() ).cast<float>() );
-	}
-	m_matcher->turn( by.rotation.normalized() );
-	keepFiniteState();
-}
-
 void Body::setPinned( int node, bool pinned )
 {
 	m_nodes.freedom[node] = pinned ? 0.0f : 1.0f;
@@ -214,28 +169,10 @@ void Body::setPinned( int node, bool pinned )
 	}
 }
 
-void Body::applyForces( float h, const Vec3& gravity, TaskRunner* runner )
-{
-	const bool hasForce = !m_nodes.force.x.empty();
-	runShares( runner, Shares{ m_nodes.count }, [&]( int, int begin, int end ) {
-		for ( int i = begin; i < end; ++i )
-		{
-			const float step = h * m_nodes.freedom[i];
-			m_nodes.v.x[i] += step * gravity.x();
-			m_nodes.v.y[i] += step * gravity.y();
-			m_nodes.v.z[i] += step * gravity.z();
-			if ( hasForce )
-			{
-				m_nodes.v.set( i, m_nodes.v.get( i ) + ( step / m_nodes.mass[i] ) * m_nodes.force.get( i ) );
-			}
-		}
-	} );
-}
-
 void Body::accelerateTowardGoals( float h, float alpha, TaskRunner* runner )
 {
 	m_wasImplicit = false;
-	m_speedBefore = m_nodes.v;
+	keepSpeeds( runner );
 	if ( m_nodes.count == 1 )
 	{
 		return; // its goal is where it is: dust costs nothing
@@ -282,82 +219,6 @@ float Body::bodyShare( float h, float alpha ) const
 		return 0.0f;
 	}
 	return float( std::clamp( ( m_material.youngsModulus - ofRegions ) / ( ofBody - ofRegions ), 0.0, 1.0 ) );
-}
-
-BodyHealth Body::integrate( float h, TaskRunner* runner )
-{
-	// x' = x + h v'   (Ohta et al. 2009, eq. 4)
-	OfShares<float> worst{}; // 0 as long as every number is finite: 0 * inf and 0 * NaN are NaN
-	runShares( runner, Shares{ m_nodes.padded }, [&]( int share, int begin, int end ) {
-		float sum = 0.0f;
-		for ( int i = begin; i < end; ++i )
-		{
-			m_nodes.x.x[i] += h * m_nodes.v.x[i];
-			m_nodes.x.y[i] += h * m_nodes.v.y[i];
-			m_nodes.x.z[i] += h * m_nodes.v.z[i];
-			sum += 0.0f * ( m_nodes.x.x[i] + m_nodes.x.y[i] + m_nodes.x.z[i] );
-		}
-		worst[std::size_t( share )] = sum;
-	} );
-	if ( std::any_of( worst.begin(), worst.end(), []( float sum ) { return sum != 0.0f; } ) )
-	{
-		restoreFiniteState();
-		return BodyHealth::Quarantined;
-	}
-	rebase();
-	keepFiniteState( runner );
-	return BodyHealth::Good;
-}
-
-// The last finite state is kept as a plain copy: 24 bytes a node and a memory copy a substep buy that one bad number never spreads.
-void Body::keepFiniteState( TaskRunner* runner )
-{
-	const AlignedArray<float>* const from[6] = { &m_nodes.x.x, &m_nodes.x.y, &m_nodes.x.z, &m_nodes.v.x, &m_nodes.v.y, &m_nodes.v.z };
-	runShares( runner, Shares{ m_nodes.padded }, [&]( int, int begin, int end ) {
-		for ( std::size_t k = 0; k < std::size( from ); ++k )
-		{
-			std::copy( from[k]->begin() + begin, from[k]->begin() + end, m_lastFinite.data() + k * std::size_t( m_nodes.padded ) + begin );
-		}
-	} );
-	m_lastFiniteOrigin = m_nodes.origin;
-}
-
-void Body::restoreFiniteState()
-{
-	Vec3Array* arrays[2] = { &m_nodes.x, &m_nodes.v };
-	const float* from = m_lastFinite.data();
-	for ( Vec3Array* array : arrays )
-	{
-		for ( AlignedArray<float>* component : { &array->x, &array->y, &array->z } )
-		{
-			std::copy( from, from + m_nodes.padded, component->begin() );
-			from += m_nodes.padded;
-		}
-	}
-	for ( int i = 0; i < m_nodes.count; ++i )
-	{
-		m_nodes.v.set( i, Vec3::Zero() );
-	}
-	m_nodes.origin = m_lastFiniteOrigin;
-	m_matcher->reset( m_nodes, bestFit().rotation );
-}
-
-void Body::rebase()
-{
-	// One node stands for the body here: the origin need only stay near, and the test is then free.
-	const Vec3d strayed = m_nodes.x.get( 0 ).cast<double>();
-	if ( strayed.cwiseAbs().maxCoeff() <= m_strayLimit )
-	{
-		return;
-	}
-	// Moves by whole multiples of a power of two: origin and positions change by the same exactly representable amount.
-	const Vec3d move = snapped( strayed );
-	m_nodes.origin += move;
-	const Vec3 back = move.cast<float>();
-	for ( int i = 0; i < m_nodes.count; ++i )
-	{
-		m_nodes.x.set( i, m_nodes.x.get( i ) - back );
-	}
 }
 
 } // namespace pliant

@@ -9,6 +9,7 @@
 #include "pliant/result.h"
 
 #include "lattice/lattice.h"
+#include "matching/kernels/kernels.h"
 #include "matching/node_state.h"
 
 #include <cstdint>
@@ -171,8 +172,14 @@ public:
 	/// The end of pushImplicitly for a body that touches nothing; returns how many products it took.
 	int solveAlone( TaskRunner* runner );
 
-	/// x += h v; moves the origin along when the body strays from it. Checks every number: see BodyHealth.
+	/// x += h v   (Ohta et al. 2009, eq. 4); moves the origin along when the body strays from it. Checks every number: see BodyHealth.
 	BodyHealth integrate( float h, TaskRunner* runner = nullptr );
+	/// Of all nodes once their forces are applied, m/s.
+	const SpeedSpan& speeds() const { return m_speeds; }
+	/// Of all nodes where `integrate` has left them; places relative to `NodeState::origin`.
+	const MotionSums& motion() const { return m_motion; }
+	/// The same of the nodes as they are, one after the other: the slow twin.
+	MotionSums measureMotion() const;
 
 	// --- measures ---------------------------------------------------------------------------------------------------
 	BodySums sums() const;
@@ -218,7 +225,9 @@ private:
 	LinkLimits limitsOf( const Breaking& from, const BodyPiece& piece ) const;
 	void inheritNodes( const Body& from, const BodyPiece& piece );
 	void inheritBreaking( const Breaking& from, const BodyPiece& piece );
-	void keepFiniteState( TaskRunner* runner = nullptr );
+	void makeRoomToMove();
+	void keepSpeeds( TaskRunner* runner );
+	void keepFiniteState();
 	void restoreFiniteState();
 
 	std::shared_ptr<const Lattice> m_lattice;
@@ -242,7 +251,9 @@ private:
 	bool m_isOnePart = true;
 	double m_secondMoment = 0.0;     ///< m^2, mean over the axes, per mass
 	double m_restLength = 1.0;       ///< m, longest edge of the rest shape's box
-	std::vector<float> m_lastFinite; ///< x and v of the last finite state
+	SpeedSpan m_speeds;
+	MotionSums m_motion;
+	AlignedArray<float> m_lastFinite, m_kept; ///< x of the last finite state, component after component; and room for the next
 	Vec3d m_lastFiniteOrigin = Vec3d::Zero();
 	double m_strayLimit = 4.0;       ///< m; node 0 may be this far from the origin before the origin follows
 };

@@ -8,6 +8,9 @@
 #include "matching/lattice_matcher.h"
 #include "matching/stiffness.h"
 
+#include <algorithm>
+#include <functional>
+
 namespace pliant {
 
 namespace {
@@ -85,7 +88,7 @@ void Body::pushImplicitly( float h, float alpha, const Vec3& gravity, TaskRunner
 	}
 	const std::size_t padded = std::size_t( m_nodes.padded );
 	m_pushed.resize( 3 * padded );
-	m_speedBefore = m_nodes.v;
+	keepSpeeds( runner );
 	m_wasImplicit = true;
 	const bool measuresStrain = m_levels && m_reviewIn == 0 && m_levels->followsStrain();
 	m_matcher->accelerate( m_nodes, MatchStep{ h, alpha, 0.0f, wobbleRate( h, alpha ), 0.0f, measuresStrain,
@@ -93,15 +96,17 @@ void Body::pushImplicitly( float h, float alpha, const Vec3& gravity, TaskRunner
 	std::swap( m_speedBefore, m_nodes.v ); // now: what matching makes of the speeds
 	const AlignedArray<float>* const pushed[3] = { &m_speedBefore.x, &m_speedBefore.y, &m_speedBefore.z };
 	const AlignedArray<float>* const speed[3] = { &m_nodes.v.x, &m_nodes.v.y, &m_nodes.v.z };
-	for ( std::size_t k = 0; k < 3 * padded; ++k )
+	// What matching adds to the speeds, then the speeds of free flight as well.
+	for ( std::size_t k = 0; k < 3; ++k )
 	{
-		m_pushed[k] = ( *pushed[k / padded] )[k % padded] - ( *speed[k / padded] )[k % padded];
+		std::transform( pushed[k]->begin(), pushed[k]->end(), speed[k]->begin(), m_pushed.begin() + std::ptrdiff_t( k * padded ), std::minus<>() );
 	}
-	m_speedBefore = m_nodes.v;
+	keepSpeeds( runner );
 	applyForces( h, gravity, runner );
-	for ( std::size_t k = 0; k < 3 * padded; ++k )
+	for ( std::size_t k = 0; k < 3; ++k )
 	{
-		m_pushed[k] += ( *speed[k / padded] )[k % padded];
+		float* const to = m_pushed.data() + k * padded;
+		std::transform( to, to + padded, speed[k]->begin(), to, std::plus<>() );
 	}
 	m_implicit->begin( static_cast<LatticeMatcher&>( *m_matcher ), m_nodes, m_pushed.data(),
 		ImplicitStep{ h, alpha, m_material.damping, m_material.numericalDamping, m_material.volumeKeeping,

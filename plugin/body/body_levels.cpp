@@ -150,7 +150,6 @@ void Body::changeLevels( const std::vector<std::uint32_t>& split, const std::vec
 
 void Body::nodesChanged()
 {
-	m_lastFinite.resize( std::size_t( m_nodes.padded ) * 6 ); // within its room (Body::create)
 	keepFiniteState();
 }
 

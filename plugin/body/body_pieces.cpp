@@ -232,7 +232,6 @@ std::unique_ptr<Body> Body::makePiece( std::shared_ptr<const Lattice> lattice, B
 		}
 	}
 	body->makeMeasures( piece.isOnePart );
-	body->m_lastFinite.resize( std::size_t( body->m_nodes.padded ) * 6, 0.0f );
 	body->inheritNodes( *this, piece );
 	body->m_reviewIn = m_reviewIn;
 	body->m_sinceReview = m_sinceReview;

@@ -108,7 +108,6 @@ void SoftBody::Impl::adopt( SoftBody& owner, BodyPiece& piece, Remains remains )
 		}
 	}
 	placeShape( owner );
-	measureSpeed();
 	skin.fade.clear();
 	skin.nodesChanged();
 	if ( self )
@@ -146,7 +145,6 @@ std::unique_ptr<SoftBody> SoftBody::Impl::makeFragment( const SoftBody& parent, 
 	}
 	impl.finish( *soft );
 	impl.centralForce = from.centralForce * btScalar( impl.mass / from.mass ); // it is spread by mass
-	impl.measureSpeed();
 	copySettings( parent, *soft );
 	return soft;
 }

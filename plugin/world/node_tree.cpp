@@ -10,6 +10,9 @@ namespace pliant {
 
 namespace {
 
+/// Extents that differ by a smaller share are equal.
+constexpr btScalar kEqualExtents = btScalar( 1e-3 );
+
 btDbvtNode* makeTreeNode( btDbvtNode* parent )
 {
 	// As btDbvt makes them: it is the tree that frees them.
@@ -60,6 +63,8 @@ private:
 		int child;
 	};
 
+	/// Of equal ones the last: nodes are numbered along z last, so that the first half of the tree has its nodes in the first half of their arrays, and
+	/// a thread that places it finds there what it wrote itself a stage ago.
 	int longestAxis( int first, int last ) const
 	{
 		btVector3 low( BT_LARGE_FLOAT, BT_LARGE_FLOAT, BT_LARGE_FLOAT ), high( -low );
@@ -70,7 +75,9 @@ private:
 			low.setMin( at );
 			high.setMax( at );
 		}
-		return ( high - low ).maxAxis();
+		const btVector3 extent = high - low;
+		const btScalar least = extent[extent.maxAxis()] * ( 1 - kEqualExtents );
+		return extent.z() >= least ? 2 : extent.y() >= least ? 1 : 0;
 	}
 
 	btCompoundShapeChild* m_children;

@@ -1,6 +1,5 @@
 #include "pliant/soft_body.h"
 
-#include "threads/parallel.h"
 #include "world/constants.h"
 #include "world/soft_body_impl.h"
 #include "world/soft_body_system.h"
@@ -8,10 +7,8 @@
 #include <BulletDynamics/Dynamics/btRigidBody.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <new>
-#include <numeric>
 
 namespace pliant {
 
@@ -32,28 +29,12 @@ Placement placementOf( const Lattice& lattice, const btTransform& t )
 
 } // namespace
 
-void SoftBody::Impl::placeSpheres( btCollisionObject& object, TaskRunner* runner )
+void SoftBody::Impl::placeSpheres( btCollisionObject& object, const MotionSums& motion, TaskRunner* runner )
 {
 	const NodeState& nodes = body->nodes();
-	OfShares<std::array<double, 4>> sums{}; // kg m, kg
-	runShares( runner, Shares{ nodes.count }, [&]( int share, int begin, int end ) {
-		Vec3d moment = Vec3d::Zero();
-		double weight = 0.0;
-		for ( int i = begin; i < end; ++i )
-		{
-			moment += double( nodes.mass[i] ) * nodes.x.get( i ).cast<double>();
-			weight += double( nodes.mass[i] );
-		}
-		sums[std::size_t( share )] = { moment.x(), moment.y(), moment.z(), weight };
-	} );
-	Vec3d centre = Vec3d::Zero();
-	mass = 0.0;
-	for ( const std::array<double, 4>& sum : sums )
-	{
-		centre += Vec3d( sum[0], sum[1], sum[2] );
-		mass += sum[3];
-	}
-	centre /= mass;
+	mass = motion.mass;
+	meanSquareSpeed = motion.squareSpeed / mass;
+	const Vec3d centre = Vec3d( motion.moment ) / mass;
 	const btTransform at( btQuaternion::getIdentity(), toBt( nodes.origin + centre ) );
 	shapeShift = ( toVec3d( at.getOrigin() ) - nodes.origin ).cast<float>();
 	shape->place( nodes, shapeShift, runner );
@@ -63,7 +44,7 @@ void SoftBody::Impl::placeSpheres( btCollisionObject& object, TaskRunner* runner
 
 void SoftBody::Impl::placeShape( btCollisionObject& object )
 {
-	placeSpheres( object );
+	placeSpheres( object, body->measureMotion() );
 	shape->freshen();
 }
 
@@ -76,21 +57,6 @@ void SoftBody::Impl::finish( SoftBody& owner )
 	owner.internalSetExtensionPointer( const_cast<char*>( &kSoftBodyMark ) );
 	owner.setCollisionShape( shape.get() );
 	placeShape( owner );
-}
-
-void SoftBody::Impl::measureSpeed( TaskRunner* runner )
-{
-	const NodeState& nodes = body->nodes();
-	OfShares<double> sums{};
-	runShares( runner, Shares{ nodes.count }, [&]( int share, int begin, int end ) {
-		double sum = 0.0;
-		for ( int i = begin; i < end; ++i )
-		{
-			sum += double( nodes.mass[i] ) * double( nodes.v.get( i ).squaredNorm() );
-		}
-		sums[std::size_t( share )] = sum;
-	} );
-	meanSquareSpeed = std::accumulate( sums.begin(), sums.end(), 0.0 ) / mass;
 }
 
 SoftBody* asSoftBody( btCollisionObject* object )

@@ -171,8 +171,8 @@ struct SoftBody::Impl
 		return btVector3( v.x[node], v.y[node], v.z[node] );
 	}
 	Pin* findPin( int node );
-	/// The object's transform and the spheres go where the nodes are; what Bullet is asked of them is to be freshened.
-	void placeSpheres( btCollisionObject& object, TaskRunner* runner = nullptr );
+	/// The object's transform and the spheres go where the nodes are, and how fast those are is noted; what Bullet is asked of them is to be freshened.
+	void placeSpheres( btCollisionObject& object, const MotionSums& motion, TaskRunner* runner = nullptr );
 	void placeShape( btCollisionObject& object );
 	/// How the nodes carry the skin now. Valid until the next call.
 	SkinPose skinPose() const;
@@ -182,7 +182,6 @@ struct SoftBody::Impl
 	/// Makes a change of levels and has all that names the body's nodes follow it: pins, spheres, stand-ins, skin. `fades`: what the surface jumps
 	/// by is faded out.
 	void changeNodes( SoftBody& owner, const std::function<void()>& change, bool fades = true );
-	void measureSpeed( TaskRunner* runner = nullptr );
 	const SkinBinding& binding() const;
 	const CrackView* shownCracks() const; ///< null: the template's mesh is shown
 	SkinTriangles shownTriangles() const;

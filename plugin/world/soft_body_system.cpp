@@ -253,49 +253,26 @@ void SoftBodySystem::accelerate( btScalar h, int substep )
 			}
 		} );
 	}
-	Stopwatch watch( report.spheres );
-	forAwake( [&]( SoftBody& body, TaskRunner* within ) {
-		body.impl().nodeAxes.clear(); // those that are asked for are measured anew
-		body.impl().isBroken = !sweepBox( body, h, within );
-	} );
+	for ( SoftBody* body : m_awake )
+	{
+		body->impl().nodeAxes.clear(); // those that are asked for are measured anew
+		body->impl().isBroken = !sweepBox( *body, h );
+	}
 	quarantineBroken();
 }
 
 // The body's box must hold what its nodes sweep in this step; it is also the last place where a bad number can be caught before it
 // reaches Bullet's broadphase, and with it every other body.
-bool SoftBodySystem::sweepBox( SoftBody& body, btScalar h, TaskRunner* within ) const
+bool SoftBodySystem::sweepBox( SoftBody& body, btScalar h ) const
 {
-	struct Span
-	{
-		Vec3 low = Vec3::Zero(), high = Vec3::Zero();
-		float worst = 0.0f; // 0 as long as every number is finite
-	};
 	SoftBody::Impl& impl = body.impl();
-	const NodeState& nodes = impl.body->nodes();
-	OfShares<Span> spans;
-	runShares( within, Shares{ nodes.count }, [&]( int share, int begin, int end ) {
-		Span span;
-		for ( int i = begin; i < end; ++i )
-		{
-			const Vec3 v = nodes.v.get( i );
-			span.low = span.low.cwiseMin( v );
-			span.high = span.high.cwiseMax( v );
-			span.worst += 0.0f * ( v.x() + v.y() + v.z() );
-		}
-		spans[std::size_t( share )] = span;
-	} );
-	Span all;
-	for ( const Span& span : spans )
-	{
-		all.low = all.low.cwiseMin( span.low );
-		all.high = all.high.cwiseMax( span.high );
-		all.worst += span.worst;
-	}
-	if ( all.worst != 0.0f || std::max( all.high.maxCoeff(), -all.low.minCoeff() ) > kSpeedLimit )
+	const SpeedSpan& speeds = impl.body->speeds();
+	const Vec3 low( speeds.low ), high( speeds.high );
+	if ( speeds.worst != 0.0f || std::max( high.maxCoeff(), -low.minCoeff() ) > kSpeedLimit )
 	{
 		return false;
 	}
-	impl.shape->setSweep( h * toBt( all.low.cast<double>() ), h * toBt( all.high.cast<double>() ) );
+	impl.shape->setSweep( h * toBt( low.cast<double>() ), h * toBt( high.cast<double>() ) );
 	return true;
 }
 
@@ -359,8 +336,7 @@ void SoftBodySystem::integrate( btScalar h, int substep )
 		}
 		settlePins( body, h, substep );
 		impl.isBroken = impl.body->integrate( float( h ), within ) == BodyHealth::Quarantined;
-		impl.measureSpeed( within );
-		impl.placeSpheres( body, within );
+		impl.placeSpheres( body, impl.body->motion(), within );
 		impl.skin.nodesMoved();
 	} );
 	quarantineBroken();

@@ -90,7 +90,7 @@ private:
 	StiffnessPlan planOf( const SoftBody& body, btScalar gameStep, int count ) const;
 	Vec3 ownAcceleration( const SoftBody& body ) const; ///< gravity and the game's force, m/s^2
 	/// False where a number is not finite, or a node beyond the limit of speed.
-	bool sweepBox( SoftBody& body, btScalar h, TaskRunner* within ) const;
+	bool sweepBox( SoftBody& body, btScalar h ) const;
 	void quarantine( SoftBody& body );
 	void quarantineBroken();
 	void gatherAwake();

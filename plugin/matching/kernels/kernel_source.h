@@ -25,6 +25,7 @@ constexpr int kVirtualLanes = 16;
 #include "matching/kernels/kernel_far.h"
 #include "matching/kernels/kernel_rates.h"
 #include "matching/kernels/kernel_sums.h"
+#include "matching/kernels/kernel_motion.h"
 
 void frameSums( const MatchView& view, int begin, int end, float* sums )
 {
@@ -368,6 +369,6 @@ void deformations( const MatchView& view, int begin, int end, float* gradients )
 
 extern const Kernels PLIANT_KERNEL_TABLE;
 const Kernels PLIANT_KERNEL_TABLE = { &frameSums, &nodeRecords, &boxPlane, &fitRegions, &finishRegion, &scatter, &apply, &regionMatrix,
-	&deformations, &sumRecords, &inertiaRecords, &regionInertias, &rateSums, &rateRecords, &boxPlaneHalf, &rigidRates, &resist, &dot, &affineSums, &addAffine, PLIANT_KERNEL_NAME };
+	&deformations, &sumRecords, &inertiaRecords, &regionInertias, &rateSums, &rateRecords, &boxPlaneHalf, &rigidRates, &resist, &push, &advance, &dot, &affineSums, &addAffine, PLIANT_KERNEL_NAME };
 
 } // namespace pliant

@@ -119,6 +119,32 @@ struct RateView
 	float turn[3] = {};
 };
 
+/// What a substep does to a body's nodes before contacts and after them (kernel_motion.h). Component by component, padded as above.
+struct MotionView
+{
+	float* x[3] = {};               ///< m
+	float* v[3] = {};               ///< m/s
+	float* kept[3] = {};            ///< out: new places a second time
+	const float* mass = nullptr;    ///< kg; 0 in padding
+	const float* freedom = nullptr; ///< 0 in padding
+};
+
+/// Of nodes and of what stands still, m/s. `worst` is 0 as long as every number is finite, and NaN then.
+struct SpeedSpan
+{
+	float low[3] = {}, high[3] = {};
+	float worst = 0.0f;
+};
+
+/// Sums over nodes: m, m x, m |v|^2; `worst` as above, of places.
+struct MotionSums
+{
+	double mass = 0.0;        ///< kg
+	double moment[3] = {};    ///< kg m
+	double squareSpeed = 0.0; ///< kg m^2/s^2
+	float worst = 0.0f;
+};
+
 /// Sums of records over lists: to[i] = scale[i] ( sum of weight[k] from[k] over the list of i ) + base[ baseOf[i] ].
 struct RecordSums
 {
@@ -175,6 +201,11 @@ struct Kernels
 	void ( *boxPlaneHalf )( const MatchView&, float* records, int z );
 	void ( *rigidRates )( const RateView&, int begin, int end );
 	void ( *resist )( const RateView&, int begin, int end );
+
+	/// v += h freedom g; takes the new speeds into `span`.
+	void ( *push )( const MotionView&, const float* gravity, float h, int begin, int end, SpeedSpan& span );
+	/// x += h v; adds to `sums`.
+	void ( *advance )( const MotionView&, float h, int begin, int end, MotionSums& sums );
 
 	// Of vectors as long as whole lanes, for what solves with them.
 	/// a . b in double, 16 sums side by side, folded halves onto halves.

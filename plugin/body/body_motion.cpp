@@ -1,0 +1,225 @@
+// Where a body's nodes are and how they move on: placing them, the forces on them, and the way they go in a substep.
+
+#include "body/body.h"
+#include "body/breaking.h"
+#include "body/levels.h"
+
+#include "matching/kernels/kernels.h"
+#include "matching/matcher.h"
+#include "threads/parallel.h"
+
+#include <algorithm>
+
+namespace pliant {
+
+namespace {
+
+/// The grid point next to a position. Origins stand on this grid, so that they are the same number in float and in double.
+Vec3d snapped( const Vec3d& position )
+{
+	return ( position / kOriginGrid ).array().round() * kOriginGrid;
+}
+
+MotionView viewOf( NodeState& nodes, float* kept )
+{
+	MotionView view;
+	AlignedArray<float>* const x[3] = { &nodes.x.x, &nodes.x.y, &nodes.x.z };
+	AlignedArray<float>* const v[3] = { &nodes.v.x, &nodes.v.y, &nodes.v.z };
+	for ( int k = 0; k < 3; ++k )
+	{
+		view.x[k] = x[k]->data();
+		view.v[k] = v[k]->data();
+		view.kept[k] = kept + std::size_t( k ) * std::size_t( nodes.padded );
+	}
+	view.mass = nodes.mass.data();
+	view.freedom = nodes.freedom.data();
+	return view;
+}
+
+} // namespace
+
+void Body::place( const Placement& placement )
+{
+	m_nodes.origin = snapped( placement.position );
+	const Vec3d centre = placement.position - m_nodes.origin;
+	const Eigen::Matrix3d rotation = placement.rotation.normalized().toRotationMatrix();
+	for ( int i = 0; i < m_nodes.count; ++i )
+	{
+		m_nodes.x.set( i, ( rotation * m_nodes.x0.get( i ).cast<double>() + centre ).cast<float>() );
+		m_nodes.v.set( i, Vec3::Zero() );
+	}
+	m_matcher->reset( m_nodes, placement.rotation.normalized() );
+	m_matcher->forgetFlow();
+	m_cutLinks.clear();
+	m_healedLinks.clear();
+	if ( m_breaking )
+	{
+		m_breaking->broken.clear(); // found where the nodes no longer are
+	}
+	keepFiniteState();
+}
+
+void Body::teleport( const Placement& by )
+{
+	const Eigen::Matrix3d rotation = by.rotation.normalized().toRotationMatrix();
+	const Vec3d moved = rotation * m_nodes.origin + by.position;
+	m_nodes.origin = snapped( moved );
+	for ( int i = 0; i < m_nodes.count; ++i )
+	{
+		m_nodes.x.set( i, ( rotation * m_nodes.x.get( i ).cast<double>() + ( moved - m_nodes.origin ) ).cast<float>() );
+		m_nodes.v.set( i, ( rotation * m_nodes.v.get( i ).cast<double>() ).cast<float>() );
+	}
+	m_matcher->turn( by.rotation.normalized() );
+	keepFiniteState();
+}
+
+void Body::makeRoomToMove()
+{
+	const std::size_t now = std::size_t( m_nodes.padded ) * 3;
+	for ( AlignedArray<float>* const array : { &m_lastFinite, &m_kept } )
+	{
+		array->resize( now, 0.0f );
+		if ( m_levels )
+		{
+			makeRoom( *array, std::size_t( m_levels->roomNodes() + kLanes ) * 3, std::size_t( kRoomShare * double( now ) ) );
+		}
+	}
+}
+
+void Body::keepSpeeds( TaskRunner* runner )
+{
+	const AlignedArray<float>* const from[3] = { &m_nodes.v.x, &m_nodes.v.y, &m_nodes.v.z };
+	AlignedArray<float>* const to[3] = { &m_speedBefore.x, &m_speedBefore.y, &m_speedBefore.z };
+	for ( AlignedArray<float>* const component : to )
+	{
+		component->resize( std::size_t( m_nodes.padded ) );
+	}
+	runShares( runner, Shares{ m_nodes.padded }, [&]( int, int begin, int end ) {
+		for ( int k = 0; k < 3; ++k )
+		{
+			std::copy( from[k]->begin() + begin, from[k]->begin() + end, to[k]->begin() + begin );
+		}
+	} );
+}
+
+void Body::applyForces( float h, const Vec3& gravity, TaskRunner* runner )
+{
+	const Kernels& kernels = bestKernels();
+	const MotionView view = viewOf( m_nodes, m_kept.data() );
+	const bool hasForce = !m_nodes.force.x.empty();
+	OfShares<SpeedSpan> spans;
+	runShares( runner, Shares{ m_nodes.padded }, [&]( int share, int begin, int end ) {
+		for ( int i = begin; hasForce && i < std::min( end, m_nodes.count ); ++i )
+		{
+			m_nodes.v.set( i, m_nodes.v.get( i ) + ( h * m_nodes.freedom[i] / m_nodes.mass[i] ) * m_nodes.force.get( i ) );
+		}
+		kernels.push( view, gravity.data(), h, begin, end, spans[std::size_t( share )] );
+	} );
+	m_speeds = SpeedSpan{};
+	for ( const SpeedSpan& span : spans )
+	{
+		for ( int k = 0; k < 3; ++k )
+		{
+			m_speeds.low[k] = std::min( m_speeds.low[k], span.low[k] );
+			m_speeds.high[k] = std::max( m_speeds.high[k], span.high[k] );
+		}
+		m_speeds.worst += span.worst;
+	}
+}
+
+// The new places are written twice, here and into the copy of the last finite state that is none any more. Where all are finite that copy is the
+// last one from now on, else nobody has lost anything: 24 bytes a node and a second store buy that one bad number never spreads.
+BodyHealth Body::integrate( float h, TaskRunner* runner )
+{
+	const Kernels& kernels = bestKernels();
+	const MotionView view = viewOf( m_nodes, m_kept.data() );
+	OfShares<MotionSums> sums;
+	runShares( runner, Shares{ m_nodes.padded }, [&]( int share, int begin, int end ) {
+		kernels.advance( view, h, begin, end, sums[std::size_t( share )] );
+	} );
+	m_motion = MotionSums{};
+	for ( const MotionSums& sum : sums )
+	{
+		m_motion.mass += sum.mass;
+		m_motion.squareSpeed += sum.squareSpeed;
+		m_motion.worst += sum.worst;
+		for ( int k = 0; k < 3; ++k )
+		{
+			m_motion.moment[k] += sum.moment[k];
+		}
+	}
+	if ( m_motion.worst != 0.0f )
+	{
+		restoreFiniteState();
+		m_motion = measureMotion();
+		return BodyHealth::Quarantined;
+	}
+	m_kept.swap( m_lastFinite );
+	m_lastFiniteOrigin = m_nodes.origin;
+	rebase();
+	return BodyHealth::Good;
+}
+
+MotionSums Body::measureMotion() const
+{
+	MotionSums sums;
+	for ( int i = 0; i < m_nodes.count; ++i )
+	{
+		const double mass = double( m_nodes.mass[i] );
+		const Vec3d moment = mass * m_nodes.x.get( i ).cast<double>();
+		sums.mass += mass;
+		for ( int k = 0; k < 3; ++k )
+		{
+			sums.moment[k] += moment[k];
+		}
+		sums.squareSpeed += mass * m_nodes.v.get( i ).cast<double>().squaredNorm();
+	}
+	return sums;
+}
+
+void Body::keepFiniteState()
+{
+	m_kept.resize( std::size_t( m_nodes.padded ) * 3 ); // within its room (makeRoomToMove)
+	m_lastFinite.resize( std::size_t( m_nodes.padded ) * 3 );
+	auto to = m_lastFinite.begin();
+	for ( const AlignedArray<float>* const component : { &m_nodes.x.x, &m_nodes.x.y, &m_nodes.x.z } )
+	{
+		to = std::copy( component->begin(), component->end(), to );
+	}
+	m_lastFiniteOrigin = m_nodes.origin;
+}
+
+void Body::restoreFiniteState()
+{
+	auto from = m_lastFinite.begin();
+	for ( AlignedArray<float>* const component : { &m_nodes.x.x, &m_nodes.x.y, &m_nodes.x.z } )
+	{
+		std::copy( from, from + m_nodes.padded, component->begin() );
+		from += m_nodes.padded;
+	}
+	m_nodes.v.resize( m_nodes.padded );
+	m_nodes.origin = m_lastFiniteOrigin;
+	m_matcher->reset( m_nodes, bestFit().rotation );
+}
+
+void Body::rebase()
+{
+	// One node stands for the body here: the origin need only stay near, and the test is then free.
+	const Vec3d strayed = m_nodes.x.get( 0 ).cast<double>();
+	if ( strayed.cwiseAbs().maxCoeff() <= m_strayLimit )
+	{
+		return;
+	}
+	// Moves by whole multiples of a power of two: origin and positions change by the same exactly representable amount.
+	const Vec3d move = snapped( strayed );
+	m_nodes.origin += move;
+	const Vec3 back = move.cast<float>();
+	for ( int i = 0; i < m_nodes.count; ++i )
+	{
+		m_nodes.x.set( i, m_nodes.x.get( i ) - back );
+	}
+	keepFiniteState();
+	m_motion = measureMotion();
+}
+
+} // namespace pliant

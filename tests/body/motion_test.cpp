@@ -1,0 +1,174 @@
+// Forces on a body's nodes and the way they go: against loops over one node after the other, on every instruction set, on any thread count.
+
+#include "support/block_body.h"
+
+#include "matching/kernels/kernels.h"
+#include "pliant/task_runner.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstddef>
+#include <cstring>
+#include <limits>
+#include <utility>
+#include <vector>
+
+namespace pliant {
+namespace {
+
+constexpr float kStep = 1.0f / 240.0f;
+const Vec3 kGravity( 0.5f, -9.81f, 2.0f );
+
+/// More nodes than one share has, and not a multiple of the lanes.
+std::unique_ptr<Body> makeMoving( unsigned seed )
+{
+	auto body = test::makeBlock( 13, 11, 9, 0.1f );
+	test::Seeded random( seed );
+	for ( int i = 0; i < body->nodeCount(); ++i )
+	{
+		body->nodes().v.set( i, random.inBox( 3.0f ) );
+	}
+	body->setPinned( 700, true );
+	return body;
+}
+
+bool haveEqualBits( const Vec3Array& a, const Vec3Array& b )
+{
+	return a.x == b.x && a.y == b.y && a.z == b.z;
+}
+
+TEST( Motion, SumsAreThoseOfTheSlowTwin )
+{
+	const auto body = makeMoving( 1 );
+	for ( int k = 0; k < 3; ++k )
+	{
+		body->applyForces( kStep, kGravity );
+		ASSERT_EQ( body->integrate( kStep ), BodyHealth::Good );
+		const MotionSums &sums = body->motion(), twin = body->measureMotion();
+		EXPECT_NEAR( sums.mass, twin.mass, 1e-12 * twin.mass );
+		EXPECT_NEAR( sums.squareSpeed, twin.squareSpeed, 1e-12 * twin.squareSpeed );
+		for ( int axis = 0; axis < 3; ++axis )
+		{
+			EXPECT_NEAR( sums.moment[axis], twin.moment[axis], 1e-12 * twin.mass );
+		}
+		EXPECT_EQ( sums.worst, 0.0f );
+	}
+}
+
+TEST( Motion, ForcesAreAddedNodeByNodeAndTheirSpeedsSpanned )
+{
+	const auto body = makeMoving( 2 );
+	NodeState& nodes = body->nodes();
+	nodes.force.resize( nodes.padded );
+	nodes.force.set( 1200, Vec3( 0, 500, 0 ) );
+	nodes.force.set( 700, Vec3( 0, 500, 0 ) ); // pinned
+	const Vec3Array before = nodes.v;
+	body->applyForces( kStep, kGravity );
+	Vec3 low = Vec3::Zero(), high = Vec3::Zero();
+	for ( int i = 0; i < nodes.count; ++i )
+	{
+		const Vec3 pushed = before.get( i ) + nodes.freedom[i] * kStep * ( kGravity + nodes.force.get( i ) / nodes.mass[i] );
+		EXPECT_LT( ( nodes.v.get( i ) - pushed ).norm(), 1e-5f ) << i;
+		low = low.cwiseMin( nodes.v.get( i ) );
+		high = high.cwiseMax( nodes.v.get( i ) );
+	}
+	EXPECT_EQ( nodes.v.get( 700 ), before.get( 700 ) );
+	EXPECT_GT( nodes.v.get( 1200 ).y(), before.get( 1200 ).y() + 1.0f );
+	EXPECT_EQ( Vec3( body->speeds().low ), low );
+	EXPECT_EQ( Vec3( body->speeds().high ), high );
+	EXPECT_EQ( body->speeds().worst, 0.0f );
+	nodes.v.z[nodes.count - 1] = std::numeric_limits<float>::infinity();
+	body->applyForces( kStep, kGravity );
+	EXPECT_NE( body->speeds().worst, 0.0f );
+}
+
+TEST( Motion, IsTheSameToTheBitOnAnyThreadCount )
+{
+	const auto alone = makeMoving( 3 ), shared = makeMoving( 3 );
+	const auto threads = createThreadPool( 3 );
+	for ( int k = 0; k < 5; ++k )
+	{
+		for ( const auto& [body, runner] : { std::pair( alone.get(), (TaskRunner*)nullptr ), std::pair( shared.get(), threads.get() ) } )
+		{
+			body->accelerateTowardGoals( kStep, 0.5f, runner );
+			body->applyForces( kStep, kGravity, runner );
+			ASSERT_EQ( body->integrate( kStep, runner ), BodyHealth::Good );
+		}
+		EXPECT_TRUE( haveEqualBits( alone->nodes().x, shared->nodes().x ) );
+		EXPECT_TRUE( haveEqualBits( alone->nodes().v, shared->nodes().v ) );
+		EXPECT_TRUE( haveEqualBits( alone->speedBefore(), shared->speedBefore() ) );
+		EXPECT_EQ( std::memcmp( &alone->motion(), &shared->motion(), offsetof( MotionSums, worst ) ), 0 );
+	}
+}
+
+// The last finite state is one of two buffers, which change places in each substep: what a bad number in the last share has left half written
+// must not be what the body goes back to.
+TEST( Motion, GoesBackToTheLastFinitePlacesWhereverTheBadNumberWas )
+{
+	const auto body = makeMoving( 4 );
+	for ( const int bad : { 0, 640, body->nodeCount() - 1 } )
+	{
+		for ( int good = 1; good <= 2; ++good )
+		{
+			for ( int k = 0; k < good; ++k )
+			{
+				ASSERT_EQ( test::substep( *body, kStep, 0.5f, kGravity ), BodyHealth::Good );
+			}
+			const Vec3Array last = body->nodes().x;
+			body->nodes().v.z[bad] = std::numeric_limits<float>::quiet_NaN();
+			EXPECT_EQ( body->integrate( kStep ), BodyHealth::Quarantined );
+			EXPECT_TRUE( haveEqualBits( body->nodes().x, last ) ) << bad;
+			EXPECT_EQ( body->motion().squareSpeed, 0.0 );
+		}
+	}
+}
+
+TEST( Motion, KernelsGiveTheSameBitsOnEveryInstructionSet )
+{
+	const auto body = makeMoving( 5 );
+	const int padded = body->nodes().padded;
+	struct Moved
+	{
+		NodeState nodes;
+		Vec3Array kept;
+		SpeedSpan span;
+		MotionSums sums;
+	};
+	std::vector<Moved> moved;
+	for ( const KernelTarget target : { KernelTarget::Baseline, KernelTarget::Avx2, KernelTarget::Avx512 } )
+	{
+		const Kernels* const kernels = findKernels( target );
+		if ( kernels == nullptr )
+		{
+			continue;
+		}
+		Moved& one = moved.emplace_back();
+		one.nodes = body->nodes();
+		one.kept.resize( padded );
+		MotionView view;
+		float* const arrays[3][3] = { { one.nodes.x.x.data(), one.nodes.x.y.data(), one.nodes.x.z.data() },
+			{ one.nodes.v.x.data(), one.nodes.v.y.data(), one.nodes.v.z.data() }, { one.kept.x.data(), one.kept.y.data(), one.kept.z.data() } };
+		std::copy_n( arrays[0], 3, view.x );
+		std::copy_n( arrays[1], 3, view.v );
+		std::copy_n( arrays[2], 3, view.kept );
+		view.mass = one.nodes.mass.data();
+		view.freedom = one.nodes.freedom.data();
+		kernels->push( view, kGravity.data(), kStep, 0, padded, one.span );
+		kernels->advance( view, kStep, 0, padded, one.sums );
+		EXPECT_TRUE( haveEqualBits( one.nodes.x, one.kept ) );
+	}
+	for ( const Moved& one : moved )
+	{
+		EXPECT_TRUE( haveEqualBits( one.nodes.x, moved[0].nodes.x ) );
+		EXPECT_TRUE( haveEqualBits( one.nodes.v, moved[0].nodes.v ) );
+		EXPECT_EQ( std::memcmp( one.span.low, moved[0].span.low, sizeof( one.span.low ) ), 0 );
+		EXPECT_EQ( std::memcmp( one.span.high, moved[0].span.high, sizeof( one.span.high ) ), 0 );
+		EXPECT_EQ( one.sums.mass, moved[0].sums.mass );
+		EXPECT_EQ( one.sums.squareSpeed, moved[0].sums.squareSpeed );
+		EXPECT_EQ( std::memcmp( one.sums.moment, moved[0].sums.moment, sizeof( one.sums.moment ) ), 0 );
+	}
+}
+
+} // namespace
+} // namespace pliant
