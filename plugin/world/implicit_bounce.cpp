@@ -14,17 +14,19 @@ namespace pliant {
 
 void ImplicitBlock::keepEnergy( BlockCount& count )
 {
+	if ( std::none_of( contacts.begin(), contacts.end(), []( const BlockContact& contact ) { return contact.bounces; } ) )
+	{
+		return;
+	}
 	double work = 0.0, moved = 0.0;
-	bool bounces = false;
 	for ( const BlockContact& contact : contacts )
 	{
 		const Vec3d impulse = contact.normalImpulse * contact.normal + contact.tangentImpulse;
 		const double after = impulse.dot( relativeSpeed( contact, m_v.data() ) ), before = impulse.dot( contact.before );
 		work += 0.5 * ( after + before );
 		moved += 0.5 * ( std::abs( after ) + std::abs( before ) );
-		bounces = bounces || contact.bounces;
 	}
-	if ( !bounces || !( work > kBounceSlack * moved ) )
+	if ( !( work > kBounceSlack * moved ) )
 	{
 		return;
 	}
