@@ -26,6 +26,22 @@ struct Grid
 
 	/// Samples at or below a place, in [0, sampleCount]: the first sample above it.
 	int firstAbove( int axis, double place ) const;
+	/// The same of a place that is a whole number of quanta, as corners are: asked for each triangle of a mesh three times.
+	int firstAbove( int axis, std::int64_t place ) const
+	{
+		const std::int64_t cell = place >> bits;
+		if ( place < 0 || cell >= extent[axis] )
+		{
+			return place < 0 ? 0 : sampleCount( axis );
+		}
+		const std::int64_t within = place - ( cell << bits );
+		int k = 0;
+		while ( k < samples && offset[std::size_t( k )] <= within )
+		{
+			++k;
+		}
+		return int( cell ) * samples + k;
+	}
 
 	double quantum() const { return cellSize / double( std::int64_t( 1 ) << bits ); }
 	double samplesPerCell() const { return double( samples ) * samples * samples; }

@@ -154,6 +154,15 @@ Vec3d SnappedSurface::pointOn( int axis, const Crossing& row, double at ) const
 
 void SnappedSurface::cross( const Triangle& triangle, bool isCap, int axis, std::vector<Crossing>& out ) const
 {
+	const std::size_t uAxis = std::size_t( axis + 1 ) % 3;
+	const std::size_t vAxis = std::size_t( axis + 2 ) % 3;
+	const auto [lowV, highV] = std::minmax( { m_point[triangle[0]][vAxis], m_point[triangle[1]][vAxis], m_point[triangle[2]][vAxis] } );
+	const int firstV = m_grid.firstAbove( int( vAxis ), std::int64_t( lowV ) - 1 );
+	const int lastV = m_grid.firstAbove( int( vAxis ), std::int64_t( highV ) );
+	if ( firstV >= lastV ) // most triangles of a fine mesh
+	{
+		return;
+	}
 	Triangle sorted = triangle;
 	View view;
 	view.turn = 1;
@@ -165,20 +174,11 @@ void SnappedSurface::cross( const Triangle& triangle, bool isCap, int axis, std:
 			view.turn = -view.turn;
 		}
 	}
-	const std::size_t uAxis = std::size_t( axis + 1 ) % 3;
-	const std::size_t vAxis = std::size_t( axis + 2 ) % 3;
 	for ( std::size_t k = 0; k < 3; ++k )
 	{
 		const Point& p = m_point[sorted[k]];
 		view.corner[k] = { p[uAxis], p[vAxis] };
 		view.depth[k] = p[std::size_t( axis )];
-	}
-	const auto [lowV, highV] = std::minmax( { view.corner[0].v, view.corner[1].v, view.corner[2].v } );
-	const int firstV = m_grid.firstAbove( int( vAxis ), double( lowV ) - 1.0 );
-	const int lastV = m_grid.firstAbove( int( vAxis ), double( highV ) );
-	if ( firstV >= lastV )
-	{
-		return;
 	}
 	const Eigen::Matrix<std::int64_t, 3, 1> e( view.corner[1].u - view.corner[0].u, view.corner[1].v - view.corner[0].v, view.depth[1] - view.depth[0] );
 	const Eigen::Matrix<std::int64_t, 3, 1> f( view.corner[2].u - view.corner[0].u, view.corner[2].v - view.corner[0].v, view.depth[2] - view.depth[0] );

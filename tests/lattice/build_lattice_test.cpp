@@ -2,16 +2,45 @@
 
 #include "lattice_checks.h"
 
+#include "lattice/grid.h"
 #include "lattice/region.h"
 #include "pliant/task_runner.h"
 
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <random>
+#include <vector>
 
 namespace pliant::test {
 
 namespace {
+
+// Corners ask in whole quanta, in integers; the twin takes any place.
+TEST( Grid, FirstSampleAboveAWholeQuantumIsThatOfAnyPlace )
+{
+	std::mt19937 random( 5 );
+	for ( int samples = 1; samples <= 8; ++samples )
+	{
+		Grid grid;
+		ASSERT_TRUE( makeGrid( Vec3d( 0, 0, 0 ), Vec3d( 1.0, 0.3, 7.2 ), 0.1, samples, grid ) );
+		for ( int axis = 0; axis < 3; ++axis )
+		{
+			const std::int64_t end = std::int64_t( grid.extent[axis] ) << grid.bits;
+			std::vector<std::int64_t> places = { -end, -1, 0, 1, end - 1, end, end + 1, 2 * end };
+			for ( int k = 0; k < 200; ++k )
+			{
+				places.push_back( std::int64_t( random() ) % ( end + 1 ) );
+				const std::int64_t sample = grid.sampleAt( int( random() % unsigned( grid.sampleCount( axis ) ) ) );
+				places.insert( places.end(), { sample - 1, sample, sample + 1 } );
+			}
+			for ( const std::int64_t place : places )
+			{
+				EXPECT_EQ( grid.firstAbove( axis, place ), grid.firstAbove( axis, double( place ) ) ) << samples << " samples, at " << place << " of " << end;
+			}
+		}
+	}
+}
 
 TEST( Build, CubeBecomesTheFullBlock )
 {
