@@ -13,6 +13,13 @@ namespace pliant {
 
 namespace {
 
+/// Many nodes under few vertices, to ask all of which takes longer than to skin those few anew: a node takes some 40 ns, a vertex 30.
+bool isSparselyDrawn( int nodes, std::size_t vertices )
+{
+	constexpr int kManyNodes = 1024, kFewVertices = 4; // a node
+	return nodes >= kManyNodes && vertices < std::size_t( kFewVertices ) * std::size_t( nodes );
+}
+
 /// What of the pose is cheap, or a node's own: everything but the gradients.
 void measureTurns( const Body& body, SkinBuffers& skin )
 {
@@ -197,7 +204,7 @@ void SoftBody::Impl::skinInFull( TaskRunner* runner ) const
 	++skin.frame;
 	skin.isMapKnown = true;
 	skin.rigid.forget();
-	if ( skin.tolerance > 0.0 && !pose.fade )
+	if ( skin.tolerance > 0.0 && !pose.fade && !isSparselyDrawn( body->nodeCount(), shown.restPosition.size() ) )
 	{
 		skin.rigid.keep( body->nodes(), pose.rotations, pose.flow, pose.gradients != nullptr );
 	}

@@ -176,7 +176,7 @@ public:
 	/// How far, in finest cells, a vertex may be from where skinning it anew would put it. A body whose nodes have moved as one rigid body, to within
 	/// that, since it was skinned last has that skin turned and shifted; one that has not moved keeps its view, and SurfaceView::frame. It is measured against
 	/// what was skinned last, however often it was turned since: many small moves do not add up. 0: always skinned anew when it has moved. Default 0.01;
-	/// below 0 or not a number is taken for 0. Pieces that come off take it over.
+	/// below 0 or not a number is taken for 0. Pieces that come off take it over. Bodies of 1 024 nodes or more and fewer than four vertices a node have no use of it.
 	void setSurfaceTolerance( btScalar cells );
 	btScalar surfaceTolerance() const;
 
