@@ -12,22 +12,42 @@ double dot( const float* a, const float* b, int size )
 int ConjugateGradients::solve( LinearSystem& system, const float* b, float* x, const GradientLimits& limits )
 {
 	const int size = system.size();
-	for ( AlignedArray<float>* array : { &m_r, &m_z, &m_p, &m_ap } )
+	m_r.resize( std::size_t( size ) );
+	m_ap.resize( std::size_t( size ) );
+	system.apply( x, m_ap.data() );
+	for ( int i = 0; i < size; ++i )
+	{
+		m_r[std::size_t( i )] = b[i] - m_ap[std::size_t( i )];
+	}
+	beginFromResidual( system );
+	return goOn( system, x, limits );
+}
+
+void ConjugateGradients::begin( LinearSystem& system, const float* r )
+{
+	m_r.assign( r, r + system.size() );
+	beginFromResidual( system );
+}
+
+void ConjugateGradients::beginFromResidual( LinearSystem& system )
+{
+	const int size = system.size();
+	for ( AlignedArray<float>* array : { &m_z, &m_p, &m_ap } )
 	{
 		array->resize( std::size_t( size ) );
 	}
+	system.precondition( m_r.data(), m_z.data() );
+	m_rz = m_rzFirst = dot( m_r.data(), m_z.data(), size );
+	std::copy( m_z.begin(), m_z.begin() + size, m_p.begin() );
+}
+
+int ConjugateGradients::goOn( LinearSystem& system, float* x, const GradientLimits& limits )
+{
+	const int size = system.size();
 	float *const r = m_r.data(), *const z = m_z.data(), *const p = m_p.data(), *const ap = m_ap.data();
-	system.apply( x, ap );
-	for ( int i = 0; i < size; ++i )
-	{
-		r[i] = b[i] - ap[i];
-	}
-	system.precondition( r, z );
-	double rz = dot( r, z, size );
-	const double enough = std::max( limits.relative * rz, limits.absolute );
-	std::copy( z, z + size, p );
+	const double enough = std::max( limits.relative * m_rzFirst, limits.absolute );
 	int count = 0;
-	while ( count < limits.most && rz > enough )
+	while ( count < limits.most && m_rz > enough )
 	{
 		system.apply( p, ap );
 		++count;
@@ -36,7 +56,7 @@ int ConjugateGradients::solve( LinearSystem& system, const float* b, float* x, c
 		{
 			break;
 		}
-		const float step = float( rz / curvature );
+		const float step = float( m_rz / curvature );
 		for ( int i = 0; i < size; ++i )
 		{
 			x[i] += step * p[i];
@@ -44,8 +64,8 @@ int ConjugateGradients::solve( LinearSystem& system, const float* b, float* x, c
 		}
 		system.precondition( r, z );
 		const double next = dot( r, z, size );
-		const float share = float( next / rz );
-		rz = next;
+		const float share = float( next / m_rz );
+		m_rz = next;
 		for ( int i = 0; i < size; ++i )
 		{
 			p[i] = z[i] + share * p[i];

@@ -30,10 +30,19 @@ class ConjugateGradients
 public:
 	/// Improves x. Returns the number of products beyond the first. What is no number stops it.
 	int solve( LinearSystem& system, const float* b, float* x, const GradientLimits& limits );
+	/// The same in parts, for who knows what is off at x without a product, r = b - A x, or wants to look at x on the way: `begin`, then `goOn` as often as
+	/// needed, each time from where it stood. Limits are shares of what was off at the beginning. `goOn` returns the number of its products.
+	void begin( LinearSystem& system, const float* r );
+	int goOn( LinearSystem& system, float* x, const GradientLimits& limits );
+	/// r at x as it is now, as the iteration has kept it.
+	const float* residual() const { return m_r.data(); }
 	std::size_t bytes() const { return ( m_r.size() + m_z.size() + m_p.size() + m_ap.size() ) * sizeof( float ); }
 
 private:
+	void beginFromResidual( LinearSystem& system );
+
 	AlignedArray<float> m_r, m_z, m_p, m_ap;
+	double m_rz = 0.0, m_rzFirst = 0.0;
 };
 
 /// a . b, kLanes sums side by side, folded halves onto halves.

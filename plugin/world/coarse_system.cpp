@@ -1,5 +1,7 @@
 #include "world/coarse_system.h"
 
+#include <algorithm>
+
 namespace pliant {
 
 namespace {
@@ -9,60 +11,137 @@ constexpr int kLargestDense = 96;
 
 } // namespace
 
-void CoarseSystem::begin( const std::vector<int>& sizes )
+void CoarseSystem::layOut( const std::vector<int>& sizes, std::vector<Pair>& pairs )
 {
 	m_sizes = sizes;
 	m_offset.clear();
-	m_blocks.clear();
 	m_size = 0;
-	for ( const int size : sizes )
+	for ( std::size_t body = 0; body < sizes.size(); ++body )
 	{
 		m_offset.push_back( m_size );
-		m_size += size;
+		m_size += sizes[body];
+		pairs.emplace_back( int( body ), int( body ) );
+	}
+	std::sort( pairs.begin(), pairs.end(), []( const Pair& a, const Pair& b ) { return std::pair( a.second, a.first ) < std::pair( b.second, b.first ); } );
+	pairs.erase( std::unique( pairs.begin(), pairs.end() ), pairs.end() );
+	m_start.assign( 1, 0 );
+	m_places.clear();
+	int values = 0;
+	for ( const auto& [row, column] : pairs )
+	{
+		m_start.resize( std::size_t( column ) + 2 );
+		m_places.push_back( Place{ row, values } );
+		m_start.back() = int( m_places.size() );
+		values += sizes[std::size_t( row )] * sizes[std::size_t( column )];
+	}
+	m_values.assign( std::size_t( values ), 0.0 );
+	m_isDense = m_size <= kLargestDense;
+	if ( !m_isDense )
+	{
+		layOutSparse();
 	}
 }
 
-CoarseSystem::Piece& CoarseSystem::block( int a, int b )
+void CoarseSystem::layOutSparse()
 {
-	const auto [place, isNew] = m_blocks.try_emplace( { a, b } );
-	if ( isNew )
+	std::vector<int> counts( std::size_t( m_size ), 0 );
+	for ( std::size_t b = 0; b < m_sizes.size(); ++b )
 	{
-		place->second = Piece::Zero( m_sizes[std::size_t( a )], m_sizes[std::size_t( b )] );
+		for ( int p = m_start[b]; p < m_start[b + 1]; ++p )
+		{
+			const int row = m_places[std::size_t( p )].row;
+			for ( int k = 0; k < m_sizes[b]; ++k )
+			{
+				counts[std::size_t( m_offset[b] + k )] += m_sizes[std::size_t( row )] - ( row == int( b ) ? k : 0 );
+			}
+		}
 	}
-	return place->second;
+	m_matrix.resize( m_size, m_size );
+	int entries = 0;
+	for ( int column = 0; column < m_size; ++column )
+	{
+		m_matrix.outerIndexPtr()[column] = entries;
+		entries += counts[std::size_t( column )];
+	}
+	m_matrix.outerIndexPtr()[m_size] = entries;
+	m_matrix.resizeNonZeros( entries );
+	int at = 0;
+	for ( std::size_t b = 0; b < m_sizes.size(); ++b )
+	{
+		for ( int k = 0; k < m_sizes[b]; ++k )
+		{
+			for ( int p = m_start[b]; p < m_start[b + 1]; ++p )
+			{
+				const int row = m_places[std::size_t( p )].row;
+				for ( int i = row == int( b ) ? k : 0; i < m_sizes[std::size_t( row )]; ++i )
+				{
+					m_matrix.innerIndexPtr()[at++] = offset( row ) + i;
+				}
+			}
+		}
+	}
+	std::fill( m_matrix.valuePtr(), m_matrix.valuePtr() + entries, 0.0 );
+	m_sparse.analyzePattern( m_matrix );
+}
+
+void CoarseSystem::clear()
+{
+	std::fill( m_values.begin(), m_values.end(), 0.0 );
+}
+
+int CoarseSystem::find( int a, int b ) const
+{
+	for ( int p = m_start[std::size_t( b )]; p < m_start[std::size_t( b ) + 1]; ++p )
+	{
+		if ( m_places[std::size_t( p )].row == a )
+		{
+			return m_places[std::size_t( p )].value;
+		}
+	}
+	return -1;
+}
+
+CoarseSystem::Piece CoarseSystem::block( int a, int b )
+{
+	return { m_values.data() + find( a, b ), m_sizes[std::size_t( a )], m_sizes[std::size_t( b )] };
 }
 
 bool CoarseSystem::factor()
 {
-	m_isDense = m_size <= kLargestDense;
 	if ( m_size == 0 )
 	{
 		return m_isGood = false;
 	}
 	if ( m_isDense )
 	{
-		Eigen::MatrixXd matrix = Eigen::MatrixXd::Zero( m_size, m_size );
-		for ( const auto& [at, piece] : m_blocks )
+		m_whole.setZero( m_size, m_size );
+		for ( int b = 0; b < int( m_sizes.size() ); ++b )
 		{
-			matrix.block( offset( at.first ), offset( at.second ), piece.rows(), piece.cols() ) = piece;
+			for ( int p = m_start[std::size_t( b )]; p < m_start[std::size_t( b ) + 1]; ++p )
+			{
+				const int a = m_places[std::size_t( p )].row;
+				const Piece piece = block( a, b );
+				m_whole.block( offset( a ), offset( b ), piece.rows(), piece.cols() ) = piece;
+			}
 		}
-		m_dense.compute( matrix );
+		m_dense.compute( m_whole );
 		return m_isGood = m_dense.info() == Eigen::Success;
 	}
-	std::vector<Eigen::Triplet<double>> entries;
-	for ( const auto& [at, piece] : m_blocks )
+	double* to = m_matrix.valuePtr();
+	for ( std::size_t b = 0; b < m_sizes.size(); ++b )
 	{
-		for ( int col = 0; col < int( piece.cols() ); ++col )
+		for ( int k = 0; k < m_sizes[b]; ++k )
 		{
-			for ( int row = at.first == at.second ? col : 0; row < int( piece.rows() ); ++row )
+			for ( int p = m_start[b]; p < m_start[b + 1]; ++p )
 			{
-				entries.emplace_back( offset( at.first ) + row, offset( at.second ) + col, piece( row, col ) );
+				const Place& place = m_places[std::size_t( p )];
+				const int rows = m_sizes[std::size_t( place.row )], first = place.row == int( b ) ? k : 0;
+				const double* const column = m_values.data() + place.value + k * rows;
+				to = std::copy( column + first, column + rows, to );
 			}
 		}
 	}
-	Eigen::SparseMatrix<double> matrix( m_size, m_size );
-	matrix.setFromTriplets( entries.begin(), entries.end() );
-	m_sparse.compute( matrix );
+	m_sparse.factorize( m_matrix );
 	return m_isGood = m_sparse.info() == Eigen::Success;
 }
 

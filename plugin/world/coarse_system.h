@@ -6,7 +6,6 @@
 #include <Eigen/Cholesky>
 #include <Eigen/SparseCholesky>
 
-#include <map>
 #include <utility>
 #include <vector>
 
@@ -15,14 +14,19 @@ namespace pliant {
 class CoarseSystem
 {
 public:
-	using Piece = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 12, 12>;
+	using Piece = Eigen::Map<Eigen::MatrixXd>;
+	/// Two bodies that feel each other, the later one first.
+	using Pair = std::pair<int, int>;
 
-	/// Unknowns of each body; everything zero.
-	void begin( const std::vector<int>& sizes );
-	/// The block of rows of `a` and columns of `b`, a >= b, to be added to.
-	Piece& block( int a, int b );
-	bool has( int a, int b ) const { return m_blocks.count( { a, b } ) > 0; }
-	/// After the last block: false where the sum is not positive definite; `solve` then gives 0.
+	/// Unknowns of each body, and which of them feel each other, in any order and as often as it happens. The order in which it is solved is found here,
+	/// once for as many sums as follow.
+	void layOut( const std::vector<int>& sizes, std::vector<Pair>& pairs );
+	/// Everything zero.
+	void clear();
+	/// The piece of rows of `a` and columns of `b`, a >= b, to be added to. Every body has one with itself, others as they were laid out.
+	Piece block( int a, int b );
+	bool has( int a, int b ) const { return find( a, b ) >= 0; }
+	/// After the last piece: false where the sum is not positive definite; `solve` then gives 0.
 	bool factor();
 	int size() const { return m_size; }
 	int offset( int body ) const { return m_offset[std::size_t( body )]; }
@@ -30,9 +34,22 @@ public:
 	void solve( const Eigen::VectorXd& r, Eigen::VectorXd& x ) const;
 
 private:
+	/// By column, then by row: what a column of the sparse matrix goes through.
+	struct Place
+	{
+		int row;   ///< body
+		int value; ///< where its piece begins, column by column
+	};
+	int find( int a, int b ) const;
+	void layOutSparse();
+
 	std::vector<int> m_sizes, m_offset;
-	std::map<std::pair<int, int>, Piece> m_blocks;
+	std::vector<int> m_start; ///< of each body's column among the places, and their end
+	std::vector<Place> m_places;
+	std::vector<double> m_values;
+	Eigen::MatrixXd m_whole;
 	Eigen::LLT<Eigen::MatrixXd> m_dense;
+	Eigen::SparseMatrix<double> m_matrix; ///< below its diagonal
 	Eigen::SimplicialLLT<Eigen::SparseMatrix<double>> m_sparse;
 	int m_size = 0;
 	bool m_isDense = true, m_isGood = false;

@@ -34,7 +34,7 @@ void ImplicitBlock::layOut()
 		m_size += 6;
 	}
 	m_size = ( m_size + kLanes - 1 ) / kLanes * kLanes;
-	for ( AlignedArray<float>* array : { &m_v, &m_next, &m_rightSide, &m_masses, &m_scratch, &m_inverseDiagonal } )
+	for ( AlignedArray<float>* array : { &m_v, &m_next, &m_rightSide, &m_free, &m_residual, &m_scratch, &m_inverseDiagonal } )
 	{
 		array->assign( std::size_t( m_size ), 0.0f );
 	}
@@ -302,55 +302,6 @@ void ImplicitBlock::apply( const float* v, float* to )
 	}
 }
 
-void ImplicitBlock::fillRightSide()
-{
-	for ( const SoftPart& part : soft )
-	{
-		std::copy( part.motion->rightSide(), part.motion->rightSide() + part.motion->size(), m_rightSide.begin() + part.offset );
-	}
-	for ( const RigidPart& part : rigid )
-	{
-		const Vec3d spin = part.inertia * part.free.tail<3>();
-		for ( int k = 0; k < 3; ++k )
-		{
-			m_rightSide[std::size_t( part.offset + k )] = part.moves[k] ? float( part.mass * part.free[k] ) : 0.0f;
-			m_rightSide[std::size_t( part.offset + 3 + k )] = part.turns[k] ? float( spin[k] ) : 0.0f;
-		}
-	}
-	for ( const BlockContact& contact : contacts )
-	{
-		if ( contact.presses )
-		{
-			const Vec3d given = contact.side[0].given - contact.side[1].given;
-			const double along = contact.normal.dot( given );
-			const Vec3d across = given - along * contact.normal;
-			addPair( contact, ( contact.pushed + contact.stiffness * ( contact.target - along ) ) * contact.normal +
-								  directed( contact, contact.held - contact.tangentStiffness * across ),
-				m_rightSide.data() );
-		}
-	}
-}
-
-// Impulses are what must be right, and k times what a speed is off by is what they are off by: r . z, twice the energy of all that is off, is
-// small enough where it is less than kImpulseError of each impulse would store, sum of ( kImpulseError jn )^2 / k. Without contacts there are none, and
-// speeds are what a body alone is asked for.
-double ImplicitBlock::energyLeft() const
-{
-	double stored = 0.0;
-	for ( const BlockContact& contact : contacts )
-	{
-		stored += contact.presses ? contact.normalImpulse * contact.normalImpulse / contact.stiffness : 0.0;
-	}
-	const double least = m_softMass * kContactGradientSpeed * kContactGradientSpeed, most = m_softMass * double( kGradientSpeed ) * double( kGradientSpeed );
-	return contacts.empty() ? most : std::clamp( kImpulseError * kImpulseError * stored, least, most );
-}
-
-void ImplicitBlock::iterate( double share, BlockCount& count )
-{
-	count.products += m_gradients.solve( *this, m_rightSide.data(), m_next.data(), GradientLimits{ share, energyLeft(), kMostGradients } ) + 1;
-	readImpulses( m_next.data() );
-}
-
 // A pass that others follow need not be solved to its end: what contacts it changes is plain long before.
 BlockCount ImplicitBlock::solve( TaskRunner* runner )
 {
@@ -361,15 +312,18 @@ BlockCount ImplicitBlock::solve( TaskRunner* runner )
 	linearise( m_v.data(), true );
 	while ( true )
 	{
-		fillRightSide();
+		fillResidual();
+		++count.products;
 		fillPreconditioner();
 		m_next = m_v;
+		m_gradients.begin( *this, m_residual.data() );
 		++count.passes;
 		bool isLast = count.passes >= kMostPasses;
 		iterate( isLast ? kGradientShare : kPassShare, count );
 		isLast = isLast && ( !isWild() || count.passes >= kMostHardPasses );
 		if ( !isLast && holdsAt( m_next.data() ) )
 		{
+			refresh( count );
 			iterate( 0.0, count );
 			isLast = holdsAt( m_next.data() );
 		}

@@ -127,10 +127,19 @@ private:
 	/// Nodes that contacts hold together: a dense piece of the preconditioner.
 	struct Cluster
 	{
-		static constexpr int kMost = 4; ///< a round contact's
+		static constexpr int kMost = 4; ///< a round contact's; implicit_clusters.cpp names each size
 		int blocks[kMost] = { -1, -1, -1, -1 };
 		int count = 0;
-		int room = 0; ///< of its matrix, later the inverse, in m_clusterRoom
+		int room = 0; ///< of its matrix in m_clusterRoom
+		int inverse = 0; ///< of its inverse in m_clusterInverse, column by column
+		int place[kMost] = {}, stride[kMost] = {}; ///< of each block's first number in the vector, and between its numbers
+	};
+
+	/// A contact on the way from m_v to somewhere, as shares of the way: u.n and its change, jt.u of the way at m_v and its change.
+	struct Way
+	{
+		double start, way;
+		double slideStart, slide;
 	};
 
 	int size() const override { return m_size; }
@@ -153,10 +162,12 @@ private:
 		return contact.directed < 0 ? v : Vec3d( directions[std::size_t( contact.directed )] * v );
 	}
 	Eigen::Matrix3d resistance( const BlockContact& contact ) const;
-	void fillRightSide();
+	void fillResidual();
 	double energyLeft() const;
 	/// Improves m_next until `share` of what is off is left, or little enough, and reads its impulses.
 	void iterate( double share, BlockCount& count );
+	/// The iteration begins anew at m_next.
+	void refresh( BlockCount& count );
 	void fillPreconditioner();
 	void layOutCoarse();
 	void nameClusters( const BlockContact& contact );
@@ -167,6 +178,10 @@ private:
 	void beginClusters();
 	void addToClusters( const BlockContact& contact, const Eigen::Matrix3d& resists );
 	void invertClusters();
+	/// Floats of a column of an inverse: whole fours.
+	static constexpr int columnOf( int count ) { return ( 3 * count + 3 ) / 4 * 4; }
+	template <int count>
+	void preconditionCluster( const Cluster& cluster, const float* r, float* z ) const;
 	void preconditionClusters( const float* r, float* z ) const;
 	void addToPreconditioner( const BlockContact& contact );
 	void lockAxes( const RigidPart& part, int body );
@@ -181,7 +196,9 @@ private:
 	/// Whether the impulses are those of the law at these speeds, all together, as it was not linearised.
 	bool holdsAt( const float* v ) const;
 	void readImpulses( const float* v );
+	/// The lowest point on the way from m_v to `to`, which the iteration has found from there, as a share of the way.
 	double stepTowards( const float* to );
+	double lowestShare( double slope, double curvature ) const;
 
 	// In implicit_bounce.cpp.
 	void keepEnergy( BlockCount& count );
@@ -193,15 +210,19 @@ private:
 	int m_size = 0;
 	TaskRunner* m_runner = nullptr;
 	ConjugateGradients m_gradients;
-	AlignedArray<float> m_v, m_next, m_rightSide, m_masses, m_scratch;
+	AlignedArray<float> m_v, m_next, m_rightSide, m_scratch;
+	AlignedArray<float> m_free, m_residual; ///< b - A v at m_v without contacts, and with them as linearised
 	AlignedArray<float> m_inverseDiagonal; ///< 1 / A_ii of the soft parts' nodes, at the place of their first component
 	std::vector<Pressing> m_pressing;      ///< as last linearised
+	std::vector<Way> m_ways;               ///< by contact; scratch of stepTowards
 	std::vector<NodeBlock> m_nodeBlocks;   ///< of the nodes that contacts name
 	std::vector<Cluster> m_clusters;
 	std::vector<double> m_clusterRoom;
+	AlignedArray<float> m_clusterInverse;
 	std::vector<int> m_blockOf;            ///< by place of the node's first component; -1: no contact names it
 	CoarseSystem m_coarse;
 	std::vector<int> m_coarseSizes;
+	std::vector<CoarseSystem::Pair> m_coarsePairs;
 	Eigen::VectorXd m_coarseSums, m_coarseMotion;
 	double m_softMass = 0.0;
 };

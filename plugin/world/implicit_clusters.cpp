@@ -4,6 +4,7 @@
 #include "world/implicit_block.h"
 
 #include <algorithm>
+#include <type_traits>
 
 namespace pliant {
 
@@ -35,6 +36,52 @@ Touched touchedBy( const BlockContact& contact )
 		add( side.innerBlock, side.share );
 	}
 	return touched;
+}
+
+/// work( count ) with the count as a constant, 1 to 4.
+template <class Work>
+void bySize( int count, Work&& work )
+{
+	switch ( count )
+	{
+	case 1:
+		return work( std::integral_constant<int, 1>() );
+	case 2:
+		return work( std::integral_constant<int, 2>() );
+	case 3:
+		return work( std::integral_constant<int, 3>() );
+	default:
+		return work( std::integral_constant<int, 4>() );
+	}
+}
+
+/// The inverse of a positive definite matrix, by Gauss and Jordan without a choice of pivots: none is needed.
+template <int rows>
+void invertInPlace( double* a )
+{
+	for ( int p = 0; p < rows; ++p )
+	{
+		double* const own = a + p * rows;
+		const double pivot = 1.0 / own[p];
+		own[p] = 1.0;
+		for ( int i = 0; i < rows; ++i )
+		{
+			own[i] *= pivot;
+		}
+		for ( int j = 0; j < rows; ++j )
+		{
+			double* const other = a + j * rows;
+			const double share = other[p];
+			if ( j != p )
+			{
+				other[p] = 0.0;
+				for ( int i = 0; i < rows; ++i )
+				{
+					other[i] -= share * own[i];
+				}
+			}
+		}
+	}
 }
 
 } // namespace
@@ -111,18 +158,58 @@ void ImplicitBlock::addToClusters( const BlockContact& contact, const Eigen::Mat
 	}
 }
 
+// What was summed in double acts in float, as the iteration's vectors are.
 void ImplicitBlock::invertClusters()
 {
+	int room = 0;
+	for ( Cluster& cluster : m_clusters )
+	{
+		cluster.inverse = room;
+		room += 3 * cluster.count * columnOf( cluster.count );
+		for ( int k = 0; k < cluster.count; ++k )
+		{
+			const NodeBlock& block = m_nodeBlocks[std::size_t( cluster.blocks[k] )];
+			const SoftPart& part = soft[std::size_t( block.part )];
+			cluster.place[k] = part.offset + block.node;
+			cluster.stride[k] = part.motion->padded();
+		}
+	}
+	m_clusterInverse.assign( std::size_t( room ), 0.0f );
 	for ( const Cluster& cluster : m_clusters )
 	{
-		Eigen::Map<Eigen::MatrixXd> matrix = matrixOf( cluster );
-		if ( cluster.count == 1 )
+		double* const matrix = m_clusterRoom.data() + cluster.room;
+		const int rows = 3 * cluster.count, column = columnOf( cluster.count );
+		bySize( cluster.count, [matrix]( auto count ) { invertInPlace<3 * count()>( matrix ); } );
+		for ( int j = 0; j < rows; ++j )
 		{
-			matrix = Eigen::Matrix3d( matrix ).inverse().eval();
-			continue;
+			std::copy( matrix + j * rows, matrix + ( j + 1 ) * rows, m_clusterInverse.begin() + cluster.inverse + j * column );
 		}
-		const Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 12, 12> whole = matrix;
-		matrix = whole.llt().solve( Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 12, 12>::Identity( whole.rows(), whole.cols() ) );
+	}
+}
+
+template <int count>
+void ImplicitBlock::preconditionCluster( const Cluster& cluster, const float* r, float* z ) const
+{
+	constexpr int column = columnOf( count );
+	const float* inverse = m_clusterInverse.data() + cluster.inverse;
+	float to[column] = {};
+	for ( int b = 0; b < count; ++b )
+	{
+		for ( int k = 0; k < 3; ++k, inverse += column )
+		{
+			const float from = r[cluster.place[b] + k * cluster.stride[b]];
+			for ( int i = 0; i < column; ++i )
+			{
+				to[i] += inverse[i] * from;
+			}
+		}
+	}
+	for ( int b = 0; b < count; ++b )
+	{
+		for ( int k = 0; k < 3; ++k )
+		{
+			z[cluster.place[b] + k * cluster.stride[b]] = to[3 * b + k];
+		}
 	}
 }
 
@@ -130,28 +217,7 @@ void ImplicitBlock::preconditionClusters( const float* r, float* z ) const
 {
 	for ( const Cluster& cluster : m_clusters )
 	{
-		const int rows = 3 * cluster.count;
-		const double* const inverse = m_clusterRoom.data() + cluster.room;
-		double from[3 * Cluster::kMost], to[3 * Cluster::kMost] = {};
-		int places[3 * Cluster::kMost];
-		for ( int i = 0; i < rows; ++i )
-		{
-			const NodeBlock& block = m_nodeBlocks[std::size_t( cluster.blocks[i / 3] )];
-			const SoftPart& part = soft[std::size_t( block.part )];
-			places[i] = part.offset + block.node + i % 3 * part.motion->padded();
-			from[i] = double( r[places[i]] );
-		}
-		for ( int j = 0; j < rows; ++j )
-		{
-			for ( int i = 0; i < rows; ++i )
-			{
-				to[i] += inverse[j * rows + i] * from[j];
-			}
-		}
-		for ( int i = 0; i < rows; ++i )
-		{
-			z[places[i]] = float( to[i] );
-		}
+		bySize( cluster.count, [&]( auto count ) { preconditionCluster<count()>( cluster, r, z ); } );
 	}
 }
 

@@ -190,55 +190,17 @@ void ImplicitBlock::readImpulses( const float* v )
 	}
 }
 
-// The energy that is minimised, with friction's secants as they are, is convex and quadratic in pieces: the lowest point on the way from m_v
-// to `to`, as a share of the way.
-double ImplicitBlock::stepTowards( const float* to )
+// The energy that is minimised, with friction's secants as they are, is convex and quadratic in pieces: the lowest point on the way, as a share of it.
+//   slope( t ) = d.( M v - b ) + t d.M d - sum over contacts of ( jn n + jt ).u( d )
+double ImplicitBlock::lowestShare( double slope, double curvature ) const
 {
-	AlignedArray<float>& along = m_scratch;
-	for ( int k = 0; k < m_size; ++k )
-	{
-		along[k] = to[k] - m_v[k];
-	}
-	// slope( t ) = d.( A v - b ) + t d.A d - sum over contacts of ( jn n + jt ).u( d )
-	applyMasses( m_v.data(), m_masses.data() );
-	double slope = dot( along.data(), m_masses.data(), m_size );
-	for ( const SoftPart& part : soft )
-	{
-		slope -= dot( along.data() + part.offset, part.motion->rightSide(), part.motion->size() );
-	}
-	for ( const RigidPart& part : rigid )
-	{
-		const Vec3d spin = part.inertia * part.free.tail<3>();
-		for ( int k = 0; k < 3; ++k )
-		{
-			slope -= double( along[part.offset + k] ) * ( part.moves[k] ? part.mass * part.free[k] : 0.0 );
-			slope -= double( along[part.offset + 3 + k] ) * ( part.turns[k] ? spin[k] : 0.0 );
-		}
-	}
-	applyMasses( along.data(), m_masses.data() );
-	const double curvature = dot( along.data(), m_masses.data(), m_size );
-
-	struct Way
-	{
-		double start, way;         // normal
-		double slideStart, slide;  // ( jt . ut( d ) ) at 0 and its change
-	};
-	std::vector<Way> ways;
-	for ( const BlockContact& contact : contacts )
-	{
-		const Vec3d u = relativeSpeed( contact, m_v.data() ), d = speedOf( contact.side[0], along.data() ) - speedOf( contact.side[1], along.data() );
-		const double un = contact.normal.dot( u ), dn = contact.normal.dot( d );
-		const Vec3d ut = u - un * contact.normal, dt = d - dn * contact.normal;
-		const Vec3d felt = directed( contact, dt );
-		ways.push_back( Way{ un, dn, contact.held.dot( felt ) - contact.tangentStiffness * ut.dot( felt ), -contact.tangentStiffness * dt.dot( felt ) } );
-	}
 	const auto slopeAt = [&]( double t ) {
 		double sum = slope + t * curvature;
-		for ( std::size_t c = 0; c < ways.size(); ++c )
+		for ( std::size_t c = 0; c < m_ways.size(); ++c )
 		{
 			const BlockContact& contact = contacts[c];
-			const double press = std::max( 0.0, contact.pushed + contact.stiffness * ( contact.target - ways[c].start - t * ways[c].way ) );
-			sum -= press * ways[c].way + ( contact.presses ? ways[c].slideStart + t * ways[c].slide : 0.0 );
+			const double press = std::max( 0.0, contact.pushed + contact.stiffness * ( contact.target - m_ways[c].start - t * m_ways[c].way ) );
+			sum -= press * m_ways[c].way + ( contact.presses ? m_ways[c].slideStart + t * m_ways[c].slide : 0.0 );
 		}
 		return sum;
 	};
@@ -253,6 +215,28 @@ double ImplicitBlock::stepTowards( const float* to )
 		( slopeAt( middle ) > 0.0 ? high : low ) = middle;
 	}
 	return low;
+}
+
+// The iteration leaves A d, all it has taken off the residual, and A is M with the contacts that press: d.M d takes no product.
+double ImplicitBlock::stepTowards( const float* to )
+{
+	AlignedArray<float>& d = m_scratch;
+	for ( int k = 0; k < m_size; ++k )
+	{
+		d[k] = to[k] - m_v[k];
+	}
+	double curvature = dot( d.data(), m_residual.data(), m_size ) - dot( d.data(), m_gradients.residual(), m_size );
+	m_ways.clear();
+	for ( const BlockContact& contact : contacts )
+	{
+		const Vec3d u = relativeSpeed( contact, m_v.data() ), way = speedOf( contact.side[0], d.data() ) - speedOf( contact.side[1], d.data() );
+		const double un = contact.normal.dot( u ), dn = contact.normal.dot( way );
+		const Vec3d ut = u - un * contact.normal, dt = way - dn * contact.normal, felt = directed( contact, dt );
+		const double slide = -contact.tangentStiffness * dt.dot( felt );
+		m_ways.push_back( Way{ un, dn, contact.held.dot( felt ) - contact.tangentStiffness * ut.dot( felt ), slide } );
+		curvature -= contact.presses ? contact.stiffness * dn * dn - slide : 0.0;
+	}
+	return lowestShare( -dot( d.data(), m_free.data(), m_size ), curvature );
 }
 
 } // namespace pliant

@@ -84,6 +84,20 @@ void ImplicitBlock::layOutCoarse()
 		part.coarse = int( m_coarseSizes.size() );
 		m_coarseSizes.push_back( 6 );
 	}
+	// All contacts: which of them press is another matter in each pass.
+	const auto bodyOf = [this]( const ContactSide& side ) {
+		return side.soft >= 0 ? soft[std::size_t( side.soft )].coarse : side.rigid >= 0 ? rigid[std::size_t( side.rigid )].coarse : -1;
+	};
+	m_coarsePairs.clear();
+	for ( const BlockContact& contact : contacts )
+	{
+		const int a = bodyOf( contact.side[0] ), b = bodyOf( contact.side[1] );
+		if ( a >= 0 && b >= 0 && a != b )
+		{
+			m_coarsePairs.emplace_back( std::max( a, b ), std::min( a, b ) );
+		}
+	}
+	m_coarse.layOut( m_coarseSizes, m_coarsePairs );
 }
 
 void ImplicitBlock::addToPreconditioner( const BlockContact& contact )
@@ -137,7 +151,7 @@ void ImplicitBlock::lockAxes( const RigidPart& part, int body )
 		{
 			if ( m_coarse.has( std::max( body, other ), std::min( body, other ) ) )
 			{
-				CoarseSystem::Piece& piece = m_coarse.block( std::max( body, other ), std::min( body, other ) );
+				CoarseSystem::Piece piece = m_coarse.block( std::max( body, other ), std::min( body, other ) );
 				if ( body >= other )
 				{
 					piece.row( k ).setZero();
@@ -155,7 +169,7 @@ void ImplicitBlock::lockAxes( const RigidPart& part, int body )
 void ImplicitBlock::fillPreconditioner()
 {
 	beginClusters();
-	m_coarse.begin( m_coarseSizes );
+	m_coarse.clear();
 	for ( const SoftPart& part : soft )
 	{
 		if ( part.coarse >= 0 )
@@ -165,7 +179,7 @@ void ImplicitBlock::fillPreconditioner()
 	}
 	for ( const RigidPart& part : rigid )
 	{
-		CoarseSystem::Piece& piece = m_coarse.block( part.coarse, part.coarse );
+		CoarseSystem::Piece piece = m_coarse.block( part.coarse, part.coarse );
 		piece.block<3, 3>( 0, 0 ) = part.mass * Eigen::Matrix3d::Identity();
 		piece.block<3, 3>( 3, 3 ) = part.inertia;
 	}

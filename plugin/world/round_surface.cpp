@@ -4,10 +4,12 @@
 
 #include "world/round_surface.h"
 
+#include "body/implicit_motion.h"
 #include "world/constants.h"
 #include "world/soft_body_impl.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace pliant {
 
@@ -16,46 +18,38 @@ bool meetRound( const SoftBody& a, const SoftBody& b )
 	const auto isRound = []( const SoftBody& body ) {
 		const SoftBody::Impl& impl = body.impl();
 		// What came apart has faces that fit into each other cell by cell.
-		return impl.isImplicit && !impl.body->levels() && !impl.family && impl.fractureVersion == 0;
+		return impl.isImplicit && impl.body->implicit() && !impl.body->levels() && !impl.family && impl.fractureVersion == 0;
 	};
 	return &a != &b && isRound( a ) && isRound( b );
 }
 
 RoundSphere roundSphere( const SoftBody& body, int node, const Vec3d& towards )
 {
-	const Lattice& lattice = body.impl().body->lattice();
+	const OpenFaces& faces = body.impl().body->implicit()->openFaces( body.impl().body->lattice() );
 	const NodeState& nodes = body.impl().body->nodes();
-	int behind[6] = { -1, -1, -1, -1, -1, -1 }; // by axis, low and high
-	for ( std::uint32_t l = lattice.linkStart[std::size_t( node )]; l < lattice.linkStart[std::size_t( node ) + 1]; ++l )
+	RoundSphere round;
+	const std::uint32_t first = faces.start[std::size_t( node )], last = faces.start[std::size_t( node ) + 1];
+	if ( first == last )
 	{
-		const std::uint32_t other = lattice.linkTo[l];
-		const Eigen::Vector3i step = ( lattice.coordinate[other] - lattice.coordinate[std::size_t( node )] ).cast<int>();
-		if ( step.squaredNorm() == 1 )
-		{
-			const int axis = step.x() != 0 ? 0 : step.y() != 0 ? 1 : 2;
-			behind[2 * axis + ( step[axis] > 0 ? 1 : 0 )] = int( other );
-		}
+		return round;
 	}
 	// The open face that looks there most. Where none does, the sphere is the node's own, and between it becomes so by and by.
-	RoundSphere round;
 	double most = kLeastLook;
-	const Vec3d at = nodes.x.get( node ).cast<double>(), way = towards.normalized();
-	for ( int side = 0; side < 6; ++side )
+	const Vec3d at = nodes.x.get( node ).cast<double>();
+	const double distance2 = towards.squaredNorm();
+	for ( std::uint32_t face = first; face < last; ++face )
 	{
-		const int inner = behind[side];
-		if ( inner < 0 || behind[side ^ 1] >= 0 || nodes.freedom[inner] == 0.0f )
+		const int inner = int( faces.inner[face] );
+		const Vec3d inwards = nodes.x.get( inner ).cast<double>() - at;
+		const double along = -inwards.dot( towards ), both2 = inwards.squaredNorm() * distance2;
+		if ( !( along > 0.0 && along * along > most * most * both2 ) || nodes.freedom[inner] == 0.0f )
 		{
 			continue;
 		}
-		const Vec3d inwards = nodes.x.get( inner ).cast<double>() - at;
-		const double looks = -inwards.normalized().dot( way );
-		if ( looks > most )
-		{
-			most = looks;
-			round.inner = inner;
-			round.share = kRoundShare * std::min( 1.0, ( looks - kLeastLook ) / ( kFullLook - kLeastLook ) );
-			round.inwards = round.share * inwards;
-		}
+		most = along / std::sqrt( both2 );
+		round.inner = inner;
+		round.share = kRoundShare * std::min( 1.0, ( most - kLeastLook ) / ( kFullLook - kLeastLook ) );
+		round.inwards = round.share * inwards;
 	}
 	return round;
 }

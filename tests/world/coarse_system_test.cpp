@@ -1,0 +1,93 @@
+// The small system of whole bodies is solved as one dense matrix of all its pieces would be, however often it is summed anew.
+
+#include "world/coarse_system.h"
+
+#include <gtest/gtest.h>
+
+#include <random>
+
+namespace pliant {
+namespace {
+
+/// Bodies in a row, of 12 and 6 unknowns in turns, each feeling the next and the one three further on.
+void solveRow( int bodies )
+{
+	std::mt19937 random( 7 );
+	const auto draw = [&random] { return double( random() % 2001 ) / 1000.0 - 1.0; };
+	std::vector<int> sizes;
+	std::vector<CoarseSystem::Pair> pairs;
+	for ( int k = 0; k < bodies; ++k )
+	{
+		sizes.push_back( k % 2 == 0 ? 12 : 6 );
+		for ( const int other : { k - 1, k - 3 } )
+		{
+			for ( int times = 0; times < 2 && other >= 0; ++times )
+			{
+				pairs.emplace_back( k, other );
+			}
+		}
+	}
+	CoarseSystem system;
+	system.layOut( sizes, pairs );
+	EXPECT_FALSE( bodies > 2 && system.has( 2, 0 ) );
+	for ( int sum = 0; sum < 2; ++sum )
+	{
+		system.clear();
+		Eigen::MatrixXd whole = Eigen::MatrixXd::Zero( system.size(), system.size() );
+		const auto add = [&]( int a, int b, const Eigen::MatrixXd& piece ) {
+			system.block( a, b ) += piece;
+			whole.block( system.offset( a ), system.offset( b ), sizes[std::size_t( a )], sizes[std::size_t( b )] ) += piece;
+			if ( a != b )
+			{
+				whole.block( system.offset( b ), system.offset( a ), sizes[std::size_t( b )], sizes[std::size_t( a )] ) += piece.transpose();
+			}
+		};
+		for ( int k = 0; k < bodies; ++k )
+		{
+			const int size = sizes[std::size_t( k )];
+			add( k, k, Eigen::MatrixXd( 40.0 * Eigen::MatrixXd::Identity( size, size ) ) );
+			for ( const int other : { k - 1, k - 3 } )
+			{
+				if ( other >= 0 )
+				{
+					add( k, other, Eigen::MatrixXd::NullaryExpr( size, sizes[std::size_t( other )], draw ) );
+				}
+			}
+		}
+		ASSERT_TRUE( system.factor() );
+		const Eigen::VectorXd r = Eigen::VectorXd::NullaryExpr( system.size(), draw );
+		Eigen::VectorXd x;
+		system.solve( r, x );
+		EXPECT_LT( ( whole * x - r ).norm(), 1e-12 * r.norm() ) << bodies;
+	}
+}
+
+TEST( ImplicitCoarseSystem, IsSolvedAsAWholeMatrix )
+{
+	for ( const int bodies : { 1, 4, 10, 11, 40 } ) // 90 unknowns are solved densely, 102 are not
+	{
+		solveRow( bodies );
+	}
+}
+
+TEST( ImplicitCoarseSystem, WhatIsNotPositiveGivesNothing )
+{
+	for ( const int bodies : { 2, 20 } )
+	{
+		CoarseSystem system;
+		std::vector<CoarseSystem::Pair> pairs;
+		system.layOut( std::vector<int>( std::size_t( bodies ), 12 ), pairs );
+		for ( int k = 0; k < bodies; ++k )
+		{
+			system.block( k, k ).setIdentity();
+		}
+		system.block( 1, 1 )( 3, 3 ) = -1.0;
+		EXPECT_FALSE( system.factor() );
+		Eigen::VectorXd x;
+		system.solve( Eigen::VectorXd::Ones( system.size() ), x );
+		EXPECT_EQ( x.norm(), 0.0 );
+	}
+}
+
+} // namespace
+} // namespace pliant
