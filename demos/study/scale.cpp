@@ -26,6 +26,8 @@ constexpr double kLeastSeconds = 0.5; // of timed steps
 constexpr int kFewestSteps = 7, kMostSteps = 60;
 constexpr int kPileSettles = 90;      // steps until a pile has fallen together
 constexpr int kBodiesNodes = 343;
+constexpr int kTurns = 15;            // of one thread and of two
+constexpr int kLargeBlock = 20000, kSmallBodies = 20;
 
 int edgeOf( int nodes )
 {
@@ -70,25 +72,10 @@ pliant::Material stiffEnough()
 	return material;
 }
 
-} // namespace
-
-ScaleRow flyingBlock( int nodes, int threads )
+/// Side by side, turning slowly.
+void addFlying( SmallWorld& world, int bodies, int nodesEach )
 {
-	SmallWorld world;
-	world.world().setThreadCount( threads );
 	world.world().setGravity( btVector3( 0, 0, 0 ) );
-	const double before = bytesInUse();
-	pliant::SoftBody* body = world.add( cubeTemplate( edgeOf( nodes ), kCell, pliant::Skinning::NearbyNodes ), btVector3( 0, 0, 0 ), stiffEnough() );
-	body->setVelocities( btVector3( 0, 0, 0 ), btVector3( btScalar( 0.1 ), btScalar( 0.3 ), btScalar( 0.2 ) ) );
-	return rowOf( "one block, flying", world, threads, before );
-}
-
-ScaleRow flyingBodies( int bodies, int nodesEach, int threads )
-{
-	SmallWorld world;
-	world.world().setThreadCount( threads );
-	world.world().setGravity( btVector3( 0, 0, 0 ) );
-	const double before = bytesInUse();
 	const int edge = edgeOf( nodesEach );
 	const auto shape = cubeTemplate( edge, kCell, pliant::Skinning::NearbyNodes );
 	for( int k = 0; k < bodies; ++k )
@@ -96,7 +83,40 @@ ScaleRow flyingBodies( int bodies, int nodesEach, int threads )
 		pliant::SoftBody* body = world.add( shape, btVector3( btScalar( 2 * edge * kCell * k ), 0, 0 ), stiffEnough() );
 		body->setVelocities( btVector3( 0, 0, 0 ), btVector3( btScalar( 0.1 ), btScalar( 0.3 ), btScalar( 0.2 ) ) );
 	}
+}
+
+} // namespace
+
+ScaleRow flyingBlock( int nodes, int threads )
+{
+	ScaleRow row = flyingBodies( 1, nodes, threads );
+	row.what = "one block, flying";
+	return row;
+}
+
+ScaleRow flyingBodies( int bodies, int nodesEach, int threads )
+{
+	SmallWorld world;
+	world.world().setThreadCount( threads );
+	const double before = bytesInUse();
+	addFlying( world, bodies, nodesEach );
 	return rowOf( "bodies, flying", world, threads, before );
+}
+
+ThreadsRow twoThreads( int bodies, int nodesEach )
+{
+	SmallWorld world;
+	addFlying( world, bodies, nodesEach );
+	std::vector<double> faster;
+	for( int turn = 0; turn < kTurns; ++turn )
+	{
+		world.world().setThreadCount( 1 );
+		const double one = medianStep( world );
+		world.world().setThreadCount( 2 );
+		faster.push_back( one / medianStep( world ) );
+	}
+	std::sort( faster.begin(), faster.end() );
+	return { world.world().stepReport().nodes, bodies, faster[kTurns / 2], faster.front(), faster.back() };
 }
 
 ScaleRow pile( int bodies, int nodesEach, int threads )
@@ -137,6 +157,24 @@ double exponentOf( const std::vector<double>& x, const std::vector<double>& y )
 	const double n = double( x.size() ), below = n * sxx - sx * sx;
 	return below > 0 ? ( n * sxy - sx * sy ) / below : 0.0;
 }
+
+namespace {
+
+void compareThreads( const ScalePlan& plan, nlohmann::json& json )
+{
+	std::printf( "\n  two threads over one, in turn: the middle one of %d, least, most\n", kTurns );
+	for( const auto& [bodies, nodes] : { std::pair( 1, kLargeBlock ), std::pair( kSmallBodies, kBodiesNodes ) } )
+	{
+		if( bodies <= plan.mostBodies && nodes <= plan.mostNodes )
+		{
+			const ThreadsRow row = twoThreads( bodies, nodes );
+			std::printf( "  %3d flying, %6d nodes in all %26.2f %6.2f %6.2f\n", row.bodies, row.nodes, row.middle, row.least, row.most );
+			json["two_threads"].push_back( { { "bodies", row.bodies }, { "nodes", row.nodes }, { "middle", row.middle }, { "least", row.least }, { "most", row.most } } );
+		}
+	}
+}
+
+} // namespace
 
 int studyScale( const ScalePlan& plan )
 {
@@ -193,6 +231,7 @@ int studyScale( const ScalePlan& plan )
 		std::printf( "  %-56s %.3f\n", name.c_str(), exponent );
 		json["exponents"][name] = exponent;
 	}
+	compareThreads( plan, json );
 	std::ofstream( plan.folder + "/scale.json" ) << json.dump( 1 ) << '\n';
 	std::printf( "\n%s/scale.csv, scale.json\n", plan.folder.c_str() );
 	return csv.flush() ? 0 : 1;

@@ -28,6 +28,16 @@ ScaleRow flyingBlock( int nodes, int threads );
 ScaleRow flyingBodies( int bodies, int nodesEach, int threads );
 ScaleRow pile( int bodies, int nodesEach, int threads );
 
+/// Flying bodies: how many times as fast two threads are as one.
+struct ThreadsRow
+{
+	int nodes = 0, bodies = 0;
+	double middle = 0, least = 0, most = 0;
+};
+
+/// In turn, as a machine may change its speed within seconds: of medians of steps with one thread and, right after, with two.
+ThreadsRow twoThreads( int bodies, int nodesEach );
+
 /// Slope of log y over log x by least squares.
 double exponentOf( const std::vector<double>& x, const std::vector<double>& y );
 

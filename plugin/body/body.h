@@ -178,7 +178,7 @@ public:
 	const SpeedSpan& speeds() const { return m_speeds; }
 	/// Of all nodes where `integrate` has left them; places relative to `NodeState::origin`.
 	const MotionSums& motion() const { return m_motion; }
-	/// The same of the nodes as they are, one after the other: the slow twin.
+	/// The same of the nodes as they are (`sums`): the slow twin.
 	MotionSums measureMotion() const;
 
 	// --- measures ---------------------------------------------------------------------------------------------------
@@ -204,7 +204,6 @@ private:
 	void makeNodes( const Adaptivity& adaptivity );
 	std::unique_ptr<Matcher> makeMatcher( const Material& material );
 	std::unique_ptr<Matcher> makePieceMatcher( const Body& from, const BodyPiece& piece );
-	void nodesChanged();
 	/// E h^2 / ( rho d^2 ), all levels together.
 	double stiffnessMoment( float h, float alpha ) const;
 	float wobbleRate( float h, float alpha ) const;

@@ -129,7 +129,7 @@ void Body::openLevelBudget()
 void Body::applyLevels( TaskRunner* tasks )
 {
 	m_levels->apply( m_nodes, *m_levelMatcher, m_material, tasks );
-	nodesChanged();
+	keepFiniteState();
 }
 
 bool Body::adaptLevels( float h )
@@ -145,11 +145,6 @@ bool Body::adaptLevels( float h )
 void Body::changeLevels( const std::vector<std::uint32_t>& split, const std::vector<std::uint32_t>& merge )
 {
 	m_levels->change( m_nodes, *m_levelMatcher, m_material, split, merge );
-	nodesChanged();
-}
-
-void Body::nodesChanged()
-{
 	keepFiniteState();
 }
 

@@ -162,19 +162,9 @@ BodyHealth Body::integrate( float h, TaskRunner* runner )
 
 MotionSums Body::measureMotion() const
 {
-	MotionSums sums;
-	for ( int i = 0; i < m_nodes.count; ++i )
-	{
-		const double mass = double( m_nodes.mass[i] );
-		const Vec3d moment = mass * m_nodes.x.get( i ).cast<double>();
-		sums.mass += mass;
-		for ( int k = 0; k < 3; ++k )
-		{
-			sums.moment[k] += moment[k];
-		}
-		sums.squareSpeed += mass * m_nodes.v.get( i ).cast<double>().squaredNorm();
-	}
-	return sums;
+	const BodySums whole = sums();
+	const Vec3d moment = whole.mass * whole.centre;
+	return MotionSums{ whole.mass, { moment.x(), moment.y(), moment.z() }, 2.0 * whole.kineticEnergy, 0.0f };
 }
 
 void Body::keepFiniteState()

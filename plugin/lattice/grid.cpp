@@ -38,27 +38,9 @@ bool makeGrid( const Vec3d& low, const Vec3d& high, double cellSize, int samples
 
 int Grid::firstAbove( int axis, double place ) const
 {
-	if ( place < 0.0 )
-	{
-		return 0;
-	}
-	const double edge = double( std::int64_t( 1 ) << bits );
-	const double cell = std::floor( place / edge );
-	if ( cell >= extent[axis] )
-	{
-		return sampleCount( axis );
-	}
-	const double within = place - cell * edge;
-	int k = std::min( samples - 1, int( within / edge * samples ) );
-	while ( k > 0 && offset[std::size_t( k - 1 )] > within )
-	{
-		--k;
-	}
-	while ( k < samples && offset[std::size_t( k )] <= within )
-	{
-		++k;
-	}
-	return int( cell ) * samples + k;
+	// Samples stand at whole quanta. What lies outside may be farther than an integer reaches.
+	const double end = double( std::int64_t( extent[axis] ) << bits );
+	return place < 0.0 ? 0 : place >= end ? sampleCount( axis ) : firstAbove( axis, std::int64_t( place ) );
 }
 
 namespace {

@@ -24,9 +24,9 @@ struct Grid
 	std::int32_t sampleAt( int index ) const { return ( ( index / samples ) << bits ) + offset[std::size_t( index % samples )]; }
 	int sampleCount( int axis ) const { return extent[axis] * samples; }
 
-	/// Samples at or below a place, in [0, sampleCount]: the first sample above it.
+	/// Samples at or below a place, quanta, in [0, sampleCount]: the first sample above it.
 	int firstAbove( int axis, double place ) const;
-	/// The same of a place that is a whole number of quanta, as corners are: asked for each triangle of a mesh three times.
+	/// The same of a whole number of quanta, as corners are: asked for each triangle of a mesh three times.
 	int firstAbove( int axis, std::int64_t place ) const
 	{
 		const std::int64_t cell = place >> bits;

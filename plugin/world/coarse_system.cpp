@@ -42,9 +42,10 @@ void CoarseSystem::layOut( const std::vector<int>& sizes, std::vector<Pair>& pai
 	}
 }
 
+/// Places for what lies on and below the diagonal, in the order in which `factor` fills them: by column, then by row.
 void CoarseSystem::layOutSparse()
 {
-	std::vector<int> counts( std::size_t( m_size ), 0 );
+	std::vector<Eigen::Triplet<double>> entries;
 	for ( std::size_t b = 0; b < m_sizes.size(); ++b )
 	{
 		for ( int p = m_start[b]; p < m_start[b + 1]; ++p )
@@ -52,35 +53,15 @@ void CoarseSystem::layOutSparse()
 			const int row = m_places[std::size_t( p )].row;
 			for ( int k = 0; k < m_sizes[b]; ++k )
 			{
-				counts[std::size_t( m_offset[b] + k )] += m_sizes[std::size_t( row )] - ( row == int( b ) ? k : 0 );
-			}
-		}
-	}
-	m_matrix.resize( m_size, m_size );
-	int entries = 0;
-	for ( int column = 0; column < m_size; ++column )
-	{
-		m_matrix.outerIndexPtr()[column] = entries;
-		entries += counts[std::size_t( column )];
-	}
-	m_matrix.outerIndexPtr()[m_size] = entries;
-	m_matrix.resizeNonZeros( entries );
-	int at = 0;
-	for ( std::size_t b = 0; b < m_sizes.size(); ++b )
-	{
-		for ( int k = 0; k < m_sizes[b]; ++k )
-		{
-			for ( int p = m_start[b]; p < m_start[b + 1]; ++p )
-			{
-				const int row = m_places[std::size_t( p )].row;
 				for ( int i = row == int( b ) ? k : 0; i < m_sizes[std::size_t( row )]; ++i )
 				{
-					m_matrix.innerIndexPtr()[at++] = offset( row ) + i;
+					entries.emplace_back( offset( row ) + i, offset( int( b ) ) + k, 0.0 );
 				}
 			}
 		}
 	}
-	std::fill( m_matrix.valuePtr(), m_matrix.valuePtr() + entries, 0.0 );
+	m_matrix.resize( m_size, m_size );
+	m_matrix.setFromTriplets( entries.begin(), entries.end() );
 	m_sparse.analyzePattern( m_matrix );
 }
 

@@ -55,35 +55,6 @@ void bySize( int count, Work&& work )
 	}
 }
 
-/// The inverse of a positive definite matrix, by Gauss and Jordan without a choice of pivots: none is needed.
-template <int rows>
-void invertInPlace( double* a )
-{
-	for ( int p = 0; p < rows; ++p )
-	{
-		double* const own = a + p * rows;
-		const double pivot = 1.0 / own[p];
-		own[p] = 1.0;
-		for ( int i = 0; i < rows; ++i )
-		{
-			own[i] *= pivot;
-		}
-		for ( int j = 0; j < rows; ++j )
-		{
-			double* const other = a + j * rows;
-			const double share = other[p];
-			if ( j != p )
-			{
-				other[p] = 0.0;
-				for ( int i = 0; i < rows; ++i )
-				{
-					other[i] -= share * own[i];
-				}
-			}
-		}
-	}
-}
-
 } // namespace
 
 // Nodes that have no cluster yet join the one that the contact's others have, where there is room, or make one together.
@@ -177,13 +148,13 @@ void ImplicitBlock::invertClusters()
 	m_clusterInverse.assign( std::size_t( room ), 0.0f );
 	for ( const Cluster& cluster : m_clusters )
 	{
-		double* const matrix = m_clusterRoom.data() + cluster.room;
-		const int rows = 3 * cluster.count, column = columnOf( cluster.count );
-		bySize( cluster.count, [matrix]( auto count ) { invertInPlace<3 * count()>( matrix ); } );
-		for ( int j = 0; j < rows; ++j )
-		{
-			std::copy( matrix + j * rows, matrix + ( j + 1 ) * rows, m_clusterInverse.begin() + cluster.inverse + j * column );
-		}
+		bySize( cluster.count, [&]( auto count ) {
+			constexpr int rows = 3 * count();
+			using Matrix = Eigen::Matrix<double, rows, rows>;
+			const Eigen::Map<const Matrix> matrix( m_clusterRoom.data() + cluster.room );
+			Eigen::Map<Eigen::Matrix<float, columnOf( count() ), rows>> inverse( m_clusterInverse.data() + cluster.inverse );
+			inverse.template topRows<rows>() = matrix.llt().solve( Matrix::Identity() ).template cast<float>();
+		} );
 	}
 }
 

@@ -58,7 +58,8 @@ double ImplicitBlock::energyLeft() const
 	return contacts.empty() ? most : std::clamp( kImpulseError * kImpulseError * stored, least, most );
 }
 
-// What the iteration has kept of the residual is not quite what there is: before it goes on to the end, one product tells.
+// One product more where a pass goes on to its end. Without it a pile takes 1.44 to 1.64 times what the explicit step does for 1.85 to 2.15, and eight cubes 7.5
+// products a frame for 8.6; but four take 3.2 for 4.6, so that eight are more than four times as dear. Not shown: that impulses are any truer for it.
 void ImplicitBlock::refresh( BlockCount& count )
 {
 	for ( int k = 0; k < m_size; ++k )

@@ -17,7 +17,6 @@ class btCollisionDispatcher;
 
 namespace pliant {
 
-
 class SoftBodySystem
 {
 public:

@@ -16,7 +16,7 @@ namespace pliant::test {
 
 namespace {
 
-// Corners ask in whole quanta, in integers; the twin takes any place.
+// Corners ask in whole quanta, all else in any place; the slow twin counts.
 TEST( Grid, FirstSampleAboveAWholeQuantumIsThatOfAnyPlace )
 {
 	std::mt19937 random( 5 );
@@ -37,6 +37,13 @@ TEST( Grid, FirstSampleAboveAWholeQuantumIsThatOfAnyPlace )
 			for ( const std::int64_t place : places )
 			{
 				EXPECT_EQ( grid.firstAbove( axis, place ), grid.firstAbove( axis, double( place ) ) ) << samples << " samples, at " << place << " of " << end;
+				int below = 0;
+				while ( below < grid.sampleCount( axis ) && grid.sampleAt( below ) <= place )
+				{
+					++below;
+				}
+				EXPECT_EQ( grid.firstAbove( axis, place ), below ) << samples << " samples, at " << place << " of " << end;
+				EXPECT_EQ( grid.firstAbove( axis, double( place ) + 0.5 ), below );
 			}
 		}
 	}
