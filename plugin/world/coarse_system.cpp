@@ -1,15 +1,9 @@
 #include "world/coarse_system.h"
 
 #include <algorithm>
+#include <iterator>
 
 namespace pliant {
-
-namespace {
-
-/// Up to as many unknowns a dense factor is faster than a sparse one: eight soft bodies.
-constexpr int kLargestDense = 96;
-
-} // namespace
 
 void CoarseSystem::layOut( const std::vector<int>& sizes, std::vector<Pair>& pairs )
 {
@@ -35,34 +29,37 @@ void CoarseSystem::layOut( const std::vector<int>& sizes, std::vector<Pair>& pai
 		values += sizes[std::size_t( row )] * sizes[std::size_t( column )];
 	}
 	m_values.assign( std::size_t( values ), 0.0 );
-	m_isDense = m_size <= kLargestDense;
-	if ( !m_isDense )
-	{
-		layOutSparse();
-	}
+	layOutFactor();
 }
 
-/// Places for what lies on and below the diagonal, in the order in which `factor` fills them: by column, then by row.
-void CoarseSystem::layOutSparse()
+/// Which 6 x 6 parts of the pieces lie on and below the diagonal.
+void CoarseSystem::layOutFactor()
 {
-	std::vector<Eigen::Triplet<double>> entries;
-	for ( std::size_t b = 0; b < m_sizes.size(); ++b )
+	constexpr int edge = BlockCholesky::kEdge;
+	std::vector<BlockCholesky::Pair> below, all;
+	m_parts.clear();
+	for ( int b = 0; b < int( m_sizes.size() ); ++b )
 	{
-		for ( int p = m_start[b]; p < m_start[b + 1]; ++p )
+		for ( int p = m_start[std::size_t( b )]; p < m_start[std::size_t( b ) + 1]; ++p )
 		{
-			const int row = m_places[std::size_t( p )].row;
-			for ( int k = 0; k < m_sizes[b]; ++k )
+			const Place& place = m_places[std::size_t( p )];
+			const int rows = m_sizes[std::size_t( place.row )];
+			for ( int j = 0; j < m_sizes[std::size_t( b )]; j += edge )
 			{
-				for ( int i = row == int( b ) ? k : 0; i < m_sizes[std::size_t( row )]; ++i )
+				for ( int i = place.row == b ? j : 0; i < rows; i += edge )
 				{
-					entries.emplace_back( offset( row ) + i, offset( int( b ) ) + k, 0.0 );
+					all.emplace_back( ( offset( place.row ) + i ) / edge, ( offset( b ) + j ) / edge );
+					m_parts.push_back( Part{ place.value + j * rows + i, rows, {} } );
 				}
 			}
 		}
 	}
-	m_matrix.resize( m_size, m_size );
-	m_matrix.setFromTriplets( entries.begin(), entries.end() );
-	m_sparse.analyzePattern( m_matrix );
+	std::copy_if( all.begin(), all.end(), std::back_inserter( below ), []( const BlockCholesky::Pair& pair ) { return pair.first != pair.second; } );
+	m_factor.layOut( m_size / edge, below );
+	for ( std::size_t k = 0; k < all.size(); ++k )
+	{
+		m_parts[k].to = m_factor.place( all[k].first, all[k].second );
+	}
 }
 
 void CoarseSystem::clear()
@@ -89,56 +86,20 @@ CoarseSystem::Piece CoarseSystem::block( int a, int b )
 
 bool CoarseSystem::factor()
 {
-	if ( m_size == 0 )
+	m_factor.clear();
+	for ( const Part& part : m_parts )
 	{
-		return m_isGood = false;
+		m_factor.set( part.to, Eigen::Map<const BlockCholesky::Block, 0, Eigen::OuterStride<>>( m_values.data() + part.value, Eigen::OuterStride<>( part.rows ) ) );
 	}
-	if ( m_isDense )
-	{
-		m_whole.setZero( m_size, m_size );
-		for ( int b = 0; b < int( m_sizes.size() ); ++b )
-		{
-			for ( int p = m_start[std::size_t( b )]; p < m_start[std::size_t( b ) + 1]; ++p )
-			{
-				const int a = m_places[std::size_t( p )].row;
-				const Piece piece = block( a, b );
-				m_whole.block( offset( a ), offset( b ), piece.rows(), piece.cols() ) = piece;
-			}
-		}
-		m_dense.compute( m_whole );
-		return m_isGood = m_dense.info() == Eigen::Success;
-	}
-	double* to = m_matrix.valuePtr();
-	for ( std::size_t b = 0; b < m_sizes.size(); ++b )
-	{
-		for ( int k = 0; k < m_sizes[b]; ++k )
-		{
-			for ( int p = m_start[b]; p < m_start[b + 1]; ++p )
-			{
-				const Place& place = m_places[std::size_t( p )];
-				const int rows = m_sizes[std::size_t( place.row )], first = place.row == int( b ) ? k : 0;
-				const double* const column = m_values.data() + place.value + k * rows;
-				to = std::copy( column + first, column + rows, to );
-			}
-		}
-	}
-	m_sparse.factorize( m_matrix );
-	return m_isGood = m_sparse.info() == Eigen::Success;
+	return m_isGood = m_factor.factor();
 }
 
-void CoarseSystem::solve( const Eigen::VectorXd& r, Eigen::VectorXd& x ) const
+void CoarseSystem::solve( const Eigen::VectorXd& r, Eigen::VectorXd& x )
 {
-	if ( !m_isGood )
+	x.setZero( m_size );
+	if ( m_isGood )
 	{
-		x = Eigen::VectorXd::Zero( m_size );
-	}
-	else if ( m_isDense )
-	{
-		x = m_dense.solve( r );
-	}
-	else
-	{
-		x = m_sparse.solve( r );
+		m_factor.solve( r.data(), x.data() );
 	}
 }
 

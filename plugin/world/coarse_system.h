@@ -3,8 +3,7 @@
 // The contacts of an island as whole bodies feel them: a small symmetric system, 6 unknowns a rigid body and 12 a soft one (its affine motions).
 // It stands in front of the large one (implicit_block.h): without it a stack would learn of its floor one contact and one product at a time.
 
-#include <Eigen/Cholesky>
-#include <Eigen/SparseCholesky>
+#include "world/block_cholesky.h"
 
 #include <utility>
 #include <vector>
@@ -18,8 +17,8 @@ public:
 	/// Two bodies that feel each other, the later one first.
 	using Pair = std::pair<int, int>;
 
-	/// Unknowns of each body, and which of them feel each other, in any order and as often as it happens. The order in which it is solved is found here,
-	/// once for as many sums as follow.
+	/// Unknowns of each body, a multiple of 6, and which of them feel each other, in any order and as often as it happens. The order in which it is solved
+	/// is found here, once for as many sums as follow.
 	void layOut( const std::vector<int>& sizes, std::vector<Pair>& pairs );
 	/// Everything zero.
 	void clear();
@@ -31,28 +30,32 @@ public:
 	int size() const { return m_size; }
 	int offset( int body ) const { return m_offset[std::size_t( body )]; }
 	/// x = the inverse times r.
-	void solve( const Eigen::VectorXd& r, Eigen::VectorXd& x ) const;
+	void solve( const Eigen::VectorXd& r, Eigen::VectorXd& x );
 
 private:
-	/// By column, then by row: what a column of the sparse matrix goes through.
+	/// By column, then by row: what a column of the matrix goes through.
 	struct Place
 	{
 		int row;   ///< body
 		int value; ///< where its piece begins, column by column
 	};
+	/// A 6 x 6 part of a piece, and where the factor wants it.
+	struct Part
+	{
+		int value, rows; ///< where it begins, and how many rows its piece has
+		BlockCholesky::Place to;
+	};
 	int find( int a, int b ) const;
-	void layOutSparse();
+	void layOutFactor();
 
 	std::vector<int> m_sizes, m_offset;
 	std::vector<int> m_start; ///< of each body's column among the places, and their end
 	std::vector<Place> m_places;
 	std::vector<double> m_values;
-	Eigen::MatrixXd m_whole;
-	Eigen::LLT<Eigen::MatrixXd> m_dense;
-	Eigen::SparseMatrix<double> m_matrix; ///< below its diagonal
-	Eigen::SimplicialLLT<Eigen::SparseMatrix<double>> m_sparse;
+	std::vector<Part> m_parts;
+	BlockCholesky m_factor;
 	int m_size = 0;
-	bool m_isDense = true, m_isGood = false;
+	bool m_isGood = false;
 };
 
 } // namespace pliant

@@ -34,12 +34,18 @@ void addCoarse( const Feels& a, const Feels& b, const Eigen::Matrix3d& resists, 
 {
 	if ( a.isSoft ) // then b, which comes no later, is soft too
 	{
+		// By whole columns: column c of R times each of a's arms, then times b's.
 		Fixed<12, 12> to( piece );
-		for ( int j = 0; j < 4; ++j )
+		for ( int c = 0; c < 3; ++c )
 		{
+			Eigen::Matrix<double, 12, 1> pressed;
 			for ( int i = 0; i < 4; ++i )
 			{
-				to.block<3, 3>( 3 * i, 3 * j ) += ( sign * a.arm[i] * b.arm[j] ) * resists;
+				pressed.segment<3>( 3 * i ) = ( sign * a.arm[i] ) * resists.col( c );
+			}
+			for ( int j = 0; j < 4; ++j )
+			{
+				to.col( 3 * j + c ) += b.arm[j] * pressed;
 			}
 		}
 		return;

@@ -64,7 +64,7 @@ void solveRow( int bodies )
 
 TEST( ImplicitCoarseSystem, IsSolvedAsAWholeMatrix )
 {
-	for ( const int bodies : { 1, 4, 10, 11, 40 } ) // 90 unknowns are solved densely, 102 are not
+	for ( const int bodies : { 1, 2, 4, 11, 40 } )
 	{
 		solveRow( bodies );
 	}

@@ -1,0 +1,233 @@
+#include "world/block_cholesky.h"
+
+#include <Eigen/OrderingMethods>
+#include <Eigen/SparseCore>
+
+#include <algorithm>
+#include <cmath>
+
+namespace pliant {
+
+namespace {
+
+using Block = BlockCholesky::Block;
+constexpr int kEdge = BlockCholesky::kEdge;
+
+/// c -= a b^T. Three columns of c at a time: with a column of a that is as much as there are registers for.
+void takeOff( const Block& a, const Block& b, Block& c )
+{
+	using Columns = Eigen::Matrix<double, kEdge, 3>;
+	for ( int half = 0; half < kEdge; half += 3 )
+	{
+		Columns sum = c.middleCols<3>( half );
+		for ( int k = 0; k < kEdge; ++k )
+		{
+			for ( int j = 0; j < 3; ++j )
+			{
+				sum.col( j ) -= b( half + j, k ) * a.col( k );
+			}
+		}
+		c.middleCols<3>( half ) = sum;
+	}
+}
+
+/// The inverse of the lower factor of what lies on and below d's diagonal, in its place; false where that is not positive definite.
+bool invertFactor( Block& d )
+{
+	Block inverse = Block::Zero();
+	for ( int j = 0; j < kEdge; ++j )
+	{
+		double pivot = d( j, j );
+		for ( int k = 0; k < j; ++k )
+		{
+			pivot -= d( j, k ) * d( j, k );
+		}
+		if ( !( pivot > 0.0 ) )
+		{
+			return false;
+		}
+		const double root = 1.0 / std::sqrt( pivot );
+		for ( int i = j + 1; i < kEdge; ++i )
+		{
+			double sum = d( i, j );
+			for ( int k = 0; k < j; ++k )
+			{
+				sum -= d( i, k ) * d( j, k );
+			}
+			d( i, j ) = sum * root;
+		}
+		// Row j of L^-1: ( e_j - sum l_jk row k ) / l_jj
+		inverse( j, j ) = root;
+		for ( int k = 0; k < j; ++k )
+		{
+			double sum = 0.0;
+			for ( int i = k; i < j; ++i )
+			{
+				sum += d( j, i ) * inverse( i, k );
+			}
+			inverse( j, k ) = -sum * root;
+		}
+	}
+	d = inverse;
+	return true;
+}
+
+} // namespace
+
+void BlockCholesky::layOut( int columns, const std::vector<Pair>& below )
+{
+	m_columns = columns;
+	std::vector<Eigen::Triplet<double>> entries;
+	for ( int k = 0; k < columns; ++k )
+	{
+		entries.emplace_back( k, k, 1.0 );
+	}
+	for ( const auto& [row, column] : below )
+	{
+		entries.emplace_back( row, column, 1.0 );
+		entries.emplace_back( column, row, 1.0 );
+	}
+	Eigen::SparseMatrix<double> graph( columns, columns );
+	graph.setFromTriplets( entries.begin(), entries.end() );
+	Eigen::PermutationMatrix<Eigen::Dynamic, Eigen::Dynamic, int> order;
+	Eigen::AMDOrdering<int>()( graph, order );
+	m_from.assign( order.indices().data(), order.indices().data() + columns );
+	m_at.resize( std::size_t( columns ) );
+	for ( int k = 0; k < columns; ++k )
+	{
+		m_at[std::size_t( m_from[std::size_t( k )] )] = k;
+	}
+	std::vector<std::vector<int>> rows( m_from.size() );
+	for ( const auto& [row, column] : below )
+	{
+		const auto [first, later] = std::minmax( m_at[std::size_t( row )], m_at[std::size_t( column )] );
+		rows[std::size_t( first )].push_back( later );
+	}
+	findFill( rows );
+	findTargets();
+	m_blocks.resize( m_row.size() );
+	m_x.resize( std::size_t( columns ) );
+}
+
+/// What a column has below its diagonal, the next of its rows has too.
+void BlockCholesky::findFill( std::vector<std::vector<int>>& rows )
+{
+	m_start.assign( 1, 0 );
+	m_row.clear();
+	for ( int column = 0; column < m_columns; ++column )
+	{
+		std::vector<int>& own = rows[std::size_t( column )];
+		std::sort( own.begin(), own.end() );
+		own.erase( std::unique( own.begin(), own.end() ), own.end() );
+		m_row.push_back( column );
+		m_row.insert( m_row.end(), own.begin(), own.end() );
+		m_start.push_back( int( m_row.size() ) );
+		if ( own.size() > 1 )
+		{
+			std::vector<int>& next = rows[std::size_t( own.front() )];
+			next.insert( next.end(), own.begin() + 1, own.end() );
+		}
+	}
+}
+
+void BlockCholesky::findTargets()
+{
+	m_target.clear();
+	for ( int column = 0; column < m_columns; ++column )
+	{
+		const int end = m_start[std::size_t( column ) + 1];
+		for ( int b = m_start[std::size_t( column )] + 1; b < end; ++b )
+		{
+			int at = m_start[std::size_t( m_row[std::size_t( b )] )];
+			for ( int a = b; a < end; ++a )
+			{
+				while ( m_row[std::size_t( at )] != m_row[std::size_t( a )] )
+				{
+					++at;
+				}
+				m_target.push_back( at );
+			}
+		}
+	}
+}
+
+int BlockCholesky::find( int row, int column ) const
+{
+	const auto begin = m_row.begin() + m_start[std::size_t( column )], end = m_row.begin() + m_start[std::size_t( column ) + 1];
+	return int( std::lower_bound( begin, end, row ) - m_row.begin() );
+}
+
+BlockCholesky::Place BlockCholesky::place( int row, int column ) const
+{
+	const int r = m_at[std::size_t( row )], c = m_at[std::size_t( column )];
+	return { find( std::max( r, c ), std::min( r, c ) ), r < c };
+}
+
+void BlockCholesky::clear()
+{
+	std::fill( m_blocks.begin(), m_blocks.end(), Block::Zero() );
+}
+
+// Of each column: L_jj, then L_aj = A_aj L_jj^-T, then A_ab -= L_aj L_bj^T.
+bool BlockCholesky::factor()
+{
+	const int* target = m_target.data();
+	for ( int column = 0; column < m_columns; ++column )
+	{
+		const int begin = m_start[std::size_t( column )], end = m_start[std::size_t( column ) + 1];
+		Block& diagonal = m_blocks[std::size_t( begin )];
+		if ( !invertFactor( diagonal ) )
+		{
+			return false;
+		}
+		for ( int a = begin + 1; a < end; ++a )
+		{
+			Block& own = m_blocks[std::size_t( a )];
+			Block minus = Block::Zero();
+			takeOff( own, diagonal, minus );
+			own = -minus;
+		}
+		for ( int b = begin + 1; b < end; ++b )
+		{
+			for ( int a = b; a < end; ++a )
+			{
+				takeOff( m_blocks[std::size_t( a )], m_blocks[std::size_t( b )], m_blocks[std::size_t( *target++ )] );
+			}
+		}
+	}
+	return true;
+}
+
+void BlockCholesky::solve( const double* r, double* x )
+{
+	for ( int k = 0; k < m_columns; ++k )
+	{
+		m_x[std::size_t( k )] = Eigen::Map<const Six>( r + kEdge * m_from[std::size_t( k )] );
+	}
+	for ( int column = 0; column < m_columns; ++column )
+	{
+		const int begin = m_start[std::size_t( column )], end = m_start[std::size_t( column ) + 1];
+		const Six own = m_blocks[std::size_t( begin )] * m_x[std::size_t( column )];
+		m_x[std::size_t( column )] = own;
+		for ( int a = begin + 1; a < end; ++a )
+		{
+			m_x[std::size_t( m_row[std::size_t( a )] )].noalias() -= m_blocks[std::size_t( a )] * own;
+		}
+	}
+	for ( int column = m_columns - 1; column >= 0; --column )
+	{
+		const int begin = m_start[std::size_t( column )], end = m_start[std::size_t( column ) + 1];
+		Six sum = m_x[std::size_t( column )];
+		for ( int a = begin + 1; a < end; ++a )
+		{
+			sum.noalias() -= m_blocks[std::size_t( a )].transpose() * m_x[std::size_t( m_row[std::size_t( a )] )];
+		}
+		m_x[std::size_t( column )].noalias() = m_blocks[std::size_t( begin )].transpose() * sum;
+	}
+	for ( int k = 0; k < m_columns; ++k )
+	{
+		Eigen::Map<Six>( x + kEdge * m_from[std::size_t( k )] ) = m_x[std::size_t( k )];
+	}
+}
+
+} // namespace pliant
