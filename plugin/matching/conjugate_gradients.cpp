@@ -62,6 +62,7 @@ int ConjugateGradients::goOn( LinearSystem& system, float* x, const GradientLimi
 			x[i] += step * p[i];
 			r[i] -= step * ap[i];
 		}
+		system.moved( step );
 		system.precondition( r, z );
 		const double next = dot( r, z, size );
 		const float share = float( next / m_rz );

@@ -15,6 +15,7 @@ public:
 	virtual int size() const = 0;                                ///< a multiple of kLanes
 	virtual void apply( const float* v, float* to ) = 0;         ///< to = A v
 	virtual void precondition( const float* r, float* z ) = 0;   ///< z ~ A^-1 r
+	virtual void moved( float ) {}                               ///< x has gone so many times what `apply` was last given
 };
 
 /// When to stop: at r . z <= relative * ( r . z at the start ) or <= absolute, or after so many products.

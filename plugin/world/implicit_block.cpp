@@ -34,7 +34,7 @@ void ImplicitBlock::layOut()
 		m_size += 6;
 	}
 	m_size = ( m_size + kLanes - 1 ) / kLanes * kLanes;
-	for ( AlignedArray<float>* array : { &m_v, &m_next, &m_rightSide, &m_free, &m_residual, &m_scratch, &m_inverseDiagonal } )
+	for ( AlignedArray<float>* array : { &m_v, &m_next, &m_rightSide, &m_free, &m_freeNext, &m_residual, &m_massed, &m_scratch, &m_inverseDiagonal } )
 	{
 		array->assign( std::size_t( m_size ), 0.0f );
 	}
@@ -266,7 +266,8 @@ void addForce( const Pressing& c, int side, const double ( &f )[3], double sign,
 
 void ImplicitBlock::apply( const float* v, float* to )
 {
-	applyMasses( v, to );
+	applyMasses( v, m_massed.data() );
+	std::copy( m_massed.begin(), m_massed.begin() + m_size, to );
 	for ( const Pressing& c : m_pressing )
 	{
 		double u[3] = {};
@@ -302,6 +303,15 @@ void ImplicitBlock::apply( const float* v, float* to )
 	}
 }
 
+// Contacts' shares of a product are as large as stiff bodies are, and cancel: what is left without them is kept by itself.
+void ImplicitBlock::moved( float by )
+{
+	for ( int k = 0; k < m_size; ++k )
+	{
+		m_freeNext[k] -= by * m_massed[k];
+	}
+}
+
 // A pass that others follow need not be solved to its end: what contacts it changes is plain long before.
 BlockCount ImplicitBlock::solve( TaskRunner* runner )
 {
@@ -310,12 +320,14 @@ BlockCount ImplicitBlock::solve( TaskRunner* runner )
 	layOut();
 	chooseStiffness();
 	linearise( m_v.data(), true );
+	fillFree();
+	++count.products;
 	while ( true )
 	{
-		fillResidual();
-		++count.products;
+		fillResidual( m_v.data(), m_free, m_residual );
 		fillPreconditioner();
 		m_next = m_v;
+		m_freeNext = m_free;
 		m_gradients.begin( *this, m_residual.data() );
 		++count.passes;
 		bool isLast = count.passes >= kMostPasses;
@@ -323,7 +335,7 @@ BlockCount ImplicitBlock::solve( TaskRunner* runner )
 		isLast = isLast && ( !isWild() || count.passes >= kMostHardPasses );
 		if ( !isLast && holdsAt( m_next.data() ) )
 		{
-			refresh( count );
+			refresh();
 			iterate( 0.0, count );
 			isLast = holdsAt( m_next.data() );
 		}
@@ -332,10 +344,11 @@ BlockCount ImplicitBlock::solve( TaskRunner* runner )
 			break;
 		}
 		// The first step is taken whole: it brings the forces that the start lacks.
-		const float t = count.passes == 1 ? 1.0f : float( stepTowards( m_next.data() ) );
+		const float t = count.passes == 1 ? 1.0f : float( stepTowards() );
 		for ( int k = 0; k < m_size; ++k )
 		{
 			m_v[k] += t * ( m_next[k] - m_v[k] );
+			m_free[k] += t * ( m_freeNext[k] - m_free[k] );
 		}
 		linearise( m_v.data(), false );
 	}

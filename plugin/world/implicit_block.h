@@ -145,6 +145,7 @@ private:
 	int size() const override { return m_size; }
 	void apply( const float* v, float* to ) override;
 	void precondition( const float* r, float* z ) override;
+	void moved( float by ) override;
 
 	void layOut();
 	int nameNode( int part, int node );
@@ -162,12 +163,14 @@ private:
 		return contact.directed < 0 ? v : Vec3d( directions[std::size_t( contact.directed )] * v );
 	}
 	Eigen::Matrix3d resistance( const BlockContact& contact ) const;
-	void fillResidual();
+	void fillFree();
+	/// b - A v with contacts as linearised, out of that without them.
+	void fillResidual( const float* v, const AlignedArray<float>& free, AlignedArray<float>& to ) const;
 	double energyLeft() const;
 	/// Improves m_next until `share` of what is off is left, or little enough, and reads its impulses.
 	void iterate( double share, BlockCount& count );
 	/// The iteration begins anew at m_next.
-	void refresh( BlockCount& count );
+	void refresh();
 	void fillPreconditioner();
 	void layOutCoarse();
 	void nameClusters( const BlockContact& contact );
@@ -196,8 +199,8 @@ private:
 	/// Whether the impulses are those of the law at these speeds, all together, as it was not linearised.
 	bool holdsAt( const float* v ) const;
 	void readImpulses( const float* v );
-	/// The lowest point on the way from m_v to `to`, which the iteration has found from there, as a share of the way.
-	double stepTowards( const float* to );
+	/// The lowest point on the way from m_v to m_next, as a share of the way.
+	double stepTowards();
 	double lowestShare( double slope, double curvature ) const;
 
 	// In implicit_bounce.cpp.
@@ -211,7 +214,9 @@ private:
 	TaskRunner* m_runner = nullptr;
 	ConjugateGradients m_gradients;
 	AlignedArray<float> m_v, m_next, m_rightSide, m_scratch;
-	AlignedArray<float> m_free, m_residual; ///< b - A v at m_v without contacts, and with them as linearised
+	AlignedArray<float> m_free, m_freeNext; ///< b - A v at m_v and at m_next, without contacts
+	AlignedArray<float> m_residual;         ///< at m_v with contacts as linearised
+	AlignedArray<float> m_massed;           ///< what the last product was without contacts
 	AlignedArray<float> m_inverseDiagonal; ///< 1 / A_ii of the soft parts' nodes, at the place of their first component
 	std::vector<Pressing> m_pressing;      ///< as last linearised
 	std::vector<Way> m_ways;               ///< by contact; scratch of stepTowards

@@ -217,15 +217,14 @@ double ImplicitBlock::lowestShare( double slope, double curvature ) const
 	return low;
 }
 
-// The iteration leaves A d, all it has taken off the residual, and A is M with the contacts that press: d.M d takes no product.
-double ImplicitBlock::stepTowards( const float* to )
+double ImplicitBlock::stepTowards()
 {
-	AlignedArray<float>& d = m_scratch;
+	AlignedArray<float>&d = m_scratch, &change = m_rightSide; // of v, and of M v
 	for ( int k = 0; k < m_size; ++k )
 	{
-		d[k] = to[k] - m_v[k];
+		d[k] = m_next[k] - m_v[k];
+		change[k] = m_free[k] - m_freeNext[k];
 	}
-	double curvature = dot( d.data(), m_residual.data(), m_size ) - dot( d.data(), m_gradients.residual(), m_size );
 	m_ways.clear();
 	for ( const BlockContact& contact : contacts )
 	{
@@ -234,9 +233,8 @@ double ImplicitBlock::stepTowards( const float* to )
 		const Vec3d ut = u - un * contact.normal, dt = way - dn * contact.normal, felt = directed( contact, dt );
 		const double slide = -contact.tangentStiffness * dt.dot( felt );
 		m_ways.push_back( Way{ un, dn, contact.held.dot( felt ) - contact.tangentStiffness * ut.dot( felt ), slide } );
-		curvature -= contact.presses ? contact.stiffness * dn * dn - slide : 0.0;
 	}
-	return lowestShare( -dot( d.data(), m_free.data(), m_size ), curvature );
+	return lowestShare( -dot( d.data(), m_free.data(), m_size ), dot( d.data(), change.data(), m_size ) );
 }
 
 } // namespace pliant
