@@ -37,10 +37,7 @@ public:
 				z[k * padded + i] = inverse * r[k * padded + i];
 			}
 		}
-		if ( !m_motion.hasHeldNodes() )
-		{
-			m_motion.addAffine( m_inverse * m_motion.affineSums( r ), z );
-		}
+		m_motion.addAffine( m_inverse * m_motion.affineSums( r ), z );
 	}
 
 private:

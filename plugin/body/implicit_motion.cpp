@@ -172,7 +172,33 @@ Matrix12 ImplicitMotion::affineMatrix() const
 			matrix( 3 + 3 * j + k, 3 + 3 * k + j ) += 0.5 * m_affineMass;
 		}
 	}
+	if ( m_hasHeldNodes )
+	{
+		addHeld( matrix );
+	}
 	return matrix;
+}
+
+// What is held does not come along: its neighbours resist that with as much as they would its own going away.
+void ImplicitMotion::addHeld( Matrix12& matrix ) const
+{
+	Eigen::Matrix4d sum = Eigen::Matrix4d::Zero();
+	for ( int i = 0; i < m_nodes->count; ++i )
+	{
+		if ( m_nodes->freedom[i] == 0.0f )
+		{
+			Eigen::Vector4d arm;
+			arm << 1.0, m_nodes->x.get( i ).cast<double>() - m_centre;
+			sum += double( diagonal( i ) - m_nodes->mass[i] ) * arm * arm.transpose();
+		}
+	}
+	for ( int j = 0; j < 4; ++j )
+	{
+		for ( int i = 0; i < 4; ++i )
+		{
+			matrix.block<3, 3>( 3 * i, 3 * j ).diagonal().array() += sum( i, j );
+		}
+	}
 }
 
 Vector12 ImplicitMotion::affineSums( const float* r ) const

@@ -93,6 +93,7 @@ public:
 private:
 	void measureHeld();
 	void measureArms();
+	void addHeld( Matrix12& matrix ) const;
 
 	StrainRates m_rates;
 	OpenFaces m_openFaces;

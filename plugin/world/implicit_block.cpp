@@ -53,12 +53,12 @@ void ImplicitBlock::layOut()
 	layOutCoarse();
 }
 
-/// The iteration begins with the speeds of the substep's start; what is held has its speed already. What touches nothing falls: it begins with the
-/// speeds of free flight, as it would alone, and where it is not strained is done.
+/// The iteration begins with the speeds of the substep's start; what is held has its speed already. What touches nothing and hangs by nothing falls: it begins
+/// with the speeds of free flight, and where it is not strained is done.
 void ImplicitBlock::startFrom( const SoftPart& part )
 {
 	const int padded = part.motion->padded();
-	const Vec3Array& start = contacts.empty() ? part.motion->nodes().v : *part.before;
+	const Vec3Array& start = contacts.empty() && !part.motion->hasHeldNodes() ? part.motion->nodes().v : *part.before;
 	const AlignedArray<float>* const from[3] = { &start.x, &start.y, &start.z };
 	for ( int k = 0; k < 3; ++k )
 	{

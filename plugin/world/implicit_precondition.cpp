@@ -79,7 +79,7 @@ void ImplicitBlock::layOutCoarse()
 	for ( SoftPart& part : soft )
 	{
 		part.coarse = -1;
-		if ( part.motion->isElastic() && !part.motion->hasHeldNodes() )
+		if ( part.motion->isElastic() )
 		{
 			part.coarse = int( m_coarseSizes.size() );
 			m_coarseSizes.push_back( 12 );
