@@ -1,5 +1,6 @@
 #include "lattice/inside_distance.h"
 
+#include <algorithm>
 #include <array>
 #include <limits>
 
@@ -18,7 +19,8 @@ std::uint32_t linkTenths( const Lattice& lattice, std::uint32_t a, std::uint32_t
 } // namespace
 
 // Moore's search from all surface cells at once, with a ring of buckets as in adapt/bucket_moore.h: no tentative distance is further ahead
-// than the longest link.
+// than the longest link. What is linked to the surface asks it, and not the other way round: most of a cut body's cells are surface, and no way
+// by a second link is as short as one link.
 std::vector<std::uint32_t> floodInside( const Lattice& lattice )
 {
 	std::vector<std::uint32_t> depth( std::size_t( lattice.cellCount() ), kUnreached );
@@ -29,7 +31,15 @@ std::vector<std::uint32_t> floodInside( const Lattice& lattice )
 		if ( lattice.isSurface[cell] )
 		{
 			depth[cell] = 0;
-			buckets[0].push_back( cell );
+			continue;
+		}
+		for ( std::uint32_t k = lattice.linkStart[cell]; k < lattice.linkStart[cell + 1]; ++k )
+		{
+			depth[cell] = lattice.isSurface[lattice.linkTo[k]] ? std::min( depth[cell], linkTenths( lattice, cell, lattice.linkTo[k] ) ) : depth[cell];
+		}
+		if ( depth[cell] != kUnreached )
+		{
+			buckets[depth[cell] % buckets.size()].push_back( cell );
 			++waiting;
 		}
 	}

@@ -93,7 +93,8 @@ void SoftBody::Impl::adopt( SoftBody& owner, BodyPiece& piece, Remains remains )
 	pins = pinsOf( pins, nodeNow );
 	nearby.clear();
 	body = std::move( piece.body );
-	if ( !remains.keepsShape || !keepsNodes || !std::is_sorted( nodeNow.begin(), nodeNow.end() ) )
+	const bool keepsNumbers = keepsNodes && std::is_sorted( nodeNow.begin(), nodeNow.end() );
+	if ( !remains.keepsShape || !keepsNumbers )
 	{
 		NodeBodyPool::renumber( owner, nodeNow, body->nodeCount() );
 	}
@@ -112,7 +113,7 @@ void SoftBody::Impl::adopt( SoftBody& owner, BodyPiece& piece, Remains remains )
 	skin.nodesChanged();
 	if ( self )
 	{
-		self->search.forget();
+		self->search.relink( keepsNumbers ? std::vector<std::uint32_t>() : nodeNow );
 	}
 	++fractureVersion;
 }

@@ -8,20 +8,26 @@ namespace pliant {
 
 namespace {
 
-/// Links from each cell to the nearest surface cell, counted up to `most`; `most` + 1 beyond.
+/// Links from each cell to the nearest surface cell, counted up to `most`, at least 1; `most` + 1 beyond. What lies below the surface asks it, and not the
+/// other way round: of a cut body most cells are surface.
 std::vector<int> depthBelowSurface( const Lattice& lattice, int most )
 {
 	std::vector<int> depth( std::size_t( lattice.cellCount() ), most + 1 );
 	std::vector<std::uint32_t> ring, next;
 	for ( std::uint32_t i = 0; i < std::uint32_t( lattice.cellCount() ); ++i )
 	{
+		const auto first = lattice.linkTo.begin() + lattice.linkStart[i], last = lattice.linkTo.begin() + lattice.linkStart[i + 1];
 		if ( lattice.isSurface[i] != 0 )
 		{
 			depth[i] = 0;
+		}
+		else if ( std::any_of( first, last, [&lattice]( std::uint32_t to ) { return lattice.isSurface[to] != 0; } ) )
+		{
+			depth[i] = 1;
 			ring.push_back( i );
 		}
 	}
-	for ( int layer = 1; layer <= most; ++layer )
+	for ( int layer = 2; layer <= most; ++layer )
 	{
 		next.clear();
 		for ( const std::uint32_t i : ring )

@@ -172,8 +172,24 @@ void NodeGuard::lead( std::size_t first, std::size_t end, bool isLast )
 	}
 }
 
-template <class FindTouch>
-void NodeGuard::lookAt( const Vec3d& low, const Vec3d& high, const ObstacleMotion& motion, const FindTouch& find )
+namespace {
+
+/// What is so far from a box that it cannot come to it.
+struct FarBox
+{
+	Vec3d low, high;
+
+	bool operator()( const Vec3d& centre, const Vec3d& way, double radius ) const
+	{
+		const Vec3d to = centre + way;
+		return ( ( centre.cwiseMin( to ) - high ).array() > radius ).any() || ( ( low - centre.cwiseMax( to ) ).array() > radius ).any();
+	}
+};
+
+} // namespace
+
+template <class IsFar, class FindTouch>
+void NodeGuard::lookAt( const ObstacleMotion& motion, const IsFar& isFar, const FindTouch& find )
 {
 	const NodeShape& shape = *m_body->impl().shape;
 	for ( const int node : m_nodes )
@@ -185,8 +201,7 @@ void NodeGuard::lookAt( const Vec3d& low, const Vec3d& high, const ObstacleMotio
 		sphere.radius = ( isBare ? 1.0 : kGuardShare ) * radius;
 		const Vec3d along = motion.way( sphere.centre, m_h );
 		sphere.way = m_way[std::size_t( node )] - along;
-		const Vec3d to = sphere.centre + sphere.way;
-		if ( ( ( sphere.centre.cwiseMin( to ) - high ).array() > radius ).any() || ( ( low - sphere.centre.cwiseMax( to ) ).array() > radius ).any() )
+		if ( isFar( sphere.centre, sphere.way, radius ) )
 		{
 			continue;
 		}
@@ -215,9 +230,16 @@ void NodeGuard::look( const Obstacle& part, const ObstacleMotion& motion )
 	{
 		return;
 	}
+	const auto find = [&part]( const MovingSphere& sphere, Touch& touch ) { return findTouch( part, sphere, touch ); };
+	if ( type == STATIC_PLANE_PROXYTYPE ) // whose box is everywhere
+	{
+		const FarPlane far( part );
+		lookAt( motion, [&far]( const Vec3d& centre, const Vec3d& way, double radius ) { return far.isClear( centre, way, radius ); }, find );
+		return;
+	}
 	btVector3 low, high;
 	part.shape->getAabb( part.transform(), low, high );
-	lookAt( toVec3d( low ), toVec3d( high ), motion, [&]( const MovingSphere& sphere, Touch& touch ) { return findTouch( part, sphere, touch ); } );
+	lookAt( motion, FarBox{ toVec3d( low ), toVec3d( high ) }, find );
 }
 
 void NodeGuard::lookAtMesh( const Obstacle& mesh, const ObstacleMotion& motion )
@@ -248,7 +270,8 @@ void NodeGuard::lookAtMesh( const Obstacle& mesh, const ObstacleMotion& motion )
 			{
 				placed[k] = mesh->basis * toVec3d( corners[k] ) + mesh->position;
 			}
-			guard->lookAt( placed[0].cwiseMin( placed[1] ).cwiseMin( placed[2] ), placed[0].cwiseMax( placed[1] ).cwiseMax( placed[2] ), *motion,
+			const FarBox box{ placed[0].cwiseMin( placed[1] ).cwiseMin( placed[2] ), placed[0].cwiseMax( placed[1] ).cwiseMax( placed[2] ) };
+			guard->lookAt( *motion, box,
 				[&placed]( const MovingSphere& sphere, Touch& touch ) { return findTouch( placed, sphere, touch ); } );
 		}
 	} call;

@@ -44,8 +44,8 @@ private:
 	void turnAway( const std::vector<const btCollisionObject*>& walls );
 	void look( const Obstacle& part, const ObstacleMotion& motion );
 	void lookAtMesh( const Obstacle& mesh, const ObstacleMotion& motion );
-	template <class FindTouch>
-	void lookAt( const Vec3d& low, const Vec3d& high, const ObstacleMotion& motion, const FindTouch& find );
+	template <class IsFar, class FindTouch>
+	void lookAt( const ObstacleMotion& motion, const IsFar& isFar, const FindTouch& find );
 	void lead( std::size_t first, std::size_t end, bool isLast );
 
 	SoftBody* m_body = nullptr;

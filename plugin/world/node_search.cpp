@@ -146,10 +146,17 @@ MovingSphere NodeSearch::sphereOf( int node ) const
 // A plane's box is everywhere: every node is asked, the deep ones too, for here no tree is needed.
 void NodeSearch::plane( const Obstacle& obstacle )
 {
-	const int count = m_soft->nodeCount();
+	const NodeState& nodes = m_soft->impl().body->nodes();
+	const FarPlane far( obstacle );
+	const double radius = ( m_notesNear ? 2.0 * kCornerReach : 1.0 ) * double( m_soft->impl().shape->largestRadius() ); // foresee asks for the parents' corners
 	Touch touch;
-	for ( int node = 0; node < count; ++node )
+	for ( int node = 0; node < nodes.count; ++node )
 	{
+		const Vec3d centre = nodes.x.get( node ).cast<double>();
+		if ( far.isClear( centre, m_step * nodes.v.get( node ).cast<double>() - m_motion.way( centre, m_step ), radius ) )
+		{
+			continue;
+		}
 		if ( findTouch( obstacle, sphereOf( node ), touch ) )
 		{
 			m_hits.push_back( NodeHit{ std::uint64_t( node ) << 32 | m_leaf, touch, obstacle.part, obstacle.index } );

@@ -18,6 +18,9 @@ namespace pliant {
 
 namespace {
 
+/// Clear of a plane is what misses it by more than this share of a radius: rounding, of a world ten thousand kilometres wide.
+constexpr double kFarSlack = 1e-6;
+
 Vec3d toEigen( const btVector3& a )
 {
 	return { double( a.x() ), double( a.y() ), double( a.z() ) };
@@ -250,6 +253,19 @@ bool findTouch( const Obstacle& obstacle, const MovingSphere& sphere, Touch& tou
 		return find( sphere, touch ) && sphere.reaches( touch.normal, touch.distance );
 	}
 	return findConvexTouch( sphere, touch, find );
+}
+
+FarPlane::FarPlane( const Obstacle& plane )
+{
+	const auto& shape = *static_cast<const btStaticPlaneShape*>( plane.shape );
+	m_normal = plane.basis * toEigen( shape.getPlaneNormal() );
+	m_constant = m_normal.dot( plane.position ) + double( shape.getPlaneConstant() );
+}
+
+// What `reaches` asks, the other way round:   n . x - c + min( 0, n . w ) > r ( 1 + slop )
+bool FarPlane::isClear( const Vec3d& centre, const Vec3d& way, double radius ) const
+{
+	return m_normal.dot( centre ) - m_constant + std::min( 0.0, m_normal.dot( way ) ) > radius * ( 1.0 + kContactSlop ) * ( 1.0 + kFarSlack );
 }
 
 bool findBallTouch( double radius, const Vec3d& at, const MovingSphere& sphere, Touch& touch )

@@ -49,10 +49,24 @@ struct Touch
 /// The touch of a sphere with a plane or a convex shape in this step. False when it meets nothing.
 bool findTouch( const Obstacle& obstacle, const MovingSphere& sphere, Touch& touch );
 
-/// The same for a sphere around `at`: what findTouch would say of it, sooner.
+/// A plane to those who ask it for many spheres: most are far from it, and that takes less to say than where they would touch.
+class FarPlane
+{
+public:
+	/// `plane`: of type STATIC_PLANE_PROXYTYPE.
+	explicit FarPlane( const Obstacle& plane );
+	/// Never of a sphere that findTouch finds to touch; of all others, but for rounding. It has a centre, a way, and `radius` at most.
+	bool isClear( const Vec3d& centre, const Vec3d& way, double radius ) const;
+
+private:
+	Vec3d m_normal;
+	double m_constant;
+};
+
+/// The touch with a sphere around `at`: what findTouch would say of it, sooner.
 bool findBallTouch( double radius, const Vec3d& at, const MovingSphere& sphere, Touch& touch );
 
-/// The same for a triangle of a mesh; corners relative to the soft body's origin. Both sides count.
+/// The touch with a triangle of a mesh; corners relative to the soft body's origin. Both sides count.
 bool findTouch( const Vec3d ( &corners )[3], const MovingSphere& sphere, Touch& touch );
 
 } // namespace pliant

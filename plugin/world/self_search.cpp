@@ -7,7 +7,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
 namespace pliant {
 
@@ -20,9 +19,9 @@ double radiusOf( const SoftBody::Impl& impl, int node )
 
 } // namespace
 
-void SelfSearch::forget()
+void SelfSearch::relink( const std::vector<std::uint32_t>& nodeNow )
 {
-	m_placeThen.clear();
+	m_near.renumber( nodeNow );
 	m_depth.clear();
 	m_slack.clear();
 	m_isFirst = true;
@@ -30,7 +29,7 @@ void SelfSearch::forget()
 
 void SelfSearch::renumber( const std::vector<std::uint32_t>& nodeNow )
 {
-	m_placeThen.clear();
+	m_near.renumber( nodeNow );
 	std::size_t kept = 0;
 	for ( const Slack& slack : m_slack )
 	{
@@ -45,128 +44,17 @@ void SelfSearch::renumber( const std::vector<std::uint32_t>& nodeNow )
 
 const std::vector<NodeHit>& SelfSearch::find( const SoftBody& soft, double step )
 {
-	const SoftBody::Impl& impl = soft.impl();
 	m_soft = &soft;
-	m_body = impl.body.get();
+	m_body = soft.impl().body.get();
 	m_step = step;
-	const Levels* levels = m_body->levels();
-	m_rowStart = levels ? &levels->matrix().start : &m_body->lattice().linkStart;
-	m_rowTo = levels ? &levels->matrix().member : &m_body->lattice().linkTo;
 	m_rotation.clear();
 	m_hits.clear();
-	if ( !mayUseNear() )
-	{
-		gatherNear();
-	}
-	for ( const std::uint64_t pair : m_near )
+	for ( const std::uint64_t pair : m_near.of( soft, step ) )
 	{
 		consider( int( pair >> 32 ), int( pair & 0xffffffffu ) );
 	}
 	giveSlack();
 	return m_hits;
-}
-
-namespace {
-
-Vec3 meanPlace( const NodeState& nodes )
-{
-	Vec3 sum = Vec3::Zero();
-	for ( int i = 0; i < nodes.count; ++i )
-	{
-		sum += nodes.x.get( i );
-	}
-	return sum / float( nodes.count );
-}
-
-} // namespace
-
-// Verlet's neighbour list. A pair further apart then than its radii and the margin has not met as long as
-//   2 max | x - x_then | + min( m / 2, 2 h max | v - v_mean | ) <= m
-// places relative to their mean: what flies along with all others stays where it is. The second term is what they come closer in this step;
-// of what is faster than half a margin a step only that much is seen before.
-bool SelfSearch::mayUseNear()
-{
-	const NodeState& nodes = m_body->nodes();
-	if ( int( m_placeThen.size() ) != nodes.count )
-	{
-		return false;
-	}
-	const Vec3 mean = meanPlace( nodes );
-	Vec3 drift = Vec3::Zero();
-	for ( int i = 0; i < nodes.count; ++i )
-	{
-		drift += nodes.v.get( i );
-	}
-	drift /= float( nodes.count );
-	float moved = 0.0f, fastest = 0.0f;
-	for ( int i = 0; i < nodes.count; ++i )
-	{
-		moved = std::max( moved, ( nodes.x.get( i ) - mean - m_placeThen[std::size_t( i )] ).squaredNorm() );
-		fastest = std::max( fastest, ( nodes.v.get( i ) - drift ).squaredNorm() );
-	}
-	const double closing = 2.0 * m_step * std::sqrt( double( fastest ) );
-	return 2.0 * std::sqrt( double( moved ) ) + std::min( m_margin / 2.0, closing ) <= m_margin;
-}
-
-void SelfSearch::gatherNear()
-{
-	const NodeState& nodes = m_body->nodes();
-	const NodeShape& shape = *m_soft->impl().shape;
-	m_margin = kNearMargin * double( shape.largestRadius() );
-	const Vec3 mean = meanPlace( nodes );
-	m_placeThen.resize( std::size_t( nodes.count ) );
-	for ( int i = 0; i < nodes.count; ++i )
-	{
-		m_placeThen[std::size_t( i )] = nodes.x.get( i ) - mean;
-	}
-	m_spheres.clear();
-	for ( int node = 0; node < nodes.count; ++node )
-	{
-		if ( shape.childOfNode( node ) >= 0 )
-		{
-			m_spheres.push_back( { m_placeThen[std::size_t( node )], float( shape.sphereOfNode( node )->getRadius() ), std::uint32_t( node ) } );
-		}
-	}
-	m_close.clear();
-	m_pairs.find( m_spheres, float( kContactSlop ), float( m_margin ), m_close );
-	keepFree();
-}
-
-// Of the close pairs, those that no region holds together, ascending: linked neither to one another nor to a third. Links go both ways: a third
-// stands in both rows.
-void SelfSearch::keepFree()
-{
-	const std::size_t count = m_placeThen.size();
-	std::vector<std::uint32_t> start( count + 1, 0 ), other( m_close.size() );
-	for ( const std::uint64_t pair : m_close )
-	{
-		++start[( pair >> 32 ) + 1];
-	}
-	std::partial_sum( start.begin(), start.end(), start.begin() );
-	std::vector<std::uint32_t> next( start.begin(), start.end() - 1 );
-	for ( const std::uint64_t pair : m_close )
-	{
-		other[next[pair >> 32]++] = std::uint32_t( pair );
-	}
-	m_near.clear();
-	std::vector<std::uint32_t> owner( count, kNoNode ); // the last node in whose row each stood
-	for ( std::uint32_t a = 0; a < std::uint32_t( count ); ++a )
-	{
-		for ( std::uint32_t k = ( *m_rowStart )[a]; start[a] < start[a + 1] && k < ( *m_rowStart )[a + 1]; ++k )
-		{
-			owner[( *m_rowTo )[k]] = a;
-		}
-		for ( std::uint32_t k = start[a]; k < start[a + 1]; ++k )
-		{
-			const std::uint32_t b = other[k];
-			const auto first = m_rowTo->begin() + ( *m_rowStart )[b], last = m_rowTo->begin() + ( *m_rowStart )[b + 1];
-			if ( owner[b] != a && std::none_of( first, last, [&owner, a]( std::uint32_t third ) { return owner[third] == a; } ) )
-			{
-				m_near.push_back( std::uint64_t( a ) << 32 | b );
-			}
-		}
-	}
-	std::sort( m_near.begin(), m_near.end() );
 }
 
 void SelfSearch::consider( int a, int b )

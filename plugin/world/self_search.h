@@ -9,7 +9,7 @@
 // pushed back the way they came, and not on. The paper looks the penetration depth up in its distance field; here it is the spheres', as in all
 // other contacts, and the field says only which way.
 
-#include "world/close_pairs.h"
+#include "world/near_pairs.h"
 #include "world/node_search.h"
 
 #include <cstdint>
@@ -25,9 +25,9 @@ class SelfSearch
 public:
 	/// Normals point from the node of the higher number to that of the lower, which comes first in the key.
 	const std::vector<NodeHit>& find( const SoftBody& soft, double step );
-	/// Links have been cut: what is known of the body is measured anew.
-	void forget();
-	/// Nodes have other numbers: `nodeNow` by the number before, kNoNode where the node is gone; in the same order.
+	/// Links have been cut: what is known of the body is measured anew. `nodeNow` by the number before, kNoNode where the node is gone; empty: the same.
+	void relink( const std::vector<std::uint32_t>& nodeNow );
+	/// Nodes have other numbers: the same; in the same order.
 	void renumber( const std::vector<std::uint32_t>& nodeNow );
 
 private:
@@ -38,9 +38,6 @@ private:
 		double depth; ///< m
 	};
 
-	bool mayUseNear();
-	void gatherNear();
-	void keepFree();
 	void consider( int a, int b );
 	Touch touchOf( int a, int b, const Vec3& apart );
 	bool faceAwayAtRest( int a, int b );
@@ -51,17 +48,8 @@ private:
 	const SoftBody* m_soft = nullptr;
 	const Body* m_body = nullptr;
 	double m_step = 0.0;
-	const std::vector<std::uint32_t>* m_rowStart = nullptr; ///< of each node: those a region holds with it, ascending
-	const std::vector<std::uint32_t>* m_rowTo = nullptr;
 	std::vector<NodeHit> m_hits;
-	/// Pairs that may touch before any node has moved by half a margin against the others; most bodies in one piece have none, and then
-	/// nothing is looked for until they have.
-	std::vector<std::uint64_t> m_near;
-	std::vector<std::uint64_t> m_close; ///< pairs near enough, held together or not
-	ClosePairs m_pairs;
-	std::vector<ClosePairs::Sphere> m_spheres; ///< of nodes that collide
-	std::vector<Vec3> m_placeThen; ///< of each node when they were gathered, relative to the mean; empty: gather them now
-	double m_margin = 0.0;         ///< m
+	NearPairs m_near;
 	std::vector<std::uint32_t> m_depth;   ///< floodInside; empty: not asked for yet
 	std::vector<float> m_rotation;        ///< 4 a node; empty: not asked for in this search
 	std::vector<Slack> m_slack, m_slackNext; ///< by key

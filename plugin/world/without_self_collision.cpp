@@ -22,7 +22,7 @@ const std::vector<NodeHit>& SelfSearch::find( const SoftBody&, double )
 	return m_hits; // none
 }
 
-void SelfSearch::forget() {}
+void SelfSearch::relink( const std::vector<std::uint32_t>& ) {}
 void SelfSearch::renumber( const std::vector<std::uint32_t>& ) {}
 
 } // namespace pliant

@@ -13,6 +13,38 @@ namespace {
 
 using Spheres = std::vector<ClosePairs::Sphere>;
 
+/// Rows of what is held together, both ways.
+struct Rows
+{
+	std::vector<std::uint32_t> start, to;
+
+	ClosePairs::Held held() const { return { start, to }; }
+	bool stands( std::uint32_t a, std::uint32_t b ) const { return std::find( to.begin() + start[a], to.begin() + start[a + 1], b ) != to.begin() + start[a + 1]; }
+	bool hold( std::uint32_t a, std::uint32_t b ) const
+	{
+		return stands( a, b ) || std::any_of( to.begin() + start[a], to.begin() + start[a + 1], [this, b]( std::uint32_t third ) { return stands( b, third ); } );
+	}
+};
+
+Rows someRows( std::mt19937& random, std::uint32_t numbers )
+{
+	std::vector<std::vector<std::uint32_t>> rows( numbers );
+	for ( std::uint32_t k = 0; k < 2 * numbers; ++k )
+	{
+		const std::uint32_t a = random() % numbers, b = random() % numbers;
+		rows[a].push_back( b );
+		rows[b].push_back( a );
+	}
+	Rows flat;
+	flat.start.push_back( 0 );
+	for ( const std::vector<std::uint32_t>& row : rows )
+	{
+		flat.to.insert( flat.to.end(), row.begin(), row.end() );
+		flat.start.push_back( std::uint32_t( flat.to.size() ) );
+	}
+	return flat;
+}
+
 std::vector<std::uint64_t> allClose( const Spheres& spheres, float slop, float margin )
 {
 	std::vector<std::uint64_t> pairs;
@@ -54,15 +86,69 @@ TEST( ClosePairs, AreThoseOfAskingAll )
 	for ( int round = 0; round < 60; ++round )
 	{
 		const Vec3 box = round % 3 == 0 ? Vec3( 2.0f, 2.0f, 2.0f ) : round % 3 == 1 ? Vec3( 40.0f, 0.1f, 0.3f ) : Vec3( 3.0f, 0.0f, 3.0f );
-		Spheres spheres = someSpheres( random, 20 * ( round % 20 ), 1 + round % 4, box );
+		const Spheres spheres = someSpheres( random, 20 * ( round % 20 ), 1 + round % 4, box );
 		const std::vector<std::uint64_t> expected = allClose( spheres, 0.04f, 0.03f );
 		std::vector<std::uint64_t> pairs;
-		finder.find( spheres, 0.04f, 0.03f, pairs );
+		finder.find( spheres, 0.04f, 0.03f, nullptr, pairs );
 		std::sort( pairs.begin(), pairs.end() );
 		ASSERT_EQ( pairs, expected ) << round;
 		found += pairs.size();
 	}
 	EXPECT_GT( found, 5000u );
+}
+
+TEST( ClosePairs, LeaveOutWhatIsHeldTogether )
+{
+	std::mt19937 random( 9 );
+	ClosePairs finder;
+	std::size_t found = 0, heldBack = 0;
+	for ( int round = 0; round < 30; ++round )
+	{
+		const Spheres spheres = someSpheres( random, 300, 1 + round % 3, Vec3( 1.5f, 1.5f, 1.5f ) );
+		const Rows rows = someRows( random, 900 ); // numbers go in threes
+		std::vector<std::uint64_t> expected;
+		for ( const std::uint64_t pair : allClose( spheres, 0.04f, 0.03f ) )
+		{
+			const bool isHeld = rows.hold( std::uint32_t( pair >> 32 ), std::uint32_t( pair ) );
+			heldBack += isHeld ? 1 : 0;
+			if ( !isHeld )
+			{
+				expected.push_back( pair );
+			}
+		}
+		std::vector<std::uint64_t> pairs;
+		const ClosePairs::Held held = rows.held();
+		finder.find( spheres, 0.04f, 0.03f, &held, pairs );
+		std::sort( pairs.begin(), pairs.end() );
+		ASSERT_EQ( pairs, expected ) << round;
+		found += pairs.size();
+	}
+	EXPECT_GT( found, 5000u );
+	EXPECT_GT( heldBack, 100u );
+}
+
+TEST( ClosePairs, OfSomeAreThoseOfAllThatHaveOneOfThem )
+{
+	std::mt19937 random( 10 );
+	ClosePairs finder;
+	std::size_t found = 0;
+	for ( int round = 0; round < 30; ++round )
+	{
+		const Spheres spheres = someSpheres( random, 10 * round, 1 + round % 3, Vec3( 1.0f, 1.0f, 1.0f ) );
+		const Rows rows = someRows( random, 900 );
+		const ClosePairs::Held held = rows.held();
+		std::vector<std::uint8_t> isOf( 900, 0 );
+		std::generate( isOf.begin(), isOf.end(), [&random] { return std::uint8_t( random() % 5 == 0 ); } );
+		std::vector<std::uint64_t> all, expected, pairs;
+		finder.find( spheres, 0.04f, 0.03f, &held, all );
+		std::copy_if( all.begin(), all.end(), std::back_inserter( expected ), [&isOf]( std::uint64_t pair ) { return isOf[pair >> 32] != 0 || isOf[std::uint32_t( pair )] != 0; } );
+		finder.findOf( spheres, isOf, 0.04f, 0.03f, &held, pairs );
+		std::sort( expected.begin(), expected.end() );
+		std::sort( pairs.begin(), pairs.end() );
+		ASSERT_EQ( pairs, expected ) << round;
+		found += pairs.size();
+	}
+	EXPECT_GT( found, 1000u );
 }
 
 /// One has flown off farther than there are numbers for cells: the others' grid still holds.
@@ -75,7 +161,7 @@ TEST( ClosePairs, AreFoundBesideOneThatHasFlownOff )
 		spheres.push_back( { Vec3( 1e12f, -1e12f, 0.0f ), radius, 1000 } );
 		const std::vector<std::uint64_t> expected = allClose( spheres, 0.0f, 0.0f );
 		std::vector<std::uint64_t> pairs;
-		ClosePairs().find( spheres, 0.0f, 0.0f, pairs );
+		ClosePairs().find( spheres, 0.0f, 0.0f, nullptr, pairs );
 		std::sort( pairs.begin(), pairs.end() );
 		EXPECT_EQ( pairs, expected );
 		EXPECT_FALSE( pairs.empty() );

@@ -5,6 +5,7 @@
 #include "world/node_shape.h"
 #include "world/soft_body_impl.h"
 
+#include <algorithm>
 #include <cstdio>
 #include <vector>
 
@@ -55,7 +56,28 @@ protected:
 	SoftBody* soft;
 };
 
-// On one level, and on three.
+/// On one level, and on three. Nodes that have a cell no more links below the surface than they are cells wide.
+TEST_P( CrackedShape, HasSpheresAtTheSurfaceAndOneLayerBelow )
+{
+	for ( int k = 0; k < 2; ++k )
+	{
+		soft->requestRefinement( btVector3( -1, 1, -1 ), btVector3( 0, 3, 1 ) ); // the rest stays as it is
+		test.run( 2 );
+	}
+	const Body& body = *soft->impl().body;
+	std::vector<int> layer( std::size_t( body.nodeCount() ), 9 );
+	for ( int cell = 0; cell < body.lattice().cellCount(); ++cell )
+	{
+		const Eigen::Vector3i at = body.lattice().coordinate[std::size_t( cell )].cast<int>();
+		int& own = layer[std::size_t( body.nodeOfCell( std::uint32_t( cell ) ) )];
+		own = std::min( { own, at.minCoeff(), 8 - at.maxCoeff() } );
+	}
+	for ( int node = 0; node < body.nodeCount(); ++node )
+	{
+		EXPECT_EQ( soft->impl().shape->childOfNode( node ) >= 0, layer[std::size_t( node )] <= 1 << soft->nodeLevel( node ) );
+	}
+}
+
 TEST_P( CrackedShape, HasTheSpheresOfANewOne )
 {
 	int kept = 0, added = 0;
