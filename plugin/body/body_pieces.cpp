@@ -13,10 +13,9 @@ namespace pliant {
 
 namespace {
 
-/// The connected parts, heaviest first, equals by lowest cell.
-std::vector<std::vector<std::uint32_t>> partsByMass( const Lattice& lattice )
+/// Heaviest first, equals by lowest cell.
+std::vector<std::vector<std::uint32_t>> byMass( const Lattice& lattice, std::vector<std::vector<std::uint32_t>> parts )
 {
-	std::vector<std::vector<std::uint32_t>> parts = connectedParts( lattice );
 	std::vector<std::pair<double, std::size_t>> order;
 	for ( std::size_t k = 0; k < parts.size(); ++k )
 	{
@@ -104,7 +103,7 @@ Material rigidMaterial( const Material& of )
 std::vector<BodyPiece> Body::breakApart( BreakReport& report, int most, PieceRoad road )
 {
 	const std::vector<CellLink> broken = brokenLinks();
-	const std::vector<std::uint32_t> touched = m_levels ? cellsOf( broken, m_healedLinks ) : std::vector<std::uint32_t>(); // only levels ask
+	const std::vector<std::uint32_t> touched = cellsOf( broken, m_healedLinks );
 	report = reportOn( broken );
 	report.broken = broken;
 	report.hasHealed = !m_healedLinks.empty();
@@ -115,7 +114,8 @@ std::vector<BodyPiece> Body::breakApart( BreakReport& report, int most, PieceRoa
 	{
 		m_breaking->broken.clear();
 	}
-	std::vector<std::vector<std::uint32_t>> parts = partsByMass( *whole );
+	const bool wasOnePart = m_isOnePart && !touched.empty();
+	std::vector<std::vector<std::uint32_t>> parts = byMass( *whole, wasOnePart ? connectedParts( *whole, touched ) : connectedParts( *whole ) );
 	removeSmall( parts, report );
 	const bool isMerged = parts.size() > std::size_t( most );
 	keepMost( parts, std::size_t( most ) );
@@ -165,7 +165,8 @@ void Body::addNodesOfRigid( std::vector<std::uint32_t>& nodes ) const
 	{
 		return;
 	}
-	const std::vector<std::vector<std::uint32_t>> parts = partsByMass( relinked( *m_lattice, brokenLinks(), m_healedLinks ) );
+	const Lattice open = relinked( *m_lattice, brokenLinks(), m_healedLinks );
+	const std::vector<std::vector<std::uint32_t>> parts = byMass( open, connectedParts( open ) );
 	for ( std::size_t k = 1; k < parts.size(); ++k )
 	{
 		for ( std::size_t i = 0; isSmall( parts[k] ) && i < parts[k].size(); ++i )

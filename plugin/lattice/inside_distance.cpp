@@ -13,7 +13,8 @@ constexpr std::uint32_t kUnreached = std::numeric_limits<std::uint32_t>::max();
 std::uint32_t linkTenths( const Lattice& lattice, std::uint32_t a, std::uint32_t b )
 {
 	// Two parts of one lattice position are never linked: the difference has one to three axes.
-	return kLinkTenths[( lattice.coordinate[a] - lattice.coordinate[b] ).cast<int>().cwiseAbs().sum()];
+	const auto &p = lattice.coordinate[a], &q = lattice.coordinate[b];
+	return kLinkTenths[int( p.x() != q.x() ) + int( p.y() != q.y() ) + int( p.z() != q.z() )];
 }
 
 } // namespace
@@ -35,7 +36,10 @@ std::vector<std::uint32_t> floodInside( const Lattice& lattice )
 		}
 		for ( std::uint32_t k = lattice.linkStart[cell]; k < lattice.linkStart[cell + 1]; ++k )
 		{
-			depth[cell] = lattice.isSurface[lattice.linkTo[k]] ? std::min( depth[cell], linkTenths( lattice, cell, lattice.linkTo[k] ) ) : depth[cell];
+			if ( lattice.isSurface[lattice.linkTo[k]] )
+			{
+				depth[cell] = std::min( depth[cell], linkTenths( lattice, cell, lattice.linkTo[k] ) );
+			}
 		}
 		if ( depth[cell] != kUnreached )
 		{
@@ -57,8 +61,12 @@ std::vector<std::uint32_t> floodInside( const Lattice& lattice )
 			}
 			for ( std::uint32_t k = lattice.linkStart[cell]; k < lattice.linkStart[cell + 1]; ++k )
 			{
-				const std::uint32_t to = lattice.linkTo[k], distance = reached + linkTenths( lattice, cell, to );
-				if ( distance < depth[to] )
+				const std::uint32_t to = lattice.linkTo[k];
+				if ( depth[to] <= reached + kLinkTenths[1] )
+				{
+					continue; // no link is shorter
+				}
+				if ( const std::uint32_t distance = reached + linkTenths( lattice, cell, to ); distance < depth[to] )
 				{
 					depth[to] = distance;
 					buckets[distance % buckets.size()].push_back( to );

@@ -1,6 +1,7 @@
 #include "lattice/pieces.h"
 
 #include "lattice/constants.h"
+#include "lattice/union_find.h"
 
 #include <algorithm>
 
@@ -47,15 +48,22 @@ Lattice withoutLinks( const Lattice& lattice, const std::vector<CellLink>& links
 	Lattice now = lattice;
 	auto next = gone.begin();
 	std::uint32_t kept = 0;
-	for ( std::uint32_t i = 0; i < std::uint32_t( lattice.cellCount() ); ++i )
+	const std::uint32_t cells = std::uint32_t( lattice.cellCount() );
+	for ( std::uint32_t i = 0; i < cells; ++i )
 	{
-		now.linkStart[i] = kept;
-		if ( next == gone.end() || next->a != i )
+		// Rows that lose nothing, all up to the next that does.
+		const std::uint32_t end = next == gone.end() ? cells : next->a, first = lattice.linkStart[i], lost = first - kept;
+		std::copy( lattice.linkTo.begin() + first, lattice.linkTo.begin() + lattice.linkStart[end], now.linkTo.begin() + kept );
+		kept += lattice.linkStart[end] - first;
+		for ( ; i < end; ++i )
 		{
-			std::copy( lattice.linkTo.begin() + lattice.linkStart[i], lattice.linkTo.begin() + lattice.linkStart[i + 1], now.linkTo.begin() + kept );
-			kept += lattice.linkStart[i + 1] - lattice.linkStart[i];
-			continue;
+			now.linkStart[i] -= lost;
 		}
+		if ( i == cells )
+		{
+			break;
+		}
+		now.linkStart[i] = kept;
 		for ( std::uint32_t k = lattice.linkStart[i]; k < lattice.linkStart[i + 1]; ++k )
 		{
 			if ( next != gone.end() && next->a == i && next->b == lattice.linkTo[k] )
@@ -138,6 +146,100 @@ std::vector<std::vector<std::uint32_t>> connectedParts( const Lattice& lattice )
 	for ( std::uint32_t i = 0; i < count; ++i )
 	{
 		cells[partOf[i]].push_back( i );
+	}
+	return cells;
+}
+
+namespace {
+
+/// Some cells' surroundings, growing side by side.
+class SideBySide
+{
+public:
+	SideBySide( const Lattice& lattice, const std::vector<std::uint32_t>& seeds ) :
+		m_lattice( lattice ), m_own( std::size_t( lattice.cellCount() ), kNone ), m_sets( seeds.size() ), m_waiting( seeds.size(), 1 ), m_growing( seeds.size() ), m_queue( seeds )
+	{
+		for ( std::size_t k = 0; k < seeds.size(); ++k )
+		{
+			m_own[seeds[k]] = std::uint32_t( k );
+		}
+	}
+
+	/// Until one alone could go on: what nobody has come to is its own.
+	void grow()
+	{
+		for ( std::size_t at = 0; m_growing > 1 && at < m_queue.size(); ++at )
+		{
+			const std::uint32_t cell = m_queue[at];
+			std::uint32_t own = m_sets.find( m_own[cell] );
+			for ( std::uint32_t k = m_lattice.linkStart[cell]; k < m_lattice.linkStart[cell + 1]; ++k )
+			{
+				const std::uint32_t to = m_lattice.linkTo[k];
+				if ( m_own[to] == kNone )
+				{
+					m_own[to] = own;
+					m_queue.push_back( to );
+					++m_waiting[own];
+				}
+				else if ( const std::uint32_t other = m_sets.find( m_own[to] ); other != own )
+				{
+					m_sets.join( own, other );
+					const int both = m_waiting[own] + m_waiting[other];
+					m_growing -= m_waiting[other] > 0 ? 1 : 0; // its own still has this cell to do
+					own = m_sets.find( own );
+					m_waiting[own] = both;
+				}
+			}
+			m_growing -= --m_waiting[own] == 0 ? 1 : 0;
+		}
+	}
+
+	/// Of each cell: the set it is of. Those that nobody has come to are of the one that could go on.
+	std::vector<std::uint32_t> sets()
+	{
+		std::uint32_t rest = 0;
+		for ( std::uint32_t set = 0; set < std::uint32_t( m_waiting.size() ); ++set )
+		{
+			rest = m_sets.find( set ) == set && m_waiting[set] > 0 ? set : rest;
+		}
+		std::vector<std::uint32_t> of;
+		of.reserve( m_own.size() );
+		for ( const std::uint32_t own : m_own )
+		{
+			of.push_back( own == kNone ? rest : m_sets.find( own ) );
+		}
+		return of;
+	}
+
+private:
+	static constexpr std::uint32_t kNone = ~0u;
+
+	const Lattice& m_lattice;
+	std::vector<std::uint32_t> m_own; ///< of each cell: the seed it was come to from
+	UnionFind m_sets;                 ///< of seeds
+	std::vector<int> m_waiting;       ///< of each set: cells in the queue
+	std::size_t m_growing;            ///< sets that have any
+	std::vector<std::uint32_t> m_queue;
+};
+
+} // namespace
+
+std::vector<std::vector<std::uint32_t>> connectedParts( const Lattice& lattice, const std::vector<std::uint32_t>& seeds )
+{
+	SideBySide search( lattice, seeds );
+	search.grow();
+	std::vector<std::uint32_t> partOf( std::max( std::size_t( 1 ), seeds.size() ), ~0u );
+	std::vector<std::vector<std::uint32_t>> cells;
+	const std::vector<std::uint32_t> sets = search.sets();
+	for ( std::uint32_t cell = 0; cell < std::uint32_t( sets.size() ); ++cell )
+	{
+		std::uint32_t& part = partOf[sets[cell]];
+		if ( part == ~0u )
+		{
+			part = std::uint32_t( cells.size() );
+			cells.emplace_back();
+		}
+		cells[part].push_back( cell );
 	}
 	return cells;
 }

@@ -210,6 +210,9 @@ void SkinFade::start( const SkinBinding& binding, const Nodes& nodes )
 	const std::vector<char> changed = changedSlots( nodes, isFresh, visible );
 	const std::uint32_t* const slot = nodes.pose.slotOfCell;
 
+	std::vector<char> cellChanged( m_slotBefore.size() ); // asked by every vertex for each of its cells
+	std::transform( slot, slot + cellChanged.size(), cellChanged.begin(), [&changed]( std::uint32_t of ) { return changed[of]; } );
+
 	std::vector<std::uint32_t> vertices;
 	std::vector<Vec3> offsets;
 	std::size_t old = 0;
@@ -222,7 +225,7 @@ void SkinFade::start( const SkinBinding& binding, const Nodes& nodes )
 		{
 			offset = left * m_offset[old++];
 		}
-		const auto isChanged = [&]( std::uint32_t cell ) { return changed[slot[cell]] != 0; };
+		const auto isChanged = [&cellChanged]( std::uint32_t cell ) { return cellChanged[cell] != 0; };
 		const std::uint32_t carrier = binding.carrierOf( v );
 		if ( std::any_of( binding.node.begin() + binding.start[carrier], binding.node.begin() + binding.start[carrier + 1], isChanged ) )
 		{

@@ -136,11 +136,13 @@ NodeColliders measureColliders( const Lattice& lattice, const Octree& octree, co
 	std::copy( depth.begin(), depth.end(), nearest.begin() );
 	std::vector<double> reaches;
 	CellReaches cells( lattice );
-	for ( std::uint32_t node = 0; node < std::uint32_t( octree.nodeCount() ); ++node ) // children stand before their parents
+	int level = 0;
+	for ( std::uint32_t node = 0; node < std::uint32_t( octree.nodeCount() ); ++node ) // level by level: children stand before their parents
 	{
+		level += node == octree.levelStart[std::size_t( level ) + 1] ? 1 : 0;
 		const std::uint32_t old = before ? nodeBefore[node] : kNoNode;
 		colliders.radius.push_back( old == kNoNode ? radiusOf( lattice, octree, node, cells, reaches ) : before->radius[old] );
-		colliders.collides.push_back( nearest[node] <= 1 << octree.levelOf( node ) );
+		colliders.collides.push_back( nearest[node] <= 1 << level );
 		if ( const std::uint32_t parent = octree.parent[node]; parent != kNoNode )
 		{
 			nearest[parent] = std::min( nearest[parent], nearest[node] );

@@ -192,6 +192,7 @@ template <class IsFar, class FindTouch>
 void NodeGuard::lookAt( const ObstacleMotion& motion, const IsFar& isFar, const FindTouch& find )
 {
 	const NodeShape& shape = *m_body->impl().shape;
+	const bool isStill = motion.isStill();
 	for ( const int node : m_nodes )
 	{
 		const double radius = double( shape.sphereOfNode( node )->getRadius() );
@@ -199,7 +200,7 @@ void NodeGuard::lookAt( const ObstacleMotion& motion, const IsFar& isFar, const 
 		MovingSphere sphere;
 		sphere.centre = m_from[std::size_t( node )];
 		sphere.radius = ( isBare ? 1.0 : kGuardShare ) * radius;
-		const Vec3d along = motion.way( sphere.centre, m_h );
+		const Vec3d along = isStill ? Vec3d( Vec3d::Zero() ) : motion.way( sphere.centre, m_h );
 		sphere.way = m_way[std::size_t( node )] - along;
 		if ( isFar( sphere.centre, sphere.way, radius ) )
 		{

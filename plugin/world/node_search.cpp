@@ -149,11 +149,12 @@ void NodeSearch::plane( const Obstacle& obstacle )
 	const NodeState& nodes = m_soft->impl().body->nodes();
 	const FarPlane far( obstacle );
 	const double radius = ( m_notesNear ? 2.0 * kCornerReach : 1.0 ) * double( m_soft->impl().shape->largestRadius() ); // foresee asks for the parents' corners
+	const bool isStill = m_motion.isStill();
 	Touch touch;
 	for ( int node = 0; node < nodes.count; ++node )
 	{
-		const Vec3d centre = nodes.x.get( node ).cast<double>();
-		if ( far.isClear( centre, m_step * nodes.v.get( node ).cast<double>() - m_motion.way( centre, m_step ), radius ) )
+		const Vec3d centre = nodes.x.get( node ).cast<double>(), way = m_step * nodes.v.get( node ).cast<double>();
+		if ( far.isClear( centre, isStill ? way : Vec3d( way - m_motion.way( centre, m_step ) ), radius ) )
 		{
 			continue;
 		}

@@ -262,11 +262,7 @@ FarPlane::FarPlane( const Obstacle& plane )
 	m_constant = m_normal.dot( plane.position ) + double( shape.getPlaneConstant() );
 }
 
-// What `reaches` asks, the other way round:   n . x - c + min( 0, n . w ) > r ( 1 + slop )
-bool FarPlane::isClear( const Vec3d& centre, const Vec3d& way, double radius ) const
-{
-	return m_normal.dot( centre ) - m_constant + std::min( 0.0, m_normal.dot( way ) ) > radius * ( 1.0 + kContactSlop ) * ( 1.0 + kFarSlack );
-}
+const double FarPlane::kGrown = ( 1.0 + kContactSlop ) * ( 1.0 + kFarSlack );
 
 bool findBallTouch( double radius, const Vec3d& at, const MovingSphere& sphere, Touch& touch )
 {

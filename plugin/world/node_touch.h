@@ -10,6 +10,8 @@
 
 #include <Eigen/Geometry>
 
+#include <algorithm>
+
 class btSphereShape;
 
 namespace pliant {
@@ -55,10 +57,15 @@ class FarPlane
 public:
 	/// `plane`: of type STATIC_PLANE_PROXYTYPE.
 	explicit FarPlane( const Obstacle& plane );
-	/// Never of a sphere that findTouch finds to touch; of all others, but for rounding. It has a centre, a way, and `radius` at most.
-	bool isClear( const Vec3d& centre, const Vec3d& way, double radius ) const;
+	/// Never of a sphere that findTouch finds to touch; of all others, but for rounding. It has a centre, a way, and `radius` at most. What
+	/// MovingSphere::reaches asks, the other way round:   n . x - c + min( 0, n . w ) > r ( 1 + slop )
+	bool isClear( const Vec3d& centre, const Vec3d& way, double radius ) const
+	{
+		return m_normal.dot( centre ) - m_constant + std::min( 0.0, m_normal.dot( way ) ) > radius * kGrown;
+	}
 
 private:
+	static const double kGrown;
 	Vec3d m_normal;
 	double m_constant;
 };
