@@ -35,8 +35,6 @@ public:
 	/// needed, each time from where it stood. Limits are shares of what was off at the beginning. `goOn` returns the number of its products.
 	void begin( LinearSystem& system, const float* r );
 	int goOn( LinearSystem& system, float* x, const GradientLimits& limits );
-	/// r at x as it is now, as the iteration has kept it.
-	const float* residual() const { return m_r.data(); }
 	std::size_t bytes() const { return ( m_r.size() + m_z.size() + m_p.size() + m_ap.size() ) * sizeof( float ); }
 
 private:
