@@ -62,7 +62,7 @@ FineMoments updateFineMoments( const FineMoments& before, const CellChange& chan
 	const Octree& octree = tree.octree;
 	const RegionSet& set = update.fine.set;
 	FineMoments moments;
-	moments.covariance.resize( octree.parent.size() );
+	moments.covariance.reserve( octree.parent.size() ); // filled once: these are most of what an update copies
 	std::vector<std::uint8_t> isOld( octree.parent.size(), 1 ); // 0: to be measured again
 	for ( const std::uint32_t cell : update.collected )
 	{
@@ -76,9 +76,10 @@ FineMoments updateFineMoments( const FineMoments& before, const CellChange& chan
 		const bool isKept = isOld[n] != 0 && tree.nodeBefore[n] != kNoNode;
 		if ( isKept )
 		{
-			moments.covariance[n] = before.covariance[tree.nodeBefore[n]];
+			moments.covariance.push_back( before.covariance[tree.nodeBefore[n]] );
 			continue;
 		}
+		moments.covariance.emplace_back();
 		if ( n < octree.levelStart[1] )
 		{
 			measureFineRegion( change.now, update.fine, n, moments );

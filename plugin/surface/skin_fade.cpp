@@ -221,7 +221,8 @@ void SkinFade::start( const SkinBinding& binding, const Nodes& nodes )
 	for ( std::uint32_t v = 0; v < std::uint32_t( binding.restPosition.size() ); ++v )
 	{
 		Vec3 offset = Vec3::Zero();
-		if ( old < m_vertex.size() && m_vertex[old] == v )
+		const bool wasOff = old < m_vertex.size() && m_vertex[old] == v;
+		if ( wasOff )
 		{
 			offset = left * m_offset[old++];
 		}
@@ -231,6 +232,10 @@ void SkinFade::start( const SkinBinding& binding, const Nodes& nodes )
 		{
 			const Vec3 jump = follow( binding, m_mapBefore.data(), m_slotBefore.data(), v ) - follow( binding, m_mapNow.data(), slot, v );
 			offset += nodes.body.conjugate() * jump;
+		}
+		else if ( !wasOff )
+		{
+			continue; // most of them
 		}
 		const float length = offset.norm();
 		if ( length > visible )

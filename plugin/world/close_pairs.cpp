@@ -83,6 +83,7 @@ void ClosePairs::begin( std::size_t count, float slop, float margin, const Held*
 void ClosePairs::findOf( const std::vector<Sphere>& spheres, const std::vector<std::uint8_t>& isOf, float slop, float margin, const Held* held, std::vector<std::uint64_t>& pairs )
 {
 	begin( spheres.size(), slop, margin, held );
+	m_grid.clear();
 	m_asideCount = spheres.size();
 	for ( std::size_t i = 0; i < spheres.size(); ++i )
 	{
@@ -270,6 +271,7 @@ void ClosePairs::ask( const Vec3& place, float radius, std::size_t from )
 {
 	using Lanes = Eigen::Array<float, int( kWide ), 1>;
 	const auto lanes = []( const std::vector<float>& of, std::size_t at ) { return Eigen::Map<const Lanes>( of.data() + at ); };
+	const bool isRare = m_grid.empty(); // with no grid all are asked: of most eight nothing is near, and that is guessed right
 	std::size_t count = 0;
 	std::uint32_t* const near = m_near.data();
 	for ( std::size_t i = from; i < m_asideCount; i += kWide )
@@ -277,6 +279,10 @@ void ClosePairs::ask( const Vec3& place, float radius, std::size_t from )
 		const Lanes dx = lanes( m_aside.x, i ) - place.x(), dy = lanes( m_aside.y, i ) - place.y(), dz = lanes( m_aside.z, i ) - place.z();
 		const Lanes far = ( lanes( m_aside.radius, i ) + radius ) * ( 1.0f + m_slop ) + m_margin;
 		const Lanes excess = dx * dx + dy * dy + dz * dz - far * far;
+		if ( isRare && excess.minCoeff() > 0.0f )
+		{
+			continue;
+		}
 		for ( std::size_t lane = 0; lane < kWide; ++lane )
 		{
 			near[count] = m_aside.number[i + lane];

@@ -16,6 +16,9 @@ constexpr double kFewAsking = 0.2;
 
 constexpr float kNoSphere = -1.0f;
 
+/// A little less than 1, for rounding.
+constexpr float kUnder = 0.999f;
+
 } // namespace
 
 float NearPairs::radiusOf( int node ) const
@@ -139,13 +142,15 @@ void NearPairs::findAsking( const NodeState& nodes )
 {
 	m_asking.clear();
 	m_isAsking.assign( std::size_t( nodes.count ), 0 );
+	const float farEnough = float( m_margin * m_margin / 16.0 ) * kUnder;
 	for ( int i = 0; i < nodes.count; ++i )
 	{
 		Then& then = m_then[std::size_t( i )];
 		bool asks = then.radius == kNoSphere && m_soft->impl().shape->childOfNode( i ) >= 0;
-		if ( then.radius >= 0.0f )
+		const Vec3 way = nodes.x.get( i ) - m_mean - then.place;
+		if ( then.radius >= 0.0f && way.squaredNorm() > farEnough ) // what closes in is half of the margin at most
 		{
-			const double moved = double( ( nodes.x.get( i ) - m_mean - then.place ).norm() ), closing = m_step * double( ( nodes.v.get( i ) - m_drift ).norm() );
+			const double moved = double( way.norm() ), closing = m_step * double( ( nodes.v.get( i ) - m_drift ).norm() );
 			asks = 2.0 * moved + std::min( m_margin / 2.0, 2.0 * closing ) > m_margin;
 		}
 		if ( asks )
