@@ -11,8 +11,8 @@ namespace pliant {
 
 namespace {
 
-/// Where more than this share of all nodes ask, all do, by a grid.
-constexpr double kFewAsking = 0.2;
+/// Where more nodes than this ask, all do, by a grid: that takes about as long as for so many to ask everybody, however large the body.
+constexpr std::size_t kFewAsking = 300;
 
 constexpr float kNoSphere = -1.0f;
 
@@ -203,7 +203,7 @@ void NearPairs::ask( const NodeState& nodes )
 		}
 	}
 	const ClosePairs::Held held{ *m_rowStart, *m_rowTo };
-	if ( double( m_asking.size() ) > kFewAsking * double( m_spheres.size() ) )
+	if ( m_asking.size() > kFewAsking )
 	{
 		m_pairs.clear();
 		m_close.find( m_spheres, float( kContactSlop ), float( m_margin ), &held, m_pairs );
