@@ -13,12 +13,6 @@ namespace {
 /// What an excess, a float, may be off by.
 constexpr double kRoundedShare = 1e-6;
 
-/// Squared distance of a point from a box.
-double outsideSquared( const Vec3d& at, const Vec3d& low, const Vec3d& high )
-{
-	return ( at - at.cwiseMax( low ).cwiseMin( high ) ).squaredNorm();
-}
-
 /// Toughness of the link from the lower cell to the higher.
 float toughnessOf( const LinkLimits& limits, std::uint32_t a, std::uint32_t b )
 {
@@ -46,11 +40,13 @@ void PlaneCracks::placeAtRest( const Lattice& lattice )
 	}
 }
 
-// Links are cheap to look at and single out the few cells for which the deformation of all that is around them is worth measuring.
-void PlaneCracks::findStretched( const Lattice& lattice, const LinkLimits& limits, const CellPlaces& places )
+// Links are cheap to look at and single out the few cells for which the deformation of all that is around them is worth measuring. Where most are
+// stretched, most links join two of which that is known.
+void PlaneCracks::findStretched( const LinkLimits& limits, const CellPlaces& places )
 {
-	std::vector<std::uint8_t>& isStretched = m_room.mark;
-	isStretched.assign( std::size_t( lattice.cellCount() ), 0 );
+	std::vector<std::uint8_t>&isStretched = m_room.mark, &isSought = m_room.isSought;
+	isStretched.assign( m_room.isOpen.size(), 0 );
+	isSought = m_room.isOpen;
 	m_room.stretched.clear();
 	const LinkMoments& cells = m_room.moments;
 	for ( std::uint32_t i = 0; i < std::uint32_t( isStretched.size() ); ++i )
@@ -58,71 +54,33 @@ void PlaneCracks::findStretched( const Lattice& lattice, const LinkLimits& limit
 		for ( std::uint32_t k = limits.start[i]; cells.has( i ) && k < limits.start[i + 1]; ++k )
 		{
 			const std::uint32_t j = limits.to[k];
-			if ( cells.has( j ) && cells.distanceSquared( i, j ) > limits.lengthSquared[k] )
+			if ( ( isSought[i] | isSought[j] ) != 0 && cells.has( j ) && cells.distanceSquared( i, j ) > limits.lengthSquared[k] )
 			{
 				isStretched[i] = isStretched[j] = 1;
+				isSought[i] = isSought[j] = 0;
 			}
 		}
-		if ( isStretched[i] != 0 && places.mayBreak( i ) ) // all links of i have been looked at: those to lower cells were theirs
+		if ( isStretched[i] != 0 && m_room.isOpen[i] != 0 && places.mayBreak( i ) ) // all links of i have been looked at: those to lower cells were theirs
 		{
 			m_room.stretched.push_back( i );
 		}
 	}
 }
 
-// Where no crack may begin, only those can break links that a crack gets to: they lie within its plane's thickness, and near to where it has been
-// or to another such cell that it then has been at.
-void PlaneCracks::dropUnreachable( const Lattice& lattice )
+void PlaneCracks::measureWide( const Lattice& lattice, const LinkLimits& limits, Overload& overload )
 {
-	std::vector<std::uint8_t>& isReached = m_room.mark;
-	isReached.assign( std::size_t( lattice.cellCount() ), 0 );
-	const double reach = kCrackReach * lattice.cellSize, most = kCrackThickness * lattice.cellSize;
-	const Vec3d ring = Vec3d::Constant( 2.0 * lattice.cellSize ); // middles of material in neighbouring cells are no further apart
-	for ( const Plane& plane : m_planes )
+	if ( overload.near.excess > 1.0f )
 	{
-		m_room.inSlab.clear();
-		for ( const std::uint32_t cell : m_room.stretched )
-		{
-			if ( std::fabs( plane.normal.dot( m_room.rest[cell] - plane.point ) ) <= most )
-			{
-				m_room.inSlab.push_back( cell );
-			}
-		}
-		Vec3d low = plane.low, high = plane.high;
-		for ( std::size_t before = m_room.inSlab.size() + 1; m_room.inSlab.size() < before; )
-		{
-			before = m_room.inSlab.size();
-			const auto isNear = [&]( std::uint32_t cell ) {
-				const Vec3d& at = m_room.rest[cell];
-				if ( std::sqrt( outsideSquared( at, low, high ) ) > reach )
-				{
-					return false;
-				}
-				isReached[cell] = 1;
-				low = low.cwiseMin( at - ring );
-				high = high.cwiseMax( at + ring );
-				return true;
-			};
-			m_room.inSlab.erase( std::remove_if( m_room.inSlab.begin(), m_room.inSlab.end(), isNear ), m_room.inSlab.end() );
-		}
+		overload.wide = measure( lattice, limits, m_room.moments.around( overload.cell ).deformation(), overload.cell );
+		overload.wide.excess = overload.near.excess > kNeck ? std::max( overload.wide.excess, 1.0f + overload.near.excess - kNeck ) : overload.wide.excess;
 	}
-	std::vector<std::uint32_t>& cells = m_room.stretched;
-	cells.erase( std::remove_if( cells.begin(), cells.end(), [&]( std::uint32_t cell ) { return isReached[cell] == 0; } ), cells.end() );
-}
-
-/// Whether a crack could go on in the cell, were it near enough.
-bool PlaneCracks::isInSomePlane( const Overload& found, const Vec3d& at, double cellSize ) const
-{
-	return std::any_of( m_planes.begin(), m_planes.end(), [&]( const Plane& plane ) {
-		return std::fabs( plane.normal.dot( at - plane.point ) ) <= kCrackThickness * cellSize &&
-			std::fabs( plane.normal.dot( found.near.normal ) ) >= kSameCrackCosine;
-	} );
 }
 
 void PlaneCracks::findOverloads( const Lattice& lattice, const LinkLimits& limits, bool mayBegin )
 {
 	std::vector<Overload>& found = m_room.found;
 	found.clear();
+	const bool goesOnOnly = !mayBegin && !m_looksEverywhere;
 	const double least = double( m_growthShare ) * double( m_breakStrain ) * double( limits.weakest );
 	for ( const std::uint32_t i : m_room.stretched )
 	{
@@ -131,19 +89,19 @@ void PlaneCracks::findOverloads( const Lattice& lattice, const LinkLimits& limit
 		{
 			continue; // no crack would go on or begin
 		}
-		Overload overload{ i, measure( lattice, limits, around, i ), {} };
-		if ( !mayBegin && !m_looksEverywhere && !isInSomePlane( overload, m_room.rest[i], lattice.cellSize ) )
-		{
-			continue; // it would do nothing
-		}
-		if ( overload.near.excess > 1.0f )
-		{
-			overload.wide = measure( lattice, limits, m_room.moments.around( i ).deformation(), i );
-			overload.wide.excess = overload.near.excess > kNeck ? std::max( overload.wide.excess, 1.0f + overload.near.excess - kNeck ) : overload.wide.excess;
-		}
-		if ( overload.near.excess > m_growthShare )
+		Overload overload{ i, measure( lattice, limits, around, i ), {}, 0 };
+		overload.planes = goesOnOnly ? planesOf( i, overload.near, lattice.cellSize ) : 0;
+		if ( overload.near.excess > m_growthShare && ( !goesOnOnly || overload.planes != 0 ) ) // else it would do nothing
 		{
 			found.push_back( overload );
+		}
+	}
+	const std::uint64_t unreached = goesOnOnly ? planesToReach( lattice.cellSize ) : 0;
+	for ( Overload& overload : found )
+	{
+		if ( !goesOnOnly || ( overload.planes & unreached ) != 0 ) // else when its turn comes makes no difference
+		{
+			measureWide( lattice, limits, overload );
 		}
 	}
 	std::sort( found.begin(), found.end(), []( const Overload& a, const Overload& b ) {
@@ -189,12 +147,12 @@ PlaneCracks::Plane* PlaneCracks::planeFor( const Overload& found, const Vec3d& a
 		{
 			continue;
 		}
-		const double height = std::fabs( plane.normal.dot( at - plane.point ) );
+		const double height = std::fabs( heightOver( plane, found.cell ) );
 		if ( height > least && !mayBegin )
 		{
 			continue;
 		}
-		const double outside = std::sqrt( outsideSquared( at, plane.low, plane.high ) );
+		const double outside = plane.distanceOf( at );
 		if ( outside <= kCrackReach * cellSize && height <= least )
 		{
 			least = height;
@@ -217,7 +175,7 @@ bool PlaneCracks::breakAcross( const Lattice& lattice, const LinkLimits& limits,
 	for ( const std::uint32_t a : members )
 	{
 		const Vec3d& at = m_room.rest[a];
-		sideOf[a] = plane.normal.dot( at - plane.point ) >= 0.0 ? 2 : 1;
+		sideOf[a] = heightOver( plane, a ) >= 0.0 ? 2 : 1;
 		sides |= sideOf[a];
 		plane.low = plane.low.cwiseMin( at );
 		plane.high = plane.high.cwiseMax( at );
@@ -286,8 +244,14 @@ bool PlaneCracks::find(
 	}
 	placeAtRest( lattice );
 	m_room.moments.look( lattice, places );
-	findStretched( lattice, limits, places );
-	if ( !mayBegin && !m_looksEverywhere )
+	const bool goesOnOnly = !mayBegin && !m_looksEverywhere;
+	m_room.isOpen.assign( std::size_t( lattice.cellCount() ), 1 );
+	if ( goesOnOnly )
+	{
+		findOpen( lattice );
+	}
+	findStretched( limits, places );
+	if ( goesOnOnly )
 	{
 		dropUnreachable( lattice );
 	}

@@ -37,6 +37,8 @@ private:
 		Vec3d point, normal; ///< at rest, in the mesh's coordinates
 		Vec3d low, high;     ///< box around the cells it has run through
 		float age;           ///< s since it last grew
+
+		double distanceOf( const Vec3d& at ) const; ///< from the box
 	};
 	/// The largest stretch around a cell.
 	struct Pull
@@ -51,6 +53,7 @@ private:
 	{
 		std::uint32_t cell;
 		Pull near, wide;
+		std::uint64_t planes = 0; ///< planesOf(), where cracks go on only
 	};
 	/// Kept between calls; a piece makes its own.
 	struct Room
@@ -68,13 +71,24 @@ private:
 		std::vector<std::uint32_t> members;
 		std::vector<std::uint8_t> isBroken;   ///< by link of the limits, in this look
 		std::vector<std::uint8_t> sideOf;     ///< by cell, while a crack goes on by it: 1 below, 2 above; else 0
+		std::vector<std::uint64_t> above, inSlabs; ///< by cell, a bit a plane: whether it lies on the upper side, and within the plane's thickness
+		std::vector<std::uint8_t> isOpen;     ///< by cell: it may do something
+		std::vector<std::uint8_t> isSought;   ///< by cell: an open one not known to be stretched so far
 	};
 
-	void findStretched( const Lattice& lattice, const LinkLimits& limits, const CellPlaces& places );
+	/// Bits that a word has for planes; more of them, and all cells are open.
+	static constexpr std::size_t kMostBits = 64;
+	double heightOver( const Plane& plane, std::uint32_t cell ) const { return plane.normal.dot( m_room.rest[cell] - plane.point ); }
+
+	void findOpen( const Lattice& lattice );
+	bool doesSomething( const Lattice& lattice, std::uint32_t cell ) const;
+	void findStretched( const LinkLimits& limits, const CellPlaces& places );
 	void dropUnreachable( const Lattice& lattice );
 	void findOverloads( const Lattice& lattice, const LinkLimits& limits, bool mayBegin );
+	void measureWide( const Lattice& lattice, const LinkLimits& limits, Overload& overload );
 	void placeAtRest( const Lattice& lattice );
-	bool isInSomePlane( const Overload& found, const Vec3d& at, double cellSize ) const;
+	std::uint64_t planesOf( std::uint32_t cell, const Pull& near, double cellSize ) const;
+	std::uint64_t planesToReach( double cellSize ) const;
 	Pull measure( const Lattice& lattice, const LinkLimits& limits, const Eigen::Matrix3d& around, std::uint32_t i ) const;
 	Plane* planeFor( const Overload& found, const Vec3d& at, double cellSize, bool mayBegin, bool& isShielded );
 	bool breakAcross( const Lattice& lattice, const LinkLimits& limits, std::uint32_t cell, Plane& plane );

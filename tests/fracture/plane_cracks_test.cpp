@@ -86,9 +86,9 @@ TEST( PlaneCracks, RunOnAtTheirShareAndBeginNoSooner )
 }
 
 /// A block that random waves run through, its links taken out as they break, new cracks allowed now and then; all that broke, in order.
-std::vector<std::vector<CellLink>> breakInWaves( unsigned seed, float growthShare, bool everywhere, bool isTough )
+std::vector<std::vector<CellLink>> breakInWaves( unsigned seed, float growthShare, bool everywhere, bool isTough, Lattice lattice = makeBlockLattice( 9, 8, 7, kCell ),
+	std::size_t* most = nullptr )
 {
-	Lattice lattice = makeBlockLattice( 9, 8, 7, kCell );
 	NodeState nodes = test::restNodes( lattice );
 	std::mt19937 random( seed );
 	std::uniform_real_distribution<float> any( -1.0f, 1.0f );
@@ -120,6 +120,10 @@ std::vector<std::vector<CellLink>> breakInWaves( unsigned seed, float growthShar
 		lattice = withoutLinks( lattice, broken );
 		limits = inheritLimits( limits, lattice, all, cracks.candidateStrain() );
 		history.push_back( std::move( broken ) );
+		if ( most )
+		{
+			*most = std::max( *most, cracks.count() );
+		}
 	}
 	return history;
 }
@@ -138,6 +142,14 @@ TEST( PlaneCracks, AreThoseOfLookingEverywhere )
 		}
 	}
 	EXPECT_GT( goneOn, 5000u );
+}
+
+TEST( PlaneCracks, AreThoseOfLookingEverywhereHoweverMany )
+{
+	const Lattice bar = makeBlockLattice( 900, 2, 2, kCell );
+	std::size_t most = 0;
+	EXPECT_EQ( breakInWaves( 1, 0.6f, false, false, bar, &most ), breakInWaves( 1, 0.6f, true, false, bar ) );
+	EXPECT_GT( most, 64u ); // more than a word has bits
 }
 
 TEST( PlaneCracks, TheShareIsChecked )

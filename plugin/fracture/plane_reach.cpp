@@ -1,0 +1,139 @@
+// Cracks that go on only: which cells they can get to and do something at, told without measuring what is strained there.
+
+#include "fracture/plane_cracks.h"
+
+#include "fracture/constants.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+
+namespace pliant {
+
+double PlaneCracks::Plane::distanceOf( const Vec3d& at ) const
+{
+	return std::sqrt( ( at - at.cwiseMax( low ).cwiseMin( high ) ).squaredNorm() );
+}
+
+// Where no crack may begin, a cell does something by a crack only within whose thickness it lies, and where some of its links cross the plane or
+// it widens the box that the crack has run through. Late in a break, most cells along a crack do neither.
+void PlaneCracks::findOpen( const Lattice& lattice )
+{
+	if ( m_planes.size() > kMostBits )
+	{
+		return; // any may do something
+	}
+	const double most = kCrackThickness * lattice.cellSize;
+	m_room.above.assign( m_room.rest.size(), 0 );
+	m_room.inSlabs.assign( m_room.rest.size(), 0 );
+	for ( std::size_t p = 0; p < m_planes.size(); ++p )
+	{
+		for ( std::uint32_t cell = 0; cell < std::uint32_t( m_room.rest.size() ); ++cell )
+		{
+			const double height = heightOver( m_planes[p], cell );
+			m_room.above[cell] |= std::uint64_t( height >= 0.0 ? 1 : 0 ) << p;
+			m_room.inSlabs[cell] |= std::uint64_t( std::fabs( height ) <= most ? 1 : 0 ) << p;
+		}
+	}
+	for ( std::uint32_t cell = 0; cell < std::uint32_t( m_room.rest.size() ); ++cell )
+	{
+		m_room.isOpen[cell] = m_room.inSlabs[cell] != 0 && doesSomething( lattice, cell ) ? 1 : 0;
+	}
+}
+
+bool PlaneCracks::doesSomething( const Lattice& lattice, std::uint32_t cell ) const
+{
+	const std::uint64_t inSlabs = m_room.inSlabs[cell];
+	std::uint64_t crossed = 0;
+	Vec3d low = m_room.rest[cell], high = low;
+	for ( std::uint32_t k = lattice.linkStart[cell]; k < lattice.linkStart[cell + 1]; ++k )
+	{
+		const std::uint32_t j = lattice.linkTo[k];
+		crossed |= m_room.above[cell] ^ m_room.above[j];
+		low = low.cwiseMin( m_room.rest[j] );
+		high = high.cwiseMax( m_room.rest[j] );
+	}
+	bool does = ( crossed & inSlabs ) != 0;
+	for ( std::uint64_t open = inSlabs; open != 0 && !does; open &= open - 1 )
+	{
+		const Plane& plane = m_planes[std::size_t( std::countr_zero( open ) )];
+		does = ( low.array() < plane.low.array() ).any() || ( high.array() > plane.high.array() ).any();
+	}
+	return does;
+}
+
+// Only those can break links that a crack gets to: they lie within its plane's thickness, and near to where it has been or to another such cell
+// that it then has been at.
+void PlaneCracks::dropUnreachable( const Lattice& lattice )
+{
+	std::vector<std::uint8_t>& isReached = m_room.mark;
+	isReached.assign( std::size_t( lattice.cellCount() ), 0 );
+	const double reach = kCrackReach * lattice.cellSize, most = kCrackThickness * lattice.cellSize;
+	const Vec3d ring = Vec3d::Constant( 2.0 * lattice.cellSize ); // middles of material in neighbouring cells are no further apart
+	for ( const Plane& plane : m_planes )
+	{
+		m_room.inSlab.clear();
+		for ( const std::uint32_t cell : m_room.stretched )
+		{
+			if ( std::fabs( heightOver( plane, cell ) ) <= most )
+			{
+				m_room.inSlab.push_back( cell );
+			}
+		}
+		Plane grown = plane;
+		for ( std::size_t before = m_room.inSlab.size() + 1; m_room.inSlab.size() < before; )
+		{
+			before = m_room.inSlab.size();
+			const auto isNear = [&]( std::uint32_t cell ) {
+				const Vec3d& at = m_room.rest[cell];
+				if ( grown.distanceOf( at ) > reach )
+				{
+					return false;
+				}
+				isReached[cell] = 1;
+				grown.low = grown.low.cwiseMin( at - ring );
+				grown.high = grown.high.cwiseMax( at + ring );
+				return true;
+			};
+			m_room.inSlab.erase( std::remove_if( m_room.inSlab.begin(), m_room.inSlab.end(), isNear ), m_room.inSlab.end() );
+		}
+	}
+	std::vector<std::uint32_t>& cells = m_room.stretched;
+	cells.erase( std::remove_if( cells.begin(), cells.end(), [&]( std::uint32_t cell ) { return isReached[cell] == 0; } ), cells.end() );
+}
+
+/// In which cracks' planes the cell lies and is pulled across, a bit each; of more planes than a word has bits: all bits, where there is one.
+std::uint64_t PlaneCracks::planesOf( std::uint32_t cell, const Pull& near, double cellSize ) const
+{
+	std::uint64_t planes = 0;
+	for ( std::size_t p = 0; p < m_planes.size(); ++p )
+	{
+		if ( std::fabs( heightOver( m_planes[p], cell ) ) <= kCrackThickness * cellSize && std::fabs( m_planes[p].normal.dot( near.normal ) ) >= kSameCrackCosine )
+		{
+			planes |= m_planes.size() > kMostBits ? ~std::uint64_t( 0 ) : std::uint64_t( 1 ) << p;
+		}
+	}
+	return planes;
+}
+
+/// Planes with a cell that has been found and is too far away as yet. Which crack a cell goes with depends on which others have had their turn only where
+/// one of these is among its planes, and only on those that are so too.
+std::uint64_t PlaneCracks::planesToReach( double cellSize ) const
+{
+	if ( m_planes.size() > kMostBits )
+	{
+		return ~std::uint64_t( 0 );
+	}
+	std::uint64_t far = 0;
+	for ( const Overload& overload : m_room.found )
+	{
+		for ( std::uint64_t open = overload.planes & ~far; open != 0; open &= open - 1 )
+		{
+			const std::size_t p = std::size_t( std::countr_zero( open ) );
+			far |= m_planes[p].distanceOf( m_room.rest[overload.cell] ) > kCrackReach * cellSize ? std::uint64_t( 1 ) << p : 0;
+		}
+	}
+	return far;
+}
+
+} // namespace pliant
