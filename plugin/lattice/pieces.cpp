@@ -112,39 +112,42 @@ Lattice withLinks( const Lattice& lattice, const std::vector<CellLink>& links )
 	return now;
 }
 
+// Rows go both ways: each cell looks at those before it alone. Every part is known by its first cell, which points at itself.
 std::vector<std::vector<std::uint32_t>> connectedParts( const Lattice& lattice )
 {
-	constexpr std::uint32_t kNone = ~0u;
 	const std::uint32_t count = std::uint32_t( lattice.cellCount() );
-	std::vector<std::uint32_t> partOf( count, kNone ), front;
-	std::uint32_t parts = 0;
-	for ( std::uint32_t first = 0; first < count; ++first )
-	{
-		if ( partOf[first] != kNone )
+	std::vector<std::uint32_t> first( count );
+	const auto firstOf = [&first]( std::uint32_t cell ) {
+		while ( first[cell] != cell )
 		{
-			continue;
+			cell = first[cell] = first[first[cell]];
 		}
-		partOf[first] = parts;
-		front.assign( 1, first );
-		while ( !front.empty() )
-		{
-			const std::uint32_t cell = front.back();
-			front.pop_back();
-			for ( std::uint32_t k = lattice.linkStart[cell]; k < lattice.linkStart[cell + 1]; ++k )
-			{
-				const std::uint32_t to = lattice.linkTo[k];
-				if ( partOf[to] == kNone )
-				{
-					partOf[to] = parts;
-					front.push_back( to );
-				}
-			}
-		}
-		++parts;
-	}
-	std::vector<std::vector<std::uint32_t>> cells( parts );
+		return cell;
+	};
 	for ( std::uint32_t i = 0; i < count; ++i )
 	{
+		std::uint32_t own = i;
+		first[i] = i;
+		for ( std::uint32_t k = lattice.linkStart[i]; k < lattice.linkStart[i + 1] && lattice.linkTo[k] < i; ++k )
+		{
+			if ( first[lattice.linkTo[k]] == own ) // as good as always
+			{
+				continue;
+			}
+			const std::uint32_t other = firstOf( lattice.linkTo[k] );
+			first[std::max( own, other )] = std::min( own, other );
+			own = std::min( own, other );
+		}
+	}
+	std::vector<std::vector<std::uint32_t>> cells;
+	std::vector<std::uint32_t> partOf( count );
+	for ( std::uint32_t i = 0; i < count; ++i )
+	{
+		partOf[i] = first[i] == i ? std::uint32_t( cells.size() ) : partOf[first[i]]; // one before it, which has its part
+		if ( first[i] == i )
+		{
+			cells.emplace_back();
+		}
 		cells[partOf[i]].push_back( i );
 	}
 	return cells;

@@ -73,7 +73,8 @@ void NodeShape::addUniform( const Lattice& lattice )
 	for ( int i = 0; i < lattice.cellCount(); ++i )
 	{
 		// r = ( d / 2 ) cbrt( fill ). Departs from [O], where it is proportional to the mass: an eighth of a cell would be a dot.
-		m_sphereOfNode.push_back( sphereOf( 0.5 * lattice.cellSize * std::cbrt( lattice.fill[i] ) ) );
+		const bool isAlike = i > 0 && lattice.fill[i] == lattice.fill[i - 1];
+		m_sphereOfNode.push_back( isAlike ? m_sphereOfNode.back() : sphereOf( 0.5 * lattice.cellSize * std::cbrt( lattice.fill[i] ) ) );
 		if ( isNearSurface( lattice, i ) )
 		{
 			addChild( i, lattice.restCentre[i], m_sphereOfNode[i] );

@@ -115,6 +115,48 @@ TEST( Pieces, LinksPutBackAreAsIfTheyHadNeverBeenOut )
 	}
 }
 
+/// From cell to cell: the slow twin of connectedParts().
+std::vector<std::vector<std::uint32_t>> walkedParts( const Lattice& lattice )
+{
+	std::vector<std::vector<std::uint32_t>> parts;
+	std::set<std::uint32_t> seen;
+	for ( std::uint32_t first = 0; first < std::uint32_t( lattice.cellCount() ); ++first )
+	{
+		if ( !seen.insert( first ).second )
+		{
+			continue;
+		}
+		std::vector<std::uint32_t> part = { first };
+		for ( std::size_t k = 0; k < part.size(); ++k )
+		{
+			for ( std::uint32_t l = lattice.linkStart[part[k]]; l < lattice.linkStart[part[k] + 1]; ++l )
+			{
+				if ( seen.insert( lattice.linkTo[l] ).second )
+				{
+					part.push_back( lattice.linkTo[l] );
+				}
+			}
+		}
+		std::sort( part.begin(), part.end() );
+		parts.push_back( std::move( part ) );
+	}
+	return parts;
+}
+
+TEST( Pieces, PartsAreWhatAWalkFinds )
+{
+	std::size_t most = 0;
+	for ( unsigned seed = 1; seed <= 60; ++seed )
+	{
+		const Lattice blob = test::makeBlobLattice( 9, 0.05f, seed );
+		const Lattice open = withoutLinks( blob, someLinks( blob, 0.5 + 0.5 * double( seed % 20 ) / 20.0, seed ) );
+		const auto parts = connectedParts( open );
+		ASSERT_EQ( parts, walkedParts( open ) ) << seed;
+		most = std::max( most, parts.size() );
+	}
+	EXPECT_GT( most, 10u );
+}
+
 TEST( Pieces, PartsOfRandomCutsAreWholeAndLackNothing )
 {
 	for ( unsigned seed = 1; seed <= 40; ++seed )
