@@ -13,6 +13,9 @@ namespace pliant {
 
 namespace {
 
+/// Where as many links as one in so many cells has break at once, what hangs together is sooner found by going through all.
+constexpr std::size_t kFewLinks = 16;
+
 /// Heaviest first, equals by lowest cell.
 std::vector<std::vector<std::uint32_t>> byMass( const Lattice& lattice, std::vector<std::vector<std::uint32_t>> parts )
 {
@@ -103,7 +106,8 @@ Material rigidMaterial( const Material& of )
 std::vector<BodyPiece> Body::breakApart( BreakReport& report, int most, PieceRoad road )
 {
 	const std::vector<CellLink> broken = brokenLinks();
-	const std::vector<std::uint32_t> touched = cellsOf( broken, m_healedLinks );
+	const bool areFew = ( broken.size() + m_healedLinks.size() ) * kFewLinks < std::size_t( m_lattice->cellCount() );
+	const std::vector<std::uint32_t> touched = m_levels || areFew ? cellsOf( broken, m_healedLinks ) : std::vector<std::uint32_t>();
 	report = reportOn( broken );
 	report.broken = broken;
 	report.hasHealed = !m_healedLinks.empty();
@@ -114,8 +118,8 @@ std::vector<BodyPiece> Body::breakApart( BreakReport& report, int most, PieceRoa
 	{
 		m_breaking->broken.clear();
 	}
-	const bool wasOnePart = m_isOnePart && !touched.empty();
-	std::vector<std::vector<std::uint32_t>> parts = byMass( *whole, wasOnePart ? connectedParts( *whole, touched ) : connectedParts( *whole ) );
+	const bool looksFromThere = m_isOnePart && areFew && !touched.empty();
+	std::vector<std::vector<std::uint32_t>> parts = byMass( *whole, looksFromThere ? connectedParts( *whole, touched ) : connectedParts( *whole ) );
 	removeSmall( parts, report );
 	const bool isMerged = parts.size() > std::size_t( most );
 	keepMost( parts, std::size_t( most ) );
