@@ -112,45 +112,52 @@ Lattice withLinks( const Lattice& lattice, const std::vector<CellLink>& links )
 	return now;
 }
 
-// Rows go both ways: each cell looks at those before it alone. Every part is known by its first cell, which points at itself.
+namespace {
+
+/// Cells by the set they are of, which are numbered as they like.
+std::vector<std::vector<std::uint32_t>> partsOf( const std::vector<std::uint32_t>& sets )
+{
+	constexpr std::uint32_t kNone = ~0u;
+	std::vector<std::uint32_t> partOf( sets.size(), kNone );
+	std::vector<std::vector<std::uint32_t>> cells;
+	for ( std::uint32_t cell = 0; cell < std::uint32_t( sets.size() ); ++cell )
+	{
+		std::uint32_t& part = partOf[sets[cell]];
+		if ( part == kNone )
+		{
+			part = std::uint32_t( cells.size() );
+			cells.emplace_back();
+		}
+		cells[part].push_back( cell );
+	}
+	return cells;
+}
+
+} // namespace
+
+// Rows go both ways: each cell looks at those before it alone.
 std::vector<std::vector<std::uint32_t>> connectedParts( const Lattice& lattice )
 {
 	const std::uint32_t count = std::uint32_t( lattice.cellCount() );
-	std::vector<std::uint32_t> first( count );
-	const auto firstOf = [&first]( std::uint32_t cell ) {
-		while ( first[cell] != cell )
-		{
-			cell = first[cell] = first[first[cell]];
-		}
-		return cell;
-	};
+	UnionFind sets( count );
 	for ( std::uint32_t i = 0; i < count; ++i )
 	{
 		std::uint32_t own = i;
-		first[i] = i;
 		for ( std::uint32_t k = lattice.linkStart[i]; k < lattice.linkStart[i + 1] && lattice.linkTo[k] < i; ++k )
 		{
-			if ( first[lattice.linkTo[k]] == own ) // as good as always
+			if ( const std::uint32_t other = sets.find( lattice.linkTo[k] ); other != own )
 			{
-				continue;
+				sets.join( own, other );
+				own = std::min( own, other );
 			}
-			const std::uint32_t other = firstOf( lattice.linkTo[k] );
-			first[std::max( own, other )] = std::min( own, other );
-			own = std::min( own, other );
 		}
 	}
-	std::vector<std::vector<std::uint32_t>> cells;
-	std::vector<std::uint32_t> partOf( count );
+	std::vector<std::uint32_t> setOf( count );
 	for ( std::uint32_t i = 0; i < count; ++i )
 	{
-		partOf[i] = first[i] == i ? std::uint32_t( cells.size() ) : partOf[first[i]]; // one before it, which has its part
-		if ( first[i] == i )
-		{
-			cells.emplace_back();
-		}
-		cells[partOf[i]].push_back( i );
+		setOf[i] = sets.find( i );
 	}
-	return cells;
+	return partsOf( setOf );
 }
 
 namespace {
@@ -231,20 +238,7 @@ std::vector<std::vector<std::uint32_t>> connectedParts( const Lattice& lattice, 
 {
 	SideBySide search( lattice, seeds );
 	search.grow();
-	std::vector<std::uint32_t> partOf( std::max( std::size_t( 1 ), seeds.size() ), ~0u );
-	std::vector<std::vector<std::uint32_t>> cells;
-	const std::vector<std::uint32_t> sets = search.sets();
-	for ( std::uint32_t cell = 0; cell < std::uint32_t( sets.size() ); ++cell )
-	{
-		std::uint32_t& part = partOf[sets[cell]];
-		if ( part == ~0u )
-		{
-			part = std::uint32_t( cells.size() );
-			cells.emplace_back();
-		}
-		cells[part].push_back( cell );
-	}
-	return cells;
+	return partsOf( search.sets() );
 }
 
 Lattice extractCells( const Lattice& lattice, const std::vector<std::uint32_t>& cells )
