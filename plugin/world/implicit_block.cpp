@@ -34,7 +34,7 @@ void ImplicitBlock::layOut()
 		m_size += 6;
 	}
 	m_size = ( m_size + kLanes - 1 ) / kLanes * kLanes;
-	for ( AlignedArray<float>* array : { &m_v, &m_next, &m_rightSide, &m_free, &m_freeNext, &m_residual, &m_massed, &m_scratch, &m_inverseDiagonal } )
+	for ( AlignedArray<float>* array : { &m_v, &m_next, &m_rightSide, &m_free, &m_freeNext, &m_massed, &m_scratch, &m_inverseDiagonal } )
 	{
 		array->assign( std::size_t( m_size ), 0.0f );
 	}
@@ -324,18 +324,17 @@ BlockCount ImplicitBlock::solve( TaskRunner* runner )
 	++count.products;
 	while ( true )
 	{
-		fillResidual( m_v.data(), m_free, m_residual );
 		fillPreconditioner();
 		m_next = m_v;
 		m_freeNext = m_free;
-		m_gradients.begin( *this, m_residual.data() );
+		beginIteration();
 		++count.passes;
 		bool isLast = count.passes >= kMostPasses;
 		iterate( isLast ? kGradientShare : kPassShare, count );
 		isLast = isLast && ( !isWild() || count.passes >= kMostHardPasses );
 		if ( !isLast && holdsAt( m_next.data() ) )
 		{
-			refresh();
+			beginIteration();
 			iterate( 0.0, count );
 			isLast = holdsAt( m_next.data() );
 		}

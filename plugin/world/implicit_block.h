@@ -164,13 +164,11 @@ private:
 	}
 	Eigen::Matrix3d resistance( const BlockContact& contact ) const;
 	void fillFree();
-	/// b - A v with contacts as linearised, out of that without them.
-	void fillResidual( const float* v, const AlignedArray<float>& free, AlignedArray<float>& to ) const;
+	/// At m_next: b - A v with contacts as linearised, out of that without them.
+	void beginIteration();
 	double energyLeft() const;
 	/// Improves m_next until `share` of what is off is left, or little enough, and reads its impulses.
 	void iterate( double share, BlockCount& count );
-	/// The iteration begins anew at m_next.
-	void refresh();
 	void fillPreconditioner();
 	void layOutCoarse();
 	void nameClusters( const BlockContact& contact );
@@ -215,7 +213,6 @@ private:
 	ConjugateGradients m_gradients;
 	AlignedArray<float> m_v, m_next, m_rightSide, m_scratch;
 	AlignedArray<float> m_free, m_freeNext; ///< b - A v at m_v and at m_next, without contacts
-	AlignedArray<float> m_residual;         ///< at m_v with contacts as linearised
 	AlignedArray<float> m_massed;           ///< what the last product was without contacts
 	AlignedArray<float> m_inverseDiagonal; ///< 1 / A_ii of the soft parts' nodes, at the place of their first component
 	std::vector<Pressing> m_pressing;      ///< as last linearised

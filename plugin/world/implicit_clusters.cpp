@@ -56,7 +56,7 @@ void bySize( int count, Work&& work )
 }
 
 /// a = -a^-1 of a positive definite matrix, by sweeps (Beaton 1964): of each pivot p, a -= a_p a_p^T / a_pp, row and column p become a_p / a_pp.
-/// Eigen's Cholesky, solved for the unit matrix, takes twice as long.
+/// Eigen's Cholesky, solved for the unit matrix, takes three times as long.
 template <class Matrix>
 void sweep( Matrix& a )
 {

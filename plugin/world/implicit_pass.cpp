@@ -33,19 +33,22 @@ void ImplicitBlock::fillFree()
 	}
 }
 
-void ImplicitBlock::fillResidual( const float* v, const AlignedArray<float>& free, AlignedArray<float>& to ) const
+// At the start of a pass; and before it goes on to its end, for what the iteration has kept of the residual is not quite what there is.
+void ImplicitBlock::beginIteration()
 {
-	to = free;
+	AlignedArray<float>& residual = m_scratch;
+	residual = m_freeNext;
 	for ( const BlockContact& contact : contacts )
 	{
 		if ( contact.presses )
 		{
-			const Vec3d u = relativeSpeed( contact, v );
+			const Vec3d u = relativeSpeed( contact, m_next.data() );
 			const double along = contact.normal.dot( u );
 			const Vec3d rub = contact.held - contact.tangentStiffness * ( u - along * contact.normal );
-			addPair( contact, ( contact.pushed + contact.stiffness * ( contact.target - along ) ) * contact.normal + directed( contact, rub ), to.data() );
+			addPair( contact, ( contact.pushed + contact.stiffness * ( contact.target - along ) ) * contact.normal + directed( contact, rub ), residual.data() );
 		}
 	}
+	m_gradients.begin( *this, residual.data() );
 }
 
 // Impulses are what must be right, and k times what a speed is off by is what they are off by: r . z, twice the energy of all that is off, is
@@ -60,13 +63,6 @@ double ImplicitBlock::energyLeft() const
 	}
 	const double least = m_softMass * kContactGradientSpeed * kContactGradientSpeed, most = m_softMass * double( kGradientSpeed ) * double( kGradientSpeed );
 	return contacts.empty() ? most : std::clamp( kImpulseError * kImpulseError * stored, least, most );
-}
-
-// What the iteration has kept of the residual is not quite what there is: before it goes on to the end it is told.
-void ImplicitBlock::refresh()
-{
-	fillResidual( m_next.data(), m_freeNext, m_rightSide );
-	m_gradients.begin( *this, m_rightSide.data() );
 }
 
 void ImplicitBlock::iterate( double share, BlockCount& count )
