@@ -1,10 +1,10 @@
 #include "world/block_cholesky.h"
 
+#include <Eigen/Cholesky>
 #include <Eigen/OrderingMethods>
 #include <Eigen/SparseCore>
 
 #include <algorithm>
-#include <cmath>
 
 namespace pliant {
 
@@ -13,76 +13,26 @@ namespace {
 using Block = BlockCholesky::Block;
 constexpr int kEdge = BlockCholesky::kEdge;
 
-/// c -= a b^T. Three columns of c at a time: with a column of a that is as much as there are registers for.
-void takeOff( const Block& a, const Block& b, Block& c )
-{
-	using Columns = Eigen::Matrix<double, kEdge, 3>;
-	for ( int half = 0; half < kEdge; half += 3 )
-	{
-		Columns sum = c.middleCols<3>( half );
-		for ( int k = 0; k < kEdge; ++k )
-		{
-			for ( int j = 0; j < 3; ++j )
-			{
-				sum.col( j ) -= b( half + j, k ) * a.col( k );
-			}
-		}
-		c.middleCols<3>( half ) = sum;
-	}
-}
-
 /// The inverse of the lower factor of what lies on and below d's diagonal, in its place; false where that is not positive definite.
 bool invertFactor( Block& d )
 {
-	Block inverse = Block::Zero();
-	for ( int j = 0; j < kEdge; ++j )
+	const Eigen::LLT<Block> factor( d );
+	const Block lower = factor.matrixL();
+	if ( factor.info() != Eigen::Success || !( lower.diagonal().array() > 0.0 ).all() ) // the second: it lets pass what is not a number
 	{
-		double pivot = d( j, j );
-		for ( int k = 0; k < j; ++k )
-		{
-			pivot -= d( j, k ) * d( j, k );
-		}
-		if ( !( pivot > 0.0 ) )
-		{
-			return false;
-		}
-		const double root = 1.0 / std::sqrt( pivot );
-		for ( int i = j + 1; i < kEdge; ++i )
-		{
-			double sum = d( i, j );
-			for ( int k = 0; k < j; ++k )
-			{
-				sum -= d( i, k ) * d( j, k );
-			}
-			d( i, j ) = sum * root;
-		}
-		// Row j of L^-1: ( e_j - sum l_jk row k ) / l_jj
-		inverse( j, j ) = root;
-		for ( int k = 0; k < j; ++k )
-		{
-			double sum = 0.0;
-			for ( int i = k; i < j; ++i )
-			{
-				sum += d( j, i ) * inverse( i, k );
-			}
-			inverse( j, k ) = -sum * root;
-		}
+		return false;
 	}
-	d = inverse;
+	d = lower.triangularView<Eigen::Lower>().solve( Block::Identity() );
 	return true;
 }
 
 } // namespace
 
-void BlockCholesky::layOut( int columns, const std::vector<Pair>& below )
+void BlockCholesky::layOut( int columns, const std::vector<Pair>& blocks )
 {
 	m_columns = columns;
 	std::vector<Eigen::Triplet<double>> entries;
-	for ( int k = 0; k < columns; ++k )
-	{
-		entries.emplace_back( k, k, 1.0 );
-	}
-	for ( const auto& [row, column] : below )
+	for ( const auto& [row, column] : blocks )
 	{
 		entries.emplace_back( row, column, 1.0 );
 		entries.emplace_back( column, row, 1.0 );
@@ -98,10 +48,10 @@ void BlockCholesky::layOut( int columns, const std::vector<Pair>& below )
 		m_at[std::size_t( m_from[std::size_t( k )] )] = k;
 	}
 	std::vector<std::vector<int>> rows( m_from.size() );
-	for ( const auto& [row, column] : below )
+	for ( const auto& [row, column] : blocks )
 	{
 		const auto [first, later] = std::minmax( m_at[std::size_t( row )], m_at[std::size_t( column )] );
-		rows[std::size_t( first )].push_back( later );
+		rows[std::size_t( first )].push_back( later ); // the diagonal's too, and first once they are sorted
 	}
 	findFill( rows );
 	findTargets();
@@ -119,13 +69,12 @@ void BlockCholesky::findFill( std::vector<std::vector<int>>& rows )
 		std::vector<int>& own = rows[std::size_t( column )];
 		std::sort( own.begin(), own.end() );
 		own.erase( std::unique( own.begin(), own.end() ), own.end() );
-		m_row.push_back( column );
 		m_row.insert( m_row.end(), own.begin(), own.end() );
 		m_start.push_back( int( m_row.size() ) );
-		if ( own.size() > 1 )
+		if ( own.size() > 2 )
 		{
-			std::vector<int>& next = rows[std::size_t( own.front() )];
-			next.insert( next.end(), own.begin() + 1, own.end() );
+			std::vector<int>& next = rows[std::size_t( own[1] )];
+			next.insert( next.end(), own.begin() + 2, own.end() );
 		}
 	}
 }
@@ -183,15 +132,13 @@ bool BlockCholesky::factor()
 		for ( int a = begin + 1; a < end; ++a )
 		{
 			Block& own = m_blocks[std::size_t( a )];
-			Block minus = Block::Zero();
-			takeOff( own, diagonal, minus );
-			own = -minus;
+			own = own.lazyProduct( diagonal.transpose() ).eval();
 		}
 		for ( int b = begin + 1; b < end; ++b )
 		{
 			for ( int a = b; a < end; ++a )
 			{
-				takeOff( m_blocks[std::size_t( a )], m_blocks[std::size_t( b )], m_blocks[std::size_t( *target++ )] );
+				m_blocks[std::size_t( *target++ )] -= m_blocks[std::size_t( a )].lazyProduct( m_blocks[std::size_t( b )].transpose() );
 			}
 		}
 	}

@@ -15,11 +15,12 @@ class BlockCholesky
 public:
 	static constexpr int kEdge = 6;
 	using Block = Eigen::Matrix<double, kEdge, kEdge>;
-	/// Row and column of a block, the row the larger one.
+	/// Row and column of a block, the row no smaller than the column.
 	using Pair = std::pair<int, int>;
 
-	/// Which blocks below the diagonal there are, each once. The order of elimination is found here (approximate minimum degree), and what fills up.
-	void layOut( int columns, const std::vector<Pair>& below );
+	/// Which blocks there are on and below the diagonal, each once, all of the diagonal among them. The order of elimination is found here (approximate minimum
+	/// degree), and what fills up.
+	void layOut( int columns, const std::vector<Pair>& blocks );
 	/// Where a block of A belongs, row >= column; turned: as its transpose.
 	struct Place
 	{

@@ -1,7 +1,6 @@
 #include "world/coarse_system.h"
 
 #include <algorithm>
-#include <iterator>
 
 namespace pliant {
 
@@ -36,7 +35,7 @@ void CoarseSystem::layOut( const std::vector<int>& sizes, std::vector<Pair>& pai
 void CoarseSystem::layOutFactor()
 {
 	constexpr int edge = BlockCholesky::kEdge;
-	std::vector<BlockCholesky::Pair> below, all;
+	std::vector<BlockCholesky::Pair> blocks;
 	m_parts.clear();
 	for ( int b = 0; b < int( m_sizes.size() ); ++b )
 	{
@@ -48,17 +47,16 @@ void CoarseSystem::layOutFactor()
 			{
 				for ( int i = place.row == b ? j : 0; i < rows; i += edge )
 				{
-					all.emplace_back( ( offset( place.row ) + i ) / edge, ( offset( b ) + j ) / edge );
+					blocks.emplace_back( ( offset( place.row ) + i ) / edge, ( offset( b ) + j ) / edge );
 					m_parts.push_back( Part{ place.value + j * rows + i, rows, {} } );
 				}
 			}
 		}
 	}
-	std::copy_if( all.begin(), all.end(), std::back_inserter( below ), []( const BlockCholesky::Pair& pair ) { return pair.first != pair.second; } );
-	m_factor.layOut( m_size / edge, below );
-	for ( std::size_t k = 0; k < all.size(); ++k )
+	m_factor.layOut( m_size / edge, blocks );
+	for ( std::size_t k = 0; k < blocks.size(); ++k )
 	{
-		m_parts[k].to = m_factor.place( all[k].first, all[k].second );
+		m_parts[k].to = m_factor.place( blocks[k].first, blocks[k].second );
 	}
 }
 
