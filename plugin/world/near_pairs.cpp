@@ -110,10 +110,6 @@ const std::vector<std::uint64_t>& NearPairs::of( const SoftBody& soft, double st
 	{
 		follow( nodes );
 	}
-	else if ( mayBeUsed( nodes ) )
-	{
-		return m_pairs;
-	}
 	findAsking( nodes );
 	if ( !m_asking.empty() )
 	{
@@ -125,19 +121,8 @@ const std::vector<std::uint64_t>& NearPairs::of( const SoftBody& soft, double st
 // A pair further apart then than its radii and the margin has not met as long as
 //   2 max | x - x_then | + min( m / 2, 2 h max | v - v_mean | ) <= m
 // places relative to their mean: what flies along with all others stays where it is. The second term is what they come closer in this step;
-// of what is faster than half a margin a step only that much is seen before.
-bool NearPairs::mayBeUsed( const NodeState& nodes ) const
-{
-	float moved = 0.0f, fastest = 0.0f;
-	for ( int i = 0; i < nodes.count; ++i )
-	{
-		moved = std::max( moved, m_then[std::size_t( i )].radius < 0.0f ? 0.0f : ( nodes.x.get( i ) - m_mean - m_then[std::size_t( i )].place ).squaredNorm() );
-		fastest = std::max( fastest, ( nodes.v.get( i ) - m_drift ).squaredNorm() );
-	}
-	return 2.0 * std::sqrt( double( moved ) ) + std::min( m_margin / 2.0, 2.0 * m_step * std::sqrt( double( fastest ) ) ) <= m_margin;
-}
-
-// The same of one node: where it holds for both of a pair, half of each sum is each one's share.
+// of what is faster than half a margin a step only that much is seen before. Each node is asked for its share: where it holds for both of a
+// pair, half of each sum is each one's.
 void NearPairs::findAsking( const NodeState& nodes )
 {
 	m_asking.clear();

@@ -33,7 +33,6 @@ private:
 
 	float radiusOf( int node ) const;
 	bool hasSameRow( std::uint32_t node ) const;
-	bool mayBeUsed( const NodeState& nodes ) const;
 	void findAsking( const NodeState& nodes );
 	void follow( const NodeState& nodes );
 	void ask( const NodeState& nodes );
