@@ -86,12 +86,14 @@ void StrainRates::prepare( LatticeMatcher& matcher, NodeState& nodes, TaskRunner
 		if ( !isMeasured )
 		{
 			measureShares( tables );
-			roundMembers();
+			if ( m_view.memberMass )
+			{
+				m_rows.layOut( *tables.matrix );
+			}
 		}
 		m_rates.regionShare = m_share.data();
 		m_rates.pull = m_pull.data();
-		m_rates.memberMass = m_view.memberMass ? m_memberMass.data() : nullptr;
-		m_rates.memberShare = m_view.memberShare ? m_memberShare.data() : nullptr;
+		m_rates.rows = m_view.memberMass && !m_isRowByRow ? m_rows.view() : RowSlices{};
 	}
 	if ( !isMeasured )
 	{
@@ -179,21 +181,6 @@ void StrainRates::measureShares( const RegionTables& tables )
 			sum += double( m_share[matrix.member[k]] ) * ( tables.plan ? 1.0 : double( matrix.share[k] ) );
 		}
 		m_pull[i] = float( sum * double( tables.moments.inverseCover[i] ) );
-	}
-}
-
-void StrainRates::roundMembers()
-{
-	const std::size_t terms = m_view.memberMass || m_view.memberShare ? m_view.start[m_view.nodeCount] : 0;
-	m_memberMass.clear();
-	m_memberShare.clear();
-	if ( m_view.memberMass )
-	{
-		m_memberMass.assign( m_view.memberMass, m_view.memberMass + terms );
-	}
-	if ( m_view.memberShare )
-	{
-		m_memberShare.assign( m_view.memberShare, m_view.memberShare + terms );
 	}
 }
 
@@ -303,9 +290,9 @@ void StrainRates::resist( const float* v, float stiffness, float* to, TaskRunner
 
 std::size_t StrainRates::bytes() const
 {
-	return ( m_centres[0].size() * 3 + m_inverseInertias[0].size() * 6 + m_diagonal.size() + m_share.size() + m_pull.size() +
-			   m_memberMass.size() + m_memberShare.size() ) *
+	return ( m_centres[0].size() * 3 + m_inverseInertias[0].size() * 6 + m_diagonal.size() + m_share.size() + m_pull.size() ) *
 			   sizeof( float ) +
+		   m_rows.bytes() +
 		   m_partial.size() * sizeof( m_partial[0] );
 }
 

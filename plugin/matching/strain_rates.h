@@ -16,6 +16,7 @@
 
 #include "matching/kernels/kernels.h"
 #include "matching/node_state.h"
+#include "matching/sliced_rows.h"
 
 #include <Eigen/Core>
 
@@ -37,6 +38,9 @@ public:
 	/// Both must stay as they are for as long as `resist` is called.
 	void prepare( LatticeMatcher& matcher, NodeState& nodes, TaskRunner* runner );
 
+	/// The slow twin, from the next `prepare`: rows of regions on several levels are summed one by one.
+	void sumRowByRow() { m_isRowByRow = true; }
+
 	/// The part of it that says where the body is and how heavy.
 	void measureBody( const NodeState& nodes );
 
@@ -53,7 +57,6 @@ public:
 
 private:
 	void measureShares( const RegionTables& tables );
-	void roundMembers();
 	void measureDiagonal( const RegionTables& tables );
 	void sumRecords( float* records, bool isOfRates, TaskRunner* runner );
 	void takeRigidMotionOff( TaskRunner* runner );
@@ -66,7 +69,8 @@ private:
 	std::size_t m_recordFloats = 0;
 	AlignedArray<float> m_centres[3], m_inverseInertias[6], m_diagonal;
 	AlignedArray<float> m_share, m_pull;          ///< of nodes on several levels; empty on a uniform lattice
-	AlignedArray<float> m_memberMass, m_memberShare; ///< the same
+	SlicedRows m_rows;                            ///< the same
+	bool m_isRowByRow = false;
 	const LatticeMatcher* m_measuredOf = nullptr; ///< what diagonal and shares were measured for, and which of its tables
 	unsigned m_measuredVersion = 0;
 	std::shared_ptr<const SumPlan> m_plan;

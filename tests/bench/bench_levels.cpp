@@ -3,7 +3,9 @@
 
 #include "body/body.h"
 #include "body/levels.h"
+#include "matching/lattice_matcher.h"
 #include "matching/reference_matcher.h"
+#include "matching/strain_rates.h"
 #include "support/block_body.h"
 #include "support/shapes.h"
 
@@ -91,6 +93,34 @@ void arguments( benchmark::internal::Benchmark* b )
 BENCHMARK( levelsNaive )->Apply( arguments );
 BENCHMARK( levelsUniform )->Apply( arguments );
 BENCHMARK( levelsAdaptive )->Apply( arguments );
+
+/// One product of the implicit step, rows of regions side by side (docs/implicit.md) or one by one.
+void levelsProduct( benchmark::State& state )
+{
+	const std::unique_ptr<Body> body = makeBody( bodyLattice( int( state.range( 0 ) ) ), Material{}, state.range( 0 ) == 0 ? 2 : 3 );
+	LatticeMatcher matcher( body->lattice(), body->material(), body->levels()->tables() );
+	StrainRates rates;
+	if ( state.range( 1 ) == 0 )
+	{
+		rates.sumRowByRow();
+	}
+	rates.prepare( matcher, body->nodes(), nullptr );
+	const std::size_t padded = std::size_t( body->nodes().padded );
+	AlignedArray<float> v( 3 * padded ), to( 3 * padded );
+	for ( int i = 0; i < body->nodeCount(); ++i )
+	{
+		for ( std::size_t k = 0; k < 3; ++k )
+		{
+			v[k * padded + std::size_t( i )] = body->nodes().v.get( i )[Eigen::Index( k )];
+		}
+	}
+	for ( auto _ : state )
+	{
+		rates.resist( v.data(), 30.0f, to.data(), nullptr );
+	}
+	reportPerNode( state, body->nodeCount() );
+}
+BENCHMARK( levelsProduct )->ArgNames( { "body", "sliced" } )->ArgsProduct( { { 0, 1 }, { 0, 1 } } )->Unit( benchmark::kMicrosecond );
 
 /// About `count` new nodes at once in a Glob of 41 000 cells, and the merge back; the label says how many rows were made.
 void levelsSplit( benchmark::State& state )

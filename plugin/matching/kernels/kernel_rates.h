@@ -77,6 +77,21 @@ inline V determinant( const V ( &t )[6] )
 	return ( t[0] * ( t[1] * t[2] - t[3] * t[3] ) + t[5] * ( t[4] * t[3] - t[2] * t[5] ) ) + t[4] * ( t[5] * t[3] - t[1] * t[4] );
 }
 
+/// What a tile's rows sum up: by slices where there are any, else with the table's own weights.
+template <class Size>
+void gatherRows( const RateView& rates, const float* sliced, const std::uint32_t* own, const float* records, int begin, int end, Tile& tile )
+{
+	if ( rates.rows.slice )
+	{
+		const int count = rates.match->nodeCount;
+		gatherSlices<Size>( rates.rows, sliced, records, begin, count < end ? count : end, end, tile );
+	}
+	else
+	{
+		gatherTile<Size>( *rates.match, records, own, begin, end, tile );
+	}
+}
+
 /// Of each region: centre c and T^-1, T = sum a ( |p - c|^2 1 - ( p - c )( p - c )^T ).
 void regionInertias( const RateView& rates, int begin, int end )
 {
@@ -85,7 +100,7 @@ void regionInertias( const RateView& rates, int begin, int end )
 	for ( int first = begin; first < end; first += kTile )
 	{
 		const int last = first + kTile < end ? first + kTile : end;
-		gatherTile( view, view.nodeRecord, rates.memberMass, first, last, tile );
+		gatherRows<Whole>( rates, rates.rows.mass, view.memberMass, view.nodeRecord, first, last, tile );
 		for ( int r = first; r < last; r += kWidth )
 		{
 			const int at = r - first;
@@ -171,7 +186,7 @@ void rigidRates( const RateView& rates, int begin, int end )
 	for ( int first = begin; first < end; first += kTile )
 	{
 		const int last = first + kTile < end ? first + kTile : end;
-		gatherTile<Half>( view, view.nodeRecord, rates.memberMass, first, last, in );
+		gatherRows<Half>( rates, rates.rows.mass, view.memberMass, view.nodeRecord, first, last, in );
 		for ( int r = first; r < last; r += kWidth )
 		{
 			const int at = r - first;
@@ -210,7 +225,7 @@ void resist( const RateView& rates, int begin, int end )
 	for ( int first = begin; first < end; first += kTile )
 	{
 		const int last = first + kTile < end ? first + kTile : end;
-		gatherTile<Half>( view, view.regionRecord, rates.memberShare, first, last, tile );
+		gatherRows<Half>( rates, rates.rows.share, view.memberShare, view.regionRecord, first, last, tile );
 		for ( int i = first; i < last; i += kWidth )
 		{
 			const int at = i - first;

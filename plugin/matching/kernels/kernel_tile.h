@@ -131,9 +131,9 @@ inline RecordOf<Size> sumList( const float* records, const std::uint32_t* member
 	return even + odd;
 }
 
-/// The same with a weight a term. Whole masses come in, rounded once to float, here or before: the same on every processor.
-template <class Size, class Weight>
-inline RecordOf<Size> sumWeighted( const float* records, const std::uint32_t* member, const Weight* weight, std::uint32_t count )
+/// The same with a weight a term. Whole masses come in, rounded once to float, here or before (RowSlices): the same on every processor.
+template <class Size>
+inline RecordOf<Size> sumWeighted( const float* records, const std::uint32_t* member, const std::uint32_t* weight, std::uint32_t count )
 {
 	RecordOf<Size> even = loadRecord<Size>( records + std::size_t( member[0] ) * Size::floats ) * float( weight[0] );
 	if ( count == 1 )
@@ -172,8 +172,8 @@ inline RecordOf<Size> sumColumn( const MatchView& view, const float* records, st
 	return sum;
 }
 
-template <class Size, class Weight>
-inline RecordOf<Size> sumAround( const MatchView& view, const float* records, const Weight* weight, int i )
+template <class Size>
+inline RecordOf<Size> sumAround( const MatchView& view, const float* records, const std::uint32_t* weight, int i )
 {
 	if ( view.gridX > 0 )
 	{
@@ -194,8 +194,8 @@ inline RecordOf<Size> sumAround( const MatchView& view, const float* records, co
 }
 
 /// `weight`: of each term of the table, or null.
-template <class Size = Whole, class Weight>
-void gatherTile( const MatchView& view, const float* records, const Weight* weight, int begin, int end, Tile& tile )
+template <class Size = Whole>
+void gatherTile( const MatchView& view, const float* records, const std::uint32_t* weight, int begin, int end, Tile& tile )
 {
 	for ( int first = begin; first < end; first += 4 )
 	{
@@ -213,6 +213,51 @@ void gatherTile( const MatchView& view, const float* records, const Weight* weig
 			}
 		}
 		storeColumns<Size>( tile, r, first - begin );
+	}
+}
+
+/// The same sums to the bit with `weight` beside the slices' terms, four rows at a time. Records of both sizes stand in the same order. Rows from
+/// `real` on are padding.
+template <class Size>
+void gatherSlices( const RowSlices& rows, const float* weight, const float* records, int begin, int real, int end, Tile& tile )
+{
+	constexpr std::size_t scale = Size::floats / Half::floats;
+	RecordOf<Size> of[kTile];
+	for ( int i = real; i < end; ++i )
+	{
+		of[i - begin] = RecordOf<Size>{};
+	}
+	for ( std::uint32_t s = rows.tile[begin / kTile]; s < rows.tile[begin / kTile + 1]; ++s )
+	{
+		const RowSlice& slice = rows.slice[s];
+		const std::uint32_t* from = rows.from + slice.first;
+		const float* by = weight + slice.first;
+		RecordOf<Size> even[kSliceRows], odd[kSliceRows];
+		for ( int j = 0; j < kSliceRows; ++j )
+		{
+			even[j] = loadRecord<Size>( records + scale * from[j] ) * by[j];
+			odd[j] = loadRecord<Size>( records + scale * from[kSliceRows + j] ) * by[kSliceRows + j];
+		}
+		for ( std::uint32_t k = 2; k < slice.terms; k += 2 )
+		{
+			from += 2 * kSliceRows;
+			by += 2 * kSliceRows;
+			for ( int j = 0; j < kSliceRows; ++j )
+			{
+				even[j] = even[j] + loadRecord<Size>( records + scale * from[j] ) * by[j];
+				odd[j] = odd[j] + loadRecord<Size>( records + scale * from[kSliceRows + j] ) * by[kSliceRows + j];
+			}
+		}
+		for ( int j = 0; j < kSliceRows; ++j )
+		{
+			of[slice.row[j]] = even[j] + odd[j];
+		}
+	}
+	for ( int first = begin; first < end; first += 4 )
+	{
+		const RecordOf<Size>* r = of + ( first - begin );
+		const RecordOf<Size> four[4] = { r[0], r[1], r[2], r[3] };
+		storeColumns<Size>( tile, four, first - begin );
 	}
 }
 

@@ -102,6 +102,26 @@ struct MatchView
 /// Sums of the rates' pass: m v (3), m p x v (3).
 inline constexpr int kRateSums = 6;
 
+/// Rows side by side in a slice.
+inline constexpr int kSliceRows = 4;
+
+/// Four rows of one tile, term by term: the first terms of all four, then the second (sliced_rows.h).
+struct RowSlice
+{
+	std::uint32_t first = 0;           ///< of its terms
+	std::uint32_t terms = 0;           ///< of each row, even; what a row does not have weighs nothing
+	std::uint8_t row[kSliceRows] = {}; ///< counted from the tile's first
+};
+
+struct RowSlices
+{
+	const RowSlice* slice = nullptr; ///< null: rows are summed one by one, as MatchView has them
+	const std::uint32_t* tile = nullptr; ///< each tile's first slice, and the end
+	const std::uint32_t* from = nullptr; ///< of each term: where the member's record of kRateFloats floats begins
+	const float* mass = nullptr;         ///< of each term: MatchView's memberMass and memberShare, rounded
+	const float* share = nullptr;
+};
+
 /// What the implicit step's kernels see beside the MatchView, of which they use nodes, tables and records (kernel_rates.h).
 struct RateView
 {
@@ -110,8 +130,7 @@ struct RateView
 	float* inverseInertia[6] = {};       ///< T^-1 of each region, as xx, yy, zz, yz, xz, xy
 	const float* regionShare = nullptr;  ///< g_r; null: 1
 	const float* pull = nullptr;         ///< of each node: sum of its regions' g_r / C; null: 1
-	const float* memberMass = nullptr;   ///< MatchView's as floats: the table is gone through twice a product, and rounding it takes as long as adding it up
-	const float* memberShare = nullptr;
+	RowSlices rows;                      ///< of nodes on several levels
 	const float* rate[3] = {};           ///< v
 	float* result[3] = {};
 	float stiffness = 0.0f;              ///< G
