@@ -3,64 +3,66 @@
 #include "adapt/region_matrix.h"
 
 #include <algorithm>
+#include <numeric>
 
 namespace pliant {
 
 void SlicedRows::layOut( const RegionMatrix& matrix )
 {
+	const std::uint32_t count = std::uint32_t( matrix.count() );
+	const auto lengthOf = [&matrix]( std::uint32_t row ) { return matrix.start[row + 1] - matrix.start[row]; };
 	m_slices.clear();
 	m_tiles.assign( 1, 0 );
-	m_from.clear();
-	m_mass.clear();
-	m_share.clear();
-	const std::uint32_t count = std::uint32_t( matrix.count() );
-	const auto isLonger = [&matrix]( std::uint32_t a, std::uint32_t b ) {
-		const std::uint32_t ofA = matrix.start[a + 1] - matrix.start[a], ofB = matrix.start[b + 1] - matrix.start[b];
-		return ofA != ofB ? ofA > ofB : a < b;
-	};
-	std::vector<std::uint32_t> rows;
+	std::uint32_t terms = 0;
 	for ( std::uint32_t begin = 0; begin < count; begin += kTile )
 	{
-		rows.clear();
-		for ( std::uint32_t row = begin; row < std::min( count, begin + std::uint32_t( kTile ) ); ++row )
+		m_order.resize( std::min<std::size_t>( kTile, count - begin ) );
+		std::iota( m_order.begin(), m_order.end(), begin );
+		std::sort( m_order.begin(), m_order.end(), [&lengthOf]( std::uint32_t a, std::uint32_t b ) {
+			const std::uint32_t ofA = lengthOf( a ), ofB = lengthOf( b );
+			return ofA != ofB ? ofA > ofB : a < b;
+		} );
+		for ( std::size_t at = 0; at < m_order.size(); at += kSliceRows )
 		{
-			rows.push_back( row );
-		}
-		std::sort( rows.begin(), rows.end(), isLonger );
-		while ( rows.size() % kSliceRows != 0 )
-		{
-			rows.push_back( rows.back() ); // summed twice over: no harm
-		}
-		for ( std::size_t at = 0; at < rows.size(); at += kSliceRows )
-		{
-			addSlice( matrix, rows, at, begin );
+			RowSlice slice;
+			slice.first = terms;
+			slice.terms = ( lengthOf( m_order[at] ) + 1 ) / 2 * 2;
+			for ( std::size_t j = 0; j < kSliceRows; ++j )
+			{
+				slice.row[j] =
+				    std::uint8_t( m_order[std::min( at + j, m_order.size() - 1 )] - begin ); // the last may be summed twice over: no harm
+			}
+			terms += slice.terms * kSliceRows;
+			m_slices.push_back( slice );
 		}
 		m_tiles.push_back( std::uint32_t( m_slices.size() ) );
 	}
-}
-
-void SlicedRows::addSlice( const RegionMatrix& matrix, const std::vector<std::uint32_t>& rows, std::size_t at, std::uint32_t tileBegin )
-{
-	RowSlice slice;
-	slice.first = std::uint32_t( m_from.size() );
-	const std::uint32_t longest = matrix.start[rows[at] + 1] - matrix.start[rows[at]];
-	slice.terms = ( longest + 1 ) / 2 * 2;
-	for ( std::uint32_t k = 0; k < slice.terms; ++k )
+	m_from.resize( terms );
+	m_mass.resize( terms );
+	m_share.resize( terms );
+	for ( std::uint32_t tile = 0; tile + 1 < std::uint32_t( m_tiles.size() ); ++tile )
 	{
-		for ( std::size_t j = 0; j < kSliceRows; ++j )
+		for ( std::uint32_t s = m_tiles[tile]; s < m_tiles[tile + 1]; ++s )
 		{
-			const std::uint32_t begin = matrix.start[rows[at + j]], term = begin + k;
-			const bool isThere = term < matrix.start[rows[at + j] + 1];
-			m_from.push_back( matrix.member[isThere ? term : begin] * kRateFloats );
-			m_mass.push_back( isThere ? float( matrix.mass[term] ) : 0.0f );
-			m_share.push_back( isThere ? float( matrix.share[term] ) : 0.0f );
+			fill( matrix, m_slices[s], tile * kTile );
 		}
 	}
+}
+
+void SlicedRows::fill( const RegionMatrix& matrix, const RowSlice& slice, std::uint32_t tileBegin )
+{
 	for ( std::size_t j = 0; j < kSliceRows; ++j )
 	{
-		slice.row[j] = std::uint8_t( rows[at + j] - tileBegin );
+		const std::uint32_t begin = matrix.start[tileBegin + slice.row[j]], length = matrix.start[tileBegin + slice.row[j] + 1] - begin;
+		for ( std::uint32_t k = 0; k < slice.terms; ++k )
+		{
+			const std::size_t to = slice.first + k * kSliceRows + j;
+			const bool isThere = k < length;
+			m_from[to] = matrix.member[begin + ( isThere ? k : 0 )] * kRateFloats;
+			m_mass[to] = isThere ? float( matrix.mass[begin + k] ) : 0.0f;
+			m_share[to] = isThere ? float( matrix.share[begin + k] ) : 0.0f;
+		}
 	}
-	m_slices.push_back( slice );
 }
 
 RowSlices SlicedRows::view() const

@@ -25,11 +25,11 @@ public:
 	std::size_t bytes() const;
 
 private:
-	void addSlice( const RegionMatrix& matrix, const std::vector<std::uint32_t>& rows, std::size_t at, std::uint32_t tileBegin );
+	void fill( const RegionMatrix& matrix, const RowSlice& slice, std::uint32_t tileBegin );
 
 	std::vector<RowSlice> m_slices;
 	std::vector<std::uint32_t> m_tiles; ///< first slice of each tile, and the end
-	std::vector<std::uint32_t> m_from;
+	std::vector<std::uint32_t> m_from, m_order;
 	AlignedArray<float> m_mass, m_share;
 };
 
