@@ -2,10 +2,12 @@
 
 #include "test_world.h"
 
+#include "world/constants.h"
 #include "world/node_shape.h"
 #include "world/soft_body_impl.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <vector>
 
@@ -34,6 +36,23 @@ void expectSpheresOfANewOne( const SoftBody& soft )
 		const btVector3 places = soft.nodePosition( now.nodeOfChild( child ) ) - soft.getWorldTransform().getOrigin();
 		EXPECT_LT( places.distance( now.getChildList()[child].m_transform.getOrigin() ), btScalar( 1e-4 ) );
 		EXPECT_TRUE( now.tree().m_root->volume.Contain( leaf->volume ) );
+	}
+}
+
+// r = ( d / 2 ) cbrt( fill ) to half a step of the radii there are, of cells alike in stretches and one by one.
+TEST( NodeSpheres, GrowWithWhatFillsTheirCells )
+{
+	auto lattice = std::make_shared<Lattice>( makeBlockLattice( 6, 4, 3, 0.1f ) );
+	for ( std::size_t i = 0; i < lattice->fill.size(); ++i )
+	{
+		lattice->fill[i] = i < 30 ? 1.0f : 0.25f * float( 1 + i / 2 % 3 );
+	}
+	const std::unique_ptr<Body> body = std::move( Body::create( lattice, Material{}, {} ).value );
+	const NodeShape shape( *body );
+	for ( int i = 0; i < body->nodeCount(); ++i )
+	{
+		const double wanted = 0.05 * std::cbrt( double( lattice->fill[std::size_t( i )] ) );
+		EXPECT_NEAR( std::log2( double( shape.sphereOfNode( i )->getRadius() ) / wanted ), 0.0, 0.501 / kRadiusStepsPerOctave ) << i;
 	}
 }
 
