@@ -119,24 +119,38 @@ private:
 		std::sort( children.begin(), children.end() );
 		children.erase( std::unique( children.begin(), children.end() ), children.end() );
 		UnionFind parts( children.size() );
-		const auto indexOf = [&children]( std::uint32_t child ) {
-			return std::uint32_t( std::lower_bound( children.begin(), children.end(), child ) - children.begin() );
-		};
-		const Lattice& lattice = m_change.now;
-		for ( const std::uint32_t cell : m_cells )
+		joinParts( children, level, parts );
+		listParts( children, parts );
+	}
+
+	/// All of one block. Most are in one part still, which a few links show.
+	void joinParts( const std::vector<std::uint32_t>& children, int level, UnionFind& parts )
+	{
+		m_index.resize( m_now.parent.size(), kNoNode );
+		for ( std::uint32_t i = 0; i < std::uint32_t( children.size() ); ++i )
 		{
-			const std::uint32_t own = above( cell, level - 1 );
+			m_index[children[i]] = i;
+		}
+		const Lattice& lattice = m_change.now;
+		std::size_t apart = children.size();
+		for ( std::size_t c = 0; apart > 1 && c < m_cells.size(); ++c )
+		{
+			const std::uint32_t cell = m_cells[c], own = above( cell, level - 1 );
 			for ( std::uint32_t k = lattice.linkStart[cell]; k < lattice.linkStart[cell + 1]; ++k )
 			{
-				const std::uint32_t to = lattice.linkTo[k];
-				const std::uint32_t other = isSameBlock( cell, to, level ) ? above( to, level - 1 ) : own;
-				if ( other > own )
+				const std::uint32_t other = above( lattice.linkTo[k], level - 1 );
+				// What of the block is not among them has lost no link, and got none: none leads there.
+				if ( other > own && m_index[other] != kNoNode && parts.find( m_index[own] ) != parts.find( m_index[other] ) )
 				{
-					parts.join( indexOf( own ), indexOf( other ) );
+					parts.join( m_index[own], m_index[other] );
+					--apart;
 				}
 			}
 		}
-		listParts( children, parts );
+		for ( const std::uint32_t child : children )
+		{
+			m_index[child] = kNoNode;
+		}
 	}
 
 	void listParts( const std::vector<std::uint32_t>& children, UnionFind& parts )
@@ -168,12 +182,6 @@ private:
 		return node;
 	}
 
-	bool isSameBlock( std::uint32_t a, std::uint32_t b, int level ) const
-	{
-		const auto &p = m_now.coordinate[a], &q = m_now.coordinate[b];
-		return p.x() >> level == q.x() >> level && p.y() >> level == q.y() >> level && p.z() >> level == q.z() >> level;
-	}
-
 	void addLevel()
 	{
 		for ( const Entry& entry : m_entries )
@@ -203,8 +211,16 @@ private:
 	{
 		allocateMeasures( m_now );
 		const Lattice& lattice = m_change.now;
+		const std::uint32_t cells = m_now.levelStart[1];
+		for ( std::uint32_t c = 0; c < cells; ++c )
+		{
+			m_now.mass[c] = m_old.mass[m_nodeBefore[c]];
+			m_now.spread[c] = m_old.spread[m_nodeBefore[c]];
+		}
+		std::copy( lattice.isSurface.begin(), lattice.isSurface.end(), m_now.isSurface.begin() );
+		std::copy( lattice.restCentre.begin(), lattice.restCentre.end(), m_now.restCentre.begin() );
 		const Vec3d shift = lattice.massCentre - m_change.before.massCentre;
-		for ( std::uint32_t n = 0; n < std::uint32_t( m_now.nodeCount() ); ++n )
+		for ( std::uint32_t n = cells; n < std::uint32_t( m_now.nodeCount() ); ++n )
 		{
 			const std::uint32_t old = m_nodeBefore[n];
 			if ( old == kNoNode )
@@ -215,7 +231,7 @@ private:
 			const std::uint32_t first = m_now.cells[m_now.cellStart[n]];
 			m_now.mass[n] = m_old.mass[old];
 			m_now.spread[n] = m_old.spread[old];
-			m_now.isSurface[n] = n < m_now.levelStart[1] ? lattice.isSurface[n] : m_old.isSurface[old];
+			m_now.isSurface[n] = m_old.isSurface[old];
 			m_now.restCentre[n] = m_now.cellCount[n] == 1 ? lattice.restCentre[first] : Vec3( ( m_old.restCentre[old].cast<double>() - shift ).cast<float>() );
 		}
 	}
@@ -227,6 +243,7 @@ private:
 	std::vector<std::uint8_t> m_isTouched; ///< of each old node above the cells
 	std::vector<Entry> m_entries;
 	std::vector<std::uint32_t> m_child, m_cells;
+	std::vector<std::uint32_t> m_index; ///< of each node below: its place among those that are being joined; kNoNode: it is none of them
 };
 
 } // namespace

@@ -44,7 +44,7 @@ struct BodyPiece
 	std::vector<std::uint32_t> nodeBefore; ///< of each node: its number in the body before
 	std::vector<std::uint32_t> cellBefore; ///< of each finest cell: its number there
 	std::vector<std::uint32_t> touched;    ///< finest cells, ascending, that lost links or got some
-	std::vector<std::uint32_t> treeBefore; ///< LevelBaseUpdate::nodeBefore, where all of the body goes on in place; else empty
+	std::vector<std::uint32_t> treeBefore; ///< LevelBaseUpdate::nodeBefore; empty where nothing is taken over
 	bool isOnePart = true;
 	bool isSmall = false;                  ///< Fracture::smallCells
 	bool isRigid = false;                  ///< one rigid cluster

@@ -126,6 +126,7 @@ void Body::inheritLevels( const Body& from, BodyPiece& piece, PieceRoad road )
 {
 	const Levels& before = *from.m_levels;
 	PieceOfLevels made = pieceOfLevels( from, piece, road );
+	piece.treeBefore = made.update.nodeBefore;
 	for ( const std::uint32_t node : made.cut.node )
 	{
 		const Octree& tree = made.update.base->octree;

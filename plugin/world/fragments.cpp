@@ -79,7 +79,7 @@ SoftBody::Impl::Remains SoftBody::Impl::remainsOf( const BodyPiece& piece )
 {
 	Remains remains;
 	remains.nodeNow = numbersNow( piece, body->nodeCount() );
-	remains.keepsShape = shape->followCracks( *piece.body, remains.nodeNow, piece.nodeBefore, piece.treeBefore );
+	remains.keepsShape = shape->followCracks( *piece.body, remains.nodeNow, piece.nodeBefore, CollidersChange{ piece.treeBefore, piece.cellBefore, piece.touched } );
 	remains.shape = remains.keepsShape ? nullptr : std::make_unique<NodeShape>( *piece.body );
 	return remains;
 }
@@ -108,7 +108,7 @@ void SoftBody::Impl::adopt( SoftBody& owner, BodyPiece& piece, Remains remains )
 			stand->setCollisionShape( shape->sphereOfNode( stand->node ) );
 		}
 	}
-	placeShape( owner );
+	remains.keepsShape ? placeSpheres( owner, body->measureMotion() ) : placeShape( owner );
 	skin.fade.clear();
 	skin.nodesChanged();
 	if ( self )

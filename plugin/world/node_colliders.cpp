@@ -8,12 +8,43 @@ namespace pliant {
 
 namespace {
 
-/// Links from each cell to the nearest surface cell, counted up to `most`, at least 1; `most` + 1 beyond. What lies below the surface asks it, and not the
-/// other way round: of a cut body most cells are surface.
-std::vector<int> depthBelowSurface( const Lattice& lattice, int most )
+/// How far from the surface depths are counted, in links.
+int mostDepth( const Octree& octree )
 {
-	std::vector<int> depth( std::size_t( lattice.cellCount() ), most + 1 );
-	std::vector<std::uint32_t> ring, next;
+	return 1 << ( octree.levels - 1 );
+}
+
+/// Lowers the depths of those that are nearer to the cells of `ring`, all of which are `layer` deep, than they were known to be. Whoever is lowered
+/// is told to `lowered`.
+template <class Lowered>
+void flood( const Lattice& lattice, std::vector<std::uint32_t> ring, int layer, int most, std::vector<std::uint8_t>& depth, Lowered&& lowered )
+{
+	std::vector<std::uint32_t> next;
+	while ( ++layer <= most && !ring.empty() )
+	{
+		next.clear();
+		for ( const std::uint32_t i : ring )
+		{
+			for ( std::uint32_t k = lattice.linkStart[i]; k < lattice.linkStart[i + 1]; ++k )
+			{
+				const std::uint32_t j = lattice.linkTo[k];
+				if ( int( depth[j] ) > layer )
+				{
+					depth[j] = std::uint8_t( layer );
+					lowered( j );
+					next.push_back( j );
+				}
+			}
+		}
+		ring.swap( next );
+	}
+}
+
+/// NodeColliders::depth. What lies below the surface asks it, and not the other way round: of a cut body most cells are surface.
+std::vector<std::uint8_t> depthBelowSurface( const Lattice& lattice, int most )
+{
+	std::vector<std::uint8_t> depth( std::size_t( lattice.cellCount() ), std::uint8_t( most + 1 ) );
+	std::vector<std::uint32_t> ring;
 	for ( std::uint32_t i = 0; i < std::uint32_t( lattice.cellCount() ); ++i )
 	{
 		const auto first = lattice.linkTo.begin() + lattice.linkStart[i], last = lattice.linkTo.begin() + lattice.linkStart[i + 1];
@@ -27,23 +58,7 @@ std::vector<int> depthBelowSurface( const Lattice& lattice, int most )
 			ring.push_back( i );
 		}
 	}
-	for ( int layer = 2; layer <= most; ++layer )
-	{
-		next.clear();
-		for ( const std::uint32_t i : ring )
-		{
-			for ( std::uint32_t k = lattice.linkStart[i]; k < lattice.linkStart[i + 1]; ++k )
-			{
-				const std::uint32_t j = lattice.linkTo[k];
-				if ( depth[j] > layer )
-				{
-					depth[j] = layer;
-					next.push_back( j );
-				}
-			}
-		}
-		ring.swap( next );
-	}
+	flood( lattice, std::move( ring ), 1, most, depth, []( std::uint32_t ) {} );
 	return depth;
 }
 
@@ -126,26 +141,80 @@ float radiusOf( const Lattice& lattice, const Octree& octree, std::uint32_t node
 
 } // namespace
 
-NodeColliders measureColliders( const Lattice& lattice, const Octree& octree, const NodeColliders* before, const std::vector<std::uint32_t>& nodeBefore )
+NodeColliders measureColliders( const Lattice& lattice, const Octree& octree )
 {
 	NodeColliders colliders;
 	colliders.radius.reserve( std::size_t( octree.nodeCount() ) );
 	colliders.collides.reserve( std::size_t( octree.nodeCount() ) );
-	const std::vector<int> depth = depthBelowSurface( lattice, 1 << ( octree.levels - 1 ) );
+	colliders.depth = depthBelowSurface( lattice, mostDepth( octree ) );
 	std::vector<int> nearest( std::size_t( octree.nodeCount() ), std::numeric_limits<int>::max() );
-	std::copy( depth.begin(), depth.end(), nearest.begin() );
+	std::copy( colliders.depth.begin(), colliders.depth.end(), nearest.begin() );
 	std::vector<double> reaches;
 	CellReaches cells( lattice );
 	int level = 0;
 	for ( std::uint32_t node = 0; node < std::uint32_t( octree.nodeCount() ); ++node ) // level by level: children stand before their parents
 	{
 		level += node == octree.levelStart[std::size_t( level ) + 1] ? 1 : 0;
-		const std::uint32_t old = before ? nodeBefore[node] : kNoNode;
-		colliders.radius.push_back( old == kNoNode ? radiusOf( lattice, octree, node, cells, reaches ) : before->radius[old] );
+		colliders.radius.push_back( radiusOf( lattice, octree, node, cells, reaches ) );
 		colliders.collides.push_back( nearest[node] <= 1 << level );
 		if ( const std::uint32_t parent = octree.parent[node]; parent != kNoNode )
 		{
 			nearest[parent] = std::min( nearest[parent], nearest[node] );
+		}
+	}
+	return colliders;
+}
+
+namespace {
+
+/// Whether a node has a cell no deeper than it is cells wide.
+bool isNearSurface( const Octree& octree, const std::vector<std::uint8_t>& depth, std::uint32_t node, int level )
+{
+	const auto first = octree.cells.begin() + octree.cellStart[node];
+	return std::any_of( first, first + octree.cellCount[node], [&depth, level]( std::uint32_t cell ) { return int( depth[cell] ) <= 1 << level; } );
+}
+
+} // namespace
+
+// Cells at links that went are surface now: whatever came to the surface through one of them is nearer to it than it was, and nothing is farther. Where
+// links come back and a cell is surface no more all is measured.
+NodeColliders followColliders( const Lattice& lattice, const Octree& octree, const NodeColliders& before, const CollidersChange& change )
+{
+	const auto isInside = [&lattice]( std::uint32_t cell ) { return lattice.isSurface[cell] == 0; };
+	if ( std::any_of( change.touched.begin(), change.touched.end(), isInside ) )
+	{
+		return measureColliders( lattice, octree );
+	}
+	NodeColliders colliders;
+	const std::uint32_t nodes = std::uint32_t( octree.nodeCount() );
+	colliders.radius.resize( nodes );
+	colliders.collides.resize( nodes );
+	colliders.depth.reserve( change.cellBefore.size() );
+	for ( const std::uint32_t old : change.cellBefore )
+	{
+		colliders.depth.push_back( before.depth[old] );
+	}
+	std::vector<std::uint32_t> lowered = change.touched;
+	for ( const std::uint32_t cell : change.touched )
+	{
+		colliders.depth[cell] = 0;
+	}
+	flood( lattice, change.touched, 0, mostDepth( octree ), colliders.depth, [&lowered]( std::uint32_t cell ) { lowered.push_back( cell ); } );
+	std::vector<double> reaches;
+	CellReaches cells( lattice );
+	for ( std::uint32_t node = 0, level = 0; node < nodes; ++node )
+	{
+		level += node == octree.levelStart[level + 1] ? 1 : 0;
+		const std::uint32_t old = change.nodeBefore[node];
+		colliders.radius[node] = old == kNoNode ? radiusOf( lattice, octree, node, cells, reaches ) : before.radius[old];
+		colliders.collides[node] = old == kNoNode ? isNearSurface( octree, colliders.depth, node, int( level ) ) : before.collides[old];
+	}
+	for ( const std::uint32_t cell : lowered )
+	{
+		int width = 1;
+		for ( std::uint32_t node = cell; node != kNoNode; node = octree.parent[node], width *= 2 )
+		{
+			colliders.collides[node] |= std::uint8_t( int( colliders.depth[cell] ) <= width );
 		}
 	}
 	return colliders;

@@ -21,12 +21,24 @@ struct NodeColliders
 	std::vector<float> radius;          ///< m
 	/// 1 for the surface and one layer below it: nodes with a cell no more links from the surface than the node is cells wide.
 	std::vector<std::uint8_t> collides;
+	/// Links from each finest cell to the nearest of the surface, counted up to as many as the largest node is cells wide; one more beyond.
+	std::vector<std::uint8_t> depth;
 
-	std::size_t bytes() const { return radius.size() * ( sizeof( float ) + 1 ); }
+	std::size_t bytes() const { return radius.size() * ( sizeof( float ) + 1 ) + depth.size(); }
 };
 
-/// `before`: null, or those before some links changed; `nodeBefore` names the node before that each node is, kNoNode where it is none.
-NodeColliders measureColliders( const Lattice& lattice, const Octree& octree, const NodeColliders* before = nullptr,
-	const std::vector<std::uint32_t>& nodeBefore = {} );
+NodeColliders measureColliders( const Lattice& lattice, const Octree& octree );
+
+/// What became of cells and octree when links went or came back, or some of the cells did. As in CellChange and OctreeUpdate.
+struct CollidersChange
+{
+	const std::vector<std::uint32_t>& nodeBefore;
+	const std::vector<std::uint32_t>& cellBefore;
+	const std::vector<std::uint32_t>& touched;
+};
+
+/// The same for the body as it is now, from those before: only what is near touched cells is measured. measureColliders is the slow twin, to the bit
+/// where no cells went.
+NodeColliders followColliders( const Lattice& lattice, const Octree& octree, const NodeColliders& before, const CollidersChange& change );
 
 } // namespace pliant

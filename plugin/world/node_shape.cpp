@@ -14,12 +14,6 @@ namespace pliant {
 
 namespace {
 
-/// Leaf by leaf into a tree takes twenty times as long as all at once: beyond this share of what is in it, it is made anew.
-constexpr double kMostPutIn = 0.05;
-
-/// Sphere by sphere out of a tree is quicker than a new one as long as this share of a body is left.
-constexpr double kLeastLeft = 0.8;
-
 /// Cells of the surface and one layer below.
 bool isNearSurface( const Lattice& lattice, int cell )
 {
@@ -63,8 +57,6 @@ NodeShape::NodeShape( const Body& body ) : btCompoundShape( true, body.nodeCount
 	std::iota( all.begin(), all.end(), 0 );
 	m_dynamicAabbTree->m_root = buildNodeTree( &m_children[0], all );
 	m_dynamicAabbTree->m_leaves = m_children.size();
-	m_refit.collect( m_dynamicAabbTree->m_root );
-	arrangeRows();
 }
 
 void NodeShape::addUniform( const Lattice& lattice )
@@ -94,85 +86,6 @@ void NodeShape::removeChild( int child )
 	removeChildShapeByIndex( child );
 	m_nodeOfChild[child] = m_nodeOfChild.back();
 	m_nodeOfChild.pop_back();
-}
-
-/// Nodes that are no more there take their spheres along. `before`: the number that each node had.
-void NodeShape::renumber( const std::vector<std::uint32_t>& nodeNow, const std::vector<std::uint32_t>& before )
-{
-	for ( int child = int( m_nodeOfChild.size() ); before.size() < nodeNow.size() && child-- > 0; )
-	{
-		if ( nodeNow[std::size_t( m_nodeOfChild[child] )] == kNoNode )
-		{
-			removeChild( child );
-		}
-	}
-	if ( before.size() == nodeNow.size() && std::is_sorted( nodeNow.begin(), nodeNow.end() ) )
-	{
-		return; // all are there: each is where it was
-	}
-	std::vector<btSphereShape*> spheres( before.size() );
-	for ( std::size_t i = 0; i < before.size(); ++i )
-	{
-		spheres[i] = m_sphereOfNode[before[i]];
-	}
-	m_sphereOfNode.swap( spheres );
-	m_childOfNode.assign( before.size(), -1 );
-	for ( std::size_t child = 0; child < m_nodeOfChild.size(); ++child )
-	{
-		m_nodeOfChild[child] = int( nodeNow[std::size_t( m_nodeOfChild[child] )] );
-		m_childOfNode[std::size_t( m_nodeOfChild[child] )] = int( child );
-	}
-}
-
-// Spheres are as large as they were: links change between finest cells alone, whose size does not hang on them.
-bool NodeShape::followCracks( const Body& body, const std::vector<std::uint32_t>& nodeNow, const std::vector<std::uint32_t>& nodeBefore,
-	const std::vector<std::uint32_t>& treeBefore )
-{
-	if ( double( nodeBefore.size() ) < kLeastLeft * double( nodeNow.size() ) )
-	{
-		return false;
-	}
-	if ( const Levels* levels = body.levels() )
-	{
-		m_colliders = measureColliders( body.lattice(), levels->octree(), treeBefore.empty() ? nullptr : &m_colliders, treeBefore );
-		m_smallestRadius = btScalar( *std::min_element( m_colliders.radius.begin(), m_colliders.radius.end() ) );
-	}
-	std::vector<int> bare;
-	for ( int i = 0; i < body.nodeCount(); ++i )
-	{
-		const bool isNear = collides( body, i ), wasNear = m_childOfNode[std::size_t( nodeBefore[std::size_t( i )] )] >= 0;
-		if ( !isNear && wasNear )
-		{
-			return false;
-		}
-		if ( isNear && !wasNear )
-		{
-			bare.push_back( i );
-		}
-	}
-	if ( double( bare.size() ) > kMostPutIn * double( m_nodeOfChild.size() ) )
-	{
-		return false;
-	}
-	const bool hasLost = nodeBefore.size() < nodeNow.size(), isSameTree = bare.empty() && !hasLost;
-	renumber( nodeNow, nodeBefore );
-	if ( hasLost && !body.levels() )
-	{
-		const auto isSmaller = []( const btSphereShape* a, const btSphereShape* b ) { return a->getRadius() < b->getRadius(); };
-		const auto [smallest, largest] = std::minmax_element( m_sphereOfNode.begin(), m_sphereOfNode.end(), isSmaller );
-		m_smallestRadius = ( *smallest )->getRadius();
-		m_largestRadius = ( *largest )->getRadius();
-	}
-	for ( const int i : bare )
-	{
-		addNode( i, body.nodes().x.get( i ), m_sphereOfNode[i] ); // placed with all others when the substep goes on
-	}
-	if ( !isSameTree )
-	{
-		m_refit.collect( m_dynamicAabbTree->m_root );
-	}
-	arrangeRows(); // placed with all others
-	return true;
 }
 
 // The child alone; the tree is built when all are there.
@@ -262,15 +175,13 @@ void NodeShape::followLevels( const Body& body, const Vec3& shift )
 			isSameTree = false;
 		}
 	}
-	arrangeRows();
-	if ( isSameTree )
+	m_areRowsKnown = false;
+	if ( isSameTree && m_isRefitKnown )
 	{
 		m_refit.putBefore( inner );
-		place( body.nodes(), shift );
-		return;
 	}
-	m_refit.collect( m_dynamicAabbTree->m_root );
-	update( body.nodes(), shift );
+	m_isRefitKnown = m_isRefitKnown && isSameTree;
+	place( body.nodes(), shift );
 }
 
 void NodeShape::renumberSpheres( const Levels& levels )
@@ -350,6 +261,11 @@ btSphereShape* NodeShape::sphereOf( double radius )
 
 void NodeShape::place( const NodeState& nodes, const Vec3& shift, TaskRunner* runner )
 {
+	if ( !m_areRowsKnown )
+	{
+		m_rows.arrange( m_dynamicAabbTree->m_root, m_nodeOfChild, m_sphereOfNode );
+		m_areRowsKnown = true;
+	}
 	m_rows.place( nodes, shift, runner );
 	m_isStale = true;
 	setSweep( btVector3( 0, 0, 0 ), btVector3( 0, 0, 0 ) );
@@ -362,6 +278,11 @@ void NodeShape::freshen( TaskRunner* runner )
 		return;
 	}
 	m_isStale = false;
+	if ( !m_isRefitKnown )
+	{
+		m_refit.collect( m_dynamicAabbTree->m_root );
+		m_isRefitKnown = true;
+	}
 	runShares( runner, Shares{ m_rows.count() }, [&]( int, int begin, int end ) {
 		m_rows.visitPlaces( begin, end, [&]( int node, const btVector3& at ) {
 			const int child = m_childOfNode[std::size_t( node )];

@@ -33,9 +33,9 @@ public:
 
 	/// The body's links have changed, and it may have lost nodes: those before are now `nodeNow`, or kNoNode; those it has were `nodeBefore`. Those that
 	/// now lie at the surface get their spheres. False where it takes a new shape: where nodes lie at the surface no more, many do that did not,
-	/// or a fifth has gone. `treeBefore`: BodyPiece::treeBefore.
+	/// or a fifth has gone. `change`: of bodies with levels; `nodeBefore` empty where it is not known. All are to be placed.
 	bool followCracks( const Body& body, const std::vector<std::uint32_t>& nodeNow, const std::vector<std::uint32_t>& nodeBefore,
-		const std::vector<std::uint32_t>& treeBefore );
+		const CollidersChange& change );
 
 	/// The spheres go where the nodes are. `shift`: the shape's own origin in the nodes' coordinates. `runner` may be null. What Bullet is asked
 	/// (the compound's children and its tree) stays where it is until it is freshened: most of a substep's work for nothing while only we ask.
@@ -70,7 +70,7 @@ public:
 private:
 	void addUniform( const Lattice& lattice );
 	void removeChild( int child );
-	void renumber( const std::vector<std::uint32_t>& nodeNow, const std::vector<std::uint32_t>& before );
+	bool renumber( const std::vector<std::uint32_t>& nodeNow, const std::vector<std::uint32_t>& before );
 	bool collides( const Body& body, int node ) const;
 	void addChild( int node, const Vec3& at, btSphereShape* sphere );
 	void addNode( int node, const Vec3& at, btSphereShape* sphere );
@@ -83,14 +83,15 @@ private:
 	void renumberSpheres( const Levels& levels );
 	void splitLeaf( int child, const std::vector<int>& into, std::vector<btDbvtNode*>& inner, const PlacedNodes& placed );
 	btDbvtVolume boxOf( int child ) const;
-	void arrangeRows() { m_rows.arrange( m_dynamicAabbTree->m_root, m_nodeOfChild, m_sphereOfNode ); }
 
 	std::map<int, std::unique_ptr<btSphereShape>> m_spheres; // by radius step
 	std::vector<int> m_nodeOfChild, m_childOfNode;
 	std::vector<btSphereShape*> m_sphereOfNode;
 	SphereRows m_rows;
+	bool m_areRowsKnown = false; // nothing has come, gone or changed its number since they were arranged
 	bool m_isStale = false; // the tree stands where the spheres no longer are
 	TreeRefit m_refit;
+	bool m_isRefitKnown = false; // of the tree as it is
 	NodeColliders m_colliders; // of bodies with levels only
 	btScalar m_largestRadius = btScalar( 0 ), m_smallestRadius = btScalar( SIMD_INFINITY );
 	btVector3 m_sweepLow = btVector3( 0, 0, 0 ), m_sweepHigh = btVector3( 0, 0, 0 );

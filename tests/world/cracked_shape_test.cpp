@@ -37,6 +37,15 @@ void expectSpheresOfANewOne( const SoftBody& soft )
 		EXPECT_LT( places.distance( now.getChildList()[child].m_transform.getOrigin() ), btScalar( 1e-4 ) );
 		EXPECT_TRUE( now.tree().m_root->volume.Contain( leaf->volume ) );
 	}
+	std::vector<int> inRows( std::size_t( soft.nodeCount() ), 0 );
+	now.rows().visitPlaces( 0, now.rows().count(), [&]( int node, const btVector3& place ) {
+		++inRows[std::size_t( node )];
+		EXPECT_LT( place.distance( soft.nodePosition( node ) - soft.getWorldTransform().getOrigin() ), btScalar( 1e-4 ) );
+	} );
+	for ( int node = 0; node < soft.nodeCount(); ++node )
+	{
+		EXPECT_EQ( inRows[std::size_t( node )], now.childOfNode( node ) >= 0 ? 1 : 0 );
+	}
 }
 
 // r = ( d / 2 ) cbrt( fill ) to half a step of the radii there are, of cells alike in stretches and one by one.
