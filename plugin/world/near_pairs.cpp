@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 namespace pliant {
 
@@ -27,6 +28,7 @@ float NearPairs::radiusOf( int node ) const
 	return shape.childOfNode( node ) >= 0 ? float( shape.sphereOfNode( node )->getRadius() ) : kNoSphere;
 }
 
+// Several changes may come before the next step: what was known keeps its numbers until then.
 void NearPairs::renumber( const std::vector<std::uint32_t>& nodeNow )
 {
 	m_isRelinked = true;
@@ -34,44 +36,41 @@ void NearPairs::renumber( const std::vector<std::uint32_t>& nodeNow )
 	{
 		return;
 	}
+	if ( !m_hasNumbers )
+	{
+		m_now.resize( m_then.size() );
+		std::iota( m_now.begin(), m_now.end(), 0u );
+		m_hasNumbers = true;
+	}
+	for ( std::uint32_t& now : m_now )
+	{
+		now = now < nodeNow.size() ? nodeNow[now] : kNoNode; // which is no number
+	}
+}
+
+/// Nodes and pairs take the numbers they have now; rows stay as they were, with `m_before` and `m_now` between the two.
+void NearPairs::takeNumbers()
+{
 	std::uint32_t count = 0;
-	for ( const std::uint32_t now : nodeNow )
+	for ( const std::uint32_t now : m_now )
 	{
 		count = now == kNoNode ? count : std::max( count, now + 1 );
 	}
-	const std::size_t known = std::min( m_then.size(), nodeNow.size() );
-	std::vector<std::uint32_t> before( count, kNoNode );
-	for ( std::size_t i = 0; i < known; ++i )
-	{
-		if ( nodeNow[i] != kNoNode )
-		{
-			before[nodeNow[i]] = std::uint32_t( i );
-		}
-	}
+	m_before.assign( count, kNoNode );
 	std::vector<Then> then( count, Then{ Vec3::Zero(), kNoSphere } );
-	std::vector<std::uint32_t> start( 1, 0 ), to;
-	to.reserve( m_toThen.size() );
-	for ( std::uint32_t node = 0; node < count; ++node )
+	for ( std::uint32_t i = 0; i < std::uint32_t( m_now.size() ); ++i )
 	{
-		const std::uint32_t old = before[node];
-		if ( old != kNoNode )
+		if ( m_now[i] != kNoNode )
 		{
-			then[node] = m_then[old];
-			for ( std::uint32_t k = m_startThen[old]; k < m_startThen[old + 1]; ++k )
-			{
-				const std::uint32_t other = m_toThen[k];
-				to.push_back( other == kNoNode ? kNoNode : nodeNow[other] ); // one that is gone makes it another row
-			}
+			then[m_now[i]] = m_then[i];
+			m_before[m_now[i]] = i;
 		}
-		start.push_back( std::uint32_t( to.size() ) );
 	}
 	m_then.swap( then );
-	m_startThen.swap( start );
-	m_toThen.swap( to );
 	std::size_t kept = 0;
 	for ( const std::uint64_t pair : m_pairs )
 	{
-		const std::uint32_t a = nodeNow[pair >> 32], b = nodeNow[pair & 0xffffffffu];
+		const std::uint32_t a = m_now[pair >> 32], b = m_now[pair & 0xffffffffu];
 		if ( a != kNoNode && b != kNoNode )
 		{
 			m_pairs[kept++] = std::uint64_t( std::min( a, b ) ) << 32 | std::max( a, b );
@@ -91,14 +90,10 @@ const std::vector<std::uint64_t>& NearPairs::of( const SoftBody& soft, double st
 	m_rowStart = levels ? &levels->matrix().start : &body.lattice().linkStart;
 	m_rowTo = levels ? &levels->matrix().member : &body.lattice().linkTo;
 	const double margin = kNearMargin * double( soft.impl().shape->largestRadius() );
-	m_mean = m_drift = Vec3::Zero();
-	for ( int i = 0; i < nodes.count; ++i )
+	if ( m_hasNumbers )
 	{
-		m_mean += nodes.x.get( i );
-		m_drift += nodes.v.get( i );
+		takeNumbers();
 	}
-	m_mean /= float( nodes.count );
-	m_drift /= float( nodes.count );
 	if ( margin != m_margin || int( m_then.size() ) > nodes.count )
 	{
 		m_then.clear();
@@ -110,6 +105,7 @@ const std::vector<std::uint64_t>& NearPairs::of( const SoftBody& soft, double st
 	{
 		follow( nodes );
 	}
+	measureDrift( nodes );
 	findAsking( nodes );
 	if ( !m_asking.empty() )
 	{
@@ -118,9 +114,28 @@ const std::vector<std::uint64_t>& NearPairs::of( const SoftBody& soft, double st
 	return m_pairs;
 }
 
+/// How far all have come since they asked, in the mean of those that have, and how fast they are. Not the mean of their places: with nodes that come
+/// and go it would jump.
+void NearPairs::measureDrift( const NodeState& nodes )
+{
+	Vec3 way = Vec3::Zero(), speed = Vec3::Zero();
+	int known = 0;
+	for ( int i = 0; i < nodes.count; ++i )
+	{
+		if ( const Then& then = m_then[std::size_t( i )]; then.radius >= 0.0f )
+		{
+			way += nodes.x.get( i ) - then.place;
+			++known;
+		}
+		speed += nodes.v.get( i );
+	}
+	m_way = known > 0 ? Vec3( way / float( known ) ) : Vec3( Vec3::Zero() );
+	m_drift = speed / float( nodes.count );
+}
+
 // A pair further apart then than its radii and the margin has not met as long as
 //   2 max | x - x_then | + min( m / 2, 2 h max | v - v_mean | ) <= m
-// places relative to their mean: what flies along with all others stays where it is. The second term is what they come closer in this step;
+// places as if all had stayed where they were in the mean: what flies along with all others does not move. The second term is what they come closer in this step;
 // of what is faster than half a margin a step only that much is seen before. Each node is asked for its share: where it holds for both of a
 // pair, half of each sum is each one's.
 void NearPairs::findAsking( const NodeState& nodes )
@@ -132,7 +147,7 @@ void NearPairs::findAsking( const NodeState& nodes )
 	{
 		Then& then = m_then[std::size_t( i )];
 		bool asks = then.radius == kNoSphere && m_soft->impl().shape->childOfNode( i ) >= 0;
-		const Vec3 way = nodes.x.get( i ) - m_mean - then.place;
+		const Vec3 way = nodes.x.get( i ) - m_way - then.place;
 		if ( then.radius >= 0.0f && way.squaredNorm() > farEnough ) // what closes in is half of the margin at most
 		{
 			const double moved = double( way.norm() ), closing = m_step * double( ( nodes.v.get( i ) - m_drift ).norm() );
@@ -148,9 +163,15 @@ void NearPairs::findAsking( const NodeState& nodes )
 
 bool NearPairs::hasSameRow( std::uint32_t node ) const
 {
-	const auto now = m_rowTo->begin(), then = m_toThen.begin();
 	const std::vector<std::uint32_t>& start = *m_rowStart;
-	return node + 1 < m_startThen.size() && std::equal( now + start[node], now + start[node + 1], then + m_startThen[node], then + m_startThen[node + 1] );
+	const std::uint32_t old = m_hasNumbers ? m_before[node] : node;
+	if ( old + 1 >= m_startThen.size() || start[node + 1] - start[node] != m_startThen[old + 1] - m_startThen[old] )
+	{
+		return false;
+	}
+	const auto now = m_rowTo->begin() + start[node], end = m_rowTo->begin() + start[node + 1], then = m_toThen.begin() + m_startThen[old];
+	// One that is gone makes it another row.
+	return m_hasNumbers ? std::equal( now, end, then, [this]( std::uint32_t a, std::uint32_t b ) { return a == m_now[b]; } ) : std::equal( now, end, then );
 }
 
 // Whether two nodes are held together follows from their rows alone: only those whose own has changed need ask again, and those whose sphere has.
@@ -166,6 +187,7 @@ void NearPairs::follow( const NodeState& nodes )
 			then.radius = kNoSphere;
 		}
 	}
+	m_hasNumbers = false;
 	m_startThen = *m_rowStart;
 	m_toThen = *m_rowTo;
 	const auto isGone = [this]( std::uint64_t pair ) { return m_then[pair >> 32].radius < 0.0f || m_then[pair & 0xffffffffu].radius < 0.0f; };
@@ -178,7 +200,7 @@ void NearPairs::ask( const NodeState& nodes )
 	m_spheres.clear();
 	for ( const std::uint32_t node : m_asking )
 	{
-		m_then[node] = Then{ nodes.x.get( int( node ) ) - m_mean, radiusOf( int( node ) ) };
+		m_then[node] = Then{ nodes.x.get( int( node ) ) - m_way, radiusOf( int( node ) ) };
 	}
 	for ( int i = 0; i < nodes.count; ++i )
 	{

@@ -27,12 +27,14 @@ private:
 	/// What was known of a node when it last asked which others are near.
 	struct Then
 	{
-		Vec3 place;   ///< relative to the mean of all
+		Vec3 place;   ///< less the way that all had come by then
 		float radius; ///< of its sphere; less than 0: it had none, or has never asked
 	};
 
 	float radiusOf( int node ) const;
+	void takeNumbers();
 	bool hasSameRow( std::uint32_t node ) const;
+	void measureDrift( const NodeState& nodes );
 	void findAsking( const NodeState& nodes );
 	void follow( const NodeState& nodes );
 	void ask( const NodeState& nodes );
@@ -41,12 +43,14 @@ private:
 	double m_step = 0.0;
 	const std::vector<std::uint32_t>* m_rowStart = nullptr; ///< of each node: those a region holds with it
 	const std::vector<std::uint32_t>* m_rowTo = nullptr;
-	Vec3 m_mean = Vec3::Zero(), m_drift = Vec3::Zero(); ///< of all nodes' places and speeds
+	Vec3 m_way = Vec3::Zero(), m_drift = Vec3::Zero(); ///< that all have come, in the mean, since places were first noted; and mean speed
 	double m_margin = 0.0;          ///< m
 	bool m_isRelinked = true;
 	std::vector<std::uint64_t> m_pairs;
 	std::vector<Then> m_then;
 	std::vector<std::uint32_t> m_startThen, m_toThen; ///< rows
+	bool m_hasNumbers = false;                 ///< others than those that rows have
+	std::vector<std::uint32_t> m_now, m_before; ///< of each node of the rows: its number now; and the other way round
 	std::vector<std::uint32_t> m_asking;
 	std::vector<std::uint8_t> m_isAsking;
 	std::vector<ClosePairs::Sphere> m_spheres;

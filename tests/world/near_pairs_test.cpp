@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <random>
+#include <set>
 
 namespace pliant::test {
 namespace {
@@ -129,6 +130,43 @@ TEST( NearPairs, AskAgainOnlyWhereNodesHaveMoved )
 	EXPECT_EQ( pairs.asked(), all + 5 );
 	pairs.of( *soft, 0.0 );
 	EXPECT_EQ( pairs.asked(), all + 5 );
+}
+
+/// Two changes of levels before anybody looks: rows that hold the nodes they held, under whatever numbers, do not ask.
+TEST( NearPairs, AskAgainOnlyWhereNodesWereSplit )
+{
+	TestWorld test;
+	SoftBody* const soft = test.addSoft( block( 48, 8, 4, kCell ), at( 0, 0, 0 ), stiff( 2e4f ), levels( 2 ) );
+	const Levels& all = *soft->impl().body->levels();
+	changeLevels( *soft, coarseNodes( *soft, anyNode ), {} );
+	NearPairs pairs;
+	pairs.of( *soft, 0.0 );
+	const long long before = pairs.asked();
+	std::set<std::uint32_t> reached;
+	for ( int k = 0; k < 2; ++k )
+	{
+		const std::vector<std::uint32_t> coarse = coarseNodes( *soft, anyNode );
+		ASSERT_FALSE( coarse.empty() );
+		changeLevels( *soft, std::vector<std::uint32_t>( 1, coarse.front() ), {} );
+		pairs.renumber( all.lastChange().keptAs );
+		std::set<std::uint32_t> now;
+		for ( const std::uint32_t node : reached )
+		{
+			now.insert( all.lastChange().keptAs[node] );
+		}
+		for ( std::uint32_t i = 0; i < std::uint32_t( soft->nodeCount() ); ++i )
+		{
+			if ( all.lastChange().keptAs[all.lastChange().heir[i]] == kNoNode )
+			{
+				now.insert( all.matrix().member.begin() + all.matrix().start[i], all.matrix().member.begin() + all.matrix().start[i + 1] );
+			}
+		}
+		reached = now;
+	}
+	pairs.of( *soft, 0.0 );
+	EXPECT_GT( pairs.asked(), before );
+	EXPECT_LE( pairs.asked() - before, (long long)( reached.size() ) );
+	EXPECT_LT( reached.size(), std::size_t( soft->nodeCount() ) / 2 );
 }
 
 } // namespace
