@@ -2,6 +2,8 @@
 
 #include "lattice/reach.h"
 
+#include <utility>
+
 namespace pliant {
 
 namespace {
@@ -57,12 +59,36 @@ FineUpdate updateFineRegions( const FineRegions& before, const CellChange& chang
 	return update;
 }
 
-FineMoments updateFineMoments( const FineMoments& before, const CellChange& change, const OctreeUpdate& tree, const FineUpdate& update )
+namespace {
+
+/// Nodes go where they are now. Of the same cells only those above them have moved: these are most of what an update would copy.
+void takeOver( FineMoments& moments, const CellChange& change, const OctreeUpdate& tree )
+{
+	using Covariances = decltype( moments.covariance );
+	const std::size_t nodes = tree.octree.parent.size(), kept = change.isWhole() ? std::size_t( tree.octree.levelStart[1] ) : 0;
+	const Covariances before = kept > 0 ? Covariances( moments.covariance.begin() + std::ptrdiff_t( kept ), moments.covariance.end() ) : std::move( moments.covariance );
+	moments.covariance.resize( kept );
+	moments.covariance.reserve( nodes ); // filled once
+	for ( std::size_t n = kept; n < nodes; ++n )
+	{
+		if ( const std::uint32_t old = tree.nodeBefore[n]; old != kNoNode )
+		{
+			moments.covariance.push_back( before[old - kept] );
+		}
+		else
+		{
+			moments.covariance.emplace_back();
+		}
+	}
+}
+
+} // namespace
+
+FineMoments updateFineMoments( FineMoments moments, const CellChange& change, const OctreeUpdate& tree, const FineUpdate& update )
 {
 	const Octree& octree = tree.octree;
 	const RegionSet& set = update.fine.set;
-	FineMoments moments;
-	moments.covariance.reserve( octree.parent.size() ); // filled once: these are most of what an update copies
+	takeOver( moments, change, tree );
 	std::vector<std::uint8_t> isOld( octree.parent.size(), 1 ); // 0: to be measured again
 	for ( const std::uint32_t cell : update.collected )
 	{
@@ -73,13 +99,10 @@ FineMoments updateFineMoments( const FineMoments& before, const CellChange& chan
 	}
 	for ( std::uint32_t n = 0; n < std::uint32_t( octree.nodeCount() ); ++n ) // children stand before their parents
 	{
-		const bool isKept = isOld[n] != 0 && tree.nodeBefore[n] != kNoNode;
-		if ( isKept )
+		if ( isOld[n] != 0 && tree.nodeBefore[n] != kNoNode )
 		{
-			moments.covariance.push_back( before.covariance[tree.nodeBefore[n]] );
 			continue;
 		}
-		moments.covariance.emplace_back();
 		if ( n < octree.levelStart[1] )
 		{
 			measureFineRegion( change.now, update.fine, n, moments );

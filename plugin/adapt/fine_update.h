@@ -17,6 +17,7 @@ struct FineUpdate
 /// `tree`: of the same change.
 FineUpdate updateFineRegions( const FineRegions& before, const CellChange& change, const OctreeUpdate& tree );
 
-FineMoments updateFineMoments( const FineMoments& before, const CellChange& change, const OctreeUpdate& tree, const FineUpdate& fine );
+/// `moments`: those before, which change in place.
+FineMoments updateFineMoments( FineMoments moments, const CellChange& change, const OctreeUpdate& tree, const FineUpdate& fine );
 
 } // namespace pliant

@@ -56,6 +56,18 @@ std::unique_ptr<Levels> Levels::ofPiece( PieceOfLevels piece, const LevelSetting
 	return levels;
 }
 
+// A node in the cut above a touched cell might hold other cells than before.
+bool Levels::canRelink( const std::vector<std::uint32_t>& touched ) const
+{
+	return m_settings.regions == RegionRule::Multiplicity &&
+		   std::all_of( touched.begin(), touched.end(), [this]( std::uint32_t cell ) { return m_cut.node[m_cut.slotOfCell[cell]] == cell; } );
+}
+
+FineMoments Levels::takeMoments()
+{
+	return m_base.use_count() == 1 ? std::move( std::const_pointer_cast<LevelBase>( m_base )->moments ) : m_base->moments;
+}
+
 // As a change of levels is made (Levels::change): in the room the one before the last left.
 void Levels::relink( PieceOfLevels piece, const LevelSettings& settings, const Lattice& lattice, NodeState& nodes, LatticeMatcher& matcher )
 {
@@ -115,7 +127,7 @@ PieceOfLevels Body::pieceOfLevels( const Body& from, const BodyPiece& piece, Pie
 		made.cut = cutOfPiece( before, made.update.base->octree, piece.cellBefore );
 		return made;
 	}
-	made.update = updateLevelBase( before.base(), CellChange{ *from.m_lattice, *m_lattice, piece.cellBefore, piece.touched } );
+	made.update = updateLevelBase( before.base(), before.base().moments, CellChange{ *from.m_lattice, *m_lattice, piece.cellBefore, piece.touched } );
 	made.cut = cutOfPiece( before, made.update.base->octree, piece.cellBefore );
 	made.nodes = relinkNodes( before.cut(), made.cut, made.update, piece.cellBefore );
 	made.shift = ( m_lattice->massCentre - from.m_lattice->massCentre ) / double( m_lattice->cellSize );
@@ -142,14 +154,15 @@ void Body::inheritLevels( const Body& from, BodyPiece& piece, PieceRoad road )
 std::unique_ptr<Body> Body::relinkWhole( const std::shared_ptr<const Lattice>& lattice, BodyPiece& piece )
 {
 	const std::shared_ptr<const Lattice> before = m_lattice;
-	PieceOfLevels made;
-	made.update = updateLevelBase( m_levels->base(), CellChange{ *before, *lattice, piece.cellBefore, piece.touched } );
-	made.cut = cutOfPiece( *m_levels, made.update.base->octree, piece.cellBefore );
-	made.nodes = relinkNodes( m_levels->cut(), made.cut, made.update, piece.cellBefore );
-	if ( !m_levels->canTakeOver( made ) )
+	if ( !m_levels->canRelink( piece.touched ) )
 	{
 		return nullptr;
 	}
+	PieceOfLevels made;
+	FineMoments moments = m_cache ? m_levels->base().moments : m_levels->takeMoments(); // the template's is there for others
+	made.update = updateLevelBase( m_levels->base(), std::move( moments ), CellChange{ *before, *lattice, piece.cellBefore, piece.touched } );
+	made.cut = cutOfPiece( *m_levels, made.update.base->octree, piece.cellBefore );
+	made.nodes = relinkNodes( m_levels->cut(), made.cut, made.update, piece.cellBefore );
 	piece.nodeBefore = made.nodes.before;
 	piece.treeBefore = made.update.nodeBefore;
 	const std::vector<std::uint32_t> names = m_firstCell;

@@ -68,6 +68,10 @@ public:
 	bool canTakeOver( const PieceOfLevels& piece ) const { return m_settings.regions == RegionRule::Multiplicity && !piece.nodes.before.empty(); }
 	/// The levels of a piece of a body that had these: as made from nothing for its lattice, from what is left of the whole's.
 	std::unique_ptr<Levels> ofPiece( PieceOfLevels piece, const LevelSettings& settings, const Lattice& lattice ) const;
+	/// Whether the whole can be relinked where links of these cells changed.
+	bool canRelink( const std::vector<std::uint32_t>& touched ) const;
+	/// The base's moments, for a base that takes its place at once: nobody but these levels looks at this one, or a copy is made.
+	FineMoments takeMoments();
 	/// The whole is one piece still, some of its links are others: the same in place, and what is kept of each node with it.
 	void relink( PieceOfLevels piece, const LevelSettings& settings, const Lattice& lattice, NodeState& nodes, LatticeMatcher& matcher );
 

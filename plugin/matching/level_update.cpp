@@ -2,16 +2,18 @@
 
 #include "adapt/fine_update.h"
 
+#include <utility>
+
 namespace pliant {
 
-LevelBaseUpdate updateLevelBase( const LevelBase& before, const CellChange& change )
+LevelBaseUpdate updateLevelBase( const LevelBase& before, FineMoments moments, const CellChange& change )
 {
 	OctreeUpdate tree = updateOctree( before.octree, change );
 	FineUpdate fine = updateFineRegions( before.fine, change, tree );
 	auto base = std::make_shared<LevelBase>();
-	if ( !before.moments.covariance.empty() )
+	if ( !moments.covariance.empty() )
 	{
-		base->moments = updateFineMoments( before.moments, change, tree, fine );
+		base->moments = updateFineMoments( std::move( moments ), change, tree, fine );
 	}
 	base->octree = std::move( tree.octree );
 	base->fine = std::move( fine.fine );
