@@ -72,15 +72,30 @@ std::vector<Vec3d> Body::cellPlaces() const
 		}
 		return places;
 	}
-	// x_c = x_a + F_a ( x0_c - x0_a ), a the node above cell c
-	std::vector<float> gradients( std::size_t( m_nodes.padded ) * 9 );
-	nodeDeformations( gradients.data() );
-	for ( std::uint32_t cell = 0; cell < std::uint32_t( places.size() ); ++cell )
+	// x_c = x_a + F_a ( x0_c - x0_a ), a the node above cell c. What is one cell stands where its node does.
+	const Octree& octree = m_levels->octree();
+	const std::vector<std::uint32_t>& above = m_levels->cut().node;
+	std::vector<std::uint32_t> big;
+	for ( std::uint32_t i = 0; i < std::uint32_t( above.size() ); ++i )
 	{
-		const int node = nodeOfCell( cell );
-		const Eigen::Map<const Eigen::Matrix<float, 3, 3, Eigen::RowMajor>> f( gradients.data() + 9 * std::size_t( node ) );
-		const Vec3 arm = m_lattice->restCentre[cell] - m_nodes.x0.get( node );
-		places[cell] = ( m_nodes.x.get( node ) + f * arm ).cast<double>();
+		if ( octree.cellCount[above[i]] > 1 )
+		{
+			big.push_back( i );
+			continue;
+		}
+		places[octree.cells[octree.cellStart[above[i]]]] = m_nodes.x.get( int( i ) ).cast<double>();
+	}
+	std::vector<float> gradients( big.size() * 9 );
+	nodeDeformationsOf( big, gradients.data() );
+	for ( std::size_t b = 0; b < big.size(); ++b )
+	{
+		const std::uint32_t node = above[big[b]];
+		const Eigen::Map<const Eigen::Matrix<float, 3, 3, Eigen::RowMajor>> f( gradients.data() + 9 * b );
+		for ( std::uint32_t k = octree.cellStart[node]; k < octree.cellStart[node] + octree.cellCount[node]; ++k )
+		{
+			const Vec3 arm = m_lattice->restCentre[octree.cells[k]] - m_nodes.x0.get( int( big[b] ) );
+			places[octree.cells[k]] = ( m_nodes.x.get( int( big[b] ) ) + f * arm ).cast<double>();
+		}
 	}
 	return places;
 }

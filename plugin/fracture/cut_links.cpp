@@ -95,6 +95,17 @@ std::vector<std::uint8_t> sidesBeyond( const std::vector<Vec3d>& places, const C
 	return std::vector<std::uint8_t>( places.size(), 0 );
 }
 
+/// Whether a cell and all it is linked to lie beyond one side: most do, and no link of theirs is looked at.
+bool isBeyond( const Lattice& lattice, const std::vector<std::uint8_t>& beyond, std::uint32_t cell )
+{
+	unsigned all = beyond[cell];
+	for ( std::uint32_t k = lattice.linkStart[cell]; all != 0 && k < lattice.linkStart[cell + 1]; ++k )
+	{
+		all &= beyond[lattice.linkTo[k]];
+	}
+	return all != 0;
+}
+
 template <class Cut>
 std::vector<CellLink> findCut( const Lattice& lattice, const std::vector<Vec3d>& places, const Cut& cut )
 {
@@ -106,6 +117,10 @@ std::vector<CellLink> findCut( const Lattice& lattice, const std::vector<Vec3d>&
 	const std::vector<std::uint8_t> beyond = sidesBeyond( places, cut );
 	for ( std::uint32_t i = 0; i < std::uint32_t( lattice.cellCount() ); ++i )
 	{
+		if ( isBeyond( lattice, beyond, i ) )
+		{
+			continue;
+		}
 		const auto row = lattice.linkTo.begin() + lattice.linkStart[i], end = lattice.linkTo.begin() + lattice.linkStart[i + 1];
 		for ( auto to = std::upper_bound( row, end, i ); to != end; ++to )
 		{

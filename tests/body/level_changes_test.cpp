@@ -1,5 +1,6 @@
 // Slow twins of what a change of levels does the short way: tables made from nothing, blends by way of eigenvalues.
 
+#include "body/body.h"
 #include "body/levels.h"
 #include "matching/lattice_matcher.h"
 #include "support/shapes.h"
@@ -179,6 +180,39 @@ TEST( Levels, BlendsByTheShortWayAreThoseByDirections )
 	}
 	EXPECT_GT( limited, 50 ); // both ways were gone
 	EXPECT_LT( limited, 950 );
+}
+
+/// x + F ( x0_c - x0 ), though F is measured only where a node is more than one cell.
+TEST( LevelChanges, CellsLieWhereTheirNodesRegionsPutThem )
+{
+	for ( int count = 1; count < 4; ++count )
+	{
+		const auto lattice = std::make_shared<const Lattice>( test::makeBlobLattice( 16, 0.05f, 3 ) );
+		Adaptivity settings;
+		settings.coarseLevels = count;
+		const std::unique_ptr<Body> body = std::move( Body::create( lattice, Material{}, {}, nullptr, settings ).value );
+		std::mt19937 random( 7 );
+		const auto any = [&random] { return float( random() % 1000 ) * 2e-5f - 0.01f; };
+		for ( int i = 0; i < body->nodeCount(); ++i )
+		{
+			body->nodes().x.set( i, body->nodes().x.get( i ) + Vec3( any(), any(), any() ) );
+		}
+		std::vector<float> gradients( 9 * std::size_t( body->nodes().padded ) );
+		body->nodeDeformations( gradients.data() );
+		const std::vector<Vec3d> places = body->cellPlaces();
+		int moved = 0;
+		for ( std::uint32_t cell = 0; cell < std::uint32_t( lattice->cellCount() ); ++cell )
+		{
+			const int node = body->nodeOfCell( cell );
+			const Vec3 arm = lattice->restCentre[cell] - body->nodes().x0.get( node );
+			const Eigen::Map<const Eigen::Matrix<float, 3, 3, Eigen::RowMajor>> f( gradients.data() + 9 * std::size_t( node ) );
+			const Vec3 place = body->nodes().x.get( node ) + f * arm;
+			EXPECT_EQ( places[cell], place.cast<double>() );
+			moved += arm.isZero( 0.0f ) ? 0 : 1;
+		}
+		EXPECT_GT( moved, 100 );
+		EXPECT_LT( moved, lattice->cellCount() );
+	}
 }
 
 } // namespace
