@@ -51,6 +51,41 @@ double diagonalOf( const std::vector<Vec3>& points )
 
 } // namespace
 
+// Most rows hold none: entries are gone through as they lie, eight at a time, whosever they are.
+std::vector<char> rowsThatHold( const SkinBinding& binding, const std::vector<char>& isWanted )
+{
+	constexpr std::size_t kWide = 8;
+	const std::size_t rows = binding.start.size() - 1, entries = binding.node.size();
+	std::vector<char> holds( rows, 0 );
+	std::size_t row = 0;
+	const auto mark = [&]( std::size_t first, std::size_t end ) {
+		for ( std::size_t k = first; k < end; ++k )
+		{
+			if ( isWanted[binding.node[k]] != 0 )
+			{
+				for ( ; binding.start[row + 1] <= k; ++row ) {}
+				holds[row] = 1;
+			}
+		}
+	};
+	std::size_t first = 0;
+	for ( ; first + kWide <= entries; first += kWide )
+	{
+		const std::uint32_t* const node = binding.node.data() + first;
+		int any = 0;
+		for ( std::size_t k = 0; k < kWide; ++k )
+		{
+			any |= isWanted[node[k]];
+		}
+		if ( any != 0 )
+		{
+			mark( first, first + kWide );
+		}
+	}
+	mark( first, entries );
+	return holds;
+}
+
 void SkinFade::reserveNodes( int count, std::size_t touched, int cellCount )
 {
 	makeRoom( m_mapBefore, std::size_t( count ) * kMapFloats, touched * kMapFloats );
@@ -210,11 +245,15 @@ void SkinFade::start( const SkinBinding& binding, const Nodes& nodes )
 	const std::vector<char> changed = changedSlots( nodes, isFresh, visible );
 	const std::uint32_t* const slot = nodes.pose.slotOfCell;
 
-	std::vector<char> cellChanged( m_slotBefore.size() ); // asked by every vertex for each of its cells
+	std::vector<char> cellChanged( m_slotBefore.size() );
 	std::transform( slot, slot + cellChanged.size(), cellChanged.begin(), [&changed]( std::uint32_t of ) { return changed[of]; } );
+
+	const std::vector<char> rowChanged = rowsThatHold( binding, cellChanged );
 
 	std::vector<std::uint32_t> vertices;
 	std::vector<Vec3> offsets;
+	vertices.reserve( 2 * m_vertex.size() );
+	offsets.reserve( 2 * m_vertex.size() );
 	std::size_t old = 0;
 	const float left = share();
 	double largest = 0.0;
@@ -226,9 +265,7 @@ void SkinFade::start( const SkinBinding& binding, const Nodes& nodes )
 		{
 			offset = left * m_offset[old++];
 		}
-		const auto isChanged = [&cellChanged]( std::uint32_t cell ) { return cellChanged[cell] != 0; };
-		const std::uint32_t carrier = binding.carrierOf( v );
-		if ( std::any_of( binding.node.begin() + binding.start[carrier], binding.node.begin() + binding.start[carrier + 1], isChanged ) )
+		if ( rowChanged[binding.carrierOf( v )] != 0 )
 		{
 			const Vec3 jump = follow( binding, m_mapBefore.data(), m_slotBefore.data(), v ) - follow( binding, m_mapNow.data(), slot, v );
 			offset += nodes.body.conjugate() * jump;

@@ -11,6 +11,9 @@
 
 namespace pliant {
 
+/// Of each row of the binding: 1 where it holds one of the cells, `isWanted` by their numbers.
+std::vector<char> rowsThatHold( const SkinBinding& binding, const std::vector<char>& isWanted );
+
 class SkinFade
 {
 public:

@@ -6,6 +6,8 @@
 
 #include <gtest/gtest.h>
 
+#include <random>
+
 namespace pliant {
 namespace {
 
@@ -99,6 +101,45 @@ TEST( SkinFade, IsTheSameWhereOnlyWhatWasMeasuredAnewIsLookedAt )
 		EXPECT_LT( done.measured.size(), std::size_t( body.nodeCount() ) ) << "nothing was left to leave out";
 	}
 	EXPECT_GT( offset, 1000u );
+}
+
+/// Rows of any length, none among them, of which few hold a cell that is wanted.
+TEST( SkinFade, RowsThatHoldACellAreFound )
+{
+	std::mt19937 random( 3 );
+	int found = 0;
+	for ( int round = 0; round < 60; ++round )
+	{
+		std::vector<char> isWanted( 300, 0 );
+		for ( char& is : isWanted )
+		{
+			is = random() % ( round % 2 == 0 ? 150 : 6 ) == 0 ? 1 : 0;
+		}
+		SkinBinding binding;
+		binding.start.push_back( 0 );
+		for ( int row = 0; row < 200; ++row )
+		{
+			for ( std::uint32_t k = random() % 12; k > 0; --k )
+			{
+				binding.node.push_back( random() % 300 );
+			}
+			binding.start.push_back( std::uint32_t( binding.node.size() ) );
+		}
+		const std::vector<char> holds = rowsThatHold( binding, isWanted );
+		ASSERT_EQ( holds.size(), 200u );
+		for ( std::size_t row = 0; row < 200; ++row )
+		{
+			bool is = false;
+			for ( std::uint32_t k = binding.start[row]; k < binding.start[row + 1]; ++k )
+			{
+				is = is || isWanted[binding.node[k]] != 0;
+			}
+			EXPECT_EQ( holds[row] != 0, is );
+			found += is ? 1 : 0;
+		}
+	}
+	EXPECT_GT( found, 500 );
+	EXPECT_LT( found, 10000 );
 }
 
 } // namespace
