@@ -17,6 +17,11 @@ inline constexpr std::uint32_t kLinkTenths[4] = { 0, 10, 14, 17 };
 /// however far off, cannot be.
 std::vector<std::uint32_t> floodInside( const Lattice& lattice );
 
+/// The same after links have gone, from the distances before (of the cells that are left): what came to the surface through such a link is nearer to it
+/// than it was, and nothing is farther. `touched`: the cells that lost links. False, and nothing done, where one of them is not surface (links came back),
+/// or none is named. floodInside is the slow twin.
+bool followInside( const Lattice& lattice, const std::vector<std::uint32_t>& touched, std::vector<std::uint32_t>& depth );
+
 /// Which way is out of the material at a cell, at rest; not of unit length, zero where no side is nearer than its opposite:
 ///   n_i = sum over links of ( D_i - D_j ) ( x_j - x_i ) / |x_j - x_i|^2 - sum over links of ( x_j - x_i ) / |x_j - x_i|
 /// the flood's fall, and what is missing about the cell: on the surface the flood alone is flat.

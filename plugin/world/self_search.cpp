@@ -19,10 +19,23 @@ double radiusOf( const SoftBody::Impl& impl, int node )
 
 } // namespace
 
-void SelfSearch::relink( const std::vector<std::uint32_t>& nodeNow )
+void SelfSearch::relink( const std::vector<std::uint32_t>& nodeNow, const CellsNow& cells )
 {
 	m_near.renumber( nodeNow );
-	m_depth.clear();
+	if ( !m_depth.empty() )
+	{
+		std::vector<std::uint32_t> depth;
+		depth.reserve( cells.before.size() );
+		for ( const std::uint32_t cell : cells.before )
+		{
+			depth.push_back( m_depth[cell] );
+		}
+		m_depth.swap( depth );
+		if ( !followInside( cells.lattice, cells.touched, m_depth ) )
+		{
+			m_depth.clear();
+		}
+	}
 	m_slack.clear();
 	m_isFirst = true;
 }

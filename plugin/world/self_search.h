@@ -25,8 +25,15 @@ class SelfSearch
 public:
 	/// Normals point from the node of the higher number to that of the lower, which comes first in the key.
 	const std::vector<NodeHit>& find( const SoftBody& soft, double step );
-	/// Links have been cut: what is known of the body is measured anew. `nodeNow` by the number before, kNoNode where the node is gone; empty: the same.
-	void relink( const std::vector<std::uint32_t>& nodeNow );
+	/// The body's cells: their numbers before, and those that lost links; none named: nobody knows.
+	struct CellsNow
+	{
+		const Lattice& lattice;
+		const std::vector<std::uint32_t>& before;
+		const std::vector<std::uint32_t>& touched;
+	};
+	/// Links have been cut: what is known of the body is measured anew there. `nodeNow` by the number before, kNoNode where the node is gone; empty: the same.
+	void relink( const std::vector<std::uint32_t>& nodeNow, const CellsNow& cells );
 	/// Nodes have other numbers: the same; in the same order.
 	void renumber( const std::vector<std::uint32_t>& nodeNow );
 

@@ -3,6 +3,7 @@
 #include "body/breaking.h"
 #include "body/levels.h"
 #include "fracture/cut_links.h"
+#include "lattice/inside_distance.h"
 #include "support/block_body.h"
 #include "support/shapes.h"
 #include "world/node_colliders.h"
@@ -61,9 +62,26 @@ void compare( const BodyPiece& piece, const NodeColliders& before, bool isWhole,
 	( isWhole ? counts.whole : counts.pieces ) += 1;
 }
 
+/// Which way out is told by the same depths as a flood of all cells has.
+void compareInside( const BodyPiece& piece, const Lattice& before, int& followed )
+{
+	const std::vector<std::uint32_t> then = floodInside( before );
+	std::vector<std::uint32_t> depth;
+	for ( const std::uint32_t cell : piece.cellBefore )
+	{
+		depth.push_back( then[cell] );
+	}
+	if ( followInside( piece.body->lattice(), piece.touched, depth ) )
+	{
+		++followed;
+		EXPECT_EQ( depth, floodInside( piece.body->lattice() ) );
+	}
+}
+
 TEST( NodeColliders, FollowWhatIsCutAndHeals )
 {
 	Counts counts;
+	int followed = 0;
 	for ( unsigned seed = 1; seed <= 9; ++seed )
 	{
 		const auto whole = std::make_shared<const Lattice>( test::makeBlobLattice( 24, 0.05f, seed ) );
@@ -79,11 +97,13 @@ TEST( NodeColliders, FollowWhatIsCutAndHeals )
 				continue;
 			}
 			const NodeColliders before = measureColliders( body->lattice(), body->levels()->octree() );
+			const Lattice latticeBefore = body->lattice();
 			BreakReport report;
 			std::vector<BodyPiece> pieces = body->breakApart( report, 1000 );
 			for ( const BodyPiece& piece : pieces )
 			{
 				compare( piece, before, pieces.size() == 1, counts );
+				compareInside( piece, latticeBefore, followed );
 			}
 			ASSERT_FALSE( HasFailure() ) << "seed " << seed << " event " << event;
 			body = std::move( pieces[0].body );
@@ -94,6 +114,7 @@ TEST( NodeColliders, FollowWhatIsCutAndHeals )
 	EXPECT_GT( counts.pieces, 40 );
 	EXPECT_GT( counts.nearer, 500 );
 	EXPECT_GT( counts.deeper, 500 );
+	EXPECT_GT( followed, 50 );
 }
 
 } // namespace
