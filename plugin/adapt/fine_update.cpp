@@ -61,34 +61,44 @@ FineUpdate updateFineRegions( const FineRegions& before, const CellChange& chang
 
 namespace {
 
-/// Nodes go where they are now. Of the same cells only those above them have moved: these are most of what an update would copy.
-void takeOver( FineMoments& moments, const CellChange& change, const OctreeUpdate& tree )
+/// Nodes go where they are now. Of the same cells only those above them have moved: they are most of what an update would copy.
+FineMoments takeOver( const FineMoments& before, FineMoments taken, const CellChange& change, const OctreeUpdate& tree )
 {
-	using Covariances = decltype( moments.covariance );
-	const std::size_t nodes = tree.octree.parent.size(), kept = change.isWhole() ? std::size_t( tree.octree.levelStart[1] ) : 0;
-	const Covariances before = kept > 0 ? Covariances( moments.covariance.begin() + std::ptrdiff_t( kept ), moments.covariance.end() ) : std::move( moments.covariance );
-	moments.covariance.resize( kept );
-	moments.covariance.reserve( nodes ); // filled once
-	for ( std::size_t n = kept; n < nodes; ++n )
+	const std::size_t nodes = tree.octree.parent.size(), cells = tree.octree.levelStart[1];
+	const bool staysInPlace = change.isWhole() && !taken.covariance.empty();
+	const auto& from = taken.covariance.empty() ? before.covariance : taken.covariance;
+	FineMoments moments;
+	decltype( moments.covariance ) above;
+	if ( staysInPlace )
 	{
-		if ( const std::uint32_t old = tree.nodeBefore[n]; old != kNoNode )
+		above.assign( from.begin() + std::ptrdiff_t( cells ), from.end() );
+		moments = std::move( taken );
+		moments.covariance.resize( cells );
+	}
+	const auto& old = staysInPlace ? above : from;
+	const std::size_t first = moments.covariance.size();
+	moments.covariance.reserve( nodes ); // filled once
+	for ( std::size_t n = first; n < nodes; ++n )
+	{
+		if ( tree.nodeBefore[n] != kNoNode )
 		{
-			moments.covariance.push_back( before[old - kept] );
+			moments.covariance.push_back( old[tree.nodeBefore[n] - first] );
 		}
 		else
 		{
 			moments.covariance.emplace_back();
 		}
 	}
+	return moments;
 }
 
 } // namespace
 
-FineMoments updateFineMoments( FineMoments moments, const CellChange& change, const OctreeUpdate& tree, const FineUpdate& update )
+FineMoments updateFineMoments( const FineMoments& before, FineMoments taken, const CellChange& change, const OctreeUpdate& tree, const FineUpdate& update )
 {
 	const Octree& octree = tree.octree;
 	const RegionSet& set = update.fine.set;
-	takeOver( moments, change, tree );
+	FineMoments moments = takeOver( before, std::move( taken ), change, tree );
 	std::vector<std::uint8_t> isOld( octree.parent.size(), 1 ); // 0: to be measured again
 	for ( const std::uint32_t cell : update.collected )
 	{

@@ -17,7 +17,7 @@ struct FineUpdate
 /// `tree`: of the same change.
 FineUpdate updateFineRegions( const FineRegions& before, const CellChange& change, const OctreeUpdate& tree );
 
-/// `moments`: those before, which change in place.
-FineMoments updateFineMoments( FineMoments moments, const CellChange& change, const OctreeUpdate& tree, const FineUpdate& fine );
+/// `taken`: those before, which then change in place; empty: they stay where they are.
+FineMoments updateFineMoments( const FineMoments& before, FineMoments taken, const CellChange& change, const OctreeUpdate& tree, const FineUpdate& fine );
 
 } // namespace pliant

@@ -65,7 +65,7 @@ bool Levels::canRelink( const std::vector<std::uint32_t>& touched ) const
 
 FineMoments Levels::takeMoments()
 {
-	return m_base.use_count() == 1 ? std::move( std::const_pointer_cast<LevelBase>( m_base )->moments ) : m_base->moments;
+	return m_base.use_count() == 1 ? std::move( std::const_pointer_cast<LevelBase>( m_base )->moments ) : FineMoments{};
 }
 
 // As a change of levels is made (Levels::change): in the room the one before the last left.
@@ -127,7 +127,7 @@ PieceOfLevels Body::pieceOfLevels( const Body& from, const BodyPiece& piece, Pie
 		made.cut = cutOfPiece( before, made.update.base->octree, piece.cellBefore );
 		return made;
 	}
-	made.update = updateLevelBase( before.base(), before.base().moments, CellChange{ *from.m_lattice, *m_lattice, piece.cellBefore, piece.touched } );
+	made.update = updateLevelBase( before.base(), {}, CellChange{ *from.m_lattice, *m_lattice, piece.cellBefore, piece.touched } );
 	made.cut = cutOfPiece( before, made.update.base->octree, piece.cellBefore );
 	made.nodes = relinkNodes( before.cut(), made.cut, made.update, piece.cellBefore );
 	made.shift = ( m_lattice->massCentre - from.m_lattice->massCentre ) / double( m_lattice->cellSize );
@@ -159,7 +159,7 @@ std::unique_ptr<Body> Body::relinkWhole( const std::shared_ptr<const Lattice>& l
 		return nullptr;
 	}
 	PieceOfLevels made;
-	FineMoments moments = m_cache ? m_levels->base().moments : m_levels->takeMoments(); // the template's is there for others
+	FineMoments moments = m_cache ? FineMoments{} : m_levels->takeMoments(); // the template's is there for others
 	made.update = updateLevelBase( m_levels->base(), std::move( moments ), CellChange{ *before, *lattice, piece.cellBefore, piece.touched } );
 	made.cut = cutOfPiece( *m_levels, made.update.base->octree, piece.cellBefore );
 	made.nodes = relinkNodes( m_levels->cut(), made.cut, made.update, piece.cellBefore );

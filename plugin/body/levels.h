@@ -70,7 +70,7 @@ public:
 	std::unique_ptr<Levels> ofPiece( PieceOfLevels piece, const LevelSettings& settings, const Lattice& lattice ) const;
 	/// Whether the whole can be relinked where links of these cells changed.
 	bool canRelink( const std::vector<std::uint32_t>& touched ) const;
-	/// The base's moments, for a base that takes its place at once: nobody but these levels looks at this one, or a copy is made.
+	/// The base's moments, for a base that takes its place at once: empty where others than these levels look at this one.
 	FineMoments takeMoments();
 	/// The whole is one piece still, some of its links are others: the same in place, and what is kept of each node with it.
 	void relink( PieceOfLevels piece, const LevelSettings& settings, const Lattice& lattice, NodeState& nodes, LatticeMatcher& matcher );

@@ -11,9 +11,9 @@ LevelBaseUpdate updateLevelBase( const LevelBase& before, FineMoments moments, c
 	OctreeUpdate tree = updateOctree( before.octree, change );
 	FineUpdate fine = updateFineRegions( before.fine, change, tree );
 	auto base = std::make_shared<LevelBase>();
-	if ( !moments.covariance.empty() )
+	if ( !moments.covariance.empty() || !before.moments.covariance.empty() )
 	{
-		base->moments = updateFineMoments( std::move( moments ), change, tree, fine );
+		base->moments = updateFineMoments( before.moments, std::move( moments ), change, tree, fine );
 	}
 	base->octree = std::move( tree.octree );
 	base->fine = std::move( fine.fine );

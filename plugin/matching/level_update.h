@@ -15,7 +15,7 @@ struct LevelBaseUpdate
 	std::vector<std::uint32_t> collected;  ///< FineUpdate::collected
 };
 
-/// `moments`: those of `before`, or taken from there where nobody else looks at them.
+/// `moments`: those of `before`, taken from there; empty: they stay there, for others look at them.
 LevelBaseUpdate updateLevelBase( const LevelBase& before, FineMoments moments, const CellChange& change );
 
 /// How the nodes of the cut stand to those before, which had the same cells. Empty where a node above the cells is one in which links changed: it
