@@ -50,10 +50,6 @@ void copySurface( const SoftBody& owner, NodeBody& body )
 /// The axes of the material at a node, which friction by direction goes by; others ask for no rotation.
 btQuaternion axesAt( const SoftBody& owner, int node )
 {
-	if ( !owner.hasAnisotropicFriction( btCollisionObject::CF_ANISOTROPIC_FRICTION ) )
-	{
-		return btQuaternion::getIdentity();
-	}
 	const SoftBody::Impl& impl = owner.impl();
 	const std::size_t count = std::size_t( impl.body->nodeCount() );
 	if ( impl.nodeAxes.size() != 4 * count ) // asleep since it was made
@@ -176,7 +172,11 @@ void NodeBodyPool::refresh( NodeBody& body )
 	body.setCollisionFlags( flags );
 
 	body.written = impl.position( body.node );
-	const btTransform at( axesAt( owner, body.node ), body.written );
+	btTransform at( btMatrix3x3::getIdentity(), body.written );
+	if ( owner.hasAnisotropicFriction( btCollisionObject::CF_ANISOTROPIC_FRICTION ) )
+	{
+		at.setRotation( axesAt( owner, body.node ) );
+	}
 	body.setWorldTransform( at );
 	body.setInterpolationWorldTransform( at );
 	body.setLinearVelocity( velocity );

@@ -144,15 +144,15 @@ void PairContacts::process( const btCollisionObjectWrapper& body0, const btColli
 	followNodes( soft0, soft1 );
 	if ( soft0 && soft1 )
 	{
-		matchHits( Pair{ soft0, soft1, nullptr, true }, m_search.againstSoft( *soft0, *soft1, step ) );
+		matchHits( Pair{ soft0, soft1, nullptr, true }, m_scratch.search.againstSoft( *soft0, *soft1, step ) );
 	}
 	else if ( soft0 )
 	{
-		matchHits( Pair{ soft0, nullptr, body1.getCollisionObject(), true }, m_search.againstRigid( *soft0, body1, step ) );
+		matchHits( Pair{ soft0, nullptr, body1.getCollisionObject(), true }, m_scratch.search.againstRigid( *soft0, body1, step ) );
 	}
 	else
 	{
-		matchHits( Pair{ soft1, nullptr, body0.getCollisionObject(), false }, m_search.againstRigid( *soft1, body0, step ) );
+		matchHits( Pair{ soft1, nullptr, body0.getCollisionObject(), false }, m_scratch.search.againstRigid( *soft1, body0, step ) );
 	}
 }
 
@@ -213,7 +213,8 @@ void PairContacts::askAhead( std::size_t contact ) const
 // Carries on the contacts that still have a hit, drops the others, opens new ones, all in the order of the keys.
 void PairContacts::matchHits( const Pair& pair, const std::vector<NodeHit>& hits )
 {
-	m_next.clear();
+	std::vector<NodeContact>& next = m_scratch.contacts;
+	next.clear();
 	for ( std::size_t k = 0; k <= kContactsAhead && !hits.empty(); ++k )
 	{
 		askAhead( k );
@@ -246,13 +247,13 @@ void PairContacts::matchHits( const Pair& pair, const std::vector<NodeHit>& hits
 			open( pair, contact );
 		}
 		write( pair, contact, &hits[start], int( end - start ) );
-		m_next.push_back( contact );
+		next.push_back( contact );
 	}
 	for ( ; old < m_contacts.size(); ++old )
 	{
 		drop( m_contacts[old] );
 	}
-	m_contacts.swap( m_next );
+	m_contacts.assign( next.begin(), next.end() );
 }
 
 void PairContacts::open( const Pair& pair, NodeContact& contact )
@@ -358,8 +359,8 @@ void MovedContacts::moveBack()
 	}
 }
 
-NodeAlgorithm::NodeAlgorithm( const btCollisionAlgorithmConstructionInfo& info, NodeBodyPool& pool ) :
-	btCollisionAlgorithm( info ), m_contacts( new PairContacts( *info.m_dispatcher1, pool ) )
+NodeAlgorithm::NodeAlgorithm( const btCollisionAlgorithmConstructionInfo& info, NodeBodyPool& pool, PairScratch& scratch ) :
+	btCollisionAlgorithm( info ), m_contacts( new PairContacts( *info.m_dispatcher1, pool, scratch ) )
 {
 }
 
@@ -382,7 +383,7 @@ btCollisionAlgorithm* NodeCreateFunc::CreateCollisionAlgorithm(
 		return m_before->CreateCollisionAlgorithm( info, body0, body1 );
 	}
 	void* const room = info.m_dispatcher1->allocateCollisionAlgorithm( sizeof( NodeAlgorithm ) );
-	return new ( room ) NodeAlgorithm( info, m_pool );
+	return new ( room ) NodeAlgorithm( info, m_pool, m_scratch );
 }
 
 } // namespace pliant

@@ -26,13 +26,20 @@ struct NodeContact
 	btPersistentManifold* manifold = nullptr;
 };
 
+/// What the pairs of one world use in turn: with a search of its own each pair would have some kB that are nowhere near when its turn comes.
+struct PairScratch
+{
+	NodeSearch search;
+	std::vector<NodeContact> contacts;
+};
+
 /// All contacts of one pair of objects, in the order of their keys.
 class PairContacts
 {
 public:
 	BT_DECLARE_ALIGNED_ALLOCATOR();
 
-	PairContacts( btDispatcher& dispatcher, NodeBodyPool& pool ) : m_dispatcher( dispatcher ), m_pool( pool ) {}
+	PairContacts( btDispatcher& dispatcher, NodeBodyPool& pool, PairScratch& scratch ) : m_dispatcher( dispatcher ), m_pool( pool ), m_scratch( scratch ) {}
 	~PairContacts();
 
 	void process( const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1, double step );
@@ -61,8 +68,8 @@ private:
 
 	btDispatcher& m_dispatcher;
 	NodeBodyPool& m_pool;
-	NodeSearch m_search;
-	std::vector<NodeContact> m_contacts, m_next;
+	PairScratch& m_scratch;
+	std::vector<NodeContact> m_contacts;
 	unsigned m_numbering = 0; ///< of both bodies, when their nodes were last followed
 };
 
@@ -70,7 +77,7 @@ private:
 class NodeAlgorithm : public btCollisionAlgorithm
 {
 public:
-	NodeAlgorithm( const btCollisionAlgorithmConstructionInfo& info, NodeBodyPool& pool );
+	NodeAlgorithm( const btCollisionAlgorithmConstructionInfo& info, NodeBodyPool& pool, PairScratch& scratch );
 	~NodeAlgorithm() override;
 
 	void processCollision( const btCollisionObjectWrapper* body0, const btCollisionObjectWrapper* body1, const btDispatcherInfo& info,
@@ -89,13 +96,14 @@ private:
 class NodeCreateFunc : public btCollisionAlgorithmCreateFunc
 {
 public:
-	NodeCreateFunc( btCollisionAlgorithmCreateFunc* before, NodeBodyPool& pool ) : m_before( before ), m_pool( pool ) {}
+	NodeCreateFunc( btCollisionAlgorithmCreateFunc* before, NodeBodyPool& pool, PairScratch& scratch ) : m_before( before ), m_pool( pool ), m_scratch( scratch ) {}
 	btCollisionAlgorithm* CreateCollisionAlgorithm( btCollisionAlgorithmConstructionInfo& info, const btCollisionObjectWrapper* body0,
 		const btCollisionObjectWrapper* body1 ) override;
 
 private:
 	btCollisionAlgorithmCreateFunc* m_before;
 	NodeBodyPool& m_pool;
+	PairScratch& m_scratch;
 };
 
 /// While Bullet's solver is at work a contact acts at the node's centre, on both sides: a node has no spin that could take up the rest,

@@ -25,7 +25,7 @@ void SoftBodySystem::collideWithThemselves( btScalar h )
 		}
 		if ( !self->contacts )
 		{
-			self->contacts = std::make_unique<PairContacts>( m_dispatcher, pool );
+			self->contacts = std::make_unique<PairContacts>( m_dispatcher, pool, m_pairScratch );
 		}
 		// A sleeping body keeps the contacts it has, as pairs of Bullet's do.
 		if ( moves( *body ) )

@@ -26,7 +26,7 @@ SoftBodySystem::SoftBodySystem( btDiscreteDynamicsWorld& world, btDispatcher* di
 	const auto wrap = [&]( int type0, int type1 ) {
 		const Wrapped wrapped{ type0, type1, configuration->getCollisionAlgorithmCreateFunc( type0, type1 ) };
 		m_wrapped.push_back( wrapped );
-		m_createFuncs.push_back( std::make_unique<NodeCreateFunc>( wrapped.before, pool ) );
+		m_createFuncs.push_back( std::make_unique<NodeCreateFunc>( wrapped.before, pool, m_pairScratch ) );
 		m_dispatcher.registerCollisionCreateFunc( type0, type1, m_createFuncs.back().get() );
 	};
 	for ( int type = 0; type < MAX_BROADPHASE_COLLISION_TYPES; ++type )

@@ -122,6 +122,7 @@ private:
 	btDiscreteDynamicsWorld& m_world;
 	btCollisionDispatcher& m_dispatcher;
 	std::vector<Wrapped> m_wrapped;
+	PairScratch m_pairScratch;
 	std::vector<SoftBody*> m_bodies;
 	std::vector<std::unique_ptr<NodeCreateFunc>> m_createFuncs;
 	std::vector<NodeBody*> m_predictive;

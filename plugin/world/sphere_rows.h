@@ -10,11 +10,11 @@
 #include <BulletCollision/BroadphaseCollision/btDbvt.h>
 #include <BulletCollision/CollisionShapes/btSphereShape.h>
 
-#include <array>
-#include <cmath>
-#include <cstdint>
-#include <cstring>
 #include <vector>
+
+#if defined( __SSE2__ )
+	#include <emmintrin.h>
+#endif
 
 namespace pliant {
 
@@ -47,6 +47,13 @@ public:
 		btVector3 shift, low, high;
 	};
 
+	/// Two spheres that may come to touch. As both bodies' sweeps go; what their own nodes' speeds make of it is for who asks.
+	struct Meeting
+	{
+		int nodeA, nodeB;
+		float square, reach; ///< of how far their middles are apart, m^2; and their reaches together, m
+	};
+
 	/// The spheres of a tree's leaves, in their order; leaves name children. They are to be placed.
 	void arrange( const btDbvtNode* root, const std::vector<int>& nodeOfChild, const std::vector<btSphereShape*>& sphereOfNode );
 	/// Spheres and boxes go where the nodes are. `shift`: where the rows' own origin is in the nodes' coordinates. `runner` may be null.
@@ -65,7 +72,7 @@ public:
 			forEach( met( row, box ), [&]( int k ) { visit( row.node[k] ); } );
 		} );
 	}
-	/// visit( nodeA, nodeB ) for every pair of spheres that may come to touch, and for some that nearly do. `near` is scratch that the caller keeps.
+	/// visit( meeting ) for every pair of spheres that may come to touch, and for some that nearly do. `near` is scratch that the caller keeps.
 	template <class Visit>
 	static void visitPairs( const SphereRows& a, const SphereRows& b, const Approach& approach, std::vector<int>& near, Visit&& visit );
 	/// visit( node, where its sphere is ) for the first-th to the one before the last-th.
@@ -95,8 +102,28 @@ private:
 		void set( int k, const Box& box );
 		Box around() const;
 	};
-	/// Not 0 where it is so.
-	using Lanes = std::array<std::uint8_t, kWide>;
+	/// Half a row, and -1 where something is so of it.
+	using F4 = float __attribute__( ( vector_size( 16 ), may_alias ) );
+	using I4 = int __attribute__( ( vector_size( 16 ), may_alias ) );
+	/// Bit k: it is so of the k-th.
+	using Lanes = unsigned;
+
+	static F4 load( const float* four ) { return *reinterpret_cast<const F4*>( four ); }
+	static unsigned bitsOf( I4 is )
+	{
+#if defined( __SSE2__ )
+		return unsigned( _mm_movemask_ps( (__m128)is ) );
+#else
+		return unsigned( is[0] & 1 ) | unsigned( is[1] & 2 ) | unsigned( is[2] & 4 ) | unsigned( is[3] & 8 );
+#endif
+	}
+	/// is( k ): of the four from the k-th on.
+	template <class Is>
+	static Lanes eachHalf( Is&& is )
+	{
+		static_assert( kWide == 8 );
+		return bitsOf( is( 0 ) ) | bitsOf( is( 4 ) ) << 4;
+	}
 
 	static Boxes boxesOf( const Row& row )
 	{
@@ -113,40 +140,28 @@ private:
 	}
 	static Lanes met( const Boxes& boxes, const Box& box )
 	{
-		Lanes is;
-		for ( int k = 0; k < kWide; ++k )
-		{
-			const bool alongX = bool( int( boxes.low[0][k] <= box.high[0] ) & int( boxes.high[0][k] >= box.low[0] ) );
-			const bool alongY = bool( int( boxes.low[1][k] <= box.high[1] ) & int( boxes.high[1][k] >= box.low[1] ) );
-			const bool alongZ = bool( int( boxes.low[2][k] <= box.high[2] ) & int( boxes.high[2][k] >= box.low[2] ) );
-			is[std::size_t( k )] = std::uint8_t( int( alongX ) & int( alongY ) & int( alongZ ) );
-		}
-		return is;
+		return eachHalf( [&]( int k ) {
+			const I4 alongX = ( load( boxes.low[0] + k ) <= F4{} + box.high[0] ) & ( load( boxes.high[0] + k ) >= F4{} + box.low[0] );
+			const I4 alongY = ( load( boxes.low[1] + k ) <= F4{} + box.high[1] ) & ( load( boxes.high[1] + k ) >= F4{} + box.low[1] );
+			const I4 alongZ = ( load( boxes.low[2] + k ) <= F4{} + box.high[2] ) & ( load( boxes.high[2] + k ) >= F4{} + box.low[2] );
+			return alongX & alongY & alongZ;
+		} );
 	}
 	static Lanes met( const Row& row, const Box& box ) { return met( boxesOf( row ), box ); }
 	/// Those whose middles are nearer to `x` than the sum of both reaches.
 	static Lanes near( const Row& row, const float ( &x )[3], float reach )
 	{
-		Lanes is;
-		for ( int k = 0; k < kWide; ++k )
-		{
-			const float dx = row.x[0][k] - x[0], dy = row.x[1][k] - x[1], dz = row.x[2][k] - x[2], both = row.reach[k] + reach;
-			is[std::size_t( k )] = std::uint8_t( int( dx * dx + dy * dy + dz * dz <= both * both ) & int( both >= 0.0f ) );
-		}
-		return is;
+		return eachHalf( [&]( int k ) {
+			const F4 dx = load( row.x[0] + k ) - x[0], dy = load( row.x[1] + k ) - x[1], dz = load( row.x[2] + k ) - x[2], both = load( row.reach + k ) + reach;
+			return ( dx * dx + dy * dy + dz * dz <= both * both ) & ( both >= F4{} );
+		} );
 	}
 	template <class Visit>
-	static void forEach( const Lanes& is, Visit&& visit )
+	static void forEach( Lanes is, Visit&& visit )
 	{
-		std::uint64_t all = 0;
-		static_assert( sizeof all == sizeof is );
-		std::memcpy( &all, is.data(), sizeof all );
-		for ( int k = 0; all != 0 && k < kWide; ++k )
+		for ( ; is != 0; is &= is - 1 )
 		{
-			if ( is[std::size_t( k )] != 0 )
-			{
-				visit( k );
-			}
+			visit( __builtin_ctz( is ) );
 		}
 	}
 	/// visit( row ) for every row whose box meets the box.
@@ -199,7 +214,10 @@ void SphereRows::visitPairs( const SphereRows& a, const SphereRows& b, const App
 			const Row& other = b.m_rows[std::size_t( others )];
 			forEach( met( row, b.boxOfRow( others ).moved( back ) ), [&]( int k ) {
 				const float x[3] = { row.x[0][k] + shift[0], row.x[1][k] + shift[1], row.x[2][k] + shift[2] };
-				forEach( SphereRows::near( other, x, row.reach[k] + way ), [&]( int l ) { visit( row.node[k], other.node[l] ); } );
+				forEach( SphereRows::near( other, x, row.reach[k] + way ), [&]( int l ) {
+					const float dx = other.x[0][l] - x[0], dy = other.x[1][l] - x[1], dz = other.x[2][l] - x[2];
+					visit( Meeting{ row.node[k], other.node[l], dx * dx + dy * dy + dz * dz, row.reach[k] + other.reach[l] } );
+				} );
 			} );
 		} );
 	}

@@ -128,7 +128,12 @@ TEST_P( SphereRowsOf, TwoBodiesFindThePairsThatMayTouch )
 		const SphereRows::Approach approach{ btVector3( btScalar( uniform( random, -0.3, 0.3 ) ), btScalar( uniform( random, -0.75, -0.6 ) ), 0 ), -way, way };
 		std::vector<std::pair<int, int>> found;
 		SphereRows::visitPairs( soft[0]->impl().shape->rows(), soft[1]->impl().shape->rows(), approach, scratch,
-			[&found]( int a, int b ) { found.push_back( { a, b } ); } );
+			[&]( const SphereRows::Meeting& pair ) {
+				const Vec3 apart = placeOf( *soft[0], pair.nodeA ) + toVec3( approach.shift ) - placeOf( *soft[1], pair.nodeB );
+				ASSERT_NEAR( pair.square, apart.squaredNorm(), 1e-6f );
+				ASSERT_EQ( pair.reach, reachOf( *soft[0], pair.nodeA ) + reachOf( *soft[1], pair.nodeB ) );
+				found.push_back( { pair.nodeA, pair.nodeB } );
+			} );
 		std::sort( found.begin(), found.end() );
 		ASSERT_EQ( std::adjacent_find( found.begin(), found.end() ), found.end() );
 		for ( int a = 0; a < soft[0]->nodeCount(); ++a )
