@@ -6,6 +6,8 @@
 
 #include "third_party_glue/assimp_mesh.h"
 
+#include <pliant/contact_solver.h>
+
 #include <algorithm>
 #include <chrono>
 #include <cstring>
@@ -71,7 +73,7 @@ private:
 
 Stage::Stage( const StageOptions& options, std::string name ) :
 	m_options( options ), m_name( std::move( name ) ), m_configuration( new btDefaultCollisionConfiguration ), m_dispatcher( new btCollisionDispatcher( m_configuration.get() ) ),
-	m_broadphase( new btDbvtBroadphase ), m_solver( new btSequentialImpulseConstraintSolver ),
+	m_broadphase( new btDbvtBroadphase ), m_solver( new pliant::ContactSolver ),
 	m_world( new pliant::SoftBodyWorld( m_dispatcher.get(), m_broadphase.get(), m_solver.get(), m_configuration.get() ) )
 {
 	m_world->setThreadCount( options.threads );

@@ -12,10 +12,6 @@
 
 #include <vector>
 
-#if defined( __SSE2__ )
-	#include <emmintrin.h>
-#endif
-
 namespace pliant {
 
 class TaskRunner;
@@ -111,8 +107,8 @@ private:
 	static F4 load( const float* four ) { return *reinterpret_cast<const F4*>( four ); }
 	static unsigned bitsOf( I4 is )
 	{
-#if defined( __SSE2__ )
-		return unsigned( _mm_movemask_ps( (__m128)is ) );
+#if defined( __SSE__ )
+		return unsigned( __builtin_ia32_movmskps( (F4)is ) );
 #else
 		return unsigned( is[0] & 1 ) | unsigned( is[1] & 2 ) | unsigned( is[2] & 4 ) | unsigned( is[3] & 8 );
 #endif

@@ -1,9 +1,10 @@
-// What a contact of an explicit body costs, counted: in all, and what of it is ours, outside of Bullet's solver and collision and of matching
+// What a contact of an explicit body costs, counted: in all, and what of it is ours, outside of the solver, of Bullet's collision and of matching
 // (docs/contacts.md). The heap of bench_pile.h.
 
 #include "bench_pile.h"
 
 #include <benchmark/benchmark.h>
+#include <pliant/contact_solver.h>
 
 #include <algorithm>
 #include <chrono>
@@ -19,8 +20,9 @@ double secondsSince( Clock::time_point start )
 	return std::chrono::duration<double>( Clock::now() - start ).count();
 }
 
-/// Bullet's own part of solveConstraints: islands and solver, from what it calls first to what it calls last.
-class TimedSolver : public btSequentialImpulseConstraintSolver
+/// Islands and solver, from what solveConstraints calls first to what it calls last.
+template <class Solver>
+class TimedSolver : public Solver
 {
 public:
 	double seconds = 0.0;
@@ -28,11 +30,11 @@ public:
 	void prepareSolve( int bodies, int manifolds ) override
 	{
 		m_start = Clock::now();
-		btSequentialImpulseConstraintSolver::prepareSolve( bodies, manifolds );
+		Solver::prepareSolve( bodies, manifolds );
 	}
 	void allSolved( const btContactSolverInfo& info, btIDebugDraw* drawer ) override
 	{
-		btSequentialImpulseConstraintSolver::allSolved( info, drawer );
+		Solver::allSolved( info, drawer );
 		seconds += secondsSince( m_start );
 	}
 
@@ -58,10 +60,11 @@ double median( std::vector<double>& values )
 	return values[values.size() / 2];
 }
 
-void pileContacts( benchmark::State& state )
+template <class Solver>
+void measurePile( benchmark::State& state )
 {
 	test::SoftWorld scene;
-	TimedSolver solver;
+	TimedSolver<Solver> solver;
 	scene.world.setConstraintSolver( &solver );
 	double pairs = 0.0;
 	softPairSeconds = &pairs;
@@ -75,7 +78,7 @@ void pileContacts( benchmark::State& state )
 		scene.step( 1 );
 		const StepReport& report = scene.world.stepReport();
 		contacts = double( report.softContacts ) * report.substeps;
-		// Finding and writing contacts, places and spheres, what stands around Bullet's solver, and x += h v of all nodes.
+		// Finding and writing contacts, places and spheres, what stands around the solver, and x += h v of all nodes.
 		const double own = pairs + ( report.solve - solver.seconds ) + report.spheres + report.forces + report.integrate;
 		all.push_back( 1e6 * report.total / contacts );
 		ours.push_back( 1e6 * own / contacts );
@@ -88,7 +91,19 @@ void pileContacts( benchmark::State& state )
 	scene.world.setConstraintSolver( &scene.solver );
 	softPairSeconds = nullptr;
 }
+
+void pileContacts( benchmark::State& state )
+{
+	measurePile<ContactSolver>( state );
+}
 BENCHMARK( pileContacts )->Iterations( 200 )->Unit( benchmark::kMillisecond );
+
+/// The same, bit for bit, with Bullet's own solver.
+void bulletsPileContacts( benchmark::State& state )
+{
+	measurePile<btSequentialImpulseConstraintSolver>( state );
+}
+BENCHMARK( bulletsPileContacts )->Iterations( 200 )->Unit( benchmark::kMillisecond );
 
 } // namespace
 } // namespace pliant

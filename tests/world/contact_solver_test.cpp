@@ -1,0 +1,157 @@
+// ContactSolver is Bullet's solver to the bits: in heaps, with what stands, is driven, pinned, bounces, slips by direction and rolls, with joints, and in
+// modes that it leaves to Bullet.
+
+#include "support/test_world.h"
+
+#include "pliant/contact_solver.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <functional>
+#include <memory>
+
+namespace pliant::test {
+namespace {
+
+using Change = std::function<void( SoftWorld& )>;
+
+/// Soft cubes and rigid boxes that fall on each other and on a floor, and lie there.
+struct Heap
+{
+	std::unique_ptr<btConstraintSolver> solver; // outlives the world
+	SoftWorld scene;
+
+	Heap( std::unique_ptr<btConstraintSolver> made, const Change& change ) : solver( std::move( made ) )
+	{
+		scene.world.setConstraintSolver( solver.get() );
+		scene.addBoxFloor();
+		const auto cube = cubeTemplate( 0.6f, 4 );
+		Material material;
+		material.youngsModulus = 3e4f;
+		for ( int i = 0; i < 5; ++i )
+		{
+			scene.add( cube, btVector3( btScalar( 0.25 * ( i % 2 ) ), btScalar( 0.4 + 0.7 * i ), btScalar( 0.2 * ( i % 3 ) ) ), material );
+		}
+		for ( int i = 0; i < 6; ++i )
+		{
+			const btScalar half = btScalar( 0.12 );
+			scene.add( 5, new btBoxShape( btVector3( half, half, half ) ), btVector3( btScalar( 0.3 * ( i % 3 ) - 0.2 ), btScalar( 1 + 0.5 * i ), btScalar( 0.2 * ( i % 2 ) ) ) );
+		}
+		change( scene );
+	}
+};
+
+void expectSameBits( Heap& one, Heap& other )
+{
+	for ( int b = 0; b < one.scene.world.softBodyCount(); ++b )
+	{
+		SoftBody &a = *one.scene.world.softBody( b ), &c = *other.scene.world.softBody( b );
+		for ( int i = 0; i < a.nodeCount(); ++i )
+		{
+			ASSERT_EQ( a.nodePosition( i ), c.nodePosition( i ) ) << "node " << i << " of " << b;
+			ASSERT_EQ( a.nodeVelocity( i ), c.nodeVelocity( i ) ) << "node " << i << " of " << b;
+		}
+	}
+	for ( std::size_t i = 0; i < one.scene.rigid.size(); ++i )
+	{
+		ASSERT_EQ( one.scene.rigid[i]->getWorldTransform(), other.scene.rigid[i]->getWorldTransform() ) << "box " << i;
+	}
+	ASSERT_EQ( one.scene.dispatcher.getNumManifolds(), other.scene.dispatcher.getNumManifolds() );
+	for ( int m = 0; m < one.scene.dispatcher.getNumManifolds(); ++m )
+	{
+		const btPersistentManifold &a = *one.scene.dispatcher.getManifoldByIndexInternal( m ), &c = *other.scene.dispatcher.getManifoldByIndexInternal( m );
+		ASSERT_EQ( a.getNumContacts(), c.getNumContacts() );
+		for ( int k = 0; k < a.getNumContacts(); ++k )
+		{
+			ASSERT_EQ( a.getContactPoint( k ).m_appliedImpulse, c.getContactPoint( k ).m_appliedImpulse );
+			ASSERT_EQ( a.getContactPoint( k ).m_appliedImpulseLateral1, c.getContactPoint( k ).m_appliedImpulseLateral1 );
+		}
+	}
+}
+
+void compare( const Change& change, int frames = 90 )
+{
+	Heap bullets( std::make_unique<btSequentialImpulseConstraintSolver>(), change ), ours( std::make_unique<ContactSolver>(), change );
+	int most = 0;
+	for ( int frame = 0; frame < frames; ++frame )
+	{
+		bullets.scene.step( 1 );
+		ours.scene.step( 1 );
+		ASSERT_NO_FATAL_FAILURE( expectSameBits( bullets, ours ) ) << "frame " << frame;
+		most = std::max( most, ours.scene.world.stepReport().softContacts );
+	}
+	EXPECT_GT( most, 60 );
+}
+
+TEST( ContactSolver, IsBulletsInAHeap )
+{
+	compare( []( SoftWorld& ) {} );
+}
+
+TEST( ContactSolver, IsBulletsWhereThingsBounceAndSlipByDirection )
+{
+	compare( []( SoftWorld& scene ) {
+		for ( int b = 0; b < scene.world.softBodyCount(); ++b )
+		{
+			scene.world.softBody( b )->setRestitution( btScalar( 0.6 ) );
+			scene.world.softBody( b )->setAnisotropicFriction( btVector3( btScalar( 0.2 ), 1, 1 ) );
+		}
+		for ( auto& box : scene.rigid )
+		{
+			box->setRestitution( btScalar( 0.8 ) );
+		}
+	} );
+}
+
+TEST( ContactSolver, IsBulletsWhereSomeIsHeldAndSomeIsDriven )
+{
+	compare( []( SoftWorld& scene ) {
+		scene.world.softBody( 0 )->pinNode( 3 );
+		scene.world.softBody( 2 )->pinNode( 0 );
+		btRigidBody* const driven = scene.rigid[1].get();
+		driven->setCollisionFlags( driven->getCollisionFlags() | btCollisionObject::CF_KINEMATIC_OBJECT );
+		driven->setLinearVelocity( btVector3( 0, btScalar( -0.5 ), 0 ) );
+		scene.rigid[2]->setLinearFactor( btVector3( 1, 1, 0 ) );
+		scene.rigid[3]->setAngularFactor( btVector3( 0, 0, 0 ) );
+		scene.rigid[4]->setAngularFactor( btVector3( 0, 0, 0 ) );
+		scene.rigid[4]->setLinearFactor( btVector3( 0, 1, 1 ) );
+	} );
+}
+
+TEST( ContactSolver, IsBulletsWithStiffContactsAndRolling )
+{
+	compare( []( SoftWorld& scene ) {
+		scene.world.softBody( 1 )->setContactStiffnessAndDamping( 1000, 10 );
+		scene.world.softBody( 3 )->setRollingFriction( btScalar( 0.01 ) );
+		scene.rigid[2]->setRollingFriction( btScalar( 0.02 ) );
+		scene.rigid[3]->setRollingFriction( btScalar( 0.02 ) );
+	} );
+}
+
+TEST( ContactSolver, IsBulletsInOtherModes )
+{
+	for ( const int mode : { int( SOLVER_USE_2_FRICTION_DIRECTIONS ), int( SOLVER_RANDMIZE_ORDER ), int( SOLVER_INTERLEAVE_CONTACT_AND_FRICTION_CONSTRAINTS ) } )
+	{
+		compare( [mode]( SoftWorld& scene ) { scene.world.getSolverInfo().m_solverMode |= mode; }, 60 );
+	}
+	compare( []( SoftWorld& scene ) { scene.world.getSolverInfo().m_splitImpulse = false; }, 60 );
+	compare( []( SoftWorld& scene ) { scene.world.getSolverInfo().m_leastSquaresResidualThreshold = btScalar( 1e-3 ); }, 60 );
+	compare( []( SoftWorld& scene ) { scene.world.getSolverInfo().m_solverMode &= ~SOLVER_USE_WARMSTARTING; }, 60 );
+}
+
+TEST( ContactSolver, IsBulletsWithJoints )
+{
+	btPoint2PointConstraint* joints[2] = {};
+	int made = 0;
+	compare( [&]( SoftWorld& scene ) {
+		joints[made] = new btPoint2PointConstraint( *scene.rigid[1], *scene.rigid[2], btVector3( 0, btScalar( 0.25 ), 0 ), btVector3( 0, btScalar( -0.25 ), 0 ) );
+		scene.world.addConstraint( joints[made++] );
+	} );
+	// Worlds are gone by now; they do not own joints.
+	delete joints[0];
+	delete joints[1];
+}
+
+} // namespace
+} // namespace pliant::test
