@@ -69,7 +69,7 @@ void setSlack( const SoftBody::Impl& of, unsigned other, double slack )
 }
 
 /// Further apart than their spheres, with the room that a contact is made ahead in, and what they move against each other, `way`, m. Bodies sweep what
-/// their fastest nodes do: of the pairs that those might bring together nine in ten are so, and this is sooner said than where they would touch.
+/// their fastest nodes do: of the pairs that those might bring together most are so, and this is sooner said than where they would touch.
 bool staysApart( const SphereRows::Meeting& meeting, const Vec3& way )
 {
 	const float farthest = meeting.reach + way.norm();
