@@ -3,35 +3,36 @@
 #include "adapt/region_matrix.h"
 
 #include <algorithm>
-#include <numeric>
+#include <limits>
 
 namespace pliant {
 
 void SlicedRows::layOut( const RegionMatrix& matrix )
 {
+	constexpr std::uint32_t tileRows = kTile, longest = std::numeric_limits<std::uint32_t>::max() / tileRows;
 	const std::uint32_t count = std::uint32_t( matrix.count() );
 	const auto lengthOf = [&matrix]( std::uint32_t row ) { return matrix.start[row + 1] - matrix.start[row]; };
 	m_slices.clear();
 	m_tiles.assign( 1, 0 );
 	std::uint32_t terms = 0;
-	for ( std::uint32_t begin = 0; begin < count; begin += kTile )
+	for ( std::uint32_t begin = 0; begin < count; begin += tileRows )
 	{
-		m_order.resize( std::min<std::size_t>( kTile, count - begin ) );
-		std::iota( m_order.begin(), m_order.end(), begin );
-		std::sort( m_order.begin(), m_order.end(), [&lengthOf]( std::uint32_t a, std::uint32_t b ) {
-			const std::uint32_t ofA = lengthOf( a ), ofB = lengthOf( b );
-			return ofA != ofB ? ofA > ofB : a < b;
-		} );
-		for ( std::size_t at = 0; at < m_order.size(); at += kSliceRows )
+		// The longest first; a key of length and row sorts sooner than a row that looks its length up.
+		m_keys.clear();
+		for ( std::uint32_t row = begin; row < std::min( count, begin + tileRows ); ++row )
+		{
+			m_keys.push_back( ( longest - lengthOf( row ) ) * tileRows + ( row - begin ) );
+		}
+		std::sort( m_keys.begin(), m_keys.end() );
+		for ( std::size_t at = 0; at < m_keys.size(); at += kSliceRows )
 		{
 			RowSlice slice;
-			slice.first = terms;
-			slice.terms = ( lengthOf( m_order[at] ) + 1 ) / 2 * 2;
 			for ( std::size_t j = 0; j < kSliceRows; ++j )
 			{
-				slice.row[j] =
-				    std::uint8_t( m_order[std::min( at + j, m_order.size() - 1 )] - begin ); // the last may be summed twice over: no harm
+				slice.row[j] = std::uint8_t( m_keys[std::min( at + j, m_keys.size() - 1 )] % tileRows ); // one summed twice over does no harm
 			}
+			slice.first = terms;
+			slice.terms = ( lengthOf( begin + slice.row[0] ) + 1 ) / 2 * 2;
 			terms += slice.terms * kSliceRows;
 			m_slices.push_back( slice );
 		}
@@ -44,23 +45,27 @@ void SlicedRows::layOut( const RegionMatrix& matrix )
 	{
 		for ( std::uint32_t s = m_tiles[tile]; s < m_tiles[tile + 1]; ++s )
 		{
-			fill( matrix, m_slices[s], tile * kTile );
+			fill( matrix, m_slices[s], tile * tileRows );
 		}
 	}
 }
 
 void SlicedRows::fill( const RegionMatrix& matrix, const RowSlice& slice, std::uint32_t tileBegin )
 {
-	for ( std::size_t j = 0; j < kSliceRows; ++j )
+	for ( std::uint32_t j = 0; j < std::uint32_t( kSliceRows ); ++j )
 	{
-		const std::uint32_t begin = matrix.start[tileBegin + slice.row[j]], length = matrix.start[tileBegin + slice.row[j] + 1] - begin;
-		for ( std::uint32_t k = 0; k < slice.terms; ++k )
+		const std::uint32_t begin = matrix.start[tileBegin + slice.row[j]], end = matrix.start[tileBegin + slice.row[j] + 1];
+		std::uint32_t to = slice.first + j;
+		for ( std::uint32_t k = begin; k < end; ++k, to += kSliceRows )
 		{
-			const std::size_t to = slice.first + k * kSliceRows + j;
-			const bool isThere = k < length;
-			m_from[to] = matrix.member[begin + ( isThere ? k : 0 )] * kRateFloats;
-			m_mass[to] = isThere ? float( matrix.mass[begin + k] ) : 0.0f;
-			m_share[to] = isThere ? float( matrix.share[begin + k] ) : 0.0f;
+			m_from[to] = matrix.member[k] * kRateFloats;
+			m_mass[to] = float( matrix.mass[k] );
+			m_share[to] = float( matrix.share[k] );
+		}
+		for ( const std::uint32_t last = slice.first + slice.terms * kSliceRows; to < last; to += kSliceRows )
+		{
+			m_from[to] = matrix.member[begin] * kRateFloats;
+			m_mass[to] = m_share[to] = 0.0f;
 		}
 	}
 }
