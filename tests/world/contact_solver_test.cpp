@@ -140,6 +140,137 @@ TEST( ContactSolver, IsBulletsInOtherModes )
 	compare( []( SoftWorld& scene ) { scene.world.getSolverInfo().m_solverMode &= ~SOLVER_USE_WARMSTARTING; }, 60 );
 }
 
+TEST( ContactSolver, IsBulletsWhereDepthIsPushedOut )
+{
+	// Default settings split what is deeper than 4 cm only.
+	compare( []( SoftWorld& scene ) {
+		scene.world.getSolverInfo().m_splitImpulsePenetrationThreshold = 0;
+		scene.rigid[0]->setMassProps( 200, btVector3( 2, 2, 2 ) );
+		scene.world.softBody( 2 )->setAnisotropicFriction( btVector3( btScalar( 0.2 ), 1, 1 ) );
+		scene.world.softBody( 1 )->pinNode( 5 );
+	} );
+}
+
+TEST( ContactSolver, IsBulletsWithSoftAnchoredContacts )
+{
+	for ( const int mode : { 0, int( SOLVER_USE_2_FRICTION_DIRECTIONS ), int( SOLVER_USE_2_FRICTION_DIRECTIONS ) | int( SOLVER_DISABLE_VELOCITY_DEPENDENT_FRICTION_DIRECTION ) } )
+	{
+		compare(
+			[mode]( SoftWorld& scene ) {
+				btContactSolverInfo& info = scene.world.getSolverInfo();
+				info.m_solverMode |= mode;
+				info.m_sor = btScalar( 0.9 );
+				info.m_globalCfm = btScalar( 1e-5 );
+				info.m_erp2 = btScalar( 0.3 );
+				info.m_linearSlop = btScalar( 1e-3 );
+				info.m_warmstartingFactor = btScalar( 0.6 );
+				scene.rigid[2]->setCollisionFlags( scene.rigid[2]->getCollisionFlags() | btCollisionObject::CF_HAS_FRICTION_ANCHOR );
+				scene.rigid[2]->setGravity( btVector3( 1, -10, 0 ) );
+				SoftBody& soft = *scene.world.softBody( 2 );
+				soft.setCollisionFlags( soft.getCollisionFlags() | btCollisionObject::CF_HAS_FRICTION_ANCHOR );
+			},
+			60 );
+	}
+}
+
+/// What a callback does, while it is there.
+struct Callback
+{
+	explicit Callback( ContactAddedCallback callback ) { gContactAddedCallback = callback; }
+	~Callback() { gContactAddedCallback = nullptr; }
+};
+
+void askForCallbacks( SoftWorld& scene )
+{
+	for ( int b = 0; b < scene.world.softBodyCount(); ++b )
+	{
+		SoftBody& soft = *scene.world.softBody( b );
+		soft.setCollisionFlags( soft.getCollisionFlags() | btCollisionObject::CF_CUSTOM_MATERIAL_CALLBACK );
+	}
+}
+
+TEST( ContactSolver, IsBulletsOnBelts )
+{
+	const Callback belts( []( btManifoldPoint& point, const btCollisionObjectWrapper*, int, int, const btCollisionObjectWrapper*, int, int ) {
+		btPlaneSpace1( point.m_normalWorldOnB, point.m_lateralFrictionDir1, point.m_lateralFrictionDir2 );
+		point.m_contactPointFlags |= BT_CONTACT_FLAG_LATERAL_FRICTION_INITIALIZED | BT_CONTACT_FLAG_HAS_CONTACT_CFM | BT_CONTACT_FLAG_HAS_CONTACT_ERP;
+		point.m_contactMotion1 = btScalar( 0.5 );
+		point.m_contactMotion2 = btScalar( -0.2 );
+		point.m_frictionCFM = btScalar( 0.01 );
+		point.m_contactCFM = btScalar( 1e-4 );
+		point.m_contactERP = btScalar( 0.15 );
+		return true;
+	} );
+	for ( const int mode : { 0, int( SOLVER_ENABLE_FRICTION_DIRECTION_CACHING ), int( SOLVER_ENABLE_FRICTION_DIRECTION_CACHING ) | int( SOLVER_USE_2_FRICTION_DIRECTIONS ) } )
+	{
+		compare(
+			[mode]( SoftWorld& scene ) {
+				scene.world.getSolverInfo().m_solverMode |= mode;
+				askForCallbacks( scene );
+			},
+			60 );
+	}
+}
+
+btRigidBody* bodyOf( const btCollisionObjectWrapper* wrapper )
+{
+	return btRigidBody::upcast( const_cast<btCollisionObject*>( wrapper->getCollisionObject() ) );
+}
+
+TEST( ContactSolver, IsBulletsWhereCallbacksStrikeAndPushNodes )
+{
+	{
+		const Callback strikes( []( btManifoldPoint&, const btCollisionObjectWrapper* one, int, int index, const btCollisionObjectWrapper*, int, int ) {
+			if ( index % 7 == 3 )
+			{
+				bodyOf( one )->applyCentralImpulse( btVector3( btScalar( 1e-3 ), btScalar( 2e-3 ), 0 ) );
+			}
+			return true;
+		} );
+		compare( askForCallbacks, 60 );
+	}
+	// A stand-in that forces act on is none that is known: the island goes Bullet's way.
+	const Callback pushes( []( btManifoldPoint&, const btCollisionObjectWrapper* one, int, int index, const btCollisionObjectWrapper*, int, int ) {
+		btRigidBody& body = *bodyOf( one );
+		if ( index % 17 == 3 && body.getTotalForce().isZero() )
+		{
+			body.applyCentralForce( btVector3( btScalar( 0.1 ), 0, 0 ) );
+		}
+		return true;
+	} );
+	compare( askForCallbacks, 60 );
+}
+
+/// Counts the rows that Bullet has for contacts.
+class CountingSolver : public ContactSolver
+{
+public:
+	int most = 0;
+
+protected:
+	btScalar solveSingleIteration( int iteration, btCollisionObject** bodies, int bodyCount, btPersistentManifold** manifolds, int manifoldCount,
+		btTypedConstraint** joints, int jointCount, const btContactSolverInfo& info, btIDebugDraw* drawer ) override
+	{
+		most = std::max( most, m_tmpSolverContactConstraintPool.size() );
+		return ContactSolver::solveSingleIteration( iteration, bodies, bodyCount, manifolds, manifoldCount, joints, jointCount, info, drawer );
+	}
+};
+
+TEST( ContactSolver, NodesNeedNoRowsOfBullets )
+{
+	auto made = std::make_unique<CountingSolver>();
+	const CountingSolver& solver = *made;
+	Heap heap( std::move( made ), []( SoftWorld& ) {} );
+	int contacts = 0;
+	for ( int frame = 0; frame < 90; ++frame )
+	{
+		heap.scene.step( 1 );
+		contacts = std::max( contacts, heap.scene.world.stepReport().softContacts );
+	}
+	EXPECT_GT( contacts, 60 );
+	EXPECT_LT( solver.most, 40 ); // six boxes among themselves and on the floor
+}
+
 TEST( ContactSolver, IsBulletsWithJoints )
 {
 	btPoint2PointConstraint* joints[2] = {};
