@@ -129,6 +129,7 @@ std::uint32_t CrackSurface::addVertex( std::uint32_t point, std::uint32_t kind, 
 	}
 	Side& of = m_side[side];
 	m_binding.carrier.push_back( of.carrier );
+	m_binding.point.push_back( m_point[point] );
 	m_binding.normalGroup.push_back( normalGroupFor( of, kind >= kInside ) );
 	m_binding.restPosition.push_back( restOf( point ) - m_shift );
 	m_binding.restNormal.push_back( Vec3::UnitZ() );

@@ -243,6 +243,7 @@ void CrackSurface::makeRoom()
 	more( m_binding.normalGroup, vertices );
 	more( m_binding.normalShift, vertices );
 	more( m_binding.carrier, vertices );
+	more( m_binding.point, vertices );
 }
 
 std::size_t CrackSurface::bytes() const
@@ -252,7 +253,7 @@ std::size_t CrackSurface::bytes() const
 		sizeOf( m_slotStart ) + sizeOf( m_slotCell ) + sizeOf( m_slotGroup ) + sizeOf( m_groups ) + sizeOf( m_tieStart ) + sizeOf( m_tie ) +
 		sizeOf( m_vertex ) + sizeOf( m_firstSide ) + sizeOf( m_side ) + sizeOf( m_triangle ) + sizeOf( m_source ) + sizeOf( m_binding.node ) +
 		sizeOf( m_binding.weight ) + sizeOf( m_binding.start ) + sizeOf( m_binding.restPosition ) + sizeOf( m_binding.restNormal ) +
-		sizeOf( m_binding.normalGroup ) + sizeOf( m_binding.carrier ) + sizeOf( m_mark );
+		sizeOf( m_binding.normalGroup ) + sizeOf( m_binding.carrier ) + sizeOf( m_binding.point ) + sizeOf( m_mark );
 }
 
 } // namespace pliant

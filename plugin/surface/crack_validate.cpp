@@ -100,7 +100,7 @@ Status CrackSurface::validateGroups() const
 Status CrackSurface::validateBinding() const
 {
 	if ( m_binding.start.size() != m_vertex.size() + 1 || m_binding.restPosition.size() != m_vertex.size() ||
-		m_binding.normalGroup.size() != m_vertex.size() || m_binding.carrier.size() != m_vertex.size() || m_binding.restNormal.size() != m_vertex.size() ||
+		m_binding.normalGroup.size() != m_vertex.size() || m_binding.carrier.size() != m_vertex.size() || m_binding.point.size() != m_vertex.size() || m_binding.restNormal.size() != m_vertex.size() ||
 		( isSettled() && m_binding.normalShift.size() != m_vertex.size() ) )
 	{
 		return broken( "The binding and the vertices differ in number." );
@@ -112,6 +112,10 @@ Status CrackSurface::validateBinding() const
 		if ( m_binding.carrier[carrier] != carrier || m_vertex[carrier].point != m_vertex[v].point || m_vertex[carrier].group != m_vertex[v].group )
 		{
 			return broken( "A vertex is carried by one of another side." );
+		}
+		if ( m_binding.point[v] != m_point[m_vertex[v].point] )
+		{
+			return broken( "A vertex stands at another point than it is said to." );
 		}
 		for ( std::uint32_t k = m_binding.start[carrier]; k < m_binding.start[carrier + 1]; ++k )
 		{

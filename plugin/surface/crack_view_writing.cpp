@@ -73,6 +73,7 @@ void CrackGatherer::makeArrays( CrackView& view ) const
 	makePlace( to.normalShift, m_outerCount );
 	makePlace( to.normalGroup, m_count );
 	makePlace( to.carrier, m_count );
+	makePlace( to.point, m_count );
 	makePlace( to.start, std::size_t( m_count ) + 1 );
 	makePlace( view.ownTexture, 2 * std::size_t( m_count ) );
 	makePlace( view.ownSources, view.ownTriangles.size() );
@@ -103,6 +104,7 @@ void CrackGatherer::writeVertices( const Vec3& shift, CrackView& view, std::size
 		to.restPosition[k] = m_sides->placeOf( look.point ) - shift;
 		to.normalGroup[k] = made.normalGroup;
 		to.carrier[k] = made.carrier;
+		to.point[k] = look.point;
 		view.ownTexture[2 * k] = look.u;
 		view.ownTexture[2 * k + 1] = look.v;
 	}

@@ -1,5 +1,7 @@
 #include "surface/skin_fade.h"
 
+#include "surface/rows_of_cells.h"
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -26,18 +28,6 @@ constexpr std::uint32_t kGone = std::numeric_limits<std::uint32_t>::max(); // Le
 
 using MapRows = Eigen::Map<const Eigen::Matrix<float, 3, 4, Eigen::RowMajor>>;
 
-Vec3 follow( const SkinBinding& binding, const float* maps, const std::uint32_t* slot, std::uint32_t vertex )
-{
-	const Eigen::Vector4f at = binding.restPosition[vertex].homogeneous();
-	Vec3 sum = Vec3::Zero();
-	const std::uint32_t carrier = binding.carrierOf( vertex );
-	for ( std::uint32_t k = binding.start[carrier]; k < binding.start[carrier + 1]; ++k )
-	{
-		sum += binding.weight[k] * ( MapRows( maps + std::size_t( slot[binding.node[k]] ) * kMapFloats ) * at );
-	}
-	return sum;
-}
-
 double diagonalOf( const std::vector<Vec3>& points )
 {
 	Vec3 low = points.front(), high = low;
@@ -49,42 +39,43 @@ double diagonalOf( const std::vector<Vec3>& points )
 	return double( ( high - low ).norm() );
 }
 
-} // namespace
-
-// Most rows hold none: entries are gone through as they lie, eight at a time, whosever they are.
-std::vector<char> rowsThatHold( const SkinBinding& binding, const std::vector<char>& isWanted )
+/// What the skin goes back by to stand where it stood: D_c = M_before - M_now of the cells whose maps are not what they were.
+class MapChanges
 {
-	constexpr std::size_t kWide = 8;
-	const std::size_t rows = binding.start.size() - 1, entries = binding.node.size();
-	std::vector<char> holds( rows, 0 );
-	std::size_t row = 0;
-	const auto mark = [&]( std::size_t first, std::size_t end ) {
-		for ( std::size_t k = first; k < end; ++k )
+public:
+	static constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
+
+	explicit MapChanges( std::size_t cells ) : m_number( cells, kNone ) {}
+
+	void add( std::uint32_t cell, const float* before, const float* now )
+	{
+		m_number[cell] = std::uint32_t( m_difference.size() );
+		m_difference.push_back( MapRows( before ) - MapRows( now ) );
+	}
+
+	/// sum over the cells c of a row of w_c D_c, at the row's own place. Zero to the bit where none has changed.
+	Vec3 jumpOf( const SkinBinding& binding, std::uint32_t row ) const
+	{
+		Rows sum = Rows::Zero();
+		bool isChanged = false;
+		for ( std::uint32_t k = binding.start[row]; k < binding.start[row + 1]; ++k )
 		{
-			if ( isWanted[binding.node[k]] != 0 )
+			if ( const std::uint32_t number = m_number[binding.node[k]]; number != kNone )
 			{
-				for ( ; binding.start[row + 1] <= k; ++row ) {}
-				holds[row] = 1;
+				sum += binding.weight[k] * m_difference[number];
+				isChanged = true;
 			}
 		}
-	};
-	std::size_t first = 0;
-	for ( ; first + kWide <= entries; first += kWide )
-	{
-		const std::uint32_t* const node = binding.node.data() + first;
-		int any = 0;
-		for ( std::size_t k = 0; k < kWide; ++k )
-		{
-			any |= isWanted[node[k]];
-		}
-		if ( any != 0 )
-		{
-			mark( first, first + kWide );
-		}
+		return isChanged ? Vec3( sum * binding.restPosition[row].homogeneous() ) : Vec3( Vec3::Zero() );
 	}
-	mark( first, entries );
-	return holds;
-}
+
+private:
+	using Rows = Eigen::Matrix<float, 3, 4, Eigen::RowMajor>;
+	std::vector<std::uint32_t> m_number; ///< by cell
+	std::vector<Rows> m_difference;
+};
+
+} // namespace
 
 void SkinFade::reserveNodes( int count, std::size_t touched, int cellCount )
 {
@@ -235,6 +226,7 @@ void SkinFade::ease( const NodeState& nodes, float* maps ) const
 	}
 }
 
+// Vertices that go with another stand where it stands: only those that carry are looked at.
 void SkinFade::start( const SkinBinding& binding, const Nodes& nodes )
 {
 	m_diagonal = m_diagonal > 0.0 ? m_diagonal : diagonalOf( binding.restPosition );
@@ -245,10 +237,18 @@ void SkinFade::start( const SkinBinding& binding, const Nodes& nodes )
 	const std::vector<char> changed = changedSlots( nodes, isFresh, visible );
 	const std::uint32_t* const slot = nodes.pose.slotOfCell;
 
-	std::vector<char> cellChanged( m_slotBefore.size() );
-	std::transform( slot, slot + cellChanged.size(), cellChanged.begin(), [&changed]( std::uint32_t of ) { return changed[of]; } );
-
-	const std::vector<char> rowChanged = rowsThatHold( binding, cellChanged );
+	MapChanges changes( m_slotBefore.size() );
+	std::vector<char> cellChanged( m_slotBefore.size(), 0 );
+	for ( std::uint32_t cell = 0; cell < std::uint32_t( cellChanged.size() ); ++cell )
+	{
+		if ( changed[slot[cell]] != 0 )
+		{
+			cellChanged[cell] = 1;
+			changes.add( cell, &m_mapBefore[m_slotBefore[cell] * std::size_t( kMapFloats )], &m_mapNow[slot[cell] * std::size_t( kMapFloats )] );
+		}
+	}
+	const bool areNamed = nodes.complex && !binding.point.empty();
+	const std::vector<char> rowChanged = areNamed ? rowsAtPointsOf( binding, cellChanged, *nodes.complex, *nodes.cellsThere ) : rowsThatHold( binding, cellChanged );
 
 	std::vector<std::uint32_t> vertices;
 	std::vector<Vec3> offsets;
@@ -259,20 +259,15 @@ void SkinFade::start( const SkinBinding& binding, const Nodes& nodes )
 	double largest = 0.0;
 	for ( std::uint32_t v = 0; v < std::uint32_t( binding.restPosition.size() ); ++v )
 	{
-		Vec3 offset = Vec3::Zero();
 		const bool wasOff = old < m_vertex.size() && m_vertex[old] == v;
-		if ( wasOff )
-		{
-			offset = left * m_offset[old++];
-		}
-		if ( rowChanged[binding.carrierOf( v )] != 0 )
-		{
-			const Vec3 jump = follow( binding, m_mapBefore.data(), m_slotBefore.data(), v ) - follow( binding, m_mapNow.data(), slot, v );
-			offset += nodes.body.conjugate() * jump;
-		}
-		else if ( !wasOff )
+		if ( !wasOff && rowChanged[v] == 0 )
 		{
 			continue; // most of them
+		}
+		Vec3 offset = wasOff ? Vec3( left * m_offset[old++] ) : Vec3( Vec3::Zero() );
+		if ( rowChanged[v] != 0 )
+		{
+			offset += nodes.body.conjugate() * changes.jumpOf( binding, v );
 		}
 		const float length = offset.norm();
 		if ( length > visible )

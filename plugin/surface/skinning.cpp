@@ -339,14 +339,14 @@ void skin( const SkinBinding& binding, const NodeState& state, const SkinPose& p
 	const auto end = [&]( int chunk ) { return std::min( vertices, begin( chunk + 1 ) ); };
 	auto place = [&]( int chunk ) { writePositions( binding, pose.slotOfCell, scratch, positions, begin( chunk ), end( chunk ) ); };
 	runTasks( runner, chunkCount( vertices ), place );
+	if ( pose.fade )
+	{
+		pose.fade->addTo( positions, scratch.position.data(), pose.body );
+	}
 	if ( !binding.carrier.empty() )
 	{
 		auto carry = [&]( int chunk ) { writeCarried( binding, scratch, positions, begin( chunk ), end( chunk ) ); };
 		runTasks( runner, chunkCount( vertices ), carry );
-	}
-	if ( pose.fade )
-	{
-		pose.fade->addTo( positions, scratch.position.data(), pose.body );
 	}
 	sumNormals( binding, triangles, scratch.position.data(), scratch.groupNormal.data() );
 	auto orient = [&]( int chunk ) { writeNormals( binding, pose.slotOfCell, scratch, normals, begin( chunk ), end( chunk ) ); };

@@ -32,6 +32,8 @@ struct SkinBinding
 	/// Per vertex: the one it stands where and goes with, to the bit (sides of a crack that meet in an edge, seams). Only that one has a row.
 	/// Empty: each has its own.
 	std::vector<std::uint32_t> carrier;
+	/// Per vertex: the point of the CellComplex where it stands. Empty: of none.
+	std::vector<std::uint32_t> point;
 
 	Vec3 normalShiftOf( std::size_t vertex ) const { return vertex < normalShift.size() ? normalShift[vertex] : Vec3( Vec3::Zero() ); }
 	std::uint32_t carrierOf( std::size_t vertex ) const { return carrier.empty() ? std::uint32_t( vertex ) : carrier[vertex]; }

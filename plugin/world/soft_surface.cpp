@@ -121,7 +121,11 @@ void SoftBody::Impl::fadeFromKeptSurface()
 		measureTurns( *body, skin );
 		followGradients( *body, skin );
 		skin.isPoseKnown = true;
-		skin.fade.start( binding(), SkinFade::Nodes{ body->nodes(), skinPose(), change.heir, change.keptAs, body->levelFrame(), &change.measured } );
+		const SkinBinding& shown = binding();
+		SkinFade::Nodes nodes{ body->nodes(), skinPose(), change.heir, change.keptAs, body->levelFrame(), &change.measured };
+		nodes.complex = shown.point.empty() ? nullptr : bodyTemplate->crackComplex().get();
+		nodes.cellsThere = &body->firstCells();
+		skin.fade.start( shown, nodes );
 		return;
 	}
 	skin.nodesChanged();

@@ -3,6 +3,7 @@
 #include "surface/crack_pieces.h"
 
 #include "surface/crack_family.h"
+#include "surface/rows_of_cells.h"
 #include "threads/parallel.h"
 
 #include <gtest/gtest.h>
@@ -256,11 +257,54 @@ TEST_P( Families, ABodySharedOutIsWhatOneThreadMakes )
 			EXPECT_EQ( a.normalGroup, b.normalGroup );
 			EXPECT_EQ( a.normalGroups, b.normalGroups );
 			EXPECT_EQ( a.carrier, b.carrier );
+			EXPECT_EQ( a.point, b.point );
 			most = std::max( most, a.restPosition.size() );
 		}
 		EXPECT_TRUE( several.isInPatches() );
 	}
 	EXPECT_GT( most, 2048u ); // several shares
+}
+
+/// Where rows are found by the points of the cells they follow, none is missed, and most others are left out.
+void expectRowsAreFound( const SkinBinding& binding, const CellComplex& complex, const std::vector<std::uint32_t>& cells, std::mt19937& random, int& asked, int& held )
+{
+	std::vector<char> isWanted( cells.size(), 0 );
+	for ( int k = 0; k < 3; ++k )
+	{
+		isWanted[random() % cells.size()] = 1;
+	}
+	const std::vector<char> holds = rowsThatHold( binding, isWanted ), isNear = rowsAtPointsOf( binding, isWanted, complex, cells );
+	ASSERT_EQ( holds.size(), isNear.size() );
+	int missed = 0;
+	for ( std::size_t row = 0; row < holds.size(); ++row )
+	{
+		missed += holds[row] != 0 && isNear[row] == 0 ? 1 : 0;
+		held += holds[row];
+		asked += isNear[row];
+	}
+	EXPECT_EQ( missed, 0 );
+}
+
+TEST_P( Families, RowsThatFollowCellsAreFoundByTheirPoints )
+{
+	const CrackCase it( makeSphere( 1.0, 16, 24 ), 0.2, noisy( GetParam() ) );
+	Torn torn( it );
+	std::mt19937 random( 5 );
+	int asked = 0, held = 0;
+	for ( unsigned round = 1; round < 6; ++round )
+	{
+		torn.tear( round == 1 ? 0.01 : 0.1, round < 3 ? 1 : 3, round );
+		for ( const std::vector<std::uint32_t>& part : connectedParts( torn.lattice ) )
+		{
+			CrackView view;
+			torn.family->show( part, Vec3::Zero(), view );
+			expectRowsAreFound( *view.binding, *it.complex, part, random, asked, held );
+			const CrackSurface own( it.complex, part, extractCells( torn.lattice, part ), Vec3::Zero() );
+			expectRowsAreFound( own.binding(), *it.complex, part, random, asked, held );
+		}
+	}
+	EXPECT_GT( held, 2000 );
+	EXPECT_LT( asked, 2 * held );
 }
 
 /// As long as it is all there, the ranges of a view tell all that is new.

@@ -1,7 +1,9 @@
 // What a change of levels moves the skin by: looked for where something was measured anew, and found as if it were looked for everywhere.
 
 #include "body/levels.h"
+#include "surface/crack_pieces.h"
 #include "surface/skin_case.h"
+#include "surface/rows_of_cells.h"
 #include "surface/skin_fade.h"
 
 #include <gtest/gtest.h>
@@ -42,6 +44,36 @@ struct Carried
 	}
 };
 
+/// With two coarse levels, on its way to bend.
+std::unique_ptr<Body> bodyInMotion( const Lattice& lattice )
+{
+	Adaptivity settings;
+	settings.coarseLevels = 2;
+	Result<std::unique_ptr<Body>> made = Body::create( std::make_shared<const Lattice>( lattice ), Material{}, {}, nullptr, settings );
+	EXPECT_TRUE( made.ok() ) << made.status.sentence;
+	NodeState& nodes = made.value->nodes();
+	for ( int i = 0; i < nodes.count; ++i )
+	{
+		const Vec3 x = nodes.x0.get( i );
+		nodes.v.set( i, Vec3( 2.0f * x.x() * x.y(), -x.z(), x.y() * x.y() ) );
+	}
+	return std::move( made.value );
+}
+
+/// Every fifth node from the first on, if it is a big one.
+std::vector<std::uint32_t> someOfThoseThatSplit( const Body& body, int first )
+{
+	std::vector<std::uint32_t> split;
+	for ( int i = first; i < body.nodeCount(); i += 5 )
+	{
+		if ( body.levels()->levelOf( i ) > 0 )
+		{
+			split.push_back( body.levels()->cut().node[i] );
+		}
+	}
+	return split;
+}
+
 std::vector<float> offsets( const SkinFade& fade, const SkinBinding& binding )
 {
 	std::vector<float> packed( 3 * binding.restPosition.size(), 0.0f ), wide( 4 * binding.restPosition.size(), 0.0f );
@@ -52,16 +84,8 @@ std::vector<float> offsets( const SkinFade& fade, const SkinBinding& binding )
 TEST( SkinFade, IsTheSameWhereOnlyWhatWasMeasuredAnewIsLookedAt )
 {
 	const SkinCase it( test::makeBumpySphere( 1.0, 0.1, 30, 40 ), 0.12 );
-	Adaptivity settings;
-	settings.coarseLevels = 2;
-	Result<std::unique_ptr<Body>> made = Body::create( std::make_shared<const Lattice>( it.lattice() ), Material{}, {}, nullptr, settings );
-	ASSERT_TRUE( made.ok() ) << made.status.sentence;
-	Body& body = *made.value;
-	for ( int i = 0; i < body.nodeCount(); ++i )
-	{
-		const Vec3 x = body.nodes().x0.get( i );
-		body.nodes().v.set( i, Vec3( 2.0f * x.x() * x.y(), -x.z(), x.y() * x.y() ) );
-	}
+	const std::unique_ptr<Body> made = bodyInMotion( it.lattice() );
+	Body& body = *made;
 	SkinFade everywhere, there;
 	std::size_t offset = 0;
 	for ( int change = 0; change < 12; ++change )
@@ -72,14 +96,7 @@ TEST( SkinFade, IsTheSameWhereOnlyWhatWasMeasuredAnewIsLookedAt )
 		}
 		everywhere.advance();
 		there.advance();
-		std::vector<std::uint32_t> split;
-		for ( int i = change; i < body.nodeCount(); i += 5 )
-		{
-			if ( body.levels()->levelOf( i ) > 0 )
-			{
-				split.push_back( body.levels()->cut().node[i] );
-			}
-		}
+		const std::vector<std::uint32_t> split = someOfThoseThatSplit( body, change );
 		const int cells = it.lattice().cellCount();
 		const Carried before( body, everywhere );
 		everywhere.keep( body.nodes(), before.pose, cells );
@@ -101,6 +118,73 @@ TEST( SkinFade, IsTheSameWhereOnlyWhatWasMeasuredAnewIsLookedAt )
 		EXPECT_LT( done.measured.size(), std::size_t( body.nodeCount() ) ) << "nothing was left to leave out";
 	}
 	EXPECT_GT( offset, 1000u );
+}
+
+/// The surface as it is drawn, without what faded before.
+std::vector<float> drawn( const SkinBinding& binding, const Body& body, const SkinPose& pose, const SkinTriangles& triangles )
+{
+	SkinScratch scratch;
+	std::vector<float> positions( 3 * binding.restPosition.size() ), normals( positions.size() );
+	skin( binding, body.nodes(), pose, triangles, scratch, positions.data(), normals.data() );
+	return positions;
+}
+
+/// A body that has cracks: right after a change it is drawn where it stood, and rows found by their points give what all rows do, to the bit.
+TEST( SkinFade, OfACrackedBodyKeepsItWhereItStood )
+{
+	const test::CrackCase it( test::makeBumpySphere( 1.0, 0.1, 30, 40 ), 0.12, test::noisy() );
+	const std::unique_ptr<Body> made = bodyInMotion( it.lattice() );
+	Body& body = *made;
+	CrackSurface surface( it.complex );
+	std::vector<std::uint32_t> faces;
+	for ( std::uint32_t f = 0; f < std::uint32_t( it.complex->face.size() ); f += 9 )
+	{
+		faces.push_back( f );
+	}
+	surface.breakFaces( faces );
+	surface.settle();
+	const SkinBinding& binding = surface.binding();
+	const SkinTriangles triangles{ surface.triangles()[0].data(), int( surface.triangles().size() ) };
+	const std::vector<std::uint32_t> same;
+	std::size_t offset = 0;
+	float largest = 0.0f;
+	for ( int change = 0; change < 4; ++change )
+	{
+		for ( int k = 0; k < 5; ++k )
+		{
+			test::substep( body, 1.0f / 240.0f, 0.3f );
+		}
+		const std::vector<std::uint32_t> split = someOfThoseThatSplit( body, change );
+		SkinFade everywhere, there;
+		const Carried before( body, everywhere );
+		everywhere.keep( body.nodes(), before.pose, it.lattice().cellCount() );
+		there.keep( body.nodes(), before.pose, it.lattice().cellCount() );
+		const std::vector<float> stood = drawn( binding, body, before.pose, triangles );
+		body.changeLevels( split, {} );
+		const LevelChange& done = body.levels()->lastChange();
+		Carried now( body, SkinFade() );
+		now.keepWhatWasNotMeasured( before, done );
+		SkinFade::Nodes nodes{ body.nodes(), now.pose, done.heir, done.keptAs, Eigen::Quaternionf::Identity() };
+		everywhere.start( binding, nodes );
+		nodes.measured = &done.measured;
+		nodes.complex = it.complex.get();
+		nodes.cellsThere = &same;
+		there.start( binding, nodes );
+		const std::vector<float> wanted = offsets( everywhere, binding );
+		EXPECT_EQ( offsets( there, binding ), wanted ) << change;
+		now.pose.fade = &there;
+		const std::vector<float> stands = drawn( binding, body, now.pose, triangles );
+		float most = 0.0f;
+		for ( std::size_t k = 0; k < stood.size(); ++k )
+		{
+			most = std::max( most, std::abs( stands[k] - stood[k] ) );
+		}
+		EXPECT_LT( most, 5e-5f ) << "of a body 2 m across";
+		offset += std::size_t( std::count_if( wanted.begin(), wanted.end(), []( float x ) { return x != 0.0f; } ) );
+		largest = std::max( largest, *std::max_element( wanted.begin(), wanted.end() ) );
+	}
+	EXPECT_GT( offset, 1000u );
+	EXPECT_GT( largest, 5e-4f ) << "nothing would have jumped";
 }
 
 /// Rows of any length, none among them, of which few hold a cell that is wanted.
