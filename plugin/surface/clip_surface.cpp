@@ -10,8 +10,9 @@ namespace pliant {
 
 namespace {
 
-/// With noise the planes are straight in bent space only as finely as the surface is sampled there: longer edges are halved first, cells.
-constexpr double kLongestBentEdge = 0.5;
+/// An edge may be as long as so many of the pieces that faces' edges are drawn with, and as so much of a wave of the noise: what crosses it and its two
+/// neighbours bends a border some four times in a cell. Half as long, a border bent twice as often as the faces within it, with as many vertices more.
+constexpr double kPiecesOfEdge = 2.0, kWaveOfEdge = 0.625;
 
 std::uint64_t edgeKey( std::uint32_t a, std::uint32_t b )
 {
@@ -151,7 +152,7 @@ private:
 
 	std::uint32_t halfOf( std::uint32_t a, std::uint32_t b, std::unordered_map<std::uint64_t, std::uint32_t>& middle )
 	{
-		if ( ( m_out.point[a].rest - m_out.point[b].rest ).squaredNorm() <= kLongestBentEdge * kLongestBentEdge )
+		if ( ( m_out.point[a].rest - m_out.point[b].rest ).squaredNorm() <= m_input.longestEdge * m_input.longestEdge )
 		{
 			return SurfaceOrigin::kNone;
 		}
@@ -363,6 +364,11 @@ private:
 int ClippedSurface::positionOf( std::uint32_t p, int axis ) const
 {
 	return int( std::clamp( std::floor( point[p].place[axis] ), 0.0, double( extent[axis] - 1 ) ) );
+}
+
+double longestBentEdge( const CrackSettings& settings )
+{
+	return std::min( kPiecesOfEdge / settings.subdivision, kWaveOfEdge * double( settings.noiseWavelength ) );
 }
 
 ClippedSurface clipSurface( const ClipInput& input )

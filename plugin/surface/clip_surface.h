@@ -7,6 +7,7 @@
 // edge is cut once, for all that share it. So what is closed stays closed, whatever the rounding.
 
 #include "lattice/weld.h"
+#include "pliant/crack.h"
 #include "surface/gradient_noise.h"
 
 #include <array>
@@ -82,7 +83,11 @@ struct ClipInput
 	const std::vector<Triangle>& triangles;
 	Eigen::Vector3i extent;
 	const NoiseWarp& warp;
+	double longestEdge; ///< cells; with noise, longer ones are halved first
 };
+
+/// With noise planes are straight in bent space only as finely as the surface is sampled there. Cells.
+double longestBentEdge( const CrackSettings& settings );
 
 ClippedSurface clipSurface( const ClipInput& input );
 

@@ -84,7 +84,7 @@ private:
 		// Caps close the holes of the mesh; they bound faces, but are not drawn.
 		std::vector<Triangle> triangles = m_mesh.triangle;
 		triangles.insert( triangles.end(), m_field->caps().begin(), m_field->caps().end() );
-		m_surface = clipSurface( { cells, triangles, m_lattice.extent, m_warp } );
+		m_surface = clipSurface( { cells, triangles, m_lattice.extent, m_warp, longestBentEdge( m_settings ) } );
 		const std::vector<FaceEdge> edges = makeFaceEdges( m_surface, m_warp, m_settings.subdivision );
 		m_merged = mergeClosePoints( m_surface, edges );
 		FaceParts parts = traceFaces( m_surface, edges, m_merged );

@@ -14,7 +14,7 @@
 namespace pliant::test {
 
 /// A cube of edge `edge` m around the origin, `cells` cells along it.
-inline std::shared_ptr<const BodyTemplate> cubeTemplate( float edge, int cells )
+inline std::shared_ptr<const BodyTemplate> cubeTemplate( float edge, int cells, const CrackSettings& cracks = {} )
 {
 	std::vector<float> positions;
 	for ( int i = 0; i < 8; ++i )
@@ -31,6 +31,7 @@ inline std::shared_ptr<const BodyTemplate> cubeTemplate( float edge, int cells )
 	mesh.triangleCount = 12;
 	LatticeSettings settings;
 	settings.cellSize = edge / float( cells );
+	settings.cracks = cracks;
 	return BodyTemplate::build( mesh, settings ).value;
 }
 

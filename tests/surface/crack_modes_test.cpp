@@ -6,6 +6,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 namespace pliant {
@@ -180,7 +181,11 @@ TEST( CrackModes, NormalShiftsMayEndEarly )
 		skin( binding, it.nodes, it.rotations.data(), triangles, it.scratch, positions.data(), normals.data() );
 		return normals;
 	};
-	for ( std::size_t count = surface.vertexCount() / 2; count < surface.vertexCount() / 2 + 4; ++count )
+	const std::vector<Vec3>& shifts = surface.binding().normalShift;
+	const auto isShift = []( const Vec3& shift ) { return !shift.isZero( 0.0f ); };
+	const std::size_t half = std::size_t( shifts.rend() - std::find_if( shifts.rbegin(), shifts.rend(), isShift ) ) / 2;
+	ASSERT_GT( half, 4u );
+	for ( std::size_t count = half; count < half + 4; ++count )
 	{
 		SkinBinding cutShort = surface.binding(), filledUp = cutShort;
 		cutShort.normalShift.resize( count );
