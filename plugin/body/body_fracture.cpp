@@ -230,9 +230,16 @@ bool Body::mustRefineToBreak() const
 	return m_levels && hasBrokenLinks() && !nodesAboveBroken().empty();
 }
 
+// Once all of them are finest ones, breakApart comes next, and measures what is near the links again.
 void Body::refineToBreak()
 {
-	changeLevels( nodesAboveBroken(), {} );
+	const std::vector<std::uint32_t> nodes = nodesAboveBroken();
+	const bool isLast = std::all_of( nodes.begin(), nodes.end(), [this]( std::uint32_t node ) { return m_levels->octree().levelOf( node ) == 1; } );
+	if ( isLast && !m_matcher->hasFlowed() ) // what has flowed is measured by the tables at once
+	{
+		m_levels->leaveRows();
+	}
+	changeLevels( nodes, {} );
 }
 
 BreakReport Body::reportOn( const std::vector<CellLink>& broken ) const

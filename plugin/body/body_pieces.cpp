@@ -151,6 +151,10 @@ std::vector<BodyPiece> Body::breakApart( BreakReport& report, int most, PieceRoa
 		}
 		if ( !piece.body )
 		{
+			if ( m_levels )
+			{
+				m_levels->measureLeftRows( m_material );
+			}
 			piece.body = makePiece( std::move( lattice ), piece, road );
 		}
 		pieces.push_back( std::move( piece ) );

@@ -68,6 +68,16 @@ FineMoments Levels::takeMoments()
 	return m_base.use_count() == 1 ? std::move( std::const_pointer_cast<LevelBase>( m_base )->moments ) : FineMoments{};
 }
 
+void Levels::measureLeftRows( const Material& material )
+{
+	if ( !m_left.empty() )
+	{
+		RegionTables& tables = *std::const_pointer_cast<RegionTables>( m_tables ); // made by the last change, for these levels
+		fillLeftRows( *m_base, *m_lattice, m_cut, LevelSettings{ material, m_settings, *m_stiffness }, m_left, tables );
+		m_left.clear();
+	}
+}
+
 // As a change of levels is made (Levels::change): in the room the one before the last left.
 void Levels::relink( PieceOfLevels piece, const LevelSettings& settings, const Lattice& lattice, NodeState& nodes, LatticeMatcher& matcher )
 {
@@ -75,6 +85,14 @@ void Levels::relink( PieceOfLevels piece, const LevelSettings& settings, const L
 	LevelRegions regions{ std::make_shared<RegionMatrix>( updateRelinkedRegions(
 							  piece.update.base->octree, piece.cut, piece.update.base->fine, matrix(), piece.nodes, &m_room.matrix ) ),
 		nullptr };
+	std::vector<std::uint32_t>& rows = m_room.matrix.rowBefore;
+	std::vector<std::uint8_t> isLeft( m_left.empty() ? 0 : m_cut.node.size(), 0 );
+	for ( const std::uint32_t row : m_left )
+	{
+		isLeft[row] = 1;
+	}
+	std::replace_if( rows.begin(), rows.end(), [&isLeft]( std::uint32_t row ) { return row != kNoNode && !isLeft.empty() && isLeft[row] != 0; }, kNoNode );
+	m_left.clear();
 	std::shared_ptr<const RegionTables> old = m_tables;
 	m_tables = buildLevelTables( *piece.update.base, lattice, piece.cut, regions, settings,
 		TablesBefore{ old.get(), std::move( m_room.matrix.rowBefore ), std::move( m_room.tables ) } );

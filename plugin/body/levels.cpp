@@ -300,7 +300,8 @@ void Levels::change( NodeState& nodes, LatticeMatcher& matcher, const Material& 
 	m_regions = updateLevelRegions( RegionInput{ *m_base, *m_lattice, material, m_settings, tasks, &m_room.matrix }, m_cut, m_regions, next );
 	std::shared_ptr<const RegionTables> old = m_tables;
 	const bool isKnown = !m_room.matrix.rowBefore.empty();
-	const TablesBefore before{ old.get(), isKnown ? std::move( m_room.matrix.rowBefore ) : unchangedRows( *old->matrix, next ), std::move( m_room.tables ) };
+	const TablesBefore before{ old.get(), isKnown ? std::move( m_room.matrix.rowBefore ) : unchangedRows( *old->matrix, next ), std::move( m_room.tables ),
+		Vec3d::Zero(), m_leavesRows };
 	m_tables = buildLevelTables( *m_base, *m_lattice, next, m_regions, LevelSettings{ material, m_settings, *m_stiffness, tasks }, before );
 	m_change.measured.clear();
 	for ( std::uint32_t r = 0; r < std::uint32_t( next.count() ); ++r )
@@ -310,6 +311,8 @@ void Levels::change( NodeState& nodes, LatticeMatcher& matcher, const Material& 
 			m_change.measured.push_back( r );
 		}
 	}
+	m_left = m_leavesRows ? m_change.measured : std::vector<std::uint32_t>();
+	m_leavesRows = false;
 	m_room.quiet.assign( next.node.size(), 0.0f );
 	for ( int i = 0; i < next.count(); ++i )
 	{

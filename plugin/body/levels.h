@@ -72,6 +72,10 @@ public:
 	bool canRelink( const std::vector<std::uint32_t>& touched ) const;
 	/// The base's moments, for a base that takes its place at once: empty where others than these levels look at this one.
 	FineMoments takeMoments();
+	/// The next change leaves the rows of new nodes, and of those beside them, as they lie: links change at once after it, and what is near those is
+	/// measured then (relink), or by measureLeftRows. Until then nobody may ask the tables. By multiplicity alone.
+	void leaveRows() { m_leavesRows = m_settings.regions == RegionRule::Multiplicity; }
+	void measureLeftRows( const Material& material );
 	/// The whole is one piece still, some of its links are others: the same in place, and what is kept of each node with it.
 	void relink( PieceOfLevels piece, const LevelSettings& settings, const Lattice& lattice, NodeState& nodes, LatticeMatcher& matcher );
 
@@ -201,6 +205,8 @@ private:
 	std::vector<std::uint32_t> m_asked;         ///< octree nodes
 	int m_budget = kNoBudget;                   ///< new nodes that changes may still bring
 	bool m_hasBacklog = false;
+	bool m_leavesRows = false;
+	std::vector<std::uint32_t> m_left; ///< rows that are not measured
 };
 
 } // namespace pliant

@@ -2,8 +2,11 @@
 
 #include "body/body.h"
 #include "body/breaking.h"
+#include "body/levels.h"
 
 namespace pliant {
+
+void Levels::measureLeftRows( const Material& ) {}
 
 void Body::inheritLevels( const Body&, BodyPiece&, PieceRoad ) {}
 

@@ -52,7 +52,10 @@ public:
 					r = end;
 					continue;
 				}
-				m_hasFlat[std::size_t( chunk )] |= fillRegion( r ) ? 1 : 0;
+				if ( !before.leavesOthers )
+				{
+					m_hasFlat[std::size_t( chunk )] |= fillRegion( r ) ? 1 : 0;
+				}
 				++r;
 			}
 		};
@@ -66,16 +69,41 @@ public:
 				m_tables.moments.regionWeight[r] *= float( m_base.octree.mass[m_cut.node[r]] ); // m_r of eq. 8
 			}
 		}
-		if ( !hasFlat( takesOver ? before.tables : nullptr ) )
+		if ( !before.leavesOthers && !hasFlat( takesOver ? before.tables : nullptr ) )
 		{
-			for ( auto& component : m_tables.outOfPlane )
+			dropOutOfPlane();
+		}
+	}
+
+	/// Rows that were left: they, and the weights of the nodes in them.
+	void runOver( const std::vector<std::uint32_t>& rows )
+	{
+		for ( const std::uint32_t r : rows )
+		{
+			fillRegion( int( r ) );
+		}
+		for ( const std::uint32_t r : rows )
+		{
+			for ( std::uint32_t k = m_matrix.start[r]; k < m_matrix.start[r + 1]; ++k )
 			{
-				component.clear();
+				fillNode( int( m_matrix.member[k] ) ); // once for each row it is in: this is the road of what comes apart, which is dear anyhow
 			}
+		}
+		if ( !hasFlat( &m_tables ) )
+		{
+			dropOutOfPlane();
 		}
 	}
 
 private:
+	void dropOutOfPlane()
+	{
+		for ( auto& component : m_tables.outOfPlane )
+		{
+			component.clear();
+		}
+	}
+
 	/// eta = beta everywhere: the whole of a region's pull is scaled, and F is not needed.
 	bool scalesOnly() const { return m_settings.residual == ResidualRule::Soften && m_settings.softening != Softening::EnergyTensor && m_material.beta == 0.0f; }
 
@@ -372,39 +400,6 @@ private:
 
 } // namespace
 
-void makeLevelRoom( RegionTables& tables, RegionTables& others, int reserved, int touched )
-{
-	const auto make = [&]( AlignedArray<float>& one, AlignedArray<float>& other ) {
-		if ( !one.empty() )
-		{
-			makeRoom( one, std::size_t( reserved ), 0 );
-			makeRoom( other, std::size_t( reserved ), std::size_t( touched ) );
-		}
-	};
-	RegionMoments &a = tables.moments, &b = others.moments;
-	make( a.nodeWeight, b.nodeWeight );
-	make( a.inverseCover, b.inverseCover );
-	make( a.inverseMass, b.inverseMass );
-	make( a.regionWeight, b.regionWeight );
-	make( tables.pull, others.pull );
-	make( tables.beta, others.beta );
-	make( tables.eta, others.eta );
-	for ( int k = 0; k < 3; ++k )
-	{
-		make( a.centre[k], b.centre[k] );
-	}
-	for ( int k = 0; k < 6; ++k )
-	{
-		make( a.moment[k], b.moment[k] );
-		make( a.inverseMoment[k], b.inverseMoment[k] );
-		makeRoom( others.outOfPlane[k], std::size_t( reserved ), std::size_t( touched ) ); // in use while tables are made, at least
-	}
-	for ( int k = 0; k < 9; ++k )
-	{
-		make( tables.blend[k], others.blend[k] );
-	}
-}
-
 std::shared_ptr<const RegionTables> buildLevelTables( const LevelBase& base, const Lattice& lattice, const Cut& cut,
 	const LevelRegions& regions, const LevelSettings& settings, const TablesBefore& before )
 {
@@ -413,6 +408,12 @@ std::shared_ptr<const RegionTables> buildLevelTables( const LevelBase& base, con
 	tables->plan = regions.plan;
 	Filler( base, lattice, cut, *tables->matrix, settings, *tables ).run( before );
 	return tables;
+}
+
+void fillLeftRows( const LevelBase& base, const Lattice& lattice, const Cut& cut, const LevelSettings& settings, const std::vector<std::uint32_t>& rows,
+	RegionTables& tables )
+{
+	Filler( base, lattice, cut, *tables.matrix, settings, tables ).runOver( rows );
 }
 
 } // namespace pliant

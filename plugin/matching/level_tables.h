@@ -87,6 +87,7 @@ struct TablesBefore
 	std::vector<std::uint32_t> region; ///< of each region now: its number then, where its row holds the same nodes and masses; else kNoNode
 	std::shared_ptr<RegionTables> room{}; ///< tables of the same settings that nobody uses any more, to be written over; null: none
 	Vec3d shift = Vec3d::Zero(); ///< from the rest places before to those now, cells: of the mass centre of a piece
+	bool leavesOthers = false; ///< rows that are not taken over are not measured: fillLeftRows does that, or the next tables are made without them
 };
 
 /// What a region needs beside its row. `stiffness`: share of the material's for each finest cell; empty: 1 everywhere. A region takes the mean
@@ -105,5 +106,9 @@ void makeLevelRoom( RegionTables& tables, RegionTables& others, int reserved, in
 /// Tables for the step out of a region matrix. With `before` the result is the same to the bit, sooner.
 std::shared_ptr<const RegionTables> buildLevelTables( const LevelBase& base, const Lattice& lattice, const Cut& cut,
 	const LevelRegions& regions, const LevelSettings& settings, const TablesBefore& before = {} );
+
+/// What TablesBefore::leavesOthers left of tables by RegionRule::Multiplicity: the same to the bit as had it not been.
+void fillLeftRows( const LevelBase& base, const Lattice& lattice, const Cut& cut, const LevelSettings& settings, const std::vector<std::uint32_t>& rows,
+	RegionTables& tables );
 
 } // namespace pliant

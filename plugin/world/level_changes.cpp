@@ -126,7 +126,7 @@ void SoftBody::Impl::changeNodes( SoftBody& owner, const std::function<void()>& 
 	change();
 	const LevelChange& done = body->levels()->lastChange();
 	movePins( *this, done, placeBefore );
-	shape->followLevels( *body, shapeShift );
+	shape->followLevels( *body, shapeShift, !fades ); // before links break: adopt() places what is there then
 	NodeBodyPool::renumber( owner, done.keptAs, body->nodeCount() );
 	if ( self )
 	{

@@ -136,7 +136,7 @@ struct NewChildren
 
 // What a node was split into stands in the tree where it stood itself. Shape indices are in no order afterwards; contacts are sorted by node, so
 // that nothing follows from that.
-void NodeShape::followLevels( const Body& body, const Vec3& shift )
+void NodeShape::followLevels( const Body& body, const Vec3& shift, bool isPlacedNext )
 {
 	const Levels& levels = *body.levels();
 	const LevelChange& change = levels.lastChange();
@@ -181,7 +181,10 @@ void NodeShape::followLevels( const Body& body, const Vec3& shift )
 		m_refit.putBefore( inner );
 	}
 	m_isRefitKnown = m_isRefitKnown && isSameTree;
-	place( body.nodes(), shift );
+	if ( !isPlacedNext )
+	{
+		place( body.nodes(), shift );
+	}
 }
 
 void NodeShape::renumberSpheres( const Levels& levels )

@@ -28,8 +28,8 @@ public:
 	explicit NodeShape( const Body& body );
 
 	/// Takes out the spheres of nodes that the body's last change of levels did away with and puts in those of new ones, in their places; those
-	/// of others stay where they are. `shift` as below.
-	void followLevels( const Body& body, const Vec3& shift );
+	/// of others stay where they are. `shift` as below. `isPlacedNext`: place() comes before anybody asks for spheres' places.
+	void followLevels( const Body& body, const Vec3& shift, bool isPlacedNext = false );
 
 	/// The body's links have changed, and it may have lost nodes: those before are now `nodeNow`, or kNoNode; those it has were `nodeBefore`. Those that
 	/// now lie at the surface get their spheres. False where it takes a new shape: where nodes lie at the surface no more, many do that did not,

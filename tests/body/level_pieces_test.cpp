@@ -5,6 +5,7 @@
 #include "body/levels.h"
 #include "matching/lattice_matcher.h"
 #include "support/block_body.h"
+#include "support/same_levels.h"
 #include "support/shapes.h"
 
 #include <gtest/gtest.h>
@@ -16,74 +17,9 @@ namespace {
 
 constexpr float kStep = 1.0f / 240.0f;
 
-void expectSameTree( const Octree& got, const Octree& wanted )
-{
-	EXPECT_EQ( got.levelStart, wanted.levelStart );
-	EXPECT_EQ( got.parent, wanted.parent );
-	EXPECT_EQ( got.childStart, wanted.childStart );
-	EXPECT_EQ( got.child, wanted.child );
-	EXPECT_EQ( got.cells, wanted.cells );
-	EXPECT_EQ( got.cellStart, wanted.cellStart );
-	EXPECT_EQ( got.cellCount, wanted.cellCount );
-	EXPECT_EQ( got.coordinate, wanted.coordinate );
-	EXPECT_EQ( got.isSurface, wanted.isSurface );
-	EXPECT_EQ( got.mass, wanted.mass );
-}
-
-/// `allowed`: share of what is above 1, or the number itself; 0: the same bits.
-template <class Array> void expectNear( const Array& got, const Array& wanted, float allowed, const char* what )
-{
-	ASSERT_EQ( got.size(), wanted.size() ) << what;
-	float worst = 0.0f;
-	for ( std::size_t i = 0; i < got.size(); ++i )
-	{
-		worst = std::max( worst, std::abs( got[i] - wanted[i] ) / std::max( 1.0f, std::abs( wanted[i] ) ) );
-	}
-	EXPECT_LE( worst, allowed ) << what;
-}
-
-void expectNearBase( const LevelBase& got, const LevelBase& wanted, float allowed )
-{
-	expectSameTree( got.octree, wanted.octree );
-	EXPECT_EQ( got.fine.set.start, wanted.fine.set.start );
-	EXPECT_EQ( got.fine.set.member, wanted.fine.set.member );
-	EXPECT_EQ( got.fine.set.size, wanted.fine.set.size );
-	EXPECT_EQ( got.fine.mass, wanted.fine.mass );
-	ASSERT_EQ( got.moments.covariance.size(), wanted.moments.covariance.size() );
-	for ( std::size_t n = 0; n < got.moments.covariance.size(); ++n )
-	{
-		expectNear( got.moments.covariance[n], wanted.moments.covariance[n], allowed, "covariance" );
-		expectNear( got.octree.spread[n], wanted.octree.spread[n], allowed, "spread" );
-		EXPECT_LE( ( got.octree.restCentre[n] - wanted.octree.restCentre[n] ).norm(), allowed );
-	}
-}
-
-void expectNearTables( const RegionTables& got, const RegionTables& wanted, float allowed )
-{
-	EXPECT_EQ( got.matrix->start, wanted.matrix->start );
-	EXPECT_EQ( got.matrix->member, wanted.matrix->member );
-	EXPECT_EQ( got.matrix->mass, wanted.matrix->mass );
-	EXPECT_EQ( got.matrix->share, wanted.matrix->share );
-	EXPECT_EQ( got.matrix->unit, wanted.matrix->unit );
-	expectNear( got.pull, wanted.pull, allowed, "pull" );
-	expectNear( got.beta, wanted.beta, allowed, "beta" );
-	expectNear( got.eta, wanted.eta, allowed, "eta" );
-	expectNear( got.moments.nodeWeight, wanted.moments.nodeWeight, allowed, "nodeWeight" );
-	expectNear( got.moments.inverseCover, wanted.moments.inverseCover, allowed, "inverseCover" );
-	expectNear( got.moments.inverseMass, wanted.moments.inverseMass, allowed, "inverseMass" );
-	expectNear( got.moments.regionWeight, wanted.moments.regionWeight, allowed, "regionWeight" );
-	for ( std::size_t k = 0; k < 9; ++k )
-	{
-		expectNear( got.blend[k], wanted.blend[k], allowed, "blend" );
-	}
-	for ( std::size_t k = 0; k < 6; ++k )
-	{
-		expectNear( got.moments.moment[k], wanted.moments.moment[k], allowed, "moment" );
-		expectNear( got.moments.inverseMoment[k], wanted.moments.inverseMoment[k], allowed, "inverseMoment" );
-		expectNear( got.outOfPlane[k], wanted.outOfPlane[k], allowed, "outOfPlane" );
-		expectNear( got.moments.centre[k / 2], wanted.moments.centre[k / 2], allowed, "centre" );
-	}
-}
+using test::expectNear;
+using test::expectNearBase;
+using test::expectNearTables;
 
 void expectNearNodes( const NodeState& got, const NodeState& wanted, float allowed )
 {
