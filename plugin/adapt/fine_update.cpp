@@ -2,6 +2,8 @@
 
 #include "lattice/reach.h"
 
+#include <algorithm>
+#include <iterator>
 #include <utility>
 
 namespace pliant {
@@ -11,6 +13,17 @@ namespace {
 /// Appends the rows of cells `cell` to `end` - 1, which are what they were.
 void appendRows( const FineRegions& before, const CellChange& change, const OctreeUpdate& tree, std::uint32_t cell, std::uint32_t end, FineRegions& fine )
 {
+	if ( change.isWhole() ) // under the same numbers: in one run
+	{
+		const RegionSet& set = before.set;
+		const std::uint32_t moved = std::uint32_t( fine.set.member.size() ) - set.start[cell]; // wraps where rows before are shorter now
+		const auto from = []( const auto& array, std::uint32_t k ) { return array.begin() + std::ptrdiff_t( k ); };
+		fine.set.member.insert( fine.set.member.end(), from( set.member, set.start[cell] ), from( set.member, set.start[end] ) );
+		fine.set.size.insert( fine.set.size.end(), from( set.size, cell ), from( set.size, end ) );
+		fine.mass.insert( fine.mass.end(), from( before.mass, cell ), from( before.mass, end ) );
+		std::transform( from( set.start, cell + 1 ), from( set.start, end + 1 ), std::back_inserter( fine.set.start ), [moved]( std::uint32_t k ) { return k + moved; } );
+		return;
+	}
 	for ( ; cell < end; ++cell )
 	{
 		const std::uint32_t old = change.cellBefore[cell];

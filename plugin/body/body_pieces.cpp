@@ -47,14 +47,21 @@ void keepMost( std::vector<std::vector<std::uint32_t>>& parts, std::size_t most 
 		parts[0].insert( parts[0].end(), parts[k].begin(), parts[k].end() );
 	}
 	parts.resize( std::min( parts.size(), most ) );
-	std::sort( parts[0].begin(), parts[0].end() );
+	if ( !std::is_sorted( parts[0].begin(), parts[0].end() ) ) // most times nothing was added
+	{
+		std::sort( parts[0].begin(), parts[0].end() );
+	}
 }
 
 /// The lattice with some links gone and others back.
 Lattice relinked( const Lattice& lattice, const std::vector<CellLink>& broken, const std::vector<CellLink>& healed )
 {
 	Lattice now = withoutLinks( lattice, broken );
-	return healed.empty() ? now : withLinks( now, healed );
+	if ( !healed.empty() )
+	{
+		now = withLinks( now, healed );
+	}
+	return now; // a choice of the two would be a copy
 }
 
 /// Both ends of all links, each cell once, ascending.

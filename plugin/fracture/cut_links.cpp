@@ -95,11 +95,12 @@ std::vector<std::uint8_t> sidesBeyond( const std::vector<Vec3d>& places, const C
 	return std::vector<std::uint8_t>( places.size(), 0 );
 }
 
-/// Whether a cell and all it is linked to lie beyond one side: most do, and no link of theirs is looked at.
+/// Whether a cell and all it is linked to lie beyond one side: most do, and no link of theirs is looked at. So nothing is gained by stopping early.
 bool isBeyond( const Lattice& lattice, const std::vector<std::uint8_t>& beyond, std::uint32_t cell )
 {
 	unsigned all = beyond[cell];
-	for ( std::uint32_t k = lattice.linkStart[cell]; all != 0 && k < lattice.linkStart[cell + 1]; ++k )
+	const std::uint32_t end = all != 0 ? lattice.linkStart[cell + 1] : 0;
+	for ( std::uint32_t k = lattice.linkStart[cell]; k < end; ++k )
 	{
 		all &= beyond[lattice.linkTo[k]];
 	}

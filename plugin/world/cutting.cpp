@@ -28,15 +28,18 @@ BladeCut moved( const BladeCut& cut, const Vec3d& origin )
 	return BladeCut{ cut.p0 - origin, cut.p1 - origin, cut.q0 - origin, cut.q1 - origin };
 }
 
-/// x y z w of each cell, of the node that holds it.
-std::vector<Eigen::Quaternionf> cellRotations( const Body& body )
+/// x y z w of each cell at the end of a link, of the node that holds it; of others nothing.
+std::vector<Eigen::Quaternionf> cellRotations( const Body& body, const std::vector<CellLink>& links )
 {
 	std::vector<float> ofNode( 4 * std::size_t( body.nodeCount() ) );
 	body.nodeRotations( ofNode.data() );
-	std::vector<Eigen::Quaternionf> rotations;
-	for ( std::uint32_t cell = 0; cell < std::uint32_t( body.lattice().cellCount() ); ++cell )
+	std::vector<Eigen::Quaternionf> rotations( std::size_t( body.lattice().cellCount() ) );
+	for ( const CellLink& link : links )
 	{
-		rotations.emplace_back( Eigen::Map<const Eigen::Quaternionf>( ofNode.data() + 4 * std::size_t( body.nodeOfCell( cell ) ) ) );
+		for ( const std::uint32_t cell : { link.a, link.b } )
+		{
+			rotations[cell] = Eigen::Map<const Eigen::Quaternionf>( ofNode.data() + 4 * std::size_t( body.nodeOfCell( cell ) ) );
+		}
 	}
 	return rotations;
 }
@@ -68,7 +71,7 @@ int cutBody( SoftBody& soft, const Cut& cut )
 		{
 			if ( soft.impl().bodyTemplate->skin().kind != Skinning::None )
 			{
-				noteTraces( soft.impl(), tracesOf( body.lattice(), places, links, here, cellRotations( body ) ) );
+				noteTraces( soft.impl(), tracesOf( body.lattice(), places, links, here, cellRotations( body, links ) ) );
 			}
 			soft.activate( true );
 		}
