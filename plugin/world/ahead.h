@@ -33,10 +33,21 @@ inline void askForManifold( const btPersistentManifold& manifold )
 	askFor( &manifold, sizeof( btManifoldPoint ) );
 }
 
-/// Who an object is: from its friction to its flags.
+/// Who an object is: from how it slips by direction, by its flags and island, to its type.
 inline void askWho( const btCollisionObject& object )
 {
-	askFor( &object.getAnisotropicFriction(), kFetched );
+	askFor( &object.getAnisotropicFriction(), 2 * kFetched - 2 * sizeof( btScalar ) );
+}
+
+/// Written at once: what is written in parts and soon read as a whole is waited for until it, and all that was written before, has reached memory.
+inline void setWhole( btVector3& to, btScalar x, btScalar y, btScalar z )
+{
+	using Whole = btScalar __attribute__( ( vector_size( 4 * sizeof( btScalar ) ), may_alias, aligned( sizeof( btScalar ) ) ) );
+	*reinterpret_cast<Whole*>( to.m_floats ) = Whole{ x, y, z, 0 };
+}
+inline void setWhole( btVector3& to, const btVector3& from )
+{
+	setWhole( to, from.x(), from.y(), from.z() );
 }
 
 /// visit( manifold ) for all that the dispatcher has, in its order.

@@ -155,7 +155,8 @@ void FourRows::set( int lane, const Ask& ask, int pointA, btScalar inverseOfA, i
 void ContactRows::clear( int directionCount )
 {
 	directions = directionCount;
-	steps.clear();
+	runs.clear();
+	m_stepCount = 0;
 	for ( int kind = 0; kind < 2; ++kind )
 	{
 		press[kind].clear();
@@ -181,7 +182,7 @@ int ContactRows::addPoint( btRigidBody& body )
 
 RowPlace ContactRows::place( RowKind kind, int a, int b )
 {
-	const int next = int( steps.size() ), after = std::max( points[std::size_t( a )].step, b > 0 ? points[std::size_t( b )].step : -1 );
+	const int next = m_stepCount, after = std::max( points[std::size_t( a )].step, b > 0 ? points[std::size_t( b )].step : -1 );
 	int step = next, at = int( turnPress.size() );
 	if ( kind != RowKind::Turning )
 	{
@@ -202,8 +203,8 @@ RowPlace ContactRows::place( RowKind kind, int a, int b )
 			four = open.step.size();
 			open.step.push_back( next );
 			open.filled.push_back( 0 );
-			press[int( kind )].push_back( FourRows{} );
-			rub[int( kind )].resize( rub[int( kind )].size() + std::size_t( directions ), FourRows{} );
+			press[int( kind )].emplace_back();
+			rub[int( kind )].resize( rub[int( kind )].size() + std::size_t( directions ) );
 		}
 		step = open.step[four];
 		at = int( four ) * kLanes + open.filled[four]++;
@@ -215,48 +216,64 @@ RowPlace ContactRows::place( RowKind kind, int a, int b )
 	}
 	if ( step == next )
 	{
-		steps.push_back( RowPlace{ kind, kind == RowKind::Turning ? at : at / kLanes } );
+		addStep( kind, kind == RowKind::Turning ? at : at / kLanes );
 	}
 	points[std::size_t( a )].step = step;
 	points[std::size_t( b )].step = b > 0 ? step : -1;
 	return RowPlace{ kind, at };
 }
 
-void ContactRows::pressStep( const RowPlace& step, btSolverBody* bodies, Lanes& worst )
+void ContactRows::addStep( RowKind kind, int at )
 {
-	const std::size_t at = std::size_t( step.at );
-	if ( step.kind == RowKind::Alone )
+	++m_stepCount;
+	if ( !runs.empty() && runs.back().kind == kind && runs.back().last == at )
 	{
-		solveFour<false>( press[0][at], nullptr, change.data(), worst );
+		++runs.back().last;
+		return;
 	}
-	else if ( step.kind == RowKind::Pair )
+	runs.push_back( Run{ kind, at, at + 1 } );
+}
+
+void ContactRows::pressRun( const Run& run, btSolverBody* bodies, Lanes& worst )
+{
+	btVector3* const speeds = change.data();
+	const std::size_t first = std::size_t( run.first ), last = std::size_t( run.last );
+	if ( run.kind == RowKind::Alone )
 	{
-		solveFour<true>( press[1][at], nullptr, change.data(), worst );
+		std::for_each( &press[0][first], &press[0][last - 1] + 1, [&]( FourRows& row ) { solveFour<false>( row, nullptr, speeds, worst ); } );
+	}
+	else if ( run.kind == RowKind::Pair )
+	{
+		std::for_each( &press[1][first], &press[1][last - 1] + 1, [&]( FourRows& row ) { solveFour<true>( row, nullptr, speeds, worst ); } );
 	}
 	else
 	{
-		TurningRow& row = turnPress[at];
-		note( pliant::press( row, bodies[row.body], change[std::size_t( row.point )] ), worst );
+		std::for_each( &turnPress[first], &turnPress[last - 1] + 1,
+			[&]( TurningRow& row ) { note( pliant::press( row, bodies[row.body], speeds[row.point] ), worst ); } );
 	}
 }
 
-void ContactRows::rubStep( const RowPlace& step, btSolverBody* bodies, Lanes& worst )
+void ContactRows::rubRun( const Run& run, btSolverBody* bodies, Lanes& worst )
 {
-	const std::size_t at = std::size_t( step.at );
-	for ( std::size_t k = at * std::size_t( directions ); k < ( at + 1 ) * std::size_t( directions ); ++k )
+	btVector3* const speeds = change.data();
+	const std::size_t each = std::size_t( directions );
+	for ( std::size_t k = std::size_t( run.first ) * each, at = std::size_t( run.first ); at < std::size_t( run.last ); ++at )
 	{
-		if ( step.kind == RowKind::Alone )
+		for ( const std::size_t end = k + each; k < end; ++k )
 		{
-			solveFour<false>( rub[0][k], &press[0][at], change.data(), worst );
-		}
-		else if ( step.kind == RowKind::Pair )
-		{
-			solveFour<true>( rub[1][k], &press[1][at], change.data(), worst );
-		}
-		else if ( turnPress[at].impulse > 0 )
-		{
-			TurningRow& row = turnRub[k];
-			note( pliant::rub( row, bodies[row.body], change[std::size_t( row.point )], turnPress[at].impulse ), worst );
+			if ( run.kind == RowKind::Alone )
+			{
+				solveFour<false>( rub[0][k], &press[0][at], speeds, worst );
+			}
+			else if ( run.kind == RowKind::Pair )
+			{
+				solveFour<true>( rub[1][k], &press[1][at], speeds, worst );
+			}
+			else if ( turnPress[at].impulse > 0 )
+			{
+				TurningRow& row = turnRub[k];
+				note( pliant::rub( row, bodies[row.body], speeds[row.point], turnPress[at].impulse ), worst );
+			}
 		}
 	}
 }
@@ -318,7 +335,7 @@ void ContactRows::giveBackSpeeds( bool isSplit, btScalar timeStep ) const
 	{
 		askFor( &points[std::min( i + kStandsAhead, points.size() - 1 )].body->getLinearVelocity(), sizeof( btVector3 ) );
 		const Point& point = points[i];
-		point.body->setLinearVelocity( point.speed + change[i] );
+		setWhole( const_cast<btVector3&>( point.body->getLinearVelocity() ), point.speed + change[i] );
 		point.body->setCompanionId( -1 );
 		if ( isSplit && !point.push.isZero() )
 		{

@@ -76,8 +76,13 @@ struct RowPlace
 
 struct ContactRows
 {
-	/// What is solved one after the other: places of fours, turning rows and Bullet's.
-	std::vector<RowPlace> steps;
+	/// What is solved one after the other: fours, turning rows or Bullet's from `first` to before `last`.
+	struct Run
+	{
+		RowKind kind;
+		int first, last;
+	};
+	std::vector<Run> runs;
 	/// Rows that press; those that rub have the same numbers, times `directions`.
 	std::vector<FourRows> press[2], rub[2];
 	std::vector<TurningRow> turnPress, turnRub;
@@ -105,10 +110,12 @@ struct ContactRows
 	int addPoint( btRigidBody& body );
 	/// A place after all that moves these points; of `b` there is none in a row alone.
 	RowPlace place( RowKind kind, int a, int b );
+	/// The next step.
+	void addStep( RowKind kind, int at );
 
-	// One step's rows. `worst` becomes what they were off by, squared, where that is more.
-	void pressStep( const RowPlace& step, btSolverBody* bodies, Lanes& worst );
-	void rubStep( const RowPlace& step, btSolverBody* bodies, Lanes& worst );
+	// A run's rows, none of Bullet's. `worst` becomes what they were off by, squared, where that is more.
+	void pressRun( const Run& run, btSolverBody* bodies, Lanes& worst );
+	void rubRun( const Run& run, btSolverBody* bodies, Lanes& worst );
 	/// Returns what the row was off by, m/s.
 	btScalar pushOut( Deep& out, btSolverBody* bodies );
 	/// Impulses to the points of contact.
@@ -123,6 +130,7 @@ private:
 		std::size_t first = 0;         ///< none before it has room
 	};
 	Open m_open[2];
+	int m_stepCount = 0;
 };
 
 } // namespace pliant

@@ -130,27 +130,29 @@ btScalar ContactSolver::solveSingleIteration( int iteration, btCollisionObject**
 	btSolverBody* const all = solverBodies();
 	btScalar bullets = 0;
 	Lanes worst{};
-	for ( const RowPlace& step : rows.steps )
+	for ( const ContactRows::Run& run : rows.runs )
 	{
-		if ( step.kind == RowKind::Bullets )
+		if ( run.kind != RowKind::Bullets )
 		{
-			const btScalar off = pressBullets( step.at );
+			rows.pressRun( run, all, worst );
+			continue;
+		}
+		for ( int k = run.first; k < run.last; ++k )
+		{
+			const btScalar off = pressBullets( k );
 			bullets = std::max( bullets, off * off );
 		}
-		else
-		{
-			rows.pressStep( step, all, worst );
-		}
 	}
-	for ( const RowPlace& step : rows.steps )
+	for ( const ContactRows::Run& run : rows.runs )
 	{
-		if ( step.kind == RowKind::Bullets )
+		if ( run.kind != RowKind::Bullets )
 		{
-			bullets = std::max( bullets, rubBullets( step.at ) );
+			rows.rubRun( run, all, worst );
+			continue;
 		}
-		else
+		for ( int k = run.first; k < run.last; ++k )
 		{
-			rows.rubStep( step, all, worst );
+			bullets = std::max( bullets, rubBullets( k ) );
 		}
 	}
 	bullets = std::max( bullets, rollBullets() );

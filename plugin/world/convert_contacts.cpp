@@ -22,7 +22,7 @@ void askForContact( const btPersistentManifold& manifold )
 	for ( const btCollisionObject* object : { manifold.getBody0(), manifold.getBody1() } )
 	{
 		askWho( *object );
-		askFor( &static_cast<const btRigidBody*>( object )->getLinearVelocity(), 8 * sizeof( btVector3 ) );
+		askFor( &static_cast<const btRigidBody*>( object )->getLinearVelocity(), 3 * sizeof( btVector3 ) );
 	}
 }
 
@@ -92,7 +92,7 @@ private:
 	const Side* turning() const { return a.body ? &a : b.body ? &b : nullptr; }
 	const Point& pointOf( const Side& side ) const { return rows.points[std::size_t( side.point )]; }
 	btVector3 speedOf( const Side& side ) const;
-	Lever leverOf( const btVector3& normal ) const;
+	void findLever( const btVector3& normal, Lever& lever ) const;
 	btScalar approach( const Lever& lever, bool withTorque ) const;
 	btScalar bounce() const;
 	void warmStart( const Lever& lever, btScalar impulse );
@@ -116,7 +116,8 @@ bool ContactSolver::Conversion::findSide( btCollisionObject& object, Side& side 
 				side.point = rows.addPoint( body );
 				body.setCompanionId( side.point );
 			}
-			return body.getAngularVelocity().isZero() && body.getTotalForce().isZero();
+			// Forces lie where nothing else is asked for.
+			return body.getAngularVelocity().isZero() && ( !hasContactCallback() || body.getTotalForce().isZero() );
 		}
 	}
 	side.number = solver.getOrInitSolverBody( object, info.m_timeStep );
@@ -174,11 +175,10 @@ void ContactSolver::Conversion::convertBullets( btPersistentManifold& manifold )
 	solver.convertContact( &manifold, info );
 	for ( int k = first; k < pool.size(); ++k )
 	{
-		const RowPlace bullets{ RowKind::Bullets, k };
-		rows.steps.push_back( bullets );
+		rows.addStep( RowKind::Bullets, k );
 		if ( pool[k].m_rhsPenetration != 0 )
 		{
-			rows.deep.push_back( ContactRows::Deep{ bullets, 0, 0 } );
+			rows.deep.push_back( ContactRows::Deep{ RowPlace{ RowKind::Bullets, k }, 0, 0 } );
 		}
 	}
 }
@@ -194,20 +194,20 @@ btVector3 ContactSolver::Conversion::speedOf( const Side& side ) const
 	return speed;
 }
 
-Lever ContactSolver::Conversion::leverOf( const btVector3& normal ) const
+void ContactSolver::Conversion::findLever( const btVector3& normal, Lever& lever ) const
 {
 	const Side* const turns = turning();
 	if ( !turns )
 	{
-		return Lever{ a.point > 0 ? normal : -normal, btVector3( 0, 0, 0 ), btVector3( 0, 0, 0 ), pointOf( a ).inverse + pointOf( b ).inverse };
+		setWhole( lever.axis, a.point > 0 ? normal : -normal );
+		lever.inverse = pointOf( a ).inverse + pointOf( b ).inverse;
+		return;
 	}
 	const btRigidBody& body = *turns->body->m_originalBody;
-	Lever lever;
-	lever.axis = turns == &a ? normal : -normal;
-	lever.cross = arm.cross( lever.axis );
+	setWhole( lever.axis, turns == &a ? normal : -normal );
+	setWhole( lever.cross, arm.cross( lever.axis ) );
 	lever.angular = body.getInvInertiaTensorWorld() * lever.cross * body.getAngularFactor();
 	lever.inverse = body.getInvMass() + lever.axis.dot( lever.angular.cross( arm ) ) + pointOf( turns == &a ? b : a ).inverse;
-	return lever;
 }
 
 /// How fast they part along a row, m/s.
@@ -277,7 +277,8 @@ void ContactSolver::Conversion::convertPoint()
 		arm = ( turns == &a ? point->getPositionWorldOnA() : point->getPositionWorldOnB() ) - turns->object->getWorldTransform().getOrigin();
 	}
 	const Softness soft = softnessOf( *point, info );
-	const Lever lever = leverOf( point->m_normalWorldOnB );
+	Lever lever;
+	findLever( point->m_normalWorldOnB, lever );
 	const btScalar perSecond = btScalar( 1 ) / info.m_timeStep, depth = point->getDistance() + info.m_linearSlop;
 	Ask ask;
 	ask.perSpeed = info.m_sor / ( lever.inverse + soft.cfm );
@@ -355,7 +356,8 @@ void ContactSolver::Conversion::chooseDirections()
 
 void ContactSolver::Conversion::rubAlong( const btVector3& direction, int which, btScalar wanted, btScalar cfm )
 {
-	const Lever lever = leverOf( direction );
+	Lever lever;
+	findLever( direction, lever );
 	Ask ask;
 	ask.perSpeed = info.m_sor / lever.inverse;
 	ask.friction = point->m_combinedFriction;

@@ -3,6 +3,8 @@
 #include "world/ahead.h"
 #include "world/soft_body_impl.h"
 
+#include <BulletCollision/CollisionDispatch/btManifoldResult.h>
+
 namespace pliant {
 
 const char kSoftBodyMark = 0;
@@ -14,6 +16,11 @@ NodeBody::NodeBody() : btRigidBody( btRigidBodyConstructionInfo( btScalar( 1 ), 
 	setAngularFactor( btVector3( 0, 0, 0 ) );
 	internalSetExtensionPointer( const_cast<char*>( &kNodeBodyMark ) );
 	setFlags( getFlags() | BT_DISABLE_WORLD_GRAVITY );
+}
+
+bool hasContactCallback()
+{
+	return gContactAddedCallback || gContactProcessedCallback || gContactStartedCallback;
 }
 
 NodeBodyPool::~NodeBodyPool()
@@ -79,6 +86,7 @@ NodeBody* NodeBodyPool::acquire( SoftBody& owner, int node )
 		place->owner = &owner;
 		place->node = node;
 		place->uses = 0;
+		place->clearForces();
 		place->stamp = m_phase - 1;
 		place->step = m_step - 1;
 		place->setCollisionShape( impl.shape->sphereOfNode( node ) );
@@ -140,7 +148,7 @@ void NodeBodyPool::renumber( SoftBody& owner, const std::vector<std::uint32_t>& 
 
 void NodeBodyPool::askAhead( const NodeBody& body )
 {
-	askFor( &body.getWorldTransform(), 2 * sizeof( btTransform ) + 2 * sizeof( btVector3 ) ); // both transforms, both speeds
+	askFor( &body.getWorldTransform().getOrigin(), sizeof( btVector3 ) );
 	askWho( body );
 	askFor( &body.getLinearVelocity(), sizeof( btVector3 ) );
 	askFor( &body.owner, sizeof( NodeBody ) - sizeof( btRigidBody ) );
@@ -171,20 +179,30 @@ void NodeBodyPool::refresh( NodeBody& body )
 	}
 	body.setCollisionFlags( flags );
 
-	body.written = impl.position( body.node );
-	btTransform at( btMatrix3x3::getIdentity(), body.written );
-	if ( owner.hasAnisotropicFriction( btCollisionObject::CF_ANISOTROPIC_FRICTION ) )
+	const btVector3 place = impl.position( body.node );
+	setWhole( body.written, place );
+	setWhole( body.getWorldTransform().getOrigin(), place );
+	const bool isDirected = owner.hasAnisotropicFriction( btCollisionObject::CF_ANISOTROPIC_FRICTION );
+	if ( isDirected )
 	{
-		at.setRotation( axesAt( owner, body.node ) );
+		body.getWorldTransform().setRotation( axesAt( owner, body.node ) );
 	}
-	body.setWorldTransform( at );
-	body.setInterpolationWorldTransform( at );
-	body.setLinearVelocity( velocity );
-	body.setInterpolationLinearVelocity( velocity );
+	else if ( body.isDirected )
+	{
+		body.getWorldTransform().getBasis().setIdentity();
+	}
+	body.isDirected = isDirected;
+	setWhole( const_cast<btVector3&>( body.getLinearVelocity() ), velocity );
 	if ( body.step != m_step )
 	{
 		body.step = m_step;
 		copySurface( owner, body );
+		if ( m_forgetsForces )
+		{
+			body.clearForces();
+		}
+		body.setInterpolationWorldTransform( body.getWorldTransform() ); // nobody asks for it within a step
+		body.setInterpolationLinearVelocity( velocity );
 	}
 	body.setBroadphaseHandle( owner.getBroadphaseHandle() );
 	body.setIslandTag( owner.getIslandTag() );

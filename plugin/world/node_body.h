@@ -16,7 +16,9 @@ class SoftBody;
 class NodeBody : public btRigidBody
 {
 public:
-	BT_DECLARE_ALIGNED_ALLOCATOR();
+	/// So that what each stage asks for lies in few lines of the cache: who it is in two, its speed and mass in one, and what is below in one.
+	static void* operator new( std::size_t size ) { return static_cast<char*>( btAlignedAlloc( size + kOffset, kLine ) ) + kOffset; }
+	static void operator delete( void* body ) { btAlignedFree( static_cast<char*>( body ) - kOffset ); }
 
 	NodeBody();
 
@@ -28,7 +30,11 @@ public:
 	unsigned stamp = 0;     ///< collision phase in which it was last written
 	unsigned step = 0;      ///< game step in which its surface was
 	bool wasAsleep = false; ///< when it was last written: awake now means that something has woken it
+	bool isDirected = false; ///< its axes are the material's
 	btVector3 written = btVector3( 0, 0, 0 ); ///< world position given to the solver, m
+
+private:
+	static constexpr int kLine = 64, kOffset = 32;
 };
 
 /// Marks an object as a stand-in without touching the user's pointers.
@@ -39,6 +45,9 @@ inline SoftBody* ownerOfNodeBody( const btCollisionObject* object )
 {
 	return object && object->internalGetExtensionPointer() == &kNodeBodyMark ? static_cast<const NodeBody*>( object )->owner : nullptr;
 }
+
+/// The game has a say about contacts, and so comes by stand-ins.
+bool hasContactCallback();
 
 class NodeBodyPool
 {
@@ -55,6 +64,8 @@ public:
 	{
 		++m_phase;
 		m_step += isNewStep ? 1 : 0;
+		m_forgetsForces = isNewStep ? m_hadCallback : m_forgetsForces;
+		m_hadCallback = hasContactCallback() || ( !isNewStep && m_hadCallback );
 	}
 	/// Position, velocity, mass and surface properties from the node, once a phase.
 	void refresh( NodeBody& body );
@@ -69,6 +80,7 @@ public:
 private:
 	std::vector<NodeBody*> m_all, m_free;
 	unsigned m_phase = 1, m_step = 1;
+	bool m_hadCallback = false, m_forgetsForces = false; ///< in this step; in the last one: stand-ins may have been pushed
 };
 
 } // namespace pliant

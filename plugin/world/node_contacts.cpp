@@ -47,24 +47,54 @@ void combineSurfaces( const btCollisionObject* body0, const btCollisionObject* b
 	btPlaneSpace1( point.m_normalWorldOnB, point.m_lateralFrictionDir1, point.m_lateralFrictionDir2 );
 }
 
-/// The hit as Bullet's solver wants it: the points on both surfaces, the normal on the second object, who it is.
-btManifoldPoint makePoint( const btPersistentManifold& manifold, const NodeBody& node, const NodeHit& hit, bool nodeIsFirst )
+/// In the body's own axes. Most stand-ins have the world's: what would be read of those lies in a line of its own.
+btVector3 placeIn( const btCollisionObject& body, const btVector3& at )
+{
+	const bool isStraight = ownerOfNodeBody( &body ) && !static_cast<const NodeBody&>( body ).isDirected;
+	return isStraight ? at - body.getWorldTransform().getOrigin() : body.getWorldTransform().invXform( at );
+}
+
+/// The hit as Bullet's solver wants it: the points on both surfaces, the normal on the second object, who it is. What a point is given besides when it
+/// is made is given again; its age, its impulses and the game's pointer stay.
+void fillPoint( const btPersistentManifold& manifold, const NodeBody& node, const NodeHit& hit, bool nodeIsFirst, btManifoldPoint& point )
 {
 	const btScalar radius = radiusOf( node ), distance = btScalar( hit.touch.distance );
 	const btVector3 outward = toBt( hit.touch.normal );
-	const btVector3 onNode = node.written - outward * radius, onOther = node.written - outward * distance;
-	const btVector3& onA = nodeIsFirst ? onNode : onOther;
-	const btVector3& onB = nodeIsFirst ? onOther : onNode;
-	btManifoldPoint point( manifold.getBody0()->getWorldTransform().invXform( onA ), manifold.getBody1()->getWorldTransform().invXform( onB ),
-		nodeIsFirst ? outward : -outward, distance - radius );
-	point.m_positionWorldOnA = onA;
-	point.m_positionWorldOnB = onB;
+	setWhole( nodeIsFirst ? point.m_positionWorldOnA : point.m_positionWorldOnB, node.written - outward * radius );
+	setWhole( nodeIsFirst ? point.m_positionWorldOnB : point.m_positionWorldOnA, node.written - outward * distance );
+	setWhole( point.m_localPointA, placeIn( *manifold.getBody0(), point.m_positionWorldOnA ) );
+	setWhole( point.m_localPointB, placeIn( *manifold.getBody1(), point.m_positionWorldOnB ) );
+	setWhole( point.m_normalWorldOnB, nodeIsFirst ? outward : -outward );
+	point.m_distance1 = distance - radius;
 	point.m_partId0 = nodeIsFirst ? -1 : hit.part;
 	point.m_index0 = nodeIsFirst ? node.node : hit.index;
 	point.m_partId1 = nodeIsFirst ? hit.part : -1;
 	point.m_index1 = nodeIsFirst ? hit.index : node.node;
+	point.m_contactPointFlags = 0;
+	point.m_contactMotion1 = point.m_contactMotion2 = 0;
+	point.m_contactCFM = point.m_contactERP = point.m_frictionCFM = 0;
 	combineSurfaces( manifold.getBody0(), manifold.getBody1(), point );
-	return point;
+}
+
+/// Where it lies: what a copy would be made of has just been written in parts, and would be waited for.
+void renewPoint( btPersistentManifold& manifold, const NodeBody& node, const NodeHit& hit, bool nodeIsFirst, int at )
+{
+	btManifoldPoint& point = manifold.getContactPoint( at );
+	// It bounces once a touch: a node that is pressed on, and struck in each substep, would bring in more than it takes.
+	const bool hasBounced = point.m_appliedImpulse > 0;
+	if ( ( manifold.getBody0()->getCollisionFlags() | manifold.getBody1()->getCollisionFlags() ) & btCollisionObject::CF_HAS_FRICTION_ANCHOR )
+	{
+		btManifoldPoint anchored; // Bullet says whether it stays where it was
+		fillPoint( manifold, node, hit, nodeIsFirst, anchored );
+		anchored.m_combinedRestitution = hasBounced ? btScalar( 0 ) : anchored.m_combinedRestitution;
+		manifold.replaceContactPoint( anchored, at );
+	}
+	else
+	{
+		fillPoint( manifold, node, hit, nodeIsFirst, point );
+		point.m_combinedRestitution = hasBounced ? btScalar( 0 ) : point.m_combinedRestitution;
+	}
+	++point.m_lifeTime;
 }
 
 /// The game may change a new or renewed point, as with any contact of Bullet's.
@@ -141,6 +171,7 @@ void PairContacts::process( const btCollisionObjectWrapper& body0, const btColli
 {
 	SoftBody* const soft0 = softOf( &body0 );
 	SoftBody* const soft1 = softOf( &body1 );
+	askFor( m_contacts.data(), kFetched );
 	followNodes( soft0, soft1 );
 	if ( soft0 && soft1 )
 	{
@@ -295,17 +326,14 @@ void PairContacts::write( const Pair& pair, NodeContact& contact, const NodeHit*
 	}
 	for ( int h = 0; h < count; ++h )
 	{
-		btManifoldPoint point = makePoint( manifold, *contact.first, hits[h], pair.softIsFirst );
 		if ( places[h] >= 0 )
 		{
-			// It bounces once a touch: a node that is pressed on, and struck in each substep, would bring in more than it takes.
-			const bool hasBounced = manifold.getContactPoint( places[h] ).m_appliedImpulse > 0;
-			point.m_combinedRestitution = hasBounced ? btScalar( 0 ) : point.m_combinedRestitution;
-			manifold.replaceContactPoint( point, places[h] );
-			++manifold.getContactPoint( places[h] ).m_lifeTime;
+			renewPoint( manifold, *contact.first, hits[h], pair.softIsFirst, places[h] );
 		}
 		else
 		{
+			btManifoldPoint point;
+			fillPoint( manifold, *contact.first, hits[h], pair.softIsFirst, point );
 			places[h] = manifold.addManifoldPoint( point );
 		}
 		btManifoldPoint& kept = manifold.getContactPoint( places[h] );

@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <functional>
+#include <map>
 #include <memory>
 
 namespace pliant::test {
@@ -239,6 +240,34 @@ TEST( ContactSolver, IsBulletsWhereCallbacksStrikeAndPushNodes )
 		return true;
 	} );
 	compare( askForCallbacks, 60 );
+}
+
+// Forces on a stand-in stayed for ever, on whichever node came to have it: nobody cleared them, as the world does with those on its bodies.
+TEST( ContactCallbacks, ForcesOnNodesEndWithTheStep )
+{
+	static std::map<const btRigidBody*, int> frameOf; // the last that it was met in
+	static int frame, left, pushes;
+	frameOf.clear();
+	frame = left = pushes = 0;
+	const Callback pushAll( []( btManifoldPoint&, const btCollisionObjectWrapper* one, int, int, const btCollisionObjectWrapper*, int, int ) {
+		btRigidBody& body = *bodyOf( one );
+		int& last = frameOf[&body];
+		if ( body.getInvMass() > 0 && last != frame )
+		{
+			left += last == frame - 1 && !body.getTotalForce().isZero() ? 1 : 0;
+			last = frame;
+			++pushes;
+			body.applyCentralForce( btVector3( btScalar( 1e-3 ), 0, 0 ) );
+		}
+		return true;
+	} );
+	Heap heap( std::make_unique<ContactSolver>(), askForCallbacks );
+	for ( frame = 1; frame < 60; ++frame )
+	{
+		heap.scene.step( 1 );
+	}
+	EXPECT_GT( pushes, 1000 );
+	EXPECT_EQ( left, 0 );
 }
 
 /// Counts the rows that Bullet has for contacts.
