@@ -21,7 +21,7 @@ const std::vector<SceneEntry>& sceneList()
 		{ "hand", "The same pull at every finger of a hand with a soft little finger and a hard thumb.", makeHandScene },
 		{ "heavy_on_soft", "Boxes of 1, 10, 100 and 1000 times a soft block's mass rest on blocks; in the middle, off it, on an edge.", makeHeavyOnSoft },
 		{ "hello", "One soft cube falls on a rigid box.", makeHello },
-		{ "liver_cut", "A hanging liver is cut along a scripted path; nodes are split ahead of the blade.", makeLiverCut },
+		{ "liver_cut", "A hanging liver is cut along a scripted path; nodes are split under the blade.", makeLiverCut },
 		{ "plastic_block", "A ball, an edge and a corner press into rubber, wax and clay; how deep, and how much is left.", makePlasticBlock },
 		{ "slope", "Soft cubes and a rigid box slide down a slope, by friction and stiffness; their acceleration against theory.", makeSlope },
 		{ "soft_stack", "Two, four and eight soft cubes on each other, and four with rigid boxes between.", makeSoftStack },

@@ -24,7 +24,6 @@ constexpr btScalar kHeldFrom = btScalar( 0.27 );   // m above its middle
 constexpr btScalar kHalfEdge = btScalar( 0.6 );    // m of the blade, which points at us
 constexpr btScalar kBack = btScalar( 0.16 );       // m from its edge to its back
 constexpr btScalar kOverlap = btScalar( 0.03 );    // m behind the edge that cut with it: about a cell
-constexpr btScalar kAhead = btScalar( 0.10 );      // m around the edge that are split
 constexpr double kShownFor = 0.25;                 // s before and after a stroke
 constexpr double kDuration = 7.5;                  // s
 constexpr double kStep = 1.0 / 60;                 // s
@@ -99,18 +98,15 @@ public:
 		const btVector3 edge( 0, 0, kHalfEdge );
 		for( const Stroke& stroke : kStrokes )
 		{
-			if( seconds < stroke.begin - kShownFor || seconds >= stroke.end )
+			if( seconds < stroke.begin || seconds >= stroke.end )
 			{
 				continue;
 			}
 			// From a little behind where the edge was: what has swung towards it since the last step would slip past.
 			const btVector3 to = stroke.at( seconds + kStep ), from = stroke.at( seconds ) - stroke.along() * kOverlap;
-			const btVector3 around( kAhead, kAhead, kHalfEdge );
 			for( int i = 0; i < stage.world().softBodyCount(); ++i )
 			{
-				pliant::SoftBody& body = *stage.world().softBody( i );
-				body.requestRefinement( to - around, to + around );
-				m_links += seconds >= stroke.begin ? body.cutSweep( from - edge, from + edge, to - edge, to + edge ) : 0;
+				m_links += stage.world().softBody( i )->cutSweep( from - edge, from + edge, to - edge, to + edge );
 			}
 		}
 		m_cutting = std::chrono::duration<double>( std::chrono::steady_clock::now() - begin ).count();

@@ -115,22 +115,31 @@ void Levels::relink( PieceOfLevels piece, const LevelSettings& settings, const L
 		}
 	}
 	m_room.quiet.clear();
-	for ( const std::uint32_t before : piece.nodes.before )
+	std::vector<std::uint8_t> isWanted;
+	std::vector<std::uint32_t> asked;
+	std::sort( m_asked.begin(), m_asked.end() );
+	for ( std::size_t i = 0; i < piece.nodes.before.size(); ++i )
 	{
+		const std::uint32_t before = piece.nodes.before[i];
 		m_room.quiet.push_back( m_quiet[before] );
+		isWanted.push_back( m_isWanted[before] );
+		if ( isAsked( before ) )
+		{
+			asked.push_back( piece.cut.node[i] );
+		}
 	}
 	m_quiet.swap( m_room.quiet );
+	m_isWanted.swap( isWanted );
+	m_asked.swap( asked );
 	m_base = piece.update.base;
 	m_lattice = &lattice;
 	m_stiffness = &settings.stiffness;
 	m_cut = std::move( piece.cut );
 	countLevels();
-	// What waits and what was asked for names nodes of the octree before.
+	// What was to be changed names nodes of the octree before; it is found again.
 	m_change = {};
 	m_split.clear();
 	m_merge.clear();
-	m_asked.clear();
-	std::fill( m_isWanted.begin(), m_isWanted.end(), std::uint8_t( 0 ) );
 	m_hasBacklog = false;
 	++m_version;
 }

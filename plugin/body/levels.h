@@ -6,6 +6,7 @@
 #include "matching/level_update.h"
 #include "matching/node_state.h"
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <limits>
@@ -150,6 +151,8 @@ private:
 		m_sinceMerge = m_merge.empty() ? m_sinceMerge : 0.0f;
 	}
 	bool mayMerge( const NodeState& nodes, std::uint32_t parent, int firstSlot ) const;
+	/// Whether a node was asked to be split; what was asked for is sorted.
+	bool isAsked( std::uint32_t node ) const { return std::binary_search( m_asked.begin(), m_asked.end(), m_cut.node[node] ); }
 	void countRoom();
 	void prepareRoom();
 	void keepRoom( std::shared_ptr<const RegionTables> old );

@@ -317,6 +317,51 @@ TEST( LevelPieces, AreRefinedTogetherAsTheWholeWas )
 	}
 }
 
+// Requests were lost with every event: a game that cuts in each frame and asks for finer nodes ahead of the blade got none.
+TEST( LevelPieces, AreSplitWhereTheWholeWasAskedToBe )
+{
+	for ( const PieceRoad road : { PieceRoad::TakeOver, PieceRoad::FromNothing } )
+	{
+		for ( const int most : { 4, 1 } ) // through all of it; a notch
+		{
+			Adaptivity settings;
+			settings.coarseLevels = 1;
+			const auto lattice = std::make_shared<const Lattice>( makeBlockLattice( 8, 4, 4, 0.1f ) );
+			const std::unique_ptr<Body> body = std::move( Body::create( lattice, Material{}, {}, nullptr, settings ).value );
+			const auto isAtAnEnd = []( const Body& of, int node ) { return std::abs( of.nodes().x.get( node ).x() ) > 0.25f; };
+			body->breakLinks( linksAtTheMiddle( *lattice, most ) );
+			while ( body->mustRefineToBreak() )
+			{
+				body->refineToBreak();
+			}
+			int asked = 0;
+			for ( int i = 0; i < body->nodeCount(); ++i )
+			{
+				if ( body->levels()->levelOf( i ) == 1 && isAtAnEnd( *body, i ) )
+				{
+					body->requestSplit( i );
+					++asked;
+				}
+			}
+			ASSERT_EQ( asked, 8 );
+			BreakReport report;
+			const std::vector<BodyPiece> pieces = body->breakApart( report, 10, road );
+			ASSERT_EQ( pieces.size(), most == 4 ? 2u : 1u );
+			for ( const BodyPiece& piece : pieces )
+			{
+				for ( int k = 0; k < 8; ++k )
+				{
+					piece.body->adaptLevels( kStep );
+				}
+				for ( int i = 0; i < piece.body->nodeCount(); ++i )
+				{
+					EXPECT_FALSE( piece.body->levels()->levelOf( i ) == 1 && isAtAnEnd( *piece.body, i ) ) << most;
+				}
+			}
+		}
+	}
+}
+
 // What has been quiet for most of the delay when a crack opens need not wait for all of it anew.
 TEST( LevelPieces, AreMergedWhenTheWholeWouldHaveBeen )
 {
