@@ -1,0 +1,1 @@
+// Empty: with this, what all tests include is compiled once (tests/CMakeLists.txt).
