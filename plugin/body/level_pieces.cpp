@@ -26,6 +26,27 @@ void takeInOrder( AlignedArray<float>& array, const std::vector<std::uint32_t>& 
 	array.swap( room );
 }
 
+/// `before`: the number that each node had.
+void putInOrder( NodeState& nodes, const std::vector<std::uint32_t>& before )
+{
+	if ( std::is_sorted( before.begin(), before.end() ) )
+	{
+		return;
+	}
+	AlignedArray<float> room;
+	for ( AlignedArray<float>* array : arraysOf( nodes ) )
+	{
+		takeInOrder( *array, before, room );
+	}
+	for ( AlignedArray<float>* array : { &nodes.force.x, &nodes.force.y, &nodes.force.z } )
+	{
+		if ( !array->empty() )
+		{
+			takeInOrder( *array, before, room );
+		}
+	}
+}
+
 /// The same cells stand under one node as before, as far as they are still connected: blocks are where they were.
 Cut cutOfPiece( const Levels& whole, const Octree& tree, const std::vector<std::uint32_t>& cellBefore )
 {
@@ -99,21 +120,7 @@ void Levels::relink( PieceOfLevels piece, const LevelSettings& settings, const L
 	matcher.relink( lattice, m_tables, piece.nodes.before );
 	m_regions = std::move( regions );
 	keepRoom( std::move( old ) );
-	if ( !std::is_sorted( piece.nodes.before.begin(), piece.nodes.before.end() ) )
-	{
-		AlignedArray<float> room;
-		for ( AlignedArray<float>* array : arraysOf( nodes ) )
-		{
-			takeInOrder( *array, piece.nodes.before, room );
-		}
-		for ( AlignedArray<float>* array : { &nodes.force.x, &nodes.force.y, &nodes.force.z } )
-		{
-			if ( !array->empty() )
-			{
-				takeInOrder( *array, piece.nodes.before, room );
-			}
-		}
-	}
+	putInOrder( nodes, piece.nodes.before );
 	m_room.quiet.clear();
 	std::vector<std::uint8_t> isWanted;
 	std::vector<std::uint32_t> asked;
