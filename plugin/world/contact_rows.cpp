@@ -34,7 +34,7 @@ struct FourSpeeds
 	}
 	void put( btVector3* to, const int* at ) const
 	{
-		for ( int lane = 0; lane < kLanes; ++lane )
+		for ( int lane = 0; lane < kRowLanes; ++lane )
 		{
 			btScalar* const v = to[at[lane]].m_floats;
 			v[0] = x[lane];
@@ -88,7 +88,7 @@ inline void solveFour( FourRows& row, const FourRows* presses, btVector3* change
 		b.put( change, row.b );
 	}
 	Lanes off;
-	for ( int lane = 0; lane < kLanes; ++lane )
+	for ( int lane = 0; lane < kRowLanes; ++lane )
 	{
 		off[lane] = btScalar( impulse[lane] * row.perImpulse[lane] );
 	}
@@ -187,14 +187,14 @@ RowPlace ContactRows::place( RowKind kind, int a, int b )
 	if ( kind != RowKind::Turning )
 	{
 		Open& open = m_open[int( kind )];
-		while ( open.first < open.filled.size() && open.filled[open.first] == kLanes )
+		while ( open.first < open.filled.size() && open.filled[open.first] == kRowLanes )
 		{
 			++open.first;
 		}
 		// Steps of one kind ascend.
 		std::size_t four = std::size_t( std::upper_bound( open.step.begin() + std::ptrdiff_t( open.first ), open.step.end(), after ) - open.step.begin() );
 		const std::size_t last = std::min( open.step.size(), four + kMostLooks );
-		while ( four < last && open.filled[four] == kLanes )
+		while ( four < last && open.filled[four] == kRowLanes )
 		{
 			++four;
 		}
@@ -207,7 +207,7 @@ RowPlace ContactRows::place( RowKind kind, int a, int b )
 			rub[int( kind )].resize( rub[int( kind )].size() + std::size_t( directions ) );
 		}
 		step = open.step[four];
-		at = int( four ) * kLanes + open.filled[four]++;
+		at = int( four ) * kRowLanes + open.filled[four]++;
 	}
 	else
 	{
@@ -216,7 +216,7 @@ RowPlace ContactRows::place( RowKind kind, int a, int b )
 	}
 	if ( step == next )
 	{
-		addStep( kind, kind == RowKind::Turning ? at : at / kLanes );
+		addStep( kind, kind == RowKind::Turning ? at : at / kRowLanes );
 	}
 	points[std::size_t( a )].step = step;
 	points[std::size_t( b )].step = b > 0 ? step : -1;
@@ -282,8 +282,8 @@ btScalar ContactRows::pushOut( Deep& out, btSolverBody* bodies )
 {
 	const bool turns = out.place.kind == RowKind::Turning;
 	TurningRow* const turning = turns ? &turnPress[std::size_t( out.place.at )] : nullptr;
-	const FourRows* const four = turns ? nullptr : &press[int( out.place.kind )][std::size_t( out.place.at / kLanes )];
-	const int lane = out.place.at % kLanes;
+	const FourRows* const four = turns ? nullptr : &press[int( out.place.kind )][std::size_t( out.place.at / kRowLanes )];
+	const int lane = out.place.at % kRowLanes;
 	const btScalar cfm = turns ? turning->cfm : four->cfm[lane], perSpeed = turns ? turning->perSpeed : four->perSpeed[lane];
 	Point& b = points[std::size_t( turns ? turning->point : four->b[lane] )];
 	Point* const a = turns ? nullptr : &points[std::size_t( four->a[lane] )];
@@ -321,7 +321,7 @@ void ContactRows::giveBackImpulses() const
 			contact.point->m_appliedImpulseLateral2 = directions > 1 ? turnRub[at * 2 + 1].impulse : contact.point->m_appliedImpulseLateral2;
 			continue;
 		}
-		const std::size_t lane = at % kLanes, four = at / kLanes;
+		const std::size_t lane = at % kRowLanes, four = at / kRowLanes;
 		const FourRows* const rubs = &rub[int( contact.place.kind )][four * std::size_t( directions )];
 		contact.point->m_appliedImpulse = press[int( contact.place.kind )][four].impulse[lane];
 		contact.point->m_appliedImpulseLateral1 = rubs[0].impulse[lane];

@@ -13,10 +13,10 @@
 
 namespace pliant {
 
-inline constexpr int kLanes = 4;
+inline constexpr int kRowLanes = 4;
 
-using Lanes = btScalar __attribute__( ( vector_size( kLanes * sizeof( btScalar ) ) ) );
-using LaneMask = std::conditional_t<sizeof( btScalar ) == 4, int, long long> __attribute__( ( vector_size( kLanes * sizeof( btScalar ) ) ) );
+using Lanes = btScalar __attribute__( ( vector_size( kRowLanes * sizeof( btScalar ) ) ) );
+using LaneMask = std::conditional_t<sizeof( btScalar ) == 4, int, long long> __attribute__( ( vector_size( kRowLanes * sizeof( btScalar ) ) ) );
 
 /// A stand-in for a node, while the solver is at work: it moves alike along all axes, has no spin and no force on it.
 struct Point
@@ -42,8 +42,8 @@ struct FourRows
 {
 	Lanes normal[3];
 	Lanes perSpeed, inverseA, inverseB, rhs, cfm, impulse, friction;
-	double perImpulse[kLanes]; ///< 1 / perSpeed, in double, as Bullet has it
-	int a[kLanes], b[kLanes];
+	double perImpulse[kRowLanes]; ///< 1 / perSpeed, in double, as Bullet has it
+	int a[kRowLanes], b[kRowLanes];
 
 	void set( int lane, const Ask& ask, int pointA, btScalar inverseOfA, int pointB, btScalar inverseOfB );
 };
@@ -71,7 +71,7 @@ enum class RowKind : unsigned char
 struct RowPlace
 {
 	RowKind kind;
-	int at; ///< times kLanes and the lane where there are four; Bullet's number
+	int at; ///< times kRowLanes and the lane where there are four; Bullet's number
 };
 
 struct ContactRows

@@ -265,9 +265,9 @@ void ContactSolver::Conversion::write( const Lever& lever, Ask ask, int which )
 				rows.points[std::size_t( other )].inverse, other, turns->number, turns == &a, 1. / ask.perSpeed };
 		return;
 	}
-	const int first = a.point > 0 ? a.point : b.point, second = a.point > 0 ? b.point : 0, four = place.at / kLanes, kind = int( place.kind );
+	const int first = a.point > 0 ? a.point : b.point, second = a.point > 0 ? b.point : 0, four = place.at / kRowLanes, kind = int( place.kind );
 	FourRows& row = which < 0 ? rows.press[kind][std::size_t( four )] : rows.rub[kind][std::size_t( four * rows.directions + which )];
-	row.set( place.at % kLanes, ask, first, rows.points[std::size_t( first )].inverse, second, rows.points[std::size_t( second )].inverse );
+	row.set( place.at % kRowLanes, ask, first, rows.points[std::size_t( first )].inverse, second, rows.points[std::size_t( second )].inverse );
 }
 
 void ContactSolver::Conversion::convertPoint()

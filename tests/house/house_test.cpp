@@ -98,6 +98,12 @@ TEST( House, FilesAndFunctionsAreShort )
 	EXPECT_TRUE( complaints.empty() ) << listOf( complaints );
 }
 
+TEST( House, ConstantsHaveNamesOfTheirOwn )
+{
+	const Complaints complaints = checkConstants( ours() );
+	EXPECT_TRUE( complaints.empty() ) << listOf( complaints );
+}
+
 TEST( House, TopLevelHoldsWhatBelongsThere )
 {
 	const Complaints complaints = checkTopLevel( PLIANT_ROOT );
@@ -210,6 +216,16 @@ TEST_F( SmallHouse, UnwantedWordsAreSeen )
 	put( "plugin/body/a.cpp", "int a = rand();\nvoid b() { throw 1; }\nauto* c = dynamic_cast<C*>( d );\nint e = std::printf( \"e\" );\ngContactAddedCallback = f;\n" );
 	put( "plugin/body/a.h", "using namespace std;\n" );
 	EXPECT_EQ( checkShape( tree() ).size(), 7u ) << listOf( checkShape( tree() ) );
+}
+
+TEST_F( SmallHouse, ConstantsOfOneNameAreSeen )
+{
+	put( "plugin/body/a.h", "inline constexpr int kLanes = 16;\nstruct A\n{\n\tstatic constexpr int kCount = 1;\n};\n" );
+	put( "plugin/body/a.cpp", "constexpr int kLanes = 2;\n" );
+	put( "plugin/world/b.h", "inline constexpr int kMoreLanes = 4;\nstruct B\n{\n\tstatic constexpr int kCount = 2;\n};\n" );
+	EXPECT_TRUE( checkConstants( tree() ).empty() ) << listOf( checkConstants( tree() ) );
+	put( "plugin/world/b.h", "inline constexpr int kLanes = 4;\n" );
+	EXPECT_EQ( checkConstants( tree() ).size(), 1u );
 }
 
 TEST_F( SmallHouse, TopLevelIsSeen )

@@ -169,6 +169,29 @@ Complaints checkShape( const SourceTree& tree )
 	return complaints;
 }
 
+Complaints checkConstants( const SourceTree& tree )
+{
+	static const std::regex kConstant( R"((?:inline )?constexpr .*?\b(k[A-Z]\w*)\s*[={[].*)" );
+	Complaints complaints;
+	std::map<std::string, std::string> first;
+	for( const auto& [path, file] : tree.files() )
+	{
+		for( const std::string& line : file.lines )
+		{
+			std::smatch match;
+			if( file.isHeader() && path.starts_with( "plugin/" ) && std::regex_match( line, match, kConstant ) )
+			{
+				const auto [known, isNew] = first.try_emplace( match[1], path );
+				if( !isNew )
+				{
+					complaints.push_back( path + ": " + match[1].str() + " is in " + known->second + " too" );
+				}
+			}
+		}
+	}
+	return complaints;
+}
+
 Complaints checkTopLevel( const fs::path& root )
 {
 	static const std::set<std::string> kBelongs = { "CMakeLists.txt", "plugin", "demos", "third_party_glue", "tests", "docs", "README.md", "LICENSE",

@@ -61,6 +61,9 @@ Complaints checkReach( const SourceTree& tree );
 /// Length of files and functions, include guards, words that our sources do without.
 Complaints checkShape( const SourceTree& tree );
 
+/// No two headers of the plugin have a constant of one name: they are one object to the linker, of either value.
+Complaints checkConstants( const SourceTree& tree );
+
 /// Nothing at the top level but what belongs there.
 Complaints checkTopLevel( const std::filesystem::path& root );
 
