@@ -14,24 +14,6 @@ namespace {
 /// A piece's places are those of the whole, moved: a rounding each.
 constexpr float kRounding = 2e-5f;
 
-std::vector<CellLink> linksAcross( const Lattice& lattice, int most )
-{
-	std::vector<CellLink> links;
-	for ( std::uint32_t i = 0; i < std::uint32_t( lattice.cellCount() ); ++i )
-	{
-		const bool isHere = lattice.coordinate[i].x() == 3 && lattice.coordinate[i].y() < most;
-		for ( std::uint32_t k = lattice.linkStart[i]; isHere && k < lattice.linkStart[i + 1]; ++k )
-		{
-			if ( const std::uint32_t j = lattice.linkTo[k]; lattice.coordinate[j].x() == 4 )
-			{
-				links.push_back( CellLink{ std::min( i, j ), std::max( i, j ) } );
-			}
-		}
-	}
-	std::sort( links.begin(), links.end() );
-	return links;
-}
-
 /// Nodes above the links are split first, and their rows, and those of their neighbours, left to be measured with the cut: by it where one piece stays,
 /// before it where one comes off. With more than one level it is the last split that leaves them.
 TEST( LeftRows, AreMeasuredWithTheCut )
@@ -45,7 +27,7 @@ TEST( LeftRows, AreMeasuredWithTheCut )
 			const auto lattice = std::make_shared<const Lattice>( makeBlockLattice( 16, 8, 8, 0.1f ) );
 			const auto cut = [&]( PieceRoad road ) {
 				const std::unique_ptr<Body> body = std::move( Body::create( lattice, Material{}, {}, nullptr, settings ).value );
-				body->breakLinks( linksAcross( *lattice, most ) );
+				body->breakLinks( test::linksAtFour( *lattice, most ) );
 				int splits = 0;
 				for ( ; body->mustRefineToBreak(); ++splits )
 				{

@@ -20,6 +20,7 @@ constexpr float kStep = 1.0f / 240.0f;
 using test::expectNear;
 using test::expectNearBase;
 using test::expectNearTables;
+using test::linksAtFour;
 
 void expectNearNodes( const NodeState& got, const NodeState& wanted, float allowed )
 {
@@ -266,24 +267,6 @@ TEST( LevelPieces, ThatCameOffAreThoseFromNothingButForRounding )
 	EXPECT_GE( count.pieces, 16 );
 }
 
-/// Of a bar of eight cells, from the bottom up to `most` cells.
-std::vector<CellLink> linksAtTheMiddle( const Lattice& lattice, int most )
-{
-	std::vector<CellLink> links;
-	for ( std::uint32_t i = 0; i < std::uint32_t( lattice.cellCount() ); ++i )
-	{
-		const bool isHere = lattice.coordinate[i].x() == 3 && lattice.coordinate[i].y() < most;
-		for ( std::uint32_t k = lattice.linkStart[i]; isHere && k < lattice.linkStart[i + 1]; ++k )
-		{
-			if ( const std::uint32_t j = lattice.linkTo[k]; lattice.coordinate[j].x() == 4 )
-			{
-				links.push_back( CellLink{ std::min( i, j ), std::max( i, j ) } );
-			}
-		}
-	}
-	std::sort( links.begin(), links.end() );
-	return links;
-}
 // From the first event on, what had cracked or come off was refined node by node again: bars on coarse levels break too early then.
 TEST( LevelPieces, AreRefinedTogetherAsTheWholeWas )
 {
@@ -301,7 +284,7 @@ TEST( LevelPieces, AreRefinedTogetherAsTheWholeWas )
 			ASSERT_TRUE( made.value->setFracture( fracture ).ok() );
 			const float together = made.value->levels()->together();
 			ASSERT_LT( together, 1.0f );
-			made.value->breakLinks( linksAtTheMiddle( *lattice, comesApart ? 4 : 1 ) );
+			made.value->breakLinks( linksAtFour( *lattice, comesApart ? 4 : 1 ) );
 			while ( made.value->mustRefineToBreak() )
 			{
 				made.value->refineToBreak();
@@ -329,7 +312,7 @@ TEST( LevelPieces, AreSplitWhereTheWholeWasAskedToBe )
 			const auto lattice = std::make_shared<const Lattice>( makeBlockLattice( 8, 4, 4, 0.1f ) );
 			const std::unique_ptr<Body> body = std::move( Body::create( lattice, Material{}, {}, nullptr, settings ).value );
 			const auto isAtAnEnd = []( const Body& of, int node ) { return std::abs( of.nodes().x.get( node ).x() ) > 0.25f; };
-			body->breakLinks( linksAtTheMiddle( *lattice, most ) );
+			body->breakLinks( linksAtFour( *lattice, most ) );
 			while ( body->mustRefineToBreak() )
 			{
 				body->refineToBreak();
@@ -384,7 +367,7 @@ TEST( LevelPieces, AreMergedWhenTheWholeWouldHaveBeen )
 			};
 			made.value->changeLevels( made.value->levels()->cut().node, {} );
 			run( *made.value, 20 );
-			made.value->breakLinks( linksAtTheMiddle( *lattice, most ) );
+			made.value->breakLinks( linksAtFour( *lattice, most ) );
 			int nodes = 0;
 			BreakReport report;
 			for ( const BodyPiece& piece : made.value->breakApart( report, 10, road ) )

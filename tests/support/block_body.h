@@ -3,9 +3,12 @@
 // A block of soft material in one line, for tests of the core: no mesh, no world.
 
 #include "body/body.h"
+#include "lattice/pieces.h"
 
+#include <algorithm>
 #include <memory>
 #include <random>
+#include <vector>
 
 namespace pliant::test {
 
@@ -14,6 +17,25 @@ inline std::unique_ptr<Body> makeBlock( int nx, int ny, int nz, float cellSize, 
 	auto lattice = std::make_shared<Lattice>( makeBlockLattice( nx, ny, nz, cellSize ) );
 	Result<std::unique_ptr<Body>> made = Body::create( std::move( lattice ), material, {} );
 	return std::move( made.value );
+}
+
+/// Links of a block between its cells 3 and 4 along x, in its lowest `most` layers.
+inline std::vector<CellLink> linksAtFour( const Lattice& lattice, int most )
+{
+	std::vector<CellLink> links;
+	for ( std::uint32_t i = 0; i < std::uint32_t( lattice.cellCount() ); ++i )
+	{
+		const bool isHere = lattice.coordinate[i].x() == 3 && lattice.coordinate[i].y() < most;
+		for ( std::uint32_t k = lattice.linkStart[i]; isHere && k < lattice.linkStart[i + 1]; ++k )
+		{
+			if ( const std::uint32_t j = lattice.linkTo[k]; lattice.coordinate[j].x() == 4 )
+			{
+				links.push_back( CellLink{ std::min( i, j ), std::max( i, j ) } );
+			}
+		}
+	}
+	std::sort( links.begin(), links.end() );
+	return links;
 }
 
 /// Nodes at rest, without a body around them.
