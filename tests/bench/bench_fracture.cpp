@@ -105,7 +105,7 @@ void fractureThrown( benchmark::State& state )
 		cracks.subdivision = 1;
 	}
 	const auto cube = test::cubeTemplate( 0.05f * 13, 13, cracks );
-	int pieces = 0, links = 0;
+	int pieces = 0, links = 0, vertices = 0;
 	for ( auto _ : state )
 	{
 		test::SoftWorld scene;
@@ -134,6 +134,11 @@ void fractureThrown( benchmark::State& state )
 			links += scene.world.stepReport().brokenLinks;
 		}
 		pieces = scene.world.softBodyCount();
+		vertices = 0;
+		for ( int k = 0; k < pieces; ++k )
+		{
+			vertices += int( scene.world.softBody( k )->surface().vertexCount );
+		}
 	}
 	double worst = 0.0;
 	for ( std::size_t frame = 0; frame < std::size_t( kFrames ); ++frame )
@@ -142,6 +147,7 @@ void fractureThrown( benchmark::State& state )
 	}
 	state.counters["pieces"] = pieces;
 	state.counters["links"] = links;
+	state.counters["vertices"] = vertices;
 	state.counters["worst_breaking_ms"] = 1e3 * *std::max_element( breaking.begin(), breaking.end() );
 	state.counters["worst_faces_ms"] = 1e3 * *std::max_element( drawing.begin(), drawing.end() );
 	state.counters["worst_frame_ms"] = 1e3 * worst;
