@@ -1,4 +1,4 @@
-// Two thousand shots, both elasticities: issue 5's thousand and as many that nothing was tuned on.
+// Two thousand shots, both elasticities: a thousand that the guards were made on, and as many that nothing was tuned on.
 
 #include "support/shots.h"
 
