@@ -89,6 +89,50 @@ FineMoments Levels::takeMoments()
 	return m_base.use_count() == 1 ? std::move( std::const_pointer_cast<LevelBase>( m_base )->moments ) : FineMoments{};
 }
 
+void Levels::inherit( const Levels& whole, const std::vector<std::uint32_t>& cellBefore )
+{
+	m_sinceMerge = whole.m_sinceMerge;
+	m_refineStretch = whole.m_refineStretch;
+	m_together = whole.m_together;
+	m_budget = whole.m_budget;
+	for ( std::size_t cell = 0; cell < cellBefore.size(); ++cell )
+	{
+		m_coarsest[cell] = whole.m_coarsest[cellBefore[cell]];
+	}
+	const std::vector<std::uint8_t> isAsked = whole.askedNodes();
+	for ( std::size_t i = 0; i < m_quiet.size(); ++i )
+	{
+		const std::uint32_t cell = octree().cells[octree().cellStart[m_cut.node[i]]];
+		const std::uint32_t before = whole.m_cut.slotOfCell[cellBefore[cell]];
+		m_quiet[i] = whole.m_quiet[before];
+		m_isWanted[i] = whole.m_isWanted[before];
+		if ( isAsked[before] != 0 )
+		{
+			m_asked.push_back( m_cut.node[i] );
+		}
+	}
+	if ( !whole.m_heldOn.empty() )
+	{
+		m_heldOn.reserve( cellBefore.size() );
+		for ( const std::uint32_t cell : cellBefore )
+		{
+			m_heldOn.push_back( whole.m_heldOn[cell] );
+		}
+	}
+}
+
+std::vector<std::uint8_t> Levels::askedNodes() const
+{
+	std::vector<std::uint32_t> asked( m_asked );
+	std::sort( asked.begin(), asked.end() );
+	std::vector<std::uint8_t> isAsked;
+	for ( const std::uint32_t node : m_cut.node )
+	{
+		isAsked.push_back( std::binary_search( asked.begin(), asked.end(), node ) ? 1 : 0 );
+	}
+	return isAsked;
+}
+
 void Levels::measureLeftRows( const Material& material )
 {
 	if ( !m_left.empty() )
@@ -107,12 +151,7 @@ void Levels::relink( PieceOfLevels piece, const LevelSettings& settings, const L
 							  piece.update.base->octree, piece.cut, piece.update.base->fine, matrix(), piece.nodes, &m_room.matrix ) ),
 		nullptr };
 	std::vector<std::uint32_t>& rows = m_room.matrix.rowBefore;
-	std::vector<std::uint8_t> isLeft( m_left.empty() ? 0 : m_cut.node.size(), 0 );
-	for ( const std::uint32_t row : m_left )
-	{
-		isLeft[row] = 1;
-	}
-	std::replace_if( rows.begin(), rows.end(), [&isLeft]( std::uint32_t row ) { return row != kNoNode && !isLeft.empty() && isLeft[row] != 0; }, kNoNode );
+	std::replace_if( rows.begin(), rows.end(), [this]( std::uint32_t row ) { return std::binary_search( m_left.begin(), m_left.end(), row ); }, kNoNode );
 	m_left.clear();
 	std::shared_ptr<const RegionTables> old = m_tables;
 	m_tables = buildLevelTables( *piece.update.base, lattice, piece.cut, regions, settings,
@@ -122,15 +161,15 @@ void Levels::relink( PieceOfLevels piece, const LevelSettings& settings, const L
 	keepRoom( std::move( old ) );
 	putInOrder( nodes, piece.nodes.before );
 	m_room.quiet.clear();
+	const std::vector<std::uint8_t> isAsked = askedNodes();
 	std::vector<std::uint8_t> isWanted;
 	std::vector<std::uint32_t> asked;
-	std::sort( m_asked.begin(), m_asked.end() );
 	for ( std::size_t i = 0; i < piece.nodes.before.size(); ++i )
 	{
 		const std::uint32_t before = piece.nodes.before[i];
 		m_room.quiet.push_back( m_quiet[before] );
 		isWanted.push_back( m_isWanted[before] );
-		if ( isAsked( before ) )
+		if ( isAsked[before] != 0 )
 		{
 			asked.push_back( piece.cut.node[i] );
 		}

@@ -45,39 +45,6 @@ Levels::Levels( std::shared_ptr<const LevelBase> base, const Lattice& lattice, c
 	}
 }
 
-void Levels::inherit( const Levels& whole, const std::vector<std::uint32_t>& cellBefore )
-{
-	m_sinceMerge = whole.m_sinceMerge;
-	m_refineStretch = whole.m_refineStretch;
-	m_together = whole.m_together;
-	m_budget = whole.m_budget;
-	for ( std::size_t cell = 0; cell < cellBefore.size(); ++cell )
-	{
-		m_coarsest[cell] = whole.m_coarsest[cellBefore[cell]];
-	}
-	std::vector<std::uint32_t> asked( whole.m_asked );
-	std::sort( asked.begin(), asked.end() );
-	for ( std::size_t i = 0; i < m_quiet.size(); ++i )
-	{
-		const std::uint32_t cell = octree().cells[octree().cellStart[m_cut.node[i]]];
-		const std::uint32_t before = whole.m_cut.slotOfCell[cellBefore[cell]];
-		m_quiet[i] = whole.m_quiet[before];
-		m_isWanted[i] = whole.m_isWanted[before];
-		if ( std::binary_search( asked.begin(), asked.end(), whole.m_cut.node[before] ) && octree().levelOf( m_cut.node[i] ) > 0 )
-		{
-			m_asked.push_back( m_cut.node[i] );
-		}
-	}
-	if ( !whole.m_heldOn.empty() )
-	{
-		m_heldOn.reserve( cellBefore.size() );
-		for ( const std::uint32_t cell : cellBefore )
-		{
-			m_heldOn.push_back( whole.m_heldOn[cell] );
-		}
-	}
-}
-
 void Levels::countLevels()
 {
 	m_nodesOnLevel.fill( 0 );

@@ -6,7 +6,6 @@
 #include "matching/level_update.h"
 #include "matching/node_state.h"
 
-#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <limits>
@@ -151,8 +150,8 @@ private:
 		m_sinceMerge = m_merge.empty() ? m_sinceMerge : 0.0f;
 	}
 	bool mayMerge( const NodeState& nodes, std::uint32_t parent, int firstSlot ) const;
-	/// Whether a node was asked to be split; what was asked for is sorted.
-	bool isAsked( std::uint32_t node ) const { return std::binary_search( m_asked.begin(), m_asked.end(), m_cut.node[node] ); }
+	/// Of each node: 1 where it was asked to be split.
+	std::vector<std::uint8_t> askedNodes() const;
 	void countRoom();
 	void prepareRoom();
 	void keepRoom( std::shared_ptr<const RegionTables> old );
@@ -209,7 +208,7 @@ private:
 	int m_budget = kNoBudget;                   ///< new nodes that changes may still bring
 	bool m_hasBacklog = false;
 	bool m_leavesRows = false;
-	std::vector<std::uint32_t> m_left; ///< rows that are not measured
+	std::vector<std::uint32_t> m_left; ///< rows that are not measured, ascending
 };
 
 } // namespace pliant
