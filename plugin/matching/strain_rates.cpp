@@ -38,7 +38,8 @@ void overCube( const MatchView& view, const std::vector<int>& nodeAt, int i, Vis
 		{
 			for ( int a = std::max( 0, x - w ); a <= std::min( view.gridX - 1, x + w ); ++a )
 			{
-				const int node = nodeAt[( std::size_t( c ) * std::size_t( view.gridY ) + std::size_t( b ) ) * std::size_t( view.gridX ) + std::size_t( a )];
+				const int node = nodeAt[( std::size_t( c ) * std::size_t( view.gridY ) + std::size_t( b ) ) * std::size_t( view.gridX ) +
+				                        std::size_t( a )];
 				if ( node >= 0 )
 				{
 					visit( node );
@@ -59,6 +60,7 @@ void StrainRates::prepare( LatticeMatcher& matcher, NodeState& nodes, TaskRunner
 	m_gridHasHoles = tables.gridHasHoles;
 	m_recordFloats = matcher.recordFloats();
 	m_partial.resize( std::size_t( chunks( m_padded ) ) );
+	m_raised.assign( m_partial.size(), 0 );
 	measureBody( nodes );
 	for ( int k = 0; k < 3; ++k )
 	{
@@ -108,7 +110,10 @@ void StrainRates::prepare( LatticeMatcher& matcher, NodeState& nodes, TaskRunner
 	}
 	overNodes( m_padded, runner, [&]( int, int begin, int end ) { m_kernels->inertiaRecords( m_rates, begin, end ); } );
 	sumRecords( m_view.nodeRecord, false, runner );
-	overNodes( m_padded, runner, [&]( int, int begin, int end ) { m_kernels->regionInertias( m_rates, begin, end ); } );
+	overNodes( m_padded, runner, [&]( int chunk, int begin, int end ) {
+		m_raised[std::size_t( chunk )] = m_kernels->regionInertias( m_rates, begin, end );
+	} );
+	m_isRaised = std::find( m_raised.begin(), m_raised.end(), 1 ) != m_raised.end();
 }
 
 void StrainRates::measureBody( const NodeState& nodes )
@@ -133,8 +138,8 @@ void StrainRates::measureBody( const NodeState& nodes )
 
 namespace {
 
-/// The largest eigenvalue of C, which are real and not negative, within what the region has extent in: of a matrix M = m + p B with tr B = 0 and
-/// tr B^2 = 6 it is m + 2 p cos( acos( det B / 2 ) / 3 ).
+/// The largest eigenvalue of C, which are real and not negative, within what the region has extent in: of a matrix M = m + p B with tr B =
+/// 0 and tr B^2 = 6 it is m + 2 p cos( acos( det B / 2 ) / 3 ).
 double largestStretch( const RegionTables& tables, std::size_t r )
 {
 	Eigen::Matrix3d c;
@@ -157,7 +162,9 @@ double largestStretch( const RegionTables& tables, std::size_t r )
 /// g of a region of nodes on several levels, without b.
 double shareOfLevels( const RegionTables& tables, std::size_t r )
 {
-	const double affine = !tables.blend[0].empty() ? largestStretch( tables, r ) : tables.beta.empty() ? 1.0 : 1.0 - double( tables.beta[r] );
+	const double affine = !tables.blend[0].empty() ? largestStretch( tables, r )
+	                      : tables.beta.empty()    ? 1.0
+	                                               : 1.0 - double( tables.beta[r] );
 	return std::max( affine, tables.eta.empty() ? 0.0 : 1.0 - double( tables.eta[r] ) );
 }
 
@@ -184,8 +191,8 @@ void StrainRates::measureShares( const RegionTables& tables )
 	}
 }
 
-// Of P a node's own share: from each region a / M in each of three directions, and about as much from its three rotations. A region of one or
-// two nodes does not resist at all.
+// Of P a node's own share: from each region a / M in each of three directions, and about as much from its three rotations. A region of one
+// or two nodes does not resist at all.
 void StrainRates::measureDiagonal( const RegionTables& tables )
 {
 	m_diagonal.assign( std::size_t( m_padded ), 0.0f );
@@ -201,7 +208,8 @@ void StrainRates::measureDiagonal( const RegionTables& tables )
 	for ( int i = 0; i < m_view.nodeCount; ++i )
 	{
 		double sum = 0.0;
-		const auto add = [&]( int r, double given, double taken ) { // weights of the node in the region's sums and of the region in its goal
+		const auto add = [&]( int r, double given,
+		                      double taken ) { // weights of the node in the region's sums and of the region in its goal
 			const double share = m_rates.regionShare ? double( m_rates.regionShare[r] ) : 1.0;
 			sum += taken * share * std::max( 0.0, 1.0 - 2.0 * given * double( m_view.nodeWeight[i] ) * double( m_view.inverseMass[r] ) );
 		};
@@ -221,7 +229,8 @@ void StrainRates::measureDiagonal( const RegionTables& tables )
 		}
 		else
 		{
-			std::for_each( m_view.member + m_view.start[i], m_view.member + m_view.start[i + 1], [&]( std::uint32_t r ) { add( int( r ), 1.0, 1.0 ); } );
+			std::for_each( m_view.member + m_view.start[i], m_view.member + m_view.start[i + 1],
+			               [&]( std::uint32_t r ) { add( int( r ), 1.0, 1.0 ); } );
 		}
 		if ( m_view.addOwner )
 		{
@@ -242,12 +251,12 @@ void StrainRates::sumRecords( float* records, bool isOfRates, TaskRunner* runner
 	runTasks( runner, m_view.gridZ, task );
 }
 
-// A v is the same without it. In float it is not: a turn that every region shares would be summed, subtracted and multiplied by G.
-void StrainRates::takeRigidMotionOff( TaskRunner* runner )
+/// The rigid motion Q v, into what the kernels take off.
+void StrainRates::measureRigidMotion( const float* const* speed, TaskRunner* runner )
 {
 	overNodes( m_padded, runner, [&]( int chunk, int begin, int end ) {
 		m_partial[std::size_t( chunk )].fill( 0.0f );
-		m_kernels->rateSums( m_rates, begin, end, m_partial[std::size_t( chunk )].data() );
+		m_kernels->rateSums( m_rates, speed, begin, end, m_partial[std::size_t( chunk )].data() );
 	} );
 	double sum[kRateSums] = {};
 	for ( const auto& partial : m_partial )
@@ -274,7 +283,8 @@ void StrainRates::resist( const float* v, float stiffness, float* to, TaskRunner
 		m_rates.result[k] = to + std::size_t( k ) * std::size_t( m_padded );
 	}
 	m_rates.stiffness = stiffness;
-	takeRigidMotionOff( runner );
+	// A v is the same without it. In float it is not: a turn that every region shares would be summed, subtracted and multiplied by G.
+	measureRigidMotion( m_rates.rate, runner );
 	if ( m_gridHasHoles )
 	{
 		const std::size_t floats = m_recordFloats / kRecordFloats * kRateFloats;
@@ -285,15 +295,21 @@ void StrainRates::resist( const float* v, float stiffness, float* to, TaskRunner
 	sumRecords( m_view.nodeRecord, true, runner );
 	overNodes( m_padded, runner, [&]( int, int begin, int end ) { m_kernels->rigidRates( m_rates, begin, end ); } );
 	sumRecords( m_view.regionRecord, true, runner );
-	overNodes( m_padded, runner, [&]( int, int begin, int end ) { m_kernels->resist( m_rates, begin, end ); } );
+	if ( !m_isRaised )
+	{
+		overNodes( m_padded, runner, [&]( int, int begin, int end ) { m_kernels->resist( m_rates, begin, end ); } );
+		return;
+	}
+	overNodes( m_padded, runner, [&]( int, int begin, int end ) { m_kernels->resistPart( m_rates, begin, end ); } );
+	measureRigidMotion( m_rates.result, runner );
+	overNodes( m_padded, runner, [&]( int, int begin, int end ) { m_kernels->finishResist( m_rates, begin, end ); } );
 }
 
 std::size_t StrainRates::bytes() const
 {
 	return ( m_centres[0].size() * 3 + m_inverseInertias[0].size() * 6 + m_diagonal.size() + m_share.size() + m_pull.size() ) *
-			   sizeof( float ) +
-		   m_rows.bytes() +
-		   m_partial.size() * sizeof( m_partial[0] );
+	           sizeof( float ) +
+	       m_rows.bytes() + m_partial.size() * sizeof( m_partial[0] );
 }
 
 } // namespace pliant

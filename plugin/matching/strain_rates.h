@@ -10,6 +10,10 @@
 // momentum moved. It is what the derivative of the matching force becomes where the regions are not strained; what strain adds (it can make
 // the derivative indefinite) is left out. Rivers and James 2007, section 5, use the same projection to damp.
 //
+// A region in one line has no inertia about it, and floats do not say how little a slightly bent one has: such T are raised, and P then takes
+// a little less than all of a rigid motion. To be symmetric still, and to leave rigid motions of the whole alone, the operator is
+// ( 1 - Q ) ( 1 - P ) ( 1 - Q ) then, Q the projection onto those.
+//
 // Nodes on several levels: a region asks for ( 1 - eta ) | n |^2 + | F - R |^2 in J_fine = J C, n what no affine motion explains
 // (level_tables.h). With g_r = b_r max( 1 - eta, largest stretch of C ) the operator bounds that, and is its equal for affine motions where C
 // is the same in all directions.
@@ -59,7 +63,7 @@ private:
 	void measureShares( const RegionTables& tables );
 	void measureDiagonal( const RegionTables& tables );
 	void sumRecords( float* records, bool isOfRates, TaskRunner* runner );
-	void takeRigidMotionOff( TaskRunner* runner );
+	void measureRigidMotion( const float* const* speed, TaskRunner* runner );
 
 	const Kernels* m_kernels = nullptr;
 	MatchView m_view;
@@ -67,6 +71,7 @@ private:
 	int m_padded = 0;
 	bool m_gridHasHoles = false;
 	std::size_t m_recordFloats = 0;
+	bool m_isRaised = false; ///< some region's inertia is more than it has
 	AlignedArray<float> m_centres[3], m_inverseInertias[6], m_diagonal;
 	AlignedArray<float> m_share, m_pull;          ///< of nodes on several levels; empty on a uniform lattice
 	SlicedRows m_rows;                            ///< the same
@@ -75,6 +80,7 @@ private:
 	unsigned m_measuredVersion = 0;
 	std::shared_ptr<const SumPlan> m_plan;
 	std::vector<std::array<float, kRateSums>> m_partial;
+	std::vector<char> m_raised; ///< of each chunk
 	Eigen::Vector3d m_centre = Eigen::Vector3d::Zero();
 	Eigen::Matrix3d m_inertia = Eigen::Matrix3d::Identity(), m_inverseInertia = Eigen::Matrix3d::Identity();
 	double m_mass = 0.0;

@@ -6,6 +6,7 @@
 #include "pliant/task_runner.h"
 #include "support/block_body.h"
 
+#include <Eigen/Eigenvalues>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -83,13 +84,31 @@ std::vector<Case> cases()
 	return all;
 }
 
+/// A line of cells thrown into a bow, its ends off the straight line by so many cells, askew to all axes.
+NodeState bowed( const Lattice& lattice, double bow )
+{
+	NodeState nodes = test::restNodes( lattice );
+	test::Seeded random( 3 );
+	const double d = double( lattice.cellSize ), half = 0.5 * nodes.count;
+	const Eigen::Matrix3d turn = Eigen::AngleAxisd( 1.3, Vec3d( 1, 2, 3 ).normalized() ).toRotationMatrix();
+	for ( int i = 0; i < nodes.count; ++i )
+	{
+		const double s = ( i + 0.5 - half ) / half;
+		const Vec3d place = turn * Vec3d( s * half, bow * s * s, 0.1 * bow * s * s * s ) * d + Vec3d( 3, 1, -2 );
+		nodes.x.set( i, place.cast<float>() );
+	}
+	return nodes;
+}
+
 struct Operator
 {
-	Operator( const Case& c, const Kernels& kernels = bestKernels() ) : nodes( strained( c.lattice ) )
+	Operator( const Case& c, const Kernels& kernels = bestKernels() ) : Operator( c, strained( c.lattice ), kernels ) {}
+	Operator( const Case& c, NodeState state, const Kernels& kernels = bestKernels() ) : nodes( std::move( state ) )
 	{
 		Material material;
 		material.regionHalfWidth = c.halfWidth;
-		matcher = std::make_unique<LatticeMatcher>( c.lattice, material, buildRegionTables( c.lattice, material, c.summation, c.stiffness ), kernels );
+		matcher = std::make_unique<LatticeMatcher>( c.lattice, material, buildRegionTables( c.lattice, material, c.summation, c.stiffness ),
+		                                            kernels );
 		rates.prepare( *matcher, nodes, nullptr );
 	}
 	std::vector<double> operator()( const std::vector<double>& v, float stiffness, TaskRunner* runner = nullptr )
@@ -218,7 +237,7 @@ TEST( StrainRates, AreSymmetricAndNeverPush )
 			const std::vector<double> a = resist.random( seed ), b = resist.random( seed + 100 );
 			const std::vector<double> aa = resist( a, 50.0f ), ab = resist( b, 50.0f );
 			const double size = std::sqrt( product( aa, aa ) * product( b, b ) );
-			EXPECT_LT( std::abs( product( a, ab ) - product( b, aa ) ), isLine( c ) ? 1e-4 * size : 1e-5 * size );
+			EXPECT_LT( std::abs( product( a, ab ) - product( b, aa ) ), 1e-5 * size );
 			std::vector<double> inertia = resist( a, 0.0f );
 			EXPECT_GT( product( a, aa ), product( a, inertia ) * ( 1.0 - 1e-6 ) );
 		}
@@ -230,7 +249,8 @@ TEST( StrainRates, LeaveRigidMotionsAloneHoweverStiff )
 	for ( const Case& c : cases() )
 	{
 		Operator resist( c );
-		const std::vector<double> v = resist.rigid( Vec3d( 3, -2, 1 ), Vec3d( 4, 5, -6 ) ), mv = resist( v, 0.0f ), av = resist( v, 3000.0f );
+		const std::vector<double> v = resist.rigid( Vec3d( 3, -2, 1 ), Vec3d( 4, 5, -6 ) ), mv = resist( v, 0.0f ),
+		                          av = resist( v, 3000.0f );
 		const double size = std::sqrt( product( mv, mv ) );
 		double error = 0.0;
 		for ( std::size_t k = 0; k < v.size(); ++k )
@@ -254,7 +274,51 @@ TEST( StrainRates, MoveNoMomentum )
 			leak = std::max( leak, std::abs( product( shift, to ) - product( v, resist( shift, 0.0f ) ) ) );
 			leak = std::max( leak, std::abs( product( turn, to ) - product( v, resist( turn, 0.0f ) ) ) );
 		}
-		EXPECT_LT( leak, ( isLine( c ) ? 1e-3 : 1e-4 ) * std::sqrt( product( to, to ) ) );
+		EXPECT_LT( leak, 1e-4 * std::sqrt( product( to, to ) ) );
+	}
+}
+
+/// M^-1/2 A M^-1/2, entry by entry.
+Eigen::MatrixXd matrixOf( Operator& resist, float stiffness )
+{
+	const int n = resist.nodes.count, padded = resist.nodes.padded;
+	Eigen::MatrixXd matrix( 3 * n, 3 * n );
+	for ( int column = 0; column < 3 * n; ++column )
+	{
+		std::vector<double> unit( 3 * std::size_t( padded ), 0.0 );
+		unit[std::size_t( column / n * padded + column % n )] = 1.0;
+		const std::vector<double> to = resist( unit, stiffness );
+		for ( int row = 0; row < 3 * n; ++row )
+		{
+			matrix( row, column ) = to[std::size_t( row / n * padded + row % n )] /
+			                        std::sqrt( double( resist.nodes.mass[row % n] ) * double( resist.nodes.mass[column % n] ) );
+		}
+	}
+	return matrix;
+}
+
+// A rod of ten cells, bent by a hundredth of one, was shot at a box and flew apart: of what its regions' inertias are about their own axes
+// floats say nothing, where they are taken for too little A is not positive definite, and where they are raised without care it is not
+// symmetric.
+TEST( StrainRates, OfRodsArePositiveHoweverLittleTheyAreBent )
+{
+	for ( const int cells : { 4, 10, 40, 300 } )
+	{
+		const Case c{ makeBlockLattice( cells, 1, 1, 0.1f ), 1, Summation::Automatic };
+		// The longest one: places far from the frame's centre are rounded most, and what is straight says so best.
+		for ( const double bow :
+		      cells == 300 ? std::vector<double>{ 0.0 } : std::vector<double>{ 0.0, 1e-4, 1e-3, 1e-2, 0.05, 0.2, 1.0, 3.0 } )
+		{
+			Operator resist( c, bowed( c.lattice, bow ) );
+			for ( const float stiffness : { 150.0f, 15000.0f } )
+			{
+				const Eigen::MatrixXd a = matrixOf( resist, stiffness );
+				const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> modes( 0.5 * ( a + a.transpose() ), Eigen::EigenvaluesOnly );
+				EXPECT_GT( modes.eigenvalues()[0], 0.9 )
+				    << cells << " cells, bow " << bow << ", G " << stiffness; // 1, the masses, but for rounding
+				EXPECT_LT( ( a - a.transpose() ).cwiseAbs().maxCoeff(), 5e-5 * double( stiffness ) ) << cells << " cells, bow " << bow;
+			}
+		}
 	}
 }
 

@@ -1,21 +1,27 @@
 // How fast a body's regions strain: v - P v, with P v at a node the mean of its regions' rigid motions, about the nodes' present places.
-// The operator of the implicit step (matching/strain_rates.h; docs/implicit.md). Rivers and James 2007, section 5, have the same P for damping.
-// Included by kernel_source.h only, inside its unnamed namespace (see lane.h). Lengths in cells, world axes.
+// The operator of the implicit step (matching/strain_rates.h; docs/implicit.md). Rivers and James 2007, section 5, have the same P for
+// damping. Included by kernel_source.h only, inside its unnamed namespace (see lane.h). Lengths in cells, world axes.
 
 #pragma once
 
-/// Regions without extent about some axis: where the determinant of their inertia is below this share of ( trace / 3 )^3, it is raised before
-/// it is inverted. No more than float needs: what is raised brakes turns about that axis.
-constexpr float kThinInertia = 1e-5f;
+/// Regions with hardly any extent about some axis: where the determinant of their inertia is below this share of ( trace / 3 )^3, it is
+/// raised before it is inverted. What is taken for less than it is would make 1 - P push: a rod of ten cells, bent by a hundredth of one,
+/// flew apart.
+constexpr float kThinInertia = 1e-2f;
 constexpr float kThinRaise = 1e-4f;
 /// Added to those, in cells^2 of full cells: a region of one cell has none at all, and its rotation says nothing.
 constexpr float kPointInertia = 1e-4f;
+/// What rounding may have made of an inertia, share of the second moment about the frame's centre, from which it was moved to the region's
+/// own.
+constexpr float kInertiaRounding = 4e-7f;
+/// An inertia is thin, too, where it is less than so many times that.
+constexpr float kSafeInertia = 50.0f;
 
 inline Vec placeOf( const MatchView& view, int i )
 {
 	const V perMetre = splat( view.cellsPerMetre );
 	return { ( load( view.x[0] + i ) - view.frameCentre[0] ) * perMetre, ( load( view.x[1] + i ) - view.frameCentre[1] ) * perMetre,
-		( load( view.x[2] + i ) - view.frameCentre[2] ) * perMetre };
+	         ( load( view.x[2] + i ) - view.frameCentre[2] ) * perMetre };
 }
 
 /// v less the rigid motion that the step takes off before anything is summed.
@@ -23,7 +29,7 @@ inline Vec strainingRate( const RateView& rates, const Vec& place, int i )
 {
 	const Vec turn = cross( { splat( rates.turn[0] ), splat( rates.turn[1] ), splat( rates.turn[2] ) }, place );
 	return { load( rates.rate[0] + i ) - rates.shift[0] - turn.x, load( rates.rate[1] + i ) - rates.shift[1] - turn.y,
-		load( rates.rate[2] + i ) - rates.shift[2] - turn.z };
+	         load( rates.rate[2] + i ) - rates.shift[2] - turn.z };
 }
 
 inline void clearRows( Tile& tile, int from )
@@ -79,7 +85,8 @@ inline V determinant( const V ( &t )[6] )
 
 /// What a tile's rows sum up: by slices where there are any, else with the table's own weights.
 template <class Size>
-void gatherRows( const RateView& rates, const float* sliced, const std::uint32_t* own, const float* records, int begin, int end, Tile& tile )
+void gatherRows( const RateView& rates, const float* sliced, const std::uint32_t* own, const float* records, int begin, int end,
+                 Tile& tile )
 {
 	if ( rates.rows.slice )
 	{
@@ -92,11 +99,12 @@ void gatherRows( const RateView& rates, const float* sliced, const std::uint32_t
 	}
 }
 
-/// Of each region: centre c and T^-1, T = sum a ( |p - c|^2 1 - ( p - c )( p - c )^T ).
-void regionInertias( const RateView& rates, int begin, int end )
+/// Of each region: centre c and T^-1, T = sum a ( |p - c|^2 1 - ( p - c )( p - c )^T ). Whether any was thin, and raised.
+bool regionInertias( const RateView& rates, int begin, int end )
 {
 	const MatchView& view = *rates.match;
 	Tile tile;
+	bool isRaised = false;
 	for ( int first = begin; first < end; first += kTile )
 	{
 		const int last = first + kTile < end ? first + kTile : end;
@@ -108,12 +116,14 @@ void regionInertias( const RateView& rates, int begin, int end )
 			const V sum[3] = { load( &tile.row[0][at] ), load( &tile.row[1][at] ), load( &tile.row[2][at] ) };
 			const V c[3] = { sum[0] * inverseMass, sum[1] * inverseMass, sum[2] * inverseMass };
 			const V s[6] = { load( &tile.row[3][at] ) - sum[0] * c[0], load( &tile.row[4][at] ) - sum[1] * c[1],
-				load( &tile.row[5][at] ) - sum[2] * c[2], load( &tile.row[6][at] ) - sum[1] * c[2], load( &tile.row[7][at] ) - sum[0] * c[2],
-				load( &tile.row[8][at] ) - sum[0] * c[1] };
+			                 load( &tile.row[5][at] ) - sum[2] * c[2], load( &tile.row[6][at] ) - sum[1] * c[2],
+			                 load( &tile.row[7][at] ) - sum[0] * c[2], load( &tile.row[8][at] ) - sum[0] * c[1] };
 			V t[6] = { s[1] + s[2], s[0] + s[2], s[0] + s[1], -s[3], -s[4], -s[5] };
 			const V third = ( ( t[0] + t[1] ) + t[2] ) * ( 1.0f / 3.0f );
-			const I thin = determinant( t ) <= kThinInertia * ( third * third * third );
-			const V raised = select( thin, kThinRaise * third + kPointInertia, V{} );
+			const V lost = kInertiaRounding * ( ( load( &tile.row[3][at] ) + load( &tile.row[4][at] ) ) + load( &tile.row[5][at] ) );
+			const I thin = determinant( t ) <= third * third * ( kThinInertia * third + kSafeInertia * lost );
+			const V raised = select( thin, kThinRaise * third + kPointInertia + lost, V{} );
+			isRaised = isRaised || any( thin );
 			for ( int k = 0; k < 3; ++k )
 			{
 				t[k] = t[k] + raised;
@@ -126,10 +136,11 @@ void regionInertias( const RateView& rates, int begin, int end )
 			}
 		}
 	}
+	return isRaised;
 }
 
-/// Sums over the nodes: m v and m p x v.
-void rateSums( const RateView& rates, int begin, int end, float* sums )
+/// Sums over the nodes: m v and m p x v, v three components.
+void rateSums( const RateView& rates, const float* const* speed, int begin, int end, float* sums )
 {
 	const MatchView& view = *rates.match;
 	LaneSums<kRateSums> sum;
@@ -137,7 +148,7 @@ void rateSums( const RateView& rates, int begin, int end, float* sums )
 	{
 		const int sub = i % kVirtualLanes;
 		const V m = load( view.mass + i );
-		const Vec mv = { m * load( rates.rate[0] + i ), m * load( rates.rate[1] + i ), m * load( rates.rate[2] + i ) };
+		const Vec mv = { m * load( speed[0] + i ), m * load( speed[1] + i ), m * load( speed[2] + i ) };
 		const Vec spin = cross( placeOf( view, i ), mv );
 		const V value[kRateSums] = { mv.x, mv.y, mv.z, spin.x, spin.y, spin.z };
 		for ( int k = 0; k < kRateSums; ++k )
@@ -200,7 +211,8 @@ void rigidRates( const RateView& rates, int begin, int end )
 			{
 				t[k] = share * load( rates.inverseInertia[k] + r );
 			}
-			const Vec w = { ( t[0] * b.x + t[5] * b.y ) + t[4] * b.z, ( t[5] * b.x + t[1] * b.y ) + t[3] * b.z, ( t[4] * b.x + t[3] * b.y ) + t[2] * b.z };
+			const Vec w = { ( t[0] * b.x + t[5] * b.y ) + t[4] * b.z, ( t[5] * b.x + t[1] * b.y ) + t[3] * b.z,
+			                ( t[4] * b.x + t[3] * b.y ) + t[2] * b.z };
 			const Vec turned = cross( w, c );
 			const V mean = share * inverseMass;
 			const V row[6] = { w.x, w.y, w.z, sum.x * mean - turned.x, sum.y * mean - turned.y, sum.z * mean - turned.z };
@@ -217,8 +229,9 @@ void rigidRates( const RateView& rates, int begin, int end )
 	}
 }
 
-/// m ( v + G ( v - P v ) ) of each free node, 0 of the others.
-void resist( const RateView& rates, int begin, int end )
+/// Of each node G ( v - P v ), and m ( v + that ) of each free one, 0 of the others; or, `isPart`, the first alone.
+template <bool isPart>
+inline void resistAll( const RateView& rates, int begin, int end )
 {
 	const MatchView& view = *rates.match;
 	Tile tile;
@@ -232,13 +245,42 @@ void resist( const RateView& rates, int begin, int end )
 			const Vec p = placeOf( view, i ), v = strainingRate( rates, p, i );
 			const V cover = load( view.inverseCover + i ), pull = rates.pull ? load( rates.pull + i ) : splat( 1.0f );
 			const Vec turn = cross( { load( &tile.row[0][at] ), load( &tile.row[1][at] ), load( &tile.row[2][at] ) }, p );
-			const V carried[3] = { load( &tile.row[3][at] ) + turn.x, load( &tile.row[4][at] ) + turn.y, load( &tile.row[5][at] ) + turn.z };
+			const V carried[3] = { load( &tile.row[3][at] ) + turn.x, load( &tile.row[4][at] ) + turn.y,
+			                       load( &tile.row[5][at] ) + turn.z };
 			const V own[3] = { v.x, v.y, v.z };
 			const V mass = load( view.mass + i ) * load( view.freedom + i );
 			for ( int k = 0; k < 3; ++k )
 			{
-				store( rates.result[k] + i, mass * ( load( rates.rate[k] + i ) + rates.stiffness * ( pull * own[k] - cover * carried[k] ) ) );
+				const V resists = rates.stiffness * ( pull * own[k] - cover * carried[k] );
+				store( rates.result[k] + i, isPart ? resists : mass * ( load( rates.rate[k] + i ) + resists ) );
 			}
+		}
+	}
+}
+
+void resist( const RateView& rates, int begin, int end )
+{
+	resistAll<false>( rates, begin, end );
+}
+
+void resistPart( const RateView& rates, int begin, int end )
+{
+	resistAll<true>( rates, begin, end );
+}
+
+/// What `resistPart` left, e, less a rigid motion: m ( v + e - shift - turn x p ) of each free node.
+void finishResist( const RateView& rates, int begin, int end )
+{
+	const MatchView& view = *rates.match;
+	for ( int i = begin; i < end; i += kWidth )
+	{
+		const Vec turn = cross( { splat( rates.turn[0] ), splat( rates.turn[1] ), splat( rates.turn[2] ) }, placeOf( view, i ) );
+		const V turned[3] = { turn.x, turn.y, turn.z };
+		const V mass = load( view.mass + i ) * load( view.freedom + i );
+		for ( int k = 0; k < 3; ++k )
+		{
+			const V resists = ( load( rates.result[k] + i ) - rates.shift[k] ) - turned[k];
+			store( rates.result[k] + i, mass * ( load( rates.rate[k] + i ) + resists ) );
 		}
 	}
 }

@@ -369,6 +369,6 @@ void deformations( const MatchView& view, int begin, int end, float* gradients )
 
 extern const Kernels PLIANT_KERNEL_TABLE;
 const Kernels PLIANT_KERNEL_TABLE = { &frameSums, &nodeRecords, &boxPlane, &fitRegions, &finishRegion, &scatter, &apply, &regionMatrix,
-	&deformations, &sumRecords, &inertiaRecords, &regionInertias, &rateSums, &rateRecords, &boxPlaneHalf, &rigidRates, &resist, &push, &advance, &dot, &affineSums, &addAffine, PLIANT_KERNEL_NAME };
+	&deformations, &sumRecords, &inertiaRecords, &regionInertias, &rateSums, &rateRecords, &boxPlaneHalf, &rigidRates, &resist, &resistPart, &finishResist, &push, &advance, &dot, &affineSums, &addAffine, PLIANT_KERNEL_NAME };
 
 } // namespace pliant

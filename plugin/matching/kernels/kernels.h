@@ -213,13 +213,15 @@ struct Kernels
 
 	// The implicit step (kernel_rates.h), in the order it calls them; box sums stand between records and what gathers them.
 	void ( *inertiaRecords )( const RateView&, int begin, int end );
-	void ( *regionInertias )( const RateView&, int begin, int end );
-	void ( *rateSums )( const RateView&, int begin, int end, float* sums );
+	bool ( *regionInertias )( const RateView&, int begin, int end );
+	void ( *rateSums )( const RateView&, const float* const* speed, int begin, int end, float* sums );
 	void ( *rateRecords )( const RateView&, int begin, int end );
 	/// As boxPlane, of records of kRateFloats floats: rateRecords and rigidRates write such.
 	void ( *boxPlaneHalf )( const MatchView&, float* records, int z );
 	void ( *rigidRates )( const RateView&, int begin, int end );
 	void ( *resist )( const RateView&, int begin, int end );
+	void ( *resistPart )( const RateView&, int begin, int end );
+	void ( *finishResist )( const RateView&, int begin, int end );
 
 	/// v += h freedom g; takes the new speeds into `span`.
 	void ( *push )( const MotionView&, const float* gravity, float h, int begin, int end, SpeedSpan& span );
