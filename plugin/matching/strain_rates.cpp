@@ -60,7 +60,6 @@ void StrainRates::prepare( LatticeMatcher& matcher, NodeState& nodes, TaskRunner
 	m_gridHasHoles = tables.gridHasHoles;
 	m_recordFloats = matcher.recordFloats();
 	m_partial.resize( std::size_t( chunks( m_padded ) ) );
-	m_raised.assign( m_partial.size(), 0 );
 	measureBody( nodes );
 	for ( int k = 0; k < 3; ++k )
 	{
@@ -103,7 +102,12 @@ void StrainRates::prepare( LatticeMatcher& matcher, NodeState& nodes, TaskRunner
 		m_measuredOf = &matcher;
 		m_measuredVersion = matcher.tablesVersion();
 	}
+	measureRegions( runner );
+}
 
+void StrainRates::measureRegions( TaskRunner* runner )
+{
+	m_raised.assign( m_partial.size(), 0 );
 	if ( m_gridHasHoles )
 	{
 		std::fill( m_view.nodeRecord, m_view.nodeRecord + m_recordFloats, 0.0f );

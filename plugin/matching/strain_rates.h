@@ -62,6 +62,7 @@ public:
 private:
 	void measureShares( const RegionTables& tables );
 	void measureDiagonal( const RegionTables& tables );
+	void measureRegions( TaskRunner* runner ); ///< where they are, and their inertias
 	void sumRecords( float* records, bool isOfRates, TaskRunner* runner );
 	void measureRigidMotion( const float* const* speed, TaskRunner* runner );
 
