@@ -56,6 +56,8 @@ public:
 	/// Centre of mass relative to the origin, m, and the body's inertia about it, kg m^2.
 	const Eigen::Vector3d& centre() const { return m_centre; }
 	const Eigen::Matrix3d& inertia() const { return m_inertia; }
+	/// Whether a region is about a line: `resist` takes two more passes over the nodes then.
+	bool hasThinRegions() const { return m_isRaised; }
 	double mass() const { return m_mass; }
 	std::size_t bytes() const;
 

@@ -244,6 +244,14 @@ TEST( StrainRates, AreSymmetricAndNeverPush )
 	}
 }
 
+TEST( StrainRates, KnowWhoHasThinRegions )
+{
+	for ( const Case& c : cases() )
+	{
+		EXPECT_EQ( Operator( c ).rates.hasThinRegions(), isLine( c ) ) << c.lattice.cellCount() << " w " << c.halfWidth; // others pay nothing for it
+	}
+}
+
 TEST( StrainRates, LeaveRigidMotionsAloneHoweverStiff )
 {
 	for ( const Case& c : cases() )

@@ -123,7 +123,7 @@ bool regionInertias( const RateView& rates, int begin, int end )
 			const V lost = kInertiaRounding * ( ( load( &tile.row[3][at] ) + load( &tile.row[4][at] ) ) + load( &tile.row[5][at] ) );
 			const I thin = determinant( t ) <= third * third * ( kThinInertia * third + kSafeInertia * lost );
 			const V raised = select( thin, kThinRaise * third + kPointInertia + lost, V{} );
-			isRaised = isRaised || any( thin );
+			isRaised = isRaised || any( thin & ( third > 0.0f ) ); // padding has none
 			for ( int k = 0; k < 3; ++k )
 			{
 				t[k] = t[k] + raised;
