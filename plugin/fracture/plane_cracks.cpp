@@ -242,18 +242,26 @@ bool PlaneCracks::find(
 	{
 		return false;
 	}
-	placeAtRest( lattice );
 	m_room.moments.look( lattice, places );
 	const bool goesOnOnly = !mayBegin && !m_looksEverywhere;
 	m_room.isOpen.assign( std::size_t( lattice.cellCount() ), 1 );
 	if ( goesOnOnly )
 	{
+		placeAtRest( lattice );
 		findOpen( lattice );
 	}
 	findStretched( limits, places );
+	if ( m_room.stretched.empty() )
+	{
+		return false; // as in most substeps of most bodies
+	}
 	if ( goesOnOnly )
 	{
 		dropUnreachable( lattice );
+	}
+	else
+	{
+		placeAtRest( lattice );
 	}
 	findOverloads( lattice, limits, mayBegin );
 	m_room.mark.assign( std::size_t( lattice.cellCount() ), 0 );

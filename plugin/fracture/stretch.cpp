@@ -134,17 +134,26 @@ void LinkMoments::look( const Lattice& lattice, const CellPlaces& places )
 	m_lattice = &lattice;
 	const std::size_t cells = std::size_t( lattice.cellCount() );
 	m_place.resize( cells );
-	m_rest.resize( cells );
 	m_has.resize( cells );
-	m_slot.assign( cells, kNone );
+	m_slot.clear();
 	m_made.clear();
 	for ( std::uint32_t i = 0; i < std::uint32_t( cells ); ++i )
 	{
 		const Vec3 at = places.at( i );
-		const Vec3& rest = lattice.restCentre[i];
 		m_place[i] = Eigen::Array4f( at.x(), at.y(), at.z(), 0.0f );
-		m_rest[i] = Eigen::Array4f( rest.x(), rest.y(), rest.z(), 0.0f );
 		m_has[i] = places.has( i ) ? 1 : 0;
+	}
+}
+
+void LinkMoments::prepare()
+{
+	const std::size_t cells = m_place.size();
+	m_slot.assign( cells, kNone );
+	m_rest.resize( cells );
+	for ( std::size_t i = 0; i < cells; ++i )
+	{
+		const Vec3& rest = m_lattice->restCentre[i];
+		m_rest[i] = Eigen::Array4f( rest.x(), rest.y(), rest.z(), 0.0f );
 	}
 }
 
@@ -175,6 +184,10 @@ LinkMoments::Moment LinkMoments::measure( std::uint32_t cell ) const
 
 const LinkMoments::Moment& LinkMoments::of( std::uint32_t cell )
 {
+	if ( m_slot.empty() )
+	{
+		prepare();
+	}
 	if ( m_slot[cell] == kNone )
 	{
 		m_slot[cell] = std::uint32_t( m_made.size() );

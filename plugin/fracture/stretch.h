@@ -55,13 +55,14 @@ public:
 	Moment around( std::uint32_t cell );
 
 private:
+	void prepare(); ///< for `of`: most looks ask for no more than distances
 	Moment measure( std::uint32_t cell ) const;
 
 	static constexpr std::uint32_t kNone = 0xffffffffu;
 	const Lattice* m_lattice = nullptr;
 	std::vector<Eigen::Array4f> m_place, m_rest; ///< by cell
 	std::vector<std::uint8_t> m_has;             ///< by cell: a node by itself
-	std::vector<std::uint32_t> m_slot;
+	std::vector<std::uint32_t> m_slot;           ///< by cell, in m_made; empty: nothing has been asked for yet
 	std::vector<Moment> m_made;
 };
 
