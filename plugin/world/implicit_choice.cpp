@@ -44,8 +44,12 @@ void addContact( btPersistentManifold& manifold, int side, const btDiscreteDynam
 {
 	const btCollisionObject* const objects[2] = { manifold.getBody0(), manifold.getBody1() };
 	SoftBody* const owner = ownerOfNodeBody( objects[side] );
+	if ( !owner || !owner->impl().elasticity.feelsLoads || manifold.getNumContacts() == 0 )
+	{
+		return;
+	}
 	const double other = massOf( *objects[1 - side] );
-	if ( !owner || !asks( *owner ) || other == 0.0 || manifold.getNumContacts() == 0 )
+	if ( other == 0.0 )
 	{
 		return;
 	}
@@ -70,47 +74,48 @@ void addContact( btPersistentManifold& manifold, int side, const btDiscreteDynam
 
 } // namespace
 
-void ImplicitChoice::measureLoads( btDiscreteDynamicsWorld& world, btScalar gameStep, btScalar lastStep )
+/// Of those that take the implicit step for their loads alone: where there are none, no contact is looked at.
+void ImplicitChoice::measureLoads( btDiscreteDynamicsWorld& world, btScalar lastStep )
 {
 	for ( SoftBody* body : m_asked )
 	{
 		ElasticityState& state = body->impl().elasticity;
 		state.heaviest = state.impulse = state.nodeMass = 0.0;
 	}
+	const auto feels = []( const SoftBody* body ) { return body->impl().elasticity.feelsLoads; };
+	const bool looks = lastStep > 0 && std::any_of( m_asked.begin(), m_asked.end(), feels );
 	btDispatcher& dispatcher = *world.getDispatcher();
-	for ( int m = 0; lastStep > 0 && m < dispatcher.getNumManifolds(); ++m )
+	for ( int m = 0; looks && m < dispatcher.getNumManifolds(); ++m )
 	{
 		btPersistentManifold& manifold = *dispatcher.getManifoldByIndexInternal( m );
 		addContact( manifold, 0, world );
 		addContact( manifold, 1, world );
 	}
-	for ( SoftBody* body : m_asked )
-	{
-		ElasticityState& state = body->impl().elasticity;
-		const double weight = state.nodeMass * double( gravityOf( *body, world ).length() );
-		const double load = weight > 0.0 ? state.impulse / double( lastStep ) / weight : 0.0;
-		state.load += ( load - state.load ) * std::min( 1.0, double( gameStep ) / kLoadTime );
-	}
 }
 
-// Stiff: more than the explicit step can do with the substeps it has; regions that are cut short answer harder (link_moments.h).
-// Heavy: one round over the contacts between a thing of mass M and n nodes of mass m brings its speed and theirs nearer by n m / M, so that I
-// rounds need n m I > M. n: what lies there at most, a face of N^(2/3) nodes; or, of what is piled up, what the touched nodes carry.
-bool ImplicitChoice::needsImplicit( SoftBody& body, btScalar gameStep, int substeps, double iterations ) const
+/// More than the explicit step can do with the substeps it has; regions that are cut short answer harder (link_moments.h).
+bool ImplicitChoice::isTooStiff( const SoftBody& body, btScalar gameStep, int substeps ) const
 {
 	const SoftBody::Impl& impl = body.impl();
-	const ElasticityState& state = impl.elasticity;
 	Material material = body.material();
 	material.elasticity = Elasticity::Explicit;
 	const StiffnessPlan plan = planStiffness( material, impl.bodyTemplate->cellSize(), float( gameStep ), substeps );
 	const double share = impl.body->largestRegionShare() * ( 1.0 + 3.0 * double( material.volumeKeeping ) );
-	if ( !plan.reachable || double( plan.alpha ) * share > kLargestVolumeAlpha )
-	{
-		return true;
-	}
+	return !plan.reachable || double( plan.alpha ) * share > kLargestVolumeAlpha;
+}
+
+// One round over the contacts between a thing of mass M and n nodes of mass m brings its speed and theirs nearer by n m / M, so that I
+// rounds need n m I > M. n: what lies there at most, a face of N^(2/3) nodes; or, of what is piled up, what the touched nodes carry.
+bool ImplicitChoice::isTooHeavilyLoaded( SoftBody& body, const btDiscreteDynamicsWorld& world, btScalar gameStep, btScalar lastStep ) const
+{
+	const SoftBody::Impl& impl = body.impl();
+	ElasticityState& state = body.impl().elasticity;
+	const double weight = state.nodeMass * double( gravityOf( body, world ).length() );
+	const double load = weight > 0.0 ? state.impulse / double( lastStep ) / weight : 0.0;
+	state.load += ( load - state.load ) * std::min( 1.0, double( gameStep ) / kLoadTime );
 	const double count = double( impl.body->nodeCount() );
 	const double face = impl.mass / count * std::pow( count, 2.0 / 3.0 );
-	const double bears = ( state.isImplicit ? kLeaveShare : 1.0 ) * iterations;
+	const double bears = ( state.isImplicit ? kLeaveShare : 1.0 ) * double( world.getSolverInfo().m_numIterations );
 	return state.heaviest > bears * face || state.load > bears;
 }
 
@@ -128,11 +133,15 @@ void ImplicitChoice::choose( const std::vector<SoftBody*>& bodies, btDiscreteDyn
 	{
 		return;
 	}
-	measureLoads( world, gameStep, lastStep );
+	for ( SoftBody* body : m_asked )
+	{
+		body->impl().elasticity.feelsLoads = !isTooStiff( *body, gameStep, substeps );
+	}
+	measureLoads( world, lastStep );
 	for ( SoftBody* body : m_asked )
 	{
 		ElasticityState& state = body->impl().elasticity;
-		state.needs = needsImplicit( *body, gameStep, substeps, double( world.getSolverInfo().m_numIterations ) );
+		state.needs = !state.feelsLoads || isTooHeavilyLoaded( *body, world, gameStep, lastStep );
 		state.calm = state.needs ? 0.0 : state.calm + double( gameStep );
 	}
 	std::vector<int> islands; // that need it

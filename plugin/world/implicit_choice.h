@@ -20,8 +20,9 @@ public:
 	void choose( const std::vector<SoftBody*>& bodies, btDiscreteDynamicsWorld& world, btScalar gameStep, int substeps, btScalar lastStep );
 
 private:
-	void measureLoads( btDiscreteDynamicsWorld& world, btScalar gameStep, btScalar lastStep );
-	bool needsImplicit( SoftBody& body, btScalar gameStep, int substeps, double iterations ) const;
+	void measureLoads( btDiscreteDynamicsWorld& world, btScalar lastStep );
+	bool isTooStiff( const SoftBody& body, btScalar gameStep, int substeps ) const;
+	bool isTooHeavilyLoaded( SoftBody& body, const btDiscreteDynamicsWorld& world, btScalar gameStep, btScalar lastStep ) const;
 
 	std::vector<SoftBody*> m_asked;
 };
@@ -34,6 +35,7 @@ struct ElasticityState
 	double load = 0.0;         ///< what its touched nodes carry in units of their own weight, smoothed
 
 	// Of this step.
+	bool feelsLoads = false;   ///< its stiffness alone does not ask for it
 	bool needs = false;
 	double heaviest = 0.0;     ///< mass of the heaviest thing that lies on it, kg
 	double impulse = 0.0, nodeMass = 0.0; ///< that its nodes carry, N s, and their mass, kg
