@@ -96,6 +96,14 @@ void StrainRates::prepare( LatticeMatcher& matcher, NodeState& nodes, TaskRunner
 		m_rates.pull = m_pull.data();
 		m_rates.rows = m_view.memberMass && !m_isRowByRow ? m_rows.view() : RowSlices{};
 	}
+	if ( tables.usesGrid && !m_gridHasHoles && !m_isRowByRow )
+	{
+		if ( !isMeasured )
+		{
+			m_boxes.layOut( m_view.gridX, m_view.gridY, m_view.gridZ, m_view.halfWidth, m_padded );
+		}
+		m_rates.flat = m_boxes.view();
+	}
 	if ( !isMeasured )
 	{
 		measureDiagonal( tables );
@@ -255,6 +263,19 @@ void StrainRates::sumRecords( float* records, bool isOfRates, TaskRunner* runner
 	runTasks( runner, m_view.gridZ, task );
 }
 
+void StrainRates::sumRates( bool isOfRegions, TaskRunner* runner )
+{
+	if ( !m_rates.flat.node[0] )
+	{
+		sumRecords( isOfRegions ? m_view.regionRecord : m_view.nodeRecord, true, runner );
+		return;
+	}
+	for ( int axis = 0; axis < 2; ++axis )
+	{
+		overNodes( m_padded, runner, [&]( int, int begin, int end ) { m_kernels->boxRows( m_rates, isOfRegions, axis, begin, end ); } );
+	}
+}
+
 /// The rigid motion Q v, into what the kernels take off.
 void StrainRates::measureRigidMotion( const float* const* speed, TaskRunner* runner )
 {
@@ -296,9 +317,9 @@ void StrainRates::resist( const float* v, float stiffness, float* to, TaskRunner
 		std::fill( m_view.regionRecord, m_view.regionRecord + floats, 0.0f );
 	}
 	overNodes( m_padded, runner, [&]( int, int begin, int end ) { m_kernels->rateRecords( m_rates, begin, end ); } );
-	sumRecords( m_view.nodeRecord, true, runner );
+	sumRates( false, runner );
 	overNodes( m_padded, runner, [&]( int, int begin, int end ) { m_kernels->rigidRates( m_rates, begin, end ); } );
-	sumRecords( m_view.regionRecord, true, runner );
+	sumRates( true, runner );
 	if ( !m_isRaised )
 	{
 		overNodes( m_padded, runner, [&]( int, int begin, int end ) { m_kernels->resist( m_rates, begin, end ); } );
@@ -313,7 +334,7 @@ std::size_t StrainRates::bytes() const
 {
 	return ( m_centres[0].size() * 3 + m_inverseInertias[0].size() * 6 + m_diagonal.size() + m_share.size() + m_pull.size() ) *
 	           sizeof( float ) +
-	       m_rows.bytes() + m_partial.size() * sizeof( m_partial[0] );
+	       m_rows.bytes() + m_boxes.bytes() + m_partial.size() * sizeof( m_partial[0] );
 }
 
 } // namespace pliant

@@ -18,6 +18,7 @@
 // (level_tables.h). With g_r = b_r max( 1 - eta, largest stretch of C ) the operator bounds that, and is its equal for affine motions where C
 // is the same in all directions.
 
+#include "matching/flat_boxes.h"
 #include "matching/kernels/kernels.h"
 #include "matching/node_state.h"
 #include "matching/sliced_rows.h"
@@ -42,7 +43,7 @@ public:
 	/// Both must stay as they are for as long as `resist` is called.
 	void prepare( LatticeMatcher& matcher, NodeState& nodes, TaskRunner* runner );
 
-	/// The slow twin, from the next `prepare`: rows of regions on several levels are summed one by one.
+	/// The slow twin, from the next `prepare`: rows of regions on several levels are summed one by one, boxes by records.
 	void sumRowByRow() { m_isRowByRow = true; }
 
 	/// The part of it that says where the body is and how heavy.
@@ -66,6 +67,7 @@ private:
 	void measureDiagonal( const RegionTables& tables );
 	void measureRegions( TaskRunner* runner ); ///< where they are, and their inertias
 	void sumRecords( float* records, bool isOfRates, TaskRunner* runner );
+	void sumRates( bool isOfRegions, TaskRunner* runner );
 	void measureRigidMotion( const float* const* speed, TaskRunner* runner );
 
 	const Kernels* m_kernels = nullptr;
@@ -78,6 +80,7 @@ private:
 	AlignedArray<float> m_centres[3], m_inverseInertias[6], m_diagonal;
 	AlignedArray<float> m_share, m_pull;          ///< of nodes on several levels; empty on a uniform lattice
 	SlicedRows m_rows;                            ///< the same
+	FlatBoxes m_boxes;                            ///< of a lattice that fills its grid
 	bool m_isRowByRow = false;
 	const LatticeMatcher* m_measuredOf = nullptr; ///< what diagonal and shares were measured for, and which of its tables
 	unsigned m_measuredVersion = 0;

@@ -352,6 +352,29 @@ TEST( StrainRates, GiveTheSameBitsOnEveryInstructionSetAndAnyThreadCount )
 	EXPECT_EQ( resist( v, 7.0f, threads.get() ), wanted );
 }
 
+// Lattices that fill their grid are summed a row a component, and not by records.
+TEST( StrainRates, SumFlatRowsToTheBitsOfRecords )
+{
+	std::vector<Case> boxes;
+	for ( int halfWidth = 1; halfWidth <= 4; ++halfWidth )
+	{
+		boxes.push_back( { makeBlockLattice( 7, 6, 5, 0.1f ), halfWidth, Summation::BoxSums } );
+		boxes.push_back( { makeBlockLattice( 9, 2, 3, 0.1f ), halfWidth, Summation::BoxSums } ); // less than a half-width along some axes
+		boxes.push_back( { makeBlockLattice( 2, 3, 9, 0.1f ), halfWidth, Summation::BoxSums } );
+		boxes.push_back( { makeBlockLattice( 16, 16, 1, 0.1f ), halfWidth, Summation::BoxSums } ); // no padding
+	}
+	boxes.push_back( { makeBlockLattice( 14, 13, 12, 0.1f ), 1, Summation::BoxSums } ); // several chunks
+	for ( const Case& c : boxes )
+	{
+		Operator flat( c ), records( c );
+		ASSERT_TRUE( flat.matcher->usesBoxSums() );
+		records.rates.sumRowByRow();
+		records.rates.prepare( *records.matcher, records.nodes, nullptr );
+		const std::vector<double> v = flat.random( 17 );
+		EXPECT_EQ( flat( v, 5.0f ), records( v, 5.0f ) ) << c.lattice.extent.transpose() << " w " << c.halfWidth;
+	}
+}
+
 TEST( StrainRates, NameTheirDiagonal )
 {
 	for ( const std::size_t which : { 0, 1, 2, 3 } )

@@ -83,7 +83,7 @@ inline V determinant( const V ( &t )[6] )
 	return ( t[0] * ( t[1] * t[2] - t[3] * t[3] ) + t[5] * ( t[4] * t[3] - t[2] * t[5] ) ) + t[4] * ( t[5] * t[3] - t[1] * t[4] );
 }
 
-/// What a tile's rows sum up: by slices where there are any, else with the table's own weights.
+/// What a tile's records sum up: by slices where there are any, else with the table's own weights.
 template <class Size>
 void gatherRows( const RateView& rates, const float* sliced, const std::uint32_t* own, const float* records, int begin, int end,
                  Tile& tile )
@@ -96,6 +96,42 @@ void gatherRows( const RateView& rates, const float* sliced, const std::uint32_t
 	else
 	{
 		gatherTile<Size>( *rates.match, records, own, begin, end, tile );
+	}
+}
+
+/// What a tile's rates sum up.
+inline void gatherRates( const RateView& rates, bool isOfRegions, int begin, int end, Tile& tile )
+{
+	const MatchView& view = *rates.match;
+	if ( rates.flat.node[0] )
+	{
+		sumPlanes( view, isOfRegions ? rates.flat.region : rates.flat.node, begin, end, tile );
+		return;
+	}
+	gatherRows<Half>( rates, isOfRegions ? rates.rows.share : rates.rows.mass, isOfRegions ? view.memberShare : view.memberMass,
+	                  isOfRegions ? view.regionRecord : view.nodeRecord, begin, end, tile );
+}
+
+/// A tile's rates where the sums will look for them.
+inline void giveRates( const RateView& rates, bool isOfRegions, const Tile& tile, int begin, int end )
+{
+	const MatchView& view = *rates.match;
+	if ( rates.flat.node[0] )
+	{
+		float* const* const to = isOfRegions ? rates.flat.region : rates.flat.node;
+		for ( int k = 0; k < kRateSums; ++k )
+		{
+			for ( int i = begin; i < end; i += kWidth )
+			{
+				store( to[k] + i, load( &tile.row[k][i - begin] ) );
+			}
+		}
+		return;
+	}
+	const int real = end < view.nodeCount ? end : view.nodeCount;
+	if ( real > begin )
+	{
+		writeRecords<Half>( view, tile, begin, real, isOfRegions ? view.regionRecord : view.nodeRecord );
 	}
 }
 
@@ -180,11 +216,7 @@ void rateRecords( const RateView& rates, int begin, int end )
 				store( &tile.row[k][i - first], row[k] );
 			}
 		}
-		const int real = last < view.nodeCount ? last : view.nodeCount;
-		if ( real > first )
-		{
-			writeRecords<Half>( view, tile, first, real, view.nodeRecord );
-		}
+		giveRates( rates, false, tile, first, last );
 	}
 }
 
@@ -197,7 +229,7 @@ void rigidRates( const RateView& rates, int begin, int end )
 	for ( int first = begin; first < end; first += kTile )
 	{
 		const int last = first + kTile < end ? first + kTile : end;
-		gatherRows<Half>( rates, rates.rows.mass, view.memberMass, view.nodeRecord, first, last, in );
+		gatherRates( rates, false, first, last, in );
 		for ( int r = first; r < last; r += kWidth )
 		{
 			const int at = r - first;
@@ -221,11 +253,7 @@ void rigidRates( const RateView& rates, int begin, int end )
 				store( &out.row[k][at], row[k] );
 			}
 		}
-		const int real = last < view.nodeCount ? last : view.nodeCount;
-		if ( real > first )
-		{
-			writeRecords<Half>( view, out, first, real, view.regionRecord );
-		}
+		giveRates( rates, true, out, first, last );
 	}
 }
 
@@ -238,7 +266,7 @@ inline void resistAll( const RateView& rates, int begin, int end )
 	for ( int first = begin; first < end; first += kTile )
 	{
 		const int last = first + kTile < end ? first + kTile : end;
-		gatherRows<Half>( rates, rates.rows.share, view.memberShare, view.regionRecord, first, last, tile );
+		gatherRates( rates, true, first, last, tile );
 		for ( int i = first; i < last; i += kWidth )
 		{
 			const int at = i - first;

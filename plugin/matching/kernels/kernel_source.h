@@ -23,6 +23,7 @@ constexpr int kVirtualLanes = 16;
 #include "matching/kernels/kernel_tile.h"
 #include "matching/kernels/kernel_fit.h"
 #include "matching/kernels/kernel_far.h"
+#include "matching/kernels/kernel_boxes.h"
 #include "matching/kernels/kernel_rates.h"
 #include "matching/kernels/kernel_sums.h"
 #include "matching/kernels/kernel_motion.h"
@@ -369,6 +370,6 @@ void deformations( const MatchView& view, int begin, int end, float* gradients )
 
 extern const Kernels PLIANT_KERNEL_TABLE;
 const Kernels PLIANT_KERNEL_TABLE = { &frameSums, &nodeRecords, &boxPlane, &fitRegions, &finishRegion, &scatter, &apply, &regionMatrix,
-	&deformations, &sumRecords, &inertiaRecords, &regionInertias, &rateSums, &rateRecords, &boxPlaneHalf, &rigidRates, &resist, &resistPart, &finishResist, &push, &advance, &dot, &affineSums, &addAffine, PLIANT_KERNEL_NAME };
+	&deformations, &sumRecords, &inertiaRecords, &regionInertias, &rateSums, &rateRecords, &boxPlaneHalf, &boxRows, &rigidRates, &resist, &resistPart, &finishResist, &push, &advance, &dot, &affineSums, &addAffine, PLIANT_KERNEL_NAME };
 
 } // namespace pliant

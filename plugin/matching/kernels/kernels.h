@@ -122,6 +122,17 @@ struct RowSlices
 	const float* share = nullptr;
 };
 
+/// Rates of a lattice that fills its grid, a row a component in place of records: box sums are rows shifted against each other
+/// (kernel_boxes.h). Rows may be read by `halfWidth` planes of the grid before their beginning and after their end, and have neither a
+/// meaning there nor in padding.
+struct FlatRows
+{
+	float* node[kRateSums] = {};   ///< null: records
+	float* region[kRateSums] = {}; ///< each is the other's scratch
+	const int* x = nullptr;        ///< of each node on the grid
+	const int* y = nullptr;
+};
+
 /// What the implicit step's kernels see beside the MatchView, of which they use nodes, tables and records (kernel_rates.h).
 struct RateView
 {
@@ -131,6 +142,7 @@ struct RateView
 	const float* regionShare = nullptr;  ///< g_r; null: 1
 	const float* pull = nullptr;         ///< of each node: sum of its regions' g_r / C; null: 1
 	RowSlices rows;                      ///< of nodes on several levels
+	FlatRows flat;                       ///< of a lattice that fills its grid
 	const float* rate[3] = {};           ///< v
 	float* result[3] = {};
 	float stiffness = 0.0f;              ///< G
@@ -218,6 +230,8 @@ struct Kernels
 	void ( *rateRecords )( const RateView&, int begin, int end );
 	/// As boxPlane, of records of kRateFloats floats: rateRecords and rigidRates write such.
 	void ( *boxPlaneHalf )( const MatchView&, float* records, int z );
+	/// In its place with flat rows: the nodes' or the regions' are summed along x, into the others', then along y and back. What gathers them sums along z.
+	void ( *boxRows )( const RateView&, bool isOfRegions, int axis, int begin, int end );
 	void ( *rigidRates )( const RateView&, int begin, int end );
 	void ( *resist )( const RateView&, int begin, int end );
 	void ( *resistPart )( const RateView&, int begin, int end );
