@@ -69,10 +69,11 @@ void setSlack( const SoftBody::Impl& of, unsigned other, double slack )
 }
 
 /// Further apart than their spheres, with the room that a contact is made ahead in, and what they move against each other, `way`, m. Bodies sweep what
-/// their fastest nodes do: of the pairs that those might bring together most are so, and this is sooner said than where they would touch.
-bool staysApart( const SphereRows::Meeting& meeting, const Vec3& way )
+/// their fastest nodes do: of the pairs that those might bring together most are so, and this is sooner said than where they would touch. `room`: how
+/// much further their spheres may reach than the nodes' own.
+bool staysApart( const SphereRows::Meeting& meeting, const Vec3& way, float room )
 {
-	const float farthest = meeting.reach + way.norm();
+	const float farthest = meeting.reach + room + way.norm();
 	return meeting.square > farthest * farthest;
 }
 
@@ -346,8 +347,7 @@ const std::vector<NodeHit>& NodeSearch::againstSoft( const SoftBody& a, const So
 {
 	const SoftBody::Impl& implA = a.impl();
 	const SoftBody::Impl& implB = b.impl();
-	const NodeShape& shapeA = *implA.shape;
-	const NodeShape& shapeB = *implB.shape;
+	const NodeShape &shapeA = *implA.shape, &shapeB = *implB.shape;
 	const NodeState& nodesA = implA.body->nodes();
 	const NodeState& nodesB = implB.body->nodes();
 	m_soft = &a;
@@ -360,11 +360,12 @@ const std::vector<NodeHit>& NodeSearch::againstSoft( const SoftBody& a, const So
 	const btVector3 shapesApart = toBt( fromAToB + ( implA.shapeShift - implB.shapeShift ).cast<double>() );
 	const btScalar room = isRound ? kRoundRoom * ( shapeA.largestRadius() + shapeB.largestRadius() ) : btScalar( 0 );
 	const btVector3 around( room, room, room );
+	const float farther = float( around.length() ); // as visitPairs takes it: cells that are stretched have more room
 	const btVector3 low = shapeA.sweepLow() - shapeB.sweepHigh() - around, high = shapeA.sweepHigh() - shapeB.sweepLow() + around;
 	SphereRows::visitPairs( shapeA.rows(), shapeB.rows(), SphereRows::Approach{ shapesApart, low, high }, m_near, [&]( const SphereRows::Meeting& meeting ) {
 		const int nodeA = meeting.nodeA, nodeB = meeting.nodeB;
 		const Vec3 speedA = nodesA.v.get( nodeA ), speedB = nodesB.v.get( nodeB );
-		if ( !isRound && staysApart( meeting, float( step ) * ( speedA - speedB ) ) )
+		if ( staysApart( meeting, float( step ) * ( speedA - speedB ), farther ) )
 		{
 			return;
 		}
