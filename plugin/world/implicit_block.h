@@ -135,11 +135,13 @@ private:
 		int place[kMost] = {}, stride[kMost] = {}; ///< of each block's first number in the vector, and between its numbers
 	};
 
-	/// A contact on the way from m_v to somewhere, as shares of the way: u.n and its change, jt.u of the way at m_v and its change.
+	/// A contact on the way from m_v to somewhere, as shares of the way: u.n and its change, jt.u of the way at m_v and its change, 0 where it does not press.
+	/// And its law, which is asked for some twenty times over: contacts themselves are half a kilobyte each.
 	struct Way
 	{
 		double start, way;
 		double slideStart, slide;
+		double pushed, stiffness, target;
 	};
 
 	int size() const override { return m_size; }

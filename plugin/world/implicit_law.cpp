@@ -196,11 +196,10 @@ double ImplicitBlock::lowestShare( double slope, double curvature ) const
 {
 	const auto slopeAt = [&]( double t ) {
 		double sum = slope + t * curvature;
-		for ( std::size_t c = 0; c < m_ways.size(); ++c )
+		for ( const Way& way : m_ways )
 		{
-			const BlockContact& contact = contacts[c];
-			const double press = std::max( 0.0, contact.pushed + contact.stiffness * ( contact.target - m_ways[c].start - t * m_ways[c].way ) );
-			sum -= press * m_ways[c].way + ( contact.presses ? m_ways[c].slideStart + t * m_ways[c].slide : 0.0 );
+			const double press = std::max( 0.0, way.pushed + way.stiffness * ( way.target - way.start - t * way.way ) );
+			sum -= press * way.way + ( way.slideStart + t * way.slide );
 		}
 		return sum;
 	};
@@ -231,8 +230,9 @@ double ImplicitBlock::stepTowards()
 		const Vec3d u = relativeSpeed( contact, m_v.data() ), way = speedOf( contact.side[0], d.data() ) - speedOf( contact.side[1], d.data() );
 		const double un = contact.normal.dot( u ), dn = contact.normal.dot( way );
 		const Vec3d ut = u - un * contact.normal, dt = way - dn * contact.normal, felt = directed( contact, dt );
-		const double slide = -contact.tangentStiffness * dt.dot( felt );
-		m_ways.push_back( Way{ un, dn, contact.held.dot( felt ) - contact.tangentStiffness * ut.dot( felt ), slide } );
+		const double slideStart = contact.held.dot( felt ) - contact.tangentStiffness * ut.dot( felt ), slide = -contact.tangentStiffness * dt.dot( felt );
+		const bool presses = contact.presses;
+		m_ways.push_back( Way{ un, dn, presses ? slideStart : 0.0, presses ? slide : 0.0, contact.pushed, contact.stiffness, contact.target } );
 	}
 	return lowestShare( -dot( d.data(), m_free.data(), m_size ), dot( d.data(), change.data(), m_size ) );
 }

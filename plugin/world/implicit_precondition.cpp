@@ -29,7 +29,7 @@ struct Feels
 template <int rows, int cols>
 using Fixed = Eigen::Map<Eigen::Matrix<double, rows, cols>>;
 
-/// piece += sign Ga^T R Gb, of rows of a and columns of b.
+/// piece += sign Ga^T R Gb, of rows of a and columns of b. Of a soft body's own piece what lies above the diagonal's 6 x 6 parts is left out: nobody asks for it.
 void addCoarse( const Feels& a, const Feels& b, const Eigen::Matrix3d& resists, double sign, double* piece )
 {
 	if ( a.isSoft ) // then b, which comes no later, is soft too
@@ -45,7 +45,14 @@ void addCoarse( const Feels& a, const Feels& b, const Eigen::Matrix3d& resists, 
 			}
 			for ( int j = 0; j < 4; ++j )
 			{
-				to.col( 3 * j + c ) += b.arm[j] * pressed;
+				if ( a.body == b.body && j >= 2 )
+				{
+					to.col( 3 * j + c ).tail<6>() += b.arm[j] * pressed.tail<6>();
+				}
+				else
+				{
+					to.col( 3 * j + c ) += b.arm[j] * pressed;
+				}
 			}
 		}
 		return;
