@@ -20,6 +20,9 @@ constexpr float kNearTrace = 0.25f;
 
 /// How much a point of the outer surface would rather slide along it than leave it.
 constexpr float kSlide = 100.0f;
+/// The same by the square of how much of the surface there faces a way: what is flat is hardly left at all (a point stands for much surface where borders are
+/// drawn with few), and what bends a little there holds a point no more than it did.
+constexpr float kSlideFlat = 1000.0f;
 
 /// Farther than this, in cells, no point is moved: half a cell's diagonal and what noise adds.
 constexpr float kFarthestMove = 1.25f;
@@ -100,16 +103,16 @@ std::vector<BladePath::Near> BladePath::nearTo( std::uint32_t point, const Vec3&
 	return near;
 }
 
-/// How to go to get one metre further along `normal`: the m of least | m |^2 + k m^T S m with n . m = 1, S what m_outward holds. With
-/// K = ( 1 + k S )^-1 it is K n / ( n . K n ): straight on inside, along the outer surface on it, along a crease's edge in one.
+/// How to go to get one metre further along `normal`: the m of least | m |^2 + k m^T S m + k' | S m |^2 with n . m = 1, S what m_outward holds. With
+/// K = ( 1 + k S + k' S^2 )^-1 it is K n / ( n . K n ): straight on inside, along the outer surface on it, along a crease's edge in one.
 Vec3 BladePath::wayOut( std::uint32_t point, const Vec3& normal ) const
 {
-	Eigen::Matrix3f stiff = Eigen::Matrix3f::Identity();
+	Eigen::Matrix3f outward;
 	for ( int e = 0; e < 6; ++e )
 	{
-		stiff( kRow[e], kColumn[e] ) += kSlide * m_outward[point][std::size_t( e )];
-		stiff( kColumn[e], kRow[e] ) = stiff( kRow[e], kColumn[e] );
+		outward( kRow[e], kColumn[e] ) = outward( kColumn[e], kRow[e] ) = m_outward[point][std::size_t( e )];
 	}
+	const Eigen::Matrix3f stiff = Eigen::Matrix3f::Identity() + kSlide * outward + kSlideFlat * outward * outward;
 	const Vec3 along = stiff.inverse() * normal;
 	return along / normal.dot( along );
 }

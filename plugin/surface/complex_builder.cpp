@@ -6,6 +6,7 @@
 #include "lattice/inside_field.h"
 #include "lattice/weld.h"
 #include "lattice/winding_number.h"
+#include "surface/bent_chain.h"
 #include "surface/face_drawing.h"
 #include "surface/skinning.h"
 #include "surface/surface_pieces.h"
@@ -85,8 +86,9 @@ private:
 		std::vector<Triangle> triangles = m_mesh.triangle;
 		triangles.insert( triangles.end(), m_field->caps().begin(), m_field->caps().end() );
 		m_surface = clipSurface( { cells, triangles, m_lattice.extent, m_warp, longestBentEdge( m_settings ) } );
-		const std::vector<FaceEdge> edges = makeFaceEdges( m_surface, m_warp, m_settings.subdivision );
+		const std::vector<FaceEdge> edges = makeFaceEdges( m_surface, m_warp, m_settings );
 		m_merged = mergeClosePoints( m_surface, edges );
+		leaveOutStraight( m_surface, edges, double( m_settings.bendTolerance ), m_merged );
 		FaceParts parts = traceFaces( m_surface, edges, m_merged );
 		MarchingSquares squares( m_surface, m_warp, m_merged );
 		if ( m_field->isSoup() )

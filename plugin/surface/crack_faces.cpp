@@ -5,6 +5,7 @@
 #include "surface/crack_faces.h"
 
 #include "lattice/union_find.h"
+#include "surface/bent_chain.h"
 
 #include <algorithm>
 #include <tuple>
@@ -23,8 +24,8 @@ constexpr double kSpacing = 0.3;
 class LineWalker
 {
 public:
-	LineWalker( ClippedSurface& surface, const NoiseWarp& warp, int subdivision, std::vector<FaceEdge>& out ) :
-		m_surface( surface ), m_warp( warp ), m_subdivision( subdivision ), m_out( out )
+	LineWalker( ClippedSurface& surface, const NoiseWarp& warp, const CrackSettings& settings, std::vector<FaceEdge>& out ) :
+		m_surface( surface ), m_warp( warp ), m_subdivision( settings.subdivision ), m_tolerance( double( settings.bendTolerance ) ), m_out( out )
 	{
 	}
 
@@ -64,17 +65,30 @@ private:
 		}
 	}
 
+	/// Which points are needed is asked of the line alone: the four faces around it have the same ones.
 	void walkInCell( const Pierce& line, int cell, std::uint32_t from, std::uint32_t to )
 	{
 		const double spacing = 1.0 / m_subdivision;
 		const double low = m_surface.point[from].place[line.axis], high = m_surface.point[to].place[line.axis];
-		std::uint32_t here = from;
+		m_between.clear();
+		m_chain = { m_surface.point[from].rest };
 		for ( int k = 1; k < m_subdivision; ++k )
 		{
 			const double at = cell + k * spacing;
 			if ( at > low + kSpacing * spacing && at < high - kSpacing * spacing )
 			{
-				const std::uint32_t made = addPoint( line, at );
+				m_between.push_back( pointAt( line, at ) );
+				m_chain.push_back( m_between.back().rest );
+			}
+		}
+		m_chain.push_back( m_surface.point[to].rest );
+		const std::vector<std::uint8_t> isKept = keepBent( m_chain, m_tolerance );
+		std::uint32_t here = from;
+		for ( std::size_t k = 0; k < m_between.size(); ++k )
+		{
+			if ( isKept[k + 1] != 0 )
+			{
+				const std::uint32_t made = add( m_between[k] );
 				addEdges( line, cell, here, made );
 				here = made;
 			}
@@ -82,13 +96,18 @@ private:
 		addEdges( line, cell, here, to );
 	}
 
-	std::uint32_t addPoint( const Pierce& line, double at )
+	ClipPoint pointAt( const Pierce& line, double at ) const
 	{
 		ClipPoint made;
 		made.place[line.axis] = at;
 		made.place[( line.axis + 1 ) % 3] = line.first;
 		made.place[( line.axis + 2 ) % 3] = line.second;
 		made.rest = m_warp.backward( made.place );
+		return made;
+	}
+
+	std::uint32_t add( const ClipPoint& made )
+	{
 		m_surface.point.push_back( made );
 		return std::uint32_t( m_surface.point.size() - 1 );
 	}
@@ -103,7 +122,7 @@ private:
 		const auto [entry, isNew] = m_corner.try_emplace( positionKey( m_surface.extent, plane ), 0u );
 		if ( isNew )
 		{
-			entry->second = addPoint( line, at );
+			entry->second = add( pointAt( line, at ) );
 			m_surface.insideCorner.emplace_back( plane, entry->second );
 		}
 		return entry->second;
@@ -134,9 +153,12 @@ private:
 	ClippedSurface& m_surface;
 	const NoiseWarp& m_warp;
 	int m_subdivision;
+	double m_tolerance;
 	std::vector<FaceEdge>& m_out;
 	std::unordered_map<std::uint64_t, std::uint32_t> m_corner; ///< looked up only
 	int m_winding = 0;
+	std::vector<ClipPoint> m_between;
+	std::vector<Vec3d> m_chain;
 };
 
 /// Every edge of a piece of surface on the plane above it, turned round.
@@ -174,11 +196,11 @@ Eigen::Vector3i positionOfKey( const Eigen::Vector3i& extent, std::uint64_t key 
 	return { int( key % n.x() ), int( key / n.x() % n.y() ), int( key / n.x() / n.y() ) };
 }
 
-std::vector<FaceEdge> makeFaceEdges( ClippedSurface& surface, const NoiseWarp& warp, int subdivision )
+std::vector<FaceEdge> makeFaceEdges( ClippedSurface& surface, const NoiseWarp& warp, const CrackSettings& settings )
 {
 	std::vector<FaceEdge> edges;
 	addCuts( surface, edges );
-	LineWalker( surface, warp, subdivision, edges ).run();
+	LineWalker( surface, warp, settings, edges ).run();
 	std::sort( edges.begin(), edges.end(),
 		[]( const FaceEdge& a, const FaceEdge& b ) { return std::tie( a.face, a.from, a.to ) < std::tie( b.face, b.from, b.to ); } );
 	return edges;

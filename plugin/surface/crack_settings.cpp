@@ -10,6 +10,7 @@ namespace {
 
 constexpr float kLongestWave = 100.0f;
 constexpr int kMostSubdivision = 8;
+constexpr float kMostTolerance = 0.5f;
 
 Status refuse( const char* words )
 {
@@ -31,6 +32,10 @@ Status check( const CrackSettings& settings )
 	if ( settings.subdivision < 1 || settings.subdivision > kMostSubdivision )
 	{
 		return refuse( "CrackSettings::subdivision must be 1 to 8." );
+	}
+	if ( !( settings.bendTolerance >= 0.0f && settings.bendTolerance <= kMostTolerance ) )
+	{
+		return refuse( "CrackSettings::bendTolerance must be 0 to 0.5 cells." );
 	}
 	if ( !( settings.textureTile > 0.0f && std::isfinite( settings.textureTile ) ) )
 	{

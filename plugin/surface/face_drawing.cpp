@@ -1,12 +1,18 @@
 #include "surface/face_drawing.h"
 
+#include <Eigen/Geometry>
+
 #include <algorithm>
+#include <cmath>
 #include <tuple>
 #include <utility>
 
 namespace pliant {
 
 namespace {
+
+/// Cells' parts: how far off the grid of a face a point of it may lie.
+constexpr double kOffGrid = 1e-6;
 
 /// A part of a face that stands between two cells.
 struct Wall
@@ -122,68 +128,128 @@ private:
 		}
 	}
 
+	/// Bordered by the lattice's lines alone: its corners are there, and between them the points that the lines kept.
 	bool isWholeSquare( const FacePart& part ) const
 	{
 		const std::uint32_t first = m_parts.loops.start[part.firstLoop], last = m_parts.loops.start[part.firstLoop + 1];
-		if ( part.lastLoop != part.firstLoop + 1 || last - first != std::uint32_t( 4 * m_settings.subdivision ) )
+		if ( part.lastLoop != part.firstLoop + 1 || last - first > std::uint32_t( 4 * m_settings.subdivision ) )
 		{
 			return false;
 		}
-		return std::all_of( m_parts.loops.point.begin() + first, m_parts.loops.point.begin() + last,
-			[this]( std::uint32_t p ) { return m_surface.point[p].origin.isInterior(); } );
+		int corners = 0;
+		for ( std::uint32_t k = first; k < last; ++k )
+		{
+			const Vec2d at = onGrid( part, k );
+			corners += isCorner( at ) ? 1 : 0;
+			if ( !m_surface.point[m_parts.loops.point[k]].origin.isInterior() || ( at - at.array().round().matrix() ).cwiseAbs().maxCoeff() > kOffGrid )
+			{
+				return false;
+			}
+		}
+		return corners == 4;
 	}
 
-	/// n x n squares. The ring begins anywhere; its lowest corner is where both coordinates are lowest.
+	/// Of an entry of the loops: along the face's sides, 0 to n.
+	Vec2d onGrid( const FacePart& part, std::uint32_t entry ) const
+	{
+		const Eigen::Vector3i below = positionOfKey( m_surface.extent, part.below );
+		return m_settings.subdivision * ( m_parts.at[entry] - Vec2d( below[( part.axis + 1 ) % 3], below[( part.axis + 2 ) % 3] ) );
+	}
+
+	bool isCorner( const Vec2d& at ) const
+	{
+		const auto isEnd = [n = double( m_settings.subdivision )]( double x ) { return std::abs( x ) < kOffGrid || std::abs( x - n ) < kOffGrid; };
+		return isEnd( at.x() ) && isEnd( at.y() );
+	}
+
+	/// n x n squares, or the border alone where no point within would lie off what is drawn so.
 	void drawSquare( const FacePart& part )
 	{
 		const int n = m_settings.subdivision;
-		const std::uint32_t first = m_parts.loops.start[part.firstLoop];
-		const auto ring = [&]( int k ) { return first + std::uint32_t( k % ( 4 * n ) ); };
-		int low = 0;
-		for ( int k = 1; k < 4 * n; ++k )
+		std::vector<ClipPoint> within;
+		for ( int k = 0; k < ( n - 1 ) * ( n - 1 ); ++k )
 		{
-			const Vec2d& a = m_parts.at[ring( k )];
-			const Vec2d& b = m_parts.at[ring( low )];
-			low = a.x() + a.y() < b.x() + b.y() ? k : low;
+			within.push_back( pointAt( part, 1 + k % ( n - 1 ), 1 + k / ( n - 1 ) ) );
 		}
-		std::vector<std::uint32_t> grid( std::size_t( ( n + 1 ) * ( n + 1 ) ) );
+		drawPart( part );
+		if ( !within.empty() && std::all_of( within.begin(), within.end(), [&]( const ClipPoint& p ) { return isDrawnAlready( part, p ); } ) )
+		{
+			return;
+		}
+		m_drawn.clear();
+		std::vector<std::uint32_t> grid( std::size_t( ( n + 1 ) * ( n + 1 ) ), SurfaceOrigin::kNone );
+		const auto at = [&grid, n]( int u, int v ) -> std::uint32_t& { return grid[std::size_t( v * ( n + 1 ) + u )]; };
+		for ( std::uint32_t k = m_parts.loops.start[part.firstLoop]; k < m_parts.loops.start[part.lastLoop]; ++k )
+		{
+			const Vec2d place = onGrid( part, k );
+			at( int( std::lround( place.x() ) ), int( std::lround( place.y() ) ) ) = m_parts.loops.point[k];
+		}
 		for ( int v = 0; v <= n; ++v )
 		{
 			for ( int u = 0; u <= n; ++u )
 			{
-				// Counter-clockwise: along the lower side, up, back, down.
-				const int onRing = v == 0 ? u : u == n ? n + v : v == n ? 3 * n - u : u == 0 ? 4 * n - v : -1;
-				grid[std::size_t( v * ( n + 1 ) + u )] = onRing >= 0 ? m_parts.loops.point[ring( low + onRing )]
-																	 : addPoint( part, m_parts.at[ring( low )] + Vec2d( u, v ) / n );
+				if ( u % n != 0 && v % n != 0 )
+				{
+					m_surface.point.push_back( within[std::size_t( ( v - 1 ) * ( n - 1 ) + u - 1 )] );
+					at( u, v ) = std::uint32_t( m_surface.point.size() - 1 );
+				}
+				else if ( at( u, v ) == SurfaceOrigin::kNone ) // left out: on a side the one before stands for it
+				{
+					at( u, v ) = u % n != 0 ? at( u - 1, v ) : at( u, v - 1 );
+				}
 			}
 		}
+		drawGrid( grid );
+	}
+
+	void drawGrid( const std::vector<std::uint32_t>& grid )
+	{
+		const int n = m_settings.subdivision;
+		const auto add = [this]( std::uint32_t a, std::uint32_t b, std::uint32_t c ) {
+			if ( a != b && b != c && c != a )
+			{
+				m_drawn.push_back( { a, b, c } );
+			}
+		};
 		for ( int v = 0; v < n; ++v )
 		{
 			for ( int u = 0; u < n; ++u )
 			{
 				const std::uint32_t* c = &grid[std::size_t( v * ( n + 1 ) + u )];
-				const std::uint32_t *d = c + n + 1;
-				if ( ( u + v ) % 2 == 0 )
-				{
-					m_drawn.insert( m_drawn.end(), { { c[0], c[1], d[1] }, { c[0], d[1], d[0] } } );
-				}
-				else
-				{
-					m_drawn.insert( m_drawn.end(), { { c[0], c[1], d[0] }, { c[1], d[1], d[0] } } );
-				}
+				const std::uint32_t* d = c + n + 1;
+				const bool isEven = ( u + v ) % 2 == 0;
+				add( c[0], c[1], isEven ? d[1] : d[0] );
+				isEven ? add( c[0], d[1], d[0] ) : add( c[1], d[1], d[0] );
 			}
 		}
 	}
 
-	std::uint32_t addPoint( const FacePart& part, const Vec2d& at )
+	ClipPoint pointAt( const FacePart& part, int u, int v ) const
 	{
+		const Eigen::Vector3i below = positionOfKey( m_surface.extent, part.below );
 		ClipPoint made;
-		made.place[part.axis] = positionOfKey( m_surface.extent, part.below )[part.axis] + 1;
-		made.place[( part.axis + 1 ) % 3] = at.x();
-		made.place[( part.axis + 2 ) % 3] = at.y();
+		made.place[part.axis] = below[part.axis] + 1;
+		made.place[( part.axis + 1 ) % 3] = below[( part.axis + 1 ) % 3] + double( u ) / m_settings.subdivision;
+		made.place[( part.axis + 2 ) % 3] = below[( part.axis + 2 ) % 3] + double( v ) / m_settings.subdivision;
 		made.rest = m_warp.backward( made.place );
-		m_surface.point.push_back( made );
-		return std::uint32_t( m_surface.point.size() - 1 );
+		return made;
+	}
+
+	/// Whether what is drawn passes a point of the face nearer than the tolerance, across it.
+	bool isDrawnAlready( const FacePart& part, const ClipPoint& p ) const
+	{
+		const auto flat = [axis = part.axis]( const ClipPoint& of ) { return Vec2d( of.place[( axis + 1 ) % 3], of.place[( axis + 2 ) % 3] ); };
+		const auto found = std::find_if( m_drawn.begin(), m_drawn.end(), [&]( const std::array<std::uint32_t, 3>& t ) {
+			const Vec2d a = flat( m_surface.point[t[0]] ), b = flat( m_surface.point[t[1]] ), c = flat( m_surface.point[t[2]] );
+			return doubleArea( a, b, flat( p ) ) >= 0.0 && doubleArea( b, c, flat( p ) ) >= 0.0 && doubleArea( c, a, flat( p ) ) >= 0.0;
+		} );
+		if ( found == m_drawn.end() )
+		{
+			return false;
+		}
+		const Vec3d& a = m_surface.point[( *found )[0]].rest;
+		const Vec3d normal = ( m_surface.point[( *found )[1]].rest - a ).cross( m_surface.point[( *found )[2]].rest - a ).normalized();
+		return std::abs( normal.dot( p.rest - a ) ) < double( m_settings.bendTolerance );
 	}
 
 	void drawPart( const FacePart& part )

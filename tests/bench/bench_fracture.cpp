@@ -93,7 +93,8 @@ void fractureShape( benchmark::State& state )
 }
 
 /// A block of 2 197 cells thrown at the floor at 20 m/s, an edge first (what falls flat is pressed evenly, and hardly breaks), looked at in every frame; E = 2 MPa. All fracture work: tests, edits, regions, new
-/// bodies, and the faces, drawn as by default or flat. Each frame counts with the least it took in any run, and of these the worst is told.
+/// bodies, and the faces, drawn as by default or flat. At a strain of 0.007 there are 134 pieces by distance, at 0.009 60: any strain that makes 50 or more
+/// is a fair case of a block that goes to pieces. Each frame counts with the least it took in any run, and of these the worst is told.
 void fractureThrown( benchmark::State& state )
 {
 	constexpr int kFrames = 60;
@@ -155,7 +156,7 @@ void fractureThrown( benchmark::State& state )
 
 BENCHMARK( fractureThrown )
 	->ArgNames( { "rule", "milli_strain", "threads", "flat" } )
-	->Args( { 1, 7, 1, 0 } )->Args( { 2, 10, 1, 0 } )->Args( { 1, 7, 2, 0 } )->Args( { 2, 10, 2, 0 } )->Args( { 1, 7, 1, 1 } )->Args( { 2, 10, 1, 1 } )
+	->Args( { 1, 7, 1, 0 } )->Args( { 1, 9, 1, 0 } )->Args( { 2, 10, 1, 0 } )->Args( { 1, 7, 2, 0 } )->Args( { 2, 10, 2, 0 } )->Args( { 1, 7, 1, 1 } )->Args( { 2, 10, 1, 1 } )
 	->Iterations( 5 )
 	->Unit( benchmark::kMillisecond );
 BENCHMARK( fractureTest )->Arg( 6 )->Arg( 13 )->Arg( 27 )->Unit( benchmark::kMicrosecond );

@@ -215,6 +215,12 @@ TEST( CrackModes, WrongSettingsAreRefusedWithASentence )
 	wild = CrackSettings{};
 	wild.subdivision = 0;
 	EXPECT_TRUE( refused( wild ) );
+	for ( const float tolerance : { -0.01f, 0.6f, std::nanf( "" ) } )
+	{
+		wild = CrackSettings{};
+		wild.bendTolerance = tolerance;
+		EXPECT_TRUE( refused( wild ) );
+	}
 }
 
 TEST( GradientNoise, StaysWithinItsBoundsAndIsTheSameEverywhere )
