@@ -58,7 +58,7 @@ Course follow( const Rope& rope )
 	return course;
 }
 
-// Half of all ropes flew apart, at speeds up to infinity, when thin regions' inertias were left to rounding.
+// Eight of these flew apart, at up to 3e13 m/s, when thin regions' inertias were left to rounding.
 TEST( ImplicitRopes, NeitherHangingNorThrownFlyApart )
 {
 	for ( const int cells : { 5, 20, 100 } )
