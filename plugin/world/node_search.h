@@ -61,7 +61,7 @@ private:
 	ObstacleMotion m_motion;
 	std::uint32_t m_leaf = 0;
 	std::vector<NodeHit> m_hits;
-	std::vector<int> m_near; ///< scratch of SphereRows::visitPairs
+	SphereRows::Pairs m_pairs;
 };
 
 } // namespace pliant

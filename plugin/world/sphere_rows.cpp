@@ -4,6 +4,7 @@
 #include "world/constants.h"
 
 #include <algorithm>
+#include <cstring>
 
 namespace pliant {
 
@@ -18,7 +19,41 @@ std::size_t eighthOf( std::size_t count )
 	return ( count + SphereRows::kWide - 1 ) / SphereRows::kWide;
 }
 
+/// The lanes that are set of eight, in order, and how many they are; what follows them is none of them.
+struct SetLanes
+{
+	std::uint8_t lane[256][SphereRows::kWide] = {};
+	std::uint8_t count[256] = {};
+
+	constexpr SetLanes()
+	{
+		for ( int set = 0; set < 256; ++set )
+		{
+			for ( int k = 0; k < SphereRows::kWide; ++k )
+			{
+				if ( ( set >> k & 1 ) != 0 )
+				{
+					lane[set][count[set]++] = std::uint8_t( k );
+				}
+			}
+		}
+	}
+};
+constexpr SetLanes kSetLanes;
+
 } // namespace
+
+void SphereRows::Pairs::Lot::add( std::uint32_t source, unsigned lanes )
+{
+	if ( count + kWide > lane.size() )
+	{
+		lane.resize( 2 * lane.size() + kWide );
+		from.resize( lane.size() );
+	}
+	std::memcpy( lane.data() + count, kSetLanes.lane[lanes], kWide );
+	std::fill_n( from.data() + count, kWide, source );
+	count += kSetLanes.count[lanes];
+}
 
 void SphereRows::Boxes::set( int k, const Box& box )
 {
@@ -112,6 +147,47 @@ void SphereRows::place( const NodeState& nodes, const Vec3& shift, TaskRunner* r
 		}
 	}
 	m_whole = m_boxes.back().around();
+}
+
+void SphereRows::findPairs( const SphereRows& a, const SphereRows& b, const Approach& approach, Pairs& pairs )
+{
+	// What the way from a's coordinates to b's, and back, makes of a box.
+	const Box there = Box::of( approach.shift + approach.low, approach.shift + approach.high );
+	const Box back = Box::of( -approach.shift - approach.high, -approach.shift - approach.low );
+	btVector3 farthest = -approach.low;
+	farthest.setMax( approach.high );
+	const float way = float( farthest.length() );
+	const float shift[3] = { float( approach.shift.x() ), float( approach.shift.y() ), float( approach.shift.z() ) };
+	pairs.rows.clear();
+	pairs.rowPairs.clear();
+	pairs.asking.count = pairs.near.count = 0;
+	a.visitRows( b.m_whole.moved( back ), [&pairs]( int row ) { pairs.rows.push_back( row ); } );
+	for ( const int mine : pairs.rows )
+	{
+		b.visitRows( a.boxOfRow( mine ).moved( there ), [&pairs, mine]( int others ) { pairs.rowPairs.push_back( { mine, others } ); } );
+	}
+	for ( std::size_t p = 0; p < pairs.rowPairs.size(); ++p )
+	{
+		const auto [mine, others] = pairs.rowPairs[p];
+		pairs.asking.add( std::uint32_t( p ), met( a.m_rows[std::size_t( mine )], b.boxOfRow( others ).moved( back ) ) );
+	}
+	for ( std::size_t i = 0; i < pairs.asking.count; ++i )
+	{
+		const auto [mine, others] = pairs.rowPairs[pairs.asking.from[i]];
+		const Row& row = a.m_rows[std::size_t( mine )];
+		const std::size_t k = pairs.asking.lane[i];
+		const float x[3] = { row.x[0][k] + shift[0], row.x[1][k] + shift[1], row.x[2][k] + shift[2] };
+		pairs.near.add( std::uint32_t( i ), near( b.m_rows[std::size_t( others )], x, row.reach[k] + way ) );
+	}
+	pairs.found.resize( pairs.near.count );
+	for ( std::size_t c = 0; c < pairs.near.count; ++c )
+	{
+		const std::size_t i = pairs.near.from[c], k = pairs.asking.lane[i], l = pairs.near.lane[c];
+		const auto [mine, others] = pairs.rowPairs[pairs.asking.from[i]];
+		const Row &row = a.m_rows[std::size_t( mine )], &other = b.m_rows[std::size_t( others )];
+		const float dx = other.x[0][l] - ( row.x[0][k] + shift[0] ), dy = other.x[1][l] - ( row.x[1][k] + shift[1] ), dz = other.x[2][l] - ( row.x[2][k] + shift[2] );
+		pairs.found[c] = Meeting{ row.node[k], other.node[l], dx * dx + dy * dy + dz * dz, row.reach[k] + other.reach[l] };
+	}
 }
 
 } // namespace pliant

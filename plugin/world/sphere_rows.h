@@ -10,6 +10,8 @@
 #include <BulletCollision/BroadphaseCollision/btDbvt.h>
 #include <BulletCollision/CollisionShapes/btSphereShape.h>
 
+#include <array>
+#include <cstdint>
 #include <vector>
 
 namespace pliant {
@@ -68,9 +70,26 @@ public:
 			forEach( met( row, box ), [&]( int k ) { visit( row.node[k] ); } );
 		} );
 	}
-	/// visit( meeting ) for every pair of spheres that may come to touch, and for some that nearly do. `near` is scratch that the caller keeps.
-	template <class Visit>
-	static void visitPairs( const SphereRows& a, const SphereRows& b, const Approach& approach, std::vector<int>& near, Visit&& visit );
+	/// What a search for pairs found, and its scratch; the caller keeps it.
+	struct Pairs
+	{
+		/// Lanes of rows, each with whatever it came of: what is found eight at a time is written eight at a time, wanted or not, and counted. How many
+		/// of eight there are is as good as chance, and a loop over them is guessed wrong each time.
+		struct Lot
+		{
+			std::vector<std::uint8_t> lane;
+			std::vector<std::uint32_t> from;
+			std::size_t count = 0;
+
+			void add( std::uint32_t source, unsigned lanes );
+		};
+
+		std::vector<Meeting> found; ///< every pair of spheres that may come to touch, and some that nearly do
+		std::vector<int> rows;
+		std::vector<std::array<int, 2>> rowPairs;
+		Lot asking, near;
+	};
+	static void findPairs( const SphereRows& a, const SphereRows& b, const Approach& approach, Pairs& pairs );
 	/// visit( node, where its sphere is ) for the first-th to the one before the last-th.
 	template <class Visit>
 	void visitPlaces( int first, int last, Visit&& visit ) const
@@ -190,33 +209,5 @@ private:
 	Box m_whole{};
 	int m_count = 0;
 };
-
-template <class Visit>
-void SphereRows::visitPairs( const SphereRows& a, const SphereRows& b, const Approach& approach, std::vector<int>& near, Visit&& visit )
-{
-	// What the way from a's coordinates to b's, and back, makes of a box.
-	const Box there = Box::of( approach.shift + approach.low, approach.shift + approach.high );
-	const Box back = Box::of( -approach.shift - approach.high, -approach.shift - approach.low );
-	btVector3 farthest = -approach.low;
-	farthest.setMax( approach.high );
-	const float way = float( farthest.length() );
-	const float shift[3] = { float( approach.shift.x() ), float( approach.shift.y() ), float( approach.shift.z() ) };
-	near.clear();
-	a.visitRows( b.m_whole.moved( back ), [&near]( int row ) { near.push_back( row ); } );
-	for ( const int mine : near )
-	{
-		const Row& row = a.m_rows[std::size_t( mine )];
-		b.visitRows( a.boxOfRow( mine ).moved( there ), [&]( int others ) {
-			const Row& other = b.m_rows[std::size_t( others )];
-			forEach( met( row, b.boxOfRow( others ).moved( back ) ), [&]( int k ) {
-				const float x[3] = { row.x[0][k] + shift[0], row.x[1][k] + shift[1], row.x[2][k] + shift[2] };
-				forEach( SphereRows::near( other, x, row.reach[k] + way ), [&]( int l ) {
-					const float dx = other.x[0][l] - x[0], dy = other.x[1][l] - x[1], dz = other.x[2][l] - x[2];
-					visit( Meeting{ row.node[k], other.node[l], dx * dx + dy * dy + dz * dz, row.reach[k] + other.reach[l] } );
-				} );
-			} );
-		} );
-	}
-}
 
 } // namespace pliant

@@ -117,7 +117,7 @@ TEST_P( SphereRowsOf, ABodyFindTheSpheresThatMeetABox )
 
 TEST_P( SphereRowsOf, TwoBodiesFindThePairsThatMayTouch )
 {
-	std::vector<int> scratch;
+	SphereRows::Pairs pairs;
 	std::size_t all = 0;
 	for ( int round = 0; round < 20; ++round )
 	{
@@ -127,13 +127,14 @@ TEST_P( SphereRowsOf, TwoBodiesFindThePairsThatMayTouch )
 		const btVector3 way( btScalar( uniform( random, 0, fast ) ), btScalar( uniform( random, 0, fast ) ), btScalar( uniform( random, 0, fast ) ) );
 		const SphereRows::Approach approach{ btVector3( btScalar( uniform( random, -0.3, 0.3 ) ), btScalar( uniform( random, -0.75, -0.6 ) ), 0 ), -way, way };
 		std::vector<std::pair<int, int>> found;
-		SphereRows::visitPairs( soft[0]->impl().shape->rows(), soft[1]->impl().shape->rows(), approach, scratch,
-			[&]( const SphereRows::Meeting& pair ) {
-				const Vec3 apart = placeOf( *soft[0], pair.nodeA ) + toVec3( approach.shift ) - placeOf( *soft[1], pair.nodeB );
-				ASSERT_NEAR( pair.square, apart.squaredNorm(), 1e-6f );
-				ASSERT_EQ( pair.reach, reachOf( *soft[0], pair.nodeA ) + reachOf( *soft[1], pair.nodeB ) );
-				found.push_back( { pair.nodeA, pair.nodeB } );
-			} );
+		SphereRows::findPairs( soft[0]->impl().shape->rows(), soft[1]->impl().shape->rows(), approach, pairs );
+		for ( const SphereRows::Meeting& pair : pairs.found )
+		{
+			const Vec3 apart = placeOf( *soft[0], pair.nodeA ) + toVec3( approach.shift ) - placeOf( *soft[1], pair.nodeB );
+			ASSERT_NEAR( pair.square, apart.squaredNorm(), 1e-6f );
+			ASSERT_EQ( pair.reach, reachOf( *soft[0], pair.nodeA ) + reachOf( *soft[1], pair.nodeB ) );
+			found.push_back( { pair.nodeA, pair.nodeB } );
+		}
 		std::sort( found.begin(), found.end() );
 		ASSERT_EQ( std::adjacent_find( found.begin(), found.end() ), found.end() );
 		for ( int a = 0; a < soft[0]->nodeCount(); ++a )
