@@ -89,6 +89,8 @@ private:
 	bool isHeld( const Side& side ) const;
 	void convertBullets( btPersistentManifold& manifold );
 	void convertPoint();
+	int one() const { return a.point > 0 ? a.point : b.point; } ///< of the nodes' points at hand
+	int other() const { return a.point > 0 ? b.point : 0; }     ///< or nobody's
 	const Side* turning() const { return a.body ? &a : b.body ? &b : nullptr; }
 	const Point& pointOf( const Side& side ) const { return rows.points[std::size_t( side.point )]; }
 	btVector3 speedOf( const Side& side ) const;
@@ -240,7 +242,7 @@ btScalar ContactSolver::Conversion::bounce() const
 void ContactSolver::Conversion::warmStart( const Lever& lever, btScalar impulse )
 {
 	const Side* const turns = turning();
-	const std::size_t first = std::size_t( a.point > 0 ? a.point : b.point ), second = turns ? first : std::size_t( a.point > 0 ? b.point : 0 );
+	const std::size_t first = std::size_t( one() ), second = turns ? first : std::size_t( other() );
 	if ( turns )
 	{
 		turns->body->internalApplyImpulse( lever.axis * turns->body->internalGetInvMass(), lever.angular, impulse );
@@ -256,16 +258,15 @@ void ContactSolver::Conversion::warmStart( const Lever& lever, btScalar impulse 
 void ContactSolver::Conversion::write( const Lever& lever, Ask ask, int which )
 {
 	ask.normal = lever.axis;
-	const Side* const turns = turning();
-	if ( turns )
+	if ( const Side* const turns = turning() )
 	{
-		const int other = turns == &a ? b.point : a.point;
+		const int node = turns == &a ? b.point : a.point;
 		( which < 0 ? rows.turnPress[std::size_t( place.at )] : rows.turnRub[std::size_t( place.at * rows.directions + which )] ) =
 			TurningRow{ lever.axis, lever.cross, lever.angular, ask.perSpeed, ask.rhs, ask.cfm, ask.impulse, ask.friction,
-				rows.points[std::size_t( other )].inverse, other, turns->number, turns == &a, 1. / ask.perSpeed };
+				rows.points[std::size_t( node )].inverse, node, turns->number, turns == &a, 1. / ask.perSpeed };
 		return;
 	}
-	const int first = a.point > 0 ? a.point : b.point, second = a.point > 0 ? b.point : 0, four = place.at / kRowLanes, kind = int( place.kind );
+	const int first = one(), second = other(), four = place.at / kRowLanes, kind = int( place.kind );
 	FourRows& row = which < 0 ? rows.press[kind][std::size_t( four )] : rows.rub[kind][std::size_t( four * rows.directions + which )];
 	row.set( place.at % kRowLanes, ask, first, rows.points[std::size_t( first )].inverse, second, rows.points[std::size_t( second )].inverse );
 }
@@ -292,8 +293,7 @@ void ContactSolver::Conversion::convertPoint()
 	const bool isSplit = info.m_splitImpulse && !( depth > info.m_splitImpulsePenetrationThreshold );
 	ask.rhs = isSplit ? off * ask.perSpeed : out + off * ask.perSpeed;
 
-	place = rows.place( turning() ? RowKind::Turning : a.point > 0 && b.point > 0 ? RowKind::Pair : RowKind::Alone,
-		a.point > 0 ? a.point : b.point, a.point > 0 ? b.point : 0 );
+	place = rows.place( turning() ? RowKind::Turning : a.point > 0 && b.point > 0 ? RowKind::Pair : RowKind::Alone, one(), other() );
 	write( lever, ask, -1 );
 	rows.contacts.push_back( ContactRows::Contact{ point, place } );
 	if ( isSplit && out != 0 )

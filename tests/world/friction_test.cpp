@@ -208,6 +208,46 @@ TEST( Friction, ByDirectionGoesByTheBodysOwnAxes )
 	EXPECT_LT( ( explicitOne - implicitOne ).length(), btScalar( 0.05 ) * explicitOne.length() );
 }
 
+/// Of all points that were made or renewed: how many, and how far the furthest of their places in the two bodies' own axes is from the one in the world, m.
+struct LocalPoints
+{
+	int count = 0, turned = 0;
+	btScalar worst = 0;
+
+	void look( const btManifoldPoint& point, const btCollisionObject& body0, const btCollisionObject& body1 )
+	{
+		++count;
+		turned += body0.getWorldTransform().getRotation().getAngle() > btScalar( 0.5 ) || body1.getWorldTransform().getRotation().getAngle() > btScalar( 0.5 ) ? 1 : 0;
+		worst = btMax( worst, ( body0.getWorldTransform() * point.m_localPointA - point.m_positionWorldOnA ).length() );
+		worst = btMax( worst, ( body1.getWorldTransform() * point.m_localPointB - point.m_positionWorldOnB ).length() );
+	}
+};
+LocalPoints* localPoints = nullptr; // Bullet's callback is a function without a context
+
+// A stand-in has the material's axes where friction goes by direction, and the world's else; a point's local place is in those it has.
+TEST( Friction, ByDirectionTurnsTheLocalPlacesOfContacts )
+{
+	for ( const bool isDirected : { false, true } )
+	{
+		TestWorld t;
+		t.addBox( 0, btVector3( 50, 1, 50 ), at( 0, -1, 0 ) );
+		const btTransform turned( btQuaternion( btVector3( 0, 0, 1 ), SIMD_HALF_PI ), btVector3( 0, btScalar( 0.25 ), 0 ) ); // what is down is not down in its own axes
+		SoftBody* cube = t.addSoft( block( 5, 5, 5, 0.1f ), turned, implicitOr( Elasticity::Explicit ) );
+		cube->setAnisotropicFriction( isDirected ? btVector3( btScalar( 0.2 ), 1, 1 ) : btVector3( 1, 1, 1 ) );
+		LocalPoints points;
+		localPoints = &points;
+		gContactProcessedCallback = []( btManifoldPoint& point, void* body0, void* body1 ) {
+			localPoints->look( point, *static_cast<btCollisionObject*>( body0 ), *static_cast<btCollisionObject*>( body1 ) );
+			return true;
+		};
+		t.run( 20 );
+		gContactProcessedCallback = nullptr;
+		EXPECT_GT( points.count, 100 );
+		EXPECT_EQ( points.turned, isDirected ? points.count : 0 );
+		EXPECT_LT( points.worst, btScalar( 1e-5 ) );
+	}
+}
+
 // Stand-ins go from one body to the next: what the first asked for must not stay with them.
 TEST( Friction, ByDirectionIsNotHandedOnToOtherBodies )
 {
