@@ -22,12 +22,14 @@ std::size_t eighthOf( std::size_t count )
 /// The lanes that are set of eight, in order, and how many they are; what follows them is none of them.
 struct SetLanes
 {
-	std::uint8_t lane[256][SphereRows::kWide] = {};
-	std::uint8_t count[256] = {};
+	static constexpr int kSets = 1 << SphereRows::kWide;
+
+	std::uint8_t lane[kSets][SphereRows::kWide] = {};
+	std::uint8_t count[kSets] = {};
 
 	constexpr SetLanes()
 	{
-		for ( int set = 0; set < 256; ++set )
+		for ( int set = 0; set < kSets; ++set )
 		{
 			for ( int k = 0; k < SphereRows::kWide; ++k )
 			{

@@ -89,6 +89,7 @@ public:
 		std::vector<std::array<int, 2>> rowPairs;
 		Lot asking, near;
 	};
+	/// Into `pairs.found`, in an order that follows from the rows. Rows whose boxes meet, spheres of the one that meet the other's box, and those near each of them.
 	static void findPairs( const SphereRows& a, const SphereRows& b, const Approach& approach, Pairs& pairs );
 	/// visit( node, where its sphere is ) for the first-th to the one before the last-th.
 	template <class Visit>
