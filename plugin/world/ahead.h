@@ -25,16 +25,29 @@ inline void askFor( const void* at, std::size_t size )
 	__builtin_prefetch( from + size - 1 );
 }
 
-/// A manifold's bodies and counts, behind the room for its points, and its first point.
+/// A manifold's bodies and counts, which lie behind the room for its points.
+inline void askForEnd( const btPersistentManifold& manifold )
+{
+	constexpr std::size_t kBefore = 32; // the bodies, the number of points and the thresholds
+	askFor( reinterpret_cast<const char*>( &manifold.m_companionIdA ) - kBefore, kBefore + sizeof( int ) );
+}
+
+/// The same, and its first point.
 inline void askForManifold( const btPersistentManifold& manifold )
 {
-	const char* const end = reinterpret_cast<const char*>( &manifold.m_companionIdA );
-	askFor( end - kFetched, kFetched + sizeof( int ) );
+	askForEnd( manifold );
 	askFor( &manifold, sizeof( btManifoldPoint ) );
 }
 
-/// Who an object is: from how it slips by direction, by its flags and island, to its type.
+/// Who an object is: from its shape, by its flags and island, to its surface. Of a stand-in that is a line.
 inline void askWho( const btCollisionObject& object )
+{
+	constexpr std::size_t kToShape = 32; // from how it slips by direction, the last before it that has an address
+	askFor( reinterpret_cast<const char*>( &object.getAnisotropicFriction() ) + kToShape, kFetched );
+}
+
+/// And how it slips by direction, and of what type it is.
+inline void askForAll( const btCollisionObject& object )
 {
 	askFor( &object.getAnisotropicFriction(), 2 * kFetched - 2 * sizeof( btScalar ) );
 }
@@ -50,9 +63,9 @@ inline void setWhole( btVector3& to, const btVector3& from )
 	setWhole( to, from.x(), from.y(), from.z() );
 }
 
-/// visit( manifold ) for all that the dispatcher has, in its order.
-template <class Visit>
-void forEachManifold( btDispatcher& dispatcher, Visit&& visit )
+/// visit( manifold ) for all that the dispatcher has, in its order. `ask( manifold )`: for what of it is read.
+template <class Ask, class Visit>
+void forEachManifold( btDispatcher& dispatcher, const Ask& ask, Visit&& visit )
 {
 	constexpr int kManifolds = 12, kBodies = 6; // asked for so many turns ahead
 	btPersistentManifold** const all = dispatcher.getInternalManifoldPointer();
@@ -61,7 +74,7 @@ void forEachManifold( btDispatcher& dispatcher, Visit&& visit )
 	{
 		if ( m + kManifolds < count )
 		{
-			askForManifold( *all[m + kManifolds] );
+			ask( *all[m + kManifolds] );
 		}
 		if ( m + kBodies < count )
 		{

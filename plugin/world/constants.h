@@ -16,11 +16,16 @@ inline constexpr double kRadiusStepsPerOctave = 16.0;
 
 /// Contacts of a pair whose memory is asked for before their turn.
 inline constexpr std::size_t kContactsAhead = 2;
+/// Points that go back to the surfaces, of which the memory is asked for before their turn.
+inline constexpr std::size_t kPlacesAhead = 12;
 /// The same of a body's stand-ins.
 inline constexpr std::size_t kStandsAhead = 4;
 
 /// Contacts are made this far ahead of touch at least, in node radii, so that a resting contact does not flicker.
 inline constexpr btScalar kContactSlop = btScalar( 0.04 );
+
+/// Clear of a plane or a box is what misses it by more than this share of a radius: rounding, of a world ten thousand kilometres wide.
+inline constexpr double kFarSlack = 1e-6;
 
 /// A node that moves more than this share of its radius in a step is swept instead of asked for its nearest point.
 inline constexpr double kFastShare = 0.5;

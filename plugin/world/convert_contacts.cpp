@@ -21,7 +21,7 @@ void askForContact( const btPersistentManifold& manifold )
 	askFor( from, std::size_t( reinterpret_cast<const char*>( &point + 1 ) - from ) );
 	for ( const btCollisionObject* object : { manifold.getBody0(), manifold.getBody1() } )
 	{
-		askWho( *object );
+		askForAll( *object );
 		askFor( &static_cast<const btRigidBody*>( object )->getLinearVelocity(), 3 * sizeof( btVector3 ) );
 	}
 }

@@ -76,7 +76,7 @@ private:
 
 	void uniteByContacts( btDispatcher& dispatcher )
 	{
-		forEachManifold( dispatcher, [this]( const btPersistentManifold& manifold ) {
+		forEachManifold( dispatcher, askForEnd, [this]( const btPersistentManifold& manifold ) {
 			const btCollisionObject *a = manifold.getBody0(), *b = manifold.getBody1();
 			const SoftBody *const ownerA = ownerOfNodeBody( a ), *const ownerB = ownerOfNodeBody( b );
 			a = ownerA ? ownerA : a;

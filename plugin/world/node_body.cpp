@@ -122,7 +122,7 @@ void NodeBodyPool::release( NodeBody* body )
 		takeFromTouched( impl, *body );
 	}
 	body->owner = nullptr;
-	body->setBroadphaseHandle( nullptr );
+	body->setBroadphaseHandle( body->handle = nullptr );
 	m_free.push_back( body );
 }
 
@@ -146,12 +146,17 @@ void NodeBodyPool::renumber( SoftBody& owner, const std::vector<std::uint32_t>& 
 	}
 }
 
-void NodeBodyPool::askAhead( const NodeBody& body )
+void NodeBodyPool::askForSpeed( const NodeBody& body )
 {
 	askFor( &body.getWorldTransform().getOrigin(), sizeof( btVector3 ) );
-	askWho( body );
 	askFor( &body.getLinearVelocity(), sizeof( btVector3 ) );
-	askFor( &body.owner, sizeof( NodeBody ) - sizeof( btRigidBody ) );
+	askFor( &body.owner, 1 );
+}
+
+void NodeBodyPool::askAhead( const NodeBody& body )
+{
+	askForSpeed( body );
+	askWho( body );
 }
 
 void NodeBodyPool::refresh( NodeBody& body )
@@ -204,7 +209,10 @@ void NodeBodyPool::refresh( NodeBody& body )
 		body.setInterpolationWorldTransform( body.getWorldTransform() ); // nobody asks for it within a step
 		body.setInterpolationLinearVelocity( velocity );
 	}
-	body.setBroadphaseHandle( owner.getBroadphaseHandle() );
+	if ( body.handle != owner.getBroadphaseHandle() )
+	{
+		body.setBroadphaseHandle( body.handle = const_cast<btBroadphaseProxy*>( owner.getBroadphaseHandle() ) );
+	}
 	body.setIslandTag( owner.getIslandTag() );
 	body.forceActivationState( owner.getActivationState() );
 	body.wasAsleep = !owner.isActive();

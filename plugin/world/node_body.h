@@ -16,12 +16,17 @@ class SoftBody;
 class NodeBody : public btRigidBody
 {
 public:
-	/// So that what each stage asks for lies in few lines of the cache: who it is in two, its speed and mass in one, and what is below in one.
+	/// So that what each stage asks for lies in few lines of the cache: where it is in one, who it is, its speed and mass, and what is below.
 	static void* operator new( std::size_t size ) { return static_cast<char*>( btAlignedAlloc( size + kOffset, kLine ) ) + kOffset; }
 	static void operator delete( void* body ) { btAlignedFree( static_cast<char*>( body ) - kOffset ); }
 
 	NodeBody();
 
+private:
+	static constexpr int kLine = 64, kOffset = 56;
+	[[maybe_unused]] char m_gap[32] = {}; ///< to the next line
+
+public:
 	SoftBody* owner = nullptr;
 	int node = -1;          ///< -1: a change of levels did away with it; what names the stand-in lets go of it in the next collision phase
 	int uses = 0;           ///< manifolds and predictive contacts that name it
@@ -32,9 +37,7 @@ public:
 	bool wasAsleep = false; ///< when it was last written: awake now means that something has woken it
 	bool isDirected = false; ///< its axes are the material's
 	btVector3 written = btVector3( 0, 0, 0 ); ///< world position given to the solver, m
-
-private:
-	static constexpr int kLine = 64, kOffset = 32;
+	btBroadphaseProxy* handle = nullptr;      ///< what Bullet has of it: that lies in a line of its own
 };
 
 /// Marks an object as a stand-in without touching the user's pointers.
@@ -71,6 +74,8 @@ public:
 	void refresh( NodeBody& body );
 	/// The body is to be refreshed some turns later: what of it is written then.
 	static void askAhead( const NodeBody& body );
+	/// What it has come to is to be read: its place and speed.
+	static void askForSpeed( const NodeBody& body );
 
 	std::size_t count() const { return m_all.size(); }
 

@@ -350,43 +350,6 @@ void PairContacts::write( const Pair& pair, NodeContact& contact, const NodeHit*
 	}
 }
 
-void MovedContacts::moveToNodes( btDispatcher& dispatcher )
-{
-	m_moved.clear();
-	m_hasTurning = m_hasBounces = false;
-	forEachManifold( dispatcher, [this]( btPersistentManifold& manifold ) {
-		const bool nodeIsFirst = ownerOfNodeBody( manifold.getBody0() ) != nullptr;
-		if ( !nodeIsFirst && !ownerOfNodeBody( manifold.getBody1() ) )
-		{
-			return;
-		}
-		const auto& node = static_cast<const NodeBody&>( *( nodeIsFirst ? manifold.getBody0() : manifold.getBody1() ) );
-		const btScalar deep = -kDeepShare * radiusOf( node );
-		for ( int k = 0; k < manifold.getNumContacts(); ++k )
-		{
-			btManifoldPoint& point = manifold.getContactPoint( k );
-			if ( point.m_distance1 < deep && ( nodeIsFirst ? manifold.getBody1() : manifold.getBody0() )->isStaticOrKinematicObject() )
-			{
-				node.owner->impl().isGuarded = true; // what is crushed goes through slowly
-			}
-			m_hasTurning = m_hasTurning || point.m_combinedRollingFriction != 0 || point.m_combinedSpinningFriction != 0;
-			m_hasBounces = m_hasBounces || point.m_combinedRestitution > 0;
-			const btScalar fromSurface = point.m_distance1 + radiusOf( node );
-			btVector3& place = nodeIsFirst ? point.m_positionWorldOnB : point.m_positionWorldOnA;
-			m_moved.push_back( Moved{ &place, place } );
-			place += point.m_normalWorldOnB * ( nodeIsFirst ? fromSurface : -fromSurface );
-		}
-	} );
-}
-
-void MovedContacts::moveBack()
-{
-	for ( const Moved& moved : m_moved )
-	{
-		*moved.point = moved.was;
-	}
-}
-
 NodeAlgorithm::NodeAlgorithm( const btCollisionAlgorithmConstructionInfo& info, NodeBodyPool& pool, PairScratch& scratch ) :
 	btCollisionAlgorithm( info ), m_contacts( new PairContacts( *info.m_dispatcher1, pool, scratch ) )
 {

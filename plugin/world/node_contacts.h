@@ -106,29 +106,4 @@ private:
 	PairScratch& m_scratch;
 };
 
-/// While Bullet's solver is at work a contact acts at the node's centre, on both sides: a node has no spin that could take up the rest,
-/// and angular momentum is kept. At all other times the contact's point lies on the surfaces.
-class MovedContacts
-{
-public:
-	void moveToNodes( btDispatcher& dispatcher );
-	void moveBack();
-	/// Those moved last.
-	int count() const { return int( m_moved.size() ); }
-	/// Some of them have rolling or spinning friction.
-	bool hasTurning() const { return m_hasTurning; }
-	/// Some have restitution.
-	bool hasBounces() const { return m_hasBounces; }
-
-private:
-	struct Moved
-	{
-		btVector3* point;
-		btVector3 was; ///< the point on the surface
-	};
-
-	std::vector<Moved> m_moved;
-	bool m_hasTurning = false, m_hasBounces = false;
-};
-
 } // namespace pliant

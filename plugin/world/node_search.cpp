@@ -1,6 +1,7 @@
 #include "world/node_search.h"
 
 #include "body/levels.h"
+#include "world/box_touch.h"
 #include "world/constants.h"
 #include "world/obstacle_parts.h"
 #include "world/soft_body_impl.h"
@@ -80,9 +81,13 @@ const std::vector<NodeHit>& NodeSearch::againstRigid( const SoftBody& soft, cons
 
 void NodeSearch::sortHits()
 {
-	std::sort( m_hits.begin(), m_hits.end(), []( const NodeHit& a, const NodeHit& b ) {
+	const auto isBefore = []( const NodeHit& a, const NodeHit& b ) {
 		return std::tie( a.key, a.touch.distance, a.part, a.index ) < std::tie( b.key, b.touch.distance, b.part, b.index );
-	} );
+	};
+	if ( !std::is_sorted( m_hits.begin(), m_hits.end(), isBefore ) )
+	{
+		std::sort( m_hits.begin(), m_hits.end(), isBefore );
+	}
 }
 
 void NodeSearch::visit( const Obstacle& obstacle )
@@ -104,15 +109,23 @@ void NodeSearch::visit( const Obstacle& obstacle )
 	++m_leaf;
 }
 
-MovingSphere NodeSearch::sphereOf( int node ) const
+NodeSearch::Spheres::Spheres( const NodeSearch& search ) :
+	m_nodes( search.m_soft->impl().body->nodes() ), m_shape( *search.m_soft->impl().shape ), m_motion( search.m_motion ), m_step( search.m_step ),
+	m_isStill( search.m_motion.isStill() )
 {
-	const SoftBody::Impl& impl = m_soft->impl();
-	const NodeState& nodes = impl.body->nodes();
+}
+
+inline MovingSphere NodeSearch::Spheres::of( int node ) const
+{
 	MovingSphere sphere;
-	sphere.shape = impl.shape->sphereOfNode( node );
+	sphere.shape = m_shape.sphereOfNode( node );
 	sphere.radius = double( sphere.shape->getRadius() );
-	sphere.centre = nodes.x.get( node ).cast<double>();
-	sphere.way = m_step * nodes.v.get( node ).cast<double>() - m_motion.way( sphere.centre, m_step );
+	sphere.centre = m_nodes.x.get( node ).cast<double>();
+	sphere.way = m_step * m_nodes.v.get( node ).cast<double>();
+	if ( !m_isStill )
+	{
+		sphere.way -= m_motion.way( sphere.centre, m_step );
+	}
 	return sphere;
 }
 
@@ -123,6 +136,7 @@ void NodeSearch::plane( const Obstacle& obstacle )
 	const FarPlane far( obstacle );
 	const double radius = ( m_notesNear ? 2.0 * kCornerReach : 1.0 ) * double( m_soft->impl().shape->largestRadius() ); // foresee asks for the parents' corners
 	const bool isStill = m_motion.isStill();
+	const Spheres spheres( *this );
 	Touch touch;
 	for ( int node = 0; node < nodes.count; ++node )
 	{
@@ -131,7 +145,7 @@ void NodeSearch::plane( const Obstacle& obstacle )
 		{
 			continue;
 		}
-		if ( findTouch( obstacle, sphereOf( node ), touch ) )
+		if ( findTouch( obstacle, spheres.of( node ), touch ) )
 		{
 			m_hits.push_back( NodeHit{ std::uint64_t( node ) << 32 | m_leaf, touch, obstacle.part, obstacle.index } );
 		}
@@ -146,9 +160,13 @@ void NodeSearch::plane( const Obstacle& obstacle )
 // a node is split whose box it enters and which is larger than it; its parts, one of which it is then in, stay while it is there.
 void NodeSearch::noteNear( int node, btScalar size ) const
 {
+	if ( !m_notesNear )
+	{
+		return;
+	}
 	const SoftBody::Impl& impl = m_soft->impl();
 	const btScalar diameter = 2 * impl.shape->sphereOfNode( node )->getRadius();
-	if ( m_notesNear && size <= 2 * diameter )
+	if ( size <= 2 * diameter )
 	{
 		impl.nearby.push_back( SoftBody::Impl::Near{ node, size <= diameter } );
 	}
@@ -161,7 +179,7 @@ template <class Find>
 void NodeSearch::foresee( int node, const Find& find ) const
 {
 	const SoftBody::Impl& impl = m_soft->impl();
-	MovingSphere sphere = sphereOf( node );
+	MovingSphere sphere = Spheres( *this ).of( node );
 	const double corner = kCornerReach * sphere.radius;
 	Touch touch;
 	sphere.radius = corner;
@@ -202,6 +220,21 @@ void NodeSearch::foreseeIn( const btVector3& low, const btVector3& high, const F
 	impl.shape->rows().visitOverlaps( SphereRows::Box::of( low - aside, high + aside ), [&]( int node ) { foresee( node, find ); } );
 }
 
+// In the nodes' order, which is that of the hits: of a single solid none is left to put in order.
+template <class Find>
+void NodeSearch::touchMarked( const Obstacle& obstacle, btScalar size, const Find& find )
+{
+	const Spheres spheres( *this );
+	m_marks.takeAll( [&]( int node ) {
+		noteNear( node, size );
+		Touch touch;
+		if ( find( spheres.of( node ), touch ) )
+		{
+			m_hits.push_back( NodeHit{ std::uint64_t( node ) << 32 | m_leaf, touch, obstacle.part, obstacle.index } );
+		}
+	} );
+}
+
 void NodeSearch::solid( const Obstacle& obstacle )
 {
 	const SoftBody::Impl& impl = m_soft->impl();
@@ -216,14 +249,17 @@ void NodeSearch::solid( const Obstacle& obstacle )
 						  btScalar( m_step * m_motion.angular.norm() ) * ( box.high - box.low ).length() / 2;
 	box.move( btVector3( -turn, -turn, -turn ), btVector3( turn, turn, turn ) );
 	box.stretchAgainst( *impl.shape );
-	impl.shape->rows().visitOverlaps( SphereRows::Box::of( box.low, box.high ), [&]( int node ) {
-		noteNear( node, size );
-		Touch touch;
-		if ( findTouch( obstacle, sphereOf( node ), touch ) )
-		{
-			m_hits.push_back( NodeHit{ std::uint64_t( node ) << 32 | m_leaf, touch, obstacle.part, obstacle.index } );
-		}
-	} );
+	m_marks.fit( impl.body->nodeCount() );
+	impl.shape->rows().visitOverlaps( SphereRows::Box::of( box.low, box.high ), [this]( int node ) { m_marks.add( node ); } );
+	if ( obstacle.shape->getShapeType() == BOX_SHAPE_PROXYTYPE )
+	{
+		const BoxTouch asked( obstacle );
+		touchMarked( obstacle, size, [&asked]( const MovingSphere& sphere, Touch& touch ) { return asked.find( sphere, touch ); } );
+	}
+	else
+	{
+		touchMarked( obstacle, size, [&obstacle]( const MovingSphere& sphere, Touch& touch ) { return findTouch( obstacle, sphere, touch ); } );
+	}
 	foreseeIn( box.low, box.high, [&obstacle]( const MovingSphere& sphere, Touch& found ) { return findTouch( obstacle, sphere, found ); } );
 }
 
@@ -268,9 +304,10 @@ void NodeSearch::triangle( const Obstacle& mesh, const Vec3d ( &corners )[3] )
 	Box box{ toBt( corners[0].cwiseMin( corners[1] ).cwiseMin( corners[2] ) - shift ), toBt( corners[0].cwiseMax( corners[1] ).cwiseMax( corners[2] ) - shift ) };
 	box.stretchAlong( toBt( m_step * m_motion.linear ) );
 	box.stretchAgainst( *impl.shape );
+	const Spheres spheres( *this );
 	impl.shape->rows().visitOverlaps( SphereRows::Box::of( box.low, box.high ), [&]( int node ) {
 		Touch touch;
-		if ( findTouch( corners, sphereOf( node ), touch ) )
+		if ( findTouch( corners, spheres.of( node ), touch ) )
 		{
 			m_hits.push_back( NodeHit{ std::uint64_t( node ) << 32 | m_leaf, touch, mesh.part, mesh.index } );
 		}

@@ -3,6 +3,7 @@
 // Finds which nodes of a soft body meet another object in this step, in an order that does not depend on trees: by node, then by the
 // part of the other object, then by distance.
 
+#include "world/node_marks.h"
 #include "world/node_shape.h"
 #include "world/node_touch.h"
 #include "world/obstacle_motion.h"
@@ -40,12 +41,28 @@ public:
 	const std::vector<NodeHit>& againstSoft( const SoftBody& a, const SoftBody& b, double step );
 
 private:
+	/// The body's spheres, as they move against what is asked about.
+	class Spheres
+	{
+	public:
+		explicit Spheres( const NodeSearch& search );
+		MovingSphere of( int node ) const;
+
+	private:
+		const NodeState& m_nodes;
+		const NodeShape& m_shape;
+		const ObstacleMotion& m_motion;
+		double m_step;
+		bool m_isStill;
+	};
+
 	void visit( const Obstacle& part );
 	void plane( const Obstacle& obstacle );
 	void solid( const Obstacle& obstacle );
 	void mesh( const Obstacle& obstacle );
 	void triangle( const Obstacle& mesh, const Vec3d ( &corners )[3] );
-	MovingSphere sphereOf( int node ) const;
+	template <class Find>
+	void touchMarked( const Obstacle& obstacle, btScalar size, const Find& find );
 	void noteNear( int node, btScalar size ) const;
 	btVector3 cornerReach() const;
 	template <class Find>
@@ -61,6 +78,7 @@ private:
 	ObstacleMotion m_motion;
 	std::uint32_t m_leaf = 0;
 	std::vector<NodeHit> m_hits;
+	NodeMarks m_marks;
 	SphereRows::Pairs m_pairs;
 };
 

@@ -1,5 +1,6 @@
 #include "world/node_touch.h"
 
+#include "world/box_touch.h"
 #include "world/constants.h"
 
 #include <BulletCollision/CollisionShapes/btBoxShape.h>
@@ -17,9 +18,6 @@
 namespace pliant {
 
 namespace {
-
-/// Clear of a plane is what misses it by more than this share of a radius: rounding, of a world ten thousand kilometres wide.
-constexpr double kFarSlack = 1e-6;
 
 Vec3d toEigen( const btVector3& a )
 {
@@ -235,16 +233,6 @@ btTransform Obstacle::transform() const
 		toBullet( position ) );
 }
 
-bool MovingSphere::reaches( const Vec3d& normal, double distance ) const
-{
-	return distance <= radius * ( 1.0 + kContactSlop ) + std::max( 0.0, -normal.dot( way ) );
-}
-
-bool MovingSphere::isFast() const
-{
-	return way.squaredNorm() > kFastShare * kFastShare * radius * radius;
-}
-
 bool findTouch( const Obstacle& obstacle, const MovingSphere& sphere, Touch& touch )
 {
 	const auto find = [&obstacle]( const MovingSphere& at, Touch& found ) { return nearest( obstacle, at, found ); };
@@ -261,6 +249,8 @@ FarPlane::FarPlane( const Obstacle& plane )
 	m_normal = plane.basis * toEigen( shape.getPlaneNormal() );
 	m_constant = m_normal.dot( plane.position ) + double( shape.getPlaneConstant() );
 }
+
+BoxTouch::BoxTouch( const Obstacle& box ) : m_box( box ), m_half( toEigen( static_cast<const btBoxShape*>( box.shape )->getHalfExtentsWithMargin() ) ) {}
 
 const double FarPlane::kGrown = ( 1.0 + kContactSlop ) * ( 1.0 + kFarSlack );
 

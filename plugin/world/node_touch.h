@@ -4,6 +4,7 @@
 // Everything is relative to the soft body's origin and in double: a kilometre out a float world still rests where it rests at home.
 
 #include "lattice/lattice.h"
+#include "world/constants.h"
 
 #include <BulletCollision/CollisionShapes/btCollisionShape.h>
 #include <LinearMath/btTransform.h>
@@ -37,9 +38,12 @@ struct MovingSphere
 	const btSphereShape* shape = nullptr;
 
 	/// The nearest touch counts when the sphere touches it, nearly touches it, or comes that far in this step.
-	bool reaches( const Vec3d& normal, double distance ) const;
+	bool reaches( const Vec3d& normal, double distance ) const
+	{
+		return distance <= radius * ( 1.0 + kContactSlop ) + std::max( 0.0, -normal.dot( way ) );
+	}
 	/// It moves so far that the place it is nearest to now need not be the place it hits.
-	bool isFast() const;
+	bool isFast() const { return way.squaredNorm() > kFastShare * kFastShare * radius * radius; }
 };
 
 struct Touch

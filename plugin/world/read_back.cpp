@@ -29,7 +29,7 @@ void SoftBodySystem::readBack()
 		for ( std::size_t k = 0; k < impl.touched.size(); ++k )
 		{
 			NodeBody* const stand = impl.touched[k];
-			NodeBodyPool::askAhead( *impl.touched[std::min( k + kStandsAhead, impl.touched.size() - 1 )] );
+			NodeBodyPool::askForSpeed( *impl.touched[std::min( k + kStandsAhead, impl.touched.size() - 1 )] );
 			wakes = wakes || ( stand->wasAsleep && stand->isActive() );
 			if ( !body->isActive() )
 			{

@@ -4,6 +4,7 @@
 #include "world/constants.h"
 #include "world/debug_draw.h"
 #include "world/island_manager.h"
+#include "world/moved_contacts.h"
 #include "world/soft_body_impl.h"
 #include "world/soft_body_system.h"
 #include "world/stopwatch.h"
