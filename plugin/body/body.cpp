@@ -127,7 +127,8 @@ Status Body::setMaterial( const Material& wanted )
 	try
 	{
 		std::unique_ptr<Matcher> matcher;
-		const bool lacksInverse = !m_levels && material.yieldStrain > 0.0f && !needsInverse( m_material );
+		// What has flowed has the tables for more of it, also where plasticity was switched off since.
+		const bool lacksInverse = !m_levels && material.yieldStrain > 0.0f && !needsInverse( m_material ) && !hasFlowed();
 		if ( lacksInverse || needsNewMatcher( m_material, material, m_levels != nullptr ) )
 		{
 			if ( m_levels )

@@ -283,7 +283,12 @@ std::unique_ptr<Matcher> Body::makePieceMatcher( const Body& from, const BodyPie
 	const RegionTables& before = static_cast<const LatticeMatcher&>( *from.m_matcher ).tables();
 	const Vec3d shift = ( m_lattice->massCentre - from.m_lattice->massCentre ) / double( m_lattice->cellSize );
 	const MomentsBefore moments{ before.moments, before.regions, piece.cellBefore, shift };
-	auto matcher = std::make_unique<LatticeMatcher>( *m_lattice, m_material, buildRegionTables( *m_lattice, m_material, Summation::Automatic, m_stiffness, &moments ) );
+	Material measured = m_material;
+	if ( from.hasFlowed() && !needsInverse( measured ) ) // plasticity has been switched off, and what has flowed stays
+	{
+		measured.yieldStrain = 1.0f;
+	}
+	auto matcher = std::make_unique<LatticeMatcher>( *m_lattice, m_material, buildRegionTables( *m_lattice, measured, Summation::Automatic, m_stiffness, &moments ) );
 	matcher->setFarLevels( m_material.farLevels, m_stiffness );
 	return matcher;
 }

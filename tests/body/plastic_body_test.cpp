@@ -1,5 +1,6 @@
 // Bodies that keep a dent: a pulled bar's permanent set is what the yield law says, on one level and on several, and follows when levels change.
 
+#include "body/breaking.h"
 #include "body/levels.h"
 #include "matching/lattice_matcher.h"
 #include "support/block_body.h"
@@ -187,6 +188,53 @@ TEST( PlasticBody, CanBeSwitchedOnLater )
 		ASSERT_TRUE( body->setMaterial( materialOf( pull ) ).ok() );
 		run( *body, 0.2f, 1e9f );
 		EXPECT_NEAR( stretchOf( *body, 0 ), set, 1e-3 );
+	}
+}
+
+// It took the shape at rest from then on.
+TEST( PlasticBody, CanBeSwitchedOffAndOnAgain )
+{
+	Pull pull{ 1.3f, 0.05f, 40.0f, 0.5f, 0 };
+	const std::unique_ptr<Body> body = pullBar( pull );
+	run( *body, 1.0f, 1e9f );
+	const double set = stretchOf( *body, 0 );
+	for ( const float yieldStrain : { 0.0f, 0.05f } )
+	{
+		pull.yieldStrain = yieldStrain;
+		ASSERT_TRUE( body->setMaterial( materialOf( pull ) ).ok() );
+		run( *body, 0.2f, 1e9f );
+		EXPECT_NEAR( stretchOf( *body, 0 ), set, 1e-3 );
+	}
+}
+
+// Pieces of a body that had flowed, and no longer does, read tables that were not made for them.
+TEST( PlasticBody, KeepsItsShapeInPiecesAfterItWasSwitchedOff )
+{
+	Pull pull{ 1.3f, 0.05f, 40.0f, 0.5f, 0 };
+	const std::unique_ptr<Body> body = pullBar( pull );
+	run( *body, 1.0f, 1e9f );
+	pull.yieldStrain = 0.0f;
+	ASSERT_TRUE( body->setMaterial( materialOf( pull ) ).ok() );
+	const LatticeMatcher& matcher = static_cast<const LatticeMatcher&>( body->matcher() );
+	std::vector<Eigen::Matrix3d> before;
+	for ( int i = 0; i < body->nodeCount(); ++i )
+	{
+		before.push_back( matcher.plasticFlow()->stretch( i ) );
+	}
+	body->breakLinks( test::linksAtFour( body->lattice(), kLength ) );
+	BreakReport report;
+	const std::vector<BodyPiece> pieces = body->breakApart( report, 10 );
+	ASSERT_EQ( pieces.size(), 2u );
+	for ( const BodyPiece& piece : pieces )
+	{
+		const PlasticFlow* flow = static_cast<const LatticeMatcher&>( piece.body->matcher() ).plasticFlow();
+		ASSERT_TRUE( flow );
+		for ( std::size_t i = 0; i < piece.nodeBefore.size(); ++i )
+		{
+			EXPECT_LT( ( flow->stretch( int( i ) ) - before[piece.nodeBefore[i]] ).norm(), 1e-6 );
+		}
+		run( *piece.body, 0.2f, 1e9f );
+		EXPECT_TRUE( piece.body->nodes().x.get( 0 ).allFinite() );
 	}
 }
 
