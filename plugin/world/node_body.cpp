@@ -31,28 +31,46 @@ NodeBodyPool::~NodeBodyPool()
 	}
 }
 
-namespace {
-
-/// What a user sets on the soft body and Bullet asks of the stand-in.
-void copySurface( const SoftBody& owner, NodeBody& body )
+void NodeSurface::follow( const SoftBody& owner, unsigned step )
 {
-	body.setFriction( owner.getFriction() );
-	body.setRestitution( owner.getRestitution() );
-	body.setRollingFriction( owner.getRollingFriction() );
-	body.setSpinningFriction( owner.getSpinningFriction() );
-	body.setUserPointer( owner.getUserPointer() );
-	body.setUserIndex( owner.getUserIndex() );
-	body.setUserIndex2( owner.getUserIndex2() );
-	body.setUserIndex3( owner.getUserIndex3() );
-	body.setContactProcessingThreshold( owner.getContactProcessingThreshold() );
-	if ( owner.getCollisionFlags() & btCollisionObject::CF_HAS_CONTACT_STIFFNESS_DAMPING )
+	if ( m_version != 0 && m_step == step )
 	{
-		body.setContactStiffnessAndDamping( owner.getContactStiffness(), owner.getContactDamping() );
+		return;
+	}
+	m_step = step;
+	const bool isDirected = owner.hasAnisotropicFriction( btCollisionObject::CF_ANISOTROPIC_FRICTION );
+	const Values now{ isDirected ? owner.getAnisotropicFriction() : btVector3( 1, 1, 1 ), owner.getFriction(), owner.getRestitution(),
+		owner.getRollingFriction(), owner.getSpinningFriction(), owner.getContactProcessingThreshold(), owner.getContactStiffness(), owner.getContactDamping(),
+		( owner.getCollisionFlags() & btCollisionObject::CF_HAS_CONTACT_STIFFNESS_DAMPING ) != 0,
+		{ owner.getUserIndex(), owner.getUserIndex2(), owner.getUserIndex3() }, owner.getUserPointer() };
+	if ( m_version == 0 || !( now == m_values ) )
+	{
+		m_values = now;
+		++m_version;
+	}
+}
+
+void NodeSurface::giveTo( NodeBody& body ) const
+{
+	body.setFriction( m_values.friction );
+	body.setRestitution( m_values.restitution );
+	body.setRollingFriction( m_values.rolling );
+	body.setSpinningFriction( m_values.spinning );
+	body.setUserPointer( m_values.pointer );
+	body.setUserIndex( m_values.index[0] );
+	body.setUserIndex2( m_values.index[1] );
+	body.setUserIndex3( m_values.index[2] );
+	body.setContactProcessingThreshold( m_values.threshold );
+	if ( m_values.isSpring )
+	{
+		body.setContactStiffnessAndDamping( m_values.stiffness, m_values.damping );
 	}
 	// Stand-ins go from owner to owner: what one asked for is taken back.
-	const bool isDirected = owner.hasAnisotropicFriction( btCollisionObject::CF_ANISOTROPIC_FRICTION );
-	body.setAnisotropicFriction( isDirected ? owner.getAnisotropicFriction() : btVector3( 1, 1, 1 ) );
+	body.setAnisotropicFriction( m_values.slip );
+	body.surface = m_version;
 }
+
+namespace {
 
 /// The axes of the material at a node, which friction by direction goes by; others ask for no rotation.
 btQuaternion axesAt( const SoftBody& owner, int node )
@@ -89,6 +107,7 @@ NodeBody* NodeBodyPool::acquire( SoftBody& owner, int node )
 		place->clearForces();
 		place->stamp = m_phase - 1;
 		place->step = m_step - 1;
+		place->surface = 0;
 		place->setCollisionShape( impl.shape->sphereOfNode( node ) );
 		place->place = int( impl.touched.size() );
 		impl.touched.push_back( place );
@@ -167,7 +186,7 @@ void NodeBodyPool::refresh( NodeBody& body )
 	}
 	body.stamp = m_phase;
 	SoftBody& owner = *body.owner;
-	const SoftBody::Impl& impl = owner.impl();
+	SoftBody::Impl& impl = owner.impl();
 	const NodeState& nodes = impl.body->nodes();
 	const btVector3 velocity = impl.velocity( body.node );
 	const btScalar mass = impl.isHealthy && nodes.freedom[body.node] != 0.0f ? btScalar( nodes.mass[body.node] ) : btScalar( 0 );
@@ -201,13 +220,18 @@ void NodeBodyPool::refresh( NodeBody& body )
 	if ( body.step != m_step )
 	{
 		body.step = m_step;
-		copySurface( owner, body );
+		impl.surface.follow( owner, m_step );
+		// What lies in lines that nothing else asks for is left alone, unless the game may have set it in a callback.
+		if ( body.surface != impl.surface.version() || m_hadCallback || m_forgetsForces )
+		{
+			impl.surface.giveTo( body );
+			body.setInterpolationWorldTransform( body.getWorldTransform() );
+			body.setInterpolationLinearVelocity( velocity );
+		}
 		if ( m_forgetsForces )
 		{
 			body.clearForces();
 		}
-		body.setInterpolationWorldTransform( body.getWorldTransform() ); // nobody asks for it within a step
-		body.setInterpolationLinearVelocity( velocity );
 	}
 	if ( body.handle != owner.getBroadphaseHandle() )
 	{

@@ -33,11 +33,38 @@ public:
 	int place = -1;         ///< among its owner's touched ones
 	btScalar mass = btScalar( 1 ); ///< kg, 0 while the node is held
 	unsigned stamp = 0;     ///< collision phase in which it was last written
-	unsigned step = 0;      ///< game step in which its surface was
+	unsigned step = 0;      ///< game step in which its surface was looked at
 	bool wasAsleep = false; ///< when it was last written: awake now means that something has woken it
 	bool isDirected = false; ///< its axes are the material's
 	btVector3 written = btVector3( 0, 0, 0 ); ///< world position given to the solver, m
+	unsigned surface = 0;                     ///< NodeSurface::version of what it was given; 0: nothing
 	btBroadphaseProxy* handle = nullptr;      ///< what Bullet has of it: that lies in a line of its own
+};
+
+/// What a user sets on a soft body and Bullet asks of its stand-ins.
+class NodeSurface
+{
+public:
+	/// Looks at the body, once in `step`.
+	void follow( const SoftBody& owner, unsigned step );
+	/// One more whenever something of it has changed; 0 before it has looked.
+	unsigned version() const { return m_version; }
+	void giveTo( NodeBody& body ) const;
+
+private:
+	struct Values
+	{
+		btVector3 slip; ///< friction by direction
+		btScalar friction, restitution, rolling, spinning, threshold, stiffness, damping;
+		bool isSpring;
+		int index[3];
+		void* pointer;
+
+		bool operator==( const Values& ) const = default;
+	};
+
+	Values m_values{};
+	unsigned m_version = 0, m_step = 0;
 };
 
 /// Marks an object as a stand-in without touching the user's pointers.

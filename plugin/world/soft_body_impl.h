@@ -151,6 +151,7 @@ struct SoftBody::Impl
 	};
 	mutable std::vector<Near> nearby;
 	std::vector<NodeBody*> touched;    ///< those that are not null
+	NodeSurface surface;               ///< of stand-ins
 	mutable std::vector<float> nodeAxes; ///< rotations at the nodes (Body::nodeRotations), of bodies with friction by direction only
 	mutable SkinBuffers skin;
 
