@@ -16,7 +16,7 @@ constexpr btScalar kEqualExtents = btScalar( 1e-3 );
 btDbvtNode* makeTreeNode( btDbvtNode* parent )
 {
 	// As btDbvt makes them: it is the tree that frees them.
-	auto* const node = new ( btAlignedAlloc( sizeof( btDbvtNode ), 16 ) ) btDbvtNode();
+	auto* const node = new ( btAlignedAlloc( sizeof( btDbvtNode ), int( alignof( btDbvtNode ) ) ) ) btDbvtNode();
 	node->parent = parent;
 	node->childs[1] = nullptr;
 	return node;
