@@ -134,6 +134,7 @@ int findPoint( const btPersistentManifold& manifold, const NodeHit& hit, int hit
 
 PairContacts::~PairContacts()
 {
+	m_scratch.last = m_scratch.last == this ? nullptr : m_scratch.last;
 	for ( NodeContact& contact : m_contacts )
 	{
 		// What the pair held up falls when it goes: wake it, for Bullet does not look at sleeping bodies when a floor is taken away.
@@ -171,6 +172,12 @@ void PairContacts::process( const btCollisionObjectWrapper& body0, const btColli
 {
 	SoftBody* const soft0 = softOf( &body0 );
 	SoftBody* const soft1 = softOf( &body1 );
+	askFor( m_after, sizeof( PairContacts ) );
+	if ( m_scratch.last )
+	{
+		m_scratch.last->m_after = this;
+	}
+	m_scratch.last = this;
 	askFor( m_contacts.data(), kFetched );
 	followNodes( soft0, soft1 );
 	if ( soft0 && soft1 )

@@ -26,11 +26,14 @@ struct NodeContact
 	btPersistentManifold* manifold = nullptr;
 };
 
+class PairContacts;
+
 /// What the pairs of one world use in turn: with a search of its own each pair would have some kB that are nowhere near when its turn comes.
 struct PairScratch
 {
 	NodeSearch search;
 	std::vector<NodeContact> contacts;
+	PairContacts* last = nullptr; ///< whose turn it was
 };
 
 /// All contacts of one pair of objects, in the order of their keys.
@@ -70,6 +73,7 @@ private:
 	NodeBodyPool& m_pool;
 	PairScratch& m_scratch;
 	std::vector<NodeContact> m_contacts;
+	const void* m_after = nullptr; ///< whose turn it was next: asked for, and else not looked at, as it may be gone
 	unsigned m_numbering = 0; ///< of both bodies, when their nodes were last followed
 };
 
