@@ -249,6 +249,45 @@ TEST( Friction, ByDirectionTurnsTheLocalPlacesOfContacts )
 }
 
 // Stand-ins go from one body to the next: what the first asked for must not stay with them.
+// Stand-ins are given a body's surface where it has changed, and only then.
+TEST( Friction, ThatIsSetUnderwayActsOnWhatTouchesAlready )
+{
+	for ( const Elasticity elasticity : { Elasticity::Explicit, Elasticity::Implicit } )
+	{
+		TestWorld t;
+		t.world.setGravity( btVector3( btScalar( 9.81 * std::sin( kSlope ) ), btScalar( -9.81 * std::cos( kSlope ) ), 0 ) );
+		t.addBox( 0, btVector3( 50, 1, 50 ), at( 0, -1, 0 ) )->setFriction( 1 );
+		Material material = test::stiff( 1e5f );
+		material.elasticity = elasticity;
+		SoftBody* cube = t.addSoft( block( 4, 4, 4, 0.1f ), at( 0, btScalar( 0.2 ), 0 ), material );
+		cube->setActivationState( DISABLE_DEACTIVATION );
+		const auto gainsIn = [&]( btScalar friction ) {
+			cube->setFriction( friction );
+			cube->setUserIndex( int( 100 * friction ) );
+			const btScalar before = cube->linearVelocity().x();
+			t.run( 30 );
+			int touching = 0;
+			for ( int m = 0; m < t.parts.dispatcher.getNumManifolds(); ++m )
+			{
+				const btPersistentManifold& manifold = *t.parts.dispatcher.getManifoldByIndexInternal( m );
+				for ( const btCollisionObject* const object : { manifold.getBody0(), manifold.getBody1() } )
+				{
+					const bool isStandIn = SoftBody::upcast( object ) && object != cube;
+					touching += isStandIn ? 1 : 0;
+					EXPECT_TRUE( !isStandIn || ( object->getFriction() == friction && object->getUserIndex() == cube->getUserIndex() ) );
+				}
+			}
+			EXPECT_GT( touching, 4 );
+			return double( cube->linearVelocity().x() - before ) / 0.5;
+		};
+		t.run( 60 );
+		const btScalar half = btScalar( 0.5 );
+		EXPECT_NEAR( gainsIn( half ), 0.0, 0.01 );
+		EXPECT_NEAR( gainsIn( btScalar( 0 ) ), 9.81 * std::sin( kSlope ), 0.1 );
+		EXPECT_NEAR( gainsIn( half ), 9.81 * ( std::sin( kSlope ) - 0.5 * std::cos( kSlope ) ), 0.1 ); // it brakes
+	}
+}
+
 TEST( Friction, ByDirectionIsNotHandedOnToOtherBodies )
 {
 	for ( const bool hadDirections : { false, true } )
