@@ -61,7 +61,7 @@ TEST( Collision, KeepsMomentum )
 	std::printf( "momentum in a collision: linear %.1e, angular %.1e of what there was\n", double( linear ), double( angular ) );
 	EXPECT_LT( box->getLinearVelocity().x(), btScalar( 2 ) ) << "they did not meet";
 	EXPECT_LT( linear, btScalar( 1e-5 ) );
-	EXPECT_LT( angular, btScalar( 1e-3 ) );
+	EXPECT_LT( angular, btScalar( 1e-4 ) );
 }
 
 TEST( Collision, TwoSoftBodiesKeepMomentum )
