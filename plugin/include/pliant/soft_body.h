@@ -47,7 +47,8 @@ struct SurfaceView
 };
 
 /// A soft body. The game owns what it creates; the world never deletes it. Material settings that Bullet knows are set as on any
-/// btCollisionObject: setFriction, setRestitution, setRollingFriction, setCollisionFlags, setUserPointer, setActivationState.
+/// btCollisionObject: setFriction, setRestitution, setRollingFriction, setCollisionFlags, setUserPointer, setActivationState. Without
+/// restitution too a stiff body comes back by its elasticity. Bullet's contact points hold the impulses of the last soft substep, not of the whole step.
 class PLIANT_API SoftBody : public btCollisionObject
 {
 public:
@@ -145,6 +146,8 @@ public:
 	void setSelfCollision( bool isOn );
 	bool selfCollision() const;
 
+	/// At any time; nodes and speeds stay as they are. Another method or other regions (weights, beta, half-width, `farLevels`, `volumeKeeping`)
+	/// forget what has flowed, and are refused where the body has levels.
 	Status setMaterial( const Material& material );
 	const Material& material() const;
 	/// Whether the last step was the implicit one (Material::elasticity).
