@@ -16,10 +16,10 @@ inline constexpr double kRadiusStepsPerOctave = 16.0;
 
 /// Contacts of a pair whose memory is asked for before their turn.
 inline constexpr std::size_t kContactsAhead = 2;
-/// Points that go back to the surfaces, of which the memory is asked for before their turn.
-inline constexpr std::size_t kPlacesAhead = 12;
 /// The same of a body's stand-ins.
 inline constexpr std::size_t kStandsAhead = 4;
+/// And of points that go back to the surfaces.
+inline constexpr std::size_t kPlacesAhead = 12;
 
 /// Contacts are made this far ahead of touch at least, in node radii, so that a resting contact does not flicker.
 inline constexpr btScalar kContactSlop = btScalar( 0.04 );

@@ -248,7 +248,6 @@ TEST( Friction, ByDirectionTurnsTheLocalPlacesOfContacts )
 	}
 }
 
-// Stand-ins go from one body to the next: what the first asked for must not stay with them.
 // Stand-ins are given a body's surface where it has changed, and only then.
 TEST( Friction, ThatIsSetUnderwayActsOnWhatTouchesAlready )
 {
@@ -288,6 +287,7 @@ TEST( Friction, ThatIsSetUnderwayActsOnWhatTouchesAlready )
 	}
 }
 
+// Stand-ins go from one body to the next: what the first asked for must not stay with them.
 TEST( Friction, ByDirectionIsNotHandedOnToOtherBodies )
 {
 	for ( const bool hadDirections : { false, true } )
