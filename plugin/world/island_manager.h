@@ -39,6 +39,7 @@ public:
 			object->setHitFraction( btScalar( 1 ) );
 		}
 		initUnionFind( index );
+		m_bodies.rubbing.clear();
 		uniteByBoxes( *world->getPairCache() );
 		uniteByContacts( *dispatcher );
 		m_bodies.copyIslandTags();
@@ -46,6 +47,7 @@ public:
 	void storeIslandActivationState( btCollisionWorld* world ) override
 	{
 		btSimulationIslandManager::storeIslandActivationState( world );
+		m_bodies.rubbing.choose( getUnionFind() );
 		m_bodies.copyIslandTags();
 	}
 
@@ -81,9 +83,17 @@ private:
 			const SoftBody *const ownerA = ownerOfNodeBody( a ), *const ownerB = ownerOfNodeBody( b );
 			a = ownerA ? ownerA : a;
 			b = ownerB ? ownerB : b;
-			if ( manifold.getNumContacts() > 0 && ( ownerA || ownerB || isSoft( a ) || isSoft( b ) ) )
+			if ( manifold.getNumContacts() <= 0 )
+			{
+				return;
+			}
+			if ( ownerA || ownerB || isSoft( a ) || isSoft( b ) )
 			{
 				unite( a, b );
+			}
+			if ( a && b && a->hasContactResponse() && b->hasContactResponse() )
+			{
+				m_bodies.rubbing.touch( a->getIslandTag(), b->getIslandTag(), ownerA && ownerB && ownerA != ownerB );
 			}
 		} );
 	}

@@ -115,6 +115,7 @@ struct SoftBody::Impl
 	ElasticityState elasticity;        ///< of Elasticity::Automatic
 	bool isImplicit = false;           ///< in this substep
 	int block = -1, blockPart = -1;    ///< in this substep's implicit solution; -1: in none
+	int rubbing = -1;                  ///< its place among RubbingSpin's turns; -1: none
 	bool isGuarded = false;            ///< it was fast, and is near what it must not pass: it is held back though it is slow now
 	bool isHealthy = true;
 	int stateBefore = ACTIVE_TAG;      ///< of activation, before quarantine took the body out of the simulation

@@ -9,6 +9,7 @@
 #include "world/node_body.h"
 #include "world/node_contacts.h"
 #include "world/node_guard.h"
+#include "world/rubbing_spin.h"
 
 #include <memory>
 #include <vector>
@@ -76,6 +77,7 @@ public:
 	int substeps;
 	int maxSubsteps;
 	NodeBodyPool pool;
+	RubbingSpin rubbing;
 	std::unique_ptr<TaskRunner> ownRunner;
 	TaskRunner* runner = nullptr; ///< the game's, or null
 	/// The game's, or the own.

@@ -295,6 +295,7 @@ void SoftBodyWorld::solveConstraints( btContactSolverInfo& info )
 	}
 	if ( m_system->isStepping )
 	{
+		m_system->bodies.rubbing.sum( *getDispatcher() );
 		m_system->bodies.noteSolved();
 	}
 	moved.moveBack();
@@ -313,6 +314,7 @@ void SoftBodyWorld::integrateTransforms( btScalar timeStep )
 		Stopwatch watch( m_system->bodies.report.integrate );
 		m_system->bodies.holdBack( timeStep );
 		m_system->bodies.integrate( timeStep, m_system->substep );
+		m_system->bodies.rubbing.give();
 	}
 	if ( m_system->isStepping && System::isAsked( *this ) )
 	{

@@ -1,11 +1,10 @@
 #include "world/turning_friction.h"
 
 #include "world/soft_body_impl.h"
+#include "world/turner.h"
 
 #include <BulletCollision/BroadphaseCollision/btDispatcher.h>
 #include <BulletCollision/NarrowPhaseCollision/btPersistentManifold.h>
-
-#include <Eigen/Eigenvalues>
 
 #include <algorithm>
 
@@ -19,80 +18,6 @@ btCollisionObject* wholeOf( const btCollisionObject* object )
 	SoftBody* const owner = ownerOfNodeBody( object );
 	return owner ? owner : const_cast<btCollisionObject*>( object );
 }
-
-/// A body as something that turns.
-struct Turner
-{
-	SoftBody* soft = nullptr;
-	btRigidBody* rigid = nullptr;
-	Vec3d speed = Vec3d::Zero();                              ///< rad/s
-	Eigen::Matrix3d inverse = Eigen::Matrix3d::Zero();        ///< of its inertia; 0: nothing turns it
-	Vec3d centre = Vec3d::Zero();                             ///< of a soft body's mass, relative to its origin, m
-
-	explicit Turner( btCollisionObject* object )
-	{
-		soft = asSoftBody( object );
-		rigid = soft ? nullptr : btRigidBody::upcast( object );
-		if ( soft )
-		{
-			measure( *soft );
-		}
-		else if ( rigid && !rigid->isStaticObject() )
-		{
-			speed = toVec3d( rigid->getAngularVelocity() );
-			inverse = rigid->isKinematicObject() ? Eigen::Matrix3d( Eigen::Matrix3d::Zero() ) : toMatrix3d( rigid->getInvInertiaTensorWorld() );
-		}
-	}
-
-	// A body that is held somewhere does not turn as a whole; nor does one that sleeps.
-	void measure( const SoftBody& body )
-	{
-		const NodeState& nodes = body.impl().body->nodes();
-		const BodySums sums = body.impl().body->sums();
-		Eigen::Matrix3d inertia = Eigen::Matrix3d::Zero();
-		bool isHeld = !body.isActive() || !body.isHealthy();
-		for ( int i = 0; i < nodes.count; ++i )
-		{
-			const Vec3d p = nodes.x.get( i ).cast<double>() - sums.centre;
-			inertia += double( nodes.mass[i] ) * ( p.squaredNorm() * Eigen::Matrix3d::Identity() - p * p.transpose() );
-			isHeld = isHeld || nodes.freedom[i] == 0.0f;
-		}
-		if ( isHeld )
-		{
-			return;
-		}
-		// Nodes in one line have no inertia about it.
-		const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes( inertia );
-		Vec3d inverses = Vec3d::Zero();
-		for ( int k = 0; k < 3; ++k )
-		{
-			const double moment = axes.eigenvalues()[k];
-			inverses[k] = moment > 1e-6 * axes.eigenvalues()[2] ? 1.0 / moment : 0.0;
-		}
-		inverse = axes.eigenvectors() * inverses.asDiagonal() * axes.eigenvectors().transpose();
-		speed = inverse * sums.spin;
-		centre = sums.centre;
-	}
-
-	void turn( const Vec3d& impulse )
-	{
-		const Vec3d change = inverse * impulse;
-		speed += change;
-		if ( rigid && !inverse.isZero( 0.0 ) )
-		{
-			rigid->setAngularVelocity( rigid->getAngularVelocity() + toBt( change ) * rigid->getAngularFactor() );
-		}
-		if ( soft && !inverse.isZero( 0.0 ) )
-		{
-			NodeState& nodes = soft->impl().body->nodes();
-			for ( int i = 0; i < nodes.count; ++i )
-			{
-				const Vec3d p = nodes.x.get( i ).cast<double>() - centre;
-				nodes.v.set( i, nodes.v.get( i ) + change.cross( p ).cast<float>() );
-			}
-		}
-	}
-};
 
 /// Brakes their turning against each other about an axis of unit length, as far as `limit` (N m s) does it.
 void brakeAbout( Turner& a, Turner& b, const Vec3d& axis, double limit )

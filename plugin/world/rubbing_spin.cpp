@@ -1,0 +1,107 @@
+#include "world/rubbing_spin.h"
+
+#include "world/ahead.h"
+#include "world/soft_body_impl.h"
+#include "world/turner.h"
+
+#include <BulletCollision/BroadphaseCollision/btDispatcher.h>
+#include <BulletCollision/CollisionDispatch/btUnionFind.h>
+#include <BulletCollision/CollisionShapes/btSphereShape.h>
+#include <BulletCollision/NarrowPhaseCollision/btPersistentManifold.h>
+
+namespace pliant {
+
+namespace {
+
+/// On the first body, N s, in the last solve.
+Vec3d impulseOf( const btManifoldPoint& point )
+{
+	return toVec3d( point.m_normalWorldOnB * point.m_appliedImpulse + point.m_lateralFrictionDir1 * point.m_appliedImpulseLateral1 +
+					point.m_lateralFrictionDir2 * point.m_appliedImpulseLateral2 );
+}
+
+double radiusOf( const btCollisionObject* node )
+{
+	return double( static_cast<const btSphereShape*>( node->getCollisionShape() )->getRadius() );
+}
+
+/// Bullet's solver has had it; it leaves alone what sleeps.
+bool wasSolved( const btPersistentManifold& manifold, const SoftBody& first, const SoftBody& second )
+{
+	const bool isHidden = manifold.getContactProcessingThreshold() <= -BT_LARGE_FLOAT;
+	return !isHidden && ( first.isActive() || second.isActive() ) && first.hasContactResponse() && second.hasContactResponse();
+}
+
+} // namespace
+
+void RubbingSpin::choose( btUnionFind& islands )
+{
+	if ( m_rubbing.empty() )
+	{
+		return;
+	}
+	for ( int& index : m_standing )
+	{
+		index = islands.find( index );
+	}
+	std::sort( m_standing.begin(), m_standing.end() );
+	const auto stands = [&]( int& index ) {
+		index = islands.find( index );
+		return std::binary_search( m_standing.begin(), m_standing.end(), index );
+	};
+	m_rubbing.erase( std::remove_if( m_rubbing.begin(), m_rubbing.end(), stands ), m_rubbing.end() );
+	std::sort( m_rubbing.begin(), m_rubbing.end() );
+}
+
+// The spheres touch at  p = ( r1 x0 + r0 x1 ) / ( r0 + r1 ),  so that with d = x0 - x1
+//   T0 = ( p - x0 ) x J = - r0 / ( r0 + r1 ) d x J,   T1 = - ( p - x1 ) x J = - r1 / ( r0 + r1 ) d x J
+// Only in islands that touch nothing that stands: others have no spin to keep, as they hand it on to the ground. And what is lost there is what
+// lets stacks of soft bodies fall asleep: given to them, a stack of four cubes sways for ever, for the solver pushes what is pressed together apart.
+void RubbingSpin::sum( btDispatcher& dispatcher )
+{
+	if ( m_rubbing.empty() )
+	{
+		return;
+	}
+	forEachManifold( dispatcher, askForEnd, [this]( const btPersistentManifold& manifold ) {
+		SoftBody *const first = ownerOfNodeBody( manifold.getBody0() ), *const second = ownerOfNodeBody( manifold.getBody1() );
+		if ( !first || !second || first == second || !std::binary_search( m_rubbing.begin(), m_rubbing.end(), first->getIslandTag() ) ||
+			 !wasSolved( manifold, *first, *second ) )
+		{
+			return;
+		}
+		const btVector3 apart = manifold.getBody0()->getWorldTransform().getOrigin() - manifold.getBody1()->getWorldTransform().getOrigin();
+		const double r0 = radiusOf( manifold.getBody0() ), r1 = radiusOf( manifold.getBody1() );
+		Vec3d impulse = Vec3d::Zero();
+		for ( int k = 0; k < manifold.getNumContacts(); ++k )
+		{
+			impulse += impulseOf( manifold.getContactPoint( k ) );
+		}
+		const Vec3d lacks = -toVec3d( apart ).cross( impulse ) / ( r0 + r1 );
+		turnOf( *first ) += r0 * lacks;
+		turnOf( *second ) += r1 * lacks;
+	} );
+}
+
+void RubbingSpin::give()
+{
+	for ( const Turn& turn : m_turns )
+	{
+		Turner( turn.body ).turn( turn.impulse );
+		turn.body->impl().rubbing = -1;
+	}
+	m_turns.clear();
+}
+
+Vec3d& RubbingSpin::turnOf( SoftBody& body )
+{
+	int& place = body.impl().rubbing;
+	if ( place < 0 )
+	{
+		place = int( m_turns.size() );
+		m_turns.push_back( Turn{ &body, Vec3d::Zero() } );
+	}
+	return m_turns[std::size_t( place )].impulse;
+}
+
+} // namespace pliant
