@@ -33,6 +33,9 @@ inline constexpr double kFastShare = 0.5;
 /// Advances of what is swept until it touches: most take two, what grazes an edge a few more.
 inline constexpr int kMostAdvances = 32;
 
+/// What steps implicitly is met where it will be (lookAhead), where its centre is this share of its radius in front of the plane there, now and then.
+inline constexpr double kAheadShare = 0.5;
+
 /// What was fast is held back (node_guard.h) near what stands until it moves less than this share of its radius in a step.
 inline constexpr double kSlowShare = 0.1;
 /// What is squeezed so deep into what stands, in node radii, is held back too, however slow.
@@ -93,6 +96,10 @@ inline constexpr int kMostPasses = 4;
 /// Where contacts would pull by then, or rub by so many times their limits, which can bring energy in, it goes on: most impacts are settled in 8 passes, the hardest of 600 in 49.
 inline constexpr int kMostHardPasses = 60;
 inline constexpr double kWildRubbing = 2.0;
+/// What each body is rubbed by must be right to this share of the limits of all its contacts, or a pass more is made, up to so many in all: beside what rubs a heavy
+/// body on the floor, a light one's friction on it is nothing.
+inline constexpr double kPartError = 0.1;
+inline constexpr int kMostFairPasses = 8;
 /// Halvings of the way to a solution: as many as a float has bits.
 inline constexpr int kLineSearchHalvings = 24;
 /// Nodes that have come too deep are pushed out at most this fast, m/s.

@@ -331,12 +331,14 @@ BlockCount ImplicitBlock::solve( TaskRunner* runner )
 		++count.passes;
 		bool isLast = count.passes >= kMostPasses;
 		iterate( isLast ? kGradientShare : kPassShare, count );
-		isLast = isLast && ( !isWild() || count.passes >= kMostHardPasses );
-		if ( !isLast && holdsAt( m_next.data() ) )
+		Match match = matchAt( m_next.data() );
+		isLast = isLast && ( count.passes >= kMostHardPasses || ( !isWild() && ( match.each || count.passes >= kMostFairPasses ) ) );
+		if ( !isLast && match.all && match.each )
 		{
 			beginIteration();
 			iterate( 0.0, count );
-			isLast = holdsAt( m_next.data() );
+			match = matchAt( m_next.data() );
+			isLast = match.all && match.each;
 		}
 		if ( isLast )
 		{

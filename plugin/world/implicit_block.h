@@ -45,9 +45,10 @@ struct BlockContact
 	double normalImpulse = 0.0;
 	Vec3d tangentImpulse = Vec3d::Zero();
 
-	// The linearised law: jn = pushed + k ( b - u.n ) while it presses; jt = held - kt ut.
+	// The linearised law: jn = pushed + k ( b - u.n ) while it presses; jt = held - kt ut, of `limited` times mu at most.
 	double stiffness = 0.0;         ///< k, kg
 	double pushed = 0.0;            ///< ln
+	double limited = 0.0;           ///< what it presses with as far as is known, N s
 	double tangentStiffness = 0.0;  ///< kt, kg
 	Vec3d held = Vec3d::Zero();
 	Vec3d heldBefore = Vec3d::Zero(); ///< lt
@@ -144,6 +145,18 @@ private:
 		double pushed, stiffness, target;
 	};
 
+	/// How far the impulses of one part are from those of the law, summed, and the limits of what rubs it, N s.
+	struct PartError
+	{
+		Vec3d rub = Vec3d::Zero();
+		double limit = 0.0;
+	};
+	/// Whether impulses are those of the law at some speeds, as it was not linearised: those of all parts together, and what each is rubbed by.
+	struct Match
+	{
+		bool all = false, each = false;
+	};
+
 	int size() const override { return m_size; }
 	void apply( const float* v, float* to ) override;
 	void precondition( const float* r, float* z ) override;
@@ -196,8 +209,7 @@ private:
 	void linearise( const float* v, bool isFirst );
 	/// Whether the impulses found are none that contacts could have: pulling, or rubbing far beyond their limits.
 	bool isWild() const;
-	/// Whether the impulses are those of the law at these speeds, all together, as it was not linearised.
-	bool holdsAt( const float* v ) const;
+	Match matchAt( const float* v );
 	void readImpulses( const float* v );
 	/// The lowest point on the way from m_v to m_next, as a share of the way.
 	double stepTowards();
@@ -219,6 +231,7 @@ private:
 	AlignedArray<float> m_inverseDiagonal; ///< 1 / A_ii of the soft parts' nodes, at the place of their first component
 	std::vector<Pressing> m_pressing;      ///< as last linearised
 	std::vector<Way> m_ways;               ///< by contact; scratch of stepTowards
+	std::vector<PartError> m_partErrors;   ///< soft parts', then rigid ones'; scratch of matchAt
 	std::vector<NodeBlock> m_nodeBlocks;   ///< of the nodes that contacts name
 	std::vector<Cluster> m_clusters;
 	std::vector<double> m_clusterRoom;

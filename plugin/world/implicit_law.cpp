@@ -24,7 +24,6 @@ namespace {
 
 struct Law
 {
-	bool presses;
 	double tangentStiffness;
 	Vec3d held;
 };
@@ -45,14 +44,14 @@ Law lawAt( const BlockContact& contact, const Vec3d& u, double press )
 	const double along = contact.normal.dot( u );
 	if ( !( press > 0.0 ) )
 	{
-		return Law{ false, 0.0, Vec3d::Zero() };
+		return Law{ 0.0, Vec3d::Zero() };
 	}
 	const double limit = contact.friction * press;
 	const double stick = std::min( contact.stiffness, limit / kSlipSpeed );
 	const Vec3d trial = contact.heldBefore - stick * ( u - along * contact.normal );
 	const double size = trial.norm();
 	const double share = size > limit ? limit / size : 1.0;
-	return Law{ true, share * stick, share * contact.heldBefore };
+	return Law{ share * stick, share * contact.heldBefore };
 }
 
 } // namespace
@@ -132,35 +131,56 @@ void ImplicitBlock::chooseStiffness()
 }
 
 // At the start speeds are the last substep's, and k times what they are off by says little: what has pressed presses on as hard.
+//
+// Friction's limits are mu times what contacts were last solved to press with, not what the law makes of the speeds there are: k is ten times what nodes resist with, and
+// where a contact is new, or a way is not gone to its end, that is ten times too much and more, which stopped what is light. So what is new does not rub in the first
+// pass, and of a wild pass nothing is taken for what has pressed before.
 void ImplicitBlock::linearise( const float* v, bool isFirst )
 {
+	const bool keeps = !isFirst && isWild();
 	for ( BlockContact& contact : contacts )
 	{
+		const bool hasPressed = contact.pushed > 0.0;
+		if ( isFirst || !( keeps && hasPressed ) )
+		{
+			contact.limited = std::max( 0.0, isFirst ? contact.pushed : contact.normalImpulse );
+		}
 		const Vec3d u = relativeSpeed( contact, v );
-		const Law law = lawAt( contact, u, isFirst && contact.pushed > 0.0 ? contact.pushed : pressAt( contact, u ) );
-		contact.presses = law.presses;
+		const Law law = lawAt( contact, u, contact.limited );
+		contact.presses = ( isFirst && hasPressed ) || pressAt( contact, u ) > 0.0;
 		contact.tangentStiffness = law.tangentStiffness;
 		contact.held = law.held;
 	}
 	listPressing();
 }
 
-bool ImplicitBlock::holdsAt( const float* v ) const
+ImplicitBlock::Match ImplicitBlock::matchAt( const float* v )
 {
 	double pressError = 0.0, pressed = 0.0, rubError = 0.0, rubbed = 0.0;
+	m_partErrors.assign( soft.size() + rigid.size(), PartError{} );
 	for ( const BlockContact& contact : contacts )
 	{
 		const Vec3d u = relativeSpeed( contact, v );
 		const double along = contact.normal.dot( u );
-		const double press = std::max( 0.0, pressAt( contact, u ) );
+		const double press = std::max( 0.0, pressAt( contact, u ) ), limit = contact.friction * press;
 		const Law law = lawAt( contact, u, press );
-		const Vec3d rub = directed( contact, law.held - law.tangentStiffness * ( u - along * contact.normal ) );
+		const Vec3d error = directed( contact, law.held - law.tangentStiffness * ( u - along * contact.normal ) ) - contact.tangentImpulse;
 		pressError += std::abs( press - contact.normalImpulse );
-		rubError += ( rub - contact.tangentImpulse ).norm();
+		rubError += error.norm();
 		pressed += press;
-		rubbed += contact.friction * press;
+		rubbed += limit;
+		for ( int k = 0; k < 2; ++k )
+		{
+			const ContactSide& side = contact.side[k];
+			if ( const int part = side.soft >= 0 ? side.soft : side.rigid >= 0 ? int( soft.size() ) + side.rigid : -1; part >= 0 )
+			{
+				m_partErrors[std::size_t( part )].rub += k == 0 ? error : Vec3d( -error );
+				m_partErrors[std::size_t( part )].limit += limit;
+			}
+		}
 	}
-	return pressError <= kImpulseError * pressed && rubError <= kImpulseError * rubbed;
+	const auto isFair = []( const PartError& part ) { return part.rub.norm() <= kPartError * part.limit; };
+	return Match{ pressError <= kImpulseError * pressed && rubError <= kImpulseError * rubbed, std::all_of( m_partErrors.begin(), m_partErrors.end(), isFair ) };
 }
 
 // A pull of what still approaches brings energy in, and so does rubbing that holds what bounces against others. A little too much or too little

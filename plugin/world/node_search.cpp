@@ -59,7 +59,8 @@ const std::vector<NodeHit>& NodeSearch::againstRigid( const SoftBody& soft, cons
 	m_step = step;
 	m_leaf = 0;
 	m_hits.clear();
-	m_motion = ObstacleMotion{};
+	m_motion = m_before = ObstacleMotion{};
+	m_looksAhead = soft.impl().isImplicit && soft.isActive() && int( soft.impl().body->speedBefore().x.size() ) >= soft.nodeCount();
 	const Levels* levels = soft.impl().body->levels();
 	m_notesNear = levels && levels->settings().refinesOnContact && soft.isActive();
 	if ( const btRigidBody* rigid = btRigidBody::upcast( other.getCollisionObject() ) )
@@ -68,6 +69,8 @@ const std::vector<NodeHit>& NodeSearch::againstRigid( const SoftBody& soft, cons
 		m_motion.linear = toVec3d( rigid->getLinearVelocity() + rigid->getTotalForce() * rigid->getInvMass() * btScalar( step ) );
 		m_motion.angular = toVec3d( rigid->getAngularVelocity() );
 		m_motion.centre = toVec3d( rigid->getCenterOfMassPosition() ) - origin;
+		m_before = m_motion;
+		m_before.linear = toVec3d( rigid->getLinearVelocity() );
 	}
 	Obstacle obstacle;
 	obstacle.shape = other.getCollisionShape();
@@ -111,7 +114,7 @@ void NodeSearch::visit( const Obstacle& obstacle )
 
 NodeSearch::Spheres::Spheres( const NodeSearch& search ) :
 	m_nodes( search.m_soft->impl().body->nodes() ), m_shape( *search.m_soft->impl().shape ), m_motion( search.m_motion ), m_step( search.m_step ),
-	m_isStill( search.m_motion.isStill() )
+	m_isStill( search.m_motion.isStill() ), m_speedBefore( search.m_soft->impl().body->speedBefore() ), m_before( search.m_before )
 {
 }
 
@@ -127,6 +130,12 @@ inline MovingSphere NodeSearch::Spheres::of( int node ) const
 		sphere.way -= m_motion.way( sphere.centre, m_step );
 	}
 	return sphere;
+}
+
+inline Ahead NodeSearch::Spheres::ahead( int node ) const
+{
+	const Vec3d to = m_step * m_speedBefore.get( node ).cast<double>();
+	return Ahead{ to, to - m_before.way( m_nodes.x.get( node ).cast<double>(), m_step ) };
 }
 
 // A plane's box is everywhere: every node is asked, the deep ones too, for here no tree is needed.
@@ -225,10 +234,12 @@ template <class Find>
 void NodeSearch::touchMarked( const Obstacle& obstacle, btScalar size, const Find& find )
 {
 	const Spheres spheres( *this );
+	const Obstacle then = m_looksAhead ? m_before.moved( obstacle, m_step ) : Obstacle{};
 	m_marks.takeAll( [&]( int node ) {
 		noteNear( node, size );
 		Touch touch;
-		if ( find( spheres.of( node ), touch ) )
+		const MovingSphere sphere = spheres.of( node );
+		if ( find( sphere, touch ) && ( !m_looksAhead || lookAhead( then, sphere, spheres.ahead( node ), touch ) ) )
 		{
 			m_hits.push_back( NodeHit{ std::uint64_t( node ) << 32 | m_leaf, touch, obstacle.part, obstacle.index } );
 		}

@@ -47,6 +47,7 @@ private:
 	public:
 		explicit Spheres( const NodeSearch& search );
 		MovingSphere of( int node ) const;
+		Ahead ahead( int node ) const;
 
 	private:
 		const NodeState& m_nodes;
@@ -54,6 +55,8 @@ private:
 		const ObstacleMotion& m_motion;
 		double m_step;
 		bool m_isStill;
+		const Vec3Array& m_speedBefore;
+		const ObstacleMotion& m_before;
 	};
 
 	void visit( const Obstacle& part );
@@ -75,7 +78,9 @@ private:
 	const SoftBody* m_soft = nullptr;
 	double m_step = 0.0;
 	bool m_notesNear = false; ///< the body refines on contact
+	bool m_looksAhead = false; ///< the body steps implicitly, and its speeds at the substep's start are known
 	ObstacleMotion m_motion;
+	ObstacleMotion m_before; ///< without the step's forces: what rests does not fall
 	std::uint32_t m_leaf = 0;
 	std::vector<NodeHit> m_hits;
 	NodeMarks m_marks;

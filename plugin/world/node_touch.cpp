@@ -243,6 +243,24 @@ bool findTouch( const Obstacle& obstacle, const MovingSphere& sphere, Touch& tou
 	return findConvexTouch( sphere, touch, find );
 }
 
+bool lookAhead( const Obstacle& then, const MovingSphere& sphere, const Ahead& ahead, Touch& touch )
+{
+	MovingSphere there = sphere;
+	there.centre += ahead.to;
+	Touch found;
+	if ( !then.shape->isConvex() || !nearest( then, there, found ) )
+	{
+		return true;
+	}
+	const double least = kAheadShare * sphere.radius, distance = found.distance - ahead.way.dot( found.normal );
+	if ( found.distance < least || distance < least )
+	{
+		return true;
+	}
+	touch = Touch{ found.normal, distance };
+	return sphere.reaches( touch.normal, touch.distance );
+}
+
 FarPlane::FarPlane( const Obstacle& plane )
 {
 	const auto& shape = *static_cast<const btStaticPlaneShape*>( plane.shape );

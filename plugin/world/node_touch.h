@@ -55,6 +55,18 @@ struct Touch
 /// The touch of a sphere with a plane or a convex shape in this step. False when it meets nothing.
 bool findTouch( const Obstacle& obstacle, const MovingSphere& sphere, Touch& touch );
 
+/// Where a sphere will be at the step's end by how it moved last, m: `to` from where it is, and by `way` against the obstacle.
+struct Ahead
+{
+	Vec3d to = Vec3d::Zero(), way = Vec3d::Zero();
+};
+
+/// Of a touch with a convex shape that findTouch has found: the plane where the sphere will be, with the shape as it will be, `then`. An edge that slides over a
+/// sphere has a slanted plane in front of it as long as it is not over it, and a contact that is solved for the step's end must not be held back by it.
+///   n, d1 of the nearest point then;   d = d1 - n . way;   taken where d, d1 >= r / 2: so the plane lies between shape and centre all the way
+/// False when the sphere does not come to touch that plane.
+bool lookAhead( const Obstacle& then, const MovingSphere& sphere, const Ahead& ahead, Touch& touch );
+
 /// A plane to those who ask it for many spheres: most are far from it, and that takes less to say than where they would touch.
 class FarPlane
 {

@@ -1,0 +1,122 @@
+// What slides over a soft body that steps implicitly: friction and nothing else brakes it, though its edges pass one node's sphere after another, and though it be light.
+
+#include "test_world.h"
+
+#include <BulletCollision/CollisionShapes/btConvexHullShape.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+namespace pliant {
+namespace {
+
+using test::at;
+using test::block;
+using test::TestWorld;
+
+struct Slider
+{
+	btCollisionShape* shape = nullptr;
+	double mass = 50.0;     ///< kg
+	double friction = 0.0;  ///< mu, against the slab
+	double speed = 1.5;     ///< m/s
+	float youngsModulus = 3e6f;
+};
+
+struct Slid
+{
+	double speed = 0.0, wanted = 0.0; ///< at the end, m/s
+	double fastest = 0.0;             ///< m/s
+	double rose = 0.0;                ///< how much its height has changed at most, m
+	double passes = 0.0, products = 0.0; ///< a frame
+};
+
+btConvexHullShape* hullOf( const btVector3& half )
+{
+	auto* hull = new btConvexHullShape;
+	for ( int k = 0; k < 8; ++k )
+	{
+		hull->addPoint( btVector3( ( k & 1 ) != 0 ? half.x() : -half.x(), ( k & 2 ) != 0 ? half.y() : -half.y(), ( k & 4 ) != 0 ? half.z() : -half.z() ) );
+	}
+	hull->setMargin( btScalar( 0.01 ) );
+	return hull;
+}
+
+/// Over a slab of 40 x 2 x 5 cells of a tenth of a metre on a floor, along x, for half a second or until its end is near. The slider is .2 m high.
+Slid slideOver( const Slider& slider )
+{
+	TestWorld t;
+	t.world.setGravity( btVector3( 0, btScalar( -9.81 ), 0 ) );
+	t.addBox( 0, btVector3( 20, 1, 20 ), at( 0, -1, 0 ) )->setFriction( 1 );
+	Material material = test::stiff( slider.youngsModulus );
+	material.elasticity = Elasticity::Implicit;
+	material.density = 1000.0f;
+	SoftBody* slab = t.addSoft( block( 40, 2, 5, 0.1f ), at( btScalar( 1.7 ), btScalar( 0.1 ), 0 ), material );
+	slab->setFriction( 1 );
+	slab->setActivationState( DISABLE_DEACTIVATION );
+	btRigidBody* body = t.add( btScalar( slider.mass ), slider.shape, at( 0, btScalar( 0.301 ), 0 ) );
+	body->setFriction( btScalar( slider.friction ) );
+	body->setActivationState( DISABLE_DEACTIVATION );
+	t.run( 30 );
+	const double height = double( body->getWorldTransform().getOrigin().y() );
+	body->setLinearVelocity( btVector3( btScalar( slider.speed ), 0, 0 ) );
+	Slid slid;
+	int frames = 0;
+	for ( ; frames < 30 && body->getWorldTransform().getOrigin().x() < btScalar( 2.5 ); ++frames )
+	{
+		t.run( 1 );
+		slid.fastest = std::max( slid.fastest, double( body->getLinearVelocity().length() ) );
+		slid.rose = std::max( slid.rose, std::abs( double( body->getWorldTransform().getOrigin().y() ) - height ) );
+		slid.passes += double( t.world.stepReport().implicitPasses );
+		slid.products += double( t.world.stepReport().implicitProducts );
+	}
+	slid.passes /= frames;
+	slid.products /= frames;
+	slid.speed = double( body->getLinearVelocity().x() );
+	slid.wanted = std::max( 0.0, slider.speed - slider.friction * 9.81 * frames / 60.0 );
+	return slid;
+}
+
+void expectTruth( const Slider& slider, const char* name )
+{
+	const Slid slid = slideOver( slider );
+	std::printf( "%s, E %.0e, %.0f kg, mu %.1f, from %.1f m/s: %.3f of %.3f m/s, rises by %.1f mm, %.1f passes and %.1f products a frame\n", name, double( slider.youngsModulus ),
+		slider.mass, slider.friction, slider.speed, slid.speed, slid.wanted, 1e3 * slid.rose, slid.passes, slid.products );
+	EXPECT_NEAR( slid.speed, slid.wanted, 0.03 * slider.speed );
+	EXPECT_LT( slid.fastest, 1.01 * slider.speed );
+	EXPECT_LT( slid.rose, 0.004 );
+}
+
+// It met the next sphere with the slanted plane that its edge has before it is over it: of 1.5 m/s .9 were left after half a second.
+TEST( ImplicitSlides, WithoutFrictionAreNotBrakedByEdgesOfWhatSlides )
+{
+	for ( const float youngsModulus : { 1e5f, 3e5f, 3e6f } )
+	{
+		for ( const double speed : { 1.5, 4.0 } )
+		{
+			expectTruth( Slider{ new btBoxShape( btVector3( 0.2f, 0.1f, 0.2f ) ), 50.0, 0.0, speed, youngsModulus }, "box" );
+		}
+	}
+	expectTruth( Slider{ hullOf( btVector3( 0.2f, 0.1f, 0.2f ) ), 50.0, 0.0, 1.5, 3e6f }, "hull" );
+	expectTruth( Slider{ new btCylinderShape( btVector3( 0.2f, 0.1f, 0.2f ) ), 50.0, 0.0, 4.0, 3e6f }, "cylinder" );
+}
+
+// The slab of 400 kg rubs on the floor as well: what the box is rubbed by is nothing beside that, and was up to eight times too much.
+TEST( ImplicitSlides, AreBrakedByFrictionAloneHoweverLight )
+{
+	for ( const float youngsModulus : { 1e5f, 3e5f, 3e6f } )
+	{
+		for ( const double mass : { 5.0, 50.0 } )
+		{
+			for ( const double speed : { 1.5, 4.0 } )
+			{
+				expectTruth( Slider{ new btBoxShape( btVector3( 0.2f, 0.1f, 0.2f ) ), mass, 0.2, speed, youngsModulus }, "box" );
+			}
+		}
+	}
+	expectTruth( Slider{ hullOf( btVector3( 0.2f, 0.1f, 0.2f ) ), 20.0, 0.2, 4.0, 1e6f }, "hull" );
+}
+
+} // namespace
+} // namespace pliant
