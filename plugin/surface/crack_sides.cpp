@@ -23,19 +23,28 @@ std::uint64_t bitsUpTo( std::uint32_t count )
 	return count == 64 ? ~std::uint64_t( 0 ) : ( std::uint64_t( 1 ) << count ) - 1;
 }
 
-/// Those that are marked, ascending, so that what is theirs is gone through in the order of memory. Few stay as they are.
-void inOrder( std::vector<std::uint32_t>& list, const std::vector<std::uint8_t>& isMarked )
+/// The numbers below `count` that `holds` is true of, ascending. Each is written, and counted if it is one: no branch to foretell.
+template <class Holds>
+void list( std::vector<std::uint32_t>& to, std::size_t count, Holds&& holds )
 {
-	if ( list.size() * kFew > isMarked.size() )
+	to.resize( count + 1 );
+	std::uint32_t* const all = to.data();
+	std::size_t kept = 0;
+	for ( std::uint32_t k = 0; k < std::uint32_t( count ); ++k )
 	{
-		list.clear();
-		for ( std::uint32_t k = 0; k < std::uint32_t( isMarked.size() ); ++k )
-		{
-			if ( isMarked[k] != 0 )
-			{
-				list.push_back( k );
-			}
-		}
+		all[kept] = k;
+		kept += holds( k ) ? 1 : 0;
+	}
+	to.resize( kept );
+}
+
+/// Those that are marked, ascending, so that what is theirs is gone through in the order of memory. Few stay as they are.
+void inOrder( std::vector<std::uint32_t>& some, const std::vector<std::uint8_t>& isMarked )
+{
+	if ( some.size() * kFew > isMarked.size() )
+	{
+		const std::uint8_t* const marks = isMarked.data();
+		list( some, isMarked.size(), [marks]( std::uint32_t k ) { return marks[k] != 0; } );
 	}
 }
 
@@ -183,17 +192,38 @@ void CrackSides::regroup( std::uint32_t point )
 	}
 }
 
+/// Both cells of each, ascending, each once. To mark them takes less than to sort them where most of a body breaks.
+std::vector<std::uint32_t> CrackSides::cellsAt( const std::vector<std::uint32_t>& faces ) const
+{
+	std::vector<std::uint8_t> isOne( complex().cellCount(), 0 );
+	std::vector<std::uint32_t> cells;
+	for ( const std::uint32_t face : faces )
+	{
+		for ( const std::uint32_t cell : { complex().face[face].cellA, complex().face[face].cellB } )
+		{
+			if ( isOne[cell] == 0 )
+			{
+				isOne[cell] = 1;
+				cells.push_back( cell );
+			}
+		}
+	}
+	if ( cells.size() * kFew > isOne.size() )
+	{
+		inOrder( cells, isOne );
+	}
+	else
+	{
+		std::sort( cells.begin(), cells.end() );
+	}
+	return cells;
+}
+
 /// A point can be carried by others now only where a cell along the crack carried it. Not every one of those has a tie of a broken face: where crumbs
 /// hang on by no face at all, a side lets go of them the first time it is asked.
 void CrackSides::askAround( const std::vector<std::uint32_t>& fresh, TaskRunner* runner )
 {
-	std::vector<std::uint32_t> cells;
-	for ( const std::uint32_t face : fresh )
-	{
-		cells.insert( cells.end(), { complex().face[face].cellA, complex().face[face].cellB } );
-	}
-	std::sort( cells.begin(), cells.end() );
-	cells.erase( std::unique( cells.begin(), cells.end() ), cells.end() );
+	const std::vector<std::uint32_t> cells = cellsAt( fresh );
 	m_found.clear();
 	if ( cells.size() * kFew > complex().cellCount() )
 	{
@@ -231,13 +261,12 @@ void CrackSides::collectByClass( const std::vector<std::uint32_t>& cells )
 	{
 		std::for_each( m_patches->classesOfCell.begin( cell ), m_patches->classesOfCell.end( cell ), [this]( std::uint32_t c ) { m_isClassMarked[c] = 1; } );
 	}
-	for ( std::uint32_t point = 0; point < std::uint32_t( m_isMarked.size() ); ++point )
+	const std::uint8_t *const isClassMarked = m_isClassMarked.data(), *const isDrawn = m_isDrawn.data();
+	const std::uint32_t* const classOfPoint = m_patches->classOfPoint.data();
+	list( m_found, m_isMarked.size(), [=]( std::uint32_t point ) { return ( isClassMarked[classOfPoint[point]] & isDrawn[point] ) != 0; } );
+	for ( const std::uint32_t point : m_found )
 	{
-		if ( m_isClassMarked[m_patches->classOfPoint[point]] != 0 && m_isDrawn[point] != 0 )
-		{
-			m_isMarked[point] = 1;
-			m_found.push_back( point );
-		}
+		m_isMarked[point] = 1;
 	}
 	std::fill( m_isClassMarked.begin(), m_isClassMarked.end(), 0 );
 }

@@ -47,6 +47,7 @@ private:
 	void splitSides( const std::vector<std::uint32_t>& fresh, TaskRunner* runner );
 	void regroup( std::uint32_t point );
 	void askAround( const std::vector<std::uint32_t>& fresh, TaskRunner* runner );
+	std::vector<std::uint32_t> cellsAt( const std::vector<std::uint32_t>& faces ) const;
 	void collectByClass( const std::vector<std::uint32_t>& cells );
 	void runOver( std::vector<std::uint32_t>& list, void ( CrackSides::*each )( std::uint32_t ), TaskRunner* runner );
 	void joinCarriers( std::uint32_t ofClass );
