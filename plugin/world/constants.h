@@ -99,6 +99,7 @@ inline constexpr double kWildRubbing = 2.0;
 /// What each body is rubbed by must be right to this share of the limits of all its contacts, or a pass more is made, up to so many in all: beside what rubs a heavy
 /// body on the floor, a light one's friction on it is nothing.
 inline constexpr double kPartError = 0.1;
+/// And after so many, limits of friction follow wild passes too.
 inline constexpr int kMostFairPasses = 8;
 /// Halvings of the way to a solution: as many as a float has bits.
 inline constexpr int kLineSearchHalvings = 24;

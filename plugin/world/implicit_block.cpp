@@ -319,7 +319,7 @@ BlockCount ImplicitBlock::solve( TaskRunner* runner )
 	m_runner = runner;
 	layOut();
 	chooseStiffness();
-	linearise( m_v.data(), true );
+	linearise( m_v.data(), 0 );
 	fillFree();
 	++count.products;
 	while ( true )
@@ -351,7 +351,7 @@ BlockCount ImplicitBlock::solve( TaskRunner* runner )
 			m_v[k] += t * ( m_next[k] - m_v[k] );
 			m_free[k] += t * ( m_freeNext[k] - m_free[k] );
 		}
-		linearise( m_v.data(), false );
+		linearise( m_v.data(), count.passes );
 	}
 	m_v = m_next;
 	keepEnergy( count );

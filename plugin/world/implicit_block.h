@@ -206,7 +206,8 @@ private:
 	// The law, in implicit_law.cpp.
 	Vec3d undirected( const BlockContact& contact ) const;
 	void chooseStiffness();
-	void linearise( const float* v, bool isFirst );
+	/// `passes`: those made so far.
+	void linearise( const float* v, int passes );
 	/// Whether the impulses found are none that contacts could have: pulling, or rubbing far beyond their limits.
 	bool isWild() const;
 	Match matchAt( const float* v );

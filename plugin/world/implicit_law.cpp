@@ -134,10 +134,10 @@ void ImplicitBlock::chooseStiffness()
 //
 // Friction's limits are mu times what contacts were last solved to press with, not what the law makes of the speeds there are: k is ten times what nodes resist with, and
 // where a contact is new, or a way is not gone to its end, that is ten times too much and more, which stopped what is light. So what is new does not rub in the first
-// pass, and of a wild pass nothing is taken for what has pressed before.
-void ImplicitBlock::linearise( const float* v, bool isFirst )
+// pass, and of a wild pass nothing is taken for what has pressed before; not for long, for limits that were too high can be what keeps it wild.
+void ImplicitBlock::linearise( const float* v, int passes )
 {
-	const bool keeps = !isFirst && isWild();
+	const bool isFirst = passes == 0, keeps = !isFirst && passes < kMostFairPasses && isWild();
 	for ( BlockContact& contact : contacts )
 	{
 		const bool hasPressed = contact.pushed > 0.0;
