@@ -33,6 +33,9 @@ inline constexpr double kFastShare = 0.5;
 /// Advances of what is swept until it touches: most take two, what grazes an edge a few more.
 inline constexpr int kMostAdvances = 32;
 
+/// Contact processing threshold of what Bullet's solver is to leave alone, m: no contact is as deep.
+inline constexpr double kHiddenThreshold = -1e18;
+
 /// What steps implicitly is met where it will be (lookAhead), where its centre is this share of its radius in front of the plane there, now and then.
 inline constexpr double kAheadShare = 0.5;
 

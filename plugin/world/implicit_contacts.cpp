@@ -123,7 +123,7 @@ void ImplicitContacts::gatherFrom(
 		return;
 	}
 	m_hidden.push_back( Hidden{ &manifold, manifold.getContactProcessingThreshold() } );
-	manifold.setContactProcessingThreshold( -BT_LARGE_FLOAT );
+	manifold.setContactProcessingThreshold( btScalar( kHiddenThreshold ) );
 	if ( !objects[0]->hasContactResponse() || !objects[1]->hasContactResponse() )
 	{
 		return;

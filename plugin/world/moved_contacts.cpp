@@ -24,7 +24,7 @@ void MovedContacts::moveToNodes( btDispatcher& dispatcher )
 			return;
 		}
 		const auto& node = static_cast<const NodeBody&>( *( nodeIsFirst ? manifold.getBody0() : manifold.getBody1() ) );
-		const btScalar radius = static_cast<const btSphereShape*>( node.getCollisionShape() )->getRadius();
+		const btScalar radius = node.radius();
 		const btScalar deep = -kDeepShare * radius;
 		for ( int k = 0; k < manifold.getNumContacts(); ++k )
 		{

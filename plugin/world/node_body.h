@@ -3,6 +3,7 @@
 // The stand-in through which Bullet's solver moves one node: a light rigid body that is in no world, made when the node is first
 // touched and given back to a pool when nothing touches it any more. A body of 20 000 nodes resting on 100 of them has 100.
 
+#include <BulletCollision/CollisionShapes/btSphereShape.h>
 #include <BulletDynamics/Dynamics/btRigidBody.h>
 
 #include <cstdint>
@@ -21,6 +22,9 @@ public:
 	static void operator delete( void* body ) { btAlignedFree( static_cast<char*>( body ) - kOffset ); }
 
 	NodeBody();
+
+	/// m
+	btScalar radius() const { return static_cast<const btSphereShape*>( getCollisionShape() )->getRadius(); }
 
 private:
 	static constexpr int kLine = 64, kOffset = 56;

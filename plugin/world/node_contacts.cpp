@@ -21,11 +21,6 @@ SoftBody* softOf( const btCollisionObjectWrapper* wrapper )
 	return asSoftBody( const_cast<btCollisionObject*>( wrapper->getCollisionObject() ) );
 }
 
-btScalar radiusOf( const NodeBody& body )
-{
-	return static_cast<const btSphereShape*>( body.getCollisionShape() )->getRadius();
-}
-
 /// What the two surfaces make of each other, through Bullet's (and the game's) own combination rules.
 void combineSurfaces( const btCollisionObject* body0, const btCollisionObject* body1, btManifoldPoint& point )
 {
@@ -58,7 +53,7 @@ btVector3 placeIn( const btCollisionObject& body, const btVector3& at )
 /// is made is given again; its age, its impulses and the game's pointer stay.
 void fillPoint( const btPersistentManifold& manifold, const NodeBody& node, const NodeHit& hit, bool nodeIsFirst, btManifoldPoint& point )
 {
-	const btScalar radius = radiusOf( node ), distance = btScalar( hit.touch.distance );
+	const btScalar radius = node.radius(), distance = btScalar( hit.touch.distance );
 	const btVector3 outward = toBt( hit.touch.normal );
 	setWhole( nodeIsFirst ? point.m_positionWorldOnA : point.m_positionWorldOnB, node.written - outward * radius );
 	setWhole( nodeIsFirst ? point.m_positionWorldOnB : point.m_positionWorldOnA, node.written - outward * distance );
@@ -310,7 +305,7 @@ void PairContacts::open( const Pair& pair, NodeContact& contact )
 void PairContacts::write( const Pair& pair, NodeContact& contact, const NodeHit* hits, int count )
 {
 	btPersistentManifold& manifold = *contact.manifold;
-	const btScalar radius = radiusOf( *contact.first );
+	const btScalar radius = contact.first->radius();
 	const bool isNew = manifold.getNumContacts() == 0;
 	// Hits come nearest first; Bullet keeps what lies within the threshold.
 	manifold.setContactBreakingThreshold( btMax( btScalar( hits[count - 1].touch.distance ) - radius, btScalar( 0 ) ) + kContactSlop * radius );

@@ -1,12 +1,12 @@
 #include "world/rubbing_spin.h"
 
 #include "world/ahead.h"
+#include "world/constants.h"
 #include "world/soft_body_impl.h"
 #include "world/turner.h"
 
 #include <BulletCollision/BroadphaseCollision/btDispatcher.h>
 #include <BulletCollision/CollisionDispatch/btUnionFind.h>
-#include <BulletCollision/CollisionShapes/btSphereShape.h>
 #include <BulletCollision/NarrowPhaseCollision/btPersistentManifold.h>
 
 namespace pliant {
@@ -22,13 +22,13 @@ Vec3d impulseOf( const btManifoldPoint& point )
 
 double radiusOf( const btCollisionObject* node )
 {
-	return double( static_cast<const btSphereShape*>( node->getCollisionShape() )->getRadius() );
+	return double( static_cast<const NodeBody*>( node )->radius() );
 }
 
 /// Bullet's solver has had it; it leaves alone what sleeps.
 bool wasSolved( const btPersistentManifold& manifold, const SoftBody& first, const SoftBody& second )
 {
-	const bool isHidden = manifold.getContactProcessingThreshold() <= -BT_LARGE_FLOAT;
+	const bool isHidden = manifold.getContactProcessingThreshold() <= btScalar( kHiddenThreshold );
 	return !isHidden && ( first.isActive() || second.isActive() ) && first.hasContactResponse() && second.hasContactResponse();
 }
 
