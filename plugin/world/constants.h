@@ -52,6 +52,10 @@ inline constexpr int kGuardRounds = 4;
 /// Sweeps over the barriers of one node.
 inline constexpr int kGuardSweeps = 16;
 
+/// What a change of levels brought into the world inside something (born_inside.h) comes out of it at so many radii of the body's smallest node a second,
+/// while the body is slower than so many.
+inline constexpr double kBornOut = 10.0, kBornCalm = 2.0;
+
 /// Self-collision. Two ways out of the material (unit vectors) that differ by less than this leave open which side is which.
 inline constexpr double kFacing = 0.5;
 /// A way out of the material that is shorter than this before it is normalised is rounding: as much lies on one side as on the other.

@@ -91,6 +91,7 @@ void SoftBody::Impl::adopt( SoftBody& owner, BodyPiece& piece, Remains remains )
 	const std::vector<std::uint32_t>& nodeNow = remains.nodeNow;
 	const bool keepsNodes = nodeNow.size() == piece.nodeBefore.size() && std::find( nodeNow.begin(), nodeNow.end(), kNoNode ) == nodeNow.end();
 	pins = pinsOf( pins, nodeNow );
+	born = BornInside::of( born, piece.nodeBefore );
 	nearby.clear();
 	body = std::move( piece.body );
 	const bool keepsNumbers = keepsNodes && std::is_sorted( nodeNow.begin(), nodeNow.end() );
@@ -128,6 +129,7 @@ std::unique_ptr<SoftBody> SoftBody::Impl::makeFragment( const SoftBody& parent, 
 	impl.plan = from.plan;
 	impl.elasticity = from.elasticity;
 	impl.hasOwnGravity = from.hasOwnGravity;
+	impl.born = BornInside::of( from.born, piece.nodeBefore );
 	impl.gravity = from.gravity;
 	impl.hasNodeForces = from.hasNodeForces;
 	impl.pins = pinsOf( from.pins, numbersNow( piece, from.body->nodeCount() ) );

@@ -110,6 +110,20 @@ void SoftBodySystem::adaptLevels( btScalar h )
 	}
 }
 
+// What the body strikes just now would be pushed with all that it strikes with, for as far as its new nodes have to come out.
+void SoftBodySystem::endCollision( btScalar h )
+{
+	for ( SoftBody* body : m_bodies )
+	{
+		SoftBody::Impl& impl = body->impl();
+		if ( impl.born.isAny() && moves( *body ) )
+		{
+			const double radius = double( impl.shape->smallestRadius() ), calm = kBornCalm * radius;
+			impl.born.endPhase( impl.meanSquareSpeed < calm * calm ? kBornOut * radius * double( h ) : 0.0 );
+		}
+	}
+}
+
 // Contacts of nodes that are gone are let go of in the next collision phase, which is before anything else looks at them.
 void SoftBody::Impl::changeNodes( SoftBody& owner, const std::function<void()>& change, bool fades )
 {
@@ -128,6 +142,7 @@ void SoftBody::Impl::changeNodes( SoftBody& owner, const std::function<void()>& 
 	movePins( *this, done, placeBefore );
 	shape->followLevels( *body, shapeShift, !fades ); // before links break: adopt() places what is there then
 	NodeBodyPool::renumber( owner, done.keptAs, body->nodeCount() );
+	born.follow( done.keptAs, body->nodeCount() );
 	if ( self )
 	{
 		self->search.renumber( done.keptAs );

@@ -77,9 +77,29 @@ const std::vector<NodeHit>& NodeSearch::againstRigid( const SoftBody& soft, cons
 	obstacle.basis = toMatrix3d( other.getWorldTransform().getBasis() );
 	obstacle.position = toVec3d( other.getWorldTransform().getOrigin() ) - origin;
 	visitParts( obstacle, [this]( const Obstacle& part ) { visit( part ); } );
+	giveLeave( soft, nullptr );
 	sortHits();
 	keepFlatNeighboursOut();
 	return m_hits;
+}
+
+// New nodes that stand in what they touch touch it just so.
+void NodeSearch::giveLeave( const SoftBody& first, const SoftBody* second )
+{
+	BornInside &own = first.impl().born, &others = second ? second->impl().born : own;
+	if ( !own.isAny() && !others.isAny() )
+	{
+		return;
+	}
+	for ( NodeHit& hit : m_hits )
+	{
+		const double depth = double( first.impl().shape->sphereOfNode( hit.node() )->getRadius() ) - hit.touch.distance;
+		if ( depth > 0.0 )
+		{
+			const double leave = own.leave( hit.node(), depth );
+			hit.touch.distance += second ? std::max( leave, others.leave( hit.other(), depth ) ) : leave;
+		}
+	}
 }
 
 void NodeSearch::sortHits()

@@ -72,6 +72,7 @@ private:
 	void foresee( int node, const Find& find ) const;
 	template <class Find>
 	void foreseeIn( const btVector3& low, const btVector3& high, const Find& find );
+	void giveLeave( const SoftBody& first, const SoftBody* second );
 	void keepFlatNeighboursOut();
 	void sortHits();
 

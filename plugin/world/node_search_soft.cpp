@@ -120,6 +120,7 @@ const std::vector<NodeHit>& NodeSearch::againstSoft( const SoftBody& a, const So
 		setSlack( implA, implB.serial, std::min( slack, deepest ) );
 		setSlack( implB, implA.serial, std::min( slack, deepest ) );
 	}
+	giveLeave( a, &b );
 	sortHits();
 	return m_hits;
 }

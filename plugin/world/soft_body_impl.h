@@ -9,6 +9,7 @@
 #include "surface/rigid_skin.h"
 #include "surface/skin_fade.h"
 #include "surface/skinning.h"
+#include "world/born_inside.h"
 #include "world/constants.h"
 #include "world/implicit_choice.h"
 #include "world/node_body.h"
@@ -129,6 +130,7 @@ struct SoftBody::Impl
 	unsigned fractureVersion = 0;
 	std::shared_ptr<int> family;       ///< bodies made of the one body it all came from; null: it never came apart
 	mutable std::vector<FreshPair> fresh; ///< ascending
+	mutable BornInside born;              ///< noted while contacts are found
 	Fading fading;
 	std::unique_ptr<NodeShape> shapeBefore; ///< stand-ins of nodes that came off point to its spheres until the next collision phase
 	std::shared_ptr<CrackFamily> crackFamily;        ///< null: nobody had looked when it broke, or links were healed

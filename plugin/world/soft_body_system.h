@@ -40,6 +40,7 @@ public:
 	void wakeDriven();                          ///< sleeping bodies whose pins move
 	void accelerate( btScalar h, int substep ); ///< forces, pins' speeds, shape matching, the boxes' sweep
 	void collideWithThemselves( btScalar h );   ///< with the broadphase's pairs done
+	void endCollision( btScalar h );            ///< with all contacts found
 	void holdPredictiveContacts( btAlignedObjectArray<btPersistentManifold*>& manifolds );
 	void dropPredictiveContacts();
 	void copyIslandTags();

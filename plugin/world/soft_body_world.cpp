@@ -262,6 +262,7 @@ void SoftBodyWorld::performDiscreteCollisionDetection()
 	Stopwatch watch( m_system->bodies.report.collision );
 	btDiscreteDynamicsWorld::performDiscreteCollisionDetection();
 	m_system->bodies.collideWithThemselves( getDispatchInfo().m_timeStep );
+	m_system->bodies.endCollision( getDispatchInfo().m_timeStep );
 }
 
 void SoftBodyWorld::solveConstraints( btContactSolverInfo& info )

@@ -7,6 +7,8 @@ namespace pliant {
 
 void SoftBodySystem::adaptLevels( btScalar ) {}
 
+void SoftBodySystem::endCollision( btScalar ) {}
+
 void SoftBody::Impl::changeNodes( SoftBody&, const std::function<void()>&, bool ) {}
 
 int SoftBody::nodeLevel( int ) const
