@@ -55,6 +55,8 @@ inline constexpr int kGuardSweeps = 16;
 /// What a change of levels brought into the world inside something (born_inside.h) comes out of it at so many radii of the body's smallest node a second,
 /// while the body is slower than so many.
 inline constexpr double kBornOut = 10.0, kBornCalm = 2.0;
+/// A faster body's nodes that hold more than this share of what it moves with are not split for what they are about to touch.
+inline constexpr double kSplitEnergy = 3e-3;
 
 /// Self-collision. Two ways out of the material (unit vectors) that differ by less than this leave open which side is which.
 inline constexpr double kFacing = 0.5;

@@ -16,6 +16,8 @@ namespace pliant {
 
 namespace {
 
+using Near = SoftBody::Impl::Near;
+
 /// Where a pin's node has split, each of its children is pinned as it was; where such children have merged, the node they make up is, and
 /// stands as the first of them does.
 void movePins( SoftBody::Impl& impl, const LevelChange& change, const std::vector<btVector3>& placeBefore )
@@ -45,6 +47,25 @@ void movePins( SoftBody::Impl& impl, const LevelChange& change, const std::vecto
 	impl.pins = std::move( moved );
 }
 
+bool isSlow( const SoftBody::Impl& impl )
+{
+	const double calm = kBornCalm * double( impl.shape->smallestRadius() );
+	return impl.meanSquareSpeed < calm * calm;
+}
+
+/// Whether a node holds more than kSplitEnergy of what the body moves with: V E e^2 > kSplitEnergy m v^2, e = | F^T F - 1 | / 2. Its parts need not hold what it
+/// does where it is not bent as a quadratic: of a block that stood on its corner, at rest for a moment, and split there, they held a seventh more.
+bool isLoaded( const SoftBody::Impl& impl, int node )
+{
+	const Body& body = *impl.body;
+	float nine[9];
+	body.nodeDeformationsOf( { std::uint32_t( node ) }, nine );
+	const Eigen::Matrix3f f = Eigen::Map<const Eigen::Matrix<float, 3, 3, Eigen::RowMajor>>( nine );
+	const double strain = 0.5 * double( ( f.transpose() * f - Eigen::Matrix3f::Identity() ).norm() );
+	const double volume = double( body.nodes().mass[node] ) / double( body.material().density );
+	return volume * double( body.material().youngsModulus ) * strain * strain > kSplitEnergy * impl.mass * impl.meanSquareSpeed;
+}
+
 } // namespace
 
 void SoftBodySystem::adaptLevels( btScalar h )
@@ -66,9 +87,12 @@ void SoftBodySystem::adaptLevels( btScalar h )
 			{
 				impl.body->requestSplit( stand->node );
 			}
-			for ( const SoftBody::Impl::Near& near : impl.nearby )
+			// What steps implicitly meets what it touches in one step: there is no later.
+			const bool waits = !impl.isImplicit && !isSlow( impl );
+			for ( const Near& near : impl.nearby )
 			{
-				near.isSmaller ? impl.body->requestSplit( near.node ) : impl.body->keepNode( near.node );
+				const bool splits = near.wish == Near::Wish::Split || ( near.wish == Near::Wish::Widen && !( waits && isLoaded( impl, near.node ) ) );
+				splits ? impl.body->requestSplit( near.node ) : impl.body->keepNode( near.node );
 			}
 			impl.nearby.clear();
 		}
@@ -118,8 +142,7 @@ void SoftBodySystem::endCollision( btScalar h )
 		SoftBody::Impl& impl = body->impl();
 		if ( impl.born.isAny() && moves( *body ) )
 		{
-			const double radius = double( impl.shape->smallestRadius() ), calm = kBornCalm * radius;
-			impl.born.endPhase( impl.meanSquareSpeed < calm * calm ? kBornOut * radius * double( h ) : 0.0 );
+			impl.born.endPhase( isSlow( impl ) ? kBornOut * double( impl.shape->smallestRadius() ) * double( h ) : 0.0 );
 		}
 	}
 }

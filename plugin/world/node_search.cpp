@@ -21,6 +21,8 @@ namespace {
 /// From a cube's middle to its corner, in half edges, and a tenth more: a node of level 2 takes two substeps to give way to finest ones.
 const double kCornerReach = 1.1 * std::sqrt( 3.0 );
 
+using Near = SoftBody::Impl::Near;
+
 /// A box in the coordinates of a soft body's shape, and room around it for what moves in this step.
 struct Box
 {
@@ -197,7 +199,7 @@ void NodeSearch::noteNear( int node, btScalar size ) const
 	const btScalar diameter = 2 * impl.shape->sphereOfNode( node )->getRadius();
 	if ( size <= 2 * diameter )
 	{
-		impl.nearby.push_back( SoftBody::Impl::Near{ node, size <= diameter } );
+		impl.nearby.push_back( Near{ node, size <= diameter ? Near::Wish::Split : Near::Wish::Stay } );
 	}
 }
 
@@ -214,13 +216,13 @@ void NodeSearch::foresee( int node, const Find& find ) const
 	sphere.radius = corner;
 	if ( m_soft->nodeLevel( node ) > 0 && find( sphere, touch ) )
 	{
-		impl.nearby.push_back( SoftBody::Impl::Near{ node, true } );
+		impl.nearby.push_back( Near{ node, Near::Wish::Widen } );
 		return;
 	}
 	sphere.radius = 2.0 * corner;
 	if ( find( sphere, touch ) )
 	{
-		impl.nearby.push_back( SoftBody::Impl::Near{ node, false } );
+		impl.nearby.push_back( Near{ node, Near::Wish::Stay } );
 	}
 }
 

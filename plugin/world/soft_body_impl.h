@@ -146,11 +146,17 @@ struct SoftBody::Impl
 	std::vector<Pin> pins;             ///< ascending by node
 	std::vector<NodeBody*> nodeBody;   ///< by node; null while untouched
 	unsigned numbering = 0;            ///< one more whenever nodes get other numbers
-	/// Nodes (with Adaptivity::refinesOnContact) that something small has come near in this substep: it might slip between big spheres.
+	/// Nodes (with Adaptivity::refinesOnContact) that something has come near in this substep.
 	struct Near
 	{
+		enum class Wish : unsigned char
+		{
+			Stay,  ///< as it is, not to be merged
+			Split, ///< for what is smaller might slip between big spheres
+			Widen  ///< into its parts, for a corner of its cube may touch: it can wait
+		};
 		int node;
-		bool isSmaller; ///< than the node: the node is to be split; else it is only to stay as it is
+		Wish wish;
 	};
 	mutable std::vector<Near> nearby;
 	std::vector<NodeBody*> touched;    ///< those that are not null
