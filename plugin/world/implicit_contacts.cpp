@@ -19,6 +19,15 @@ const NodeBody* asNode( const btCollisionObject* object )
 	return ownerOfNodeBody( object ) ? static_cast<const NodeBody*>( object ) : nullptr;
 }
 
+/// A contact that was a block's rubs in two directions; a solver with one leaves the other's impulse as it lies, and who sums them up would take it for the last solve's.
+void forgetSecondDirection( btPersistentManifold& manifold )
+{
+	for ( int k = 0; k < manifold.getNumContacts(); ++k )
+	{
+		manifold.getContactPoint( k ).m_appliedImpulseLateral2 = 0;
+	}
+}
+
 /// Two rigid bodies whose contacts the block can take over: nothing but friction. Between two solvers a stack would be pressed through itself.
 bool isPlainRigid( const btPersistentManifold& manifold )
 {
@@ -120,6 +129,10 @@ void ImplicitContacts::gatherFrom(
 	}
 	if ( block < 0 )
 	{
+		if ( ( info.m_solverMode & SOLVER_USE_2_FRICTION_DIRECTIONS ) == 0 )
+		{
+			forgetSecondDirection( manifold );
+		}
 		return;
 	}
 	m_hidden.push_back( Hidden{ &manifold, manifold.getContactProcessingThreshold() } );

@@ -141,7 +141,7 @@ void ImplicitBlock::linearise( const float* v, int passes )
 	for ( BlockContact& contact : contacts )
 	{
 		const bool hasPressed = contact.pushed > 0.0;
-		if ( isFirst || !( keeps && hasPressed ) )
+		if ( !( keeps && hasPressed ) )
 		{
 			contact.limited = std::max( 0.0, isFirst ? contact.pushed : contact.normalImpulse );
 		}

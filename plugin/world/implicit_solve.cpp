@@ -190,9 +190,14 @@ void ImplicitSolve::before( const std::vector<SoftBody*>& awake, btDispatcher& d
 	{
 		scaleImpulses( dispatcher, m_h / before );
 	}
+	const bool hadBlocks = m_hadBlocks;
 	m_hadBlocks = !m_tagOf.empty();
 	if ( m_tagOf.empty() )
 	{
+		if ( hadBlocks )
+		{
+			m_contacts.gather( dispatcher, info, *this, m_blocks ); // finds none, and lets go of what was theirs
+		}
 		m_outside.clear();
 		return;
 	}

@@ -66,6 +66,23 @@ bool isLoaded( const SoftBody::Impl& impl, int node )
 	return volume * double( body.material().youngsModulus ) * strain * strain > kSplitEnergy * impl.mass * impl.meanSquareSpeed;
 }
 
+/// Adaptivity::refinesOnContact.
+void askForContacts( SoftBody::Impl& impl )
+{
+	for ( const NodeBody* stand : impl.touched )
+	{
+		impl.body->requestSplit( stand->node );
+	}
+	// What steps implicitly meets what it touches in one step: there is no later.
+	const bool waits = !impl.isImplicit && !isSlow( impl );
+	for ( const Near& near : impl.nearby )
+	{
+		const bool splits = near.wish == Near::Wish::Split || ( near.wish == Near::Wish::Widen && !( waits && isLoaded( impl, near.node ) ) );
+		splits ? impl.body->requestSplit( near.node ) : impl.body->keepNode( near.node );
+	}
+	impl.nearby.clear();
+}
+
 } // namespace
 
 void SoftBodySystem::adaptLevels( btScalar h )
@@ -83,18 +100,7 @@ void SoftBodySystem::adaptLevels( btScalar h )
 		Stopwatch watch( report.levels );
 		if ( levels->settings().refinesOnContact )
 		{
-			for ( const NodeBody* stand : impl.touched )
-			{
-				impl.body->requestSplit( stand->node );
-			}
-			// What steps implicitly meets what it touches in one step: there is no later.
-			const bool waits = !impl.isImplicit && !isSlow( impl );
-			for ( const Near& near : impl.nearby )
-			{
-				const bool splits = near.wish == Near::Wish::Split || ( near.wish == Near::Wish::Widen && !( waits && isLoaded( impl, near.node ) ) );
-				splits ? impl.body->requestSplit( near.node ) : impl.body->keepNode( near.node );
-			}
-			impl.nearby.clear();
+			askForContacts( impl );
 		}
 		if ( impl.body->reviewLevels( float( h ) ) )
 		{

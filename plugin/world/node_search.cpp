@@ -256,12 +256,13 @@ template <class Find>
 void NodeSearch::touchMarked( const Obstacle& obstacle, btScalar size, const Find& find )
 {
 	const Spheres spheres( *this );
-	const Obstacle then = m_looksAhead ? m_before.moved( obstacle, m_step ) : Obstacle{};
+	const bool looksAhead = m_looksAhead && obstacle.shape->isConvex();
+	const Obstacle then = looksAhead ? m_before.moved( obstacle, m_step ) : Obstacle{};
 	m_marks.takeAll( [&]( int node ) {
 		noteNear( node, size );
 		Touch touch;
 		const MovingSphere sphere = spheres.of( node );
-		if ( find( sphere, touch ) && ( !m_looksAhead || lookAhead( then, sphere, spheres.ahead( node ), touch ) ) )
+		if ( find( sphere, touch ) && ( !looksAhead || lookAhead( then, sphere, spheres.ahead( node ), touch ) ) )
 		{
 			m_hits.push_back( NodeHit{ std::uint64_t( node ) << 32 | m_leaf, touch, obstacle.part, obstacle.index } );
 		}

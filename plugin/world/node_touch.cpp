@@ -248,7 +248,7 @@ bool lookAhead( const Obstacle& then, const MovingSphere& sphere, const Ahead& a
 	MovingSphere there = sphere;
 	there.centre += ahead.to;
 	Touch found;
-	if ( !then.shape->isConvex() || !nearest( then, there, found ) )
+	if ( !nearest( then, there, found ) )
 	{
 		return true;
 	}

@@ -25,11 +25,9 @@ double radiusOf( const btCollisionObject* node )
 	return double( static_cast<const NodeBody*>( node )->radius() );
 }
 
-/// Bullet's solver has had it; it leaves alone what sleeps.
-bool wasSolved( const btPersistentManifold& manifold, const SoftBody& first, const SoftBody& second )
+bool isHidden( const btPersistentManifold& manifold )
 {
-	const bool isHidden = manifold.getContactProcessingThreshold() <= btScalar( kHiddenThreshold );
-	return !isHidden && ( first.isActive() || second.isActive() ) && first.hasContactResponse() && second.hasContactResponse();
+	return manifold.getContactProcessingThreshold() <= btScalar( kHiddenThreshold );
 }
 
 } // namespace
@@ -66,7 +64,7 @@ void RubbingSpin::sum( btDispatcher& dispatcher )
 	forEachManifold( dispatcher, askForEnd, [this]( const btPersistentManifold& manifold ) {
 		SoftBody *const first = ownerOfNodeBody( manifold.getBody0() ), *const second = ownerOfNodeBody( manifold.getBody1() );
 		if ( !first || !second || first == second || !std::binary_search( m_rubbing.begin(), m_rubbing.end(), first->getIslandTag() ) ||
-			 !wasSolved( manifold, *first, *second ) )
+			 isHidden( manifold ) || !areSolved( *first, *second ) )
 		{
 			return;
 		}

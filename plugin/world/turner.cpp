@@ -72,4 +72,9 @@ void Turner::turn( const Vec3d& impulse )
 	}
 }
 
+bool areSolved( const btCollisionObject& first, const btCollisionObject& second )
+{
+	return ( first.isActive() || second.isActive() ) && first.hasContactResponse() && second.hasContactResponse();
+}
+
 } // namespace pliant

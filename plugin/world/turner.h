@@ -27,4 +27,7 @@ private:
 	void measure();
 };
 
+/// Whether solvers work on what is between the two; they leave alone what sleeps, and impulses there are those of when it fell asleep.
+bool areSolved( const btCollisionObject& first, const btCollisionObject& second );
+
 } // namespace pliant

@@ -81,8 +81,7 @@ void TurningFriction::apply()
 		btCollisionObject* const first = wholeOf( hidden.manifold->getBody0() );
 		btCollisionObject* const second = wholeOf( hidden.manifold->getBody1() );
 		const double pressing = double( point.m_appliedImpulse );
-		// The impulses of what sleeps are those of when it fell asleep.
-		if ( pressing <= 0.0 || ( !first->isActive() && !second->isActive() ) || !first->hasContactResponse() || !second->hasContactResponse() )
+		if ( pressing <= 0.0 || !areSolved( *first, *second ) )
 		{
 			continue;
 		}

@@ -10,6 +10,7 @@ void barExperiment();
 void splitsExperiment();
 void pullExperiment();
 void shotsExperiment( int count );
+void impactsExperiment( int count );
 /// Writes crack.png and crack_near.png into the working directory.
 void crackExperiment();
 void refineExperiment();

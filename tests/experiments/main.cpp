@@ -24,6 +24,7 @@ const Entry kEntries[] = {
 	{ "splits", []( int ) { splitsExperiment(); }, 0 },
 	{ "pull", []( int ) { pullExperiment(); }, 0 },
 	{ "shots", []( int count ) { shotsExperiment( count ); }, 1000 },
+	{ "impacts", []( int count ) { impactsExperiment( count ); }, 1000 },
 	{ "crack", []( int ) { crackExperiment(); }, 0 },
 	{ "bunny", []( int ) { bunnyExperiment(); }, 0 },
 	{ "nodes", []( int ) { nodeExperiment(); }, 0 },
