@@ -145,12 +145,13 @@ TEST( AdaptiveImpact, BringsNoEnergyIn )
 {
 	const Impact impacts[] = { { Ground::Floor, 1e8f, 6, false }, { Ground::Floor, 3e6f, 8, true, Elasticity::Explicit, 4 }, { Ground::Box, 1e8f, 6, false }, { Ground::Soft, 1e7f, 8, false },
 		{ Ground::Soft, 1e8f, 6, false }, { Ground::SoftWithLevels, 1e7f, 8, false }, { Ground::SoftWithLevels, 1e8f, 6, false },
-		{ Ground::SoftWithLevels, 1e8f, 6, false, Elasticity::Implicit } };
+		{ Ground::SoftWithLevels, 1e8f, 6, false, Elasticity::Implicit },
+		{ Ground::Floor, 1e8f, 6, false, Elasticity::Implicit, btScalar( 1.9 ) } };
 	for ( const Impact& impact : impacts )
 	{
 		double most = 0.0;
 		int splits = 0;
-		for ( int k = 0; k < 6; ++k )
+		for ( int k = 0; k < 10; ++k )
 		{
 			most = std::max( most, mostEnergy( impact, turnOf( k ), splits ) );
 		}
