@@ -1,6 +1,7 @@
 // Soft bodies that strike things and each other at random, where nothing damps them and nothing weighs: does energy of motion come of it, is spin lost?
 
 #include "experiments/experiments.h"
+#include "support/energy_of_motion.h"
 #include "support/test_world.h"
 
 #include <algorithm>
@@ -42,15 +43,11 @@ double energyOfMotion( const test::SoftWorld& world )
 	double sum = 0.0;
 	for ( const auto& body : world.soft )
 	{
-		for ( int i = 0; i < body->nodeCount(); ++i )
-		{
-			sum += 0.5 * double( body->nodeMass( i ) * body->nodeVelocity( i ).length2() );
-		}
+		sum += test::energyOfMotion( *body );
 	}
 	for ( const auto& body : world.rigid )
 	{
-		const btVector3 turning = body->getWorldTransform().getBasis().transpose() * body->getAngularVelocity();
-		sum += body->getInvMass() > 0 ? 0.5 * double( body->getLinearVelocity().length2() / body->getInvMass() + turning.dot( body->getLocalInertia() * turning ) ) : 0.0;
+		sum += body->getInvMass() > 0 ? test::energyOfMotion( *body ) : 0.0;
 	}
 	return sum;
 }

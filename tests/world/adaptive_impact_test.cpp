@@ -1,6 +1,7 @@
 // Levels of detail where a body hits something.
 
 #include "adaptive_bodies.h"
+#include "support/energy_of_motion.h"
 
 #include "world/born_inside.h"
 
@@ -14,6 +15,7 @@ namespace {
 
 using test::at;
 using test::block;
+using test::energyOfMotion;
 using test::levels;
 using test::stiff;
 using test::TestWorld;
@@ -49,16 +51,6 @@ TEST( AdaptiveImpact, WhatSplitsOnTheFloorIsNotShotUp )
 		std::printf( "E %g: %.4f of the start\n", double( modulus ), double( highest / start ) );
 		EXPECT_LT( highest, start * btScalar( 1.01 ) ) << "E " << modulus;
 	}
-}
-
-double energyOfMotion( const SoftBody& soft )
-{
-	double sum = 0.0;
-	for ( int i = 0; i < soft.nodeCount(); ++i )
-	{
-		sum += 0.5 * double( soft.nodeMass( i ) * soft.nodeVelocity( i ).length2() );
-	}
-	return sum;
 }
 
 enum class Ground : int
@@ -124,8 +116,7 @@ double mostEnergy( const Impact& impact, const btQuaternion& turn, int& splits )
 		}
 		if ( box )
 		{
-			const btVector3 turning = box->getWorldTransform().getBasis().transpose() * box->getAngularVelocity();
-			now += 0.5 * double( box->getLinearVelocity().length2() / box->getInvMass() + turning.dot( box->getLocalInertia() * turning ) );
+			now += energyOfMotion( *box );
 		}
 		most = std::max( most, now / first );
 	}

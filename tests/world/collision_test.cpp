@@ -2,6 +2,8 @@
 
 #include "test_world.h"
 
+#include "support/energy_of_motion.h"
+
 #include <pliant/contact_solver.h>
 
 #include <BulletCollision/CollisionShapes/btHeightfieldTerrainShape.h>
@@ -46,10 +48,7 @@ double motionOf( const TestWorld& t )
 	double sum = 0.0;
 	for ( const auto& body : t.soft )
 	{
-		for ( int i = 0; i < body->nodeCount(); ++i )
-		{
-			sum += 0.5 * double( body->nodeMass( i ) ) * double( body->nodeVelocity( i ).length2() );
-		}
+		sum += test::energyOfMotion( *body );
 	}
 	return sum;
 }
