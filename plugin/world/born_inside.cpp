@@ -39,9 +39,9 @@ double BornInside::leave( int node, double depth )
 	{
 		return 0.0;
 	}
-	const float given = std::min( float( depth ), m_leave[i] );
-	m_found[i] = std::max( m_found[i], given );
-	return std::min( depth, double( m_leave[i] ) );
+	const double given = std::min( depth, double( m_leave[i] ) );
+	m_found[i] = std::max( m_found[i], float( given ) );
+	return given;
 }
 
 void BornInside::endPhase( double out )

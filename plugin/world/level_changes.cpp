@@ -53,21 +53,19 @@ bool isSlow( const SoftBody::Impl& impl )
 	return impl.meanSquareSpeed < calm * calm;
 }
 
-/// Whether a node holds more than kSplitEnergy of what the body moves with: V E e^2 > kSplitEnergy m v^2, e = | F^T F - 1 | / 2. Its parts need not hold what it
-/// does where it is not bent as a quadratic: of a block that stood on its corner, at rest for a moment, and split there, they held a seventh more.
-bool isLoaded( const SoftBody::Impl& impl, int node )
+/// Whether a node that is stretched by F holds more than kSplitEnergy of what the body moves with: V E e^2 > kSplitEnergy m v^2, e = | F^T F - 1 | / 2. Its parts
+/// need not hold what it does where it is not bent as a quadratic: of a block that stood on its corner, at rest for a moment, and split there, they held 13 % more.
+bool isLoaded( const SoftBody::Impl& impl, int node, const Eigen::Matrix3f& f )
 {
 	const Body& body = *impl.body;
-	float nine[9];
-	body.nodeDeformationsOf( { std::uint32_t( node ) }, nine );
-	const Eigen::Matrix3f f = Eigen::Map<const Eigen::Matrix<float, 3, 3, Eigen::RowMajor>>( nine );
 	const double strain = 0.5 * double( ( f.transpose() * f - Eigen::Matrix3f::Identity() ).norm() );
 	const double volume = double( body.nodes().mass[node] ) / double( body.material().density );
 	return volume * double( body.material().youngsModulus ) * strain * strain > kSplitEnergy * impl.mass * impl.meanSquareSpeed;
 }
 
-/// Adaptivity::refinesOnContact.
-void askForContacts( SoftBody::Impl& impl )
+} // namespace
+
+void SoftBodySystem::askForContacts( SoftBody::Impl& impl )
 {
 	for ( const NodeBody* stand : impl.touched )
 	{
@@ -75,15 +73,27 @@ void askForContacts( SoftBody::Impl& impl )
 	}
 	// What steps implicitly meets what it touches in one step: there is no later.
 	const bool waits = !impl.isImplicit && !isSlow( impl );
+	m_widening.clear();
 	for ( const Near& near : impl.nearby )
 	{
-		const bool splits = near.wish == Near::Wish::Split || ( near.wish == Near::Wish::Widen && !( waits && isLoaded( impl, near.node ) ) );
-		splits ? impl.body->requestSplit( near.node ) : impl.body->keepNode( near.node );
+		if ( near.wish == Near::Wish::Widen && waits )
+		{
+			m_widening.push_back( std::uint32_t( near.node ) );
+			continue;
+		}
+		near.wish == Near::Wish::Stay ? impl.body->keepNode( near.node ) : impl.body->requestSplit( near.node );
 	}
 	impl.nearby.clear();
+	// All at once: the whole body's sums are made for it.
+	m_stretches.resize( 9 * m_widening.size() );
+	impl.body->nodeDeformationsOf( m_widening, m_stretches.data() );
+	for ( std::size_t k = 0; k < m_widening.size(); ++k )
+	{
+		const Eigen::Map<const Eigen::Matrix<float, 3, 3, Eigen::RowMajor>> f( m_stretches.data() + 9 * k );
+		const int node = int( m_widening[k] );
+		isLoaded( impl, node, f ) ? impl.body->keepNode( node ) : impl.body->requestSplit( node );
+	}
 }
-
-} // namespace
 
 void SoftBodySystem::adaptLevels( btScalar h )
 {

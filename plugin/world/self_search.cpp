@@ -176,14 +176,14 @@ void SelfSearch::giveSlack()
 		}
 		const bool isKnown = known != m_slack.end() && known->key == hit.key;
 		const double depth = radiusOf( impl, hit.node() ) - hit.touch.distance;
-		if ( depth > 0.0 && !m_isFirst && !isKnown && impl.born.isAny() )
-		{
-			hit.touch.distance += std::max( impl.born.leave( hit.node(), depth ), impl.born.leave( hit.other(), depth ) );
-		}
-		else if ( depth > 0.0 && ( m_isFirst || isKnown ) )
+		if ( depth > 0.0 && ( m_isFirst || isKnown ) )
 		{
 			m_slackNext.push_back( Slack{ hit.key, m_isFirst ? depth : std::min( depth, known->depth ) } );
 			hit.touch.distance += m_slackNext.back().depth;
+		}
+		else if ( depth > 0.0 )
+		{
+			hit.touch.distance += std::max( impl.born.leave( hit.node(), depth ), impl.born.leave( hit.other(), depth ) );
 		}
 	}
 	m_slack.swap( m_slackNext );

@@ -107,6 +107,7 @@ private:
 	void advanceFading( btScalar gameStep );
 	void addFragment( SoftBody& parent, std::unique_ptr<SoftBody> fragment );
 	void adaptLevels( btScalar h );
+	void askForContacts( SoftBody::Impl& impl ); ///< Adaptivity::refinesOnContact
 	void changeLevels( SoftBody& body );
 	void countNodes();
 	/// What stands within `reach` of a body's nodes and collides with it, ascending by the order in which Bullet came to know it.
@@ -138,6 +139,8 @@ private:
 	std::vector<SoftBody*> m_staleShapes; ///< scratch of freshenShapes
 	std::vector<SoftBody*> m_sharedOut, m_whole; ///< those of them that all threads do together, and that one does
 	std::vector<SoftBody*> m_stale; ///< scratch of noteAsked
+	std::vector<std::uint32_t> m_widening; ///< scratch of askForContacts, and the nodes' F
+	std::vector<float> m_stretches;
 	unsigned m_steps = 1, m_askedIn = 0; ///< game steps so far, from 1; after which of them a skin was last asked for (0: never)
 	btScalar m_gameStep = btScalar( 0 );
 	int m_substepCount = 1;

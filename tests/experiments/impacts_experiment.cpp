@@ -64,7 +64,7 @@ const char* const kGroundNames[] = { "floor", "rigid box", "soft cube", "soft cu
 /// A cube of nodes of level 1 or 2, half of them 6 cells wide, which leaves such nodes half empty. The most that energy comes to, as a share of the first.
 double strike( Ground ground, Elasticity elasticity, unsigned seed )
 {
-	static const auto cubes = { test::cubeTemplate( 0.6f, 6 ), test::cubeTemplate( 0.8f, 8 ) };
+	static const std::shared_ptr<const BodyTemplate> cubes[] = { test::cubeTemplate( 0.6f, 6 ), test::cubeTemplate( 0.8f, 8 ) };
 	Random random( seed );
 	test::SoftWorld world;
 	world.world.setGravity( btVector3( 0, 0, 0 ) );
@@ -88,12 +88,13 @@ double strike( Ground ground, Elasticity elasticity, unsigned seed )
 	}
 	else
 	{
-		world.add( *( cubes.begin() + 1 ), btVector3( 0, btScalar( -0.7 ), 0 ), material, turnOfGround, ground == Ground::Soft ? Adaptivity{} : levels );
+		world.add( cubes[1], btVector3( 0, btScalar( -0.7 ), 0 ), material, turnOfGround, ground == Ground::Soft ? Adaptivity{} : levels );
 	}
 	const int size = random.upTo( 2 );
 	const btScalar aside = random.between( -0.3, 0.3 );
-	SoftBody* const body = world.add( *( cubes.begin() + size ), btVector3( aside, btScalar( 0.95 ), 0 ), material, random.turn(), levels );
-	body->setVelocities( btVector3( 0, random.between( -8, -1 ), 0 ), random.upTo( 2 ) == 0 ? btVector3( 0, 0, 0 ) : random.within( 3 ) );
+	SoftBody* const body = world.add( cubes[size], btVector3( aside, btScalar( 0.95 ), 0 ), material, random.turn(), levels );
+	const btVector3 spin = random.upTo( 2 ) == 0 ? btVector3( 0, 0, 0 ) : random.within( 3 );
+	body->setVelocities( btVector3( 0, random.between( -8, -1 ), 0 ), spin );
 	const btScalar restitution = std::max( btScalar( 0 ), random.between( -1, 1 ) ), friction = random.between( 0, 1 );
 	for ( const auto& each : world.soft )
 	{

@@ -8,7 +8,6 @@
 #include <cmath>
 #include <cstdio>
 #include <limits>
-#include <utility>
 
 namespace pliant {
 namespace {
@@ -130,8 +129,8 @@ btQuaternion turnOf( int k )
 }
 
 /// The balls of big nodes leave out their cubes' corners, and the nodes there, new in the world, stood in what the big ones had touched. Bullet pushed them out of it
-/// within some substeps. A stiff block came back off a floor with up to 6 times the energy that it had come with, and off a soft body, which nodes do
-/// not see coming as they see a floor, with 34 times as much.
+/// within some substeps. A stiff block came back off a floor with many times the energy that it had come with, and off a soft body, which nodes do not see
+/// coming as they see a floor, with more than thirty times as much.
 TEST( AdaptiveImpact, BringsNoEnergyIn )
 {
 	const Impact impacts[] = { { Ground::Floor, 1e8f, 6, false }, { Ground::Floor, 3e6f, 8, true, Elasticity::Explicit, 4 }, { Ground::Box, 1e8f, 6, false }, { Ground::Soft, 1e7f, 8, false },
@@ -153,7 +152,7 @@ TEST( AdaptiveImpact, BringsNoEnergyIn )
 }
 
 /// What it touched at first, by a corner, had split before; then the corners beside it came near the floor, where the block stood still for a moment and held all that
-/// it had come with: the nodes there split, and held up to a seventh more.
+/// it had come with: the nodes there split, and held up to 13 % more.
 TEST( AdaptiveImpact, WhatIsPressedTogetherWaits )
 {
 	const btQuaternion onCorner( btVector3( 1, 0, -1 ).normalized(), btScalar( 0.9 ) );
