@@ -39,7 +39,10 @@ void SoftBodySystem::updateActivation( btScalar h )
 		{
 			continue;
 		}
-		const bool isSlow = body->impl().meanSquareSpeed < double( kSleepSpeed ) * double( kSleepSpeed );
+		SoftBody::Impl& impl = body->impl();
+		const double calm = kBornCalm * double( impl.shape->smallestRadius() );
+		impl.slowFor = impl.meanSquareSpeed < calm * calm ? impl.slowFor + double( h ) : 0.0;
+		const bool isSlow = impl.meanSquareSpeed < double( kSleepSpeed ) * double( kSleepSpeed );
 		const bool maySleep = isSlow && !isDriven( *body ) && state != DISABLE_DEACTIVATION && !gDisableDeactivation && gDeactivationTime > 0;
 		body->setDeactivationTime( maySleep ? body->getDeactivationTime() + h : btScalar( 0 ) );
 		if ( state != DISABLE_DEACTIVATION )

@@ -53,10 +53,10 @@ inline constexpr int kGuardRounds = 4;
 inline constexpr int kGuardSweeps = 16;
 
 /// What a change of levels brought into the world inside something (born_inside.h) comes out of it at so many radii of the body's smallest node a second,
-/// while the body is slower than so many.
-inline constexpr double kBornOut = 10.0, kBornCalm = 2.0;
-/// A faster body's nodes that hold more than this share of what it moves with are not split for what they are about to touch.
-inline constexpr double kSplitEnergy = 3e-3;
+/// when the body has been slower than so many for so many seconds.
+inline constexpr double kBornOut = 10.0, kBornCalm = 2.0, kBornCalmFor = 0.25;
+/// A faster body's nodes that hold more than this share of what it moves with are not split for what they touch.
+inline constexpr double kSplitEnergy = 5e-4;
 
 /// Self-collision. Two ways out of the material (unit vectors) that differ by less than this leave open which side is which.
 inline constexpr double kFacing = 0.5;
@@ -80,6 +80,8 @@ inline constexpr btScalar kSleepSpeed = btScalar( 0.03 );
 
 /// Where contacts of one island brought energy in, their impulses are made smaller, to this share at most: half of it still stops what came.
 inline constexpr double kLeastBounce = 0.5;
+/// How finely the share of a bounce is found that brings nothing in.
+inline constexpr double kLeastBounceStep = 1e-4;
 
 /// What an implicit block's contacts bring in, as a share of all they move, is rounding below this, and the end of its iteration.
 inline constexpr double kBounceSlack = 1e-4;

@@ -1,8 +1,8 @@
 // Manifolds become ContactSolver's rows: in Bullet's order of evaluation, without its products with zero.
 
-#include "pliant/contact_solver.h"
+#include "world/convert_contacts.h"
+
 #include "world/ahead.h"
-#include "world/contact_rows.h"
 #include "world/node_body.h"
 
 #include <algorithm>
@@ -51,62 +51,12 @@ Softness softnessOf( const btManifoldPoint& point, const btContactSolverInfo& in
 	return soft;
 }
 
-/// One of two that meet: a point, what turns, or what stands.
-struct Side
-{
-	btCollisionObject* object;
-	int point;           ///< 0: none
-	int number;          ///< Bullet's, of what is no point
-	btSolverBody* body;  ///< what turns, or null
-};
-
-/// What a row acts by. `axis` is as it acts on the row's first: on a point, or on the body that turns.
-struct Lever
-{
-	btVector3 axis, cross, angular; ///< n, r x n, I^-1 ( r x n )
-	btScalar inverse;               ///< of both, along the axis, 1 / kg
-};
-
 } // namespace
-
-struct ContactSolver::Conversion
-{
-	ContactSolver& solver;
-	ContactRows& rows;
-	const btContactSolverInfo& info;
-
-	// The contact at hand.
-	btManifoldPoint* point = nullptr;
-	Side a{}, b{};
-	RowPlace place{};
-	btVector3 arm = btVector3( 0, 0, 0 ); ///< of the body that turns, m
-
-	bool convert( btPersistentManifold& manifold );
-	void takeBack();
-
-private:
-	bool findSide( btCollisionObject& object, Side& side );
-	bool isHeld( const Side& side ) const;
-	void convertBullets( btPersistentManifold& manifold );
-	void convertPoint();
-	int one() const { return a.point > 0 ? a.point : b.point; } ///< of the nodes' points at hand
-	int other() const { return a.point > 0 ? b.point : 0; }     ///< or nobody's
-	const Side* turning() const { return a.body ? &a : b.body ? &b : nullptr; }
-	const Point& pointOf( const Side& side ) const { return rows.points[std::size_t( side.point )]; }
-	btVector3 speedOf( const Side& side ) const;
-	void findLever( const btVector3& normal, Lever& lever ) const;
-	btScalar approach( const Lever& lever, bool withTorque ) const;
-	btScalar bounce() const;
-	void warmStart( const Lever& lever, btScalar impulse );
-	void chooseDirections();
-	void rubAlong( const btVector3& direction, int which, btScalar wanted, btScalar cfm );
-	void write( const Lever& lever, Ask ask, int which );
-};
 
 /// False where a stand-in is not as ours are: an island with such goes Bullet's way.
 bool ContactSolver::Conversion::findSide( btCollisionObject& object, Side& side )
 {
-	side = Side{ &object, 0, 0, nullptr };
+	side = Side{ &object, 0, 0, nullptr, nullptr };
 	if ( object.internalGetExtensionPointer() == &kNodeBodyMark )
 	{
 		auto& body = static_cast<NodeBody&>( object );
@@ -119,7 +69,8 @@ bool ContactSolver::Conversion::findSide( btCollisionObject& object, Side& side 
 				body.setCompanionId( side.point );
 			}
 			// Forces lie where nothing else is asked for.
-			return body.getAngularVelocity().isZero() && ( !hasContactCallback() || body.getTotalForce().isZero() );
+			side.turns = body.getAngularVelocity().isZero() ? nullptr : &body.getAngularVelocity();
+			return !hasContactCallback() || body.getTotalForce().isZero();
 		}
 	}
 	side.number = solver.getOrInitSolverBody( object, info.m_timeStep );
@@ -189,6 +140,10 @@ void ContactSolver::Conversion::convertBullets( btPersistentManifold& manifold )
 btVector3 ContactSolver::Conversion::speedOf( const Side& side ) const
 {
 	btVector3 speed = side.point > 0 ? pointOf( side ).speed : btVector3( 0, 0, 0 );
+	if ( side.turns )
+	{
+		speed += side.turns->cross( armOf( side ) );
+	}
 	if ( side.body )
 	{
 		side.body->getVelocityInLocalPointNoDelta( arm, speed );
@@ -218,12 +173,12 @@ btScalar ContactSolver::Conversion::approach( const Lever& lever, bool withTorqu
 	const Side* const turns = turning();
 	if ( !turns )
 	{
-		return lever.axis.dot( pointOf( a.point > 0 ? a : b ).speed ) - ( a.point > 0 && b.point > 0 ? lever.axis.dot( pointOf( b ).speed ) : btScalar( 0 ) );
+		return along( a.point > 0 ? a : b, lever.axis ) - ( a.point > 0 && b.point > 0 ? along( b, lever.axis ) : btScalar( 0 ) );
 	}
 	const btSolverBody& body = *turns->body;
 	const btVector3 turn = withTorque ? body.m_angularVelocity + body.m_externalTorqueImpulse : body.m_angularVelocity;
 	const btScalar ofBody = lever.axis.dot( body.m_linearVelocity + body.m_externalForceImpulse ) + lever.cross.dot( turn );
-	return ofBody - lever.axis.dot( pointOf( turns == &a ? b : a ).speed );
+	return ofBody - along( turns == &a ? b : a, lever.axis );
 }
 
 /// The speed that a contact gives back, m/s: of what the bodies came with, without forces.
@@ -275,7 +230,7 @@ void ContactSolver::Conversion::convertPoint()
 {
 	if ( const Side* const turns = turning() )
 	{
-		arm = ( turns == &a ? point->getPositionWorldOnA() : point->getPositionWorldOnB() ) - turns->object->getWorldTransform().getOrigin();
+		arm = armOf( *turns );
 	}
 	const Softness soft = softnessOf( *point, info );
 	Lever lever;

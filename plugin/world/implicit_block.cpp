@@ -319,6 +319,16 @@ BlockCount ImplicitBlock::solve( TaskRunner* runner )
 	m_runner = runner;
 	layOut();
 	chooseStiffness();
+	solveLaw( count );
+	keepEnergy( count );
+	readAnswer();
+	keepMomentum();
+	return count;
+}
+
+void ImplicitBlock::solveLaw( BlockCount& count )
+{
+	int passes = 0;
 	linearise( m_v.data(), 0 );
 	fillFree();
 	++count.products;
@@ -328,11 +338,11 @@ BlockCount ImplicitBlock::solve( TaskRunner* runner )
 		m_next = m_v;
 		m_freeNext = m_free;
 		beginIteration();
-		++count.passes;
-		bool isLast = count.passes >= kMostPasses;
+		++passes;
+		bool isLast = passes >= kMostPasses;
 		iterate( isLast ? kGradientShare : kPassShare, count );
 		Match match = matchAt( m_next.data() );
-		isLast = isLast && ( count.passes >= kMostHardPasses || ( !isWild() && ( match.each || count.passes >= kMostFairPasses ) ) );
+		isLast = isLast && ( passes >= kMostHardPasses || ( !isWild() && ( match.each || passes >= kMostFairPasses ) ) );
 		if ( !isLast && match.all && match.each )
 		{
 			beginIteration();
@@ -345,19 +355,16 @@ BlockCount ImplicitBlock::solve( TaskRunner* runner )
 			break;
 		}
 		// The first step is taken whole: it brings the forces that the start lacks.
-		const float t = count.passes == 1 ? 1.0f : float( stepTowards() );
+		const float t = passes == 1 ? 1.0f : float( stepTowards() );
 		for ( int k = 0; k < m_size; ++k )
 		{
 			m_v[k] += t * ( m_next[k] - m_v[k] );
 			m_free[k] += t * ( m_freeNext[k] - m_free[k] );
 		}
-		linearise( m_v.data(), count.passes );
+		linearise( m_v.data(), passes );
 	}
 	m_v = m_next;
-	keepEnergy( count );
-	readAnswer();
-	keepMomentum();
-	return count;
+	count.passes += passes;
 }
 
 void ImplicitBlock::readAnswer()

@@ -37,6 +37,7 @@ struct BlockContact
 	Vec3d normal = Vec3d::Zero();
 	Vec3d before = Vec3d::Zero();   ///< relative speed at the substep's start, m/s
 	double target = 0.0;            ///< b: speed of parting that is asked for at least, m/s
+	double parting = 0.0;           ///< the same, if it did not bounce
 	double friction = 0.0;          ///< mu
 	int directed = -1;              ///< among the block's directions; -1: friction is the same in all
 	btManifoldPoint* point = nullptr;
@@ -180,6 +181,8 @@ private:
 	Eigen::Matrix3d resistance( const BlockContact& contact ) const;
 	void fillFree();
 	/// At m_next: b - A v with contacts as linearised, out of that without them.
+	/// From m_v on, until impulses are those of the law.
+	void solveLaw( BlockCount& count );
 	void beginIteration();
 	double energyLeft() const;
 	/// Improves m_next until `share` of what is off is left, or little enough, and reads its impulses.
@@ -217,7 +220,18 @@ private:
 	double lowestShare( double slope, double curvature ) const;
 
 	// In implicit_bounce.cpp.
+	struct Work
+	{
+		double sum = 0.0, moved = 0.0;
+	};
+	struct Bounce
+	{
+		double normal;
+		Vec3d tangent;
+	};
+	Work workOfContacts() const;
 	void keepEnergy( BlockCount& count );
+	void bounceLess( BlockCount& count );
 
 	// In implicit_momentum.cpp.
 	void keepMomentum();
@@ -228,6 +242,8 @@ private:
 	ConjugateGradients m_gradients;
 	AlignedArray<float> m_v, m_next, m_rightSide, m_scratch;
 	AlignedArray<float> m_free, m_freeNext; ///< b - A v at m_v and at m_next, without contacts
+	AlignedArray<float> m_bounced;          ///< speeds with all that bounces; scratch of bounceLess
+	std::vector<Bounce> m_bounces;          ///< by contact, with all that bounces; the same
 	AlignedArray<float> m_massed;           ///< what the last product was without contacts
 	AlignedArray<float> m_inverseDiagonal; ///< 1 / A_ii of the soft parts' nodes, at the place of their first component
 	std::vector<Pressing> m_pressing;      ///< as last linearised

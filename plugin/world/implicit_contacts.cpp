@@ -92,12 +92,13 @@ void aim( BlockContact& contact, const btContactSolverInfo& info, double approac
 {
 	const btManifoldPoint& point = *contact.point;
 	const double h = double( info.m_timeStep ), gap = double( point.m_distance1 );
-	contact.target = gap > 0.0 ? -gap / h : std::min( -gap * double( info.m_erp2 ) / h, kPushOutSpeed );
+	contact.parting = gap > 0.0 ? -gap / h : std::min( -gap * double( info.m_erp2 ) / h, kPushOutSpeed );
+	contact.target = contact.parting;
 	const double met = -contact.normal.dot( contact.before );
 	contact.bounces = gap < approach * h && point.m_combinedRestitution > 0 && met > double( info.m_restitutionVelocityThreshold );
 	if ( contact.bounces )
 	{
-		contact.target = std::max( contact.target, double( point.m_combinedRestitution ) * met );
+		contact.target = std::max( contact.parting, double( point.m_combinedRestitution ) * met );
 	}
 }
 

@@ -47,10 +47,10 @@ void movePins( SoftBody::Impl& impl, const LevelChange& change, const std::vecto
 	impl.pins = std::move( moved );
 }
 
-bool isSlow( const SoftBody::Impl& impl )
+/// And not only for the moment at which what is pressed together turns back.
+bool isCalm( const SoftBody::Impl& impl )
 {
-	const double calm = kBornCalm * double( impl.shape->smallestRadius() );
-	return impl.meanSquareSpeed < calm * calm;
+	return impl.slowFor >= kBornCalmFor;
 }
 
 /// Whether a node that is stretched by F holds more than kSplitEnergy of what the body moves with: V E e^2 > kSplitEnergy m v^2, e = | F^T F - 1 | / 2. Its parts
@@ -67,23 +67,31 @@ bool isLoaded( const SoftBody::Impl& impl, int node, const Eigen::Matrix3f& f )
 
 void SoftBodySystem::askForContacts( SoftBody::Impl& impl )
 {
+	const Levels& levels = *impl.body->levels();
+	// What steps implicitly meets what it touches in one step: there is no later.
+	const bool waits = !impl.isImplicit && !isCalm( impl );
+	m_widening.clear();
+	const auto ask = [&]( int node, bool mayWait ) {
+		if ( mayWait && waits && levels.levelOf( node ) > 0 )
+		{
+			m_widening.push_back( std::uint32_t( node ) );
+			return;
+		}
+		impl.body->requestSplit( node );
+	};
 	for ( const NodeBody* stand : impl.touched )
 	{
-		impl.body->requestSplit( stand->node );
+		ask( stand->node, true );
 	}
-	// What steps implicitly meets what it touches in one step: there is no later.
-	const bool waits = !impl.isImplicit && !isSlow( impl );
-	m_widening.clear();
 	for ( const Near& near : impl.nearby )
 	{
-		if ( near.wish == Near::Wish::Widen && waits )
-		{
-			m_widening.push_back( std::uint32_t( near.node ) );
-			continue;
-		}
-		near.wish == Near::Wish::Stay ? impl.body->keepNode( near.node ) : impl.body->requestSplit( near.node );
+		near.wish == Near::Wish::Stay ? impl.body->keepNode( near.node ) : ask( near.node, near.wish == Near::Wish::Widen );
 	}
 	impl.nearby.clear();
+	if ( m_widening.empty() )
+	{
+		return;
+	}
 	// All at once: the whole body's sums are made for it.
 	m_stretches.resize( 9 * m_widening.size() );
 	impl.body->nodeDeformationsOf( m_widening, m_stretches.data() );
@@ -158,7 +166,7 @@ void SoftBodySystem::endCollision( btScalar h )
 		SoftBody::Impl& impl = body->impl();
 		if ( impl.born.isAny() && moves( *body ) )
 		{
-			impl.born.endPhase( isSlow( impl ) ? kBornOut * double( impl.shape->smallestRadius() ) * double( h ) : 0.0 );
+			impl.born.endPhase( isCalm( impl ) ? kBornOut * double( impl.shape->smallestRadius() ) * double( h ) : 0.0 );
 		}
 	}
 }

@@ -15,7 +15,7 @@ NodeBody::NodeBody() : btRigidBody( btRigidBodyConstructionInfo( btScalar( 1 ), 
 	// Inertia and angular factor are zero: friction would spin the spheres and stop resisting the slide.
 	setAngularFactor( btVector3( 0, 0, 0 ) );
 	internalSetExtensionPointer( const_cast<char*>( &kNodeBodyMark ) );
-	setFlags( getFlags() | BT_DISABLE_WORLD_GRAVITY );
+	setFlags( BT_DISABLE_WORLD_GRAVITY ); // and no gyroscopic torque of what may be told to turn (RubbingSpin)
 }
 
 bool hasContactCallback()

@@ -55,12 +55,70 @@ void RubbingSpin::choose( btUnionFind& islands )
 //   T0 = ( p - x0 ) x J = - r0 / ( r0 + r1 ) d x J,   T1 = - ( p - x1 ) x J = - r1 / ( r0 + r1 ) d x J
 // Only in islands that touch nothing that stands: others have no spin to keep, as they hand it on to the ground. And what is lost there is what
 // lets stacks of soft bodies fall asleep: given to them, a stack of four cubes sways for ever, for the solver pushes what is pressed together apart.
+void RubbingSpin::aim( btDispatcher& dispatcher )
+{
+	if ( m_rubbing.empty() )
+	{
+		return;
+	}
+	forEachManifold( dispatcher, askForEnd, [this]( btPersistentManifold& manifold ) {
+		const btCollisionObject* const objects[] = { manifold.getBody0(), manifold.getBody1() };
+		SoftBody* const owners[] = { ownerOfNodeBody( objects[0] ), ownerOfNodeBody( objects[1] ) };
+		const SoftBody* const any = owners[0] ? owners[0] : owners[1];
+		if ( !any || !std::binary_search( m_rubbing.begin(), m_rubbing.end(), any->getIslandTag() ) || isHidden( manifold ) )
+		{
+			return;
+		}
+		const bool rubs = owners[0] && owners[1] && owners[0] != owners[1];
+		btVector3 touch( 0, 0, 0 );
+		if ( rubs )
+		{
+			const btScalar r0 = btScalar( radiusOf( objects[0] ) ), r1 = btScalar( radiusOf( objects[1] ) );
+			touch = ( r1 * objects[0]->getWorldTransform().getOrigin() + r0 * objects[1]->getWorldTransform().getOrigin() ) / ( r0 + r1 );
+		}
+		for ( int side = 0; side < 2; ++side )
+		{
+			if ( !owners[side] )
+			{
+				continue;
+			}
+			auto* const node = const_cast<NodeBody*>( static_cast<const NodeBody*>( objects[side] ) );
+			if ( rubs )
+			{
+				node->setAngularVelocity( turnOf( *owners[side] ).speed );
+				m_turning.push_back( node );
+			}
+			for ( int k = 0; k < manifold.getNumContacts(); ++k )
+			{
+				btManifoldPoint& point = manifold.getContactPoint( k );
+				place( side == 0 ? point.m_positionWorldOnA : point.m_positionWorldOnB, rubs ? touch : node->getWorldTransform().getOrigin() );
+			}
+		}
+	} );
+}
+
+void RubbingSpin::place( btVector3& point, const btVector3& at )
+{
+	m_placed.push_back( Placed{ &point, point } );
+	point = at;
+}
+
 void RubbingSpin::sum( btDispatcher& dispatcher )
 {
 	if ( m_rubbing.empty() )
 	{
 		return;
 	}
+	for ( const Placed& placed : m_placed )
+	{
+		*placed.point = placed.was;
+	}
+	for ( NodeBody* node : m_turning )
+	{
+		node->setAngularVelocity( btVector3( 0, 0, 0 ) );
+	}
+	m_placed.clear();
+	m_turning.clear();
 	forEachManifold( dispatcher, askForEnd, [this]( const btPersistentManifold& manifold ) {
 		SoftBody *const first = ownerOfNodeBody( manifold.getBody0() ), *const second = ownerOfNodeBody( manifold.getBody1() );
 		if ( !first || !second || first == second || !std::binary_search( m_rubbing.begin(), m_rubbing.end(), first->getIslandTag() ) ||
@@ -76,8 +134,8 @@ void RubbingSpin::sum( btDispatcher& dispatcher )
 			impulse += impulseOf( manifold.getContactPoint( k ) );
 		}
 		const Vec3d lacks = -toVec3d( apart ).cross( impulse ) / ( r0 + r1 );
-		turnOf( *first ) += r0 * lacks;
-		turnOf( *second ) += r1 * lacks;
+		turnOf( *first ).impulse += r0 * lacks;
+		turnOf( *second ).impulse += r1 * lacks;
 	} );
 }
 
@@ -91,15 +149,15 @@ void RubbingSpin::give()
 	m_turns.clear();
 }
 
-Vec3d& RubbingSpin::turnOf( SoftBody& body )
+RubbingSpin::Turn& RubbingSpin::turnOf( SoftBody& body )
 {
 	int& place = body.impl().rubbing;
 	if ( place < 0 )
 	{
 		place = int( m_turns.size() );
-		m_turns.push_back( Turn{ &body, Vec3d::Zero() } );
+		m_turns.push_back( Turn{ &body, Vec3d::Zero(), toBt( Turner( &body ).speed ) } );
 	}
-	return m_turns[std::size_t( place )].impulse;
+	return m_turns[std::size_t( place )];
 }
 
 } // namespace pliant

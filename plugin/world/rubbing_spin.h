@@ -7,6 +7,8 @@
 
 #include "lattice/lattice.h"
 
+#include <LinearMath/btVector3.h>
+
 #include <algorithm>
 #include <vector>
 
@@ -15,6 +17,7 @@ class btUnionFind;
 
 namespace pliant {
 
+class NodeBody;
 class SoftBody;
 
 class RubbingSpin
@@ -40,7 +43,10 @@ public:
 	}
 	/// Each index has its island: those in which soft bodies rub and nothing stands are left.
 	void choose( btUnionFind& islands );
-	/// What is to be given, after the solver and before contacts of implicit blocks are shown again: those keep spin by themselves.
+	/// Before the solver, and when contacts of implicit blocks are hidden: those keep spin by themselves. Nodes of bodies that rub turn as their bodies
+	/// do, and touch where their spheres do, so that friction sees how fast they slip there.
+	void aim( btDispatcher& dispatcher );
+	/// What is to be given, after the solver.
 	void sum( btDispatcher& dispatcher );
 	/// When the nodes have been moved: the solver is to see how they move then before it brings them into each other.
 	void give();
@@ -49,7 +55,8 @@ private:
 	struct Turn
 	{
 		SoftBody* body;
-		Vec3d impulse; ///< N m s
+		Vec3d impulse;   ///< N m s
+		btVector3 speed; ///< rad/s
 	};
 
 	/// Manifolds of two things come one after the other.
@@ -60,10 +67,18 @@ private:
 			list.push_back( index );
 		}
 	}
-	Vec3d& turnOf( SoftBody& body );
+	Turn& turnOf( SoftBody& body );
+	void place( btVector3& point, const btVector3& at );
 
 	std::vector<int> m_standing, m_rubbing; ///< by Bullet's index, islands that touch what stands, and in which soft bodies rub
+	struct Placed
+	{
+		btVector3* point;
+		btVector3 was;
+	};
 	std::vector<Turn> m_turns;
+	std::vector<Placed> m_placed;
+	std::vector<NodeBody*> m_turning;
 };
 
 } // namespace pliant

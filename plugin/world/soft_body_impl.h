@@ -109,6 +109,7 @@ struct SoftBody::Impl
 	Vec3 shapeShift = Vec3::Zero();
 	double mass = 0.0;                ///< kg, of all nodes
 	double meanSquareSpeed = 0.0;     ///< m^2/s^2, weighted by mass, after the last substep
+	double slowFor = 0.0;             ///< s, that it has been slower than kBornCalm
 	bool isBroken = false;            ///< the last substep met a number that is not finite
 	SoftBodySystem* system = nullptr; ///< of the world the body is in
 

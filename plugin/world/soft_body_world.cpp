@@ -284,6 +284,7 @@ void SoftBodyWorld::solveConstraints( btContactSolverInfo& info )
 	if ( m_system->isStepping )
 	{
 		m_system->bodies.solveImplicit( info );
+		m_system->bodies.rubbing.aim( *getDispatcher() );
 	}
 	if ( moved.hasBounces() && m_system->isStepping )
 	{

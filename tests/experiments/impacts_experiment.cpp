@@ -1,179 +1,33 @@
 // Soft bodies that strike things and each other at random, where nothing damps them and nothing weighs: does energy of motion come of it, is spin lost?
 
 #include "experiments/experiments.h"
-#include "support/energy_of_motion.h"
-#include "support/test_world.h"
+#include "support/random_impacts.h"
 
 #include <algorithm>
-#include <cmath>
 #include <cstdio>
-#include <random>
 
 namespace pliant::experiment {
 
 namespace {
 
+using test::Ground;
+using test::Rubbed;
+
 constexpr double kGain = 1e-3; ///< share of the energy that is counted as a gain: more than rounding and float's places make
-
-/// The same numbers everywhere, which the standard's distributions are not.
-class Random
-{
-public:
-	explicit Random( unsigned seed ) : m_engine( seed ) {}
-	btScalar between( double low, double high ) { return btScalar( low + ( high - low ) * double( m_engine() ) / 4294967296.0 ); }
-	btVector3 within( double size ) { return { between( -size, size ), between( -size, size ), between( -size, size ) }; }
-	btQuaternion turn() { return { within( 1 ).normalized(), between( 0, 3 ) }; }
-	int upTo( int count ) { return int( m_engine() % unsigned( count ) ); }
-
-private:
-	std::mt19937 m_engine;
-};
-
-Material undamped( float youngsModulus, Elasticity elasticity )
-{
-	Material material;
-	material.youngsModulus = youngsModulus;
-	material.damping = 0.0f;
-	material.elasticity = elasticity;
-	return material;
-}
-
-double energyOfMotion( const test::SoftWorld& world )
-{
-	double sum = 0.0;
-	for ( const auto& body : world.soft )
-	{
-		sum += test::energyOfMotion( *body );
-	}
-	for ( const auto& body : world.rigid )
-	{
-		sum += body->getInvMass() > 0 ? test::energyOfMotion( *body ) : 0.0;
-	}
-	return sum;
-}
-
-enum class Ground : int
-{
-	Floor,
-	Box,
-	Soft,
-	SoftWithLevels
-};
-const char* const kGroundNames[] = { "floor", "rigid box", "soft cube", "soft cube with levels" };
-
-/// A cube of nodes of level 1 or 2, half of them 6 cells wide, which leaves such nodes half empty. The most that energy comes to, as a share of the first.
-double strike( Ground ground, Elasticity elasticity, unsigned seed )
-{
-	static const std::shared_ptr<const BodyTemplate> cubes[] = { test::cubeTemplate( 0.6f, 6 ), test::cubeTemplate( 0.8f, 8 ) };
-	Random random( seed );
-	test::SoftWorld world;
-	world.world.setGravity( btVector3( 0, 0, 0 ) );
-	const float moduli[] = { 1e4f, 1e5f, 1e6f, 3e6f, 1e7f, 1e8f };
-	const Material material = undamped( moduli[random.upTo( 6 )], elasticity );
-	Adaptivity levels;
-	levels.coarseLevels = 1 + random.upTo( 2 );
-	levels.mergeDelay = 0.05f;
-	levels.refinesOnContact = random.upTo( 2 ) == 0;
-	levels.refineStrain = levels.refinesOnContact ? 0.0f : 0.05f;
-	const btQuaternion turnOfGround = random.turn();
-	if ( ground == Ground::Floor )
-	{
-		world.addBoxFloor();
-	}
-	else if ( ground == Ground::Box )
-	{
-		btRigidBody* const box = world.add( 300, new btBoxShape( btVector3( btScalar( 0.5 ), btScalar( 0.2 ), btScalar( 0.5 ) ) ), btVector3( 0, btScalar( -0.2 ), 0 ) );
-		box->setFriction( 1 );
-		box->setRestitution( 1 );
-	}
-	else
-	{
-		world.add( cubes[1], btVector3( 0, btScalar( -0.7 ), 0 ), material, turnOfGround, ground == Ground::Soft ? Adaptivity{} : levels );
-	}
-	const int size = random.upTo( 2 );
-	const btScalar aside = random.between( -0.3, 0.3 );
-	SoftBody* const body = world.add( cubes[size], btVector3( aside, btScalar( 0.95 ), 0 ), material, random.turn(), levels );
-	const btVector3 spin = random.upTo( 2 ) == 0 ? btVector3( 0, 0, 0 ) : random.within( 3 );
-	body->setVelocities( btVector3( 0, random.between( -8, -1 ), 0 ), spin );
-	const btScalar restitution = std::max( btScalar( 0 ), random.between( -1, 1 ) ), friction = random.between( 0, 1 );
-	for ( const auto& each : world.soft )
-	{
-		each->setRestitution( restitution );
-		each->setFriction( friction );
-	}
-	const double first = energyOfMotion( world );
-	double most = 0.0;
-	for ( int frame = 0; frame < 80; ++frame )
-	{
-		world.step( 1 );
-		most = std::max( most, energyOfMotion( world ) / first );
-	}
-	return most;
-}
-
-btVector3 spinOf( const test::SoftWorld& world )
-{
-	btVector3 spin( 0, 0, 0 );
-	for ( const auto& body : world.soft )
-	{
-		spin += body->angularMomentum() + body->mass() * body->massCentre().cross( body->linearVelocity() );
-	}
-	return spin;
-}
-
-struct Rubbed
-{
-	double lost = 0.0; ///< of the spin, as a share of what the bodies' own came to at first
-	double most = 0.0; ///< energy, as a share of the first
-};
-
-/// Two to four spinning cubes fly into each other.
-Rubbed rub( bool ( *isImplicit )( int body ), unsigned seed )
-{
-	static const auto cube = test::cubeTemplate( 0.4f, 4 );
-	Random random( seed );
-	test::SoftWorld world;
-	world.world.setGravity( btVector3( 0, 0, 0 ) );
-	const int count = 2 + random.upTo( 3 );
-	const btScalar speed = random.between( 1, 5 ), friction = random.between( 0, 1 );
-	for ( int k = 0; k < count; ++k )
-	{
-		const btScalar angle = SIMD_2_PI * btScalar( k ) / btScalar( count );
-		const btVector3 at( btScalar( 0.7 ) * std::cos( angle ), random.between( -0.1, 0.1 ), btScalar( 0.7 ) * std::sin( angle ) );
-		SoftBody* const body = world.add( cube, at, undamped( 1e5f, isImplicit( k ) ? Elasticity::Implicit : Elasticity::Explicit ), random.turn() );
-		body->setVelocities( -speed * at.normalized(), random.within( 5 ) );
-		body->setFriction( friction );
-	}
-	double own = 0.0;
-	for ( const auto& body : world.soft )
-	{
-		own += double( body->angularMomentum().length() );
-	}
-	const btVector3 before = spinOf( world );
-	const double first = energyOfMotion( world );
-	Rubbed rubbed;
-	for ( int frame = 0; frame < 60; ++frame )
-	{
-		world.step( 1 );
-		rubbed.most = std::max( rubbed.most, energyOfMotion( world ) / first );
-	}
-	rubbed.lost = double( ( spinOf( world ) - before ).length() ) / own;
-	return rubbed;
-}
 
 void printStrikes( int count )
 {
 	std::printf( "Cubes with levels strike, %d each: those whose energy of motion rises by more than %g of it, and the worst\n\n| | explicit | implicit |\n|---|---|---|\n", count, kGain );
 	for ( const Ground ground : { Ground::Floor, Ground::Box, Ground::Soft, Ground::SoftWithLevels } )
 	{
-		std::printf( "| %s |", kGroundNames[int( ground )] );
+		std::printf( "| %s |", test::kGroundNames[int( ground )] );
 		for ( const Elasticity elasticity : { Elasticity::Explicit, Elasticity::Implicit } )
 		{
 			int gains = 0;
 			double worst = 0.0;
 			for ( int seed = 0; seed < count; ++seed )
 			{
-				const double most = strike( ground, elasticity, unsigned( seed ) );
+				const double most = test::strike( ground, elasticity, unsigned( seed ) );
 				gains += most > 1.0 + kGain ? 1 : 0;
 				worst = std::max( worst, most );
 			}
@@ -199,7 +53,7 @@ void printRubs( int count )
 		Rubbed worst;
 		for ( int seed = 0; seed < count; ++seed )
 		{
-			const Rubbed rubbed = rub( kind.isImplicit, unsigned( seed ) );
+			const Rubbed rubbed = test::rub( kind.isImplicit, unsigned( seed ) );
 			losses += rubbed.lost > 1e-4 ? 1 : 0;
 			gains += rubbed.most > 1.0 + kGain ? 1 : 0;
 			worst = Rubbed{ std::max( worst.lost, rubbed.lost ), std::max( worst.most, rubbed.most ) };
