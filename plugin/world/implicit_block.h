@@ -220,10 +220,12 @@ private:
 	double lowestShare( double slope, double curvature ) const;
 
 	// In implicit_bounce.cpp.
+	/// Of the contacts' impulses, and how much they move, J.
 	struct Work
 	{
 		double sum = 0.0, moved = 0.0;
 	};
+	/// Impulses of a contact, N s.
 	struct Bounce
 	{
 		double normal;

@@ -13,7 +13,6 @@
 
 namespace pliant {
 
-/// Of the contacts' impulses, and how much they move, J.
 ImplicitBlock::Work ImplicitBlock::workOfContacts() const
 {
 	Work work;

@@ -51,10 +51,9 @@ void RubbingSpin::choose( btUnionFind& islands )
 	std::sort( m_rubbing.begin(), m_rubbing.end() );
 }
 
-// The spheres touch at  p = ( r1 x0 + r0 x1 ) / ( r0 + r1 ),  so that with d = x0 - x1
-//   T0 = ( p - x0 ) x J = - r0 / ( r0 + r1 ) d x J,   T1 = - ( p - x1 ) x J = - r1 / ( r0 + r1 ) d x J
-// Only in islands that touch nothing that stands: others have no spin to keep, as they hand it on to the ground. And what is lost there is what
-// lets stacks of soft bodies fall asleep: given to them, a stack of four cubes sways for ever, for the solver pushes what is pressed together apart.
+// Friction slows down  u = v0 + w0 x r0 - v1 - w1 x r1,  r from a node's middle to the touch and w its body's speed of turning: then J.u takes what T.w, given later,
+// brings. Where it held the middles alone bodies of a dozen big nodes were turned on by it. The stand-ins have no inertia to turn about: Bullet's solvers see w
+// and leave it. What else such a node meets is held at its middle, as ever.
 void RubbingSpin::aim( btDispatcher& dispatcher )
 {
 	if ( m_rubbing.empty() )
@@ -103,6 +102,10 @@ void RubbingSpin::place( btVector3& point, const btVector3& at )
 	point = at;
 }
 
+// The spheres touch at  p = ( r1 x0 + r0 x1 ) / ( r0 + r1 ),  so that with d = x0 - x1
+//   T0 = ( p - x0 ) x J = - r0 / ( r0 + r1 ) d x J,   T1 = - ( p - x1 ) x J = - r1 / ( r0 + r1 ) d x J
+// Only in islands that touch nothing that stands: others have no spin to keep, as they hand it on to the ground. And what is lost there is what
+// lets stacks of soft bodies fall asleep: given to them, a stack of four cubes sways for ever, for the solver pushes what is pressed together apart.
 void RubbingSpin::sum( btDispatcher& dispatcher )
 {
 	if ( m_rubbing.empty() )

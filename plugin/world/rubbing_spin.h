@@ -3,7 +3,7 @@
 // Angular momentum of soft bodies that rub on each other. Bullet's solver moves two nodes at their middles, which are apart, by equal and opposite
 // impulses J: of those across the line between them
 //   ( x0 - x1 ) x J
-// appears from nowhere. It is taken from the two bodies as wholes, as if J acted where the spheres touch. docs/contacts.md.
+// appears from nowhere. It is taken from the two bodies as wholes, as if J acted where the spheres touch, and friction sees how they turn there. docs/contacts.md.
 
 #include "lattice/lattice.h"
 
@@ -58,6 +58,12 @@ private:
 		Vec3d impulse;   ///< N m s
 		btVector3 speed; ///< rad/s
 	};
+	/// Where a contact was, m.
+	struct Placed
+	{
+		btVector3* point;
+		btVector3 was;
+	};
 
 	/// Manifolds of two things come one after the other.
 	static void note( int index, std::vector<int>& list )
@@ -71,14 +77,9 @@ private:
 	void place( btVector3& point, const btVector3& at );
 
 	std::vector<int> m_standing, m_rubbing; ///< by Bullet's index, islands that touch what stands, and in which soft bodies rub
-	struct Placed
-	{
-		btVector3* point;
-		btVector3 was;
-	};
 	std::vector<Turn> m_turns;
-	std::vector<Placed> m_placed;
-	std::vector<NodeBody*> m_turning;
+	std::vector<Placed> m_placed;     ///< from aim to sum
+	std::vector<NodeBody*> m_turning; ///< the same
 };
 
 } // namespace pliant
