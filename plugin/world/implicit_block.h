@@ -56,6 +56,7 @@ struct BlockContact
 	bool presses = false;
 	bool bounces = false;           ///< off something that it meets fast enough
 
+	Vec3d impulse() const { return normalImpulse * normal + tangentImpulse; }
 	/// Whether an impulse could change anything.
 	bool moves() const { return side[0].soft >= 0 || side[1].soft >= 0 || side[0].rigid >= 0 || side[1].rigid >= 0; }
 };

@@ -18,7 +18,7 @@ ImplicitBlock::Work ImplicitBlock::workOfContacts() const
 	Work work;
 	for ( const BlockContact& contact : contacts )
 	{
-		const Vec3d impulse = contact.normalImpulse * contact.normal + contact.tangentImpulse;
+		const Vec3d impulse = contact.impulse();
 		const double after = impulse.dot( relativeSpeed( contact, m_v.data() ) ), before = impulse.dot( contact.before );
 		work.sum += 0.5 * ( after + before );
 		work.moved += 0.5 * ( std::abs( after ) + std::abs( before ) );
@@ -40,7 +40,7 @@ void ImplicitBlock::keepEnergy( BlockCount& count )
 	std::fill( m_rightSide.begin(), m_rightSide.end(), 0.0f );
 	for ( BlockContact& contact : contacts )
 	{
-		addPair( contact, contact.normalImpulse * contact.normal + contact.tangentImpulse, m_rightSide.data() );
+		addPair( contact, contact.impulse(), m_rightSide.data() );
 		contact.presses = false;
 	}
 	listPressing();
@@ -82,7 +82,7 @@ void ImplicitBlock::bounceLess( BlockCount& count )
 	for ( std::size_t k = 0; k < contacts.size(); ++k )
 	{
 		const BlockContact& contact = contacts[k];
-		const Vec3d impulse = contact.normalImpulse * contact.normal + contact.tangentImpulse;
+		const Vec3d impulse = contact.impulse();
 		const Vec3d more = m_bounces[k].normal * contact.normal + m_bounces[k].tangent - impulse;
 		const Vec3d after = relativeSpeed( contact, m_v.data() ), faster = relativeSpeed( contact, m_bounced.data() ) - after;
 		none += impulse.dot( after + contact.before );
