@@ -178,6 +178,7 @@ void Body::accelerateTowardGoals( float h, float alpha, TaskRunner* runner )
 	{
 		return; // its goal is where it is: dust costs nothing
 	}
+	payForLevels( h, alpha );
 	const bool measuresStrain = m_levels && m_reviewIn == 0 && m_levels->followsStrain();
 	m_matcher->accelerate( m_nodes, MatchStep{ h, alpha, m_material.damping, wobbleRate( h, alpha ), bodyShare( h, alpha ), measuresStrain,
 		PlasticLaw{ m_material.yieldStrain, m_material.plasticCreep, m_material.plasticLimit }, farShares( m_material, m_lattice->cellSize, h ) }, runner );

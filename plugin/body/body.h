@@ -8,6 +8,7 @@
 #include "pliant/material.h"
 #include "pliant/result.h"
 
+#include "body/level_energy.h"
 #include "lattice/lattice.h"
 #include "matching/kernels/kernels.h"
 #include "matching/node_state.h"
@@ -103,6 +104,10 @@ public:
 	void applyLevels( TaskRunner* tasks = nullptr );
 	/// Splits and merges octree nodes by name; see changeCut.
 	void changeLevels( const std::vector<std::uint32_t>& split, const std::vector<std::uint32_t>& merge );
+	/// What all regions and nodes hold now, in an explicit step: nothing in others. For who moves nodes of a change (oweSince).
+	LevelEnergy heldEnergy();
+	/// What the body holds more than it did then is taken off as what changes bring.
+	void oweSince( const LevelEnergy& before );
 	void requestSplit( int node );
 	void keepNode( int node ); ///< from being merged
 	void setFinestLevel( int level );
@@ -199,6 +204,9 @@ public:
 private:
 	Body();
 	Body( Body&& ) noexcept;
+	void noteLevelEnergy( unsigned versionBefore );
+	void owe( const LevelEnergy& brought );
+	void payForLevels( float h, float alpha );
 	void rebase();
 	Status sampleStiffness( const StiffnessField& field );
 	void makeNodes( const Adaptivity& adaptivity );
@@ -246,6 +254,7 @@ private:
 	std::vector<std::uint32_t> m_firstCell;
 	int m_reviewIn = 0;              ///< substeps until strains are measured
 	float m_sinceReview = 0.0f;      ///< s
+	LevelDebt m_owed;
 	bool m_wasImplicit = false;      ///< the last substep
 	bool m_isOnePart = true;
 	double m_secondMoment = 0.0;     ///< m^2, mean over the axes, per mass

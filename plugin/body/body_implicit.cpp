@@ -87,6 +87,7 @@ void Body::pushImplicitly( float h, float alpha, const Vec3& gravity, TaskRunner
 	m_pushed.resize( 3 * padded );
 	keepSpeeds( runner );
 	m_wasImplicit = true;
+	m_owed = LevelDebt{};
 	const bool measuresStrain = m_levels && m_reviewIn == 0 && m_levels->followsStrain();
 	m_matcher->accelerate( m_nodes, MatchStep{ h, alpha, 0.0f, wobbleRate( h, alpha ), 0.0f, measuresStrain,
 		PlasticLaw{ m_material.yieldStrain, m_material.plasticCreep, m_material.plasticLimit }, {} }, runner );

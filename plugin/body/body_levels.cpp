@@ -128,7 +128,9 @@ void Body::openLevelBudget()
 
 void Body::applyLevels( TaskRunner* tasks )
 {
-	m_levels->apply( m_nodes, *m_levelMatcher, m_material, tasks );
+	const unsigned before = m_levels->version();
+	m_levels->apply( m_nodes, *m_levelMatcher, m_material, tasks, !m_wasImplicit );
+	noteLevelEnergy( before );
 	keepFiniteState();
 }
 

@@ -252,6 +252,10 @@ std::unique_ptr<Body> Body::makePiece( std::shared_ptr<const Lattice> lattice, B
 	body->inheritNodes( *this, piece );
 	body->m_reviewIn = m_reviewIn;
 	body->m_sinceReview = m_sinceReview;
+	if ( m_owed.left > 0.0f )
+	{
+		body->m_owed = m_owed.share( double( body->m_lattice->cellCount() ) / double( m_lattice->cellCount() ) );
+	}
 	if ( body->m_material.method == Method::Lattice )
 	{
 		body->m_matcher = body->makePieceMatcher( *this, piece );

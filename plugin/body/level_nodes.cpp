@@ -138,6 +138,31 @@ void restoreMotion( NodeState& nodes, const NodeState& before )
 	addRigid( nodes, shift - turn.cross( is.centre() ), turn );
 }
 
+double takeOwnMotion( NodeState& nodes, double joules )
+{
+	const Motion motion = motionOf( nodes );
+	const Vec3d turn = flooredInverse( motion.inertia(), kInertiaFloor ) * motion.ownSpin(), shift = motion.momentum / motion.mass - turn.cross( motion.centre() );
+	const auto rigid = [&]( int i ) { return Vec3d( shift + turn.cross( nodes.x.get( i ).cast<double>() ) ); };
+	double own = 0.0;
+	for ( int i = 0; i < nodes.count; ++i )
+	{
+		own += 0.5 * double( nodes.freedom[i] ) * double( nodes.mass[i] ) * ( nodes.v.get( i ).cast<double>() - rigid( i ) ).squaredNorm();
+	}
+	const double taken = std::min( joules, own );
+	if ( !( taken > 0.0 ) )
+	{
+		return 0.0;
+	}
+	// v <- v_rigid + sqrt( 1 - taken / own ) ( v - v_rigid )
+	const double share = std::sqrt( 1.0 - taken / own );
+	for ( int i = 0; i < nodes.count; ++i )
+	{
+		const double left = nodes.freedom[i] == 0.0f ? 1.0 : share;
+		nodes.v.set( i, ( rigid( i ) + left * ( nodes.v.get( i ).cast<double>() - rigid( i ) ) ).cast<float>() );
+	}
+	return taken;
+}
+
 /// The first of the old nodes under a node is its heir: both cuts are in depth-first order.
 void Levels::numberHeirs( const Cut& next )
 {

@@ -246,14 +246,16 @@ void Levels::collectMerges( const NodeState& nodes )
 	}
 }
 
-void Levels::apply( NodeState& nodes, LatticeMatcher& matcher, const Material& material, TaskRunner* tasks )
+void Levels::apply( NodeState& nodes, LatticeMatcher& matcher, const Material& material, TaskRunner* tasks, bool measuresEnergy )
 {
 	if ( !m_split.empty() || !m_merge.empty() )
 	{
 		const std::vector<std::uint32_t> split = std::move( m_split ), merge = std::move( m_merge );
 		m_split.clear();
 		m_merge.clear();
+		m_measuresEnergy = measuresEnergy;
 		change( nodes, matcher, material, split, merge, tasks );
+		m_measuresEnergy = false;
 	}
 }
 
@@ -269,7 +271,6 @@ void Levels::change( NodeState& nodes, LatticeMatcher& matcher, const Material& 
 	m_change.splits = int( split.size() );
 	m_change.merges = int( merge.size() );
 	NodeState changed = changedNodes( nodes, matcher, next, material.density );
-	restoreMotion( changed, nodes );
 
 	m_room.matrix.rowBefore.clear();
 	m_regions = updateLevelRegions( RegionInput{ *m_base, *m_lattice, material, m_settings, tasks, &m_room.matrix }, m_cut, m_regions, next );
@@ -286,6 +287,8 @@ void Levels::change( NodeState& nodes, LatticeMatcher& matcher, const Material& 
 			m_change.measured.push_back( r );
 		}
 	}
+	const bool isMeasured = m_measuresEnergy && !m_leavesRows;
+	const RegionWork workBefore = isMeasured ? matcher.workOf( nodes, regionsGone( before.region, m_cut.count() ) ) : RegionWork{};
 	m_left = m_leavesRows ? m_change.measured : std::vector<std::uint32_t>();
 	m_leavesRows = false;
 	m_room.quiet.assign( next.node.size(), 0.0f );
@@ -302,6 +305,7 @@ void Levels::change( NodeState& nodes, LatticeMatcher& matcher, const Material& 
 	std::swap( nodes, changed );
 	m_room.nodes = std::move( changed );
 	matcher.setTables( m_tables, FlowHeirs{ m_change.heir, m_change.nodeNow, m_room.nodes.mass } );
+	settle( nodes, matcher, workBefore );
 	keepRoom( std::move( old ) );
 	++m_version;
 }

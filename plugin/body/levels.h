@@ -3,6 +3,7 @@
 // The levels of one body: which nodes it has now, the regions over them, and when that changes.
 // Steinemann et al. 2008, section 5.2; Ohta et al. 2009, "Changing the Subdivision Level" and "Merging".
 
+#include "body/level_energy.h"
 #include "matching/level_update.h"
 #include "matching/node_state.h"
 
@@ -15,6 +16,7 @@
 namespace pliant {
 
 class LatticeMatcher;
+struct RegionWork;
 
 /// What a change of levels did to the nodes' numbers.
 struct LevelChange
@@ -23,6 +25,7 @@ struct LevelChange
 	std::vector<std::uint32_t> nodeNow; ///< of each node before: its number now, its parent's where it was merged, kNoNode where it was split
 	std::vector<std::uint32_t> keptAs;  ///< of each node before: its number now where it is still the same node, else kNoNode; ascending
 	std::vector<std::uint32_t> measured; ///< nodes now whose regions hold other nodes or masses than before, ascending
+	LevelEnergy energy;                 ///< what it has brought, where that is measured
 	int splits = 0, merges = 0;         ///< nodes split, nodes that took the place of their children
 };
 
@@ -117,8 +120,8 @@ public:
 	/// Reads the strains and stretches last measured; `seconds` since the last reading. True when there is something to change.
 	bool review( const NodeState& nodes, const AlignedArray<float>& strain, const AlignedArray<float>& stretch, float seconds );
 	/// Makes the changes that `review` and requests asked for, within the budget. Momentum and spin of the nodes stay what they were where no
-	/// node is held.
-	void apply( NodeState& nodes, LatticeMatcher& matcher, const Material& material, TaskRunner* tasks = nullptr );
+	/// node is held. `measuresEnergy`: whether LevelChange::energy is wanted.
+	void apply( NodeState& nodes, LatticeMatcher& matcher, const Material& material, TaskRunner* tasks = nullptr, bool measuresEnergy = false );
 	/// The same for a list of one's own: octree nodes, as in changeCut.
 	void change( NodeState& nodes, LatticeMatcher& matcher, const Material& material, const std::vector<std::uint32_t>& split,
 		const std::vector<std::uint32_t>& merge, TaskRunner* tasks = nullptr );
@@ -157,6 +160,10 @@ private:
 	void keepRoom( std::shared_ptr<const RegionTables> old );
 	NodeState changedNodes( const NodeState& before, LatticeMatcher& matcher, const Cut& next, float density );
 	void splitInto( const NodeState& before, const std::vector<std::uint32_t>& parents, const std::vector<float>& gradients, const Cut& next, NodeState& now ) const;
+	void easeParts( NodeState& nodes, LatticeMatcher& matcher );
+	void findParts( const NodeState& nodes );
+	void settle( NodeState& nodes, LatticeMatcher& matcher, const RegionWork& before );
+	std::vector<std::uint32_t> regionsGone( const std::vector<std::uint32_t>& regionBefore, int countBefore ) const;
 	std::vector<std::uint32_t> splitNodes( const Cut& next ) const;
 	void numberHeirs( const Cut& next );
 	void countLevels();
@@ -207,7 +214,9 @@ private:
 	std::vector<std::uint32_t> m_asked;         ///< octree nodes
 	int m_budget = kNoBudget;                   ///< new nodes that changes may still bring
 	bool m_hasBacklog = false;
-	bool m_leavesRows = false;
+	bool m_leavesRows = false, m_measuresEnergy = false; ///< of the change that is being made
+	std::vector<std::uint32_t> m_parts; ///< nodes that the change has made by splitting and that may move, ascending
+	std::vector<float> m_partWay;
 	std::vector<std::uint32_t> m_left; ///< rows that are not measured, ascending
 };
 

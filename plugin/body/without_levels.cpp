@@ -1,5 +1,6 @@
 // In a build without levels of detail: bodies that ask for them are refused (adaptivity.cpp), and none of this is ever reached.
 
+#include "body/body.h"
 #include "body/levels.h"
 
 namespace pliant {
@@ -18,8 +19,18 @@ bool Levels::review( const NodeState&, const AlignedArray<float>&, const Aligned
 	return false;
 }
 
-void Levels::apply( NodeState&, LatticeMatcher&, const Material&, TaskRunner* ) {}
+void Levels::apply( NodeState&, LatticeMatcher&, const Material&, TaskRunner*, bool ) {}
 void Levels::change( NodeState&, LatticeMatcher&, const Material&, const std::vector<std::uint32_t>&, const std::vector<std::uint32_t>&, TaskRunner* ) {}
+
+void Body::noteLevelEnergy( unsigned ) {}
+void Body::payForLevels( float, float ) {}
+
+LevelEnergy Body::heldEnergy()
+{
+	return {};
+}
+
+void Body::oweSince( const LevelEnergy& ) {}
 
 std::size_t Levels::bytes() const
 {

@@ -84,6 +84,12 @@ inline constexpr float kSpeedLimit = 1.0e5f;
 /// Strains are looked at this seldom: a split a few substeps late is not seen, a look at every substep costs some per cent.
 inline constexpr int kSubstepsBetweenReviews = 4;
 
+/// After a split its parts are let go to their goals so many times (docs/levels.md).
+inline constexpr int kEasingRounds = 2;
+
+/// What a change of levels brings of energy is taken off for so long, s: longer than springs take to give it back, and not for ever.
+inline constexpr float kOwedFor = 0.5f;
+
 /// Changes of levels that arrays are reserved for, each with all the nodes it may bring. What is reserved and not used takes no memory.
 inline constexpr int kRoomChanges = 10;
 

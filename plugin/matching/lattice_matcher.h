@@ -15,6 +15,15 @@
 
 namespace pliant {
 
+/// For alpha / h^2 = 1 and full cells of 1 kg; with a material's, alpha / h^2 and a full cell's mass stand before both.
+struct RegionWork
+{
+	/// Half of what the pulls would do on the way to no strain, m^2: U = 1/2 sum over r and a of u_ar b_r ( x_a - c_r - R_r S_r q_a ).( x_a - g_ra ).
+	double springs = 0.0;
+	/// What they do now, m^2/s: sum of u_ar b_r v_a.( g_ra - x_a ).
+	double power = 0.0;
+};
+
 class LatticeMatcher : public Matcher
 {
 public:
@@ -61,6 +70,11 @@ public:
 	void deformations( NodeState& nodes, float* gradients );
 	/// The same of a few, ascending: 9 floats each, to the same bits.
 	void deformationsOf( NodeState& nodes, const std::vector<std::uint32_t>& which, float* gradients );
+	/// How far a few nodes, ascending, stand from where their regions have carried them: mean over the regions of c + F q, less x. 3 floats each, m,
+	/// world axes. Nothing, where all are deformed alike. Only between setTables and the next substep; rotations go on from what they come to here.
+	void oddsOf( NodeState& nodes, const std::vector<std::uint32_t>& which, float* odds );
+	/// What some regions, ascending, do to the nodes as they are. Rotations go on as above.
+	RegionWork workOf( NodeState& nodes, const std::vector<std::uint32_t>& regions );
 	/// Room for as many nodes, so that setTables need not ask for memory before there are more.
 	void reserveNodes( int count );
 
@@ -83,6 +97,9 @@ private:
 	void allocateScratch();
 	std::array<AlignedArray<float>*, 7> history();
 	MatchView viewOfNow( NodeState& nodes );
+	void markTiles( const MatchView& view, const std::vector<std::uint32_t>& which );
+	void fitTiles( const MatchView& view );
+	RegionWork workOf( const MatchView& view, std::uint32_t region ) const;
 	void viewLevels( MatchView& view ) const;
 	void viewBlend( MatchView& view ) const;
 
@@ -112,6 +129,7 @@ private:
 	AlignedArray<float> m_nodeRecord, m_regionRecord;
 	std::vector<std::uint32_t> m_open;
 	std::vector<int> m_openCount;
+	std::vector<std::uint8_t> m_isWanted[2]; ///< of each tile: whether its nodes are wanted; whether its regions are
 	std::vector<std::array<float, kImpulseSums>> m_partial; ///< one set of sums a chunk
 	int m_openRegions = 0;
 	bool m_isHistoryNew = false; ///< the last substep's residuals are those of other regions: no damping by them

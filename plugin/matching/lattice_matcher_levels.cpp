@@ -2,6 +2,8 @@
 
 #include "matching/lattice_matcher.h"
 
+#include "matching/settle_region.h"
+
 #include <algorithm>
 
 namespace pliant {
@@ -140,6 +142,122 @@ void LatticeMatcher::deformationsOf( NodeState& nodes, const std::vector<std::ui
 			f = frame * Eigen::Map<const Matrix3fRows>( tile + 9 * ( int( which[k] ) - first ) );
 		}
 	}
+}
+
+// What the wanted nodes' goals need: their regions. By the octree's sums each region may be part of any.
+void LatticeMatcher::markTiles( const MatchView& view, const std::vector<std::uint32_t>& which )
+{
+	const std::size_t tiles = std::size_t( view.nodeCount + kTile - 1 ) / kTile;
+	m_isWanted[0].assign( tiles, 0 );
+	m_isWanted[1].assign( tiles, m_tables->plan ? 1 : 0 );
+	for ( const std::uint32_t i : which )
+	{
+		m_isWanted[0][i / kTile] = 1;
+		for ( std::uint32_t k = view.start[i]; k < view.start[i + 1] && !m_tables->plan; ++k )
+		{
+			m_isWanted[1][view.member[k] / kTile] = 1;
+		}
+	}
+}
+
+void LatticeMatcher::fitTiles( const MatchView& view )
+{
+	const int padded = m_tables->moments.padded;
+	for ( std::size_t tile = 0; tile < m_isWanted[1].size(); ++tile )
+	{
+		const int first = int( tile ) * kTile;
+		const int open = m_isWanted[1][tile] == 0 ? 0 : m_kernels.fitRegions( view, first, std::min( first + kTile, padded ), m_open.data() );
+		for ( int k = 0; k < open; ++k )
+		{
+			settleRegion( m_kernels, view, int( m_open[std::size_t( k )] ) );
+		}
+	}
+}
+
+void LatticeMatcher::oddsOf( NodeState& nodes, const std::vector<std::uint32_t>& which, float* odds )
+{
+	MatchView v = viewOfNow( nodes );
+	// The step's own kernels, told of a material that does not resist: L = R + beta ( F - R ) = F
+	v.beta = 1.0f;
+	v.volumeShare = 0.0f;
+	v.regionBeta = v.regionEta = v.regionWeight = v.pull = nullptr;
+	std::fill( std::begin( v.blend ), std::end( v.blend ), nullptr );
+	markTiles( v, which );
+	fitTiles( v );
+	if ( m_tables->plan )
+	{
+		depthSum( *m_tables->plan, m_regionRecord.data() );
+	}
+	float unused[kImpulseSums] = {};
+	for ( std::size_t tile = 0; tile < m_isWanted[0].size(); ++tile )
+	{
+		if ( m_isWanted[0][tile] != 0 )
+		{
+			m_kernels.scatter( v, int( tile ) * kTile, std::min( int( tile + 1 ) * kTile, nodes.padded ), unused );
+		}
+	}
+	const Eigen::Matrix3f frame = m_frame.toRotationMatrix().cast<float>() * m_cellSize;
+	for ( std::size_t k = 0; k < which.size(); ++k )
+	{
+		const Vec3 e( m_residual[0][which[k]], m_residual[1][which[k]], m_residual[2][which[k]] );
+		Eigen::Map<Vec3>( odds + 3 * k ) = frame * e;
+	}
+	for ( AlignedArray<float>& residual : m_residual ) // beside the wanted ones stands what regions gave that were not fitted
+	{
+		std::fill( residual.begin(), residual.end(), 0.0f );
+	}
+}
+
+// By what fitRegions wrote down: b ( g - x ) = D q + t - b ( 1 - eta ) u, D and t the region's record, u the node's way in the body's turning frame. Pulls of
+// a region add up to none, so that any one vector may be added to its nodes' places:  x - c - R S ( q - c0 )  to  u + ( 1 - R S )( q - c0 ).
+RegionWork LatticeMatcher::workOf( const MatchView& view, std::uint32_t r ) const
+{
+	const RegionMatrix& matrix = *m_tables->matrix;
+	const float* const record = view.regionRecord + std::size_t( r ) * kRecordFloats;
+	const Eigen::Matrix3d pull = Eigen::Map<const Matrix3fRows>( record ).cast<double>();
+	const Vec3d shift = Eigen::Map<const Vec3>( record + 9 ).cast<double>();
+	const double own = double( view.regionWeight ? view.regionWeight[r] : 1.0f ) * ( 1.0 - double( view.regionEta ? view.regionEta[r] : 0.0f ) );
+	const Eigen::Quaterniond rotation( m_quaternion[0][r], m_quaternion[1][r], m_quaternion[2][r], m_quaternion[3][r] );
+	Eigen::Matrix3d rest = rotation.toRotationMatrix();
+	if ( m_plastic )
+	{
+		rest *= m_plastic->stretch( int( r ) );
+	}
+	rest = Eigen::Matrix3d::Identity() - rest;
+	const Vec3d centre( view.centre[0][r], view.centre[1][r], view.centre[2][r] );
+	const Eigen::Matrix3d toFrame = m_frame.toRotationMatrix().transpose();
+	RegionWork work;
+	for ( std::uint32_t k = matrix.start[r]; k < matrix.start[r + 1]; ++k )
+	{
+		const std::uint32_t a = matrix.member[k];
+		const Vec3d q = Vec3d( view.x0[0][a], view.x0[1][a], view.x0[2][a] ) * double( view.cellsPerMetre );
+		const Vec3d u( view.change[0][a], view.change[1][a], view.change[2][a] );
+		const Vec3d v = toFrame * Vec3d( view.v[0][a], view.v[1][a], view.v[2][a] ), way = pull * q + shift - own * u;
+		const double mass = matrix.mass[k] * matrix.unit[a];
+		work.springs -= 0.5 * mass * ( u + rest * ( q - centre ) ).dot( way );
+		work.power += mass * v.dot( way );
+	}
+	return work;
+}
+
+RegionWork LatticeMatcher::workOf( NodeState& nodes, const std::vector<std::uint32_t>& regions )
+{
+	const MatchView v = viewOfNow( nodes );
+	m_isWanted[1].assign( std::size_t( v.nodeCount + kTile - 1 ) / kTile, 0 );
+	for ( const std::uint32_t r : regions )
+	{
+		m_isWanted[1][r / kTile] = 1;
+	}
+	fitTiles( v );
+	RegionWork sum;
+	for ( const std::uint32_t r : regions )
+	{
+		const RegionWork work = workOf( v, r );
+		sum.springs += work.springs;
+		sum.power += work.power;
+	}
+	const double d = double( m_cellSize );
+	return RegionWork{ sum.springs * d * d, sum.power * d };
 }
 
 } // namespace pliant

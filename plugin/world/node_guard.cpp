@@ -373,9 +373,16 @@ void SoftBodySystem::holdBack( btScalar h )
 void SoftBodySystem::keepNewNodesOut( SoftBody& body, const std::vector<Vec3>& placeBefore )
 {
 	const std::vector<const btCollisionObject*> walls = wallsAround( body, 0.0 );
-	if ( !walls.empty() && m_guard.place( body, walls, placeBefore ) )
+	if ( walls.empty() )
 	{
-		body.impl().shape->place( body.impl().body->nodes(), body.impl().shapeShift );
+		return;
+	}
+	Body& own = *body.impl().body;
+	const LevelEnergy before = own.heldEnergy(); // to move them squeezes them
+	if ( m_guard.place( body, walls, placeBefore ) )
+	{
+		own.oweSince( before );
+		body.impl().shape->place( own.nodes(), body.impl().shapeShift );
 	}
 }
 

@@ -15,24 +15,45 @@ using test::Rubbed;
 
 constexpr double kGain = 1e-3; ///< share of the energy that is counted as a gain: more than rounding and float's places make
 
+constexpr Ground kGrounds[] = { Ground::Floor, Ground::Box, Ground::Soft, Ground::SoftWithLevels };
+
+/// One cell of a table.
+void printGains( int count, Ground ground, Elasticity elasticity, float strain )
+{
+	int gains = 0;
+	double worst = 0.0;
+	for ( int seed = 0; seed < count; ++seed )
+	{
+		const double most = test::strike( ground, elasticity, unsigned( seed ), strain );
+		gains += most > 1.0 + kGain ? 1 : 0;
+		worst = std::max( worst, most );
+	}
+	std::printf( " %d, %.4f |", gains, worst );
+	std::fflush( stdout );
+}
+
 void printStrikes( int count )
 {
 	std::printf( "Cubes with levels strike, %d each: those whose energy of motion rises by more than %g of it, and the worst\n\n| | explicit | implicit |\n|---|---|---|\n", count, kGain );
-	for ( const Ground ground : { Ground::Floor, Ground::Box, Ground::Soft, Ground::SoftWithLevels } )
+	for ( const Ground ground : kGrounds )
 	{
 		std::printf( "| %s |", test::kGroundNames[int( ground )] );
-		for ( const Elasticity elasticity : { Elasticity::Explicit, Elasticity::Implicit } )
+		printGains( count, ground, Elasticity::Explicit, 0.0f );
+		printGains( count, ground, Elasticity::Implicit, 0.0f );
+		std::printf( "\n" );
+	}
+}
+
+// What splits by strain does so while it is pressed together.
+void printStrikesThatSplitByStrain( int count )
+{
+	std::printf( "\nThe same by strain alone, explicit, at strains of\n\n| | 0.02 | 0.05 | 0.1 | 0.2 |\n|---|---|---|---|---|\n" );
+	for ( const Ground ground : kGrounds )
+	{
+		std::printf( "| %s |", test::kGroundNames[int( ground )] );
+		for ( const float strain : { 0.02f, 0.05f, 0.1f, 0.2f } )
 		{
-			int gains = 0;
-			double worst = 0.0;
-			for ( int seed = 0; seed < count; ++seed )
-			{
-				const double most = test::strike( ground, elasticity, unsigned( seed ) );
-				gains += most > 1.0 + kGain ? 1 : 0;
-				worst = std::max( worst, most );
-			}
-			std::printf( " %d, %.4f |", gains, worst );
-			std::fflush( stdout );
+			printGains( count, ground, Elasticity::Explicit, strain );
 		}
 		std::printf( "\n" );
 	}
@@ -67,6 +88,7 @@ void printRubs( int count )
 void impactsExperiment( int count )
 {
 	printStrikes( count );
+	printStrikesThatSplitByStrain( count );
 	printRubs( count );
 }
 

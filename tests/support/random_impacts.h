@@ -58,7 +58,8 @@ enum class Ground : int
 inline constexpr const char* kGroundNames[] = { "floor", "rigid box", "soft cube", "soft cube with levels" };
 
 /// A cube of nodes of level 1 or 2, half of them 6 cells wide, which leaves such nodes half empty. The most that energy comes to, as a share of the first.
-inline double strike( Ground ground, Elasticity elasticity, unsigned seed )
+/// `strain`: above 0, at which all split, and for nothing else.
+inline double strike( Ground ground, Elasticity elasticity, unsigned seed, float strain = 0.0f )
 {
 	static const std::shared_ptr<const BodyTemplate> cubes[] = { cubeTemplate( 0.6f, 6 ), cubeTemplate( 0.8f, 8 ) };
 	Random random( seed );
@@ -69,8 +70,8 @@ inline double strike( Ground ground, Elasticity elasticity, unsigned seed )
 	Adaptivity levels;
 	levels.coarseLevels = 1 + random.upTo( 2 );
 	levels.mergeDelay = 0.05f;
-	levels.refinesOnContact = random.upTo( 2 ) == 0;
-	levels.refineStrain = levels.refinesOnContact ? 0.0f : 0.05f;
+	levels.refinesOnContact = random.upTo( 2 ) == 0 && strain == 0.0f;
+	levels.refineStrain = levels.refinesOnContact ? 0.0f : strain > 0.0f ? strain : 0.05f;
 	const btQuaternion turnOfGround = random.turn();
 	if ( ground == Ground::Floor )
 	{

@@ -1,0 +1,197 @@
+// A change of levels brings no energy. What parts of a split node would hold at odds with those beside them is let go at once; what is more than before
+// then, in springs and in motion, the body owes, and it is taken out of how its nodes move against one another. Beyond Steinemann et al. 2008, section 5.2.
+
+#include "body/body.h"
+#include "body/level_nodes.h"
+#include "body/levels.h"
+#include "matching/lattice_matcher.h"
+
+#include <algorithm>
+#include <numeric>
+
+namespace pliant {
+
+namespace {
+
+/// What the whole body's sums have in common with RegionWork: K; how far nodes stray from its rigid fit, u = x - c - R x0, and whether they go on to.
+struct BodyWork
+{
+	double motion = 0.0;     ///< 1/2 sum m |v|^2, J
+	double stray = 0.0;      ///< 1/2 sum m |u|^2, kg m^2
+	double strayPower = 0.0; ///< - sum m u.v, kg m^2/s
+};
+
+BodyWork workOf( const NodeState& nodes, const Eigen::Quaterniond& frame )
+{
+	const Eigen::Matrix3d rotation = frame.toRotationMatrix();
+	Vec3d centre = Vec3d::Zero();
+	double mass = 0.0;
+	for ( int i = 0; i < nodes.count; ++i )
+	{
+		const double m = double( nodes.mass[i] );
+		centre += m * ( nodes.x.get( i ).cast<double>() - rotation * nodes.x0.get( i ).cast<double>() );
+		mass += m;
+	}
+	centre /= mass;
+	BodyWork work;
+	for ( int i = 0; i < nodes.count; ++i )
+	{
+		const double m = double( nodes.mass[i] );
+		const Vec3d u = nodes.x.get( i ).cast<double>() - centre - rotation * nodes.x0.get( i ).cast<double>(), v = nodes.v.get( i ).cast<double>();
+		work.motion += 0.5 * m * v.squaredNorm();
+		work.stray += 0.5 * m * u.squaredNorm();
+		work.strayPower -= m * u.dot( v );
+	}
+	return work;
+}
+
+} // namespace
+
+/// The regions before that none is the same as.
+std::vector<std::uint32_t> Levels::regionsGone( const std::vector<std::uint32_t>& regionBefore, int countBefore ) const
+{
+	std::vector<std::uint8_t> isKept( std::size_t( countBefore ), 0 );
+	for ( const std::uint32_t r : regionBefore )
+	{
+		if ( r != kNoNode )
+		{
+			isKept[r] = 1;
+		}
+	}
+	std::vector<std::uint32_t> gone;
+	for ( std::uint32_t r = 0; r < std::uint32_t( countBefore ); ++r )
+	{
+		if ( isKept[r] == 0 )
+		{
+			gone.push_back( r );
+		}
+	}
+	return gone;
+}
+
+void Levels::findParts( const NodeState& nodes )
+{
+	m_parts.clear();
+	const std::vector<std::uint32_t>& heir = m_change.heir;
+	for ( std::size_t i = 0, end = 0; i < heir.size(); i = end )
+	{
+		for ( end = i + 1; end < heir.size() && heir[end] == heir[i]; ++end )
+		{
+		}
+		for ( std::size_t k = i; k < end && end - i > 1 && nodes.freedom[i] != 0.0f; ++k )
+		{
+			m_parts.push_back( std::uint32_t( k ) );
+		}
+	}
+}
+
+// Where a body is bent, F differs from region to region, and parts that stand where their own parent's has carried them stand at odds with those
+// beside. They go to where all regions that they are in now have them, g = mean of c + F q,
+//   x <- x + ( g - x ) - mean of g - x over the parts of one parent,
+// so that each parent's mass centre stays, and all other nodes; what is stretched alike everywhere stays as it is.
+void Levels::easeParts( NodeState& nodes, LatticeMatcher& matcher )
+{
+	findParts( nodes );
+	m_partWay.resize( 3 * m_parts.size() );
+	const auto way = [this]( std::size_t k ) { return Vec3d( Eigen::Map<const Vec3>( m_partWay.data() + 3 * k ).cast<double>() ); };
+	for ( int round = 0; round < kEasingRounds && !m_parts.empty(); ++round )
+	{
+		matcher.oddsOf( nodes, m_parts, m_partWay.data() );
+		for ( std::size_t first = 0, end = 0; first < m_parts.size(); first = end )
+		{
+			Vec3d mean = Vec3d::Zero();
+			double mass = 0.0;
+			for ( end = first; end < m_parts.size() && m_change.heir[m_parts[end]] == m_change.heir[m_parts[first]]; ++end )
+			{
+				const double m = nodes.mass[m_parts[end]];
+				mean += m * way( end );
+				mass += m;
+			}
+			mean /= mass;
+			for ( std::size_t k = first; k < end; ++k )
+			{
+				const int i = int( m_parts[k] );
+				nodes.x.set( i, nodes.x.get( i ) + ( way( k ) - mean ).cast<float>() );
+			}
+		}
+	}
+}
+
+/// With the new tables; m_room.nodes are those before.
+void Levels::settle( NodeState& nodes, LatticeMatcher& matcher, const RegionWork& before )
+{
+	if ( m_left.empty() )
+	{
+		easeParts( nodes, matcher );
+	}
+	restoreMotion( nodes, m_room.nodes );
+	m_change.energy = LevelEnergy{};
+	if ( m_measuresEnergy && m_left.empty() )
+	{
+		const RegionWork now = matcher.workOf( nodes, m_change.measured );
+		const BodyWork body = workOf( nodes, matcher.frame() ), bodyBefore = workOf( m_room.nodes, matcher.frame() );
+		m_change.energy = LevelEnergy{ now.springs, now.power, body.stray, body.strayPower, body.motion }.less(
+			{ before.springs, before.power, bodyBefore.stray, bodyBefore.strayPower, bodyBefore.motion } );
+	}
+}
+
+// What steps implicitly loses more in each step than a change brings; only explicit steps give back all that springs hold.
+void Body::noteLevelEnergy( unsigned versionBefore )
+{
+	if ( m_levels->version() != versionBefore && !m_wasImplicit )
+	{
+		owe( m_levels->lastChange().energy );
+	}
+}
+
+void Body::owe( const LevelEnergy& brought )
+{
+	const double cell = double( m_lattice->cellSize );
+	m_owed.brought = m_owed.brought.plus( brought, double( m_material.density ) * cell * cell * cell );
+	m_owed.left = kOwedFor;
+}
+
+LevelEnergy Body::heldEnergy()
+{
+	if ( !m_levels || m_wasImplicit )
+	{
+		return {};
+	}
+	std::vector<std::uint32_t> all( std::size_t( m_nodes.count ) );
+	std::iota( all.begin(), all.end(), 0u );
+	const RegionWork work = m_levelMatcher->workOf( m_nodes, all );
+	const BodyWork body = workOf( m_nodes, m_levelMatcher->frame() );
+	return { work.springs, work.power, body.stray, body.strayPower, body.motion };
+}
+
+void Body::oweSince( const LevelEnergy& before )
+{
+	if ( m_levels && !m_wasImplicit )
+	{
+		owe( heldEnergy().less( before ) );
+	}
+}
+
+void Body::payForLevels( float h, float alpha )
+{
+	if ( !( m_owed.left > 0.0f ) )
+	{
+		return;
+	}
+	// What the substep v <- v + h f / m, x <- x + h v keeps is not K + U, but  H = K + U + h / 2 f.v,  and the last is as large as they are where alpha is 1.
+	// U = ( 1 - s ) alpha / h^2 times the regions' for 1, and s / h^2 times the body's, s the share of its rigid fit in the goals.
+	// What a change has taken away pays for what others have brought, and no more.
+	const double seconds = double( h ), share = double( bodyShare( h, alpha ) );
+	const LevelEnergy& brought = m_owed.brought;
+	const double springs = ( 1.0 - share ) * double( alpha ) * ( brought.springs + 0.5 * seconds * brought.power ) + share * ( brought.stray + 0.5 * seconds * brought.strayPower );
+	m_owed.energy = std::max( 0.0, m_owed.energy + springs / ( seconds * seconds ) + brought.motion );
+	m_owed.brought = LevelEnergy{};
+	m_owed.energy -= m_owed.energy > 0.0 ? takeOwnMotion( m_nodes, m_owed.energy ) : 0.0;
+	m_owed.left -= h;
+	if ( !( m_owed.left > 0.0f ) || !( m_owed.energy > 0.0 ) )
+	{
+		m_owed = LevelDebt{};
+	}
+}
+
+} // namespace pliant

@@ -1,0 +1,193 @@
+// What a change of levels may not do to a body's energy, piece by piece. Whole impacts: RandomImpacts.WhatSplitsByStrain*.
+
+#include "body/level_nodes.h"
+#include "body/levels.h"
+#include "matching/lattice_matcher.h"
+#include "support/shapes.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numeric>
+#include <random>
+
+namespace pliant {
+namespace {
+
+/// A lump of big nodes, by themselves.
+struct Lump
+{
+	explicit Lump( const Material& of = {} ) :
+		material( of ), lattice( test::makeBlobLattice( 18, 0.05f, 6 ) ), base( buildLevelBase( lattice, material, settings() ) ),
+		levels( base, lattice, material, settings(), everywhere, firstCut( base->octree, settings() ) ), matcher( lattice, material, levels.tables() )
+	{
+		levels.fillNodes( nodes, material.density );
+	}
+
+	static Adaptivity settings()
+	{
+		Adaptivity wanted;
+		wanted.coarseLevels = 2;
+		return wanted;
+	}
+
+	void splitAll()
+	{
+		std::vector<std::uint32_t> split;
+		for ( int i = 0; i < levels.cut().count(); ++i )
+		{
+			if ( levels.levelOf( i ) > 0 )
+			{
+				split.push_back( levels.cut().node[std::size_t( i )] );
+			}
+		}
+		levels.change( nodes, matcher, material, split, {} );
+	}
+
+	/// Each node where `to` has its place at rest.
+	template <class Map>
+	void bend( const Map& to )
+	{
+		for ( int i = 0; i < nodes.count; ++i )
+		{
+			nodes.x.set( i, to( nodes.x0.get( i ) ) );
+		}
+		matcher.accelerate( nodes, MatchStep{ 0.01f, 0.0f }, nullptr ); // finds rotations, moves nothing
+	}
+
+	std::vector<std::uint32_t> all() const
+	{
+		std::vector<std::uint32_t> numbers( std::size_t( nodes.count ) );
+		std::iota( numbers.begin(), numbers.end(), 0u );
+		return numbers;
+	}
+
+	Material material;
+	Lattice lattice;
+	std::shared_ptr<const LevelBase> base;
+	std::vector<float> everywhere;
+	Levels levels;
+	LatticeMatcher matcher;
+	NodeState nodes;
+};
+
+Vec3 bent( const Vec3& p )
+{
+	const float turn = 1.5f * p.x();
+	return Vec3( p.x(), p.y() * std::cos( turn ) - p.z() * std::sin( turn ), p.y() * std::sin( turn ) + 1.1f * p.z() * std::cos( turn ) + 0.4f * p.x() * p.x() );
+}
+
+Material withoutVolume()
+{
+	Material material;
+	material.damping = 0.0f;
+	material.volumeKeeping = 0.0f;
+	return material;
+}
+
+/// dU / dt = - power, whatever way the nodes go.
+TEST( LevelEnergy, SpringsHoldWhatTheirPullsTakeUp )
+{
+	Lump lump( withoutVolume() );
+	lump.splitAll(); // nodes of levels 0 and 1
+	lump.bend( bent );
+	std::mt19937 random( 3 );
+	const auto number = [&random] { return float( random() ) / 2147483648.0f - 1.0f; };
+	for ( int round = 0; round < 10; ++round )
+	{
+		for ( int i = 0; i < lump.nodes.count; ++i )
+		{
+			lump.nodes.v.set( i, Vec3( number(), number(), number() ) );
+		}
+		const auto springsAt = [&lump]( float seconds ) {
+			NodeState moved = lump.nodes;
+			for ( int i = 0; i < moved.count; ++i )
+			{
+				moved.x.set( i, moved.x.get( i ) + seconds * moved.v.get( i ) );
+			}
+			return lump.matcher.workOf( moved, lump.all() ).springs;
+		};
+		constexpr float kSeconds = 1e-3f;
+		const double power = lump.matcher.workOf( lump.nodes, lump.all() ).power;
+		const double rate = ( springsAt( kSeconds ) - springsAt( -kSeconds ) ) / ( 2.0 * kSeconds );
+		EXPECT_NEAR( rate, -power, 0.01 * std::abs( power ) ) << round;
+	}
+}
+
+/// Parts that stood where their own parent's F had them were at odds with their neighbours, which is energy for nothing.
+TEST( LevelEnergy, PartsOfABentBodyStandAtFewOdds )
+{
+	Lump lump;
+	lump.bend( bent );
+	const NodeState before = lump.nodes;
+	std::vector<float> f( 9 * std::size_t( before.padded ) );
+	NodeState readable = before;
+	lump.matcher.deformations( readable, f.data() );
+	lump.splitAll();
+
+	NodeState naive = lump.nodes;
+	std::vector<Vec3d> centre( std::size_t( before.count ), Vec3d::Zero() );
+	std::vector<double> mass( std::size_t( before.count ), 0.0 );
+	for ( int i = 0; i < naive.count; ++i )
+	{
+		const int parent = int( lump.levels.lastChange().heir[std::size_t( i )] );
+		const Eigen::Map<const Eigen::Matrix<float, 3, 3, Eigen::RowMajor>> of( f.data() + 9 * std::size_t( parent ) );
+		naive.x.set( i, before.x.get( parent ) + of * ( naive.x0.get( i ) - before.x0.get( parent ) ) );
+		centre[std::size_t( parent )] += double( naive.mass[i] ) * lump.nodes.x.get( i ).cast<double>();
+		mass[std::size_t( parent )] += double( naive.mass[i] );
+	}
+	for ( int i = 0; i < before.count; ++i )
+	{
+		EXPECT_LT( ( centre[std::size_t( i )] / mass[std::size_t( i )] - before.x.get( i ).cast<double>() ).norm(), 1e-6 );
+	}
+	const auto oddsOf = [&lump]( NodeState& nodes ) {
+		std::vector<float> odds( 3 * std::size_t( nodes.count ) );
+		lump.matcher.oddsOf( nodes, lump.all(), odds.data() );
+		return std::sqrt( std::inner_product( odds.begin(), odds.end(), odds.begin(), 0.0 ) / nodes.count );
+	};
+	const double eased = oddsOf( lump.nodes ), left = oddsOf( naive );
+	std::printf( "at odds by %.2e m, by %.2e where their parents have them\n", eased, left );
+	EXPECT_LT( eased, 0.7 * left );
+}
+
+TEST( LevelEnergy, WhatIsTakenIsTheirOwnMotionAlone )
+{
+	Lump lump;
+	std::mt19937 random( 9 );
+	const auto number = [&random] { return double( random() ) / 2147483648.0 - 1.0; };
+	NodeState& nodes = lump.nodes;
+	for ( int i = 0; i < nodes.count; ++i )
+	{
+		nodes.x.set( i, nodes.x0.get( i ) );
+		nodes.v.set( i, ( Vec3d( 1, 2, 3 ) + Vec3d( 3, 1, -2 ).cross( nodes.x.get( i ).cast<double>() ) + Vec3d( number(), number(), number() ) ).cast<float>() );
+	}
+	const auto sums = [&nodes] {
+		Eigen::Matrix<double, 7, 1> sum = Eigen::Matrix<double, 7, 1>::Zero();
+		for ( int i = 0; i < nodes.count; ++i )
+		{
+			const double m = double( nodes.mass[i] );
+			const Vec3d x = nodes.x.get( i ).cast<double>(), v = nodes.v.get( i ).cast<double>();
+			sum.head<3>() += m * v;
+			sum.segment<3>( 3 ) += m * x.cross( v );
+			sum[6] += 0.5 * m * v.squaredNorm();
+		}
+		return sum;
+	};
+	const auto before = sums();
+	EXPECT_DOUBLE_EQ( takeOwnMotion( nodes, 2.0 ), 2.0 );
+	const auto after = sums();
+	EXPECT_LT( ( after - before ).head<3>().norm(), 1e-5 * before.head<3>().norm() );
+	EXPECT_LT( ( after - before ).segment<3>( 3 ).norm(), 1e-5 * before.segment<3>( 3 ).norm() );
+	EXPECT_NEAR( before[6] - after[6], 2.0, 1e-3 );
+	// More than there is: what is left is rigid, and there is nothing to take any more.
+	const double rest = takeOwnMotion( nodes, 1e9 );
+	EXPECT_GT( rest, 0.0 );
+	EXPECT_LT( takeOwnMotion( nodes, 1e9 ), 1e-6 * rest );
+	nodes.freedom[0] = 0.0f;
+	nodes.v.set( 0, Vec3( 5, 6, 7 ) );
+	takeOwnMotion( nodes, 1e9 );
+	EXPECT_EQ( nodes.v.get( 0 ), Vec3( 5, 6, 7 ) );
+}
+
+} // namespace
+} // namespace pliant
