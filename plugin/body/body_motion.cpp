@@ -50,6 +50,7 @@ void Body::place( const Placement& placement )
 	}
 	m_matcher->reset( m_nodes, placement.rotation.normalized() );
 	m_matcher->forgetFlow();
+	m_owed = LevelDebt{};
 	m_cutLinks.clear();
 	m_healedLinks.clear();
 	if ( m_breaking )
