@@ -106,6 +106,8 @@ public:
 	void changeLevels( const std::vector<std::uint32_t>& split, const std::vector<std::uint32_t>& merge );
 	/// What all regions and nodes hold now, in an explicit step: nothing in others. For who moves nodes of a change (oweSince).
 	LevelEnergy heldEnergy();
+	/// What explicit substeps keep, J, without damping and contacts.
+	double joules( const LevelEnergy& held, float h, float alpha ) const;
 	/// What the body holds more than it did then is taken off as what changes bring.
 	void oweSince( const LevelEnergy& before );
 	void requestSplit( int node );

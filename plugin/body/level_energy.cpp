@@ -146,8 +146,7 @@ void Body::noteLevelEnergy( unsigned versionBefore )
 
 void Body::owe( const LevelEnergy& brought )
 {
-	const double cell = double( m_lattice->cellSize );
-	m_owed.brought = m_owed.brought.plus( brought, double( m_material.density ) * cell * cell * cell );
+	m_owed.brought = m_owed.brought.plus( brought );
 	m_owed.left = kOwedFor;
 }
 
@@ -172,19 +171,25 @@ void Body::oweSince( const LevelEnergy& before )
 	}
 }
 
+// What the substep v <- v + h f / m, x <- x + h v keeps is not K + U, but  H = K + U + h / 2 f.v,  and the last is as large as they are where alpha is 1.
+// U = ( 1 - s ) alpha / h^2 times the regions' for 1, and s / h^2 times the body's, s the share of its rigid fit in the goals.
+double Body::joules( const LevelEnergy& held, float h, float alpha ) const
+{
+	const double cell = double( m_lattice->cellSize ), fullCell = double( m_material.density ) * cell * cell * cell;
+	const double seconds = double( h ), share = double( bodyShare( h, alpha ) );
+	const double regions = ( 1.0 - share ) * double( alpha ) * fullCell * ( held.springs + 0.5 * seconds * held.power );
+	const double body = share * ( held.stray + 0.5 * seconds * held.strayPower );
+	return ( regions + body ) / ( seconds * seconds ) + held.motion;
+}
+
 void Body::payForLevels( float h, float alpha )
 {
 	if ( !( m_owed.left > 0.0f ) )
 	{
 		return;
 	}
-	// What the substep v <- v + h f / m, x <- x + h v keeps is not K + U, but  H = K + U + h / 2 f.v,  and the last is as large as they are where alpha is 1.
-	// U = ( 1 - s ) alpha / h^2 times the regions' for 1, and s / h^2 times the body's, s the share of its rigid fit in the goals.
 	// What a change has taken away pays for what others have brought, and no more.
-	const double seconds = double( h ), share = double( bodyShare( h, alpha ) );
-	const LevelEnergy& brought = m_owed.brought;
-	const double springs = ( 1.0 - share ) * double( alpha ) * ( brought.springs + 0.5 * seconds * brought.power ) + share * ( brought.stray + 0.5 * seconds * brought.strayPower );
-	m_owed.energy = std::max( 0.0, m_owed.energy + springs / ( seconds * seconds ) + brought.motion );
+	m_owed.energy = std::max( 0.0, m_owed.energy + joules( m_owed.brought, h, alpha ) );
 	m_owed.brought = LevelEnergy{};
 	m_owed.energy -= m_owed.energy > 0.0 ? takeOwnMotion( m_nodes, m_owed.energy ) : 0.0;
 	m_owed.left -= h;

@@ -4,16 +4,16 @@
 
 namespace pliant {
 
-/// What that is in joules hangs on the substep (Body::payForLevels).
+/// What that is in joules hangs on the substep (Body::joules).
 struct LevelEnergy
 {
-	double springs = 0.0, power = 0.0;    ///< of the regions, as in RegionWork: for full cells of 1 kg in LevelChange, of the body's own in LevelDebt
+	double springs = 0.0, power = 0.0;    ///< of the regions, as in RegionWork
 	double stray = 0.0, strayPower = 0.0; ///< of nodes that are off the body's rigid fit by u: 1/2 sum m |u|^2, kg m^2; - sum m u.v, kg m^2/s
 	double motion = 0.0;                  ///< J
 
-	LevelEnergy plus( const LevelEnergy& other, double cellMass = 1.0 ) const
+	LevelEnergy plus( const LevelEnergy& other ) const
 	{
-		return { springs + cellMass * other.springs, power + cellMass * other.power, stray + other.stray, strayPower + other.strayPower, motion + other.motion };
+		return { springs + other.springs, power + other.power, stray + other.stray, strayPower + other.strayPower, motion + other.motion };
 	}
 
 	LevelEnergy less( const LevelEnergy& other ) const

@@ -32,6 +32,11 @@ LevelEnergy Body::heldEnergy()
 
 void Body::oweSince( const LevelEnergy& ) {}
 
+double Body::joules( const LevelEnergy&, float, float ) const
+{
+	return 0.0;
+}
+
 std::size_t Levels::bytes() const
 {
 	return m_lattice && m_stiffness ? sizeof( Levels ) : 0;

@@ -1,5 +1,6 @@
 // What a change of levels may not do to a body's energy, piece by piece. Whole impacts: RandomImpacts.WhatSplitsByStrain*.
 
+#include "body/body.h"
 #include "body/level_nodes.h"
 #include "body/levels.h"
 #include "matching/lattice_matcher.h"
@@ -111,6 +112,43 @@ TEST( LevelEnergy, SpringsHoldWhatTheirPullsTakeUp )
 		const double power = lump.matcher.workOf( lump.nodes, lump.all() ).power;
 		const double rate = ( springsAt( kSeconds ) - springsAt( -kSeconds ) ) / ( 2.0 * kSeconds );
 		EXPECT_NEAR( rate, -power, 0.01 * std::abs( power ) ) << round;
+	}
+}
+
+/// H = K + U + h / 2 f.v of a body that shakes, of a soft one by its regions alone, and of one so stiff that it follows its rigid fit.
+TEST( LevelEnergy, IsWhatExplicitStepsKeep )
+{
+	const auto lattice = std::make_shared<const Lattice>( test::makeBlobLattice( 18, 0.05f, 6 ) );
+	for ( const float youngsModulus : { 2e4f, 1e6f, 1e8f } )
+	{
+		Material material = withoutVolume();
+		material.youngsModulus = youngsModulus;
+		material.wobbleDamping = 0.0f;
+		const std::unique_ptr<Body> body = std::move( Body::create( lattice, material, {}, nullptr, Lump::settings() ).value );
+		std::mt19937 random( 5 );
+		const auto number = [&random] { return float( random() ) / 2147483648.0f - 1.0f; };
+		for ( int i = 0; i < body->nodeCount(); ++i )
+		{
+			body->nodes().v.set( i, Vec3( number(), number(), number() ) );
+		}
+		constexpr float kStep = 1.0f / 960.0f;
+		const float alpha = planStiffness( body->material(), lattice->cellSize, kStep, 1 ).alpha;
+		const double first = body->sums().kineticEnergy; // nothing is strained
+		double low = HUGE_VAL, high = 0.0, least = HUGE_VAL;
+		for ( int step = 0; step < 200; ++step )
+		{
+			body->accelerateTowardGoals( kStep, alpha, nullptr );
+			body->integrate( kStep );
+			const LevelEnergy held = body->heldEnergy();
+			const double energy = body->joules( held, kStep, alpha );
+			low = std::min( low, energy );
+			high = std::max( high, energy );
+			least = std::min( least, held.motion );
+		}
+		std::printf( "E %g, alpha %.3f: H from %.4f to %.4f of the first, K down to %.3f\n", double( youngsModulus ), double( alpha ), low / first, high / first, least / first );
+		EXPECT_GT( low, 0.999 * first );
+		EXPECT_LT( high, 1.001 * first );
+		EXPECT_LT( least, 0.8 * first );
 	}
 }
 
