@@ -206,7 +206,6 @@ public:
 private:
 	Body();
 	Body( Body&& ) noexcept;
-	void noteLevelEnergy( unsigned versionBefore );
 	void owe( const LevelEnergy& brought );
 	void payForLevels( float h, float alpha );
 	void rebase();
@@ -256,7 +255,7 @@ private:
 	std::vector<std::uint32_t> m_firstCell;
 	int m_reviewIn = 0;              ///< substeps until strains are measured
 	float m_sinceReview = 0.0f;      ///< s
-	LevelDebt m_owed;
+	LevelDebt m_owed;                ///< of explicit steps
 	bool m_wasImplicit = false;      ///< the last substep
 	bool m_isOnePart = true;
 	double m_secondMoment = 0.0;     ///< m^2, mean over the axes, per mass

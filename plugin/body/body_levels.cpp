@@ -130,7 +130,10 @@ void Body::applyLevels( TaskRunner* tasks )
 {
 	const unsigned before = m_levels->version();
 	m_levels->apply( m_nodes, *m_levelMatcher, m_material, tasks, !m_wasImplicit );
-	noteLevelEnergy( before );
+	if ( m_levels->version() != before )
+	{
+		owe( m_levels->lastChange().energy );
+	}
 	keepFiniteState();
 }
 

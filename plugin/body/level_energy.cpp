@@ -13,15 +13,8 @@ namespace pliant {
 
 namespace {
 
-/// What the whole body's sums have in common with RegionWork: K; how far nodes stray from its rigid fit, u = x - c - R x0, and whether they go on to.
-struct BodyWork
-{
-	double motion = 0.0;     ///< 1/2 sum m |v|^2, J
-	double stray = 0.0;      ///< 1/2 sum m |u|^2, kg m^2
-	double strayPower = 0.0; ///< - sum m u.v, kg m^2/s
-};
-
-BodyWork workOf( const NodeState& nodes, const Eigen::Quaterniond& frame )
+/// What the regions do, and what is the whole body's: K, and how far nodes stray from its rigid fit, u = x - c - R x0.
+LevelEnergy heldBy( const RegionWork& regions, const NodeState& nodes, const Eigen::Quaterniond& frame )
 {
 	const Eigen::Matrix3d rotation = frame.toRotationMatrix();
 	Vec3d centre = Vec3d::Zero();
@@ -33,16 +26,16 @@ BodyWork workOf( const NodeState& nodes, const Eigen::Quaterniond& frame )
 		mass += m;
 	}
 	centre /= mass;
-	BodyWork work;
+	LevelEnergy held{ regions.springs, regions.power };
 	for ( int i = 0; i < nodes.count; ++i )
 	{
 		const double m = double( nodes.mass[i] );
 		const Vec3d u = nodes.x.get( i ).cast<double>() - centre - rotation * nodes.x0.get( i ).cast<double>(), v = nodes.v.get( i ).cast<double>();
-		work.motion += 0.5 * m * v.squaredNorm();
-		work.stray += 0.5 * m * u.squaredNorm();
-		work.strayPower -= m * u.dot( v );
+		held.motion += 0.5 * m * v.squaredNorm();
+		held.stray += 0.5 * m * u.squaredNorm();
+		held.strayPower -= m * u.dot( v );
 	}
-	return work;
+	return held;
 }
 
 } // namespace
@@ -117,8 +110,8 @@ void Levels::easeParts( NodeState& nodes, LatticeMatcher& matcher )
 	}
 }
 
-/// With the new tables; m_room.nodes are those before.
-void Levels::settle( NodeState& nodes, LatticeMatcher& matcher, const RegionWork& before )
+/// With the new tables; m_room.nodes are those before. `before`: what the regions did that are gone; null: it is not measured.
+void Levels::settle( NodeState& nodes, LatticeMatcher& matcher, const RegionWork* before )
 {
 	if ( m_left.empty() )
 	{
@@ -126,21 +119,10 @@ void Levels::settle( NodeState& nodes, LatticeMatcher& matcher, const RegionWork
 	}
 	restoreMotion( nodes, m_room.nodes );
 	m_change.energy = LevelEnergy{};
-	if ( m_measuresEnergy && m_left.empty() )
+	if ( before )
 	{
 		const RegionWork now = matcher.workOf( nodes, m_change.measured );
-		const BodyWork body = workOf( nodes, matcher.frame() ), bodyBefore = workOf( m_room.nodes, matcher.frame() );
-		m_change.energy = LevelEnergy{ now.springs, now.power, body.stray, body.strayPower, body.motion }.less(
-			{ before.springs, before.power, bodyBefore.stray, bodyBefore.strayPower, bodyBefore.motion } );
-	}
-}
-
-// What steps implicitly loses more in each step than a change brings; only explicit steps give back all that springs hold.
-void Body::noteLevelEnergy( unsigned versionBefore )
-{
-	if ( m_levels->version() != versionBefore && !m_wasImplicit )
-	{
-		owe( m_levels->lastChange().energy );
+		m_change.energy = heldBy( now, nodes, matcher.frame() ).plus( heldBy( *before, m_room.nodes, matcher.frame() ), -1.0 );
 	}
 }
 
@@ -150,6 +132,7 @@ void Body::owe( const LevelEnergy& brought )
 	m_owed.left = kOwedFor;
 }
 
+// What steps implicitly loses more in each step than a change brings; only explicit steps give back all that springs hold.
 LevelEnergy Body::heldEnergy()
 {
 	if ( !m_levels || m_wasImplicit )
@@ -158,16 +141,14 @@ LevelEnergy Body::heldEnergy()
 	}
 	std::vector<std::uint32_t> all( std::size_t( m_nodes.count ) );
 	std::iota( all.begin(), all.end(), 0u );
-	const RegionWork work = m_levelMatcher->workOf( m_nodes, all );
-	const BodyWork body = workOf( m_nodes, m_levelMatcher->frame() );
-	return { work.springs, work.power, body.stray, body.strayPower, body.motion };
+	return heldBy( m_levelMatcher->workOf( m_nodes, all ), m_nodes, m_levelMatcher->frame() );
 }
 
 void Body::oweSince( const LevelEnergy& before )
 {
 	if ( m_levels && !m_wasImplicit )
 	{
-		owe( heldEnergy().less( before ) );
+		owe( heldEnergy().plus( before, -1.0 ) );
 	}
 }
 

@@ -11,14 +11,10 @@ struct LevelEnergy
 	double stray = 0.0, strayPower = 0.0; ///< of nodes that are off the body's rigid fit by u: 1/2 sum m |u|^2, kg m^2; - sum m u.v, kg m^2/s
 	double motion = 0.0;                  ///< J
 
-	LevelEnergy plus( const LevelEnergy& other ) const
+	LevelEnergy plus( const LevelEnergy& other, double times = 1.0 ) const
 	{
-		return { springs + other.springs, power + other.power, stray + other.stray, strayPower + other.strayPower, motion + other.motion };
-	}
-
-	LevelEnergy less( const LevelEnergy& other ) const
-	{
-		return { springs - other.springs, power - other.power, stray - other.stray, strayPower - other.strayPower, motion - other.motion };
+		return { springs + times * other.springs, power + times * other.power, stray + times * other.stray, strayPower + times * other.strayPower,
+			motion + times * other.motion };
 	}
 };
 
@@ -30,11 +26,7 @@ struct LevelDebt
 	float left = 0.0f;   ///< s, until it is forgiven
 
 	/// Of a piece that has so much of the body.
-	LevelDebt share( double of ) const
-	{
-		const LevelEnergy& b = brought;
-		return { { of * b.springs, of * b.power, of * b.stray, of * b.strayPower, of * b.motion }, of * energy, left };
-	}
+	LevelDebt share( double of ) const { return { LevelEnergy{}.plus( brought, of ), of * energy, left }; }
 };
 
 } // namespace pliant

@@ -253,14 +253,12 @@ void Levels::apply( NodeState& nodes, LatticeMatcher& matcher, const Material& m
 		const std::vector<std::uint32_t> split = std::move( m_split ), merge = std::move( m_merge );
 		m_split.clear();
 		m_merge.clear();
-		m_measuresEnergy = measuresEnergy;
-		change( nodes, matcher, material, split, merge, tasks );
-		m_measuresEnergy = false;
+		change( nodes, matcher, material, split, merge, tasks, measuresEnergy );
 	}
 }
 
 void Levels::change( NodeState& nodes, LatticeMatcher& matcher, const Material& material, const std::vector<std::uint32_t>& split,
-	const std::vector<std::uint32_t>& merge, TaskRunner* tasks )
+	const std::vector<std::uint32_t>& merge, TaskRunner* tasks, bool measuresEnergy )
 {
 	if ( !m_hasRoom )
 	{
@@ -287,7 +285,7 @@ void Levels::change( NodeState& nodes, LatticeMatcher& matcher, const Material& 
 			m_change.measured.push_back( r );
 		}
 	}
-	const bool isMeasured = m_measuresEnergy && !m_leavesRows;
+	const bool isMeasured = measuresEnergy && !m_leavesRows;
 	const RegionWork workBefore = isMeasured ? matcher.workOf( nodes, regionsGone( before.region, m_cut.count() ) ) : RegionWork{};
 	m_left = m_leavesRows ? m_change.measured : std::vector<std::uint32_t>();
 	m_leavesRows = false;
@@ -305,7 +303,7 @@ void Levels::change( NodeState& nodes, LatticeMatcher& matcher, const Material& 
 	std::swap( nodes, changed );
 	m_room.nodes = std::move( changed );
 	matcher.setTables( m_tables, FlowHeirs{ m_change.heir, m_change.nodeNow, m_room.nodes.mass } );
-	settle( nodes, matcher, workBefore );
+	settle( nodes, matcher, isMeasured ? &workBefore : nullptr );
 	keepRoom( std::move( old ) );
 	++m_version;
 }

@@ -120,11 +120,11 @@ public:
 	/// Reads the strains and stretches last measured; `seconds` since the last reading. True when there is something to change.
 	bool review( const NodeState& nodes, const AlignedArray<float>& strain, const AlignedArray<float>& stretch, float seconds );
 	/// Makes the changes that `review` and requests asked for, within the budget. Momentum and spin of the nodes stay what they were where no
-	/// node is held. `measuresEnergy`: whether LevelChange::energy is wanted.
+	/// node is held. `measuresEnergy`: whether LevelChange::energy is wanted; where rows are left there is none.
 	void apply( NodeState& nodes, LatticeMatcher& matcher, const Material& material, TaskRunner* tasks = nullptr, bool measuresEnergy = false );
 	/// The same for a list of one's own: octree nodes, as in changeCut.
 	void change( NodeState& nodes, LatticeMatcher& matcher, const Material& material, const std::vector<std::uint32_t>& split,
-		const std::vector<std::uint32_t>& merge, TaskRunner* tasks = nullptr );
+		const std::vector<std::uint32_t>& merge, TaskRunner* tasks = nullptr, bool measuresEnergy = false );
 
 	std::size_t bytes() const;
 
@@ -162,7 +162,7 @@ private:
 	void splitInto( const NodeState& before, const std::vector<std::uint32_t>& parents, const std::vector<float>& gradients, const Cut& next, NodeState& now ) const;
 	void easeParts( NodeState& nodes, LatticeMatcher& matcher );
 	void findParts( const NodeState& nodes );
-	void settle( NodeState& nodes, LatticeMatcher& matcher, const RegionWork& before );
+	void settle( NodeState& nodes, LatticeMatcher& matcher, const RegionWork* before );
 	std::vector<std::uint32_t> regionsGone( const std::vector<std::uint32_t>& regionBefore, int countBefore ) const;
 	std::vector<std::uint32_t> splitNodes( const Cut& next ) const;
 	void numberHeirs( const Cut& next );
@@ -214,7 +214,7 @@ private:
 	std::vector<std::uint32_t> m_asked;         ///< octree nodes
 	int m_budget = kNoBudget;                   ///< new nodes that changes may still bring
 	bool m_hasBacklog = false;
-	bool m_leavesRows = false, m_measuresEnergy = false; ///< of the change that is being made
+	bool m_leavesRows = false;
 	std::vector<std::uint32_t> m_parts; ///< nodes that the change has made by splitting and that may move, ascending
 	std::vector<float> m_partWay;
 	std::vector<std::uint32_t> m_left; ///< rows that are not measured, ascending

@@ -20,9 +20,9 @@ bool Levels::review( const NodeState&, const AlignedArray<float>&, const Aligned
 }
 
 void Levels::apply( NodeState&, LatticeMatcher&, const Material&, TaskRunner*, bool ) {}
-void Levels::change( NodeState&, LatticeMatcher&, const Material&, const std::vector<std::uint32_t>&, const std::vector<std::uint32_t>&, TaskRunner* ) {}
+void Levels::change( NodeState&, LatticeMatcher&, const Material&, const std::vector<std::uint32_t>&, const std::vector<std::uint32_t>&, TaskRunner*, bool ) {}
 
-void Body::noteLevelEnergy( unsigned ) {}
+void Body::owe( const LevelEnergy& ) {}
 void Body::payForLevels( float, float ) {}
 
 LevelEnergy Body::heldEnergy()

@@ -84,7 +84,7 @@ inline constexpr float kSpeedLimit = 1.0e5f;
 /// Strains are looked at this seldom: a split a few substeps late is not seen, a look at every substep costs some per cent.
 inline constexpr int kSubstepsBetweenReviews = 4;
 
-/// After a split its parts are let go to their goals so many times (docs/levels.md).
+/// After a split its parts go so many times to where all their regions have them (docs/levels.md).
 inline constexpr int kEasingRounds = 2;
 
 /// What a change of levels brings of energy is taken off for so long, s: longer than springs take to give it back, and not for ever.

@@ -129,7 +129,7 @@ private:
 	AlignedArray<float> m_nodeRecord, m_regionRecord;
 	std::vector<std::uint32_t> m_open;
 	std::vector<int> m_openCount;
-	std::vector<std::uint8_t> m_isWanted[2]; ///< of each tile: whether its nodes are wanted; whether its regions are
+	std::vector<std::uint8_t> m_areNodesWanted, m_areRegionsWanted; ///< of each tile; scratch of oddsOf and workOf
 	std::vector<std::array<float, kImpulseSums>> m_partial; ///< one set of sums a chunk
 	int m_openRegions = 0;
 	bool m_isHistoryNew = false; ///< the last substep's residuals are those of other regions: no damping by them

@@ -148,14 +148,14 @@ void LatticeMatcher::deformationsOf( NodeState& nodes, const std::vector<std::ui
 void LatticeMatcher::markTiles( const MatchView& view, const std::vector<std::uint32_t>& which )
 {
 	const std::size_t tiles = std::size_t( view.nodeCount + kTile - 1 ) / kTile;
-	m_isWanted[0].assign( tiles, 0 );
-	m_isWanted[1].assign( tiles, m_tables->plan ? 1 : 0 );
+	m_areNodesWanted.assign( tiles, 0 );
+	m_areRegionsWanted.assign( tiles, m_tables->plan ? 1 : 0 );
 	for ( const std::uint32_t i : which )
 	{
-		m_isWanted[0][i / kTile] = 1;
+		m_areNodesWanted[i / kTile] = 1;
 		for ( std::uint32_t k = view.start[i]; k < view.start[i + 1] && !m_tables->plan; ++k )
 		{
-			m_isWanted[1][view.member[k] / kTile] = 1;
+			m_areRegionsWanted[view.member[k] / kTile] = 1;
 		}
 	}
 }
@@ -163,10 +163,10 @@ void LatticeMatcher::markTiles( const MatchView& view, const std::vector<std::ui
 void LatticeMatcher::fitTiles( const MatchView& view )
 {
 	const int padded = m_tables->moments.padded;
-	for ( std::size_t tile = 0; tile < m_isWanted[1].size(); ++tile )
+	for ( std::size_t tile = 0; tile < m_areRegionsWanted.size(); ++tile )
 	{
 		const int first = int( tile ) * kTile;
-		const int open = m_isWanted[1][tile] == 0 ? 0 : m_kernels.fitRegions( view, first, std::min( first + kTile, padded ), m_open.data() );
+		const int open = m_areRegionsWanted[tile] == 0 ? 0 : m_kernels.fitRegions( view, first, std::min( first + kTile, padded ), m_open.data() );
 		for ( int k = 0; k < open; ++k )
 		{
 			settleRegion( m_kernels, view, int( m_open[std::size_t( k )] ) );
@@ -189,9 +189,9 @@ void LatticeMatcher::oddsOf( NodeState& nodes, const std::vector<std::uint32_t>&
 		depthSum( *m_tables->plan, m_regionRecord.data() );
 	}
 	float unused[kImpulseSums] = {};
-	for ( std::size_t tile = 0; tile < m_isWanted[0].size(); ++tile )
+	for ( std::size_t tile = 0; tile < m_areNodesWanted.size(); ++tile )
 	{
-		if ( m_isWanted[0][tile] != 0 )
+		if ( m_areNodesWanted[tile] != 0 )
 		{
 			m_kernels.scatter( v, int( tile ) * kTile, std::min( int( tile + 1 ) * kTile, nodes.padded ), unused );
 		}
@@ -243,10 +243,10 @@ RegionWork LatticeMatcher::workOf( const MatchView& view, std::uint32_t r ) cons
 RegionWork LatticeMatcher::workOf( NodeState& nodes, const std::vector<std::uint32_t>& regions )
 {
 	const MatchView v = viewOfNow( nodes );
-	m_isWanted[1].assign( std::size_t( v.nodeCount + kTile - 1 ) / kTile, 0 );
+	m_areRegionsWanted.assign( std::size_t( v.nodeCount + kTile - 1 ) / kTile, 0 );
 	for ( const std::uint32_t r : regions )
 	{
-		m_isWanted[1][r / kTile] = 1;
+		m_areRegionsWanted[r / kTile] = 1;
 	}
 	fitTiles( v );
 	RegionWork sum;

@@ -134,7 +134,7 @@ TEST( LevelEnergy, IsWhatExplicitStepsKeep )
 		constexpr float kStep = 1.0f / 960.0f;
 		const float alpha = planStiffness( body->material(), lattice->cellSize, kStep, 1 ).alpha;
 		const double first = body->sums().kineticEnergy; // nothing is strained
-		double low = HUGE_VAL, high = 0.0, least = HUGE_VAL;
+		double low = HUGE_VAL, high = 0.0, least = HUGE_VAL, lowPlain = HUGE_VAL, highPlain = 0.0;
 		for ( int step = 0; step < 200; ++step )
 		{
 			body->accelerateTowardGoals( kStep, alpha, nullptr );
@@ -144,8 +144,13 @@ TEST( LevelEnergy, IsWhatExplicitStepsKeep )
 			low = std::min( low, energy );
 			high = std::max( high, energy );
 			least = std::min( least, held.motion );
+			LevelEnergy plain = held;
+			plain.power = plain.strayPower = 0.0;
+			lowPlain = std::min( lowPlain, body->joules( plain, kStep, alpha ) );
+			highPlain = std::max( highPlain, body->joules( plain, kStep, alpha ) );
 		}
-		std::printf( "E %g, alpha %.3f: H from %.4f to %.4f of the first, K down to %.3f\n", double( youngsModulus ), double( alpha ), low / first, high / first, least / first );
+		std::printf( "E %g, alpha %.3f: H from %.4f to %.4f of the first, K + U from %.2f to %.2f, K down to %.3f\n", double( youngsModulus ), double( alpha ),
+			low / first, high / first, lowPlain / first, highPlain / first, least / first );
 		EXPECT_GT( low, 0.999 * first );
 		EXPECT_LT( high, 1.001 * first );
 		EXPECT_LT( least, 0.8 * first );
@@ -184,6 +189,18 @@ TEST( LevelEnergy, PartsOfABentBodyStandAtFewOdds )
 		return std::sqrt( std::inner_product( odds.begin(), odds.end(), odds.begin(), 0.0 ) / nodes.count );
 	};
 	const double eased = oddsOf( lump.nodes ), left = oddsOf( naive );
+	std::vector<std::uint32_t> few;
+	for ( std::uint32_t i = 0; i < std::uint32_t( naive.count ); i += 150 )
+	{
+		few.push_back( i );
+	}
+	std::vector<float> ofAll( 3 * std::size_t( naive.count ) ), ofFew( 3 * few.size() );
+	lump.matcher.oddsOf( naive, lump.all(), ofAll.data() );
+	lump.matcher.oddsOf( naive, few, ofFew.data() );
+	for ( std::size_t k = 0; k < 3 * few.size(); ++k )
+	{
+		EXPECT_NEAR( ofFew[k], ofAll[3 * few[k / 3] + k % 3], 1e-8f ); // rotations have gone on between the two
+	}
 	std::printf( "at odds by %.2e m, by %.2e where their parents have them\n", eased, left );
 	EXPECT_LT( eased, 0.7 * left );
 }

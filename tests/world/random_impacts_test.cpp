@@ -36,8 +36,8 @@ TEST( RandomImpacts, WhatIsPressedTogetherWaits )
 	expectNoGain( Ground::Soft, Elasticity::Explicit, 3146 );
 }
 
-/// What splits by strain cannot wait until it is not strained. Its regions hold more then, and so does it where all nodes together follow the body's rigid fit, and where
-/// its parts are kept out of the floor: up to 18 % of what it came with, of which nothing was taken off.
+/// What splits by strain cannot wait until it is not strained. Its regions hold more then, by up to 18 % of what the body came with, and so do parts that are kept out of the
+/// floor (seed 2086); nothing of it was taken off.
 TEST( RandomImpacts, WhatSplitsByStrainPaysForIt )
 {
 	for ( const unsigned seed : { 30u, 203u, 280u, 2086u } )
