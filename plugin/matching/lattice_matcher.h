@@ -129,6 +129,12 @@ private:
 	AlignedArray<float> m_nodeRecord, m_regionRecord;
 	std::vector<std::uint32_t> m_open;
 	std::vector<int> m_openCount;
+	/// Rest place and way, cells, and speed, m/s, in the body's frame.
+	struct NodeMotion
+	{
+		Eigen::Vector3d q, u, v;
+	};
+	std::vector<NodeMotion> m_nodeMotion; ///< scratch of workOf
 	std::vector<std::uint8_t> m_areNodesWanted, m_areRegionsWanted; ///< of each tile; scratch of oddsOf and workOf
 	std::vector<std::array<float, kImpulseSums>> m_partial; ///< one set of sums a chunk
 	int m_openRegions = 0;

@@ -225,14 +225,12 @@ RegionWork LatticeMatcher::workOf( const MatchView& view, std::uint32_t r ) cons
 	}
 	rest = Eigen::Matrix3d::Identity() - rest;
 	const Vec3d centre( view.centre[0][r], view.centre[1][r], view.centre[2][r] );
-	const Eigen::Matrix3d toFrame = m_frame.toRotationMatrix().transpose();
 	RegionWork work;
 	for ( std::uint32_t k = matrix.start[r]; k < matrix.start[r + 1]; ++k )
 	{
 		const std::uint32_t a = matrix.member[k];
-		const Vec3d q = Vec3d( view.x0[0][a], view.x0[1][a], view.x0[2][a] ) * double( view.cellsPerMetre );
-		const Vec3d u( view.change[0][a], view.change[1][a], view.change[2][a] );
-		const Vec3d v = toFrame * Vec3d( view.v[0][a], view.v[1][a], view.v[2][a] ), way = pull * q + shift - own * u;
+		const Vec3d &q = m_nodeMotion[a].q, &u = m_nodeMotion[a].u, &v = m_nodeMotion[a].v;
+		const Vec3d way = pull * q + shift - own * u;
 		const double mass = matrix.mass[k] * matrix.unit[a];
 		work.springs -= 0.5 * mass * ( u + rest * ( q - centre ) ).dot( way );
 		work.power += mass * v.dot( way );
@@ -249,6 +247,13 @@ RegionWork LatticeMatcher::workOf( NodeState& nodes, const std::vector<std::uint
 		m_areRegionsWanted[r / kTile] = 1;
 	}
 	fitTiles( v );
+	const Eigen::Matrix3d toFrame = m_frame.toRotationMatrix().transpose();
+	m_nodeMotion.resize( std::size_t( v.nodeCount ) );
+	for ( std::size_t a = 0; a < m_nodeMotion.size(); ++a ) // each is a member of many regions
+	{
+		m_nodeMotion[a] = NodeMotion{ Vec3d( v.x0[0][a], v.x0[1][a], v.x0[2][a] ) * double( v.cellsPerMetre ), Vec3d( v.change[0][a], v.change[1][a], v.change[2][a] ),
+			toFrame * Vec3d( v.v[0][a], v.v[1][a], v.v[2][a] ) };
+	}
 	RegionWork sum;
 	for ( const std::uint32_t r : regions )
 	{
