@@ -68,7 +68,7 @@ public:
 	const Eigen::Quaterniond& frame() const { return m_frame; }
 	/// F of every region in world axes, from the nodes as they are, 9 floats a region, row by row. The tables must hold J^+.
 	void deformations( NodeState& nodes, float* gradients );
-	/// The same of a few, ascending: 9 floats each, to the same bits.
+	/// The same of a few, to the same bits: 9 floats each. In any order, but soonest ascending.
 	void deformationsOf( NodeState& nodes, const std::vector<std::uint32_t>& which, float* gradients );
 	/// How far a few nodes, ascending, stand from where their regions have carried them: mean over the regions of c + F q, less x. 3 floats each, m,
 	/// world axes. Nothing, where all are deformed alike. Only between setTables and the next substep; rotations go on from what they come to here.

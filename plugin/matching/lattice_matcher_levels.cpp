@@ -136,7 +136,7 @@ void LatticeMatcher::deformationsOf( NodeState& nodes, const std::vector<std::ui
 	{
 		const int first = int( which[k] ) / kTile * kTile;
 		m_kernels.deformations( v, first, std::min( first + kTile, nodes.padded ), tile );
-		for ( ; k < which.size() && int( which[k] ) < first + kTile; ++k )
+		for ( ; k < which.size() && int( which[k] ) / kTile * kTile == first; ++k )
 		{
 			Eigen::Map<Matrix3fRows> f( gradients + 9 * k );
 			f = frame * Eigen::Map<const Matrix3fRows>( tile + 9 * ( int( which[k] ) - first ) );

@@ -92,7 +92,9 @@ void SoftBodySystem::askForContacts( SoftBody::Impl& impl )
 	{
 		return;
 	}
-	// All at once: the whole body's sums are made for it.
+	// All at once: the whole body's sums are made for it. Each once, by number: what touches is in no order.
+	std::sort( m_widening.begin(), m_widening.end() );
+	m_widening.erase( std::unique( m_widening.begin(), m_widening.end() ), m_widening.end() );
 	m_stretches.resize( 9 * m_widening.size() );
 	impl.body->nodeDeformationsOf( m_widening, m_stretches.data() );
 	for ( std::size_t k = 0; k < m_widening.size(); ++k )
