@@ -59,6 +59,35 @@ void printStrikesThatSplitByStrain( int count )
 	}
 }
 
+// In each cell half with levels, of one or two.
+void printShatters( int count )
+{
+	std::printf( "\nThe same of cubes that break, at strains of 0.02 to 0.3, half of them with levels: those that break, those whose energy rises, and the worst\n\n"
+				 "| | explicit, by distance | explicit, planes | implicit, by distance | implicit, planes |\n|---|---|---|---|---|\n" );
+	for ( const Ground ground : kGrounds )
+	{
+		std::printf( "| %s |", test::kGroundNames[int( ground )] );
+		for ( const Elasticity elasticity : { Elasticity::Explicit, Elasticity::Implicit } )
+		{
+			for ( const BreakRule rule : { BreakRule::Distance, BreakRule::Plane } )
+			{
+				int broken = 0, gains = 0;
+				double worst = 0.0;
+				for ( int seed = 0; seed < count; ++seed )
+				{
+					const test::Shattered shattered = test::shatter( ground, elasticity, rule, seed % 2 == 0 ? 0 : 1 + seed / 2 % 2, unsigned( seed ) );
+					broken += shattered.hasBroken ? 1 : 0;
+					gains += shattered.most > 1.0 + kGain ? 1 : 0;
+					worst = std::max( worst, shattered.most );
+				}
+				std::printf( " %d, %d, %.4f |", broken, gains, worst );
+				std::fflush( stdout );
+			}
+		}
+		std::printf( "\n" );
+	}
+}
+
 void printRubs( int count )
 {
 	struct Kind
@@ -89,6 +118,7 @@ void impactsExperiment( int count )
 {
 	printStrikes( count );
 	printStrikesThatSplitByStrain( count );
+	printShatters( count );
 	printRubs( count );
 }
 

@@ -34,12 +34,13 @@ inline Material undamped( float youngsModulus, Elasticity elasticity )
 	return material;
 }
 
-inline double energyOfMotion( const SoftWorld& world )
+/// Of all that is there, pieces of what has broken among it.
+inline double energyOfMotion( SoftWorld& world )
 {
 	double sum = 0.0;
-	for ( const auto& body : world.soft )
+	for ( int i = 0; i < world.world.softBodyCount(); ++i )
 	{
-		sum += energyOfMotion( *body );
+		sum += energyOfMotion( *world.world.softBody( i ) );
 	}
 	for ( const auto& body : world.rigid )
 	{
@@ -57,41 +58,34 @@ enum class Ground : int
 };
 inline constexpr const char* kGroundNames[] = { "floor", "rigid box", "soft cube", "soft cube with levels" };
 
-/// A cube of nodes of level 1 or 2, half of them 6 cells wide, which leaves such nodes half empty. The most that energy comes to, as a share of the first.
-/// `strain`: above 0, at which all split, and for nothing else.
-inline double strike( Ground ground, Elasticity elasticity, unsigned seed, float strain = 0.0f )
+/// The cubes that strike, of 6 and of 8 cells an edge: nodes of level 1 or 2 are half empty in the first.
+inline const std::shared_ptr<const BodyTemplate>& strikingCube( int size )
 {
 	static const std::shared_ptr<const BodyTemplate> cubes[] = { cubeTemplate( 0.6f, 6 ), cubeTemplate( 0.8f, 8 ) };
-	Random random( seed );
-	SoftWorld world;
-	world.world.setGravity( btVector3( 0, 0, 0 ) );
-	const float moduli[] = { 1e4f, 1e5f, 1e6f, 3e6f, 1e7f, 1e8f };
-	const Material material = undamped( moduli[random.upTo( 6 )], elasticity );
-	Adaptivity levels;
-	levels.coarseLevels = 1 + random.upTo( 2 );
-	levels.mergeDelay = 0.05f;
-	levels.refinesOnContact = random.upTo( 2 ) == 0 && strain == 0.0f;
-	levels.refineStrain = levels.refinesOnContact ? 0.0f : strain > 0.0f ? strain : 0.05f;
-	const btQuaternion turnOfGround = random.turn();
+	return cubes[size];
+}
+
+/// What is struck. The soft body, or null.
+inline SoftBody* addGround( SoftWorld& world, Ground ground, const btQuaternion& turn, const Material& material, const Adaptivity& levels )
+{
 	if ( ground == Ground::Floor )
 	{
 		world.addBoxFloor();
+		return nullptr;
 	}
-	else if ( ground == Ground::Box )
+	if ( ground == Ground::Box )
 	{
 		btRigidBody* const box = world.add( 300, new btBoxShape( btVector3( btScalar( 0.5 ), btScalar( 0.2 ), btScalar( 0.5 ) ) ), btVector3( 0, btScalar( -0.2 ), 0 ) );
 		box->setFriction( 1 );
 		box->setRestitution( 1 );
+		return nullptr;
 	}
-	else
-	{
-		world.add( cubes[1], btVector3( 0, btScalar( -0.7 ), 0 ), material, turnOfGround, ground == Ground::Soft ? Adaptivity{} : levels );
-	}
-	const int size = random.upTo( 2 );
-	const btScalar aside = random.between( -0.3, 0.3 );
-	SoftBody* const body = world.add( cubes[size], btVector3( aside, btScalar( 0.95 ), 0 ), material, random.turn(), levels );
-	const btVector3 spin = random.upTo( 2 ) == 0 ? btVector3( 0, 0, 0 ) : random.within( 3 );
-	body->setVelocities( btVector3( 0, random.between( -8, -1 ), 0 ), spin );
+	return world.add( strikingCube( 1 ), btVector3( 0, btScalar( -0.7 ), 0 ), material, turn, ground == Ground::Soft ? Adaptivity{} : levels );
+}
+
+/// Gives all soft bodies any friction and restitution. The most that energy of motion then comes to, as a share of what it is.
+inline double mostEnergy( SoftWorld& world, Random& random )
+{
 	const btScalar restitution = std::max( btScalar( 0 ), random.between( -1, 1 ) ), friction = random.between( 0, 1 );
 	for ( const auto& each : world.soft )
 	{
@@ -106,6 +100,68 @@ inline double strike( Ground ground, Elasticity elasticity, unsigned seed, float
 		most = std::max( most, energyOfMotion( world ) / first );
 	}
 	return most;
+}
+
+/// A cube of nodes of level 1 or 2. The most that energy comes to, as a share of the first. `strain`: above 0, at which all split, and for nothing else.
+inline double strike( Ground ground, Elasticity elasticity, unsigned seed, float strain = 0.0f )
+{
+	Random random( seed );
+	SoftWorld world;
+	world.world.setGravity( btVector3( 0, 0, 0 ) );
+	const float moduli[] = { 1e4f, 1e5f, 1e6f, 3e6f, 1e7f, 1e8f };
+	const Material material = undamped( moduli[random.upTo( 6 )], elasticity );
+	Adaptivity levels;
+	levels.coarseLevels = 1 + random.upTo( 2 );
+	levels.mergeDelay = 0.05f;
+	levels.refinesOnContact = random.upTo( 2 ) == 0 && strain == 0.0f;
+	levels.refineStrain = levels.refinesOnContact ? 0.0f : strain > 0.0f ? strain : 0.05f;
+	addGround( world, ground, random.turn(), material, levels );
+	const int size = random.upTo( 2 );
+	const btScalar aside = random.between( -0.3, 0.3 );
+	SoftBody* const body = world.add( strikingCube( size ), btVector3( aside, btScalar( 0.95 ), 0 ), material, random.turn(), levels );
+	const btVector3 spin = random.upTo( 2 ) == 0 ? btVector3( 0, 0, 0 ) : random.within( 3 );
+	body->setVelocities( btVector3( 0, random.between( -8, -1 ), 0 ), spin );
+	return mostEnergy( world, random );
+}
+
+struct Shattered
+{
+	double most = 0.0;     ///< energy of motion, as a share of the first
+	bool hasBroken = false;
+};
+
+/// The same of a cube that breaks at a strain of .02 to .3, with levels where `coarseLevels` is above 0: faster, and what is soft and struck breaks as well.
+inline Shattered shatter( Ground ground, Elasticity elasticity, BreakRule rule, int coarseLevels, unsigned seed )
+{
+	Random random( seed );
+	SoftWorld world;
+	world.world.setGravity( btVector3( 0, 0, 0 ) );
+	const float moduli[] = { 1e4f, 1e5f, 1e6f, 3e6f, 1e7f };
+	const Material material = undamped( moduli[random.upTo( 5 )], elasticity );
+	Adaptivity levels;
+	levels.coarseLevels = coarseLevels;
+	levels.mergeDelay = 0.05f;
+	levels.refinesOnContact = random.upTo( 2 ) == 0 && coarseLevels > 0;
+	levels.refineStrain = levels.refinesOnContact || coarseLevels == 0 ? 0.0f : 0.05f;
+	Fracture fracture;
+	fracture.rule = rule;
+	fracture.breakStrain = float( random.between( 0.02, 0.3 ) );
+	SoftBody* const under = addGround( world, ground, random.turn(), material, levels );
+	const int size = random.upTo( 2 );
+	const btScalar aside = random.between( -0.3, 0.3 );
+	SoftBody* const body = world.add( strikingCube( size ), btVector3( aside, btScalar( 0.95 ), 0 ), material, random.turn(), levels );
+	const btVector3 spin = random.upTo( 2 ) == 0 ? btVector3( 0, 0, 0 ) : random.within( 3 );
+	body->setVelocities( btVector3( 0, random.between( -12, -2 ), 0 ), spin );
+	for ( SoftBody* each : { body, under } )
+	{
+		if ( each )
+		{
+			each->setFracture( fracture );
+		}
+	}
+	const int whole = world.world.softBodyCount();
+	const double most = mostEnergy( world, random );
+	return Shattered{ most, world.world.softBodyCount() > whole };
 }
 
 inline btVector3 spinOf( const SoftWorld& world )

@@ -47,6 +47,26 @@ TEST( RandomImpacts, WhatSplitsByStrainPaysForIt )
 	expectNoGain( Ground::Box, Elasticity::Explicit, 48, 0.02f );
 }
 
+/// Cracks let go of what links held, and split big nodes first: none of it may come out as motion that was not there.
+TEST( RandomImpacts, WhatBreaksGainsNothing )
+{
+	int broken = 0;
+	for ( const Ground ground : { Ground::Floor, Ground::Box, Ground::SoftWithLevels } )
+	{
+		for ( const BreakRule rule : { BreakRule::Distance, BreakRule::Plane } )
+		{
+			for ( unsigned seed = 0; seed < 12; ++seed )
+			{
+				const Shattered shattered = shatter( ground, seed % 4 == 3 ? Elasticity::Implicit : Elasticity::Explicit, rule, int( seed % 3 ), seed );
+				EXPECT_LT( shattered.most, 1.001 ) << kGroundNames[int( ground )] << ", seed " << seed;
+				broken += shattered.hasBroken ? 1 : 0;
+			}
+		}
+	}
+	std::printf( "%d of 72 have broken\n", broken );
+	EXPECT_GT( broken, 12 );
+}
+
 /// Five contacts of one stiff body that spins, each of which was to bounce off what it came with: they brought in more than the body had, and half of what they pressed
 /// with still did.
 TEST( RandomImpacts, BouncesThatBringMuchInAreLess )
