@@ -1,10 +1,13 @@
 #include "world/turner.h"
 
+#include "world/constants.h"
 #include "world/soft_body_impl.h"
 
 #include <BulletDynamics/Dynamics/btRigidBody.h>
 
 #include <Eigen/Eigenvalues>
+
+#include <algorithm>
 
 namespace pliant {
 
@@ -40,13 +43,14 @@ void Turner::measure()
 	{
 		return;
 	}
-	// Nodes in one line have no inertia about it.
+	// Nodes in one line have no inertia about it. Those in one line but for a little have too little: their cells would have sum m d^2 / 6 more.
 	const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes( inertia );
+	const double cell = soft->impl().body->lattice().cellSize, thin = kThinInertia * sums.mass * cell * cell / 6.0;
 	Vec3d inverses = Vec3d::Zero();
 	for ( int k = 0; k < 3; ++k )
 	{
 		const double moment = axes.eigenvalues()[k];
-		inverses[k] = moment > 1e-6 * axes.eigenvalues()[2] ? 1.0 / moment : 0.0;
+		inverses[k] = moment > std::max( thin, 1e-6 * axes.eigenvalues()[2] ) ? 1.0 / moment : 0.0;
 	}
 	inverse = axes.eigenvectors() * inverses.asDiagonal() * axes.eigenvectors().transpose();
 	speed = inverse * sums.spin;
