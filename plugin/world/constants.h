@@ -76,7 +76,7 @@ inline constexpr double kFullLook = 0.8;
 inline constexpr btScalar kRoundRoom = btScalar( 0.2 );
 
 /// A soft body turns as a whole about an axis about which its nodes have at least this share of what their cells would have by themselves.
-inline constexpr double kThinInertia = 0.1;
+inline constexpr double kTurningInertia = 0.1;
 
 /// Root mean square speed of the nodes below which a body may fall asleep, m/s.
 inline constexpr btScalar kSleepSpeed = btScalar( 0.03 );

@@ -45,7 +45,7 @@ void Turner::measure()
 	}
 	// Nodes in one line have no inertia about it. Those in one line but for a little have too little: their cells would have sum m d^2 / 6 more.
 	const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes( inertia );
-	const double cell = soft->impl().body->lattice().cellSize, thin = kThinInertia * sums.mass * cell * cell / 6.0;
+	const double cell = soft->impl().body->lattice().cellSize, thin = kTurningInertia * sums.mass * cell * cell / 6.0;
 	Vec3d inverses = Vec3d::Zero();
 	for ( int k = 0; k < 3; ++k )
 	{
