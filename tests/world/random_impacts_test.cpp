@@ -47,9 +47,11 @@ TEST( RandomImpacts, WhatSplitsByStrainPaysForIt )
 	expectNoGain( Ground::Box, Elasticity::Explicit, 48, 0.02f );
 }
 
-/// Cracks let go of what links held, and split big nodes first: none of it may come out as motion that was not there.
+/// Cracks let go of what links held, and split big nodes first: none of it may come out as motion that was not there. Of the first, a crumb nearly in one line was spun
+/// about it until it flew apart (Turner).
 TEST( RandomImpacts, WhatBreaksGainsNothing )
 {
+	EXPECT_LT( shatter( Ground::Soft, Elasticity::Explicit, BreakRule::Plane, 2, 69 ).most, 1.001 );
 	int broken = 0;
 	for ( const Ground ground : { Ground::Floor, Ground::Box, Ground::SoftWithLevels } )
 	{
