@@ -399,6 +399,7 @@ std::size_t LatticeMatcher::bytes() const
 		bytes += ( m_residual[k].size() + m_change[k].size() ) * sizeof( float );
 	}
 	bytes += ( m_strain.size() + m_stretch.size() ) * sizeof( float ) + ( m_plastic ? m_plastic->bytes() : 0 ) + ( m_far ? m_far->bytes() : 0 );
+	bytes += m_nodeMotion.size() * sizeof( NodeMotion ) + m_areNodesWanted.size() + m_areRegionsWanted.size();
 	return bytes + m_partial.size() * sizeof( m_partial[0] ) + m_openCount.size() * sizeof( int );
 }
 

@@ -7,8 +7,6 @@
 
 #include <Eigen/Eigenvalues>
 
-#include <algorithm>
-
 namespace pliant {
 
 Turner::Turner( btCollisionObject* object )
@@ -50,7 +48,7 @@ void Turner::measure()
 	for ( int k = 0; k < 3; ++k )
 	{
 		const double moment = axes.eigenvalues()[k];
-		inverses[k] = moment > std::max( thin, 1e-6 * axes.eigenvalues()[2] ) ? 1.0 / moment : 0.0;
+		inverses[k] = moment > thin ? 1.0 / moment : 0.0;
 	}
 	inverse = axes.eigenvectors() * inverses.asDiagonal() * axes.eigenvectors().transpose();
 	speed = inverse * sums.spin;

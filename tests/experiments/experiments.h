@@ -11,6 +11,7 @@ void splitsExperiment();
 void pullExperiment();
 void shotsExperiment( int count );
 void impactsExperiment( int count );
+void shattersExperiment( int count );
 /// Writes crack.png and crack_near.png into the working directory.
 void crackExperiment();
 void refineExperiment();

@@ -32,6 +32,22 @@ void printGains( int count, Ground ground, Elasticity elasticity, float strain )
 	std::fflush( stdout );
 }
 
+/// The same of those that break.
+void printShatters( int count, Ground ground, Elasticity elasticity, BreakRule rule )
+{
+	int broken = 0, gains = 0;
+	double worst = 0.0;
+	for ( int seed = 0; seed < count; ++seed )
+	{
+		const test::Shattered shattered = test::shatter( ground, elasticity, rule, seed % 2 == 0 ? 0 : 1 + seed / 2 % 2, unsigned( seed ) );
+		broken += shattered.hasBroken ? 1 : 0;
+		gains += shattered.most > 1.0 + kGain ? 1 : 0;
+		worst = std::max( worst, shattered.most );
+	}
+	std::printf( " %d, %d, %.4f |", broken, gains, worst );
+	std::fflush( stdout );
+}
+
 void printStrikes( int count )
 {
 	std::printf( "Cubes with levels strike, %d each: those whose energy of motion rises by more than %g of it, and the worst\n\n| | explicit | implicit |\n|---|---|---|\n", count, kGain );
@@ -54,35 +70,6 @@ void printStrikesThatSplitByStrain( int count )
 		for ( const float strain : { 0.02f, 0.05f, 0.1f, 0.2f } )
 		{
 			printGains( count, ground, Elasticity::Explicit, strain );
-		}
-		std::printf( "\n" );
-	}
-}
-
-// In each cell half with levels, of one or two.
-void printShatters( int count )
-{
-	std::printf( "\nThe same of cubes that break, at strains of 0.02 to 0.3, half of them with levels: those that break, those whose energy rises, and the worst\n\n"
-				 "| | explicit, by distance | explicit, planes | implicit, by distance | implicit, planes |\n|---|---|---|---|---|\n" );
-	for ( const Ground ground : kGrounds )
-	{
-		std::printf( "| %s |", test::kGroundNames[int( ground )] );
-		for ( const Elasticity elasticity : { Elasticity::Explicit, Elasticity::Implicit } )
-		{
-			for ( const BreakRule rule : { BreakRule::Distance, BreakRule::Plane } )
-			{
-				int broken = 0, gains = 0;
-				double worst = 0.0;
-				for ( int seed = 0; seed < count; ++seed )
-				{
-					const test::Shattered shattered = test::shatter( ground, elasticity, rule, seed % 2 == 0 ? 0 : 1 + seed / 2 % 2, unsigned( seed ) );
-					broken += shattered.hasBroken ? 1 : 0;
-					gains += shattered.most > 1.0 + kGain ? 1 : 0;
-					worst = std::max( worst, shattered.most );
-				}
-				std::printf( " %d, %d, %.4f |", broken, gains, worst );
-				std::fflush( stdout );
-			}
 		}
 		std::printf( "\n" );
 	}
@@ -118,8 +105,25 @@ void impactsExperiment( int count )
 {
 	printStrikes( count );
 	printStrikesThatSplitByStrain( count );
-	printShatters( count );
 	printRubs( count );
+}
+
+// In each cell half with levels, of one or two.
+void shattersExperiment( int count )
+{
+	std::printf( "Undamped cubes that break, at strains of 0.02 to 0.3, strike, %d each, half of them with levels: those that break, those whose energy of motion rises by more than %g of it, and the worst\n\n"
+				 "| | explicit, by distance | explicit, planes | implicit, by distance | implicit, planes |\n|---|---|---|---|---|\n",
+		count, kGain );
+	for ( const Ground ground : kGrounds )
+	{
+		std::printf( "| %s |", test::kGroundNames[int( ground )] );
+		for ( const Elasticity elasticity : { Elasticity::Explicit, Elasticity::Implicit } )
+		{
+			printShatters( count, ground, elasticity, BreakRule::Distance );
+			printShatters( count, ground, elasticity, BreakRule::Plane );
+		}
+		std::printf( "\n" );
+	}
 }
 
 } // namespace pliant::experiment

@@ -25,6 +25,7 @@ const Entry kEntries[] = {
 	{ "pull", []( int ) { pullExperiment(); }, 0 },
 	{ "shots", []( int count ) { shotsExperiment( count ); }, 1000 },
 	{ "impacts", []( int count ) { impactsExperiment( count ); }, 1000 },
+	{ "shatters", []( int count ) { shattersExperiment( count ); }, 400 },
 	{ "crack", []( int ) { crackExperiment(); }, 0 },
 	{ "bunny", []( int ) { bunnyExperiment(); }, 0 },
 	{ "nodes", []( int ) { nodeExperiment(); }, 0 },

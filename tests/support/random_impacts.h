@@ -83,6 +83,17 @@ inline SoftBody* addGround( SoftWorld& world, Ground ground, const btQuaternion&
 	return world.add( strikingCube( 1 ), btVector3( 0, btScalar( -0.7 ), 0 ), material, turn, ground == Ground::Soft ? Adaptivity{} : levels );
 }
 
+/// Comes down at so many m/s, every other one spinning.
+inline SoftBody* addStriking( SoftWorld& world, Random& random, const Material& material, const Adaptivity& levels, double fastest, double slowest )
+{
+	const int size = random.upTo( 2 );
+	const btScalar aside = random.between( -0.3, 0.3 );
+	SoftBody* const body = world.add( strikingCube( size ), btVector3( aside, btScalar( 0.95 ), 0 ), material, random.turn(), levels );
+	const btVector3 spin = random.upTo( 2 ) == 0 ? btVector3( 0, 0, 0 ) : random.within( 3 );
+	body->setVelocities( btVector3( 0, random.between( fastest, slowest ), 0 ), spin );
+	return body;
+}
+
 /// Gives all soft bodies any friction and restitution. The most that energy of motion then comes to, as a share of what it is.
 inline double mostEnergy( SoftWorld& world, Random& random )
 {
@@ -116,11 +127,7 @@ inline double strike( Ground ground, Elasticity elasticity, unsigned seed, float
 	levels.refinesOnContact = random.upTo( 2 ) == 0 && strain == 0.0f;
 	levels.refineStrain = levels.refinesOnContact ? 0.0f : strain > 0.0f ? strain : 0.05f;
 	addGround( world, ground, random.turn(), material, levels );
-	const int size = random.upTo( 2 );
-	const btScalar aside = random.between( -0.3, 0.3 );
-	SoftBody* const body = world.add( strikingCube( size ), btVector3( aside, btScalar( 0.95 ), 0 ), material, random.turn(), levels );
-	const btVector3 spin = random.upTo( 2 ) == 0 ? btVector3( 0, 0, 0 ) : random.within( 3 );
-	body->setVelocities( btVector3( 0, random.between( -8, -1 ), 0 ), spin );
+	addStriking( world, random, material, levels, -8, -1 );
 	return mostEnergy( world, random );
 }
 
@@ -147,11 +154,7 @@ inline Shattered shatter( Ground ground, Elasticity elasticity, BreakRule rule, 
 	fracture.rule = rule;
 	fracture.breakStrain = float( random.between( 0.02, 0.3 ) );
 	SoftBody* const under = addGround( world, ground, random.turn(), material, levels );
-	const int size = random.upTo( 2 );
-	const btScalar aside = random.between( -0.3, 0.3 );
-	SoftBody* const body = world.add( strikingCube( size ), btVector3( aside, btScalar( 0.95 ), 0 ), material, random.turn(), levels );
-	const btVector3 spin = random.upTo( 2 ) == 0 ? btVector3( 0, 0, 0 ) : random.within( 3 );
-	body->setVelocities( btVector3( 0, random.between( -12, -2 ), 0 ), spin );
+	SoftBody* const body = addStriking( world, random, material, levels, -12, -2 );
 	for ( SoftBody* each : { body, under } )
 	{
 		if ( each )

@@ -51,7 +51,9 @@ TEST( RandomImpacts, WhatSplitsByStrainPaysForIt )
 /// about it until it flew apart (Turner).
 TEST( RandomImpacts, WhatBreaksGainsNothing )
 {
-	EXPECT_LT( shatter( Ground::Soft, Elasticity::Explicit, BreakRule::Plane, 2, 69 ).most, 1.001 );
+	const double crumbs = shatter( Ground::Soft, Elasticity::Explicit, BreakRule::Plane, 2, 69 ).most;
+	std::printf( "soft cube, seed 69: at most %.4f of the energy\n", crumbs );
+	EXPECT_LT( crumbs, 1.001 );
 	int broken = 0;
 	for ( const Ground ground : { Ground::Floor, Ground::Box, Ground::SoftWithLevels } )
 	{
