@@ -102,8 +102,9 @@ inline constexpr double kLeastDirection = 1e-3;
 inline constexpr double kImpulseError = 0.01;
 /// The iteration never need go on below this speed, m/s; it ends between this and kGradientSpeed, where impulses are right to kImpulseError.
 inline constexpr double kContactGradientSpeed = 1e-5;
-/// Share of what is off (twice an energy) that a pass leaves if others follow: a tenth of the speeds.
-inline constexpr double kPassShare = 1e-2;
+/// Share of what is off (twice an energy) that a pass leaves before it is asked whether others follow: a tenth of the speeds; and of one that may be the last by
+/// their number. At a hundredth there too what is light and all but rigid slides a fifth too slowly.
+inline constexpr double kPassShare = 1e-2, kLatePassShare = 1e-3;
 /// Solutions of a substep: contacts that press or slide otherwise than they were taken for make it one more.
 /// With eight a tower of eight cubes sleeps a second sooner, as impacts are not ended early; but a pile takes nearly twice as long.
 inline constexpr int kMostPasses = 4;

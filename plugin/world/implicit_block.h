@@ -181,9 +181,11 @@ private:
 	}
 	Eigen::Matrix3d resistance( const BlockContact& contact ) const;
 	void fillFree();
-	/// At m_next: b - A v with contacts as linearised, out of that without them.
 	/// From m_v on, until impulses are those of the law.
 	void solveLaw( BlockCount& count );
+	/// Whether impulses at m_next are good enough to end with after so many passes.
+	bool mayEnd( int passes );
+	/// At m_next: b - A v with contacts as linearised, out of that without them.
 	void beginIteration();
 	double energyLeft() const;
 	/// Improves m_next until `share` of what is off is left, or little enough, and reads its impulses.
