@@ -312,8 +312,6 @@ void ImplicitBlock::moved( float by )
 	}
 }
 
-// No pass is solved to its end before it is plain that none follows: what contacts it changes is known long before. (Passes from the fourth on used to be, each
-// of them, since any might be the last: in a storm of impacts four or five of eight, at three quarters of all products.)
 BlockCount ImplicitBlock::solve( TaskRunner* runner )
 {
 	BlockCount count;
@@ -327,6 +325,8 @@ BlockCount ImplicitBlock::solve( TaskRunner* runner )
 	return count;
 }
 
+// No pass is solved to its end before it is plain that none follows: what contacts it changes is known long before. (Passes from the fourth on used to be, each
+// of them, since any might be the last: most of what a storm of impacts took.)
 void ImplicitBlock::solveLaw( BlockCount& count )
 {
 	int passes = 0;
@@ -340,13 +340,12 @@ void ImplicitBlock::solveLaw( BlockCount& count )
 		m_freeNext = m_free;
 		beginIteration();
 		++passes;
-		const double share = passes < kMostPasses ? kPassShare : kLatePassShare;
-		iterate( share, count );
+		iterate( passes < kMostPasses ? kPassShare : kLatePassShare, count );
 		bool isLast = mayEnd( passes );
 		if ( isLast )
 		{
 			beginIteration();
-			iterate( kGradientShare / share, count );
+			iterate( 0.0, count );
 			isLast = mayEnd( passes );
 		}
 		if ( isLast )
