@@ -26,29 +26,6 @@ void overNodes( int padded, TaskRunner* runner, Kernel kernel )
 	runTasks( runner, chunks( padded ), task );
 }
 
-/// The nodes within the half-width of node i on the grid.
-template <class Visit>
-void overCube( const MatchView& view, const std::vector<int>& nodeAt, int i, Visit visit )
-{
-	const int slot = view.slot ? int( view.slot[i] ) : i, w = view.halfWidth;
-	const int x = slot % view.gridX, y = slot / view.gridX % view.gridY, z = slot / ( view.gridX * view.gridY );
-	for ( int c = std::max( 0, z - w ); c <= std::min( view.gridZ - 1, z + w ); ++c )
-	{
-		for ( int b = std::max( 0, y - w ); b <= std::min( view.gridY - 1, y + w ); ++b )
-		{
-			for ( int a = std::max( 0, x - w ); a <= std::min( view.gridX - 1, x + w ); ++a )
-			{
-				const int node = nodeAt[( std::size_t( c ) * std::size_t( view.gridY ) + std::size_t( b ) ) * std::size_t( view.gridX ) +
-				                        std::size_t( a )];
-				if ( node >= 0 )
-				{
-					visit( node );
-				}
-			}
-		}
-	}
-}
-
 } // namespace
 
 void StrainRates::prepare( LatticeMatcher& matcher, NodeState& nodes, TaskRunner* runner )
@@ -200,55 +177,6 @@ void StrainRates::measureShares( const RegionTables& tables )
 			sum += double( m_share[matrix.member[k]] ) * ( tables.plan ? 1.0 : double( matrix.share[k] ) );
 		}
 		m_pull[i] = float( sum * double( tables.moments.inverseCover[i] ) );
-	}
-}
-
-// Of P a node's own share: from each region a / M in each of three directions, and about as much from its three rotations. A region of one
-// or two nodes does not resist at all.
-void StrainRates::measureDiagonal( const RegionTables& tables )
-{
-	m_diagonal.assign( std::size_t( m_padded ), 0.0f );
-	std::vector<int> nodeAt; // by lattice position
-	if ( tables.usesGrid )
-	{
-		nodeAt.assign( std::size_t( m_view.gridX ) * std::size_t( m_view.gridY ) * std::size_t( m_view.gridZ ), -1 );
-		for ( int i = 0; i < m_view.nodeCount; ++i )
-		{
-			nodeAt[m_view.slot ? m_view.slot[i] : std::uint32_t( i )] = i;
-		}
-	}
-	for ( int i = 0; i < m_view.nodeCount; ++i )
-	{
-		double sum = 0.0;
-		const auto add = [&]( int r, double given,
-		                      double taken ) { // weights of the node in the region's sums and of the region in its goal
-			const double share = m_rates.regionShare ? double( m_rates.regionShare[r] ) : 1.0;
-			sum += taken * share * std::max( 0.0, 1.0 - 2.0 * given * double( m_view.nodeWeight[i] ) * double( m_view.inverseMass[r] ) );
-		};
-		if ( tables.matrix )
-		{
-			const RegionMatrix& matrix = *tables.matrix;
-			for ( std::uint32_t k = matrix.start[std::size_t( i )]; k < matrix.start[std::size_t( i ) + 1]; ++k )
-			{
-				// What the node gives to the member's region is what that gives to the node's goal: conserving weights.
-				const double weight = tables.plan ? 1.0 : double( matrix.share[k] );
-				add( int( matrix.member[k] ), weight, weight );
-			}
-		}
-		else if ( tables.usesGrid )
-		{
-			overCube( m_view, nodeAt, i, [&add]( int r ) { add( r, 1.0, 1.0 ); } );
-		}
-		else
-		{
-			std::for_each( m_view.member + m_view.start[i], m_view.member + m_view.start[i + 1],
-			               [&]( std::uint32_t r ) { add( int( r ), 1.0, 1.0 ); } );
-		}
-		if ( m_view.addOwner )
-		{
-			add( i, 1.0, 1.0 );
-		}
-		m_diagonal[std::size_t( i )] = float( sum * double( m_view.inverseCover[i] ) );
 	}
 }
 

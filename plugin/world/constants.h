@@ -100,8 +100,8 @@ inline constexpr double kLeastDirection = 1e-3;
 
 /// Impulses that together are off by less than this share of all that presses are good enough.
 inline constexpr double kImpulseError = 0.01;
-/// The iteration never need go on below this speed, m/s; it ends between this and kGradientSpeed, where impulses are right to kImpulseError.
-inline constexpr double kContactGradientSpeed = 1e-5;
+/// With contacts the iteration ends where impulses are right to kImpulseError, but never need go on below the first of these speeds, m/s, and never ends above the second.
+inline constexpr double kContactGradientSpeed = 1e-5, kMostContactGradientSpeed = 3e-4;
 /// Share of what is off (twice an energy) that a pass leaves before it is asked whether others follow: a tenth of the speeds; and of one that may be the last by
 /// their number. At a hundredth there too what is light and all but rigid slides a fifth too slowly.
 inline constexpr double kPassShare = 1e-2, kLatePassShare = 1e-3;

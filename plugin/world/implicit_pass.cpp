@@ -61,8 +61,9 @@ double ImplicitBlock::energyLeft() const
 	{
 		stored += contact.presses ? contact.normalImpulse * contact.normalImpulse / contact.stiffness : 0.0;
 	}
-	const double least = m_softMass * kContactGradientSpeed * kContactGradientSpeed, most = m_softMass * double( kGradientSpeed ) * double( kGradientSpeed );
-	return contacts.empty() ? most : std::clamp( kImpulseError * kImpulseError * stored, least, most );
+	const auto atSpeed = [this]( double speed ) { return m_softMass * speed * speed; };
+	const double needed = kImpulseError * kImpulseError * stored;
+	return contacts.empty() ? atSpeed( double( kGradientSpeed ) ) : std::clamp( needed, atSpeed( kContactGradientSpeed ), atSpeed( kMostContactGradientSpeed ) );
 }
 
 void ImplicitBlock::iterate( double share, BlockCount& count )

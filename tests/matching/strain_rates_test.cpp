@@ -375,23 +375,31 @@ TEST( StrainRates, SumFlatRowsToTheBitsOfRecords )
 	}
 }
 
+/// The mean of the operator's three diagonal entries of node i, without its mass, at a stiffness of one.
+double diagonalOf( Operator& resist, int i )
+{
+	const std::size_t padded = std::size_t( resist.nodes.padded );
+	double sum = 0.0;
+	for ( std::size_t k = 0; k < 3; ++k )
+	{
+		std::vector<double> unit( 3 * padded, 0.0 );
+		unit[k * padded + std::size_t( i )] = 1.0;
+		sum += resist( unit, 1.0f )[k * padded + std::size_t( i )] / double( resist.nodes.mass[i] );
+	}
+	return sum / 3.0 - 1.0;
+}
+
+// At rest it is exact, however few nodes a region has and however thin it is: what stands in front of the system is made of it. Taken for a node's share of the mass
+// and as much again, as it once was, it was wrong by up to .017, of some .5.
 TEST( StrainRates, NameTheirDiagonal )
 {
-	for ( const std::size_t which : { 0, 1, 2, 3 } )
+	for ( const Case& c : cases() )
 	{
-		const Case c = cases()[which];
-		Operator resist( c );
-		const int padded = resist.nodes.padded;
-		for ( const int i : { 0, 40, 104 } )
+		Operator atRest( c, test::restNodes( c.lattice ) ), resist( c );
+		for ( int i = 0; i < resist.nodes.count && !isLine( c ); ++i )
 		{
-			double sum = 0.0;
-			for ( int k = 0; k < 3; ++k )
-			{
-				std::vector<double> unit( 3 * std::size_t( padded ), 0.0 );
-				unit[std::size_t( k * padded + i )] = 1.0;
-				sum += resist( unit, 1.0f )[std::size_t( k * padded + i )] / double( resist.nodes.mass[i] );
-			}
-			EXPECT_NEAR( sum / 3.0, 1.0 + double( resist.rates.diagonal()[std::size_t( i )] ), 0.05 ) << i << " of case " << which;
+			EXPECT_NEAR( diagonalOf( atRest, i ), double( atRest.rates.diagonal()[std::size_t( i )] ), 1e-3 ) << i;
+			EXPECT_NEAR( diagonalOf( resist, i ), double( resist.rates.diagonal()[std::size_t( i )] ), 0.05 ) << i;
 		}
 	}
 }
