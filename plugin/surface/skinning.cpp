@@ -1,3 +1,4 @@
+#include "surface/four_floats.h"
 #include "surface/skin_fade.h"
 #include "surface/skinning.h"
 
@@ -10,66 +11,12 @@ namespace pliant {
 
 namespace {
 
-/// Four floats as every compiler we build with has them; where the processor has no such registers, as four.
-using F4 = float __attribute__( ( vector_size( 16 ), may_alias ) );
-
-/// A node's affine map from rest to now: three rows of F | x - F x0.
-constexpr int kMapFloats = 12;
-
-/// Sum of ( s - 1 )^2 over a gradient's singular values up to which the skin follows it; beyond four times that, not at all.
-constexpr float kSoundStrain = 0.5f;
-
 /// Vertices or nodes of one task.
 constexpr int kChunk = 2048;
 
 int chunkCount( std::size_t items )
 {
 	return int( ( items + kChunk - 1 ) / kChunk );
-}
-
-F4 load4( const float* p )
-{
-	return *reinterpret_cast<const F4*>( p );
-}
-
-void store4( float* p, F4 a )
-{
-	*reinterpret_cast<F4*>( p ) = a;
-}
-
-using Matrix3fRows = Eigen::Matrix<float, 3, 3, Eigen::RowMajor>;
-
-/// A node's stretch as its neighbours show it; where that is crushed, turned inside out or torn, what its region would have it be: R S_p.
-Eigen::Matrix3f soundGradient( const float* nine, const Eigen::Matrix3f& wanted )
-{
-	const Eigen::Matrix3f f = Eigen::Map<const Matrix3fRows>( nine );
-	const float strain = ( f - wanted ).squaredNorm();
-	const float share = strain < kSoundStrain ? 1.0f : strain < 4.0f * kSoundStrain ? ( 4.0f * kSoundStrain - strain ) / ( 3.0f * kSoundStrain ) : 0.0f;
-	return wanted + share * ( share > 0.0f ? Eigen::Matrix3f( f - wanted ) : Eigen::Matrix3f( Eigen::Matrix3f::Zero() ) );
-}
-
-void fillMaps( const NodeState& state, const SkinPose& pose, float* maps, int first, int last )
-{
-	for ( int i = first; i < last; ++i )
-	{
-		const float* const rotation = pose.rotations + 4 * std::size_t( i );
-		Eigen::Matrix3f r = Eigen::Quaternionf( rotation[3], rotation[0], rotation[1], rotation[2] ).toRotationMatrix();
-		if ( pose.flow )
-		{
-			// T = [R S_p , c - R S_p c0]   (Steinemann et al. 2008, below eq. 10)
-			r *= Eigen::Map<const Matrix3fRows>( pose.flow + 9 * std::size_t( i ) );
-		}
-		if ( pose.gradients )
-		{
-			r = soundGradient( pose.gradients + 9 * std::size_t( i ), r );
-		}
-		const Vec3 shift = state.x.get( i ) - r * state.x0.get( i );
-		float* to = maps + std::size_t( i ) * kMapFloats;
-		for ( int row = 0; row < 3; ++row )
-		{
-			store4( to + 4 * row, F4{ r( row, 0 ), r( row, 1 ), r( row, 2 ), shift[row] } );
-		}
-	}
 }
 
 /// The blend of the maps a vertex follows.
@@ -84,7 +31,7 @@ struct Blend
 		for ( std::uint32_t k = binding.start[carrier]; k < binding.start[carrier + 1]; ++k )
 		{
 			const std::uint32_t node = slot ? slot[binding.node[k]] : binding.node[k];
-			const float* map = maps + std::size_t( node ) * kMapFloats;
+			const float* map = maps + std::size_t( node ) * kSkinMapFloats;
 			const float weight = binding.weight[k];
 			x += weight * load4( map );
 			y += weight * load4( map + 4 );
@@ -292,20 +239,6 @@ void writeNormals( const SkinBinding& binding, const std::uint32_t* slot, const 
 
 } // namespace
 
-void skinMaps( const NodeState& state, const SkinPose& pose, float* maps )
-{
-	fillMaps( state, pose, maps, 0, state.count );
-	if ( pose.fade )
-	{
-		pose.fade->ease( state, maps );
-	}
-}
-
-void skinMaps( const NodeState& state, const SkinPose& pose, float* maps, int first, int last )
-{
-	fillMaps( state, pose, maps, first, last );
-}
-
 void skin( const SkinBinding& binding, const NodeState& state, const float* rotations, const SkinTriangles& triangles, SkinScratch& scratch,
 	float* positions, float* normals, TaskRunner* runner )
 {
@@ -322,12 +255,12 @@ void skin( const SkinBinding& binding, const NodeState& state, const SkinPose& p
 		return;
 	}
 	const std::size_t vertices = binding.restPosition.size();
-	scratch.nodeMap.resize( std::size_t( state.count ) * kMapFloats );
+	scratch.nodeMap.resize( std::size_t( state.count ) * kSkinMapFloats );
 	scratch.position.resize( vertices * 4 );
 	scratch.turnedShift.resize( binding.normalShift.size() * 4 );
 	scratch.groupNormal.resize( std::size_t( binding.normalGroups ) * 4 );
 	auto maps = [&]( int chunk ) {
-		fillMaps( state, pose, scratch.nodeMap.data(), chunk * kChunk, std::min( state.count, ( chunk + 1 ) * kChunk ) );
+		skinMaps( state, pose, scratch.nodeMap.data(), chunk * kChunk, std::min( state.count, ( chunk + 1 ) * kChunk ) );
 	};
 	runTasks( runner, chunkCount( std::size_t( state.count ) ), maps );
 	if ( pose.fade )
