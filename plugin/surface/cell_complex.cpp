@@ -70,7 +70,9 @@ std::size_t CellComplex::bytes() const
 	return sizeOf( pointRest ) + sizeOfTable( cellsOfPoint ) + sizeOfTable( facesOfPoint ) + sizeOfTable( pointsOfCell ) +
 		sizeOfTable( pointsOfFace ) + sizeOfTable( boundPoints ) + sizeOf( bindStart ) + sizeOf( bindCell ) +
 		sizeOf( bindWeight ) + sizeOf( vertexPoint ) + sizeOf( addedOrigin ) + sizeOf( vertexNormal ) + sizeOf( cellTriangleStart ) + sizeOf( triangle ) +
-		sizeOf( triangleSource ) + sizeOf( face ) + sizeOf( faceTriangle ) + sizeOf( faceAxis ) + sizeOfTable( facesOfCell );
+		sizeOf( triangleSource ) + sizeOf( face ) + sizeOf( faceTriangle ) + sizeOf( faceAxis ) + sizeOfTable( facesOfCell ) +
+		sizeOf( panels.corner ) + sizeOf( panels.ofPiece ) + sizeOf( panels.firstOfCell ) + sizeOfTable( panels.points ) + sizeOfTable( panels.atPoint ) +
+		sizeOf( panels.isPlaceable ) + sizeOf( panels.isPlane );
 }
 
 namespace {

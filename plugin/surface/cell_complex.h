@@ -9,6 +9,7 @@
 #include "lattice/lattice.h"
 #include "pliant/body_template.h"
 #include "pliant/crack.h"
+#include "surface/panels.h"
 #include "surface/table.h"
 
 #include <array>
@@ -77,6 +78,7 @@ public:
 	std::vector<std::uint32_t> cellTriangleStart;        ///< by cell: its pieces of the outer surface
 	std::vector<std::array<std::uint32_t, 3>> triangle;  ///< vertices
 	std::vector<std::uint32_t> triangleSource;           ///< the input's triangle
+	Panels panels; ///< none with Skinning::None
 
 	std::vector<CrackFace> face;                            ///< by cellA, then cellB
 	std::vector<std::array<std::uint32_t, 3>> faceTriangle; ///< points

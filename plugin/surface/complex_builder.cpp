@@ -46,6 +46,7 @@ public:
 		{
 			bindPoints( skin );
 			shade( skin );
+			m_out.panels = findPanels( m_view, m_out );
 		}
 		else
 		{

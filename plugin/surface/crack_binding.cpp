@@ -60,6 +60,10 @@ void CrackSurface::settle()
 		rebind( point );
 	}
 	m_binding.normalShift.resize( m_vertex.size(), Vec3::Zero() );
+	if ( m_listedVersion != m_version )
+	{
+		listPlaced();
+	}
 	matchNormals( m_split );
 	m_split.clear();
 }

@@ -14,6 +14,10 @@ void CrackSurface::drawAll()
 	for ( std::uint32_t p = 0; p < m_point.size(); ++p )
 	{
 		regroup( p );
+		if ( m_groups[p] > 1 || m_slotStart[p + 1] - m_slotStart[p] < m_complex->cellsOfPoint.size( m_point[p] ) )
+		{
+			part( p );
+		}
 	}
 	for ( std::uint32_t v = 0; isWhole && v < m_complex->inputVertices; ++v )
 	{
@@ -44,6 +48,7 @@ void CrackSurface::drawAll()
 			drawSide( m_face[f], false );
 		}
 	}
+	placeWhatIsWhole();
 	settle();
 	matchNormals();
 }

@@ -10,6 +10,13 @@
 
 namespace pliant {
 
+namespace {
+
+/// Shifts of a unit normal below this are rounding: what needs none is spared the turning.
+constexpr float kSeenShift = 1e-6f;
+
+} // namespace
+
 /// A cut through the outer surface must not show as long as it is closed: at rest its vertices are shaded like the whole mesh, however few
 /// of the triangles around are left on their side.
 void CrackSurface::shadeLikeTheMesh( std::uint32_t vertex, const Vec3& area )
@@ -17,22 +24,27 @@ void CrackSurface::shadeLikeTheMesh( std::uint32_t vertex, const Vec3& area )
 	if ( m_vertex[vertex].kind < kInside && !m_complex->vertexNormal.empty() )
 	{
 		m_binding.restNormal[vertex] = m_complex->vertexNormal[m_vertex[vertex].kind];
-		m_binding.normalShift[vertex] = normalShift( m_binding.restNormal[vertex], area );
+		m_binding.normalShift[vertex] = isPlaced( m_vertex[vertex] ) ? Vec3( Vec3::Zero() ) : normalShift( m_binding.restNormal[vertex], area );
 	}
 }
 
 Vec3 CrackSurface::normalShift( const Vec3& normal, const Vec3& area )
 {
 	const float largest = area.cwiseAbs().maxCoeff(); // its square would be nothing
-	return largest > 0.0f ? Vec3( normal - ( area / largest ).normalized() ) : Vec3( Vec3::Zero() );
+	const Vec3 shift = largest > 0.0f ? Vec3( normal - ( area / largest ).normalized() ) : Vec3( Vec3::Zero() );
+	return shift.cwiseAbs().maxCoeff() > kSeenShift ? shift : Vec3( Vec3::Zero() );
 }
 
 void CrackSurface::matchNormals()
 {
 	m_area.assign( std::size_t( m_binding.normalGroups ), Vec3::Zero() );
-	for ( std::uint32_t t = 0; t < m_cellTriangle.back(); ++t )
+	for ( std::uint32_t cell = 0; cell < m_cell.size(); ++cell )
 	{
-		addArea( t );
+		addAreas( cell );
+	}
+	for ( const std::uint32_t panel : wholePanels() )
+	{
+		addArea( m_panelCorner[panel] );
 	}
 	for ( std::uint32_t v = 0; v < vertexCount(); ++v )
 	{
@@ -40,10 +52,10 @@ void CrackSurface::matchNormals()
 	}
 }
 
-/// The same where only the groups of these points have changed: of all cells there, in the triangles' order.
+/// The same where only the groups of these points, or panels there, have changed: of all cells there, in the triangles' order, then of panels.
 void CrackSurface::matchNormals( std::vector<std::uint32_t>& points )
 {
-	std::vector<std::uint32_t> cells, once;
+	std::vector<std::uint32_t> cells, once, panels;
 	const auto isOnSurface = [this]( std::uint32_t point ) {
 		std::uint32_t side = m_firstSide[point];
 		while ( side != kNone && m_side[side].outerNormals == kNone )
@@ -72,16 +84,14 @@ void CrackSurface::matchNormals( std::vector<std::uint32_t>& points )
 		}
 		std::for_each( m_slotCell.begin() + m_slotStart[point], m_slotCell.begin() + m_slotStart[point + 1],
 			[&]( std::uint32_t cell ) { collect( cell, cells ); } );
+		addPanelsAt( point, panels );
 	}
 	clearMarks( cells );
 	std::sort( cells.begin(), cells.end() );
-	for ( const std::uint32_t cell : cells )
-	{
-		for ( std::uint32_t t = m_cellTriangle[cell]; t < m_cellTriangle[cell + 1]; ++t )
-		{
-			addArea( t );
-		}
-	}
+	std::for_each( cells.begin(), cells.end(), [this]( std::uint32_t cell ) { addAreas( cell ); } );
+	std::sort( panels.begin(), panels.end() );
+	panels.erase( std::unique( panels.begin(), panels.end() ), panels.end() );
+	std::for_each( panels.begin(), panels.end(), [this]( std::uint32_t panel ) { addArea( m_panelCorner[panel] ); } );
 	for ( const std::uint32_t point : once )
 	{
 		for ( std::uint32_t side = m_firstSide[point]; side != kNone; side = m_side[side].next )
@@ -94,13 +104,18 @@ void CrackSurface::matchNormals( std::vector<std::uint32_t>& points )
 	}
 }
 
-// Triangles around a moved point change, and with them the shading of all their corners.
+// Triangles around a moved point change, and with them the shading of all their corners. What a blade came by, moved or not, is placed no more: so it
+// does not depend on which of its cuts were told when.
 void CrackSurface::follow( const BladePath& path, const std::vector<std::uint32_t>& points )
 {
 	std::vector<std::uint32_t> cells, shaded;
 	for ( const std::uint32_t known : points )
 	{
 		const std::uint32_t point = localPoint( known );
+		if ( point != kNone )
+		{
+			part( point, true );
+		}
 		const Vec3 place = point != kNone ? path.placeOf( known ) : Vec3( Vec3::Zero() );
 		if ( point == kNone || place == restOf( point ) )
 		{
@@ -132,12 +147,27 @@ void CrackSurface::follow( const BladePath& path, const std::vector<std::uint32_
 			shaded.push_back( localPoint( *p ) );
 		}
 	}
+	shaded.insert( shaded.end(), m_split.begin(), m_split.end() );
+	m_split.clear();
+	listPlaced();
 	matchNormals( shaded );
 }
 
-void CrackSurface::addArea( std::uint32_t triangle )
+/// Of the pieces that a cell draws, but for those of panels that add to normals as one.
+void CrackSurface::addAreas( std::uint32_t cell )
 {
-	const auto& corner = m_triangle[triangle];
+	const std::uint32_t known = m_complex->cellTriangleStart[m_cell[cell]] - m_cellTriangle[cell];
+	for ( std::uint32_t t = m_cellTriangle[cell]; t < m_cellTriangle[cell + 1]; ++t )
+	{
+		if ( !m_panels.isOfOne( known + t ) )
+		{
+			addArea( m_triangle[t] );
+		}
+	}
+}
+
+void CrackSurface::addArea( const std::array<std::uint32_t, 3>& corner )
+{
 	const Vec3& a = m_binding.restPosition[corner[0]];
 	const Vec3 area = ( m_binding.restPosition[corner[1]] - a ).cross( m_binding.restPosition[corner[2]] - a );
 	for ( const std::uint32_t v : corner )

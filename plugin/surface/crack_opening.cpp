@@ -109,6 +109,7 @@ void CrackSurface::splitGroups( const std::vector<std::uint32_t>& fresh )
 		if ( regroup( point ) && m_firstSide[point] != kNone )
 		{
 			m_split.push_back( point );
+			part( point );
 			for ( std::uint32_t slot = first; slot < last; ++slot )
 			{
 				if ( m_slotGroup[slot] != before[slot - first] )
@@ -244,6 +245,7 @@ void CrackSurface::makeRoom()
 	more( m_binding.normalShift, vertices );
 	more( m_binding.carrier, vertices );
 	more( m_binding.point, vertices );
+	more( m_binding.blended, vertices );
 }
 
 std::size_t CrackSurface::bytes() const
@@ -253,7 +255,8 @@ std::size_t CrackSurface::bytes() const
 		sizeOf( m_slotStart ) + sizeOf( m_slotCell ) + sizeOf( m_slotGroup ) + sizeOf( m_groups ) + sizeOf( m_tieStart ) + sizeOf( m_tie ) +
 		sizeOf( m_vertex ) + sizeOf( m_firstSide ) + sizeOf( m_side ) + sizeOf( m_triangle ) + sizeOf( m_source ) + sizeOf( m_binding.node ) +
 		sizeOf( m_binding.weight ) + sizeOf( m_binding.start ) + sizeOf( m_binding.restPosition ) + sizeOf( m_binding.restNormal ) +
-		sizeOf( m_binding.normalGroup ) + sizeOf( m_binding.carrier ) + sizeOf( m_binding.point ) + sizeOf( m_mark );
+		sizeOf( m_binding.normalGroup ) + sizeOf( m_binding.carrier ) + sizeOf( m_binding.point ) + sizeOf( m_binding.placed ) + sizeOf( m_binding.blended ) +
+		sizeOf( m_binding.shading ) + m_panels.bytes() + sizeOf( m_panelCorner ) + sizeOf( m_mark );
 }
 
 } // namespace pliant

@@ -148,6 +148,10 @@ void CrackPatches::numberKinds()
 		numbers += isAlone[slot] != 0 ? 0 : kNumbersOfSide + count[pointOfSlot[slot]];
 	}
 	numbersOfSlot.push_back( numbers );
+	for ( std::uint32_t v = 0; v < complex->inputVertices; ++v )
+	{
+		numbersOfInput.push_back( numbersOfSlot[complex->cellsOfPoint.start[complex->vertexPoint[v]]] );
+	}
 }
 
 void CrackPatches::findAlone()
@@ -281,7 +285,7 @@ void CrackPatches::addLooseTies( std::uint32_t point, const std::vector<std::uin
 std::size_t CrackPatches::bytes() const
 {
 	const auto sizeOf = []( const auto& list ) { return list.size() * sizeof( list[0] ); };
-	return sizeOf( patch ) + sizeOf( vertex ) + sizeOf( look ) + sizeOf( triangle ) + sizeOf( pointOfSlot ) + sizeOf( numbersOfSlot ) + sizeOf( normalShift ) + sizeOf( classOfPoint ) + sizeOf( classesOfCell.start ) + sizeOf( classesOfCell.entry ) +
+	return sizeOf( patch ) + sizeOf( vertex ) + sizeOf( look ) + sizeOf( triangle ) + sizeOf( pointOfSlot ) + sizeOf( numbersOfSlot ) + sizeOf( numbersOfInput ) + sizeOf( normalShift ) + sizeOf( classOfPoint ) + sizeOf( classesOfCell.start ) + sizeOf( classesOfCell.entry ) +
 		sizeOf( firstOfClass ) + sizeOf( slotTieStart ) + sizeOf( carrierTieStart ) + sizeOf( looseTieStart ) + sizeOf( slotTie ) + sizeOf( carrierTie ) + sizeOf( looseTie ) + sizeOf( bitOfSlot );
 }
 

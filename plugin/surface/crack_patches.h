@@ -61,6 +61,8 @@ public:
 	/// only a vertex draws it that is alone). Then how many there are in all.
 	std::vector<std::uint32_t> numbersOfSlot;
 	static constexpr std::uint32_t kNumbersOfSide = 3;
+	/// By vertex of the input: where the side that begins with its point's first slot has its numbers.
+	std::vector<std::uint32_t> numbersOfInput;
 	/// By vertex of the complex: how the whole, closed surface shifts its normal (SkinBinding::normalShift).
 	std::vector<Vec3> normalShift;
 

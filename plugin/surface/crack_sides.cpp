@@ -53,7 +53,7 @@ void inOrder( std::vector<std::uint32_t>& some, const std::vector<std::uint8_t>&
 CrackSides::CrackSides( std::shared_ptr<const CrackPatches> patches, const CrackSurface& whole, TaskRunner* runner ) :
 	m_patches( std::move( patches ) ), m_isBroken( complex().face.size(), 0 ), m_side( m_patches->pointOfSlot.size() ), m_carriers( m_side.size() ),
 	m_joined( m_patches->firstOfClass.back() ), m_isDrawn( complex().pointCount(), 0 ), m_isShadedAnew( m_isDrawn.size(), 0 ), m_isMarked( m_isDrawn.size(), 0 ),
-	m_isClassMarked( m_patches->classCount(), 0 )
+	m_isSplit( m_isDrawn.size(), 0 ), m_panels( whole.m_panels ), m_isClassMarked( m_patches->classCount(), 0 )
 {
 	const CellComplex& c = complex();
 	for ( std::size_t slot = 0; slot < m_side.size(); ++slot )
@@ -66,6 +66,7 @@ CrackSides::CrackSides( std::shared_ptr<const CrackPatches> patches, const Crack
 	{
 		m_isDrawn[point] = 1;
 	}
+	shadePartedPanels();
 	std::vector<std::uint32_t> fresh;
 	for ( const CrackSurface::Face& face : whole.m_face )
 	{
@@ -146,6 +147,38 @@ void CrackSides::splitSides( const std::vector<std::uint32_t>& fresh, TaskRunner
 	}
 	inOrder( m_found, m_isMarked );
 	runOver( m_found, &CrackSides::regroup, runner );
+	partPanels();
+}
+
+/// Of the points just found.
+void CrackSides::partPanels()
+{
+	std::vector<std::uint32_t> anew;
+	for ( std::size_t k = 0; k < m_found.size() && m_panels.arePlaced(); ++k )
+	{
+		if ( m_isSplit[m_found[k]] != 0 )
+		{
+			m_panels.part( m_found[k], anew );
+		}
+	}
+	for ( const std::uint32_t point : anew )
+	{
+		m_isShadedAnew[point] = 1;
+	}
+}
+
+/// Around what was placed when nothing was broken, and is no more.
+void CrackSides::shadePartedPanels()
+{
+	const Panels& all = complex().panels;
+	for ( std::uint32_t point = 0; point < std::uint32_t( all.isPlaceable.size() ); ++point )
+	{
+		const bool isPlacedNoMore = all.isPlaceable[point] != 0 && !m_panels.isPlaced( point );
+		for ( const std::uint32_t* panel = all.atPoint.begin( point ); isPlacedNoMore && panel != all.atPoint.end( point ); ++panel )
+		{
+			std::for_each( all.points.begin( *panel ), all.points.end( *panel ), [this]( std::uint32_t p ) { m_isShadedAnew[p] = 1; } );
+		}
+	}
 }
 
 /// Those that are drawn, each once.
@@ -188,8 +221,9 @@ void CrackSides::regroup( std::uint32_t point )
 	for ( std::uint32_t slot = first; slot < last; ++slot )
 	{
 		m_side[slot] = m_side[m_side[slot]]; // those before it have their roots by now
-		m_isShadedAnew[point] |= m_side[slot] != first ? 1 : 0;
+		m_isSplit[point] |= m_side[slot] != first ? 1 : 0;
 	}
+	m_isShadedAnew[point] |= m_isSplit[point];
 }
 
 /// Both cells of each, ascending, each once. To mark them takes less than to sort them where most of a body breaks.
@@ -337,8 +371,10 @@ void CrackSides::ask( std::uint32_t point )
 void CrackSides::follow( const BladePath& path, const std::vector<std::uint32_t>& points )
 {
 	m_place = m_place.empty() ? complex().pointRest : std::move( m_place );
+	std::vector<std::uint32_t> anew;
 	for ( const std::uint32_t point : points )
 	{
+		m_panels.touch( point, anew ); // as CrackSurface does
 		const Vec3 place = path.placeOf( point );
 		if ( place != m_place[point] )
 		{
@@ -346,6 +382,7 @@ void CrackSides::follow( const BladePath& path, const std::vector<std::uint32_t>
 			shadeAnewAround( point );
 		}
 	}
+	std::for_each( anew.begin(), anew.end(), [this]( std::uint32_t point ) { m_isShadedAnew[point] = 1; } );
 }
 
 /// Triangles around a moved point change, and with them the shading of all their corners.
@@ -360,7 +397,7 @@ void CrackSides::shadeAnewAround( std::uint32_t point )
 std::size_t CrackSides::bytes() const
 {
 	const auto sizeOf = []( const auto& list ) { return list.size() * sizeof( list[0] ); };
-	return sizeOf( m_isBroken ) + sizeOf( m_side ) + sizeOf( m_carriers ) + sizeOf( m_joined ) + 3 * sizeOf( m_isDrawn ) + sizeOf( m_place );
+	return sizeOf( m_isBroken ) + sizeOf( m_side ) + sizeOf( m_carriers ) + sizeOf( m_joined ) + 4 * sizeOf( m_isDrawn ) + m_panels.bytes() + sizeOf( m_place );
 }
 
 } // namespace pliant

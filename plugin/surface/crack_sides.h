@@ -34,6 +34,7 @@ public:
 	void fetchPlace( std::uint32_t point ) const { __builtin_prefetch( &placeOf( point ) ); }
 	/// Whether the outer surface around a point is not what it was in the whole body.
 	bool isShadedAnew( std::uint32_t point ) const { return m_isShadedAnew[point] != 0; }
+	const WholePanels& panels() const { return m_panels; }
 
 	const CrackPatches& patches() const { return *m_patches; }
 	const CellComplex& complex() const { return *m_patches->complex; }
@@ -54,13 +55,16 @@ private:
 	void ask( std::uint32_t point );
 	void collect( const std::uint32_t* point, const std::uint32_t* end );
 	void shadeAnewAround( std::uint32_t point );
+	void partPanels();
+	void shadePartedPanels();
 
 	std::shared_ptr<const CrackPatches> m_patches;
 	std::vector<std::uint8_t> m_isBroken;      ///< by face
 	std::vector<std::uint32_t> m_side;         ///< by slot
 	std::vector<std::uint64_t> m_carriers;     ///< by slot; of sides' first slots
 	std::vector<std::uint64_t> m_joined;       ///< by place of a class (CrackPatches::firstOfClass): the carriers that standing faces join to this one
-	std::vector<std::uint8_t> m_isDrawn, m_isShadedAnew, m_isMarked; ///< by point
+	std::vector<std::uint8_t> m_isDrawn, m_isShadedAnew, m_isMarked, m_isSplit; ///< by point
+	WholePanels m_panels;
 	std::vector<Vec3> m_place;                 ///< by point; empty: those of the complex
 	std::vector<std::uint32_t> m_found;        ///< points
 	std::vector<std::uint32_t> m_foundClass;

@@ -72,7 +72,7 @@ CrackSurface::CrackSurface( std::shared_ptr<const CellComplex> complex ) :
 
 CrackSurface::CrackSurface( std::shared_ptr<const CellComplex> complex, std::vector<std::uint32_t> cells, const std::vector<std::uint8_t>& isBroken,
 	const Vec3& shift ) :
-	m_complex( std::move( complex ) ), m_shift( shift ), m_cell( std::move( cells ) ), m_mark( m_cell.size() + 1, 0 )
+	m_complex( std::move( complex ) ), m_shift( shift ), m_cell( std::move( cells ) ), m_panels( m_complex->panels ), m_mark( m_cell.size() + 1, 0 )
 {
 	m_localCell = tableOf( m_cell, m_complex->cellCount() );
 	takeFaces( isBroken );

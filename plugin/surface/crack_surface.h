@@ -167,8 +167,19 @@ private:
 	void drawSide( Face& face, bool isA );
 	void matchNormals();
 	void matchNormals( std::vector<std::uint32_t>& points );
-	void addArea( std::uint32_t triangle );
+	void addAreas( std::uint32_t cell );
+	void addArea( const std::array<std::uint32_t, 3>& corner );
 	void shadeLikeTheMesh( std::uint32_t vertex, const Vec3& area );
+
+	void part( std::uint32_t point, bool isByBlade = false );
+	void placeWhatIsWhole();
+	SkinBinding::Placed placedFrom( const CellComplex::Origin& origin, std::uint32_t vertex ) const;
+	std::vector<std::uint32_t> wholePanels() const;
+	void addPanelsAt( std::uint32_t point, std::vector<std::uint32_t>& panels ) const;
+	bool isPlaced( const Vertex& vertex ) const { return vertex.kind < kInside && m_panels.isPlaced( m_point[vertex.point] ); }
+	std::uint32_t carrierAt( std::uint32_t input ) const;
+	void listPlaced();
+	void listShading();
 
 	void addUnheld( std::vector<std::uint32_t>& fresh );
 	void splitGroups( const std::vector<std::uint32_t>& fresh );
@@ -189,6 +200,9 @@ private:
 	Status validateTriangles() const;
 	Status validateGroups() const;
 	Status validateBinding() const;
+	Status validatePanels() const;
+	Status validatePlaced() const;
+	Status validateShading() const;
 
 	std::shared_ptr<const CellComplex> m_complex;
 	Vec3 m_shift;
@@ -212,8 +226,10 @@ private:
 	std::vector<std::uint32_t> m_source;
 	SkinBinding m_binding;
 	std::vector<std::uint32_t> m_unsettled; ///< faces that broke since, local
-	std::vector<std::uint32_t> m_split;     ///< points that have more groups since, local; some twice
-	std::uint64_t m_version = 1;
+	std::vector<std::uint32_t> m_split;     ///< points that have more groups since, or panels around that are parted, local; some twice
+	WholePanels m_panels;                   ///< of the template; those that none of the cells draws are not asked for
+	std::vector<std::array<std::uint32_t, 3>> m_panelCorner; ///< by panel that was one when all was drawn: vertices
+	std::uint64_t m_version = 1, m_listedVersion = 0; ///< since when it is, and when it was listed what is placed
 	Change m_change;
 
 	// Room kept between calls.
@@ -228,6 +244,7 @@ private:
 	std::vector<std::uint16_t> m_root;          ///< by slot of the point at hand
 	std::vector<std::uint8_t> m_isMarked;       ///< by point or cell
 	std::vector<std::uint32_t> m_strange;       ///< points that cells of other bodies carried
+	std::vector<std::uint32_t> m_parted;        ///< of the template
 	std::vector<Vec3> m_area;                   ///< by group of normals
 };
 

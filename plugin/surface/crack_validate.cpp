@@ -133,9 +133,91 @@ Status CrackSurface::validateBinding() const
 	return {};
 }
 
+Status CrackSurface::validatePanels() const
+{
+	return m_panels.validate( [this]( std::uint32_t point ) {
+		const std::uint32_t local = localPoint( point );
+		return local != kNone && ( m_groups[local] != 1 || m_slotStart[local + 1] - m_slotStart[local] != m_complex->cellsOfPoint.size( point ) );
+	} );
+}
+
+Status CrackSurface::validatePlaced() const
+{
+	if ( !isSettled() )
+	{
+		return {};
+	}
+	std::size_t placed = 0, blended = 0;
+	const auto isCorner = [&]( std::uint32_t v, std::uint32_t input ) {
+		return m_binding.carrier[v] == v && m_vertex[v].kind < m_complex->inputVertices && m_binding.point[v] == m_complex->vertexPoint[input];
+	};
+	for ( std::uint32_t v = 0; v < m_vertex.size(); ++v )
+	{
+		if ( !isPlaced( m_vertex[v] ) )
+		{
+			blended += blended < m_binding.blended.size() && m_binding.blended[blended] == v ? 1 : 0;
+			continue;
+		}
+		const std::uint32_t carrier = m_binding.carrier[v];
+		if ( placed == m_binding.placed.size() || m_binding.placed[placed].vertex != v || !isPlaced( m_vertex[carrier] ) || !m_binding.normalShift[v].isZero( 0.0f ) )
+		{
+			return broken( "A vertex within a whole panel is not placed, or goes with one that is not." );
+		}
+		const CellComplex::Origin& origin = m_complex->addedOrigin[m_vertex[v].kind - m_complex->inputVertices];
+		const SkinBinding::Placed& of = m_binding.placed[placed++];
+		for ( std::size_t k = 0; k < 3; ++k )
+		{
+			if ( of.weight[k] != origin.weight[k] || !isCorner( of.corner[k], origin.vertex[origin.vertex[k] == kNone ? 0 : k] ) )
+			{
+				return broken( "A vertex is placed by others than the corners of its panel." );
+			}
+		}
+	}
+	const bool areAll = placed == m_binding.placed.size() && blended == m_binding.blended.size() && ( placed == 0 ? blended == 0 : placed + blended == m_vertex.size() );
+	return areAll ? Status{} : broken( "Vertices that are placed and those that are blended are not all." );
+}
+
+Status CrackSurface::validateShading() const
+{
+	if ( !isSettled() || m_binding.placed.empty() )
+	{
+		return m_binding.shading.empty() || !isSettled() ? Status{} : broken( "Panels are shaded as one, and none of their points is placed." );
+	}
+	std::size_t listed = 0;
+	const auto isListed = [&]( const std::array<std::uint32_t, 3>& points ) {
+		bool isSame = listed < m_binding.shading.size();
+		for ( std::size_t k = 0; k < 3 && isSame; ++k )
+		{
+			isSame = m_binding.point[m_binding.shading[listed][k]] == points[k];
+		}
+		++listed;
+		return isSame;
+	};
+	std::vector<std::uint8_t> isThere( m_complex->panels.count(), 0 );
+	bool areListed = m_binding.shadedTriangles == m_cellTriangle.back();
+	for ( std::uint32_t cell = 0; cell < m_cell.size(); ++cell )
+	{
+		for ( std::uint32_t t = m_complex->cellTriangleStart[m_cell[cell]], to = m_cellTriangle[cell]; to < m_cellTriangle[cell + 1]; ++t, ++to )
+		{
+			const bool isOne = m_panels.isOfOne( t );
+			isThere[isOne ? m_complex->panels.ofPiece[t] : 0] |= isOne ? 1 : 0;
+			const auto& v = m_complex->triangle[t];
+			areListed = areListed && ( isOne || ( listed < m_binding.shading.size() && m_binding.shading[listed] == m_triangle[to] &&
+				isListed( { m_complex->vertexPoint[v[0]], m_complex->vertexPoint[v[1]], m_complex->vertexPoint[v[2]] } ) ) );
+		}
+	}
+	for ( std::size_t panel = 0; panel < isThere.size(); ++panel )
+	{
+		const auto& v = m_complex->panels.corner[panel];
+		areListed = areListed && ( isThere[panel] == 0 || isListed( { m_complex->vertexPoint[v[0]], m_complex->vertexPoint[v[1]], m_complex->vertexPoint[v[2]] } ) );
+	}
+	return areListed && listed == m_binding.shading.size() ? Status{} : broken( "What is summed up to normals is not what is drawn, panels put together." );
+}
+
 Status validate( const CrackSurface& surface )
 {
-	for ( const auto check : { &CrackSurface::validateTriangles, &CrackSurface::validateGroups, &CrackSurface::validateBinding } )
+	for ( const auto check : { &CrackSurface::validateTriangles, &CrackSurface::validateGroups, &CrackSurface::validateBinding, &CrackSurface::validatePanels, &CrackSurface::validatePlaced,
+			  &CrackSurface::validateShading } )
 	{
 		if ( Status status = ( surface.*check )(); !status.ok() )
 		{
@@ -218,7 +300,10 @@ Status validate( const CrackSides& sides )
 			}
 		}
 	}
-	return {};
+	return sides.m_panels.validate( [&sides]( std::uint32_t point ) {
+		const std::uint32_t *const start = sides.complex().cellsOfPoint.start.data(), first = start[point];
+		return std::any_of( sides.m_side.begin() + first, sides.m_side.begin() + start[point + 1], [first]( std::uint32_t side ) { return side != first; } );
+	} );
 }
 
 } // namespace pliant

@@ -63,6 +63,14 @@ void CrackGatherer::makeRoom( const std::vector<std::uint32_t>& cells, CrackView
 	begin( vertices );
 	m_cells = cells.size();
 	makePlace( view.ownTriangles, triangles );
+	if ( m_sides->panels().arePlaced() && ( m_outerRoom < vertices || m_shadingRoom < triangles ) )
+	{
+		m_outerRoom = vertices;
+		m_shadingRoom = triangles;
+		m_placed = std::make_unique_for_overwrite<std::uint32_t[]>( vertices + 1 );
+		m_blended = std::make_unique_for_overwrite<std::uint32_t[]>( vertices + 1 );
+		m_shading = std::make_unique_for_overwrite<std::array<std::uint32_t, 3>[]>( triangles + 1 );
+	}
 }
 
 /// Numbers from nothing.
@@ -83,10 +91,12 @@ void CrackGatherer::begin( std::size_t vertices )
 	}
 	m_count = 0;
 	m_outerCount = 0;
+	m_outerTriangles = 0;
 	m_normalGroups = 0;
 	m_row.clear();
 	m_sharedRow.clear();
 	m_area.clear();
+	m_placedCount = m_blendedCount = m_shadingCount = 0;
 }
 
 /// Patches first to last - 1 of m_patch.
@@ -97,15 +107,21 @@ void CrackGatherer::number( std::size_t first, std::size_t last, std::array<std:
 		const std::size_t end = lookAhead( k, last );
 		for ( std::uint32_t local = 0; k < end; ++k )
 		{
+			const std::uint32_t fresh = m_count;
 			triangles = takePatch( m_patch[k], m_local.data() + local, triangles );
 			if ( isOuter( k ) )
 			{
 				addAreas( m_patch[k], m_local.data() + local );
+				if ( m_sides->panels().arePlaced() )
+				{
+					takeOuter( m_patch[k], m_local.data() + local, fresh );
+				}
 			}
 			local += verticesOf( m_patch[k] );
 		}
 		m_outerCount = k <= m_cells ? m_count : m_outerCount;
 	}
+	takePanels();
 }
 
 /// The outer surface in one task, the inside in another, each with numbers of its own.
@@ -276,12 +292,13 @@ std::uint32_t CrackGatherer::numberOf( std::uint32_t vertex, std::uint32_t* know
 	return number - m_first;
 }
 
-/// Of the patch just taken, an outer one.
+/// Of the patch just taken, an outer one; panels that are one come after all.
 void CrackGatherer::addAreas( std::uint32_t patch, const std::uint32_t* local )
 {
 	const CrackPatches& patches = m_sides->patches();
 	const std::uint32_t first = patches.patch[patch].firstVertex;
 	const auto pointOf = [&]( std::uint32_t k ) { return patches.look[first + k].point; };
+	const auto groupOf = [&]( std::uint32_t k ) { return m_made[local[k]].normalGroup; };
 	bool isAnew = false;
 	for ( std::uint32_t k = 0; k < verticesOf( patch ) && !isAnew; ++k )
 	{
@@ -290,12 +307,79 @@ void CrackGatherer::addAreas( std::uint32_t patch, const std::uint32_t* local )
 	m_area.resize( m_normalGroups, Vec3::Zero() );
 	for ( std::uint32_t t = patches.patch[patch].firstTriangle; isAnew && t < patches.patch[patch + 1].firstTriangle; ++t )
 	{
-		const auto& corner = patches.triangle[t];
-		const Vec3& a = m_sides->placeOf( pointOf( corner[0] ) );
-		const Vec3 area = ( m_sides->placeOf( pointOf( corner[1] ) ) - a ).cross( m_sides->placeOf( pointOf( corner[2] ) ) - a );
-		for ( const std::uint32_t k : corner )
+		if ( !m_sides->panels().isOfOne( t ) ) // outer patches' triangles are numbered as the complex has them
 		{
-			m_area[m_made[local[k]].normalGroup] += area;
+			const auto& c = patches.triangle[t];
+			addArea( { pointOf( c[0] ), pointOf( c[1] ), pointOf( c[2] ) }, { groupOf( c[0] ), groupOf( c[1] ), groupOf( c[2] ) } );
+		}
+	}
+}
+
+/// Of the patch just taken, an outer one, with vertices from `fresh` on: which are placed, and what adds to normals. Each is written, and counted if it is
+/// one: no branch to foretell.
+void CrackGatherer::takeOuter( std::uint32_t patch, const std::uint32_t* local, std::uint32_t fresh )
+{
+	const CrackPatches& patches = m_sides->patches();
+	const WholePanels& panels = m_sides->panels();
+	const std::uint32_t first = patches.patch[patch].firstVertex, count = verticesOf( patch );
+	std::uint32_t *placed = m_placed.get() + m_placedCount, *blended = m_blended.get() + m_blendedCount;
+	for ( std::uint32_t k = 0; k < count; ++k )
+	{
+		const unsigned isFresh = local[k] >= fresh ? 1u : 0u, isPlaced = panels.isPlaced( patches.look[first + k].point ) ? 1u : 0u;
+		*placed = *blended = local[k];
+		placed += isFresh & isPlaced;
+		blended += isFresh & ( isPlaced ^ 1u );
+	}
+	m_placedCount = std::size_t( placed - m_placed.get() );
+	m_blendedCount = std::size_t( blended - m_blended.get() );
+	std::array<std::uint32_t, 3>* shading = m_shading.get() + m_shadingCount;
+	for ( std::uint32_t t = patches.patch[patch].firstTriangle; t < patches.patch[patch + 1].firstTriangle; ++t, ++m_outerTriangles )
+	{
+		const auto& c = patches.triangle[t];
+		*shading = { local[c[0]], local[c[1]], local[c[2]] };
+		shading += panels.isOfOne( t ) ? 0 : 1;
+	}
+	m_shadingCount = std::size_t( shading - m_shading.get() );
+}
+
+void CrackGatherer::addArea( const std::array<std::uint32_t, 3>& points, const std::array<std::uint32_t, 3>& normalGroups )
+{
+	const Vec3& a = m_sides->placeOf( points[0] );
+	const Vec3 area = ( m_sides->placeOf( points[1] ) - a ).cross( m_sides->placeOf( points[2] ) - a );
+	for ( const std::uint32_t group : normalGroups )
+	{
+		m_area[group] += area;
+	}
+}
+
+std::array<std::uint32_t, 3> CrackGatherer::ofCorners( std::uint32_t panel, std::uint32_t number ) const
+{
+	const CrackPatches& patches = m_sides->patches();
+	const std::array<std::uint32_t, 3>& corner = patches.complex->panels.corner[panel];
+	const auto at = [&]( std::size_t k ) { return m_number[patches.numbersOfInput[corner[k]] + number] - m_first; };
+	return { at( 0 ), at( 1 ), at( 2 ) };
+}
+
+/// Those that are one, all of whose cells are the body's. Areas are asked for where a corner is shaded anew.
+void CrackGatherer::takePanels()
+{
+	const CellComplex& complex = m_sides->complex();
+	const WholePanels& panels = m_sides->panels();
+	for ( std::size_t k = 0; k < m_cells && panels.arePlaced(); ++k )
+	{
+		for ( std::uint32_t panel = complex.panels.firstOfCell[m_patch[k]]; panel < complex.panels.firstOfCell[m_patch[k] + 1]; ++panel )
+		{
+			if ( !panels.isOne( panel ) )
+			{
+				continue;
+			}
+			const auto& corner = complex.panels.corner[panel];
+			const std::array<std::uint32_t, 3> points = { complex.vertexPoint[corner[0]], complex.vertexPoint[corner[1]], complex.vertexPoint[corner[2]] };
+			m_shading[m_shadingCount++] = ofCorners( panel, Carrier ); // fewer than its pieces
+			if ( std::any_of( points.begin(), points.end(), [this]( std::uint32_t p ) { return m_sides->isShadedAnew( p ); } ) )
+			{
+				addArea( points, ofCorners( panel, OuterNormals ) );
+			}
 		}
 	}
 }

@@ -77,6 +77,11 @@ private:
 	std::uint32_t numberOf( std::uint32_t vertex, std::uint32_t* known );
 	std::uint32_t addVertex( std::uint32_t vertex, std::uint32_t carrier, std::uint32_t normalGroup );
 	void addAreas( std::uint32_t patch, const std::uint32_t* local );
+	void takeOuter( std::uint32_t patch, const std::uint32_t* local, std::uint32_t fresh );
+	void addArea( const std::array<std::uint32_t, 3>& points, const std::array<std::uint32_t, 3>& normalGroups );
+	void takePanels();
+	/// Of a panel that is one: each corner's.
+	std::array<std::uint32_t, 3> ofCorners( std::uint32_t panel, std::uint32_t number ) const;
 	void write( const std::vector<std::uint32_t>& cells, const Vec3& shift, CrackView& view, TaskRunner* runner );
 	void makeArrays( CrackView& view ) const;
 	void takeSources( const std::vector<std::uint32_t>& cells, CrackView& view ) const;
@@ -85,6 +90,8 @@ private:
 	void writeNormals( SkinBinding& to, std::size_t first, std::size_t last ) const;
 	void writeRows( SkinBinding& to, std::size_t first, std::size_t last, std::uint32_t entries ) const;
 	void writeRow( const Row& row, std::uint32_t* node, float* weight ) const;
+	void listPlaced( SkinBinding& to, TaskRunner* runner ) const;
+	SkinBinding::Placed placedAt( std::uint32_t vertex ) const;
 
 	const CrackSides* m_sides = nullptr;
 	std::vector<std::uint32_t> m_cellNow; ///< by cell: its number in the body
@@ -94,12 +101,17 @@ private:
 	std::vector<Made> m_made;             ///< room for all; m_count are
 	std::size_t m_cells = 0;              ///< of the body
 	std::uint32_t m_count = 0, m_outerCount = 0, m_normalGroups = 0; ///< vertices, those of the outer surface first
+	std::uint32_t m_outerTriangles = 0;
 	std::vector<Row> m_row;               ///< by vertex
 	std::vector<std::uint32_t> m_vertex;  ///< of the patches at hand
 	std::vector<std::uint32_t> m_local;   ///< of the patches at hand: their vertices' numbers in the body
 	std::vector<SharedRow> m_sharedRow;   ///< while the inside is numbered by itself
 	std::unique_ptr<CrackGatherer> m_inner; ///< numbers the inside meanwhile
 	std::vector<Vec3> m_area;             ///< by group of normals, where points are shaded anew: of the outer surface
+	/// Of the outer surface: vertices within whole panels, and the others; SkinBinding::shading, if any are. Room for all and one, not written before.
+	std::unique_ptr<std::uint32_t[]> m_placed, m_blended;
+	std::unique_ptr<std::array<std::uint32_t, 3>[]> m_shading;
+	std::size_t m_placedCount = 0, m_blendedCount = 0, m_shadingCount = 0, m_outerRoom = 0, m_shadingRoom = 0;
 };
 
 } // namespace pliant

@@ -55,6 +55,7 @@ void CrackGatherer::write( const std::vector<std::uint32_t>& cells, const Vec3& 
 		}
 	};
 	runTasks( runner, rows.shares() + vertices.shares() + 1, task );
+	listPlaced( to, runner );
 	const std::uint32_t last = m_row.empty() ? 0 : m_row.back().vertex + 1;
 	std::fill( to.start.begin() + last, to.start.end(), sum );
 	for ( const std::uint32_t cell : cells )
@@ -120,7 +121,8 @@ void CrackGatherer::writeNormals( SkinBinding& to, std::size_t first, std::size_
 		const CrackPatches::Look& look = patches.look[m_made[k].vertex];
 		const Vec3& normal = m_sides->complex().vertexNormal[look.kind];
 		to.restNormal[k] = normal;
-		to.normalShift[k] = m_sides->isShadedAnew( look.point ) ? CrackSurface::normalShift( normal, m_area[m_made[k].normalGroup] ) : patches.normalShift[look.kind];
+		const bool isAnew = m_sides->isShadedAnew( look.point ) && !m_sides->panels().isPlaced( look.point );
+		to.normalShift[k] = isAnew ? CrackSurface::normalShift( normal, m_area[m_made[k].normalGroup] ) : patches.normalShift[look.kind];
 	}
 	Vec3 inside[6];
 	for ( std::uint32_t side = 0; side < 6; ++side )

@@ -1,3 +1,4 @@
+#include "surface/four_floats.h"
 #include "surface/skin_fade.h"
 #include "surface/skinning.h"
 
@@ -10,66 +11,12 @@ namespace pliant {
 
 namespace {
 
-/// Four floats as every compiler we build with has them; where the processor has no such registers, as four.
-using F4 = float __attribute__( ( vector_size( 16 ), may_alias ) );
-
-/// A node's affine map from rest to now: three rows of F | x - F x0.
-constexpr int kMapFloats = 12;
-
-/// Sum of ( s - 1 )^2 over a gradient's singular values up to which the skin follows it; beyond four times that, not at all.
-constexpr float kSoundStrain = 0.5f;
-
 /// Vertices or nodes of one task.
 constexpr int kChunk = 2048;
 
 int chunkCount( std::size_t items )
 {
 	return int( ( items + kChunk - 1 ) / kChunk );
-}
-
-F4 load4( const float* p )
-{
-	return *reinterpret_cast<const F4*>( p );
-}
-
-void store4( float* p, F4 a )
-{
-	*reinterpret_cast<F4*>( p ) = a;
-}
-
-using Matrix3fRows = Eigen::Matrix<float, 3, 3, Eigen::RowMajor>;
-
-/// A node's stretch as its neighbours show it; where that is crushed, turned inside out or torn, what its region would have it be: R S_p.
-Eigen::Matrix3f soundGradient( const float* nine, const Eigen::Matrix3f& wanted )
-{
-	const Eigen::Matrix3f f = Eigen::Map<const Matrix3fRows>( nine );
-	const float strain = ( f - wanted ).squaredNorm();
-	const float share = strain < kSoundStrain ? 1.0f : strain < 4.0f * kSoundStrain ? ( 4.0f * kSoundStrain - strain ) / ( 3.0f * kSoundStrain ) : 0.0f;
-	return wanted + share * ( share > 0.0f ? Eigen::Matrix3f( f - wanted ) : Eigen::Matrix3f( Eigen::Matrix3f::Zero() ) );
-}
-
-void fillMaps( const NodeState& state, const SkinPose& pose, float* maps, int first, int last )
-{
-	for ( int i = first; i < last; ++i )
-	{
-		const float* const rotation = pose.rotations + 4 * std::size_t( i );
-		Eigen::Matrix3f r = Eigen::Quaternionf( rotation[3], rotation[0], rotation[1], rotation[2] ).toRotationMatrix();
-		if ( pose.flow )
-		{
-			// T = [R S_p , c - R S_p c0]   (Steinemann et al. 2008, below eq. 10)
-			r *= Eigen::Map<const Matrix3fRows>( pose.flow + 9 * std::size_t( i ) );
-		}
-		if ( pose.gradients )
-		{
-			r = soundGradient( pose.gradients + 9 * std::size_t( i ), r );
-		}
-		const Vec3 shift = state.x.get( i ) - r * state.x0.get( i );
-		float* to = maps + std::size_t( i ) * kMapFloats;
-		for ( int row = 0; row < 3; ++row )
-		{
-			store4( to + 4 * row, F4{ r( row, 0 ), r( row, 1 ), r( row, 2 ), shift[row] } );
-		}
-	}
 }
 
 /// The blend of the maps a vertex follows.
@@ -84,7 +31,7 @@ struct Blend
 		for ( std::uint32_t k = binding.start[carrier]; k < binding.start[carrier + 1]; ++k )
 		{
 			const std::uint32_t node = slot ? slot[binding.node[k]] : binding.node[k];
-			const float* map = maps + std::size_t( node ) * kMapFloats;
+			const float* map = maps + std::size_t( node ) * kSkinMapFloats;
 			const float weight = binding.weight[k];
 			x += weight * load4( map );
 			y += weight * load4( map + 4 );
@@ -114,11 +61,38 @@ bool isShifted( const SkinBinding& binding, std::size_t vertex )
 	return vertex < binding.normalShift.size() && !binding.normalShift[vertex].isZero( 0.0f );
 }
 
-/// x = sum w ( x_n + R_n ( X - x0_n ) )   (Steinemann et al. 2008, section 7): the maps are blended first, then applied once.
-void writePositions( const SkinBinding& binding, const std::uint32_t* slot, SkinScratch& scratch, float* positions, std::size_t first, std::size_t last )
+struct AllNumbers
 {
-	for ( std::size_t v = first; v < last; ++v )
+	std::size_t operator[]( std::size_t k ) const { return k; }
+};
+
+/// Entries first to last - 1 of a list of vertices.
+template <class Numbers>
+struct Some
+{
+	Numbers number;
+	std::size_t first, last;
+};
+
+/// work( some ), a task each, of the vertices that follow their rows: all, where none is placed.
+template <class Work>
+void forBlended( const SkinBinding& binding, TaskRunner* runner, Work&& work )
+{
+	const std::size_t count = binding.blended.empty() ? binding.restPosition.size() : binding.blended.size();
+	auto task = [&]( int chunk ) {
+		const std::size_t first = std::size_t( chunk ) * kChunk, last = std::min( count, first + kChunk );
+		binding.blended.empty() ? work( Some<AllNumbers>{ {}, first, last } ) : work( Some<const std::uint32_t*>{ binding.blended.data(), first, last } );
+	};
+	runTasks( runner, chunkCount( count ), task );
+}
+
+/// x = sum w ( x_n + R_n ( X - x0_n ) )   (Steinemann et al. 2008, section 7): the maps are blended first, then applied once.
+template <class Numbers>
+void writePositions( const SkinBinding& binding, const std::uint32_t* slot, SkinScratch& scratch, float* positions, const Some<Numbers>& some )
+{
+	for ( std::size_t k = some.first; k < some.last; ++k )
 	{
+		const std::size_t v = some.number[k];
 		const bool isCarried = binding.carrierOf( v ) != v;
 		if ( isCarried && !isShifted( binding, v ) )
 		{
@@ -148,6 +122,22 @@ void writePositions( const SkinBinding& binding, const std::uint32_t* slot, Skin
 	}
 }
 
+/// x = sum w_k x_k over the corners of the triangle it lies in, once they have their places.
+void placeFromCorners( const SkinBinding& binding, SkinScratch& scratch, float* positions, std::size_t first, std::size_t last )
+{
+	const auto at = [&scratch]( std::uint32_t vertex ) { return load4( scratch.position.data() + 4 * std::size_t( vertex ) ); };
+	for ( std::size_t k = first; k < last; ++k )
+	{
+		const SkinBinding::Placed& of = binding.placed[k];
+		if ( binding.carrierOf( of.vertex ) == of.vertex )
+		{
+			const F4 x = ( of.weight[0] * at( of.corner[0] ) + of.weight[1] * at( of.corner[1] ) ) + of.weight[2] * at( of.corner[2] );
+			store4( scratch.position.data() + 4 * std::size_t( of.vertex ), x );
+			write3( positions + 3 * std::size_t( of.vertex ), x );
+		}
+	}
+}
+
 /// Once all others have their places.
 void writeCarried( const SkinBinding& binding, SkinScratch& scratch, float* positions, std::size_t first, std::size_t last )
 {
@@ -168,12 +158,9 @@ F4 cross( F4 a, F4 b )
 	return __builtin_shufflevector( c, c, 1, 2, 0, 3 );
 }
 
-/// Each triangle's normal times twice its area goes to its three corners' groups. In the triangles' order, in one thread: the sums'
-/// bits do not depend on the threads.
-void sumNormals( const SkinBinding& binding, const SkinTriangles& triangles, const float* positions, float* sums )
+/// Each triangle's normal times twice its area goes to its three corners' groups.
+void addAreas( const std::uint32_t* group, const SkinTriangles& triangles, const float* positions, float* sums )
 {
-	const std::uint32_t* group = binding.normalGroup.data();
-	std::fill( sums, sums + 4 * std::size_t( binding.normalGroups ), 0.0f );
 	for ( int t = 0; t < triangles.count; ++t )
 	{
 		const std::uint32_t* corner = triangles.indices + 3 * std::size_t( t );
@@ -185,6 +172,19 @@ void sumNormals( const SkinBinding& binding, const SkinTriangles& triangles, con
 			store4( sum, load4( sum ) + area );
 		}
 	}
+}
+
+/// In the triangles' order, in one thread: the sums' bits do not depend on the threads.
+void sumNormals( const SkinBinding& binding, const SkinTriangles& triangles, const float* positions, float* sums )
+{
+	const std::uint32_t* const group = binding.normalGroup.data();
+	std::fill( sums, sums + 4 * std::size_t( binding.normalGroups ), 0.0f );
+	if ( !binding.shading.empty() )
+	{
+		addAreas( group, { binding.shading.front().data(), int( binding.shading.size() ) }, positions, sums );
+	}
+	const int first = int( binding.shadedTriangles );
+	addAreas( group, { triangles.indices + 3 * std::size_t( first ), triangles.count - first }, positions, sums );
 }
 
 /// A direction that turns along with the vertex's nodes.
@@ -226,30 +226,40 @@ struct Four
 		z = __builtin_shufflevector( ab1, cd1, 0, 1, 4, 5 );
 	}
 	F4 length() const { return rootOf( ( x * x + y * y ) + z * z ); }
+	/// False, with nothing done, where one of them is zero.
+	bool normalize()
+	{
+		const F4 l = length();
+		const bool isGood = l[0] > 0.0f && l[1] > 0.0f && l[2] > 0.0f && l[3] > 0.0f;
+		if ( isGood )
+		{
+			x /= l;
+			y /= l;
+			z /= l;
+		}
+		return isGood;
+	}
+	F4 operator[]( std::size_t k ) const { return F4{ x[k], y[k], z[k], 0.0f }; }
 };
 
-/// Normals of vertices v to v + 3, to the bit what they are one by one. False where one of them has none to begin with, or shifts end among them.
-bool writeFourNormals( const SkinBinding& binding, const SkinScratch& scratch, float* normals, std::size_t v )
+/// Normals of four vertices, to the bit what they are one by one. False where one of them has none to begin with, or shifts end among them.
+bool writeFourNormals( const SkinBinding& binding, const SkinScratch& scratch, float* normals, const std::array<std::size_t, 4>& v )
 {
 	const std::size_t shifted = binding.normalShift.size();
-	if ( v < shifted && v + 4 > shifted )
+	if ( v[0] < shifted && v[3] >= shifted )
 	{
 		return false;
 	}
 	const auto sumOf = [&]( std::size_t vertex ) { return load4( scratch.groupNormal.data() + 4 * std::size_t( binding.normalGroup[vertex] ) ); };
-	Four n( sumOf( v ), sumOf( v + 1 ), sumOf( v + 2 ), sumOf( v + 3 ) );
-	const F4 length = n.length();
-	if ( !( length[0] > 0.0f && length[1] > 0.0f && length[2] > 0.0f && length[3] > 0.0f ) )
+	Four n( sumOf( v[0] ), sumOf( v[1] ), sumOf( v[2] ), sumOf( v[3] ) );
+	if ( !n.normalize() )
 	{
 		return false;
 	}
-	n.x /= length;
-	n.y /= length;
-	n.z /= length;
-	if ( v < binding.normalShift.size() )
+	if ( v[0] < shifted )
 	{
-		const float* const from = scratch.turnedShift.data() + 4 * v;
-		const Four shift( load4( from ), load4( from + 4 ), load4( from + 8 ), load4( from + 12 ) );
+		const auto shiftOf = [&]( std::size_t vertex ) { return load4( scratch.turnedShift.data() + 4 * vertex ); };
+		const Four shift( shiftOf( v[0] ), shiftOf( v[1] ), shiftOf( v[2] ), shiftOf( v[3] ) );
 		Four turned = n;
 		turned.x += shift.x;
 		turned.y += shift.y;
@@ -262,21 +272,24 @@ bool writeFourNormals( const SkinBinding& binding, const SkinScratch& scratch, f
 	}
 	for ( std::size_t k = 0; k < 4; ++k )
 	{
-		write3( normals + 3 * ( v + k ), F4{ n.x[k], n.y[k], n.z[k], 0.0f } );
+		write3( normals + 3 * v[k], n[k] );
 	}
 	return true;
 }
 
-void writeNormals( const SkinBinding& binding, const std::uint32_t* slot, const SkinScratch& scratch, float* normals, std::size_t first, std::size_t last )
+template <class Numbers>
+void writeNormals( const SkinBinding& binding, const std::uint32_t* slot, const SkinScratch& scratch, float* normals, const Some<Numbers>& some )
 {
 	const float* const maps = scratch.nodeMap.data();
-	for ( std::size_t v = first; v < last; ++v )
+	const Numbers& at = some.number;
+	for ( std::size_t k = some.first; k < some.last; ++k )
 	{
-		if ( v % 4 == 0 && v + 4 <= last && writeFourNormals( binding, scratch, normals, v ) )
+		if ( k % 4 == 0 && k + 4 <= some.last && writeFourNormals( binding, scratch, normals, { at[k], at[k + 1], at[k + 2], at[k + 3] } ) )
 		{
-			v += 3;
+			k += 3;
 			continue;
 		}
+		const std::size_t v = at[k];
 		const F4 sum = load4( scratch.groupNormal.data() + 4 * std::size_t( binding.normalGroup[v] ) );
 		const float length = lengthOf( sum );
 		F4 normal = length > 0.0f ? sum / length : turnedNormal( binding, maps, slot, v );
@@ -290,21 +303,46 @@ void writeNormals( const SkinBinding& binding, const std::uint32_t* slot, const 
 	}
 }
 
-} // namespace
-
-void skinMaps( const NodeState& state, const SkinPose& pose, float* maps )
+/// n = sum w_k n_k / | sum w_k n_k |, as a renderer shades between the corners of a triangle; the first one's, where they cancel.
+void shadeFromCorners( const SkinBinding& binding, float* normals, std::size_t first, std::size_t last )
 {
-	fillMaps( state, pose, maps, 0, state.count );
-	if ( pose.fade )
+	const auto at = [normals]( std::uint32_t vertex ) {
+		const float* const n = normals + 3 * std::size_t( vertex );
+		return F4{ n[0], n[1], n[2], 0.0f };
+	};
+	const SkinBinding::Placed* const of = binding.placed.data();
+	const auto sumOf = [&]( std::size_t k ) { return ( of[k].weight[0] * at( of[k].corner[0] ) + of[k].weight[1] * at( of[k].corner[1] ) ) + of[k].weight[2] * at( of[k].corner[2] ); };
+	for ( std::size_t k = first; k < last; ++k )
 	{
-		pose.fade->ease( state, maps );
+		const std::size_t end = std::min( k + 4, last );
+		Four n( sumOf( k ), sumOf( std::min( k + 1, end - 1 ) ), sumOf( std::min( k + 2, end - 1 ) ), sumOf( end - 1 ) );
+		if ( n.normalize() )
+		{
+			for ( std::size_t i = 0; k + i < end; ++i )
+			{
+				write3( normals + 3 * std::size_t( of[k + i].vertex ), n[i] );
+			}
+			k = end - 1;
+			continue;
+		}
+		const F4 sum = sumOf( k );
+		const float length = lengthOf( sum );
+		write3( normals + 3 * std::size_t( of[k].vertex ), length > 0.0f ? sum / length : at( of[k].corner[0] ) );
 	}
 }
 
-void skinMaps( const NodeState& state, const SkinPose& pose, float* maps, int first, int last )
+/// work( first, last ), a task each, of the vertices that are placed.
+template <class Work>
+void forPlaced( const SkinBinding& binding, TaskRunner* runner, Work&& work )
 {
-	fillMaps( state, pose, maps, first, last );
+	auto task = [&]( int chunk ) {
+		const std::size_t first = std::size_t( chunk ) * kChunk;
+		work( first, std::min( binding.placed.size(), first + kChunk ) );
+	};
+	runTasks( runner, chunkCount( binding.placed.size() ), task );
 }
+
+} // namespace
 
 void skin( const SkinBinding& binding, const NodeState& state, const float* rotations, const SkinTriangles& triangles, SkinScratch& scratch,
 	float* positions, float* normals, TaskRunner* runner )
@@ -322,12 +360,12 @@ void skin( const SkinBinding& binding, const NodeState& state, const SkinPose& p
 		return;
 	}
 	const std::size_t vertices = binding.restPosition.size();
-	scratch.nodeMap.resize( std::size_t( state.count ) * kMapFloats );
+	scratch.nodeMap.resize( std::size_t( state.count ) * kSkinMapFloats );
 	scratch.position.resize( vertices * 4 );
 	scratch.turnedShift.resize( binding.normalShift.size() * 4 );
 	scratch.groupNormal.resize( std::size_t( binding.normalGroups ) * 4 );
 	auto maps = [&]( int chunk ) {
-		fillMaps( state, pose, scratch.nodeMap.data(), chunk * kChunk, std::min( state.count, ( chunk + 1 ) * kChunk ) );
+		skinMaps( state, pose, scratch.nodeMap.data(), chunk * kChunk, std::min( state.count, ( chunk + 1 ) * kChunk ) );
 	};
 	runTasks( runner, chunkCount( std::size_t( state.count ) ), maps );
 	if ( pose.fade )
@@ -335,22 +373,23 @@ void skin( const SkinBinding& binding, const NodeState& state, const SkinPose& p
 		pose.fade->ease( state, scratch.nodeMap.data() );
 	}
 
-	const auto begin = []( int chunk ) { return std::size_t( chunk ) * kChunk; };
-	const auto end = [&]( int chunk ) { return std::min( vertices, begin( chunk + 1 ) ); };
-	auto place = [&]( int chunk ) { writePositions( binding, pose.slotOfCell, scratch, positions, begin( chunk ), end( chunk ) ); };
-	runTasks( runner, chunkCount( vertices ), place );
+	forBlended( binding, runner, [&]( const auto& some ) { writePositions( binding, pose.slotOfCell, scratch, positions, some ); } );
 	if ( pose.fade )
 	{
 		pose.fade->addTo( positions, scratch.position.data(), pose.body );
 	}
+	forPlaced( binding, runner, [&]( std::size_t first, std::size_t last ) { placeFromCorners( binding, scratch, positions, first, last ); } );
 	if ( !binding.carrier.empty() )
 	{
-		auto carry = [&]( int chunk ) { writeCarried( binding, scratch, positions, begin( chunk ), end( chunk ) ); };
+		auto carry = [&]( int chunk ) {
+			const std::size_t first = std::size_t( chunk ) * kChunk;
+			writeCarried( binding, scratch, positions, first, std::min( vertices, first + kChunk ) );
+		};
 		runTasks( runner, chunkCount( vertices ), carry );
 	}
 	sumNormals( binding, triangles, scratch.position.data(), scratch.groupNormal.data() );
-	auto orient = [&]( int chunk ) { writeNormals( binding, pose.slotOfCell, scratch, normals, begin( chunk ), end( chunk ) ); };
-	runTasks( runner, chunkCount( vertices ), orient );
+	forBlended( binding, runner, [&]( const auto& some ) { writeNormals( binding, pose.slotOfCell, scratch, normals, some ); } );
+	forPlaced( binding, runner, [&]( std::size_t first, std::size_t last ) { shadeFromCorners( binding, normals, first, last ); } );
 }
 
 } // namespace pliant

@@ -7,6 +7,7 @@
 #include "pliant/body_template.h"
 #include "pliant/mesh.h"
 
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -34,6 +35,21 @@ struct SkinBinding
 	std::vector<std::uint32_t> carrier;
 	/// Per vertex: the point of the CellComplex where it stands. Empty: of none.
 	std::vector<std::uint32_t> point;
+
+	/// Stands in a triangle of the input that no crack parts (Panels): place and normal are those of the triangle's corners, in these shares. Its row is
+	/// kept, but not asked.
+	struct Placed
+	{
+		std::uint32_t vertex;
+		std::array<std::uint32_t, 3> corner; ///< vertices that carry others, or go alone, and are not placed themselves
+		std::array<float, 3> weight;
+		bool operator==( const Placed& ) const = default;
+	};
+	std::vector<Placed> placed;         ///< ascending
+	std::vector<std::uint32_t> blended; ///< all others, ascending; empty where none is placed
+	/// What adds to normals in place of the first so many drawn triangles: the same with their pieces put together again.
+	std::vector<std::array<std::uint32_t, 3>> shading;
+	std::uint32_t shadedTriangles = 0;
 
 	Vec3 normalShiftOf( std::size_t vertex ) const { return vertex < normalShift.size() ? normalShift[vertex] : Vec3( Vec3::Zero() ); }
 	std::uint32_t carrierOf( std::size_t vertex ) const { return carrier.empty() ? std::uint32_t( vertex ) : carrier[vertex]; }

@@ -32,7 +32,23 @@ Corner cornerOf( const SkinBinding& b, const float* texture, std::uint32_t v )
 		corner.push_back( float( b.node[k] ) );
 		corner.push_back( b.weight[k] );
 	}
+	const auto placed = std::lower_bound( b.placed.begin(), b.placed.end(), v, []( const SkinBinding::Placed& a, std::uint32_t wanted ) { return a.vertex < wanted; } );
+	for ( std::size_t k = 0; placed != b.placed.end() && placed->vertex == v && k < 3; ++k )
+	{
+		corner.insert( corner.end(), { -1.0f, float( b.point[placed->corner[k]] ), placed->weight[k] } );
+	}
 	return corner;
+}
+
+/// What adds to normals, by points: sums are the same to the bit only in the same order.
+std::vector<Corner> shadingOf( const SkinBinding& b )
+{
+	std::vector<Corner> shading = { { float( b.shadedTriangles ), float( b.placed.size() ), float( b.blended.size() ) } };
+	for ( const auto& [x, y, z] : b.shading )
+	{
+		shading.push_back( { float( b.point[x] ), float( b.point[y] ), float( b.point[z] ) } );
+	}
+	return shading;
 }
 
 /// Triangles in an order of their own, each beginning with its least corner.
@@ -51,6 +67,7 @@ Drawing drawingOf( const SkinBinding& b, const std::array<std::uint32_t, 3>* tri
 		drawing.push_back( corners );
 	}
 	std::sort( drawing.begin(), drawing.end() );
+	drawing.push_back( shadingOf( b ) );
 	return drawing;
 }
 
@@ -233,7 +250,7 @@ TEST_P( Families, ABodySharedOutIsWhatOneThreadMakes )
 	const CrackCase it( makeSphere( 1.0, 24, 36 ), 0.16, noisy( GetParam() ) );
 	const std::unique_ptr<TaskRunner> runner = createThreadPool( 3 );
 	Torn one( it ), several( it );
-	std::size_t most = 0;
+	std::size_t most = 0, placed = 0;
 	CrackView shared; // keeps what it was for as long as it can
 	for ( unsigned round = 1; round < 3; ++round )
 	{
@@ -258,11 +275,17 @@ TEST_P( Families, ABodySharedOutIsWhatOneThreadMakes )
 			EXPECT_EQ( a.normalGroups, b.normalGroups );
 			EXPECT_EQ( a.carrier, b.carrier );
 			EXPECT_EQ( a.point, b.point );
+			EXPECT_EQ( a.placed, b.placed );
+			EXPECT_EQ( a.blended, b.blended );
+			EXPECT_EQ( a.shading, b.shading );
+			EXPECT_EQ( a.shadedTriangles, b.shadedTriangles );
+			placed += a.placed.size();
 			most = std::max( most, a.restPosition.size() );
 		}
 		EXPECT_TRUE( several.isInPatches() );
 	}
 	EXPECT_GT( most, 2048u ); // several shares
+	EXPECT_GT( placed, 100u );
 }
 
 /// Where rows are found by the points of the cells they follow, none is missed, and most others are left out.
