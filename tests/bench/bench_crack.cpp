@@ -2,10 +2,14 @@
 
 #include "lattice/build_lattice.h"
 #include "lattice/test_meshes.h"
+#include "support/block_body.h"
 #include "surface/cell_complex.h"
 #include "surface/crack_surface.h"
 
 #include <benchmark/benchmark.h>
+
+#include <algorithm>
+#include <iterator>
 
 namespace pliant {
 namespace {
@@ -22,9 +26,9 @@ struct Broken
 	std::vector<std::vector<std::uint32_t>> slabs; ///< eight, along x
 	std::vector<std::uint32_t> faces;              ///< between them
 
-	explicit Broken( bool isNoisy )
+	explicit Broken( bool isNoisy, int cells = 2000 )
 	{
-		build.targetCells = 2000;
+		build.targetCells = cells;
 		built = buildLattice( mesh.view(), build );
 		skinning = bindSkin( mesh.view(), lattice(), built.value.weldedVertex, Skinning::NearbyNodes );
 		settings.noiseAmplitude = isNoisy ? 0.3f : 0.0f;
@@ -106,6 +110,57 @@ void takePieces( benchmark::State& state )
 	}
 }
 BENCHMARK( takePieces )->Arg( 0 )->Arg( 1 )->Unit( benchmark::kMicrosecond );
+
+enum class Shown : int
+{
+	Whole,  ///< no crack yet: the input's vertices
+	Placed, ///< cracked across the middle, what no crack parts is placed
+	Blended ///< the same with every vertex blended from its cells
+};
+
+/// The skin of a body of 500 cells that is turned and bent a little.
+void crackedSkin( benchmark::State& state )
+{
+	const Shown shown = Shown( state.range( 0 ) );
+	const Broken body( true, 500 );
+	CrackSurface surface( body.complex );
+	std::vector<std::uint32_t> across;
+	std::copy_if( body.faces.begin(), body.faces.end(), std::back_inserter( across ), [&body]( std::uint32_t f ) {
+		return body.slabOf( body.complex->face[f].cellA ) / 4 != body.slabOf( body.complex->face[f].cellB ) / 4;
+	} );
+	surface.breakFaces( across );
+	surface.settle();
+	SkinBinding binding = shown == Shown::Whole ? body.skinning : surface.binding();
+	if ( shown == Shown::Blended )
+	{
+		binding.placed.clear();
+		binding.blended.clear();
+		binding.shading.clear();
+		binding.shadedTriangles = 0;
+	}
+	NodeState nodes = test::restNodes( body.lattice() );
+	std::vector<float> rotations( 4 * std::size_t( nodes.count ) );
+	for ( int i = 0; i < nodes.count; ++i )
+	{
+		const Eigen::Quaternionf turn( Eigen::AngleAxisf( 0.2f * nodes.x0.z[i], Vec3::UnitZ() ) );
+		nodes.x.set( i, turn * nodes.x0.get( i ) );
+		Eigen::Map<Eigen::Vector4f>( rotations.data() + 4 * i ) = turn.coeffs();
+	}
+	const SkinTriangles triangles = shown == Shown::Whole ? SkinTriangles{ body.mesh.indices.data(), int( body.mesh.triangleCount() ) }
+	                                                      : SkinTriangles{ surface.triangles().front().data(), int( surface.triangles().size() ) };
+	SkinScratch scratch;
+	std::vector<float> positions( 3 * binding.restPosition.size() ), normals( positions.size() );
+	for ( auto _ : state )
+	{
+		skin( binding, nodes, rotations.data(), triangles, scratch, positions.data(), normals.data() );
+		benchmark::DoNotOptimize( normals.data() );
+		benchmark::ClobberMemory();
+	}
+	state.counters["vertices"] = double( binding.restPosition.size() );
+	state.counters["placed"] = double( binding.placed.size() );
+	state.counters["triangles"] = triangles.count;
+}
+BENCHMARK( crackedSkin )->ArgName( "shown" )->DenseRange( 0, 2 )->Unit( benchmark::kMicrosecond );
 
 } // namespace
 } // namespace pliant
