@@ -226,7 +226,7 @@ void SkinFade::ease( const NodeState& nodes, float* maps ) const
 	}
 }
 
-// Vertices that go with another stand where it stands: only those that carry are looked at.
+// Vertices that go with another stand where it stands, and those within a panel where its corners put them: only the others are looked at.
 void SkinFade::start( const SkinBinding& binding, const Nodes& nodes )
 {
 	m_diagonal = m_diagonal > 0.0 ? m_diagonal : diagonalOf( binding.restPosition );
@@ -248,7 +248,8 @@ void SkinFade::start( const SkinBinding& binding, const Nodes& nodes )
 		}
 	}
 	const bool areNamed = nodes.complex && !binding.point.empty();
-	const std::vector<char> rowChanged = areNamed ? rowsAtPointsOf( binding, cellChanged, *nodes.complex, *nodes.cellsThere ) : rowsThatHold( binding, cellChanged );
+	std::vector<char> rowChanged = areNamed ? rowsAtPointsOf( binding, cellChanged, *nodes.complex, *nodes.cellsThere ) : rowsThatHold( binding, cellChanged );
+	std::for_each( binding.placed.begin(), binding.placed.end(), [&rowChanged]( const SkinBinding::Placed& of ) { rowChanged[of.vertex] = 0; } );
 
 	std::vector<std::uint32_t> vertices;
 	std::vector<Vec3> offsets;

@@ -129,7 +129,8 @@ std::vector<float> drawn( const SkinBinding& binding, const Body& body, const Sk
 	return positions;
 }
 
-/// A body that has cracks: right after a change it is drawn where it stood, and rows found by their points give what all rows do, to the bit.
+/// A body that has cracks: right after a change it is drawn where it stood, and rows found by their points give what all rows do, to the bit. What stands in panels that no crack
+/// parts goes with their corners, and needs no offsets.
 TEST( SkinFade, OfACrackedBodyKeepsItWhereItStood )
 {
 	const test::CrackCase it( test::makeBumpySphere( 1.0, 0.1, 30, 40 ), 0.12, test::noisy() );
@@ -137,13 +138,14 @@ TEST( SkinFade, OfACrackedBodyKeepsItWhereItStood )
 	Body& body = *made;
 	CrackSurface surface( it.complex );
 	std::vector<std::uint32_t> faces;
-	for ( std::uint32_t f = 0; f < std::uint32_t( it.complex->face.size() ); f += 9 )
+	for ( std::uint32_t f = 0; f < std::uint32_t( it.complex->face.size() / 2 ); f += 9 )
 	{
 		faces.push_back( f );
 	}
 	surface.breakFaces( faces );
 	surface.settle();
 	const SkinBinding& binding = surface.binding();
+	EXPECT_GT( binding.placed.size(), 500u );
 	const SkinTriangles triangles{ surface.triangles()[0].data(), int( surface.triangles().size() ) };
 	const std::vector<std::uint32_t> same;
 	std::size_t offset = 0;
@@ -172,6 +174,10 @@ TEST( SkinFade, OfACrackedBodyKeepsItWhereItStood )
 		there.start( binding, nodes );
 		const std::vector<float> wanted = offsets( everywhere, binding );
 		EXPECT_EQ( offsets( there, binding ), wanted ) << change;
+		for ( const SkinBinding::Placed& of : binding.placed )
+		{
+			EXPECT_TRUE( Eigen::Map<const Vec3>( &wanted[3 * std::size_t( of.vertex )] ).isZero( 0.0f ) );
+		}
 		now.pose.fade = &there;
 		const std::vector<float> stands = drawn( binding, body, now.pose, triangles );
 		float most = 0.0f;
