@@ -63,8 +63,6 @@ public:
 	std::size_t bytes() const;
 
 private:
-	class Members;
-
 	void measureShares( const RegionTables& tables );
 	void measureDiagonal( const RegionTables& tables );
 	void measureRegions( TaskRunner* runner ); ///< where they are, and their inertias

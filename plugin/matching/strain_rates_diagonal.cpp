@@ -81,10 +81,8 @@ struct Turning
 	}
 };
 
-} // namespace
-
 /// Whom a region has, and whom a node: nodes of region i, or regions of node i, are the same.
-class StrainRates::Members
+class Members
 {
 public:
 	Members( const RegionTables& tables, const MatchView& view ) : m_tables( tables ), m_view( view )
@@ -147,6 +145,8 @@ private:
 	const MatchView& m_view;
 	std::vector<int> m_nodeAt; ///< by lattice position; empty but on the grid
 };
+
+} // namespace
 
 // P's own share of a node i is sum over its regions of g_r a_i / C_i ( 1 / M_r 1 + [d]^T T_r^-1 [d] ), d from the region's centre to it. Its trace is the same
 // however the body is turned: it is taken at rest, once for as long as the regions stay.

@@ -159,10 +159,8 @@ void CrackGatherer::listPlaced( SkinBinding& to, TaskRunner* runner ) const
 			to.placed[std::size_t( k )] = placedAt( m_placed[std::size_t( k )] );
 		}
 	} );
+	listBlended( to, m_count );
 	const bool areAny = m_placedCount > 0;
-	to.blended.assign( m_blended.get(), m_blended.get() + ( areAny ? m_blendedCount : 0 ) );
-	to.blended.resize( areAny ? m_count - m_placedCount : 0 );
-	std::iota( to.blended.begin() + std::ptrdiff_t( areAny ? m_blendedCount : 0 ), to.blended.end(), m_outerCount );
 	to.shading.assign( m_shading.get(), m_shading.get() + ( areAny ? m_shadingCount : 0 ) );
 	to.shadedTriangles = areAny ? m_outerTriangles : 0;
 }

@@ -68,7 +68,6 @@ void CrackGatherer::makeRoom( const std::vector<std::uint32_t>& cells, CrackView
 		m_outerRoom = vertices;
 		m_shadingRoom = triangles;
 		m_placed = std::make_unique_for_overwrite<std::uint32_t[]>( vertices + 1 );
-		m_blended = std::make_unique_for_overwrite<std::uint32_t[]>( vertices + 1 );
 		m_shading = std::make_unique_for_overwrite<std::array<std::uint32_t, 3>[]>( triangles + 1 );
 	}
 }
@@ -96,7 +95,7 @@ void CrackGatherer::begin( std::size_t vertices )
 	m_row.clear();
 	m_sharedRow.clear();
 	m_area.clear();
-	m_placedCount = m_blendedCount = m_shadingCount = 0;
+	m_placedCount = m_shadingCount = 0;
 }
 
 /// Patches first to last - 1 of m_patch.
@@ -322,16 +321,14 @@ void CrackGatherer::takeOuter( std::uint32_t patch, const std::uint32_t* local, 
 	const CrackPatches& patches = m_sides->patches();
 	const WholePanels& panels = m_sides->panels();
 	const std::uint32_t first = patches.patch[patch].firstVertex, count = verticesOf( patch );
-	std::uint32_t *placed = m_placed.get() + m_placedCount, *blended = m_blended.get() + m_blendedCount;
+	std::uint32_t* placed = m_placed.get() + m_placedCount;
 	for ( std::uint32_t k = 0; k < count; ++k )
 	{
 		const unsigned isFresh = local[k] >= fresh ? 1u : 0u, isPlaced = panels.isPlaced( patches.look[first + k].point ) ? 1u : 0u;
-		*placed = *blended = local[k];
+		*placed = local[k];
 		placed += isFresh & isPlaced;
-		blended += isFresh & ( isPlaced ^ 1u );
 	}
 	m_placedCount = std::size_t( placed - m_placed.get() );
-	m_blendedCount = std::size_t( blended - m_blended.get() );
 	std::array<std::uint32_t, 3>* shading = m_shading.get() + m_shadingCount;
 	for ( std::uint32_t t = patches.patch[patch].firstTriangle; t < patches.patch[patch + 1].firstTriangle; ++t, ++m_outerTriangles )
 	{

@@ -108,10 +108,10 @@ private:
 	std::vector<SharedRow> m_sharedRow;   ///< while the inside is numbered by itself
 	std::unique_ptr<CrackGatherer> m_inner; ///< numbers the inside meanwhile
 	std::vector<Vec3> m_area;             ///< by group of normals, where points are shaded anew: of the outer surface
-	/// Of the outer surface: vertices within whole panels, and the others; SkinBinding::shading, if any are. Room for all and one, not written before.
-	std::unique_ptr<std::uint32_t[]> m_placed, m_blended;
+	/// Of the outer surface: vertices within whole panels; SkinBinding::shading, if any are. Room for all and one, not written before.
+	std::unique_ptr<std::uint32_t[]> m_placed;
 	std::unique_ptr<std::array<std::uint32_t, 3>[]> m_shading;
-	std::size_t m_placedCount = 0, m_blendedCount = 0, m_shadingCount = 0, m_outerRoom = 0, m_shadingRoom = 0;
+	std::size_t m_placedCount = 0, m_shadingCount = 0, m_outerRoom = 0, m_shadingRoom = 0;
 };
 
 } // namespace pliant
