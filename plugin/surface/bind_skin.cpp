@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 
 namespace pliant {
 
@@ -243,6 +244,20 @@ SkinBinding bindSkin( const MeshView& mesh, const Lattice& lattice, const std::v
 		binding.restNormal.push_back( spot.outward.isZero( 0.0 ) ? Vec3( Vec3::UnitZ() ) : Vec3( spot.outward.cast<float>() ) );
 	}
 	return binding;
+}
+
+void SkinBinding::listBlended()
+{
+	blended.resize( placed.empty() ? 0 : restPosition.size() - placed.size() );
+	auto to = blended.begin();
+	std::uint32_t next = 0;
+	for ( const Placed& of : placed )
+	{
+		std::iota( to, to + ( of.vertex - next ), next );
+		to += of.vertex - next;
+		next = of.vertex + 1;
+	}
+	std::iota( to, blended.end(), next );
 }
 
 } // namespace pliant

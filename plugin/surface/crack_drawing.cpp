@@ -44,6 +44,8 @@ void CrackSurface::drawAll()
 		if ( m_face[f].isBroken )
 		{
 			m_unsettled.push_back( f );
+			const Table& points = m_complex->pointsOfFace;
+			std::for_each( points.begin( m_face[f].number ), points.end( m_face[f].number ), [this]( std::uint32_t point ) { m_panels.uncover( point ); } );
 			drawSide( m_face[f], true );
 			drawSide( m_face[f], false );
 		}

@@ -104,6 +104,7 @@ void CrackSurface::splitGroups( const std::vector<std::uint32_t>& fresh )
 	for ( const std::uint32_t point : points )
 	{
 		const std::uint32_t first = m_slotStart[point], last = m_slotStart[point + 1];
+		m_panels.uncover( m_point[point] );
 		before.assign( m_slotGroup.begin() + first, m_slotGroup.begin() + last );
 		// A point at which nothing is drawn so far needs no copies: sides are drawn later, into their groups.
 		if ( regroup( point ) && m_firstSide[point] != kNone )

@@ -3,6 +3,7 @@
 #include "surface/crack_surface.h"
 
 #include <algorithm>
+#include <iterator>
 #include <limits>
 
 namespace pliant {
@@ -25,6 +26,7 @@ std::shared_ptr<const CrackPatches> CrackPatches::make( const CrackSurface& whol
 	}
 	made->findAlone();
 	made->numberKinds();
+	made->numberPanels();
 	made->sortIntoClasses();
 	made->addTies();
 	made->normalShift.resize( complex.vertexPoint.size(), Vec3::Zero() );
@@ -151,6 +153,25 @@ void CrackPatches::numberKinds()
 	for ( std::uint32_t v = 0; v < complex->inputVertices; ++v )
 	{
 		numbersOfInput.push_back( numbersOfSlot[complex->cellsOfPoint.start[complex->vertexPoint[v]]] );
+	}
+}
+
+void CrackPatches::numberPanels()
+{
+	std::vector<std::uint16_t> kindAt( complex->vertexPoint.size(), 0 );
+	for ( std::size_t v = 0; v < vertex.size(); ++v )
+	{
+		if ( look[v].kind < CrackSurface::kInside )
+		{
+			kindAt[look[v].kind] = vertex[v].kindAt;
+		}
+	}
+	const auto numberOf = [&]( std::uint32_t v ) { return numbersOfSlot[complex->cellsOfPoint.start[complex->vertexPoint[v]]] + kNumbersOfSide + kindAt[v]; };
+	const Panels& panels = complex->panels;
+	std::transform( panels.border.entry.begin(), panels.border.entry.end(), std::back_inserter( numberOfBorder ), numberOf );
+	for ( const std::array<std::uint32_t, 3>& corner : panels.corner )
+	{
+		numbersOfCorners.push_back( { numberOf( corner[0] ), numberOf( corner[1] ), numberOf( corner[2] ) } );
 	}
 }
 
@@ -285,7 +306,7 @@ void CrackPatches::addLooseTies( std::uint32_t point, const std::vector<std::uin
 std::size_t CrackPatches::bytes() const
 {
 	const auto sizeOf = []( const auto& list ) { return list.size() * sizeof( list[0] ); };
-	return sizeOf( patch ) + sizeOf( vertex ) + sizeOf( look ) + sizeOf( triangle ) + sizeOf( pointOfSlot ) + sizeOf( numbersOfSlot ) + sizeOf( numbersOfInput ) + sizeOf( normalShift ) + sizeOf( classOfPoint ) + sizeOf( classesOfCell.start ) + sizeOf( classesOfCell.entry ) +
+	return sizeOf( patch ) + sizeOf( vertex ) + sizeOf( look ) + sizeOf( triangle ) + sizeOf( pointOfSlot ) + sizeOf( numbersOfSlot ) + sizeOf( numbersOfInput ) + sizeOf( numberOfBorder ) + sizeOf( numbersOfCorners ) + sizeOf( normalShift ) + sizeOf( classOfPoint ) + sizeOf( classesOfCell.start ) + sizeOf( classesOfCell.entry ) +
 		sizeOf( firstOfClass ) + sizeOf( slotTieStart ) + sizeOf( carrierTieStart ) + sizeOf( looseTieStart ) + sizeOf( slotTie ) + sizeOf( carrierTie ) + sizeOf( looseTie ) + sizeOf( bitOfSlot );
 }
 

@@ -63,6 +63,9 @@ public:
 	static constexpr std::uint32_t kNumbersOfSide = 3;
 	/// By vertex of the input: where the side that begins with its point's first slot has its numbers.
 	std::vector<std::uint32_t> numbersOfInput;
+	/// By entry of Panels::border, and by panel, of its corners: the number that its vertex is drawn by, as long as its point's first slot is all its sides.
+	std::vector<std::uint32_t> numberOfBorder;
+	std::vector<std::array<std::uint32_t, 3>> numbersOfCorners;
 	/// By vertex of the complex: how the whole, closed surface shifts its normal (SkinBinding::normalShift).
 	std::vector<Vec3> normalShift;
 
@@ -97,6 +100,7 @@ private:
 	};
 	bool addCorners( const std::array<Corner, 3>& corners );
 	void numberKinds();
+	void numberPanels();
 	void findAlone();
 	void sortIntoClasses();
 	void addTies();

@@ -5,7 +5,6 @@
 #include "threads/parallel.h"
 
 #include <algorithm>
-#include <numeric>
 
 namespace pliant {
 
@@ -13,21 +12,6 @@ namespace {
 
 /// How far ahead of its use memory is asked for that lies anywhere in the template's.
 constexpr int kFar = 24, kNear = 8;
-
-/// All vertices that are not placed; none where all are not.
-void listBlended( SkinBinding& binding, std::size_t vertices )
-{
-	binding.blended.resize( binding.placed.empty() ? 0 : vertices - binding.placed.size() );
-	auto to = binding.blended.begin();
-	std::uint32_t next = 0;
-	for ( const SkinBinding::Placed& of : binding.placed )
-	{
-		std::iota( to, to + ( of.vertex - next ), next );
-		to += of.vertex - next;
-		next = of.vertex + 1;
-	}
-	std::iota( to, binding.blended.end(), next );
-}
 
 } // namespace
 
@@ -90,7 +74,7 @@ void CrackSurface::listPlaced()
 	m_listedVersion = m_version;
 	std::vector<SkinBinding::Placed>& placed = m_binding.placed;
 	placed.erase( std::remove_if( placed.begin(), placed.end(), [this]( const SkinBinding::Placed& of ) { return !isPlaced( m_vertex[of.vertex] ); } ), placed.end() );
-	listBlended( m_binding, m_vertex.size() );
+	m_binding.listBlended();
 	listShading();
 }
 
@@ -159,7 +143,7 @@ void CrackGatherer::listPlaced( SkinBinding& to, TaskRunner* runner ) const
 			to.placed[std::size_t( k )] = placedAt( m_placed[std::size_t( k )] );
 		}
 	} );
-	listBlended( to, m_count );
+	to.listBlended();
 	const bool areAny = m_placedCount > 0;
 	to.shading.assign( m_shading.get(), m_shading.get() + ( areAny ? m_shadingCount : 0 ) );
 	to.shadedTriangles = areAny ? m_outerTriangles : 0;

@@ -156,6 +156,7 @@ void CrackSides::partPanels()
 	std::vector<std::uint32_t> anew;
 	for ( std::size_t k = 0; k < m_found.size() && m_panels.arePlaced(); ++k )
 	{
+		m_panels.uncover( m_found[k] );
 		if ( m_isSplit[m_found[k]] != 0 )
 		{
 			m_panels.part( m_found[k], anew );

@@ -19,6 +19,7 @@
 namespace pliant {
 
 class BladePath;
+struct CrackView;
 
 /// Where an ascending list holds `wanted`; CellComplex::kNone: nowhere.
 std::uint32_t numberIn( const std::vector<std::uint32_t>& list, std::uint32_t wanted );
@@ -77,6 +78,9 @@ public:
 	void textureCoordinates( const float* input, std::uint32_t first, float* out ) const;
 	/// The same of one copy of a point.
 	static void textureOf( const CellComplex& complex, std::uint32_t point, std::uint32_t kind, const float* input, float* out );
+
+	/// The same once settled, but panels that are one as the input has them, without what is drawn by nothing then. `texture`: u, v of all vertices.
+	void showPanelsAsOne( const float* texture, CrackView& view ) const;
 
 	/// SkinBinding::normalShift of a vertex that is to have `normal` where its triangles' areas sum to `area`.
 	static Vec3 normalShift( const Vec3& normal, const Vec3& area );
@@ -180,6 +184,8 @@ private:
 	std::uint32_t carrierAt( std::uint32_t input ) const;
 	void listPlaced();
 	void listShading();
+	std::uint32_t vertexOf( std::uint32_t kind ) const;
+	void drawAsOne( CrackView& view ) const;
 
 	void addUnheld( std::vector<std::uint32_t>& fresh );
 	void splitGroups( const std::vector<std::uint32_t>& fresh );

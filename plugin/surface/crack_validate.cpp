@@ -135,10 +135,15 @@ Status CrackSurface::validateBinding() const
 
 Status CrackSurface::validatePanels() const
 {
-	return m_panels.validate( [this]( std::uint32_t point ) {
+	const auto isParted = [this]( std::uint32_t point ) {
 		const std::uint32_t local = localPoint( point );
 		return local != kNone && ( m_groups[local] != 1 || m_slotStart[local + 1] - m_slotStart[local] != m_complex->cellsOfPoint.size( point ) );
-	} );
+	};
+	const auto isPassed = [this]( std::uint32_t point ) {
+		const Table& faces = m_complex->facesOfPoint;
+		return std::any_of( faces.begin( point ), faces.end( point ), [this]( std::uint32_t face ) { return localFace( face ) != kNone && isBroken( face ); } );
+	};
+	return m_panels.validate( isParted, isPassed );
 }
 
 Status CrackSurface::validatePlaced() const
@@ -300,10 +305,15 @@ Status validate( const CrackSides& sides )
 			}
 		}
 	}
-	return sides.m_panels.validate( [&sides]( std::uint32_t point ) {
+	const auto isParted = [&sides]( std::uint32_t point ) {
 		const std::uint32_t *const start = sides.complex().cellsOfPoint.start.data(), first = start[point];
 		return std::any_of( sides.m_side.begin() + first, sides.m_side.begin() + start[point + 1], [first]( std::uint32_t side ) { return side != first; } );
-	} );
+	};
+	const auto isPassed = [&sides]( std::uint32_t point ) {
+		const Table& faces = sides.complex().facesOfPoint;
+		return std::any_of( faces.begin( point ), faces.end( point ), [&sides]( std::uint32_t face ) { return sides.isBroken( face ); } );
+	};
+	return sides.m_panels.validate( isParted, isPassed );
 }
 
 } // namespace pliant

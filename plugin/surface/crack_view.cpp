@@ -27,7 +27,7 @@ void CrackGatherer::gather( const CrackSides& sides, const std::vector<std::uint
 	}
 	else
 	{
-		number( 0, m_patch.size(), view.ownTriangles.data() );
+		view.ownTriangles.resize( std::size_t( number( 0, m_patch.size(), view.ownTriangles.data() ) - view.ownTriangles.data() ) );
 	}
 	write( cells, shift, view, runner );
 	view.binding = &view.ownBinding;
@@ -96,10 +96,12 @@ void CrackGatherer::begin( std::size_t vertices )
 	m_sharedRow.clear();
 	m_area.clear();
 	m_placedCount = m_shadingCount = 0;
+	m_panelTriangle.clear();
+	m_panelSource.clear();
 }
 
 /// Patches first to last - 1 of m_patch.
-void CrackGatherer::number( std::size_t first, std::size_t last, std::array<std::uint32_t, 3>* triangles )
+std::array<std::uint32_t, 3>* CrackGatherer::number( std::size_t first, std::size_t last, std::array<std::uint32_t, 3>* triangles )
 {
 	for ( std::size_t k = first; k < last; )
 	{
@@ -118,9 +120,13 @@ void CrackGatherer::number( std::size_t first, std::size_t last, std::array<std:
 			}
 			local += verticesOf( m_patch[k] );
 		}
-		m_outerCount = k <= m_cells ? m_count : m_outerCount;
+		if ( k == m_cells )
+		{
+			m_outerCount = m_count;
+			triangles = takePanels( triangles );
+		}
 	}
-	takePanels();
+	return triangles;
 }
 
 /// The outer surface in one task, the inside in another, each with numbers of its own.
@@ -138,11 +144,23 @@ void CrackGatherer::numberTogether( CrackView& view, TaskRunner* runner )
 		outer += isOuter( k ) ? patches.patch[m_patch[k] + 1].firstTriangle - patches.patch[m_patch[k]].firstTriangle : 0;
 	}
 	inner.begin( vertices );
+	// Where the outer surface ends is known when it is numbered: before that the inside has its triangles where it would end at most.
+	std::array<std::uint32_t, 3>* end = nullptr;
+	const auto begin = view.ownTriangles.begin();
 	auto task = [&]( int k ) {
-		k == 0 ? number( 0, m_cells, view.ownTriangles.data() ) : inner.number( 0, inner.m_patch.size(), view.ownTriangles.data() + outer );
+		if ( k == 0 )
+		{
+			end = number( 0, m_cells, view.ownTriangles.data() );
+		}
+		else
+		{
+			inner.number( 0, inner.m_patch.size(), view.ownTriangles.data() + outer );
+		}
 	};
 	runTasks( runner, 2, task );
-	append( view.ownTriangles.data() + outer, view.ownTriangles.size() - outer, runner );
+	const std::ptrdiff_t drawn = end - view.ownTriangles.data();
+	view.ownTriangles.erase( begin + drawn, begin + std::ptrdiff_t( outer ) );
+	append( end, view.ownTriangles.size() - std::size_t( drawn ), runner );
 }
 
 /// What has been numbered of the inside, behind the outer surface: sides that it has too are carried there.
@@ -198,6 +216,7 @@ std::size_t CrackGatherer::lookAhead( std::size_t first, std::size_t last )
 	const CrackPatches& patches = m_sides->patches();
 	m_vertex.clear();
 	std::size_t end = first;
+	const bool mayBeSpared = isOuter( first ) && m_sides->panels().arePlaced();
 	for ( ; end < last && m_vertex.size() < kBlock && isOuter( end ) == isOuter( first ); ++end )
 	{
 		const CrackPatches::Patch& soon = patches.patch[m_patch[std::min( end + kFewPatches, m_patch.size() - 1 )]];
@@ -207,18 +226,28 @@ std::size_t CrackGatherer::lookAhead( std::size_t first, std::size_t last )
 		__builtin_prefetch( patches.triangle.data() + soon.firstTriangle + kLine / sizeof( patches.triangle[0] ) );
 		for ( std::uint32_t v = patches.patch[m_patch[end]].firstVertex; v < patches.patch[m_patch[end] + 1].firstVertex; ++v )
 		{
-			m_vertex.push_back( v );
+			const bool isSpared = mayBeSpared && m_sides->panels().isSpared( patches.look[v].point );
+			m_vertex.push_back( isSpared ? kNone : v );
 			m_sides->fetchSide( patches.vertex[v].slot );
 		}
 	}
 	m_local.resize( m_vertex.size() );
 	for ( std::size_t k = 0; k < m_vertex.size(); ++k )
 	{
+		if ( m_vertex[k] == kNone )
+		{
+			m_local[k] = kNone;
+			continue;
+		}
 		m_local[k] = m_sides->sideOf( patches.vertex[m_vertex[k]].slot );
 		__builtin_prefetch( &patches.numbersOfSlot[m_local[k]] );
 	}
 	for ( std::size_t k = 0; k < m_vertex.size(); ++k )
 	{
+		if ( m_vertex[k] == kNone )
+		{
+			continue;
+		}
 		const CrackPatches::Vertex& of = patches.vertex[m_vertex[k]];
 		m_local[k] = patches.numbersOfSlot[m_local[k]];
 		if ( of.isAlone == 0 )
@@ -230,13 +259,18 @@ std::size_t CrackGatherer::lookAhead( std::size_t first, std::size_t last )
 	return end;
 }
 
-/// `local`: of each vertex of the patch where its side's numbers are, then its number in the body.
+/// `local`: of each vertex of the patch where its side's numbers are, then its number in the body; kNone: it is spared. Each triangle is written, and counted if
+/// it is drawn: no branch to foretell.
 std::array<std::uint32_t, 3>* CrackGatherer::takePatch( std::uint32_t patch, std::uint32_t* local, std::array<std::uint32_t, 3>* triangles )
 {
 	const CrackPatches& patches = m_sides->patches();
 	const std::uint32_t first = patches.patch[patch].firstVertex, count = verticesOf( patch );
 	for ( std::uint32_t k = 0; k < count; ++k )
 	{
+		if ( local[k] == kNone )
+		{
+			continue;
+		}
 		const CrackPatches::Vertex& of = patches.vertex[first + k];
 		if ( of.isAlone != 0 )
 		{
@@ -248,10 +282,12 @@ std::array<std::uint32_t, 3>* CrackGatherer::takePatch( std::uint32_t patch, std
 			local[k] = numberOf( first + k, m_number.data() + local[k] );
 		}
 	}
-	for ( std::uint32_t t = patches.patch[patch].firstTriangle; t < patches.patch[patch + 1].firstTriangle; ++t, ++triangles )
+	const bool isOfOuter = patch < patches.complex->cellCount(); // and its triangles are numbered as the complex has them
+	for ( std::uint32_t t = patches.patch[patch].firstTriangle; t < patches.patch[patch + 1].firstTriangle; ++t )
 	{
 		const auto& corner = patches.triangle[t];
 		*triangles = { local[corner[0]], local[corner[1]], local[corner[2]] };
+		triangles += isOfOuter && m_sides->panels().isOfOne( t ) ? 0 : 1;
 	}
 	return triangles;
 }
@@ -324,19 +360,20 @@ void CrackGatherer::takeOuter( std::uint32_t patch, const std::uint32_t* local, 
 	std::uint32_t* placed = m_placed.get() + m_placedCount;
 	for ( std::uint32_t k = 0; k < count; ++k )
 	{
-		const unsigned isFresh = local[k] >= fresh ? 1u : 0u, isPlaced = panels.isPlaced( patches.look[first + k].point ) ? 1u : 0u;
+		const unsigned isFresh = local[k] >= fresh && local[k] != kNone ? 1u : 0u, isPlaced = panels.isPlaced( patches.look[first + k].point ) ? 1u : 0u;
 		*placed = local[k];
 		placed += isFresh & isPlaced;
 	}
 	m_placedCount = std::size_t( placed - m_placed.get() );
 	std::array<std::uint32_t, 3>* shading = m_shading.get() + m_shadingCount;
-	for ( std::uint32_t t = patches.patch[patch].firstTriangle; t < patches.patch[patch + 1].firstTriangle; ++t, ++m_outerTriangles )
+	for ( std::uint32_t t = patches.patch[patch].firstTriangle; t < patches.patch[patch + 1].firstTriangle; ++t )
 	{
 		const auto& c = patches.triangle[t];
 		*shading = { local[c[0]], local[c[1]], local[c[2]] };
 		shading += panels.isOfOne( t ) ? 0 : 1;
 	}
 	m_shadingCount = std::size_t( shading - m_shading.get() );
+	m_outerTriangles = std::uint32_t( m_shadingCount ); // so far they are the same
 }
 
 void CrackGatherer::addArea( const std::array<std::uint32_t, 3>& points, const std::array<std::uint32_t, 3>& normalGroups )
@@ -357,8 +394,8 @@ std::array<std::uint32_t, 3> CrackGatherer::ofCorners( std::uint32_t panel, std:
 	return { at( 0 ), at( 1 ), at( 2 ) };
 }
 
-/// Those that are one, all of whose cells are the body's. Areas are asked for where a corner is shaded anew.
-void CrackGatherer::takePanels()
+/// Those that are one, all of whose cells are the body's. Areas are asked for where a corner is shaded anew. The end of what is drawn of them.
+std::array<std::uint32_t, 3>* CrackGatherer::takePanels( std::array<std::uint32_t, 3>* triangles )
 {
 	const CellComplex& complex = m_sides->complex();
 	const WholePanels& panels = m_sides->panels();
@@ -373,12 +410,47 @@ void CrackGatherer::takePanels()
 			const auto& corner = complex.panels.corner[panel];
 			const std::array<std::uint32_t, 3> points = { complex.vertexPoint[corner[0]], complex.vertexPoint[corner[1]], complex.vertexPoint[corner[2]] };
 			m_shading[m_shadingCount++] = ofCorners( panel, Carrier ); // fewer than its pieces
+			takePanel( panel );
 			if ( std::any_of( points.begin(), points.end(), [this]( std::uint32_t p ) { return m_sides->isShadedAnew( p ); } ) )
 			{
 				addArea( points, ofCorners( panel, OuterNormals ) );
 			}
 		}
 	}
+	m_outerTriangles += std::uint32_t( m_panelTriangle.size() );
+	return std::copy( m_panelTriangle.begin(), m_panelTriangle.end(), triangles );
+}
+
+/// As the input has it, or between those of its cuts that others are drawn with.
+void CrackGatherer::takePanel( std::uint32_t panel )
+{
+	const CrackPatches& patches = m_sides->patches();
+	const Panels& all = patches.complex->panels;
+	const auto numberAt = [this]( std::uint32_t number ) { return m_number[number] - m_first; };
+	if ( m_sides->panels().isPlain( panel ) )
+	{
+		const auto& corner = patches.numbersOfCorners[panel];
+		m_panelTriangle.push_back( { numberAt( corner[0] ), numberAt( corner[1] ), numberAt( corner[2] ) } );
+	}
+	else
+	{
+		std::array<std::size_t, 3> cornerAt{};
+		m_around.clear();
+		for ( std::uint32_t k = all.border.start[panel]; k < all.border.start[panel + 1]; ++k )
+		{
+			const auto at = std::find( all.cornerAt[panel].begin(), all.cornerAt[panel].end(), k - all.border.start[panel] );
+			if ( at != all.cornerAt[panel].end() )
+			{
+				cornerAt[std::size_t( at - all.cornerAt[panel].begin() )] = m_around.size();
+			}
+			if ( !m_sides->panels().isSpared( patches.complex->vertexPoint[all.border.entry[k]] ) )
+			{
+				m_around.push_back( numberAt( patches.numberOfBorder[k] ) );
+			}
+		}
+		drawPanel( m_around, cornerAt, m_panelTriangle );
+	}
+	m_panelSource.resize( m_panelTriangle.size(), all.source[panel] );
 }
 
 } // namespace pliant

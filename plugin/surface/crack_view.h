@@ -27,7 +27,7 @@ struct CrackView
 	std::vector<float> ownTexture;
 };
 
-/// Puts views together from the patches of a body's cells. It keeps the room it needs.
+/// Puts views together from the patches of a body's cells: panels that are one are drawn as one. It keeps the room it needs.
 class CrackGatherer
 {
 public:
@@ -69,7 +69,8 @@ private:
 	void begin( std::size_t vertices );
 	std::uint32_t verticesOf( std::uint32_t patch ) const { return m_sides->patches().patch[patch + 1].firstVertex - m_sides->patches().patch[patch].firstVertex; }
 	bool isOuter( std::size_t patch ) const { return patch < m_cells; } ///< by place in m_patch
-	void number( std::size_t first, std::size_t last, std::array<std::uint32_t, 3>* triangles );
+	/// The end of what they draw.
+	std::array<std::uint32_t, 3>* number( std::size_t first, std::size_t last, std::array<std::uint32_t, 3>* triangles );
 	void numberTogether( CrackView& view, TaskRunner* runner );
 	void append( std::array<std::uint32_t, 3>* triangles, std::size_t count, TaskRunner* runner );
 	std::size_t lookAhead( std::size_t first, std::size_t last );
@@ -79,7 +80,8 @@ private:
 	void addAreas( std::uint32_t patch, const std::uint32_t* local );
 	void takeOuter( std::uint32_t patch, const std::uint32_t* local, std::uint32_t fresh );
 	void addArea( const std::array<std::uint32_t, 3>& points, const std::array<std::uint32_t, 3>& normalGroups );
-	void takePanels();
+	std::array<std::uint32_t, 3>* takePanels( std::array<std::uint32_t, 3>* triangles );
+	void takePanel( std::uint32_t panel );
 	/// Of a panel that is one: each corner's.
 	std::array<std::uint32_t, 3> ofCorners( std::uint32_t panel, std::uint32_t number ) const;
 	void write( const std::vector<std::uint32_t>& cells, const Vec3& shift, CrackView& view, TaskRunner* runner );
@@ -103,7 +105,7 @@ private:
 	std::uint32_t m_count = 0, m_outerCount = 0, m_normalGroups = 0; ///< vertices, those of the outer surface first
 	std::uint32_t m_outerTriangles = 0;
 	std::vector<Row> m_row;               ///< by vertex
-	std::vector<std::uint32_t> m_vertex;  ///< of the patches at hand
+	std::vector<std::uint32_t> m_vertex;  ///< of the patches at hand; kNone: spared
 	std::vector<std::uint32_t> m_local;   ///< of the patches at hand: their vertices' numbers in the body
 	std::vector<SharedRow> m_sharedRow;   ///< while the inside is numbered by itself
 	std::unique_ptr<CrackGatherer> m_inner; ///< numbers the inside meanwhile
@@ -112,6 +114,8 @@ private:
 	std::unique_ptr<std::uint32_t[]> m_placed;
 	std::unique_ptr<std::array<std::uint32_t, 3>[]> m_shading;
 	std::size_t m_placedCount = 0, m_shadingCount = 0, m_outerRoom = 0, m_shadingRoom = 0;
+	std::vector<std::array<std::uint32_t, 3>> m_panelTriangle; ///< what panels that are one are drawn as
+	std::vector<std::uint32_t> m_panelSource, m_around;        ///< of each of those; a panel's border, as far as it is drawn
 };
 
 } // namespace pliant

@@ -55,6 +55,7 @@ void CrackGatherer::write( const std::vector<std::uint32_t>& cells, const Vec3& 
 		}
 	};
 	runTasks( runner, rows.shares() + vertices.shares() + 1, task );
+	view.ownSources.pop_back();
 	listPlaced( to, runner );
 	const std::uint32_t last = m_row.empty() ? 0 : m_row.back().vertex + 1;
 	std::fill( to.start.begin() + last, to.start.end(), sum );
@@ -77,18 +78,24 @@ void CrackGatherer::makeArrays( CrackView& view ) const
 	makePlace( to.point, m_count );
 	makePlace( to.start, std::size_t( m_count ) + 1 );
 	makePlace( view.ownTexture, 2 * std::size_t( m_count ) );
-	makePlace( view.ownSources, view.ownTriangles.size() );
+	makePlace( view.ownSources, view.ownTriangles.size() + 1 ); // takeSources
 }
 
+/// Each is written, and counted if it is drawn: one too many has its place.
 void CrackGatherer::takeSources( const std::vector<std::uint32_t>& cells, CrackView& view ) const
 {
 	const CellComplex& complex = m_sides->complex();
-	auto to = view.ownSources.begin();
+	std::uint32_t* to = view.ownSources.data();
 	for ( const std::uint32_t cell : cells )
 	{
-		to = std::copy( complex.triangleSource.begin() + complex.cellTriangleStart[cell], complex.triangleSource.begin() + complex.cellTriangleStart[cell + 1], to );
+		for ( std::uint32_t t = complex.cellTriangleStart[cell]; t < complex.cellTriangleStart[cell + 1]; ++t )
+		{
+			*to = complex.triangleSource[t];
+			to += m_sides->panels().isOfOne( t ) ? 0 : 1;
+		}
 	}
-	std::fill( to, view.ownSources.end(), kNone );
+	to = std::copy( m_panelSource.begin(), m_panelSource.end(), to );
+	std::fill( to, view.ownSources.data() + view.ownSources.size(), kNone );
 }
 
 /// Of vertices first to last - 1.

@@ -27,6 +27,7 @@ public:
 		}
 		m_pieces = makeTable( pieces, m_mesh.triangleCount );
 		m_out.ofPiece.assign( m_complex.triangle.size(), Panels::kNone );
+		m_out.border.start.push_back( 0 );
 		for ( std::uint32_t cell = 0; cell < m_complex.cellCount(); ++cell )
 		{
 			m_out.firstOfCell.push_back( std::uint32_t( m_out.count() ) );
@@ -109,6 +110,8 @@ private:
 		const std::uint32_t panel = std::uint32_t( m_out.count() );
 		const std::uint32_t* const corner = m_mesh.indices + 3 * std::size_t( source );
 		m_out.corner.push_back( { corner[0], corner[1], corner[2] } );
+		m_out.source.push_back( source );
+		addBorder( source, corner );
 		for ( const std::uint32_t* t = m_pieces.begin( source ); t != m_pieces.end( source ); ++t )
 		{
 			m_out.ofPiece[*t] = panel;
@@ -117,6 +120,40 @@ private:
 				points.emplace_back( panel, m_complex.vertexPoint[v] );
 			}
 		}
+	}
+
+	/// Edges of its pieces that no other one has the other way round, one after the other.
+	void addBorder( std::uint32_t source, const std::uint32_t* corner )
+	{
+		std::vector<std::array<std::uint32_t, 2>> edges;
+		for ( const std::uint32_t* t = m_pieces.begin( source ); t != m_pieces.end( source ); ++t )
+		{
+			const auto& v = m_complex.triangle[*t];
+			for ( std::size_t k = 0; k < 3; ++k )
+			{
+				const auto back = std::find( edges.begin(), edges.end(), std::array{ v[( k + 1 ) % 3], v[k] } );
+				back == edges.end() ? edges.push_back( { v[k], v[( k + 1 ) % 3] } ) : void( edges.erase( back ) );
+			}
+		}
+		std::vector<std::uint32_t> around{ corner[0] };
+		for ( std::size_t k = 0; k < edges.size(); ++k )
+		{
+			const auto next = std::find_if( edges.begin(), edges.end(), [&around]( const auto& edge ) { return edge[0] == around.back(); } );
+			around.push_back( next == edges.end() ? Panels::kNone : ( *next )[1] );
+		}
+		const bool isClosed = around.back() == corner[0] && edges.size() <= std::size_t( m_pieces.size( source ) ) + 2;
+		around.pop_back();
+		const auto place = [&]( std::size_t k ) { return std::uint16_t( std::find( around.begin(), around.end(), corner[k] ) - around.begin() ); };
+		const std::array<std::uint16_t, 3> cornerAt = { 0, place( 1 ), place( 2 ) };
+		std::vector<std::uint32_t> once( around );
+		std::sort( once.begin(), once.end() );
+		const bool isSimple = std::adjacent_find( once.begin(), once.end() ) == once.end();
+		if ( isClosed && isSimple && cornerAt[1] < cornerAt[2] && cornerAt[2] < around.size() )
+		{
+			m_out.border.entry.insert( m_out.border.entry.end(), around.begin(), around.end() );
+		}
+		m_out.cornerAt.push_back( cornerAt );
+		m_out.border.start.push_back( std::uint32_t( m_out.border.entry.size() ) );
 	}
 
 	void findPlaceable()
@@ -144,8 +181,25 @@ private:
 			};
 			const auto isPlaceable = [&]( std::uint32_t point ) { return m_out.isPlaceable[point] != 0; };
 			const std::uint32_t *const first = m_out.points.begin( panel ), *const last = m_out.points.end( panel );
-			const bool isPlane = std::any_of( first, last, isPlaceable ) && std::all_of( first, last, [&]( std::uint32_t p ) { return isPlaceable( p ) || isCorner( p ); } );
+			const bool isPlane = m_out.border.size( panel ) > 0 && std::any_of( first, last, isPlaceable ) &&
+				std::all_of( first, last, [&]( std::uint32_t p ) { return isPlaceable( p ) || isCorner( p ); } );
 			m_out.isPlane.push_back( isPlane ? 1 : 0 );
+		}
+		findSpared();
+	}
+
+	void findSpared()
+	{
+		const auto isPlane = [this]( std::uint32_t panel ) { return m_out.isPlane[panel] != 0; };
+		for ( std::uint32_t point = 0; point < std::uint32_t( m_out.isPlaceable.size() ); ++point )
+		{
+			const bool arePlanes = std::all_of( m_out.atPoint.begin( point ), m_out.atPoint.end( point ), isPlane );
+			m_out.isSpared.push_back( m_out.isPlaceable[point] != 0 && arePlanes ? 1 : 0 );
+		}
+		const auto isHidden = [this]( std::uint32_t point ) { return m_out.isSpared[point] != 0 || m_out.isPlaceable[point] == 0; }; // or a corner
+		for ( std::uint32_t panel = 0; panel < std::uint32_t( m_out.count() ); ++panel )
+		{
+			m_out.isPlain.push_back( isPlane( panel ) && std::all_of( m_out.points.begin( panel ), m_out.points.end( panel ), isHidden ) ? 1 : 0 );
 		}
 	}
 
@@ -162,7 +216,40 @@ Panels findPanels( const MeshView& mesh, const CellComplex& complex )
 	return PanelFinder( mesh, complex ).run();
 }
 
-WholePanels::WholePanels( const Panels& panels ) : m_panels( &panels ), m_isWhole( panels.count(), 1 ), m_isOne( panels.isPlane ), m_isPlaced( panels.isPlaceable )
+// Seen from the third corner, the first side with vertices on it is a fan; what that leaves at either end, where the other two sides have vertices too, is one more
+// each, around the fan's first and last.
+void drawPanel( const std::vector<std::uint32_t>& around, const std::array<std::size_t, 3>& cornerAt, std::vector<std::array<std::uint32_t, 3>>& triangles )
+{
+	const std::size_t count = around.size();
+	const auto endOf = [&]( std::size_t side ) { return side == 2 ? count : cornerAt[side + 1]; };
+	std::size_t side = 0;
+	while ( side < 2 && endOf( side ) - cornerAt[side] == 1 )
+	{
+		++side;
+	}
+	const auto at = [&]( std::size_t k ) { return around[k % count]; };
+	const std::size_t first = cornerAt[side], second = endOf( side ), third = second + ( endOf( ( side + 1 ) % 3 ) - cornerAt[( side + 1 ) % 3] );
+	if ( second - first == 1 ) // nothing but corners
+	{
+		triangles.push_back( { at( first ), at( second ), at( third ) } );
+		return;
+	}
+	for ( std::size_t k = first + 1; k + 1 < second; ++k )
+	{
+		triangles.push_back( { at( k ), at( k + 1 ), at( third ) } );
+	}
+	for ( std::size_t k = second; k < third; ++k )
+	{
+		triangles.push_back( { at( second - 1 ), at( k ), at( k + 1 ) } );
+	}
+	for ( std::size_t k = third; k < first + count; ++k )
+	{
+		triangles.push_back( { at( first + 1 ), at( k ), at( k + 1 ) } );
+	}
+}
+
+WholePanels::WholePanels( const Panels& panels ) :
+	m_panels( &panels ), m_isWhole( panels.count(), 1 ), m_isOne( panels.isPlane ), m_isPlain( panels.isPlain ), m_isPlaced( panels.isPlaceable ), m_isSpared( panels.isSpared )
 {
 	m_placed = std::size_t( std::count( m_isPlaced.begin(), m_isPlaced.end(), 1 ) );
 }
@@ -177,8 +264,9 @@ void WholePanels::part( std::uint32_t point, std::vector<std::uint32_t>& anew )
 	const auto shade = [&]( std::uint32_t panel ) {
 		if ( m_isOne[panel] != 0 )
 		{
-			m_isOne[panel] = 0;
+			m_isOne[panel] = m_isPlain[panel] = 0;
 			anew.insert( anew.end(), points.begin( panel ), points.end( panel ) );
+			std::for_each( points.begin( panel ), points.end( panel ), [this]( std::uint32_t p ) { uncover( p ); } );
 		}
 	};
 	for ( const std::uint32_t* panel = at.begin( point ); panel != at.end( point ); ++panel )
@@ -212,7 +300,16 @@ void WholePanels::touch( std::uint32_t point, std::vector<std::uint32_t>& anew )
 	part( point, anew );
 }
 
-Status WholePanels::validate( const std::function<bool( std::uint32_t )>& isParted ) const
+void WholePanels::uncover( std::uint32_t point )
+{
+	if ( isSpared( point ) )
+	{
+		m_isSpared[point] = 0;
+		std::for_each( m_panels->atPoint.begin( point ), m_panels->atPoint.end( point ), [this]( std::uint32_t panel ) { m_isPlain[panel] = 0; } );
+	}
+}
+
+Status WholePanels::validate( const std::function<bool( std::uint32_t )>& isParted, const std::function<bool( std::uint32_t )>& isPassed ) const
 {
 	const Panels& all = *m_panels;
 	const auto areAll = []( const Table& table, std::size_t row, auto&& holds ) { return std::all_of( table.begin( row ), table.end( row ), holds ); };
@@ -233,6 +330,29 @@ Status WholePanels::validate( const std::function<bool( std::uint32_t )>& isPart
 		if ( isOne( panel ) != ( all.isPlane[panel] != 0 && isWhole( panel ) && isWholeAround ) )
 		{
 			return { ResultCode::BadArgument, "A panel is shaded as one that is not whole, or is not that is." };
+		}
+	}
+	return validateSpared( isPassed );
+}
+
+Status WholePanels::validateSpared( const std::function<bool( std::uint32_t )>& isPassed ) const
+{
+	const Panels& all = *m_panels;
+	const auto isOneThere = [this]( std::uint32_t panel ) { return isOne( panel ); };
+	for ( std::uint32_t point = 0; point < std::uint32_t( all.isPlaceable.size() ); ++point )
+	{
+		const bool isToBeSpared = isPlaced( point ) && !isPassed( point ) && std::all_of( all.atPoint.begin( point ), all.atPoint.end( point ), isOneThere );
+		if ( isSpared( point ) != isToBeSpared )
+		{
+			return { ResultCode::BadArgument, "A point is spared that something is drawn with, or one is not that nothing is." };
+		}
+	}
+	for ( std::uint32_t panel = 0; panel < std::uint32_t( all.count() ); ++panel )
+	{
+		const auto isHidden = [&]( std::uint32_t point ) { return all.isPlaceable[point] == 0 || isSpared( point ); };
+		if ( isPlain( panel ) != ( isOne( panel ) && std::all_of( all.points.begin( panel ), all.points.end( panel ), isHidden ) ) )
+		{
+			return { ResultCode::BadArgument, "A panel is drawn as the input has it that is cut, or is not that is not." };
 		}
 	}
 	return {};

@@ -51,6 +51,8 @@ struct SkinBinding
 	std::vector<std::array<std::uint32_t, 3>> shading;
 	std::uint32_t shadedTriangles = 0;
 
+	/// All vertices that are not placed; none where none is.
+	void listBlended();
 	Vec3 normalShiftOf( std::size_t vertex ) const { return vertex < normalShift.size() ? normalShift[vertex] : Vec3( Vec3::Zero() ); }
 	std::uint32_t carrierOf( std::size_t vertex ) const { return carrier.empty() ? std::uint32_t( vertex ) : carrier[vertex]; }
 };

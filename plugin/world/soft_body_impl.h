@@ -138,7 +138,6 @@ struct SoftBody::Impl
 	std::vector<CutTrace> newCuts;                   ///< their links are to break
 	std::shared_ptr<std::vector<CutTrace>> cuts;     ///< of the family, as the template's cells; null: nobody has cut it
 	mutable std::unique_ptr<CrackView> crackView;    ///< null: the template's mesh is drawn as it is
-	mutable std::unique_ptr<CrackSurface> ownCracks; ///< what the view shows where there is no family
 	bool wasLookedAt = false;                        ///< what it came off
 	mutable unsigned crackVersion = 0;               ///< fractureVersion that the view shows
 	mutable unsigned crackVersionBefore = 0;         ///< and that its change is from

@@ -98,21 +98,15 @@ void SoftBody::Impl::showOwnCracks() const
 {
 	const std::shared_ptr<const CellComplex> complex = bodyTemplate->crackComplex();
 	const Vec3 shift = ( body->lattice().massCentre - bodyTemplate->lattice().massCentre ).cast<float>();
-	ownCracks = std::make_unique<CrackSurface>( complex, body->firstCells(), body->lattice(), shift );
+	CrackSurface cracks( complex, body->firstCells(), body->lattice(), shift );
 	if ( cuts )
 	{
 		BladePath path( complex );
-		ownCracks->follow( path, path.add( openCuts( *cuts, *body ) ) );
+		cracks.follow( path, path.add( openCuts( *cuts, *body ) ) );
 	}
-	CrackView& view = *crackView;
-	view.ownTexture.resize( 2 * std::size_t( ownCracks->vertexCount() ) );
-	ownCracks->textureCoordinates( bodyTemplate->textureCoordinates(), 0, view.ownTexture.data() );
-	view.binding = &ownCracks->binding();
-	view.triangles = ownCracks->triangles().data();
-	view.triangleCount = int( ownCracks->triangles().size() );
-	view.sources = ownCracks->sources().data();
-	view.texture = view.ownTexture.data();
-	view.change = {};
+	std::vector<float> texture( 2 * std::size_t( cracks.vertexCount() ) );
+	cracks.textureCoordinates( bodyTemplate->textureCoordinates(), 0, texture.data() );
+	cracks.showPanelsAsOne( texture.data(), *crackView );
 }
 
 /// What was cut is known to all that came from one body: a point is drawn at one place on every side.

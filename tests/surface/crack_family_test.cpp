@@ -76,11 +76,23 @@ Drawing drawingOf( const CrackView& view )
 	return drawingOf( *view.binding, view.triangles, view.sources, view.triangleCount, view.texture );
 }
 
-Drawing drawingOf( const CrackSurface& surface, const float* input )
+enum class Cuts
+{
+	All,  ///< as a body that is whole draws them, which only grows by its cracks
+	Needed ///< panels that are one as the input has them
+};
+
+Drawing drawingOf( const CrackSurface& surface, const float* input, Cuts cuts )
 {
 	std::vector<float> texture( 2 * std::size_t( surface.vertexCount() ) );
 	surface.textureCoordinates( input, 0, texture.data() );
-	return drawingOf( surface.binding(), surface.triangles().data(), surface.sources().data(), int( surface.triangles().size() ), texture.data() );
+	if ( cuts == Cuts::All )
+	{
+		return drawingOf( surface.binding(), surface.triangles().data(), surface.sources().data(), int( surface.triangles().size() ), texture.data() );
+	}
+	CrackView view;
+	surface.showPanelsAsOne( texture.data(), view );
+	return drawingOf( view );
 }
 
 struct Torn
@@ -125,6 +137,9 @@ struct Torn
 		EXPECT_TRUE( family->hasNews() || links.empty() );
 	}
 
+	/// What the family shows of a body is to be this.
+	Cuts cuts() const { return family->sides() ? Cuts::Needed : Cuts::All; }
+
 	/// Whether the family draws in patches, once its structures have been looked through.
 	bool isInPatches() const
 	{
@@ -156,7 +171,7 @@ TEST_P( Families, EachBodyShowsWhatItWouldByItself )
 		{
 			const CrackSurface alone( it.complex, cells, extractCells( torn.lattice, cells ), Vec3::Zero() );
 			torn.family->show( cells, Vec3::Zero(), view );
-			EXPECT_EQ( drawingOf( view ), drawingOf( alone, torn.texture.data() ) );
+			EXPECT_EQ( drawingOf( view ), drawingOf( alone, torn.texture.data(), torn.cuts() ) );
 			++bodies;
 		}
 		EXPECT_EQ( torn.isInPatches(), bodies > 1 );
@@ -175,7 +190,7 @@ TEST_P( Families, AWholeThatBreaksMuchAtOnceIsDrawnInPatches )
 		torn.tear( share, 1, unsigned( 1000.0 * share ) );
 		ASSERT_EQ( connectedParts( torn.lattice ).size(), 1u );
 		torn.family->show( all, Vec3::Zero(), view );
-		EXPECT_EQ( drawingOf( view ), drawingOf( CrackSurface( it.complex, all, torn.lattice, Vec3::Zero() ), torn.texture.data() ) );
+		EXPECT_EQ( drawingOf( view ), drawingOf( CrackSurface( it.complex, all, torn.lattice, Vec3::Zero() ), torn.texture.data(), torn.cuts() ) );
 		EXPECT_EQ( view.change.firstNewVertex, 0u );
 		EXPECT_EQ( torn.isInPatches(), share != 0.01 || torn.family->sides() );
 	}
@@ -212,7 +227,7 @@ TEST_P( Families, FacesWithoutLinksGoWithThoseThatHeldThem )
 		for ( const auto& cells : connectedParts( torn.lattice ) )
 		{
 			torn.family->show( cells, Vec3::Zero(), view );
-			EXPECT_EQ( drawingOf( view ), drawingOf( CrackSurface( it.complex, cells, extractCells( torn.lattice, cells ), Vec3::Zero() ), torn.texture.data() ) );
+			EXPECT_EQ( drawingOf( view ), drawingOf( CrackSurface( it.complex, cells, extractCells( torn.lattice, cells ), Vec3::Zero() ), torn.texture.data(), torn.cuts() ) );
 		}
 		EXPECT_TRUE( torn.isInPatches() );
 	}
