@@ -12,10 +12,33 @@ constexpr std::size_t kFewFaces = 16;
 } // namespace
 
 CrackFamily::CrackFamily( const CrackSurface& whole, std::shared_ptr<const CrackPatches> patches, const float* texture ) :
-	m_patches( std::move( patches ) ), m_input( texture ), m_whole( std::make_unique<CrackSurface>( whole ) )
+	m_patches( std::move( patches ) ), m_untouched( &whole ), m_input( texture )
 {
-	m_whole->makeRoom();
-	takeIn( true, nullptr );
+}
+
+void CrackFamily::prepare()
+{
+	const std::lock_guard<std::mutex> lock( m_mutex );
+	growWhole();
+}
+
+/// Where there is nothing yet that grows.
+void CrackFamily::growWhole()
+{
+	if ( !m_whole && !m_sides )
+	{
+		m_whole = std::make_unique<CrackSurface>( *m_untouched );
+		m_whole->makeRoom();
+		takeInTexture();
+	}
+}
+
+/// Of vertices that are new.
+void CrackFamily::takeInTexture()
+{
+	const std::size_t known = m_texture.size();
+	m_texture.resize( 2 * std::size_t( m_whole->vertexCount() ) );
+	m_whole->textureCoordinates( m_input, std::uint32_t( known / 2 ), m_texture.data() + known );
 }
 
 void CrackFamily::breakLinks( const std::vector<CellLink>& links )
@@ -45,12 +68,13 @@ std::vector<std::uint32_t> CrackFamily::pendingFaces() const
 void CrackFamily::takeIn( bool isWhole, TaskRunner* runner )
 {
 	const std::vector<std::uint32_t> faces = pendingFaces();
-	if ( m_whole && ( !isWhole || faces.size() * kFewFaces > m_patches->complex->face.size() ) )
+	if ( !m_sides && ( !isWhole || faces.size() * kFewFaces > m_patches->complex->face.size() ) )
 	{
-		m_sides = std::make_unique<CrackSides>( m_patches, *m_whole, runner );
+		m_sides = std::make_unique<CrackSides>( m_patches, m_whole ? *m_whole : *m_untouched, runner );
 		m_whole.reset();
 		m_texture = {};
 	}
+	growWhole();
 	if ( !m_newTraces.empty() )
 	{
 		m_path = m_path ? std::move( m_path ) : std::make_unique<BladePath>( m_patches->complex );
@@ -66,9 +90,7 @@ void CrackFamily::takeIn( bool isWhole, TaskRunner* runner )
 	if ( m_whole )
 	{
 		m_whole->settle();
-		const std::size_t known = m_texture.size();
-		m_texture.resize( 2 * std::size_t( m_whole->vertexCount() ) );
-		m_whole->textureCoordinates( m_input, std::uint32_t( known / 2 ), m_texture.data() + known );
+		takeInTexture();
 	}
 }
 
@@ -114,7 +136,7 @@ void CrackFamily::showWhole( CrackView& view ) const
 
 std::size_t CrackFamily::bytes() const
 {
-	return m_texture.size() * sizeof( float ) + ( m_whole ? m_whole->bytes() : m_sides->bytes() );
+	return m_texture.size() * sizeof( float ) + ( m_whole ? m_whole->bytes() : m_sides ? m_sides->bytes() : 0 );
 }
 
 } // namespace pliant

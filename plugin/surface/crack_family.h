@@ -20,9 +20,12 @@ namespace pliant {
 class CrackFamily
 {
 public:
-	/// `whole`: of all cells, nothing broken; it is copied. `patches`: of the same, made with `texture`: u, v of the input's vertices, or null; it must
+	/// `whole`: of all cells, nothing broken. `patches`: of the same, made with `texture`: u, v of the input's vertices, or null. What is not shared must
 	/// outlive the family.
 	CrackFamily( const CrackSurface& whole, std::shared_ptr<const CrackPatches> patches, const float* texture );
+
+	/// Copies `whole` now, and not when a body that is whole is first shown with cracks: some that come to pieces at once never need it.
+	void prepare();
 
 	/// Links that broke, by the template's numbers. They are kept until somebody looks.
 	void breakLinks( const std::vector<CellLink>& links );
@@ -36,18 +39,21 @@ public:
 	/// What a body of these cells (ascending) shows. `shift`: its mass centre seen from the template's, m. `runner`: whose threads share the work.
 	void show( const std::vector<std::uint32_t>& cells, const Vec3& shift, CrackView& view, TaskRunner* runner = nullptr );
 
-	/// The crack surface of all, as anybody has seen it last; null from when it is drawn in patches.
+	/// The crack surface of all, as anybody has seen it last; null before anybody has, and from when it is drawn in patches.
 	const CrackSurface* whole() const { return m_whole.get(); }
 	const CrackSides* sides() const { return m_sides.get(); }
 	std::size_t bytes() const;
 
 private:
 	std::vector<std::uint32_t> pendingFaces() const;
+	void growWhole();
+	void takeInTexture();
 	void takeIn( bool isWhole, TaskRunner* runner );
 	void showWhole( CrackView& view ) const;
 
 	std::mutex m_mutex;
 	std::shared_ptr<const CrackPatches> m_patches;
+	const CrackSurface* m_untouched; ///< nothing of it is broken
 	const float* m_input;
 	std::unique_ptr<CrackSurface> m_whole;
 	std::vector<float> m_texture; ///< of the whole

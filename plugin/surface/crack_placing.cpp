@@ -1,4 +1,4 @@
-// What no crack parts is drawn as the input has it: cuts within panels stand where the panels' corners put them.
+// What no crack parts is drawn as the input has it: cuts within panels stand where the panels' corners put them, or are spared.
 
 #include "surface/crack_view.h"
 #include "surface/make_place.h"
@@ -161,6 +161,73 @@ SkinBinding::Placed CrackGatherer::placedAt( std::uint32_t vertex ) const
 		placed.corner[k] = origin.vertex[k] == kNone ? placed.corner[0] : m_number[patches.numbersOfInput[origin.vertex[k]] + Carrier] - m_first;
 	}
 	return placed;
+}
+
+std::array<std::uint32_t, 3> CrackGatherer::ofCorners( std::uint32_t panel, std::uint32_t number ) const
+{
+	const CrackPatches& patches = m_sides->patches();
+	const std::array<std::uint32_t, 3>& corner = patches.complex->panels.corner[panel];
+	const auto at = [&]( std::size_t k ) { return m_number[patches.numbersOfInput[corner[k]] + number] - m_first; };
+	return { at( 0 ), at( 1 ), at( 2 ) };
+}
+
+/// Those that are one, all of whose cells are the body's. Areas are asked for where a corner is shaded anew. The end of what is drawn of them.
+std::array<std::uint32_t, 3>* CrackGatherer::takePanels( std::array<std::uint32_t, 3>* triangles )
+{
+	const CellComplex& complex = m_sides->complex();
+	const WholePanels& panels = m_sides->panels();
+	for ( std::size_t k = 0; k < m_cells && panels.arePlaced(); ++k )
+	{
+		for ( std::uint32_t panel = complex.panels.firstOfCell[m_patch[k]]; panel < complex.panels.firstOfCell[m_patch[k] + 1]; ++panel )
+		{
+			if ( !panels.isOne( panel ) )
+			{
+				continue;
+			}
+			const auto& corner = complex.panels.corner[panel];
+			const std::array<std::uint32_t, 3> points = { complex.vertexPoint[corner[0]], complex.vertexPoint[corner[1]], complex.vertexPoint[corner[2]] };
+			m_shading[m_shadingCount++] = ofCorners( panel, Carrier ); // fewer than its pieces
+			takePanel( panel );
+			if ( std::any_of( points.begin(), points.end(), [this]( std::uint32_t p ) { return m_sides->isShadedAnew( p ); } ) )
+			{
+				addArea( points, ofCorners( panel, OuterNormals ) );
+			}
+		}
+	}
+	m_outerTriangles += std::uint32_t( m_panelTriangle.size() );
+	return std::copy( m_panelTriangle.begin(), m_panelTriangle.end(), triangles );
+}
+
+/// As the input has it, or between those of its cuts that others are drawn with.
+void CrackGatherer::takePanel( std::uint32_t panel )
+{
+	const CrackPatches& patches = m_sides->patches();
+	const Panels& all = patches.complex->panels;
+	const auto numberAt = [this]( std::uint32_t number ) { return m_number[number] - m_first; };
+	if ( m_sides->panels().isPlain( panel ) )
+	{
+		const auto& corner = patches.numbersOfCorners[panel];
+		m_panelTriangle.push_back( { numberAt( corner[0] ), numberAt( corner[1] ), numberAt( corner[2] ) } );
+	}
+	else
+	{
+		std::array<std::size_t, 3> cornerAt{};
+		m_around.clear();
+		for ( std::uint32_t k = all.border.start[panel]; k < all.border.start[panel + 1]; ++k )
+		{
+			const auto at = std::find( all.cornerAt[panel].begin(), all.cornerAt[panel].end(), k - all.border.start[panel] );
+			if ( at != all.cornerAt[panel].end() )
+			{
+				cornerAt[std::size_t( at - all.cornerAt[panel].begin() )] = m_around.size();
+			}
+			if ( !m_sides->panels().isSpared( patches.complex->vertexPoint[all.border.entry[k]] ) )
+			{
+				m_around.push_back( numberAt( patches.numberOfBorder[k] ) );
+			}
+		}
+		drawPanel( m_around, cornerAt, m_panelTriangle );
+	}
+	m_panelSource.resize( m_panelTriangle.size(), all.source[panel] );
 }
 
 } // namespace pliant

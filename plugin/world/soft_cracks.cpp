@@ -137,6 +137,10 @@ Status SoftBody::prepareCracks()
 	try
 	{
 		m_impl->makeCrackFamily();
+		if ( m_impl->crackFamily )
+		{
+			m_impl->crackFamily->prepare();
+		}
 		return {};
 	}
 	catch ( const std::bad_alloc& )
