@@ -5,6 +5,7 @@
 #include "support/block_body.h"
 #include "surface/cell_complex.h"
 #include "surface/crack_surface.h"
+#include "surface/crack_view.h"
 
 #include <benchmark/benchmark.h>
 
@@ -115,7 +116,8 @@ enum class Shown : int
 {
 	Whole,  ///< no crack yet: the input's vertices
 	Placed, ///< cracked across the middle, what no crack parts is placed
-	Blended ///< the same with every vertex blended from its cells
+	Blended, ///< the same with every vertex blended from its cells
+	AsOne ///< the same as Placed, panels as the input has them
 };
 
 /// The skin of a body of 500 cells that is turned and bent a little.
@@ -130,7 +132,10 @@ void crackedSkin( benchmark::State& state )
 	} );
 	surface.breakFaces( across );
 	surface.settle();
-	SkinBinding binding = shown == Shown::Whole ? body.skinning : surface.binding();
+	CrackView view;
+	const std::vector<float> texture( 2 * std::size_t( surface.vertexCount() ) );
+	surface.showPanelsAsOne( texture.data(), view );
+	SkinBinding binding = shown == Shown::Whole ? body.skinning : shown == Shown::AsOne ? *view.binding : surface.binding();
 	if ( shown == Shown::Blended )
 	{
 		binding.placed.clear();
@@ -147,6 +152,7 @@ void crackedSkin( benchmark::State& state )
 		Eigen::Map<Eigen::Vector4f>( rotations.data() + 4 * i ) = turn.coeffs();
 	}
 	const SkinTriangles triangles = shown == Shown::Whole ? SkinTriangles{ body.mesh.indices.data(), int( body.mesh.triangleCount() ) }
+	                              : shown == Shown::AsOne ? SkinTriangles{ view.triangles[0].data(), view.triangleCount }
 	                                                      : SkinTriangles{ surface.triangles().front().data(), int( surface.triangles().size() ) };
 	SkinScratch scratch;
 	std::vector<float> positions( 3 * binding.restPosition.size() ), normals( positions.size() );
@@ -160,7 +166,7 @@ void crackedSkin( benchmark::State& state )
 	state.counters["placed"] = double( binding.placed.size() );
 	state.counters["triangles"] = triangles.count;
 }
-BENCHMARK( crackedSkin )->ArgName( "shown" )->DenseRange( 0, 2 )->Unit( benchmark::kMicrosecond );
+BENCHMARK( crackedSkin )->ArgName( "shown" )->DenseRange( 0, 3 )->Unit( benchmark::kMicrosecond );
 
 } // namespace
 } // namespace pliant

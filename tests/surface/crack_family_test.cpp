@@ -265,7 +265,7 @@ TEST_P( Families, ABodySharedOutIsWhatOneThreadMakes )
 	const CrackCase it( makeSphere( 1.0, 24, 36 ), 0.16, noisy( GetParam() ) );
 	const std::unique_ptr<TaskRunner> runner = createThreadPool( 3 );
 	Torn one( it ), several( it );
-	std::size_t most = 0, placed = 0;
+	std::size_t most = 0, placed = 0, spared = 0;
 	CrackView shared; // keeps what it was for as long as it can
 	for ( unsigned round = 1; round < 3; ++round )
 	{
@@ -295,12 +295,14 @@ TEST_P( Families, ABodySharedOutIsWhatOneThreadMakes )
 			EXPECT_EQ( a.shading, b.shading );
 			EXPECT_EQ( a.shadedTriangles, b.shadedTriangles );
 			placed += a.placed.size();
+			spared += CrackSurface( it.complex, part, extractCells( one.lattice, part ), Vec3::Zero() ).vertexCount() - a.restPosition.size();
 			most = std::max( most, a.restPosition.size() );
 		}
 		EXPECT_TRUE( several.isInPatches() );
 	}
 	EXPECT_GT( most, 2048u ); // several shares
 	EXPECT_GT( placed, 100u );
+	EXPECT_GT( spared, 100u );
 }
 
 /// Where rows are found by the points of the cells they follow, none is missed, and most others are left out.
@@ -343,6 +345,29 @@ TEST_P( Families, RowsThatFollowCellsAreFoundByTheirPoints )
 	}
 	EXPECT_GT( held, 2000 );
 	EXPECT_LT( asked, 2 * held );
+}
+
+/// What comes to pieces at once never needs what grows by its cracks.
+TEST_P( Families, TheWholeIsCopiedWhenItIsShown )
+{
+	const CrackCase it( makeSphere( 1.0, 16, 24 ), 0.3, noisy( GetParam() ) );
+	Torn apart( it ), cracked( it ), prepared( it );
+	prepared.family->prepare();
+	EXPECT_NE( prepared.family->whole(), nullptr );
+	CrackView view, twin;
+	apart.tear( 0.02, 3, 1 );
+	EXPECT_EQ( apart.family->whole(), nullptr );
+	apart.family->show( connectedParts( apart.lattice )[0], Vec3::Zero(), view );
+	EXPECT_TRUE( !apart.family->whole() && apart.isInPatches() );
+	apart.family->prepare();
+	EXPECT_EQ( apart.family->whole(), nullptr );
+	for ( Torn* const torn : { &cracked, &prepared } )
+	{
+		torn->tear( 0.02, 1, 2 );
+		torn->family->show( connectedParts( torn->lattice )[0], Vec3::Zero(), torn == &cracked ? view : twin );
+		EXPECT_NE( torn->family->whole(), nullptr );
+	}
+	EXPECT_EQ( drawingOf( view ), drawingOf( twin ) );
 }
 
 /// As long as it is all there, the ranges of a view tell all that is new.
