@@ -1,0 +1,195 @@
+// What no crack parts is drawn as the input has it, and all else as it was.
+
+#include "surface/cracked_sphere.h"
+
+#include "surface/crack_view.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <map>
+
+namespace pliant {
+namespace {
+
+using namespace test;
+
+/// Whatever is cut on its sides: triangles that are not flat and turned as the panel is, each part of its border once.
+TEST( Panels, ACutPanelIsDrawnBetweenItsCuts )
+{
+	const Vec3 corner[3] = { { 0, 0, 0 }, { 3, 0, 0 }, { 1, 2, 0 } };
+	for ( int cuts = 0; cuts < 64; ++cuts )
+	{
+		std::vector<Vec3> place;
+		std::vector<std::uint32_t> around;
+		std::array<std::size_t, 3> cornerAt{};
+		for ( std::size_t side = 0; side < 3; ++side )
+		{
+			cornerAt[side] = place.size();
+			const int count = cuts >> ( 2 * side ) & 3;
+			for ( int k = 0; k <= count; ++k )
+			{
+				around.push_back( std::uint32_t( 100 + place.size() ) );
+				place.push_back( corner[side] + float( k ) / float( count + 1 ) * ( corner[( side + 1 ) % 3] - corner[side] ) );
+			}
+		}
+		std::vector<std::array<std::uint32_t, 3>> triangles;
+		drawPanel( around, cornerAt, triangles );
+		EXPECT_EQ( triangles.size(), around.size() - 2 );
+		float area = 0.0f;
+		std::map<std::pair<std::uint32_t, std::uint32_t>, int> edges;
+		for ( const auto& t : triangles )
+		{
+			const auto at = [&]( std::size_t k ) { return place[t[k % 3] - 100]; };
+			const float own = 0.5f * ( at( 1 ) - at( 0 ) ).cross( at( 2 ) - at( 0 ) ).z();
+			EXPECT_GT( own, 0.01f );
+			area += own;
+			for ( std::size_t k = 0; k < 3; ++k )
+			{
+				++edges[{ t[k], t[( k + 1 ) % 3] }];
+			}
+		}
+		EXPECT_NEAR( area, 3.0f, 1e-5f );
+		for ( std::size_t k = 0; k < around.size(); ++k )
+		{
+			const std::uint32_t from = around[k], to = around[( k + 1 ) % around.size()];
+			EXPECT_EQ( ( edges[{ from, to }] ), 1 );
+			EXPECT_EQ( ( edges[{ to, from }] ), 0 );
+		}
+	}
+}
+
+/// What is drawn as one of a cracked surface, and which of the surface's vertices each of its is.
+struct AsOne
+{
+	explicit AsOne( const CrackSurface& surface )
+	{
+		const std::vector<float> texture( 2 * std::size_t( surface.vertexCount() ) );
+		surface.showPanelsAsOne( texture.data(), view );
+		std::vector<std::uint8_t> isThere( surface.complex().pointCount(), 0 );
+		for ( const std::uint32_t point : view.binding->point )
+		{
+			isThere[point] = 1;
+		}
+		for ( std::uint32_t v = 0; v < surface.vertexCount(); ++v )
+		{
+			isThere[surface.binding().point[v]] != 0 ? vertex.push_back( v ) : void();
+		}
+	}
+
+	CrackView view;
+	std::vector<std::uint32_t> vertex;
+};
+
+/// Closed as sums of edges, with the volume there was, and far from cracks the input's own triangles.
+void expectDrawnAsOne( const Cracked& cracked, const AsOne& one )
+{
+	const SkinBinding& b = *one.view.binding;
+	ASSERT_EQ( one.vertex.size(), b.restPosition.size() );
+	std::map<std::pair<std::uint32_t, std::uint32_t>, int> edges;
+	std::map<std::uint32_t, std::vector<std::array<std::uint32_t, 3>>> drawnOf;
+	std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> welded;
+	double volume = 0.0;
+	for ( int t = 0; t < one.view.triangleCount; ++t )
+	{
+		std::array<std::uint32_t, 3> place, own;
+		for ( std::size_t k = 0; k < 3; ++k )
+		{
+			own[k] = one.vertex[one.view.triangles[t][k]];
+			place[k] = welded.emplace( cracked.surface.sideOf( own[k] ), std::uint32_t( welded.size() ) ).first->second;
+		}
+		const auto at = [&]( std::size_t k ) { return Vec3d( b.restPosition[one.view.triangles[t][k]].cast<double>() ); };
+		volume += signedVolume( at( 0 ), at( 1 ), at( 2 ) );
+		for ( std::size_t k = 0; k < 3; ++k )
+		{
+			++edges[{ place[k], place[( k + 1 ) % 3] }];
+		}
+		if ( one.view.sources[t] != CrackSurface::kNone )
+		{
+			drawnOf[one.view.sources[t]].push_back( own );
+		}
+	}
+	EXPECT_NEAR( volume, volumeOf( cracked.surface ), 1e-5 * volume );
+	const bool isClosed = std::all_of( edges.begin(), edges.end(), [&edges]( const auto& e ) {
+		const auto back = edges.find( { e.first.second, e.first.first } );
+		return back != edges.end() && back->second == e.second;
+	} );
+	EXPECT_TRUE( isClosed );
+	const std::uint32_t* const indices = cracked.it.mesh.indices.data();
+	int whole = 0, cut = 0;
+	for ( std::uint32_t t = 0; t < std::uint32_t( cracked.it.mesh.triangleCount() ); ++t )
+	{
+		std::array<std::uint32_t, 3> input = { indices[3 * t], indices[3 * t + 1], indices[3 * t + 2] };
+		const auto isFar = [&]( std::uint32_t v ) { return cracked.distanceToCrack( cracked.it.rest( int( v ) ) ) > 2.0f * float( kCell ); };
+		if ( std::all_of( input.begin(), input.end(), isFar ) )
+		{
+			if ( drawnOf[t].size() != 1 )
+			{
+				++cut;
+				continue;
+			}
+			std::array<std::uint32_t, 3> drawn = drawnOf[t][0];
+			std::rotate( drawn.begin(), std::min_element( drawn.begin(), drawn.end() ), drawn.end() );
+			std::rotate( input.begin(), std::min_element( input.begin(), input.end() ), input.end() );
+			EXPECT_EQ( drawn, input );
+			++whole;
+		}
+	}
+	EXPECT_GT( whole, 500 );
+	EXPECT_LE( cut, whole / 100 ); // around the few triangles that are cut and no panels
+}
+
+TEST( Panels, FarFromACrackTheInputsOwnTrianglesAreDrawn )
+{
+	Cracked cracked;
+	cracked.crack( 0.3f );
+	const AsOne one( cracked.surface );
+	expectDrawnAsOne( cracked, one );
+	EXPECT_LT( 3 * one.vertex.size(), cracked.surface.vertexCount() ); // cuts were most of all
+	EXPECT_LT( 5 * one.view.triangleCount, 2 * int( cracked.surface.triangles().size() ) );
+}
+
+/// One face that breaks within parts nothing: what passes there is drawn nevertheless, for its faces are.
+TEST( Panels, WhereABrokenFacePassesCutsAreDrawn )
+{
+	Cracked cracked;
+	std::uint32_t face = 0;
+	const Panels& panels = cracked.it.complex->panels;
+	const Table& points = cracked.it.complex->pointsOfFace;
+	const auto isCut = [&panels]( std::uint32_t point ) { return panels.isSpared[point] != 0; };
+	while ( std::count_if( points.begin( face ), points.end( face ), isCut ) < 3 )
+	{
+		++face;
+	}
+	cracked.surface.breakFaces( { face } );
+	cracked.surface.settle();
+	expectValid( cracked.surface );
+	const AsOne one( cracked.surface );
+	expectDrawnAsOne( cracked, one );
+	const std::vector<std::uint32_t>& there = one.view.binding->point;
+	for ( const std::uint32_t* p = points.begin( face ); p != points.end( face ); ++p )
+	{
+		EXPECT_NE( std::find( there.begin(), there.end(), *p ), there.end() );
+	}
+}
+
+/// What is spared moves nothing: all else stands where it stood, and is shaded as it was, to the bit.
+TEST( Panels, DrawnAsOneTheRestIsAsItWas )
+{
+	Cracked cracked;
+	cracked.crack( 0.3f );
+	cracked.bend( 0.5f );
+	cracked.skinAs( cracked.surface );
+	const AsOne one( cracked.surface );
+	std::vector<float> positions( 3 * one.vertex.size() ), normals( positions );
+	const SkinTriangles triangles{ one.view.triangles[0].data(), one.view.triangleCount };
+	skin( *one.view.binding, cracked.it.nodes, cracked.it.rotations.data(), triangles, cracked.it.scratch, positions.data(), normals.data() );
+	for ( std::size_t k = 0; k < one.vertex.size(); ++k )
+	{
+		EXPECT_EQ( Vec3( Eigen::Map<const Vec3>( &positions[3 * k] ) ), cracked.position( one.vertex[k] ) );
+		EXPECT_EQ( Vec3( Eigen::Map<const Vec3>( &normals[3 * k] ) ), cracked.normal( one.vertex[k] ) );
+	}
+}
+
+} // namespace
+} // namespace pliant
