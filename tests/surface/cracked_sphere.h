@@ -29,7 +29,9 @@ inline Eigen::Matrix3f turnOfBend( const Vec3& x, float angle )
 /// A sphere of triangles about as large as its cells, and a crack at one place of it.
 struct Cracked
 {
-	explicit Cracked( int rings = 24, double cell = kCell ) : it( makeSphere( 1.0, rings, rings * 3 / 2 ), cell, noisy() ), surface( it.complex )
+	/// `hasSeams`: no two triangles share a vertex.
+	explicit Cracked( int rings = 24, double cell = kCell, bool hasSeams = false ) :
+		it( hasSeams ? unwelded( makeSphere( 1.0, rings, rings * 3 / 2 ) ) : makeSphere( 1.0, rings, rings * 3 / 2 ), cell, noisy() ), surface( it.complex )
 	{
 	}
 

@@ -149,6 +149,14 @@ TEST( Panels, FarFromACrackTheInputsOwnTrianglesAreDrawn )
 	EXPECT_LT( 5 * one.view.triangleCount, 2 * int( cracked.surface.triangles().size() ) );
 }
 
+/// Vertices at one place that have texture coordinates of their own.
+TEST( Panels, DrawnAsOneSeamsStayClosed )
+{
+	Cracked cracked( 24, kCell, true );
+	cracked.crack( 0.3f );
+	expectDrawnAsOne( cracked, AsOne( cracked.surface ) );
+}
+
 /// One face that breaks within parts nothing: what passes there is drawn nevertheless, for its faces are.
 TEST( Panels, WhereABrokenFacePassesCutsAreDrawn )
 {
