@@ -72,7 +72,7 @@ std::size_t CellComplex::bytes() const
 		sizeOf( bindWeight ) + sizeOf( vertexPoint ) + sizeOf( addedOrigin ) + sizeOf( vertexNormal ) + sizeOf( cellTriangleStart ) + sizeOf( triangle ) +
 		sizeOf( triangleSource ) + sizeOf( face ) + sizeOf( faceTriangle ) + sizeOf( faceAxis ) + sizeOfTable( facesOfCell ) +
 		sizeOf( panels.corner ) + sizeOf( panels.ofPiece ) + sizeOf( panels.firstOfCell ) + sizeOfTable( panels.points ) + sizeOfTable( panels.atPoint ) +
-		sizeOf( panels.isPlaceable ) + sizeOf( panels.isPlane ) + sizeOf( panels.source ) + sizeOfTable( panels.border ) + sizeOf( panels.cornerAt ) +
+		sizeOf( panels.isPlaceable ) + sizeOf( panels.isPlane ) + sizeOf( panels.source ) + sizeOfTable( panels.border ) +
 		sizeOf( panels.isSpared ) + sizeOf( panels.isPlain );
 }
 

@@ -156,14 +156,7 @@ void CrackSurface::follow( const BladePath& path, const std::vector<std::uint32_
 /// Of the pieces that a cell draws, but for those of panels that add to normals as one.
 void CrackSurface::addAreas( std::uint32_t cell )
 {
-	const std::uint32_t known = m_complex->cellTriangleStart[m_cell[cell]] - m_cellTriangle[cell];
-	for ( std::uint32_t t = m_cellTriangle[cell]; t < m_cellTriangle[cell + 1]; ++t )
-	{
-		if ( !m_panels.isOfOne( known + t ) )
-		{
-			addArea( m_triangle[t] );
-		}
-	}
+	forPiecesAlone( cell, [this]( std::uint32_t t ) { addArea( m_triangle[t] ); } );
 }
 
 void CrackSurface::addArea( const std::array<std::uint32_t, 3>& corner )

@@ -86,14 +86,7 @@ void CrackSurface::listShading()
 	m_binding.shading.reserve( m_binding.shadedTriangles ); // each panel is some of them
 	for ( std::uint32_t cell = 0; cell < m_cell.size() && m_binding.shadedTriangles > 0; ++cell )
 	{
-		const std::uint32_t known = m_complex->cellTriangleStart[m_cell[cell]] - m_cellTriangle[cell];
-		for ( std::uint32_t t = m_cellTriangle[cell]; t < m_cellTriangle[cell + 1]; ++t )
-		{
-			if ( !m_panels.isOfOne( known + t ) )
-			{
-				m_binding.shading.push_back( m_triangle[t] );
-			}
-		}
+		forPiecesAlone( cell, [this]( std::uint32_t t ) { m_binding.shading.push_back( m_triangle[t] ); } );
 	}
 	for ( const std::uint32_t panel : wholePanels() )
 	{
@@ -211,21 +204,10 @@ void CrackGatherer::takePanel( std::uint32_t panel )
 	}
 	else
 	{
-		std::array<std::size_t, 3> cornerAt{};
-		m_around.clear();
-		for ( std::uint32_t k = all.border.start[panel]; k < all.border.start[panel + 1]; ++k )
-		{
-			const auto at = std::find( all.cornerAt[panel].begin(), all.cornerAt[panel].end(), k - all.border.start[panel] );
-			if ( at != all.cornerAt[panel].end() )
-			{
-				cornerAt[std::size_t( at - all.cornerAt[panel].begin() )] = m_around.size();
-			}
-			if ( !m_sides->panels().isSpared( patches.complex->vertexPoint[all.border.entry[k]] ) )
-			{
-				m_around.push_back( numberAt( patches.numberOfBorder[k] ) );
-			}
-		}
-		drawPanel( m_around, cornerAt, m_panelTriangle );
+		const auto drawnAt = [&]( std::uint32_t entry ) {
+			return m_sides->panels().isSpared( patches.complex->vertexPoint[all.border.entry[entry]] ) ? kNone : numberAt( patches.numberOfBorder[entry] );
+		};
+		drawPanel( all, panel, drawnAt, m_around, m_panelTriangle );
 	}
 	m_panelSource.resize( m_panelTriangle.size(), all.source[panel] );
 }

@@ -182,6 +182,16 @@ private:
 	void addPanelsAt( std::uint32_t point, std::vector<std::uint32_t>& panels ) const;
 	bool isPlaced( const Vertex& vertex ) const { return vertex.kind < kInside && m_panels.isPlaced( m_point[vertex.point] ); }
 	std::uint32_t carrierAt( std::uint32_t input ) const;
+	/// Triangles of a cell's outer surface that are pieces by themselves: of no panel that is one.
+	template <class Take>
+	void forPiecesAlone( std::uint32_t cell, Take&& take ) const
+	{
+		const std::uint32_t known = m_complex->cellTriangleStart[m_cell[cell]] - m_cellTriangle[cell];
+		for ( std::uint32_t t = m_cellTriangle[cell]; t < m_cellTriangle[cell + 1]; ++t )
+		{
+			m_panels.isOfOne( known + t ) ? void() : take( t );
+		}
+	}
 	void listPlaced();
 	void listShading();
 	std::uint32_t vertexOf( std::uint32_t kind ) const;

@@ -143,16 +143,14 @@ private:
 		}
 		const bool isClosed = around.back() == corner[0] && edges.size() <= std::size_t( m_pieces.size( source ) ) + 2;
 		around.pop_back();
-		const auto place = [&]( std::size_t k ) { return std::uint16_t( std::find( around.begin(), around.end(), corner[k] ) - around.begin() ); };
-		const std::array<std::uint16_t, 3> cornerAt = { 0, place( 1 ), place( 2 ) };
+		const auto second = std::find( around.begin(), around.end(), corner[1] ), third = std::find( second, around.end(), corner[2] );
 		std::vector<std::uint32_t> once( around );
 		std::sort( once.begin(), once.end() );
 		const bool isSimple = std::adjacent_find( once.begin(), once.end() ) == once.end();
-		if ( isClosed && isSimple && cornerAt[1] < cornerAt[2] && cornerAt[2] < around.size() )
+		if ( isClosed && isSimple && third != around.end() )
 		{
 			m_out.border.entry.insert( m_out.border.entry.end(), around.begin(), around.end() );
 		}
-		m_out.cornerAt.push_back( cornerAt );
 		m_out.border.start.push_back( std::uint32_t( m_out.border.entry.size() ) );
 	}
 

@@ -34,9 +34,8 @@ struct Panels
 	std::vector<std::uint8_t> isPlane;                ///< by panel: where it is cut it is placed, as long as it is whole
 	/// By panel: vertices of the complex round it, as it is turned, its first corner first. Empty where its pieces have no such border; it is no plane then.
 	Table border;
-	std::vector<std::array<std::uint16_t, 3>> cornerAt; ///< by panel: where its corners are in its border
-	std::vector<std::uint8_t> isSpared;                 ///< by point: all panels there are planes
-	std::vector<std::uint8_t> isPlain;                  ///< by panel: a plane whose cuts are all spared
+	std::vector<std::uint8_t> isSpared; ///< by point: all panels there are planes
+	std::vector<std::uint8_t> isPlain;  ///< by panel: a plane whose cuts are all spared
 
 	std::size_t count() const { return corner.size(); }
 };
@@ -47,6 +46,25 @@ Panels findPanels( const MeshView& mesh, const CellComplex& complex );
 /// A panel as triangles between those of its border's vertices that are drawn: `around`, as it is turned, its corners at `cornerAt`, the first one first.
 /// One triangle more than there are vertices besides corners. None of them is flat where vertices between corners lie in a straight line.
 void drawPanel( const std::vector<std::uint32_t>& around, const std::array<std::size_t, 3>& cornerAt, std::vector<std::array<std::uint32_t, 3>>& triangles );
+/// The same by its border. `numberAt`: what is drawn there, of an entry of Panels::border; kNone: nothing. `around`: room.
+template <class NumberAt>
+void drawPanel( const Panels& panels, std::uint32_t panel, NumberAt&& numberAt, std::vector<std::uint32_t>& around, std::vector<std::array<std::uint32_t, 3>>& triangles )
+{
+	std::array<std::size_t, 3> cornerAt{};
+	around.clear();
+	for ( std::uint32_t entry = panels.border.start[panel]; entry < panels.border.start[panel + 1]; ++entry )
+	{
+		for ( std::size_t k = 0; k < 3; ++k )
+		{
+			cornerAt[k] = panels.corner[panel][k] == panels.border.entry[entry] ? around.size() : cornerAt[k];
+		}
+		if ( const std::uint32_t number = numberAt( entry ); number != Panels::kNone )
+		{
+			around.push_back( number );
+		}
+	}
+	drawPanel( around, cornerAt, triangles );
+}
 
 /// Which of them are whole, as cracks open. They never become whole again.
 class WholePanels

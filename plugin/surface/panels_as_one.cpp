@@ -52,30 +52,20 @@ void CrackSurface::drawAsOne( CrackView& view ) const
 	view.ownSources.clear();
 	for ( std::uint32_t cell = 0; cell < m_cell.size(); ++cell )
 	{
-		const std::uint32_t known = m_complex->cellTriangleStart[m_cell[cell]] - m_cellTriangle[cell];
-		for ( std::uint32_t t = m_cellTriangle[cell]; t < m_cellTriangle[cell + 1]; ++t )
-		{
-			if ( !m_panels.isOfOne( known + t ) )
-			{
-				view.ownTriangles.push_back( m_triangle[t] );
-				view.ownSources.push_back( m_source[t] );
-			}
-		}
+		forPiecesAlone( cell, [&]( std::uint32_t t ) {
+			view.ownTriangles.push_back( m_triangle[t] );
+			view.ownSources.push_back( m_source[t] );
+		} );
 	}
 	const Panels& all = m_complex->panels;
+	const auto drawnAt = [&]( std::uint32_t entry ) {
+		const std::uint32_t vertex = all.border.entry[entry];
+		return m_panels.isSpared( m_complex->vertexPoint[vertex] ) ? kNone : vertexOf( vertex );
+	};
+	std::vector<std::uint32_t> around;
 	for ( const std::uint32_t panel : wholePanels() )
 	{
-		std::vector<std::uint32_t> around;
-		std::array<std::size_t, 3> cornerAt{};
-		for ( const std::uint32_t* v = all.border.begin( panel ); v != all.border.end( panel ); ++v )
-		{
-			for ( std::size_t k = 0; k < 3; ++k )
-			{
-				cornerAt[k] = all.corner[panel][k] == *v ? around.size() : cornerAt[k];
-			}
-			m_panels.isSpared( m_complex->vertexPoint[*v] ) ? void() : around.push_back( vertexOf( *v ) );
-		}
-		drawPanel( around, cornerAt, view.ownTriangles );
+		drawPanel( all, panel, drawnAt, around, view.ownTriangles );
 		view.ownSources.resize( view.ownTriangles.size(), all.source[panel] );
 	}
 	view.ownBinding.shadedTriangles = std::uint32_t( view.ownTriangles.size() );
