@@ -132,11 +132,11 @@ void Body::testLinks( float h )
 	Breaking& b = *m_breaking;
 	b.coolDown -= h;
 	const bool isCool = b.coolDown <= 0.0f;
-	const std::vector<std::uint8_t>* const mayBreak = m_levels ? &b.settled.update( *m_lattice, m_levels->cut(), m_levels->version(), m_levels->settings().coarseLevels, h ) : nullptr;
 	if ( !b.broken.empty() || ( !isCool && !b.planes ) )
 	{
 		return;
 	}
+	const auto placesOnLevels = [&] { return CellPlaces( m_nodes, m_levels->cut(), b.standings.update( *m_lattice, m_levels->cut(), m_levels->version() ) ); };
 	bool hasBegun = false;
 	if ( b.planes )
 	{
@@ -145,13 +145,13 @@ void Body::testLinks( float h )
 		{
 			return;
 		}
-		const CellPlaces places = m_levels ? CellPlaces( m_nodes, m_levels->cut(), *mayBreak ) : CellPlaces( m_nodes );
+		const CellPlaces places = m_levels ? placesOnLevels() : CellPlaces( m_nodes );
 		hasBegun = b.planes->find( *m_lattice, b.limits, places, b.sinceLook, isCool, b.broken );
 		b.sinceLook = 0.0f;
 	}
 	else if ( m_levels )
 	{
-		findOverstretched( b.limits, CellPlaces( m_nodes, m_levels->cut(), *mayBreak ), b.broken );
+		findOverstretched( b.limits, placesOnLevels(), b.broken );
 	}
 	else
 	{

@@ -326,10 +326,6 @@ void Body::inheritBreaking( const Breaking& from, const BodyPiece& piece )
 	m_breaking->coolDown = from.coolDown;
 	m_breaking->sinceLook = from.sinceLook;
 	m_breaking->limits = limitsOf( from, piece );
-	if ( m_levels )
-	{
-		m_breaking->settled.inherit( from.settled, piece.cellBefore );
-	}
 	if ( from.planes )
 	{
 		m_breaking->planes = std::make_unique<PlaneCracks>( *from.planes ); // cracks are where they were

@@ -30,7 +30,7 @@ struct Breaking
 	std::vector<CellLink> broken; ///< waiting to be taken out, ascending
 	float sinceLook = 0.0f;       ///< s since planes were looked at
 	float coolDown = 0.0f;        ///< s until links are tested again, or new cracks may begin
-	SettledCells settled;         ///< bodies with levels only
+	CellStandings standings;      ///< bodies with levels only
 	std::unique_ptr<PlaneCracks> planes; ///< BreakRule::Plane only
 
 	/// Limits and planes for the settings.

@@ -254,7 +254,7 @@ std::unique_ptr<Body> Body::relinkWhole( const std::shared_ptr<const Lattice>& l
 	if ( body->m_breaking )
 	{
 		body->m_breaking->limits = body->limitsOf( *body->m_breaking, piece );
-		body->m_breaking->settled.forgetLinks();
+		body->m_breaking->standings.forget();
 	}
 	body->keepFiniteState();
 	return body;

@@ -3,6 +3,7 @@
 // Where the finest cells are now, and which of them may be asked about breaking: those that are nodes by themselves.
 
 #include "adapt/cut.h"
+#include "fracture/constants.h"
 #include "matching/node_state.h"
 
 #include <cstdint>
@@ -10,42 +11,49 @@
 
 namespace pliant {
 
+/// What a finest cell is in the cut of now.
+enum class CellStanding : std::uint8_t
+{
+	InBig,     ///< a part of a bigger node: it does not break, for big nodes are split long before what is in them could (kRefineBeforeBreak)
+	BesideBig, ///< a node by itself, linked to some that are not
+	AmongFine  ///< a node by itself, as all are that it is linked to
+};
+
+/// The standing of all finest cells, looked at anew only where it may have changed.
+class CellStandings
+{
+public:
+	/// `version`: another one where the cut is another.
+	const std::vector<CellStanding>& update( const Lattice& lattice, const Cut& cut, unsigned version );
+	/// Links have changed: the cells around others are no more what they were.
+	void forget() { m_standing.clear(); }
+
+private:
+	std::vector<CellStanding> m_standing; ///< by cell; empty: not known
+	unsigned m_version = 0;
+};
+
 class CellPlaces
 {
 public:
 	explicit CellPlaces( const NodeState& nodes ) : m_nodes( nodes ) {}
-	/// `mayBreak`: 1 for each cell that may (SettledCells).
-	CellPlaces( const NodeState& nodes, const Cut& cut, const std::vector<std::uint8_t>& mayBreak ) : m_nodes( nodes ), m_cut( &cut ), m_mayBreak( &mayBreak ) {}
+	CellPlaces( const NodeState& nodes, const Cut& cut, const std::vector<CellStanding>& standing ) : m_nodes( nodes ), m_cut( &cut ), m_standing( &standing ) {}
 
 	/// Whether the cell is a node by itself, and not a part of a bigger one.
 	bool has( std::uint32_t cell ) const { return !m_cut || m_cut->node[m_cut->slotOfCell[cell]] == cell; }
-	bool mayBreak( std::uint32_t cell ) const { return !m_mayBreak || ( *m_mayBreak )[cell] != 0; }
-	Vec3 at( std::uint32_t cell ) const { return m_nodes.x.get( int( m_cut ? m_cut->slotOfCell[cell] : cell ) ); }
+	bool mayBreak( std::uint32_t cell ) const { return !m_standing || ( *m_standing )[cell] != CellStanding::InBig; }
+	/// How many times the strain that was set it must be stretched by to break.
+	float bears( std::uint32_t cell ) const { return m_standing && ( *m_standing )[cell] == CellStanding::BesideBig ? kBearsBesideBig : 1.0f; }
+	Vec3 at( std::uint32_t cell ) const { return m_nodes.x.get( nodeOf( cell ) ); }
+	/// At rest, in the body's own frame.
+	Vec3 restOf( std::uint32_t cell ) const { return m_nodes.x0.get( nodeOf( cell ) ); }
 
 private:
+	int nodeOf( std::uint32_t cell ) const { return int( m_cut ? m_cut->slotOfCell[cell] : cell ); }
+
 	const NodeState& m_nodes;
 	const Cut* m_cut = nullptr;
-	const std::vector<std::uint8_t>* m_mayBreak = nullptr;
-};
-
-/// Where big nodes meet small ones strains are off by as much as half, and where a node has just been split they ring. Cells may break that have
-/// been among finest ones, two links around for each coarse level there is, for a while; big nodes are split long before what is under them could break (kRefineBeforeBreak).
-class SettledCells
-{
-public:
-	/// One substep of length h further; 1 for each cell that may break. `version`: another one where the cut is another.
-	const std::vector<std::uint8_t>& update( const Lattice& lattice, const Cut& cut, unsigned version, int coarseLevels, float h );
-	/// Links have changed: the cells around others are no more what they were.
-	void forgetLinks() { m_mayBreak.clear(); }
-	/// Pieces go on where the whole was.
-	void inherit( const SettledCells& from, const std::vector<std::uint32_t>& cellBefore );
-
-private:
-	std::vector<float> m_finestFor; ///< s
-	unsigned m_version = 0;
-	bool m_isWaiting = true; ///< some finest cells are too young
-	std::vector<std::uint8_t> m_isFinest; ///< 1 for cells that have been finest ones for long enough
-	std::vector<std::uint8_t> m_ring, m_mayBreak; ///< m_mayBreak: of m_isFinest as it is; empty: not known
+	const std::vector<CellStanding>* m_standing = nullptr;
 };
 
 } // namespace pliant

@@ -3,6 +3,7 @@
 #include "fracture/cell_places.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace pliant {
 
@@ -144,6 +145,18 @@ void findOverstretched( const LinkLimits& limits, const NodeState& nodes, std::v
 	}
 }
 
+namespace {
+
+/// ( L + b ( M - L ) )^2 of two cells L apart at rest whose link bears M where b is 1.
+float borneSquared( float limitSquared, const CellPlaces& places, std::uint32_t i, std::uint32_t j )
+{
+	const float bears = std::max( places.bears( i ), places.bears( j ) ), rest = ( places.restOf( i ) - places.restOf( j ) ).norm();
+	const float borne = rest + bears * ( std::sqrt( limitSquared ) - rest );
+	return bears == 1.0f ? limitSquared : borne * borne;
+}
+
+} // namespace
+
 void findOverstretched( const LinkLimits& limits, const CellPlaces& places, std::vector<CellLink>& found )
 {
 	const std::uint32_t count = std::uint32_t( limits.start.size() ) - 1;
@@ -152,7 +165,8 @@ void findOverstretched( const LinkLimits& limits, const CellPlaces& places, std:
 		for ( std::uint32_t k = limits.start[i]; places.mayBreak( i ) && k < limits.start[i + 1]; ++k )
 		{
 			const std::uint32_t j = limits.to[k];
-			if ( places.mayBreak( j ) && ( places.at( i ) - places.at( j ) ).squaredNorm() > limits.lengthSquared[k] )
+			const float squared = ( places.at( i ) - places.at( j ) ).squaredNorm();
+			if ( places.mayBreak( j ) && squared > limits.lengthSquared[k] && squared > borneSquared( limits.lengthSquared[k], places, i, j ) )
 			{
 				found.push_back( CellLink{ i, j } );
 			}

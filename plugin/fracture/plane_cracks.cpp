@@ -71,12 +71,12 @@ void PlaneCracks::measureWide( const Lattice& lattice, const LinkLimits& limits,
 {
 	if ( overload.near.excess > 1.0f )
 	{
-		overload.wide = measure( lattice, limits, m_room.moments.around( overload.cell ).deformation(), overload.cell );
+		overload.wide = measure( lattice, limits, m_room.moments.around( overload.cell ).deformation(), overload );
 		overload.wide.excess = overload.near.excess > kNeck ? std::max( overload.wide.excess, 1.0f + overload.near.excess - kNeck ) : overload.wide.excess;
 	}
 }
 
-void PlaneCracks::findOverloads( const Lattice& lattice, const LinkLimits& limits, bool mayBegin )
+void PlaneCracks::findOverloads( const Lattice& lattice, const LinkLimits& limits, const CellPlaces& places, bool mayBegin )
 {
 	std::vector<Overload>& found = m_room.found;
 	found.clear();
@@ -89,7 +89,8 @@ void PlaneCracks::findOverloads( const Lattice& lattice, const LinkLimits& limit
 		{
 			continue; // no crack would go on or begin
 		}
-		Overload overload{ i, measure( lattice, limits, around, i ), {}, 0 };
+		Overload overload{ i, places.bears( i ), {}, {}, 0 };
+		overload.near = measure( lattice, limits, around, overload );
 		overload.planes = goesOnOnly ? planesOf( i, overload.near, lattice.cellSize ) : 0;
 		if ( overload.near.excess > m_growthShare && ( !goesOnOnly || overload.planes != 0 ) ) // else it would do nothing
 		{
@@ -109,8 +110,9 @@ void PlaneCracks::findOverloads( const Lattice& lattice, const LinkLimits& limit
 	} );
 }
 
-PlaneCracks::Pull PlaneCracks::measure( const Lattice& lattice, const LinkLimits& limits, const Eigen::Matrix3d& around, std::uint32_t i ) const
+PlaneCracks::Pull PlaneCracks::measure( const Lattice& lattice, const LinkLimits& limits, const Eigen::Matrix3d& around, const Overload& overload ) const
 {
+	const std::uint32_t i = overload.cell;
 	const Stretch stretch = largestStretch( around );
 	Pull found;
 	found.normal = stretch.axis;
@@ -132,7 +134,7 @@ PlaneCracks::Pull PlaneCracks::measure( const Lattice& lattice, const LinkLimits
 		}
 		toughness = sum / weights;
 	}
-	found.excess = float( stretch.strain / ( double( m_breakStrain ) * toughness ) );
+	found.excess = float( stretch.strain / ( double( m_breakStrain ) * toughness * double( overload.bears ) ) );
 	return found;
 }
 
@@ -263,7 +265,7 @@ bool PlaneCracks::find(
 	{
 		placeAtRest( lattice );
 	}
-	findOverloads( lattice, limits, mayBegin );
+	findOverloads( lattice, limits, places, mayBegin );
 	m_room.mark.assign( std::size_t( lattice.cellCount() ), 0 );
 	m_room.isBroken.resize( std::max( m_room.isBroken.size(), limits.to.size() ), 0 );
 	bool hasBegun = false;

@@ -43,7 +43,7 @@ private:
 	/// The largest stretch around a cell.
 	struct Pull
 	{
-		float excess = 0.0f; ///< strain over what the material bears
+		float excess = 0.0f; ///< strain over what the cell bears
 		Vec3d normal = Vec3d::Zero();
 	};
 	/// A crack that is there is asked about the cell's own links, for at its tip the stretch is high and the place small. Where one is to begin,
@@ -52,6 +52,7 @@ private:
 	struct Overload
 	{
 		std::uint32_t cell;
+		float bears; ///< CellPlaces::bears
 		Pull near, wide;
 		std::uint64_t planes = 0; ///< planesOf(), where cracks go on only
 	};
@@ -84,12 +85,12 @@ private:
 	bool doesSomething( const Lattice& lattice, std::uint32_t cell ) const;
 	void findStretched( const LinkLimits& limits, const CellPlaces& places );
 	void dropUnreachable( const Lattice& lattice );
-	void findOverloads( const Lattice& lattice, const LinkLimits& limits, bool mayBegin );
+	void findOverloads( const Lattice& lattice, const LinkLimits& limits, const CellPlaces& places, bool mayBegin );
 	void measureWide( const Lattice& lattice, const LinkLimits& limits, Overload& overload );
 	void placeAtRest( const Lattice& lattice );
 	std::uint64_t planesOf( std::uint32_t cell, const Pull& near, double cellSize ) const;
 	std::uint64_t planesToReach( double cellSize ) const;
-	Pull measure( const Lattice& lattice, const LinkLimits& limits, const Eigen::Matrix3d& around, std::uint32_t i ) const;
+	Pull measure( const Lattice& lattice, const LinkLimits& limits, const Eigen::Matrix3d& around, const Overload& overload ) const;
 	Plane* planeFor( const Overload& found, const Vec3d& at, double cellSize, bool mayBegin, bool& isShielded );
 	bool breakAcross( const Lattice& lattice, const LinkLimits& limits, std::uint32_t cell, Plane& plane );
 	void takeBroken( const LinkLimits& limits, std::vector<CellLink>& broken );

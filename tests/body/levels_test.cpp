@@ -236,35 +236,40 @@ TEST( Levels, FollowStrainUpAndDown )
 	EXPECT_LT( test::shapeError( *body ), 1e-3 );
 }
 
-// What is squeezed does not break: it need not be refined for it, and may be merged.
+// What is squeezed does not break: it need not be refined for it, and may be merged. What is stretched stays as fine as it is, however soon the rest
+// is merged: with no delay at all it had been merged at every look, and split again at the next.
 TEST( Levels, OfABodyThatCanBreakFollowStretchAndNotSqueeze )
 {
 	const auto lattice = std::make_shared<const Lattice>( makeBlockLattice( 8, 8, 8, 0.05f ) );
-	Adaptivity settings = levels( 2 );
-	settings.mergeDelay = 0.05f;
-	const std::unique_ptr<Body> body = makeAdaptive( lattice, settings );
-	Fracture fracture;
-	fracture.breakStrain = 0.2f; // refined at half of it
-	fracture.rule = BreakRule::Distance;
-	ASSERT_TRUE( body->setFracture( fracture ).ok() );
-	const auto nodesAt = [&]( const Vec3& stretch ) {
-		for ( int k = 0; k < 60; ++k )
-		{
-			body->adaptLevels( 1.0f / 240.0f );
-			NodeState& nodes = body->nodes();
-			for ( int i = 0; i < nodes.count; ++i )
+	for ( const float delay : { 0.05f, 0.0f } )
+	{
+		Adaptivity settings = levels( 2 );
+		settings.mergeDelay = delay;
+		const std::unique_ptr<Body> body = makeAdaptive( lattice, settings );
+		Fracture fracture;
+		fracture.breakStrain = 0.2f; // refined at half of it
+		fracture.rule = BreakRule::Distance;
+		ASSERT_TRUE( body->setFracture( fracture ).ok() );
+		const auto nodesAt = [&]( const Vec3& stretch, int looks ) {
+			for ( int k = 0; k < looks; ++k )
 			{
-				nodes.x.set( i, nodes.x0.get( i ).cwiseProduct( stretch ) );
-				nodes.v.set( i, Vec3::Zero() );
+				body->adaptLevels( 1.0f / 240.0f );
+				NodeState& nodes = body->nodes();
+				for ( int i = 0; i < nodes.count; ++i )
+				{
+					nodes.x.set( i, nodes.x0.get( i ).cwiseProduct( stretch ) );
+					nodes.v.set( i, Vec3::Zero() );
+				}
+				body->accelerateTowardGoals( 1.0f / 240.0f, 1.0f, nullptr );
 			}
-			body->accelerateTowardGoals( 1.0f / 240.0f, 1.0f, nullptr );
-		}
-		return body->nodeCount();
-	};
-	EXPECT_EQ( nodesAt( Vec3( 1.0f, 1.0f, 0.8f ) ), 8 );
-	EXPECT_EQ( nodesAt( Vec3( 1.09f, 1.0f, 1.0f ) ), 8 );
-	EXPECT_EQ( nodesAt( Vec3( 1.11f, 1.0f, 1.0f ) ), 512 );
-	EXPECT_EQ( nodesAt( Vec3( 0.9f, 0.9f, 0.9f ) ), 8 );
+			return body->nodeCount();
+		};
+		EXPECT_EQ( nodesAt( Vec3( 1.0f, 1.0f, 0.8f ), 60 ), 8 );
+		EXPECT_EQ( nodesAt( Vec3( 1.09f, 1.0f, 1.0f ), 60 ), 8 );
+		EXPECT_EQ( nodesAt( Vec3( 1.11f, 1.0f, 1.0f ), 60 ), 512 ) << delay;
+		EXPECT_EQ( nodesAt( Vec3( 1.11f, 1.0f, 1.0f ), 1 ), 512 ) << delay;
+		EXPECT_EQ( nodesAt( Vec3( 0.9f, 0.9f, 0.9f ), 60 ), 8 ) << delay;
+	}
 }
 
 // What comes to rest node by node is merged a few times a second, and not at every look.

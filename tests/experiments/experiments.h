@@ -9,6 +9,7 @@ void vibrationExperiment();
 void barExperiment();
 void splitsExperiment();
 void pullExperiment();
+void dropsExperiment( int count );
 void shotsExperiment( int count );
 void impactsExperiment( int count );
 void shattersExperiment( int count );

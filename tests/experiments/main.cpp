@@ -23,6 +23,7 @@ const Entry kEntries[] = {
 	{ "bars", []( int ) { barExperiment(); }, 0 },
 	{ "splits", []( int ) { splitsExperiment(); }, 0 },
 	{ "pull", []( int ) { pullExperiment(); }, 0 },
+	{ "drops", []( int count ) { dropsExperiment( count ); }, 24 },
 	{ "shots", []( int count ) { shotsExperiment( count ); }, 1000 },
 	{ "impacts", []( int count ) { impactsExperiment( count ); }, 1000 },
 	{ "shatters", []( int count ) { shattersExperiment( count ); }, 400 },

@@ -6,6 +6,7 @@
 
 #include <btBulletDynamicsCommon.h>
 
+#include <array>
 #include <memory>
 #include <string>
 #include <utility>
@@ -13,15 +14,16 @@
 
 namespace pliant::test {
 
-/// A cube of edge `edge` m around the origin, `cells` cells along it.
-inline std::shared_ptr<const BodyTemplate> cubeTemplate( float edge, int cells, const CrackSettings& cracks = {} )
+/// A box around the origin, of cells of `cell` m.
+inline std::shared_ptr<const BodyTemplate> boxTemplate( const std::array<float, 3>& edges, float cell, const CrackSettings& cracks = {} )
 {
 	std::vector<float> positions;
 	for ( int i = 0; i < 8; ++i )
 	{
-		positions.push_back( edge * ( float( i & 1 ) - 0.5f ) );
-		positions.push_back( edge * ( float( i >> 1 & 1 ) - 0.5f ) );
-		positions.push_back( edge * ( float( i >> 2 & 1 ) - 0.5f ) );
+		for ( std::size_t k = 0; k < 3; ++k )
+		{
+			positions.push_back( edges[k] * ( float( i >> k & 1 ) - 0.5f ) );
+		}
 	}
 	static const std::uint32_t indices[36] = { 0, 2, 1, 1, 2, 3, 4, 5, 6, 5, 7, 6, 0, 1, 4, 1, 5, 4, 2, 6, 3, 3, 6, 7, 0, 4, 2, 2, 4, 6, 1, 3, 5, 3, 7, 5 };
 	MeshView mesh;
@@ -30,9 +32,15 @@ inline std::shared_ptr<const BodyTemplate> cubeTemplate( float edge, int cells, 
 	mesh.indices = indices;
 	mesh.triangleCount = 12;
 	LatticeSettings settings;
-	settings.cellSize = edge / float( cells );
+	settings.cellSize = cell;
 	settings.cracks = cracks;
 	return BodyTemplate::build( mesh, settings ).value;
+}
+
+/// A cube of edge `edge` m around the origin, `cells` cells along it.
+inline std::shared_ptr<const BodyTemplate> cubeTemplate( float edge, int cells, const CrackSettings& cracks = {} )
+{
+	return boxTemplate( { edge, edge, edge }, edge / float( cells ), cracks );
 }
 
 template <class World>
