@@ -4,6 +4,7 @@
 
 #include "demos/run.h"
 
+#include <BulletDynamics/Dynamics/btRigidBody.h>
 #include <CLI/CLI.hpp>
 
 #include <cstdio>
@@ -20,6 +21,7 @@ struct Arguments
 	bool list = false;
 	bool window = false;
 	bool noRender = false;
+	bool awake = false;
 };
 
 void describe( CLI::App& app, Arguments& to )
@@ -38,6 +40,8 @@ void describe( CLI::App& app, Arguments& to )
 	app.add_option( "--export-every", to.run.exportEvery, "Frames from one model file to the next" )->check( CLI::Range( 1, 100000 ) )->capture_default_str();
 	app.add_flag( "--window", to.window, "Show it in a window" );
 	app.add_option( "--seed", to.run.stage.seed, "Seed of what is random in a scene" )->capture_default_str();
+	app.add_flag( "--awake", to.awake, "Nothing falls asleep" );
+	app.add_option( "--draws", to.run.draws, "Run it so often, each time with the next seed, and print means of what it finds out; no pictures, no files" )->check( CLI::Range( 1, 1000 ) );
 	app.add_option( "--threads", to.run.stage.threads, "Threads of the soft bodies" )->check( CLI::Range( 1, 64 ) )->capture_default_str();
 	app.add_option( "--substeps", to.run.stage.softSubsteps, "Soft substeps a step; 0: the world's default" )->check( CLI::Range( 0, 64 ) );
 	app.footer( "In the window: left button grabs, right turns, middle shifts, wheel zooms. With C held, soft bodies are cut along the way of the "
@@ -71,6 +75,11 @@ int run( int count, char** words )
 		arguments.run.folder = "out/" + arguments.scene;
 	}
 	arguments.run.render = !arguments.noRender;
+	gDisableDeactivation = arguments.awake; // Bullet's own, of all its worlds
+	if( arguments.run.draws > 1 && !arguments.window )
+	{
+		return runDraws( *entry, arguments.run );
+	}
 	return arguments.window ? runInWindow( *entry, arguments.run ) : runHeadless( *entry, arguments.run );
 }
 

@@ -19,11 +19,14 @@ struct RunSettings
 	bool render = true;
 	bool showNodes = false;
 	std::string exportFormat; ///< "", "glb", "gltf", "obj", "ply" or "stl"
+	int draws = 1;            ///< runs of it, each with the next seed
 	int exportEvery = 10;     ///< frames from one model file to the next
 };
 
-/// Both return the process's exit code.
+/// All return the process's exit code.
 int runHeadless( const SceneEntry& entry, const RunSettings& settings );
+/// `draws` times, without pictures or files: prints the means of what the scene finds out.
+int runDraws( const SceneEntry& entry, const RunSettings& settings );
 int runInWindow( const SceneEntry& entry, const RunSettings& settings );
 
 } // namespace pliant_demos

@@ -2,6 +2,7 @@
 // | A scene from its first step to its summary, without a screen.                                                    |
 // +-----------------------------------------------------------------------------------------------------------------+
 
+#include "demos/findings.h"
 #include "demos/frame_sink.h"
 #include "demos/play.h"
 #include "demos/progress_line.h"
@@ -179,10 +180,10 @@ private:
 			std::printf( "  %d bodies were stopped because a number in them was no longer finite\n", m_play->quarantined() );
 		}
 		std::printf( "\n%s\n", log.table().c_str() );
-		printFindings( stagesTable() );
+		print( stagesTable() );
 		for( const FindingTable& table : m_play->scene().findings( stage ) )
 		{
-			printFindings( table );
+			print( table );
 		}
 		std::printf( "  whole run %.1f s: building bodies %.2f, steps %.2f, drawing and writing %.2f\n", m_wholeSeconds, m_buildSeconds,
 			log.wallSeconds(), m_drawSeconds );
@@ -204,30 +205,6 @@ private:
 			table.rows.push_back( { stage->name(), { double( stage->counts().nodes ), log.medianStep(), log.longestStep(), log.medianMatching(), log.medianSkinning() } } );
 		}
 		return table.rows.size() > 1 ? table : FindingTable{};
-	}
-
-	static void printFindings( const FindingTable& table )
-	{
-		if( table.rows.empty() )
-		{
-			return;
-		}
-		std::printf( "  %s\n  %-22s", table.caption.c_str(), "" );
-		for( const std::string& column : table.columns )
-		{
-			std::printf( " %14s", column.c_str() );
-		}
-		std::printf( "\n" );
-		for( const FindingTable::Row& row : table.rows )
-		{
-			std::printf( "  %-22s", row.name.c_str() );
-			for( const double value : row.values )
-			{
-				std::printf( " %14.5g", value );
-			}
-			std::printf( "\n" );
-		}
-		std::printf( "\n" );
 	}
 
 	nlohmann::json findingsJson() const

@@ -69,7 +69,7 @@ public:
 		order.adaptivity.refineStrain = 1.0f; // half of what breaks it, as for all that breaks
 		order.adaptivity.mergeShare = 0.9f;   // they lie under each other's weight
 		order.fracture.rule = pliant::BreakRule::Plane;
-		order.fracture.breakStrain = 0.35f;
+		order.fracture.breakStrain = 0.65f; // some lose a limb; nodes are split at half of it
 		order.friction = btScalar( 0.6 );
 		order.shape = stage.buildShape( order );
 		if( order.shape == nullptr )

@@ -1,0 +1,26 @@
+#pragma once
+
+// What a scene found out, as tables: printed, and their means over several draws.
+
+#include "demos/scene.h"
+
+#include <vector>
+
+namespace pliant_demos {
+
+void print( const FindingTable& table );
+
+/// Tables of several runs of one scene, in the order they came.
+class FindingMeans
+{
+public:
+	/// All must have the same tables as the first.
+	void add( std::vector<FindingTable> tables );
+	/// The mean of each number; where a table has one row, the least and the most of it as well.
+	std::vector<FindingTable> tables() const;
+
+private:
+	std::vector<std::vector<FindingTable>> m_runs;
+};
+
+} // namespace pliant_demos

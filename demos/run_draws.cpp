@@ -1,0 +1,58 @@
+// +-----------------------------------------------------------------------------------------------------------------+
+// | A scene several times, each with the next seed: the means of what it found. What hangs on how things happen to    |
+// | fall is another in each draw, and says little once.                                                               |
+// +-----------------------------------------------------------------------------------------------------------------+
+
+#include "demos/findings.h"
+#include "demos/play.h"
+#include "demos/progress_line.h"
+#include "demos/run.h"
+
+#include <cmath>
+#include <cstdio>
+
+namespace pliant_demos {
+
+int runDraws( const SceneEntry& entry, const RunSettings& settings )
+{
+	std::printf( "%s: %s\n", entry.name, entry.description );
+	FindingMeans means;
+	ProgressLine progress( entry.name, settings.draws );
+	for( int draw = 0; draw < settings.draws; ++draw )
+	{
+		StageOptions options = settings.stage;
+		options.seed += unsigned( draw );
+		Play play( entry, options );
+		if( !play.isGood() )
+		{
+			std::fprintf( stderr, "%s: %s\n", entry.name, play.stage().status().sentence.c_str() );
+			return 1;
+		}
+		const int steps = settings.frames > 0 ? settings.frames * kStepsPerSecond / settings.framesPerSecond : int( std::lround( play.scene().duration() * kStepsPerSecond ) );
+		for( int step = 0; step < steps; ++step )
+		{
+			play.step();
+		}
+		if( play.quarantined() > 0 )
+		{
+			std::fprintf( stderr, "%s, seed %u: %d bodies were stopped because a number in them was no longer finite\n", entry.name, options.seed, play.quarantined() );
+			return 1;
+		}
+		means.add( play.scene().findings( play.stage() ) );
+		progress.show( draw + 1 );
+	}
+	progress.end();
+	std::printf( "\n  means of %d draws, seeds %u to %u\n\n", settings.draws, settings.stage.seed, settings.stage.seed + unsigned( settings.draws ) - 1 );
+	const std::vector<FindingTable> tables = means.tables();
+	for( const FindingTable& table : tables )
+	{
+		print( table );
+	}
+	if( tables.empty() )
+	{
+		std::printf( "  the scene finds nothing out\n" );
+	}
+	return 0;
+}
+
+} // namespace pliant_demos
