@@ -4,6 +4,9 @@
 
 #include "demos/play.h"
 
+#include <algorithm>
+#include <cmath>
+
 namespace pliant_demos {
 
 namespace {
@@ -18,6 +21,12 @@ std::vector<Stage*> Play::stages()
 	std::vector<Stage*> all = m_scene->sideStages();
 	all.insert( all.begin(), &m_stage );
 	return all;
+}
+
+FilmLength Play::film( int framesPerSecond, int frames ) const
+{
+	const int stepsPerFrame = std::max( 1, kStepsPerSecond / ( framesPerSecond * m_scene->slowness() ) );
+	return { frames > 0 ? frames : int( std::lround( m_scene->duration() * kStepsPerSecond / stepsPerFrame ) ), stepsPerFrame };
 }
 
 void Play::step()

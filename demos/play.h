@@ -8,6 +8,12 @@ namespace pliant_demos {
 
 constexpr int kStepsPerSecond = 60;
 
+/// Of a film of a scene.
+struct FilmLength
+{
+	int frames, stepsPerFrame;
+};
+
 class Play
 {
 public:
@@ -20,6 +26,9 @@ public:
 	const Scene& scene() const { return *m_scene; }
 	/// The main stage first.
 	std::vector<Stage*> stages();
+
+	/// `frames`: as many, or 0: as long as the scene is.
+	FilmLength film( int framesPerSecond, int frames ) const;
 
 	void step();
 	/// Skins everything; what `draw` adds is borrowed until the next step.

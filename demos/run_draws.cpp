@@ -8,7 +8,6 @@
 #include "demos/progress_line.h"
 #include "demos/run.h"
 
-#include <cmath>
 #include <cstdio>
 
 namespace pliant_demos {
@@ -28,8 +27,8 @@ int runDraws( const SceneEntry& entry, const RunSettings& settings )
 			std::fprintf( stderr, "%s: %s\n", entry.name, play.stage().status().sentence.c_str() );
 			return 1;
 		}
-		const int steps = settings.frames > 0 ? settings.frames * kStepsPerSecond / settings.framesPerSecond : int( std::lround( play.scene().duration() * kStepsPerSecond ) );
-		for( int step = 0; step < steps; ++step )
+		const FilmLength film = play.film( settings.framesPerSecond, settings.frames );
+		for( int step = 0; step < film.frames * film.stepsPerFrame; ++step )
 		{
 			play.step();
 		}

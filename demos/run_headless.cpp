@@ -44,8 +44,7 @@ public:
 		{
 			return 1;
 		}
-		const int stepsPerFrame = std::max( 1, kStepsPerSecond / ( m_settings.framesPerSecond * m_play->scene().slowness() ) );
-		const int frames = m_settings.frames > 0 ? m_settings.frames : int( std::lround( m_play->scene().duration() * kStepsPerSecond / stepsPerFrame ) );
+		const auto [frames, stepsPerFrame] = m_play->film( m_settings.framesPerSecond, m_settings.frames );
 		ProgressLine progress( m_entry.name, frames );
 		for( int frame = 0; frame < frames; ++frame )
 		{

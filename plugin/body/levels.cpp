@@ -223,7 +223,7 @@ bool Levels::mayMerge( const NodeState& nodes, std::uint32_t parent, int firstSl
 	{
 		const std::size_t slot = std::size_t( firstSlot ) + k;
 		const bool isThere = m_cut.node[slot] == tree.child[tree.childStart[parent] + k];
-		const bool isQuiet = isFiner || ( m_quiet[slot] > 0.0f && m_quiet[slot] >= m_settings.mergeDelay && m_isWanted[slot] == 0 );
+		const bool isQuiet = isFiner || ( m_quiet[slot] > 0.0f && m_quiet[slot] >= m_settings.mergeDelay );
 		const bool isAlike = ( nodes.freedom[slot] == 0.0f ) == isHeld; // a pin holds one node, not what surrounds it
 		if ( !isThere || !isQuiet || !isAlike || std::binary_search( m_split.begin(), m_split.end(), m_cut.node[slot] ) )
 		{

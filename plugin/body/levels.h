@@ -207,7 +207,7 @@ private:
 	std::vector<std::uint8_t> m_coarsest;       ///< of each finest cell: the level of the node that the first cut of the whole body has there
 	std::vector<std::uint8_t> m_heldOn;         ///< of each finest cell: the level of the node that was held above it last; empty: none ever was
 	std::vector<float> m_load;                  ///< of each node: its strain over what splits it, as last reviewed; empty: not known
-	std::vector<float> m_quiet;                 ///< of each node: seconds since its strain was last above the merging threshold
+	std::vector<float> m_quiet;                 ///< of each node: seconds since its strain was last above the merging threshold, or it was asked for; 0 while it is
 	float m_sinceMerge = std::numeric_limits<float>::max(); ///< s
 	std::vector<std::uint8_t> m_isWanted;       ///< of each node: 1 where it was asked for since the last review
 	std::vector<std::uint32_t> m_split, m_merge; ///< octree nodes, found by the last review

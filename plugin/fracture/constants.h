@@ -19,8 +19,8 @@ inline constexpr float kRefineBeforeBreak = 0.5f;
 inline constexpr float kRefineTogether = 0.6f;
 
 /// Where big nodes meet small ones strains are off by as much as half: a small one that is linked to a big one breaks at this many times what was
-/// set. The road not taken is to let nothing break within some links of a big node: impacts are over before all that has been split, and then three
-/// to ten times fewer links broke than on the uniform lattice.
+/// set. The road not taken is to let nothing break within some links of a big node: impacts are over before all that has been split, and a half to a
+/// thirtieth of what breaks on the uniform lattice broke.
 inline constexpr float kBearsBesideBig = 2.0f;
 
 /// Along a pull in any direction lies a link whose cosine with it is at least 0.85 (worst between an axis, a face's and a cell's diagonal):

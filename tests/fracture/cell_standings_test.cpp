@@ -25,6 +25,7 @@ TEST( CellStandings, AreTheSameRememberedOrLookedAtAnew )
 	CellStandings kept;
 	unsigned version = 0;
 	int changed = 0;
+	std::size_t fewest = lattice.fill.size(), most = 0;
 	std::vector<CellStanding> last;
 	for ( int step = 0; step < 200; ++step )
 	{
@@ -59,8 +60,12 @@ TEST( CellStandings, AreTheSameRememberedOrLookedAtAnew )
 		ASSERT_EQ( got, wanted ) << "step " << step;
 		changed += got != last ? 1 : 0;
 		last = got;
+		const std::size_t count = std::size_t( std::count( got.begin(), got.end(), CellStanding::AmongFine ) );
+		fewest = std::min( fewest, count );
+		most = std::max( most, count );
 	}
 	EXPECT_GT( changed, 10 );
+	EXPECT_GT( most, fewest + 100 );
 }
 
 /// A bar of cells along x, whose lower half is made of nodes of eight cells.

@@ -20,6 +20,7 @@ struct Drop
 	BreakRule rule = BreakRule::Plane;
 	float breakStrain = 0.35f;
 	int coarseLevels = 0;
+	bool refinesOnContact = false;
 };
 
 /// Links that break in the half second after a bar, turned by chance, strikes the floor at 6 to 9 m/s.
@@ -35,6 +36,7 @@ inline int linksBrokenBy( const Drop& drop, unsigned seed )
 	material.elasticity = drop.elasticity;
 	Adaptivity levels;
 	levels.coarseLevels = drop.coarseLevels;
+	levels.refinesOnContact = drop.refinesOnContact;
 	SoftBody* const body = world.add( fallingBar(), btVector3( 0, btScalar( 0.45 ), 0 ), material, random.turn(), levels );
 	body->setVelocities( btVector3( 0, random.between( -9, -6 ), 0 ), btVector3( 0, 0, 0 ) );
 	Fracture fracture;

@@ -2,9 +2,12 @@
 
 // A world in one line, for tests: Bullet's usual parts, a floor, boxes and soft blocks.
 
+#include "support/test_world.h"
+
+#include <pliant/soft_body_world.h>
+
 #include <algorithm>
 #include <array>
-#include <pliant/soft_body_world.h>
 
 #include <btBulletDynamicsCommon.h>
 
@@ -25,18 +28,10 @@ inline btTransform at( btScalar x, btScalar y, btScalar z )
 /// A block of nx x ny x nz full cells about the origin, built from its twelve triangles as a game would.
 inline std::shared_ptr<const BodyTemplate> block( int nx, int ny, int nz, float cell )
 {
-	std::vector<float> corners;
-	for ( int i = 0; i < 8; ++i )
-	{
-		corners.insert( corners.end(), { cell * nx * ( float( i & 1 ) - 0.5f ), cell * ny * ( float( i >> 1 & 1 ) - 0.5f ), cell * nz * ( float( i >> 2 & 1 ) - 0.5f ) } );
-	}
-	const std::uint32_t triangles[] = { 0, 2, 1, 1, 2, 3, 4, 5, 6, 5, 7, 6, 0, 1, 4, 1, 5, 4, 2, 6, 3, 3, 6, 7, 0, 4, 2, 2, 4, 6, 1, 3, 5, 3, 7, 5 };
-	LatticeSettings settings;
-	settings.cellSize = cell;
-	auto made = BodyTemplate::build( MeshView{ corners.data(), 8, 3, triangles, 12 }, settings );
-	EXPECT_TRUE( made.ok() ) << made.status.sentence;
-	EXPECT_EQ( made.value->cellCount(), nx * ny * nz );
-	return made.value;
+	std::shared_ptr<const BodyTemplate> made = boxTemplate( { cell * nx, cell * ny, cell * nz }, cell );
+	EXPECT_NE( made, nullptr );
+	EXPECT_EQ( made->cellCount(), nx * ny * nz );
+	return made;
 }
 
 inline Material stiff( float youngsModulus )
