@@ -10,22 +10,43 @@ constexpr int kMonomials = 9;
 
 /// A symmetric matrix over the monomials, or its lower triangle.
 using Covariance = std::array<std::array<double, kMonomials>, kMonomials>;
-using Monomials = std::array<double, kMonomials>;
+
+/// Two numbers side by side, as every compiler we build with has them.
+using D2 = double __attribute__( ( vector_size( 16 ) ) );
+constexpr std::size_t kPairs = ( kMonomials + 1 ) / 2;
+
+/// The monomials in pairs, of which the last has nothing in its second place.
+using Monomials = std::array<D2, kPairs>;
+/// Rows in pairs: of row i the first i / 2 + 1 count. What stands above the diagonal does not.
+using Squares = std::array<std::array<D2, kPairs>, kMonomials>;
 
 Monomials monomials( const Vec3d& s )
 {
-	return { s.x(), s.y(), s.z(), s.x() * s.x(), s.y() * s.y(), s.z() * s.z(), s.y() * s.z(), s.x() * s.z(), s.x() * s.y() };
+	return { D2{ s.x(), s.y() }, D2{ s.z(), s.x() * s.x() }, D2{ s.y() * s.y(), s.z() * s.z() }, D2{ s.y() * s.z(), s.x() * s.z() }, D2{ s.x() * s.y(), 0.0 } };
 }
 
 /// lower triangle += weight m m^T
-void addSquare( const Monomials& m, double weight, Covariance& sum )
+void addSquare( const Monomials& m, double weight, Squares& sum )
 {
+#pragma GCC unroll 9
 	for ( std::size_t i = 0; i < kMonomials; ++i )
 	{
-		const double scaled = weight * m[i];
-		for ( std::size_t j = 0; j <= i; ++j )
+		const double scaled = weight * m[i / 2][i % 2];
+#pragma GCC unroll 5
+		for ( std::size_t j = 0; j <= i / 2; ++j )
 		{
 			sum[i][j] += scaled * m[j];
+		}
+	}
+}
+
+void pack( const Squares& squares, std::array<float, 45>& packed )
+{
+	for ( std::size_t i = 0, k = 0; i < kMonomials; ++i )
+	{
+		for ( std::size_t j = 0; j <= i; ++j, ++k )
+		{
+			packed[k] = float( squares[i][j / 2][j % 2] );
 		}
 	}
 }
@@ -83,16 +104,16 @@ void measureFineRegion( const Lattice& lattice, const FineRegions& fine, std::ui
 	const Vec3d at = lattice.restCentre[cell].cast<double>();
 	double mass = 0.0;
 	Monomials mean{};
-	Covariance second{};
+	Squares second{};
 	for ( std::uint32_t k = fine.set.start[cell]; k < fine.set.start[cell + 1]; ++k )
 	{
 		const std::uint32_t c = fine.set.member[k];
 		const double a = fine.mass[c] * kMassUnit;
 		const Monomials m = monomials( ( lattice.restCentre[c].cast<double>() - at ) / double( lattice.cellSize ) );
 		mass += a;
-		for ( std::size_t i = 0; i < kMonomials; ++i )
+		for ( std::size_t j = 0; j < kPairs; ++j )
 		{
-			mean[i] += a * m[i];
+			mean[j] += a * m[j];
 		}
 		addSquare( m, a, second );
 	}

@@ -74,6 +74,9 @@ FineUpdate updateFineRegions( const FineRegions& before, const CellChange& chang
 
 namespace {
 
+/// Moments there is room for, of those there are.
+constexpr double kMomentsRoom = 1.25;
+
 /// Nodes go where they are now. Of the same cells only those above them have moved: they are most of what an update would copy.
 FineMoments takeOver( const FineMoments& before, FineMoments taken, const CellChange& change, const OctreeUpdate& tree )
 {
@@ -90,7 +93,10 @@ FineMoments takeOver( const FineMoments& before, FineMoments taken, const CellCh
 	}
 	const auto& old = staysInPlace ? above : from;
 	const std::size_t first = moments.covariance.size();
-	moments.covariance.reserve( nodes ); // filled once
+	if ( moments.covariance.capacity() < nodes ) // as more comes apart nodes become more with nearly every update, and all would be copied
+	{
+		moments.covariance.reserve( std::size_t( kMomentsRoom * double( nodes ) ) );
+	}
 	for ( std::size_t n = first; n < nodes; ++n )
 	{
 		if ( tree.nodeBefore[n] != kNoNode )
