@@ -42,10 +42,15 @@ void appendRows( const FineRegions& before, const CellChange& change, const Octr
 
 } // namespace
 
-FineUpdate updateFineRegions( const FineRegions& before, const CellChange& change, const OctreeUpdate& tree )
+FineUpdate updateFineRegions( const FineRegions& before, const CellChange& change, const OctreeUpdate& tree, FineRegions room )
 {
 	FineUpdate update;
 	FineRegions& fine = update.fine;
+	fine = std::move( room );
+	fine.set.start.clear();
+	fine.set.member.clear();
+	fine.set.size.clear();
+	fine.mass.clear();
 	const std::uint32_t cells = std::uint32_t( change.now.cellCount() );
 	Reach reach( change.now );
 	// A region of w links changes where a link did that starts within w - 1 of them. As they are: of a way that is no more, the first link that
@@ -77,22 +82,26 @@ namespace {
 /// Moments there is room for, of those there are.
 constexpr double kMomentsRoom = 1.25;
 
-/// Nodes go where they are now. Of the same cells only those above them have moved: they are most of what an update would copy.
+/// Nodes go where they are now. Those of cells are most of what an update would copy: a cell's number never grows, and they may go in place.
 FineMoments takeOver( const FineMoments& before, FineMoments taken, const CellChange& change, const OctreeUpdate& tree )
 {
-	const std::size_t nodes = tree.octree.parent.size(), cells = tree.octree.levelStart[1];
-	const bool staysInPlace = change.isWhole() && !taken.covariance.empty();
+	const std::size_t nodes = tree.octree.parent.size(), cells = tree.octree.levelStart[1], cellsBefore = std::size_t( change.before.cellCount() );
+	const bool staysInPlace = !taken.covariance.empty();
 	const auto& from = taken.covariance.empty() ? before.covariance : taken.covariance;
 	FineMoments moments;
 	decltype( moments.covariance ) above;
 	if ( staysInPlace )
 	{
-		above.assign( from.begin() + std::ptrdiff_t( cells ), from.end() );
+		above.assign( from.begin() + std::ptrdiff_t( cellsBefore ), from.end() );
 		moments = std::move( taken );
+		for ( std::size_t n = 0; n < cells && !change.isWhole(); ++n )
+		{
+			moments.covariance[n] = moments.covariance[tree.nodeBefore[n]];
+		}
 		moments.covariance.resize( cells );
 	}
 	const auto& old = staysInPlace ? above : from;
-	const std::size_t first = moments.covariance.size();
+	const std::size_t first = moments.covariance.size(), oldFirst = staysInPlace ? cellsBefore : 0;
 	if ( moments.covariance.capacity() < nodes ) // as more comes apart nodes become more with nearly every update, and all would be copied
 	{
 		moments.covariance.reserve( std::size_t( kMomentsRoom * double( nodes ) ) );
@@ -101,7 +110,7 @@ FineMoments takeOver( const FineMoments& before, FineMoments taken, const CellCh
 	{
 		if ( tree.nodeBefore[n] != kNoNode )
 		{
-			moments.covariance.push_back( old[tree.nodeBefore[n] - first] );
+			moments.covariance.push_back( old[tree.nodeBefore[n] - oldFirst] );
 		}
 		else
 		{

@@ -46,6 +46,11 @@ struct FineRegions
 {
 	RegionSet set;                      ///< with its table
 	std::vector<std::uint32_t> mass;    ///< m_c / n_c, in kMassUnit, at least 1
+
+	std::size_t bytes() const
+	{
+		return ( set.start.size() + set.member.size() + mass.size() ) * sizeof( std::uint32_t ) + set.size.size() * sizeof( std::uint16_t );
+	}
 };
 
 FineRegions buildFineRegions( const Lattice& lattice, int halfWidth );

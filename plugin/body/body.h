@@ -137,6 +137,8 @@ public:
 	int healLinks( const std::vector<CellLink>& links );
 	/// Where each finest cell is now, relative to `NodeState::origin`; those under a big node where its region's deformation has them.
 	std::vector<Vec3d> cellPlaces() const;
+	/// Makes ahead what the first links that go need and bodies of one template share until then.
+	void prepareToBreak();
 	/// Whether there are links to be taken out or put back.
 	bool hasBrokenLinks() const;
 	/// Big nodes above such links, and above what will be rigid pieces: they are split, one level at a time, before anything else is done.

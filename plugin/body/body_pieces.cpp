@@ -137,14 +137,16 @@ std::vector<BodyPiece> Body::breakApart( BreakReport& report, int most, PieceRoa
 		rotations.resize( std::size_t( m_nodes.count ) * 4 );
 		nodeRotations( rotations.data() );
 	}
-	std::vector<BodyPiece> pieces;
-	for ( std::vector<std::uint32_t>& cells : parts )
+	std::vector<BodyPiece> pieces( parts.size() );
+	for ( std::size_t k = parts.size(); k-- > 0; ) // the heaviest last
 	{
+		std::vector<std::uint32_t>& cells = parts[k];
 		const bool isAll = cells.size() == whole->fill.size();
 		std::shared_ptr<const Lattice> lattice = isAll ? whole : std::make_shared<const Lattice>( extractCells( *whole, cells ) );
-		BodyPiece piece;
-		piece.isOnePart = !isMerged || !pieces.empty();
-		piece.isSmall = !pieces.empty() && isSmall( cells );
+		BodyPiece& piece = pieces[k];
+		piece.isOnePart = !isMerged || k > 0;
+		piece.isLast = k == 0;
+		piece.isSmall = k > 0 && isSmall( cells );
 		piece.isRigid = piece.isSmall && makesRigid();
 		if ( !rotations.empty() )
 		{
@@ -164,7 +166,6 @@ std::vector<BodyPiece> Body::breakApart( BreakReport& report, int most, PieceRoa
 			}
 			piece.body = makePiece( std::move( lattice ), piece, road );
 		}
-		pieces.push_back( std::move( piece ) );
 	}
 	return pieces;
 }

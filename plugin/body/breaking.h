@@ -46,6 +46,7 @@ struct BodyPiece
 	std::vector<std::uint32_t> touched;    ///< finest cells, ascending, that lost links or got some
 	std::vector<std::uint32_t> treeBefore; ///< LevelBaseUpdate::nodeBefore; empty where nothing is taken over
 	bool isOnePart = true;
+	bool isLast = false;                   ///< made last: what the whole needs no more may be taken
 	bool isSmall = false;                  ///< Fracture::smallCells
 	bool isRigid = false;                  ///< one rigid cluster
 	Eigen::Quaternionf turn = Eigen::Quaternionf::Identity(); ///< of the material at one of its nodes

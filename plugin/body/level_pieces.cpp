@@ -74,6 +74,7 @@ std::unique_ptr<Levels> Levels::ofPiece( PieceOfLevels piece, const LevelSetting
 	{
 		levels = std::make_unique<Levels>( piece.update.base, lattice, settings.material, m_settings, settings.stiffness, std::move( piece.cut ) );
 	}
+	levels->m_ownsBase = true;
 	return levels;
 }
 
@@ -84,9 +85,25 @@ bool Levels::canRelink( const std::vector<std::uint32_t>& touched ) const
 		   std::all_of( touched.begin(), touched.end(), [this]( std::uint32_t cell ) { return m_cut.node[m_cut.slotOfCell[cell]] == cell; } );
 }
 
-FineMoments Levels::takeMoments()
+void Levels::ownBase()
 {
-	return m_base.use_count() == 1 ? std::move( std::const_pointer_cast<LevelBase>( m_base )->moments ) : FineMoments{};
+	if ( !m_ownsBase )
+	{
+		m_base = std::make_shared<const LevelBase>( *m_base );
+		m_ownsBase = true;
+	}
+}
+
+// Of a base that is the template's nothing may go, even where this body is the last that has it: who makes a body elsewhere meanwhile may find it.
+LevelBaseRoom Levels::takeBaseRoom()
+{
+	LevelBaseRoom room;
+	if ( m_ownsBase && m_base.use_count() == 1 )
+	{
+		room.moments = std::move( std::const_pointer_cast<LevelBase>( m_base )->moments );
+	}
+	room.fine = std::move( m_room.fine );
+	return room;
 }
 
 void Levels::inherit( const Levels& whole, const std::vector<std::uint32_t>& cellBefore )
@@ -177,7 +194,12 @@ void Levels::relink( PieceOfLevels piece, const LevelSettings& settings, const L
 	m_quiet.swap( m_room.quiet );
 	m_isWanted.swap( isWanted );
 	m_asked.swap( asked );
-	m_base = piece.update.base;
+	const std::shared_ptr<const LevelBase> baseBefore = std::exchange( m_base, piece.update.base );
+	if ( m_ownsBase && baseBefore.use_count() == 1 )
+	{
+		m_room.fine = std::move( std::const_pointer_cast<LevelBase>( baseBefore )->fine );
+	}
+	m_ownsBase = true;
 	m_lattice = &lattice;
 	m_stiffness = &settings.stiffness;
 	m_cut = std::move( piece.cut );
@@ -190,6 +212,14 @@ void Levels::relink( PieceOfLevels piece, const LevelSettings& settings, const L
 	++m_version;
 }
 
+void Body::prepareToBreak()
+{
+	if ( m_levels )
+	{
+		m_levels->ownBase();
+	}
+}
+
 PieceOfLevels Body::pieceOfLevels( const Body& from, const BodyPiece& piece, PieceRoad road ) const
 {
 	const Levels& before = *from.m_levels;
@@ -200,7 +230,8 @@ PieceOfLevels Body::pieceOfLevels( const Body& from, const BodyPiece& piece, Pie
 		made.cut = cutOfPiece( before, made.update.base->octree, piece.cellBefore );
 		return made;
 	}
-	made.update = updateLevelBase( before.base(), {}, CellChange{ *from.m_lattice, *m_lattice, piece.cellBefore, piece.touched } );
+	LevelBaseRoom room = piece.isLast ? from.m_levels->takeBaseRoom() : LevelBaseRoom{};
+	made.update = updateLevelBase( before.base(), std::move( room ), CellChange{ *from.m_lattice, *m_lattice, piece.cellBefore, piece.touched } );
 	made.cut = cutOfPiece( before, made.update.base->octree, piece.cellBefore );
 	made.nodes = relinkNodes( before.cut(), made.cut, made.update, piece.cellBefore );
 	made.shift = ( m_lattice->massCentre - from.m_lattice->massCentre ) / double( m_lattice->cellSize );
@@ -232,8 +263,7 @@ std::unique_ptr<Body> Body::relinkWhole( const std::shared_ptr<const Lattice>& l
 		return nullptr;
 	}
 	PieceOfLevels made;
-	FineMoments moments = m_cache ? FineMoments{} : m_levels->takeMoments(); // the template's is there for others
-	made.update = updateLevelBase( m_levels->base(), std::move( moments ), CellChange{ *before, *lattice, piece.cellBefore, piece.touched } );
+	made.update = updateLevelBase( m_levels->base(), m_levels->takeBaseRoom(), CellChange{ *before, *lattice, piece.cellBefore, piece.touched } );
 	made.cut = cutOfPiece( *m_levels, made.update.base->octree, piece.cellBefore );
 	made.nodes = relinkNodes( m_levels->cut(), made.cut, made.update, piece.cellBefore );
 	piece.nodeBefore = made.nodes.before;

@@ -381,8 +381,9 @@ std::size_t Levels::bytes() const
 {
 	const std::size_t cut = ( m_cut.node.size() + m_cut.slotOfCell.size() ) * sizeof( std::uint32_t );
 	const std::size_t change = ( m_change.heir.size() + m_change.nodeNow.size() + m_change.keptAs.size() + 4 * m_parts.size() ) * sizeof( std::uint32_t );
+	const std::size_t base = m_room.fine.bytes() + ( m_ownsBase ? m_base->fine.bytes() + m_base->moments.bytes() : 0 );
 	// Room is of the size of what is in use.
-	return 2 * ( cut + m_tables->bytes() ) + change + ( m_quiet.size() + m_load.size() ) * sizeof( float ) + m_coarsest.size() + m_heldOn.size();
+	return 2 * ( cut + m_tables->bytes() ) + base + change + ( m_quiet.size() + m_load.size() ) * sizeof( float ) + m_coarsest.size() + m_heldOn.size();
 }
 
 } // namespace pliant

@@ -73,8 +73,11 @@ public:
 	std::unique_ptr<Levels> ofPiece( PieceOfLevels piece, const LevelSettings& settings, const Lattice& lattice ) const;
 	/// Whether the whole can be relinked where links of these cells changed.
 	bool canRelink( const std::vector<std::uint32_t>& touched ) const;
-	/// The base's moments, for a base that takes its place at once: empty where others than these levels look at this one.
-	FineMoments takeMoments();
+	/// The base becomes these levels' own, with which a first change of links then need not begin.
+	void ownBase();
+	bool ownsBase() const { return m_ownsBase; }
+	/// For a base that takes the place of this one at once: its moments, where it is these levels' own and nobody else looks at it, and what else there is.
+	LevelBaseRoom takeBaseRoom();
 	/// The next change leaves the rows of new nodes, and of those beside them, as they lie: links change at once after it, and what is near those is
 	/// measured then (relink), or by measureLeftRows. Until then nobody may ask the tables. By multiplicity alone.
 	void leaveRows() { m_leavesRows = m_settings.regions == RegionRule::Multiplicity; }
@@ -179,6 +182,7 @@ private:
 	Eigen::Matrix3d velocityGradient( const NodeState& nodes, int node ) const;
 
 	std::shared_ptr<const LevelBase> m_base;
+	bool m_ownsBase = false; ///< else it is the template's, and others may ask for it
 	const Lattice* m_lattice;
 	Adaptivity m_settings;
 	const std::vector<float>* m_stiffness;
@@ -198,6 +202,7 @@ private:
 		Cut cut;
 		MatrixRoom matrix;
 		std::shared_ptr<RegionTables> tables;
+		FineRegions fine;
 		NodeState nodes;
 		std::vector<float> quiet;
 	};

@@ -9,6 +9,7 @@ namespace pliant {
 void Levels::measureLeftRows( const Material& ) {}
 
 void Body::inheritLevels( const Body&, BodyPiece&, PieceRoad ) {}
+void Body::prepareToBreak() {}
 
 std::unique_ptr<Body> Body::relinkWhole( const std::shared_ptr<const Lattice>&, BodyPiece& )
 {

@@ -15,8 +15,14 @@ struct LevelBaseUpdate
 	std::vector<std::uint32_t> collected;  ///< FineUpdate::collected
 };
 
-/// `moments`: those of `before`, taken from there; empty: they stay there, for others look at them.
-LevelBaseUpdate updateLevelBase( const LevelBase& before, FineMoments moments, const CellChange& change );
+/// What an update need not ask the system for.
+struct LevelBaseRoom
+{
+	FineMoments moments; ///< those before, taken from there; empty: they stay there, for others look at them
+	FineRegions fine;    ///< any that nobody uses any more
+};
+
+LevelBaseUpdate updateLevelBase( const LevelBase& before, LevelBaseRoom room, const CellChange& change );
 
 /// How the nodes of the cut stand to those before, which had the same cells. Empty where a node above the cells is one in which links changed: it
 /// may hold other cells than any before.

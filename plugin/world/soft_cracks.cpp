@@ -141,6 +141,7 @@ Status SoftBody::prepareCracks()
 		{
 			m_impl->crackFamily->prepare();
 		}
+		m_impl->body->prepareToBreak();
 		return {};
 	}
 	catch ( const std::bad_alloc& )

@@ -101,8 +101,9 @@ public:
 	Status setFracture( const Fracture& fracture, const ToughnessField& toughness = {} );
 	/// What was set; BreakRule::Never when nothing was.
 	Fracture fracture() const;
-	/// Makes now what the first crack of a body that is drawn makes, the most of what it costs: its inside, and all that cracks are drawn
-	/// with. Takes a cracked body's memory. Before setFracture or a cut or after, of a whole body; nothing looks otherwise for it.
+	/// Makes now what the first crack of a body makes, the most of what it costs: what bodies of one template share until then, and of one that is
+	/// drawn its inside and all that cracks are drawn with. Takes a cracked body's memory. Before setFracture or a cut or after, of a whole body;
+	/// nothing looks otherwise for it.
 	Status prepareCracks();
 	/// Finest cells of this body; nodes without levels of detail.
 	int cellCount() const;

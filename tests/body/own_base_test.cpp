@@ -1,0 +1,104 @@
+// What bodies of one template share is theirs until their links change: then each has its own, which it changes in place.
+
+#include "body/breaking.h"
+#include "body/levels.h"
+#include "support/block_body.h"
+#include "support/same_levels.h"
+
+#include <gtest/gtest.h>
+
+namespace pliant {
+namespace {
+
+/// A piece's places are those of the whole, moved: a rounding each.
+constexpr float kRounding = 2e-5f;
+
+std::vector<BodyPiece> cutAtFour( Body& body, int most, PieceRoad road = PieceRoad::TakeOver )
+{
+	body.breakLinks( test::linksAtFour( body.lattice(), most ) );
+	while ( body.mustRefineToBreak() )
+	{
+		body.refineToBreak();
+	}
+	BreakReport report;
+	return body.breakApart( report, 10, road );
+}
+
+/// A notch, then all of it: the lower cells come off what is left, and its own have other numbers.
+std::vector<BodyPiece> cutTwice( Body& body, PieceRoad road = PieceRoad::TakeOver )
+{
+	std::vector<BodyPiece> notched = cutAtFour( body, 3, road );
+	EXPECT_EQ( notched.size(), 1u );
+	return cutAtFour( *notched[0].body, 8, road );
+}
+
+void expectSamePieces( const std::vector<BodyPiece>& got, const std::vector<BodyPiece>& wanted, float allowed )
+{
+	ASSERT_EQ( got.size(), wanted.size() );
+	for ( std::size_t k = 0; k < got.size(); ++k )
+	{
+		EXPECT_EQ( got[k].cellBefore, wanted[k].cellBefore );
+		test::expectNearBase( got[k].body->levels()->base(), wanted[k].body->levels()->base(), allowed );
+		test::expectNearTables( *got[k].body->levels()->tables(), *wanted[k].body->levels()->tables(), allowed );
+	}
+}
+
+struct OwnBase : testing::Test
+{
+	std::shared_ptr<const Lattice> lattice = std::make_shared<const Lattice>( makeBlockLattice( 16, 8, 8, 0.1f ) );
+	std::shared_ptr<TemplateCache> cache = std::make_shared<TemplateCache>();
+
+	std::unique_ptr<Body> body() const
+	{
+		Adaptivity settings;
+		settings.coarseLevels = 2;
+		return std::move( Body::create( lattice, Material{}, {}, cache, settings ).value );
+	}
+};
+
+TEST_F( OwnBase, ChangesInPlaceWhenSomethingComesOff )
+{
+	const std::unique_ptr<Body> one = body(), other = body();
+	const std::vector<BodyPiece> got = cutTwice( *one ), wanted = cutTwice( *other, PieceRoad::FromNothing );
+	ASSERT_EQ( got.size(), 2u );
+	ASSERT_NE( got[0].cellBefore[0], 0u ); // else nothing would have to move
+	expectSamePieces( got, wanted, kRounding );
+}
+
+TEST_F( OwnBase, LeavesWhatOthersOfTheTemplateHave )
+{
+	const std::unique_ptr<Body> whole = body(), first = body(), second = body();
+	cutTwice( *first );
+	const std::unique_ptr<Body> fresh = body();
+	EXPECT_EQ( &fresh->levels()->base(), &whole->levels()->base() );
+	cache = std::make_shared<TemplateCache>();
+	const std::unique_ptr<Body> alone = body();
+	test::expectNearBase( whole->levels()->base(), alone->levels()->base(), 0.0f );
+	expectSamePieces( cutTwice( *second ), cutTwice( *alone ), 0.0f );
+}
+
+/// The only body of its template too: the template finds the base for as long as it stands.
+TEST_F( OwnBase, OfTheOnlyBodyIsTheTemplatesUntilThen )
+{
+	const std::unique_ptr<Body> only = body();
+	const std::vector<BodyPiece> notched = cutAtFour( *only, 3 );
+	const std::unique_ptr<Body> later = body();
+	cache = std::make_shared<TemplateCache>();
+	const std::unique_ptr<Body> alone = body();
+	test::expectNearBase( later->levels()->base(), alone->levels()->base(), 0.0f );
+	expectSamePieces( notched, cutAtFour( *alone, 3 ), 0.0f );
+}
+
+TEST_F( OwnBase, IsMadeAhead )
+{
+	const std::unique_ptr<Body> prepared = body(), unprepared = body();
+	prepared->prepareToBreak();
+	EXPECT_NE( &prepared->levels()->base(), &unprepared->levels()->base() );
+	const LevelBase* const own = &prepared->levels()->base();
+	prepared->prepareToBreak();
+	EXPECT_EQ( &prepared->levels()->base(), own ); // once
+	expectSamePieces( cutTwice( *prepared ), cutTwice( *unprepared ), 0.0f );
+}
+
+} // namespace
+} // namespace pliant
