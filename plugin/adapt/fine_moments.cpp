@@ -40,24 +40,15 @@ void addSquare( const Monomials& m, double weight, Squares& sum )
 	}
 }
 
-void pack( const Squares& squares, std::array<float, 45>& packed )
+/// The lower triangle, row by row.
+template <class Entry>
+void pack( Entry&& entry, std::array<float, 45>& packed )
 {
 	for ( std::size_t i = 0, k = 0; i < kMonomials; ++i )
 	{
 		for ( std::size_t j = 0; j <= i; ++j, ++k )
 		{
-			packed[k] = float( squares[i][j / 2][j % 2] );
-		}
-	}
-}
-
-void pack( const Covariance& covariance, std::array<float, 45>& packed )
-{
-	for ( std::size_t i = 0, k = 0; i < kMonomials; ++i )
-	{
-		for ( std::size_t j = 0; j <= i; ++j, ++k )
-		{
-			packed[k] = float( covariance[i][j] );
+			packed[k] = float( entry( i, j ) );
 		}
 	}
 }
@@ -118,7 +109,7 @@ void measureFineRegion( const Lattice& lattice, const FineRegions& fine, std::ui
 		addSquare( m, a, second );
 	}
 	addSquare( mean, -1.0 / mass, second );
-	pack( second, moments.covariance[cell] );
+	pack( [&second]( std::size_t i, std::size_t j ) { return second[i][j / 2][j % 2]; }, moments.covariance[cell] );
 }
 
 // Of what the children have as it is stored: where few of them change, few are measured again.
@@ -138,7 +129,7 @@ void sumFineMoments( const Octree& octree, const Lattice& lattice, std::uint32_t
 			}
 		}
 	}
-	pack( sum, moments.covariance[node] );
+	pack( [&sum]( std::size_t i, std::size_t j ) { return sum[i][j]; }, moments.covariance[node] );
 }
 
 FineMoments buildFineMoments( const Octree& octree, const Lattice& lattice, const FineRegions& fine )

@@ -75,7 +75,6 @@ public:
 	bool canRelink( const std::vector<std::uint32_t>& touched ) const;
 	/// The base becomes these levels' own, with which a first change of links then need not begin.
 	void ownBase();
-	bool ownsBase() const { return m_ownsBase; }
 	/// For a base that takes the place of this one at once: its moments, where it is these levels' own and nobody else looks at it, and what else there is.
 	LevelBaseRoom takeBaseRoom();
 	/// The next change leaves the rows of new nodes, and of those beside them, as they lie: links change at once after it, and what is near those is
