@@ -183,7 +183,7 @@ private:
 			order.place = btTransform( btQuaternion( axis, between( 0, 6 ) ), place );
 			order.colour = colours[i % 5];
 			pliant::SoftBody* elephant = herd.stage->addSoft( order );
-			if( elephant == nullptr )
+			if( elephant == nullptr || !elephant->prepareCracks().ok() )
 			{
 				return false;
 			}
