@@ -89,6 +89,21 @@ TEST_F( OwnBase, OfTheOnlyBodyIsTheTemplatesUntilThen )
 	expectSamePieces( notched, cutAtFour( *alone, 3 ), 0.0f );
 }
 
+/// Another thread may make a body of the template while this one changes: the base that it finds is whole.
+TEST_F( OwnBase, AloneIsTakenApart )
+{
+	Adaptivity settings;
+	settings.coarseLevels = 2;
+	const std::vector<float> stiffness;
+	std::shared_ptr<const LevelBase> base = cache->levels.find( *lattice, Material{}, settings );
+	Cut cut = firstCut( base->octree, settings );
+	Levels levels( std::move( base ), *lattice, Material{}, settings, stiffness, std::move( cut ) ); // the only ones of the template
+	EXPECT_TRUE( levels.takeBaseRoom().moments.covariance.empty() );
+	EXPECT_FALSE( levels.base().moments.covariance.empty() );
+	levels.ownBase();
+	EXPECT_FALSE( levels.takeBaseRoom().moments.covariance.empty() );
+}
+
 TEST_F( OwnBase, IsMadeAhead )
 {
 	const std::unique_ptr<Body> prepared = body(), unprepared = body();
