@@ -17,6 +17,9 @@ constexpr double kFadeStep = 5e-4;
 
 /// Frames of the shortest fade: a tenth of a second.
 constexpr int kFewestFrames = 6;
+/// And of the longest: half a second. In what is crushed or torn a change may move the surface by a third of the body; at kFadeStep a frame it stood beside its
+/// nodes for up to 13 s, and was skinned in full all that time.
+constexpr int kMostFrames = 30;
 
 /// Frames in which the children of a split node part: a quarter of a second.
 constexpr int kEaseFrames = 15;
@@ -280,8 +283,8 @@ void SkinFade::start( const SkinBinding& binding, const Nodes& nodes )
 	}
 	m_vertex.swap( vertices );
 	m_offset.swap( offsets );
-	// Linear in time, so that no frame moves a vertex by more than a step: N >= largest / ( step diagonal ).
-	m_frames = std::max( kFewestFrames, int( std::ceil( largest / ( kFadeStep * m_diagonal ) ) ) );
+	// Linear in time, so that no frame moves a vertex by more than a step while N allows it: N >= largest / ( step diagonal ).
+	m_frames = int( std::clamp( std::ceil( largest / ( kFadeStep * m_diagonal ) ), double( kFewestFrames ), double( kMostFrames ) ) );
 	m_frame = 0;
 }
 
