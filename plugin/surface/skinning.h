@@ -6,6 +6,7 @@
 #include "matching/node_state.h"
 #include "pliant/body_template.h"
 #include "pliant/mesh.h"
+#include "surface/kernels/skin_kernels.h"
 
 #include <array>
 #include <cstdint>
@@ -73,7 +74,8 @@ struct SkinTriangles
 	int count = 0;
 };
 
-/// Room that `skin` needs and keeps between calls, so that only the first call allocates.
+/// Room that `skin` needs and keeps between calls, so that only the first call allocates. Bodies may take turns with one, which is then still in the processor's
+/// cache: only `nodeMap` says anything after a call.
 struct SkinScratch
 {
 	AlignedArray<float> nodeMap;
@@ -106,7 +108,8 @@ void skinMaps( const NodeState& state, const SkinPose& pose, float* maps );
 /// Of nodes first to last - 1 alone, each at its own place in `maps`; SkinPose::fade is left out.
 void skinMaps( const NodeState& state, const SkinPose& pose, float* maps, int first, int last );
 
+/// `kernels`: any table gives the same bits.
 void skin( const SkinBinding& binding, const NodeState& state, const SkinPose& pose, const SkinTriangles& triangles, SkinScratch& scratch,
-	float* positions, float* normals, TaskRunner* runner = nullptr );
+	float* positions, float* normals, TaskRunner* runner = nullptr, const SkinKernels& kernels = bestSkinKernels() );
 
 } // namespace pliant

@@ -49,7 +49,7 @@ struct SkinBuffers
 	btVector3 origin[kCount] = { btVector3( 0, 0, 0 ), btVector3( 0, 0, 0 ), btVector3( 0, 0, 0 ) };
 	std::vector<float> rotations, gradients, flow;
 	std::vector<float> gradientsRoom; ///< of a change of levels
-	SkinScratch scratch;
+	AlignedArray<float> maps; ///< SkinScratch::nodeMap of what is shown
 	SkinFade fade; ///< of bodies with levels
 	RigidSkin rigid;
 	double tolerance = kSurfaceTolerance; ///< in cells
@@ -60,7 +60,7 @@ struct SkinBuffers
 	bool isStale = true;
 	bool areTurnsKnown = false; ///< rotations and flow are those of the nodes as they are
 	bool isPoseKnown = false; ///< gradients too
-	bool isMapKnown = false;  ///< and the maps in `scratch`
+	bool isMapKnown = false;  ///< and `maps`
 
 	void nodesMoved()
 	{

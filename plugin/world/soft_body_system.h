@@ -10,6 +10,7 @@
 #include "world/node_contacts.h"
 #include "world/node_guard.h"
 #include "world/rubbing_spin.h"
+#include "world/skin_rooms.h"
 
 #include <memory>
 #include <vector>
@@ -79,6 +80,7 @@ public:
 	int maxSubsteps;
 	NodeBodyPool pool;
 	RubbingSpin rubbing;
+	SkinRooms skinRooms;
 	std::unique_ptr<TaskRunner> ownRunner;
 	TaskRunner* runner = nullptr; ///< the game's, or null
 	/// The game's, or the own.

@@ -44,7 +44,7 @@ void makeSkinRoom( const Body& body, SkinBuffers& skin )
 	makeRoom( skin.gradients, 9 * reserved, 9 * now );
 	makeRoom( skin.gradientsRoom, 9 * reserved, 9 * now );
 	makeRoom( skin.rotations, 4 * reserved, 4 * now );
-	makeRoom( skin.scratch.nodeMap, kSkinMapFloats * reserved, kSkinMapFloats * now );
+	makeRoom( skin.maps, kSkinMapFloats * reserved, kSkinMapFloats * now );
 	skin.fade.reserveNodes( int( reserved ), now, body.lattice().cellCount() );
 }
 
@@ -103,7 +103,7 @@ void SoftBody::Impl::keepSurface()
 	if ( skin.frame > 0 ) // else nobody has ever looked
 	{
 		const bool areMapsThere = !skin.isStale && skin.isMapKnown;
-		skin.fade.keep( body->nodes(), skinPose(), body->lattice().cellCount(), areMapsThere ? &skin.scratch.nodeMap : nullptr );
+		skin.fade.keep( body->nodes(), skinPose(), body->lattice().cellCount(), areMapsThere ? &skin.maps : nullptr );
 	}
 }
 
@@ -202,7 +202,10 @@ void SoftBody::Impl::skinInFull( TaskRunner* runner ) const
 	}
 	skin.positions[next].resize( shown.restPosition.size() * 3 );
 	skin.normals[next].resize( shown.restPosition.size() * 3 );
-	pliant::skin( shown, body->nodes(), pose, shownTriangles(), skin.scratch, skin.positions[next].data(), skin.normals[next].data(), runner );
+	const SkinRooms::Borrowed room( system ? &system->skinRooms : nullptr );
+	( *room ).nodeMap.swap( skin.maps );
+	pliant::skin( shown, body->nodes(), pose, shownTriangles(), *room, skin.positions[next].data(), skin.normals[next].data(), runner );
+	( *room ).nodeMap.swap( skin.maps );
 	skin.origin[next] = worldOrigin();
 	skin.current = skin.full = next;
 	++skin.frame;

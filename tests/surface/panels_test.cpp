@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace pliant {
 namespace {
@@ -199,6 +200,35 @@ TEST( Panels, SeamsStayClosed )
 		copies += of.vertex != carrier ? 1 : 0;
 	}
 	EXPECT_GT( copies, 100 );
+}
+
+/// Each processor's own loops, in room that another surface has left its numbers in; what is crushed to a point has no area to measure normals by.
+TEST( Panels, AreSkinnedToTheSameBitsByAnyKernels )
+{
+	CrackCase it( unwelded( makeSphere( 1.0, 24, 36 ) ), kCell, noisy() );
+	CrackSurface surface( it.complex );
+	surface.breakFaces( { 0, 40, 41, 42 } );
+	surface.settle();
+	const SkinBinding& binding = surface.binding();
+	ASSERT_FALSE( binding.placed.empty() || binding.carrier.empty() || binding.normalShift.empty() || binding.shading.empty() );
+	it.deform( []( const Vec3& x ) { return x.x() > 0.6f ? Vec3( 0.6f, 0.0f, 0.0f ) : bent( x, 0.5f ); }, []( const Vec3& x ) { return turnOfBend( x, 0.5f ); } );
+	const SkinTriangles triangles{ surface.triangles()[0].data(), int( surface.triangles().size() ) };
+	SkinPose pose;
+	pose.rotations = it.rotations.data();
+	const auto skinned = [&]( SkinScratch& scratch, const SkinKernels& kernels ) {
+		std::vector<float> both( 6 * std::size_t( surface.vertexCount() ), 1e9f );
+		skin( binding, it.nodes, pose, triangles, scratch, both.data(), both.data() + both.size() / 2, nullptr, kernels );
+		return both;
+	};
+	SkinScratch own, others;
+	for ( AlignedArray<float>* room : { &others.position, &others.turnedShift, &others.groupNormal } )
+	{
+		room->assign( 8 * std::size_t( surface.vertexCount() ), std::numeric_limits<float>::quiet_NaN() );
+	}
+	const std::vector<float> plain = skinned( own, plainSkinKernels() );
+	EXPECT_TRUE( std::all_of( plain.begin(), plain.end(), []( float x ) { return std::abs( x ) < 2.0f; } ) );
+	EXPECT_EQ( skinned( others, bestSkinKernels() ), plain );
+	EXPECT_STREQ( plainSkinKernels().name, "baseline" );
 }
 
 /// What is larger than its cells bends with them.

@@ -1,0 +1,5 @@
+// The skin's kernels as every processor runs them.
+
+#define PLIANT_SKIN_TABLE kSkinBaseline
+#define PLIANT_SKIN_NAME "baseline"
+#include "surface/kernels/skin_kernel_source.h"
