@@ -34,9 +34,11 @@ void ImplicitBlock::layOut()
 		m_size += 6;
 	}
 	m_size = ( m_size + kLanes - 1 ) / kLanes * kLanes;
-	for ( AlignedArray<float>* array : { &m_v, &m_next, &m_rightSide, &m_free, &m_freeNext, &m_massed, &m_scratch, &m_inverseDiagonal } )
+	m_v.assign( std::size_t( m_size ), 0.0f );
+	m_inverseDiagonal.assign( std::size_t( m_size ), 0.0f );
+	for ( AlignedArray<float>* array : { &m_next, &m_rightSide, &m_free, &m_freeNext, &m_massed, &m_scratch } )
 	{
-		array->assign( std::size_t( m_size ), 0.0f );
+		array->resize( std::size_t( m_size ) ); // each is written whole before it is read
 	}
 	for ( const SoftPart& part : soft )
 	{
@@ -77,9 +79,10 @@ void ImplicitBlock::startFrom( const SoftPart& part )
 
 void ImplicitBlock::nameNodeBlocks()
 {
+	std::for_each( m_nodeBlocks.begin(), m_nodeBlocks.end(), [this]( const NodeBlock& named ) { m_blockOf[std::size_t( named.place )] = -1; } );
 	m_nodeBlocks.clear();
 	m_clusters.clear();
-	m_blockOf.assign( std::size_t( m_size ), -1 );
+	m_blockOf.resize( std::max( m_blockOf.size(), std::size_t( m_size ) ), -1 );
 	for ( BlockContact& contact : contacts )
 	{
 		for ( ContactSide& side : contact.side )
@@ -97,11 +100,12 @@ void ImplicitBlock::nameNodeBlocks()
 
 int ImplicitBlock::nameNode( int part, int node )
 {
-	int& block = m_blockOf[std::size_t( soft[std::size_t( part )].offset + node )];
+	const int place = soft[std::size_t( part )].offset + node;
+	int& block = m_blockOf[std::size_t( place )];
 	if ( block < 0 )
 	{
 		block = int( m_nodeBlocks.size() );
-		m_nodeBlocks.push_back( NodeBlock{ part, node } );
+		m_nodeBlocks.push_back( NodeBlock{ part, node, place } );
 	}
 	return block;
 }

@@ -125,6 +125,7 @@ private:
 	struct NodeBlock
 	{
 		int part = -1, node = -1;
+		int place = -1; ///< of its first number in the vector
 		int cluster = -1, slot = -1;
 	};
 	/// Nodes that contacts hold together: a dense piece of the preconditioner.
@@ -258,7 +259,7 @@ private:
 	std::vector<Cluster> m_clusters;
 	std::vector<double> m_clusterRoom;
 	AlignedArray<float> m_clusterInverse;
-	std::vector<int> m_blockOf;            ///< by place of the node's first component; -1: no contact names it
+	std::vector<int> m_blockOf;            ///< by place of the node's first component; -1: no contact names it, and so beyond the vector's end
 	CoarseSystem m_coarse;
 	std::vector<int> m_coarseSizes;
 	std::vector<CoarseSystem::Pair> m_coarsePairs;
