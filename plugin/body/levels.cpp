@@ -11,18 +11,6 @@
 
 namespace pliant {
 
-namespace {
-
-/// How much of what splits it a node is strained by; limits at 0 do not count. Largest | s - 1 | over the singular values s of F lies between the
-/// root of a third of their squares' sum and the root of it.
-float loadOf( float squares, float strainLimit, float stretch, float stretchLimit )
-{
-	const float strained = strainLimit > 0.0f ? std::sqrt( squares ) / strainLimit : 0.0f;
-	return stretchLimit > 0.0f ? std::max( strained, stretch / stretchLimit ) : strained;
-}
-
-} // namespace
-
 Levels::Levels( std::shared_ptr<const LevelBase> base, const Lattice& lattice, const Material& material, const Adaptivity& settings,
 	const std::vector<float>& stiffness, Cut cut ) :
 	Levels( std::move( base ), lattice, settings, stiffness, std::move( cut ), {}, nullptr )
@@ -86,163 +74,6 @@ void Levels::hold( int node )
 	for ( std::uint32_t k = first; k < first + octree().cellCount[held]; ++k )
 	{
 		m_heldOn[octree().cells[k]] = std::uint8_t( levelOf( node ) );
-	}
-}
-
-/// Whether each of its cells was held by a node at least as big, while it was held last.
-bool Levels::isHeldAsOne( std::uint32_t node ) const
-{
-	const auto first = octree().cells.begin() + octree().cellStart[node];
-	return !m_heldOn.empty() && std::all_of( first, first + octree().cellCount[node],
-									[&]( std::uint32_t cell ) { return int( m_heldOn[cell] ) >= octree().levelOf( node ); } );
-}
-
-void Levels::measureLoads( const AlignedArray<float>& strain, const AlignedArray<float>& stretch )
-{
-	m_load.clear();
-	for ( std::size_t i = 0; followsStrain() && !stretch.empty() && i < m_cut.node.size(); ++i )
-	{
-		m_load.push_back( loadOf( strain[i], m_settings.refineStrain, stretch[i], m_refineStretch ) );
-	}
-}
-
-bool Levels::review( const NodeState& nodes, const AlignedArray<float>& strain, const AlignedArray<float>& stretch, float seconds )
-{
-	m_split.clear();
-	m_merge.clear();
-	measureLoads( strain, stretch );
-	for ( int i = 0; i < m_cut.count() && !( followsStrain() && m_load.empty() ); ++i )
-	{
-		const bool isQuiet = !followsStrain() || m_load[std::size_t( i )] < m_settings.mergeShare;
-		m_quiet[i] = isQuiet && m_isWanted[i] == 0 ? m_quiet[i] + seconds : 0.0f;
-	}
-	collectSplits();
-	collectMerges( nodes );
-	gatherMerges( seconds );
-	std::fill( m_isWanted.begin(), m_isWanted.end(), std::uint8_t( 0 ) );
-	return !m_split.empty() || !m_merge.empty();
-}
-
-// Above the threshold; and, where nodes are to be split together, all that hang together with such a one and are nearly as strained.
-std::vector<std::uint8_t> Levels::strainedNodes() const
-{
-	std::vector<std::uint8_t> isStrained;
-	if ( m_load.empty() )
-	{
-		return isStrained;
-	}
-	isStrained.resize( std::size_t( m_cut.count() ) );
-	std::vector<std::uint32_t> front;
-	for ( std::uint32_t i = 0; i < std::uint32_t( m_cut.count() ); ++i )
-	{
-		isStrained[i] = m_load[i] > 1.0f ? 1 : 0;
-		if ( isStrained[i] != 0 && m_together < 1.0f && octree().levelOf( m_cut.node[i] ) > m_finestLevel )
-		{
-			front.push_back( i );
-		}
-	}
-	while ( !front.empty() )
-	{
-		const std::uint32_t node = front.back();
-		front.pop_back();
-		for ( std::uint32_t k = matrix().start[node]; k < matrix().start[node + 1]; ++k )
-		{
-			const std::uint32_t to = matrix().member[k];
-			if ( isStrained[to] == 0 && m_load[to] > m_together )
-			{
-				isStrained[to] = 1;
-				front.push_back( to );
-			}
-		}
-	}
-	return isStrained;
-}
-
-void Levels::collectSplits()
-{
-	// What was asked for comes first, then what only the finest level allowed had kept merged, then the most strained.
-	constexpr float kAsked = -std::numeric_limits<float>::infinity(), kTooBig = -std::numeric_limits<float>::max();
-	std::vector<std::pair<float, std::uint32_t>> wanted;
-	std::sort( m_asked.begin(), m_asked.end() );
-	std::vector<std::uint32_t> waiting;
-	const std::vector<std::uint8_t> isStrained = strainedNodes();
-	for ( int i = 0; i < m_cut.count(); ++i )
-	{
-		const std::uint32_t node = m_cut.node[i];
-		const int level = octree().levelOf( node );
-		if ( level <= m_finestLevel )
-		{
-			continue;
-		}
-		if ( std::binary_search( m_asked.begin(), m_asked.end(), node ) )
-		{
-			wanted.emplace_back( kAsked, node );
-			waiting.push_back( node );
-		}
-		else if ( isTooBig( node ) )
-		{
-			wanted.emplace_back( kTooBig, node );
-		}
-		else if ( !isStrained.empty() && isStrained[std::size_t( i )] != 0 )
-		{
-			wanted.emplace_back( -m_load[std::size_t( i )], node );
-		}
-	}
-	std::stable_sort( wanted.begin(), wanted.end(), []( const auto& a, const auto& b ) { return a.first < b.first; } );
-	int left = m_budget == kNoBudget ? m_settings.nodesPerStep : m_budget;
-	m_hasBacklog = false;
-	for ( const auto& [order, node] : wanted )
-	{
-		const int children = int( octree().childStart[node + 1] - octree().childStart[node] );
-		m_hasBacklog = children > left;
-		if ( m_hasBacklog )
-		{
-			left = 0; // what waits, waits together: a second change for a few nodes would cost nearly as much as one for all
-			break;
-		}
-		left -= children;
-		m_split.push_back( node );
-	}
-	m_budget = m_budget == kNoBudget ? kNoBudget : left;
-	std::sort( m_split.begin(), m_split.end() );
-	const auto isDone = [this]( std::uint32_t node ) { return std::binary_search( m_split.begin(), m_split.end(), node ); };
-	waiting.erase( std::remove_if( waiting.begin(), waiting.end(), isDone ), waiting.end() );
-	m_asked = std::move( waiting ); // each once, and only what is there: requests come again and again
-}
-
-bool Levels::mayMerge( const NodeState& nodes, std::uint32_t parent, int firstSlot ) const
-{
-	const Octree& tree = octree();
-	const std::uint32_t children = tree.childStart[parent + 1] - tree.childStart[parent];
-	if ( std::size_t( firstSlot ) + children > m_cut.node.size() )
-	{
-		return false;
-	}
-	const bool isFiner = tree.levelOf( parent ) <= m_finestLevel, isHeld = nodes.freedom[firstSlot] == 0.0f;
-	for ( std::uint32_t k = 0; k < children; ++k )
-	{
-		const std::size_t slot = std::size_t( firstSlot ) + k;
-		const bool isThere = m_cut.node[slot] == tree.child[tree.childStart[parent] + k];
-		const bool isQuiet = isFiner || ( m_quiet[slot] > 0.0f && m_quiet[slot] >= m_settings.mergeDelay );
-		const bool isAlike = ( nodes.freedom[slot] == 0.0f ) == isHeld; // a pin holds one node, not what surrounds it
-		if ( !isThere || !isQuiet || !isAlike || std::binary_search( m_split.begin(), m_split.end(), m_cut.node[slot] ) )
-		{
-			return false;
-		}
-	}
-	return ( isFiner || !isTooBig( parent ) ) && ( !isHeld || isHeldAsOne( parent ) );
-}
-
-void Levels::collectMerges( const NodeState& nodes )
-{
-	for ( int i = 0; i < m_cut.count(); ++i )
-	{
-		const std::uint32_t parent = octree().parent[m_cut.node[i]];
-		const bool isFirst = parent != kNoNode && octree().child[octree().childStart[parent]] == m_cut.node[i];
-		if ( isFirst && mayMerge( nodes, parent, i ) )
-		{
-			m_merge.push_back( parent );
-		}
 	}
 }
 
@@ -383,7 +214,8 @@ std::size_t Levels::bytes() const
 	const std::size_t change = ( m_change.heir.size() + m_change.nodeNow.size() + m_change.keptAs.size() + 4 * m_parts.size() ) * sizeof( std::uint32_t );
 	const std::size_t base = m_room.fine.bytes() + ( m_ownsBase ? m_base->fine.bytes() + m_base->moments.bytes() : 0 );
 	// Room is of the size of what is in use.
-	return 2 * ( cut + m_tables->bytes() ) + base + change + ( m_quiet.size() + m_load.size() ) * sizeof( float ) + m_coarsest.size() + m_heldOn.size();
+	const std::size_t reviewed = m_reviewed.coarse.size() * sizeof( Reviewed::Coarse ) + m_reviewed.siblings.size() * sizeof( Reviewed::Siblings );
+	return 2 * ( cut + m_tables->bytes() ) + base + change + reviewed + ( m_quiet.size() + m_load.size() ) * sizeof( float ) + m_coarsest.size() + m_heldOn.size();
 }
 
 } // namespace pliant

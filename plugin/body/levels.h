@@ -154,7 +154,29 @@ private:
 		}
 		m_sinceMerge = m_merge.empty() ? m_sinceMerge : 0.0f;
 	}
-	bool mayMerge( const NodeState& nodes, std::uint32_t parent, int firstSlot ) const;
+	/// What of the cut a review asks about.
+	struct Reviewed
+	{
+		struct Coarse
+		{
+			std::uint32_t slot, node;
+			int level;
+			bool isTooBig;
+		};
+		/// Children of one node, all of which are in the cut.
+		struct Siblings
+		{
+			std::uint32_t parent, first, count; ///< first: slot
+			int parentLevel;
+			bool isParentTooBig;
+		};
+		std::vector<Coarse> coarse; ///< not on the finest level; both ascending by slot
+		std::vector<Siblings> siblings;
+		unsigned version = 0;
+		bool isKnown = false;
+	};
+	void findReviewed();
+	bool mayMerge( const NodeState& nodes, const Reviewed::Siblings& of ) const;
 	/// Of each node: 1 where it was asked to be split.
 	std::vector<std::uint8_t> askedNodes() const;
 	void countRoom();
@@ -214,6 +236,7 @@ private:
 	std::vector<float> m_quiet;                 ///< of each node: seconds since its strain was last above the merging threshold, or it was asked for; 0 while it is
 	float m_sinceMerge = std::numeric_limits<float>::max(); ///< s
 	std::vector<std::uint8_t> m_isWanted;       ///< of each node: 1 where it was asked for since the last review
+	Reviewed m_reviewed;
 	std::vector<std::uint32_t> m_split, m_merge; ///< octree nodes, found by the last review
 	std::vector<std::uint32_t> m_asked;         ///< octree nodes
 	int m_budget = kNoBudget;                   ///< new nodes that changes may still bring
