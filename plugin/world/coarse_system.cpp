@@ -6,17 +6,26 @@ namespace pliant {
 
 void CoarseSystem::layOut( const std::vector<int>& sizes, std::vector<Pair>& pairs )
 {
-	m_sizes = sizes;
-	m_offset.clear();
-	m_size = 0;
 	for ( std::size_t body = 0; body < sizes.size(); ++body )
 	{
-		m_offset.push_back( m_size );
-		m_size += sizes[body];
 		pairs.emplace_back( int( body ), int( body ) );
 	}
 	std::sort( pairs.begin(), pairs.end(), []( const Pair& a, const Pair& b ) { return std::pair( a.second, a.first ) < std::pair( b.second, b.first ); } );
 	pairs.erase( std::unique( pairs.begin(), pairs.end() ), pairs.end() );
+	if ( !m_start.empty() && sizes == m_sizes && pairs == m_pairs )
+	{
+		clear(); // who feels whom changes rarely in what lies still
+		return;
+	}
+	m_sizes = sizes;
+	m_pairs = pairs;
+	m_offset.clear();
+	m_size = 0;
+	for ( const int size : sizes )
+	{
+		m_offset.push_back( m_size );
+		m_size += size;
+	}
 	m_start.assign( 1, 0 );
 	m_places.clear();
 	int values = 0;

@@ -49,6 +49,7 @@ private:
 	void layOutFactor();
 
 	std::vector<int> m_sizes, m_offset;
+	std::vector<Pair> m_pairs; ///< with m_sizes: what it was laid out for
 	std::vector<int> m_start; ///< of each body's column among the places, and their end
 	std::vector<Place> m_places;
 	std::vector<double> m_values;

@@ -10,8 +10,8 @@
 namespace pliant {
 namespace {
 
-/// Bodies in a row, of 12 and 6 unknowns in turns, each feeling the next and the one three further on.
-void solveRow( int bodies )
+/// Bodies in a row, of 12 and 6 unknowns in turns, each feeling the next and the one so many further on.
+void solveRow( CoarseSystem& system, int bodies, int far )
 {
 	std::mt19937 random( 7 );
 	const auto draw = [&random] { return double( random() % 2001 ) / 1000.0 - 1.0; };
@@ -20,7 +20,7 @@ void solveRow( int bodies )
 	for ( int k = 0; k < bodies; ++k )
 	{
 		sizes.push_back( k % 2 == 0 ? 12 : 6 );
-		for ( const int other : { k - 1, k - 3 } )
+		for ( const int other : { k - 1, k - far } )
 		{
 			for ( int times = 0; times < 2 && other >= 0; ++times )
 			{
@@ -28,9 +28,8 @@ void solveRow( int bodies )
 			}
 		}
 	}
-	CoarseSystem system;
 	system.layOut( sizes, pairs );
-	EXPECT_FALSE( bodies > 2 && system.has( 2, 0 ) );
+	EXPECT_EQ( bodies > 2 && system.has( 2, 0 ), bodies > 2 && far == 2 );
 	for ( int sum = 0; sum < 2; ++sum )
 	{
 		system.clear();
@@ -47,7 +46,7 @@ void solveRow( int bodies )
 		{
 			const int size = sizes[std::size_t( k )];
 			add( k, k, Eigen::MatrixXd( 40.0 * Eigen::MatrixXd::Identity( size, size ) ) );
-			for ( const int other : { k - 1, k - 3 } )
+			for ( const int other : { k - 1, k - far } )
 			{
 				if ( other >= 0 )
 				{
@@ -67,8 +66,21 @@ TEST( ImplicitCoarseSystem, IsSolvedAsAWholeMatrix )
 {
 	for ( const int bodies : { 1, 2, 4, 11, 40 } )
 	{
-		solveRow( bodies );
+		CoarseSystem system;
+		solveRow( system, bodies, 3 );
 	}
+}
+
+/// As in a heap: mostly the same bodies feel each other as in the step before, and now and then others.
+TEST( ImplicitCoarseSystem, IsLaidOutAgainWhereOthersFeelEachOther )
+{
+	CoarseSystem system;
+	for ( const int far : { 3, 3, 2, 5, 5, 3 } )
+	{
+		solveRow( system, 11, far );
+	}
+	solveRow( system, 12, 3 );
+	solveRow( system, 11, 3 );
 }
 
 TEST( ImplicitCoarseSystem, WhatIsNotPositiveGivesNothing )
