@@ -1,7 +1,6 @@
 #include "matching/region_moments.h"
 
 #include <Eigen/Eigenvalues>
-#include <Eigen/LU>
 
 #include <algorithm>
 #include <vector>
@@ -9,9 +8,6 @@
 namespace pliant {
 
 namespace {
-
-/// Least eigenvalue as a share of the largest down to which cofactors tell an inverse as well as its axes do.
-constexpr double kSolidShare = 1e-3;
 
 int paddedCount( int count )
 {
@@ -56,17 +52,6 @@ void weighNodes( const Lattice& lattice, const RegionSet& regions, Weights weigh
 } // namespace
 
 Eigen::Matrix3d flooredInverse( const Eigen::Matrix3d& moment, double floorShare )
-{
-	// det / ( tr / 3 )^3 <= 27 c / a with c the smallest and a the largest eigenvalue, as in markFlatRegions: nothing is raised.
-	const double third = moment.trace() / 3.0;
-	if ( moment.determinant() > 27.0 * std::max( floorShare, kSolidShare ) * third * third * third )
-	{
-		return moment.inverse();
-	}
-	return flooredInverseByAxes( moment, floorShare );
-}
-
-Eigen::Matrix3d flooredInverseByAxes( const Eigen::Matrix3d& moment, double floorShare )
 {
 	const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver( moment );
 	const double largest = solver.eigenvalues()[2];

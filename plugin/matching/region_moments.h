@@ -58,8 +58,7 @@ RegionMoments computeRegionMoments(
 	const Lattice& lattice, const RegionSet& regions, Weights weights, bool withInverse, const MomentsBefore* before = nullptr );
 
 /// The pseudo-inverse of a symmetric positive semidefinite matrix, eigenvalues below `floorShare` of the largest raised to it.
-/// The zero matrix gives zero. A solid one's is its adjugate over its determinant; flooredInverseByAxes is the slow twin.
+/// The zero matrix gives zero.
 Eigen::Matrix3d flooredInverse( const Eigen::Matrix3d& moment, double floorShare );
-Eigen::Matrix3d flooredInverseByAxes( const Eigen::Matrix3d& moment, double floorShare );
 
 } // namespace pliant

@@ -3,14 +3,12 @@
 #include "matching/link_moments.h"
 
 #include "matching/lattice_matcher.h"
-#include "matching/region_moments.h"
 #include "matching/strain_rates.h"
 #include "support/block_body.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <random>
 
 namespace pliant {
 namespace {
@@ -140,26 +138,6 @@ TEST( LinkMoments, TheOperatorBoundsWhatTheyPullWith )
 		EXPECT_GT( pulled, 0.0 );
 		EXPECT_LT( pulled, bound * 1.01 );
 	}
-}
-
-/// Solid moments, of any size, flat ones, those of a rod and of nothing: cofactors where they tell enough, and axes elsewhere.
-TEST( RegionMoments, InversesAreThoseByAxes )
-{
-	std::mt19937 random( 5 );
-	const auto some = [&] { return double( random() ) / 4294967296.0 - 0.5; };
-	const auto difference = []( const Eigen::Matrix3d& moment, double floor ) {
-		const Eigen::Matrix3d byAxes = flooredInverseByAxes( moment, floor );
-		return ( flooredInverse( moment, floor ) - byAxes ).norm() / std::max( byAxes.norm(), 1e-300 );
-	};
-	for ( int k = 0; k < 3000; ++k )
-	{
-		const Eigen::Matrix3d axes = Eigen::Quaterniond( some(), some(), some(), some() ).normalized().toRotationMatrix();
-		const Vec3d spread( 1.0, std::pow( 10.0, 6.0 * ( some() - 0.5 ) ), std::pow( 10.0, 6.0 * ( some() - 0.5 ) ) );
-		const Eigen::Matrix3d moment = std::pow( 10.0, 12.0 * some() ) * axes * spread.asDiagonal() * axes.transpose();
-		EXPECT_LT( difference( moment, kInertiaFloor ), 1e-9 );
-		EXPECT_LT( difference( moment, double( kMomentFloor ) ), 1e-9 );
-	}
-	EXPECT_TRUE( flooredInverse( Eigen::Matrix3d::Zero(), kInertiaFloor ).isZero( 0.0 ) );
 }
 
 } // namespace
