@@ -10,8 +10,6 @@ namespace pliant {
 
 namespace {
 
-constexpr int kMapFloats = 12; // as skinMaps writes them
-
 /// What a fade moves a vertex by in one frame at most, as a share of the surface's diagonal: half of what a change may.
 constexpr double kFadeStep = 5e-4;
 
@@ -82,8 +80,8 @@ private:
 
 void SkinFade::reserveNodes( int count, std::size_t touched, int cellCount )
 {
-	makeRoom( m_mapBefore, std::size_t( count ) * kMapFloats, touched * kMapFloats );
-	makeRoom( m_mapNow, std::size_t( count ) * kMapFloats, touched * kMapFloats );
+	makeRoom( m_mapBefore, std::size_t( count ) * kSkinMapFloats, touched * kSkinMapFloats );
+	makeRoom( m_mapNow, std::size_t( count ) * kSkinMapFloats, touched * kSkinMapFloats );
 	makeRoom( m_slotBefore, std::size_t( cellCount ), std::size_t( cellCount ) );
 }
 
@@ -95,7 +93,7 @@ void SkinFade::keep( const NodeState& nodes, const SkinPose& pose, int cellCount
 	}
 	else
 	{
-		m_mapBefore.resize( std::size_t( nodes.count ) * kMapFloats );
+		m_mapBefore.resize( std::size_t( nodes.count ) * kSkinMapFloats );
 		skinMaps( nodes, pose, m_mapBefore.data() );
 	}
 	m_slotBefore.assign( pose.slotOfCell, pose.slotOfCell + cellCount );
@@ -128,7 +126,7 @@ std::vector<char> SkinFade::freshSlots( const Nodes& nodes ) const
 
 void SkinFade::measureMaps( const Nodes& nodes, const std::vector<char>& isFresh )
 {
-	m_mapNow.resize( isFresh.size() * kMapFloats );
+	m_mapNow.resize( isFresh.size() * kSkinMapFloats );
 	for ( std::size_t slot = 0; slot < isFresh.size(); )
 	{
 		std::size_t end = slot + 1;
@@ -141,8 +139,8 @@ void SkinFade::measureMaps( const Nodes& nodes, const std::vector<char>& isFresh
 		}
 		else
 		{
-			const auto from = m_mapBefore.begin() + std::ptrdiff_t( nodes.heir[slot] ) * kMapFloats;
-			std::copy( from, from + std::ptrdiff_t( end - slot ) * kMapFloats, m_mapNow.begin() + std::ptrdiff_t( slot ) * kMapFloats );
+			const auto from = m_mapBefore.begin() + std::ptrdiff_t( nodes.heir[slot] ) * kSkinMapFloats;
+			std::copy( from, from + std::ptrdiff_t( end - slot ) * kSkinMapFloats, m_mapNow.begin() + std::ptrdiff_t( slot ) * kSkinMapFloats );
 		}
 		slot = end;
 	}
@@ -160,7 +158,7 @@ std::vector<char> SkinFade::changedSlots( const Nodes& nodes, std::vector<char> 
 		{
 			continue;
 		}
-		const Eigen::Matrix<float, 3, 4> difference = MapRows( &m_mapNow[slot * kMapFloats] ) - MapRows( &m_mapBefore[before * kMapFloats] );
+		const Eigen::Matrix<float, 3, 4> difference = MapRows( &m_mapNow[slot * kSkinMapFloats] ) - MapRows( &m_mapBefore[before * kSkinMapFloats] );
 		const Vec3 atNode = difference * nodes.now.x0.get( int( slot ) ).homogeneous();
 		changed[slot] = atNode.norm() > visible || difference.leftCols<3>().norm() > kFadeFloor;
 	}
@@ -214,7 +212,7 @@ void SkinFade::ease( const NodeState& nodes, float* maps ) const
 		{
 			const float m = nodes.mass[slot];
 			mass += m;
-			sum += m * Rows( maps + std::size_t( slot ) * kMapFloats );
+			sum += m * Rows( maps + std::size_t( slot ) * kSkinMapFloats );
 			at += m * nodes.x.get( int( slot ) );
 			rest += m * nodes.x0.get( int( slot ) );
 		}
@@ -223,7 +221,7 @@ void SkinFade::ease( const NodeState& nodes, float* maps ) const
 		const float s = 1.0f - float( group.frame ) / float( kEaseFrames );
 		for ( std::uint32_t slot = group.first; slot < group.first + group.count; ++slot )
 		{
-			Rows map( maps + std::size_t( slot ) * kMapFloats );
+			Rows map( maps + std::size_t( slot ) * kSkinMapFloats );
 			map = ( 1.0f - s ) * map + s * common;
 		}
 	}
@@ -247,7 +245,7 @@ void SkinFade::start( const SkinBinding& binding, const Nodes& nodes )
 		if ( changed[slot[cell]] != 0 )
 		{
 			cellChanged[cell] = 1;
-			changes.add( cell, &m_mapBefore[m_slotBefore[cell] * std::size_t( kMapFloats )], &m_mapNow[slot[cell] * std::size_t( kMapFloats )] );
+			changes.add( cell, &m_mapBefore[m_slotBefore[cell] * std::size_t( kSkinMapFloats )], &m_mapNow[slot[cell] * std::size_t( kSkinMapFloats )] );
 		}
 	}
 	const bool areNamed = nodes.complex && !binding.point.empty();

@@ -101,9 +101,7 @@ struct SkinPose
 	Eigen::Quaternionf body = Eigen::Quaternionf::Identity(); ///< for `fade`: the body's rotation
 };
 
-inline constexpr int kSkinMapFloats = 12;
-
-/// The affine map by which each node carries what is around it, 12 floats a node on 16 bytes: rows of F | x - F x0.
+/// The map of each node, kSkinMapFloats floats.
 void skinMaps( const NodeState& state, const SkinPose& pose, float* maps );
 /// Of nodes first to last - 1 alone, each at its own place in `maps`; SkinPose::fade is left out.
 void skinMaps( const NodeState& state, const SkinPose& pose, float* maps, int first, int last );

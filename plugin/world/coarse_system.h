@@ -18,7 +18,7 @@ public:
 	using Pair = std::pair<int, int>;
 
 	/// Unknowns of each body, a multiple of 6, and which of them feel each other, in any order and as often as it happens. The order in which it is solved
-	/// is found here, once for as many sums as follow.
+	/// is found here, once for as many sums as follow, and not again while both are what they were.
 	void layOut( const std::vector<int>& sizes, std::vector<Pair>& pairs );
 	/// Everything zero.
 	void clear();

@@ -17,8 +17,6 @@ namespace {
 #define PLIANT_LANE_WIDTH 4
 #include "matching/kernels/lane.h"
 
-constexpr std::size_t kMapFloats = 12; // as skinMaps writes them
-
 /// The rows of the map that a vertex follows, blended of those of its nodes.
 struct Blend
 {
@@ -49,7 +47,7 @@ struct Rows
 		for ( std::uint32_t k = start[vertex]; k < end; ++k )
 		{
 			const std::uint32_t carries = slot ? slot[node[k]] : node[k];
-			const float* const at = map + carries * kMapFloats;
+			const float* const at = map + std::size_t( carries ) * kSkinMapFloats;
 			const float w = weight[k];
 			sum.x += w * load4( at );
 			sum.y += w * load4( at + 4 );

@@ -8,6 +8,9 @@
 
 namespace pliant {
 
+/// The affine map by which a node carries what is around it, on 16 bytes: rows of F | x - F x0.
+inline constexpr int kSkinMapFloats = 12;
+
 /// A vertex that stands within a triangle: SkinBinding::Placed, word by word.
 struct SkinPlace
 {
