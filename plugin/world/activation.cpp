@@ -35,7 +35,7 @@ void SoftBodySystem::updateActivation( btScalar h )
 	for ( SoftBody* body : m_bodies )
 	{
 		const int state = body->getActivationState();
-		if ( state == ISLAND_SLEEPING || state == DISABLE_SIMULATION )
+		if ( state == ISLAND_SLEEPING || state == DISABLE_SIMULATION || !isInPass( *body ) || body->isStaticOrKinematicObject() )
 		{
 			continue;
 		}

@@ -116,12 +116,17 @@ inline constexpr double kWildRubbing = 2.0;
 inline constexpr double kPartError = 0.1;
 /// And after so many, limits of friction follow wild passes too.
 inline constexpr int kMostFairPasses = 8;
+/// Rigid bodies that take part in a block, where its island has more: the coarse system's factor grows with their number to a power between 2 and 3.
+inline constexpr int kMostBlockRigid = 96;
 /// Halvings of the way to a solution: as many as a float has bits.
 inline constexpr int kLineSearchHalvings = 24;
 /// Nodes that have come too deep are pushed out at most this fast, m/s.
 inline constexpr double kPushOutSpeed = 2.0;
 /// Share in which a rigid body's impulses from the rest of the world (joints, rigid contacts) follow those of the last substep.
 inline constexpr double kOutsideShare = 0.25;
+
+/// What is under a character carries it where the normal is as near to the vertical as this cosine: 60 degrees.
+inline constexpr double kCarrySlope = 0.5;
 
 // Elasticity::Automatic (implicit_choice.cpp).
 /// Time over which what nodes carry is averaged, s: several times a bounce, for that is no load.
@@ -135,6 +140,9 @@ inline constexpr double kCalmTime = 2.0;
 inline constexpr int kDefaultSubsteps = 4;
 inline constexpr int kLargestSubsteps = 64;
 inline constexpr int kDefaultMaxSubsteps = 16;
+
+/// Room in the broadphase around what an object may sweep in all its soft substeps, as a share of the swept box's diagonal: contacts change velocities.
+inline constexpr btScalar kSweepRoom = btScalar( 0.02 );
 
 /// The game step that substeps are counted for, s. Longer steps get more.
 inline constexpr btScalar kNominalStep = btScalar( 1 ) / 60;

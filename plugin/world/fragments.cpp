@@ -294,6 +294,10 @@ void SoftBodySystem::addFragment( SoftBody& parent, std::unique_ptr<SoftBody> fr
 	}
 	const btBroadphaseProxy* const proxy = parent.getBroadphaseHandle();
 	m_world.addCollisionObject( piece, proxy->m_collisionFilterGroup, proxy->m_collisionFilterMask );
+	if ( group.contains( parent ) )
+	{
+		group.add( *piece );
+	}
 }
 
 bool SoftBodySystem::release( SoftBody& fragment )

@@ -25,7 +25,7 @@ struct ContactSide
 	int node = -1;
 	int rigid = -1;                 ///< part, or -1
 	Vec3d arm = Vec3d::Zero();      ///< from the rigid body's mass centre, m
-	Vec3d given = Vec3d::Zero();    ///< m/s, where both are -1
+	Vec3d given = Vec3d::Zero();    ///< m/s: of what neither is, and of a surface that runs along itself
 	int block = -1;                 ///< among the block's nodes with contacts
 	int inner = -1, innerBlock = -1; ///< the node behind that takes `share` of it (round_surface.h); -1: none
 	double share = 0.0;

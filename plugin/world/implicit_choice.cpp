@@ -75,15 +75,15 @@ void addContact( btPersistentManifold& manifold, int side, const btDiscreteDynam
 } // namespace
 
 /// Of those that take the implicit step for their loads alone: where there are none, no contact is looked at.
-void ImplicitChoice::measureLoads( btDiscreteDynamicsWorld& world, btScalar lastStep )
+void ImplicitChoice::measureLoads( btDiscreteDynamicsWorld& world )
 {
 	for ( SoftBody* body : m_asked )
 	{
 		ElasticityState& state = body->impl().elasticity;
 		state.heaviest = state.impulse = state.nodeMass = 0.0;
 	}
-	const auto feels = []( const SoftBody* body ) { return body->impl().elasticity.feelsLoads; };
-	const bool looks = lastStep > 0 && std::any_of( m_asked.begin(), m_asked.end(), feels );
+	const auto feels = []( const SoftBody* body ) { return body->impl().elasticity.feelsLoads && body->impl().lastSubstep > 0.0; };
+	const bool looks = std::any_of( m_asked.begin(), m_asked.end(), feels );
 	btDispatcher& dispatcher = *world.getDispatcher();
 	for ( int m = 0; looks && m < dispatcher.getNumManifolds(); ++m )
 	{
@@ -106,12 +106,12 @@ bool ImplicitChoice::isTooStiff( const SoftBody& body, btScalar gameStep, int su
 
 // One round over the contacts between a thing of mass M and n nodes of mass m brings its speed and theirs nearer by n m / M, so that I
 // rounds need n m I > M. n: what lies there at most, a face of N^(2/3) nodes; or, of what is piled up, what the touched nodes carry.
-bool ImplicitChoice::isTooHeavilyLoaded( SoftBody& body, const btDiscreteDynamicsWorld& world, btScalar gameStep, btScalar lastStep ) const
+bool ImplicitChoice::isTooHeavilyLoaded( SoftBody& body, const btDiscreteDynamicsWorld& world, btScalar gameStep ) const
 {
 	const SoftBody::Impl& impl = body.impl();
 	ElasticityState& state = body.impl().elasticity;
 	const double weight = state.nodeMass * double( gravityOf( body, world ).length() );
-	const double load = weight > 0.0 ? state.impulse / double( lastStep ) / weight : 0.0;
+	const double load = weight > 0.0 && impl.lastSubstep > 0.0 ? state.impulse / impl.lastSubstep / weight : 0.0; // impulses are the last substep's
 	state.load += ( load - state.load ) * std::min( 1.0, double( gameStep ) / kLoadTime );
 	const double count = double( impl.body->nodeCount() );
 	const double face = impl.mass / count * std::pow( count, 2.0 / 3.0 );
@@ -119,7 +119,7 @@ bool ImplicitChoice::isTooHeavilyLoaded( SoftBody& body, const btDiscreteDynamic
 	return state.heaviest > bears * face || state.load > bears;
 }
 
-void ImplicitChoice::choose( const std::vector<SoftBody*>& bodies, btDiscreteDynamicsWorld& world, btScalar gameStep, int substeps, btScalar lastStep )
+void ImplicitChoice::choose( const std::vector<SoftBody*>& bodies, btDiscreteDynamicsWorld& world, btScalar gameStep, int substeps )
 {
 	m_asked.clear();
 	for ( SoftBody* body : bodies )
@@ -137,11 +137,11 @@ void ImplicitChoice::choose( const std::vector<SoftBody*>& bodies, btDiscreteDyn
 	{
 		body->impl().elasticity.feelsLoads = !isTooStiff( *body, gameStep, substeps );
 	}
-	measureLoads( world, lastStep );
+	measureLoads( world );
 	for ( SoftBody* body : m_asked )
 	{
 		ElasticityState& state = body->impl().elasticity;
-		state.needs = !state.feelsLoads || isTooHeavilyLoaded( *body, world, gameStep, lastStep );
+		state.needs = !state.feelsLoads || isTooHeavilyLoaded( *body, world, gameStep );
 		state.calm = state.needs ? 0.0 : state.calm + double( gameStep );
 	}
 	std::vector<int> islands; // that need it

@@ -15,14 +15,13 @@ class SoftBody;
 class ImplicitChoice
 {
 public:
-	/// Decides for all bodies with Elasticity::Automatic, an island at a time. `substeps`: those that explicit bodies would get; `lastStep`: the
-	/// length of the last substep, s, in which contacts' impulses were found; 0: there was none.
-	void choose( const std::vector<SoftBody*>& bodies, btDiscreteDynamicsWorld& world, btScalar gameStep, int substeps, btScalar lastStep );
+	/// Decides for all bodies with Elasticity::Automatic, an island at a time. `substeps`: those that explicit bodies would get.
+	void choose( const std::vector<SoftBody*>& bodies, btDiscreteDynamicsWorld& world, btScalar gameStep, int substeps );
 
 private:
-	void measureLoads( btDiscreteDynamicsWorld& world, btScalar lastStep );
+	void measureLoads( btDiscreteDynamicsWorld& world );
 	bool isTooStiff( const SoftBody& body, btScalar gameStep, int substeps ) const;
-	bool isTooHeavilyLoaded( SoftBody& body, const btDiscreteDynamicsWorld& world, btScalar gameStep, btScalar lastStep ) const;
+	bool isTooHeavilyLoaded( SoftBody& body, const btDiscreteDynamicsWorld& world, btScalar gameStep ) const;
 
 	std::vector<SoftBody*> m_asked;
 };

@@ -9,6 +9,7 @@
 #include <BulletDynamics/ConstraintSolver/btContactSolverInfo.h>
 
 #include <algorithm>
+#include <iterator>
 
 namespace pliant {
 
@@ -42,6 +43,14 @@ bool isPlainRigid( const btPersistentManifold& manifold )
 	return btRigidBody::upcast( manifold.getBody0() ) && btRigidBody::upcast( manifold.getBody1() );
 }
 
+/// Whether both of two rigid bodies are moved by the block, or stand.
+bool takeParts( const btCollisionObject* const ( &objects )[2], int block, const BlockPlaces& places )
+{
+	return block >= 0 && std::all_of( std::begin( objects ), std::end( objects ), [&]( const btCollisionObject* object ) {
+		return object->isStaticOrKinematicObject() || places.takesPart( block, *object );
+	} );
+}
+
 /// An object's friction by direction, the root of its scales, in world axes.
 Eigen::Matrix3d rootOfScales( const btCollisionObject& object )
 {
@@ -65,6 +74,14 @@ void giveDirections( const btCollisionObject* const ( &objects )[2], BlockContac
 	const Eigen::Matrix3d inPlane = Eigen::Matrix3d::Identity() - contact.normal * contact.normal.transpose();
 	contact.directed = int( block.directions.size() );
 	block.directions.push_back( inPlane * ( roots.transpose() * roots ) * inPlane );
+}
+
+/// What the game lets the second surface run at along the contact (conveyors): as Bullet's solver takes it.
+Vec3d surfaceVelocity( const btManifoldPoint& point, const btContactSolverInfo& info )
+{
+	const bool isGiven = ( info.m_solverMode & SOLVER_ENABLE_FRICTION_DIRECTION_CACHING ) != 0 && ( point.m_contactPointFlags & BT_CONTACT_FLAG_LATERAL_FRICTION_INITIALIZED ) != 0;
+	return isGiven ? Vec3d( double( point.m_contactMotion1 ) * toVec3d( point.m_lateralFrictionDir1 ) + double( point.m_contactMotion2 ) * toVec3d( point.m_lateralFrictionDir2 ) ) :
+					 Vec3d( Vec3d::Zero() );
 }
 
 /// Between soft bodies: over the nodes behind, as it was found.
@@ -127,6 +144,7 @@ void ImplicitContacts::gatherFrom(
 	if ( !nodes[0] && !nodes[1] && isPlainRigid( manifold ) )
 	{
 		block = std::max( places.blockOfIsland( objects[0]->getIslandTag() ), places.blockOfIsland( objects[1]->getIslandTag() ) );
+		block = takeParts( objects, block, places ) ? block : -1;
 	}
 	if ( block < 0 )
 	{
@@ -158,6 +176,7 @@ void ImplicitContacts::gatherFrom(
 			const btVector3& touches = own ? own->getWorldTransform().getOrigin() : side == 0 ? point.getPositionWorldOnA() : point.getPositionWorldOnB();
 			contact.side[side] = sideOf( *objects[side], block, places, toVec3d( touches ) );
 		}
+		contact.side[1].given += surfaceVelocity( point, info );
 		spread( nodes, contact );
 		if ( !contact.moves() )
 		{
@@ -190,8 +209,9 @@ ContactSide ImplicitContacts::sideOf( const btCollisionObject& object, int block
 		side.given = isFree ? Vec3d( Vec3d::Zero() ) : toVec3d( node->getLinearVelocity() );
 		return side;
 	}
+	// A kinematic object may bear the static flag as well: Bullet's objects are born with it.
 	btRigidBody* const rigid = btRigidBody::upcast( const_cast<btCollisionObject*>( &object ) );
-	if ( !rigid || rigid->isStaticObject() )
+	if ( !rigid || ( rigid->isStaticObject() && !rigid->isKinematicObject() ) )
 	{
 		return side;
 	}

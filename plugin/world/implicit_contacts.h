@@ -29,6 +29,8 @@ public:
 	/// The block of an island, by Bullet's tag; -1: it has none.
 	virtual int blockOfIsland( int tag ) const = 0;
 	virtual int softPart( const SoftBody& body ) const = 0;
+	/// Whether a rigid body of the block's island is among those that it moves (implicit_reach.h).
+	virtual bool takesPart( int block, const btCollisionObject& rigid ) const = 0;
 	/// The part of a rigid body that can be moved in a block; made where it is missing.
 	virtual int rigidPart( int block, btRigidBody& body ) = 0;
 };

@@ -65,12 +65,12 @@ Vec3d ImplicitBlock::freeSpeed( const BlockContact& contact ) const
 		speed[k] = side.given;
 		if ( side.soft >= 0 )
 		{
-			speed[k] = speedAmong( side, soft[std::size_t( side.soft )].motion->nodes().v );
+			speed[k] += speedAmong( side, soft[std::size_t( side.soft )].motion->nodes().v );
 		}
 		else if ( side.rigid >= 0 )
 		{
 			const Vector6& free = rigid[std::size_t( side.rigid )].free;
-			speed[k] = free.head<3>() + free.tail<3>().cross( side.arm );
+			speed[k] += free.head<3>() + free.tail<3>().cross( side.arm );
 		}
 	}
 	return speed[0] - speed[1];
@@ -85,12 +85,12 @@ Vec3d ImplicitBlock::speedBefore( const BlockContact& contact ) const
 		speed[k] = side.given;
 		if ( side.soft >= 0 )
 		{
-			speed[k] = speedAmong( side, *soft[std::size_t( side.soft )].before );
+			speed[k] += speedAmong( side, *soft[std::size_t( side.soft )].before );
 		}
 		else if ( side.rigid >= 0 )
 		{
 			const Vector6& before = rigid[std::size_t( side.rigid )].before;
-			speed[k] = before.head<3>() + before.tail<3>().cross( side.arm );
+			speed[k] += before.head<3>() + before.tail<3>().cross( side.arm );
 		}
 	}
 	return speed[0] - speed[1];

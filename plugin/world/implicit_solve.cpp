@@ -163,33 +163,12 @@ void ImplicitSolve::makeBlocks( const std::vector<SoftBody*>& awake )
 	}
 }
 
-// What pressed for one substep presses on in the next, however long that is: else a change of the step, or of how bodies take it, would be felt.
-void ImplicitSolve::scaleImpulses( btDispatcher& dispatcher, double by )
-{
-	for ( int m = 0; m < dispatcher.getNumManifolds(); ++m )
-	{
-		btPersistentManifold& manifold = *dispatcher.getManifoldByIndexInternal( m );
-		for ( int k = 0; k < manifold.getNumContacts(); ++k )
-		{
-			btManifoldPoint& point = manifold.getContactPoint( k );
-			point.m_appliedImpulse *= btScalar( by );
-			point.m_appliedImpulseLateral1 *= btScalar( by );
-			point.m_appliedImpulseLateral2 *= btScalar( by );
-		}
-	}
-}
-
 void ImplicitSolve::before( const std::vector<SoftBody*>& awake, btDispatcher& dispatcher, const btContactSolverInfo& info, TaskRunner* runner )
 {
 	m_count = BlockCount{};
-	const double before = m_h;
 	m_h = double( info.m_timeStep );
 	++m_stamp;
 	makeBlocks( awake );
-	if ( ( m_hadBlocks || !m_tagOf.empty() ) && before > 0.0 && before != m_h )
-	{
-		scaleImpulses( dispatcher, m_h / before );
-	}
 	const bool hadBlocks = m_hadBlocks;
 	m_hadBlocks = !m_tagOf.empty();
 	if ( m_tagOf.empty() )
@@ -201,6 +180,7 @@ void ImplicitSolve::before( const std::vector<SoftBody*>& awake, btDispatcher& d
 		m_outside.clear();
 		return;
 	}
+	m_reach.choose( dispatcher, *this, int( m_tagOf.size() ) );
 	m_contacts.gather( dispatcher, info, *this, m_blocks );
 	m_outside.erase( std::remove_if( m_outside.begin(), m_outside.end(), [this]( const OutsideImpulse& outside ) { return outside.stamp != m_stamp; } ),
 		m_outside.end() );

@@ -4,6 +4,7 @@
 // then does joints and rigid contacts. docs/implicit.md.
 
 #include "world/implicit_contacts.h"
+#include "world/implicit_reach.h"
 
 #include <deque>
 #include <vector>
@@ -36,15 +37,16 @@ private:
 	int blockOf( const SoftBody& body ) const override;
 	int blockOfIsland( int tag ) const override;
 	int softPart( const SoftBody& body ) const override;
+	bool takesPart( int block, const btCollisionObject& rigid ) const override { return m_reach.takesPart( block, rigid ); }
 	int rigidPart( int block, btRigidBody& body ) override;
 
-	static void scaleImpulses( btDispatcher& dispatcher, double by );
 	void makeBlocks( const std::vector<SoftBody*>& awake );
 	OutsideImpulse& outsideOf( const btRigidBody& body );
 	void giveSpeeds( ImplicitBlock& block );
 
 	std::deque<ImplicitBlock> m_blocks; ///< as many as ever were needed
 	std::vector<int> m_tagOf; ///< island of each block
+	ImplicitReach m_reach;
 	ImplicitContacts m_contacts;
 	std::vector<OutsideImpulse> m_outside; ///< in the order in which they were first touched
 	BlockCount m_count;

@@ -5,6 +5,8 @@
 //
 // Bullet makes one island of all whose boxes overlap. A soft body's box is large for what is in it, and pieces of what broke lie in one
 // another's boxes: they are one island with what they touch. Otherwise nothing of a heap would sleep as long as one in it swings.
+//
+// Where the step makes several passes (substep_group.h), islands are of the objects that the pass moves; the others keep the tags they have.
 
 #include "pliant/soft_body.h"
 #include "world/ahead.h"
@@ -31,6 +33,10 @@ public:
 		for ( int i = 0; i < world->getNumCollisionObjects(); ++i )
 		{
 			btCollisionObject* const object = world->getCollisionObjectArray()[i];
+			if ( !m_bodies.isInPass( *object ) )
+			{
+				continue;
+			}
 			if ( !object->isStaticOrKinematicObject() )
 			{
 				object->setIslandTag( index++ );
@@ -46,12 +52,41 @@ public:
 	}
 	void storeIslandActivationState( btCollisionWorld* world ) override
 	{
-		btSimulationIslandManager::storeIslandActivationState( world );
+		if ( m_bodies.group.isSplit() )
+		{
+			storePass( *world );
+		}
+		else
+		{
+			btSimulationIslandManager::storeIslandActivationState( world );
+		}
 		m_bodies.rubbing.choose( getUnionFind() );
 		m_bodies.copyIslandTags();
 	}
 
 private:
+	/// As Bullet does it for all objects.
+	void storePass( btCollisionWorld& world )
+	{
+		constexpr int kFixed = -2; // Bullet's companion of what stands
+		int index = 0;
+		for ( int i = 0; i < world.getNumCollisionObjects(); ++i )
+		{
+			btCollisionObject* const object = world.getCollisionObjectArray()[i];
+			if ( object->isStaticOrKinematicObject() )
+			{
+				object->setIslandTag( -1 );
+				object->setCompanionId( kFixed );
+			}
+			else if ( m_bodies.isInPass( *object ) )
+			{
+				object->setIslandTag( getUnionFind().find( index ) );
+				getUnionFind().getElement( index ).m_sz = i;
+				object->setCompanionId( -1 );
+				++index;
+			}
+		}
+	}
 	void unite( const btCollisionObject* a, const btCollisionObject* b )
 	{
 		if ( a && b && a->mergesSimulationIslands() && b->mergesSimulationIslands() )
@@ -69,7 +104,7 @@ private:
 			const btBroadphasePair& pair = pairs.getOverlappingPairArrayPtr()[i];
 			const auto* const a = static_cast<const btCollisionObject*>( pair.m_pProxy0->m_clientObject );
 			const auto* const b = static_cast<const btCollisionObject*>( pair.m_pProxy1->m_clientObject );
-			if ( !isSoft( a ) && !isSoft( b ) )
+			if ( !isSoft( a ) && !isSoft( b ) && a && b && m_bodies.isInPass( *a ) && m_bodies.isInPass( *b ) )
 			{
 				unite( a, b );
 			}
@@ -84,6 +119,10 @@ private:
 			a = ownerA ? ownerA : a;
 			b = ownerB ? ownerB : b;
 			if ( manifold.getNumContacts() <= 0 )
+			{
+				return;
+			}
+			if ( ( a && !a->isStaticOrKinematicObject() && !m_bodies.isInPass( *a ) ) || ( b && !b->isStaticOrKinematicObject() && !m_bodies.isInPass( *b ) ) )
 			{
 				return;
 			}

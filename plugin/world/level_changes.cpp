@@ -166,7 +166,7 @@ void SoftBodySystem::endCollision( btScalar h )
 	for ( SoftBody* body : m_bodies )
 	{
 		SoftBody::Impl& impl = body->impl();
-		if ( impl.born.isAny() && moves( *body ) )
+		if ( impl.born.isAny() && moves( *body ) && isInPass( *body ) )
 		{
 			impl.born.endPhase( isCalm( impl ) ? kBornOut * double( impl.shape->smallestRadius() ) * double( h ) : 0.0 );
 		}

@@ -189,7 +189,7 @@ void NodeBodyPool::refresh( NodeBody& body )
 	SoftBody::Impl& impl = owner.impl();
 	const NodeState& nodes = impl.body->nodes();
 	const btVector3 velocity = impl.velocity( body.node );
-	const btScalar mass = impl.isHealthy && nodes.freedom[body.node] != 0.0f ? btScalar( nodes.mass[body.node] ) : btScalar( 0 );
+	const btScalar mass = impl.isHealthy && nodes.freedom[body.node] != 0.0f && !owner.isStaticOrKinematicObject() ? btScalar( nodes.mass[body.node] ) : btScalar( 0 );
 	if ( mass != body.mass )
 	{
 		body.setMassProps( mass, btVector3( 0, 0, 0 ) );

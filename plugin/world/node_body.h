@@ -103,6 +103,8 @@ public:
 	}
 	/// Position, velocity, mass and surface properties from the node, once a phase.
 	void refresh( NodeBody& body );
+	/// Whether it was written in this collision phase: what the solver made of it is for its node then.
+	bool isFresh( const NodeBody& body ) const { return body.stamp == m_phase; }
 	/// The body is to be refreshed some turns later: what of it is written then.
 	static void askAhead( const NodeBody& body );
 	/// What it has come to is to be read: its place and speed.

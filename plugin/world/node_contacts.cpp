@@ -175,6 +175,11 @@ void PairContacts::process( const btCollisionObjectWrapper& body0, const btColli
 	m_scratch.last = this;
 	askFor( m_contacts.data(), kFetched );
 	followNodes( soft0, soft1 );
+	if ( body0.getCollisionObject()->isStaticOrKinematicObject() && body1.getCollisionObject()->isStaticOrKinematicObject() )
+	{
+		matchHits( Pair{ soft0 ? soft0 : soft1, nullptr, nullptr, true }, {} ); // neither moves the other
+		return;
+	}
 	if ( soft0 && soft1 )
 	{
 		matchHits( Pair{ soft0, soft1, nullptr, true }, m_scratch.search.againstSoft( *soft0, *soft1, step ) );

@@ -80,9 +80,33 @@ const std::vector<NodeHit>& NodeSearch::againstRigid( const SoftBody& soft, cons
 	obstacle.position = toVec3d( other.getWorldTransform().getOrigin() ) - origin;
 	visitParts( obstacle, [this]( const Obstacle& part ) { visit( part ); } );
 	giveLeave( soft, nullptr );
+	if ( other.getCollisionObject()->getCollisionFlags() & btCollisionObject::CF_CHARACTER_OBJECT )
+	{
+		meetCharacter();
+	}
 	sortHits();
 	keepFlatNeighboursOut();
 	return m_hits;
+}
+
+// A character takes its position by itself, whatever that presses with: pushed out of what carries it, nodes would give way, the character follow, and so on
+// down to the floor. They may stand in it as deep as it stands in them, and no force acts. Beside it nodes are pushed out as fast as rigid bodies are in
+// Bullet's world, which has one step where explicit bodies have several, and gives no velocity to what is deeper than that.
+void NodeSearch::meetCharacter()
+{
+	for ( NodeHit& hit : m_hits )
+	{
+		const double depth = double( m_soft->impl().shape->sphereOfNode( hit.node() )->getRadius() ) - hit.touch.distance;
+		if ( hit.touch.normal.dot( m_characters.up ) < -kCarrySlope )
+		{
+			hit.touch.distance += m_characters.allowance;
+		}
+		else if ( depth > 0.0 )
+		{
+			const double pushed = std::min( depth, m_characters.allowance ) * std::min( 1.0, m_step / m_characters.gameStep );
+			hit.touch.distance += depth - pushed;
+		}
+	}
 }
 
 // New nodes that stand in what they touch touch it just so.

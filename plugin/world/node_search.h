@@ -36,6 +36,14 @@ struct NodeHit
 class NodeSearch
 {
 public:
+	/// How Bullet's characters meet soft bodies.
+	struct Characters
+	{
+		Vec3d up = Vec3d::Zero(); ///< against gravity, of unit length; zero without gravity
+		double allowance = 0.0;   ///< m, so deep they stand in what carries them: their sweeps end there
+		double gameStep = 0.0;    ///< s, in which they push things out of themselves
+	};
+	void setCharacters( const Characters& characters ) { m_characters = characters; }
 	const std::vector<NodeHit>& againstRigid( const SoftBody& soft, const btCollisionObjectWrapper& other, double step );
 	/// Normals point from `b` to `a`.
 	const std::vector<NodeHit>& againstSoft( const SoftBody& a, const SoftBody& b, double step );
@@ -74,8 +82,10 @@ private:
 	void foreseeIn( const btVector3& low, const btVector3& high, const Find& find );
 	void giveLeave( const SoftBody& first, const SoftBody* second );
 	void keepFlatNeighboursOut();
+	void meetCharacter();
 	void sortHits();
 
+	Characters m_characters;
 	const SoftBody* m_soft = nullptr;
 	double m_step = 0.0;
 	bool m_notesNear = false; ///< the body refines on contact

@@ -1,4 +1,4 @@
-// Pinned nodes: held in place, tied to a rigid body, or driven by the game.
+// Nodes that forces do not move: pinned in place, tied to a rigid body, driven by the game, and those of static and kinematic bodies.
 
 #include "world/soft_body_impl.h"
 #include "world/soft_body_system.h"
@@ -95,7 +95,10 @@ bool SoftBody::isPinned( int node ) const
 
 void SoftBodySystem::releasePinsTo( const btRigidBody& body )
 {
-	m_implicit.forget( body );
+	for ( ImplicitSolve& solve : m_implicit )
+	{
+		solve.forget( body );
+	}
 	for ( SoftBody* soft : m_bodies )
 	{
 		std::vector<Pin>& pins = soft->impl().pins;
@@ -123,7 +126,7 @@ void SoftBodySystem::drivePins( SoftBody& body, btScalar h, int substep )
 		}
 		if ( pin.kind == PinKind::Driven && pin.hasTarget )
 		{
-			speed = ( pin.point - impl.position( pin.node ) ) / ( h * btScalar( m_substepCount - substep ) );
+			speed = ( pin.point - impl.position( pin.node ) ) / ( h * btScalar( substepsOf( body ) - substep ) );
 		}
 		nodes.v.set( pin.node, toVec3( speed ) );
 	}
@@ -141,11 +144,57 @@ void SoftBodySystem::settlePins( SoftBody& body, btScalar h, int substep )
 			const Vec3d target = toVec3d( pin.body->getWorldTransform() * pin.point ) - nodes.origin;
 			nodes.v.set( pin.node, ( ( target - nodes.x.get( pin.node ).cast<double>() ) / double( h ) ).cast<float>() );
 		}
-		if ( pin.kind == PinKind::Driven && pin.hasTarget && substep + 1 == m_substepCount )
+		if ( pin.kind == PinKind::Driven && pin.hasTarget && substep + 1 == substepsOf( body ) )
 		{
 			const Vec3d way = toVec3d( pin.point ) - nodes.worldPosition( pin.node );
 			nodes.v.set( pin.node, ( way / double( h ) ).cast<float>() );
 			pin.hasTarget = false;
+		}
+	}
+}
+
+// A kinematic body stands where the game has put it, by `teleport` or by its pins, and moves at what took it there; a static one stands.
+void SoftBodySystem::moveHeldBodies()
+{
+	for ( SoftBody* body : m_bodies )
+	{
+		SoftBody::Impl& impl = body->impl();
+		if ( !body->isStaticOrKinematicObject() )
+		{
+			impl.heldBefore.clear();
+			continue;
+		}
+		NodeState& nodes = impl.body->nodes();
+		const std::size_t count = std::size_t( nodes.count );
+		bool isDriven = false;
+		for ( Pin& pin : impl.pins )
+		{
+			const bool follows = pin.kind == PinKind::FollowsBody;
+			if ( follows || ( pin.kind == PinKind::Driven && pin.hasTarget ) )
+			{
+				const btVector3 target = follows ? pin.body->getWorldTransform() * pin.point : pin.point;
+				nodes.x.set( pin.node, ( toVec3d( target ) - nodes.origin ).cast<float>() );
+				pin.hasTarget = false;
+				isDriven = true;
+			}
+		}
+		const bool isKnown = body->isKinematicObject() && impl.heldBefore.size() == count && m_gameStep > 0;
+		impl.heldBefore.resize( count, Vec3d::Zero() );
+		Vec3d low = Vec3d::Zero(), high = Vec3d::Zero();
+		for ( int i = 0; i < nodes.count; ++i )
+		{
+			const Vec3d at = nodes.worldPosition( i );
+			const Vec3d velocity = isKnown ? Vec3d( ( at - impl.heldBefore[std::size_t( i )] ) / double( m_gameStep ) ) : Vec3d( Vec3d::Zero() );
+			nodes.v.set( i, velocity.cast<float>() );
+			impl.heldBefore[std::size_t( i )] = at;
+			low = low.cwiseMin( velocity );
+			high = high.cwiseMax( velocity );
+		}
+		impl.shape->setSweep( m_gameStep * toBt( low ), m_gameStep * toBt( high ) );
+		if ( isDriven )
+		{
+			impl.skin.nodesMoved();
+			impl.placeShape( *body );
 		}
 	}
 }

@@ -36,7 +36,7 @@ void SoftBodySystem::readBack()
 				stand->forceActivationState( body->getActivationState() );
 				stand->wasAsleep = true;
 			}
-			if ( nodes.freedom[stand->node] == 0.0f || impl.block >= 0 || !moves( *body ) || body->getCollisionFlags() & btCollisionObject::CF_NO_CONTACT_RESPONSE )
+			if ( !pool.isFresh( *stand ) || nodes.freedom[stand->node] == 0.0f || impl.block >= 0 || !moves( *body ) || body->getCollisionFlags() & btCollisionObject::CF_NO_CONTACT_RESPONSE )
 			{
 				continue;
 			}

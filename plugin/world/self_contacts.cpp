@@ -28,7 +28,7 @@ void SoftBodySystem::collideWithThemselves( btScalar h )
 			self->contacts = std::make_unique<PairContacts>( m_dispatcher, pool, m_pairScratch );
 		}
 		// A sleeping body keeps the contacts it has, as pairs of Bullet's do.
-		if ( moves( *body ) )
+		if ( moves( *body ) && isInPass( *body ) )
 		{
 			BT_PROFILE( "pliant: self-collision" );
 			self->contacts->processSelf( *body, self->search, double( h ) );

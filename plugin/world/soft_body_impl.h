@@ -116,6 +116,7 @@ struct SoftBody::Impl
 	StiffnessPlan plan;
 	ElasticityState elasticity;        ///< of Elasticity::Automatic
 	bool isImplicit = false;           ///< in this substep
+	double lastSubstep = 0.0;          ///< s; 0: there was none
 	int block = -1, blockPart = -1;    ///< in this substep's implicit solution; -1: in none
 	int rubbing = -1;                  ///< its place among RubbingSpin's turns; -1: none
 	bool isGuarded = false;            ///< it was fast, and is near what it must not pass: it is held back though it is slow now
@@ -125,6 +126,8 @@ struct SoftBody::Impl
 	btVector3 gravity = btVector3( 0, 0, 0 );
 	btVector3 centralForce = btVector3( 0, 0, 0 );
 	bool hasNodeForces = false;
+
+	std::vector<Vec3d> heldBefore;     ///< nodes of a static or kinematic body at the last game step, world, m; empty of others
 
 	unsigned serial = 0;               ///< in the world it is in, never used twice
 	bool isWorldOwned = false;         ///< a fragment that nobody has released

@@ -101,7 +101,7 @@ void SoftBodySystem::refreshBox( SoftBody& body )
 
 bool SoftBodySystem::moves( const SoftBody& body ) const
 {
-	return body.isActive() && body.isHealthy();
+	return body.isActive() && body.isHealthy() && !body.isStaticOrKinematicObject();
 }
 
 bool SoftBodySystem::hasAwakeBody() const
@@ -109,22 +109,36 @@ bool SoftBodySystem::hasAwakeBody() const
 	return std::any_of( m_bodies.begin(), m_bodies.end(), [this]( const SoftBody* body ) { return moves( *body ); } );
 }
 
-int SoftBodySystem::planSubsteps( btScalar gameStep )
+int SoftBodySystem::planSubsteps( btScalar gameStep, const btAlignedObjectArray<btRigidBody*>& rigid, const btAlignedObjectArray<btTypedConstraint*>& constraints )
 {
 	// The user counts substeps for a sixtieth of a second; a longer step gets as many more, so that behaviour does not follow the frame rate.
 	const int nominal = int( std::ceil( double( substeps ) * gameStep / kNominalStep - 1e-3 ) );
 	const int usual = std::max( substeps, std::min( nominal, std::max( substeps, maxSubsteps ) ) );
-	m_choice.choose( m_bodies, m_world, gameStep, usual, m_lastSubstep );
+	m_choice.choose( m_bodies, m_world, gameStep, usual );
 	int count = 1; // what is implicit needs no more
-	for ( const SoftBody* body : m_bodies )
+	m_substepped.clear();
+	for ( SoftBody* body : m_bodies )
 	{
 		if ( moves( *body ) && !stepsImplicitly( *body ) && !isImplicitPoint( *body ) )
 		{
+			m_substepped.push_back( body );
 			count = std::max( count, usual );
 			count = std::max( count, std::min( planOf( *body, gameStep, count ).substepsNeeded, maxSubsteps ) );
 		}
 	}
+	group.choose( SubstepGroup::Scene{ m_world, m_bodies, rigid, constraints }, m_substepped, gameStep );
 	return std::min( count, kLargestSubsteps );
+}
+
+int SoftBodySystem::substepsOf( const SoftBody& body ) const
+{
+	return group.isEmpty() || ( group.isSplit() && !group.contains( body ) ) ? 1 : m_substepCount;
+}
+
+void SoftBodySystem::beginPass( StepPass pass )
+{
+	m_pass = pass;
+	m_contactsBefore = report.softContacts;
 }
 
 void SoftBodySystem::beginStep( btScalar gameStep, int substepCount )
@@ -138,10 +152,14 @@ void SoftBodySystem::beginStep( btScalar gameStep, int substepCount )
 	report.removedPieces = removedSinceStep;
 	advanceFading( gameStep );
 	countNodes();
+	moveHeldBodies();
+	const btVector3 gravity = m_world.getGravity();
+	const Vec3d up = gravity.isZero() ? Vec3d( Vec3d::Zero() ) : toVec3d( -gravity.normalized() );
+	m_pairScratch.search.setCharacters( { up, double( m_world.getDispatchInfo().m_allowedCcdPenetration ), double( gameStep ) } );
 	for ( SoftBody* body : m_bodies )
 	{
 		SoftBody::Impl& impl = body->impl();
-		impl.plan = planOf( *body, gameStep, substepCount );
+		impl.plan = planOf( *body, gameStep, substepsOf( *body ) );
 		impl.body->openLevelBudget();
 		impl.skin.isStale = impl.skin.fade.advance() || impl.skin.isStale;
 		report.awakeSoftBodies += moves( *body ) ? 1 : 0;
@@ -180,7 +198,7 @@ void SoftBodySystem::gatherAwake()
 	long long nodes = 0;
 	for ( SoftBody* body : m_bodies )
 	{
-		if ( moves( *body ) )
+		if ( moves( *body ) && isInPass( *body ) )
 		{
 			m_awake.push_back( body );
 			nodes += body->nodeCount();
@@ -219,7 +237,6 @@ Vec3 SoftBodySystem::ownAcceleration( const SoftBody& body ) const
 void SoftBodySystem::accelerate( btScalar h, int substep )
 {
 	BT_PROFILE( "pliant: accelerate" );
-	m_lastSubstep = h;
 	gatherAwake();
 	if ( breakBodies() )
 	{
@@ -228,6 +245,7 @@ void SoftBodySystem::accelerate( btScalar h, int substep )
 	adaptLevels( h );
 	for ( SoftBody* body : m_awake )
 	{
+		body->impl().lastSubstep = double( h );
 		drivePins( *body, h, substep );
 	}
 	{
@@ -311,17 +329,21 @@ void SoftBodySystem::copyIslandTags()
 	}
 }
 
-void SoftBodySystem::solveImplicit( const btContactSolverInfo& info )
+void SoftBodySystem::solveImplicit( btDispatcher& dispatcher, const btContactSolverInfo& info )
 {
+	for ( SoftBody* body : m_bodies )
+	{
+		body->impl().block = -1; // of the other pass
+	}
 	double spent = 0.0; // ours, not Bullet's solver's
 	{
 		Stopwatch watch( spent );
-		m_implicit.before( m_awake, m_dispatcher, info, tasks() );
+		implicitSolve().before( m_awake, dispatcher, info, tasks() );
 	}
 	report.matching += spent;
 	report.solve -= spent; // which is being timed around this
-	report.implicitPasses = m_implicit.count().passes;
-	report.implicitProducts = m_implicit.count().products;
+	report.implicitPasses = std::max( report.implicitPasses, implicitSolve().count().passes );
+	report.implicitProducts = std::max( report.implicitProducts, implicitSolve().count().products );
 }
 
 void SoftBodySystem::integrate( btScalar h, int substep )

@@ -11,6 +11,7 @@
 #include "world/node_guard.h"
 #include "world/rubbing_spin.h"
 #include "world/skin_rooms.h"
+#include "world/substep_group.h"
 
 #include <memory>
 #include <vector>
@@ -33,12 +34,25 @@ public:
 	const std::vector<SoftBody*>& bodies() const { return m_bodies; }
 
 	bool hasAwakeBody() const;
-	/// Substeps for a game step of this length: the user's, or as many more as the stiffest awake material needs.
-	int planSubsteps( btScalar gameStep );
+	/// Chooses what takes soft substeps in a game step of this length, and how many: the user's, or as many more as the stiffest awake material needs.
+	/// 1 where nothing does.
+	int planSubsteps( btScalar gameStep, const btAlignedObjectArray<btRigidBody*>& rigid, const btAlignedObjectArray<btTypedConstraint*>& constraints );
+	SubstepGroup group;
 
-	// One substep, in this order.
-	void beginStep( btScalar gameStep, int substeps );
 	void wakeDriven();                          ///< sleeping bodies whose pins move
+	void beginStep( btScalar gameStep, int substeps );
+	/// What follows, up to updateActivation, is for the bodies that this pass moves.
+	void beginPass( StepPass pass );
+	StepPass pass() const { return m_pass; }
+	void endSubsteps()
+	{
+		group.endSubsteps( m_world );
+		copyIslandTags();
+	}
+	bool hasAwakeInPass() const { return !m_awake.empty(); }
+	bool isInPass( const btCollisionObject& object ) const { return group.moves( m_pass, object ); }
+
+	// One pass, in this order: soft_body_world_step.cpp.
 	void accelerate( btScalar h, int substep ); ///< forces, pins' speeds, shape matching, the boxes' sweep
 	void collideWithThemselves( btScalar h );   ///< with the broadphase's pairs done
 	void endCollision( btScalar h );            ///< with all contacts found
@@ -47,8 +61,8 @@ public:
 	void copyIslandTags();
 	bool isEmpty() const { return m_bodies.empty(); }
 	/// Implicit bodies and what they touch, before Bullet's solver; and what that says to them afterwards.
-	void solveImplicit( const btContactSolverInfo& info );
-	void noteSolved() { m_implicit.after(); }
+	void solveImplicit( btDispatcher& dispatcher, const btContactSolverInfo& info );
+	void noteSolved() { implicitSolve().after(); }
 	void readBack();                            ///< what the solver made of the touched nodes
 	void holdBack( btScalar h );                ///< fast nodes, from passing through what stands
 	void integrate( btScalar h, int substep );
@@ -74,6 +88,9 @@ public:
 	/// Gives the dispatcher back the functions that were registered before ours: it may outlive this world.
 	void restoreCreateFuncs();
 
+	/// Contacts of soft bodies that the pass's last substep met.
+	void countContacts( int count ) { report.softContacts = m_contactsBefore + count; }
+
 	/// Seconds and counts of the game step, and the knobs.
 	StepReport report;
 	int substeps;
@@ -88,6 +105,10 @@ public:
 
 private:
 	bool moves( const SoftBody& body ) const;
+	void moveHeldBodies();
+	ImplicitSolve& implicitSolve() { return m_implicit[int( m_pass )]; }
+	/// Substeps that the body takes of the game step.
+	int substepsOf( const SoftBody& body ) const;
 	bool stepsImplicitly( const SoftBody& body ) const;
 	/// A crumb of one node, of what may step implicitly: nothing in it is elastic, so it asks for no substeps.
 	bool isImplicitPoint( const SoftBody& body ) const;
@@ -132,11 +153,10 @@ private:
 	std::vector<SoftBody*> m_bodies;
 	std::vector<std::unique_ptr<NodeCreateFunc>> m_createFuncs;
 	std::vector<NodeBody*> m_predictive;
-	ImplicitSolve m_implicit;
+	ImplicitSolve m_implicit[2]; ///< by pass
 	NodeGuard m_guard;
 	std::vector<Vec3> m_placesBefore; ///< scratch of readBack
 	ImplicitChoice m_choice;
-	btScalar m_lastSubstep = btScalar( 0 ); ///< s; 0: there was none
 	std::vector<SoftBody*> m_awake; ///< in this substep
 	std::vector<SoftBody*> m_staleShapes; ///< scratch of freshenShapes
 	std::vector<SoftBody*> m_sharedOut, m_whole; ///< those of them that all threads do together, and that one does
@@ -145,7 +165,10 @@ private:
 	std::vector<float> m_stretches;
 	unsigned m_steps = 1, m_askedIn = 0; ///< game steps so far, from 1; after which of them a skin was last asked for (0: never)
 	btScalar m_gameStep = btScalar( 0 );
-	int m_substepCount = 1;
+	int m_substepCount = 1;       ///< of the group that takes substeps
+	StepPass m_pass = StepPass::Whole;
+	int m_contactsBefore = 0;     ///< StepReport::softContacts of the pass before
+	std::vector<SoftBody*> m_substepped; ///< scratch of planSubsteps
 	unsigned m_serials = 0;
 };
 

@@ -17,7 +17,7 @@ Turner::Turner( btCollisionObject* object )
 	{
 		measure();
 	}
-	else if ( rigid && !rigid->isStaticObject() )
+	else if ( rigid && ( !rigid->isStaticObject() || rigid->isKinematicObject() ) )
 	{
 		speed = toVec3d( rigid->getAngularVelocity() );
 		inverse = rigid->isKinematicObject() ? Eigen::Matrix3d( Eigen::Matrix3d::Zero() ) : toMatrix3d( rigid->getInvInertiaTensorWorld() );

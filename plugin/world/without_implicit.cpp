@@ -5,7 +5,7 @@
 
 namespace pliant {
 
-void ImplicitChoice::choose( const std::vector<SoftBody*>&, btDiscreteDynamicsWorld&, btScalar, int, btScalar ) {}
+void ImplicitChoice::choose( const std::vector<SoftBody*>&, btDiscreteDynamicsWorld&, btScalar, int ) {}
 
 void ImplicitSolve::before( const std::vector<SoftBody*>&, btDispatcher&, const btContactSolverInfo&, TaskRunner* ) {}
 void ImplicitSolve::after() {}

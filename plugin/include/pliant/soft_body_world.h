@@ -94,6 +94,7 @@ public:
 	int stepSimulation( btScalar timeStep, int maxSubSteps = 1, btScalar fixedTimeStep = btScalar( 1. ) / btScalar( 60. ) ) override;
 	void removeCollisionObject( btCollisionObject* object ) override;
 	void removeRigidBody( btRigidBody* body ) override;
+	void removeConstraint( btTypedConstraint* constraint ) override;
 	void clearForces() override;
 	void debugDrawWorld() override;
 	void solveConstraints( btContactSolverInfo& info ) override;
@@ -103,6 +104,7 @@ protected:
 	void predictUnconstraintMotion( btScalar timeStep ) override;
 	void createPredictiveContacts( btScalar timeStep ) override;
 	void performDiscreteCollisionDetection() override;
+	void calculateSimulationIslands() override;
 	void integrateTransforms( btScalar timeStep ) override;
 	void updateActivationState( btScalar timeStep ) override;
 

@@ -1,0 +1,204 @@
+// What the game moves carries soft bodies as it carries rigid ones: platforms, turntables, lifts, conveyors and shaken plates, each beside its rigid twin.
+// Bodies that stepped implicitly were left behind by all of them: everyone sets the kinematic flag besides the static one that Bullet's objects are born with.
+
+#include "twin_worlds.h"
+
+#include <cmath>
+#include <functional>
+#include <string>
+
+namespace pliant {
+namespace {
+
+using test::at;
+using test::kFrame;
+using test::RigidScene;
+
+constexpr int kSettle = 90, kCarry = 120; // frames
+constexpr btScalar kTop = btScalar( 0.2 ), kHalf = btScalar( 0.25 );
+
+/// How the plate moves: its transform after so many seconds of motion.
+using Course = std::function<btTransform( btScalar )>;
+
+struct Cargo
+{
+	const char* name;
+	Elasticity elasticity;
+	bool hasLevels, isBroken;
+};
+
+class Platforms : public testing::TestWithParam<Cargo>
+{
+protected:
+	/// The carried body's mass centre and the turn about y, relative to where they were when the plate began to move.
+	struct Carried
+	{
+		btVector3 displacement;
+		btScalar angle;
+		btScalar farthest; ///< from its first position along x, at any time, m
+	};
+
+	/// `pose()`: where the cargo is.
+	static Carried run( btDynamicsWorld& world, btRigidBody& plate, const Course& course, const std::function<btTransform()>& pose )
+	{
+		for ( int k = 0; k < kSettle; ++k )
+		{
+			world.stepSimulation( kFrame, 0 );
+		}
+		const btTransform from = pose();
+		Carried carried{ btVector3( 0, 0, 0 ), 0, 0 };
+		btVector3 before = from.getBasis().getColumn( 0 );
+		for ( int k = 1; k <= kCarry; ++k )
+		{
+			plate.setWorldTransform( course( btScalar( k ) * kFrame ) );
+			world.stepSimulation( kFrame, 0 );
+			const btVector3 now = pose().getBasis().getColumn( 0 );
+			carried.angle += btAtan2( before.z() * now.x() - before.x() * now.z(), before.x() * now.x() + before.z() * now.z() );
+			carried.farthest = btMax( carried.farthest, btFabs( pose().getOrigin().x() - from.getOrigin().x() ) );
+			before = now;
+		}
+		carried.displacement = pose().getOrigin() - from.getOrigin();
+		return carried;
+	}
+
+	static Carried rigid( const Course& course )
+	{
+		test::BulletWorld bullet;
+		RigidScene scene( bullet.world );
+		btRigidBody* const plate = scene.addKinematic( btVector3( 4, kTop, 2 ), course( 0 ) );
+		plate->setFriction( btScalar( 0.8 ) );
+		btRigidBody* const box = scene.addBox( 125, btVector3( kHalf, kHalf, kHalf ), at( 0, kTop + kHalf, 0 ) );
+		box->setFriction( btScalar( 0.8 ) );
+		return run( bullet.world, *plate, course, [box] { return box->getWorldTransform(); } );
+	}
+
+	static Carried soft( const Course& course, float youngsModulus )
+	{
+		const Cargo& cargo = GetParam();
+		test::TestWorld own;
+		RigidScene scene( own.world );
+		btRigidBody* const plate = scene.addKinematic( btVector3( 4, kTop, 2 ), course( 0 ) );
+		plate->setFriction( btScalar( 0.8 ) );
+		Adaptivity adaptivity;
+		adaptivity.coarseLevels = cargo.hasLevels ? 1 : 0;
+		SoftBody* const body =
+			own.addSoft( test::cubeTemplate( 2 * float( kHalf ), 6 ), at( 0, kTop + kHalf, 0 ), test::stepping( cargo.elasticity, youngsModulus ), adaptivity );
+		body->setFriction( btScalar( 0.8 ) );
+		if ( cargo.isBroken )
+		{
+			EXPECT_GT( body->cutPlane( body->massCentre(), btVector3( 0, 1, 0 ) ), 0 ); // one half lies on the other
+		}
+		return run( own.world, *plate, course, [body] {
+			return btTransform( body->bestFitTransform().getBasis(), body->massCentre() );
+		} );
+	}
+
+	static void expectCarried( const Course& course, bool isTurned = false )
+	{
+		const Carried twin = rigid( course );
+		for ( const float youngsModulus : { 5e4f, 1e6f } )
+		{
+			const Carried found = soft( course, youngsModulus );
+			SCOPED_TRACE( youngsModulus );
+			if ( isTurned )
+			{
+				EXPECT_NEAR( found.angle, twin.angle, btScalar( 0.03 ) * btFabs( twin.angle ) );
+				continue;
+			}
+			EXPECT_NEAR( ( found.displacement - twin.displacement ).length(), 0, btScalar( 0.03 ) * twin.displacement.length() )
+				<< found.displacement.x() << " " << found.displacement.y() << " for " << twin.displacement.x() << " " << twin.displacement.y();
+		}
+	}
+};
+
+INSTANTIATE_TEST_SUITE_P( Cargo, Platforms,
+	testing::Values( Cargo{ "Explicit", Elasticity::Explicit, false, false }, Cargo{ "Implicit", Elasticity::Implicit, false, false },
+		Cargo{ "Automatic", Elasticity::Automatic, false, false }, Cargo{ "ExplicitOnLevels", Elasticity::Explicit, true, false },
+		Cargo{ "ImplicitOnLevels", Elasticity::Implicit, true, false }, Cargo{ "ExplicitBroken", Elasticity::Explicit, false, true },
+		Cargo{ "ImplicitBroken", Elasticity::Implicit, false, true } ),
+	[]( const auto& with ) { return std::string( with.param.name ); } );
+
+TEST_P( Platforms, CarryAlongTheirWay )
+{
+	expectCarried( []( btScalar t ) { return at( t, 0, 0 ); } );
+}
+
+TEST_P( Platforms, LiftWhatLiesOnThem )
+{
+	expectCarried( []( btScalar t ) { return at( 0, t, 0 ); } );
+}
+
+TEST_P( Platforms, TurnWhatLiesInTheirMiddle )
+{
+	expectCarried( []( btScalar t ) { return btTransform( btQuaternion( btVector3( 0, 1, 0 ), t ), btVector3( 0, 0, 0 ) ); }, true );
+}
+
+// To and fro by 5 cm from rest, at an acceleration that friction holds: 0.05 (2 pi 1.5)^2 = 4.4 m/s^2.
+TEST_P( Platforms, ShakeWhatLiesOnThem )
+{
+	const Course course = []( btScalar t ) { return at( btScalar( 0.05 ) * ( 1 - btCos( SIMD_2_PI * btScalar( 1.5 ) * t ) ), 0, 0 ); };
+	const Carried twin = rigid( course );
+	const Carried found = soft( course, 1e6f );
+	EXPECT_NEAR( found.farthest, twin.farthest, btScalar( 0.1 ) * twin.farthest );
+}
+
+btRigidBody* belt = nullptr;
+
+// A plate that does not move and whose velocity is set before each step, as conveyors are made.
+TEST_P( Platforms, ConveyWithTheVelocityTheyAreGiven )
+{
+	const auto run = []( btDynamicsWorld& world, const std::function<btScalar()>& x ) {
+		world.setInternalTickCallback( []( btDynamicsWorld*, btScalar ) { belt->setLinearVelocity( btVector3( 1, 0, 0 ) ); }, nullptr, true );
+		for ( int k = 0; k < kSettle + kCarry; ++k )
+		{
+			world.stepSimulation( kFrame, 0 );
+		}
+		world.setInternalTickCallback( nullptr, nullptr, true );
+		return x();
+	};
+	test::BulletWorld bullet;
+	RigidScene rigidScene( bullet.world );
+	belt = rigidScene.addKinematic( btVector3( 4, kTop, 2 ), at( 0, 0, 0 ) );
+	belt->setFriction( btScalar( 0.8 ) );
+	btRigidBody* const box = rigidScene.addBox( 125, btVector3( kHalf, kHalf, kHalf ), at( 0, kTop + kHalf, 0 ) );
+	box->setFriction( btScalar( 0.8 ) );
+	const btScalar twin = run( bullet.world, [box] { return box->getWorldTransform().getOrigin().x(); } );
+	EXPECT_GT( twin, 2 );
+
+	test::TestWorld own;
+	RigidScene scene( own.world );
+	belt = scene.addKinematic( btVector3( 4, kTop, 2 ), at( 0, 0, 0 ) );
+	belt->setFriction( btScalar( 0.8 ) );
+	SoftBody* const body = own.addSoft( test::cubeTemplate( 2 * float( kHalf ), 6 ), at( 0, kTop + kHalf, 0 ), test::stepping( GetParam().elasticity, 2e5f ) );
+	body->setFriction( btScalar( 0.8 ) );
+	const btScalar found = run( own.world, [body] { return body->massCentre().x(); } );
+	EXPECT_NEAR( found, twin, btScalar( 0.03 ) * twin );
+}
+
+// A body that slept on a lift which then began to move stayed behind.
+TEST_P( Platforms, WakeWhatSleepsOnThem )
+{
+	test::TestWorld own;
+	RigidScene scene( own.world );
+	btRigidBody* const plate = scene.addKinematic( btVector3( 4, kTop, 2 ), at( 0, 0, 0 ) );
+	plate->forceActivationState( ACTIVE_TAG );
+	plate->setFriction( btScalar( 0.8 ) );
+	SoftBody* const body = own.addSoft( test::cubeTemplate( 2 * float( kHalf ), 6 ), at( 0, kTop + kHalf, 0 ), test::stepping( GetParam().elasticity, 2e5f ) );
+	body->setFriction( btScalar( 0.8 ) );
+	own.run( 30 );
+	plate->forceActivationState( ISLAND_SLEEPING );
+	own.run( 600 );
+	EXPECT_FALSE( body->isActive() );
+	plate->setActivationState( DISABLE_DEACTIVATION );
+	plate->forceActivationState( DISABLE_DEACTIVATION );
+	const btScalar from = body->massCentre().x();
+	for ( int k = 1; k <= kCarry; ++k )
+	{
+		plate->setWorldTransform( at( btScalar( k ) * kFrame, 0, 0 ) );
+		own.run( 1 );
+	}
+	EXPECT_NEAR( body->massCentre().x() - from, 2, 0.08 );
+}
+
+} // namespace
+} // namespace pliant

@@ -1,0 +1,85 @@
+#pragma once
+
+// Worlds for scenes that are run beside their rigid twin: the same rigid things in Bullet's world and in ours.
+
+#include "world/test_world.h"
+
+#include <BulletCollision/CollisionDispatch/btGhostObject.h>
+
+namespace pliant::test {
+
+/// Bullet's own world with Bullet's own parts, which dies after what stands in it.
+struct BulletWorld
+{
+	BulletParts parts;
+	btDiscreteDynamicsWorld world{ &parts.dispatcher, &parts.broadphase, &parts.solver, &parts.configuration };
+};
+
+/// Rigid things of one scene, in any world.
+class RigidScene
+{
+public:
+	explicit RigidScene( btDiscreteDynamicsWorld& world ) : m_world( world ) {}
+	~RigidScene()
+	{
+		for ( const auto& joint : m_joints )
+		{
+			m_world.removeConstraint( joint.get() );
+		}
+		for ( const auto& body : m_bodies )
+		{
+			m_world.removeRigidBody( body.get() );
+		}
+	}
+	RigidScene( const RigidScene& ) = delete;
+	RigidScene& operator=( const RigidScene& ) = delete;
+
+	btRigidBody* add( btScalar mass, btCollisionShape* shape, const btTransform& where )
+	{
+		m_shapes.emplace_back( shape );
+		btVector3 inertia( 0, 0, 0 );
+		if ( mass > 0 )
+		{
+			shape->calculateLocalInertia( mass, inertia );
+		}
+		btRigidBody::btRigidBodyConstructionInfo info( mass, nullptr, shape, inertia );
+		info.m_startWorldTransform = where;
+		m_bodies.push_back( std::make_unique<btRigidBody>( info ) );
+		m_world.addRigidBody( m_bodies.back().get() );
+		return m_bodies.back().get();
+	}
+	btRigidBody* addBox( btScalar mass, const btVector3& half, const btTransform& where ) { return add( mass, new btBoxShape( half ), where ); }
+	btRigidBody* addFloor() { return addBox( 0, btVector3( 50, 1, 50 ), at( 0, -1, 0 ) ); }
+	/// A box that the game moves, as games write it: the flag besides the one it was born with.
+	btRigidBody* addKinematic( const btVector3& half, const btTransform& where )
+	{
+		btRigidBody* const body = addBox( 0, half, where );
+		body->setCollisionFlags( body->getCollisionFlags() | btCollisionObject::CF_KINEMATIC_OBJECT );
+		body->setActivationState( DISABLE_DEACTIVATION );
+		return body;
+	}
+	template <class Joint>
+	Joint* join( Joint* joint )
+	{
+		m_joints.emplace_back( joint );
+		m_world.addConstraint( joint );
+		return joint;
+	}
+	const std::vector<std::unique_ptr<btRigidBody>>& bodies() const { return m_bodies; }
+
+private:
+	btDiscreteDynamicsWorld& m_world;
+	std::vector<std::unique_ptr<btCollisionShape>> m_shapes;
+	std::vector<std::unique_ptr<btRigidBody>> m_bodies;
+	std::vector<std::unique_ptr<btTypedConstraint>> m_joints;
+};
+
+/// How a body steps, for tests of each.
+inline Material stepping( Elasticity elasticity, float youngsModulus )
+{
+	Material material = stiff( youngsModulus );
+	material.elasticity = elasticity;
+	return material;
+}
+
+} // namespace pliant::test
