@@ -181,7 +181,8 @@ void Body::accelerateTowardGoals( float h, float alpha, TaskRunner* runner )
 	payForLevels( h, alpha );
 	const bool measuresStrain = m_levels && m_reviewIn == 0 && m_levels->followsStrain();
 	m_matcher->accelerate( m_nodes, MatchStep{ h, alpha, m_material.damping, wobbleRate( h, alpha ), bodyShare( h, alpha ), measuresStrain,
-		PlasticLaw{ m_material.yieldStrain, m_material.plasticCreep, m_material.plasticLimit }, farShares( m_material, m_lattice->cellSize, h ) }, runner );
+		PlasticLaw{ m_material.yieldStrain, m_material.plasticCreep, m_material.plasticLimit }, farShares( m_material, m_lattice->cellSize, h ), m_isOnePart,
+		float( m_restLength ) }, runner );
 }
 
 double Body::stiffnessMoment( float h, float alpha ) const
@@ -194,7 +195,7 @@ double Body::stiffnessMoment( float h, float alpha ) const
 // by its settings keeps the same ratio.
 float Body::wobbleRate( float h, float alpha ) const
 {
-	if ( m_material.wobbleDamping == 0.0f || !m_isOnePart )
+	if ( m_material.wobbleDamping == 0.0f || ( !m_isOnePart && m_material.method != Method::Lattice ) )
 	{
 		return 0.0f;
 	}

@@ -15,13 +15,17 @@ namespace pliant {
 
 namespace {
 
-/// A body by itself: its own matrix, and in front of it the masses and the body's affine motions.
+/// A body by itself: its own matrix, and in front of it the masses and the affine motions of the body, or of each of its parts.
 class AloneSystem : public LinearSystem
 {
 public:
 	AloneSystem( ImplicitMotion& motion, TaskRunner* runner ) :
-		m_motion( motion ), m_runner( runner ), m_inverse( motion.affineMatrix().inverse() )
+		m_motion( motion ), m_runner( runner ), m_inverse( std::size_t( motion.parts().count() ) )
 	{
+		for ( int p = 0; p < motion.parts().count(); ++p )
+		{
+			m_inverse[std::size_t( p )] = motion.affineMatrix( p ).inverse();
+		}
 	}
 	int size() const override { return m_motion.size(); }
 	void apply( const float* v, float* to ) override { m_motion.apply( v, to, m_runner ); }
@@ -37,13 +41,19 @@ public:
 				z[k * padded + i] = inverse * r[k * padded + i];
 			}
 		}
-		m_motion.addAffine( m_inverse * m_motion.affineSums( r ), z );
+		for ( int p = 0; p < m_motion.parts().count(); ++p )
+		{
+			if ( m_motion.hasShape( p ) )
+			{
+				m_motion.addAffine( m_inverse[std::size_t( p )] * m_motion.affineSums( r, p ), z, p );
+			}
+		}
 	}
 
 private:
 	ImplicitMotion& m_motion;
 	TaskRunner* m_runner;
-	Matrix12 m_inverse;
+	std::vector<Matrix12> m_inverse;
 };
 
 } // namespace
@@ -90,7 +100,7 @@ void Body::pushImplicitly( float h, float alpha, const Vec3& gravity, TaskRunner
 	m_owed = LevelDebt{};
 	const bool measuresStrain = m_levels && m_reviewIn == 0 && m_levels->followsStrain();
 	m_matcher->accelerate( m_nodes, MatchStep{ h, alpha, 0.0f, wobbleRate( h, alpha ), 0.0f, measuresStrain,
-		PlasticLaw{ m_material.yieldStrain, m_material.plasticCreep, m_material.plasticLimit }, {} }, runner );
+		PlasticLaw{ m_material.yieldStrain, m_material.plasticCreep, m_material.plasticLimit }, {}, m_isOnePart, float( m_restLength ) }, runner );
 	std::swap( m_speedBefore, m_nodes.v ); // now: what matching makes of the speeds
 	const AlignedArray<float>* const pushed[3] = { &m_speedBefore.x, &m_speedBefore.y, &m_speedBefore.z };
 	const AlignedArray<float>* const speed[3] = { &m_nodes.v.x, &m_nodes.v.y, &m_nodes.v.z };
@@ -117,7 +127,8 @@ ImplicitMotion& Body::takePartFreely()
 	{
 		m_implicit = std::make_unique<ImplicitMotion>();
 	}
-	m_implicit->beginFree( m_nodes );
+	// Clusters hold all their nodes together, linked or not.
+	m_implicit->beginFree( m_nodes, m_material.method == Method::Lattice ? &static_cast<const LatticeMatcher&>( *m_matcher ).parts() : nullptr );
 	return *m_implicit;
 }
 

@@ -23,9 +23,32 @@ Eigen::Vector3d at( const float* v, int padded, int i )
 void ImplicitMotion::measureHeld()
 {
 	m_hasHeldNodes = false;
+	m_isHeld.assign( std::size_t( parts().count() ), 0 );
 	for ( int i = 0; i < m_nodes->count; ++i )
 	{
-		m_hasHeldNodes = m_hasHeldNodes || m_nodes->freedom[i] == 0.0f;
+		if ( m_nodes->freedom[i] == 0.0f )
+		{
+			m_hasHeldNodes = true;
+			m_isHeld[std::size_t( parts().partOf( i ) )] = 1;
+		}
+	}
+}
+
+/// What the parts' inertias are taken for; those of less than `least`( mass ), kg m^2, for `point`( mass ) about any axis.
+template <class Least, class Point>
+void ImplicitMotion::raiseInertias( const Least& least, const Point& point )
+{
+	m_inertias.resize( std::size_t( parts().count() ) );
+	m_freeMomentum.resize( m_inertias.size() );
+	for ( int p = 0; p < parts().count(); ++p )
+	{
+		Eigen::Matrix3d& inertia = m_inertias[std::size_t( p )];
+		inertia = m_rates.whole( p ).inertia;
+		if ( inertia.trace() < least( m_rates.whole( p ).mass ) )
+		{
+			inertia = point( m_rates.whole( p ).mass ) * Eigen::Matrix3d::Identity();
+		}
+		m_freeMomentum[std::size_t( p )] = momentum( p );
 	}
 }
 
@@ -33,23 +56,16 @@ void ImplicitMotion::begin( LatticeMatcher& matcher, NodeState& nodes, const flo
 {
 	m_nodes = &nodes;
 	m_rates.prepare( matcher, nodes, runner );
-	m_centre = m_rates.centre();
-	m_inertia = m_rates.inertia();
-	m_mass = m_rates.mass();
-	// In one point nothing can be turned, whatever its inertia is taken for.
-	const double least = kLeastInertia * m_mass * step.secondMoment;
-	if ( m_inertia.trace() < least )
-	{
-		m_inertia = least / 3.0 * Eigen::Matrix3d::Identity();
-	}
 	measureHeld();
-	m_freeMomentum = momentum();
+	// In one point nothing can be turned, whatever its inertia is taken for.
+	const auto least = [&]( double mass ) { return kLeastInertia * mass * step.secondMoment; };
+	raiseInertias( least, [&]( double mass ) { return least( mass ) / 3.0; } );
 
 	// Kept volume answers pressing 1 + 3 kappa times as hard as pulling: all of it is made as stiff here, so that the step stays safe.
 	const float elastic = step.alpha * ( 1.0f + 3.0f * step.volumeKeeping ), sigma = step.numericalDamping;
 	const float gamma = 0.5f * ( 1.0f + sigma );
 	m_stiffness = gamma * elastic + step.h * step.damping;
-	m_affineMass = double( m_stiffness ) * m_mass * step.secondMoment;
+	m_secondMoment = step.secondMoment;
 	measureArms();
 
 	const int padded = nodes.padded;
@@ -71,20 +87,14 @@ void ImplicitMotion::begin( LatticeMatcher& matcher, NodeState& nodes, const flo
 	}
 }
 
-void ImplicitMotion::beginFree( NodeState& nodes )
+void ImplicitMotion::beginFree( NodeState& nodes, const ConnectedParts* parts )
 {
 	m_nodes = &nodes;
 	m_stiffness = 0.0f;
+	m_rates.measureBody( nodes, parts );
 	measureHeld();
-	m_rates.measureBody( nodes );
-	m_centre = m_rates.centre();
-	m_inertia = m_rates.inertia();
-	m_mass = m_rates.mass();
-	if ( m_inertia.trace() < kPointInertia * m_mass )
-	{
-		m_inertia = kPointInertia * m_mass * Eigen::Matrix3d::Identity();
-	}
-	m_freeMomentum = momentum();
+	const auto least = []( double mass ) { return kPointInertia * mass; };
+	raiseInertias( least, least );
 	m_rightSide.resize( std::size_t( size() ) );
 	copySpeeds( m_rightSide.data() );
 	for ( int k = 0; k < size(); ++k )
@@ -112,25 +122,24 @@ float ImplicitMotion::diagonal( int node ) const
 	return m_nodes->mass[node] * ( m_stiffness > 0.0f ? 1.0f + m_stiffness * m_rates.diagonal()[std::size_t( node )] : 1.0f );
 }
 
-Matrix6 ImplicitMotion::rigidMass() const
+Matrix6 ImplicitMotion::rigidMass( int part ) const
 {
 	Matrix6 mass = Matrix6::Zero();
-	mass.topLeftCorner<3, 3>() = m_mass * Eigen::Matrix3d::Identity();
+	mass.topLeftCorner<3, 3>() = m_rates.whole( part ).mass * Eigen::Matrix3d::Identity();
 	// A rod has no inertia about its own axis, and nothing there to be turned.
-	mass.bottomRightCorner<3, 3>() = m_inertia + kInertiaFloor * m_inertia.trace() * Eigen::Matrix3d::Identity();
+	mass.bottomRightCorner<3, 3>() = m_inertias[std::size_t( part )] + kInertiaFloor * trace( part ) * Eigen::Matrix3d::Identity();
 	return mass;
 }
 
-Vector6 ImplicitMotion::momentum() const
+Vector6 ImplicitMotion::momentum( int part ) const
 {
 	const NodeState& nodes = *m_nodes;
 	Vector6 sum = Vector6::Zero();
-	for ( int i = 0; i < nodes.count; ++i )
-	{
+	parts().forNodes( part, nodes.count, [&]( int i ) {
 		const Eigen::Vector3d value = double( nodes.mass[i] ) * nodes.v.get( i ).cast<double>();
 		sum.head<3>() += value;
-		sum.tail<3>() += ( nodes.x.get( i ).cast<double>() - m_centre ).cross( value );
-	}
+		sum.tail<3>() += ( nodes.x.get( i ).cast<double>() - centre( part ) ).cross( value );
+	} );
 	return sum;
 }
 
@@ -140,7 +149,7 @@ void ImplicitMotion::measureArms()
 	m_arms.assign( std::size_t( size() ), 0.0f );
 	for ( int i = 0; i < nodes.count; ++i )
 	{
-		const Eigen::Vector3f own = ( nodes.x.get( i ).cast<double>() - m_centre ).cast<float>() * nodes.freedom[i];
+		const Eigen::Vector3f own = ( nodes.x.get( i ).cast<double>() - centre( parts().partOf( i ) ) ).cast<float>() * nodes.freedom[i];
 		for ( int k = 0; k < 3; ++k )
 		{
 			m_arms[std::size_t( k * nodes.padded + i )] = own[k];
@@ -155,43 +164,43 @@ Eigen::Vector3d ImplicitMotion::arm( int node ) const
 
 // Masses: sum m ( 1, p )( 1, p )^T for each component of v. Elasticity: every region of a full lattice resists the symmetric part S of L with
 // its second moment, together G m mu d^2 |S|^2, and |S|^2 = sum over k, j of ( L_kj^2 + L_kj L_jk ) / 2.
-Matrix12 ImplicitMotion::affineMatrix() const
+Matrix12 ImplicitMotion::affineMatrix( int part ) const
 {
-	const Eigen::Matrix3d second = 0.5 * m_inertia.trace() * Eigen::Matrix3d::Identity() - m_inertia;
+	const double mass = m_rates.whole( part ).mass, affineMass = double( m_stiffness ) * mass * m_secondMoment, floor = kInertiaFloor * trace( part );
+	const Eigen::Matrix3d second = 0.5 * trace( part ) * Eigen::Matrix3d::Identity() - m_inertias[std::size_t( part )];
 	Matrix12 matrix = Matrix12::Zero();
 	for ( int k = 0; k < 3; ++k )
 	{
-		matrix( k, k ) = m_mass;
+		matrix( k, k ) = mass;
 		for ( int j = 0; j < 3; ++j )
 		{
 			for ( int i = 0; i < 3; ++i )
 			{
 				matrix( 3 + 3 * j + k, 3 + 3 * i + k ) += second( j, i );
 			}
-			matrix( 3 + 3 * j + k, 3 + 3 * j + k ) += 0.5 * m_affineMass + kInertiaFloor * m_inertia.trace();
-			matrix( 3 + 3 * j + k, 3 + 3 * k + j ) += 0.5 * m_affineMass;
+			matrix( 3 + 3 * j + k, 3 + 3 * j + k ) += 0.5 * affineMass + floor;
+			matrix( 3 + 3 * j + k, 3 + 3 * k + j ) += 0.5 * affineMass;
 		}
 	}
-	if ( m_hasHeldNodes )
+	if ( isHeld( part ) )
 	{
-		addHeld( matrix );
+		addHeld( matrix, part );
 	}
 	return matrix;
 }
 
 // What is held does not come along: its neighbours resist that with as much as they would its own going away.
-void ImplicitMotion::addHeld( Matrix12& matrix ) const
+void ImplicitMotion::addHeld( Matrix12& matrix, int part ) const
 {
 	Eigen::Matrix4d sum = Eigen::Matrix4d::Zero();
-	for ( int i = 0; i < m_nodes->count; ++i )
-	{
+	parts().forNodes( part, m_nodes->count, [&]( int i ) {
 		if ( m_nodes->freedom[i] == 0.0f )
 		{
 			Eigen::Vector4d arm;
-			arm << 1.0, m_nodes->x.get( i ).cast<double>() - m_centre;
+			arm << 1.0, m_nodes->x.get( i ).cast<double>() - centre( part );
 			sum += double( diagonal( i ) - m_nodes->mass[i] ) * arm * arm.transpose();
 		}
-	}
+	} );
 	for ( int j = 0; j < 4; ++j )
 	{
 		for ( int i = 0; i < 4; ++i )
@@ -201,42 +210,69 @@ void ImplicitMotion::addHeld( Matrix12& matrix ) const
 	}
 }
 
-Vector12 ImplicitMotion::affineSums( const float* r ) const
+Vector12 ImplicitMotion::affineSums( const float* r, int part ) const
 {
-	Vector12 sums;
-	bestKernels().affineSums( r, m_arms.data(), m_nodes->freedom.data(), m_nodes->padded, sums.data() );
+	Vector12 sums = Vector12::Zero();
+	if ( !parts().areSeveral() )
+	{
+		bestKernels().affineSums( r, m_arms.data(), m_nodes->freedom.data(), m_nodes->padded, sums.data() );
+		return sums;
+	}
+	parts().forNodes( part, m_nodes->count, [&]( int i ) {
+		const Eigen::Vector3d own = at( r, m_nodes->padded, i ) * double( m_nodes->freedom[i] ), from = arm( i );
+		sums.head<3>() += own;
+		for ( int j = 0; j < 3; ++j )
+		{
+			sums.segment<3>( 3 + 3 * j ) += from[j] * own;
+		}
+	} );
 	return sums;
 }
 
-void ImplicitMotion::addAffine( const Vector12& motion, float* z ) const
+void ImplicitMotion::addAffine( const Vector12& motion, float* z, int part ) const
 {
-	const Eigen::Matrix<float, 12, 1> rounded = motion.cast<float>();
-	bestKernels().addAffine( rounded.data(), m_arms.data(), m_nodes->freedom.data(), m_nodes->padded, z );
+	const int padded = m_nodes->padded;
+	if ( !parts().areSeveral() )
+	{
+		const Eigen::Matrix<float, 12, 1> rounded = motion.cast<float>();
+		bestKernels().addAffine( rounded.data(), m_arms.data(), m_nodes->freedom.data(), padded, z );
+		return;
+	}
+	parts().forNodes( part, m_nodes->count, [&]( int i ) {
+		const Eigen::Vector3d from = arm( i );
+		const Eigen::Vector3d moved = motion.head<3>() + from[0] * motion.segment<3>( 3 ) + from[1] * motion.segment<3>( 6 ) + from[2] * motion.segment<3>( 9 );
+		for ( int k = 0; k < 3; ++k )
+		{
+			z[k * padded + i] += m_nodes->freedom[i] * float( moved[k] );
+		}
+	} );
 }
 
 // Qt b = Qt m v*, but b holds elastic kicks that cancel in the sum, and in float do not quite: v* says it better.
-Vector6 ImplicitMotion::missingMomentum() const
+Vector6 ImplicitMotion::missingMomentum( int part ) const
 {
-	return m_freeMomentum - momentum();
+	return m_freeMomentum[std::size_t( part )] - momentum( part );
 }
 
-void ImplicitMotion::addMotion( const Vector6& motion )
+void ImplicitMotion::addMotion( const Vector6& motion, int part )
 {
 	NodeState& nodes = *m_nodes;
 	const Eigen::Vector3d shift = motion.head<3>(), turn = motion.tail<3>();
-	for ( int i = 0; i < nodes.count; ++i )
-	{
-		const Eigen::Vector3d place = nodes.x.get( i ).cast<double>() - m_centre;
+	parts().forNodes( part, nodes.count, [&]( int i ) {
+		const Eigen::Vector3d place = nodes.x.get( i ).cast<double>() - centre( part );
 		const Eigen::Vector3d speed = nodes.v.get( i ).cast<double>() + double( nodes.freedom[i] ) * ( shift + turn.cross( place ) );
 		nodes.v.set( i, speed.cast<float>() );
-	}
+	} );
 }
 
 void ImplicitMotion::keepMomentum()
 {
-	if ( !m_hasHeldNodes )
+	for ( int p = 0; p < parts().count(); ++p )
 	{
-		addMotion( rigidMass().inverse() * missingMomentum() );
+		if ( !isHeld( p ) )
+		{
+			addMotion( rigidMass( p ).inverse() * missingMomentum( p ), p );
+		}
 	}
 }
 

@@ -15,6 +15,8 @@
 
 #include <Eigen/Core>
 
+#include <vector>
+
 namespace pliant {
 
 class LatticeMatcher;
@@ -42,8 +44,8 @@ public:
 	/// `pushed`: nodes' speeds with what matching adds to them; nodes.v: those of free flight, v*; `before`: at the substep's start. All three
 	/// as long as `size`.
 	void begin( LatticeMatcher& matcher, NodeState& nodes, const float* pushed, const ImplicitStep& step, TaskRunner* runner );
-	/// A body that is moved by its contacts alone in this substep: G = 0, b = m v.
-	void beginFree( NodeState& nodes );
+	/// A body that is moved by its contacts alone in this substep: G = 0, b = m v. `parts`: kept as long as `nodes`; null: one.
+	void beginFree( NodeState& nodes, const ConnectedParts* parts = nullptr );
 
 	/// Floats of a vector of speeds: three components, each padded to whole lanes.
 	int size() const { return 3 * m_nodes->padded; }
@@ -57,26 +59,33 @@ public:
 	bool isElastic() const { return m_stiffness > 0.0f; }
 	bool hasHeldNodes() const { return m_hasHeldNodes; }
 
+	// A body whose cells fall into several parts moves as so many: what follows is of one of them, and of the whole body where it is in one.
+	const ConnectedParts& parts() const { return m_rates.parts(); }
+	/// Whether some node of a part is held.
+	bool isHeld( int part ) const { return m_isHeld[std::size_t( part )] != 0; }
+	/// Whether a part is more than a point: of one node nothing stands in front of the system but the node.
+	bool hasShape( int part ) const { return !parts().areSeveral() || parts().size( part, m_nodes->count ) > 1; }
+
 	// Rigid motions ( V, Omega ) about the mass centre, in which A is the mass alone.
-	Matrix6 rigidMass() const;
+	Matrix6 rigidMass( int part = 0 ) const;
 	/// Momentum of the nodes as they are, and their spin about the centre.
-	Vector6 momentum() const;
-	const Eigen::Vector3d& centre() const { return m_centre; }
+	Vector6 momentum( int part = 0 ) const;
+	const Eigen::Vector3d& centre( int part = 0 ) const { return m_rates.whole( part ).centre; }
 
 	// Affine motions, for what stands in front of the system: A among them as a full lattice would have it, about right elsewhere.
-	Matrix12 affineMatrix() const;
-	Vector12 affineSums( const float* r ) const;
+	Matrix12 affineMatrix( int part = 0 ) const;
+	Vector12 affineSums( const float* r, int part = 0 ) const;
 	/// z += the affine motion, at free nodes.
-	void addAffine( const Vector12& motion, float* z ) const;
-	/// A node's place from the mass centre, m.
+	void addAffine( const Vector12& motion, float* z, int part = 0 ) const;
+	/// A node's place from the mass centre of its part, m.
 	Eigen::Vector3d arm( int node ) const;
 
-	/// What the solver's end and rounding left of Qt( m v* - m v ), Q the rigid motions, as a rigid motion of a body that touches nothing.
+	/// What the solver's end and rounding left of Qt( m v* - m v ), Q the rigid motions, as a rigid motion of each part, of a body that touches nothing.
 	void keepMomentum();
 	/// Qt( m v* - m v ): what the nodes' momentum lacks to what it was at the substep's start and what forces brought since.
-	Vector6 missingMomentum() const;
+	Vector6 missingMomentum( int part = 0 ) const;
 	/// Adds a rigid motion to the nodes' speeds.
-	void addMotion( const Vector6& motion );
+	void addMotion( const Vector6& motion, int part = 0 );
 	void copySpeeds( float* v ) const;       ///< of the nodes as they are
 	void setSpeeds( const float* v );        ///< of the free nodes
 	/// Of the body's lattice, which stays as it is for as long as this is asked; found when it is first asked for.
@@ -93,20 +102,22 @@ public:
 private:
 	void measureHeld();
 	void measureArms();
-	void addHeld( Matrix12& matrix ) const;
+	void addHeld( Matrix12& matrix, int part ) const;
+	template <class Least, class Point>
+	void raiseInertias( const Least& least, const Point& point );
+	double trace( int part ) const { return m_inertias[std::size_t( part )].trace(); }
 
 	StrainRates m_rates;
 	OpenFaces m_openFaces;
 	NodeState* m_nodes = nullptr;
 	AlignedArray<float> m_rightSide;
-	AlignedArray<float> m_arms;     ///< of the nodes from the mass centre, m, component by component; 0 where one is held
-	double m_affineMass = 0.0;      ///< G times the sum of the regions' second moments, kg m^2
+	AlignedArray<float> m_arms;     ///< of the nodes from their part's mass centre, m, component by component; 0 where one is held
+	double m_secondMoment = 0.0;    ///< of a full region, an axis, per mass, m^2
 	float m_stiffness = 0.0f; ///< G
 	bool m_hasHeldNodes = false;
-	Vector6 m_freeMomentum = Vector6::Zero(); ///< with the speeds of free flight, v*
-	Eigen::Vector3d m_centre = Eigen::Vector3d::Zero();
-	Eigen::Matrix3d m_inertia = Eigen::Matrix3d::Identity();
-	double m_mass = 0.0;
+	std::vector<char> m_isHeld;               ///< of each part
+	std::vector<Vector6> m_freeMomentum;      ///< of each part with the speeds of free flight, v*
+	std::vector<Eigen::Matrix3d> m_inertias;  ///< of each part, kg m^2; raised where it has none
 };
 
 } // namespace pliant

@@ -345,6 +345,7 @@ void LatticeMatcher::accelerate( NodeState& nodes, const MatchStep& step, TaskRu
 		m_stretch.resize( m_strain.size() );
 		v.stretch = m_stretch.data();
 	}
+	followParts( v, step.isOnePart );
 	measureFrame( nodes, v, runner );
 	gatherAndFit( v, step, runner );
 
@@ -353,6 +354,12 @@ void LatticeMatcher::accelerate( NodeState& nodes, const MatchStep& step, TaskRu
 		m_kernels.scatter( v, chunk * kChunk, std::min( nodes.padded, ( chunk + 1 ) * kChunk ), m_partial[chunk].data() );
 	};
 	runTasks( runner, chunks( nodes.padded ), scatter );
+	if ( m_parts.areSeveral() )
+	{
+		applyToParts( v, step, runner );
+		flow( v, step, runner );
+		return;
+	}
 	spareRigidMotion( v, step.h );
 	auto apply = [&]( int chunk ) { m_kernels.apply( v, chunk * kChunk, std::min( nodes.padded, ( chunk + 1 ) * kChunk ) ); };
 	runTasks( runner, chunks( nodes.padded ), apply );
@@ -400,6 +407,7 @@ std::size_t LatticeMatcher::bytes() const
 	}
 	bytes += ( m_strain.size() + m_stretch.size() ) * sizeof( float ) + ( m_plastic ? m_plastic->bytes() : 0 ) + ( m_far ? m_far->bytes() : 0 );
 	bytes += m_nodeMotion.size() * sizeof( NodeMotion ) + m_areNodesWanted.size() + m_areRegionsWanted.size();
+	bytes += m_parts.bytes() + m_partLength.size() * sizeof( float );
 	return bytes + m_partial.size() * sizeof( m_partial[0] ) + m_openCount.size() * sizeof( int );
 }
 

@@ -4,6 +4,7 @@
 // ReferenceMatcher is its slow twin.
 
 #include "matching/coarse_to_fine.h"
+#include "matching/connected_parts.h"
 #include "matching/kernels/kernels.h"
 #include "matching/matcher.h"
 #include "matching/plasticity.h"
@@ -42,6 +43,8 @@ public:
 	/// Goes up whenever the tables become others.
 	unsigned tablesVersion() const { return m_tablesVersion; }
 	const Kernels& kernels() const { return m_kernels; }
+	/// Those of the nodes, as the last substep found them.
+	const ConnectedParts& parts() const { return m_parts; }
 	/// Length of each of the two arrays of records that `view` shows.
 	std::size_t recordFloats() const { return m_nodeRecord.size(); }
 
@@ -92,6 +95,9 @@ private:
 	void boxSums( const MatchView& view, float* records, TaskRunner* runner );
 	void settleOpenRegions( const MatchView& view );
 	void spareRigidMotion( MatchView& view, float h ) const;
+	void followParts( const MatchView& view, bool isOnePart );
+	void applyToParts( const MatchView& view, const MatchStep& step, TaskRunner* runner );
+	void applyToPart( const MatchView& view, const MatchStep& step, int part );
 	void flow( const MatchView& view, const MatchStep& step, TaskRunner* runner );
 	void allocate();
 	void allocateScratch();
@@ -118,6 +124,10 @@ private:
 	AlignedArray<float> m_quaternion[4];
 	AlignedArray<float> m_residual[3];
 	AlignedArray<float> m_historyRoom; ///< of a change of levels
+
+	ConnectedParts m_parts;
+	unsigned m_partsVersion = 0;     ///< of the tables they were found in
+	std::vector<float> m_partLength; ///< of each part at rest, longest edge of its box, m
 
 	std::unique_ptr<PlasticFlow> m_plastic;
 	std::unique_ptr<CoarseToFine> m_far; ///< null unless asked for

@@ -37,10 +37,14 @@ void StrainRates::prepare( LatticeMatcher& matcher, NodeState& nodes, TaskRunner
 	m_gridHasHoles = tables.gridHasHoles;
 	m_recordFloats = matcher.recordFloats();
 	m_partial.resize( std::size_t( chunks( m_padded ) ) );
-	measureBody( nodes );
+	measureBody( nodes, &matcher.parts() );
+	if ( m_parts->areSeveral() )
+	{
+		placeParts( nodes );
+	}
 	for ( int k = 0; k < 3; ++k )
 	{
-		m_view.frameCentre[k] = float( m_centre[k] );
+		m_view.frameCentre[k] = m_parts->areSeveral() ? 0.0f : float( whole().centre[k] );
 		m_centres[k].resize( std::size_t( m_padded ) );
 	}
 	for ( AlignedArray<float>& component : m_inverseInertias )
@@ -105,24 +109,29 @@ void StrainRates::measureRegions( TaskRunner* runner )
 	m_isRaised = std::find( m_raised.begin(), m_raised.end(), 1 ) != m_raised.end();
 }
 
-void StrainRates::measureBody( const NodeState& nodes )
+void StrainRates::measureBody( const NodeState& nodes, const ConnectedParts* parts )
 {
-	m_mass = 0.0;
-	m_centre.setZero();
-	for ( int i = 0; i < nodes.count; ++i )
+	static const ConnectedParts one;
+	m_parts = parts ? parts : &one;
+	m_wholes.resize( std::size_t( m_parts->count() ) );
+	for ( int p = 0; p < m_parts->count(); ++p )
 	{
-		m_mass += double( nodes.mass[i] );
-		m_centre += double( nodes.mass[i] ) * nodes.x.get( i ).cast<double>();
+		WholePart& part = m_wholes[std::size_t( p )];
+		part.mass = 0.0;
+		part.centre.setZero();
+		m_parts->forNodes( p, nodes.count, [&]( int i ) {
+			part.mass += double( nodes.mass[i] );
+			part.centre += double( nodes.mass[i] ) * nodes.x.get( i ).cast<double>();
+		} );
+		part.centre /= part.mass;
+		Eigen::Matrix3d second = Eigen::Matrix3d::Zero();
+		m_parts->forNodes( p, nodes.count, [&]( int i ) {
+			const Eigen::Vector3d arm = nodes.x.get( i ).cast<double>() - part.centre;
+			second += double( nodes.mass[i] ) * arm * arm.transpose();
+		} );
+		part.inertia = second.trace() * Eigen::Matrix3d::Identity() - second;
+		part.inverseInertia = flooredInverse( part.inertia, kInertiaFloor );
 	}
-	m_centre /= m_mass;
-	Eigen::Matrix3d second = Eigen::Matrix3d::Zero();
-	for ( int i = 0; i < nodes.count; ++i )
-	{
-		const Eigen::Vector3d arm = nodes.x.get( i ).cast<double>() - m_centre;
-		second += double( nodes.mass[i] ) * arm * arm.transpose();
-	}
-	m_inertia = second.trace() * Eigen::Matrix3d::Identity() - second;
-	m_inverseInertia = flooredInverse( m_inertia, kInertiaFloor );
 }
 
 namespace {
@@ -220,10 +229,10 @@ void StrainRates::measureRigidMotion( const float* const* speed, TaskRunner* run
 		}
 	}
 	const double cell = 1.0 / double( m_view.cellsPerMetre );
-	const Eigen::Vector3d turn = m_inverseInertia * Eigen::Vector3d( sum[3], sum[4], sum[5] ) * ( cell * cell );
+	const Eigen::Vector3d turn = whole().inverseInertia * Eigen::Vector3d( sum[3], sum[4], sum[5] ) * ( cell * cell );
 	for ( int k = 0; k < 3; ++k )
 	{
-		m_rates.shift[k] = float( sum[k] / m_mass );
+		m_rates.shift[k] = float( sum[k] / whole().mass );
 		m_rates.turn[k] = float( turn[k] );
 	}
 }
@@ -236,18 +245,14 @@ void StrainRates::resist( const float* v, float stiffness, float* to, TaskRunner
 		m_rates.result[k] = to + std::size_t( k ) * std::size_t( m_padded );
 	}
 	m_rates.stiffness = stiffness;
+	if ( m_parts->areSeveral() )
+	{
+		resistByPart( v, to, runner );
+		return;
+	}
 	// A v is the same without it. In float it is not: a turn that every region shares would be summed, subtracted and multiplied by G.
 	measureRigidMotion( m_rates.rate, runner );
-	if ( m_gridHasHoles )
-	{
-		const std::size_t floats = m_recordFloats / kRecordFloats * kRateFloats;
-		std::fill( m_view.nodeRecord, m_view.nodeRecord + floats, 0.0f );
-		std::fill( m_view.regionRecord, m_view.regionRecord + floats, 0.0f );
-	}
-	overNodes( m_padded, runner, [&]( int, int begin, int end ) { m_kernels->rateRecords( m_rates, begin, end ); } );
-	sumRates( false, runner );
-	overNodes( m_padded, runner, [&]( int, int begin, int end ) { m_kernels->rigidRates( m_rates, begin, end ); } );
-	sumRates( true, runner );
+	applyRegions( runner );
 	if ( !m_isRaised )
 	{
 		overNodes( m_padded, runner, [&]( int, int begin, int end ) { m_kernels->resist( m_rates, begin, end ); } );
@@ -258,11 +263,26 @@ void StrainRates::resist( const float* v, float stiffness, float* to, TaskRunner
 	overNodes( m_padded, runner, [&]( int, int begin, int end ) { m_kernels->finishResist( m_rates, begin, end ); } );
 }
 
+/// What the regions make of the rates, up to the sums that each node takes up.
+void StrainRates::applyRegions( TaskRunner* runner )
+{
+	if ( m_gridHasHoles )
+	{
+		const std::size_t floats = m_recordFloats / kRecordFloats * kRateFloats;
+		std::fill( m_view.nodeRecord, m_view.nodeRecord + floats, 0.0f );
+		std::fill( m_view.regionRecord, m_view.regionRecord + floats, 0.0f );
+	}
+	overNodes( m_padded, runner, [&]( int, int begin, int end ) { m_kernels->rateRecords( m_rates, begin, end ); } );
+	sumRates( false, runner );
+	overNodes( m_padded, runner, [&]( int, int begin, int end ) { m_kernels->rigidRates( m_rates, begin, end ); } );
+	sumRates( true, runner );
+}
+
 std::size_t StrainRates::bytes() const
 {
 	return ( m_centres[0].size() * 3 + m_inverseInertias[0].size() * 6 + m_diagonal.size() + m_share.size() + m_pull.size() ) *
 	           sizeof( float ) +
-	       m_rows.bytes() + m_boxes.bytes() + m_partial.size() * sizeof( m_partial[0] );
+	       ( m_places.size() + m_strained.size() ) * sizeof( float ) + m_wholes.size() * sizeof( WholePart ) + m_rows.bytes() + m_boxes.bytes() + m_partial.size() * sizeof( m_partial[0] );
 }
 
 } // namespace pliant

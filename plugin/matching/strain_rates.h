@@ -17,7 +17,11 @@
 // Nodes on several levels: a region asks for ( 1 - eta ) | n |^2 + | F - R |^2 in J_fine = J C, n what no affine motion explains
 // (level_tables.h). With g_r = b_r max( 1 - eta, largest stretch of C ) the operator bounds that, and is its equal for affine motions where C
 // is the same in all directions.
+//
+// A body in several parts that nothing links (connected_parts.h): each part's own rigid motion is taken off before anything is summed, and the kernels see
+// places about each part's own centre. What is summed, multiplied by G and rounded is then strain alone, however far the parts are from each other.
 
+#include "matching/connected_parts.h"
 #include "matching/flat_boxes.h"
 #include "matching/kernels/kernels.h"
 #include "matching/node_state.h"
@@ -36,6 +40,15 @@ class TaskRunner;
 struct RegionTables;
 struct SumPlan;
 
+/// A connected part of a body, or a body in one part, as a rigid thing.
+struct WholePart
+{
+	double mass = 0.0;                                     ///< kg
+	Eigen::Vector3d centre = Eigen::Vector3d::Zero();      ///< of mass, relative to the origin, m
+	Eigen::Matrix3d inertia = Eigen::Matrix3d::Identity(); ///< about the centre, kg m^2
+	Eigen::Matrix3d inverseInertia = Eigen::Matrix3d::Identity();
+};
+
 class StrainRates
 {
 public:
@@ -46,20 +59,19 @@ public:
 	/// The slow twin, from the next `prepare`: rows of regions on several levels are summed one by one, boxes by records.
 	void sumRowByRow() { m_isRowByRow = true; }
 
-	/// The part of it that says where the body is and how heavy.
-	void measureBody( const NodeState& nodes );
+	/// The part of it that says where the body is and how heavy. `parts`: as above, kept for as long as the nodes are; null: one.
+	void measureBody( const NodeState& nodes, const ConnectedParts* parts = nullptr );
 
 	/// to = A v for free nodes, 0 for the others: m ( v + stiffness ( v - P v ) ). Arrays are `padded` long each, component by component.
 	void resist( const float* v, float stiffness, float* to, TaskRunner* runner );
 
 	/// The mean of A's three diagonal entries of a node is m ( 1 + stiffness diagonal[i] ).
 	const AlignedArray<float>& diagonal() const { return m_diagonal; }
-	/// Centre of mass relative to the origin, m, and the body's inertia about it, kg m^2.
-	const Eigen::Vector3d& centre() const { return m_centre; }
-	const Eigen::Matrix3d& inertia() const { return m_inertia; }
+	const ConnectedParts& parts() const { return *m_parts; }
+	/// The body, or each of its parts, where it has several.
+	const WholePart& whole( int part = 0 ) const { return m_wholes[std::size_t( part )]; }
 	/// Whether a region is about a line: `resist` takes two more passes over the nodes then.
 	bool hasThinRegions() const { return m_isRaised; }
-	double mass() const { return m_mass; }
 	std::size_t bytes() const;
 
 private:
@@ -69,6 +81,11 @@ private:
 	void sumRecords( float* records, bool isOfRates, TaskRunner* runner );
 	void sumRates( bool isOfRegions, TaskRunner* runner );
 	void measureRigidMotion( const float* const* speed, TaskRunner* runner );
+	void applyRegions( TaskRunner* runner );
+	// Of a body in several parts.
+	void placeParts( const NodeState& nodes );
+	void takeRigidMotionOff( const float* const* from, float* const* to ) const;
+	void resistByPart( const float* v, float* to, TaskRunner* runner );
 
 	const Kernels* m_kernels = nullptr;
 	MatchView m_view;
@@ -87,9 +104,9 @@ private:
 	std::shared_ptr<const SumPlan> m_plan;
 	std::vector<std::array<float, kRateSums>> m_partial;
 	std::vector<char> m_raised; ///< of each chunk
-	Eigen::Vector3d m_centre = Eigen::Vector3d::Zero();
-	Eigen::Matrix3d m_inertia = Eigen::Matrix3d::Identity(), m_inverseInertia = Eigen::Matrix3d::Identity();
-	double m_mass = 0.0;
+	const ConnectedParts* m_parts = nullptr;
+	std::vector<WholePart> m_wholes;              ///< of each part
+	AlignedArray<float> m_places, m_strained;     ///< of a body in several parts: from each part's centre, m; v without each part's rigid motion
 };
 
 } // namespace pliant

@@ -40,6 +40,7 @@ void ImplicitBlock::layOut()
 	{
 		array->resize( std::size_t( m_size ) ); // each is written whole before it is read
 	}
+	listConnected();
 	for ( const SoftPart& part : soft )
 	{
 		startFrom( part );
@@ -55,8 +56,31 @@ void ImplicitBlock::layOut()
 	layOutCoarse();
 }
 
+void ImplicitBlock::listConnected()
+{
+	m_connected.clear();
+	for ( std::size_t p = 0; p < soft.size(); ++p )
+	{
+		soft[p].firstConnected = int( m_connected.size() );
+		for ( int part = 0; part < soft[p].motion->parts().count(); ++part )
+		{
+			m_connected.push_back( Connected{ int( p ), part, -1, false } );
+		}
+	}
+	for ( const BlockContact& contact : contacts )
+	{
+		for ( const ContactSide& side : contact.side )
+		{
+			if ( side.soft >= 0 )
+			{
+				m_connected[std::size_t( &connectedOf( side ) - m_connected.data() )].touches = true;
+			}
+		}
+	}
+}
+
 /// The iteration begins with the speeds of the substep's start; what is held has its speed already. What touches nothing and hangs by nothing falls: it begins
-/// with the speeds of free flight, and where it is not strained is done.
+/// with the speeds of free flight, and where it is not strained is done. So does a part of a body that is in several, whatever the others touch.
 void ImplicitBlock::startFrom( const SoftPart& part )
 {
 	const int padded = part.motion->padded();
@@ -67,6 +91,15 @@ void ImplicitBlock::startFrom( const SoftPart& part )
 		std::copy( from[k]->begin(), from[k]->begin() + padded, m_v.begin() + part.offset + k * padded );
 	}
 	const NodeState& nodes = part.motion->nodes();
+	const ConnectedParts& parts = part.motion->parts();
+	for ( int i = 0; parts.areSeveral() && i < nodes.count; ++i )
+	{
+		const int own = parts.partOf( i );
+		for ( int k = 0; !m_connected[std::size_t( part.firstConnected + own )].touches && !part.motion->isHeld( own ) && k < 3; ++k )
+		{
+			m_v[std::size_t( part.offset + k * padded + i )] = nodes.v.get( i )[k];
+		}
+	}
 	for ( int i = 0; i < nodes.count; ++i )
 	{
 		m_inverseDiagonal[std::size_t( part.offset + i )] = nodes.freedom[i] / part.motion->diagonal( i );

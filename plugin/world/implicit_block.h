@@ -67,7 +67,7 @@ struct SoftPart
 	ImplicitMotion* motion = nullptr;
 	const Vec3Array* before = nullptr; ///< speeds at the substep's start: where the iteration begins
 	int offset = 0;                    ///< of its speeds in the vector
-	int coarse = -1;                   ///< body of the coarse system; -1: its nodes stand by themselves
+	int firstConnected = 0;            ///< of its parts that nothing links, in the block's list of such; one where the body is in one
 };
 
 struct RigidPart
@@ -128,6 +128,13 @@ private:
 		int place = -1; ///< of its first number in the vector
 		int cluster = -1, slot = -1;
 	};
+	/// A soft body, or one of the parts it is in: what moves as a whole.
+	struct Connected
+	{
+		int soft = -1, part = 0;
+		int coarse = -1;      ///< body of the coarse system; -1: its nodes stand by themselves
+		bool touches = false; ///< some contact is one of its nodes
+	};
 	/// Nodes that contacts hold together: a dense piece of the preconditioner.
 	struct Cluster
 	{
@@ -166,6 +173,13 @@ private:
 	void moved( float by ) override;
 
 	void layOut();
+	void listConnected();
+	/// Of a side that is a node.
+	const Connected& connectedOf( const ContactSide& side ) const
+	{
+		const SoftPart& part = soft[std::size_t( side.soft )];
+		return m_connected[std::size_t( part.firstConnected + part.motion->parts().partOf( side.node ) )];
+	}
 	int nameNode( int part, int node );
 	void startFrom( const SoftPart& part );
 	void nameNodeBlocks();
@@ -241,7 +255,18 @@ private:
 
 	// In implicit_momentum.cpp.
 	void keepMomentum();
-	void keepMomentumOf( const std::vector<int>& softOnes, const std::vector<int>& rigidOnes );
+	/// Something that moves as a whole and touches nothing fixed: a connected part of a soft body, or a rigid body.
+	struct Mover
+	{
+		ImplicitMotion* motion = nullptr; ///< null: rigid
+		int part = 0;
+		RigidPart* rigid = nullptr;
+		Vec3d centre = Vec3d::Zero();     ///< world, m
+		Matrix6 mass = Matrix6::Zero();   ///< of rigid motions about it
+		Vector6 missing = Vector6::Zero(); ///< N s, N m s
+	};
+	Mover moverAt( std::uint32_t k );
+	void keepMomentumOf( const std::uint32_t* begin, const std::uint32_t* end );
 
 	int m_size = 0;
 	TaskRunner* m_runner = nullptr;
@@ -259,6 +284,9 @@ private:
 	std::vector<Cluster> m_clusters;
 	std::vector<double> m_clusterRoom;
 	AlignedArray<float> m_clusterInverse;
+	std::vector<Connected> m_connected;    ///< of all soft parts, in their order
+	std::vector<std::uint32_t> m_groupStart, m_groupMembers; ///< scratch of keepMomentum
+	std::vector<Mover> m_movers;                             ///< the same of keepMomentumOf
 	std::vector<int> m_blockOf;            ///< by place of the node's first component; -1: no contact names it, and so beyond the vector's end
 	CoarseSystem m_coarse;
 	std::vector<int> m_coarseSizes;

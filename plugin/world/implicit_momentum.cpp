@@ -35,21 +35,16 @@ Vector6 seenFrom( const Vec3d& at, const Vector6& motion, const Vec3d& centre )
 	return seen;
 }
 
-Vec3d worldCentre( const SoftPart& part )
-{
-	return part.motion->nodes().origin + part.motion->centre();
-}
-
 } // namespace
 
-// The iteration ends early and in float. What is then missing of the momentum of bodies that touch nothing fixed is given to all of them
-// together, as one rigid motion: given to the light ones alone it would throw them.
+// The iteration ends early and in float. What is then missing of the momentum of what touches nothing fixed is given to all that touches each other
+// together, as one rigid motion: given to the light ones alone it would throw them. Parts of one soft body that nothing links are as many bodies here.
 void ImplicitBlock::keepMomentum()
 {
-	const std::size_t count = 1 + soft.size() + rigid.size(); // 0 is what is fixed
+	const std::size_t parts = m_connected.size(), count = 1 + parts + rigid.size(); // 0 is what is fixed
 	UnionFind groups( count );
 	const auto placeOf = [&]( const ContactSide& side ) {
-		return std::uint32_t( side.soft >= 0 ? 1 + std::size_t( side.soft ) : side.rigid >= 0 ? 1 + soft.size() + std::size_t( side.rigid ) : 0 );
+		return std::uint32_t( side.soft >= 0 ? 1 + std::size_t( &connectedOf( side ) - m_connected.data() ) : side.rigid >= 0 ? 1 + parts + std::size_t( side.rigid ) : 0 );
 	};
 	for ( const BlockContact& contact : contacts )
 	{
@@ -58,9 +53,9 @@ void ImplicitBlock::keepMomentum()
 			groups.join( placeOf( contact.side[0] ), placeOf( contact.side[1] ) );
 		}
 	}
-	for ( std::size_t p = 0; p < soft.size(); ++p )
+	for ( std::size_t p = 0; p < parts; ++p )
 	{
-		if ( soft[p].motion->hasHeldNodes() )
+		if ( soft[std::size_t( m_connected[p].soft )].motion->isHeld( m_connected[p].part ) )
 		{
 			groups.join( std::uint32_t( 1 + p ), 0 );
 		}
@@ -70,70 +65,88 @@ void ImplicitBlock::keepMomentum()
 		const RigidPart& part = rigid[p];
 		if ( !( part.moves[0] && part.moves[1] && part.moves[2] && part.turns[0] && part.turns[1] && part.turns[2] ) )
 		{
-			groups.join( std::uint32_t( 1 + soft.size() + p ), 0 );
+			groups.join( std::uint32_t( 1 + parts + p ), 0 );
 		}
 	}
-	for ( std::uint32_t first = 1; first < count; ++first )
+	// Groups in the order of their lowest, each with its members ascending.
+	m_groupStart.assign( count + 1, 0 );
+	for ( std::uint32_t k = 0; k < count; ++k )
 	{
-		if ( groups.find( first ) == first )
+		++m_groupStart[groups.find( k ) + 1];
+	}
+	for ( std::size_t k = 0; k < count; ++k )
+	{
+		m_groupStart[k + 1] += m_groupStart[k];
+	}
+	m_groupMembers.resize( count );
+	for ( std::uint32_t k = 0; k < count; ++k )
+	{
+		m_groupMembers[m_groupStart[groups.find( k )]++] = k; // which moves each start to the next one's
+	}
+	for ( std::size_t group = 1; group < count; ++group )
+	{
+		if ( m_groupStart[group - 1] < m_groupStart[group] )
 		{
-			std::vector<int> softOnes, rigidOnes;
-			for ( std::uint32_t other = first; other < count; ++other )
-			{
-				if ( groups.find( other ) == first )
-				{
-					const int p = int( other ) - 1;
-					p < int( soft.size() ) ? softOnes.push_back( p ) : rigidOnes.push_back( p - int( soft.size() ) );
-				}
-			}
-			keepMomentumOf( softOnes, rigidOnes );
+			keepMomentumOf( m_groupMembers.data() + m_groupStart[group - 1], m_groupMembers.data() + m_groupStart[group] );
 		}
 	}
 }
 
-void ImplicitBlock::keepMomentumOf( const std::vector<int>& softOnes, const std::vector<int>& rigidOnes )
+/// Something that moves as a whole: `k` as in keepMomentum.
+ImplicitBlock::Mover ImplicitBlock::moverAt( std::uint32_t k )
+{
+	Mover mover;
+	if ( k <= m_connected.size() )
+	{
+		const Connected& own = m_connected[k - 1];
+		mover.motion = soft[std::size_t( own.soft )].motion;
+		mover.part = own.part;
+		mover.centre = mover.motion->nodes().origin + mover.motion->centre( own.part );
+		mover.mass = mover.motion->rigidMass( own.part );
+		mover.missing = mover.motion->missingMomentum( own.part );
+		return mover;
+	}
+	mover.rigid = &rigid[k - 1 - m_connected.size()];
+	const Vector6 lacks = mover.rigid->free - mover.rigid->speed;
+	mover.centre = mover.rigid->centre;
+	mover.mass( 0, 0 ) = mover.rigid->mass;
+	mover.mass.bottomRightCorner<3, 3>() = mover.rigid->inertia;
+	mover.missing << mover.rigid->mass * lacks.head<3>(), mover.rigid->inertia * lacks.tail<3>();
+	return mover;
+}
+
+void ImplicitBlock::keepMomentumOf( const std::uint32_t* begin, const std::uint32_t* end )
 {
 	double mass = 0.0;
 	Vec3d centre = Vec3d::Zero();
-	for ( const int p : softOnes )
+	m_movers.clear();
+	for ( const std::uint32_t* k = begin; k < end; ++k )
 	{
-		const double own = soft[std::size_t( p )].motion->rigidMass()( 0, 0 );
-		mass += own;
-		centre += own * worldCentre( soft[std::size_t( p )] );
-	}
-	for ( const int p : rigidOnes )
-	{
-		mass += rigid[std::size_t( p )].mass;
-		centre += rigid[std::size_t( p )].mass * rigid[std::size_t( p )].centre;
+		const Mover& mover = m_movers.emplace_back( moverAt( *k ) );
+		mass += mover.mass( 0, 0 );
+		centre += mover.mass( 0, 0 ) * mover.centre;
 	}
 	centre /= mass;
 
 	Matrix6 whole = Matrix6::Zero();
 	Vector6 missing = Vector6::Zero();
-	for ( const int p : softOnes )
+	for ( const Mover& mover : m_movers )
 	{
-		const SoftPart& part = soft[std::size_t( p )];
-		const Matrix6 own = part.motion->rigidMass();
-		whole += massAbout( centre, own( 0, 0 ), own.bottomRightCorner<3, 3>(), worldCentre( part ) );
-		missing += movedTo( centre, part.motion->missingMomentum(), worldCentre( part ) );
-	}
-	for ( const int p : rigidOnes )
-	{
-		const RigidPart& part = rigid[std::size_t( p )];
-		whole += massAbout( centre, part.mass, part.inertia, part.centre );
-		const Vector6 lacks = part.free - part.speed;
-		Vector6 sums;
-		sums << part.mass * lacks.head<3>(), part.inertia * lacks.tail<3>();
-		missing += movedTo( centre, sums, part.centre );
+		whole += massAbout( centre, mover.mass( 0, 0 ), mover.mass.bottomRightCorner<3, 3>(), mover.centre );
+		missing += movedTo( centre, mover.missing, mover.centre );
 	}
 	const Vector6 motion = whole.inverse() * missing;
-	for ( const int p : softOnes )
+	for ( const Mover& mover : m_movers )
 	{
-		soft[std::size_t( p )].motion->addMotion( seenFrom( worldCentre( soft[std::size_t( p )] ), motion, centre ) );
-	}
-	for ( const int p : rigidOnes )
-	{
-		rigid[std::size_t( p )].speed += seenFrom( rigid[std::size_t( p )].centre, motion, centre );
+		const Vector6 seen = seenFrom( mover.centre, motion, centre );
+		if ( mover.motion )
+		{
+			mover.motion->addMotion( seen, mover.part );
+		}
+		else
+		{
+			mover.rigid->speed += seen;
+		}
 	}
 }
 

@@ -1,5 +1,5 @@
 // What stands in front of an implicit block's system: nodes with their contacts (implicit_clusters.cpp), and, added to them, the contacts as whole bodies feel
-// them, each rigid body with its 6 and each soft one with its 12 affine motions (coarse_system.h).
+// them, each rigid body with its 6 and each soft one, or each of the parts it is in, with its 12 affine motions (coarse_system.h).
 
 #include "world/implicit_block.h"
 #include "world/soft_body_impl.h"
@@ -83,12 +83,12 @@ Eigen::Matrix3d ImplicitBlock::resistance( const BlockContact& contact ) const
 void ImplicitBlock::layOutCoarse()
 {
 	m_coarseSizes.clear();
-	for ( SoftPart& part : soft )
+	for ( Connected& own : m_connected )
 	{
-		part.coarse = -1;
-		if ( part.motion->isElastic() )
+		const ImplicitMotion& motion = *soft[std::size_t( own.soft )].motion;
+		if ( motion.isElastic() && motion.hasShape( own.part ) )
 		{
-			part.coarse = int( m_coarseSizes.size() );
+			own.coarse = int( m_coarseSizes.size() );
 			m_coarseSizes.push_back( 12 );
 		}
 	}
@@ -99,7 +99,7 @@ void ImplicitBlock::layOutCoarse()
 	}
 	// All contacts: which of them press is another matter in each pass.
 	const auto bodyOf = [this]( const ContactSide& side ) {
-		return side.soft >= 0 ? soft[std::size_t( side.soft )].coarse : side.rigid >= 0 ? rigid[std::size_t( side.rigid )].coarse : -1;
+		return side.soft >= 0 ? connectedOf( side ).coarse : side.rigid >= 0 ? rigid[std::size_t( side.rigid )].coarse : -1;
 	};
 	m_coarsePairs.clear();
 	for ( const BlockContact& contact : contacts )
@@ -125,7 +125,7 @@ void ImplicitBlock::addToPreconditioner( const BlockContact& contact )
 		if ( side.soft >= 0 )
 		{
 			const SoftPart& part = soft[std::size_t( side.soft )];
-			own.body = part.coarse;
+			own.body = connectedOf( side ).coarse;
 			own.isSoft = true;
 			if ( own.body >= 0 )
 			{
@@ -183,11 +183,11 @@ void ImplicitBlock::fillPreconditioner()
 {
 	beginClusters();
 	m_coarse.clear();
-	for ( const SoftPart& part : soft )
+	for ( const Connected& own : m_connected )
 	{
-		if ( part.coarse >= 0 )
+		if ( own.coarse >= 0 )
 		{
-			m_coarse.block( part.coarse, part.coarse ) = part.motion->affineMatrix();
+			m_coarse.block( own.coarse, own.coarse ) = soft[std::size_t( own.soft )].motion->affineMatrix( own.part );
 		}
 	}
 	for ( const RigidPart& part : rigid )
@@ -228,9 +228,13 @@ void ImplicitBlock::precondition( const float* r, float* z )
 				to[i] = inverse[i] * from[i];
 			}
 		}
-		if ( part.coarse >= 0 )
+	}
+	for ( const Connected& own : m_connected )
+	{
+		if ( own.coarse >= 0 )
 		{
-			m_coarseSums.segment<12>( m_coarse.offset( part.coarse ) ) = part.motion->affineSums( r + part.offset );
+			const SoftPart& part = soft[std::size_t( own.soft )];
+			m_coarseSums.segment<12>( m_coarse.offset( own.coarse ) ) = part.motion->affineSums( r + part.offset, own.part );
 		}
 	}
 	preconditionClusters( r, z );
@@ -239,11 +243,12 @@ void ImplicitBlock::precondition( const float* r, float* z )
 		m_coarseSums.segment<6>( m_coarse.offset( part.coarse ) ) = Eigen::Map<const Eigen::Matrix<float, 6, 1>>( r + part.offset ).cast<double>();
 	}
 	m_coarse.solve( m_coarseSums, m_coarseMotion );
-	for ( const SoftPart& part : soft )
+	for ( const Connected& own : m_connected )
 	{
-		if ( part.coarse >= 0 )
+		if ( own.coarse >= 0 )
 		{
-			part.motion->addAffine( m_coarseMotion.segment<12>( m_coarse.offset( part.coarse ) ), z + part.offset );
+			const SoftPart& part = soft[std::size_t( own.soft )];
+			part.motion->addAffine( m_coarseMotion.segment<12>( m_coarse.offset( own.coarse ) ), z + part.offset, own.part );
 		}
 	}
 	for ( const RigidPart& part : rigid )
