@@ -83,7 +83,7 @@ void LatticeMatcher::applyToPart( const MatchView& view, const MatchStep& step, 
 		sums.second += double( view.mass[i] ) * arm * arm.transpose();
 	} );
 	const double kept = m_keepsMomentum ? 1.0 : 0.0;
-	const Eigen::Matrix3d inverse = flooredInverse( sums.second.trace() * Eigen::Matrix3d::Identity() - sums.second, kInertiaFloor );
+	const Eigen::Matrix3d inverse = inverseOfPart( sums.second.trace() * Eigen::Matrix3d::Identity() - sums.second, sums.mass );
 	const Vec3d shift = ( kept * sums.impulse - wobble * sums.momentum ) / sums.mass, turn = inverse * ( kept * sums.turn - wobble * sums.spin );
 	m_parts.forNodes( part, view.nodeCount, [&]( int i ) {
 		const Vec3d arm = at( view.x, i ) - frame - sums.centre, v = at( view.v, i );

@@ -63,6 +63,19 @@ Eigen::Matrix3d flooredInverse( const Eigen::Matrix3d& moment, double floorShare
 	return solver.eigenvectors() * raised.cwiseInverse().asDiagonal() * solver.eigenvectors().transpose();
 }
 
+namespace {
+
+/// A connected part whose inertia is less than so much a mass, m^2, is a point: a nanometre squared, of which rounding in double is far below and what floats
+/// tell of two places far above.
+constexpr double kPointExtent = 1e-18;
+
+} // namespace
+
+Eigen::Matrix3d inverseOfPart( const Eigen::Matrix3d& inertia, double mass )
+{
+	return inertia.trace() > kPointExtent * mass ? flooredInverse( inertia, kInertiaFloor ) : Eigen::Matrix3d( Eigen::Matrix3d::Zero() );
+}
+
 Eigen::Matrix3d inverseInPlane( const Eigen::Matrix3d& moment, double floorShare, Eigen::Matrix3d& outside )
 {
 	const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver( moment );

@@ -61,4 +61,7 @@ RegionMoments computeRegionMoments(
 /// The zero matrix gives zero.
 Eigen::Matrix3d flooredInverse( const Eigen::Matrix3d& moment, double floorShare );
 
+/// The inverse of a connected part's inertia, kg m^2, with kInertiaFloor; 0 of a point, which cannot turn.
+Eigen::Matrix3d inverseOfPart( const Eigen::Matrix3d& inertia, double mass );
+
 } // namespace pliant

@@ -130,7 +130,7 @@ void StrainRates::measureBody( const NodeState& nodes, const ConnectedParts* par
 			second += double( nodes.mass[i] ) * arm * arm.transpose();
 		} );
 		part.inertia = second.trace() * Eigen::Matrix3d::Identity() - second;
-		part.inverseInertia = flooredInverse( part.inertia, kInertiaFloor );
+		part.inverseInertia = inverseOfPart( part.inertia, part.mass );
 	}
 }
 

@@ -78,8 +78,11 @@ inline constexpr btScalar kRoundRoom = btScalar( 0.2 );
 /// A soft body turns as a whole about an axis about which its nodes have at least this share of what their cells would have by themselves.
 inline constexpr double kTurningInertia = 0.1;
 
-/// Root mean square speed of the nodes below which a body may fall asleep, m/s.
-inline constexpr btScalar kSleepSpeed = btScalar( 0.03 );
+/// When a body may fall asleep (activation.cpp), by what a fall of its smallest node's radius would give it: its nodes' root mean square velocity is below this
+/// share of that, 3 cm/s at cells of 0.1 m under 9.81 m/s^2 ...
+inline constexpr double kSleepShare = 0.03;
+/// ... or below what a fall of kContactSlop would give it, and no node has gone further than so many radii since: what is pressed to and fro at rest goes nowhere.
+inline constexpr double kRestWay = 0.1;
 
 /// Where contacts of one island brought energy in, their impulses are made smaller, to this share at most: half of it still stops what came.
 inline constexpr double kLeastBounce = 0.5;

@@ -84,6 +84,14 @@ struct FreshPair
 	friend bool operator<( const FreshPair& a, const FreshPair& b ) { return a.other < b.other; }
 };
 
+/// Where the nodes were when the body was last seen to move from there (activation.cpp).
+struct RestPlace
+{
+	std::vector<Vec3> place; ///< relative to `origin`, m; empty: nowhere
+	Vec3d origin = Vec3d::Zero();
+	unsigned numbering = 0;  ///< SoftBody::Impl::numbering of them
+};
+
 /// SmallPieces::Fade. A piece that has faded has left the world once; it may be added again by who owns it.
 struct Fading
 {
@@ -166,6 +174,7 @@ struct SoftBody::Impl
 	NodeSurface surface;               ///< of stand-ins
 	mutable std::vector<float> nodeAxes; ///< rotations at the nodes (Body::nodeRotations), of bodies with friction by direction only
 	mutable SkinBuffers skin;
+	RestPlace rest;
 
 	btVector3 worldOrigin() const
 	{

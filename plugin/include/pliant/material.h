@@ -102,7 +102,7 @@ struct Material
 
 	/// Damping of the slow wobble, as a share of critical damping of the body's slowest free vibration, [0, 1]. 0 lets it ring.
 	/// Flight, rolling and swinging of the body as a whole, and its momentum, are untouched.
-	/// Not applied to a body whose cells fall into several unconnected parts.
+	/// A body whose cells fall into several unconnected parts is damped part by part, each by its own slowest vibration (Method::Lattice; others not at all).
 	float wobbleDamping = 0.15f;
 
 	Elasticity elasticity = Elasticity::Explicit;
