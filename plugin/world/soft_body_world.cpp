@@ -11,15 +11,37 @@
 #include "world/turning_friction.h"
 
 #include <LinearMath/btQuickprof.h>
+#include <LinearMath/btSerializer.h>
 
 #include <algorithm>
+#include <cmath>
 #include <new>
 
 namespace pliant {
 
+namespace {
+
+void serializeRigidContacts( btDispatcher& dispatcher, btSerializer& serializer )
+{
+	const bool isAsked = ( serializer.getSerializationFlags() & BT_SERIALIZE_CONTACT_MANIFOLDS ) != 0;
+	for ( int m = 0; isAsked && m < dispatcher.getNumManifolds(); ++m )
+	{
+		const btPersistentManifold* const manifold = dispatcher.getManifoldByIndexInternal( m );
+		if ( manifold->getNumContacts() == 0 || SoftBody::upcast( manifold->getBody0() ) || SoftBody::upcast( manifold->getBody1() ) )
+		{
+			continue;
+		}
+		btChunk* const chunk = serializer.allocate( std::size_t( manifold->calculateSerializeBufferSize() ), 1 );
+		const char* const type = manifold->serialize( manifold, chunk->m_oldPtr, &serializer );
+		serializer.finalizeChunk( chunk, type, BT_CONTACTMANIFOLD_CODE, const_cast<btPersistentManifold*>( manifold ) );
+	}
+}
+
+} // namespace
+
 struct SoftBodyWorld::System
 {
-	System( SoftBodyWorld& world, btDispatcher* dispatcher, btCollisionConfiguration* configuration ) : bodies( world, dispatcher, configuration ) {}
+	System( SoftBodyWorld& world, btDispatcher* dispatcher ) : bodies( world, dispatcher ) {}
 
 	SoftBodySystem bodies;
 	TurningFriction turning;
@@ -45,7 +67,7 @@ SoftBodyWorld::SoftBodyWorld(
 	btDispatcher* dispatcher, btBroadphaseInterface* broadphase, btConstraintSolver* solver, btCollisionConfiguration* configuration,
 	BulletPrecision ) :
 	btDiscreteDynamicsWorld( dispatcher, broadphase, solver, configuration ),
-	m_system( std::make_unique<System>( *this, dispatcher, configuration ) )
+	m_system( std::make_unique<System>( *this, dispatcher ) )
 {
 	// As btDiscreteDynamicsWorldMt does it: the base made a manager and owns it; ours takes its place and is owned in turn.
 	m_islandManager->~btSimulationIslandManager();
@@ -57,9 +79,9 @@ SoftBodyWorld::SoftBodyWorld(
 SoftBodyWorld::~SoftBodyWorld()
 {
 	// Fragments that nobody has taken over go. What the game added stays the game's: the bodies leave, and take their contacts along while the pool still stands.
-	for ( SoftBody* fragment : std::vector<SoftBody*>( m_system->bodies.owned ) )
+	while ( !m_system->bodies.owned.empty() )
 	{
-		delete fragment;
+		delete m_system->bodies.owned.back();
 	}
 	while ( !m_system->bodies.bodies().empty() )
 	{
@@ -67,14 +89,13 @@ SoftBodyWorld::~SoftBodyWorld()
 	}
 	releasePredictiveContacts();
 	m_system->bodies.dropPredictiveContacts();
-	m_system->bodies.restoreCreateFuncs();
 }
 
 void SoftBodyWorld::addSoftBody( SoftBody* body, int group, int mask )
 {
 	if ( body && m_system->bodies.add( *body ) )
 	{
-		addCollisionObject( body, group, mask );
+		btDiscreteDynamicsWorld::addCollisionObject( body, group, mask );
 	}
 }
 
@@ -86,11 +107,48 @@ void SoftBodyWorld::removeSoftBody( SoftBody* body )
 	}
 }
 
-void SoftBodyWorld::removeCollisionObject( btCollisionObject* object )
+void SoftBodyWorld::addCollisionObject( btCollisionObject* object, int group, int mask )
 {
+	if ( isNodeBody( object ) )
+	{
+		return;
+	}
 	SoftBody* const soft = asSoftBody( object );
 	if ( !soft )
 	{
+		btDiscreteDynamicsWorld::addCollisionObject( object, group, mask );
+		return;
+	}
+	const int all = btBroadphaseProxy::AllFilter, fixed = btBroadphaseProxy::StaticFilter;
+	const bool isDefault = group == fixed && mask == ( all ^ fixed ) && !soft->isStaticOrKinematicObject();
+	addSoftBody( soft, isDefault ? int( btBroadphaseProxy::DefaultFilter ) : group, isDefault ? all : mask );
+}
+
+void SoftBodyWorld::addRigidBody( btRigidBody* body )
+{
+	if ( !isNodeBody( body ) )
+	{
+		btDiscreteDynamicsWorld::addRigidBody( body );
+	}
+}
+
+void SoftBodyWorld::addRigidBody( btRigidBody* body, int group, int mask )
+{
+	if ( !isNodeBody( body ) )
+	{
+		btDiscreteDynamicsWorld::addRigidBody( body, group, mask );
+	}
+}
+
+void SoftBodyWorld::removeCollisionObject( btCollisionObject* object )
+{
+	SoftBody* const soft = SoftBody::upcast( object );
+	if ( !soft )
+	{
+		if ( isNodeBody( object ) )
+		{
+			return; // its soft body has gone already
+		}
 		if ( btRigidBody* rigid = btRigidBody::upcast( object ) )
 		{
 			m_system->bodies.releasePinsTo( *rigid );
@@ -102,16 +160,22 @@ void SoftBodyWorld::removeCollisionObject( btCollisionObject* object )
 	{
 		return;
 	}
+	int index = soft->getWorldArrayIndex();
+	soft->setWorldArrayIndex( m_system->bodies.holds( soft, index ) ? index : -1 ); // Bullet takes out whatever stands there
 	// Predictive contacts may still name its nodes; then the pair cache lets the algorithms go, and with them manifolds and stand-ins.
 	releasePredictiveContacts();
 	m_system->bodies.dropPredictiveContacts();
-	btCollisionWorld::removeCollisionObject( object );
+	btCollisionWorld::removeCollisionObject( soft );
 	m_system->bodies.remove( *soft );
-	soft->impl().system = nullptr;
 }
 
 void SoftBodyWorld::removeRigidBody( btRigidBody* body )
 {
+	if ( isNodeBody( body ) )
+	{
+		removeCollisionObject( body );
+		return;
+	}
 	m_system->bodies.releasePinsTo( *body );
 	btDiscreteDynamicsWorld::removeRigidBody( body );
 }
@@ -123,7 +187,8 @@ int SoftBodyWorld::softBodyCount() const
 
 SoftBody* SoftBodyWorld::softBody( int index )
 {
-	return m_system->bodies.bodies()[index];
+	const std::vector<SoftBody*>& bodies = m_system->bodies.bodies();
+	return index >= 0 && index < int( bodies.size() ) ? bodies[std::size_t( index )] : nullptr;
 }
 
 void SoftBodyWorld::setSoftSubsteps( int count )
@@ -183,12 +248,26 @@ int SoftBodyWorld::stepSimulation( btScalar timeStep, int maxSubSteps, btScalar 
 {
 	m_system->bodies.events.clear();
 	m_system->bodies.removeFaded();
+	if ( !m_system->bodies.isEmpty() )
+	{
+		const btScalar single = maxSubSteps != 0 ? fixedTimeStep : timeStep;
+		if ( !std::isfinite( timeStep ) || !std::isfinite( fixedTimeStep ) || ( maxSubSteps != 0 ? fixedTimeStep <= 0 : timeStep < 0 ) )
+		{
+			return 0;
+		}
+		timeStep = std::min( timeStep, single * kMostFrames ); // Bullet counts steps in an int
+		m_localTime = std::isfinite( m_localTime ) ? m_localTime : btScalar( 0 );
+	}
 	return btDiscreteDynamicsWorld::stepSimulation( timeStep, maxSubSteps, fixedTimeStep );
 }
 
 void SoftBodyWorld::internalSingleStepSimulation( btScalar timeStep )
 {
 	SoftBodySystem& bodies = m_system->bodies;
+	if ( !bodies.openStep( timeStep ) )
+	{
+		return;
+	}
 	bodies.wakeDriven();
 	if ( bodies.bodies().empty() || !bodies.hasAwakeBody() )
 	{
@@ -348,8 +427,42 @@ void SoftBodyWorld::debugDrawWorld()
 	btDiscreteDynamicsWorld::debugDrawWorld();
 	if ( getDebugDrawer() )
 	{
-		drawSoftBodies( m_system->bodies, *getDebugDrawer() );
+		drawPins( m_system->bodies, *getDebugDrawer() );
 	}
+}
+
+void SoftBodyWorld::debugDrawObject( const btTransform& transform, const btCollisionShape* shape, const btVector3& colour )
+{
+	if ( !getDebugDrawer() || !drawSoftBody( m_system->bodies, shape, colour, *getDebugDrawer() ) )
+	{
+		btDiscreteDynamicsWorld::debugDrawObject( transform, shape, colour );
+	}
+}
+
+// In Bullet's order. What is written of the list of objects is written of all that are in it: soft bodies stand aside for that time.
+void SoftBodyWorld::serialize( btSerializer* serializer )
+{
+	if ( m_system->bodies.isEmpty() )
+	{
+		btDiscreteDynamicsWorld::serialize( serializer );
+		return;
+	}
+	const btCollisionObjectArray all( m_collisionObjects );
+	m_collisionObjects.resizeNoInitialize( 0 );
+	for ( int k = 0; k < all.size(); ++k )
+	{
+		if ( !asSoftBody( all[k] ) )
+		{
+			m_collisionObjects.push_back( all[k] );
+		}
+	}
+	serializer->startSerialization();
+	serializeDynamicsWorldInfo( serializer );
+	serializeCollisionObjects( serializer );
+	serializeRigidBodies( serializer );
+	m_collisionObjects = all;
+	serializeRigidContacts( *getDispatcher(), *serializer );
+	serializer->finishSerialization();
 }
 
 } // namespace pliant
