@@ -42,7 +42,7 @@ public:
 		initUnionFind( index );
 		m_bodies.rubbing.clear();
 		uniteByBoxes( *world->getPairCache() );
-		uniteByContacts( *dispatcher );
+		uniteByContacts( *dispatcher, world->getCollisionObjectArray() );
 		m_bodies.copyIslandTags();
 	}
 	void storeIslandActivationState( btCollisionWorld* world ) override
@@ -77,14 +77,21 @@ private:
 		}
 	}
 
-	void uniteByContacts( btDispatcher& dispatcher )
+	/// Another world may share the dispatcher: its objects' tags are none of this one's.
+	static bool isIn( const btCollisionObjectArray& objects, const btCollisionObject* object )
 	{
-		forEachManifold( dispatcher, askForEnd, [this]( const btPersistentManifold& manifold ) {
+		const int index = object->getWorldArrayIndex();
+		return index >= 0 && index < objects.size() && objects[index] == object;
+	}
+
+	void uniteByContacts( btDispatcher& dispatcher, const btCollisionObjectArray& objects )
+	{
+		forEachManifold( dispatcher, askForEnd, [this, &objects]( const btPersistentManifold& manifold ) {
 			const btCollisionObject *a = manifold.getBody0(), *b = manifold.getBody1();
 			const SoftBody *const ownerA = ownerOfNodeBody( a ), *const ownerB = ownerOfNodeBody( b );
 			a = ownerA ? ownerA : a;
 			b = ownerB ? ownerB : b;
-			if ( manifold.getNumContacts() <= 0 )
+			if ( manifold.getNumContacts() <= 0 || !isIn( objects, a ) || !isIn( objects, b ) )
 			{
 				return;
 			}

@@ -92,6 +92,27 @@ bool SoftBodySystem::holds( const btCollisionObject* object, int& index ) const
 	return index < all.size();
 }
 
+void SoftBodySystem::findPlace( SoftBody& body ) const
+{
+	int index = body.getWorldArrayIndex();
+	body.setWorldArrayIndex( holds( &body, index ) ? index : -1 );
+}
+
+bool SoftBodySystem::acceptsSteps( btScalar& timeStep, int maxSubSteps, btScalar fixedTimeStep ) const
+{
+	if ( m_bodies.empty() )
+	{
+		return true; // Bullet's own world
+	}
+	const bool isSingle = maxSubSteps == 0;
+	if ( !std::isfinite( timeStep ) || !std::isfinite( fixedTimeStep ) || ( isSingle ? timeStep < 0 : fixedTimeStep <= 0 ) )
+	{
+		return false;
+	}
+	timeStep = isSingle ? timeStep : std::min( timeStep, fixedTimeStep * kMostFrames );
+	return true;
+}
+
 SoftBody* SoftBodySystem::bodyAfter( unsigned serial ) const
 {
 	const auto next = std::upper_bound( m_bodies.begin(), m_bodies.end(), serial, []( unsigned s, const SoftBody* body ) { return s < body->impl().serial; } );

@@ -32,6 +32,10 @@ public:
 	bool holds( const btCollisionObject* object, int& index ) const;
 	/// Objects that rest on the body or hold it up.
 	void wakeTouching( const SoftBody& body );
+	/// Notes where the body stands in the world's list, for Bullet takes out whatever stands there.
+	void findPlace( SoftBody& body ) const;
+	/// What stepSimulation is asked for. False where it cannot be done; a time of more steps than can be counted is cut.
+	bool acceptsSteps( btScalar& timeStep, int maxSubSteps, btScalar fixedTimeStep ) const;
 	/// Before a step. False where there is nothing to be done for a step of that length; one that is longer than soft bodies can bear is cut short.
 	bool openStep( btScalar& timeStep );
 	/// With all pairs processed: those that the game has refused let go of their contacts.

@@ -5,6 +5,7 @@
 #include "world/debug_draw.h"
 #include "world/island_manager.h"
 #include "world/moved_contacts.h"
+#include "world/rigid_file.h"
 #include "world/soft_body_impl.h"
 #include "world/soft_body_system.h"
 #include "world/stopwatch.h"
@@ -14,30 +15,9 @@
 #include <LinearMath/btSerializer.h>
 
 #include <algorithm>
-#include <cmath>
 #include <new>
 
 namespace pliant {
-
-namespace {
-
-void serializeRigidContacts( btDispatcher& dispatcher, btSerializer& serializer )
-{
-	const bool isAsked = ( serializer.getSerializationFlags() & BT_SERIALIZE_CONTACT_MANIFOLDS ) != 0;
-	for ( int m = 0; isAsked && m < dispatcher.getNumManifolds(); ++m )
-	{
-		const btPersistentManifold* const manifold = dispatcher.getManifoldByIndexInternal( m );
-		if ( manifold->getNumContacts() == 0 || SoftBody::upcast( manifold->getBody0() ) || SoftBody::upcast( manifold->getBody1() ) )
-		{
-			continue;
-		}
-		btChunk* const chunk = serializer.allocate( std::size_t( manifold->calculateSerializeBufferSize() ), 1 );
-		const char* const type = manifold->serialize( manifold, chunk->m_oldPtr, &serializer );
-		serializer.finalizeChunk( chunk, type, BT_CONTACTMANIFOLD_CODE, const_cast<btPersistentManifold*>( manifold ) );
-	}
-}
-
-} // namespace
 
 struct SoftBodyWorld::System
 {
@@ -119,9 +99,8 @@ void SoftBodyWorld::addCollisionObject( btCollisionObject* object, int group, in
 		btDiscreteDynamicsWorld::addCollisionObject( object, group, mask );
 		return;
 	}
-	const int all = btBroadphaseProxy::AllFilter, fixed = btBroadphaseProxy::StaticFilter;
-	const bool isDefault = group == fixed && mask == ( all ^ fixed ) && !soft->isStaticOrKinematicObject();
-	addSoftBody( soft, isDefault ? int( btBroadphaseProxy::DefaultFilter ) : group, isDefault ? all : mask );
+	const bool isDefault = group == btBroadphaseProxy::StaticFilter && mask == ( btBroadphaseProxy::AllFilter ^ btBroadphaseProxy::StaticFilter );
+	isDefault && !soft->isStaticOrKinematicObject() ? addSoftBody( soft ) : addSoftBody( soft, group, mask );
 }
 
 void SoftBodyWorld::addRigidBody( btRigidBody* body )
@@ -143,25 +122,15 @@ void SoftBodyWorld::addRigidBody( btRigidBody* body, int group, int mask )
 void SoftBodyWorld::removeCollisionObject( btCollisionObject* object )
 {
 	SoftBody* const soft = SoftBody::upcast( object );
-	if ( !soft )
+	if ( !soft && !isNodeBody( object ) )
 	{
-		if ( isNodeBody( object ) )
-		{
-			return; // its soft body has gone already
-		}
-		if ( btRigidBody* rigid = btRigidBody::upcast( object ) )
-		{
-			m_system->bodies.releasePinsTo( *rigid );
-		}
-		btDiscreteDynamicsWorld::removeCollisionObject( object );
-		return;
+		btDiscreteDynamicsWorld::removeCollisionObject( object ); // which calls removeRigidBody
 	}
-	if ( soft->impl().system != &m_system->bodies )
+	if ( !soft || soft->impl().system != &m_system->bodies )
 	{
 		return;
 	}
-	int index = soft->getWorldArrayIndex();
-	soft->setWorldArrayIndex( m_system->bodies.holds( soft, index ) ? index : -1 ); // Bullet takes out whatever stands there
+	m_system->bodies.findPlace( *soft );
 	// Predictive contacts may still name its nodes; then the pair cache lets the algorithms go, and with them manifolds and stand-ins.
 	releasePredictiveContacts();
 	m_system->bodies.dropPredictiveContacts();
@@ -248,15 +217,9 @@ int SoftBodyWorld::stepSimulation( btScalar timeStep, int maxSubSteps, btScalar 
 {
 	m_system->bodies.events.clear();
 	m_system->bodies.removeFaded();
-	if ( !m_system->bodies.isEmpty() )
+	if ( !m_system->bodies.acceptsSteps( timeStep, maxSubSteps, fixedTimeStep ) )
 	{
-		const btScalar single = maxSubSteps != 0 ? fixedTimeStep : timeStep;
-		if ( !std::isfinite( timeStep ) || !std::isfinite( fixedTimeStep ) || ( maxSubSteps != 0 ? fixedTimeStep <= 0 : timeStep < 0 ) )
-		{
-			return 0;
-		}
-		timeStep = std::min( timeStep, single * kMostFrames ); // Bullet counts steps in an int
-		m_localTime = std::isfinite( m_localTime ) ? m_localTime : btScalar( 0 );
+		return 0;
 	}
 	return btDiscreteDynamicsWorld::stepSimulation( timeStep, maxSubSteps, fixedTimeStep );
 }
@@ -439,23 +402,11 @@ void SoftBodyWorld::debugDrawObject( const btTransform& transform, const btColli
 	}
 }
 
-// In Bullet's order. What is written of the list of objects is written of all that are in it: soft bodies stand aside for that time.
+// As Bullet's own. What is written of the list of objects is written of all that are in it: soft bodies stand aside for that time.
 void SoftBodyWorld::serialize( btSerializer* serializer )
 {
-	if ( m_system->bodies.isEmpty() )
-	{
-		btDiscreteDynamicsWorld::serialize( serializer );
-		return;
-	}
 	const btCollisionObjectArray all( m_collisionObjects );
-	m_collisionObjects.resizeNoInitialize( 0 );
-	for ( int k = 0; k < all.size(); ++k )
-	{
-		if ( !asSoftBody( all[k] ) )
-		{
-			m_collisionObjects.push_back( all[k] );
-		}
-	}
+	m_collisionObjects = withoutSoftBodies( all );
 	serializer->startSerialization();
 	serializeDynamicsWorldInfo( serializer );
 	serializeCollisionObjects( serializer );
