@@ -163,13 +163,16 @@ void ImplicitSolve::makeBlocks( const std::vector<SoftBody*>& awake )
 	}
 }
 
-// What pressed for one substep presses on in the next, however long that is: else a change of the step, or of how bodies take it, would be felt.
-void ImplicitSolve::scaleImpulses( btDispatcher& dispatcher, double by )
+// What pressed for one substep presses on in the next, however long that is: else a change of the step, or of how bodies take it, would be felt. Islands
+// without soft bodies are Bullet's, which does not.
+void ImplicitSolve::scaleImpulses( btDispatcher& dispatcher, double by ) const
 {
 	for ( int m = 0; m < dispatcher.getNumManifolds(); ++m )
 	{
 		btPersistentManifold& manifold = *dispatcher.getManifoldByIndexInternal( m );
-		for ( int k = 0; k < manifold.getNumContacts(); ++k )
+		const btCollisionObject &a = *manifold.getBody0(), &b = *manifold.getBody1();
+		const bool isOurs = isNodeBody( &a ) || isNodeBody( &b ) || blockOfIsland( std::max( a.getIslandTag(), b.getIslandTag() ) ) >= 0;
+		for ( int k = 0; k < manifold.getNumContacts() && isOurs; ++k )
 		{
 			btManifoldPoint& point = manifold.getContactPoint( k );
 			point.m_appliedImpulse *= btScalar( by );

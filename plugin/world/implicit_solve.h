@@ -38,7 +38,7 @@ private:
 	int softPart( const SoftBody& body ) const override;
 	int rigidPart( int block, btRigidBody& body ) override;
 
-	static void scaleImpulses( btDispatcher& dispatcher, double by );
+	void scaleImpulses( btDispatcher& dispatcher, double by ) const;
 	void makeBlocks( const std::vector<SoftBody*>& awake );
 	OutsideImpulse& outsideOf( const btRigidBody& body );
 	void giveSpeeds( ImplicitBlock& block );

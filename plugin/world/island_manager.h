@@ -32,10 +32,8 @@ public:
 		for ( int i = 0; i < world->getNumCollisionObjects(); ++i )
 		{
 			btCollisionObject* const object = world->getCollisionObjectArray()[i];
-			if ( !object->isStaticOrKinematicObject() )
-			{
-				object->setIslandTag( index++ );
-			}
+			// A body that has just been made static would keep a tag of the last step's.
+			object->setIslandTag( object->isStaticOrKinematicObject() ? -1 : index++ );
 			object->setCompanionId( -1 );
 			object->setHitFraction( btScalar( 1 ) );
 		}
@@ -101,7 +99,8 @@ private:
 			}
 			if ( a && b && a->hasContactResponse() && b->hasContactResponse() )
 			{
-				m_bodies.rubbing.touch( a->getIslandTag(), b->getIslandTag(), ownerA && ownerB && ownerA != ownerB );
+				const bool bothMove = a->getIslandTag() >= 0 && b->getIslandTag() >= 0; // else one of them is a soft body that stands
+				m_bodies.rubbing.touch( a->getIslandTag(), b->getIslandTag(), bothMove && ownerA && ownerB && ownerA != ownerB );
 			}
 		} );
 	}

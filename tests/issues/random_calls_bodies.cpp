@@ -83,7 +83,7 @@ void RandomCalls::removeByManifold()
 	const btPersistentManifold* const manifold = count > 0 ? world.getDispatcher()->getManifoldByIndexInternal( below( count ) ) : nullptr;
 	const btCollisionObject* const named = manifold ? ( SoftBody::upcast( manifold->getBody0() ) ? manifold->getBody0() : manifold->getBody1() ) : nullptr;
 	SoftBody* const soft = SoftBody::upcast( const_cast<btCollisionObject*>( named ) );
-	btRigidBody* const stand = const_cast<btRigidBody*>( btRigidBody::upcast( named ) );
+	btRigidBody* const stand = named ? const_cast<btRigidBody*>( btRigidBody::upcast( named ) ) : nullptr;
 	if ( soft && owns( soft ) && stand )
 	{
 		world.removeRigidBody( stand );
