@@ -146,8 +146,22 @@ inline constexpr int kDefaultMaxSubsteps = 16;
 
 /// Room in the broadphase around what an object may sweep in all its soft substeps, as a share of the swept box's diagonal: contacts change velocities.
 inline constexpr btScalar kSweepRoom = btScalar( 0.02 );
+/// A world with soft bodies steps by no more than this at once, s: longer steps are cut short. A frame that took longer was a halt of the program.
+inline constexpr btScalar kLongestStep = btScalar( 1 );
+/// Frames that stepSimulation may be asked to catch up with at once; what is beyond is dropped before it overflows Bullet's count of steps.
+inline constexpr btScalar kMostFrames = btScalar( 1e6 );
 
 /// The game step that substeps are counted for, s. Longer steps get more.
 inline constexpr btScalar kNominalStep = btScalar( 1 ) / 60;
+
+/// How far a transform's axes may be from unit length and right angles, as a share, to be taken for a rotation: products of many float rotations
+/// stay within a tenth of it, and nobody scales by so little.
+inline constexpr double kMostScale = 1e-2;
+/// Room about a contact in which the triangle is looked for that it lies on, as a share of the mesh's box: rounding.
+inline constexpr btScalar kTriangleRoom = btScalar( 1e-5 );
+/// A node is driven in one step by at most so many of its body's sizes: further off what is left of the body's shape is a thread.
+inline constexpr double kFarthestDrive = 100.0;
+/// Bodies are put no further from the origin than this along any axis, m: a float's last bit is 64 m there.
+inline constexpr btScalar kFarthestPlace = btScalar( 1e9 );
 
 } // namespace pliant

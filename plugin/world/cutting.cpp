@@ -4,6 +4,7 @@
 #include "pliant/body_template.h"
 #include "world/soft_body_impl.h"
 
+#include <cmath>
 #include <new>
 
 namespace pliant {
@@ -87,21 +88,37 @@ int cutBody( SoftBody& soft, const Cut& cut )
 
 int SoftBody::cutPlane( const btVector3& point, const btVector3& normal, btScalar radius )
 {
+	if ( !isFinite( point ) || !isFinite( normal ) || std::isnan( radius ) )
+	{
+		return 0;
+	}
 	return cutBody( *this, PlaneCut{ toVec3d( point ), toVec3d( normal ), double( radius ) } );
 }
 
 int SoftBody::cutSphere( const btVector3& centre, btScalar radius )
 {
+	if ( !isFinite( centre ) || !std::isfinite( radius ) )
+	{
+		return 0;
+	}
 	return cutBody( *this, SphereCut{ toVec3d( centre ), double( radius ) } );
 }
 
 int SoftBody::cutSweep( const btVector3& p0, const btVector3& p1, const btVector3& q0, const btVector3& q1 )
 {
+	if ( !isFinite( p0 ) || !isFinite( p1 ) || !isFinite( q0 ) || !isFinite( q1 ) )
+	{
+		return 0;
+	}
 	return cutBody( *this, BladeCut{ toVec3d( p0 ), toVec3d( p1 ), toVec3d( q0 ), toVec3d( q1 ) } );
 }
 
 int SoftBody::heal( btScalar reach )
 {
+	if ( !std::isfinite( reach ) )
+	{
+		return 0;
+	}
 	try
 	{
 		Body& body = *m_impl->body;

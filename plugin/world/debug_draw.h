@@ -1,13 +1,19 @@
 #pragma once
 
-// Lattice links and pins through the game's own btIDebugDraw; the node spheres come from Bullet, as the shape is a compound.
+// What Bullet's debug drawer is shown of soft bodies.
 
+class btCollisionShape;
 class btIDebugDraw;
+class btVector3;
 
 namespace pliant {
 
 class SoftBodySystem;
 
-void drawSoftBodies( const SoftBodySystem& bodies, btIDebugDraw& drawer );
+/// The soft body whose shape that is, in wireframe: the links of its surface. False where the shape is no soft body's.
+bool drawSoftBody( const SoftBodySystem& bodies, const btCollisionShape* shape, const btVector3& colour, btIDebugDraw& drawer );
+
+/// A cross at each pinned node, with DBG_DrawConstraints.
+void drawPins( const SoftBodySystem& bodies, btIDebugDraw& drawer );
 
 } // namespace pliant

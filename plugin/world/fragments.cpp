@@ -275,7 +275,8 @@ void SoftBodySystem::addFragment( SoftBody& parent, std::unique_ptr<SoftBody> fr
 	SoftBody::Impl& impl = piece->impl();
 	impl.family = parent.impl().family;
 	++*impl.family;
-	add( *piece );
+	const btBroadphaseProxy* const proxy = parent.getBroadphaseHandle();
+	m_world.addCollisionObject( piece, proxy->m_collisionFilterGroup, proxy->m_collisionFilterMask );
 	impl.isWorldOwned = true;
 	owned.push_back( piece );
 
@@ -292,8 +293,6 @@ void SoftBodySystem::addFragment( SoftBody& parent, std::unique_ptr<SoftBody> fr
 			( *other )->impl().fresh.push_back( FreshPair{ impl.serial, pair.slack } );
 		}
 	}
-	const btBroadphaseProxy* const proxy = parent.getBroadphaseHandle();
-	m_world.addCollisionObject( piece, proxy->m_collisionFilterGroup, proxy->m_collisionFilterMask );
 	if ( group.contains( parent ) )
 	{
 		group.add( *piece );
@@ -324,26 +323,23 @@ void SoftBodySystem::advanceFading( btScalar gameStep )
 void SoftBodySystem::removeFaded()
 {
 	removedSinceStep = 0;
-	std::vector<SoftBody*> faded;
-	for ( SoftBody* body : m_bodies )
+	unsigned serial = 0;
+	while ( SoftBody* const body = bodyAfter( serial ) )
 	{
-		const Fading& fading = body->impl().fading;
-		if ( fading.time > 0.0f && fading.left <= 0.0 && !fading.isOver )
+		SoftBody::Impl& impl = body->impl();
+		serial = impl.serial;
+		if ( impl.fading.time > 0.0f && impl.fading.left <= 0.0 && !impl.fading.isOver )
 		{
-			faded.push_back( body );
+			impl.fading.isOver = true;
+			const bool isOurs = impl.isWorldOwned;
+			m_world.removeCollisionObject( body );
+			++removedSinceStep;
+			if ( isOurs )
+			{
+				delete body;
+			}
 		}
 	}
-	for ( SoftBody* body : faded )
-	{
-		body->impl().fading.isOver = true;
-		const bool isOurs = body->impl().isWorldOwned;
-		m_world.removeCollisionObject( body );
-		if ( isOurs )
-		{
-			delete body;
-		}
-	}
-	removedSinceStep = int( faded.size() );
 }
 
 float SoftBody::fadeShare() const

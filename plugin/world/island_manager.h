@@ -29,17 +29,23 @@ public:
 			btSimulationIslandManager::updateActivationState( world, dispatcher );
 			return;
 		}
+		m_bodies.releaseRefusedPairs();
 		int index = 0;
 		for ( int i = 0; i < world->getNumCollisionObjects(); ++i )
 		{
 			btCollisionObject* const object = world->getCollisionObjectArray()[i];
-			if ( !m_bodies.isInPass( *object ) )
+			// A body that has just been made static would keep a tag of the last step's.
+			if ( object->isStaticOrKinematicObject() )
 			{
-				continue;
+				object->setIslandTag( -1 );
 			}
-			if ( !object->isStaticOrKinematicObject() )
+			else if ( m_bodies.isInPass( *object ) )
 			{
 				object->setIslandTag( index++ );
+			}
+			else
+			{
+				continue;
 			}
 			object->setCompanionId( -1 );
 			object->setHitFraction( btScalar( 1 ) );
@@ -47,7 +53,7 @@ public:
 		initUnionFind( index );
 		m_bodies.rubbing.clear();
 		uniteByBoxes( *world->getPairCache() );
-		uniteByContacts( *dispatcher );
+		uniteByContacts( *dispatcher, world->getCollisionObjectArray() );
 		m_bodies.copyIslandTags();
 	}
 	void storeIslandActivationState( btCollisionWorld* world ) override
@@ -111,14 +117,21 @@ private:
 		}
 	}
 
-	void uniteByContacts( btDispatcher& dispatcher )
+	/// Another world may share the dispatcher: its objects' tags are none of this one's.
+	static bool isIn( const btCollisionObjectArray& objects, const btCollisionObject* object )
 	{
-		forEachManifold( dispatcher, askForEnd, [this]( const btPersistentManifold& manifold ) {
+		const int index = object->getWorldArrayIndex();
+		return index >= 0 && index < objects.size() && objects[index] == object;
+	}
+
+	void uniteByContacts( btDispatcher& dispatcher, const btCollisionObjectArray& objects )
+	{
+		forEachManifold( dispatcher, askForEnd, [this, &objects]( const btPersistentManifold& manifold ) {
 			const btCollisionObject *a = manifold.getBody0(), *b = manifold.getBody1();
 			const SoftBody *const ownerA = ownerOfNodeBody( a ), *const ownerB = ownerOfNodeBody( b );
 			a = ownerA ? ownerA : a;
 			b = ownerB ? ownerB : b;
-			if ( manifold.getNumContacts() <= 0 )
+			if ( manifold.getNumContacts() <= 0 || !isIn( objects, a ) || !isIn( objects, b ) )
 			{
 				return;
 			}
@@ -132,7 +145,8 @@ private:
 			}
 			if ( a && b && a->hasContactResponse() && b->hasContactResponse() )
 			{
-				m_bodies.rubbing.touch( a->getIslandTag(), b->getIslandTag(), ownerA && ownerB && ownerA != ownerB );
+				const bool bothMove = a->getIslandTag() >= 0 && b->getIslandTag() >= 0; // else one of them is a soft body that stands
+				m_bodies.rubbing.touch( a->getIslandTag(), b->getIslandTag(), bothMove && ownerA && ownerB && ownerA != ownerB );
 			}
 		} );
 	}

@@ -9,6 +9,7 @@
 #include <LinearMath/btQuickprof.h>
 
 #include <algorithm>
+#include <cassert>
 #include <functional>
 #include <iterator>
 
@@ -208,8 +209,9 @@ void SoftBody::Impl::changeNodes( SoftBody& owner, const std::function<void()>& 
 
 int SoftBody::nodeLevel( int node ) const
 {
+	assert( m_impl->hasNode( node ) );
 	const Levels* levels = m_impl->body->levels();
-	return levels ? levels->levelOf( node ) : 0;
+	return levels && m_impl->hasNode( node ) ? levels->levelOf( node ) : 0;
 }
 
 unsigned SoftBody::levelVersion() const

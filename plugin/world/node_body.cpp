@@ -10,12 +10,20 @@ namespace pliant {
 const char kSoftBodyMark = 0;
 const char kNodeBodyMark = 0;
 
-NodeBody::NodeBody() : btRigidBody( btRigidBodyConstructionInfo( btScalar( 1 ), nullptr, nullptr, btVector3( 0, 0, 0 ) ) )
+NodeBody::NodeBody( NodeBodyPool& from ) : btRigidBody( btRigidBodyConstructionInfo( btScalar( 1 ), nullptr, nullptr, btVector3( 0, 0, 0 ) ) ), pool( &from )
 {
 	// Inertia and angular factor are zero: friction would spin the spheres and stop resisting the slide.
 	setAngularFactor( btVector3( 0, 0, 0 ) );
 	internalSetExtensionPointer( const_cast<char*>( &kNodeBodyMark ) );
 	setFlags( BT_DISABLE_WORLD_GRAVITY ); // and no gyroscopic torque of what may be told to turn (RubbingSpin)
+}
+
+NodeBody::~NodeBody()
+{
+	if ( pool )
+	{
+		pool->forget( *this );
+	}
 }
 
 bool hasContactCallback()
@@ -27,8 +35,27 @@ NodeBodyPool::~NodeBodyPool()
 {
 	for ( NodeBody* body : m_all )
 	{
+		body->pool = nullptr;
 		delete body;
 	}
+}
+
+void NodeBodyPool::forget( const NodeBody& body )
+{
+	std::erase( m_all, &body );
+	std::erase( m_free, &body );
+}
+
+void NodeBodyPool::detach( SoftBody& owner )
+{
+	SoftBody::Impl& impl = owner.impl();
+	for ( NodeBody* stand : impl.touched )
+	{
+		stand->node = -1;
+		stand->owner = nullptr;
+	}
+	impl.touched.clear();
+	impl.nodeBody.assign( impl.nodeBody.size(), nullptr );
 }
 
 void NodeSurface::follow( const SoftBody& owner, unsigned step )
@@ -96,7 +123,7 @@ NodeBody* NodeBodyPool::acquire( SoftBody& owner, int node )
 	{
 		if ( m_free.empty() )
 		{
-			m_all.push_back( new NodeBody );
+			m_all.push_back( new NodeBody( *this ) );
 			m_free.push_back( m_all.back() );
 		}
 		place = m_free.back();

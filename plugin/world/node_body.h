@@ -12,6 +12,7 @@
 
 namespace pliant {
 
+class NodeBodyPool;
 class SoftBody;
 
 class NodeBody : public btRigidBody
@@ -21,7 +22,8 @@ public:
 	static void* operator new( std::size_t size ) { return static_cast<char*>( btAlignedAlloc( size + kOffset, kLine ) ) + kOffset; }
 	static void operator delete( void* body ) { btAlignedFree( static_cast<char*>( body ) - kOffset ); }
 
-	NodeBody();
+	explicit NodeBody( NodeBodyPool& pool );
+	~NodeBody() override;
 
 	/// m
 	btScalar radius() const { return static_cast<const btSphereShape*>( getCollisionShape() )->getRadius(); }
@@ -43,6 +45,7 @@ public:
 	btVector3 written = btVector3( 0, 0, 0 ); ///< world position given to the solver, m
 	unsigned surface = 0;                     ///< NodeSurface::version of what it was given; 0: nothing
 	btBroadphaseProxy* handle = nullptr;      ///< what Bullet has of it: that lies in a line of its own
+	NodeBodyPool* pool = nullptr;             ///< that it came from; null while that goes
 };
 
 /// What a user sets on a soft body and Bullet asks of its stand-ins.
@@ -74,10 +77,15 @@ private:
 /// Marks an object as a stand-in without touching the user's pointers.
 extern const char kNodeBodyMark;
 
+inline bool isNodeBody( const btCollisionObject* object )
+{
+	return object && object->internalGetExtensionPointer() == &kNodeBodyMark;
+}
+
 /// The soft body behind a node body, or null for any other object.
 inline SoftBody* ownerOfNodeBody( const btCollisionObject* object )
 {
-	return object && object->internalGetExtensionPointer() == &kNodeBodyMark ? static_cast<const NodeBody*>( object )->owner : nullptr;
+	return isNodeBody( object ) ? static_cast<const NodeBody*>( object )->owner : nullptr;
 }
 
 /// The game has a say about contacts, and so comes by stand-ins.
@@ -101,6 +109,11 @@ public:
 		m_forgetsForces = isNewStep ? m_hadCallback : m_forgetsForces;
 		m_hadCallback = hasContactCallback() || ( !isNewStep && m_hadCallback );
 	}
+	unsigned phase() const { return m_phase; }
+	/// The owner leaves its world: what still holds stand-ins of its nodes must not ask it again.
+	static void detach( SoftBody& owner );
+	/// The game has deleted a stand-in, which it took for a rigid body of its own.
+	void forget( const NodeBody& body );
 	/// Position, velocity, mass and surface properties from the node, once a phase.
 	void refresh( NodeBody& body );
 	/// Whether it was written in this collision phase: what the solver made of it is for its node then.

@@ -2,6 +2,7 @@
 
 #include "world/ahead.h"
 #include "world/constants.h"
+#include "world/contact_points.h"
 #include "world/soft_body_impl.h"
 
 #include <BulletCollision/BroadphaseCollision/btDispatcher.h>
@@ -9,11 +10,13 @@
 #include <BulletCollision/CollisionDispatch/btManifoldResult.h>
 
 #include <algorithm>
-#include <new>
 
 namespace pliant {
 
 namespace {
+
+/// Above the key of any contact.
+constexpr std::uint64_t kAllKeys = ~std::uint64_t( 0 );
 
 /// The soft body itself only: a node's stand-in meeting a compound is Bullet's business.
 SoftBody* softOf( const btCollisionObjectWrapper* wrapper )
@@ -21,138 +24,79 @@ SoftBody* softOf( const btCollisionObjectWrapper* wrapper )
 	return asSoftBody( const_cast<btCollisionObject*>( wrapper->getCollisionObject() ) );
 }
 
-/// What the two surfaces make of each other, through Bullet's (and the game's) own combination rules.
-void combineSurfaces( const btCollisionObject* body0, const btCollisionObject* body1, btManifoldPoint& point )
-{
-	point.m_combinedFriction = gCalculateCombinedFrictionCallback( body0, body1 );
-	point.m_combinedRestitution = gCalculateCombinedRestitutionCallback( body0, body1 );
-	point.m_combinedRollingFriction = gCalculateCombinedRollingFrictionCallback( body0, body1 );
-	point.m_combinedSpinningFriction = gCalculateCombinedSpinningFrictionCallback( body0, body1 );
-	const int flags = body0->getCollisionFlags() | body1->getCollisionFlags();
-	if ( flags & btCollisionObject::CF_HAS_CONTACT_STIFFNESS_DAMPING )
-	{
-		point.m_combinedContactDamping1 = gCalculateCombinedContactDampingCallback( body0, body1 );
-		point.m_combinedContactStiffness1 = gCalculateCombinedContactStiffnessCallback( body0, body1 );
-		point.m_contactPointFlags |= BT_CONTACT_FLAG_CONTACT_STIFFNESS_DAMPING;
-	}
-	if ( flags & btCollisionObject::CF_HAS_FRICTION_ANCHOR )
-	{
-		point.m_contactPointFlags |= BT_CONTACT_FLAG_FRICTION_ANCHOR;
-	}
-	btPlaneSpace1( point.m_normalWorldOnB, point.m_lateralFrictionDir1, point.m_lateralFrictionDir2 );
-}
-
-/// In the body's own axes. Most stand-ins have the world's: what would be read of those lies in a line of its own.
-btVector3 placeIn( const btCollisionObject& body, const btVector3& at )
-{
-	const bool isStraight = ownerOfNodeBody( &body ) && !static_cast<const NodeBody&>( body ).isDirected;
-	return isStraight ? at - body.getWorldTransform().getOrigin() : body.getWorldTransform().invXform( at );
-}
-
-/// The hit as Bullet's solver wants it: the points on both surfaces, the normal on the second object, who it is. What a point is given besides when it
-/// is made is given again; its age, its impulses and the game's pointer stay.
-void fillPoint( const btPersistentManifold& manifold, const NodeBody& node, const NodeHit& hit, bool nodeIsFirst, btManifoldPoint& point )
-{
-	const btScalar radius = node.radius(), distance = btScalar( hit.touch.distance );
-	const btVector3 outward = toBt( hit.touch.normal );
-	setWhole( nodeIsFirst ? point.m_positionWorldOnA : point.m_positionWorldOnB, node.written - outward * radius );
-	setWhole( nodeIsFirst ? point.m_positionWorldOnB : point.m_positionWorldOnA, node.written - outward * distance );
-	setWhole( point.m_localPointA, placeIn( *manifold.getBody0(), point.m_positionWorldOnA ) );
-	setWhole( point.m_localPointB, placeIn( *manifold.getBody1(), point.m_positionWorldOnB ) );
-	setWhole( point.m_normalWorldOnB, nodeIsFirst ? outward : -outward );
-	point.m_distance1 = distance - radius;
-	point.m_partId0 = nodeIsFirst ? -1 : hit.part;
-	point.m_index0 = nodeIsFirst ? node.node : hit.index;
-	point.m_partId1 = nodeIsFirst ? hit.part : -1;
-	point.m_index1 = nodeIsFirst ? hit.index : node.node;
-	point.m_contactPointFlags = 0;
-	point.m_contactMotion1 = point.m_contactMotion2 = 0;
-	point.m_contactCFM = point.m_contactERP = point.m_frictionCFM = 0;
-	combineSurfaces( manifold.getBody0(), manifold.getBody1(), point );
-}
-
-/// Where it lies: what a copy would be made of has just been written in parts, and would be waited for.
-void renewPoint( btPersistentManifold& manifold, const NodeBody& node, const NodeHit& hit, bool nodeIsFirst, int at )
-{
-	btManifoldPoint& point = manifold.getContactPoint( at );
-	// It bounces once a touch: a node that is pressed on, and struck in each substep, would bring in more than it takes.
-	const bool hasBounced = point.m_appliedImpulse > 0;
-	if ( ( manifold.getBody0()->getCollisionFlags() | manifold.getBody1()->getCollisionFlags() ) & btCollisionObject::CF_HAS_FRICTION_ANCHOR )
-	{
-		btManifoldPoint anchored; // Bullet says whether it stays where it was
-		fillPoint( manifold, node, hit, nodeIsFirst, anchored );
-		anchored.m_combinedRestitution = hasBounced ? btScalar( 0 ) : anchored.m_combinedRestitution;
-		manifold.replaceContactPoint( anchored, at );
-	}
-	else
-	{
-		fillPoint( manifold, node, hit, nodeIsFirst, point );
-		point.m_combinedRestitution = hasBounced ? btScalar( 0 ) : point.m_combinedRestitution;
-	}
-	++point.m_lifeTime;
-}
-
-/// The game may change a new or renewed point, as with any contact of Bullet's.
-void tellAdded( const btPersistentManifold& manifold, btManifoldPoint& point )
-{
-	const btCollisionObject* const body0 = manifold.getBody0();
-	const btCollisionObject* const body1 = manifold.getBody1();
-	const int flags = body0->getCollisionFlags() | body1->getCollisionFlags();
-	if ( gContactAddedCallback && ( flags & btCollisionObject::CF_CUSTOM_MATERIAL_CALLBACK ) != 0 )
-	{
-		const btCollisionObjectWrapper wrap0( nullptr, body0->getCollisionShape(), body0, body0->getWorldTransform(), point.m_partId0, point.m_index0 );
-		const btCollisionObjectWrapper wrap1( nullptr, body1->getCollisionShape(), body1, body1->getWorldTransform(), point.m_partId1, point.m_index1 );
-		gContactAddedCallback( point, &wrap0, point.m_partId0, point.m_index0, &wrap1, point.m_partId1, point.m_index1 );
-	}
-}
-
-/// The old point that a hit carries on: of the same triangle or part. A manifold of one point keeps it wherever it slides.
-int findPoint( const btPersistentManifold& manifold, const NodeHit& hit, int hitCount, bool nodeIsFirst )
-{
-	const int count = manifold.getNumContacts();
-	if ( count == 1 && hitCount == 1 )
-	{
-		return 0;
-	}
-	for ( int k = 0; k < count; ++k )
-	{
-		const btManifoldPoint& point = manifold.getContactPoint( k );
-		if ( ( nodeIsFirst ? point.m_index1 : point.m_index0 ) == hit.index && ( nodeIsFirst ? point.m_partId1 : point.m_partId0 ) == hit.part )
-		{
-			return k;
-		}
-	}
-	return -1;
-}
-
 } // namespace
+
+PairContacts::PairContacts( btDispatcher& dispatcher, NodeBodyPool& pool, PairScratch& scratch ) :
+	m_dispatcher( dispatcher ), m_pool( pool ), m_scratch( scratch ), m_place( scratch.all.size() )
+{
+	scratch.all.push_back( this );
+}
 
 PairContacts::~PairContacts()
 {
+	m_scratch.all[m_place] = m_scratch.all.back();
+	m_scratch.all[m_place]->m_place = m_place;
+	m_scratch.all.pop_back();
 	m_scratch.last = m_scratch.last == this ? nullptr : m_scratch.last;
-	for ( NodeContact& contact : m_contacts )
+	if ( m_scratch.matching == this ) // a callback of the game's has removed one of the two
+	{
+		m_scratch.matching = nullptr;
+		m_contacts.erase( m_contacts.begin(), m_contacts.begin() + std::ptrdiff_t( m_scratch.old ) );
+		m_contacts.insert( m_contacts.end(), m_scratch.contacts.begin(), m_scratch.contacts.end() );
+		m_scratch.contacts.clear();
+	}
+	for ( const NodeContact& contact : m_contacts )
 	{
 		// What the pair held up falls when it goes: wake it, for Bullet does not look at sleeping bodies when a floor is taken away.
-		const bool held = contact.manifold->getNumContacts() > 0;
-		if ( held )
+		if ( contact.manifold->getNumContacts() > 0 )
 		{
-			contact.first->owner->activate();
-			if ( contact.second )
-			{
-				contact.second->owner->activate();
-			}
+			wakeBoth( contact );
 		}
 		drop( contact );
 	}
 }
 
-void PairContacts::drop( NodeContact& contact )
+void PairContacts::wakeBoth( const NodeContact& contact ) const
 {
-	// Manifolds before the bodies they name.
+	for ( const btCollisionObject* object : { contact.manifold->getBody0(), contact.manifold->getBody1() } )
+	{
+		SoftBody* const owner = ownerOfNodeBody( object );
+		const_cast<btCollisionObject*>( owner ? owner : object )->activate();
+	}
+}
+
+// Manifolds before the bodies they name. The game may be told of it, and this pair be gone when it has been.
+void PairContacts::drop( const NodeContact& contact )
+{
+	NodeBodyPool& pool = m_pool;
+	NodeBody *const first = contact.first, *const second = contact.second;
 	m_dispatcher.releaseManifold( contact.manifold );
-	m_pool.release( contact.first );
-	m_pool.release( contact.second );
-	contact = NodeContact{};
+	pool.release( first );
+	pool.release( second );
+}
+
+void PairContacts::releaseIfRefused()
+{
+	if ( m_contacts.empty() || m_phase == 0 || m_phase == m_pool.phase() )
+	{
+		return;
+	}
+	const auto isActive = []( const btCollisionObject* object ) {
+		const SoftBody* const owner = ownerOfNodeBody( object );
+		return owner ? owner->isActive() : object->isActive();
+	};
+	const btPersistentManifold& any = *m_contacts.front().manifold;
+	if ( !isActive( any.getBody0() ) && !isActive( any.getBody1() ) )
+	{
+		return; // nobody asks for sleeping pairs
+	}
+	for ( const NodeContact& contact : m_contacts )
+	{
+		wakeBoth( contact );
+	}
+	startMatching();
+	dropBefore( kAllKeys );
+	endMatching();
 }
 
 void PairContacts::collectManifolds( btManifoldArray& manifolds ) const
@@ -167,6 +111,7 @@ void PairContacts::process( const btCollisionObjectWrapper& body0, const btColli
 {
 	SoftBody* const soft0 = softOf( &body0 );
 	SoftBody* const soft1 = softOf( &body1 );
+	m_phase = m_pool.phase();
 	askFor( m_after, sizeof( PairContacts ) );
 	if ( m_scratch.last )
 	{
@@ -174,7 +119,10 @@ void PairContacts::process( const btCollisionObjectWrapper& body0, const btColli
 	}
 	m_scratch.last = this;
 	askFor( m_contacts.data(), kFetched );
-	followNodes( soft0, soft1 );
+	if ( !followNodes( soft0, soft1 ) )
+	{
+		return;
+	}
 	if ( body0.getCollisionObject()->isStaticOrKinematicObject() && body1.getCollisionObject()->isStaticOrKinematicObject() )
 	{
 		matchHits( Pair{ soft0 ? soft0 : soft1, nullptr, nullptr, true }, {} ); // neither moves the other
@@ -196,28 +144,65 @@ void PairContacts::process( const btCollisionObjectWrapper& body0, const btColli
 
 void PairContacts::processSelf( SoftBody& soft, SelfSearch& search, double step )
 {
-	followNodes( &soft, nullptr );
+	if ( !followNodes( &soft, nullptr ) )
+	{
+		return;
+	}
 	matchHits( Pair{ &soft, &soft, nullptr, true }, search.find( soft, step ) );
 }
 
+// While contacts are matched the game may be told of any of them, and remove whom it likes: `matching` says whether this pair is still there.
+
+void PairContacts::startMatching()
+{
+	m_scratch.matching = this;
+	m_scratch.old = 0;
+	m_scratch.contacts.clear();
+}
+
+void PairContacts::endMatching()
+{
+	if ( m_scratch.matching == this )
+	{
+		m_scratch.matching = nullptr;
+		m_contacts.assign( m_scratch.contacts.begin(), m_scratch.contacts.end() );
+		m_scratch.contacts.clear();
+	}
+}
+
+/// Drops the contacts before `key`. False: this pair is no more.
+bool PairContacts::dropBefore( std::uint64_t key )
+{
+	PairScratch& scratch = m_scratch;
+	while ( scratch.old < m_contacts.size() && m_contacts[scratch.old].key < key )
+	{
+		drop( m_contacts[scratch.old++] );
+		if ( scratch.matching != this )
+		{
+			return false;
+		}
+	}
+	return true;
+}
+
 // After a change of levels: the contacts of nodes that are still there carry on under their new numbers, impulses and all. Nodes keep
-// their order, and so do the keys.
-void PairContacts::followNodes( const SoftBody* soft0, const SoftBody* soft1 )
+// their order, and so do the keys. False: this pair is no more.
+bool PairContacts::followNodes( const SoftBody* soft0, const SoftBody* soft1 )
 {
 	// Either number only ever grows: the sum is the same only where both are.
 	const unsigned numbering = ( soft0 ? soft0->impl().numbering : 0u ) + ( soft1 ? soft1->impl().numbering : 0u );
 	if ( numbering == m_numbering )
 	{
-		return;
+		return true;
 	}
 	m_numbering = numbering;
+	std::vector<NodeContact> gone;
 	std::size_t kept = 0;
-	for ( std::size_t k = 0; k < m_contacts.size(); ++k )
+	for ( NodeContact contact : m_contacts )
 	{
-		NodeContact contact = m_contacts[k];
 		if ( contact.first->node < 0 || ( contact.second && contact.second->node < 0 ) )
 		{
-			drop( contact );
+			gone.push_back( contact );
 			continue;
 		}
 		const std::uint64_t other = contact.second ? std::uint64_t( contact.second->node ) : contact.key & 0xffffffffu;
@@ -231,6 +216,19 @@ void PairContacts::followNodes( const SoftBody* soft0, const SoftBody* soft1 )
 	{
 		std::sort( m_contacts.begin(), m_contacts.end(), isBefore );
 	}
+	m_contacts.swap( gone );
+	startMatching();
+	m_scratch.contacts.assign( gone.begin(), gone.end() );
+	for ( NodeContact& contact : m_contacts )
+	{
+		contact.key = 0;
+	}
+	const bool isThere = dropBefore( kAllKeys );
+	if ( isThere )
+	{
+		endMatching();
+	}
+	return isThere;
 }
 
 void PairContacts::askAhead( std::size_t contact ) const
@@ -251,22 +249,21 @@ void PairContacts::askAhead( std::size_t contact ) const
 // Carries on the contacts that still have a hit, drops the others, opens new ones, all in the order of the keys.
 void PairContacts::matchHits( const Pair& pair, const std::vector<NodeHit>& hits )
 {
-	std::vector<NodeContact>& next = m_scratch.contacts;
-	next.clear();
+	std::size_t& old = m_scratch.old;
+	startMatching();
 	for ( std::size_t k = 0; k <= kContactsAhead && !hits.empty(); ++k )
 	{
 		askAhead( k );
 	}
-	std::size_t old = 0;
 	for ( std::size_t start = 0, end = 0; start < hits.size(); start = end )
 	{
 		const std::uint64_t key = hits[start].key;
 		for ( end = start; end < hits.size() && hits[end].key == key; ++end )
 		{
 		}
-		for ( ; old < m_contacts.size() && m_contacts[old].key < key; ++old )
+		if ( !dropBefore( key ) )
 		{
-			drop( m_contacts[old] );
+			return;
 		}
 		NodeContact contact;
 		contact.key = key;
@@ -284,14 +281,16 @@ void PairContacts::matchHits( const Pair& pair, const std::vector<NodeHit>& hits
 		{
 			open( pair, contact );
 		}
-		write( pair, contact, &hits[start], int( end - start ) );
-		next.push_back( contact );
+		m_scratch.contacts.push_back( contact );
+		if ( !write( pair, contact, &hits[start], int( end - start ) ) )
+		{
+			return;
+		}
 	}
-	for ( ; old < m_contacts.size(); ++old )
+	if ( dropBefore( kAllKeys ) )
 	{
-		drop( m_contacts[old] );
+		endMatching();
 	}
-	m_contacts.assign( next.begin(), next.end() );
 }
 
 void PairContacts::open( const Pair& pair, NodeContact& contact )
@@ -307,10 +306,13 @@ void PairContacts::open( const Pair& pair, NodeContact& contact )
 	contact.manifold = pair.softIsFirst ? m_dispatcher.getNewManifold( contact.first, other ) : m_dispatcher.getNewManifold( other, contact.first );
 }
 
-void PairContacts::write( const Pair& pair, NodeContact& contact, const NodeHit* hits, int count )
+/// False: this pair is no more.
+bool PairContacts::write( const Pair& pair, const NodeContact& contact, const NodeHit* hits, int count )
 {
+	const PairScratch& scratch = m_scratch;
 	btPersistentManifold& manifold = *contact.manifold;
-	const btScalar radius = contact.first->radius();
+	const NodeBody& node = *contact.first;
+	const btScalar radius = node.radius();
 	const bool isNew = manifold.getNumContacts() == 0;
 	// Hits come nearest first; Bullet keeps what lies within the threshold.
 	manifold.setContactBreakingThreshold( btMax( btScalar( hits[count - 1].touch.distance ) - radius, btScalar( 0 ) ) + kContactSlop * radius );
@@ -328,6 +330,10 @@ void PairContacts::write( const Pair& pair, NodeContact& contact, const NodeHit*
 		{
 			// The last point moves into the gap.
 			manifold.removeContactPoint( k );
+			if ( scratch.matching != this )
+			{
+				return false;
+			}
 			std::replace( places, places + count, manifold.getNumContacts(), k );
 		}
 	}
@@ -335,19 +341,17 @@ void PairContacts::write( const Pair& pair, NodeContact& contact, const NodeHit*
 	{
 		if ( places[h] >= 0 )
 		{
-			renewPoint( manifold, *contact.first, hits[h], pair.softIsFirst, places[h] );
+			renewPoint( manifold, node, hits[h], pair.softIsFirst, places[h] );
 		}
 		else
 		{
 			btManifoldPoint point;
-			fillPoint( manifold, *contact.first, hits[h], pair.softIsFirst, point );
+			fillPoint( manifold, node, hits[h], pair.softIsFirst, point );
 			places[h] = manifold.addManifoldPoint( point );
 		}
-		btManifoldPoint& kept = manifold.getContactPoint( places[h] );
-		tellAdded( manifold, kept );
-		if ( gContactProcessedCallback )
+		if ( hasContactCallback() && !tell( manifold, places[h], hits[h].other() ) )
 		{
-			gContactProcessedCallback( kept, const_cast<btCollisionObject*>( manifold.getBody0() ), const_cast<btCollisionObject*>( manifold.getBody1() ) );
+			return false;
 		}
 	}
 	if ( isNew && gContactStartedCallback )
@@ -355,33 +359,20 @@ void PairContacts::write( const Pair& pair, NodeContact& contact, const NodeHit*
 		btPersistentManifold* const started = &manifold;
 		gContactStartedCallback( started );
 	}
+	return scratch.matching == this;
 }
 
-NodeAlgorithm::NodeAlgorithm( const btCollisionAlgorithmConstructionInfo& info, NodeBodyPool& pool, PairScratch& scratch ) :
-	btCollisionAlgorithm( info ), m_contacts( new PairContacts( *info.m_dispatcher1, pool, scratch ) )
+/// False: this pair is no more.
+bool PairContacts::tell( btPersistentManifold& manifold, int place, int leaf )
 {
-}
-
-NodeAlgorithm::~NodeAlgorithm()
-{
-	delete m_contacts;
-}
-
-void NodeAlgorithm::processCollision( const btCollisionObjectWrapper* body0, const btCollisionObjectWrapper* body1,
-	const btDispatcherInfo& info, btManifoldResult* )
-{
-	m_contacts->process( *body0, *body1, double( info.m_timeStep ) );
-}
-
-btCollisionAlgorithm* NodeCreateFunc::CreateCollisionAlgorithm(
-	btCollisionAlgorithmConstructionInfo& info, const btCollisionObjectWrapper* body0, const btCollisionObjectWrapper* body1 )
-{
-	if ( !softOf( body0 ) && !softOf( body1 ) )
+	const PairScratch& scratch = m_scratch;
+	btManifoldPoint& point = manifold.getContactPoint( place );
+	tellAdded( manifold, point, leaf );
+	if ( scratch.matching == this && gContactProcessedCallback )
 	{
-		return m_before->CreateCollisionAlgorithm( info, body0, body1 );
+		gContactProcessedCallback( point, const_cast<btCollisionObject*>( manifold.getBody0() ), const_cast<btCollisionObject*>( manifold.getBody1() ) );
 	}
-	void* const room = info.m_dispatcher1->allocateCollisionAlgorithm( sizeof( NodeAlgorithm ) );
-	return new ( room ) NodeAlgorithm( info, m_pool, m_scratch );
+	return scratch.matching == this;
 }
 
 } // namespace pliant

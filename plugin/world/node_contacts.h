@@ -1,14 +1,13 @@
 #pragma once
 
-// Soft body against anything: a collision algorithm that makes one manifold a touching node, between the node's stand-in and the other
-// object, so that Bullet's own solver does the rest. Registered by the world for pairs with a compound; other compounds pass through.
+// Soft body against anything: one manifold a touching node, between the node's stand-in and the other object, so that Bullet's own solver does
+// the rest.
 
 #include "world/node_body.h"
 #include "world/node_search.h"
 #include "world/self_search.h"
 
 #include <BulletCollision/BroadphaseCollision/btCollisionAlgorithm.h>
-#include <BulletCollision/CollisionDispatch/btCollisionCreateFunc.h>
 
 #include <cstdint>
 #include <vector>
@@ -34,6 +33,9 @@ struct PairScratch
 	NodeSearch search;
 	std::vector<NodeContact> contacts;
 	PairContacts* last = nullptr; ///< whose turn it was
+	PairContacts* matching = nullptr; ///< whose contacts are being matched; null once it is gone, which a callback of the game's may do
+	std::size_t old = 0;                ///< how many of its contacts have been carried over into `contacts`, or dropped
+	std::vector<PairContacts*> all;
 };
 
 /// All contacts of one pair of objects, in the order of their keys.
@@ -42,7 +44,7 @@ class PairContacts
 public:
 	BT_DECLARE_ALIGNED_ALLOCATOR();
 
-	PairContacts( btDispatcher& dispatcher, NodeBodyPool& pool, PairScratch& scratch ) : m_dispatcher( dispatcher ), m_pool( pool ), m_scratch( scratch ) {}
+	PairContacts( btDispatcher& dispatcher, NodeBodyPool& pool, PairScratch& scratch );
 	~PairContacts();
 
 	void process( const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1, double step );
@@ -51,6 +53,11 @@ public:
 	/// How many there are.
 	int count() const { return int( m_contacts.size() ); }
 	void collectManifolds( btManifoldArray& manifolds ) const;
+	/// Null where there is none.
+	const btPersistentManifold* anyManifold() const { return m_contacts.empty() ? nullptr : m_contacts.front().manifold; }
+	/// With all pairs processed: one that was not, though one of the two is awake, has been refused by the game (setIgnoreCollisionCheck, a near callback).
+	/// It lets go of its contacts.
+	void releaseIfRefused();
 
 private:
 	/// The two objects as Bullet ordered them; `soft` is the one whose nodes the keys name first; `other` where that is rigid.
@@ -62,12 +69,17 @@ private:
 		bool softIsFirst;
 	};
 
-	void followNodes( const SoftBody* soft0, const SoftBody* soft1 );
+	bool followNodes( const SoftBody* soft0, const SoftBody* soft1 );
+	void startMatching();
+	void endMatching();
 	void askAhead( std::size_t contact ) const;
 	void matchHits( const Pair& pair, const std::vector<NodeHit>& hits );
 	void open( const Pair& pair, NodeContact& contact );
-	void write( const Pair& pair, NodeContact& contact, const NodeHit* hits, int count );
-	void drop( NodeContact& contact );
+	bool write( const Pair& pair, const NodeContact& contact, const NodeHit* hits, int count );
+	bool tell( btPersistentManifold& manifold, int place, int leaf );
+	bool dropBefore( std::uint64_t key );
+	void drop( const NodeContact& contact );
+	void wakeBoth( const NodeContact& contact ) const;
 
 	btDispatcher& m_dispatcher;
 	NodeBodyPool& m_pool;
@@ -75,39 +87,8 @@ private:
 	std::vector<NodeContact> m_contacts;
 	const void* m_after = nullptr; ///< whose turn it was next: asked for, and else not looked at, as it may be gone
 	unsigned m_numbering = 0; ///< of both bodies, when their nodes were last followed
-};
-
-/// Bullet's pools give an algorithm a fixed room: this one holds a pointer only.
-class NodeAlgorithm : public btCollisionAlgorithm
-{
-public:
-	NodeAlgorithm( const btCollisionAlgorithmConstructionInfo& info, NodeBodyPool& pool, PairScratch& scratch );
-	~NodeAlgorithm() override;
-
-	void processCollision( const btCollisionObjectWrapper* body0, const btCollisionObjectWrapper* body1, const btDispatcherInfo& info,
-		btManifoldResult* result ) override;
-	btScalar calculateTimeOfImpact( btCollisionObject*, btCollisionObject*, const btDispatcherInfo&, btManifoldResult* ) override
-	{
-		return btScalar( 1 );
-	}
-	void getAllContactManifolds( btManifoldArray& manifolds ) override { m_contacts->collectManifolds( manifolds ); }
-
-private:
-	PairContacts* m_contacts;
-};
-
-/// Creates NodeAlgorithm where a soft body takes part, and asks the function that was there before for all else.
-class NodeCreateFunc : public btCollisionAlgorithmCreateFunc
-{
-public:
-	NodeCreateFunc( btCollisionAlgorithmCreateFunc* before, NodeBodyPool& pool, PairScratch& scratch ) : m_before( before ), m_pool( pool ), m_scratch( scratch ) {}
-	btCollisionAlgorithm* CreateCollisionAlgorithm( btCollisionAlgorithmConstructionInfo& info, const btCollisionObjectWrapper* body0,
-		const btCollisionObjectWrapper* body1 ) override;
-
-private:
-	btCollisionAlgorithmCreateFunc* m_before;
-	NodeBodyPool& m_pool;
-	PairScratch& m_scratch;
+	unsigned m_phase = 0;     ///< collision phase in which it was last processed
+	std::size_t m_place;      ///< among PairScratch::all
 };
 
 } // namespace pliant

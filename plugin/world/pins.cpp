@@ -1,6 +1,7 @@
 // Nodes that forces do not move: pinned in place, tied to a rigid body, driven by the game, and those of static and kinematic bodies.
 
-#include "world/soft_body_impl.h"
+#include "matching/constants.h"
+#include "world/placing.h"
 #include "world/soft_body_system.h"
 
 #include <BulletDynamics/Dynamics/btRigidBody.h>
@@ -17,13 +18,9 @@ Pin* SoftBody::Impl::findPin( int node )
 
 Status SoftBody::pin( const PinRequest& request )
 {
-	if ( request.node < 0 || request.node >= nodeCount() )
+	if ( !m_impl->hasNode( request.node ) )
 	{
 		return Status{ ResultCode::BadArgument, "There is no node of this number." };
-	}
-	if ( !isFinite( request.point ) )
-	{
-		return Status{ ResultCode::BadArgument, "The pin's target is not finite." };
 	}
 	Impl& impl = *m_impl;
 	Pin* pin = impl.findPin( request.node );
@@ -35,6 +32,8 @@ Status SoftBody::pin( const PinRequest& request )
 	pin->node = request.node;
 	pin->kind = PinKind( request.kind );
 	pin->body = request.body;
+	pin->bodyIndex = request.body ? request.body->getWorldArrayIndex() : -1;
+	pin->bodyProxy = request.body ? request.body->getBroadphaseHandle()->getUid() : -1;
 	pin->point = request.point;
 	pin->hasTarget = pin->kind == PinKind::Driven;
 	impl.body->setPinned( request.node, true );
@@ -48,18 +47,52 @@ Status SoftBody::pinNode( int node )
 	return pin( PinRequest{ node, int( PinKind::Still ), nullptr, btVector3( 0, 0, 0 ) } );
 }
 
+// A pin keeps a pointer to its rigid body, so it must hear of that body's end. The world hears of it: hence the body must be in the world that this
+// one is in, and the pin goes when it leaves. Where this body is in no world yet, or has left its own, the pin is asked again when it is added.
 Status SoftBody::pinNodeToBody( int node, btRigidBody* body )
 {
-	if ( !body || node < 0 || node >= nodeCount() )
+	if ( !body || !m_impl->hasNode( node ) )
 	{
 		return Status{ ResultCode::BadArgument, "pinNodeToBody needs a node and a rigid body." };
+	}
+	int index = body->getWorldArrayIndex();
+	if ( !body->getBroadphaseHandle() || index < 0 )
+	{
+		return Status{ ResultCode::BadArgument, "pinNodeToBody: the rigid body is in no world. Add it first; the pin goes when it is removed." };
+	}
+	if ( m_impl->system && !m_impl->system->holds( body, index ) )
+	{
+		return Status{ ResultCode::BadArgument, "pinNodeToBody: the rigid body is in another world than the soft body." };
+	}
+	if ( !isFinite( body->getWorldTransform() ) )
+	{
+		return Status{ ResultCode::BadArgument, "pinNodeToBody: the rigid body's transform is not finite." };
 	}
 	return pin( PinRequest{ node, int( PinKind::FollowsBody ), body, body->getWorldTransform().invXform( nodePosition( node ) ) } );
 }
 
 Status SoftBody::driveNode( int node, const btVector3& worldPosition )
 {
+	if ( !m_impl->hasNode( node ) )
+	{
+		return refused( "driveNode", "there is no node of this number." );
+	}
+	if ( Status status = checkVector( worldPosition, "driveNode", "the position" ); !status.ok() )
+	{
+		return status;
+	}
+	if ( ( toVec3d( worldPosition ) - m_impl->body->nodes().worldPosition( node ) ).norm() > m_impl->farthestDrive() )
+	{
+		return refused( "driveNode", "the position is further than a hundred of the body's sizes from the node; teleport the body, or go there in steps." );
+	}
 	return pin( PinRequest{ node, int( PinKind::Driven ), nullptr, worldPosition } );
+}
+
+double SoftBody::Impl::farthestDrive() const
+{
+	btVector3 low, high;
+	shape->getAabb( btTransform::getIdentity(), low, high );
+	return std::min( kFarthestDrive * double( ( high - low ).length() ), 0.5 * double( kSpeedLimit ) * double( kNominalStep ) );
 }
 
 void SoftBody::releaseNode( int node )
@@ -108,6 +141,25 @@ void SoftBodySystem::releasePinsTo( const btRigidBody& body )
 			{
 				soft->releaseNode( pins[k].node );
 			}
+		}
+	}
+}
+
+// By pointer; and by the number of the broadphase's proxy, which no two objects of a world have in turn: a rigid body made where another was
+// deleted is not the one that was pinned to.
+void SoftBodySystem::releaseLostPins( SoftBody& body, bool isAdded )
+{
+	std::vector<Pin>& pins = body.impl().pins;
+	for ( std::size_t k = pins.size(); k-- > 0; )
+	{
+		if ( pins[k].kind != PinKind::FollowsBody )
+		{
+			continue;
+		}
+		const bool isHere = holds( pins[k].body, pins[k].bodyIndex );
+		if ( !isHere || ( isAdded && pins[k].body->getBroadphaseHandle()->getUid() != pins[k].bodyProxy ) )
+		{
+			body.releaseNode( pins[k].node );
 		}
 	}
 }

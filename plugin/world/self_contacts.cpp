@@ -11,8 +11,11 @@ namespace pliant {
 void SoftBodySystem::collideWithThemselves( btScalar h )
 {
 	report.selfContacts = 0;
-	for ( SoftBody* body : m_bodies )
+	// The game is told of contacts, and may remove any body then.
+	unsigned serial = 0;
+	while ( SoftBody* const body = bodyAfter( serial ) )
 	{
+		serial = body->impl().serial;
 		SelfCollision* const self = body->impl().self.get();
 		if ( !self )
 		{
@@ -25,7 +28,7 @@ void SoftBodySystem::collideWithThemselves( btScalar h )
 		}
 		if ( !self->contacts )
 		{
-			self->contacts = std::make_unique<PairContacts>( m_dispatcher, pool, m_pairScratch );
+			self->contacts = std::make_unique<PairContacts>( m_dispatcher, pool, pairScratch );
 		}
 		// A sleeping body keeps the contacts it has, as pairs of Bullet's do.
 		if ( moves( *body ) && isInPass( *body ) )
@@ -33,7 +36,9 @@ void SoftBodySystem::collideWithThemselves( btScalar h )
 			BT_PROFILE( "pliant: self-collision" );
 			self->contacts->processSelf( *body, self->search, double( h ) );
 		}
-		report.selfContacts += self->contacts->count();
+		const SoftBody* const after = bodyAfter( serial - 1 );
+		const bool isThere = after == body && body->impl().self.get() == self && self->contacts;
+		report.selfContacts += isThere ? self->contacts->count() : 0;
 	}
 }
 

@@ -1,33 +1,13 @@
 #include "pliant/soft_body.h"
 
-#include "world/constants.h"
+#include "world/placing.h"
 #include "world/soft_body_impl.h"
 #include "world/soft_body_system.h"
 
-#include <BulletDynamics/Dynamics/btRigidBody.h>
-
-#include <algorithm>
-#include <cmath>
+#include <cassert>
 #include <new>
 
 namespace pliant {
-
-namespace {
-
-Eigen::Quaterniond rotationOf( const btTransform& t )
-{
-	const btQuaternion q = t.getRotation();
-	return Eigen::Quaterniond( q.w(), q.x(), q.y(), q.z() ).normalized();
-}
-
-/// Where the lattice's mass centre goes when its mesh goes through `t`.
-Placement placementOf( const Lattice& lattice, const btTransform& t )
-{
-	const Eigen::Quaterniond rotation = rotationOf( t );
-	return Placement{ rotation, rotation * lattice.massCentre + toVec3d( t.getOrigin() ) };
-}
-
-} // namespace
 
 void SoftBody::Impl::placeSpheres( btCollisionObject& object, const MotionSums& motion, TaskRunner* runner )
 {
@@ -52,7 +32,7 @@ void SoftBody::Impl::finish( SoftBody& owner )
 {
 	shape = std::make_unique<NodeShape>( *body );
 	nodeBody.assign( std::size_t( body->nodeCount() ), nullptr );
-	owner.m_internalType = CO_USER_TYPE;
+	owner.m_internalType = kInternalType;
 	owner.m_collisionFlags &= ~CF_STATIC_OBJECT; // Bullet's objects are born static
 	owner.internalSetExtensionPointer( const_cast<char*>( &kSoftBodyMark ) );
 	owner.setCollisionShape( shape.get() );
@@ -74,9 +54,9 @@ SoftBodyResult SoftBody::create( std::shared_ptr<const BodyTemplate> bodyTemplat
 	{
 		return SoftBodyResult::failure( ResultCode::BadArgument, "SoftBody::create needs a template." );
 	}
-	if ( !isFinite( transform ) )
+	if ( Status sound = checkPlace( transform, "SoftBody::create" ); !sound.ok() )
 	{
-		return SoftBodyResult::failure( ResultCode::BadArgument, "SoftBody::create: the transform holds a number that is not finite." );
+		return SoftBodyResult{ std::move( sound ), nullptr };
 	}
 	try
 	{
@@ -132,22 +112,26 @@ int SoftBody::nodeOfShapeIndex( int shapeIndex ) const
 
 btVector3 SoftBody::nodePosition( int node ) const
 {
-	return m_impl->position( node );
+	assert( m_impl->hasNode( node ) );
+	return m_impl->hasNode( node ) ? m_impl->position( node ) : btVector3( 0, 0, 0 );
 }
 
 btVector3 SoftBody::nodeVelocity( int node ) const
 {
-	return m_impl->velocity( node );
+	assert( m_impl->hasNode( node ) );
+	return m_impl->hasNode( node ) ? m_impl->velocity( node ) : btVector3( 0, 0, 0 );
 }
 
 btScalar SoftBody::nodeMass( int node ) const
 {
-	return m_impl->body->nodes().mass[node];
+	assert( m_impl->hasNode( node ) );
+	return m_impl->hasNode( node ) ? btScalar( m_impl->body->nodes().mass[node] ) : btScalar( 0 );
 }
 
 btScalar SoftBody::nodeRadius( int node ) const
 {
-	return m_impl->shape->sphereOfNode( node )->getRadius();
+	assert( m_impl->hasNode( node ) );
+	return m_impl->hasNode( node ) ? m_impl->shape->sphereOfNode( node )->getRadius() : btScalar( 0 );
 }
 
 int SoftBody::nearestNode( const btVector3& worldPoint ) const
@@ -203,110 +187,6 @@ btTransform SoftBody::bestFitTransform() const
 	return btTransform( q, toBt( origin ) );
 }
 
-void SoftBody::setLinearVelocity( const btVector3& velocity )
-{
-	setVelocities( velocity, btVector3( 0, 0, 0 ) );
-}
-
-void SoftBody::setVelocities( const btVector3& linear, const btVector3& angular )
-{
-	NodeState& nodes = m_impl->body->nodes();
-	const Vec3d centre = m_impl->body->sums().centre;
-	for ( int i = 0; i < nodes.count; ++i )
-	{
-		const Vec3d arm = nodes.x.get( i ).cast<double>() - centre;
-		nodes.v.set( i, ( toVec3d( linear ) + toVec3d( angular ).cross( arm ) ).cast<float>() );
-	}
-	activate( true );
-}
-
-void SoftBody::applyCentralForce( const btVector3& force )
-{
-	m_impl->centralForce += force;
-	activate( true );
-}
-
-void SoftBody::applyForce( const btVector3& force, int node )
-{
-	NodeState& nodes = m_impl->body->nodes();
-	if ( nodes.force.x.empty() )
-	{
-		nodes.force.resize( nodes.padded );
-	}
-	nodes.force.set( node, nodes.force.get( node ) + toVec3( force ) );
-	m_impl->hasNodeForces = true;
-	activate( true );
-}
-
-void SoftBody::applyCentralImpulse( const btVector3& impulse )
-{
-	NodeState& nodes = m_impl->body->nodes();
-	const Vec3 change = toVec3( impulse / mass() );
-	for ( int i = 0; i < nodes.count; ++i )
-	{
-		nodes.v.set( i, nodes.v.get( i ) + nodes.freedom[i] * change );
-	}
-	activate( true );
-}
-
-void SoftBody::applyImpulse( const btVector3& impulse, int node )
-{
-	NodeState& nodes = m_impl->body->nodes();
-	nodes.v.set( node, nodes.v.get( node ) + ( nodes.freedom[node] / nodes.mass[node] ) * toVec3( impulse ) );
-	activate( true );
-}
-
-void SoftBody::setGravity( const btVector3& gravity )
-{
-	m_impl->hasOwnGravity = true;
-	m_impl->gravity = gravity;
-	activate( true );
-}
-
-void SoftBody::clearGravity()
-{
-	m_impl->hasOwnGravity = false;
-	activate( true );
-}
-
-void SoftBody::hasMoved()
-{
-	m_impl->skin.nodesMoved();
-	m_impl->placeShape( *this );
-	if ( m_impl->system )
-	{
-		m_impl->system->refreshBox( *this );
-	}
-	activate( true );
-}
-
-void SoftBody::teleport( const btTransform& by )
-{
-	if ( !isFinite( by ) )
-	{
-		return;
-	}
-	m_impl->body->teleport( Placement{ rotationOf( by ), toVec3d( by.getOrigin() ) } );
-	hasMoved();
-}
-
-void SoftBody::reset( const btTransform& transform )
-{
-	if ( !isFinite( transform ) )
-	{
-		return;
-	}
-	m_impl->body->place( placementOf( m_impl->body->lattice(), transform ) );
-	if ( !m_impl->isHealthy )
-	{
-		forceActivationState( m_impl->stateBefore ); // quarantine had taken it out of the simulation
-	}
-	m_impl->isHealthy = true;
-	m_impl->skin.fade.clear();
-	activate( true ); // leaves alone what the game has set for good
-	hasMoved();
-}
-
 Status SoftBody::setMaterial( const Material& material )
 {
 	Status status = m_impl->body->setMaterial( material );
@@ -314,6 +194,7 @@ Status SoftBody::setMaterial( const Material& material )
 	{
 		m_impl->mass = m_impl->body->sums().mass;
 		m_impl->skin.rigid.forget(); // other regions carry the skin otherwise
+		m_impl->wakeTouching( *this );
 		activate( true );
 	}
 	return status;

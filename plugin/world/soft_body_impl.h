@@ -36,7 +36,9 @@ struct Pin
 {
 	int node = -1;
 	PinKind kind = PinKind::Still;
-	btRigidBody* body = nullptr;             ///< FollowsBody
+	btRigidBody* body = nullptr;             ///< FollowsBody; in the soft body's world, as long as that is in one
+	int bodyIndex = -1;                      ///< where it was last in the world's list of objects
+	int bodyProxy = -1;                      ///< the number of its broadphase proxy when it was pinned to
 	btVector3 point = btVector3( 0, 0, 0 );  ///< FollowsBody: in the body's frame; Driven: target in the world
 	bool hasTarget = false;                  ///< Driven: the target has not been reached yet
 };
@@ -192,6 +194,10 @@ struct SoftBody::Impl
 		const Vec3Array& v = body->nodes().v;
 		return btVector3( v.x[node], v.y[node], v.z[node] );
 	}
+	bool hasNode( int node ) const { return node >= 0 && node < body->nodeCount(); }
+	/// What rests on the body or holds it up wakes: the body is about to move in a way that contacts do not see coming.
+	void wakeTouching( const SoftBody& owner ) const;
+	double farthestDrive() const; ///< from where a node is, m
 	Pin* findPin( int node );
 	/// The object's transform and the spheres go where the nodes are, and how fast those are is noted; what Bullet is asked of them is to be freshened.
 	void placeSpheres( btCollisionObject& object, const MotionSums& motion, TaskRunner* runner = nullptr );

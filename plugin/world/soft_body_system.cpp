@@ -17,88 +17,6 @@
 
 namespace pliant {
 
-SoftBodySystem::SoftBodySystem( btDiscreteDynamicsWorld& world, btDispatcher* dispatcher, btCollisionConfiguration* configuration ) :
-	substeps( kDefaultSubsteps ), maxSubsteps( kDefaultMaxSubsteps ), ownRunner( createThreadPool( 1 ) ), m_world( world ),
-	m_dispatcher( *static_cast<btCollisionDispatcher*>( dispatcher ) )
-{
-	// A soft body's shape is a compound: our algorithm goes in front of Bullet's for compounds. The table of closest-point algorithms stays
-	// as it is: contact tests see a compound of spheres. So do the entries for GImpact meshes, which games register themselves.
-	const auto wrap = [&]( int type0, int type1 ) {
-		const Wrapped wrapped{ type0, type1, configuration->getCollisionAlgorithmCreateFunc( type0, type1 ) };
-		m_wrapped.push_back( wrapped );
-		m_createFuncs.push_back( std::make_unique<NodeCreateFunc>( wrapped.before, pool, m_pairScratch ) );
-		m_dispatcher.registerCollisionCreateFunc( type0, type1, m_createFuncs.back().get() );
-	};
-	for ( int type = 0; type < MAX_BROADPHASE_COLLISION_TYPES; ++type )
-	{
-		if ( type == GIMPACT_SHAPE_PROXYTYPE )
-		{
-			continue;
-		}
-		wrap( COMPOUND_SHAPE_PROXYTYPE, type );
-		if ( type != COMPOUND_SHAPE_PROXYTYPE )
-		{
-			wrap( type, COMPOUND_SHAPE_PROXYTYPE );
-		}
-	}
-}
-
-SoftBodySystem::~SoftBodySystem()
-{
-	dropPredictiveContacts();
-	for ( SoftBody* body : m_bodies )
-	{
-		body->impl().system = nullptr;
-	}
-}
-
-void SoftBodySystem::restoreCreateFuncs()
-{
-	for ( const Wrapped& wrapped : m_wrapped )
-	{
-		m_dispatcher.registerCollisionCreateFunc( wrapped.type0, wrapped.type1, wrapped.before );
-	}
-	m_wrapped.clear();
-}
-
-bool SoftBodySystem::add( SoftBody& body )
-{
-	if ( body.impl().system )
-	{
-		return false;
-	}
-	body.impl().system = this;
-	body.impl().serial = ++m_serials;
-	m_bodies.push_back( &body );
-	return true;
-}
-
-bool SoftBodySystem::remove( SoftBody& body )
-{
-	const auto found = std::find( m_bodies.begin(), m_bodies.end(), &body );
-	if ( found == m_bodies.end() )
-	{
-		return false;
-	}
-	m_bodies.erase( found );
-	if ( body.impl().self )
-	{
-		body.impl().self->contacts.reset();
-	}
-	release( body );
-	return true;
-}
-
-void SoftBodySystem::forget( SoftBody& body )
-{
-	m_world.removeCollisionObject( &body );
-}
-
-void SoftBodySystem::refreshBox( SoftBody& body )
-{
-	m_world.updateSingleAabb( &body );
-}
-
 bool SoftBodySystem::moves( const SoftBody& body ) const
 {
 	return body.isActive() && body.isHealthy() && !body.isStaticOrKinematicObject();
@@ -135,6 +53,11 @@ int SoftBodySystem::substepsOf( const SoftBody& body ) const
 	return group.isEmpty() || ( group.isSplit() && !group.contains( body ) ) ? 1 : m_substepCount;
 }
 
+bool SoftBodySystem::isAwakeIn( int island ) const
+{
+	return island >= 0 && std::any_of( m_awake.begin(), m_awake.end(), [island]( const SoftBody* body ) { return body->getIslandTag() == island; } );
+}
+
 void SoftBodySystem::beginPass( StepPass pass )
 {
 	m_pass = pass;
@@ -155,7 +78,7 @@ void SoftBodySystem::beginStep( btScalar gameStep, int substepCount )
 	moveHeldBodies();
 	const btVector3 gravity = m_world.getGravity();
 	const Vec3d up = gravity.isZero() ? Vec3d( Vec3d::Zero() ) : toVec3d( -gravity.normalized() );
-	m_pairScratch.search.setCharacters( { up, double( m_world.getDispatchInfo().m_allowedCcdPenetration ), double( gameStep ) } );
+	pairScratch.search.setCharacters( { up, double( m_world.getDispatchInfo().m_allowedCcdPenetration ), double( gameStep ) } );
 	for ( SoftBody* body : m_bodies )
 	{
 		SoftBody::Impl& impl = body->impl();
@@ -379,6 +302,7 @@ void SoftBodySystem::endStep()
 {
 	freshenShapes();
 	countNodes();
+	noteSleepers();
 	for ( SoftBody* body : m_bodies )
 	{
 		if ( body->getActivationState() == ISLAND_SLEEPING )

@@ -6,6 +6,7 @@
 #include "pliant/soft_body_world.h"
 #include "world/implicit_choice.h"
 #include "world/implicit_solve.h"
+#include "world/node_algorithm.h"
 #include "world/node_body.h"
 #include "world/node_contacts.h"
 #include "world/node_guard.h"
@@ -23,11 +24,23 @@ namespace pliant {
 class SoftBodySystem
 {
 public:
-	SoftBodySystem( btDiscreteDynamicsWorld& world, btDispatcher* dispatcher, btCollisionConfiguration* configuration );
+	SoftBodySystem( btDiscreteDynamicsWorld& world, btDispatcher* dispatcher );
 	~SoftBodySystem();
 
 	bool add( SoftBody& body );    ///< false when it is there already or belongs to another world
-	bool remove( SoftBody& body ); ///< false when it is not there
+	bool remove( SoftBody& body ); ///< after it has left the world; false when it is not there
+	/// Whether an object is in the world: asks the world's list for the pointer, not the object, which may be gone. `index`: where it was last; where it is.
+	bool holds( const btCollisionObject* object, int& index ) const;
+	/// Objects that rest on the body or hold it up.
+	void wakeTouching( const SoftBody& body );
+	/// Notes where the body stands in the world's list, for Bullet takes out whatever stands there.
+	void findPlace( SoftBody& body ) const;
+	/// What stepSimulation is asked for. False where it cannot be done; a time of more steps than can be counted is cut.
+	bool acceptsSteps( btScalar& timeStep, int maxSubSteps, btScalar fixedTimeStep ) const;
+	/// Before a step. False where there is nothing to be done for a step of that length; one that is longer than soft bodies can bear is cut short.
+	bool openStep( btScalar& timeStep );
+	/// With all pairs processed: those that the game has refused let go of their contacts.
+	void releaseRefusedPairs();
 	/// A body is being destroyed while it is in the world.
 	void forget( SoftBody& body );
 	void refreshBox( SoftBody& body );
@@ -49,8 +62,14 @@ public:
 		group.endSubsteps( m_world );
 		copyIslandTags();
 	}
-	bool hasAwakeInPass() const { return !m_awake.empty(); }
+	/// An awake body of the pass is in the island.
+	bool isAwakeIn( int island ) const;
 	bool isInPass( const btCollisionObject& object ) const { return group.moves( m_pass, object ); }
+	/// Whether the pass looks for contacts of two objects.
+	bool isPairInPass( const btCollisionObject& a, const btCollisionObject& b ) const
+	{
+		return !group.isSplit() || ( group.contains( a ) || group.contains( b ) ) == ( m_pass == StepPass::Substeps );
+	}
 
 	// One pass, in this order: soft_body_world_step.cpp.
 	void accelerate( btScalar h, int substep ); ///< forces, pins' speeds, shape matching, the boxes' sweep
@@ -85,8 +104,7 @@ public:
 	std::vector<SoftBody*> owned; ///< fragments that nobody has released
 
 	void releasePinsTo( const btRigidBody& body );
-	/// Gives the dispatcher back the functions that were registered before ours: it may outlive this world.
-	void restoreCreateFuncs();
+	void releaseLostPins( SoftBody& body, bool isAdded );
 
 	/// Contacts of soft bodies that the pass's last substep met.
 	void countContacts( int count ) { report.softContacts = m_contactsBefore + count; }
@@ -97,6 +115,7 @@ public:
 	int maxSubsteps;
 	NodeBodyPool pool;
 	RubbingSpin rubbing;
+	PairScratch pairScratch;
 	SkinRooms skinRooms;
 	std::unique_ptr<TaskRunner> ownRunner;
 	TaskRunner* runner = nullptr; ///< the game's, or null
@@ -137,27 +156,24 @@ private:
 	std::vector<const btCollisionObject*> wallsAround( SoftBody& body, double reach );
 	void keepNewNodesOut( SoftBody& body, const std::vector<Vec3>& placeBefore );
 	void keepPushedNodesOut( SoftBody& body, const std::vector<Vec3>& placeBefore );
+	SoftBody* bodyAfter( unsigned serial ) const;
+	void removeLost();
+	void noteSleepers();
+	void wakeOnTheWoken();
 	void drivePins( SoftBody& body, btScalar h, int substep );
 	void settlePins( SoftBody& body, btScalar h, int substep );
 
-	struct Wrapped
-	{
-		int type0, type1;
-		btCollisionAlgorithmCreateFunc* before;
-	};
-
 	btDiscreteDynamicsWorld& m_world;
 	btCollisionDispatcher& m_dispatcher;
-	std::vector<Wrapped> m_wrapped;
-	PairScratch m_pairScratch;
-	std::vector<SoftBody*> m_bodies;
-	std::vector<std::unique_ptr<NodeCreateFunc>> m_createFuncs;
+	std::shared_ptr<AlgorithmTable> m_algorithms; ///< null while there is no body
+	std::vector<SoftBody*> m_bodies; ///< ascending by serial
 	std::vector<NodeBody*> m_predictive;
 	ImplicitSolve m_implicit[2]; ///< by pass
 	NodeGuard m_guard;
 	std::vector<Vec3> m_placesBefore; ///< scratch of readBack
 	ImplicitChoice m_choice;
 	std::vector<SoftBody*> m_awake; ///< in this substep
+	std::vector<SoftBody*> m_asleep; ///< when the last step ended
 	std::vector<SoftBody*> m_staleShapes; ///< scratch of freshenShapes
 	std::vector<SoftBody*> m_sharedOut, m_whole; ///< those of them that all threads do together, and that one does
 	std::vector<SoftBody*> m_stale; ///< scratch of noteAsked

@@ -3,7 +3,10 @@
 #include "world/constants.h"
 #include "world/debug_draw.h"
 #include "world/island_manager.h"
+#include "world/rigid_file.h"
 #include "world/soft_body_impl.h"
+
+#include <LinearMath/btSerializer.h>
 
 #include <algorithm>
 #include <new>
@@ -14,7 +17,7 @@ SoftBodyWorld::SoftBodyWorld(
 	btDispatcher* dispatcher, btBroadphaseInterface* broadphase, btConstraintSolver* solver, btCollisionConfiguration* configuration,
 	BulletPrecision ) :
 	btDiscreteDynamicsWorld( dispatcher, broadphase, solver, configuration ),
-	m_system( std::make_unique<System>( *this, dispatcher, configuration ) )
+	m_system( std::make_unique<System>( *this, dispatcher ) )
 {
 	// As btDiscreteDynamicsWorldMt does it: the base made a manager and owns it; ours takes its place and is owned in turn.
 	m_islandManager->~btSimulationIslandManager();
@@ -26,9 +29,9 @@ SoftBodyWorld::SoftBodyWorld(
 SoftBodyWorld::~SoftBodyWorld()
 {
 	// Fragments that nobody has taken over go. What the game added stays the game's: the bodies leave, and take their contacts along while the pool still stands.
-	for ( SoftBody* fragment : std::vector<SoftBody*>( m_system->bodies.owned ) )
+	while ( !m_system->bodies.owned.empty() )
 	{
-		delete fragment;
+		delete m_system->bodies.owned.back();
 	}
 	while ( !m_system->bodies.bodies().empty() )
 	{
@@ -36,14 +39,13 @@ SoftBodyWorld::~SoftBodyWorld()
 	}
 	releasePredictiveContacts();
 	m_system->bodies.dropPredictiveContacts();
-	m_system->bodies.restoreCreateFuncs();
 }
 
 void SoftBodyWorld::addSoftBody( SoftBody* body, int group, int mask )
 {
 	if ( body && m_system->bodies.add( *body ) )
 	{
-		addCollisionObject( body, group, mask );
+		btDiscreteDynamicsWorld::addCollisionObject( body, group, mask );
 	}
 }
 
@@ -55,34 +57,69 @@ void SoftBodyWorld::removeSoftBody( SoftBody* body )
 	}
 }
 
-void SoftBodyWorld::removeCollisionObject( btCollisionObject* object )
+void SoftBodyWorld::addCollisionObject( btCollisionObject* object, int group, int mask )
 {
+	if ( isNodeBody( object ) )
+	{
+		return;
+	}
 	SoftBody* const soft = asSoftBody( object );
 	if ( !soft )
 	{
-		if ( btRigidBody* rigid = btRigidBody::upcast( object ) )
-		{
-			m_system->bodies.releasePinsTo( *rigid );
-		}
-		m_system->forget( *object, getNumCollisionObjects() );
-		btDiscreteDynamicsWorld::removeCollisionObject( object );
+		btDiscreteDynamicsWorld::addCollisionObject( object, group, mask );
 		return;
 	}
-	if ( soft->impl().system != &m_system->bodies )
+	const bool isDefault = group == btBroadphaseProxy::StaticFilter && mask == ( btBroadphaseProxy::AllFilter ^ btBroadphaseProxy::StaticFilter );
+	isDefault && !soft->isStaticOrKinematicObject() ? addSoftBody( soft ) : addSoftBody( soft, group, mask );
+}
+
+void SoftBodyWorld::addRigidBody( btRigidBody* body )
+{
+	if ( !isNodeBody( body ) )
+	{
+		btDiscreteDynamicsWorld::addRigidBody( body );
+	}
+}
+
+void SoftBodyWorld::addRigidBody( btRigidBody* body, int group, int mask )
+{
+	if ( !isNodeBody( body ) )
+	{
+		btDiscreteDynamicsWorld::addRigidBody( body, group, mask );
+	}
+}
+
+void SoftBodyWorld::removeCollisionObject( btCollisionObject* object )
+{
+	SoftBody* const soft = SoftBody::upcast( object );
+	if ( !soft && !isNodeBody( object ) )
+	{
+		if ( !btRigidBody::upcast( object ) )
+		{
+			m_system->forget( *object, getNumCollisionObjects() );
+		}
+		btDiscreteDynamicsWorld::removeCollisionObject( object ); // which calls removeRigidBody
+	}
+	if ( !soft || soft->impl().system != &m_system->bodies )
 	{
 		return;
 	}
+	m_system->bodies.findPlace( *soft );
 	// Predictive contacts may still name its nodes; then the pair cache lets the algorithms go, and with them manifolds and stand-ins.
 	releasePredictiveContacts();
 	m_system->bodies.dropPredictiveContacts();
-	m_system->forget( *object, getNumCollisionObjects() );
-	btCollisionWorld::removeCollisionObject( object );
+	m_system->forget( *soft, getNumCollisionObjects() );
+	btCollisionWorld::removeCollisionObject( soft );
 	m_system->bodies.remove( *soft );
-	soft->impl().system = nullptr;
 }
 
 void SoftBodyWorld::removeRigidBody( btRigidBody* body )
 {
+	if ( isNodeBody( body ) )
+	{
+		removeCollisionObject( body );
+		return;
+	}
 	m_system->bodies.releasePinsTo( *body );
 	m_system->forget( *body, getNumCollisionObjects() );
 	btDiscreteDynamicsWorld::removeRigidBody( body );
@@ -102,7 +139,8 @@ int SoftBodyWorld::softBodyCount() const
 
 SoftBody* SoftBodyWorld::softBody( int index )
 {
-	return m_system->bodies.bodies()[index];
+	const std::vector<SoftBody*>& bodies = m_system->bodies.bodies();
+	return index >= 0 && index < int( bodies.size() ) ? bodies[std::size_t( index )] : nullptr;
 }
 
 void SoftBodyWorld::setSoftSubsteps( int count )
@@ -163,6 +201,10 @@ int SoftBodyWorld::stepSimulation( btScalar timeStep, int maxSubSteps, btScalar 
 	m_system->isTickOver = false;
 	m_system->bodies.events.clear();
 	m_system->bodies.removeFaded();
+	if ( !m_system->bodies.acceptsSteps( timeStep, maxSubSteps, fixedTimeStep ) )
+	{
+		return 0;
+	}
 	return btDiscreteDynamicsWorld::stepSimulation( timeStep, maxSubSteps, fixedTimeStep );
 }
 
@@ -171,8 +213,30 @@ void SoftBodyWorld::debugDrawWorld()
 	btDiscreteDynamicsWorld::debugDrawWorld();
 	if ( getDebugDrawer() )
 	{
-		drawSoftBodies( m_system->bodies, *getDebugDrawer() );
+		drawPins( m_system->bodies, *getDebugDrawer() );
 	}
+}
+
+void SoftBodyWorld::debugDrawObject( const btTransform& transform, const btCollisionShape* shape, const btVector3& colour )
+{
+	if ( !getDebugDrawer() || !drawSoftBody( m_system->bodies, shape, colour, *getDebugDrawer() ) )
+	{
+		btDiscreteDynamicsWorld::debugDrawObject( transform, shape, colour );
+	}
+}
+
+// As Bullet's own. What is written of the list of objects is written of all that are in it: soft bodies stand aside for that time.
+void SoftBodyWorld::serialize( btSerializer* serializer )
+{
+	const btCollisionObjectArray all( m_collisionObjects );
+	m_collisionObjects = withoutSoftBodies( all );
+	serializer->startSerialization();
+	serializeDynamicsWorldInfo( serializer );
+	serializeCollisionObjects( serializer );
+	serializeRigidBodies( serializer );
+	m_collisionObjects = all;
+	serializeRigidContacts( *getDispatcher(), *serializer );
+	serializer->finishSerialization();
 }
 
 } // namespace pliant

@@ -17,7 +17,7 @@ namespace pliant {
 
 struct SoftBodyWorld::System
 {
-	System( SoftBodyWorld& world, btDispatcher* dispatcher, btCollisionConfiguration* configuration ) : bodies( world, dispatcher, configuration ) {}
+	System( SoftBodyWorld& world, btDispatcher* dispatcher ) : bodies( world, dispatcher ) {}
 
 	SoftBodySystem bodies;
 	TurningFriction turning;

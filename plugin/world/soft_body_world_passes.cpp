@@ -7,6 +7,8 @@
 
 #include <LinearMath/btQuickprof.h>
 
+#include <algorithm>
+
 namespace pliant {
 
 namespace {
@@ -20,7 +22,7 @@ struct PassPairs : btOverlapCallback
 	{
 		const auto& a = *static_cast<const btCollisionObject*>( pair.m_pProxy0->m_clientObject );
 		const auto& b = *static_cast<const btCollisionObject*>( pair.m_pProxy1->m_clientObject );
-		if ( ( bodies.group.contains( a ) || bodies.group.contains( b ) ) == ( bodies.pass() == StepPass::Substeps ) )
+		if ( bodies.isPairInPass( a, b ) )
 		{
 			dispatcher.getNearCallback()( pair, dispatcher, info );
 		}
@@ -81,7 +83,7 @@ void SoftBodyWorld::System::endPass( SoftBodyWorld& world )
 	}
 }
 
-// Impulses that were found in a step of another length start the solver as hard as they pressed, where a soft body takes part in the pass, and of what has
+// Impulses that were found in a step of another length start the solver as hard as they pressed, in islands with an awake soft body and where something has
 // entered the group or left it. Else they are Bullet's, which leaves them alone.
 void SoftBodyWorld::System::carryImpulses( SoftBodyWorld& world, btScalar h )
 {
@@ -94,7 +96,8 @@ void SoftBodyWorld::System::carryImpulses( SoftBodyWorld& world, btScalar h )
 			const bool wasSubstep = bodies.group.didContain( *manifold.getBody0() ) || bodies.group.didContain( *manifold.getBody1() );
 			const bool hasChanged = wasSubstep != ( bodies.pass() == StepPass::Substeps );
 			const btScalar then = wasSubstep ? before.substep : before.whole;
-			if ( then != h && ( hasChanged || bodies.hasAwakeInPass() ) )
+			const int island = std::max( manifold.getBody0()->getIslandTag(), manifold.getBody1()->getIslandTag() );
+			if ( then != h && ( hasChanged || isNodeBody( manifold.getBody0() ) || isNodeBody( manifold.getBody1() ) || bodies.isAwakeIn( island ) ) )
 			{
 				scaleImpulses( manifold, h / then );
 			}

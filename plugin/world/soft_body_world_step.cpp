@@ -33,8 +33,8 @@ void SoftBodyWorld::System::stepPass( SoftBodyWorld& world, btScalar h )
 	world.performDiscreteCollisionDetection();    // broadphase, narrow phase, bodies with themselves
 	btDispatcher* const dispatcher = world.m_dispatcher1;
 	showPass( world );                            // islands and solver see the manifolds of the pass
-	carryImpulses( world, h );
 	world.calculateSimulationIslands();
+	carryImpulses( world, h );
 	world.getSolverInfo().m_timeStep = h;
 	world.solveConstraints( world.getSolverInfo() ); // implicit blocks, Bullet's solver, velocities back to the nodes
 	if ( bodies.pass() == StepPass::Substeps )
@@ -55,6 +55,10 @@ void SoftBodyWorld::internalSingleStepSimulation( btScalar timeStep )
 		m_system->isTickOver = false;
 		bodies.events.clear();
 		bodies.removeFaded();
+	}
+	if ( !bodies.openStep( timeStep ) )
+	{
+		return;
 	}
 	if ( bodies.isEmpty() )
 	{

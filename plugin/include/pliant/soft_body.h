@@ -54,7 +54,11 @@ class PLIANT_API SoftBody : public btCollisionObject
 public:
 	BT_DECLARE_ALIGNED_ALLOCATOR();
 
-	/// Place the template's mass centre at transform applied to the template's mesh (mesh coordinates go through `transform`).
+	/// What getInternalType() says of a soft body, a bit of its own: tests for other types (`& CO_RIGID_BODY`, `& ( CO_USER_TYPE + 1 )`) do not match it.
+	static constexpr int kInternalType = 1 << 16;
+
+	/// Place the template's mass centre at transform applied to the template's mesh (mesh coordinates go through `transform`). Refused (BadArgument)
+	/// where the transform scales, shears or mirrors by more than a hundredth: scale the mesh.
 	static SoftBodyResult create( std::shared_ptr<const BodyTemplate> bodyTemplate, const btTransform& transform, const Material& material = {},
 		const Adaptivity& adaptivity = {}, const StiffnessField& stiffness = {} );
 	~SoftBody() override;
@@ -63,7 +67,7 @@ public:
 	static SoftBody* upcast( btCollisionObject* object );
 	static const SoftBody* upcast( const btCollisionObject* object );
 
-	// --- nodes ------------------------------------------------------------------------------------------------------
+	// --- nodes: 0 to nodeCount() - 1. Of a node that is not there: zeros, and in a build with assertions the end of the program ------
 	int nodeCount() const;
 	btVector3 nodePosition( int node ) const;  ///< world, m
 	btVector3 nodeVelocity( int node ) const;  ///< m/s
@@ -114,7 +118,8 @@ public:
 
 	// --- cutting: also bodies whose rule is Never. Links between cells are cut where the straight line between the cells' middles, as they
 	// --- are now, goes through the cut; they part at the start of the next substep, and what comes off is a fragment like any other. Each
-	// --- returns the number of links that were not cut already, and wakes the body if there are any; 0 too where memory does not suffice.
+	// --- returns the number of links that were not cut already, and wakes the body if there are any; 0 too where a
+	// --- number is bad or memory does not suffice.
 	/// By a plane, or a disc of it about `point`. A middle in the plane is on the side `normal` points to.
 	int cutPlane( const btVector3& point, const btVector3& normal, btScalar radius = SIMD_INFINITY );
 	/// By the surface of a sphere.
@@ -127,20 +132,22 @@ public:
 	/// SmallPieces::Fade: 1 when it has just come off, 0 when its time is up; 1 for all others.
 	float fadeShare() const;
 
-	// --- what the game does to it; each wakes the body --------------------------------------------------------------
-	void setLinearVelocity( const btVector3& velocity );            ///< of every node, m/s
-	void setVelocities( const btVector3& linear, const btVector3& angular ); ///< rigid motion about the mass centre, m/s and rad/s
-	void applyCentralForce( const btVector3& force );               ///< N, spread by mass, until the step's end
-	void applyForce( const btVector3& force, int node );            ///< N, on one node, until the step's end
-	void applyCentralImpulse( const btVector3& impulse );           ///< N s
-	void applyImpulse( const btVector3& impulse, int node );        ///< N s, on one node
+	// --- what the game does to it; each wakes the body. Refused (BadArgument, and nothing is changed) where a number is NaN or infinite, a node is
+	// --- not there, or a node would pass 1e5 m/s: by velocities and impulses at once, by forces and gravity within a sixtieth of a second.
+	Status setLinearVelocity( const btVector3& velocity );            ///< of every node, m/s
+	Status setVelocities( const btVector3& linear, const btVector3& angular ); ///< rigid motion about the mass centre, m/s and rad/s
+	Status applyCentralForce( const btVector3& force );               ///< N, spread by mass, until the step's end
+	Status applyForce( const btVector3& force, int node );            ///< N, on one node, until the step's end
+	Status applyCentralImpulse( const btVector3& impulse );           ///< N s
+	Status applyImpulse( const btVector3& impulse, int node );        ///< N s, on one node
 	/// Overrides the world's gravity for this body, m/s^2; `clearGravity` goes back to the world's.
-	void setGravity( const btVector3& gravity );
+	Status setGravity( const btVector3& gravity );
 	void clearGravity();
-	/// Moves the whole body by a rigid transform, deformation kept; velocities turn along.
-	void teleport( const btTransform& by );
-	/// Back to the rest shape at `transform`, at rest.
-	void reset( const btTransform& transform );
+	/// Moves the whole body by a rigid transform, deformation kept; velocities turn along. Wakes what the body touches. Refused (BadArgument, the body
+	/// stays) where a number is not finite, the way leads further out than 1e9 m, or the transform scales, shears or mirrors by more than a hundredth.
+	Status teleport( const btTransform& by );
+	/// Back to the rest shape at `transform`, at rest. Wakes what the body touches. Refused as teleport.
+	Status reset( const btTransform& transform );
 
 	/// Whether the body's own parts collide, sides of cuts among them; off by default, and then nothing is kept or done for it. Nodes that
 	/// shape matching holds together never do. Pieces that come off take it over. Steinemann et al. 2008, section 7.
@@ -161,10 +168,14 @@ public:
 	// --- pins -------------------------------------------------------------------------------------------------------
 	/// Holds a node where it is. A pinned node stays until it is released.
 	Status pinNode( int node );
-	/// Ties a node to a rigid body: it follows the body's motion (one way; the rigid body does not feel it).
+	/// Ties a node to a rigid body: it follows the body's motion (one way; the rigid body does not feel it). The rigid body must be in a world, and in this
+	/// body's where that is in one; else BadArgument. The pin is released when the rigid body leaves that world, by whatever call, and when this body
+	/// is added to a world that the rigid body is not in.
 	Status pinNodeToBody( int node, btRigidBody* body );
-	/// The game moves the node: it reaches `worldPosition` at the end of the next step.
+	/// The game moves the node: it reaches `worldPosition` at the end of the next step. Refused (BadArgument) where that is not finite or further
+	/// from the node than a hundred times the body's size, 833 m at most.
 	Status driveNode( int node, const btVector3& worldPosition );
+	/// Nothing for a node that is not pinned.
 	void releaseNode( int node );
 	/// Pins every node whose middle is inside a world box; returns how many. A node of a body with levels is pinned as a whole: where the box is to
 	/// hold to the cell, let `requestRefinement` split what is in it, and pin after the next step.

@@ -63,10 +63,13 @@ public:
 		BulletPrecision = {} );
 	~SoftBodyWorld() override;
 
-	/// Group and mask as for any Bullet object. The world does not own the body. Adding twice is ignored.
+	/// Group and mask as for any Bullet object. The world does not own the body. Adding twice, or what is in another world, is ignored. To change
+	/// group and mask remove the body and add it again: it goes on as it was, its pins too.
 	void addSoftBody( SoftBody* body, int group = btBroadphaseProxy::DefaultFilter, int mask = btBroadphaseProxy::AllFilter );
+	/// At any time, out of contact and tick callbacks too; the body may be deleted then. What it touched wakes. Ignored for a body of no or another world.
 	void removeSoftBody( SoftBody* body );
 	int softBodyCount() const;
+	/// Null for an index that is not there.
 	SoftBody* softBody( int index );
 
 	/// What broke in the last stepSimulation, in order. Pointers stay good until a body they name is deleted; the world itself deletes small
@@ -91,12 +94,25 @@ public:
 
 	const StepReport& stepReport() const;
 
+	/// As Bullet's. While a soft body is in the world a time step that is negative with maxSubSteps 0, NaN or infinite, and a fixedTimeStep
+	/// that is no positive number, do nothing and return 0; a single step (timeStep with maxSubSteps 0, else fixedTimeStep) is cut to 1 s.
 	int stepSimulation( btScalar timeStep, int maxSubSteps = 1, btScalar fixedTimeStep = btScalar( 1. ) / btScalar( 60. ) ) override;
+	/// A soft body comes in as by addSoftBody; Bullet's default filter, which is for static objects, is a dynamic body's then. What stands in a
+	/// manifold for a soft body's node is never added itself.
+	void addCollisionObject( btCollisionObject* object, int group = btBroadphaseProxy::StaticFilter,
+		int mask = btBroadphaseProxy::AllFilter ^ btBroadphaseProxy::StaticFilter ) override;
+	void addRigidBody( btRigidBody* body ) override;
+	void addRigidBody( btRigidBody* body, int group, int mask ) override;
+	/// A soft body leaves as by removeSoftBody, also where it is named by what stands for one of its nodes in a manifold.
 	void removeCollisionObject( btCollisionObject* object ) override;
 	void removeRigidBody( btRigidBody* body ) override;
 	void removeConstraint( btTypedConstraint* constraint ) override;
 	void clearForces() override;
+	/// Soft bodies are drawn as the links of their surface (DBG_DrawWireframe) and crosses at pinned nodes (DBG_DrawConstraints).
 	void debugDrawWorld() override;
+	void debugDrawObject( const btTransform& transform, const btCollisionShape* shape, const btVector3& colour ) override;
+	/// Writes what Bullet's world writes, without soft bodies, their shapes and their contacts: a file with all else in it, as if they were not there.
+	void serialize( btSerializer* serializer ) override;
 	void solveConstraints( btContactSolverInfo& info ) override;
 
 protected:

@@ -1,0 +1,34 @@
+#pragma once
+
+// What of an object a contact point lies on, as Bullet shows it to contact callbacks: the child of a compound, the triangle of a mesh.
+
+#include <BulletCollision/CollisionShapes/btTriangleShape.h>
+#include <LinearMath/btTransform.h>
+
+class btCollisionObject;
+
+namespace pliant {
+
+class TouchedPart
+{
+public:
+	/// `leaf`: which of the object's simple shapes, counted through its compounds. `part`, `index`: Bullet's numbers of a triangle. `at`: the contact's
+	/// place on the object, in the world.
+	TouchedPart( const btCollisionObject& object, int leaf, int part, int index, const btVector3& at );
+
+	TouchedPart( const TouchedPart& ) = delete;
+	TouchedPart& operator=( const TouchedPart& ) = delete;
+
+	const btCollisionShape* shape() const { return m_shape; }
+	/// Of the shape, in the world.
+	const btTransform& transform() const { return m_transform; }
+
+private:
+	void findTriangle( int part, int index, const btVector3& at );
+
+	const btCollisionShape* m_shape;
+	btTransform m_transform;
+	btTriangleShape m_triangle;
+};
+
+} // namespace pliant

@@ -1,0 +1,129 @@
+// A vehicle of Bullet's on soft ground: Bullet's own raycaster sees rigid bodies only, and the car fell through.
+
+#include "world/test_world.h"
+
+#include <pliant/vehicle_raycaster.h>
+
+#include <BulletDynamics/Vehicle/btRaycastVehicle.h>
+
+namespace pliant {
+namespace {
+
+using test::at;
+using test::block;
+using test::TestWorld;
+
+/// A car of 400 kg whose wheels (radius .3 m) touch the ground at y 0 when it is set down.
+struct Car
+{
+	TestWorld& world;
+	VehicleRaycaster caster{ world.world };
+	btRaycastVehicle::btVehicleTuning tuning;
+	btRigidBody* chassis;
+	std::unique_ptr<btRaycastVehicle> vehicle;
+
+	explicit Car( TestWorld& to, btScalar ground ) : world( to )
+	{
+		chassis = world.addBox( 400, btVector3( btScalar( 0.5 ), btScalar( 0.2 ), 1 ), at( 0, ground + btScalar( 0.75 ), 0 ) );
+		chassis->setActivationState( DISABLE_DEACTIVATION );
+		vehicle = std::make_unique<btRaycastVehicle>( tuning, chassis, &caster );
+		vehicle->setCoordinateSystem( 0, 1, 2 );
+		for ( int k = 0; k < 4; ++k )
+		{
+			btWheelInfo& wheel = vehicle->addWheel( btVector3( k % 2 ? btScalar( 0.45 ) : btScalar( -0.45 ), btScalar( -0.1 ), k < 2 ? btScalar( 0.8 ) : btScalar( -0.8 ) ),
+				btVector3( 0, -1, 0 ), btVector3( -1, 0, 0 ), btScalar( 0.4 ), btScalar( 0.3 ), tuning, k < 2 );
+			wheel.m_suspensionStiffness = 40;
+			wheel.m_wheelsDampingRelaxation = btScalar( 4 );
+			wheel.m_wheelsDampingCompression = btScalar( 4 );
+		}
+		world.world.addVehicle( vehicle.get() );
+		caster.setVehicle( vehicle.get() );
+		world.world.addAction( &caster );
+	}
+	~Car()
+	{
+		world.world.removeAction( &caster );
+		world.world.removeVehicle( vehicle.get() );
+	}
+	btScalar height() const { return chassis->getWorldTransform().getOrigin().y(); }
+};
+
+TEST( Vehicle, StandsOnASoftBodyAsOnARigidOneAndPressesOnIt )
+{
+	constexpr btScalar kThick = btScalar( 0.6 ); // m, of the ground
+	TestWorld rigid;
+	rigid.addFloor( kThick );
+	Car twin( rigid, kThick );
+	rigid.run( 240 );
+	for ( const Elasticity elasticity : { Elasticity::Explicit, Elasticity::Implicit } )
+	{
+		TestWorld t;
+		t.addFloor();
+		Material material = test::stiff( 1e6f );
+		material.elasticity = elasticity;
+		SoftBody* ground = t.addSoft( block( 12, 4, 18, 0.15f ), at( 0, kThick / 2, 0 ), material );
+		t.run( 120 );
+		const btScalar alone = ground->massCentre().y();
+		Car car( t, kThick );
+		t.run( 240 );
+		EXPECT_NEAR( car.height(), twin.height(), 0.075 ) << "half a cell";
+		for ( int w = 0; w < 4; ++w )
+		{
+			const btWheelInfo::RaycastInfo& ray = car.vehicle->getWheelInfo( w ).m_raycastInfo;
+			ASSERT_TRUE( ray.m_isInContact );
+			EXPECT_EQ( car.caster.softBodyAt( ray.m_hardPointWS, ray.m_hardPointWS - btVector3( 0, 1, 0 ) ), ground );
+			EXPECT_GT( ray.m_contactNormalWS.y(), btScalar( 0.99 ) );
+		}
+		// What bears the ground bears the car as well: contact points hold the last substep's impulses.
+		btScalar borne = 0;
+		const int substeps = t.world.stepReport().substeps;
+		for ( int k = 0; k < 60; ++k )
+		{
+			t.run( 1 );
+			for ( int m = 0; m < t.parts.dispatcher.getNumManifolds(); ++m )
+			{
+				const btPersistentManifold* manifold = t.parts.dispatcher.getManifoldByIndexInternal( m );
+				for ( int p = 0; p < manifold->getNumContacts(); ++p )
+				{
+					borne += manifold->getContactPoint( p ).getAppliedImpulse();
+				}
+			}
+		}
+		const btScalar weight = borne * btScalar( substeps );
+		EXPECT_NEAR( weight / 10, ground->mass() + 400, 0.15 * ( ground->mass() + 400 ) ) << "the ground's mass is " << ground->mass();
+		EXPECT_LT( ground->massCentre().y(), alone ) << "it gives way";
+	}
+}
+
+TEST( Vehicle, RigidThingsAreSeenAsByBulletsOwn )
+{
+	TestWorld t;
+	btRigidBody* floor = t.addFloor( 1 );
+	SoftBody* below = t.addSoft( block( 4, 4, 4, 0.1f ), at( 0, btScalar( -0.5 ), 0 ) );
+	VehicleRaycaster ours( t.world );
+	btDefaultVehicleRaycaster bullets( &t.world );
+	btVehicleRaycaster::btVehicleRaycasterResult a, b;
+	EXPECT_EQ( ours.castRay( btVector3( 1, 3, 0 ), btVector3( 1, -3, 0 ), a ), floor );
+	EXPECT_EQ( bullets.castRay( btVector3( 1, 3, 0 ), btVector3( 1, -3, 0 ), b ), floor );
+	EXPECT_EQ( a.m_distFraction, b.m_distFraction );
+	EXPECT_EQ( ( a.m_hitPointInWorld - b.m_hitPointInWorld ).length() + ( a.m_hitNormalInWorld - b.m_hitNormalInWorld ).length(), 0 );
+	EXPECT_EQ( ours.castRay( btVector3( 30, 3, 0 ), btVector3( 30, -3, 0 ), a ), nullptr );
+	EXPECT_EQ( ours.softBodyAt( btVector3( 0, 3, 0 ), btVector3( 0, -3, 0 ) ), nullptr ) << "the floor is nearer";
+	t.world.removeRigidBody( floor );
+	EXPECT_EQ( ours.softBodyAt( btVector3( 0, 3, 0 ), btVector3( 0, -3, 0 ) ), below );
+	auto* const ground = static_cast<btRigidBody*>( ours.castRay( btVector3( 0, 3, 0 ), btVector3( 0, -3, 0 ), a ) );
+	ASSERT_NE( ground, nullptr );
+	EXPECT_EQ( ground->getInvMass(), 0 ) << "what programs may read as a rigid body";
+	// Between four nodes too, where a ray meets no sphere.
+	for ( int k = 0; k < 100; ++k )
+	{
+		const btScalar x = btScalar( 0.0037 ) * btScalar( k ) - btScalar( 0.18 ), z = btScalar( 0.0023 ) * btScalar( k ) - btScalar( 0.15 );
+		ASSERT_NE( ours.castRay( btVector3( x, 1, z ), btVector3( x, -3, z ), a ), nullptr );
+		ASSERT_NEAR( a.m_hitPointInWorld.y(), -0.3, 0.005 );
+		ASSERT_GT( a.m_hitNormalInWorld.y(), btScalar( 0.98 ) );
+	}
+	t.world.addRigidBody( floor );
+}
+
+} // namespace
+} // namespace pliant
