@@ -48,7 +48,7 @@ struct SurfaceView
 
 /// A soft body. The game owns what it creates; the world never deletes it. Material settings that Bullet knows are set as on any
 /// btCollisionObject: setFriction, setRestitution, setRollingFriction, setCollisionFlags, setUserPointer, setActivationState. Without
-/// restitution too a stiff body comes back by its elasticity. Bullet's contact points hold the impulses of the last soft substep, not of the whole step.
+/// restitution too a stiff body comes back by its elasticity. Bullet's contact points hold the impulses of the whole game step.
 class PLIANT_API SoftBody : public btCollisionObject
 {
 public:
