@@ -56,6 +56,13 @@ RigidPart makeRigid( btRigidBody& body )
 	return part;
 }
 
+/// Whether a body wants its contacts solved in a block. A crumb of one cell has nothing elastic, but a heap of crumbs that Bullet's solver leaves a little off in each
+/// step of a sixtieth of a second flows, for ever and at millimetres a second.
+bool wantsBlock( const SoftBody& body )
+{
+	return body.impl().isImplicit || ( body.nodeCount() == 1 && body.material().elasticity != Elasticity::Explicit );
+}
+
 } // namespace
 
 int ImplicitSolve::blockOf( const SoftBody& body ) const
@@ -123,14 +130,14 @@ void ImplicitSolve::forget( const btRigidBody& body )
 		m_outside.end() );
 }
 
-// One block an island with an implicit body in it; explicit bodies of the island take part with their masses, so that no contact stands
+// One block an island with an implicit body in it, or a crumb of one; explicit bodies of the island take part with their masses, so that no contact stands
 // between two solvers.
 void ImplicitSolve::makeBlocks( const std::vector<SoftBody*>& awake )
 {
 	m_tagOf.clear();
 	for ( const SoftBody* body : awake )
 	{
-		if ( body->impl().isImplicit && std::find( m_tagOf.begin(), m_tagOf.end(), body->getIslandTag() ) == m_tagOf.end() )
+		if ( wantsBlock( *body ) && std::find( m_tagOf.begin(), m_tagOf.end(), body->getIslandTag() ) == m_tagOf.end() )
 		{
 			m_tagOf.push_back( body->getIslandTag() );
 		}
