@@ -106,20 +106,16 @@ void ReferenceLevelMatcher::fit( const NodeState& nodes, const MatchStep& step, 
 	// L = F + ( R - F ) C^T, with C = 1 - beta where beta is a number: L = R + beta ( F - R )   (Ohta et al. 2009, eq. 5)
 	region.l = region.f + ( rotation - region.f ) * blend.transpose();
 	const double trace = std::clamp( ( rotation.transpose() * region.f ).trace() - 3.0, -1.0, 1.0 );
-	region.l -= double( m_material.volumeKeeping ) * ( 1.0 - region.beta ) * trace * rotation;
-	const Eigen::Matrix3d elastic = rotation.transpose() * region.f;
+	const double mean = inverse.trace() > 0.0 ? ( 3.0 - outside.trace() ) / inverse.trace() : 0.0;
+	const double volumeKeeping = double( m_material.volumeKeeping ) * ( 1.0 - region.beta );
+	region.l -= volumeKeeping * trace * mean * rotation * inverse;
 	region.l *= s;
 	region.f *= s;
-	flow( step, elastic, region );
-}
-
-void ReferenceLevelMatcher::flow( const MatchStep& step, const Eigen::Matrix3d& elastic, Region& region ) const
-{
-	const Eigen::Matrix3d one = Eigen::Matrix3d::Identity(), strain = 0.5 * ( elastic + elastic.transpose() ) - one;
-	if ( step.plastic.yieldStrain > 0.0f && strain.norm() > double( step.plastic.yieldStrain ) )
+	if ( step.plastic.yieldStrain > 0.0f )
 	{
-		const double share = std::min( { double( step.plastic.creep ) * step.h, 1.0, kLargestFlow / strain.norm() } );
-		region.plastic = unitStretch( ( one + share * strain ) * region.plastic, step.plastic.limit );
+		const Eigen::Matrix3d resisting = isTensor ? fineMoment( m_base.moments, m_cut.node[r] ) : region.rest.moment;
+		m_hasFlowed |= flowStretch( step.plastic, step.h, FlowingRegion{ region.f, rotation, resisting, region.plastic * inverse * region.plastic,
+			Eigen::Matrix3d::Identity() - outside, isTensor ? volumeKeeping : double( m_material.volumeKeeping ) }, region.plastic );
 	}
 }
 
@@ -145,11 +141,13 @@ void ReferenceLevelMatcher::accelerate( NodeState& nodes, const MatchStep& step,
 {
 	const Eigen::Quaterniond before = m_bodyRotation;
 	m_bodyRotation = fitBody( nodes );
+	const bool wasFlowing = m_hasFlowed; // goals have moved that no node has moved by
+	m_hasFlowed = false;
 	for ( std::uint32_t r = 0; r < std::uint32_t( m_region.size() ); ++r )
 	{
 		fit( nodes, step, r );
 	}
-	const double k = 1.0 - std::exp( -double( step.damping ) * step.h );
+	const double k = wasFlowing ? 0.0 : double( dampingShare( double( step.damping ), double( step.h ), double( step.alpha ), double( m_material.volumeKeeping ) ) );
 	for ( int i = 0; i < nodes.count; ++i )
 	{
 		const Vec3d x = nodes.x.get( i ).cast<double>();

@@ -321,6 +321,7 @@ BlockCount ImplicitBlock::solve( TaskRunner* runner )
 	BlockCount count;
 	m_runner = runner;
 	layOut();
+	agreeOnTargets();
 	chooseStiffness();
 	solveLaw( count );
 	keepEnergy( count );

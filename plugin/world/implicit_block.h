@@ -160,6 +160,14 @@ private:
 		bool all = false, each = false;
 	};
 
+	/// A contact of a node with something whose speed is given.
+	struct Between
+	{
+		int node = -1; ///< among the block's nodes with contacts
+		std::size_t contact = 0;
+		int side = 0;  ///< the node's
+	};
+
 	int size() const override { return m_size; }
 	void apply( const float* v, float* to ) override;
 	void precondition( const float* r, float* z ) override;
@@ -210,6 +218,11 @@ private:
 	void lockAxes( const RigidPart& part, int body );
 	void readAnswer();
 
+	// In implicit_conflicts.cpp.
+	/// Contacts of one node with things whose speeds are given ask for nothing that they cannot all have.
+	void agreeOnTargets();
+	void agreeOnTargets( std::size_t first, std::size_t end ); ///< of one node: [first, end) of m_between
+
 	// The law, in implicit_law.cpp.
 	Vec3d undirected( const BlockContact& contact ) const;
 	void chooseStiffness();
@@ -255,6 +268,7 @@ private:
 	std::vector<Pressing> m_pressing;      ///< as last linearised
 	std::vector<Way> m_ways;               ///< by contact; scratch of stepTowards
 	std::vector<PartError> m_partErrors;   ///< soft parts', then rigid ones'; scratch of matchAt
+	std::vector<Between> m_between;        ///< by node; scratch of agreeOnTargets
 	std::vector<NodeBlock> m_nodeBlocks;   ///< of the nodes that contacts name
 	std::vector<Cluster> m_clusters;
 	std::vector<double> m_clusterRoom;

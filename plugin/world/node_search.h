@@ -36,9 +36,9 @@ struct NodeHit
 class NodeSearch
 {
 public:
-	const std::vector<NodeHit>& againstRigid( const SoftBody& soft, const btCollisionObjectWrapper& other, double step );
+	std::vector<NodeHit>& againstRigid( const SoftBody& soft, const btCollisionObjectWrapper& other, double step );
 	/// Normals point from `b` to `a`.
-	const std::vector<NodeHit>& againstSoft( const SoftBody& a, const SoftBody& b, double step );
+	std::vector<NodeHit>& againstSoft( const SoftBody& a, const SoftBody& b, double step );
 
 private:
 	/// The body's spheres, as they move against what is asked about.

@@ -271,6 +271,7 @@ void SoftBody::clearGravity()
 
 void SoftBody::hasMoved()
 {
+	++m_impl->placed;
 	m_impl->skin.nodesMoved();
 	m_impl->placeShape( *this );
 	if ( m_impl->system )

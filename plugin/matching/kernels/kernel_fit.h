@@ -233,8 +233,32 @@ inline Mat deformationLessOne( const MatchView& view, const Mat& a, const Mat& r
 	return f;
 }
 
+/// kappa b R J^+, J^+ that of the shape at rest now, b the mean of J's moments for which it is kappa R where they are all the same: what pushes, the same in all
+/// directions, is the derivative of 1/2 kappa b tr( R^T F - 1 )^2. (kappa R would be none of any energy where the moments differ, and goes on giving.)
+inline Mat volumeMatrix( const MatchView& view, const Mat& rLessOne, V push, int r )
+{
+	const Mat inverse = loadSymmetric( view.inverseMoment, r ), turned = product( rLessOne, inverse );
+	const V sum = ( inverse.m[0][0] + inverse.m[1][1] ) + inverse.m[2][2];
+	V extents = splat( 3.0f );
+	if ( view.outOfPlane[0] )
+	{
+		const Mat out = loadSymmetric( view.outOfPlane, r );
+		extents = extents - ( ( out.m[0][0] + out.m[1][1] ) + out.m[2][2] );
+	}
+	const V mean = select( sum > 0.0f, extents / sum, V{} );
+	Mat m;
+	for ( int i = 0; i < 3; ++i )
+	{
+		for ( int j = 0; j < 3; ++j )
+		{
+			m.m[i][j] = push * ( mean * ( turned.m[i][j] + inverse.m[i][j] ) );
+		}
+	}
+	return m;
+}
+
 /// L - 1 from R - 1 and F - 1: L = R + beta ( F - R ) (Ohta et al. 2009, eq. 5), or F + ( R - F ) C^T with a tensor, and then
-/// - kappa tr( R^T F - 1 ) R for volume, the trace within -1 .. 1.
+/// - kappa b tr( R^T F - 1 ) R J^+ for volume, the trace within -1 .. 1.
 inline Mat goalMatrix( const MatchView& view, const Mat& rLessOne, const Mat& fLessOne, int r )
 {
 	const V beta = view.regionBeta ? load( view.regionBeta + r ) : splat( view.beta );
@@ -278,13 +302,12 @@ inline Mat goalMatrix( const MatchView& view, const Mat& rLessOne, const Mat& fL
 			}
 		}
 		trace = select( trace > 1.0f, splat( 1.0f ), select( trace < -1.0f, splat( -1.0f ), trace ) );
-		const V push = view.volumeShare * ( ( 1.0f - beta ) * trace );
+		const Mat pushed = volumeMatrix( view, rLessOne, view.volumeShare * ( ( 1.0f - beta ) * trace ), r );
 		for ( int i = 0; i < 3; ++i )
 		{
 			for ( int j = 0; j < 3; ++j )
 			{
-				const V one = splat( i == j ? 1.0f : 0.0f );
-				l.m[i][j] = l.m[i][j] - push * ( rLessOne.m[i][j] + one );
+				l.m[i][j] = l.m[i][j] - pushed.m[i][j];
 			}
 		}
 	}
