@@ -2,6 +2,7 @@
 
 #include "lattice/lattice.h"
 #include "matching/constants.h"
+#include "matching/volume_mean.h"
 
 #include <Eigen/Dense>
 
@@ -52,14 +53,15 @@ UnitStretch unitStretchOf( const Eigen::Matrix3d& m, double limit )
 	Vec3d stretches = unitVolume( own );
 	if ( distanceFromOne( stretches ) > limit )
 	{
-		// Along 1 + t ( S_p - 1 ), scaled to det = 1, the distance from 1 is nearly proportional to t.
+		// Along 1 + t ( S_p - 1 ), scaled to det = 1, the distance from 1 grows with t; where an axis has all but none left, by no means in proportion.
 		const Vec3d way = stretches - Vec3d::Ones();
-		double t = 1.0;
-		for ( int round = 0; round < kLimitRounds; ++round )
+		double inside = 0.0, beyond = 1.0;
+		for ( int halving = 0; halving < 3 * kLimitRounds; ++halving )
 		{
-			t *= limit / distanceFromOne( stretches );
-			stretches = unitVolume( Vec3d::Ones() + t * way );
+			const double t = 0.5 * ( inside + beyond );
+			( distanceFromOne( unitVolume( Vec3d::Ones() + t * way ) ) <= limit ? inside : beyond ) = t;
 		}
+		stretches = unitVolume( Vec3d::Ones() + inside * way );
 	}
 	return UnitStretch{ axes * stretches.asDiagonal() * axes.transpose(), m * axes * own.cwiseInverse().asDiagonal() * axes.transpose() };
 }
@@ -76,14 +78,13 @@ double FlowingRegion::energy( const Eigen::Matrix3d& fitted, const Eigen::Matrix
 	const Eigen::Matrix3d back = stretch.inverse();
 	const Eigen::Matrix3d strain = fitted.transpose() * total * back - Eigen::Matrix3d::Identity();
 	const double shape = 0.5 * ( strain * stretch * moment ).cwiseProduct( strain * stretch ).sum();
-	const double compliance = ( back * inverse * back ).trace();
-	if ( volumeKeeping == 0.0 || !( compliance > 0.0 ) )
+	if ( volumeKeeping == 0.0 )
 	{
 		return shape;
 	}
 	// As goalMatrix answers: kappa b tr( E ), the trace within -1 .. 1.
 	const double trace = ( strain * inPlane ).trace(), size = std::abs( trace );
-	return shape + volumeKeeping * inPlane.trace() / compliance * ( size < 1.0 ? 0.5 * size * size : size - 0.5 );
+	return shape + volumeKeeping * volumeMean( back * inverse * back, inPlane.trace() ) * ( size < 1.0 ? 0.5 * size * size : size - 0.5 );
 }
 
 bool flowStretch( const PlasticLaw& law, float h, const FlowingRegion& region, Eigen::Matrix3d& stretch )

@@ -2,6 +2,7 @@
 
 #include "matching/plasticity.h"
 #include "matching/rotation.h"
+#include "matching/volume_mean.h"
 
 #include <Eigen/Dense>
 
@@ -106,14 +107,17 @@ void ReferenceLevelMatcher::fit( const NodeState& nodes, const MatchStep& step, 
 	// L = F + ( R - F ) C^T, with C = 1 - beta where beta is a number: L = R + beta ( F - R )   (Ohta et al. 2009, eq. 5)
 	region.l = region.f + ( rotation - region.f ) * blend.transpose();
 	const double trace = std::clamp( ( rotation.transpose() * region.f ).trace() - 3.0, -1.0, 1.0 );
-	const double mean = inverse.trace() > 0.0 ? ( 3.0 - outside.trace() ) / inverse.trace() : 0.0;
+	const double mean = volumeMean( inverse, 3.0 - outside.trace() );
 	const double volumeKeeping = double( m_material.volumeKeeping ) * ( 1.0 - region.beta );
-	region.l -= volumeKeeping * trace * mean * rotation * inverse;
+	const Eigen::Matrix3d fitted = isTensor ? Eigen::Matrix3d( apq * blend ) : apq, across = isTensor ? Eigen::Matrix3d( rotation * blend.transpose() ) : rotation;
+	region.l -= volumeKeeping * trace * mean *
+				( rotation * inverse + volumeTurn( fitted * rotation.transpose(), region.f * rotation.transpose(), region.rest.moment.trace() ) * across );
 	region.l *= s;
 	region.f *= s;
 	if ( step.plastic.yieldStrain > 0.0f )
 	{
-		const Eigen::Matrix3d resisting = isTensor ? fineMoment( m_base.moments, m_cut.node[r] ) : region.rest.moment;
+		const Eigen::Matrix3d back = region.plastic.inverse(), fine = back * moment * blend * back;
+		const Eigen::Matrix3d resisting = isTensor ? Eigen::Matrix3d( 0.5 * ( fine + fine.transpose() ) ) : region.rest.moment;
 		m_hasFlowed |= flowStretch( step.plastic, step.h, FlowingRegion{ region.f, rotation, resisting, region.plastic * inverse * region.plastic,
 			Eigen::Matrix3d::Identity() - outside, isTensor ? volumeKeeping : double( m_material.volumeKeeping ) }, region.plastic );
 	}

@@ -2,6 +2,7 @@
 
 #include "matching/plasticity.h"
 #include "matching/rotation.h"
+#include "matching/volume_mean.h"
 
 #include <Eigen/Dense>
 
@@ -132,8 +133,9 @@ void ReferenceMatcher::fitRegions( const NodeState& nodes, const MatchStep& step
 		fit.linear = rotation + double( m_material.beta ) * ( f - rotation );
 		// - kappa tr( R^T F - 1 ) R, the trace within -1 .. 1: what is pressed one way is asked to give way in the others
 		const double trace = std::clamp( ( rotation.transpose() * f ).trace() - 3.0, -1.0, 1.0 );
-		const double mean = inverse.trace() > 0.0 ? ( 3.0 - outside.trace() ) / inverse.trace() : 0.0;
-		fit.linear -= double( m_material.volumeKeeping ) * ( 1.0 - double( m_material.beta ) ) * trace * mean * rotation * inverse;
+		const double mean = volumeMean( inverse, 3.0 - outside.trace() );
+		fit.linear -= double( m_material.volumeKeeping ) * ( 1.0 - double( m_material.beta ) ) * trace * mean *
+					  ( rotation * inverse + volumeTurn( apq * rotation.transpose(), f * rotation.transpose(), aqq.trace() ) * rotation );
 		fit.linear *= fit.plastic;
 		if ( step.plastic.yieldStrain > 0.0f )
 		{

@@ -325,6 +325,7 @@ BlockCount ImplicitBlock::solve( TaskRunner* runner )
 	chooseStiffness();
 	solveLaw( count );
 	keepEnergy( count );
+	carryImpulses();
 	readAnswer();
 	keepMomentum();
 	return count;

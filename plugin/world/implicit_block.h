@@ -45,6 +45,7 @@ struct BlockContact
 	// Impulses, N s: at first those of the last substep, at the end those of this one.
 	double normalImpulse = 0.0;
 	Vec3d tangentImpulse = Vec3d::Zero();
+	double carried = 0.0;           ///< of the normal one, into the next substep
 
 	// The linearised law: jn = pushed + k ( b - u.n ) while it presses; jt = held - kt ut, of `limited` times mu at most.
 	double stiffness = 0.0;         ///< k, kg
@@ -221,6 +222,8 @@ private:
 	// In implicit_conflicts.cpp.
 	/// Contacts of one node with things whose speeds are given ask for nothing that they cannot all have.
 	void agreeOnTargets();
+	/// At the end: what of each impulse the next substep begins with.
+	void carryImpulses();
 	void agreeOnTargets( std::size_t first, std::size_t end ); ///< of one node: [first, end) of m_between
 
 	// The law, in implicit_law.cpp.

@@ -8,10 +8,17 @@
 #include <Eigen/Dense>
 
 #include <algorithm>
+#include <cmath>
 
 namespace pliant {
 
 namespace {
+
+/// A contact that lacks more than this, m/s, and comes no nearer to it or further from it by more than this share of that in a substep, gets nowhere. What rests lacks less
+/// than a tenth of a millimetre a second, and what strikes changes.
+constexpr double kOddsLack = 5e-3, kOddsChange = 1e-2;
+/// What it presses with is then taken for what others carry but for this share, substep by substep.
+constexpr double kOddsLeft = 0.1;
 
 /// n.w >= least, w the node's speed.
 struct Demand
@@ -119,6 +126,22 @@ void ImplicitBlock::agreeOnTargets( std::size_t first, std::size_t end )
 		const double less = std::max( 0.0, demand( k ).lack( way ) );
 		contact.target -= less;
 		contact.parting = std::min( contact.parting, contact.target );
+	}
+}
+
+// Where others stand between the two things, a box, the nodes of another body, no node knows. But who is pressed between them and can go nowhere stands, and lacks what it
+// is asked for in each substep: then no more of it is carried on. What is held up by what it presses is pressed further, moves, and so is carried again.
+void ImplicitBlock::carryImpulses()
+{
+	for ( BlockContact& contact : contacts )
+	{
+		contact.carried = contact.normalImpulse;
+		const double along = contact.normal.dot( relativeSpeed( contact, m_v.data() ) ), lack = contact.target - along;
+		const double change = std::abs( along - contact.normal.dot( contact.before ) );
+		if ( contact.presses && lack > kOddsLack && change < kOddsChange * lack )
+		{
+			contact.carried = std::max( 0.0, ( 1.0 - kOddsLeft ) * ( contact.normalImpulse - contact.stiffness * lack ) );
+		}
 	}
 }
 

@@ -3,6 +3,7 @@
 // A soft cube of .6 m and 6 cells pressed flat: by a plate, or in a slot between two walls that stand nearer than it is wide.
 
 #include "support/energy_of_motion.h"
+#include "support/strain_energy.h"
 #include "support/test_world.h"
 
 #include <algorithm>
@@ -24,7 +25,7 @@ struct Squeeze
 struct Squeezed
 {
 	double early = 0.0, late = 0.0; ///< impulse of all contacts in a step, N s: most in the first second, and in the last
-	double strain = 0.0;            ///< stored at most, J: what pressing a cube of linear springs so far takes
+	double strain = 0.0;            ///< stored when it is let go, J; of bodies with levels and of such as flow what a cube of linear springs would store
 	double out = 0.0;               ///< of pushing out: every node at the rate that nodes are pushed out at, J
 	double motion = 0.0;            ///< after the release, at most, J
 	double top = 0.0;               ///< and how high the middle comes, m
@@ -50,6 +51,7 @@ inline Squeezed squeeze( const Squeeze& how )
 	constexpr double kEdge = 0.6, kPressing = 0.5 / 60; // m, and m a frame
 	SoftWorld t;
 	t.addBoxFloor();
+	t.world.setMaxSoftSubsteps( 64 ); // so that what springs hold is in the regions alone
 	Material material;
 	material.elasticity = how.elasticity;
 	material.youngsModulus = float( how.youngsModulus );
@@ -59,6 +61,7 @@ inline Squeezed squeeze( const Squeeze& how )
 	adaptivity.refinesOnContact = how.coarseLevels > 0;
 	SoftBody* const body = t.add( cubeTemplate( float( kEdge ), 6 ), btVector3( 0, btScalar( kEdge / 2 ), 0 ), material, btQuaternion::getIdentity(), adaptivity );
 	body->setActivationState( DISABLE_DEACTIVATION );
+	const StrainEnergy rest( *body, kEdge / 6, 1.0 );
 	std::vector<btRigidBody*> pressing;
 	if ( how.isSlot )
 	{
@@ -89,10 +92,11 @@ inline Squeezed squeeze( const Squeeze& how )
 		result.early = frame < 60 ? std::max( result.early, now ) : result.early;
 		result.late = frame >= frames - 60 ? std::max( result.late, now ) : result.late;
 	}
-	// A strip of the slot's walls at both faces is as wide as the gap allows: E / 2 times the volume times the strain squared, and what is pressed beyond
-	// stands in one layer of nodes.
-	const double modulus = std::min( how.youngsModulus, double( body->stiffnessPlan().reachedModulus ) ), share = 1.0 - std::max( 0.0, how.gap - kEdge / 6 ) / kEdge;
-	result.strain = 0.5 * modulus * kEdge * kEdge * kEdge * share * share;
+	const double reached = double( body->stiffnessPlan().reachedModulus ), cell = kEdge / 6, share = 1.0 - std::max( 0.0, how.gap - cell ) / kEdge;
+	// E = alpha rho d^2 mu / h^2, mu = 2 / 3, and k = alpha / h^2.
+	result.strain = how.coarseLevels == 0 && how.yieldStrain == 0.0f
+		? rest.at( StrainEnergy::places( *body, 0.0 ) ) * reached / ( double( material.density ) * cell * cell * 2.0 / 3.0 )
+		: 0.5 * reached * kEdge * kEdge * kEdge * share * share;
 	result.out = 0.5 * double( body->mass() ) * 4.0;
 	for ( btRigidBody* const each : pressing )
 	{
