@@ -31,6 +31,11 @@ inline constexpr double kLargestVolumeAlpha = 3.5;
 
 inline constexpr float kLargestVolumeKeeping = 2.0f;
 
+/// Largest share of region damping in a substep: with .87 a body of alpha .87 that strikes a floor gains fifty times its energy, with .71 nothing.
+inline constexpr double kLargestDampingShare = 0.5;
+/// lambda ( alpha + 2 k ) stays below this, of the 4 at which the explicit step ends.
+inline constexpr double kMostDampedAnswer = 3.8;
+
 /// Rounding allowed before a modulus counts as out of reach, relative.
 inline constexpr double kAlphaSlack = 1e-4;
 
@@ -70,6 +75,11 @@ inline constexpr float kLargestPlasticLimit = 2.0f;
 
 /// A rest shape changes by at most this share in a substep.
 inline constexpr double kLargestFlow = 0.5;
+
+/// Where the flow that the yield law asks for would raise the elastic energy, a safe one is tried, by this many halvings of it; then the region stays as it is.
+inline constexpr int kFlowHalvings = 4;
+/// Second moments are inverted for it with this share of their sum added: flat regions have none across them.
+inline constexpr double kFlowFloor = 1e-6;
 
 /// Rounds in which a plastic stretch is brought back to its limit; what is left is below float's rounding.
 inline constexpr int kLimitRounds = 8;

@@ -322,7 +322,7 @@ void LatticeMatcher::accelerate( NodeState& nodes, const MatchStep& step, TaskRu
 	MatchView v = view( nodes );
 	v.alpha = step.alpha;
 	v.bodyShare = step.bodyShare;
-	v.dampingShare = float( 1.0 - std::exp( -double( step.damping ) * step.h ) );
+	v.dampingShare = dampingShare( double( step.damping ), double( step.h ), double( step.alpha ), double( m_volumeShare ) );
 	v.wobbleShare = float( 1.0 - std::exp( -double( step.wobbleDamping ) * step.h ) );
 	v.speedPerCell = m_cellSize / step.h;
 	if ( m_isHistoryNew )
@@ -377,8 +377,10 @@ void LatticeMatcher::flow( const MatchView& view, const MatchStep& step, TaskRun
 		m_plastic = std::make_unique<PlasticFlow>( *m_tables );
 	}
 	const int padded = m_tables->moments.padded;
-	auto task = [&]( int chunk ) { m_plastic->flow( view, m_kernels, step, chunk * kChunk, std::min( padded, ( chunk + 1 ) * kChunk ) ); };
+	auto task = [&]( int chunk ) { m_openCount[chunk] = m_plastic->flow( view, m_kernels, step, chunk * kChunk, std::min( padded, ( chunk + 1 ) * kChunk ) ) ? 1 : 0; };
 	runTasks( runner, chunks( padded ), task );
+	// What a goal moved by because its region flowed is no motion of the nodes: damping that took it for one would throw them.
+	m_isHistoryNew = std::any_of( m_openCount.begin(), m_openCount.end(), []( int count ) { return count > 0; } );
 }
 
 void LatticeMatcher::nodeRotations( const NodeState& nodes, float* quaternions ) const

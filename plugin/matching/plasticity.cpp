@@ -2,6 +2,7 @@
 
 #include "lattice/lattice.h"
 #include "matching/constants.h"
+#include "matching/volume_mean.h"
 
 #include <Eigen/Dense>
 
@@ -38,40 +39,90 @@ double distanceFromOne( const Vec3d& stretches )
 	return ( stretches - Vec3d::Ones() ).norm();
 }
 
+/// M = Q U: U as unitStretch gives it, and Q.
+struct UnitStretch
+{
+	Eigen::Matrix3d stretch, rotation;
+};
+
+UnitStretch unitStretchOf( const Eigen::Matrix3d& m, double limit )
+{
+	const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver( m.transpose() * m );
+	const Eigen::Matrix3d& axes = solver.eigenvectors();
+	const Vec3d own = solver.eigenvalues().cwiseMax( 0.0 ).cwiseSqrt();
+	Vec3d stretches = unitVolume( own );
+	if ( distanceFromOne( stretches ) > limit )
+	{
+		// Along 1 + t ( S_p - 1 ), scaled to det = 1, the distance from 1 grows with t; where an axis has all but none left, by no means in proportion.
+		const Vec3d way = stretches - Vec3d::Ones();
+		double inside = 0.0, beyond = 1.0;
+		for ( int halving = 0; halving < 3 * kLimitRounds; ++halving )
+		{
+			const double t = 0.5 * ( inside + beyond );
+			( distanceFromOne( unitVolume( Vec3d::Ones() + t * way ) ) <= limit ? inside : beyond ) = t;
+		}
+		stretches = unitVolume( Vec3d::Ones() + inside * way );
+	}
+	return UnitStretch{ axes * stretches.asDiagonal() * axes.transpose(), m * axes * own.cwiseInverse().asDiagonal() * axes.transpose() };
+}
+
 } // namespace
 
 Eigen::Matrix3d unitStretch( const Eigen::Matrix3d& m, double limit )
 {
-	const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver( m.transpose() * m );
-	Vec3d stretches = unitVolume( solver.eigenvalues().cwiseMax( 0.0 ).cwiseSqrt() );
-	if ( distanceFromOne( stretches ) > limit )
-	{
-		// Along 1 + t ( S_p - 1 ), scaled to det = 1, the distance from 1 is nearly proportional to t.
-		const Vec3d way = stretches - Vec3d::Ones();
-		double t = 1.0;
-		for ( int round = 0; round < kLimitRounds; ++round )
-		{
-			t *= limit / distanceFromOne( stretches );
-			stretches = unitVolume( Vec3d::Ones() + t * way );
-		}
-	}
-	return solver.eigenvectors() * stretches.asDiagonal() * solver.eigenvectors().transpose();
+	return unitStretchOf( m, limit ).stretch;
 }
 
-bool flowStretch( const PlasticLaw& law, float h, const Eigen::Matrix3d& total, const Eigen::Matrix3d& rotation, Eigen::Matrix3d& stretch )
+double FlowingRegion::energy( const Eigen::Matrix3d& fitted, const Eigen::Matrix3d& stretch ) const
 {
-	// S_e - 1 = sym( R^T F S_p^-1 ) - 1
-	const Eigen::Matrix3d elastic = rotation.transpose() * total * stretch.inverse();
-	const Eigen::Matrix3d strain = 0.5 * ( elastic + elastic.transpose() ) - Eigen::Matrix3d::Identity();
-	const double size = strain.norm();
+	const Eigen::Matrix3d back = stretch.inverse();
+	const Eigen::Matrix3d strain = fitted.transpose() * total * back - Eigen::Matrix3d::Identity();
+	const double shape = 0.5 * ( strain * stretch * moment ).cwiseProduct( strain * stretch ).sum();
+	if ( volumeKeeping == 0.0 )
+	{
+		return shape;
+	}
+	// As goalMatrix answers: kappa b tr( E ), the trace within -1 .. 1.
+	const double trace = ( strain * inPlane ).trace(), size = std::abs( trace );
+	return shape + volumeKeeping * volumeMean( back * inverse * back, inPlane.trace() ) * ( size < 1.0 ? 0.5 * size * size : size - 0.5 );
+}
+
+bool flowStretch( const PlasticLaw& law, float h, const FlowingRegion& region, Eigen::Matrix3d& stretch )
+{
+	// E = R^T F S_p^-1 - 1,  S_e - 1 = sym( E )
+	const Eigen::Matrix3d one = Eigen::Matrix3d::Identity();
+	const Eigen::Matrix3d strain = region.rotation.transpose() * region.total * stretch.inverse() - one;
+	const Eigen::Matrix3d stretching = 0.5 * ( strain + strain.transpose() );
+	const double size = stretching.norm();
 	if ( !( size > double( law.yieldStrain ) ) || !std::isfinite( size ) )
 	{
 		return false;
 	}
+	const double before = region.energy( region.rotation, stretch );
+	const auto isTaken = [&]( const Eigen::Matrix3d& flow ) {
+		const UnitStretch to = unitStretchOf( ( one + flow ) * stretch, law.limit );
+		// A flat region stays in its plane.
+		const Eigen::Matrix3d out = one - region.inPlane, next = region.inPlane * to.stretch * region.inPlane + out * to.stretch * out;
+		const bool isLess = region.energy( region.rotation * to.rotation, next ) < before;
+		stretch = isLess ? next : stretch;
+		return isLess;
+	};
 	// More than all of the strain would overshoot, and a region thrown inside out must not take its rest shape along.
-	const double share = std::min( { double( law.creep ) * h, 1.0, kLargestFlow / size } );
-	stretch = unitStretch( ( Eigen::Matrix3d::Identity() + share * strain ) * stretch, law.limit );
-	return true;
+	double share = std::min( { double( law.creep ) * h, 1.0, kLargestFlow / size } );
+	if ( isTaken( share * stretching ) )
+	{
+		return true;
+	}
+	const Eigen::Matrix3d resisting = stretch * region.moment * stretch;
+	const Eigen::Matrix3d yielding = ( resisting + kFlowFloor * resisting.trace() * one ).inverse();
+	const Eigen::Matrix3d downhill = strain - strain.trace() / yielding.trace() * yielding;
+	share = std::min( share, kLargestFlow / downhill.norm() );
+	bool hasFlowed = false;
+	for ( int k = 0; k < kFlowHalvings && !hasFlowed; ++k, share *= 0.5 )
+	{
+		hasFlowed = isTaken( share * downhill );
+	}
+	return hasFlowed;
 }
 
 PlasticFlow::PlasticFlow( const RegionTables& tables )
@@ -118,9 +169,34 @@ void PlasticFlow::show( MatchView& view ) const
 	}
 }
 
-void PlasticFlow::flow( const MatchView& view, const Kernels& kernels, const MatchStep& step, int begin, int end )
+FlowingRegion PlasticFlow::regionOf( const MatchView& view, int r ) const
+{
+	const Eigen::Matrix3d one = Eigen::Matrix3d::Identity();
+	const RegionMoments& moments = m_tables->moments;
+	FlowingRegion region;
+	region.rotation = Eigen::Quaternionf( view.quaternion[0][r], view.quaternion[1][r], view.quaternion[2][r], view.quaternion[3][r] ).cast<double>().toRotationMatrix();
+	region.moment = loadSymmetric( moments.moment, r );
+	region.inverse = loadSymmetric( moments.inverseMoment, r );
+	region.inPlane = m_tables->outOfPlane[0].empty() ? one : Eigen::Matrix3d( one - loadSymmetric( m_tables->outOfPlane, r ) );
+	region.volumeKeeping = double( view.volumeShare );
+	if ( !m_tables->blend[0].empty() )
+	{
+		Eigen::Matrix3d blend;
+		for ( int k = 0; k < 9; ++k )
+		{
+			blend( k / 3, k % 3 ) = m_tables->blend[k][r];
+		}
+		const Eigen::Matrix3d fine = region.moment * blend;
+		region.moment = 0.5 * ( fine + fine.transpose() );
+		region.volumeKeeping *= 1.0 - double( view.regionBeta ? view.regionBeta[r] : view.beta );
+	}
+	return region;
+}
+
+bool PlasticFlow::flow( const MatchView& view, const Kernels& kernels, const MatchStep& step, int begin, int end )
 {
 	const float limit = step.plastic.yieldStrain * step.plastic.yieldStrain;
+	bool hasFlowed = false;
 	for ( int block = begin; block < end; block += kLanes )
 	{
 		const int last = std::min( block + kLanes, view.nodeCount );
@@ -138,15 +214,17 @@ void PlasticFlow::flow( const MatchView& view, const Kernels& kernels, const Mat
 			{
 				continue;
 			}
-			const Eigen::Matrix3d total = Eigen::Map<const Matrix3fRows>( gradients + 9 * ( r - block ) ).cast<double>();
-			const Eigen::Quaternionf q( view.quaternion[0][r], view.quaternion[1][r], view.quaternion[2][r], view.quaternion[3][r] );
+			FlowingRegion region = regionOf( view, r );
+			region.total = Eigen::Map<const Matrix3fRows>( gradients + 9 * ( r - block ) ).cast<double>();
 			Eigen::Matrix3d now = stretch( r );
-			if ( flowStretch( step.plastic, step.h, total, q.cast<double>().toRotationMatrix(), now ) )
+			if ( flowStretch( step.plastic, step.h, region, now ) )
 			{
 				store( r, now );
+				hasFlowed = true;
 			}
 		}
 	}
+	return hasFlowed;
 }
 
 Eigen::Matrix3d PlasticFlow::stretch( int region ) const

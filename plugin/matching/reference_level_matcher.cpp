@@ -2,6 +2,7 @@
 
 #include "matching/plasticity.h"
 #include "matching/rotation.h"
+#include "matching/volume_mean.h"
 
 #include <Eigen/Dense>
 
@@ -106,20 +107,19 @@ void ReferenceLevelMatcher::fit( const NodeState& nodes, const MatchStep& step, 
 	// L = F + ( R - F ) C^T, with C = 1 - beta where beta is a number: L = R + beta ( F - R )   (Ohta et al. 2009, eq. 5)
 	region.l = region.f + ( rotation - region.f ) * blend.transpose();
 	const double trace = std::clamp( ( rotation.transpose() * region.f ).trace() - 3.0, -1.0, 1.0 );
-	region.l -= double( m_material.volumeKeeping ) * ( 1.0 - region.beta ) * trace * rotation;
-	const Eigen::Matrix3d elastic = rotation.transpose() * region.f;
+	const double mean = volumeMean( inverse, 3.0 - outside.trace() );
+	const double volumeKeeping = double( m_material.volumeKeeping ) * ( 1.0 - region.beta );
+	const Eigen::Matrix3d fitted = isTensor ? Eigen::Matrix3d( apq * blend ) : apq, across = isTensor ? Eigen::Matrix3d( rotation * blend.transpose() ) : rotation;
+	region.l -= volumeKeeping * trace * mean *
+				( rotation * inverse + volumeTurn( fitted * rotation.transpose(), region.f * rotation.transpose(), region.rest.moment.trace() ) * across );
 	region.l *= s;
 	region.f *= s;
-	flow( step, elastic, region );
-}
-
-void ReferenceLevelMatcher::flow( const MatchStep& step, const Eigen::Matrix3d& elastic, Region& region ) const
-{
-	const Eigen::Matrix3d one = Eigen::Matrix3d::Identity(), strain = 0.5 * ( elastic + elastic.transpose() ) - one;
-	if ( step.plastic.yieldStrain > 0.0f && strain.norm() > double( step.plastic.yieldStrain ) )
+	if ( step.plastic.yieldStrain > 0.0f )
 	{
-		const double share = std::min( { double( step.plastic.creep ) * step.h, 1.0, kLargestFlow / strain.norm() } );
-		region.plastic = unitStretch( ( one + share * strain ) * region.plastic, step.plastic.limit );
+		const Eigen::Matrix3d back = region.plastic.inverse(), fine = back * moment * blend * back;
+		const Eigen::Matrix3d resisting = isTensor ? Eigen::Matrix3d( 0.5 * ( fine + fine.transpose() ) ) : region.rest.moment;
+		m_hasFlowed |= flowStretch( step.plastic, step.h, FlowingRegion{ region.f, rotation, resisting, region.plastic * inverse * region.plastic,
+			Eigen::Matrix3d::Identity() - outside, isTensor ? volumeKeeping : double( m_material.volumeKeeping ) }, region.plastic );
 	}
 }
 
@@ -145,11 +145,13 @@ void ReferenceLevelMatcher::accelerate( NodeState& nodes, const MatchStep& step,
 {
 	const Eigen::Quaterniond before = m_bodyRotation;
 	m_bodyRotation = fitBody( nodes );
+	const bool wasFlowing = m_hasFlowed; // goals have moved that no node has moved by
+	m_hasFlowed = false;
 	for ( std::uint32_t r = 0; r < std::uint32_t( m_region.size() ); ++r )
 	{
 		fit( nodes, step, r );
 	}
-	const double k = 1.0 - std::exp( -double( step.damping ) * step.h );
+	const double k = wasFlowing ? 0.0 : double( dampingShare( double( step.damping ), double( step.h ), double( step.alpha ), double( m_material.volumeKeeping ) ) );
 	for ( int i = 0; i < nodes.count; ++i )
 	{
 		const Vec3d x = nodes.x.get( i ).cast<double>();

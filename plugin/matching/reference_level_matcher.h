@@ -37,13 +37,13 @@ private:
 
 	void tune( std::uint32_t r, Region& region ) const;
 	void fit( const NodeState& nodes, const MatchStep& step, std::uint32_t r );
-	void flow( const MatchStep& step, const Eigen::Matrix3d& elastic, Region& region ) const;
 	Eigen::Quaterniond fitBody( const NodeState& nodes ) const;
 
 	const LevelBase& m_base;
 	const Lattice& m_lattice;
 	Cut m_cut;
 	Material m_material;
+	bool m_hasFlowed = false; ///< a region, in the last substep
 	Adaptivity m_settings;
 	RegionMatrix m_matrix;
 	std::vector<Region> m_region;

@@ -1,6 +1,8 @@
 #include "matching/reference_matcher.h"
 
+#include "matching/plasticity.h"
 #include "matching/rotation.h"
+#include "matching/volume_mean.h"
 
 #include <Eigen/Dense>
 
@@ -11,8 +13,8 @@ namespace pliant {
 
 namespace {
 
-/// S_p after the substep, by singular values and bisection; the law stands in plasticity.h.
-Eigen::Matrix3d flowed( const MatchStep& step, const Eigen::Matrix3d& elastic, const Eigen::Matrix3d& before )
+/// S_p after the substep, by singular values and bisection; the law stands in plasticity.h. Not asked yet: whether energy rises.
+Eigen::Matrix3d lawfullyFlowed( const MatchStep& step, const Eigen::Matrix3d& elastic, const Eigen::Matrix3d& before )
 {
 	const Eigen::Matrix3d one = Eigen::Matrix3d::Identity(), strain = 0.5 * ( elastic + elastic.transpose() ) - one;
 	if ( strain.norm() <= double( step.plastic.yieldStrain ) )
@@ -37,6 +39,21 @@ Eigen::Matrix3d flowed( const MatchStep& step, const Eigen::Matrix3d& elastic, c
 		( ( volumeOne( one + t * ( wanted - one ) ) - one ).norm() <= limit ? inside : beyond ) = t;
 	}
 	return volumeOne( one + inside * ( wanted - one ) );
+}
+
+/// The same, where it lowers the energy; what is done where it does not is taken from flowStretch.
+Eigen::Matrix3d flowed( const MatchStep& step, const FlowingRegion& region, const Eigen::Matrix3d& before )
+{
+	Eigen::Matrix3d after = lawfullyFlowed( step, region.rotation.transpose() * region.total * before.inverse(), before );
+	const Eigen::JacobiSVD<Eigen::Matrix3d> svd( region.total * region.moment * after, Eigen::ComputeFullU | Eigen::ComputeFullV );
+	const double side = ( svd.matrixU() * svd.matrixV().transpose() ).determinant();
+	const Eigen::Matrix3d fitted = svd.matrixU() * Vec3d( 1.0, 1.0, side ).asDiagonal() * svd.matrixV().transpose();
+	if ( region.energy( fitted, after ) > region.energy( region.rotation, before ) )
+	{
+		after = before;
+		flowStretch( step.plastic, step.h, region, after );
+	}
+	return after;
 }
 
 } // namespace
@@ -106,7 +123,8 @@ void ReferenceMatcher::fitRegions( const NodeState& nodes, const MatchStep& step
 			aqq += double( m_moments.nodeWeight[i] ) * q * q.transpose();
 		}
 		Eigen::Matrix3d outside;
-		const Eigen::Matrix3d inPlane = apq * inverseInPlane( aqq, kMomentFloor, outside );
+		const Eigen::Matrix3d inverse = inverseInPlane( aqq, kMomentFloor, outside );
+		const Eigen::Matrix3d inPlane = apq * inverse;
 		fit.rotation = fitRotation( m_material.rotationFrom == RotationFrom::F ? inPlane : apq, fit.rotation );
 		const Eigen::Matrix3d rotation = fit.rotation.toRotationMatrix();
 		const Eigen::Matrix3d f = inPlane + rotation * outside;
@@ -115,11 +133,16 @@ void ReferenceMatcher::fitRegions( const NodeState& nodes, const MatchStep& step
 		fit.linear = rotation + double( m_material.beta ) * ( f - rotation );
 		// - kappa tr( R^T F - 1 ) R, the trace within -1 .. 1: what is pressed one way is asked to give way in the others
 		const double trace = std::clamp( ( rotation.transpose() * f ).trace() - 3.0, -1.0, 1.0 );
-		fit.linear -= double( m_material.volumeKeeping ) * ( 1.0 - double( m_material.beta ) ) * trace * rotation;
+		const double mean = volumeMean( inverse, 3.0 - outside.trace() );
+		fit.linear -= double( m_material.volumeKeeping ) * ( 1.0 - double( m_material.beta ) ) * trace * mean *
+					  ( rotation * inverse + volumeTurn( apq * rotation.transpose(), f * rotation.transpose(), aqq.trace() ) * rotation );
 		fit.linear *= fit.plastic;
 		if ( step.plastic.yieldStrain > 0.0f )
 		{
-			fit.plastic = flowed( step, rotation.transpose() * f, fit.plastic );
+			const Eigen::Matrix3d back = fit.plastic.inverse(), before = fit.plastic;
+			fit.plastic = flowed( step, FlowingRegion{ f * fit.plastic, rotation, back * aqq * back, fit.plastic * inverse * fit.plastic,
+				Eigen::Matrix3d::Identity() - outside, double( m_material.volumeKeeping ) }, before );
+			m_hasFlowed = m_hasFlowed || fit.plastic != before;
 		}
 		if ( m_dampingForm == DampingForm::RegionVelocity )
 		{
@@ -175,9 +198,11 @@ void ReferenceMatcher::accelerate( NodeState& nodes, const MatchStep& step, Task
 	{
 		m_residualBefore[i] = m_bodyRotation * ( before.conjugate() * m_residual[i] );
 	}
+	const bool wasFlowing = m_hasFlowed; // goals have moved that no node has moved by
+	m_hasFlowed = false;
 	fitRegions( nodes, step );
 
-	const double k = 1.0 - std::exp( -double( step.damping ) * step.h );
+	const double k = wasFlowing ? 0.0 : double( dampingShare( double( step.damping ), double( step.h ), double( step.alpha ), double( m_material.volumeKeeping ) ) );
 	for ( int i = 0; i < nodes.count; ++i )
 	{
 		const Vec3d x = nodes.x.get( i ).cast<double>();

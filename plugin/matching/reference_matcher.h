@@ -52,6 +52,7 @@ private:
 
 	const Lattice& m_lattice;
 	Material m_material;
+	bool m_hasFlowed = false; ///< a region, in the last substep
 	DampingForm m_dampingForm;
 	RegionSet m_regions;
 	RegionMoments m_moments;

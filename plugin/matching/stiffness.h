@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 
 namespace pliant {
 
@@ -30,6 +31,14 @@ inline double largestAlpha( const Material& material )
 {
 	const double kappa = material.method == Method::Lattice ? material.volumeKeeping : 0.0;
 	return std::min( double( kLargestAlpha ), kLargestVolumeAlpha / ( 1.0 + 3.0 * kappa ) );
+}
+
+/// Region damping's share of a substep, k = 1 - exp( - damping h ), as far as it is safe beside `alpha`. A mode that is answered lambda <= 1 + 3 kappa times is
+/// stable below lambda ( alpha + 2 k ) = 4; and in a region pressed to a half, whose rotation answers twice what turns it, all of k would drive and not brake.
+inline float dampingShare( double damping, double h, double alpha, double kappa )
+{
+	const double k = 1.0 - std::exp( -damping * h ), room = 0.5 * ( kMostDampedAnswer / ( 1.0 + 3.0 * kappa ) - alpha );
+	return float( std::max( 0.0, std::min( { k, kLargestDampingShare, room } ) ) );
 }
 
 /// Share of the way to the goal on each far level, finest first; 0: the level is not used.

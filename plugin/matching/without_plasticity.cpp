@@ -4,6 +4,16 @@
 
 namespace pliant {
 
+double FlowingRegion::energy( const Eigen::Matrix3d&, const Eigen::Matrix3d& ) const
+{
+	return 0.0;
+}
+
+bool flowStretch( const PlasticLaw&, float, const FlowingRegion&, Eigen::Matrix3d& )
+{
+	return false;
+}
+
 PlasticFlow::PlasticFlow( const RegionTables& tables ) : m_tables( &tables ) {}
 
 bool PlasticFlow::yieldsAnywhere( const MatchView&, float )
@@ -12,7 +22,12 @@ bool PlasticFlow::yieldsAnywhere( const MatchView&, float )
 }
 
 void PlasticFlow::show( MatchView& ) const {}
-void PlasticFlow::flow( const MatchView&, const Kernels&, const MatchStep&, int, int ) {}
+
+bool PlasticFlow::flow( const MatchView&, const Kernels&, const MatchStep&, int, int )
+{
+	return false;
+}
+
 void PlasticFlow::carryOver( const RegionTables&, const RegionTables&, const FlowHeirs& ) {}
 void PlasticFlow::inherit( const PlasticFlow&, const std::vector<std::uint32_t>& ) {}
 

@@ -125,6 +125,21 @@ inline constexpr int kMostBlockRigid = 96;
 inline constexpr int kLineSearchHalvings = 24;
 /// Nodes that have come too deep are pushed out at most this fast, m/s.
 inline constexpr double kPushOutSpeed = 2.0;
+/// Contacts of one node with what stands ask for what they can all have: looked for in so many sweeps, to this share of the most that any of them lacks.
+inline constexpr int kAgreeSweeps = 32;
+inline constexpr double kAgreedShare = 1e-3;
+/// It must not be more than so many times that, or they are taken to be at odds ...
+inline constexpr double kMostWayOut = 4.0;
+/// ... and what lies between is looked for with this weight on staying with what stands, beside 1 of each contact.
+inline constexpr double kAgreeRest = 0.01;
+/// Two things that are put into one another go apart by so much, m/s: stiff ones, which spring back, twice as fast. Bullet's own bodies, of which nothing springs, take what their depth asks for.
+inline constexpr double kPartingSpeed = 1.0;
+/// Deeper than this share of a radius is put into one another, if it is more than they move by; Bullet's usual share (m_erp2) of a depth is pushed out in a step.
+inline constexpr double kPartedDepth = 0.25, kUsualPush = 0.2;
+/// Substeps in which nothing is held back after one in which it went apart: that one, and the next.
+inline constexpr int kPartingPhases = 2;
+/// Directions and ways that differ by less than this share are the same.
+inline constexpr double kParallel = 1e-3;
 /// Share in which a rigid body's impulses from the rest of the world (joints, rigid contacts) follow those of the last substep.
 inline constexpr double kOutsideShare = 0.25;
 

@@ -354,9 +354,11 @@ BlockCount ImplicitBlock::solve( TaskRunner* runner )
 	BlockCount count;
 	m_runner = runner;
 	layOut();
+	agreeOnTargets();
 	chooseStiffness();
 	solveLaw( count );
 	keepEnergy( count );
+	carryImpulses();
 	readAnswer();
 	keepMomentum();
 	return count;

@@ -45,6 +45,7 @@ struct BlockContact
 	// Impulses, N s: at first those of the last substep, at the end those of this one.
 	double normalImpulse = 0.0;
 	Vec3d tangentImpulse = Vec3d::Zero();
+	double carried = 0.0;           ///< of the normal one, into the next substep
 
 	// The linearised law: jn = pushed + k ( b - u.n ) while it presses; jt = held - kt ut, of `limited` times mu at most.
 	double stiffness = 0.0;         ///< k, kg
@@ -167,6 +168,14 @@ private:
 		bool all = false, each = false;
 	};
 
+	/// A contact of a node with something whose speed is given.
+	struct Between
+	{
+		int node = -1; ///< among the block's nodes with contacts
+		std::size_t contact = 0;
+		int side = 0;  ///< the node's
+	};
+
 	int size() const override { return m_size; }
 	void apply( const float* v, float* to ) override;
 	void precondition( const float* r, float* z ) override;
@@ -224,6 +233,13 @@ private:
 	void lockAxes( const RigidPart& part, int body );
 	void readAnswer();
 
+	// In implicit_conflicts.cpp.
+	/// Contacts of one node with things whose speeds are given ask for nothing that they cannot all have.
+	void agreeOnTargets();
+	/// At the end: what of each impulse the next substep begins with.
+	void carryImpulses();
+	void agreeOnTargets( std::size_t first, std::size_t end ); ///< of one node: [first, end) of m_between
+
 	// The law, in implicit_law.cpp.
 	Vec3d undirected( const BlockContact& contact ) const;
 	void chooseStiffness();
@@ -280,6 +296,7 @@ private:
 	std::vector<Pressing> m_pressing;      ///< as last linearised
 	std::vector<Way> m_ways;               ///< by contact; scratch of stepTowards
 	std::vector<PartError> m_partErrors;   ///< soft parts', then rigid ones'; scratch of matchAt
+	std::vector<Between> m_between;        ///< by node; scratch of agreeOnTargets
 	std::vector<NodeBlock> m_nodeBlocks;   ///< of the nodes that contacts name
 	std::vector<Cluster> m_clusters;
 	std::vector<double> m_clusterRoom;

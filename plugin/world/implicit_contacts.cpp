@@ -231,7 +231,7 @@ void ImplicitContacts::writeBack( ImplicitBlock& block )
 	for ( BlockContact& contact : block.contacts )
 	{
 		btManifoldPoint& point = *contact.point;
-		point.m_appliedImpulse = btScalar( std::max( 0.0, contact.normalImpulse ) );
+		point.m_appliedImpulse = btScalar( std::max( 0.0, contact.carried ) );
 		point.m_appliedImpulseLateral1 = btScalar( contact.tangentImpulse.dot( toVec3d( point.m_lateralFrictionDir1 ) ) );
 		point.m_appliedImpulseLateral2 = btScalar( contact.tangentImpulse.dot( toVec3d( point.m_lateralFrictionDir2 ) ) );
 	}

@@ -4,20 +4,24 @@
 #include "world/constants.h"
 #include "world/soft_body_impl.h"
 
+#include <BulletDynamics/ConstraintSolver/btContactSolverInfo.h>
+
 #include <algorithm>
 #include <cstddef>
 
 namespace pliant {
 
-void MovedContacts::moveToNodes( btDispatcher& dispatcher )
+void MovedContacts::moveToNodes( btDispatcher& dispatcher, const btContactSolverInfo& info )
 {
+	const btScalar deepest = info.m_erp2 > 0 ? btScalar( -kPushOutSpeed ) * info.m_timeStep / info.m_erp2 : -SIMD_INFINITY;
 	m_moved.clear();
+	m_deep.clear();
 	m_hasTurning = m_hasBounces = false;
 	const auto ask = []( const btPersistentManifold& manifold ) {
 		askForEnd( manifold );
 		askFor( &manifold, offsetof( btManifoldPoint, m_partId0 ) + sizeof( btVector3 ) ); // where its first point is, and how it is met
 	};
-	forEachManifold( dispatcher, ask, [this]( btPersistentManifold& manifold ) {
+	forEachManifold( dispatcher, ask, [this, deepest]( btPersistentManifold& manifold ) {
 		const bool nodeIsFirst = ownerOfNodeBody( manifold.getBody0() ) != nullptr;
 		if ( !nodeIsFirst && !ownerOfNodeBody( manifold.getBody1() ) )
 		{
@@ -38,6 +42,11 @@ void MovedContacts::moveToNodes( btDispatcher& dispatcher )
 			const btScalar fromSurface = point.m_distance1 + radius;
 			btVector3& place = nodeIsFirst ? point.m_positionWorldOnB : point.m_positionWorldOnA;
 			m_moved.push_back( Moved{ &place, place } );
+			if ( point.m_distance1 < deepest )
+			{
+				m_deep.push_back( Deep{ &point.m_distance1, point.m_distance1 } );
+				point.m_distance1 = deepest;
+			}
 			place += point.m_normalWorldOnB * ( nodeIsFirst ? fromSurface : -fromSurface );
 		}
 	} );
@@ -45,6 +54,10 @@ void MovedContacts::moveToNodes( btDispatcher& dispatcher )
 
 void MovedContacts::moveBack()
 {
+	for ( const Deep& deep : m_deep )
+	{
+		*deep.distance = deep.was;
+	}
 	for ( std::size_t k = 0; k < m_moved.size(); ++k )
 	{
 		askFor( m_moved[std::min( k + kPlacesAhead, m_moved.size() - 1 )].point, sizeof( btVector3 ) );

@@ -7,6 +7,7 @@
 #include <vector>
 
 class btDispatcher;
+struct btContactSolverInfo;
 
 namespace pliant {
 
@@ -15,7 +16,8 @@ namespace pliant {
 class MovedContacts
 {
 public:
-	void moveToNodes( btDispatcher& dispatcher );
+	/// What is deeper than Bullet pushes out of at kPushOutSpeed in a step is shown to be just so deep.
+	void moveToNodes( btDispatcher& dispatcher, const btContactSolverInfo& info );
 	void moveBack();
 	/// Those moved last.
 	int count() const { return int( m_moved.size() ); }
@@ -31,7 +33,14 @@ private:
 		btVector3 was; ///< the point on the surface
 	};
 
+	struct Deep
+	{
+		btScalar* distance;
+		btScalar was;
+	};
+
 	std::vector<Moved> m_moved;
+	std::vector<Deep> m_deep;
 	bool m_hasTurning = false, m_hasBounces = false;
 };
 

@@ -123,23 +123,18 @@ void PairContacts::process( const btCollisionObjectWrapper& body0, const btColli
 	{
 		return;
 	}
+	SoftBody* const soft = soft0 ? soft0 : soft1;
+	SoftBody* const otherSoft = soft0 ? soft1 : nullptr;
 	if ( body0.getCollisionObject()->isStaticOrKinematicObject() && body1.getCollisionObject()->isStaticOrKinematicObject() )
 	{
-		matchHits( Pair{ soft0 ? soft0 : soft1, nullptr, nullptr, true }, {} ); // neither moves the other
+		matchHits( Pair{ soft, nullptr, nullptr, true }, {} ); // neither moves the other
 		return;
 	}
-	if ( soft0 && soft1 )
-	{
-		matchHits( Pair{ soft0, soft1, nullptr, true }, m_scratch.search.againstSoft( *soft0, *soft1, step ) );
-	}
-	else if ( soft0 )
-	{
-		matchHits( Pair{ soft0, nullptr, body1.getCollisionObject(), true }, m_scratch.search.againstRigid( *soft0, body1, step ) );
-	}
-	else
-	{
-		matchHits( Pair{ soft1, nullptr, body0.getCollisionObject(), false }, m_scratch.search.againstRigid( *soft1, body0, step ) );
-	}
+	const btCollisionObjectWrapper& other = soft0 ? body1 : body0;
+	std::vector<NodeHit>& hits = otherSoft ? m_scratch.search.againstSoft( *soft, *otherSoft, step ) : m_scratch.search.againstRigid( *soft, other, step );
+	m_parting.follow( *soft, *other.getCollisionObject(), otherSoft, m_isNew, step, hits );
+	m_isNew = false;
+	matchHits( Pair{ soft, otherSoft, otherSoft ? nullptr : other.getCollisionObject(), soft == soft0 }, hits );
 }
 
 void PairContacts::processSelf( SoftBody& soft, SelfSearch& search, double step )

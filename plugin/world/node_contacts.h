@@ -5,6 +5,7 @@
 
 #include "world/node_body.h"
 #include "world/node_search.h"
+#include "world/parting.h"
 #include "world/self_search.h"
 
 #include <BulletCollision/BroadphaseCollision/btCollisionAlgorithm.h>
@@ -85,6 +86,8 @@ private:
 	NodeBodyPool& m_pool;
 	PairScratch& m_scratch;
 	std::vector<NodeContact> m_contacts;
+	Parting m_parting;
+	bool m_isNew = true; ///< it has not been looked at yet
 	const void* m_after = nullptr; ///< whose turn it was next: asked for, and else not looked at, as it may be gone
 	unsigned m_numbering = 0; ///< of both bodies, when their nodes were last followed
 	unsigned m_phase = 0;     ///< collision phase in which it was last processed

@@ -354,6 +354,12 @@ void SoftBodySystem::holdBack( btScalar h )
 	{
 		SoftBody::Impl& impl = body->impl();
 		const NodeState& nodes = impl.body->nodes();
+		if ( impl.parting > 0 )
+		{
+			--impl.parting;
+			impl.isGuarded = false;
+			continue;
+		}
 		const double sweep = double( h ) * double( largest( nodes, tasks() ) );
 		const bool isFast = sweep > kFastShare * double( impl.shape->smallestRadius() );
 		if ( ( !isFast && !impl.isGuarded ) || !moves( *body ) || !body->hasContactResponse() )

@@ -54,7 +54,7 @@ struct TriangleCall : btTriangleCallback
 
 } // namespace
 
-const std::vector<NodeHit>& NodeSearch::againstRigid( const SoftBody& soft, const btCollisionObjectWrapper& other, double step )
+std::vector<NodeHit>& NodeSearch::againstRigid( const SoftBody& soft, const btCollisionObjectWrapper& other, double step )
 {
 	const Vec3d& origin = soft.impl().body->nodes().origin;
 	m_soft = &soft;

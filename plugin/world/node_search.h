@@ -44,9 +44,9 @@ public:
 		double gameStep = 0.0;    ///< s, in which they push things out of themselves
 	};
 	void setCharacters( const Characters& characters ) { m_characters = characters; }
-	const std::vector<NodeHit>& againstRigid( const SoftBody& soft, const btCollisionObjectWrapper& other, double step );
+	std::vector<NodeHit>& againstRigid( const SoftBody& soft, const btCollisionObjectWrapper& other, double step );
 	/// Normals point from `b` to `a`.
-	const std::vector<NodeHit>& againstSoft( const SoftBody& a, const SoftBody& b, double step );
+	std::vector<NodeHit>& againstSoft( const SoftBody& a, const SoftBody& b, double step );
 
 private:
 	/// The body's spheres, as they move against what is asked about.

@@ -61,7 +61,7 @@ void keepComing( std::vector<SphereRows::Meeting>& meetings, const NodeState& no
 
 } // namespace
 
-const std::vector<NodeHit>& NodeSearch::againstSoft( const SoftBody& a, const SoftBody& b, double step )
+std::vector<NodeHit>& NodeSearch::againstSoft( const SoftBody& a, const SoftBody& b, double step )
 {
 	const SoftBody::Impl& implA = a.impl();
 	const SoftBody::Impl& implB = b.impl();

@@ -158,6 +158,8 @@ struct SoftBody::Impl
 	std::unique_ptr<SelfCollision> self; ///< null: its nodes do not meet each other
 	std::vector<Pin> pins;             ///< ascending by node
 	std::vector<NodeBody*> nodeBody;   ///< by node; null while untouched
+	mutable int parting = 0;           ///< above 0: it goes apart from what it was put into (parting.h), whose nearest faces may hold it back
+	unsigned placed = 0;               ///< one more whenever it is put somewhere
 	unsigned numbering = 0;            ///< one more whenever nodes get other numbers
 	/// Nodes (with Adaptivity::refinesOnContact) that something has come near in this substep.
 	struct Near

@@ -181,7 +181,7 @@ void SoftBodyWorld::solveConstraints( btContactSolverInfo& info )
 	// Sleeping bodies too: a rigid body may have hit one of them and woken it in this very step.
 	Stopwatch watch( m_system->bodies.report.solve );
 	MovedContacts& moved = m_system->moved;
-	moved.moveToNodes( *getDispatcher() );
+	moved.moveToNodes( *getDispatcher(), info );
 	m_system->bodies.countContacts( moved.count() );
 	if ( moved.hasTurning() )
 	{

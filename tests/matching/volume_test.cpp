@@ -179,6 +179,61 @@ TEST( Volume, OfABlockThatHitsTheGroundIsKeptThreeTimesAsWell )
 	EXPECT_LT( kept, plain / 3.0 );
 }
 
+/// Motion of a block that has been shaken and is then left alone, undamped, J: at first and at most over so many seconds of 1/240 s each.
+struct Shaken
+{
+	double first = 0.0, most = 0.0;
+};
+
+Shaken shake( const Material& material, float speed, float seconds )
+{
+	const std::unique_ptr<Body> body = test::makeBlock( 5, 5, 5, 0.1f, material );
+	const float h = 1.0f / 240.0f;
+	const StiffnessPlan plan = planStiffness( material, 0.1f, h, 1 );
+	test::Seeded random( 7 );
+	for ( int i = 0; i < body->nodeCount(); ++i )
+	{
+		body->nodes().v.set( i, random.inBox( speed ) );
+	}
+	Shaken shaken;
+	shaken.first = body->sums().kineticEnergy;
+	for ( int step = 0; step < int( seconds / h ); ++step )
+	{
+		test::substep( *body, h, plan.alpha );
+		shaken.most = std::max( shaken.most, body->sums().kineticEnergy );
+	}
+	return shaken;
+}
+
+// A ringing jelly with its volume kept rang louder and louder until it tore itself apart: regions at its faces, whose moments differ between across and along,
+// answered a squeeze along with more than the same squeeze across was answered with along.
+TEST( Volume, KeptBringsNoEnergyIn )
+{
+	for ( const float kappa : { 0.5f, 2.0f } )
+	{
+		Material material = keeping( kappa );
+		material.youngsModulus = 1e4f;
+		material.damping = material.wobbleDamping = 0.0f;
+		const Shaken shaken = shake( material, 4.0f, 20.0f );
+		std::printf( "kappa %.1f: motion %.1f J at first, %.1f at most\n", double( kappa ), shaken.first, shaken.most );
+		EXPECT_LT( shaken.most, 1.02 * shaken.first );
+	}
+}
+
+// Damping at its largest threw a body that was pressed: a region's rotation answers a turn twice where the region is pressed to half its size, and kept volume
+// answers a squeeze 1 + 3 kappa times.
+TEST( Volume, KeptOrNotTheLargestDampingOnlyDamps )
+{
+	for ( const float kappa : { 0.0f, 2.0f } )
+	{
+		Material material = keeping( kappa );
+		material.damping = kLargestDamping;
+		const Shaken shaken = shake( material, 20.0f, 2.0f );
+		std::printf( "kappa %.1f, most damping: motion %.1f J at first, %.1f at most\n", double( kappa ), shaken.first, shaken.most );
+		EXPECT_LT( shaken.most, 1.02 * shaken.first );
+	}
+}
+
 TEST( Volume, WithoutItNothingIsHeld )
 {
 	const Lattice lattice = makeBlockLattice( 6, 6, 6, 0.1f );

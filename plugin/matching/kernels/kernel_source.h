@@ -5,6 +5,7 @@
 #pragma once
 
 #include "matching/kernels/kernels.h"
+#include "matching/kernels/volume_room.h"
 
 #include <cstdint>
 
