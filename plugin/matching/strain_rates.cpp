@@ -38,19 +38,7 @@ void StrainRates::prepare( LatticeMatcher& matcher, NodeState& nodes, TaskRunner
 	m_recordFloats = matcher.recordFloats();
 	m_partial.resize( std::size_t( chunks( m_padded ) ) );
 	measureBody( nodes, &matcher.parts() );
-	if ( m_parts->areSeveral() )
-	{
-		placeParts( nodes );
-	}
-	for ( int k = 0; k < 3; ++k )
-	{
-		m_view.frameCentre[k] = m_parts->areSeveral() ? 0.0f : float( whole().centre[k] );
-		m_centres[k].resize( std::size_t( m_padded ) );
-	}
-	for ( AlignedArray<float>& component : m_inverseInertias )
-	{
-		component.resize( std::size_t( m_padded ) );
-	}
+	placeFrames( nodes );
 	m_rates = RateView{};
 	m_rates.match = &m_view;
 	const bool hasOwnShares = !tables.rateShare.empty();
@@ -92,6 +80,24 @@ void StrainRates::prepare( LatticeMatcher& matcher, NodeState& nodes, TaskRunner
 		m_measuredVersion = matcher.tablesVersion();
 	}
 	measureRegions( runner );
+}
+
+/// Regions' centres are about the body's, or about those of its parts.
+void StrainRates::placeFrames( const NodeState& nodes )
+{
+	if ( m_parts->areSeveral() )
+	{
+		placeParts( nodes );
+	}
+	for ( int k = 0; k < 3; ++k )
+	{
+		m_view.frameCentre[k] = m_parts->areSeveral() ? 0.0f : float( whole().centre[k] );
+		m_centres[k].resize( std::size_t( m_padded ) );
+	}
+	for ( AlignedArray<float>& component : m_inverseInertias )
+	{
+		component.resize( std::size_t( m_padded ) );
+	}
 }
 
 void StrainRates::measureRegions( TaskRunner* runner )

@@ -84,6 +84,7 @@ private:
 	void applyRegions( TaskRunner* runner );
 	// Of a body in several parts.
 	void placeParts( const NodeState& nodes );
+	void placeFrames( const NodeState& nodes );
 	void takeRigidMotionOff( const float* const* from, float* const* to ) const;
 	void resistByPart( const float* v, float* to, TaskRunner* runner );
 

@@ -51,6 +51,26 @@ bool takeParts( const btCollisionObject* const ( &objects )[2], int block, const
 	} );
 }
 
+/// The block that solves a manifold's contacts; -1: they are Bullet's.
+int blockOf( const btPersistentManifold& manifold, const BlockPlaces& places )
+{
+	const btCollisionObject* const objects[2] = { manifold.getBody0(), manifold.getBody1() };
+	int block = -1;
+	bool hasNode = false;
+	for ( const btCollisionObject* object : objects )
+	{
+		const NodeBody* const node = asNode( object );
+		hasNode = hasNode || node;
+		block = node && block < 0 && node->node >= 0 ? places.blockOf( *node->owner ) : block;
+	}
+	if ( !hasNode && isPlainRigid( manifold ) )
+	{
+		block = std::max( places.blockOfIsland( objects[0]->getIslandTag() ), places.blockOfIsland( objects[1]->getIslandTag() ) );
+		block = takeParts( objects, block, places ) ? block : -1;
+	}
+	return block;
+}
+
 /// An object's friction by direction, the root of its scales, in world axes.
 Eigen::Matrix3d rootOfScales( const btCollisionObject& object )
 {
@@ -136,16 +156,7 @@ void ImplicitContacts::gatherFrom(
 {
 	const btCollisionObject* const objects[2] = { manifold.getBody0(), manifold.getBody1() };
 	const NodeBody* const nodes[2] = { asNode( objects[0] ), asNode( objects[1] ) };
-	int block = -1;
-	for ( const NodeBody* node : nodes )
-	{
-		block = node && block < 0 && node->node >= 0 ? places.blockOf( *node->owner ) : block;
-	}
-	if ( !nodes[0] && !nodes[1] && isPlainRigid( manifold ) )
-	{
-		block = std::max( places.blockOfIsland( objects[0]->getIslandTag() ), places.blockOfIsland( objects[1]->getIslandTag() ) );
-		block = takeParts( objects, block, places ) ? block : -1;
-	}
+	const int block = blockOf( manifold, places );
 	if ( block < 0 )
 	{
 		if ( ( info.m_solverMode & SOLVER_USE_2_FRICTION_DIRECTIONS ) == 0 )
