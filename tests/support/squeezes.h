@@ -19,7 +19,7 @@ struct Squeeze
 	double youngsModulus = 5e4;
 	int coarseLevels = 0;
 	float yieldStrain = 0.0f;
-	double seconds = 5.0; ///< held for
+	double seconds = 2.0; ///< held for
 };
 
 struct Squeezed
