@@ -8,14 +8,14 @@
 
 namespace pliant {
 
-/// b of kept volume: a mean of the moments of which `inverse` is the pseudo-inverse, in `extents` directions (kernel_fit.h, volumeMatrix); 0 where there are none.
+/// b of kept volume: a mean of the moments of which `inverse` is the pseudo-inverse, in `extents` directions (kernel_volume.h, volumeMatrix); 0 where there are none.
 inline double volumeMean( const Eigen::Matrix3d& inverse, double extents )
 {
 	const double sum = inverse.trace(), harmonic = extents / sum;
 	return sum > 0.0 ? harmonic * std::min( double( kVolumeRoom ), harmonic * inverse.squaredNorm() / sum ) : 0.0;
 }
 
-/// h of kept volume: ( tr M - M ) h = - axial( F R^T ), and none where that is no maximum (kernel_fit.h, volumeTurn). `turning`: M; `stretch`: F R^T.
+/// h of kept volume: ( tr M - M ) h = - axial( F R^T ), and none where that is no maximum (kernel_volume.h, volumeTurn). `turning`: M; `stretch`: F R^T.
 inline Eigen::Matrix3d volumeTurn( const Eigen::Matrix3d& turning, const Eigen::Matrix3d& stretch, double moment )
 {
 	const Eigen::Matrix3d even = 0.5 * ( turning + turning.transpose() ), matrix = even.trace() * Eigen::Matrix3d::Identity() - even;

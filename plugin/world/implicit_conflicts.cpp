@@ -35,6 +35,29 @@ Demand demandOf( const BlockContact& contact, int side )
 	return Demand{ normal, contact.target + normal.dot( contact.side[1 - side].given ) };
 }
 
+/// Cosine to an axis from which on a contact presses along it: of any direction one axis has more.
+constexpr double kAlong = 0.5;
+
+/// Whether things whose speeds are given press on the block from two sides.
+bool isPressedBetween( const std::vector<BlockContact>& contacts )
+{
+	Vec3d low = Vec3d::Zero(), high = Vec3d::Zero();
+	for ( const BlockContact& contact : contacts )
+	{
+		for ( int k = 0; k < 2; ++k )
+		{
+			const ContactSide& other = contact.side[1 - k];
+			if ( contact.presses && other.soft < 0 && other.rigid < 0 )
+			{
+				const Vec3d normal = k == 0 ? contact.normal : Vec3d( -contact.normal );
+				low = low.cwiseMin( normal );
+				high = high.cwiseMax( normal );
+			}
+		}
+	}
+	return ( low.array() < -kAlong && high.array() > kAlong ).any();
+}
+
 } // namespace
 
 void ImplicitBlock::agreeOnTargets()
@@ -129,16 +152,17 @@ void ImplicitBlock::agreeOnTargets( std::size_t first, std::size_t end )
 	}
 }
 
-// Where others stand between the two things, a box, the nodes of another body, no node knows. But who is pressed between them and can go nowhere stands, and lacks what it
+// Where others stand between two things from whose two sides the block is pressed, a box, the nodes of another body, no node knows. But who is pressed between them and can go nowhere stands, and lacks what it
 // is asked for in each substep: then no more of it is carried on. What is held up by what it presses is pressed further, moves, and so is carried again.
 void ImplicitBlock::carryImpulses()
 {
+	const bool isBetween = isPressedBetween( contacts );
 	for ( BlockContact& contact : contacts )
 	{
 		contact.carried = contact.normalImpulse;
 		const double along = contact.normal.dot( relativeSpeed( contact, m_v.data() ) ), lack = contact.target - along;
 		const double change = std::abs( along - contact.normal.dot( contact.before ) );
-		if ( contact.presses && lack > kOddsLack && change < kOddsChange * lack )
+		if ( isBetween && contact.presses && lack > kOddsLack && change < kOddsChange * lack )
 		{
 			contact.carried = std::max( 0.0, ( 1.0 - kOddsLeft ) * ( contact.normalImpulse - contact.stiffness * lack ) );
 		}

@@ -27,7 +27,7 @@ TEST( PlasticEnergy, ADroppedCubeComesToRestAtAnyLimit )
 			test::PlasticScene scene;
 			scene.material = clay( limit );
 			scene.material.elasticity = elasticity;
-			const test::PlasticEnergy energy = test::run( scene, 8 );
+			const test::PlasticEnergy energy = test::run( scene, 6 );
 			std::printf( "limit %.1f, %s: brought %.0f J, at most %.0f, in the last second %.2g\n", double( limit ),
 				elasticity == Elasticity::Implicit ? "implicit" : "explicit", energy.brought, energy.most, energy.last );
 			EXPECT_LT( energy.most, energy.brought );
@@ -51,10 +51,10 @@ TEST( PlasticEnergy, RestsInSpaceAsItWasMade )
 
 TEST( PlasticEnergy, CornersOfTheSettings )
 {
-	for ( unsigned seed = 0; seed < 12; ++seed )
+	for ( unsigned seed = 0; seed < 8; ++seed )
 	{
 		const test::PlasticScene scene = test::plasticScene( seed );
-		const test::PlasticEnergy energy = test::run( scene, 3 );
+		const test::PlasticEnergy energy = test::run( scene, 2 );
 		EXPECT_TRUE( energy.isHealthy ) << seed;
 		EXPECT_LT( energy.most, test::mostShare( scene ) * energy.brought ) << seed;
 	}

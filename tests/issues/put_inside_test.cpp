@@ -36,7 +36,7 @@ TEST( PutInside, AFloor )
 // Two cubes spawned over one another, as happens where players drop things, stayed one inside the other for good, or left at 20 m/s if they had the very same place.
 TEST( PutInside, OneAnother )
 {
-	for ( const double apart : { 0.0, 0.15, 0.33, 0.47 } )
+	for ( const double apart : { 0.0, 0.33 } )
 	{
 		test::PutInside how;
 		how.what = test::Inside::Cube;

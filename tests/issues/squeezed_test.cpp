@@ -29,7 +29,7 @@ TEST( Squeezed, ByAPlateNearerToTheFloorThanANodeIsWide )
 	stiff.elasticity = Elasticity::Implicit;
 	stiff.youngsModulus = 1e7;
 	stiff.gap = 0.06;
-	stiff.seconds = 3.0;
+	stiff.seconds = 2.0;
 	expectBounded( stiff );
 }
 
@@ -42,7 +42,7 @@ TEST( Squeezed, InASlotBetweenTwoWalls )
 		how.isSlot = true;
 		how.gap = gap;
 		how.elasticity = Elasticity::Implicit;
-		how.seconds = 3.0;
+		how.seconds = 2.0;
 		expectBounded( how );
 	}
 }

@@ -30,7 +30,7 @@ struct PutInside
 
 struct CameOut
 {
-	double fastest = 0.0; ///< of a mass centre, m/s, in five seconds
+	double fastest = 0.0; ///< of a mass centre, m/s, in 200 frames
 	double highest = 0.0; ///< of a mass centre, m
 	double nearest = 0.0; ///< after three seconds: from a node's middle to the surface of the other thing, or between nodes of the two, in node radii
 	bool isHealthy = true;
@@ -87,7 +87,7 @@ inline CameOut putInside( const PutInside& how )
 		bodies.push_back( t.add( shape, btVector3( btScalar( how.depth ), btScalar( 0.3 ), 0 ), material, btQuaternion::getIdentity(), adaptivity ) );
 	}
 	CameOut out;
-	for ( int frame = 0; frame < 300; ++frame )
+	for ( int frame = 0; frame < 200; ++frame )
 	{
 		t.step( 1 );
 		for ( const SoftBody* body : bodies )

@@ -19,7 +19,7 @@ struct Squeeze
 	double youngsModulus = 5e4;
 	int coarseLevels = 0;
 	float yieldStrain = 0.0f;
-	double seconds = 5.0; ///< held for
+	double seconds = 2.0; ///< held for
 };
 
 struct Squeezed
@@ -46,9 +46,37 @@ inline double impulses( btDispatcher& dispatcher )
 	return sum;
 }
 
+/// The walls of a slot, or a plate that has come down on what is `edge` m high.
+inline std::vector<btRigidBody*> press( SoftWorld& t, const Squeeze& how, double edge )
+{
+	constexpr double kPressing = 0.5 / 60; // m a frame
+	std::vector<btRigidBody*> pressing;
+	if ( how.isSlot )
+	{
+		for ( const double side : { -1.0, 1.0 } )
+		{
+			pressing.push_back( t.add( 0, new btBoxShape( btVector3( 1, 1, 1 ) ), btVector3( btScalar( side * ( 1.0 + how.gap / 2 ) ), 1, 0 ) ) );
+		}
+	}
+	else
+	{
+		btRigidBody* const plate = t.add( 0, new btBoxShape( btVector3( 2, btScalar( 0.2 ), 2 ) ), btVector3( 0, btScalar( edge + 0.25 ), 0 ) );
+		plate->setCollisionFlags( plate->getCollisionFlags() | btCollisionObject::CF_KINEMATIC_OBJECT );
+		plate->setActivationState( DISABLE_DEACTIVATION );
+		pressing.push_back( plate );
+		for ( double y = edge + 0.05; y > how.gap; )
+		{
+			y = std::max( how.gap, y - kPressing );
+			plate->setWorldTransform( btTransform( btQuaternion::getIdentity(), btVector3( 0, btScalar( y + 0.2 ), 0 ) ) );
+			t.step( 1 );
+		}
+	}
+	return pressing;
+}
+
 inline Squeezed squeeze( const Squeeze& how )
 {
-	constexpr double kEdge = 0.6, kPressing = 0.5 / 60; // m, and m a frame
+	constexpr double kEdge = 0.6; // m
 	SoftWorld t;
 	t.addBoxFloor();
 	t.world.setMaxSoftSubsteps( 64 ); // so that what springs hold is in the regions alone
@@ -62,27 +90,7 @@ inline Squeezed squeeze( const Squeeze& how )
 	SoftBody* const body = t.add( cubeTemplate( float( kEdge ), 6 ), btVector3( 0, btScalar( kEdge / 2 ), 0 ), material, btQuaternion::getIdentity(), adaptivity );
 	body->setActivationState( DISABLE_DEACTIVATION );
 	const StrainEnergy rest( *body, kEdge / 6, 1.0 );
-	std::vector<btRigidBody*> pressing;
-	if ( how.isSlot )
-	{
-		for ( const double side : { -1.0, 1.0 } )
-		{
-			pressing.push_back( t.add( 0, new btBoxShape( btVector3( 1, 1, 1 ) ), btVector3( btScalar( side * ( 1.0 + how.gap / 2 ) ), 1, 0 ) ) );
-		}
-	}
-	else
-	{
-		btRigidBody* const plate = t.add( 0, new btBoxShape( btVector3( 2, btScalar( 0.2 ), 2 ) ), btVector3( 0, btScalar( kEdge + 0.25 ), 0 ) );
-		plate->setCollisionFlags( plate->getCollisionFlags() | btCollisionObject::CF_KINEMATIC_OBJECT );
-		plate->setActivationState( DISABLE_DEACTIVATION );
-		pressing.push_back( plate );
-		for ( double y = kEdge + 0.05; y > how.gap; )
-		{
-			y = std::max( how.gap, y - kPressing );
-			plate->setWorldTransform( btTransform( btQuaternion::getIdentity(), btVector3( 0, btScalar( y + 0.2 ), 0 ) ) );
-			t.step( 1 );
-		}
-	}
+	const std::vector<btRigidBody*> pressing = press( t, how, kEdge );
 	Squeezed result;
 	const int frames = int( 60.0 * how.seconds );
 	for ( int frame = 0; frame < frames; ++frame )

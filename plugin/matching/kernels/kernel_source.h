@@ -22,6 +22,7 @@ namespace {
 constexpr int kVirtualLanes = 16;
 
 #include "matching/kernels/kernel_tile.h"
+#include "matching/kernels/kernel_volume.h"
 #include "matching/kernels/kernel_fit.h"
 #include "matching/kernels/kernel_far.h"
 #include "matching/kernels/kernel_boxes.h"
