@@ -52,7 +52,7 @@ Fall drop( const std::shared_ptr<const BodyTemplate>& made, Elasticity elasticit
 // part's own motion is multiplied by a stiffness of a thousand. It flew apart at 1e10 m/s and was quarantined within two seconds, and took 500 products a step.
 TEST( LooseParts, SpreadThroughAMetreDoNotFlyApart )
 {
-	for ( const btScalar edge : { btScalar( 0.01 ), btScalar( 0.05 ), btScalar( 0.1 ) } )
+	for ( const btScalar edge : { btScalar( 0.01 ), btScalar( 0.1 ) } )
 	{
 		const auto made = spreadCubes( 64, edge, 1 );
 		ASSERT_NE( made, nullptr );
@@ -77,9 +77,10 @@ TEST( LooseParts, OfAnyNumberAndShapeFallAsTheyDoExplicitly )
 		const auto made = looseBoxes( loose.count, loose.cells, 0.1f );
 		ASSERT_NE( made, nullptr );
 		ASSERT_EQ( made->report().components, loose.count );
+		const Fall explicitFall = drop( made, Elasticity::Explicit, 1e5f );
 		for ( const float youngsModulus : { 1e5f, 1e7f } )
 		{
-			const Fall implicitFall = drop( made, Elasticity::Implicit, youngsModulus ), explicitFall = drop( made, Elasticity::Explicit, 1e5f );
+			const Fall implicitFall = drop( made, Elasticity::Implicit, youngsModulus );
 			EXPECT_TRUE( implicitFall.isHealthy && explicitFall.isHealthy ) << loose.count;
 			EXPECT_LE( implicitFall.fastest, 1.05 * explicitFall.fastest ) << loose.count << " of " << loose.cells.x << " cells";
 		}
@@ -113,7 +114,7 @@ Motion motionOf( const SoftWorld& t )
 
 TEST( LooseParts, KeepMomentumInFlightAndWhereTheyCollide )
 {
-	for ( const Loose& loose : { Loose{ 2, { 2, 2, 2 } }, Loose{ 27, { 2, 2, 2 } }, Loose{ 50, { 6, 1, 1 } }, Loose{ 200, { 1, 1, 1 } } } )
+	for ( const Loose& loose : { Loose{ 2, { 2, 2, 2 } }, Loose{ 27, { 2, 2, 2 } }, Loose{ 20, { 6, 1, 1 } }, Loose{ 100, { 1, 1, 1 } } } )
 	{
 		const auto made = looseBoxes( loose.count, loose.cells, 0.1f );
 		ASSERT_NE( made, nullptr );
@@ -132,7 +133,7 @@ TEST( LooseParts, KeepMomentumInFlightAndWhereTheyCollide )
 			}
 			const Motion before = motionOf( t );
 			int contacts = 0;
-			for ( int frame = 0; frame < 90; ++frame )
+			for ( int frame = 0; frame < 60; ++frame )
 			{
 				t.step( 1 );
 				contacts = std::max( contacts, t.world.stepReport().softContacts );
@@ -146,20 +147,20 @@ TEST( LooseParts, KeepMomentumInFlightAndWhereTheyCollide )
 	}
 }
 
-// Debris of 400 crumbs on ice, one of which still slides at 0.3 m/s. The mean over the body is 0.015 m/s, which is rest for a body in one part: it froze with all others.
+// Debris of 200 crumbs on ice, one of which still slides at 0.3 m/s. The mean over the body is 0.02 m/s, which is rest for a body in one part: it froze with all others.
 TEST( LooseParts, DoNotFreezeTheOneThatStillSlides )
 {
 	for ( const Elasticity elasticity : { Elasticity::Explicit, Elasticity::Implicit } )
 	{
 		MeshOfBoxes mesh;
-		for ( int k = 0; k < 400; ++k )
+		for ( int k = 0; k < 200; ++k )
 		{
 			mesh.add( btVector3( btScalar( k % 20 ) * btScalar( 0.2 ), 0, btScalar( k / 20 ) * btScalar( 0.2 ) ), btVector3( 1, 1, 1 ) * btScalar( 0.05 ) );
 		}
 		SoftWorld t;
 		t.addFloor();
 		SoftBody* const body = t.add( mesh.build( 0.1f ), btVector3( 0, btScalar( 0.05 ), 0 ), materialOf( elasticity, 1e5f ) );
-		ASSERT_EQ( body->nodeCount(), 400 );
+		ASSERT_EQ( body->nodeCount(), 200 );
 		body->setFriction( 0 );
 		int last = 0;
 		for ( int i = 0; i < body->nodeCount(); ++i )
@@ -168,8 +169,8 @@ TEST( LooseParts, DoNotFreezeTheOneThatStillSlides )
 		}
 		body->applyImpulse( btVector3( btScalar( 0.3 ), 0, 0 ) * body->nodeMass( last ), last );
 		const btScalar from = body->nodePosition( last ).x();
-		t.step( 300 );
-		EXPECT_NEAR( body->nodePosition( last ).x() - from, 1.5, 0.05 );
+		t.step( 180 );
+		EXPECT_NEAR( body->nodePosition( last ).x() - from, 0.9, 0.03 );
 	}
 }
 
