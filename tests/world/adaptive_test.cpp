@@ -1,6 +1,7 @@
 // Bodies with levels of detail in a world: what they rest on and carry, and that everything follows when nodes are split and merged.
 
 #include "adaptive_bodies.h"
+#include "world/soft_body_impl.h"
 
 #include <algorithm>
 #include <cstdio>
@@ -378,7 +379,7 @@ TEST( Adaptive, QuarantineAndResetOnWhateverLevels )
 	EXPECT_GT( soft->nodeCount(), 8 );
 	soft->surface();
 	soft->requestRefinement( btVector3( -9, -9, -9 ), btVector3( 9, 9, 9 ) );
-	soft->applyImpulse( btVector3( btScalar( 1e20 ), 0, 0 ), 3 ); // finite, and faster than anything may be
+	soft->impl().body->nodes().v.x[3] = NAN; // calls refuse it
 	test.run( 10 );
 	EXPECT_FALSE( soft->isHealthy() );
 	for ( int i = 0; i < soft->nodeCount(); ++i )
