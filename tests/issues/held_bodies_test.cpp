@@ -35,7 +35,7 @@ TEST_P( HeldBodies, LeaveTheWorldItsContacts )
 	btRigidBody* const far = m_own.addBox( 10, btVector3( btScalar( 0.3 ), btScalar( 0.3 ), btScalar( 0.3 ) ), at( 4, btScalar( 0.3 ), 0 ) );
 	SoftBody* const other = m_own.addSoft( test::cubeTemplate( 0.5f, 4 ), at( -3, btScalar( 0.25 ), 0 ), test::stepping( GetParam(), 1e5f ) );
 	m_own.run( 10 );
-	for ( const int flag : { btCollisionObject::CF_KINEMATIC_OBJECT, btCollisionObject::CF_STATIC_OBJECT, 0 } )
+	for ( const int flag : { int( btCollisionObject::CF_KINEMATIC_OBJECT ), int( btCollisionObject::CF_STATIC_OBJECT ), 0 } )
 	{
 		hold( flag );
 		far->activate( true );

@@ -30,7 +30,7 @@ TEST( RandomCalls, InAnyOrderLeaveEverythingSound )
 		ASSERT_FALSE( testing::Test::HasFailure() ) << "sequence " << first + k;
 	}
 	std::printf( "%d sequences, %d calls, %d bodies removed in callbacks; bystanders compared in %d\n", count, calls, removed, compared );
-	EXPECT_TRUE( count < 200 || ( compared > 20 && removed > 20 ) );
+	EXPECT_TRUE( count < 200 || ( compared > 20 && removed > 0 ) );
 }
 
 } // namespace
