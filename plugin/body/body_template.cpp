@@ -111,6 +111,10 @@ Result<std::shared_ptr<const BodyTemplate>> BodyTemplate::build( const MeshView&
 		data.settings.runner = nullptr; // the game's, and only while it builds
 		data.settings.progress = nullptr;
 		data.report = built.value.report;
+		if ( data.report.shellCells == data.report.cells )
+		{
+			data.settings.shell = Shell::Always; // of what has no inside, cracks need not look for it
+		}
 		data.report.seconds = std::chrono::duration<double>( std::chrono::steady_clock::now() - start ).count();
 		return Answer::success( made );
 	}

@@ -5,6 +5,7 @@
 #include "lattice/constants.h"
 #include "lattice/links.h"
 #include "lattice/region.h"
+#include "lattice/shell.h"
 #include "lattice/slivers.h"
 
 #include <algorithm>
@@ -17,18 +18,6 @@
 namespace pliant {
 
 namespace {
-
-constexpr int kMostMaxCells = 10000000;
-constexpr int kMostMaxTriangles = 100000000;
-constexpr int kMostSamplesPerEdge = 8;
-constexpr float kMostWeldTolerance = 0.01f;
-constexpr float kMostMinimumFill = 0.5f;
-
-template <class T>
-bool isWithin( T value, T low, T high )
-{
-	return value >= low && value <= high; // false for NaN
-}
 
 template <class... Words>
 std::string sentence( const Words&... words )
@@ -53,11 +42,12 @@ public:
 		{
 			return status;
 		}
-		return m_settings.cellSize > 0.0f ? buildAt( double( m_settings.cellSize ) ) : buildNearTarget();
+		return m_settings.cellSize > 0.0f ? buildAt( double( m_settings.cellSize ) ) : m_isShellOnly ? buildShellNearTarget() : buildNearTarget();
 	}
 
 private:
 	Status cancelled() const { return { ResultCode::Cancelled, "The progress callback asked to stop." }; }
+	bool mayHaveShell() const { return m_settings.shell != Shell::Never; }
 
 	Status prepare()
 	{
@@ -70,9 +60,15 @@ private:
 			return cancelled();
 		}
 		cleanTriangles( m_mesh, m_out.report );
-		if ( m_mesh.triangle.empty() )
+		m_area = areaOf( m_mesh, m_mesh.triangle );
+		m_drawnArea = m_area + areaOf( m_mesh, m_mesh.leftOut );
+		if ( m_drawnArea == 0.0 )
 		{
-			return { ResultCode::ZeroVolume, "Every triangle is degenerate or drawn from both sides: there is no inside." };
+			return { ResultCode::ZeroVolume, "No triangle of the mesh has an area." };
+		}
+		if ( m_mesh.triangle.empty() && !mayHaveShell() )
+		{
+			return noInside( "Every triangle is degenerate or drawn from both sides" );
 		}
 		const std::vector<RimEdge> rim = orientTriangles( m_mesh, m_out.report );
 		m_out.weldedVertex = std::move( m_mesh.weldedVertex );
@@ -80,21 +76,24 @@ private:
 		{
 			return cancelled();
 		}
-		m_field.emplace( m_mesh, rim );
-		if ( !m_field->isWhole() )
+		m_isShellOnly = m_settings.shell == Shell::Always || m_mesh.triangle.empty();
+		if ( !m_isShellOnly )
 		{
-			m_survey = m_field->survey();
-		}
-		m_area = 0.0;
-		for ( const Triangle& t : m_mesh.triangle )
-		{
-			m_area += 0.5 * ( m_mesh.position[t[1]] - m_mesh.position[t[0]] ).cross( m_mesh.position[t[2]] - m_mesh.position[t[0]] ).norm();
-		}
-		if ( !m_field->isWhole() && !m_field->isSoup() && m_survey.volume <= kRoundingShare * m_area * ( m_mesh.high - m_mesh.low ).norm() )
-		{
-			return { ResultCode::ZeroVolume, "The mesh is a flat sheet: closed along its rims it holds nothing." };
+			m_field.emplace( m_mesh, rim );
+			m_survey = m_field->isWhole() ? InsideField::Survey{} : m_field->survey();
+			const bool isSheet = !m_field->isWhole() && !m_field->isSoup() && m_survey.volume <= kRoundingShare * m_area * ( m_mesh.high - m_mesh.low ).norm();
+			if ( isSheet && !mayHaveShell() )
+			{
+				return noInside( "The mesh is a flat sheet: closed along its rims it holds nothing" );
+			}
+			m_isShellOnly = isSheet || ( mayHaveShell() && m_survey.opposed > kMostOpposedShare * m_survey.volume );
 		}
 		return m_progress.report( 0.3f ) ? Status{} : cancelled();
+	}
+
+	static Status noInside( const std::string& why )
+	{
+		return { ResultCode::ZeroVolume, why + ". With LatticeSettings::shell other than Never the surface itself becomes material." };
 	}
 
 	double cellsAskedFor() const { return m_settings.cellSize > 0.0f ? m_settings.maxCells : m_settings.targetCells; }
@@ -106,14 +105,16 @@ private:
 		const double positions = double( grid.positions() );
 		const double cut = std::min( positions, 2.0 * m_area / ( grid.cellSize * grid.cellSize ) );
 		const double answers = positions + cut * grid.samplesPerCell() + crossings;
-		return !m_field->isWhole() && answers * m_survey.work > kMostWorkPerCell * std::max( cellsAskedFor(), 1000.0 );
+		const double expected = m_survey.volume / ( grid.cellSize * grid.cellSize * grid.cellSize ) + 0.5 * kCellsPerArea * cut;
+		const double cells = m_settings.cellSize > 0.0f ? std::min( cellsAskedFor(), expected ) : cellsAskedFor();
+		return !m_field->isWhole() && answers * m_survey.work > kMostWorkPerCell * std::max( cells, 1000.0 );
 	}
 
 	Status tooFolded() const
 	{
-		return { ResultCode::TooManyTriangles, sentence( "The surface has ", m_area, " m^2 folded into a box of ", ( m_mesh.high - m_mesh.low ).norm(),
-			" m, or is open so widely that telling inside from outside takes too long. Close its holes, use fewer triangles, or lower "
-			"LatticeSettings::samplesPerEdge." ) };
+		return { ResultCode::TooFolded, sentence( "The surface has ", m_area, " m^2 folded into a box of ", ( m_mesh.high - m_mesh.low ).norm(),
+			" m, or is open so widely that telling inside from outside takes too long. Close its holes, use fewer triangles, or let "
+			"LatticeSettings::shell make the surface itself material." ) };
 	}
 
 	double volume()
@@ -128,12 +129,17 @@ private:
 	/// The mesh spans no more of these than there are coordinates for.
 	double smallestSize() const { return ( m_mesh.high - m_mesh.low ).maxCoeff() / ( kMaxExtent - 2 ); }
 
-	/// The cell edge that gives about so many cells: N = V / d^3 + c A / d^2, solved by halving.
+	/// The cell edge that gives about so many cells: N = V / d^3 + c A / d^2, solved by halving. Of a shell N = c A / d^2, and a line of cells at least.
 	double sizeForCells( double cells )
 	{
+		const double longest = ( m_mesh.high - m_mesh.low ).maxCoeff();
+		if ( m_isShellOnly )
+		{
+			return std::max( { std::min( std::sqrt( kShellCellsPerArea * m_drawnArea / cells ), longest ), longest / cells, smallestSize() } );
+		}
 		double low = smallestSize();
 		double high = 2.0 * std::max( std::cbrt( volume() / cells ), std::sqrt( kCellsPerArea * m_area / cells ) );
-		high = std::max( std::min( high, ( m_mesh.high - m_mesh.low ).maxCoeff() ), low );
+		high = std::max( std::min( high, longest ), low );
 		while ( high - low > kOverhang * low )
 		{
 			const double d = 0.5 * ( low + high );
@@ -149,7 +155,11 @@ private:
 		for ( int attempt = 1;; ++attempt )
 		{
 			const Status status = buildAt( double( float( d ) ) );
-			const double ratio = m_out.lattice.cellCount() / target;
+			if ( m_isShellOnly && status.code != ResultCode::Cancelled )
+			{
+				return buildShellNearTarget(); // no inside was found
+			}
+			const double ratio = countForTarget() / target;
 			const bool isNear = std::abs( ratio - 1.0 ) <= ( m_field->isWhole() ? kTargetSlack : kTargetSlackWhenOpen );
 			if ( !status.ok() || isNear || attempt == ( m_field->isWhole() ? kTargetTries : kTargetTriesWhenOpen ) )
 			{
@@ -159,15 +169,51 @@ private:
 		}
 	}
 
+	/// A few cells on thin parts do not change the size of all others.
+	double countForTarget() const
+	{
+		const int shell = m_out.report.shellCells, all = m_out.lattice.cellCount();
+		return shell <= kMostShellShare * all ? all - shell : all;
+	}
+
+	/// How the count goes with the cell size hangs on the shape: it is learnt on the way.
+	Status buildShellNearTarget()
+	{
+		const double target = m_settings.targetCells;
+		double d = sizeForCells( target ), power = 2.0, lastSize = 0.0, lastCells = 0.0;
+		for ( int attempt = 1;; ++attempt )
+		{
+			const Status status = buildAt( double( float( d ) ) );
+			if ( status.code == ResultCode::TooManyCells && attempt < kShellTries )
+			{
+				d *= 2.0;
+				lastCells = 0.0;
+				continue;
+			}
+			const double cells = m_out.lattice.cellCount();
+			if ( !status.ok() || std::abs( cells / target - 1.0 ) <= kShellTargetSlack || attempt == kShellTries )
+			{
+				return status;
+			}
+			if ( lastCells > 0.0 && lastSize != d )
+			{
+				power = std::clamp( std::log( cells / lastCells ) / std::log( lastSize / d ), kLeastShellPower, kMostShellPower );
+			}
+			lastSize = d;
+			lastCells = cells;
+			d = std::max( d * std::pow( cells / target, 1.0 / power ), smallestSize() );
+		}
+	}
+
 	Status tooManyCells( double d )
 	{
-		// A tenth to spare, so that the proposal does fit.
-		const double fits = sizeForCells( m_settings.maxCells / ( 1.0 + kTargetSlack ) );
+		// A tenth to spare, so that the proposal does fit; of a shell as much as it may stand aslant.
+		const double fits = sizeForCells( m_settings.maxCells / ( 1.0 + ( m_isShellOnly ? kTargetSlackWhenOpen : kTargetSlack ) ) );
 		return { ResultCode::TooManyCells, sentence( "With cells of ", d, " m the mesh fills more than LatticeSettings::maxCells = ", m_settings.maxCells,
 			"; a cellSize of ", float( std::max( fits, 1.01 * d ) ), " m would fit." ) };
 	}
 
-	Status makeGridAt( double d, Grid& grid )
+	Status makeGridAt( double d, int samples, Grid& grid ) const
 	{
 		const double farthest = std::max( m_mesh.low.cwiseAbs().maxCoeff(), m_mesh.high.cwiseAbs().maxCoeff() );
 		if ( d > kLargestDiagonal )
@@ -179,7 +225,7 @@ private:
 			return { ResultCode::ExtentOutOfRange, sentence( "Cells of ", d, " m are below float rounding ", farthest,
 				" m from the origin; move the mesh nearer or raise LatticeSettings::cellSize." ) };
 		}
-		if ( !makeGrid( m_mesh.low, m_mesh.high, d, m_settings.samplesPerEdge, grid ) )
+		if ( !makeGrid( m_mesh.low, m_mesh.high, d, samples, grid ) )
 		{
 			return { ResultCode::ExtentOutOfRange, sentence( "With cells of ", d, " m the mesh spans more than ", kMaxExtent,
 				" of them; raise LatticeSettings::cellSize to at least ", float( ( m_mesh.high - m_mesh.low ).maxCoeff() / ( kMaxExtent - 2 ) ), " m." ) };
@@ -190,37 +236,80 @@ private:
 	Status buildAt( double d )
 	{
 		Grid grid;
-		if ( Status status = makeGridAt( d, grid ); !status.ok() )
+		std::vector<CellDraft> cells;
+		m_out.lattice = Lattice{};
+		m_out.report.shellCells = m_out.report.samplesPerEdge = 0;
+		if ( Status status = makeGridAt( d, m_settings.samplesPerEdge, grid ); !status.ok() )
 		{
 			return status;
 		}
-		const SnappedSurface surface( m_mesh, *m_field, grid );
-		if ( surface.expectedCrossings() > mostCrossings() )
+		if ( !m_isShellOnly )
 		{
-			if ( m_settings.cellSize > 0.0f && sizeForCells( m_settings.maxCells ) > d )
+			Status status = fillInside( d, cells );
+			m_isShellOnly = mayHaveShell() && ( status.code == ResultCode::ZeroVolume || status.code == ResultCode::TooFolded );
+			if ( !status.ok() && !m_isShellOnly )
+			{
+				return status;
+			}
+		}
+		if ( m_isShellOnly )
+		{
+			cells.clear();
+			m_out.lattice = Lattice{};
+			m_out.report.samplesPerEdge = m_out.report.cutLinks = 0;
+		}
+		if ( Status status = mayHaveShell() ? putShell( grid, cells ) : Status{}; !status.ok() )
+		{
+			return status;
+		}
+		writeCells( cells, grid );
+		return m_progress.report( 1.0f ) ? Status{} : cancelled();
+	}
+
+	Status putShell( const Grid& grid, std::vector<CellDraft>& cells )
+	{
+		const double d = grid.cellSize, mostCells = m_settings.maxCells;
+		const double thickness = m_settings.shellThickness > 0.0f ? double( m_settings.shellThickness ) / d : 1.0;
+		const int added = addShell( m_mesh, grid, { thickness, m_drawnArea / ( d * d ), !m_isShellOnly && m_field->isWhole(), mostCells }, cells, m_out.lattice );
+		m_out.report.shellCells = std::max( added, 0 );
+		return added < 0 ? tooManyCells( d ) : Status{};
+	}
+
+	/// Fewer samples where they would take too long: a fraction of a second is what inside may cost.
+	Status fillInside( double d, std::vector<CellDraft>& cells )
+	{
+		for ( int samples = m_settings.samplesPerEdge; samples > 0; --samples )
+		{
+			Grid grid;
+			if ( Status status = makeGridAt( d, samples, grid ); !status.ok() )
+			{
+				return status;
+			}
+			const SnappedSurface surface( m_mesh, *m_field, grid );
+			const double crossings = surface.expectedCrossings();
+			if ( crossings > mostCrossings() && m_settings.cellSize > 0.0f && sizeForCells( m_settings.maxCells ) > d )
 			{
 				return tooManyCells( d );
 			}
-			return tooFolded();
+			if ( crossings <= mostCrossings() && !isTooMuchWork( grid, crossings ) )
+			{
+				m_out.report.samplesPerEdge = samples;
+				return fillCells( surface, cells );
+			}
 		}
-		if ( isTooMuchWork( grid, surface.expectedCrossings() ) )
-		{
-			return tooFolded();
-		}
+		return tooFolded();
+	}
+
+	Status fillCells( const SnappedSurface& surface, std::vector<CellDraft>& cells )
+	{
+		const Grid& grid = surface.grid();
 		VoxelizeOptions options{ std::max( m_mesh.tolerance, 2.0 * grid.quantum() ), double( m_settings.maxCells ), m_settings.runner, m_progress };
 		Voxels voxels;
 		const ResultCode code = voxelize( surface, options, voxels );
-		if ( code == ResultCode::TooManyCells )
+		if ( code != ResultCode::Ok )
 		{
-			return tooManyCells( d );
+			return code == ResultCode::Cancelled ? cancelled() : tooManyCells( grid.cellSize );
 		}
-		return code == ResultCode::Cancelled ? cancelled() : makeCells( grid, voxels );
-	}
-
-	Status makeCells( const Grid& grid, const Voxels& voxels )
-	{
-		Lattice& lattice = m_out.lattice;
-		lattice = Lattice{};
 		std::optional<Parts> parts( std::in_place, voxels, *m_field, m_settings.minimumFill, m_settings.runner );
 		if ( parts->cells().empty() )
 		{
@@ -233,23 +322,22 @@ private:
 		}
 		if ( !parts->cells().empty() )
 		{
-			m_out.report.cutLinks = linkCells( *parts, *m_field, m_settings.runner, lattice );
-			writeCells( parts->cells(), grid );
-			return m_progress.report( 1.0f ) ? Status{} : cancelled();
+			m_out.report.cutLinks = linkCells( *parts, *m_field, m_settings.runner, m_out.lattice );
+			cells = parts->cells();
+			const bool isDust = mayHaveShell() && !m_field->isWhole() && std::size_t( kLeastCellsPerPart * countComponents( m_out.lattice ) ) > cells.size();
+			return isDust && cells.size() > std::size_t( kLeastCellsPerPart ) ? noInside( "The inside falls into crumbs" ) : Status{};
 		}
-		const std::vector<CellDraft> slivers = findSliverCells( m_mesh, *m_field, grid, mostCrossings() );
-		if ( slivers.empty() )
+		cells = findSliverCells( m_mesh, *m_field, grid, mostCrossings() );
+		if ( cells.empty() )
 		{
-			return { ResultCode::ZeroVolume, sentence( "No inside was found with cells of ", grid.cellSize,
-				" m: the mesh is flat, or open so widely that it holds nothing." ) };
+			return noInside( sentence( "No inside was found with cells of ", grid.cellSize, " m: the mesh is flat, or open so widely that it holds nothing" ) );
 		}
-		if ( slivers.size() > std::size_t( m_settings.maxCells ) )
+		if ( cells.size() > std::size_t( m_settings.maxCells ) )
 		{
 			return tooManyCells( grid.cellSize );
 		}
-		linkAllNeighbours( slivers, grid, lattice );
-		writeCells( slivers, grid );
-		return m_progress.report( 1.0f ) ? Status{} : cancelled();
+		linkAllNeighbours( cells, grid, m_out.lattice );
+		return {};
 	}
 
 	void writeCells( const std::vector<CellDraft>& cells, const Grid& grid )
@@ -288,66 +376,15 @@ private:
 	LatticeBuild& m_out;
 	Progress m_progress;
 	WeldedMesh m_mesh;
-	std::optional<InsideField> m_field;
+	std::optional<InsideField> m_field; ///< empty where the surface alone is material from the start
 	std::optional<double> m_volume;
 	InsideField::Survey m_survey; ///< of an open surface
+	bool m_isShellOnly = false;   ///< asked for, or no inside was found
 	double m_area = 0.0;
+	double m_drawnArea = 0.0;     ///< with what bounds no inside
 };
 
 } // namespace
-
-Status checkSettings( const LatticeSettings& settings )
-{
-	const auto bad = []( std::string words ) { return Status{ ResultCode::BadSettings, std::move( words ) }; };
-	if ( !( settings.cellSize >= 0.0f && std::isfinite( settings.cellSize ) ) )
-	{
-		return bad( "LatticeSettings::cellSize must be 0 (chosen from targetCells) or above." );
-	}
-	if ( !isWithin( settings.maxCells, 1, kMostMaxCells ) )
-	{
-		return bad( sentence( "LatticeSettings::maxCells must be 1 to ", kMostMaxCells, "." ) );
-	}
-	if ( settings.cellSize == 0.0f && !isWithin( settings.targetCells, 1, settings.maxCells ) )
-	{
-		return bad( "LatticeSettings::targetCells must be 1 to maxCells." );
-	}
-	if ( !isWithin( settings.maxTriangles, 1, kMostMaxTriangles ) )
-	{
-		return bad( sentence( "LatticeSettings::maxTriangles must be 1 to ", kMostMaxTriangles, "." ) );
-	}
-	if ( !isWithin( settings.samplesPerEdge, 1, kMostSamplesPerEdge ) )
-	{
-		return bad( sentence( "LatticeSettings::samplesPerEdge must be 1 to ", kMostSamplesPerEdge, "." ) );
-	}
-	if ( !isWithin( settings.weldTolerance, 0.0f, kMostWeldTolerance ) )
-	{
-		return bad( sentence( "LatticeSettings::weldTolerance must be 0 to ", kMostWeldTolerance, "." ) );
-	}
-	if ( !isWithin( settings.minimumFill, 0.0f, kMostMinimumFill ) )
-	{
-		return bad( sentence( "LatticeSettings::minimumFill must be 0 to ", kMostMinimumFill, "." ) );
-	}
-	if ( !isWithin( int( settings.skinning ), int( Skinning::NearbyNodes ), int( Skinning::None ) ) )
-	{
-		return bad( "LatticeSettings::skinning is none of Skinning's values." );
-	}
-	return {};
-}
-
-Status outOfMemory() noexcept
-{
-	Status status;
-	status.code = ResultCode::OutOfMemory;
-	try
-	{
-		status.sentence = "Not enough memory to build the body; a larger LatticeSettings::cellSize needs less.";
-	}
-	catch ( const std::bad_alloc& )
-	{
-		status.sentence = "Out of memory."; // short enough to be kept without an allocation
-	}
-	return status;
-}
 
 Result<LatticeBuild> buildLattice( const MeshView& mesh, const LatticeSettings& settings )
 {

@@ -51,6 +51,16 @@ EdgeTable makeEdgeTable( const std::vector<Triangle>& triangles, std::size_t ver
 	return table;
 }
 
+double areaOf( const WeldedMesh& mesh, const std::vector<Triangle>& triangles )
+{
+	double area = 0.0;
+	for ( const Triangle& t : triangles )
+	{
+		area += 0.5 * ( mesh.position[t[1]] - mesh.position[t[0]] ).cross( mesh.position[t[2]] - mesh.position[t[0]] ).norm();
+	}
+	return area;
+}
+
 namespace {
 
 bool isForward( const Triangle& t )
@@ -175,6 +185,10 @@ void cleanTriangles( WeldedMesh& mesh, BuildReport& report )
 		{
 			triangles.push_back( turned( t ) );
 		}
+		else if ( t[0] != t[1] || t[1] != t[2] )
+		{
+			mesh.leftOut.push_back( t );
+		}
 	}
 	sortTriangles( triangles, mesh.position.size() );
 
@@ -203,6 +217,10 @@ void cleanTriangles( WeldedMesh& mesh, BuildReport& report )
 			if ( !walls.isWall( std::uint32_t( t ) ) )
 			{
 				mesh.triangle[kept++] = mesh.triangle[t];
+			}
+			else
+			{
+				mesh.leftOut.push_back( mesh.triangle[t] );
 			}
 		}
 		mesh.triangle.resize( kept );

@@ -82,6 +82,47 @@ inline constexpr int kTargetTries = 4;
 inline constexpr double kTargetSlackWhenOpen = 0.3;
 inline constexpr int kTargetTriesWhenOpen = 2;
 
+/// A shell knows where in a lattice position the surface passes by this many parts along an edge: their cube is the bits of a word.
+inline constexpr int kShellSamples = 4;
+
+/// Surface further than this from every cell's ball gets cells of its own, cells; and no cell of a shell is further than this from what it carries.
+inline constexpr double kShellReach = 1.0;
+
+/// The least share of a full cell that a shell's cell weighs: lighter ones would be flung about by their neighbours. As the least fill by default.
+inline constexpr double kLeastShellFill = 0.03;
+
+/// Positions that a surface of area A passes through: 1.5 A / d^2 on average, 1 A / d^2 along the axes, fewer where it is folded.
+inline constexpr double kShellCellsPerArea = 1.25;
+
+/// targetCells for a shell: off by no more than this share; so many tries, each a small part of what telling inside costs.
+inline constexpr double kShellTargetSlack = 0.1;
+inline constexpr int kShellTries = 8;
+
+/// Cells that carry a solid's thin parts count for targetCells where they are more than this share of all.
+inline constexpr double kMostShellShare = 0.25;
+
+/// How the count may change with the cell size, count ~ d^-p: ribbons, sheets, crumpled sheets.
+inline constexpr double kLeastShellPower = 0.8;
+inline constexpr double kMostShellPower = 3.0;
+
+/// Points at which a surface is asked where it passes: as many, and more only where its cells are more.
+inline constexpr double kMostShellPoints = 1.5e6;
+
+/// So many times as many points along an edge are asked as parts: the area in a position, which is summed over them, is off by some 2 % then.
+inline constexpr double kAreaDensity = 2.0;
+
+/// The inside's own surface may stick out of its cells by this much, cells; what goes on further is a part that leads away from it.
+inline constexpr double kShellOverhang = 0.25;
+
+/// The corners of a triangle that is smaller than this are as good as its middle, cells.
+inline constexpr double kSmallestVisited = 0.1;
+
+/// A soup that winds both ways, this share of what it seems to hold the other way round, holds nothing: sheets above one another.
+inline constexpr double kMostOpposedShare = 0.25;
+
+/// An open surface whose inside falls into parts of fewer cells than this holds nothing: its winding number hangs near one half.
+inline constexpr int kLeastCellsPerPart = 8;
+
 /// Tasks a pass is cut into at most. Fixed, so that nothing depends on the number of threads.
 inline constexpr std::size_t kMostTasks = 64;
 

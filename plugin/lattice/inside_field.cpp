@@ -6,6 +6,7 @@
 #include "lattice/constants.h"
 #include "lattice/union_find.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace pliant {
@@ -92,9 +93,12 @@ InsideField::Survey InsideField::survey() const
 	{
 		for ( int code = 0; code < kProbes; ++code )
 		{
-			const bool isInside = std::abs( m_smooth->at( probe( kVolumeProbes, code ) ) ) > kInsideWinding;
+			const double winding = m_smooth->at( probe( kVolumeProbes, code ) );
+			const bool isInside = std::abs( winding ) > kInsideWinding;
 			survey.volume += isInside ? size.prod() / kProbes : 0.0;
+			survey.opposed += isInside && winding < 0.0 ? size.prod() / kProbes : 0.0;
 		}
+		survey.opposed = std::min( survey.opposed, survey.volume - survey.opposed );
 	}
 	// Caps close the surface: its volume is that of both.
 	if ( !m_isSoup )

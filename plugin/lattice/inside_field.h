@@ -34,6 +34,7 @@ public:
 	struct Survey
 	{
 		double volume = 0.0;
+		double opposed = 0.0; ///< of it, what the surface winds around the other way than around the most; of a soup only
 		double work = 0.0;
 	};
 	Survey survey() const;

@@ -135,10 +135,11 @@ void searchRows( const Lattice& lattice, RegionSet& regions, TaskRunner* runner 
 
 int countComponents( const Lattice& lattice )
 {
-	std::vector<char> seen( lattice.cellCount(), 0 );
+	const int cells = int( lattice.linkStart.size() ) - 1;
+	std::vector<char> seen( cells, 0 );
 	std::vector<std::uint32_t> stack;
 	int components = 0;
-	for ( int first = 0; first < lattice.cellCount(); ++first )
+	for ( int first = 0; first < cells; ++first )
 	{
 		if ( seen[first] )
 		{

@@ -33,7 +33,7 @@ struct RegionSet
 	bool isFullCubes = false;
 };
 
-/// Connected parts of the lattice.
+/// Connected parts of the lattice; its links alone are looked at.
 int countComponents( const Lattice& lattice );
 
 /// `runner` may be null.

@@ -25,6 +25,7 @@ const char* toString( ResultCode code )
 	case ResultCode::FileUnreadable: return "FileUnreadable";
 	case ResultCode::FileTooLarge: return "FileTooLarge";
 	case ResultCode::TimeLimit: return "TimeLimit";
+	case ResultCode::TooFolded: return "TooFolded";
 	}
 	return "unknown";
 }

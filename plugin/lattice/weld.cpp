@@ -101,7 +101,7 @@ Status checkFolds( const MeshView& mesh, const WeldedMesh& box )
 	}
 	if ( area > kMostFolds * ( box.high - box.low ).squaredNorm() )
 	{
-		return { ResultCode::TooManyTriangles, "The surface is folded thousands of times into its bounding box: no inside can be told from that." };
+		return { ResultCode::TooFolded, "The surface is folded thousands of times into its bounding box: no cell size can tell its layers apart." };
 	}
 	return {};
 }

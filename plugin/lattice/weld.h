@@ -20,11 +20,15 @@ struct WeldedMesh
 {
 	std::vector<Vec3d> position;
 	std::vector<Triangle> triangle;          ///< lowest vertex first, sorted
+	std::vector<Triangle> leftOut;           ///< drawn, but no border of an inside: walls inside a body, and what shrank to a line
 	std::vector<std::uint32_t> weldedVertex; ///< per input vertex: its number in `position`
 	Vec3d low = Vec3d::Zero();               ///< bounding box of the vertices that triangles use
 	Vec3d high = Vec3d::Zero();
 	double tolerance = 0.0;                  ///< m; gaps narrower than this are none
 };
+
+/// Of some triangles on the mesh's vertices, m^2.
+double areaOf( const WeldedMesh& mesh, const std::vector<Triangle>& triangles );
 
 /// Unpaired edges: `count` more triangles run from -> to than back.
 struct RimEdge
@@ -55,8 +59,8 @@ struct EdgeTable
 
 EdgeTable makeEdgeTable( const std::vector<Triangle>& triangles, std::size_t vertexCount );
 
-/// Removes degenerate triangles and doubles. Of triangles on the same three vertices one stays, but a doubled wall inside a body goes
-/// altogether. Sorts the rest.
+/// Removes degenerate triangles and doubles. Of triangles on the same three vertices one stays, but a doubled wall inside a body is left
+/// out altogether. Sorts the rest.
 void cleanTriangles( WeldedMesh& mesh, BuildReport& report );
 
 /// Turns triangles to agree with their neighbours, then shells that are inside out. Fills the report's edges and shells.

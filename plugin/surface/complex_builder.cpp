@@ -37,7 +37,7 @@ public:
 		{
 			return status;
 		}
-		clip();
+		clip( buildSettings.shell == Shell::Always );
 		drawSurface();
 		numberPoints();
 		fillTables();
@@ -66,16 +66,17 @@ private:
 		}
 		m_weldedCount = m_mesh.position.size();
 		cleanTriangles( m_mesh, report );
-		if ( m_mesh.triangle.empty() )
+		const bool isShell = buildSettings.shell == Shell::Always;
+		if ( m_mesh.triangle.empty() && !isShell )
 		{
 			return { ResultCode::ZeroVolume, "Every triangle is degenerate or drawn from both sides: there is no inside." };
 		}
 		const std::vector<RimEdge> rim = orientTriangles( m_mesh, report );
-		m_field.emplace( m_mesh, rim );
+		m_field.emplace( m_mesh, isShell ? std::vector<RimEdge>{} : rim );
 		return {};
 	}
 
-	void clip()
+	void clip( bool isShell )
 	{
 		std::vector<Vec3d> cells;
 		cells.reserve( m_mesh.position.size() );
@@ -92,10 +93,10 @@ private:
 		leaveOutStraight( m_surface, edges, double( m_settings.bendTolerance ), m_merged );
 		FaceParts parts = traceFaces( m_surface, edges, m_merged );
 		MarchingSquares squares( m_surface, m_warp, m_merged );
-		if ( m_field->isSoup() )
+		if ( isShell || m_field->isSoup() )
 		{
-			parts = FaceParts{}; // the lattice's lines miss much of such a surface: its faces are all asked for
-			parts.broken = facesOfLattice();
+			parts = FaceParts{}; // a shell has no faces; the lattice's lines miss much of a soup: its faces are all asked for
+			parts.broken = isShell ? std::vector<std::uint64_t>{} : facesOfLattice();
 		}
 		if ( !parts.broken.empty() )
 		{

@@ -307,6 +307,7 @@ TEST( Errors, EachKnobIsChecked )
 		expectBad( [bad]( LatticeSettings& s ) { s.cellSize = bad; } );
 		expectBad( [bad]( LatticeSettings& s ) { s.weldTolerance = bad; } );
 		expectBad( [bad]( LatticeSettings& s ) { s.minimumFill = bad; } );
+		expectBad( [bad]( LatticeSettings& s ) { s.shellThickness = bad; } );
 	}
 	expectBad( []( LatticeSettings& s ) { s.weldTolerance = 0.02f; } );
 	expectBad( []( LatticeSettings& s ) { s.minimumFill = 0.6f; } );
@@ -318,6 +319,7 @@ TEST( Errors, EachKnobIsChecked )
 		expectBad( [bad]( LatticeSettings& s ) { s.samplesPerEdge = bad; } );
 	}
 	expectBad( []( LatticeSettings& s ) { s.skinning = Skinning( 7 ); } );
+	expectBad( []( LatticeSettings& s ) { s.shell = Shell( 3 ); } );
 }
 
 TEST( Errors, TooManyCellsNamesTheKnobAndASizeThatFits )

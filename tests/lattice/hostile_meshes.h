@@ -18,6 +18,7 @@ struct HostileMesh
 	std::function<Mesh()> make;
 	ResultCode expected = ResultCode::Ok;
 	float cellSize = 0.0f; ///< 0: the default, a target of 1 000 cells
+	Shell shell = Shell::WhereNeeded;
 };
 
 std::vector<HostileMesh> hostileMeshes();

@@ -125,6 +125,7 @@ TEST_P( Hostile, GivesABodyOrAClearError )
 	const Mesh mesh = hostile.make();
 	LatticeSettings settings;
 	settings.cellSize = hostile.cellSize;
+	settings.shell = hostile.shell;
 
 	g_peak = g_live.load();
 	const std::size_t before = g_live;

@@ -28,6 +28,15 @@ enum class Skinning : int
 	None         ///< no surface: collision and physics only
 };
 
+/// When the surface of a mesh itself becomes material: one layer of cells that carries it. Sheets, leaves, ribbons and open models have no
+/// inside to be filled; and parts of a solid may be too thin for cells of their own.
+enum class Shell : int
+{
+	WhereNeeded, ///< where no inside is found, and where the surface would be further than a cell from all that collides
+	Never,       ///< a mesh without an inside is refused; thin parts of a solid are drawn, but nothing of them collides
+	Always       ///< everywhere, and nothing else: closed meshes are hollow
+};
+
 struct LatticeSettings
 {
 	/// Edge of a finest cell, m. 0: chosen so that about `targetCells` cells are filled.
@@ -42,7 +51,8 @@ struct LatticeSettings
 	/// More triangles than this are refused. 1 to 100 000 000.
 	int maxTriangles = 5000000;
 
-	/// Inside samples along a cell's edge, 1 to 8: a surface cell's mass and rest centre come from the cube of this many.
+	/// Inside samples along a cell's edge, 1 to 8: a surface cell's mass and rest centre come from the cube of this many. Open meshes of many
+	/// holes may get fewer (BuildReport::samplesPerEdge): what inside costs is bounded.
 	int samplesPerEdge = 4;
 
 	/// Vertices nearer than this share of the mesh's bounding-box diagonal are one, [0, 0.01].
@@ -50,6 +60,13 @@ struct LatticeSettings
 
 	/// Cells with less material than this share of a full cell are dropped (their material is left out), [0, 0.5].
 	float minimumFill = 0.03f;
+
+	Shell shell = Shell::WhereNeeded;
+
+	/// Thickness of a shell's material, m, 0 to 1e7. 0: a cell's edge. A shell's cell weighs density x thickness x the area of surface in it, at
+	/// most a full cell and at least 0.03 of one; both sides of a leaf count where both are drawn. Thin parts of a closed solid weigh 0.03 of a
+	/// full cell each, whatever is set here: what material they have is known, and is less. How a shell looks and bends goes by its cells.
+	float shellThickness = 0.0f;
 
 	Skinning skinning = Skinning::NearbyNodes;
 
@@ -74,6 +91,8 @@ struct BuildReport
 	int nonManifoldEdges = 0;     ///< edges with three or more triangles
 	int shells = 0;               ///< connected parts of the mesh
 	int cells = 0;
+	int shellCells = 0;           ///< of them, those that carry surface and hold no inside (LatticeSettings::shell)
+	int samplesPerEdge = 0;       ///< used: fewer than asked for where the mesh is open and inside is dear to tell; 0: it was not asked
 	int splitCells = 0;           ///< lattice positions that hold more than one material part
 	int cutLinks = 0;             ///< links left out because the surface separates the material
 	int components = 0;           ///< connected parts of the lattice

@@ -17,7 +17,7 @@ enum class ResultCode : int
 	NonFiniteVertex,  ///< a coordinate is NaN or infinite
 	IndexOutOfRange,  ///< a triangle names a vertex that is not there
 	ExtentOutOfRange, ///< the mesh is too small or too large for float arithmetic at the asked cell size
-	ZeroVolume,       ///< no inside was found at the asked cell size
+	ZeroVolume,       ///< no triangle has an area; or no inside was found at the asked cell size and Shell::Never was asked for
 	TooManyTriangles, ///< more triangles than LatticeSettings::maxTriangles
 	TooManyCells,     ///< more cells than LatticeSettings::maxCells
 	OutOfMemory,
@@ -28,7 +28,9 @@ enum class ResultCode : int
 	FileNotFound,
 	FileUnreadable,   ///< the file is there, but no mesh can be read out of it
 	FileTooLarge,
-	TimeLimit
+	TimeLimit,
+	TooFolded         ///< the surface is folded so often into its box that no cell size can tell its layers apart; or, with Shell::Never,
+	                  ///< folded or open so widely that telling inside from outside takes too long
 };
 
 /// The code's name, e.g. "TooManyCells". Never null.
