@@ -106,7 +106,12 @@ inline constexpr double kLeastShellPower = 0.8;
 inline constexpr double kMostShellPower = 3.0;
 
 /// Points at which a surface is asked where it passes: as many, and more only where its cells are more.
-inline constexpr double kMostShellPoints = 1.5e6;
+inline constexpr double kMostShellPoints = 1e6;
+/// And points at which it is asked first, at most, for how many positions that will be; it is folded where these are less than this share of them.
+inline constexpr double kMostSurveyPoints = 2e5;
+inline constexpr double kFoldedShare = 0.25;
+/// Positions are counted too high by less than this factor.
+inline constexpr double kMostOverCounted = 4.0;
 
 /// So many times as many points along an edge are asked as parts: the area in a position, which is summed over them, is off by some 2 % then.
 inline constexpr double kAreaDensity = 2.0;

@@ -142,12 +142,26 @@ private:
 	std::vector<double> m_reach; ///< squared, cells
 };
 
+/// How many positions the surface passes through, at most some times as many, out of few points: where those fall into fewer positions than a quarter of
+/// their number, it is folded many times into the same ones.
+double positionsPassed( const WeldedMesh& mesh, const Grid& grid, double area )
+{
+	KeySet passed;
+	double points = 0.0;
+	visitSurface( mesh, grid, std::min( 1.0, std::sqrt( kMostSurveyPoints / area ) ), [&]( const Vec3d& point, double ) {
+		passed.add( keyOf( grid, positionOfPoint( grid, point ) ) );
+		points += 1.0;
+	} );
+	const double count = double( passed.take().size() );
+	return kFoldedShare * points > count ? count / kFoldedShare : std::max( count, area );
+}
+
 /// Points of the surface for a cell's edge: so many that the surface cannot slip between them, but a surface that is folded many times into its cells
 /// passes everywhere anyway, and is asked more coarsely.
-double densityOf( const ShellOptions& options )
+double densityOf( const ShellOptions& options, double positions )
 {
 	constexpr double kDensity = kAreaDensity * kShellSamples;
-	const double most = std::max( kMostShellPoints, kDensity * kDensity * std::min( options.area, options.mostCells ) );
+	const double most = std::max( kMostShellPoints, kDensity * kDensity * std::min( { options.area, options.mostCells, positions } ) );
 	return kDensity * std::min( 1.0, std::sqrt( most / ( kDensity * kDensity * options.area ) ) );
 }
 
@@ -258,7 +272,12 @@ CellDraft makeCell( const Grid& grid, const SurfacePatch& patch, const ShellOpti
 int addShell( const WeldedMesh& mesh, const Grid& grid, const ShellOptions& options, std::vector<CellDraft>& cells, Lattice& lattice )
 {
 	const Keys inside = keysOf( cells );
-	const double density = densityOf( options );
+	const double positions = positionsPassed( mesh, grid, options.area );
+	if ( cells.empty() && positions > kMostOverCounted * options.mostCells )
+	{
+		return -1;
+	}
+	const double density = densityOf( options, positions );
 	const Keys needed = findNeeded( mesh, grid, density, cells, inside );
 	if ( double( needed.size() + cells.size() ) > options.mostCells )
 	{
