@@ -96,7 +96,7 @@ inline constexpr double kShellCellsPerArea = 1.25;
 
 /// targetCells for a shell: off by no more than this share; so many tries, each a small part of what telling inside costs.
 inline constexpr double kShellTargetSlack = 0.1;
-inline constexpr int kShellTries = 8;
+inline constexpr int kShellTries = 4;
 
 /// Cells that carry a solid's thin parts count for targetCells where they are more than this share of all.
 inline constexpr double kMostShellShare = 0.25;

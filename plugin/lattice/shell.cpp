@@ -146,6 +146,10 @@ private:
 /// their number, it is folded many times into the same ones.
 double positionsPassed( const WeldedMesh& mesh, const Grid& grid, double area )
 {
+	if ( double( mesh.triangle.size() + mesh.leftOut.size() ) > kMostSurveyPoints )
+	{
+		return area; // each triangle is one point at least
+	}
 	KeySet passed;
 	double points = 0.0;
 	visitSurface( mesh, grid, std::min( 1.0, std::sqrt( kMostSurveyPoints / area ) ), [&]( const Vec3d& point, double ) {
