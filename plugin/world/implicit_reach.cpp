@@ -1,5 +1,6 @@
 #include "world/implicit_reach.h"
 
+#include "world/ahead.h"
 #include "world/constants.h"
 #include "world/implicit_contacts.h"
 #include "world/node_body.h"
@@ -101,13 +102,12 @@ void ImplicitReach::choose( btDispatcher& dispatcher, const BlockPlaces& places,
 	m_bodies.assign( std::size_t( blocks ), 0 );
 	m_taken.assign( std::size_t( blocks ), 0 );
 	m_edges.clear();
-	for ( int m = 0; m < dispatcher.getNumManifolds(); ++m )
-	{
-		if ( const btPersistentManifold& manifold = *dispatcher.getManifoldByIndexInternal( m ); manifold.getNumContacts() > 0 )
+	forEachManifold( dispatcher, askForEnd, [&]( const btPersistentManifold& manifold ) {
+		if ( manifold.getNumContacts() > 0 )
 		{
 			look( manifold, places );
 		}
-	}
+	} );
 	while ( addRing() )
 	{
 	}

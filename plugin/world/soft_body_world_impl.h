@@ -28,7 +28,7 @@ struct SoftBodyWorld::System
 	PassObjects<btTypedConstraint> joints;
 	LentObjects lent;
 	StepImpulses impulses;
-	/// Of the last game step's passes, s; 0: there was none.
+	/// Of the last game step's passes, s; the same where there was one pass only; 0: there was no step.
 	struct Lengths
 	{
 		btScalar whole = btScalar( 0 ), substep = btScalar( 0 );

@@ -2,6 +2,7 @@
 
 #include "world/soft_body_world_impl.h"
 
+#include "world/ahead.h"
 #include "world/island_manager.h"
 #include "world/soft_body_impl.h"
 
@@ -87,22 +88,21 @@ void SoftBodyWorld::System::endPass( SoftBodyWorld& world )
 // entered the group or left it. Else they are Bullet's, which leaves them alone.
 void SoftBodyWorld::System::carryImpulses( SoftBodyWorld& world, btScalar h )
 {
-	const Lengths& before = lengths;
-	if ( substep == 0 && before.whole > 0 )
+	const Lengths before = lengths;
+	if ( substep != 0 || before.whole == 0 || ( before.whole == h && before.substep == h ) )
 	{
-		for ( int m = 0; m < world.m_dispatcher1->getNumManifolds(); ++m )
-		{
-			btPersistentManifold& manifold = *world.m_dispatcher1->getManifoldByIndexInternal( m );
-			const bool wasSubstep = bodies.group.didContain( *manifold.getBody0() ) || bodies.group.didContain( *manifold.getBody1() );
-			const bool hasChanged = wasSubstep != ( bodies.pass() == StepPass::Substeps );
-			const btScalar then = wasSubstep ? before.substep : before.whole;
-			const int island = std::max( manifold.getBody0()->getIslandTag(), manifold.getBody1()->getIslandTag() );
-			if ( then != h && ( hasChanged || isNodeBody( manifold.getBody0() ) || isNodeBody( manifold.getBody1() ) || bodies.isAwakeIn( island ) ) )
-			{
-				scaleImpulses( manifold, h / then );
-			}
-		}
+		return;
 	}
+	forEachManifold( *world.m_dispatcher1, askForEnd, [&]( btPersistentManifold& manifold ) {
+		const bool wasSubstep = bodies.group.didContain( *manifold.getBody0() ) || bodies.group.didContain( *manifold.getBody1() );
+		const bool hasChanged = wasSubstep != ( bodies.pass() == StepPass::Substeps );
+		const btScalar then = wasSubstep ? before.substep : before.whole;
+		const int island = std::max( manifold.getBody0()->getIslandTag(), manifold.getBody1()->getIslandTag() );
+		if ( then != h && ( hasChanged || isNodeBody( manifold.getBody0() ) || isNodeBody( manifold.getBody1() ) || bodies.isAwakeIn( island ) ) )
+		{
+			scaleImpulses( manifold, h / then );
+		}
+	} );
 }
 
 void SoftBodyWorld::System::showPass( SoftBodyWorld& world )

@@ -112,7 +112,8 @@ void SoftBodyWorld::System::stepGroups( SoftBodyWorld& world, btScalar timeStep,
 		endPass( world );
 		bodies.endSubsteps();
 	}
-	lengths = Lengths{ timeStep, bodies.group.isEmpty() ? timeStep : timeStep / btScalar( substeps ) };
+	const btScalar h = bodies.group.isEmpty() ? timeStep : timeStep / btScalar( substeps );
+	lengths = Lengths{ hasWhole ? timeStep : h, h };
 	world.updateActions( timeStep );
 	if ( hasWhole )
 	{
