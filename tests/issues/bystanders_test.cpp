@@ -208,6 +208,51 @@ TEST_P( Bystanders, HeapsFallAsTheyDo )
 	} );
 }
 
+/// A soft cube that hovers 3 cm beside what stands at x = 0: it touches nothing, and what is so near takes its substeps.
+void hoverBeside( test::TestWorld& scene, btScalar halfWidth, btScalar height )
+{
+	SoftBody* const cube = scene.addSoft( test::block( 4, 4, 4, 0.1f ), at( halfWidth + btScalar( 0.23 ), height, 0 ), test::stepping( Elasticity::Explicit, 1e5f ) );
+	cube->setGravity( btVector3( 0, 0, 0 ) );
+	cube->setActivationState( DISABLE_DEACTIVATION );
+}
+
+// What takes substeps has the limits and the impulses of the whole step too: a joint held .167 N s a step in parts of a quarter each, and did not break at .1.
+TEST( Neighbours, HaveJointsThatBreakAtTheImpulseOfTheStep )
+{
+	for ( const btScalar threshold : { btScalar( 0.1 ), btScalar( 0.3 ) } )
+	{
+		test::TestWorld own;
+		own.world.setGravity( btVector3( 0, 0, -10 ) ); // along the last of the joint's rows, whose impulse Bullet shows
+		RigidScene scene( own.world );
+		btRigidBody* const hung = scene.addBox( 1, btVector3( btScalar( 0.1 ), btScalar( 0.1 ), btScalar( 0.1 ) ), at( 0, 5, 0 ) );
+		hung->setActivationState( DISABLE_DEACTIVATION );
+		auto* const joint = scene.join( new btPoint2PointConstraint( *hung, btVector3( 0, 0, 0 ) ) );
+		joint->setBreakingImpulseThreshold( threshold );
+		hoverBeside( own, btScalar( 0.1 ), 5 );
+		own.run( 3 );
+		EXPECT_EQ( joint->isEnabled(), threshold > btScalar( 0.2 ) );
+		EXPECT_EQ( joint->getBreakingImpulseThreshold(), threshold );
+		if ( joint->isEnabled() )
+		{
+			EXPECT_NEAR( joint->getAppliedImpulse(), 10 * kFrame, 0.01 );
+		}
+	}
+}
+
+TEST( Neighbours, ShowTheContactImpulseOfTheStep )
+{
+	test::TestWorld own;
+	RigidScene scene( own.world );
+	scene.addFloor();
+	btRigidBody* const box = scene.addBox( 10, btVector3( btScalar( 0.5 ), btScalar( 0.5 ), btScalar( 0.5 ) ), at( 0, btScalar( 0.5 ), 0 ) );
+	box->setActivationState( DISABLE_DEACTIVATION );
+	hoverBeside( own, btScalar( 0.5 ), btScalar( 0.7 ) );
+	own.world.setInternalTickCallback( lookAtImpulses );
+	own.run( 60 );
+	EXPECT_GT( own.world.stepReport().substeps, 1 );
+	EXPECT_NEAR( seenImpulse, 10 * 10 * kFrame, 0.05 );
+}
+
 int ticksBefore = 0, ticksAfter = 0;
 
 // A callback that was set inside the other one was lost while a soft body was awake.
