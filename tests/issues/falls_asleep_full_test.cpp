@@ -1,5 +1,6 @@
 // Heaps and fragments fall asleep within fifteen seconds, in either step.
 
+#include "support/awake_bodies.h"
 #include "support/mesh_of_boxes.h"
 #include "support/test_world.h"
 
@@ -12,26 +13,6 @@ namespace {
 
 using namespace pliant;
 using namespace pliant::test;
-
-constexpr Elasticity kSteps[] = { Elasticity::Explicit, Elasticity::Implicit };
-
-Material materialOf( Elasticity elasticity, float youngsModulus )
-{
-	Material material;
-	material.elasticity = elasticity;
-	material.youngsModulus = youngsModulus;
-	return material;
-}
-
-int awakeBodies( SoftBodyWorld& world )
-{
-	int count = 0;
-	for ( int k = 0; k < world.softBodyCount(); ++k )
-	{
-		count += world.softBody( k )->isActive() ? 1 : 0;
-	}
-	return count;
-}
 
 void expectSleep( SoftWorld& t )
 {

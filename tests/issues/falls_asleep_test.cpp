@@ -1,5 +1,6 @@
 // What lies still falls asleep, crumbs and bodies on terrain too, and what moves does not, however slowly: beside its rigid twin, which sleeps by Bullet's rules.
 
+#include "support/awake_bodies.h"
 #include "support/mesh_of_boxes.h"
 #include "support/test_world.h"
 
@@ -13,26 +14,6 @@ namespace {
 
 using namespace pliant;
 using namespace pliant::test;
-
-constexpr Elasticity kSteps[] = { Elasticity::Explicit, Elasticity::Implicit };
-
-Material materialOf( Elasticity elasticity, float youngsModulus )
-{
-	Material material;
-	material.elasticity = elasticity;
-	material.youngsModulus = youngsModulus;
-	return material;
-}
-
-int awakeBodies( SoftBodyWorld& world )
-{
-	int count = 0;
-	for ( int k = 0; k < world.softBodyCount(); ++k )
-	{
-		count += world.softBody( k )->isActive() ? 1 : 0;
-	}
-	return count;
-}
 
 /// Seconds until all bodies sleep, at most `most`.
 double asleepAfter( SoftWorld& t, double most )
