@@ -1,6 +1,7 @@
 // +-----------------------------------------------------------------------------------------------------------------+
 // | bullet_hit: a ball at 60 m/s hits a soft block, another goes into foam and comes back, and a soft ball at       |
-// | 60 m/s meets a wall of a millimetre; slowed down in the film. What each gave on and kept (docs/contacts.md).    |
+// | 60 m/s meets a wall of a millimetre; slowed down in the film. What each gave on and kept:                       |
+// | docs/design/contacts.md.                                                                                        |
 // +-----------------------------------------------------------------------------------------------------------------+
 
 #include "demos/palette.h"

@@ -1,6 +1,6 @@
 // +-----------------------------------------------------------------------------------------------------------------+
 // | heavy_on_soft: boxes of 1, 10, 100 and 1000 times a soft block's mass on blocks whose modulus lets them give by   |
-// | a twentieth; in the middle, off it, and on an edge. One step of 1/60 s a frame (docs/implicit.md).                |
+// | a twentieth; in the middle, off it, and on an edge. One step of 1/60 s a frame (docs/design/implicit.md).         |
 // +-----------------------------------------------------------------------------------------------------------------+
 
 #include "demos/palette.h"

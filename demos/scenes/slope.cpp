@@ -1,6 +1,6 @@
 // +-----------------------------------------------------------------------------------------------------------------+
 // | slope: soft cubes and a rigid box on a slope of 20 degrees, by friction and by stiffness; how fast they gain      |
-// | speed, against theory (docs/contacts.md).                                                                         |
+// | speed, against theory (docs/design/contacts.md).                                                                  |
 // +-----------------------------------------------------------------------------------------------------------------+
 
 #include "demos/palette.h"

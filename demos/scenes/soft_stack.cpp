@@ -1,6 +1,6 @@
 // +-----------------------------------------------------------------------------------------------------------------+
 // | soft_stack: two, four and eight soft cubes on each other, and four with rigid boxes between them, at one step of  |
-// | 1/60 s a frame; when each tower sleeps, how far it leans (docs/implicit.md).                                      |
+// | 1/60 s a frame; when each tower sleeps, how far it leans (docs/design/implicit.md).                               |
 // +-----------------------------------------------------------------------------------------------------------------+
 
 #include "demos/palette.h"

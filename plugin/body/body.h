@@ -163,7 +163,8 @@ public:
 	/// they are (the world clears them once a game step).
 	void applyForces( float h, const Vec3& gravity, TaskRunner* runner = nullptr );
 
-	// The implicit substep (docs/implicit.md) in the place of the two above: pushImplicitly, [contacts and the system's solution], integrate.
+	// The implicit substep (docs/design/implicit.md) in the place of the two above: pushImplicitly, [contacts and the system's solution],
+	// integrate.
 	/// Whether there are regions to linearise, of one size or several: Method::Lattice with conserving weights and no far levels.
 	bool canStepImplicitly() const;
 	/// The same with the reason.

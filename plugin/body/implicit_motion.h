@@ -1,7 +1,7 @@
 #pragma once
 
 // One body's part in an implicit substep: the linear system for the speeds it will have, the force of its matching linearised in them.
-// docs/implicit.md. Knows no contacts: who solves for several bodies at once adds them to the system.
+// docs/design/implicit.md. Knows no contacts: who solves for several bodies at once adds them to the system.
 //
 //   A v = b,   A = m ( 1 + G ( 1 - P ) ),   G = gamma alpha ( 1 + 3 kappa ) + h c
 //   b = m ( v* + alpha e d / h ) + m ( gamma - sigma ) alpha ( 1 + 3 kappa ) ( 1 - P ) v*,   v* = v + h ( g + f / m )

@@ -23,7 +23,7 @@ inline constexpr double kInertiaFloor = 1e-6;
 
 inline constexpr double kPi = 3.14159265358979323846;
 
-/// Alpha above this is cut: the explicit step is safe up to here (algorithm derivation in docs/step.md).
+/// Alpha above this is cut: the explicit step is safe up to here (algorithm derivation in docs/design/step.md).
 inline constexpr float kLargestAlpha = 1.0f;
 
 /// alpha ( 1 + 3 kappa ) is kept below this; at 4 the answer to pressing overshoots as far as it was off.
@@ -49,7 +49,7 @@ inline constexpr double kLargestFarAlpha = 2.0 / 3.0;
 /// More than all far levels together give, cells^2.
 inline constexpr double kMostReach = 1.0e6;
 
-/// Shares of region damping with far levels: 3 + 2 * 0.25 + 2 * 2 * 0.1 < 4 (docs/step.md).
+/// Shares of region damping with far levels: 3 + 2 * 0.25 + 2 * 2 * 0.1 < 4 (docs/design/step.md).
 inline constexpr float kLargestFarDampingShare = 0.25f;
 inline constexpr float kLargestDampingOfFar = 0.1f;
 
@@ -94,7 +94,7 @@ inline constexpr float kSpeedLimit = 1.0e5f;
 /// Strains are looked at this seldom: a split a few substeps late is not seen, a look at every substep costs some per cent.
 inline constexpr int kSubstepsBetweenReviews = 4;
 
-/// After a split its parts go so many times to where all their regions have them (docs/levels.md).
+/// After a split its parts go so many times to where all their regions have them (docs/design/levels.md).
 inline constexpr int kEasingRounds = 2;
 
 /// What a change of levels brings of energy is taken off for so long, s: longer than springs take to give it back, and not for ever.

@@ -11,7 +11,7 @@
 // n_ij regions hold link ij of mass m_ij, the mean of its cells'. A whole region has J* = J, and the regions of any body together have mu a
 // link: the strain energy of the body under uniform strain is that of its links. Regions follow J* as they do a finer body's moment
 // (level_tables.h): A_pq C is what the rotation is fitted to and L = F + ( R - F ) C^T the goal, C = J^+ J*.
-// Beyond the papers; docs/implicit.md has what it brings.
+// Beyond the papers; docs/design/implicit.md has what it brings.
 
 #include "lattice/lattice.h"
 #include "pliant/material.h"

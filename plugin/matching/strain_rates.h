@@ -1,6 +1,6 @@
 #pragma once
 
-// The operator of the implicit step for one body: what its regions' stiffness makes of nodes' speeds. docs/implicit.md.
+// The operator of the implicit step for one body: what its regions' stiffness makes of nodes' speeds. docs/design/implicit.md.
 //
 //   A v = m ( v + G ( v - P v ) ),   P v at node i = sum over its regions r of g_r ( vc_r + w_r x ( x_i - c_r ) ) / C_i
 //   vc_r = sum a v / M_r,   w_r = T_r^-1 sum a ( x - c_r ) x v,   T_r = sum a ( |x - c_r|^2 1 - ( x - c_r )( x - c_r )^T )

@@ -1,4 +1,4 @@
-// What stands on the diagonal of the implicit step's operator. docs/implicit.md.
+// What stands on the diagonal of the implicit step's operator. docs/design/implicit.md.
 
 #include "matching/lattice_matcher.h"
 #include "matching/region_members.h"

@@ -1,7 +1,7 @@
 #pragma once
 
 // A = L L^T of a symmetric matrix of 6 x 6 blocks, few of them in a row. A sparse factor that goes by single entries, as Eigen's, spends its time
-// finding them (docs/implicit.md has what either takes).
+// finding them (docs/design/implicit.md has what either takes).
 
 #include <Eigen/Core>
 

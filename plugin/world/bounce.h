@@ -1,6 +1,6 @@
 #pragma once
 
-// Restitution that brings no energy in: what nodes bounce off, and a last look at what all contacts of an island did together. docs/contacts.md.
+// Restitution that brings no energy in: what nodes bounce off, and a last look at what all contacts of an island did together. docs/design/contacts.md.
 
 #include "lattice/lattice.h"
 

@@ -92,7 +92,7 @@ inline constexpr double kLeastBounceStep = 1e-4;
 /// What an implicit block's contacts bring in, as a share of all they move, is rounding below this, and the end of its iteration.
 inline constexpr double kBounceSlack = 1e-4;
 
-// The implicit step's contacts (docs/implicit.md says how each was found).
+// The implicit step's contacts (docs/design/implicit.md says how each was found).
 /// A contact's stiffness in units of what its nodes resist with by themselves.
 inline constexpr double kContactStiffness = 10.0;
 /// Below this speed a contact that has just begun to rub counts as held, m/s; one that is held creeps by less with every substep.

@@ -1,7 +1,7 @@
 #pragma once
 
 // The linear system of one island in an implicit substep: the speeds of soft bodies' nodes and of the rigid bodies they touch, and the
-// contacts between them, unilateral and with Coulomb friction. docs/implicit.md has the formulas and where the numbers come from.
+// contacts between them, unilateral and with Coulomb friction. docs/design/implicit.md has the formulas and where the numbers come from.
 
 #include "body/implicit_motion.h"
 #include "lattice/lattice.h"

@@ -1,6 +1,6 @@
 #pragma once
 
-// Elasticity::Automatic: which bodies take the implicit step in the next game step. docs/implicit.md, "Automatic".
+// Elasticity::Automatic: which bodies take the implicit step in the next game step. docs/design/implicit.md, "Automatic".
 
 class btDiscreteDynamicsWorld;
 

@@ -1,7 +1,7 @@
 #pragma once
 
 // From Bullet's manifolds to the contacts of implicit blocks and back: places, laws and the last substep's impulses come out of the contact
-// points, and the impulses found go back into them, where games look for them. docs/implicit.md.
+// points, and the impulses found go back into them, where games look for them. docs/design/implicit.md.
 
 #include "world/implicit_block.h"
 

@@ -1,7 +1,7 @@
 #pragma once
 
 // The implicit part of a substep: one block an island that holds a body with Elasticity::Implicit, solved before Bullet's own solver, which
-// then does joints and rigid contacts. docs/implicit.md.
+// then does joints and rigid contacts. docs/design/implicit.md.
 
 #include "world/implicit_contacts.h"
 #include "world/implicit_reach.h"

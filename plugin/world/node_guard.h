@@ -1,8 +1,8 @@
 #pragma once
 
 // The last word on fast nodes, between the solver and the step: whatever the solvers made of a node's speed, it does not carry the node's centre
-// through a thing that stands (docs/contacts.md). Contacts are found where nodes were going before the solver turned them elsewhere, and
-// solvers end before they are exact; at a hundred metres a second either leads through a wall.
+// through a thing that stands (docs/design/contacts.md). Contacts are found where nodes were going before the solver turned them elsewhere,
+// and solvers end before they are exact; at a hundred metres a second either leads through a wall.
 
 #include "world/node_touch.h"
 #include "world/obstacle_motion.h"

@@ -1,6 +1,6 @@
 #pragma once
 
-// What two soft bodies' surfaces are to each other where both step implicitly: rounder than their nodes' spheres. docs/contacts.md.
+// What two soft bodies' surfaces are to each other where both step implicitly: rounder than their nodes' spheres. docs/design/contacts.md.
 
 #include "lattice/lattice.h"
 

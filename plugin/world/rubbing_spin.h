@@ -3,7 +3,8 @@
 // Angular momentum of soft bodies that rub on each other. Bullet's solver moves two nodes at their middles, which are apart, by equal and opposite
 // impulses J: of those across the line between them
 //   ( x0 - x1 ) x J
-// appears from nowhere. It is taken from the two bodies as wholes, as if J acted where the spheres touch, and friction sees how they turn there. docs/contacts.md.
+// appears from nowhere. It is taken from the two bodies as wholes, as if J acted where the spheres touch, and friction sees how they turn there.
+// docs/design/contacts.md.
 
 #include "lattice/lattice.h"
 

@@ -2,7 +2,7 @@
 
 // Rolling and spinning friction of soft bodies' contacts. A node cannot turn, so Bullet's rows for it would turn the other body alone and find no
 // limit between two that cannot; they are taken out, and after the solver the bodies as wholes are braked, with what their contacts pressed
-// with as the limit, and with equal and opposite torques. docs/contacts.md.
+// with as the limit, and with equal and opposite torques. docs/design/contacts.md.
 
 #include "lattice/lattice.h"
 

@@ -1,5 +1,5 @@
 // What a contact of an explicit body costs, counted: in all, and what of it is ours, outside of the solver, of Bullet's collision and of matching
-// (docs/contacts.md). The heap of bench_pile.h.
+// (docs/design/contacts.md). The heap of bench_pile.h.
 
 #include "bench_pile.h"
 

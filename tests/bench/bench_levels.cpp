@@ -94,7 +94,7 @@ BENCHMARK( levelsNaive )->Apply( arguments );
 BENCHMARK( levelsUniform )->Apply( arguments );
 BENCHMARK( levelsAdaptive )->Apply( arguments );
 
-/// One product of the implicit step, rows of regions side by side (docs/implicit.md) or one by one.
+/// One product of the implicit step, rows of regions side by side (docs/design/implicit.md) or one by one.
 void levelsProduct( benchmark::State& state )
 {
 	const std::unique_ptr<Body> body = makeBody( bodyLattice( int( state.range( 0 ) ) ), Material{}, state.range( 0 ) == 0 ? 2 : 3 );

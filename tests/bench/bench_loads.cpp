@@ -1,4 +1,4 @@
-// What a frame costs under a box of 1 to 1 000 times a block's mass, against the same block with nothing on it (docs/implicit.md).
+// What a frame costs under a box of 1 to 1 000 times a block's mass, against the same block with nothing on it (docs/design/implicit.md).
 
 #include "support/test_world.h"
 

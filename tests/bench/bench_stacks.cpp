@@ -1,4 +1,4 @@
-// What a frame of eight soft cubes on each other costs, against one of four: until they sleep (docs/implicit.md).
+// What a frame of eight soft cubes on each other costs, against one of four: until they sleep (docs/design/implicit.md).
 
 #include "support/soft_stacks.h"
 

@@ -1,5 +1,5 @@
 // Loads off a soft block's middle: what leans, by how much, and what must tip. Against the theory of columns and against the same lattice stepped
-// explicitly, very finely (docs/implicit.md, "Leaning and tipping").
+// explicitly, very finely (docs/design/implicit.md, "Leaning and tipping").
 
 #include "test_world.h"
 

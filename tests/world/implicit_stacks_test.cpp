@@ -51,7 +51,7 @@ TEST( ImplicitStacks, OfTwoFourAndEightCubesStandAndSleep )
 			{
 				if ( cubes == 8 && hasBoxes && youngsModulus < 1e7f )
 				{
-					continue; // buckles by its own weight (docs/implicit.md)
+					continue; // buckles by its own weight (docs/design/implicit.md)
 				}
 				const Stood stood = build( Stack{ cubes, hasBoxes, youngsModulus } );
 				std::printf( "%d cubes%s, E %.0e: sunk by %.3f m, %.3f m aside\n", cubes, hasBoxes ? " and boxes" : "", double( youngsModulus ), stood.sunk, stood.aside );

@@ -24,7 +24,8 @@ struct Storey
 	double x = 0, z = 0; ///< beside the middle, m
 };
 
-/// The modulus at which a cube of that edge would tip under the storeys: c q sin q L = cos q L, q^2 = W / E I (docs/implicit.md, Leaning).
+/// The modulus at which a cube of that edge would tip under the storeys: c q sin q L = cos q L, q^2 = W / E I
+/// (docs/design/implicit.md, Leaning).
 double tippingModulus( const std::vector<Storey>& storeys )
 {
 	double weight = 0.0, moment = 0.0, y = 0.0;

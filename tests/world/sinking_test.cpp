@@ -1,4 +1,5 @@
-// Nothing sinks into a soft body: what the second layer of spheres is for (docs/contacts.md). With the outermost alone each of these fails.
+// Nothing sinks into a soft body: what the second layer of spheres is for (docs/design/contacts.md). With the outermost alone each of
+// these fails.
 
 #include "bench/bench_pile.h"
 

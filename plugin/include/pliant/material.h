@@ -47,7 +47,7 @@ enum class Stiffness : int
 enum class Elasticity : int
 {
 	Explicit, ///< the papers' step: cheap; stiffness needs substeps, and heavy loads do too
-	Implicit, ///< any stiffness and any load at the game's own step, for more time a step (docs/implicit.md). Method::Lattice only
+	Implicit, ///< any stiffness and any load at the game's own step, for more time a step (docs/design/implicit.md). Method::Lattice only
 	Automatic ///< implicit where the explicit step cannot reach the stiffness or a heavy load lies on the body's island, else explicit. What the
 	          ///< implicit step cannot do (far levels, other methods) steps explicitly: SoftBody::implicitStatus tells why
 };
@@ -89,8 +89,8 @@ struct Material
 	/// Half-width w of a region, in cells, 1 to 4. Wider reaches stiffer materials per substep and costs more.
 	int regionHalfWidth = 1;
 
-	/// Far levels, 0 to 3: matching on blocks of 2, 4 and 8 cells an edge too, so that a force reaches farther in one substep (docs/step.md,
-	/// "Far levels"; beyond the papers). One, two, three reach 3.9, 15.8, 63.7 times the Young's modulus that regionHalfWidth 1 reaches at the
+	/// Far levels, 0 to 3: matching on blocks of 2, 4 and 8 cells an edge too, so that a force reaches farther in one substep
+	/// (docs/design/step.md, "Far levels"; beyond the papers). One, two, three reach 3.9, 15.8, 63.7 times the Young's modulus that regionHalfWidth 1 reaches at the
 	/// same substep, for a fifth to a third more time. Only as many work as `youngsModulus` needs; 0: nothing is paid or held.
 	/// A body does without levels that it is less than 4 blocks long for. Poisson's ratio of what they add is 0, and region damping feels
 	/// little of it. Refused without Method::Lattice and Stiffness::YoungsModulus, with a yieldStrain, and for bodies with levels of detail.
@@ -143,7 +143,8 @@ struct StiffnessPlan
 	bool reachable = true;
 };
 
-/// alpha = 3 E h^2 / (rho d^2 w (w + 1)), at most 1, what is left being asked of the far levels; `h` is one substep, s (docs/step.md). Clusters of edge e: (e^2 - 1) / 4 for w (w + 1).
+/// alpha = 3 E h^2 / (rho d^2 w (w + 1)), at most 1, what is left being asked of the far levels; `h` is one substep, s
+/// (docs/design/step.md). Clusters of edge e: (e^2 - 1) / 4 for w (w + 1).
 PLIANT_API StiffnessPlan planStiffness( const Material& material, float cellSize, float gameStep, int substeps );
 
 } // namespace pliant

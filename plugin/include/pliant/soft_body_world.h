@@ -24,10 +24,10 @@ struct StepReport
 	int nodes = 0;            ///< in all soft bodies
 	int softContacts = 0;     ///< contact points between nodes and anything, last substep
 	int implicitBodies = 0;   ///< awake bodies that took the implicit step
-	int implicitPasses = 0;   ///< of the implicit solution that took most, last substep (docs/implicit.md)
+	int implicitPasses = 0;   ///< of the implicit solution that took most, last substep (docs/design/implicit.md)
 	int implicitProducts = 0; ///< the same: products with its matrix
 	int selfContacts = 0;     ///< those of them between two nodes of one body (SoftBody::setSelfCollision)
-	int heldNodes = 0;        ///< fast nodes that were kept from passing through what stands (docs/contacts.md), all substeps
+	int heldNodes = 0;        ///< fast nodes that were kept from passing through what stands (docs/design/contacts.md), all substeps
 	int levelChanges = 0;     ///< changes of bodies' levels of detail: each may split and merge many nodes
 	int splits = 0;           ///< nodes that gave way to their parts
 	int merges = 0;           ///< nodes that took the place of their parts

@@ -192,7 +192,8 @@ struct RecordSums
 };
 
 /// How much heavier a pinned node counts in the far levels' sums than its mass: what holds a body is not to be dragged along by it.
-/// Measured on held bars of 64 cells (docs/step.md): at 4 their ends give by 9 %, from 64 on what holds them pulls on too little of them.
+/// Measured on held bars of 64 cells (docs/design/step.md): at 4 their ends give by 9 %, from 64 on what holds them pulls on too
+/// little of them.
 inline constexpr float kPinnedWeight = 12.0f;
 
 /// Ranges [begin, end) are multiples of 16 at the start; the end may be the padded count.
