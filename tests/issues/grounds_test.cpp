@@ -1,0 +1,321 @@
+// What bodies lie on, hang on, are held by and how the world is stepped: scenes that went wrong in some engine that has soft bodies, beside their rigid
+// twins where there are any.
+
+#include "twin_worlds.h"
+
+#include <BulletCollision/CollisionShapes/btHeightfieldTerrainShape.h>
+#include <BulletCollision/CollisionShapes/btScaledBvhTriangleMeshShape.h>
+
+#include <memory>
+#include <string>
+
+namespace pliant {
+namespace {
+
+using test::at;
+using test::block;
+using test::kFrame;
+using test::RigidScene;
+using test::stepping;
+using test::TestWorld;
+
+/// For each step that a body may take.
+class Grounds : public testing::TestWithParam<Elasticity>
+{
+};
+INSTANTIATE_TEST_SUITE_P( Steps, Grounds, testing::Values( Elasticity::Explicit, Elasticity::Implicit ),
+	[]( const auto& with ) { return std::string( with.param == Elasticity::Explicit ? "Explicit" : "Implicit" ); } );
+
+/// A mesh that outlives the shape made of it.
+struct Terrain
+{
+	std::vector<btVector3> vertices;
+	std::vector<int> indices;
+	std::unique_ptr<btTriangleIndexVertexArray> array;
+
+	/// n x n quads over a square of edge `edge` m about the origin, at height 0 and bent by `height`.
+	template <class Height>
+	Terrain( int n, btScalar edge, const Height& height )
+	{
+		for ( int k = 0; k < ( n + 1 ) * ( n + 1 ); ++k )
+		{
+			const btScalar x = edge * ( btScalar( k % ( n + 1 ) ) / btScalar( n ) - btScalar( 0.5 ) ), z = edge * ( btScalar( k / ( n + 1 ) ) / btScalar( n ) - btScalar( 0.5 ) );
+			vertices.emplace_back( x, height( x, z ), z );
+		}
+		for ( int k = 0; k < n * n; ++k )
+		{
+			const int a = k % n + k / n * ( n + 1 ), b = a + 1, c = a + n + 1, d = c + 1;
+			indices.insert( indices.end(), { a, c, b, b, c, d } );
+		}
+		array = std::make_unique<btTriangleIndexVertexArray>( int( indices.size() / 3 ), indices.data(), int( 3 * sizeof( int ) ), int( vertices.size() ),
+			vertices.data()->m_floats, int( sizeof( btVector3 ) ) );
+	}
+};
+
+// A game whose frames take 1.7, 17 or 50 ms: what lay still hopped or sank with each change.
+TEST_P( Grounds, StepsOfAnyLengthInTurnLeaveWhatLiesThereAtItsHeight )
+{
+	TestWorld t;
+	t.addFloor();
+	SoftBody* const cube = t.addSoft( test::cubeTemplate( 1.0f, 8 ), at( 0, btScalar( 0.51 ), 0 ), stepping( GetParam(), 3e5f ) );
+	cube->setActivationState( DISABLE_DEACTIVATION );
+	t.run( 180 );
+	const btScalar height = cube->massCentre().y();
+	for ( int k = 0; k < 360; ++k )
+	{
+		const btScalar steps[3] = { btScalar( 1 ) / 600, btScalar( 1 ) / 60, btScalar( 1 ) / 20 };
+		t.world.stepSimulation( steps[k % 3], 0 );
+		ASSERT_NEAR( cube->massCentre().y(), height, 0.002 ) << "after " << k << " steps";
+	}
+}
+
+// A trigger: it lets everything through, and is to be told of what.
+TEST_P( Grounds, WithoutContactResponseContactsAreReportedAndTheBodyFallsThrough )
+{
+	TestWorld t;
+	t.addFloor();
+	SoftBody* const cube = t.addSoft( test::cubeTemplate( 1.0f, 8 ), at( 0, btScalar( 0.6 ), 0 ), stepping( GetParam(), 3e5f ) );
+	cube->setCollisionFlags( cube->getCollisionFlags() | btCollisionObject::CF_NO_CONTACT_RESPONSE );
+	int told = 0;
+	for ( int k = 0; k < 60; ++k )
+	{
+		t.run( 1 );
+		for ( int m = 0; m < t.parts.dispatcher.getNumManifolds(); ++m )
+		{
+			told += t.parts.dispatcher.getManifoldByIndexInternal( m )->getNumContacts();
+		}
+	}
+	EXPECT_GT( told, 100 );
+	EXPECT_NEAR( cube->massCentre().y(), 0.6 - 5, 0.2 ) << "it falls freely";
+}
+
+// A trigger of 50 m over a level in which all lies still: it kept everything in it awake.
+TEST_P( Grounds, AGhostAroundEverythingLetsAllSleep )
+{
+	TestWorld t;
+	t.add( 0, new btBoxShape( btVector3( 50, 1, 50 ) ), at( 0, -1, 0 ) );
+	btGhostPairCallback pairs;
+	btGhostObject ghost;
+	btBoxShape ghostShape( btVector3( 25, 25, 25 ) );
+	ghost.setCollisionShape( &ghostShape );
+	ghost.setCollisionFlags( ghost.getCollisionFlags() | btCollisionObject::CF_NO_CONTACT_RESPONSE );
+	t.world.getPairCache()->setInternalGhostPairCallback( &pairs );
+	t.world.addCollisionObject( &ghost, btBroadphaseProxy::SensorTrigger, btBroadphaseProxy::AllFilter );
+	const std::shared_ptr<const BodyTemplate> made = test::cubeTemplate( 0.5f, 4 );
+	for ( int k = 0; k < 50; ++k )
+	{
+		t.addSoft( made, at( btScalar( k % 10 ) - 5, btScalar( 0.26 ), btScalar( k / 10 ) - 2 ), stepping( GetParam(), 3e5f ) );
+	}
+	t.run( 420 );
+	int awake = 0;
+	for ( const auto& body : t.soft )
+	{
+		awake += body->isActive();
+	}
+	EXPECT_EQ( awake, 0 );
+	EXPECT_EQ( ghost.getNumOverlappingObjects(), 51 );
+	t.world.removeCollisionObject( &ghost );
+	t.world.getPairCache()->setInternalGhostPairCallback( nullptr );
+}
+
+/// What the tick callback sums up, N s.
+btScalar g_borne = 0;
+
+// Scales and pressure plates: impulses in the tick callback are those of the whole step, and bear what lies there.
+TEST_P( Grounds, ImpulsesInTheTickCallbackSumToTheWeight )
+{
+	TestWorld t;
+	t.addFloor();
+	SoftBody* const cube = t.addSoft( test::cubeTemplate( 1.0f, 8 ), at( 0, btScalar( 0.505 ), 0 ), stepping( GetParam(), 3e5f ) );
+	cube->setActivationState( DISABLE_DEACTIVATION );
+	t.run( 240 );
+	t.world.setInternalTickCallback( []( btDynamicsWorld* world, btScalar ) {
+		btDispatcher& dispatcher = *world->getDispatcher();
+		for ( int m = 0; m < dispatcher.getNumManifolds(); ++m )
+		{
+			const btPersistentManifold& manifold = *dispatcher.getManifoldByIndexInternal( m );
+			for ( int p = 0; p < manifold.getNumContacts(); ++p )
+			{
+				g_borne += manifold.getContactPoint( p ).getAppliedImpulse();
+			}
+		}
+	} );
+	g_borne = 0;
+	t.run( 60 );
+	EXPECT_NEAR( g_borne, cube->mass() * 10, btScalar( 0.02 ) * cube->mass() * 10 ) << "N s in a second";
+	EXPECT_NEAR( cube->mass(), 1000, 1 );
+}
+
+// One mesh placed many times, scaled in each direction by another factor.
+TEST_P( Grounds, AScaledMeshBearsAsItsRigidTwinSays )
+{
+	const auto height = []( btScalar x, btScalar ) { return btScalar( 0.4 ) * x; }; // scaled: .1 for 1
+	Terrain terrain( 10, 4, height );
+	btBvhTriangleMeshShape mesh( terrain.array.get(), true );
+	TestWorld t;
+	btRigidBody* const ground = t.add( 0, new btScaledBvhTriangleMeshShape( &mesh, btVector3( 2, btScalar( 0.5 ), 3 ) ), at( 0, 0, 0 ) );
+	ground->setFriction( 1 );
+	btRigidBody* const box = t.addBox( 1000, btVector3( btScalar( 0.5 ), btScalar( 0.5 ), btScalar( 0.5 ) ), at( 1, btScalar( 0.8 ), 3 ) );
+	box->setFriction( 1 );
+	SoftBody* const cube = t.addSoft( test::cubeTemplate( 1.0f, 8 ), at( 1, btScalar( 0.8 ), -3 ), stepping( GetParam(), 3e5f ) );
+	cube->setFriction( 1 );
+	t.run( 300 );
+	const btVector3 twin = box->getWorldTransform().getOrigin(), found = cube->massCentre();
+	EXPECT_NEAR( found.y(), twin.y(), 0.05 );
+	EXPECT_NEAR( found.x(), twin.x(), 0.05 );
+	EXPECT_NEAR( test::lowestNode( *cube ), 0.0625 + 0.05, 0.04 ) << "on the slope";
+}
+
+// The last row of a terrain: what lay half over it fell through, or was flung away. A soft body leans over a border that a rigid one only stands at, but it
+// leans over any as much.
+TEST_P( Grounds, AtTheBorderOfAHeightfieldBodiesAreAsAtTheBorderOfABox )
+{
+	constexpr int kPosts = 11; // 10 m by 10 m about the origin
+	std::vector<float> heights( kPosts * kPosts, 0.0f );
+	for ( const btScalar x : { btScalar( 4.4 ), btScalar( 4.8 ), btScalar( 5.2 ) } )
+	{
+		btVector3 place[3]; // on the field, on the box, and a rigid one on the field
+		for ( int k = 0; k < 3; ++k )
+		{
+			TestWorld t;
+			k == 1 ? t.addBox( 0, btVector3( 5, 1, 5 ), at( 0, -1, 0 ) )
+				   : t.add( 0, new btHeightfieldTerrainShape( kPosts, kPosts, heights.data(), btScalar( 1 ), btScalar( -1 ), btScalar( 1 ), 1, PHY_FLOAT, false ), at( 0, 0, 0 ) );
+			btRigidBody* const box = k == 2 ? t.addBox( 1000, btVector3( btScalar( 0.5 ), btScalar( 0.5 ), btScalar( 0.5 ) ), at( x, btScalar( 0.55 ), 0 ) ) : nullptr;
+			SoftBody* const cube = k == 2 ? nullptr : t.addSoft( test::cubeTemplate( 1.0f, 8 ), at( x, btScalar( 0.55 ), 0 ), stepping( GetParam(), 3e5f ) );
+			t.run( 120 );
+			place[k] = cube ? cube->massCentre() : box->getWorldTransform().getOrigin();
+		}
+		EXPECT_EQ( place[0].y() > 0, place[2].y() > 0 ) << x;
+		if ( place[2].y() > 0 )
+		{
+			EXPECT_LT( ( place[0] - place[1] ).length(), 0.01 ) << x;
+			EXPECT_LT( ( place[0] - place[2] ).length(), 0.1 ) << x;
+		}
+		EXPECT_LT( btFabs( place[0].x() - place[2].x() ), 2 ) << "it is not flung away";
+	}
+}
+
+// A sheet of triangles, which has no inside, or a heightfield over a cave: a cube lies on it, and what comes from below stays below.
+TEST_P( Grounds, WhatHasNoThicknessHoldsFromBothSides )
+{
+	Terrain terrain( 4, 8, []( btScalar, btScalar ) { return btScalar( 0 ); } );
+	std::vector<float> heights( 81, 0.0f );
+	for ( const bool isField : { false, true } )
+	{
+		TestWorld t;
+		btCollisionShape* const sheet = isField
+			? static_cast<btCollisionShape*>( new btHeightfieldTerrainShape( 9, 9, heights.data(), btScalar( 1 ), btScalar( -1 ), btScalar( 1 ), 1, PHY_FLOAT, false ) )
+			: new btBvhTriangleMeshShape( terrain.array.get(), true );
+		t.add( 0, sheet, at( 0, 0, 0 ) );
+		SoftBody* const above = t.addSoft( test::cubeTemplate( 1.0f, 8 ), at( -2, btScalar( 1.5 ), 0 ), stepping( GetParam(), 3e5f ) );
+		SoftBody* const below = t.addSoft( test::cubeTemplate( 1.0f, 8 ), at( 2, btScalar( -1.5 ), 0 ), stepping( GetParam(), 3e5f ) );
+		ASSERT_TRUE( below->setLinearVelocity( btVector3( 0, 8, 0 ) ).ok() );
+		btScalar highest = -10;
+		for ( int k = 0; k < 240; ++k )
+		{
+			t.run( 1 );
+			highest = btMax( highest, below->massCentre().y() );
+		}
+		EXPECT_NEAR( above->massCentre().y(), 0.5, 0.03 ) << isField;
+		EXPECT_LT( highest, btScalar( -0.3 ) ) << isField;
+		EXPECT_GT( highest, btScalar( -0.6 ) ) << "it came up to the sheet";
+		EXPECT_LT( below->massCentre().y(), -5 ) << isField;
+	}
+}
+
+// A net or a slingshot: a bar drawn out to twice its length has wide gaps between its nodes, through which a ball fell.
+TEST_P( Grounds, ABarStretchedTwofoldCatchesABall )
+{
+	TestWorld t;
+	t.world.setGravity( btVector3( 0, 0, 0 ) );
+	SoftBody* const bar = t.addSoft( block( 20, 2, 4, 0.1f ), at( 0, 0, 0 ), stepping( GetParam(), 3e5f ) );
+	std::vector<int> held;
+	std::vector<btVector3> from;
+	for ( int i = 0; i < bar->nodeCount(); ++i )
+	{
+		if ( btFabs( bar->nodePosition( i ).x() ) > btScalar( 0.9 ) )
+		{
+			held.push_back( i );
+			from.push_back( bar->nodePosition( i ) );
+		}
+	}
+	for ( int k = 1; k <= 120; ++k )
+	{
+		for ( std::size_t h = 0; h < held.size(); ++h )
+		{
+			const btScalar out = btScalar( k ) / 120 * ( from[h].x() > 0 ? 1 : -1 );
+			ASSERT_TRUE( bar->driveNode( held[h], from[h] + btVector3( out, 0, 0 ) ).ok() );
+		}
+		t.run( 1 );
+	}
+	t.world.setGravity( btVector3( 0, -10, 0 ) );
+	btRigidBody* const ball = t.add( 5, new btSphereShape( btScalar( 0.1 ) ), at( btScalar( 0.03 ), btScalar( 0.7 ), 0 ) );
+	btScalar lowest = 1;
+	for ( int k = 0; k < 180; ++k )
+	{
+		t.run( 1 );
+		lowest = btMin( lowest, ball->getWorldTransform().getOrigin().y() );
+	}
+	EXPECT_GT( ball->getWorldTransform().getOrigin().y(), btScalar( -0.3 ) );
+	EXPECT_GT( lowest, btScalar( -0.6 ) );
+}
+
+// A gripper: two fingers close on a soft ball of 50 mm and lift it.
+TEST_P( Grounds, TwoFingersLiftASoftBall )
+{
+	constexpr btScalar kRadius = btScalar( 0.025 );
+	TestWorld t;
+	t.addFloor();
+	// A ball out of triangles: 16 by 8.
+	std::vector<float> positions;
+	std::vector<std::uint32_t> indices;
+	constexpr int kAround = 16, kRows = 8;
+	for ( int k = 0; k <= kAround * kRows + kAround - 1; ++k )
+	{
+		const double turn = 2 * 3.14159265358979 * ( k % kAround ) / kAround, rise = 3.14159265358979 * ( k / kAround ) / kRows;
+		positions.push_back( float( double( kRadius ) * std::sin( rise ) * std::cos( turn ) ) );
+		positions.push_back( float( double( kRadius ) * std::cos( rise ) ) );
+		positions.push_back( float( double( kRadius ) * std::sin( rise ) * std::sin( turn ) ) );
+	}
+	for ( std::uint32_t k = 0; k < kAround * kRows; ++k )
+	{
+		const std::uint32_t a = k, b = k / kAround * kAround + ( k + 1 ) % kAround, c = a + kAround, d = b + kAround;
+		indices.insert( indices.end(), { a, b, c, b, d, c } );
+	}
+	MeshView mesh;
+	mesh.positions = positions.data();
+	mesh.vertexCount = positions.size() / 3;
+	mesh.indices = indices.data();
+	mesh.triangleCount = indices.size() / 3;
+	LatticeSettings settings;
+	settings.cellSize = 0.0075f;
+	const std::shared_ptr<const BodyTemplate> made = BodyTemplate::build( mesh, settings ).value;
+	ASSERT_NE( made, nullptr );
+	SoftBody* const ball = t.addSoft( made, at( 0, kRadius, 0 ), stepping( GetParam(), GetParam() == Elasticity::Explicit ? 1e4f : 1e5f ) );
+	ball->setFriction( btScalar( 0.8 ) );
+	btRigidBody* fingers[2];
+	for ( int f = 0; f < 2; ++f )
+	{
+		auto* const shape = new btBoxShape( btVector3( btScalar( 0.005 ), btScalar( 0.02 ), btScalar( 0.02 ) ) );
+		shape->setMargin( btScalar( 0.001 ) );
+		fingers[f] = t.add( 0, shape, at( btScalar( f ? 0.04 : -0.04 ), kRadius, 0 ) );
+		fingers[f]->setCollisionFlags( fingers[f]->getCollisionFlags() | btCollisionObject::CF_KINEMATIC_OBJECT );
+		fingers[f]->setActivationState( DISABLE_DEACTIVATION );
+		fingers[f]->setFriction( 1 ); // Bullet multiplies: .8
+	}
+	for ( int k = 1; k <= 300; ++k )
+	{
+		// Closed by 5 mm each within a second, lifted by .2 m within two, held.
+		const btScalar gap = btScalar( 0.04 ) - btScalar( 0.015 ) * btMin( btScalar( 1 ), btScalar( k ) / 60 );
+		const btScalar lift = btScalar( 0.2 ) * btMin( btScalar( 1 ), btMax( btScalar( 0 ), btScalar( k - 90 ) / 120 ) );
+		for ( int f = 0; f < 2; ++f )
+		{
+			fingers[f]->setWorldTransform( at( f ? gap : -gap, kRadius + lift, 0 ) );
+		}
+		t.run( 1 );
+	}
+	EXPECT_NEAR( ball->massCentre().y(), kRadius + btScalar( 0.2 ), 0.005 );
+}
+
+} // namespace
+} // namespace pliant

@@ -1,0 +1,373 @@
+// What games do to one body by hand: carry it by its pins, drive its nodes, take it out and put it back, teleport it, draw it, load it again and again, cut it.
+// Each scene went wrong in some engine that has soft bodies.
+
+#include "support/mesh_of_boxes.h"
+#include "world/test_world.h"
+
+#include <cmath>
+#include <limits>
+
+#ifdef __GLIBC__
+#include <malloc.h>
+#endif
+
+namespace pliant {
+namespace {
+
+using test::at;
+using test::block;
+using test::kFrame;
+using test::TestWorld;
+
+btVector3 vertex( const SurfaceView& view, int v )
+{
+	const float* const p = view.positions + 3 * v;
+	return view.origin + btVector3( btScalar( p[0] ), btScalar( p[1] ), btScalar( p[2] ) );
+}
+
+std::vector<btVector3> nodesOf( const SoftBody& body )
+{
+	std::vector<btVector3> nodes;
+	for ( int i = 0; i < body.nodeCount(); ++i )
+	{
+		nodes.push_back( body.nodePosition( i ) );
+	}
+	return nodes;
+}
+
+/// Of all memory that is in use, bytes; 0 where it is not known.
+std::size_t memoryInUse()
+{
+#ifdef __GLIBC__
+	const struct mallinfo2 now = mallinfo2();
+	return now.uordblks + now.hblkhd;
+#else
+	return 0;
+#endif
+}
+
+// A soft flag on a vehicle: what is drawn of the held end trailed behind its mast by a step, .17 m at 10 m/s.
+TEST( Handling, TheSurfaceOfPinnedCellsIsWhereTheBoxThatCarriesThemIs )
+{
+	for ( const Elasticity elasticity : { Elasticity::Explicit, Elasticity::Implicit } )
+	{
+		TestWorld t;
+		btRigidBody* const box = t.addBox( 0, btVector3( btScalar( 0.3 ), btScalar( 0.1 ), btScalar( 0.3 ) ), at( 0, 1, 0 ) );
+		box->setCollisionFlags( box->getCollisionFlags() | btCollisionObject::CF_KINEMATIC_OBJECT );
+		box->setActivationState( DISABLE_DEACTIVATION );
+		Material material = test::stiff( 1e5f );
+		material.elasticity = elasticity;
+		SoftBody* const bar = t.addSoft( block( 3, 10, 3, 0.1f ), at( 0, btScalar( 0.4 ), 0 ), material ); // from -.1 to .9 m
+		bar->setLinearVelocity( btVector3( 10, 0, 0 ) );
+		bar->setSurfaceTolerance( 0 ); // else .01 cells, 1 mm
+		for ( int i = 0; i < bar->nodeCount(); ++i )
+		{
+			if ( bar->nodePosition( i ).y() > btScalar( 0.6 ) )
+			{
+				ASSERT_TRUE( bar->pinNodeToBody( i, box ).ok() );
+			}
+		}
+		for ( int k = 1; k <= 60; ++k )
+		{
+			box->setWorldTransform( at( 10 * kFrame * btScalar( k ), 1, 0 ) );
+			t.run( 1 );
+			const SurfaceView view = bar->surface();
+			int held = 0;
+			for ( int v = 0; v < view.vertexCount; ++v )
+			{
+				const btVector3 there = vertex( view, v ) - box->getWorldTransform().getOrigin();
+				if ( there.y() > btScalar( -0.3 ) )
+				{
+					++held;
+					ASSERT_NEAR( btFabs( there.x() ), 0.15, 1e-4 ) << "frame " << k;
+					ASSERT_NEAR( there.y(), -0.1, 1e-4 ) << "frame " << k;
+				}
+			}
+			ASSERT_EQ( held, 4 );
+		}
+	}
+}
+
+// A game that drives a node at 20 frames a second: between two calls the node went on with the speed of the last.
+TEST( Handling, ANodeDrivenEveryThirdFrameStandsBetween )
+{
+	for ( const Elasticity elasticity : { Elasticity::Explicit, Elasticity::Implicit } )
+	{
+		TestWorld t;
+		Material material = test::stiff( 1e5f );
+		material.elasticity = elasticity;
+		SoftBody* const cube = t.addSoft( block( 4, 4, 4, 0.1f ), at( 0, 0, 0 ), material );
+		const int node = cube->nearestNode( btVector3( 0, 1, 0 ) );
+		btVector3 place = cube->nodePosition( node );
+		for ( int k = 0; k < 60; ++k )
+		{
+			if ( k % 3 == 0 )
+			{
+				place += btVector3( btScalar( 0.05 ), 0, 0 );
+				ASSERT_TRUE( cube->driveNode( node, place ).ok() );
+			}
+			t.run( 1 );
+			ASSERT_LT( ( cube->nodePosition( node ) - place ).length(), 2e-6 ) << k;
+			if ( k % 3 != 0 )
+			{
+				ASSERT_EQ( cube->nodeVelocity( node ).length(), 0 ) << k;
+			}
+		}
+	}
+}
+
+// A streamed-out part of a level: what was taken out came back in its first shape, or without its pins.
+TEST( Handling, OutForASecondAndInAgainABodyIsAsItWas )
+{
+	TestWorld t;
+	SoftBody* const bar = t.addSoft( block( 8, 2, 2, 0.1f ), at( 0, 1, 0 ), test::stiff( 1e5f ) );
+	ASSERT_EQ( bar->pinNodesInside( btVector3( -1, 0, -1 ), btVector3( btScalar( -0.3 ), 2, 1 ) ), 4 );
+	t.run( 20 ); // it bends and swings
+	const std::vector<btVector3> before = nodesOf( *bar );
+	const btVector3 velocity = bar->nodeVelocity( bar->nodeCount() - 1 );
+	EXPECT_GT( velocity.length(), 0.01 );
+	t.world.removeSoftBody( bar );
+	t.run( 60 );
+	t.world.addSoftBody( bar );
+	const std::vector<btVector3> after = nodesOf( *bar );
+	for ( std::size_t i = 0; i < before.size(); ++i )
+	{
+		ASSERT_EQ( ( before[i] - after[i] ).length(), 0 );
+		ASSERT_EQ( bar->isPinned( int( i ) ), before[i].x() < btScalar( -0.29 ) );
+	}
+	EXPECT_EQ( ( bar->nodeVelocity( bar->nodeCount() - 1 ) - velocity ).length(), 0 );
+	t.run( 60 );
+	EXPECT_GT( bar->massCentre().y(), btScalar( 0.7 ) ) << "it hangs by its pins";
+}
+
+// Respawning: what was drawn in the same frame stood at the old place, or had moved twice in the next.
+TEST( Handling, WhatIsTeleportedIsDrawnMovedOnceAtOnce )
+{
+	for ( const bool isAsleep : { false, true } )
+	{
+		TestWorld t;
+		t.world.setGravity( btVector3( 0, 0, 0 ) );
+		SoftBody* const cube = t.addSoft( block( 4, 4, 4, 0.1f ), at( 0, 0, 0 ) );
+		t.run( isAsleep ? 300 : 2 );
+		ASSERT_EQ( cube->isActive(), !isAsleep );
+		const SurfaceView first = cube->surface();
+		std::vector<btVector3> before;
+		for ( int v = 0; v < first.vertexCount; ++v )
+		{
+			before.push_back( vertex( first, v ) );
+		}
+		const btTransform way( btQuaternion( btVector3( 0, 0, 1 ), btScalar( 0.5 ) ), btVector3( 3, -2, 1 ) );
+		ASSERT_TRUE( cube->teleport( way ).ok() );
+		for ( int k = 0; k < 3; ++k )
+		{
+			const SurfaceView now = cube->surface();
+			for ( int v = 0; v < now.vertexCount; ++v )
+			{
+				ASSERT_LT( ( vertex( now, v ) - way * before[std::size_t( v )] ).length(), 2e-6 ) << "after " << k << " steps";
+			}
+			t.run( 1 );
+		}
+	}
+}
+
+// A game that loads and frees the same model over and over, and what it put into the world with it.
+TEST( Handling, LoadedAndFreedOverAndOverNothingStays )
+{
+	TestWorld t;
+	t.addFloor();
+	std::size_t base = 0;
+	for ( int k = 0; k < 200; ++k )
+	{
+		t.addSoft( test::cubeTemplate( 0.4f, 6 ), at( 0, btScalar( 0.25 ), 0 ) );
+		t.run( 3 );
+		ASSERT_GT( t.parts.dispatcher.getNumManifolds() + 1, 0 );
+		t.soft.clear();
+		base = k == 20 ? memoryInUse() : base;
+	}
+	EXPECT_LE( double( memoryInUse() ), 1.01 * double( base ) );
+}
+
+TEST( Handling, ATemplateBuiltOverAndOverTakesTheMemoryOfOne )
+{
+	std::shared_ptr<const BodyTemplate> made;
+	std::size_t base = 0;
+	constexpr int kTimes = 30, kCells = 20;
+	for ( int k = 0; k < kTimes; ++k )
+	{
+		made = test::cubeTemplate( 1.0f, kCells );
+		ASSERT_EQ( made->cellCount(), kCells * kCells * kCells );
+		base = k == 5 ? memoryInUse() : base;
+	}
+	EXPECT_LE( double( memoryInUse() ), 1.01 * double( base ) );
+}
+
+// Half-way cuts, and then each of what they left: numbers of pieces that have parted meanwhile are not those of the last cut.
+TEST( Handling, CutHalfWayFiftyTimesNothingIsLost )
+{
+	TestWorld t;
+	t.world.setGravity( btVector3( 0, 0, 0 ) );
+	SoftBody* const whole = t.addSoft( block( 8, 8, 8, 0.1f ), at( 0, 0, 0 ) );
+	const double mass = double( whole->mass() );
+	std::uint32_t random = 1;
+	const auto share = [&random] {
+		random = random * 1664525u + 1013904223u;
+		return btScalar( random >> 8 ) / btScalar( 1 << 24 ) - btScalar( 0.5 );
+	};
+	for ( int k = 0; k < 50; ++k )
+	{
+		for ( int b = t.world.softBodyCount(); b-- > 0; )
+		{
+			SoftBody* const piece = t.world.softBody( b );
+			const btScalar x = share(), y = share(), z = share();
+			const btVector3 normal = btVector3( x, y, z ).normalized();
+			// A disc about a point at the piece's rim goes half-way through it.
+			const btScalar size = btScalar( 0.1 * std::cbrt( double( piece->cellCount() ) ) );
+			piece->cutPlane( piece->massCentre() + normal.cross( btVector3( z, x, y ) ).normalized() * size / 2, normal, size / 2 );
+		}
+		t.run( 2 );
+		double sum = 0;
+		int cells = 0;
+		for ( int b = 0; b < t.world.softBodyCount(); ++b )
+		{
+			const SoftBody& piece = *t.world.softBody( b );
+			ASSERT_TRUE( piece.isHealthy() );
+			sum += double( piece.mass() );
+			cells += piece.cellCount();
+		}
+		ASSERT_EQ( cells, 512 ) << k;
+		ASSERT_NEAR( sum, mass, 1e-5 * mass ) << k;
+	}
+	EXPECT_GT( t.world.softBodyCount(), 4 );
+}
+
+// One object of three cubes, ten times in a level: the bounds of all were those of the first.
+TEST( Handling, BodiesOfThreeCubesHaveBoundsWhereTheyArePlaced )
+{
+	test::MeshOfBoxes mesh;
+	for ( const btScalar x : { btScalar( -1 ), btScalar( 0 ), btScalar( 1 ) } )
+	{
+		mesh.add( btVector3( x, x * x, 0 ), btVector3( btScalar( 0.2 ), btScalar( 0.2 ), btScalar( 0.2 ) ) );
+	}
+	const std::shared_ptr<const BodyTemplate> made = mesh.build( 0.1f );
+	TestWorld t;
+	t.world.setGravity( btVector3( 0, 0, 0 ) );
+	for ( int k = 0; k < 10; ++k )
+	{
+		t.addSoft( made, at( btScalar( 5 * k ), btScalar( k ), 0 ) );
+	}
+	t.run( 2 );
+	for ( int k = 0; k < 10; ++k )
+	{
+		btVector3 low, high;
+		SoftBody& body = *t.soft[std::size_t( k )];
+		body.getCollisionShape()->getAabb( body.getWorldTransform(), low, high );
+		const btVector3 place( btScalar( 5 * k ), btScalar( k ), 0 );
+		EXPECT_LT( ( low - place - btVector3( btScalar( -1.2 ), btScalar( -0.2 ), btScalar( -0.2 ) ) ).length(), 0.01 );
+		EXPECT_LT( ( high - place - btVector3( btScalar( 1.2 ), btScalar( 1.2 ), btScalar( 0.2 ) ) ).length(), 0.01 );
+		EXPECT_LT( ( body.getBroadphaseHandle()->m_aabbMax - high ).length(), 0.1 );
+		EXPECT_LT( ( body.getBroadphaseHandle()->m_aabbMin - low ).length(), 0.1 );
+	}
+}
+
+// Culling by the body's box: what was drawn stood out of it and vanished at the picture's border. Balls stand for cells, whose corners stand out of them by
+// ( sqrt 3 - 1 ) / 2 of an edge: by so much the box is to be grown.
+TEST( Handling, TheBodysBoxGrownByItsCellsCornersHoldsAllThatIsDrawn )
+{
+	constexpr btScalar kCell = btScalar( 0.1 ), kCorner = btScalar( 0.37 ) * kCell;
+	for ( const Elasticity elasticity : { Elasticity::Explicit, Elasticity::Implicit } )
+	{
+		TestWorld t;
+		t.addFloor();
+		Material material = test::stiff( 5e4f );
+		material.elasticity = elasticity;
+		SoftBody* const cube = t.addSoft( block( 5, 5, 5, float( kCell ) ), at( 0, 1, 0 ), material );
+		cube->setVelocities( btVector3( 3, 0, 0 ), btVector3( 2, 3, 5 ) );
+		for ( int k = 0; k < 120; ++k )
+		{
+			t.run( 1 );
+			btVector3 low, high;
+			cube->getCollisionShape()->getAabb( cube->getWorldTransform(), low, high );
+			const SurfaceView view = cube->surface();
+			for ( int v = 0; v < view.vertexCount; ++v )
+			{
+				const btVector3 p = vertex( view, v );
+				for ( int axis = 0; axis < 3; ++axis )
+				{
+					ASSERT_GT( p[axis], low[axis] - kCorner ) << "frame " << k;
+					ASSERT_LT( p[axis], high[axis] + kCorner ) << "frame " << k;
+				}
+			}
+		}
+	}
+}
+
+// A sign that hangs by its upper edge at half of what it bears: small breaks added up until it fell, a minute later.
+TEST( Handling, AtHalfItsStrengthNothingBreaksInAMinute )
+{
+	for ( const Elasticity elasticity : { Elasticity::Explicit, Elasticity::Implicit } )
+	{
+		for ( const BreakRule rule : { BreakRule::Distance, BreakRule::Plane } )
+		{
+			TestWorld t;
+			t.world.setGravity( btVector3( 0, 0, 0 ) );
+			Material material = test::stiff( 1e5f );
+			material.elasticity = elasticity;
+			SoftBody* const bar = t.addSoft( block( 3, 10, 3, 0.1f ), at( 0, 0, 0 ), material );
+			ASSERT_EQ( bar->pinNodesInside( btVector3( -1, btScalar( 0.4 ), -1 ), btVector3( 1, 1, 1 ) ), 9 );
+			Fracture fracture;
+			fracture.rule = rule;
+			fracture.breakStrain = 0.18f; // below the pins it is stretched by 1 000 x 10 x .9 / 1e5 = .09
+			ASSERT_TRUE( bar->setFracture( fracture ).ok() );
+			bar->setActivationState( DISABLE_DEACTIVATION );
+			const int links = bar->linkCount();
+			for ( int k = 0; k < 3600; ++k )
+			{
+				bar->setGravity( btVector3( 0, -btMin( btScalar( 10 ), btScalar( k ) / 18 ), 0 ) ); // laid on over three seconds
+				t.run( 1 );
+			}
+			EXPECT_EQ( bar->linkCount(), links );
+			EXPECT_LT( test::lowestNode( *bar ), btScalar( -0.48 ) ) << "it is stretched";
+			bar->setGravity( btVector3( 0, -40, 0 ) );
+			t.run( 60 );
+			EXPECT_LT( bar->linkCount(), links ) << "at twice its strength it breaks";
+		}
+	}
+}
+
+// A shooting gallery: panes break one after the other for a minute, and whatever they left went on costing.
+TEST( Handling, PanesThatBreakAllTheTimeLeaveNothingBehind )
+{
+	constexpr int kPanes = 20, kEvery = 15; // frames
+	TestWorld t;
+	t.addFloor();
+	const std::shared_ptr<const BodyTemplate> pane = block( 8, 8, 1, 0.1f );
+	int most = 0, broken = 0;
+	for ( int k = 0; k < kPanes * kEvery + 240; ++k )
+	{
+		if ( k % kEvery == 0 && k < kPanes * kEvery )
+		{
+			const btScalar x = btScalar( k / kEvery % 8 - 4 );
+			SoftBody* const body = t.addSoft( pane, at( x, btScalar( 0.4 ), 0 ), test::stiff( 1e6f ) );
+			Fracture fracture;
+			fracture.rule = BreakRule::Plane;
+			fracture.breakStrain = 0.01f;
+			fracture.growthShare = 0.3f;
+			fracture.smallCells = 64;
+			fracture.smallPieces = SmallPieces::Fade;
+			fracture.fadeTime = 1.0f;
+			ASSERT_TRUE( body->setFracture( fracture ).ok() );
+			btRigidBody* const shot = t.addBox( 5, btVector3( btScalar( 0.1 ), btScalar( 0.1 ), btScalar( 0.1 ) ), at( x, btScalar( 0.5 ), 1 ) );
+			shot->setLinearVelocity( btVector3( 0, 0, -15 ) );
+		}
+		t.run( 1 );
+		broken += t.world.stepReport().fragments;
+		most = std::max( most, t.world.fragmentCount() );
+	}
+	EXPECT_GT( broken, 2 * kPanes );
+	EXPECT_LT( most, broken ) << "they go while others come";
+	EXPECT_EQ( t.world.fragmentCount(), 0 );
+	EXPECT_LE( t.world.softBodyCount(), kPanes );
+}
+
+} // namespace
+} // namespace pliant
