@@ -6,6 +6,7 @@
 #include "world/obstacle_parts.h"
 #include "world/soft_body_impl.h"
 #include "world/soft_body_system.h"
+#include "world/terrain_side.h"
 
 #include <BulletCollision/BroadphaseCollision/btBroadphaseInterface.h>
 #include <BulletCollision/BroadphaseCollision/btOverlappingPairCache.h>
@@ -272,8 +273,10 @@ void NodeGuard::lookAtMesh( const Obstacle& mesh, const ObstacleMotion& motion )
 				placed[k] = mesh->basis * toVec3d( corners[k] ) + mesh->position;
 			}
 			const FarBox box{ placed[0].cwiseMin( placed[1] ).cwiseMin( placed[2] ), placed[0].cwiseMax( placed[1] ).cwiseMax( placed[2] ) };
-			guard->lookAt( *motion, box,
-				[&placed]( const MovingSphere& sphere, Touch& touch ) { return findTouch( placed, sphere, touch ); } );
+			const TerrainSide ground( *mesh, placed, *guard->m_body->impl().shape, guard->m_body->impl().shapeShift.cast<double>() );
+			guard->lookAt( *motion, box, [&placed, &ground]( const MovingSphere& sphere, Touch& touch ) {
+				return findTouch( placed, sphere, touch ) && ground.allows( sphere.centre, touch ); // what is in the ground may come out
+			} );
 		}
 	} call;
 	call.guard = this;

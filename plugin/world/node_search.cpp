@@ -5,6 +5,7 @@
 #include "world/constants.h"
 #include "world/obstacle_parts.h"
 #include "world/soft_body_impl.h"
+#include "world/terrain_side.h"
 
 #include <BulletCollision/CollisionDispatch/btCollisionObjectWrapper.h>
 #include <BulletCollision/CollisionShapes/btConcaveShape.h>
@@ -362,10 +363,13 @@ void NodeSearch::triangle( const Obstacle& mesh, const Vec3d ( &corners )[3] )
 	Box box{ toBt( corners[0].cwiseMin( corners[1] ).cwiseMin( corners[2] ) - shift ), toBt( corners[0].cwiseMax( corners[1] ).cwiseMax( corners[2] ) - shift ) };
 	box.stretchAlong( toBt( m_step * m_motion.linear ) );
 	box.stretchAgainst( *impl.shape );
+	const TerrainSide ground( mesh, corners, *impl.shape, shift );
+	box.stretchAlong( toBt( ground.wayDown() ) );
 	const Spheres spheres( *this );
 	impl.shape->rows().visitOverlaps( SphereRows::Box::of( box.low, box.high ), [&]( int node ) {
 		Touch touch;
-		if ( findTouch( corners, spheres.of( node ), touch ) )
+		const MovingSphere sphere = spheres.of( node );
+		if ( ground.holds( sphere.centre, touch ) || ( findTouch( corners, sphere, touch ) && ground.allows( sphere.centre, touch ) ) )
 		{
 			m_hits.push_back( NodeHit{ std::uint64_t( node ) << 32 | m_leaf, touch, mesh.part, mesh.index } );
 		}

@@ -6,6 +6,8 @@
 #include <BulletCollision/CollisionShapes/btHeightfieldTerrainShape.h>
 #include <BulletCollision/CollisionShapes/btScaledBvhTriangleMeshShape.h>
 
+#include <algorithm>
+#include <functional>
 #include <memory>
 #include <string>
 
@@ -192,6 +194,44 @@ TEST_P( Grounds, AtTheBorderOfAHeightfieldBodiesAreAsAtTheBorderOfABox )
 			EXPECT_LT( ( place[0] - place[2] ).length(), 0.1 ) << x;
 		}
 		EXPECT_LT( btFabs( place[0].x() - place[2].x() ), 2 ) << "it is not flung away";
+	}
+}
+
+// Terrain that a game raises under what lies on it, by half a cell a frame: nodes that were found below the field were pushed on downwards.
+TEST_P( Grounds, AHeightfieldThatRisesLiftsWhatLiesOnIt )
+{
+	static constexpr int kPosts = 21, kRise = 10; // frames
+	const auto risen = []( const std::function<btScalar( TestWorld& )>& centre ) {
+		std::vector<float> heights( kPosts * kPosts, 0.0f );
+		TestWorld t;
+		t.add( 0, new btHeightfieldTerrainShape( kPosts, kPosts, heights.data(), btScalar( 1 ), btScalar( -2 ), btScalar( 2 ), 1, PHY_FLOAT, false ), at( 0, 0, 0 ) );
+		centre( t );
+		for ( int k = 0; k < 60 + kRise + 180; ++k )
+		{
+			for ( float& height : heights )
+			{
+				height = 0.04f * float( std::clamp( k - 60, 0, kRise ) );
+			}
+			t.run( 1 );
+		}
+		return centre( t ) - btScalar( heights[0] );
+	};
+	btRigidBody* box = nullptr;
+	const btScalar twin = risen( [&box]( TestWorld& t ) {
+		box = box ? box : t.addBox( 1000, btVector3( btScalar( 0.5 ), btScalar( 0.5 ), btScalar( 0.5 ) ), at( btScalar( 0.1 ), btScalar( 0.5 ), btScalar( 0.2 ) ) );
+		box->setActivationState( DISABLE_DEACTIVATION );
+		return box->getWorldTransform().getOrigin().y();
+	} );
+	EXPECT_NEAR( twin, 0.5, 0.01 );
+	for ( const float youngsModulus : { 5e4f, 3e5f } )
+	{
+		SoftBody* cube = nullptr;
+		const btScalar found = risen( [&cube, youngsModulus]( TestWorld& t ) {
+			cube = cube ? cube : t.addSoft( test::cubeTemplate( 1.0f, 10 ), at( btScalar( 0.1 ), btScalar( 0.5 ), btScalar( 0.2 ) ), stepping( GetParam(), youngsModulus ) );
+			cube->setActivationState( DISABLE_DEACTIVATION );
+			return cube->massCentre().y();
+		} );
+		EXPECT_NEAR( found, twin, youngsModulus < 1e5f ? 0.1 : 0.05 ) << youngsModulus; // it is pressed by its own weight
 	}
 }
 
