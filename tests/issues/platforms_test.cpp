@@ -175,6 +175,61 @@ TEST_P( Platforms, ConveyWithTheVelocityTheyAreGiven )
 	EXPECT_NEAR( found, twin, btScalar( 0.03 ) * twin );
 }
 
+/// Contact points on `belt` ask for a velocity along x, as games make conveyors that do not move: in the callback, point by point.
+bool rubAlongTheBelt( btManifoldPoint& point, const btCollisionObjectWrapper* a, int, int, const btCollisionObjectWrapper* b, int, int )
+{
+	if ( a->getCollisionObject() != belt && b->getCollisionObject() != belt )
+	{
+		return false;
+	}
+	point.m_contactPointFlags |= BT_CONTACT_FLAG_LATERAL_FRICTION_INITIALIZED;
+	point.m_lateralFrictionDir1 = btVector3( 1, 0, 0 );
+	point.m_lateralFrictionDir2 = btVector3( 0, 0, 1 );
+	point.m_contactMotion1 = b->getCollisionObject() == belt ? btScalar( 1 ) : btScalar( -1 ); // of the first body against the second
+	return true;
+}
+
+// A belt by callback: soft bodies stood still on it.
+TEST_P( Platforms, ConveyWithTheVelocityThatCallbacksAskFor )
+{
+	struct Callback
+	{
+		Callback() { gContactAddedCallback = rubAlongTheBelt; }
+		~Callback() { gContactAddedCallback = nullptr; }
+	} const callback;
+	const auto run = []( btDynamicsWorld& world, RigidScene& scene, const std::function<btScalar()>& x ) {
+		belt = scene.addBox( 0, btVector3( 4, kTop, 2 ), at( 0, 0, 0 ) );
+		belt->setFriction( btScalar( 0.8 ) );
+		belt->setCollisionFlags( belt->getCollisionFlags() | btCollisionObject::CF_CUSTOM_MATERIAL_CALLBACK );
+		world.getSolverInfo().m_solverMode |= SOLVER_ENABLE_FRICTION_DIRECTION_CACHING | SOLVER_USE_2_FRICTION_DIRECTIONS; // else Bullet takes its own directions
+		for ( int k = 0; k < kSettle + kCarry; ++k )
+		{
+			world.stepSimulation( kFrame, 0 );
+		}
+		return x();
+	};
+	test::BulletWorld bullet;
+	RigidScene rigidScene( bullet.world );
+	btRigidBody* const box = rigidScene.addBox( 125, btVector3( kHalf, kHalf, kHalf ), at( 0, kTop + kHalf, 0 ) );
+	box->setFriction( btScalar( 0.8 ) );
+	const btScalar twin = run( bullet.world, rigidScene, [box] { return box->getWorldTransform().getOrigin().x(); } );
+	EXPECT_GT( twin, 2 );
+
+	test::TestWorld own;
+	RigidScene scene( own.world );
+	Adaptivity adaptivity;
+	adaptivity.coarseLevels = GetParam().hasLevels ? 1 : 0;
+	SoftBody* const body =
+		own.addSoft( test::cubeTemplate( 2 * float( kHalf ), 6 ), at( 0, kTop + kHalf, 0 ), test::stepping( GetParam().elasticity, 2e5f ), adaptivity );
+	body->setFriction( btScalar( 0.8 ) );
+	if ( GetParam().isBroken )
+	{
+		EXPECT_GT( body->cutPlane( body->massCentre(), btVector3( 0, 1, 0 ) ), 0 );
+	}
+	const btScalar found = run( own.world, scene, [body] { return body->massCentre().x(); } );
+	EXPECT_NEAR( found, twin, btScalar( 0.03 ) * twin );
+}
+
 // A body that slept on a lift which then began to move stayed behind.
 TEST_P( Platforms, WakeWhatSleepsOnThem )
 {
