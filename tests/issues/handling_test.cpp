@@ -1,15 +1,10 @@
-// What games do to one body by hand: carry it by its pins, drive its nodes, take it out and put it back, teleport it, draw it, load it again and again, cut it.
+// What games do to one body by hand: carry it by its pins, drive its nodes, take it out and put it back, teleport it, draw it, cut it, break it.
 // Each scene went wrong in some engine that has soft bodies.
 
 #include "support/mesh_of_boxes.h"
 #include "world/test_world.h"
 
 #include <cmath>
-#include <limits>
-
-#ifdef __GLIBC__
-#include <malloc.h>
-#endif
 
 namespace pliant {
 namespace {
@@ -33,17 +28,6 @@ std::vector<btVector3> nodesOf( const SoftBody& body )
 		nodes.push_back( body.nodePosition( i ) );
 	}
 	return nodes;
-}
-
-/// Of all memory that is in use, bytes; 0 where it is not known.
-std::size_t memoryInUse()
-{
-#ifdef __GLIBC__
-	const struct mallinfo2 now = mallinfo2();
-	return now.uordblks + now.hblkhd;
-#else
-	return 0;
-#endif
 }
 
 // A soft flag on a vehicle: what is drawn of the held end trailed behind its mast by a step, .17 m at 10 m/s.
@@ -170,37 +154,6 @@ TEST( Handling, WhatIsTeleportedIsDrawnMovedOnceAtOnce )
 	}
 }
 
-// A game that loads and frees the same model over and over, and what it put into the world with it.
-TEST( Handling, LoadedAndFreedOverAndOverNothingStays )
-{
-	TestWorld t;
-	t.addFloor();
-	std::size_t base = 0;
-	for ( int k = 0; k < 200; ++k )
-	{
-		t.addSoft( test::cubeTemplate( 0.4f, 6 ), at( 0, btScalar( 0.25 ), 0 ) );
-		t.run( 3 );
-		ASSERT_GT( t.parts.dispatcher.getNumManifolds() + 1, 0 );
-		t.soft.clear();
-		base = k == 20 ? memoryInUse() : base;
-	}
-	EXPECT_LE( double( memoryInUse() ), 1.01 * double( base ) );
-}
-
-TEST( Handling, ATemplateBuiltOverAndOverTakesTheMemoryOfOne )
-{
-	std::shared_ptr<const BodyTemplate> made;
-	std::size_t base = 0;
-	constexpr int kTimes = 30, kCells = 20;
-	for ( int k = 0; k < kTimes; ++k )
-	{
-		made = test::cubeTemplate( 1.0f, kCells );
-		ASSERT_EQ( made->cellCount(), kCells * kCells * kCells );
-		base = k == 5 ? memoryInUse() : base;
-	}
-	EXPECT_LE( double( memoryInUse() ), 1.01 * double( base ) );
-}
-
 // Half-way cuts, and then each of what they left: numbers of pieces that have parted meanwhile are not those of the last cut.
 TEST( Handling, CutHalfWayFiftyTimesNothingIsLost )
 {
@@ -298,6 +251,76 @@ TEST( Handling, TheBodysBoxGrownByItsCellsCornersHoldsAllThatIsDrawn )
 				}
 			}
 		}
+	}
+}
+
+/// A cube of 1 m about the origin whose faces have four vertices each.
+std::shared_ptr<const BodyTemplate> cubeOfSixFaces()
+{
+	std::vector<float> positions;
+	std::vector<std::uint32_t> indices;
+	for ( int face = 0; face < 6; ++face )
+	{
+		const int axis = face / 2, u = ( axis + 1 ) % 3, v = ( axis + 2 ) % 3;
+		const float side = face % 2 ? 0.5f : -0.5f;
+		for ( int k = 0; k < 4; ++k )
+		{
+			float point[3];
+			point[axis] = side;
+			point[u] = k & 1 ? 0.5f : -0.5f;
+			point[v] = k & 2 ? 0.5f : -0.5f;
+			positions.insert( positions.end(), point, point + 3 );
+		}
+		const std::uint32_t a = 4 * std::uint32_t( face ), b = face % 2 ? a + 1 : a + 2, c = face % 2 ? a + 2 : a + 1;
+		indices.insert( indices.end(), { a, b, c, b, a + 3, c } );
+	}
+	MeshView mesh;
+	mesh.positions = positions.data();
+	mesh.vertexCount = 24;
+	mesh.indices = indices.data();
+	mesh.triangleCount = 12;
+	LatticeSettings settings;
+	settings.cellSize = 0.125f;
+	return BodyTemplate::build( mesh, settings ).value;
+}
+
+// A crate: its faces bulged at rest, or came apart at its edges, where each has vertices of its own.
+TEST( Handling, ACrateAtRestHasFlatFacesThatMeet )
+{
+	TestWorld t;
+	t.addFloor();
+	SoftBody* const crate = t.addSoft( cubeOfSixFaces(), at( 0, btScalar( 0.5 ), 0 ), test::stiff( 1e6f ) );
+	t.run( 300 );
+	const SurfaceView view = crate->surface();
+	ASSERT_EQ( view.vertexCount, 24 );
+	for ( int k = 0; k < view.triangleCount; ++k )
+	{
+		const std::uint32_t* const corner = view.indices + 3 * k;
+		const btVector3 a = vertex( view, int( corner[0] ) ), b = vertex( view, int( corner[1] ) ), c = vertex( view, int( corner[2] ) );
+		const btVector3 normal = ( b - a ).cross( c - a ).normalized();
+		const int face = k / 2;
+		EXPECT_GT( ( face % 2 ? 1 : -1 ) * normal[face / 2], btCos( SIMD_RADS_PER_DEG ) ) << "triangle " << k;
+	}
+	for ( int i = 0; i < 24; ++i )
+	{
+		int meeting = 0;
+		for ( int j = 0; j < 24; ++j )
+		{
+			meeting += ( vertex( view, i ) - vertex( view, j ) ).length() == 0;
+		}
+		EXPECT_EQ( meeting, 3 ) << i;
+	}
+}
+
+// Not so yet: a mesh gives no normals, so that nothing tells a hard edge from a seam of texture coordinates, and vertices at one place share one, 48 to 71 degrees off.
+TEST( Handling, DISABLED_ACratesEdgesAreHard )
+{
+	const std::unique_ptr<SoftBody> crate = SoftBody::create( cubeOfSixFaces(), at( 0, 0, 0 ) ).value;
+	const SurfaceView view = crate->surface();
+	for ( int i = 0; i < view.vertexCount; ++i )
+	{
+		const int face = i / 4;
+		EXPECT_GT( ( face % 2 ? 1 : -1 ) * view.normals[3 * i + face / 2], float( btCos( SIMD_RADS_PER_DEG ) ) ) << i;
 	}
 }
 

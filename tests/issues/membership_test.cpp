@@ -4,6 +4,10 @@
 
 #include <BulletCollision/CollisionDispatch/btCompoundCollisionAlgorithm.h>
 
+#ifdef __GLIBC__
+#include <malloc.h>
+#endif
+
 namespace pliant {
 namespace {
 
@@ -300,6 +304,48 @@ TEST( Membership, TheInternalTypeMatchesNobodyElsesTest )
 		EXPECT_EQ( type & ( btCollisionObject::CO_USER_TYPE + own ), 0 );
 	}
 	EXPECT_EQ( btRigidBody::upcast( body.get() ), nullptr );
+}
+
+/// Of all memory that is in use, bytes; 0 where it is not known.
+std::size_t memoryInUse()
+{
+#ifdef __GLIBC__
+	const struct mallinfo2 now = mallinfo2();
+	return now.uordblks + now.hblkhd;
+#else
+	return 0;
+#endif
+}
+
+// A game that loads and frees the same model over and over, and what it put into the world with it.
+TEST( Membership, LoadedAndFreedOverAndOverNothingStays )
+{
+	TestWorld t;
+	t.addFloor();
+	std::size_t base = 0;
+	for ( int k = 0; k < 200; ++k )
+	{
+		t.addSoft( test::cubeTemplate( 0.4f, 6 ), at( 0, btScalar( 0.25 ), 0 ) );
+		t.run( 3 );
+		ASSERT_GT( t.parts.dispatcher.getNumManifolds() + 1, 0 );
+		t.soft.clear();
+		base = k == 20 ? memoryInUse() : base;
+	}
+	EXPECT_LE( double( memoryInUse() ), 1.01 * double( base ) );
+}
+
+TEST( Membership, ATemplateBuiltOverAndOverTakesTheMemoryOfOne )
+{
+	std::shared_ptr<const BodyTemplate> made;
+	std::size_t base = 0;
+	constexpr int kTimes = 30, kCells = 20;
+	for ( int k = 0; k < kTimes; ++k )
+	{
+		made = test::cubeTemplate( 1.0f, kCells );
+		ASSERT_EQ( made->cellCount(), kCells * kCells * kCells );
+		base = k == 5 ? memoryInUse() : base;
+	}
+	EXPECT_LE( double( memoryInUse() ), 1.01 * double( base ) );
 }
 
 } // namespace
