@@ -29,7 +29,6 @@ public:
 			btSimulationIslandManager::updateActivationState( world, dispatcher );
 			return;
 		}
-		m_bodies.releaseRefusedPairs();
 		int index = 0;
 		for ( int i = 0; i < world->getNumCollisionObjects(); ++i )
 		{

@@ -107,7 +107,7 @@ void SoftBodyWorld::System::carryImpulses( SoftBodyWorld& world, btScalar h )
 
 void SoftBodyWorld::System::showPass( SoftBodyWorld& world )
 {
-		if ( !bodies.group.isSplit() )
+	if ( !bodies.group.isSplit() )
 	{
 		return;
 	}

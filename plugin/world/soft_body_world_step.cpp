@@ -31,6 +31,7 @@ void SoftBodyWorld::System::stepPass( SoftBodyWorld& world, btScalar h )
 	info.m_debugDraw = world.getDebugDrawer();
 	world.createPredictiveContacts( h );          // of fast rigid bodies
 	world.performDiscreteCollisionDetection();    // broadphase, narrow phase, bodies with themselves
+	bodies.releaseRefusedPairs();                 // before anybody lists manifolds
 	btDispatcher* const dispatcher = world.m_dispatcher1;
 	showPass( world );                            // islands and solver see the manifolds of the pass
 	world.calculateSimulationIslands();
