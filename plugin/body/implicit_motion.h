@@ -9,7 +9,6 @@
 //
 // sigma is Material::numericalDamping, c Material::damping, alpha = E h^2 / ( rho d^2 mu ) of any size, 1 - P of StrainRates.
 
-#include "lattice/open_faces.h"
 #include "matching/node_state.h"
 #include "matching/strain_rates.h"
 
@@ -88,16 +87,7 @@ public:
 	void addMotion( const Vector6& motion, int part = 0 );
 	void copySpeeds( float* v ) const;       ///< of the nodes as they are
 	void setSpeeds( const float* v );        ///< of the free nodes
-	/// Of the body's lattice, which stays as it is for as long as this is asked; found when it is first asked for.
-	const OpenFaces& openFaces( const Lattice& lattice )
-	{
-		if ( m_openFaces.start.empty() )
-		{
-			m_openFaces = findOpenFaces( lattice );
-		}
-		return m_openFaces;
-	}
-	std::size_t bytes() const { return m_rightSide.size() * sizeof( float ) + m_rates.bytes() + m_openFaces.bytes(); }
+	std::size_t bytes() const { return m_rightSide.size() * sizeof( float ) + m_rates.bytes(); }
 
 private:
 	void measureHeld();
@@ -108,7 +98,6 @@ private:
 	double trace( int part ) const { return m_inertias[std::size_t( part )].trace(); }
 
 	StrainRates m_rates;
-	OpenFaces m_openFaces;
 	NodeState* m_nodes = nullptr;
 	AlignedArray<float> m_rightSide;
 	AlignedArray<float> m_arms;     ///< of the nodes from their part's mass centre, m, component by component; 0 where one is held

@@ -7,6 +7,7 @@
 #include "lattice/region.h"
 #include "lattice/shell.h"
 #include "lattice/slivers.h"
+#include "lattice/contact_patches.h"
 
 #include <algorithm>
 #include <chrono>
@@ -365,6 +366,10 @@ private:
 			const bool isSecond = i > 0 && cells[i].key == cells[i - 1].key;
 			const bool isThird = isSecond && i > 1 && cells[i].key == cells[i - 2].key;
 			m_out.report.splitCells += isSecond && !isThird;
+		}
+		if ( m_settings.contactSurface && !m_isShellOnly )
+		{
+			fitContactPatches( m_mesh, grid, lattice );
 		}
 		m_out.report.cells = int( cells.size() );
 		m_out.report.volume = mass * d * d * d;

@@ -128,6 +128,27 @@ inline constexpr double kMostOpposedShare = 0.25;
 /// An open surface whose inside falls into parts of fewer cells than this holds nothing: its winding number hangs near one half.
 inline constexpr int kLeastCellsPerPart = 8;
 
+/// Patches of the drawn surface (contact_patches.h). So many points along a cell's edge are looked at, of so many triangles at most; they count up to this distance
+/// from the node, cells, and where they look the way the patch does by this cosine at least.
+inline constexpr double kPatchDensity = 4.0;
+inline constexpr std::size_t kMostPatchTriangles = 30000;
+inline constexpr double kPatchNear = 1.75;
+inline constexpr int kPatchCells = 3;
+inline constexpr double kLeastPatchLook = 0.7;
+/// How long the mean normal of those within this distance must be: at a right-angled edge it is 0.71, on a ball of three cells' radius 0.96.
+inline constexpr double kPatchLooks = 1.25;
+inline constexpr double kLeastPatchAgreement = 0.9;
+/// Fits of a patch, each with the normal that the last one found; and what is added to the equations, so that a few points in a line still have an answer.
+inline constexpr int kPatchFits = 3;
+inline constexpr double kPatchRegularity = 1e-6;
+/// Root mean square of what the surface may be off its patch, cells.
+inline constexpr double kMostPatchError = 0.08;
+/// Of the surface above the node, cells: further the cell is not the first behind it.
+inline constexpr double kLeastPatchHeight = 0.01;
+inline constexpr double kMostPatchHeight = 0.95;
+/// Of a flat or hollow patch, cells: half a cell aside it is off by a sixtieth of a cell.
+inline constexpr double kMostPatchRadius = 8.0;
+
 /// Tasks a pass is cut into at most. Fixed, so that nothing depends on the number of threads.
 inline constexpr std::size_t kMostTasks = 64;
 

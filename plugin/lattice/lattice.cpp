@@ -50,6 +50,10 @@ Status validateSizes( const Lattice& lattice )
 	{
 		return broken( "the arrays of cells differ in length" );
 	}
+	if ( !lattice.patch.empty() && lattice.patch.size() != count )
+	{
+		return broken( "the patches are not one a cell" );
+	}
 	if ( lattice.linkStart.size() != count + 1 || lattice.linkStart.front() != 0 || lattice.linkStart.back() != lattice.linkTo.size() )
 	{
 		return broken( "linkStart does not span linkTo" );

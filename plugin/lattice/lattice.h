@@ -17,6 +17,15 @@ using Vec3d = Eigen::Vector3d;
 
 /// Flat arrays, one entry a cell, in the order of z, then y, then x, then material part.
 /// Two cells may stand at one lattice position: they are two material parts the surface keeps apart.
+/// The drawn surface in front of a cell: the sphere that fits it best there, its centre on the line from the node along `normal`. contact_patches.h.
+struct ContactPatch
+{
+	Vec3 normal = Vec3::Zero(); ///< outwards, of unit length, in the rest frame
+	float height = 0.0f;        ///< from the node along the normal to the surface, m
+	float radius = 0.0f;        ///< of the sphere, m, at least `height`; 0: there is none, as at edges and in thin parts
+	std::uint8_t links = 0;     ///< of the cell when it was fitted: with fewer now, a crack has opened other faces
+};
+
 struct Lattice
 {
 	float cellSize = 0.0f;              ///< d, m
@@ -29,6 +38,9 @@ struct Lattice
 	std::vector<Vec3> restCentre;       ///< centre of mass of the cell's material, relative to massCentre, m
 	std::vector<std::uint8_t> isSurface; ///< 1 where the cell is not full or lacks one of its 26 links
 
+	/// By cell; empty where nobody has looked at the drawn surface.
+	std::vector<ContactPatch> patch;
+
 	/// The 26-neighbour links as compressed rows: cell i is linked to linkTo[ linkStart[i] .. linkStart[i + 1] ), ascending,
 	/// both directions stored, never itself.
 	std::vector<std::uint32_t> linkStart;
@@ -39,7 +51,7 @@ struct Lattice
 	std::size_t bytes() const
 	{
 		const std::size_t perCell = sizeof( coordinate[0] ) + sizeof( float ) + sizeof( Vec3 ) + sizeof( std::uint8_t );
-		return fill.size() * perCell + ( linkStart.size() + linkTo.size() ) * sizeof( std::uint32_t );
+		return fill.size() * perCell + patch.size() * sizeof( ContactPatch ) + ( linkStart.size() + linkTo.size() ) * sizeof( std::uint32_t );
 	}
 };
 

@@ -263,6 +263,7 @@ Lattice extractCells( const Lattice& lattice, const std::vector<std::uint32_t>& 
 	part.fill.reserve( cells.size() );
 	part.restCentre.reserve( cells.size() );
 	part.isSurface.reserve( cells.size() );
+	part.patch.reserve( lattice.patch.empty() ? 0 : cells.size() );
 	part.linkStart.reserve( cells.size() + 1 );
 	part.linkStart.push_back( 0 );
 	for ( const std::uint32_t cell : cells )
@@ -271,6 +272,10 @@ Lattice extractCells( const Lattice& lattice, const std::vector<std::uint32_t>& 
 		part.fill.push_back( lattice.fill[cell] );
 		part.restCentre.push_back( ( lattice.restCentre[cell].cast<double>() - centre ).cast<float>() );
 		part.isSurface.push_back( lattice.isSurface[cell] );
+		if ( !lattice.patch.empty() )
+		{
+			part.patch.push_back( lattice.patch[cell] );
+		}
 		for ( std::uint32_t k = lattice.linkStart[cell]; k < lattice.linkStart[cell + 1]; ++k )
 		{
 			part.linkTo.push_back( numberOf[lattice.linkTo[k]] );

@@ -21,7 +21,7 @@ public:
 	{
 		const Vec3d p = m_box.toLocal( sphere.centre );
 		const Vec3d out = p - p.cwiseMin( m_half ).cwiseMax( -m_half );
-		const double touching = sphere.radius * ( 1.0 + kContactSlop ), square = out.squaredNorm();
+		const double touching = sphere.touching(), square = out.squaredNorm();
 		if ( square > touching * touching )
 		{
 			// Too far for whatever it moves:   |out| > r ( 1 + slop ) + |w|

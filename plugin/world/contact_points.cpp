@@ -47,8 +47,11 @@ void fillPoint( const btPersistentManifold& manifold, const NodeBody& node, cons
 {
 	const btScalar radius = node.radius(), distance = btScalar( hit.touch.distance );
 	const btVector3 outward = toBt( hit.touch.normal );
-	setWhole( nodeIsFirst ? point.m_positionWorldOnA : point.m_positionWorldOnB, node.written - outward * radius );
-	setWhole( nodeIsFirst ? point.m_positionWorldOnB : point.m_positionWorldOnA, node.written - outward * distance );
+	const bool isPatch = hit.touch.reach >= 0.0;
+	const btVector3 own = isPatch ? toBt( hit.touch.ownPoint( double( radius ) ) ) : btVector3( outward * -radius );
+	const btVector3 other = isPatch ? toBt( hit.touch.otherPoint( double( radius ) ) ) : btVector3( outward * -distance );
+	setWhole( nodeIsFirst ? point.m_positionWorldOnA : point.m_positionWorldOnB, node.written + own );
+	setWhole( nodeIsFirst ? point.m_positionWorldOnB : point.m_positionWorldOnA, node.written + other );
 	setWhole( point.m_localPointA, placeIn( *manifold.getBody0(), point.m_positionWorldOnA ) );
 	setWhole( point.m_localPointB, placeIn( *manifold.getBody1(), point.m_positionWorldOnB ) );
 	setWhole( point.m_normalWorldOnB, nodeIsFirst ? outward : -outward );

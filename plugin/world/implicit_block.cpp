@@ -15,17 +15,16 @@ void ImplicitBlock::clear()
 	directions.clear();
 }
 
-Vec3d ImplicitBlock::speedOf( const ContactSide& side, const float* v ) const
+Vec3d ImplicitBlock::speedOf( const ContactSide& side, const Vec3d& normal, const float* v ) const
 {
 	if ( side.soft >= 0 )
 	{
 		const SoftPart& part = soft[std::size_t( side.soft )];
 		const int padded = part.motion->padded();
-		const auto of = [&]( int node ) {
+		return side.shared.velocity( normal, [&]( int node ) {
 			const float* const at = v + part.offset + node;
 			return Vec3d( double( at[0] ), double( at[padded] ), double( at[2 * padded] ) );
-		};
-		return side.inner < 0 ? of( side.node ) : Vec3d( ( 1.0 - side.share ) * of( side.node ) + side.share * of( side.inner ) );
+		} );
 	}
 	if ( side.rigid >= 0 )
 	{
@@ -38,22 +37,23 @@ Vec3d ImplicitBlock::speedOf( const ContactSide& side, const float* v ) const
 
 Vec3d ImplicitBlock::relativeSpeed( const BlockContact& contact, const float* v ) const
 {
-	return ( speedOf( contact.side[0], v ) + contact.side[0].given ) - ( speedOf( contact.side[1], v ) + contact.side[1].given );
+	return ( speedOf( contact.side[0], contact.normal, v ) + contact.side[0].given ) - ( speedOf( contact.side[1], contact.normal, v ) + contact.side[1].given );
 }
 
-void ImplicitBlock::addImpulse( const ContactSide& side, const Vec3d& impulse, float* to ) const
+void ImplicitBlock::addImpulse( const ContactSide& side, const Vec3d& normal, const Vec3d& impulse, float* to ) const
 {
 	if ( side.soft >= 0 )
 	{
 		const SoftPart& part = soft[std::size_t( side.soft )];
-		float* const at = to + part.offset + side.node;
 		const int padded = part.motion->padded();
-		for ( int k = 0; k < 3; ++k )
+		const Vec3d pressed = normal.dot( impulse ) * normal;
+		for ( int j = 0; j < side.shared.count; ++j )
 		{
-			at[k * padded] += float( ( 1.0 - side.share ) * impulse[k] );
-			if ( side.inner >= 0 )
+			const Vec3d own = side.shared.rub[j] * impulse + ( side.shared.press[j] - side.shared.rub[j] ) * pressed;
+			float* const at = to + part.offset + side.shared.node[j];
+			for ( int k = 0; k < 3; ++k )
 			{
-				at[k * padded + side.inner - side.node] += float( side.share * impulse[k] );
+				at[k * padded] += float( own[k] );
 			}
 		}
 	}
@@ -72,8 +72,8 @@ void ImplicitBlock::addImpulse( const ContactSide& side, const Vec3d& impulse, f
 
 void ImplicitBlock::addPair( const BlockContact& contact, const Vec3d& impulse, float* to ) const
 {
-	addImpulse( contact.side[0], impulse, to );
-	addImpulse( contact.side[1], -impulse, to );
+	addImpulse( contact.side[0], contact.normal, impulse, to );
+	addImpulse( contact.side[1], contact.normal, -impulse, to );
 }
 
 void ImplicitBlock::applyMasses( const float* v, float* to )
@@ -109,11 +109,17 @@ void ImplicitBlock::listPressing()
 		for ( int k = 0; k < 2; ++k )
 		{
 			const ContactSide& side = contact.side[k];
-			flat.stride[k] = side.soft >= 0 ? soft[std::size_t( side.soft )].motion->padded() : 0;
-			flat.place[k] = side.soft >= 0 ? soft[std::size_t( side.soft )].offset + side.node : side.rigid >= 0 ? rigid[std::size_t( side.rigid )].offset : -1;
-			flat.inner[k] = side.inner >= 0 ? flat.place[k] + side.inner - side.node : -1;
-			flat.share[k] = side.share;
-			Eigen::Map<Vec3d>( flat.arm[k] ) = side.arm;
+			Pressing::Side& own = flat.side[k];
+			own.stride = side.soft >= 0 ? soft[std::size_t( side.soft )].motion->padded() : 0;
+			own.count = side.soft >= 0 ? side.shared.count : side.rigid >= 0 ? 1 : 0;
+			own.place[0] = side.rigid >= 0 ? rigid[std::size_t( side.rigid )].offset : -1;
+			for ( int j = 0; side.soft >= 0 && j < own.count; ++j )
+			{
+				own.place[j] = soft[std::size_t( side.soft )].offset + side.shared.node[j];
+				own.rub[j] = side.shared.rub[j];
+				own.more[j] = side.shared.press[j] - side.shared.rub[j];
+			}
+			Eigen::Map<Vec3d>( own.arm ) = side.arm;
 		}
 		Eigen::Map<Vec3d>( flat.normal ) = contact.normal;
 		flat.along = contact.stiffness - ( contact.directed < 0 ? contact.tangentStiffness : 0.0 );
@@ -125,50 +131,61 @@ void ImplicitBlock::listPressing()
 
 namespace {
 
-/// u += sign times the speed of one side.
-void addSpeed( const Pressing& c, int side, const float* v, double sign, double ( &u )[3] )
+/// u += sign times the velocity of one side.
+void addVelocity( const Pressing::Side& side, const double ( &normal )[3], const float* v, double sign, double ( &u )[3] )
 {
-	const float* const at = v + c.place[side];
-	if ( c.stride[side] > 0 )
+	if ( side.stride > 0 )
 	{
-		const double outer = sign * ( 1.0 - c.share[side] ), inner = sign * c.share[side];
-		for ( int k = 0; k < 3; ++k )
+		double along = 0.0;
+		for ( int j = 0; j < side.count; ++j )
 		{
-			u[k] += outer * double( at[k * c.stride[side]] );
+			const float* const at = v + side.place[j];
+			const double x = double( at[0] ), y = double( at[side.stride] ), z = double( at[2 * side.stride] );
+			const double rub = sign * side.rub[j];
+			u[0] += rub * x;
+			u[1] += rub * y;
+			u[2] += rub * z;
+			along += side.more[j] * ( ( normal[0] * x + normal[1] * y ) + normal[2] * z );
 		}
-		for ( int k = 0; k < 3 && c.inner[side] >= 0; ++k )
-		{
-			u[k] += inner * double( v[c.inner[side] + k * c.stride[side]] );
-		}
+		along *= sign;
+		u[0] += along * normal[0];
+		u[1] += along * normal[1];
+		u[2] += along * normal[2];
 		return;
 	}
-	const double* const r = c.arm[side];
+	const float* const at = v + side.place[0];
+	const double* const r = side.arm;
 	const double w[3] = { double( at[3] ), double( at[4] ), double( at[5] ) };
 	u[0] += sign * ( double( at[0] ) + ( w[1] * r[2] - w[2] * r[1] ) );
 	u[1] += sign * ( double( at[1] ) + ( w[2] * r[0] - w[0] * r[2] ) );
 	u[2] += sign * ( double( at[2] ) + ( w[0] * r[1] - w[1] * r[0] ) );
 }
 
-void addForce( const Pressing& c, int side, const double ( &f )[3], double sign, float* to )
+void addForce( const Pressing::Side& side, const double ( &normal )[3], const double ( &f )[3], double sign, float* to )
 {
-	float* const at = to + c.place[side];
-	const int step = c.stride[side] > 0 ? c.stride[side] : 1;
-	const double outer = sign * ( 1.0 - c.share[side] ), inner = sign * c.share[side];
+	if ( side.stride > 0 )
+	{
+		const double along = ( normal[0] * f[0] + normal[1] * f[1] ) + normal[2] * f[2];
+		for ( int j = 0; j < side.count; ++j )
+		{
+			float* const at = to + side.place[j];
+			const double rub = sign * side.rub[j], more = sign * side.more[j] * along;
+			for ( int k = 0; k < 3; ++k )
+			{
+				at[k * side.stride] += float( rub * f[k] + more * normal[k] );
+			}
+		}
+		return;
+	}
+	float* const at = to + side.place[0];
+	const double* const r = side.arm;
 	for ( int k = 0; k < 3; ++k )
 	{
-		at[k * step] += float( outer * f[k] );
+		at[k] += float( sign * f[k] );
 	}
-	for ( int k = 0; k < 3 && c.inner[side] >= 0; ++k )
-	{
-		to[c.inner[side] + k * step] += float( inner * f[k] );
-	}
-	if ( c.stride[side] == 0 )
-	{
-		const double* const r = c.arm[side];
-		at[3] += float( sign * ( r[1] * f[2] - r[2] * f[1] ) );
-		at[4] += float( sign * ( r[2] * f[0] - r[0] * f[2] ) );
-		at[5] += float( sign * ( r[0] * f[1] - r[1] * f[0] ) );
-	}
+	at[3] += float( sign * ( r[1] * f[2] - r[2] * f[1] ) );
+	at[4] += float( sign * ( r[2] * f[0] - r[0] * f[2] ) );
+	at[5] += float( sign * ( r[0] * f[1] - r[1] * f[0] ) );
 }
 
 } // namespace
@@ -182,9 +199,9 @@ void ImplicitBlock::apply( const float* v, float* to )
 		double u[3] = {};
 		for ( int side = 0; side < 2; ++side )
 		{
-			if ( c.place[side] >= 0 )
+			if ( c.side[side].count > 0 )
 			{
-				addSpeed( c, side, v, side == 0 ? 1.0 : -1.0, u );
+				addVelocity( c.side[side], c.normal, v, side == 0 ? 1.0 : -1.0, u );
 			}
 		}
 		const double along = c.along * ( ( c.normal[0] * u[0] + c.normal[1] * u[1] ) + c.normal[2] * u[2] );
@@ -196,9 +213,9 @@ void ImplicitBlock::apply( const float* v, float* to )
 		const double f[3] = { along * c.normal[0] + c.across * u[0], along * c.normal[1] + c.across * u[1], along * c.normal[2] + c.across * u[2] };
 		for ( int side = 0; side < 2; ++side )
 		{
-			if ( c.place[side] >= 0 )
+			if ( c.side[side].count > 0 )
 			{
-				addForce( c, side, f, side == 0 ? 1.0 : -1.0, to );
+				addForce( c.side[side], c.normal, f, side == 0 ? 1.0 : -1.0, to );
 			}
 		}
 	}

@@ -7,6 +7,7 @@
 #include "lattice/lattice.h"
 #include "matching/conjugate_gradients.h"
 #include "world/coarse_system.h"
+#include "world/shared_nodes.h"
 
 #include <vector>
 
@@ -18,17 +19,16 @@ namespace pliant {
 class SoftBody;
 class TaskRunner;
 
-/// One side of a contact: a node, a rigid body, or something whose speed is given.
+/// One side of a contact: a node and those beside it that share it, a rigid body, or something whose speed is given.
 struct ContactSide
 {
 	int soft = -1;                  ///< part, or -1
 	int node = -1;
+	SharedNodes shared;             ///< of a node; the first is the node itself
+	int block[SharedNodes::kMost] = { -1, -1, -1, -1 }; ///< each among the block's nodes with contacts
 	int rigid = -1;                 ///< part, or -1
 	Vec3d arm = Vec3d::Zero();      ///< from the rigid body's mass centre, m
 	Vec3d given = Vec3d::Zero();    ///< m/s: of what neither is, and of a surface that runs along itself
-	int block = -1;                 ///< among the block's nodes with contacts
-	int inner = -1, innerBlock = -1; ///< the node behind that takes `share` of it (round_surface.h); -1: none
-	double share = 0.0;
 };
 
 struct BlockContact
@@ -38,7 +38,9 @@ struct BlockContact
 	Vec3d before = Vec3d::Zero();   ///< relative speed at the substep's start, m/s
 	double target = 0.0;            ///< b: speed of parting that is asked for at least, m/s
 	double parting = 0.0;           ///< the same, if it did not bounce
+	double rolling = 0.0;           ///< of it: what a point of a rolling body lags behind its surface, m/s
 	double friction = 0.0;          ///< mu
+	bool isDrawn = false;           ///< with a body's drawn surface, whose points several nodes share
 	int directed = -1;              ///< among the block's directions; -1: friction is the same in all
 	btManifoldPoint* point = nullptr;
 
@@ -68,6 +70,7 @@ struct SoftPart
 	ImplicitMotion* motion = nullptr;
 	const Vec3Array* before = nullptr; ///< speeds at the substep's start: where the iteration begins
 	int offset = 0;                    ///< of its speeds in the vector
+	std::vector<Vec3d> turn;           ///< angular velocity of each of its parts, rad/s; empty: nobody has asked
 	int firstConnected = 0;            ///< of its parts that nothing links, in the block's list of such; one where the body is in one
 };
 
@@ -90,11 +93,16 @@ struct RigidPart
 /// A contact that presses, as the iteration walks it: u.n is answered by `along` more than u, and u by `across`.
 struct Pressing
 {
-	int place[2] = { -1, -1 };     ///< of each side's first number in the vector; -1: its speed is given
-	int stride[2] = { 0, 0 };      ///< between a node's components; 0: six numbers of a rigid body
-	int inner[2] = { -1, -1 };     ///< the same of the node behind
-	double share[2] = { 0.0, 0.0 };
-	double normal[3], arm[2][3];
+	struct Side
+	{
+		int count = 0;             ///< of nodes; 1 for a rigid body, 0 where its speed is given
+		int stride = 0;            ///< between a node's components; 0: six numbers of a rigid body
+		int place[SharedNodes::kMost]; ///< of each node's first number in the vector
+		double rub[SharedNodes::kMost], more[SharedNodes::kMost]; ///< SharedNodes::rub, and by how much press is more
+		double arm[3];
+	};
+	Side side[2];
+	double normal[3];
 	double along = 0.0, across = 0.0; ///< k - kt and kt, kg; k and kt where directed
 	int directed = -1;
 };
@@ -119,6 +127,8 @@ public:
 	void clear();
 	/// Relative speed at a contact without any contact's impulse, elasticity left out, m/s.
 	Vec3d freeSpeed( const BlockContact& contact ) const;
+	/// How a node's part turns as a whole, rad/s.
+	const Vec3d& turnOf( const ContactSide& side );
 	/// And at the substep's start.
 	Vec3d speedBefore( const BlockContact& contact ) const;
 
@@ -139,8 +149,8 @@ private:
 	/// Nodes that contacts hold together: a dense piece of the preconditioner.
 	struct Cluster
 	{
-		static constexpr int kMost = 4; ///< a round contact's; implicit_clusters.cpp names each size
-		int blocks[kMost] = { -1, -1, -1, -1 };
+		static constexpr int kMost = 2 * SharedNodes::kMost; ///< a contact's of two soft bodies; implicit_clusters.cpp names each size
+		int blocks[kMost] = {};
 		int count = 0;
 		int room = 0; ///< of its matrix in m_clusterRoom
 		int inverse = 0; ///< of its inverse in m_clusterInverse, column by column
@@ -194,9 +204,9 @@ private:
 	void nameNodeBlocks();
 	void applyMasses( const float* v, float* to );
 	void listPressing();
-	Vec3d speedOf( const ContactSide& side, const float* v ) const;
+	Vec3d speedOf( const ContactSide& side, const Vec3d& normal, const float* v ) const;
 	Vec3d relativeSpeed( const BlockContact& contact, const float* v ) const;
-	void addImpulse( const ContactSide& side, const Vec3d& impulse, float* to ) const;
+	void addImpulse( const ContactSide& side, const Vec3d& normal, const Vec3d& impulse, float* to ) const;
 	void addPair( const BlockContact& contact, const Vec3d& impulse, float* to ) const;
 	/// S v, or v where friction is the same in all directions. v: without the normal.
 	Vec3d directed( const BlockContact& contact, const Vec3d& v ) const
@@ -222,7 +232,7 @@ private:
 		return { m_clusterRoom.data() + cluster.room, 3 * cluster.count, 3 * cluster.count };
 	}
 	void beginClusters();
-	void addToClusters( const BlockContact& contact, const Eigen::Matrix3d& resists );
+	void addToClusters( const BlockContact& contact );
 	void invertClusters();
 	/// Floats of a column of an inverse: whole fours.
 	static constexpr int columnOf( int count ) { return ( 3 * count + 3 ) / 4 * 4; }

@@ -1,4 +1,4 @@
-// The part of an implicit block's preconditioner that stands near the contacts: the nodes that a contact presses on, up to four, with all that acts among them,
+// The part of an implicit block's preconditioner that stands near the contacts: the nodes that contacts press on, up to eight, with all that acts among them,
 // as one dense piece. By themselves, 3 x 3 each, two nodes pressed together are taken for far harder to move than they are.
 
 #include "world/implicit_block.h"
@@ -10,11 +10,12 @@ namespace pliant {
 
 namespace {
 
-/// A contact's blocks and how they feel it: u = sum of weight times the block's speed.
+/// A contact's blocks and how they feel it: as SharedNodes, with the sign of their side.
 struct Touched
 {
-	int block[4] = { -1, -1, -1, -1 };
-	double weight[4] = { 0.0, 0.0, 0.0, 0.0 };
+	static constexpr int kMost = 2 * SharedNodes::kMost;
+	int block[kMost] = {};
+	double press[kMost] = {}, rub[kMost] = {};
 	int count = 0;
 };
 
@@ -25,20 +26,17 @@ Touched touchedBy( const BlockContact& contact )
 	{
 		const ContactSide& side = contact.side[k];
 		const double sign = k == 0 ? 1.0 : -1.0;
-		const auto add = [&]( int block, double weight ) {
-			if ( block >= 0 )
-			{
-				touched.block[touched.count] = block;
-				touched.weight[touched.count++] = sign * weight;
-			}
-		};
-		add( side.soft >= 0 ? side.block : -1, 1.0 - side.share );
-		add( side.innerBlock, side.share );
+		for ( int j = 0; side.soft >= 0 && j < side.shared.count; ++j )
+		{
+			touched.block[touched.count] = side.block[j];
+			touched.press[touched.count] = sign * side.shared.press[j];
+			touched.rub[touched.count++] = sign * side.shared.rub[j];
+		}
 	}
 	return touched;
 }
 
-/// work( count ) with the count as a constant, 1 to 4.
+/// work( count ) with the count as a constant, 1 to 8.
 template <class Work>
 void bySize( int count, Work&& work )
 {
@@ -50,8 +48,16 @@ void bySize( int count, Work&& work )
 		return work( std::integral_constant<int, 2>() );
 	case 3:
 		return work( std::integral_constant<int, 3>() );
-	default:
+	case 4:
 		return work( std::integral_constant<int, 4>() );
+	case 5:
+		return work( std::integral_constant<int, 5>() );
+	case 6:
+		return work( std::integral_constant<int, 6>() );
+	case 7:
+		return work( std::integral_constant<int, 7>() );
+	default:
+		return work( std::integral_constant<int, 8>() );
 	}
 }
 
@@ -93,7 +99,8 @@ void ImplicitBlock::nameClusters( const BlockContact& contact )
 	{
 		return;
 	}
-	if ( own < 0 || areMany || m_clusters[std::size_t( own )].count + lacking > Cluster::kMost )
+	const int most = contact.isDrawn ? Cluster::kMost : Cluster::kMost / 2;
+	if ( own < 0 || areMany || m_clusters[std::size_t( own )].count + lacking > most )
 	{
 		own = int( m_clusters.size() );
 		m_clusters.emplace_back();
@@ -132,9 +139,10 @@ void ImplicitBlock::beginClusters()
 }
 
 // What lies between two clusters is left out, so each stays positive.
-void ImplicitBlock::addToClusters( const BlockContact& contact, const Eigen::Matrix3d& resists )
+void ImplicitBlock::addToClusters( const BlockContact& contact )
 {
 	const Touched touched = touchedBy( contact );
+	const Eigen::Matrix3d both = resistance( contact ), press = contact.stiffness * contact.normal * contact.normal.transpose(), rub = both - press;
 	for ( int a = 0; a < touched.count; ++a )
 	{
 		for ( int b = 0; b < touched.count; ++b )
@@ -142,7 +150,8 @@ void ImplicitBlock::addToClusters( const BlockContact& contact, const Eigen::Mat
 			const NodeBlock &one = m_nodeBlocks[std::size_t( touched.block[a] )], &other = m_nodeBlocks[std::size_t( touched.block[b] )];
 			if ( one.cluster == other.cluster )
 			{
-				matrixOf( m_clusters[std::size_t( one.cluster )] ).block<3, 3>( 3 * one.slot, 3 * other.slot ) += ( touched.weight[a] * touched.weight[b] ) * resists;
+				matrixOf( m_clusters[std::size_t( one.cluster )] ).block<3, 3>( 3 * one.slot, 3 * other.slot ) += contact.isDrawn ? Eigen::Matrix3d( ( touched.press[a] * touched.press[b] ) * press + ( touched.rub[a] * touched.rub[b] ) * rub ) :
+																													  Eigen::Matrix3d( ( touched.rub[a] * touched.rub[b] ) * both );
 			}
 		}
 	}

@@ -68,9 +68,9 @@ void ImplicitBlock::agreeOnTargets()
 		for ( int k = 0; k < 2; ++k )
 		{
 			const ContactSide &own = contacts[c].side[k], &other = contacts[c].side[1 - k];
-			if ( own.soft >= 0 && own.inner < 0 && other.soft < 0 && other.rigid < 0 )
+			if ( own.soft >= 0 && other.soft < 0 && other.rigid < 0 )
 			{
-				m_between.push_back( Between{ own.block, c, k } );
+				m_between.push_back( Between{ own.block[0], c, k } );
 			}
 		}
 	}

@@ -104,23 +104,83 @@ Vec3d surfaceVelocity( const btManifoldPoint& point, const btContactSolverInfo& 
 					 Vec3d( Vec3d::Zero() );
 }
 
-/// Between soft bodies: over the nodes behind, as it was found.
-void spread( const NodeBody* const ( &nodes )[2], BlockContact& contact )
+bool isExplicit( const NodeBody* node )
 {
-	if ( !nodes[0] || !nodes[1] || nodes[0]->node < 0 || nodes[1]->node < 0 || !meetRound( *nodes[0]->owner, *nodes[1]->owner ) )
-	{
-		return;
-	}
-	const Vec3d apart = toVec3d( nodes[1]->owner->impl().position( nodes[1]->node ) - nodes[0]->owner->impl().position( nodes[0]->node ) );
+	return node && node->node >= 0 && !node->owner->impl().isImplicit;
+}
+
+bool isDrawn( const NodeBody* node )
+{
+	return node && node->node >= 0 && node->owner->impl().isMetAsDrawn();
+}
+
+/// The nodes of a contact of nodes' own spheres: the node, or of two round surfaces the one behind it too. It acts at the node's centre, on both sides: so no turn is lost.
+Vec3d shareAtNodes( const NodeBody* const ( &nodes )[2], SharedNodes ( &shared )[2] )
+{
+	const bool isRound = nodes[0] && nodes[1] && nodes[0]->node >= 0 && nodes[1]->node >= 0 && meetRound( *nodes[0]->owner, *nodes[1]->owner );
 	for ( int side = 0; side < 2; ++side )
 	{
-		const RoundSphere round = roundSphere( *nodes[side]->owner, nodes[side]->node, side == 0 ? apart : Vec3d( -apart ) );
-		if ( contact.side[side].soft >= 0 && round.inner >= 0 )
+		shared[side] = nodes[side] ? SharedNodes::only( nodes[side]->node ) : SharedNodes{};
+		if ( !isRound )
 		{
-			contact.side[side].inner = round.inner;
-			contact.side[side].share = round.share;
+			continue;
+		}
+		const NodeBody &own = *nodes[side], &other = *nodes[1 - side];
+		const RoundSphere round =
+			roundSphere( *own.owner, own.node, toVec3d( other.owner->impl().position( other.node ) - own.owner->impl().position( own.node ) ) );
+		if ( round.inner >= 0 )
+		{
+			shared[side].count = 2;
+			shared[side].node[1] = round.inner;
+			shared[side].press[0] = shared[side].rub[0] = 1.0 - round.share;
+			shared[side].press[1] = shared[side].rub[1] = round.share;
 		}
 	}
+	return nodes[0] || nodes[1] ? toVec3d( ( nodes[0] ? nodes[0] : nodes[1] )->getWorldTransform().getOrigin() ) : Vec3d( Vec3d::Zero() );
+}
+
+/// The nodes that share a contact with a drawn surface, on each side that is a node. Returns where it acts on what else there is, world, m: where the nodes can share it,
+/// so that no spin is lost. While it is solved one side's point lies at the height of the node (MovedContacts), and friction acts in the middle between the two.
+Vec3d shareOnSurface( const NodeBody* const ( &nodes )[2], const btManifoldPoint& point, const Vec3d& normal, SharedNodes ( &shared )[2] )
+{
+	const Vec3d middle = 0.5 * ( toVec3d( point.getPositionWorldOnA() ) + toVec3d( point.getPositionWorldOnB() ) );
+	Vec3d acts = middle;
+	for ( int side = 1; side >= 0; --side )
+	{
+		if ( !nodes[side] || nodes[side]->node < 0 )
+		{
+			continue;
+		}
+		const SoftBody::Impl& impl = nodes[side]->owner->impl();
+		const Vec3d node = toVec3d( impl.position( nodes[side]->node ) );
+		Vec3d at = middle - node;
+		shared[side] = impl.surfaceNow().share( impl.body->nodes(), nodes[side]->node, normal, at );
+		acts = node + at;
+	}
+	return acts;
+}
+
+/// A body that turns has its nodes move along chords: what rolls on a sphere of radius R comes ( h w )^2 R / 2 nearer to what it rolls on in a step than a point of
+/// it does, w its angular velocity along that. Without this a rolling body sinks and is lifted again, which costs its energy.
+double rolling( const NodeBody* const ( &nodes )[2], const BlockContact& contact, ImplicitBlock& block, double h )
+{
+	double sum = 0.0;
+	for ( int side = 0; side < 2; ++side )
+	{
+		const ContactSide& own = contact.side[side];
+		if ( own.soft < 0 )
+		{
+			continue;
+		}
+		const SoftBody::Impl& impl = nodes[side]->owner->impl();
+		const double radius = impl.surfaceNow().rollingRadius( impl.body->nodes(), own.node, side == 0 ? Vec3d( -contact.normal ) : contact.normal );
+		if ( radius > 0.0 )
+		{
+			const Vec3d turn = block.turnOf( own );
+			sum += 0.5 * h * radius * ( turn - turn.dot( contact.normal ) * contact.normal ).squaredNorm();
+		}
+	}
+	return sum;
 }
 
 /// b: speed of parting asked for. Before touch, whatever closes the gap within the step; then out of what is too deep, and bouncing off.
@@ -130,6 +190,7 @@ void aim( BlockContact& contact, const btContactSolverInfo& info, double approac
 	const btManifoldPoint& point = *contact.point;
 	const double h = double( info.m_timeStep ), gap = double( point.m_distance1 );
 	contact.parting = gap > 0.0 ? -gap / h : std::min( -gap * double( info.m_erp2 ) / h, kPushOutSpeed );
+	contact.parting += contact.rolling;
 	contact.target = contact.parting;
 	const double met = -contact.normal.dot( contact.before );
 	contact.bounces = gap < approach * h && point.m_combinedRestitution > 0 && met > double( info.m_restitutionVelocityThreshold );
@@ -180,28 +241,30 @@ void ImplicitContacts::gatherFrom(
 			continue;
 		}
 		BlockContact contact;
+		contact.normal = toVec3d( point.m_normalWorldOnB );
+		contact.isDrawn = ( isDrawn( nodes[0] ) || isDrawn( nodes[1] ) ) && !isExplicit( nodes[0] ) && !isExplicit( nodes[1] );
+		SharedNodes shared[2];
+		const Vec3d acts = contact.isDrawn ? shareOnSurface( nodes, point, contact.normal, shared ) : shareAtNodes( nodes, shared );
 		for ( int side = 0; side < 2; ++side )
 		{
-			// A node's contact acts at its centre, on both sides: so no turn is lost.
-			const NodeBody* const own = nodes[side] ? nodes[side] : nodes[1 - side];
-			const btVector3& touches = own ? own->getWorldTransform().getOrigin() : side == 0 ? point.getPositionWorldOnA() : point.getPositionWorldOnB();
-			contact.side[side] = sideOf( *objects[side], block, places, toVec3d( touches ) );
+			const Vec3d touches = toVec3d( side == 0 ? point.getPositionWorldOnA() : point.getPositionWorldOnB() );
+			contact.side[side] = sideOf( *objects[side], block, places, nodes[0] || nodes[1] ? acts : touches );
+			contact.side[side].shared = nodes[side] ? shared[side] : SharedNodes{};
 		}
 		contact.side[1].given += surfaceVelocity( point, info );
-		spread( nodes, contact );
 		if ( !contact.moves() )
 		{
 			continue;
 		}
-		contact.normal = toVec3d( point.m_normalWorldOnB );
 		contact.friction = double( point.m_combinedFriction );
 		giveDirections( objects, contact, blocks[std::size_t( block )] );
 		contact.point = &point;
 		contact.normalImpulse = double( point.m_appliedImpulse );
 		contact.tangentImpulse = double( point.m_appliedImpulseLateral1 ) * toVec3d( point.m_lateralFrictionDir1 ) +
 								 double( point.m_appliedImpulseLateral2 ) * toVec3d( point.m_lateralFrictionDir2 );
-		const ImplicitBlock& own = blocks[std::size_t( block )];
+		ImplicitBlock& own = blocks[std::size_t( block )];
 		contact.before = own.speedBefore( contact );
+		contact.rolling = contact.isDrawn ? rolling( nodes, contact, own, double( info.m_timeStep ) ) : 0.0;
 		aim( contact, info, -contact.normal.dot( own.freeSpeed( contact ) ) );
 		blocks[std::size_t( block )].contacts.push_back( contact );
 		++m_count;

@@ -33,10 +33,9 @@ double pressAt( const BlockContact& contact, const Vec3d& u )
 	return contact.pushed + contact.stiffness * ( contact.target - contact.normal.dot( u ) );
 }
 
-Vec3d speedAmong( const ContactSide& side, const Vec3Array& v )
+Vec3d speedAmong( const BlockContact& contact, const ContactSide& side, const Vec3Array& v )
 {
-	const Vec3d own = v.get( side.node ).cast<double>();
-	return side.inner < 0 ? own : Vec3d( ( 1.0 - side.share ) * own + side.share * v.get( side.inner ).cast<double>() );
+	return side.shared.velocity( contact.normal, [&]( int node ) { return Vec3d( v.get( node ).cast<double>() ); } );
 }
 
 Law lawAt( const BlockContact& contact, const Vec3d& u, double press )
@@ -65,7 +64,7 @@ Vec3d ImplicitBlock::freeSpeed( const BlockContact& contact ) const
 		speed[k] = side.given;
 		if ( side.soft >= 0 )
 		{
-			speed[k] += speedAmong( side, soft[std::size_t( side.soft )].motion->nodes().v );
+			speed[k] += speedAmong( contact, side, soft[std::size_t( side.soft )].motion->nodes().v );
 		}
 		else if ( side.rigid >= 0 )
 		{
@@ -74,6 +73,19 @@ Vec3d ImplicitBlock::freeSpeed( const BlockContact& contact ) const
 		}
 	}
 	return speed[0] - speed[1];
+}
+
+const Vec3d& ImplicitBlock::turnOf( const ContactSide& side )
+{
+	SoftPart& part = soft[std::size_t( side.soft )];
+	if ( part.turn.empty() )
+	{
+		for ( int k = 0; k < part.motion->parts().count(); ++k )
+		{
+			part.turn.push_back( part.motion->hasShape( k ) ? Vec3d( ( part.motion->rigidMass( k ).inverse() * part.motion->momentum( k ) ).tail<3>() ) : Vec3d( Vec3d::Zero() ) );
+		}
+	}
+	return part.turn[std::size_t( part.motion->parts().partOf( side.node ) )];
 }
 
 Vec3d ImplicitBlock::speedBefore( const BlockContact& contact ) const
@@ -85,7 +97,7 @@ Vec3d ImplicitBlock::speedBefore( const BlockContact& contact ) const
 		speed[k] = side.given;
 		if ( side.soft >= 0 )
 		{
-			speed[k] += speedAmong( side, *soft[std::size_t( side.soft )].before );
+			speed[k] += speedAmong( contact, side, *soft[std::size_t( side.soft )].before );
 		}
 		else if ( side.rigid >= 0 )
 		{
@@ -119,10 +131,11 @@ void ImplicitBlock::chooseStiffness()
 		{
 			least = side.soft < 0 ? least : std::min( least, double( soft[std::size_t( side.soft )].motion->diagonal( side.node ) ) );
 		}
+		// A marble on a stiff body is a thousandth of what its nodes resist with; what is left of that when the iteration ends would be all its weight.
 		const bool hasNode = contact.side[0].soft >= 0 || contact.side[1].soft >= 0;
 		for ( const ContactSide& side : contact.side )
 		{
-			least = hasNode || side.rigid < 0 ? least : std::min( least, rigid[std::size_t( side.rigid )].mass );
+			least = ( hasNode && !contact.isDrawn ) || side.rigid < 0 ? least : std::min( least, rigid[std::size_t( side.rigid )].mass );
 		}
 		contact.stiffness = kContactStiffness * least;
 		contact.pushed = contact.normalImpulse;
@@ -247,7 +260,7 @@ double ImplicitBlock::stepTowards()
 	m_ways.clear();
 	for ( const BlockContact& contact : contacts )
 	{
-		const Vec3d u = relativeSpeed( contact, m_v.data() ), way = speedOf( contact.side[0], d.data() ) - speedOf( contact.side[1], d.data() );
+		const Vec3d u = relativeSpeed( contact, m_v.data() ), way = speedOf( contact.side[0], contact.normal, d.data() ) - speedOf( contact.side[1], contact.normal, d.data() );
 		const double un = contact.normal.dot( u ), dn = contact.normal.dot( way );
 		const Vec3d ut = u - un * contact.normal, dt = way - dn * contact.normal, felt = directed( contact, dt );
 		const double slideStart = contact.held.dot( felt ) - contact.tangentStiffness * ut.dot( felt ), slide = -contact.tangentStiffness * dt.dot( felt );

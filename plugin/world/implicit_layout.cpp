@@ -118,8 +118,10 @@ void ImplicitBlock::nameNodeBlocks()
 			{
 				continue;
 			}
-			side.block = nameNode( side.soft, side.node );
-			side.innerBlock = side.inner >= 0 ? nameNode( side.soft, side.inner ) : -1;
+			for ( int j = 0; j < side.shared.count; ++j )
+			{
+				side.block[j] = nameNode( side.soft, side.shared.node[j] );
+			}
 		}
 		nameClusters( contact );
 	}

@@ -116,7 +116,7 @@ void ImplicitBlock::layOutCoarse()
 void ImplicitBlock::addToPreconditioner( const BlockContact& contact )
 {
 	const Eigen::Matrix3d resists = resistance( contact );
-	addToClusters( contact, resists );
+	addToClusters( contact );
 	Feels feels[2];
 	for ( int k = 0; k < 2; ++k )
 	{
@@ -129,8 +129,12 @@ void ImplicitBlock::addToPreconditioner( const BlockContact& contact )
 			own.isSoft = true;
 			if ( own.body >= 0 )
 			{
-				const Vec3d arm = part.motion->arm( side.node );
-				own.arm << 1.0, side.inner < 0 ? arm : Vec3d( ( 1.0 - side.share ) * arm + side.share * part.motion->arm( side.inner ) );
+				Vec3d arm = Vec3d::Zero();
+				for ( int j = 0; j < side.shared.count; ++j )
+				{
+					arm += side.shared.rub[j] * part.motion->arm( side.shared.node[j] );
+				}
+				own.arm << 1.0, arm;
 			}
 		}
 		else if ( side.rigid >= 0 )

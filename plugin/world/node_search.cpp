@@ -34,6 +34,11 @@ struct Box
 		low += from;
 		high += to;
 	}
+	void widen( double by )
+	{
+		const btScalar all = btScalar( by );
+		move( btVector3( -all, -all, -all ), btVector3( all, all, all ) );
+	}
 	/// The nodes may come to the box by what they sweep: it is the box that is stretched, backwards.
 	void stretchAgainst( const NodeShape& shape ) { move( -shape.sweepHigh(), -shape.sweepLow() ); }
 	void stretchAlong( const btVector3& way )
@@ -59,6 +64,7 @@ std::vector<NodeHit>& NodeSearch::againstRigid( const SoftBody& soft, const btCo
 {
 	const Vec3d& origin = soft.impl().body->nodes().origin;
 	m_soft = &soft;
+	m_surface = soft.impl().isMetAsDrawn() ? &soft.impl().surfaceNow() : nullptr;
 	m_step = step;
 	m_leaf = 0;
 	m_hits.clear();
@@ -88,56 +94,6 @@ std::vector<NodeHit>& NodeSearch::againstRigid( const SoftBody& soft, const btCo
 	sortHits();
 	keepFlatNeighboursOut();
 	return m_hits;
-}
-
-// A character takes its position by itself, whatever that presses with: pushed out of what carries it, nodes would give way, the character follow, and so on
-// down to the floor. They may stand in it as deep as it stands in them, and no force acts. Beside it nodes are pushed out as fast as rigid bodies are in
-// Bullet's world, which has one step where explicit bodies have several, and gives no velocity to what is deeper than that.
-void NodeSearch::meetCharacter()
-{
-	for ( NodeHit& hit : m_hits )
-	{
-		const double depth = double( m_soft->impl().shape->sphereOfNode( hit.node() )->getRadius() ) - hit.touch.distance;
-		if ( hit.touch.normal.dot( m_characters.up ) < -kCarrySlope )
-		{
-			hit.touch.distance += m_characters.allowance;
-		}
-		else if ( depth > 0.0 )
-		{
-			const double pushed = std::min( depth, m_characters.allowance ) * std::min( 1.0, m_step / m_characters.gameStep );
-			hit.touch.distance += depth - pushed;
-		}
-	}
-}
-
-// New nodes that stand in what they touch touch it just so.
-void NodeSearch::giveLeave( const SoftBody& first, const SoftBody* second )
-{
-	BornInside &own = first.impl().born, &others = second ? second->impl().born : own;
-	if ( !own.isAny() && !others.isAny() )
-	{
-		return;
-	}
-	for ( NodeHit& hit : m_hits )
-	{
-		const double depth = double( first.impl().shape->sphereOfNode( hit.node() )->getRadius() ) - hit.touch.distance;
-		if ( depth > 0.0 )
-		{
-			const double leave = own.leave( hit.node(), depth );
-			hit.touch.distance += second ? std::max( leave, others.leave( hit.other(), depth ) ) : leave;
-		}
-	}
-}
-
-void NodeSearch::sortHits()
-{
-	const auto isBefore = []( const NodeHit& a, const NodeHit& b ) {
-		return std::tie( a.key, a.touch.distance, a.part, a.index ) < std::tie( b.key, b.touch.distance, b.part, b.index );
-	};
-	if ( !std::is_sorted( m_hits.begin(), m_hits.end(), isBefore ) )
-	{
-		std::sort( m_hits.begin(), m_hits.end(), isBefore );
-	}
 }
 
 void NodeSearch::visit( const Obstacle& obstacle )
@@ -185,12 +141,42 @@ inline Ahead NodeSearch::Spheres::ahead( int node ) const
 	return Ahead{ to, to - m_before.way( m_nodes.x.get( node ).cast<double>(), m_step ) };
 }
 
+double NodeSearch::overhang() const
+{
+	return m_surface ? m_surface->overhang() : 0.0;
+}
+
+// The patch in front of a node, or where that does not look there the node's own sphere.
+template <class Nearest, class Find>
+inline bool NodeSearch::touches( int node, const MovingSphere& sphere, const Nearest& nearest, const Find& find, Touch& touch ) const
+{
+	ContactSurface::Patch patch;
+	if ( m_surface && m_surface->patchOf( m_soft->impl().body->nodes(), node, patch ) )
+	{
+		const PatchAnswer answer = findPatchTouch( patch, m_surface->cellSize(), sphere, nearest, find, touch );
+		if ( answer != PatchAnswer::Own )
+		{
+			return answer == PatchAnswer::Touches;
+		}
+		// What the patch does not answer for is met no further out than the surface is.
+		MovingSphere within = sphere;
+		within.radius = std::min( sphere.radius, patch.height );
+		within.scale = sphere.radius;
+		const bool isFound = find( within, touch );
+		touch.distance += sphere.radius - within.radius;
+		return isFound;
+	}
+	return find( sphere, touch );
+}
+
 // A plane's box is everywhere: every node is asked, the deep ones too, for here no tree is needed.
 void NodeSearch::plane( const Obstacle& obstacle )
 {
 	const NodeState& nodes = m_soft->impl().body->nodes();
 	const FarPlane far( obstacle );
-	const double radius = ( m_notesNear ? 2.0 * kCornerReach : 1.0 ) * double( m_soft->impl().shape->largestRadius() ); // foresee asks for the parents' corners
+	const double radius = ( m_notesNear ? 2.0 * kCornerReach : 1.0 ) * double( m_soft->impl().shape->largestRadius() ) + overhang(); // foresee asks for the parents' corners
+	const auto nearest = [&obstacle]( const MovingSphere& sphere, Touch& found ) { return findNearest( obstacle, sphere, found ); };
+	const auto find = [&obstacle]( const MovingSphere& sphere, Touch& found ) { return findTouch( obstacle, sphere, found ); };
 	const bool isStill = m_motion.isStill();
 	const Spheres spheres( *this );
 	Touch touch;
@@ -201,13 +187,13 @@ void NodeSearch::plane( const Obstacle& obstacle )
 		{
 			continue;
 		}
-		if ( findTouch( obstacle, spheres.of( node ), touch ) )
+		if ( touches( node, spheres.of( node ), nearest, find, touch ) )
 		{
 			m_hits.push_back( NodeHit{ std::uint64_t( node ) << 32 | m_leaf, touch, obstacle.part, obstacle.index } );
 		}
 		if ( m_notesNear )
 		{
-			foresee( node, [&obstacle]( const MovingSphere& sphere, Touch& found ) { return findTouch( obstacle, sphere, found ); } );
+			foresee( node, find );
 		}
 	}
 }
@@ -283,11 +269,12 @@ void NodeSearch::touchMarked( const Obstacle& obstacle, btScalar size, const Fin
 	const Spheres spheres( *this );
 	const bool looksAhead = m_looksAhead && obstacle.shape->isConvex();
 	const Obstacle then = looksAhead ? m_before.moved( obstacle, m_step ) : Obstacle{};
+	const auto nearest = [&obstacle]( const MovingSphere& sphere, Touch& found ) { return findNearest( obstacle, sphere, found ); };
 	m_marks.takeAll( [&]( int node ) {
 		noteNear( node, size );
 		Touch touch;
 		const MovingSphere sphere = spheres.of( node );
-		if ( find( sphere, touch ) && ( !looksAhead || lookAhead( then, sphere, spheres.ahead( node ), touch ) ) )
+		if ( touches( node, sphere, nearest, find, touch ) && ( !looksAhead || touch.reach >= 0.0 || lookAhead( then, sphere, spheres.ahead( node ), touch ) ) )
 		{
 			m_hits.push_back( NodeHit{ std::uint64_t( node ) << 32 | m_leaf, touch, obstacle.part, obstacle.index } );
 		}
@@ -304,6 +291,7 @@ void NodeSearch::solid( const Obstacle& obstacle )
 	const btVector3 extent = box.high - box.low;
 	const btScalar size = extent[extent.maxAxis()];
 	box.stretchAlong( toBt( m_step * m_motion.linear ) );
+	box.widen( overhang() );
 	const btScalar turn = btScalar( m_step * m_motion.angular.norm() * ( obstacle.position - m_motion.centre ).norm() ) +
 						  btScalar( m_step * m_motion.angular.norm() ) * ( box.high - box.low ).length() / 2;
 	box.move( btVector3( -turn, -turn, -turn ), btVector3( turn, turn, turn ) );
@@ -330,6 +318,7 @@ void NodeSearch::mesh( const Obstacle& obstacle )
 	Box box{ whole.mins() + impl.shape->sweepLow(), whole.maxs() + impl.shape->sweepHigh() };
 	box.stretchAlong( toBt( -m_step * m_motion.linear ) );
 	box.move( -cornerReach(), cornerReach() );
+	box.widen( overhang() );
 	const Vec3d centre = toVec3d( box.low + box.high ) / 2.0 + impl.shapeShift.cast<double>();
 	const Vec3d half = toVec3d( box.high - box.low ) / 2.0;
 	const Vec3d reach = obstacle.basis.transpose().cwiseAbs() * half;
@@ -363,47 +352,21 @@ void NodeSearch::triangle( const Obstacle& mesh, const Vec3d ( &corners )[3] )
 	Box box{ toBt( corners[0].cwiseMin( corners[1] ).cwiseMin( corners[2] ) - shift ), toBt( corners[0].cwiseMax( corners[1] ).cwiseMax( corners[2] ) - shift ) };
 	box.stretchAlong( toBt( m_step * m_motion.linear ) );
 	box.stretchAgainst( *impl.shape );
+	box.widen( overhang() );
 	const TerrainSide ground( mesh, corners, *impl.shape, shift );
 	box.stretchAlong( toBt( ground.wayDown() ) );
 	const Spheres spheres( *this );
+	const auto nearest = [&corners]( const MovingSphere& sphere, Touch& found ) { return findNearest( corners, sphere, found ); };
+	const auto find = [&corners]( const MovingSphere& sphere, Touch& found ) { return findTouch( corners, sphere, found ); };
 	impl.shape->rows().visitOverlaps( SphereRows::Box::of( box.low, box.high ), [&]( int node ) {
 		Touch touch;
 		const MovingSphere sphere = spheres.of( node );
-		if ( ground.holds( sphere.centre, touch ) || ( findTouch( corners, sphere, touch ) && ground.allows( sphere.centre, touch ) ) )
+		if ( ground.holds( sphere.centre, touch ) || ( touches( node, sphere, nearest, find, touch ) && ground.allows( sphere.centre, touch ) ) )
 		{
 			m_hits.push_back( NodeHit{ std::uint64_t( node ) << 32 | m_leaf, touch, mesh.part, mesh.index } );
 		}
 	} );
-	foreseeIn( box.low, box.high, [&corners]( const MovingSphere& sphere, Touch& found ) { return findTouch( corners, sphere, found ); } );
-}
-
-// A sphere on a flat mesh is nearest to one triangle's face and to its neighbours' edges. An edge that does not stand out of the plane
-// of a nearer touch is no obstacle of its own: left in, it would trip the node at every seam.
-void NodeSearch::keepFlatNeighboursOut()
-{
-	const SoftBody::Impl& impl = m_soft->impl();
-	std::size_t kept = 0, groupStart = 0;
-	for ( std::size_t k = 0; k < m_hits.size(); ++k )
-	{
-		const NodeHit hit = m_hits[k];
-		if ( kept == 0 || m_hits[kept - 1].key != hit.key )
-		{
-			groupStart = kept;
-		}
-		bool isNew = kept - groupStart < MANIFOLD_CACHE_SIZE;
-		for ( std::size_t g = groupStart; isNew && g < kept; ++g )
-		{
-			// Points relative to the centre: p = - distance * normal.
-			const Touch& nearer = m_hits[g].touch;
-			const Vec3d apart = nearer.distance * nearer.normal - hit.touch.distance * hit.touch.normal;
-			isNew = apart.dot( nearer.normal ) > kContactSlop * double( impl.shape->sphereOfNode( hit.node() )->getRadius() );
-		}
-		if ( isNew )
-		{
-			m_hits[kept++] = hit;
-		}
-	}
-	m_hits.resize( kept );
+	foreseeIn( box.low, box.high, find );
 }
 
 } // namespace pliant

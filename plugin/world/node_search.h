@@ -19,6 +19,7 @@ struct btCollisionObjectWrapper;
 
 namespace pliant {
 
+class ContactSurface;
 class SoftBody;
 
 struct NodeHit
@@ -72,10 +73,13 @@ private:
 	void solid( const Obstacle& obstacle );
 	void mesh( const Obstacle& obstacle );
 	void triangle( const Obstacle& mesh, const Vec3d ( &corners )[3] );
+	template <class Nearest, class Find>
+	bool touches( int node, const MovingSphere& sphere, const Nearest& nearest, const Find& find, Touch& touch ) const;
 	template <class Find>
 	void touchMarked( const Obstacle& obstacle, btScalar size, const Find& find );
 	void noteNear( int node, btScalar size ) const;
 	btVector3 cornerReach() const;
+	double overhang() const; ///< of its surface, m
 	template <class Find>
 	void foresee( int node, const Find& find ) const;
 	template <class Find>
@@ -87,6 +91,7 @@ private:
 
 	Characters m_characters;
 	const SoftBody* m_soft = nullptr;
+	const ContactSurface* m_surface = nullptr; ///< null: it is met in its nodes' own spheres
 	double m_step = 0.0;
 	bool m_notesNear = false; ///< the body refines on contact
 	bool m_looksAhead = false; ///< the body steps implicitly, and its speeds at the substep's start are known

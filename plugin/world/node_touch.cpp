@@ -100,11 +100,14 @@ bool nearestOnConvex( const Obstacle& obstacle, const MovingSphere& sphere, Touc
 	input.m_transformB = obstacle.transform();
 	NearestPair pair;
 	detector.getClosestPoints( input, pair, nullptr );
-	touch = Touch{ toEigen( pair.normal ), double( pair.distance ) + sphere.radius };
+	const double radius = sphere.scale > 0.0 ? double( sphere.shape->getRadius() ) : sphere.radius;
+	touch = Touch{ toEigen( pair.normal ), double( pair.distance ) + radius };
 	return pair.isFound;
 }
 
-bool nearest( const Obstacle& obstacle, const MovingSphere& sphere, Touch& touch )
+} // namespace
+
+bool findNearest( const Obstacle& obstacle, const MovingSphere& sphere, Touch& touch )
 {
 	const Vec3d p = obstacle.toLocal( sphere.centre );
 	switch ( obstacle.shape->getShapeType() )
@@ -136,6 +139,8 @@ bool nearest( const Obstacle& obstacle, const MovingSphere& sphere, Touch& touch
 	touch.normal = obstacle.basis * touch.normal;
 	return true;
 }
+
+namespace {
 
 /// The point of a triangle nearest to p (Ericson, Real-Time Collision Detection, section 5.1.5: which of the seven regions p lies in).
 Vec3d nearestInTriangle( const Vec3d ( &c )[3], const Vec3d& p )
@@ -194,7 +199,7 @@ bool sweep( const MovingSphere& sphere, Touch& touch, const Find& find )
 			return false;
 		}
 		const double approach = -sphere.way.dot( touch.normal ), room = touch.distance - sphere.radius;
-		if ( room <= kContactSlop * sphere.radius )
+		if ( room <= kContactSlop * sphere.measure() )
 		{
 			break;
 		}
@@ -216,7 +221,7 @@ bool findConvexTouch( const MovingSphere& sphere, Touch& touch, const Find& find
 	{
 		return false;
 	}
-	if ( touch.distance <= sphere.radius * ( 1.0 + kContactSlop ) || !sphere.isFast() )
+	if ( touch.distance <= sphere.touching() || !sphere.isFast() )
 	{
 		return sphere.reaches( touch.normal, touch.distance );
 	}
@@ -235,7 +240,7 @@ btTransform Obstacle::transform() const
 
 bool findTouch( const Obstacle& obstacle, const MovingSphere& sphere, Touch& touch )
 {
-	const auto find = [&obstacle]( const MovingSphere& at, Touch& found ) { return nearest( obstacle, at, found ); };
+	const auto find = [&obstacle]( const MovingSphere& at, Touch& found ) { return findNearest( obstacle, at, found ); };
 	if ( !obstacle.shape->isConvex() )
 	{
 		return find( sphere, touch ) && sphere.reaches( touch.normal, touch.distance );
@@ -248,7 +253,7 @@ bool lookAhead( const Obstacle& then, const MovingSphere& sphere, const Ahead& a
 	MovingSphere there = sphere;
 	there.centre += ahead.to;
 	Touch found;
-	if ( !nearest( then, there, found ) )
+	if ( !findNearest( then, there, found ) )
 	{
 		return true;
 	}
@@ -275,7 +280,7 @@ const double FarPlane::kGrown = ( 1.0 + kContactSlop ) * ( 1.0 + kFarSlack );
 bool findBallTouch( double radius, const Vec3d& at, const MovingSphere& sphere, Touch& touch )
 {
 	const Vec3d apart = sphere.centre - at;
-	const double touching = sphere.radius * ( 1.0 + kContactSlop ) + radius;
+	const double touching = sphere.touching() + radius;
 	const double square = apart.squaredNorm();
 	if ( square > touching * touching )
 	{
@@ -294,10 +299,13 @@ bool findBallTouch( double radius, const Vec3d& at, const MovingSphere& sphere, 
 
 bool findTouch( const Vec3d ( &corners )[3], const MovingSphere& sphere, Touch& touch )
 {
-	return findConvexTouch( sphere, touch, [&corners]( const MovingSphere& now, Touch& found ) {
-		found = fromCore( now.centre - nearestInTriangle( corners, now.centre ), 0.0 );
-		return true;
-	} );
+	return findConvexTouch( sphere, touch, [&corners]( const MovingSphere& now, Touch& found ) { return findNearest( corners, now, found ); } );
+}
+
+bool findNearest( const Vec3d ( &corners )[3], const MovingSphere& sphere, Touch& touch )
+{
+	touch = fromCore( sphere.centre - nearestInTriangle( corners, sphere.centre ), 0.0 );
+	return true;
 }
 
 } // namespace pliant

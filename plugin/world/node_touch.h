@@ -36,21 +36,33 @@ struct MovingSphere
 	Vec3d way = Vec3d::Zero(); ///< what the node moves in this step against the obstacle, m
 	double radius = 0.0;       ///< m
 	const btSphereShape* shape = nullptr;
+	double scale = 0.0;        ///< m, that slack and fast motion are measured by; 0: the radius
 
+	double measure() const { return scale > 0.0 ? scale : radius; }
+	/// So near counts as touching.
+	double touching() const { return scale > 0.0 ? radius + kContactSlop * scale : radius * ( 1.0 + kContactSlop ); }
 	/// The nearest touch counts when the sphere touches it, nearly touches it, or comes that far in this step.
-	bool reaches( const Vec3d& normal, double distance ) const
-	{
-		return distance <= radius * ( 1.0 + kContactSlop ) + std::max( 0.0, -normal.dot( way ) );
-	}
+	bool reaches( const Vec3d& normal, double distance ) const { return distance <= touching() + std::max( 0.0, -normal.dot( way ) ); }
 	/// It moves so far that the place it is nearest to now need not be the place it hits.
-	bool isFast() const { return way.squaredNorm() > kFastShare * kFastShare * radius * radius; }
+	bool isFast() const { return way.squaredNorm() > kFastShare * kFastShare * measure() * measure(); }
 };
 
 struct Touch
 {
 	Vec3d normal = Vec3d::Zero(); ///< out of the obstacle, towards the node
 	double distance = 0.0;        ///< of the node's centre from the surface it meets, along the normal, m; negative inside
+	Vec3d aside = Vec3d::Zero();  ///< from the node's line along the normal to the point of the body's surface that touches, m (contact_surface.h)
+	double reach = -1.0;          ///< of that point from the node's centre against the normal, m; negative: it is the node's own sphere's
+
+	/// From the node's centre to the points that touch, of the body and of what it meets. `radius`: of the node's own sphere, m.
+	Vec3d ownPoint( double radius ) const { return aside - ( reach < 0.0 ? radius : reach ) * normal; }
+	Vec3d otherPoint( double radius ) const { return aside - ( ( reach < 0.0 ? 0.0 : reach - radius ) + distance ) * normal; }
 };
+
+/// The point of a plane or a convex shape nearest to a sphere's centre, as a touch. False where the shape is neither.
+bool findNearest( const Obstacle& obstacle, const MovingSphere& sphere, Touch& touch );
+/// The same of a triangle; corners relative to the soft body's origin.
+bool findNearest( const Vec3d ( &corners )[3], const MovingSphere& sphere, Touch& touch );
 
 /// The touch of a sphere with a plane or a convex shape in this step. False when it meets nothing.
 bool findTouch( const Obstacle& obstacle, const MovingSphere& sphere, Touch& touch );

@@ -18,28 +18,27 @@ bool meetRound( const SoftBody& a, const SoftBody& b )
 	const auto isRound = []( const SoftBody& body ) {
 		const SoftBody::Impl& impl = body.impl();
 		// What came apart has faces that fit into each other cell by cell.
-		return impl.isImplicit && impl.body->implicit() && !impl.body->levels() && !impl.family && impl.fractureVersion == 0;
+		return impl.isImplicit && impl.body->implicit() && !impl.body->levels() && !impl.family && impl.fractureVersion == 0 && !impl.isMetAsDrawn();
 	};
 	return &a != &b && isRound( a ) && isRound( b );
 }
 
 RoundSphere roundSphere( const SoftBody& body, int node, const Vec3d& towards )
 {
-	const OpenFaces& faces = body.impl().body->implicit()->openFaces( body.impl().body->lattice() );
+	const std::array<std::int32_t, 6>& beside = body.impl().surfaceNow().beside()[std::size_t( node )];
 	const NodeState& nodes = body.impl().body->nodes();
 	RoundSphere round;
-	const std::uint32_t first = faces.start[std::size_t( node )], last = faces.start[std::size_t( node ) + 1];
-	if ( first == last )
-	{
-		return round;
-	}
 	// The open face that looks there most. Where none does, the sphere is the node's own, and between it becomes so by and by.
 	double most = kLeastLook;
 	const Vec3d at = nodes.x.get( node ).cast<double>();
 	const double distance2 = towards.squaredNorm();
-	for ( std::uint32_t face = first; face < last; ++face )
+	for ( std::size_t side = 0; side < beside.size(); ++side )
 	{
-		const int inner = int( faces.inner[face] );
+		const int inner = beside[side];
+		if ( inner < 0 || beside[side ^ 1] >= 0 )
+		{
+			continue; // nothing behind it, or no open face in front
+		}
 		const Vec3d inwards = nodes.x.get( inner ).cast<double>() - at;
 		const double along = -inwards.dot( towards ), both2 = inwards.squaredNorm() * distance2;
 		if ( !( along > 0.0 && along * along > most * most * both2 ) || nodes.freedom[inner] == 0.0f )

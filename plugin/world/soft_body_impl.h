@@ -11,6 +11,7 @@
 #include "surface/skinning.h"
 #include "world/born_inside.h"
 #include "world/constants.h"
+#include "world/contact_surface.h"
 #include "world/implicit_choice.h"
 #include "world/node_body.h"
 #include "world/node_contacts.h"
@@ -176,6 +177,7 @@ struct SoftBody::Impl
 	mutable std::vector<Near> nearby;
 	std::vector<NodeBody*> touched;    ///< those that are not null
 	NodeSurface surface;               ///< of stand-ins
+	mutable ContactSurface contactSurface; ///< ask surfaceNow()
 	mutable std::vector<float> nodeAxes; ///< rotations at the nodes (Body::nodeRotations), of bodies with friction by direction only
 	mutable SkinBuffers skin;
 	RestPlace rest;
@@ -196,6 +198,15 @@ struct SoftBody::Impl
 		const Vec3Array& v = body->nodes().v;
 		return btVector3( v.x[node], v.y[node], v.z[node] );
 	}
+	/// Of the lattice as it is now.
+	const ContactSurface& surfaceNow() const
+	{
+		contactSurface.follow( *body, numbering + fractureVersion );
+		return contactSurface;
+	}
+	/// What touches it meets patches of its drawn surface: of a body that steps implicitly. Bullet's solver, which serves explicit ones, knows bodies, not nodes that
+	/// share a contact.
+	bool isMetAsDrawn() const { return isImplicit && !body->lattice().patch.empty() && surfaceNow().hasPatches(); }
 	bool hasNode( int node ) const { return node >= 0 && node < body->nodeCount(); }
 	/// What rests on the body or holds it up wakes: the body is about to move in a way that contacts do not see coming.
 	void wakeTouching( const SoftBody& owner ) const;

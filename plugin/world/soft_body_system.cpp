@@ -213,7 +213,9 @@ bool SoftBodySystem::sweepBox( SoftBody& body, btScalar h ) const
 	{
 		return false;
 	}
-	impl.shape->setSweep( h * toBt( low.cast<double>() ), h * toBt( high.cast<double>() ) );
+	const btScalar overhang = impl.isMetAsDrawn() ? btScalar( impl.surfaceNow().overhang() ) : btScalar( 0 );
+	const btVector3 around( overhang, overhang, overhang );
+	impl.shape->setSweep( h * toBt( low.cast<double>() ) - around, h * toBt( high.cast<double>() ) + around );
 	return true;
 }
 

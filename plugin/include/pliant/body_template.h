@@ -70,6 +70,10 @@ struct LatticeSettings
 
 	Skinning skinning = Skinning::NearbyNodes;
 
+	/// What touches a body that steps implicitly meets the drawn surface instead of one ball a cell, where that is smooth: small things lie on it, a ball rolls
+	/// (docs/design/contacts.md). Bodies that step explicitly, levels of detail, edges, thin parts and crack faces keep the balls. Costs 24 bytes a cell.
+	bool contactSurface = false;
+
 	/// The faces that cracks show. They are made when the first body of the template is allowed to break, or is cut, and not before.
 	CrackSettings cracks;
 

@@ -1,0 +1,79 @@
+// The drawn surface in front of the cells: what touches a body touches that, however the cells fill it.
+
+#include "lattice_checks.h"
+
+#include <cmath>
+
+namespace pliant::test {
+namespace {
+
+/// A cell's node in the mesh's coordinates, m.
+Vec3d nodeOf( const Lattice& lattice, std::size_t cell )
+{
+	return lattice.restCentre[cell].cast<double>() + lattice.massCentre;
+}
+
+LatticeSettings drawn( float cell )
+{
+	LatticeSettings settings = cellsOf( cell );
+	settings.contactSurface = true;
+	return settings;
+}
+
+// Cells of a ball's surface are full, half full or nearly empty: as balls of their own they stand up to a seventh of a cell out of it. Patches are pieces of
+// one sphere, whatever the cell holds.
+TEST( ContactPatches, OfABallAreItsSurface )
+{
+	const Lattice lattice = built( makeSphere( 0.4, 60, 120 ), drawn( 0.06f ) ).lattice;
+	int count = 0, surface = 0;
+	for ( std::size_t i = 0; i < lattice.patch.size(); ++i )
+	{
+		const ContactPatch& patch = lattice.patch[i];
+		surface += lattice.isSurface[i];
+		if ( patch.radius > 0.0f )
+		{
+			++count;
+			const Vec3d normal = patch.normal.cast<double>(), node = nodeOf( lattice, i );
+			EXPECT_NEAR( ( node + double( patch.height ) * normal ).norm(), 0.4, 0.02 * 0.06 );
+			EXPECT_LT( ( node - double( patch.radius - patch.height ) * normal ).norm(), 0.1 * 0.06 );
+		}
+	}
+	EXPECT_GT( count, 0.8 * surface );
+}
+
+// At its edges and corners there is no one sphere that fits.
+TEST( ContactPatches, OfABoxAreFlatAndEndAtItsEdges )
+{
+	const Lattice lattice = built( makeBox( { 0, 0, 0 }, { 1, 1, 1 } ), drawn( 0.1f ) ).lattice;
+	ASSERT_EQ( int( lattice.patch.size() ), lattice.cellCount() );
+	for ( std::size_t i = 0; i < lattice.patch.size(); ++i )
+	{
+		const Eigen::Array3i at = lattice.coordinate[i].cast<int>().array();
+		const int sides = int( ( at == 0 || at == 9 ).count() );
+		const ContactPatch& patch = lattice.patch[i];
+		ASSERT_EQ( patch.radius > 0.0f, sides == 1 ) << at.transpose();
+		if ( sides == 1 )
+		{
+			EXPECT_NEAR( patch.height, 0.05, 1e-4 );
+			EXPECT_NEAR( patch.normal.cwiseAbs().maxCoeff(), 1.0, 1e-4 );
+			EXPECT_GT( patch.radius, 0.79f );
+		}
+	}
+}
+
+// A wall one cell thick has a surface on both sides of each node, and a sheet has no inside: their nodes' own spheres do.
+TEST( ContactPatches, AreNotInThinParts )
+{
+	for ( const Lattice& lattice : { built( makeBox( { 0, 0, 0 }, { 1, 1, 0.1 } ), drawn( 0.1f ) ).lattice, built( makeSphere( 0.02, 8, 8 ), drawn( 0.06f ) ).lattice } )
+	{
+		EXPECT_TRUE( std::all_of( lattice.patch.begin(), lattice.patch.end(), []( const ContactPatch& patch ) { return patch.radius == 0.0f; } ) );
+	}
+}
+
+TEST( ContactPatches, AreThereWhereTheyAreAskedFor )
+{
+	EXPECT_TRUE( built( makeBox( { 0, 0, 0 }, { 1, 1, 1 } ), cellsOf( 0.1f ) ).lattice.patch.empty() );
+}
+
+} // namespace
+} // namespace pliant::test
