@@ -1,7 +1,7 @@
 #pragma once
 
 // What touches see of a soft body's surface: in front of most of its nodes the sphere that fits the drawn surface there (ContactPatch) instead of the node's own, and
-// for any point of it the nodes that share it. docs/contacts.md.
+// for any point of it the nodes that share it. docs/design/contacts.md.
 
 #include "lattice/axis_neighbours.h"
 #include "lattice/lattice.h"
