@@ -1,6 +1,7 @@
 // From a mesh of about 50 000 triangles to about 20 000 cells: what a loading screen waits for.
 
 #include "lattice/build_lattice.h"
+#include "lattice/hostile_meshes.h"
 #include "pliant/task_runner.h"
 
 #include <benchmark/benchmark.h>
@@ -72,5 +73,28 @@ void buildBumpySphere( benchmark::State& state )
 }
 
 BENCHMARK( buildBumpySphere )->ArgNames( { "threads", "open" } )->Args( { 1, 0 } )->Args( { 2, 0 } )->Args( { 2, 1 } )->Unit( benchmark::kMillisecond )->UseRealTime();
+
+// Each malformed mesh of the tests' corpus, whatever comes of it.
+void buildHostileMesh( benchmark::State& state, const pliant::test::HostileMesh& hostile )
+{
+	const pliant::test::Mesh mesh = hostile.make();
+	pliant::LatticeSettings settings;
+	settings.cellSize = hostile.cellSize;
+	settings.shell = hostile.shell;
+	for ( auto _ : state )
+	{
+		benchmark::DoNotOptimize( pliant::buildLattice( mesh.view(), settings ) );
+	}
+	state.SetLabel( hostile.name );
+}
+
+[[maybe_unused]] const bool kHostileAreRegistered = [] {
+	for ( const pliant::test::HostileMesh& hostile : pliant::test::hostileMeshes() )
+	{
+		benchmark::RegisterBenchmark( ( "buildHostileMesh/" + hostile.name ).c_str(), [hostile]( benchmark::State& state ) { buildHostileMesh( state, hostile ); } )
+			->Unit( benchmark::kMillisecond );
+	}
+	return true;
+}();
 
 } // namespace

@@ -1,4 +1,5 @@
-// Each hostile mesh gives a valid lattice or a clear error, within a second and 256 MB.
+// Each hostile mesh gives a valid lattice or a clear error, within 256 MB and a bounded time. What each takes is measured by pliant_bench
+// (buildHostileMesh), not here: the limit below only catches a search whose time has become quadratic.
 
 #include "hostile_meshes.h"
 #include "lattice_checks.h"
@@ -30,7 +31,7 @@ constexpr bool kCounts = false;
 constexpr double kSecondsAllowed = 30.0;
 #else
 	#ifdef NDEBUG
-constexpr double kSecondsAllowed = 1.0;
+constexpr double kSecondsAllowed = 8.0;
 	#else
 constexpr double kSecondsAllowed = 15.0;
 	#endif
@@ -130,17 +131,10 @@ TEST_P( Hostile, GivesABodyOrAClearError )
 	g_peak = g_live.load();
 	const std::size_t before = g_live;
 	// Processor time: the build runs on this thread alone, and a busy machine must not fail the test.
-	std::clock_t start = std::clock();
+	const std::clock_t start = std::clock();
 	const Result<LatticeBuild> result = buildLattice( mesh.view(), settings );
-	double seconds = double( std::clock() - start ) / CLOCKS_PER_SEC;
+	const double seconds = double( std::clock() - start ) / CLOCKS_PER_SEC;
 	const std::size_t bytes = g_peak - before;
-	for ( int again = 0; again < 2 && seconds >= kSecondsAllowed; ++again )
-	{
-		// What shares the processor's caches slows it by a third at times: the best of three is the build's own.
-		start = std::clock();
-		(void)buildLattice( mesh.view(), settings );
-		seconds = std::min( seconds, double( std::clock() - start ) / CLOCKS_PER_SEC );
-	}
 
 	EXPECT_STREQ( toString( result.status.code ), toString( hostile.expected ) ) << result.status.sentence;
 	EXPECT_EQ( result.ok(), result.status.sentence.empty() );
