@@ -130,13 +130,12 @@ inline constexpr int kLeastCellsPerPart = 8;
 
 /// Patches of the drawn surface (contact_patches.h). So many points along a cell's edge are looked at, of so many triangles at most; they count up to this distance
 /// from the node, cells, and where they look the way the patch does by this cosine at least.
-inline constexpr double kPatchDensity = 4.0;
+inline constexpr double kPatchSampleDensity = 4.0;
 inline constexpr std::size_t kMostPatchTriangles = 30000;
-inline constexpr double kPatchNear = 1.75;
-inline constexpr int kPatchCells = 3;
-inline constexpr double kLeastPatchLook = 0.7;
+inline constexpr double kPatchFitRadius = 1.75;
+inline constexpr double kLeastPatchCosine = 0.7;
 /// How long the mean normal of those within this distance must be: at a right-angled edge it is 0.71, on a ball of three cells' radius 0.96.
-inline constexpr double kPatchLooks = 1.25;
+inline constexpr double kPatchNormalRadius = 1.25;
 inline constexpr double kLeastPatchAgreement = 0.9;
 /// Fits of a patch, each with the normal that the last one found; and what is added to the equations, so that a few points in a line still have an answer.
 inline constexpr int kPatchFits = 3;

@@ -39,7 +39,7 @@ std::vector<Sample> sampleSurface( const WeldedMesh& mesh, const Grid& grid )
 		{
 			continue;
 		}
-		visitTriangle( corner, kPatchDensity, [&]( const Vec3d& point, double area ) {
+		visitTriangle( corner, kPatchSampleDensity, [&]( const Vec3d& point, double area ) {
 			const Eigen::Vector3i at = positionOfPoint( grid, point );
 			if ( area > 0.0 )
 			{
@@ -60,7 +60,8 @@ public:
 	void gather( const Eigen::Vector3i& cell, const Vec3d& node )
 	{
 		m_near.clear();
-		const Eigen::Vector3i low = ( cell.array() - kPatchCells ).max( 0 ), high = ( cell.array() + kPatchCells ).min( m_grid.extent.array() - 1 );
+		constexpr int kReach = int( kPatchFitRadius ) + 1; // cells: the node is in its own
+		const Eigen::Vector3i low = ( cell.array() - kReach ).max( 0 ), high = ( cell.array() + kReach ).min( m_grid.extent.array() - 1 );
 		for ( int z = low.z(); z <= high.z(); ++z )
 		{
 			for ( int y = low.y(); y <= high.y(); ++y )
@@ -77,7 +78,7 @@ public:
 		double weight = 0.0;
 		for ( const auto& [sample, share] : m_near )
 		{
-			const double near = 1.0 - ( sample->point - node ).squaredNorm() / ( kPatchLooks * kPatchLooks );
+			const double near = 1.0 - ( sample->point - node ).squaredNorm() / ( kPatchNormalRadius * kPatchNormalRadius );
 			if ( near > 0.0 )
 			{
 				sum += sample->area * near * near * sample->normal;
@@ -103,7 +104,7 @@ public:
 		const double before = out.height;
 		for ( const auto& [sample, share] : m_near )
 		{
-			if ( sample->normal.dot( n ) <= kLeastPatchLook )
+			if ( sample->normal.dot( n ) <= kLeastPatchCosine )
 			{
 				continue;
 			}
@@ -133,7 +134,7 @@ private:
 		for ( ; sample != m_samples.end() && sample->key <= last; ++sample )
 		{
 			const Vec3d p = sample->point - node;
-			const double near = 1.0 - p.squaredNorm() / ( kPatchNear * kPatchNear );
+			const double near = 1.0 - p.squaredNorm() / ( kPatchFitRadius * kPatchFitRadius );
 			if ( near > 0.0 && p.dot( sample->normal ) > 0.0 )
 			{
 				m_near.emplace_back( &*sample, sample->area * near * near );

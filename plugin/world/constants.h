@@ -79,14 +79,14 @@ inline constexpr btScalar kRoundRoom = btScalar( 0.2 );
 
 /// A body's surface as what touches it sees it (contact_surface.h). How far aside of a node's line its patch answers, cells: on a face cut at 45 degrees the nodes
 /// behind it are 1.4 cells apart, and no point of it is further from all of them.
-inline constexpr double kPatchAside = 0.9;
+inline constexpr double kPatchHalfWidth = 0.9;
 /// What is less curved than a sphere of this radius is flat, cells.
 inline constexpr double kFlatRadius = 7.5;
 /// Sine of the angle with its normal below which a patch touches flat things on the node's line, so that a face that rests on another has contacts of few nodes; what has
 /// the same normal wherever it is asked, by this cosine, is flat.
 inline constexpr double kFlatSine = 0.02, kSameNormal = 1.0 - 1e-9;
 /// Cosine of the angle between a patch's normal and what it answers for; further aside the node's own sphere does.
-inline constexpr double kPatchLook = 0.5;
+inline constexpr double kLeastContactCosine = 0.5;
 /// What is deeper in a patch than this, cells, is on the other side of a thin body, or so deep that nodes meet it one by one: the sphere is tried at this share of its depth.
 inline constexpr double kPatchDepth = 0.75, kPatchRetreat = 0.25;
 /// Spheres tried; and how much further aside than it should be one may touch, as a share of the most.
@@ -94,7 +94,7 @@ inline constexpr int kPatchRounds = 4;
 inline constexpr double kPatchTolerance = 0.05;
 /// Two patches answer for each other where their nodes' lines are no further aside than this, cells of the larger kind; and how much further apart than their own spheres touch
 /// nodes may be then, cells.
-inline constexpr double kPatchPairs = 0.72, kPatchRoom = 0.25;
+inline constexpr double kPatchPairDistance = 0.72, kPatchPairMargin = 0.25;
 /// Where the cells around a node have less than this share of their volume at rest, it has no patch.
 inline constexpr double kLeastPatchVolume = 0.2;
 /// Nodes share a point where the steps to them span at least this share of the box of their lengths, and none has more of it than this.

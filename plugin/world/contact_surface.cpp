@@ -88,7 +88,7 @@ double ContactSurface::rollingRadius( const NodeState& nodes, int node, const Ve
 	}
 	const double cosine = patch.normal.dot( outwards ), sine = std::sqrt( std::max( 0.0, 1.0 - cosine * cosine ) );
 	const double aside = ( patch.radius - patch.height ) * sine;
-	return sine > kFlatSine && cosine > kPatchLook && aside < kPatchAside * m_cellSize ? patch.radius : 0.0;
+	return sine > kFlatSine && cosine > kLeastContactCosine && aside < kPatchHalfWidth * m_cellSize ? patch.radius : 0.0;
 }
 
 bool ContactSurface::axesOf( const NodeState& nodes, int node, const Vec3d& along, Axes& axes ) const

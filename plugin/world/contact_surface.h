@@ -63,14 +63,13 @@ private:
 /// What a patch says of an obstacle.
 enum class PatchAnswer : int
 {
-	Own,   ///< nothing: it does not look there; the node's own sphere may touch
-	Clear, ///< it does not touch
+	UseSphere, ///< the patch does not face the obstacle; the node's own sphere may touch it
+	Clear,     ///< it does not touch
 	Touches
 };
 
-/// Where a patch touches an obstacle. `nearest( sphere, touch )`: the nearest point to the sphere's centre, and the way out; `find( sphere, touch )`: what findTouch says
-/// of it. The answer is that of the node's own
-/// sphere that would be as near (Touch::distance), and where on the surface it is (Touch::aside, Touch::reach).
+/// Where a patch touches an obstacle. `nearest( sphere, touch )`: what findNearest says of a sphere; `find( sphere, touch )`: what findTouch says. The distance is that of the
+/// node's own sphere that would be as near (Touch::distance), and Touch::aside and Touch::reach say where on the surface the point is.
 ///
 /// The patch is a sphere of radius R, its centre R - h behind the node, h the height of the surface. Against something in a direction whose angle with the normal has
 /// the sine s it touches ( R - h ) s aside of the node's line; so that it does not answer for what is in front of other nodes, there is a smaller sphere where that is
@@ -79,7 +78,7 @@ template <class Nearest, class Find>
 PatchAnswer findPatchTouch(
 	const ContactSurface::Patch& patch, double cellSize, const MovingSphere& own, const Nearest& nearest, const Find& find, Touch& touch )
 {
-	const double flat = patch.radius - patch.height, most = kPatchAside * cellSize;
+	const double flat = patch.radius - patch.height, most = kPatchHalfWidth * cellSize;
 	MovingSphere sphere = own;
 	double inwards = flat;
 	for ( int round = 0; round < kPatchRounds; ++round )
@@ -87,7 +86,7 @@ PatchAnswer findPatchTouch(
 		sphere.centre = own.centre - inwards * patch.normal;
 		if ( !nearest( sphere, touch ) )
 		{
-			return PatchAnswer::Own;
+			return PatchAnswer::UseSphere;
 		}
 		const double cosine = -patch.normal.dot( touch.normal );
 		if ( touch.distance < inwards + patch.height - kPatchDepth * cellSize )
@@ -95,9 +94,9 @@ PatchAnswer findPatchTouch(
 			inwards *= kPatchRetreat; // its centre may be on the other side of a thin body
 			continue;
 		}
-		if ( cosine < kPatchLook )
+		if ( cosine < kLeastContactCosine )
 		{
-			return PatchAnswer::Own;
+			return PatchAnswer::UseSphere;
 		}
 		const double sine = std::sqrt( std::max( 0.0, 1.0 - cosine * cosine ) );
 		if ( sine < kFlatSine && inwards > 0.0 )
@@ -126,9 +125,9 @@ PatchAnswer findPatchTouch(
 				return PatchAnswer::Clear;
 			}
 			const double then = -patch.normal.dot( touch.normal );
-			if ( then < kPatchLook || inwards * std::sqrt( std::max( 0.0, 1.0 - then * then ) ) > most * ( 1.0 + kPatchTolerance ) )
+			if ( then < kLeastContactCosine || inwards * std::sqrt( std::max( 0.0, 1.0 - then * then ) ) > most * ( 1.0 + kPatchTolerance ) )
 			{
-				return PatchAnswer::Own;
+				return PatchAnswer::UseSphere;
 			}
 		}
 		// The plane there is n.( y - q ) = 0; the node is D - ( c - x ).n from it, and the sphere's foremost point is R + ( c - x ).n nearer.
@@ -138,7 +137,7 @@ PatchAnswer findPatchTouch(
 		touch.distance += own.radius - ( inwards + patch.height );
 		return own.reaches( touch.normal, touch.distance ) ? PatchAnswer::Touches : PatchAnswer::Clear;
 	}
-	return PatchAnswer::Own;
+	return PatchAnswer::UseSphere;
 }
 
 } // namespace pliant

@@ -38,7 +38,6 @@ struct BlockContact
 	Vec3d before = Vec3d::Zero();   ///< relative speed at the substep's start, m/s
 	double target = 0.0;            ///< b: speed of parting that is asked for at least, m/s
 	double parting = 0.0;           ///< the same, if it did not bounce
-	double rolling = 0.0;           ///< of it: what a point of a rolling body lags behind its surface, m/s
 	double friction = 0.0;          ///< mu
 	bool isDrawn = false;           ///< with a body's drawn surface, whose points several nodes share
 	int directed = -1;              ///< among the block's directions; -1: friction is the same in all
@@ -232,7 +231,7 @@ private:
 		return { m_clusterRoom.data() + cluster.room, 3 * cluster.count, 3 * cluster.count };
 	}
 	void beginClusters();
-	void addToClusters( const BlockContact& contact );
+	void addToClusters( const BlockContact& contact, const Eigen::Matrix3d& resists );
 	void invertClusters();
 	/// Floats of a column of an inverse: whole fours.
 	static constexpr int columnOf( int count ) { return ( 3 * count + 3 ) / 4 * 4; }

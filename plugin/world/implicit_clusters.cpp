@@ -139,19 +139,30 @@ void ImplicitBlock::beginClusters()
 }
 
 // What lies between two clusters is left out, so each stays positive.
-void ImplicitBlock::addToClusters( const BlockContact& contact )
+void ImplicitBlock::addToClusters( const BlockContact& contact, const Eigen::Matrix3d& resists )
 {
 	const Touched touched = touchedBy( contact );
-	const Eigen::Matrix3d both = resistance( contact ), press = contact.stiffness * contact.normal * contact.normal.transpose(), rub = both - press;
+	// Where nodes share what presses otherwise than what rubs, by so much more in the direction of the normal.
+	Eigen::Matrix3d press = Eigen::Matrix3d::Zero();
+	if ( contact.isDrawn )
+	{
+		press = contact.stiffness * contact.normal * contact.normal.transpose();
+	}
 	for ( int a = 0; a < touched.count; ++a )
 	{
 		for ( int b = 0; b < touched.count; ++b )
 		{
 			const NodeBlock &one = m_nodeBlocks[std::size_t( touched.block[a] )], &other = m_nodeBlocks[std::size_t( touched.block[b] )];
-			if ( one.cluster == other.cluster )
+			if ( one.cluster != other.cluster )
 			{
-				matrixOf( m_clusters[std::size_t( one.cluster )] ).block<3, 3>( 3 * one.slot, 3 * other.slot ) += contact.isDrawn ? Eigen::Matrix3d( ( touched.press[a] * touched.press[b] ) * press + ( touched.rub[a] * touched.rub[b] ) * rub ) :
-																													  Eigen::Matrix3d( ( touched.rub[a] * touched.rub[b] ) * both );
+				continue;
+			}
+			const double rubs = touched.rub[a] * touched.rub[b];
+			auto piece = matrixOf( m_clusters[std::size_t( one.cluster )] ).block<3, 3>( 3 * one.slot, 3 * other.slot );
+			piece += rubs * resists;
+			if ( contact.isDrawn )
+			{
+				piece += ( touched.press[a] * touched.press[b] - rubs ) * press;
 			}
 		}
 	}

@@ -160,8 +160,9 @@ Vec3d shareOnSurface( const NodeBody* const ( &nodes )[2], const btManifoldPoint
 	return acts;
 }
 
-/// A body that turns has its nodes move along chords: what rolls on a sphere of radius R comes ( h w )^2 R / 2 nearer to what it rolls on in a step than a point of
-/// it does, w its angular velocity along that. Without this a rolling body sinks and is lifted again, which costs its energy.
+/// The velocity, m/s, by which the surface of a rolling sphere lags behind the velocities of its nodes: they move along chords, so that a sphere of radius R and angular
+/// velocity w comes ( h w )^2 R / 2 nearer to what it rolls on in a step of h than the point of it that touches. Without this a rolling body sinks and is lifted again,
+/// which costs its energy.
 double rolling( const NodeBody* const ( &nodes )[2], const BlockContact& contact, ImplicitBlock& block, double h )
 {
 	double sum = 0.0;
@@ -184,13 +185,13 @@ double rolling( const NodeBody* const ( &nodes )[2], const BlockContact& contact
 }
 
 /// b: speed of parting asked for. Before touch, whatever closes the gap within the step; then out of what is too deep, and bouncing off.
-/// `approach`: without contacts, elasticity left out; it bounces off the speed at the substep's start (implicit_bounce.cpp).
-void aim( BlockContact& contact, const btContactSolverInfo& info, double approach )
+/// `approach`: without contacts, elasticity left out; it bounces off the speed at the substep's start (implicit_bounce.cpp). `rolling`, m/s, is added.
+void aim( BlockContact& contact, const btContactSolverInfo& info, double approach, double rolling )
 {
 	const btManifoldPoint& point = *contact.point;
 	const double h = double( info.m_timeStep ), gap = double( point.m_distance1 );
 	contact.parting = gap > 0.0 ? -gap / h : std::min( -gap * double( info.m_erp2 ) / h, kPushOutSpeed );
-	contact.parting += contact.rolling;
+	contact.parting += rolling;
 	contact.target = contact.parting;
 	const double met = -contact.normal.dot( contact.before );
 	contact.bounces = gap < approach * h && point.m_combinedRestitution > 0 && met > double( info.m_restitutionVelocityThreshold );
@@ -264,8 +265,8 @@ void ImplicitContacts::gatherFrom(
 								 double( point.m_appliedImpulseLateral2 ) * toVec3d( point.m_lateralFrictionDir2 );
 		ImplicitBlock& own = blocks[std::size_t( block )];
 		contact.before = own.speedBefore( contact );
-		contact.rolling = contact.isDrawn ? rolling( nodes, contact, own, double( info.m_timeStep ) ) : 0.0;
-		aim( contact, info, -contact.normal.dot( own.freeSpeed( contact ) ) );
+		const double rolls = contact.isDrawn ? rolling( nodes, contact, own, double( info.m_timeStep ) ) : 0.0;
+		aim( contact, info, -contact.normal.dot( own.freeSpeed( contact ) ), rolls );
 		blocks[std::size_t( block )].contacts.push_back( contact );
 		++m_count;
 	}

@@ -116,7 +116,7 @@ void ImplicitBlock::layOutCoarse()
 void ImplicitBlock::addToPreconditioner( const BlockContact& contact )
 {
 	const Eigen::Matrix3d resists = resistance( contact );
-	addToClusters( contact );
+	addToClusters( contact, resists );
 	Feels feels[2];
 	for ( int k = 0; k < 2; ++k )
 	{

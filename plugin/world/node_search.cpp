@@ -154,7 +154,7 @@ inline bool NodeSearch::touches( int node, const MovingSphere& sphere, const Nea
 	if ( m_surface && m_surface->patchOf( m_soft->impl().body->nodes(), node, patch ) )
 	{
 		const PatchAnswer answer = findPatchTouch( patch, m_surface->cellSize(), sphere, nearest, find, touch );
-		if ( answer != PatchAnswer::Own )
+		if ( answer != PatchAnswer::UseSphere )
 		{
 			return answer == PatchAnswer::Touches;
 		}

@@ -77,22 +77,6 @@ struct Ball
 	int node;
 };
 
-/// The nearest point of a ball.
-auto nearestOn( const Vec3d& at, double radius )
-{
-	return [at, radius]( const MovingSphere& now, Touch& found ) {
-		const Vec3d out = now.centre - at;
-		const double length = out.norm();
-		found = length > 0.0 ? Touch{ out / length, length - radius } : Touch{ Vec3d::UnitY(), -radius };
-		return true;
-	};
-}
-
-auto findOn( const Vec3d& at, double radius )
-{
-	return [at, radius]( const MovingSphere& now, Touch& found ) { return findBallTouch( radius, at, now, found ); };
-}
-
 /// Touches of two bodies' patches with each other, and of a patch with a node's own sphere.
 class PatchPairs
 {
@@ -103,7 +87,7 @@ public:
 	{
 	}
 	/// How much further apart than their own spheres touch two nodes may be whose patches do, m.
-	btScalar room() const { return btScalar( kPatchRoom * m_cell + m_a.surfaceNow().overhang() + m_b.surfaceNow().overhang() ); }
+	btScalar room() const { return btScalar( kPatchPairMargin * m_cell + m_a.surfaceNow().overhang() + m_b.surfaceNow().overhang() ); }
 
 	PatchAnswer find( const MovingSphere& sphere, int nodeA, const Ball& ball, Touch& touch ) const
 	{
@@ -115,11 +99,11 @@ public:
 		}
 		if ( hasOne )
 		{
-			return findPatchTouch( one, m_a.surfaceNow().cellSize(), sphere, nearestOn( ball.at, ball.radius ), findOn( ball.at, ball.radius ), touch );
+			return findOn( m_a, one, sphere, ball.at, ball.radius, touch );
 		}
 		if ( !hasOther )
 		{
-			return PatchAnswer::Own;
+			return PatchAnswer::UseSphere;
 		}
 		// The other way round: the first one's sphere as the second one's patch sees it.
 		MovingSphere second;
@@ -127,7 +111,7 @@ public:
 		second.way = -sphere.way;
 		second.radius = ball.radius;
 		second.shape = sphere.shape;
-		const PatchAnswer answer = findPatchTouch( other, m_b.surfaceNow().cellSize(), second, nearestOn( sphere.centre, sphere.radius ), findOn( sphere.centre, sphere.radius ), touch );
+		const PatchAnswer answer = findOn( m_b, other, second, sphere.centre, sphere.radius, touch );
 		if ( answer == PatchAnswer::Touches )
 		{
 			touch = turned( touch, second, sphere );
@@ -136,6 +120,13 @@ public:
 	}
 
 private:
+	/// Of a patch with a ball around `at`.
+	static PatchAnswer findOn( const SoftBody::Impl& body, const ContactSurface::Patch& patch, const MovingSphere& own, const Vec3d& at, double radius, Touch& touch )
+	{
+		return findPatchTouch(
+			patch, body.surfaceNow().cellSize(), own, [&]( const MovingSphere& now, Touch& found ) { return findNearest( radius, at, now, found ); },
+			[&]( const MovingSphere& now, Touch& found ) { return findBallTouch( radius, at, now, found ); }, touch );
+	}
 	/// A touch of the second body's as one of the first's, at the point half-way between the two surfaces.
 	static Touch turned( const Touch& touch, const MovingSphere& second, const MovingSphere& first )
 	{
@@ -159,13 +150,13 @@ private:
 		const double length = apart.norm();
 		if ( !( length > 0.0 ) )
 		{
-			return PatchAnswer::Own;
+			return PatchAnswer::UseSphere;
 		}
 		touch.normal = apart / length;
 		const double cosine = -touch.normal.dot( one.normal ), otherCosine = touch.normal.dot( other.normal );
-		if ( cosine < kPatchLook || otherCosine < kPatchLook )
+		if ( cosine < kLeastContactCosine || otherCosine < kLeastContactCosine )
 		{
-			return PatchAnswer::Own;
+			return PatchAnswer::UseSphere;
 		}
 		const Vec3d at = -inwards * one.normal - ( inwards + one.height ) * touch.normal, otherAt = -otherInwards * other.normal + ( otherInwards + other.height ) * touch.normal;
 		const Vec3d between = ( sphere.centre + at ) - ( ball.at + otherAt );
@@ -174,9 +165,9 @@ private:
 		const Vec3d lines = sphere.centre - ball.at;
 		if ( gap < -kPatchDepth * m_cell )
 		{
-			return PatchAnswer::Own;
+			return PatchAnswer::UseSphere;
 		}
-		if ( ( lines - lines.dot( touch.normal ) * touch.normal ).norm() > kPatchPairs * m_cell )
+		if ( ( lines - lines.dot( touch.normal ) * touch.normal ).norm() > kPatchPairDistance * m_cell )
 		{
 			return PatchAnswer::Clear;
 		}
@@ -189,7 +180,7 @@ private:
 		{
 			return sphere.reaches( touch.normal, touch.distance ) ? PatchAnswer::Touches : PatchAnswer::Clear;
 		}
-		return PatchAnswer::Own;
+		return PatchAnswer::UseSphere;
 	}
 
 	const NodeState &m_nodesA, &m_nodesB;
@@ -249,8 +240,8 @@ std::vector<NodeHit>& NodeSearch::againstSoft( const SoftBody& a, const SoftBody
 			roundOff( a, nodeA, sphere, b, nodeB, at, radius );
 		}
 		Touch touch;
-		const PatchAnswer answer = hasPatches ? patches.find( sphere, nodeA, Ball{ at, radius, nodeB }, touch ) : PatchAnswer::Own;
-		if ( answer == PatchAnswer::Touches || ( answer == PatchAnswer::Own && findBallTouch( radius, at, sphere, touch ) ) )
+		const PatchAnswer answer = hasPatches ? patches.find( sphere, nodeA, Ball{ at, radius, nodeB }, touch ) : PatchAnswer::UseSphere;
+		if ( answer == PatchAnswer::Touches || ( answer == PatchAnswer::UseSphere && findBallTouch( radius, at, sphere, touch ) ) )
 		{
 			touch.distance -= sphere.radius - own; // of the node's own sphere that would be as near
 			sphere.radius = own;

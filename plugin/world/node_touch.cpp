@@ -100,6 +100,7 @@ bool nearestOnConvex( const Obstacle& obstacle, const MovingSphere& sphere, Touc
 	input.m_transformB = obstacle.transform();
 	NearestPair pair;
 	detector.getClosestPoints( input, pair, nullptr );
+	// GJK has met the shape's own sphere, whatever radius is asked about.
 	const double radius = sphere.scale > 0.0 ? double( sphere.shape->getRadius() ) : sphere.radius;
 	touch = Touch{ toEigen( pair.normal ), double( pair.distance ) + radius };
 	return pair.isFound;
@@ -291,10 +292,13 @@ bool findBallTouch( double radius, const Vec3d& at, const MovingSphere& sphere, 
 			return false;
 		}
 	}
-	return findConvexTouch( sphere, touch, [&]( const MovingSphere& now, Touch& found ) {
-		found = fromCore( now.centre - at, radius );
-		return true;
-	} );
+	return findConvexTouch( sphere, touch, [&]( const MovingSphere& now, Touch& found ) { return findNearest( radius, at, now, found ); } );
+}
+
+bool findNearest( double radius, const Vec3d& at, const MovingSphere& sphere, Touch& touch )
+{
+	touch = fromCore( sphere.centre - at, radius );
+	return true;
 }
 
 bool findTouch( const Vec3d ( &corners )[3], const MovingSphere& sphere, Touch& touch )

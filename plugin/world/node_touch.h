@@ -64,6 +64,9 @@ bool findNearest( const Obstacle& obstacle, const MovingSphere& sphere, Touch& t
 /// The same of a triangle; corners relative to the soft body's origin.
 bool findNearest( const Vec3d ( &corners )[3], const MovingSphere& sphere, Touch& touch );
 
+/// The same of a sphere of radius `radius` around `at`.
+bool findNearest( double radius, const Vec3d& at, const MovingSphere& sphere, Touch& touch );
+
 /// The touch of a sphere with a plane or a convex shape in this step. False when it meets nothing.
 bool findTouch( const Obstacle& obstacle, const MovingSphere& sphere, Touch& touch );
 

@@ -1,6 +1,7 @@
 // What bodies lie on, hang on, are held by and how the world is stepped: scenes that went wrong in some engine that has soft bodies, beside their rigid
 // twins where there are any.
 
+#include "test_meshes.h"
 #include "twin_worlds.h"
 
 #include <BulletCollision/CollisionShapes/btHeightfieldTerrainShape.h>
@@ -365,30 +366,9 @@ TEST_P( Grounds, TwoFingersLiftASoftBall )
 	constexpr btScalar kRadius = btScalar( 0.025 );
 	TestWorld t;
 	t.addFloor();
-	// A ball out of triangles: 16 by 8.
-	std::vector<float> positions;
-	std::vector<std::uint32_t> indices;
-	constexpr int kAround = 16, kRows = 8;
-	for ( int k = 0; k <= kAround * kRows + kAround - 1; ++k )
-	{
-		const double turn = 2 * 3.14159265358979 * ( k % kAround ) / kAround, rise = 3.14159265358979 * ( k / kAround ) / kRows;
-		positions.push_back( float( double( kRadius ) * std::sin( rise ) * std::cos( turn ) ) );
-		positions.push_back( float( double( kRadius ) * std::cos( rise ) ) );
-		positions.push_back( float( double( kRadius ) * std::sin( rise ) * std::sin( turn ) ) );
-	}
-	for ( std::uint32_t k = 0; k < kAround * kRows; ++k )
-	{
-		const std::uint32_t a = k, b = k / kAround * kAround + ( k + 1 ) % kAround, c = a + kAround, d = b + kAround;
-		indices.insert( indices.end(), { a, b, c, b, d, c } );
-	}
-	MeshView mesh;
-	mesh.positions = positions.data();
-	mesh.vertexCount = positions.size() / 3;
-	mesh.indices = indices.data();
-	mesh.triangleCount = indices.size() / 3;
 	LatticeSettings settings;
 	settings.cellSize = 0.0075f;
-	const std::shared_ptr<const BodyTemplate> made = BodyTemplate::build( mesh, settings ).value;
+	const std::shared_ptr<const BodyTemplate> made = BodyTemplate::build( test::makeSphere( double( kRadius ), 8, 16 ).view(), settings ).value;
 	ASSERT_NE( made, nullptr );
 	SoftBody* const ball = t.addSoft( made, at( 0, kRadius, 0 ), stepping( GetParam(), GetParam() == Elasticity::Explicit ? 1e4f : 1e5f ) );
 	ball->setFriction( btScalar( 0.8 ) );

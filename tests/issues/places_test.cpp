@@ -1,5 +1,6 @@
 // Far from the origin, faster than sound, of millimetres or counted in other units a body is what it is at home.
 
+#include "test_meshes.h"
 #include "twin_worlds.h"
 
 #include <cstdio>
@@ -102,32 +103,24 @@ TEST_P( Scales, FliesFreelyAtTheSpeedOfAShell )
 /// A closed band around two pegs along z: a frame of 24 x 8 mm outside, 20 x 4 mm inside, 4 mm wide.
 std::shared_ptr<const BodyTemplate> rubberBand()
 {
-	std::vector<float> positions;
-	std::vector<std::uint32_t> indices;
+	test::Mesh mesh;
 	for ( int k = 0; k < 16; ++k ) // around: k & 3; outside, inside: k & 4; behind, in front: k & 8
 	{
 		const int corner = k & 3;
-		positions.push_back( ( corner == 0 || corner == 3 ? -1.0f : 1.0f ) * ( k & 4 ? 0.010f : 0.012f ) );
-		positions.push_back( ( corner < 2 ? -1.0f : 1.0f ) * ( k & 4 ? 0.002f : 0.004f ) );
-		positions.push_back( k & 8 ? 0.002f : -0.002f );
+		mesh.addVertex( ( corner == 0 || corner == 3 ? -1.0 : 1.0 ) * ( k & 4 ? 0.010 : 0.012 ), ( corner < 2 ? -1.0 : 1.0 ) * ( k & 4 ? 0.002 : 0.004 ),
+			k & 8 ? 0.002 : -0.002 );
 	}
-	const auto quad = [&indices]( std::uint32_t a, std::uint32_t b, std::uint32_t c, std::uint32_t d ) { indices.insert( indices.end(), { a, b, c, a, c, d } ); };
 	for ( std::uint32_t a = 0; a < 4; ++a )
 	{
 		const std::uint32_t b = ( a + 1 ) % 4;
-		quad( a, b, b + 8, a + 8 );
-		quad( b + 4, a + 4, a + 12, b + 12 );
-		quad( b, a, a + 4, b + 4 );
-		quad( a + 8, b + 8, b + 12, a + 12 );
+		mesh.addQuad( a, b, b + 8, a + 8 );
+		mesh.addQuad( b + 4, a + 4, a + 12, b + 12 );
+		mesh.addQuad( b, a, a + 4, b + 4 );
+		mesh.addQuad( a + 8, b + 8, b + 12, a + 12 );
 	}
-	MeshView mesh;
-	mesh.positions = positions.data();
-	mesh.vertexCount = positions.size() / 3;
-	mesh.indices = indices.data();
-	mesh.triangleCount = indices.size() / 3;
 	LatticeSettings settings;
 	settings.cellSize = 0.001f;
-	return BodyTemplate::build( mesh, settings ).value;
+	return BodyTemplate::build( mesh.view(), settings ).value;
 }
 
 /// Where a rubber band of that material is when its pegs have stretched it by half.

@@ -3,6 +3,7 @@
 #include "test_world.h"
 
 #include "support/energy_of_motion.h"
+#include "support/momentum.h"
 
 #include <pliant/contact_solver.h>
 
@@ -16,29 +17,24 @@ namespace {
 
 using test::at;
 using test::block;
+using test::Momentum;
 using test::stiff;
 using test::TestWorld;
 
-struct Momentum
-{
-	btVector3 linear, angular; ///< angular about the world's origin
-};
-
 Momentum momentumOf( const btRigidBody& rigid, const SoftBody& soft )
 {
-	const btVector3 ofRigid = rigid.getLinearVelocity() / rigid.getInvMass(), ofSoft = soft.linearVelocity() * soft.mass();
-	const btVector3 spin = rigid.getInvInertiaTensorWorld().inverse() * rigid.getAngularVelocity();
-	return { ofRigid + ofSoft, rigid.getCenterOfMassPosition().cross( ofRigid ) + spin + soft.massCentre().cross( ofSoft ) + soft.angularMomentum() };
+	Momentum sum = test::momentumOf( rigid );
+	sum += test::momentumOf( soft );
+	return sum;
 }
 
-/// Of soft bodies alone, about the world's origin.
+/// Of soft bodies alone.
 Momentum momentumOf( const TestWorld& t )
 {
-	Momentum sum{ btVector3( 0, 0, 0 ), btVector3( 0, 0, 0 ) };
+	Momentum sum;
 	for ( const auto& body : t.soft )
 	{
-		sum.linear += body->linearVelocity() * body->mass();
-		sum.angular += body->massCentre().cross( body->linearVelocity() * body->mass() ) + body->angularMomentum();
+		sum += test::momentumOf( *body );
 	}
 	return sum;
 }
