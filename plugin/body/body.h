@@ -8,7 +8,7 @@
 #include "pliant/material.h"
 #include "pliant/result.h"
 
-#include "body/level_energy.h"
+#include "body/levels/level_energy.h"
 #include "lattice/lattice.h"
 #include "matching/kernels/kernels.h"
 #include "matching/node_state.h"

@@ -3,9 +3,9 @@
 #include "body/body.h"
 
 #include "body/implicit_motion.h"
-#include "body/levels.h"
-#include "matching/conjugate_gradients.h"
-#include "matching/lattice_matcher.h"
+#include "body/levels/levels.h"
+#include "matching/implicit/conjugate_gradients.h"
+#include "matching/step/lattice_matcher.h"
 #include "matching/stiffness.h"
 
 #include <algorithm>

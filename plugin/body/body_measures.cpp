@@ -1,7 +1,7 @@
 // Sums and measures over a body's nodes, in double and in a fixed order.
 
 #include "body/body.h"
-#include "body/levels.h"
+#include "body/levels/levels.h"
 
 #include "matching/matcher.h"
 #include "matching/rotation.h"

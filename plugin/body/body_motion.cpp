@@ -2,7 +2,7 @@
 
 #include "body/body.h"
 #include "body/breaking.h"
-#include "body/levels.h"
+#include "body/levels/levels.h"
 
 #include "matching/kernels/kernels.h"
 #include "matching/matcher.h"

@@ -2,9 +2,9 @@
 
 #include "body/body.h"
 #include "body/breaking.h"
-#include "body/levels.h"
+#include "body/levels/levels.h"
 
-#include "matching/lattice_matcher.h"
+#include "matching/step/lattice_matcher.h"
 
 #include <algorithm>
 #include <utility>

@@ -2,13 +2,13 @@
 
 #include "pliant/body_template.h"
 
-#include "lattice/build_lattice.h"
+#include "lattice/build/build_lattice.h"
 #include "lattice/features.h"
-#include "matching/level_tables.h"
-#include "surface/cell_complex.h"
-#include "surface/crack_patches.h"
-#include "surface/crack_surface.h"
-#include "surface/skinning.h"
+#include "matching/regions/level_tables.h"
+#include "surface/crack_complex/cell_complex.h"
+#include "surface/crack_state/crack_patches.h"
+#include "surface/crack_state/crack_surface.h"
+#include "surface/skin/skinning.h"
 
 #include <chrono>
 #include <mutex>

@@ -1,8 +1,8 @@
 #include "body/implicit_motion.h"
 
-#include "matching/conjugate_gradients.h"
-#include "matching/lattice_matcher.h"
-#include "matching/region_moments.h"
+#include "matching/implicit/conjugate_gradients.h"
+#include "matching/step/lattice_matcher.h"
+#include "matching/regions/region_moments.h"
 
 namespace pliant {
 

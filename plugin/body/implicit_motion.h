@@ -10,7 +10,7 @@
 // sigma is Material::numericalDamping, c Material::damping, alpha = E h^2 / ( rho d^2 mu ) of any size, 1 - P of StrainRates.
 
 #include "matching/node_state.h"
-#include "matching/strain_rates.h"
+#include "matching/implicit/strain_rates.h"
 
 #include <Eigen/Core>
 

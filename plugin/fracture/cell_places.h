@@ -2,7 +2,7 @@
 
 // Where the finest cells are now, and which of them may be asked about breaking: those that are nodes by themselves.
 
-#include "adapt/cut.h"
+#include "adapt/octree/cut.h"
 #include "fracture/constants.h"
 #include "matching/node_state.h"
 

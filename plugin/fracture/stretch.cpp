@@ -1,7 +1,7 @@
 #include "fracture/stretch.h"
 
 #include "fracture/constants.h"
-#include "matching/region_moments.h"
+#include "matching/regions/region_moments.h"
 
 #include <Eigen/Geometry>
 

@@ -1,6 +1,6 @@
 // The octree and cuts through it: Steinemann et al. 2008, section 4.1; Ohta et al. 2009, "Preprocessing".
 
-#include "adapt/cut.h"
+#include "adapt/octree/cut.h"
 #include "support/shapes.h"
 
 #include <gtest/gtest.h>

@@ -1,6 +1,6 @@
 // The region matrix: its laws, its change with the cut against its slow twin, and the way it falls back to the uniform lattice.
 
-#include "adapt/region_matrix.h"
+#include "adapt/regions/region_matrix.h"
 #include "support/shapes.h"
 
 #include <gtest/gtest.h>

@@ -2,7 +2,7 @@
 
 // Bodies and cuts for the tests of Steinemann et al. 2008.
 
-#include "adapt/interval_regions.h"
+#include "adapt/regions/interval_regions.h"
 #include "support/shapes.h"
 
 #include <vector>

@@ -1,6 +1,6 @@
 // The visibility graph and the search on it: Steinemann et al. 2008, section 6. Each against its plain twin.
 
-#include "adapt/bucket_moore.h"
+#include "adapt/octree/bucket_moore.h"
 #include "steinemann_bodies.h"
 
 #include <gtest/gtest.h>

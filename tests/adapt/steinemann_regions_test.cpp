@@ -1,6 +1,6 @@
 // Regions by intervals: Steinemann et al. 2008, sections 4.2 and 5. The paper's listing, done plainly, is the twin.
 
-#include "adapt/interval_regions.h"
+#include "adapt/regions/interval_regions.h"
 #include "pliant/task_runner.h"
 #include "steinemann_bodies.h"
 

@@ -1,6 +1,6 @@
 // The hierarchical fast summation against sums over all nodes of a region: Steinemann et al. 2008, section 4.3.
 
-#include "adapt/hierarchical_sum.h"
+#include "adapt/regions/hierarchical_sum.h"
 #include "steinemann_bodies.h"
 
 #include <gtest/gtest.h>

@@ -2,7 +2,7 @@
 // (demos/fetch_models.sh brings it: models/data/meshes/bunny00.off).
 
 #include "lattice/test_meshes.h"
-#include "matching/lattice_matcher.h"
+#include "matching/step/lattice_matcher.h"
 #include "pliant/body_template.h"
 #include "support/block_body.h"
 

@@ -1,6 +1,6 @@
 // From a mesh of about 50 000 triangles to about 20 000 cells: what a loading screen waits for.
 
-#include "lattice/build_lattice.h"
+#include "lattice/build/build_lattice.h"
 #include "lattice/hostile_meshes.h"
 #include "pliant/task_runner.h"
 

@@ -2,7 +2,7 @@
 // single entries. As in a pile: 20 soft bodies of 12 unknowns and 32 rigid ones of 6, 432 in all, each feeling its neighbours in a heap of layers
 // of nine: the next two and those above and below.
 
-#include "world/coarse_system.h"
+#include "world/linear/coarse_system.h"
 
 #include <Eigen/SparseCholesky>
 

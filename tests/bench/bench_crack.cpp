@@ -1,11 +1,11 @@
 // Crack surfaces: building a template's cell complex, opening cracks, settling what is bound, taking pieces.
 
-#include "lattice/build_lattice.h"
+#include "lattice/build/build_lattice.h"
 #include "lattice/test_meshes.h"
 #include "support/block_body.h"
-#include "surface/cell_complex.h"
-#include "surface/crack_surface.h"
-#include "surface/crack_view.h"
+#include "surface/crack_complex/cell_complex.h"
+#include "surface/crack_state/crack_surface.h"
+#include "surface/crack_mesh/crack_view.h"
 
 #include <benchmark/benchmark.h>
 

@@ -1,6 +1,6 @@
 // What plasticity costs a step, as a ratio to the same elastic body: off, watched but never yielding, and with every region flowing.
 
-#include "matching/lattice_matcher.h"
+#include "matching/step/lattice_matcher.h"
 #include "support/block_body.h"
 
 #include <benchmark/benchmark.h>

@@ -4,7 +4,7 @@
 #include "body/breaking.h"
 #include "support/block_body.h"
 #include "support/test_world.h"
-#include "world/node_shape.h"
+#include "world/shape/node_shape.h"
 
 #include <benchmark/benchmark.h>
 

@@ -1,7 +1,7 @@
 // Steinemann et al. 2008: what distances, regions and their change cost a node, and a fast sum a region.
 
-#include "adapt/bucket_moore.h"
-#include "adapt/hierarchical_sum.h"
+#include "adapt/octree/bucket_moore.h"
+#include "adapt/regions/hierarchical_sum.h"
 #include "support/shapes.h"
 
 #include <benchmark/benchmark.h>

@@ -1,6 +1,6 @@
 // One kernel at a time, 2 197 nodes of a block, w = 1: what of a step is sums, rotation, goals, integration.
 
-#include "matching/lattice_matcher.h"
+#include "matching/step/lattice_matcher.h"
 #include "support/block_body.h"
 
 #include <benchmark/benchmark.h>

@@ -2,10 +2,10 @@
 // Bodies: 0 a Glob of about the bunny's 2 248 cells (Ohta et al. 2009), 1 a palm with five thin fingers (Steinemann et al. 2008, Fig. 1).
 
 #include "body/body.h"
-#include "body/levels.h"
-#include "matching/lattice_matcher.h"
-#include "matching/reference_matcher.h"
-#include "matching/strain_rates.h"
+#include "body/levels/levels.h"
+#include "matching/step/lattice_matcher.h"
+#include "matching/reference/reference_matcher.h"
+#include "matching/implicit/strain_rates.h"
 #include "support/block_body.h"
 #include "support/shapes.h"
 

@@ -1,9 +1,9 @@
 // Skinning: what a frame's surface costs, one thread, and what binding it costs once.
 
-#include "lattice/build_lattice.h"
+#include "lattice/build/build_lattice.h"
 #include "lattice/test_meshes.h"
 #include "support/block_body.h"
-#include "surface/skinning.h"
+#include "surface/skin/skinning.h"
 
 #include <benchmark/benchmark.h>
 

@@ -1,8 +1,8 @@
 // The core step, one thread, without Bullet and skinning: what a node costs, by method, instruction set and size.
 // Counter ns_per_node: nanoseconds a node and substep (matching, forces, integration).
 
-#include "matching/lattice_matcher.h"
-#include "matching/reference_matcher.h"
+#include "matching/step/lattice_matcher.h"
+#include "matching/reference/reference_matcher.h"
 #include "support/block_body.h"
 
 #include <benchmark/benchmark.h>

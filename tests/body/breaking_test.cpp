@@ -1,8 +1,8 @@
 // A body that breaks: what its pieces have together, and that each is a body like any other. Ohta et al. 2009, "Fracturing".
 
 #include "body/breaking.h"
-#include "body/levels.h"
-#include "matching/lattice_matcher.h"
+#include "body/levels/levels.h"
+#include "matching/step/lattice_matcher.h"
 #include "support/block_body.h"
 #include "support/pulled_bar.h"
 #include "support/shapes.h"

@@ -2,9 +2,9 @@
 
 // Bodies with levels of detail that step implicitly, and their operator.
 
-#include "body/levels.h"
-#include "matching/lattice_matcher.h"
-#include "matching/strain_rates.h"
+#include "body/levels/levels.h"
+#include "matching/step/lattice_matcher.h"
+#include "matching/implicit/strain_rates.h"
 #include "support/block_body.h"
 
 #include <gtest/gtest.h>

@@ -1,8 +1,8 @@
 // What is split above a cut is measured once, with the cut.
 
 #include "body/breaking.h"
-#include "body/levels.h"
-#include "matching/lattice_matcher.h"
+#include "body/levels/levels.h"
+#include "matching/step/lattice_matcher.h"
 #include "support/block_body.h"
 #include "support/same_levels.h"
 

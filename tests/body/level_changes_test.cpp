@@ -1,8 +1,8 @@
 // Slow twins of what a change of levels does the short way: tables made from nothing, blends by way of eigenvalues.
 
 #include "body/body.h"
-#include "body/levels.h"
-#include "matching/lattice_matcher.h"
+#include "body/levels/levels.h"
+#include "matching/step/lattice_matcher.h"
 #include "support/shapes.h"
 
 #include <gtest/gtest.h>

@@ -1,9 +1,9 @@
 // What a change of levels may not do to a body's energy, piece by piece. Whole impacts: RandomImpacts.WhatSplitsByStrain*.
 
 #include "body/body.h"
-#include "body/level_nodes.h"
-#include "body/levels.h"
-#include "matching/lattice_matcher.h"
+#include "body/levels/level_nodes.h"
+#include "body/levels/levels.h"
+#include "matching/step/lattice_matcher.h"
 #include "support/shapes.h"
 
 #include <gtest/gtest.h>

@@ -1,9 +1,9 @@
 // Bodies with levels whose links break and heal: what is taken over from before is what would be made from nothing. Steinemann et al. 2008, 5.1.
 
-#include "adapt/fine_update.h"
+#include "adapt/moments/fine_update.h"
 #include "body/breaking.h"
-#include "body/levels.h"
-#include "matching/lattice_matcher.h"
+#include "body/levels/levels.h"
+#include "matching/step/lattice_matcher.h"
 #include "support/block_body.h"
 #include "support/same_levels.h"
 #include "support/shapes.h"

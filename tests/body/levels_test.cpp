@@ -1,6 +1,6 @@
 // Levels that change while the body moves: what is kept, what comes back, and when nodes are split and merged.
 
-#include "body/levels.h"
+#include "body/levels/levels.h"
 #include "support/block_body.h"
 #include "support/shapes.h"
 

@@ -1,7 +1,7 @@
 // What bodies of one template share is theirs until their links change: then each has its own, which it changes in place.
 
 #include "body/breaking.h"
-#include "body/levels.h"
+#include "body/levels/levels.h"
 #include "support/block_body.h"
 #include "support/same_levels.h"
 

@@ -1,8 +1,8 @@
 // Bodies that keep a dent: a pulled bar's permanent set is what the yield law says, on one level and on several, and follows when levels change.
 
 #include "body/breaking.h"
-#include "body/levels.h"
-#include "matching/lattice_matcher.h"
+#include "body/levels/levels.h"
+#include "matching/step/lattice_matcher.h"
 #include "support/block_body.h"
 
 #include <gtest/gtest.h>

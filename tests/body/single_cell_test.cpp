@@ -1,6 +1,6 @@
 // The smallest body there is: what a shattered one leaves behind by the hundred.
 
-#include "matching/lattice_matcher.h"
+#include "matching/step/lattice_matcher.h"
 #include "support/block_body.h"
 
 #include <gtest/gtest.h>

@@ -1,6 +1,6 @@
 // Stiffness that varies in space: Steinemann et al. 2008, section 4.2 and Fig. 4.
 
-#include "body/levels.h"
+#include "body/levels/levels.h"
 #include "support/block_body.h"
 
 #include <gtest/gtest.h>

@@ -2,7 +2,7 @@
 // and the period of its slowest bending. The same stiffness on every level is what Ohta et al. 2009 are after.
 
 #include "body/body.h"
-#include "body/levels.h"
+#include "body/levels/levels.h"
 #include "experiments/experiments.h"
 #include "support/shapes.h"
 

@@ -3,12 +3,12 @@
 
 #include "experiments/experiments.h"
 
-#include "lattice/build_lattice.h"
+#include "lattice/build/build_lattice.h"
 #include "lattice/pieces.h"
 #include "lattice/test_meshes.h"
 #include "support/block_body.h"
-#include "surface/cell_complex.h"
-#include "surface/crack_surface.h"
+#include "surface/crack_complex/cell_complex.h"
+#include "surface/crack_state/crack_surface.h"
 
 #ifdef PLIANT_HAS_PICTURES
 #include "third_party_glue/offscreen.h"

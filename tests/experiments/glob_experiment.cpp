@@ -6,7 +6,7 @@
 // all of them, is chosen so that Steinemann's method lands near its printed 0.203 - the others then have nothing left to choose.
 
 #include "body/body.h"
-#include "body/levels.h"
+#include "body/levels/levels.h"
 #include "experiments/experiments.h"
 #include "experiments/methods.h"
 #include "support/shapes.h"

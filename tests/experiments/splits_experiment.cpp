@@ -2,10 +2,10 @@
 // runs.
 
 #include "body/body.h"
-#include "body/levels.h"
+#include "body/levels/levels.h"
 #include "experiments/experiments.h"
-#include "matching/lattice_matcher.h"
-#include "matching/reference_matcher.h"
+#include "matching/step/lattice_matcher.h"
+#include "matching/reference/reference_matcher.h"
 #include "support/block_body.h"
 #include "support/shapes.h"
 

@@ -5,9 +5,9 @@
 #include "experiments/step_timing.h"
 
 #include "body/body.h"
-#include "body/levels.h"
+#include "body/levels/levels.h"
 #include "lattice/test_meshes.h"
-#include "matching/reference_matcher.h"
+#include "matching/reference/reference_matcher.h"
 #include "support/block_body.h"
 #include "support/shapes.h"
 #include "support/test_world.h"

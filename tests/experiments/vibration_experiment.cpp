@@ -2,7 +2,7 @@
 // of each kind of deformation. Relative error over 300 steps: 1.2 is what two unrelated vibrations have.
 
 #include "body/body.h"
-#include "body/levels.h"
+#include "body/levels/levels.h"
 #include "experiments/experiments.h"
 #include "experiments/methods.h"
 

@@ -1,6 +1,6 @@
 // Which cells may break, and which of them bear more for what is beside them.
 
-#include "body/level_nodes.h"
+#include "body/levels/level_nodes.h"
 #include "fracture/cell_places.h"
 #include "fracture/link_limits.h"
 #include "lattice/pieces.h"

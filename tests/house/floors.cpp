@@ -20,6 +20,30 @@ const Floor kFloors[] = {
 	{ "plugin/matching/", 4 }, { "plugin/fracture/", 5 }, { "plugin/surface/", 6 }, { "plugin/body/", 7 }, { "plugin/world/", 8 },
 };
 
+// The rooms of a floor, from the ground up. A header includes headers of its own room and of rooms below; a source file, which
+// implements what its room declares on the state that all rooms share, may include any header of its floor.
+const std::vector<std::vector<const char*>> kRooms = {
+	{ "plugin/lattice/", "plugin/lattice/mesh/", "plugin/lattice/inside/", "plugin/lattice/build/" },
+	{ "plugin/adapt/octree/", "plugin/adapt/regions/", "plugin/adapt/moments/" },
+	{ "plugin/matching/kernels/", "plugin/matching/", "plugin/matching/regions/", "plugin/matching/clusters/", "plugin/matching/step/", "plugin/matching/implicit/",
+		"plugin/matching/reference/" },
+	{ "plugin/surface/kernels/", "plugin/surface/skin/", "plugin/surface/crack_shapes/", "plugin/surface/crack_complex/", "plugin/surface/crack_state/",
+		"plugin/surface/crack_mesh/" },
+	{ "plugin/body/levels/", "plugin/body/" },
+	{ "plugin/world/", "plugin/world/shape/", "plugin/world/touch/", "plugin/world/search/", "plugin/world/self/", "plugin/world/respond/", "plugin/world/detect/",
+		"plugin/world/solver/", "plugin/world/linear/", "plugin/world/implicit/", "plugin/world/bodies/", "plugin/world/step/", "plugin/world/api/" },
+};
+
+constexpr std::size_t kMostFilesOfAFolder = 20;
+
+// Where a file's room stands on its floor; -1 for a folder that no floor lists.
+int roomOf( const std::vector<const char*>& rooms, const std::string& path )
+{
+	const std::string folder = path.substr( 0, path.rfind( '/' ) + 1 );
+	const auto found = std::ranges::find( rooms, folder );
+	return found == rooms.end() ? -1 : int( found - rooms.begin() );
+}
+
 constexpr int kFace = 0;
 constexpr int kWorld = 8;
 
@@ -56,7 +80,7 @@ bool isStandard( const std::string& name )
 	return name.find_first_of( "/." ) == std::string::npos || name == "immintrin.h" || name == "arm_neon.h";
 }
 
-std::string place( const SourceFile& file, const Include& include )
+std::string locationOf( const SourceFile& file, const Include& include )
 {
 	return file.path + ":" + std::to_string( include.line ) + ": includes " + include.name + ", ";
 }
@@ -197,8 +221,46 @@ Complaints checkFloors( const SourceTree& tree )
 			const auto wrong = path.starts_with( "plugin/" ) ? wrongInPlugin( file, include ) : wrongElsewhere( file, include );
 			if( wrong )
 			{
-				complaints.push_back( place( file, include ) + *wrong );
+				complaints.push_back( locationOf( file, include ) + *wrong );
 			}
+		}
+	}
+	return complaints;
+}
+
+Complaints checkRooms( const SourceTree& tree )
+{
+	Complaints complaints;
+	std::map<std::string, std::size_t> files;
+	for( const auto& [path, file] : tree.files() )
+	{
+		if( !path.starts_with( "plugin/" ) )
+		{
+			continue;
+		}
+		++files[path.substr( 0, path.rfind( '/' ) + 1 )];
+		for( const std::vector<const char*>& rooms : kRooms )
+		{
+			const int from = roomOf( rooms, path );
+			const Floor* floor = floorOf( path );
+			if( from < 0 && floor != nullptr && floor == floorOf( rooms[0] ) )
+			{
+				complaints.push_back( path + ": stands in no room that house/floors.cpp lists" );
+			}
+			for( const Include& include : file.includes )
+			{
+				if( file.isHeader() && from >= 0 && roomOf( rooms, include.resolved ) > from )
+				{
+					complaints.push_back( locationOf( file, include ) + "an arrow that does not run down the rooms of its floor" );
+				}
+			}
+		}
+	}
+	for( const auto& [folder, count] : files )
+	{
+		if( count > kMostFilesOfAFolder )
+		{
+			complaints.push_back( folder + ": " + std::to_string( count ) + " files" );
 		}
 	}
 	return complaints;

@@ -80,6 +80,12 @@ TEST( House, ArrowsRunDownTheFloors )
 	EXPECT_TRUE( complaints.empty() ) << listOf( complaints );
 }
 
+TEST( House, ArrowsOfHeadersRunDownTheRooms )
+{
+	const Complaints complaints = checkRooms( ours() );
+	EXPECT_TRUE( complaints.empty() ) << listOf( complaints );
+}
+
 TEST( House, HasNoCircles )
 {
 	const Complaints complaints = checkCircles( ours() );
@@ -166,6 +172,23 @@ const Breach kBreaches[] = {
 };
 
 INSTANTIATE_TEST_SUITE_P( House, FloorBreach, testing::ValuesIn( kBreaches ), []( const auto& breach ) { return breach.param.name; } );
+
+TEST_F( SmallHouse, RoomsAreSeen )
+{
+	put( "plugin/world/shape/a.h", "#pragma once\n#include \"world/constants.h\"\n" );
+	put( "plugin/world/constants.h", "#pragma once\n" );
+	put( "plugin/world/step/b.h", "#pragma once\n#include \"world/shape/a.h\"\n" );
+	put( "plugin/world/shape/a.cpp", "#include \"world/step/b.h\"\n" );
+	EXPECT_TRUE( checkRooms( tree() ).empty() ) << listOf( checkRooms( tree() ) );
+
+	put( "plugin/world/touch/c.h", "#pragma once\n#include \"world/step/b.h\"\n" );
+	put( "plugin/world/attic/d.cpp", "int d;\n" );
+	for( int i = 0; i < 21; ++i )
+	{
+		put( "plugin/threads/e" + std::to_string( i ) + ".cpp", "int e;\n" );
+	}
+	EXPECT_EQ( checkRooms( tree() ).size(), 3u ) << listOf( checkRooms( tree() ) );
+}
 
 TEST_F( SmallHouse, CircleIsSeen )
 {

@@ -52,6 +52,9 @@ private:
 /// Arrows only run down the floors of the plugin, and foreign libraries stay behind their doors.
 Complaints checkFloors( const SourceTree& tree );
 
+/// Within a floor of the plugin: headers' arrows only run down its rooms; every folder has a room, and none holds too many files.
+Complaints checkRooms( const SourceTree& tree );
+
 /// No header reaches itself.
 Complaints checkCircles( const SourceTree& tree );
 

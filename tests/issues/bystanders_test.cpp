@@ -5,8 +5,8 @@
 #include "twin_worlds.h"
 
 #include "world/constants.h"
-#include "world/implicit_contacts.h"
-#include "world/implicit_reach.h"
+#include "world/implicit/implicit_contacts.h"
+#include "world/implicit/implicit_reach.h"
 
 #include <BulletDynamics/Character/btKinematicCharacterController.h>
 

@@ -2,7 +2,7 @@
 
 #include "lattice_checks.h"
 
-#include "lattice/grid.h"
+#include "lattice/inside/grid.h"
 #include "lattice/region.h"
 #include "pliant/task_runner.h"
 

@@ -4,7 +4,7 @@
 
 #include "test_meshes.h"
 
-#include "lattice/build_lattice.h"
+#include "lattice/build/build_lattice.h"
 
 #include <gtest/gtest.h>
 

@@ -2,7 +2,7 @@
 
 #include "lattice_checks.h"
 
-#include "lattice/weld.h"
+#include "lattice/mesh/weld.h"
 
 #include <cmath>
 

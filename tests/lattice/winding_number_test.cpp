@@ -2,7 +2,7 @@
 
 #include "lattice_checks.h"
 
-#include "lattice/inside_field.h"
+#include "lattice/inside/inside_field.h"
 
 #include <cmath>
 

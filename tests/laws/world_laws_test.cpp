@@ -1,7 +1,7 @@
 // Laws that need a world: long steps, threads, memory.
 
 #include "support/test_world.h"
-#include "world/soft_body_impl.h"
+#include "world/bodies/soft_body_impl.h"
 
 #include <gtest/gtest.h>
 

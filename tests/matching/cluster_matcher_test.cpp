@@ -1,6 +1,6 @@
 // Müller's clusters: what they keep, what they bring back, and what each mode can follow.
 
-#include "matching/cluster_matcher.h"
+#include "matching/clusters/cluster_matcher.h"
 
 #include "matching/raised_inverse.h"
 #include "pliant/task_runner.h"

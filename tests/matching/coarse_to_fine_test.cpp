@@ -1,7 +1,7 @@
 // Far levels: against their slow twin, over instruction sets and threads, what they keep, what they leave alone, and what is refused.
 
-#include "matching/lattice_matcher.h"
-#include "matching/reference_coarse_to_fine.h"
+#include "matching/step/lattice_matcher.h"
+#include "matching/reference/reference_coarse_to_fine.h"
 #include "pliant/task_runner.h"
 #include "support/block_body.h"
 #include "support/shapes.h"

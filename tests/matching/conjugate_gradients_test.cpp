@@ -1,6 +1,6 @@
 // Conjugate gradients in parts are those in one piece, and tell the system where they go.
 
-#include "matching/conjugate_gradients.h"
+#include "matching/implicit/conjugate_gradients.h"
 
 #include <gtest/gtest.h>
 

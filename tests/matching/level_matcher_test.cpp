@@ -1,7 +1,7 @@
 // The step over several levels: against its slow twin, over instruction sets and threads, and the momentum it keeps.
 
-#include "matching/lattice_matcher.h"
-#include "matching/reference_level_matcher.h"
+#include "matching/step/lattice_matcher.h"
+#include "matching/reference/reference_level_matcher.h"
 #include "pliant/task_runner.h"
 #include "support/block_body.h"
 #include "support/shapes.h"

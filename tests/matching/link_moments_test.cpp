@@ -1,9 +1,9 @@
 // Regions that the surface cuts short, with the moments of their links.
 
-#include "matching/link_moments.h"
+#include "matching/regions/link_moments.h"
 
-#include "matching/lattice_matcher.h"
-#include "matching/strain_rates.h"
+#include "matching/step/lattice_matcher.h"
+#include "matching/implicit/strain_rates.h"
 #include "support/block_body.h"
 
 #include <gtest/gtest.h>

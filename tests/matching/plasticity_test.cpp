@@ -1,8 +1,8 @@
 // Rest shapes that flow: against the slow twin, over instruction sets and threads, momentum, the limit, and that without it nothing is paid.
 
-#include "matching/lattice_matcher.h"
-#include "matching/plasticity.h"
-#include "matching/reference_matcher.h"
+#include "matching/step/lattice_matcher.h"
+#include "matching/step/plasticity.h"
+#include "matching/reference/reference_matcher.h"
 #include "matching/rotation.h"
 #include "pliant/task_runner.h"
 #include "support/block_body.h"

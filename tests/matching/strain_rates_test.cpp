@@ -1,8 +1,8 @@
 // The implicit step's operator against its definition, and the laws that make it one.
 
-#include "matching/strain_rates.h"
+#include "matching/implicit/strain_rates.h"
 
-#include "matching/lattice_matcher.h"
+#include "matching/step/lattice_matcher.h"
 #include "pliant/task_runner.h"
 #include "support/block_body.h"
 

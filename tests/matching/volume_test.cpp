@@ -1,7 +1,7 @@
 // Kept volume: Poisson's ratio, what an impact leaves of the volume, and that a body without it pays nothing.
 
-#include "matching/lattice_matcher.h"
-#include "matching/reference_matcher.h"
+#include "matching/step/lattice_matcher.h"
+#include "matching/reference/reference_matcher.h"
 #include "support/block_body.h"
 
 #include <gtest/gtest.h>

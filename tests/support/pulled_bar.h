@@ -4,7 +4,7 @@
 
 #include "body/body.h"
 #include "body/breaking.h"
-#include "body/levels.h"
+#include "body/levels/levels.h"
 #include "support/shapes.h"
 
 #include <Eigen/Eigenvalues>

@@ -3,7 +3,7 @@
 // Bodies of random shapes that are thrown, bent, cut, torn and healed at random, every structure validated after each event. Seeded.
 
 #include "body/breaking.h"
-#include "body/levels.h"
+#include "body/levels/levels.h"
 #include "fracture/cut_links.h"
 #include "support/block_body.h"
 #include "support/shapes.h"

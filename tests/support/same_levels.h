@@ -2,7 +2,7 @@
 
 // What bodies with levels are made of, compared array by array.
 
-#include "matching/level_tables.h"
+#include "matching/regions/level_tables.h"
 
 #include <gtest/gtest.h>
 

@@ -2,7 +2,7 @@
 
 #include "surface/crack_pieces.h"
 
-#include "surface/bent_chain.h"
+#include "surface/crack_shapes/bent_chain.h"
 
 #include <gtest/gtest.h>
 

@@ -4,7 +4,7 @@
 
 #include "surface/skin_case.h"
 
-#include "surface/cell_complex.h"
+#include "surface/crack_complex/cell_complex.h"
 
 #include <map>
 #include <memory>

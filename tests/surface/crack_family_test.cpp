@@ -2,7 +2,7 @@
 
 #include "surface/torn_family.h"
 
-#include "surface/rows_of_cells.h"
+#include "surface/skin/rows_of_cells.h"
 #include "threads/parallel.h"
 
 #include <gtest/gtest.h>

@@ -2,7 +2,7 @@
 
 #include "surface/crack_pieces.h"
 
-#include "surface/gradient_noise.h"
+#include "surface/crack_shapes/gradient_noise.h"
 
 #include <gtest/gtest.h>
 

@@ -4,7 +4,7 @@
 
 #include "surface/crack_case.h"
 
-#include "surface/crack_surface.h"
+#include "surface/crack_state/crack_surface.h"
 
 #include <algorithm>
 #include <map>

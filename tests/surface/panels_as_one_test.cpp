@@ -2,7 +2,7 @@
 
 #include "surface/cracked_sphere.h"
 
-#include "surface/crack_view.h"
+#include "surface/crack_mesh/crack_view.h"
 
 #include <gtest/gtest.h>
 

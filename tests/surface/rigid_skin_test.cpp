@@ -1,6 +1,6 @@
 // A skin that is turned instead of made anew is where it would have been made anew, however slowly its body bends.
 
-#include "surface/rigid_skin.h"
+#include "surface/skin/rigid_skin.h"
 #include "surface/skin_case.h"
 
 #include "pliant/task_runner.h"

@@ -2,11 +2,11 @@
 
 // A mesh, its lattice, its nodes and its skin in one line, and deformations to try on them.
 
-#include "lattice/build_lattice.h"
+#include "lattice/build/build_lattice.h"
 #include "lattice/test_meshes.h"
 #include "matching/rotation.h"
 #include "support/block_body.h"
-#include "surface/skinning.h"
+#include "surface/skin/skinning.h"
 
 #include <gtest/gtest.h>
 

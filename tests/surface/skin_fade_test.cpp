@@ -1,10 +1,10 @@
 // What a change of levels moves the skin by: looked for where something was measured anew, and found as if it were looked for everywhere.
 
-#include "body/levels.h"
+#include "body/levels/levels.h"
 #include "surface/crack_pieces.h"
 #include "surface/skin_case.h"
-#include "surface/rows_of_cells.h"
-#include "surface/skin_fade.h"
+#include "surface/skin/rows_of_cells.h"
+#include "surface/skin/skin_fade.h"
 
 #include <gtest/gtest.h>
 

@@ -4,7 +4,7 @@
 
 #include "surface/crack_pieces.h"
 
-#include "surface/crack_family.h"
+#include "surface/crack_mesh/crack_family.h"
 
 #include <gtest/gtest.h>
 

@@ -4,8 +4,8 @@
 
 #include "test_world.h"
 
-#include "body/levels.h"
-#include "world/soft_body_impl.h"
+#include "body/levels/levels.h"
+#include "world/bodies/soft_body_impl.h"
 
 namespace pliant::test {
 

@@ -3,7 +3,7 @@
 #include "adaptive_bodies.h"
 #include "support/energy_of_motion.h"
 
-#include "world/born_inside.h"
+#include "world/shape/born_inside.h"
 
 #include <cmath>
 #include <cstdio>

@@ -1,7 +1,7 @@
 // Bodies with levels of detail in a world: what they rest on and carry, and that everything follows when nodes are split and merged.
 
 #include "adaptive_bodies.h"
-#include "world/soft_body_impl.h"
+#include "world/bodies/soft_body_impl.h"
 
 #include <algorithm>
 #include <cstdio>

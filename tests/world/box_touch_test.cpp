@@ -1,8 +1,8 @@
 // A box that is asked for many spheres says what it says to one; and marked nodes come in their order.
 
-#include "world/box_touch.h"
+#include "world/touch/box_touch.h"
 #include "world/constants.h"
-#include "world/node_marks.h"
+#include "world/shape/node_marks.h"
 
 #include <BulletCollision/CollisionShapes/btBoxShape.h>
 

@@ -1,6 +1,6 @@
 // Spatial hashing finds the pairs that asking all of them finds.
 
-#include "world/close_pairs.h"
+#include "world/self/close_pairs.h"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 // The small system of whole bodies is solved as one dense matrix of all its pieces would be, however often it is summed anew.
 
-#include "world/coarse_system.h"
+#include "world/linear/coarse_system.h"
 
 #include <gtest/gtest.h>
 

@@ -3,8 +3,8 @@
 #include "test_world.h"
 
 #include "world/constants.h"
-#include "world/node_shape.h"
-#include "world/soft_body_impl.h"
+#include "world/shape/node_shape.h"
+#include "world/bodies/soft_body_impl.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,7 +1,7 @@
 // What is told to be clear of a plane does not touch it.
 
 #include "world/constants.h"
-#include "world/node_touch.h"
+#include "world/touch/node_touch.h"
 
 #include <BulletCollision/CollisionShapes/btStaticPlaneShape.h>
 

@@ -1,7 +1,7 @@
 // Bodies that break in a world: pieces are bodies like any other, belong to somebody, and keep what the whole had.
 
 #include "test_world.h"
-#include "world/soft_body_impl.h"
+#include "world/bodies/soft_body_impl.h"
 
 #include <algorithm>
 #include <array>

@@ -2,7 +2,7 @@
 
 #include "test_world.h"
 
-#include "world/soft_body_impl.h"
+#include "world/bodies/soft_body_impl.h"
 
 #include <BulletDynamics/ConstraintSolver/btNNCGConstraintSolver.h>
 #include <BulletDynamics/MLCPSolvers/btDantzigSolver.h>

@@ -3,7 +3,7 @@
 
 #include "adaptive_bodies.h"
 #include "pliant/task_runner.h"
-#include "world/soft_body_system.h"
+#include "world/step/soft_body_system.h"
 
 #include <limits>
 #include <memory>

@@ -1,6 +1,6 @@
 // The plane that stands for what slides over a node is that of the place the node will be at (node_touch.h).
 
-#include "world/obstacle_motion.h"
+#include "world/touch/obstacle_motion.h"
 
 #include <BulletCollision/CollisionShapes/btBoxShape.h>
 #include <BulletCollision/CollisionShapes/btSphereShape.h>

@@ -1,12 +1,12 @@
 // Which nodes collide, and how large they are, after links have gone or come back: as measured from nothing.
 
 #include "body/breaking.h"
-#include "body/levels.h"
+#include "body/levels/levels.h"
 #include "fracture/cut_links.h"
-#include "lattice/inside_distance.h"
+#include "lattice/inside/inside_distance.h"
 #include "support/block_body.h"
 #include "support/shapes.h"
-#include "world/node_colliders.h"
+#include "world/shape/node_colliders.h"
 
 #include <gtest/gtest.h>
 

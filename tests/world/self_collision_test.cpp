@@ -2,7 +2,7 @@
 
 #include "adaptive_bodies.h"
 
-#include "lattice/inside_distance.h"
+#include "lattice/inside/inside_distance.h"
 #include "support/shapes.h"
 
 #include <algorithm>

@@ -3,7 +3,7 @@
 
 #include "bench/bench_pile.h"
 
-#include "world/soft_body_impl.h"
+#include "world/bodies/soft_body_impl.h"
 
 #include <gtest/gtest.h>
 

@@ -4,8 +4,8 @@
 #include "test_world.h"
 
 #include "world/constants.h"
-#include "world/node_search.h"
-#include "world/soft_body_impl.h"
+#include "world/search/node_search.h"
+#include "world/bodies/soft_body_impl.h"
 
 #include <BulletCollision/CollisionDispatch/btCollisionObjectWrapper.h>
 

@@ -2,8 +2,8 @@
 
 #include "support/test_world.h"
 #include "world/adaptive_bodies.h"
-#include "world/soft_body_impl.h"
-#include "world/turner.h"
+#include "world/bodies/soft_body_impl.h"
+#include "world/shape/turner.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-// Far levels (matching/coarse_to_fine.h): sums of records over lists, and what the levels ask of the nodes. Included by kernel_source.h only,
+// Far levels (matching/step/coarse_to_fine.h): sums of records over lists, and what the levels ask of the nodes. Included by kernel_source.h only,
 // inside its unnamed namespace (see lane.h).
 
 #pragma once

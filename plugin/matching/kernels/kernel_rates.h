@@ -1,5 +1,5 @@
 // How fast a body's regions strain: v - P v, with P v at a node the mean of its regions' rigid motions, about the nodes' present places.
-// The operator of the implicit step (matching/strain_rates.h; docs/design/implicit.md). Rivers and James 2007, section 5, have the same
+// The operator of the implicit step (matching/implicit/strain_rates.h; docs/design/implicit.md). Rivers and James 2007, section 5, have the same
 // P for damping. Included by kernel_source.h only, inside its unnamed namespace (see lane.h). Lengths in cells, world axes.
 
 #pragma once

@@ -54,7 +54,7 @@ struct MatchView
 	const float* inverseMoment[6] = {}; ///< null unless beta > 0 or rotations come from F
 	const float* regionWeight = nullptr; ///< b_r; null when all are 1
 
-	// Regions over several levels (adapt/region_matrix.h); all null on a uniform lattice.
+	// Regions over several levels (adapt/regions/region_matrix.h); all null on a uniform lattice.
 	const std::uint32_t* memberMass = nullptr;  ///< beside `member`: weight of a member in the region's sums. Null: 1
 	const std::uint32_t* memberShare = nullptr; ///< beside `member`: weight of the member's region in the node's goal. Null: 1
 	const float* pull = nullptr;          ///< of each node: sum of shares b_r ( 1 - eta_r ) / C, which stands before its own u. Null: 1

@@ -1,0 +1,85 @@
+#include "pliant/adaptivity.h"
+
+#include "adapt/octree/octree.h"
+#include "lattice/features.h"
+
+#include <cmath>
+
+namespace pliant {
+
+namespace {
+
+Status refuse( const char* sentence )
+{
+	return Status{ ResultCode::BadArgument, sentence };
+}
+
+bool isWithin( float value, float low, float high )
+{
+	return std::isfinite( value ) && value >= low && value <= high;
+}
+
+} // namespace
+
+Adaptivity steinemannAdaptivity( int coarseLevels )
+{
+	Adaptivity settings;
+	settings.coarseLevels = coarseLevels;
+	settings.regions = RegionRule::Interval;
+	settings.softening = Softening::None;
+	settings.residual = ResidualRule::Keep;
+	return settings;
+}
+
+Adaptivity ohtaAdaptivity( int coarseLevels )
+{
+	Adaptivity settings;
+	settings.coarseLevels = coarseLevels;
+	settings.regions = RegionRule::Union;
+	settings.softening = Softening::Ohta3D;
+	settings.residual = ResidualRule::Keep;
+	return settings;
+}
+
+Status check( const Adaptivity& settings )
+{
+	if ( Status status = settings.coarseLevels > 0 ? needFeature( Feature::Levels ) : Status{}; !status.ok() )
+	{
+		return status;
+	}
+	if ( settings.coarseLevels < 0 || settings.coarseLevels > kMostCoarseLevels )
+	{
+		return refuse( "Adaptivity: coarseLevels must be 0 to 4." );
+	}
+	if ( !( std::isfinite( settings.keepMass ) && settings.keepMass > 0.0f ) )
+	{
+		return refuse( "Adaptivity: keepMass must be above 0." );
+	}
+	if ( !( isWithin( settings.coarseStiffness, 0.0f, 1.0f ) && settings.coarseStiffness > 0.0f ) )
+	{
+		return refuse( "Adaptivity: coarseStiffness must be above 0 and at most 1." );
+	}
+	if ( !isWithin( settings.intervalSlack, 0.0f, 4.0f ) )
+	{
+		return refuse( "Adaptivity: intervalSlack must be within 0 and 4." );
+	}
+	if ( !isWithin( settings.refineStrain, 0.0f, 10.0f ) )
+	{
+		return refuse( "Adaptivity: refineStrain must be within 0 and 10." );
+	}
+	if ( !( isWithin( settings.mergeShare, 0.0f, 1.0f ) && settings.mergeShare < 1.0f ) )
+	{
+		return refuse( "Adaptivity: mergeShare must be within 0 and below 1." );
+	}
+	if ( !isWithin( settings.mergeDelay, 0.0f, 60.0f ) )
+	{
+		return refuse( "Adaptivity: mergeDelay must be within 0 and 60 s." );
+	}
+	if ( settings.nodesPerStep < 8 || settings.nodesPerStep > 1000000 )
+	{
+		return refuse( "Adaptivity: nodesPerStep must be 8 to 1 000 000." );
+	}
+	return {};
+}
+
+} // namespace pliant

@@ -1,0 +1,102 @@
+#include "adapt/octree/bucket_moore.h"
+
+#include <algorithm>
+
+namespace pliant {
+
+const std::vector<BucketMoore::Reached>& BucketMoore::from( const VisibilityGraph& graph, std::uint32_t source, std::uint32_t limit )
+{
+	begin( graph );
+	if ( limit > 0 )
+	{
+		place( source, 0, 0 );
+		run( graph, limit );
+	}
+	return m_reached;
+}
+
+const std::vector<BucketMoore::Reached>& BucketMoore::fromAll( const VisibilityGraph& graph, const std::vector<std::uint32_t>& sources,
+                                                               std::uint32_t limit )
+{
+	begin( graph );
+	if ( limit > 0 )
+	{
+		for ( const std::uint32_t source : sources )
+		{
+			place( source, 0, 0 );
+		}
+		run( graph, limit );
+	}
+	return m_reached;
+}
+
+/// Step 1: nothing is marked, every d_min is infinite; k = 0.
+void BucketMoore::begin( const VisibilityGraph& graph )
+{
+	if ( m_tentative.size() < std::size_t( graph.count() ) )
+	{
+		m_tentative.resize( std::size_t( graph.count() ) );
+	}
+	if ( m_buckets.size() < std::size_t( graph.longest ) + 1 )
+	{
+		m_buckets.resize( std::size_t( graph.longest ) + 1 );
+	}
+	if ( ++m_search == 0 ) // the count came round: what old searches wrote must not look new
+	{
+		std::fill( m_tentative.begin(), m_tentative.end(), Tentative{} );
+		m_search = 1;
+	}
+	m_reached.clear();
+	m_waiting = 0;
+}
+
+void BucketMoore::place( std::uint32_t node, std::uint32_t distance, std::size_t bucket )
+{
+	m_tentative[node] = { m_search, distance, false };
+	m_buckets[bucket].push_back( node );
+	++m_waiting;
+}
+
+/// Steps 2 to 4. Every entry lies at most d_max ahead of k, so a ring of d_max + 1 buckets keeps distances apart.
+void BucketMoore::run( const VisibilityGraph& graph, std::uint32_t limit )
+{
+	std::size_t front = 0;
+	for ( std::uint32_t k = 0; k < limit && m_waiting > 0; ++k )
+	{
+		// No edge has length 0: the front does not grow while it is emptied.
+		for ( const std::uint32_t node : m_buckets[front] )
+		{
+			visit( graph, node, { k, front, limit } );
+		}
+		m_waiting -= m_buckets[front].size();
+		m_buckets[front].clear();
+		front = front + 1 == m_buckets.size() ? 0 : front + 1;
+	}
+}
+
+void BucketMoore::visit( const VisibilityGraph& graph, std::uint32_t node, const Front& front )
+{
+	if ( m_tentative[node].isMarked ) // reached earlier on a shorter way
+	{
+		return;
+	}
+	m_tentative[node].isMarked = true;
+	m_reached.push_back( { node, front.k } );
+	const std::size_t ring = m_buckets.size();
+	for ( std::uint32_t e = graph.start[node]; e < graph.start[node + 1]; ++e )
+	{
+		const std::uint32_t d = front.k + graph.length[e];
+		if ( d >= front.limit ) // rows are in order of length: all that follow are too far as well
+		{
+			return;
+		}
+		const std::uint32_t next = graph.to[e];
+		if ( m_tentative[next].search != m_search || d < m_tentative[next].least )
+		{
+			const std::size_t ahead = front.bucket + graph.length[e];
+			place( next, d, ahead < ring ? ahead : ahead - ring );
+		}
+	}
+}
+
+} // namespace pliant

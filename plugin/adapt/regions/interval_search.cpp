@@ -1,0 +1,99 @@
+#include "adapt/regions/interval_search.h"
+
+#include "adapt/octree/bucket_moore.h"
+#include "threads/parallel.h"
+
+namespace pliant {
+
+namespace {
+
+/// Searches of one task: enough to be worth its scratch.
+constexpr std::uint32_t kRegionsPerTask = 256;
+
+/// Steps 1 and 2 for one owner after another.
+///
+/// Distances come in ascending order. A virtual node's interval [a, b] so begins at its first simulation node reached and ends at its
+/// last; nothing is reached from ( 1 + eps ) w on, hence b < ( 1 + eps ) w exactly for nodes that are whole. Going top-down, the paper
+/// inserts the first node with a <= w and b < ( 1 + eps ) w: the largest whole one above a simulation node within w.
+class RegionSearch
+{
+public:
+	explicit RegionSearch( const IntervalInput& input ) : m_input( input ), m_cover( input.octree ) {}
+
+	void append( std::uint32_t owner, std::uint32_t width, float eps, std::vector<std::uint32_t>& own )
+	{
+		const auto& reached = m_search.from( m_input.graph, owner, limitOf( width, eps ) );
+		m_cover.clear();
+		for ( const BucketMoore::Reached& r : reached )
+		{
+			m_cover.add( m_input.cut.node[r.node] );
+		}
+		const std::size_t first = own.size();
+		for ( const BucketMoore::Reached& r : reached )
+		{
+			if ( r.distance > width )
+			{
+				break;
+			}
+			if ( const std::uint32_t node = m_cover.largestAbove( m_input.cut.node[r.node] ); node != kNoNode )
+			{
+				own.push_back( node );
+			}
+		}
+		std::sort( own.begin() + std::ptrdiff_t( first ), own.end(),
+		           [this]( std::uint32_t a, std::uint32_t b ) { return m_input.octree.cellStart[a] < m_input.octree.cellStart[b]; } );
+	}
+
+private:
+	const IntervalInput& m_input;
+	Cover m_cover;
+	BucketMoore m_search;
+};
+
+} // namespace
+
+Rows searchRows( const IntervalInput& input, const IntervalRegions& regions, const std::vector<std::uint32_t>& slots, TaskRunner* runner )
+{
+	const std::uint32_t count = std::uint32_t( slots.size() );
+	const std::uint32_t tasks = ( count + kRegionsPerTask - 1 ) / kRegionsPerTask;
+	std::vector<Rows> parts( tasks );
+	auto search = [&]( int task ) {
+		RegionSearch scratch( input );
+		Rows& rows = parts[std::size_t( task )];
+		const std::uint32_t first = std::uint32_t( task ) * kRegionsPerTask;
+		for ( std::uint32_t k = first; k < std::min( count, first + kRegionsPerTask ); ++k )
+		{
+			scratch.append( slots[k], regions.width[slots[k]], regions.eps, rows.entry );
+			rows.close();
+		}
+	};
+	runTasks( runner, int( tasks ), search );
+	Rows all;
+	for ( const Rows& part : parts )
+	{
+		for ( std::size_t k = 1; k < part.start.size(); ++k )
+		{
+			all.start.push_back( std::uint32_t( all.entry.size() ) + part.start[k] );
+		}
+		all.entry.insert( all.entry.end(), part.entry.begin(), part.entry.end() );
+	}
+	return all;
+}
+
+void nameLargest( const IntervalInput& input, const std::vector<std::uint32_t>& slots, Cover& cover, std::vector<std::uint32_t>& named )
+{
+	cover.clear();
+	for ( const std::uint32_t slot : slots )
+	{
+		cover.add( input.cut.node[slot] );
+	}
+	for ( const std::uint32_t slot : slots )
+	{
+		if ( const std::uint32_t node = cover.largestAbove( input.cut.node[slot] ); node != kNoNode )
+		{
+			named.push_back( node );
+		}
+	}
+}
+
+} // namespace pliant

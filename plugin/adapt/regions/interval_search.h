@@ -1,0 +1,91 @@
+#pragma once
+
+// Steps 1 and 2 of Steinemann et al. 2008, section 4.2, for any slots: what finding regions and changing them share.
+
+#include "adapt/regions/interval_regions.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace pliant {
+
+/// First distance that cannot be in a region: d <= w is in, and d < ( 1 + eps ) w may be.
+inline std::uint32_t limitOf( std::uint32_t width, float eps )
+{
+	return std::max( width + 1, std::uint32_t( std::ceil( ( 1.0 + double( eps ) ) * width ) ) );
+}
+
+/// Which octree nodes have all their simulation nodes among those added.
+class Cover
+{
+public:
+	explicit Cover( const Octree& octree ) : m_octree( octree ), m_state( octree.parent.size() ) {}
+
+	void clear() { ++m_round; }
+
+	void add( std::uint32_t simulationNode )
+	{
+		std::uint32_t node = simulationNode;
+		stateOf( node ).isWhole = true;
+		for ( std::uint32_t parent = m_octree.parent[node]; parent != kNoNode; parent = m_octree.parent[parent] )
+		{
+			State& state = stateOf( parent );
+			if ( ++state.wholeChildren < m_octree.childStart[parent + 1] - m_octree.childStart[parent] )
+			{
+				return;
+			}
+			state.isWhole = true;
+		}
+	}
+
+	/// The largest node above one added that is whole, or kNoNode where it was named already.
+	std::uint32_t largestAbove( std::uint32_t simulationNode )
+	{
+		std::uint32_t node = simulationNode;
+		for ( std::uint32_t parent = m_octree.parent[node]; parent != kNoNode && stateOf( parent ).isWhole; parent = m_octree.parent[node] )
+		{
+			node = parent;
+		}
+		return std::exchange( stateOf( node ).isNamed, true ) ? kNoNode : node;
+	}
+
+private:
+	struct State
+	{
+		std::uint32_t round = 0;
+		std::uint16_t wholeChildren = 0;
+		bool isWhole = false;
+		bool isNamed = false;
+	};
+
+	State& stateOf( std::uint32_t node )
+	{
+		State& state = m_state[node];
+		if ( state.round != m_round )
+		{
+			state = {};
+			state.round = m_round;
+		}
+		return state;
+	}
+
+	const Octree& m_octree;
+	std::vector<State> m_state;
+	std::uint32_t m_round = 0;
+};
+
+struct Rows
+{
+	std::vector<std::uint32_t> start{ 0 }, entry;
+
+	void close() { start.push_back( std::uint32_t( entry.size() ) ); }
+};
+
+/// Own rows of some slots, in parallel, in their order.
+Rows searchRows( const IntervalInput& input, const IntervalRegions& regions, const std::vector<std::uint32_t>& slots, TaskRunner* runner );
+
+/// Appends the largest octree nodes all of whose simulation nodes are in a set of slots, ascending, in depth-first order.
+void nameLargest( const IntervalInput& input, const std::vector<std::uint32_t>& slots, Cover& cover, std::vector<std::uint32_t>& named );
+
+} // namespace pliant

@@ -1,0 +1,408 @@
+#include "adapt/regions/region_matrix.h"
+
+#include "adapt/regions/slot_change.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace pliant {
+
+namespace {
+
+/// One row in the making: sums by slot, and the slots that have any.
+class Row
+{
+public:
+	explicit Row( int slots ) : m_sum( static_cast<std::size_t>( slots ) ) {}
+
+	/// Shares are at least 1: a slot without any is not listed yet.
+	void add( std::uint32_t slot, std::uint32_t mass, std::uint32_t share )
+	{
+		Entry& entry = m_sum[slot];
+		if ( entry.share == 0 )
+		{
+			m_members.push_back( slot );
+		}
+		entry.mass += mass;
+		entry.share += share;
+	}
+
+	/// Appends the row to the matrix, ascending, and is empty again.
+	void appendTo( RegionMatrix& matrix )
+	{
+		std::sort( m_members.begin(), m_members.end() );
+		for ( const std::uint32_t slot : m_members )
+		{
+			matrix.member.push_back( slot );
+			matrix.mass.push_back( m_sum[slot].mass );
+			matrix.share.push_back( m_sum[slot].share );
+			m_sum[slot] = Entry{};
+		}
+		m_members.clear();
+		matrix.start.push_back( std::uint32_t( matrix.member.size() ) );
+	}
+
+private:
+	struct Entry
+	{
+		std::uint32_t mass = 0, share = 0;
+	};
+
+	std::vector<Entry> m_sum;
+	std::vector<std::uint32_t> m_members;
+};
+
+/// u( a, r ) = sum over cells c under a and fine regions f under r with c in f of m_c / n_c. Membership is symmetric: one walk over the
+/// cells of the fine regions under a node finds both its row (what lies in its region) and its column (whose regions it lies in).
+void countFromCells( const Octree& octree, const Cut& cut, const FineRegions& fine, std::uint32_t slot, Row& row )
+{
+	const std::uint32_t node = cut.node[slot];
+	for ( std::uint32_t k = octree.cellStart[node]; k < octree.cellStart[node] + octree.cellCount[node]; ++k )
+	{
+		const std::uint32_t cell = octree.cells[k];
+		for ( std::uint32_t m = fine.set.start[cell]; m < fine.set.start[cell + 1]; ++m )
+		{
+			const std::uint32_t other = fine.set.member[m];
+			row.add( cut.slotOfCell[other], fine.mass[other], fine.mass[cell] );
+		}
+	}
+}
+
+/// What one unit of a node's mass weighs.
+double unitOf( double mass, const RegionMatrix& matrix, std::uint32_t row )
+{
+	std::uint64_t sum = 0;
+	for ( std::uint32_t k = matrix.start[row]; k < matrix.start[row + 1]; ++k )
+	{
+		sum += matrix.share[k];
+	}
+	return mass / double( sum );
+}
+
+/// Makes the rows of a changed cut: those that nothing touched in runs, the others one after the other.
+class Updater
+{
+public:
+	Updater( const Octree& octree, const RegionMatrix& matrix, const Cut& to, const FineRegions& fine, SlotChange change ) :
+		m_octree( octree ), m_old( matrix ), m_to( to ), m_fine( fine ), m_change( std::move( change ) ), m_row( to.count() ), m_children( to.count() ),
+		m_childRow( to.node.size(), kNoNode )
+	{
+		findUntouched();
+		countNewRows();
+	}
+
+	RegionMatrix run( MatrixRoom* room )
+	{
+		RegionMatrix result;
+		if ( room )
+		{
+			result = std::move( room->matrix );
+		}
+		clear( result );
+		std::uint32_t firstOld = 0;
+		const std::uint32_t count = std::uint32_t( m_to.count() );
+		for ( std::uint32_t slot = 0; slot < count; )
+		{
+			if ( m_untouched[slot] != kNoNode )
+			{
+				std::uint32_t end = slot + 1;
+				while ( end < count && m_untouched[end] == m_untouched[slot] + ( end - slot ) )
+				{
+					++end;
+				}
+				appendUntouched( slot, end, result );
+				slot = end;
+				continue;
+			}
+			if ( m_childRow[slot] != kNoNode )
+			{
+				appendCounted( slot, result );
+			}
+			else
+			{
+				takeOld( slot, firstOld, result );
+			}
+			result.unit.push_back( unitOf( m_octree.mass[m_to.node[slot]], result, slot ) );
+			++slot;
+		}
+		if ( room )
+		{
+			room->rowBefore = std::move( m_untouched );
+		}
+		return result;
+	}
+
+private:
+	struct Entry
+	{
+		std::uint32_t slot, mass, share;
+	};
+
+	bool isCounted( std::uint32_t slot ) const { return m_change.before[slot] == kNoNode && m_change.wasMerged[slot] == 0; }
+
+	void clear( RegionMatrix& result ) const
+	{
+		for ( std::vector<std::uint32_t>* array : { &result.start, &result.member, &result.mass, &result.share } )
+		{
+			array->clear();
+		}
+		result.unit.clear();
+		result.start.reserve( m_to.node.size() + 1 );
+		result.start.push_back( 0 );
+		result.unit.reserve( m_to.node.size() );
+		for ( std::vector<std::uint32_t>* array : { &result.member, &result.mass, &result.share } )
+		{
+			array->reserve( m_old.member.size() + m_counted.member.size() );
+		}
+	}
+
+	/// Membership is symmetric: whoever has a changed node in its row stands in that node's.
+	void findUntouched()
+	{
+		m_untouched = m_change.before;
+		for ( std::uint32_t i = 0; i < std::uint32_t( m_old.count() ); ++i )
+		{
+			const std::uint32_t own = m_change.now[i];
+			if ( own == kNoNode || m_change.wasMerged[own] != 0 )
+			{
+				touchMembers( i );
+			}
+		}
+		const std::vector<std::uint32_t> moved = slotsOutOfOrder( m_change.now );
+		m_isMixed.assign( moved.empty() ? 0 : m_to.node.size(), 0 );
+		for ( const std::uint32_t i : moved )
+		{
+			touchMembers( i );
+			for ( std::uint32_t k = m_old.start[i]; k < m_old.start[i + 1]; ++k )
+			{
+				if ( const std::uint32_t now = m_change.now[m_old.member[k]]; now != kNoNode )
+				{
+					m_isMixed[now] = 1;
+				}
+			}
+		}
+	}
+
+	void touchMembers( std::uint32_t old )
+	{
+		for ( std::uint32_t k = m_old.start[old]; k < m_old.start[old + 1]; ++k )
+		{
+			if ( const std::uint32_t now = m_change.now[m_old.member[k]]; now != kNoNode )
+			{
+				m_untouched[now] = kNoNode;
+			}
+		}
+	}
+
+	void countNewRows()
+	{
+		m_counted.start.push_back( 0 );
+		for ( std::uint32_t slot = 0; slot < std::uint32_t( m_to.count() ); ++slot )
+		{
+			if ( isCounted( slot ) )
+			{
+				m_childRow[slot] = std::uint32_t( m_counted.count() );
+				countFromCells( m_octree, m_to, m_fine, slot, m_children );
+				m_children.appendTo( m_counted );
+			}
+		}
+		listColumns();
+	}
+
+	/// For each slot that is not counted: what it has in common with the nodes that splits brought. It stands in their rows; membership is
+	/// symmetric.
+	void listColumns()
+	{
+		m_columnStart.assign( m_to.node.size() + 1, 0 );
+		for ( const std::uint32_t slot : m_counted.member )
+		{
+			m_columnStart[slot + 1] += isCounted( slot ) ? 0 : 1;
+		}
+		for ( std::size_t i = 1; i < m_columnStart.size(); ++i )
+		{
+			m_columnStart[i] += m_columnStart[i - 1];
+		}
+		m_column.resize( m_columnStart.back() );
+		std::vector<std::uint32_t> next( m_columnStart.begin(), m_columnStart.end() - 1 );
+		for ( std::uint32_t child = 0; child < std::uint32_t( m_to.count() ); ++child )
+		{
+			const std::uint32_t r = m_childRow[child];
+			for ( std::uint32_t k = r == kNoNode ? 0 : m_counted.start[r]; r != kNoNode && k < m_counted.start[r + 1]; ++k )
+			{
+				if ( const std::uint32_t slot = m_counted.member[k]; !isCounted( slot ) )
+				{
+					m_column[next[slot]++] = Entry{ child, m_counted.share[k], m_counted.mass[k] }; // row and column swapped
+				}
+			}
+		}
+	}
+
+	void appendCounted( std::uint32_t slot, RegionMatrix& result ) const
+	{
+		const std::uint32_t first = m_counted.start[m_childRow[slot]], last = m_counted.start[m_childRow[slot] + 1];
+		appendEntries( m_counted, first, last, result );
+		result.start.push_back( std::uint32_t( result.member.size() ) );
+	}
+
+	static void appendEntries( const RegionMatrix& of, std::uint32_t first, std::uint32_t last, RegionMatrix& result )
+	{
+		result.member.insert( result.member.end(), of.member.begin() + first, of.member.begin() + last );
+		result.mass.insert( result.mass.end(), of.mass.begin() + first, of.mass.begin() + last );
+		result.share.insert( result.share.end(), of.share.begin() + first, of.share.begin() + last );
+	}
+
+	/// Rows that keep all their members, under other numbers, which rise as the old ones did.
+	void appendUntouched( std::uint32_t slot, std::uint32_t end, RegionMatrix& result ) const
+	{
+		const std::uint32_t old = m_untouched[slot], oldEnd = old + ( end - slot );
+		const std::uint32_t first = m_old.start[old], to = std::uint32_t( result.member.size() );
+		appendEntries( m_old, first, m_old.start[oldEnd], result );
+		std::uint32_t* const member = result.member.data();
+		for ( std::size_t k = to; k < result.member.size(); ++k )
+		{
+			member[k] = m_change.now[member[k]];
+		}
+		for ( std::uint32_t r = old; r < oldEnd; ++r )
+		{
+			result.start.push_back( m_old.start[r + 1] - first + to );
+		}
+		result.unit.insert( result.unit.end(), m_old.unit.begin() + old, m_old.unit.begin() + oldEnd );
+	}
+
+	/// Rows of nodes that stayed or were merged: sums of the old rows. Where a member was split, its children stand in the column.
+	void takeOld( std::uint32_t slot, std::uint32_t& firstOld, RegionMatrix& result )
+	{
+		const Entry* next = m_column.data() + m_columnStart[slot];
+		const Entry* const last = m_column.data() + m_columnStart[slot + 1];
+		const bool wasMerged = m_change.wasMerged[slot] != 0;
+		if ( !wasMerged && ( m_isMixed.empty() || m_isMixed[slot] == 0 ) )
+		{
+			takeOne( m_change.before[slot], next, last, result );
+			return;
+		}
+		if ( !wasMerged )
+		{
+			addRow( m_change.before[slot] );
+		}
+		for ( ; wasMerged && m_change.now[firstOld] != slot; ++firstOld ) {}
+		for ( ; wasMerged && firstOld < m_change.now.size() && m_change.now[firstOld] == slot; ++firstOld )
+		{
+			addRow( firstOld );
+		}
+		for ( ; next != last; ++next )
+		{
+			m_row.add( next->slot, next->mass, next->share );
+		}
+		m_row.appendTo( result );
+	}
+
+	void addRow( std::uint32_t old )
+	{
+		for ( std::uint32_t k = m_old.start[old]; k < m_old.start[old + 1]; ++k )
+		{
+			if ( const std::uint32_t now = m_change.now[m_old.member[k]]; now != kNoNode )
+			{
+				m_row.add( now, m_old.mass[k], m_old.share[k] );
+			}
+		}
+	}
+
+	/// New numbers rise as the old ones did, equals where members were merged; children come between those beside their parent.
+	void takeOne( std::uint32_t old, const Entry* next, const Entry* last, RegionMatrix& result ) const
+	{
+		const std::size_t first = result.member.size();
+		const auto append = [&result]( const Entry& entry ) {
+			result.member.push_back( entry.slot );
+			result.mass.push_back( entry.mass );
+			result.share.push_back( entry.share );
+		};
+		for ( std::uint32_t k = m_old.start[old]; k < m_old.start[old + 1]; ++k )
+		{
+			const std::uint32_t now = m_change.now[m_old.member[k]];
+			if ( now == kNoNode )
+			{
+				continue;
+			}
+			for ( ; next != last && next->slot < now; ++next )
+			{
+				append( *next );
+			}
+			if ( result.member.size() > first && result.member.back() == now )
+			{
+				result.mass.back() += m_old.mass[k];
+				result.share.back() += m_old.share[k];
+				continue;
+			}
+			append( Entry{ now, m_old.mass[k], m_old.share[k] } );
+		}
+		for ( ; next != last; ++next )
+		{
+			append( *next );
+		}
+		result.start.push_back( std::uint32_t( result.member.size() ) );
+	}
+
+	const Octree& m_octree;
+	const RegionMatrix& m_old;
+	const Cut& m_to;
+	const FineRegions& m_fine;
+	SlotChange m_change;
+	Row m_row, m_children;
+	RegionMatrix m_counted;                ///< rows of the nodes that splits brought
+	std::vector<std::uint32_t> m_childRow; ///< of each new slot: its row there, or kNoNode
+	std::vector<std::uint32_t> m_untouched; ///< of each new slot: its old one, where its row is to be renumbered and no more
+	std::vector<std::uint8_t> m_isMixed;    ///< of each new slot: 1 where members of its row stand in another order than before; empty: none
+	std::vector<std::uint32_t> m_columnStart; ///< of each new slot
+	std::vector<Entry> m_column;            ///< ascending by slot
+};
+
+} // namespace
+
+FineRegions buildFineRegions( const Lattice& lattice, int halfWidth )
+{
+	FineRegions fine;
+	fine.set = buildRegions( lattice, halfWidth );
+	fine.mass.reserve( lattice.fill.size() );
+	for ( int c = 0; c < lattice.cellCount(); ++c )
+	{
+		fine.mass.push_back( inMassUnits( double( lattice.fill[c] ) / fine.set.size[c] ) );
+	}
+	return fine;
+}
+
+void weighUnits( const Octree& octree, const Cut& cut, RegionMatrix& matrix )
+{
+	matrix.unit.resize( cut.node.size() );
+	for ( std::uint32_t a = 0; a < std::uint32_t( cut.count() ); ++a )
+	{
+		matrix.unit[a] = unitOf( octree.mass[cut.node[a]], matrix, a );
+	}
+}
+
+RegionMatrix buildMultiplicityRegions( const Octree& octree, const Cut& cut, const FineRegions& fine )
+{
+	RegionMatrix matrix;
+	matrix.start.push_back( 0 );
+	Row row( cut.count() );
+	for ( std::uint32_t slot = 0; slot < std::uint32_t( cut.count() ); ++slot )
+	{
+		countFromCells( octree, cut, fine, slot, row );
+		row.appendTo( matrix );
+	}
+	weighUnits( octree, cut, matrix );
+	return matrix;
+}
+
+RegionMatrix updateMultiplicityRegions( const Octree& octree, const Cut& from, const RegionMatrix& matrix, const Cut& to, const FineRegions& fine,
+	MatrixRoom* room )
+{
+	return Updater( octree, matrix, to, fine, slotChange( octree, from, to ) ).run( room );
+}
+
+RegionMatrix updateRelinkedRegions(
+	const Octree& octree, const Cut& cut, const FineRegions& fine, const RegionMatrix& matrix, const RelinkedNodes& nodes, MatrixRoom* room )
+{
+	return Updater( octree, matrix, cut, fine, slotChange( nodes ) ).run( room );
+}
+
+} // namespace pliant

@@ -1,0 +1,73 @@
+#include "adapt/regions/slot_change.h"
+
+#include <algorithm>
+
+namespace pliant {
+
+SlotChange slotChange( const Octree& octree, const Cut& from, const Cut& to )
+{
+	SlotChange change;
+	change.now.assign( from.node.size(), kNoNode );
+	change.before.assign( to.node.size(), kNoNode );
+	change.wasMerged.assign( to.node.size(), 0 );
+	std::size_t i = 0, j = 0;
+	while ( i < from.node.size() )
+	{
+		const std::uint32_t old = from.node[i], now = to.node[j];
+		const std::uint32_t oldEnd = octree.cellStart[old] + octree.cellCount[old], nowEnd = octree.cellStart[now] + octree.cellCount[now];
+		if ( old == now )
+		{
+			change.now[i] = std::uint32_t( j );
+			change.before[j] = std::uint32_t( i );
+		}
+		else if ( octree.cellCount[now] >= octree.cellCount[old] ) // taken in
+		{
+			change.now[i] = std::uint32_t( j );
+			change.wasMerged[j] = 1;
+		}
+		i += oldEnd <= nowEnd ? 1 : 0;
+		j += nowEnd <= oldEnd ? 1 : 0;
+	}
+	return change;
+}
+
+SlotChange slotChange( const RelinkedNodes& nodes )
+{
+	SlotChange change;
+	change.now = nodes.now;
+	change.before = nodes.before;
+	change.wasMerged.assign( nodes.before.size(), 0 );
+	for ( std::size_t slot = 0; slot < nodes.before.size(); ++slot )
+	{
+		if ( nodes.isNew[slot] != 0 )
+		{
+			change.now[nodes.before[slot]] = kNoNode;
+			change.before[slot] = kNoNode;
+		}
+	}
+	return change;
+}
+
+std::vector<std::uint32_t> slotsOutOfOrder( const std::vector<std::uint32_t>& now )
+{
+	std::vector<std::uint32_t> least( now.size() + 1, kNoNode ), moved; // least number of those from here on; kNoNode is above all
+	for ( std::size_t i = now.size(); i-- > 0; )
+	{
+		least[i] = std::min( least[i + 1], now[i] );
+	}
+	std::uint32_t most = 0;
+	for ( std::size_t i = 0; i < now.size(); ++i )
+	{
+		if ( now[i] != kNoNode )
+		{
+			if ( now[i] < most || now[i] > least[i] )
+			{
+				moved.push_back( std::uint32_t( i ) );
+			}
+			most = std::max( most, now[i] );
+		}
+	}
+	return moved;
+}
+
+} // namespace pliant

@@ -1,0 +1,293 @@
+// Levels of a body whose links have changed, and of the pieces that came off it: what is above links that stayed is taken over.
+// Steinemann et al. 2008, section 5.1; Ohta et al. 2009, "Fracturing".
+
+#include "body/levels/level_nodes.h"
+
+#include "body/body.h"
+#include "body/breaking.h"
+#include "body/implicit_motion.h"
+#include "body/levels/levels.h"
+#include "matching/step/lattice_matcher.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace pliant {
+
+namespace {
+
+void takeInOrder( AlignedArray<float>& array, const std::vector<std::uint32_t>& before, AlignedArray<float>& room )
+{
+	room = array; // padding stays
+	for ( std::size_t i = 0; i < before.size(); ++i )
+	{
+		room[i] = array[before[i]];
+	}
+	array.swap( room );
+}
+
+/// `before`: the number that each node had.
+void putInOrder( NodeState& nodes, const std::vector<std::uint32_t>& before )
+{
+	if ( std::is_sorted( before.begin(), before.end() ) )
+	{
+		return;
+	}
+	AlignedArray<float> room;
+	for ( AlignedArray<float>* array : arraysOf( nodes ) )
+	{
+		takeInOrder( *array, before, room );
+	}
+	for ( AlignedArray<float>* array : { &nodes.force.x, &nodes.force.y, &nodes.force.z } )
+	{
+		if ( !array->empty() )
+		{
+			takeInOrder( *array, before, room );
+		}
+	}
+}
+
+/// The same cells stand under one node as before, as far as they are still connected: blocks are where they were.
+Cut cutOfPiece( const Levels& whole, const Octree& tree, const std::vector<std::uint32_t>& cellBefore )
+{
+	return selectCut( tree, [&]( std::uint32_t node ) {
+		return tree.levelOf( node ) == whole.levelOf( int( whole.cut().slotOfCell[cellBefore[tree.cells[tree.cellStart[node]]]] ) );
+	} );
+}
+
+} // namespace
+
+std::unique_ptr<Levels> Levels::ofPiece( PieceOfLevels piece, const LevelSettings& settings, const Lattice& lattice ) const
+{
+	std::unique_ptr<Levels> levels;
+	if ( canTakeOver( piece ) )
+	{
+		MatrixRoom room;
+		LevelRegions regions{ std::make_shared<RegionMatrix>( updateRelinkedRegions(
+								  piece.update.base->octree, piece.cut, piece.update.base->fine, matrix(), piece.nodes, &room ) ),
+			nullptr };
+		std::shared_ptr<const RegionTables> tables = buildLevelTables(
+			*piece.update.base, lattice, piece.cut, regions, settings, TablesBefore{ m_tables.get(), std::move( room.rowBefore ), nullptr, piece.shift } );
+		levels.reset( new Levels( piece.update.base, lattice, m_settings, settings.stiffness, std::move( piece.cut ), std::move( regions ), std::move( tables ) ) );
+	}
+	else
+	{
+		levels = std::make_unique<Levels>( piece.update.base, lattice, settings.material, m_settings, settings.stiffness, std::move( piece.cut ) );
+	}
+	levels->m_ownsBase = true;
+	return levels;
+}
+
+// A node in the cut above a touched cell might hold other cells than before.
+bool Levels::canRelink( const std::vector<std::uint32_t>& touched ) const
+{
+	return m_settings.regions == RegionRule::Multiplicity &&
+		   std::all_of( touched.begin(), touched.end(), [this]( std::uint32_t cell ) { return m_cut.node[m_cut.slotOfCell[cell]] == cell; } );
+}
+
+void Levels::ownBase()
+{
+	if ( !m_ownsBase )
+	{
+		m_base = std::make_shared<const LevelBase>( *m_base );
+		m_ownsBase = true;
+	}
+}
+
+// Of a base that is the template's nothing may go, even where this body is the last that has it: who makes a body elsewhere meanwhile may find it.
+LevelBaseRoom Levels::takeBaseRoom()
+{
+	LevelBaseRoom room;
+	if ( m_ownsBase && m_base.use_count() == 1 )
+	{
+		room.moments = std::move( std::const_pointer_cast<LevelBase>( m_base )->moments );
+	}
+	room.fine = std::move( m_room.fine );
+	return room;
+}
+
+void Levels::inherit( const Levels& whole, const std::vector<std::uint32_t>& cellBefore )
+{
+	m_sinceMerge = whole.m_sinceMerge;
+	m_refineStretch = whole.m_refineStretch;
+	m_together = whole.m_together;
+	m_budget = whole.m_budget;
+	for ( std::size_t cell = 0; cell < cellBefore.size(); ++cell )
+	{
+		m_coarsest[cell] = whole.m_coarsest[cellBefore[cell]];
+	}
+	const std::vector<std::uint8_t> isAsked = whole.askedNodes();
+	for ( std::size_t i = 0; i < m_quiet.size(); ++i )
+	{
+		const std::uint32_t cell = octree().cells[octree().cellStart[m_cut.node[i]]];
+		const std::uint32_t before = whole.m_cut.slotOfCell[cellBefore[cell]];
+		m_quiet[i] = whole.m_quiet[before];
+		m_isWanted[i] = whole.m_isWanted[before];
+		if ( isAsked[before] != 0 )
+		{
+			m_asked.push_back( m_cut.node[i] );
+		}
+	}
+	if ( !whole.m_heldOn.empty() )
+	{
+		m_heldOn.reserve( cellBefore.size() );
+		for ( const std::uint32_t cell : cellBefore )
+		{
+			m_heldOn.push_back( whole.m_heldOn[cell] );
+		}
+	}
+}
+
+std::vector<std::uint8_t> Levels::askedNodes() const
+{
+	std::vector<std::uint32_t> asked( m_asked );
+	std::sort( asked.begin(), asked.end() );
+	std::vector<std::uint8_t> isAsked;
+	for ( const std::uint32_t node : m_cut.node )
+	{
+		isAsked.push_back( std::binary_search( asked.begin(), asked.end(), node ) ? 1 : 0 );
+	}
+	return isAsked;
+}
+
+void Levels::measureLeftRows( const Material& material )
+{
+	if ( !m_left.empty() )
+	{
+		RegionTables& tables = *std::const_pointer_cast<RegionTables>( m_tables ); // made by the last change, for these levels
+		fillLeftRows( *m_base, *m_lattice, m_cut, LevelSettings{ material, m_settings, *m_stiffness }, m_left, tables );
+		m_left.clear();
+	}
+}
+
+// As a change of levels is made (Levels::change): in the room the one before the last left.
+void Levels::relink( PieceOfLevels piece, const LevelSettings& settings, const Lattice& lattice, NodeState& nodes, LatticeMatcher& matcher )
+{
+	m_room.matrix.rowBefore.clear();
+	LevelRegions regions{ std::make_shared<RegionMatrix>( updateRelinkedRegions(
+							  piece.update.base->octree, piece.cut, piece.update.base->fine, matrix(), piece.nodes, &m_room.matrix ) ),
+		nullptr };
+	std::vector<std::uint32_t>& rows = m_room.matrix.rowBefore;
+	std::replace_if( rows.begin(), rows.end(), [this]( std::uint32_t row ) { return std::binary_search( m_left.begin(), m_left.end(), row ); }, kNoNode );
+	m_left.clear();
+	std::shared_ptr<const RegionTables> old = m_tables;
+	m_tables = buildLevelTables( *piece.update.base, lattice, piece.cut, regions, settings,
+		TablesBefore{ old.get(), std::move( m_room.matrix.rowBefore ), std::move( m_room.tables ) } );
+	matcher.relink( lattice, m_tables, piece.nodes.before );
+	m_regions = std::move( regions );
+	keepRoom( std::move( old ) );
+	putInOrder( nodes, piece.nodes.before );
+	m_room.quiet.clear();
+	const std::vector<std::uint8_t> isAsked = askedNodes();
+	std::vector<std::uint8_t> isWanted;
+	std::vector<std::uint32_t> asked;
+	for ( std::size_t i = 0; i < piece.nodes.before.size(); ++i )
+	{
+		const std::uint32_t before = piece.nodes.before[i];
+		m_room.quiet.push_back( m_quiet[before] );
+		isWanted.push_back( m_isWanted[before] );
+		if ( isAsked[before] != 0 )
+		{
+			asked.push_back( piece.cut.node[i] );
+		}
+	}
+	m_quiet.swap( m_room.quiet );
+	m_isWanted.swap( isWanted );
+	m_asked.swap( asked );
+	const std::shared_ptr<const LevelBase> baseBefore = std::exchange( m_base, piece.update.base );
+	if ( m_ownsBase && baseBefore.use_count() == 1 )
+	{
+		m_room.fine = std::move( std::const_pointer_cast<LevelBase>( baseBefore )->fine );
+	}
+	m_ownsBase = true;
+	m_lattice = &lattice;
+	m_stiffness = &settings.stiffness;
+	m_cut = std::move( piece.cut );
+	countLevels();
+	// What was to be changed names nodes of the octree before; it is found again.
+	m_change = {};
+	m_split.clear();
+	m_merge.clear();
+	m_hasBacklog = false;
+	++m_version;
+}
+
+void Body::prepareToBreak()
+{
+	if ( m_levels )
+	{
+		m_levels->ownBase();
+	}
+}
+
+PieceOfLevels Body::pieceOfLevels( const Body& from, const BodyPiece& piece, PieceRoad road ) const
+{
+	const Levels& before = *from.m_levels;
+	PieceOfLevels made;
+	if ( road == PieceRoad::FromNothing )
+	{
+		made.update.base = buildLevelBase( *m_lattice, m_material, before.settings() );
+		made.cut = cutOfPiece( before, made.update.base->octree, piece.cellBefore );
+		return made;
+	}
+	LevelBaseRoom room = piece.isLast ? from.m_levels->takeBaseRoom() : LevelBaseRoom{};
+	made.update = updateLevelBase( before.base(), std::move( room ), CellChange{ *from.m_lattice, *m_lattice, piece.cellBefore, piece.touched } );
+	made.cut = cutOfPiece( before, made.update.base->octree, piece.cellBefore );
+	made.nodes = relinkNodes( before.cut(), made.cut, made.update, piece.cellBefore );
+	made.shift = ( m_lattice->massCentre - from.m_lattice->massCentre ) / double( m_lattice->cellSize );
+	return made;
+}
+
+void Body::inheritLevels( const Body& from, BodyPiece& piece, PieceRoad road )
+{
+	const Levels& before = *from.m_levels;
+	PieceOfLevels made = pieceOfLevels( from, piece, road );
+	piece.treeBefore = made.update.nodeBefore;
+	for ( const std::uint32_t node : made.cut.node )
+	{
+		const Octree& tree = made.update.base->octree;
+		piece.nodeBefore.push_back( before.cut().slotOfCell[piece.cellBefore[tree.cells[tree.cellStart[node]]]] );
+	}
+	m_levels = before.ofPiece( std::move( made ), LevelSettings{ m_material, before.settings(), m_stiffness }, *m_lattice );
+	m_levels->inherit( before, piece.cellBefore );
+	m_levels->setFinestLevel( before.finestLevel() );
+	m_levels->fillNodes( m_nodes, m_material.density );
+}
+
+// Nothing came off: what makes up this body goes on in another one, and only what is near the links in question is made anew.
+std::unique_ptr<Body> Body::relinkWhole( const std::shared_ptr<const Lattice>& lattice, BodyPiece& piece )
+{
+	const std::shared_ptr<const Lattice> before = m_lattice;
+	if ( !m_levels->canRelink( piece.touched ) )
+	{
+		return nullptr;
+	}
+	PieceOfLevels made;
+	made.update = updateLevelBase( m_levels->base(), m_levels->takeBaseRoom(), CellChange{ *before, *lattice, piece.cellBefore, piece.touched } );
+	made.cut = cutOfPiece( *m_levels, made.update.base->octree, piece.cellBefore );
+	made.nodes = relinkNodes( m_levels->cut(), made.cut, made.update, piece.cellBefore );
+	piece.nodeBefore = made.nodes.before;
+	piece.treeBefore = made.update.nodeBefore;
+	const std::vector<std::uint32_t> names = m_firstCell;
+	std::unique_ptr<Body> body( new Body( std::move( *this ) ) );
+	m_firstCell = names; // what the report says is in the numbers of the body before
+	body->m_lattice = lattice;
+	body->m_isOnePart = piece.isOnePart;
+	body->m_cache.reset(); // it is of the lattice as it was
+	body->m_implicit.reset(); // it knows this body, and is made again when it is asked for
+	if ( body->m_firstCell.empty() )
+	{
+		body->m_firstCell = piece.cellBefore;
+	}
+	body->m_levels->relink( std::move( made ), LevelSettings{ body->m_material, body->m_levels->settings(), body->m_stiffness }, *lattice, body->m_nodes,
+		*body->m_levelMatcher );
+	if ( body->m_breaking )
+	{
+		body->m_breaking->limits = body->limitsOf( *body->m_breaking, piece );
+		body->m_breaking->standings.forget();
+	}
+	body->keepFiniteState();
+	return body;
+}
+
+} // namespace pliant

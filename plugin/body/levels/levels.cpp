@@ -1,0 +1,221 @@
+#include "body/levels/levels.h"
+
+#include "body/levels/level_nodes.h"
+
+#include "matching/step/lattice_matcher.h"
+
+#include <Eigen/Dense>
+
+#include <algorithm>
+#include <cmath>
+
+namespace pliant {
+
+Levels::Levels( std::shared_ptr<const LevelBase> base, const Lattice& lattice, const Material& material, const Adaptivity& settings,
+	const std::vector<float>& stiffness, Cut cut ) :
+	Levels( std::move( base ), lattice, settings, stiffness, std::move( cut ), {}, nullptr )
+{
+	m_regions = buildLevelRegions( *m_base, lattice, m_cut, material, settings );
+	m_tables = buildLevelTables( *m_base, lattice, m_cut, m_regions, LevelSettings{ material, m_settings, stiffness } );
+	prepareRoom();
+}
+
+Levels::Levels( std::shared_ptr<const LevelBase> base, const Lattice& lattice, const Adaptivity& settings, const std::vector<float>& stiffness, Cut cut,
+	LevelRegions regions, std::shared_ptr<const RegionTables> tables ) :
+	m_base( std::move( base ) ), m_lattice( &lattice ), m_settings( settings ), m_stiffness( &stiffness ), m_cut( std::move( cut ) ),
+	m_regions( std::move( regions ) ), m_tables( std::move( tables ) ), m_quiet( m_cut.node.size(), 0.0f ), m_isWanted( m_cut.node.size(), 0 )
+{
+	countLevels();
+	countRoom();
+	for ( const std::uint32_t slot : m_cut.slotOfCell )
+	{
+		m_coarsest.push_back( std::uint8_t( levelOf( int( slot ) ) ) );
+	}
+}
+
+void Levels::countLevels()
+{
+	m_nodesOnLevel.fill( 0 );
+	for ( int i = 0; i < m_cut.count(); ++i )
+	{
+		++m_nodesOnLevel[std::size_t( levelOf( i ) )];
+	}
+}
+
+void Levels::fillNodes( NodeState& nodes, float density ) const
+{
+	for ( AlignedArray<float>* array : arraysOf( nodes ) )
+	{
+		makeRoom( *array, std::size_t( m_hasRoom ? m_room.count : 0 ), 0 );
+	}
+	resizeNodes( nodes, m_cut.count() );
+	const double fullCell = double( density ) * std::pow( double( m_lattice->cellSize ), 3 );
+	for ( int i = 0; i < nodes.count; ++i )
+	{
+		nodes.x0.set( i, octree().restCentre[m_cut.node[i]] );
+		nodes.mass[i] = float( fullCell * octree().mass[m_cut.node[i]] );
+		nodes.freedom[i] = 1.0f;
+	}
+}
+
+void Levels::requestSplit( int node )
+{
+	keep( node );
+	if ( levelOf( node ) > m_finestLevel )
+	{
+		m_asked.push_back( m_cut.node[node] );
+	}
+}
+
+void Levels::hold( int node )
+{
+	m_heldOn.resize( std::size_t( m_lattice->cellCount() ), 0 );
+	const std::uint32_t held = m_cut.node[node], first = octree().cellStart[held];
+	for ( std::uint32_t k = first; k < first + octree().cellCount[held]; ++k )
+	{
+		m_heldOn[octree().cells[k]] = std::uint8_t( levelOf( node ) );
+	}
+}
+
+void Levels::apply( NodeState& nodes, LatticeMatcher& matcher, const Material& material, TaskRunner* tasks, bool measuresEnergy )
+{
+	if ( !m_split.empty() || !m_merge.empty() )
+	{
+		const std::vector<std::uint32_t> split = std::move( m_split ), merge = std::move( m_merge );
+		m_split.clear();
+		m_merge.clear();
+		change( nodes, matcher, material, split, merge, tasks, measuresEnergy );
+	}
+}
+
+void Levels::change( NodeState& nodes, LatticeMatcher& matcher, const Material& material, const std::vector<std::uint32_t>& split,
+	const std::vector<std::uint32_t>& merge, TaskRunner* tasks, bool measuresEnergy )
+{
+	if ( !m_hasRoom )
+	{
+		prepareRoom();
+	}
+	Cut next = changeCut( octree(), m_cut, split, merge, std::move( m_room.cut ) );
+	numberHeirs( next );
+	m_change.splits = int( split.size() );
+	m_change.merges = int( merge.size() );
+	NodeState changed = changedNodes( nodes, matcher, next, material.density );
+
+	m_room.matrix.rowBefore.clear();
+	m_regions = updateLevelRegions( RegionInput{ *m_base, *m_lattice, material, m_settings, tasks, &m_room.matrix }, m_cut, m_regions, next );
+	std::shared_ptr<const RegionTables> old = m_tables;
+	const bool isKnown = !m_room.matrix.rowBefore.empty();
+	const TablesBefore before{ old.get(), isKnown ? std::move( m_room.matrix.rowBefore ) : unchangedRows( *old->matrix, next ), std::move( m_room.tables ),
+		Vec3d::Zero(), m_leavesRows };
+	m_tables = buildLevelTables( *m_base, *m_lattice, next, m_regions, LevelSettings{ material, m_settings, *m_stiffness, tasks }, before );
+	m_change.measured.clear();
+	for ( std::uint32_t r = 0; r < std::uint32_t( next.count() ); ++r )
+	{
+		if ( before.region[r] == kNoNode )
+		{
+			m_change.measured.push_back( r );
+		}
+	}
+	const bool isMeasured = measuresEnergy && !m_leavesRows;
+	const RegionWork workBefore = isMeasured ? matcher.workOf( nodes, regionsGone( before.region, m_cut.count() ) ) : RegionWork{};
+	m_left = m_leavesRows ? m_change.measured : std::vector<std::uint32_t>();
+	m_leavesRows = false;
+	m_room.quiet.assign( next.node.size(), 0.0f );
+	for ( int i = 0; i < next.count(); ++i )
+	{
+		const std::uint32_t heir = m_change.heir[i];
+		m_room.quiet[i] = m_cut.node[heir] == next.node[i] ? m_quiet[heir] : 0.0f;
+	}
+	m_quiet.swap( m_room.quiet );
+	m_isWanted.assign( next.node.size(), 0 );
+	std::swap( m_cut, next );
+	m_room.cut = std::move( next );
+	countLevels();
+	std::swap( nodes, changed );
+	m_room.nodes = std::move( changed );
+	matcher.setTables( m_tables, FlowHeirs{ m_change.heir, m_change.nodeNow, m_room.nodes.mass } );
+	settle( nodes, matcher, isMeasured ? &workBefore : nullptr );
+	keepRoom( std::move( old ) );
+	++m_version;
+}
+
+void Levels::countRoom()
+{
+	const int cells = m_lattice->cellCount(), count = m_cut.count();
+	m_room.count = int( std::min<long long>( cells, count + static_cast<long long>( kRoomChanges ) * m_settings.nodesPerStep ) );
+}
+
+// A change in a running game must not wait for the system to hand out memory, which takes longer than the change: each is built where the
+// one before the last was. Reserved is what several changes may bring; what is not used of it takes no memory.
+void Levels::prepareRoom()
+{
+	const int count = m_cut.count();
+	m_hasRoom = true;
+	const int touched = std::min( m_room.count, int( count * kRoomShare ) );
+	const std::size_t edge = 2 * std::size_t( m_tables->regions.halfWidth ) + 1, entries = edge * edge * edge * std::size_t( m_room.count );
+	RegionMatrix& matrix = *std::const_pointer_cast<RegionMatrix>( m_regions.matrix ); // it is ours, and what it holds stays
+	const std::size_t touchedEntries = std::min( entries, std::size_t( double( matrix.member.size() ) * kRoomShare ) );
+	for ( std::vector<std::uint32_t> RegionMatrix::*array : { &RegionMatrix::member, &RegionMatrix::mass, &RegionMatrix::share } )
+	{
+		makeRoom( matrix.*array, entries, 0 );
+		makeRoom( m_room.matrix.matrix.*array, entries, touchedEntries );
+	}
+	m_room.tables = std::make_shared<RegionTables>();
+	makeLevelRoom( *std::const_pointer_cast<RegionTables>( m_tables ), *m_room.tables, m_room.count, touched );
+	makeRoom( m_room.cut.slotOfCell, m_cut.slotOfCell.size(), m_cut.slotOfCell.size() );
+	for ( AlignedArray<float>* array : arraysOf( m_room.nodes ) )
+	{
+		makeRoom( *array, std::size_t( m_room.count ), std::size_t( touched ) );
+	}
+}
+
+/// The tables before become room for those after the next change, unless somebody else looks at them still.
+void Levels::keepRoom( std::shared_ptr<const RegionTables> old )
+{
+	std::shared_ptr<RegionTables> tables = std::const_pointer_cast<RegionTables>( std::move( old ) );
+	if ( tables.use_count() != 1 )
+	{
+		return;
+	}
+	tables->plan.reset();
+	if ( const auto matrix = std::const_pointer_cast<RegionMatrix>( std::move( tables->matrix ) ); matrix.use_count() == 1 )
+	{
+		m_room.matrix.matrix = std::move( *matrix );
+	}
+	tables->matrix.reset();
+	m_room.tables = std::move( tables );
+}
+
+std::vector<std::uint32_t> Levels::unchangedRows( const RegionMatrix& old, const Cut& next ) const
+{
+	const RegionMatrix& now = matrix();
+	// Nor may masses differ: in unions and intervals a member's share hangs on regions farther off, which may have changed.
+	const auto isSame = [&]( std::uint32_t r ) {
+		const std::uint32_t heir = m_change.heir[r], size = now.start[r + 1] - now.start[r];
+		bool same = old.start[heir + 1] - old.start[heir] == size;
+		for ( std::uint32_t k = 0; same && k < size; ++k )
+		{
+			const std::uint32_t a = now.member[now.start[r] + k], before = old.member[old.start[heir] + k];
+			same = m_cut.node[before] == next.node[a] && now.mass[now.start[r] + k] == old.mass[old.start[heir] + k] && now.unit[a] == old.unit[before];
+		}
+		return same;
+	};
+	std::vector<std::uint32_t> before( next.node.size() );
+	for ( std::uint32_t r = 0; r < std::uint32_t( next.count() ); ++r )
+	{
+		before[r] = m_cut.node[m_change.heir[r]] == next.node[r] && isSame( r ) ? m_change.heir[r] : kNoNode;
+	}
+	return before;
+}
+
+std::size_t Levels::bytes() const
+{
+	const std::size_t cut = ( m_cut.node.size() + m_cut.slotOfCell.size() ) * sizeof( std::uint32_t );
+	const std::size_t change = ( m_change.heir.size() + m_change.nodeNow.size() + m_change.keptAs.size() + 4 * m_parts.size() ) * sizeof( std::uint32_t );
+	const std::size_t base = m_room.fine.bytes() + ( m_ownsBase ? m_base->fine.bytes() + m_base->moments.bytes() : 0 );
+	// Room is of the size of what is in use.
+	const std::size_t reviewed = m_reviewed.coarse.size() * sizeof( Reviewed::Coarse ) + m_reviewed.siblings.size() * sizeof( Reviewed::Siblings );
+	return 2 * ( cut + m_tables->bytes() ) + base + change + reviewed + ( m_quiet.size() + m_load.size() ) * sizeof( float ) + m_coarsest.size() + m_heldOn.size();
+}
+
+} // namespace pliant

@@ -1,0 +1,45 @@
+// In a build without levels of detail: bodies that ask for them are refused (adaptivity.cpp), and none of this is ever reached.
+
+#include "body/body.h"
+#include "body/levels/levels.h"
+
+namespace pliant {
+
+Levels::Levels( std::shared_ptr<const LevelBase> base, const Lattice& lattice, const Material&, const Adaptivity& settings, const std::vector<float>& stiffness, Cut cut ) :
+	m_base( std::move( base ) ), m_lattice( &lattice ), m_settings( settings ), m_stiffness( &stiffness ), m_cut( std::move( cut ) )
+{
+}
+
+void Levels::fillNodes( NodeState&, float ) const {}
+void Levels::requestSplit( int ) {}
+void Levels::hold( int ) {}
+
+bool Levels::review( const NodeState&, const AlignedArray<float>&, const AlignedArray<float>&, float )
+{
+	return false;
+}
+
+void Levels::apply( NodeState&, LatticeMatcher&, const Material&, TaskRunner*, bool ) {}
+void Levels::change( NodeState&, LatticeMatcher&, const Material&, const std::vector<std::uint32_t>&, const std::vector<std::uint32_t>&, TaskRunner*, bool ) {}
+
+void Body::owe( const LevelEnergy& ) {}
+void Body::payForLevels( float, float ) {}
+
+LevelEnergy Body::heldEnergy()
+{
+	return {};
+}
+
+void Body::oweSince( const LevelEnergy& ) {}
+
+double Body::joules( const LevelEnergy&, float, float ) const
+{
+	return 0.0;
+}
+
+std::size_t Levels::bytes() const
+{
+	return m_lattice && m_stiffness ? sizeof( Levels ) : 0;
+}
+
+} // namespace pliant

@@ -1,0 +1,204 @@
+#include "lattice/build/contact_patches.h"
+
+#include "lattice/constants.h"
+#include "lattice/build/surface_points.h"
+
+#include <Eigen/Cholesky>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace pliant {
+
+namespace {
+
+/// A point of the surface, in cells from the grid's low corner, with the normal there and the area it stands for.
+struct Sample
+{
+	std::uint64_t key;
+	Vec3d point, normal;
+	double area;
+};
+
+/// Of each triangle, or of every so many of a very fine mesh, in the order of their lattice positions.
+std::vector<Sample> sampleSurface( const WeldedMesh& mesh, const Grid& grid )
+{
+	std::vector<Sample> samples;
+	const std::size_t stride = 1 + mesh.triangle.size() / kMostPatchTriangles;
+	for ( std::size_t t = 0; t < mesh.triangle.size(); t += stride )
+	{
+		std::array<Vec3d, 3> corner;
+		for ( std::size_t k = 0; k < 3; ++k )
+		{
+			corner[k] = ( mesh.position[mesh.triangle[t][k]] - grid.corner ) / grid.cellSize;
+		}
+		const Vec3d across = ( corner[1] - corner[0] ).cross( corner[2] - corner[0] );
+		const double size = across.norm();
+		if ( !( size > 0.0 ) )
+		{
+			continue;
+		}
+		visitTriangle( corner, kPatchSampleDensity, [&]( const Vec3d& point, double area ) {
+			const Eigen::Vector3i at = positionOfPoint( grid, point );
+			if ( area > 0.0 )
+			{
+				samples.push_back( Sample{ grid.key( at.x(), at.y(), at.z() ), point, across / size, area } );
+			}
+		} );
+	}
+	std::stable_sort( samples.begin(), samples.end(), []( const Sample& a, const Sample& b ) { return a.key < b.key; } );
+	return samples;
+}
+
+/// The samples near one cell, each with its weight: its area, less with the distance from the node.
+class Neighbourhood
+{
+public:
+	Neighbourhood( const std::vector<Sample>& samples, const Grid& grid ) : m_samples( samples ), m_grid( grid ) {}
+
+	void gather( const Eigen::Vector3i& cell, const Vec3d& node )
+	{
+		m_near.clear();
+		constexpr int kReach = int( kPatchFitRadius ) + 1; // cells: the node is in its own
+		const Eigen::Vector3i low = ( cell.array() - kReach ).max( 0 ), high = ( cell.array() + kReach ).min( m_grid.extent.array() - 1 );
+		for ( int z = low.z(); z <= high.z(); ++z )
+		{
+			for ( int y = low.y(); y <= high.y(); ++y )
+			{
+				gatherRow( m_grid.key( low.x(), y, z ), m_grid.key( high.x(), y, z ), node );
+			}
+		}
+	}
+
+	/// The mean normal of those nearest, not of unit length: shorter, the more they differ.
+	Vec3d meanNormal( const Vec3d& node ) const
+	{
+		Vec3d sum = Vec3d::Zero();
+		double weight = 0.0;
+		for ( const auto& [sample, share] : m_near )
+		{
+			const double near = 1.0 - ( sample->point - node ).squaredNorm() / ( kPatchNormalRadius * kPatchNormalRadius );
+			if ( near > 0.0 )
+			{
+				sum += sample->area * near * near * sample->normal;
+				weight += sample->area * near * near;
+			}
+		}
+		return weight > 0.0 ? Vec3d( sum / weight ) : Vec3d( Vec3d::Zero() );
+	}
+
+	/// Height above the node along n as a + g.l - k ( |l|^2 + ( h - a )^2 ) / 2, l across n, by least squares; false where they do not determine it. That is a sphere
+	/// if g is zero; the a in it is that of `out` as it comes.
+	struct Fit
+	{
+		double height = 0.0, curvature = 0.0, error = 0.0;
+		Vec3d slope = Vec3d::Zero();
+	};
+	bool fit( const Vec3d& node, const Vec3d& n, Fit& out ) const
+	{
+		const Vec3d s = n.unitOrthogonal(), t = n.cross( s );
+		Eigen::Matrix4d normal = Eigen::Matrix4d::Zero();
+		Eigen::Vector4d right = Eigen::Vector4d::Zero();
+		double weight = 0.0, square = 0.0;
+		const double before = out.height;
+		for ( const auto& [sample, share] : m_near )
+		{
+			if ( sample->normal.dot( n ) <= kLeastPatchCosine )
+			{
+				continue;
+			}
+			const Vec3d p = sample->point - node;
+			const double a = p.dot( s ), b = p.dot( t ), height = p.dot( n );
+			const double up = height - before;
+			const Eigen::Vector4d row( 1.0, a, b, -0.5 * ( a * a + b * b + up * up ) );
+			normal += share * row * row.transpose();
+			right += share * height * row;
+			square += share * height * height;
+			weight += share;
+		}
+		if ( !( weight > 0.0 ) )
+		{
+			return false;
+		}
+		normal.diagonal().array() += kPatchRegularity * weight;
+		const Eigen::Vector4d x = normal.ldlt().solve( right );
+		out = Fit{ x[0], x[3], std::sqrt( std::max( 0.0, ( square - x.dot( right ) ) / weight ) ), x[1] * s + x[2] * t };
+		return x.allFinite();
+	}
+
+private:
+	void gatherRow( std::uint64_t first, std::uint64_t last, const Vec3d& node )
+	{
+		auto sample = std::lower_bound( m_samples.begin(), m_samples.end(), first, []( const Sample& a, std::uint64_t key ) { return a.key < key; } );
+		for ( ; sample != m_samples.end() && sample->key <= last; ++sample )
+		{
+			const Vec3d p = sample->point - node;
+			const double near = 1.0 - p.squaredNorm() / ( kPatchFitRadius * kPatchFitRadius );
+			if ( near > 0.0 && p.dot( sample->normal ) > 0.0 )
+			{
+				m_near.emplace_back( &*sample, sample->area * near * near );
+			}
+		}
+	}
+
+	const std::vector<Sample>& m_samples;
+	const Grid& m_grid;
+	std::vector<std::pair<const Sample*, double>> m_near;
+};
+
+/// In cells; radius 0: there is none.
+ContactPatch patchOf( const Neighbourhood& near, const Vec3d& node )
+{
+	const Vec3d all = near.meanNormal( node );
+	ContactPatch patch;
+	if ( all.norm() < kLeastPatchAgreement )
+	{
+		return patch;
+	}
+	Vec3d n = all.normalized();
+	Neighbourhood::Fit fit;
+	for ( int round = 0; round < kPatchFits; ++round )
+	{
+		if ( !near.fit( node, n, fit ) )
+		{
+			return patch;
+		}
+		// h = a + g.l: the surface's normal is along n - g.
+		n = ( n - fit.slope ).normalized();
+	}
+	if ( !near.fit( node, n, fit ) || fit.error > kMostPatchError || !( fit.height > kLeastPatchHeight && fit.height < kMostPatchHeight ) )
+	{
+		return patch;
+	}
+	patch.normal = n.cast<float>();
+	patch.height = float( fit.height );
+	patch.radius = float( std::max( fit.height, fit.curvature * kMostPatchRadius > 1.0 ? 1.0 / fit.curvature : kMostPatchRadius ) );
+	return patch;
+}
+
+} // namespace
+
+void fitContactPatches( const WeldedMesh& mesh, const Grid& grid, Lattice& lattice )
+{
+	const std::vector<Sample> samples = sampleSurface( mesh, grid );
+	Neighbourhood near( samples, grid );
+	lattice.patch.assign( std::size_t( lattice.cellCount() ), ContactPatch{} );
+	const Vec3d middle = ( lattice.massCentre - grid.corner ) / grid.cellSize;
+	for ( std::size_t i = 0; i < lattice.patch.size(); ++i )
+	{
+		if ( lattice.isSurface[i] == 0 )
+		{
+			continue;
+		}
+		const Vec3d node = middle + lattice.restCentre[i].cast<double>() / grid.cellSize;
+		near.gather( lattice.coordinate[i].cast<int>(), node );
+		ContactPatch& patch = lattice.patch[i];
+		patch = patchOf( near, node );
+		patch.height *= lattice.cellSize;
+		patch.radius *= lattice.cellSize;
+		patch.links = std::uint8_t( lattice.linkStart[i + 1] - lattice.linkStart[i] );
+	}
+}
+
+} // namespace pliant

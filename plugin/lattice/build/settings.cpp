@@ -1,0 +1,99 @@
+// Which knobs are in their ranges.
+
+#include "lattice/build/build_lattice.h"
+
+#include "lattice/constants.h"
+
+#include <cmath>
+#include <new>
+#include <sstream>
+
+namespace pliant {
+
+namespace {
+
+constexpr int kMostMaxCells = 10000000;
+constexpr int kMostMaxTriangles = 100000000;
+constexpr int kMostSamplesPerEdge = 8;
+constexpr float kMostWeldTolerance = 0.01f;
+constexpr float kMostMinimumFill = 0.5f;
+constexpr float kMostShellThickness = 1.0e7f;
+
+template <class T>
+bool isWithin( T value, T low, T high )
+{
+	return value >= low && value <= high; // false for NaN
+}
+
+template <class... Words>
+std::string sentence( const Words&... words )
+{
+	std::ostringstream out;
+	( out << ... << words );
+	return out.str();
+}
+
+} // namespace
+
+Status checkSettings( const LatticeSettings& settings )
+{
+	const auto bad = []( std::string words ) { return Status{ ResultCode::BadSettings, std::move( words ) }; };
+	if ( !( settings.cellSize >= 0.0f && std::isfinite( settings.cellSize ) ) )
+	{
+		return bad( "LatticeSettings::cellSize must be 0 (chosen from targetCells) or above." );
+	}
+	if ( !isWithin( settings.maxCells, 1, kMostMaxCells ) )
+	{
+		return bad( sentence( "LatticeSettings::maxCells must be 1 to ", kMostMaxCells, "." ) );
+	}
+	if ( settings.cellSize == 0.0f && !isWithin( settings.targetCells, 1, settings.maxCells ) )
+	{
+		return bad( "LatticeSettings::targetCells must be 1 to maxCells." );
+	}
+	if ( !isWithin( settings.maxTriangles, 1, kMostMaxTriangles ) )
+	{
+		return bad( sentence( "LatticeSettings::maxTriangles must be 1 to ", kMostMaxTriangles, "." ) );
+	}
+	if ( !isWithin( settings.samplesPerEdge, 1, kMostSamplesPerEdge ) )
+	{
+		return bad( sentence( "LatticeSettings::samplesPerEdge must be 1 to ", kMostSamplesPerEdge, "." ) );
+	}
+	if ( !isWithin( settings.weldTolerance, 0.0f, kMostWeldTolerance ) )
+	{
+		return bad( sentence( "LatticeSettings::weldTolerance must be 0 to ", kMostWeldTolerance, "." ) );
+	}
+	if ( !isWithin( settings.minimumFill, 0.0f, kMostMinimumFill ) )
+	{
+		return bad( sentence( "LatticeSettings::minimumFill must be 0 to ", kMostMinimumFill, "." ) );
+	}
+	if ( !isWithin( settings.shellThickness, 0.0f, kMostShellThickness ) )
+	{
+		return bad( "LatticeSettings::shellThickness must be 0 (a cell's edge) to 1e7 m." );
+	}
+	if ( !isWithin( int( settings.shell ), int( Shell::WhereNeeded ), int( Shell::Always ) ) )
+	{
+		return bad( "LatticeSettings::shell is none of Shell's values." );
+	}
+	if ( !isWithin( int( settings.skinning ), int( Skinning::NearbyNodes ), int( Skinning::None ) ) )
+	{
+		return bad( "LatticeSettings::skinning is none of Skinning's values." );
+	}
+	return {};
+}
+
+Status outOfMemory() noexcept
+{
+	Status status;
+	status.code = ResultCode::OutOfMemory;
+	try
+	{
+		status.sentence = "Not enough memory to build the body; a larger LatticeSettings::cellSize needs less.";
+	}
+	catch ( const std::bad_alloc& )
+	{
+		status.sentence = "Out of memory."; // short enough to be kept without an allocation
+	}
+	return status;
+}
+
+} // namespace pliant

@@ -1,0 +1,157 @@
+#include "matching/clusters/cluster_set.h"
+
+#include <algorithm>
+#include <numeric>
+#include <utility>
+
+namespace pliant {
+
+namespace {
+
+/// A cell in a box: the box's number first, so that sorting puts each box's cells together, ascending.
+using Entry = std::pair<std::uint64_t, std::uint32_t>;
+
+/// The boxes along one axis begin at 0, stride, 2 stride ...; the last is the first that reaches the end.
+struct BoxRow
+{
+	int edge, stride, count;
+
+	BoxRow( int boxEdge, int extent ) :
+		edge( boxEdge ), stride( std::max( 1, boxEdge / 2 ) ), count( extent <= boxEdge ? 1 : 1 + ( extent - boxEdge + stride - 1 ) / stride )
+	{
+	}
+	int first( int place ) const { return place < edge ? 0 : ( place - edge ) / stride + 1; }
+	int last( int place ) const { return std::min( place / stride, count - 1 ); }
+};
+
+std::vector<Entry> cellsByBox( const Lattice& lattice, int edge )
+{
+	const BoxRow x( edge, lattice.extent.x() ), y( edge, lattice.extent.y() ), z( edge, lattice.extent.z() );
+	std::vector<Entry> entries;
+	for ( int i = 0; i < lattice.cellCount(); ++i )
+	{
+		const auto& place = lattice.coordinate[i];
+		for ( int bz = z.first( place.z() ); bz <= z.last( place.z() ); ++bz )
+		{
+			for ( int by = y.first( place.y() ); by <= y.last( place.y() ); ++by )
+			{
+				for ( int bx = x.first( place.x() ); bx <= x.last( place.x() ); ++bx )
+				{
+					entries.emplace_back( ( std::uint64_t( bz ) * y.count + by ) * x.count + bx, std::uint32_t( i ) );
+				}
+			}
+		}
+	}
+	std::sort( entries.begin(), entries.end() );
+	return entries;
+}
+
+/// Cuts the cells of one box after the other into linked parts.
+class PartCutter
+{
+public:
+	explicit PartCutter( const Lattice& lattice ) : m_lattice( lattice ), m_isWaiting( lattice.cellCount(), 0 ) {}
+
+	void cut( const Entry* first, const Entry* last, ClusterSet& out )
+	{
+		for ( const Entry* e = first; e != last; ++e )
+		{
+			m_isWaiting[e->second] = 1;
+		}
+		for ( const Entry* e = first; e != last; ++e )
+		{
+			if ( m_isWaiting[e->second] )
+			{
+				const std::size_t begin = out.member.size();
+				flood( e->second, out.member );
+				std::sort( out.member.begin() + std::ptrdiff_t( begin ), out.member.end() );
+				out.start.push_back( std::uint32_t( out.member.size() ) );
+			}
+		}
+	}
+
+private:
+	void flood( std::uint32_t from, std::vector<std::uint32_t>& members )
+	{
+		m_isWaiting[from] = 0;
+		m_open.assign( 1, from );
+		while ( !m_open.empty() )
+		{
+			const std::uint32_t cell = m_open.back();
+			m_open.pop_back();
+			members.push_back( cell );
+			for ( std::uint32_t k = m_lattice.linkStart[cell]; k < m_lattice.linkStart[cell + 1]; ++k )
+			{
+				const std::uint32_t next = m_lattice.linkTo[k];
+				if ( m_isWaiting[next] )
+				{
+					m_isWaiting[next] = 0;
+					m_open.push_back( next );
+				}
+			}
+		}
+	}
+
+	const Lattice& m_lattice;
+	std::vector<std::uint8_t> m_isWaiting; ///< 1 for cells of the box at hand that are in no part yet
+	std::vector<std::uint32_t> m_open;
+};
+
+void fillCover( int nodes, ClusterSet& set )
+{
+	set.coverStart.assign( std::size_t( nodes ) + 1, 0 );
+	for ( std::uint32_t node : set.member )
+	{
+		++set.coverStart[node + 1];
+	}
+	std::partial_sum( set.coverStart.begin(), set.coverStart.end(), set.coverStart.begin() );
+	std::vector<std::uint32_t> next( set.coverStart.begin(), set.coverStart.end() - 1 );
+	set.cover.resize( set.member.size() );
+	for ( int r = 0; r < set.count(); ++r )
+	{
+		for ( std::uint32_t k = set.start[r]; k < set.start[r + 1]; ++k )
+		{
+			set.cover[next[set.member[k]]++] = std::uint32_t( r );
+		}
+	}
+}
+
+} // namespace
+
+ClusterSet makeWholeCluster( const Lattice& lattice )
+{
+	ClusterSet set;
+	set.start = { 0, std::uint32_t( lattice.cellCount() ) };
+	set.member.resize( lattice.cellCount() );
+	std::iota( set.member.begin(), set.member.end(), 0u );
+	fillCover( lattice.cellCount(), set );
+	return set;
+}
+
+ClusterSet makeBoxClusters( const Lattice& lattice, int edge )
+{
+	ClusterSet set;
+	set.start.assign( 1, 0 );
+	const std::vector<Entry> entries = cellsByBox( lattice, edge );
+	PartCutter cutter( lattice );
+	const Entry* const end = entries.data() + entries.size();
+	for ( const Entry* first = entries.data(); first != end; )
+	{
+		const Entry* last = first;
+		while ( last != end && last->first == first->first )
+		{
+			++last;
+		}
+		cutter.cut( first, last, set );
+		first = last;
+	}
+	fillCover( lattice.cellCount(), set );
+	return set;
+}
+
+std::size_t ClusterSet::bytes() const
+{
+	return ( start.size() + member.size() + coverStart.size() + cover.size() ) * sizeof( std::uint32_t );
+}
+
+} // namespace pliant

@@ -1,0 +1,125 @@
+// What stands on the diagonal of the implicit step's operator. docs/design/implicit.md.
+
+#include "matching/step/lattice_matcher.h"
+#include "matching/regions/region_members.h"
+#include "matching/implicit/strain_rates.h"
+
+#include <Eigen/LU>
+
+#include <algorithm>
+#include <vector>
+
+namespace pliant {
+
+namespace {
+
+/// Added to a region's inertia, share of its mean moment: a region in one line has none about it. Its nodes lie in the line, so it is not asked for either.
+constexpr double kLineInertia = 1e-4;
+
+/// A node at rest, m, and its weight in the sums.
+struct Weighed
+{
+	double x, y, z, a;
+};
+
+/// Sums over a region's nodes of a, a p and a p p^T, p from the region's own node.
+struct Sums
+{
+	double a = 0.0, x = 0.0, y = 0.0, z = 0.0, xx = 0.0, yy = 0.0, zz = 0.0, yz = 0.0, xz = 0.0, xy = 0.0;
+
+	void add( double weight, double px, double py, double pz )
+	{
+		const double wx = weight * px, wy = weight * py, wz = weight * pz;
+		a += weight;
+		x += wx;
+		y += wy;
+		z += wz;
+		xx += wx * px;
+		yy += wy * py;
+		zz += wz * pz;
+		yz += wy * pz;
+		xz += wx * pz;
+		xy += wx * py;
+	}
+};
+
+/// A region at rest: how little it resists being pushed.
+struct Turning
+{
+	double x = 0.0, y = 0.0, z = 0.0; ///< its centre, m
+	double mean = 0.0;                ///< 3 / M
+	double xx = 0.0, yy = 0.0, zz = 0.0, yz = 0.0, xz = 0.0, xy = 0.0; ///< tr( T^-1 ) 1 - T^-1, what lies off the diagonal twice
+
+	Turning() = default;
+	Turning( const Sums& s, const Weighed& own )
+	{
+		const Eigen::Vector3d c( s.x / s.a, s.y / s.a, s.z / s.a );
+		x = own.x + c.x();
+		y = own.y + c.y();
+		z = own.z + c.z();
+		mean = 3.0 / s.a;
+		Eigen::Matrix3d second;
+		second << s.xx, s.xy, s.xz, s.xy, s.yy, s.yz, s.xz, s.yz, s.zz;
+		second -= s.a * c * c.transpose();
+		if ( !( second.trace() > 0.0 ) )
+		{
+			return; // one node has nothing to be turned by
+		}
+		const Eigen::Matrix3d inertia = ( 1.0 + kLineInertia ) * second.trace() * Eigen::Matrix3d::Identity() - second, inverse = inertia.inverse();
+		xx = inverse( 1, 1 ) + inverse( 2, 2 );
+		yy = inverse( 0, 0 ) + inverse( 2, 2 );
+		zz = inverse( 0, 0 ) + inverse( 1, 1 );
+		yz = -2.0 * inverse( 1, 2 );
+		xz = -2.0 * inverse( 0, 2 );
+		xy = -2.0 * inverse( 0, 1 );
+	}
+
+	/// The trace of 1 / M 1 + [d]^T T^-1 [d], d from the centre to the node: what pushes of one there, in three directions, move it by.
+	double answerTo( const Weighed& node ) const
+	{
+		const double dx = node.x - x, dy = node.y - y, dz = node.z - z;
+		return mean + ( dx * ( xx * dx + xy * dy + xz * dz ) + dy * ( yy * dy + yz * dz ) + zz * dz * dz );
+	}
+};
+
+} // namespace
+
+// P's own share of a node i is sum over its regions of g_r a_i / C_i ( 1 / M_r 1 + [d]^T T_r^-1 [d] ), d from the region's centre to it. Its trace is the same
+// however the body is turned: it is taken at rest, once for as long as the regions stay.
+void StrainRates::measureDiagonal( const RegionTables& tables )
+{
+	const RegionMembers members( tables, m_view );
+	std::vector<Weighed> node( std::size_t( m_view.nodeCount ) );
+	for ( std::size_t i = 0; i < node.size(); ++i )
+	{
+		node[i] = { double( m_view.x0[0][i] ), double( m_view.x0[1][i] ), double( m_view.x0[2][i] ), double( m_view.nodeWeight[i] ) };
+	}
+	// By way of the octree a node gives all it has to each of its regions.
+	const bool isWeighed = tables.matrix && !tables.plan;
+	std::vector<Turning> region( node.size() );
+	for ( std::size_t r = 0; r < region.size(); ++r )
+	{
+		const Weighed own = node[r];
+		Sums sums;
+		members.visit( r, [&]( std::size_t i, std::size_t k ) {
+			const Weighed& of = node[i];
+			sums.add( isWeighed ? of.a * double( tables.matrix->mass[k] ) : of.a, of.x - own.x, of.y - own.y, of.z - own.z );
+		} );
+		region[r] = Turning( sums, own );
+	}
+	m_diagonal.assign( std::size_t( m_padded ), 0.0f );
+	for ( std::size_t i = 0; i < node.size(); ++i )
+	{
+		const Weighed own = node[i];
+		double sum = 0.0;
+		members.visit( i, [&]( std::size_t r, std::size_t k ) {
+			const double share = m_rates.regionShare ? double( m_rates.regionShare[r] ) : 1.0;
+			// What the node gives to the region's sums is what that gives to the node's goal: conserving weights.
+			const double weight = isWeighed ? double( tables.matrix->share[k] ) : 1.0;
+			sum += weight * share * std::max( 0.0, 1.0 - weight * own.a * region[r].answerTo( own ) / 3.0 );
+		} );
+		m_diagonal[i] = float( sum * double( m_view.inverseCover[i] ) );
+	}
+}
+
+} // namespace pliant

@@ -1,0 +1,47 @@
+#include "matching/regions/connected_parts.h"
+
+#include "lattice/union_find.h"
+#include "matching/regions/region_members.h"
+
+namespace pliant {
+
+ConnectedParts findConnectedParts( const RegionTables& tables, const MatchView& view )
+{
+	const std::size_t count = std::size_t( view.nodeCount );
+	const RegionMembers members( tables, view );
+	UnionFind sets( count );
+	for ( std::size_t i = 0; i < count; ++i )
+	{
+		members.visit( i, [&]( std::size_t other, std::size_t ) { sets.join( std::uint32_t( i ), std::uint32_t( other ) ); } );
+	}
+	ConnectedParts parts;
+	parts.of.resize( count );
+	std::uint32_t found = 0;
+	for ( std::size_t i = 0; i < count; ++i )
+	{
+		const std::uint32_t lowest = sets.find( std::uint32_t( i ) ); // of its part, so it has its number already
+		parts.of[i] = lowest == i ? found++ : parts.of[lowest];
+	}
+	if ( found <= 1 )
+	{
+		return {};
+	}
+	parts.start.assign( std::size_t( found ) + 1, 0 );
+	for ( const std::uint32_t part : parts.of )
+	{
+		++parts.start[part + 1];
+	}
+	for ( std::size_t p = 0; p < found; ++p )
+	{
+		parts.start[p + 1] += parts.start[p];
+	}
+	parts.node.resize( count );
+	std::vector<std::uint32_t> next( parts.start.begin(), parts.start.end() - 1 );
+	for ( std::size_t i = 0; i < count; ++i )
+	{
+		parts.node[next[parts.of[i]]++] = std::uint32_t( i );
+	}
+	return parts;
+}
+
+} // namespace pliant

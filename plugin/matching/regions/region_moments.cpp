@@ -1,0 +1,262 @@
+#include "matching/regions/region_moments.h"
+
+#include <Eigen/Eigenvalues>
+
+#include <algorithm>
+#include <vector>
+
+namespace pliant {
+
+namespace {
+
+int paddedCount( int count )
+{
+	return ( count + kLanes - 1 ) / kLanes * kLanes;
+}
+
+void storeSymmetric( AlignedArray<float> ( &to )[6], int i, const Eigen::Matrix3d& m )
+{
+	to[0][i] = float( m( 0, 0 ) );
+	to[1][i] = float( m( 1, 1 ) );
+	to[2][i] = float( m( 2, 2 ) );
+	to[3][i] = float( m( 1, 2 ) );
+	to[4][i] = float( m( 0, 2 ) );
+	to[5][i] = float( m( 0, 1 ) );
+}
+
+void weighNodes( const Lattice& lattice, const RegionSet& regions, Weights weights, RegionMoments& out )
+{
+	for ( int i = 0; i < out.count; ++i )
+	{
+		if ( weights == Weights::Conserving )
+		{
+			out.nodeWeight[i] = lattice.fill[i] / float( regions.size[i] );
+			out.inverseCover[i] = 1.0f / float( regions.size[i] );
+			continue;
+		}
+		double cover = 0.0;
+		for ( std::uint32_t k = regions.start[i]; k < regions.start[i + 1]; ++k )
+		{
+			cover += lattice.fill[regions.member[k]];
+		}
+		out.nodeWeight[i] = lattice.fill[i];
+		out.inverseCover[i] = float( 1.0 / cover );
+	}
+	if ( weights == Weights::Literal )
+	{
+		out.regionWeight.assign( out.padded, 0.0f );
+		std::copy( lattice.fill.begin(), lattice.fill.end(), out.regionWeight.begin() );
+	}
+}
+
+} // namespace
+
+Eigen::Matrix3d flooredInverse( const Eigen::Matrix3d& moment, double floorShare )
+{
+	const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver( moment );
+	const double largest = solver.eigenvalues()[2];
+	if ( !( largest > 0.0 ) )
+	{
+		return Eigen::Matrix3d::Zero();
+	}
+	const Eigen::Vector3d raised = solver.eigenvalues().cwiseMax( floorShare * largest );
+	return solver.eigenvectors() * raised.cwiseInverse().asDiagonal() * solver.eigenvectors().transpose();
+}
+
+namespace {
+
+/// A connected part whose inertia is less than so much a mass, m^2, is a point: a nanometre squared, of which rounding in double is far below and what floats
+/// tell of two places far above.
+constexpr double kPointExtent = 1e-18;
+
+} // namespace
+
+Eigen::Matrix3d inverseOfPart( const Eigen::Matrix3d& inertia, double mass )
+{
+	return inertia.trace() > kPointExtent * mass ? flooredInverse( inertia, kInertiaFloor ) : Eigen::Matrix3d( Eigen::Matrix3d::Zero() );
+}
+
+Eigen::Matrix3d inverseInPlane( const Eigen::Matrix3d& moment, double floorShare, Eigen::Matrix3d& outside )
+{
+	const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver( moment );
+	const double floor = floorShare * solver.eigenvalues()[2];
+	Eigen::Matrix3d inverse = Eigen::Matrix3d::Zero();
+	outside.setZero();
+	for ( int i = 0; i < 3; ++i )
+	{
+		const Eigen::Vector3d axis = solver.eigenvectors().col( i );
+		if ( solver.eigenvalues()[i] > floor )
+		{
+			inverse += axis * axis.transpose() / solver.eigenvalues()[i];
+		}
+		else
+		{
+			outside += axis * axis.transpose();
+		}
+	}
+	return inverse;
+}
+
+void markFlatRegions( RegionMoments& moments, AlignedArray<float> ( &outOfPlane )[6] )
+{
+	for ( int r = 0; r < moments.count; ++r )
+	{
+		const auto& j = moments.moment;
+		Eigen::Matrix3d moment, outside;
+		moment << j[0][r], j[5][r], j[4][r], j[5][r], j[1][r], j[3][r], j[4][r], j[3][r], j[2][r];
+		// Eigenvalues a >= b >= c: det = a b c <= a^2 c and ( tr / 3 )^3 >= ( a / 3 )^3, so det / ( tr / 3 )^3 <= 27 c / a.
+		const double third = moment.trace() / 3.0;
+		if ( moment.determinant() > 27.0 * double( kMomentFloor ) * third * third * third )
+		{
+			continue;
+		}
+		const Eigen::Matrix3d inverse = inverseInPlane( moment, kMomentFloor, outside );
+		if ( outside.isZero( 0.0 ) )
+		{
+			continue;
+		}
+		for ( int k = 0; k < 6 && outOfPlane[k].empty(); ++k )
+		{
+			outOfPlane[k].assign( moments.padded, 0.0f );
+		}
+		storeSymmetric( moments.inverseMoment, r, inverse );
+		storeSymmetric( outOfPlane, r, outside );
+	}
+}
+
+namespace {
+
+/// Rest places in cells, and 1: four doubles a cell, so that all sums below go in pairs.
+using Places = std::vector<Eigen::Array4d>;
+
+Places placesInCells( const Lattice& lattice )
+{
+	const double perCell = 1.0 / lattice.cellSize;
+	Places places( lattice.restCentre.size() );
+	for ( std::size_t i = 0; i < places.size(); ++i )
+	{
+		places[i] << lattice.restCentre[i].cast<double>().array() * perCell, 1.0;
+	}
+	return places;
+}
+
+// Summed about the owner's place q_r, which is at most w cells from the centre, so that in doubles nothing cancels that a float could tell:
+//   c0 = q_r + sum a d / M,  J = sum a d d^T - M (c0 - q_r)(c0 - q_r)^T  with d = q - q_r.
+void measureRegion( const Places& places, const RegionSet& regions, int r, bool withInverse, RegionMoments& out )
+{
+	Eigen::Array4d owner = places[std::size_t( r )];
+	owner[3] = 0.0; // the last of d is 1, and sums to the mass
+	Eigen::Array4d first = Eigen::Array4d::Zero(), row[3] = { first, first, first };
+	for ( std::uint32_t k = regions.start[r]; k < regions.start[r + 1]; ++k )
+	{
+		const std::uint32_t i = regions.member[k];
+		const Eigen::Array4d d = places[i] - owner, weighed = double( out.nodeWeight[i] ) * d;
+		first += weighed;
+		row[0] += d[0] * weighed;
+		row[1] += d[1] * weighed;
+		row[2] += d[2] * weighed;
+	}
+	const double mass = first[3];
+	const Vec3d off = first.head<3>().matrix() / mass;
+	Eigen::Matrix3d moment;
+	for ( int k = 0; k < 3; ++k )
+	{
+		moment.row( k ) = row[k].head<3>().matrix().transpose() - mass * off[k] * off.transpose();
+	}
+	out.inverseMass[r] = float( 1.0 / mass );
+	for ( int axis = 0; axis < 3; ++axis )
+	{
+		out.centre[axis][r] = float( owner[axis] + off[axis] );
+	}
+	storeSymmetric( out.moment, r, moment );
+	if ( withInverse )
+	{
+		storeSymmetric( out.inverseMoment, r, flooredInverse( moment, kMomentFloor ) );
+	}
+}
+
+/// Broken links only take cells out of regions: one that has as many as before has the same, and weighs them alike where each is in as many
+/// regions as before. So regions change that hold a cell whose own one has another size; membership is symmetric.
+std::vector<std::uint8_t> changedRegions( const RegionSet& regions, const MomentsBefore& before )
+{
+	std::vector<std::uint8_t> isChanged( regions.size.size(), 0 );
+	for ( std::size_t i = 0; i < isChanged.size(); ++i )
+	{
+		if ( regions.size[i] != before.regions.size[before.cellBefore[i]] )
+		{
+			for ( std::uint32_t k = regions.start[i]; k < regions.start[i + 1]; ++k )
+			{
+				isChanged[regions.member[k]] = 1;
+			}
+		}
+	}
+	return isChanged;
+}
+
+} // namespace
+
+RegionMoments computeRegionMoments(
+	const Lattice& lattice, const RegionSet& regions, Weights weights, bool withInverse, const MomentsBefore* before )
+{
+	RegionMoments out;
+	out.count = lattice.cellCount();
+	out.padded = paddedCount( out.count );
+	out.nodeWeight.assign( out.padded, 0.0f );
+	out.inverseCover.assign( out.padded, 0.0f );
+	out.inverseMass.assign( out.padded, 0.0f );
+	for ( auto& array : out.centre )
+	{
+		array.assign( out.padded, 0.0f );
+	}
+	for ( int k = 0; k < 6; ++k )
+	{
+		out.moment[k].assign( out.padded, k < 3 ? 1.0f : 0.0f );
+		if ( withInverse )
+		{
+			out.inverseMoment[k].assign( out.padded, 0.0f );
+		}
+	}
+	weighNodes( lattice, regions, weights, out );
+
+	const std::vector<std::uint8_t> isChanged = before ? changedRegions( regions, *before ) : std::vector<std::uint8_t>();
+	const Places places = placesInCells( lattice );
+	for ( int r = 0; r < out.count; ++r )
+	{
+		if ( !before || isChanged[std::size_t( r )] != 0 )
+		{
+			measureRegion( places, regions, r, withInverse, out );
+			continue;
+		}
+		const int old = int( before->cellBefore[std::size_t( r )] );
+		out.inverseMass[r] = before->moments.inverseMass[old];
+		for ( int axis = 0; axis < 3; ++axis )
+		{
+			out.centre[axis][r] = float( double( before->moments.centre[axis][old] ) - before->shift[axis] );
+		}
+		for ( int k = 0; k < 6; ++k )
+		{
+			out.moment[k][r] = before->moments.moment[k][old];
+			if ( withInverse )
+			{
+				out.inverseMoment[k][r] = before->moments.inverseMoment[k][old];
+			}
+		}
+	}
+	return out;
+}
+
+std::size_t RegionMoments::bytes() const
+{
+	std::size_t floats = nodeWeight.size() + inverseCover.size() + regionWeight.size() + inverseMass.size();
+	for ( const auto& array : centre )
+	{
+		floats += array.size();
+	}
+	for ( int k = 0; k < 6; ++k )
+	{
+		floats += moment[k].size() + inverseMoment[k].size();
+	}
+	return floats * sizeof( float );
+}
+
+} // namespace pliant

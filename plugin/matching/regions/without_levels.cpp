@@ -1,0 +1,22 @@
+// In a build without levels of detail: bodies that ask for them are refused (adaptivity.cpp), and none of this is ever reached.
+
+#include "matching/regions/level_tables.h"
+
+namespace pliant {
+
+std::shared_ptr<const LevelBase> buildLevelBase( const Lattice&, const Material&, const Adaptivity& )
+{
+	return nullptr;
+}
+
+std::shared_ptr<const LevelBase> LevelCache::find( const Lattice&, const Material&, const Adaptivity& )
+{
+	return nullptr;
+}
+
+Cut firstCut( const Octree&, const Adaptivity& )
+{
+	return {};
+}
+
+} // namespace pliant

@@ -1,0 +1,268 @@
+// What LatticeMatcher does for nodes on several levels: other tables while it runs, and the regions' stretch.
+
+#include "matching/step/lattice_matcher.h"
+
+#include "matching/step/settle_region.h"
+
+#include <algorithm>
+
+namespace pliant {
+
+void LatticeMatcher::setTables( std::shared_ptr<const RegionTables> tables, const FlowHeirs& heirs )
+{
+	const std::vector<std::uint32_t>& heir = heirs.heir;
+	if ( m_plastic )
+	{
+		m_plastic->carryOver( *m_tables, *tables, heirs );
+	}
+	m_tables = std::move( tables );
+	++m_tablesVersion;
+	m_strain.clear();
+	m_stretch.clear();
+	const std::size_t padded = std::size_t( m_tables->moments.padded );
+	for ( AlignedArray<float>* array : history() )
+	{
+		m_historyRoom.assign( padded, array == &m_quaternion[0] ? 1.0f : 0.0f );
+		for ( std::size_t i = 0; i < heir.size(); ++i )
+		{
+			m_historyRoom[i] = ( *array )[heir[i]];
+		}
+		array->swap( m_historyRoom );
+	}
+	allocateScratch();
+	m_isHistoryNew = true;
+}
+
+void LatticeMatcher::viewLevels( MatchView& v ) const
+{
+	const auto dataOrNull = []( const AlignedArray<float>& array ) { return array.empty() ? nullptr : array.data(); };
+	if ( m_tables->plan )
+	{
+		v.start = m_tables->plan->start.data();
+		v.member = m_tables->plan->term.data();
+	}
+	else
+	{
+		v.start = m_tables->matrix->start.data();
+		v.member = m_tables->matrix->member.data();
+		v.memberMass = m_tables->matrix->mass.data();
+		v.memberShare = m_tables->matrix->share.data();
+	}
+	v.regionBeta = dataOrNull( m_tables->beta );
+	v.regionEta = dataOrNull( m_tables->eta );
+}
+
+void LatticeMatcher::viewBlend( MatchView& v ) const
+{
+	for ( int k = 0; k < 9; ++k )
+	{
+		v.blend[k] = m_tables->blend[k].empty() ? nullptr : m_tables->blend[k].data();
+	}
+}
+
+bool LatticeMatcher::nodeFlow( int count, float* stretches ) const
+{
+	for ( int i = 0; m_plastic && i < count; ++i )
+	{
+		Eigen::Map<Eigen::Matrix<float, 3, 3, Eigen::RowMajor>>( stretches + 9 * std::size_t( i ) ) = m_plastic->stretch( i ).cast<float>();
+	}
+	return hasFlowed();
+}
+
+std::array<AlignedArray<float>*, 7> LatticeMatcher::history()
+{
+	return { &m_quaternion[0], &m_quaternion[1], &m_quaternion[2], &m_quaternion[3], &m_residual[0], &m_residual[1], &m_residual[2] };
+}
+
+void LatticeMatcher::reserveNodes( int count )
+{
+	const std::size_t reserved = std::size_t( count ) + kLanes, touched = std::size_t( kRoomShare * m_tables->moments.padded );
+	for ( AlignedArray<float>* array : history() )
+	{
+		makeRoom( *array, reserved, touched );
+	}
+	for ( AlignedArray<float>* array : { &m_historyRoom, &m_change[0], &m_change[1], &m_change[2] } )
+	{
+		makeRoom( *array, reserved, touched );
+	}
+	makeRoom( m_open, reserved, touched );
+	for ( AlignedArray<float>* records : { &m_nodeRecord, &m_regionRecord } )
+	{
+		makeRoom( *records, reserved * kRecordFloats, std::size_t( kRoomShare * double( records->size() ) ) );
+	}
+}
+
+/// The view that `deformations` needs, from the positions as they are: what the last substep left of them may be those of other nodes.
+MatchView LatticeMatcher::viewOfNow( NodeState& nodes )
+{
+	MatchView v = view( nodes );
+	float sum[kFrameSums] = {};
+	m_kernels.frameSums( v, 0, nodes.padded, sum );
+	setFrame( v, Vec3d( sum[0], sum[1], sum[2] ) / double( sum[12] ) );
+	m_kernels.nodeRecords( v, 0, nodes.padded );
+	sumNodeRecords( v, nullptr );
+	return v;
+}
+
+namespace {
+
+using Matrix3fRows = Eigen::Matrix<float, 3, 3, Eigen::RowMajor>;
+
+} // namespace
+
+void LatticeMatcher::deformations( NodeState& nodes, float* gradients )
+{
+	const MatchView v = viewOfNow( nodes );
+	m_kernels.deformations( v, 0, nodes.padded, gradients );
+	// F turns with the body's frame: what the kernels see is R_b^T F.
+	const Eigen::Matrix3f frame = m_frame.toRotationMatrix().cast<float>();
+	for ( int i = 0; i < nodes.count; ++i )
+	{
+		Eigen::Map<Matrix3fRows> f( gradients + 9 * i );
+		f = frame * f;
+	}
+}
+
+void LatticeMatcher::deformationsOf( NodeState& nodes, const std::vector<std::uint32_t>& which, float* gradients )
+{
+	if ( which.empty() )
+	{
+		return;
+	}
+	const MatchView v = viewOfNow( nodes );
+	const Eigen::Matrix3f frame = m_frame.toRotationMatrix().cast<float>();
+	float tile[9 * kTile];
+	for ( std::size_t k = 0; k < which.size(); )
+	{
+		const int first = int( which[k] ) / kTile * kTile;
+		m_kernels.deformations( v, first, std::min( first + kTile, nodes.padded ), tile );
+		for ( ; k < which.size() && int( which[k] ) / kTile * kTile == first; ++k )
+		{
+			Eigen::Map<Matrix3fRows> f( gradients + 9 * k );
+			f = frame * Eigen::Map<const Matrix3fRows>( tile + 9 * ( int( which[k] ) - first ) );
+		}
+	}
+}
+
+// What the wanted nodes' goals need: their regions. By the octree's sums each region may be part of any.
+void LatticeMatcher::markTiles( const MatchView& view, const std::vector<std::uint32_t>& which )
+{
+	const std::size_t tiles = std::size_t( view.nodeCount + kTile - 1 ) / kTile;
+	m_areNodesWanted.assign( tiles, 0 );
+	m_areRegionsWanted.assign( tiles, m_tables->plan ? 1 : 0 );
+	for ( const std::uint32_t i : which )
+	{
+		m_areNodesWanted[i / kTile] = 1;
+		for ( std::uint32_t k = view.start[i]; k < view.start[i + 1] && !m_tables->plan; ++k )
+		{
+			m_areRegionsWanted[view.member[k] / kTile] = 1;
+		}
+	}
+}
+
+void LatticeMatcher::fitTiles( const MatchView& view )
+{
+	const int padded = m_tables->moments.padded;
+	for ( std::size_t tile = 0; tile < m_areRegionsWanted.size(); ++tile )
+	{
+		const int first = int( tile ) * kTile;
+		const int open = m_areRegionsWanted[tile] == 0 ? 0 : m_kernels.fitRegions( view, first, std::min( first + kTile, padded ), m_open.data() );
+		for ( int k = 0; k < open; ++k )
+		{
+			settleRegion( m_kernels, view, int( m_open[std::size_t( k )] ) );
+		}
+	}
+}
+
+void LatticeMatcher::oddsOf( NodeState& nodes, const std::vector<std::uint32_t>& which, float* odds )
+{
+	MatchView v = viewOfNow( nodes );
+	// The step's own kernels, told of a material that does not resist: L = R + beta ( F - R ) = F
+	v.beta = 1.0f;
+	v.volumeShare = 0.0f;
+	v.regionBeta = v.regionEta = v.regionWeight = v.pull = nullptr;
+	std::fill( std::begin( v.blend ), std::end( v.blend ), nullptr );
+	markTiles( v, which );
+	fitTiles( v );
+	if ( m_tables->plan )
+	{
+		depthSum( *m_tables->plan, m_regionRecord.data() );
+	}
+	float unused[kImpulseSums] = {};
+	for ( std::size_t tile = 0; tile < m_areNodesWanted.size(); ++tile )
+	{
+		if ( m_areNodesWanted[tile] != 0 )
+		{
+			m_kernels.scatter( v, int( tile ) * kTile, std::min( int( tile + 1 ) * kTile, nodes.padded ), unused );
+		}
+	}
+	const Eigen::Matrix3f frame = m_frame.toRotationMatrix().cast<float>() * m_cellSize;
+	for ( std::size_t k = 0; k < which.size(); ++k )
+	{
+		const Vec3 e( m_residual[0][which[k]], m_residual[1][which[k]], m_residual[2][which[k]] );
+		Eigen::Map<Vec3>( odds + 3 * k ) = frame * e;
+	}
+	for ( AlignedArray<float>& residual : m_residual ) // beside the wanted ones stands what regions gave that were not fitted
+	{
+		std::fill( residual.begin(), residual.end(), 0.0f );
+	}
+}
+
+// By what fitRegions wrote down: b ( g - x ) = D q + t - b ( 1 - eta ) u, D and t the region's record, u the node's way in the body's turning frame. Pulls of
+// a region add up to none, so that any one vector may be added to its nodes' places:  x - c - R S ( q - c0 )  to  u + ( 1 - R S )( q - c0 ).
+RegionWork LatticeMatcher::workOf( const MatchView& view, std::uint32_t r ) const
+{
+	const RegionMatrix& matrix = *m_tables->matrix;
+	const float* const record = view.regionRecord + std::size_t( r ) * kRecordFloats;
+	const Eigen::Matrix3d pull = Eigen::Map<const Matrix3fRows>( record ).cast<double>();
+	const Vec3d shift = Eigen::Map<const Vec3>( record + 9 ).cast<double>();
+	const double own = double( view.regionWeight ? view.regionWeight[r] : 1.0f ) * ( 1.0 - double( view.regionEta ? view.regionEta[r] : 0.0f ) );
+	const Eigen::Quaterniond rotation( m_quaternion[0][r], m_quaternion[1][r], m_quaternion[2][r], m_quaternion[3][r] );
+	Eigen::Matrix3d rest = rotation.toRotationMatrix();
+	if ( m_plastic )
+	{
+		rest *= m_plastic->stretch( int( r ) );
+	}
+	rest = Eigen::Matrix3d::Identity() - rest;
+	const Vec3d centre( view.centre[0][r], view.centre[1][r], view.centre[2][r] );
+	RegionWork work;
+	for ( std::uint32_t k = matrix.start[r]; k < matrix.start[r + 1]; ++k )
+	{
+		const std::uint32_t a = matrix.member[k];
+		const Vec3d &q = m_nodeMotion[a].q, &u = m_nodeMotion[a].u, &v = m_nodeMotion[a].v;
+		const Vec3d way = pull * q + shift - own * u;
+		const double mass = matrix.mass[k] * matrix.unit[a];
+		work.springs -= 0.5 * mass * ( u + rest * ( q - centre ) ).dot( way );
+		work.power += mass * v.dot( way );
+	}
+	return work;
+}
+
+RegionWork LatticeMatcher::workOf( NodeState& nodes, const std::vector<std::uint32_t>& regions )
+{
+	const MatchView v = viewOfNow( nodes );
+	m_areRegionsWanted.assign( std::size_t( v.nodeCount + kTile - 1 ) / kTile, 0 );
+	for ( const std::uint32_t r : regions )
+	{
+		m_areRegionsWanted[r / kTile] = 1;
+	}
+	fitTiles( v );
+	const Eigen::Matrix3d toFrame = m_frame.toRotationMatrix().transpose();
+	m_nodeMotion.resize( std::size_t( v.nodeCount ) );
+	for ( std::size_t a = 0; a < m_nodeMotion.size(); ++a ) // each is a member of many regions
+	{
+		m_nodeMotion[a] = NodeMotion{ Vec3d( v.x0[0][a], v.x0[1][a], v.x0[2][a] ) * double( v.cellsPerMetre ), Vec3d( v.change[0][a], v.change[1][a], v.change[2][a] ),
+			toFrame * Vec3d( v.v[0][a], v.v[1][a], v.v[2][a] ) };
+	}
+	RegionWork sum;
+	for ( const std::uint32_t r : regions )
+	{
+		const RegionWork work = workOf( v, r );
+		sum.springs += work.springs;
+		sum.power += work.power;
+	}
+	const double d = double( m_cellSize );
+	return RegionWork{ sum.springs * d * d, sum.power * d };
+}
+
+} // namespace pliant

@@ -1,0 +1,110 @@
+// What LatticeMatcher does for a body in several parts (connected_parts.h): what is spared or braked of the rigid motion of a whole body is spared or braked
+// of that of each part.
+
+#include "matching/step/lattice_matcher.h"
+
+#include "threads/parallel.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace pliant {
+
+namespace {
+
+/// Of one part, world axes; places relative to the frame's centre.
+struct PartSums
+{
+	double mass = 0.0;
+	Vec3d centre = Vec3d::Zero();
+	Vec3d impulse = Vec3d::Zero(), turn = Vec3d::Zero();  ///< of what matching adds to the speeds
+	Vec3d momentum = Vec3d::Zero(), spin = Vec3d::Zero(); ///< of the speeds
+	Eigen::Matrix3d second = Eigen::Matrix3d::Zero();     ///< sum m p p^T about the centre
+};
+
+Vec3d at( const float* const* component, int i )
+{
+	return { double( component[0][i] ), double( component[1][i] ), double( component[2][i] ) };
+}
+
+Vec3d at( float* const* component, int i )
+{
+	return { double( component[0][i] ), double( component[1][i] ), double( component[2][i] ) };
+}
+
+} // namespace
+
+void LatticeMatcher::followParts( const MatchView& view, bool isOnePart )
+{
+	if ( isOnePart )
+	{
+		m_parts = ConnectedParts{};
+		return;
+	}
+	if ( m_parts.areSeveral() && m_partsVersion == m_tablesVersion )
+	{
+		return;
+	}
+	m_parts = findConnectedParts( *m_tables, view );
+	m_partsVersion = m_tablesVersion;
+	m_partLength.assign( std::size_t( m_parts.count() ), 0.0f );
+	for ( int p = 0; p < m_parts.count(); ++p )
+	{
+		Vec3d low = Vec3d::Constant( HUGE_VAL ), high = -low;
+		m_parts.forNodes( p, view.nodeCount, [&]( int i ) {
+			low = low.cwiseMin( at( view.x0, i ) );
+			high = high.cwiseMax( at( view.x0, i ) );
+		} );
+		m_partLength[std::size_t( p )] = float( ( high - low ).maxCoeff() ) + m_cellSize;
+	}
+}
+
+// As spareRigidMotion and the kernel `apply` for a body in one part.
+void LatticeMatcher::applyToPart( const MatchView& view, const MatchStep& step, int part )
+{
+	const Eigen::Matrix3d perCell = m_frame.toRotationMatrix() * double( view.speedPerCell );
+	const Vec3d frame( double( view.frameCentre[0] ), double( view.frameCentre[1] ), double( view.frameCentre[2] ) );
+	// The slowest free vibration of a part is as much faster than that of a body of the length the rate was measured for as the part is shorter.
+	const double rate = double( step.wobbleDamping ) * double( step.wobbleLength ) / double( m_partLength[std::size_t( part )] );
+	const double wobble = step.wobbleDamping > 0.0f ? 1.0 - std::exp( -rate * double( step.h ) ) : 0.0;
+	PartSums sums;
+	m_parts.forNodes( part, view.nodeCount, [&]( int i ) {
+		sums.mass += double( view.mass[i] );
+		sums.centre += double( view.mass[i] ) * ( at( view.x, i ) - frame );
+	} );
+	sums.centre /= sums.mass;
+	m_parts.forNodes( part, view.nodeCount, [&]( int i ) {
+		const Vec3d arm = at( view.x, i ) - frame - sums.centre;
+		const Vec3d pushed = double( view.mass[i] ) * ( perCell * at( view.change, i ) ), moved = double( view.mass[i] ) * at( view.v, i );
+		sums.impulse += pushed;
+		sums.turn += arm.cross( pushed );
+		sums.momentum += moved;
+		sums.spin += arm.cross( moved );
+		sums.second += double( view.mass[i] ) * arm * arm.transpose();
+	} );
+	const double kept = m_keepsMomentum ? 1.0 : 0.0;
+	const Eigen::Matrix3d inverse = inverseOfPart( sums.second.trace() * Eigen::Matrix3d::Identity() - sums.second, sums.mass );
+	const Vec3d shift = ( kept * sums.impulse - wobble * sums.momentum ) / sums.mass, turn = inverse * ( kept * sums.turn - wobble * sums.spin );
+	m_parts.forNodes( part, view.nodeCount, [&]( int i ) {
+		const Vec3d arm = at( view.x, i ) - frame - sums.centre, v = at( view.v, i );
+		const Vec3d now = v + double( view.freedom[i] ) * ( perCell * at( view.change, i ) - shift - turn.cross( arm ) - wobble * v );
+		for ( int k = 0; k < 3; ++k )
+		{
+			view.v[k][i] = float( now[k] );
+		}
+	} );
+}
+
+void LatticeMatcher::applyToParts( const MatchView& view, const MatchStep& step, TaskRunner* runner )
+{
+	const int count = m_parts.count(), tasks = std::min( count, kMostShares );
+	auto task = [&]( int k ) {
+		for ( int part = k * count / tasks; part < ( k + 1 ) * count / tasks; ++part )
+		{
+			applyToPart( view, step, part );
+		}
+	};
+	runTasks( view.nodeCount < kLeastShare ? nullptr : runner, tasks, task );
+}
+
+} // namespace pliant

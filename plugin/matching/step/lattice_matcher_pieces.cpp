@@ -1,0 +1,55 @@
+// What LatticeMatcher of a piece takes over from that of the body it came off. Ohta et al. 2009, "Fracturing".
+
+#include "matching/step/lattice_matcher.h"
+
+namespace pliant {
+
+void LatticeMatcher::inherit( const LatticeMatcher& from, const std::vector<std::uint32_t>& heir )
+{
+	m_frame = from.m_frame;
+	for ( std::size_t i = 0; i < heir.size(); ++i )
+	{
+		for ( int k = 0; k < 4; ++k )
+		{
+			m_quaternion[k][i] = from.m_quaternion[k][heir[i]];
+		}
+		for ( int k = 0; k < 3; ++k )
+		{
+			m_residual[k][i] = from.m_residual[k][heir[i]];
+		}
+	}
+	m_isHistoryNew = true; // regions are others: no damping by what the old ones left
+	if ( from.m_plastic )
+	{
+		m_plastic = std::make_unique<PlasticFlow>( *m_tables );
+		m_plastic->inherit( *from.m_plastic, heir );
+	}
+}
+
+void LatticeMatcher::relink( const Lattice& lattice, std::shared_ptr<const RegionTables> tables, const std::vector<std::uint32_t>& before )
+{
+	m_lattice = &lattice;
+	m_tables = std::move( tables );
+	++m_tablesVersion;
+	m_strain.clear();
+	m_stretch.clear();
+	for ( AlignedArray<float>* array : history() )
+	{
+		m_historyRoom = *array; // what is beyond the last node stays
+		for ( std::size_t i = 0; i < before.size(); ++i )
+		{
+			m_historyRoom[i] = ( *array )[before[i]];
+		}
+		array->swap( m_historyRoom );
+	}
+	allocateScratch();
+	m_isHistoryNew = true;
+	if ( m_plastic )
+	{
+		const std::unique_ptr<PlasticFlow> flowed = std::move( m_plastic );
+		m_plastic = std::make_unique<PlasticFlow>( *m_tables );
+		m_plastic->inherit( *flowed, before );
+	}
+}
+
+} // namespace pliant

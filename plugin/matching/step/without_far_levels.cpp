@@ -1,0 +1,22 @@
+// In a build without far levels: materials that ask for them are refused (material.cpp), and none of this is ever reached.
+
+#include "matching/step/coarse_to_fine.h"
+
+namespace pliant {
+
+int usefulFarLevels( const Lattice&, int )
+{
+	return 0;
+}
+
+CoarseToFine::CoarseToFine( const Lattice& lattice, int, const RegionTables&, const std::vector<float>& ) : m_lattice( lattice ) {}
+
+void CoarseToFine::reset() {}
+void CoarseToFine::match( MatchView&, const FarShares&, const Kernels&, TaskRunner* ) {}
+
+std::size_t CoarseToFine::bytes() const
+{
+	return m_lattice.fill.empty() ? 0 : sizeof( CoarseToFine );
+}
+
+} // namespace pliant

@@ -1,0 +1,44 @@
+// In a build without plasticity: materials that flow are refused (material.cpp), and none of this is ever reached.
+
+#include "matching/step/plasticity.h"
+
+namespace pliant {
+
+double FlowingRegion::energy( const Eigen::Matrix3d&, const Eigen::Matrix3d& ) const
+{
+	return 0.0;
+}
+
+bool flowStretch( const PlasticLaw&, float, const FlowingRegion&, Eigen::Matrix3d& )
+{
+	return false;
+}
+
+PlasticFlow::PlasticFlow( const RegionTables& tables ) : m_tables( &tables ) {}
+
+bool PlasticFlow::yieldsAnywhere( const MatchView&, float )
+{
+	return false;
+}
+
+void PlasticFlow::show( MatchView& ) const {}
+
+bool PlasticFlow::flow( const MatchView&, const Kernels&, const MatchStep&, int, int )
+{
+	return false;
+}
+
+void PlasticFlow::carryOver( const RegionTables&, const RegionTables&, const FlowHeirs& ) {}
+void PlasticFlow::inherit( const PlasticFlow&, const std::vector<std::uint32_t>& ) {}
+
+Eigen::Matrix3d PlasticFlow::stretch( int ) const
+{
+	return Eigen::Matrix3d::Identity();
+}
+
+std::size_t PlasticFlow::bytes() const
+{
+	return 0;
+}
+
+} // namespace pliant

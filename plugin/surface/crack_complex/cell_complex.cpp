@@ -1,0 +1,175 @@
+#include "surface/crack_complex/cell_complex.h"
+
+#include "lattice/build/build_lattice.h"
+#include "surface/crack_complex/complex_builder.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <map>
+#include <new>
+#include <stdexcept>
+
+namespace pliant {
+
+namespace {
+
+Status broken( const char* words )
+{
+	return { ResultCode::BadSettings, words };
+}
+
+} // namespace
+
+Result<std::shared_ptr<const CellComplex>> CellComplex::build( const MeshView& mesh, const Lattice& lattice, const SkinBinding& skin,
+	const LatticeSettings& build, const CrackSettings& settings )
+{
+	using Answer = Result<std::shared_ptr<const CellComplex>>;
+	const auto start = std::chrono::steady_clock::now();
+	if ( Status status = check( settings ); !status.ok() )
+	{
+		return Answer{ std::move( status ), nullptr };
+	}
+	try
+	{
+		const auto made = std::make_shared<CellComplex>();
+		if ( Status status = buildComplex( mesh, lattice, skin, build, settings, *made ); !status.ok() )
+		{
+			return Answer{ std::move( status ), nullptr };
+		}
+		made->report.seconds = std::chrono::duration<double>( std::chrono::steady_clock::now() - start ).count();
+		return Answer::success( made );
+	}
+	catch ( const std::bad_alloc& )
+	{
+		return Answer{ outOfMemory(), nullptr };
+	}
+	catch ( const std::length_error& )
+	{
+		return Answer{ outOfMemory(), nullptr };
+	}
+}
+
+std::uint32_t CellComplex::faceBetween( std::uint32_t a, std::uint32_t b ) const
+{
+	const std::uint32_t low = std::min( a, b ), high = std::max( a, b );
+	for ( const std::uint32_t* f = facesOfCell.begin( low ); f != facesOfCell.end( low ); ++f )
+	{
+		if ( face[*f].cellA == low && face[*f].cellB == high )
+		{
+			return *f;
+		}
+	}
+	return kNone;
+}
+
+std::size_t CellComplex::bytes() const
+{
+	const auto sizeOf = []( const auto& list ) { return list.size() * sizeof( list[0] ); };
+	const auto sizeOfTable = [&]( const Table& table ) { return sizeOf( table.start ) + sizeOf( table.entry ); };
+	return sizeOf( pointRest ) + sizeOfTable( cellsOfPoint ) + sizeOfTable( facesOfPoint ) + sizeOfTable( pointsOfCell ) +
+		sizeOfTable( pointsOfFace ) + sizeOfTable( boundPoints ) + sizeOf( bindStart ) + sizeOf( bindCell ) +
+		sizeOf( bindWeight ) + sizeOf( vertexPoint ) + sizeOf( addedOrigin ) + sizeOf( vertexNormal ) + sizeOf( cellTriangleStart ) + sizeOf( triangle ) +
+		sizeOf( triangleSource ) + sizeOf( face ) + sizeOf( faceTriangle ) + sizeOf( faceAxis ) + sizeOfTable( facesOfCell ) +
+		sizeOf( panels.corner ) + sizeOf( panels.ofPiece ) + sizeOf( panels.firstOfCell ) + sizeOfTable( panels.points ) + sizeOfTable( panels.atPoint ) +
+		sizeOf( panels.isPlaceable ) + sizeOf( panels.isPlane ) + sizeOf( panels.source ) + sizeOfTable( panels.border ) +
+		sizeOf( panels.isSpared ) + sizeOf( panels.isPlain );
+}
+
+namespace {
+
+bool isTableOf( const Table& table, std::size_t rows, std::size_t numbers )
+{
+	const bool isWhole = table.start.size() == rows + 1 && table.start.front() == 0 && table.start.back() == table.entry.size() &&
+		std::is_sorted( table.start.begin(), table.start.end() );
+	return isWhole && std::all_of( table.entry.begin(), table.entry.end(), [numbers]( std::uint32_t n ) { return n < numbers; } );
+}
+
+bool hasRow( const Table& table, std::uint32_t row, std::uint32_t wanted )
+{
+	return std::binary_search( table.begin( row ), table.end( row ), wanted );
+}
+
+/// What a cell draws, in points.
+template <class F>
+void forTriangles( const CellComplex& complex, std::uint32_t cell, F&& visit )
+{
+	for ( std::uint32_t t = complex.cellTriangleStart[cell]; t < complex.cellTriangleStart[cell + 1]; ++t )
+	{
+		const auto& v = complex.triangle[t];
+		visit( std::array<std::uint32_t, 3>{ complex.vertexPoint[v[0]], complex.vertexPoint[v[1]], complex.vertexPoint[v[2]] } );
+	}
+	for ( const std::uint32_t* f = complex.facesOfCell.begin( cell ); f != complex.facesOfCell.end( cell ); ++f )
+	{
+		for ( std::uint32_t t = complex.face[*f].firstTriangle; t < complex.face[*f].lastTriangle; ++t )
+		{
+			std::array<std::uint32_t, 3> corner = complex.faceTriangle[t];
+			if ( complex.face[*f].cellB == cell )
+			{
+				std::swap( corner[1], corner[2] );
+			}
+			visit( corner );
+		}
+	}
+}
+
+} // namespace
+
+Status validate( const CellComplex& complex )
+{
+	const std::size_t points = complex.pointCount(), cells = complex.cellCount(), faces = complex.face.size();
+	if ( !isTableOf( complex.cellsOfPoint, points, cells ) || !isTableOf( complex.facesOfPoint, points, faces ) ||
+		!isTableOf( complex.facesOfCell, cells, faces ) )
+	{
+		return broken( "A table of the cell complex does not fit its rows." );
+	}
+	if ( complex.vertexPoint.size() != complex.inputVertices + complex.addedOrigin.size() || complex.triangleSource.size() != complex.triangle.size() ||
+		complex.faceAxis.size() != complex.faceTriangle.size() )
+	{
+		return broken( "Arrays of the cell complex differ in length." );
+	}
+	for ( std::uint32_t cell = 0; cell < cells; ++cell )
+	{
+		bool isKnown = true;
+		forTriangles( complex, cell, [&]( const std::array<std::uint32_t, 3>& corner ) {
+			for ( const std::uint32_t p : corner )
+			{
+				isKnown = isKnown && p < points && hasRow( complex.cellsOfPoint, p, cell );
+			}
+		} );
+		if ( !isKnown )
+		{
+			return broken( "A cell draws a point that does not know it." );
+		}
+	}
+	for ( std::uint32_t f = 0; f < faces; ++f )
+	{
+		if ( complex.face[f].cellA >= complex.face[f].cellB || complex.face[f].cellB >= cells || complex.faceBetween( complex.face[f].cellA, complex.face[f].cellB ) != f )
+		{
+			return broken( "A face is not found between its cells." );
+		}
+	}
+	return {};
+}
+
+Status validateClosed( const CellComplex& complex )
+{
+	for ( std::uint32_t cell = 0; cell < complex.cellCount(); ++cell )
+	{
+		std::map<std::pair<std::uint32_t, std::uint32_t>, int> edges;
+		forTriangles( complex, cell, [&]( const std::array<std::uint32_t, 3>& corner ) {
+			for ( std::size_t k = 0; k < 3; ++k )
+			{
+				const std::uint32_t a = corner[k], b = corner[( k + 1 ) % 3];
+				edges[std::minmax( a, b )] += a < b ? 1 : -1;
+			}
+		} );
+		if ( std::any_of( edges.begin(), edges.end(), []( const auto& edge ) { return edge.second != 0; } ) )
+		{
+			return broken( "A cell's pieces and faces do not close." );
+		}
+	}
+	return {};
+}
+
+} // namespace pliant

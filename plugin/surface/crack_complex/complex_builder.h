@@ -1,0 +1,13 @@
+#pragma once
+
+// From mesh and lattice to a cell complex; see CellComplex::build.
+
+#include "surface/crack_complex/cell_complex.h"
+
+namespace pliant {
+
+/// May throw std::bad_alloc.
+Status buildComplex( const MeshView& mesh, const Lattice& lattice, const SkinBinding& skin, const LatticeSettings& build,
+	const CrackSettings& settings, CellComplex& out );
+
+} // namespace pliant

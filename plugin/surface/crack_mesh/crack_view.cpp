@@ -1,0 +1,389 @@
+#include "surface/crack_mesh/crack_view.h"
+
+#include "surface/crack_mesh/make_place.h"
+#include "threads/parallel.h"
+
+#include <Eigen/Geometry>
+
+#include <algorithm>
+#include <limits>
+
+namespace pliant {
+
+namespace {
+
+/// How far ahead of its use memory is asked for that lies anywhere in the template's, vertices.
+constexpr std::size_t kFar = 24, kBlock = 512, kFewPatches = 4, kLine = 64;
+
+} // namespace
+
+void CrackGatherer::gather( const CrackSides& sides, const std::vector<std::uint32_t>& cells, const Vec3& shift, CrackView& view, TaskRunner* runner )
+{
+	m_sides = &sides;
+	makeRoom( cells, view );
+	if ( runner && runner->threadCount() > 1 )
+	{
+		numberTogether( view, runner );
+	}
+	else
+	{
+		view.ownTriangles.resize( std::size_t( number( 0, m_patch.size(), view.ownTriangles.data() ) - view.ownTriangles.data() ) );
+	}
+	write( cells, shift, view, runner );
+	view.binding = &view.ownBinding;
+	view.triangles = view.ownTriangles.data();
+	view.sources = view.ownSources.data();
+	view.texture = view.ownTexture.data();
+	view.triangleCount = int( view.ownTriangles.size() );
+	view.change = {};
+}
+
+// The outer surface first, so that its triangles and vertices are one run.
+void CrackGatherer::makeRoom( const std::vector<std::uint32_t>& cells, CrackView& view )
+{
+	const CellComplex& complex = m_sides->complex();
+	const CrackPatches& patches = m_sides->patches();
+	m_patch.assign( cells.begin(), cells.end() );
+	for ( const std::uint32_t cell : cells )
+	{
+		for ( std::uint32_t entry = complex.facesOfCell.start[cell]; entry < complex.facesOfCell.start[cell + 1]; ++entry )
+		{
+			if ( m_sides->isBroken( complex.facesOfCell.entry[entry] ) )
+			{
+				m_patch.push_back( patches.sideOfFace( entry ) );
+			}
+		}
+	}
+	std::size_t vertices = 0, triangles = 0;
+	for ( const std::uint32_t patch : m_patch )
+	{
+		vertices += patches.patch[patch + 1].firstVertex - patches.patch[patch].firstVertex;
+		triangles += patches.patch[patch + 1].firstTriangle - patches.patch[patch].firstTriangle;
+	}
+	begin( vertices );
+	m_cells = cells.size();
+	makePlace( view.ownTriangles, triangles );
+	if ( m_sides->panels().arePlaced() && ( m_outerRoom < vertices || m_shadingRoom < triangles ) )
+	{
+		m_outerRoom = vertices;
+		m_shadingRoom = triangles;
+		m_placed = std::make_unique_for_overwrite<std::uint32_t[]>( vertices + 1 );
+		m_shading = std::make_unique_for_overwrite<std::array<std::uint32_t, 3>[]>( triangles + 1 );
+	}
+}
+
+/// Numbers from nothing.
+void CrackGatherer::begin( std::size_t vertices )
+{
+	const CrackPatches& patches = m_sides->patches();
+	// All numbers of the body before are below its first of now, and vertices are at least as many as groups of normals.
+	const std::size_t used = std::size_t( m_first ) + m_made.size();
+	m_first = std::uint32_t( used );
+	if ( m_number.size() < patches.numbersOfSlot.back() || used + vertices > std::numeric_limits<std::uint32_t>::max() )
+	{
+		m_number.assign( patches.numbersOfSlot.back(), 0 );
+		m_first = 1;
+	}
+	if ( m_made.size() < vertices )
+	{
+		makePlace( m_made, vertices );
+	}
+	m_count = 0;
+	m_outerCount = 0;
+	m_outerTriangles = 0;
+	m_normalGroups = 0;
+	m_row.clear();
+	m_sharedRow.clear();
+	m_area.clear();
+	m_placedCount = m_shadingCount = 0;
+	m_panelTriangle.clear();
+	m_panelSource.clear();
+}
+
+/// Patches first to last - 1 of m_patch.
+std::array<std::uint32_t, 3>* CrackGatherer::number( std::size_t first, std::size_t last, std::array<std::uint32_t, 3>* triangles )
+{
+	for ( std::size_t k = first; k < last; )
+	{
+		const std::size_t end = lookAhead( k, last );
+		for ( std::uint32_t local = 0; k < end; ++k )
+		{
+			const std::uint32_t fresh = m_count;
+			triangles = takePatch( m_patch[k], m_local.data() + local, triangles );
+			if ( isOuter( k ) )
+			{
+				addAreas( m_patch[k], m_local.data() + local );
+				if ( m_sides->panels().arePlaced() )
+				{
+					takeOuter( m_patch[k], m_local.data() + local, fresh );
+				}
+			}
+			local += verticesOf( m_patch[k] );
+		}
+		if ( k == m_cells )
+		{
+			m_outerCount = m_count;
+			triangles = takePanels( triangles );
+		}
+	}
+	return triangles;
+}
+
+/// The outer surface in one task, the inside in another, each with numbers of its own.
+void CrackGatherer::numberTogether( CrackView& view, TaskRunner* runner )
+{
+	const CrackPatches& patches = m_sides->patches();
+	m_inner = m_inner ? std::move( m_inner ) : std::make_unique<CrackGatherer>();
+	CrackGatherer& inner = *m_inner;
+	inner.m_sides = m_sides;
+	inner.m_patch.assign( m_patch.begin() + std::ptrdiff_t( m_cells ), m_patch.end() );
+	std::size_t vertices = 0, outer = 0;
+	for ( std::size_t k = 0; k < m_patch.size(); ++k )
+	{
+		vertices += isOuter( k ) ? 0 : verticesOf( m_patch[k] );
+		outer += isOuter( k ) ? patches.patch[m_patch[k] + 1].firstTriangle - patches.patch[m_patch[k]].firstTriangle : 0;
+	}
+	inner.begin( vertices );
+	// Where the outer surface ends is known when it is numbered: before that the inside has its triangles where it would end at most.
+	std::array<std::uint32_t, 3>* end = nullptr;
+	const auto begin = view.ownTriangles.begin();
+	auto task = [&]( int k ) {
+		if ( k == 0 )
+		{
+			end = number( 0, m_cells, view.ownTriangles.data() );
+		}
+		else
+		{
+			inner.number( 0, inner.m_patch.size(), view.ownTriangles.data() + outer );
+		}
+	};
+	runTasks( runner, 2, task );
+	const std::ptrdiff_t drawn = end - view.ownTriangles.data();
+	view.ownTriangles.erase( begin + drawn, begin + std::ptrdiff_t( outer ) );
+	append( end, view.ownTriangles.size() - std::size_t( drawn ), runner );
+}
+
+/// What has been numbered of the inside, behind the outer surface: sides that it has too are carried there.
+void CrackGatherer::append( std::array<std::uint32_t, 3>* triangles, std::size_t count, TaskRunner* runner )
+{
+	constexpr std::uint32_t kOuter = 1u << 31;
+	CrackGatherer& inner = *m_inner;
+	const std::vector<SharedRow>& shared = inner.m_sharedRow;
+	runShares( runner, Shares{ int( shared.size() ) }, [&]( int, int begin, int end ) {
+		for ( int k = begin; k < end; ++k )
+		{
+			__builtin_prefetch( &m_number[shared[std::min( std::size_t( k ) + kFar, shared.size() - 1 )].number] );
+			const SharedRow& at = shared[std::size_t( k )];
+			if ( const std::uint32_t outer = m_number[at.number]; outer >= m_first )
+			{
+				Row& row = inner.m_row[at.row];
+				inner.m_made[row.vertex].carrier = ( outer - m_first ) | kOuter;
+				row.side = kNone;
+			}
+		}
+	} );
+	const std::uint32_t vertices = m_count, groups = m_normalGroups;
+	for ( const Row& row : inner.m_row )
+	{
+		if ( row.side != kNone )
+		{
+			m_row.push_back( { row.vertex + vertices, row.side, 0 } );
+		}
+	}
+	runShares( runner, Shares{ int( inner.m_count ) }, [&]( int, int begin, int end ) {
+		for ( int k = begin; k < end; ++k )
+		{
+			const Made& made = inner.m_made[std::size_t( k )];
+			const std::uint32_t carrier = ( made.carrier & kOuter ) != 0 ? made.carrier : inner.m_made[made.carrier].carrier;
+			m_made[std::size_t( k ) + vertices] = { made.vertex, ( carrier & kOuter ) != 0 ? carrier ^ kOuter : carrier + vertices, made.normalGroup + groups };
+		}
+	} );
+	runShares( runner, Shares{ int( count ) }, [&]( int, int begin, int end ) {
+		for ( int t = begin; t < end; ++t )
+		{
+			std::array<std::uint32_t, 3>& corner = triangles[t];
+			corner = { corner[0] + vertices, corner[1] + vertices, corner[2] + vertices };
+		}
+	} );
+	m_count += inner.m_count;
+	m_normalGroups += inner.m_normalGroups;
+}
+
+/// Looks up the sides of the next patches, some hundreds of vertices, in steps, so that what each leads to is on its way when it is asked for. Where
+/// those patches end.
+std::size_t CrackGatherer::lookAhead( std::size_t first, std::size_t last )
+{
+	const CrackPatches& patches = m_sides->patches();
+	m_vertex.clear();
+	std::size_t end = first;
+	const bool mayBeSpared = isOuter( first ) && m_sides->panels().arePlaced();
+	for ( ; end < last && m_vertex.size() < kBlock && isOuter( end ) == isOuter( first ); ++end )
+	{
+		const CrackPatches::Patch& soon = patches.patch[m_patch[std::min( end + kFewPatches, m_patch.size() - 1 )]];
+		__builtin_prefetch( &patches.vertex[soon.firstVertex] );
+		__builtin_prefetch( &patches.vertex[soon.firstVertex] + kLine / sizeof( CrackPatches::Vertex ) );
+		__builtin_prefetch( patches.triangle.data() + soon.firstTriangle );
+		__builtin_prefetch( patches.triangle.data() + soon.firstTriangle + kLine / sizeof( patches.triangle[0] ) );
+		for ( std::uint32_t v = patches.patch[m_patch[end]].firstVertex; v < patches.patch[m_patch[end] + 1].firstVertex; ++v )
+		{
+			const bool isSpared = mayBeSpared && m_sides->panels().isSpared( patches.look[v].point );
+			m_vertex.push_back( isSpared ? kNone : v );
+			m_sides->fetchSide( patches.vertex[v].slot );
+		}
+	}
+	m_local.resize( m_vertex.size() );
+	for ( std::size_t k = 0; k < m_vertex.size(); ++k )
+	{
+		if ( m_vertex[k] == kNone )
+		{
+			m_local[k] = kNone;
+			continue;
+		}
+		m_local[k] = m_sides->sideOf( patches.vertex[m_vertex[k]].slot );
+		__builtin_prefetch( &patches.numbersOfSlot[m_local[k]] );
+	}
+	for ( std::size_t k = 0; k < m_vertex.size(); ++k )
+	{
+		if ( m_vertex[k] == kNone )
+		{
+			continue;
+		}
+		const CrackPatches::Vertex& of = patches.vertex[m_vertex[k]];
+		m_local[k] = patches.numbersOfSlot[m_local[k]];
+		if ( of.isAlone == 0 )
+		{
+			__builtin_prefetch( &m_number[m_local[k]], 1 );
+			__builtin_prefetch( &m_number[m_local[k] + CrackPatches::kNumbersOfSide + of.kindAt], 1 );
+		}
+	}
+	return end;
+}
+
+/// `local`: of each vertex of the patch where its side's numbers are, then its number in the body; kNone: it is spared. Each triangle is written, and counted if
+/// it is drawn: no branch to foretell.
+std::array<std::uint32_t, 3>* CrackGatherer::takePatch( std::uint32_t patch, std::uint32_t* local, std::array<std::uint32_t, 3>* triangles )
+{
+	const CrackPatches& patches = m_sides->patches();
+	const std::uint32_t first = patches.patch[patch].firstVertex, count = verticesOf( patch );
+	for ( std::uint32_t k = 0; k < count; ++k )
+	{
+		if ( local[k] == kNone )
+		{
+			continue;
+		}
+		const CrackPatches::Vertex& of = patches.vertex[first + k];
+		if ( of.isAlone != 0 )
+		{
+			m_row.push_back( { m_count, of.slot, 0 } );
+			local[k] = addVertex( first + k, m_count, m_normalGroups++ );
+		}
+		else
+		{
+			local[k] = numberOf( first + k, m_number.data() + local[k] );
+		}
+	}
+	const bool isOfOuter = patch < patches.complex->cellCount(); // and its triangles are numbered as the complex has them
+	for ( std::uint32_t t = patches.patch[patch].firstTriangle; t < patches.patch[patch + 1].firstTriangle; ++t )
+	{
+		const auto& corner = patches.triangle[t];
+		*triangles = { local[corner[0]], local[corner[1]], local[corner[2]] };
+		triangles += isOfOuter && m_sides->panels().isOfOne( t ) ? 0 : 1;
+	}
+	return triangles;
+}
+
+std::uint32_t CrackGatherer::addVertex( std::uint32_t vertex, std::uint32_t carrier, std::uint32_t normalGroup )
+{
+	m_made[m_count] = { vertex, carrier, normalGroup };
+	return m_count++;
+}
+
+/// `known`: the numbers of the vertex's side. Vertices of one side share a normal, outer ones one and inner ones another; without noise the inner ones
+/// are sides of cubes, each with its own.
+std::uint32_t CrackGatherer::numberOf( std::uint32_t vertex, std::uint32_t* known )
+{
+	const CrackPatches::Vertex& of = m_sides->patches().vertex[vertex];
+	std::uint32_t& number = known[CrackPatches::kNumbersOfSide + of.kindAt];
+	if ( number < m_first )
+	{
+		number = m_first + m_count;
+		if ( known[Carrier] < m_first )
+		{
+			known[Carrier] = number;
+			if ( m_cells == 0 )
+			{
+				m_sharedRow.push_back( { std::uint32_t( m_row.size() ), std::uint32_t( &known[Carrier] - m_number.data() ) } );
+			}
+			m_row.push_back( { m_count, m_sides->sideOf( of.slot ), 0 } );
+		}
+		const bool isInside = of.isInside != 0;
+		std::uint32_t& normals = known[isInside ? InnerNormals : OuterNormals];
+		if ( normals < m_first || ( isInside && !( m_sides->complex().settings.noiseAmplitude > 0.0f ) ) )
+		{
+			normals = m_first + m_normalGroups++;
+		}
+		addVertex( vertex, known[Carrier] - m_first, normals - m_first );
+	}
+	return number - m_first;
+}
+
+/// Of the patch just taken, an outer one; panels that are one come after all.
+void CrackGatherer::addAreas( std::uint32_t patch, const std::uint32_t* local )
+{
+	const CrackPatches& patches = m_sides->patches();
+	const std::uint32_t first = patches.patch[patch].firstVertex;
+	const auto pointOf = [&]( std::uint32_t k ) { return patches.look[first + k].point; };
+	const auto groupOf = [&]( std::uint32_t k ) { return m_made[local[k]].normalGroup; };
+	bool isAnew = false;
+	for ( std::uint32_t k = 0; k < verticesOf( patch ) && !isAnew; ++k )
+	{
+		isAnew = m_sides->isShadedAnew( pointOf( k ) );
+	}
+	m_area.resize( m_normalGroups, Vec3::Zero() );
+	for ( std::uint32_t t = patches.patch[patch].firstTriangle; isAnew && t < patches.patch[patch + 1].firstTriangle; ++t )
+	{
+		if ( !m_sides->panels().isOfOne( t ) ) // outer patches' triangles are numbered as the complex has them
+		{
+			const auto& c = patches.triangle[t];
+			addArea( { pointOf( c[0] ), pointOf( c[1] ), pointOf( c[2] ) }, { groupOf( c[0] ), groupOf( c[1] ), groupOf( c[2] ) } );
+		}
+	}
+}
+
+/// Of the patch just taken, an outer one, with vertices from `fresh` on: which are placed, and what adds to normals. Each is written, and counted if it is
+/// one: no branch to foretell.
+void CrackGatherer::takeOuter( std::uint32_t patch, const std::uint32_t* local, std::uint32_t fresh )
+{
+	const CrackPatches& patches = m_sides->patches();
+	const WholePanels& panels = m_sides->panels();
+	const std::uint32_t first = patches.patch[patch].firstVertex, count = verticesOf( patch );
+	std::uint32_t* placed = m_placed.get() + m_placedCount;
+	for ( std::uint32_t k = 0; k < count; ++k )
+	{
+		const unsigned isFresh = local[k] >= fresh && local[k] != kNone ? 1u : 0u, isPlaced = panels.isPlaced( patches.look[first + k].point ) ? 1u : 0u;
+		*placed = local[k];
+		placed += isFresh & isPlaced;
+	}
+	m_placedCount = std::size_t( placed - m_placed.get() );
+	std::array<std::uint32_t, 3>* shading = m_shading.get() + m_shadingCount;
+	for ( std::uint32_t t = patches.patch[patch].firstTriangle; t < patches.patch[patch + 1].firstTriangle; ++t )
+	{
+		const auto& c = patches.triangle[t];
+		*shading = { local[c[0]], local[c[1]], local[c[2]] };
+		shading += panels.isOfOne( t ) ? 0 : 1;
+	}
+	m_shadingCount = std::size_t( shading - m_shading.get() );
+	m_outerTriangles = std::uint32_t( m_shadingCount ); // so far they are the same
+}
+
+void CrackGatherer::addArea( const std::array<std::uint32_t, 3>& points, const std::array<std::uint32_t, 3>& normalGroups )
+{
+	const Vec3& a = m_sides->placeOf( points[0] );
+	const Vec3 area = ( m_sides->placeOf( points[1] ) - a ).cross( m_sides->placeOf( points[2] ) - a );
+	for ( const std::uint32_t group : normalGroups )
+	{
+		m_area[group] += area;
+	}
+}
+
+} // namespace pliant

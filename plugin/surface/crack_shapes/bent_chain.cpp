@@ -1,0 +1,180 @@
+#include "surface/crack_shapes/bent_chain.h"
+
+#include <algorithm>
+#include <numeric>
+#include <tuple>
+
+namespace pliant {
+
+namespace {
+
+double distanceToLine( const Vec3d& p, const Vec3d& from, const Vec3d& to )
+{
+	const Vec3d along = to - from;
+	const double square = along.squaredNorm();
+	const double share = square > 0.0 ? std::clamp( along.dot( p - from ) / square, 0.0, 1.0 ) : 0.0;
+	return ( p - from - share * along ).norm();
+}
+
+void keepBetween( const std::vector<Vec3d>& chain, std::size_t first, std::size_t last, double tolerance, std::vector<std::uint8_t>& isKept )
+{
+	std::size_t farthest = first;
+	double most = 0.0;
+	for ( std::size_t k = first + 1; k < last; ++k )
+	{
+		const double distance = distanceToLine( chain[k], chain[first], chain[last] );
+		if ( farthest == first || distance > most )
+		{
+			farthest = k;
+			most = distance;
+		}
+	}
+	if ( farthest != first && most >= tolerance )
+	{
+		isKept[farthest] = 1;
+		keepBetween( chain, first, farthest, tolerance, isKept );
+		keepBetween( chain, farthest, last, tolerance, isKept );
+	}
+}
+
+/// The cuts' points, each with the one after it on its face.
+class CutChains
+{
+public:
+	CutChains( const ClippedSurface& surface, const std::vector<FaceEdge>& edges, std::vector<std::uint32_t>& merged ) : m_surface( surface ), m_merged( merged ), m_link( merged.size() )
+	{
+		for ( const std::uint32_t to : merged )
+		{
+			++m_link[to].members;
+		}
+		for ( const FaceEdge& edge : edges )
+		{
+			Link& from = m_link[merged[edge.from]];
+			Link& to = m_link[merged[edge.to]];
+			if ( &from != &to )
+			{
+				++from.leaving;
+				++to.coming;
+				from.next = merged[edge.to];
+				from.faceOut = edge.face;
+				to.faceIn = edge.face;
+			}
+		}
+	}
+
+	void leaveOut( const std::vector<FaceEdge>& edges, double tolerance )
+	{
+		m_became.resize( m_merged.size() );
+		std::iota( m_became.begin(), m_became.end(), 0u );
+		for ( const FaceEdge& edge : edges )
+		{
+			const std::uint32_t from = m_merged[edge.from], to = m_merged[edge.to];
+			if ( !isWithin( from ) && isWithin( to ) )
+			{
+				shorten( from, to, tolerance );
+			}
+		}
+		leaveOutOnEdges();
+		for ( std::uint32_t& p : m_merged )
+		{
+			p = m_became[p];
+		}
+	}
+
+private:
+	struct Link
+	{
+		std::uint32_t members = 0, leaving = 0, coming = 0, next = 0;
+		std::uint64_t faceOut = 0, faceIn = 0;
+	};
+
+	/// Inside a triangle of the input, on one face, and merged with nothing.
+	bool isWithin( std::uint32_t p ) const
+	{
+		const Link& link = m_link[p];
+		return link.members == 1 && link.leaving == 1 && link.coming == 1 && link.faceIn == link.faceOut && m_surface.point[p].origin.vertex[2] != SurfaceOrigin::kNone;
+	}
+
+	void shorten( std::uint32_t from, std::uint32_t to, double tolerance )
+	{
+		const auto& triangle = m_surface.point[to].origin.vertex;
+		bool isOnOne = true;
+		m_chain.assign( 1, from );
+		for ( ; isWithin( to ); to = m_link[to].next )
+		{
+			isOnOne = isOnOne && m_surface.point[to].origin.vertex == triangle;
+			m_chain.push_back( to );
+		}
+		if ( !isOnOne || to == from ) // what runs round nothing but its own end would shrink to that
+		{
+			return;
+		}
+		m_chain.push_back( to );
+		m_place.clear();
+		for ( const std::uint32_t p : m_chain )
+		{
+			m_place.push_back( m_surface.point[p].rest );
+		}
+		const std::vector<std::uint8_t> isKept = keepBent( m_place, tolerance );
+		for ( std::size_t k = 1; k + 1 < m_chain.size(); ++k )
+		{
+			m_became[m_chain[k]] = isKept[k] != 0 ? m_chain[k] : m_became[m_chain[k - 1]];
+		}
+	}
+
+	/// What halved an edge of the input and is of no face.
+	void leaveOutOnEdges()
+	{
+		std::vector<std::uint32_t> onEdges;
+		for ( std::uint32_t p = 0; p < std::uint32_t( m_merged.size() ); ++p )
+		{
+			const SurfaceOrigin& origin = m_surface.point[p].origin;
+			if ( origin.vertex[1] != SurfaceOrigin::kNone && origin.vertex[2] == SurfaceOrigin::kNone )
+			{
+				onEdges.push_back( p );
+			}
+		}
+		const auto order = [this]( std::uint32_t p ) {
+			const SurfaceOrigin& origin = m_surface.point[p].origin;
+			return std::make_tuple( origin.vertex[0], origin.vertex[1], origin.weight[1], p );
+		};
+		std::sort( onEdges.begin(), onEdges.end(), [&]( std::uint32_t a, std::uint32_t b ) { return order( a ) < order( b ); } );
+		std::uint32_t before = SurfaceOrigin::kNone;
+		for ( std::size_t k = 0; k < onEdges.size(); ++k )
+		{
+			const std::uint32_t p = onEdges[k];
+			const auto& ends = m_surface.point[p].origin.vertex;
+			before = k == 0 || m_surface.point[onEdges[k - 1]].origin.vertex != ends ? m_merged[ends[0]] : before;
+			const Link& link = m_link[m_merged[p]];
+			if ( link.members == 1 && link.leaving == 0 && link.coming == 0 )
+			{
+				m_became[p] = before;
+			}
+			before = m_became[m_merged[p]];
+		}
+	}
+
+	const ClippedSurface& m_surface;
+	std::vector<std::uint32_t>& m_merged;
+	std::vector<Link> m_link; ///< by point
+	std::vector<std::uint32_t> m_became; ///< by point: the one it is left out for, or itself
+	std::vector<std::uint32_t> m_chain;
+	std::vector<Vec3d> m_place;
+};
+
+} // namespace
+
+std::vector<std::uint8_t> keepBent( const std::vector<Vec3d>& chain, double tolerance )
+{
+	std::vector<std::uint8_t> isKept( chain.size(), 0 );
+	isKept.front() = isKept.back() = 1;
+	keepBetween( chain, 0, chain.size() - 1, tolerance, isKept );
+	return isKept;
+}
+
+void leaveOutStraight( const ClippedSurface& surface, const std::vector<FaceEdge>& edges, double tolerance, std::vector<std::uint32_t>& merged )
+{
+	CutChains( surface, edges, merged ).leaveOut( edges, tolerance );
+}
+
+} // namespace pliant

@@ -1,0 +1,263 @@
+// What changes when faces break: groups of cells split at the points along the crack, and each side lets go of the cells beyond it.
+
+#include "surface/crack_state/crack_surface.h"
+
+#include <Eigen/Geometry>
+
+#include <algorithm>
+
+namespace pliant {
+
+void CrackSurface::breakLinks( const std::vector<CellLink>& links )
+{
+	std::vector<std::uint32_t> faces;
+	for ( const CellLink& link : links )
+	{
+		const std::uint32_t face = m_complex->faceBetween( m_cell[link.a], m_cell[link.b] );
+		if ( face != kNone )
+		{
+			faces.push_back( face );
+		}
+	}
+	breakFaces( faces );
+}
+
+bool CrackSurface::isBroken( std::uint32_t face ) const
+{
+	const std::uint32_t local = localFace( face );
+	return local == kNone || m_face[local].isBroken;
+}
+
+void CrackSurface::breakFaces( const std::vector<std::uint32_t>& faces )
+{
+	std::vector<std::uint32_t> fresh; // local
+	for ( const std::uint32_t face : faces )
+	{
+		const std::uint32_t local = localFace( face );
+		if ( local != kNone && !m_face[local].isBroken )
+		{
+			shut( local );
+			fresh.push_back( local );
+		}
+	}
+	if ( fresh.empty() )
+	{
+		return;
+	}
+	addUnheld( fresh );
+	++m_version;
+	m_change = { vertexCount(), std::uint32_t( m_triangle.size() ), std::uint32_t( m_triangle.size() ), 0 };
+	splitGroups( fresh );
+	for ( const std::uint32_t f : fresh )
+	{
+		drawSide( m_face[f], true );
+		drawSide( m_face[f], false );
+	}
+	m_change.firstChanged = std::min( m_change.firstChanged, m_change.lastChanged );
+	m_unsettled.insert( m_unsettled.end(), fresh.begin(), fresh.end() );
+}
+
+void CrackSurface::shut( std::uint32_t face )
+{
+	m_face[face].isBroken = true;
+	for ( const std::uint32_t cell : { m_face[face].cellA, m_face[face].cellB } )
+	{
+		const auto first = m_cellFace.begin() + m_cellFaceStart[cell], last = m_cellFace.begin() + m_cellFaceStart[cell + 1];
+		m_neighbour[std::size_t( std::find( first, last, face ) - m_cellFace.begin() )] = std::uint32_t( m_cell.size() );
+	}
+}
+
+/// Faces without a link go with those that held them.
+void CrackSurface::addUnheld( std::vector<std::uint32_t>& fresh )
+{
+	const std::size_t count = fresh.size();
+	for ( std::size_t k = 0; k < count; ++k )
+	{
+		const std::uint32_t number = m_face[fresh[k]].number;
+		for ( const std::uint32_t* held = m_complex->heldByFace.begin( number ); held != m_complex->heldByFace.end( number ); ++held )
+		{
+			const std::uint32_t local = localFace( *held );
+			if ( local != kNone && !m_face[local].isBroken && !isHeld( local ) )
+			{
+				shut( local );
+				fresh.push_back( local );
+			}
+		}
+	}
+	std::sort( fresh.begin(), fresh.end() );
+}
+
+void CrackSurface::splitGroups( const std::vector<std::uint32_t>& fresh )
+{
+	std::vector<std::uint32_t> points;
+	for ( const std::uint32_t f : fresh )
+	{
+		const std::uint32_t number = m_face[f].number;
+		for ( const std::uint32_t* p = m_complex->pointsOfFace.begin( number ); p != m_complex->pointsOfFace.end( number ); ++p )
+		{
+			collect( localPoint( *p ), points );
+		}
+	}
+	clearMarks( points );
+	std::vector<std::uint32_t> cells;
+	std::vector<std::uint16_t> before;
+	for ( const std::uint32_t point : points )
+	{
+		const std::uint32_t first = m_slotStart[point], last = m_slotStart[point + 1];
+		m_panels.uncover( m_point[point] );
+		before.assign( m_slotGroup.begin() + first, m_slotGroup.begin() + last );
+		// A point at which nothing is drawn so far needs no copies: sides are drawn later, into their groups.
+		if ( regroup( point ) && m_firstSide[point] != kNone )
+		{
+			m_split.push_back( point );
+			part( point );
+			for ( std::uint32_t slot = first; slot < last; ++slot )
+			{
+				if ( m_slotGroup[slot] != before[slot - first] )
+				{
+					collect( m_slotCell[slot], cells );
+				}
+			}
+		}
+	}
+	clearMarks( cells );
+	std::sort( cells.begin(), cells.end() );
+	for ( const std::uint32_t cell : cells )
+	{
+		redirect( cell );
+	}
+}
+
+void CrackSurface::collect( std::uint32_t item, std::vector<std::uint32_t>& list )
+{
+	if ( !m_isMarked[item] )
+	{
+		m_isMarked[item] = 1;
+		list.push_back( item );
+	}
+}
+
+void CrackSurface::clearMarks( const std::vector<std::uint32_t>& list )
+{
+	for ( const std::uint32_t item : list )
+	{
+		m_isMarked[item] = 0;
+	}
+}
+
+/// Splits the groups of a point's cells along broken faces. The part with a group's first cell keeps its number, and with it its copies.
+bool CrackSurface::regroup( std::uint32_t point )
+{
+	const std::uint32_t first = m_slotStart[point];
+	const std::size_t count = m_slotStart[point + 1] - first;
+	m_root.resize( count );
+	for ( std::size_t k = 0; k < count; ++k )
+	{
+		m_root[k] = std::uint16_t( k );
+	}
+	const auto rootOf = [this]( std::uint16_t slot ) {
+		while ( m_root[slot] != slot )
+		{
+			slot = m_root[slot];
+		}
+		return slot;
+	};
+	for ( std::uint32_t t = m_tieStart[point]; t < m_tieStart[point + 1]; ++t )
+	{
+		if ( !m_face[m_tie[t].face].isBroken )
+		{
+			const std::uint16_t a = rootOf( m_tie[t].a ), b = rootOf( m_tie[t].b );
+			m_root[std::max( a, b )] = std::min( a, b );
+		}
+	}
+	// From the first slot up: those before it have their new numbers, those behind it still the old ones.
+	const std::uint16_t before = m_groups[point];
+	for ( std::size_t k = 0; k < count; ++k )
+	{
+		std::uint16_t& group = m_slotGroup[first + k];
+		const std::uint16_t root = rootOf( std::uint16_t( k ) );
+		if ( root != k )
+		{
+			group = m_slotGroup[first + root];
+			continue;
+		}
+		const bool isTaken = std::any_of( m_slotGroup.begin() + first, m_slotGroup.begin() + first + std::ptrdiff_t( k ),
+			[group]( std::uint16_t earlier ) { return earlier == group; } );
+		group = isTaken ? m_groups[point]++ : group;
+	}
+	return m_groups[point] != before;
+}
+
+void CrackSurface::redirect( std::uint32_t cell )
+{
+	redirectTriangles( cell, m_cellTriangle[cell], m_cellTriangle[cell + 1] );
+	for ( std::uint32_t k = m_cellFaceStart[cell]; k < m_cellFaceStart[cell + 1]; ++k )
+	{
+		const Face& face = m_face[m_cellFace[k]];
+		const std::uint32_t first = face.cellA == cell ? face.firstA : face.firstB;
+		if ( first != kNone )
+		{
+			const CrackFace& known = m_complex->face[face.number];
+			redirectTriangles( cell, first, first + known.lastTriangle - known.firstTriangle );
+		}
+	}
+}
+
+void CrackSurface::redirectTriangles( std::uint32_t cell, std::uint32_t first, std::uint32_t last )
+{
+	for ( std::uint32_t t = first; t < last; ++t )
+	{
+		for ( std::size_t k = 0; k < 3; ++k )
+		{
+			const std::uint32_t old = m_triangle[t][k];
+			const Vertex known = m_vertex[old];
+			if ( m_groups[known.point] == 1 )
+			{
+				continue;
+			}
+			const std::uint16_t group = groupOf( known.point, cell );
+			if ( group != known.group )
+			{
+				const std::uint32_t made = vertexFor( known.point, known.kind, group );
+				m_triangle[t][k] = made;
+				m_change.firstChanged = std::min( m_change.firstChanged, t );
+				m_change.lastChanged = std::max( m_change.lastChanged, t + 1 );
+			}
+		}
+	}
+}
+
+void CrackSurface::makeRoom()
+{
+	// Were all faces to break, so many would come to it; half of them is a lot.
+	const std::size_t triangles = m_complex->faceTriangle.size(), vertices = m_complex->pointsOfFace.entry.size();
+	const std::size_t entries = m_binding.node.size();
+	const auto more = []( auto& list, std::size_t count ) { list.reserve( list.size() + count ); };
+	more( m_triangle, triangles );
+	more( m_source, triangles );
+	more( m_vertex, vertices );
+	more( m_side, vertices );
+	more( m_binding.node, entries );
+	more( m_binding.weight, entries );
+	more( m_binding.start, vertices );
+	more( m_binding.restPosition, vertices );
+	more( m_binding.restNormal, vertices );
+	more( m_binding.normalGroup, vertices );
+	more( m_binding.normalShift, vertices );
+	more( m_binding.carrier, vertices );
+	more( m_binding.point, vertices );
+	more( m_binding.blended, vertices );
+}
+
+std::size_t CrackSurface::bytes() const
+{
+	const auto sizeOf = []( const auto& list ) { return list.size() * sizeof( list[0] ); };
+	return sizeOf( m_cell ) + sizeOf( m_point ) + sizeOf( m_face ) + sizeOf( m_cellFaceStart ) + sizeOf( m_cellFace ) + sizeOf( m_cellTriangle ) +
+		sizeOf( m_slotStart ) + sizeOf( m_slotCell ) + sizeOf( m_slotGroup ) + sizeOf( m_groups ) + sizeOf( m_tieStart ) + sizeOf( m_tie ) +
+		sizeOf( m_vertex ) + sizeOf( m_firstSide ) + sizeOf( m_side ) + sizeOf( m_triangle ) + sizeOf( m_source ) + sizeOf( m_binding.node ) +
+		sizeOf( m_binding.weight ) + sizeOf( m_binding.start ) + sizeOf( m_binding.restPosition ) + sizeOf( m_binding.restNormal ) +
+		sizeOf( m_binding.normalGroup ) + sizeOf( m_binding.carrier ) + sizeOf( m_binding.point ) + sizeOf( m_binding.placed ) + sizeOf( m_binding.blended ) +
+		sizeOf( m_binding.shading ) + m_panels.bytes() + sizeOf( m_panelCorner ) + sizeOf( m_mark );
+}
+
+} // namespace pliant

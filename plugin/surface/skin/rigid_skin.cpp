@@ -1,0 +1,218 @@
+#include "surface/skin/rigid_skin.h"
+
+#include "matching/rotation.h"
+#include "threads/parallel.h"
+
+#include <algorithm>
+
+namespace pliant {
+
+namespace {
+
+/// Share of what a vertex may be off by that nodes may be: see the header.
+constexpr double kNodeShare = 1.0 / 3.0;
+
+/// Nodes are in one line where their extent across it, squared, is less than this share of that along it.
+constexpr double kLine = 1e-4;
+
+/// Groups of four vertices of one task.
+constexpr int kChunk = 2048;
+
+/// Four floats as every compiler we build with has them; read from anywhere.
+using F4 = float __attribute__( ( vector_size( 16 ), aligned( 4 ), may_alias ) );
+
+F4 load4( const float* p )
+{
+	return *reinterpret_cast<const F4*>( p );
+}
+
+void store4( float* p, F4 a )
+{
+	*reinterpret_cast<F4*>( p ) = a;
+}
+
+/// R p + t of four vertices that lie side by side, as three times four numbers: x0 y0 z0 x1 | y1 z1 x2 y2 | z2 x3 y3 z3. A number's products with its row's
+/// diagonal, and with the next and the one after in the circle x y z x.
+struct Turn
+{
+	F4 own[3], next[3], last[3], shift[3];
+
+	Turn( const Eigen::Matrix3f& r, const Eigen::Vector3f& t )
+	{
+		for ( int k = 0; k < 12; ++k )
+		{
+			const int row = k % 3;
+			own[k / 4][k % 4] = r( row, row );
+			next[k / 4][k % 4] = r( row, ( row + 1 ) % 3 );
+			last[k / 4][k % 4] = r( row, ( row + 2 ) % 3 );
+			shift[k / 4][k % 4] = t[row];
+		}
+	}
+
+	void four( const float* from, float* to ) const
+	{
+		const F4 a = load4( from ), b = load4( from + 4 ), c = load4( from + 8 );
+		const F4 na = __builtin_shufflevector( a, b, 1, 2, 0, 4 ), la = __builtin_shufflevector( a, b, 2, 0, 1, 5 );
+		const F4 nb = __builtin_shufflevector( __builtin_shufflevector( a, b, 3, 5, 7, -1 ), c, 1, 0, 2, 4 );
+		const F4 lb = __builtin_shufflevector( __builtin_shufflevector( a, b, 3, 4, 6, -1 ), c, 0, 1, 4, 2 );
+		const F4 nc = __builtin_shufflevector( b, c, 2, 6, 7, 5 ), lc = __builtin_shufflevector( b, c, 3, 7, 5, 6 );
+		store4( to, ( ( own[0] * a + next[0] * na ) + last[0] * la ) + shift[0] );
+		store4( to + 4, ( ( own[1] * b + next[1] * nb ) + last[1] * lb ) + shift[1] );
+		store4( to + 8, ( ( own[2] * c + next[2] * nc ) + last[2] * lc ) + shift[2] );
+	}
+};
+
+/// Of groups first to last - 1 of four vertices, the last of which may be less.
+void turnGroups( const Turn& turn, const std::vector<float>& from, std::vector<float>& to, int first, int last )
+{
+	for ( int group = first; group < last; ++group )
+	{
+		const std::size_t at = 12 * std::size_t( group );
+		if ( at + 12 <= from.size() )
+		{
+			turn.four( from.data() + at, to.data() + at );
+			continue;
+		}
+		float in[12] = {}, out[12];
+		std::copy( from.begin() + std::ptrdiff_t( at ), from.end(), in );
+		turn.four( in, out );
+		std::copy( out, out + ( from.size() - at ), to.begin() + std::ptrdiff_t( at ) );
+	}
+}
+
+Eigen::Vector3d placeIn( const std::vector<float>& places, int i )
+{
+	return Eigen::Map<const Eigen::Vector3f>( places.data() + 3 * std::size_t( i ) ).cast<double>();
+}
+
+} // namespace
+
+void RigidSkin::keep( const NodeState& nodes, const float* rotations, const float* flow, bool hasGradients )
+{
+	const std::size_t count = std::size_t( nodes.count );
+	m_place.resize( 3 * count );
+	for ( int i = 0; i < nodes.count; ++i )
+	{
+		Eigen::Map<Eigen::Vector3f>( m_place.data() + 3 * std::size_t( i ) ) = nodes.x.get( i );
+	}
+	m_rotation.assign( rotations, rotations + 4 * count );
+	m_flow.clear();
+	if ( flow )
+	{
+		m_flow.assign( flow, flow + 9 * count );
+	}
+	m_origin = nodes.origin;
+	m_shown = Motion{};
+	m_isKept = true;
+	m_asksTurns = !hasGradients || areInOneLine( nodes );
+}
+
+/// Or in one point: then their places do not say how they are turned.
+bool RigidSkin::areInOneLine( const NodeState& nodes ) const
+{
+	Eigen::Vector3d centre = Eigen::Vector3d::Zero();
+	for ( int i = 0; i < nodes.count; ++i )
+	{
+		centre += placeIn( m_place, i ) / double( nodes.count );
+	}
+	Eigen::Matrix3d second = Eigen::Matrix3d::Zero();
+	for ( int i = 0; i < nodes.count; ++i )
+	{
+		second += ( placeIn( m_place, i ) - centre ) * ( placeIn( m_place, i ) - centre ).transpose();
+	}
+	// Of eigenvalues a >= b >= c: a b + a c + b c, against ( a + b + c )^2
+	const double size = second.trace();
+	return !( 0.5 * ( size * size - second.squaredNorm() ) > kLine * size * size );
+}
+
+/// The rigid motion that fits best: R nearest to sum m ( x - c )( p - cp )^T, t = c - R cp.
+RigidSkin::Motion RigidSkin::fit( const NodeState& nodes, const float* rotations ) const
+{
+	Eigen::Vector3d now = Eigen::Vector3d::Zero(), before = Eigen::Vector3d::Zero();
+	double mass = 0.0;
+	for ( int i = 0; i < nodes.count; ++i )
+	{
+		const double m = double( nodes.mass[i] );
+		mass += m;
+		now += m * nodes.x.get( i ).cast<double>();
+		before += m * placeIn( m_place, i );
+	}
+	now /= mass;
+	before /= mass;
+	Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
+	for ( int i = 0; i < nodes.count; ++i )
+	{
+		sum += double( nodes.mass[i] ) * ( nodes.x.get( i ).cast<double>() - now ) * ( placeIn( m_place, i ) - before ).transpose();
+	}
+	// Nodes in one point or in one line leave open how it is turned: as its first node is.
+	const Eigen::Quaternionf own( rotations ), kept( m_rotation.data() );
+	Motion motion;
+	motion.turn = fitRotation( sum, ( own.cast<double>() * kept.cast<double>().conjugate() ).normalized() );
+	motion.shift = now - motion.turn * before;
+	return motion;
+}
+
+bool RigidSkin::follows( const Motion& motion, const NodeState& nodes, const float* rotations, double tolerance, double cell ) const
+{
+	const double off = kNodeShare * tolerance, angle = off / cell;
+	const Eigen::Matrix3d r = motion.turn.toRotationMatrix();
+	for ( int i = 0; i < nodes.count; ++i )
+	{
+		if ( !( ( r * placeIn( m_place, i ) + motion.shift - nodes.x.get( i ).cast<double>() ).squaredNorm() <= off * off ) )
+		{
+			return false;
+		}
+	}
+	for ( std::size_t i = 0; m_asksTurns && i < std::size_t( nodes.count ); ++i )
+	{
+		// | q - p |^2 = 4 sin^2( angle / 4 ), of the sign of p that is nearer
+		const Eigen::Quaterniond q( Eigen::Map<const Eigen::Quaternionf>( rotations + 4 * i ).cast<double>() );
+		const Eigen::Quaterniond p = motion.turn * Eigen::Quaterniond( Eigen::Map<const Eigen::Quaternionf>( m_rotation.data() + 4 * i ).cast<double>() );
+		const double apart = std::min( ( q.coeffs() - p.coeffs() ).squaredNorm(), ( q.coeffs() + p.coeffs() ).squaredNorm() );
+		if ( !( 4.0 * apart <= angle * angle ) )
+		{
+			return false;
+		}
+	}
+	return true;
+}
+
+RigidSkin::Since RigidSkin::ask( const NodeState& nodes, const float* rotations, const float* flow, double tolerance, double cell )
+{
+	const std::size_t flowed = flow ? 9 * std::size_t( nodes.count ) : 0;
+	const bool isAsBefore = m_isKept && m_place.size() == 3 * std::size_t( nodes.count ) && m_origin == nodes.origin && m_flow.size() == flowed &&
+							std::equal( m_flow.begin(), m_flow.end(), flow );
+	if ( !isAsBefore || !( tolerance > 0.0 ) )
+	{
+		return Since::Bent;
+	}
+	if ( follows( m_shown, nodes, rotations, tolerance, cell ) )
+	{
+		return Since::Still;
+	}
+	const Motion motion = fit( nodes, rotations );
+	if ( !follows( motion, nodes, rotations, tolerance, cell ) )
+	{
+		return Since::Bent;
+	}
+	m_shown = motion;
+	return Since::Moved;
+}
+
+void RigidSkin::turn( const std::vector<float>& positions, const std::vector<float>& normals, std::vector<float>& positionsNow, std::vector<float>& normalsNow,
+	TaskRunner* runner ) const
+{
+	const Eigen::Matrix3f r = m_shown.turn.toRotationMatrix().cast<float>();
+	const Turn place( r, m_shown.shift.cast<float>() ), direction( r, Eigen::Vector3f::Zero() );
+	positionsNow.resize( positions.size() );
+	normalsNow.resize( normals.size() );
+	const int groups = int( ( positions.size() + 11 ) / 12 );
+	auto task = [&]( int chunk ) {
+		const int first = chunk * kChunk, last = std::min( groups, first + kChunk );
+		turnGroups( place, positions, positionsNow, first, last );
+		turnGroups( direction, normals, normalsNow, first, last );
+	};
+	runTasks( runner, ( groups + kChunk - 1 ) / kChunk, task );
+}
+
+} // namespace pliant

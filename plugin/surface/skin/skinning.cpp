@@ -1,0 +1,127 @@
+#include "surface/kernels/skin_kernels.h"
+#include "surface/skin/skin_fade.h"
+#include "surface/skin/skinning.h"
+
+#include "threads/parallel.h"
+
+#include <algorithm>
+#include <cstddef>
+
+namespace pliant {
+
+namespace {
+
+/// Vertices or nodes of one task.
+constexpr int kChunk = 2048;
+
+int chunkCount( std::size_t items )
+{
+	return int( ( items + kChunk - 1 ) / kChunk );
+}
+
+/// work( first, last ), a task each, of so many entries.
+template <class Work>
+void forChunks( std::size_t count, TaskRunner* runner, Work&& work )
+{
+	auto task = [&]( int chunk ) {
+		const std::size_t first = std::size_t( chunk ) * kChunk;
+		work( first, std::min( count, first + kChunk ) );
+	};
+	runTasks( runner, chunkCount( count ), task );
+}
+
+static_assert( sizeof( SkinPlace ) == sizeof( SkinBinding::Placed ) && offsetof( SkinPlace, weight ) == offsetof( SkinBinding::Placed, weight ) );
+
+SkinView viewOf( const SkinBinding& binding, const SkinPose& pose, SkinScratch& scratch, float* positions, float* normals )
+{
+	const auto orNull = []( const std::vector<std::uint32_t>& list ) { return list.empty() ? nullptr : list.data(); };
+	const auto numbers = []( const std::vector<Vec3>& vectors ) { return vectors.empty() ? nullptr : vectors.front().data(); };
+	SkinView view;
+	view.start = binding.start.data();
+	view.node = binding.node.data();
+	view.weight = binding.weight.data();
+	view.slot = pose.slotOfCell;
+	view.map = scratch.nodeMap.data();
+	view.carrier = orNull( binding.carrier );
+	view.listed = orNull( binding.blended );
+	view.placed = reinterpret_cast<const SkinPlace*>( binding.placed.data() );
+	view.restPosition = numbers( binding.restPosition );
+	view.restNormal = numbers( binding.restNormal );
+	view.normalShift = numbers( binding.normalShift );
+	view.shifted = binding.normalShift.size();
+	view.normalGroup = binding.normalGroup.data();
+	view.place = scratch.position.data();
+	view.turnedShift = scratch.turnedShift.data();
+	view.groupNormal = scratch.groupNormal.data();
+	view.positions = positions;
+	view.normals = normals;
+	return view;
+}
+
+/// In the triangles' order, in one thread: the sums' bits do not depend on the threads.
+void sumNormals( const SkinKernels& kernels, const SkinView& view, const SkinBinding& binding, const SkinTriangles& triangles )
+{
+	std::fill( view.groupNormal, view.groupNormal + 4 * std::size_t( binding.normalGroups ), 0.0f );
+	if ( !binding.shading.empty() )
+	{
+		kernels.addAreas( view, binding.shading.front().data(), int( binding.shading.size() ) );
+	}
+	const int first = int( binding.shadedTriangles );
+	kernels.addAreas( view, triangles.indices + 3 * std::size_t( first ), triangles.count - first );
+}
+
+/// Room is another skin's before and after: it only grows.
+void makeAtLeast( AlignedArray<float>& array, std::size_t size )
+{
+	if ( array.size() < size )
+	{
+		array.resize( size );
+	}
+}
+
+} // namespace
+
+void skin( const SkinBinding& binding, const NodeState& state, const float* rotations, const SkinTriangles& triangles, SkinScratch& scratch,
+	float* positions, float* normals, TaskRunner* runner )
+{
+	SkinPose pose;
+	pose.rotations = rotations;
+	skin( binding, state, pose, triangles, scratch, positions, normals, runner );
+}
+
+void skin( const SkinBinding& binding, const NodeState& state, const SkinPose& pose, const SkinTriangles& triangles, SkinScratch& scratch,
+	float* positions, float* normals, TaskRunner* runner, const SkinKernels& kernels )
+{
+	if ( binding.kind == Skinning::None )
+	{
+		return;
+	}
+	const std::size_t vertices = binding.restPosition.size();
+	scratch.nodeMap.resize( std::size_t( state.count ) * kSkinMapFloats );
+	makeAtLeast( scratch.position, vertices * 4 );
+	makeAtLeast( scratch.turnedShift, binding.normalShift.size() * 4 );
+	makeAtLeast( scratch.groupNormal, std::size_t( binding.normalGroups ) * 4 );
+	forChunks( std::size_t( state.count ), runner, [&]( std::size_t first, std::size_t last ) { skinMaps( state, pose, scratch.nodeMap.data(), int( first ), int( last ) ); } );
+	if ( pose.fade )
+	{
+		pose.fade->ease( state, scratch.nodeMap.data() );
+	}
+
+	const SkinView view = viewOf( binding, pose, scratch, positions, normals );
+	const std::size_t following = binding.blended.empty() ? vertices : binding.blended.size(), placed = binding.placed.size();
+	forChunks( following, runner, [&]( std::size_t first, std::size_t last ) { kernels.followRows( view, first, last ); } );
+	if ( pose.fade )
+	{
+		pose.fade->addTo( positions, scratch.position.data(), pose.body );
+	}
+	forChunks( placed, runner, [&]( std::size_t first, std::size_t last ) { kernels.placeFromCorners( view, first, last ); } );
+	if ( !binding.carrier.empty() )
+	{
+		forChunks( vertices, runner, [&]( std::size_t first, std::size_t last ) { kernels.carry( view, first, last ); } );
+	}
+	sumNormals( kernels, view, binding, triangles );
+	forChunks( following, runner, [&]( std::size_t first, std::size_t last ) { kernels.writeNormals( view, first, last ); } );
+	forChunks( placed, runner, [&]( std::size_t first, std::size_t last ) { kernels.shadeFromCorners( view, first, last ); } );
+}
+
+} // namespace pliant

@@ -1,0 +1,20 @@
+// In a build without skins or without levels of detail no surface jumps when levels change.
+
+#include "surface/skin/skin_fade.h"
+
+namespace pliant {
+
+void SkinFade::reserveNodes( int, std::size_t, int ) {}
+void SkinFade::keep( const NodeState&, const SkinPose&, int, AlignedArray<float>* ) {}
+void SkinFade::start( const SkinBinding&, const Nodes& ) {}
+
+bool SkinFade::advance()
+{
+	return false;
+}
+
+void SkinFade::clear() {}
+void SkinFade::ease( const NodeState&, float* ) const {}
+void SkinFade::addTo( float*, float*, const Eigen::Quaternionf& ) const {}
+
+} // namespace pliant

@@ -1,0 +1,139 @@
+// Cutting and healing: what the game names in the world's coordinates, the body's links by name. Steinemann et al. 2008, section 5.1.
+
+#include "fracture/cut_links.h"
+#include "pliant/body_template.h"
+#include "world/bodies/soft_body_impl.h"
+
+#include <cmath>
+#include <new>
+
+namespace pliant {
+
+namespace {
+
+/// The cut in the nodes' own coordinates.
+PlaneCut moved( PlaneCut cut, const Vec3d& origin )
+{
+	cut.point -= origin;
+	return cut;
+}
+
+SphereCut moved( SphereCut cut, const Vec3d& origin )
+{
+	cut.centre -= origin;
+	return cut;
+}
+
+BladeCut moved( const BladeCut& cut, const Vec3d& origin )
+{
+	return BladeCut{ cut.p0 - origin, cut.p1 - origin, cut.q0 - origin, cut.q1 - origin };
+}
+
+/// x y z w of each cell at the end of a link, of the node that holds it; of others nothing.
+std::vector<Eigen::Quaternionf> cellRotations( const Body& body, const std::vector<CellLink>& links )
+{
+	std::vector<float> ofNode( 4 * std::size_t( body.nodeCount() ) );
+	body.nodeRotations( ofNode.data() );
+	std::vector<Eigen::Quaternionf> rotations( std::size_t( body.lattice().cellCount() ) );
+	for ( const CellLink& link : links )
+	{
+		for ( const std::uint32_t cell : { link.a, link.b } )
+		{
+			rotations[cell] = Eigen::Map<const Eigen::Quaternionf>( ofNode.data() + 4 * std::size_t( body.nodeOfCell( cell ) ) );
+		}
+	}
+	return rotations;
+}
+
+/// As the template's cells, in its rest shape.
+void noteTraces( SoftBody::Impl& impl, std::vector<CutTrace> traces )
+{
+	const std::vector<std::uint32_t>& first = impl.body->firstCells();
+	const Vec3 shift = ( impl.body->lattice().massCentre - impl.bodyTemplate->lattice().massCentre ).cast<float>();
+	for ( CutTrace& trace : traces )
+	{
+		trace.link = first.empty() ? trace.link : CellLink{ first[trace.link.a], first[trace.link.b] };
+		trace.point += shift;
+		impl.newCuts.push_back( trace );
+	}
+}
+
+template <class Cut>
+int cutBody( SoftBody& soft, const Cut& cut )
+{
+	try
+	{
+		Body& body = *soft.impl().body;
+		const std::vector<Vec3d> places = body.cellPlaces();
+		const Cut here = moved( cut, body.nodes().origin );
+		const std::vector<CellLink> links = linksCut( body.lattice(), places, here );
+		const int count = body.breakLinks( links );
+		if ( count > 0 )
+		{
+			if ( soft.impl().bodyTemplate->skin().kind != Skinning::None )
+			{
+				noteTraces( soft.impl(), tracesOf( body.lattice(), places, links, here, cellRotations( body, links ) ) );
+			}
+			soft.activate( true );
+		}
+		return count;
+	}
+	catch ( const std::bad_alloc& )
+	{
+		return 0;
+	}
+}
+
+} // namespace
+
+int SoftBody::cutPlane( const btVector3& point, const btVector3& normal, btScalar radius )
+{
+	if ( !isFinite( point ) || !isFinite( normal ) || std::isnan( radius ) )
+	{
+		return 0;
+	}
+	return cutBody( *this, PlaneCut{ toVec3d( point ), toVec3d( normal ), double( radius ) } );
+}
+
+int SoftBody::cutSphere( const btVector3& centre, btScalar radius )
+{
+	if ( !isFinite( centre ) || !std::isfinite( radius ) )
+	{
+		return 0;
+	}
+	return cutBody( *this, SphereCut{ toVec3d( centre ), double( radius ) } );
+}
+
+int SoftBody::cutSweep( const btVector3& p0, const btVector3& p1, const btVector3& q0, const btVector3& q1 )
+{
+	if ( !isFinite( p0 ) || !isFinite( p1 ) || !isFinite( q0 ) || !isFinite( q1 ) )
+	{
+		return 0;
+	}
+	return cutBody( *this, BladeCut{ toVec3d( p0 ), toVec3d( p1 ), toVec3d( q0 ), toVec3d( q1 ) } );
+}
+
+int SoftBody::heal( btScalar reach )
+{
+	if ( !std::isfinite( reach ) )
+	{
+		return 0;
+	}
+	try
+	{
+		Body& body = *m_impl->body;
+		const int count = body.healLinks(
+			linksToHeal( m_impl->bodyTemplate->lattice(), body.lattice(), body.firstCells(), body.cellPlaces(), double( reach ) ) );
+		if ( count > 0 )
+		{
+			activate( true );
+		}
+		return count;
+	}
+	catch ( const std::bad_alloc& )
+	{
+		return 0;
+	}
+}
+
+} // namespace pliant

@@ -1,0 +1,214 @@
+// Who is in the world: bodies that come and go, by Bullet's calls and by ours, in any order and at any time.
+
+#include "world/constants.h"
+#include "world/bodies/soft_body_impl.h"
+#include "world/step/soft_body_system.h"
+
+#include <BulletCollision/CollisionDispatch/btCollisionDispatcher.h>
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+
+namespace pliant {
+
+SoftBodySystem::SoftBodySystem( btDiscreteDynamicsWorld& world, btDispatcher* dispatcher ) :
+	substeps( kDefaultSubsteps ), maxSubsteps( kDefaultMaxSubsteps ), ownRunner( createThreadPool( 1 ) ), m_world( world ),
+	m_dispatcher( *static_cast<btCollisionDispatcher*>( dispatcher ) )
+{
+}
+
+SoftBodySystem::~SoftBodySystem()
+{
+	dropPredictiveContacts();
+	for ( SoftBody* body : m_bodies )
+	{
+		body->impl().system = nullptr;
+	}
+}
+
+bool SoftBodySystem::add( SoftBody& body )
+{
+	if ( body.impl().system )
+	{
+		return false;
+	}
+	if ( !m_algorithms )
+	{
+		m_algorithms = AlgorithmTable::of( m_dispatcher );
+	}
+	body.impl().system = this;
+	body.impl().serial = ++m_serials;
+	m_bodies.push_back( &body );
+	releaseLostPins( body, true );
+	return true;
+}
+
+// A callback in the middle of a step may have removed it: no list of the step's names it any more.
+bool SoftBodySystem::remove( SoftBody& body )
+{
+	if ( std::erase( m_bodies, &body ) == 0 )
+	{
+		return false;
+	}
+	for ( std::vector<SoftBody*>* list : { &m_awake, &m_asleep, &m_substepped, &m_sharedOut, &m_whole, &m_stale, &m_staleShapes } )
+	{
+		std::erase( *list, &body );
+	}
+	SoftBody::Impl& impl = body.impl();
+	if ( impl.self )
+	{
+		impl.self->contacts.reset();
+	}
+	NodeBodyPool::detach( body );
+	impl.system = nullptr;
+	impl.block = -1;
+	impl.rubbing = -1;
+	release( body );
+	if ( m_bodies.empty() )
+	{
+		m_algorithms.reset(); // the dispatcher may go before the world does
+	}
+	return true;
+}
+
+void SoftBodySystem::forget( SoftBody& body )
+{
+	m_world.removeCollisionObject( &body );
+}
+
+void SoftBodySystem::refreshBox( SoftBody& body )
+{
+	m_world.updateSingleAabb( &body );
+}
+
+bool SoftBodySystem::holds( const btCollisionObject* object, int& index ) const
+{
+	const btCollisionObjectArray& all = m_world.getCollisionObjectArray();
+	if ( index < 0 || index >= all.size() || all[index] != object )
+	{
+		index = all.findLinearSearch( const_cast<btCollisionObject*>( object ) );
+	}
+	return index < all.size();
+}
+
+void SoftBodySystem::findPlace( SoftBody& body ) const
+{
+	int index = body.getWorldArrayIndex();
+	body.setWorldArrayIndex( holds( &body, index ) ? index : -1 );
+}
+
+bool SoftBodySystem::acceptsSteps( btScalar& timeStep, int maxSubSteps, btScalar fixedTimeStep ) const
+{
+	if ( m_bodies.empty() )
+	{
+		return true; // Bullet's own world
+	}
+	const bool isSingle = maxSubSteps == 0;
+	if ( !std::isfinite( timeStep ) || !std::isfinite( fixedTimeStep ) || ( isSingle ? timeStep < 0 : fixedTimeStep <= 0 ) )
+	{
+		return false;
+	}
+	timeStep = isSingle ? timeStep : std::min( timeStep, fixedTimeStep * kMostFrames );
+	return true;
+}
+
+SoftBody* SoftBodySystem::bodyAfter( unsigned serial ) const
+{
+	const auto next = std::upper_bound( m_bodies.begin(), m_bodies.end(), serial, []( unsigned s, const SoftBody* body ) { return s < body->impl().serial; } );
+	return next == m_bodies.end() ? nullptr : *next;
+}
+
+// Games that reset themselves may empty Bullet's list of objects by their own hand.
+void SoftBodySystem::removeLost()
+{
+	unsigned serial = 0;
+	while ( SoftBody* const body = bodyAfter( serial ) )
+	{
+		serial = body->impl().serial;
+		int index = body->getWorldArrayIndex();
+		if ( !holds( body, index ) )
+		{
+			m_world.removeCollisionObject( body );
+		}
+	}
+}
+
+bool SoftBodySystem::openStep( btScalar& timeStep )
+{
+	if ( m_bodies.empty() )
+	{
+		return true; // Bullet's own world
+	}
+	if ( !std::isfinite( timeStep ) || timeStep <= 0 )
+	{
+		return false;
+	}
+	timeStep = std::min( timeStep, kLongestStep );
+	removeLost();
+	for ( SoftBody* body : m_bodies )
+	{
+		releaseLostPins( *body, false );
+	}
+	if ( m_algorithms )
+	{
+		m_algorithms->check();
+	}
+	wakeOnTheWoken();
+	return true;
+}
+
+void SoftBodySystem::noteSleepers()
+{
+	m_asleep.clear();
+	std::copy_if( m_bodies.begin(), m_bodies.end(), std::back_inserter( m_asleep ), []( const SoftBody* body ) { return !body->isActive(); } );
+}
+
+// A body that something has woken since the last step takes what rests on it along. Bullet's islands would come to it too, after the step in which
+// the body has moved off, and let what has no contact any more sleep on where it is.
+void SoftBodySystem::wakeOnTheWoken()
+{
+	for ( const SoftBody* body : m_asleep )
+	{
+		if ( body->isActive() )
+		{
+			wakeTouching( *body );
+		}
+	}
+	noteSleepers();
+}
+
+void SoftBodySystem::releaseRefusedPairs()
+{
+	for ( std::size_t k = pairScratch.all.size(); k-- > 0; )
+	{
+		if ( k >= pairScratch.all.size() ) // the game is told of contacts that end, and may remove bodies
+		{
+			continue;
+		}
+		const btPersistentManifold* const any = pairScratch.all[k]->anyManifold();
+		if ( any && isPairInPass( *any->getBody0(), *any->getBody1() ) )
+		{
+			pairScratch.all[k]->releaseIfRefused();
+		}
+	}
+}
+
+void SoftBodySystem::wakeTouching( const SoftBody& body )
+{
+	for ( int m = 0; m < m_dispatcher.getNumManifolds(); ++m )
+	{
+		const btPersistentManifold& manifold = *m_dispatcher.getManifoldByIndexInternal( m );
+		const btCollisionObject* side[2] = { manifold.getBody0(), manifold.getBody1() };
+		for ( int k = 0; k < 2 && manifold.getNumContacts() > 0; ++k )
+		{
+			if ( ownerOfNodeBody( side[k] ) == &body )
+			{
+				SoftBody* const other = ownerOfNodeBody( side[1 - k] );
+				const_cast<btCollisionObject*>( other ? other : side[1 - k] )->activate();
+			}
+		}
+	}
+}
+
+} // namespace pliant

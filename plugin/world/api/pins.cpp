@@ -1,0 +1,254 @@
+// Nodes that forces do not move: pinned in place, tied to a rigid body, driven by the game, and those of static and kinematic bodies.
+
+#include "matching/constants.h"
+#include "world/bodies/placing.h"
+#include "world/step/soft_body_system.h"
+
+#include <BulletDynamics/Dynamics/btRigidBody.h>
+
+#include <algorithm>
+
+namespace pliant {
+
+Pin* SoftBody::Impl::findPin( int node )
+{
+	const auto found = std::lower_bound( pins.begin(), pins.end(), node, []( const Pin& pin, int n ) { return pin.node < n; } );
+	return found != pins.end() && found->node == node ? &*found : nullptr;
+}
+
+Status SoftBody::pin( const PinRequest& request )
+{
+	if ( !m_impl->hasNode( request.node ) )
+	{
+		return Status{ ResultCode::BadArgument, "There is no node of this number." };
+	}
+	Impl& impl = *m_impl;
+	Pin* pin = impl.findPin( request.node );
+	if ( !pin )
+	{
+		const auto place = std::lower_bound( impl.pins.begin(), impl.pins.end(), request.node, []( const Pin& p, int n ) { return p.node < n; } );
+		pin = &*impl.pins.insert( place, Pin{} );
+	}
+	pin->node = request.node;
+	pin->kind = PinKind( request.kind );
+	pin->body = request.body;
+	pin->bodyIndex = request.body ? request.body->getWorldArrayIndex() : -1;
+	pin->bodyProxy = request.body ? request.body->getBroadphaseHandle()->getUid() : -1;
+	pin->point = request.point;
+	pin->hasTarget = pin->kind == PinKind::Driven;
+	impl.body->setPinned( request.node, true );
+	impl.body->nodes().v.set( request.node, Vec3::Zero() );
+	activate( true );
+	return {};
+}
+
+Status SoftBody::pinNode( int node )
+{
+	return pin( PinRequest{ node, int( PinKind::Still ), nullptr, btVector3( 0, 0, 0 ) } );
+}
+
+// A pin keeps a pointer to its rigid body, so it must hear of that body's end. The world hears of it: hence the body must be in the world that this
+// one is in, and the pin goes when it leaves. Where this body is in no world yet, or has left its own, the pin is asked again when it is added.
+Status SoftBody::pinNodeToBody( int node, btRigidBody* body )
+{
+	if ( !body || !m_impl->hasNode( node ) )
+	{
+		return Status{ ResultCode::BadArgument, "pinNodeToBody needs a node and a rigid body." };
+	}
+	int index = body->getWorldArrayIndex();
+	if ( !body->getBroadphaseHandle() || index < 0 )
+	{
+		return Status{ ResultCode::BadArgument, "pinNodeToBody: the rigid body is in no world. Add it first; the pin goes when it is removed." };
+	}
+	if ( m_impl->system && !m_impl->system->holds( body, index ) )
+	{
+		return Status{ ResultCode::BadArgument, "pinNodeToBody: the rigid body is in another world than the soft body." };
+	}
+	if ( !isFinite( body->getWorldTransform() ) )
+	{
+		return Status{ ResultCode::BadArgument, "pinNodeToBody: the rigid body's transform is not finite." };
+	}
+	return pin( PinRequest{ node, int( PinKind::FollowsBody ), body, body->getWorldTransform().invXform( nodePosition( node ) ) } );
+}
+
+Status SoftBody::driveNode( int node, const btVector3& worldPosition )
+{
+	if ( !m_impl->hasNode( node ) )
+	{
+		return refused( "driveNode", "there is no node of this number." );
+	}
+	if ( Status status = checkVector( worldPosition, "driveNode", "the position" ); !status.ok() )
+	{
+		return status;
+	}
+	if ( ( toVec3d( worldPosition ) - m_impl->body->nodes().worldPosition( node ) ).norm() > m_impl->farthestDrive() )
+	{
+		return refused( "driveNode", "the position is further than a hundred of the body's sizes from the node; teleport the body, or go there in steps." );
+	}
+	return pin( PinRequest{ node, int( PinKind::Driven ), nullptr, worldPosition } );
+}
+
+double SoftBody::Impl::farthestDrive() const
+{
+	btVector3 low, high;
+	shape->getAabb( btTransform::getIdentity(), low, high );
+	return std::min( kFarthestDrive * double( ( high - low ).length() ), 0.5 * double( kSpeedLimit ) * double( kNominalStep ) );
+}
+
+void SoftBody::releaseNode( int node )
+{
+	Impl& impl = *m_impl;
+	if ( Pin* pinned = impl.findPin( node ) )
+	{
+		impl.pins.erase( impl.pins.begin() + ( pinned - impl.pins.data() ) );
+		impl.body->setPinned( node, false );
+		activate( true );
+	}
+}
+
+int SoftBody::pinNodesInside( const btVector3& low, const btVector3& high )
+{
+	int count = 0;
+	for ( int i = 0; i < nodeCount(); ++i )
+	{
+		const btVector3 p = nodePosition( i );
+		const bool isInside = p.x() >= low.x() && p.y() >= low.y() && p.z() >= low.z() && p.x() <= high.x() && p.y() <= high.y() && p.z() <= high.z();
+		if ( isInside && pinNode( i ).ok() )
+		{
+			++count;
+		}
+	}
+	return count;
+}
+
+bool SoftBody::isPinned( int node ) const
+{
+	return m_impl->findPin( node ) != nullptr;
+}
+
+void SoftBodySystem::releasePinsTo( const btRigidBody& body )
+{
+	for ( ImplicitSolve& solve : m_implicit )
+	{
+		solve.forget( body );
+	}
+	for ( SoftBody* soft : m_bodies )
+	{
+		std::vector<Pin>& pins = soft->impl().pins;
+		for ( std::size_t k = pins.size(); k-- > 0; )
+		{
+			if ( pins[k].body == &body )
+			{
+				soft->releaseNode( pins[k].node );
+			}
+		}
+	}
+}
+
+// By pointer; and by the number of the broadphase's proxy, which no two objects of a world have in turn: a rigid body made where another was
+// deleted is not the one that was pinned to.
+void SoftBodySystem::releaseLostPins( SoftBody& body, bool isAdded )
+{
+	std::vector<Pin>& pins = body.impl().pins;
+	for ( std::size_t k = pins.size(); k-- > 0; )
+	{
+		if ( pins[k].kind != PinKind::FollowsBody )
+		{
+			continue;
+		}
+		const bool isHere = holds( pins[k].body, pins[k].bodyIndex );
+		if ( !isHere || ( isAdded && pins[k].body->getBroadphaseHandle()->getUid() != pins[k].bodyProxy ) )
+		{
+			body.releaseNode( pins[k].node );
+		}
+	}
+}
+
+// A pinned node's speed is what takes it where it must be at the substep's end.
+void SoftBodySystem::drivePins( SoftBody& body, btScalar h, int substep )
+{
+	SoftBody::Impl& impl = body.impl();
+	NodeState& nodes = impl.body->nodes();
+	for ( const Pin& pin : impl.pins )
+	{
+		btVector3 speed( 0, 0, 0 );
+		if ( pin.kind == PinKind::FollowsBody )
+		{
+			speed = pin.body->getVelocityInLocalPoint( pin.body->getWorldTransform().getBasis() * pin.point );
+		}
+		if ( pin.kind == PinKind::Driven && pin.hasTarget )
+		{
+			speed = ( pin.point - impl.position( pin.node ) ) / ( h * btScalar( substepsOf( body ) - substep ) );
+		}
+		nodes.v.set( pin.node, toVec3( speed ) );
+	}
+}
+
+// After all has moved: a node that follows a body stands exactly where the body has taken it.
+void SoftBodySystem::settlePins( SoftBody& body, btScalar h, int substep )
+{
+	SoftBody::Impl& impl = body.impl();
+	NodeState& nodes = impl.body->nodes();
+	for ( Pin& pin : impl.pins )
+	{
+		if ( pin.kind == PinKind::FollowsBody )
+		{
+			const Vec3d target = toVec3d( pin.body->getWorldTransform() * pin.point ) - nodes.origin;
+			nodes.v.set( pin.node, ( ( target - nodes.x.get( pin.node ).cast<double>() ) / double( h ) ).cast<float>() );
+		}
+		if ( pin.kind == PinKind::Driven && pin.hasTarget && substep + 1 == substepsOf( body ) )
+		{
+			const Vec3d way = toVec3d( pin.point ) - nodes.worldPosition( pin.node );
+			nodes.v.set( pin.node, ( way / double( h ) ).cast<float>() );
+			pin.hasTarget = false;
+		}
+	}
+}
+
+// A kinematic body stands where the game has put it, by `teleport` or by its pins, and moves at what took it there; a static one stands.
+void SoftBodySystem::moveHeldBodies()
+{
+	for ( SoftBody* body : m_bodies )
+	{
+		SoftBody::Impl& impl = body->impl();
+		if ( !body->isStaticOrKinematicObject() )
+		{
+			impl.heldBefore.clear();
+			continue;
+		}
+		NodeState& nodes = impl.body->nodes();
+		const std::size_t count = std::size_t( nodes.count );
+		bool isDriven = false;
+		for ( Pin& pin : impl.pins )
+		{
+			const bool follows = pin.kind == PinKind::FollowsBody;
+			if ( follows || ( pin.kind == PinKind::Driven && pin.hasTarget ) )
+			{
+				const btVector3 target = follows ? pin.body->getWorldTransform() * pin.point : pin.point;
+				nodes.x.set( pin.node, ( toVec3d( target ) - nodes.origin ).cast<float>() );
+				pin.hasTarget = false;
+				isDriven = true;
+			}
+		}
+		const bool isKnown = body->isKinematicObject() && impl.heldBefore.size() == count && m_gameStep > 0;
+		impl.heldBefore.resize( count, Vec3d::Zero() );
+		Vec3d low = Vec3d::Zero(), high = Vec3d::Zero();
+		for ( int i = 0; i < nodes.count; ++i )
+		{
+			const Vec3d at = nodes.worldPosition( i );
+			const Vec3d velocity = isKnown ? Vec3d( ( at - impl.heldBefore[std::size_t( i )] ) / double( m_gameStep ) ) : Vec3d( Vec3d::Zero() );
+			nodes.v.set( i, velocity.cast<float>() );
+			impl.heldBefore[std::size_t( i )] = at;
+			low = low.cwiseMin( velocity );
+			high = high.cwiseMax( velocity );
+		}
+		impl.shape->setSweep( m_gameStep * toBt( low ), m_gameStep * toBt( high ) );
+		if ( isDriven )
+		{
+			impl.skin.nodesMoved();
+			impl.placeShape( *body );
+		}
+	}
+}
+
+} // namespace pliant

@@ -1,0 +1,255 @@
+#include "pliant/soft_body.h"
+
+#include "world/bodies/placing.h"
+#include "world/bodies/soft_body_impl.h"
+#include "world/step/soft_body_system.h"
+
+#include <cassert>
+#include <new>
+
+namespace pliant {
+
+void SoftBody::Impl::placeSpheres( btCollisionObject& object, const MotionSums& motion, TaskRunner* runner )
+{
+	const NodeState& nodes = body->nodes();
+	mass = motion.mass;
+	meanSquareSpeed = motion.squareSpeed / mass;
+	const Vec3d centre = Vec3d( motion.moment ) / mass;
+	const btTransform at( btQuaternion::getIdentity(), toBt( nodes.origin + centre ) );
+	shapeShift = ( toVec3d( at.getOrigin() ) - nodes.origin ).cast<float>();
+	shape->place( nodes, shapeShift, runner );
+	object.setWorldTransform( at );
+	object.setInterpolationWorldTransform( at );
+}
+
+void SoftBody::Impl::placeShape( btCollisionObject& object )
+{
+	placeSpheres( object, body->measureMotion() );
+	shape->freshen();
+}
+
+void SoftBody::Impl::finish( SoftBody& owner )
+{
+	shape = std::make_unique<NodeShape>( *body );
+	nodeBody.assign( std::size_t( body->nodeCount() ), nullptr );
+	owner.m_internalType = kInternalType;
+	owner.m_collisionFlags &= ~CF_STATIC_OBJECT; // Bullet's objects are born static
+	owner.internalSetExtensionPointer( const_cast<char*>( &kSoftBodyMark ) );
+	owner.setCollisionShape( shape.get() );
+	placeShape( owner );
+}
+
+SoftBody* asSoftBody( btCollisionObject* object )
+{
+	const bool isOurs = object && object->internalGetExtensionPointer() == &kSoftBodyMark;
+	return isOurs ? static_cast<SoftBody*>( object ) : nullptr;
+}
+
+SoftBody::SoftBody() = default;
+
+SoftBodyResult SoftBody::create( std::shared_ptr<const BodyTemplate> bodyTemplate, const btTransform& transform, const Material& material,
+	const Adaptivity& adaptivity, const StiffnessField& stiffness )
+{
+	if ( !bodyTemplate )
+	{
+		return SoftBodyResult::failure( ResultCode::BadArgument, "SoftBody::create needs a template." );
+	}
+	if ( Status sound = checkPlace( transform, "SoftBody::create" ); !sound.ok() )
+	{
+		return SoftBodyResult{ std::move( sound ), nullptr };
+	}
+	try
+	{
+		Result<std::unique_ptr<Body>> made = Body::create(
+			bodyTemplate->sharedLattice(), material, placementOf( bodyTemplate->lattice(), transform ), bodyTemplate->cache(), adaptivity, stiffness );
+		if ( !made )
+		{
+			return SoftBodyResult{ std::move( made.status ), nullptr };
+		}
+		std::unique_ptr<SoftBody> soft( new SoftBody );
+		soft->m_impl = std::make_unique<Impl>();
+		Impl& impl = *soft->m_impl;
+		impl.bodyTemplate = std::move( bodyTemplate );
+		impl.body = std::move( made.value );
+		impl.finish( *soft );
+		return SoftBodyResult::success( std::move( soft ) );
+	}
+	catch ( const std::bad_alloc& )
+	{
+		return SoftBodyResult::failure( ResultCode::OutOfMemory, "Not enough memory for a soft body of this many cells." );
+	}
+}
+
+SoftBody::~SoftBody()
+{
+	if ( m_impl && m_impl->system )
+	{
+		m_impl->system->forget( *this );
+	}
+}
+
+SoftBody* SoftBody::upcast( btCollisionObject* object )
+{
+	SoftBody* const soft = asSoftBody( object );
+	return soft ? soft : ownerOfNodeBody( object );
+}
+
+const SoftBody* SoftBody::upcast( const btCollisionObject* object )
+{
+	return upcast( const_cast<btCollisionObject*>( object ) );
+}
+
+int SoftBody::nodeCount() const
+{
+	return m_impl->body->nodeCount();
+}
+
+int SoftBody::nodeOfShapeIndex( int shapeIndex ) const
+{
+	const bool isChild = shapeIndex >= 0 && shapeIndex < m_impl->shape->getNumChildShapes();
+	return isChild ? m_impl->shape->nodeOfChild( shapeIndex ) : -1;
+}
+
+btVector3 SoftBody::nodePosition( int node ) const
+{
+	assert( m_impl->hasNode( node ) );
+	return m_impl->hasNode( node ) ? m_impl->position( node ) : btVector3( 0, 0, 0 );
+}
+
+btVector3 SoftBody::nodeVelocity( int node ) const
+{
+	assert( m_impl->hasNode( node ) );
+	return m_impl->hasNode( node ) ? m_impl->velocity( node ) : btVector3( 0, 0, 0 );
+}
+
+btScalar SoftBody::nodeMass( int node ) const
+{
+	assert( m_impl->hasNode( node ) );
+	return m_impl->hasNode( node ) ? btScalar( m_impl->body->nodes().mass[node] ) : btScalar( 0 );
+}
+
+btScalar SoftBody::nodeRadius( int node ) const
+{
+	assert( m_impl->hasNode( node ) );
+	return m_impl->hasNode( node ) ? m_impl->shape->sphereOfNode( node )->getRadius() : btScalar( 0 );
+}
+
+int SoftBody::nearestNode( const btVector3& worldPoint ) const
+{
+	const NodeState& nodes = m_impl->body->nodes();
+	const btVector3 point = worldPoint - m_impl->worldOrigin();
+	const bool hasLevels = m_impl->body->levels() != nullptr;
+	int best = 0;
+	btScalar bestDistance = SIMD_INFINITY;
+	for ( int i = 0; i < nodes.count; ++i )
+	{
+		btScalar distance = ( btVector3( nodes.x.x[i], nodes.x.y[i], nodes.x.z[i] ) - point ).length2();
+		if ( hasLevels )
+		{
+			distance = btSqrt( distance ) - nodeRadius( i ); // a big node is near from further away
+		}
+		if ( distance < bestDistance )
+		{
+			bestDistance = distance;
+			best = i;
+		}
+	}
+	return best;
+}
+
+btScalar SoftBody::mass() const
+{
+	return btScalar( m_impl->mass );
+}
+
+btVector3 SoftBody::massCentre() const
+{
+	return toBt( m_impl->body->nodes().origin + m_impl->body->sums().centre );
+}
+
+btVector3 SoftBody::linearVelocity() const
+{
+	const BodySums sums = m_impl->body->sums();
+	return toBt( sums.momentum / sums.mass );
+}
+
+btVector3 SoftBody::angularMomentum() const
+{
+	return toBt( m_impl->body->sums().spin );
+}
+
+btTransform SoftBody::bestFitTransform() const
+{
+	const Placement fit = m_impl->body->bestFit();
+	const Vec3d origin = fit.position - fit.rotation * m_impl->body->lattice().massCentre;
+	const btQuaternion q(
+		btScalar( fit.rotation.x() ), btScalar( fit.rotation.y() ), btScalar( fit.rotation.z() ), btScalar( fit.rotation.w() ) );
+	return btTransform( q, toBt( origin ) );
+}
+
+Status SoftBody::setMaterial( const Material& material )
+{
+	Status status = m_impl->body->setMaterial( material );
+	if ( status.ok() )
+	{
+		m_impl->mass = m_impl->body->sums().mass;
+		m_impl->skin.rigid.forget(); // other regions carry the skin otherwise
+		m_impl->wakeTouching( *this );
+		activate( true );
+	}
+	return status;
+}
+
+bool SoftBody::stepsImplicitly() const
+{
+	return m_impl->isImplicit;
+}
+
+Status SoftBody::implicitStatus() const
+{
+	return m_impl->body->implicitStatus();
+}
+
+const Material& SoftBody::material() const
+{
+	return m_impl->body->material();
+}
+
+const StiffnessPlan& SoftBody::stiffnessPlan() const
+{
+	return m_impl->plan;
+}
+
+bool SoftBody::isHealthy() const
+{
+	return m_impl->isHealthy;
+}
+
+const BodyTemplate& SoftBody::bodyTemplate() const
+{
+	return *m_impl->bodyTemplate;
+}
+
+int SoftBody::cellCount() const
+{
+	return m_impl->body->lattice().cellCount();
+}
+
+int SoftBody::linkCount() const
+{
+	return m_impl->body->lattice().linkCount();
+}
+
+unsigned SoftBody::fractureVersion() const
+{
+	return m_impl->fractureVersion;
+}
+
+int SoftBody::nodeOfCell( int cell ) const
+{
+	const Body& body = *m_impl->body;
+	const std::uint32_t own = cell < 0 ? kNoNode : body.ownCell( std::uint32_t( cell ) );
+	return own == kNoNode ? -1 : body.nodeOfCell( own );
+}
+
+} // namespace pliant

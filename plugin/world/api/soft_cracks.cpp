@@ -1,0 +1,176 @@
+// Cracks in the skin: what is drawn of them, and what is kept for it.
+
+#include "lattice/guarded_tasks.h"
+#include "surface/crack_shapes/cell_owners.h"
+#include "world/bodies/soft_body_impl.h"
+#include "world/step/soft_body_system.h"
+
+#include <algorithm>
+#include <new>
+
+namespace pliant {
+
+namespace {
+
+/// Those that are still there: what has healed follows no blade.
+std::vector<CutTrace> openCuts( const std::vector<CutTrace>& cuts, const Body& body )
+{
+	std::vector<CutTrace> open;
+	for ( const CutTrace& cut : cuts )
+	{
+		const std::uint32_t a = body.ownCell( cut.link.a ), b = body.ownCell( cut.link.b );
+		if ( a == kNoNode || b == kNoNode || !areLinked( body.lattice(), a, b ) )
+		{
+			open.push_back( cut );
+		}
+	}
+	return open;
+}
+
+} // namespace
+
+bool SoftBody::Impl::hasNewCracks() const
+{
+	const bool isKnown = body->firstCells().empty() || ( crackView && crackVersion == fractureVersion );
+	return !isKnown && bodyTemplate->crackComplex();
+}
+
+// With a family, cracks are drawn once for all that came from one body. Else, where nobody looked before it broke, from the body's own links.
+const SkinBinding& SoftBody::Impl::binding() const
+{
+	if ( !hasNewCracks() )
+	{
+		return crackView ? *crackView->binding : bodyTemplate->skin();
+	}
+	drawCracks();
+	return *crackView->binding;
+}
+
+// What came from the same body is asked for next: where there are threads to share the work, all of it is drawn at once.
+void SoftBody::Impl::drawKin() const
+{
+	TaskRunner* const runner = system ? system->tasks() : nullptr;
+	if ( !crackFamily || !runner || runner->threadCount() < 2 )
+	{
+		return;
+	}
+	std::vector<const Impl*> kin;
+	std::size_t cells = 0;
+	for ( const SoftBody* soft : system->bodies() )
+	{
+		const Impl& other = soft->impl();
+		if ( other.crackFamily == crackFamily && ( &other == this || other.isLookedAt() ) && other.hasNewCracks() )
+		{
+			kin.push_back( &other );
+			cells += other.body->firstCells().size();
+		}
+	}
+	std::stable_sort( kin.begin(), kin.end(), []( const Impl* a, const Impl* b ) { return a->body->firstCells().size() > b->body->firstCells().size(); } );
+	crackFamily->catchUp( kin.front()->body->firstCells().size(), runner );
+	// All threads draw what is more than a thread's share, body after body.
+	auto shared = kin.begin();
+	for ( ; shared != kin.end() && ( *shared )->body->firstCells().size() * std::size_t( runner->threadCount() ) > cells; ++shared )
+	{
+		( *shared )->drawCracks( runner );
+	}
+	auto draw = [&shared]( int k ) { shared[k]->drawCracks(); };
+	runGuarded( runner, int( kin.end() - shared ), draw );
+}
+
+void SoftBody::Impl::drawCracks( TaskRunner* runner ) const
+{
+	crackView = crackView ? std::move( crackView ) : std::make_unique<CrackView>();
+	if ( crackFamily )
+	{
+		const Vec3 shift = ( body->lattice().massCentre - bodyTemplate->lattice().massCentre ).cast<float>();
+		crackFamily->show( body->firstCells(), shift, *crackView, runner );
+	}
+	else
+	{
+		showOwnCracks();
+	}
+	crackVersionBefore = crackVersion;
+	crackVersion = fractureVersion;
+	skin.rigid.forget();
+}
+
+void SoftBody::Impl::showOwnCracks() const
+{
+	const std::shared_ptr<const CellComplex> complex = bodyTemplate->crackComplex();
+	const Vec3 shift = ( body->lattice().massCentre - bodyTemplate->lattice().massCentre ).cast<float>();
+	CrackSurface cracks( complex, body->firstCells(), body->lattice(), shift );
+	if ( cuts )
+	{
+		BladePath path( complex );
+		cracks.follow( path, path.add( openCuts( *cuts, *body ) ) );
+	}
+	std::vector<float> texture( 2 * std::size_t( cracks.vertexCount() ) );
+	cracks.textureCoordinates( bodyTemplate->textureCoordinates(), 0, texture.data() );
+	cracks.showPanelsAsOne( texture.data(), *crackView );
+}
+
+/// What was cut is known to all that came from one body: a point is drawn at one place on every side.
+void SoftBody::Impl::noteCuts()
+{
+	if ( !newCuts.empty() )
+	{
+		cuts = cuts ? std::move( cuts ) : std::make_shared<std::vector<CutTrace>>();
+		cuts->insert( cuts->end(), newCuts.begin(), newCuts.end() );
+		if ( crackFamily )
+		{
+			crackFamily->follow( newCuts );
+		}
+		newCuts.clear();
+	}
+}
+
+void SoftBody::Impl::makeCrackFamily()
+{
+	if ( !crackFamily && body->firstCells().empty() && bodyTemplate->crackPatches() )
+	{
+		crackFamily = std::make_shared<CrackFamily>( *bodyTemplate->crackSurface(), bodyTemplate->crackPatches(), bodyTemplate->textureCoordinates() );
+	}
+}
+
+Status SoftBody::prepareCracks()
+{
+	try
+	{
+		m_impl->makeCrackFamily();
+		if ( m_impl->crackFamily )
+		{
+			m_impl->crackFamily->prepare();
+		}
+		m_impl->body->prepareToBreak();
+		return {};
+	}
+	catch ( const std::bad_alloc& )
+	{
+		return Status{ ResultCode::OutOfMemory, "Not enough memory for what the body's cracks are drawn with." };
+	}
+}
+
+void SoftBody::Impl::noteCracks( const BreakReport& report )
+{
+	const std::vector<std::uint32_t>& first = body->firstCells();
+	if ( skin.frame > 0 ) // somebody looks at it
+	{
+		makeCrackFamily();
+	}
+	noteCuts();
+	if ( report.hasHealed )
+	{
+		crackFamily.reset(); // its cracks do not close
+	}
+	if ( crackFamily )
+	{
+		std::vector<CellLink> links = report.broken;
+		for ( CellLink& link : links )
+		{
+			link = first.empty() ? link : CellLink{ first[link.a], first[link.b] };
+		}
+		crackFamily->breakLinks( links );
+	}
+}
+
+} // namespace pliant

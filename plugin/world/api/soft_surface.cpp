@@ -1,0 +1,315 @@
+// The skin, made when it is asked for, in one of two buffers. Steinemann et al. 2008, section 7.
+
+#include "body/levels/levels.h"
+#include "lattice/guarded_tasks.h"
+#include "surface/skin/skinning.h"
+#include "world/bodies/soft_body_impl.h"
+#include "world/step/soft_body_system.h"
+#include "world/stopwatch.h"
+
+#include <algorithm>
+
+namespace pliant {
+
+namespace {
+
+/// Many nodes under few vertices, to ask all of which takes longer than to skin those few anew: a node takes some 40 ns, a vertex 30.
+bool isSparselyDrawn( int nodes, std::size_t vertices )
+{
+	constexpr int kManyNodes = 1024, kFewVertices = 4; // a node
+	return nodes >= kManyNodes && vertices < std::size_t( kFewVertices ) * std::size_t( nodes );
+}
+
+/// What of the pose is cheap, or a node's own: everything but the gradients.
+void measureTurns( const Body& body, SkinBuffers& skin )
+{
+	if ( skin.areTurnsKnown )
+	{
+		return;
+	}
+	skin.areTurnsKnown = true;
+	skin.rotations.resize( std::size_t( body.nodeCount() ) * 4 );
+	body.nodeRotations( skin.rotations.data() );
+	if ( body.hasFlowed() )
+	{
+		skin.flow.resize( std::size_t( body.nodeCount() ) * 9 );
+		body.nodeFlow( skin.flow.data() );
+	}
+}
+
+/// For as many nodes as the body has room for.
+void makeSkinRoom( const Body& body, SkinBuffers& skin )
+{
+	const std::size_t reserved = std::size_t( body.levels()->roomNodes() + kLanes ), now = std::size_t( kRoomShare * body.nodes().padded );
+	makeRoom( skin.gradients, 9 * reserved, 9 * now );
+	makeRoom( skin.gradientsRoom, 9 * reserved, 9 * now );
+	makeRoom( skin.rotations, 4 * reserved, 4 * now );
+	makeRoom( skin.maps, kSkinMapFloats * reserved, kSkinMapFloats * now );
+	skin.fade.reserveNodes( int( reserved ), now, body.lattice().cellCount() );
+}
+
+/// After a change of levels, with nothing moved: a region that holds what it held is stretched as it was.
+void followGradients( const Body& body, SkinBuffers& skin )
+{
+	const LevelChange& change = body.levels()->lastChange();
+	skin.gradientsRoom.resize( std::size_t( body.nodes().padded ) * 9 );
+	for ( std::size_t i = 0; i < change.heir.size(); ++i )
+	{
+		std::copy_n( skin.gradients.data() + 9 * std::size_t( change.heir[i] ), 9, skin.gradientsRoom.data() + 9 * i );
+	}
+	skin.gradients.swap( skin.gradientsRoom );
+	std::vector<float> measured( change.measured.size() * 9 );
+	body.nodeDeformationsOf( change.measured, measured.data() );
+	for ( std::size_t k = 0; k < change.measured.size(); ++k )
+	{
+		std::copy_n( measured.data() + 9 * k, 9, skin.gradients.data() + 9 * std::size_t( change.measured[k] ) );
+	}
+}
+
+} // namespace
+
+SkinPose SoftBody::Impl::skinPose() const
+{
+	const Levels* const levels = body->levels();
+	if ( !skin.isPoseKnown )
+	{
+		measureTurns( *body, skin );
+		if ( levels )
+		{
+			const std::size_t count = std::size_t( body->nodes().padded ) * 9;
+			if ( skin.gradients.capacity() == 0 )
+			{
+				makeSkinRoom( *body, skin );
+			}
+			skin.gradients.resize( count );
+			body->nodeDeformations( skin.gradients.data() );
+		}
+		skin.isPoseKnown = true;
+	}
+	SkinPose pose;
+	pose.rotations = skin.rotations.data();
+	pose.flow = body->hasFlowed() ? skin.flow.data() : nullptr;
+	if ( levels )
+	{
+		pose.gradients = skin.gradients.data();
+		pose.slotOfCell = levels->cut().slotOfCell.data();
+	}
+	pose.fade = skin.fade.isActive() ? &skin.fade : nullptr;
+	return pose;
+}
+
+void SoftBody::Impl::keepSurface()
+{
+	if ( skin.frame > 0 ) // else nobody has ever looked
+	{
+		const bool areMapsThere = !skin.isStale && skin.isMapKnown;
+		skin.fade.keep( body->nodes(), skinPose(), body->lattice().cellCount(), areMapsThere ? &skin.maps : nullptr );
+	}
+}
+
+// Where it has cracked since anybody looked there is no surface to go on from: the new one is drawn when it is asked for, and jumps with its cracks.
+void SoftBody::Impl::fadeFromKeptSurface()
+{
+	if ( skin.frame > 0 && hasNewCracks() )
+	{
+		skin.fade.clear();
+	}
+	else if ( skin.frame > 0 )
+	{
+		const LevelChange& change = body->levels()->lastChange();
+		skin.nodesChanged();
+		measureTurns( *body, skin );
+		followGradients( *body, skin );
+		skin.isPoseKnown = true;
+		const SkinBinding& shown = binding();
+		SkinFade::Nodes nodes{ body->nodes(), skinPose(), change.heir, change.keptAs, body->levelFrame(), &change.measured };
+		nodes.complex = shown.point.empty() ? nullptr : bodyTemplate->crackComplex().get();
+		nodes.cellsThere = &body->firstCells();
+		skin.fade.start( shown, nodes );
+		return;
+	}
+	skin.nodesChanged();
+}
+
+namespace {
+
+void showCracks( const CrackView& cracks, unsigned since, SurfaceView& view )
+{
+	view.textureCoordinates = cracks.texture;
+	view.triangleSource = cracks.sources;
+	view.changedSince = since;
+	view.firstNewVertex = int( cracks.change.firstNewVertex );
+	view.firstNewTriangle = int( cracks.change.firstNewTriangle );
+	view.firstChangedTriangle = int( cracks.change.firstChanged );
+	view.lastChangedTriangle = int( cracks.change.lastChanged );
+}
+
+} // namespace
+
+const CrackView* SoftBody::Impl::shownCracks() const
+{
+	return crackView && crackVersion == fractureVersion ? crackView.get() : nullptr;
+}
+
+SkinTriangles SoftBody::Impl::shownTriangles() const
+{
+	const CrackView* const cracks = shownCracks();
+	if ( !cracks )
+	{
+		return { bodyTemplate->indices(), bodyTemplate->triangleCount() };
+	}
+	return { cracks->triangleCount > 0 ? cracks->triangles->data() : nullptr, cracks->triangleCount };
+}
+
+void SoftBody::Impl::drawSkin( TaskRunner* runner ) const
+{
+	if ( !turnSkin( runner ) )
+	{
+		skinInFull( runner );
+	}
+	skin.isStale = false;
+}
+
+bool SoftBody::Impl::turnSkin( TaskRunner* runner ) const
+{
+	if ( !skin.rigid.isKept() || skin.fade.isActive() )
+	{
+		return false;
+	}
+	measureTurns( *body, skin );
+	const double cell = double( bodyTemplate->cellSize() );
+	const float* const flow = body->hasFlowed() ? skin.flow.data() : nullptr;
+	const RigidSkin::Since since = skin.rigid.ask( body->nodes(), skin.rotations.data(), flow, skin.tolerance * cell, cell );
+	if ( since == RigidSkin::Since::Moved )
+	{
+		const int next = skin.current == skin.full ? ( skin.full + 1 ) % SkinBuffers::kCount : SkinBuffers::kCount - skin.full - skin.current;
+		skin.rigid.turn( skin.positions[skin.full], skin.normals[skin.full], skin.positions[next], skin.normals[next], runner );
+		skin.origin[next] = skin.origin[skin.full];
+		skin.current = next;
+		++skin.frame;
+	}
+	return since != RigidSkin::Since::Bent;
+}
+
+void SoftBody::Impl::skinInFull( TaskRunner* runner ) const
+{
+	const SkinBinding& shown = binding();
+	const int next = skin.current == 0 ? 1 : 0;
+	SkinPose pose = skinPose();
+	if ( pose.fade )
+	{
+		pose.body = body->levelFrame();
+	}
+	skin.positions[next].resize( shown.restPosition.size() * 3 );
+	skin.normals[next].resize( shown.restPosition.size() * 3 );
+	const SkinRooms::Borrowed room( system ? &system->skinRooms : nullptr );
+	( *room ).nodeMap.swap( skin.maps );
+	pliant::skin( shown, body->nodes(), pose, shownTriangles(), *room, skin.positions[next].data(), skin.normals[next].data(), runner );
+	( *room ).nodeMap.swap( skin.maps );
+	skin.origin[next] = worldOrigin();
+	skin.current = skin.full = next;
+	++skin.frame;
+	skin.isMapKnown = true;
+	skin.rigid.forget();
+	if ( skin.tolerance > 0.0 && !pose.fade && !isSparselyDrawn( body->nodeCount(), shown.restPosition.size() ) )
+	{
+		skin.rigid.keep( body->nodes(), pose.rotations, pose.flow, pose.gradients != nullptr );
+	}
+}
+
+void SoftBody::setSurfaceTolerance( btScalar cells )
+{
+	m_impl->skin.tolerance = cells > 0 ? double( cells ) : 0.0;
+}
+
+btScalar SoftBody::surfaceTolerance() const
+{
+	return btScalar( m_impl->skin.tolerance );
+}
+
+SurfaceView SoftBody::surface() const
+{
+	SurfaceView view;
+	const Impl& impl = *m_impl;
+	double unheard = 0.0; // a body in no world has nobody to tell
+	const auto drawnCracks = [&]() -> const SkinBinding& {
+		Stopwatch watch( impl.system ? impl.system->report.fracture : unheard );
+		impl.drawKin();
+		return impl.binding();
+	};
+	const SkinBinding& binding = impl.hasNewCracks() ? drawnCracks() : impl.binding();
+	if ( binding.kind == Skinning::None )
+	{
+		return view;
+	}
+	const CrackView* const cracks = impl.shownCracks();
+	const SkinTriangles triangles = impl.shownTriangles();
+	const SkinBuffers& skinBuffers = impl.skin;
+	if ( impl.system )
+	{
+		impl.system->noteAsked( *this );
+	}
+	if ( skinBuffers.isStale )
+	{
+		double untold = 0.0; // a body in no world has nobody to tell
+		Stopwatch watch( impl.system ? impl.system->report.skinning : untold );
+		impl.drawSkin( impl.system ? impl.system->tasks() : nullptr );
+	}
+	view.origin = skinBuffers.origin[skinBuffers.current];
+	view.positions = skinBuffers.positions[skinBuffers.current].data();
+	view.normals = skinBuffers.normals[skinBuffers.current].data();
+	view.indices = triangles.indices;
+	view.vertexCount = int( binding.restPosition.size() );
+	view.triangleCount = triangles.count;
+	view.topologyVersion = impl.fractureVersion;
+	view.textureCoordinates = impl.bodyTemplate->textureCoordinates();
+	view.changedSince = view.topologyVersion;
+	if ( cracks )
+	{
+		showCracks( *cracks, impl.crackVersionBefore, view );
+	}
+	view.frame = skinBuffers.frame;
+	return view;
+}
+
+// Who was looked at after the last step will be looked at after this one: with threads to share the work, the first question draws them all.
+// What nobody asks for any more is drawn once in vain.
+void SoftBodySystem::noteAsked( const SoftBody& asked )
+{
+	SkinBuffers& own = asked.impl().skin;
+	const unsigned before = m_askedIn;
+	own.askedIn = m_askedIn = m_steps;
+	if ( before == m_steps || tasks()->threadCount() < 2 )
+	{
+		return;
+	}
+	m_stale.clear();
+	long long vertices = 0;
+	for ( SoftBody* body : m_bodies )
+	{
+		const SoftBody::Impl& impl = body->impl();
+		// New cracks are not drawn ahead: that takes memory, and its time counts as the break's.
+		const bool isWanted = body == &asked || ( before > 0 && impl.skin.askedIn == before );
+		if ( isWanted && impl.skin.isStale && !impl.hasNewCracks() && impl.binding().kind != Skinning::None )
+		{
+			m_stale.push_back( body );
+			vertices += (long long)( impl.binding().restPosition.size() );
+		}
+	}
+	Stopwatch watch( report.skinning );
+	drawSkins( vertices );
+}
+
+// As forAwake: all threads do what is more than a thread's share, body after body.
+void SoftBodySystem::drawSkins( long long vertices )
+{
+	const auto isMoreThanAShare = [&]( const SoftBody* body ) {
+		return (long long)( body->impl().binding().restPosition.size() ) * tasks()->threadCount() > vertices;
+	};
+	const auto whole = std::partition( m_stale.begin(), m_stale.end(), isMoreThanAShare );
+	std::for_each( m_stale.begin(), whole, [this]( const SoftBody* body ) { body->impl().drawSkin( tasks() ); } );
+	auto alone = [&whole]( int k ) { whole[k]->impl().drawSkin( nullptr ); };
+	runGuarded( tasks(), int( m_stale.end() - whole ), alone );
+}
+
+} // namespace pliant

@@ -1,0 +1,31 @@
+// In a build without fracture or without skins no crack is ever drawn: a body's skin is its template's.
+
+#include "body/breaking.h"
+#include "lattice/features.h"
+#include "world/bodies/soft_body_impl.h"
+
+namespace pliant {
+
+bool SoftBody::Impl::hasNewCracks() const
+{
+	return false;
+}
+
+const SkinBinding& SoftBody::Impl::binding() const
+{
+	return bodyTemplate->skin();
+}
+
+void SoftBody::Impl::drawKin() const {}
+
+void SoftBody::Impl::noteCracks( const BreakReport& )
+{
+	newCuts.clear();
+}
+
+Status SoftBody::prepareCracks()
+{
+	return needFeature( hasFeature( Feature::Fracture ) ? Feature::Surface : Feature::Fracture );
+}
+
+} // namespace pliant

@@ -1,0 +1,385 @@
+// Bodies that break: the heaviest part stays the game's object, the others become bodies of the world's. Only ever at the start of a substep.
+// Ohta et al. 2009, "Fracturing".
+
+#include "body/breaking.h"
+#include "body/levels/levels.h"
+#include "threads/parallel.h"
+#include "world/bodies/soft_body_impl.h"
+#include "world/step/soft_body_system.h"
+#include "world/stopwatch.h"
+
+#include <LinearMath/btQuickprof.h>
+
+#include <algorithm>
+#include <limits>
+
+namespace pliant {
+
+namespace {
+
+/// What a user may have set on any collision object, and a piece takes over.
+void copySettings( const SoftBody& from, SoftBody& to )
+{
+	to.setCollisionFlags( from.getCollisionFlags() );
+	to.setFriction( from.getFriction() );
+	to.setRestitution( from.getRestitution() );
+	to.setRollingFriction( from.getRollingFriction() );
+	to.setSpinningFriction( from.getSpinningFriction() );
+	to.setContactStiffnessAndDamping( from.getContactStiffness(), from.getContactDamping() );
+	to.setCollisionFlags( from.getCollisionFlags() ); // the line above sets one of them
+	to.setContactProcessingThreshold( from.getContactProcessingThreshold() );
+	to.setHitFraction( from.getHitFraction() );
+	to.setCcdMotionThreshold( from.getCcdMotionThreshold() );
+	to.setCcdSweptSphereRadius( from.getCcdSweptSphereRadius() );
+	if ( from.hasAnisotropicFriction( btCollisionObject::CF_ANISOTROPIC_FRICTION ) )
+	{
+		to.setAnisotropicFriction( from.getAnisotropicFriction() );
+	}
+	if ( from.hasAnisotropicFriction( btCollisionObject::CF_ANISOTROPIC_ROLLING_FRICTION ) )
+	{
+		to.setAnisotropicFriction( from.getAnisotropicFriction(), btCollisionObject::CF_ANISOTROPIC_ROLLING_FRICTION );
+	}
+	to.setUserPointer( from.getUserPointer() );
+	to.setUserIndex( from.getUserIndex() );
+	to.setUserIndex2( from.getUserIndex2() );
+	to.setUserIndex3( from.getUserIndex3() );
+	to.forceActivationState( from.getActivationState() );
+}
+
+/// The number each node before has in the piece; kNoNode for those of other pieces.
+std::vector<std::uint32_t> numbersNow( const BodyPiece& piece, int nodesBefore )
+{
+	std::vector<std::uint32_t> now( std::size_t( nodesBefore ), kNoNode );
+	for ( std::size_t i = 0; i < piece.nodeBefore.size(); ++i )
+	{
+		now[piece.nodeBefore[i]] = std::uint32_t( i );
+	}
+	return now;
+}
+
+/// The pins of the nodes that went into the piece.
+std::vector<Pin> pinsOf( const std::vector<Pin>& before, const std::vector<std::uint32_t>& nodeNow )
+{
+	std::vector<Pin> pins;
+	for ( Pin pin : before )
+	{
+		if ( const std::uint32_t now = nodeNow[std::size_t( pin.node )]; now != kNoNode )
+		{
+			pin.node = int( now );
+			pins.push_back( pin );
+		}
+	}
+	std::sort( pins.begin(), pins.end(), []( const Pin& a, const Pin& b ) { return a.node < b.node; } );
+	return pins;
+}
+
+} // namespace
+
+SoftBody::Impl::Remains SoftBody::Impl::remainsOf( const BodyPiece& piece )
+{
+	Remains remains;
+	remains.nodeNow = numbersNow( piece, body->nodeCount() );
+	remains.keepsShape = shape->followCracks( *piece.body, remains.nodeNow, piece.nodeBefore, CollidersChange{ piece.treeBefore, piece.cellBefore, piece.touched } );
+	remains.shape = remains.keepsShape ? nullptr : std::make_unique<NodeShape>( *piece.body );
+	return remains;
+}
+
+// Contacts of nodes that went elsewhere are let go of in the next collision phase, which is before anything else looks at them; until then
+// their stand-ins need the spheres they were made with.
+void SoftBody::Impl::adopt( SoftBody& owner, BodyPiece& piece, Remains remains )
+{
+	const std::vector<std::uint32_t>& nodeNow = remains.nodeNow;
+	const bool keepsNodes = nodeNow.size() == piece.nodeBefore.size() && std::find( nodeNow.begin(), nodeNow.end(), kNoNode ) == nodeNow.end();
+	pins = pinsOf( pins, nodeNow );
+	born = BornInside::of( born, piece.nodeBefore );
+	nearby.clear();
+	body = std::move( piece.body );
+	const bool keepsNumbers = keepsNodes && std::is_sorted( nodeNow.begin(), nodeNow.end() );
+	if ( !remains.keepsShape || !keepsNumbers )
+	{
+		NodeBodyPool::renumber( owner, nodeNow, body->nodeCount() );
+	}
+	if ( !remains.keepsShape )
+	{
+		shapeBefore = std::move( shape );
+		shape = std::move( remains.shape );
+		owner.setCollisionShape( shape.get() );
+		for ( NodeBody* stand : touched )
+		{
+			stand->setCollisionShape( shape->sphereOfNode( stand->node ) );
+		}
+	}
+	remains.keepsShape ? placeSpheres( owner, body->measureMotion() ) : placeShape( owner );
+	skin.fade.clear();
+	skin.nodesChanged();
+	if ( self )
+	{
+		self->search.relink( keepsNumbers ? std::vector<std::uint32_t>() : nodeNow, SelfSearch::CellsNow{ body->lattice(), piece.cellBefore, piece.touched } );
+	}
+	++fractureVersion;
+}
+
+std::unique_ptr<SoftBody> SoftBody::Impl::makeFragment( const SoftBody& parent, BodyPiece& piece )
+{
+	std::unique_ptr<SoftBody> soft( new SoftBody );
+	soft->m_impl = std::make_unique<Impl>();
+	Impl& impl = *soft->m_impl;
+	const Impl& from = parent.impl();
+	impl.bodyTemplate = from.bodyTemplate;
+	impl.plan = from.plan;
+	impl.elasticity = from.elasticity;
+	impl.hasOwnGravity = from.hasOwnGravity;
+	impl.born = BornInside::of( from.born, piece.nodeBefore );
+	impl.gravity = from.gravity;
+	impl.hasNodeForces = from.hasNodeForces;
+	impl.pins = pinsOf( from.pins, numbersNow( piece, from.body->nodeCount() ) );
+	impl.body = std::move( piece.body );
+	impl.fractureVersion = from.fractureVersion + 1;
+	impl.crackFamily = from.crackFamily;
+	impl.wasLookedAt = from.isLookedAt();
+	impl.cuts = from.cuts;
+	impl.skin.tolerance = from.skin.tolerance;
+	impl.fading = from.fading;
+	impl.self = from.self ? std::make_unique<SelfCollision>() : nullptr;
+	const Fracture& settings = impl.body->fracture();
+	if ( piece.isSmall && settings.smallPieces == SmallPieces::Fade && impl.fading.time == 0.0f )
+	{
+		impl.fading = Fading{ settings.fadeTime, double( settings.fadeTime ), false };
+	}
+	impl.finish( *soft );
+	impl.centralForce = from.centralForce * btScalar( impl.mass / from.mass ); // it is spread by mass
+	copySettings( parent, *soft );
+	return soft;
+}
+
+/// What becomes of one body.
+struct SoftBodySystem::Broken
+{
+	SoftBody* body;
+	BreakReport report;
+	std::vector<BodyPiece> pieces;
+	std::vector<std::unique_ptr<SoftBody>> fragments; ///< by piece; not of the first, which is the body itself
+	SoftBody::Impl::Remains remains;
+};
+
+bool SoftBodySystem::breakBodies()
+{
+	std::vector<Broken> broken;
+	for ( SoftBody* body : m_awake )
+	{
+		if ( body->impl().body->hasBrokenLinks() )
+		{
+			broken.push_back( {} );
+			broken.back().body = body;
+		}
+	}
+	if ( broken.empty() )
+	{
+		return false;
+	}
+	BT_PROFILE( "pliant: fracture" );
+	Stopwatch watch( report.fracture );
+	auto apart = [&]( int k ) {
+		Broken& each = broken[std::size_t( k )];
+		SoftBody::Impl& impl = each.body->impl();
+		while ( impl.body->mustRefineToBreak() )
+		{
+			impl.changeNodes( *each.body, [&impl] { impl.body->refineToBreak(); }, false ); // adopt() would let go of it
+		}
+		const int most = impl.body->fracture().maxPieces - ( impl.family ? *impl.family - 1 : 0 );
+		each.pieces = impl.body->breakApart( each.report, std::max( 1, most ) );
+	};
+	runTasks( tasks(), int( broken.size() ), apart );
+	for ( const Broken& each : broken )
+	{
+		each.body->impl().noteCracks( each.report );
+	}
+	makeFragments( broken );
+	for ( Broken& each : broken )
+	{
+		settlePieces( each );
+	}
+	return true;
+}
+
+// What takes long is the pieces' spheres.
+void SoftBodySystem::makeFragments( std::vector<Broken>& broken )
+{
+	struct Task
+	{
+		Broken* of;
+		std::size_t piece;
+	};
+	std::vector<Task> making;
+	for ( Broken& each : broken )
+	{
+		each.fragments.resize( each.pieces.size() );
+		for ( std::size_t k = 0; k < each.pieces.size(); ++k )
+		{
+			making.push_back( { &each, k } );
+		}
+	}
+	std::stable_sort( making.begin(), making.end(), []( const Task& a, const Task& b ) {
+		return a.of->pieces[a.piece].cellBefore.size() > b.of->pieces[b.piece].cellBefore.size(); // what takes longest first
+	} );
+	auto make = [&making]( int k ) {
+		Broken& of = *making[std::size_t( k )].of;
+		const std::size_t piece = making[std::size_t( k )].piece;
+		if ( piece == 0 )
+		{
+			of.remains = of.body->impl().remainsOf( of.pieces[0] );
+		}
+		else
+		{
+			of.fragments[piece] = SoftBody::Impl::makeFragment( *of.body, of.pieces[piece] );
+		}
+	};
+	runTasks( tasks(), int( making.size() ), make );
+}
+
+void SoftBodySystem::settlePieces( Broken& broken )
+{
+	SoftBody& body = *broken.body;
+	SoftBody::Impl& impl = body.impl();
+	FractureEvent event;
+	event.parent = &body;
+	event.links = broken.report.links;
+	event.area = broken.report.area;
+	event.energy = broken.report.energy;
+	event.removedPieces = broken.report.removedPieces;
+	event.removedMass = broken.report.removedMass;
+	if ( broken.pieces.size() > 1 && !impl.family )
+	{
+		impl.family = std::make_shared<int>( 1 );
+	}
+	const double massBefore = impl.mass;
+	impl.adopt( body, broken.pieces[0], std::move( broken.remains ) );
+	impl.centralForce *= btScalar( impl.mass / massBefore );
+	for ( std::size_t k = 1; k < broken.fragments.size(); ++k )
+	{
+		event.fragments.push_back( broken.fragments[k].get() );
+		addFragment( body, std::move( broken.fragments[k] ) );
+	}
+	report.brokenLinks += event.links;
+	report.fragments += int( event.fragments.size() );
+	report.removedPieces += event.removedPieces;
+	if ( event.links > 0 ) // else links have only been put back
+	{
+		events.push_back( std::move( event ) );
+	}
+}
+
+void SoftBodySystem::addFragment( SoftBody& parent, std::unique_ptr<SoftBody> fragment )
+{
+	SoftBody* const piece = fragment.release();
+	SoftBody::Impl& impl = piece->impl();
+	impl.family = parent.impl().family;
+	++*impl.family;
+	const btBroadphaseProxy* const proxy = parent.getBroadphaseHandle();
+	m_world.addCollisionObject( piece, proxy->m_collisionFilterGroup, proxy->m_collisionFilterMask );
+	impl.isWorldOwned = true;
+	owned.push_back( piece );
+
+	// Fresh to what the parent is fresh to, with the same leave; and to the parent and what came off it before in this event.
+	impl.fresh = parent.impl().fresh;
+	const FreshPair own{ parent.impl().serial, std::numeric_limits<double>::infinity() };
+	impl.fresh.insert( std::lower_bound( impl.fresh.begin(), impl.fresh.end(), own ), own );
+	for ( const FreshPair& pair : impl.fresh )
+	{
+		// Bodies stand in the order of their serials, and this one's is the highest.
+		const auto other = std::lower_bound( m_bodies.begin(), m_bodies.end(), pair.other, []( const SoftBody* body, unsigned serial ) { return body->impl().serial < serial; } );
+		if ( other != m_bodies.end() && ( *other )->impl().serial == pair.other )
+		{
+			( *other )->impl().fresh.push_back( FreshPair{ impl.serial, pair.slack } );
+		}
+	}
+	if ( group.contains( parent ) )
+	{
+		group.add( *piece );
+	}
+}
+
+bool SoftBodySystem::release( SoftBody& fragment )
+{
+	const auto found = std::find( owned.begin(), owned.end(), &fragment );
+	if ( found == owned.end() )
+	{
+		return false;
+	}
+	owned.erase( found );
+	fragment.impl().isWorldOwned = false;
+	return true;
+}
+
+void SoftBodySystem::advanceFading( btScalar gameStep )
+{
+	for ( SoftBody* body : m_bodies )
+	{
+		body->impl().fading.left -= double( gameStep );
+	}
+}
+
+// Between steps, where nobody holds a pointer that the last step's events do not already call perishable.
+void SoftBodySystem::removeFaded()
+{
+	removedSinceStep = 0;
+	unsigned serial = 0;
+	while ( SoftBody* const body = bodyAfter( serial ) )
+	{
+		SoftBody::Impl& impl = body->impl();
+		serial = impl.serial;
+		if ( impl.fading.time > 0.0f && impl.fading.left <= 0.0 && !impl.fading.isOver )
+		{
+			impl.fading.isOver = true;
+			const bool isOurs = impl.isWorldOwned;
+			m_world.removeCollisionObject( body );
+			++removedSinceStep;
+			if ( isOurs )
+			{
+				delete body;
+			}
+		}
+	}
+}
+
+float SoftBody::fadeShare() const
+{
+	const Fading& fading = m_impl->fading;
+	return fading.time > 0.0f ? std::clamp( float( fading.left ) / fading.time, 0.0f, 1.0f ) : 1.0f;
+}
+
+void SoftBodySystem::testLinks( btScalar h )
+{
+	std::vector<SoftBody*> testing;
+	for ( SoftBody* body : m_awake )
+	{
+		if ( body->impl().body->breaking() && moves( *body ) )
+		{
+			testing.push_back( body );
+		}
+	}
+	if ( testing.empty() )
+	{
+		return;
+	}
+	Stopwatch watch( report.fracture );
+	auto test = [&]( int k ) { testing[std::size_t( k )]->impl().body->testLinks( float( h ) ); };
+	runTasks( tasks(), int( testing.size() ), test );
+}
+
+Status SoftBody::setFracture( const Fracture& fracture, const ToughnessField& toughness )
+{
+	Status status = m_impl->body->setFracture( fracture, toughness );
+	if ( status.ok() && fracture.rule != BreakRule::Never )
+	{
+		m_impl->bodyTemplate->crackComplex(); // now, and not when the first crack opens
+	}
+	return status;
+}
+
+Fracture SoftBody::fracture() const
+{
+	return m_impl->body->fracture();
+}
+
+} // namespace pliant

@@ -1,0 +1,247 @@
+// Levels of detail in a world: when nodes are split or merged, everything that names them follows. Only ever at the start of a substep.
+
+#include "body/levels/levels.h"
+#include "threads/parallel.h"
+#include "world/bodies/soft_body_impl.h"
+#include "world/step/soft_body_system.h"
+#include "world/stopwatch.h"
+
+#include <LinearMath/btQuickprof.h>
+
+#include <algorithm>
+#include <cassert>
+#include <functional>
+#include <iterator>
+
+namespace pliant {
+
+namespace {
+
+using Near = SoftBody::Impl::Near;
+
+/// Where a pin's node has split, each of its children is pinned as it was; where such children have merged, the node they make up is, and
+/// stands as the first of them does.
+void movePins( SoftBody::Impl& impl, const LevelChange& change, const std::vector<btVector3>& placeBefore )
+{
+	if ( impl.pins.empty() )
+	{
+		return;
+	}
+	std::vector<Pin> moved;
+	for ( int node = 0; node < impl.body->nodeCount(); ++node )
+	{
+		const int before = int( change.heir[std::size_t( node )] );
+		const Pin* pin = impl.findPin( before );
+		if ( !pin || impl.body->nodes().freedom[node] != 0.0f )
+		{
+			continue;
+		}
+		Pin now = *pin;
+		now.node = node;
+		if ( change.keptAs[std::size_t( before )] == kNoNode )
+		{
+			const btVector3 arm = impl.position( node ) - placeBefore[std::size_t( pin - impl.pins.data() )];
+			now.point += pin->kind == PinKind::FollowsBody ? pin->body->getWorldTransform().getBasis().transpose() * arm : arm;
+		}
+		moved.push_back( now );
+	}
+	impl.pins = std::move( moved );
+}
+
+/// And not only for the moment at which what is pressed together turns back.
+bool isCalm( const SoftBody::Impl& impl )
+{
+	return impl.slowFor >= kBornCalmFor;
+}
+
+/// Whether a node that is stretched by F holds more than kSplitEnergy of what the body moves with: V E e^2 > kSplitEnergy m v^2, e = | F^T F - 1 | / 2. Its parts
+/// need not hold what it does where it is not bent as a quadratic: of a block that stood on its corner, at rest for a moment, and split there, they held 13 % more.
+bool isLoaded( const SoftBody::Impl& impl, int node, const Eigen::Matrix3f& f )
+{
+	const Body& body = *impl.body;
+	const double strain = 0.5 * double( ( f.transpose() * f - Eigen::Matrix3f::Identity() ).norm() );
+	const double volume = double( body.nodes().mass[node] ) / double( body.material().density );
+	return volume * double( body.material().youngsModulus ) * strain * strain > kSplitEnergy * impl.mass * impl.meanSquareSpeed;
+}
+
+} // namespace
+
+void SoftBodySystem::askForContacts( SoftBody::Impl& impl )
+{
+	const Levels& levels = *impl.body->levels();
+	// What steps implicitly meets what it touches in one step: there is no later.
+	const bool waits = !impl.isImplicit && !isCalm( impl );
+	m_widening.clear();
+	const auto ask = [&]( int node, bool mayWait ) {
+		if ( mayWait && waits && levels.levelOf( node ) > 0 )
+		{
+			m_widening.push_back( std::uint32_t( node ) );
+			return;
+		}
+		impl.body->requestSplit( node );
+	};
+	for ( const NodeBody* stand : impl.touched )
+	{
+		ask( stand->node, true );
+	}
+	for ( const Near& near : impl.nearby )
+	{
+		near.wish == Near::Wish::Stay ? impl.body->keepNode( near.node ) : ask( near.node, near.wish == Near::Wish::Widen );
+	}
+	impl.nearby.clear();
+	if ( m_widening.empty() )
+	{
+		return;
+	}
+	// All at once: the whole body's sums are made for it. Each once, by number: what touches is in no order.
+	std::sort( m_widening.begin(), m_widening.end() );
+	m_widening.erase( std::unique( m_widening.begin(), m_widening.end() ), m_widening.end() );
+	m_stretches.resize( 9 * m_widening.size() );
+	impl.body->nodeDeformationsOf( m_widening, m_stretches.data() );
+	for ( std::size_t k = 0; k < m_widening.size(); ++k )
+	{
+		const Eigen::Map<const Eigen::Matrix<float, 3, 3, Eigen::RowMajor>> f( m_stretches.data() + 9 * k );
+		const int node = int( m_widening[k] );
+		isLoaded( impl, node, f ) ? impl.body->keepNode( node ) : impl.body->requestSplit( node );
+	}
+}
+
+void SoftBodySystem::adaptLevels( btScalar h )
+{
+	BT_PROFILE( "pliant: levels" );
+	std::vector<SoftBody*> changing;
+	for ( SoftBody* body : m_awake )
+	{
+		SoftBody::Impl& impl = body->impl();
+		const Levels* levels = impl.body->levels();
+		if ( !levels )
+		{
+			continue;
+		}
+		Stopwatch watch( report.levels );
+		if ( levels->settings().refinesOnContact )
+		{
+			askForContacts( impl );
+		}
+		if ( impl.body->reviewLevels( float( h ) ) )
+		{
+			changing.push_back( body );
+		}
+	}
+	if ( changing.empty() )
+	{
+		return;
+	}
+	// Each body's change touches what is its own; so do its stand-ins.
+	// Many: each in one task. Few: the threads share a body. The bits are the same.
+	Stopwatch watch( report.levels );
+	const bool oneTaskEach = int( changing.size() ) >= tasks()->threadCount();
+	std::vector<std::vector<Vec3>> placesBefore( changing.size() ); // of those that are fast near what stands
+	auto change = [&]( int k ) {
+		SoftBody::Impl& impl = changing[std::size_t( k )]->impl();
+		TaskRunner* const within = oneTaskEach ? nullptr : tasks();
+		for ( int i = 0; impl.isGuarded && i < impl.body->nodeCount(); ++i )
+		{
+			placesBefore[std::size_t( k )].push_back( impl.body->nodes().x.get( i ) );
+		}
+		impl.changeNodes( *changing[std::size_t( k )], [&impl, within] { impl.body->applyLevels( within ); } );
+	};
+	runTasks( oneTaskEach ? tasks() : nullptr, int( changing.size() ), change );
+	for ( std::size_t k = 0; k < changing.size(); ++k )
+	{
+		SoftBody* const body = changing[k];
+		if ( body->impl().isGuarded )
+		{
+			keepNewNodesOut( *body, placesBefore[k] );
+		}
+		const LevelChange& done = body->impl().body->levels()->lastChange();
+		++report.levelChanges;
+		report.splits += done.splits;
+		report.merges += done.merges;
+	}
+}
+
+// What the body strikes just now would be pushed with all that it strikes with, for as far as its new nodes have to come out.
+void SoftBodySystem::endCollision( btScalar h )
+{
+	for ( SoftBody* body : m_bodies )
+	{
+		SoftBody::Impl& impl = body->impl();
+		if ( impl.born.isAny() && moves( *body ) && isInPass( *body ) )
+		{
+			impl.born.endPhase( isCalm( impl ) ? kBornOut * double( impl.shape->smallestRadius() ) * double( h ) : 0.0 );
+		}
+	}
+}
+
+// Contacts of nodes that are gone are let go of in the next collision phase, which is before anything else looks at them.
+void SoftBody::Impl::changeNodes( SoftBody& owner, const std::function<void()>& change, bool fades )
+{
+	nearby.clear();
+	std::vector<btVector3> placeBefore;
+	for ( const Pin& pin : pins )
+	{
+		placeBefore.push_back( position( pin.node ) );
+	}
+	if ( fades )
+	{
+		keepSurface();
+	}
+	change();
+	const LevelChange& done = body->levels()->lastChange();
+	movePins( *this, done, placeBefore );
+	shape->followLevels( *body, shapeShift, !fades ); // before links break: adopt() places what is there then
+	NodeBodyPool::renumber( owner, done.keptAs, body->nodeCount() );
+	born.follow( done.keptAs, body->nodeCount() );
+	if ( self )
+	{
+		self->search.renumber( done.keptAs );
+	}
+	if ( fades )
+	{
+		fadeFromKeptSurface();
+	}
+	else
+	{
+		skin.nodesChanged();
+	}
+}
+
+int SoftBody::nodeLevel( int node ) const
+{
+	assert( m_impl->hasNode( node ) );
+	const Levels* levels = m_impl->body->levels();
+	return levels && m_impl->hasNode( node ) ? levels->levelOf( node ) : 0;
+}
+
+unsigned SoftBody::levelVersion() const
+{
+	const Levels* levels = m_impl->body->levels();
+	return levels ? levels->version() : 0u;
+}
+
+void SoftBody::requestRefinement( const btVector3& low, const btVector3& high )
+{
+	if ( !m_impl->body->levels() || !isFinite( low ) || !isFinite( high ) )
+	{
+		return;
+	}
+	for ( int i = 0; i < nodeCount(); ++i )
+	{
+		const btVector3 p = nodePosition( i );
+		const btScalar r = nodeRadius( i );
+		const bool isOutside = p.x() + r < low.x() || p.y() + r < low.y() || p.z() + r < low.z() || p.x() - r > high.x() || p.y() - r > high.y() ||
+							   p.z() - r > high.z();
+		if ( !isOutside )
+		{
+			m_impl->body->requestSplit( i );
+		}
+	}
+}
+
+void SoftBody::setFinestLevel( int level )
+{
+	m_impl->body->setFinestLevel( std::clamp( level, 0, 4 ) );
+}
+
+} // namespace pliant

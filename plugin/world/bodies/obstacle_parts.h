@@ -1,0 +1,34 @@
+#pragma once
+
+// The simple shapes that a shape is made of.
+
+#include "world/touch/node_touch.h"
+#include "world/bodies/soft_body_impl.h"
+
+#include <BulletCollision/CollisionShapes/btCompoundShape.h>
+
+namespace pliant {
+
+/// Calls visit( part ) for the obstacle, or for what it is composed of. Compounds may hold compounds; nobody nests them deep.
+template <class Visit>
+void visitParts( const Obstacle& obstacle, const Visit& visit )
+{
+	if ( !obstacle.shape->isCompound() )
+	{
+		visit( obstacle );
+		return;
+	}
+	const auto* compound = static_cast<const btCompoundShape*>( obstacle.shape );
+	for ( int child = 0; child < compound->getNumChildShapes(); ++child )
+	{
+		const btTransform& at = compound->getChildTransform( child );
+		Obstacle part;
+		part.shape = compound->getChildShape( child );
+		part.basis = obstacle.basis * toMatrix3d( at.getBasis() );
+		part.position = obstacle.position + obstacle.basis * toVec3d( at.getOrigin() );
+		part.index = child;
+		visitParts( part, visit );
+	}
+}
+
+} // namespace pliant

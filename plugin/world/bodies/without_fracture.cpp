@@ -1,0 +1,58 @@
+// In a build without fracture: what breaks or cuts is refused, and bodies stay whole.
+
+#include "lattice/features.h"
+#include "world/bodies/soft_body_impl.h"
+#include "world/step/soft_body_system.h"
+
+namespace pliant {
+
+Status SoftBody::setFracture( const Fracture& fracture, const ToughnessField& )
+{
+	return fracture.rule == BreakRule::Never ? Status{} : needFeature( Feature::Fracture );
+}
+
+Fracture SoftBody::fracture() const
+{
+	return m_impl->body->fracture();
+}
+
+float SoftBody::fadeShare() const
+{
+	return 1.0f;
+}
+
+int SoftBody::cutPlane( const btVector3&, const btVector3&, btScalar )
+{
+	return 0;
+}
+
+int SoftBody::cutSphere( const btVector3&, btScalar )
+{
+	return 0;
+}
+
+int SoftBody::cutSweep( const btVector3&, const btVector3&, const btVector3&, const btVector3& )
+{
+	return 0;
+}
+
+int SoftBody::heal( btScalar )
+{
+	return 0;
+}
+
+bool SoftBodySystem::breakBodies()
+{
+	return false;
+}
+
+bool SoftBodySystem::release( SoftBody& )
+{
+	return false;
+}
+
+void SoftBodySystem::testLinks( btScalar ) {}
+void SoftBodySystem::advanceFading( btScalar ) {}
+void SoftBodySystem::removeFaded() {}
+
+} // namespace pliant

@@ -1,0 +1,373 @@
+#include "world/detect/node_contacts.h"
+
+#include "world/bodies/ahead.h"
+#include "world/constants.h"
+#include "world/search/contact_points.h"
+#include "world/bodies/soft_body_impl.h"
+
+#include <BulletCollision/BroadphaseCollision/btDispatcher.h>
+#include <BulletCollision/CollisionDispatch/btCollisionObjectWrapper.h>
+#include <BulletCollision/CollisionDispatch/btManifoldResult.h>
+
+#include <algorithm>
+
+namespace pliant {
+
+namespace {
+
+/// Above the key of any contact.
+constexpr std::uint64_t kAllKeys = ~std::uint64_t( 0 );
+
+/// The soft body itself only: a node's stand-in meeting a compound is Bullet's business.
+SoftBody* softOf( const btCollisionObjectWrapper* wrapper )
+{
+	return asSoftBody( const_cast<btCollisionObject*>( wrapper->getCollisionObject() ) );
+}
+
+} // namespace
+
+PairContacts::PairContacts( btDispatcher& dispatcher, NodeBodyPool& pool, PairScratch& scratch ) :
+	m_dispatcher( dispatcher ), m_pool( pool ), m_scratch( scratch ), m_place( scratch.all.size() )
+{
+	scratch.all.push_back( this );
+}
+
+PairContacts::~PairContacts()
+{
+	m_scratch.all[m_place] = m_scratch.all.back();
+	m_scratch.all[m_place]->m_place = m_place;
+	m_scratch.all.pop_back();
+	m_scratch.last = m_scratch.last == this ? nullptr : m_scratch.last;
+	if ( m_scratch.matching == this ) // a callback of the game's has removed one of the two
+	{
+		m_scratch.matching = nullptr;
+		m_contacts.erase( m_contacts.begin(), m_contacts.begin() + std::ptrdiff_t( m_scratch.old ) );
+		m_contacts.insert( m_contacts.end(), m_scratch.contacts.begin(), m_scratch.contacts.end() );
+		m_scratch.contacts.clear();
+	}
+	for ( const NodeContact& contact : m_contacts )
+	{
+		// What the pair held up falls when it goes: wake it, for Bullet does not look at sleeping bodies when a floor is taken away.
+		if ( contact.manifold->getNumContacts() > 0 )
+		{
+			wakeBoth( contact );
+		}
+		drop( contact );
+	}
+}
+
+void PairContacts::wakeBoth( const NodeContact& contact ) const
+{
+	for ( const btCollisionObject* object : { contact.manifold->getBody0(), contact.manifold->getBody1() } )
+	{
+		SoftBody* const owner = ownerOfNodeBody( object );
+		const_cast<btCollisionObject*>( owner ? owner : object )->activate();
+	}
+}
+
+// Manifolds before the bodies they name. The game may be told of it, and this pair be gone when it has been.
+void PairContacts::drop( const NodeContact& contact )
+{
+	NodeBodyPool& pool = m_pool;
+	NodeBody *const first = contact.first, *const second = contact.second;
+	m_dispatcher.releaseManifold( contact.manifold );
+	pool.release( first );
+	pool.release( second );
+}
+
+void PairContacts::releaseIfRefused()
+{
+	if ( m_contacts.empty() || m_phase == 0 || m_phase == m_pool.phase() )
+	{
+		return;
+	}
+	const auto isActive = []( const btCollisionObject* object ) {
+		const SoftBody* const owner = ownerOfNodeBody( object );
+		return owner ? owner->isActive() : object->isActive();
+	};
+	const btPersistentManifold& any = *m_contacts.front().manifold;
+	if ( !isActive( any.getBody0() ) && !isActive( any.getBody1() ) )
+	{
+		return; // nobody asks for sleeping pairs
+	}
+	for ( const NodeContact& contact : m_contacts )
+	{
+		wakeBoth( contact );
+	}
+	startMatching();
+	dropBefore( kAllKeys );
+	endMatching();
+}
+
+void PairContacts::collectManifolds( btManifoldArray& manifolds ) const
+{
+	for ( const NodeContact& contact : m_contacts )
+	{
+		manifolds.push_back( contact.manifold );
+	}
+}
+
+void PairContacts::process( const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1, double step )
+{
+	SoftBody* const soft0 = softOf( &body0 );
+	SoftBody* const soft1 = softOf( &body1 );
+	m_phase = m_pool.phase();
+	askFor( m_after, sizeof( PairContacts ) );
+	if ( m_scratch.last )
+	{
+		m_scratch.last->m_after = this;
+	}
+	m_scratch.last = this;
+	askFor( m_contacts.data(), kFetched );
+	if ( !followNodes( soft0, soft1 ) )
+	{
+		return;
+	}
+	SoftBody* const soft = soft0 ? soft0 : soft1;
+	SoftBody* const otherSoft = soft0 ? soft1 : nullptr;
+	if ( body0.getCollisionObject()->isStaticOrKinematicObject() && body1.getCollisionObject()->isStaticOrKinematicObject() )
+	{
+		matchHits( Pair{ soft, nullptr, nullptr, true }, {} ); // neither moves the other
+		return;
+	}
+	const btCollisionObjectWrapper& other = soft0 ? body1 : body0;
+	std::vector<NodeHit>& hits = otherSoft ? m_scratch.search.againstSoft( *soft, *otherSoft, step ) : m_scratch.search.againstRigid( *soft, other, step );
+	m_parting.follow( *soft, *other.getCollisionObject(), otherSoft, m_isNew, step, hits );
+	m_isNew = false;
+	matchHits( Pair{ soft, otherSoft, otherSoft ? nullptr : other.getCollisionObject(), soft == soft0 }, hits );
+}
+
+void PairContacts::processSelf( SoftBody& soft, SelfSearch& search, double step )
+{
+	if ( !followNodes( &soft, nullptr ) )
+	{
+		return;
+	}
+	matchHits( Pair{ &soft, &soft, nullptr, true }, search.find( soft, step ) );
+}
+
+// While contacts are matched the game may be told of any of them, and remove whom it likes: `matching` says whether this pair is still there.
+
+void PairContacts::startMatching()
+{
+	m_scratch.matching = this;
+	m_scratch.old = 0;
+	m_scratch.contacts.clear();
+}
+
+void PairContacts::endMatching()
+{
+	if ( m_scratch.matching == this )
+	{
+		m_scratch.matching = nullptr;
+		m_contacts.assign( m_scratch.contacts.begin(), m_scratch.contacts.end() );
+		m_scratch.contacts.clear();
+	}
+}
+
+/// Drops the contacts before `key`. False: this pair is no more.
+bool PairContacts::dropBefore( std::uint64_t key )
+{
+	PairScratch& scratch = m_scratch;
+	while ( scratch.old < m_contacts.size() && m_contacts[scratch.old].key < key )
+	{
+		drop( m_contacts[scratch.old++] );
+		if ( scratch.matching != this )
+		{
+			return false;
+		}
+	}
+	return true;
+}
+
+// After a change of levels: the contacts of nodes that are still there carry on under their new numbers, impulses and all. Nodes keep
+// their order, and so do the keys. False: this pair is no more.
+bool PairContacts::followNodes( const SoftBody* soft0, const SoftBody* soft1 )
+{
+	// Either number only ever grows: the sum is the same only where both are.
+	const unsigned numbering = ( soft0 ? soft0->impl().numbering : 0u ) + ( soft1 ? soft1->impl().numbering : 0u );
+	if ( numbering == m_numbering )
+	{
+		return true;
+	}
+	m_numbering = numbering;
+	std::vector<NodeContact> gone;
+	std::size_t kept = 0;
+	for ( NodeContact contact : m_contacts )
+	{
+		if ( contact.first->node < 0 || ( contact.second && contact.second->node < 0 ) )
+		{
+			gone.push_back( contact );
+			continue;
+		}
+		const std::uint64_t other = contact.second ? std::uint64_t( contact.second->node ) : contact.key & 0xffffffffu;
+		contact.key = std::uint64_t( contact.first->node ) << 32 | other;
+		m_contacts[kept++] = contact;
+	}
+	m_contacts.resize( kept );
+	// Nodes keep their order through changes of levels; what a crack leaves of a block may stand in another.
+	const auto isBefore = []( const NodeContact& a, const NodeContact& b ) { return a.key < b.key; };
+	if ( !std::is_sorted( m_contacts.begin(), m_contacts.end(), isBefore ) )
+	{
+		std::sort( m_contacts.begin(), m_contacts.end(), isBefore );
+	}
+	m_contacts.swap( gone );
+	startMatching();
+	m_scratch.contacts.assign( gone.begin(), gone.end() );
+	for ( NodeContact& contact : m_contacts )
+	{
+		contact.key = 0;
+	}
+	const bool isThere = dropBefore( kAllKeys );
+	if ( isThere )
+	{
+		endMatching();
+	}
+	return isThere;
+}
+
+void PairContacts::askAhead( std::size_t contact ) const
+{
+	if ( contact >= m_contacts.size() )
+	{
+		return;
+	}
+	const NodeContact& ahead = m_contacts[contact];
+	askForManifold( *ahead.manifold );
+	NodeBodyPool::askAhead( *ahead.first );
+	if ( ahead.second )
+	{
+		NodeBodyPool::askAhead( *ahead.second );
+	}
+}
+
+// Carries on the contacts that still have a hit, drops the others, opens new ones, all in the order of the keys.
+void PairContacts::matchHits( const Pair& pair, const std::vector<NodeHit>& hits )
+{
+	std::size_t& old = m_scratch.old;
+	startMatching();
+	for ( std::size_t k = 0; k <= kContactsAhead && !hits.empty(); ++k )
+	{
+		askAhead( k );
+	}
+	for ( std::size_t start = 0, end = 0; start < hits.size(); start = end )
+	{
+		const std::uint64_t key = hits[start].key;
+		for ( end = start; end < hits.size() && hits[end].key == key; ++end )
+		{
+		}
+		if ( !dropBefore( key ) )
+		{
+			return;
+		}
+		NodeContact contact;
+		contact.key = key;
+		if ( old < m_contacts.size() && m_contacts[old].key == key )
+		{
+			contact = m_contacts[old++];
+			askAhead( old + kContactsAhead );
+			m_pool.refresh( *contact.first );
+			if ( contact.second )
+			{
+				m_pool.refresh( *contact.second );
+			}
+		}
+		else
+		{
+			open( pair, contact );
+		}
+		m_scratch.contacts.push_back( contact );
+		if ( !write( pair, contact, &hits[start], int( end - start ) ) )
+		{
+			return;
+		}
+	}
+	if ( dropBefore( kAllKeys ) )
+	{
+		endMatching();
+	}
+}
+
+void PairContacts::open( const Pair& pair, NodeContact& contact )
+{
+	const NodeHit hit{ contact.key, {}, -1, -1 };
+	contact.first = m_pool.acquire( *pair.soft, hit.node() );
+	const btCollisionObject* other = pair.other;
+	if ( pair.otherSoft )
+	{
+		contact.second = m_pool.acquire( *pair.otherSoft, hit.other() );
+		other = contact.second;
+	}
+	contact.manifold = pair.softIsFirst ? m_dispatcher.getNewManifold( contact.first, other ) : m_dispatcher.getNewManifold( other, contact.first );
+}
+
+/// False: this pair is no more.
+bool PairContacts::write( const Pair& pair, const NodeContact& contact, const NodeHit* hits, int count )
+{
+	const PairScratch& scratch = m_scratch;
+	btPersistentManifold& manifold = *contact.manifold;
+	const NodeBody& node = *contact.first;
+	const btScalar radius = node.radius();
+	const bool isNew = manifold.getNumContacts() == 0;
+	// Hits come nearest first; Bullet keeps what lies within the threshold.
+	manifold.setContactBreakingThreshold( btMax( btScalar( hits[count - 1].touch.distance ) - radius, btScalar( 0 ) ) + kContactSlop * radius );
+
+	unsigned renewed = 0; // bit k: old point k is carried on
+	int places[MANIFOLD_CACHE_SIZE];
+	for ( int h = 0; h < count; ++h )
+	{
+		places[h] = findPoint( manifold, hits[h], count, pair.softIsFirst );
+		renewed |= places[h] < 0 ? 0u : 1u << places[h];
+	}
+	for ( int k = manifold.getNumContacts(); k-- > 0; )
+	{
+		if ( ( renewed & 1u << k ) == 0 )
+		{
+			// The last point moves into the gap.
+			manifold.removeContactPoint( k );
+			if ( scratch.matching != this )
+			{
+				return false;
+			}
+			std::replace( places, places + count, manifold.getNumContacts(), k );
+		}
+	}
+	for ( int h = 0; h < count; ++h )
+	{
+		if ( places[h] >= 0 )
+		{
+			renewPoint( manifold, node, hits[h], pair.softIsFirst, places[h] );
+		}
+		else
+		{
+			btManifoldPoint point;
+			fillPoint( manifold, node, hits[h], pair.softIsFirst, point );
+			places[h] = manifold.addManifoldPoint( point );
+		}
+		if ( hasContactCallback() && !tell( manifold, places[h], hits[h].other() ) )
+		{
+			return false;
+		}
+	}
+	if ( isNew && gContactStartedCallback )
+	{
+		btPersistentManifold* const started = &manifold;
+		gContactStartedCallback( started );
+	}
+	return scratch.matching == this;
+}
+
+/// False: this pair is no more.
+bool PairContacts::tell( btPersistentManifold& manifold, int place, int leaf )
+{
+	const PairScratch& scratch = m_scratch;
+	btManifoldPoint& point = manifold.getContactPoint( place );
+	tellAdded( manifold, point, leaf );
+	if ( scratch.matching == this && gContactProcessedCallback )
+	{
+		gContactProcessedCallback( point, const_cast<btCollisionObject*>( manifold.getBody0() ), const_cast<btCollisionObject*>( manifold.getBody1() ) );
+	}
+	return scratch.matching == this;
+}
+
+} // namespace pliant

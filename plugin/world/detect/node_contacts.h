@@ -1,0 +1,97 @@
+#pragma once
+
+// Soft body against anything: one manifold a touching node, between the node's stand-in and the other object, so that Bullet's own solver does
+// the rest.
+
+#include "world/shape/node_body.h"
+#include "world/search/node_search.h"
+#include "world/respond/parting.h"
+#include "world/self/self_search.h"
+
+#include <BulletCollision/BroadphaseCollision/btCollisionAlgorithm.h>
+
+#include <cstdint>
+#include <vector>
+
+class btManifoldResult;
+
+namespace pliant {
+
+/// One touching node (or pair of nodes) and what Bullet keeps for it.
+struct NodeContact
+{
+	std::uint64_t key = 0; ///< NodeHit's
+	NodeBody* first = nullptr;
+	NodeBody* second = nullptr; ///< soft against soft only
+	btPersistentManifold* manifold = nullptr;
+};
+
+class PairContacts;
+
+/// What the pairs of one world use in turn: with a search of its own each pair would have some kB that are nowhere near when its turn comes.
+struct PairScratch
+{
+	NodeSearch search;
+	std::vector<NodeContact> contacts;
+	PairContacts* last = nullptr; ///< whose turn it was
+	PairContacts* matching = nullptr; ///< whose contacts are being matched; null once it is gone, which a callback of the game's may do
+	std::size_t old = 0;                ///< how many of its contacts have been carried over into `contacts`, or dropped
+	std::vector<PairContacts*> all;
+};
+
+/// All contacts of one pair of objects, in the order of their keys.
+class PairContacts
+{
+public:
+	BT_DECLARE_ALIGNED_ALLOCATOR();
+
+	PairContacts( btDispatcher& dispatcher, NodeBodyPool& pool, PairScratch& scratch );
+	~PairContacts();
+
+	void process( const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1, double step );
+	/// A body's contacts with itself.
+	void processSelf( SoftBody& soft, SelfSearch& search, double step );
+	/// How many there are.
+	int count() const { return int( m_contacts.size() ); }
+	void collectManifolds( btManifoldArray& manifolds ) const;
+	/// Null where there is none.
+	const btPersistentManifold* anyManifold() const { return m_contacts.empty() ? nullptr : m_contacts.front().manifold; }
+	/// With all pairs processed: one that was not, though one of the two is awake, has been refused by the game (setIgnoreCollisionCheck, a near callback).
+	/// It lets go of its contacts.
+	void releaseIfRefused();
+
+private:
+	/// The two objects as Bullet ordered them; `soft` is the one whose nodes the keys name first; `other` where that is rigid.
+	struct Pair
+	{
+		SoftBody* soft;
+		SoftBody* otherSoft;
+		const btCollisionObject* other;
+		bool softIsFirst;
+	};
+
+	bool followNodes( const SoftBody* soft0, const SoftBody* soft1 );
+	void startMatching();
+	void endMatching();
+	void askAhead( std::size_t contact ) const;
+	void matchHits( const Pair& pair, const std::vector<NodeHit>& hits );
+	void open( const Pair& pair, NodeContact& contact );
+	bool write( const Pair& pair, const NodeContact& contact, const NodeHit* hits, int count );
+	bool tell( btPersistentManifold& manifold, int place, int leaf );
+	bool dropBefore( std::uint64_t key );
+	void drop( const NodeContact& contact );
+	void wakeBoth( const NodeContact& contact ) const;
+
+	btDispatcher& m_dispatcher;
+	NodeBodyPool& m_pool;
+	PairScratch& m_scratch;
+	std::vector<NodeContact> m_contacts;
+	Parting m_parting;
+	bool m_isNew = true; ///< it has not been looked at yet
+	const void* m_after = nullptr; ///< whose turn it was next: asked for, and else not looked at, as it may be gone
+	unsigned m_numbering = 0; ///< of both bodies, when their nodes were last followed
+	unsigned m_phase = 0;     ///< collision phase in which it was last processed
+	std::size_t m_place;      ///< among PairScratch::all
+};
+
+} // namespace pliant

@@ -1,0 +1,318 @@
+#include "world/implicit/implicit_block.h"
+
+#include "world/constants.h"
+#include "world/bodies/soft_body_impl.h"
+
+#include <algorithm>
+
+namespace pliant {
+
+void ImplicitBlock::clear()
+{
+	soft.clear();
+	rigid.clear();
+	contacts.clear();
+	directions.clear();
+}
+
+Vec3d ImplicitBlock::speedOf( const ContactSide& side, const Vec3d& normal, const float* v ) const
+{
+	if ( side.soft >= 0 )
+	{
+		const SoftPart& part = soft[std::size_t( side.soft )];
+		const int padded = part.motion->padded();
+		return side.shared.velocity( normal, [&]( int node ) {
+			const float* const at = v + part.offset + node;
+			return Vec3d( double( at[0] ), double( at[padded] ), double( at[2 * padded] ) );
+		} );
+	}
+	if ( side.rigid >= 0 )
+	{
+		const Eigen::Map<const Eigen::Matrix<float, 6, 1>> at( v + rigid[std::size_t( side.rigid )].offset );
+		const Vec3d turn = at.tail<3>().cast<double>();
+		return at.head<3>().cast<double>() + turn.cross( side.arm );
+	}
+	return Vec3d::Zero();
+}
+
+Vec3d ImplicitBlock::relativeSpeed( const BlockContact& contact, const float* v ) const
+{
+	return ( speedOf( contact.side[0], contact.normal, v ) + contact.side[0].given ) - ( speedOf( contact.side[1], contact.normal, v ) + contact.side[1].given );
+}
+
+void ImplicitBlock::addImpulse( const ContactSide& side, const Vec3d& normal, const Vec3d& impulse, float* to ) const
+{
+	if ( side.soft >= 0 )
+	{
+		const SoftPart& part = soft[std::size_t( side.soft )];
+		const int padded = part.motion->padded();
+		const Vec3d pressed = normal.dot( impulse ) * normal;
+		for ( int j = 0; j < side.shared.count; ++j )
+		{
+			const Vec3d own = side.shared.rub[j] * impulse + ( side.shared.press[j] - side.shared.rub[j] ) * pressed;
+			float* const at = to + part.offset + side.shared.node[j];
+			for ( int k = 0; k < 3; ++k )
+			{
+				at[k * padded] += float( own[k] );
+			}
+		}
+	}
+	else if ( side.rigid >= 0 )
+	{
+		const RigidPart& part = rigid[std::size_t( side.rigid )];
+		float* const at = to + part.offset;
+		const Vec3d turn = side.arm.cross( impulse );
+		for ( int k = 0; k < 3; ++k )
+		{
+			at[k] += part.moves[k] ? float( impulse[k] ) : 0.0f;
+			at[3 + k] += part.turns[k] ? float( turn[k] ) : 0.0f;
+		}
+	}
+}
+
+void ImplicitBlock::addPair( const BlockContact& contact, const Vec3d& impulse, float* to ) const
+{
+	addImpulse( contact.side[0], contact.normal, impulse, to );
+	addImpulse( contact.side[1], contact.normal, -impulse, to );
+}
+
+void ImplicitBlock::applyMasses( const float* v, float* to )
+{
+	for ( const SoftPart& part : soft )
+	{
+		part.motion->apply( v + part.offset, to + part.offset, m_runner );
+	}
+	for ( const RigidPart& part : rigid )
+	{
+		const float* from = v + part.offset;
+		const Vec3d spin = part.inertia * Vec3d( double( from[3] ), double( from[4] ), double( from[5] ) );
+		for ( int k = 0; k < 3; ++k )
+		{
+			to[part.offset + k] = part.moves[k] ? float( part.mass * double( from[k] ) ) : 0.0f;
+			to[part.offset + 3 + k] = part.turns[k] ? float( spin[k] ) : 0.0f;
+		}
+	}
+	const int used = rigid.empty() ? ( soft.empty() ? 0 : soft.back().offset + soft.back().motion->size() ) : rigid.back().offset + 6;
+	std::fill( to + used, to + m_size, 0.0f );
+}
+
+void ImplicitBlock::listPressing()
+{
+	m_pressing.clear();
+	for ( const BlockContact& contact : contacts )
+	{
+		if ( !contact.presses )
+		{
+			continue;
+		}
+		Pressing flat;
+		for ( int k = 0; k < 2; ++k )
+		{
+			const ContactSide& side = contact.side[k];
+			Pressing::Side& own = flat.side[k];
+			own.stride = side.soft >= 0 ? soft[std::size_t( side.soft )].motion->padded() : 0;
+			own.count = side.soft >= 0 ? side.shared.count : side.rigid >= 0 ? 1 : 0;
+			own.place[0] = side.rigid >= 0 ? rigid[std::size_t( side.rigid )].offset : -1;
+			for ( int j = 0; side.soft >= 0 && j < own.count; ++j )
+			{
+				own.place[j] = soft[std::size_t( side.soft )].offset + side.shared.node[j];
+				own.rub[j] = side.shared.rub[j];
+				own.more[j] = side.shared.press[j] - side.shared.rub[j];
+			}
+			Eigen::Map<Vec3d>( own.arm ) = side.arm;
+		}
+		Eigen::Map<Vec3d>( flat.normal ) = contact.normal;
+		flat.along = contact.stiffness - ( contact.directed < 0 ? contact.tangentStiffness : 0.0 );
+		flat.across = contact.tangentStiffness;
+		flat.directed = contact.directed;
+		m_pressing.push_back( flat );
+	}
+}
+
+namespace {
+
+/// u += sign times the velocity of one side.
+void addVelocity( const Pressing::Side& side, const double ( &normal )[3], const float* v, double sign, double ( &u )[3] )
+{
+	if ( side.stride > 0 )
+	{
+		double along = 0.0;
+		for ( int j = 0; j < side.count; ++j )
+		{
+			const float* const at = v + side.place[j];
+			const double x = double( at[0] ), y = double( at[side.stride] ), z = double( at[2 * side.stride] );
+			const double rub = sign * side.rub[j];
+			u[0] += rub * x;
+			u[1] += rub * y;
+			u[2] += rub * z;
+			along += side.more[j] * ( ( normal[0] * x + normal[1] * y ) + normal[2] * z );
+		}
+		along *= sign;
+		u[0] += along * normal[0];
+		u[1] += along * normal[1];
+		u[2] += along * normal[2];
+		return;
+	}
+	const float* const at = v + side.place[0];
+	const double* const r = side.arm;
+	const double w[3] = { double( at[3] ), double( at[4] ), double( at[5] ) };
+	u[0] += sign * ( double( at[0] ) + ( w[1] * r[2] - w[2] * r[1] ) );
+	u[1] += sign * ( double( at[1] ) + ( w[2] * r[0] - w[0] * r[2] ) );
+	u[2] += sign * ( double( at[2] ) + ( w[0] * r[1] - w[1] * r[0] ) );
+}
+
+void addForce( const Pressing::Side& side, const double ( &normal )[3], const double ( &f )[3], double sign, float* to )
+{
+	if ( side.stride > 0 )
+	{
+		const double along = ( normal[0] * f[0] + normal[1] * f[1] ) + normal[2] * f[2];
+		for ( int j = 0; j < side.count; ++j )
+		{
+			float* const at = to + side.place[j];
+			const double rub = sign * side.rub[j], more = sign * side.more[j] * along;
+			for ( int k = 0; k < 3; ++k )
+			{
+				at[k * side.stride] += float( rub * f[k] + more * normal[k] );
+			}
+		}
+		return;
+	}
+	float* const at = to + side.place[0];
+	const double* const r = side.arm;
+	for ( int k = 0; k < 3; ++k )
+	{
+		at[k] += float( sign * f[k] );
+	}
+	at[3] += float( sign * ( r[1] * f[2] - r[2] * f[1] ) );
+	at[4] += float( sign * ( r[2] * f[0] - r[0] * f[2] ) );
+	at[5] += float( sign * ( r[0] * f[1] - r[1] * f[0] ) );
+}
+
+} // namespace
+
+void ImplicitBlock::apply( const float* v, float* to )
+{
+	applyMasses( v, m_massed.data() );
+	std::copy( m_massed.begin(), m_massed.begin() + m_size, to );
+	for ( const Pressing& c : m_pressing )
+	{
+		double u[3] = {};
+		for ( int side = 0; side < 2; ++side )
+		{
+			if ( c.side[side].count > 0 )
+			{
+				addVelocity( c.side[side], c.normal, v, side == 0 ? 1.0 : -1.0, u );
+			}
+		}
+		const double along = c.along * ( ( c.normal[0] * u[0] + c.normal[1] * u[1] ) + c.normal[2] * u[2] );
+		if ( c.directed >= 0 )
+		{
+			Eigen::Map<Vec3d> across( u );
+			across = ( directions[std::size_t( c.directed )] * across ).eval();
+		}
+		const double f[3] = { along * c.normal[0] + c.across * u[0], along * c.normal[1] + c.across * u[1], along * c.normal[2] + c.across * u[2] };
+		for ( int side = 0; side < 2; ++side )
+		{
+			if ( c.side[side].count > 0 )
+			{
+				addForce( c.side[side], c.normal, f, side == 0 ? 1.0 : -1.0, to );
+			}
+		}
+	}
+	for ( const RigidPart& part : rigid ) // an axis that the game has locked stays 0
+	{
+		for ( int k = 0; k < 3; ++k )
+		{
+			to[part.offset + k] = part.moves[k] ? to[part.offset + k] : 0.0f;
+			to[part.offset + 3 + k] = part.turns[k] ? to[part.offset + 3 + k] : 0.0f;
+		}
+	}
+}
+
+// Contacts' shares of a product are as large as stiff bodies are, and cancel: what is left without them is kept by itself.
+void ImplicitBlock::moved( float by )
+{
+	for ( int k = 0; k < m_size; ++k )
+	{
+		m_freeNext[k] -= by * m_massed[k];
+	}
+}
+
+BlockCount ImplicitBlock::solve( TaskRunner* runner )
+{
+	BlockCount count;
+	m_runner = runner;
+	layOut();
+	agreeOnTargets();
+	chooseStiffness();
+	solveLaw( count );
+	keepEnergy( count );
+	carryImpulses();
+	readAnswer();
+	keepMomentum();
+	return count;
+}
+
+// No pass is solved to its end before it is plain that none follows: what contacts it changes is known long before. (Passes from the fourth on used to be, each
+// of them, since any might be the last: most of what a storm of impacts took.)
+void ImplicitBlock::solveLaw( BlockCount& count )
+{
+	int passes = 0;
+	linearise( m_v.data(), 0 );
+	fillFree();
+	++count.products;
+	while ( true )
+	{
+		fillPreconditioner();
+		m_next = m_v;
+		m_freeNext = m_free;
+		beginIteration();
+		++passes;
+		iterate( passes < kMostPasses ? kPassShare : kLatePassShare, count );
+		bool isLast = mayEnd( passes );
+		if ( isLast )
+		{
+			beginIteration();
+			iterate( 0.0, count );
+			isLast = mayEnd( passes );
+		}
+		if ( isLast )
+		{
+			break;
+		}
+		// The first step is taken whole: it brings the forces that the start lacks.
+		const float t = passes == 1 ? 1.0f : float( stepTowards() );
+		for ( int k = 0; k < m_size; ++k )
+		{
+			m_v[k] += t * ( m_next[k] - m_v[k] );
+			m_free[k] += t * ( m_freeNext[k] - m_free[k] );
+		}
+		linearise( m_v.data(), passes );
+	}
+	m_v = m_next;
+	count.passes += passes;
+}
+
+bool ImplicitBlock::mayEnd( int passes )
+{
+	const Match match = matchAt( m_next.data() );
+	const bool isSettled = match.all && match.each;
+	return isSettled || passes >= kMostHardPasses || ( passes >= kMostPasses && !isWild() && ( match.each || passes >= kMostFairPasses ) );
+}
+
+void ImplicitBlock::readAnswer()
+{
+	for ( SoftPart& part : soft )
+	{
+		part.motion->setSpeeds( m_v.data() + part.offset );
+	}
+	for ( RigidPart& part : rigid )
+	{
+		for ( int k = 0; k < 6; ++k )
+		{
+			part.speed[k] = double( m_v[std::size_t( part.offset + k )] );
+		}
+	}
+}
+
+} // namespace pliant

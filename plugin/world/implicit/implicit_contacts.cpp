@@ -1,0 +1,324 @@
+#include "world/implicit/implicit_contacts.h"
+
+#include "world/constants.h"
+#include "world/touch/round_surface.h"
+#include "world/bodies/soft_body_impl.h"
+
+#include <BulletCollision/BroadphaseCollision/btDispatcher.h>
+#include <BulletCollision/NarrowPhaseCollision/btPersistentManifold.h>
+#include <BulletDynamics/ConstraintSolver/btContactSolverInfo.h>
+
+#include <algorithm>
+#include <iterator>
+
+namespace pliant {
+
+namespace {
+
+const NodeBody* asNode( const btCollisionObject* object )
+{
+	return ownerOfNodeBody( object ) ? static_cast<const NodeBody*>( object ) : nullptr;
+}
+
+/// A contact that was a block's rubs in two directions; a solver with one leaves the other's impulse as it lies, and who sums them up would take it for the last solve's.
+void forgetSecondDirection( btPersistentManifold& manifold )
+{
+	for ( int k = 0; k < manifold.getNumContacts(); ++k )
+	{
+		manifold.getContactPoint( k ).m_appliedImpulseLateral2 = 0;
+	}
+}
+
+/// Two rigid bodies whose contacts the block can take over: nothing but friction. Between two solvers a stack would be pressed through itself.
+bool isPlainRigid( const btPersistentManifold& manifold )
+{
+	for ( int k = 0; k < manifold.getNumContacts(); ++k )
+	{
+		const btManifoldPoint& point = manifold.getContactPoint( k );
+		if ( point.m_combinedRollingFriction != 0 || point.m_combinedSpinningFriction != 0 || point.m_contactPointFlags != 0 )
+		{
+			return false;
+		}
+	}
+	return btRigidBody::upcast( manifold.getBody0() ) && btRigidBody::upcast( manifold.getBody1() );
+}
+
+/// Whether both of two rigid bodies are moved by the block, or stand.
+bool takeParts( const btCollisionObject* const ( &objects )[2], int block, const BlockPlaces& places )
+{
+	return block >= 0 && std::all_of( std::begin( objects ), std::end( objects ), [&]( const btCollisionObject* object ) {
+		return object->isStaticOrKinematicObject() || places.takesPart( block, *object );
+	} );
+}
+
+/// The block that solves a manifold's contacts; -1: they are Bullet's.
+int blockOf( const btPersistentManifold& manifold, const BlockPlaces& places )
+{
+	const btCollisionObject* const objects[2] = { manifold.getBody0(), manifold.getBody1() };
+	int block = -1;
+	bool hasNode = false;
+	for ( const btCollisionObject* object : objects )
+	{
+		const NodeBody* const node = asNode( object );
+		hasNode = hasNode || node;
+		block = node && block < 0 && node->node >= 0 ? places.blockOf( *node->owner ) : block;
+	}
+	if ( !hasNode && isPlainRigid( manifold ) )
+	{
+		block = std::max( places.blockOfIsland( objects[0]->getIslandTag() ), places.blockOfIsland( objects[1]->getIslandTag() ) );
+		block = takeParts( objects, block, places ) ? block : -1;
+	}
+	return block;
+}
+
+/// An object's friction by direction, the root of its scales, in world axes.
+Eigen::Matrix3d rootOfScales( const btCollisionObject& object )
+{
+	if ( !object.hasAnisotropicFriction( btCollisionObject::CF_ANISOTROPIC_FRICTION ) )
+	{
+		return Eigen::Matrix3d::Identity();
+	}
+	const Eigen::Matrix3d axes = toMatrix3d( object.getWorldTransform().getBasis() );
+	return axes * toVec3d( object.getAnisotropicFriction() ).cwiseMax( 0.0 ).cwiseSqrt().asDiagonal() * axes.transpose();
+}
+
+/// S of a contact, where one of the two has any: their product where they have the same axes.
+void giveDirections( const btCollisionObject* const ( &objects )[2], BlockContact& contact, ImplicitBlock& block )
+{
+	if ( !objects[0]->hasAnisotropicFriction( btCollisionObject::CF_ANISOTROPIC_FRICTION ) &&
+		 !objects[1]->hasAnisotropicFriction( btCollisionObject::CF_ANISOTROPIC_FRICTION ) )
+	{
+		return;
+	}
+	const Eigen::Matrix3d roots = rootOfScales( *objects[1] ) * rootOfScales( *objects[0] );
+	const Eigen::Matrix3d inPlane = Eigen::Matrix3d::Identity() - contact.normal * contact.normal.transpose();
+	contact.directed = int( block.directions.size() );
+	block.directions.push_back( inPlane * ( roots.transpose() * roots ) * inPlane );
+}
+
+/// What the game lets the second surface run at along the contact (conveyors): as Bullet's solver takes it.
+Vec3d surfaceVelocity( const btManifoldPoint& point, const btContactSolverInfo& info )
+{
+	const bool isGiven = ( info.m_solverMode & SOLVER_ENABLE_FRICTION_DIRECTION_CACHING ) != 0 && ( point.m_contactPointFlags & BT_CONTACT_FLAG_LATERAL_FRICTION_INITIALIZED ) != 0;
+	return isGiven ? Vec3d( double( point.m_contactMotion1 ) * toVec3d( point.m_lateralFrictionDir1 ) + double( point.m_contactMotion2 ) * toVec3d( point.m_lateralFrictionDir2 ) ) :
+					 Vec3d( Vec3d::Zero() );
+}
+
+bool isExplicit( const NodeBody* node )
+{
+	return node && node->node >= 0 && !node->owner->impl().isImplicit;
+}
+
+bool isDrawn( const NodeBody* node )
+{
+	return node && node->node >= 0 && node->owner->impl().isMetAsDrawn();
+}
+
+/// The nodes of a contact of nodes' own spheres: the node, or of two round surfaces the one behind it too. It acts at the node's centre, on both sides: so no turn is lost.
+Vec3d shareAtNodes( const NodeBody* const ( &nodes )[2], SharedNodes ( &shared )[2] )
+{
+	const bool isRound = nodes[0] && nodes[1] && nodes[0]->node >= 0 && nodes[1]->node >= 0 && meetRound( *nodes[0]->owner, *nodes[1]->owner );
+	for ( int side = 0; side < 2; ++side )
+	{
+		shared[side] = nodes[side] ? SharedNodes::only( nodes[side]->node ) : SharedNodes{};
+		if ( !isRound )
+		{
+			continue;
+		}
+		const NodeBody &own = *nodes[side], &other = *nodes[1 - side];
+		const RoundSphere round =
+			roundSphere( *own.owner, own.node, toVec3d( other.owner->impl().position( other.node ) - own.owner->impl().position( own.node ) ) );
+		if ( round.inner >= 0 )
+		{
+			shared[side].count = 2;
+			shared[side].node[1] = round.inner;
+			shared[side].press[0] = shared[side].rub[0] = 1.0 - round.share;
+			shared[side].press[1] = shared[side].rub[1] = round.share;
+		}
+	}
+	return nodes[0] || nodes[1] ? toVec3d( ( nodes[0] ? nodes[0] : nodes[1] )->getWorldTransform().getOrigin() ) : Vec3d( Vec3d::Zero() );
+}
+
+/// The nodes that share a contact with a drawn surface, on each side that is a node. Returns where it acts on what else there is, world, m: where the nodes can share it,
+/// so that no spin is lost. While it is solved one side's point lies at the height of the node (MovedContacts), and friction acts in the middle between the two.
+Vec3d shareOnSurface( const NodeBody* const ( &nodes )[2], const btManifoldPoint& point, const Vec3d& normal, SharedNodes ( &shared )[2] )
+{
+	const Vec3d middle = 0.5 * ( toVec3d( point.getPositionWorldOnA() ) + toVec3d( point.getPositionWorldOnB() ) );
+	Vec3d acts = middle;
+	for ( int side = 1; side >= 0; --side )
+	{
+		if ( !nodes[side] || nodes[side]->node < 0 )
+		{
+			continue;
+		}
+		const SoftBody::Impl& impl = nodes[side]->owner->impl();
+		const Vec3d node = toVec3d( impl.position( nodes[side]->node ) );
+		Vec3d at = middle - node;
+		shared[side] = impl.surfaceNow().share( impl.body->nodes(), nodes[side]->node, normal, at );
+		acts = node + at;
+	}
+	return acts;
+}
+
+/// The velocity, m/s, by which the surface of a rolling sphere lags behind the velocities of its nodes: they move along chords, so that a sphere of radius R and angular
+/// velocity w comes ( h w )^2 R / 2 nearer to what it rolls on in a step of h than the point of it that touches. Without this a rolling body sinks and is lifted again,
+/// which costs its energy.
+double rolling( const NodeBody* const ( &nodes )[2], const BlockContact& contact, ImplicitBlock& block, double h )
+{
+	double sum = 0.0;
+	for ( int side = 0; side < 2; ++side )
+	{
+		const ContactSide& own = contact.side[side];
+		if ( own.soft < 0 )
+		{
+			continue;
+		}
+		const SoftBody::Impl& impl = nodes[side]->owner->impl();
+		const double radius = impl.surfaceNow().rollingRadius( impl.body->nodes(), own.node, side == 0 ? Vec3d( -contact.normal ) : contact.normal );
+		if ( radius > 0.0 )
+		{
+			const Vec3d turn = block.turnOf( own );
+			sum += 0.5 * h * radius * ( turn - turn.dot( contact.normal ) * contact.normal ).squaredNorm();
+		}
+	}
+	return sum;
+}
+
+/// b: speed of parting asked for. Before touch, whatever closes the gap within the step; then out of what is too deep, and bouncing off.
+/// `approach`: without contacts, elasticity left out; it bounces off the speed at the substep's start (implicit_bounce.cpp). `rolling`, m/s, is added.
+void aim( BlockContact& contact, const btContactSolverInfo& info, double approach, double rolling )
+{
+	const btManifoldPoint& point = *contact.point;
+	const double h = double( info.m_timeStep ), gap = double( point.m_distance1 );
+	contact.parting = gap > 0.0 ? -gap / h : std::min( -gap * double( info.m_erp2 ) / h, kPushOutSpeed );
+	contact.parting += rolling;
+	contact.target = contact.parting;
+	const double met = -contact.normal.dot( contact.before );
+	contact.bounces = gap < approach * h && point.m_combinedRestitution > 0 && met > double( info.m_restitutionVelocityThreshold );
+	if ( contact.bounces )
+	{
+		contact.target = std::max( contact.parting, double( point.m_combinedRestitution ) * met );
+	}
+}
+
+} // namespace
+
+void ImplicitContacts::gather( btDispatcher& dispatcher, const btContactSolverInfo& info, BlockPlaces& places, std::deque<ImplicitBlock>& blocks )
+{
+	m_count = 0;
+	m_hidden.clear();
+	for ( int m = 0; m < dispatcher.getNumManifolds(); ++m )
+	{
+		gatherFrom( *dispatcher.getManifoldByIndexInternal( m ), info, places, blocks );
+	}
+}
+
+void ImplicitContacts::gatherFrom(
+	btPersistentManifold& manifold, const btContactSolverInfo& info, BlockPlaces& places, std::deque<ImplicitBlock>& blocks )
+{
+	const btCollisionObject* const objects[2] = { manifold.getBody0(), manifold.getBody1() };
+	const NodeBody* const nodes[2] = { asNode( objects[0] ), asNode( objects[1] ) };
+	const int block = blockOf( manifold, places );
+	if ( block < 0 )
+	{
+		if ( ( info.m_solverMode & SOLVER_USE_2_FRICTION_DIRECTIONS ) == 0 )
+		{
+			forgetSecondDirection( manifold );
+		}
+		return;
+	}
+	m_hidden.push_back( Hidden{ &manifold, manifold.getContactProcessingThreshold() } );
+	manifold.setContactProcessingThreshold( btScalar( kHiddenThreshold ) );
+	if ( !objects[0]->hasContactResponse() || !objects[1]->hasContactResponse() )
+	{
+		return;
+	}
+	const double threshold = double( m_hidden.back().threshold );
+	for ( int k = 0; k < manifold.getNumContacts(); ++k )
+	{
+		btManifoldPoint& point = manifold.getContactPoint( k );
+		if ( double( point.m_distance1 ) > threshold )
+		{
+			continue;
+		}
+		BlockContact contact;
+		contact.normal = toVec3d( point.m_normalWorldOnB );
+		contact.isDrawn = ( isDrawn( nodes[0] ) || isDrawn( nodes[1] ) ) && !isExplicit( nodes[0] ) && !isExplicit( nodes[1] );
+		SharedNodes shared[2];
+		const Vec3d acts = contact.isDrawn ? shareOnSurface( nodes, point, contact.normal, shared ) : shareAtNodes( nodes, shared );
+		for ( int side = 0; side < 2; ++side )
+		{
+			const Vec3d touches = toVec3d( side == 0 ? point.getPositionWorldOnA() : point.getPositionWorldOnB() );
+			contact.side[side] = sideOf( *objects[side], block, places, nodes[0] || nodes[1] ? acts : touches );
+			contact.side[side].shared = nodes[side] ? shared[side] : SharedNodes{};
+		}
+		contact.side[1].given += surfaceVelocity( point, info );
+		if ( !contact.moves() )
+		{
+			continue;
+		}
+		contact.friction = double( point.m_combinedFriction );
+		giveDirections( objects, contact, blocks[std::size_t( block )] );
+		contact.point = &point;
+		contact.normalImpulse = double( point.m_appliedImpulse );
+		contact.tangentImpulse = double( point.m_appliedImpulseLateral1 ) * toVec3d( point.m_lateralFrictionDir1 ) +
+								 double( point.m_appliedImpulseLateral2 ) * toVec3d( point.m_lateralFrictionDir2 );
+		ImplicitBlock& own = blocks[std::size_t( block )];
+		contact.before = own.speedBefore( contact );
+		const double rolls = contact.isDrawn ? rolling( nodes, contact, own, double( info.m_timeStep ) ) : 0.0;
+		aim( contact, info, -contact.normal.dot( own.freeSpeed( contact ) ), rolls );
+		blocks[std::size_t( block )].contacts.push_back( contact );
+		++m_count;
+	}
+}
+
+ContactSide ImplicitContacts::sideOf( const btCollisionObject& object, int block, BlockPlaces& places, const Vec3d& at ) const
+{
+	ContactSide side;
+	if ( const NodeBody* node = asNode( &object ) )
+	{
+		const NodeState& nodes = node->owner->impl().body->nodes();
+		const bool isFree = node->node >= 0 && places.blockOf( *node->owner ) == block && nodes.freedom[node->node] != 0.0f;
+		side.soft = isFree ? places.softPart( *node->owner ) : -1;
+		side.node = node->node;
+		side.given = isFree ? Vec3d( Vec3d::Zero() ) : toVec3d( node->getLinearVelocity() );
+		return side;
+	}
+	// A kinematic object may bear the static flag as well: Bullet's objects are born with it.
+	btRigidBody* const rigid = btRigidBody::upcast( const_cast<btCollisionObject*>( &object ) );
+	if ( !rigid || ( rigid->isStaticObject() && !rigid->isKinematicObject() ) )
+	{
+		return side;
+	}
+	const Vec3d arm = at - toVec3d( rigid->getCenterOfMassPosition() );
+	if ( rigid->isKinematicObject() || rigid->getInvMass() == 0 )
+	{
+		side.given = toVec3d( rigid->getLinearVelocity() ) + toVec3d( rigid->getAngularVelocity() ).cross( arm );
+		return side;
+	}
+	side.rigid = places.rigidPart( block, *rigid );
+	side.arm = arm;
+	return side;
+}
+
+void ImplicitContacts::writeBack( ImplicitBlock& block )
+{
+	for ( BlockContact& contact : block.contacts )
+	{
+		btManifoldPoint& point = *contact.point;
+		point.m_appliedImpulse = btScalar( std::max( 0.0, contact.carried ) );
+		point.m_appliedImpulseLateral1 = btScalar( contact.tangentImpulse.dot( toVec3d( point.m_lateralFrictionDir1 ) ) );
+		point.m_appliedImpulseLateral2 = btScalar( contact.tangentImpulse.dot( toVec3d( point.m_lateralFrictionDir2 ) ) );
+	}
+}
+
+void ImplicitContacts::show()
+{
+	for ( const Hidden& hidden : m_hidden )
+	{
+		hidden.manifold->setContactProcessingThreshold( hidden.threshold );
+	}
+	m_hidden.clear();
+}
+
+} // namespace pliant

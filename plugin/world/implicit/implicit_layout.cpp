@@ -1,0 +1,142 @@
+// Where an implicit block's bodies and the nodes that contacts name stand in its vectors, and what its iteration begins with.
+
+#include "world/implicit/implicit_block.h"
+
+#include "world/constants.h"
+#include "world/bodies/soft_body_impl.h"
+
+#include <algorithm>
+
+namespace pliant {
+
+void ImplicitBlock::layOut()
+{
+	m_size = 0;
+	m_softMass = 0.0;
+	for ( SoftPart& part : soft )
+	{
+		part.offset = m_size;
+		m_size += part.motion->size();
+		for ( int i = 0; i < part.motion->nodes().count; ++i )
+		{
+			m_softMass += double( part.motion->nodes().mass[i] );
+		}
+	}
+	for ( RigidPart& part : rigid )
+	{
+		part.offset = m_size;
+		m_size += 6;
+	}
+	m_size = ( m_size + kLanes - 1 ) / kLanes * kLanes;
+	m_v.assign( std::size_t( m_size ), 0.0f );
+	m_inverseDiagonal.assign( std::size_t( m_size ), 0.0f );
+	for ( AlignedArray<float>* array : { &m_next, &m_rightSide, &m_free, &m_freeNext, &m_massed, &m_scratch } )
+	{
+		array->resize( std::size_t( m_size ) ); // each is written whole before it is read
+	}
+	listConnected();
+	for ( const SoftPart& part : soft )
+	{
+		startFrom( part );
+	}
+	for ( const RigidPart& part : rigid )
+	{
+		for ( int k = 0; k < 6; ++k )
+		{
+			m_v[std::size_t( part.offset + k )] = float( part.before[k] );
+		}
+	}
+	nameNodeBlocks();
+	layOutCoarse();
+}
+
+void ImplicitBlock::listConnected()
+{
+	m_connected.clear();
+	for ( std::size_t p = 0; p < soft.size(); ++p )
+	{
+		soft[p].firstConnected = int( m_connected.size() );
+		for ( int part = 0; part < soft[p].motion->parts().count(); ++part )
+		{
+			m_connected.push_back( Connected{ int( p ), part, -1, false } );
+		}
+	}
+	for ( const BlockContact& contact : contacts )
+	{
+		for ( const ContactSide& side : contact.side )
+		{
+			if ( side.soft >= 0 )
+			{
+				m_connected[std::size_t( &connectedOf( side ) - m_connected.data() )].touches = true;
+			}
+		}
+	}
+}
+
+/// The iteration begins with the speeds of the substep's start; what is held has its speed already. What touches nothing and hangs by nothing falls: it begins
+/// with the speeds of free flight, and where it is not strained is done. So does a part of a body that is in several, whatever the others touch.
+void ImplicitBlock::startFrom( const SoftPart& part )
+{
+	const int padded = part.motion->padded();
+	const Vec3Array& start = contacts.empty() && !part.motion->hasHeldNodes() ? part.motion->nodes().v : *part.before;
+	const AlignedArray<float>* const from[3] = { &start.x, &start.y, &start.z };
+	for ( int k = 0; k < 3; ++k )
+	{
+		std::copy( from[k]->begin(), from[k]->begin() + padded, m_v.begin() + part.offset + k * padded );
+	}
+	const NodeState& nodes = part.motion->nodes();
+	const ConnectedParts& parts = part.motion->parts();
+	for ( int i = 0; parts.areSeveral() && i < nodes.count; ++i )
+	{
+		const int own = parts.partOf( i );
+		for ( int k = 0; !m_connected[std::size_t( part.firstConnected + own )].touches && !part.motion->isHeld( own ) && k < 3; ++k )
+		{
+			m_v[std::size_t( part.offset + k * padded + i )] = nodes.v.get( i )[k];
+		}
+	}
+	for ( int i = 0; i < nodes.count; ++i )
+	{
+		m_inverseDiagonal[std::size_t( part.offset + i )] = nodes.freedom[i] / part.motion->diagonal( i );
+		for ( int k = 0; k < 3 && nodes.freedom[i] == 0.0f; ++k )
+		{
+			m_v[std::size_t( part.offset + k * padded + i )] = nodes.v.get( i )[k];
+		}
+	}
+}
+
+void ImplicitBlock::nameNodeBlocks()
+{
+	std::for_each( m_nodeBlocks.begin(), m_nodeBlocks.end(), [this]( const NodeBlock& named ) { m_blockOf[std::size_t( named.place )] = -1; } );
+	m_nodeBlocks.clear();
+	m_clusters.clear();
+	m_blockOf.resize( std::max( m_blockOf.size(), std::size_t( m_size ) ), -1 );
+	for ( BlockContact& contact : contacts )
+	{
+		for ( ContactSide& side : contact.side )
+		{
+			if ( side.soft < 0 )
+			{
+				continue;
+			}
+			for ( int j = 0; j < side.shared.count; ++j )
+			{
+				side.block[j] = nameNode( side.soft, side.shared.node[j] );
+			}
+		}
+		nameClusters( contact );
+	}
+}
+
+int ImplicitBlock::nameNode( int part, int node )
+{
+	const int place = soft[std::size_t( part )].offset + node;
+	int& block = m_blockOf[std::size_t( place )];
+	if ( block < 0 )
+	{
+		block = int( m_nodeBlocks.size() );
+		m_nodeBlocks.push_back( NodeBlock{ part, node, place } );
+	}
+	return block;
+}
+
+} // namespace pliant

@@ -1,0 +1,58 @@
+#pragma once
+
+// The implicit part of a substep: one block an island that holds a body with Elasticity::Implicit, solved before Bullet's own solver, which
+// then does joints and rigid contacts. docs/design/implicit.md.
+
+#include "world/implicit/implicit_contacts.h"
+#include "world/implicit/implicit_reach.h"
+
+#include <deque>
+#include <vector>
+
+namespace pliant {
+
+class SoftBodySystem;
+
+/// What a rigid body felt from the rest of the world, smoothed.
+struct OutsideImpulse
+{
+	const btRigidBody* body = nullptr;
+	Vector6 change = Vector6::Zero(); ///< e, m/s and rad/s
+	unsigned stamp = 0;
+};
+
+class ImplicitSolve : private BlockPlaces
+{
+public:
+	/// `awake`: the substep's bodies. Solves, gives nodes and rigid bodies their speeds and hides the blocks' contacts from Bullet.
+	void before( const std::vector<SoftBody*>& awake, btDispatcher& dispatcher, const btContactSolverInfo& info, TaskRunner* runner );
+	/// After Bullet's solver: what it did to the rigid bodies is expected again in the next substep.
+	void after();
+	void forget( const btRigidBody& body );
+
+	int contacts() const { return m_contacts.count(); }
+	const BlockCount& count() const { return m_count; } ///< largest of all blocks
+
+private:
+	int blockOf( const SoftBody& body ) const override;
+	int blockOfIsland( int tag ) const override;
+	int softPart( const SoftBody& body ) const override;
+	bool takesPart( int block, const btCollisionObject& rigid ) const override { return m_reach.takesPart( block, rigid ); }
+	int rigidPart( int block, btRigidBody& body ) override;
+
+	void makeBlocks( const std::vector<SoftBody*>& awake );
+	OutsideImpulse& outsideOf( const btRigidBody& body );
+	void giveSpeeds( ImplicitBlock& block );
+
+	std::deque<ImplicitBlock> m_blocks; ///< as many as ever were needed
+	std::vector<int> m_tagOf; ///< island of each block
+	ImplicitReach m_reach;
+	ImplicitContacts m_contacts;
+	std::vector<OutsideImpulse> m_outside; ///< in the order in which they were first touched
+	BlockCount m_count;
+	double m_h = 0.0;
+	bool m_hadBlocks = false; ///< in the last substep
+	unsigned m_stamp = 0;
+};
+
+} // namespace pliant

@@ -1,0 +1,34 @@
+// In a build without the implicit step: Elasticity::Implicit is refused (material.cpp), and Automatic steps explicitly.
+
+#include "world/implicit/implicit_choice.h"
+#include "world/implicit/implicit_solve.h"
+
+namespace pliant {
+
+void ImplicitChoice::choose( const std::vector<SoftBody*>&, btDiscreteDynamicsWorld&, btScalar, int ) {}
+
+void ImplicitSolve::before( const std::vector<SoftBody*>&, btDispatcher&, const btContactSolverInfo&, TaskRunner* ) {}
+void ImplicitSolve::after() {}
+void ImplicitSolve::forget( const btRigidBody& ) {}
+
+int ImplicitSolve::blockOf( const SoftBody& ) const
+{
+	return -1;
+}
+
+int ImplicitSolve::blockOfIsland( int ) const
+{
+	return -1;
+}
+
+int ImplicitSolve::softPart( const SoftBody& ) const
+{
+	return -1;
+}
+
+int ImplicitSolve::rigidPart( int, btRigidBody& )
+{
+	return -1;
+}
+
+} // namespace pliant

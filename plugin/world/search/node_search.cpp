@@ -1,0 +1,372 @@
+#include "world/search/node_search.h"
+
+#include "body/levels/levels.h"
+#include "world/touch/box_touch.h"
+#include "world/constants.h"
+#include "world/bodies/obstacle_parts.h"
+#include "world/bodies/soft_body_impl.h"
+#include "world/touch/terrain_side.h"
+
+#include <BulletCollision/CollisionDispatch/btCollisionObjectWrapper.h>
+#include <BulletCollision/CollisionShapes/btConcaveShape.h>
+#include <BulletCollision/NarrowPhaseCollision/btPersistentManifold.h>
+
+#include <algorithm>
+#include <cmath>
+#include <tuple>
+
+namespace pliant {
+
+namespace {
+
+/// From a cube's middle to its corner, in half edges, and a tenth more: a node of level 2 takes two substeps to give way to finest ones.
+const double kCornerReach = 1.1 * std::sqrt( 3.0 );
+
+using Near = SoftBody::Impl::Near;
+
+/// A box in the coordinates of a soft body's shape, and room around it for what moves in this step.
+struct Box
+{
+	btVector3 low, high;
+
+	void move( const btVector3& from, const btVector3& to )
+	{
+		low += from;
+		high += to;
+	}
+	void widen( double by )
+	{
+		const btScalar all = btScalar( by );
+		move( btVector3( -all, -all, -all ), btVector3( all, all, all ) );
+	}
+	/// The nodes may come to the box by what they sweep: it is the box that is stretched, backwards.
+	void stretchAgainst( const NodeShape& shape ) { move( -shape.sweepHigh(), -shape.sweepLow() ); }
+	void stretchAlong( const btVector3& way )
+	{
+		btVector3 back = way, forth = way;
+		back.setMin( btVector3( 0, 0, 0 ) );
+		forth.setMax( btVector3( 0, 0, 0 ) );
+		move( back, forth );
+	}
+};
+
+struct TriangleCall : btTriangleCallback
+{
+	using Call = void ( * )( void* context, btVector3* triangle, int part, int index );
+	void processTriangle( btVector3* corners, int part, int index ) override { call( context, corners, part, index ); }
+	Call call = nullptr;
+	void* context = nullptr;
+};
+
+} // namespace
+
+std::vector<NodeHit>& NodeSearch::againstRigid( const SoftBody& soft, const btCollisionObjectWrapper& other, double step )
+{
+	const Vec3d& origin = soft.impl().body->nodes().origin;
+	m_soft = &soft;
+	m_surface = soft.impl().isMetAsDrawn() ? &soft.impl().surfaceNow() : nullptr;
+	m_step = step;
+	m_leaf = 0;
+	m_hits.clear();
+	m_motion = m_before = ObstacleMotion{};
+	m_looksAhead = soft.impl().isImplicit && soft.isActive() && int( soft.impl().body->speedBefore().x.size() ) >= soft.nodeCount();
+	const Levels* levels = soft.impl().body->levels();
+	m_notesNear = levels && levels->settings().refinesOnContact && soft.isActive();
+	if ( const btRigidBody* rigid = btRigidBody::upcast( other.getCollisionObject() ) )
+	{
+		// Bullet's solver adds the forces of the step to the velocity: the contact must see the same.
+		m_motion.linear = toVec3d( rigid->getLinearVelocity() + rigid->getTotalForce() * rigid->getInvMass() * btScalar( step ) );
+		m_motion.angular = toVec3d( rigid->getAngularVelocity() );
+		m_motion.centre = toVec3d( rigid->getCenterOfMassPosition() ) - origin;
+		m_before = m_motion;
+		m_before.linear = toVec3d( rigid->getLinearVelocity() );
+	}
+	Obstacle obstacle;
+	obstacle.shape = other.getCollisionShape();
+	obstacle.basis = toMatrix3d( other.getWorldTransform().getBasis() );
+	obstacle.position = toVec3d( other.getWorldTransform().getOrigin() ) - origin;
+	visitParts( obstacle, [this]( const Obstacle& part ) { visit( part ); } );
+	giveLeave( soft, nullptr );
+	if ( other.getCollisionObject()->getCollisionFlags() & btCollisionObject::CF_CHARACTER_OBJECT )
+	{
+		meetCharacter();
+	}
+	sortHits();
+	keepFlatNeighboursOut();
+	return m_hits;
+}
+
+void NodeSearch::visit( const Obstacle& obstacle )
+{
+	const btCollisionShape* shape = obstacle.shape;
+	const int type = shape->getShapeType();
+	if ( type == STATIC_PLANE_PROXYTYPE )
+	{
+		plane( obstacle );
+	}
+	else if ( shape->isConcave() && type != SDF_SHAPE_PROXYTYPE )
+	{
+		mesh( obstacle );
+	}
+	else if ( type != EMPTY_SHAPE_PROXYTYPE )
+	{
+		solid( obstacle );
+	}
+	++m_leaf;
+}
+
+NodeSearch::Spheres::Spheres( const NodeSearch& search ) :
+	m_nodes( search.m_soft->impl().body->nodes() ), m_shape( *search.m_soft->impl().shape ), m_motion( search.m_motion ), m_step( search.m_step ),
+	m_isStill( search.m_motion.isStill() ), m_speedBefore( search.m_soft->impl().body->speedBefore() ), m_before( search.m_before )
+{
+}
+
+inline MovingSphere NodeSearch::Spheres::of( int node ) const
+{
+	MovingSphere sphere;
+	sphere.shape = m_shape.sphereOfNode( node );
+	sphere.radius = double( sphere.shape->getRadius() );
+	sphere.centre = m_nodes.x.get( node ).cast<double>();
+	sphere.way = m_step * m_nodes.v.get( node ).cast<double>();
+	if ( !m_isStill )
+	{
+		sphere.way -= m_motion.way( sphere.centre, m_step );
+	}
+	return sphere;
+}
+
+inline Ahead NodeSearch::Spheres::ahead( int node ) const
+{
+	const Vec3d to = m_step * m_speedBefore.get( node ).cast<double>();
+	return Ahead{ to, to - m_before.way( m_nodes.x.get( node ).cast<double>(), m_step ) };
+}
+
+double NodeSearch::overhang() const
+{
+	return m_surface ? m_surface->overhang() : 0.0;
+}
+
+// The patch in front of a node, or where that does not look there the node's own sphere.
+template <class Nearest, class Find>
+inline bool NodeSearch::touches( int node, const MovingSphere& sphere, const Nearest& nearest, const Find& find, Touch& touch ) const
+{
+	ContactSurface::Patch patch;
+	if ( m_surface && m_surface->patchOf( m_soft->impl().body->nodes(), node, patch ) )
+	{
+		const PatchAnswer answer = findPatchTouch( patch, m_surface->cellSize(), sphere, nearest, find, touch );
+		if ( answer != PatchAnswer::UseSphere )
+		{
+			return answer == PatchAnswer::Touches;
+		}
+		// What the patch does not answer for is met no further out than the surface is.
+		MovingSphere within = sphere;
+		within.radius = std::min( sphere.radius, patch.height );
+		within.scale = sphere.radius;
+		const bool isFound = find( within, touch );
+		touch.distance += sphere.radius - within.radius;
+		return isFound;
+	}
+	return find( sphere, touch );
+}
+
+// A plane's box is everywhere: every node is asked, the deep ones too, for here no tree is needed.
+void NodeSearch::plane( const Obstacle& obstacle )
+{
+	const NodeState& nodes = m_soft->impl().body->nodes();
+	const FarPlane far( obstacle );
+	const double radius = ( m_notesNear ? 2.0 * kCornerReach : 1.0 ) * double( m_soft->impl().shape->largestRadius() ) + overhang(); // foresee asks for the parents' corners
+	const auto nearest = [&obstacle]( const MovingSphere& sphere, Touch& found ) { return findNearest( obstacle, sphere, found ); };
+	const auto find = [&obstacle]( const MovingSphere& sphere, Touch& found ) { return findTouch( obstacle, sphere, found ); };
+	const bool isStill = m_motion.isStill();
+	const Spheres spheres( *this );
+	Touch touch;
+	for ( int node = 0; node < nodes.count; ++node )
+	{
+		const Vec3d centre = nodes.x.get( node ).cast<double>(), way = m_step * nodes.v.get( node ).cast<double>();
+		if ( far.isClear( centre, isStill ? way : Vec3d( way - m_motion.way( centre, m_step ) ), radius ) )
+		{
+			continue;
+		}
+		if ( touches( node, spheres.of( node ), nearest, find, touch ) )
+		{
+			m_hits.push_back( NodeHit{ std::uint64_t( node ) << 32 | m_leaf, touch, obstacle.part, obstacle.index } );
+		}
+		if ( m_notesNear )
+		{
+			foresee( node, find );
+		}
+	}
+}
+
+// A grid of balls has channels that what is smaller than them falls through. Such a thing refines what it comes near, before it touches:
+// a node is split whose box it enters and which is larger than it; its parts, one of which it is then in, stay while it is there.
+void NodeSearch::noteNear( int node, btScalar size ) const
+{
+	if ( !m_notesNear )
+	{
+		return;
+	}
+	const SoftBody::Impl& impl = m_soft->impl();
+	const btScalar diameter = 2 * impl.shape->sphereOfNode( node )->getRadius();
+	if ( size <= 2 * diameter )
+	{
+		impl.nearby.push_back( Near{ node, size <= diameter ? Near::Wish::Split : Near::Wish::Stay } );
+	}
+}
+
+// A big node's ball leaves out its cube's corners, sqrt( 3 ) radii from the middle. Split only when the ball has touched, the cells at the
+// corners would come into the world inside the obstacle, and be shot out of it. So a node is split before, as soon as a corner may touch; and
+// what stands where its parent's corner would touch stays as it is.
+template <class Find>
+void NodeSearch::foresee( int node, const Find& find ) const
+{
+	const SoftBody::Impl& impl = m_soft->impl();
+	MovingSphere sphere = Spheres( *this ).of( node );
+	const double corner = kCornerReach * sphere.radius;
+	Touch touch;
+	sphere.radius = corner;
+	if ( m_soft->nodeLevel( node ) > 0 && find( sphere, touch ) )
+	{
+		impl.nearby.push_back( Near{ node, Near::Wish::Widen } );
+		return;
+	}
+	sphere.radius = 2.0 * corner;
+	if ( find( sphere, touch ) )
+	{
+		impl.nearby.push_back( Near{ node, Near::Wish::Stay } );
+	}
+}
+
+/// From the coarsest node's middle to its corner, along each axis: no other reaches further beyond its ball. Zero where nothing is foreseen.
+btVector3 NodeSearch::cornerReach() const
+{
+	if ( !m_notesNear )
+	{
+		return btVector3( 0, 0, 0 );
+	}
+	const int levels = m_soft->impl().body->levels()->settings().coarseLevels;
+	const btScalar reach = btScalar( kCornerReach * 0.5 * std::exp2( double( levels ) ) * double( m_soft->bodyTemplate().cellSize() ) );
+	return btVector3( reach, reach, reach );
+}
+
+/// The same for all nodes whose corners, or whose parents', reach into a box that has been stretched for what moves.
+template <class Find>
+void NodeSearch::foreseeIn( const btVector3& low, const btVector3& high, const Find& find )
+{
+	if ( !m_notesNear )
+	{
+		return;
+	}
+	const SoftBody::Impl& impl = m_soft->impl();
+	const btVector3 aside = cornerReach();
+	impl.shape->rows().visitOverlaps( SphereRows::Box::of( low - aside, high + aside ), [&]( int node ) { foresee( node, find ); } );
+}
+
+// In the nodes' order, which is that of the hits: of a single solid none is left to put in order.
+template <class Find>
+void NodeSearch::touchMarked( const Obstacle& obstacle, btScalar size, const Find& find )
+{
+	const Spheres spheres( *this );
+	const bool looksAhead = m_looksAhead && obstacle.shape->isConvex();
+	const Obstacle then = looksAhead ? m_before.moved( obstacle, m_step ) : Obstacle{};
+	const auto nearest = [&obstacle]( const MovingSphere& sphere, Touch& found ) { return findNearest( obstacle, sphere, found ); };
+	m_marks.takeAll( [&]( int node ) {
+		noteNear( node, size );
+		Touch touch;
+		const MovingSphere sphere = spheres.of( node );
+		if ( touches( node, sphere, nearest, find, touch ) && ( !looksAhead || touch.reach >= 0.0 || lookAhead( then, sphere, spheres.ahead( node ), touch ) ) )
+		{
+			m_hits.push_back( NodeHit{ std::uint64_t( node ) << 32 | m_leaf, touch, obstacle.part, obstacle.index } );
+		}
+	} );
+}
+
+void NodeSearch::solid( const Obstacle& obstacle )
+{
+	const SoftBody::Impl& impl = m_soft->impl();
+	Obstacle inShape = obstacle;
+	inShape.position -= impl.shapeShift.cast<double>();
+	Box box;
+	obstacle.shape->getAabb( inShape.transform(), box.low, box.high );
+	const btVector3 extent = box.high - box.low;
+	const btScalar size = extent[extent.maxAxis()];
+	box.stretchAlong( toBt( m_step * m_motion.linear ) );
+	box.widen( overhang() );
+	const btScalar turn = btScalar( m_step * m_motion.angular.norm() * ( obstacle.position - m_motion.centre ).norm() ) +
+						  btScalar( m_step * m_motion.angular.norm() ) * ( box.high - box.low ).length() / 2;
+	box.move( btVector3( -turn, -turn, -turn ), btVector3( turn, turn, turn ) );
+	box.stretchAgainst( *impl.shape );
+	m_marks.fit( impl.body->nodeCount() );
+	impl.shape->rows().visitOverlaps( SphereRows::Box::of( box.low, box.high ), [this]( int node ) { m_marks.add( node ); } );
+	if ( obstacle.shape->getShapeType() == BOX_SHAPE_PROXYTYPE )
+	{
+		const BoxTouch asked( obstacle );
+		touchMarked( obstacle, size, [&asked]( const MovingSphere& sphere, Touch& touch ) { return asked.find( sphere, touch ); } );
+	}
+	else
+	{
+		touchMarked( obstacle, size, [&obstacle]( const MovingSphere& sphere, Touch& touch ) { return findTouch( obstacle, sphere, touch ); } );
+	}
+	foreseeIn( box.low, box.high, [&obstacle]( const MovingSphere& sphere, Touch& found ) { return findTouch( obstacle, sphere, found ); } );
+}
+
+void NodeSearch::mesh( const Obstacle& obstacle )
+{
+	// The soft body's box in the mesh's coordinates, swept by both motions.
+	const SoftBody::Impl& impl = m_soft->impl();
+	const SphereRows::Box& whole = impl.shape->rows().whole();
+	Box box{ whole.mins() + impl.shape->sweepLow(), whole.maxs() + impl.shape->sweepHigh() };
+	box.stretchAlong( toBt( -m_step * m_motion.linear ) );
+	box.move( -cornerReach(), cornerReach() );
+	box.widen( overhang() );
+	const Vec3d centre = toVec3d( box.low + box.high ) / 2.0 + impl.shapeShift.cast<double>();
+	const Vec3d half = toVec3d( box.high - box.low ) / 2.0;
+	const Vec3d reach = obstacle.basis.transpose().cwiseAbs() * half;
+	const Vec3d low = obstacle.toLocal( centre ) - reach, high = obstacle.toLocal( centre ) + reach;
+
+	struct Context
+	{
+		NodeSearch& search;
+		Obstacle mesh;
+	} context{ *this, obstacle };
+	TriangleCall call;
+	call.context = &context;
+	call.call = []( void* to, btVector3* corners, int part, int index ) {
+		Context& c = *static_cast<Context*>( to );
+		Vec3d placed[3];
+		for ( int k = 0; k < 3; ++k )
+		{
+			placed[k] = c.mesh.basis * toVec3d( corners[k] ) + c.mesh.position;
+		}
+		c.mesh.part = part;
+		c.mesh.index = index;
+		c.search.triangle( c.mesh, placed );
+	};
+	static_cast<const btConcaveShape*>( obstacle.shape )->processAllTriangles( &call, toBt( low ), toBt( high ) );
+}
+
+void NodeSearch::triangle( const Obstacle& mesh, const Vec3d ( &corners )[3] )
+{
+	const SoftBody::Impl& impl = m_soft->impl();
+	const Vec3d shift = impl.shapeShift.cast<double>();
+	Box box{ toBt( corners[0].cwiseMin( corners[1] ).cwiseMin( corners[2] ) - shift ), toBt( corners[0].cwiseMax( corners[1] ).cwiseMax( corners[2] ) - shift ) };
+	box.stretchAlong( toBt( m_step * m_motion.linear ) );
+	box.stretchAgainst( *impl.shape );
+	box.widen( overhang() );
+	const TerrainSide ground( mesh, corners, *impl.shape, shift );
+	box.stretchAlong( toBt( ground.wayDown() ) );
+	const Spheres spheres( *this );
+	const auto nearest = [&corners]( const MovingSphere& sphere, Touch& found ) { return findNearest( corners, sphere, found ); };
+	const auto find = [&corners]( const MovingSphere& sphere, Touch& found ) { return findTouch( corners, sphere, found ); };
+	impl.shape->rows().visitOverlaps( SphereRows::Box::of( box.low, box.high ), [&]( int node ) {
+		Touch touch;
+		const MovingSphere sphere = spheres.of( node );
+		if ( ground.holds( sphere.centre, touch ) || ( touches( node, sphere, nearest, find, touch ) && ground.allows( sphere.centre, touch ) ) )
+		{
+			m_hits.push_back( NodeHit{ std::uint64_t( node ) << 32 | m_leaf, touch, mesh.part, mesh.index } );
+		}
+	} );
+	foreseeIn( box.low, box.high, find );
+}
+
+} // namespace pliant

@@ -1,0 +1,106 @@
+#pragma once
+
+// Finds which nodes of a soft body meet another object in this step, in an order that does not depend on trees: by node, then by the
+// part of the other object, then by distance.
+
+#include "world/shape/node_marks.h"
+#include "world/shape/node_shape.h"
+#include "world/touch/node_touch.h"
+#include "world/touch/obstacle_motion.h"
+
+#include <BulletCollision/BroadphaseCollision/btDbvt.h>
+
+#include <cstdint>
+#include <vector>
+
+class btConcaveShape;
+class btTransform;
+struct btCollisionObjectWrapper;
+
+namespace pliant {
+
+class ContactSurface;
+class SoftBody;
+
+struct NodeHit
+{
+	std::uint64_t key = 0; ///< ( node ) << 32 | simple shape of the other object, counted through its compounds, or its node
+	Touch touch;
+	int part = -1; ///< Bullet's identifiers of what was hit
+	int index = -1;
+
+	int node() const { return int( key >> 32 ); }
+	int other() const { return int( key & 0xffffffffu ); }
+};
+
+/// Keeps its scratch between calls: a warmed-up search allocates nothing.
+class NodeSearch
+{
+public:
+	/// How Bullet's characters meet soft bodies.
+	struct Characters
+	{
+		Vec3d up = Vec3d::Zero(); ///< against gravity, of unit length; zero without gravity
+		double allowance = 0.0;   ///< m, so deep they stand in what carries them: their sweeps end there
+		double gameStep = 0.0;    ///< s, in which they push things out of themselves
+	};
+	void setCharacters( const Characters& characters ) { m_characters = characters; }
+	std::vector<NodeHit>& againstRigid( const SoftBody& soft, const btCollisionObjectWrapper& other, double step );
+	/// Normals point from `b` to `a`.
+	std::vector<NodeHit>& againstSoft( const SoftBody& a, const SoftBody& b, double step );
+
+private:
+	/// The body's spheres, as they move against what is asked about.
+	class Spheres
+	{
+	public:
+		explicit Spheres( const NodeSearch& search );
+		MovingSphere of( int node ) const;
+		Ahead ahead( int node ) const;
+
+	private:
+		const NodeState& m_nodes;
+		const NodeShape& m_shape;
+		const ObstacleMotion& m_motion;
+		double m_step;
+		bool m_isStill;
+		const Vec3Array& m_speedBefore;
+		const ObstacleMotion& m_before;
+	};
+
+	void visit( const Obstacle& part );
+	void plane( const Obstacle& obstacle );
+	void solid( const Obstacle& obstacle );
+	void mesh( const Obstacle& obstacle );
+	void triangle( const Obstacle& mesh, const Vec3d ( &corners )[3] );
+	template <class Nearest, class Find>
+	bool touches( int node, const MovingSphere& sphere, const Nearest& nearest, const Find& find, Touch& touch ) const;
+	template <class Find>
+	void touchMarked( const Obstacle& obstacle, btScalar size, const Find& find );
+	void noteNear( int node, btScalar size ) const;
+	btVector3 cornerReach() const;
+	double overhang() const; ///< of its surface, m
+	template <class Find>
+	void foresee( int node, const Find& find ) const;
+	template <class Find>
+	void foreseeIn( const btVector3& low, const btVector3& high, const Find& find );
+	void giveLeave( const SoftBody& first, const SoftBody* second );
+	void keepFlatNeighboursOut();
+	void meetCharacter();
+	void sortHits();
+
+	Characters m_characters;
+	const SoftBody* m_soft = nullptr;
+	const ContactSurface* m_surface = nullptr; ///< null: it is met in its nodes' own spheres
+	double m_step = 0.0;
+	bool m_notesNear = false; ///< the body refines on contact
+	bool m_looksAhead = false; ///< the body steps implicitly, and its speeds at the substep's start are known
+	ObstacleMotion m_motion;
+	ObstacleMotion m_before; ///< without the step's forces: what rests does not fall
+	std::uint32_t m_leaf = 0;
+	std::vector<NodeHit> m_hits;
+	NodeMarks m_marks;
+	SphereRows::Pairs m_pairs;
+};
+
+} // namespace pliant

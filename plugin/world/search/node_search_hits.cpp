@@ -1,0 +1,95 @@
+// What becomes of a search's hits before they are contacts: characters, new nodes, flat seams, order.
+
+#include "world/search/node_search.h"
+
+#include "world/constants.h"
+#include "world/bodies/soft_body_impl.h"
+
+#include <BulletCollision/NarrowPhaseCollision/btPersistentManifold.h>
+
+#include <algorithm>
+#include <tuple>
+
+namespace pliant {
+
+// A character takes its position by itself, whatever that presses with: pushed out of what carries it, nodes would give way, the character follow, and so on
+// down to the floor. They may stand in it as deep as it stands in them, and no force acts. Beside it nodes are pushed out as fast as rigid bodies are in
+// Bullet's world, which has one step where explicit bodies have several, and gives no velocity to what is deeper than that.
+void NodeSearch::meetCharacter()
+{
+	for ( NodeHit& hit : m_hits )
+	{
+		const double depth = double( m_soft->impl().shape->sphereOfNode( hit.node() )->getRadius() ) - hit.touch.distance;
+		if ( hit.touch.normal.dot( m_characters.up ) < -kCarrySlope )
+		{
+			// Its sweeps end in the balls, and it may stand in the hollow between four of them.
+			hit.touch.distance += m_characters.allowance + ( hit.touch.reach < 0.0 ? 0.0 : kHollow * double( m_soft->impl().shape->sphereOfNode( hit.node() )->getRadius() ) );
+		}
+		else if ( depth > 0.0 )
+		{
+			const double pushed = std::min( depth, m_characters.allowance ) * std::min( 1.0, m_step / m_characters.gameStep );
+			hit.touch.distance += depth - pushed;
+		}
+	}
+}
+
+// New nodes that stand in what they touch touch it just so.
+void NodeSearch::giveLeave( const SoftBody& first, const SoftBody* second )
+{
+	BornInside &own = first.impl().born, &others = second ? second->impl().born : own;
+	if ( !own.isAny() && !others.isAny() )
+	{
+		return;
+	}
+	for ( NodeHit& hit : m_hits )
+	{
+		const double depth = double( first.impl().shape->sphereOfNode( hit.node() )->getRadius() ) - hit.touch.distance;
+		if ( depth > 0.0 )
+		{
+			const double leave = own.leave( hit.node(), depth );
+			hit.touch.distance += second ? std::max( leave, others.leave( hit.other(), depth ) ) : leave;
+		}
+	}
+}
+
+void NodeSearch::sortHits()
+{
+	const auto isBefore = []( const NodeHit& a, const NodeHit& b ) {
+		return std::tie( a.key, a.touch.distance, a.part, a.index ) < std::tie( b.key, b.touch.distance, b.part, b.index );
+	};
+	if ( !std::is_sorted( m_hits.begin(), m_hits.end(), isBefore ) )
+	{
+		std::sort( m_hits.begin(), m_hits.end(), isBefore );
+	}
+}
+
+// A sphere on a flat mesh is nearest to one triangle's face and to its neighbours' edges. An edge that does not stand out of the plane
+// of a nearer touch is no obstacle of its own: left in, it would trip the node at every seam.
+void NodeSearch::keepFlatNeighboursOut()
+{
+	const SoftBody::Impl& impl = m_soft->impl();
+	std::size_t kept = 0, groupStart = 0;
+	for ( std::size_t k = 0; k < m_hits.size(); ++k )
+	{
+		const NodeHit hit = m_hits[k];
+		if ( kept == 0 || m_hits[kept - 1].key != hit.key )
+		{
+			groupStart = kept;
+		}
+		bool isNew = kept - groupStart < MANIFOLD_CACHE_SIZE;
+		for ( std::size_t g = groupStart; isNew && g < kept; ++g )
+		{
+			const Touch& nearer = m_hits[g].touch;
+			const double radius = double( impl.shape->sphereOfNode( hit.node() )->getRadius() );
+			const Vec3d apart = hit.touch.otherPoint( radius ) - nearer.otherPoint( radius );
+			isNew = apart.dot( nearer.normal ) > kContactSlop * radius;
+		}
+		if ( isNew )
+		{
+			m_hits[kept++] = hit;
+		}
+	}
+	m_hits.resize( kept );
+}
+
+} // namespace pliant

@@ -1,0 +1,263 @@
+// Soft against soft: by the rows of both.
+
+#include "world/constants.h"
+#include "world/search/node_search.h"
+#include "world/touch/round_surface.h"
+#include "world/bodies/soft_body_impl.h"
+
+#include <algorithm>
+
+namespace pliant {
+
+namespace {
+
+std::vector<FreshPair>::iterator findFresh( std::vector<FreshPair>& fresh, unsigned other )
+{
+	const auto found = std::lower_bound( fresh.begin(), fresh.end(), FreshPair{ other, 0.0 } );
+	return found != fresh.end() && found->other == other ? found : fresh.end();
+}
+
+/// How deep the spheres of two bodies may overlap that came apart from each other; 0 for all others.
+double slackOf( const SoftBody::Impl& a, const SoftBody::Impl& b )
+{
+	const auto pair = findFresh( a.fresh, b.serial );
+	return pair == a.fresh.end() ? 0.0 : pair->slack;
+}
+
+void setSlack( const SoftBody::Impl& of, unsigned other, double slack )
+{
+	const auto pair = findFresh( of.fresh, other );
+	if ( pair != of.fresh.end() )
+	{
+		pair->slack = slack;
+		if ( slack == 0.0 )
+		{
+			of.fresh.erase( pair ); // they have parted
+		}
+	}
+}
+
+/// They go apart: no deeper than they are now may they be any more.
+void shrinkSlack( const SoftBody::Impl& a, const SoftBody::Impl& b, double slack, double deepest )
+{
+	if ( slack > 0.0 )
+	{
+		setSlack( a, b.serial, std::min( slack, deepest ) );
+		setSlack( b, a.serial, std::min( slack, deepest ) );
+	}
+}
+
+/// Further apart than their spheres, with the room that a contact is made ahead in, and what they move against each other, `way`, m. Bodies sweep what
+/// their fastest nodes do: of the pairs that those might bring together most are so, and this is sooner said than where they would touch. `room`: how
+/// much further their spheres may reach than the nodes' own.
+bool staysApart( const SphereRows::Meeting& meeting, const Vec3& way, float room )
+{
+	const float farthest = meeting.reach + room + way.norm();
+	return meeting.square > farthest * farthest;
+}
+
+/// Leaves those that do not stay apart.
+void keepComing( std::vector<SphereRows::Meeting>& meetings, const NodeState& nodesA, const NodeState& nodesB, double step, float room )
+{
+	std::size_t kept = 0;
+	for ( const SphereRows::Meeting& meeting : meetings )
+	{
+		meetings[kept] = meeting;
+		const Vec3 way = float( step ) * ( nodesA.v.get( meeting.nodeA ) - nodesB.v.get( meeting.nodeB ) );
+		kept += staysApart( meeting, way, room ) ? 0 : 1;
+	}
+	meetings.resize( kept );
+}
+
+/// A node of the second body: where it is in the first one's coordinates, m, and its own sphere.
+struct Ball
+{
+	Vec3d at;
+	double radius;
+	int node;
+};
+
+/// Touches of two bodies' patches with each other, and of a patch with a node's own sphere.
+class PatchPairs
+{
+public:
+	PatchPairs( const SoftBody& a, const SoftBody& b ) :
+		m_nodesA( a.impl().body->nodes() ), m_nodesB( b.impl().body->nodes() ), m_a( a.impl() ), m_b( b.impl() ),
+		m_cell( std::max( double( a.bodyTemplate().cellSize() ), double( b.bodyTemplate().cellSize() ) ) )
+	{
+	}
+	/// How much further apart than their own spheres touch two nodes may be whose patches do, m.
+	btScalar room() const { return btScalar( kPatchPairMargin * m_cell + m_a.surfaceNow().overhang() + m_b.surfaceNow().overhang() ); }
+
+	PatchAnswer find( const MovingSphere& sphere, int nodeA, const Ball& ball, Touch& touch ) const
+	{
+		ContactSurface::Patch one, other;
+		const bool hasOne = m_a.surfaceNow().patchOf( m_nodesA, nodeA, one ), hasOther = m_b.surfaceNow().patchOf( m_nodesB, ball.node, other );
+		if ( hasOne && hasOther )
+		{
+			return findBoth( one, other, sphere, ball, touch );
+		}
+		if ( hasOne )
+		{
+			return findOn( m_a, one, sphere, ball.at, ball.radius, touch );
+		}
+		if ( !hasOther )
+		{
+			return PatchAnswer::UseSphere;
+		}
+		// The other way round: the first one's sphere as the second one's patch sees it.
+		MovingSphere second;
+		second.centre = ball.at;
+		second.way = -sphere.way;
+		second.radius = ball.radius;
+		second.shape = sphere.shape;
+		const PatchAnswer answer = findOn( m_b, other, second, sphere.centre, sphere.radius, touch );
+		if ( answer == PatchAnswer::Touches )
+		{
+			touch = turned( touch, second, sphere );
+		}
+		return answer;
+	}
+
+private:
+	/// Of a patch with a ball around `at`.
+	static PatchAnswer findOn( const SoftBody::Impl& body, const ContactSurface::Patch& patch, const MovingSphere& own, const Vec3d& at, double radius, Touch& touch )
+	{
+		return findPatchTouch(
+			patch, body.surfaceNow().cellSize(), own, [&]( const MovingSphere& now, Touch& found ) { return findNearest( radius, at, now, found ); },
+			[&]( const MovingSphere& now, Touch& found ) { return findBallTouch( radius, at, now, found ); }, touch );
+	}
+	/// A touch of the second body's as one of the first's, at the point half-way between the two surfaces.
+	static Touch turned( const Touch& touch, const MovingSphere& second, const MovingSphere& first )
+	{
+		const double gap = touch.distance - second.radius;
+		const Vec3d at = second.centre + touch.otherPoint( second.radius ) - first.centre;
+		Touch back;
+		back.normal = -touch.normal;
+		back.distance = gap + first.radius;
+		back.reach = -at.dot( back.normal );
+		back.aside = at + back.reach * back.normal;
+		return back;
+	}
+	/// Two patches. Of a node and all that it faces those answer that are in front of it: no point of a grid is further than .71 of its step from all of its points. Flat
+	/// faces meet along the mean of their normals, each node on its own line: as the large spheres that they are they would roll on one another.
+	PatchAnswer findBoth( const ContactSurface::Patch& one, const ContactSurface::Patch& other, const MovingSphere& sphere, const Ball& ball, Touch& touch ) const
+	{
+		const bool isFlat = one.isFlat( m_cell ), isOtherFlat = other.isFlat( m_cell );
+		const double inwards = isFlat ? 0.0 : one.radius - one.height, otherInwards = isOtherFlat ? 0.0 : other.radius - other.height;
+		const Vec3d centre = sphere.centre - inwards * one.normal, otherCentre = ball.at - otherInwards * other.normal;
+		const Vec3d apart = isFlat && isOtherFlat ? Vec3d( other.normal - one.normal ) : isFlat ? Vec3d( -one.normal ) : isOtherFlat ? other.normal : Vec3d( centre - otherCentre );
+		const double length = apart.norm();
+		if ( !( length > 0.0 ) )
+		{
+			return PatchAnswer::UseSphere;
+		}
+		touch.normal = apart / length;
+		const double cosine = -touch.normal.dot( one.normal ), otherCosine = touch.normal.dot( other.normal );
+		if ( cosine < kLeastContactCosine || otherCosine < kLeastContactCosine )
+		{
+			return PatchAnswer::UseSphere;
+		}
+		const Vec3d at = -inwards * one.normal - ( inwards + one.height ) * touch.normal, otherAt = -otherInwards * other.normal + ( otherInwards + other.height ) * touch.normal;
+		const Vec3d between = ( sphere.centre + at ) - ( ball.at + otherAt );
+		const double gap = between.dot( touch.normal );
+		const Vec3d aside = at - at.dot( touch.normal ) * touch.normal;
+		const Vec3d lines = sphere.centre - ball.at;
+		if ( gap < -kPatchDepth * m_cell )
+		{
+			return PatchAnswer::UseSphere;
+		}
+		if ( ( lines - lines.dot( touch.normal ) * touch.normal ).norm() > kPatchPairDistance * m_cell )
+		{
+			return PatchAnswer::Clear;
+		}
+		// Half-way between where the two would touch by themselves: a flat one touches wherever the other does.
+		const Vec3d middle = between - gap * touch.normal;
+		touch.reach = -at.dot( touch.normal );
+		touch.aside = isFlat == isOtherFlat ? Vec3d( aside - 0.5 * middle ) : isFlat ? Vec3d( aside - middle ) : aside;
+		touch.distance = gap + sphere.radius;
+		if ( touch.distance <= sphere.radius * ( 1.0 + kContactSlop ) || !sphere.isFast() )
+		{
+			return sphere.reaches( touch.normal, touch.distance ) ? PatchAnswer::Touches : PatchAnswer::Clear;
+		}
+		return PatchAnswer::UseSphere;
+	}
+
+	const NodeState &m_nodesA, &m_nodesB;
+	const SoftBody::Impl &m_a, &m_b;
+	double m_cell;
+};
+
+/// Both nodes' spheres become the round ones of their faces.
+void roundOff( const SoftBody& a, int nodeA, MovingSphere& sphere, const SoftBody& b, int nodeB, Vec3d& at, double& radius )
+{
+	const RoundSphere one = roundSphere( a, nodeA, at - sphere.centre ), other = roundSphere( b, nodeB, sphere.centre - at );
+	sphere.centre += one.inwards;
+	sphere.radius += one.inwards.norm();
+	at += other.inwards;
+	radius += other.inwards.norm();
+}
+
+} // namespace
+
+std::vector<NodeHit>& NodeSearch::againstSoft( const SoftBody& a, const SoftBody& b, double step )
+{
+	const SoftBody::Impl& implA = a.impl();
+	const SoftBody::Impl& implB = b.impl();
+	const NodeShape &shapeA = *implA.shape, &shapeB = *implB.shape;
+	const NodeState& nodesA = implA.body->nodes();
+	const NodeState& nodesB = implB.body->nodes();
+	m_soft = &a;
+	m_step = step;
+	m_hits.clear();
+	const double slack = slackOf( implA, implB );
+	// What came apart has faces that fit into each other cell by cell.
+	const bool hasPatches = slack == 0.0 && implA.isImplicit && implB.isImplicit && ( implA.isMetAsDrawn() || implB.isMetAsDrawn() );
+	const PatchPairs patches( a, b ); // asked only where there are any
+	const bool isRound = slack == 0.0 && meetRound( a, b );
+	double deepest = 0.0;
+	const Vec3d fromAToB = nodesA.origin - nodesB.origin; // adds to a position of A's to make it one of B's
+	const btVector3 shapesApart = toBt( fromAToB + ( implA.shapeShift - implB.shapeShift ).cast<double>() );
+	const btScalar room = hasPatches ? patches.room() : isRound ? kRoundRoom * ( shapeA.largestRadius() + shapeB.largestRadius() ) : btScalar( 0 );
+	const btVector3 around( room, room, room );
+	const float farther = float( around.length() ); // as findPairs takes it: cells that are stretched have more room
+	const btVector3 low = shapeA.sweepLow() - shapeB.sweepHigh() - around, high = shapeA.sweepHigh() - shapeB.sweepLow() + around;
+	SphereRows::findPairs( shapeA.rows(), shapeB.rows(), SphereRows::Approach{ shapesApart, low, high }, m_pairs );
+	keepComing( m_pairs.found, nodesA, nodesB, step, farther );
+	for ( const SphereRows::Meeting& meeting : m_pairs.found )
+	{
+		const int nodeA = meeting.nodeA, nodeB = meeting.nodeB;
+		const Vec3 speedA = nodesA.v.get( nodeA ), speedB = nodesB.v.get( nodeB );
+		MovingSphere sphere;
+		sphere.radius = double( shapeA.sphereOfNode( nodeA )->getRadius() );
+		sphere.centre = nodesA.x.get( nodeA ).cast<double>();
+		sphere.way = step * speedA.cast<double>() - step * speedB.cast<double>();
+		Vec3d at = nodesB.x.get( nodeB ).cast<double>() - fromAToB;
+		double radius = double( shapeB.sphereOfNode( nodeB )->getRadius() );
+		const double own = sphere.radius;
+		if ( isRound )
+		{
+			roundOff( a, nodeA, sphere, b, nodeB, at, radius );
+		}
+		Touch touch;
+		const PatchAnswer answer = hasPatches ? patches.find( sphere, nodeA, Ball{ at, radius, nodeB }, touch ) : PatchAnswer::UseSphere;
+		if ( answer == PatchAnswer::Touches || ( answer == PatchAnswer::UseSphere && findBallTouch( radius, at, sphere, touch ) ) )
+		{
+			touch.distance -= sphere.radius - own; // of the node's own sphere that would be as near
+			sphere.radius = own;
+			deepest = std::max( deepest, sphere.radius - touch.distance );
+			touch.distance += slack;
+			if ( slack > 0.0 && touch.distance > sphere.radius )
+			{
+				continue;
+			}
+			m_hits.push_back( NodeHit{ std::uint64_t( nodeA ) << 32 | std::uint32_t( nodeB ), touch, -1, nodeB } );
+		}
+	}
+	shrinkSlack( implA, implB, slack, deepest );
+	giveLeave( a, &b );
+	sortHits();
+	return m_hits;
+}
+
+} // namespace pliant

@@ -1,0 +1,227 @@
+#include "world/self/near_pairs.h"
+
+#include "body/levels/levels.h"
+#include "world/constants.h"
+#include "world/bodies/soft_body_impl.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+namespace pliant {
+
+namespace {
+
+/// Where more nodes than this ask, all do, by a grid: that takes about as long as for so many to ask everybody, however large the body.
+constexpr std::size_t kFewAsking = 300;
+
+constexpr float kNoSphere = -1.0f;
+
+/// A little less than 1, for rounding.
+constexpr float kUnder = 0.999f;
+
+} // namespace
+
+float NearPairs::radiusOf( int node ) const
+{
+	const NodeShape& shape = *m_soft->impl().shape;
+	return shape.childOfNode( node ) >= 0 ? float( shape.sphereOfNode( node )->getRadius() ) : kNoSphere;
+}
+
+// Several changes may come before the next step: what was known keeps its numbers until then.
+void NearPairs::renumber( const std::vector<std::uint32_t>& nodeNow )
+{
+	m_isRelinked = true;
+	if ( nodeNow.empty() )
+	{
+		return;
+	}
+	if ( !m_hasNumbers )
+	{
+		m_now.resize( m_then.size() );
+		std::iota( m_now.begin(), m_now.end(), 0u );
+		m_hasNumbers = true;
+	}
+	for ( std::uint32_t& now : m_now )
+	{
+		now = now < nodeNow.size() ? nodeNow[now] : kNoNode; // which is no number
+	}
+}
+
+/// Nodes and pairs take the numbers they have now; rows stay as they were, with `m_before` and `m_now` between the two.
+void NearPairs::takeNumbers()
+{
+	std::uint32_t count = 0;
+	for ( const std::uint32_t now : m_now )
+	{
+		count = now == kNoNode ? count : std::max( count, now + 1 );
+	}
+	m_before.assign( count, kNoNode );
+	std::vector<Then> then( count, Then{ Vec3::Zero(), kNoSphere } );
+	for ( std::uint32_t i = 0; i < std::uint32_t( m_now.size() ); ++i )
+	{
+		if ( m_now[i] != kNoNode )
+		{
+			then[m_now[i]] = m_then[i];
+			m_before[m_now[i]] = i;
+		}
+	}
+	m_then.swap( then );
+	std::size_t kept = 0;
+	for ( const std::uint64_t pair : m_pairs )
+	{
+		const std::uint32_t a = m_now[pair >> 32], b = m_now[pair & 0xffffffffu];
+		if ( a != kNoNode && b != kNoNode )
+		{
+			m_pairs[kept++] = std::uint64_t( std::min( a, b ) ) << 32 | std::max( a, b );
+		}
+	}
+	m_pairs.resize( kept );
+	std::sort( m_pairs.begin(), m_pairs.end() ); // nodes need not keep their order
+}
+
+const std::vector<std::uint64_t>& NearPairs::of( const SoftBody& soft, double step )
+{
+	const Body& body = *soft.impl().body;
+	const NodeState& nodes = body.nodes();
+	const Levels* levels = body.levels();
+	m_soft = &soft;
+	m_step = step;
+	m_rowStart = levels ? &levels->matrix().start : &body.lattice().linkStart;
+	m_rowTo = levels ? &levels->matrix().member : &body.lattice().linkTo;
+	const double margin = kNearMargin * double( soft.impl().shape->largestRadius() );
+	if ( m_hasNumbers )
+	{
+		takeNumbers();
+	}
+	if ( margin != m_margin || int( m_then.size() ) > nodes.count )
+	{
+		m_then.clear();
+		m_pairs.clear();
+		m_margin = margin;
+		m_isRelinked = true;
+	}
+	if ( m_isRelinked || int( m_then.size() ) != nodes.count )
+	{
+		follow( nodes );
+	}
+	measureDrift( nodes );
+	findAsking( nodes );
+	if ( !m_asking.empty() )
+	{
+		ask( nodes );
+	}
+	return m_pairs;
+}
+
+/// How far all have come since they asked, in the mean of those that have, and how fast they are. Not the mean of their places: with nodes that come
+/// and go it would jump.
+void NearPairs::measureDrift( const NodeState& nodes )
+{
+	Vec3 way = Vec3::Zero(), speed = Vec3::Zero();
+	int known = 0;
+	for ( int i = 0; i < nodes.count; ++i )
+	{
+		if ( const Then& then = m_then[std::size_t( i )]; then.radius >= 0.0f )
+		{
+			way += nodes.x.get( i ) - then.place;
+			++known;
+		}
+		speed += nodes.v.get( i );
+	}
+	m_way = known > 0 ? Vec3( way / float( known ) ) : Vec3( Vec3::Zero() );
+	m_drift = speed / float( nodes.count );
+}
+
+// A pair further apart then than its radii and the margin has not met as long as
+//   2 max | x - x_then | + min( m / 2, 2 h max | v - v_mean | ) <= m
+// places as if all had stayed where they were in the mean: what flies along with all others does not move. The second term is what they come closer in this step;
+// of what is faster than half a margin a step only that much is seen before. Each node is asked for its share: where it holds for both of a
+// pair, half of each sum is each one's.
+void NearPairs::findAsking( const NodeState& nodes )
+{
+	m_asking.clear();
+	m_isAsking.assign( std::size_t( nodes.count ), 0 );
+	const float farEnough = float( m_margin * m_margin / 16.0 ) * kUnder;
+	for ( int i = 0; i < nodes.count; ++i )
+	{
+		Then& then = m_then[std::size_t( i )];
+		bool asks = then.radius == kNoSphere && m_soft->impl().shape->childOfNode( i ) >= 0;
+		const Vec3 way = nodes.x.get( i ) - m_way - then.place;
+		if ( then.radius >= 0.0f && way.squaredNorm() > farEnough ) // what closes in is half of the margin at most
+		{
+			const double moved = double( way.norm() ), closing = m_step * double( ( nodes.v.get( i ) - m_drift ).norm() );
+			asks = 2.0 * moved + std::min( m_margin / 2.0, 2.0 * closing ) > m_margin;
+		}
+		if ( asks )
+		{
+			m_asking.push_back( std::uint32_t( i ) );
+			m_isAsking[std::size_t( i )] = 1;
+		}
+	}
+}
+
+bool NearPairs::hasSameRow( std::uint32_t node ) const
+{
+	const std::vector<std::uint32_t>& start = *m_rowStart;
+	const std::uint32_t old = m_hasNumbers ? m_before[node] : node;
+	if ( old + 1 >= m_startThen.size() || start[node + 1] - start[node] != m_startThen[old + 1] - m_startThen[old] )
+	{
+		return false;
+	}
+	const auto now = m_rowTo->begin() + start[node], end = m_rowTo->begin() + start[node + 1], then = m_toThen.begin() + m_startThen[old];
+	// One that is gone makes it another row.
+	return m_hasNumbers ? std::equal( now, end, then, [this]( std::uint32_t a, std::uint32_t b ) { return a == m_now[b]; } ) : std::equal( now, end, then );
+}
+
+// Whether two nodes are held together follows from their rows alone: only those whose own has changed need ask again, and those whose sphere has.
+void NearPairs::follow( const NodeState& nodes )
+{
+	m_isRelinked = false;
+	m_then.resize( std::size_t( nodes.count ), Then{ Vec3::Zero(), kNoSphere } );
+	for ( int i = 0; i < nodes.count; ++i )
+	{
+		Then& then = m_then[std::size_t( i )];
+		if ( then.radius >= 0.0f && ( then.radius != radiusOf( i ) || !hasSameRow( std::uint32_t( i ) ) ) )
+		{
+			then.radius = kNoSphere;
+		}
+	}
+	m_hasNumbers = false;
+	m_startThen = *m_rowStart;
+	m_toThen = *m_rowTo;
+	const auto isGone = [this]( std::uint64_t pair ) { return m_then[pair >> 32].radius < 0.0f || m_then[pair & 0xffffffffu].radius < 0.0f; };
+	m_pairs.erase( std::remove_if( m_pairs.begin(), m_pairs.end(), isGone ), m_pairs.end() );
+}
+
+void NearPairs::ask( const NodeState& nodes )
+{
+	m_asked += (long long)( m_asking.size() );
+	m_spheres.clear();
+	for ( const std::uint32_t node : m_asking )
+	{
+		m_then[node] = Then{ nodes.x.get( int( node ) ) - m_way, radiusOf( int( node ) ) };
+	}
+	for ( int i = 0; i < nodes.count; ++i )
+	{
+		if ( const Then& then = m_then[std::size_t( i )]; then.radius >= 0.0f )
+		{
+			m_spheres.push_back( { then.place, then.radius, std::uint32_t( i ) } );
+		}
+	}
+	const ClosePairs::Held held{ *m_rowStart, *m_rowTo };
+	if ( m_asking.size() > kFewAsking )
+	{
+		m_pairs.clear();
+		m_close.find( m_spheres, float( kContactSlop ), float( m_margin ), &held, m_pairs );
+	}
+	else
+	{
+		const auto isAsking = [this]( std::uint64_t pair ) { return ( m_isAsking[pair >> 32] | m_isAsking[pair & 0xffffffffu] ) != 0; };
+		m_pairs.erase( std::remove_if( m_pairs.begin(), m_pairs.end(), isAsking ), m_pairs.end() );
+		m_close.findOf( m_spheres, m_isAsking, float( kContactSlop ), float( m_margin ), &held, m_pairs );
+	}
+	std::sort( m_pairs.begin(), m_pairs.end() );
+}
+
+} // namespace pliant

@@ -1,0 +1,60 @@
+// Bodies that meet themselves. The broadphase pairs no object with itself: their contacts are found right after its pairs', by the same
+// means, and solved with all others.
+
+#include "world/bodies/soft_body_impl.h"
+#include "world/step/soft_body_system.h"
+
+#include <LinearMath/btQuickprof.h>
+
+namespace pliant {
+
+void SoftBodySystem::collideWithThemselves( btScalar h )
+{
+	report.selfContacts = 0;
+	// The game is told of contacts, and may remove any body then.
+	unsigned serial = 0;
+	while ( SoftBody* const body = bodyAfter( serial ) )
+	{
+		serial = body->impl().serial;
+		SelfCollision* const self = body->impl().self.get();
+		if ( !self )
+		{
+			continue;
+		}
+		if ( !body->isHealthy() )
+		{
+			self->contacts.reset();
+			continue;
+		}
+		if ( !self->contacts )
+		{
+			self->contacts = std::make_unique<PairContacts>( m_dispatcher, pool, pairScratch );
+		}
+		// A sleeping body keeps the contacts it has, as pairs of Bullet's do.
+		if ( moves( *body ) && isInPass( *body ) )
+		{
+			BT_PROFILE( "pliant: self-collision" );
+			self->contacts->processSelf( *body, self->search, double( h ) );
+		}
+		const SoftBody* const after = bodyAfter( serial - 1 );
+		const bool isThere = after == body && body->impl().self.get() == self && self->contacts;
+		report.selfContacts += isThere ? self->contacts->count() : 0;
+	}
+}
+
+void SoftBody::setSelfCollision( bool isOn )
+{
+	if ( isOn == selfCollision() )
+	{
+		return;
+	}
+	m_impl->self = isOn ? std::make_unique<SelfCollision>() : nullptr;
+	activate();
+}
+
+bool SoftBody::selfCollision() const
+{
+	return m_impl->self != nullptr;
+}
+
+} // namespace pliant

@@ -1,0 +1,193 @@
+#include "world/self/self_search.h"
+
+#include "body/levels/levels.h"
+#include "lattice/inside/inside_distance.h"
+#include "world/constants.h"
+#include "world/bodies/soft_body_impl.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace pliant {
+
+namespace {
+
+double radiusOf( const SoftBody::Impl& impl, int node )
+{
+	return double( impl.shape->sphereOfNode( node )->getRadius() );
+}
+
+} // namespace
+
+void SelfSearch::relink( const std::vector<std::uint32_t>& nodeNow, const CellsNow& cells )
+{
+	m_near.renumber( nodeNow );
+	if ( !m_depth.empty() )
+	{
+		std::vector<std::uint32_t> depth;
+		depth.reserve( cells.before.size() );
+		for ( const std::uint32_t cell : cells.before )
+		{
+			depth.push_back( m_depth[cell] );
+		}
+		m_depth.swap( depth );
+		if ( !followInside( cells.lattice, cells.touched, m_depth ) )
+		{
+			m_depth.clear();
+		}
+	}
+	m_slack.clear();
+	m_isFirst = true;
+}
+
+void SelfSearch::renumber( const std::vector<std::uint32_t>& nodeNow )
+{
+	m_near.renumber( nodeNow );
+	std::size_t kept = 0;
+	for ( const Slack& slack : m_slack )
+	{
+		const std::uint32_t a = nodeNow[slack.key >> 32], b = nodeNow[slack.key & 0xffffffffu];
+		if ( a != kNoNode && b != kNoNode )
+		{
+			m_slack[kept++] = Slack{ std::uint64_t( a ) << 32 | b, slack.depth };
+		}
+	}
+	m_slack.resize( kept );
+}
+
+const std::vector<NodeHit>& SelfSearch::find( const SoftBody& soft, double step )
+{
+	m_soft = &soft;
+	m_body = soft.impl().body.get();
+	m_step = step;
+	m_rotation.clear();
+	m_hits.clear();
+	for ( const std::uint64_t pair : m_near.of( soft, step ) )
+	{
+		consider( int( pair >> 32 ), int( pair & 0xffffffffu ) );
+	}
+	giveSlack();
+	return m_hits;
+}
+
+void SelfSearch::consider( int a, int b )
+{
+	const NodeState& nodes = m_body->nodes();
+	const double radiusA = radiusOf( m_soft->impl(), a ), radii = radiusA + radiusOf( m_soft->impl(), b );
+	const Vec3 apart = nodes.x.get( a ) - nodes.x.get( b ), way = float( m_step ) * ( nodes.v.get( a ) - nodes.v.get( b ) );
+	const double reach = radii + kContactSlop * radiusA + double( way.norm() );
+	if ( double( apart.squaredNorm() ) > reach * reach )
+	{
+		return;
+	}
+	NodeHit hit{ std::uint64_t( a ) << 32 | std::uint32_t( b ), touchOf( a, b, apart ), -1, b };
+	// Closer at rest than their radii: that close they may be.
+	hit.touch.distance += std::max( 0.0, radii - double( ( nodes.x0.get( a ) - nodes.x0.get( b ) ).norm() ) );
+	MovingSphere sphere;
+	sphere.radius = radiusA;
+	sphere.way = way.cast<double>();
+	if ( sphere.reaches( hit.touch.normal, hit.touch.distance ) )
+	{
+		m_hits.push_back( hit );
+	}
+}
+
+// The spheres' own normal, n = ( x_a - x_b ) / |x_a - x_b|, as long as it leads out of b's material and into a's:
+//   n . ( o_b - o_a ) >= 0
+// Else their sides have gone through one another, and the way back is along o_b - o_a; no further than one radius at a time.
+Touch SelfSearch::touchOf( int a, int b, const Vec3& apart )
+{
+	const double radiusA = radiusOf( m_soft->impl(), a ), radiusB = radiusOf( m_soft->impl(), b );
+	const Vec3d between = apart.cast<double>();
+	const double length = between.norm();
+	Touch touch;
+	// Two centres at one place have no direction; up is as good as any other and the same on every machine.
+	touch.normal = length > 0.0 ? Vec3d( between / length ) : Vec3d::UnitY();
+	touch.distance = length - radiusB;
+	if ( touch.distance > radiusA )
+	{
+		return touch; // not yet
+	}
+	const Vec3d facing = ( outwardNow( b ) - outwardNow( a ) ).cast<double>();
+	if ( facing.norm() > kFacing && touch.normal.dot( facing ) < 0.0 && !faceAwayAtRest( a, b ) )
+	{
+		touch.normal = facing.normalized();
+		touch.distance = touch.normal.dot( between ) - radiusB;
+	}
+	touch.distance = std::max( touch.distance, radiusA - std::min( radiusA, radiusB ) );
+	return touch;
+}
+
+// Top and bottom of a plate that is crushed flat look like sides that have gone through one another, and have not.
+bool SelfSearch::faceAwayAtRest( int a, int b )
+{
+	const NodeState& nodes = m_body->nodes();
+	const Vec3 apart = nodes.x0.get( a ) - nodes.x0.get( b );
+	const double radii = radiusOf( m_soft->impl(), a ) + radiusOf( m_soft->impl(), b );
+	return double( apart.norm() ) < kCrushedNodes * radii && apart.dot( outwardAtRest( b ) - outwardAtRest( a ) ) < 0.0f;
+}
+
+/// Unit length, or zero.
+Vec3 SelfSearch::outwardAtRest( int node )
+{
+	const Lattice& lattice = m_body->lattice();
+	if ( m_depth.empty() )
+	{
+		m_depth = floodInside( lattice );
+	}
+	Vec3 out = Vec3::Zero();
+	if ( const Levels* levels = m_body->levels() )
+	{
+		const Octree& octree = levels->octree();
+		const std::uint32_t above = levels->cut().node[std::size_t( node )];
+		for ( std::uint32_t k = 0; k < octree.cellCount[above]; ++k )
+		{
+			out += outwardOf( lattice, m_depth, octree.cells[octree.cellStart[above] + k] );
+		}
+	}
+	else
+	{
+		out = outwardOf( lattice, m_depth, std::uint32_t( node ) );
+	}
+	const float length = out.norm();
+	return length > kNoSide ? Vec3( out / length ) : Vec3( Vec3::Zero() );
+}
+
+Vec3 SelfSearch::outwardNow( int node )
+{
+	if ( m_rotation.empty() )
+	{
+		m_rotation.resize( std::size_t( m_body->nodes().padded ) * 4 );
+		m_body->nodeRotations( m_rotation.data() );
+	}
+	return Eigen::Map<const Eigen::Quaternionf>( m_rotation.data() + 4 * std::size_t( node ) ) * outwardAtRest( node );
+}
+
+void SelfSearch::giveSlack()
+{
+	const SoftBody::Impl& impl = m_soft->impl();
+	m_slackNext.clear();
+	auto known = m_slack.begin();
+	for ( NodeHit& hit : m_hits )
+	{
+		while ( known != m_slack.end() && known->key < hit.key )
+		{
+			++known;
+		}
+		const bool isKnown = known != m_slack.end() && known->key == hit.key;
+		const double depth = radiusOf( impl, hit.node() ) - hit.touch.distance;
+		if ( depth > 0.0 && ( m_isFirst || isKnown ) )
+		{
+			m_slackNext.push_back( Slack{ hit.key, m_isFirst ? depth : std::min( depth, known->depth ) } );
+			hit.touch.distance += m_slackNext.back().depth;
+		}
+		else if ( depth > 0.0 )
+		{
+			hit.touch.distance += std::max( impl.born.leave( hit.node(), depth ), impl.born.leave( hit.other(), depth ) );
+		}
+	}
+	m_slack.swap( m_slackNext );
+	m_isFirst = false;
+}
+
+} // namespace pliant

@@ -1,0 +1,28 @@
+// In a build without self-collision it cannot be switched on.
+
+#include "world/bodies/soft_body_impl.h"
+#include "world/step/soft_body_system.h"
+
+namespace pliant {
+
+void SoftBodySystem::collideWithThemselves( btScalar )
+{
+	report.selfContacts = 0;
+}
+
+void SoftBody::setSelfCollision( bool ) {}
+
+bool SoftBody::selfCollision() const
+{
+	return false;
+}
+
+const std::vector<NodeHit>& SelfSearch::find( const SoftBody&, double )
+{
+	return m_hits; // none
+}
+
+void SelfSearch::relink( const std::vector<std::uint32_t>&, const CellsNow& ) {}
+void SelfSearch::renumber( const std::vector<std::uint32_t>& ) {}
+
+} // namespace pliant

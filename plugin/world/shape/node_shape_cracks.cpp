@@ -1,0 +1,98 @@
+// The spheres of a body that has cracked, which are those it had but for a few.
+
+#include "body/levels/levels.h"
+#include "world/shape/node_shape.h"
+
+#include <algorithm>
+
+namespace pliant {
+
+namespace {
+
+/// Leaf by leaf into a tree takes twenty times as long as all at once: beyond this share of what is in it, it is made anew.
+constexpr double kMostPutIn = 0.05;
+
+/// Sphere by sphere out of a tree is quicker than a new one as long as this share of a body is left.
+constexpr double kLeastLeft = 0.8;
+
+} // namespace
+
+/// Nodes that are no more there take their spheres along. `before`: the number that each node had. True where all have it still.
+bool NodeShape::renumber( const std::vector<std::uint32_t>& nodeNow, const std::vector<std::uint32_t>& before )
+{
+	for ( int child = int( m_nodeOfChild.size() ); before.size() < nodeNow.size() && child-- > 0; )
+	{
+		if ( nodeNow[std::size_t( m_nodeOfChild[child] )] == kNoNode )
+		{
+			removeChild( child );
+		}
+	}
+	if ( before.size() == nodeNow.size() && std::is_sorted( nodeNow.begin(), nodeNow.end() ) )
+	{
+		return true; // all are there: each is where it was
+	}
+	std::vector<btSphereShape*> spheres( before.size() );
+	for ( std::size_t i = 0; i < before.size(); ++i )
+	{
+		spheres[i] = m_sphereOfNode[before[i]];
+	}
+	m_sphereOfNode.swap( spheres );
+	m_childOfNode.assign( before.size(), -1 );
+	for ( std::size_t child = 0; child < m_nodeOfChild.size(); ++child )
+	{
+		m_nodeOfChild[child] = int( nodeNow[std::size_t( m_nodeOfChild[child] )] );
+		m_childOfNode[std::size_t( m_nodeOfChild[child] )] = int( child );
+	}
+	return false;
+}
+
+// Spheres are as large as they were: links change between finest cells alone, whose size does not hang on them.
+bool NodeShape::followCracks( const Body& body, const std::vector<std::uint32_t>& nodeNow, const std::vector<std::uint32_t>& nodeBefore,
+	const CollidersChange& change )
+{
+	if ( double( nodeBefore.size() ) < kLeastLeft * double( nodeNow.size() ) )
+	{
+		return false;
+	}
+	if ( const Levels* levels = body.levels() )
+	{
+		const bool isKnown = !change.nodeBefore.empty();
+		m_colliders = isKnown ? followColliders( body.lattice(), levels->octree(), m_colliders, change ) : measureColliders( body.lattice(), levels->octree() );
+		m_smallestRadius = btScalar( *std::min_element( m_colliders.radius.begin(), m_colliders.radius.end() ) );
+	}
+	std::vector<int> bare;
+	for ( int i = 0; i < body.nodeCount(); ++i )
+	{
+		const bool isNear = collides( body, i ), wasNear = m_childOfNode[std::size_t( nodeBefore[std::size_t( i )] )] >= 0;
+		if ( !isNear && wasNear )
+		{
+			return false;
+		}
+		if ( isNear && !wasNear )
+		{
+			bare.push_back( i );
+		}
+	}
+	if ( double( bare.size() ) > kMostPutIn * double( m_nodeOfChild.size() ) )
+	{
+		return false;
+	}
+	const bool hasLost = nodeBefore.size() < nodeNow.size(), isSameTree = bare.empty() && !hasLost;
+	const bool keepsNumbers = renumber( nodeNow, nodeBefore );
+	if ( hasLost && !body.levels() )
+	{
+		const auto isSmaller = []( const btSphereShape* a, const btSphereShape* b ) { return a->getRadius() < b->getRadius(); };
+		const auto [smallest, largest] = std::minmax_element( m_sphereOfNode.begin(), m_sphereOfNode.end(), isSmaller );
+		m_smallestRadius = ( *smallest )->getRadius();
+		m_largestRadius = ( *largest )->getRadius();
+	}
+	for ( const int i : bare )
+	{
+		addNode( i, body.nodes().x.get( i ), m_sphereOfNode[i] ); // placed with all others when the substep goes on
+	}
+	m_isRefitKnown = m_isRefitKnown && isSameTree;
+	m_areRowsKnown = m_areRowsKnown && isSameTree && keepsNumbers;
+	return true;
+}
+
+} // namespace pliant

@@ -1,0 +1,200 @@
+#include "world/shape/node_tree.h"
+
+#include "threads/parallel.h"
+#include "world/shape/sphere_rows.h"
+
+#include <algorithm>
+#include <new>
+
+namespace pliant {
+
+namespace {
+
+/// Extents that differ by a smaller share are equal.
+constexpr btScalar kEqualExtents = btScalar( 1e-3 );
+
+btDbvtNode* makeTreeNode( btDbvtNode* parent )
+{
+	// As btDbvt makes them: it is the tree that frees them.
+	auto* const node = new ( btAlignedAlloc( sizeof( btDbvtNode ), int( alignof( btDbvtNode ) ) ) ) btDbvtNode();
+	node->parent = parent;
+	node->childs[1] = nullptr;
+	return node;
+}
+
+class TreeBuilder
+{
+public:
+	TreeBuilder( btCompoundShapeChild* children, const std::vector<int>& which ) : m_children( children )
+	{
+		m_order.reserve( which.size() );
+		for ( const int child : which )
+		{
+			const btVector3& at = children[child].m_transform.getOrigin();
+			m_order.push_back( Leaf{ { at.x(), at.y(), at.z() }, child } );
+		}
+	}
+
+	btDbvtNode* build( btDbvtNode* parent, int first, int last ) // NOLINT(misc-no-recursion): as deep as the logarithm of the count
+	{
+		btDbvtNode* const node = makeTreeNode( parent );
+		if ( last - first == 1 )
+		{
+			const int child = m_order[std::size_t( first )].child;
+			node->dataAsInt = child;
+			m_children[child].m_node = node;
+			return node;
+		}
+		const int axis = longestAxis( first, last ), half = ( last - first ) / 2;
+		// Whole rows of eight below each half: SphereRows takes the leaves as they stand.
+		const int middle = first + ( last - first > SphereRows::kWide ? ( half + SphereRows::kWide - 1 ) / SphereRows::kWide * SphereRows::kWide : half );
+		const auto begin = m_order.begin();
+		std::nth_element( begin + first, begin + middle, begin + last,
+			[axis]( const Leaf& a, const Leaf& b ) { return a.at[axis] != b.at[axis] ? a.at[axis] < b.at[axis] : a.child < b.child; } );
+		node->childs[0] = build( node, first, middle );
+		node->childs[1] = build( node, middle, last );
+		return node;
+	}
+
+private:
+	struct Leaf
+	{
+		btScalar at[3];
+		int child;
+	};
+
+	/// Of equal ones the last: nodes are numbered along z last, so that the first half of the tree has its nodes in the first half of their arrays, and
+	/// a thread that places it finds there what it wrote itself a stage ago.
+	int longestAxis( int first, int last ) const
+	{
+		btVector3 low( BT_LARGE_FLOAT, BT_LARGE_FLOAT, BT_LARGE_FLOAT ), high( -low );
+		for ( int k = first; k < last; ++k )
+		{
+			const btScalar* const place = m_order[std::size_t( k )].at;
+			const btVector3 at( place[0], place[1], place[2] );
+			low.setMin( at );
+			high.setMax( at );
+		}
+		const btVector3 extent = high - low;
+		const btScalar least = extent[extent.maxAxis()] * ( 1 - kEqualExtents );
+		return extent.z() >= least ? 2 : extent.y() >= least ? 1 : 0;
+	}
+
+	btCompoundShapeChild* m_children;
+	std::vector<Leaf> m_order;
+};
+
+} // namespace
+
+btDbvtNode* buildNodeTree( btCompoundShapeChild* children, const std::vector<int>& which )
+{
+	return TreeBuilder( children, which ).build( nullptr, 0, int( which.size() ) );
+}
+
+void replaceLeaf( btDbvt& tree, btDbvtNode* leaf, btDbvtNode* top, int leaves )
+{
+	top->parent = leaf->parent;
+	if ( leaf->parent )
+	{
+		leaf->parent->childs[leaf->parent->childs[1] == leaf ? 1 : 0] = top;
+	}
+	else
+	{
+		tree.m_root = top;
+	}
+	tree.m_leaves += leaves - 1;
+	btAlignedFree( leaf );
+}
+
+void collectInner( btDbvtNode* top, std::vector<btDbvtNode*>& inner )
+{
+	// Parents before children on the stack, then turned round: no recursion, the tree may be deep.
+	const auto first = std::ptrdiff_t( inner.size() );
+	std::vector<btDbvtNode*> stack( 1, top );
+	while ( !stack.empty() )
+	{
+		btDbvtNode* const node = stack.back();
+		stack.pop_back();
+		if ( node && node->isinternal() )
+		{
+			inner.push_back( node );
+			stack.push_back( node->childs[0] );
+			stack.push_back( node->childs[1] );
+		}
+	}
+	std::reverse( inner.begin() + first, inner.end() );
+}
+
+void TreeRefit::collect( btDbvtNode* root )
+{
+	m_inner.clear();
+	m_branch.assign( 1, 0 );
+	// Down from the root, the widest rank that is no wider than there are to be branches.
+	std::vector<btDbvtNode*> above, rank, next;
+	for ( next.assign( root && root->isinternal() ? 1 : 0, root ); !next.empty() && int( next.size() ) <= kMostShares; )
+	{
+		above.insert( above.end(), rank.begin(), rank.end() );
+		rank.swap( next );
+		next.clear();
+		for ( btDbvtNode* const node : rank )
+		{
+			for ( btDbvtNode* const child : node->childs )
+			{
+				if ( child->isinternal() )
+				{
+					next.push_back( child );
+				}
+			}
+		}
+	}
+	for ( btDbvtNode* const top : rank )
+	{
+		collectInner( top, m_inner );
+		m_branch.push_back( int( m_inner.size() ) );
+	}
+	m_inner.insert( m_inner.end(), above.rbegin(), above.rend() );
+}
+
+void TreeRefit::putBefore( std::vector<btDbvtNode*>& fresh )
+{
+	for ( int& bound : m_branch )
+	{
+		bound += int( fresh.size() );
+	}
+	fresh.insert( fresh.end(), m_inner.begin(), m_inner.end() );
+	m_inner.swap( fresh );
+}
+
+void TreeRefit::run( TaskRunner* runner ) const
+{
+	const int branches = int( m_branch.size() ) - 1;
+	run( 0, m_branch.front() );
+	auto refitBranch = [&]( int k ) { run( m_branch[std::size_t( k )], m_branch[std::size_t( k ) + 1] ); };
+	runTasks( m_branch.back() - m_branch.front() < kLeastShare ? nullptr : runner, branches, refitBranch );
+	run( m_branch.back(), int( m_inner.size() ) );
+}
+
+void TreeRefit::run( int first, int last ) const
+{
+	for ( int k = first; k < last; ++k )
+	{
+		__builtin_prefetch( m_inner[std::size_t( std::min( k + kAskedAhead, last - 1 ) )], 1 );
+		btDbvtNode* const node = m_inner[std::size_t( k )];
+		Merge( node->childs[0]->volume, node->childs[1]->volume, node->volume );
+	}
+}
+
+void refitUpwards( btDbvtNode* node )
+{
+	for ( btDbvtNode* parent = node->parent; parent; parent = parent->parent )
+	{
+		const btDbvtVolume before = parent->volume;
+		Merge( parent->childs[0]->volume, parent->childs[1]->volume, parent->volume );
+		if ( !NotEqual( before, parent->volume ) )
+		{
+			return;
+		}
+	}
+}
+
+} // namespace pliant

@@ -1,0 +1,375 @@
+// Manifolds become ContactSolver's rows: in Bullet's order of evaluation, without its products with zero.
+
+#include "world/solver/convert_contacts.h"
+
+#include "world/bodies/ahead.h"
+#include "world/shape/node_body.h"
+
+#include <algorithm>
+
+namespace pliant {
+
+namespace {
+
+/// So many turns ahead manifolds are asked for, and bodies and points.
+constexpr int kManifoldsAhead = 16, kBodiesAhead = 8;
+
+void askForContact( const btPersistentManifold& manifold )
+{
+	const btManifoldPoint& point = manifold.getContactPoint( 0 );
+	const char* const from = reinterpret_cast<const char*>( &point.m_normalWorldOnB );
+	askFor( from, std::size_t( reinterpret_cast<const char*>( &point + 1 ) - from ) );
+	for ( const btCollisionObject* object : { manifold.getBody0(), manifold.getBody1() } )
+	{
+		askForAll( *object );
+		askFor( &static_cast<const btRigidBody*>( object )->getLinearVelocity(), 3 * sizeof( btVector3 ) );
+	}
+}
+
+/// How a contact gives:   cfm / h,  erp
+struct Softness
+{
+	btScalar cfm, erp;
+};
+
+Softness softnessOf( const btManifoldPoint& point, const btContactSolverInfo& info )
+{
+	const int flags = point.m_contactPointFlags;
+	Softness soft{ info.m_globalCfm, info.m_erp2 };
+	if ( flags & ( BT_CONTACT_FLAG_HAS_CONTACT_CFM | BT_CONTACT_FLAG_HAS_CONTACT_ERP ) )
+	{
+		soft.cfm = flags & BT_CONTACT_FLAG_HAS_CONTACT_CFM ? point.m_contactCFM : soft.cfm;
+		soft.erp = flags & BT_CONTACT_FLAG_HAS_CONTACT_ERP ? point.m_contactERP : soft.erp;
+	}
+	else if ( flags & BT_CONTACT_FLAG_CONTACT_STIFFNESS_DAMPING )
+	{
+		const btScalar all = info.m_timeStep * point.m_combinedContactStiffness1 + point.m_combinedContactDamping1;
+		const btScalar whole = all < SIMD_EPSILON ? btScalar( SIMD_EPSILON ) : all;
+		soft = { btScalar( 1 ) / whole, ( info.m_timeStep * point.m_combinedContactStiffness1 ) / whole };
+	}
+	soft.cfm *= btScalar( 1 ) / info.m_timeStep;
+	return soft;
+}
+
+} // namespace
+
+/// False where a stand-in is not as ours are: an island with such goes Bullet's way.
+bool ContactSolver::Conversion::findSide( btCollisionObject& object, Side& side )
+{
+	side = Side{ &object, 0, 0, nullptr, nullptr };
+	if ( object.internalGetExtensionPointer() == &kNodeBodyMark )
+	{
+		auto& body = static_cast<NodeBody&>( object );
+		if ( body.getInvMass() != 0 || body.isKinematicObject() )
+		{
+			side.point = body.getCompanionId();
+			if ( side.point < 0 )
+			{
+				side.point = rows.addPoint( body );
+				body.setCompanionId( side.point );
+			}
+			// Forces lie where nothing else is asked for.
+			side.turns = body.getAngularVelocity().isZero() ? nullptr : &body.getAngularVelocity();
+			return !hasContactCallback() || body.getTotalForce().isZero();
+		}
+	}
+	side.number = solver.getOrInitSolverBody( object, info.m_timeStep );
+	return true;
+}
+
+bool ContactSolver::Conversion::isHeld( const Side& side ) const
+{
+	const btScalar inverse = pointOf( side ).inverse;
+	return ( side.point > 0 ? btVector3( inverse, inverse, inverse ) : solver.m_tmpSolverBodyPool[side.number].m_invMass ).fuzzyZero();
+}
+
+bool ContactSolver::Conversion::convert( btPersistentManifold& manifold )
+{
+	auto& object0 = const_cast<btCollisionObject&>( *manifold.getBody0() );
+	auto& object1 = const_cast<btCollisionObject&>( *manifold.getBody1() );
+	if ( !findSide( object0, a ) || !findSide( object1, b ) )
+	{
+		return false;
+	}
+	if ( a.point == 0 && b.point == 0 )
+	{
+		convertBullets( manifold );
+		return true;
+	}
+	if ( isHeld( a ) && isHeld( b ) )
+	{
+		return true;
+	}
+	for ( Side* side : { &a, &b } )
+	{
+		btSolverBody* const body = side->point > 0 ? nullptr : &solver.m_tmpSolverBodyPool[side->number];
+		side->body = body && body->m_originalBody ? body : nullptr;
+	}
+	for ( int k = 0; k < manifold.getNumContacts(); ++k )
+	{
+		point = &manifold.getContactPoint( k );
+		if ( point->getDistance() > manifold.getContactProcessingThreshold() )
+		{
+			continue;
+		}
+		if ( point->m_combinedRollingFriction > 0 )
+		{
+			return false;
+		}
+		convertPoint();
+	}
+	return true;
+}
+
+void ContactSolver::Conversion::convertBullets( btPersistentManifold& manifold )
+{
+	const btConstraintArray& pool = solver.m_tmpSolverContactConstraintPool;
+	const int first = pool.size();
+	solver.convertContact( &manifold, info );
+	for ( int k = first; k < pool.size(); ++k )
+	{
+		rows.addStep( RowKind::Bullets, k );
+		if ( pool[k].m_rhsPenetration != 0 )
+		{
+			rows.deep.push_back( ContactRows::Deep{ RowPlace{ RowKind::Bullets, k }, 0, 0 } );
+		}
+	}
+}
+
+/// Where they meet, m/s, with what forces add in this step.
+btVector3 ContactSolver::Conversion::speedOf( const Side& side ) const
+{
+	btVector3 speed = side.point > 0 ? pointOf( side ).speed : btVector3( 0, 0, 0 );
+	if ( side.turns )
+	{
+		speed += side.turns->cross( armOf( side ) );
+	}
+	if ( side.body )
+	{
+		side.body->getVelocityInLocalPointNoDelta( arm, speed );
+	}
+	return speed;
+}
+
+void ContactSolver::Conversion::findLever( const btVector3& normal, Lever& lever ) const
+{
+	const Side* const turns = turning();
+	if ( !turns )
+	{
+		setWhole( lever.axis, a.point > 0 ? normal : -normal );
+		lever.inverse = pointOf( a ).inverse + pointOf( b ).inverse;
+		return;
+	}
+	const btRigidBody& body = *turns->body->m_originalBody;
+	setWhole( lever.axis, turns == &a ? normal : -normal );
+	setWhole( lever.cross, arm.cross( lever.axis ) );
+	lever.angular = body.getInvInertiaTensorWorld() * lever.cross * body.getAngularFactor();
+	lever.inverse = body.getInvMass() + lever.axis.dot( lever.angular.cross( arm ) ) + pointOf( turns == &a ? b : a ).inverse;
+}
+
+/// How fast they part along a row, m/s.
+btScalar ContactSolver::Conversion::approach( const Lever& lever, bool withTorque ) const
+{
+	const Side* const turns = turning();
+	if ( !turns )
+	{
+		return along( a.point > 0 ? a : b, lever.axis ) - ( a.point > 0 && b.point > 0 ? along( b, lever.axis ) : btScalar( 0 ) );
+	}
+	const btSolverBody& body = *turns->body;
+	const btVector3 turn = withTorque ? body.m_angularVelocity + body.m_externalTorqueImpulse : body.m_angularVelocity;
+	const btScalar ofBody = lever.axis.dot( body.m_linearVelocity + body.m_externalForceImpulse ) + lever.cross.dot( turn );
+	return ofBody - along( turns == &a ? b : a, lever.axis );
+}
+
+/// The speed that a contact gives back, m/s: of what the bodies came with, without forces.
+btScalar ContactSolver::Conversion::bounce() const
+{
+	if ( point->m_combinedRestitution == 0 )
+	{
+		return 0;
+	}
+	const auto speed = [this]( const Side& side ) { return side.body ? side.body->m_originalBody->getVelocityInLocalPoint( arm ) : speedOf( side ); };
+	const btScalar parting = point->m_normalWorldOnB.dot( speed( a ) - speed( b ) );
+	const btScalar back = solver.restitutionCurve( parting, point->m_combinedRestitution, info.m_restitutionVelocityThreshold );
+	return back <= 0 ? btScalar( 0 ) : back;
+}
+
+void ContactSolver::Conversion::warmStart( const Lever& lever, btScalar impulse )
+{
+	const Side* const turns = turning();
+	const std::size_t first = std::size_t( one() ), second = turns ? first : std::size_t( other() );
+	if ( turns )
+	{
+		turns->body->internalApplyImpulse( lever.axis * turns->body->internalGetInvMass(), lever.angular, impulse );
+	}
+	else
+	{
+		rows.change[first] += lever.axis * rows.points[first].inverse * impulse;
+	}
+	rows.change[second] -= lever.axis * rows.points[second].inverse * impulse; // nobody's stays zero
+}
+
+/// `which`: -1 presses, else the direction in which it rubs.
+void ContactSolver::Conversion::write( const Lever& lever, Ask ask, int which )
+{
+	ask.normal = lever.axis;
+	if ( const Side* const turns = turning() )
+	{
+		const int node = turns == &a ? b.point : a.point;
+		( which < 0 ? rows.turnPress[std::size_t( place.at )] : rows.turnRub[std::size_t( place.at * rows.directions + which )] ) =
+			TurningRow{ lever.axis, lever.cross, lever.angular, ask.perSpeed, ask.rhs, ask.cfm, ask.impulse, ask.friction,
+				rows.points[std::size_t( node )].inverse, node, turns->number, turns == &a, 1. / ask.perSpeed };
+		return;
+	}
+	const int first = one(), second = other(), four = place.at / kRowLanes, kind = int( place.kind );
+	FourRows& row = which < 0 ? rows.press[kind][std::size_t( four )] : rows.rub[kind][std::size_t( four * rows.directions + which )];
+	row.set( place.at % kRowLanes, ask, first, rows.points[std::size_t( first )].inverse, second, rows.points[std::size_t( second )].inverse );
+}
+
+void ContactSolver::Conversion::convertPoint()
+{
+	if ( const Side* const turns = turning() )
+	{
+		arm = armOf( *turns );
+	}
+	const Softness soft = softnessOf( *point, info );
+	Lever lever;
+	findLever( point->m_normalWorldOnB, lever );
+	const btScalar perSecond = btScalar( 1 ) / info.m_timeStep, depth = point->getDistance() + info.m_linearSlop;
+	Ask ask;
+	ask.perSpeed = info.m_sor / ( lever.inverse + soft.cfm );
+	ask.friction = point->m_combinedFriction;
+	ask.impulse = info.m_solverMode & SOLVER_USE_WARMSTARTING ? point->m_appliedImpulse * info.m_warmstartingFactor : btScalar( 0 );
+	ask.cfm = soft.cfm * ask.perSpeed;
+	// A gap may be closed; what is too deep is pushed out, by itself where it is deep enough.
+	btScalar off = bounce() - approach( lever, true );
+	off -= depth > 0 ? depth * perSecond : btScalar( 0 );
+	const btScalar out = ( depth > 0 ? btScalar( 0 ) : -depth * soft.erp * perSecond ) * ask.perSpeed;
+	const bool isSplit = info.m_splitImpulse && !( depth > info.m_splitImpulsePenetrationThreshold );
+	ask.rhs = isSplit ? off * ask.perSpeed : out + off * ask.perSpeed;
+
+	place = rows.place( turning() ? RowKind::Turning : a.point > 0 && b.point > 0 ? RowKind::Pair : RowKind::Alone, one(), other() );
+	write( lever, ask, -1 );
+	rows.contacts.push_back( ContactRows::Contact{ point, place } );
+	if ( isSplit && out != 0 )
+	{
+		rows.deep.push_back( ContactRows::Deep{ place, out, 0 } );
+	}
+	if ( info.m_solverMode & SOLVER_USE_WARMSTARTING )
+	{
+		warmStart( lever, ask.impulse );
+	}
+	const bool isGiven = ( info.m_solverMode & SOLVER_ENABLE_FRICTION_DIRECTION_CACHING ) && ( point->m_contactPointFlags & BT_CONTACT_FLAG_LATERAL_FRICTION_INITIALIZED );
+	if ( !isGiven )
+	{
+		chooseDirections();
+	}
+	rubAlong( point->m_lateralFrictionDir1, 0, isGiven ? point->m_contactMotion1 : btScalar( 0 ), isGiven ? point->m_frictionCFM : btScalar( 0 ) );
+	if ( rows.directions > 1 )
+	{
+		rubAlong( point->m_lateralFrictionDir2, 1, isGiven ? point->m_contactMotion2 : btScalar( 0 ), isGiven ? point->m_frictionCFM : btScalar( 0 ) );
+	}
+}
+
+/// The way they slip, or any where they do not.
+void ContactSolver::Conversion::chooseDirections()
+{
+	const btVector3 &normal = point->m_normalWorldOnB, speed = speedOf( a ) - speedOf( b );
+	btVector3 &first = point->m_lateralFrictionDir1, &second = point->m_lateralFrictionDir2;
+	const bool hasTwo = rows.directions > 1, isFixed = ( info.m_solverMode & SOLVER_DISABLE_VELOCITY_DEPENDENT_FRICTION_DIRECTION ) != 0;
+	const auto scale = [this]( btVector3& direction ) {
+		for ( const Side* side : { &a, &b } )
+		{
+			if ( side->object->hasAnisotropicFriction( btCollisionObject::CF_ANISOTROPIC_FRICTION ) )
+			{
+				applyAnisotropicFriction( side->object, direction, btCollisionObject::CF_ANISOTROPIC_FRICTION );
+			}
+		}
+	};
+	first = speed - normal * normal.dot( speed );
+	const btScalar slip2 = first.length2();
+	if ( !isFixed && slip2 > SIMD_EPSILON )
+	{
+		first *= btScalar( 1 ) / btSqrt( slip2 );
+		scale( first );
+		if ( hasTwo )
+		{
+			second = first.cross( normal );
+			second.normalize();
+			scale( second );
+		}
+		return;
+	}
+	btPlaneSpace1( normal, first, second );
+	scale( first );
+	if ( hasTwo )
+	{
+		scale( second );
+		point->m_contactPointFlags |= isFixed ? int( BT_CONTACT_FLAG_LATERAL_FRICTION_INITIALIZED ) : 0;
+	}
+}
+
+void ContactSolver::Conversion::rubAlong( const btVector3& direction, int which, btScalar wanted, btScalar cfm )
+{
+	Lever lever;
+	findLever( direction, lever );
+	Ask ask;
+	ask.perSpeed = info.m_sor / lever.inverse;
+	ask.friction = point->m_combinedFriction;
+	ask.impulse = 0;
+	ask.cfm = cfm;
+	ask.rhs = ( wanted - approach( lever, false ) ) * ask.perSpeed;
+	if ( point->m_contactPointFlags & BT_CONTACT_FLAG_FRICTION_ANCHOR )
+	{
+		const btScalar apart = ( point->getPositionWorldOnA() - point->getPositionWorldOnB() ).dot( direction );
+		ask.rhs = ( -apart * info.m_frictionERP / info.m_timeStep ) * ask.perSpeed + ask.rhs;
+	}
+	write( lever, ask, which );
+}
+
+/// As if nothing had been converted.
+void ContactSolver::Conversion::takeBack()
+{
+	for ( std::size_t i = 1; i < rows.points.size(); ++i )
+	{
+		rows.points[i].body->setCompanionId( -1 );
+	}
+	for ( int i = 0; i < solver.m_tmpSolverBodyPool.size(); ++i )
+	{
+		solver.m_tmpSolverBodyPool[i].m_deltaLinearVelocity.setZero();
+		solver.m_tmpSolverBodyPool[i].m_deltaAngularVelocity.setZero();
+	}
+	solver.m_tmpSolverContactConstraintPool.resizeNoInitialize( 0 );
+	solver.m_tmpSolverContactFrictionConstraintPool.resizeNoInitialize( 0 );
+	solver.m_tmpSolverContactRollingFrictionConstraintPool.resizeNoInitialize( 0 );
+}
+
+// Manifolds and bodies lie anywhere: they are asked for before their turn.
+void ContactSolver::convertContacts( btPersistentManifold** manifolds, int count, const btContactSolverInfo& info )
+{
+	m_isInUse = isPlain( info );
+	m_rows->clear( info.m_solverMode & SOLVER_USE_2_FRICTION_DIRECTIONS ? 2 : 1 );
+	Conversion conversion{ *this, *m_rows, info };
+	for ( int m = 0; m_isInUse && m < count; ++m )
+	{
+		if ( m + kManifoldsAhead < count )
+		{
+			askForManifold( *manifolds[m + kManifoldsAhead] );
+		}
+		if ( m + kBodiesAhead < count )
+		{
+			askForContact( *manifolds[m + kBodiesAhead] );
+		}
+		m_isInUse = conversion.convert( *manifolds[m] );
+		if ( !m_isInUse )
+		{
+			conversion.takeBack();
+		}
+	}
+	if ( !m_isInUse )
+	{
+		btSequentialImpulseConstraintSolver::convertContacts( manifolds, count, info );
+	}
+}
+
+} // namespace pliant

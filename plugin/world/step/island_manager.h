@@ -1,0 +1,156 @@
+#pragma once
+
+// Bullet's island manager, which also tells the nodes' stand-ins which island their body is in. It is asked twice a step: once for the
+// union-find's index, once for the final tag.
+//
+// Bullet makes one island of all whose boxes overlap. A soft body's box is large for what is in it, and pieces of what broke lie in one
+// another's boxes: they are one island with what they touch. Otherwise nothing of a heap would sleep as long as one in it swings.
+//
+// Where the step makes several passes (substep_group.h), islands are of the objects that the pass moves; the others keep the tags they have.
+
+#include "pliant/soft_body.h"
+#include "world/bodies/ahead.h"
+#include "world/shape/node_body.h"
+#include "world/step/soft_body_system.h"
+
+#include <BulletCollision/CollisionDispatch/btSimulationIslandManager.h>
+
+namespace pliant {
+
+class IslandManager : public btSimulationIslandManager
+{
+public:
+	explicit IslandManager( SoftBodySystem& bodies ) : m_bodies( bodies ) {}
+
+	void updateActivationState( btCollisionWorld* world, btDispatcher* dispatcher ) override
+	{
+		if ( m_bodies.isEmpty() )
+		{
+			btSimulationIslandManager::updateActivationState( world, dispatcher );
+			return;
+		}
+		int index = 0;
+		for ( int i = 0; i < world->getNumCollisionObjects(); ++i )
+		{
+			btCollisionObject* const object = world->getCollisionObjectArray()[i];
+			// A body that has just been made static would keep a tag of the last step's.
+			if ( object->isStaticOrKinematicObject() )
+			{
+				object->setIslandTag( -1 );
+			}
+			else if ( m_bodies.isInPass( *object ) )
+			{
+				object->setIslandTag( index++ );
+			}
+			else
+			{
+				continue;
+			}
+			object->setCompanionId( -1 );
+			object->setHitFraction( btScalar( 1 ) );
+		}
+		initUnionFind( index );
+		m_bodies.rubbing.clear();
+		uniteByBoxes( *world->getPairCache() );
+		uniteByContacts( *dispatcher, world->getCollisionObjectArray() );
+		m_bodies.copyIslandTags();
+	}
+	void storeIslandActivationState( btCollisionWorld* world ) override
+	{
+		if ( m_bodies.group.isSplit() )
+		{
+			storePass( *world );
+		}
+		else
+		{
+			btSimulationIslandManager::storeIslandActivationState( world );
+		}
+		m_bodies.rubbing.choose( getUnionFind() );
+		m_bodies.copyIslandTags();
+	}
+
+private:
+	/// As Bullet does it for all objects.
+	void storePass( btCollisionWorld& world )
+	{
+		constexpr int kFixed = -2; // Bullet's companion of what stands
+		int index = 0;
+		for ( int i = 0; i < world.getNumCollisionObjects(); ++i )
+		{
+			btCollisionObject* const object = world.getCollisionObjectArray()[i];
+			if ( object->isStaticOrKinematicObject() )
+			{
+				object->setIslandTag( -1 );
+				object->setCompanionId( kFixed );
+			}
+			else if ( m_bodies.isInPass( *object ) )
+			{
+				object->setIslandTag( getUnionFind().find( index ) );
+				getUnionFind().getElement( index ).m_sz = i;
+				object->setCompanionId( -1 );
+				++index;
+			}
+		}
+	}
+	void unite( const btCollisionObject* a, const btCollisionObject* b )
+	{
+		if ( a && b && a->mergesSimulationIslands() && b->mergesSimulationIslands() )
+		{
+			getUnionFind().unite( a->getIslandTag(), b->getIslandTag() );
+		}
+	}
+	static bool isSoft( const btCollisionObject* object ) { return object && SoftBody::upcast( object ); }
+
+	/// Rigid bodies among themselves: as Bullet does.
+	void uniteByBoxes( btOverlappingPairCache& pairs )
+	{
+		for ( int i = 0; i < pairs.getNumOverlappingPairs(); ++i )
+		{
+			const btBroadphasePair& pair = pairs.getOverlappingPairArrayPtr()[i];
+			const auto* const a = static_cast<const btCollisionObject*>( pair.m_pProxy0->m_clientObject );
+			const auto* const b = static_cast<const btCollisionObject*>( pair.m_pProxy1->m_clientObject );
+			if ( !isSoft( a ) && !isSoft( b ) && a && b && m_bodies.isInPass( *a ) && m_bodies.isInPass( *b ) )
+			{
+				unite( a, b );
+			}
+		}
+	}
+
+	/// Another world may share the dispatcher: its objects' tags are none of this one's.
+	static bool isIn( const btCollisionObjectArray& objects, const btCollisionObject* object )
+	{
+		const int index = object->getWorldArrayIndex();
+		return index >= 0 && index < objects.size() && objects[index] == object;
+	}
+
+	void uniteByContacts( btDispatcher& dispatcher, const btCollisionObjectArray& objects )
+	{
+		forEachManifold( dispatcher, askForEnd, [this, &objects]( const btPersistentManifold& manifold ) {
+			const btCollisionObject *a = manifold.getBody0(), *b = manifold.getBody1();
+			const SoftBody *const ownerA = ownerOfNodeBody( a ), *const ownerB = ownerOfNodeBody( b );
+			a = ownerA ? ownerA : a;
+			b = ownerB ? ownerB : b;
+			if ( manifold.getNumContacts() <= 0 || !isIn( objects, a ) || !isIn( objects, b ) )
+			{
+				return;
+			}
+			if ( ( a && !a->isStaticOrKinematicObject() && !m_bodies.isInPass( *a ) ) || ( b && !b->isStaticOrKinematicObject() && !m_bodies.isInPass( *b ) ) )
+			{
+				return;
+			}
+			if ( ownerA || ownerB || isSoft( a ) || isSoft( b ) )
+			{
+				unite( a, b );
+			}
+			if ( a && b && a->hasContactResponse() && b->hasContactResponse() )
+			{
+				const bool bothMove = a->getIslandTag() >= 0 && b->getIslandTag() >= 0; // else one of them is a soft body that stands
+				m_bodies.rubbing.touch( a->getIslandTag(), b->getIslandTag(), bothMove && ownerA && ownerB && ownerA != ownerB );
+			}
+		} );
+	}
+
+	SoftBodySystem& m_bodies;
+};
+
+} // namespace pliant

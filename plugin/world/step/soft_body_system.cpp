@@ -1,0 +1,332 @@
+#include "world/step/soft_body_system.h"
+
+#include "body/levels/levels.h"
+#include "threads/parallel.h"
+#include "world/constants.h"
+#include "world/bodies/soft_body_impl.h"
+#include "world/stopwatch.h"
+
+#include <BulletCollision/CollisionDispatch/btCollisionConfiguration.h>
+#include <BulletCollision/CollisionDispatch/btCollisionDispatcher.h>
+#include <LinearMath/btQuickprof.h>
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <limits>
+
+namespace pliant {
+
+bool SoftBodySystem::moves( const SoftBody& body ) const
+{
+	return body.isActive() && body.isHealthy() && !body.isStaticOrKinematicObject();
+}
+
+bool SoftBodySystem::hasAwakeBody() const
+{
+	return std::any_of( m_bodies.begin(), m_bodies.end(), [this]( const SoftBody* body ) { return moves( *body ); } );
+}
+
+int SoftBodySystem::planSubsteps( btScalar gameStep, const btAlignedObjectArray<btRigidBody*>& rigid, const btAlignedObjectArray<btTypedConstraint*>& constraints )
+{
+	// The user counts substeps for a sixtieth of a second; a longer step gets as many more, so that behaviour does not follow the frame rate.
+	const int nominal = int( std::ceil( double( substeps ) * gameStep / kNominalStep - 1e-3 ) );
+	const int usual = std::max( substeps, std::min( nominal, std::max( substeps, maxSubsteps ) ) );
+	m_choice.choose( m_bodies, m_world, gameStep, usual );
+	int count = 1; // what is implicit needs no more
+	m_substepped.clear();
+	for ( SoftBody* body : m_bodies )
+	{
+		if ( moves( *body ) && !stepsImplicitly( *body ) && !isImplicitPoint( *body ) )
+		{
+			m_substepped.push_back( body );
+			count = std::max( count, usual );
+			count = std::max( count, std::min( planOf( *body, gameStep, count ).substepsNeeded, maxSubsteps ) );
+		}
+	}
+	group.choose( SubstepGroup::Scene{ m_world, m_bodies, rigid, constraints }, m_substepped, gameStep );
+	return std::min( count, kLargestSubsteps );
+}
+
+int SoftBodySystem::substepsOf( const SoftBody& body ) const
+{
+	return group.isEmpty() || ( group.isSplit() && !group.contains( body ) ) ? 1 : m_substepCount;
+}
+
+bool SoftBodySystem::isAwakeIn( int island ) const
+{
+	return island >= 0 && std::any_of( m_awake.begin(), m_awake.end(), [island]( const SoftBody* body ) { return body->getIslandTag() == island; } );
+}
+
+void SoftBodySystem::beginPass( StepPass pass )
+{
+	m_pass = pass;
+	m_contactsBefore = report.softContacts;
+}
+
+void SoftBodySystem::beginStep( btScalar gameStep, int substepCount )
+{
+	++m_steps;
+	m_gameStep = gameStep;
+	m_substepCount = substepCount;
+	report = StepReport{};
+	report.substeps = substepCount;
+	report.softBodies = int( m_bodies.size() );
+	report.removedPieces = removedSinceStep;
+	advanceFading( gameStep );
+	countNodes();
+	moveHeldBodies();
+	const btVector3 gravity = m_world.getGravity();
+	const Vec3d up = gravity.isZero() ? Vec3d( Vec3d::Zero() ) : toVec3d( -gravity.normalized() );
+	pairScratch.search.setCharacters( { up, double( m_world.getDispatchInfo().m_allowedCcdPenetration ), double( gameStep ) } );
+	for ( SoftBody* body : m_bodies )
+	{
+		SoftBody::Impl& impl = body->impl();
+		impl.plan = planOf( *body, gameStep, substepsOf( *body ) );
+		impl.body->openLevelBudget();
+		impl.skin.isStale = impl.skin.fade.advance() || impl.skin.isStale;
+		report.awakeSoftBodies += moves( *body ) ? 1 : 0;
+		report.implicitBodies += moves( *body ) && stepsImplicitly( *body ) ? 1 : 0;
+		report.quarantined += impl.isHealthy ? 0 : 1;
+		report.unreachableStiffness += impl.plan.reachable ? 0 : 1;
+	}
+}
+
+bool SoftBodySystem::stepsImplicitly( const SoftBody& body ) const
+{
+	const Elasticity wanted = body.material().elasticity;
+	return ( wanted == Elasticity::Implicit || ( wanted == Elasticity::Automatic && body.impl().elasticity.isImplicit ) ) && body.impl().body->canStepImplicitly();
+}
+
+bool SoftBodySystem::isImplicitPoint( const SoftBody& body ) const
+{
+	return body.material().elasticity != Elasticity::Explicit && body.nodeCount() == 1;
+}
+
+StiffnessPlan SoftBodySystem::planOf( const SoftBody& body, btScalar gameStep, int count ) const
+{
+	Material material = body.material();
+	material.elasticity = stepsImplicitly( body ) || isImplicitPoint( body ) ? Elasticity::Implicit : Elasticity::Explicit;
+	return planStiffness( material, body.bodyTemplate().cellSize(), float( gameStep ), count );
+}
+
+TaskRunner* SoftBodySystem::tasks() const
+{
+	return runner ? runner : ownRunner.get();
+}
+
+void SoftBodySystem::gatherAwake()
+{
+	m_awake.clear();
+	long long nodes = 0;
+	for ( SoftBody* body : m_bodies )
+	{
+		if ( moves( *body ) && isInPass( *body ) )
+		{
+			m_awake.push_back( body );
+			nodes += body->nodeCount();
+		}
+	}
+	m_sharedOut.clear();
+	m_whole.clear();
+	for ( SoftBody* body : m_awake )
+	{
+		const int count = body->nodeCount();
+		const bool isMoreThanAShare = count >= 2 * kLeastShare && (long long)( count )*tasks()->threadCount() > nodes;
+		( isMoreThanAShare ? m_sharedOut : m_whole ).push_back( body );
+	}
+}
+
+// A body that is more than one thread's share of all nodes is done by all threads together, after each other; the others are a task each.
+// The bits are the same.
+template <class F>
+void SoftBodySystem::forAwake( F&& work )
+{
+	for ( SoftBody* body : m_sharedOut )
+	{
+		work( *body, tasks() );
+	}
+	auto alone = [&]( int k ) { work( *m_whole[std::size_t( k )], nullptr ); };
+	runTasks( tasks(), int( m_whole.size() ), alone );
+}
+
+Vec3 SoftBodySystem::ownAcceleration( const SoftBody& body ) const
+{
+	const SoftBody::Impl& impl = body.impl();
+	const btVector3 gravity = impl.hasOwnGravity ? impl.gravity : m_world.getGravity();
+	return toVec3( gravity + impl.centralForce / btScalar( impl.mass ) );
+}
+
+void SoftBodySystem::accelerate( btScalar h, int substep )
+{
+	BT_PROFILE( "pliant: accelerate" );
+	gatherAwake();
+	if ( breakBodies() )
+	{
+		gatherAwake();
+	}
+	adaptLevels( h );
+	for ( SoftBody* body : m_awake )
+	{
+		body->impl().lastSubstep = double( h );
+		drivePins( *body, h, substep );
+	}
+	{
+		Stopwatch watch( report.matching );
+		forAwake( [&]( SoftBody& body, TaskRunner* within ) {
+			SoftBody::Impl& impl = body.impl();
+			impl.isImplicit = stepsImplicitly( body );
+			if ( impl.isImplicit )
+			{
+				impl.body->pushImplicitly( float( h ), impl.plan.alpha, ownAcceleration( body ), within );
+				return;
+			}
+			impl.body->accelerateTowardGoals( float( h ), impl.plan.alpha, within );
+		} );
+	}
+	{
+		// After matching, which looks at places and at the speeds the last substep left: damping must not take a share of this one's forces.
+		Stopwatch watch( report.forces );
+		forAwake( [&]( SoftBody& body, TaskRunner* within ) {
+			if ( !body.impl().isImplicit )
+			{
+				body.impl().body->applyForces( float( h ), ownAcceleration( body ), within );
+			}
+		} );
+	}
+	for ( SoftBody* body : m_awake )
+	{
+		body->impl().nodeAxes.clear(); // those that are asked for are measured anew
+		body->impl().isBroken = !sweepBox( *body, h );
+	}
+	quarantineBroken();
+}
+
+// The body's box must hold what its nodes sweep in this step; it is also the last place where a bad number can be caught before it
+// reaches Bullet's broadphase, and with it every other body.
+bool SoftBodySystem::sweepBox( SoftBody& body, btScalar h ) const
+{
+	SoftBody::Impl& impl = body.impl();
+	const SpeedSpan& speeds = impl.body->speeds();
+	const Vec3 low( speeds.low ), high( speeds.high );
+	if ( speeds.worst != 0.0f || std::max( high.maxCoeff(), -low.minCoeff() ) > kSpeedLimit )
+	{
+		return false;
+	}
+	const btScalar overhang = impl.isMetAsDrawn() ? btScalar( impl.surfaceNow().overhang() ) : btScalar( 0 );
+	const btVector3 around( overhang, overhang, overhang );
+	impl.shape->setSweep( h * toBt( low.cast<double>() ) - around, h * toBt( high.cast<double>() ) + around );
+	return true;
+}
+
+void SoftBodySystem::quarantineBroken()
+{
+	for ( SoftBody* body : m_awake )
+	{
+		if ( body->impl().isBroken )
+		{
+			quarantine( *body );
+		}
+	}
+}
+
+void SoftBodySystem::quarantine( SoftBody& body )
+{
+	SoftBody::Impl& impl = body.impl();
+	NodeState& nodes = impl.body->nodes();
+	nodes.v.x[0] = std::numeric_limits<float>::quiet_NaN(); // whatever was wrong, the body now goes back to its last finite state
+	impl.body->integrate( 0.0f );
+	impl.isHealthy = false;
+	impl.stateBefore = body.getActivationState();
+	impl.placeShape( body );
+	body.forceActivationState( DISABLE_SIMULATION );
+	++report.quarantined;
+}
+
+void SoftBodySystem::copyIslandTags()
+{
+	for ( SoftBody* body : m_bodies )
+	{
+		for ( NodeBody* stand : body->impl().touched )
+		{
+			stand->setIslandTag( body->getIslandTag() );
+		}
+	}
+}
+
+void SoftBodySystem::solveImplicit( btDispatcher& dispatcher, const btContactSolverInfo& info )
+{
+	for ( SoftBody* body : m_bodies )
+	{
+		body->impl().block = -1; // of the other pass
+	}
+	double spent = 0.0; // ours, not Bullet's solver's
+	{
+		Stopwatch watch( spent );
+		implicitSolve().before( m_awake, dispatcher, info, tasks() );
+	}
+	report.matching += spent;
+	report.solve -= spent; // which is being timed around this
+	report.implicitPasses = std::max( report.implicitPasses, implicitSolve().count().passes );
+	report.implicitProducts = std::max( report.implicitProducts, implicitSolve().count().products );
+}
+
+void SoftBodySystem::integrate( btScalar h, int substep )
+{
+	BT_PROFILE( "pliant: integrate" );
+	forAwake( [&]( SoftBody& body, TaskRunner* within ) {
+		SoftBody::Impl& impl = body.impl();
+		impl.isBroken = false;
+		if ( !moves( body ) )
+		{
+			return; // it has fallen asleep in this substep
+		}
+		settlePins( body, h, substep );
+		impl.isBroken = impl.body->integrate( float( h ), within ) == BodyHealth::Quarantined;
+		impl.placeSpheres( body, impl.body->motion(), within );
+		impl.skin.nodesMoved();
+	} );
+	quarantineBroken();
+}
+
+void SoftBodySystem::freshenShapes()
+{
+	Stopwatch watch( report.spheres );
+	m_staleShapes.clear();
+	std::copy_if( m_bodies.begin(), m_bodies.end(), std::back_inserter( m_staleShapes ), []( const SoftBody* body ) { return body->impl().shape->isStale(); } );
+	// Many: each in one task. Few: the threads share a body.
+	const bool oneTaskEach = int( m_staleShapes.size() ) >= tasks()->threadCount();
+	auto freshen = [&]( int k ) { m_staleShapes[std::size_t( k )]->impl().shape->freshen( oneTaskEach ? nullptr : tasks() ); };
+	runTasks( oneTaskEach ? tasks() : nullptr, int( m_staleShapes.size() ), freshen );
+}
+
+void SoftBodySystem::endStep()
+{
+	freshenShapes();
+	countNodes();
+	noteSleepers();
+	for ( SoftBody* body : m_bodies )
+	{
+		if ( body->getActivationState() == ISLAND_SLEEPING )
+		{
+			NodeState& nodes = body->impl().body->nodes();
+			nodes.v.resize( nodes.padded ); // a sleeping body stands still, every node of it
+		}
+	}
+}
+
+void SoftBodySystem::clearForces()
+{
+	for ( SoftBody* body : m_bodies )
+	{
+		SoftBody::Impl& impl = body->impl();
+		impl.centralForce.setZero();
+		if ( impl.hasNodeForces )
+		{
+			impl.body->nodes().force.resize( impl.body->nodes().padded );
+			impl.hasNodeForces = false;
+		}
+	}
+}
+
+} // namespace pliant

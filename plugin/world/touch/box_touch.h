@@ -1,0 +1,57 @@
+#pragma once
+
+// A box that many spheres ask where they touch it, as boxes and floors in a heap are: what does not hang on the sphere is got once, what is far
+// is passed over before there is a root, and over a face there is none at all.
+
+#include "world/constants.h"
+#include "world/touch/node_touch.h"
+
+#include <cmath>
+
+namespace pliant {
+
+class BoxTouch
+{
+public:
+	/// `box`: of type BOX_SHAPE_PROXYTYPE; it must stay where it is.
+	explicit BoxTouch( const Obstacle& box );
+
+	/// What findTouch says of the box, to the bit.
+	bool find( const MovingSphere& sphere, Touch& touch ) const
+	{
+		const Vec3d p = m_box.toLocal( sphere.centre );
+		const Vec3d out = p - p.cwiseMin( m_half ).cwiseMax( -m_half );
+		const double touching = sphere.touching(), square = out.squaredNorm();
+		if ( square > touching * touching )
+		{
+			// Too far for whatever it moves:   |out| > r ( 1 + slop ) + |w|
+			const double farthest = ( touching + std::sqrt( sphere.way.squaredNorm() ) ) * ( 1.0 + kFarSlack );
+			if ( square > farthest * farthest )
+			{
+				return false;
+			}
+		}
+		touch = nearest( p, out, square );
+		return touch.distance <= touching || !sphere.isFast() ? sphere.reaches( touch.normal, touch.distance ) : findTouch( m_box, sphere, touch );
+	}
+
+private:
+	// Beyond one side the way out is along an axis, and its length the root of one square; within, it is through the nearest side.
+	Touch nearest( const Vec3d& p, const Vec3d& out, double square ) const
+	{
+		if ( ( out.array() != 0.0 ).count() > 1 )
+		{
+			const double length = std::sqrt( square );
+			return Touch{ m_box.basis * ( out / length ), length };
+		}
+		int axis = 0;
+		( m_half - p.cwiseAbs() ).minCoeff( &axis );
+		const Vec3d face = m_box.basis.col( axis );
+		return Touch{ p[axis] < 0.0 ? Vec3d( -face ) : face, std::abs( p[axis] ) - m_half[axis] };
+	}
+
+	const Obstacle& m_box;
+	Vec3d m_half; ///< edges, m
+};
+
+} // namespace pliant

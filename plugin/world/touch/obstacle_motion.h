@@ -1,0 +1,29 @@
+#pragma once
+
+// How what a soft body meets moves.
+
+#include "world/touch/node_touch.h"
+
+namespace pliant {
+
+/// How an object moves in a step, relative to the soft body's origin.
+struct ObstacleMotion
+{
+	Vec3d linear = Vec3d::Zero(), angular = Vec3d::Zero(), centre = Vec3d::Zero();
+
+	bool isStill() const { return linear.isZero( 0.0 ) && angular.isZero( 0.0 ); }
+	/// Where it will be at the step's end.
+	Obstacle moved( const Obstacle& obstacle, double step ) const
+	{
+		Obstacle then = obstacle;
+		const double angle = step * angular.norm();
+		const Vec3d apart = obstacle.position - centre;
+		const Eigen::Matrix3d turn = angle > 0.0 ? Eigen::AngleAxisd( angle, angular.normalized() ).toRotationMatrix() : Eigen::Matrix3d::Identity();
+		then.basis = turn * obstacle.basis;
+		then.position = centre + step * linear + turn * apart;
+		return then;
+	}
+	Vec3d way( const Vec3d& at, double step ) const { return step * ( linear + angular.cross( at - centre ) ); }
+};
+
+} // namespace pliant

@@ -1,0 +1,56 @@
+// Two layers of spheres are two egg boxes: what lies a fifth of a diameter aside stands on a slope of 0.2, and slides into the other's hollows, for seconds. Spheres of twice
+// the radius touch the same faces with half the slope. Their centres lie half-way to the nodes behind, so what acts along the line between
+// two centres is taken up by two nodes each, and neither momentum nor spin is lost, as with the nodes' own.
+
+#include "world/touch/round_surface.h"
+
+#include "body/implicit_motion.h"
+#include "world/constants.h"
+#include "world/bodies/soft_body_impl.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace pliant {
+
+bool meetRound( const SoftBody& a, const SoftBody& b )
+{
+	const auto isRound = []( const SoftBody& body ) {
+		const SoftBody::Impl& impl = body.impl();
+		// What came apart has faces that fit into each other cell by cell.
+		return impl.isImplicit && impl.body->implicit() && !impl.body->levels() && !impl.family && impl.fractureVersion == 0 && !impl.isMetAsDrawn();
+	};
+	return &a != &b && isRound( a ) && isRound( b );
+}
+
+RoundSphere roundSphere( const SoftBody& body, int node, const Vec3d& towards )
+{
+	const std::array<std::int32_t, 6>& beside = body.impl().surfaceNow().beside()[std::size_t( node )];
+	const NodeState& nodes = body.impl().body->nodes();
+	RoundSphere round;
+	// The open face that looks there most. Where none does, the sphere is the node's own, and between it becomes so by and by.
+	double most = kLeastLook;
+	const Vec3d at = nodes.x.get( node ).cast<double>();
+	const double distance2 = towards.squaredNorm();
+	for ( std::size_t side = 0; side < beside.size(); ++side )
+	{
+		const int inner = beside[side];
+		if ( inner < 0 || beside[side ^ 1] >= 0 )
+		{
+			continue; // nothing behind it, or no open face in front
+		}
+		const Vec3d inwards = nodes.x.get( inner ).cast<double>() - at;
+		const double along = -inwards.dot( towards ), both2 = inwards.squaredNorm() * distance2;
+		if ( !( along > 0.0 && along * along > most * most * both2 ) || nodes.freedom[inner] == 0.0f )
+		{
+			continue;
+		}
+		most = along / std::sqrt( both2 );
+		round.inner = inner;
+		round.share = kRoundShare * std::min( 1.0, ( most - kLeastLook ) / ( kFullLook - kLeastLook ) );
+		round.inwards = round.share * inwards;
+	}
+	return round;
+}
+
+} // namespace pliant
