@@ -33,7 +33,7 @@ ModelMesh makePalm( const PalmPlan& plan )
 	const float length = d * float( plan.fingerCells );
 	const auto field = [&]( const Point& p ) {
 		float inside = roundBox( p, half, half, 1.5f * d );
-		for( const auto& at : plan.fingers )
+		for ( const auto& at : plan.fingers )
 		{
 			const Point top = { d * float( at[0] ), 2 * d, d * float( at[1] ) }, tip = { top[0], d - length, top[2] };
 			inside = std::max( inside, rod( p, top, tip, d, d ) );
@@ -42,8 +42,9 @@ ModelMesh makePalm( const PalmPlan& plan )
 	};
 	// Off the faces of the palm, so that no corner of the grid lies on them.
 	const float margin = 1.37f * d;
-	return named( "palm", marchSurface( field, { -margin, -length - margin, -margin },
-									{ 2 * half[0] + margin, 2 * half[1] + margin, 2 * half[2] + margin }, 0.8f * d ) );
+	return named( "palm",
+		marchSurface( field, { -margin, -length - margin, -margin }, { 2 * half[0] + margin, 2 * half[1] + margin, 2 * half[2] + margin },
+			0.8f * d ) );
 }
 
 const std::vector<Digit>& handDigits()
@@ -60,15 +61,15 @@ DigitShare digitAt( const float* point )
 	const Point p = { point[0], point[1], point[2] };
 	DigitShare best{ 0, 0 };
 	float most = std::numeric_limits<float>::lowest();
-	for( std::size_t i = 0; i < digits.size(); ++i )
+	for ( std::size_t i = 0; i < digits.size(); ++i )
 	{
 		const Digit& digit = digits[i];
 		const float inside = rod( p, digit.root, digit.tip, digit.radius, digit.radius );
-		if( inside > most )
+		if ( inside > most )
 		{
 			most = inside;
 			float along = 0, length = 0;
-			for( std::size_t k = 0; k < 3; ++k )
+			for ( std::size_t k = 0; k < 3; ++k )
 			{
 				along += ( p[k] - digit.root[k] ) * ( digit.tip[k] - digit.root[k] );
 				length += ( digit.tip[k] - digit.root[k] ) * ( digit.tip[k] - digit.root[k] );
@@ -84,7 +85,7 @@ ModelMesh makeHand()
 	const auto field = [&]( const Point& p ) {
 		float inside = roundBox( p, { 0, 0.29f, 0 }, { 0.195f, 0.165f, 0.075f }, 0.07f );
 		inside = join( inside, rod( p, { 0, -0.02f, 0 }, { 0, 0.20f, 0 }, 0.10f, 0.11f ), 0.08f );
-		for( const Digit& digit : handDigits() )
+		for ( const Digit& digit : handDigits() )
 		{
 			inside = join( inside, rod( p, digit.root, digit.tip, digit.radius * 1.08f, digit.radius * 0.9f ), 0.035f );
 		}
@@ -104,14 +105,14 @@ ModelMesh makeFlower( int petals )
 	};
 	const auto field = [&]( const Point& p ) {
 		float head = ellipsoid( p, { 0, kFlowerHeadFrom + 0.03f, 0 }, turned( 0, 0 ), { 0.07f, 0.055f, 0.07f } );
-		for( int k = 0; k < petals; ++k )
+		for ( int k = 0; k < petals; ++k )
 		{
 			const float angle = kTurn * float( k ) / float( petals );
 			const Point middle = { 0.085f * std::cos( angle ), kFlowerHeadMiddle, 0.085f * std::sin( angle ) };
 			head = std::max( head, ellipsoid( p, middle, turned( angle, kLean ), { 0.030f, 0.125f, 0.064f } ) );
 		}
 		float stem = rod( p, { 0, 0.02f, 0 }, { 0, kFlowerHeadFrom + 0.02f, 0 }, 0.032f, 0.026f );
-		for( int k = 0; k < 2; ++k )
+		for ( int k = 0; k < 2; ++k )
 		{
 			const float angle = kTurn * ( 0.13f + 0.5f * float( k ) );
 			const Point middle = { 0.06f * std::cos( angle ), 0.12f, 0.06f * std::sin( angle ) };

@@ -15,7 +15,7 @@ struct PalmPlan
 {
 	float cell = 0.02f;
 	int blocks[3] = { 5, 4, 3 };
-	int fingerCells = 24; ///< length
+	int fingerCells = 24;                    ///< length
 	std::vector<std::array<int, 2>> fingers; ///< where each hangs: cells along x and z, even numbers
 
 	float width( std::size_t axis ) const { return 8 * cell * float( blocks[axis] ); }

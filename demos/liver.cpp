@@ -27,19 +27,21 @@ public:
 	Samples( const GreyVolume& volume, float spacing ) : m_spacing( spacing )
 	{
 		std::size_t count = 1;
-		for( std::size_t k = 0; k < 3; ++k )
+		for ( std::size_t k = 0; k < 3; ++k )
 		{
 			m_size[k] = int( std::ceil( float( volume.size[k] ) * volume.spacing[k] / spacing ) ) + 2 * kMargin;
 			count *= std::size_t( m_size[k] );
 		}
 		m_share.assign( count, 0.0f );
 		std::vector<float> voxels( count, 0.0f );
-		const auto sampleOf = [&]( int voxel, std::size_t k ) { return int( ( float( voxel ) + 0.5f ) * volume.spacing[k] / spacing ) + kMargin; };
-		for( int z = 0; z < volume.size[2]; ++z )
+		const auto sampleOf = [&]( int voxel, std::size_t k ) {
+			return int( ( float( voxel ) + 0.5f ) * volume.spacing[k] / spacing ) + kMargin;
+		};
+		for ( int z = 0; z < volume.size[2]; ++z )
 		{
-			for( int y = 0; y < volume.size[1]; ++y )
+			for ( int y = 0; y < volume.size[1]; ++y )
 			{
-				for( int x = 0; x < volume.size[0]; ++x )
+				for ( int x = 0; x < volume.size[0]; ++x )
 				{
 					const std::size_t at = number( sampleOf( x, 0 ), sampleOf( y, 1 ), sampleOf( z, 2 ) );
 					m_share[at] += volume.at( x, y, z ) != 0 ? 1.0f : 0.0f;
@@ -47,35 +49,38 @@ public:
 				}
 			}
 		}
-		for( std::size_t i = 0; i < count; ++i )
+		for ( std::size_t i = 0; i < count; ++i )
 		{
 			m_share[i] /= std::max( voxels[i], 1.0f );
 		}
-		for( int k = 0; k < kSmoothings; ++k )
+		for ( int k = 0; k < kSmoothings; ++k )
 		{
 			smooth();
 		}
 	}
 
-	Point extent() const { return { float( m_size[0] - 1 ) * m_spacing, float( m_size[1] - 1 ) * m_spacing, float( m_size[2] - 1 ) * m_spacing }; }
+	Point extent() const
+	{
+		return { float( m_size[0] - 1 ) * m_spacing, float( m_size[1] - 1 ) * m_spacing, float( m_size[2] - 1 ) * m_spacing };
+	}
 
 	/// Linear between samples; 0 outside.
 	float at( const Point& p ) const
 	{
 		std::array<int, 3> low{};
 		std::array<float, 3> t{};
-		for( std::size_t k = 0; k < 3; ++k )
+		for ( std::size_t k = 0; k < 3; ++k )
 		{
 			const float s = p[k] / m_spacing;
 			low[k] = int( std::floor( s ) );
 			t[k] = s - float( low[k] );
-			if( low[k] < 0 || low[k] + 1 >= m_size[k] )
+			if ( low[k] < 0 || low[k] + 1 >= m_size[k] )
 			{
 				return 0.0f;
 			}
 		}
 		float sum = 0;
-		for( int corner = 0; corner < 8; ++corner )
+		for ( int corner = 0; corner < 8; ++corner )
 		{
 			const int x = corner & 1, y = corner >> 1 & 1, z = corner >> 2;
 			const float weight = ( x != 0 ? t[0] : 1 - t[0] ) * ( y != 0 ? t[1] : 1 - t[1] ) * ( z != 0 ? t[2] : 1 - t[2] );
@@ -85,16 +90,19 @@ public:
 	}
 
 private:
-	std::size_t number( int x, int y, int z ) const { return ( std::size_t( z ) * std::size_t( m_size[1] ) + std::size_t( y ) ) * std::size_t( m_size[0] ) + std::size_t( x ); }
+	std::size_t number( int x, int y, int z ) const
+	{
+		return ( std::size_t( z ) * std::size_t( m_size[1] ) + std::size_t( y ) ) * std::size_t( m_size[0] ) + std::size_t( x );
+	}
 
 	/// 1 : 2 : 1 along each axis in turn. Nothing full lies at the border.
 	void smooth()
 	{
 		const std::size_t steps[3] = { 1, std::size_t( m_size[0] ), std::size_t( m_size[0] ) * std::size_t( m_size[1] ) };
-		for( const std::size_t step : steps )
+		for ( const std::size_t step : steps )
 		{
 			std::vector<float> next( m_share.size(), 0.0f );
-			for( std::size_t i = step; i + step < m_share.size(); ++i )
+			for ( std::size_t i = step; i + step < m_share.size(); ++i )
 			{
 				next[i] = 0.25f * ( m_share[i - step] + 2 * m_share[i] + m_share[i + step] );
 			}
@@ -120,7 +128,7 @@ ModelMesh surfaceOfVolume( const GreyVolume& volume, float spacing )
 {
 	const Samples samples( volume, spacing );
 	ModelMesh mesh = marchSurface( [&]( const Point& p ) { return samples.at( p ) - 0.5f; }, { 0, 0, 0 }, samples.extent(), spacing );
-	for( std::size_t i = 0; i < mesh.positions.size(); i += 3 )
+	for ( std::size_t i = 0; i < mesh.positions.size(); i += 3 )
 	{
 		const float y = mesh.positions[i + 1];
 		mesh.positions[i + 1] = mesh.positions[i + 2];
@@ -132,8 +140,9 @@ ModelMesh surfaceOfVolume( const GreyVolume& volume, float spacing )
 
 ModelMesh makeLiverLike()
 {
-	const std::vector<MetaBall> balls = { { { -0.05f, 0, 0 }, { 0.10f, 0.10f, 0.08f } }, { { -0.07f, -0.06f, -0.01f }, { 0.07f, 0.08f, 0.06f } },
-		{ { 0.04f, 0.02f, 0.02f }, { 0.09f, 0.06f, 0.05f } }, { { 0.12f, 0.03f, 0.04f }, { 0.07f, 0.035f, 0.03f } } };
+	const std::vector<MetaBall> balls = { { { -0.05f, 0, 0 }, { 0.10f, 0.10f, 0.08f } },
+		{ { -0.07f, -0.06f, -0.01f }, { 0.07f, 0.08f, 0.06f } }, { { 0.04f, 0.02f, 0.02f }, { 0.09f, 0.06f, 0.05f } },
+		{ { 0.12f, 0.03f, 0.04f }, { 0.07f, 0.035f, 0.03f } } };
 	ModelMesh mesh = makeMetaballs( balls, 0.45f, 0.006f );
 	name( mesh, "liver-like" );
 	return mesh;

@@ -6,8 +6,8 @@
 
 namespace pliant_demos {
 
-/// The surface around all voxels that are not 0, smoothed over `spacing` (in the file's unit, mm) and made of triangles of about that size; y up
-/// along the scan's z. Closed.
+/// The surface around all voxels that are not 0, smoothed over `spacing` (in the file's unit, mm) and made of triangles of about that size;
+/// y up along the scan's z. Closed.
 pliant_glue::ModelMesh surfaceOfVolume( const pliant_glue::GreyVolume& volume, float spacing );
 
 /// About the same: a thick lobe and a thin one.

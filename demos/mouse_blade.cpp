@@ -16,7 +16,7 @@ int MouseBlade::move( const btVector3& from, const btVector3& direction )
 {
 	const btVector3 to = from + direction * kReach;
 	int links = 0;
-	for( int i = 0; m_isDown && i < m_world.softBodyCount(); ++i )
+	for ( int i = 0; m_isDown && i < m_world.softBodyCount(); ++i )
 	{
 		links += m_world.softBody( i )->cutSweep( m_from, m_to, from, to );
 	}

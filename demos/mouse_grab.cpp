@@ -10,10 +10,10 @@ namespace pliant_demos {
 
 namespace {
 
-constexpr btScalar kReach = btScalar( 100 );         // m
-constexpr btScalar kGrabCells = btScalar( 2.5 );     // radius of the held ball of nodes, in cells
-constexpr btScalar kFrequency = btScalar( 12 );      // rad/s: how eagerly the body follows the mouse
-constexpr btScalar kJointImpulse = btScalar( 0.5 );  // N s per kg
+constexpr btScalar kReach = btScalar( 100 );        // m
+constexpr btScalar kGrabCells = btScalar( 2.5 );    // radius of the held ball of nodes, in cells
+constexpr btScalar kFrequency = btScalar( 12 );     // rad/s: how eagerly the body follows the mouse
+constexpr btScalar kJointImpulse = btScalar( 0.5 ); // N s per kg
 constexpr btScalar kJointTau = btScalar( 0.08 );
 
 } // namespace
@@ -24,7 +24,7 @@ void MouseGrab::grab( const btVector3& from, const btVector3& direction )
 	const btVector3 to = from + direction * kReach;
 	btCollisionWorld::ClosestRayResultCallback hit( from, to );
 	m_world.rayTest( from, to, hit );
-	if( !hit.hasHit() )
+	if ( !hit.hasHit() )
 	{
 		return;
 	}
@@ -33,11 +33,11 @@ void MouseGrab::grab( const btVector3& from, const btVector3& direction )
 	auto* object = const_cast<btCollisionObject*>( hit.m_collisionObject ); // Bullet's callback hands it out const
 	m_soft = pliant::SoftBody::upcast( object );
 	m_rigid = m_soft == nullptr ? btRigidBody::upcast( object ) : nullptr;
-	if( m_soft != nullptr )
+	if ( m_soft != nullptr )
 	{
 		takeNode( m_target );
 	}
-	else if( m_rigid != nullptr && m_rigid->getInvMass() > 0 )
+	else if ( m_rigid != nullptr && m_rigid->getInvMass() > 0 )
 	{
 		m_rigid->activate( true );
 		m_joint = std::make_unique<btPoint2PointConstraint>( *m_rigid, m_rigid->getWorldTransform().inverse() * m_target );
@@ -57,7 +57,7 @@ void MouseGrab::takeNode( const btVector3& place )
 void MouseGrab::move( const btVector3& from, const btVector3& direction )
 {
 	m_target = from + direction * m_distance;
-	if( m_joint != nullptr )
+	if ( m_joint != nullptr )
 	{
 		m_rigid->activate( true );
 		m_joint->setPivotB( m_target );
@@ -66,7 +66,7 @@ void MouseGrab::move( const btVector3& from, const btVector3& direction )
 
 void MouseGrab::release()
 {
-	if( m_joint != nullptr )
+	if ( m_joint != nullptr )
 	{
 		m_world.removeConstraint( m_joint.get() );
 	}
@@ -77,11 +77,11 @@ void MouseGrab::release()
 
 void MouseGrab::apply()
 {
-	if( m_soft == nullptr )
+	if ( m_soft == nullptr )
 	{
 		return;
 	}
-	if( m_versions != std::array<unsigned, 2>{ m_soft->levelVersion(), m_soft->fractureVersion() } )
+	if ( m_versions != std::array<unsigned, 2>{ m_soft->levelVersion(), m_soft->fractureVersion() } )
 	{
 		takeNode( m_heldAt ); // nodes have other numbers
 	}
@@ -89,15 +89,15 @@ void MouseGrab::apply()
 	m_heldAt = centre;
 	const btScalar radius = kGrabCells * btScalar( m_soft->bodyTemplate().cellSize() );
 	btScalar held = 0;
-	for( int i = 0; i < m_soft->nodeCount(); ++i )
+	for ( int i = 0; i < m_soft->nodeCount(); ++i )
 	{
 		held += ( m_soft->nodePosition( i ) - centre ).length() < radius ? m_soft->nodeMass( i ) : 0;
 	}
 	// The whole body hangs on the held nodes, so the spring must be made for its mass: f = M (k^2 (target - x) - 2 k v), critically damped.
 	const btScalar share = m_soft->mass() / held;
-	for( int i = 0; i < m_soft->nodeCount(); ++i )
+	for ( int i = 0; i < m_soft->nodeCount(); ++i )
 	{
-		if( ( m_soft->nodePosition( i ) - centre ).length() < radius )
+		if ( ( m_soft->nodePosition( i ) - centre ).length() < radius )
 		{
 			const btVector3 pull = ( m_target - centre ) * ( kFrequency * kFrequency ) - m_soft->linearVelocity() * ( 2 * kFrequency );
 			m_soft->applyForce( pull * ( m_soft->nodeMass( i ) * share ), i );

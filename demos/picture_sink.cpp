@@ -24,7 +24,7 @@ namespace {
 std::string quoted( const std::string& text )
 {
 	std::string safe = "'";
-	for( const char c : text )
+	for ( const char c : text )
 	{
 		safe += c == '\'' ? std::string( "'\\''" ) : std::string( 1, c );
 	}
@@ -34,41 +34,43 @@ std::string quoted( const std::string& text )
 class PictureSink : public FrameSink
 {
 public:
-	PictureSink( const RunSettings& settings, std::unique_ptr<pliant_glue::Offscreen> context, std::unique_ptr<pliant_glue::Renderer> renderer ) :
-		m_settings( settings ), m_context( std::move( context ) ), m_renderer( std::move( renderer ) )
-	{
-	}
+	PictureSink(
+		const RunSettings& settings, std::unique_ptr<pliant_glue::Offscreen> context, std::unique_ptr<pliant_glue::Renderer> renderer ) :
+		m_settings( settings ),
+		m_context( std::move( context ) ), m_renderer( std::move( renderer ) )
+	{}
 
 	bool write( int frame, const pliant_glue::DrawList& list, std::string& why ) override
 	{
 		pliant_glue::Picture picture = m_renderer->drawPicture( list, m_settings.width, m_settings.height, m_settings.supersampling );
-		if( !waitForFile() )
+		if ( !waitForFile() )
 		{
 			why = "a frame could not be written into " + m_settings.folder;
 			return false;
 		}
 		char name[32];
 		std::snprintf( name, sizeof( name ), "/frame_%04d.png", frame );
-		m_writing = std::async( std::launch::async, [path = m_settings.folder + name, kept = std::move( picture )] { return pliant_glue::writePng( path, kept ); } );
+		m_writing = std::async( std::launch::async,
+			[path = m_settings.folder + name, kept = std::move( picture )] { return pliant_glue::writePng( path, kept ); } );
 		++m_frames;
 		return true;
 	}
 
 	std::string finish() override
 	{
-		if( !waitForFile() )
+		if ( !waitForFile() )
 		{
 			return "the last frame could not be written into " + m_settings.folder;
 		}
 		std::string made = std::to_string( m_frames ) + " pictures frame_*.png (" + m_context->driver() + ")";
-		if( std::system( "command -v ffmpeg > /dev/null 2>&1" ) != 0 )
+		if ( std::system( "command -v ffmpeg > /dev/null 2>&1" ) != 0 )
 		{
 			return made + "; no film, since ffmpeg is not installed";
 		}
 		const std::string film = m_settings.folder + "/film.mp4";
 		const std::string command = "ffmpeg -y -loglevel error -framerate " + std::to_string( m_settings.framesPerSecond ) + " -i " +
-		                            quoted( m_settings.folder + "/frame_%04d.png" ) + " -frames:v " + std::to_string( m_frames ) +
-		                            " -c:v libx264 -preset fast -crf 20 -pix_fmt yuv420p -movflags +faststart " + quoted( film ) + " < /dev/null";
+			quoted( m_settings.folder + "/frame_%04d.png" ) + " -frames:v " + std::to_string( m_frames ) +
+			" -c:v libx264 -preset fast -crf 20 -pix_fmt yuv420p -movflags +faststart " + quoted( film ) + " < /dev/null";
 		return made + ( std::system( command.c_str() ) == 0 ? "; film.mp4" : "; no film, since ffmpeg failed" );
 	}
 
@@ -87,12 +89,12 @@ private:
 std::unique_ptr<FrameSink> makePictureSink( const RunSettings& settings, std::string& why )
 {
 	auto context = pliant_glue::Offscreen::create( why );
-	if( context == nullptr )
+	if ( context == nullptr )
 	{
 		return nullptr;
 	}
 	auto renderer = pliant_glue::Renderer::create( why );
-	if( renderer == nullptr )
+	if ( renderer == nullptr )
 	{
 		return nullptr;
 	}

@@ -32,7 +32,7 @@ FilmLength Play::film( int framesPerSecond, int frames ) const
 void Play::step()
 {
 	m_scene->beforeStep( m_stage, seconds() );
-	for( Stage* stage : stages() )
+	for ( Stage* stage : stages() )
 	{
 		stage->step( 1.0 / kStepsPerSecond );
 	}
@@ -42,7 +42,7 @@ void Play::step()
 
 void Play::skin()
 {
-	for( Stage* stage : stages() )
+	for ( Stage* stage : stages() )
 	{
 		stage->skin();
 	}
@@ -52,7 +52,7 @@ void Play::draw( pliant_glue::DrawList& list, bool showNodes )
 {
 	m_scene->beforePicture( m_stage, list );
 	std::uint64_t firstId = 0;
-	for( Stage* stage : stages() )
+	for ( Stage* stage : stages() )
 	{
 		stage->draw( list, showNodes, firstId );
 		firstId += kMostMeshes;
@@ -62,7 +62,7 @@ void Play::draw( pliant_glue::DrawList& list, bool showNodes )
 std::uint64_t Play::stateHash()
 {
 	std::uint64_t hash = m_stage.stateHash();
-	for( Stage* stage : m_scene->sideStages() )
+	for ( Stage* stage : m_scene->sideStages() )
 	{
 		hash = ( hash ^ stage->stateHash() ) * kFnvPrime;
 	}
@@ -72,7 +72,7 @@ std::uint64_t Play::stateHash()
 int Play::quarantined()
 {
 	int bodies = 0;
-	for( Stage* stage : stages() )
+	for ( Stage* stage : stages() )
 	{
 		bodies += stage->log().quarantined();
 	}

@@ -17,7 +17,9 @@ struct FilmLength
 class Play
 {
 public:
-	Play( const SceneEntry& entry, const StageOptions& options ) : m_stage( options ), m_scene( entry.make() ), m_isGood( m_scene->init( m_stage ) ) {}
+	Play( const SceneEntry& entry, const StageOptions& options ) :
+		m_stage( options ), m_scene( entry.make() ), m_isGood( m_scene->init( m_stage ) )
+	{}
 
 	/// False when a body was refused; the stage's status says why.
 	bool isGood() const { return m_isGood; }

@@ -30,18 +30,20 @@ bool standardOutputIsTerminal()
 #endif
 }
 
-ProgressLine::ProgressLine( std::string name, int total ) : m_name( std::move( name ) ), m_total( total ), m_isTerminal( standardOutputIsTerminal() ) {}
+ProgressLine::ProgressLine( std::string name, int total ) :
+	m_name( std::move( name ) ), m_total( total ), m_isTerminal( standardOutputIsTerminal() )
+{}
 
 void ProgressLine::show( int done )
 {
 	const int tenth = done * 10 / m_total;
-	if( m_isTerminal )
+	if ( m_isTerminal )
 	{
 		const int filled = done * kBarWidth / m_total;
 		const std::string bar = std::string( std::size_t( filled ), '#' ) + std::string( std::size_t( kBarWidth - filled ), '.' );
 		std::printf( "\r  %s [%s] frame %d of %d", m_name.c_str(), bar.c_str(), done, m_total );
 	}
-	else if( tenth > m_lastTenth )
+	else if ( tenth > m_lastTenth )
 	{
 		std::printf( "  %s: frame %d of %d\n", m_name.c_str(), done, m_total );
 	}
@@ -51,7 +53,7 @@ void ProgressLine::show( int done )
 
 void ProgressLine::end()
 {
-	if( m_isTerminal )
+	if ( m_isTerminal )
 	{
 		std::printf( "\n" );
 	}

@@ -68,12 +68,12 @@ public:
 
 	void turn( const Knobs& knobs )
 	{
-		if( knobs == m_knobs )
+		if ( knobs == m_knobs )
 		{
 			return;
 		}
 		m_knobs = knobs;
-		for( Stage* stage : m_play.stages() )
+		for ( Stage* stage : m_play.stages() )
 		{
 			stage->world().setGravity( btVector3( 0, btScalar( -knobs.gravity ), 0 ) );
 			stage->world().setSoftSubsteps( int( std::lround( knobs.substeps ) ) );
@@ -82,7 +82,7 @@ public:
 			pliant::Material material = m_materials[std::size_t( body.getUserIndex3() )];
 			material.youngsModulus *= knobs.stiffness;
 			material.damping *= knobs.damping;
-			if( const pliant::Status status = body.setMaterial( material ); !status.ok() )
+			if ( const pliant::Status status = body.setMaterial( material ); !status.ok() )
 			{
 				std::fprintf( stderr, "%s\n", status.sentence.c_str() );
 			}
@@ -93,9 +93,9 @@ private:
 	template <class Visit>
 	void forEachBody( Visit visit )
 	{
-		for( Stage* stage : m_play.stages() )
+		for ( Stage* stage : m_play.stages() )
 		{
-			for( int i = 0; i < stage->world().softBodyCount(); ++i )
+			for ( int i = 0; i < stage->world().softBodyCount(); ++i )
 			{
 				visit( *stage->world().softBody( i ) );
 			}
@@ -117,14 +117,15 @@ public:
 	int run()
 	{
 		std::string why;
-		m_window = pliant_glue::Window::create( std::string( "Pliant: " ) + m_entry.name, m_settings.width * 4 / 3, m_settings.height * 4 / 3, why );
+		m_window = pliant_glue::Window::create(
+			std::string( "Pliant: " ) + m_entry.name, m_settings.width * 4 / 3, m_settings.height * 4 / 3, why );
 		m_renderer = m_window == nullptr ? nullptr : pliant_glue::Renderer::create( why );
-		if( m_renderer == nullptr )
+		if ( m_renderer == nullptr )
 		{
 			std::fprintf( stderr, "No window: %s. Without --window the scene is written into files.\n", why.c_str() );
 			return 1;
 		}
-		if( !restart() )
+		if ( !restart() )
 		{
 			return 1;
 		}
@@ -132,9 +133,9 @@ public:
 		m_panel.sliders = { { "stiffness x", &m_knobs.stiffness, 0.1f, 10.0f, true }, { "damping x", &m_knobs.damping, 0.0f, 10.0f, false },
 			{ "gravity, m/s2", &m_knobs.gravity, 0.0f, 20.0f, false }, { "substeps", &m_knobs.substeps, 1.0f, 16.0f, false } };
 		m_list.camera = m_life->play().scene().camera( 0 );
-		while( m_window->takeInput( m_list.camera ) && ( m_settings.frames == 0 || m_pictures < m_settings.frames ) )
+		while ( m_window->takeInput( m_list.camera ) && ( m_settings.frames == 0 || m_pictures < m_settings.frames ) )
 		{
-			if( m_panel.restart && !restart() )
+			if ( m_panel.restart && !restart() )
 			{
 				return 1;
 			}
@@ -151,7 +152,7 @@ private:
 	bool restart()
 	{
 		m_life = std::make_unique<Life>( m_entry, m_settings );
-		if( !m_life->play().isGood() )
+		if ( !m_life->play().isGood() )
 		{
 			std::fprintf( stderr, "%s: %s\n", m_entry.name, m_life->play().stage().status().sentence.c_str() );
 		}
@@ -164,20 +165,20 @@ private:
 		MouseGrab& mouse = m_life->mouse();
 		const pliant_glue::MouseRay ray = m_window->mouseRay( m_list.camera );
 		const bool isDown = m_window->isGrabbing();
-		if( isDown && !m_wasDown )
+		if ( isDown && !m_wasDown )
 		{
 			mouse.grab( toBullet( ray.from ), toBullet( ray.direction ) );
 		}
-		else if( isDown && mouse.isHolding() )
+		else if ( isDown && mouse.isHolding() )
 		{
 			mouse.move( toBullet( ray.from ), toBullet( ray.direction ) );
 		}
-		else if( !isDown )
+		else if ( !isDown )
 		{
 			mouse.release();
 		}
 		m_wasDown = isDown;
-		if( m_window->isCutting() )
+		if ( m_window->isCutting() )
 		{
 			m_life->blade().move( toBullet( ray.from ), toBullet( ray.direction ) );
 		}
@@ -192,11 +193,11 @@ private:
 		m_unspent += m_window->secondsSinceLastPicture();
 		int steps = std::min( int( m_unspent * kStepsPerSecond ), kMaxStepsPerPicture );
 		m_unspent = steps == kMaxStepsPerPicture ? 0 : m_unspent - double( steps ) / kStepsPerSecond;
-		if( m_panel.paused )
+		if ( m_panel.paused )
 		{
 			steps = m_panel.stepOnce ? 1 : 0;
 		}
-		for( int k = 0; k < steps; ++k )
+		for ( int k = 0; k < steps; ++k )
 		{
 			m_life->step();
 		}
@@ -207,7 +208,7 @@ private:
 		m_list.clear();
 		m_life->play().skin();
 		m_life->play().draw( m_list, m_panel.showNodes );
-		if( m_life->mouse().isHolding() )
+		if ( m_life->mouse().isHolding() )
 		{
 			m_list.lines.push_back( { fromBullet( m_life->mouse().heldPoint() ), fromBullet( m_life->mouse().target() ), kGrabColour } );
 		}
@@ -215,8 +216,8 @@ private:
 		const pliant::StepReport& report = m_life->play().stage().world().stepReport();
 		char line[128];
 		m_panel.lines.clear();
-		std::snprintf( line, sizeof( line ), "%.1f s   %d nodes, %d soft contacts, %d of %d bodies awake", m_life->play().seconds(), report.nodes,
-			report.softContacts, report.awakeSoftBodies, report.softBodies );
+		std::snprintf( line, sizeof( line ), "%.1f s   %d nodes, %d soft contacts, %d of %d bodies awake", m_life->play().seconds(),
+			report.nodes, report.softContacts, report.awakeSoftBodies, report.softBodies );
 		m_panel.lines.emplace_back( line );
 		std::snprintf( line, sizeof( line ), "%.2f ms a step, %d substeps", 1e3 * report.total, report.substeps );
 		m_panel.lines.emplace_back( line );

@@ -20,7 +20,7 @@ public:
 	std::uint32_t at( const Key& key, MakePoint makePoint )
 	{
 		const auto [entry, isNew] = m_numbers.try_emplace( key, std::uint32_t( m_mesh.vertexCount() ) );
-		if( isNew )
+		if ( isNew )
 		{
 			const Point p = makePoint();
 			m_mesh.positions.insert( m_mesh.positions.end(), p.begin(), p.end() );

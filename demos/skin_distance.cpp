@@ -28,19 +28,19 @@ SkinDistance skinDistance( const pliant::SoftBody& body, const pliant::SoftBody&
 	const btVector3 shift = own.origin - other.origin - apart;
 	const int count = std::min( own.vertexCount, other.vertexCount );
 	SkinDistance found;
-	if( count == 0 )
+	if ( count == 0 )
 	{
 		return found;
 	}
 	btVector3 middle( 0, 0, 0 );
 	std::vector<btVector3> offsets;
-	for( int i = 0; i < count; ++i )
+	for ( int i = 0; i < count; ++i )
 	{
 		offsets.push_back( vertexOf( own, i ) - vertexOf( other, i ) + shift );
 		middle += offsets.back() / btScalar( count );
 	}
 	double squares = 0;
-	for( const btVector3& offset : offsets )
+	for ( const btVector3& offset : offsets )
 	{
 		const double length = double( offset.length() );
 		found.vertex.push_back( float( length ) );
@@ -57,7 +57,7 @@ double boxDiagonal( const pliant::SoftBody& body )
 {
 	const pliant::SurfaceView skin = body.surface();
 	btVector3 low( BT_LARGE_FLOAT, BT_LARGE_FLOAT, BT_LARGE_FLOAT ), high = -low;
-	for( int i = 0; i < skin.vertexCount; ++i )
+	for ( int i = 0; i < skin.vertexCount; ++i )
 	{
 		low.setMin( vertexOf( skin, i ) );
 		high.setMax( vertexOf( skin, i ) );
@@ -69,7 +69,7 @@ std::vector<float> heatColours( const std::vector<float>& distances, double full
 {
 	std::vector<float> colours;
 	colours.reserve( distances.size() * 3 );
-	for( const float distance : distances )
+	for ( const float distance : distances )
 	{
 		const pliant_glue::Colour colour = heat( float( double( distance ) / full ) );
 		colours.insert( colours.end(), colour.begin(), colour.end() );

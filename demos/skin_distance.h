@@ -10,10 +10,10 @@ namespace pliant_demos {
 
 struct SkinDistance
 {
-	std::vector<float> vertex;  ///< m
+	std::vector<float> vertex;      ///< m
 	double mean = 0, deviation = 0; ///< over the vertices, m
-	double shape = 0;           ///< mean with the difference of the two middles taken off, m
-	double largest = 0;         ///< m
+	double shape = 0;               ///< mean with the difference of the two middles taken off, m
+	double largest = 0;             ///< m
 };
 
 /// `apart`: from where `reference` stands to where `body` stands when they are equal.

@@ -27,7 +27,7 @@ float roundBox( const Point& p, const Point& centre, const Point& half, float ra
 {
 	Point beyond;
 	float inside = -half[0];
-	for( std::size_t k = 0; k < 3; ++k )
+	for ( std::size_t k = 0; k < 3; ++k )
 	{
 		const float q = std::abs( p[k] - centre[k] ) - ( half[k] - radius );
 		beyond[k] = std::max( q, 0.0f );
@@ -48,7 +48,7 @@ float ellipsoid( const Point& p, const Point& centre, const std::array<Point, 3>
 {
 	const Point from = between( centre, p );
 	float square = 0;
-	for( std::size_t k = 0; k < 3; ++k )
+	for ( std::size_t k = 0; k < 3; ++k )
 	{
 		const float d = dot( from, axes[k] ) / radii[k];
 		square += d * d;

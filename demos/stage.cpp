@@ -39,10 +39,11 @@ double secondsSince( Clock::time_point begin )
 int rigidContacts( pliant::SoftBodyWorld& world )
 {
 	int points = 0;
-	for( int i = 0; i < world.getDispatcher()->getNumManifolds(); ++i )
+	for ( int i = 0; i < world.getDispatcher()->getNumManifolds(); ++i )
 	{
 		const btPersistentManifold* manifold = world.getDispatcher()->getManifoldByIndexInternal( i );
-		const bool isRigid = pliant::SoftBody::upcast( manifold->getBody0() ) == nullptr && pliant::SoftBody::upcast( manifold->getBody1() ) == nullptr;
+		const bool isRigid = pliant::SoftBody::upcast( manifold->getBody0() ) == nullptr &&
+			pliant::SoftBody::upcast( manifold->getBody1() ) == nullptr;
 		points += isRigid ? manifold->getNumContacts() : 0;
 	}
 	return points;
@@ -53,11 +54,11 @@ class Fnv1a
 public:
 	void add( const btVector3& v )
 	{
-		for( int k = 0; k < 3; ++k )
+		for ( int k = 0; k < 3; ++k )
 		{
 			unsigned char bytes[sizeof( btScalar )];
 			std::memcpy( bytes, &v.m_floats[k], sizeof( btScalar ) );
-			for( const unsigned char byte : bytes )
+			for ( const unsigned char byte : bytes )
 			{
 				m_hash = ( m_hash ^ byte ) * 0x100000001b3ull;
 			}
@@ -72,12 +73,13 @@ private:
 } // namespace
 
 Stage::Stage( const StageOptions& options, std::string name ) :
-	m_options( options ), m_name( std::move( name ) ), m_configuration( new btDefaultCollisionConfiguration ), m_dispatcher( new btCollisionDispatcher( m_configuration.get() ) ),
-	m_broadphase( new btDbvtBroadphase ), m_solver( new pliant::ContactSolver ),
+	m_options( options ), m_name( std::move( name ) ), m_configuration( new btDefaultCollisionConfiguration ),
+	m_dispatcher( new btCollisionDispatcher( m_configuration.get() ) ), m_broadphase( new btDbvtBroadphase ),
+	m_solver( new pliant::ContactSolver ),
 	m_world( new pliant::SoftBodyWorld( m_dispatcher.get(), m_broadphase.get(), m_solver.get(), m_configuration.get() ) )
 {
 	m_world->setThreadCount( options.threads );
-	if( options.softSubsteps > 0 )
+	if ( options.softSubsteps > 0 )
 	{
 		m_world->setSoftSubsteps( options.softSubsteps );
 	}
@@ -85,18 +87,18 @@ Stage::Stage( const StageOptions& options, std::string name ) :
 
 Stage::~Stage()
 {
-	for( const auto& constraint : m_constraints )
+	for ( const auto& constraint : m_constraints )
 	{
 		m_world->removeConstraint( constraint.get() );
 	}
-	for( const SoftItem& item : m_soft )
+	for ( const SoftItem& item : m_soft )
 	{
-		if( item.owned != nullptr )
+		if ( item.owned != nullptr )
 		{
 			m_world->removeSoftBody( item.body );
 		}
 	}
-	for( const RigidItem& item : m_rigid )
+	for ( const RigidItem& item : m_rigid )
 	{
 		m_world->removeRigidBody( item.body.get() );
 	}
@@ -105,7 +107,7 @@ Stage::~Stage()
 btRigidBody* Stage::addRigid( std::unique_ptr<btCollisionShape> shape, const btTransform& place, btScalar mass, RigidItem looks )
 {
 	btVector3 inertia( 0, 0, 0 );
-	if( mass > 0 )
+	if ( mass > 0 )
 	{
 		shape->calculateLocalInertia( mass, inertia );
 	}
@@ -123,7 +125,8 @@ void Stage::addGround( btScalar friction )
 {
 	RigidItem looks;
 	looks.isDrawn = false; // the renderer draws its own ground
-	addRigid( std::make_unique<btStaticPlaneShape>( btVector3( 0, 1, 0 ), btScalar( 0 ) ), btTransform::getIdentity(), 0, std::move( looks ) )
+	addRigid(
+		std::make_unique<btStaticPlaneShape>( btVector3( 0, 1, 0 ), btScalar( 0 ) ), btTransform::getIdentity(), 0, std::move( looks ) )
 		->setFriction( friction );
 }
 
@@ -141,14 +144,16 @@ btRigidBody* Stage::addSphere( btScalar diameter, const btVector3& place, btScal
 	looks.size = btVector3( diameter, diameter, diameter );
 	looks.colour = colour;
 	looks.isSphere = true;
-	btRigidBody* ball = addRigid( std::make_unique<btSphereShape>( diameter / 2 ), btTransform( btQuaternion::getIdentity(), place ), mass, std::move( looks ) );
+	btRigidBody* ball = addRigid(
+		std::make_unique<btSphereShape>( diameter / 2 ), btTransform( btQuaternion::getIdentity(), place ), mass, std::move( looks ) );
 	ball->setRollingFriction( btScalar( 0.004 ) ); // a ball on a plane would roll for ever
 	return ball;
 }
 
 void Stage::moveBody( btRigidBody* body, const btTransform& place )
 {
-	body->setCollisionFlags( ( body->getCollisionFlags() & ~btCollisionObject::CF_STATIC_OBJECT ) | btCollisionObject::CF_KINEMATIC_OBJECT );
+	body->setCollisionFlags(
+		( body->getCollisionFlags() & ~btCollisionObject::CF_STATIC_OBJECT ) | btCollisionObject::CF_KINEMATIC_OBJECT );
 	body->setActivationState( DISABLE_DEACTIVATION );
 	body->setWorldTransform( place ); // Bullet takes the velocity from here to there
 }
@@ -172,7 +177,7 @@ std::shared_ptr<const pliant::BodyTemplate> Stage::buildShape( const SoftOrder& 
 	settings.cellSize = order.cellSize;
 	settings.cracks = order.cracks;
 	auto made = pliant::BodyTemplate::build( view, settings );
-	if( !made.ok() )
+	if ( !made.ok() )
 	{
 		m_status = { made.status.code, order.name + ": " + made.status.sentence };
 	}
@@ -182,19 +187,19 @@ std::shared_ptr<const pliant::BodyTemplate> Stage::buildShape( const SoftOrder& 
 pliant::SoftBody* Stage::addSoft( const SoftOrder& order )
 {
 	const std::shared_ptr<const pliant::BodyTemplate> shape = order.shape != nullptr ? order.shape : buildShape( order );
-	if( shape == nullptr )
+	if ( shape == nullptr )
 	{
 		return nullptr;
 	}
 	pliant::SoftBodyResult body = pliant::SoftBody::create( shape, order.place, order.material, order.adaptivity, order.stiffness );
-	if( !body.ok() )
+	if ( !body.ok() )
 	{
 		m_status = { body.status.code, order.name + ": " + body.status.sentence };
 		return nullptr;
 	}
-	if( order.fracture.rule != pliant::BreakRule::Never )
+	if ( order.fracture.rule != pliant::BreakRule::Never )
 	{
-		if( const pliant::Status status = body.value->setFracture( order.fracture, order.toughness ); !status.ok() )
+		if ( const pliant::Status status = body.value->setFracture( order.fracture, order.toughness ); !status.ok() )
 		{
 			m_status = { status.code, order.name + ": " + status.sentence };
 			return nullptr;
@@ -210,7 +215,7 @@ pliant::SoftBody* Stage::addSoft( const SoftOrder& order )
 void Stage::colourVertices( const pliant::SoftBody* body, std::vector<float> colours )
 {
 	const auto found = std::find_if( m_soft.begin(), m_soft.end(), [&]( const SoftItem& item ) { return item.body == body; } );
-	if( found != m_soft.end() )
+	if ( found != m_soft.end() )
 	{
 		found->vertexColours = std::move( colours );
 	}
@@ -229,13 +234,15 @@ void Stage::step( double seconds )
 /// What broke off gets the colour of what it broke off from; what the world has taken out is forgotten.
 void Stage::followFragments()
 {
-	for( const pliant::FractureEvent& event : m_world->fractureEvents() )
+	for ( const pliant::FractureEvent& event : m_world->fractureEvents() )
 	{
-		for( pliant::SoftBody* fragment : event.fragments )
+		for ( pliant::SoftBody* fragment : event.fragments )
 		{
-			const auto itemOf = [this]( const pliant::SoftBody* body ) { return std::find_if( m_soft.begin(), m_soft.end(), [body]( const SoftItem& item ) { return item.body == body; } ); };
+			const auto itemOf = [this]( const pliant::SoftBody* body ) {
+				return std::find_if( m_soft.begin(), m_soft.end(), [body]( const SoftItem& item ) { return item.body == body; } );
+			};
 			// A fragment may lie where one was that is gone: it is another all the same.
-			if( const auto old = itemOf( fragment ); old != m_soft.end() )
+			if ( const auto old = itemOf( fragment ); old != m_soft.end() )
 			{
 				m_soft.erase( old );
 			}
@@ -245,19 +252,19 @@ void Stage::followFragments()
 			item.id = m_nextId++;
 			item.colour = parent == m_soft.end() ? item.colour : parent->colour;
 			item.insideColour = parent == m_soft.end() ? item.insideColour : parent->insideColour;
-			if( parent != m_soft.end() && item.insideColour[0] < 0 )
+			if ( parent != m_soft.end() && item.insideColour[0] < 0 )
 			{
 				item.vertexColours = parent->vertexColours;
 			}
 			m_soft.push_back( std::move( item ) );
 		}
 	}
-	if( m_soft.size() == std::size_t( m_world->softBodyCount() ) )
+	if ( m_soft.size() == std::size_t( m_world->softBodyCount() ) )
 	{
 		return;
 	}
 	std::set<const pliant::SoftBody*> present;
-	for( int i = 0; i < m_world->softBodyCount(); ++i )
+	for ( int i = 0; i < m_world->softBodyCount(); ++i )
 	{
 		present.insert( m_world->softBody( i ) );
 	}
@@ -268,21 +275,21 @@ ModelMesh Stage::modelOr( const std::string& file, const std::function<ModelMesh
 {
 	const std::string path = m_options.modelFolder + "/data/meshes/" + file;
 	pliant_glue::ReadResult read = pliant_glue::readModel( path );
-	if( read.ok() )
+	if ( read.ok() )
 	{
 		m_notes.push_back( "model " + path );
 		return std::move( read.mesh );
 	}
 	ModelMesh made = shape();
 	m_notes.push_back( "shape \"" + made.name + "\" made in code instead of " + file + " (" + read.status.sentence +
-	                   " demos/fetch_models.sh fetches it)" );
+		" demos/fetch_models.sh fetches it)" );
 	return made;
 }
 
 StageCounts Stage::counts() const
 {
 	StageCounts counts;
-	for( const SoftItem& item : m_soft )
+	for ( const SoftItem& item : m_soft )
 	{
 		++counts.softBodies;
 		counts.nodes += item.body->nodeCount();
@@ -297,14 +304,14 @@ StageCounts Stage::counts() const
 std::uint64_t Stage::stateHash() const
 {
 	Fnv1a hash;
-	for( const SoftItem& item : m_soft )
+	for ( const SoftItem& item : m_soft )
 	{
-		for( int i = 0; i < item.body->nodeCount(); ++i )
+		for ( int i = 0; i < item.body->nodeCount(); ++i )
 		{
 			hash.add( item.body->nodePosition( i ) );
 		}
 	}
-	for( const RigidItem& item : m_rigid )
+	for ( const RigidItem& item : m_rigid )
 	{
 		const btTransform& at = item.body->getWorldTransform();
 		hash.add( at.getOrigin() );
@@ -316,18 +323,18 @@ std::uint64_t Stage::stateHash() const
 
 void Stage::skin()
 {
-	if( m_isSkinned )
+	if ( m_isSkinned )
 	{
 		return;
 	}
 	m_isSkinned = true;
 	const Clock::time_point begin = Clock::now();
-	for( const SoftItem& item : m_soft )
+	for ( const SoftItem& item : m_soft )
 	{
 		item.body->surface();
 	}
 	m_log.addSkinning( secondsSince( begin ) );
-	for( SoftItem& item : m_soft )
+	for ( SoftItem& item : m_soft )
 	{
 		colourCracks( item );
 	}
@@ -337,28 +344,29 @@ void Stage::skin()
 void Stage::colourCracks( SoftItem& item )
 {
 	const pliant::SurfaceView skin = item.body->surface();
-	if( item.insideColour[0] < 0 || skin.triangleSource == nullptr || skin.topologyVersion == item.colouredVersion )
+	if ( item.insideColour[0] < 0 || skin.triangleSource == nullptr || skin.topologyVersion == item.colouredVersion )
 	{
 		return;
 	}
 	item.colouredVersion = skin.topologyVersion;
 	item.vertexColours.resize( std::size_t( skin.vertexCount ) * 3 );
-	for( std::size_t i = 0; i < item.vertexColours.size(); ++i )
+	for ( std::size_t i = 0; i < item.vertexColours.size(); ++i )
 	{
 		item.vertexColours[i] = item.colour[i % 3];
 	}
-	for( int t = 0; t < skin.triangleCount; ++t )
+	for ( int t = 0; t < skin.triangleCount; ++t )
 	{
-		for( int k = 0; skin.triangleSource[t] == pliant::SurfaceView::kInside && k < 3; ++k )
+		for ( int k = 0; skin.triangleSource[t] == pliant::SurfaceView::kInside && k < 3; ++k )
 		{
-			std::copy( item.insideColour.begin(), item.insideColour.end(), item.vertexColours.begin() + std::ptrdiff_t( skin.indices[3 * t + k] ) * 3 );
+			std::copy( item.insideColour.begin(), item.insideColour.end(),
+				item.vertexColours.begin() + std::ptrdiff_t( skin.indices[3 * t + k] ) * 3 );
 		}
 	}
 }
 
 void Stage::drawNodes( const SoftItem& item, pliant_glue::DrawList& list ) const
 {
-	for( int i = 0; i < item.body->nodeCount(); ++i )
+	for ( int i = 0; i < item.body->nodeCount(); ++i )
 	{
 		const float d = 2 * float( item.body->nodeRadius( i ) );
 		list.spheres.push_back( { { d, 0, 0 }, { 0, d, 0 }, { 0, 0, d }, toVec3( item.body->nodePosition( i ) ), item.colour } );
@@ -367,13 +375,13 @@ void Stage::drawNodes( const SoftItem& item, pliant_glue::DrawList& list ) const
 
 void Stage::draw( pliant_glue::DrawList& list, bool showNodes, std::uint64_t firstId ) const
 {
-	if( !m_isDrawn )
+	if ( !m_isDrawn )
 	{
 		return;
 	}
-	for( const RigidItem& item : m_rigid )
+	for ( const RigidItem& item : m_rigid )
 	{
-		if( item.isDrawn )
+		if ( item.isDrawn )
 		{
 			const btTransform& at = item.body->getWorldTransform();
 			pliant_glue::DrawInstance drawn;
@@ -385,10 +393,10 @@ void Stage::draw( pliant_glue::DrawList& list, bool showNodes, std::uint64_t fir
 			( item.isSphere ? list.spheres : list.boxes ).push_back( drawn );
 		}
 	}
-	for( const SoftItem& item : m_soft )
+	for ( const SoftItem& item : m_soft )
 	{
 		const pliant::SurfaceView skin = item.body->surface();
-		if( showNodes || skin.triangleCount == 0 )
+		if ( showNodes || skin.triangleCount == 0 )
 		{
 			drawNodes( item, list );
 			continue;

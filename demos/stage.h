@@ -33,7 +33,7 @@ struct SoftOrder
 	std::string name;
 	const pliant_glue::ModelMesh* mesh = nullptr;
 	int cells = 1000;
-	float cellSize = 0; ///< m; 0: what `cells` asks for
+	float cellSize = 0;                                ///< m; 0: what `cells` asks for
 	std::shared_ptr<const pliant::BodyTemplate> shape; ///< when several bodies share one; `mesh` and cells are then not looked at
 	btTransform place = btTransform::getIdentity();
 	pliant::Material material;

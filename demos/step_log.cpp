@@ -23,7 +23,7 @@ struct Spread
 
 Spread spreadOf( std::vector<double> values )
 {
-	if( values.empty() )
+	if ( values.empty() )
 	{
 		return {};
 	}
@@ -47,7 +47,7 @@ nlohmann::json toJson( const Spread& spread )
 
 void StepLog::add( const pliant::StepReport& report, double wallSeconds, int rigidContacts )
 {
-	for( Stage& stage : m_stages )
+	for ( Stage& stage : m_stages )
 	{
 		stage.seconds.push_back( report.*stage.member );
 	}
@@ -76,7 +76,8 @@ double StepLog::longestStep() const
 
 double StepLog::medianMatching() const
 {
-	const auto matching = std::find_if( m_stages.begin(), m_stages.end(), []( const Stage& stage ) { return stage.member == &pliant::StepReport::matching; } );
+	const auto matching = std::find_if(
+		m_stages.begin(), m_stages.end(), []( const Stage& stage ) { return stage.member == &pliant::StepReport::matching; } );
 	return spreadOf( matching->seconds ).median;
 }
 
@@ -90,7 +91,7 @@ std::string StepLog::table() const
 	char heading[80];
 	std::snprintf( heading, sizeof( heading ), "  %-12s %10s %10s\n", "ms per step", "median", "max" );
 	std::string text = heading;
-	for( const Stage& stage : m_stages )
+	for ( const Stage& stage : m_stages )
 	{
 		text += row( stage.name, spreadOf( stage.seconds ) );
 	}
@@ -100,7 +101,7 @@ std::string StepLog::table() const
 nlohmann::json StepLog::json() const
 {
 	nlohmann::json stages;
-	for( const Stage& stage : m_stages )
+	for ( const Stage& stage : m_stages )
 	{
 		stages[stage.name] = toJson( spreadOf( stage.seconds ) );
 	}

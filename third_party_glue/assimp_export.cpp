@@ -34,7 +34,7 @@ aiVector3D* copyVectors( const std::vector<float>& from, std::size_t size )
 {
 	const std::size_t count = from.size() / size;
 	auto* made = new aiVector3D[count];
-	for( std::size_t i = 0; i < count; ++i )
+	for ( std::size_t i = 0; i < count; ++i )
 	{
 		made[i] = aiVector3D( from[i * size], from[i * size + 1], size == 3 ? from[i * size + 2] : 0.0f );
 	}
@@ -44,7 +44,7 @@ aiVector3D* copyVectors( const std::vector<float>& from, std::size_t size )
 aiColor4D* copyColours( const std::vector<float>& from )
 {
 	auto* made = new aiColor4D[from.size() / 3];
-	for( std::size_t i = 0; i < from.size() / 3; ++i )
+	for ( std::size_t i = 0; i < from.size() / 3; ++i )
 	{
 		made[i] = aiColor4D( from[i * 3], from[i * 3 + 1], from[i * 3 + 2], 1.0f );
 	}
@@ -59,22 +59,22 @@ aiMesh* makeMesh( const ModelMesh& from, unsigned material )
 	made->mPrimitiveTypes = aiPrimitiveType_TRIANGLE;
 	made->mNumVertices = unsigned( from.vertexCount() );
 	made->mVertices = copyVectors( from.positions, 3 );
-	if( from.normals.size() == from.positions.size() )
+	if ( from.normals.size() == from.positions.size() )
 	{
 		made->mNormals = copyVectors( from.normals, 3 );
 	}
-	if( from.textureCoordinates.size() == from.vertexCount() * 2 )
+	if ( from.textureCoordinates.size() == from.vertexCount() * 2 )
 	{
 		made->mTextureCoords[0] = copyVectors( from.textureCoordinates, 2 );
 		made->mNumUVComponents[0] = 2;
 	}
-	if( from.vertexColours.size() == from.positions.size() )
+	if ( from.vertexColours.size() == from.positions.size() )
 	{
 		made->mColors[0] = copyColours( from.vertexColours );
 	}
 	made->mNumFaces = unsigned( from.triangleCount() );
 	made->mFaces = new aiFace[from.triangleCount()];
-	for( std::size_t t = 0; t < from.triangleCount(); ++t )
+	for ( std::size_t t = 0; t < from.triangleCount(); ++t )
 	{
 		made->mFaces[t].mNumIndices = 3;
 		made->mFaces[t].mIndices = new unsigned[3]{ from.indices[t * 3], from.indices[t * 3 + 1], from.indices[t * 3 + 2] };
@@ -105,7 +105,7 @@ std::unique_ptr<aiScene> makeScene( const std::vector<ModelMesh>& meshes )
 	scene->mNumMeshes = scene->mNumMaterials = count;
 	scene->mRootNode->mChildren = new aiNode* [count] {};
 	scene->mRootNode->mNumChildren = count;
-	for( unsigned i = 0; i < count; ++i )
+	for ( unsigned i = 0; i < count; ++i )
 	{
 		scene->mMeshes[i] = makeMesh( meshes[i], i );
 		scene->mMaterials[i] = makeMaterial( meshes[i] );
@@ -120,14 +120,14 @@ std::unique_ptr<aiScene> makeScene( const std::vector<ModelMesh>& meshes )
 
 std::string whatIsWrong( const std::vector<ModelMesh>& meshes )
 {
-	for( const ModelMesh& mesh : meshes )
+	for ( const ModelMesh& mesh : meshes )
 	{
 		const std::size_t count = mesh.vertexCount();
-		if( count == 0 || mesh.indices.empty() || mesh.positions.size() % 3 != 0 || mesh.indices.size() % 3 != 0 )
+		if ( count == 0 || mesh.indices.empty() || mesh.positions.size() % 3 != 0 || mesh.indices.size() % 3 != 0 )
 		{
 			return "mesh \"" + mesh.name + "\" has no vertex, no triangle or half of one";
 		}
-		if( std::any_of( mesh.indices.begin(), mesh.indices.end(), [&]( std::uint32_t i ) { return i >= count; } ) )
+		if ( std::any_of( mesh.indices.begin(), mesh.indices.end(), [&]( std::uint32_t i ) { return i >= count; } ) )
 		{
 			return "mesh \"" + mesh.name + "\" names a vertex that is not there";
 		}
@@ -140,11 +140,11 @@ std::string whatIsWrong( const std::vector<ModelMesh>& meshes )
 FileStatus writeModel( const std::string& path, const std::vector<ModelMesh>& meshes )
 {
 	const char* format = formatOf( path );
-	if( format == nullptr )
+	if ( format == nullptr )
 	{
 		return { FileCode::NotWritten, path + ": the ending must be .glb, .gltf, .obj, .ply or .stl." };
 	}
-	if( const std::string wrong = whatIsWrong( meshes ); !wrong.empty() )
+	if ( const std::string wrong = whatIsWrong( meshes ); !wrong.empty() )
 	{
 		return { FileCode::NotWritten, path + ": " + wrong + "." };
 	}
@@ -152,23 +152,23 @@ FileStatus writeModel( const std::string& path, const std::vector<ModelMesh>& me
 	{
 		const std::unique_ptr<aiScene> scene = makeScene( meshes );
 		Assimp::Exporter exporter;
-		if( exporter.Export( scene.get(), format, path ) != aiReturn_SUCCESS )
+		if ( exporter.Export( scene.get(), format, path ) != aiReturn_SUCCESS )
 		{
 			return { FileCode::NotWritten, path + ": assimp: " + exporter.GetErrorString() };
 		}
 		// The exporter does not say when the disk was full.
 		std::error_code error;
-		if( std::filesystem::file_size( path, error ) == 0 || error )
+		if ( std::filesystem::file_size( path, error ) == 0 || error )
 		{
 			return { FileCode::NotWritten, path + ": the file came out empty." };
 		}
 		return {};
 	}
-	catch( const std::bad_alloc& )
+	catch ( const std::bad_alloc& )
 	{
 		return { FileCode::OutOfMemory, path + ": not enough memory to write it." };
 	}
-	catch( const std::exception& error )
+	catch ( const std::exception& error )
 	{
 		return { FileCode::NotWritten, path + ": " + error.what() };
 	}

@@ -49,7 +49,7 @@ public:
 	{
 		std::error_code error;
 		const bool writes = mode != nullptr && ( mode[0] == 'w' || mode[0] == 'a' );
-		if( *m_stop || writes || !fs::is_regular_file( file, error ) || fs::file_size( file, error ) > m_limits.fileBytes || error )
+		if ( *m_stop || writes || !fs::is_regular_file( file, error ) || fs::file_size( file, error ) > m_limits.fileBytes || error )
 		{
 			return nullptr;
 		}
@@ -81,16 +81,16 @@ public:
 	ReadResult gather()
 	{
 		visit( m_scene.mRootNode, aiMatrix4x4(), 0 );
-		if( m_tooMany )
+		if ( m_tooMany )
 		{
-			return ReadResult::failure( FileCode::TooLarge,
-				"The file's meshes have more vertices than the limit of " + std::to_string( m_limits.vertices ) + "." );
+			return ReadResult::failure(
+				FileCode::TooLarge, "The file's meshes have more vertices than the limit of " + std::to_string( m_limits.vertices ) + "." );
 		}
-		if( m_mesh.indices.empty() )
+		if ( m_mesh.indices.empty() )
 		{
 			return ReadResult::failure( FileCode::Unreadable, "The file holds no triangle." );
 		}
-		if( !m_someTexture )
+		if ( !m_someTexture )
 		{
 			m_mesh.textureCoordinates.clear();
 		}
@@ -100,19 +100,19 @@ public:
 private:
 	void visit( const aiNode* node, const aiMatrix4x4& parent, int depth )
 	{
-		if( node == nullptr || depth > kMaxNodeDepth || m_tooMany )
+		if ( node == nullptr || depth > kMaxNodeDepth || m_tooMany )
 		{
 			return;
 		}
 		const aiMatrix4x4 toWorld = parent * node->mTransformation;
-		for( unsigned k = 0; k < node->mNumMeshes && node->mMeshes != nullptr; ++k )
+		for ( unsigned k = 0; k < node->mNumMeshes && node->mMeshes != nullptr; ++k )
 		{
-			if( node->mMeshes[k] < m_scene.mNumMeshes && m_scene.mMeshes[node->mMeshes[k]] != nullptr )
+			if ( node->mMeshes[k] < m_scene.mNumMeshes && m_scene.mMeshes[node->mMeshes[k]] != nullptr )
 			{
 				append( *m_scene.mMeshes[node->mMeshes[k]], *node, toWorld );
 			}
 		}
-		for( unsigned k = 0; k < node->mNumChildren && node->mChildren != nullptr; ++k )
+		for ( unsigned k = 0; k < node->mNumChildren && node->mChildren != nullptr; ++k )
 		{
 			visit( node->mChildren[k], toWorld, depth + 1 );
 		}
@@ -121,12 +121,12 @@ private:
 	void append( const aiMesh& from, const aiNode& node, const aiMatrix4x4& toWorld )
 	{
 		const std::size_t first = m_mesh.vertexCount();
-		if( from.mVertices == nullptr || from.mFaces == nullptr || first + from.mNumVertices > m_limits.vertices )
+		if ( from.mVertices == nullptr || from.mFaces == nullptr || first + from.mNumVertices > m_limits.vertices )
 		{
 			m_tooMany = m_tooMany || first + from.mNumVertices > m_limits.vertices;
 			return;
 		}
-		for( unsigned i = 0; i < from.mNumVertices; ++i )
+		for ( unsigned i = 0; i < from.mNumVertices; ++i )
 		{
 			const aiVector3D p = toWorld * from.mVertices[i];
 			m_mesh.positions.insert( m_mesh.positions.end(), { float( p.x ), float( p.y ), float( p.z ) } );
@@ -138,15 +138,17 @@ private:
 		const auto part = std::uint32_t( m_mesh.submeshNames.size() );
 		m_mesh.submeshNames.emplace_back( from.mName.length > 0 ? from.mName.C_Str() : node.mName.C_Str() );
 		const bool mirrored = toWorld.Determinant() < 0;
-		for( unsigned f = 0; f < from.mNumFaces; ++f )
+		for ( unsigned f = 0; f < from.mNumFaces; ++f )
 		{
 			const aiFace& face = from.mFaces[f];
-			if( face.mNumIndices != 3 || face.mIndices == nullptr || *std::max_element( face.mIndices, face.mIndices + 3 ) >= from.mNumVertices )
+			if ( face.mNumIndices != 3 || face.mIndices == nullptr ||
+				*std::max_element( face.mIndices, face.mIndices + 3 ) >= from.mNumVertices )
 			{
 				continue; // points and lines, which SortByPType leaves only in files without any triangle
 			}
 			const auto base = std::uint32_t( first );
-			m_mesh.indices.insert( m_mesh.indices.end(), { base + face.mIndices[0], base + face.mIndices[mirrored ? 2 : 1], base + face.mIndices[mirrored ? 1 : 2] } );
+			m_mesh.indices.insert( m_mesh.indices.end(),
+				{ base + face.mIndices[0], base + face.mIndices[mirrored ? 2 : 1], base + face.mIndices[mirrored ? 1 : 2] } );
 			m_mesh.submeshOfTriangle.push_back( part );
 		}
 	}
@@ -161,21 +163,21 @@ private:
 ReadResult importWithAssimp( const std::string& path, const ReadLimits& limits, const std::shared_ptr<Stop>& stop )
 {
 	Assimp::Importer importer;
-	importer.SetIOHandler( new GuardedFiles( limits, stop ) );      // the importer deletes both
+	importer.SetIOHandler( new GuardedFiles( limits, stop ) ); // the importer deletes both
 	importer.SetProgressHandler( new StopHandler( stop ) );
 	importer.SetPropertyInteger( AI_CONFIG_PP_SBP_REMOVE, aiPrimitiveType_POINT | aiPrimitiveType_LINE );
-	importer.SetPropertyInteger( AI_CONFIG_PP_RVC_FLAGS, aiComponent_NORMALS | aiComponent_TANGENTS_AND_BITANGENTS | aiComponent_COLORS |
-	                                                         aiComponent_BONEWEIGHTS | aiComponent_ANIMATIONS | aiComponent_TEXTURES |
-	                                                         aiComponent_LIGHTS | aiComponent_CAMERAS );
+	importer.SetPropertyInteger( AI_CONFIG_PP_RVC_FLAGS,
+		aiComponent_NORMALS | aiComponent_TANGENTS_AND_BITANGENTS | aiComponent_COLORS | aiComponent_BONEWEIGHTS | aiComponent_ANIMATIONS |
+			aiComponent_TEXTURES | aiComponent_LIGHTS | aiComponent_CAMERAS );
 	// Without validation assimp 5.2 hands out null meshes and null child nodes. Normals go first, so that vertices can be joined.
 	const unsigned steps = aiProcess_ValidateDataStructure | aiProcess_Triangulate | aiProcess_RemoveComponent | aiProcess_SortByPType |
-	                       aiProcess_JoinIdenticalVertices;
+		aiProcess_JoinIdenticalVertices;
 	const aiScene* scene = importer.ReadFile( path, steps );
-	if( *stop )
+	if ( *stop )
 	{
 		return ReadResult::failure( FileCode::TimeLimit, "stopped" );
 	}
-	if( scene == nullptr || scene->mRootNode == nullptr || ( scene->mFlags & AI_SCENE_FLAGS_INCOMPLETE ) != 0 )
+	if ( scene == nullptr || scene->mRootNode == nullptr || ( scene->mFlags & AI_SCENE_FLAGS_INCOMPLETE ) != 0 )
 	{
 		const std::string why = importer.GetErrorString();
 		return ReadResult::failure( FileCode::Unreadable, why.empty() ? "The file holds no mesh." : "assimp: " + why );
@@ -204,7 +206,7 @@ bool glbPromisesTooMuch( const std::string& header, std::uintmax_t fileBytes )
 {
 	const auto word = [&]( std::size_t at ) {
 		std::uint32_t value = 0;
-		for( std::size_t k = 0; k < 4; ++k )
+		for ( std::size_t k = 0; k < 4; ++k )
 		{
 			value |= std::uint32_t( std::uint8_t( header[at + k] ) ) << ( 8 * k );
 		}
@@ -216,7 +218,7 @@ bool glbPromisesTooMuch( const std::string& header, std::uintmax_t fileBytes )
 /// Looks at what a header claims before assimp believes it.
 bool promisesTooMuch( const std::string& path, std::uintmax_t fileBytes )
 {
-	if( lowerCaseEnding( path ) != ".glb" )
+	if ( lowerCaseEnding( path ) != ".glb" )
 	{
 		return false;
 	}
@@ -231,15 +233,15 @@ ReadResult import( const std::string& path, const ReadLimits& limits, const std:
 	try
 	{
 		const std::string ending = lowerCaseEnding( path );
-		return ending == ".off"   ? importPlain( path, limits, readOff )
-		       : ending == ".ply" ? importPlain( path, limits, readPly )
-		                          : importWithAssimp( path, limits, stop );
+		return ending == ".off" ? importPlain( path, limits, readOff )
+			: ending == ".ply"  ? importPlain( path, limits, readPly )
+								: importWithAssimp( path, limits, stop );
 	}
-	catch( const std::bad_alloc& )
+	catch ( const std::bad_alloc& )
 	{
 		return ReadResult::failure( FileCode::OutOfMemory, "Not enough memory to read the file." );
 	}
-	catch( const std::exception& error )
+	catch ( const std::exception& error )
 	{
 		return ReadResult::failure( FileCode::Unreadable, std::string( "The reader failed: " ) + error.what() );
 	}
@@ -270,7 +272,7 @@ ReadResult importWithin( const std::string& path, const ReadLimits& limits )
 
 	std::unique_lock<std::mutex> lock( reading->mutex );
 	const auto limit = std::chrono::duration<double>( std::clamp( limits.seconds, 0.0, 86400.0 ) );
-	if( !reading->done.wait_for( lock, limit, [&] { return reading->isDone; } ) )
+	if ( !reading->done.wait_for( lock, limit, [&] { return reading->isDone; } ) )
 	{
 		*stop = true;
 		std::ostringstream sentence;
@@ -283,9 +285,9 @@ ReadResult importWithin( const std::string& path, const ReadLimits& limits )
 /// NaN would pass every comparison later on; a file that holds one is told here, with the vertex.
 FileStatus checkNumbers( const ModelMesh& mesh )
 {
-	for( std::size_t i = 0; i < mesh.positions.size(); ++i )
+	for ( std::size_t i = 0; i < mesh.positions.size(); ++i )
 	{
-		if( !std::isfinite( mesh.positions[i] ) )
+		if ( !std::isfinite( mesh.positions[i] ) )
 		{
 			return { FileCode::Unreadable, "Vertex " + std::to_string( i / 3 ) + " is not a finite number." };
 		}
@@ -296,30 +298,30 @@ FileStatus checkNumbers( const ModelMesh& mesh )
 ReadResult readChecked( const std::string& path, const ReadLimits& limits )
 {
 	std::error_code error;
-	if( !fs::exists( path, error ) )
+	if ( !fs::exists( path, error ) )
 	{
 		return ReadResult::failure( FileCode::NotFound, "There is no such file." );
 	}
-	if( !fs::is_regular_file( path, error ) )
+	if ( !fs::is_regular_file( path, error ) )
 	{
 		return ReadResult::failure( FileCode::Unreadable, "It is not a plain file." );
 	}
 	const std::uintmax_t bytes = fs::file_size( path, error );
-	if( error || bytes == 0 )
+	if ( error || bytes == 0 )
 	{
 		return ReadResult::failure( FileCode::Unreadable, "The file is empty or cannot be read." );
 	}
-	if( bytes > limits.fileBytes )
+	if ( bytes > limits.fileBytes )
 	{
 		return ReadResult::failure( FileCode::TooLarge,
 			"The file has " + std::to_string( bytes ) + " bytes, more than the limit of " + std::to_string( limits.fileBytes ) + "." );
 	}
-	if( promisesTooMuch( path, bytes ) )
+	if ( promisesTooMuch( path, bytes ) )
 	{
 		return ReadResult::failure( FileCode::Unreadable, "Its header promises more than the file holds." );
 	}
 	ReadResult result = importWithin( path, limits );
-	if( result.ok() )
+	if ( result.ok() )
 	{
 		result.status = checkNumbers( result.mesh );
 	}
@@ -330,15 +332,15 @@ ReadResult readChecked( const std::string& path, const ReadLimits& limits )
 
 const char* toString( FileCode code )
 {
-	switch( code )
+	switch ( code )
 	{
-	case FileCode::Ok: return "Ok";
-	case FileCode::NotFound: return "NotFound";
-	case FileCode::Unreadable: return "Unreadable";
-	case FileCode::TooLarge: return "TooLarge";
-	case FileCode::TimeLimit: return "TimeLimit";
-	case FileCode::NotWritten: return "NotWritten";
-	case FileCode::OutOfMemory: return "OutOfMemory";
+		case FileCode::Ok: return "Ok";
+		case FileCode::NotFound: return "NotFound";
+		case FileCode::Unreadable: return "Unreadable";
+		case FileCode::TooLarge: return "TooLarge";
+		case FileCode::TimeLimit: return "TimeLimit";
+		case FileCode::NotWritten: return "NotWritten";
+		case FileCode::OutOfMemory: return "OutOfMemory";
 	}
 	return "Unknown";
 }
@@ -348,7 +350,7 @@ ReadResult readModel( const std::string& path, const ReadLimits& limits )
 	try
 	{
 		ReadResult result = readChecked( path, limits );
-		if( result.ok() )
+		if ( result.ok() )
 		{
 			result.mesh.name = fs::path( path ).stem().string();
 		}
@@ -359,7 +361,7 @@ ReadResult readModel( const std::string& path, const ReadLimits& limits )
 		}
 		return result;
 	}
-	catch( const std::exception& )
+	catch ( const std::exception& )
 	{
 		return ReadResult::failure( FileCode::OutOfMemory, "Not enough memory or threads to read the file." );
 	}

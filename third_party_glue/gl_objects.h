@@ -18,7 +18,7 @@ public:
 	GlObject( GlObject&& from ) noexcept : m_name( std::exchange( from.m_name, 0u ) ) {}
 	GlObject& operator=( GlObject&& from ) noexcept
 	{
-		if( this != &from )
+		if ( this != &from )
 		{
 			free();
 			m_name = std::exchange( from.m_name, 0u );
@@ -29,7 +29,7 @@ public:
 	/// Made at the first use.
 	GLuint name()
 	{
-		if( m_name == 0 )
+		if ( m_name == 0 )
 		{
 			Make( m_name );
 		}
@@ -39,7 +39,7 @@ public:
 private:
 	void free()
 	{
-		if( m_name != 0 )
+		if ( m_name != 0 )
 		{
 			Free( m_name );
 		}
@@ -47,18 +47,54 @@ private:
 	GLuint m_name = 0;
 };
 
-inline void makeBuffer( GLuint& name ) { glGenBuffers( 1, &name ); }
-inline void freeBuffer( GLuint name ) { glDeleteBuffers( 1, &name ); }
-inline void makeArrays( GLuint& name ) { glGenVertexArrays( 1, &name ); }
-inline void freeArrays( GLuint name ) { glDeleteVertexArrays( 1, &name ); }
-inline void makeTexture( GLuint& name ) { glGenTextures( 1, &name ); }
-inline void freeTexture( GLuint name ) { glDeleteTextures( 1, &name ); }
-inline void makeFramebuffer( GLuint& name ) { glGenFramebuffers( 1, &name ); }
-inline void freeFramebuffer( GLuint name ) { glDeleteFramebuffers( 1, &name ); }
-inline void makeRenderbuffer( GLuint& name ) { glGenRenderbuffers( 1, &name ); }
-inline void freeRenderbuffer( GLuint name ) { glDeleteRenderbuffers( 1, &name ); }
-inline void makeProgram( GLuint& name ) { name = glCreateProgram(); }
-inline void freeProgram( GLuint name ) { glDeleteProgram( name ); }
+inline void makeBuffer( GLuint& name )
+{
+	glGenBuffers( 1, &name );
+}
+inline void freeBuffer( GLuint name )
+{
+	glDeleteBuffers( 1, &name );
+}
+inline void makeArrays( GLuint& name )
+{
+	glGenVertexArrays( 1, &name );
+}
+inline void freeArrays( GLuint name )
+{
+	glDeleteVertexArrays( 1, &name );
+}
+inline void makeTexture( GLuint& name )
+{
+	glGenTextures( 1, &name );
+}
+inline void freeTexture( GLuint name )
+{
+	glDeleteTextures( 1, &name );
+}
+inline void makeFramebuffer( GLuint& name )
+{
+	glGenFramebuffers( 1, &name );
+}
+inline void freeFramebuffer( GLuint name )
+{
+	glDeleteFramebuffers( 1, &name );
+}
+inline void makeRenderbuffer( GLuint& name )
+{
+	glGenRenderbuffers( 1, &name );
+}
+inline void freeRenderbuffer( GLuint name )
+{
+	glDeleteRenderbuffers( 1, &name );
+}
+inline void makeProgram( GLuint& name )
+{
+	name = glCreateProgram();
+}
+inline void freeProgram( GLuint name )
+{
+	glDeleteProgram( name );
+}
 
 using GlBuffer = GlObject<makeBuffer, freeBuffer>;
 using GlArrays = GlObject<makeArrays, freeArrays>;

@@ -16,7 +16,7 @@ bool compile( GLuint program, GLenum kind, const char* define, const char* body,
 	glCompileShader( shader );
 	GLint good = GL_FALSE;
 	glGetShaderiv( shader, GL_COMPILE_STATUS, &good );
-	if( good != GL_TRUE )
+	if ( good != GL_TRUE )
 	{
 		char log[1024] = "";
 		glGetShaderInfoLog( shader, sizeof( log ), nullptr, log );
@@ -31,19 +31,19 @@ bool compile( GLuint program, GLenum kind, const char* define, const char* body,
 
 bool buildPrograms( GlPrograms& programs, std::string& why )
 {
-	for( int k = 0; k < int( Program::Count ); ++k )
+	for ( int k = 0; k < int( Program::Count ); ++k )
 	{
 		const GLuint program = programs[std::size_t( k )].name();
 		const char* define = programDefine( Program( k ) );
-		if( !compile( program, GL_VERTEX_SHADER, define, kVertexSource, why ) ||
-		    !compile( program, GL_FRAGMENT_SHADER, define, kFragmentSource, why ) )
+		if ( !compile( program, GL_VERTEX_SHADER, define, kVertexSource, why ) ||
+			!compile( program, GL_FRAGMENT_SHADER, define, kFragmentSource, why ) )
 		{
 			return false;
 		}
 		glLinkProgram( program );
 		GLint good = GL_FALSE;
 		glGetProgramiv( program, GL_LINK_STATUS, &good );
-		if( good != GL_TRUE )
+		if ( good != GL_TRUE )
 		{
 			why = "a shader program does not link";
 			return false;

@@ -18,8 +18,8 @@ namespace {
 
 constexpr std::string_view kMagic = "#INRIMAGE-4#{";
 constexpr std::string_view kEnd = "##}";
-constexpr std::size_t kBlock = 256;      // bytes
-constexpr std::size_t kMostBlocks = 64;  // of a header
+constexpr std::size_t kBlock = 256;     // bytes
+constexpr std::size_t kMostBlocks = 64; // of a header
 
 using Header = std::map<std::string, std::string, std::less<>>;
 
@@ -31,10 +31,10 @@ VolumeResult refuse( const std::string& what )
 /// Length of the header in bytes; 0 where it does not end.
 std::size_t headerLength( std::string_view bytes )
 {
-	for( std::size_t length = kBlock; length <= bytes.size() && length <= kMostBlocks * kBlock; length += kBlock )
+	for ( std::size_t length = kBlock; length <= bytes.size() && length <= kMostBlocks * kBlock; length += kBlock )
 	{
 		const std::string_view tail = bytes.substr( length - kEnd.size() - 1, kEnd.size() );
-		if( tail == kEnd )
+		if ( tail == kEnd )
 		{
 			return length;
 		}
@@ -45,12 +45,12 @@ std::size_t headerLength( std::string_view bytes )
 Header readHeader( std::string_view text )
 {
 	Header header;
-	while( !text.empty() )
+	while ( !text.empty() )
 	{
 		const std::size_t end = text.find( '\n' );
 		const std::string_view line = text.substr( 0, end );
 		text = end == std::string_view::npos ? std::string_view() : text.substr( end + 1 );
-		if( const std::size_t equals = line.find( '=' ); equals != std::string_view::npos )
+		if ( const std::size_t equals = line.find( '=' ); equals != std::string_view::npos )
 		{
 			header.emplace( std::string( line.substr( 0, equals ) ), std::string( line.substr( equals + 1 ) ) );
 		}
@@ -62,7 +62,7 @@ template <class Number>
 bool number( const Header& header, std::string_view name, Number& value )
 {
 	const auto found = header.find( name );
-	if( found == header.end() )
+	if ( found == header.end() )
 	{
 		return false;
 	}
@@ -80,12 +80,12 @@ std::string textOf( const Header& header, std::string_view name )
 
 VolumeResult readInr( std::string_view bytes, const ReadLimits& limits )
 {
-	if( bytes.substr( 0, kMagic.size() ) != kMagic )
+	if ( bytes.substr( 0, kMagic.size() ) != kMagic )
 	{
 		return refuse( "it does not begin with " + std::string( kMagic ) );
 	}
 	const std::size_t begin = headerLength( bytes );
-	if( begin == 0 )
+	if ( begin == 0 )
 	{
 		return refuse( "its header does not end" );
 	}
@@ -95,29 +95,30 @@ VolumeResult readInr( std::string_view bytes, const ReadLimits& limits )
 	std::size_t voxels = 1;
 	static constexpr const char* kSize[3] = { "XDIM", "YDIM", "ZDIM" };
 	static constexpr const char* kSpacing[3] = { "VX", "VY", "VZ" };
-	for( std::size_t k = 0; k < 3; ++k )
+	for ( std::size_t k = 0; k < 3; ++k )
 	{
-		if( !number( header, kSize[k], volume.size[k] ) || volume.size[k] < 1 )
+		if ( !number( header, kSize[k], volume.size[k] ) || volume.size[k] < 1 )
 		{
 			return refuse( std::string( kSize[k] ) + " is missing or not above 0" );
 		}
-		if( std::size_t( volume.size[k] ) > limits.fileBytes / voxels )
+		if ( std::size_t( volume.size[k] ) > limits.fileBytes / voxels )
 		{
 			return VolumeResult::failure( FileCode::TooLarge, "The INR file promises more voxels than are read." );
 		}
 		voxels *= std::size_t( volume.size[k] );
-		if( header.find( kSpacing[k] ) != header.end() && ( !number( header, kSpacing[k], volume.spacing[k] ) || !( volume.spacing[k] > 0 ) || !std::isfinite( volume.spacing[k] ) ) )
+		if ( header.find( kSpacing[k] ) != header.end() &&
+			( !number( header, kSpacing[k], volume.spacing[k] ) || !( volume.spacing[k] > 0 ) || !std::isfinite( volume.spacing[k] ) ) )
 		{
 			return refuse( std::string( kSpacing[k] ) + " is not above 0" );
 		}
 	}
 	int values = 1;
 	number( header, "VDIM", values );
-	if( values != 1 || textOf( header, "TYPE" ) != "unsigned fixed" || textOf( header, "PIXSIZE" ) != "8 bits" )
+	if ( values != 1 || textOf( header, "TYPE" ) != "unsigned fixed" || textOf( header, "PIXSIZE" ) != "8 bits" )
 	{
 		return refuse( "only one unsigned byte a voxel is read" );
 	}
-	if( bytes.size() - begin < voxels )
+	if ( bytes.size() - begin < voxels )
 	{
 		return refuse( "it ends after " + std::to_string( bytes.size() - begin ) + " of " + std::to_string( voxels ) + " voxels" );
 	}
@@ -129,11 +130,11 @@ VolumeResult readVolume( const std::string& path, const ReadLimits& limits )
 {
 	std::error_code error;
 	const std::uintmax_t length = std::filesystem::file_size( path, error );
-	if( error || !std::filesystem::is_regular_file( path, error ) )
+	if ( error || !std::filesystem::is_regular_file( path, error ) )
 	{
 		return VolumeResult::failure( FileCode::NotFound, path + " is not there." );
 	}
-	if( length > limits.fileBytes )
+	if ( length > limits.fileBytes )
 	{
 		return VolumeResult::failure( FileCode::TooLarge, path + " is larger than the limit." );
 	}

@@ -13,9 +13,9 @@ enum class FileCode : int
 {
 	Ok = 0,
 	NotFound,
-	Unreadable,  ///< the file is there, but no triangle mesh can be read out of it
-	TooLarge,    ///< more bytes or vertices than ReadLimits allows
-	TimeLimit,   ///< reading took longer than ReadLimits::seconds
+	Unreadable, ///< the file is there, but no triangle mesh can be read out of it
+	TooLarge,   ///< more bytes or vertices than ReadLimits allows
+	TimeLimit,  ///< reading took longer than ReadLimits::seconds
 	NotWritten,
 	OutOfMemory
 };
@@ -36,14 +36,14 @@ struct FileStatus
 struct ModelMesh
 {
 	std::string name;
-	std::vector<float> positions;                ///< x, y, z a vertex
-	std::vector<float> normals;                  ///< x, y, z a vertex
-	std::vector<float> textureCoordinates;       ///< u, v a vertex
-	std::vector<float> vertexColours;            ///< linear RGB a vertex; written, not read
-	std::vector<std::uint32_t> indices;          ///< three a triangle
+	std::vector<float> positions;                 ///< x, y, z a vertex
+	std::vector<float> normals;                   ///< x, y, z a vertex
+	std::vector<float> textureCoordinates;        ///< u, v a vertex
+	std::vector<float> vertexColours;             ///< linear RGB a vertex; written, not read
+	std::vector<std::uint32_t> indices;           ///< three a triangle
 	std::vector<std::uint32_t> submeshOfTriangle; ///< into submeshNames, one a triangle
 	std::vector<std::string> submeshNames;
-	float colour[3] = { 0.8f, 0.8f, 0.8f };      ///< written as the material's base colour, linear RGB
+	float colour[3] = { 0.8f, 0.8f, 0.8f }; ///< written as the material's base colour, linear RGB
 
 	std::size_t vertexCount() const { return positions.size() / 3; }
 	std::size_t triangleCount() const { return indices.size() / 3; }

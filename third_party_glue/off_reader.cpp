@@ -33,12 +33,12 @@ public:
 	bool next( Number& value )
 	{
 		skipBlanks();
-		if( m_at != m_end && *m_at == '+' )
+		if ( m_at != m_end && *m_at == '+' )
 		{
 			++m_at;
 		}
 		const std::from_chars_result read = std::from_chars( m_at, m_end, value );
-		if( read.ec != std::errc() )
+		if ( read.ec != std::errc() )
 		{
 			return false;
 		}
@@ -50,7 +50,7 @@ public:
 	{
 		skipBlanks();
 		const char* begin = m_at;
-		while( m_at != m_end && !isBlank( *m_at ) )
+		while ( m_at != m_end && !isBlank( *m_at ) )
 		{
 			++m_at;
 		}
@@ -60,7 +60,7 @@ public:
 private:
 	void skipBlanks()
 	{
-		while( m_at != m_end && isBlank( *m_at ) )
+		while ( m_at != m_end && isBlank( *m_at ) )
 		{
 			++m_at;
 		}
@@ -78,14 +78,14 @@ public:
 
 	bool next( std::string_view& line )
 	{
-		while( !m_rest.empty() )
+		while ( !m_rest.empty() )
 		{
 			const std::size_t end = m_rest.find( '\n' );
 			line = m_rest.substr( 0, end );
 			m_rest = end == std::string_view::npos ? std::string_view() : m_rest.substr( end + 1 );
 			++m_number;
 			line = line.substr( 0, line.find( '#' ) );
-			if( !Line( line ).empty() )
+			if ( !Line( line ).empty() )
 			{
 				return true;
 			}
@@ -117,33 +117,33 @@ ReadResult refuse( const std::string& what, const Lines& lines )
 std::string readHeader( Lines& lines, Header& header )
 {
 	std::string_view text;
-	if( !lines.next( text ) )
+	if ( !lines.next( text ) )
 	{
 		return "nothing but comments";
 	}
 	Line line( text );
 	std::string_view keyword = line.word();
-	if( keyword.size() < 3 || keyword.substr( keyword.size() - 3 ) != "OFF" )
+	if ( keyword.size() < 3 || keyword.substr( keyword.size() - 3 ) != "OFF" )
 	{
 		return "it does not begin with OFF";
 	}
 	keyword.remove_suffix( 3 );
-	if( keyword.substr( 0, 2 ) == "ST" )
+	if ( keyword.substr( 0, 2 ) == "ST" )
 	{
 		header.hasTexture = true;
 		keyword.remove_prefix( 2 );
 	}
-	for( const char letter : keyword )
+	for ( const char letter : keyword )
 	{
-		if( letter != 'C' && letter != 'N' )
+		if ( letter != 'C' && letter != 'N' )
 		{
 			return "only three-dimensional text OFF files (OFF, COFF, NOFF, STOFF and their mixtures) are read";
 		}
 		header.hasNormals = header.hasNormals || letter == 'N';
 	}
-	if( line.empty() )
+	if ( line.empty() )
 	{
-		if( !lines.next( text ) )
+		if ( !lines.next( text ) )
 		{
 			return "it ends before its counts";
 		}
@@ -155,31 +155,31 @@ std::string readHeader( Lines& lines, Header& header )
 bool readVertex( Line line, const Header& header, ModelMesh& mesh )
 {
 	float p[3];
-	if( !line.next( p[0] ) || !line.next( p[1] ) || !line.next( p[2] ) )
+	if ( !line.next( p[0] ) || !line.next( p[1] ) || !line.next( p[2] ) )
 	{
 		return false;
 	}
 	mesh.positions.insert( mesh.positions.end(), p, p + 3 );
 	// After the position: normal, colour, texture coordinates. Colours have no fixed length, so texture coordinates are the last two.
-	if( header.hasNormals )
+	if ( header.hasNormals )
 	{
 		float n[3];
-		if( !line.next( n[0] ) || !line.next( n[1] ) || !line.next( n[2] ) )
+		if ( !line.next( n[0] ) || !line.next( n[1] ) || !line.next( n[2] ) )
 		{
 			return false;
 		}
 		mesh.normals.insert( mesh.normals.end(), n, n + 3 );
 	}
-	if( header.hasTexture )
+	if ( header.hasTexture )
 	{
 		float last[2] = { 0, 0 };
 		int found = 0;
-		for( float number; line.next( number ); ++found )
+		for ( float number; line.next( number ); ++found )
 		{
 			last[0] = last[1];
 			last[1] = number;
 		}
-		if( found < 2 )
+		if ( found < 2 )
 		{
 			return false;
 		}
@@ -192,23 +192,23 @@ bool readVertex( Line line, const Header& header, ModelMesh& mesh )
 std::string readFace( Line line, const Header& header, const ReadLimits& limits, ModelMesh& mesh )
 {
 	std::size_t corners = 0;
-	if( !line.next( corners ) )
+	if ( !line.next( corners ) )
 	{
 		return "a face does not begin with its number of corners";
 	}
 	std::uint32_t fan[2] = { 0, 0 };
-	for( std::size_t k = 0; k < corners; ++k )
+	for ( std::size_t k = 0; k < corners; ++k )
 	{
 		std::uint32_t vertex = 0;
-		if( !line.next( vertex ) )
+		if ( !line.next( vertex ) )
 		{
 			return "a face ends before its last corner";
 		}
-		if( vertex >= header.vertices )
+		if ( vertex >= header.vertices )
 		{
 			return "a face names vertex " + std::to_string( vertex ) + " of " + std::to_string( header.vertices );
 		}
-		if( k >= 2 )
+		if ( k >= 2 )
 		{
 			mesh.indices.insert( mesh.indices.end(), { fan[0], fan[1], vertex } );
 		}
@@ -223,17 +223,18 @@ ReadResult readOff( std::string_view text, const ReadLimits& limits )
 {
 	Lines lines( text );
 	Header header;
-	if( const std::string wrong = readHeader( lines, header ); !wrong.empty() )
+	if ( const std::string wrong = readHeader( lines, header ); !wrong.empty() )
 	{
 		return refuse( wrong, lines );
 	}
-	if( header.vertices > limits.vertices )
+	if ( header.vertices > limits.vertices )
 	{
-		return ReadResult::failure( FileCode::TooLarge, "The OFF file has " + std::to_string( header.vertices ) +
-		                                                    " vertices, more than the limit of " + std::to_string( limits.vertices ) + "." );
+		return ReadResult::failure( FileCode::TooLarge,
+			"The OFF file has " + std::to_string( header.vertices ) + " vertices, more than the limit of " +
+				std::to_string( limits.vertices ) + "." );
 	}
 	// The shortest vertex is "0 0 0\n" and the shortest face "3 0 0 0\n": a header must not make us reserve what cannot be there.
-	if( header.vertices > text.size() / 5 || header.faces > text.size() / 3 )
+	if ( header.vertices > text.size() / 5 || header.faces > text.size() / 3 )
 	{
 		return refuse( "its header promises more than the file holds", lines );
 	}
@@ -243,29 +244,29 @@ ReadResult readOff( std::string_view text, const ReadLimits& limits )
 	mesh.positions.reserve( header.vertices * 3 );
 	mesh.indices.reserve( header.faces * 3 );
 	std::string_view line;
-	for( std::size_t i = 0; i < header.vertices; ++i )
+	for ( std::size_t i = 0; i < header.vertices; ++i )
 	{
-		if( !lines.next( line ) )
+		if ( !lines.next( line ) )
 		{
 			return refuse( "it ends after " + std::to_string( i ) + " of " + std::to_string( header.vertices ) + " vertices", lines );
 		}
-		if( !readVertex( Line( line ), header, mesh ) )
+		if ( !readVertex( Line( line ), header, mesh ) )
 		{
 			return refuse( "a vertex is not a row of numbers", lines );
 		}
 	}
-	for( std::size_t f = 0; f < header.faces; ++f )
+	for ( std::size_t f = 0; f < header.faces; ++f )
 	{
-		if( !lines.next( line ) )
+		if ( !lines.next( line ) )
 		{
 			return refuse( "it ends after " + std::to_string( f ) + " of " + std::to_string( header.faces ) + " faces", lines );
 		}
-		if( const std::string wrong = readFace( Line( line ), header, limits, mesh ); !wrong.empty() )
+		if ( const std::string wrong = readFace( Line( line ), header, limits, mesh ); !wrong.empty() )
 		{
 			return refuse( wrong, lines );
 		}
 	}
-	if( mesh.indices.empty() )
+	if ( mesh.indices.empty() )
 	{
 		return ReadResult::failure( FileCode::Unreadable, "The OFF file holds no triangle." );
 	}

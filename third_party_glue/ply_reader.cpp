@@ -33,9 +33,9 @@ Scalar scalarNamed( const std::string& name )
 {
 	static constexpr std::array<std::array<const char*, 2>, 8> kNames = { { { "char", "int8" }, { "uchar", "uint8" }, { "short", "int16" },
 		{ "ushort", "uint16" }, { "int", "int32" }, { "uint", "uint32" }, { "float", "float32" }, { "double", "float64" } } };
-	for( std::size_t k = 0; k < kNames.size(); ++k )
+	for ( std::size_t k = 0; k < kNames.size(); ++k )
 	{
-		if( name == kNames[k][0] || name == kNames[k][1] )
+		if ( name == kNames[k][0] || name == kNames[k][1] )
 		{
 			return Scalar( k );
 		}
@@ -81,9 +81,9 @@ enum class Format : int
 
 Slot slotNamed( const std::string& name )
 {
-	static constexpr std::array<std::pair<const char*, Slot>, 12> kSlots = { { { "x", Slot::X }, { "y", Slot::Y }, { "z", Slot::Z },
-		{ "nx", Slot::NormalX }, { "ny", Slot::NormalY }, { "nz", Slot::NormalZ }, { "u", Slot::U }, { "v", Slot::V }, { "s", Slot::U },
-		{ "t", Slot::V }, { "texture_u", Slot::U }, { "texture_v", Slot::V } } };
+	static constexpr std::array<std::pair<const char*, Slot>, 12> kSlots = {
+		{ { "x", Slot::X }, { "y", Slot::Y }, { "z", Slot::Z }, { "nx", Slot::NormalX }, { "ny", Slot::NormalY }, { "nz", Slot::NormalZ },
+			{ "u", Slot::U }, { "v", Slot::V }, { "s", Slot::U }, { "t", Slot::V }, { "texture_u", Slot::U }, { "texture_v", Slot::V } } };
 	const auto found = std::find_if( kSlots.begin(), kSlots.end(), [&]( const auto& entry ) { return name == entry.first; } );
 	return found == kSlots.end() ? Slot::Count : found->second;
 }
@@ -98,17 +98,17 @@ public:
 
 	bool next( Scalar type, double& value )
 	{
-		switch( type )
+		switch ( type )
 		{
-		case Scalar::Int8: return nextAs<std::int8_t>( value );
-		case Scalar::UInt8: return nextAs<std::uint8_t>( value );
-		case Scalar::Int16: return nextAs<std::int16_t>( value );
-		case Scalar::UInt16: return nextAs<std::uint16_t>( value );
-		case Scalar::Int32: return nextAs<std::int32_t>( value );
-		case Scalar::UInt32: return nextAs<std::uint32_t>( value );
-		case Scalar::Float: return nextAs<float>( value );
-		case Scalar::Double: return nextAs<double>( value );
-		case Scalar::None: break;
+			case Scalar::Int8: return nextAs<std::int8_t>( value );
+			case Scalar::UInt8: return nextAs<std::uint8_t>( value );
+			case Scalar::Int16: return nextAs<std::int16_t>( value );
+			case Scalar::UInt16: return nextAs<std::uint16_t>( value );
+			case Scalar::Int32: return nextAs<std::int32_t>( value );
+			case Scalar::UInt32: return nextAs<std::uint32_t>( value );
+			case Scalar::Float: return nextAs<float>( value );
+			case Scalar::Double: return nextAs<double>( value );
+			case Scalar::None: break;
 		}
 		return false;
 	}
@@ -117,7 +117,7 @@ public:
 	bool nextCount( Scalar type, std::size_t& count )
 	{
 		double value = 0;
-		if( !next( type, value ) || !( value >= 0 && value <= 4294967295.0 ) )
+		if ( !next( type, value ) || !( value >= 0 && value <= 4294967295.0 ) )
 		{
 			return false;
 		}
@@ -129,18 +129,18 @@ private:
 	template <class Type>
 	bool nextAs( double& value )
 	{
-		if( m_format == Format::Text )
+		if ( m_format == Format::Text )
 		{
 			return nextWord( value );
 		}
-		if( m_rest.size() < sizeof( Type ) )
+		if ( m_rest.size() < sizeof( Type ) )
 		{
 			return false;
 		}
 		std::array<char, sizeof( Type )> bytes;
 		std::copy_n( m_rest.begin(), sizeof( Type ), bytes.begin() );
 		m_rest.remove_prefix( sizeof( Type ) );
-		if( ( m_format == Format::BigEndian ) == ( std::endian::native == std::endian::little ) )
+		if ( ( m_format == Format::BigEndian ) == ( std::endian::native == std::endian::little ) )
 		{
 			std::reverse( bytes.begin(), bytes.end() );
 		}
@@ -170,24 +170,25 @@ public:
 
 	ReadResult read()
 	{
-		if( !readHeader() )
+		if ( !readHeader() )
 		{
 			return refusal();
 		}
 		Numbers numbers( m_bytes, m_format );
-		for( const Element& element : m_elements )
+		for ( const Element& element : m_elements )
 		{
 			// Every element takes a byte or more, so a header cannot make us reserve what is not there.
-			if( !element.properties.empty() && element.count > numbers.bytesLeft() )
+			if ( !element.properties.empty() && element.count > numbers.bytesLeft() )
 			{
 				m_wrong = "its header promises more than the file holds";
 			}
-			else if( element.name == "vertex" && element.count > m_limits.vertices )
+			else if ( element.name == "vertex" && element.count > m_limits.vertices )
 			{
-				return ReadResult::failure( FileCode::TooLarge, "The PLY file has " + std::to_string( element.count ) +
-				                                                    " vertices, more than the limit of " + std::to_string( m_limits.vertices ) + "." );
+				return ReadResult::failure( FileCode::TooLarge,
+					"The PLY file has " + std::to_string( element.count ) + " vertices, more than the limit of " +
+						std::to_string( m_limits.vertices ) + "." );
 			}
-			if( !m_wrong.empty() || !readElement( element, numbers ) )
+			if ( !m_wrong.empty() || !readElement( element, numbers ) )
 			{
 				return refusal();
 			}
@@ -208,13 +209,13 @@ private:
 	bool nextLine( std::string& line )
 	{
 		const std::size_t end = m_bytes.find( '\n' );
-		if( end == std::string_view::npos )
+		if ( end == std::string_view::npos )
 		{
 			return false;
 		}
 		line = std::string( m_bytes.substr( 0, end ) );
 		m_bytes.remove_prefix( end + 1 );
-		if( !line.empty() && line.back() == '\r' )
+		if ( !line.empty() && line.back() == '\r' )
 		{
 			line.pop_back();
 		}
@@ -224,32 +225,32 @@ private:
 	bool readHeader()
 	{
 		std::string line;
-		if( !nextLine( line ) || line != "ply" )
+		if ( !nextLine( line ) || line != "ply" )
 		{
 			return fail( "it does not begin with \"ply\"" );
 		}
-		while( nextLine( line ) )
+		while ( nextLine( line ) )
 		{
 			std::istringstream words( line );
 			std::string keyword;
 			words >> keyword;
-			if( keyword == "end_header" )
+			if ( keyword == "end_header" )
 			{
 				return true;
 			}
-			if( keyword == "format" && !readFormat( words ) )
+			if ( keyword == "format" && !readFormat( words ) )
 			{
 				return fail( "its format is none of ascii, binary_little_endian and binary_big_endian" );
 			}
-			if( keyword == "element" )
+			if ( keyword == "element" )
 			{
 				m_elements.emplace_back();
-				if( !( words >> m_elements.back().name >> m_elements.back().count ) )
+				if ( !( words >> m_elements.back().name >> m_elements.back().count ) )
 				{
 					return fail( "an element has no count" );
 				}
 			}
-			if( keyword == "property" && !readProperty( words ) )
+			if ( keyword == "property" && !readProperty( words ) )
 			{
 				return fail( "a property's type is not known" );
 			}
@@ -270,22 +271,22 @@ private:
 		Property property;
 		std::string type;
 		words >> type;
-		if( type == "list" )
+		if ( type == "list" )
 		{
 			words >> type;
 			property.countType = scalarNamed( type );
 			words >> type;
-			if( property.countType == Scalar::None )
+			if ( property.countType == Scalar::None )
 			{
 				return false;
 			}
 		}
 		property.type = scalarNamed( type );
-		if( !( words >> property.name ) || property.type == Scalar::None || m_elements.empty() )
+		if ( !( words >> property.name ) || property.type == Scalar::None || m_elements.empty() )
 		{
 			return false;
 		}
-		if( property.countType == Scalar::None )
+		if ( property.countType == Scalar::None )
 		{
 			property.slot = slotNamed( property.name );
 		}
@@ -302,32 +303,33 @@ private:
 		};
 		m_hasNormals = isVertex ? has( Slot::NormalX ) && has( Slot::NormalY ) && has( Slot::NormalZ ) : m_hasNormals;
 		m_hasTexture = isVertex ? has( Slot::U ) && has( Slot::V ) : m_hasTexture;
-		if( isVertex && !( has( Slot::X ) && has( Slot::Y ) && has( Slot::Z ) ) )
+		if ( isVertex && !( has( Slot::X ) && has( Slot::Y ) && has( Slot::Z ) ) )
 		{
 			return fail( "its vertices have no x, y and z" );
 		}
-		for( std::size_t i = 0; i < element.count && !element.properties.empty(); ++i )
+		for ( std::size_t i = 0; i < element.count && !element.properties.empty(); ++i )
 		{
 			std::array<float, std::size_t( Slot::Count ) + 1> slots{};
-			for( const Property& property : element.properties )
+			for ( const Property& property : element.properties )
 			{
-				if( property.countType != Scalar::None )
+				if ( property.countType != Scalar::None )
 				{
 					const bool isPolygon = isFace && ( property.name == "vertex_indices" || property.name == "vertex_index" );
-					if( !readList( property, isPolygon, numbers ) )
+					if ( !readList( property, isPolygon, numbers ) )
 					{
 						return fail( "a " + element.name + " is cut off or no list of numbers" );
 					}
 					continue;
 				}
 				double value = 0;
-				if( !numbers.next( property.type, value ) )
+				if ( !numbers.next( property.type, value ) )
 				{
-					return fail( "it ends after " + std::to_string( i ) + " of " + std::to_string( element.count ) + " elements \"" + element.name + "\"" );
+					return fail( "it ends after " + std::to_string( i ) + " of " + std::to_string( element.count ) + " elements \"" +
+						element.name + "\"" );
 				}
 				slots[std::size_t( property.slot )] = float( value );
 			}
-			if( isVertex )
+			if ( isVertex )
 			{
 				appendVertex( slots.data() );
 			}
@@ -338,11 +340,11 @@ private:
 	void appendVertex( const float* slots )
 	{
 		m_mesh.positions.insert( m_mesh.positions.end(), slots, slots + 3 );
-		if( m_hasNormals )
+		if ( m_hasNormals )
 		{
 			m_mesh.normals.insert( m_mesh.normals.end(), slots + 3, slots + 6 );
 		}
-		if( m_hasTexture )
+		if ( m_hasTexture )
 		{
 			m_mesh.textureCoordinates.insert( m_mesh.textureCoordinates.end(), slots + 6, slots + 8 );
 		}
@@ -351,20 +353,20 @@ private:
 	bool readList( const Property& property, bool isPolygon, Numbers& numbers )
 	{
 		std::size_t count = 0;
-		if( !numbers.nextCount( property.countType, count ) || count > numbers.bytesLeft() )
+		if ( !numbers.nextCount( property.countType, count ) || count > numbers.bytesLeft() )
 		{
 			return false;
 		}
 		std::uint32_t fan[2] = { 0, 0 };
-		for( std::size_t k = 0; k < count; ++k )
+		for ( std::size_t k = 0; k < count; ++k )
 		{
 			std::size_t vertex = 0;
 			double number = 0;
-			if( isPolygon ? !numbers.nextCount( property.type, vertex ) : !numbers.next( property.type, number ) )
+			if ( isPolygon ? !numbers.nextCount( property.type, vertex ) : !numbers.next( property.type, number ) )
 			{
 				return false;
 			}
-			if( isPolygon && k >= 2 )
+			if ( isPolygon && k >= 2 )
 			{
 				m_mesh.indices.insert( m_mesh.indices.end(), { fan[0], fan[1], std::uint32_t( vertex ) } );
 			}
@@ -377,12 +379,12 @@ private:
 	{
 		const std::size_t vertices = m_mesh.vertexCount();
 		const auto wild = std::find_if( m_mesh.indices.begin(), m_mesh.indices.end(), [&]( std::uint32_t i ) { return i >= vertices; } );
-		if( wild != m_mesh.indices.end() )
+		if ( wild != m_mesh.indices.end() )
 		{
 			m_wrong = "a face names vertex " + std::to_string( *wild ) + " of " + std::to_string( vertices );
 			return refusal();
 		}
-		if( m_mesh.indices.empty() )
+		if ( m_mesh.indices.empty() )
 		{
 			m_wrong = "it holds no triangle";
 			return refusal();

@@ -21,7 +21,7 @@ namespace pliant_glue {
 
 bool writePng( const std::string& path, const Picture& picture )
 {
-	if( picture.rgb.size() != std::size_t( picture.width ) * std::size_t( picture.height ) * 3 || picture.rgb.empty() )
+	if ( picture.rgb.size() != std::size_t( picture.width ) * std::size_t( picture.height ) * 3 || picture.rgb.empty() )
 	{
 		return false;
 	}

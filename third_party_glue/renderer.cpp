@@ -111,12 +111,12 @@ struct Renderer::Device
 
 bool Renderer::Device::build( std::string& why )
 {
-	if( epoxy_gl_version() < 33 )
+	if ( epoxy_gl_version() < 33 )
 	{
 		why = "OpenGL 3.3 is needed";
 		return false;
 	}
-	if( !buildPrograms( programs, why ) )
+	if ( !buildPrograms( programs, why ) )
 	{
 		return false;
 	}
@@ -144,7 +144,7 @@ void Renderer::Device::prepareInstances( GpuInstances& to, const Primitive& shap
 	sendArray( to.indices, GL_ELEMENT_ARRAY_BUFFER, shape.indices.data(), shape.indices.size() * sizeof( std::uint32_t ) );
 	to.indexCount = int( shape.indices.size() );
 	glBindBuffer( GL_ARRAY_BUFFER, to.instances.name() );
-	for( GLuint attribute = AxisX; attribute <= InstanceColour; ++attribute )
+	for ( GLuint attribute = AxisX; attribute <= InstanceColour; ++attribute )
 	{
 		describe( attribute, sizeof( DrawInstance ), ( attribute - AxisX ) * sizeof( Vec3 ) );
 		glVertexAttribDivisor( attribute, 1 );
@@ -168,7 +168,7 @@ void Renderer::Device::uploadMesh( const DrawMesh& mesh )
 	describe( Position, 3 * sizeof( float ), 0 );
 	sendArray( gpu.normals, GL_ARRAY_BUFFER, mesh.normals, bytes );
 	describe( Normal, 3 * sizeof( float ), 0 );
-	if( mesh.vertexColours != nullptr )
+	if ( mesh.vertexColours != nullptr )
 	{
 		sendArray( gpu.colours, GL_ARRAY_BUFFER, mesh.vertexColours, bytes );
 		describe( InstanceColour, 3 * sizeof( float ), 0 );
@@ -177,7 +177,7 @@ void Renderer::Device::uploadMesh( const DrawMesh& mesh )
 	{
 		glDisableVertexAttribArray( InstanceColour ); // drawMeshes then sets one colour for all
 	}
-	if( isNew || gpu.topologyVersion != mesh.topologyVersion || gpu.indexCount != mesh.triangleCount * 3 )
+	if ( isNew || gpu.topologyVersion != mesh.topologyVersion || gpu.indexCount != mesh.triangleCount * 3 )
 	{
 		gpu.topologyVersion = mesh.topologyVersion;
 		gpu.indexCount = mesh.triangleCount * 3;
@@ -189,7 +189,7 @@ void Renderer::Device::uploadMesh( const DrawMesh& mesh )
 void Renderer::Device::upload( const DrawList& list )
 {
 	++frame;
-	for( const DrawMesh& mesh : list.meshes )
+	for ( const DrawMesh& mesh : list.meshes )
 	{
 		uploadMesh( mesh );
 	}
@@ -198,7 +198,7 @@ void Renderer::Device::upload( const DrawList& list )
 	uploadInstances( spheres, list.spheres );
 	std::vector<Vec3> ends;
 	ends.reserve( list.lines.size() * 4 );
-	for( const DrawLine& line : list.lines )
+	for ( const DrawLine& line : list.lines )
 	{
 		ends.insert( ends.end(), { line.from, line.colour, line.to, line.colour } );
 	}
@@ -230,7 +230,7 @@ GLuint Renderer::Device::use( Program which )
 
 void Renderer::Device::drawMeshes( const DrawList& list, GLuint program )
 {
-	for( const DrawMesh& mesh : list.meshes )
+	for ( const DrawMesh& mesh : list.meshes )
 	{
 		GpuMesh& gpu = meshes.at( mesh.id );
 		glUniform3fv( glGetUniformLocation( program, "uOrigin" ), 1, mesh.origin.data() );
@@ -244,7 +244,7 @@ namespace {
 
 void drawInstances( GpuInstances& of )
 {
-	if( of.count > 0 )
+	if ( of.count > 0 )
 	{
 		glBindVertexArray( of.arrays.name() );
 		glDrawElementsInstanced( GL_TRIANGLES, of.indexCount, GL_UNSIGNED_INT, nullptr, of.count );
@@ -287,7 +287,7 @@ void Renderer::Device::drawScene( const DrawList& list, int width, int height, G
 	eye = toGlm( list.camera.eye );
 	toSun = glm::normalize( toGlm( list.light.toSun ) );
 	viewProjection = glm::perspective( glm::radians( list.camera.fieldOfView ), float( width ) / float( height ), kNear, kFar ) *
-	                 glm::lookAt( eye, toGlm( list.camera.target ), glm::vec3( 0, 1, 0 ) );
+		glm::lookAt( eye, toGlm( list.camera.target ), glm::vec3( 0, 1, 0 ) );
 	sun.aim( list.light, toSun );
 	sky.aim( list.light, glm::vec3( 0, 1, 0 ) );
 	glEnable( GL_DEPTH_TEST );
@@ -296,7 +296,7 @@ void Renderer::Device::drawScene( const DrawList& list, int width, int height, G
 	glDisable( GL_BLEND );
 	glDisable( GL_CULL_FACE );
 	glDisable( GL_SCISSOR_TEST );
-	for( ShadowMap* map : { &sun, &sky } )
+	for ( ShadowMap* map : { &sun, &sky } )
 	{
 		glBindFramebuffer( GL_FRAMEBUFFER, map->framebuffer.name() );
 		drawDepth( list, *map );
@@ -318,7 +318,7 @@ void Renderer::Device::drawScene( const DrawList& list, int width, int height, G
 	use( Program::Line );
 	glBindVertexArray( lineArrays.name() );
 	glDrawArrays( GL_LINES, 0, lineVertices );
-	if( list.hasGround )
+	if ( list.hasGround )
 	{
 		drawGround( list );
 	}
@@ -332,7 +332,7 @@ void Renderer::Device::drawScene( const DrawList& list, int width, int height, G
 
 void Renderer::Device::allocateTargets( int width, int height, int bigWidth, int bigHeight )
 {
-	if( width == smallWidth && height == smallHeight && bigWidth == largeWidth && bigHeight == largeHeight )
+	if ( width == smallWidth && height == smallHeight && bigWidth == largeWidth && bigHeight == largeHeight )
 	{
 		return;
 	}
@@ -365,7 +365,7 @@ std::unique_ptr<Renderer> Renderer::create( std::string& why )
 
 void Renderer::draw( const DrawList& list, int width, int height )
 {
-	if( width > 0 && height > 0 )
+	if ( width > 0 && height > 0 )
 	{
 		m_device->drawScene( list, width, height, 0 );
 	}

@@ -9,17 +9,17 @@ namespace pliant_glue {
 
 const char* programDefine( Program program )
 {
-	switch( program )
+	switch ( program )
 	{
-	case Program::Mesh: return "#define MESH\n#define LIT\n";
-	case Program::Box: return "#define BOX\n#define INSTANCED\n#define LIT\n";
-	case Program::Sphere: return "#define SPHERE\n#define INSTANCED\n#define LIT\n";
-	case Program::Ground: return "#define GROUND\n#define LIT\n";
-	case Program::Sky: return "#define SKY\n";
-	case Program::Line: return "#define LINE\n";
-	case Program::ShadowMesh: return "#define MESH\n#define DEPTH_ONLY\n";
-	case Program::ShadowInstance: return "#define INSTANCED\n#define DEPTH_ONLY\n";
-	case Program::Count: break;
+		case Program::Mesh: return "#define MESH\n#define LIT\n";
+		case Program::Box: return "#define BOX\n#define INSTANCED\n#define LIT\n";
+		case Program::Sphere: return "#define SPHERE\n#define INSTANCED\n#define LIT\n";
+		case Program::Ground: return "#define GROUND\n#define LIT\n";
+		case Program::Sky: return "#define SKY\n";
+		case Program::Line: return "#define LINE\n";
+		case Program::ShadowMesh: return "#define MESH\n#define DEPTH_ONLY\n";
+		case Program::ShadowInstance: return "#define INSTANCED\n#define DEPTH_ONLY\n";
+		case Program::Count: break;
 	}
 	return "";
 }

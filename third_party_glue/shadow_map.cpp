@@ -32,7 +32,7 @@ void ShadowMap::aim( const DrawLight& light, const glm::vec3& toLight )
 	const glm::vec3 centre( light.shadowCentre[0], light.shadowCentre[1], light.shadowCentre[2] );
 	const glm::vec3 up = std::abs( toLight.y ) > 0.99f ? glm::vec3( 0, 0, 1 ) : glm::vec3( 0, 1, 0 );
 	viewProjection = glm::ortho( -radius, radius, -radius, radius, 0.0f, 4 * radius ) *
-	                 glm::lookAt( centre + toLight * 2.0f * radius, centre, up );
+		glm::lookAt( centre + toLight * 2.0f * radius, centre, up );
 }
 
 glm::mat4 ShadowMap::lookUp() const

@@ -8,9 +8,9 @@
 
 #include <GLFW/glfw3.h>
 
-#include <glm/glm.hpp>
 #include <backends/imgui_impl_glfw.h>
 #include <backends/imgui_impl_opengl3.h>
+#include <glm/glm.hpp>
 #include <imgui.h>
 
 #include <algorithm>
@@ -48,13 +48,13 @@ Window::Window() : m_state( new State ) {}
 
 Window::~Window()
 {
-	if( m_state->hasPanel )
+	if ( m_state->hasPanel )
 	{
 		ImGui_ImplOpenGL3_Shutdown();
 		ImGui_ImplGlfw_Shutdown();
 		ImGui::DestroyContext();
 	}
-	if( m_state->window != nullptr )
+	if ( m_state->window != nullptr )
 	{
 		glfwDestroyWindow( m_state->window );
 	}
@@ -63,7 +63,7 @@ Window::~Window()
 
 std::unique_ptr<Window> Window::create( const std::string& title, int width, int height, std::string& why )
 {
-	if( glfwInit() != GLFW_TRUE )
+	if ( glfwInit() != GLFW_TRUE )
 	{
 		why = "there is no display";
 		return nullptr;
@@ -75,7 +75,7 @@ std::unique_ptr<Window> Window::create( const std::string& title, int width, int
 	glfwWindowHint( GLFW_SAMPLES, 4 );
 	State& state = *made->m_state;
 	state.window = glfwCreateWindow( width, height, title.c_str(), nullptr, nullptr );
-	if( state.window == nullptr )
+	if ( state.window == nullptr )
 	{
 		why = "no window with OpenGL 3.3 could be opened";
 		return nullptr;
@@ -85,7 +85,7 @@ std::unique_ptr<Window> Window::create( const std::string& title, int width, int
 	ImGui::CreateContext();
 	ImGui::GetIO().IniFilename = nullptr; // leaves no file behind
 	state.hasPanel = ImGui_ImplGlfw_InitForOpenGL( state.window, true ) && ImGui_ImplOpenGL3_Init( "#version 330 core" );
-	if( !state.hasPanel )
+	if ( !state.hasPanel )
 	{
 		why = "the panel could not be made";
 		return nullptr;
@@ -109,7 +109,7 @@ bool Window::takeInput( DrawCamera& camera )
 	state.mouseX = x;
 	state.mouseY = y;
 	const ImGuiIO& io = ImGui::GetIO();
-	if( !io.WantCaptureMouse )
+	if ( !io.WantCaptureMouse )
 	{
 		const glm::vec3 target = toGlm( camera.target );
 		const glm::vec3 back = toGlm( camera.eye ) - target;
@@ -117,12 +117,12 @@ bool Window::takeInput( DrawCamera& camera )
 		float turn = std::atan2( back.x, back.z );
 		float tilt = std::asin( std::clamp( back.y / distance, -1.0f, 1.0f ) );
 		glm::vec3 shift( 0.0f );
-		if( glfwGetMouseButton( state.window, GLFW_MOUSE_BUTTON_RIGHT ) == GLFW_PRESS )
+		if ( glfwGetMouseButton( state.window, GLFW_MOUSE_BUTTON_RIGHT ) == GLFW_PRESS )
 		{
 			turn -= dx * kRadiansPerPixel;
 			tilt = std::clamp( tilt + dy * kRadiansPerPixel, -kMaxTilt, kMaxTilt );
 		}
-		if( glfwGetMouseButton( state.window, GLFW_MOUSE_BUTTON_MIDDLE ) == GLFW_PRESS )
+		if ( glfwGetMouseButton( state.window, GLFW_MOUSE_BUTTON_MIDDLE ) == GLFW_PRESS )
 		{
 			const glm::vec3 right = glm::normalize( glm::cross( -back, glm::vec3( 0, 1, 0 ) ) );
 			const glm::vec3 up = glm::normalize( glm::cross( right, -back ) );
@@ -133,7 +133,7 @@ bool Window::takeInput( DrawCamera& camera )
 		camera.target = fromGlm( target + shift );
 		camera.eye = fromGlm( target + shift + direction * distance );
 	}
-	if( glfwGetKey( state.window, GLFW_KEY_ESCAPE ) == GLFW_PRESS )
+	if ( glfwGetKey( state.window, GLFW_KEY_ESCAPE ) == GLFW_PRESS )
 	{
 		glfwSetWindowShouldClose( state.window, GLFW_TRUE );
 	}
@@ -194,13 +194,13 @@ void Window::present( WindowPanel& panel )
 	panel.restart = ImGui::Button( "restart" );
 	ImGui::SameLine();
 	ImGui::Checkbox( "nodes", &panel.showNodes );
-	for( const WindowSlider& slider : panel.sliders )
+	for ( const WindowSlider& slider : panel.sliders )
 	{
 		ImGui::SliderFloat( slider.name.c_str(), slider.value, slider.low, slider.high, "%.3g",
 			slider.isLogarithmic ? ImGuiSliderFlags_Logarithmic : ImGuiSliderFlags_None );
 	}
 	ImGui::Separator();
-	for( const std::string& line : panel.lines )
+	for ( const std::string& line : panel.lines )
 	{
 		ImGui::TextUnformatted( line.c_str() );
 	}

@@ -57,7 +57,7 @@ public:
 	/// Between the last two calls of takeInput.
 	double secondsSinceLastPicture() const;
 
-	int width() const;  ///< of the framebuffer, pixels
+	int width() const; ///< of the framebuffer, pixels
 	int height() const;
 
 	/// Draw the panel over the picture and show both.

@@ -22,10 +22,10 @@ constexpr int kCuts = 80;                           // of the mesh's faces: what
 constexpr float kGrip = 0.16f, kShoulder = 0.16f;   // m: held, and unbreakable beside it, as a specimen is thicker where it is held
 constexpr float kFree = kLength / 2 - kGrip;        // m from the middle to a grip
 constexpr float kBreakStrain = 0.1f;
-constexpr float kRate = 0.05f;                      // of strain a second: sound runs along the bar many times meanwhile
-constexpr float kRateParted = 0.25f;                // so that the gap is seen
-constexpr double kDrawn = 5.2;                      // s of film
-constexpr double kMaxStrain = 0.45;                 // of what has parted: then it is left alone
+constexpr float kRate = 0.05f;       // of strain a second: sound runs along the bar many times meanwhile
+constexpr float kRateParted = 0.25f; // so that the gap is seen
+constexpr double kDrawn = 5.2;       // s of film
+constexpr double kMaxStrain = 0.45;  // of what has parted: then it is left alone
 constexpr btScalar kHeight = btScalar( 0.35 ), kApart = btScalar( 0.62 );
 
 struct Specimen
@@ -34,9 +34,9 @@ struct Specimen
 	pliant::BreakRule rule;
 	double degrees; ///< between the bar and its lattice
 	pliant::SoftBody* body = nullptr;
-	double z = 0, strain = 0;            ///< m; of the grips by now
-	double first = 0, parted = 0;        ///< strains; 0: not yet
-	int links = 0;                       ///< broken
+	double z = 0, strain = 0;     ///< m; of the grips by now
+	double first = 0, parted = 0; ///< strains; 0: not yet
+	int links = 0;                ///< broken
 };
 
 /// Middle and direction of the bar in the mesh's coordinates: the mesh is turned in the lattice, about its own middle, which is the origin.
@@ -59,9 +59,9 @@ public:
 	{
 		stage.addGround( btScalar( 0.5 ) );
 		const pliant::BreakRule rules[] = { pliant::BreakRule::Plane, pliant::BreakRule::Distance };
-		for( const double degrees : { 0.0, 20.0, 45.0 } )
+		for ( const double degrees : { 0.0, 20.0, 45.0 } )
 		{
-			for( const pliant::BreakRule rule : rules )
+			for ( const pliant::BreakRule rule : rules )
 			{
 				Specimen bar;
 				bar.name = rule == pliant::BreakRule::Plane ? "plane" : "distance";
@@ -70,10 +70,10 @@ public:
 				m_bars.push_back( bar );
 			}
 		}
-		for( std::size_t i = 0; i < m_bars.size(); ++i )
+		for ( std::size_t i = 0; i < m_bars.size(); ++i )
 		{
 			m_bars[i].z = double( kApart ) * ( double( i ) - 0.5 * double( m_bars.size() - 1 ) );
-			if( !put( stage, m_bars[i] ) )
+			if ( !put( stage, m_bars[i] ) )
 			{
 				return false;
 			}
@@ -84,7 +84,7 @@ public:
 	void beforeStep( Stage& stage, double ) override
 	{
 		constexpr double kStep = 1.0 / 60;
-		for( Specimen& bar : m_bars )
+		for ( Specimen& bar : m_bars )
 		{
 			const bool hasParted = bar.parted > 0;
 			const double rate = !hasParted ? double( kRate ) : bar.strain < kMaxStrain ? double( kRateParted ) : 0;
@@ -96,7 +96,7 @@ public:
 
 	void afterStep( Stage& stage, double ) override
 	{
-		for( const pliant::FractureEvent& event : stage.world().fractureEvents() )
+		for ( const pliant::FractureEvent& event : stage.world().fractureEvents() )
 		{
 			Specimen& bar = m_bars[std::size_t( event.parent->getUserIndex2() )];
 			bar.links += event.links;
@@ -108,19 +108,20 @@ public:
 
 	std::vector<FindingTable> findings( const Stage& ) const override
 	{
-		FindingTable bars{ "strain at break over what was set (0.1), by angle to the lattice", { "first break", "parted", "broken links" }, {} };
+		FindingTable bars{
+			"strain at break over what was set (0.1), by angle to the lattice", { "first break", "parted", "broken links" }, {} };
 		FindingTable rules{ "all angles of a rule", { "least", "most", "spread, %" }, {} };
-		for( const Specimen& bar : m_bars )
+		for ( const Specimen& bar : m_bars )
 		{
 			bars.rows.push_back( { std::string( bar.name ) + ", " + std::to_string( int( bar.degrees ) ) + " degrees",
 				{ bar.first / double( kBreakStrain ), bar.parted / double( kBreakStrain ), double( bar.links ) } } );
 		}
-		for( const char* rule : { "plane", "distance" } )
+		for ( const char* rule : { "plane", "distance" } )
 		{
 			double least = std::numeric_limits<double>::max(), most = 0;
-			for( const Specimen& bar : m_bars )
+			for ( const Specimen& bar : m_bars )
 			{
-				if( std::string( bar.name ) == rule )
+				if ( std::string( bar.name ) == rule )
 				{
 					least = std::min( least, bar.first / double( kBreakStrain ) );
 					most = std::max( most, bar.first / double( kBreakStrain ) );
@@ -140,7 +141,7 @@ private:
 	{
 		const float angle = float( bar.degrees ) * SIMD_RADS_PER_DEG, c = std::cos( angle ), s = std::sin( angle );
 		pliant_glue::ModelMesh mesh = makeCube( 1, kCuts );
-		for( std::size_t i = 0; i < mesh.positions.size(); i += 3 )
+		for ( std::size_t i = 0; i < mesh.positions.size(); i += 3 )
 		{
 			const float x = mesh.positions[i] * kLength, y = mesh.positions[i + 1] * kThickness;
 			mesh.positions[i] = c * x - s * y;
@@ -161,7 +162,7 @@ private:
 		order.colour = bar.rule == pliant::BreakRule::Plane ? kTeal : kTerracotta;
 		order.place = btTransform( btQuaternion( btVector3( 0, 0, 1 ), -btScalar( angle ) ), btVector3( 0, kHeight, btScalar( bar.z ) ) );
 		bar.body = stage.addSoft( order );
-		if( bar.body == nullptr )
+		if ( bar.body == nullptr )
 		{
 			return false;
 		}
@@ -169,9 +170,11 @@ private:
 		bar.body->setGravity( btVector3( 0, 0, 0 ) );
 		bar.body->setActivationState( DISABLE_DEACTIVATION );
 		const btScalar z = btScalar( bar.z ), high = 1;
-		bar.body->pinNodesInside( btVector3( btScalar( -kLength ), 0, z - kApart / 2 ), btVector3( btScalar( -kFree ), high, z + kApart / 2 ) );
-		bar.body->pinNodesInside( btVector3( btScalar( kFree ), 0, z - kApart / 2 ), btVector3( btScalar( kLength ), high, z + kApart / 2 ) );
-		for( int i = 0; i < bar.body->nodeCount(); ++i )
+		bar.body->pinNodesInside(
+			btVector3( btScalar( -kLength ), 0, z - kApart / 2 ), btVector3( btScalar( -kFree ), high, z + kApart / 2 ) );
+		bar.body->pinNodesInside(
+			btVector3( btScalar( kFree ), 0, z - kApart / 2 ), btVector3( btScalar( kLength ), high, z + kApart / 2 ) );
+		for ( int i = 0; i < bar.body->nodeCount(); ++i )
 		{
 			// Begins in even motion: nothing runs to and fro in it.
 			const btScalar speed = btScalar( kRate ) * bar.body->nodePosition( i ).x();
@@ -183,12 +186,12 @@ private:
 	/// Moves the grips outward, in whichever pieces they are by now.
 	static void pull( Stage& stage, const Specimen& bar, btScalar far )
 	{
-		for( int k = 0; k < stage.world().softBodyCount(); ++k )
+		for ( int k = 0; k < stage.world().softBodyCount(); ++k )
 		{
 			pliant::SoftBody& piece = *stage.world().softBody( k );
-			for( int i = 0; piece.getUserIndex2() == bar.body->getUserIndex2() && i < piece.nodeCount(); ++i )
+			for ( int i = 0; piece.getUserIndex2() == bar.body->getUserIndex2() && i < piece.nodeCount(); ++i )
 			{
-				if( piece.isPinned( i ) )
+				if ( piece.isPinned( i ) )
 				{
 					const btVector3 at = piece.nodePosition( i );
 					piece.driveNode( i, at + btVector3( at.x() > 0 ? far : -far, 0, 0 ) );
@@ -200,11 +203,11 @@ private:
 	static bool isApart( Stage& stage, const Specimen& bar )
 	{
 		int held = 0;
-		for( int k = 0; k < stage.world().softBodyCount(); ++k )
+		for ( int k = 0; k < stage.world().softBodyCount(); ++k )
 		{
 			const pliant::SoftBody& piece = *stage.world().softBody( k );
 			bool isHeld = false;
-			for( int i = 0; piece.getUserIndex2() == bar.body->getUserIndex2() && i < piece.nodeCount(); ++i )
+			for ( int i = 0; piece.getUserIndex2() == bar.body->getUserIndex2() && i < piece.nodeCount(); ++i )
 			{
 				isHeld = isHeld || piece.isPinned( i );
 			}

@@ -55,12 +55,13 @@ public:
 		flying.place = btTransform( btQuaternion::getIdentity(), btVector3( kStart, kHeight, kLane ) );
 		flying.colour = kTerracotta;
 		m_softBall = stage.addSoft( flying );
-		if( !m_block || !m_foam || !m_softBall )
+		if ( !m_block || !m_foam || !m_softBall )
 		{
 			return false;
 		}
 		m_softBall->setVelocities( btVector3( kSpeed, 1, 0 ), btVector3( 0, 5, -10 ) );
-		stage.addBox( btVector3( kWallThick, btScalar( 1.4 ), btScalar( 1.2 ) ), at( kWallX, btScalar( 0.7 ), kLane ), 0, kSlate )->setRestitution( btScalar( 0.4 ) );
+		stage.addBox( btVector3( kWallThick, btScalar( 1.4 ), btScalar( 1.2 ) ), at( kWallX, btScalar( 0.7 ), kLane ), 0, kSlate )
+			->setRestitution( btScalar( 0.4 ) );
 
 		m_ball = addShot( stage, -kLane, 6, kSlate );
 		m_slow = addShot( stage, 0, 1, kOchre );
@@ -71,7 +72,7 @@ public:
 	void afterStep( Stage&, double ) override
 	{
 		m_deepest = std::max( m_deepest, double( m_slow->getWorldTransform().getOrigin().x() - m_foam->massCentre().x() ) + 0.4 );
-		for( int i = 0; i < m_softBall->nodeCount(); ++i )
+		for ( int i = 0; i < m_softBall->nodeCount(); ++i )
 		{
 			m_farthest = std::max( m_farthest, double( m_softBall->nodePosition( i ).x() - kWallX ) );
 		}
@@ -85,7 +86,8 @@ public:
 		table.columns = { "measured" };
 		table.rows.push_back( { "momentum that went over to the block, of the ball's", { m_given } } );
 		table.rows.push_back( { "how deep the ball goes into the foam of 0.8 m, m", { m_deepest } } );
-		table.rows.push_back( { "the ball's speed against the foam at the end, m/s", { double( ( m_slow->getLinearVelocity() - m_foam->linearVelocity() ).length() ) } } );
+		table.rows.push_back( { "the ball's speed against the foam at the end, m/s",
+			{ double( ( m_slow->getLinearVelocity() - m_foam->linearVelocity() ).length() ) } } );
 		table.rows.push_back( { "farthest node of the soft ball, m in front of (-) or behind the thin wall's middle", { m_farthest } } );
 		return { table };
 	}

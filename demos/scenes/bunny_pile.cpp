@@ -45,14 +45,15 @@ public:
 		const float share = float( std::min( 1.0, seconds / kCameraRide ) );
 		const float ride = share * share * ( 3 - 2 * share );
 		const auto between = [&]( float from, float to ) { return from + ( to - from ) * ride; };
-		return { { between( 2.5f, 1.9f ), between( 1.95f, 1.5f ), between( 4.3f, 3.3f ) }, { between( -0.3f, 0.25f ), between( 0.8f, 0.36f ), 0 }, 38.0f };
+		return { { between( 2.5f, 1.9f ), between( 1.95f, 1.5f ), between( 4.3f, 3.3f ) },
+			{ between( -0.3f, 0.25f ), between( 0.8f, 0.36f ), 0 }, 38.0f };
 	}
 	pliant_glue::DrawLight light() const override { return { { -0.25f, 0.80f, 0.55f }, { 0, 0.6f, 0 }, 3.4f }; }
 
 private:
 	static void addStairs( Stage& stage )
 	{
-		for( int k = 0; k < kSteps; ++k )
+		for ( int k = 0; k < kSteps; ++k )
 		{
 			// Each step is a block down to the ground; the top one is the landing.
 			const btScalar height = kRise * btScalar( kSteps - k );
@@ -69,11 +70,13 @@ private:
 		stage.addBox( btVector3( post, postHeight, post ), at( kDoorX, postHeight / 2, -( kDoorWidth / 2 + gap + post / 2 ) ), 0, kOak );
 		// Kerbs keep the pile between the stairs and the door.
 		const btScalar kerb = btScalar( 0.16 ), length = kDoorX - kStairsEnd + post;
-		for( const int side : { -1, 1 } )
+		for ( const int side : { -1, 1 } )
 		{
-			stage.addBox( btVector3( length, kerb, post ), at( kStairsEnd + length / 2, kerb / 2, btScalar( side ) * ( kWidth - post ) / 2 ), 0, kStone );
+			stage.addBox( btVector3( length, kerb, post ),
+				at( kStairsEnd + length / 2, kerb / 2, btScalar( side ) * ( kWidth - post ) / 2 ), 0, kStone );
 		}
-		btRigidBody* door = stage.addBox( btVector3( btScalar( 0.06 ), kDoorHeight, kDoorWidth ), at( kDoorX, kDoorHeight / 2 + gap, 0 ), 6, kMoss );
+		btRigidBody* door = stage.addBox(
+			btVector3( btScalar( 0.06 ), kDoorHeight, kDoorWidth ), at( kDoorX, kDoorHeight / 2 + gap, 0 ), 6, kMoss );
 		door->setActivationState( DISABLE_DEACTIVATION ); // a door that sleeps would not swing
 		auto hinge = std::make_unique<btHingeConstraint>( *door, btVector3( 0, 0, -kDoorWidth / 2 ), btVector3( 0, 1, 0 ) );
 		hinge->setLimit( btScalar( -1.9 ), btScalar( 1.9 ) );
@@ -85,22 +88,26 @@ private:
 	{
 		std::mt19937 random( stage.options().seed );
 		// mt19937's numbers are the same everywhere; the standard distributions' are not.
-		const auto between = [&]( btScalar low, btScalar high ) { return low + ( high - low ) * btScalar( random() ) / btScalar( 4294967296.0 ); };
+		const auto between = [&]( btScalar low, btScalar high ) {
+			return low + ( high - low ) * btScalar( random() ) / btScalar( 4294967296.0 );
+		};
 		const pliant_glue::Colour colours[] = { kSlate, kOchre, kBrick, kTeal };
-		for( int i = 0; i < kLooseBodies; ++i )
+		for ( int i = 0; i < kLooseBodies; ++i )
 		{
 			const bool isAtFoot = i % 2 == 0;
 			const btScalar x = isAtFoot ? between( btScalar( 0.6 ), btScalar( 0.85 ) ) : between( btScalar( -1.6 ), btScalar( -0.2 ) );
-			const btVector3 place( x, btScalar( 0.3 ) + btScalar( 0.11 ) * btScalar( i ) + ( isAtFoot ? 0 : btScalar( 0.7 ) ), between( btScalar( -0.5 ), btScalar( 0.5 ) ) );
+			const btVector3 place( x, btScalar( 0.3 ) + btScalar( 0.11 ) * btScalar( i ) + ( isAtFoot ? 0 : btScalar( 0.7 ) ),
+				between( btScalar( -0.5 ), btScalar( 0.5 ) ) );
 			const pliant_glue::Colour& colour = colours[i % 4];
-			if( i % 3 == 0 )
+			if ( i % 3 == 0 )
 			{
 				const btScalar diameter = between( btScalar( 0.16 ), btScalar( 0.26 ) );
 				stage.addSphere( diameter, place, 250 * diameter * diameter * diameter, colour );
 			}
 			else
 			{
-				const btVector3 size( between( btScalar( 0.13 ), btScalar( 0.26 ) ), between( btScalar( 0.12 ), btScalar( 0.22 ) ), between( btScalar( 0.13 ), btScalar( 0.26 ) ) );
+				const btVector3 size( between( btScalar( 0.13 ), btScalar( 0.26 ) ), between( btScalar( 0.12 ), btScalar( 0.22 ) ),
+					between( btScalar( 0.13 ), btScalar( 0.26 ) ) );
 				const btQuaternion turn( btVector3( between( -1, 1 ), 1, between( -1, 1 ) ).normalized(), between( 0, 3 ) );
 				stage.addBox( size, btTransform( turn, place ), 300 * size.x() * size.y() * size.z(), colour );
 			}
@@ -115,14 +122,15 @@ private:
 		order.name = "bunny";
 		order.mesh = &mesh;
 		order.cells = 2000;
-		order.place = btTransform( btQuaternion( btVector3( 0, 1, 0 ), btScalar( 3.0 ) ), btVector3( btScalar( -1.35 ), btScalar( 1.6 ), btScalar( -0.1 ) ) ); // looks down the stairs
+		order.place = btTransform( btQuaternion( btVector3( 0, 1, 0 ), btScalar( 3.0 ) ),
+			btVector3( btScalar( -1.35 ), btScalar( 1.6 ), btScalar( -0.1 ) ) ); // looks down the stairs
 		order.material.density = 300.0f;
 		order.material.youngsModulus = 4.0e4f; // soft foam: its own weight shortens it by about 2 %, the fall bends its ears flat
 		order.material.damping = 25.0f;
 		order.friction = btScalar( 0.6 );
 		order.colour = kTerracotta;
 		pliant::SoftBody* bunny = stage.addSoft( order );
-		if( bunny != nullptr )
+		if ( bunny != nullptr )
 		{
 			bunny->setVelocities( btVector3( btScalar( 1.4 ), 0, 0 ), btVector3( 0, 0, -2 ) );
 		}
@@ -143,7 +151,7 @@ private:
 		order.friction = btScalar( 0.6 );
 		order.colour = kPlum;
 		pliant::SoftBody* glob = stage.addSoft( order );
-		if( glob != nullptr )
+		if ( glob != nullptr )
 		{
 			glob->setVelocities( btVector3( 1, 0, 0 ), btVector3( 0, 0, -3 ) );
 		}

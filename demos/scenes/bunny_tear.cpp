@@ -15,10 +15,10 @@ namespace pliant_demos {
 
 namespace {
 
-constexpr float kHeight = 0.8f;                  // m
+constexpr float kHeight = 0.8f; // m
 constexpr int kCells = 2000;
 constexpr int kCoarseLevels = 1;                 // what breaks is two cells a level away from big nodes: with more, cracks stop early
-constexpr btScalar kLift = btScalar( 1.25 );    // m of the bunny's middle above the ground
+constexpr btScalar kLift = btScalar( 1.25 );     // m of the bunny's middle above the ground
 constexpr btScalar kApart = btScalar( 1.1 );     // m from one bunny to the other
 constexpr btScalar kHeldFrom = btScalar( 0.13 ); // m above its middle: head and ears
 constexpr btScalar kRolling = btScalar( 0.02 );  // m: what has come off would roll to and fro for as long as the film
@@ -40,9 +40,11 @@ struct Hanging
 
 double medianOf( const std::vector<double>& values, double from, double to )
 {
-	const auto at = [&]( double seconds ) { return values.begin() + std::ptrdiff_t( std::clamp( seconds * 60, 0.0, double( values.size() ) ) ); };
+	const auto at = [&]( double seconds ) {
+		return values.begin() + std::ptrdiff_t( std::clamp( seconds * 60, 0.0, double( values.size() ) ) );
+	};
 	std::vector<double> part( at( from ), at( to ) );
-	if( part.empty() )
+	if ( part.empty() )
 	{
 		return 0;
 	}
@@ -74,7 +76,7 @@ public:
 		order.fracture.growthShare = 0.25f; // a tear runs through and leaves few crumbs
 		order.fracture.coolDown = 0.1f;
 		order.shape = stage.buildShape( order );
-		if( order.shape == nullptr )
+		if ( order.shape == nullptr )
 		{
 			return false;
 		}
@@ -92,7 +94,7 @@ public:
 	void beforeStep( Stage&, double seconds ) override
 	{
 		const btVector3 gravity( 0, -kGravity * btScalar( std::min( 1.0, seconds / kFullWeightAt ) ), 0 );
-		for( const Hanging* bunny : { &m_merging, &m_keeping } )
+		for ( const Hanging* bunny : { &m_merging, &m_keeping } )
 		{
 			bunny->stage->world().setGravity( gravity );
 		}
@@ -100,10 +102,10 @@ public:
 
 	void afterStep( Stage&, double ) override
 	{
-		for( Hanging* bunny : { &m_merging, &m_keeping } )
+		for ( Hanging* bunny : { &m_merging, &m_keeping } )
 		{
 			const pliant::StepReport& report = bunny->stage->world().stepReport();
-			if( report.brokenLinks > 0 )
+			if ( report.brokenLinks > 0 )
 			{
 				bunny->lastCrack = int( bunny->nodes.size() );
 				bunny->firstCrack = bunny->firstCrack < 0 ? bunny->lastCrack : bunny->firstCrack;
@@ -117,24 +119,25 @@ public:
 	std::vector<FindingTable> findings( const Stage& ) const override
 	{
 		FindingTable time{ "seconds of film; ms a step, medians", { "nodes, merging", "without", "ms, merging", "without" }, {} };
-		for( double t = 0; t + kRow <= double( m_merging.nodes.size() ) / 60; t += kRow )
+		for ( double t = 0; t + kRow <= double( m_merging.nodes.size() ) / 60; t += kRow )
 		{
 			time.rows.push_back( { std::to_string( int( t ) ) + " to " + std::to_string( int( t + kRow ) ) + " s",
-				{ medianOf( m_merging.nodes, t, t + kRow ), medianOf( m_keeping.nodes, t, t + kRow ), 1e3 * medianOf( m_merging.seconds, t, t + kRow ),
-					1e3 * medianOf( m_keeping.seconds, t, t + kRow ) } } );
+				{ medianOf( m_merging.nodes, t, t + kRow ), medianOf( m_keeping.nodes, t, t + kRow ),
+					1e3 * medianOf( m_merging.seconds, t, t + kRow ), 1e3 * medianOf( m_keeping.seconds, t, t + kRow ) } } );
 		}
 		FindingTable nodes{ "nodes (the paper: 207, 623, 343)", { "at first", "at most", "at last" }, {} };
 		FindingTable cost{ "ms a step (the paper, after the crack: 4 with merging, 8 without)",
 			{ "before", "1 s after", "10 s after", "10 s over before", "last crack, s" }, {} };
-		for( const Hanging* bunny : { &m_merging, &m_keeping } )
+		for ( const Hanging* bunny : { &m_merging, &m_keeping } )
 		{
-			if( bunny->firstCrack < 0 )
+			if ( bunny->firstCrack < 0 )
 			{
 				continue;
 			}
 			nodes.rows.push_back( { bunny->stage->name(), { bunny->nodes.front(), double( bunny->mostNodes ), bunny->nodes.back() } } );
 			const double before = 1e3 * medianOf( bunny->seconds, 0, double( bunny->firstCrack ) / 60 );
-			const double last = double( bunny->lastCrack ) / 60, awake = 1e3 * medianOf( bunny->seconds, last + kMerged, last + kMerged + 1 );
+			const double last = double( bunny->lastCrack ) / 60,
+						 awake = 1e3 * medianOf( bunny->seconds, last + kMerged, last + kMerged + 1 );
 			const double after = 1e3 * medianOf( bunny->seconds, last + kSettled, last + kSettled + 1 );
 			cost.rows.push_back( { bunny->stage->name(), { before, awake, after, after / before, last } } );
 		}
@@ -152,7 +155,7 @@ private:
 		bunny.stage = &stage;
 		stage.addGround( btScalar( 0.8 ) );
 		pliant::SoftBody* body = stage.addSoft( order );
-		if( body == nullptr )
+		if ( body == nullptr )
 		{
 			return false;
 		}

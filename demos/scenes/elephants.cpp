@@ -19,15 +19,15 @@ namespace {
 
 constexpr int kHerds[] = { 15, 10, 5 };
 constexpr double kPaperFramesPerSecond[] = { 7, 14, 45 };
-constexpr float kElephantHeight = 0.42f;           // m
+constexpr float kElephantHeight = 0.42f; // m
 constexpr int kCells = 500;
 constexpr int kCoarseLevels = 2;
-constexpr btScalar kBall = btScalar( 0.7 );        // m across
-constexpr btScalar kBallHeight = btScalar( 0.55 ); // m of its middle
-constexpr int kAcross = 3;                         // elephants in a layer, on a ring
+constexpr btScalar kBall = btScalar( 0.7 );                                                             // m across
+constexpr btScalar kBallHeight = btScalar( 0.55 );                                                      // m of its middle
+constexpr int kAcross = 3;                                                                              // elephants in a layer, on a ring
 constexpr btScalar kRing = btScalar( 0.40 ), kLayer = btScalar( 0.62 ), kFirstLayer = btScalar( 1.45 ); // m
 constexpr int kTopLayer = ( kHerds[0] - 1 ) / kAcross;
-constexpr double kDuration = 4.5;                  // s
+constexpr double kDuration = 4.5; // s
 constexpr pliant_glue::Colour kPink = { 0.85f, 0.22f, 0.36f };
 
 struct Herd
@@ -36,14 +36,14 @@ struct Herd
 	btRigidBody* ball = nullptr;
 	std::vector<pliant::StepReport> reports = {};
 	std::vector<double> skinning = {}; ///< s, of each step
-	double awakeNodes = 0; ///< summed over steps
+	double awakeNodes = 0;             ///< summed over steps
 	int stuck = 0, fragments = 0, links = 0;
 };
 
 int awakeNodesOf( pliant::SoftBodyWorld& world )
 {
 	int nodes = 0;
-	for( int i = 0; i < world.softBodyCount(); ++i )
+	for ( int i = 0; i < world.softBodyCount(); ++i )
 	{
 		nodes += world.softBody( i )->isActive() ? world.softBody( i )->nodeCount() : 0;
 	}
@@ -73,15 +73,15 @@ public:
 		order.fracture.breakStrain = 0.75f; // some lose a limb; nodes are split at half of it
 		order.friction = btScalar( 0.6 );
 		order.shape = stage.buildShape( order );
-		if( order.shape == nullptr )
+		if ( order.shape == nullptr )
 		{
 			return false;
 		}
-		for( std::size_t i = 0; i < std::size( kHerds ); ++i )
+		for ( std::size_t i = 0; i < std::size( kHerds ); ++i )
 		{
 			Stage* own = &stage;
 			const std::string name = std::to_string( kHerds[i] ) + " elephants";
-			if( i > 0 )
+			if ( i > 0 )
 			{
 				m_beside.push_back( std::make_unique<Stage>( stage.options(), name ) );
 				own = m_beside.back().get();
@@ -89,7 +89,7 @@ public:
 			}
 			own->setName( name );
 			m_herds.push_back( Herd{ own } );
-			if( !drop( m_herds.back(), order, kHerds[i] ) )
+			if ( !drop( m_herds.back(), order, kHerds[i] ) )
 			{
 				return false;
 			}
@@ -100,7 +100,7 @@ public:
 	std::vector<Stage*> sideStages() override
 	{
 		std::vector<Stage*> all;
-		for( const std::unique_ptr<Stage>& stage : m_beside )
+		for ( const std::unique_ptr<Stage>& stage : m_beside )
 		{
 			all.push_back( stage.get() );
 		}
@@ -109,7 +109,7 @@ public:
 
 	void afterStep( Stage&, double ) override
 	{
-		for( Herd& herd : m_herds )
+		for ( Herd& herd : m_herds )
 		{
 			stick( herd );
 			const std::size_t before = herd.stage->log().skinnings();
@@ -126,13 +126,14 @@ public:
 	{
 		FindingTable split{ "ms a frame, means; ours: all that is not Bullet's collision and solver, skins included",
 			{ "ours", "of it skins", "elasticity", "collision", "solver", "in all", "worst in all", "frames/s", "paper's" }, {} };
-		FindingTable events{ "what happened", { "pieces came off", "broken links", "nodes stuck", "nodes at first", "mean", "at last", "awake, mean", "own us each" }, {} };
+		FindingTable events{ "what happened",
+			{ "pieces came off", "broken links", "nodes stuck", "nodes at first", "mean", "at last", "awake, mean", "own us each" }, {} };
 		std::vector<double> totals, own;
-		for( std::size_t i = 0; i < m_herds.size(); ++i )
+		for ( std::size_t i = 0; i < m_herds.size(); ++i )
 		{
 			const Herd& herd = m_herds[i];
 			double collision = 0, solve = 0, total = 0, skins = 0, matching = 0, worst = 0, nodes = 0;
-			for( std::size_t k = 0; k < herd.reports.size(); ++k )
+			for ( std::size_t k = 0; k < herd.reports.size(); ++k )
 			{
 				const double all = herd.reports[k].total + herd.skinning[k];
 				collision += herd.reports[k].collision;
@@ -145,10 +146,13 @@ public:
 			}
 			const double perFrame = 1e3 / double( herd.reports.size() );
 			const double ours = total - collision - solve;
-			split.rows.push_back( { herd.stage->name(), { perFrame * ours, perFrame * skins, perFrame * matching, perFrame * collision, perFrame * solve, perFrame * total,
-															1e3 * worst, 1e3 / ( perFrame * total ), kPaperFramesPerSecond[i] } } );
-			events.rows.push_back( { herd.stage->name(), { double( herd.fragments ), double( herd.links ), double( herd.stuck ), double( herd.reports.front().nodes ), nodes,
-															 double( herd.reports.back().nodes ), herd.awakeNodes / double( herd.reports.size() ), 1e6 * ours / herd.awakeNodes } } );
+			split.rows.push_back( { herd.stage->name(),
+				{ perFrame * ours, perFrame * skins, perFrame * matching, perFrame * collision, perFrame * solve, perFrame * total,
+					1e3 * worst, 1e3 / ( perFrame * total ), kPaperFramesPerSecond[i] } } );
+			events.rows.push_back( { herd.stage->name(),
+				{ double( herd.fragments ), double( herd.links ), double( herd.stuck ), double( herd.reports.front().nodes ), nodes,
+					double( herd.reports.back().nodes ), herd.awakeNodes / double( herd.reports.size() ),
+					1e6 * ours / herd.awakeNodes } } );
 			totals.push_back( total );
 			own.push_back( ours );
 		}
@@ -156,8 +160,10 @@ public:
 		const double ratio = std::log( double( kHerds[0] ) / double( kHerds[2] ) );
 		// Of awake nodes too: what more things happen to for longer costs more, whatever a node costs.
 		FindingTable exponent{ "exponent of cost over bodies, 5 to 15", { "in all", "ours", "awake nodes", "the paper" },
-			{ { "exponent", { std::log( totals[0] / totals[2] ) / ratio, std::log( own[0] / own[2] ) / ratio, std::log( m_herds[0].awakeNodes / m_herds[2].awakeNodes ) / ratio,
-								std::log( kPaperFramesPerSecond[2] / kPaperFramesPerSecond[0] ) / ratio } } } };
+			{ { "exponent",
+				{ std::log( totals[0] / totals[2] ) / ratio, std::log( own[0] / own[2] ) / ratio,
+					std::log( m_herds[0].awakeNodes / m_herds[2].awakeNodes ) / ratio,
+					std::log( kPaperFramesPerSecond[2] / kPaperFramesPerSecond[0] ) / ratio } } } };
 		return { split, exponent, events };
 	}
 
@@ -173,8 +179,10 @@ private:
 		const pliant_glue::Colour colours[] = { kSlate, kOchre, kTeal, kTerracotta, kPlum };
 		std::mt19937 random( herd.stage->options().seed );
 		// mt19937's numbers are the same everywhere; the standard distributions' are not.
-		const auto between = [&]( btScalar low, btScalar high ) { return low + ( high - low ) * btScalar( random() ) / btScalar( 4294967296.0 ); };
-		for( int i = 0; i < count; ++i )
+		const auto between = [&]( btScalar low, btScalar high ) {
+			return low + ( high - low ) * btScalar( random() ) / btScalar( 4294967296.0 );
+		};
+		for ( int i = 0; i < count; ++i )
 		{
 			const int layer = i / kAcross;
 			const btScalar angle = SIMD_2_PI * ( btScalar( i % kAcross ) / kAcross ) + btScalar( 0.5 ) * btScalar( layer );
@@ -183,12 +191,12 @@ private:
 			order.place = btTransform( btQuaternion( axis, between( 0, 6 ) ), place );
 			order.colour = colours[i % 5];
 			pliant::SoftBody* elephant = herd.stage->addSoft( order );
-			if( elephant == nullptr || !elephant->prepareCracks().ok() )
+			if ( elephant == nullptr || !elephant->prepareCracks().ok() )
 			{
 				return false;
 			}
-			// As fast as if it had fallen from the top layer of fifteen, whatever layer it begins in: each of five brings as much energy as each of fifteen. Thrown
-			// alike, what more bodies cost would be mixed up with what higher falls do.
+			// As fast as if it had fallen from the top layer of fifteen, whatever layer it begins in: each of five brings as much energy as
+			// each of fifteen. Thrown alike, what more bodies cost would be mixed up with what higher falls do.
 			const btScalar fallen = kLayer * btScalar( kTopLayer - layer );
 			elephant->setLinearVelocity( btVector3( 0, -std::sqrt( -2 * herd.stage->world().getGravity().y() * fallen ), 0 ) );
 		}
@@ -199,21 +207,22 @@ private:
 	static void stick( Herd& herd )
 	{
 		btDispatcher& dispatcher = *herd.stage->world().getDispatcher();
-		for( int i = 0; i < dispatcher.getNumManifolds(); ++i )
+		for ( int i = 0; i < dispatcher.getNumManifolds(); ++i )
 		{
 			const btPersistentManifold& manifold = *dispatcher.getManifoldByIndexInternal( i );
 			const bool isBallFirst = manifold.getBody0() == herd.ball;
 			const btCollisionObject* other = isBallFirst ? manifold.getBody1() : manifold.getBody0();
-			if( !isBallFirst && manifold.getBody1() != herd.ball )
+			if ( !isBallFirst && manifold.getBody1() != herd.ball )
 			{
 				continue;
 			}
 			auto* soft = pliant::SoftBody::upcast( const_cast<btCollisionObject*>( other ) ); // Bullet hands it out const
-			for( int k = 0; soft != nullptr && k < manifold.getNumContacts(); ++k )
+			for ( int k = 0; soft != nullptr && k < manifold.getNumContacts(); ++k )
 			{
 				const btManifoldPoint& point = manifold.getContactPoint( k );
 				const int node = isBallFirst ? point.m_index1 : point.m_index0;
-				if( point.getDistance() <= 0 && node >= 0 && node < soft->nodeCount() && !soft->isPinned( node ) && soft->pinNode( node ).ok() )
+				if ( point.getDistance() <= 0 && node >= 0 && node < soft->nodeCount() && !soft->isPinned( node ) &&
+					soft->pinNode( node ).ok() )
 				{
 					++herd.stuck;
 				}

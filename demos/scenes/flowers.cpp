@@ -19,13 +19,13 @@ constexpr int kColumns = 8, kRows = 5;
 constexpr int kPetals = 6;
 constexpr btScalar kSpacing = btScalar( 0.55 );
 constexpr int kCoarseLevels = 2;
-constexpr float kFinestCell = 0.0148f;      // m: four in a petal's thickness
-constexpr float kPetalShare = 0.25f;        // of the stem's stiffness
-constexpr float kKeepAll = 1e-6f;           // every block is one node at first, however little of it is filled
+constexpr float kFinestCell = 0.0148f;             // m: four in a petal's thickness
+constexpr float kPetalShare = 0.25f;               // of the stem's stiffness
+constexpr float kKeepAll = 1e-6f;                  // every block is one node at first, however little of it is filled
 constexpr btScalar kFootHeight = btScalar( 0.06 ); // m of the stem that is held
-constexpr btScalar kWind = btScalar( 0.6 ); // m/s^2 on a petal in the strongest gust
+constexpr btScalar kWind = btScalar( 0.6 );        // m/s^2 on a petal in the strongest gust
 constexpr btScalar kFingerThickness = btScalar( 0.10 ), kFingerHeight = btScalar( 0.58 );
-constexpr double kFingerStart = 0.5;        // s
+constexpr double kFingerStart = 0.5; // s
 
 class Flowers : public Scene
 {
@@ -52,7 +52,7 @@ public:
 		order.adaptivity.mergeDelay = 0.4f;
 		order.shape = stage.buildShape( order );
 		std::mt19937 random( stage.options().seed );
-		for( int i = 0; order.shape != nullptr && i < kColumns * kRows; ++i )
+		for ( int i = 0; order.shape != nullptr && i < kColumns * kRows; ++i )
 		{
 			plant( stage, order, i, mesh, random );
 		}
@@ -64,15 +64,16 @@ public:
 	void beforeStep( Stage&, double seconds ) override
 	{
 		Stage::moveBody( m_finger, btTransform( btQuaternion::getIdentity(), fingerAt( seconds ) ) );
-		for( pliant::SoftBody* flower : m_flowers )
+		for ( pliant::SoftBody* flower : m_flowers )
 		{
 			const btVector3 at = flower->massCentre();
-			for( int i = 0; i < flower->nodeCount(); ++i )
+			for ( int i = 0; i < flower->nodeCount(); ++i )
 			{
 				// A gust runs over the field along x; it meets petals more than stems.
 				const double phase = 2.2 * seconds - 1.4 * double( at.x() ) - 0.5 * double( at.z() );
 				const btScalar gust = btScalar( 0.35 + 0.65 * std::sin( phase ) ) * kWind;
-				const btScalar exposed = std::clamp( flower->nodePosition( i ).y() / btScalar( kFlowerHeadMiddle ), btScalar( 0 ), btScalar( 1 ) );
+				const btScalar exposed = std::clamp(
+					flower->nodePosition( i ).y() / btScalar( kFlowerHeadMiddle ), btScalar( 0 ), btScalar( 1 ) );
 				const btScalar force = gust * exposed * flower->nodeMass( i );
 				flower->applyForce( btVector3( force, 0, force * btScalar( 0.35 * std::sin( 1.7 * phase ) ) ), i );
 			}
@@ -91,11 +92,17 @@ public:
 	{
 		const double count = double( m_flowers.size() );
 		return { { "flowers", { "nodes each", "nodes", "most nodes", "growth, %" },
-					 { { "forty", { m_nodesAtFirst / count, double( m_nodesAtFirst ), double( m_mostNodes ), 100.0 * ( m_mostNodes - m_nodesAtFirst ) / m_nodesAtFirst } } } },
+					 { { "forty",
+						 { m_nodesAtFirst / count, double( m_nodesAtFirst ), double( m_mostNodes ),
+							 100.0 * ( m_mostNodes - m_nodesAtFirst ) / m_nodesAtFirst } } } },
 			{ "ms", { "step, median", "step, worst", "skin, frame", "skin a flower" },
-				{ { "forty", { stage.log().medianStep(), stage.log().longestStep(), stage.log().medianSkinning(), stage.log().medianSkinning() / count } } } },
-			{ "levels in frames that split nodes, over those that do not, ms (goal: worst 2)", { "frames", "nodes split", "median", "95 %", "worst" },
-				{ { "touch", { double( m_touches.size() ), double( m_splits ), costOfTouch( 0.5 ), costOfTouch( 0.95 ), costOfTouch( 1.0 ) } } } } };
+				{ { "forty",
+					{ stage.log().medianStep(), stage.log().longestStep(), stage.log().medianSkinning(),
+						stage.log().medianSkinning() / count } } } },
+			{ "levels in frames that split nodes, over those that do not, ms (goal: worst 2)",
+				{ "frames", "nodes split", "median", "95 %", "worst" },
+				{ { "touch",
+					{ double( m_touches.size() ), double( m_splits ), costOfTouch( 0.5 ), costOfTouch( 0.95 ), costOfTouch( 1.0 ) } } } } };
 	}
 
 	double duration() const override { return 3.0; }
@@ -120,7 +127,7 @@ private:
 		const btScalar z = ( btScalar( number / kColumns ) - btScalar( kRows - 1 ) / 2 + next() * btScalar( 0.3 ) ) * kSpacing;
 		order.place = btTransform( btQuaternion( btVector3( 0, 1, 0 ), SIMD_2_PI * next() ), btVector3( x, 0, z ) );
 		pliant::SoftBody* flower = stage.addSoft( order );
-		if( flower == nullptr )
+		if ( flower == nullptr )
 		{
 			return;
 		}
@@ -128,7 +135,7 @@ private:
 		flower->pinNodesInside( btVector3( x - 1, -1, z - 1 ), btVector3( x + 1, kFootHeight, z + 1 ) );
 		const pliant_glue::Colour petals[] = { kBrick, kOchre, kPlum, kTerracotta };
 		std::vector<float> colours;
-		for( std::size_t i = 0; i < mesh.vertexCount(); ++i )
+		for ( std::size_t i = 0; i < mesh.vertexCount(); ++i )
 		{
 			const bool isHead = mesh.positions[i * 3 + 1] > kFlowerHeadFrom;
 			const pliant_glue::Colour& colour = isHead ? petals[( number + number / kColumns ) % 4] : kMoss;

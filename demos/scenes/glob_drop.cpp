@@ -17,9 +17,9 @@ namespace {
 
 constexpr int kCells = 1400;
 constexpr int kCoarseLevels = 2;
-constexpr btScalar kApart = btScalar( 0.95 );      // m from one Glob to the next
+constexpr btScalar kApart = btScalar( 0.95 );     // m from one Glob to the next
 constexpr btScalar kDropHeight = btScalar( 0.7 ); // m, of the middle: about half a bounding-box diagonal to fall
-constexpr double kFullColour = 0.15;               // share of the bounding-box diagonal that is drawn in brick
+constexpr double kFullColour = 0.15;              // share of the bounding-box diagonal that is drawn in brick
 // The paper's step is one of our substeps; it reports 180 of them after the impact. Before 80 the bodies have not begun to tumble.
 constexpr int kEarlyStep = 20, kLastStep = 45; // game steps of four substeps
 constexpr int kReportEvery = 5;
@@ -64,13 +64,13 @@ public:
 		order.material.damping = 2.0f;
 		order.material.wobbleDamping = 0.0f; // the papers' bodies ring
 		order.shape = stage.buildShape( order );
-		if( order.shape == nullptr )
+		if ( order.shape == nullptr )
 		{
 			return false;
 		}
 		stage.setName( "uniform lattice" );
 		m_reference = drop( stage, order, 0 );
-		for( const Method& method : compared )
+		for ( const Method& method : compared )
 		{
 			m_sides.push_back( std::make_unique<Stage>( stage.options(), method.name ) );
 			order.adaptivity = method.adaptivity;
@@ -91,15 +91,15 @@ public:
 	void afterStep( Stage& stage, double ) override
 	{
 		const bool isTouching = stage.world().stepReport().softContacts > 0;
-		if( m_sinceImpact == 0 && !isTouching )
+		if ( m_sinceImpact == 0 && !isTouching )
 		{
 			return;
 		}
 		++m_sinceImpact;
-		if( m_sinceImpact % kReportEvery == 0 && m_sinceImpact <= kLastStep )
+		if ( m_sinceImpact % kReportEvery == 0 && m_sinceImpact <= kLastStep )
 		{
 			stage.skin();
-			for( std::size_t i = 0; i < m_bodies.size(); ++i )
+			for ( std::size_t i = 0; i < m_bodies.size(); ++i )
 			{
 				m_sides[i]->skin();
 				m_errors[i].push_back( distanceOf( i ) );
@@ -109,7 +109,7 @@ public:
 
 	void beforePicture( Stage&, pliant_glue::DrawList& ) override
 	{
-		for( std::size_t i = 0; i < m_bodies.size(); ++i )
+		for ( std::size_t i = 0; i < m_bodies.size(); ++i )
 		{
 			m_sides[i]->colourVertices( m_bodies[i], heatColours( distanceOf( i ).vertex, kFullColour * m_diagonal ) );
 		}
@@ -117,24 +117,26 @@ public:
 
 	std::vector<FindingTable> findings( const Stage& ) const override
 	{
-		FindingTable means{ "distance to the uniform lattice, mean over the skin, share of the bounding-box diagonal, by game steps after the impact", {}, {} };
+		FindingTable means{
+			"distance to the uniform lattice, mean over the skin, share of the bounding-box diagonal, by game steps after the impact", {},
+			{} };
 		FindingTable spreads{ "the same: standard deviation, and mean with the body's middle taken off", {}, {} };
-		for( std::size_t i = 0; i < m_bodies.size(); ++i )
+		for ( std::size_t i = 0; i < m_bodies.size(); ++i )
 		{
 			FindingTable::Row mean{ m_sides[i]->name(), {} }, spread{ m_sides[i]->name(), {} };
-			for( std::size_t k = 0; k < m_errors[i].size(); ++k )
+			for ( std::size_t k = 0; k < m_errors[i].size(); ++k )
 			{
 				const int step = int( k + 1 ) * kReportEvery;
 				const SkinDistance& error = m_errors[i][k];
 				mean.values.push_back( error.mean / m_diagonal );
-				if( i == 0 )
+				if ( i == 0 )
 				{
 					means.columns.push_back( heading( "+", step ) );
 				}
-				if( step == kEarlyStep || step == kLastStep )
+				if ( step == kEarlyStep || step == kLastStep )
 				{
 					spread.values.insert( spread.values.end(), { error.deviation / m_diagonal, error.shape / m_diagonal } );
-					if( i == 0 )
+					if ( i == 0 )
 					{
 						spreads.columns.insert( spreads.columns.end(), { heading( "std +", step ), heading( "shape +", step ) } );
 					}

@@ -17,13 +17,13 @@ namespace {
 
 constexpr int kCells = 4000;
 constexpr int kCoarseLevels = 2;
-constexpr float kKeepMass = 0.95f; // full blocks only: a big node across a finger would share its softness with the palm
-constexpr btScalar kHeldTo = btScalar( 0.30 );    // m: wrist and palm are held, so that only the fingers give way
+constexpr float kKeepMass = 0.95f;             // full blocks only: a big node across a finger would share its softness with the palm
+constexpr btScalar kHeldTo = btScalar( 0.30 ); // m: wrist and palm are held, so that only the fingers give way
 constexpr btScalar kThumbSide = btScalar( -0.12 );
-constexpr btScalar kPull = btScalar( 0.6 );       // N at each tip
-constexpr btScalar kGrip = btScalar( 0.07 );      // m around a tip that is pulled
+constexpr btScalar kPull = btScalar( 0.6 );                            // N at each tip
+constexpr btScalar kGrip = btScalar( 0.07 );                           // m around a tip that is pulled
 constexpr double kPullFrom = 0.4, kPullFullAt = 1.0, kPullUntil = 2.4; // s
-constexpr float kYoungsModulus = 8.0e4f;           // Pa, of the thumb; the rest has a share of it. About what 16 substeps reach
+constexpr float kYoungsModulus = 8.0e4f; // Pa, of the thumb; the rest has a share of it. About what 16 substeps reach
 constexpr float kPalmShare = 0.8f;
 constexpr float kDigitShare[] = { 1.0f, 0.8f, 0.8f, 0.8f, 0.15f };
 constexpr const char* kDigitNames[] = { "thumb", "index finger", "middle finger", "ring finger", "little finger" };
@@ -41,7 +41,7 @@ pliant_glue::Colour colourOf( float stiffness )
 	const auto tone = []( float share ) { return std::log( share / kDigitShare[4] ) / std::log( kDigitShare[0] / kDigitShare[4] ); };
 	const float t = std::clamp( tone( stiffness ), 0.0f, 1.0f ), palmTone = tone( kPalmShare );
 	pliant_glue::Colour colour;
-	for( std::size_t k = 0; k < 3; ++k )
+	for ( std::size_t k = 0; k < 3; ++k )
 	{
 		const float middle = kOchre[k], end = t < palmTone ? kPlum[k] : kSlate[k];
 		const float away = t < palmTone ? ( palmTone - t ) / palmTone : ( t - palmTone ) / ( 1 - palmTone );
@@ -68,20 +68,20 @@ public:
 		order.material.damping = 10.0f;
 		order.colour = kOchre;
 		order.shape = stage.buildShape( order );
-		if( order.shape == nullptr )
+		if ( order.shape == nullptr )
 		{
 			return false;
 		}
 		m_beside = std::make_unique<Stage>( stage.options(), "one stiffness" );
 		m_beside->hide();
 		stage.setName( "soft and hard" );
-		if( !take( stage, order, m_hand ) )
+		if ( !take( stage, order, m_hand ) )
 		{
 			return false;
 		}
 		stage.addGround( btScalar( 0.5 ) );
 		std::vector<float> colours;
-		for( std::size_t i = 0; i < mesh.positions.size(); i += 3 )
+		for ( std::size_t i = 0; i < mesh.positions.size(); i += 3 )
 		{
 			const pliant_glue::Colour colour = colourOf( stiffnessAt( &mesh.positions[i], nullptr ) );
 			colours.insert( colours.end(), colour.begin(), colour.end() );
@@ -95,12 +95,14 @@ public:
 
 	void beforeStep( Stage&, double seconds ) override
 	{
-		m_pull = seconds < kPullFrom || seconds > kPullUntil ? btScalar( 0 ) : kPull * btScalar( std::min( 1.0, ( seconds - kPullFrom ) / ( kPullFullAt - kPullFrom ) ) );
-		for( const Held* hand : { &m_hand, &m_plain } )
+		m_pull = seconds < kPullFrom || seconds > kPullUntil
+			? btScalar( 0 )
+			: kPull * btScalar( std::min( 1.0, ( seconds - kPullFrom ) / ( kPullFullAt - kPullFrom ) ) );
+		for ( const Held* hand : { &m_hand, &m_plain } )
 		{
-			for( const Tip& tip : hand->tips )
+			for ( const Tip& tip : hand->tips )
 			{
-				for( const int node : tip.nodes )
+				for ( const int node : tip.nodes )
 				{
 					hand->body->applyForce( btVector3( 0, 0, m_pull * hand->body->nodeMass( node ) / tip.mass ), node );
 				}
@@ -112,15 +114,15 @@ public:
 	{
 		stage.skin();
 		m_beside->skin();
-		for( Held* hand : { &m_hand, &m_plain } )
+		for ( Held* hand : { &m_hand, &m_plain } )
 		{
-			for( Tip& tip : hand->tips )
+			for ( Tip& tip : hand->tips )
 			{
-				if( seconds <= kPullFrom )
+				if ( seconds <= kPullFrom )
 				{
 					tip.rest = placeOf( *hand, tip );
 				}
-				if( seconds <= kPullUntil )
+				if ( seconds <= kPullUntil )
 				{
 					tip.deflection = double( ( placeOf( *hand, tip ) - tip.rest ).length() ); // what stays is that of the pull held
 				}
@@ -132,21 +134,25 @@ public:
 	void beforePicture( Stage&, pliant_glue::DrawList& list ) override
 	{
 		const float length = 0.25f * float( m_pull / kPull ), thickness = 0.012f;
-		for( std::size_t i = 0; m_pull > 0 && i < m_hand.tips.size(); ++i )
+		for ( std::size_t i = 0; m_pull > 0 && i < m_hand.tips.size(); ++i )
 		{
 			const btVector3 at = placeOf( m_hand, m_hand.tips[i] );
-			list.boxes.push_back( { { thickness, 0, 0 }, { 0, thickness, 0 }, { 0, 0, length }, { float( at.x() ), float( at.y() ), float( at.z() ) + length / 2 }, kBrick } );
+			list.boxes.push_back( { { thickness, 0, 0 }, { 0, thickness, 0 }, { 0, 0, length },
+				{ float( at.x() ), float( at.y() ), float( at.z() ) + length / 2 }, kBrick } );
 		}
 	}
 
 	std::vector<FindingTable> findings( const Stage& ) const override
 	{
-		// Less than the stiffness says for a finger alone: all of them lean on the palm, which gives, and are themselves only a radius beyond it.
-		FindingTable table{ "the same pull at every tip, held, m", { "deflection", "of the thumb's", "one stiffness", "ratio", "stiffness says" }, {} };
-		for( std::size_t i = 0; i < m_hand.tips.size(); ++i )
+		// Less than the stiffness says for a finger alone: all of them lean on the palm, which gives, and are themselves only a radius
+		// beyond it.
+		FindingTable table{
+			"the same pull at every tip, held, m", { "deflection", "of the thumb's", "one stiffness", "ratio", "stiffness says" }, {} };
+		for ( std::size_t i = 0; i < m_hand.tips.size(); ++i )
 		{
 			const double here = m_hand.tips[i].deflection, plain = m_plain.tips[i].deflection;
-			table.rows.push_back( { kDigitNames[i], { here, here / m_hand.tips[0].deflection, plain, here / plain, double( kPalmShare / kDigitShare[i] ) } } );
+			table.rows.push_back( { kDigitNames[i],
+				{ here, here / m_hand.tips[0].deflection, plain, here / plain, double( kPalmShare / kDigitShare[i] ) } } );
 		}
 		return { table };
 	}
@@ -175,13 +181,14 @@ private:
 	static bool take( Stage& stage, const SoftOrder& order, Held& hand )
 	{
 		hand.body = stage.addSoft( order );
-		if( hand.body == nullptr )
+		if ( hand.body == nullptr )
 		{
 			return false;
 		}
-		hand.body->setGravity( btVector3( 0, 0, 0 ) ); // upright fingers this soft are near buckling under their weight, which hides their stiffness
+		hand.body->setGravity(
+			btVector3( 0, 0, 0 ) ); // upright fingers this soft are near buckling under their weight, which hides their stiffness
 		hand.body->pinNodesInside( btVector3( kThumbSide, -1, -1 ), btVector3( 1, kHeldTo, 1 ) );
-		for( const Digit& digit : handDigits() )
+		for ( const Digit& digit : handDigits() )
 		{
 			hand.tips.push_back( tipOf( *hand.body, digit ) );
 		}
@@ -192,9 +199,9 @@ private:
 	{
 		const btVector3 place( digit.tip[0], digit.tip[1], digit.tip[2] );
 		Tip tip;
-		for( int i = 0; i < body.nodeCount(); ++i )
+		for ( int i = 0; i < body.nodeCount(); ++i )
 		{
-			if( body.nodePosition( i ).distance( place ) < kGrip )
+			if ( body.nodePosition( i ).distance( place ) < kGrip )
 			{
 				tip.nodes.push_back( i );
 				tip.mass += body.nodeMass( i );
@@ -202,10 +209,10 @@ private:
 		}
 		const pliant::SurfaceView skin = body.surface();
 		btScalar nearest = BT_LARGE_FLOAT;
-		for( int i = 0; i < skin.vertexCount; ++i )
+		for ( int i = 0; i < skin.vertexCount; ++i )
 		{
 			const btScalar away = vertexAt( skin, i ).distance( place + btVector3( 0, 0, btScalar( digit.radius ) ) );
-			if( away < nearest )
+			if ( away < nearest )
 			{
 				nearest = away;
 				tip.vertex = i;

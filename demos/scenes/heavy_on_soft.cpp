@@ -18,10 +18,10 @@ namespace {
 constexpr btScalar kEdge = btScalar( 0.6 );
 constexpr int kCells = 6;
 constexpr float kDensity = 1000.0f;
-constexpr double kStrain = 0.05;       // of the box's weight over E and the block's top
+constexpr double kStrain = 0.05; // of the box's weight over E and the block's top
 constexpr btScalar kGap = btScalar( 0.002 );
 constexpr btScalar kApart = btScalar( 1.0 );
-constexpr double kPutDown = 2.0;       // s in which a box gets its weight: let go at once, the heaviest on an edge would swing over and fall
+constexpr double kPutDown = 2.0; // s in which a box gets its weight: let go at once, the heaviest on an edge would swing over and fall
 
 struct Column
 {
@@ -40,11 +40,11 @@ public:
 		const double ratios[] = { 1, 10, 100, 1000 };
 		const pliant_glue::Colour colours[] = { kTeal, kOchre, kTerracotta, kPlum };
 		// In the middle, off it by a tenth of the edge, and a narrow box along one edge.
-		for( int row = 0; row < 3; ++row )
+		for ( int row = 0; row < 3; ++row )
 		{
-			for( int k = 0; k < 4; ++k )
+			for ( int k = 0; k < 4; ++k )
 			{
-				if( !addColumn( stage, row, k, ratios[k], colours[k] ) )
+				if ( !addColumn( stage, row, k, ratios[k], colours[k] ) )
 				{
 					return false;
 				}
@@ -56,9 +56,9 @@ public:
 	void beforeStep( Stage& stage, double seconds ) override
 	{
 		const double share = std::min( 1.0, seconds / kPutDown );
-		for( Column& column : m_columns )
+		for ( Column& column : m_columns )
 		{
-			if( seconds < kPutDown + 1.0 )
+			if ( seconds < kPutDown + 1.0 )
 			{
 				column.box->setGravity( stage.world().getGravity() * btScalar( share ) );
 			}
@@ -71,11 +71,11 @@ public:
 		table.caption = "Strain of the blocks under their boxes; a block's own weight is in both";
 		table.columns = { "strain", "sigma / E", "lean, degrees", "box speed, m/s" };
 		const double g = double( -stage.world().getGravity().y() );
-		for( const Column& column : m_columns )
+		for ( const Column& column : m_columns )
 		{
 			// Between the middles of the lowest and the highest layer; the mean of what the layers between carry.
 			double top = 0.0, bottom = 0.0;
-			for( int k = 0; k < kCells * kCells; ++k )
+			for ( int k = 0; k < kCells * kCells; ++k )
 			{
 				const int first = k / kCells * kCells * kCells + k % kCells;
 				bottom += double( column.block->nodePosition( first ).y() );
@@ -83,8 +83,10 @@ public:
 			}
 			const double length = double( kEdge ) * ( kCells - 1 ) / kCells;
 			const double strain = 1.0 - ( top - bottom ) / ( kCells * kCells * length );
-			const double theory = ( column.ratio + 0.5 ) * double( column.block->mass() ) * g / ( double( kEdge ) * double( kEdge ) * column.modulus );
-			const double lean = double( btAcos( btMin( btScalar( 1 ), column.box->getWorldTransform().getBasis()[1].y() ) ) ) * 180.0 / SIMD_PI;
+			const double theory = ( column.ratio + 0.5 ) * double( column.block->mass() ) * g /
+				( double( kEdge ) * double( kEdge ) * column.modulus );
+			const double lean = double( btAcos( btMin( btScalar( 1 ), column.box->getWorldTransform().getBasis()[1].y() ) ) ) * 180.0 /
+				SIMD_PI;
 			table.rows.push_back( { column.name, { strain, theory, lean, double( column.box->getLinearVelocity().length() ) } } );
 		}
 		return { table };
@@ -118,7 +120,7 @@ private:
 		order.friction = btScalar( 0.8 );
 		order.colour = colour;
 		column.block = stage.addSoft( order );
-		if( column.block == nullptr )
+		if ( column.block == nullptr )
 		{
 			return false;
 		}

@@ -16,7 +16,8 @@ public:
 	bool init( Stage& stage ) override
 	{
 		stage.addGround( btScalar( 0.6 ) );
-		stage.addBox( btVector3( 1, btScalar( 0.4 ), 1 ), btTransform( btQuaternion::getIdentity(), btVector3( 0, btScalar( 0.2 ), 0 ) ), 20, kSlate );
+		stage.addBox( btVector3( 1, btScalar( 0.4 ), 1 ), btTransform( btQuaternion::getIdentity(), btVector3( 0, btScalar( 0.2 ), 0 ) ),
+			20, kSlate );
 		const pliant_glue::ModelMesh cube = makeCube( 0.5f, 16 );
 		SoftOrder order;
 		order.name = "cube";

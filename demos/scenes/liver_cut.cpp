@@ -15,19 +15,19 @@ namespace pliant_demos {
 
 namespace {
 
-constexpr float kSpacing = 6.0f;                   // mm, of the scan's surface
-constexpr float kHeight = 0.8f;                    // m: three to four times life size
+constexpr float kSpacing = 6.0f; // mm, of the scan's surface
+constexpr float kHeight = 0.8f;  // m: three to four times life size
 constexpr int kCells = 3000;
 constexpr int kCoarseLevels = 2;
-constexpr btScalar kLift = btScalar( 0.95 );       // m of its middle above the ground
-constexpr btScalar kHeldFrom = btScalar( 0.27 );   // m above its middle
-constexpr btScalar kHalfEdge = btScalar( 0.6 );    // m of the blade, which points at us
-constexpr btScalar kBack = btScalar( 0.16 );       // m from its edge to its back
-constexpr btScalar kOverlap = btScalar( 0.03 );    // m behind the edge that cut with it: about a cell
-constexpr double kShownFor = 0.25;                 // s before and after a stroke
-constexpr double kDuration = 7.5;                  // s
-constexpr double kStep = 1.0 / 60;                 // s
-constexpr float kKeepsNodes = 60.0f;               // s of mergeDelay: as the paper, whose nodes only become more
+constexpr btScalar kLift = btScalar( 0.95 );     // m of its middle above the ground
+constexpr btScalar kHeldFrom = btScalar( 0.27 ); // m above its middle
+constexpr btScalar kHalfEdge = btScalar( 0.6 );  // m of the blade, which points at us
+constexpr btScalar kBack = btScalar( 0.16 );     // m from its edge to its back
+constexpr btScalar kOverlap = btScalar( 0.03 );  // m behind the edge that cut with it: about a cell
+constexpr double kShownFor = 0.25;               // s before and after a stroke
+constexpr double kDuration = 7.5;                // s
+constexpr double kStep = 1.0 / 60;               // s
+constexpr float kKeepsNodes = 60.0f;             // s of mergeDelay: as the paper, whose nodes only become more
 
 /// The edge's way, seen from the front, relative to the liver's middle, m and s.
 struct Stroke
@@ -78,12 +78,12 @@ public:
 		order.place = btTransform( btQuaternion::getIdentity(), btVector3( 0, kLift, 0 ) );
 		stage.addGround( btScalar( 0.8 ) );
 		order.shape = stage.buildShape( order );
-		if( order.shape == nullptr )
+		if ( order.shape == nullptr )
 		{
 			return false;
 		}
 		m_liver = stage.addSoft( order );
-		if( m_liver == nullptr || !m_liver->prepareCracks().ok() ) // now, and not at the first cut
+		if ( m_liver == nullptr || !m_liver->prepareCracks().ok() ) // now, and not at the first cut
 		{
 			return false;
 		}
@@ -96,15 +96,15 @@ public:
 	{
 		const auto begin = std::chrono::steady_clock::now();
 		const btVector3 edge( 0, 0, kHalfEdge );
-		for( const Stroke& stroke : kStrokes )
+		for ( const Stroke& stroke : kStrokes )
 		{
-			if( seconds < stroke.begin || seconds >= stroke.end )
+			if ( seconds < stroke.begin || seconds >= stroke.end )
 			{
 				continue;
 			}
 			// From a little behind where the edge was: what has swung towards it since the last step would slip past.
 			const btVector3 to = stroke.at( seconds + kStep ), from = stroke.at( seconds ) - stroke.along() * kOverlap;
-			for( int i = 0; i < stage.world().softBodyCount(); ++i )
+			for ( int i = 0; i < stage.world().softBodyCount(); ++i )
 			{
 				m_links += stage.world().softBody( i )->cutSweep( from - edge, from + edge, to - edge, to + edge );
 			}
@@ -126,28 +126,29 @@ public:
 
 	void beforePicture( Stage&, pliant_glue::DrawList& list ) override
 	{
-		for( const Stroke& stroke : kStrokes )
+		for ( const Stroke& stroke : kStrokes )
 		{
-			if( m_now > stroke.begin - kShownFor && m_now < stroke.end + kShownFor )
+			if ( m_now > stroke.begin - kShownFor && m_now < stroke.end + kShownFor )
 			{
 				// It comes in from before the stroke and goes on in the air after it.
 				const double early = std::min( 0.0, m_now - stroke.begin );
 				const btVector3 along = stroke.along(), across( -along.y(), along.x(), 0 );
 				const btVector3 middle = stroke.at( m_now ) + along * ( btScalar( early ) * kBack / btScalar( kShownFor ) - kBack / 2 );
 				const auto vec = []( const btVector3& v ) { return pliant_glue::Vec3{ float( v.x() ), float( v.y() ), float( v.z() ) }; };
-				list.boxes.push_back( { vec( along * kBack ), vec( across * btScalar( 0.006 ) ), { 0, 0, 2 * float( kHalfEdge ) }, vec( middle ), kSteel } );
+				list.boxes.push_back(
+					{ vec( along * kBack ), vec( across * btScalar( 0.006 ) ), { 0, 0, 2 * float( kHalfEdge ) }, vec( middle ), kSteel } );
 			}
 		}
 	}
 
 	std::vector<FindingTable> findings( const Stage& ) const override
 	{
-		if( m_frames.empty() )
+		if ( m_frames.empty() )
 		{
 			return {};
 		}
 		std::vector<double> simulation, resampling;
-		for( const FrameTime& frame : m_frames )
+		for ( const FrameTime& frame : m_frames )
 		{
 			simulation.push_back( frame.simulation );
 			resampling.push_back( frame.resampling );
@@ -155,10 +156,14 @@ public:
 		std::sort( simulation.begin(), simulation.end() );
 		std::sort( resampling.begin(), resampling.end() );
 		const double most = *std::max_element( m_nodes.begin(), m_nodes.end() );
-		return { { "nodes, ms a frame (collision and self-collision included)", { "first", "most", "last", "sim., least", "sim., most", "resampl., most", "sim., median" },
-			{ { "here", { m_nodes.front(), most, m_nodes.back(), simulation.front(), simulation.back(), resampling.back(), simulation[simulation.size() / 2] } },
-				{ "Steinemann et al. 2008", { 500, 1550, 1550, 3.7, 15.5, 124 } } } },
-			{ "what was cut", { "links", "pieces", "self-contacts, most" }, { { "liver", { double( m_links ), double( m_pieces ), double( m_selfContacts ) } } } } };
+		return { { "nodes, ms a frame (collision and self-collision included)",
+					 { "first", "most", "last", "sim., least", "sim., most", "resampl., most", "sim., median" },
+					 { { "here",
+						   { m_nodes.front(), most, m_nodes.back(), simulation.front(), simulation.back(), resampling.back(),
+							   simulation[simulation.size() / 2] } },
+						 { "Steinemann et al. 2008", { 500, 1550, 1550, 3.7, 15.5, 124 } } } },
+			{ "what was cut", { "links", "pieces", "self-contacts, most" },
+				{ { "liver", { double( m_links ), double( m_pieces ), double( m_selfContacts ) } } } } };
 	}
 
 	double duration() const override { return kDuration; }
@@ -166,13 +171,14 @@ public:
 	pliant_glue::DrawLight light() const override { return { { -0.45f, 0.75f, 0.60f }, { 0, 0.6f, 0 }, 1.6f }; }
 
 private:
-	static constexpr pliant_glue::Colour kLiver = { 0.30f, 0.05f, 0.035f }, kFlesh = { 0.55f, 0.13f, 0.09f }, kSteel = { 0.55f, 0.57f, 0.60f };
+	static constexpr pliant_glue::Colour kLiver = { 0.30f, 0.05f, 0.035f }, kFlesh = { 0.55f, 0.13f, 0.09f },
+										 kSteel = { 0.55f, 0.57f, 0.60f };
 
 	static pliant_glue::ModelMesh shape( Stage& stage )
 	{
 		const std::string path = stage.options().modelFolder + "/data/images/liver.inr";
 		const pliant_glue::VolumeResult scan = pliant_glue::readVolume( path );
-		if( scan.ok() )
+		if ( scan.ok() )
 		{
 			stage.note( "surface of the scan " + path );
 			return surfaceOfVolume( scan.volume, kSpacing );

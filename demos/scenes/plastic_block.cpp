@@ -16,15 +16,15 @@ namespace pliant_demos {
 
 namespace {
 
-constexpr float kEdge = 0.6f;                       // m
-constexpr btScalar kApart = btScalar( 0.86 );       // m from one block to the next
-constexpr int kCuts = 60;                           // of a block's faces: dents need vertices
-constexpr int kCells = 5832;                        // 18 along an edge
+constexpr float kEdge = 0.6f;                 // m
+constexpr btScalar kApart = btScalar( 0.86 ); // m from one block to the next
+constexpr int kCuts = 60;                     // of a block's faces: dents need vertices
+constexpr int kCells = 5832;                  // 18 along an edge
 constexpr int kCoarseLevels = 2;
-constexpr btScalar kDepth = btScalar( 0.12 );       // m that each stamp goes below the block's top
-constexpr btScalar kClearance = btScalar( 0.90 );   // m above it where a stamp waits, out of the picture, its shadow behind the blocks
+constexpr btScalar kDepth = btScalar( 0.12 );            // m that each stamp goes below the block's top
+constexpr btScalar kClearance = btScalar( 0.90 );        // m above it where a stamp waits, out of the picture, its shadow behind the blocks
 constexpr double kStampSeconds = 1.1, kFirstStamp = 0.3; // down and up again; one after the other
-constexpr double kRest = 1.2;                       // s for the blocks to come to rest at the end
+constexpr double kRest = 1.2;                            // s for the blocks to come to rest at the end
 
 /// How a block flows; see pliant::Material.
 struct Flow
@@ -33,12 +33,13 @@ struct Flow
 	float yieldStrain, creep, limit;
 	pliant_glue::Colour colour;
 };
-constexpr Flow kFlows[] = { { "rubber", 0.0f, 10.0f, 0.5f, kTeal }, { "wax", 0.15f, 6.0f, 0.3f, kOchre }, { "clay", 0.10f, 60.0f, 1.0f, kTerracotta } };
+constexpr Flow kFlows[] = {
+	{ "rubber", 0.0f, 10.0f, 0.5f, kTeal }, { "wax", 0.15f, 6.0f, 0.3f, kOchre }, { "clay", 0.10f, 60.0f, 1.0f, kTerracotta } };
 
 struct Stamp
 {
 	const char* name;
-	btScalar x, z; ///< from a block's middle
+	btScalar x, z;  ///< from a block's middle
 	btScalar reach; ///< from its own middle down to what touches first, m
 	bool isBall;
 	btQuaternion turn;
@@ -63,7 +64,7 @@ public:
 		order.adaptivity.refineStrain = 0.1f;
 		order.friction = btScalar( 0.9 );
 		order.shape = stage.buildShape( order );
-		for( std::size_t i = 0; order.shape != nullptr && i < std::size( kFlows ); ++i )
+		for ( std::size_t i = 0; order.shape != nullptr && i < std::size( kFlows ); ++i )
 		{
 			order.name = kFlows[i].name;
 			order.material.yieldStrain = kFlows[i].yieldStrain;
@@ -72,7 +73,7 @@ public:
 			order.colour = kFlows[i].colour;
 			order.place = btTransform( btQuaternion::getIdentity(), btVector3( middleOf( i ), btScalar( kEdge ) / 2, 0 ) );
 			m_blocks.push_back( Block{ stage.addSoft( order ), {}, {}, {} } );
-			if( m_blocks.back().body == nullptr )
+			if ( m_blocks.back().body == nullptr )
 			{
 				return false;
 			}
@@ -83,14 +84,14 @@ public:
 
 	void beforeStep( Stage&, double seconds ) override
 	{
-		for( std::size_t i = 0; i < m_stamps.size(); ++i )
+		for ( std::size_t i = 0; i < m_stamps.size(); ++i )
 		{
 			const double share = ( seconds - kFirstStamp ) / kStampSeconds - double( i );
 			// Half a cosine down, half a cosine up.
 			const btScalar down = share <= 0 || share >= 1 ? btScalar( 0 ) : btScalar( 0.5 - 0.5 * std::cos( 2 * SIMD_PI * share ) );
 			const Stamp& stamp = m_stamps[i];
 			const btScalar y = btScalar( kEdge ) + stamp.reach + kClearance - down * ( kClearance + kDepth );
-			for( std::size_t k = 0; k < stamp.bodies.size(); ++k )
+			for ( std::size_t k = 0; k < stamp.bodies.size(); ++k )
 			{
 				Stage::moveBody( stamp.bodies[k], btTransform( stamp.turn, btVector3( middleOf( k ) + stamp.x, y, stamp.z ) ) );
 			}
@@ -100,14 +101,14 @@ public:
 	void afterStep( Stage& stage, double ) override
 	{
 		stage.skin();
-		for( std::size_t k = 0; k < m_blocks.size(); ++k )
+		for ( std::size_t k = 0; k < m_blocks.size(); ++k )
 		{
 			Block& block = m_blocks[k];
-			if( block.top.empty() )
+			if ( block.top.empty() )
 			{
 				rememberTop( block, middleOf( k ) );
 			}
-			for( std::size_t i = 0; i < m_stamps.size(); ++i )
+			for ( std::size_t i = 0; i < m_stamps.size(); ++i )
 			{
 				block.deepest[i] = std::max( block.deepest[i], depthUnder( block, i ) );
 			}
@@ -117,12 +118,13 @@ public:
 	std::vector<FindingTable> findings( const Stage& ) const override
 	{
 		FindingTable table{ "dents, mm", { "pressed", "left", "left, %" }, {} };
-		for( std::size_t k = 0; k < m_blocks.size(); ++k )
+		for ( std::size_t k = 0; k < m_blocks.size(); ++k )
 		{
-			for( std::size_t i = 0; i < m_stamps.size(); ++i )
+			for ( std::size_t i = 0; i < m_stamps.size(); ++i )
 			{
 				const double pressed = m_blocks[k].deepest[i], left = depthUnder( m_blocks[k], i );
-				table.rows.push_back( { std::string( kFlows[k].name ) + ", " + m_stamps[i].name, { 1000 * pressed, 1000 * left, 100 * left / pressed } } );
+				table.rows.push_back(
+					{ std::string( kFlows[k].name ) + ", " + m_stamps[i].name, { 1000 * pressed, 1000 * left, 100 * left / pressed } } );
 			}
 		}
 		return { table };
@@ -151,13 +153,14 @@ private:
 		m_stamps = { { "ball", -across, across, size / 2, true, btQuaternion::getIdentity() },
 			{ "edge", across * btScalar( 0.9 ), across * btScalar( 0.5 ), size / btScalar( std::sqrt( 2.0 ) ), false, edgeDown },
 			{ "corner", -across * btScalar( 0.3 ), -across, size * btScalar( std::sqrt( 3.0 ) ) / 2, false, cornerDown } };
-		for( Stamp& stamp : m_stamps )
+		for ( Stamp& stamp : m_stamps )
 		{
-			for( std::size_t k = 0; k < m_blocks.size(); ++k )
+			for ( std::size_t k = 0; k < m_blocks.size(); ++k )
 			{
 				const btVector3 at( middleOf( k ) + stamp.x, btScalar( kEdge ) + stamp.reach + kClearance, stamp.z );
-				stamp.bodies.push_back( stamp.isBall ? stage.addSphere( size, at, 0, kStone )
-				                                     : stage.addBox( btVector3( size, size, size ), btTransform( stamp.turn, at ), 0, kStone ) );
+				stamp.bodies.push_back( stamp.isBall
+						? stage.addSphere( size, at, 0, kStone )
+						: stage.addBox( btVector3( size, size, size ), btTransform( stamp.turn, at ), 0, kStone ) );
 			}
 		}
 	}
@@ -168,18 +171,19 @@ private:
 		const pliant::SurfaceView skin = block.body->surface();
 		block.under.resize( m_stamps.size() );
 		block.deepest.resize( m_stamps.size() );
-		for( int i = 0; i < skin.vertexCount; ++i )
+		for ( int i = 0; i < skin.vertexCount; ++i )
 		{
 			const float* p = skin.positions + std::size_t( i ) * 3;
-			if( double( p[1] ) + double( skin.origin.y() ) < 0.95 * double( kEdge ) )
+			if ( double( p[1] ) + double( skin.origin.y() ) < 0.95 * double( kEdge ) )
 			{
 				continue;
 			}
 			block.top.push_back( i );
-			for( std::size_t k = 0; k < m_stamps.size(); ++k )
+			for ( std::size_t k = 0; k < m_stamps.size(); ++k )
 			{
-				const double dx = double( p[0] ) + double( skin.origin.x() - middle - m_stamps[k].x ), dz = double( p[2] ) + double( skin.origin.z() - m_stamps[k].z );
-				if( dx * dx + dz * dz < kUnder * kUnder )
+				const double dx = double( p[0] ) + double( skin.origin.x() - middle - m_stamps[k].x ),
+							 dz = double( p[2] ) + double( skin.origin.z() - m_stamps[k].z );
+				if ( dx * dx + dz * dz < kUnder * kUnder )
 				{
 					block.under[k].push_back( i );
 				}
@@ -197,7 +201,7 @@ private:
 		std::nth_element( heights.begin(), heights.begin() + std::ptrdiff_t( heights.size() / 2 ), heights.end() );
 		double lowest = heights[heights.size() / 2];
 		const double middle = lowest;
-		for( const int i : block.under[stamp] )
+		for ( const int i : block.under[stamp] )
 		{
 			lowest = std::min( lowest, height( i ) );
 		}

@@ -53,7 +53,7 @@ public:
 			{ 0.15, 3e4f, pliant::Elasticity::Explicit, kOchre }, { 0.35, 3e4f, pliant::Elasticity::Implicit, kTerracotta },
 			{ 0.38, 3e4f, pliant::Elasticity::Explicit, kTerracotta } };
 		int place = 1;
-		for( const auto& order : orders )
+		for ( const auto& order : orders )
 		{
 			SoftOrder soft;
 			const bool isImplicit = order.elasticity == pliant::Elasticity::Implicit;
@@ -63,7 +63,7 @@ public:
 			soft.material.elasticity = order.elasticity;
 			soft.friction = btScalar( order.friction );
 			soft.colour = order.colour;
-			if( !addSoft( stage, place++, soft ) )
+			if ( !addSoft( stage, place++, soft ) )
 			{
 				return false;
 			}
@@ -73,7 +73,7 @@ public:
 
 	void afterStep( Stage&, double seconds ) override
 	{
-		for( Slider& slider : m_sliders )
+		for ( Slider& slider : m_sliders )
 		{
 			const double speed = speedOf( slider );
 			slider.speedFrom = seconds <= kFrom ? speed : slider.speedFrom;
@@ -87,7 +87,7 @@ public:
 		table.caption = "Acceleration down a slope of 20 degrees, m/s^2";
 		table.columns = { "friction", "measured", "theory", "off, % of g" };
 		const double g = double( -stage.world().getGravity().y() );
-		for( const Slider& slider : m_sliders )
+		for ( const Slider& slider : m_sliders )
 		{
 			const double got = ( slider.speedTo - slider.speedFrom ) / ( kTo - kFrom );
 			const double theory = std::max( 0.0, g * ( std::sin( kAngle ) - slider.friction * std::cos( kAngle ) ) );
@@ -103,8 +103,9 @@ public:
 private:
 	btTransform placeOf( int lane ) const
 	{
-		return m_slope * btTransform( btQuaternion::getIdentity(),
-							 btVector3( kStart, ( kThick + kEdge ) / 2, kApart * ( btScalar( 3.5 ) - btScalar( lane ) ) ) );
+		return m_slope *
+			btTransform(
+				btQuaternion::getIdentity(), btVector3( kStart, ( kThick + kEdge ) / 2, kApart * ( btScalar( 3.5 ) - btScalar( lane ) ) ) );
 	}
 
 	void addRigid( Stage& stage, int lane, double friction )

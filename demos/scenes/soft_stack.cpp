@@ -37,14 +37,14 @@ public:
 	{
 		stage.addGround( btScalar( 0.8 ) );
 		return addTower( stage, { "2 soft cubes", btScalar( -1.5 ) * kApart }, 2, false, kTeal ) &&
-			   addTower( stage, { "4 soft cubes", btScalar( -0.5 ) * kApart }, 4, false, kOchre ) &&
-			   addTower( stage, { "8 soft cubes", btScalar( 0.5 ) * kApart }, 8, false, kTerracotta ) &&
-			   addTower( stage, { "4 soft cubes, boxes between", btScalar( 1.5 ) * kApart }, 4, true, kPlum );
+			addTower( stage, { "4 soft cubes", btScalar( -0.5 ) * kApart }, 4, false, kOchre ) &&
+			addTower( stage, { "8 soft cubes", btScalar( 0.5 ) * kApart }, 8, false, kTerracotta ) &&
+			addTower( stage, { "4 soft cubes, boxes between", btScalar( 1.5 ) * kApart }, 4, true, kPlum );
 	}
 
 	void afterStep( Stage&, double seconds ) override
 	{
-		for( Tower& tower : m_towers )
+		for ( Tower& tower : m_towers )
 		{
 			const bool sleeps = !tower.cubes.back()->isActive();
 			tower.sleepsAt = !sleeps ? -1.0 : tower.sleepsAt < 0.0 ? seconds : tower.sleepsAt;
@@ -56,7 +56,7 @@ public:
 		FindingTable table;
 		table.caption = "Towers of soft cubes; a sleeping time of -1: it does not sleep yet";
 		table.columns = { "top's height, m", "sunk, m", "aside, m", "sleeps at, s" };
-		for( const Tower& tower : m_towers )
+		for ( const Tower& tower : m_towers )
 		{
 			const btVector3 top = tower.cubes.back()->massCentre();
 			const double aside = std::hypot( double( top.x() - tower.x ), double( top.z() ) );
@@ -74,7 +74,7 @@ private:
 	{
 		const pliant_glue::ModelMesh cube = makeCube( float( kEdge ), 12 );
 		btScalar y = kGap;
-		for( int k = 0; k < count; ++k )
+		for ( int k = 0; k < count; ++k )
 		{
 			// Not quite straight: a hundredth of the edge to and fro.
 			const btScalar aside = ( k % 2 == 0 ? 1 : -1 ) * kEdge / 100;
@@ -89,12 +89,12 @@ private:
 			order.colour = colour;
 			tower.height = double( y + kEdge / 2 );
 			tower.cubes.push_back( stage.addSoft( order ) );
-			if( tower.cubes.back() == nullptr )
+			if ( tower.cubes.back() == nullptr )
 			{
 				return false;
 			}
 			y += kEdge + kGap;
-			if( hasBoxes )
+			if ( hasBoxes )
 			{
 				const btVector3 size( kEdge, kBoxHeight, kEdge ), place( tower.x, y + kBoxHeight / 2, 0 );
 				stage.addBox( size, btTransform( btQuaternion::getIdentity(), place ), tower.cubes.back()->mass(), kSlate );

@@ -15,7 +15,7 @@ namespace pliant_demos {
 
 namespace {
 
-constexpr float kDiameter = 0.8f;                 // m
+constexpr float kDiameter = 0.8f; // m
 constexpr float kCell = kDiameter / 11;
 constexpr int kSubdivisions = 4;
 constexpr btScalar kApart = btScalar( 1.25 );     // m from one to the next
@@ -47,7 +47,7 @@ public:
 	{
 		stage.addGround( btScalar( 0.7 ) );
 		const pliant_glue::ModelMesh mesh = makeSphere( kDiameter, kSubdivisions );
-		for( std::size_t i = 0; i < m_ways.size(); ++i )
+		for ( std::size_t i = 0; i < m_ways.size(); ++i )
 		{
 			Way& way = m_ways[i];
 			SoftOrder order;
@@ -64,7 +64,7 @@ public:
 			order.insideColour = kTerracotta;
 			order.place = btTransform( btQuaternion::getIdentity(), btVector3( placeOf( i ), kHeight, 0 ) );
 			way.body = stage.addSoft( order );
-			if( way.body == nullptr )
+			if ( way.body == nullptr )
 			{
 				return false;
 			}
@@ -77,23 +77,23 @@ public:
 	void beforeStep( Stage& stage, double seconds ) override
 	{
 		const auto isAt = [seconds]( double when ) { return std::abs( seconds - when ) < 1.0 / 120; };
-		if( isAt( kCracksAt ) )
+		if ( isAt( kCracksAt ) )
 		{
 			crack();
 		}
-		for( int k = 0; k < stage.world().softBodyCount(); ++k )
+		for ( int k = 0; k < stage.world().softBodyCount(); ++k )
 		{
 			pliant::SoftBody& piece = *stage.world().softBody( k );
-			if( isAt( kCracksAt + 1.0 / 60 ) )
+			if ( isAt( kCracksAt + 1.0 / 60 ) )
 			{
 				const btVector3 middle( placeOf( std::size_t( piece.getUserIndex2() ) ), kHeight, 0 );
 				piece.setLinearVelocity( ( piece.massCentre() - middle ) * kPull );
 			}
-			else if( isAt( kStopsAt ) )
+			else if ( isAt( kStopsAt ) )
 			{
 				piece.setLinearVelocity( btVector3( 0, 0, 0 ) );
 			}
-			else if( isAt( kFallsAt ) )
+			else if ( isAt( kFallsAt ) )
 			{
 				piece.clearGravity();
 				piece.activate( true );
@@ -103,7 +103,7 @@ public:
 
 	void afterStep( Stage& stage, double ) override
 	{
-		for( const pliant::FractureEvent& event : stage.world().fractureEvents() )
+		for ( const pliant::FractureEvent& event : stage.world().fractureEvents() )
 		{
 			Found& found = m_found[std::size_t( event.parent->getUserIndex2() )];
 			found.links += event.links;
@@ -116,14 +116,15 @@ public:
 	{
 		std::array<double, kWays> triangles{};
 		auto& world = const_cast<pliant::SoftBodyWorld&>( stage.world() );
-		for( int k = 0; k < world.softBodyCount(); ++k )
+		for ( int k = 0; k < world.softBodyCount(); ++k )
 		{
 			triangles[std::size_t( world.softBody( k )->getUserIndex2() )] += double( world.softBody( k )->surface().triangleCount );
 		}
 		FindingTable table{ "the same cracks, drawn in four ways", { "pieces", "links", "crack, m^2", "triangles" }, {} };
-		for( std::size_t i = 0; i < m_ways.size(); ++i )
+		for ( std::size_t i = 0; i < m_ways.size(); ++i )
 		{
-			table.rows.push_back( { m_ways[i].name, { m_found[i].pieces + 1, double( m_found[i].links ), m_found[i].area, triangles[i] } } );
+			table.rows.push_back(
+				{ m_ways[i].name, { m_found[i].pieces + 1, double( m_found[i].links ), m_found[i].area, triangles[i] } } );
 		}
 		return { table };
 	}
@@ -154,19 +155,21 @@ private:
 	void crack()
 	{
 		const btQuaternion turn( btVector3( 1, 2, btScalar( 0.5 ) ).normalized(), btScalar( -0.6 ) );
-		const btVector3 normals[3] = { quatRotate( turn, btVector3( 1, 0, 0 ) ), quatRotate( turn, btVector3( 0, 1, 0 ) ), quatRotate( turn, btVector3( 0, 0, 1 ) ) };
+		const btVector3 normals[3] = {
+			quatRotate( turn, btVector3( 1, 0, 0 ) ), quatRotate( turn, btVector3( 0, 1, 0 ) ), quatRotate( turn, btVector3( 0, 0, 1 ) ) };
 		const btScalar offsets[3] = { btScalar( 0.04 ), btScalar( -0.025 ), btScalar( 0.015 ) };
-		for( std::size_t i = 0; i < m_ways.size(); ++i )
+		for ( std::size_t i = 0; i < m_ways.size(); ++i )
 		{
-			for( int k = 0; k < 3; ++k )
+			for ( int k = 0; k < 3; ++k )
 			{
 				m_ways[i].body->cutPlane( btVector3( placeOf( i ), kHeight, 0 ) + normals[k] * offsets[k], normals[k] );
 			}
 		}
 	}
 
-	std::array<Way, kWays> m_ways = { { { "bricks", pliant::CrackFaces::Bricks, 0.0f, 1 }, { "Marching Squares", pliant::CrackFaces::MarchingSquares, 0.0f, 1 },
-		{ "exact", pliant::CrackFaces::Exact, 0.0f, 1 }, { "exact, noise", pliant::CrackFaces::Exact, 0.3f, 3 } } };
+	std::array<Way, kWays> m_ways = {
+		{ { "bricks", pliant::CrackFaces::Bricks, 0.0f, 1 }, { "Marching Squares", pliant::CrackFaces::MarchingSquares, 0.0f, 1 },
+			{ "exact", pliant::CrackFaces::Exact, 0.0f, 1 }, { "exact, noise", pliant::CrackFaces::Exact, 0.3f, 3 } } };
 	std::array<Found, kWays> m_found;
 };
 

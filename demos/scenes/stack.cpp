@@ -23,12 +23,12 @@ public:
 	{
 		stage.addGround( btScalar( 0.7 ) );
 		return addTower( stage, btScalar( -0.9 ), 3.0e4f, kTeal ) && addTower( stage, 0, 8.0e4f, kTerracotta ) &&
-		       addTower( stage, btScalar( 0.9 ), 2.0e5f, kPlum );
+			addTower( stage, btScalar( 0.9 ), 2.0e5f, kPlum );
 	}
 
 	void beforeStep( Stage& stage, double seconds ) override
 	{
-		if( !m_ballIsOut && seconds >= kBallTime )
+		if ( !m_ballIsOut && seconds >= kBallTime )
 		{
 			m_ballIsOut = true;
 			stage.addSphere( btScalar( 0.24 ), btVector3( -3, btScalar( 0.35 ), btScalar( 0.05 ) ), 3, kOchre )
@@ -46,7 +46,7 @@ private:
 	{
 		const pliant_glue::ModelMesh cube = makeCube( float( kSoftEdge ), 12 );
 		btScalar y = kGap;
-		for( int floor = 0; floor < 2; ++floor )
+		for ( int floor = 0; floor < 2; ++floor )
 		{
 			SoftOrder order;
 			order.name = "cube";
@@ -57,12 +57,13 @@ private:
 			order.material.density = 400.0f;
 			order.friction = btScalar( 0.7 );
 			order.colour = colour;
-			if( stage.addSoft( order ) == nullptr )
+			if ( stage.addSoft( order ) == nullptr )
 			{
 				return false;
 			}
 			y += kSoftEdge + kGap;
-			stage.addBox( btVector3( kSoftEdge, kBoxHeight, kSoftEdge ), btTransform( btQuaternion::getIdentity(), btVector3( x, y + kBoxHeight / 2, 0 ) ), kBoxMass, kSlate );
+			stage.addBox( btVector3( kSoftEdge, kBoxHeight, kSoftEdge ),
+				btTransform( btQuaternion::getIdentity(), btVector3( x, y + kBoxHeight / 2, 0 ) ), kBoxMass, kSlate );
 			y += kBoxHeight + kGap;
 		}
 		return true;

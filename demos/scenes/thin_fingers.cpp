@@ -17,13 +17,14 @@ namespace {
 
 constexpr int kCoarseLevels = 3;
 constexpr float kKeepMass = 0.9f; // full blocks only: a finger fills a quarter of each block it runs through
-constexpr int kRootCells = 2; // of the palm above each finger, and one around it, as fine as the finger: big nodes there would hold it elsewhere
+constexpr int kRootCells =
+	2; // of the palm above each finger, and one around it, as fine as the finger: big nodes there would hold it elsewhere
 constexpr btScalar kPalmBottom = btScalar( 0.75 ); // m above the ground
 constexpr btScalar kApart = btScalar( 1.3 );       // m from the uniform body to the one with levels
 constexpr btScalar kAside = btScalar( 1.1 );       // m from a body to the picture of its nodes
 constexpr btScalar kBarThickness = btScalar( 0.05 );
-constexpr btScalar kBarSpeed = btScalar( 0.55 );   // m/s
-constexpr double kBarStart = 0.3;                  // s
+constexpr btScalar kBarSpeed = btScalar( 0.55 ); // m/s
+constexpr double kBarStart = 0.3;                // s
 constexpr pliant_glue::Colour kLevelColours[] = { kTerracotta, kOchre, kMoss, kSlate };
 
 PalmPlan palmPlan()
@@ -40,9 +41,9 @@ struct Hall
 	pliant::SoftBody* body = nullptr;
 	btRigidBody* bar = nullptr;
 	btScalar x = 0;
-	std::vector<std::vector<int>> tips = {};   ///< of each finger: the vertices of its end
-	std::vector<btVector3> restOfTip = {};     ///< their middle, before the bar comes
-	std::vector<double> deflection = {};       ///< of each tip, at most, m
+	std::vector<std::vector<int>> tips = {}; ///< of each finger: the vertices of its end
+	std::vector<btVector3> restOfTip = {};   ///< their middle, before the bar comes
+	std::vector<double> deflection = {};     ///< of each tip, at most, m
 };
 
 class ThinFingers : public Scene
@@ -59,7 +60,7 @@ public:
 		order.material.youngsModulus = 7.0e4f;
 		order.material.damping = 5.0f;
 		order.shape = stage.buildShape( order );
-		if( order.shape == nullptr )
+		if ( order.shape == nullptr )
 		{
 			return false;
 		}
@@ -77,7 +78,7 @@ public:
 	{
 		refineRoots();
 		const btScalar travelled = kBarSpeed * btScalar( std::max( 0.0, seconds - kBarStart ) );
-		for( const Hall& hall : { m_uniform, m_levels } )
+		for ( const Hall& hall : { m_uniform, m_levels } )
 		{
 			Stage::moveBody( hall.bar, btTransform( btQuaternion::getIdentity(), barStart( hall.x ) + btVector3( travelled, 0, 0 ) ) );
 		}
@@ -88,20 +89,20 @@ public:
 		stage.skin();
 		m_beside->skin();
 		const SkinDistance now = skinDistance( *m_levels.body, *m_uniform.body, btVector3( kApart, 0, 0 ) );
-		if( m_isFinger.empty() )
+		if ( m_isFinger.empty() )
 		{
 			rememberRest();
 		}
-		for( Hall* hall : { &m_uniform, &m_levels } )
+		for ( Hall* hall : { &m_uniform, &m_levels } )
 		{
-			for( std::size_t i = 0; i < hall->tips.size(); ++i )
+			for ( std::size_t i = 0; i < hall->tips.size(); ++i )
 			{
 				hall->deflection[i] = std::max( hall->deflection[i], double( tipOf( *hall, i ).distance( hall->restOfTip[i] ) ) );
 			}
 		}
 		double sum = 0;
 		int count = 0;
-		for( std::size_t i = 0; i < m_isFinger.size(); ++i )
+		for ( std::size_t i = 0; i < m_isFinger.size(); ++i )
 		{
 			sum += m_isFinger[i] ? double( now.vertex[i] ) : 0;
 			count += m_isFinger[i] ? 1 : 0;
@@ -121,21 +122,24 @@ public:
 	std::vector<FindingTable> findings( const Stage& stage ) const override
 	{
 		const double share = 100 / m_diagonal;
-		FindingTable tips{ "largest deflection of each tip, % of the bounding-box diagonal", { "uniform", "with levels", "difference" }, {} };
+		FindingTable tips{
+			"largest deflection of each tip, % of the bounding-box diagonal", { "uniform", "with levels", "difference" }, {} };
 		double most = 0;
-		for( std::size_t i = 0; i < m_uniform.deflection.size(); ++i )
+		for ( std::size_t i = 0; i < m_uniform.deflection.size(); ++i )
 		{
 			const double a = m_uniform.deflection[i] * share, b = m_levels.deflection[i] * share;
 			tips.rows.push_back( { "finger " + std::to_string( i + 1 ), { a, b, b - a } } );
 			most = std::max( most, std::abs( b - a ) );
 		}
 		tips.rows.push_back( { "worst (goal 1)", { 0, 0, most } } );
-		FindingTable difference{ "all vertices of the fingers, at the same instants, % of the bounding-box diagonal", { "mean diff.", "worst mean", "worst vertex" },
+		FindingTable difference{ "all vertices of the fingers, at the same instants, % of the bounding-box diagonal",
+			{ "mean diff.", "worst mean", "worst vertex" },
 			{ { "fingers", { m_meanDifference / m_steps * share, m_largestMean * share, m_largestDifference * share } } } };
 		const StepLog &slow = stage.log(), &fast = m_beside->log();
 		FindingTable speed{ "uniform over levels", { "nodes", "matching", "whole step", "skin" },
-			{ { "times", { double( m_uniform.body->nodeCount() ) / m_levels.body->nodeCount(), slow.medianMatching() / fast.medianMatching(),
-							 slow.medianStep() / fast.medianStep(), slow.medianSkinning() / fast.medianSkinning() } } } };
+			{ { "times",
+				{ double( m_uniform.body->nodeCount() ) / m_levels.body->nodeCount(), slow.medianMatching() / fast.medianMatching(),
+					slow.medianStep() / fast.medianStep(), slow.medianSkinning() / fast.medianSkinning() } } } };
 		return { tips, difference, speed };
 	}
 
@@ -159,14 +163,16 @@ private:
 		hall.stage = &stage;
 		hall.x = x;
 		hall.body = stage.addSoft( order );
-		if( hall.body == nullptr )
+		if ( hall.body == nullptr )
 		{
 			return false;
 		}
 		// Held from above: the nodes of the topmost blocks, whatever their size.
 		hall.body->pinNodesInside( btVector3( x - width, top - block, -depth ), btVector3( x + width, top, depth ) );
-		stage.addBox( btVector3( width, plate, depth ), btTransform( btQuaternion::getIdentity(), btVector3( x, top + plate / 2, 0 ) ), 0, kStone );
-		hall.bar = stage.addBox( btVector3( kBarThickness, kBarThickness, depth * btScalar( 1.3 ) ), btTransform( btQuaternion::getIdentity(), barStart( x ) ), 0, kOak );
+		stage.addBox(
+			btVector3( width, plate, depth ), btTransform( btQuaternion::getIdentity(), btVector3( x, top + plate / 2, 0 ) ), 0, kStone );
+		hall.bar = stage.addBox( btVector3( kBarThickness, kBarThickness, depth * btScalar( 1.3 ) ),
+			btTransform( btQuaternion::getIdentity(), barStart( x ) ), 0, kOak );
 		return true;
 	}
 
@@ -181,7 +187,7 @@ private:
 	{
 		const btVector3 corner( m_levels.x - btScalar( m_plan.width( 0 ) ) / 2, kPalmBottom, -btScalar( m_plan.width( 2 ) ) / 2 );
 		const btScalar cell = btScalar( m_plan.cell ), inside = cell / 4;
-		for( const std::array<int, 2>& finger : m_plan.fingers )
+		for ( const std::array<int, 2>& finger : m_plan.fingers )
 		{
 			const btVector3 low = corner + btVector3( cell * btScalar( finger[0] ), 0, cell * btScalar( finger[1] ) );
 			m_levels.body->requestRefinement( low - btVector3( cell - inside, -inside, cell - inside ),
@@ -201,16 +207,17 @@ private:
 	/// Nodes as cubes of the material they stand for, coloured by level.
 	void drawNodes( const Hall& hall, btScalar aside, pliant_glue::DrawList& list ) const
 	{
-		for( int i = 0; i < hall.body->nodeCount(); ++i )
+		for ( int i = 0; i < hall.body->nodeCount(); ++i )
 		{
-			if( !isOutside( hall, i ) )
+			if ( !isOutside( hall, i ) )
 			{
 				continue;
 			}
 			const int level = hall.body->nodeLevel( i );
 			const float edge = 0.94f * m_plan.cell * float( 1 << level );
 			const btVector3 at = hall.body->nodePosition( i ) + btVector3( aside, 0, 0 );
-			list.boxes.push_back( { { edge, 0, 0 }, { 0, edge, 0 }, { 0, 0, edge }, { float( at.x() ), float( at.y() ), float( at.z() ) }, kLevelColours[level] } );
+			list.boxes.push_back( { { edge, 0, 0 }, { 0, edge, 0 }, { 0, 0, edge }, { float( at.x() ), float( at.y() ), float( at.z() ) },
+				kLevelColours[level] } );
 		}
 	}
 
@@ -219,11 +226,11 @@ private:
 		const pliant::SurfaceView skin = m_uniform.body->surface();
 		const btScalar end = kPalmBottom - m_plan.cell * btScalar( m_plan.fingerCells - 0.5 );
 		m_uniform.tips.resize( m_plan.fingers.size() );
-		for( int i = 0; i < skin.vertexCount; ++i )
+		for ( int i = 0; i < skin.vertexCount; ++i )
 		{
 			const btVector3 at = vertexAt( skin, i );
 			m_isFinger.push_back( at.y() < kPalmBottom - m_plan.cell );
-			if( at.y() < end )
+			if ( at.y() < end )
 			{
 				// Eight cells from one finger to the next.
 				const double column = double( at.x() - m_uniform.x ) / double( m_plan.cell ) + 4.0 * m_plan.blocks[0];
@@ -231,10 +238,10 @@ private:
 			}
 		}
 		m_levels.tips = m_uniform.tips;
-		for( Hall* hall : { &m_uniform, &m_levels } )
+		for ( Hall* hall : { &m_uniform, &m_levels } )
 		{
 			hall->deflection.assign( hall->tips.size(), 0 );
-			for( std::size_t i = 0; i < hall->tips.size(); ++i )
+			for ( std::size_t i = 0; i < hall->tips.size(); ++i )
 			{
 				hall->restOfTip.push_back( tipOf( *hall, i ) );
 			}
@@ -252,7 +259,7 @@ private:
 	{
 		const pliant::SurfaceView skin = hall.body->surface();
 		btVector3 sum( 0, 0, 0 );
-		for( const int i : hall.tips[finger] )
+		for ( const int i : hall.tips[finger] )
 		{
 			sum += vertexAt( skin, i );
 		}

@@ -13,21 +13,21 @@ namespace pliant_demos {
 
 namespace {
 
-constexpr float kWall = 0.028f;                    // m thick: little more than a cell
+constexpr float kWall = 0.028f; // m thick: little more than a cell
 constexpr float kCell = 0.024f;
-constexpr int kAround = 72;                        // corners of each ring
-constexpr btScalar kBall = btScalar( 0.28 );       // m across: wider than the mouth
-constexpr btScalar kBallMass = btScalar( 60 );     // kg: of iron, and hollow
-constexpr btScalar kFallsFrom = btScalar( 1.8 );   // m
-constexpr btScalar kAside = btScalar( 0.02 );      // m beside the axis: nothing breaks evenly
-constexpr int kCrumb = 6;                          // cells: smaller pieces are rigid
+constexpr int kAround = 72;                      // corners of each ring
+constexpr btScalar kBall = btScalar( 0.28 );     // m across: wider than the mouth
+constexpr btScalar kBallMass = btScalar( 60 );   // kg: of iron, and hollow
+constexpr btScalar kFallsFrom = btScalar( 1.8 ); // m
+constexpr btScalar kAside = btScalar( 0.02 );    // m beside the axis: nothing breaks evenly
+constexpr int kCrumb = 6;                        // cells: smaller pieces are rigid
 constexpr int kMostPieces = 200;
 
 /// Outer line from the foot up to the lip: radius and height, m.
 const std::vector<std::array<float, 2>>& vaseLine()
 {
-	static const std::vector<std::array<float, 2>> kLine = { { 0.128f, 0 }, { 0.138f, 0.04f }, { 0.180f, 0.13f }, { 0.228f, 0.234f }, { 0.248f, 0.338f },
-		{ 0.225f, 0.442f }, { 0.168f, 0.533f }, { 0.123f, 0.598f }, { 0.120f, 0.65f }, { 0.158f, 0.702f } };
+	static const std::vector<std::array<float, 2>> kLine = { { 0.128f, 0 }, { 0.138f, 0.04f }, { 0.180f, 0.13f }, { 0.228f, 0.234f },
+		{ 0.248f, 0.338f }, { 0.225f, 0.442f }, { 0.168f, 0.533f }, { 0.123f, 0.598f }, { 0.120f, 0.65f }, { 0.158f, 0.702f } };
 	return kLine;
 }
 
@@ -67,7 +67,7 @@ public:
 		m_pieces += report.fragments;
 		m_firstCrack = m_firstCrack == 0 && m_links > 0 ? seconds : m_firstCrack;
 		m_longestFracture = std::max( m_longestFracture, report.fracture );
-		for( const pliant::FractureEvent& event : stage.world().fractureEvents() )
+		for ( const pliant::FractureEvent& event : stage.world().fractureEvents() )
 		{
 			m_area += event.area;
 			m_energy += event.energy;
@@ -77,12 +77,14 @@ public:
 	std::vector<FindingTable> findings( const Stage& stage ) const override
 	{
 		double mass = 0;
-		for( int i = 0; i < stage.world().softBodyCount(); ++i )
+		for ( int i = 0; i < stage.world().softBodyCount(); ++i )
 		{
 			mass += double( const_cast<pliant::SoftBodyWorld&>( stage.world() ).softBody( i )->mass() );
 		}
-		return { { "what became of the vase", { "bodies", "broken links", "crack, m^2", "energy, J", "first crack, s", "mass, kg", "worst frame, ms" },
-			{ { "vase", { double( m_pieces + 1 ), double( m_links ), m_area, m_energy, m_firstCrack, mass, 1e3 * m_longestFracture } } } } };
+		return { { "what became of the vase",
+			{ "bodies", "broken links", "crack, m^2", "energy, J", "first crack, s", "mass, kg", "worst frame, ms" },
+			{ { "vase",
+				{ double( m_pieces + 1 ), double( m_links ), m_area, m_energy, m_firstCrack, mass, 1e3 * m_longestFracture } } } } };
 	}
 
 	double duration() const override { return 2.0; }

@@ -26,12 +26,12 @@ public:
 		m_material.youngsModulus = float( plan.modulus );
 		const int steps = plan.isShort ? 2 : 5;
 		int cells = plan.cells;
-		for( int k = 0; k < steps && cells >= kFewestCells; ++k )
+		for ( int k = 0; k < steps && cells >= kFewestCells; ++k )
 		{
 			m_sizes.push_back( cells );
 			cells /= plan.isShort ? 4 : 2;
 		}
-		if( m_sizes.empty() )
+		if ( m_sizes.empty() )
 		{
 			m_sizes.push_back( plan.cells );
 		}
@@ -54,10 +54,10 @@ public:
 	std::vector<Candidate> take()
 	{
 		std::vector<Candidate> wanted;
-		for( Candidate& candidate : m_all )
+		for ( Candidate& candidate : m_all )
 		{
 			const auto begins = [&candidate]( const std::string& word ) { return candidate.family.rfind( word, 0 ) == 0; };
-			if( m_plan.only.empty() || std::any_of( m_plan.only.begin(), m_plan.only.end(), begins ) )
+			if ( m_plan.only.empty() || std::any_of( m_plan.only.begin(), m_plan.only.end(), begins ) )
 			{
 				wanted.push_back( std::move( candidate ) );
 			}
@@ -76,15 +76,15 @@ private:
 void addMueller( Menu& menu )
 {
 	using pliant::ClusterMode;
-	const std::pair<const char*, ClusterMode> modes[] = { { "Müller rigid", ClusterMode::Rigid }, { "Müller linear", ClusterMode::Linear },
-		{ "Müller quadratic", ClusterMode::Quadratic } };
-	for( const auto& [name, mode] : modes )
+	const std::pair<const char*, ClusterMode> modes[] = {
+		{ "Müller rigid", ClusterMode::Rigid }, { "Müller linear", ClusterMode::Linear }, { "Müller quadratic", ClusterMode::Quadratic } };
+	for ( const auto& [name, mode] : modes )
 	{
 		Candidate& candidate = menu.add( name, menu.sizes().back(), "" );
 		candidate.material.method = pliant::Method::SingleCluster;
 		candidate.material.clusterMode = mode;
 	}
-	for( const int cells : { menu.sizes().front(), menu.sizes().back() } )
+	for ( const int cells : { menu.sizes().front(), menu.sizes().back() } )
 	{
 		Candidate& candidate = menu.add( "Müller clusters", cells, "linear, edge 4" );
 		candidate.material.method = pliant::Method::Clusters;
@@ -94,20 +94,21 @@ void addMueller( Menu& menu )
 /// Rivers and James 2007 with our kernels and weights that keep momentum: Pliant's default.
 void addUniform( Menu& menu, bool isShort )
 {
-	for( int w = 1; w <= ( isShort ? 2 : 3 ); ++w )
+	for ( int w = 1; w <= ( isShort ? 2 : 3 ); ++w )
 	{
-		for( const int cells : menu.sizes() )
+		for ( const int cells : menu.sizes() )
 		{
 			Candidate& candidate = menu.add( "uniform w " + std::to_string( w ), cells, "" );
 			candidate.material.regionHalfWidth = w;
 			candidate.isOurs = true;
 		}
 	}
-	for( const int substeps : { 1, 2, 8 } )
+	for ( const int substeps : { 1, 2, 8 } )
 	{
-		for( std::size_t k = 0; k < menu.sizes().size() && !isShort; k += 2 )
+		for ( std::size_t k = 0; k < menu.sizes().size() && !isShort; k += 2 )
 		{
-			Candidate& candidate = menu.add( "uniform w 1", menu.sizes()[k], std::to_string( substeps ) + ( substeps == 1 ? " substep" : " substeps" ) );
+			Candidate& candidate = menu.add(
+				"uniform w 1", menu.sizes()[k], std::to_string( substeps ) + ( substeps == 1 ? " substep" : " substeps" ) );
 			candidate.substeps = substeps;
 			candidate.isOurs = true;
 		}
@@ -126,15 +127,17 @@ void addLevels( Menu& menu, const CandidatePlan& plan )
 		bool isOurs;
 	} methods[] = { { "Steinemann", pliant::steinemannAdaptivity( 1 ), pliant::Weights::Literal, false },
 		{ "Ohta, literal", pliant::ohtaAdaptivity( 1 ), pliant::Weights::Literal, false },
-		{ "Ohta, conserving", conserving, pliant::Weights::Conserving, false }, { "ours, levels", pliant::Adaptivity(), pliant::Weights::Conserving, true } };
+		{ "Ohta, conserving", conserving, pliant::Weights::Conserving, false },
+		{ "ours, levels", pliant::Adaptivity(), pliant::Weights::Conserving, true } };
 	const std::size_t sizes = std::min<std::size_t>( menu.sizes().size(), 3 );
-	for( const auto& method : methods )
+	for ( const auto& method : methods )
 	{
-		for( std::size_t k = 0; k < sizes; ++k )
+		for ( std::size_t k = 0; k < sizes; ++k )
 		{
-			for( int levels = 1; levels <= plan.levels; ++levels )
+			for ( int levels = 1; levels <= plan.levels; ++levels )
 			{
-				Candidate& candidate = menu.add( method.family, menu.sizes()[k], std::to_string( levels ) + ( levels == 1 ? " level" : " levels" ) );
+				Candidate& candidate = menu.add(
+					method.family, menu.sizes()[k], std::to_string( levels ) + ( levels == 1 ? " level" : " levels" ) );
 				candidate.adaptivity = method.settings;
 				candidate.adaptivity.coarseLevels = levels;
 				candidate.material.weights = method.weights;
@@ -142,9 +145,9 @@ void addLevels( Menu& menu, const CandidatePlan& plan )
 			}
 		}
 	}
-	for( std::size_t k = 0; k < sizes; ++k )
+	for ( std::size_t k = 0; k < sizes; ++k )
 	{
-		for( const float strain : { 0.15f, 0.3f } )
+		for ( const float strain : { 0.15f, 0.3f } )
 		{
 			char text[40];
 			std::snprintf( text, sizeof( text ), "%d levels, split at %.2f", plan.levels, double( strain ) );
@@ -159,28 +162,28 @@ void addLevels( Menu& menu, const CandidatePlan& plan )
 
 void addOthers( Menu& menu, const CandidatePlan& plan )
 {
-	for( const int cells : menu.sizes() )
+	for ( const int cells : menu.sizes() )
 	{
 		Candidate& candidate = menu.add( "ours, implicit", cells, "one step" );
 		candidate.material.elasticity = pliant::Elasticity::Implicit;
 		candidate.substeps = 1;
 		candidate.isOurs = true;
 	}
-	for( std::size_t k = 0; k < std::min<std::size_t>( menu.sizes().size(), 3 ); ++k )
+	for ( std::size_t k = 0; k < std::min<std::size_t>( menu.sizes().size(), 3 ); ++k )
 	{
 		Candidate& candidate = menu.add( "ours, far levels", menu.sizes()[k], "1 far level, 2 substeps" );
 		candidate.material.farLevels = 1;
 		candidate.substeps = 2;
 		candidate.isOurs = true;
 	}
-	if( !plan.withBullet )
+	if ( !plan.withBullet )
 	{
 		return;
 	}
 	Candidate& pose = menu.add( "Bullet pose matching", 0, "" );
 	pose.setting = "the mesh's own vertices";
 	pose.engine = Engine::BulletPose;
-	for( const int clusters : { 8, 32 } )
+	for ( const int clusters : { 8, 32 } )
 	{
 		Candidate& candidate = menu.add( "Bullet clusters", 0, "" );
 		candidate.setting = std::to_string( clusters ) + " clusters";
@@ -220,48 +223,49 @@ Candidate reference( const CandidatePlan& plan )
 
 std::string codeOf( const Candidate& candidate )
 {
-	if( candidate.engine != Engine::Pliant )
+	if ( candidate.engine != Engine::Pliant )
 	{
 		return "// " + candidate.name() + ": Bullet's own soft body; see btSoftBody.h\n";
 	}
 	const pliant::Material& m = candidate.material;
 	const pliant::Adaptivity& a = candidate.adaptivity;
 	std::ostringstream out;
-	out << "pliant::LatticeSettings lattice;\nlattice.targetCells = " << candidate.cells << ";\npliant::Material material;\nmaterial.density = "
-		<< number( m.density ) << ";\nmaterial.youngsModulus = " << number( m.youngsModulus ) << ";\n";
-	if( m.regionHalfWidth != 1 )
+	out << "pliant::LatticeSettings lattice;\nlattice.targetCells = " << candidate.cells
+		<< ";\npliant::Material material;\nmaterial.density = " << number( m.density )
+		<< ";\nmaterial.youngsModulus = " << number( m.youngsModulus ) << ";\n";
+	if ( m.regionHalfWidth != 1 )
 	{
 		out << "material.regionHalfWidth = " << m.regionHalfWidth << ";\n";
 	}
-	if( m.farLevels != 0 )
+	if ( m.farLevels != 0 )
 	{
 		out << "material.farLevels = " << m.farLevels << ";\n";
 	}
-	if( m.elasticity == pliant::Elasticity::Implicit )
+	if ( m.elasticity == pliant::Elasticity::Implicit )
 	{
 		out << "material.elasticity = pliant::Elasticity::Implicit;\n";
 	}
-	if( m.weights == pliant::Weights::Literal )
+	if ( m.weights == pliant::Weights::Literal )
 	{
 		out << "material.weights = pliant::Weights::Literal;\n";
 	}
-	if( m.method == pliant::Method::SingleCluster )
+	if ( m.method == pliant::Method::SingleCluster )
 	{
 		out << "material.method = pliant::Method::SingleCluster;\nmaterial.clusterMode = pliant::ClusterMode( " << int( m.clusterMode )
 			<< " );\nmaterial.stiffness = pliant::Stiffness::RawAlpha; // and material.alpha, of your body's size\n";
 	}
-	else if( m.method == pliant::Method::Clusters )
+	else if ( m.method == pliant::Method::Clusters )
 	{
 		out << "material.method = pliant::Method::Clusters;\nmaterial.clusterEdge = " << m.clusterEdge << ";\n";
 	}
-	if( a.coarseLevels != 0 )
+	if ( a.coarseLevels != 0 )
 	{
 		out << "pliant::Adaptivity adaptivity;\n";
-		if( candidate.family.rfind( "Steinemann", 0 ) == 0 )
+		if ( candidate.family.rfind( "Steinemann", 0 ) == 0 )
 		{
 			out << "adaptivity = pliant::steinemannAdaptivity( " << a.coarseLevels << " );\n";
 		}
-		else if( candidate.family.rfind( "Ohta", 0 ) == 0 )
+		else if ( candidate.family.rfind( "Ohta", 0 ) == 0 )
 		{
 			out << "adaptivity = pliant::ohtaAdaptivity( " << a.coarseLevels << " );\n";
 		}
@@ -269,12 +273,13 @@ std::string codeOf( const Candidate& candidate )
 		{
 			out << "adaptivity.coarseLevels = " << a.coarseLevels << ";\n";
 		}
-		if( a.refineStrain > 0 )
+		if ( a.refineStrain > 0 )
 		{
-			out << "adaptivity.refineStrain = " << number( a.refineStrain ) << ";\nadaptivity.mergeDelay = " << number( a.mergeDelay ) << ";\n";
+			out << "adaptivity.refineStrain = " << number( a.refineStrain ) << ";\nadaptivity.mergeDelay = " << number( a.mergeDelay )
+				<< ";\n";
 		}
 	}
-	if( candidate.substeps > 0 )
+	if ( candidate.substeps > 0 )
 	{
 		out << "world.setSoftSubsteps( " << candidate.substeps << " );\n";
 	}

@@ -22,9 +22,9 @@ struct Candidate
 	std::string family;  ///< whose method: a colour in the plots
 	std::string setting; ///< what tells it from others of its family; the two together are its name
 	Engine engine = Engine::Pliant;
-	int cells = 0;       ///< asked for; Bullet's bodies have the mesh's vertices for nodes
-	int clusters = 0;    ///< Engine::BulletClusters
-	int substeps = 0;    ///< soft substeps a step asked for; 0: the world's default. Stiffness may raise it
+	int cells = 0;        ///< asked for; Bullet's bodies have the mesh's vertices for nodes
+	int clusters = 0;     ///< Engine::BulletClusters
+	int substeps = 0;     ///< soft substeps a step asked for; 0: the world's default. Stiffness may raise it
 	int mostSubsteps = 0; ///< 0: the world's default
 	bool isOurs = false;
 	pliant::Material material;
@@ -35,11 +35,11 @@ struct Candidate
 
 struct CandidatePlan
 {
-	int cells = 1000;    ///< of the finest
-	int levels = 2;      ///< most levels of detail
+	int cells = 1000;                     ///< of the finest
+	int levels = 2;                       ///< most levels of detail
 	double density = 1000, modulus = 1e5; ///< kg/m^3, Pa
 	bool withBullet = true;
-	bool isShort = false; ///< two resolutions, one threshold
+	bool isShort = false;          ///< two resolutions, one threshold
 	std::vector<std::string> only; ///< families whose name begins with one of these; empty: all
 };
 

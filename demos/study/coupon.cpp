@@ -21,14 +21,14 @@ namespace pliant_study {
 namespace {
 
 constexpr double kRadian = 3.14159265358979323846 / 180;
-constexpr double kStill = 1e-8;    // of the most energy its swinging had: in balance
+constexpr double kStill = 1e-8; // of the most energy its swinging had: in balance
 constexpr int kStillPeaks = 3;
 constexpr double kPastPeak = 0.97; // of the last peak: less is a fall, and not what rings on top of it
 
 pliant_glue::ModelMesh boxMesh( const Eigen::Vector3d& edges )
 {
 	pliant_glue::ModelMesh mesh = pliant_demos::makeCube( 1.0f, 8 );
-	for( std::size_t v = 0; v < mesh.positions.size(); ++v )
+	for ( std::size_t v = 0; v < mesh.positions.size(); ++v )
 	{
 		mesh.positions[v] *= float( edges[Eigen::Index( v % 3 )] );
 	}
@@ -45,7 +45,8 @@ std::shared_ptr<const pliant::BodyTemplate> templateOf( const CouponOrder& order
 	pliant::LatticeSettings settings;
 	settings.cellSize = float( order.cell );
 	settings.skinning = pliant::Skinning::None;
-	const auto made = pliant::BodyTemplate::build( { mesh.positions.data(), mesh.vertexCount(), 3, mesh.indices.data(), mesh.triangleCount(), nullptr, nullptr }, settings );
+	const auto made = pliant::BodyTemplate::build(
+		{ mesh.positions.data(), mesh.vertexCount(), 3, mesh.indices.data(), mesh.triangleCount(), nullptr, nullptr }, settings );
 	return made ? made.value : throw std::runtime_error( made.status.sentence );
 }
 
@@ -59,21 +60,21 @@ double modulusWithin( const CouponOrder& order, double reach )
 
 Coupon::Coupon( const CouponOrder& order ) : m_order( order )
 {
-	if( order.reach > 0 )
+	if ( order.reach > 0 )
 	{
 		m_order.material.youngsModulus = float( modulusWithin( order, order.reach ) );
 	}
 	m_world.world().setGravity( btVector3( 0, 0, 0 ) );
 	m_world.world().setSoftSubsteps( order.substeps );
 	m_body = m_world.add( templateOf( m_order ), btVector3( 0, 0, 0 ), m_order.material, m_order.adaptivity );
-	if( m_body == nullptr )
+	if ( m_body == nullptr )
 	{
 		throw std::runtime_error( "a testing piece was refused" );
 	}
 	// Bodies stand as their mesh does: back by the angle that the lattice was turned by.
 	m_body->reset( btTransform( btQuaternion( btVector3( 0, 0, 1 ), btScalar( -order.degrees * kRadian ) ) ) );
 	m_body->setActivationState( DISABLE_DEACTIVATION ); // to be put anew makes it an ordinary body
-	for( int i = 0; i < m_body->nodeCount(); ++i )
+	for ( int i = 0; i < m_body->nodeCount(); ++i )
 	{
 		m_rest.push_back( toEigen( m_body->nodePosition( i ) ) );
 	}
@@ -88,9 +89,9 @@ Eigen::Vector3d Coupon::now( int node ) const
 std::vector<int> Coupon::nodesIn( const Where& where ) const
 {
 	std::vector<int> nodes;
-	for( int i = 0; i < count(); ++i )
+	for ( int i = 0; i < count(); ++i )
 	{
-		if( where( rest( i ) ) )
+		if ( where( rest( i ) ) )
 		{
 			nodes.push_back( i );
 		}
@@ -101,7 +102,7 @@ std::vector<int> Coupon::nodesIn( const Where& where ) const
 int Coupon::hold( const Where& where )
 {
 	const std::vector<int> nodes = nodesIn( where );
-	for( const int i : nodes )
+	for ( const int i : nodes )
 	{
 		m_body->pinNode( i );
 	}
@@ -110,9 +111,9 @@ int Coupon::hold( const Where& where )
 
 void Coupon::drive( const Field& to )
 {
-	for( int i = 0; i < count(); ++i )
+	for ( int i = 0; i < count(); ++i )
 	{
-		if( m_body->isPinned( i ) )
+		if ( m_body->isPinned( i ) )
 		{
 			m_body->driveNode( i, toBullet( to( rest( i ) ) ) );
 		}
@@ -128,7 +129,7 @@ void Coupon::clearForces()
 void Coupon::push( const Field& perMass )
 {
 	clearForces();
-	for( int i = 0; i < count(); ++i )
+	for ( int i = 0; i < count(); ++i )
 	{
 		m_force[std::size_t( i )] = mass( i ) * perMass( rest( i ) );
 	}
@@ -138,11 +139,11 @@ void Coupon::pushAt( const Where& where, const Eigen::Vector3d& total )
 {
 	const std::vector<int> nodes = nodesIn( where );
 	double sum = 0;
-	for( const int i : nodes )
+	for ( const int i : nodes )
 	{
 		sum += mass( i );
 	}
-	for( const int i : nodes )
+	for ( const int i : nodes )
 	{
 		m_force[std::size_t( i )] += mass( i ) / sum * total;
 	}
@@ -152,13 +153,13 @@ void Coupon::bend( const Where& where, double moment )
 {
 	Couple couple{ nodesIn( where ), 0, 0 };
 	double sum = 0, second = 0;
-	for( const int i : couple.nodes )
+	for ( const int i : couple.nodes )
 	{
 		sum += mass( i );
 		couple.middle += mass( i ) * rest( i ).y();
 	}
 	couple.middle /= sum;
-	for( const int i : couple.nodes )
+	for ( const int i : couple.nodes )
 	{
 		second += mass( i ) * std::pow( rest( i ).y() - couple.middle, 2 );
 	}
@@ -169,30 +170,30 @@ void Coupon::bend( const Where& where, double moment )
 
 void Coupon::applyForces()
 {
-	for( int i = 0; i < count(); ++i )
+	for ( int i = 0; i < count(); ++i )
 	{
-		if( !m_force[std::size_t( i )].isZero( 0 ) )
+		if ( !m_force[std::size_t( i )].isZero( 0 ) )
 		{
 			m_body->applyForce( toBullet( m_force[std::size_t( i )] ), i );
 		}
 	}
-	for( const Couple& couple : m_couples )
+	for ( const Couple& couple : m_couples )
 	{
 		// The direction of the section's normal, from the turn of the section in its plane.
 		double c = 0, s = 0;
 		Eigen::Vector3d mean = Eigen::Vector3d::Zero();
-		for( const int i : couple.nodes )
+		for ( const int i : couple.nodes )
 		{
 			mean += now( i ) / double( couple.nodes.size() );
 		}
-		for( const int i : couple.nodes )
+		for ( const int i : couple.nodes )
 		{
 			const double y = mass( i ) * ( rest( i ).y() - couple.middle );
 			c += y * ( now( i ) - mean ).y();
 			s -= y * ( now( i ) - mean ).x();
 		}
 		const Eigen::Vector3d along = Eigen::Vector3d( c, s, 0 ).normalized();
-		for( const int i : couple.nodes )
+		for ( const int i : couple.nodes )
 		{
 			m_body->applyForce( toBullet( couple.perMass * mass( i ) * ( rest( i ).y() - couple.middle ) * along ), i );
 		}
@@ -202,15 +203,15 @@ void Coupon::applyForces()
 void Coupon::put( const Field& to )
 {
 	std::vector<bool> wasHeld;
-	for( int i = 0; i < count(); ++i )
+	for ( int i = 0; i < count(); ++i )
 	{
 		wasHeld.push_back( m_body->isPinned( i ) );
 		m_body->driveNode( i, toBullet( to( rest( i ) ) ) );
 	}
 	m_world.world().stepSimulation( btScalar( m_order.gameStep ), 0 );
-	for( int i = 0; i < count(); ++i )
+	for ( int i = 0; i < count(); ++i )
 	{
-		if( !wasHeld[std::size_t( i )] )
+		if ( !wasHeld[std::size_t( i )] )
 		{
 			m_body->releaseNode( i );
 		}
@@ -228,7 +229,7 @@ double Coupon::driftEnergy() const
 {
 	// 1/2 ( sum m v . u )^2 / sum m u^2, u what has moved so far: what rings on top of it has no share.
 	double along = 0, own = 0;
-	for( int i = 0; i < count(); ++i )
+	for ( int i = 0; i < count(); ++i )
 	{
 		along += mass( i ) * toEigen( m_body->nodeVelocity( i ) ).dot( moved( i ) );
 		own += mass( i ) * moved( i ).squaredNorm();
@@ -240,16 +241,16 @@ bool Coupon::settle( int most )
 {
 	double peak = 0, largest = 0;
 	int still = 0;
-	for( int k = 0; k < most && isHealthy(); ++k )
+	for ( int k = 0; k < most && isHealthy(); ++k )
 	{
 		step();
 		const double energy = driftEnergy();
 		largest = std::max( largest, energy );
 		peak = std::max( peak, energy );
-		if( energy < kPastPeak * peak )
+		if ( energy < kPastPeak * peak )
 		{
 			still = peak < kStill * largest ? still + 1 : 0;
-			if( still == kStillPeaks )
+			if ( still == kStillPeaks )
 			{
 				return true;
 			}
@@ -264,7 +265,7 @@ Eigen::Vector3d Coupon::meanMoved( const Where& where ) const
 {
 	Eigen::Vector3d sum = Eigen::Vector3d::Zero();
 	double all = 0;
-	for( const int i : nodesIn( where ) )
+	for ( const int i : nodesIn( where ) )
 	{
 		sum += mass( i ) * moved( i );
 		all += mass( i );
@@ -276,7 +277,7 @@ Eigen::Vector3d Coupon::meanRest( const Where& where ) const
 {
 	Eigen::Vector3d sum = Eigen::Vector3d::Zero();
 	double all = 0;
-	for( const int i : nodesIn( where ) )
+	for ( const int i : nodesIn( where ) )
 	{
 		sum += mass( i ) * rest( i );
 		all += mass( i );
@@ -288,7 +289,7 @@ Eigen::Matrix3d Coupon::deformation( const Where& where ) const
 {
 	const Eigen::Vector3d from = meanRest( where ), to = from + meanMoved( where );
 	Eigen::Matrix3d across = Eigen::Matrix3d::Zero(), own = Eigen::Matrix3d::Zero();
-	for( const int i : nodesIn( where ) )
+	for ( const int i : nodesIn( where ) )
 	{
 		across += mass( i ) * ( now( i ) - to ) * ( rest( i ) - from ).transpose();
 		own += mass( i ) * ( rest( i ) - from ) * ( rest( i ) - from ).transpose();
@@ -299,7 +300,7 @@ Eigen::Matrix3d Coupon::deformation( const Where& where ) const
 double Coupon::along( const Field& shape ) const
 {
 	double sum = 0, own = 0;
-	for( int i = 0; i < count(); ++i )
+	for ( int i = 0; i < count(); ++i )
 	{
 		const Eigen::Vector3d at = shape( rest( i ) );
 		sum += mass( i ) * at.dot( moved( i ) );
@@ -313,7 +314,7 @@ double Coupon::misfit() const
 	const Where all = []( const Eigen::Vector3d& ) { return true; };
 	const Eigen::Vector3d from = meanRest( all ), to = from + meanMoved( all );
 	Eigen::Matrix3d across = Eigen::Matrix3d::Zero();
-	for( int i = 0; i < count(); ++i )
+	for ( int i = 0; i < count(); ++i )
 	{
 		across += mass( i ) * ( now( i ) - to ) * ( rest( i ) - from ).transpose();
 	}
@@ -321,7 +322,7 @@ double Coupon::misfit() const
 	const double side = ( svd.matrixU() * svd.matrixV().transpose() ).determinant();
 	const Eigen::Matrix3d turn = svd.matrixU() * Eigen::Vector3d( 1, 1, side ).asDiagonal() * svd.matrixV().transpose();
 	double most = 0;
-	for( int i = 0; i < count(); ++i )
+	for ( int i = 0; i < count(); ++i )
 	{
 		most = std::max( most, ( now( i ) - to - turn * ( rest( i ) - from ) ).norm() );
 	}
@@ -332,19 +333,19 @@ double Coupon::invertedShare() const
 {
 	const double d = m_order.cell;
 	int inverted = 0, looked = 0;
-	for( int i = 0; i < count(); ++i )
+	for ( int i = 0; i < count(); ++i )
 	{
 		std::array<int, 3> near{ -1, -1, -1 };
-		for( int j = 0; j < count(); ++j )
+		for ( int j = 0; j < count(); ++j )
 		{
 			const Eigen::Vector3d edge = rest( j ) - rest( i );
 			Eigen::Index axis = 0;
-			if( edge.norm() < 1.1 * d && edge.maxCoeff( &axis ) > 0.9 * d )
+			if ( edge.norm() < 1.1 * d && edge.maxCoeff( &axis ) > 0.9 * d )
 			{
 				near[std::size_t( axis )] = j;
 			}
 		}
-		if( *std::min_element( near.begin(), near.end() ) >= 0 )
+		if ( *std::min_element( near.begin(), near.end() ) >= 0 )
 		{
 			Eigen::Matrix3d edges;
 			edges << now( near[0] ) - now( i ), now( near[1] ) - now( i ), now( near[2] ) - now( i );

@@ -22,9 +22,9 @@ struct CouponOrder
 	pliant_glue::ModelMesh mesh;          ///< in the box's place, where it has vertices
 	pliant::Material material;            ///< youngsModulus: see `reach`
 	pliant::Adaptivity adaptivity;
-	double cell = 0.1;                    ///< m
-	double degrees = 0;                   ///< between the box and its lattice, about z
-	double gameStep = 1.0 / 60;           ///< s
+	double cell = 0.1;          ///< m
+	double degrees = 0;         ///< between the box and its lattice, about z
+	double gameStep = 1.0 / 60; ///< s
 	int substeps = 4;
 	/// Young's modulus as a share of what `halfWidth` 1 reaches at this step; 0: the material's own.
 	double reach = 0.8;

@@ -20,22 +20,24 @@ namespace pliant_study {
 namespace {
 
 constexpr double kDefaultSag = 0.1, kEarth = 9.81;
-constexpr double kRecovered = 0.01;             // of the diagonal
+constexpr double kRecovered = 0.01;                     // of the diagonal
 constexpr double kLastRecovery = 10, kSlowRecovery = 2; // s
 constexpr double kMostInverted = 1e-3, kMostGrowth = 0.01, kMostDepth = 0.5;
 constexpr int kMostSubsteps = 16;
-constexpr int kLooks = 400;                      // moments at which the shape is looked at
+constexpr int kLooks = 400; // moments at which the shape is looked at
 constexpr double kTwoTurns = 4 * 3.14159265358979323846;
-constexpr double kGap = 1e-3;                    // of the diagonal, between a body and what it is put on
+constexpr double kGap = 1e-3; // of the diagonal, between a body and what it is put on
 
 class Ordeals
 {
 public:
-	Ordeals( const StabilityCase& ordeal, const StabilityMethod& method, unsigned seed ) : m_case( ordeal ), m_method( method ), m_random( seed ) {}
+	Ordeals( const StabilityCase& ordeal, const StabilityMethod& method, unsigned seed ) :
+		m_case( ordeal ), m_method( method ), m_random( seed )
+	{}
 
 	~Ordeals()
 	{
-		for( const auto& body : m_rigid )
+		for ( const auto& body : m_rigid )
 		{
 			m_subject->world().removeRigidBody( body.get() );
 		}
@@ -44,7 +46,7 @@ public:
 	Verdict run( int steps )
 	{
 		Verdict verdict;
-		if( !prepare( verdict.reason ) )
+		if ( !prepare( verdict.reason ) )
 		{
 			verdict.colour = Colour::None;
 			return verdict;
@@ -52,9 +54,9 @@ public:
 		deform();
 		const int every = std::max( 1, steps / kLooks );
 		const auto start = std::chrono::steady_clock::now();
-		for( int k = 1; k <= steps && m_isFinite; ++k )
+		for ( int k = 1; k <= steps && m_isFinite; ++k )
 		{
-			if( k == steps / 2 && !isFree() )
+			if ( k == steps / 2 && !isFree() )
 			{
 				relent();
 				m_relented = k * m_case.step;
@@ -82,23 +84,23 @@ private:
 		pliant::Material& material = order.candidate.material;
 		const double height = 2 * m_specimen.half.y();
 		material.youngsModulus = float( m_case.modulus > 0 ? m_case.modulus : double( material.density ) * kEarth * height / kDefaultSag );
-		if( m_case.isRawAlpha )
+		if ( m_case.isRawAlpha )
 		{
 			material.stiffness = pliant::Stiffness::RawAlpha;
 			material.alpha = 1;
 		}
-		if( m_method.isPlastic )
+		if ( m_method.isPlastic )
 		{
 			material.yieldStrain = 0.1f;
 		}
-		if( m_method.isFracturing )
+		if ( m_method.isFracturing )
 		{
 			order.fracture.rule = pliant::BreakRule::Plane;
 		}
 		const double above = m_case.ordeal == Ordeal::Load ? kGap * m_case.diagonal : height;
 		order.place.setOrigin( toBullet( { m_case.far, m_specimen.half.y() + above, 0 } ) );
 		m_subject = makeSubject( order, why );
-		if( !m_subject )
+		if ( !m_subject )
 		{
 			return false;
 		}
@@ -106,15 +108,16 @@ private:
 		world.setGravity( toBullet( { 0, -m_case.gravity, 0 } ) );
 		m_subject->cells( m_rest );
 		m_cell = std::cbrt( m_specimen.volume / std::max<double>( 1, double( m_rest.cols() ) ) );
-		if( !isFree() )
+		if ( !isFree() )
 		{
 			addGround();
 		}
-		if( m_case.ordeal == Ordeal::Load )
+		if ( m_case.ordeal == Ordeal::Load )
 		{
 			addLoad( height + above + kGap * m_case.diagonal );
 		}
-		m_subject->setVelocities( btVector3( 0, btScalar( -m_case.speed ), 0 ), m_case.ordeal == Ordeal::Spin ? btVector3( 1, 3, 2 ) : btVector3( 0, 0, 0 ) );
+		m_subject->setVelocities(
+			btVector3( 0, btScalar( -m_case.speed ), 0 ), m_case.ordeal == Ordeal::Spin ? btVector3( 1, 3, 2 ) : btVector3( 0, 0, 0 ) );
 		m_first = mechanicalEnergy();
 		return true;
 	}
@@ -143,7 +146,7 @@ private:
 	void relent()
 	{
 		m_subject->world().setGravity( btVector3( 0, 0, 0 ) );
-		if( m_case.ordeal == Ordeal::Load )
+		if ( m_case.ordeal == Ordeal::Load )
 		{
 			m_subject->world().removeRigidBody( m_rigid.back().get() );
 			m_rigid.pop_back();
@@ -153,19 +156,24 @@ private:
 	/// Puts the nodes where the ordeal wants them.
 	void deform()
 	{
-		if( !isFree() || m_case.ordeal == Ordeal::Spin )
+		if ( !isFree() || m_case.ordeal == Ordeal::Spin )
 		{
 			return;
 		}
 		const btVector3 centre = toBullet( m_subject->motion().centre );
 		const btScalar height = btScalar( 2 * m_specimen.half.y() );
 		std::vector<btVector3> places;
-		m_subject->put( [&places]( int, const btVector3& at ) { places.push_back( at ); return at; }, m_case.step );
+		m_subject->put(
+			[&places]( int, const btVector3& at ) {
+				places.push_back( at );
+				return at;
+			},
+			m_case.step );
 		std::shuffle( places.begin(), places.end(), m_random );
 		m_subject->put(
 			[&]( int node, const btVector3& at ) {
 				btVector3 x = at - centre;
-				switch( m_case.ordeal )
+				switch ( m_case.ordeal )
 				{
 					case Ordeal::Flat: x.setY( 0 ); break;
 					case Ordeal::Mirrored: x.setX( -x.x() ); break;
@@ -190,11 +198,11 @@ private:
 		m_subject->cells( m_now );
 		m_isFinite = m_subject->isHealthy() && m_now.allFinite();
 		m_hasBroken = m_hasBroken || m_subject->pieces() > 1;
-		if( !m_isFinite )
+		if ( !m_isFinite )
 		{
 			return;
 		}
-		if( !isFree() )
+		if ( !isFree() )
 		{
 			m_lowest = std::min( m_lowest, m_now.row( 1 ).minCoeff() );
 		}
@@ -202,7 +210,7 @@ private:
 		double& most = isFirstHalf ? m_mostEarly : m_mostLate;
 		most = std::max( most, motion.kineticEnergy );
 		m_mostMechanical = m_relented > 0 ? m_mostMechanical : std::max( m_mostMechanical, mechanicalEnergy() );
-		if( looksAtShape && ( isFree() || m_relented > 0 ) && !m_hasBroken )
+		if ( looksAtShape && ( isFree() || m_relented > 0 ) && !m_hasBroken )
 		{
 			Points points = m_specimen.points;
 			m_subject->vertices( points );
@@ -217,26 +225,26 @@ private:
 	{
 		int inverted = 0, looked = 0;
 		const double reach = 1.3 * m_cell, least = 0.5 * m_cell;
-		for( Eigen::Index i = 0; i < m_rest.cols(); ++i )
+		for ( Eigen::Index i = 0; i < m_rest.cols(); ++i )
 		{
 			std::vector<Eigen::Index> near;
-			for( Eigen::Index j = 0; j < m_rest.cols() && near.size() < 3; ++j )
+			for ( Eigen::Index j = 0; j < m_rest.cols() && near.size() < 3; ++j )
 			{
 				const Eigen::Vector3d edge = m_rest.col( j ) - m_rest.col( i );
 				const bool isOther = std::all_of( near.begin(), near.end(), [&]( Eigen::Index k ) {
 					return std::abs( edge.normalized().dot( ( m_rest.col( k ) - m_rest.col( i ) ).normalized() ) ) < 0.3;
 				} );
-				if( j != i && edge.norm() < reach && edge.norm() > least && isOther )
+				if ( j != i && edge.norm() < reach && edge.norm() > least && isOther )
 				{
 					near.push_back( j );
 				}
 			}
-			if( near.size() < 3 )
+			if ( near.size() < 3 )
 			{
 				continue;
 			}
 			Eigen::Matrix3d rest, now;
-			for( int k = 0; k < 3; ++k )
+			for ( int k = 0; k < 3; ++k )
 			{
 				rest.col( k ) = m_rest.col( near[std::size_t( k )] ) - m_rest.col( i );
 				now.col( k ) = m_now.col( near[std::size_t( k )] ) - m_now.col( i );
@@ -251,49 +259,50 @@ private:
 	void judge( Verdict& verdict ) const
 	{
 		const auto blame = [&verdict]( Colour colour, const std::string& why ) {
-			if( int( colour ) > int( verdict.colour ) )
+			if ( int( colour ) > int( verdict.colour ) )
 			{
 				verdict.colour = colour;
 				verdict.reason = why;
 			}
 		};
-		if( !m_isFinite )
+		if ( !m_isFinite )
 		{
 			blame( Colour::Red, "not finite, or stopped" );
 			return;
 		}
 		// A fall's energy has a height to be counted from; a body let go strained has its strain's to spend at first.
-		verdict.energyGrowth = isFree() ? m_mostLate / std::max( m_mostEarly, 1e-12 * m_subject->motion().mass ) - 1
-										: m_case.ordeal == Ordeal::Load || m_first <= 0 ? 0.0 : m_mostMechanical / m_first - 1;
+		verdict.energyGrowth = isFree()                     ? m_mostLate / std::max( m_mostEarly, 1e-12 * m_subject->motion().mass ) - 1
+			: m_case.ordeal == Ordeal::Load || m_first <= 0 ? 0.0
+															: m_mostMechanical / m_first - 1;
 		verdict.depth = isFree() ? 0.0 : std::max( 0.0, 0.5 - m_lowest / m_cell );
 		const bool isElastic = !m_method.isPlastic && !m_hasBroken && m_case.ordeal != Ordeal::Spin;
 		verdict.recovery = isElastic ? m_recovery : -1;
 		verdict.inverted = m_hasBroken ? 0.0 : invertedShare();
-		if( verdict.inverted > kMostInverted )
+		if ( verdict.inverted > kMostInverted )
 		{
 			blame( Colour::Red, "cells inverted" );
 		}
-		if( verdict.energyGrowth > kMostGrowth )
+		if ( verdict.energyGrowth > kMostGrowth )
 		{
 			blame( Colour::Red, "energy grows" );
 		}
-		if( !isFree() && m_lowest < 0 )
+		if ( !isFree() && m_lowest < 0 )
 		{
 			blame( Colour::Red, "through the plane" );
 		}
-		if( verdict.recovery >= std::min( kLastRecovery, m_lastLook ) && isElastic )
+		if ( verdict.recovery >= std::min( kLastRecovery, m_lastLook ) && isElastic )
 		{
 			blame( Colour::Red, "does not recover" );
 		}
-		if( verdict.recovery > kSlowRecovery )
+		if ( verdict.recovery > kSlowRecovery )
 		{
 			blame( Colour::Yellow, "recovers slowly" );
 		}
-		if( verdict.depth > kMostDepth )
+		if ( verdict.depth > kMostDepth )
 		{
 			blame( Colour::Yellow, "sinks in" );
 		}
-		if( m_subject->substepsNeeded() > kMostSubsteps )
+		if ( m_subject->substepsNeeded() > kMostSubsteps )
 		{
 			blame( Colour::Yellow, "stiffness out of reach" );
 		}

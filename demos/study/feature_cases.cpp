@@ -115,16 +115,17 @@ std::unique_ptr<SmallWorld> makeFeatureWorld( const FeatureCase& one )
 	auto world = std::make_unique<SmallWorld>();
 	world->addGround();
 	const pliant::Skinning skinning = pliant::hasFeature( pliant::Feature::Surface ) ? one.skinning : pliant::Skinning::None;
-	pliant::SoftBody* body = world->add( cubeTemplate( kEdge, kCell, skinning ), btVector3( 0, btScalar( kEdge * kCell / 2 ), 0 ), one.material, one.adaptivity );
-	if( body == nullptr )
+	pliant::SoftBody* body = world->add(
+		cubeTemplate( kEdge, kCell, skinning ), btVector3( 0, btScalar( kEdge * kCell / 2 ), 0 ), one.material, one.adaptivity );
+	if ( body == nullptr )
 	{
 		return nullptr;
 	}
-	if( one.prepare )
+	if ( one.prepare )
 	{
 		one.prepare( *body );
 	}
-	for( int k = 0; k < kFirstSteps; ++k )
+	for ( int k = 0; k < kFirstSteps; ++k )
 	{
 		world->timedStep( one.isLookedAt );
 	}

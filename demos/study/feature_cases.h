@@ -15,8 +15,8 @@ namespace pliant_study {
 
 struct FeatureCase
 {
-	std::string feature;    ///< "plain": nothing beyond a body with a skin
-	std::string state;      ///< "off", "idle: ...", "working: ..."
+	std::string feature; ///< "plain": nothing beyond a body with a skin
+	std::string state;   ///< "off", "idle: ...", "working: ..."
 	pliant::Material material;
 	pliant::Adaptivity adaptivity;
 	pliant::Skinning skinning = pliant::Skinning::NearbyNodes;

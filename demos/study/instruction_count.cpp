@@ -27,7 +27,7 @@ InstructionCount::InstructionCount()
 
 InstructionCount::~InstructionCount()
 {
-	if( m_file >= 0 )
+	if ( m_file >= 0 )
 	{
 		close( m_file );
 	}

@@ -76,21 +76,28 @@ void describe( CLI::App& app, Arguments& to )
 {
 	std::vector<std::string> scenes = { "all" };
 	std::string about = "What is done to it: all";
-	for( const SceneInfo& scene : sceneInfos() )
+	for ( const SceneInfo& scene : sceneInfos() )
 	{
 		scenes.push_back( scene.name );
 		about += std::string( "; " ) + scene.name + " (" + scene.description + ")";
 	}
 	CandidatePlan& candidates = to.plan.candidates;
 	app.add_option( "--mesh", to.mesh, "Model file, in metres" );
-	app.add_option( "--shape", to.shape, "Built-in shape, where no file is named" )->check( CLI::IsMember( shapeNames() ) )->capture_default_str();
+	app.add_option( "--shape", to.shape, "Built-in shape, where no file is named" )
+		->check( CLI::IsMember( shapeNames() ) )
+		->capture_default_str();
 	app.add_option( "--diagonal", to.diagonal, "Scale it to this, m, from corner to corner; 0: as it is" )->check( CLI::Range( 0.0, 1e4 ) );
 	app.add_option( "--scene", to.scene, about )->check( CLI::IsMember( scenes ) )->capture_default_str();
-	app.add_option( "--modulus", to.modulus, "Young's modulus, Pa; 0: it gives by a tenth under its own weight" )->check( CLI::Range( 0.0, 1e12 ) );
+	app.add_option( "--modulus", to.modulus, "Young's modulus, Pa; 0: it gives by a tenth under its own weight" )
+		->check( CLI::Range( 0.0, 1e12 ) );
 	app.add_option( "--density", candidates.density, "kg/m^3" )->check( CLI::Range( 1e-3, 1e6 ) )->capture_default_str();
-	app.add_option( "--cells", candidates.cells, "Cells of the finest candidate; the reference has 8 times as many" )->check( CLI::Range( 24, 100000 ) )->capture_default_str();
+	app.add_option( "--cells", candidates.cells, "Cells of the finest candidate; the reference has 8 times as many" )
+		->check( CLI::Range( 24, 100000 ) )
+		->capture_default_str();
 	app.add_option( "--levels", candidates.levels, "Most levels of detail" )->check( CLI::Range( 1, 4 ) )->capture_default_str();
-	app.add_option( "--orientations", to.plan.orientations, "Lattice orientations for each candidate" )->check( CLI::Range( 1, 100 ) )->capture_default_str();
+	app.add_option( "--orientations", to.plan.orientations, "Lattice orientations for each candidate" )
+		->check( CLI::Range( 1, 100 ) )
+		->capture_default_str();
 	app.add_option( "--only", candidates.only, "Only families that begin so, e.g. --only ours Ohta" );
 	app.add_option( "--budget", to.budget, "Recommend settings for so much a game step, e.g. 1ms or 500us" );
 	app.add_option( "--out", to.plan.folder, "Folder for the results [out/study_MESH]" );
@@ -105,7 +112,7 @@ double secondsFrom( const std::string& text )
 {
 	double number = 0;
 	int used = 0;
-	if( std::sscanf( text.c_str(), "%lf%n", &number, &used ) != 1 || !( number > 0 ) )
+	if ( std::sscanf( text.c_str(), "%lf%n", &number, &used ) != 1 || !( number > 0 ) )
 	{
 		return -1;
 	}
@@ -115,12 +122,12 @@ double secondsFrom( const std::string& text )
 
 bool readMesh( const Arguments& arguments, pliant_glue::ModelMesh& mesh )
 {
-	if( arguments.mesh.empty() )
+	if ( arguments.mesh.empty() )
 	{
 		return makeShape( arguments.shape, mesh );
 	}
 	pliant_glue::ReadResult read = pliant_glue::readModel( arguments.mesh );
-	if( !read.ok() )
+	if ( !read.ok() )
 	{
 		std::fprintf( stderr, "pliant_study: %s\n", read.status.sentence.c_str() );
 		return false;
@@ -138,31 +145,31 @@ int runProgram( int count, char** words )
 	const CLI::App* materials = describeMaterials( app, arguments.materials );
 	const CLI::App *scale = describeScale( app, arguments.scale ), *features = describeFeatures( app, arguments.features );
 	CLI11_PARSE( app, count, words );
-	if( stability->parsed() )
+	if ( stability->parsed() )
 	{
 		return studyStability( arguments.stability );
 	}
-	if( scale->parsed() )
+	if ( scale->parsed() )
 	{
 		return studyScale( arguments.scale );
 	}
-	if( features->parsed() )
+	if ( features->parsed() )
 	{
 		return studyFeatures( arguments.features );
 	}
-	if( materials->parsed() )
+	if ( materials->parsed() )
 	{
 		return studyMaterials( arguments.materials );
 	}
 	StudyPlan& plan = arguments.plan;
 	plan.budget = arguments.budget.empty() ? 0 : secondsFrom( arguments.budget );
-	if( plan.budget < 0 )
+	if ( plan.budget < 0 )
 	{
 		std::fprintf( stderr, "pliant_study: --budget takes a time such as 1ms or 500us.\n" );
 		return 2;
 	}
 	pliant_glue::ModelMesh mesh;
-	if( !readMesh( arguments, mesh ) )
+	if ( !readMesh( arguments, mesh ) )
 	{
 		return 1;
 	}
@@ -172,13 +179,13 @@ int runProgram( int count, char** words )
 	candidates.modulus = arguments.modulus > 0 ? arguments.modulus : candidates.density * kGravity * 2 * specimen.half.y() / kDefaultSag;
 	candidates.withBullet = !arguments.noBullet;
 	plan.drawsPictures = !arguments.noPictures;
-	if( plan.folder.empty() )
+	if ( plan.folder.empty() )
 	{
 		plan.folder = "out/study_" + plan.meshName;
 	}
-	for( const SceneInfo& scene : sceneInfos() )
+	for ( const SceneInfo& scene : sceneInfos() )
 	{
-		if( arguments.scene == "all" || arguments.scene == scene.name )
+		if ( arguments.scene == "all" || arguments.scene == scene.name )
 		{
 			plan.scenes.push_back( scene );
 		}
@@ -196,7 +203,7 @@ int main( int count, char** words )
 	{
 		return pliant_study::runProgram( count, words );
 	}
-	catch( const std::exception& error )
+	catch ( const std::exception& error )
 	{
 		std::fprintf( stderr, "pliant_study: %s\n", error.what() );
 		return 1;

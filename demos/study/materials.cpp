@@ -40,25 +40,30 @@ std::string boundText( const MaterialRow& row )
 
 void print( const MaterialRow& row )
 {
-	std::printf( "%-4s %-82s %11s %11s %10s %8s  %s%s%s\n", row.id.c_str(), row.what.c_str(), shortNumber( row.value ).c_str(), shortNumber( row.theory ).c_str(),
-		errorText( row ).c_str(), boundText( row ).c_str(), row.hasPassed() ? "passed" : "FAILED", row.note.empty() ? "" : "; ", row.note.c_str() );
+	std::printf( "%-4s %-82s %11s %11s %10s %8s  %s%s%s\n", row.id.c_str(), row.what.c_str(), shortNumber( row.value ).c_str(),
+		shortNumber( row.theory ).c_str(), errorText( row ).c_str(), boundText( row ).c_str(), row.hasPassed() ? "passed" : "FAILED",
+		row.note.empty() ? "" : "; ", row.note.c_str() );
 }
 
 bool writePage( const std::string& path, const std::vector<MaterialRow>& rows, bool isShort )
 {
 	std::ofstream page( path );
-	page << "<!doctype html><html lang=en><meta charset=utf-8><title>Material benchmarks</title><style>body{font:14px/1.5 system-ui,sans-serif;margin:2rem}"
-			"table{border-collapse:collapse;font-size:13px}td,th{padding:.2rem .6rem;border-bottom:1px solid #ddd;text-align:right}td:nth-child(-n+2),th:nth-child(-n+2),"
-			"td:last-child{text-align:left}.passed{background:#cfe8cf}.failed{background:#f0b4a8}</style><h1>Material benchmarks</h1><p>Testing pieces of the explicit step"
+	page << "<!doctype html><html lang=en><meta charset=utf-8><title>Material benchmarks</title><style>body{font:14px/1.5 "
+			"system-ui,sans-serif;margin:2rem}"
+			"table{border-collapse:collapse;font-size:13px}td,th{padding:.2rem .6rem;border-bottom:1px solid "
+			"#ddd;text-align:right}td:nth-child(-n+2),th:nth-child(-n+2),"
+			"td:last-child{text-align:left}.passed{background:#cfe8cf}.failed{background:#f0b4a8}</style><h1>Material "
+			"benchmarks</h1><p>Testing pieces of the explicit step"
 		 << ( isShort ? " (short version)" : "" ) << " against theory, on " << processorName()
-		 << ". A row has passed where its error is within its bound.</p><table><tr><th></th><th>what</th><th>value</th><th>theory</th><th>unit</th><th>error</th><th>bound</th>"
+		 << ". A row has passed where its error is within its "
+			"bound.</p><table><tr><th></th><th>what</th><th>value</th><th>theory</th><th>unit</th><th>error</th><th>bound</th>"
 			"<th></th><th></th></tr>\n";
-	for( const MaterialRow& row : rows )
+	for ( const MaterialRow& row : rows )
 	{
 		const bool passed = row.hasPassed();
-		page << "<tr><td>" << row.id << "</td><td>" << row.what << "</td><td>" << shortNumber( row.value ) << "</td><td>" << shortNumber( row.theory ) << "</td><td>" << row.unit
-			 << "</td><td>" << errorText( row ) << "</td><td>" << boundText( row ) << "</td><td class=" << ( passed ? "passed>passed" : "failed>FAILED" ) << "</td><td>" << row.note
-			 << "</td></tr>\n";
+		page << "<tr><td>" << row.id << "</td><td>" << row.what << "</td><td>" << shortNumber( row.value ) << "</td><td>"
+			 << shortNumber( row.theory ) << "</td><td>" << row.unit << "</td><td>" << errorText( row ) << "</td><td>" << boundText( row )
+			 << "</td><td class=" << ( passed ? "passed>passed" : "failed>FAILED" ) << "</td><td>" << row.note << "</td></tr>\n";
 	}
 	page << "</table></html>\n";
 	return bool( page.flush() );
@@ -69,10 +74,10 @@ bool writeCsv( const std::string& path, const std::vector<MaterialRow>& rows )
 	std::ofstream csv( path );
 	csv.precision( 9 );
 	csv << "id;what;value;theory;unit;judged_by;error;bound;passed;note\n";
-	for( const MaterialRow& row : rows )
+	for ( const MaterialRow& row : rows )
 	{
-		csv << row.id << ';' << row.what << ';' << row.value << ';' << row.theory << ';' << row.unit << ';' << toString( row.judge ) << ';' << row.error() << ';' << row.bound
-			<< ';' << ( row.hasPassed() ? "yes" : "no" ) << ';' << row.note << '\n';
+		csv << row.id << ';' << row.what << ';' << row.value << ';' << row.theory << ';' << row.unit << ';' << toString( row.judge ) << ';'
+			<< row.error() << ';' << row.bound << ';' << ( row.hasPassed() ? "yes" : "no" ) << ';' << row.note << '\n';
 	}
 	return bool( csv.flush() );
 }
@@ -81,7 +86,7 @@ bool writeCsv( const std::string& path, const std::vector<MaterialRow>& rows )
 
 double MaterialRow::error() const
 {
-	switch( judge )
+	switch ( judge )
 	{
 		case Judge::Ratio: return value / theory - 1;
 		case Judge::Spread: return value / theory - 1;
@@ -95,7 +100,8 @@ bool MaterialRow::hasPassed() const
 	return std::abs( error() ) <= bound; // false too where it is no number
 }
 
-MaterialRow spreadRow( const std::string& id, const std::string& what, const std::string& unit, const std::vector<double>& values, double bound )
+MaterialRow spreadRow(
+	const std::string& id, const std::string& what, const std::string& unit, const std::vector<double>& values, double bound )
 {
 	const auto [low, high] = std::minmax_element( values.begin(), values.end() );
 	return { id, what + ", largest and smallest", unit, *high, *low, bound, Judge::Spread, "" };
@@ -127,16 +133,18 @@ int studyMaterials( const MaterialPlan& plan )
 {
 	std::vector<MaterialTest> tests = materialTests();
 	tests.erase( std::remove_if( tests.begin(), tests.end(),
-					 [&plan]( const MaterialTest& test ) { return !plan.only.empty() && std::find( plan.only.begin(), plan.only.end(), test.id ) == plan.only.end(); } ),
+					 [&plan]( const MaterialTest& test ) {
+						 return !plan.only.empty() && std::find( plan.only.begin(), plan.only.end(), test.id ) == plan.only.end();
+					 } ),
 		tests.end() );
 	std::vector<MaterialRow> rows;
 	bool isWithin = true;
 	{
 		Progress progress( int( tests.size() ) );
-		for( const MaterialTest& test : tests )
+		for ( const MaterialTest& test : tests )
 		{
 			progress.begin( std::string( test.id ) + " " + test.name );
-			for( const MaterialRow& row : test.measure( plan.isShort ) )
+			for ( const MaterialRow& row : test.measure( plan.isShort ) )
 			{
 				isWithin = isWithin && ( row.hasPassed() || !test.isDemanded );
 				rows.push_back( row );
@@ -145,13 +153,13 @@ int studyMaterials( const MaterialPlan& plan )
 		}
 	}
 	std::printf( "\n%-4s %-82s %11s %11s %10s %8s\n", "", "", "value", "theory", "error", "bound" );
-	for( const MaterialRow& row : rows )
+	for ( const MaterialRow& row : rows )
 	{
 		print( row );
 	}
 	std::error_code error;
 	std::filesystem::create_directories( plan.folder, error );
-	if( !writeCsv( plan.folder + "/materials.csv", rows ) || !writePage( plan.folder + "/materials.html", rows, plan.isShort ) )
+	if ( !writeCsv( plan.folder + "/materials.csv", rows ) || !writePage( plan.folder + "/materials.html", rows, plan.isShort ) )
 	{
 		std::fprintf( stderr, "pliant_study: %s cannot be written.\n", plan.folder.c_str() );
 		return 1;

@@ -20,7 +20,7 @@ enum class Judge : int
 
 struct MaterialRow
 {
-	std::string id;   ///< "M1"
+	std::string id; ///< "M1"
 	std::string what;
 	std::string unit;
 	double value = 0, theory = 0;
@@ -33,7 +33,8 @@ struct MaterialRow
 };
 
 /// Of the smallest and the largest of what should be one.
-MaterialRow spreadRow( const std::string& id, const std::string& what, const std::string& unit, const std::vector<double>& values, double bound );
+MaterialRow spreadRow(
+	const std::string& id, const std::string& what, const std::string& unit, const std::vector<double>& values, double bound );
 
 struct MaterialTest
 {
@@ -81,7 +82,8 @@ struct MaterialPlan
 	bool isShort = false;
 };
 
-/// Prints every row, passed or not; writes materials.csv and materials.html. 0, or the process's exit code: 3 where a demanded row is out of its bound.
+/// Prints every row, passed or not; writes materials.csv and materials.html. 0, or the process's exit code: 3 where a demanded row is out
+/// of its bound.
 int studyMaterials( const MaterialPlan& plan );
 
 } // namespace pliant_study

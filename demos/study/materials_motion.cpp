@@ -29,9 +29,9 @@ Eigen::Vector3d clampedMode( double s, double y )
 
 struct Swing
 {
-	double period = 0;               ///< s
-	double first = 0, last = 0;      ///< largest size in the first and in the last swing
-	double swings = 0;               ///< between them
+	double period = 0;          ///< s
+	double first = 0, last = 0; ///< largest size in the first and in the last swing
+	double swings = 0;          ///< between them
 };
 
 /// Follows a value that swings about 0 for `swings` of about `period` s.
@@ -43,11 +43,11 @@ Swing follow( Coupon& coupon, double period, int swings, const Value& value )
 	Swing found;
 	double before = value(), firstCrossing = -1, lastCrossing = -1;
 	int crossings = 0;
-	for( int k = 1; k <= steps && coupon.isHealthy(); ++k )
+	for ( int k = 1; k <= steps && coupon.isHealthy(); ++k )
 	{
 		coupon.step();
 		const double now = value();
-		if( before * now < 0 )
+		if ( before * now < 0 )
 		{
 			lastCrossing = ( k - now / ( now - before ) ) * h;
 			firstCrossing = crossings++ == 0 ? lastCrossing : firstCrossing;
@@ -76,10 +76,10 @@ Field mangle( int kind, unsigned seed, const Coupon& coupon )
 	std::mt19937 random( seed );
 	const auto even = [&random] { return double( random() ) / 4294967296.0 - 0.5; };
 	const Eigen::Quaterniond turn = Eigen::Quaterniond( even(), even(), even(), even() ).normalized();
-	if( kind == 1 )
+	if ( kind == 1 )
 	{
 		std::vector<Eigen::Vector3d> places = coupon.rest();
-		for( std::size_t k = places.size() - 1; k > 0; --k )
+		for ( std::size_t k = places.size() - 1; k > 0; --k )
 		{
 			std::swap( places[k], places[random() % ( k + 1 )] );
 		}
@@ -101,15 +101,20 @@ std::vector<MaterialRow> measureFrequency( bool isShort )
 		Coupon bar( order );
 		const double d = order.cell, half = 20 * d, length = 39.5 * d, size = 0.01 * length;
 		bar.hold( [&]( const Eigen::Vector3d& rest ) { return rest.x() < -half + d; } );
-		const Field mode = [&]( const Eigen::Vector3d& rest ) { return clampedMode( ( rest.x() + half - d / 2 ) / length, rest.y() / length ); };
+		const Field mode = [&]( const Eigen::Vector3d& rest ) {
+			return clampedMode( ( rest.x() + half - d / 2 ) / length, rest.y() / length );
+		};
 		bar.put( [&]( const Eigen::Vector3d& rest ) { return Eigen::Vector3d( rest + size * mode( rest ) ); } );
 		// omega = root^2 sqrt( E I / ( rho A ) ) / L^2, I / A = t^2 / 12
-		const double omega = kClampedRoot * kClampedRoot * std::sqrt( bar.modulus() / double( order.material.density ) * 16 * d * d / 12 ) / ( length * length );
+		const double omega = kClampedRoot * kClampedRoot * std::sqrt( bar.modulus() / double( order.material.density ) * 16 * d * d / 12 ) /
+			( length * length );
 		const Swing swing = follow( bar, 2 * kPi / omega, swings, [&] { return bar.along( mode ); } );
-		rows.push_back( { "M6", "cantilever, L/t 10: first bending frequency", "Hz", 1 / swing.period, omega / ( 2 * kPi ), 0.05, Judge::Ratio, "Euler-Bernoulli" } );
+		rows.push_back( { "M6", "cantilever, L/t 10: first bending frequency", "Hz", 1 / swing.period, omega / ( 2 * kPi ), 0.05,
+			Judge::Ratio, "Euler-Bernoulli" } );
 		// Energy goes as the square of the size.
 		const double lost = 1 - std::pow( std::pow( swing.last / swing.first, 2 ), 100 / swing.swings );
-		rows.push_back( { "M6", "the same without damping: energy lost in 100 periods", "", std::abs( lost ), 0, 0.05, Judge::AtMost, std::to_string( swings ) + " followed" } );
+		rows.push_back( { "M6", "the same without damping: energy lost in 100 periods", "", std::abs( lost ), 0, 0.05, Judge::AtMost,
+			std::to_string( swings ) + " followed" } );
 	}
 	// A free bar drawn along itself; its size falls by exp( -2 pi zeta ) a period.
 	const double zeta = 0.05;
@@ -119,20 +124,24 @@ std::vector<MaterialRow> measureFrequency( bool isShort )
 	order.gameStep = 1.0 / 240;
 	Coupon bar( order );
 	const double length = 40 * order.cell, omega = kPi * std::sqrt( bar.modulus() / double( order.material.density ) ) / length;
-	bar.put( [&]( const Eigen::Vector3d& rest ) { return Eigen::Vector3d( rest + Eigen::Vector3d( 0.01 * length * std::sin( kPi * rest.x() / length ), 0, 0 ) ); } );
+	bar.put( [&]( const Eigen::Vector3d& rest ) {
+		return Eigen::Vector3d( rest + Eigen::Vector3d( 0.01 * length * std::sin( kPi * rest.x() / length ), 0, 0 ) );
+	} );
 	const auto isLast = [&]( const Eigen::Vector3d& rest ) { return rest.x() > length / 2 - order.cell; };
 	const auto isFirst = [&]( const Eigen::Vector3d& rest ) { return rest.x() < -length / 2 + order.cell; };
 	const Swing swing = follow( bar, 2 * kPi / omega, 6, [&] { return bar.meanMoved( isLast ).x() - bar.meanMoved( isFirst ).x(); } );
 	// From the largest of the first swing to the largest of the last: both at their half.
-	rows.push_back( { "M6", "free bar drawn along itself: frequency", "Hz", 1 / swing.period, omega / ( 2 * kPi ), 0.05, Judge::Ratio, "rod theory" } );
-	rows.push_back( { "M6", "the same, wobbleDamping 0.05: damping ratio", "", std::log( swing.first / swing.last ) / ( 2 * kPi * swing.swings ), zeta, 0.01, Judge::Difference, "" } );
+	rows.push_back(
+		{ "M6", "free bar drawn along itself: frequency", "Hz", 1 / swing.period, omega / ( 2 * kPi ), 0.05, Judge::Ratio, "rod theory" } );
+	rows.push_back( { "M6", "the same, wobbleDamping 0.05: damping ratio", "",
+		std::log( swing.first / swing.last ) / ( 2 * kPi * swing.swings ), zeta, 0.01, Judge::Difference, "" } );
 	return rows;
 }
 
 std::vector<MaterialRow> measureTwist( bool isShort )
 {
 	std::vector<MaterialRow> rows;
-	for( const double degrees : isShort ? std::vector<double>{ 270 } : std::vector<double>{ 270, 720 } )
+	for ( const double degrees : isShort ? std::vector<double>{ 270 } : std::vector<double>{ 270, 720 } )
 	{
 		CouponOrder order;
 		order.cells = { 24, 6, 6 };
@@ -142,12 +151,13 @@ std::vector<MaterialRow> measureTwist( bool isShort )
 		bar.put( [&]( const Eigen::Vector3d& rest ) {
 			return Eigen::Vector3d( Eigen::AngleAxisd( degrees * kPi / 180 * rest.x() / length, Eigen::Vector3d::UnitX() ) * rest );
 		} );
-		for( int k = 0; k < 600 && bar.isHealthy(); ++k )
+		for ( int k = 0; k < 600 && bar.isHealthy(); ++k )
 		{
 			bar.step();
 		}
 		const double box = order.cell * order.cells.cast<double>().norm();
-		rows.push_back( { "M7", "twisted by " + shortNumber( degrees ) + " degrees, let go: off its shape after 10 s", "bbox", bar.misfit() / box, 0, 1e-3, Judge::AtMost, "" } );
+		rows.push_back( { "M7", "twisted by " + shortNumber( degrees ) + " degrees, let go: off its shape after 10 s", "bbox",
+			bar.misfit() / box, 0, 1e-3, Judge::AtMost, "" } );
 		rows.push_back( { "M7", "the same: inverted cells", "", bar.invertedShare(), 0, 0, Judge::AtMost, "" } );
 	}
 	return rows;
@@ -158,7 +168,7 @@ std::vector<MaterialRow> measureSquash( bool isShort )
 	const char* const kNames[] = { "squashed to 5 %", "scrambled", "flattened", "turned inside out" };
 	const int each = isShort ? 5 : 250;
 	std::vector<MaterialRow> rows;
-	for( int kind = 0; kind < 4; ++kind )
+	for ( int kind = 0; kind < 4; ++kind )
 	{
 		CouponOrder order;
 		order.cells = { 6, 6, 6 };
@@ -167,18 +177,18 @@ std::vector<MaterialRow> measureSquash( bool isShort )
 		Coupon cube( order );
 		const double box = order.cell * order.cells.cast<double>().norm();
 		int back = 0;
-		for( int k = 0; k < each && cube.isHealthy(); ++k )
+		for ( int k = 0; k < each && cube.isHealthy(); ++k )
 		{
 			cube.put( mangle( kind, unsigned( 1 + k ), cube ) );
-			for( int step = 0; step < 120; ++step )
+			for ( int step = 0; step < 120; ++step )
 			{
 				cube.step();
 			}
 			back += cube.isHealthy() && cube.misfit() < 0.01 * box && cube.invertedShare() == 0 ? 1 : 0;
 			cube.put( []( const Eigen::Vector3d& rest ) { return rest; } );
 		}
-		rows.push_back( { "M12", std::string( kNames[kind] ) + ", let go: back within 2 s", "of " + std::to_string( each ), double( back ), double( each ), 0, Judge::Difference,
-			"to 1 % of its box, nothing inverted" } );
+		rows.push_back( { "M12", std::string( kNames[kind] ) + ", let go: back within 2 s", "of " + std::to_string( each ), double( back ),
+			double( each ), 0, Judge::Difference, "to 1 % of its box, nothing inverted" } );
 	}
 	return rows;
 }

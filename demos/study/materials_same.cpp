@@ -36,10 +36,10 @@ Curve curveOf( const Coupon& bar, Eigen::Index component, double reach )
 {
 	Eigen::Matrix3d own = Eigen::Matrix3d::Zero();
 	Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-	for( int i = 0; i < bar.count(); ++i )
+	for ( int i = 0; i < bar.count(); ++i )
 	{
 		const double x = bar.rest( i ).x();
-		if( std::abs( x ) < reach )
+		if ( std::abs( x ) < reach )
 		{
 			const Eigen::Vector3d powers( 1, x, x * x );
 			own += bar.mass( i ) * powers * powers.transpose();
@@ -61,7 +61,7 @@ double bendingStiffness( Coupon& bar, double grip )
 	const Eigen::Vector3d edges = bar.order().cell * bar.order().cells.cast<double>();
 	const double stiff = bar.modulus() * edges.z() * std::pow( edges.y(), 3 ) / 12, curvature = 2 * kSmallStrain / edges.y();
 	bar.clearForces();
-	for( const double sign : { -1.0, 1.0 } )
+	for ( const double sign : { -1.0, 1.0 } )
 	{
 		bar.bend( endOf( edges.x() / 2, grip, sign ), sign * curvature * stiff );
 	}
@@ -77,7 +77,7 @@ double sag( Coupon& bar, double grip )
 	const double gravity = 2 * kSmallStrain * bar.modulus() / ( density * length );
 	bar.push( [gravity]( const Eigen::Vector3d& ) { return Eigen::Vector3d( -gravity, 0, 0 ); } );
 	double mass = 0;
-	for( int i = 0; i < bar.count(); ++i )
+	for ( int i = 0; i < bar.count(); ++i )
 	{
 		mass += bar.mass( i );
 	}
@@ -94,17 +94,18 @@ double bendingFrequency( Coupon& bar )
 	const double length = order.cell * order.cells.x(), k = kFreeRoot / length, c = std::cos( kFreeRoot / 2 ) / std::cosh( kFreeRoot / 2 );
 	const Field shape = [&]( const Eigen::Vector3d& rest ) {
 		const double s = rest.x();
-		return Eigen::Vector3d( k * rest.y() * ( std::sin( k * s ) - std::sinh( k * s ) * c ), std::cos( k * s ) + std::cosh( k * s ) * c, 0 );
+		return Eigen::Vector3d(
+			k * rest.y() * ( std::sin( k * s ) - std::sinh( k * s ) * c ), std::cos( k * s ) + std::cosh( k * s ) * c, 0 );
 	};
 	bar.clearForces();
 	bar.put( [&]( const Eigen::Vector3d& rest ) { return Eigen::Vector3d( rest + 1e-3 * length * shape( rest ) ); } );
 	double before = 1, first = 0, last = 0;
 	int crossings = 0;
-	for( int step = 1; step < kMostSteps && crossings < 5; ++step )
+	for ( int step = 1; step < kMostSteps && crossings < 5; ++step )
 	{
 		bar.step();
 		const double now = bar.along( shape );
-		if( before * now < 0 )
+		if ( before * now < 0 )
 		{
 			last = ( step - now / ( now - before ) ) * order.gameStep;
 			first = crossings++ == 0 ? last : first;
@@ -121,7 +122,7 @@ std::vector<MaterialRow> measureLevels( bool isShort )
 	const int high = isShort ? 8 : 16, most = isShort ? 1 : 3;
 	std::vector<double> modulus, stiffness, weights, frequency;
 	std::vector<MaterialRow> rows;
-	for( int level = 0; level <= most + 1; ++level )
+	for ( int level = 0; level <= most + 1; ++level )
 	{
 		CouponOrder order = sameOrder( 4 * high, high, high );
 		order.adaptivity.coarseLevels = std::min( level, most );
@@ -136,11 +137,13 @@ std::vector<MaterialRow> measureLevels( bool isShort )
 		order.gameStep /= 4;
 		Coupon swinging( order );
 		frequency.push_back( bendingFrequency( swinging ) );
-		const std::string name = ( level > most ? std::string( "mixed levels" ) : "level " + std::to_string( level ) ) + ", " + std::to_string( drawn.count() ) + " nodes: ";
+		const std::string name = ( level > most ? std::string( "mixed levels" ) : "level " + std::to_string( level ) ) + ", " +
+			std::to_string( drawn.count() ) + " nodes: ";
 		rows.push_back( { "M13", name + "E", "", modulus.back(), 1, 0.1, Judge::Ratio, "" } );
 		rows.push_back( { "M13", name + "bending stiffness", "", stiffness.back(), 1, 0.1, Judge::Ratio, "couples at the ends" } );
 		rows.push_back( { "M13", name + "sag under its weight", "", weights.back(), 1, 0.1, Judge::Ratio, "" } );
-		rows.push_back( { "M13", name + "bending frequency, over level 0's", "", frequency.back() / frequency.front(), 1, 0.1, Judge::Ratio, "" } );
+		rows.push_back(
+			{ "M13", name + "bending frequency, over level 0's", "", frequency.back() / frequency.front(), 1, 0.1, Judge::Ratio, "" } );
 	}
 	rows.push_back( spreadRow( "M13", "over all levels: E", "", modulus, 0.1 ) );
 	rows.push_back( spreadRow( "M13", "over all levels: bending stiffness", "", stiffness, 0.1 ) );
@@ -157,13 +160,13 @@ std::vector<MaterialRow> measureSteps( bool isShort )
 		int substeps;
 	};
 	std::vector<Step> steps = { { 60, 1 }, { 60, 8 }, { 480, 1 } };
-	if( !isShort )
+	if ( !isShort )
 	{
 		steps = { { 30, 2 }, { 60, 1 }, { 60, 2 }, { 60, 4 }, { 60, 8 }, { 120, 1 }, { 240, 1 }, { 480, 1 } };
 	}
 	std::vector<double> modulus, tips;
 	std::vector<MaterialRow> rows;
-	for( const Step& step : steps )
+	for ( const Step& step : steps )
 	{
 		CouponOrder order = sameOrder( 30, 6, 6 );
 		order.gameStep = 1.0 / 60;
@@ -190,7 +193,7 @@ std::vector<MaterialRow> measureTurned( bool isShort )
 {
 	std::vector<double> modulus, stiffness, weights;
 	std::vector<MaterialRow> rows;
-	for( const double degrees : isShort ? std::vector<double>{ 0, 45 } : std::vector<double>{ 0, 10, 20, 30, 40, 45 } )
+	for ( const double degrees : isShort ? std::vector<double>{ 0, 45 } : std::vector<double>{ 0, 10, 20, 30, 40, 45 } )
 	{
 		CouponOrder order = sameOrder( 48, 12, 4 );
 		order.degrees = degrees;

@@ -39,10 +39,11 @@ CouponOrder calmOrder( int x, int y, int z )
 pliant_glue::ModelMesh cookMesh( double cell, double unit, double depth )
 {
 	pliant_glue::ModelMesh mesh = pliant_demos::makeCube( 1.0f, 16 );
-	for( std::size_t k = 0; k < mesh.positions.size(); k += 3 )
+	for ( std::size_t k = 0; k < mesh.positions.size(); k += 3 )
 	{
 		const double v = double( mesh.positions[k + 1] ) + 0.5;
-		const double x = -cell / 2 + ( double( mesh.positions[k] ) + 0.5 ) * ( 48 * unit + cell / 2 ), u = std::max( 0.0, x / ( 48 * unit ) );
+		const double x = -cell / 2 + ( double( mesh.positions[k] ) + 0.5 ) * ( 48 * unit + cell / 2 ),
+					 u = std::max( 0.0, x / ( 48 * unit ) );
 		mesh.positions[k] = float( x );
 		mesh.positions[k + 1] = float( unit * ( 44 * v + u * ( 44 - 28 * v ) ) );
 		mesh.positions[k + 2] *= float( depth );
@@ -59,19 +60,19 @@ std::vector<MaterialRow> measureStretch( bool isShort )
 		double stretch, nu;
 	};
 	std::vector<Case> cases = { { 2, 0.0 }, { 2, 0.3 }, { 2, 0.49 } };
-	if( !isShort )
+	if ( !isShort )
 	{
 		cases.insert( cases.end(), { { 3, 0.0 }, { 3, 0.3 }, { 3, 0.49 } } );
 	}
 	std::vector<MaterialRow> rows;
-	for( const auto& [stretch, nu] : cases )
+	for ( const auto& [stretch, nu] : cases )
 	{
 		CouponOrder order = calmOrder( 30, 6, 6 );
 		order.material.volumeKeeping = volumeKeepingFor( nu );
 		Coupon bar( order );
 		const double half = order.cell * 15;
 		bar.hold( [&]( const Eigen::Vector3d& rest ) { return std::abs( rest.x() ) > half - order.cell; } );
-		for( int k = 1; k <= 60; ++k )
+		for ( int k = 1; k <= 60; ++k )
 		{
 			const double now = 1 + ( stretch - 1 ) * k / 60;
 			bar.drive( [now]( const Eigen::Vector3d& rest ) { return Eigen::Vector3d( now * rest.x(), rest.y(), rest.z() ); } );
@@ -84,7 +85,7 @@ std::vector<MaterialRow> measureStretch( bool isShort )
 		const std::string note = nu > kMostPoisson ? "out of reach: taken at nu 0.4, the most there is" : "";
 		rows.push_back( { "M8", name + ": width, Neo-Hookean", "", across / neoHookeanAcross( f.col( 0 ).norm(), nu ), 1, 0.1, Judge::Ratio,
 			note.empty() ? "no bound asked; 10 % taken" : note } );
-		if( nu > kMostPoisson )
+		if ( nu > kMostPoisson )
 		{
 			rows.push_back( { "M8", name + ": volume", "", f.determinant(), 1, 0.01, Judge::Ratio, note } );
 		}
@@ -95,9 +96,9 @@ std::vector<MaterialRow> measureStretch( bool isShort )
 std::vector<MaterialRow> measureCook( bool isShort )
 {
 	std::vector<MaterialRow> rows;
-	for( const double nu : { 0.3, 0.499 } )
+	for ( const double nu : { 0.3, 0.499 } )
 	{
-		for( const int side : isShort ? std::vector<int>{ 8 } : std::vector<int>{ 8, 16 } )
+		for ( const int side : isShort ? std::vector<int>{ 8 } : std::vector<int>{ 8, 16 } )
 		{
 			CouponOrder order = calmOrder( 0, 0, 2 );
 			order.material.volumeKeeping = volumeKeepingFor( nu );
@@ -112,9 +113,10 @@ std::vector<MaterialRow> measureCook( bool isShort )
 			const double unitUp = cookDeflection( nu, at.x(), at.y() ), load = 0.01 * 44 * unit * slab.modulus() * 2 * order.cell / unitUp;
 			slab.pushAt( edge, { 0, load, 0 } );
 			slab.settle( kMostSteps );
-			rows.push_back( { "M9", "Cook's membrane, nu " + shortNumber( nu ) + ", " + std::to_string( side ) + " cells a side: edge up, over elements'", "",
-				slab.meanMoved( edge ).y() / ( load * unitUp / ( slab.modulus() * 2 * order.cell ) ), 1, side == 8 ? 0.1 : 0.05, Judge::Ratio,
-				nu > kMostPoisson ? "out of reach: taken at nu 0.4, the most there is" : "plane stress" } );
+			rows.push_back( { "M9",
+				"Cook's membrane, nu " + shortNumber( nu ) + ", " + std::to_string( side ) + " cells a side: edge up, over elements'", "",
+				slab.meanMoved( edge ).y() / ( load * unitUp / ( slab.modulus() * 2 * order.cell ) ), 1, side == 8 ? 0.1 : 0.05,
+				Judge::Ratio, nu > kMostPoisson ? "out of reach: taken at nu 0.4, the most there is" : "plane stress" } );
 		}
 	}
 	return rows;
@@ -150,10 +152,12 @@ std::vector<MaterialRow> measureRod( bool isShort )
 		// Clamped at the inner of the two: w s^2 ( 6 L^2 - 4 L s + s^2 ) / ( 24 E I ), L to the rod's end and s to its last middle.
 		const double length = ( free + 0.5 ) * d, s = free * d, stiff = rod.modulus() * std::pow( d, 4 ) / 12;
 		const double shape = s * s * ( 6 * length * length - 4 * length * s + s * s ) / 24, weight = 0.01 * length * stiff / shape;
-		rod.push( [&]( const Eigen::Vector3d& ) { return Eigen::Vector3d( 0, -weight / ( double( order.material.density ) * d * d ), 0 ); } );
+		rod.push(
+			[&]( const Eigen::Vector3d& ) { return Eigen::Vector3d( 0, -weight / ( double( order.material.density ) * d * d ), 0 ); } );
 		rod.settle( kMostSteps );
-		rows.push_back( { "M11", "rod of one cell under its weight: tip down", "m", -rod.meanMoved( [&]( const Eigen::Vector3d& rest ) { return rest.x() > half - d; } ).y(),
-			0.01 * length, 0.2, Judge::Ratio, "" } );
+		rows.push_back( { "M11", "rod of one cell under its weight: tip down", "m",
+			-rod.meanMoved( [&]( const Eigen::Vector3d& rest ) { return rest.x() > half - d; } ).y(), 0.01 * length, 0.2, Judge::Ratio,
+			"" } );
 	}
 	// Bent to a half circle, turned about its length as it goes, and let whirl.
 	order.material = pliant::Material();
@@ -162,14 +166,16 @@ std::vector<MaterialRow> measureRod( bool isShort )
 	const double radius = order.cells.x() * order.cell / 3.14159265358979;
 	rod.put( [radius]( const Eigen::Vector3d& rest ) {
 		const double angle = rest.x() / radius;
-		return Eigen::Vector3d( radius * std::sin( angle ), radius * ( 1 - std::cos( angle ) ) * std::cos( angle ), radius * ( 1 - std::cos( angle ) ) * std::sin( angle ) );
+		return Eigen::Vector3d( radius * std::sin( angle ), radius * ( 1 - std::cos( angle ) ) * std::cos( angle ),
+			radius * ( 1 - std::cos( angle ) ) * std::sin( angle ) );
 	} );
-	for( int k = 0; k < ( isShort ? 1800 : 18000 ) && rod.isHealthy(); ++k )
+	for ( int k = 0; k < ( isShort ? 1800 : 18000 ) && rod.isHealthy(); ++k )
 	{
 		rod.step();
 	}
-	rows.push_back( { "M11", "rod bent and twisted to a screw, let whirl: off its shape", "L", rod.isHealthy() ? rod.misfit() / ( order.cells.x() * order.cell ) : HUGE_VAL, 0, 1e-3,
-		Judge::AtMost, isShort ? "7 200 substeps" : "72 000 substeps" } );
+	rows.push_back( { "M11", "rod bent and twisted to a screw, let whirl: off its shape", "L",
+		rod.isHealthy() ? rod.misfit() / ( order.cells.x() * order.cell ) : HUGE_VAL, 0, 1e-3, Judge::AtMost,
+		isShort ? "7 200 substeps" : "72 000 substeps" } );
 	return rows;
 }
 

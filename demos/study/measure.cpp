@@ -46,8 +46,7 @@ double meanDistance( const Specimen& specimen, const Points& a, const Points& b 
 Points movedOnto( const Specimen& specimen, const Points& points, const Points& reference )
 {
 	const Eigen::Vector3d from = points * specimen.share, to = reference * specimen.share;
-	const Eigen::Matrix3d covariance =
-		( reference.colwise() - to ) * specimen.share.asDiagonal() * ( points.colwise() - from ).transpose();
+	const Eigen::Matrix3d covariance = ( reference.colwise() - to ) * specimen.share.asDiagonal() * ( points.colwise() - from ).transpose();
 	const Eigen::JacobiSVD<Eigen::Matrix3d> svd( covariance, Eigen::ComputeFullU | Eigen::ComputeFullV );
 	const double sign = ( svd.matrixU() * svd.matrixV().transpose() ).determinant() < 0 ? -1.0 : 1.0;
 	const Eigen::Matrix3d rotation = svd.matrixU() * Eigen::Vector3d( 1, 1, sign ).asDiagonal() * svd.matrixV().transpose();
@@ -58,7 +57,8 @@ Points movedOnto( const Specimen& specimen, const Points& points, const Points& 
 class Drifts
 {
 public:
-	Drifts( const SceneInfo& scene, const Rig& rig, double diagonal ) : m_scene( scene ), m_first( rig.motion() ), m_energy( rig.mechanicalEnergy() )
+	Drifts( const SceneInfo& scene, const Rig& rig, double diagonal ) :
+		m_scene( scene ), m_first( rig.motion() ), m_energy( rig.mechanicalEnergy() )
 	{
 		// A momentum of zero is nothing to take a share of: then it is that of the energy there is.
 		const double speed = std::sqrt( 2 * m_first.kineticEnergy * m_first.mass );
@@ -68,13 +68,13 @@ public:
 
 	void look( const Rig& rig, Record& record ) const
 	{
-		if( m_scene.isFree )
+		if ( m_scene.isFree )
 		{
 			const Motion now = rig.motion();
 			record.momentumDrift = std::max( record.momentumDrift, bounded( ( now.momentum - m_first.momentum ).norm() / m_momentum ) );
 			record.spinDrift = std::max( record.spinDrift, bounded( ( now.spin - m_first.spin ).norm() / m_spin ) );
 		}
-		if( m_scene.keepsEnergy && m_energy > 0 )
+		if ( m_scene.keepsEnergy && m_energy > 0 )
 		{
 			record.energyGrowth = std::max( { record.energyGrowth, 0.0, bounded( rig.mechanicalEnergy() / m_energy - 1 ) } );
 		}
@@ -128,32 +128,33 @@ void look( const RunOrder& order, Rig& rig, const Drifts& drifts, Points& points
 	Subject& subject = rig.subject();
 	record.isHealthy = record.isHealthy && subject.isHealthy();
 	record.pieces = std::max( record.pieces, subject.pieces() );
-	if( record.brokenAt < 0 && record.pieces > 1 )
+	if ( record.brokenAt < 0 && record.pieces > 1 )
 	{
 		record.brokenAt = rig.frame() * kGameStep;
 	}
 	drifts.look( rig, record );
-	if( rig.frame() % order.scene.framesAWrite != 0 )
+	if ( rig.frame() % order.scene.framesAWrite != 0 )
 	{
 		return;
 	}
 	subject.vertices( points );
 	const double rest = order.specimen->volume;
 	const bool isWhole = record.brokenAt < 0;
-	if( isWhole )
+	if ( isWhole )
 	{
-		record.volumeDrift = std::max( record.volumeDrift, bounded( std::abs( enclosedVolume( order.specimen->mesh, points ) / rest - 1 ) ) );
+		record.volumeDrift = std::max(
+			record.volumeDrift, bounded( std::abs( enclosedVolume( order.specimen->mesh, points ) / rest - 1 ) ) );
 	}
 	const std::size_t write = std::size_t( rig.frame() / order.scene.framesAWrite ) - 1;
 	const bool isComparable = isWhole && ( order.referenceBrokenAt < 0 || rig.frame() * kGameStep < order.referenceBrokenAt );
-	if( order.track != nullptr )
+	if ( order.track != nullptr )
 	{
 		order.track->push_back( points );
 	}
-	if( order.reference != nullptr && isComparable && write < order.reference->size() )
+	if ( order.reference != nullptr && isComparable && write < order.reference->size() )
 	{
 		addErrors( errorsOf( *order.specimen, points, ( *order.reference )[write] ), write + 1, record );
-		if( record.last.mean > record.worst )
+		if ( record.last.mean > record.worst )
 		{
 			record.worst = record.last.mean;
 			record.worstFrame = rig.frame();
@@ -171,24 +172,24 @@ Record run( const RunOrder& order )
 	record.isOurs = order.candidate.isOurs;
 	record.scene = order.scene.name;
 	record.orientation = order.orientation;
-	if( order.candidate.engine != Engine::Pliant && !order.scene.takesBullet )
+	if ( order.candidate.engine != Engine::Pliant && !order.scene.takesBullet )
 	{
 		record.refused = "Bullet's soft bodies do not break";
 		return record;
 	}
 	const std::unique_ptr<Rig> rig = Rig::create( order.scene, *order.specimen, order.candidate, order.orientation, record.refused );
-	if( !rig )
+	if ( !rig )
 	{
 		return record;
 	}
 	Points points = order.specimen->points;
 	const Drifts drifts( order.scene, *rig, order.specimen->diagonal );
 	std::vector<double> times;
-	for( int k = 0; k < rig->frames(); ++k )
+	for ( int k = 0; k < rig->frames(); ++k )
 	{
 		times.push_back( rig->step() );
 		const StageTimes stages = rig->subject().stages();
-		for( std::size_t s = 0; s < kStageCount; ++s )
+		for ( std::size_t s = 0; s < kStageCount; ++s )
 		{
 			record.stages[s] += stages[s] / rig->frames();
 		}
@@ -198,7 +199,7 @@ Record run( const RunOrder& order )
 	}
 	record.bytes = std::max( 0.0, bytesInUse() - rig->subject().bytesBefore() );
 	sumUpTimes( std::move( times ), record );
-	if( order.reference != nullptr && record.curve.empty() )
+	if ( order.reference != nullptr && record.curve.empty() )
 	{
 		record.refused = "it broke before it could be compared"; // else its error would be read as none
 	}
@@ -207,13 +208,14 @@ Record run( const RunOrder& order )
 
 nlohmann::json toJson( const Record& r )
 {
-	return { { "candidate", r.candidate }, { "family", r.family }, { "scene", r.scene }, { "orientation", r.orientation }, { "ours", r.isOurs },
-		{ "refused", r.refused }, { "nodes", r.nodes }, { "substeps", r.substeps }, { "bytes", r.bytes }, { "median_s", r.median }, { "p99_s", r.slow },
-		{ "max_s", r.slowest }, { "stages_s", r.stages }, { "error", r.errors.mean }, { "error_deviation", r.errors.deviation },
-		{ "error_shape", r.errors.shape }, { "error_end", r.last.mean }, { "error_end_deviation", r.last.deviation },
-		{ "error_end_shape", r.last.shape }, { "error_worst", r.worst }, { "worst_frame", r.worstFrame }, { "curve", r.curve },
-		{ "volume_drift", r.volumeDrift }, { "momentum_drift", r.momentumDrift }, { "spin_drift", r.spinDrift }, { "energy_growth", r.energyGrowth },
-		{ "broken_at_s", r.brokenAt }, { "pieces", r.pieces }, { "healthy", r.isHealthy } };
+	return { { "candidate", r.candidate }, { "family", r.family }, { "scene", r.scene }, { "orientation", r.orientation },
+		{ "ours", r.isOurs }, { "refused", r.refused }, { "nodes", r.nodes }, { "substeps", r.substeps }, { "bytes", r.bytes },
+		{ "median_s", r.median }, { "p99_s", r.slow }, { "max_s", r.slowest }, { "stages_s", r.stages }, { "error", r.errors.mean },
+		{ "error_deviation", r.errors.deviation }, { "error_shape", r.errors.shape }, { "error_end", r.last.mean },
+		{ "error_end_deviation", r.last.deviation }, { "error_end_shape", r.last.shape }, { "error_worst", r.worst },
+		{ "worst_frame", r.worstFrame }, { "curve", r.curve }, { "volume_drift", r.volumeDrift }, { "momentum_drift", r.momentumDrift },
+		{ "spin_drift", r.spinDrift }, { "energy_growth", r.energyGrowth }, { "broken_at_s", r.brokenAt }, { "pieces", r.pieces },
+		{ "healthy", r.isHealthy } };
 }
 
 Record recordFrom( const nlohmann::json& json )

@@ -29,8 +29,8 @@ struct PageContent
 bool writePage( const PageContent& content, const std::string& path, std::string& why );
 
 /// HTML: those on the front at the moment they are worst, the reference beside each; made by running them again. Empty without OpenGL.
-std::string drawWorst( const StudyPlan& plan, const Specimen& specimen, const SceneInfo& scene, const std::vector<Summary>& all,
-	const Reference& reference );
+std::string drawWorst(
+	const StudyPlan& plan, const Specimen& specimen, const SceneInfo& scene, const std::vector<Summary>& all, const Reference& reference );
 
 /// Sentences: what taking this one costs against the best there is.
 std::string whatIsGivenUp( const std::vector<Summary>& all, const Summary& pick );

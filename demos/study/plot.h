@@ -10,13 +10,13 @@ namespace pliant_study {
 struct Series
 {
 	std::string title;
-	std::string style;   ///< gnuplot's words after `with`
+	std::string style; ///< gnuplot's words after `with`
 	std::vector<double> x, y;
 };
 
 struct Plot
 {
-	std::string name;    ///< of its files
+	std::string name; ///< of its files
 	std::string title, xLabel, yLabel;
 	bool isLogX = false, isLogY = false;
 	std::vector<Series> series;

@@ -43,11 +43,13 @@ bool stopWasAsked()
 	return g_stop != 0;
 }
 
-Progress::Progress( int total ) : m_total( total ), m_isTerminal( pliant_demos::standardOutputIsTerminal() ), m_start( std::chrono::steady_clock::now() ) {}
+Progress::Progress( int total ) :
+	m_total( total ), m_isTerminal( pliant_demos::standardOutputIsTerminal() ), m_start( std::chrono::steady_clock::now() )
+{}
 
 Progress::~Progress()
 {
-	if( m_isTerminal && m_total > 0 )
+	if ( m_isTerminal && m_total > 0 )
 	{
 		std::printf( "\n" );
 	}
@@ -56,7 +58,7 @@ Progress::~Progress()
 void Progress::begin( const std::string& what )
 {
 	m_what = what;
-	if( m_isTerminal )
+	if ( m_isTerminal )
 	{
 		show();
 	}
@@ -66,7 +68,7 @@ void Progress::done()
 {
 	++m_done;
 	const int tenth = m_done * 10 / m_total;
-	if( m_isTerminal || tenth > m_lastTenth )
+	if ( m_isTerminal || tenth > m_lastTenth )
 	{
 		show();
 	}
@@ -77,7 +79,7 @@ void Progress::show()
 {
 	const double spent = std::chrono::duration<double>( std::chrono::steady_clock::now() - m_start ).count();
 	const std::string left = m_done > 0 ? clock( spent / m_done * ( m_total - m_done ) ) + " left" : "";
-	if( m_isTerminal )
+	if ( m_isTerminal )
 	{
 		const int filled = m_done * kBarWidth / m_total;
 		const std::string bar = std::string( std::size_t( filled ), '#' ) + std::string( std::size_t( kBarWidth - filled ), '.' );

@@ -14,30 +14,31 @@ namespace pliant_study {
 
 namespace {
 
-constexpr double kGravity = 9.81;        // m/s^2
-constexpr double kDropHeight = 0.3;      // D, under the lowest point
-constexpr double kHeldShare = 0.15;      // of the height, at each end that is held
+constexpr double kGravity = 9.81;   // m/s^2
+constexpr double kDropHeight = 0.3; // D, under the lowest point
+constexpr double kHeldShare = 0.15; // of the height, at each end that is held
 constexpr double kQuarter = 1.5707963267948966;
-constexpr double kTwistTime = 2.0, kTwistHeld = 3.0; // sqrt( D / g )
+constexpr double kTwistTime = 2.0, kTwistHeld = 3.0;                     // sqrt( D / g )
 constexpr double kPushTime = 1.5, kPushDepth = 0.15, kBallRadius = 0.15; // D
 constexpr double kImpactSpeed = 1.0, kImpactMass = 0.5;                  // sqrt( g D ), of the body's mass
-constexpr double kPull = 0.14;           // g: from rest, so that no jerk at the grips tears off what they hold
+constexpr double kPull = 0.14; // g: from rest, so that no jerk at the grips tears off what they hold
 constexpr float kBreakStrain = 0.3f;
-constexpr double kSpinSpeed = 3.0;       // radians per sqrt( D / g )
-constexpr double kGap = 0.01;            // D, between a ball and the body at first
+constexpr double kSpinSpeed = 3.0; // radians per sqrt( D / g )
+constexpr double kGap = 0.01;      // D, between a ball and the body at first
 constexpr btScalar kFriction = btScalar( 0.5 );
 
 /// A rotation that is the same for the same number everywhere (Shoemake's from three equal shares).
 Eigen::Quaterniond orientationOf( int number )
 {
-	if( number == 0 )
+	if ( number == 0 )
 	{
 		return Eigen::Quaterniond::Identity();
 	}
 	std::mt19937 random( 7919u + unsigned( number ) );
 	const auto share = [&random] { return double( random() ) / 4294967296.0; };
 	const double a = share(), b = 4 * kQuarter * share(), c = 4 * kQuarter * share();
-	return { std::sqrt( 1 - a ) * std::sin( b ), std::sqrt( 1 - a ) * std::cos( b ), std::sqrt( a ) * std::sin( c ), std::sqrt( a ) * std::cos( c ) };
+	return { std::sqrt( 1 - a ) * std::sin( b ), std::sqrt( 1 - a ) * std::cos( b ), std::sqrt( a ) * std::sin( c ),
+		std::sqrt( a ) * std::cos( c ) };
 }
 
 /// From 0 to 1 with no jump of speed at either end.
@@ -65,9 +66,9 @@ const std::vector<SceneInfo>& sceneInfos()
 
 const SceneInfo* findSceneInfo( const std::string& name )
 {
-	for( const SceneInfo& scene : sceneInfos() )
+	for ( const SceneInfo& scene : sceneInfos() )
 	{
-		if( name == scene.name )
+		if ( name == scene.name )
 		{
 			return &scene;
 		}
@@ -78,18 +79,18 @@ const SceneInfo* findSceneInfo( const std::string& name )
 Rig::Rig( const SceneInfo& scene, const Specimen& specimen ) :
 	m_scene( scene ), m_specimen( specimen ), m_unit( std::sqrt( specimen.diagonal / kGravity ) ),
 	m_frames( int( std::ceil( scene.length * m_unit / kGameStep ) ) ), m_ballRadius( kBallRadius * specimen.diagonal )
-{
-}
+{}
 
 Rig::~Rig()
 {
-	for( const auto& body : m_rigid )
+	for ( const auto& body : m_rigid )
 	{
 		m_subject->world().removeRigidBody( body.get() );
 	}
 }
 
-std::unique_ptr<Rig> Rig::create( const SceneInfo& scene, const Specimen& specimen, const Candidate& candidate, int orientation, std::string& why )
+std::unique_ptr<Rig> Rig::create(
+	const SceneInfo& scene, const Specimen& specimen, const Candidate& candidate, int orientation, std::string& why )
 {
 	std::unique_ptr<Rig> rig( new Rig( scene, specimen ) );
 	Subject::Order order;
@@ -98,17 +99,17 @@ std::unique_ptr<Rig> Rig::create( const SceneInfo& scene, const Specimen& specim
 	order.lattice = orientationOf( orientation );
 	const double drop = scene.kind == SceneKind::Drop ? kDropHeight * specimen.diagonal : 0.0;
 	order.place.setOrigin( toBullet( { 0, specimen.half.y() + drop, 0 } ) ); // its box stands on y = 0
-	if( scene.kind == SceneKind::Tear )
+	if ( scene.kind == SceneKind::Tear )
 	{
 		order.fracture.rule = pliant::BreakRule::Plane;
 		order.fracture.breakStrain = kBreakStrain;
 	}
 	rig->m_subject = makeSubject( order, why );
-	if( !rig->m_subject )
+	if ( !rig->m_subject )
 	{
 		return nullptr;
 	}
-	if( !rig->furnish() )
+	if ( !rig->furnish() )
 	{
 		why = "too coarse: no node is where it is to be held";
 		return nullptr;
@@ -120,7 +121,7 @@ void Rig::addBall( double mass, const Eigen::Vector3d& place )
 {
 	m_shapes.push_back( std::make_unique<btSphereShape>( btScalar( m_ballRadius ) ) );
 	btVector3 inertia( 0, 0, 0 );
-	if( mass > 0 )
+	if ( mass > 0 )
 	{
 		m_shapes.back()->calculateLocalInertia( btScalar( mass ), inertia );
 	}
@@ -130,7 +131,7 @@ void Rig::addBall( double mass, const Eigen::Vector3d& place )
 	m_ball->setInterpolationWorldTransform( m_ball->getWorldTransform() );
 	m_ball->setDamping( 0, 0 );
 	m_ball->setActivationState( DISABLE_DEACTIVATION );
-	if( mass == 0 )
+	if ( mass == 0 )
 	{
 		m_ball->setCollisionFlags( m_ball->getCollisionFlags() | btCollisionObject::CF_KINEMATIC_OBJECT );
 	}
@@ -141,34 +142,37 @@ bool Rig::furnish()
 {
 	btDiscreteDynamicsWorld& world = m_subject->world();
 	const double d = m_specimen.diagonal, height = 2 * m_specimen.half.y();
-	const auto hold = [&]( double low, double high ) { return m_subject->hold( toBullet( { -d, low, -d } ), toBullet( { d, high, d } ) ) > 0; };
+	const auto hold = [&]( double low, double high ) {
+		return m_subject->hold( toBullet( { -d, low, -d } ), toBullet( { d, high, d } ) ) > 0;
+	};
 	const bool holdsFoot = m_scene.kind == SceneKind::Twist || m_scene.kind == SceneKind::Push || m_scene.kind == SceneKind::Tear;
 	const bool holdsTop = m_scene.kind == SceneKind::Twist || m_scene.kind == SceneKind::Hang || m_scene.kind == SceneKind::Tear;
-	if( ( holdsFoot && !hold( -d, kHeldShare * height ) ) || ( holdsTop && !hold( ( 1 - kHeldShare ) * height, 2 * d ) ) )
+	if ( ( holdsFoot && !hold( -d, kHeldShare * height ) ) || ( holdsTop && !hold( ( 1 - kHeldShare ) * height, 2 * d ) ) )
 	{
 		return false;
 	}
 	const Eigen::Vector3d beside( m_specimen.half.x() + m_ballRadius + kGap * d, 0.6 * height, 0 );
-	if( m_scene.kind == SceneKind::Drop )
+	if ( m_scene.kind == SceneKind::Drop )
 	{
 		m_shapes.push_back( std::make_unique<btStaticPlaneShape>( btVector3( 0, 1, 0 ), btScalar( 0 ) ) );
 		m_rigid.push_back( std::make_unique<btRigidBody>( btScalar( 0 ), nullptr, m_shapes.back().get() ) );
 		m_rigid.back()->setFriction( kFriction );
 		world.addRigidBody( m_rigid.back().get() );
 	}
-	else if( m_scene.kind == SceneKind::Push )
+	else if ( m_scene.kind == SceneKind::Push )
 	{
 		addBall( 0, beside );
 	}
-	else if( m_scene.kind == SceneKind::Impact )
+	else if ( m_scene.kind == SceneKind::Impact )
 	{
 		addBall( kImpactMass * m_subject->motion().mass, beside );
 		m_ball->setLinearVelocity( toBullet( { -kImpactSpeed * std::sqrt( kGravity * d ), 0, 0 } ) );
 	}
-	else if( m_scene.kind == SceneKind::Fly )
+	else if ( m_scene.kind == SceneKind::Fly )
 	{
 		const double speed = kSpinSpeed / m_unit;
-		m_subject->setVelocities( toBullet( { 0.1 * d / m_unit, 0.05 * d / m_unit, 0 } ), toBullet( { 0.3 * speed, 0.9 * speed, 0.2 * speed } ) );
+		m_subject->setVelocities(
+			toBullet( { 0.1 * d / m_unit, 0.05 * d / m_unit, 0 } ), toBullet( { 0.3 * speed, 0.9 * speed, 0.2 * speed } ) );
 	}
 	world.setGravity( toBullet( { 0, m_scene.hasGravity ? -kGravity : 0, 0 } ) ); // last: holding may take a step
 	return true;
@@ -178,22 +182,22 @@ bool Rig::furnish()
 void Rig::drive()
 {
 	const double now = seconds() / m_unit, then = ( seconds() + kGameStep ) / m_unit, height = 2 * m_specimen.half.y();
-	if( m_scene.kind == SceneKind::Twist && now < kTwistHeld )
+	if ( m_scene.kind == SceneKind::Twist && now < kTwistHeld )
 	{
 		const double turn = kQuarter * ( smooth( then / kTwistTime ) - smooth( now / kTwistTime ) );
 		const btMatrix3x3 by( btQuaternion( btVector3( 0, 1, 0 ), btScalar( turn ) ) );
 		m_subject->drive( true, height / 2, [&by]( const btVector3& at ) { return by * at; } );
-		if( then >= kTwistHeld )
+		if ( then >= kTwistHeld )
 		{
 			m_subject->release();
 		}
 	}
-	else if( m_scene.kind == SceneKind::Tear )
+	else if ( m_scene.kind == SceneKind::Tear )
 	{
 		const btVector3 way( 0, btScalar( kPull * m_specimen.diagonal * ( then * then - now * now ) ), 0 );
 		m_subject->drive( true, height / 2, [&way]( const btVector3& at ) { return at + way; } );
 	}
-	else if( m_scene.kind == SceneKind::Push )
+	else if ( m_scene.kind == SceneKind::Push )
 	{
 		const double depth = kPushDepth * m_specimen.diagonal * ( smooth( then / kPushTime ) - smooth( ( then - kPushTime ) / kPushTime ) );
 		btTransform place = m_ball->getWorldTransform();
@@ -214,7 +218,7 @@ double Rig::step()
 Motion Rig::motion() const
 {
 	Motion sum = m_subject->motion();
-	if( m_ball != nullptr && m_ball->getInvMass() > 0 )
+	if ( m_ball != nullptr && m_ball->getInvMass() > 0 )
 	{
 		const double mass = 1.0 / double( m_ball->getInvMass() );
 		const Eigen::Vector3d x = toEigen( m_ball->getWorldTransform().getOrigin() ), v = toEigen( m_ball->getLinearVelocity() );
@@ -236,7 +240,7 @@ double Rig::mechanicalEnergy() const
 
 bool Rig::ball( Eigen::Vector3d& middle, double& radius ) const
 {
-	if( m_ball == nullptr )
+	if ( m_ball == nullptr )
 	{
 		return false;
 	}

@@ -30,12 +30,12 @@ struct SceneInfo
 	SceneKind kind;
 	const char* name;
 	const char* description;
-	double length;     ///< in sqrt( D / g )
+	double length; ///< in sqrt( D / g )
 	bool hasGravity;
-	bool isFree;       ///< nothing holds or moves it from outside: momentum has to stay
-	bool keepsEnergy;  ///< nothing feeds it: mechanical energy must not grow
-	bool takesBullet;  ///< Bullet's own bodies can be tried
-	int framesAWrite;  ///< the vertices are compared at every so many frames
+	bool isFree;      ///< nothing holds or moves it from outside: momentum has to stay
+	bool keepsEnergy; ///< nothing feeds it: mechanical energy must not grow
+	bool takesBullet; ///< Bullet's own bodies can be tried
+	int framesAWrite; ///< the vertices are compared at every so many frames
 };
 
 const std::vector<SceneInfo>& sceneInfos();
@@ -45,8 +45,10 @@ const SceneInfo* findSceneInfo( const std::string& name );
 class Rig
 {
 public:
-	/// Null where the body is refused; `why` then says why. Lattice orientation 0 is the mesh's own, others are random, each the same every time.
-	static std::unique_ptr<Rig> create( const SceneInfo& scene, const Specimen& specimen, const Candidate& candidate, int orientation, std::string& why );
+	/// Null where the body is refused; `why` then says why. Lattice orientation 0 is the mesh's own, others are random, each the same every
+	/// time.
+	static std::unique_ptr<Rig> create(
+		const SceneInfo& scene, const Specimen& specimen, const Candidate& candidate, int orientation, std::string& why );
 	~Rig();
 
 	/// One game step. Its wall-clock time, s, of the engine alone.
@@ -71,7 +73,7 @@ private:
 
 	SceneInfo m_scene;
 	const Specimen& m_specimen;
-	double m_unit = 1;   ///< sqrt( D / g ), s
+	double m_unit = 1; ///< sqrt( D / g ), s
 	int m_frame = 0, m_frames = 0;
 	double m_ballRadius = 0;
 	std::unique_ptr<Subject> m_subject;

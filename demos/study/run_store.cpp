@@ -20,7 +20,8 @@ nlohmann::json headerOf( const StudyPlan& plan, const Specimen& specimen )
 {
 	return { { "study", 1 }, { "mesh", plan.meshName }, { "fingerprint", fingerprint( specimen.mesh ) }, { "cells", plan.candidates.cells },
 		{ "levels", plan.candidates.levels }, { "density", plan.candidates.density }, { "modulus", plan.candidates.modulus },
-		{ "short", plan.candidates.isShort }, { "version", PLIANT_VERSION_MAJOR * 10000 + PLIANT_VERSION_MINOR * 100 + PLIANT_VERSION_PATCH } };
+		{ "short", plan.candidates.isShort },
+		{ "version", PLIANT_VERSION_MAJOR * 10000 + PLIANT_VERSION_MINOR * 100 + PLIANT_VERSION_PATCH } };
 }
 
 } // namespace
@@ -29,7 +30,7 @@ bool RunStore::open( const StudyPlan& plan, const Specimen& specimen, std::strin
 {
 	namespace fs = std::filesystem;
 	std::error_code error;
-	if( plan.isFresh )
+	if ( plan.isFresh )
 	{
 		fs::remove_all( plan.folder, error );
 	}
@@ -40,18 +41,18 @@ bool RunStore::open( const StudyPlan& plan, const Specimen& specimen, std::strin
 	std::string line;
 	std::string whole; // lines that can be read: the last may have been cut off
 	bool isCutOff = false;
-	if( std::getline( file, line ) )
+	if ( std::getline( file, line ) )
 	{
-		if( nlohmann::json::parse( line, nullptr, false ) != header )
+		if ( nlohmann::json::parse( line, nullptr, false ) != header )
 		{
 			why = m_path + " is of another study (mesh, material, resolution or version differ): take --fresh, or another --out.";
 			return false;
 		}
 		whole = line + "\n";
-		while( std::getline( file, line ) )
+		while ( std::getline( file, line ) )
 		{
 			const nlohmann::json json = nlohmann::json::parse( line, nullptr, false );
-			if( json.is_object() )
+			if ( json.is_object() )
 			{
 				m_records.push_back( recordFrom( json ) );
 				whole += line + "\n";
@@ -73,12 +74,12 @@ bool RunStore::writeAnew( const std::string& whole, std::string& why ) const
 	const std::string fresh = m_path + ".new";
 	std::ofstream out( fresh, std::ios::trunc );
 	std::error_code error;
-	if( ( out << whole ).flush() )
+	if ( ( out << whole ).flush() )
 	{
 		out.close();
 		std::filesystem::rename( fresh, m_path, error );
 	}
-	if( !out || error )
+	if ( !out || error )
 	{
 		why = m_path + " cannot be written.";
 		return false;

@@ -20,13 +20,13 @@ namespace pliant_study {
 
 namespace {
 
-constexpr double kCell = 0.1;         // m
+constexpr double kCell = 0.1; // m
 constexpr int kWarmSteps = 3;
 constexpr double kLeastSeconds = 0.5; // of timed steps
 constexpr int kFewestSteps = 7, kMostSteps = 60;
-constexpr int kPileSettles = 90;      // steps until a pile has fallen together
+constexpr int kPileSettles = 90; // steps until a pile has fallen together
 constexpr int kBodiesNodes = 343;
-constexpr int kTurns = 15;            // of one thread and of two
+constexpr int kTurns = 15; // of one thread and of two
 constexpr int kLargeBlock = 20000, kSmallBodies = 20;
 
 int edgeOf( int nodes )
@@ -37,12 +37,12 @@ int edgeOf( int nodes )
 /// The middle one of as many steps as half a second has.
 double medianStep( SmallWorld& world )
 {
-	for( int k = 0; k < kWarmSteps; ++k )
+	for ( int k = 0; k < kWarmSteps; ++k )
 	{
 		world.timedStep();
 	}
 	std::vector<double> times;
-	for( double spent = 0; int( times.size() ) < kFewestSteps || ( spent < kLeastSeconds && int( times.size() ) < kMostSteps ); )
+	for ( double spent = 0; int( times.size() ) < kFewestSteps || ( spent < kLeastSeconds && int( times.size() ) < kMostSteps ); )
 	{
 		times.push_back( world.timedStep() );
 		spent += times.back();
@@ -78,7 +78,7 @@ void addFlying( SmallWorld& world, int bodies, int nodesEach )
 	world.world().setGravity( btVector3( 0, 0, 0 ) );
 	const int edge = edgeOf( nodesEach );
 	const auto shape = cubeTemplate( edge, kCell, pliant::Skinning::NearbyNodes );
-	for( int k = 0; k < bodies; ++k )
+	for ( int k = 0; k < bodies; ++k )
 	{
 		pliant::SoftBody* body = world.add( shape, btVector3( btScalar( 2 * edge * kCell * k ), 0, 0 ), stiffEnough() );
 		body->setVelocities( btVector3( 0, 0, 0 ), btVector3( btScalar( 0.1 ), btScalar( 0.3 ), btScalar( 0.2 ) ) );
@@ -108,7 +108,7 @@ ThreadsRow twoThreads( int bodies, int nodesEach )
 	SmallWorld world;
 	addFlying( world, bodies, nodesEach );
 	std::vector<double> faster;
-	for( int turn = 0; turn < kTurns; ++turn )
+	for ( int turn = 0; turn < kTurns; ++turn )
 	{
 		world.world().setThreadCount( 1 );
 		const double one = medianStep( world );
@@ -129,14 +129,15 @@ ScaleRow pile( int bodies, int nodesEach, int threads )
 	const auto shape = cubeTemplate( edge, kCell, pliant::Skinning::NearbyNodes );
 	const int row = edgeOf( bodies );
 	const double apart = 1.1 * edge * kCell;
-	for( int k = 0; k < bodies; ++k )
+	for ( int k = 0; k < bodies; ++k )
 	{
 		const int layer = k / ( row * row ), x = k % row, z = k / row % row;
 		// Layers stand half a body aside, so that they lean on each other.
 		const double aside = layer % 2 == 0 ? 0.0 : 0.5 * apart;
-		world.add( shape, btVector3( btScalar( apart * x + aside ), btScalar( apart * ( layer + 0.55 ) ), btScalar( apart * z + aside ) ), stiffEnough() );
+		world.add( shape, btVector3( btScalar( apart * x + aside ), btScalar( apart * ( layer + 0.55 ) ), btScalar( apart * z + aside ) ),
+			stiffEnough() );
 	}
-	for( int k = 0; k < kPileSettles; ++k )
+	for ( int k = 0; k < kPileSettles; ++k )
 	{
 		world.timedStep();
 	}
@@ -146,7 +147,7 @@ ScaleRow pile( int bodies, int nodesEach, int threads )
 double exponentOf( const std::vector<double>& x, const std::vector<double>& y )
 {
 	double sx = 0, sy = 0, sxx = 0, sxy = 0;
-	for( std::size_t k = 0; k < x.size(); ++k )
+	for ( std::size_t k = 0; k < x.size(); ++k )
 	{
 		const double a = std::log( x[k] ), b = std::log( y[k] );
 		sx += a;
@@ -163,13 +164,14 @@ namespace {
 void compareThreads( const ScalePlan& plan, nlohmann::json& json )
 {
 	std::printf( "\n  two threads over one, in turn: the middle one of %d, least, most\n", kTurns );
-	for( const auto& [bodies, nodes] : { std::pair( 1, kLargeBlock ), std::pair( kSmallBodies, kBodiesNodes ) } )
+	for ( const auto& [bodies, nodes] : { std::pair( 1, kLargeBlock ), std::pair( kSmallBodies, kBodiesNodes ) } )
 	{
-		if( bodies <= plan.mostBodies && nodes <= plan.mostNodes )
+		if ( bodies <= plan.mostBodies && nodes <= plan.mostNodes )
 		{
 			const ThreadsRow row = twoThreads( bodies, nodes );
 			std::printf( "  %3d flying, %6d nodes in all %26.2f %6.2f %6.2f\n", row.bodies, row.nodes, row.middle, row.least, row.most );
-			json["two_threads"].push_back( { { "bodies", row.bodies }, { "nodes", row.nodes }, { "middle", row.middle }, { "least", row.least }, { "most", row.most } } );
+			json["two_threads"].push_back( { { "bodies", row.bodies }, { "nodes", row.nodes }, { "middle", row.middle },
+				{ "least", row.least }, { "most", row.most } } );
 		}
 	}
 }
@@ -180,23 +182,24 @@ int studyScale( const ScalePlan& plan )
 {
 	std::vector<ScaleRow> rows;
 	const auto run = [&rows]( const ScaleRow& row ) {
-		std::printf( "  %-20s %8d %9d %8d %12.3f %14.1f %12.0f\n", row.what.c_str(), row.bodies, row.nodes, row.threads, 1e3 * row.median, row.nanoseconds, row.bytes );
+		std::printf( "  %-20s %8d %9d %8d %12.3f %14.1f %12.0f\n", row.what.c_str(), row.bodies, row.nodes, row.threads, 1e3 * row.median,
+			row.nanoseconds, row.bytes );
 		std::fflush( stdout );
 		rows.push_back( row );
 	};
 	std::printf( "  %-20s %8s %9s %8s %12s %14s %12s\n", "", "bodies", "nodes", "threads", "ms a step", "ns/node/substep", "bytes a node" );
-	for( const int threads : { 1, 2 } )
+	for ( const int threads : { 1, 2 } )
 	{
-		for( const double nodes : { 1e3, 3e3, 1e4, 2e4, 5e4, 1e5, 3e5, 1e6 } )
+		for ( const double nodes : { 1e3, 3e3, 1e4, 2e4, 5e4, 1e5, 3e5, 1e6 } )
 		{
-			if( nodes <= plan.mostNodes )
+			if ( nodes <= plan.mostNodes )
 			{
 				run( flyingBlock( int( nodes ), threads ) );
 			}
 		}
-		for( const int bodies : { 1, 5, 20, 50, 200 } )
+		for ( const int bodies : { 1, 5, 20, 50, 200 } )
 		{
-			if( bodies <= plan.mostBodies )
+			if ( bodies <= plan.mostBodies )
 			{
 				run( flyingBodies( bodies, kBodiesNodes, threads ) );
 				run( pile( bodies, kBodiesNodes, threads ) );
@@ -209,15 +212,16 @@ int studyScale( const ScalePlan& plan )
 	std::filesystem::create_directories( plan.folder, error );
 	std::ofstream csv( plan.folder + "/scale.csv" );
 	csv << "what,bodies,nodes,threads,median_ms,ns_a_node_and_substep,bytes_a_node\n";
-	for( const ScaleRow& row : rows )
+	for ( const ScaleRow& row : rows )
 	{
-		csv << '"' << row.what << "\"," << row.bodies << ',' << row.nodes << ',' << row.threads << ',' << 1e3 * row.median << ',' << row.nanoseconds << ',' << row.bytes << '\n';
-		json["rows"].push_back( { { "what", row.what }, { "bodies", row.bodies }, { "nodes", row.nodes }, { "threads", row.threads }, { "median_s", row.median },
-			{ "ns_a_node_and_substep", row.nanoseconds }, { "bytes_a_node", row.bytes } } );
+		csv << '"' << row.what << "\"," << row.bodies << ',' << row.nodes << ',' << row.threads << ',' << 1e3 * row.median << ','
+			<< row.nanoseconds << ',' << row.bytes << '\n';
+		json["rows"].push_back( { { "what", row.what }, { "bodies", row.bodies }, { "nodes", row.nodes }, { "threads", row.threads },
+			{ "median_s", row.median }, { "ns_a_node_and_substep", row.nanoseconds }, { "bytes_a_node", row.bytes } } );
 		const std::string name = row.what + ", " + std::to_string( row.threads ) + ( row.threads == 1 ? " thread" : " threads" );
-		for( const std::string& key : { name, row.nodes <= 21000 ? name + ", up to 20 000 nodes" : std::string() } )
+		for ( const std::string& key : { name, row.nodes <= 21000 ? name + ", up to 20 000 nodes" : std::string() } )
 		{
-			if( !key.empty() )
+			if ( !key.empty() )
 			{
 				series[key].first.push_back( row.nodes );
 				series[key].second.push_back( row.median );
@@ -225,7 +229,7 @@ int studyScale( const ScalePlan& plan )
 		}
 	}
 	std::printf( "\n  cost over nodes, exponent\n" );
-	for( const auto& [name, xy] : series )
+	for ( const auto& [name, xy] : series )
 	{
 		const double exponent = exponentOf( xy.first, xy.second );
 		std::printf( "  %-56s %.3f\n", name.c_str(), exponent );

@@ -16,7 +16,7 @@ struct ScalePlan
 
 struct ScaleRow
 {
-	std::string what;       ///< "one block, flying", ...
+	std::string what; ///< "one block, flying", ...
 	int bodies = 0, nodes = 0, threads = 1;
 	double median = 0;      ///< s a game step
 	double nanoseconds = 0; ///< a node and soft substep

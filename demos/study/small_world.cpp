@@ -19,7 +19,8 @@ std::shared_ptr<const pliant::BodyTemplate> cubeTemplate( int edge, double cell,
 	settings.maxCells = 10000000;
 	settings.skinning = skinning;
 	settings.samplesPerEdge = 1; // cells are full: no use in looking closer
-	const auto made = pliant::BodyTemplate::build( { mesh.positions.data(), mesh.vertexCount(), 3, mesh.indices.data(), mesh.triangleCount(), nullptr, nullptr }, settings );
+	const auto made = pliant::BodyTemplate::build(
+		{ mesh.positions.data(), mesh.vertexCount(), 3, mesh.indices.data(), mesh.triangleCount(), nullptr, nullptr }, settings );
 	return made.value;
 }
 
@@ -27,21 +28,21 @@ SmallWorld::SmallWorld() = default;
 
 SmallWorld::~SmallWorld()
 {
-	for( const auto& body : m_bodies )
+	for ( const auto& body : m_bodies )
 	{
 		m_world.removeSoftBody( body.get() );
 	}
-	if( m_ground )
+	if ( m_ground )
 	{
 		m_world.removeRigidBody( m_ground.get() );
 	}
 }
 
-pliant::SoftBody* SmallWorld::add( const std::shared_ptr<const pliant::BodyTemplate>& shape, const btVector3& at, const pliant::Material& material,
-	const pliant::Adaptivity& adaptivity )
+pliant::SoftBody* SmallWorld::add( const std::shared_ptr<const pliant::BodyTemplate>& shape, const btVector3& at,
+	const pliant::Material& material, const pliant::Adaptivity& adaptivity )
 {
 	auto made = pliant::SoftBody::create( shape, btTransform( btQuaternion::getIdentity(), at ), material, adaptivity );
-	if( !made )
+	if ( !made )
 	{
 		return nullptr;
 	}
@@ -61,7 +62,7 @@ double SmallWorld::timedStep( bool isLookedAt )
 {
 	const auto start = std::chrono::steady_clock::now();
 	m_world.stepSimulation( btScalar( kGameStep ), 0 );
-	for( std::size_t k = 0; isLookedAt && k < m_bodies.size(); ++k )
+	for ( std::size_t k = 0; isLookedAt && k < m_bodies.size(); ++k )
 	{
 		m_bodies[k]->surface();
 	}

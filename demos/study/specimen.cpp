@@ -26,7 +26,7 @@ pliant_glue::ModelMesh makeBox( float width, float height )
 {
 	constexpr int kCuts = 16;
 	pliant_glue::ModelMesh mesh = pliant_demos::makeCube( width, kCuts );
-	for( std::size_t v = 0; v < mesh.vertexCount(); ++v )
+	for ( std::size_t v = 0; v < mesh.vertexCount(); ++v )
 	{
 		mesh.positions[3 * v + 1] *= height / width;
 	}
@@ -37,7 +37,7 @@ pliant_glue::ModelMesh makeBox( float width, float height )
 void measureInside( Specimen& specimen )
 {
 	Eigen::Vector3d first = Eigen::Vector3d::Zero(), second = Eigen::Vector3d::Zero();
-	for( std::size_t t = 0; t < specimen.mesh.triangleCount(); ++t )
+	for ( std::size_t t = 0; t < specimen.mesh.triangleCount(); ++t )
 	{
 		const Eigen::Vector3i v = cornersOf( specimen.mesh, t );
 		const Eigen::Array3d a = specimen.points.col( v[0] ), b = specimen.points.col( v[1] ), c = specimen.points.col( v[2] );
@@ -68,12 +68,12 @@ Specimen makeSpecimen( pliant_glue::ModelMesh mesh, double diagonal )
 	measureInside( specimen );
 
 	specimen.share = Eigen::VectorXd::Zero( count );
-	for( std::size_t t = 0; t < specimen.mesh.triangleCount(); ++t )
+	for ( std::size_t t = 0; t < specimen.mesh.triangleCount(); ++t )
 	{
 		const Eigen::Vector3i v = cornersOf( specimen.mesh, t );
 		const Eigen::Vector3d a = specimen.points.col( v[0] ), b = specimen.points.col( v[1] ), c = specimen.points.col( v[2] );
 		const double area = ( b - a ).cross( c - a ).norm() / 2;
-		for( const int corner : v )
+		for ( const int corner : v )
 		{
 			specimen.share[corner] += area / 3;
 		}
@@ -90,35 +90,35 @@ const std::vector<std::string>& shapeNames()
 
 bool makeShape( const std::string& name, pliant_glue::ModelMesh& mesh )
 {
-	if( name == "bunny" )
+	if ( name == "bunny" )
 	{
 		mesh = pliant_demos::makeBunnyLike();
 	}
-	else if( name == "bar" ) // upright
+	else if ( name == "bar" ) // upright
 	{
 		mesh = makeBox( 1.0f, 4.0f );
 	}
-	else if( name == "plate" )
+	else if ( name == "plate" )
 	{
 		mesh = makeBox( 1.0f, 0.1f );
 	}
-	else if( name == "rod" )
+	else if ( name == "rod" )
 	{
 		mesh = makeBox( 1.0f, 10.0f );
 	}
-	else if( name == "cube" )
+	else if ( name == "cube" )
 	{
 		mesh = makeBox( 1.0f, 1.0f );
 	}
-	else if( name == "sphere" )
+	else if ( name == "sphere" )
 	{
 		mesh = pliant_demos::makeSphere( 1.0f, 4 );
 	}
-	else if( name == "torus" )
+	else if ( name == "torus" )
 	{
 		mesh = pliant_demos::makeTorus( 0.5f, 0.18f, 48, 24 );
 	}
-	else if( name == "glob" )
+	else if ( name == "glob" )
 	{
 		mesh = pliant_demos::makeGlob();
 	}
@@ -134,7 +134,7 @@ double enclosedVolume( const pliant_glue::ModelMesh& mesh, const Points& points 
 	// From a corner of the body and not from the world's origin: far bodies keep their digits.
 	const Eigen::Vector3d from = points.col( 0 );
 	double six = 0;
-	for( std::size_t t = 0; t < mesh.triangleCount(); ++t )
+	for ( std::size_t t = 0; t < mesh.triangleCount(); ++t )
 	{
 		const Eigen::Vector3i v = cornersOf( mesh, t );
 		const Eigen::Vector3d a = points.col( v[0] ) - from, b = points.col( v[1] ) - from, c = points.col( v[2] ) - from;
@@ -148,7 +148,7 @@ std::string fingerprint( const pliant_glue::ModelMesh& mesh )
 	std::uint64_t hash = 14695981039346656037u;
 	const auto add = [&hash]( const void* data, std::size_t bytes ) {
 		const auto* at = static_cast<const unsigned char*>( data );
-		for( std::size_t k = 0; k < bytes; ++k )
+		for ( std::size_t k = 0; k < bytes; ++k )
 		{
 			hash = ( hash ^ at[k] ) * 1099511628211u;
 		}

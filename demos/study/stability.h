@@ -13,15 +13,15 @@ namespace pliant_study {
 /// What is done to a body; lengths are shares of its diagonal.
 enum class Ordeal : int
 {
-	Drop,     ///< on a plane, from its own size up or at a speed
-	Load,     ///< rests on a plane with a box on it
-	Flat,     ///< free: all nodes put into a plane, let go
-	Mirrored, ///< free: turned inside out
+	Drop,      ///< on a plane, from its own size up or at a speed
+	Load,      ///< rests on a plane with a box on it
+	Flat,      ///< free: all nodes put into a plane, let go
+	Mirrored,  ///< free: turned inside out
 	Scrambled, ///< free: nodes in each other's places
-	Point,    ///< free: all in one point
+	Point,     ///< free: all in one point
 	Stretched, ///< free: a thousand times as long
-	Twisted,  ///< free: by 720 degrees from end to end
-	Spin      ///< free, turning
+	Twisted,   ///< free: by 720 degrees from end to end
+	Spin       ///< free, turning
 };
 
 struct StabilityCase
@@ -30,14 +30,14 @@ struct StabilityCase
 	Ordeal ordeal = Ordeal::Drop;
 	std::string shape = "cube";
 	int cells = 125;
-	double diagonal = 1;      ///< m
-	double step = 1.0 / 60;   ///< s a game step
-	double gravity = 9.81;    ///< m/s^2
-	double modulus = 0;       ///< Pa; 0: gives by a tenth under its own weight on Earth
-	bool isRawAlpha = false;  ///< alpha 1 instead of a modulus
-	double speed = 0;         ///< m/s, downwards
-	double massRatio = 0;     ///< of the box to the body
-	double far = 0;           ///< m from the world's origin
+	double diagonal = 1;     ///< m
+	double step = 1.0 / 60;  ///< s a game step
+	double gravity = 9.81;   ///< m/s^2
+	double modulus = 0;      ///< Pa; 0: gives by a tenth under its own weight on Earth
+	bool isRawAlpha = false; ///< alpha 1 instead of a modulus
+	double speed = 0;        ///< m/s, downwards
+	double massRatio = 0;    ///< of the box to the body
+	double far = 0;          ///< m from the world's origin
 };
 
 enum class Colour : int
@@ -51,12 +51,12 @@ enum class Colour : int
 struct Verdict
 {
 	Colour colour = Colour::Green;
-	std::string reason;        ///< empty where it is green
-	double inverted = 0;       ///< share of the finest cells at the end
-	double energyGrowth = 0;   ///< without work done
-	double depth = 0;          ///< deepest that a cell's middle was below the plane's surface less its radius, cells; 0.5: on the plane
-	double recovery = -1;      ///< s until the shape is within a hundredth of its diagonal of the rest shape, for good; -1: not asked
-	double microseconds = 0;   ///< a game step, mean
+	std::string reason;      ///< empty where it is green
+	double inverted = 0;     ///< share of the finest cells at the end
+	double energyGrowth = 0; ///< without work done
+	double depth = 0;        ///< deepest that a cell's middle was below the plane's surface less its radius, cells; 0.5: on the plane
+	double recovery = -1;    ///< s until the shape is within a hundredth of its diagonal of the rest shape, for good; -1: not asked
+	double microseconds = 0; ///< a game step, mean
 };
 
 /// A method in the matrix: a candidate and what is switched on beside it.

@@ -40,38 +40,39 @@ std::vector<StabilityCase> stabilityCases()
 		return all.back();
 	};
 	add( "alpha 1", Ordeal::Drop ).isRawAlpha = true;
-	for( double modulus = 1e3; modulus < 2e9; modulus *= 10 )
+	for ( double modulus = 1e3; modulus < 2e9; modulus *= 10 )
 	{
 		add( named( "E %.0e Pa", modulus ), Ordeal::Drop ).modulus = modulus;
 	}
-	for( const int rate : { 10, 30, 240, 1000, 10000 } )
+	for ( const int rate : { 10, 30, 240, 1000, 10000 } )
 	{
 		add( named( "step 1/%.0f s", rate ), Ordeal::Drop ).step = 1.0 / rate;
 	}
-	for( const double speed : { 100.0, 1000.0 } )
+	for ( const double speed : { 100.0, 1000.0 } )
 	{
 		add( named( "%.0f m/s", speed ), Ordeal::Drop ).speed = speed;
 	}
-	for( const double ratio : { 1.0, 100.0, 1e4, 1e6 } )
+	for ( const double ratio : { 1.0, 100.0, 1e4, 1e6 } )
 	{
 		add( named( "load 1:%.0f", ratio ), Ordeal::Load ).massRatio = ratio;
 	}
-	const std::pair<const char*, Ordeal> deformed[] = { { "flat", Ordeal::Flat }, { "mirrored", Ordeal::Mirrored }, { "scrambled", Ordeal::Scrambled },
-		{ "one point", Ordeal::Point }, { "stretched x1000", Ordeal::Stretched }, { "twisted 720", Ordeal::Twisted }, { "spin", Ordeal::Spin } };
-	for( const auto& [name, ordeal] : deformed )
+	const std::pair<const char*, Ordeal> deformed[] = { { "flat", Ordeal::Flat }, { "mirrored", Ordeal::Mirrored },
+		{ "scrambled", Ordeal::Scrambled }, { "one point", Ordeal::Point }, { "stretched x1000", Ordeal::Stretched },
+		{ "twisted 720", Ordeal::Twisted }, { "spin", Ordeal::Spin } };
+	for ( const auto& [name, ordeal] : deformed )
 	{
 		add( name, ordeal ).gravity = 0;
 	}
 	add( "gravity 1000", Ordeal::Drop ).gravity = 1000;
-	for( const double scale : { 1e-3, 1e3 } )
+	for ( const double scale : { 1e-3, 1e3 } )
 	{
 		add( named( "diagonal %g m", scale ), Ordeal::Drop ).diagonal = scale;
 	}
-	for( const double away : { 1e4, 1e6 } )
+	for ( const double away : { 1e4, 1e6 } )
 	{
 		add( named( "%g m away", away ), Ordeal::Drop ).far = away;
 	}
-	for( const char* shape : { "plate", "rod" } )
+	for ( const char* shape : { "plate", "rod" } )
 	{
 		StabilityCase& one = add( std::string( "one-cell " ) + shape, Ordeal::Drop );
 		one.shape = shape;
@@ -85,7 +86,8 @@ std::vector<StabilityMethod> stabilityMethods( bool withBullet )
 {
 	using pliant::Weights;
 	std::vector<StabilityMethod> all;
-	const auto add = [&all]( const std::string& name, const pliant::Adaptivity& adaptivity = {}, Weights weights = Weights::Conserving ) -> StabilityMethod& {
+	const auto add = [&all]( const std::string& name, const pliant::Adaptivity& adaptivity = {},
+						 Weights weights = Weights::Conserving ) -> StabilityMethod& {
 		all.push_back( methodOf( name, adaptivity, weights ) );
 		return all.back();
 	};
@@ -112,14 +114,14 @@ std::vector<StabilityMethod> stabilityMethods( bool withBullet )
 	add( "Ohta conserving", pliant::ohtaAdaptivity( 2 ) );
 	const std::pair<const char*, pliant::ClusterMode> modes[] = { { "Müller rigid", pliant::ClusterMode::Rigid },
 		{ "Müller linear", pliant::ClusterMode::Linear }, { "Müller quadratic", pliant::ClusterMode::Quadratic } };
-	for( const auto& [name, mode] : modes )
+	for ( const auto& [name, mode] : modes )
 	{
 		StabilityMethod& method = add( name );
 		method.candidate.material.method = pliant::Method::SingleCluster;
 		method.candidate.material.clusterMode = mode;
 	}
 	add( "Müller clusters" ).candidate.material.method = pliant::Method::Clusters;
-	if( withBullet )
+	if ( withBullet )
 	{
 		add( "Bullet pose" ).candidate.engine = Engine::BulletPose;
 		StabilityMethod& clusters = add( "Bullet clusters" );

@@ -31,18 +31,18 @@ struct Job
 std::vector<Job> jobsOf( const StudyPlan& plan )
 {
 	std::vector<Job> jobs;
-	for( const SceneInfo& scene : plan.scenes )
+	for ( const SceneInfo& scene : plan.scenes )
 	{
 		Candidate turned = reference( plan.candidates );
 		turned.setting += ", turned";
 		jobs.push_back( { scene, turned, 1 } );
 		// All of them at each orientation in turn: what else the machine does for a while then slows all alike.
-		for( int o = 0; o < plan.orientations; ++o )
+		for ( int o = 0; o < plan.orientations; ++o )
 		{
-			for( const Candidate& candidate : candidates( plan.candidates ) )
+			for ( const Candidate& candidate : candidates( plan.candidates ) )
 			{
 				// Bullet's own bodies have no lattice: one orientation is all there is.
-				if( o == 0 || candidate.engine == Engine::Pliant )
+				if ( o == 0 || candidate.engine == Engine::Pliant )
 				{
 					jobs.push_back( { scene, candidate, o } );
 				}
@@ -61,23 +61,23 @@ public:
 	bool run( std::string& why )
 	{
 		std::vector<Job> jobs = jobsOf( m_plan );
-		jobs.erase( std::remove_if( jobs.begin(), jobs.end(), [this]( const Job& job ) {
-			return m_store.has( job.candidate.name(), job.scene.name, job.orientation );
-		} ), jobs.end() );
+		jobs.erase( std::remove_if( jobs.begin(), jobs.end(),
+						[this]( const Job& job ) { return m_store.has( job.candidate.name(), job.scene.name, job.orientation ); } ),
+			jobs.end() );
 		Progress progress( int( jobs.size() ) );
-		for( const Job& job : jobs )
+		for ( const Job& job : jobs )
 		{
-			if( stopWasAsked() )
+			if ( stopWasAsked() )
 			{
 				why = "Stopped. The same command goes on where it was.";
 				return false;
 			}
 			progress.begin( std::string( job.scene.name ) + ": " + job.candidate.name() );
-			if( m_scene != job.scene.name && !takeReference( job.scene, why ) )
+			if ( m_scene != job.scene.name && !takeReference( job.scene, why ) )
 			{
 				return false;
 			}
-			if( !m_store.add( pliant_study::run( orderOf( job ) ) ) )
+			if ( !m_store.add( pliant_study::run( orderOf( job ) ) ) )
 			{
 				why = "The runs cannot be written into " + m_plan.folder + ".";
 				return false;
@@ -88,7 +88,10 @@ public:
 	}
 
 	/// The reference of a scene that has been run.
-	const Reference* referenceOf( const SceneInfo& scene, std::string& why ) { return takeReference( scene, why ) ? &m_reference : nullptr; }
+	const Reference* referenceOf( const SceneInfo& scene, std::string& why )
+	{
+		return takeReference( scene, why ) ? &m_reference : nullptr;
+	}
 
 private:
 	RunOrder orderOf( const Job& job ) const
@@ -105,13 +108,13 @@ private:
 
 	bool takeReference( const SceneInfo& scene, std::string& why )
 	{
-		if( m_scene == scene.name )
+		if ( m_scene == scene.name )
 		{
 			return true;
 		}
 		m_scene = scene.name;
 		const std::string path = m_plan.folder + "/reference_" + scene.name + ".bin";
-		if( read( path, m_specimen, m_reference ) )
+		if ( read( path, m_specimen, m_reference ) )
 		{
 			return true;
 		}
@@ -122,13 +125,14 @@ private:
 		order.candidate = reference( m_plan.candidates );
 		order.track = &m_reference.track;
 		const Record record = pliant_study::run( order );
-		if( !record.refused.empty() || !record.isHealthy )
+		if ( !record.refused.empty() || !record.isHealthy )
 		{
-			why = "The reference could not be run: " + ( record.refused.empty() ? std::string( "its numbers stopped being finite." ) : record.refused );
+			why = "The reference could not be run: " +
+				( record.refused.empty() ? std::string( "its numbers stopped being finite." ) : record.refused );
 			return false;
 		}
 		m_reference.brokenAt = record.brokenAt;
-		if( !write( path, m_reference ) || !m_store.add( record ) )
+		if ( !write( path, m_reference ) || !m_store.add( record ) )
 		{
 			why = "The reference cannot be written into " + m_plan.folder + ".";
 			return false;
@@ -146,9 +150,9 @@ private:
 /// Mean error between the reference and itself on a turned lattice: what is below it cannot be told apart.
 double floorOf( const std::vector<Record>& records, const std::string& scene )
 {
-	for( const Record& record : records )
+	for ( const Record& record : records )
 	{
-		if( isReference( record ) && record.scene == scene && record.orientation != 0 )
+		if ( isReference( record ) && record.scene == scene && record.orientation != 0 )
 		{
 			return record.errors.mean;
 		}
@@ -161,34 +165,38 @@ void printFront( const std::string& name, const std::vector<Summary>& all, doubl
 	std::vector<Summary> front;
 	std::copy_if( all.begin(), all.end(), std::back_inserter( front ), []( const Summary& s ) { return s.isOnFront; } );
 	std::sort( front.begin(), front.end(), []( const Summary& a, const Summary& b ) { return a.median < b.median; } );
-	std::printf( "\n%s: nothing is both faster and better than these (error: mean distance from the reference over the diagonal; two references are %.4f apart)\n",
+	std::printf( "\n%s: nothing is both faster and better than these (error: mean distance from the reference over the diagonal; two "
+				 "references are %.4f apart)\n",
 		name.c_str(), floor );
 	std::printf( "  %-58s %10s %8s %8s %8s\n", "", "us a step", "error", "+-", "nodes" );
-	for( const Summary& s : front )
+	for ( const Summary& s : front )
 	{
 		std::printf( "  %-58s %10.0f %8.4f %8.4f %8.0f\n", s.candidate.c_str(), 1e6 * s.median, s.errors.mean, s.spread, s.nodes );
 	}
 	const Standing ours = standing( all, kFrontBudget );
-	if( !ours.other.empty() )
+	if ( !ours.other.empty() )
 	{
-		std::printf( "  Ours against the front of all others under %.0f ms: at worst %.2f of their error (noise %.2f), against %s\n", 1e3 * kFrontBudget, ours.ratio,
-			ours.noise, ours.other.c_str() );
+		std::printf( "  Ours against the front of all others under %.0f ms: at worst %.2f of their error (noise %.2f), against %s\n",
+			1e3 * kFrontBudget, ours.ratio, ours.noise, ours.other.c_str() );
 	}
 }
 
 void recommend( const std::vector<Summary>& all, const StudyPlan& plan )
 {
 	const Summary* pick = best( all, plan.budget );
-	if( pick == nullptr )
+	if ( pick == nullptr )
 	{
 		std::printf( "\nNothing that was tried fits into %.3g ms a step; the least is %.3g ms.\n", 1e3 * plan.budget,
-			1e3 * std::min_element( all.begin(), all.end(), []( const Summary& a, const Summary& b ) { return a.median < b.median; } )->median );
+			1e3 * std::min_element( all.begin(), all.end(), []( const Summary& a, const Summary& b ) {
+				return a.median < b.median;
+			} )->median );
 		return;
 	}
-	std::printf( "\nFor %.3g ms a step: %s, %.3g ms, error %.4f.\n\n", 1e3 * plan.budget, pick->candidate.c_str(), 1e3 * pick->median, pick->errors.mean );
-	for( const Candidate& candidate : candidates( plan.candidates ) )
+	std::printf( "\nFor %.3g ms a step: %s, %.3g ms, error %.4f.\n\n", 1e3 * plan.budget, pick->candidate.c_str(), 1e3 * pick->median,
+		pick->errors.mean );
+	for ( const Candidate& candidate : candidates( plan.candidates ) )
 	{
-		if( candidate.name() == pick->candidate )
+		if ( candidate.name() == pick->candidate )
 		{
 			std::printf( "%s\n", codeOf( candidate ).c_str() );
 		}
@@ -202,14 +210,14 @@ int study( const StudyPlan& plan, const Specimen& specimen )
 {
 	std::string why;
 	RunStore store;
-	if( !store.open( plan, specimen, why ) )
+	if ( !store.open( plan, specimen, why ) )
 	{
 		std::fprintf( stderr, "pliant_study: %s\n", why.c_str() );
 		return 1;
 	}
 	listenForStop();
 	Runner runner( plan, specimen, store );
-	if( !runner.run( why ) )
+	if ( !runner.run( why ) )
 	{
 		std::fprintf( stderr, "\npliant_study: %s\n", why.c_str() );
 		return stopWasAsked() ? 130 : 1;
@@ -221,25 +229,26 @@ int study( const StudyPlan& plan, const Specimen& specimen )
 	std::ofstream csv( plan.folder + "/study.csv" );
 	csv << csvHeader() << '\n';
 	nlohmann::json json;
-	for( const SceneInfo& scene : plan.scenes )
+	for ( const SceneInfo& scene : plan.scenes )
 	{
 		all.push_back( summarise( store.records(), scene.name ) );
 		const double floor = floorOf( store.records(), scene.name );
 		printFront( scene.name, all.back(), floor );
-		for( const Summary& one : all.back() )
+		for ( const Summary& one : all.back() )
 		{
 			csv << csvLine( scene.name, one ) << '\n';
 			json[scene.name].push_back( toJson( one ) );
 		}
 		const Reference* reference = runner.referenceOf( scene, why );
-		content.scenes.push_back( { scene, all.back(), floor, plan.drawsPictures && reference != nullptr ? drawWorst( plan, specimen, scene, all.back(), *reference ) : "" } );
+		content.scenes.push_back( { scene, all.back(), floor,
+			plan.drawsPictures && reference != nullptr ? drawWorst( plan, specimen, scene, all.back(), *reference ) : "" } );
 	}
 	content.together = plan.scenes.size() > 1 ? combine( all ) : all.front();
-	if( plan.scenes.size() > 1 )
+	if ( plan.scenes.size() > 1 )
 	{
 		printFront( "All scenes (geometric mean of the errors)", content.together, 0 );
 	}
-	if( plan.budget > 0 )
+	if ( plan.budget > 0 )
 	{
 		recommend( content.together, plan );
 	}

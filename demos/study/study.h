@@ -18,8 +18,8 @@ struct StudyPlan
 	CandidatePlan candidates;
 	int orientations = 6;
 	std::string folder;
-	double budget = 0;      ///< s a game step; 0: none
-	bool isFresh = false;   ///< what is in the folder is thrown away
+	double budget = 0;    ///< s a game step; 0: none
+	bool isFresh = false; ///< what is in the folder is thrown away
 	bool drawsPictures = true;
 };
 

@@ -41,11 +41,11 @@ inline btQuaternion toBullet( const Eigen::Quaterniond& q )
 /// Sums over the body's nodes; a body that has broken: over all its pieces.
 struct Motion
 {
-	double mass = 0;                                      ///< kg
-	Eigen::Vector3d centre = Eigen::Vector3d::Zero();     ///< of mass, m
-	Eigen::Vector3d momentum = Eigen::Vector3d::Zero();   ///< kg m/s
-	Eigen::Vector3d spin = Eigen::Vector3d::Zero();       ///< angular momentum about the world's origin, kg m^2/s
-	double kineticEnergy = 0;                             ///< J, of the nodes' straight motion
+	double mass = 0;                                    ///< kg
+	Eigen::Vector3d centre = Eigen::Vector3d::Zero();   ///< of mass, m
+	Eigen::Vector3d momentum = Eigen::Vector3d::Zero(); ///< kg m/s
+	Eigen::Vector3d spin = Eigen::Vector3d::Zero();     ///< angular momentum about the world's origin, kg m^2/s
+	double kineticEnergy = 0;                           ///< J, of the nodes' straight motion
 };
 
 /// Shares of one game step, s; engines that do not tell leave zeros.
@@ -60,11 +60,12 @@ public:
 	{
 		const Specimen* specimen = nullptr;
 		Candidate candidate;
-		Eigen::Quaterniond lattice = Eigen::Quaterniond::Identity(); ///< the mesh is turned by it before cells are laid, and back when placed
-		btTransform place = btTransform::getIdentity();              ///< of the mesh
+		Eigen::Quaterniond lattice =
+			Eigen::Quaterniond::Identity();             ///< the mesh is turned by it before cells are laid, and back when placed
+		btTransform place = btTransform::getIdentity(); ///< of the mesh
 		pliant::Fracture fracture;
 		double cellSize = 0; ///< m; 0: as the candidate's number of cells asks
-		bool skins = true; ///< a step's time has the skin in it
+		bool skins = true;   ///< a step's time has the skin in it
 	};
 
 	virtual ~Subject() = default;

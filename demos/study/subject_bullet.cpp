@@ -12,7 +12,7 @@
 	#include <BulletSoftBody/btSoftRigidDynamicsWorld.h>
 	#include <btBulletDynamicsCommon.h>
 
-		#include <algorithm>
+	#include <algorithm>
 	#include <cmath>
 
 #endif
@@ -31,7 +31,7 @@ public:
 	std::string init( const Order& order )
 	{
 		const pliant_glue::ModelMesh& mesh = order.specimen->mesh;
-		if( mesh.vertexCount() > kMostVertices )
+		if ( mesh.vertexCount() > kMostVertices )
 		{
 			return "Bullet's soft bodies take a node for each vertex: this mesh has more than " + std::to_string( kMostVertices ) + ".";
 		}
@@ -40,13 +40,14 @@ public:
 		m_world.getWorldInfo().m_gravity.setZero();
 		std::vector<int> triangles( mesh.indices.begin(), mesh.indices.end() );
 		std::vector<btScalar> places( mesh.positions.begin(), mesh.positions.end() );
-		m_body.reset( btSoftBodyHelpers::CreateFromTriMesh( m_world.getWorldInfo(), places.data(), triangles.data(), int( mesh.triangleCount() ), false ) );
+		m_body.reset( btSoftBodyHelpers::CreateFromTriMesh(
+			m_world.getWorldInfo(), places.data(), triangles.data(), int( mesh.triangleCount() ), false ) );
 		m_body->setTotalMass( btScalar( double( order.candidate.material.density ) * order.specimen->volume ), true );
 		m_body->transform( order.place );
 		// Each step goes this share of the way to the goal: the same formula as for one cluster of ours.
 		const double share = wholeBodyAlpha( *order.specimen, order.candidate.material, kGameStep );
 		m_body->m_cfg.collisions = btSoftBody::fCollision::SDF_RS;
-		if( order.candidate.engine == Engine::BulletPose )
+		if ( order.candidate.engine == Engine::BulletPose )
 		{
 			m_body->m_cfg.kMT = btScalar( share );
 			m_body->setPose( false, true );
@@ -54,7 +55,7 @@ public:
 		else
 		{
 			m_body->generateClusters( order.candidate.clusters );
-			for( int k = 0; k < m_body->clusterCount(); ++k )
+			for ( int k = 0; k < m_body->clusterCount(); ++k )
 			{
 				m_body->m_clusters[k]->m_matching = btScalar( share );
 			}
@@ -66,7 +67,7 @@ public:
 
 	~BulletSubject() override
 	{
-		if( m_body )
+		if ( m_body )
 		{
 			m_world.removeSoftBody( m_body.get() );
 		}
@@ -82,7 +83,7 @@ public:
 
 	void vertices( Points& to ) override
 	{
-		for( int i = 0; i < std::min( int( to.cols() ), m_body->m_nodes.size() ); ++i )
+		for ( int i = 0; i < std::min( int( to.cols() ), m_body->m_nodes.size() ); ++i )
 		{
 			to.col( i ) = toEigen( m_body->m_nodes[i].m_x );
 		}
@@ -91,7 +92,7 @@ public:
 	Motion motion() const override
 	{
 		Motion sum;
-		for( int i = 0; i < m_body->m_nodes.size(); ++i )
+		for ( int i = 0; i < m_body->m_nodes.size(); ++i )
 		{
 			const btSoftBody::Node& node = m_body->m_nodes[i];
 			const double mass = node.m_im > 0 ? 1.0 / double( node.m_im ) : 0.0; // held nodes have none
@@ -110,7 +111,7 @@ public:
 	{
 		const Eigen::Vector3d c = motion().centre;
 		const btVector3 centre( btScalar( c.x() ), btScalar( c.y() ), btScalar( c.z() ) );
-		for( int i = 0; i < m_body->m_nodes.size(); ++i )
+		for ( int i = 0; i < m_body->m_nodes.size(); ++i )
 		{
 			btSoftBody::Node& node = m_body->m_nodes[i];
 			node.m_v = linear + angular.cross( node.m_x - centre );
@@ -120,13 +121,13 @@ public:
 	int hold( const btVector3& low, const btVector3& high ) override
 	{
 		const std::size_t before = m_held.size();
-		for( int i = 0; i < m_body->m_nodes.size(); ++i )
+		for ( int i = 0; i < m_body->m_nodes.size(); ++i )
 		{
 			const btVector3 x = m_body->m_nodes[i].m_x;
 			btVector3 inside = x;
 			inside.setMax( low );
 			inside.setMin( high );
-			if( inside == x )
+			if ( inside == x )
 			{
 				m_held.push_back( { i, m_body->getMass( i ) } );
 				m_body->setMass( i, 0 );
@@ -137,10 +138,10 @@ public:
 
 	void drive( bool upper, double height, const std::function<btVector3( const btVector3& )>& to ) override
 	{
-		for( const Held& held : m_held )
+		for ( const Held& held : m_held )
 		{
 			btSoftBody::Node& node = m_body->m_nodes[held.node];
-			if( ( double( node.m_x.y() ) > height ) == upper )
+			if ( ( double( node.m_x.y() ) > height ) == upper )
 			{
 				node.m_x = to( node.m_x );
 				node.m_v.setZero();
@@ -150,7 +151,7 @@ public:
 
 	void release() override
 	{
-		for( const Held& held : m_held )
+		for ( const Held& held : m_held )
 		{
 			m_body->setMass( held.node, held.mass );
 		}
@@ -160,7 +161,7 @@ public:
 	void cells( Points& to ) const override
 	{
 		to.resize( 3, m_body->m_nodes.size() );
-		for( int i = 0; i < m_body->m_nodes.size(); ++i )
+		for ( int i = 0; i < m_body->m_nodes.size(); ++i )
 		{
 			to.col( i ) = toEigen( m_body->m_nodes[i].m_x );
 		}
@@ -168,7 +169,7 @@ public:
 
 	void put( const std::function<btVector3( int, const btVector3& )>& to, double ) override
 	{
-		for( int i = 0; i < m_body->m_nodes.size(); ++i )
+		for ( int i = 0; i < m_body->m_nodes.size(); ++i )
 		{
 			btSoftBody::Node& node = m_body->m_nodes[i];
 			node.m_x = node.m_q = to( i, node.m_x );
@@ -182,9 +183,9 @@ public:
 
 	bool isHealthy() const override
 	{
-		for( int i = 0; i < m_body->m_nodes.size(); ++i )
+		for ( int i = 0; i < m_body->m_nodes.size(); ++i )
 		{
-			if( !toEigen( m_body->m_nodes[i].m_x ).allFinite() )
+			if ( !toEigen( m_body->m_nodes[i].m_x ).allFinite() )
 			{
 				return false;
 			}

@@ -13,8 +13,8 @@
 
 namespace pliant_study {
 
-const std::array<const char*, kStageCount> kStageNames = { "forces", "matching", "spheres", "collision", "solve", "integrate", "levels", "fracture",
-	"skin" };
+const std::array<const char*, kStageCount> kStageNames = {
+	"forces", "matching", "spheres", "collision", "solve", "integrate", "levels", "fracture", "skin" };
 
 double wholeBodyAlpha( const Specimen& specimen, const pliant::Material& material, double h )
 {
@@ -35,45 +35,46 @@ public:
 		m_bytesBefore = bytesInUse();
 		pliant_glue::ModelMesh turned = order.specimen->mesh;
 		const auto count = Eigen::Index( turned.vertexCount() );
-		Eigen::Map<Eigen::Matrix<float, 3, Eigen::Dynamic>>( turned.positions.data(), 3, count ) =
-			( order.lattice.toRotationMatrix() * order.specimen->points ).cast<float>();
-		const pliant::MeshView view = { turned.positions.data(), turned.vertexCount(), 3, turned.indices.data(), turned.triangleCount(), nullptr, nullptr };
+		Eigen::Map<Eigen::Matrix<float, 3, Eigen::Dynamic>>(
+			turned.positions.data(), 3, count ) = ( order.lattice.toRotationMatrix() * order.specimen->points ).cast<float>();
+		const pliant::MeshView view = {
+			turned.positions.data(), turned.vertexCount(), 3, turned.indices.data(), turned.triangleCount(), nullptr, nullptr };
 		pliant::LatticeSettings settings;
 		settings.targetCells = order.candidate.cells;
 		settings.cellSize = float( order.cellSize );
 		settings.skinning = order.skins ? pliant::Skinning::NearbyNodes : pliant::Skinning::None;
 		const auto shape = pliant::BodyTemplate::build( view, settings );
-		if( !shape )
+		if ( !shape )
 		{
 			return shape.status.sentence;
 		}
 		pliant::Material material = order.candidate.material;
-		if( material.method == pliant::Method::SingleCluster )
+		if ( material.method == pliant::Method::SingleCluster )
 		{
 			const int substeps = order.candidate.substeps > 0 ? order.candidate.substeps : kDefaultSubsteps;
 			material.alpha = float( wholeBodyAlpha( *order.specimen, material, kGameStep / substeps ) );
 		}
 		const btTransform back( toBullet( order.lattice.conjugate() ) );
 		auto body = pliant::SoftBody::create( shape.value, order.place * back, material, order.candidate.adaptivity );
-		if( !body )
+		if ( !body )
 		{
 			return body.status.sentence;
 		}
 		m_body = std::move( body.value );
-		if( order.fracture.rule != pliant::BreakRule::Never )
+		if ( order.fracture.rule != pliant::BreakRule::Never )
 		{
 			const pliant::Status status = m_body->setFracture( order.fracture );
-			if( !status.ok() )
+			if ( !status.ok() )
 			{
 				return status.sentence;
 			}
 		}
 		m_body->setActivationState( DISABLE_DEACTIVATION ); // a sleeping body's time would be no time
-		if( order.candidate.substeps > 0 )
+		if ( order.candidate.substeps > 0 )
 		{
 			m_world.setSoftSubsteps( order.candidate.substeps );
 		}
-		if( order.candidate.mostSubsteps > 0 )
+		if ( order.candidate.mostSubsteps > 0 )
 		{
 			m_world.setMaxSoftSubsteps( order.candidate.mostSubsteps );
 		}
@@ -84,7 +85,7 @@ public:
 
 	~PliantSubject() override
 	{
-		if( m_body )
+		if ( m_body )
 		{
 			m_world.removeSoftBody( m_body.get() );
 		}
@@ -95,7 +96,7 @@ public:
 	void step( double seconds ) override
 	{
 		m_world.stepSimulation( btScalar( seconds ), 0 );
-		for( int k = 0; k < m_world.softBodyCount() && m_skins; ++k )
+		for ( int k = 0; k < m_world.softBodyCount() && m_skins; ++k )
 		{
 			m_world.softBody( k )->surface();
 		}
@@ -111,7 +112,7 @@ public:
 	Motion motion() const override
 	{
 		Motion sum;
-		for( int k = 0; k < m_world.softBodyCount(); ++k )
+		for ( int k = 0; k < m_world.softBodyCount(); ++k )
 		{
 			const pliant::SoftBody& body = *m_world.softBody( k );
 			const double mass = double( body.mass() );
@@ -120,7 +121,7 @@ public:
 			sum.centre += mass * centre;
 			sum.momentum += momentum;
 			sum.spin += centre.cross( momentum ) + toEigen( body.angularMomentum() );
-			for( int i = 0; i < body.nodeCount(); ++i )
+			for ( int i = 0; i < body.nodeCount(); ++i )
 			{
 				sum.kineticEnergy += 0.5 * double( body.nodeMass( i ) ) * toEigen( body.nodeVelocity( i ) ).squaredNorm();
 			}
@@ -134,7 +135,7 @@ public:
 	int hold( const btVector3& low, const btVector3& high ) override
 	{
 		// Big nodes have their middles elsewhere: what is to be held is split first, a few steps at rest.
-		for( int k = 0; k < kStepsToSplit && m_body->material().method == pliant::Method::Lattice; ++k )
+		for ( int k = 0; k < kStepsToSplit && m_body->material().method == pliant::Method::Lattice; ++k )
 		{
 			m_body->requestRefinement( low, high );
 			m_world.stepSimulation( btScalar( kGameStep ), 0 );
@@ -144,13 +145,13 @@ public:
 
 	void drive( bool upper, double height, const std::function<btVector3( const btVector3& )>& to ) override
 	{
-		for( int k = 0; k < m_world.softBodyCount(); ++k )
+		for ( int k = 0; k < m_world.softBodyCount(); ++k )
 		{
 			pliant::SoftBody& body = *m_world.softBody( k );
-			for( int i = 0; i < body.nodeCount(); ++i )
+			for ( int i = 0; i < body.nodeCount(); ++i )
 			{
 				const btVector3 at = body.isPinned( i ) ? body.nodePosition( i ) : btVector3( 0, 0, 0 );
-				if( body.isPinned( i ) && ( double( at.y() ) > height ) == upper )
+				if ( body.isPinned( i ) && ( double( at.y() ) > height ) == upper )
 				{
 					body.driveNode( i, to( at ) );
 				}
@@ -160,12 +161,12 @@ public:
 
 	void release() override
 	{
-		for( int k = 0; k < m_world.softBodyCount(); ++k )
+		for ( int k = 0; k < m_world.softBodyCount(); ++k )
 		{
 			pliant::SoftBody& body = *m_world.softBody( k );
-			for( int i = 0; i < body.nodeCount(); ++i )
+			for ( int i = 0; i < body.nodeCount(); ++i )
 			{
-				if( body.isPinned( i ) )
+				if ( body.isPinned( i ) )
 				{
 					body.releaseNode( i );
 				}
@@ -177,10 +178,10 @@ public:
 	{
 		const int count = m_body->bodyTemplate().cellCount();
 		to.conservativeResize( 3, count );
-		for( int k = 0; k < count; ++k )
+		for ( int k = 0; k < count; ++k )
 		{
 			const int node = m_body->nodeOfCell( k );
-			if( node >= 0 )
+			if ( node >= 0 )
 			{
 				to.col( k ) = toEigen( m_body->nodePosition( node ) );
 			}
@@ -189,7 +190,7 @@ public:
 
 	void put( const std::function<btVector3( int, const btVector3& )>& to, double seconds ) override
 	{
-		for( int i = 0; i < m_body->nodeCount(); ++i )
+		for ( int i = 0; i < m_body->nodeCount(); ++i )
 		{
 			m_body->driveNode( i, to( i, m_body->nodePosition( i ) ) );
 		}

@@ -16,16 +16,16 @@ namespace pliant_study {
 
 namespace {
 
-constexpr double kTimeNoise = 1.1;    // what a step takes differs by that much from run to run
+constexpr double kTimeNoise = 1.1;   // what a step takes differs by that much from run to run
 constexpr double kLeastError = 1e-7; // below it a mean of logarithms is of no use: the vertices are floats
 
 void markFront( std::vector<Summary>& all )
 {
-	for( Summary& one : all )
+	for ( Summary& one : all )
 	{
 		one.isOnFront = one.refused.empty() && one.isHealthy && std::none_of( all.begin(), all.end(), [&one]( const Summary& other ) {
 			return other.refused.empty() && other.isHealthy && other.median <= one.median && other.errors.mean <= one.errors.mean &&
-				   ( other.median < one.median || other.errors.mean < one.errors.mean );
+				( other.median < one.median || other.errors.mean < one.errors.mean );
 		} );
 	}
 }
@@ -34,14 +34,14 @@ void markFront( std::vector<Summary>& all )
 double middleOver( const std::vector<Record>& records, const Summary& of, const std::string& scene, double Record::*time )
 {
 	std::vector<double> times;
-	for( const Record& record : records )
+	for ( const Record& record : records )
 	{
-		if( record.scene == scene && record.candidate == of.candidate && record.refused.empty() )
+		if ( record.scene == scene && record.candidate == of.candidate && record.refused.empty() )
 		{
 			times.push_back( record.*time );
 		}
 	}
-	if( times.empty() )
+	if ( times.empty() )
 	{
 		return 0;
 	}
@@ -56,7 +56,7 @@ void addRun( Summary& sum, const Record& record )
 	const auto blend = [share]( double& mean, double value ) { mean += share * ( value - mean ); };
 	blend( sum.nodes, record.nodes );
 	blend( sum.substeps, record.substeps );
-	for( std::size_t k = 0; k < kStageCount; ++k )
+	for ( std::size_t k = 0; k < kStageCount; ++k )
 	{
 		blend( sum.stages[k], record.stages[k] );
 	}
@@ -70,11 +70,11 @@ void addRun( Summary& sum, const Record& record )
 	blend( sum.last.deviation, record.last.deviation );
 	blend( sum.last.shape, record.last.shape );
 	sum.curve.resize( std::max( sum.curve.size(), record.curve.size() ), 0.0 );
-	for( std::size_t k = 0; k < record.curve.size(); ++k )
+	for ( std::size_t k = 0; k < record.curve.size(); ++k )
 	{
 		blend( sum.curve[k], record.curve[k] );
 	}
-	if( record.worst > sum.worst )
+	if ( record.worst > sum.worst )
 	{
 		sum.worst = record.worst;
 		sum.worstFrame = record.worstFrame;
@@ -95,14 +95,14 @@ void addRun( Summary& sum, const Record& record )
 std::vector<Summary> summarise( const std::vector<Record>& records, const std::string& scene )
 {
 	std::vector<Summary> all;
-	for( const Record& record : records )
+	for ( const Record& record : records )
 	{
-		if( record.scene != scene || isReference( record ) )
+		if ( record.scene != scene || isReference( record ) )
 		{
 			continue;
 		}
 		auto at = std::find_if( all.begin(), all.end(), [&record]( const Summary& s ) { return s.candidate == record.candidate; } );
-		if( at == all.end() )
+		if ( at == all.end() )
 		{
 			Summary fresh;
 			fresh.candidate = record.candidate;
@@ -110,7 +110,7 @@ std::vector<Summary> summarise( const std::vector<Record>& records, const std::s
 			fresh.isOurs = record.isOurs;
 			at = all.insert( all.end(), fresh );
 		}
-		if( record.refused.empty() )
+		if ( record.refused.empty() )
 		{
 			addRun( *at, record );
 		}
@@ -119,7 +119,7 @@ std::vector<Summary> summarise( const std::vector<Record>& records, const std::s
 			at->refused = record.refused;
 		}
 	}
-	for( Summary& one : all )
+	for ( Summary& one : all )
 	{
 		one.median = middleOver( records, one, scene, &Record::median );
 		one.slow = middleOver( records, one, scene, &Record::slow );
@@ -134,16 +134,17 @@ std::vector<Summary> combine( const std::vector<std::vector<Summary>>& scenes )
 {
 	std::vector<Summary> all;
 	const double share = scenes.empty() ? 1.0 : 1.0 / double( scenes.size() );
-	for( const Summary& first : scenes.empty() ? std::vector<Summary>() : scenes.front() )
+	for ( const Summary& first : scenes.empty() ? std::vector<Summary>() : scenes.front() )
 	{
 		Summary sum = first;
 		sum.median = sum.errors.mean = sum.errors.shape = sum.spread = 0;
 		bool isEverywhere = true;
-		for( const std::vector<Summary>& scene : scenes )
+		for ( const std::vector<Summary>& scene : scenes )
 		{
-			const auto at = std::find_if( scene.begin(), scene.end(), [&first]( const Summary& s ) { return s.candidate == first.candidate; } );
+			const auto at = std::find_if(
+				scene.begin(), scene.end(), [&first]( const Summary& s ) { return s.candidate == first.candidate; } );
 			isEverywhere = isEverywhere && at != scene.end() && at->refused.empty();
-			if( !isEverywhere )
+			if ( !isEverywhere )
 			{
 				break;
 			}
@@ -154,7 +155,7 @@ std::vector<Summary> combine( const std::vector<std::vector<Summary>>& scenes )
 			sum.errors.shape += share * std::log( std::max( at->errors.shape, kLeastError ) );
 			sum.spread += share * at->spread / std::max( at->errors.mean, kLeastError );
 		}
-		if( isEverywhere )
+		if ( isEverywhere )
 		{
 			sum.errors.mean = std::exp( sum.errors.mean );
 			sum.errors.shape = std::exp( sum.errors.shape );
@@ -169,10 +170,10 @@ std::vector<Summary> combine( const std::vector<std::vector<Summary>>& scenes )
 const Summary* best( const std::vector<Summary>& all, double budget, bool oursOnly )
 {
 	const Summary* found = nullptr;
-	for( const Summary& one : all )
+	for ( const Summary& one : all )
 	{
 		const bool fits = one.refused.empty() && one.isHealthy && one.median <= budget && ( one.isOurs || !oursOnly );
-		if( fits && ( found == nullptr || one.errors.mean < found->errors.mean ) )
+		if ( fits && ( found == nullptr || one.errors.mean < found->errors.mean ) )
 		{
 			found = &one;
 		}
@@ -186,15 +187,15 @@ Standing standing( const std::vector<Summary>& all, double budget )
 	std::copy_if( all.begin(), all.end(), std::back_inserter( others ), []( const Summary& one ) { return !one.isOurs; } );
 	markFront( others );
 	Standing worst;
-	for( const Summary& other : others )
+	for ( const Summary& other : others )
 	{
-		if( !other.isOnFront || other.median > budget )
+		if ( !other.isOnFront || other.median > budget )
 		{
 			continue;
 		}
 		const Summary* ours = best( all, kTimeNoise * other.median, true );
 		const double ratio = ours == nullptr ? HUGE_VAL : ours->errors.mean / std::max( other.errors.mean, kLeastError );
-		if( ratio > worst.ratio )
+		if ( ratio > worst.ratio )
 		{
 			const double mine = ours == nullptr ? 0 : ours->spread / std::max( ours->errors.mean, kLeastError );
 			worst = { ratio, mine + other.spread / std::max( other.errors.mean, kLeastError ), other.candidate };
@@ -205,17 +206,19 @@ Standing standing( const std::vector<Summary>& all, double budget )
 
 nlohmann::json toJson( const Summary& s )
 {
-	return { { "candidate", s.candidate }, { "family", s.family }, { "ours", s.isOurs }, { "runs", s.runs }, { "refused", s.refused }, { "nodes", s.nodes },
-		{ "substeps", s.substeps }, { "bytes", s.bytes }, { "median_s", s.median }, { "p99_s", s.slow }, { "max_s", s.slowest },
-		{ "stages_s", s.stages }, { "error", s.errors.mean }, { "error_spread", s.spread }, { "error_deviation", s.errors.deviation },
-		{ "error_shape", s.errors.shape }, { "error_end", s.last.mean }, { "error_worst", s.worst }, { "curve", s.curve },
-		{ "volume_drift", s.volumeDrift }, { "momentum_drift", s.momentumDrift }, { "spin_drift", s.spinDrift }, { "energy_growth", s.energyGrowth },
-		{ "broken_at_s", s.brokenAt }, { "healthy", s.isHealthy }, { "front", s.isOnFront } };
+	return { { "candidate", s.candidate }, { "family", s.family }, { "ours", s.isOurs }, { "runs", s.runs }, { "refused", s.refused },
+		{ "nodes", s.nodes }, { "substeps", s.substeps }, { "bytes", s.bytes }, { "median_s", s.median }, { "p99_s", s.slow },
+		{ "max_s", s.slowest }, { "stages_s", s.stages }, { "error", s.errors.mean }, { "error_spread", s.spread },
+		{ "error_deviation", s.errors.deviation }, { "error_shape", s.errors.shape }, { "error_end", s.last.mean },
+		{ "error_worst", s.worst }, { "curve", s.curve }, { "volume_drift", s.volumeDrift }, { "momentum_drift", s.momentumDrift },
+		{ "spin_drift", s.spinDrift }, { "energy_growth", s.energyGrowth }, { "broken_at_s", s.brokenAt }, { "healthy", s.isHealthy },
+		{ "front", s.isOnFront } };
 }
 
 std::string csvHeader()
 {
-	return "scene,candidate,family,ours,runs,refused,nodes,substeps,bytes,median_us,p99_us,max_us,error,error_spread,error_deviation,error_shape,"
+	return "scene,candidate,family,ours,runs,refused,nodes,substeps,bytes,median_us,p99_us,max_us,error,error_spread,error_deviation,error_"
+		   "shape,"
 		   "error_end,error_worst,volume_drift,momentum_drift,spin_drift,energy_growth,broken_at_s,healthy,front";
 }
 
@@ -223,10 +226,11 @@ std::string csvLine( const std::string& scene, const Summary& s )
 {
 	std::ostringstream out;
 	out.precision( 6 );
-	out << scene << ",\"" << s.candidate << "\",\"" << s.family << "\"," << s.isOurs << ',' << s.runs << ",\"" << s.refused << "\"," << s.nodes << ','
-		<< s.substeps << ',' << s.bytes << ',' << 1e6 * s.median << ',' << 1e6 * s.slow << ',' << 1e6 * s.slowest << ',' << s.errors.mean << ','
-		<< s.spread << ',' << s.errors.deviation << ',' << s.errors.shape << ',' << s.last.mean << ',' << s.worst << ',' << s.volumeDrift << ','
-		<< s.momentumDrift << ',' << s.spinDrift << ',' << s.energyGrowth << ',' << s.brokenAt << ',' << s.isHealthy << ',' << s.isOnFront;
+	out << scene << ",\"" << s.candidate << "\",\"" << s.family << "\"," << s.isOurs << ',' << s.runs << ",\"" << s.refused << "\","
+		<< s.nodes << ',' << s.substeps << ',' << s.bytes << ',' << 1e6 * s.median << ',' << 1e6 * s.slow << ',' << 1e6 * s.slowest << ','
+		<< s.errors.mean << ',' << s.spread << ',' << s.errors.deviation << ',' << s.errors.shape << ',' << s.last.mean << ',' << s.worst
+		<< ',' << s.volumeDrift << ',' << s.momentumDrift << ',' << s.spinDrift << ',' << s.energyGrowth << ',' << s.brokenAt << ','
+		<< s.isHealthy << ',' << s.isOnFront;
 	return out.str();
 }
 

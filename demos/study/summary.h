@@ -22,13 +22,13 @@ struct Summary
 	double median = 0, slow = 0, slowest = 0; ///< s a game step; the middle ones of the runs'
 	StageTimes stages{};
 	Errors errors, last;
-	double spread = 0;          ///< standard deviation of the mean error over orientations
+	double spread = 0; ///< standard deviation of the mean error over orientations
 	double worst = 0;
 	int worstFrame = 0, worstOrientation = 0;
 	std::vector<double> curve;
 	double volumeDrift = 0, momentumDrift = -1, spinDrift = -1, energyGrowth = -1, brokenAt = -1;
 	bool isHealthy = true;
-	bool isOnFront = false;     ///< nothing is both faster and better
+	bool isOnFront = false; ///< nothing is both faster and better
 };
 
 /// Of one scene, in the order of the records; marks the front. The reference and its turned twin are left out.

@@ -33,7 +33,7 @@ BeamEnd shoot( double load, double k, double s )
 	double theta = 0;
 	BeamEnd end;
 	Eigen::Vector2d at = Eigen::Vector2d::Zero();
-	for( int n = 0; n < kBeamSteps; ++n )
+	for ( int n = 0; n < kBeamSteps; ++n )
 	{
 		const double from = n * h, thetaMid = theta + h / 2 * k;
 		const double kMid = k - h / 2 * load * ( 1 - from ) * std::cos( theta );
@@ -63,7 +63,7 @@ Element elementStiffness( const Eigen::Matrix<double, 4, 2>& corners, double nu 
 	law /= 1 - nu * nu;
 	Element stiffness = Element::Zero();
 	const double g = 1 / std::sqrt( 3.0 );
-	for( const auto& [a, b] : { std::array<double, 2>{ -g, -g }, { g, -g }, { g, g }, { -g, g } } )
+	for ( const auto& [a, b] : { std::array<double, 2>{ -g, -g }, { g, -g }, { g, g }, { -g, g } } )
 	{
 		Eigen::Matrix<double, 2, 4> slope;
 		slope << -( 1 - b ), 1 - b, 1 + b, -( 1 + b ), -( 1 - a ), -( 1 + a ), 1 + a, 1 - a;
@@ -71,7 +71,7 @@ Element elementStiffness( const Eigen::Matrix<double, 4, 2>& corners, double nu 
 		const Eigen::Matrix2d jacobian = slope * corners;
 		const Eigen::Matrix<double, 2, 4> d = jacobian.inverse() * slope;
 		Eigen::Matrix<double, 3, 8> strain = Eigen::Matrix<double, 3, 8>::Zero();
-		for( Eigen::Index k = 0; k < 4; ++k )
+		for ( Eigen::Index k = 0; k < 4; ++k )
 		{
 			strain( 0, 2 * k ) = strain( 2, 2 * k + 1 ) = d( 0, k );
 			strain( 1, 2 * k + 1 ) = strain( 2, 2 * k ) = d( 1, k );
@@ -87,21 +87,23 @@ double cookOn( int n, double nu, double x, double y )
 	const auto number = [n]( int i, int j ) { return i * ( n + 1 ) + j; };
 	const int held = n + 1; // the left edge's nodes come first
 	std::vector<Eigen::Triplet<double>> entries;
-	for( int i = 0; i < n; ++i )
+	for ( int i = 0; i < n; ++i )
 	{
-		for( int j = 0; j < n; ++j )
+		for ( int j = 0; j < n; ++j )
 		{
 			const int node[] = { number( i, j ), number( i + 1, j ), number( i + 1, j + 1 ), number( i, j + 1 ) };
 			Eigen::Matrix<double, 4, 2> corners;
-			corners << cookPoint( double( i ) / n, double( j ) / n ).transpose(), cookPoint( double( i + 1 ) / n, double( j ) / n ).transpose(),
-				cookPoint( double( i + 1 ) / n, double( j + 1 ) / n ).transpose(), cookPoint( double( i ) / n, double( j + 1 ) / n ).transpose();
+			corners << cookPoint( double( i ) / n, double( j ) / n ).transpose(),
+				cookPoint( double( i + 1 ) / n, double( j ) / n ).transpose(),
+				cookPoint( double( i + 1 ) / n, double( j + 1 ) / n ).transpose(),
+				cookPoint( double( i ) / n, double( j + 1 ) / n ).transpose();
 			const Element stiffness = elementStiffness( corners, nu );
-			for( int a = 0; a < 8; ++a )
+			for ( int a = 0; a < 8; ++a )
 			{
-				for( int b = 0; b < 8; ++b )
+				for ( int b = 0; b < 8; ++b )
 				{
 					const int row = 2 * ( node[a / 2] - held ) + a % 2, column = 2 * ( node[b / 2] - held ) + b % 2;
-					if( row >= 0 && column >= 0 )
+					if ( row >= 0 && column >= 0 )
 					{
 						entries.emplace_back( row, column, stiffness( a, b ) );
 					}
@@ -113,7 +115,7 @@ double cookOn( int n, double nu, double x, double y )
 	Eigen::SparseMatrix<double> matrix( unknowns, unknowns );
 	matrix.setFromTriplets( entries.begin(), entries.end() );
 	Eigen::VectorXd load = Eigen::VectorXd::Zero( unknowns );
-	for( int j = 0; j <= n; ++j )
+	for ( int j = 0; j <= n; ++j )
 	{
 		load[2 * ( number( n, j ) - held ) + 1] = ( j == 0 || j == n ? 0.5 : 1.0 ) / n;
 	}
@@ -132,7 +134,7 @@ Eigen::Vector2d heavyElastica( double load, double s )
 {
 	// The curvature at the clamp at which none is left at the free end: the moment there is between 0 and the straight beam's, load / 2.
 	double low = 0, high = load / 2;
-	for( int k = 0; k < kHalvings; ++k )
+	for ( int k = 0; k < kHalvings; ++k )
 	{
 		const double middle = ( low + high ) / 2;
 		( shoot( load, middle, s ).curvature > 0 ? high : low ) = middle;
@@ -144,7 +146,7 @@ double neoHookeanAcross( double stretch, double nu )
 {
 	const double lambda = 2 * nu / ( 1 - 2 * nu ); // over mu
 	double low = 1e-3, high = 10;
-	for( int k = 0; k < kHalvings; ++k )
+	for ( int k = 0; k < kHalvings; ++k )
 	{
 		const double t = ( low + high ) / 2;
 		( t * t - 1 + lambda * std::log( stretch * t * t ) > 0 ? high : low ) = t;

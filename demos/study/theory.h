@@ -8,8 +8,8 @@
 
 namespace pliant_study {
 
-/// A clamped, inextensible beam of length 1 under its own weight, w L^3 / ( E I ) = load: where the point at arc length s comes to, along and down.
-/// Found by shooting: for loads up to 50.
+/// A clamped, inextensible beam of length 1 under its own weight, w L^3 / ( E I ) = load: where the point at arc length s comes to, along
+/// and down. Found by shooting: for loads up to 50.
 Eigen::Vector2d heavyElastica( double load, double s );
 
 /// Sideways stretch of a compressible Neo-Hookean bar drawn to `stretch`: mu ( t^2 - 1 ) + lambda ln( stretch t^2 ) = 0.

@@ -31,14 +31,14 @@ std::string base64( const std::string& bytes )
 {
 	static const char* const kDigits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
 	std::string text;
-	for( std::size_t k = 0; k < bytes.size(); k += 3 )
+	for ( std::size_t k = 0; k < bytes.size(); k += 3 )
 	{
 		unsigned three = 0;
-		for( std::size_t j = 0; j < 3; ++j )
+		for ( std::size_t j = 0; j < 3; ++j )
 		{
 			three = three << 8 | ( k + j < bytes.size() ? static_cast<unsigned char>( bytes[k + j] ) : 0u );
 		}
-		for( std::size_t j = 0; j < 4; ++j )
+		for ( std::size_t j = 0; j < 4; ++j )
 		{
 			text += k + j <= bytes.size() ? kDigits[three >> ( 18 - 6 * j ) & 63u] : '=';
 		}
@@ -54,19 +54,19 @@ struct DrawnMesh
 	DrawnMesh( const pliant_glue::ModelMesh& mesh, const Points& points )
 	{
 		Points normal = Points::Zero( 3, points.cols() );
-		for( std::size_t t = 0; t < mesh.triangleCount(); ++t )
+		for ( std::size_t t = 0; t < mesh.triangleCount(); ++t )
 		{
 			const std::uint32_t* v = &mesh.indices[3 * t];
 			const Eigen::Vector3d a = points.col( v[0] ), b = points.col( v[1] ), c = points.col( v[2] );
-			for( int k = 0; k < 3; ++k )
+			for ( int k = 0; k < 3; ++k )
 			{
 				normal.col( v[k] ) += ( b - a ).cross( c - a );
 			}
 		}
-		for( Eigen::Index i = 0; i < points.cols(); ++i )
+		for ( Eigen::Index i = 0; i < points.cols(); ++i )
 		{
 			const Eigen::Vector3d n = normal.col( i ).normalized();
-			for( int k = 0; k < 3; ++k )
+			for ( int k = 0; k < 3; ++k )
 			{
 				positions.push_back( float( points( k, i ) ) );
 				normals.push_back( float( n[k] ) );
@@ -95,7 +95,7 @@ public:
 		addMesh( list, specimen.mesh, right, 0.5f * d, pliant_demos::kSlate );
 		Eigen::Vector3d middle;
 		double radius = 0;
-		if( rig.ball( middle, radius ) )
+		if ( rig.ball( middle, radius ) )
 		{
 			const float size = 2 * float( radius );
 			pliant_glue::DrawInstance ball;
@@ -114,7 +114,8 @@ public:
 	}
 
 private:
-	static void addMesh( pliant_glue::DrawList& list, const pliant_glue::ModelMesh& mesh, const DrawnMesh& drawn, float aside, const pliant_glue::Colour& colour )
+	static void addMesh( pliant_glue::DrawList& list, const pliant_glue::ModelMesh& mesh, const DrawnMesh& drawn, float aside,
+		const pliant_glue::Colour& colour )
 	{
 		pliant_glue::DrawMesh item;
 		item.id = list.meshes.size();
@@ -134,12 +135,13 @@ private:
 
 } // namespace
 
-std::string drawWorst( const StudyPlan& plan, const Specimen& specimen, const SceneInfo& scene, const std::vector<Summary>& all, const Reference& reference )
+std::string drawWorst(
+	const StudyPlan& plan, const Specimen& specimen, const SceneInfo& scene, const std::vector<Summary>& all, const Reference& reference )
 {
 	std::vector<const Summary*> front;
-	for( const Summary& one : all )
+	for ( const Summary& one : all )
 	{
-		if( one.isOnFront && one.worstFrame > 0 )
+		if ( one.isOnFront && one.worstFrame > 0 )
 		{
 			front.push_back( &one );
 		}
@@ -147,29 +149,29 @@ std::string drawWorst( const StudyPlan& plan, const Specimen& specimen, const Sc
 	std::sort( front.begin(), front.end(), []( const Summary* a, const Summary* b ) { return a->median < b->median; } );
 	std::string why;
 	Painter painter;
-	if( front.empty() || !painter.init( why ) )
+	if ( front.empty() || !painter.init( why ) )
 	{
 		return {};
 	}
 	std::ostringstream out;
 	const std::vector<Candidate> known = candidates( plan.candidates );
 	const std::size_t count = std::min( kMostPictures, front.size() );
-	for( std::size_t k = 0; k < count; ++k )
+	for ( std::size_t k = 0; k < count; ++k )
 	{
 		const Summary& s = *front[count == 1 ? 0 : k * ( front.size() - 1 ) / ( count - 1 )];
 		const auto candidate = std::find_if( known.begin(), known.end(), [&s]( const Candidate& c ) { return c.name() == s.candidate; } );
 		const std::unique_ptr<Rig> rig = Rig::create( scene, specimen, *candidate, s.worstOrientation, why );
-		while( rig && rig->frame() < s.worstFrame )
+		while ( rig && rig->frame() < s.worstFrame )
 		{
 			rig->step();
 		}
 		const std::string path = plan.folder + "/worst_" + scene.name + "_" + std::to_string( k ) + ".png";
 		Points points = specimen.points;
-		if( rig )
+		if ( rig )
 		{
 			rig->subject().vertices( points );
 		}
-		if( !rig || !painter.paint( specimen, *rig, points, reference.track[std::size_t( s.worstFrame / scene.framesAWrite ) - 1], path ) )
+		if ( !rig || !painter.paint( specimen, *rig, points, reference.track[std::size_t( s.worstFrame / scene.framesAWrite ) - 1], path ) )
 		{
 			continue;
 		}
@@ -177,8 +179,10 @@ std::string drawWorst( const StudyPlan& plan, const Specimen& specimen, const Sc
 		std::stringstream bytes;
 		bytes << file.rdbuf();
 		char caption[160];
-		std::snprintf( caption, sizeof( caption ), " at %.2f s, its worst: %.2f %% off (left); the reference (right)", s.worstFrame * kGameStep, 100 * s.worst );
-		out << "<figure><img alt='' src='data:image/png;base64," << base64( bytes.str() ) << "'><figcaption>" << s.candidate << caption << "</figcaption></figure>\n";
+		std::snprintf( caption, sizeof( caption ), " at %.2f s, its worst: %.2f %% off (left); the reference (right)",
+			s.worstFrame * kGameStep, 100 * s.worst );
+		out << "<figure><img alt='' src='data:image/png;base64," << base64( bytes.str() ) << "'><figcaption>" << s.candidate << caption
+			<< "</figcaption></figure>\n";
 	}
 	return out.str();
 }

@@ -4,10 +4,10 @@
 #include "body/implicit_motion.h"
 #include "body/levels/levels.h"
 #include "matching/clusters/cluster_matcher.h"
-#include "matching/step/coarse_to_fine.h"
-#include "matching/step/lattice_matcher.h"
 #include "matching/regions/link_moments.h"
 #include "matching/rotation.h"
+#include "matching/step/coarse_to_fine.h"
+#include "matching/step/lattice_matcher.h"
 #include "matching/stiffness.h"
 #include "threads/parallel.h"
 
@@ -46,8 +46,8 @@ double meanSecondMoment( const Lattice& lattice )
 bool needsNewMatcher( const Material& a, const Material& b, bool hasLevels )
 {
 	return a.method != b.method || a.clusterMode != b.clusterMode || a.clusterEdge != b.clusterEdge || a.weights != b.weights ||
-		   a.rotationFrom != b.rotationFrom || a.regionHalfWidth != b.regionHalfWidth || a.beta != b.beta || a.volumeKeeping != b.volumeKeeping ||
-		   a.farLevels != b.farLevels || ( !hasLevels && usesLinkMoments( a ) != usesLinkMoments( b ) );
+		a.rotationFrom != b.rotationFrom || a.regionHalfWidth != b.regionHalfWidth || a.beta != b.beta ||
+		a.volumeKeeping != b.volumeKeeping || a.farLevels != b.farLevels || ( !hasLevels && usesLinkMoments( a ) != usesLinkMoments( b ) );
 }
 
 } // namespace
@@ -56,9 +56,8 @@ Body::Body() = default;
 Body::Body( Body&& ) noexcept = default;
 Body::~Body() = default;
 
-Result<std::unique_ptr<Body>> Body::create(
-	std::shared_ptr<const Lattice> lattice, const Material& material, const Placement& placement, std::shared_ptr<TemplateCache> cache,
-	const Adaptivity& adaptivity, const StiffnessField& stiffness )
+Result<std::unique_ptr<Body>> Body::create( std::shared_ptr<const Lattice> lattice, const Material& material, const Placement& placement,
+	std::shared_ptr<TemplateCache> cache, const Adaptivity& adaptivity, const StiffnessField& stiffness )
 {
 	using Made = Result<std::unique_ptr<Body>>;
 	if ( !lattice || lattice->cellCount() == 0 )
@@ -133,7 +132,8 @@ Status Body::setMaterial( const Material& wanted )
 		{
 			if ( m_levels )
 			{
-				return Status{ ResultCode::BadArgument, "Method, weights, beta, half-width and far levels of a body with levels are fixed when it is made." };
+				return Status{ ResultCode::BadArgument,
+					"Method, weights, beta, half-width and far levels of a body with levels are fixed when it is made." };
 			}
 			matcher = makeMatcher( material );
 			matcher->reset( m_nodes, bestFit().rotation );
@@ -180,9 +180,11 @@ void Body::accelerateTowardGoals( float h, float alpha, TaskRunner* runner )
 	}
 	payForLevels( h, alpha );
 	const bool measuresStrain = m_levels && m_reviewIn == 0 && m_levels->followsStrain();
-	m_matcher->accelerate( m_nodes, MatchStep{ h, alpha, m_material.damping, wobbleRate( h, alpha ), bodyShare( h, alpha ), measuresStrain,
-		PlasticLaw{ m_material.yieldStrain, m_material.plasticCreep, m_material.plasticLimit }, farShares( m_material, m_lattice->cellSize, h ), m_isOnePart,
-		float( m_restLength ) }, runner );
+	m_matcher->accelerate( m_nodes,
+		MatchStep{ h, alpha, m_material.damping, wobbleRate( h, alpha ), bodyShare( h, alpha ), measuresStrain,
+			PlasticLaw{ m_material.yieldStrain, m_material.plasticCreep, m_material.plasticLimit },
+			farShares( m_material, m_lattice->cellSize, h ), m_isOnePart, float( m_restLength ) },
+		runner );
 }
 
 double Body::stiffnessMoment( float h, float alpha ) const
@@ -209,8 +211,9 @@ float Body::wobbleRate( float h, float alpha ) const
 // makes up what can be made up: ( 1 - s ) E_f + s E_b = E. Both matches are contractions, and so is their blend.
 float Body::bodyShare( float h, float alpha ) const
 {
-	if ( m_material.stiffness != Stiffness::YoungsModulus || m_material.method == Method::SingleCluster || alpha < float( largestAlpha( m_material ) ) ||
-		 !m_isOnePart || m_material.yieldStrain > 0.0f ) // the whole body's fit knows the first rest shape only
+	if ( m_material.stiffness != Stiffness::YoungsModulus || m_material.method == Method::SingleCluster ||
+		alpha < float( largestAlpha( m_material ) ) || !m_isOnePart ||
+		m_material.yieldStrain > 0.0f ) // the whole body's fit knows the first rest shape only
 	{
 		return 0.0f;
 	}

@@ -42,11 +42,11 @@ struct Placement
 /// Sums over the nodes, in double, in a fixed order. Positions are relative to `NodeState::origin`.
 struct BodySums
 {
-	double mass = 0.0;                 ///< kg
-	Vec3d centre = Vec3d::Zero();      ///< mass centre relative to the origin, m
-	Vec3d momentum = Vec3d::Zero();    ///< kg m/s
-	Vec3d spin = Vec3d::Zero();        ///< angular momentum about the mass centre, kg m^2/s
-	double kineticEnergy = 0.0;        ///< J
+	double mass = 0.0;              ///< kg
+	Vec3d centre = Vec3d::Zero();   ///< mass centre relative to the origin, m
+	Vec3d momentum = Vec3d::Zero(); ///< kg m/s
+	Vec3d spin = Vec3d::Zero();     ///< angular momentum about the mass centre, kg m^2/s
+	double kineticEnergy = 0.0;     ///< J
 };
 
 /// How a piece with levels comes to its octree and its regions.
@@ -67,8 +67,9 @@ class Body
 public:
 	/// Refuses bad settings and running out of memory. Bodies of one lattice share their tables through `cache` (may be null).
 	/// Levels need Method::Lattice.
-	static Result<std::unique_ptr<Body>> create( std::shared_ptr<const Lattice> lattice, const Material& material, const Placement& placement,
-		std::shared_ptr<TemplateCache> cache = nullptr, const Adaptivity& adaptivity = {}, const StiffnessField& stiffness = {} );
+	static Result<std::unique_ptr<Body>> create( std::shared_ptr<const Lattice> lattice, const Material& material,
+		const Placement& placement, std::shared_ptr<TemplateCache> cache = nullptr, const Adaptivity& adaptivity = {},
+		const StiffnessField& stiffness = {} );
 	~Body();
 
 	// --- state, flat arrays; write freely between steps -------------------------------------------------------------
@@ -80,7 +81,8 @@ public:
 	const Matcher& matcher() const { return *m_matcher; }
 
 	/// New stiffness, damping, density ...; refused (and nothing changed) when `material` fails its check. What has flowed plastically
-	/// outlives changes that leave the regions as they are: other methods, weights, widths, beta and kept volume begin at the first rest shape.
+	/// outlives changes that leave the regions as they are: other methods, weights, widths, beta and kept volume begin at the first rest
+	/// shape.
 	Status setMaterial( const Material& wanted );
 
 	/// Rigid placement of the rest shape; velocities zero; matching history forgotten.
@@ -121,8 +123,8 @@ public:
 	Eigen::Quaternionf levelFrame() const;
 
 	// --- breaking ----------------------------------------------------------------------------------------------------
-	/// Whether and when links break. Refuses bad settings, and methods without a lattice of regions. BreakRule::Never drops all that is kept
-	/// for breaking; what becomes of pieces that are cut off is kept with any rule.
+	/// Whether and when links break. Refuses bad settings, and methods without a lattice of regions. BreakRule::Never drops all that is
+	/// kept for breaking; what becomes of pieces that are cut off is kept with any rule.
 	Status setFracture( const Fracture& fracture, const ToughnessField& toughness = {} );
 	/// What was set.
 	const Fracture& fracture() const { return m_fracture; }
@@ -130,8 +132,8 @@ public:
 	const Breaking* breaking() const { return m_breaking.get(); }
 	/// Looks for links that are stretched too far; to be called after `integrate`. They break in the next `breakApart`.
 	void testLinks( float h );
-	/// Breaks links by name, whatever they bear: `links` ascending, each once, all of them there. Also for bodies that do not break by themselves.
-	/// Returns how many had not been broken so before.
+	/// Breaks links by name, whatever they bear: `links` ascending, each once, all of them there. Also for bodies that do not break by
+	/// themselves. Returns how many had not been broken so before.
 	int breakLinks( const std::vector<CellLink>& links );
 	/// Puts links back by name: ascending, each once, none of them there, between 26-neighbours. Returns how many had not been before.
 	int healLinks( const std::vector<CellLink>& links );
@@ -146,8 +148,9 @@ public:
 	bool mustRefineToBreak() const;
 	void refineToBreak();
 	/// The parts that are left, by mass, heaviest first, equals in the order of their lowest cells; at least one. Together they have this
-	/// body's mass, momentum and spin, places and speeds to the bit, but for small ones that are removed (SmallPieces). At most `most` of them,
-	/// at least 1: what is too many stays one body with the heaviest. Nothing is left of this body afterwards but nodeCount() and firstCells().
+	/// body's mass, momentum and spin, places and speeds to the bit, but for small ones that are removed (SmallPieces). At most `most` of
+	/// them, at least 1: what is too many stays one body with the heaviest. Nothing is left of this body afterwards but nodeCount() and
+	/// firstCells().
 	std::vector<BodyPiece> breakApart( BreakReport& report, int most, PieceRoad road = PieceRoad::TakeOver );
 	/// The node that holds a finest cell.
 	int nodeOfCell( std::uint32_t cell ) const;
@@ -256,18 +259,18 @@ private:
 	Fracture m_fracture;
 	std::vector<CellLink> m_cutLinks, m_healedLinks; ///< by name, ascending
 	std::vector<std::uint32_t> m_firstCell;
-	int m_reviewIn = 0;              ///< substeps until strains are measured
-	float m_sinceReview = 0.0f;      ///< s
-	LevelDebt m_owed;                ///< of explicit steps
-	bool m_wasImplicit = false;      ///< the last substep
+	int m_reviewIn = 0;         ///< substeps until strains are measured
+	float m_sinceReview = 0.0f; ///< s
+	LevelDebt m_owed;           ///< of explicit steps
+	bool m_wasImplicit = false; ///< the last substep
 	bool m_isOnePart = true;
-	double m_secondMoment = 0.0;     ///< m^2, mean over the axes, per mass
-	double m_restLength = 1.0;       ///< m, longest edge of the rest shape's box
+	double m_secondMoment = 0.0; ///< m^2, mean over the axes, per mass
+	double m_restLength = 1.0;   ///< m, longest edge of the rest shape's box
 	SpeedSpan m_speeds;
 	MotionSums m_motion;
 	AlignedArray<float> m_lastFinite, m_kept; ///< x of the last finite state, component after component; and room for the next
 	Vec3d m_lastFiniteOrigin = Vec3d::Zero();
-	double m_strayLimit = 4.0;       ///< m; node 0 may be this far from the origin before the origin follows
+	double m_strayLimit = 4.0; ///< m; node 0 may be this far from the origin before the origin follows
 };
 
 } // namespace pliant

@@ -107,7 +107,8 @@ void Body::refineBeforeBreaking()
 {
 	if ( m_levels )
 	{
-		const float strain = std::min( kRefineBeforeBreak * m_breaking->limits.weakest * breakStrain( m_breaking->settings, m_material ), kLargestBreakStrain );
+		const float strain = std::min(
+			kRefineBeforeBreak * m_breaking->limits.weakest * breakStrain( m_breaking->settings, m_material ), kLargestBreakStrain );
 		m_levels->setRefineStretch( strain, kRefineTogether );
 	}
 }
@@ -136,7 +137,9 @@ void Body::testLinks( float h )
 	{
 		return;
 	}
-	const auto placesOnLevels = [&] { return CellPlaces( m_nodes, m_levels->cut(), b.standings.update( *m_lattice, m_levels->cut(), m_levels->version() ) ); };
+	const auto placesOnLevels = [&] {
+		return CellPlaces( m_nodes, m_levels->cut(), b.standings.update( *m_lattice, m_levels->cut(), m_levels->version() ) );
+	};
 	bool hasBegun = false;
 	if ( b.planes )
 	{
@@ -198,7 +201,8 @@ std::vector<CellLink> Body::brokenLinks() const
 	if ( m_breaking )
 	{
 		all.clear();
-		std::set_union( m_cutLinks.begin(), m_cutLinks.end(), m_breaking->broken.begin(), m_breaking->broken.end(), std::back_inserter( all ) );
+		std::set_union(
+			m_cutLinks.begin(), m_cutLinks.end(), m_breaking->broken.begin(), m_breaking->broken.end(), std::back_inserter( all ) );
 	}
 	return all;
 }
@@ -234,7 +238,8 @@ bool Body::mustRefineToBreak() const
 void Body::refineToBreak()
 {
 	const std::vector<std::uint32_t> nodes = nodesAboveBroken();
-	const bool isLast = std::all_of( nodes.begin(), nodes.end(), [this]( std::uint32_t node ) { return m_levels->octree().levelOf( node ) == 1; } );
+	const bool isLast = std::all_of(
+		nodes.begin(), nodes.end(), [this]( std::uint32_t node ) { return m_levels->octree().levelOf( node ) == 1; } );
 	if ( isLast && !m_matcher->hasFlowed() ) // what has flowed is measured by the tables at once
 	{
 		m_levels->leaveRows();

@@ -60,8 +60,8 @@ private:
 
 bool Body::canStepImplicitly() const
 {
-	return m_material.method == Method::Lattice && m_material.weights == Weights::Conserving && m_material.rotationFrom == RotationFrom::Apq &&
-		   m_material.farLevels == 0 && m_nodes.count > 1;
+	return m_material.method == Method::Lattice && m_material.weights == Weights::Conserving &&
+		m_material.rotationFrom == RotationFrom::Apq && m_material.farLevels == 0 && m_nodes.count > 1;
 }
 
 Status Body::implicitStatus() const
@@ -72,13 +72,15 @@ Status Body::implicitStatus() const
 	}
 	if ( m_material.farLevels > 0 )
 	{
-		return { ResultCode::BadMaterial, "A body with Material::farLevels steps explicitly: the implicit step reaches any stiffness without them." };
+		return { ResultCode::BadMaterial,
+			"A body with Material::farLevels steps explicitly: the implicit step reaches any stiffness without them." };
 	}
 	if ( m_nodes.count == 1 )
 	{
 		return { ResultCode::BadArgument, "A body of one cell has nothing that could strain." };
 	}
-	return { ResultCode::BadMaterial, "The implicit step needs Method::Lattice, Weights::Conserving and RotationFrom::Apq: this body steps explicitly." };
+	return { ResultCode::BadMaterial,
+		"The implicit step needs Method::Lattice, Weights::Conserving and RotationFrom::Apq: this body steps explicitly." };
 }
 
 float Body::largestRegionShare() const
@@ -99,15 +101,19 @@ void Body::pushImplicitly( float h, float alpha, const Vec3& gravity, TaskRunner
 	m_wasImplicit = true;
 	m_owed = LevelDebt{};
 	const bool measuresStrain = m_levels && m_reviewIn == 0 && m_levels->followsStrain();
-	m_matcher->accelerate( m_nodes, MatchStep{ h, alpha, 0.0f, wobbleRate( h, alpha ), 0.0f, measuresStrain,
-		PlasticLaw{ m_material.yieldStrain, m_material.plasticCreep, m_material.plasticLimit }, {}, m_isOnePart, float( m_restLength ) }, runner );
+	m_matcher->accelerate( m_nodes,
+		MatchStep{ h, alpha, 0.0f, wobbleRate( h, alpha ), 0.0f, measuresStrain,
+			PlasticLaw{ m_material.yieldStrain, m_material.plasticCreep, m_material.plasticLimit }, {}, m_isOnePart,
+			float( m_restLength ) },
+		runner );
 	std::swap( m_speedBefore, m_nodes.v ); // now: what matching makes of the speeds
 	const AlignedArray<float>* const pushed[3] = { &m_speedBefore.x, &m_speedBefore.y, &m_speedBefore.z };
 	const AlignedArray<float>* const speed[3] = { &m_nodes.v.x, &m_nodes.v.y, &m_nodes.v.z };
 	// What matching adds to the speeds, then the speeds of free flight as well.
 	for ( std::size_t k = 0; k < 3; ++k )
 	{
-		std::transform( pushed[k]->begin(), pushed[k]->end(), speed[k]->begin(), m_pushed.begin() + std::ptrdiff_t( k * padded ), std::minus<>() );
+		std::transform(
+			pushed[k]->begin(), pushed[k]->end(), speed[k]->begin(), m_pushed.begin() + std::ptrdiff_t( k * padded ), std::minus<>() );
 	}
 	keepSpeeds( runner );
 	applyForces( h, gravity, runner );
@@ -118,7 +124,8 @@ void Body::pushImplicitly( float h, float alpha, const Vec3& gravity, TaskRunner
 	}
 	m_implicit->begin( static_cast<LatticeMatcher&>( *m_matcher ), m_nodes, m_pushed.data(),
 		ImplicitStep{ h, alpha, m_material.damping, m_material.numericalDamping, m_material.volumeKeeping,
-			regionSecondMoment( m_material ) * double( m_lattice->cellSize ) * double( m_lattice->cellSize ) }, runner );
+			regionSecondMoment( m_material ) * double( m_lattice->cellSize ) * double( m_lattice->cellSize ) },
+		runner );
 }
 
 ImplicitMotion& Body::takePartFreely()
@@ -128,7 +135,8 @@ ImplicitMotion& Body::takePartFreely()
 		m_implicit = std::make_unique<ImplicitMotion>();
 	}
 	// Clusters hold all their nodes together, linked or not.
-	m_implicit->beginFree( m_nodes, m_material.method == Method::Lattice ? &static_cast<const LatticeMatcher&>( *m_matcher ).parts() : nullptr );
+	m_implicit->beginFree(
+		m_nodes, m_material.method == Method::Lattice ? &static_cast<const LatticeMatcher&>( *m_matcher ).parts() : nullptr );
 	return *m_implicit;
 }
 

@@ -43,7 +43,8 @@ Placement Body::bestFit( const Eigen::Quaterniond& guess ) const
 std::size_t Body::bytes() const
 {
 	const std::size_t floats = std::size_t( m_nodes.padded ) * 11 + m_nodes.force.x.size() * 3 + m_lastFinite.size() + m_kept.size();
-	return floats * sizeof( float ) + m_matcher->bytes() + m_matcher->sharedBytes() + m_lattice->bytes() + ( m_levels ? m_levels->bytes() : 0 );
+	return floats * sizeof( float ) + m_matcher->bytes() + m_matcher->sharedBytes() + m_lattice->bytes() +
+		( m_levels ? m_levels->bytes() : 0 );
 }
 
 std::uint32_t Body::ownCell( std::uint32_t first ) const

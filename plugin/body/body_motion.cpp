@@ -128,16 +128,15 @@ void Body::applyForces( float h, const Vec3& gravity, TaskRunner* runner )
 	}
 }
 
-// The new places are written twice, here and into the copy of the last finite state that is none any more. Where all are finite that copy is the
-// last one from now on, else nobody has lost anything: 24 bytes a node and a second store buy that one bad number never spreads.
+// The new places are written twice, here and into the copy of the last finite state that is none any more. Where all are finite that copy
+// is the last one from now on, else nobody has lost anything: 24 bytes a node and a second store buy that one bad number never spreads.
 BodyHealth Body::integrate( float h, TaskRunner* runner )
 {
 	const Kernels& kernels = bestKernels();
 	const MotionView view = viewOf( m_nodes, m_kept.data() );
 	OfShares<MotionSums> sums;
-	runShares( runner, Shares{ m_nodes.padded }, [&]( int share, int begin, int end ) {
-		kernels.advance( view, h, begin, end, sums[std::size_t( share )] );
-	} );
+	runShares( runner, Shares{ m_nodes.padded },
+		[&]( int share, int begin, int end ) { kernels.advance( view, h, begin, end, sums[std::size_t( share )] ); } );
 	m_motion = MotionSums{};
 	for ( const MotionSums& sum : sums )
 	{

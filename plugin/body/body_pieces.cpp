@@ -13,8 +13,8 @@ namespace pliant {
 
 namespace {
 
-/// Where as many links as one in so many cells has break at once, what hangs together is sooner found by going through all. Measured event by event:
-/// at one in 16 to 31 both take as long, at one in 32 growing takes a sixth, at one in 8 a third more.
+/// Where as many links as one in so many cells has break at once, what hangs together is sooner found by going through all. Measured event
+/// by event: at one in 16 to 31 both take as long, at one in 32 growing takes a sixth, at one in 8 a third more.
 constexpr std::size_t kFewLinks = 16;
 
 /// Heaviest first, equals by lowest cell.
@@ -127,7 +127,8 @@ std::vector<BodyPiece> Body::breakApart( BreakReport& report, int most, PieceRoa
 		m_breaking->broken.clear();
 	}
 	const bool looksFromThere = m_isOnePart && areFew && !touched.empty();
-	std::vector<std::vector<std::uint32_t>> parts = byMass( *whole, looksFromThere ? connectedParts( *whole, touched ) : connectedParts( *whole ) );
+	std::vector<std::vector<std::uint32_t>> parts = byMass(
+		*whole, looksFromThere ? connectedParts( *whole, touched ) : connectedParts( *whole ) );
 	removeSmall( parts, report );
 	const bool isMerged = parts.size() > std::size_t( most );
 	keepMost( parts, std::size_t( most ) );
@@ -293,7 +294,8 @@ std::unique_ptr<Matcher> Body::makePieceMatcher( const Body& from, const BodyPie
 	{
 		measured.yieldStrain = 1.0f;
 	}
-	auto matcher = std::make_unique<LatticeMatcher>( *m_lattice, m_material, buildRegionTables( *m_lattice, measured, Summation::Automatic, m_stiffness, &moments ) );
+	auto matcher = std::make_unique<LatticeMatcher>(
+		*m_lattice, m_material, buildRegionTables( *m_lattice, measured, Summation::Automatic, m_stiffness, &moments ) );
 	matcher->setFarLevels( m_material.farLevels, m_stiffness );
 	return matcher;
 }

@@ -27,10 +27,10 @@ struct Breaking
 {
 	Fracture settings;
 	LinkLimits limits;
-	std::vector<CellLink> broken; ///< waiting to be taken out, ascending
-	float sinceLook = 0.0f;       ///< s since planes were looked at
-	float coolDown = 0.0f;        ///< s until links are tested again, or new cracks may begin
-	CellStandings standings;      ///< bodies with levels only
+	std::vector<CellLink> broken;        ///< waiting to be taken out, ascending
+	float sinceLook = 0.0f;              ///< s since planes were looked at
+	float coolDown = 0.0f;               ///< s until links are tested again, or new cracks may begin
+	CellStandings standings;             ///< bodies with levels only
 	std::unique_ptr<PlaneCracks> planes; ///< BreakRule::Plane only
 
 	/// Limits and planes for the settings.
@@ -46,22 +46,22 @@ struct BodyPiece
 	std::vector<std::uint32_t> touched;    ///< finest cells, ascending, that lost links or got some
 	std::vector<std::uint32_t> treeBefore; ///< LevelBaseUpdate::nodeBefore; empty where nothing is taken over
 	bool isOnePart = true;
-	bool isLast = false;                   ///< made last: what the whole needs no more may be taken
-	bool isSmall = false;                  ///< Fracture::smallCells
-	bool isRigid = false;                  ///< one rigid cluster
+	bool isLast = false;                                      ///< made last: what the whole needs no more may be taken
+	bool isSmall = false;                                     ///< Fracture::smallCells
+	bool isRigid = false;                                     ///< one rigid cluster
 	Eigen::Quaternionf turn = Eigen::Quaternionf::Identity(); ///< of the material at one of its nodes
 };
 
 /// What one event did.
 struct BreakReport
 {
-	int links = 0;          ///< broken
-	double area = 0.0;      ///< m^2, of one side, from the links between cells that share a face
-	double energy = 0.0;    ///< J: what the broken links held, E e^2 / 2 over their share of the material
+	int links = 0;                ///< broken
+	double area = 0.0;            ///< m^2, of one side, from the links between cells that share a face
+	double energy = 0.0;          ///< J: what the broken links held, E e^2 / 2 over their share of the material
 	std::vector<CellLink> broken; ///< by the numbers of the body before
-	bool hasHealed = false; ///< links were put back
-	int removedPieces = 0;  ///< SmallPieces::Remove
-	double removedMass = 0.0; ///< kg
+	bool hasHealed = false;       ///< links were put back
+	int removedPieces = 0;        ///< SmallPieces::Remove
+	double removedMass = 0.0;     ///< kg
 };
 
 } // namespace pliant

@@ -1,8 +1,8 @@
 #include "body/implicit_motion.h"
 
 #include "matching/implicit/conjugate_gradients.h"
-#include "matching/step/lattice_matcher.h"
 #include "matching/regions/region_moments.h"
+#include "matching/step/lattice_matcher.h"
 
 namespace pliant {
 
@@ -162,11 +162,12 @@ Eigen::Vector3d ImplicitMotion::arm( int node ) const
 	return at( m_arms.data(), m_nodes->padded, node );
 }
 
-// Masses: sum m ( 1, p )( 1, p )^T for each component of v. Elasticity: every region of a full lattice resists the symmetric part S of L with
-// its second moment, together G m mu d^2 |S|^2, and |S|^2 = sum over k, j of ( L_kj^2 + L_kj L_jk ) / 2.
+// Masses: sum m ( 1, p )( 1, p )^T for each component of v. Elasticity: every region of a full lattice resists the symmetric part S of L
+// with its second moment, together G m mu d^2 |S|^2, and |S|^2 = sum over k, j of ( L_kj^2 + L_kj L_jk ) / 2.
 Matrix12 ImplicitMotion::affineMatrix( int part ) const
 {
-	const double mass = m_rates.whole( part ).mass, affineMass = double( m_stiffness ) * mass * m_secondMoment, floor = kInertiaFloor * trace( part );
+	const double mass = m_rates.whole( part ).mass, affineMass = double( m_stiffness ) * mass * m_secondMoment,
+				 floor = kInertiaFloor * trace( part );
 	const Eigen::Matrix3d second = 0.5 * trace( part ) * Eigen::Matrix3d::Identity() - m_inertias[std::size_t( part )];
 	Matrix12 matrix = Matrix12::Zero();
 	for ( int k = 0; k < 3; ++k )
@@ -240,7 +241,8 @@ void ImplicitMotion::addAffine( const Vector12& motion, float* z, int part ) con
 	}
 	parts().forNodes( part, m_nodes->count, [&]( int i ) {
 		const Eigen::Vector3d from = arm( i );
-		const Eigen::Vector3d moved = motion.head<3>() + from[0] * motion.segment<3>( 3 ) + from[1] * motion.segment<3>( 6 ) + from[2] * motion.segment<3>( 9 );
+		const Eigen::Vector3d moved = motion.head<3>() + from[0] * motion.segment<3>( 3 ) + from[1] * motion.segment<3>( 6 ) +
+			from[2] * motion.segment<3>( 9 );
 		for ( int k = 0; k < 3; ++k )
 		{
 			z[k * padded + i] += m_nodes->freedom[i] * float( moved[k] );

@@ -9,8 +9,8 @@
 //
 // sigma is Material::numericalDamping, c Material::damping, alpha = E h^2 / ( rho d^2 mu ) of any size, 1 - P of StrainRates.
 
-#include "matching/node_state.h"
 #include "matching/implicit/strain_rates.h"
+#include "matching/node_state.h"
 
 #include <Eigen/Core>
 
@@ -40,8 +40,8 @@ struct ImplicitStep
 class ImplicitMotion
 {
 public:
-	/// `pushed`: nodes' speeds with what matching adds to them; nodes.v: those of free flight, v*; `before`: at the substep's start. All three
-	/// as long as `size`.
+	/// `pushed`: nodes' speeds with what matching adds to them; nodes.v: those of free flight, v*; `before`: at the substep's start. All
+	/// three as long as `size`.
 	void begin( LatticeMatcher& matcher, NodeState& nodes, const float* pushed, const ImplicitStep& step, TaskRunner* runner );
 	/// A body that is moved by its contacts alone in this substep: G = 0, b = m v. `parts`: kept as long as `nodes`; null: one.
 	void beginFree( NodeState& nodes, const ConnectedParts* parts = nullptr );
@@ -58,7 +58,8 @@ public:
 	bool isElastic() const { return m_stiffness > 0.0f; }
 	bool hasHeldNodes() const { return m_hasHeldNodes; }
 
-	// A body whose cells fall into several parts moves as so many: what follows is of one of them, and of the whole body where it is in one.
+	// A body whose cells fall into several parts moves as so many: what follows is of one of them, and of the whole body where it is in
+	// one.
 	const ConnectedParts& parts() const { return m_rates.parts(); }
 	/// Whether some node of a part is held.
 	bool isHeld( int part ) const { return m_isHeld[std::size_t( part )] != 0; }
@@ -79,14 +80,15 @@ public:
 	/// A node's place from the mass centre of its part, m.
 	Eigen::Vector3d arm( int node ) const;
 
-	/// What the solver's end and rounding left of Qt( m v* - m v ), Q the rigid motions, as a rigid motion of each part, of a body that touches nothing.
+	/// What the solver's end and rounding left of Qt( m v* - m v ), Q the rigid motions, as a rigid motion of each part, of a body that
+	/// touches nothing.
 	void keepMomentum();
 	/// Qt( m v* - m v ): what the nodes' momentum lacks to what it was at the substep's start and what forces brought since.
 	Vector6 missingMomentum( int part = 0 ) const;
 	/// Adds a rigid motion to the nodes' speeds.
 	void addMotion( const Vector6& motion, int part = 0 );
-	void copySpeeds( float* v ) const;       ///< of the nodes as they are
-	void setSpeeds( const float* v );        ///< of the free nodes
+	void copySpeeds( float* v ) const; ///< of the nodes as they are
+	void setSpeeds( const float* v );  ///< of the free nodes
 	std::size_t bytes() const { return m_rightSide.size() * sizeof( float ) + m_rates.bytes(); }
 
 private:
@@ -100,13 +102,13 @@ private:
 	StrainRates m_rates;
 	NodeState* m_nodes = nullptr;
 	AlignedArray<float> m_rightSide;
-	AlignedArray<float> m_arms;     ///< of the nodes from their part's mass centre, m, component by component; 0 where one is held
-	double m_secondMoment = 0.0;    ///< of a full region, an axis, per mass, m^2
-	float m_stiffness = 0.0f; ///< G
+	AlignedArray<float> m_arms;  ///< of the nodes from their part's mass centre, m, component by component; 0 where one is held
+	double m_secondMoment = 0.0; ///< of a full region, an axis, per mass, m^2
+	float m_stiffness = 0.0f;    ///< G
 	bool m_hasHeldNodes = false;
-	std::vector<char> m_isHeld;               ///< of each part
-	std::vector<Vector6> m_freeMomentum;      ///< of each part with the speeds of free flight, v*
-	std::vector<Eigen::Matrix3d> m_inertias;  ///< of each part, kg m^2; raised where it has none
+	std::vector<char> m_isHeld;              ///< of each part
+	std::vector<Vector6> m_freeMomentum;     ///< of each part with the speeds of free flight, v*
+	std::vector<Eigen::Matrix3d> m_inertias; ///< of each part, kg m^2; raised where it has none
 };
 
 } // namespace pliant

@@ -14,7 +14,7 @@ namespace pliant {
 /// What a finest cell is in the cut of now.
 enum class CellStanding : std::uint8_t
 {
-	InBig,     ///< a part of a bigger node: it does not break, for big nodes are split long before what is in them could (kRefineBeforeBreak)
+	InBig, ///< a part of a bigger node: it does not break, for big nodes are split long before what is in them could (kRefineBeforeBreak)
 	BesideBig, ///< a node by itself, linked to some that are not
 	AmongFine  ///< a node by itself, as all are that it is linked to
 };
@@ -37,13 +37,18 @@ class CellPlaces
 {
 public:
 	explicit CellPlaces( const NodeState& nodes ) : m_nodes( nodes ) {}
-	CellPlaces( const NodeState& nodes, const Cut& cut, const std::vector<CellStanding>& standing ) : m_nodes( nodes ), m_cut( &cut ), m_standing( &standing ) {}
+	CellPlaces( const NodeState& nodes, const Cut& cut, const std::vector<CellStanding>& standing ) :
+		m_nodes( nodes ), m_cut( &cut ), m_standing( &standing )
+	{}
 
 	/// Whether the cell is a node by itself, and not a part of a bigger one.
 	bool has( std::uint32_t cell ) const { return !m_cut || m_cut->node[m_cut->slotOfCell[cell]] == cell; }
 	bool mayBreak( std::uint32_t cell ) const { return !m_standing || ( *m_standing )[cell] != CellStanding::InBig; }
 	/// How many times the strain that was set it must be stretched by to break.
-	float bears( std::uint32_t cell ) const { return m_standing && ( *m_standing )[cell] == CellStanding::BesideBig ? kBearsBesideBig : 1.0f; }
+	float bears( std::uint32_t cell ) const
+	{
+		return m_standing && ( *m_standing )[cell] == CellStanding::BesideBig ? kBearsBesideBig : 1.0f;
+	}
 	Vec3 at( std::uint32_t cell ) const { return m_nodes.x.get( nodeOf( cell ) ); }
 	/// At rest, in the body's own frame.
 	Vec3 restOf( std::uint32_t cell ) const { return m_nodes.x0.get( nodeOf( cell ) ); }

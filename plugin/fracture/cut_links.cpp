@@ -74,7 +74,8 @@ bool isSomething( const BladeCut& cut )
 /// Where each place lies beyond the blade's box: a bit a side. What has its both ends beyond one side is not cut.
 std::vector<std::uint8_t> sidesBeyond( const std::vector<Vec3d>& places, const BladeCut& cut )
 {
-	const Vec3d low = cut.p0.cwiseMin( cut.p1 ).cwiseMin( cut.q0.cwiseMin( cut.q1 ) ), high = cut.p0.cwiseMax( cut.p1 ).cwiseMax( cut.q0.cwiseMax( cut.q1 ) );
+	const Vec3d low = cut.p0.cwiseMin( cut.p1 ).cwiseMin( cut.q0.cwiseMin( cut.q1 ) ),
+				high = cut.p0.cwiseMax( cut.p1 ).cwiseMax( cut.q0.cwiseMax( cut.q1 ) );
 	std::vector<std::uint8_t> beyond;
 	beyond.reserve( places.size() );
 	for ( const Vec3d& at : places )
@@ -95,7 +96,8 @@ std::vector<std::uint8_t> sidesBeyond( const std::vector<Vec3d>& places, const C
 	return std::vector<std::uint8_t>( places.size(), 0 );
 }
 
-/// Whether a cell and all it is linked to lie beyond one side: most do, and no link of theirs is looked at. So nothing is gained by stopping early.
+/// Whether a cell and all it is linked to lie beyond one side: most do, and no link of theirs is looked at. So nothing is gained by
+/// stopping early.
 bool isBeyond( const Lattice& lattice, const std::vector<std::uint8_t>& beyond, std::uint32_t cell )
 {
 	unsigned all = beyond[cell];

@@ -16,7 +16,7 @@ namespace pliant {
 struct PlaneCut
 {
 	Vec3d point = Vec3d::Zero();
-	Vec3d normal = Vec3d::UnitX(); ///< of any length but 0
+	Vec3d normal = Vec3d::UnitX();                           ///< of any length but 0
 	double radius = std::numeric_limits<double>::infinity(); ///< about `point`, m
 };
 
@@ -48,12 +48,12 @@ struct CutTrace
 };
 
 /// What the cut left on each of the links it goes through. `rotations`: x y z w of each cell: what lay at rest is turned so now.
-std::vector<CutTrace> tracesOf( const Lattice& lattice, const std::vector<Vec3d>& places, const std::vector<CellLink>& links, const PlaneCut& cut,
-	const std::vector<Eigen::Quaternionf>& rotations );
-std::vector<CutTrace> tracesOf( const Lattice& lattice, const std::vector<Vec3d>& places, const std::vector<CellLink>& links, const SphereCut& cut,
-	const std::vector<Eigen::Quaternionf>& rotations );
-std::vector<CutTrace> tracesOf( const Lattice& lattice, const std::vector<Vec3d>& places, const std::vector<CellLink>& links, const BladeCut& cut,
-	const std::vector<Eigen::Quaternionf>& rotations );
+std::vector<CutTrace> tracesOf( const Lattice& lattice, const std::vector<Vec3d>& places, const std::vector<CellLink>& links,
+	const PlaneCut& cut, const std::vector<Eigen::Quaternionf>& rotations );
+std::vector<CutTrace> tracesOf( const Lattice& lattice, const std::vector<Vec3d>& places, const std::vector<CellLink>& links,
+	const SphereCut& cut, const std::vector<Eigen::Quaternionf>& rotations );
+std::vector<CutTrace> tracesOf( const Lattice& lattice, const std::vector<Vec3d>& places, const std::vector<CellLink>& links,
+	const BladeCut& cut, const std::vector<Eigen::Quaternionf>& rotations );
 
 /// The links that `whole` has and `part` has not, between cells of `part` that are not further apart than `most` times their rest length:
 /// what may grow together again. `cellInWhole`: of each cell of the part, ascending; empty: the same. Ascending, each once.

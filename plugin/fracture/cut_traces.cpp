@@ -43,7 +43,9 @@ Crossing crossingOf( const SphereCut& cut, const Vec3d& a, const Vec3d& b )
 Crossing crossingOf( const BladeCut& cut, const Vec3d& a, const Vec3d& b )
 {
 	const Vec3d first = ( cut.p1 - cut.p0 ).cross( cut.q0 - cut.p0 ), second = ( cut.p1 - cut.q0 ).cross( cut.q1 - cut.q0 );
-	const auto differs = [&]( const Vec3d& point, const Vec3d& normal ) { return ( normal.dot( a - point ) < 0.0 ) != ( normal.dot( b - point ) < 0.0 ); };
+	const auto differs = [&]( const Vec3d& point, const Vec3d& normal ) {
+		return ( normal.dot( a - point ) < 0.0 ) != ( normal.dot( b - point ) < 0.0 );
+	};
 	const bool isFirst = first.squaredNorm() > 0.0 && differs( cut.p0, first );
 	const bool isSecond = second.squaredNorm() > 0.0 && differs( cut.q0, second );
 	if ( isFirst && isSecond )
@@ -58,8 +60,8 @@ Crossing crossingOf( const BladeCut& cut, const Vec3d& a, const Vec3d& b )
 }
 
 template <class Cut>
-std::vector<CutTrace> findTraces( const Lattice& lattice, const std::vector<Vec3d>& places, const std::vector<CellLink>& links, const Cut& cut,
-	const std::vector<Eigen::Quaternionf>& rotations )
+std::vector<CutTrace> findTraces( const Lattice& lattice, const std::vector<Vec3d>& places, const std::vector<CellLink>& links,
+	const Cut& cut, const std::vector<Eigen::Quaternionf>& rotations )
 {
 	std::vector<CutTrace> traces;
 	traces.reserve( links.size() );
@@ -83,20 +85,20 @@ std::vector<CutTrace> findTraces( const Lattice& lattice, const std::vector<Vec3
 
 } // namespace
 
-std::vector<CutTrace> tracesOf( const Lattice& lattice, const std::vector<Vec3d>& places, const std::vector<CellLink>& links, const PlaneCut& cut,
-	const std::vector<Eigen::Quaternionf>& rotations )
+std::vector<CutTrace> tracesOf( const Lattice& lattice, const std::vector<Vec3d>& places, const std::vector<CellLink>& links,
+	const PlaneCut& cut, const std::vector<Eigen::Quaternionf>& rotations )
 {
 	return findTraces( lattice, places, links, cut, rotations );
 }
 
-std::vector<CutTrace> tracesOf( const Lattice& lattice, const std::vector<Vec3d>& places, const std::vector<CellLink>& links, const SphereCut& cut,
-	const std::vector<Eigen::Quaternionf>& rotations )
+std::vector<CutTrace> tracesOf( const Lattice& lattice, const std::vector<Vec3d>& places, const std::vector<CellLink>& links,
+	const SphereCut& cut, const std::vector<Eigen::Quaternionf>& rotations )
 {
 	return findTraces( lattice, places, links, cut, rotations );
 }
 
-std::vector<CutTrace> tracesOf( const Lattice& lattice, const std::vector<Vec3d>& places, const std::vector<CellLink>& links, const BladeCut& cut,
-	const std::vector<Eigen::Quaternionf>& rotations )
+std::vector<CutTrace> tracesOf( const Lattice& lattice, const std::vector<Vec3d>& places, const std::vector<CellLink>& links,
+	const BladeCut& cut, const std::vector<Eigen::Quaternionf>& rotations )
 {
 	return findTraces( lattice, places, links, cut, rotations );
 }

@@ -58,10 +58,12 @@ LinkLimits inheritLimits( const LinkLimits& before, const Lattice& part, const s
 		const std::uint32_t oldEnd = before.start[cells[i] + 1];
 		const auto row = part.linkTo.begin() + part.linkStart[i], end = part.linkTo.begin() + part.linkStart[i + 1];
 		const auto upper = std::upper_bound( row, end, i );
-		if ( std::equal( upper, end, before.to.begin() + old, before.to.begin() + oldEnd, [&]( std::uint32_t now, std::uint32_t then ) { return cells[now] == then; } ) )
+		if ( std::equal( upper, end, before.to.begin() + old, before.to.begin() + oldEnd,
+				 [&]( std::uint32_t now, std::uint32_t then ) { return cells[now] == then; } ) )
 		{
 			limits.to.insert( limits.to.end(), upper, end );
-			limits.lengthSquared.insert( limits.lengthSquared.end(), before.lengthSquared.begin() + old, before.lengthSquared.begin() + oldEnd );
+			limits.lengthSquared.insert(
+				limits.lengthSquared.end(), before.lengthSquared.begin() + old, before.lengthSquared.begin() + oldEnd );
 			if ( !before.toughness.empty() )
 			{
 				limits.toughness.insert( limits.toughness.end(), before.toughness.begin() + old, before.toughness.begin() + oldEnd );
@@ -166,7 +168,8 @@ void findOverstretched( const LinkLimits& limits, const CellPlaces& places, std:
 		{
 			const std::uint32_t j = limits.to[k];
 			const float squared = ( places.at( i ) - places.at( j ) ).squaredNorm();
-			if ( places.mayBreak( j ) && squared > limits.lengthSquared[k] && squared > borneSquared( limits.lengthSquared[k], places, i, j ) )
+			if ( places.mayBreak( j ) && squared > limits.lengthSquared[k] &&
+				squared > borneSquared( limits.lengthSquared[k], places, i, j ) )
 			{
 				found.push_back( CellLink{ i, j } );
 			}

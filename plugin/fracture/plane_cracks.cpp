@@ -40,8 +40,8 @@ void PlaneCracks::placeAtRest( const Lattice& lattice )
 	}
 }
 
-// Links are cheap to look at and single out the few cells for which the deformation of all that is around them is worth measuring. Where most are
-// stretched, most links join two of which that is known.
+// Links are cheap to look at and single out the few cells for which the deformation of all that is around them is worth measuring. Where
+// most are stretched, most links join two of which that is known.
 void PlaneCracks::findStretched( const LinkLimits& limits, const CellPlaces& places )
 {
 	std::vector<std::uint8_t>&isStretched = m_room.mark, &isSought = m_room.isSought;
@@ -60,7 +60,8 @@ void PlaneCracks::findStretched( const LinkLimits& limits, const CellPlaces& pla
 				isSought[i] = isSought[j] = 0;
 			}
 		}
-		if ( isStretched[i] != 0 && m_room.isOpen[i] != 0 && places.mayBreak( i ) ) // all links of i have been looked at: those to lower cells were theirs
+		if ( isStretched[i] != 0 && m_room.isOpen[i] != 0 &&
+			places.mayBreak( i ) ) // all links of i have been looked at: those to lower cells were theirs
 		{
 			m_room.stretched.push_back( i );
 		}
@@ -72,7 +73,8 @@ void PlaneCracks::measureWide( const Lattice& lattice, const LinkLimits& limits,
 	if ( overload.near.excess > 1.0f )
 	{
 		overload.wide = measure( lattice, limits, m_room.moments.around( overload.cell ).deformation(), overload );
-		overload.wide.excess = overload.near.excess > kNeck ? std::max( overload.wide.excess, 1.0f + overload.near.excess - kNeck ) : overload.wide.excess;
+		overload.wide.excess = overload.near.excess > kNeck ? std::max( overload.wide.excess, 1.0f + overload.near.excess - kNeck )
+															: overload.wide.excess;
 	}
 }
 
@@ -110,7 +112,8 @@ void PlaneCracks::findOverloads( const Lattice& lattice, const LinkLimits& limit
 	} );
 }
 
-PlaneCracks::Pull PlaneCracks::measure( const Lattice& lattice, const LinkLimits& limits, const Eigen::Matrix3d& around, const Overload& overload ) const
+PlaneCracks::Pull PlaneCracks::measure(
+	const Lattice& lattice, const LinkLimits& limits, const Eigen::Matrix3d& around, const Overload& overload ) const
 {
 	const std::uint32_t i = overload.cell;
 	const Stretch stretch = largestStretch( around );
@@ -239,7 +242,8 @@ bool PlaneCracks::find(
 	{
 		plane.age += h;
 	}
-	m_planes.erase( std::remove_if( m_planes.begin(), m_planes.end(), []( const Plane& plane ) { return plane.age > kCrackRest; } ), m_planes.end() );
+	m_planes.erase(
+		std::remove_if( m_planes.begin(), m_planes.end(), []( const Plane& plane ) { return plane.age > kCrackRest; } ), m_planes.end() );
 	if ( m_planes.empty() && !mayBegin )
 	{
 		return false;

@@ -1,8 +1,9 @@
 #pragma once
 
-// Cracks as planes: where the material around a cell is stretched too far, all links that cross the plane normal to the largest stretch break
-// together, and a crack goes on in the plane it began in. Beyond Ohta et al. 2009, "Fracturing": distances between neighbours depend on how
-// the lattice lies (a pull between two of the 26 directions stretches no link by the whole of it), and cracks of single links follow it.
+// Cracks as planes: where the material around a cell is stretched too far, all links that cross the plane normal to the largest stretch
+// break together, and a crack goes on in the plane it began in. Beyond Ohta et al. 2009, "Fracturing": distances between neighbours depend
+// on how the lattice lies (a pull between two of the 26 directions stretches no link by the whole of it), and cracks of single links follow
+// it.
 
 #include "fracture/cell_places.h"
 #include "fracture/link_limits.h"
@@ -24,9 +25,11 @@ public:
 
 	/// Adds the links that break in this substep of length h, ascending. `limits` made for candidateStrain(). `mayBegin`: new cracks may,
 	/// else the ones there are go on only. True when one has begun.
-	bool find( const Lattice& lattice, const LinkLimits& limits, const CellPlaces& places, float h, bool mayBegin, std::vector<CellLink>& broken );
+	bool find(
+		const Lattice& lattice, const LinkLimits& limits, const CellPlaces& places, float h, bool mayBegin, std::vector<CellLink>& broken );
 
-	/// The slow twin of what find() does: measures around every stretched cell, whether a crack can get there or not, and however little it may be.
+	/// The slow twin of what find() does: measures around every stretched cell, whether a crack can get there or not, and however little it
+	/// may be.
 	void lookEverywhere() { m_looksEverywhere = true; }
 
 	std::size_t count() const { return m_planes.size(); }
@@ -46,9 +49,9 @@ private:
 		float excess = 0.0f; ///< strain over what the cell bears
 		Vec3d normal = Vec3d::Zero();
 	};
-	/// A crack that is there is asked about the cell's own links, for at its tip the stretch is high and the place small. Where one is to begin,
-	/// those of its neighbours count as well: else every step of a slanted surface is a notch, and bars at 5 degrees to the lattice broke at
-	/// 0.87 of what was set.
+	/// A crack that is there is asked about the cell's own links, for at its tip the stretch is high and the place small. Where one is to
+	/// begin, those of its neighbours count as well: else every step of a slanted surface is a notch, and bars at 5 degrees to the lattice
+	/// broke at 0.87 of what was set.
 	struct Overload
 	{
 		std::uint32_t cell;
@@ -68,13 +71,14 @@ private:
 		std::vector<std::uint8_t> mark;       ///< by cell
 		std::vector<std::uint32_t> inSlab;
 		std::vector<Overload> found;
-		std::vector<Vec3d> rest;              ///< by cell, in the mesh's coordinates
+		std::vector<Vec3d> rest; ///< by cell, in the mesh's coordinates
 		std::vector<std::uint32_t> members;
-		std::vector<std::uint8_t> isBroken;   ///< by link of the limits, in this look
-		std::vector<std::uint8_t> sideOf;     ///< by cell, while a crack goes on by it: 1 below, 2 above; else 0
-		std::vector<std::uint64_t> above, inSlabs; ///< by cell, a bit a plane: whether it lies on the upper side, and within the plane's thickness
-		std::vector<std::uint8_t> isOpen;     ///< by cell: it may do something
-		std::vector<std::uint8_t> isSought;   ///< by cell: an open one not known to be stretched so far
+		std::vector<std::uint8_t> isBroken; ///< by link of the limits, in this look
+		std::vector<std::uint8_t> sideOf;   ///< by cell, while a crack goes on by it: 1 below, 2 above; else 0
+		std::vector<std::uint64_t> above,
+			inSlabs;                        ///< by cell, a bit a plane: whether it lies on the upper side, and within the plane's thickness
+		std::vector<std::uint8_t> isOpen;   ///< by cell: it may do something
+		std::vector<std::uint8_t> isSought; ///< by cell: an open one not known to be stretched so far
 	};
 
 	/// Bits that a word has for planes; more of them, and all cells are open.

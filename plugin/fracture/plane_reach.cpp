@@ -15,8 +15,8 @@ double PlaneCracks::Plane::distanceOf( const Vec3d& at ) const
 	return std::sqrt( ( at - at.cwiseMax( low ).cwiseMin( high ) ).squaredNorm() );
 }
 
-// Where no crack may begin, a cell does something by a crack only within whose thickness it lies, and where some of its links cross the plane or
-// it widens the box that the crack has run through. Late in a break, most cells along a crack do neither.
+// Where no crack may begin, a cell does something by a crack only within whose thickness it lies, and where some of its links cross the
+// plane or it widens the box that the crack has run through. Late in a break, most cells along a crack do neither.
 void PlaneCracks::findOpen( const Lattice& lattice )
 {
 	if ( m_planes.size() > kMostBits )
@@ -62,8 +62,8 @@ bool PlaneCracks::doesSomething( const Lattice& lattice, std::uint32_t cell ) co
 	return does;
 }
 
-// Only those can break links that a crack gets to: they lie within its plane's thickness, and near to where it has been or to another such cell
-// that it then has been at.
+// Only those can break links that a crack gets to: they lie within its plane's thickness, and near to where it has been or to another such
+// cell that it then has been at.
 void PlaneCracks::dropUnreachable( const Lattice& lattice )
 {
 	std::vector<std::uint8_t>& isReached = m_room.mark;
@@ -102,13 +102,15 @@ void PlaneCracks::dropUnreachable( const Lattice& lattice )
 	cells.erase( std::remove_if( cells.begin(), cells.end(), [&]( std::uint32_t cell ) { return isReached[cell] == 0; } ), cells.end() );
 }
 
-/// In which cracks' planes the cell lies and is pulled across, a bit each; of more planes than a word has bits: all bits, where there is one.
+/// In which cracks' planes the cell lies and is pulled across, a bit each; of more planes than a word has bits: all bits, where there is
+/// one.
 std::uint64_t PlaneCracks::planesOf( std::uint32_t cell, const Pull& near, double cellSize ) const
 {
 	std::uint64_t planes = 0;
 	for ( std::size_t p = 0; p < m_planes.size(); ++p )
 	{
-		if ( std::fabs( heightOver( m_planes[p], cell ) ) <= kCrackThickness * cellSize && std::fabs( m_planes[p].normal.dot( near.normal ) ) >= kSameCrackCosine )
+		if ( std::fabs( heightOver( m_planes[p], cell ) ) <= kCrackThickness * cellSize &&
+			std::fabs( m_planes[p].normal.dot( near.normal ) ) >= kSameCrackCosine )
 		{
 			planes |= m_planes.size() > kMostBits ? ~std::uint64_t( 0 ) : std::uint64_t( 1 ) << p;
 		}
@@ -116,8 +118,8 @@ std::uint64_t PlaneCracks::planesOf( std::uint32_t cell, const Pull& near, doubl
 	return planes;
 }
 
-/// Planes with a cell that has been found and is too far away as yet. Which crack a cell goes with depends on which others have had their turn only where
-/// one of these is among its planes, and only on those that are so too.
+/// Planes with a cell that has been found and is too far away as yet. Which crack a cell goes with depends on which others have had their
+/// turn only where one of these is among its planes, and only on those that are so too.
 std::uint64_t PlaneCracks::planesToReach( double cellSize ) const
 {
 	if ( m_planes.size() > kMostBits )

@@ -21,8 +21,7 @@ struct Symmetric
 	explicit Symmetric( const Eigen::Matrix3d& f ) :
 		xx( f.col( 0 ).squaredNorm() - 1.0 ), yy( f.col( 1 ).squaredNorm() - 1.0 ), zz( f.col( 2 ).squaredNorm() - 1.0 ),
 		yz( f.col( 1 ).dot( f.col( 2 ) ) ), xz( f.col( 0 ).dot( f.col( 2 ) ) ), xy( f.col( 0 ).dot( f.col( 1 ) ) )
-	{
-	}
+	{}
 	void addToDiagonal( double a )
 	{
 		xx += a;
@@ -66,8 +65,8 @@ Vec3d kernelOf( const Symmetric& matrix )
 
 // E = F^T F - 1 has the mean m and, about it, S = p B with |B|^2 = 6. The largest eigenvalue of B is 1 + y with
 //   y^3 + 3 y^2 = 2 + det B =: s,  0 <= y <= 1.
-// y = z sqrt( s / 3 ) leaves k z^3 + z^2 = 1 with k = sqrt( s / 27 ) <= 0.39: Newton's steps from z = 1 come down to it quadratically, four of them
-// to the last bit.
+// y = z sqrt( s / 3 ) leaves k z^3 + z^2 = 1 with k = sqrt( s / 27 ) <= 0.39: Newton's steps from z = 1 come down to it quadratically, four
+// of them to the last bit.
 Stretch largestStretch( const Eigen::Matrix3d& deformation )
 {
 	Symmetric strain( deformation );
@@ -94,8 +93,8 @@ Stretch largestStretch( const Eigen::Matrix3d& deformation )
 	return found;
 }
 
-// The largest eigenvalue of E is at most m + 2 sqrt( |S|^2 / 6 ), and is that where the two others are alike, as in a pull. Left half open by what
-// rounding could make of it.
+// The largest eigenvalue of E is at most m + 2 sqrt( |S|^2 / 6 ), and is that where the two others are alike, as in a pull. Left half open
+// by what rounding could make of it.
 bool isStretchedLess( const Eigen::Matrix3d& deformation, double strain )
 {
 	constexpr double kRounding = 1e-9;

@@ -1,7 +1,7 @@
 #pragma once
 
-// The largest stretch of the material around a cell, from where its neighbours are: F = ( sum p q^T ) ( sum q q^T )^+ with q a link at rest and p
-// the same link now. Steinemann et al. 2008, section 4.2 (their regions' A_pq and A_qq).
+// The largest stretch of the material around a cell, from where its neighbours are: F = ( sum p q^T ) ( sum q q^T )^+ with q a link at rest
+// and p the same link now. Steinemann et al. 2008, section 4.2 (their regions' A_pq and A_qq).
 
 #include "fracture/cell_places.h"
 #include "lattice/lattice.h"
@@ -25,8 +25,8 @@ Stretch largestStretch( const Eigen::Matrix3d& deformation );
 /// No more than `strain` in any direction, for certain: told by mean and spread of F^T F alone. False tells nothing.
 bool isStretchedLess( const Eigen::Matrix3d& deformation, double strain );
 
-/// The pseudo-inverse of a second moment without the axes along which there is nothing (kFlatNeighbourhood). A solid one's is its adjugate over its
-/// determinant; inverseInPlane is the slow twin.
+/// The pseudo-inverse of a second moment without the axes along which there is nothing (kFlatNeighbourhood). A solid one's is its adjugate
+/// over its determinant; inverseInPlane is the slow twin.
 Eigen::Matrix3d inverseOfRest( const Eigen::Matrix3d& moment );
 
 /// Sums over a cell's links, made when they are first asked for. Rows of four floats, the last one nothing.

@@ -1,6 +1,7 @@
 #pragma once
 
-// Which cells lie right beside a cell along the lattice's axes, linked to it. For who asks how the material around a node is stretched and turned.
+// Which cells lie right beside a cell along the lattice's axes, linked to it. For who asks how the material around a node is stretched and
+// turned.
 
 #include "lattice/lattice.h"
 

@@ -85,10 +85,12 @@ inline constexpr int kTargetTriesWhenOpen = 2;
 /// A shell knows where in a lattice position the surface passes by this many parts along an edge: their cube is the bits of a word.
 inline constexpr int kShellSamples = 4;
 
-/// Surface further than this from every cell's ball gets cells of its own, cells; and no cell of a shell is further than this from what it carries.
+/// Surface further than this from every cell's ball gets cells of its own, cells; and no cell of a shell is further than this from what it
+/// carries.
 inline constexpr double kShellReach = 1.0;
 
-/// The least share of a full cell that a shell's cell weighs: lighter ones would be flung about by their neighbours. As the least fill by default.
+/// The least share of a full cell that a shell's cell weighs: lighter ones would be flung about by their neighbours. As the least fill by
+/// default.
 inline constexpr double kLeastShellFill = 0.03;
 
 /// Positions that a surface of area A passes through: 1.5 A / d^2 on average, 1 A / d^2 along the axes, fewer where it is folded.
@@ -107,13 +109,15 @@ inline constexpr double kMostShellPower = 3.0;
 
 /// Points at which a surface is asked where it passes: as many, and more only where its cells are more.
 inline constexpr double kMostShellPoints = 1e6;
-/// And points at which it is asked first, at most, for how many positions that will be; it is folded where these are less than this share of them.
+/// And points at which it is asked first, at most, for how many positions that will be; it is folded where these are less than this share
+/// of them.
 inline constexpr double kMostSurveyPoints = 2e5;
 inline constexpr double kFoldedShare = 0.25;
 /// Positions are counted too high by less than this factor.
 inline constexpr double kMostOverCounted = 4.0;
 
-/// So many times as many points along an edge are asked as parts: the area in a position, which is summed over them, is off by some 2 % then.
+/// So many times as many points along an edge are asked as parts: the area in a position, which is summed over them, is off by some 2 %
+/// then.
 inline constexpr double kAreaDensity = 2.0;
 
 /// The inside's own surface may stick out of its cells by this much, cells; what goes on further is a part that leads away from it.
@@ -128,16 +132,18 @@ inline constexpr double kMostOpposedShare = 0.25;
 /// An open surface whose inside falls into parts of fewer cells than this holds nothing: its winding number hangs near one half.
 inline constexpr int kLeastCellsPerPart = 8;
 
-/// Patches of the drawn surface (contact_patches.h). So many points along a cell's edge are looked at, of so many triangles at most; they count up to this distance
-/// from the node, cells, and where they look the way the patch does by this cosine at least.
+/// Patches of the drawn surface (contact_patches.h). So many points along a cell's edge are looked at, of so many triangles at most; they
+/// count up to this distance from the node, cells, and where they look the way the patch does by this cosine at least.
 inline constexpr double kPatchSampleDensity = 4.0;
 inline constexpr std::size_t kMostPatchTriangles = 30000;
 inline constexpr double kPatchFitRadius = 1.75;
 inline constexpr double kLeastPatchCosine = 0.7;
-/// How long the mean normal of those within this distance must be: at a right-angled edge it is 0.71, on a ball of three cells' radius 0.96.
+/// How long the mean normal of those within this distance must be: at a right-angled edge it is 0.71, on a ball of three cells' radius
+/// 0.96.
 inline constexpr double kPatchNormalRadius = 1.25;
 inline constexpr double kLeastPatchAgreement = 0.9;
-/// Fits of a patch, each with the normal that the last one found; and what is added to the equations, so that a few points in a line still have an answer.
+/// Fits of a patch, each with the normal that the last one found; and what is added to the equations, so that a few points in a line still
+/// have an answer.
 inline constexpr int kPatchFits = 3;
 inline constexpr double kPatchRegularity = 1e-6;
 /// Root mean square of what the surface may be off its patch, cells.

@@ -47,7 +47,9 @@ Status needFeature( Feature feature )
 	{
 		return {};
 	}
-	return Status{ ResultCode::BadArgument, std::string( "This build is without " ) + toString( feature ) + ": it was made with " + kFeatures[int( feature )].option + "=OFF." };
+	return Status{ ResultCode::BadArgument,
+		std::string( "This build is without " ) + toString( feature ) + ": it was made with " + kFeatures[int( feature )].option +
+			"=OFF." };
 }
 
 } // namespace pliant

@@ -6,6 +6,7 @@
 
 #include <atomic>
 #include <new>
+#include <vector>
 
 namespace pliant {
 
@@ -27,6 +28,23 @@ void runGuarded( TaskRunner* runner, int count, F& task )
 	if ( isOutOfMemory )
 	{
 		throw std::bad_alloc();
+	}
+}
+
+/// Appends what each task found, in the order of the tasks, and frees it.
+template <class T>
+void appendAll( std::vector<std::vector<T>>& parts, std::vector<T>& out )
+{
+	std::size_t total = out.size();
+	for ( const auto& part : parts )
+	{
+		total += part.size();
+	}
+	out.reserve( total );
+	for ( auto& part : parts )
+	{
+		out.insert( out.end(), part.begin(), part.end() );
+		std::vector<T>().swap( part );
 	}
 }
 

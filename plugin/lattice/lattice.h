@@ -17,7 +17,8 @@ using Vec3d = Eigen::Vector3d;
 
 /// Flat arrays, one entry a cell, in the order of z, then y, then x, then material part.
 /// Two cells may stand at one lattice position: they are two material parts the surface keeps apart.
-/// The drawn surface in front of a cell: the sphere that fits it best there, its centre on the line from the node along `normal`. contact_patches.h.
+/// The drawn surface in front of a cell: the sphere that fits it best there, its centre on the line from the node along `normal`.
+/// contact_patches.h.
 struct ContactPatch
 {
 	Vec3 normal = Vec3::Zero(); ///< outwards, of unit length, in the rest frame
@@ -28,15 +29,15 @@ struct ContactPatch
 
 struct Lattice
 {
-	float cellSize = 0.0f;              ///< d, m
-	Vec3d corner = Vec3d::Zero();       ///< low corner of lattice position (0, 0, 0), in the mesh's coordinates, m
-	Vec3d massCentre = Vec3d::Zero();   ///< in the mesh's coordinates, m; rest centres are relative to it
+	float cellSize = 0.0f;                            ///< d, m
+	Vec3d corner = Vec3d::Zero();                     ///< low corner of lattice position (0, 0, 0), in the mesh's coordinates, m
+	Vec3d massCentre = Vec3d::Zero();                 ///< in the mesh's coordinates, m; rest centres are relative to it
 	Eigen::Vector3i extent = Eigen::Vector3i::Zero(); ///< lattice positions along x, y, z; each coordinate is in [0, extent)
 
 	std::vector<Eigen::Matrix<std::int16_t, 3, 1>> coordinate; ///< lattice position of a cell
-	std::vector<float> fill;            ///< share of the cell that is material, (0, 1]
-	std::vector<Vec3> restCentre;       ///< centre of mass of the cell's material, relative to massCentre, m
-	std::vector<std::uint8_t> isSurface; ///< 1 where the cell is not full or lacks one of its 26 links
+	std::vector<float> fill;                                   ///< share of the cell that is material, (0, 1]
+	std::vector<Vec3> restCentre;                              ///< centre of mass of the cell's material, relative to massCentre, m
+	std::vector<std::uint8_t> isSurface;                       ///< 1 where the cell is not full or lacks one of its 26 links
 
 	/// By cell; empty where nobody has looked at the drawn surface.
 	std::vector<ContactPatch> patch;
@@ -51,7 +52,8 @@ struct Lattice
 	std::size_t bytes() const
 	{
 		const std::size_t perCell = sizeof( coordinate[0] ) + sizeof( float ) + sizeof( Vec3 ) + sizeof( std::uint8_t );
-		return fill.size() * perCell + patch.size() * sizeof( ContactPatch ) + ( linkStart.size() + linkTo.size() ) * sizeof( std::uint32_t );
+		return fill.size() * perCell + patch.size() * sizeof( ContactPatch ) +
+			( linkStart.size() + linkTo.size() ) * sizeof( std::uint32_t );
 	}
 };
 

@@ -9,8 +9,8 @@ namespace pliant {
 
 namespace {
 
-/// Both directions of every link, ascending: the order in which the rows list them. `links` ascend, so that those to one cell from lower ones stand
-/// in order, and before those from it: counting sorts them.
+/// Both directions of every link, ascending: the order in which the rows list them. `links` ascend, so that those to one cell from lower
+/// ones stand in order, and before those from it: counting sorts them.
 std::vector<CellLink> bothWays( const std::vector<CellLink>& links, std::size_t cells )
 {
 	std::vector<std::uint32_t> next( cells + 1, 0 );
@@ -167,7 +167,8 @@ class SideBySide
 {
 public:
 	SideBySide( const Lattice& lattice, const std::vector<std::uint32_t>& seeds ) :
-		m_lattice( lattice ), m_own( std::size_t( lattice.cellCount() ), kNone ), m_sets( seeds.size() ), m_waiting( seeds.size(), 1 ), m_growing( seeds.size() ), m_queue( seeds )
+		m_lattice( lattice ), m_own( std::size_t( lattice.cellCount() ), kNone ), m_sets( seeds.size() ), m_waiting( seeds.size(), 1 ),
+		m_growing( seeds.size() ), m_queue( seeds )
 	{
 		for ( std::size_t k = 0; k < seeds.size(); ++k )
 		{

@@ -27,8 +27,8 @@ Lattice withLinks( const Lattice& lattice, const std::vector<CellLink>& links );
 /// The cells of each connected part, ascending; parts in the order of their lowest cells.
 std::vector<std::vector<std::uint32_t>> connectedParts( const Lattice& lattice );
 
-/// The same of a lattice in which every part has one of `seeds`, each once: one that was connected, and those are the ends of all links it lost. They
-/// look for each other side by side, and what is cut a little further finds itself soon around the cut's edge.
+/// The same of a lattice in which every part has one of `seeds`, each once: one that was connected, and those are the ends of all links it
+/// lost. They look for each other side by side, and what is cut a little further finds itself soon around the cut's edge.
 std::vector<std::vector<std::uint32_t>> connectedParts( const Lattice& lattice, const std::vector<std::uint32_t>& seeds );
 
 /// Some cells of a lattice (ascending, whole connected parts) as a lattice of their own, about their own mass centre. Coordinates stay, so

@@ -187,8 +187,9 @@ RegionSet buildRegions( const Lattice& lattice, int halfWidth, TaskRunner* runne
 	}
 
 	const std::vector<std::uint32_t> cube = cubeCounts( lattice, halfWidth );
-	regions.isFullCubes = !cube.empty() && std::equal( cube.begin(), cube.end(), regions.size.begin(), regions.size.end(),
-												[]( std::uint32_t a, std::uint16_t b ) { return a == b; } );
+	regions.isFullCubes = !cube.empty() &&
+		std::equal(
+			cube.begin(), cube.end(), regions.size.begin(), regions.size.end(), []( std::uint32_t a, std::uint16_t b ) { return a == b; } );
 	return regions;
 }
 

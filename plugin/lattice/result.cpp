@@ -8,24 +8,24 @@ const char* toString( ResultCode code )
 {
 	switch ( code )
 	{
-	case ResultCode::Ok: return "Ok";
-	case ResultCode::EmptyMesh: return "EmptyMesh";
-	case ResultCode::NonFiniteVertex: return "NonFiniteVertex";
-	case ResultCode::IndexOutOfRange: return "IndexOutOfRange";
-	case ResultCode::ExtentOutOfRange: return "ExtentOutOfRange";
-	case ResultCode::ZeroVolume: return "ZeroVolume";
-	case ResultCode::TooManyTriangles: return "TooManyTriangles";
-	case ResultCode::TooManyCells: return "TooManyCells";
-	case ResultCode::OutOfMemory: return "OutOfMemory";
-	case ResultCode::Cancelled: return "Cancelled";
-	case ResultCode::BadSettings: return "BadSettings";
-	case ResultCode::BadMaterial: return "BadMaterial";
-	case ResultCode::BadArgument: return "BadArgument";
-	case ResultCode::FileNotFound: return "FileNotFound";
-	case ResultCode::FileUnreadable: return "FileUnreadable";
-	case ResultCode::FileTooLarge: return "FileTooLarge";
-	case ResultCode::TimeLimit: return "TimeLimit";
-	case ResultCode::TooFolded: return "TooFolded";
+		case ResultCode::Ok: return "Ok";
+		case ResultCode::EmptyMesh: return "EmptyMesh";
+		case ResultCode::NonFiniteVertex: return "NonFiniteVertex";
+		case ResultCode::IndexOutOfRange: return "IndexOutOfRange";
+		case ResultCode::ExtentOutOfRange: return "ExtentOutOfRange";
+		case ResultCode::ZeroVolume: return "ZeroVolume";
+		case ResultCode::TooManyTriangles: return "TooManyTriangles";
+		case ResultCode::TooManyCells: return "TooManyCells";
+		case ResultCode::OutOfMemory: return "OutOfMemory";
+		case ResultCode::Cancelled: return "Cancelled";
+		case ResultCode::BadSettings: return "BadSettings";
+		case ResultCode::BadMaterial: return "BadMaterial";
+		case ResultCode::BadArgument: return "BadArgument";
+		case ResultCode::FileNotFound: return "FileNotFound";
+		case ResultCode::FileUnreadable: return "FileUnreadable";
+		case ResultCode::FileTooLarge: return "FileTooLarge";
+		case ResultCode::TimeLimit: return "TimeLimit";
+		case ResultCode::TooFolded: return "TooFolded";
 	}
 	return "unknown";
 }

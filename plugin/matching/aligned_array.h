@@ -18,13 +18,17 @@ struct LineAllocator
 
 	LineAllocator() = default;
 	template <class U>
-	LineAllocator( const LineAllocator<U>& ) {}
+	LineAllocator( const LineAllocator<U>& )
+	{}
 
 	T* allocate( std::size_t n ) { return static_cast<T*>( ::operator new( n * sizeof( T ), std::align_val_t( kAlignment ) ) ); }
 	void deallocate( T* p, std::size_t ) { ::operator delete( p, std::align_val_t( kAlignment ) ); }
 
 	template <class U>
-	bool operator==( const LineAllocator<U>& ) const { return true; }
+	bool operator==( const LineAllocator<U>& ) const
+	{
+		return true;
+	}
 };
 
 template <class T>

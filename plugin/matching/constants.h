@@ -31,7 +31,8 @@ inline constexpr double kLargestVolumeAlpha = 3.5;
 
 inline constexpr float kLargestVolumeKeeping = 2.0f;
 
-/// Largest share of region damping in a substep: with .87 a body of alpha .87 that strikes a floor gains fifty times its energy, with .71 nothing.
+/// Largest share of region damping in a substep: with .87 a body of alpha .87 that strikes a floor gains fifty times its energy, with .71
+/// nothing.
 inline constexpr double kLargestDampingShare = 0.5;
 /// lambda ( alpha + 2 k ) stays below this, of the 4 at which the explicit step ends.
 inline constexpr double kMostDampedAnswer = 3.8;
@@ -53,8 +54,8 @@ inline constexpr double kMostReach = 1.0e6;
 inline constexpr float kLargestFarDampingShare = 0.25f;
 inline constexpr float kLargestDampingOfFar = 0.1f;
 
-/// The implicit step's solver stops when what is left (r . z, twice an energy) is this share of what it began with, or the body's mass times
-/// the square of this speed, m/s; after so many products at the latest.
+/// The implicit step's solver stops when what is left (r . z, twice an energy) is this share of what it began with, or the body's mass
+/// times the square of this speed, m/s; after so many products at the latest.
 inline constexpr double kGradientShare = 1e-8;
 inline constexpr float kGradientSpeed = 1e-4f;
 inline constexpr int kMostGradients = 60;
@@ -76,7 +77,8 @@ inline constexpr float kLargestPlasticLimit = 2.0f;
 /// A rest shape changes by at most this share in a substep.
 inline constexpr double kLargestFlow = 0.5;
 
-/// Where the flow that the yield law asks for would raise the elastic energy, a safe one is tried, by this many halvings of it; then the region stays as it is.
+/// Where the flow that the yield law asks for would raise the elastic energy, a safe one is tried, by this many halvings of it; then the
+/// region stays as it is.
 inline constexpr int kFlowHalvings = 4;
 /// Second moments are inverted for it with this share of their sum added: flat regions have none across them.
 inline constexpr double kFlowFloor = 1e-6;

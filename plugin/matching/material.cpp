@@ -188,7 +188,8 @@ StiffnessPlan planStiffness( const Material& material, float cellSize, float gam
 
 	const double alpha = material.youngsModulus / modulusPerAlpha, most = largestAlpha( material );
 	const bool isOutOfReach = alpha > most * ( 1.0 + kAlphaSlack );
-	if ( material.elasticity == Elasticity::Implicit || ( material.elasticity == Elasticity::Automatic && isOutOfReach && material.farLevels == 0 && hasFeature( Feature::Implicit ) ) )
+	if ( material.elasticity == Elasticity::Implicit ||
+		( material.elasticity == Elasticity::Automatic && isOutOfReach && material.farLevels == 0 && hasFeature( Feature::Implicit ) ) )
 	{
 		plan.alpha = float( alpha );
 		plan.reachedModulus = material.youngsModulus;

@@ -40,9 +40,9 @@ struct NodeState
 	/// World position of the local frame, m. Positions `x` are relative to it, so that a body far out computes as at home.
 	Eigen::Vector3d origin = Eigen::Vector3d::Zero();
 
-	Vec3Array x;  ///< position relative to origin, m
-	Vec3Array v;  ///< velocity, m/s
-	Vec3Array x0; ///< rest position relative to the rest mass centre, m
+	Vec3Array x;                 ///< position relative to origin, m
+	Vec3Array v;                 ///< velocity, m/s
+	Vec3Array x0;                ///< rest position relative to the rest mass centre, m
 	AlignedArray<float> mass;    ///< kg
 	AlignedArray<float> freedom; ///< 1, or 0 for a pinned node and for padding: by rule, not by an epsilon
 

@@ -18,8 +18,8 @@ inline double regionSecondMoment( const Material& material )
 	return ( edge * edge - 1.0 ) / 12.0;
 }
 
-/// E = alpha rho d^2 mu f / h^2. Kept volume makes sigma = M ( eps + kappa tr( eps ) 1 ) with M = alpha rho d^2 mu / h^2, that is 2 G = M and
-/// lambda = kappa M: hence f = E / M = ( 1 + 3 kappa ) / ( 1 + 2 kappa ) and nu = kappa / ( 1 + 2 kappa ).
+/// E = alpha rho d^2 mu f / h^2. Kept volume makes sigma = M ( eps + kappa tr( eps ) 1 ) with M = alpha rho d^2 mu / h^2, that is 2 G = M
+/// and lambda = kappa M: hence f = E / M = ( 1 + 3 kappa ) / ( 1 + 2 kappa ) and nu = kappa / ( 1 + 2 kappa ).
 inline double modulusMoment( const Material& material )
 {
 	const double kappa = material.method == Method::Lattice ? material.volumeKeeping : 0.0;
@@ -33,8 +33,9 @@ inline double largestAlpha( const Material& material )
 	return std::min( double( kLargestAlpha ), kLargestVolumeAlpha / ( 1.0 + 3.0 * kappa ) );
 }
 
-/// Region damping's share of a substep, k = 1 - exp( - damping h ), as far as it is safe beside `alpha`. A mode that is answered lambda <= 1 + 3 kappa times is
-/// stable below lambda ( alpha + 2 k ) = 4; and in a region pressed to a half, whose rotation answers twice what turns it, all of k would drive and not brake.
+/// Region damping's share of a substep, k = 1 - exp( - damping h ), as far as it is safe beside `alpha`. A mode that is answered lambda <=
+/// 1 + 3 kappa times is stable below lambda ( alpha + 2 k ) = 4; and in a region pressed to a half, whose rotation answers twice what turns
+/// it, all of k would drive and not brake.
 inline float dampingShare( double damping, double h, double alpha, double kappa )
 {
 	const double k = 1.0 - std::exp( -damping * h ), room = 0.5 * ( kMostDampedAnswer / ( 1.0 + 3.0 * kappa ) - alpha );

@@ -15,7 +15,8 @@ void runTasks( TaskRunner* runner, int count, F& task )
 {
 	if ( runner && count > 1 && runner->threadCount() > 1 )
 	{
-		runner->run( count, []( void* context, int index ) { ( *static_cast<F*>( context ) )( index ); }, &task );
+		runner->run(
+			count, []( void* context, int index ) { ( *static_cast<F*>( context ) )( index ); }, &task );
 		return;
 	}
 	for ( int i = 0; i < count; ++i )

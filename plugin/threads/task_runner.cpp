@@ -4,8 +4,8 @@
 // compare-and-swap on it, so that a thread that wakes late can neither miss nor mix up a run: no task is left, or the number has changed.
 // For the same reason nobody waits for threads that sleep through a run.
 //
-// Half of the threads take tasks from the front, half from the back. The stages of a step cut the same arrays into the same tasks, and so each
-// of two threads mostly finds what it wrote itself a stage ago: in its own cache and not in the other's.
+// Half of the threads take tasks from the front, half from the back. The stages of a step cut the same arrays into the same tasks, and so
+// each of two threads mostly finds what it wrote itself a stage ago: in its own cache and not in the other's.
 
 #include "pliant/task_runner.h"
 
@@ -28,7 +28,8 @@ namespace {
 
 constexpr int kMostThreads = 64;
 
-/// The ticket, from the highest bits down: the run's number, 24 bits; the first task that is left and the one behind the last, 20 bits each.
+/// The ticket, from the highest bits down: the run's number, 24 bits; the first task that is left and the one behind the last, 20 bits
+/// each.
 constexpr int kTaskBits = 20;
 constexpr int kMostTasks = ( 1 << kTaskBits ) - 1; // of one run
 
@@ -258,14 +259,14 @@ private:
 	alignas( 64 ) std::atomic<Task> m_task{ nullptr };
 	std::atomic<void*> m_context{ nullptr };
 	std::atomic<int> m_count{ 0 };
-	std::atomic<int> m_sleepers{ 0 };                       ///< helpers that wait for m_wake; changes under the mutex
+	std::atomic<int> m_sleepers{ 0 }; ///< helpers that wait for m_wake; changes under the mutex
 	std::atomic<bool> m_callerSleeps{ false };
 	std::atomic<bool> m_isEnding{ false };
 	std::atomic<bool> m_maySpin{ false };
-	std::uint32_t m_run = 0;                                ///< the caller's own
+	std::uint32_t m_run = 0; ///< the caller's own
 	std::mutex m_mutex;
 	std::condition_variable m_wake, m_end;
-	std::vector<std::thread> m_threads;                     ///< last: they use all the rest
+	std::vector<std::thread> m_threads; ///< last: they use all the rest
 };
 
 } // namespace

@@ -22,7 +22,8 @@ void expectEqual( const RegionMatrix& a, const RegionMatrix& b )
 }
 
 /// Value of region r at node a, straight from the definition.
-std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> byDefinition( const Octree& octree, const Cut& cut, const FineRegions& fine )
+std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> byDefinition(
+	const Octree& octree, const Cut& cut, const FineRegions& fine )
 {
 	std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> u;
 	for ( std::uint32_t f = 0; f < std::uint32_t( octree.cells.size() ); ++f )

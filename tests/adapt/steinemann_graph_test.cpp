@@ -30,7 +30,7 @@ std::vector<std::uint32_t> dijkstra( const VisibilityGraph& graph, std::uint32_t
 {
 	std::vector<std::uint32_t> least( std::size_t( graph.count() ), kFar );
 	std::priority_queue<std::pair<std::uint32_t, std::uint32_t>, std::vector<std::pair<std::uint32_t, std::uint32_t>>, std::greater<>>
-	    queue;
+		queue;
 	queue.push( { 0, source } );
 	least[source] = 0;
 	while ( !queue.empty() )
@@ -143,8 +143,8 @@ TEST( VisibilityGraph, HasTheDistancesOfThePapersEdges )
 }
 
 /// Distance between the nodes that cover two positions.
-std::uint32_t distanceBetween( const Lattice& lattice, const Octree& octree, const Cut& cut, const Eigen::Vector3i& a,
-                               const Eigen::Vector3i& b )
+std::uint32_t distanceBetween(
+	const Lattice& lattice, const Octree& octree, const Cut& cut, const Eigen::Vector3i& a, const Eigen::Vector3i& b )
 {
 	std::uint32_t from = kNoNode, to = kNoNode;
 	for ( int c = 0; c < lattice.cellCount(); ++c )

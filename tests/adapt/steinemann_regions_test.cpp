@@ -117,8 +117,8 @@ struct PlainListing
 	}
 };
 
-std::vector<std::set<std::uint32_t>> plainRegions( const IntervalInput& input, const std::vector<std::uint32_t>& width, double eps,
-                                                   std::vector<std::vector<std::uint32_t>>& named )
+std::vector<std::set<std::uint32_t>> plainRegions(
+	const IntervalInput& input, const std::vector<std::uint32_t>& width, double eps, std::vector<std::vector<std::uint32_t>>& named )
 {
 	const std::size_t n = std::size_t( input.cut.count() );
 	const Octree& octree = input.octree;
@@ -178,8 +178,8 @@ TEST( IntervalRegions, AreThoseOfThePapersListing )
 				EXPECT_TRUE( std::is_sorted( row.begin(), row.end(), isBefore ) );
 				std::sort( named[r].begin(), named[r].end(), isBefore );
 				ASSERT_EQ( row, named[r] );
-				const std::vector<std::uint32_t> members( matrix.member.begin() + matrix.start[r],
-				                                          matrix.member.begin() + matrix.start[r + 1] );
+				const std::vector<std::uint32_t> members(
+					matrix.member.begin() + matrix.start[r], matrix.member.begin() + matrix.start[r + 1] );
 				ASSERT_EQ( members, std::vector<std::uint32_t>( wanted[r].begin(), wanted[r].end() ) );
 			}
 		}
@@ -247,7 +247,7 @@ TEST( IntervalRegions, ConservingWeightsAreTheirOwnTransposeAndShareAllMass )
 			for ( std::uint32_t k = matrix.start[r]; k < matrix.start[r + 1]; ++k )
 			{
 				const auto row = matrix.member.begin() + matrix.start[matrix.member[k]],
-				           end = matrix.member.begin() + matrix.start[matrix.member[k] + 1];
+						   end = matrix.member.begin() + matrix.start[matrix.member[k] + 1];
 				const auto back = std::lower_bound( row, end, r );
 				ASSERT_TRUE( back != end && *back == r );
 				EXPECT_EQ( matrix.share[k], matrix.mass[std::size_t( back - matrix.member.begin() )] );
@@ -277,10 +277,10 @@ TEST( IntervalRegions, WidthsVaryInSpace )
 	}
 	const std::vector<std::uint32_t> width = intervalWidths( octree, cut, field ), plain = intervalWidths( octree, cut, 1.0f );
 	const VisibilityGraph graph = buildVisibilityGraph( lattice, octree, cut );
-	const RegionMatrix soft =
-	    buildIntervalRegions( octree, cut, findIntervalRegions( { octree, cut, graph }, plain, 0.5f ), IntervalWeights::Literal );
-	const RegionMatrix hard =
-	    buildIntervalRegions( octree, cut, findIntervalRegions( { octree, cut, graph }, width, 0.5f ), IntervalWeights::Literal );
+	const RegionMatrix soft = buildIntervalRegions(
+		octree, cut, findIntervalRegions( { octree, cut, graph }, plain, 0.5f ), IntervalWeights::Literal );
+	const RegionMatrix hard = buildIntervalRegions(
+		octree, cut, findIntervalRegions( { octree, cut, graph }, width, 0.5f ), IntervalWeights::Literal );
 	for ( std::uint32_t r = 0; r < std::uint32_t( cut.count() ); ++r )
 	{
 		const int x = octree.coordinate[cut.node[r]].x(); // 0 .. 7, blocks of two cells
@@ -321,8 +321,8 @@ TEST( IntervalRegions, ChangedStepByStepAreThoseFoundFromNothing )
 			}
 			VisibilityUpdate change = updateVisibilityGraph( lattice, octree, cut, graph, next );
 			const IntervalInput input{ octree, next, change.graph };
-			IntervalUpdate update =
-			    updateIntervalRegions( { octree, cut, graph }, input, change.change, regions, intervalWidths( octree, next, field ) );
+			IntervalUpdate update = updateIntervalRegions(
+				{ octree, cut, graph }, input, change.change, regions, intervalWidths( octree, next, field ) );
 			expectEqual( update.regions, findIntervalRegions( input, intervalWidths( octree, next, field ), eps ) );
 			searched += update.searched.size();
 			all += std::size_t( next.count() );
@@ -344,7 +344,7 @@ TEST( IntervalRegions, DoNotDependOnThreads )
 	ASSERT_GT( cut.count(), 512 ); // more than one task
 	const std::unique_ptr<TaskRunner> pool = createThreadPool( 3 );
 	expectEqual( findIntervalRegions( { octree, cut, graph }, width, 0.5f ),
-	             findIntervalRegions( { octree, cut, graph }, width, 0.5f, pool.get() ) );
+		findIntervalRegions( { octree, cut, graph }, width, 0.5f, pool.get() ) );
 }
 
 /// S: 6 summation nodes on average at eps 0.5, on a body whose thin features are fine and whose interior is coarse.
@@ -353,8 +353,8 @@ TEST( IntervalRegions, NeedFewSummationNodesOnThinFingers )
 	const int palm = 16;
 	const Lattice lattice = makeFingers( palm, 8, 32 );
 	const Octree octree = buildOctree( lattice, 3 );
-	const Cut cut =
-	    selectCut( octree, [&]( std::uint32_t node ) { return lattice.coordinate[octree.cells[octree.cellStart[node]]].z() < palm; } );
+	const Cut cut = selectCut(
+		octree, [&]( std::uint32_t node ) { return lattice.coordinate[octree.cells[octree.cellStart[node]]].z() < palm; } );
 	const VisibilityGraph graph = buildVisibilityGraph( lattice, octree, cut );
 	for ( const float w : { 1.0f, 2.0f, 4.0f, 8.0f } )
 	{
@@ -371,11 +371,11 @@ TEST( IntervalRegions, NeedFewSummationNodesOnThinFingers )
 				most = std::max( most, regions.start[r + 1] - regions.start[r] );
 			}
 			const double average = double( regions.node.size() ) / regions.count(),
-			             members = double( matrix.member.size() ) / regions.count();
+						 members = double( matrix.member.size() ) / regions.count();
 			std::printf(
-			    "%s, w %.0f, eps %.2f: %d nodes for %d cells; a region has %.1f summation nodes on average, %u at most, for %.1f nodes\n",
-			    isOwnLevel ? "w 2^l" : "max( w, 2^l )", double( w ), double( eps ), regions.count(), lattice.cellCount(), average, most,
-			    members );
+				"%s, w %.0f, eps %.2f: %d nodes for %d cells; a region has %.1f summation nodes on average, %u at most, for %.1f nodes\n",
+				isOwnLevel ? "w 2^l" : "max( w, 2^l )", double( w ), double( eps ), regions.count(), lattice.cellCount(), average, most,
+				members );
 			EXPECT_LE( average, members );
 			EXPECT_GE( members, membersBefore );
 			membersBefore = members;

@@ -22,8 +22,8 @@ TEST( HierarchicalSum, IsTheSumOverAllNodesOfTheRegion )
 		const Octree octree = buildOctree( lattice, 3 );
 		const Cut cut = RandomCut( octree, seed ).cut();
 		const VisibilityGraph graph = buildVisibilityGraph( lattice, octree, cut );
-		const IntervalRegions regions =
-		    findIntervalRegions( { octree, cut, graph }, intervalWidths( octree, cut, float( 1 + seed % 3 ) ), 0.5f );
+		const IntervalRegions regions = findIntervalRegions(
+			{ octree, cut, graph }, intervalWidths( octree, cut, float( 1 + seed % 3 ) ), 0.5f );
 		const RegionMatrix matrix = buildIntervalRegions( octree, cut, regions, IntervalWeights::Literal );
 		const SumPlan plan = planSums( octree, cut, regions );
 		virtualNodes += plan.virtualNodes;

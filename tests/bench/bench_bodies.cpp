@@ -90,8 +90,8 @@ void stepBody( benchmark::State& state, const BodyTemplate& body, int halfWidth 
 	}
 	state.SetLabel( matcher.usesBoxSums() ? "box sums" : "table" );
 	state.counters["nodes"] = nodes.count;
-	state.counters["ns_per_node"] =
-		benchmark::Counter( double( nodes.count ) * 1e-9, benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert );
+	state.counters["ns_per_node"] = benchmark::Counter(
+		double( nodes.count ) * 1e-9, benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert );
 	state.counters["bytes_per_node"] = double( matcher.bytes() + matcher.tables().bytes() ) / nodes.count;
 }
 

@@ -30,7 +30,8 @@ struct BumpySphere
 				const double around = 2.0 * kPi * j / segments;
 				const double r = 1.0 + 0.2 * std::sin( polar ) * std::sin( polar ) * std::sin( 5.0 * polar ) * std::cos( 7.0 * around );
 				const double flat = i == 0 || i == rings ? 0.0 : std::sin( polar );
-				positions.insert( positions.end(), { float( r * flat * std::cos( around ) ), float( r * flat * std::sin( around ) ), float( r * std::cos( polar ) ) } );
+				positions.insert( positions.end(),
+					{ float( r * flat * std::cos( around ) ), float( r * flat * std::sin( around ) ), float( r * std::cos( polar ) ) } );
 			}
 		}
 		for ( int i = isOpen ? 2 : 0; i < rings; ++i )
@@ -72,7 +73,13 @@ void buildBumpySphere( benchmark::State& state )
 	state.counters["cells"] = cells;
 }
 
-BENCHMARK( buildBumpySphere )->ArgNames( { "threads", "open" } )->Args( { 1, 0 } )->Args( { 2, 0 } )->Args( { 2, 1 } )->Unit( benchmark::kMillisecond )->UseRealTime();
+BENCHMARK( buildBumpySphere )
+	->ArgNames( { "threads", "open" } )
+	->Args( { 1, 0 } )
+	->Args( { 2, 0 } )
+	->Args( { 2, 1 } )
+	->Unit( benchmark::kMillisecond )
+	->UseRealTime();
 
 // Each malformed mesh of the tests' corpus, whatever comes of it.
 void buildHostileMesh( benchmark::State& state, const pliant::test::HostileMesh& hostile )
@@ -91,8 +98,9 @@ void buildHostileMesh( benchmark::State& state, const pliant::test::HostileMesh&
 [[maybe_unused]] const bool kHostileAreRegistered = [] {
 	for ( const pliant::test::HostileMesh& hostile : pliant::test::hostileMeshes() )
 	{
-		benchmark::RegisterBenchmark( ( "buildHostileMesh/" + hostile.name ).c_str(), [hostile]( benchmark::State& state ) { buildHostileMesh( state, hostile ); } )
-			->Unit( benchmark::kMillisecond );
+		benchmark::RegisterBenchmark( ( "buildHostileMesh/" + hostile.name ).c_str(), [hostile]( benchmark::State& state ) {
+			buildHostileMesh( state, hostile );
+		} )->Unit( benchmark::kMillisecond );
 	}
 	return true;
 }();

@@ -1,5 +1,5 @@
-// What one soft cube of 216 nodes costs a world of 3 000 rigid boxes: alone in Bullet's world, with the cube among them, and with it far away. Counters: the
-// median and the worst of 120 steps from the moment the heap is let go, ms.
+// What one soft cube of 216 nodes costs a world of 3 000 rigid boxes: alone in Bullet's world, with the cube among them, and with it far
+// away. Counters: the median and the worst of 120 steps from the moment the heap is let go, ms.
 
 #include "support/test_world.h"
 
@@ -64,7 +64,14 @@ void bystandersWithACube( benchmark::State& state )
 }
 
 BENCHMARK( bystandersAlone )->Iterations( 1 )->Unit( benchmark::kMillisecond );
-BENCHMARK( bystandersWithACube )->ArgNames( { "implicit", "far" } )->Args( { 1, 0 } )->Args( { 1, 1 } )->Args( { 0, 1 } )->Args( { 0, 0 } )->Iterations( 1 )->Unit( benchmark::kMillisecond );
+BENCHMARK( bystandersWithACube )
+	->ArgNames( { "implicit", "far" } )
+	->Args( { 1, 0 } )
+	->Args( { 1, 1 } )
+	->Args( { 0, 1 } )
+	->Args( { 0, 0 } )
+	->Iterations( 1 )
+	->Unit( benchmark::kMillisecond );
 
 } // namespace
 } // namespace pliant

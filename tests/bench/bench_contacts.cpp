@@ -1,5 +1,5 @@
-// What a contact of an explicit body costs, counted: in all, and what of it is ours, outside of the solver, of Bullet's collision and of matching
-// (docs/design/contacts.md). The heap of bench_pile.h.
+// What a contact of an explicit body costs, counted: in all, and what of it is ours, outside of the solver, of Bullet's collision and of
+// matching (docs/design/contacts.md). The heap of bench_pile.h.
 
 #include "bench_pile.h"
 
@@ -47,7 +47,9 @@ double* softPairSeconds = nullptr;
 
 void timeSoftPairs( btBroadphasePair& pair, btCollisionDispatcher& dispatcher, const btDispatcherInfo& info )
 {
-	const auto isSoft = []( const btBroadphaseProxy* proxy ) { return SoftBody::upcast( static_cast<const btCollisionObject*>( proxy->m_clientObject ) ) != nullptr; };
+	const auto isSoft = []( const btBroadphaseProxy* proxy ) {
+		return SoftBody::upcast( static_cast<const btCollisionObject*>( proxy->m_clientObject ) ) != nullptr;
+	};
 	const bool isOurs = isSoft( pair.m_pProxy0 ) || isSoft( pair.m_pProxy1 );
 	const Clock::time_point start = Clock::now();
 	btCollisionDispatcher::defaultNearCallback( pair, dispatcher, info );

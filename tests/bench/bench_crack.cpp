@@ -4,8 +4,8 @@
 #include "lattice/test_meshes.h"
 #include "support/block_body.h"
 #include "surface/crack_complex/cell_complex.h"
-#include "surface/crack_state/crack_surface.h"
 #include "surface/crack_mesh/crack_view.h"
+#include "surface/crack_state/crack_surface.h"
 
 #include <benchmark/benchmark.h>
 
@@ -114,10 +114,10 @@ BENCHMARK( takePieces )->Arg( 0 )->Arg( 1 )->Unit( benchmark::kMicrosecond );
 
 enum class Shown : int
 {
-	Whole,  ///< no crack yet: the input's vertices
-	Placed, ///< cracked across the middle, what no crack parts is placed
+	Whole,   ///< no crack yet: the input's vertices
+	Placed,  ///< cracked across the middle, what no crack parts is placed
 	Blended, ///< the same with every vertex blended from its cells
-	AsOne ///< the same as Placed, panels as the input has them
+	AsOne    ///< the same as Placed, panels as the input has them
 };
 
 /// The skin of a body of 500 cells that is turned and bent a little.
@@ -152,8 +152,8 @@ void crackedSkin( benchmark::State& state )
 		Eigen::Map<Eigen::Vector4f>( rotations.data() + 4 * i ) = turn.coeffs();
 	}
 	const SkinTriangles triangles = shown == Shown::Whole ? SkinTriangles{ body.mesh.indices.data(), int( body.mesh.triangleCount() ) }
-	                              : shown == Shown::AsOne ? SkinTriangles{ view.triangles[0].data(), view.triangleCount }
-	                                                      : SkinTriangles{ surface.triangles().front().data(), int( surface.triangles().size() ) };
+		: shown == Shown::AsOne                           ? SkinTriangles{ view.triangles[0].data(), view.triangleCount }
+								: SkinTriangles{ surface.triangles().front().data(), int( surface.triangles().size() ) };
 	SkinScratch scratch;
 	std::vector<float> positions( 3 * binding.restPosition.size() ), normals( positions.size() );
 	for ( auto _ : state )

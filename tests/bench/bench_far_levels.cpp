@@ -19,7 +19,8 @@ struct Shape
 	int x, y, z;
 };
 
-const Shape kShapes[] = { { "bar 64x4x4", 64, 4, 4 }, { "bar 64x8x8", 64, 8, 8 }, { "block 16x16x16", 16, 16, 16 }, { "block 32x32x32", 32, 32, 32 } };
+const Shape kShapes[] = {
+	{ "bar 64x4x4", 64, 4, 4 }, { "bar 64x8x8", 64, 8, 8 }, { "block 16x16x16", 16, 16, 16 }, { "block 32x32x32", 32, 32, 32 } };
 
 /// `times`: Young's modulus over what the finest level reaches.
 std::unique_ptr<Body> makeBody( const Shape& shape, int farLevels, double times )

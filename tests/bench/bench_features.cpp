@@ -43,8 +43,8 @@ void plasticity( benchmark::State& state )
 	}
 	state.SetLabel( kNames[int( flow )] );
 	state.counters["nodes"] = nodes.count;
-	state.counters["ns_per_node"] =
-		benchmark::Counter( double( nodes.count ) * 1e-9, benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert );
+	state.counters["ns_per_node"] = benchmark::Counter(
+		double( nodes.count ) * 1e-9, benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert );
 }
 BENCHMARK( plasticity )->ArgNames( { "flow" } )->DenseRange( 0, 3 );
 

@@ -50,8 +50,8 @@ void fractureTest( benchmark::State& state )
 	{
 		body->testLinks( kStep );
 	}
-	state.counters["ns_per_node"] =
-		benchmark::Counter( double( body->nodeCount() ) * 1e-9, benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert );
+	state.counters["ns_per_node"] = benchmark::Counter(
+		double( body->nodeCount() ) * 1e-9, benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert );
 }
 
 /// All of an event's work in the core, for a crack through the middle that parts the body in two, or one that does not.
@@ -92,9 +92,10 @@ void fractureShape( benchmark::State& state )
 	}
 }
 
-/// A block of 2 197 cells thrown at the floor at 20 m/s, an edge first (what falls flat is pressed evenly, and hardly breaks), looked at in every frame; E = 2 MPa. All fracture work: tests, edits, regions, new
-/// bodies, and the faces, drawn as by default or flat. At a strain of 0.007 there are 134 pieces by distance, at 0.009 60: any strain that makes 50 or more
-/// is a fair case of a block that goes to pieces. Each frame counts with the least it took in any run, and of these the worst is told.
+/// A block of 2 197 cells thrown at the floor at 20 m/s, an edge first (what falls flat is pressed evenly, and hardly breaks), looked at in
+/// every frame; E = 2 MPa. All fracture work: tests, edits, regions, new bodies, and the faces, drawn as by default or flat. At a strain of
+/// 0.007 there are 134 pieces by distance, at 0.009 60: any strain that makes 50 or more is a fair case of a block that goes to pieces.
+/// Each frame counts with the least it took in any run, and of these the worst is told.
 void fractureThrown( benchmark::State& state )
 {
 	constexpr int kFrames = 60;
@@ -114,7 +115,8 @@ void fractureThrown( benchmark::State& state )
 		scene.addBoxFloor();
 		Material material;
 		material.youngsModulus = 2e6f;
-		SoftBody* const body = scene.add( cube, btVector3( 0, btScalar( 0.7 ), 0 ), material, btQuaternion( btVector3( 0, 0, 1 ), btScalar( 0.3 ) ) );
+		SoftBody* const body = scene.add(
+			cube, btVector3( 0, btScalar( 0.7 ), 0 ), material, btQuaternion( btVector3( 0, 0, 1 ), btScalar( 0.3 ) ) );
 		Fracture fracture;
 		fracture.rule = BreakRule( state.range( 0 ) );
 		fracture.breakStrain = 1e-3f * float( state.range( 1 ) );
@@ -156,7 +158,13 @@ void fractureThrown( benchmark::State& state )
 
 BENCHMARK( fractureThrown )
 	->ArgNames( { "rule", "milli_strain", "threads", "flat" } )
-	->Args( { 1, 7, 1, 0 } )->Args( { 1, 9, 1, 0 } )->Args( { 2, 10, 1, 0 } )->Args( { 1, 7, 2, 0 } )->Args( { 2, 10, 2, 0 } )->Args( { 1, 7, 1, 1 } )->Args( { 2, 10, 1, 1 } )
+	->Args( { 1, 7, 1, 0 } )
+	->Args( { 1, 9, 1, 0 } )
+	->Args( { 2, 10, 1, 0 } )
+	->Args( { 1, 7, 2, 0 } )
+	->Args( { 2, 10, 2, 0 } )
+	->Args( { 1, 7, 1, 1 } )
+	->Args( { 2, 10, 1, 1 } )
 	->Iterations( 5 )
 	->Unit( benchmark::kMillisecond );
 BENCHMARK( fractureTest )->Arg( 6 )->Arg( 13 )->Arg( 27 )->Unit( benchmark::kMicrosecond );

@@ -27,8 +27,8 @@ struct BlobOfLevels
 
 void report( benchmark::State& state, double items )
 {
-	state.counters["ns_per_node"] =
-	    benchmark::Counter( items * 1e-9, benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert );
+	state.counters["ns_per_node"] = benchmark::Counter(
+		items * 1e-9, benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert );
 	state.counters["count"] = items;
 }
 

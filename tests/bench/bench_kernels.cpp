@@ -67,8 +67,8 @@ void kernel( benchmark::State& state )
 	}
 	state.SetLabel( std::string( kNames[int( stage )] ) + ( stage == Stage::BoxSums ? ", node records included" : "" ) );
 	state.counters["nodes"] = nodes.count;
-	state.counters["ns_per_node"] =
-		benchmark::Counter( double( nodes.count ) * 1e-9, benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert );
+	state.counters["ns_per_node"] = benchmark::Counter(
+		double( nodes.count ) * 1e-9, benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert );
 }
 BENCHMARK( kernel )
 	->ArgNames( { "stage", "sum" } )

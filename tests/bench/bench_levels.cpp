@@ -3,9 +3,9 @@
 
 #include "body/body.h"
 #include "body/levels/levels.h"
-#include "matching/step/lattice_matcher.h"
-#include "matching/reference/reference_matcher.h"
 #include "matching/implicit/strain_rates.h"
+#include "matching/reference/reference_matcher.h"
+#include "matching/step/lattice_matcher.h"
 #include "support/block_body.h"
 #include "support/shapes.h"
 
@@ -35,8 +35,8 @@ std::shared_ptr<const Lattice> bodyLattice( int body )
 void reportPerNode( benchmark::State& state, int nodes )
 {
 	state.counters["nodes"] = nodes;
-	state.counters["ns_per_node"] =
-		benchmark::Counter( double( nodes ) * 1e-9, benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert );
+	state.counters["ns_per_node"] = benchmark::Counter(
+		double( nodes ) * 1e-9, benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert );
 }
 
 Material wide( benchmark::State& state )
@@ -83,8 +83,14 @@ void stepLevels( benchmark::State& state, int levels )
 	state.counters["bytes_per_node"] = double( body->bytes() ) / body->nodeCount();
 }
 
-void levelsUniform( benchmark::State& state ) { stepLevels( state, 0 ); }
-void levelsAdaptive( benchmark::State& state ) { stepLevels( state, state.range( 0 ) == 0 ? 2 : 3 ); }
+void levelsUniform( benchmark::State& state )
+{
+	stepLevels( state, 0 );
+}
+void levelsAdaptive( benchmark::State& state )
+{
+	stepLevels( state, state.range( 0 ) == 0 ? 2 : 3 );
+}
 
 void arguments( benchmark::internal::Benchmark* b )
 {

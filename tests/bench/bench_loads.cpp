@@ -25,7 +25,8 @@ struct LoadScene : test::SoftWorld
 		add( cube, btVector3( 0, btScalar( 0.301 ), 0 ), material )->setActivationState( DISABLE_DEACTIVATION );
 		if ( ratio > 0 )
 		{
-			add( btScalar( ratio * 216.0 ), new btBoxShape( btVector3( btScalar( 0.3 ), btScalar( 0.3 ), btScalar( 0.3 ) ) ), btVector3( 0, btScalar( 0.902 ), 0 ) )
+			add( btScalar( ratio * 216.0 ), new btBoxShape( btVector3( btScalar( 0.3 ), btScalar( 0.3 ), btScalar( 0.3 ) ) ),
+				btVector3( 0, btScalar( 0.902 ), 0 ) )
 				->setActivationState( DISABLE_DEACTIVATION );
 		}
 	}
@@ -46,7 +47,8 @@ double meanOf( const std::vector<double>& values )
 	return sum;
 }
 
-/// Frame by frame in turn, the least of all runs for each frame: means over five seconds from the moment things are let go. The modulus lets the box sink in by a tenth.
+/// Frame by frame in turn, the least of all runs for each frame: means over five seconds from the moment things are let go. The modulus
+/// lets the box sink in by a tenth.
 void loadedBlock( benchmark::State& state )
 {
 	const auto cube = test::cubeTemplate( 0.6f, 6 );
@@ -76,7 +78,11 @@ void loadedBlock( benchmark::State& state )
 	state.counters["over_bare"] = meanOf( cost[0] ) / meanOf( cost[1] );
 	state.counters["over_explicit"] = meanOf( cost[0] ) / meanOf( cost[2] );
 }
-BENCHMARK( loadedBlock )->ArgNames( { "ratio", "w" } )->ArgsProduct( { { 1, 10, 100, 1000 }, { 1, 2 } } )->Iterations( 3 )->Unit( benchmark::kMillisecond );
+BENCHMARK( loadedBlock )
+	->ArgNames( { "ratio", "w" } )
+	->ArgsProduct( { { 1, 10, 100, 1000 }, { 1, 2 } } )
+	->Iterations( 3 )
+	->Unit( benchmark::kMillisecond );
 
 } // namespace
 } // namespace pliant

@@ -64,10 +64,12 @@ public:
 	void writeMarkdown( const std::string& path ) const
 	{
 		std::ofstream out( path );
-		out << "# Benchmarks\n\nWritten by `pliant_bench --benchmark_repetitions=5 --markdown docs/benchmarks.md` (Release build); medians, CPU time,\n"
+		out << "# Benchmarks\n\nWritten by `pliant_bench --benchmark_repetitions=5 --markdown docs/benchmarks.md` (Release build); "
+			   "medians, CPU time,\n"
 			   "one thread unless the name says otherwise.\n\nProcessor: "
 			<< processorName()
-			<< ".\n\nNames: `edge` nodes along an edge of a cubic block; `w` half-width of regions; `sum` 1 table, 2 box sums; `isa` 0 SSE2, 1 AVX2,\n"
+			<< ".\n\nNames: `edge` nodes along an edge of a cubic block; `w` half-width of regions; `sum` 1 table, 2 box sums; `isa` 0 "
+			   "SSE2, 1 AVX2,\n"
 			   "2 AVX-512; `peer` 0 Bullet pose matching, 1 Bullet clusters. A step is one substep.\n";
 		std::string family;
 		for ( const std::string& name : m_order )

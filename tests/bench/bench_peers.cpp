@@ -108,8 +108,8 @@ void bulletSoftBody( benchmark::State& state )
 		peerWorld.world.stepSimulation( btScalar( 1 ) / 60, 0 );
 	}
 	state.counters["nodes"] = n * n * n;
-	state.counters["ns_per_node"] =
-		benchmark::Counter( double( n ) * n * n * 1e-9, benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert );
+	state.counters["ns_per_node"] = benchmark::Counter(
+		double( n ) * n * n * 1e-9, benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert );
 	peerWorld.world.removeSoftBody( body );
 	delete body;
 }

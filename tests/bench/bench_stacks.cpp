@@ -60,7 +60,11 @@ void stackEightOverFour( benchmark::State& state )
 	state.counters["eight_frames"] = longest[1];
 	state.counters["ratio_most"] = *std::max_element( ratios.begin(), ratios.end() );
 }
-BENCHMARK( stackEightOverFour )->ArgNames( { "elasticity", "boxes" } )->ArgsProduct( { { 0, 1 }, { 0, 1 } } )->Iterations( 3 )->Unit( benchmark::kMillisecond );
+BENCHMARK( stackEightOverFour )
+	->ArgNames( { "elasticity", "boxes" } )
+	->ArgsProduct( { { 0, 1 }, { 0, 1 } } )
+	->Iterations( 3 )
+	->Unit( benchmark::kMillisecond );
 
 } // namespace
 } // namespace pliant

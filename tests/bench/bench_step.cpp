@@ -1,8 +1,8 @@
 // The core step, one thread, without Bullet and skinning: what a node costs, by method, instruction set and size.
 // Counter ns_per_node: nanoseconds a node and substep (matching, forces, integration).
 
-#include "matching/step/lattice_matcher.h"
 #include "matching/reference/reference_matcher.h"
+#include "matching/step/lattice_matcher.h"
 #include "support/block_body.h"
 
 #include <benchmark/benchmark.h>
@@ -30,8 +30,8 @@ NodeState lively( const Lattice& lattice )
 void reportPerNode( benchmark::State& state, int nodes )
 {
 	state.counters["nodes"] = nodes;
-	state.counters["ns_per_node"] =
-		benchmark::Counter( double( nodes ) * 1e-9, benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert );
+	state.counters["ns_per_node"] = benchmark::Counter(
+		double( nodes ) * 1e-9, benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert );
 }
 
 void stepMatcher( benchmark::State& state, int cells, const Material& material, Summation summation, KernelTarget target )

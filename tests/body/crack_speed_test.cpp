@@ -22,7 +22,8 @@ std::unique_ptr<Body> pulledSlab( Stiffness stiffness )
 	brittle.rule = BreakRule::Plane;
 	brittle.breakStrain = 0.1f;
 	brittle.coolDown = 10.0f;
-	const ToughnessField notch{ []( const float* point, const float*, void* ) { return point[0] * point[0] < 0.01f && point[1] < -0.35f ? 0.4f : 1.0f; }, nullptr };
+	const ToughnessField notch{
+		[]( const float* point, const float*, void* ) { return point[0] * point[0] < 0.01f && point[1] < -0.35f ? 0.4f : 1.0f; }, nullptr };
 	EXPECT_TRUE( made.value->setFracture( brittle, notch ).ok() );
 	for ( int i = 0; i < made.value->nodeCount(); ++i )
 	{

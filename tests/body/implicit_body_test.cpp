@@ -37,8 +37,8 @@ int implicitSubstep( Body& body, float h, const Vec3& gravity = Vec3::Zero() )
 	return products;
 }
 
-/// Of the regions' springs, in units of the masses' energy at G: alpha / ( 2 h^2 ) sum a |x - goal|^2 is not at hand; the nodes' distance from
-/// the best rigid placement bounds it, and the kinetic energy is exact.
+/// Of the regions' springs, in units of the masses' energy at G: alpha / ( 2 h^2 ) sum a |x - goal|^2 is not at hand; the nodes' distance
+/// from the best rigid placement bounds it, and the kinetic energy is exact.
 double stretch( const Body& body )
 {
 	return test::shapeError( body );
@@ -107,7 +107,8 @@ TEST( ImplicitBody, KeepsMomentumAndSpinInFreeFlight )
 			EXPECT_LT( ( after.momentum - before.momentum ).norm() / before.momentum.norm(), 1e-5 ) << alpha << " " << sigma;
 			EXPECT_LT( ( after.spin - before.spin ).norm() / before.spin.norm(), 1e-4 ) << alpha << " " << sigma;
 			std::printf( "alpha %6.1f sigma %.0f: momentum %.1e spin %.1e stretch %.1e m\n", double( alpha ), double( sigma ),
-				( after.momentum - before.momentum ).norm() / before.momentum.norm(), ( after.spin - before.spin ).norm() / before.spin.norm(), stretch( *body ) );
+				( after.momentum - before.momentum ).norm() / before.momentum.norm(),
+				( after.spin - before.spin ).norm() / before.spin.norm(), stretch( *body ) );
 		}
 	}
 }
@@ -186,7 +187,8 @@ TEST( ImplicitBody, HangsAsLongAsElasticityTellsWhateverTheStep )
 				implicitSubstep( *body, step, Vec3( 0, -9.81f, 0 ) );
 			}
 			const double length = 1.5, sag = 1000.0 * 9.81 * ( length * 1.55 - 0.5 * length * length ) / 1e6; // the last layer's middle
-			std::printf( "w %d h 1/%.0f: sag %.5f of %.5f, %+.1f %%\n", w, 1.0 / double( step ), before - lowest(), sag, 100.0 * ( ( before - lowest() ) / sag - 1.0 ) );
+			std::printf( "w %d h 1/%.0f: sag %.5f of %.5f, %+.1f %%\n", w, 1.0 / double( step ), before - lowest(), sag,
+				100.0 * ( ( before - lowest() ) / sag - 1.0 ) );
 			EXPECT_NEAR( ( before - lowest() ) / sag, 1.0, w == 1 ? 0.02 : 0.06 );
 		}
 	}
@@ -213,7 +215,8 @@ TEST( ImplicitBody, RingsOnWhereItAsksForNoDamping )
 			double ends = 0.0, middle = 0.0;
 			for ( int i = 0; i < body->nodeCount(); ++i )
 			{
-				const double x = double( body->nodes().x0.x[i] ), y = body->nodes().worldPosition( i ).y() - double( body->nodes().x0.y[i] );
+				const double x = double( body->nodes().x0.x[i] ),
+							 y = body->nodes().worldPosition( i ).y() - double( body->nodes().x0.y[i] );
 				ends += std::abs( x ) > 0.7 ? y / 32.0 : 0.0;
 				middle += std::abs( x ) < 0.1 ? y / 32.0 : 0.0;
 			}
@@ -240,7 +243,8 @@ TEST( ImplicitBody, RingsOnWhereItAsksForNoDamping )
 				tail = std::max( tail, std::abs( at[k] ) );
 			}
 		}
-		std::printf( "sigma %.0f: period %.3f s, left after five %.2f\n", double( sigma ), 2.0 * ( last - first ) / std::max( 1, crossings - 1 ) * double( kStep ), tail / at[0] );
+		std::printf( "sigma %.0f: period %.3f s, left after five %.2f\n", double( sigma ),
+			2.0 * ( last - first ) / std::max( 1, crossings - 1 ) * double( kStep ), tail / at[0] );
 		if ( sigma == 0.0f )
 		{
 			EXPECT_GE( tail / at[0], 0.7 );

@@ -42,15 +42,16 @@ Lattice tornBlock()
 	return lattice;
 }
 
-// What stands in front of the system is made of it. Of fifteen elephants that break, nodes were taken for up to 23 times as easy to move as they are, and a solution took an
-// eighth more products.
+// What stands in front of the system is made of it. Of fifteen elephants that break, nodes were taken for up to 23 times as easy to move as
+// they are, and a solution took an eighth more products.
 TEST( ImplicitLevels, NameTheirDiagonal )
 {
 	for ( const Rule& rule : rules() )
 	{
 		for ( const Lattice& lattice : { makeBlockLattice( 12, 8, 8, 0.1f ), tornBlock() } )
 		{
-			Result<std::unique_ptr<Body>> made = Body::create( std::make_shared<Lattice>( lattice ), material( 1.0f ), {}, nullptr, rule.settings );
+			Result<std::unique_ptr<Body>> made = Body::create(
+				std::make_shared<Lattice>( lattice ), material( 1.0f ), {}, nullptr, rule.settings );
 			ASSERT_TRUE( made.ok() ) << made.status.sentence;
 			Body& body = *made.value;
 			splitHalf( body );

@@ -3,8 +3,8 @@
 // Bodies with levels of detail that step implicitly, and their operator.
 
 #include "body/levels/levels.h"
-#include "matching/step/lattice_matcher.h"
 #include "matching/implicit/strain_rates.h"
+#include "matching/step/lattice_matcher.h"
 #include "support/block_body.h"
 
 #include <gtest/gtest.h>
@@ -37,7 +37,8 @@ inline Adaptivity levels( int count, RegionRule rule = RegionRule::Multiplicity,
 
 inline std::unique_ptr<Body> make( int nx, int ny, int nz, const Material& m, const Adaptivity& settings )
 {
-	Result<std::unique_ptr<Body>> made = Body::create( std::make_shared<Lattice>( makeBlockLattice( nx, ny, nz, 0.1f ) ), m, {}, nullptr, settings );
+	Result<std::unique_ptr<Body>> made = Body::create(
+		std::make_shared<Lattice>( makeBlockLattice( nx, ny, nz, 0.1f ) ), m, {}, nullptr, settings );
 	EXPECT_TRUE( made.ok() ) << made.status.sentence;
 	return std::move( made.value );
 }
@@ -117,8 +118,9 @@ inline std::vector<Rule> rules()
 	scaled.residual = ResidualRule::Soften;
 	Adaptivity keeping = levels( 2 );
 	keeping.residual = ResidualRule::Keep;
-	return { { "multiplicity", levels( 2 ) }, { "all residual kept", keeping }, { "union", levels( 2, RegionRule::Union ) }, { "interval", levels( 2, RegionRule::Interval, false ) },
-		{ "interval by the octree", levels( 2, RegionRule::Interval, true ) }, { "by size", scaled } };
+	return { { "multiplicity", levels( 2 ) }, { "all residual kept", keeping }, { "union", levels( 2, RegionRule::Union ) },
+		{ "interval", levels( 2, RegionRule::Interval, false ) }, { "interval by the octree", levels( 2, RegionRule::Interval, true ) },
+		{ "by size", scaled } };
 }
 
 } // namespace implicit_case

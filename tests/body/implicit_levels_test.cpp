@@ -1,7 +1,8 @@
-// The implicit substep of bodies with levels of detail: the operator of their regions, and what it must keep while nodes are split and merged.
+// The implicit substep of bodies with levels of detail: the operator of their regions, and what it must keep while nodes are split and
+// merged.
 
-#include "body/implicit_motion.h"
 #include "body/implicit_levels_case.h"
+#include "body/implicit_motion.h"
 
 #include <gtest/gtest.h>
 
@@ -15,8 +16,8 @@ namespace {
 
 using namespace implicit_case;
 
-/// - m dv of one explicit step of alpha from the nodes moved by `move` from rest, in the masses' and the move's units: minus the elastic force's
-/// derivative along it.
+/// - m dv of one explicit step of alpha from the nodes moved by `move` from rest, in the masses' and the move's units: minus the elastic
+/// force's derivative along it.
 std::vector<float> forceOf( Rates& r, const std::vector<float>& move )
 {
 	NodeState& nodes = r.body.nodes();
@@ -24,7 +25,8 @@ std::vector<float> forceOf( Rates& r, const std::vector<float>& move )
 	const std::size_t padded = std::size_t( nodes.padded );
 	for ( int i = 0; i < nodes.count; ++i )
 	{
-		nodes.x.set( i, nodes.x.get( i ) + Vec3( move[std::size_t( i )], move[padded + std::size_t( i )], move[2 * padded + std::size_t( i )] ) );
+		nodes.x.set(
+			i, nodes.x.get( i ) + Vec3( move[std::size_t( i )], move[padded + std::size_t( i )], move[2 * padded + std::size_t( i )] ) );
 		nodes.v.set( i, Vec3::Zero() );
 	}
 	r.matcher.reset( nodes, Eigen::Quaterniond::Identity() );
@@ -40,7 +42,8 @@ TEST( ImplicitLevels, TheirOperatorIsSymmetricLeavesRigidMotionsAndBoundsTheForc
 	{
 		auto body = make( 12, 8, 8, material( 1.0f ), rule.settings );
 		splitHalf( *body );
-		EXPECT_GT( body->levels()->nodesOnLevel()[2] * body->levels()->nodesOnLevel()[1] * body->levels()->nodesOnLevel()[0], 0 ) << rule.name;
+		EXPECT_GT( body->levels()->nodesOnLevel()[2] * body->levels()->nodesOnLevel()[1] * body->levels()->nodesOnLevel()[0], 0 )
+			<< rule.name;
 		Rates r( *body );
 		test::Seeded random( 5 );
 		const auto noise = [&] { return r.field( [&]( int ) { return random.inBox( 1.0f ); } ); };
@@ -56,14 +59,16 @@ TEST( ImplicitLevels, TheirOperatorIsSymmetricLeavesRigidMotionsAndBoundsTheForc
 			{
 				value *= 1e-4f;
 			}
-			const double force = product( small, forceOf( r, small ) ), own = product( small, r( small, 1.0f ) ) - product( small, masses( small ) );
+			const double force = product( small, forceOf( r, small ) ),
+						 own = product( small, r( small, 1.0f ) ) - product( small, masses( small ) );
 			most = std::max( most, force / own );
 			least = std::min( least, force / own );
 		}
 		std::printf( "%s: the force's derivative is %.3f to %.3f of the operator\n", rule.name, least, most );
 		EXPECT_LT( most, 1.0 + 2e-3 ) << rule.name;
 		EXPECT_GT( least, 0.4 ) << rule.name; // noise is mostly what eta lets go
-		const std::vector<float> turn = r.field( [&]( int i ) { return Vec3( Vec3( 1, 2, -1 ) + Vec3( 0.5f, -1.0f, 2.0f ).cross( body->nodes().x.get( i ) ) ); } );
+		const std::vector<float> turn = r.field(
+			[&]( int i ) { return Vec3( Vec3( 1, 2, -1 ) + Vec3( 0.5f, -1.0f, 2.0f ).cross( body->nodes().x.get( i ) ) ); } );
 		const std::vector<float> free = masses( turn ), stiff = r( turn, 3000.0f );
 		double off = 0.0;
 		for ( std::size_t k = 0; k < turn.size(); ++k )
@@ -88,7 +93,8 @@ TEST( ImplicitLevels, TheirOperatorBoundsStretchAlongEachAxis )
 				value[axis] = 1e-3f * body->nodes().x0.get( i )[axis];
 				return value;
 			} );
-			const double force = product( move, forceOf( r, move ) ), own = product( move, r( move, 1.0f ) ) - product( move, r( move, 0.0f ) );
+			const double force = product( move, forceOf( r, move ) ),
+						 own = product( move, r( move, 1.0f ) ) - product( move, r( move, 0.0f ) );
 			std::printf( "%d x %d x %d along %d: %.3e of %.3e\n", size.x(), size.y(), size.z(), axis, force, own );
 			EXPECT_LE( force, ( 1.0 + 2e-3 ) * own ); // a plate of one big node has neither across itself
 			EXPECT_GE( force, 0.6 * own );
@@ -289,8 +295,10 @@ TEST( ImplicitLevels, KeepMomentumAndSpinInFreeFlightWhileNodesAreSplitAndMerged
 			ASSERT_EQ( body->integrate( kStep ), BodyHealth::Good );
 		}
 		const BodySums after = body->sums();
-		const double momentum = ( after.momentum - before.momentum ).norm() / before.momentum.norm(), spin = ( after.spin - before.spin ).norm() / before.spin.norm();
-		std::printf( "alpha %6.1f: %d changes, %d to %d nodes, momentum %.1e, spin %.1e\n", double( alpha ), changes, least, most, momentum, spin );
+		const double momentum = ( after.momentum - before.momentum ).norm() / before.momentum.norm(),
+					 spin = ( after.spin - before.spin ).norm() / before.spin.norm();
+		std::printf(
+			"alpha %6.1f: %d changes, %d to %d nodes, momentum %.1e, spin %.1e\n", double( alpha ), changes, least, most, momentum, spin );
 		EXPECT_GT( changes, 1 );
 		EXPECT_LT( momentum, 1e-5 );
 		EXPECT_LT( spin, 1e-4 );

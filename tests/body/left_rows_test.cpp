@@ -14,8 +14,8 @@ namespace {
 /// A piece's places are those of the whole, moved: a rounding each.
 constexpr float kRounding = 2e-5f;
 
-/// Nodes above the links are split first, and their rows, and those of their neighbours, left to be measured with the cut: by it where one piece stays,
-/// before it where one comes off. With more than one level it is the last split that leaves them.
+/// Nodes above the links are split first, and their rows, and those of their neighbours, left to be measured with the cut: by it where one
+/// piece stays, before it where one comes off. With more than one level it is the last split that leaves them.
 TEST( LeftRows, AreMeasuredWithTheCut )
 {
 	for ( const int coarse : { 1, 2 } )
@@ -41,7 +41,8 @@ TEST( LeftRows, AreMeasuredWithTheCut )
 			ASSERT_EQ( got.size(), most == 8 ? 2u : 1u );
 			for ( std::size_t k = 0; k < got.size(); ++k )
 			{
-				test::expectNearTables( *got[k].body->levels()->tables(), *wanted[k].body->levels()->tables(), got.size() == 1 ? 0.0f : kRounding );
+				test::expectNearTables(
+					*got[k].body->levels()->tables(), *wanted[k].body->levels()->tables(), got.size() == 1 ? 0.0f : kRounding );
 			}
 		}
 	}

@@ -105,8 +105,8 @@ TEST( Levels, OfEveryRegionRuleChangeAsIfMadeFromNothingOnAnyNumberOfThreads )
 	}
 }
 
-/// How regions are stretched, as the skin asks for it around a change: a few at a time they are to the bit what they are all at once, and one
-/// that a change has not measured anew is stretched as before it.
+/// How regions are stretched, as the skin asks for it around a change: a few at a time they are to the bit what they are all at once, and
+/// one that a change has not measured anew is stretched as before it.
 TEST( Levels, StretchOfAFewRegionsIsThatOfAllAndStaysWhereNothingChanged )
 {
 	const auto lattice = std::make_shared<const Lattice>( test::makeBlobLattice( 18, 0.05f, 6 ) );
@@ -163,8 +163,8 @@ TEST( Levels, StretchOfAFewRegionsIsThatOfAllAndStaysWhereNothingChanged )
 	EXPECT_EQ( next, change.measured.size() );
 }
 
-/// Big nodes that were touched came in the order of their contacts, not by number, and where one came after another of a later tile, its F was read from before
-/// what had been summed: a flower that a ball rolled over was another from run to run.
+/// Big nodes that were touched came in the order of their contacts, not by number, and where one came after another of a later tile, its F
+/// was read from before what had been summed: a flower that a ball rolled over was another from run to run.
 TEST( Levels, StretchOfAFewRegionsIsTheSameInAnyOrder )
 {
 	const auto lattice = std::make_shared<const Lattice>( test::makeBlobLattice( 18, 0.05f, 6 ) );

@@ -20,7 +20,8 @@ struct Lump
 {
 	explicit Lump( const Material& of = {} ) :
 		material( of ), lattice( test::makeBlobLattice( 18, 0.05f, 6 ) ), base( buildLevelBase( lattice, material, settings() ) ),
-		levels( base, lattice, material, settings(), everywhere, firstCut( base->octree, settings() ) ), matcher( lattice, material, levels.tables() )
+		levels( base, lattice, material, settings(), everywhere, firstCut( base->octree, settings() ) ),
+		matcher( lattice, material, levels.tables() )
 	{
 		levels.fillNodes( nodes, material.density );
 	}
@@ -75,7 +76,8 @@ struct Lump
 Vec3 bent( const Vec3& p )
 {
 	const float turn = 1.5f * p.x();
-	return Vec3( p.x(), p.y() * std::cos( turn ) - p.z() * std::sin( turn ), p.y() * std::sin( turn ) + 1.1f * p.z() * std::cos( turn ) + 0.4f * p.x() * p.x() );
+	return Vec3( p.x(), p.y() * std::cos( turn ) - p.z() * std::sin( turn ),
+		p.y() * std::sin( turn ) + 1.1f * p.z() * std::cos( turn ) + 0.4f * p.x() * p.x() );
 }
 
 Material withoutVolume()
@@ -149,8 +151,8 @@ TEST( LevelEnergy, IsWhatExplicitStepsKeep )
 			lowPlain = std::min( lowPlain, body->joules( plain, kStep, alpha ) );
 			highPlain = std::max( highPlain, body->joules( plain, kStep, alpha ) );
 		}
-		std::printf( "E %g, alpha %.3f: H from %.4f to %.4f of the first, K + U from %.2f to %.2f, K down to %.3f\n", double( youngsModulus ), double( alpha ),
-			low / first, high / first, lowPlain / first, highPlain / first, least / first );
+		std::printf( "E %g, alpha %.3f: H from %.4f to %.4f of the first, K + U from %.2f to %.2f, K down to %.3f\n",
+			double( youngsModulus ), double( alpha ), low / first, high / first, lowPlain / first, highPlain / first, least / first );
 		EXPECT_GT( low, 0.999 * first );
 		EXPECT_LT( high, 1.001 * first );
 		EXPECT_LT( least, 0.8 * first );
@@ -214,7 +216,9 @@ TEST( LevelEnergy, WhatIsTakenIsTheirOwnMotionAlone )
 	for ( int i = 0; i < nodes.count; ++i )
 	{
 		nodes.x.set( i, nodes.x0.get( i ) );
-		nodes.v.set( i, ( Vec3d( 1, 2, 3 ) + Vec3d( 3, 1, -2 ).cross( nodes.x.get( i ).cast<double>() ) + Vec3d( number(), number(), number() ) ).cast<float>() );
+		nodes.v.set( i,
+			( Vec3d( 1, 2, 3 ) + Vec3d( 3, 1, -2 ).cross( nodes.x.get( i ).cast<double>() ) + Vec3d( number(), number(), number() ) )
+				.cast<float>() );
 	}
 	const auto sums = [&nodes] {
 		Eigen::Matrix<double, 7, 1> sum = Eigen::Matrix<double, 7, 1>::Zero();

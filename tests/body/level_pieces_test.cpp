@@ -1,4 +1,5 @@
-// Bodies with levels whose links break and heal: what is taken over from before is what would be made from nothing. Steinemann et al. 2008, 5.1.
+// Bodies with levels whose links break and heal: what is taken over from before is what would be made from nothing. Steinemann et al.
+// 2008, 5.1.
 
 #include "adapt/moments/fine_update.h"
 #include "body/breaking.h"
@@ -40,7 +41,8 @@ struct Twins
 {
 	std::unique_ptr<Body> body, slow;
 
-	template <class Act> void both( Act&& act )
+	template <class Act>
+	void both( Act&& act )
 	{
 		act( *body );
 		act( *slow );
@@ -50,7 +52,8 @@ struct Twins
 Twins makeTwins( unsigned seed, int coarseLevels, int halfWidth, bool isSoftInParts )
 {
 	std::mt19937 random( seed );
-	const auto lattice = std::make_shared<const Lattice>( test::makeBlobLattice( 16, 0.05f, seed, 6, [&random]( int, int ) { return random() % 12 != 0; } ) );
+	const auto lattice = std::make_shared<const Lattice>(
+		test::makeBlobLattice( 16, 0.05f, seed, 6, [&random]( int, int ) { return random() % 12 != 0; } ) );
 	Adaptivity settings;
 	settings.coarseLevels = coarseLevels;
 	settings.refineStrain = 0.04f;
@@ -71,9 +74,15 @@ Twins makeTwins( unsigned seed, int coarseLevels, int halfWidth, bool isSoftInPa
 		for ( int i = 0; i < body.nodeCount(); ++i )
 		{
 			const Vec3 x0 = body.nodes().x0.get( i );
-			body.nodes().v.set( i, Vec3( 3.0f, -1.0f, 2.0f ).cross( x0 ) + 2.0f * Vec3( x0.x(), -x0.y(), 0.5f * x0.z() ) + shake.inBox( 0.5f ) );
+			body.nodes().v.set(
+				i, Vec3( 3.0f, -1.0f, 2.0f ).cross( x0 ) + 2.0f * Vec3( x0.x(), -x0.y(), 0.5f * x0.z() ) + shake.inBox( 0.5f ) );
 		}
-		body.setFracture( [] { Fracture f; f.rule = BreakRule::Distance; f.breakStrain = 5.0f; return f; }() );
+		body.setFracture( [] {
+			Fracture f;
+			f.rule = BreakRule::Distance;
+			f.breakStrain = 5.0f;
+			return f;
+		}() );
 	} );
 	return twins;
 }
@@ -197,18 +206,20 @@ TEST( LevelPieces, OfAWholeWhoseLinksChangeAreThoseFromNothingToTheBit )
 			ASSERT_FALSE( HasFailure() ) << "seed " << seed << " round " << round;
 		}
 	}
-	std::printf( "%d whole, %d with nodes in another order, %d with levels changed since, %d that had flowed\n", count.whole, count.reordered, count.refined, count.flowed );
+	std::printf( "%d whole, %d with nodes in another order, %d with levels changed since, %d that had flowed\n", count.whole,
+		count.reordered, count.refined, count.flowed );
 	EXPECT_GT( count.whole, 40 );
 	EXPECT_GT( count.reordered, 0 );
 	EXPECT_GT( count.refined, 20 );
 	EXPECT_GT( count.flowed, 20 );
 }
 
-// Two arms in one block hang together at their ends, and by a cell of the block above them: when the ends part, cells of the one come before
-// those of the other that they had come after, and that cell's row, in which nothing else changed, must follow.
+// Two arms in one block hang together at their ends, and by a cell of the block above them: when the ends part, cells of the one come
+// before those of the other that they had come after, and that cell's row, in which nothing else changed, must follow.
 TEST( LevelPieces, RowsFollowCellsThatChangeTheirOrder )
 {
-	const Eigen::Vector3i cells[] = { { 0, 0, 3 }, { 1, 0, 3 }, { 2, 0, 3 }, { 0, 1, 3 }, { 3, 1, 3 }, { 0, 2, 3 }, { 1, 3, 3 }, { 2, 2, 4 } };
+	const Eigen::Vector3i cells[] = {
+		{ 0, 0, 3 }, { 1, 0, 3 }, { 2, 0, 3 }, { 0, 1, 3 }, { 3, 1, 3 }, { 0, 2, 3 }, { 1, 3, 3 }, { 2, 2, 4 } };
 	const auto lattice = std::make_shared<const Lattice>( test::makeShapeLattice( { 4, 4, 5 }, 0.05f, [&cells]( int x, int y, int z ) {
 		return std::find( std::begin( cells ), std::end( cells ), Eigen::Vector3i( x, y, z ) ) != std::end( cells );
 	} ) );

@@ -82,7 +82,8 @@ TEST( Levels, NothingStrainsAtRestHoweverSlantedTheSurface )
 			EXPECT_EQ( body->nodeCount(), nodes );
 			for ( int i = 0; i < body->nodeCount(); ++i )
 			{
-				EXPECT_LT( ( body->nodes().x.get( i ) - body->nodes().x0.get( i ) ).norm(), 1e-6f ) << degrees << " degrees, " << count << " levels, node " << i;
+				EXPECT_LT( ( body->nodes().x.get( i ) - body->nodes().x0.get( i ) ).norm(), 1e-6f )
+					<< degrees << " degrees, " << count << " levels, node " << i;
 			}
 		}
 	}
@@ -117,7 +118,8 @@ TEST( Levels, ChangedInFlightKeepMomentumSpinAndNearlyAllEnergy )
 			substep( *body, 1.0f / 240.0f, 1.0f );
 		}
 	}
-	std::printf( "20 changes of levels: momentum %.1e (at most 1e-6), spin %.1e (1e-6), kinetic energy %.2e (0.01) of what there was\n", worstMomentum, worstSpin, worstEnergy );
+	std::printf( "20 changes of levels: momentum %.1e (at most 1e-6), spin %.1e (1e-6), kinetic energy %.2e (0.01) of what there was\n",
+		worstMomentum, worstSpin, worstEnergy );
 	EXPECT_LT( worstMomentum, 1e-6 );
 	EXPECT_LT( worstSpin, 1e-6 );
 	EXPECT_LT( worstEnergy, 0.01 );
@@ -236,8 +238,8 @@ TEST( Levels, FollowStrainUpAndDown )
 	EXPECT_LT( test::shapeError( *body ), 1e-3 );
 }
 
-// What is squeezed does not break: it need not be refined for it, and may be merged. What is stretched stays as fine as it is, however soon the rest
-// is merged: with no delay at all it had been merged at every look, and split again at the next.
+// What is squeezed does not break: it need not be refined for it, and may be merged. What is stretched stays as fine as it is, however soon
+// the rest is merged: with no delay at all it had been merged at every look, and split again at the next.
 TEST( Levels, OfABodyThatCanBreakFollowStretchAndNotSqueeze )
 {
 	const auto lattice = std::make_shared<const Lattice>( makeBlockLattice( 8, 8, 8, 0.05f ) );
@@ -287,7 +289,8 @@ TEST( Levels, MergeTogetherWhatComesToRestOneByOne )
 	{
 		for ( int i = 0; i < body->nodeCount() && k < int( blocks.size() ); ++i )
 		{
-			if ( body->levels()->levelOf( i ) == 0 && body->levels()->octree().parent[body->levels()->cut().node[std::size_t( i )]] > blocks[std::size_t( k )] )
+			if ( body->levels()->levelOf( i ) == 0 &&
+				body->levels()->octree().parent[body->levels()->cut().node[std::size_t( i )]] > blocks[std::size_t( k )] )
 			{
 				body->keepNode( i );
 			}

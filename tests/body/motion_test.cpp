@@ -102,8 +102,8 @@ TEST( Motion, IsTheSameToTheBitOnAnyThreadCount )
 	}
 }
 
-// The last finite state is one of two buffers, which change places in each substep: what a bad number in the last share has left half written
-// must not be what the body goes back to.
+// The last finite state is one of two buffers, which change places in each substep: what a bad number in the last share has left half
+// written must not be what the body goes back to.
 TEST( Motion, GoesBackToTheLastFinitePlacesWhereverTheBadNumberWas )
 {
 	const auto body = makeMoving( 4 );
@@ -148,7 +148,8 @@ TEST( Motion, KernelsGiveTheSameBitsOnEveryInstructionSet )
 		one.kept.resize( padded );
 		MotionView view;
 		float* const arrays[3][3] = { { one.nodes.x.x.data(), one.nodes.x.y.data(), one.nodes.x.z.data() },
-			{ one.nodes.v.x.data(), one.nodes.v.y.data(), one.nodes.v.z.data() }, { one.kept.x.data(), one.kept.y.data(), one.kept.z.data() } };
+			{ one.nodes.v.x.data(), one.nodes.v.y.data(), one.nodes.v.z.data() },
+			{ one.kept.x.data(), one.kept.y.data(), one.kept.z.data() } };
 		std::copy_n( arrays[0], 3, view.x );
 		std::copy_n( arrays[1], 3, view.v );
 		std::copy_n( arrays[2], 3, view.kept );

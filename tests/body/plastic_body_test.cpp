@@ -1,4 +1,5 @@
-// Bodies that keep a dent: a pulled bar's permanent set is what the yield law says, on one level and on several, and follows when levels change.
+// Bodies that keep a dent: a pulled bar's permanent set is what the yield law says, on one level and on several, and follows when levels
+// change.
 
 #include "body/breaking.h"
 #include "body/levels/levels.h"
@@ -99,11 +100,10 @@ std::unique_ptr<Body> pullBar( const Pull& pull )
 }
 
 class PulledBar : public testing::TestWithParam<Pull>
-{
-};
+{};
 
-// The law for a bar held at the stretch s: across it is free, and so without elastic strain (nu = 0); along it e = s / p - 1, where p is the
-// plastic stretch. The flow diag( 1 + h c e, 1, 1 ) scaled to det = 1 stretches by ( 1 + h c e )^( 2 / 3 ), so
+// The law for a bar held at the stretch s: across it is free, and so without elastic strain (nu = 0); along it e = s / p - 1, where p is
+// the plastic stretch. The flow diag( 1 + h c e, 1, 1 ) scaled to det = 1 stretches by ( 1 + h c e )^( 2 / 3 ), so
 //   p' = ( 2 / 3 ) c e p = ( 2 / 3 ) c ( s - p ),   p( t ) = s - ( s - 1 ) exp( - 2 c t / 3 ),   until e = yield, p = s / ( 1 + yield )
 // and across the bar 1 / sqrt( p ).
 TEST_P( PulledBar, KeepsWhatTheYieldLawSays )
@@ -114,8 +114,9 @@ TEST_P( PulledBar, KeepsWhatTheYieldLawSays )
 	const double s = pull.stretch, flowed = s - ( s - 1.0 ) * std::exp( -2.0 * double( pull.creep ) * double( pull.seconds ) / 3.0 );
 	const double wanted = std::min( flowed, s / ( 1.0 + double( pull.yieldStrain ) ) );
 	const double along = stretchOf( *body, 0 ), across = stretchOf( *body, 1 );
-	std::printf( "%d levels, held at %.2f for %.1f s, yield %.2f, creep %.0f/s: set %.4f (%.4f), across %.4f (%.4f)\n", pull.coarseLevels, s,
-		double( pull.seconds ), double( pull.yieldStrain ), double( pull.creep ), along - 1.0, wanted - 1.0, across - 1.0, 1.0 / std::sqrt( wanted ) - 1.0 );
+	std::printf( "%d levels, held at %.2f for %.1f s, yield %.2f, creep %.0f/s: set %.4f (%.4f), across %.4f (%.4f)\n", pull.coarseLevels,
+		s, double( pull.seconds ), double( pull.yieldStrain ), double( pull.creep ), along - 1.0, wanted - 1.0, across - 1.0,
+		1.0 / std::sqrt( wanted ) - 1.0 );
 	EXPECT_NEAR( along - 1.0, wanted - 1.0, 0.1 * ( wanted - 1.0 ) );
 	EXPECT_NEAR( across - 1.0, 1.0 / std::sqrt( wanted ) - 1.0, 0.1 * ( wanted - 1.0 ) );
 }

@@ -1,5 +1,5 @@
-// A free bar on levels 0 to 3, lying in the lattice at 0 to 45 degrees: Young's modulus from the period of its slowest stretching vibration,
-// and the period of its slowest bending. The same stiffness on every level is what Ohta et al. 2009 are after.
+// A free bar on levels 0 to 3, lying in the lattice at 0 to 45 degrees: Young's modulus from the period of its slowest stretching
+// vibration, and the period of its slowest bending. The same stiffness on every level is what Ohta et al. 2009 are after.
 
 #include "body/body.h"
 #include "body/levels/levels.h"
@@ -15,9 +15,9 @@ namespace pliant::experiment {
 namespace {
 
 constexpr double kPiHere = 3.14159265358979323846;
-constexpr double kRoot = 4.730040745; // cos( root ) cosh( root ) = 1
+constexpr double kRoot = 4.730040745;            // cos( root ) cosh( root ) = 1
 constexpr double kLength = 96.0, kHeight = 24.0; // cells
-constexpr float kStep = 0.01f; // s
+constexpr float kStep = 0.01f;                   // s
 
 struct Bar
 {
@@ -83,7 +83,8 @@ double frequency( const Bar& bar, int level, int halfWidth, bool bends )
 		double amplitude = 0.0;
 		for ( int i = 0; i < nodes.count; ++i )
 		{
-			amplitude += double( nodes.mass[i] ) * shape[std::size_t( i )].dot( nodes.worldPosition( i ) - nodes.x0.get( i ).cast<double>() ) / norm;
+			amplitude += double( nodes.mass[i] ) *
+				shape[std::size_t( i )].dot( nodes.worldPosition( i ) - nodes.x0.get( i ).cast<double>() ) / norm;
 		}
 		if ( before * amplitude < 0.0 )
 		{

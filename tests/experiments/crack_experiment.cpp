@@ -11,8 +11,8 @@
 #include "surface/crack_state/crack_surface.h"
 
 #ifdef PLIANT_HAS_PICTURES
-#include "third_party_glue/offscreen.h"
-#include "third_party_glue/renderer.h"
+	#include "third_party_glue/offscreen.h"
+	#include "third_party_glue/renderer.h"
 #endif
 
 #include <algorithm>
@@ -109,7 +109,8 @@ DrawnPiece drawPiece( const CrackSurface& surface, const Lattice& lattice, const
 		const bool isInside = surface.sources()[t] == CrackSurface::kNone;
 		for ( const std::uint32_t v : out.triangles[t] )
 		{
-			const std::array<float, 3> colour = isInside ? std::array<float, 3>{ 0.75f, 0.34f, 0.16f } : std::array<float, 3>{ 0.36f, 0.46f, 0.56f };
+			const std::array<float, 3> colour = isInside ? std::array<float, 3>{ 0.75f, 0.34f, 0.16f }
+														 : std::array<float, 3>{ 0.36f, 0.46f, 0.56f };
 			std::copy( colour.begin(), colour.end(), &out.colours[3 * std::size_t( v )] );
 		}
 	}

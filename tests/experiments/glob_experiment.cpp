@@ -23,10 +23,10 @@ namespace {
 struct Regime
 {
 	const char* name;
-	int cells;         ///< of the box around the Glob, along an edge
+	int cells; ///< of the box around the Glob, along an edge
 	int halfWidth;
 	float alpha;
-	double drop;       ///< way from the start to the ground, diagonals of the Glob's box
+	double drop; ///< way from the start to the ground, diagonals of the Glob's box
 	float keepMass;
 };
 
@@ -243,8 +243,10 @@ void runRegime( int regime, int orientations, const std::vector<NamedMethod>& me
 
 void printTable( const char* title, const std::vector<Row>& rows, std::vector<Errors> Row::*which )
 {
-	std::printf( "\n%s: mean/deviation of the error over the nodes, shares of the diagonal; GM: geometric mean of the means; shape: with the "
-				 "mean displacement taken off\n\n| method |", title );
+	std::printf(
+		"\n%s: mean/deviation of the error over the nodes, shares of the diagonal; GM: geometric mean of the means; shape: with the "
+		"mean displacement taken off\n\n| method |",
+		title );
 	for ( const Regime& regime : kRegimes )
 	{
 		std::printf( " %s |", regime.name );
@@ -316,8 +318,8 @@ void globExperiment( int orientations )
 	{
 		const Regime& r = kRegimes[k];
 		runRegime( k, orientations, methods, rows );
-		std::printf( " %s: %d cells, %.0f nodes, w %d, alpha %.1f, drop %.2f D;", r.name, test::makeBlobLattice( r.cells, 1.0f, 1 ).cellCount(),
-			rows[0].nodes.back(), r.halfWidth, double( r.alpha ), r.drop );
+		std::printf( " %s: %d cells, %.0f nodes, w %d, alpha %.1f, drop %.2f D;", r.name,
+			test::makeBlobLattice( r.cells, 1.0f, 1 ).cellCount(), rows[0].nodes.back(), r.halfWidth, double( r.alpha ), r.drop );
 	}
 	std::printf( " %d orientations each.\n", orientations );
 	printTable( "Step 400 (contact at 320)", rows, &Row::at400 );

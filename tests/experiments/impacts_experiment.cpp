@@ -1,4 +1,5 @@
-// Soft bodies that strike things and each other at random, where nothing damps them and nothing weighs: does energy of motion come of it, is spin lost?
+// Soft bodies that strike things and each other at random, where nothing damps them and nothing weighs: does energy of motion come of it,
+// is spin lost?
 
 #include "experiments/experiments.h"
 #include "support/random_impacts.h"
@@ -50,7 +51,9 @@ void printShatters( int count, Ground ground, Elasticity elasticity, BreakRule r
 
 void printStrikes( int count )
 {
-	std::printf( "Cubes with levels strike, %d each: those whose energy of motion rises by more than %g of it, and the worst\n\n| | explicit | implicit |\n|---|---|---|\n", count, kGain );
+	std::printf( "Cubes with levels strike, %d each: those whose energy of motion rises by more than %g of it, and the worst\n\n| | "
+				 "explicit | implicit |\n|---|---|---|\n",
+		count, kGain );
 	for ( const Ground ground : kGrounds )
 	{
 		std::printf( "| %s |", test::kGroundNames[int( ground )] );
@@ -82,8 +85,11 @@ void printRubs( int count )
 		const char* name;
 		bool ( *isImplicit )( int body );
 	};
-	const Kind kinds[] = { { "explicit", []( int ) { return false; } }, { "implicit", []( int ) { return true; } }, { "every other implicit", []( int k ) { return k % 2 == 1; } } };
-	std::printf( "\nTwo to four spinning cubes fly into each other, %d each\n\n| | spin lost by more than 1e-4 | at most | energy rises | at most |\n|---|---|---|---|---|\n", count );
+	const Kind kinds[] = { { "explicit", []( int ) { return false; } }, { "implicit", []( int ) { return true; } },
+		{ "every other implicit", []( int k ) { return k % 2 == 1; } } };
+	std::printf( "\nTwo to four spinning cubes fly into each other, %d each\n\n| | spin lost by more than 1e-4 | at most | energy rises | "
+				 "at most |\n|---|---|---|---|---|\n",
+		count );
 	for ( const Kind& kind : kinds )
 	{
 		int losses = 0, gains = 0;
@@ -111,7 +117,8 @@ void impactsExperiment( int count )
 // In each cell half with levels, of one or two.
 void shattersExperiment( int count )
 {
-	std::printf( "Undamped cubes that break, at strains of 0.02 to 0.3, strike, %d each, half of them with levels: those that break, those whose energy of motion rises by more than %g of it, and the worst\n\n"
+	std::printf( "Undamped cubes that break, at strains of 0.02 to 0.3, strike, %d each, half of them with levels: those that break, those "
+				 "whose energy of motion rises by more than %g of it, and the worst\n\n"
 				 "| | explicit, by distance | explicit, planes | implicit, by distance | implicit, planes |\n|---|---|---|---|---|\n",
 		count, kGain );
 	for ( const Ground ground : kGrounds )

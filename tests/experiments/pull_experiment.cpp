@@ -1,4 +1,5 @@
-// Bars drawn out until they part, by both rules, at angles to the lattice and on levels: do they break at what was set, and across the pull?
+// Bars drawn out until they part, by both rules, at angles to the lattice and on levels: do they break at what was set, and across the
+// pull?
 
 #include "experiments/experiments.h"
 #include "support/pulled_bar.h"
@@ -37,8 +38,9 @@ void pullExperiment()
 {
 	for ( const bool rings : { false, true } )
 	{
-		std::printf( "Bar of 40 x 8 x 8 cells, break strain 0.1, %s: first break and parting over what was set, tilt of the crack, degrees\n\n"
-					 "| rule, levels | 0 degrees | 5 | 10 | 20 | 30 | 45 |\n|---|---|---|---|---|---|---|\n",
+		std::printf(
+			"Bar of 40 x 8 x 8 cells, break strain 0.1, %s: first break and parting over what was set, tilt of the crack, degrees\n\n"
+			"| rule, levels | 0 degrees | 5 | 10 | 20 | 30 | 45 |\n|---|---|---|---|---|---|---|\n",
 			rings ? "nothing damped" : "wobble damped as by default" );
 		pullBars( BreakRule::Plane, rings );
 		pullBars( BreakRule::Distance, rings );

@@ -1,5 +1,5 @@
-// What "refine everything now" and a touch cost in a running world, frame by frame: the change itself, the stand-ins, the tree and the skin.
-// Steinemann et al. 2008, section 5.2 and Fig. 6: the levels change where a flower is touched.
+// What "refine everything now" and a touch cost in a running world, frame by frame: the change itself, the stand-ins, the tree and the
+// skin. Steinemann et al. 2008, section 5.2 and Fig. 6: the levels change where a flower is touched.
 
 #include "experiments/experiments.h"
 #include "experiments/step_timing.h"
@@ -14,26 +14,26 @@ namespace pliant::experiment {
 
 namespace {
 
-constexpr float kCell = 0.02f;   ///< m
+constexpr float kCell = 0.02f;    ///< m
 constexpr int kSteadyFrames = 20; ///< before and after the change
 constexpr int kChangeFrames = 20;
-constexpr int kRuns = 7;         ///< the simulation repeats to the bit: of each frame the shortest time of all runs counts
+constexpr int kRuns = 7; ///< the simulation repeats to the bit: of each frame the shortest time of all runs counts
 
 constexpr float kEverything = 10.0f, kTouch = 5.2f * kCell; ///< m
 
 // What these figures are to be, with regions of half-width 1.
-constexpr double kMostOver = 2.0;             ///< ms over the steady state of as many nodes
+constexpr double kMostOver = 2.0; ///< ms over the steady state of as many nodes
 constexpr int kMostFrames = 10;
-constexpr double kFewestRebuilds = 100000.0;  ///< a second and core
+constexpr double kFewestRebuilds = 100000.0; ///< a second and core
 
 struct Scene
 {
 	const char* name;
 	int cells[3];
 	int coarseLevels;
-	int finestLevel;    ///< after the change
+	int finestLevel; ///< after the change
 	int nodesPerStep;
-	float reach;        ///< m: what is nearer to the body's corner is refined
+	float reach; ///< m: what is nearer to the body's corner is refined
 	int halfWidth;
 	bool hasSkin;
 };
@@ -84,9 +84,9 @@ struct Frame
 
 struct Outcome
 {
-	double over = 0.0;        ///< ms
-	double rebuilds = 1e30;   ///< a second: regions of new nodes, the fewest of any change, by all that its frame took over the steady state
-	int frames = 0;           ///< until nothing waits any more
+	double over = 0.0;      ///< ms
+	double rebuilds = 1e30; ///< a second: regions of new nodes, the fewest of any change, by all that its frame took over the steady state
+	int frames = 0;         ///< until nothing waits any more
 	int before = 0, after = 0;
 };
 
@@ -112,7 +112,8 @@ void runOnce( const Scene& scene, const std::shared_ptr<const BodyTemplate>& bod
 	{
 		if ( f == std::size_t( kSteadyFrames ) )
 		{
-			const btVector3 reach( btScalar( scene.reach ), btScalar( scene.reach ), btScalar( scene.reach ) ), corner = body->nodePosition( 0 );
+			const btVector3 reach( btScalar( scene.reach ), btScalar( scene.reach ), btScalar( scene.reach ) ),
+				corner = body->nodePosition( 0 );
 			body->requestRefinement( corner - reach, corner + reach );
 		}
 		const std::clock_t begin = std::clock(); // one thread: time on the processor, whatever else the machine does
@@ -175,8 +176,8 @@ Outcome runScene( const Scene& scene )
 			outcome.rebuilds = std::min( outcome.rebuilds, 1e3 * brought / over );
 		}
 	}
-	std::printf( "%-28s %d  %6d %6d  %5d  %7.2f %7.2f  %7.2f %7.2f %7.2f  %4d %9.0f\n", scene.name, scene.halfWidth, outcome.before, outcome.after,
-		scene.nodesPerStep, before, after, worst, outcome.over, worstLevels, outcome.frames, outcome.rebuilds );
+	std::printf( "%-28s %d  %6d %6d  %5d  %7.2f %7.2f  %7.2f %7.2f %7.2f  %4d %9.0f\n", scene.name, scene.halfWidth, outcome.before,
+		outcome.after, scene.nodesPerStep, before, after, worst, outcome.over, worstLevels, outcome.frames, outcome.rebuilds );
 	return outcome;
 }
 
@@ -184,7 +185,8 @@ Outcome runScene( const Scene& scene )
 
 void refineExperiment()
 {
-	std::puts( "Processor time in ms, one thread, each frame the shortest of 7 runs. over: worst frame over the steady state of as many nodes; levels: the change alone, wall clock;\n"
+	std::puts( "Processor time in ms, one thread, each frame the shortest of 7 runs. over: worst frame over the steady state of as many "
+			   "nodes; levels: the change alone, wall clock;\n"
 			   "rebuilds: regions of new nodes in a second of what a frame takes over the steady state, the slowest change.\n"
 			   "                             w   nodes  after   a step   steady before, after    worst    over  levels  frames  rebuilds" );
 	const Scene touch{ "touch, +6 %", { 40, 36, 32 }, 1, 0, 1000, kTouch, 1, false };
@@ -217,11 +219,12 @@ void refineExperiment()
 	for ( const Outcome& outcome : flower )
 	{
 		const int more = outcome.after - outcome.before;
-		std::snprintf( title, sizeof( title ), "a touch, %d new nodes (+%.1f %%)%s: worst frame over steady state", more, 100.0 * more / outcome.before,
-			&outcome == flower ? "" : ", with the skin" );
+		std::snprintf( title, sizeof( title ), "a touch, %d new nodes (+%.1f %%)%s: worst frame over steady state", more,
+			100.0 * more / outcome.before, &outcome == flower ? "" : ", with the skin" );
 		printLimit( title, outcome.over, "ms", kMostOver, false );
 	}
-	std::snprintf( title, sizeof( title ), "%d and %d nodes asked for at once: worst frame over steady state", asked[0].after, asked[1].after );
+	std::snprintf(
+		title, sizeof( title ), "%d and %d nodes asked for at once: worst frame over steady state", asked[0].after, asked[1].after );
 	printLimit( title, std::max( asked[0].over, asked[1].over ), "ms", kMostOver, false );
 	printLimit( "  with the skin", asked[2].over, "ms", kMostOver, false );
 	printLimit( "  nothing waits any more after", frames, "frames", kMostFrames, false );

@@ -33,11 +33,12 @@ void shootAll( const test::ShootingRange& range, Elasticity elasticity, int coun
 		passed += isThrough ? 1 : 0;
 		if ( isThrough && std::getenv( "PLIANT_SHOTS" ) )
 		{
-			std::printf( "shot %d: %s at %s, %.0f m/s, %.0f Pa: %d nodes behind, %.3f m\n", seed, test::kShotNames[int( r.shot )], test::kWallNames[int( r.wall )], r.speed,
-				r.youngsModulus, r.behind, r.deepest );
+			std::printf( "shot %d: %s at %s, %.0f m/s, %.0f Pa: %d nodes behind, %.3f m\n", seed, test::kShotNames[int( r.shot )],
+				test::kWallNames[int( r.wall )], r.speed, r.youngsModulus, r.behind, r.deepest );
 		}
 	}
-	std::printf( "%s: %d of %d pass through\n\n| hits / passes / deepest, mm |", elasticity == Elasticity::Explicit ? "Explicit" : "Implicit", passed, count );
+	std::printf( "%s: %d of %d pass through\n\n| hits / passes / deepest, mm |",
+		elasticity == Elasticity::Explicit ? "Explicit" : "Implicit", passed, count );
 	for ( const char* name : test::kShotNames )
 	{
 		std::printf( " %s |", name );

@@ -1,11 +1,11 @@
-// The rows of Steinemann et al. 2008, section 7: one step of a palm with thin fingers by each road, and where its time goes. Shortest of several
-// runs.
+// The rows of Steinemann et al. 2008, section 7: one step of a palm with thin fingers by each road, and where its time goes. Shortest of
+// several runs.
 
 #include "body/body.h"
 #include "body/levels/levels.h"
 #include "experiments/experiments.h"
-#include "matching/step/lattice_matcher.h"
 #include "matching/reference/reference_matcher.h"
+#include "matching/step/lattice_matcher.h"
 #include "support/block_body.h"
 #include "support/shapes.h"
 
@@ -78,7 +78,8 @@ void printRoad( const char* name, const char* paper, int nodes, double seconds, 
 /// S60 to S63.
 void roadsOfThePalm( const std::shared_ptr<const Lattice>& palm )
 {
-	std::printf( "Palm with thin fingers, one step, w = 1\n  %-46s %8s %11s %10s %9s   %s\n", "", "nodes", "ms", "steps/s", "x naive", "in the paper" );
+	std::printf( "Palm with thin fingers, one step, w = 1\n  %-46s %8s %11s %10s %9s   %s\n", "", "nodes", "ms", "steps/s", "x naive",
+		"in the paper" );
 	NodeState nodes = test::restNodes( *palm );
 	ReferenceMatcher reference( *palm, Material{} );
 	const double naive = secondsOf( [&] { reference.accelerate( nodes, MatchStep{ kStep, 0.5f, 10.0f }, nullptr ); } );
@@ -104,8 +105,8 @@ struct Split
 	double sums, rotation, goals, rest;
 };
 
-/// Rotation and goal transform of a region are one kernel with the gathering of its members' sums: that is told apart by the same kernel on a
-/// table where each region has one member. At rest, where each rotation takes the same turns of Newton's method in both.
+/// Rotation and goal transform of a region are one kernel with the gathering of its members' sums: that is told apart by the same kernel on
+/// a table where each region has one member. At rest, where each rotation takes the same turns of Newton's method in both.
 double secondsOfRotation( const MatchView& full, int padded )
 {
 	std::vector<std::uint32_t> one( std::size_t( padded ) + 1 ), open( static_cast<std::size_t>( padded ) );
@@ -149,17 +150,20 @@ Split splitOf( Body& body )
 /// S64.
 void printSplits( const std::shared_ptr<const Lattice>& palm )
 {
-	std::printf( "\nWhere the time of a step with levels goes, %%   (in the paper: sums and matching, polar decomposition, damping: a third each)\n"
-				 "  %-22s %18s %22s %24s %12s\n",
+	std::printf(
+		"\nWhere the time of a step with levels goes, %%   (in the paper: sums and matching, polar decomposition, damping: a third each)\n"
+		"  %-22s %18s %22s %24s %12s\n",
 		"", "sums to regions", "rotation, goal matrix", "sums to nodes, damping", "the rest" );
 	Adaptivity ours;
 	ours.coarseLevels = 3;
-	for ( const auto& [name, adaptivity] : { std::pair<const char*, Adaptivity>( "Steinemann's method", steinemannAdaptivity( 3 ) ), { "ours", ours } } )
+	for ( const auto& [name, adaptivity] :
+		{ std::pair<const char*, Adaptivity>( "Steinemann's method", steinemannAdaptivity( 3 ) ), { "ours", ours } } )
 	{
 		const std::unique_ptr<Body> body = makeBody( palm, adaptivity );
 		const Split split = splitOf( *body );
 		const double all = ( split.sums + split.rotation + split.goals + split.rest ) / 100.0;
-		std::printf( "  %-22s %18.0f %22.0f %24.0f %12.0f\n", name, split.sums / all, split.rotation / all, split.goals / all, split.rest / all );
+		std::printf(
+			"  %-22s %18.0f %22.0f %24.0f %12.0f\n", name, split.sums / all, split.rotation / all, split.goals / all, split.rest / all );
 	}
 	std::puts( "  (damping is no pass of its own here: it is the change of goal - position, which the sums to nodes have at hand)" );
 }

@@ -1,5 +1,5 @@
-// Ohta et al. 2009, table of the bunny: 2 248 nodes against 207, the step alone and the whole frame; what a node of a body with levels costs a
-// step from 2 000 to 20 000 of them; and Steinemann et al. 2008, section 4.3: summation nodes a region.
+// Ohta et al. 2009, table of the bunny: 2 248 nodes against 207, the step alone and the whole frame; what a node of a body with levels
+// costs a step from 2 000 to 20 000 of them; and Steinemann et al. 2008, section 4.3: summation nodes a region.
 
 #include "experiments/experiments.h"
 #include "experiments/step_timing.h"
@@ -12,8 +12,8 @@
 #include "support/shapes.h"
 #include "support/test_world.h"
 #ifdef PLIANT_HAS_MODELS
-#include "demos/shapes.h"
-#include "third_party_glue/assimp_mesh.h"
+	#include "demos/shapes.h"
+	#include "third_party_glue/assimp_mesh.h"
 #endif
 
 #include <cstdlib>
@@ -104,7 +104,8 @@ double timeFrame( const std::shared_ptr<const BodyTemplate>& shape, Material mat
 	test::SoftWorld scene;
 	scene.addFloor();
 	material.youngsModulus = 2e4f;
-	SoftBodyResult made = SoftBody::create( shape, btTransform( btQuaternion::getIdentity(), btVector3( 0, btScalar( 0.55 ), 0 ) ), material, adaptivity );
+	SoftBodyResult made = SoftBody::create(
+		shape, btTransform( btQuaternion::getIdentity(), btVector3( 0, btScalar( 0.55 ), 0 ) ), material, adaptivity );
 	scene.soft.push_back( std::move( made.value ) );
 	SoftBody& body = *scene.soft.back();
 	scene.world.addSoftBody( &body );
@@ -123,7 +124,8 @@ void bunnyExperiment()
 	const Shape shape = makeBunny();
 	const auto lattice = std::make_shared<const Lattice>( shape.bodyTemplate->lattice() );
 	const Adaptivity levels = nearestToPaper( *lattice );
-	std::printf( "%s, %d cells; levels of detail: %d above the finest, a node from %.2f of its material. Processor time, one thread, ms; frame: 1/60 s on a plane, skin made\n"
+	std::printf( "%s, %d cells; levels of detail: %d above the finest, a node from %.2f of its material. Processor time, one thread, ms; "
+				 "frame: 1/60 s on a plane, skin made\n"
 				 "  (in the paper, step alone: 2 248 nodes 59 ms, 207 nodes 3 ms)\n",
 		shape.name.c_str(), lattice->cellCount(), levels.coarseLevels, double( levels.keepMass ) );
 	for ( int w = 1; w <= 2; ++w )
@@ -132,11 +134,15 @@ void bunnyExperiment()
 		material.regionHalfWidth = w;
 		NodeState nodes = test::restNodes( *lattice );
 		ReferenceMatcher reference( *lattice, material );
-		const double naive = 1e3 * processorSecondsOf( [&] { reference.accelerate( nodes, MatchStep{ kTimedStep, 0.5f, 10.0f }, nullptr ); } );
+		const double naive = 1e3 * processorSecondsOf( [&] {
+			reference.accelerate( nodes, MatchStep{ kTimedStep, 0.5f, 10.0f }, nullptr );
+		} );
 		const Timed fast = timeStep( lattice, material, Adaptivity{} ), adaptive = timeStep( lattice, material, levels );
-		const double fastFrame = timeFrame( shape.bodyTemplate, material, Adaptivity{} ), frame = timeFrame( shape.bodyTemplate, material, levels );
-		std::printf( "w = %d   naive %d nodes: step %.3f | fast %d nodes: step %.4f, frame %.3f | with levels %d nodes: step %.4f, frame %.3f (%.1f x less)\n", w,
-			nodes.count, naive, fast.nodes, fast.ms, fastFrame, adaptive.nodes, adaptive.ms, frame, fastFrame / frame );
+		const double fastFrame = timeFrame( shape.bodyTemplate, material, Adaptivity{} ),
+					 frame = timeFrame( shape.bodyTemplate, material, levels );
+		std::printf( "w = %d   naive %d nodes: step %.3f | fast %d nodes: step %.4f, frame %.3f | with levels %d nodes: step %.4f, frame "
+					 "%.3f (%.1f x less)\n",
+			w, nodes.count, naive, fast.nodes, fast.ms, fastFrame, adaptive.nodes, adaptive.ms, frame, fastFrame / frame );
 		printLimit( "step, naive / with levels", naive / adaptive.ms, "x", kLeastOverNaive[w - 1], true );
 		printLimit( "step, our own fast LSM / with levels", fast.ms / adaptive.ms, "x", kLeastOverFast, true );
 	}
@@ -172,7 +178,8 @@ void nodeExperiment()
 		return z < 32 || ( isFinger && z < 56 );
 	} );
 	const Lattice blob = test::makeBlobLattice( 34, 1.0f, 5 );
-	for ( const auto& [name, lattice] : { std::pair<const char*, const Lattice*>( "palm with thin fingers", &palm ), { "lumpy body", &blob } } )
+	for ( const auto& [name, lattice] :
+		{ std::pair<const char*, const Lattice*>( "palm with thin fingers", &palm ), { "lumpy body", &blob } } )
 	{
 		for ( int w = 1; w <= 3; ++w )
 		{
@@ -186,7 +193,8 @@ void nodeExperiment()
 				const std::shared_ptr<const LevelBase> base = buildLevelBase( *lattice, material, adaptivity );
 				const Cut cut = firstCut( base->octree, adaptivity );
 				const LevelRegions regions = buildLevelRegions( *base, *lattice, cut, material, adaptivity );
-				std::printf( "   %7.2f of %6.1f", double( regions.plan->term.size() ) / cut.count(), double( regions.matrix->member.size() ) / cut.count() );
+				std::printf( "   %7.2f of %6.1f", double( regions.plan->term.size() ) / cut.count(),
+					double( regions.matrix->member.size() ) / cut.count() );
 			}
 			std::puts( "" );
 		}

@@ -36,7 +36,8 @@ double processorSecondsOf( F&& call )
 inline void printLimit( const char* what, double value, const char* unit, double limit, bool isAtLeast )
 {
 	const bool isReached = isAtLeast ? value >= limit : value <= limit;
-	std::printf( "  %-78s %10.2f %-9s %s %9.2f   %s\n", what, value, unit, isAtLeast ? "at least" : "at most ", limit, isReached ? "reached" : "NOT reached" );
+	std::printf( "  %-78s %10.2f %-9s %s %9.2f   %s\n", what, value, unit, isAtLeast ? "at least" : "at most ", limit,
+		isReached ? "reached" : "NOT reached" );
 }
 
 } // namespace pliant::experiment

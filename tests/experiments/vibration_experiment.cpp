@@ -56,7 +56,8 @@ std::unique_ptr<Body> makeBody( std::shared_ptr<const Lattice> lattice, int half
 
 double vibrationError( const std::shared_ptr<const Lattice>& lattice, int halfWidth, const NamedMethod& method, int start )
 {
-	const std::unique_ptr<Body> fine = makeBody( lattice, halfWidth, NamedMethod{}, start ), body = makeBody( lattice, halfWidth, method, start );
+	const std::unique_ptr<Body> fine = makeBody( lattice, halfWidth, NamedMethod{}, start ),
+								body = makeBody( lattice, halfWidth, method, start );
 	const Octree& octree = body->levels()->octree();
 	const Cut& cut = body->levels()->cut();
 	double error = 0.0, whole = 0.0;
@@ -87,7 +88,8 @@ double vibrationError( const std::shared_ptr<const Lattice>& lattice, int halfWi
 void vibrationExperiment()
 {
 	const auto lattice = std::make_shared<const Lattice>( makeBlockLattice( kLength, kHeight, kHeight, 1.0f ) );
-	std::printf( "Block of %d x %d x %d cells, all nodes on level 1; error over %d undamped steps: stretch / shear / bend\n\n| method | w = 1 | w = 2 |\n"
+	std::printf( "Block of %d x %d x %d cells, all nodes on level 1; error over %d undamped steps: stretch / shear / bend\n\n| method | w "
+				 "= 1 | w = 2 |\n"
 				 "|---|---|---|\n",
 		kLength, kHeight, kHeight, kSteps );
 	for ( const NamedMethod& method : staticMethods( 1 ) )

@@ -48,7 +48,9 @@ Vec3d wide( const Vec3& v )
 
 Eigen::Matrix3d someMap( test::Seeded& random, float stretch )
 {
-	const Eigen::Quaterniond turn = Eigen::Quaterniond( random.uniform( -1, 1 ), random.uniform( -1, 1 ), random.uniform( -1, 1 ), random.uniform( -1, 1 ) ).normalized();
+	const Eigen::Quaterniond turn = Eigen::Quaterniond(
+		random.uniform( -1, 1 ), random.uniform( -1, 1 ), random.uniform( -1, 1 ), random.uniform( -1, 1 ) )
+										.normalized();
 	Eigen::Matrix3d map = turn.toRotationMatrix();
 	for ( int k = 0; k < 9; ++k )
 	{
@@ -81,7 +83,8 @@ TEST( CutLinks, APlaneThroughTheMiddlesOfCellsPutsThemOnOneSide )
 	const Lattice bar = makeBlockLattice( 7, 3, 3, 0.25f ); // every number is exact
 	for ( const double way : { 1.0, -1.0 } )
 	{
-		const auto links = linksCut( bar, placed( bar, []( const Vec3d& x ) { return x; } ), PlaneCut{ Vec3d::Zero(), Vec3d( way, 0, 0 ) } );
+		const auto links = linksCut(
+			bar, placed( bar, []( const Vec3d& x ) { return x; } ), PlaneCut{ Vec3d::Zero(), Vec3d( way, 0, 0 ) } );
 		EXPECT_EQ( links.size(), 49u ); // one layer, and not two
 		const auto parts = connectedParts( withoutLinks( bar, links ) );
 		ASSERT_EQ( parts.size(), 2u );
@@ -121,7 +124,8 @@ TEST( CutLinks, ASphereTakesOutWhatIsInIt )
 			bool passes = isIn( a ) || isIn( b );
 			for ( int k = 1; k < 2000 && !passes; ++k )
 			{
-				passes = ( places[a] + double( k ) / 2000.0 * ( places[b] - places[a] ) - ball.centre ).norm() < ball.radius * ( 1.0 - 1e-6 );
+				passes = ( places[a] + double( k ) / 2000.0 * ( places[b] - places[a] ) - ball.centre ).norm() <
+					ball.radius * ( 1.0 - 1e-6 );
 			}
 			return passes && !( isIn( a ) && isIn( b ) );
 		} );
@@ -146,7 +150,8 @@ TEST( CutLinks, ABladeThatHasGoneThroughAllOfItCutsLikeItsPlane )
 			for ( int k = 0; k < steps; ++k )
 			{
 				const Vec3d from = middle + way * ( -2.0 + 4.0 * k / steps ), to = middle + way * ( -2.0 + 4.0 * ( k + 1 ) / steps );
-				const auto some = linksCut( blob, places, BladeCut{ from - 2.0 * edge, from + 2.0 * edge, to - 2.0 * edge, to + 2.0 * edge } );
+				const auto some = linksCut(
+					blob, places, BladeCut{ from - 2.0 * edge, from + 2.0 * edge, to - 2.0 * edge, to + 2.0 * edge } );
 				links.insert( links.end(), some.begin(), some.end() );
 			}
 			std::sort( links.begin(), links.end() );
@@ -175,7 +180,8 @@ TEST( CutLinks, SmallBladesCutWhatMeetsTheirTriangles )
 		const Lattice blob = test::makeBlobLattice( 10, 0.1f, seed );
 		const Eigen::Matrix3d map = someMap( random, 0.3f );
 		const auto places = placed( blob, [&]( const Vec3d& x ) { return Vec3d( map * x ); } );
-		const Vec3d p0 = wide( random.inBox( 0.4f ) ), p1 = wide( random.inBox( 0.4f ) ), q0 = wide( random.inBox( 0.4f ) ), q1 = wide( random.inBox( 0.4f ) );
+		const Vec3d p0 = wide( random.inBox( 0.4f ) ), p1 = wide( random.inBox( 0.4f ) ), q0 = wide( random.inBox( 0.4f ) ),
+					q1 = wide( random.inBox( 0.4f ) );
 		const auto wanted = linksThat( blob, [&]( std::uint32_t i, std::uint32_t j ) {
 			return meets( places[i], places[j], p0, p1, q0 ) || meets( places[i], places[j], q0, p1, q1 );
 		} );

@@ -57,7 +57,8 @@ TEST( Pieces, AreFoundFromWhatWasCut )
 		// A slit, a cut all through, two of them, and more and more links here and there: single cells come off.
 		std::vector<CellLink> links = round % 4 < 3 ? linksAcross( block, 1 + int( round % 8 ) ) : std::vector<CellLink>();
 		links.resize( round % 4 == 0 ? links.size() / 2 : links.size() );
-		for ( const std::vector<CellLink>& more : { round % 4 == 2 ? linksAcross( block, 8 ) : links, round % 4 == 3 ? someLinks( block, 0.2 + 0.006 * round, round ) : links } )
+		for ( const std::vector<CellLink>& more :
+			{ round % 4 == 2 ? linksAcross( block, 8 ) : links, round % 4 == 3 ? someLinks( block, 0.2 + 0.006 * round, round ) : links } )
 		{
 			links.insert( links.end(), more.begin(), more.end() );
 		}

@@ -86,8 +86,8 @@ TEST( PlaneCracks, RunOnAtTheirShareAndBeginNoSooner )
 }
 
 /// A block that random waves run through, its links taken out as they break, new cracks allowed now and then; all that broke, in order.
-std::vector<std::vector<CellLink>> breakInWaves( unsigned seed, float growthShare, bool everywhere, bool isTough, Lattice lattice = makeBlockLattice( 9, 8, 7, kCell ),
-	std::size_t* most = nullptr )
+std::vector<std::vector<CellLink>> breakInWaves( unsigned seed, float growthShare, bool everywhere, bool isTough,
+	Lattice lattice = makeBlockLattice( 9, 8, 7, kCell ), std::size_t* most = nullptr )
 {
 	NodeState nodes = test::restNodes( lattice );
 	std::mt19937 random( seed );
@@ -134,7 +134,8 @@ TEST( PlaneCracks, AreThoseOfLookingEverywhere )
 	for ( unsigned seed = 0; seed < 40; ++seed )
 	{
 		const float share = seed % 2 == 0 ? 1.0f : 0.6f;
-		const std::vector<std::vector<CellLink>> quick = breakInWaves( seed, share, false, seed % 3 == 0 ), slow = breakInWaves( seed, share, true, seed % 3 == 0 );
+		const std::vector<std::vector<CellLink>> quick = breakInWaves( seed, share, false, seed % 3 == 0 ),
+												 slow = breakInWaves( seed, share, true, seed % 3 == 0 );
 		ASSERT_EQ( quick, slow ) << seed;
 		for ( std::size_t step = 0; step < quick.size(); ++step )
 		{

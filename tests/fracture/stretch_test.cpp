@@ -1,7 +1,7 @@
 // The largest stretch in closed form, against Eigen's solver.
 
-#include "fracture/stretch.h"
 #include "fracture/constants.h"
+#include "fracture/stretch.h"
 #include "matching/regions/region_moments.h"
 
 #include <Eigen/Eigenvalues>
@@ -56,7 +56,8 @@ TEST( Stretch, WhereDirectionsAreAlike )
 	{
 		const Eigen::HouseholderQR<Eigen::Matrix3d> turn( randomMatrix( random, 1.0 ) );
 		const Eigen::Matrix3d q = turn.householderQ();
-		for ( const Vec3d& stretches : { Vec3d( 1.1, 1.1, 0.9 ), Vec3d( 1.1, 0.9, 0.9 ), Vec3d( 1.0, 1.0, 1.0 ), Vec3d( 1.2, 1.2, 1.2 ), Vec3d( 1.1, 0.0, 1.1 ), Vec3d( 0.0, 0.0, 0.0 ) } )
+		for ( const Vec3d& stretches : { Vec3d( 1.1, 1.1, 0.9 ), Vec3d( 1.1, 0.9, 0.9 ), Vec3d( 1.0, 1.0, 1.0 ), Vec3d( 1.2, 1.2, 1.2 ),
+				  Vec3d( 1.1, 0.0, 1.1 ), Vec3d( 0.0, 0.0, 0.0 ) } )
 		{
 			expectLikeEigen( Eigen::Matrix3d( q * stretches.asDiagonal() * q.transpose() ), 1e-8 );
 		}
@@ -81,7 +82,8 @@ TEST( Stretch, IsLessOnlyWhereItIs )
 			const Eigen::HouseholderQR<Eigen::Matrix3d> turn( randomMatrix( random, 1.0 ) );
 			const Eigen::Matrix3d q = turn.householderQ();
 			const double pull = 0.01 + size * any( random );
-			EXPECT_TRUE( isStretchedLess( q * Vec3d( 1.0 + pull, 1.0 - 0.3 * pull, 1.0 - 0.3 * pull ).asDiagonal() * q.transpose(), 1.001 * pull ) );
+			EXPECT_TRUE(
+				isStretchedLess( q * Vec3d( 1.0 + pull, 1.0 - 0.3 * pull, 1.0 - 0.3 * pull ).asDiagonal() * q.transpose(), 1.001 * pull ) );
 		}
 	}
 	EXPECT_GT( told, 500 );
@@ -94,7 +96,8 @@ TEST( Stretch, OfFlatNeighbourhoodsIsWithinThem )
 	{
 		const Eigen::HouseholderQR<Eigen::Matrix3d> turn( randomMatrix( random, 1.0 ) );
 		const Eigen::Matrix3d q = turn.householderQ();
-		for ( const Vec3d& spread : { Vec3d( 3.0, 2.0, 1.0 ), Vec3d( 3.0, 2.0, 0.01 ), Vec3d( 3.0, 2.0, 1e-4 ), Vec3d( 3.0, 2.0, 0.0 ), Vec3d( 3.0, 0.0, 0.0 ), Vec3d( 0.0, 0.0, 0.0 ) } )
+		for ( const Vec3d& spread : { Vec3d( 3.0, 2.0, 1.0 ), Vec3d( 3.0, 2.0, 0.01 ), Vec3d( 3.0, 2.0, 1e-4 ), Vec3d( 3.0, 2.0, 0.0 ),
+				  Vec3d( 3.0, 0.0, 0.0 ), Vec3d( 0.0, 0.0, 0.0 ) } )
 		{
 			const Eigen::Matrix3d moment = q * spread.asDiagonal() * q.transpose();
 			Eigen::Matrix3d outside;

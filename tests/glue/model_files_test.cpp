@@ -64,7 +64,7 @@ ModelMesh ball( const std::string& name, float x )
 	mesh.positions = std::move( shape.positions );
 	mesh.normals = std::move( shape.normals );
 	mesh.indices = std::move( shape.indices );
-	for( std::size_t i = 0; i < mesh.positions.size(); i += 3 )
+	for ( std::size_t i = 0; i < mesh.positions.size(); i += 3 )
 	{
 		mesh.textureCoordinates.insert( mesh.textureCoordinates.end(), { mesh.positions[i] + 0.5f, mesh.positions[i + 1] + 0.5f } );
 		mesh.positions[i] += x;
@@ -76,13 +76,14 @@ ModelMesh ball( const std::string& name, float x )
 double volume( const ModelMesh& mesh )
 {
 	double sum = 0;
-	for( std::size_t t = 0; t < mesh.indices.size(); t += 3 )
+	for ( std::size_t t = 0; t < mesh.indices.size(); t += 3 )
 	{
 		const float* a = &mesh.positions[3 * mesh.indices[t]];
 		const float* b = &mesh.positions[3 * mesh.indices[t + 1]];
 		const float* c = &mesh.positions[3 * mesh.indices[t + 2]];
-		sum += double( a[0] ) * ( double( b[1] ) * c[2] - double( b[2] ) * c[1] ) + double( a[1] ) * ( double( b[2] ) * c[0] - double( b[0] ) * c[2] ) +
-		       double( a[2] ) * ( double( b[0] ) * c[1] - double( b[1] ) * c[0] );
+		sum += double( a[0] ) * ( double( b[1] ) * c[2] - double( b[2] ) * c[1] ) +
+			double( a[1] ) * ( double( b[2] ) * c[0] - double( b[0] ) * c[2] ) +
+			double( a[2] ) * ( double( b[0] ) * c[1] - double( b[1] ) * c[0] );
 	}
 	return sum / 6;
 }
@@ -101,8 +102,7 @@ const char* const kCubeOff = "OFF # a cube of edge 1\n"
 							 "4 2 3 7 6\n4 1 2 6 5\n4 0 4 7 3\n";
 
 class RoundTrip : public ModelFiles, public ::testing::WithParamInterface<const char*>
-{
-};
+{};
 
 TEST_P( RoundTrip, KeepsTrianglesAndVolume )
 {
@@ -130,7 +130,7 @@ TEST_P( RoundTrip, KeepsSeveralMeshes )
 	EXPECT_EQ( in.mesh.triangleCount(), 2 * ball( "one", 0 ).triangleCount() );
 	EXPECT_NEAR( volume( in.mesh ), 2 * volume( ball( "one", 0 ) ), 1e-3 );
 	const std::string format = GetParam();
-	if( format != "ply" && format != "stl" ) // which know one mesh only
+	if ( format != "ply" && format != "stl" ) // which know one mesh only
 	{
 		ASSERT_EQ( in.mesh.submeshNames.size(), 2u );
 		EXPECT_NE( in.mesh.submeshNames[0], in.mesh.submeshNames[1] );
@@ -145,13 +145,13 @@ TEST_P( RoundTrip, TruncatedAnywhereIsReadOrRefused )
 	ASSERT_TRUE( writeModel( file, { ball( "ball", 0 ) } ).ok() );
 	const std::string bytes = bytesOf( file );
 	int refused = 0;
-	for( int eighth = 0; eighth < 8; ++eighth )
+	for ( int eighth = 0; eighth < 8; ++eighth )
 	{
 		const std::string cut = write( std::string( "cut." ) + GetParam(), bytes.substr( 0, bytes.size() * std::size_t( eighth ) / 8 ) );
 		const ReadResult in = readModel( cut );
 		refused += in.ok() ? 0 : 1;
 		EXPECT_EQ( in.ok(), in.status.sentence.empty() );
-		for( const std::uint32_t index : in.mesh.indices )
+		for ( const std::uint32_t index : in.mesh.indices )
 		{
 			ASSERT_LT( index, in.mesh.vertexCount() );
 		}
@@ -167,7 +167,7 @@ TEST_F( ModelFiles, TextureCoordinatesSurviveObj )
 	const ReadResult in = readModel( path( "uv.obj" ) );
 	ASSERT_TRUE( in.ok() ) << in.status.sentence;
 	ASSERT_EQ( in.mesh.textureCoordinates.size(), in.mesh.vertexCount() * 2 );
-	for( std::size_t i = 0; i < in.mesh.vertexCount(); ++i )
+	for ( std::size_t i = 0; i < in.mesh.vertexCount(); ++i )
 	{
 		EXPECT_NEAR( in.mesh.textureCoordinates[i * 2], in.mesh.positions[i * 3] + 0.5f, 1e-4f );
 	}
@@ -188,7 +188,8 @@ TEST( Off, ReadsColoursNormalsAndTexture )
 	ASSERT_TRUE( colours.ok() ) << colours.status.sentence;
 	EXPECT_EQ( colours.mesh.positions, ( std::vector<float>{ 0, 0, 0, 1, 0, 0, 0, 1, 0 } ) );
 
-	const ReadResult all = readOff( "STCNOFF\r\n3 1 3\r\n0 0 0 0 0 1 9 9 9 .25 .5\r\n1 0 0 0 0 1 9 9 9 1 0\r\n0 1 0 0 0 1 9 9 9 0 1\r\n3 0 1 2\r\n" );
+	const ReadResult all = readOff(
+		"STCNOFF\r\n3 1 3\r\n0 0 0 0 0 1 9 9 9 .25 .5\r\n1 0 0 0 0 1 9 9 9 1 0\r\n0 1 0 0 0 1 9 9 9 0 1\r\n3 0 1 2\r\n" );
 	ASSERT_TRUE( all.ok() ) << all.status.sentence;
 	EXPECT_EQ( all.mesh.normals, ( std::vector<float>{ 0, 0, 1, 0, 0, 1, 0, 0, 1 } ) );
 	EXPECT_EQ( all.mesh.textureCoordinates, ( std::vector<float>{ .25f, .5f, 1, 0, 0, 1 } ) );
@@ -196,11 +197,12 @@ TEST( Off, ReadsColoursNormalsAndTexture )
 
 TEST( Off, RefusesWhatIsNotThere )
 {
-	const char* const wrong[] = { "", "OFF", "OFF\n", "OFF\n3", "OFF\n-3 1 0\n0 0 0\n", "PLY\n3 1 0\n", "4OFF\n3 1 0\n", "OFF BINARY\n", "# only\n#comments\n",
-		"OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 3\n", "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1\n", "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n",
-		"OFF\n3 1 0\n0 0 0\n1 zero 0\n0 1 0\n3 0 1 2\n", "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n999999999999 0 1 2\n",
-		"OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n2 0 1\n", "OFF\n1000000000 1000000000 0\n0 0 0\n", "OFF\n99999999999999999999999 1 0\n" };
-	for( const char* text : wrong )
+	const char* const wrong[] = { "", "OFF", "OFF\n", "OFF\n3", "OFF\n-3 1 0\n0 0 0\n", "PLY\n3 1 0\n", "4OFF\n3 1 0\n", "OFF BINARY\n",
+		"# only\n#comments\n", "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 3\n", "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1\n",
+		"OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n", "OFF\n3 1 0\n0 0 0\n1 zero 0\n0 1 0\n3 0 1 2\n",
+		"OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n999999999999 0 1 2\n", "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n2 0 1\n",
+		"OFF\n1000000000 1000000000 0\n0 0 0\n", "OFF\n99999999999999999999999 1 0\n" };
+	for ( const char* text : wrong )
 	{
 		const ReadResult in = readOff( text );
 		EXPECT_FALSE( in.ok() ) << text;
@@ -210,23 +212,25 @@ TEST( Off, RefusesWhatIsNotThere )
 
 TEST( Ply, ReadsTextAndBothByteOrders )
 {
-	const std::string elements = "comment made by hand\nelement vertex 3\nproperty float x\nproperty double y\nproperty short z\nproperty uchar red\n"
-								 "element face 1\nproperty list uchar int vertex_indices\nproperty list char float weights\nend_header\n";
+	const std::string elements =
+		"comment made by hand\nelement vertex 3\nproperty float x\nproperty double y\nproperty short z\nproperty uchar red\n"
+		"element face 1\nproperty list uchar int vertex_indices\nproperty list char float weights\nend_header\n";
 	const std::vector<float> expected = { 0, 0, 0, 1, 0, -2, 0, 1, 3 };
 	const ReadResult text = readPly( "ply\r\nformat ascii 1.0\r\n" + elements + "0 0 0 255\n1 0 -2 255\n0 +1 3e0 255\n3 0 1 2 1 .5\n" );
 	ASSERT_TRUE( text.ok() ) << text.status.sentence;
 	EXPECT_EQ( text.mesh.positions, expected );
 	EXPECT_EQ( text.mesh.indices, ( std::vector<std::uint32_t>{ 0, 1, 2 } ) );
 
-	for( const bool isBig : { false, true } )
+	for ( const bool isBig : { false, true } )
 	{
 		std::string bytes;
 		const auto put = [&]( auto value ) {
 			char raw[sizeof( value )];
 			std::memcpy( raw, &value, sizeof( value ) ); // the machine's order, little-endian wherever these tests run
-			bytes += isBig ? std::string( std::reverse_iterator( raw + sizeof( value ) ), std::reverse_iterator( raw ) ) : std::string( raw, sizeof( value ) );
+			bytes += isBig ? std::string( std::reverse_iterator( raw + sizeof( value ) ), std::reverse_iterator( raw ) )
+						   : std::string( raw, sizeof( value ) );
 		};
-		for( std::size_t i = 0; i < 9; i += 3 )
+		for ( std::size_t i = 0; i < 9; i += 3 )
 		{
 			put( expected[i] );
 			put( double( expected[i + 1] ) );
@@ -234,7 +238,7 @@ TEST( Ply, ReadsTextAndBothByteOrders )
 			put( std::uint8_t( 255 ) );
 		}
 		put( std::uint8_t( 3 ) );
-		for( const std::int32_t corner : { 0, 1, 2 } )
+		for ( const std::int32_t corner : { 0, 1, 2 } )
 		{
 			put( corner );
 		}
@@ -253,14 +257,14 @@ TEST( Ply, ReadsTextAndBothByteOrders )
 std::string damage( const std::string& good, std::mt19937& random )
 {
 	std::string bytes = good;
-	for( unsigned k = 0; k < 1 + random() % 8 && !bytes.empty(); ++k )
+	for ( unsigned k = 0; k < 1 + random() % 8 && !bytes.empty(); ++k )
 	{
 		const std::size_t at = random() % ( random() % 3 == 0 ? std::min<std::size_t>( bytes.size(), 300 ) : bytes.size() );
-		switch( random() % 3 )
+		switch ( random() % 3 )
 		{
-		case 0: bytes[at] = char( random() & 0xff ); break;
-		case 1: bytes[at] = "0123456789-."[random() % 12]; break;
-		default: bytes.erase( at, 1 + random() % 5 ); break;
+			case 0: bytes[at] = char( random() & 0xff ); break;
+			case 1: bytes[at] = "0123456789-."[random() % 12]; break;
+			default: bytes.erase( at, 1 + random() % 5 ); break;
 		}
 	}
 	return bytes;
@@ -273,13 +277,13 @@ TEST_F( ModelFiles, DamagedPlyAndOffAreReadOrRefused )
 	ASSERT_TRUE( readPly( ply ).ok() );
 	std::mt19937 random( 11 );
 	int good = 0;
-	for( int i = 0; i < 4000; ++i )
+	for ( int i = 0; i < 4000; ++i )
 	{
 		const bool isPly = i % 2 == 0;
 		const ReadResult in = isPly ? readPly( damage( ply, random ) ) : readOff( damage( kCubeOff, random ) );
 		good += in.ok() ? 1 : 0;
 		ASSERT_EQ( in.ok(), in.status.sentence.empty() );
-		for( const std::uint32_t index : in.mesh.indices )
+		for ( const std::uint32_t index : in.mesh.indices )
 		{
 			ASSERT_TRUE( !in.ok() || index < in.mesh.vertexCount() );
 		}
@@ -302,14 +306,15 @@ TEST_F( ModelFiles, GarbageUnderEveryName )
 {
 	std::mt19937 random( 7 );
 	std::string bytes( 20000, '\0' );
-	for( char& byte : bytes )
+	for ( char& byte : bytes )
 	{
 		byte = char( random() & 0xff );
 	}
-	for( const char* ending : { "obj", "ply", "stl", "glb", "gltf", "off", "fbx", "dae", "3ds", "blend", "x", "raw", "nothing" } )
+	for ( const char* ending : { "obj", "ply", "stl", "glb", "gltf", "off", "fbx", "dae", "3ds", "blend", "x", "raw", "nothing" } )
 	{
 		const ReadResult in = readModel( write( std::string( "garbage." ) + ending, bytes ) );
-		EXPECT_FALSE( in.ok() && !in.mesh.indices.empty() && std::any_of( in.mesh.positions.begin(), in.mesh.positions.end(), []( float x ) { return !std::isfinite( x ); } ) )
+		EXPECT_FALSE( in.ok() && !in.mesh.indices.empty() &&
+			std::any_of( in.mesh.positions.begin(), in.mesh.positions.end(), []( float x ) { return !std::isfinite( x ); } ) )
 			<< ending;
 		EXPECT_EQ( in.ok(), in.status.sentence.empty() ) << ending;
 	}
@@ -318,17 +323,18 @@ TEST_F( ModelFiles, GarbageUnderEveryName )
 TEST_F( ModelFiles, HeaderThatPromisesAGigabyteIsRefusedAtOnce )
 {
 	const auto begin = std::chrono::steady_clock::now();
-	const std::string ply = "ply\nformat binary_little_endian 1.0\nelement vertex 90000000\nproperty float x\nproperty float y\nproperty float z\n"
-							"element face 1\nproperty list uchar int vertex_indices\nend_header\n";
+	const std::string ply =
+		"ply\nformat binary_little_endian 1.0\nelement vertex 90000000\nproperty float x\nproperty float y\nproperty float z\n"
+		"element face 1\nproperty list uchar int vertex_indices\nend_header\n";
 	EXPECT_FALSE( readModel( write( "promise.ply", ply + std::string( 100, '\1' ) ) ).ok() );
 	EXPECT_FALSE( readModel( write( "promise.off", "OFF\n90000000 90000000 0\n0 0 0\n" ) ).ok() );
 	std::string stl( 84, '\0' );
 	stl[80] = stl[81] = stl[82] = '\xff';
 	EXPECT_FALSE( readModel( write( "promise.stl", stl + std::string( 50, '\0' ) ) ).ok() );
 	std::string glb = "glTF";
-	for( const unsigned word : { 2u, 0x3fffffffu, 0x3ffffff0u, 0x4e4f534au } )
+	for ( const unsigned word : { 2u, 0x3fffffffu, 0x3ffffff0u, 0x4e4f534au } )
 	{
-		for( int byte = 0; byte < 4; ++byte )
+		for ( int byte = 0; byte < 4; ++byte )
 		{
 			glb += char( word >> ( 8 * byte ) & 0xff );
 		}
@@ -353,11 +359,11 @@ TEST_F( ModelFiles, TimeLimitHolds )
 {
 	// Takes far longer to read than a thousandth of a second.
 	std::ostringstream text;
-	for( int i = 0; i < 40000; ++i )
+	for ( int i = 0; i < 40000; ++i )
 	{
 		text << "v " << i << " " << i % 7 << " " << i % 11 << "\n";
 	}
-	for( int i = 1; i + 2 < 40000; ++i )
+	for ( int i = 1; i + 2 < 40000; ++i )
 	{
 		text << "f " << i << " " << i + 1 << " " << i + 2 << "\n";
 	}

@@ -2,9 +2,9 @@
 //
 //   model_survey [--cells N] folder or file ...
 //
-// Each model is scaled to 1 m. A line holds: what building answered, its processor seconds, cells (and of them those of the shell), connected parts,
-// how far below the floor the lowest drawn point is after 150 frames (in cells; above the floor is negative), and the file. Ends with a summary, and
-// with 1 where a model came out wrong, 77 where there is none to look at.
+// Each model is scaled to 1 m. A line holds: what building answered, its processor seconds, cells (and of them those of the shell),
+// connected parts, how far below the floor the lowest drawn point is after 150 frames (in cells; above the floor is negative), and the
+// file. Ends with a summary, and with 1 where a model came out wrong, 77 where there is none to look at.
 
 #include "third_party_glue/assimp_mesh.h"
 
@@ -27,8 +27,8 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr int kSurveyFrames = 150;
-constexpr float kDropHeight = 0.1f;      // m, lowest point over the floor
-constexpr double kSecondsAllowed = 1.0;  // to build
+constexpr float kDropHeight = 0.1f;     // m, lowest point over the floor
+constexpr double kSecondsAllowed = 1.0; // to build
 constexpr double kRefusalsAllowed = 0.02;
 constexpr int kNothingToLookAt = 77;
 
@@ -43,16 +43,16 @@ void scaleToOne( pliant_glue::ModelMesh& mesh )
 	std::array<double, 3> low, high;
 	low.fill( 1e300 );
 	high.fill( -1e300 );
-	for( const std::uint32_t vertex : mesh.indices )
+	for ( const std::uint32_t vertex : mesh.indices )
 	{
-		for( std::size_t k = 0; k < 3; ++k )
+		for ( std::size_t k = 0; k < 3; ++k )
 		{
 			low[k] = std::min( low[k], double( mesh.positions[3 * vertex + k] ) );
 			high[k] = std::max( high[k], double( mesh.positions[3 * vertex + k] ) );
 		}
 	}
 	const double size = std::max( { high[0] - low[0], high[1] - low[1], high[2] - low[2] } );
-	for( std::size_t i = 0; i < mesh.positions.size(); ++i )
+	for ( std::size_t i = 0; i < mesh.positions.size(); ++i )
 	{
 		mesh.positions[i] = float( ( mesh.positions[i] - 0.5 * ( low[i % 3] + high[i % 3] ) ) / ( size > 0.0 ? size : 1.0 ) );
 	}
@@ -62,7 +62,7 @@ void scaleToOne( pliant_glue::ModelMesh& mesh )
 bool hasArea( const pliant_glue::ModelMesh& mesh )
 {
 	double most = 0.0;
-	for( std::size_t t = 0; t < mesh.indices.size(); t += 3 )
+	for ( std::size_t t = 0; t < mesh.indices.size(); t += 3 )
 	{
 		const auto corner = [&]( std::size_t k ) {
 			const float* p = &mesh.positions[3 * std::size_t( mesh.indices[t + k] )];
@@ -77,7 +77,7 @@ double lowestDrawn( const pliant::SoftBody& body, const pliant_glue::ModelMesh& 
 {
 	const pliant::SurfaceView view = body.surface();
 	double low = 1e300;
-	for( const std::uint32_t vertex : mesh.indices )
+	for ( const std::uint32_t vertex : mesh.indices )
 	{
 		low = std::min( low, double( view.positions[3 * std::size_t( vertex ) + 1] ) );
 	}
@@ -101,7 +101,7 @@ double dropOnFloor( const std::shared_ptr<const pliant::BodyTemplate>& shape, co
 		pliant::SoftBody& body = *made.value;
 		body.teleport( btTransform( btQuaternion::getIdentity(), btVector3( 0, btScalar( kDropHeight - lowestDrawn( body, mesh ) ), 0 ) ) );
 		world.addSoftBody( &body );
-		for( int frame = 0; frame < kSurveyFrames; ++frame )
+		for ( int frame = 0; frame < kSurveyFrames; ++frame )
 		{
 			world.stepSimulation( btScalar( 1 ) / 60, 0 );
 		}
@@ -114,13 +114,13 @@ double dropOnFloor( const std::shared_ptr<const pliant::BodyTemplate>& shape, co
 void look( const fs::path& file, int cells, Survey& survey )
 {
 	pliant_glue::ReadResult read = pliant_glue::readModel( file.string() );
-	if( !read.ok() )
+	if ( !read.ok() )
 	{
 		return;
 	}
 	pliant_glue::ModelMesh& mesh = read.mesh;
 	scaleToOne( mesh );
-	if( !hasArea( mesh ) )
+	if ( !hasArea( mesh ) )
 	{
 		std::printf( "no area %s\n", file.c_str() );
 		return;
@@ -136,10 +136,11 @@ void look( const fs::path& file, int cells, Survey& survey )
 	const auto built = pliant::BodyTemplate::build( view, settings );
 	const double seconds = double( std::clock() - start ) / CLOCKS_PER_SEC;
 	++survey.models;
-	if( !built.ok() )
+	if ( !built.ok() )
 	{
 		++survey.refused;
-		std::printf( "%-12s %7.3f s %s\n    %s\n", pliant::toString( built.status.code ), seconds, file.c_str(), built.status.sentence.c_str() );
+		std::printf(
+			"%-12s %7.3f s %s\n    %s\n", pliant::toString( built.status.code ), seconds, file.c_str(), built.status.sentence.c_str() );
 		return;
 	}
 	const pliant::BuildReport& report = built.value->report();
@@ -147,7 +148,8 @@ void look( const fs::path& file, int cells, Survey& survey )
 	++survey.bodies;
 	survey.slow += seconds > kSecondsAllowed;
 	survey.deep += !( depth <= 1.0 );
-	std::printf( "%-12s %7.3f s %6d cells %6d shell %5d parts %7.3f below %s\n", "Ok", seconds, report.cells, report.shellCells, report.components, depth, file.c_str() );
+	std::printf( "%-12s %7.3f s %6d cells %6d shell %5d parts %7.3f below %s\n", "Ok", seconds, report.cells, report.shellCells,
+		report.components, depth, file.c_str() );
 	std::fflush( stdout );
 }
 
@@ -157,38 +159,38 @@ int main( int count, char** words )
 {
 	int cells = 800;
 	Survey survey;
-	for( int k = 1; k < count; ++k )
+	for ( int k = 1; k < count; ++k )
 	{
 		const std::string word = words[k];
-		if( word == "--cells" && k + 1 < count )
+		if ( word == "--cells" && k + 1 < count )
 		{
 			cells = std::atoi( words[++k] );
 			continue;
 		}
 		std::vector<fs::path> files;
-		if( fs::is_regular_file( word ) )
+		if ( fs::is_regular_file( word ) )
 		{
 			files.emplace_back( word );
 		}
-		else if( fs::is_directory( word ) )
+		else if ( fs::is_directory( word ) )
 		{
-			for( const auto& entry : fs::recursive_directory_iterator( word ) )
+			for ( const auto& entry : fs::recursive_directory_iterator( word ) )
 			{
-				if( entry.is_regular_file() )
+				if ( entry.is_regular_file() )
 				{
 					files.push_back( entry.path() );
 				}
 			}
 		}
 		std::sort( files.begin(), files.end() );
-		for( const fs::path& file : files )
+		for ( const fs::path& file : files )
 		{
 			look( file, cells, survey );
 		}
 	}
-	std::printf( "%d models: %d bodies, %d refused; %d took more than %.0f s to build, %d are drawn more than a cell below the floor\n", survey.models, survey.bodies,
-		survey.refused, survey.slow, kSecondsAllowed, survey.deep );
-	if( survey.models == 0 )
+	std::printf( "%d models: %d bodies, %d refused; %d took more than %.0f s to build, %d are drawn more than a cell below the floor\n",
+		survey.models, survey.bodies, survey.refused, survey.slow, kSecondsAllowed, survey.deep );
+	if ( survey.models == 0 )
 	{
 		return kNothingToLookAt;
 	}

@@ -16,16 +16,16 @@ namespace {
 bool isClosed( const ModelMesh& mesh )
 {
 	std::map<std::pair<std::uint32_t, std::uint32_t>, int> edges;
-	for( std::size_t t = 0; t < mesh.indices.size(); t += 3 )
+	for ( std::size_t t = 0; t < mesh.indices.size(); t += 3 )
 	{
-		for( std::size_t k = 0; k < 3; ++k )
+		for ( std::size_t k = 0; k < 3; ++k )
 		{
 			++edges[{ mesh.indices[t + k], mesh.indices[t + ( k + 1 ) % 3] }];
 		}
 	}
-	for( const auto& [edge, count] : edges )
+	for ( const auto& [edge, count] : edges )
 	{
-		if( count != 1 || edges.find( { edge.second, edge.first } ) == edges.end() )
+		if ( count != 1 || edges.find( { edge.second, edge.first } ) == edges.end() )
 		{
 			return false;
 		}
@@ -36,13 +36,14 @@ bool isClosed( const ModelMesh& mesh )
 double volume( const ModelMesh& mesh )
 {
 	double sum = 0;
-	for( std::size_t t = 0; t < mesh.indices.size(); t += 3 )
+	for ( std::size_t t = 0; t < mesh.indices.size(); t += 3 )
 	{
 		const float* a = &mesh.positions[3 * mesh.indices[t]];
 		const float* b = &mesh.positions[3 * mesh.indices[t + 1]];
 		const float* c = &mesh.positions[3 * mesh.indices[t + 2]];
-		sum += double( a[0] ) * ( double( b[1] ) * c[2] - double( b[2] ) * c[1] ) + double( a[1] ) * ( double( b[2] ) * c[0] - double( b[0] ) * c[2] ) +
-		       double( a[2] ) * ( double( b[0] ) * c[1] - double( b[1] ) * c[0] );
+		sum += double( a[0] ) * ( double( b[1] ) * c[2] - double( b[2] ) * c[1] ) +
+			double( a[1] ) * ( double( b[2] ) * c[0] - double( b[0] ) * c[2] ) +
+			double( a[2] ) * ( double( b[0] ) * c[1] - double( b[1] ) * c[0] );
 	}
 	return sum / 6;
 }
@@ -51,7 +52,7 @@ constexpr double kPi = 3.14159265358979;
 
 TEST( Shapes, CubeEnclosesItsVolume )
 {
-	for( const int cuts : { 1, 2, 7 } )
+	for ( const int cuts : { 1, 2, 7 } )
 	{
 		const ModelMesh cube = pliant_demos::makeCube( 0.5f, cuts );
 		EXPECT_TRUE( isClosed( cube ) );
@@ -81,13 +82,13 @@ TEST( Shapes, OneMetaballIsABall )
 
 TEST( Shapes, StandInsAreClosedAndFitted )
 {
-	for( ModelMesh mesh : { pliant_demos::makeGlob(), pliant_demos::makeBunnyLike() } )
+	for ( ModelMesh mesh : { pliant_demos::makeGlob(), pliant_demos::makeBunnyLike() } )
 	{
 		EXPECT_TRUE( isClosed( mesh ) ) << mesh.name;
 		EXPECT_GT( volume( mesh ), 0.05 ) << mesh.name;
 		pliant_demos::fitHeight( mesh, 0.7f );
 		float low = 1e9f, high = -1e9f;
-		for( std::size_t i = 1; i < mesh.positions.size(); i += 3 )
+		for ( std::size_t i = 1; i < mesh.positions.size(); i += 3 )
 		{
 			low = std::min( low, mesh.positions[i] );
 			high = std::max( high, mesh.positions[i] );

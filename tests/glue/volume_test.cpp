@@ -1,4 +1,5 @@
-// Grey images: what is written in the file is what is read, and damaged files are refused; the surface made of one is closed. The mouse's blade.
+// Grey images: what is written in the file is what is read, and damaged files are refused; the surface made of one is closed. The mouse's
+// blade.
 
 #include "demos/liver.h"
 #include "demos/mouse_blade.h"
@@ -25,8 +26,9 @@ std::string header( const std::string& lines )
 
 std::string fourByThreeByTwo()
 {
-	std::string file = header( "XDIM=4\nYDIM=3\nZDIM=2\nVDIM=1\nTYPE=unsigned fixed\nPIXSIZE=8 bits\nSCALE=2**0\nCPU=decm\nVX=0.5\nVY=0.75\nVZ=2\n" );
-	for( int i = 0; i < 24; ++i )
+	std::string file = header(
+		"XDIM=4\nYDIM=3\nZDIM=2\nVDIM=1\nTYPE=unsigned fixed\nPIXSIZE=8 bits\nSCALE=2**0\nCPU=decm\nVX=0.5\nVY=0.75\nVZ=2\n" );
+	for ( int i = 0; i < 24; ++i )
 	{
 		file.push_back( char( 200 + i ) );
 	}
@@ -45,15 +47,15 @@ TEST( GreyVolumes, AreReadAsWritten )
 TEST( GreyVolumes, ThatAreDamagedAreRefusedWithASentence )
 {
 	const std::string whole = fourByThreeByTwo();
-	for( std::size_t length = 0; length < whole.size(); ++length )
+	for ( std::size_t length = 0; length < whole.size(); ++length )
 	{
 		const VolumeResult read = readInr( std::string_view( whole ).substr( 0, length ) );
 		EXPECT_FALSE( read.ok() ) << length;
 		EXPECT_FALSE( read.status.sentence.empty() );
 	}
-	const std::pair<std::string, std::string> changes[] = { { "XDIM=4", "XDIM=0" }, { "YDIM=3", "YDIM=-" }, { "8 bits", "9 bits" }, { "VDIM=1", "VDIM=3" },
-		{ "VX=0.5", "VX=0.0" }, { "unsigned", "unsigneD" }, { "XDIM=4", "XDIM=5" } };
-	for( const auto& [from, to] : changes )
+	const std::pair<std::string, std::string> changes[] = { { "XDIM=4", "XDIM=0" }, { "YDIM=3", "YDIM=-" }, { "8 bits", "9 bits" },
+		{ "VDIM=1", "VDIM=3" }, { "VX=0.5", "VX=0.0" }, { "unsigned", "unsigneD" }, { "XDIM=4", "XDIM=5" } };
+	for ( const auto& [from, to] : changes )
 	{
 		std::string changed = whole;
 		changed.replace( changed.find( from ), from.size(), to );
@@ -70,20 +72,22 @@ double volumeInside( const ModelMesh& mesh )
 {
 	std::map<std::pair<std::uint32_t, std::uint32_t>, int> edges;
 	double sum = 0;
-	for( std::size_t t = 0; t < mesh.indices.size(); t += 3 )
+	for ( std::size_t t = 0; t < mesh.indices.size(); t += 3 )
 	{
-		const float *a = &mesh.positions[3 * mesh.indices[t]], *b = &mesh.positions[3 * mesh.indices[t + 1]], *c = &mesh.positions[3 * mesh.indices[t + 2]];
-		sum += double( a[0] ) * ( double( b[1] ) * c[2] - double( b[2] ) * c[1] ) + double( a[1] ) * ( double( b[2] ) * c[0] - double( b[0] ) * c[2] ) +
-		       double( a[2] ) * ( double( b[0] ) * c[1] - double( b[1] ) * c[0] );
-		for( std::size_t k = 0; k < 3; ++k )
+		const float *a = &mesh.positions[3 * mesh.indices[t]], *b = &mesh.positions[3 * mesh.indices[t + 1]],
+					*c = &mesh.positions[3 * mesh.indices[t + 2]];
+		sum += double( a[0] ) * ( double( b[1] ) * c[2] - double( b[2] ) * c[1] ) +
+			double( a[1] ) * ( double( b[2] ) * c[0] - double( b[0] ) * c[2] ) +
+			double( a[2] ) * ( double( b[0] ) * c[1] - double( b[1] ) * c[0] );
+		for ( std::size_t k = 0; k < 3; ++k )
 		{
 			edges[{ mesh.indices[t + k], mesh.indices[t + ( k + 1 ) % 3] }] += 1;
 		}
 	}
-	for( const auto& [edge, count] : edges )
+	for ( const auto& [edge, count] : edges )
 	{
 		const auto back = edges.find( { edge.second, edge.first } );
-		if( count != 1 || back == edges.end() )
+		if ( count != 1 || back == edges.end() )
 		{
 			return std::nan( "" );
 		}
@@ -97,13 +101,13 @@ TEST( GreyVolumes, HaveAClosedSurfaceOfTheirVolume )
 	GreyVolume ball;
 	ball.size = { 40, 40, 20 };
 	ball.spacing = { 1, 1, 2 };
-	for( int i = 0; i < 40 * 40 * 20; ++i )
+	for ( int i = 0; i < 40 * 40 * 20; ++i )
 	{
 		const double x = i % 40 - 19.5, y = i / 40 % 40 - 19.5, z = 2 * ( i / 1600 - 9.5 );
 		ball.values.push_back( x * x + y * y + z * z < 400 ? 84 : 0 );
 	}
-	// A surface of radius R that is smoothed over sigma moves inward by sigma^2 / R; two passes of 1 : 2 : 1, samples that are boxes, and the linear
-	// course between them make sigma^2 ( 1 + 1/12 + 1/6 ) samples squared.
+	// A surface of radius R that is smoothed over sigma moves inward by sigma^2 / R; two passes of 1 : 2 : 1, samples that are boxes, and
+	// the linear course between them make sigma^2 ( 1 + 1/12 + 1/6 ) samples squared.
 	const double shrunk = 1.0 - 3.0 * 1.25 * 2.5 * 2.5 / 400.0;
 	EXPECT_NEAR( volumeInside( pliant_demos::surfaceOfVolume( ball, 2.5f ) ) / ( 4.0 / 3 * 3.14159265 * 8000 ), shrunk, 0.01 );
 	EXPECT_GT( volumeInside( pliant_demos::makeLiverLike() ), 1e-3 );

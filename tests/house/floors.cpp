@@ -16,8 +16,15 @@ struct Floor
 };
 
 const Floor kFloors[] = {
-	{ "plugin/include/", 0 }, { "plugin/threads/", 1 },  { "plugin/lattice/", 2 }, { "plugin/adapt/", 3 },
-	{ "plugin/matching/", 4 }, { "plugin/fracture/", 5 }, { "plugin/surface/", 6 }, { "plugin/body/", 7 }, { "plugin/world/", 8 },
+	{ "plugin/include/", 0 },
+	{ "plugin/threads/", 1 },
+	{ "plugin/lattice/", 2 },
+	{ "plugin/adapt/", 3 },
+	{ "plugin/matching/", 4 },
+	{ "plugin/fracture/", 5 },
+	{ "plugin/surface/", 6 },
+	{ "plugin/body/", 7 },
+	{ "plugin/world/", 8 },
 };
 
 // The rooms of a floor, from the ground up. A header includes headers of its own room and of rooms below; a source file, which
@@ -25,13 +32,14 @@ const Floor kFloors[] = {
 const std::vector<std::vector<const char*>> kRooms = {
 	{ "plugin/lattice/", "plugin/lattice/mesh/", "plugin/lattice/inside/", "plugin/lattice/build/" },
 	{ "plugin/adapt/octree/", "plugin/adapt/regions/", "plugin/adapt/moments/" },
-	{ "plugin/matching/kernels/", "plugin/matching/", "plugin/matching/regions/", "plugin/matching/clusters/", "plugin/matching/step/", "plugin/matching/implicit/",
-		"plugin/matching/reference/" },
-	{ "plugin/surface/kernels/", "plugin/surface/skin/", "plugin/surface/crack_shapes/", "plugin/surface/crack_complex/", "plugin/surface/crack_state/",
-		"plugin/surface/crack_mesh/" },
+	{ "plugin/matching/kernels/", "plugin/matching/", "plugin/matching/regions/", "plugin/matching/clusters/", "plugin/matching/step/",
+		"plugin/matching/implicit/", "plugin/matching/reference/" },
+	{ "plugin/surface/kernels/", "plugin/surface/skin/", "plugin/surface/crack_shapes/", "plugin/surface/crack_complex/",
+		"plugin/surface/crack_state/", "plugin/surface/crack_mesh/" },
 	{ "plugin/body/levels/", "plugin/body/" },
-	{ "plugin/world/", "plugin/world/shape/", "plugin/world/touch/", "plugin/world/search/", "plugin/world/self/", "plugin/world/respond/", "plugin/world/detect/",
-		"plugin/world/solver/", "plugin/world/linear/", "plugin/world/implicit/", "plugin/world/bodies/", "plugin/world/step/", "plugin/world/api/" },
+	{ "plugin/world/", "plugin/world/shape/", "plugin/world/touch/", "plugin/world/search/", "plugin/world/self/", "plugin/world/respond/",
+		"plugin/world/detect/", "plugin/world/solver/", "plugin/world/linear/", "plugin/world/implicit/", "plugin/world/bodies/",
+		"plugin/world/step/", "plugin/world/api/" },
 };
 
 constexpr std::size_t kMostFilesOfAFolder = 20;
@@ -88,30 +96,30 @@ std::string locationOf( const SourceFile& file, const Include& include )
 std::optional<std::string> wrongInPlugin( const SourceFile& file, const Include& include )
 {
 	const Floor* from = floorOf( file.path );
-	if( from == nullptr )
+	if ( from == nullptr )
 	{
 		return "and stands in no folder that has a floor (house/floors.cpp lists them)";
 	}
-	if( include.resolved.empty() )
+	if ( include.resolved.empty() )
 	{
-		if( isStandard( include.name ) && include.angled )
+		if ( isStandard( include.name ) && include.angled )
 		{
 			return std::nullopt;
 		}
 		const bool eigenWelcome = !isPublic( file.path );
 		const bool bulletWelcome = isPublic( file.path ) || from->height == kWorld;
-		if( ( eigenWelcome && isEigen( include.name ) ) || ( bulletWelcome && isBullet( include.name ) ) )
+		if ( ( eigenWelcome && isEigen( include.name ) ) || ( bulletWelcome && isBullet( include.name ) ) )
 		{
 			return std::nullopt;
 		}
 		return "which this folder does not know";
 	}
 	const Floor* to = floorOf( include.resolved );
-	if( to == nullptr )
+	if ( to == nullptr )
 	{
 		return "which is not the plugin's";
 	}
-	if( from != to && to->height >= from->height )
+	if ( from != to && to->height >= from->height )
 	{
 		return "an arrow that does not run down (" + std::string( from->folder ) + " to " + to->folder + ")";
 	}
@@ -123,15 +131,15 @@ std::optional<std::string> wrongElsewhere( const SourceFile& file, const Include
 	const bool demo = file.path.starts_with( "demos/" );
 	const bool glue = file.path.starts_with( "third_party_glue/" );
 	const std::string& to = include.resolved;
-	if( glue && ( to.starts_with( "plugin/" ) || to.starts_with( "demos/" ) || include.name.starts_with( "pliant/" ) ) )
+	if ( glue && ( to.starts_with( "plugin/" ) || to.starts_with( "demos/" ) || include.name.starts_with( "pliant/" ) ) )
 	{
 		return "but glue knows foreign libraries only";
 	}
-	if( demo && to.starts_with( "plugin/" ) && !isPublic( to ) )
+	if ( demo && to.starts_with( "plugin/" ) && !isPublic( to ) )
 	{
 		return "a private header of the plugin";
 	}
-	if( ( demo || glue ) && to.starts_with( "tests/" ) )
+	if ( ( demo || glue ) && to.starts_with( "tests/" ) )
 	{
 		return "which belongs to the tests";
 	}
@@ -146,7 +154,7 @@ public:
 
 	Complaints run()
 	{
-		for( const auto& [path, file] : m_tree.files() )
+		for ( const auto& [path, file] : m_tree.files() )
 		{
 			visit( path );
 		}
@@ -156,21 +164,21 @@ public:
 private:
 	void visit( const std::string& path )
 	{
-		if( const auto at = std::ranges::find( m_way, path ); at != m_way.end() )
+		if ( const auto at = std::ranges::find( m_way, path ); at != m_way.end() )
 		{
 			std::string circle = "a circle of includes: ";
 			std::for_each( at, m_way.end(), [&circle]( const std::string& step ) { circle += step + " -> "; } );
 			m_found.push_back( circle + path );
 			return;
 		}
-		if( !m_done.insert( path ).second )
+		if ( !m_done.insert( path ).second )
 		{
 			return;
 		}
 		m_way.push_back( path );
-		for( const Include& include : m_tree.files().at( path ).includes )
+		for ( const Include& include : m_tree.files().at( path ).includes )
 		{
-			if( !include.resolved.empty() )
+			if ( !include.resolved.empty() )
 			{
 				visit( include.resolved );
 			}
@@ -190,17 +198,17 @@ std::map<std::string, std::string> foreignReach( const SourceTree& tree, const s
 	std::map<std::string, std::string> reached;
 	std::set<std::string> seen = { start };
 	std::vector<std::string> open = { start };
-	while( !open.empty() )
+	while ( !open.empty() )
 	{
 		const SourceFile& file = tree.files().at( open.back() );
 		open.pop_back();
-		for( const Include& include : file.includes )
+		for ( const Include& include : file.includes )
 		{
-			if( include.resolved.empty() )
+			if ( include.resolved.empty() )
 			{
 				reached.emplace( include.name, file.path );
 			}
-			else if( seen.insert( include.resolved ).second )
+			else if ( seen.insert( include.resolved ).second )
 			{
 				open.push_back( include.resolved );
 			}
@@ -214,12 +222,12 @@ std::map<std::string, std::string> foreignReach( const SourceTree& tree, const s
 Complaints checkFloors( const SourceTree& tree )
 {
 	Complaints complaints;
-	for( const auto& [path, file] : tree.files() )
+	for ( const auto& [path, file] : tree.files() )
 	{
-		for( const Include& include : file.includes )
+		for ( const Include& include : file.includes )
 		{
 			const auto wrong = path.starts_with( "plugin/" ) ? wrongInPlugin( file, include ) : wrongElsewhere( file, include );
-			if( wrong )
+			if ( wrong )
 			{
 				complaints.push_back( locationOf( file, include ) + *wrong );
 			}
@@ -232,33 +240,33 @@ Complaints checkRooms( const SourceTree& tree )
 {
 	Complaints complaints;
 	std::map<std::string, std::size_t> files;
-	for( const auto& [path, file] : tree.files() )
+	for ( const auto& [path, file] : tree.files() )
 	{
-		if( !path.starts_with( "plugin/" ) )
+		if ( !path.starts_with( "plugin/" ) )
 		{
 			continue;
 		}
 		++files[path.substr( 0, path.rfind( '/' ) + 1 )];
-		for( const std::vector<const char*>& rooms : kRooms )
+		for ( const std::vector<const char*>& rooms : kRooms )
 		{
 			const int from = roomOf( rooms, path );
 			const Floor* floor = floorOf( path );
-			if( from < 0 && floor != nullptr && floor == floorOf( rooms[0] ) )
+			if ( from < 0 && floor != nullptr && floor == floorOf( rooms[0] ) )
 			{
 				complaints.push_back( path + ": stands in no room that house/floors.cpp lists" );
 			}
-			for( const Include& include : file.includes )
+			for ( const Include& include : file.includes )
 			{
-				if( file.isHeader() && from >= 0 && roomOf( rooms, include.resolved ) > from )
+				if ( file.isHeader() && from >= 0 && roomOf( rooms, include.resolved ) > from )
 				{
 					complaints.push_back( locationOf( file, include ) + "an arrow that does not run down the rooms of its floor" );
 				}
 			}
 		}
 	}
-	for( const auto& [folder, count] : files )
+	for ( const auto& [folder, count] : files )
 	{
-		if( count > kMostFilesOfAFolder )
+		if ( count > kMostFilesOfAFolder )
 		{
 			complaints.push_back( folder + ": " + std::to_string( count ) + " files" );
 		}
@@ -274,15 +282,15 @@ Complaints checkCircles( const SourceTree& tree )
 Complaints checkReach( const SourceTree& tree )
 {
 	Complaints complaints;
-	for( const auto& [path, file] : tree.files() )
+	for ( const auto& [path, file] : tree.files() )
 	{
-		if( !isCore( path ) && !isPublic( path ) )
+		if ( !isCore( path ) && !isPublic( path ) )
 		{
 			continue;
 		}
-		for( const auto& [name, through] : foreignReach( tree, path ) )
+		for ( const auto& [name, through] : foreignReach( tree, path ) )
 		{
-			if( ( isCore( path ) && isBullet( name ) ) || ( isPublic( path ) && isEigen( name ) ) )
+			if ( ( isCore( path ) && isBullet( name ) ) || ( isPublic( path ) && isEigen( name ) ) )
 			{
 				complaints.push_back( path + ": reaches " + name + " through " + through );
 			}

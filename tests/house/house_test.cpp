@@ -16,7 +16,7 @@ namespace fs = std::filesystem;
 std::string listOf( const Complaints& complaints )
 {
 	std::string list;
-	for( const std::string& complaint : complaints )
+	for ( const std::string& complaint : complaints )
 	{
 		list += "\n  " + complaint;
 	}
@@ -57,7 +57,7 @@ protected:
 std::string repeated( const std::string& line, int count )
 {
 	std::string text;
-	for( int i = 0; i < count; ++i )
+	for ( int i = 0; i < count; ++i )
 	{
 		text += line;
 	}
@@ -70,7 +70,8 @@ TEST( House, IsReadAtAll )
 {
 	ASSERT_GT( ours().files().size(), 60u );
 	const SourceFile& body = ours().files().at( "plugin/body/body.cpp" );
-	const bool resolves = std::ranges::any_of( body.includes, []( const Include& include ) { return include.resolved == "plugin/body/body.h"; } );
+	const bool resolves = std::ranges::any_of(
+		body.includes, []( const Include& include ) { return include.resolved == "plugin/body/body.h"; } );
 	EXPECT_TRUE( resolves );
 }
 
@@ -133,13 +134,13 @@ struct Breach
 };
 
 class FloorBreach : public SmallHouse, public testing::WithParamInterface<Breach>
-{
-};
+{};
 
 TEST_P( FloorBreach, IsSeen )
 {
-	for( const char* path : { "plugin/include/pliant/mesh.h", "plugin/lattice/lattice.h", "plugin/threads/pool.h", "plugin/matching/matcher.h",
-			 "plugin/surface/skinning.h", "plugin/body/body.h", "plugin/world/node_shape.h", "third_party_glue/window.h", "tests/support/block.h" } )
+	for ( const char* path : { "plugin/include/pliant/mesh.h", "plugin/lattice/lattice.h", "plugin/threads/pool.h",
+			  "plugin/matching/matcher.h", "plugin/surface/skinning.h", "plugin/body/body.h", "plugin/world/node_shape.h",
+			  "third_party_glue/window.h", "tests/support/block.h" } )
 	{
 		put( path, "#pragma once\n" );
 	}
@@ -183,7 +184,7 @@ TEST_F( SmallHouse, RoomsAreSeen )
 
 	put( "plugin/world/touch/c.h", "#pragma once\n#include \"world/step/b.h\"\n" );
 	put( "plugin/world/attic/d.cpp", "int d;\n" );
-	for( int i = 0; i < 21; ++i )
+	for ( int i = 0; i < 21; ++i )
 	{
 		put( "plugin/threads/e" + std::to_string( i ) + ".cpp", "int e;\n" );
 	}
@@ -221,7 +222,8 @@ TEST_F( SmallHouse, LengthIsSeen )
 	put( "plugin/body/a.cpp", repeated( "int a();\n", 420 ) );
 	put( "plugin/body/b.cpp", "void b()\n{\n" + repeated( "\ta();\n", 60 ) + "}\n" );
 	put( "plugin/body/c.cpp", "class C\n{\npublic:\n\tvoid c() const\n\t{\n" + repeated( "\t\ta();\n", 60 ) + "\t}\n};\n" );
-	put( "plugin/body/d.cpp", "namespace d\n{\n" + repeated( "int a();\n", 90 ) + "}\nconst int kNumbers[] =\n{\n" + repeated( "\t1,\n", 90 ) + "};\n" );
+	put( "plugin/body/d.cpp",
+		"namespace d\n{\n" + repeated( "int a();\n", 90 ) + "}\nconst int kNumbers[] =\n{\n" + repeated( "\t1,\n", 90 ) + "};\n" );
 	EXPECT_TRUE( checkShape( tree() ).empty() ) << listOf( checkShape( tree() ) );
 
 	put( "plugin/body/a.cpp", repeated( "int a();\n", 421 ) );
@@ -230,13 +232,25 @@ TEST_F( SmallHouse, LengthIsSeen )
 	EXPECT_EQ( checkShape( tree() ).size(), 3u ) << listOf( checkShape( tree() ) );
 }
 
+TEST_F( SmallHouse, WidthIsSeen )
+{
+	put( "plugin/body/a.cpp",
+		"\t// " + std::string( 133, 'a' ) + "\n// clang-format off\n" + std::string( 141, 'b' ) + "\n// clang-format on\n" );
+	EXPECT_TRUE( checkShape( tree() ).empty() ) << listOf( checkShape( tree() ) );
+	put( "plugin/body/a.cpp", "\t// " + std::string( 134, 'a' ) + "\n" );
+	EXPECT_EQ( checkShape( tree() ).size(), 1u );
+}
+
 TEST_F( SmallHouse, UnwantedWordsAreSeen )
 {
-	put( "plugin/body/a.cpp", "int a = operand( 1 ); // rand() is not used, nor throw\nvoid b() { throw; }\nbool c = gContactAddedCallback == nullptr;\n" );
+	put( "plugin/body/a.cpp",
+		"int a = operand( 1 ); // rand() is not used, nor throw\nvoid b() { throw; }\nbool c = gContactAddedCallback == nullptr;\n" );
 	put( "plugin/body/a.h", "#pragma once\n" );
 	EXPECT_TRUE( checkShape( tree() ).empty() ) << listOf( checkShape( tree() ) );
 
-	put( "plugin/body/a.cpp", "int a = rand();\nvoid b() { throw 1; }\nauto* c = dynamic_cast<C*>( d );\nint e = std::printf( \"e\" );\ngContactAddedCallback = f;\n" );
+	put( "plugin/body/a.cpp",
+		"int a = rand();\nvoid b() { throw 1; }\nauto* c = dynamic_cast<C*>( d );\nint e = std::printf( \"e\" );\ngContactAddedCallback = "
+		"f;\n" );
 	put( "plugin/body/a.h", "using namespace std;\n" );
 	EXPECT_EQ( checkShape( tree() ).size(), 7u ) << listOf( checkShape( tree() ) );
 }
@@ -253,8 +267,8 @@ TEST_F( SmallHouse, ConstantsOfOneNameAreSeen )
 
 TEST_F( SmallHouse, TopLevelIsSeen )
 {
-	for( const char* name : { "CMakeLists.txt", "README.md", "LICENSE", "CHANGELOG.md", "CMakePresets.json", "vcpkg.json", ".gitignore", "plugin/a",
-			 "demos/a", "third_party_glue/a", "tests/a", "docs/a", "build/a", "out/a" } )
+	for ( const char* name : { "CMakeLists.txt", "README.md", "LICENSE", "CHANGELOG.md", "CMakePresets.json", "vcpkg.json", ".gitignore",
+			  "plugin/a", "demos/a", "third_party_glue/a", "tests/a", "docs/a", "build/a", "out/a" } )
 	{
 		put( name, "" );
 	}
@@ -266,7 +280,8 @@ TEST_F( SmallHouse, TopLevelIsSeen )
 
 TEST_F( SmallHouse, VersionsAreSeen )
 {
-	put( "plugin/include/pliant/version.h", "#define PLIANT_VERSION_MAJOR 1\n#define PLIANT_VERSION_MINOR 2\n#define PLIANT_VERSION_PATCH 3\n" );
+	put( "plugin/include/pliant/version.h",
+		"#define PLIANT_VERSION_MAJOR 1\n#define PLIANT_VERSION_MINOR 2\n#define PLIANT_VERSION_PATCH 3\n" );
 	put( "vcpkg.json", "{ \"version\": \"1.2.3\" }\n" );
 	put( "CHANGELOG.md", "# Changes\n\n## 1.2.3\n\n## 1.2.2\n" );
 	EXPECT_TRUE( checkVersion( m_root ).empty() ) << listOf( checkVersion( m_root ) );

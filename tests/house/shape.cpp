@@ -14,6 +14,8 @@ namespace {
 
 constexpr std::size_t kMostFileLines = 420;
 constexpr std::size_t kMostFunctionLines = 60;
+constexpr std::size_t kMostColumns = 140; // as .clang-format has it
+constexpr std::size_t kTab = 4;
 
 // What our sources do without, and why.
 struct Unwanted
@@ -27,11 +29,13 @@ const std::vector<Unwanted>& unwantedWords()
 {
 	static const std::vector<Unwanted> kWords = {
 		{ "", std::regex( R"(\bs?rand\s*\()" ), "rand() is not the same everywhere: take a seeded generator of our own" },
-		{ "plugin/", std::regex( R"(\bdynamic_cast\b)" ), "dynamic_cast needs run-time type information, which Bullet may be built without" },
-		{ "plugin/", std::regex( R"(\bthrow\b(?!\s*(;|std::bad_alloc\b)))" ), "nothing but want of memory is thrown: answer with a Status" },
+		{ "plugin/", std::regex( R"(\bdynamic_cast\b)" ),
+			"dynamic_cast needs run-time type information, which Bullet may be built without" },
+		{ "plugin/", std::regex( R"(\bthrow\b(?!\s*(;|std::bad_alloc\b)))" ),
+			"nothing but want of memory is thrown: answer with a Status" },
 		{ "plugin/", std::regex( R"(\bbtPolarDecomposition\b)" ), "btPolarDecomposition gives NaN and mirror images" },
 		{ "plugin/", std::regex( R"(\bg(ContactAdded|ContactStarted|ContactEnded|ContactDestroyed|ContactProcessed)Callback\s*=[^=])" ),
-		  "Bullet's global callbacks belong to the game, which alone sets them" },
+			"Bullet's global callbacks belong to the game, which alone sets them" },
 		{ "plugin/", std::regex( R"(\bstd::(cout|cerr|clog)\b|\bprintf\s*\()" ), "a library does not print" },
 		{ "plugin/", std::regex( R"(\bstd::atomic<\s*(float|double)\b)" ), "atomic sums depend on the order of threads" },
 	};
@@ -64,11 +68,11 @@ bool startsLikeFunction( const std::string& line )
 std::string introduction( const std::vector<std::string>& lines, std::size_t brace )
 {
 	std::string first;
-	for( std::size_t i = brace; i > 0; --i )
+	for ( std::size_t i = brace; i > 0; --i )
 	{
 		const std::string line = withoutComment( lines[i - 1] );
 		const std::size_t last = line.find_last_not_of( " \t" );
-		if( last == std::string::npos || std::string( ";{}" ).find( line[last] ) != std::string::npos || line.ends_with( "public:" ) ||
+		if ( last == std::string::npos || std::string( ";{}" ).find( line[last] ) != std::string::npos || line.ends_with( "public:" ) ||
 			line.ends_with( "private:" ) || line.ends_with( "protected:" ) || line[0] == '#' )
 		{
 			break;
@@ -82,21 +86,21 @@ std::string introduction( const std::vector<std::string>& lines, std::size_t bra
 void measureFunctions( const SourceFile& file, Complaints& complaints )
 {
 	bool inType = false;
-	for( std::size_t i = 0; i < file.lines.size(); ++i )
+	for ( std::size_t i = 0; i < file.lines.size(); ++i )
 	{
 		const std::string& line = file.lines[i];
 		const std::size_t indent = indentOf( line );
-		if( line.substr( indent ) != "{" || indent > 1 || ( indent == 1 && !inType ) )
+		if ( line.substr( indent ) != "{" || indent > 1 || ( indent == 1 && !inType ) )
 		{
 			inType = inType && line != "};";
 			continue;
 		}
 		const std::string before = introduction( file.lines, i );
-		if( indent == 0 )
+		if ( indent == 0 )
 		{
 			inType = startsLikeType( before );
 		}
-		if( !startsLikeFunction( before ) )
+		if ( !startsLikeFunction( before ) )
 		{
 			continue;
 		}
@@ -104,27 +108,58 @@ void measureFunctions( const SourceFile& file, Complaints& complaints )
 		const auto end = std::find_if( file.lines.begin() + std::ptrdiff_t( i ), file.lines.end(),
 			[&closing]( const std::string& other ) { return other.starts_with( closing ); } );
 		const std::size_t length = std::size_t( end - file.lines.begin() ) - i - 1;
-		if( length > kMostFunctionLines )
+		if ( length > kMostFunctionLines )
 		{
-			complaints.push_back( file.path + ":" + std::to_string( i ) + ": a function of " + std::to_string( length ) + " lines: " + before );
+			complaints.push_back(
+				file.path + ":" + std::to_string( i ) + ": a function of " + std::to_string( length ) + " lines: " + before );
+		}
+	}
+}
+
+/// Characters of a line of UTF-8, tabs at the layout's stops.
+std::size_t widthOf( const std::string& line )
+{
+	std::size_t width = 0;
+	for ( const char c : line )
+	{
+		const bool isContinuation = ( static_cast<unsigned char>( c ) & 0xC0 ) == 0x80;
+		width = c == '\t' ? ( width / kTab + 1 ) * kTab : width + ( isContinuation ? 0 : 1 );
+	}
+	return width;
+}
+
+// Tables that the layout leaves alone may be wider.
+void measureWidths( const SourceFile& file, Complaints& complaints )
+{
+	bool isLaidOut = true;
+	for ( std::size_t i = 0; i < file.lines.size(); ++i )
+	{
+		const std::string& line = file.lines[i];
+		if ( line.find( "clang-format off" ) != std::string::npos || line.find( "clang-format on" ) != std::string::npos )
+		{
+			isLaidOut = line.find( "clang-format on" ) != std::string::npos;
+		}
+		if ( isLaidOut && widthOf( line ) > kMostColumns )
+		{
+			complaints.push_back( file.path + ":" + std::to_string( i + 1 ) + ": " + std::to_string( widthOf( line ) ) + " columns" );
 		}
 	}
 }
 
 void lookForWords( const SourceFile& file, Complaints& complaints )
 {
-	for( std::size_t i = 0; i < file.lines.size(); ++i )
+	for ( std::size_t i = 0; i < file.lines.size(); ++i )
 	{
 		const std::string code = withoutComment( file.lines[i] );
-		for( const Unwanted& unwanted : unwantedWords() )
+		for ( const Unwanted& unwanted : unwantedWords() )
 		{
-			if( file.path.starts_with( unwanted.folder ) && std::regex_search( code, unwanted.word ) )
+			if ( file.path.starts_with( unwanted.folder ) && std::regex_search( code, unwanted.word ) )
 			{
 				complaints.push_back( file.path + ":" + std::to_string( i + 1 ) + ": " + unwanted.reason );
 			}
 		}
 		static const std::regex kUsing( R"(^\s*using\s+namespace\b)" );
-		if( file.isHeader() && std::regex_search( code, kUsing ) )
+		if ( file.isHeader() && std::regex_search( code, kUsing ) )
 		{
 			complaints.push_back( file.path + ":" + std::to_string( i + 1 ) + ": a header opens a namespace for everyone who includes it" );
 		}
@@ -150,18 +185,22 @@ std::string firstMatch( const std::string& text, const std::string& pattern )
 Complaints checkShape( const SourceTree& tree )
 {
 	Complaints complaints;
-	for( const auto& [path, file] : tree.files() )
+	for ( const auto& [path, file] : tree.files() )
 	{
-		if( file.lines.size() > kMostFileLines )
+		if ( file.lines.size() > kMostFileLines )
 		{
 			complaints.push_back( path + ": " + std::to_string( file.lines.size() ) + " lines" );
 		}
-		if( file.isHeader() && std::ranges::find( file.lines, "#pragma once" ) == file.lines.end() )
+		if ( file.isHeader() && std::ranges::find( file.lines, "#pragma once" ) == file.lines.end() )
 		{
 			complaints.push_back( path + ": no #pragma once" );
 		}
 		measureFunctions( file, complaints );
-		if( !path.starts_with( "tests/house/" ) ) // which names the words
+		if ( !path.starts_with( "tests/house/" ) ) // which has strings of code
+		{
+			measureWidths( file, complaints );
+		}
+		if ( !path.starts_with( "tests/house/" ) ) // which names the words
 		{
 			lookForWords( file, complaints );
 		}
@@ -174,15 +213,15 @@ Complaints checkConstants( const SourceTree& tree )
 	static const std::regex kConstant( R"((?:inline )?constexpr .*?\b(k[A-Z]\w*)\s*[={[].*)" );
 	Complaints complaints;
 	std::map<std::string, std::string> first;
-	for( const auto& [path, file] : tree.files() )
+	for ( const auto& [path, file] : tree.files() )
 	{
-		for( const std::string& line : file.lines )
+		for ( const std::string& line : file.lines )
 		{
 			std::smatch match;
-			if( file.isHeader() && path.starts_with( "plugin/" ) && std::regex_match( line, match, kConstant ) )
+			if ( file.isHeader() && path.starts_with( "plugin/" ) && std::regex_match( line, match, kConstant ) )
 			{
 				const auto [known, isNew] = first.try_emplace( match[1], path );
-				if( !isNew )
+				if ( !isNew )
 				{
 					complaints.push_back( path + ": " + match[1].str() + " is in " + known->second + " too" );
 				}
@@ -194,25 +233,25 @@ Complaints checkConstants( const SourceTree& tree )
 
 Complaints checkTopLevel( const fs::path& root )
 {
-	static const std::set<std::string> kBelongs = { "CMakeLists.txt", "plugin", "demos", "third_party_glue", "tests", "docs", "README.md", "LICENSE",
-		"CHANGELOG.md", "CMakePresets.json", "vcpkg.json" };
+	static const std::set<std::string> kBelongs = { "CMakeLists.txt", "plugin", "demos", "third_party_glue", "tests", "docs", "README.md",
+		"LICENSE", "CHANGELOG.md", "CMakePresets.json", "vcpkg.json" };
 	// Made by the two commands or by tools, and ignored by git.
 	static const std::regex kMade( R"(build.*|out|models|compile_commands\.json|CMakeUserPresets\.json|Testing)" );
 
 	Complaints complaints;
 	std::set<std::string> there;
-	for( const fs::directory_entry& entry : fs::directory_iterator( root ) )
+	for ( const fs::directory_entry& entry : fs::directory_iterator( root ) )
 	{
 		const std::string name = entry.path().filename().string();
 		there.insert( name );
-		if( !name.starts_with( "." ) && !kBelongs.contains( name ) && !std::regex_match( name, kMade ) )
+		if ( !name.starts_with( "." ) && !kBelongs.contains( name ) && !std::regex_match( name, kMade ) )
 		{
 			complaints.push_back( name + " does not belong to the top level" );
 		}
 	}
-	for( const std::string& name : kBelongs )
+	for ( const std::string& name : kBelongs )
 	{
-		if( !there.contains( name ) )
+		if ( !there.contains( name ) )
 		{
 			complaints.push_back( name + " is missing from the top level" );
 		}
@@ -224,7 +263,7 @@ Complaints checkVersion( const fs::path& root )
 {
 	const std::string header = contentsOf( root / "plugin/include/pliant/version.h" );
 	std::string version;
-	for( const char* part : { "MAJOR", "MINOR", "PATCH" } )
+	for ( const char* part : { "MAJOR", "MINOR", "PATCH" } )
 	{
 		version += version.empty() ? "" : ".";
 		version += firstMatch( header, std::string( "PLIANT_VERSION_" ) + part + R"( (\d+))" );
@@ -233,11 +272,11 @@ Complaints checkVersion( const fs::path& root )
 	const std::string change = firstMatch( contentsOf( root / "CHANGELOG.md" ), R"(\n## (\d+\.\d+\.\d+))" );
 
 	Complaints complaints;
-	if( manifest != version )
+	if ( manifest != version )
 	{
 		complaints.push_back( "vcpkg.json says " + manifest + ", version.h " + version );
 	}
-	if( change != version )
+	if ( change != version )
 	{
 		complaints.push_back( "the latest heading of CHANGELOG.md says " + change + ", version.h " + version );
 	}

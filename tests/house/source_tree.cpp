@@ -23,24 +23,24 @@ bool SourceFile::isHeader() const
 
 SourceTree::SourceTree( const fs::path& root ) : m_root( root )
 {
-	for( const char* folder : kSourceFolders )
+	for ( const char* folder : kSourceFolders )
 	{
-		if( !fs::is_directory( root / folder ) )
+		if ( !fs::is_directory( root / folder ) )
 		{
 			continue;
 		}
-		for( const fs::directory_entry& entry : fs::recursive_directory_iterator( root / folder ) )
+		for ( const fs::directory_entry& entry : fs::recursive_directory_iterator( root / folder ) )
 		{
 			const fs::path extension = entry.path().extension();
-			if( entry.is_regular_file() && ( extension == ".h" || extension == ".cpp" ) )
+			if ( entry.is_regular_file() && ( extension == ".h" || extension == ".cpp" ) )
 			{
 				read( entry.path() );
 			}
 		}
 	}
-	for( auto& [path, file] : m_files )
+	for ( auto& [path, file] : m_files )
 	{
-		for( Include& include : file.includes )
+		for ( Include& include : file.includes )
 		{
 			include.resolved = resolve( file, include );
 		}
@@ -54,11 +54,11 @@ void SourceTree::read( const fs::path& path )
 	SourceFile file;
 	file.path = fs::relative( path, m_root ).generic_string();
 	std::ifstream stream( path );
-	for( std::string line; std::getline( stream, line ); )
+	for ( std::string line; std::getline( stream, line ); )
 	{
 		file.lines.push_back( line );
 		std::smatch match;
-		if( std::regex_search( line, match, kInclude ) )
+		if ( std::regex_search( line, match, kInclude ) )
 		{
 			file.includes.push_back( { match[2], "", int( file.lines.size() ), match[1] == "<" } );
 		}
@@ -68,18 +68,18 @@ void SourceTree::read( const fs::path& path )
 
 std::string SourceTree::resolve( const SourceFile& from, const Include& include ) const
 {
-	if( !include.angled )
+	if ( !include.angled )
 	{
 		const std::string neighbour = ( fs::path( from.path ).parent_path() / include.name ).lexically_normal().generic_string();
-		if( m_files.contains( neighbour ) )
+		if ( m_files.contains( neighbour ) )
 		{
 			return neighbour;
 		}
 	}
-	for( const char* folder : kIncludeFolders )
+	for ( const char* folder : kIncludeFolders )
 	{
 		const std::string candidate = fs::path( folder + include.name ).lexically_normal().generic_string();
-		if( m_files.contains( candidate ) )
+		if ( m_files.contains( candidate ) )
 		{
 			return candidate;
 		}

@@ -52,12 +52,15 @@ TEST( BadNumbers, AreRefusedByTheCallAndTheBodyGoesOnToTheBit )
 {
 	const std::vector<btVector3> alone = fallen( []( SoftBody& ) {} );
 	const std::vector<btVector3> asked = fallen( []( SoftBody& body ) {
-		const btVector3 bads[] = { btVector3( kNan, 0, 0 ), btVector3( 0, kInfinity, 0 ), btVector3( 0, 0, -kInfinity ), btVector3( 0, std::numeric_limits<float>::max(), 0 ) };
+		const btVector3 bads[] = { btVector3( kNan, 0, 0 ), btVector3( 0, kInfinity, 0 ), btVector3( 0, 0, -kInfinity ),
+			btVector3( 0, std::numeric_limits<float>::max(), 0 ) };
 		for ( const btVector3& bad : bads )
 		{
-			const Status answers[] = { body.setLinearVelocity( bad ), body.setVelocities( bad, btVector3( 0, 0, 0 ) ), body.setVelocities( btVector3( 0, 0, 0 ), bad ),
-				body.applyCentralForce( bad ), body.applyForce( bad, 3 ), body.applyCentralImpulse( bad ), body.applyImpulse( bad, 3 ), body.setGravity( bad ),
-				body.driveNode( 3, bad ), body.teleport( btTransform( btQuaternion::getIdentity(), bad ) ), body.reset( btTransform( btQuaternion::getIdentity(), bad ) ) };
+			const Status answers[] = { body.setLinearVelocity( bad ), body.setVelocities( bad, btVector3( 0, 0, 0 ) ),
+				body.setVelocities( btVector3( 0, 0, 0 ), bad ), body.applyCentralForce( bad ), body.applyForce( bad, 3 ),
+				body.applyCentralImpulse( bad ), body.applyImpulse( bad, 3 ), body.setGravity( bad ), body.driveNode( 3, bad ),
+				body.teleport( btTransform( btQuaternion::getIdentity(), bad ) ),
+				body.reset( btTransform( btQuaternion::getIdentity(), bad ) ) };
 			for ( const Status& answer : answers )
 			{
 				EXPECT_EQ( answer.code, ResultCode::BadArgument );
@@ -65,12 +68,15 @@ TEST( BadNumbers, AreRefusedByTheCallAndTheBodyGoesOnToTheBit )
 			}
 			if ( !std::isfinite( bad.length() ) )
 			{
-				EXPECT_EQ( body.cutPlane( bad, btVector3( 0, 1, 0 ) ) + body.cutPlane( btVector3( 0, 0, 0 ), bad ) + body.cutSphere( bad, 1 ), 0 );
+				EXPECT_EQ(
+					body.cutPlane( bad, btVector3( 0, 1, 0 ) ) + body.cutPlane( btVector3( 0, 0, 0 ), bad ) + body.cutSphere( bad, 1 ), 0 );
 				EXPECT_EQ( body.cutSweep( bad, bad, bad, bad ), 0 );
 				EXPECT_EQ( body.pinNodesInside( bad, bad ), 0 );
 			}
 		}
-		EXPECT_EQ( body.cutPlane( body.massCentre(), btVector3( 0, 1, 0 ), kNan ) + body.cutSphere( body.massCentre(), kNan ) + body.heal( kNan ), 0 );
+		EXPECT_EQ(
+			body.cutPlane( body.massCentre(), btVector3( 0, 1, 0 ), kNan ) + body.cutSphere( body.massCentre(), kNan ) + body.heal( kNan ),
+			0 );
 	} );
 	expectEqual( alone, asked, "refused calls" );
 }
@@ -92,7 +98,9 @@ TEST( BadNumbers, NodesThatAreNotThereAreRefused )
 			EXPECT_EQ( body.nodeOfShapeIndex( node ), -1 );
 			EXPECT_EQ( body.nodeOfCell( node ), -1 );
 #ifdef NDEBUG // with assertions these end the program, where the mistake is
-			EXPECT_EQ( body.nodePosition( node ).length() + body.nodeVelocity( node ).length() + body.nodeMass( node ) + body.nodeRadius( node ), 0 );
+			EXPECT_EQ(
+				body.nodePosition( node ).length() + body.nodeVelocity( node ).length() + body.nodeMass( node ) + body.nodeRadius( node ),
+				0 );
 			EXPECT_EQ( body.nodeLevel( node ), 0 );
 #endif
 		}
@@ -107,7 +115,8 @@ TEST( BadNumbers, AScaleInATransformIsRefusedWithACode )
 	const auto shape = block( 3, 3, 3, 0.1f );
 	SoftBody* cube = t.addSoft( shape, at( 0, 1, 0 ) );
 	const std::vector<btVector3> before = placesOf( *cube );
-	btTransform scaled = at( 0, 2, 0 ), sheared = at( 0, 2, 0 ), mirrored = at( 0, 2, 0 ), drifted( btQuaternion( btVector3( 0, 1, 0 ), 1 ), btVector3( 0, 2, 0 ) );
+	btTransform scaled = at( 0, 2, 0 ), sheared = at( 0, 2, 0 ), mirrored = at( 0, 2, 0 ),
+				drifted( btQuaternion( btVector3( 0, 1, 0 ), 1 ), btVector3( 0, 2, 0 ) );
 	scaled.setBasis( scaled.getBasis().scaled( btVector3( 2, 2, 2 ) ) );
 	sheared.getBasis()[0][1] = btScalar( 0.5 );
 	mirrored.getBasis()[2][2] = -1;
@@ -180,8 +189,9 @@ Stood stoodThrough( Elasticity elasticity, const std::vector<std::pair<btScalar,
 // A clock that gave NaN, infinity, a negative time, or the hundred seconds that a laptop had slept.
 TEST( BadNumbers, OddTimeStepsAreRefusedOrCutShort )
 {
-	const std::vector<std::pair<btScalar, int>> odd[] = { { { kNan, 0 }, { kNan, 4 } }, { { kInfinity, 0 }, { kInfinity, 4 } }, { { -kInfinity, 0 }, { btScalar( -1 ), 0 } },
-		{ { btScalar( 1e30 ), 4 } }, { { btScalar( 100 ), 0 } }, { { btScalar( 100 ), 0 }, { kNan, 3 }, { btScalar( 1e9 ), 0 }, { btScalar( 0.5 ), 0 }, { btScalar( 0.2 ), 0 } } };
+	const std::vector<std::pair<btScalar, int>> odd[] = { { { kNan, 0 }, { kNan, 4 } }, { { kInfinity, 0 }, { kInfinity, 4 } },
+		{ { -kInfinity, 0 }, { btScalar( -1 ), 0 } }, { { btScalar( 1e30 ), 4 } }, { { btScalar( 100 ), 0 } },
+		{ { btScalar( 100 ), 0 }, { kNan, 3 }, { btScalar( 1e9 ), 0 }, { btScalar( 0.5 ), 0 }, { btScalar( 0.2 ), 0 } } };
 	for ( const Elasticity elasticity : { Elasticity::Explicit, Elasticity::Implicit } )
 	{
 		for ( const auto& steps : odd )

@@ -1,6 +1,6 @@
-// A soft body changes nothing for what does not touch it. Each scene is run in Bullet's world and in ours with an awake soft body 20 m away: once a step that was
-// divided for the soft body was divided for everything, so that characters walked four times as far, actions ran four times a step, motors and breaking joints
-// meant another impulse, and callbacks saw a quarter of the impulses.
+// A soft body changes nothing for what does not touch it. Each scene is run in Bullet's world and in ours with an awake soft body 20 m
+// away: once a step that was divided for the soft body was divided for everything, so that characters walked four times as far, actions ran
+// four times a step, motors and breaking joints meant another impulse, and callbacks saw a quarter of the impulses.
 
 #include "twin_worlds.h"
 
@@ -112,7 +112,8 @@ TEST_P( Bystanders, CharactersWalkAsFar )
 		ghost.setCollisionShape( &capsule );
 		ghost.setCollisionFlags( btCollisionObject::CF_CHARACTER_OBJECT );
 		ghost.setWorldTransform( at( 0, btScalar( 0.8 ), 0 ) );
-		world.addCollisionObject( &ghost, btBroadphaseProxy::CharacterFilter, btBroadphaseProxy::StaticFilter | btBroadphaseProxy::DefaultFilter );
+		world.addCollisionObject(
+			&ghost, btBroadphaseProxy::CharacterFilter, btBroadphaseProxy::StaticFilter | btBroadphaseProxy::DefaultFilter );
 		btKinematicCharacterController character( &ghost, &capsule, btScalar( 0.35 ), btVector3( 0, 1, 0 ) );
 		world.addAction( &character );
 		character.setWalkDirection( btVector3( btScalar( 0.05 ), 0, 0 ) );
@@ -148,7 +149,8 @@ TEST_P( Bystanders, JointsBreakAtTheSameImpulse )
 		for ( const btScalar threshold : { btScalar( 0.1 ), btScalar( 0.3 ) } )
 		{
 			RigidScene scene( world );
-			btRigidBody* const hung = scene.addBox( 1, btVector3( btScalar( 0.1 ), btScalar( 0.1 ), btScalar( 0.1 ) ), at( 0, 5, 0 ) ); // held by .17 N s a step
+			btRigidBody* const hung = scene.addBox(
+				1, btVector3( btScalar( 0.1 ), btScalar( 0.1 ), btScalar( 0.1 ) ), at( 0, 5, 0 ) ); // held by .17 N s a step
 			auto* const joint = scene.join( new btPoint2PointConstraint( *hung, btVector3( 0, 0, 0 ) ) );
 			joint->setBreakingImpulseThreshold( threshold );
 			run( 20 );
@@ -200,7 +202,8 @@ TEST_P( Bystanders, HeapsFallAsTheyDo )
 		scene.addFloor();
 		for ( int k = 0; k < 8; ++k )
 		{
-			scene.addBox( 1, btVector3( btScalar( 0.4 ), btScalar( 0.2 ), btScalar( 0.3 ) ), at( btScalar( 0.1 ) * btScalar( k % 3 ), btScalar( 0.5 + 0.5 * k ), 0 ) );
+			scene.addBox( 1, btVector3( btScalar( 0.4 ), btScalar( 0.2 ), btScalar( 0.3 ) ),
+				at( btScalar( 0.1 ) * btScalar( k % 3 ), btScalar( 0.5 + 0.5 * k ), 0 ) );
 		}
 		run( 60 );
 		std::vector<btScalar> values;
@@ -215,12 +218,14 @@ TEST_P( Bystanders, HeapsFallAsTheyDo )
 /// A soft cube that hovers 3 cm beside what stands at x = 0: it touches nothing, and what is so near takes its substeps.
 void hoverBeside( test::TestWorld& scene, btScalar halfWidth, btScalar height )
 {
-	SoftBody* const cube = scene.addSoft( test::block( 4, 4, 4, 0.1f ), at( halfWidth + btScalar( 0.23 ), height, 0 ), test::stepping( Elasticity::Explicit, 1e5f ) );
+	SoftBody* const cube = scene.addSoft(
+		test::block( 4, 4, 4, 0.1f ), at( halfWidth + btScalar( 0.23 ), height, 0 ), test::stepping( Elasticity::Explicit, 1e5f ) );
 	cube->setGravity( btVector3( 0, 0, 0 ) );
 	cube->setActivationState( DISABLE_DEACTIVATION );
 }
 
-// What takes substeps has the limits and the impulses of the whole step too: a joint held .167 N s a step in parts of a quarter each, and did not break at .1.
+// What takes substeps has the limits and the impulses of the whole step too: a joint held .167 N s a step in parts of a quarter each, and
+// did not break at .1.
 TEST( Neighbours, HaveJointsThatBreakAtTheImpulseOfTheStep )
 {
 	for ( const btScalar threshold : { btScalar( 0.1 ), btScalar( 0.3 ) } )
@@ -248,7 +253,8 @@ TEST( Neighbours, ShowTheContactImpulseOfTheStep )
 	test::TestWorld own;
 	RigidScene scene( own.world );
 	scene.addFloor();
-	btRigidBody* const box = scene.addBox( 10, btVector3( btScalar( 0.5 ), btScalar( 0.5 ), btScalar( 0.5 ) ), at( 0, btScalar( 0.5 ), 0 ) );
+	btRigidBody* const box = scene.addBox(
+		10, btVector3( btScalar( 0.5 ), btScalar( 0.5 ), btScalar( 0.5 ) ), at( 0, btScalar( 0.5 ), 0 ) );
 	box->setActivationState( DISABLE_DEACTIVATION );
 	hoverBeside( own, btScalar( 0.5 ), btScalar( 0.7 ) );
 	own.world.setInternalTickCallback( lookAtImpulses );
@@ -334,11 +340,14 @@ struct LadenCube
 		t.addFloor();
 		cube = t.addSoft( test::cubeTemplate( 1.0f, 6 ), at( 0, btScalar( 0.5 ), 0 ), test::implicit( 3e5f ) );
 		const btScalar half = btScalar( 0.6 );
-		plate = t.addBox( 20 + ( lumped ? 2 * btScalar( count ) : 0 ), btVector3( half, btScalar( 0.025 ), half ), at( 0, btScalar( 1.025 ), 0 ) );
+		plate = t.addBox(
+			20 + ( lumped ? 2 * btScalar( count ) : 0 ), btVector3( half, btScalar( 0.025 ), half ), at( 0, btScalar( 1.025 ), 0 ) );
 		for ( int k = 0; k < count && !lumped; ++k )
 		{
-			from.emplace_back( btScalar( k % 12 ) * btScalar( 0.098 ) - btScalar( 0.539 ), btScalar( 1.09 ), btScalar( k / 12 ) * btScalar( 0.098 ) - btScalar( 0.539 ) );
-			boxes.push_back( t.addBox( 2, btVector3( btScalar( 0.04 ), btScalar( 0.04 ), btScalar( 0.04 ) ), btTransform( btQuaternion::getIdentity(), from.back() ) ) );
+			from.emplace_back( btScalar( k % 12 ) * btScalar( 0.098 ) - btScalar( 0.539 ), btScalar( 1.09 ),
+				btScalar( k / 12 ) * btScalar( 0.098 ) - btScalar( 0.539 ) );
+			boxes.push_back( t.addBox( 2, btVector3( btScalar( 0.04 ), btScalar( 0.04 ), btScalar( 0.04 ) ),
+				btTransform( btQuaternion::getIdentity(), from.back() ) ) );
 		}
 	}
 };
@@ -353,7 +362,8 @@ struct OneBlock : BlockPlaces
 	int rigidPart( int, btRigidBody& ) override { return 0; }
 };
 
-// A cube in a heap of 3 000: what of a large island takes part in the solution of its block is bounded, and begins with what touches the soft body.
+// A cube in a heap of 3 000: what of a large island takes part in the solution of its block is bounded, and begins with what touches the
+// soft body.
 TEST( LargeIslands, TakePartAsFarAsThereIsRoomNearestFirst )
 {
 	for ( const int count : { 60, 95, 96, 144 } )

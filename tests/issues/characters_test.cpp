@@ -1,5 +1,5 @@
-// Bullet's kinematic character on soft bodies, beside its rigid twin. It presses with any force that is asked for, so that it sank through soft bodies to the
-// floor, crushed them, and was flung up when they came back.
+// Bullet's kinematic character on soft bodies, beside its rigid twin. It presses with any force that is asked for, so that it sank through
+// soft bodies to the floor, crushed them, and was flung up when they came back.
 
 #include "twin_worlds.h"
 
@@ -29,7 +29,8 @@ public:
 		m_ghost.setCollisionShape( &m_capsule );
 		m_ghost.setCollisionFlags( btCollisionObject::CF_CHARACTER_OBJECT );
 		m_ghost.setWorldTransform( at( foot.x(), foot.y() + kFootToMiddle, foot.z() ) );
-		world.addCollisionObject( &m_ghost, btBroadphaseProxy::CharacterFilter, btBroadphaseProxy::StaticFilter | btBroadphaseProxy::DefaultFilter );
+		world.addCollisionObject(
+			&m_ghost, btBroadphaseProxy::CharacterFilter, btBroadphaseProxy::StaticFilter | btBroadphaseProxy::DefaultFilter );
 		world.addAction( &m_character );
 		m_character.setGravity( btVector3( 0, -10, 0 ) );
 	}
@@ -80,8 +81,9 @@ protected:
 
 INSTANTIATE_TEST_SUITE_P( Grounds, Characters,
 	testing::Values( Ground{ "Explicit2e4", Elasticity::Explicit, 2e4f }, Ground{ "Explicit3e5", Elasticity::Explicit, 3e5f },
-		Ground{ "Explicit1e7", Elasticity::Explicit, 1e7f }, Ground{ "Implicit2e4", Elasticity::Implicit, 2e4f }, Ground{ "Implicit3e6", Elasticity::Implicit, 3e6f },
-		Ground{ "Implicit1e7", Elasticity::Implicit, 1e7f }, Ground{ "Automatic3e5", Elasticity::Automatic, 3e5f } ),
+		Ground{ "Explicit1e7", Elasticity::Explicit, 1e7f }, Ground{ "Implicit2e4", Elasticity::Implicit, 2e4f },
+		Ground{ "Implicit3e6", Elasticity::Implicit, 3e6f }, Ground{ "Implicit1e7", Elasticity::Implicit, 1e7f },
+		Ground{ "Automatic3e5", Elasticity::Automatic, 3e5f } ),
 	[]( const auto& with ) { return std::string( with.param.name ); } );
 
 /// The highest point of a body's nodes under a character, m.
@@ -170,7 +172,8 @@ TEST_P( Characters, WalkOverAHeapWithoutSinking )
 	const auto cube = test::cubeTemplate( 0.25f, 3 );
 	for ( int k = 0; k < 24; ++k )
 	{
-		SoftBody* const body = own.addSoft( cube, at( btScalar( 0.3 * ( k % 8 ) ), btScalar( 0.13 ), btScalar( 0.3 * ( k / 8 - 1 ) ) ), material() );
+		SoftBody* const body = own.addSoft(
+			cube, at( btScalar( 0.3 * ( k % 8 ) ), btScalar( 0.13 ), btScalar( 0.3 * ( k / 8 - 1 ) ) ), material() );
 		body->setFriction( 1 );
 	}
 	own.run( 60 );
@@ -199,7 +202,8 @@ TEST_P( Characters, PushSoftBlocksAsFarAsRigidOnes )
 	test::BulletWorld bullet;
 	RigidScene scene( bullet.world );
 	scene.addFloor();
-	btRigidBody* const box = scene.addBox( 125, btVector3( btScalar( 0.25 ), btScalar( 0.25 ), btScalar( 0.25 ) ), at( 1, btScalar( 0.25 ), 0 ) );
+	btRigidBody* const box = scene.addBox(
+		125, btVector3( btScalar( 0.25 ), btScalar( 0.25 ), btScalar( 0.25 ) ), at( 1, btScalar( 0.25 ), 0 ) );
 	Walker twin( bullet.world, btVector3( 0, 0, 0 ) );
 	push( twin );
 	const btScalar expected = box->getWorldTransform().getOrigin().x() - 1;

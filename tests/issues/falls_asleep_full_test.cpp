@@ -26,8 +26,8 @@ void expectSleep( SoftWorld& t )
 // Twenty cubes, bars and plates of four stiffnesses, dropped one after the other over one place.
 TEST( FallsAsleep, AHeapOfTwenty )
 {
-	const std::shared_ptr<const BodyTemplate> made[] = { cubeTemplate( 0.5f, 5 ), boxTemplate( { 1.0f, 0.24f, 0.24f }, 0.12f ), boxTemplate( { 0.8f, 0.1f, 0.8f }, 0.1f ),
-		boxTemplate( { 0.3f, 0.6f, 0.4f }, 0.1f ) };
+	const std::shared_ptr<const BodyTemplate> made[] = { cubeTemplate( 0.5f, 5 ), boxTemplate( { 1.0f, 0.24f, 0.24f }, 0.12f ),
+		boxTemplate( { 0.8f, 0.1f, 0.8f }, 0.1f ), boxTemplate( { 0.3f, 0.6f, 0.4f }, 0.1f ) };
 	const float moduli[] = { 5e4f, 2e5f, 1e6f, 1e5f };
 	for ( const Elasticity elasticity : kSteps )
 	{
@@ -38,8 +38,10 @@ TEST( FallsAsleep, AHeapOfTwenty )
 		for ( std::size_t k = 0; k < 20; ++k )
 		{
 			const btScalar x = share(), z = share(), a = share(), b = share(), c = share();
-			const btQuaternion turn = btQuaternion( a - btScalar( 0.5 ), b - btScalar( 0.5 ), c - btScalar( 0.5 ), btScalar( 0.5 ) ).normalized();
-			t.add( made[k % 4], btVector3( x - btScalar( 0.5 ), btScalar( 0.6 + 0.35 * double( k ) ), z - btScalar( 0.5 ) ) , materialOf( elasticity, moduli[k / 4 % 4] ), turn );
+			const btQuaternion turn = btQuaternion( a - btScalar( 0.5 ), b - btScalar( 0.5 ), c - btScalar( 0.5 ), btScalar( 0.5 ) )
+										  .normalized();
+			t.add( made[k % 4], btVector3( x - btScalar( 0.5 ), btScalar( 0.6 + 0.35 * double( k ) ), z - btScalar( 0.5 ) ),
+				materialOf( elasticity, moduli[k / 4 % 4] ), turn );
 		}
 		expectSleep( t );
 	}
@@ -52,10 +54,12 @@ struct Shooting
 	int coarseLevels;
 };
 
-// A block of half a metre, shot to pieces by a ball of 20 kg at 30 m/s: crumbs of one cell above all stayed awake, and with them what they touch.
+// A block of half a metre, shot to pieces by a ball of 20 kg at 30 m/s: crumbs of one cell above all stayed awake, and with them what they
+// touch.
 TEST( FallsAsleep, WhatAShotBlockFellInto )
 {
-	for ( const Shooting& shooting : { Shooting{ BreakRule::Distance, 40, 0 }, Shooting{ BreakRule::Plane, 50, 0 }, Shooting{ BreakRule::Plane, 50, 1 } } )
+	for ( const Shooting& shooting :
+		{ Shooting{ BreakRule::Distance, 40, 0 }, Shooting{ BreakRule::Plane, 50, 0 }, Shooting{ BreakRule::Plane, 50, 1 } } )
 	{
 		for ( const Elasticity elasticity : kSteps )
 		{
@@ -63,8 +67,8 @@ TEST( FallsAsleep, WhatAShotBlockFellInto )
 			t.addBoxFloor();
 			Adaptivity adaptivity;
 			adaptivity.coarseLevels = shooting.coarseLevels;
-			SoftBody* const block = t.add( boxTemplate( { 0.5f, 0.5f, 0.5f }, 0.06f ), btVector3( 0, btScalar( 0.26 ), 0 ), materialOf( elasticity, 2e5f ),
-				btQuaternion::getIdentity(), adaptivity );
+			SoftBody* const block = t.add( boxTemplate( { 0.5f, 0.5f, 0.5f }, 0.06f ), btVector3( 0, btScalar( 0.26 ), 0 ),
+				materialOf( elasticity, 2e5f ), btQuaternion::getIdentity(), adaptivity );
 			Fracture fracture;
 			fracture.rule = shooting.rule;
 			fracture.breakStrain = 0.2f;

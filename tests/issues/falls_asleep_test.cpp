@@ -1,4 +1,5 @@
-// What lies still falls asleep, crumbs and bodies on terrain too, and what moves does not, however slowly: beside its rigid twin, which sleeps by Bullet's rules.
+// What lies still falls asleep, crumbs and bodies on terrain too, and what moves does not, however slowly: beside its rigid twin, which
+// sleeps by Bullet's rules.
 
 #include "support/awake_bodies.h"
 #include "support/mesh_of_boxes.h"
@@ -26,8 +27,9 @@ double asleepAfter( SoftWorld& t, double most )
 	return frames / 60.0;
 }
 
-// A block was cut into single cells. A heap of points is pushed to and fro a little by a solver of ten iterations, and of two hundred one is always faster than the
-// 3 cm/s that were asked for: half a minute later nearly all were awake, for those that touch sleep together or not at all.
+// A block was cut into single cells. A heap of points is pushed to and fro a little by a solver of ten iterations, and of two hundred one
+// is always faster than the 3 cm/s that were asked for: half a minute later nearly all were awake, for those that touch sleep together or
+// not at all.
 TEST( FallsAsleep, ABlockCutIntoCrumbs )
 {
 	for ( const Elasticity elasticity : kSteps )
@@ -64,13 +66,16 @@ TEST( FallsAsleep, CubesOnAWavyHeightfield )
 		for ( const float youngsModulus : { 2e4f, 2e5f } )
 		{
 			SoftWorld t;
-			auto* const field = new btHeightfieldTerrainShape( kPosts, kPosts, heights.data(), btScalar( 1 ), btScalar( -1 ), btScalar( 1 ), 1, PHY_FLOAT, false );
+			auto* const field = new btHeightfieldTerrainShape(
+				kPosts, kPosts, heights.data(), btScalar( 1 ), btScalar( -1 ), btScalar( 1 ), 1, PHY_FLOAT, false );
 			field->setLocalScaling( btVector3( btScalar( 0.5 ), 1, btScalar( 0.5 ) ) );
 			t.WorldOf<SoftBodyWorld>::add( 0, field, btVector3( 0, 0, 0 ) );
 			const auto made = cubeTemplate( 0.5f, 5 );
 			for ( int k = 0; k < 6; ++k )
 			{
-				t.add( made, btVector3( btScalar( k % 3 - 1 ) * btScalar( 1.3 ), btScalar( 1.5 ), btScalar( k / 3 ) * btScalar( 1.3 ) - btScalar( 0.6 ) ),
+				t.add( made,
+					btVector3(
+						btScalar( k % 3 - 1 ) * btScalar( 1.3 ), btScalar( 1.5 ), btScalar( k / 3 ) * btScalar( 1.3 ) - btScalar( 0.6 ) ),
 					materialOf( elasticity, youngsModulus ), btQuaternion( btVector3( 0, 1, 0 ), btScalar( 0.4 * k ) ) );
 			}
 			EXPECT_LT( asleepAfter( t, 15 ), 15 ) << youngsModulus;
@@ -135,7 +140,8 @@ TEST( FallsAsleep, NothingThatSwings )
 	{
 		// A bar of 2 m hung by one end's cells, let go at a tenth of a radian: a swing takes two and a half seconds.
 		SoftWorld t;
-		SoftBody* const bar = t.add( boxTemplate( { 2.0f, 0.2f, 0.2f }, 0.2f ), btVector3( 0, 0, 0 ), materialOf( elasticity, 2e6f ), btQuaternion( btVector3( 0, 0, 1 ), btScalar( -SIMD_HALF_PI + 0.1 ) ) );
+		SoftBody* const bar = t.add( boxTemplate( { 2.0f, 0.2f, 0.2f }, 0.2f ), btVector3( 0, 0, 0 ), materialOf( elasticity, 2e6f ),
+			btQuaternion( btVector3( 0, 0, 1 ), btScalar( -SIMD_HALF_PI + 0.1 ) ) );
 		int end = 0;
 		for ( int i = 0; i < bar->nodeCount(); ++i )
 		{

@@ -1,5 +1,5 @@
-// What bodies lie on, hang on, are held by and how the world is stepped: scenes that went wrong in some engine that has soft bodies, beside their rigid
-// twins where there are any.
+// What bodies lie on, hang on, are held by and how the world is stepped: scenes that went wrong in some engine that has soft bodies, beside
+// their rigid twins where there are any.
 
 #include "test_meshes.h"
 #include "twin_worlds.h"
@@ -24,8 +24,7 @@ using test::TestWorld;
 
 /// For each step that a body may take.
 class Grounds : public testing::TestWithParam<Elasticity>
-{
-};
+{};
 INSTANTIATE_TEST_SUITE_P( Steps, Grounds, testing::Values( Elasticity::Explicit, Elasticity::Implicit ),
 	[]( const auto& with ) { return std::string( with.param == Elasticity::Explicit ? "Explicit" : "Implicit" ); } );
 
@@ -42,7 +41,8 @@ struct Terrain
 	{
 		for ( int k = 0; k < ( n + 1 ) * ( n + 1 ); ++k )
 		{
-			const btScalar x = edge * ( btScalar( k % ( n + 1 ) ) / btScalar( n ) - btScalar( 0.5 ) ), z = edge * ( btScalar( k / ( n + 1 ) ) / btScalar( n ) - btScalar( 0.5 ) );
+			const btScalar x = edge * ( btScalar( k % ( n + 1 ) ) / btScalar( n ) - btScalar( 0.5 ) ),
+						   z = edge * ( btScalar( k / ( n + 1 ) ) / btScalar( n ) - btScalar( 0.5 ) );
 			vertices.emplace_back( x, height( x, z ), z );
 		}
 		for ( int k = 0; k < n * n; ++k )
@@ -50,8 +50,8 @@ struct Terrain
 			const int a = k % n + k / n * ( n + 1 ), b = a + 1, c = a + n + 1, d = c + 1;
 			indices.insert( indices.end(), { a, c, b, b, c, d } );
 		}
-		array = std::make_unique<btTriangleIndexVertexArray>( int( indices.size() / 3 ), indices.data(), int( 3 * sizeof( int ) ), int( vertices.size() ),
-			vertices.data()->m_floats, int( sizeof( btVector3 ) ) );
+		array = std::make_unique<btTriangleIndexVertexArray>( int( indices.size() / 3 ), indices.data(), int( 3 * sizeof( int ) ),
+			int( vertices.size() ), vertices.data()->m_floats, int( sizeof( btVector3 ) ) );
 	}
 };
 
@@ -169,8 +169,8 @@ TEST_P( Grounds, AScaledMeshBearsAsItsRigidTwinSays )
 	EXPECT_NEAR( test::lowestNode( *cube ), 0.0625 + 0.05, 0.04 ) << "on the slope";
 }
 
-// The last row of a terrain: what lay half over it fell through, or was flung away. A soft body leans over a border that a rigid one only stands at, but it
-// leans over any as much.
+// The last row of a terrain: what lay half over it fell through, or was flung away. A soft body leans over a border that a rigid one only
+// stands at, but it leans over any as much.
 TEST_P( Grounds, AtTheBorderOfAHeightfieldBodiesAreAsAtTheBorderOfABox )
 {
 	constexpr int kPosts = 11; // 10 m by 10 m about the origin
@@ -182,9 +182,16 @@ TEST_P( Grounds, AtTheBorderOfAHeightfieldBodiesAreAsAtTheBorderOfABox )
 		{
 			TestWorld t;
 			k == 1 ? t.addBox( 0, btVector3( 5, 1, 5 ), at( 0, -1, 0 ) )
-				   : t.add( 0, new btHeightfieldTerrainShape( kPosts, kPosts, heights.data(), btScalar( 1 ), btScalar( -1 ), btScalar( 1 ), 1, PHY_FLOAT, false ), at( 0, 0, 0 ) );
-			btRigidBody* const box = k == 2 ? t.addBox( 1000, btVector3( btScalar( 0.5 ), btScalar( 0.5 ), btScalar( 0.5 ) ), at( x, btScalar( 0.55 ), 0 ) ) : nullptr;
-			SoftBody* const cube = k == 2 ? nullptr : t.addSoft( test::cubeTemplate( 1.0f, 8 ), at( x, btScalar( 0.55 ), 0 ), stepping( GetParam(), 3e5f ) );
+				   : t.add( 0,
+						 new btHeightfieldTerrainShape(
+							 kPosts, kPosts, heights.data(), btScalar( 1 ), btScalar( -1 ), btScalar( 1 ), 1, PHY_FLOAT, false ),
+						 at( 0, 0, 0 ) );
+			btRigidBody* const box = k == 2
+				? t.addBox( 1000, btVector3( btScalar( 0.5 ), btScalar( 0.5 ), btScalar( 0.5 ) ), at( x, btScalar( 0.55 ), 0 ) )
+				: nullptr;
+			SoftBody* const cube = k == 2
+				? nullptr
+				: t.addSoft( test::cubeTemplate( 1.0f, 8 ), at( x, btScalar( 0.55 ), 0 ), stepping( GetParam(), 3e5f ) );
 			t.run( 120 );
 			place[k] = cube ? cube->massCentre() : box->getWorldTransform().getOrigin();
 		}
@@ -205,7 +212,10 @@ TEST_P( Grounds, AHeightfieldThatRisesLiftsWhatLiesOnIt )
 	const auto risen = []( const std::function<btScalar( TestWorld& )>& centre ) {
 		std::vector<float> heights( kPosts * kPosts, 0.0f );
 		TestWorld t;
-		t.add( 0, new btHeightfieldTerrainShape( kPosts, kPosts, heights.data(), btScalar( 1 ), btScalar( -2 ), btScalar( 2 ), 1, PHY_FLOAT, false ), at( 0, 0, 0 ) );
+		t.add( 0,
+			new btHeightfieldTerrainShape(
+				kPosts, kPosts, heights.data(), btScalar( 1 ), btScalar( -2 ), btScalar( 2 ), 1, PHY_FLOAT, false ),
+			at( 0, 0, 0 ) );
 		centre( t );
 		for ( int k = 0; k < 60 + kRise + 180; ++k )
 		{
@@ -219,7 +229,9 @@ TEST_P( Grounds, AHeightfieldThatRisesLiftsWhatLiesOnIt )
 	};
 	btRigidBody* box = nullptr;
 	const btScalar twin = risen( [&box]( TestWorld& t ) {
-		box = box ? box : t.addBox( 1000, btVector3( btScalar( 0.5 ), btScalar( 0.5 ), btScalar( 0.5 ) ), at( btScalar( 0.1 ), btScalar( 0.5 ), btScalar( 0.2 ) ) );
+		box = box ? box
+				  : t.addBox( 1000, btVector3( btScalar( 0.5 ), btScalar( 0.5 ), btScalar( 0.5 ) ),
+						at( btScalar( 0.1 ), btScalar( 0.5 ), btScalar( 0.2 ) ) );
 		box->setActivationState( DISABLE_DEACTIVATION );
 		return box->getWorldTransform().getOrigin().y();
 	} );
@@ -228,7 +240,9 @@ TEST_P( Grounds, AHeightfieldThatRisesLiftsWhatLiesOnIt )
 	{
 		SoftBody* cube = nullptr;
 		const btScalar found = risen( [&cube, youngsModulus]( TestWorld& t ) {
-			cube = cube ? cube : t.addSoft( test::cubeTemplate( 1.0f, 10 ), at( btScalar( 0.1 ), btScalar( 0.5 ), btScalar( 0.2 ) ), stepping( GetParam(), youngsModulus ) );
+			cube = cube ? cube
+						: t.addSoft( test::cubeTemplate( 1.0f, 10 ), at( btScalar( 0.1 ), btScalar( 0.5 ), btScalar( 0.2 ) ),
+							  stepping( GetParam(), youngsModulus ) );
 			cube->setActivationState( DISABLE_DEACTIVATION );
 			return cube->massCentre().y();
 		} );
@@ -244,9 +258,9 @@ TEST_P( Grounds, WhatHasNoThicknessHoldsFromBothSides )
 	for ( const bool isField : { false, true } )
 	{
 		TestWorld t;
-		btCollisionShape* const sheet = isField
-			? static_cast<btCollisionShape*>( new btHeightfieldTerrainShape( 9, 9, heights.data(), btScalar( 1 ), btScalar( -1 ), btScalar( 1 ), 1, PHY_FLOAT, false ) )
-			: new btBvhTriangleMeshShape( terrain.array.get(), true );
+		btCollisionShape* const sheet = isField ? static_cast<btCollisionShape*>( new btHeightfieldTerrainShape( 9, 9, heights.data(),
+													  btScalar( 1 ), btScalar( -1 ), btScalar( 1 ), 1, PHY_FLOAT, false ) )
+												: new btBvhTriangleMeshShape( terrain.array.get(), true );
 		t.add( 0, sheet, at( 0, 0, 0 ) );
 		SoftBody* const above = t.addSoft( test::cubeTemplate( 1.0f, 8 ), at( -2, btScalar( 1.5 ), 0 ), stepping( GetParam(), 3e5f ) );
 		SoftBody* const below = t.addSoft( test::cubeTemplate( 1.0f, 8 ), at( 2, btScalar( -1.5 ), 0 ), stepping( GetParam(), 3e5f ) );
@@ -345,18 +359,21 @@ TEST( TautBar, ComesToRest )
 {
 	for ( const float youngsModulus : { 1e5f, 1e6f } )
 	{
-		EXPECT_LT( vibrationOfATautBar( stepping( Elasticity::Explicit, youngsModulus ), btScalar( 0.25 ) ), btScalar( 0.02 ) ) << youngsModulus;
+		EXPECT_LT( vibrationOfATautBar( stepping( Elasticity::Explicit, youngsModulus ), btScalar( 0.25 ) ), btScalar( 0.02 ) )
+			<< youngsModulus;
 	}
 	EXPECT_LT( vibrationOfATautBar( stepping( Elasticity::Implicit, 1e5f ), btScalar( 0.25 ) ), btScalar( 0.02 ) );
 	EXPECT_LT( vibrationOfATautBar( stepping( Elasticity::Implicit, 1e6f ), btScalar( 0.1 ) ), btScalar( 0.02 ) );
 }
 
-// Not so yet: the implicit step's operator leaves out what tension adds against bending. What swings faster by it than a step can follow swings for good.
+// Not so yet: the implicit step's operator leaves out what tension adds against bending. What swings faster by it than a step can follow
+// swings for good.
 TEST( TautBar, DISABLED_ComesToRestImplicitly )
 {
 	for ( const float youngsModulus : { 1e6f, 1e7f } )
 	{
-		EXPECT_LT( vibrationOfATautBar( stepping( Elasticity::Implicit, youngsModulus ), btScalar( 0.25 ) ), btScalar( 0.02 ) ) << youngsModulus;
+		EXPECT_LT( vibrationOfATautBar( stepping( Elasticity::Implicit, youngsModulus ), btScalar( 0.25 ) ), btScalar( 0.02 ) )
+			<< youngsModulus;
 	}
 }
 
@@ -368,7 +385,8 @@ TEST_P( Grounds, TwoFingersLiftASoftBall )
 	t.addFloor();
 	LatticeSettings settings;
 	settings.cellSize = 0.0075f;
-	const std::shared_ptr<const BodyTemplate> made = BodyTemplate::build( test::makeSphere( double( kRadius ), 8, 16 ).view(), settings ).value;
+	const std::shared_ptr<const BodyTemplate> made = BodyTemplate::build( test::makeSphere( double( kRadius ), 8, 16 ).view(), settings )
+														 .value;
 	ASSERT_NE( made, nullptr );
 	SoftBody* const ball = t.addSoft( made, at( 0, kRadius, 0 ), stepping( GetParam(), GetParam() == Elasticity::Explicit ? 1e4f : 1e5f ) );
 	ball->setFriction( btScalar( 0.8 ) );

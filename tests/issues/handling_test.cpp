@@ -1,5 +1,5 @@
-// What games do to one body by hand: carry it by its pins, drive its nodes, take it out and put it back, teleport it, draw it, cut it, break it.
-// Each scene went wrong in some engine that has soft bodies.
+// What games do to one body by hand: carry it by its pins, drive its nodes, take it out and put it back, teleport it, draw it, cut it,
+// break it. Each scene went wrong in some engine that has soft bodies.
 
 #include "support/mesh_of_boxes.h"
 #include "world/test_world.h"
@@ -222,8 +222,8 @@ TEST( Handling, BodiesOfThreeCubesHaveBoundsWhereTheyArePlaced )
 	}
 }
 
-// Culling by the body's box: what was drawn stood out of it and vanished at the picture's border. Balls stand for cells, whose corners stand out of them by
-// ( sqrt 3 - 1 ) / 2 of an edge: by so much the box is to be grown.
+// Culling by the body's box: what was drawn stood out of it and vanished at the picture's border. Balls stand for cells, whose corners
+// stand out of them by ( sqrt 3 - 1 ) / 2 of an edge: by so much the box is to be grown.
 TEST( Handling, TheBodysBoxGrownByItsCellsCornersHoldsAllThatIsDrawn )
 {
 	constexpr btScalar kCell = btScalar( 0.1 ), kCorner = btScalar( 0.37 ) * kCell;
@@ -312,7 +312,8 @@ TEST( Handling, ACrateAtRestHasFlatFacesThatMeet )
 	}
 }
 
-// Not so yet: a mesh gives no normals, so that nothing tells a hard edge from a seam of texture coordinates, and vertices at one place share one, 48 to 71 degrees off.
+// Not so yet: a mesh gives no normals, so that nothing tells a hard edge from a seam of texture coordinates, and vertices at one place
+// share one, 48 to 71 degrees off.
 TEST( Handling, DISABLED_ACratesEdgesAreHard )
 {
 	const std::unique_ptr<SoftBody> crate = SoftBody::create( cubeOfSixFaces(), at( 0, 0, 0 ) ).value;
@@ -379,7 +380,8 @@ TEST( Handling, PanesThatBreakAllTheTimeLeaveNothingBehind )
 			fracture.smallPieces = SmallPieces::Fade;
 			fracture.fadeTime = 1.0f;
 			ASSERT_TRUE( body->setFracture( fracture ).ok() );
-			btRigidBody* const shot = t.addBox( 5, btVector3( btScalar( 0.1 ), btScalar( 0.1 ), btScalar( 0.1 ) ), at( x, btScalar( 0.5 ), 1 ) );
+			btRigidBody* const shot = t.addBox(
+				5, btVector3( btScalar( 0.1 ), btScalar( 0.1 ), btScalar( 0.1 ) ), at( x, btScalar( 0.5 ), 1 ) );
 			shot->setLinearVelocity( btVector3( 0, 0, -15 ) );
 		}
 		t.run( 1 );

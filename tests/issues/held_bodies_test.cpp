@@ -1,5 +1,5 @@
-// Soft bodies that bear Bullet's static or kinematic flag are held as a whole. Such a flag on one of them once ended all contacts of the world: a rigid box that
-// lay elsewhere fell through its floor.
+// Soft bodies that bear Bullet's static or kinematic flag are held as a whole. Such a flag on one of them once ended all contacts of the
+// world: a rigid box that lay elsewhere fell through its floor.
 
 #include "twin_worlds.h"
 
@@ -32,8 +32,10 @@ INSTANTIATE_TEST_SUITE_P( Steps, HeldBodies, testing::Values( Elasticity::Explic
 
 TEST_P( HeldBodies, LeaveTheWorldItsContacts )
 {
-	btRigidBody* const far = m_own.addBox( 10, btVector3( btScalar( 0.3 ), btScalar( 0.3 ), btScalar( 0.3 ) ), at( 4, btScalar( 0.3 ), 0 ) );
-	SoftBody* const other = m_own.addSoft( test::cubeTemplate( 0.5f, 4 ), at( -3, btScalar( 0.25 ), 0 ), test::stepping( GetParam(), 1e5f ) );
+	btRigidBody* const far = m_own.addBox(
+		10, btVector3( btScalar( 0.3 ), btScalar( 0.3 ), btScalar( 0.3 ) ), at( 4, btScalar( 0.3 ), 0 ) );
+	SoftBody* const other = m_own.addSoft(
+		test::cubeTemplate( 0.5f, 4 ), at( -3, btScalar( 0.25 ), 0 ), test::stepping( GetParam(), 1e5f ) );
 	m_own.run( 10 );
 	for ( const int flag : { int( btCollisionObject::CF_KINEMATIC_OBJECT ), int( btCollisionObject::CF_STATIC_OBJECT ), 0 } )
 	{
@@ -51,8 +53,10 @@ TEST_P( HeldBodies, CarryWhatFallsOnThem )
 {
 	hold( btCollisionObject::CF_STATIC_OBJECT );
 	m_cube->teleport( at( 0, 2, 0 ) );
-	btRigidBody* const box = m_own.addBox( 200, btVector3( btScalar( 0.3 ), btScalar( 0.3 ), btScalar( 0.3 ) ), at( 0, btScalar( 3.5 ), 0 ) );
-	SoftBody* const ball = m_own.addSoft( test::cubeTemplate( 0.3f, 3 ), at( btScalar( 0.1 ), btScalar( 4.5 ), 0 ), test::stepping( GetParam(), 1e5f ) );
+	btRigidBody* const box = m_own.addBox(
+		200, btVector3( btScalar( 0.3 ), btScalar( 0.3 ), btScalar( 0.3 ) ), at( 0, btScalar( 3.5 ), 0 ) );
+	SoftBody* const ball = m_own.addSoft(
+		test::cubeTemplate( 0.3f, 3 ), at( btScalar( 0.1 ), btScalar( 4.5 ), 0 ), test::stepping( GetParam(), 1e5f ) );
 	m_own.run( 180 );
 	EXPECT_NEAR( m_cube->massCentre().y(), 2.5, 1e-4 );
 	EXPECT_NEAR( box->getWorldTransform().getOrigin().y(), 3.3, 0.06 );
@@ -67,7 +71,8 @@ TEST_P( HeldBodies, CarryWhatFallsOnThem )
 TEST_P( HeldBodies, LiftWhatLiesOnThem )
 {
 	hold( btCollisionObject::CF_KINEMATIC_OBJECT );
-	btRigidBody* const box = m_own.addBox( 50, btVector3( btScalar( 0.3 ), btScalar( 0.3 ), btScalar( 0.3 ) ), at( 0, btScalar( 1.3 ), 0 ) );
+	btRigidBody* const box = m_own.addBox(
+		50, btVector3( btScalar( 0.3 ), btScalar( 0.3 ), btScalar( 0.3 ) ), at( 0, btScalar( 1.3 ), 0 ) );
 	m_own.run( 60 );
 	const btScalar from = box->getWorldTransform().getOrigin().y();
 	for ( int k = 0; k < 100; ++k )
@@ -83,7 +88,8 @@ TEST_P( HeldBodies, BendAsTheGameDrivesThem )
 {
 	hold( btCollisionObject::CF_KINEMATIC_OBJECT );
 	const int node = m_cube->nearestNode( btVector3( 0, 1, 0 ) );
-	const btVector3 from = m_cube->nodePosition( node ), beside = m_cube->nodePosition( m_cube->nearestNode( btVector3( btScalar( 0.5 ), 1, 0 ) ) );
+	const btVector3 from = m_cube->nodePosition( node ),
+					beside = m_cube->nodePosition( m_cube->nearestNode( btVector3( btScalar( 0.5 ), 1, 0 ) ) );
 	for ( int k = 1; k <= 10; ++k )
 	{
 		ASSERT_TRUE( m_cube->driveNode( node, from + btVector3( 0, btScalar( 0.01 * k ), 0 ) ).ok() );

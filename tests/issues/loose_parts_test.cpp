@@ -1,5 +1,5 @@
-// Bodies whose cells fall into parts that nothing links: debris, leaves, the boxes of a level's model in one mesh. In the implicit step they are as safe as in the
-// explicit one, for what is done for a whole body is done for each part.
+// Bodies whose cells fall into parts that nothing links: debris, leaves, the boxes of a level's model in one mesh. In the implicit step
+// they are as safe as in the explicit one, for what is done for a whole body is done for each part.
 
 #include "support/mesh_of_boxes.h"
 #include "support/test_world.h"
@@ -33,7 +33,8 @@ Fall drop( const std::shared_ptr<const BodyTemplate>& made, Elasticity elasticit
 {
 	SoftWorld t;
 	t.addFloor();
-	const SoftBody* const body = t.add( made, btVector3( 0, 1.5f, 0 ), materialOf( elasticity, youngsModulus ), btQuaternion( btVector3( 1, 0, 0 ), btScalar( 0.5 ) ) );
+	const SoftBody* const body = t.add(
+		made, btVector3( 0, 1.5f, 0 ), materialOf( elasticity, youngsModulus ), btQuaternion( btVector3( 1, 0, 0 ), btScalar( 0.5 ) ) );
 	Fall fall;
 	for ( int frame = 0; frame < 150; ++frame )
 	{
@@ -48,8 +49,9 @@ Fall drop( const std::shared_ptr<const BodyTemplate>& made, Elasticity elasticit
 	return fall;
 }
 
-// A model of a level was one mesh of 64 small boxes spread through a metre, at about 800 cells: 150 cells from the middle of the whole, what rounding leaves of a
-// part's own motion is multiplied by a stiffness of a thousand. It flew apart at 1e10 m/s and was quarantined within two seconds, and took 500 products a step.
+// A model of a level was one mesh of 64 small boxes spread through a metre, at about 800 cells: 150 cells from the middle of the whole,
+// what rounding leaves of a part's own motion is multiplied by a stiffness of a thousand. It flew apart at 1e10 m/s and was quarantined
+// within two seconds, and took 500 products a step.
 TEST( LooseParts, SpreadThroughAMetreDoNotFlyApart )
 {
 	for ( const btScalar edge : { btScalar( 0.01 ), btScalar( 0.1 ) } )
@@ -69,10 +71,12 @@ struct Loose
 	Cells cells;
 };
 
-// Loose cubes, rods, plates and single cells, two to a thousand of them. Cubes of two cells an edge had moved at twice the explicit velocity.
+// Loose cubes, rods, plates and single cells, two to a thousand of them. Cubes of two cells an edge had moved at twice the explicit
+// velocity.
 TEST( LooseParts, OfAnyNumberAndShapeFallAsTheyDoExplicitly )
 {
-	for ( const Loose& loose : { Loose{ 2, { 2, 2, 2 } }, Loose{ 27, { 2, 2, 2 } }, Loose{ 40, { 6, 1, 1 } }, Loose{ 20, { 4, 4, 1 } }, Loose{ 1000, { 1, 1, 1 } } } )
+	for ( const Loose& loose : { Loose{ 2, { 2, 2, 2 } }, Loose{ 27, { 2, 2, 2 } }, Loose{ 40, { 6, 1, 1 } }, Loose{ 20, { 4, 4, 1 } },
+			  Loose{ 1000, { 1, 1, 1 } } } )
 	{
 		const auto made = looseBoxes( loose.count, loose.cells, 0.1f );
 		ASSERT_NE( made, nullptr );
@@ -122,13 +126,15 @@ TEST( LooseParts, KeepMomentumInFlightAndWhereTheyCollide )
 		{
 			SoftWorld t;
 			t.world.setGravity( btVector3( 0, 0, 0 ) );
-			SoftBody* const one = t.add( made, btVector3( 0, 0, 0 ), materialOf( Elasticity::Implicit, 1e6f ), btQuaternion( btVector3( 1, 0, 0 ), btScalar( 0.5 ) ) );
+			SoftBody* const one = t.add( made, btVector3( 0, 0, 0 ), materialOf( Elasticity::Implicit, 1e6f ),
+				btQuaternion( btVector3( 1, 0, 0 ), btScalar( 0.5 ) ) );
 			one->setVelocities( btVector3( 1, btScalar( 0.3 ), 0 ), btVector3( 1, 2, btScalar( 0.5 ) ) );
 			if ( collides )
 			{
 				btVector3 low, high;
 				one->getCollisionShape()->getAabb( btTransform::getIdentity(), low, high );
-				SoftBody* const other = t.add( made, btVector3( btScalar( 1.2 ) * ( high.x() - low.x() ), btScalar( 0.03 ), 0 ), materialOf( Elasticity::Implicit, 1e6f ) );
+				SoftBody* const other = t.add( made, btVector3( btScalar( 1.2 ) * ( high.x() - low.x() ), btScalar( 0.03 ), 0 ),
+					materialOf( Elasticity::Implicit, 1e6f ) );
 				other->setVelocities( btVector3( -3, 0, 0 ), btVector3( 0, 0, 1 ) );
 			}
 			const Motion before = motionOf( t );
@@ -147,7 +153,8 @@ TEST( LooseParts, KeepMomentumInFlightAndWhereTheyCollide )
 	}
 }
 
-// Debris of 200 crumbs on ice, one of which still slides at 0.3 m/s. The mean over the body is 0.02 m/s, which is rest for a body in one part: it froze with all others.
+// Debris of 200 crumbs on ice, one of which still slides at 0.3 m/s. The mean over the body is 0.02 m/s, which is rest for a body in one
+// part: it froze with all others.
 TEST( LooseParts, DoNotFreezeTheOneThatStillSlides )
 {
 	for ( const Elasticity elasticity : { Elasticity::Explicit, Elasticity::Implicit } )
@@ -155,7 +162,8 @@ TEST( LooseParts, DoNotFreezeTheOneThatStillSlides )
 		MeshOfBoxes mesh;
 		for ( int k = 0; k < 200; ++k )
 		{
-			mesh.add( btVector3( btScalar( k % 20 ) * btScalar( 0.2 ), 0, btScalar( k / 20 ) * btScalar( 0.2 ) ), btVector3( 1, 1, 1 ) * btScalar( 0.05 ) );
+			mesh.add( btVector3( btScalar( k % 20 ) * btScalar( 0.2 ), 0, btScalar( k / 20 ) * btScalar( 0.2 ) ),
+				btVector3( 1, 1, 1 ) * btScalar( 0.05 ) );
 		}
 		SoftWorld t;
 		t.addFloor();
@@ -165,7 +173,10 @@ TEST( LooseParts, DoNotFreezeTheOneThatStillSlides )
 		int last = 0;
 		for ( int i = 0; i < body->nodeCount(); ++i )
 		{
-			last = body->nodePosition( i ).x() + body->nodePosition( i ).z() > body->nodePosition( last ).x() + body->nodePosition( last ).z() ? i : last;
+			last = body->nodePosition( i ).x() + body->nodePosition( i ).z() >
+					body->nodePosition( last ).x() + body->nodePosition( last ).z()
+				? i
+				: last;
 		}
 		body->applyImpulse( btVector3( btScalar( 0.3 ), 0, 0 ) * body->nodeMass( last ), last );
 		const btScalar from = body->nodePosition( last ).x();

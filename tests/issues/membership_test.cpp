@@ -5,7 +5,7 @@
 #include <BulletCollision/CollisionDispatch/btCompoundCollisionAlgorithm.h>
 
 #ifdef __GLIBC__
-#include <malloc.h>
+	#include <malloc.h>
 #endif
 
 namespace pliant {
@@ -33,7 +33,9 @@ TEST( Membership, AddCollisionObjectAddsASoftBody )
 		const std::unique_ptr<SoftBody> body = cube( btScalar( 0.5 ) );
 		btCollisionWorld& plain = t.world;
 		btDiscreteDynamicsWorld& dynamic = t.world;
-		way == 0 ? plain.addCollisionObject( body.get() ) : way == 1 ? dynamic.addCollisionObject( body.get() ) : t.world.addCollisionObject( body.get() );
+		way == 0       ? plain.addCollisionObject( body.get() )
+			: way == 1 ? dynamic.addCollisionObject( body.get() )
+					   : t.world.addCollisionObject( body.get() );
 		EXPECT_EQ( t.world.softBodyCount(), 1 );
 		t.run( 120 );
 		EXPECT_NEAR( body->massCentre().y(), kHalf, 0.03 ) << "way " << way;
@@ -42,7 +44,8 @@ TEST( Membership, AddCollisionObjectAddsASoftBody )
 	}
 }
 
-// The way to change what an object collides with: out, and in again with another mask. The body stood still, and the world kept a pointer to it.
+// The way to change what an object collides with: out, and in again with another mask. The body stood still, and the world kept a pointer
+// to it.
 TEST( Membership, OutAndInAgainChangesTheFilterAndTheBodyGoesOn )
 {
 	TestWorld t;
@@ -52,7 +55,8 @@ TEST( Membership, OutAndInAgainChangesTheFilterAndTheBodyGoesOn )
 	t.run( 60 );
 	btCollisionWorld& plain = t.world;
 	plain.removeCollisionObject( body.get() );
-	plain.addCollisionObject( body.get(), btBroadphaseProxy::DefaultFilter, btBroadphaseProxy::AllFilter ^ btBroadphaseProxy::StaticFilter );
+	plain.addCollisionObject(
+		body.get(), btBroadphaseProxy::DefaultFilter, btBroadphaseProxy::AllFilter ^ btBroadphaseProxy::StaticFilter );
 	t.run( 60 );
 	EXPECT_LT( body->massCentre().y(), -2 ) << "static objects are no concern of it now";
 	body.reset();
@@ -112,8 +116,9 @@ TEST( Membership, APairThatIsIgnoredWhileItTouchesFallsApart )
 	}
 }
 
-// The same beside a rigid body that moves on its own, so that the step makes several passes: each has its list of contacts, and those that had just ended stood in
-// it. Bullet keeps the memory of the first 4 096; that of others is gone, as a sanitizer shows, and as large scenes do.
+// The same beside a rigid body that moves on its own, so that the step makes several passes: each has its list of contacts, and those that
+// had just ended stood in it. Bullet keeps the memory of the first 4 096; that of others is gone, as a sanitizer shows, and as large scenes
+// do.
 TEST( Membership, WhatIsIgnoredWhileOthersMoveIsForgottenAtOnce )
 {
 	for ( const Elasticity step : { Elasticity::Explicit, Elasticity::Implicit } )
@@ -177,7 +182,8 @@ TEST( Membership, ARigidBodyThatIgnoresTheSleepingSoftBodyBelowFallsThroughIt )
 	EXPECT_LT( box->getWorldTransform().getOrigin().y(), btScalar( 0.15 ) );
 }
 
-// "Whatever the bullet hit goes": the body of a manifold, cast to a rigid one and removed. It stands for a node, and had the soft body's own proxy.
+// "Whatever the bullet hit goes": the body of a manifold, cast to a rigid one and removed. It stands for a node, and had the soft body's
+// own proxy.
 TEST( Membership, TheRigidBodyThatAManifoldNamesIsRemovedAsItsSoftBody )
 {
 	for ( const bool deletesIt : { false, true } )
@@ -244,7 +250,8 @@ TEST( Membership, TwoWorldsShareADispatcher )
 	btDbvtBroadphase secondBroadphase;
 	btSequentialImpulseConstraintSolver secondSolver;
 	btBoxShape shape( btVector3( 5, 1, 5 ) );
-	btRigidBody floor( btRigidBody::btRigidBodyConstructionInfo( 0, nullptr, &shape ) ), secondFloor( btRigidBody::btRigidBodyConstructionInfo( 0, nullptr, &shape ) );
+	btRigidBody floor( btRigidBody::btRigidBodyConstructionInfo( 0, nullptr, &shape ) ),
+		secondFloor( btRigidBody::btRigidBodyConstructionInfo( 0, nullptr, &shape ) );
 	floor.setWorldTransform( at( 0, -1, 0 ) );
 	secondFloor.setWorldTransform( at( 0, -1, 0 ) );
 	SoftBodyWorld first( &parts.dispatcher, &parts.broadphase, &parts.solver, &parts.configuration );
@@ -294,7 +301,8 @@ TEST( Membership, ADispatcherMayGoBeforeAnEmptyWorld )
 struct Counting : btCompoundCollisionAlgorithm::SwappedCreateFunc
 {
 	int made = 0;
-	btCollisionAlgorithm* CreateCollisionAlgorithm( btCollisionAlgorithmConstructionInfo& info, const btCollisionObjectWrapper* a, const btCollisionObjectWrapper* b ) override
+	btCollisionAlgorithm* CreateCollisionAlgorithm(
+		btCollisionAlgorithmConstructionInfo& info, const btCollisionObjectWrapper* a, const btCollisionObjectWrapper* b ) override
 	{
 		++made;
 		return btCompoundCollisionAlgorithm::SwappedCreateFunc::CreateCollisionAlgorithm( info, a, b );

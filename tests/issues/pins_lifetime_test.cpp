@@ -16,7 +16,8 @@ struct Handle
 	std::unique_ptr<btRigidBody> body = std::make_unique<btRigidBody>( btRigidBody::btRigidBodyConstructionInfo( 0, nullptr, &shape ) );
 };
 
-// A lamp on a rope was taken out of the scene, its hook was deleted meanwhile, and the lamp put back in: still pinned to the hook that was no more.
+// A lamp on a rope was taken out of the scene, its hook was deleted meanwhile, and the lamp put back in: still pinned to the hook that was
+// no more.
 TEST( PinsLifetime, ABodyOutOfTheWorldIsNotPinnedToWhatWasDeletedMeanwhile )
 {
 	TestWorld t;

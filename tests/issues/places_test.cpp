@@ -24,10 +24,12 @@ struct Lying
 Lying lying( const btVector3& centre, Elasticity elasticity, bool onPlane )
 {
 	TestWorld t;
-	onPlane ? t.addPlane( centre.y() ) : t.addBox( 0, btVector3( 4, 1, 4 ), btTransform( btQuaternion::getIdentity(), centre - btVector3( 0, 1, 0 ) ) );
+	onPlane ? t.addPlane( centre.y() )
+			: t.addBox( 0, btVector3( 4, 1, 4 ), btTransform( btQuaternion::getIdentity(), centre - btVector3( 0, 1, 0 ) ) );
 	Material material = test::stiff( 1e5f );
 	material.elasticity = elasticity;
-	SoftBody* cube = t.addSoft( block( 5, 5, 5, 0.1f ), btTransform( btQuaternion::getIdentity(), centre + btVector3( 0, btScalar( 0.75 ), 0 ) ), material );
+	SoftBody* cube = t.addSoft(
+		block( 5, 5, 5, 0.1f ), btTransform( btQuaternion::getIdentity(), centre + btVector3( 0, btScalar( 0.75 ), 0 ) ), material );
 	t.run( 300 );
 	btVector3 low( 1e9f, 1e9f, 1e9f ), high = -low;
 	for ( int i = 0; i < cube->nodeCount(); ++i )
@@ -52,8 +54,9 @@ TEST( Places, ACubeFiveKilometresOutIsAsLargeAsAtHome )
 			for ( const btVector3& centre : { btVector3( 100, 26, -100 ), btVector3( far, 0, 0 ), btVector3( far, far, -far ) } )
 			{
 				const Lying away = lying( centre, elasticity, onPlane );
-				std::printf( "%8.0f m out, %s, %s: %.4f %.4f %.4f (home %.4f %.4f %.4f), volume %.3f (%.3f)\n", double( centre.length() ), elasticity == Elasticity::Explicit ? "explicit" : "implicit",
-					onPlane ? "plane" : "box", double( away.extent.x() ), double( away.extent.y() ), double( away.extent.z() ), double( home.extent.x() ), double( home.extent.y() ),
+				std::printf( "%8.0f m out, %s, %s: %.4f %.4f %.4f (home %.4f %.4f %.4f), volume %.3f (%.3f)\n", double( centre.length() ),
+					elasticity == Elasticity::Explicit ? "explicit" : "implicit", onPlane ? "plane" : "box", double( away.extent.x() ),
+					double( away.extent.y() ), double( away.extent.z() ), double( home.extent.x() ), double( home.extent.y() ),
 					double( home.extent.z() ), double( away.volume ), double( home.volume ) );
 				for ( int axis = 0; axis < 3; ++axis )
 				{
@@ -66,8 +69,7 @@ TEST( Places, ACubeFiveKilometresOutIsAsLargeAsAtHome )
 
 /// For each step that a body may take.
 class Scales : public testing::TestWithParam<Elasticity>
-{
-};
+{};
 INSTANTIATE_TEST_SUITE_P( Steps, Scales, testing::Values( Elasticity::Explicit, Elasticity::Implicit ),
 	[]( const auto& with ) { return std::string( with.param == Elasticity::Explicit ? "Explicit" : "Implicit" ); } );
 
@@ -107,8 +109,8 @@ std::shared_ptr<const BodyTemplate> rubberBand()
 	for ( int k = 0; k < 16; ++k ) // around: k & 3; outside, inside: k & 4; behind, in front: k & 8
 	{
 		const int corner = k & 3;
-		mesh.addVertex( ( corner == 0 || corner == 3 ? -1.0 : 1.0 ) * ( k & 4 ? 0.010 : 0.012 ), ( corner < 2 ? -1.0 : 1.0 ) * ( k & 4 ? 0.002 : 0.004 ),
-			k & 8 ? 0.002 : -0.002 );
+		mesh.addVertex( ( corner == 0 || corner == 3 ? -1.0 : 1.0 ) * ( k & 4 ? 0.010 : 0.012 ),
+			( corner < 2 ? -1.0 : 1.0 ) * ( k & 4 ? 0.002 : 0.004 ), k & 8 ? 0.002 : -0.002 );
 	}
 	for ( std::uint32_t a = 0; a < 4; ++a )
 	{
@@ -126,8 +128,8 @@ std::shared_ptr<const BodyTemplate> rubberBand()
 /// Where a rubber band of that material is when its pegs have stretched it by half.
 struct Stretched
 {
-	int left = 0, right = 0;  ///< nodes beyond the pegs' middles
-	btScalar deepest = 1;     ///< of a node's centre from a peg's surface, m
+	int left = 0, right = 0; ///< nodes beyond the pegs' middles
+	btScalar deepest = 1;    ///< of a node's centre from a peg's surface, m
 };
 Stretched stretchedOverPegs( const Material& material )
 {

@@ -16,8 +16,8 @@ Material clay( float limit )
 	return material;
 }
 
-// A cube of clay whose rest shape may go as far as it is allowed to, put down by a hand from .3 m: it went on flowing for ever, and within a minute flew at
-// 150 m/s with two hundred times the energy of the fall.
+// A cube of clay whose rest shape may go as far as it is allowed to, put down by a hand from .3 m: it went on flowing for ever, and within
+// a minute flew at 150 m/s with two hundred times the energy of the fall.
 TEST( PlasticEnergy, ADroppedCubeComesToRestAtAnyLimit )
 {
 	for ( const float limit : { 1.8f, 2.0f } )

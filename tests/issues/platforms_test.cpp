@@ -1,5 +1,6 @@
-// What the game moves carries soft bodies as it carries rigid ones: platforms, turntables, lifts, conveyors and shaken plates, each beside its rigid twin.
-// Bodies that stepped implicitly were left behind by all of them: everyone sets the kinematic flag besides the static one that Bullet's objects are born with.
+// What the game moves carries soft bodies as it carries rigid ones: platforms, turntables, lifts, conveyors and shaken plates, each beside
+// its rigid twin. Bodies that stepped implicitly were left behind by all of them: everyone sets the kinematic flag besides the static one
+// that Bullet's objects are born with.
 
 #include "twin_worlds.h"
 
@@ -81,16 +82,14 @@ protected:
 		plate->setFriction( btScalar( 0.8 ) );
 		Adaptivity adaptivity;
 		adaptivity.coarseLevels = cargo.hasLevels ? 1 : 0;
-		SoftBody* const body =
-			own.addSoft( test::cubeTemplate( 2 * float( kHalf ), 6 ), at( 0, kTop + kHalf, 0 ), test::stepping( cargo.elasticity, youngsModulus ), adaptivity );
+		SoftBody* const body = own.addSoft( test::cubeTemplate( 2 * float( kHalf ), 6 ), at( 0, kTop + kHalf, 0 ),
+			test::stepping( cargo.elasticity, youngsModulus ), adaptivity );
 		body->setFriction( btScalar( 0.8 ) );
 		if ( cargo.isBroken )
 		{
 			EXPECT_GT( body->cutPlane( body->massCentre(), btVector3( 0, 1, 0 ) ), 0 ); // one half lies on the other
 		}
-		return run( own.world, *plate, course, [body] {
-			return btTransform( body->bestFitTransform().getBasis(), body->massCentre() );
-		} );
+		return run( own.world, *plate, course, [body] { return btTransform( body->bestFitTransform().getBasis(), body->massCentre() ); } );
 	}
 
 	static void expectCarried( const Course& course, bool isTurned = false )
@@ -106,7 +105,8 @@ protected:
 				continue;
 			}
 			EXPECT_NEAR( ( found.displacement - twin.displacement ).length(), 0, btScalar( 0.03 ) * twin.displacement.length() )
-				<< found.displacement.x() << " " << found.displacement.y() << " for " << twin.displacement.x() << " " << twin.displacement.y();
+				<< found.displacement.x() << " " << found.displacement.y() << " for " << twin.displacement.x() << " "
+				<< twin.displacement.y();
 		}
 	}
 };
@@ -148,7 +148,8 @@ btRigidBody* belt = nullptr;
 TEST_P( Platforms, ConveyWithTheVelocityTheyAreGiven )
 {
 	const auto run = []( btDynamicsWorld& world, const std::function<btScalar()>& x ) {
-		world.setInternalTickCallback( []( btDynamicsWorld*, btScalar ) { belt->setLinearVelocity( btVector3( 1, 0, 0 ) ); }, nullptr, true );
+		world.setInternalTickCallback(
+			[]( btDynamicsWorld*, btScalar ) { belt->setLinearVelocity( btVector3( 1, 0, 0 ) ); }, nullptr, true );
 		for ( int k = 0; k < kSettle + kCarry; ++k )
 		{
 			world.stepSimulation( kFrame, 0 );
@@ -169,7 +170,8 @@ TEST_P( Platforms, ConveyWithTheVelocityTheyAreGiven )
 	RigidScene scene( own.world );
 	belt = scene.addKinematic( btVector3( 4, kTop, 2 ), at( 0, 0, 0 ) );
 	belt->setFriction( btScalar( 0.8 ) );
-	SoftBody* const body = own.addSoft( test::cubeTemplate( 2 * float( kHalf ), 6 ), at( 0, kTop + kHalf, 0 ), test::stepping( GetParam().elasticity, 2e5f ) );
+	SoftBody* const body = own.addSoft(
+		test::cubeTemplate( 2 * float( kHalf ), 6 ), at( 0, kTop + kHalf, 0 ), test::stepping( GetParam().elasticity, 2e5f ) );
 	body->setFriction( btScalar( 0.8 ) );
 	const btScalar found = run( own.world, [body] { return body->massCentre().x(); } );
 	EXPECT_NEAR( found, twin, btScalar( 0.03 ) * twin );
@@ -201,7 +203,8 @@ TEST_P( Platforms, ConveyWithTheVelocityThatCallbacksAskFor )
 		belt = scene.addBox( 0, btVector3( 4, kTop, 2 ), at( 0, 0, 0 ) );
 		belt->setFriction( btScalar( 0.8 ) );
 		belt->setCollisionFlags( belt->getCollisionFlags() | btCollisionObject::CF_CUSTOM_MATERIAL_CALLBACK );
-		world.getSolverInfo().m_solverMode |= SOLVER_ENABLE_FRICTION_DIRECTION_CACHING | SOLVER_USE_2_FRICTION_DIRECTIONS; // else Bullet takes its own directions
+		world.getSolverInfo().m_solverMode |= SOLVER_ENABLE_FRICTION_DIRECTION_CACHING |
+			SOLVER_USE_2_FRICTION_DIRECTIONS; // else Bullet takes its own directions
 		for ( int k = 0; k < kSettle + kCarry; ++k )
 		{
 			world.stepSimulation( kFrame, 0 );
@@ -219,8 +222,8 @@ TEST_P( Platforms, ConveyWithTheVelocityThatCallbacksAskFor )
 	RigidScene scene( own.world );
 	Adaptivity adaptivity;
 	adaptivity.coarseLevels = GetParam().hasLevels ? 1 : 0;
-	SoftBody* const body =
-		own.addSoft( test::cubeTemplate( 2 * float( kHalf ), 6 ), at( 0, kTop + kHalf, 0 ), test::stepping( GetParam().elasticity, 2e5f ), adaptivity );
+	SoftBody* const body = own.addSoft(
+		test::cubeTemplate( 2 * float( kHalf ), 6 ), at( 0, kTop + kHalf, 0 ), test::stepping( GetParam().elasticity, 2e5f ), adaptivity );
 	body->setFriction( btScalar( 0.8 ) );
 	if ( GetParam().isBroken )
 	{
@@ -238,7 +241,8 @@ TEST_P( Platforms, WakeWhatSleepsOnThem )
 	btRigidBody* const plate = scene.addKinematic( btVector3( 4, kTop, 2 ), at( 0, 0, 0 ) );
 	plate->forceActivationState( ACTIVE_TAG );
 	plate->setFriction( btScalar( 0.8 ) );
-	SoftBody* const body = own.addSoft( test::cubeTemplate( 2 * float( kHalf ), 6 ), at( 0, kTop + kHalf, 0 ), test::stepping( GetParam().elasticity, 2e5f ) );
+	SoftBody* const body = own.addSoft(
+		test::cubeTemplate( 2 * float( kHalf ), 6 ), at( 0, kTop + kHalf, 0 ), test::stepping( GetParam().elasticity, 2e5f ) );
 	body->setFriction( btScalar( 0.8 ) );
 	own.run( 30 );
 	plate->forceActivationState( ISLAND_SLEEPING );

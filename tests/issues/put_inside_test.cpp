@@ -21,7 +21,8 @@ void expectOut( test::PutInside how )
 	}
 }
 
-// A level designer leaves a cube of hard rubber a third of a metre deep in the floor. In a rigid world it is pushed up; here it shot to ten metres.
+// A level designer leaves a cube of hard rubber a third of a metre deep in the floor. In a rigid world it is pushed up; here it shot to ten
+// metres.
 TEST( PutInside, AFloor )
 {
 	for ( const double youngsModulus : { 1e6, 1e8 } )
@@ -33,7 +34,8 @@ TEST( PutInside, AFloor )
 	}
 }
 
-// Two cubes spawned over one another, as happens where players drop things, stayed one inside the other for good, or left at 20 m/s if they had the very same place.
+// Two cubes spawned over one another, as happens where players drop things, stayed one inside the other for good, or left at 20 m/s if they
+// had the very same place.
 TEST( PutInside, OneAnother )
 {
 	for ( const double apart : { 0.0, 0.33 } )

@@ -53,7 +53,8 @@ void forgetCallbacks()
 	gContactEndedCallback = nullptr;
 }
 
-const btScalar kBad[] = { std::numeric_limits<btScalar>::quiet_NaN(), std::numeric_limits<btScalar>::infinity(), -std::numeric_limits<btScalar>::infinity(), std::numeric_limits<btScalar>::max() };
+const btScalar kBad[] = { std::numeric_limits<btScalar>::quiet_NaN(), std::numeric_limits<btScalar>::infinity(),
+	-std::numeric_limits<btScalar>::infinity(), std::numeric_limits<btScalar>::max() };
 
 } // namespace
 
@@ -70,8 +71,10 @@ SmallParts::SmallParts() : configuration( info() ), dispatcher( &configuration )
 template <class World>
 Bystanders<World>::Bystanders( World& to ) :
 	world( to ), floor( btRigidBody::btRigidBodyConstructionInfo( 0, nullptr, &floorShape ) ),
-	box( btRigidBody::btRigidBodyConstructionInfo( 2, nullptr, &boxShape, btVector3( btScalar( 0.2 ), btScalar( 0.2 ), btScalar( 0.1 ) ) ) ),
-	bob( btRigidBody::btRigidBodyConstructionInfo( 1, nullptr, &boxShape, btVector3( btScalar( 0.1 ), btScalar( 0.1 ), btScalar( 0.1 ) ) ) ),
+	box(
+		btRigidBody::btRigidBodyConstructionInfo( 2, nullptr, &boxShape, btVector3( btScalar( 0.2 ), btScalar( 0.2 ), btScalar( 0.1 ) ) ) ),
+	bob(
+		btRigidBody::btRigidBodyConstructionInfo( 1, nullptr, &boxShape, btVector3( btScalar( 0.1 ), btScalar( 0.1 ), btScalar( 0.1 ) ) ) ),
 	joint( bob, btVector3( 1, 0, 0 ) )
 {
 	floor.setWorldTransform( at( 100, -1, 0 ) );
@@ -108,7 +111,8 @@ RandomCalls::RandomCalls( unsigned seed ) : m_random( seed ), m_isPlain( seed % 
 		SmallParts& parts = *m_parts[std::min( k, partsCount - 1 )];
 		m_broadphases[k] = std::make_unique<btDbvtBroadphase>();
 		m_solvers[k] = std::make_unique<btSequentialImpulseConstraintSolver>();
-		m_worlds.push_back( std::make_unique<SoftBodyWorld>( &parts.dispatcher, m_broadphases[k].get(), m_solvers[k].get(), &parts.configuration ) );
+		m_worlds.push_back(
+			std::make_unique<SoftBodyWorld>( &parts.dispatcher, m_broadphases[k].get(), m_solvers[k].get(), &parts.configuration ) );
 	}
 	if ( m_isPlain )
 	{
@@ -116,7 +120,8 @@ RandomCalls::RandomCalls( unsigned seed ) : m_random( seed ), m_isPlain( seed % 
 		m_twinParts = std::make_unique<SmallParts>();
 		m_twinBroadphase = std::make_unique<btDbvtBroadphase>();
 		m_twinSolver = std::make_unique<btSequentialImpulseConstraintSolver>();
-		m_twinWorld = std::make_unique<btDiscreteDynamicsWorld>( &m_twinParts->dispatcher, m_twinBroadphase.get(), m_twinSolver.get(), &m_twinParts->configuration );
+		m_twinWorld = std::make_unique<btDiscreteDynamicsWorld>(
+			&m_twinParts->dispatcher, m_twinBroadphase.get(), m_twinSolver.get(), &m_twinParts->configuration );
 		m_twin = std::make_unique<Bystanders<btDiscreteDynamicsWorld>>( *m_twinWorld );
 	}
 	g_listening = this;
@@ -137,10 +142,12 @@ RandomCalls::~RandomCalls()
 
 void RandomCalls::run()
 {
-	static const Call often[] = { &RandomCalls::step, &RandomCalls::step, &RandomCalls::create, &RandomCalls::add, &RandomCalls::pins, &RandomCalls::rigid, &RandomCalls::place, &RandomCalls::push };
-	static const Call seldom[] = { &RandomCalls::remove, &RandomCalls::removeByManifold, &RandomCalls::destroy, &RandomCalls::flags, &RandomCalls::ignore, &RandomCalls::cuts,
-		&RandomCalls::breaking, &RandomCalls::material, &RandomCalls::callbacks, &RandomCalls::features, &RandomCalls::activation, &RandomCalls::queries, &RandomCalls::output,
-		&RandomCalls::fragments, &RandomCalls::settings, &RandomCalls::badNodes };
+	static const Call often[] = { &RandomCalls::step, &RandomCalls::step, &RandomCalls::create, &RandomCalls::add, &RandomCalls::pins,
+		&RandomCalls::rigid, &RandomCalls::place, &RandomCalls::push };
+	static const Call seldom[] = { &RandomCalls::remove, &RandomCalls::removeByManifold, &RandomCalls::destroy, &RandomCalls::flags,
+		&RandomCalls::ignore, &RandomCalls::cuts, &RandomCalls::breaking, &RandomCalls::material, &RandomCalls::callbacks,
+		&RandomCalls::features, &RandomCalls::activation, &RandomCalls::queries, &RandomCalls::output, &RandomCalls::fragments,
+		&RandomCalls::settings, &RandomCalls::badNodes };
 	static const Call rare[] = { &RandomCalls::destroyWorld, &RandomCalls::forgetObjects, &RandomCalls::oddStep };
 	create();
 	rigid();
@@ -149,7 +156,9 @@ void RandomCalls::run()
 	for ( int k = 0; k < count; ++k )
 	{
 		const int kind = below( 20 );
-		const Call call = kind < 11 ? often[below( int( std::size( often ) ) )] : kind < 19 || m_isPlain ? seldom[below( int( std::size( seldom ) ) )] : rare[below( int( std::size( rare ) ) )];
+		const Call call = kind < 11  ? often[below( int( std::size( often ) ) )]
+			: kind < 19 || m_isPlain ? seldom[below( int( std::size( seldom ) ) )]
+									 : rare[below( int( std::size( rare ) ) )];
 		( this->*call )();
 		++m_calls;
 	}
@@ -232,27 +241,23 @@ void RandomCalls::contact( const btCollisionObject* a, const btCollisionObject* 
 	SoftBody* const meant = oneIn( 3 ) ? someSoft() : soft;
 	switch ( below( 5 ) )
 	{
-	case 0:
-		if ( meant )
-		{
-			someWorld().removeSoftBody( meant );
-			takeIfLeft( meant );
-			++m_removed;
-		}
-		break;
-	case 1:
-		m_removed += int( std::erase_if( m_soft, [meant]( const std::unique_ptr<SoftBody>& body ) { return body.get() == meant; } ) );
-		break;
-	case 2:
-		removeRigid( const_cast<btRigidBody*>( btRigidBody::upcast( other ) ) );
-		std::erase_if( m_rigid, [other]( const Rigid& rigid ) { return rigid.body.get() == other && !rigid.world; } );
-		break;
-	case 3:
-		soft->setSelfCollision( oneIn( 2 ) );
-		break;
-	default:
-		soft->applyImpulse( someVector( 1 ), someNode( *soft ) );
-		soft->teleport( someTransform() );
+		case 0:
+			if ( meant )
+			{
+				someWorld().removeSoftBody( meant );
+				takeIfLeft( meant );
+				++m_removed;
+			}
+			break;
+		case 1:
+			m_removed += int( std::erase_if( m_soft, [meant]( const std::unique_ptr<SoftBody>& body ) { return body.get() == meant; } ) );
+			break;
+		case 2:
+			removeRigid( const_cast<btRigidBody*>( btRigidBody::upcast( other ) ) );
+			std::erase_if( m_rigid, [other]( const Rigid& rigid ) { return rigid.body.get() == other && !rigid.world; } );
+			break;
+		case 3: soft->setSelfCollision( oneIn( 2 ) ); break;
+		default: soft->applyImpulse( someVector( 1 ), someNode( *soft ) ); soft->teleport( someTransform() );
 	}
 }
 
@@ -275,7 +280,9 @@ void RandomCalls::check()
 		for ( const auto& [ours, twin] : { std::pair( &m_bystanders->box, &m_twin->box ), std::pair( &m_bystanders->bob, &m_twin->bob ) } )
 		{
 			ASSERT_TRUE( ours->getWorldTransform() == twin->getWorldTransform() );
-			ASSERT_EQ( ( ours->getLinearVelocity() - twin->getLinearVelocity() ).length() + ( ours->getAngularVelocity() - twin->getAngularVelocity() ).length(), 0 );
+			ASSERT_EQ( ( ours->getLinearVelocity() - twin->getLinearVelocity() ).length() +
+					( ours->getAngularVelocity() - twin->getAngularVelocity() ).length(),
+				0 );
 		}
 	}
 }

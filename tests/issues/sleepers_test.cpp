@@ -37,7 +37,8 @@ struct Scene
 	}
 };
 
-// A barrel slept on a mattress. The mattress was taken away, or moved, or made soft, or the floor under both gone: the barrel hung in the air.
+// A barrel slept on a mattress. The mattress was taken away, or moved, or made soft, or the floor under both gone: the barrel hung in the
+// air.
 TEST( Sleepers, WakeWhenTheSoftBodyUnderThemGoes )
 {
 	struct Case
@@ -50,19 +51,23 @@ TEST( Sleepers, WakeWhenTheSoftBodyUnderThemGoes )
 		{ "teleported", []( Scene& s ) { s.cube->teleport( at( 0, 0, 5 ) ); }, btScalar( 0.3 ) },
 		{ "teleported a little aside", []( Scene& s ) { s.cube->teleport( at( 0, 0, btScalar( 0.33 ) ) ); }, btScalar( 0.3 ) },
 		{ "reset elsewhere", []( Scene& s ) { s.cube->reset( at( 0, kHalf, 5 ) ); }, btScalar( 0.3 ) },
-		{ "softened", []( Scene& s ) {
-			 Material material = s.cube->material();
-			 material.youngsModulus = 2e3f;
-			 EXPECT_TRUE( s.cube->setMaterial( material ).ok() );
-		 }, btScalar( 0.01 ) },
+		{ "softened",
+			[]( Scene& s ) {
+				Material material = s.cube->material();
+				material.youngsModulus = 2e3f;
+				EXPECT_TRUE( s.cube->setMaterial( material ).ok() );
+			},
+			btScalar( 0.01 ) },
 		{ "removed", []( Scene& s ) { s.world.world.removeSoftBody( s.cube ); }, btScalar( 0.3 ) },
 		{ "removed as any object", []( Scene& s ) { s.world.world.removeCollisionObject( s.cube ); }, btScalar( 0.3 ) },
 		{ "given a speed", []( Scene& s ) { s.cube->setLinearVelocity( btVector3( 0, 0, 8 ) ); }, btScalar( 0.01 ) },
 		{ "without its floor", []( Scene& s ) { s.world.world.removeRigidBody( s.floor ); }, btScalar( 0.8 ) },
-		{ "with its floor turned off", []( Scene& s ) {
-			 s.floor->setIgnoreCollisionCheck( s.cube, true );
-			 s.cube->activate( true );
-		 }, btScalar( 0.3 ) },
+		{ "with its floor turned off",
+			[]( Scene& s ) {
+				s.floor->setIgnoreCollisionCheck( s.cube, true );
+				s.cube->activate( true );
+			},
+			btScalar( 0.3 ) },
 	};
 	for ( const Elasticity elasticity : { Elasticity::Explicit, Elasticity::Implicit } )
 	{

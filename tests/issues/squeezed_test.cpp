@@ -15,8 +15,8 @@ void expectBounded( const test::Squeeze& how )
 	EXPECT_LT( squeezed.motion, squeezed.strain + squeezed.out );
 }
 
-// A press comes down on a soft cube to .09 m over the floor, where its nodes are .1 m wide, waits for some seconds and goes up again. The cube flew to 21 m, with
-// eleven times the energy that its springs can hold, and the longer the press had waited the higher.
+// A press comes down on a soft cube to .09 m over the floor, where its nodes are .1 m wide, waits for some seconds and goes up again. The
+// cube flew to 21 m, with eleven times the energy that its springs can hold, and the longer the press had waited the higher.
 TEST( Squeezed, ByAPlateNearerToTheFloorThanANodeIsWide )
 {
 	for ( const Elasticity elasticity : { Elasticity::Explicit, Elasticity::Implicit } )
@@ -33,7 +33,8 @@ TEST( Squeezed, ByAPlateNearerToTheFloorThanANodeIsWide )
 	expectBounded( stiff );
 }
 
-// The same cube comes into a level between two walls that stand .32 m apart: one contact alone pressed with ten thousand newton seconds a step after ten seconds.
+// The same cube comes into a level between two walls that stand .32 m apart: one contact alone pressed with ten thousand newton seconds a
+// step after ten seconds.
 TEST( Squeezed, InASlotBetweenTwoWalls )
 {
 	for ( const double gap : { 0.32, 0.09 } )

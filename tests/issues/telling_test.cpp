@@ -92,12 +92,15 @@ TEST( Telling, WhatTouchesMayBeRemovedAndDeletedInTheCallbackThatSaysSo )
 		t.world.addRigidBody( t.rigid[0].get() );
 		for ( int k = 0; k < 2; ++k )
 		{
-			SoftBody* body = t.addSoft( block( 3, 3, 3, 0.1f ), at( 0, btScalar( 0.16 ) + btScalar( 0.31 ) * btScalar( k ), 0 ), k == 0 ? test::stiff( 1e5f ) : test::implicit( 1e5f ) );
+			SoftBody* body = t.addSoft( block( 3, 3, 3, 0.1f ), at( 0, btScalar( 0.16 ) + btScalar( 0.31 ) * btScalar( k ), 0 ),
+				k == 0 ? test::stiff( 1e5f ) : test::implicit( 1e5f ) );
 			body->setCollisionFlags( body->getCollisionFlags() | btCollisionObject::CF_CUSTOM_MATERIAL_CALLBACK );
 			body->setSelfCollision( isSelf != 0 );
 		}
-		callback == 0 ? void( gContactAddedCallback = onAdded ) : callback == 1 ? void( gContactProcessedCallback = onProcessed )
-			: callback == 2 ? void( gContactStartedCallback = onStarted ) : void();
+		callback == 0       ? void( gContactAddedCallback = onAdded )
+			: callback == 1 ? void( gContactProcessedCallback = onProcessed )
+			: callback == 2 ? void( gContactStartedCallback = onStarted )
+							: void();
 		t.run( 5 );
 		if ( callback == 3 ) // contacts end where a body is thrown off
 		{
@@ -135,9 +138,11 @@ struct Shown
 };
 std::vector<Shown> g_shown;
 
-bool noteShown( btManifoldPoint& point, const btCollisionObjectWrapper* a, int partA, int indexA, const btCollisionObjectWrapper* b, int partB, int indexB )
+bool noteShown( btManifoldPoint& point, const btCollisionObjectWrapper* a, int partA, int indexA, const btCollisionObjectWrapper* b,
+	int partB, int indexB )
 {
-	const bool softIsFirst = SoftBody::upcast( a->getCollisionObject() ) != nullptr || a->getCollisionShape()->getShapeType() == SPHERE_SHAPE_PROXYTYPE;
+	const bool softIsFirst = SoftBody::upcast( a->getCollisionObject() ) != nullptr ||
+		a->getCollisionShape()->getShapeType() == SPHERE_SHAPE_PROXYTYPE;
 	const btCollisionObjectWrapper* const other = softIsFirst ? b : a;
 	Shown shown;
 	shown.shape = other->getCollisionShape();
@@ -153,7 +158,8 @@ bool noteShown( btManifoldPoint& point, const btCollisionObjectWrapper* a, int p
 	return false;
 }
 
-// A game that smooths the inner edges of its meshes casts what it is shown to a btTriangleShape, as Bullet lets it: it read the mesh as one.
+// A game that smooths the inner edges of its meshes casts what it is shown to a btTriangleShape, as Bullet lets it: it read the mesh as
+// one.
 TEST( Telling, ContactAddedCallbacksAreShownTheTriangleThatIsTouched )
 {
 	TestWorld t;
@@ -164,7 +170,8 @@ TEST( Telling, ContactAddedCallbacksAreShownTheTriangleThatIsTouched )
 		mesh.addTriangle( btVector3( x, 0, -3 ), btVector3( x, 0, 3 ), btVector3( x + 1, 0, -3 ) );
 		mesh.addTriangle( btVector3( x + 1, 0, -3 ), btVector3( x, 0, 3 ), btVector3( x + 1, 0, 3 ) );
 	}
-	btRigidBody* ground = t.add( 0, new btBvhTriangleMeshShape( &mesh, true ), btTransform( btQuaternion( btVector3( 0, 1, 0 ), btScalar( 0.3 ) ), btVector3( 0, 0, 0 ) ) );
+	btRigidBody* ground = t.add( 0, new btBvhTriangleMeshShape( &mesh, true ),
+		btTransform( btQuaternion( btVector3( 0, 1, 0 ), btScalar( 0.3 ) ), btVector3( 0, 0, 0 ) ) );
 	ground->setCollisionFlags( ground->getCollisionFlags() | btCollisionObject::CF_CUSTOM_MATERIAL_CALLBACK );
 	t.addSoft( block( 8, 2, 2, 0.1f ), at( btScalar( 0.1 ), btScalar( 0.1 ), 0 ) );
 	g_shown.clear();

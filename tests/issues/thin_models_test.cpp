@@ -1,6 +1,7 @@
-// A user loads what games have: leaves, ribbons, capes, boxes without a lid, a hull full of holes, a fin as thin as paper on a solid body. Most were
-// refused ("no inside", or "too many triangles" for a mesh of two thousand); of the others the thin parts had no cells, hung on the nearest one, and
-// sank through the floor by up to .7 of the body's size. Each must become a body that carries all that is drawn of it, lies on a floor, and can be cut.
+// A user loads what games have: leaves, ribbons, capes, boxes without a lid, a hull full of holes, a fin as thin as paper on a solid body.
+// Most were refused ("no inside", or "too many triangles" for a mesh of two thousand); of the others the thin parts had no cells, hung on
+// the nearest one, and sank through the floor by up to .7 of the body's size. Each must become a body that carries all that is drawn of it,
+// lies on a floor, and can be cut.
 
 #include "world/test_world.h"
 
@@ -86,20 +87,28 @@ Mesh hullOfHoles()
 
 std::vector<ThinModel> thinModels()
 {
-	return { { "OpenBox", []() { return without( makeBox( { -0.5, -0.3, -0.4 }, { 0.5, 0.3, 0.4 }, 8 ), []( std::size_t t ) { return t < 128; } ); } },
-		{ "Sheet", []() { return sheetOf( 10 ); } },
-		{ "SlantedSheet", []() { return rotated( sheetOf( 1 ), 0.6 ); } },
+	return { { "OpenBox",
+				 []() {
+					 return without( makeBox( { -0.5, -0.3, -0.4 }, { 0.5, 0.3, 0.4 }, 8 ), []( std::size_t t ) { return t < 128; } );
+				 } },
+		{ "Sheet", []() { return sheetOf( 10 ); } }, { "SlantedSheet", []() { return rotated( sheetOf( 1 ), 0.6 ); } },
 		{ "Leaf", []() { return leaf(); }, 4 }, // its bent middle holds a thin inside, which its tips are not linked to
 		{ "Ribbon", []() { return ribbon(); } },
-		{ "Triangle", []() { Mesh mesh = sheetOf( 1 ); mesh.indices.resize( 3 ); return mesh; } },
-		{ "PressedFlat", []() { return makeBox( { 0, 0, 0 }, { 1, 1, 0 } ); } },
-		{ "FinBesideCube", []() { return finBesideCube(); } },
-		{ "HullOfHoles", []() { return hullOfHoles(); } } };
+		{ "Triangle",
+			[]() {
+				Mesh mesh = sheetOf( 1 );
+				mesh.indices.resize( 3 );
+				return mesh;
+			} },
+		{ "PressedFlat",
+			[]() {
+				return makeBox( { 0, 0, 0 }, { 1, 1, 0 } );
+			} },
+		{ "FinBesideCube", []() { return finBesideCube(); } }, { "HullOfHoles", []() { return hullOfHoles(); } } };
 }
 
 class ThinModels : public testing::TestWithParam<ThinModel>
-{
-};
+{};
 
 std::shared_ptr<const BodyTemplate> templateOf( const Mesh& mesh, Shell shell = Shell::WhereNeeded )
 {
@@ -139,7 +148,8 @@ TEST_P( ThinModels, CarryAllThatIsDrawn )
 		btScalar nearest = SIMD_INFINITY;
 		for ( int node = 0; node < body->nodeCount(); ++node )
 		{
-			nearest = btMin( nearest, body->nodePosition( node ).distance( view.origin + btVector3( p[0], p[1], p[2] ) ) - body->nodeRadius( node ) );
+			nearest = btMin(
+				nearest, body->nodePosition( node ).distance( view.origin + btVector3( p[0], p[1], p[2] ) ) - body->nodeRadius( node ) );
 		}
 		farthest = btMax( farthest, nearest );
 	}
@@ -187,7 +197,8 @@ TEST_P( ThinModels, AreCutInTwo )
 	}
 }
 
-INSTANTIATE_TEST_SUITE_P( Shapes, ThinModels, testing::ValuesIn( thinModels() ), []( const testing::TestParamInfo<ThinModel>& model ) { return model.param.name; } );
+INSTANTIATE_TEST_SUITE_P( Shapes, ThinModels, testing::ValuesIn( thinModels() ),
+	[]( const testing::TestParamInfo<ThinModel>& model ) { return model.param.name; } );
 
 // A balloon and a full ball of the same mesh: what the setting asks for.
 TEST( ThinModels, HollowWhereAsked )

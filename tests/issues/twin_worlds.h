@@ -48,7 +48,10 @@ public:
 		m_world.addRigidBody( m_bodies.back().get() );
 		return m_bodies.back().get();
 	}
-	btRigidBody* addBox( btScalar mass, const btVector3& half, const btTransform& where ) { return add( mass, new btBoxShape( half ), where ); }
+	btRigidBody* addBox( btScalar mass, const btVector3& half, const btTransform& where )
+	{
+		return add( mass, new btBoxShape( half ), where );
+	}
 	btRigidBody* addFloor() { return addBox( 0, btVector3( 50, 1, 50 ), at( 0, -1, 0 ) ); }
 	/// A box that the game moves, as games write it: the flag besides the one it was born with.
 	btRigidBody* addKinematic( const btVector3& half, const btTransform& where )

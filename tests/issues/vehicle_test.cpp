@@ -32,7 +32,8 @@ struct Car
 		vehicle->setCoordinateSystem( 0, 1, 2 );
 		for ( int k = 0; k < 4; ++k )
 		{
-			btWheelInfo& wheel = vehicle->addWheel( btVector3( k % 2 ? btScalar( 0.45 ) : btScalar( -0.45 ), btScalar( -0.1 ), k < 2 ? btScalar( 0.8 ) : btScalar( -0.8 ) ),
+			btWheelInfo& wheel = vehicle->addWheel(
+				btVector3( k % 2 ? btScalar( 0.45 ) : btScalar( -0.45 ), btScalar( -0.1 ), k < 2 ? btScalar( 0.8 ) : btScalar( -0.8 ) ),
 				btVector3( 0, -1, 0 ), btVector3( -1, 0, 0 ), btScalar( 0.4 ), btScalar( 0.3 ), tuning, k < 2 );
 			wheel.m_suspensionStiffness = 40;
 			wheel.m_wheelsDampingRelaxation = btScalar( 4 );
@@ -96,12 +97,13 @@ TEST( Vehicle, StandsOnASoftBodyAsOnARigidOneAndPressesOnIt )
 }
 
 /// A hump across a road along z: .2 m high, 2.4 m long at its foot and .6 m on its top, 3 m wide; its foot at y 0.
-constexpr float kHump[8][3] = { { -1.5f, 0, -1.2f }, { 1.5f, 0, -1.2f }, { -1.5f, 0.2f, -0.3f }, { 1.5f, 0.2f, -0.3f }, { -1.5f, 0, 1.2f }, { 1.5f, 0, 1.2f }, { -1.5f, 0.2f, 0.3f },
-	{ 1.5f, 0.2f, 0.3f } };
+constexpr float kHump[8][3] = { { -1.5f, 0, -1.2f }, { 1.5f, 0, -1.2f }, { -1.5f, 0.2f, -0.3f }, { 1.5f, 0.2f, -0.3f }, { -1.5f, 0, 1.2f },
+	{ 1.5f, 0, 1.2f }, { -1.5f, 0.2f, 0.3f }, { 1.5f, 0.2f, 0.3f } };
 
 std::shared_ptr<const BodyTemplate> softHump()
 {
-	static const std::uint32_t indices[36] = { 0, 2, 1, 1, 2, 3, 4, 5, 6, 5, 7, 6, 0, 1, 4, 1, 5, 4, 2, 6, 3, 3, 6, 7, 0, 4, 2, 2, 4, 6, 1, 3, 5, 3, 7, 5 };
+	static const std::uint32_t indices[36] = {
+		0, 2, 1, 1, 2, 3, 4, 5, 6, 5, 7, 6, 0, 1, 4, 1, 5, 4, 2, 6, 3, 3, 6, 7, 0, 4, 2, 2, 4, 6, 1, 3, 5, 3, 7, 5 };
 	MeshView mesh;
 	mesh.positions = kHump[0];
 	mesh.vertexCount = 8;
@@ -137,8 +139,9 @@ Drive driveOver( TestWorld& t )
 	return drive;
 }
 
-// A hump that gives way and springs back under each wheel: the car is to get over it as over one of stone, neither caught by it nor flung up. Slopes are of 13
-// degrees; wheels meet a soft edge rounded off by a cell, so that a kerb of 27 degrees brakes the car by half of what a rigid one does.
+// A hump that gives way and springs back under each wheel: the car is to get over it as over one of stone, neither caught by it nor flung
+// up. Slopes are of 13 degrees; wheels meet a soft edge rounded off by a cell, so that a kerb of 27 degrees brakes the car by half of what
+// a rigid one does.
 TEST( Vehicle, DrivesOverASoftHumpAsOverARigidOne )
 {
 	TestWorld rigid;
@@ -164,8 +167,10 @@ TEST( Vehicle, DrivesOverASoftHumpAsOverARigidOne )
 			SoftBody* const hump = t.addSoft( softHump(), at( 0, 0, 0 ), material );
 			hump->setFriction( 1 );
 			const Drive found = driveOver( t );
-			std::printf( "%s, E %.0e: %.2f m (rigid %.2f), up by %.3f (%.3f), aside by %.3f; hump at z %.3f\n", elasticity == Elasticity::Explicit ? "explicit" : "implicit",
-				double( youngsModulus ), double( found.distance ), double( twin.distance ), double( found.highest ), double( twin.highest ), double( found.sideways ), double( hump->massCentre().z() ) );
+			std::printf( "%s, E %.0e: %.2f m (rigid %.2f), up by %.3f (%.3f), aside by %.3f; hump at z %.3f\n",
+				elasticity == Elasticity::Explicit ? "explicit" : "implicit", double( youngsModulus ), double( found.distance ),
+				double( twin.distance ), double( found.highest ), double( twin.highest ), double( found.sideways ),
+				double( hump->massCentre().z() ) );
 			EXPECT_NEAR( found.distance, twin.distance, btScalar( 0.1 ) * twin.distance );
 			EXPECT_NEAR( found.highest, twin.highest, 0.1 ) << "a cell";
 			EXPECT_NEAR( found.sideways, 0, 0.1 );

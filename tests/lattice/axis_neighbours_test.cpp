@@ -14,8 +14,10 @@ int linkedAt( const Lattice& lattice, int cell, const Eigen::Vector3i& step )
 {
 	for ( int other = 0; other < lattice.cellCount(); ++other )
 	{
-		const bool isThere = lattice.coordinate[std::size_t( other )].cast<int>() == lattice.coordinate[std::size_t( cell )].cast<int>() + step;
-		const auto first = lattice.linkTo.begin() + lattice.linkStart[std::size_t( cell )], last = lattice.linkTo.begin() + lattice.linkStart[std::size_t( cell ) + 1];
+		const bool isThere = lattice.coordinate[std::size_t( other )].cast<int>() ==
+			lattice.coordinate[std::size_t( cell )].cast<int>() + step;
+		const auto first = lattice.linkTo.begin() + lattice.linkStart[std::size_t( cell )],
+				   last = lattice.linkTo.begin() + lattice.linkStart[std::size_t( cell ) + 1];
 		if ( isThere && std::find( first, last, std::uint32_t( other ) ) != last )
 		{
 			return other;
@@ -42,7 +44,8 @@ TEST( AxisNeighbours, AreThoseThatAreLinked )
 {
 	Lattice parted = makeBlockLattice( 4, 3, 3, 0.1f );
 	unlink( parted, 17, 18 );
-	for ( const Lattice& lattice : { makeBlockLattice( 4, 3, 5, 0.1f ), makeBlockLattice( 4, 4, 1, 0.1f ), makeBlockLattice( 1, 1, 1, 0.1f ), parted } )
+	for ( const Lattice& lattice :
+		{ makeBlockLattice( 4, 3, 5, 0.1f ), makeBlockLattice( 4, 4, 1, 0.1f ), makeBlockLattice( 1, 1, 1, 0.1f ), parted } )
 	{
 		const AxisNeighbours beside = findAxisNeighbours( lattice );
 		ASSERT_EQ( int( beside.size() ), lattice.cellCount() );

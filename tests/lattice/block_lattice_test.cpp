@@ -56,13 +56,14 @@ TEST( LatticeLaws, EachBrokenLawIsSeen )
 		{ "link to itself", []( Lattice& l ) { l.linkTo[0] = 0; } },
 		{ "link to nowhere", []( Lattice& l ) { l.linkTo[0] = 1000; } },
 		{ "links out of order", []( Lattice& l ) { std::swap( l.linkTo[0], l.linkTo[1] ); } },
-		{ "one-way link", []( Lattice& l ) {
-			 l.linkTo.erase( l.linkTo.begin() );
-			 for ( std::size_t i = 1; i < l.linkStart.size(); ++i )
-			 {
-				 --l.linkStart[i];
-			 }
-		 } },
+		{ "one-way link",
+			[]( Lattice& l ) {
+				l.linkTo.erase( l.linkTo.begin() );
+				for ( std::size_t i = 1; i < l.linkStart.size(); ++i )
+				{
+					--l.linkStart[i];
+				}
+			} },
 		{ "surface mark", []( Lattice& l ) { l.isSurface[13] = 1; } },
 	};
 	for ( const auto& [name, breakLaw] : breaks )

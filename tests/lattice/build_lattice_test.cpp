@@ -36,7 +36,8 @@ TEST( Grid, FirstSampleAboveAWholeQuantumIsThatOfAnyPlace )
 			}
 			for ( const std::int64_t place : places )
 			{
-				EXPECT_EQ( grid.firstAbove( axis, place ), grid.firstAbove( axis, double( place ) ) ) << samples << " samples, at " << place << " of " << end;
+				EXPECT_EQ( grid.firstAbove( axis, place ), grid.firstAbove( axis, double( place ) ) )
+					<< samples << " samples, at " << place << " of " << end;
 				int below = 0;
 				while ( below < grid.sampleCount( axis ) && grid.sampleAt( below ) <= place )
 				{
@@ -87,7 +88,8 @@ double volumeError( const Mesh& mesh, float d )
 
 TEST( Build, VolumeConverges )
 {
-	for ( const Mesh& mesh : { makeSphere( 1.0, 32, 64 ), makeTorus( 1.0, 0.3, 64, 32 ), makeGlob( 1.0, 24 ), rotated( makeBeam( 4.0, 1.0, 8 ), 0.7 ) } )
+	for ( const Mesh& mesh :
+		{ makeSphere( 1.0, 32, 64 ), makeTorus( 1.0, 0.3, 64, 32 ), makeGlob( 1.0, 24 ), rotated( makeBeam( 4.0, 1.0, 8 ), 0.7 ) } )
 	{
 		EXPECT_LT( volumeError( mesh, 0.2f ), 0.03 );
 		EXPECT_LT( volumeError( mesh, 0.1f ), 0.01 );
@@ -142,7 +144,8 @@ TEST( Build, TriangleOrderChangesNothing )
 			std::swap_ranges( shuffled.indices.begin() + std::ptrdiff_t( 3 * t ), shuffled.indices.begin() + std::ptrdiff_t( 3 * t + 3 ),
 				shuffled.indices.begin() + std::ptrdiff_t( 3 * other ) );
 			// The corners' order must not matter either, as long as the turn stays.
-			std::rotate( shuffled.indices.begin() + std::ptrdiff_t( 3 * t ), shuffled.indices.begin() + std::ptrdiff_t( 3 * t + state / 7 % 3 ),
+			std::rotate( shuffled.indices.begin() + std::ptrdiff_t( 3 * t ),
+				shuffled.indices.begin() + std::ptrdiff_t( 3 * t + state / 7 % 3 ),
 				shuffled.indices.begin() + std::ptrdiff_t( 3 * t + 3 ) );
 		}
 		ASSERT_NE( mesh.indices, shuffled.indices );
@@ -152,7 +155,8 @@ TEST( Build, TriangleOrderChangesNothing )
 
 TEST( Build, ThreadsChangeNothing )
 {
-	for ( const Mesh& mesh : { makeBumpySphere( 1.0, 0.2, 60, 60 ), without( makeSphere( 1.0, 24, 48 ), []( std::size_t t ) { return t % 3 == 0; } ) } )
+	for ( const Mesh& mesh :
+		{ makeBumpySphere( 1.0, 0.2, 60, 60 ), without( makeSphere( 1.0, 24, 48 ), []( std::size_t t ) { return t % 3 == 0; } ) } )
 	{
 		const Lattice alone = built( mesh, cellsOf( 0.08f ) ).lattice;
 		for ( const int threads : { 1, 2, 4, 8 } )

@@ -20,8 +20,8 @@ LatticeSettings drawn( float cell )
 	return settings;
 }
 
-// Cells of a ball's surface are full, half full or nearly empty: as balls of their own they stand up to a seventh of a cell out of it. Patches are pieces of
-// one sphere, whatever the cell holds.
+// Cells of a ball's surface are full, half full or nearly empty: as balls of their own they stand up to a seventh of a cell out of it.
+// Patches are pieces of one sphere, whatever the cell holds.
 TEST( ContactPatches, OfABallAreItsSurface )
 {
 	const Lattice lattice = built( makeSphere( 0.4, 60, 120 ), drawn( 0.06f ) ).lattice;
@@ -64,9 +64,11 @@ TEST( ContactPatches, OfABoxAreFlatAndEndAtItsEdges )
 // A wall one cell thick has a surface on both sides of each node, and a sheet has no inside: their nodes' own spheres do.
 TEST( ContactPatches, AreNotInThinParts )
 {
-	for ( const Lattice& lattice : { built( makeBox( { 0, 0, 0 }, { 1, 1, 0.1 } ), drawn( 0.1f ) ).lattice, built( makeSphere( 0.02, 8, 8 ), drawn( 0.06f ) ).lattice } )
+	for ( const Lattice& lattice : { built( makeBox( { 0, 0, 0 }, { 1, 1, 0.1 } ), drawn( 0.1f ) ).lattice,
+			  built( makeSphere( 0.02, 8, 8 ), drawn( 0.06f ) ).lattice } )
 	{
-		EXPECT_TRUE( std::all_of( lattice.patch.begin(), lattice.patch.end(), []( const ContactPatch& patch ) { return patch.radius == 0.0f; } ) );
+		EXPECT_TRUE(
+			std::all_of( lattice.patch.begin(), lattice.patch.end(), []( const ContactPatch& patch ) { return patch.radius == 0.0f; } ) );
 	}
 }
 

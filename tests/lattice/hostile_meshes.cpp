@@ -196,6 +196,8 @@ Mesh crumpled( Mesh mesh )
 
 using List = std::vector<HostileMesh>;
 
+// One mesh a line.
+// clang-format off
 void addBadNumbers( List& list )
 {
 	list.push_back( { "nothing", []() { return Mesh(); }, ResultCode::EmptyMesh } );
@@ -321,6 +323,7 @@ void addSizes( List& list )
 	list.push_back( { "10^6 triangles at one corner", []() { Mesh m = cube(); m.indices.reserve( 3000036 ); for ( std::uint32_t k = 0; k < 1000000; ++k ) { m.addTriangle( 0, 1 + k % 7, 1 + k / 7 % 7 ); } return m; }, ResultCode::TooFolded } );
 	list.push_back( { "10^6 vertices at one place", []() { Mesh m = cube(); for ( std::uint32_t k = 0; k < 1000000; ++k ) { m.addVertex( 0.5, 0.5, 0.5 ); } m.addTriangle( 8, 1000, 100000 ); return m; } } );
 }
+// clang-format on
 
 } // namespace
 

@@ -68,8 +68,7 @@ void* allocate( std::size_t size, std::size_t alignment )
 	const std::size_t live = g_live += size;
 	std::size_t peak = g_peak;
 	while ( peak < live && !g_peak.compare_exchange_weak( peak, live ) )
-	{
-	}
+	{}
 	return given;
 }
 
@@ -117,8 +116,7 @@ namespace pliant::test {
 namespace {
 
 class Hostile : public testing::TestWithParam<HostileMesh>
-{
-};
+{};
 
 TEST_P( Hostile, GivesABodyOrAClearError )
 {
@@ -160,7 +158,8 @@ TEST_P( Hostile, GivesABodyOrAClearError )
 
 INSTANTIATE_TEST_SUITE_P( Corpus, Hostile, testing::ValuesIn( hostileMeshes() ), []( const testing::TestParamInfo<HostileMesh>& hostile ) {
 	std::string name = hostile.param.name;
-	std::replace_if( name.begin(), name.end(), []( char c ) { return !std::isalnum( static_cast<unsigned char>( c ) ); }, '_' );
+	std::replace_if(
+		name.begin(), name.end(), []( char c ) { return !std::isalnum( static_cast<unsigned char>( c ) ); }, '_' );
 	return name;
 } );
 

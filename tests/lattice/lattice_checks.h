@@ -32,7 +32,8 @@ inline LatticeSettings cellsOf( float size )
 inline bool areLinked( const Lattice& lattice, int i, int j )
 {
 	const auto row = lattice.linkTo.begin();
-	return std::binary_search( row + lattice.linkStart[std::size_t( i )], row + lattice.linkStart[std::size_t( i ) + 1], std::uint32_t( j ) );
+	return std::binary_search(
+		row + lattice.linkStart[std::size_t( i )], row + lattice.linkStart[std::size_t( i ) + 1], std::uint32_t( j ) );
 }
 
 /// Every bit but where the lattice stands.
@@ -61,7 +62,8 @@ inline double volumeOf( const Mesh& mesh )
 		const Vec3d a = at( k );
 		const Vec3d b = at( k + 1 );
 		const Vec3d c = at( k + 2 );
-		sum += a.x() * ( b.y() * c.z() - b.z() * c.y() ) + a.y() * ( b.z() * c.x() - b.x() * c.z() ) + a.z() * ( b.x() * c.y() - b.y() * c.x() );
+		sum += a.x() * ( b.y() * c.z() - b.z() * c.y() ) + a.y() * ( b.z() * c.x() - b.x() * c.z() ) +
+			a.z() * ( b.x() * c.y() - b.y() * c.x() );
 	}
 	return sum / 6.0;
 }

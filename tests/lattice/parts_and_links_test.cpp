@@ -29,7 +29,8 @@ int linksAcross( const Lattice& lattice, double x, double y )
 /// A block with a slit from the top: three boxes that overlap, so that the union of shells is tested with it.
 Mesh makeSlitBlock( double from, double to )
 {
-	return joined( makeBox( { 0, 0, 0 }, { 4, 1, 1 } ), joined( makeBox( { 0, 0, 0 }, { from, 4, 1 } ), makeBox( { to, 0, 0 }, { 4, 4, 1 } ) ) );
+	return joined(
+		makeBox( { 0, 0, 0 }, { 4, 1, 1 } ), joined( makeBox( { 0, 0, 0 }, { from, 4, 1 } ), makeBox( { to, 0, 0 }, { 4, 4, 1 } ) ) );
 }
 
 TEST( Parts, TwoPlatesInOneCellAreTwoCells )
@@ -51,7 +52,8 @@ TEST( Parts, TwoPlatesInOneCellAreTwoCells )
 TEST( Parts, ASlitSeparatesWhereverItLies )
 {
 	// Between samples, on a sample, on the border of two cells; each far thinner than a cell.
-	for ( const auto& [from, to] : std::map<double, double>{ { 1.83, 1.86 }, { 1.90, 1.95 }, { 1.99, 2.01 }, { 2.0, 2.02 }, { 2.2, 2.201 } } )
+	for ( const auto& [from, to] :
+		std::map<double, double>{ { 1.83, 1.86 }, { 1.90, 1.95 }, { 1.99, 2.01 }, { 2.0, 2.02 }, { 2.2, 2.201 } } )
 	{
 		const LatticeBuild build = built( makeSlitBlock( from, to ), cellsOf( 0.5f ) );
 		EXPECT_EQ( linksAcross( build.lattice, 0.5 * ( from + to ), 1.01 ), 0 ) << from;
@@ -92,7 +94,8 @@ TEST( Parts, AGluedPairIsOneBody )
 
 TEST( Parts, SolidBodiesOfAnyShapeAreOnePiece )
 {
-	for ( const Mesh& mesh : { makeSphere( 1.0, 24, 48 ), makeTorus( 1.0, 0.3, 48, 24 ), makeGlob( 1.0, 20 ), makeBumpySphere( 1.0, 0.2, 60, 60 ) } )
+	for ( const Mesh& mesh :
+		{ makeSphere( 1.0, 24, 48 ), makeTorus( 1.0, 0.3, 48, 24 ), makeGlob( 1.0, 20 ), makeBumpySphere( 1.0, 0.2, 60, 60 ) } )
 	{
 		for ( const float size : { 0.3f, 0.15f, 0.08f } )
 		{

@@ -111,7 +111,8 @@ TEST( ShellCells, AFinTooThinForCellsHangsOnItsBody )
 
 TEST( ShellCells, SolidsAreLeftAlone )
 {
-	for ( const Mesh& mesh : { makeBox( { 0, 0, 0 }, { 1, 2, 3 }, 4 ), makeSphere( 1.0, 32, 64 ), makeTorus( 1.0, 0.3, 64, 32 ), makeGlob( 1.0, 20 ), makeBumpySphere( 1.0, 0.2, 60, 60 ) } )
+	for ( const Mesh& mesh : { makeBox( { 0, 0, 0 }, { 1, 2, 3 }, 4 ), makeSphere( 1.0, 32, 64 ), makeTorus( 1.0, 0.3, 64, 32 ),
+			  makeGlob( 1.0, 20 ), makeBumpySphere( 1.0, 0.2, 60, 60 ) } )
 	{
 		for ( const int cells : { 50, 800, 3000 } )
 		{
@@ -127,7 +128,8 @@ TEST( ShellCells, SolidsAreLeftAlone )
 
 TEST( ShellCells, TargetIsMetAboutly )
 {
-	for ( const Mesh& mesh : { unitSheet(), rotated( unitSheet(), 0.6 ), rotated( makeBox( { 0, 0, 0 }, { 1, 0.02, 0 } ), 0.4 ), makeSphere( 1.0, 32, 64 ) } )
+	for ( const Mesh& mesh :
+		{ unitSheet(), rotated( unitSheet(), 0.6 ), rotated( makeBox( { 0, 0, 0 }, { 1, 0.02, 0 } ), 0.4 ), makeSphere( 1.0, 32, 64 ) } )
 	{
 		for ( const int target : { 50, 1000, 8000 } )
 		{
@@ -149,7 +151,8 @@ TEST( ShellCells, ThreadsChangeNothing )
 	expectEqual( alone, built( mesh, settings ).lattice );
 }
 
-// A sphere of 10 000 triangles, a tenth of them gone, was refused as "too many triangles" where a fraction of a second's work tells its inside.
+// A sphere of 10 000 triangles, a tenth of them gone, was refused as "too many triangles" where a fraction of a second's work tells its
+// inside.
 TEST( ShellCells, ManyHolesAreNoReasonToRefuse )
 {
 	const Mesh hull = without( makeSphere( 0.5, 50, 102 ), []( std::size_t t ) { return t % 10 == 3; } );

@@ -20,7 +20,8 @@ Mesh makeSphereLike( int rings, int segments, F&& radiusAt )
 	Mesh mesh;
 	const auto add = [&]( double polar, double around ) {
 		const double r = radiusAt( polar, around );
-		return mesh.addVertex( r * std::sin( polar ) * std::cos( around ), r * std::sin( polar ) * std::sin( around ), r * std::cos( polar ) );
+		return mesh.addVertex(
+			r * std::sin( polar ) * std::cos( around ), r * std::sin( polar ) * std::sin( around ), r * std::cos( polar ) );
 	};
 	add( 0.0, 0.0 );
 	for ( int i = 1; i < rings; ++i )
@@ -196,7 +197,8 @@ namespace {
 
 double globField( const Point& p )
 {
-	static constexpr std::array<std::array<double, 4>, 4> kBalls = { { { 0.0, 0.0, 0.0, 0.5 }, { 0.5, 0.2, 0.1, 0.3 }, { -0.4, 0.35, -0.1, 0.3 }, { 0.05, -0.5, 0.3, 0.28 } } };
+	static constexpr std::array<std::array<double, 4>, 4> kBalls = {
+		{ { 0.0, 0.0, 0.0, 0.5 }, { 0.5, 0.2, 0.1, 0.3 }, { -0.4, 0.35, -0.1, 0.3 }, { 0.05, -0.5, 0.3, 0.28 } } };
 	double sum = -1.0;
 	for ( const auto& ball : kBalls )
 	{
@@ -275,7 +277,8 @@ private:
 			v[k] = double( point( c )[k] ) - double( pa[k] );
 			w[k] = m_radius * o[k] - double( pa[k] );
 		}
-		const double side = w[0] * ( u[1] * v[2] - u[2] * v[1] ) + w[1] * ( u[2] * v[0] - u[0] * v[2] ) + w[2] * ( u[0] * v[1] - u[1] * v[0] );
+		const double side = w[0] * ( u[1] * v[2] - u[2] * v[1] ) + w[1] * ( u[2] * v[0] - u[0] * v[2] ) +
+			w[2] * ( u[0] * v[1] - u[1] * v[0] );
 		side < 0.0 ? m_mesh.addTriangle( a, b, c ) : m_mesh.addTriangle( a, c, b );
 	}
 
@@ -376,7 +379,8 @@ Mesh unwelded( const Mesh& mesh )
 	Mesh out;
 	for ( const std::uint32_t i : mesh.indices )
 	{
-		out.indices.push_back( out.addVertex( mesh.positions[3 * std::size_t( i )], mesh.positions[3 * std::size_t( i ) + 1], mesh.positions[3 * std::size_t( i ) + 2] ) );
+		out.indices.push_back( out.addVertex(
+			mesh.positions[3 * std::size_t( i )], mesh.positions[3 * std::size_t( i ) + 1], mesh.positions[3 * std::size_t( i ) + 2] ) );
 	}
 	return out;
 }

@@ -91,7 +91,8 @@ TEST( WindingNumber, AHemisphereIsHalfAtItsMiddle )
 
 TEST( WindingNumber, CountingAndCapsGiveTheSameAsTheWholeSum )
 {
-	// A ball with a hole: the whole sum W = count - caps. Along any ray to the outside the count is the signed crossings of surface and caps.
+	// A ball with a hole: the whole sum W = count - caps. Along any ray to the outside the count is the signed crossings of surface and
+	// caps.
 	const Mesh mesh = without( makeSphere( 1.0, 32, 64 ), []( std::size_t t ) { return t % 62 < 9; } );
 	LatticeSettings settings;
 	WeldedMesh welded;

@@ -15,9 +15,9 @@ constexpr float kPiF = 3.14159265f;
 
 struct Bar
 {
-	int cells;      ///< along its length
+	int cells; ///< along its length
 	int halfWidth;
-	float h;        ///< s
+	float h; ///< s
 };
 
 struct BarResult
@@ -58,7 +58,7 @@ BarResult swing( const Bar& bar )
 	material.wobbleDamping = 0.0f;
 	// The modulus that alpha = 0.9 reaches at the longest step, the same for all steps.
 	material.youngsModulus = 0.9f * planStiffness( material, d, 1.0f / 60.0f, 1 ).reachedModulus /
-							 planStiffness( material, d, 1.0f / 60.0f, 1 ).alpha;
+		planStiffness( material, d, 1.0f / 60.0f, 1 ).alpha;
 	const StiffnessPlan plan = planStiffness( material, d, bar.h, 1 );
 	EXPECT_TRUE( plan.reachable );
 	const auto body = test::makeBlock( 4, bar.cells, 4, d, material );
@@ -108,8 +108,7 @@ BarResult swing( const Bar& bar )
 }
 
 class HangingBar : public testing::TestWithParam<float>
-{
-};
+{};
 
 TEST_P( HangingBar, SwingsAndSagsAsRodTheorySays )
 {
@@ -165,8 +164,8 @@ double standingSag( int cells )
 	// Between the lowest and the highest row of centres: rho g ( L s - s^2 / 2 ) / E with L = 1 - d / 2, s = 1 - d.
 	const double length = 1.0 - 0.5 * d, s = 1.0 - d;
 	const double theory = material.density * gravity * ( length * s - 0.5 * s * s ) / material.youngsModulus;
-	std::printf( "block of %d nodes, %d substeps: sag %.4f m, theory %.4f m (%+.1f %%), inverted %.4f\n", nodes.count, substeps, sag, theory,
-		100.0 * ( sag / theory - 1.0 ), double( body->invertedShare() ) );
+	std::printf( "block of %d nodes, %d substeps: sag %.4f m, theory %.4f m (%+.1f %%), inverted %.4f\n", nodes.count, substeps, sag,
+		theory, 100.0 * ( sag / theory - 1.0 ), double( body->invertedShare() ) );
 	EXPECT_EQ( body->invertedShare(), 0.0f );
 	return sag / theory;
 }

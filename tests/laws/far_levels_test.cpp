@@ -11,8 +11,8 @@
 namespace pliant {
 namespace {
 
-constexpr float kCell = 0.025f;         // m
-constexpr float kStep = 1.0f / 240.0f;  // s
+constexpr float kCell = 0.025f;        // m
+constexpr float kStep = 1.0f / 240.0f; // s
 constexpr double kPiD = 3.14159265358979323846;
 
 /// `times`: Young's modulus over what alpha = 1 gives without far levels.
@@ -38,7 +38,8 @@ double periodOf( const std::vector<double>& values, double h, double near )
 		{
 			for ( std::size_t k = 0; k < values.size(); ++k )
 			{
-				const double window = 0.5 - 0.5 * std::cos( 2.0 * kPiD * ( double( k ) + 0.5 ) / count ), angle = 2.0 * kPiD * double( k ) * h / period;
+				const double window = 0.5 - 0.5 * std::cos( 2.0 * kPiD * ( double( k ) + 0.5 ) / count ),
+							 angle = 2.0 * kPiD * double( k ) * h / period;
 				( pass == 0 ? mean : real ) += window * ( pass == 0 ? values[k] : ( values[k] - mean ) * std::cos( angle ) );
 				( pass == 0 ? weights : imaginary ) += window * ( pass == 0 ? 1.0 : ( values[k] - mean ) * std::sin( angle ) );
 			}
@@ -100,8 +101,9 @@ double ring( const BarCase& bar, double period, int axis, const std::function<do
 		value = x[0];
 	}
 	const double measured = periodOf( values, kStep * every, period );
-	std::printf( "bar %d x %d, E %.0f x, %d far levels (%s): period %+.1f %% of theory, reached E %.2f\n", bar.cells, bar.width, bar.times, bar.farLevels,
-		axis == 0 ? "bending" : "stretch", 100.0 * ( measured / period - 1.0 ), double( plan.reachedModulus / body->material().youngsModulus ) );
+	std::printf( "bar %d x %d, E %.0f x, %d far levels (%s): period %+.1f %% of theory, reached E %.2f\n", bar.cells, bar.width, bar.times,
+		bar.farLevels, axis == 0 ? "bending" : "stretch", 100.0 * ( measured / period - 1.0 ),
+		double( plan.reachedModulus / body->material().youngsModulus ) );
 	return measured / period;
 }
 
@@ -110,7 +112,8 @@ double ringStretch( const BarCase& bar )
 	// Rod held at one end: T = 4 L sqrt( rho / E ), u = sin( pi s / 2 L ).
 	const Material material = stiff( bar.times, 0 );
 	const double length = ( bar.cells - 0.5 ) * kCell;
-	return ring( bar, 4.0 * length * std::sqrt( material.density / material.youngsModulus ), 1, []( double s ) { return -std::sin( 0.5 * kPiD * s ); } );
+	return ring( bar, 4.0 * length * std::sqrt( material.density / material.youngsModulus ), 1,
+		[]( double s ) { return -std::sin( 0.5 * kPiD * s ); } );
 }
 
 double ringBend( const BarCase& bar )
@@ -138,8 +141,7 @@ double ringFree( const BarCase& bar )
 }
 
 class FarBar : public testing::TestWithParam<int> ///< cells across
-{
-};
+{};
 
 TEST_P( FarBar, HeldAtOneEndRingsAlongItselfAsRodTheorySays )
 {
@@ -237,8 +239,8 @@ TEST( FarLevels, KeepBothMomentaInFreeFlight )
 	const BodySums after = body->sums();
 	const double linear = ( after.momentum - before.momentum ).norm() / before.momentum.norm();
 	const double angular = ( after.spin - before.spin ).norm() / before.spin.norm();
-	std::printf( "5000 substeps of free flight with three far levels: linear %.1e, angular %.1e, energy %.3f of the first\n", linear, angular,
-		after.kineticEnergy / before.kineticEnergy );
+	std::printf( "5000 substeps of free flight with three far levels: linear %.1e, angular %.1e, energy %.3f of the first\n", linear,
+		angular, after.kineticEnergy / before.kineticEnergy );
 	EXPECT_LT( linear, 5e-4 );
 	EXPECT_LT( angular, 5e-4 );
 }
@@ -271,7 +273,8 @@ TEST( FarLevels, ComeBackFromAnything )
 {
 	const Mangle mangles[] = { []( const Vec3& x, test::Seeded& ) { return Vec3( x.x(), 0.0f, x.z() ); },
 		[]( const Vec3& x, test::Seeded& ) { return Vec3( x.x(), -x.y(), x.z() ); },
-		[]( const Vec3&, test::Seeded& random ) { return random.inBox( 0.4f ); }, []( const Vec3&, test::Seeded& ) { return Vec3( 0, 0, 0 ); } };
+		[]( const Vec3&, test::Seeded& random ) { return random.inBox( 0.4f ); },
+		[]( const Vec3&, test::Seeded& ) { return Vec3( 0, 0, 0 ); } };
 	for ( const Mangle& mangle : mangles )
 	{
 		expectReturn( 6, 10.0f, mangle );

@@ -32,8 +32,8 @@ Drift fly( const Material& material, int substeps )
 		EXPECT_EQ( test::substep( *body, h, alpha ), BodyHealth::Good );
 	}
 	const BodySums after = body->sums();
-	const Drift drift{ ( after.momentum - before.momentum ).norm() / before.momentum.norm(),
-		( after.spin - before.spin ).norm() / before.spin.norm() };
+	const Drift drift{
+		( after.momentum - before.momentum ).norm() / before.momentum.norm(), ( after.spin - before.spin ).norm() / before.spin.norm() };
 	std::printf( "w = %d, %s weights, %d substeps: linear %.1e, angular %.1e\n", material.regionHalfWidth,
 		material.weights == Weights::Conserving ? "conserving" : "literal", substeps, drift.linear, drift.angular );
 	return drift;

@@ -32,8 +32,7 @@ void expectReturn( int cells, const Mangle& mangle )
 }
 
 class Release : public testing::TestWithParam<int>
-{
-};
+{};
 
 TEST_P( Release, FromFlat )
 {

@@ -24,8 +24,9 @@ TEST( LongStep, OfATenthOfASecondInvertsNothing )
 		scene.world.stepSimulation( btScalar( 0.1 ), 0 );
 		worst = std::max( worst, body->impl().body->invertedShare() );
 	}
-	std::printf( "inverted cells at the end %.4f, at the worst of the impact %.4f, substeps %d, height of the mass centre %.3f m\n", double( body->impl().body->invertedShare() ), double( worst ),
-		scene.world.stepReport().substeps, double( body->massCentre().y() ) );
+	std::printf( "inverted cells at the end %.4f, at the worst of the impact %.4f, substeps %d, height of the mass centre %.3f m\n",
+		double( body->impl().body->invertedShare() ), double( worst ), scene.world.stepReport().substeps,
+		double( body->massCentre().y() ) );
 	EXPECT_EQ( body->impl().body->invertedShare(), 0.0f );
 	EXPECT_LT( worst, 0.2f ); // the lowest layer may pass through itself in the impact, at this one substep
 	EXPECT_GT( body->massCentre().y(), btScalar( 0.25 ) );
@@ -80,8 +81,10 @@ TEST( Memory, StaysWithinItsBudgetANode )
 		scene.step( 60 );
 		const SoftBody::Impl& impl = body->impl();
 		const double core = double( impl.body->bytes() ) / body->nodeCount();
-		const double bullets = double( impl.shape->bytes() + impl.touched.size() * sizeof( NodeBody ) + impl.nodeBody.size() * sizeof( NodeBody* ) +
-									   scene.dispatcher.getNumManifolds() * sizeof( btPersistentManifold ) ) / body->nodeCount();
+		const double bullets = double( impl.shape->bytes() + impl.touched.size() * sizeof( NodeBody ) +
+								   impl.nodeBody.size() * sizeof( NodeBody* ) +
+								   scene.dispatcher.getNumManifolds() * sizeof( btPersistentManifold ) ) /
+			body->nodeCount();
 		std::printf( "w = %d: core %.0f bytes a node, template included; Bullet's side %.0f\n", halfWidth, core, bullets );
 		if ( halfWidth == 1 )
 		{

@@ -71,12 +71,11 @@ std::string nameOf( const testing::TestParamInfo<Kind>& info )
 {
 	static const char* const modes[] = { "Rigid", "Linear", "Quadratic" };
 	return std::string( info.param.method == Method::Clusters ? "Boxes" : "Single" ) + modes[int( info.param.mode )] +
-		   std::to_string( std::lround( info.param.beta * 10.0f ) );
+		std::to_string( std::lround( info.param.beta * 10.0f ) );
 }
 
 class Clusters : public testing::TestWithParam<Kind>
-{
-};
+{};
 
 INSTANTIATE_TEST_SUITE_P( Kinds, Clusters, testing::ValuesIn( allKinds() ), nameOf );
 

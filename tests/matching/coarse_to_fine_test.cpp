@@ -1,7 +1,7 @@
 // Far levels: against their slow twin, over instruction sets and threads, what they keep, what they leave alone, and what is refused.
 
-#include "matching/step/lattice_matcher.h"
 #include "matching/reference/reference_coarse_to_fine.h"
+#include "matching/step/lattice_matcher.h"
 #include "pliant/task_runner.h"
 #include "support/block_body.h"
 #include "support/shapes.h"
@@ -32,7 +32,9 @@ Lattice lattices( int which )
 	{
 		return test::makeShapeLattice( { 24, 9, 8 }, kCell, []( int x, int, int ) { return x >= 5; } );
 	}
-	return which == 0 ? makeBlockLattice( 19, 9, 10, kCell ) : which == 2 ? makeBlockLattice( 24, 17, 1, kCell ) : makeBlockLattice( 33, 1, 1, kCell );
+	return which == 0 ? makeBlockLattice( 19, 9, 10, kCell )
+		: which == 2  ? makeBlockLattice( 24, 17, 1, kCell )
+					  : makeBlockLattice( 33, 1, 1, kCell );
 }
 
 /// Turned by far, bent and shaken.
@@ -44,7 +46,8 @@ NodeState shaken( const Lattice& lattice, float shake, const Vec3& where = Vec3(
 	for ( int i = 0; i < nodes.count; ++i )
 	{
 		const Vec3 q = nodes.x0.get( i );
-		const Vec3 bent = q + shake * Vec3( 0.3f * q.x() * q.y(), 0.5f * q.x() * q.x(), 0.2f * q.z() + 0.3f * q.y() * q.z() ) + random.inBox( 0.2f * shake * kCell );
+		const Vec3 bent = q + shake * Vec3( 0.3f * q.x() * q.y(), 0.5f * q.x() * q.x(), 0.2f * q.z() + 0.3f * q.y() * q.z() ) +
+			random.inBox( 0.2f * shake * kCell );
 		nodes.x.set( i, turn * bent + where );
 	}
 	return nodes;
@@ -71,12 +74,11 @@ bool sameVelocities( const NodeState& a, const NodeState& b )
 {
 	const std::size_t bytes = std::size_t( a.count ) * sizeof( float );
 	return std::memcmp( a.v.x.data(), b.v.x.data(), bytes ) == 0 && std::memcmp( a.v.y.data(), b.v.y.data(), bytes ) == 0 &&
-		   std::memcmp( a.v.z.data(), b.v.z.data(), bytes ) == 0;
+		std::memcmp( a.v.z.data(), b.v.z.data(), bytes ) == 0;
 }
 
 class FarTwin : public testing::TestWithParam<int>
-{
-};
+{};
 
 TEST_P( FarTwin, AgreesOnEveryLevel )
 {
@@ -242,7 +244,8 @@ TEST( FarLevels, DoNothingWhereTheFinestLevelIsEnough )
 {
 	const Lattice lattice = makeBlockLattice( 32, 5, 5, kCell );
 	Material material;
-	material.youngsModulus = 0.9f * planStiffness( material, kCell, kStep, 1 ).reachedModulus / planStiffness( material, kCell, kStep, 1 ).alpha;
+	material.youngsModulus = 0.9f * planStiffness( material, kCell, kStep, 1 ).reachedModulus /
+		planStiffness( material, kCell, kStep, 1 ).alpha;
 	material.farLevels = 3;
 	const FarShares none = farShares( material, kCell, kStep );
 	EXPECT_EQ( farMoment( none ), 0.0 );

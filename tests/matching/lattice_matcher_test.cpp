@@ -1,7 +1,7 @@
 // The fast road against the slow one, and the promise of equal bits.
 
-#include "matching/step/lattice_matcher.h"
 #include "matching/reference/reference_matcher.h"
+#include "matching/step/lattice_matcher.h"
 #include "pliant/task_runner.h"
 #include "support/block_body.h"
 
@@ -88,8 +88,7 @@ struct Setting
 };
 
 class SlowTwin : public testing::TestWithParam<Setting>
-{
-};
+{};
 
 TEST_P( SlowTwin, AgreesOverTenSubsteps )
 {

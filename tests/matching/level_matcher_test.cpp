@@ -1,7 +1,7 @@
 // The step over several levels: against its slow twin, over instruction sets and threads, and the momentum it keeps.
 
-#include "matching/step/lattice_matcher.h"
 #include "matching/reference/reference_level_matcher.h"
+#include "matching/step/lattice_matcher.h"
 #include "pliant/task_runner.h"
 #include "support/block_body.h"
 #include "support/shapes.h"
@@ -43,8 +43,8 @@ protected:
 		base = buildLevelBase( lattice, material, settings );
 		cut = firstCut( base->octree, settings );
 		settings.hierarchicalSums = c.hierarchical;
-		tables = buildLevelTables( *base, lattice, cut, buildLevelRegions( *base, lattice, cut, material, settings ),
-			LevelSettings{ material, settings, {} } );
+		tables = buildLevelTables(
+			*base, lattice, cut, buildLevelRegions( *base, lattice, cut, material, settings ), LevelSettings{ material, settings, {} } );
 	}
 
 	/// Shaken by a tenth of a cell and moving.
@@ -196,7 +196,8 @@ TEST_P( LevelMatcher, TellsAStretchBetweenTheLargestAndTheWholeStrain )
 	for ( int i = 0; i < nodes.count; ++i )
 	{
 		const Eigen::Matrix3f f = Eigen::Map<const Eigen::Matrix<float, 3, 3, Eigen::RowMajor>>( gradients.data() + 9 * i );
-		const Eigen::Matrix3f e = Eigen::Map<const Eigen::Quaternionf>( turns.data() + 4 * i ).conjugate() * f - Eigen::Matrix3f::Identity();
+		const Eigen::Matrix3f e = Eigen::Map<const Eigen::Quaternionf>( turns.data() + 4 * i ).conjugate() * f -
+			Eigen::Matrix3f::Identity();
 		const Eigen::Vector3d s = ( f.jacobiSvd().singularValues().array() - 1.0f ).cast<double>();
 		const float mean = e.trace() / 3.0f, about = ( e - mean * Eigen::Matrix3f::Identity() ).norm();
 		EXPECT_NEAR( matcher.stretch()[i], mean + std::sqrt( 2.0f / 3.0f ) * about, 1e-5f );

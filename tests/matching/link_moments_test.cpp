@@ -2,8 +2,8 @@
 
 #include "matching/regions/link_moments.h"
 
-#include "matching/step/lattice_matcher.h"
 #include "matching/implicit/strain_rates.h"
+#include "matching/step/lattice_matcher.h"
 #include "support/block_body.h"
 
 #include <gtest/gtest.h>
@@ -44,7 +44,8 @@ Lattice cellsOf( const Lattice& block, bool ( *holds )( Eigen::Vector3i ) )
 
 TEST( LinkMoments, EnergyOfAnyUniformStrainIsThatOfTheLinks )
 {
-	const Lattice block = makeBlockLattice( 7, 5, 2, 0.1f ), slit = cellsOf( block, []( Eigen::Vector3i c ) { return c.x() < 3 && c.y() > 1; } );
+	const Lattice block = makeBlockLattice( 7, 5, 2, 0.1f ),
+				  slit = cellsOf( block, []( Eigen::Vector3i c ) { return c.x() < 3 && c.y() > 1; } );
 	for ( const Lattice* lattice : { &block, &slit } )
 	{
 		for ( const int w : { 2, 3 } )
@@ -69,8 +70,10 @@ TEST( LinkMoments, EnergyOfAnyUniformStrainIsThatOfTheLinks )
 			{
 				for ( std::uint32_t k = lattice->linkStart[std::size_t( i )]; k < lattice->linkStart[std::size_t( i ) + 1]; ++k )
 				{
-					const Eigen::Vector3i step = ( lattice->coordinate[lattice->linkTo[k]] - lattice->coordinate[std::size_t( i )] ).cast<int>();
-					links += step.squaredNorm() == 1 ? Eigen::Vector3d( 0.5 * step.cwiseAbs().cast<double>() ) : Eigen::Vector3d( Eigen::Vector3d::Zero() );
+					const Eigen::Vector3i step = ( lattice->coordinate[lattice->linkTo[k]] - lattice->coordinate[std::size_t( i )] )
+													 .cast<int>();
+					links += step.squaredNorm() == 1 ? Eigen::Vector3d( 0.5 * step.cwiseAbs().cast<double>() )
+													 : Eigen::Vector3d( Eigen::Vector3d::Zero() );
 				}
 			}
 			const double mu = w * ( w + 1 ) / 3.0;

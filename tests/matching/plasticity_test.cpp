@@ -1,9 +1,10 @@
-// Rest shapes that flow: against the slow twin, over instruction sets and threads, momentum, the limit, and that without it nothing is paid.
+// Rest shapes that flow: against the slow twin, over instruction sets and threads, momentum, the limit, and that without it nothing is
+// paid.
 
-#include "matching/step/lattice_matcher.h"
-#include "matching/step/plasticity.h"
 #include "matching/reference/reference_matcher.h"
 #include "matching/rotation.h"
+#include "matching/step/lattice_matcher.h"
+#include "matching/step/plasticity.h"
 #include "pliant/task_runner.h"
 #include "support/block_body.h"
 
@@ -62,8 +63,7 @@ struct Case
 };
 
 class Plasticity : public testing::TestWithParam<Case>
-{
-};
+{};
 
 TEST_P( Plasticity, AgreesWithTheSlowTwin )
 {
@@ -158,8 +158,9 @@ Eigen::Matrix3d randomMatrix( test::Seeded& random, float size )
 	return m.cast<double>();
 }
 
-// A modeller's clay cube with a plastic limit of 2 was dropped by a hand's breadth and never came to rest: it flew apart with two hundred times the energy of the
-// fall. Where a region's moments differ, bringing its rest shape back to its volume and to its limit can strain it more than before.
+// A modeller's clay cube with a plastic limit of 2 was dropped by a hand's breadth and never came to rest: it flew apart with two hundred
+// times the energy of the fall. Where a region's moments differ, bringing its rest shape back to its volume and to its limit can strain it
+// more than before.
 TEST( PlasticFlow, NeverRaisesTheElasticEnergy )
 {
 	test::Seeded random( 5 );
@@ -180,7 +181,8 @@ TEST( PlasticFlow, NeverRaisesTheElasticEnergy )
 		if ( flowStretch( PlasticLaw{ 0.02f, 100.0f, float( limit ) }, kStep, region, stretch ) )
 		{
 			++flowed;
-			const Eigen::Matrix3d fitted = fitRotation( region.total * region.moment * stretch, Eigen::Quaterniond::Identity() ).toRotationMatrix();
+			const Eigen::Matrix3d fitted = fitRotation( region.total * region.moment * stretch, Eigen::Quaterniond::Identity() )
+											   .toRotationMatrix();
 			EXPECT_LE( region.energy( fitted, stretch ), before * ( 1.0 + 1e-9 ) ) << k;
 			EXPECT_NEAR( stretch.determinant(), 1.0, 1e-9 );
 			EXPECT_LT( ( stretch - one ).norm(), limit * ( 1.0 + 1e-3 ) );

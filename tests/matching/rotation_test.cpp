@@ -60,7 +60,7 @@ TEST( Rotation, IsOptimalForFlatThinAndMirroredMatrices )
 	{
 		const Eigen::JacobiSVD<Matrix> svd( randomMatrix( random ), Eigen::ComputeFullU | Eigen::ComputeFullV );
 		for ( const Vec3d& s : { Vec3d( 1.0, 0.5, 0.0 ), Vec3d( 1.0, 0.0, 0.0 ), Vec3d( 1.0, 0.6, -0.3 ), Vec3d( 1.0, 1.0, -1.0 ),
-				 Vec3d( 1.0, 1e-9, 1e-9 ), Vec3d( 1.0, 1.0, 0.0 ) } )
+				  Vec3d( 1.0, 1e-9, 1e-9 ), Vec3d( 1.0, 1.0, 0.0 ) } )
 		{
 			expectOptimal( svd.matrixU() * s.asDiagonal() * svd.matrixV().transpose(), Quaternion::Identity(), 1e-6 );
 		}

@@ -107,8 +107,8 @@ struct Operator
 	{
 		Material material;
 		material.regionHalfWidth = c.halfWidth;
-		matcher = std::make_unique<LatticeMatcher>( c.lattice, material, buildRegionTables( c.lattice, material, c.summation, c.stiffness ),
-		                                            kernels );
+		matcher = std::make_unique<LatticeMatcher>(
+			c.lattice, material, buildRegionTables( c.lattice, material, c.summation, c.stiffness ), kernels );
 		rates.prepare( *matcher, nodes, nullptr );
 	}
 	std::vector<double> operator()( const std::vector<double>& v, float stiffness, TaskRunner* runner = nullptr )
@@ -248,7 +248,8 @@ TEST( StrainRates, KnowWhoHasThinRegions )
 {
 	for ( const Case& c : cases() )
 	{
-		EXPECT_EQ( Operator( c ).rates.hasThinRegions(), isLine( c ) ) << c.lattice.cellCount() << " w " << c.halfWidth; // others pay nothing for it
+		EXPECT_EQ( Operator( c ).rates.hasThinRegions(), isLine( c ) )
+			<< c.lattice.cellCount() << " w " << c.halfWidth; // others pay nothing for it
 	}
 }
 
@@ -258,7 +259,7 @@ TEST( StrainRates, LeaveRigidMotionsAloneHoweverStiff )
 	{
 		Operator resist( c );
 		const std::vector<double> v = resist.rigid( Vec3d( 3, -2, 1 ), Vec3d( 4, 5, -6 ) ), mv = resist( v, 0.0f ),
-		                          av = resist( v, 3000.0f );
+								  av = resist( v, 3000.0f );
 		const double size = std::sqrt( product( mv, mv ) );
 		double error = 0.0;
 		for ( std::size_t k = 0; k < v.size(); ++k )
@@ -299,7 +300,7 @@ Eigen::MatrixXd matrixOf( Operator& resist, float stiffness )
 		for ( int row = 0; row < 3 * n; ++row )
 		{
 			matrix( row, column ) = to[std::size_t( row / n * padded + row % n )] /
-			                        std::sqrt( double( resist.nodes.mass[row % n] ) * double( resist.nodes.mass[column % n] ) );
+				std::sqrt( double( resist.nodes.mass[row % n] ) * double( resist.nodes.mass[column % n] ) );
 		}
 	}
 	return matrix;
@@ -315,7 +316,7 @@ TEST( StrainRates, OfRodsArePositiveHoweverLittleTheyAreBent )
 		const Case c{ makeBlockLattice( cells, 1, 1, 0.1f ), 1, Summation::Automatic };
 		// The longest one: places far from the frame's centre are rounded most, and what is straight says so best.
 		for ( const double bow :
-		      cells == 300 ? std::vector<double>{ 0.0 } : std::vector<double>{ 0.0, 1e-4, 1e-3, 1e-2, 0.05, 0.2, 1.0, 3.0 } )
+			cells == 300 ? std::vector<double>{ 0.0 } : std::vector<double>{ 0.0, 1e-4, 1e-3, 1e-2, 0.05, 0.2, 1.0, 3.0 } )
 		{
 			Operator resist( c, bowed( c.lattice, bow ) );
 			for ( const float stiffness : { 150.0f, 15000.0f } )
@@ -323,7 +324,7 @@ TEST( StrainRates, OfRodsArePositiveHoweverLittleTheyAreBent )
 				const Eigen::MatrixXd a = matrixOf( resist, stiffness );
 				const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> modes( 0.5 * ( a + a.transpose() ), Eigen::EigenvaluesOnly );
 				EXPECT_GT( modes.eigenvalues()[0], 0.9 )
-				    << cells << " cells, bow " << bow << ", G " << stiffness; // 1, the masses, but for rounding
+					<< cells << " cells, bow " << bow << ", G " << stiffness; // 1, the masses, but for rounding
 				EXPECT_LT( ( a - a.transpose() ).cwiseAbs().maxCoeff(), 5e-5 * double( stiffness ) ) << cells << " cells, bow " << bow;
 			}
 		}
@@ -389,8 +390,8 @@ double diagonalOf( Operator& resist, int i )
 	return sum / 3.0 - 1.0;
 }
 
-// At rest it is exact, however few nodes a region has and however thin it is: what stands in front of the system is made of it. Taken for a node's share of the mass
-// and as much again, as it once was, it was wrong by up to .017, of some .5.
+// At rest it is exact, however few nodes a region has and however thin it is: what stands in front of the system is made of it. Taken for a
+// node's share of the mass and as much again, as it once was, it was wrong by up to .017, of some .5.
 TEST( StrainRates, NameTheirDiagonal )
 {
 	for ( const Case& c : cases() )

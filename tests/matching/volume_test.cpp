@@ -1,7 +1,7 @@
 // Kept volume: Poisson's ratio, what an impact leaves of the volume, and that a body without it pays nothing.
 
-#include "matching/step/lattice_matcher.h"
 #include "matching/reference/reference_matcher.h"
+#include "matching/step/lattice_matcher.h"
 #include "support/block_body.h"
 
 #include <gtest/gtest.h>
@@ -130,7 +130,9 @@ double meanVolume( const Body& body )
 			const Eigen::Vector3i step = lattice.coordinate[j].cast<int>() - lattice.coordinate[i].cast<int>();
 			if ( step.sum() == 1 && step.cwiseAbs().sum() == 1 )
 			{
-				edges.col( step.x() == 1 ? 0 : step.y() == 1 ? 1 : 2 ) = ( body.nodes().x.get( j ) - body.nodes().x.get( i ) ) / lattice.cellSize;
+				edges.col( step.x() == 1 ? 0
+						: step.y() == 1  ? 1
+										 : 2 ) = ( body.nodes().x.get( j ) - body.nodes().x.get( i ) ) / lattice.cellSize;
 				++found;
 			}
 		}
@@ -205,8 +207,8 @@ Shaken shake( const Material& material, float speed, float seconds )
 	return shaken;
 }
 
-// A ringing jelly with its volume kept rang louder and louder until it tore itself apart: regions at its faces, whose moments differ between across and along,
-// answered a squeeze along with more than the same squeeze across was answered with along.
+// A ringing jelly with its volume kept rang louder and louder until it tore itself apart: regions at its faces, whose moments differ
+// between across and along, answered a squeeze along with more than the same squeeze across was answered with along.
 TEST( Volume, KeptBringsNoEnergyIn )
 {
 	for ( const float kappa : { 0.5f, 2.0f } )
@@ -220,8 +222,8 @@ TEST( Volume, KeptBringsNoEnergyIn )
 	}
 }
 
-// Damping at its largest threw a body that was pressed: a region's rotation answers a turn twice where the region is pressed to half its size, and kept volume
-// answers a squeeze 1 + 3 kappa times.
+// Damping at its largest threw a body that was pressed: a region's rotation answers a turn twice where the region is pressed to half its
+// size, and kept volume answers a squeeze 1 + 3 kappa times.
 TEST( Volume, KeptOrNotTheLargestDampingOnlyDamps )
 {
 	for ( const float kappa : { 0.0f, 2.0f } )

@@ -17,7 +17,7 @@ class Checks
 public:
 	void expect( bool isSo, const char* what )
 	{
-		if( !isSo )
+		if ( !isSo )
 		{
 			std::printf( "options: NOT SO: %s\n", what );
 			++m_failures;
@@ -27,8 +27,10 @@ public:
 	/// Refused with the feature's name where it is missing, taken where it is there.
 	void expectAnswer( pliant::Feature feature, const pliant::Status& status )
 	{
-		const bool isRight = pliant::hasFeature( feature ) ? status.ok() : status.sentence.find( std::string( "without " ) + toString( feature ) ) != std::string::npos;
-		if( !isRight )
+		const bool isRight = pliant::hasFeature( feature )
+			? status.ok()
+			: status.sentence.find( std::string( "without " ) + toString( feature ) ) != std::string::npos;
+		if ( !isRight )
 		{
 			std::printf( "options: %s answered \"%s\"\n", toString( feature ), status.sentence.c_str() );
 			++m_failures;
@@ -44,13 +46,14 @@ private:
 struct Cube
 {
 	float positions[24];
-	std::uint32_t indices[36] = { 0, 2, 1, 1, 2, 3, 4, 5, 6, 5, 7, 6, 0, 1, 4, 1, 5, 4, 2, 6, 3, 3, 6, 7, 0, 4, 2, 2, 4, 6, 1, 3, 5, 3, 7, 5 };
+	std::uint32_t indices[36] = {
+		0, 2, 1, 1, 2, 3, 4, 5, 6, 5, 7, 6, 0, 1, 4, 1, 5, 4, 2, 6, 3, 3, 6, 7, 0, 4, 2, 2, 4, 6, 1, 3, 5, 3, 7, 5 };
 
 	Cube()
 	{
-		for( int corner = 0; corner < 8; ++corner )
+		for ( int corner = 0; corner < 8; ++corner )
 		{
-			for( int axis = 0; axis < 3; ++axis )
+			for ( int axis = 0; axis < 3; ++axis )
 			{
 				positions[3 * corner + axis] = ( corner >> axis & 1 ) ? 0.5f : -0.5f;
 			}
@@ -79,9 +82,10 @@ using Template = std::shared_ptr<const pliant::BodyTemplate>;
 void fall( Checks& checks, const Template& shape, const pliant::Material& material, const pliant::Adaptivity& levels )
 {
 	Scene scene;
-	auto made = pliant::SoftBody::create( shape, btTransform( btQuaternion::getIdentity(), btVector3( 0, btScalar( 0.8 ), 0 ) ), material, levels );
+	auto made = pliant::SoftBody::create(
+		shape, btTransform( btQuaternion::getIdentity(), btVector3( 0, btScalar( 0.8 ), 0 ) ), material, levels );
 	checks.expect( made.ok(), "a body is made" );
-	if( !made )
+	if ( !made )
 	{
 		std::printf( "options: %s\n", made.status.sentence.c_str() );
 		return;
@@ -93,17 +97,18 @@ void fall( Checks& checks, const Template& shape, const pliant::Material& materi
 	checks.expectAnswer( pliant::Feature::Fracture, body.setFracture( fracture ) );
 	body.setSelfCollision( true );
 	checks.expect( body.selfCollision() == pliant::hasFeature( pliant::Feature::SelfCollision ), "self-collision is on where it is there" );
-	for( int k = 0; k < 120; ++k )
+	for ( int k = 0; k < 120; ++k )
 	{
 		scene.world.stepSimulation( btScalar( 1.0 / 60 ), 0 );
 	}
 	const bool wasCut = body.cutPlane( body.massCentre(), btVector3( 1, 0, 0 ) ) > 0;
 	checks.expect( wasCut == pliant::hasFeature( pliant::Feature::Fracture ), "it is cut where it can be" );
-	for( int k = 0; k < 60; ++k )
+	for ( int k = 0; k < 60; ++k )
 	{
 		scene.world.stepSimulation( btScalar( 1.0 / 60 ), 0 );
 	}
-	checks.expect( body.isHealthy() && body.massCentre().y() > btScalar( 0.3 ) && body.massCentre().y() < btScalar( 0.6 ), "it lies on the ground" );
+	checks.expect(
+		body.isHealthy() && body.massCentre().y() > btScalar( 0.3 ) && body.massCentre().y() < btScalar( 0.6 ), "it lies on the ground" );
 	const bool hasSkin = body.surface().vertexCount > 0;
 	checks.expect( hasSkin == pliant::hasFeature( pliant::Feature::Surface ), "it has a skin where there are skins" );
 	scene.world.removeSoftBody( &body );
@@ -144,15 +149,15 @@ void testAll( Checks& checks )
 	fall( checks, shape.value, plain, {} );
 	plain.elasticity = pliant::Elasticity::Automatic;
 	fall( checks, shape.value, plain, pliant::hasFeature( Feature::Levels ) ? levels : pliant::Adaptivity() );
-	if( pliant::hasFeature( Feature::Plasticity ) )
+	if ( pliant::hasFeature( Feature::Plasticity ) )
 	{
 		fall( checks, shape.value, plastic, pliant::hasFeature( Feature::Levels ) ? levels : pliant::Adaptivity() );
 	}
-	if( pliant::hasFeature( Feature::Implicit ) )
+	if ( pliant::hasFeature( Feature::Implicit ) )
 	{
 		fall( checks, shape.value, implicit, {} );
 	}
-	if( pliant::hasFeature( Feature::FarLevels ) )
+	if ( pliant::hasFeature( Feature::FarLevels ) )
 	{
 		fall( checks, shape.value, far, {} );
 	}
@@ -164,7 +169,7 @@ int main( int count, char** words )
 {
 	Checks checks;
 	const std::set<std::string> missing( words + 1, words + count );
-	for( int k = 0; k < pliant::kFeatureCount; ++k )
+	for ( int k = 0; k < pliant::kFeatureCount; ++k )
 	{
 		const pliant::Feature feature = pliant::Feature( k );
 		checks.expect( pliant::hasFeature( feature ) != ( missing.count( toString( feature ) ) > 0 ), toString( feature ) );

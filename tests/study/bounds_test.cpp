@@ -43,9 +43,9 @@ std::vector<Summary> shortStudy( const Specimen& specimen, const char* scene, co
 	order.reference = &track;
 	order.referenceBrokenAt = fine.brokenAt;
 	std::vector<Record> records;
-	for( const Candidate& candidate : candidates( plan ) )
+	for ( const Candidate& candidate : candidates( plan ) )
 	{
-		for( int o = 0; o < kOrientations; ++o )
+		for ( int o = 0; o < kOrientations; ++o )
 		{
 			order.candidate = candidate;
 			order.orientation = o;
@@ -66,7 +66,8 @@ TEST( StudyBounds, HangingBar )
 {
 	const Specimen specimen = bar();
 	const std::vector<Summary> all = shortStudy( specimen, "hang", {} );
-	const double uniform = named( all, "uniform w 1, 216 cells" ).errors.mean, levels = named( all, "ours, levels, 216 cells, 2 levels" ).errors.mean;
+	const double uniform = named( all, "uniform w 1, 216 cells" ).errors.mean,
+				 levels = named( all, "ours, levels, 216 cells, 2 levels" ).errors.mean;
 	EXPECT_LT( uniform, 0.006 );
 	EXPECT_LT( levels, 0.008 );
 	EXPECT_LT( named( all, "ours, implicit, 216 cells, one step" ).errors.mean, 0.006 );
@@ -74,7 +75,7 @@ TEST( StudyBounds, HangingBar )
 	EXPECT_GT( named( all, "Steinemann, 216 cells, 2 levels" ).errors.mean, 1.5 * levels );
 	EXPECT_GT( named( all, "Ohta, literal, 216 cells, 2 levels" ).errors.mean, 1.2 * levels );
 	EXPECT_GT( named( all, "Müller linear, 54 cells" ).errors.mean, 1.5 * uniform );
-	for( const Summary& s : all )
+	for ( const Summary& s : all )
 	{
 		EXPECT_TRUE( s.isHealthy ) << s.candidate;
 	}
@@ -83,9 +84,9 @@ TEST( StudyBounds, HangingBar )
 TEST( StudyBounds, FlyingBarKeepsMomentumWhereWeightsConserve )
 {
 	const Specimen specimen = bar();
-	for( const Summary& s : shortStudy( specimen, "fly", { "uniform", "Steinemann", "ours" } ) )
+	for ( const Summary& s : shortStudy( specimen, "fly", { "uniform", "Steinemann", "ours" } ) )
 	{
-		if( s.isOurs )
+		if ( s.isOurs )
 		{
 			EXPECT_LT( s.momentumDrift, 1e-4 ) << s.candidate;
 			EXPECT_LT( s.spinDrift, 1e-3 ) << s.candidate;
@@ -101,7 +102,7 @@ TEST( StudyBounds, FlyingBarKeepsMomentumWhereWeightsConserve )
 TEST( StudyBounds, TornBarBreaksInTwo )
 {
 	const Specimen specimen = bar();
-	for( const Summary& s : shortStudy( specimen, "tear", { "uniform w 1", "ours, levels" } ) )
+	for ( const Summary& s : shortStudy( specimen, "tear", { "uniform w 1", "ours, levels" } ) )
 	{
 		EXPECT_GT( s.brokenAt, 0.0 ) << s.candidate;
 		EXPECT_GE( s.curve.size(), 5u ) << s.candidate << " broke before it could be compared";
@@ -114,7 +115,7 @@ TEST( Study, IsTheSameEachTime )
 {
 	const Specimen specimen = bar();
 	Track first, second;
-	for( Track* track : { &first, &second } )
+	for ( Track* track : { &first, &second } )
 	{
 		RunOrder order;
 		order.scene = *findSceneInfo( "impact" );
@@ -127,7 +128,7 @@ TEST( Study, IsTheSameEachTime )
 		run( order );
 	}
 	ASSERT_EQ( first.size(), second.size() );
-	for( std::size_t k = 0; k < first.size(); ++k )
+	for ( std::size_t k = 0; k < first.size(); ++k )
 	{
 		EXPECT_EQ( first[k], second[k] );
 	}

@@ -11,14 +11,13 @@ namespace {
 using namespace pliant_study;
 
 class Materials : public testing::TestWithParam<MaterialTest>
-{
-};
+{};
 
 TEST_P( Materials, AreWithinTheirBounds )
 {
 	const std::vector<MaterialRow> rows = GetParam().measure( true );
 	EXPECT_FALSE( rows.empty() );
-	for( const MaterialRow& row : rows )
+	for ( const MaterialRow& row : rows )
 	{
 		std::printf( "%s %s: %g, theory %g, error %g\n", row.id.c_str(), row.what.c_str(), row.value, row.theory, row.error() );
 		EXPECT_TRUE( row.hasPassed() ) << row.what << ": " << row.value << " for " << row.theory;
@@ -28,10 +27,10 @@ TEST_P( Materials, AreWithinTheirBounds )
 std::vector<MaterialTest> withinBounds()
 {
 	std::vector<MaterialTest> tests;
-	for( const MaterialTest& test : materialTests() )
+	for ( const MaterialTest& test : materialTests() )
 	{
 		const std::string id = test.id;
-		if( id != "M8" && id != "M9" && id != "M10" && id != "M12" ) // out of reach, and said so: below
+		if ( id != "M8" && id != "M9" && id != "M10" && id != "M12" ) // out of reach, and said so: below
 		{
 			tests.push_back( test );
 		}
@@ -39,19 +38,20 @@ std::vector<MaterialTest> withinBounds()
 	return tests;
 }
 
-INSTANTIATE_TEST_SUITE_P( Short, Materials, testing::ValuesIn( withinBounds() ), []( const auto& made ) { return std::string( made.param.id ); } );
+INSTANTIATE_TEST_SUITE_P(
+	Short, Materials, testing::ValuesIn( withinBounds() ), []( const auto& made ) { return std::string( made.param.id ); } );
 
 TEST( MaterialsOutOfReach, AreNoWorseThanTheyWere )
 {
-	for( const MaterialRow& row : measureCook( true ) )
+	for ( const MaterialRow& row : measureCook( true ) )
 	{
 		EXPECT_LT( std::abs( row.error() ), 0.1 ) << row.what;
 	}
-	for( const MaterialRow& row : measurePlate( true ) )
+	for ( const MaterialRow& row : measurePlate( true ) )
 	{
 		EXPECT_LT( std::abs( row.error() ), 0.4 ) << row.what; // twisted, a layer of one cell is four times too stiff
 	}
-	for( const MaterialRow& row : measureStretch( true ) )
+	for ( const MaterialRow& row : measureStretch( true ) )
 	{
 		EXPECT_LT( std::abs( row.error() ), 0.32 ) << row.what; // the law of kept volume is linear
 	}

@@ -26,8 +26,7 @@ Verdict verdictOf( const std::string& ordeal, const std::string& method, int ste
 }
 
 class GreenByDefault : public testing::TestWithParam<const char*>
-{
-};
+{};
 
 TEST_P( GreenByDefault, Stands )
 {
@@ -36,8 +35,9 @@ TEST_P( GreenByDefault, Stands )
 }
 
 INSTANTIATE_TEST_SUITE_P( Cases, GreenByDefault,
-	testing::Values( "alpha 1", "E 1e+06 Pa", "step 1/10 s", "step 1/10000 s", "100 m/s", "1000 m/s", "load 1:1", "flat", "mirrored", "scrambled", "one point",
-		"stretched x1000", "twisted 720", "spin", "diagonal 1000 m", "1e+06 m away", "one-cell plate", "one-cell rod", "single cell" ) );
+	testing::Values( "alpha 1", "E 1e+06 Pa", "step 1/10 s", "step 1/10000 s", "100 m/s", "1000 m/s", "load 1:1", "flat", "mirrored",
+		"scrambled", "one point", "stretched x1000", "twisted 720", "spin", "diagonal 1000 m", "1e+06 m away", "one-cell plate",
+		"one-cell rod", "single cell" ) );
 
 TEST( Verdicts, SayThatStiffnessIsOutOfReach )
 {
@@ -50,7 +50,7 @@ TEST( Verdicts, SayThatStiffnessIsOutOfReach )
 TEST( Verdicts, SeeWhatGoesThroughTheFloor )
 {
 	const Verdict verdict = verdictOf( "load 1:100", "Bullet pose", 120 );
-	if( verdict.colour == Colour::None )
+	if ( verdict.colour == Colour::None )
 	{
 		GTEST_SKIP() << verdict.reason;
 	}

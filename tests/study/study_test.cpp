@@ -85,8 +85,9 @@ TEST( WholeBodyAlpha, IsTheModulusOfAStretch )
 
 TEST( Summaries, AreMeansOverOrientationsAndMarkTheFront )
 {
-	std::vector<Record> records = { recordOf( "slow", 0, 0.01, 3e-3 ), recordOf( "slow", 1, 0.03, 90e-3 ), recordOf( "slow", 2, 0.02, 5e-3 ),
-		recordOf( "fast", 0, 0.05, 1e-3 ), recordOf( "worse", 0, 0.06, 2e-3 ), recordOf( "reference", 0, 0, 1 ) };
+	std::vector<Record> records = { recordOf( "slow", 0, 0.01, 3e-3 ), recordOf( "slow", 1, 0.03, 90e-3 ),
+		recordOf( "slow", 2, 0.02, 5e-3 ), recordOf( "fast", 0, 0.05, 1e-3 ), recordOf( "worse", 0, 0.06, 2e-3 ),
+		recordOf( "reference", 0, 0, 1 ) };
 	const std::vector<Summary> all = summarise( records, "hang" );
 	ASSERT_EQ( all.size(), 3u );
 	EXPECT_NEAR( all[0].errors.mean, 0.02, 1e-15 );
@@ -124,8 +125,8 @@ TEST( Budget, TakesTheBestThatFits )
 
 TEST( Standing, IsTheWorstRatioUnderTheBudget )
 {
-	const std::vector<Summary> all = { made( "ours", 1e-3, 0.04, true ), made( "ours, slow", 3e-3, 0.01, true ), made( "theirs", 1.5e-3, 0.02, false ),
-		made( "theirs, slow", 4e-3, 0.001, false ) };
+	const std::vector<Summary> all = { made( "ours", 1e-3, 0.04, true ), made( "ours, slow", 3e-3, 0.01, true ),
+		made( "theirs", 1.5e-3, 0.02, false ), made( "theirs, slow", 4e-3, 0.001, false ) };
 	EXPECT_NEAR( standing( all, 2e-3 ).ratio, 2.0, 1e-12 );
 	EXPECT_EQ( standing( all, 2e-3 ).other, "theirs" );
 	EXPECT_NEAR( standing( all, 1.0 ).ratio, 10.0, 1e-12 );
@@ -187,7 +188,7 @@ TEST( Candidates, HaveNamesOfTheirOwnAndSayTheirCode )
 {
 	CandidatePlan plan;
 	std::vector<std::string> names;
-	for( const Candidate& candidate : candidates( plan ) )
+	for ( const Candidate& candidate : candidates( plan ) )
 	{
 		EXPECT_EQ( std::count( names.begin(), names.end(), candidate.name() ), 0 ) << candidate.name();
 		names.push_back( candidate.name() );
@@ -197,7 +198,7 @@ TEST( Candidates, HaveNamesOfTheirOwnAndSayTheirCode )
 	}
 	EXPECT_GT( names.size(), 40u );
 	plan.only = { "Ohta" };
-	for( const Candidate& candidate : candidates( plan ) )
+	for ( const Candidate& candidate : candidates( plan ) )
 	{
 		EXPECT_EQ( candidate.family.rfind( "Ohta", 0 ), 0u );
 	}

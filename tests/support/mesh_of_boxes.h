@@ -22,7 +22,8 @@ struct MeshOfBoxes
 
 	void add( const btVector3& centre, const btVector3& half )
 	{
-		static const std::uint32_t box[36] = { 0, 2, 1, 1, 2, 3, 4, 5, 6, 5, 7, 6, 0, 1, 4, 1, 5, 4, 2, 6, 3, 3, 6, 7, 0, 4, 2, 2, 4, 6, 1, 3, 5, 3, 7, 5 };
+		static const std::uint32_t box[36] = {
+			0, 2, 1, 1, 2, 3, 4, 5, 6, 5, 7, 6, 0, 1, 4, 1, 5, 4, 2, 6, 3, 3, 6, 7, 0, 4, 2, 2, 4, 6, 1, 3, 5, 3, 7, 5 };
 		const std::uint32_t first = std::uint32_t( positions.size() / 3 );
 		for ( int corner = 0; corner < 8; ++corner )
 		{
@@ -67,7 +68,8 @@ inline std::shared_ptr<const BodyTemplate> looseBoxes( int count, const Cells& c
 	const btVector3 half = btVector3( btScalar( cells.x ), btScalar( cells.y ), btScalar( cells.z ) ) * cell / 2;
 	for ( int k = 0; k < count; ++k )
 	{
-		const btVector3 place( btScalar( k % along * ( cells.x + 1 ) ), btScalar( k / along % along * ( cells.y + 1 ) ), btScalar( k / along / along * ( cells.z + 1 ) ) );
+		const btVector3 place( btScalar( k % along * ( cells.x + 1 ) ), btScalar( k / along % along * ( cells.y + 1 ) ),
+			btScalar( k / along / along * ( cells.z + 1 ) ) );
 		mesh.add( place * cell + half, half );
 	}
 	return mesh.build( cell );

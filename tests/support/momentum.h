@@ -30,7 +30,8 @@ inline Momentum momentumOf( const SoftBody& body )
 inline Momentum momentumOf( const btRigidBody& body )
 {
 	const btVector3 linear = body.getLinearVelocity() / body.getInvMass();
-	return Momentum{ linear, body.getCenterOfMassPosition().cross( linear ) + body.getInvInertiaTensorWorld().inverse() * body.getAngularVelocity() };
+	return Momentum{
+		linear, body.getCenterOfMassPosition().cross( linear ) + body.getInvInertiaTensorWorld().inverse() * body.getAngularVelocity() };
 }
 
 } // namespace pliant::test

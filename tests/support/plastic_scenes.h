@@ -48,7 +48,7 @@ inline PlasticScene plasticScene( unsigned seed )
 
 struct PlasticEnergy
 {
-	double brought = 0.0; ///< J: of the fall, or of the shaking
+	double brought = 0.0;          ///< J: of the fall, or of the shaking
 	double most = 0.0, last = 0.0; ///< of motion, J: of all frames, and of the last second's
 	bool isHealthy = false;
 };
@@ -67,7 +67,8 @@ inline PlasticEnergy run( const PlasticScene& scene, int seconds )
 	Adaptivity adaptivity;
 	adaptivity.coarseLevels = scene.coarseLevels;
 	const auto shape = scene.isThin ? boxTemplate( { 0.6f, 0.6f, 0.15f }, 0.15f ) : cubeTemplate( 0.6f, 4 );
-	SoftBody* const body = t.add( shape, btVector3( 0, btScalar( scene.isDropped ? 0.6 : 3.0 ), 0 ), scene.material, btQuaternion::getIdentity(), adaptivity );
+	SoftBody* const body = t.add(
+		shape, btVector3( 0, btScalar( scene.isDropped ? 0.6 : 3.0 ), 0 ), scene.material, btQuaternion::getIdentity(), adaptivity );
 	PlasticEnergy energy;
 	if ( !body )
 	{
@@ -97,8 +98,8 @@ inline PlasticEnergy run( const PlasticScene& scene, int seconds )
 	return energy;
 }
 
-/// What a body that rings without any damping holds in motion may be more than it was given when that is all of its energy at half steps: by 1 / ( 1 - alpha / 4 )
-/// in the explicit step. The implicit one of numericalDamping 1 loses it.
+/// What a body that rings without any damping holds in motion may be more than it was given when that is all of its energy at half steps:
+/// by 1 / ( 1 - alpha / 4 ) in the explicit step. The implicit one of numericalDamping 1 loses it.
 inline double mostShare( const PlasticScene& scene )
 {
 	return scene.material.elasticity == Elasticity::Explicit && !scene.isDropped ? 4.0 / 3.0 : 1.001;

@@ -19,11 +19,11 @@ namespace pliant::test {
 
 struct PulledBar
 {
-	double degrees = 0.0;   ///< between the bar and the lattice's x axis
+	double degrees = 0.0; ///< between the bar and the lattice's x axis
 	int coarseLevels = 0;
 	BreakRule rule = BreakRule::Plane;
 	float breakStrain = 0.1f;
-	bool rings = false;     ///< nothing damps what a change of levels sets ringing: Material::wobbleDamping 0
+	bool rings = false; ///< nothing damps what a change of levels sets ringing: Material::wobbleDamping 0
 };
 
 struct PullResult
@@ -78,7 +78,8 @@ public:
 			const Vec3d p( x + 0.5 - room / 2, y + 0.5 - room / 2, 0.0 );
 			return std::fabs( p.dot( m_along ) ) < kLength / 2 && std::fabs( p.dot( across ) ) < kHeight / 2;
 		};
-		const auto lattice = std::make_shared<const Lattice>( makeShapeLattice( { room, room, int( kHeight ) }, float( kCell ), isInside ) );
+		const auto lattice = std::make_shared<const Lattice>(
+			makeShapeLattice( { room, room, int( kHeight ) }, float( kCell ), isInside ) );
 		Material material;
 		material.youngsModulus = 1e5f;
 		material.wobbleDamping = bar.rings ? 0.0f : material.wobbleDamping;
@@ -118,15 +119,15 @@ public:
 
 private:
 	static constexpr double kLength = 40.0, kHeight = 8.0, kGrip = 4.0, kShoulder = 4.0; // cells
-	static constexpr double kCell = 0.05;                                               // m
+	static constexpr double kCell = 0.05;                                                // m
 	static constexpr double kFree = ( kLength / 2 - kGrip ) * kCell;                     // m, from the middle to a grip
 	static constexpr double kRate = 0.05; // strain a second; sound takes 0.2 s from end to end
 	static constexpr float kStep = 1.0f / 240.0f;
 
 	double place( int node ) const { return m_body->nodes().x0.get( node ).cast<double>().dot( m_along ); }
 
-	// A node is pinned as a whole. One that reached out of its grip would leave less of the bar free than its strain is reckoned with, and let that
-	// go with a jerk when it is split.
+	// A node is pinned as a whole. One that reached out of its grip would leave less of the bar free than its strain is reckoned with, and
+	// let that go with a jerk when it is split.
 	void takeHold( int coarseLevels )
 	{
 		const double reach = std::fabs( m_along.x() ) + std::fabs( m_along.y() ); // of a block along the bar, in edges
@@ -156,7 +157,9 @@ private:
 		field.context = &shoulders;
 		field.share = []( const float* point, const float*, void* context ) {
 			const Shoulders& s = *static_cast<const Shoulders*>( context );
-			return std::fabs( s.along.dot( Vec3( point[0], point[1], point[2] ) ) - s.middle ) > s.from ? std::numeric_limits<float>::infinity() : 1.0f;
+			return std::fabs( s.along.dot( Vec3( point[0], point[1], point[2] ) ) - s.middle ) > s.from
+				? std::numeric_limits<float>::infinity()
+				: 1.0f;
 		};
 		Fracture fracture;
 		fracture.rule = bar.rule;

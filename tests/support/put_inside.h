@@ -32,7 +32,8 @@ struct CameOut
 {
 	double fastest = 0.0; ///< of a mass centre, m/s, in 200 frames
 	double highest = 0.0; ///< of a mass centre, m
-	double nearest = 0.0; ///< after three seconds: from a node's middle to the surface of the other thing, or between nodes of the two, in node radii
+	double nearest =
+		0.0; ///< after three seconds: from a node's middle to the surface of the other thing, or between nodes of the two, in node radii
 	bool isHealthy = true;
 };
 
@@ -80,11 +81,13 @@ inline CameOut putInside( const PutInside& how )
 	}
 	else
 	{
-		bodies.push_back( t.add( shape, btVector3( 0, btScalar( how.what == Inside::Floor ? 0.3 - how.depth : 0.3 ), 0 ), material, turn, adaptivity ) );
+		bodies.push_back(
+			t.add( shape, btVector3( 0, btScalar( how.what == Inside::Floor ? 0.3 - how.depth : 0.3 ), 0 ), material, turn, adaptivity ) );
 	}
 	if ( how.what == Inside::Cube )
 	{
-		bodies.push_back( t.add( shape, btVector3( btScalar( how.depth ), btScalar( 0.3 ), 0 ), material, btQuaternion::getIdentity(), adaptivity ) );
+		bodies.push_back(
+			t.add( shape, btVector3( btScalar( how.depth ), btScalar( 0.3 ), 0 ), material, btQuaternion::getIdentity(), adaptivity ) );
 	}
 	CameOut out;
 	for ( int frame = 0; frame < 200; ++frame )
@@ -93,16 +96,19 @@ inline CameOut putInside( const PutInside& how )
 		for ( const SoftBody* body : bodies )
 		{
 			// What falls off a box afterwards falls faster than anything that pushes it out.
-			out.fastest = frame < 60 || how.what != Inside::StaticBox ? std::max( out.fastest, double( body->linearVelocity().length() ) ) : out.fastest;
+			out.fastest = frame < 60 || how.what != Inside::StaticBox ? std::max( out.fastest, double( body->linearVelocity().length() ) )
+																	  : out.fastest;
 			out.highest = std::max( out.highest, double( body->massCentre().y() ) );
 			out.isHealthy = out.isHealthy && body->isHealthy();
 		}
 		out.nearest = frame == 179 ? nearestOf( *bodies[0], how, centre, how.what == Inside::Cube ? bodies[1] : nullptr ) : out.nearest;
 	}
 	std::printf( "%s, %.2f m, %s, E %.0e, %s, %d levels: %.2f m/s at most, up to %.2f m; after 3 s %.2f radii apart\n",
-		how.what == Inside::Floor ? "sunk into a floor" : how.what == Inside::Cube ? "another cube" : "a static box", how.depth,
-		how.elasticity == Elasticity::Implicit ? "implicit" : "explicit", how.youngsModulus, how.isTurned ? "turned" : "aligned", how.coarseLevels, out.fastest,
-		out.highest, out.nearest );
+		how.what == Inside::Floor      ? "sunk into a floor"
+			: how.what == Inside::Cube ? "another cube"
+									   : "a static box",
+		how.depth, how.elasticity == Elasticity::Implicit ? "implicit" : "explicit", how.youngsModulus, how.isTurned ? "turned" : "aligned",
+		how.coarseLevels, out.fastest, out.highest, out.nearest );
 	return out;
 }
 

@@ -25,7 +25,8 @@ struct BreakingCounts
 class RandomBreaking
 {
 public:
-	explicit RandomBreaking( unsigned seed ) : m_random( seed ), m_whole( std::make_shared<const Lattice>( makeBlobLattice( 7 + int( seed % 4 ), 0.1f, seed ) ) )
+	explicit RandomBreaking( unsigned seed ) :
+		m_random( seed ), m_whole( std::make_shared<const Lattice>( makeBlobLattice( 7 + int( seed % 4 ), 0.1f, seed ) ) )
 	{
 		Adaptivity settings;
 		settings.coarseLevels = int( seed % 3 );
@@ -87,11 +88,13 @@ private:
 		std::vector<CellLink> links;
 		switch ( kind )
 		{
-		case 0: links = linksCut( lattice, places, PlaneCut{ at, wide( 1.0f ), double( m_random.uniform( 0.1f, 1.0f ) ) } ); break;
-		case 1: links = linksCut( lattice, places, SphereCut{ at, double( m_random.uniform( 0.05f, 0.3f ) ) } ); break;
-		case 2: links = linksCut( lattice, places, BladeCut{ at + wide( 0.4f ), at + wide( 0.4f ), at + wide( 0.4f ), at + wide( 0.4f ) } ); break;
-		case 3: links = someLinks( lattice ); break;
-		default: body.testLinks( 1.0f / 240.0f ); break;
+			case 0: links = linksCut( lattice, places, PlaneCut{ at, wide( 1.0f ), double( m_random.uniform( 0.1f, 1.0f ) ) } ); break;
+			case 1: links = linksCut( lattice, places, SphereCut{ at, double( m_random.uniform( 0.05f, 0.3f ) ) } ); break;
+			case 2:
+				links = linksCut( lattice, places, BladeCut{ at + wide( 0.4f ), at + wide( 0.4f ), at + wide( 0.4f ), at + wide( 0.4f ) } );
+				break;
+			case 3: links = someLinks( lattice ); break;
+			default: body.testLinks( 1.0f / 240.0f ); break;
 		}
 		if ( m_random.uniform( 0.0f, 1.0f ) < 0.2f )
 		{
@@ -189,9 +192,10 @@ inline BreakingCounts breakAtRandom( int shapes, int events, unsigned firstSeed 
 		RandomBreaking breaking( firstSeed + unsigned( k ) );
 		breaking.run( events, counts );
 	}
-	std::printf( "%d events (%d planes, %d spheres, %d blades, %d of random links, %d by strain): %d links, %d healed, %d pieces, %d removed, %d times split first\n",
-		counts.events, counts.kind[0], counts.kind[1], counts.kind[2], counts.kind[3], counts.kind[4], counts.links, counts.healed, counts.pieces, counts.removed,
-		counts.splits );
+	std::printf( "%d events (%d planes, %d spheres, %d blades, %d of random links, %d by strain): %d links, %d healed, %d pieces, %d "
+				 "removed, %d times split first\n",
+		counts.events, counts.kind[0], counts.kind[1], counts.kind[2], counts.kind[3], counts.kind[4], counts.links, counts.healed,
+		counts.pieces, counts.removed, counts.splits );
 	return counts;
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
-// Soft bodies that strike things and each other at random, where nothing damps them and nothing weighs. The same from the same seed everywhere.
+// Soft bodies that strike things and each other at random, where nothing damps them and nothing weighs. The same from the same seed
+// everywhere.
 
 #include "support/energy_of_motion.h"
 #include "support/test_world.h"
@@ -75,16 +76,19 @@ inline SoftBody* addGround( SoftWorld& world, Ground ground, const btQuaternion&
 	}
 	if ( ground == Ground::Box )
 	{
-		btRigidBody* const box = world.add( 300, new btBoxShape( btVector3( btScalar( 0.5 ), btScalar( 0.2 ), btScalar( 0.5 ) ) ), btVector3( 0, btScalar( -0.2 ), 0 ) );
+		btRigidBody* const box = world.add(
+			300, new btBoxShape( btVector3( btScalar( 0.5 ), btScalar( 0.2 ), btScalar( 0.5 ) ) ), btVector3( 0, btScalar( -0.2 ), 0 ) );
 		box->setFriction( 1 );
 		box->setRestitution( 1 );
 		return nullptr;
 	}
-	return world.add( strikingCube( 1 ), btVector3( 0, btScalar( -0.7 ), 0 ), material, turn, ground == Ground::Soft ? Adaptivity{} : levels );
+	return world.add(
+		strikingCube( 1 ), btVector3( 0, btScalar( -0.7 ), 0 ), material, turn, ground == Ground::Soft ? Adaptivity{} : levels );
 }
 
 /// Comes down at so many m/s, every other one spinning.
-inline SoftBody* addStriking( SoftWorld& world, Random& random, const Material& material, const Adaptivity& levels, double fastest, double slowest )
+inline SoftBody* addStriking(
+	SoftWorld& world, Random& random, const Material& material, const Adaptivity& levels, double fastest, double slowest )
 {
 	const int size = random.upTo( 2 );
 	const btScalar aside = random.between( -0.3, 0.3 );
@@ -113,7 +117,8 @@ inline double mostEnergy( SoftWorld& world, Random& random )
 	return most;
 }
 
-/// A cube of nodes of level 1 or 2. The most that energy comes to, as a share of the first. `strain`: above 0, at which all split, and for nothing else.
+/// A cube of nodes of level 1 or 2. The most that energy comes to, as a share of the first. `strain`: above 0, at which all split, and for
+/// nothing else.
 inline double strike( Ground ground, Elasticity elasticity, unsigned seed, float strain = 0.0f )
 {
 	Random random( seed );
@@ -133,11 +138,12 @@ inline double strike( Ground ground, Elasticity elasticity, unsigned seed, float
 
 struct Shattered
 {
-	double most = 0.0;     ///< energy of motion, as a share of the first
+	double most = 0.0; ///< energy of motion, as a share of the first
 	bool hasBroken = false;
 };
 
-/// The same of a cube that breaks at a strain of .02 to .3, with levels where `coarseLevels` is above 0: faster, and what is soft and struck breaks as well.
+/// The same of a cube that breaks at a strain of .02 to .3, with levels where `coarseLevels` is above 0: faster, and what is soft and
+/// struck breaks as well.
 inline Shattered shatter( Ground ground, Elasticity elasticity, BreakRule rule, int coarseLevels, unsigned seed )
 {
 	Random random( seed );
@@ -196,7 +202,8 @@ inline Rubbed rub( bool ( *isImplicit )( int body ), unsigned seed )
 	{
 		const btScalar angle = SIMD_2_PI * btScalar( k ) / btScalar( count );
 		const btVector3 at( btScalar( 0.7 ) * std::cos( angle ), random.between( -0.1, 0.1 ), btScalar( 0.7 ) * std::sin( angle ) );
-		SoftBody* const body = world.add( cube, at, undamped( 1e5f, isImplicit( k ) ? Elasticity::Implicit : Elasticity::Explicit ), random.turn() );
+		SoftBody* const body = world.add(
+			cube, at, undamped( 1e5f, isImplicit( k ) ? Elasticity::Implicit : Elasticity::Explicit ), random.turn() );
 		body->setVelocities( -speed * at.normalized(), random.within( 5 ) );
 		body->setFriction( friction );
 	}

@@ -26,7 +26,8 @@ inline void expectSameTree( const Octree& got, const Octree& wanted )
 }
 
 /// `allowed`: share of what is above 1, or the number itself; 0: the same bits.
-template <class Array> void expectNear( const Array& got, const Array& wanted, float allowed, const char* what )
+template <class Array>
+void expectNear( const Array& got, const Array& wanted, float allowed, const char* what )
 {
 	ASSERT_EQ( got.size(), wanted.size() ) << what;
 	float worst = 0.0f;

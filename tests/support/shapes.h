@@ -31,7 +31,8 @@ inline Lattice makeShapeLattice( const Eigen::Vector3i& extent, float cellSize, 
 				if ( isInside( x, y, z ) )
 				{
 					cellAt[slot( x, y, z )] = int( lattice.coordinate.size() );
-					lattice.coordinate.push_back( Eigen::Matrix<std::int16_t, 3, 1>( std::int16_t( x ), std::int16_t( y ), std::int16_t( z ) ) );
+					lattice.coordinate.push_back(
+						Eigen::Matrix<std::int16_t, 3, 1>( std::int16_t( x ), std::int16_t( y ), std::int16_t( z ) ) );
 					sum += Vec3d( x + 0.5, y + 0.5, z + 0.5 );
 				}
 			}
@@ -44,7 +45,8 @@ inline Lattice makeShapeLattice( const Eigen::Vector3i& extent, float cellSize, 
 	for ( std::size_t i = 0; i < count; ++i )
 	{
 		const Eigen::Vector3i c = lattice.coordinate[i].cast<int>();
-		lattice.restCentre.push_back( ( ( c.cast<double>() + Vec3d::Constant( 0.5 ) ) * double( cellSize ) - lattice.massCentre ).cast<float>() );
+		lattice.restCentre.push_back(
+			( ( c.cast<double>() + Vec3d::Constant( 0.5 ) ) * double( cellSize ) - lattice.massCentre ).cast<float>() );
 		for ( int k = 14; k < 27; ++k ) // those neighbours that come later
 		{
 			const Eigen::Vector3i o = c + Eigen::Vector3i( k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1 );

@@ -33,8 +33,8 @@ enum class Shot : int
 	Sheet,    ///< one cell thick
 	Rod,      ///< one cell thin
 	Ball,
-	Coarse,   ///< two levels, split by strain
-	Touchy    ///< a level, half-width 2, split where it touches
+	Coarse, ///< two levels, split by strain
+	Touchy  ///< a level, half-width 2, split where it touches
 };
 constexpr int kShots = 7;
 inline const char* const kShotNames[kShots] = { "cube", "cube, w = 2", "sheet", "rod", "ball", "levels", "levels, w = 2" };
@@ -45,9 +45,9 @@ struct ShotResult
 	Shot shot = Shot::Cube;
 	unsigned seed = 0;
 	double speed = 0.0, youngsModulus = 0.0; ///< m/s, Pa
-	bool hits = false;        ///< it touched the wall at all
-	int behind = 0;           ///< nodes whose centre is behind the wall at the end
-	double deepest = 0.0;     ///< m, that a node's centre ever was behind the wall's face
+	bool hits = false;                       ///< it touched the wall at all
+	int behind = 0;                          ///< nodes whose centre is behind the wall at the end
+	double deepest = 0.0;                    ///< m, that a node's centre ever was behind the wall's face
 	bool isHealthy = true;
 };
 
@@ -57,8 +57,8 @@ class ShootingRange
 public:
 	ShootingRange()
 	{
-		m_templates = { box( { 4, 4, 4 }, 0.1f ), box( { 6, 6, 6 }, 0.1f ), box( { 8, 1, 8 }, 0.05f ), box( { 10, 1, 1 }, 0.05f ), ball( 0.25f, 0.07f ),
-			box( { 8, 8, 8 }, 0.06f ), box( { 8, 6, 4 }, 0.08f ) };
+		m_templates = { box( { 4, 4, 4 }, 0.1f ), box( { 6, 6, 6 }, 0.1f ), box( { 8, 1, 8 }, 0.05f ), box( { 10, 1, 1 }, 0.05f ),
+			ball( 0.25f, 0.07f ), box( { 8, 8, 8 }, 0.06f ), box( { 8, 6, 4 }, 0.08f ) };
 		std::mt19937 random( 5 );
 		for ( float& height : m_heights )
 		{
@@ -91,16 +91,19 @@ public:
 		t.world.setGravity( wall.getBasis() * btVector3( 0, btScalar( -9.81 ), 0 ) );
 		btCollisionShape* shape = makeWall( result.wall );
 		btRigidBody* standing = t.add( 0, shape, btVector3( 0, 0, 0 ) );
-		standing->setWorldTransform( wall * btTransform( btQuaternion::getIdentity(), btVector3( 0, -thicknessOf( result.wall ) / 2, 0 ) ) );
+		standing->setWorldTransform(
+			wall * btTransform( btQuaternion::getIdentity(), btVector3( 0, -thicknessOf( result.wall ) / 2, 0 ) ) );
 		standing->setFriction( btScalar( share() ) );
 		standing->setRestitution( btScalar( share() < 0.5 ? 0.0 : share() ) );
 		t.world.updateSingleAabb( standing );
 
 		const double tilt = share() * 60.0 * SIMD_PI / 180.0, round = share() * 2.0 * SIMD_PI;
-		const btVector3 way( btScalar( std::sin( tilt ) * std::cos( round ) ), btScalar( -std::cos( tilt ) ), btScalar( std::sin( tilt ) * std::sin( round ) ) );
-		const btVector3 start = btVector3( btScalar( share() - 0.5 ), btScalar( 0.3 ), btScalar( share() - 0.5 ) ) - way * btScalar( 0.6 + 2.0 * share() );
-		SoftBody* body = t.add( m_templates[std::size_t( result.shot )], start, materialOf( result, elasticity ), turn( share(), share(), share() ),
-			adaptivityOf( result.shot ) );
+		const btVector3 way( btScalar( std::sin( tilt ) * std::cos( round ) ), btScalar( -std::cos( tilt ) ),
+			btScalar( std::sin( tilt ) * std::sin( round ) ) );
+		const btVector3 start = btVector3( btScalar( share() - 0.5 ), btScalar( 0.3 ), btScalar( share() - 0.5 ) ) -
+			way * btScalar( 0.6 + 2.0 * share() );
+		SoftBody* body = t.add( m_templates[std::size_t( result.shot )], start, materialOf( result, elasticity ),
+			turn( share(), share(), share() ), adaptivityOf( result.shot ) );
 		if ( !body )
 		{
 			return result;
@@ -127,7 +130,10 @@ private:
 	static constexpr btScalar kHalfWidth = btScalar( 0.5 ) * btScalar( kPostsApart ) * ( kPosts - 1 );
 	static constexpr int kFrames = 36;
 
-	static btScalar thicknessOf( Wall wall ) { return wall == Wall::Box ? btScalar( 1 ) : wall == Wall::Thin ? btScalar( 1e-3 ) : btScalar( 0 ); }
+	static btScalar thicknessOf( Wall wall )
+	{
+		return wall == Wall::Box ? btScalar( 1 ) : wall == Wall::Thin ? btScalar( 1e-3 ) : btScalar( 0 );
+	}
 
 	static btQuaternion turn( double a, double b, double c )
 	{
@@ -135,12 +141,14 @@ private:
 		return q.normalized();
 	}
 
-	static std::shared_ptr<const BodyTemplate> fromMesh( const std::vector<float>& positions, const std::vector<std::uint32_t>& indices, float cell )
+	static std::shared_ptr<const BodyTemplate> fromMesh(
+		const std::vector<float>& positions, const std::vector<std::uint32_t>& indices, float cell )
 	{
 		LatticeSettings settings;
 		settings.cellSize = cell;
 		settings.skinning = Skinning::None;
-		return BodyTemplate::build( MeshView{ positions.data(), positions.size() / 3, 3, indices.data(), indices.size() / 3 }, settings ).value;
+		return BodyTemplate::build( MeshView{ positions.data(), positions.size() / 3, 3, indices.data(), indices.size() / 3 }, settings )
+			.value;
 	}
 
 	struct Size
@@ -153,9 +161,11 @@ private:
 		for ( int i = 0; i < 8; ++i )
 		{
 			positions.insert( positions.end(),
-				{ cell * float( cells.x ) * ( float( i & 1 ) - 0.5f ), cell * float( cells.y ) * ( float( i >> 1 & 1 ) - 0.5f ), cell * float( cells.z ) * ( float( i >> 2 & 1 ) - 0.5f ) } );
+				{ cell * float( cells.x ) * ( float( i & 1 ) - 0.5f ), cell * float( cells.y ) * ( float( i >> 1 & 1 ) - 0.5f ),
+					cell * float( cells.z ) * ( float( i >> 2 & 1 ) - 0.5f ) } );
 		}
-		return fromMesh( positions, { 0, 2, 1, 1, 2, 3, 4, 5, 6, 5, 7, 6, 0, 1, 4, 1, 5, 4, 2, 6, 3, 3, 6, 7, 0, 4, 2, 2, 4, 6, 1, 3, 5, 3, 7, 5 }, cell );
+		return fromMesh( positions,
+			{ 0, 2, 1, 1, 2, 3, 4, 5, 6, 5, 7, 6, 0, 1, 4, 1, 5, 4, 2, 6, 3, 3, 6, 7, 0, 4, 2, 2, 4, 6, 1, 3, 5, 3, 7, 5 }, cell );
 	}
 
 	static std::shared_ptr<const BodyTemplate> ball( float radius, float cell )
@@ -164,8 +174,10 @@ private:
 		std::vector<float> positions;
 		for ( int k = 0; k <= kRings * kSectors + kSectors - 1; ++k )
 		{
-			const float up = float( SIMD_PI ) * float( k / kSectors ) / float( kRings ), round = 2.0f * float( SIMD_PI ) * float( k % kSectors ) / float( kSectors );
-			positions.insert( positions.end(), { radius * std::sin( up ) * std::cos( round ), radius * std::cos( up ), radius * std::sin( up ) * std::sin( round ) } );
+			const float up = float( SIMD_PI ) * float( k / kSectors ) / float( kRings ),
+						round = 2.0f * float( SIMD_PI ) * float( k % kSectors ) / float( kSectors );
+			positions.insert( positions.end(),
+				{ radius * std::sin( up ) * std::cos( round ), radius * std::cos( up ), radius * std::sin( up ) * std::sin( round ) } );
 		}
 		std::vector<std::uint32_t> indices;
 		for ( std::uint32_t k = 0; k < kRings * kSectors; ++k )
@@ -188,16 +200,13 @@ private:
 		constexpr btScalar wide = kHalfWidth;
 		switch ( wall )
 		{
-			case Wall::Plane:
-				return new btStaticPlaneShape( btVector3( 0, 1, 0 ), 0 );
+			case Wall::Plane: return new btStaticPlaneShape( btVector3( 0, 1, 0 ), 0 );
 			case Wall::Box:
-			case Wall::Thin:
-				return new btBoxShape( btVector3( wide, thicknessOf( wall ) / 2, wide ) );
-			case Wall::Mesh:
-				return new btBvhTriangleMeshShape( m_mesh.get(), true );
-			default:
-			{
-				auto* field = new btHeightfieldTerrainShape( kPosts, kPosts, m_heights.data(), btScalar( -0.3 ), btScalar( 0.3 ), 1, false );
+			case Wall::Thin: return new btBoxShape( btVector3( wide, thicknessOf( wall ) / 2, wide ) );
+			case Wall::Mesh: return new btBvhTriangleMeshShape( m_mesh.get(), true );
+			default: {
+				auto* field = new btHeightfieldTerrainShape(
+					kPosts, kPosts, m_heights.data(), btScalar( -0.3 ), btScalar( 0.3 ), 1, false );
 				field->setLocalScaling( btVector3( kPostsApart, 1, kPostsApart ) );
 				return field;
 			}

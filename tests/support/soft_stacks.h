@@ -39,7 +39,8 @@ struct StackScene : SoftWorld
 			y += 0.6 + stack.gap;
 			if ( stack.hasBoxes && k + 1 < stack.cubes )
 			{
-				add( 216, new btBoxShape( btVector3( btScalar( 0.3 ), btScalar( 0.1 ), btScalar( 0.3 ) ) ), btVector3( 0, btScalar( y + 0.1 ), 0 ) )
+				add( 216, new btBoxShape( btVector3( btScalar( 0.3 ), btScalar( 0.1 ), btScalar( 0.3 ) ) ),
+					btVector3( 0, btScalar( y + 0.1 ), 0 ) )
 					->setFriction( btScalar( stack.friction ) );
 				y += 0.2 + stack.gap;
 			}

@@ -25,10 +25,11 @@ struct Squeeze
 struct Squeezed
 {
 	double early = 0.0, late = 0.0; ///< impulse of all contacts in a step, N s: most in the first second, and in the last
-	double strain = 0.0;            ///< stored when it is let go, J; of bodies with levels and of such as flow what a cube of linear springs would store
-	double out = 0.0;               ///< of pushing out: every node at the rate that nodes are pushed out at, J
-	double motion = 0.0;            ///< after the release, at most, J
-	double top = 0.0;               ///< and how high the middle comes, m
+	double strain =
+		0.0;          ///< stored when it is let go, J; of bodies with levels and of such as flow what a cube of linear springs would store
+	double out = 0.0; ///< of pushing out: every node at the rate that nodes are pushed out at, J
+	double motion = 0.0; ///< after the release, at most, J
+	double top = 0.0;    ///< and how high the middle comes, m
 	bool isHealthy = false;
 };
 
@@ -55,12 +56,14 @@ inline std::vector<btRigidBody*> press( SoftWorld& t, const Squeeze& how, double
 	{
 		for ( const double side : { -1.0, 1.0 } )
 		{
-			pressing.push_back( t.add( 0, new btBoxShape( btVector3( 1, 1, 1 ) ), btVector3( btScalar( side * ( 1.0 + how.gap / 2 ) ), 1, 0 ) ) );
+			pressing.push_back(
+				t.add( 0, new btBoxShape( btVector3( 1, 1, 1 ) ), btVector3( btScalar( side * ( 1.0 + how.gap / 2 ) ), 1, 0 ) ) );
 		}
 	}
 	else
 	{
-		btRigidBody* const plate = t.add( 0, new btBoxShape( btVector3( 2, btScalar( 0.2 ), 2 ) ), btVector3( 0, btScalar( edge + 0.25 ), 0 ) );
+		btRigidBody* const plate = t.add(
+			0, new btBoxShape( btVector3( 2, btScalar( 0.2 ), 2 ) ), btVector3( 0, btScalar( edge + 0.25 ), 0 ) );
 		plate->setCollisionFlags( plate->getCollisionFlags() | btCollisionObject::CF_KINEMATIC_OBJECT );
 		plate->setActivationState( DISABLE_DEACTIVATION );
 		pressing.push_back( plate );
@@ -87,7 +90,8 @@ inline Squeezed squeeze( const Squeeze& how )
 	Adaptivity adaptivity;
 	adaptivity.coarseLevels = how.coarseLevels;
 	adaptivity.refinesOnContact = how.coarseLevels > 0;
-	SoftBody* const body = t.add( cubeTemplate( float( kEdge ), 6 ), btVector3( 0, btScalar( kEdge / 2 ), 0 ), material, btQuaternion::getIdentity(), adaptivity );
+	SoftBody* const body = t.add(
+		cubeTemplate( float( kEdge ), 6 ), btVector3( 0, btScalar( kEdge / 2 ), 0 ), material, btQuaternion::getIdentity(), adaptivity );
 	body->setActivationState( DISABLE_DEACTIVATION );
 	const StrainEnergy rest( *body, kEdge / 6, 1.0 );
 	const std::vector<btRigidBody*> pressing = press( t, how, kEdge );
@@ -100,7 +104,8 @@ inline Squeezed squeeze( const Squeeze& how )
 		result.early = frame < 60 ? std::max( result.early, now ) : result.early;
 		result.late = frame >= frames - 60 ? std::max( result.late, now ) : result.late;
 	}
-	const double reached = double( body->stiffnessPlan().reachedModulus ), cell = kEdge / 6, share = 1.0 - std::max( 0.0, how.gap - cell ) / kEdge;
+	const double reached = double( body->stiffnessPlan().reachedModulus ), cell = kEdge / 6,
+				 share = 1.0 - std::max( 0.0, how.gap - cell ) / kEdge;
 	// E = alpha rho d^2 mu / h^2, mu = 2 / 3, and k = alpha / h^2.
 	result.strain = how.coarseLevels == 0 && how.yieldStrain == 0.0f
 		? rest.at( StrainEnergy::places( *body, 0.0 ) ) * reached / ( double( material.density ) * cell * cell * 2.0 / 3.0 )
@@ -121,9 +126,11 @@ inline Squeezed squeeze( const Squeeze& how )
 	{
 		t.world.addRigidBody( each );
 	}
-	std::printf( "%s of %.2f m, %s, E %.0e, %d levels, yield %.2f, %.0f s: impulse a step %.0f N s at first, %.0f at last; let go %.0f J of %.0f + %.0f, up to %.2f m\n",
-		how.isSlot ? "slot" : "plate", how.gap, how.elasticity == Elasticity::Implicit ? "implicit" : "explicit", how.youngsModulus, how.coarseLevels,
-		double( how.yieldStrain ), how.seconds, result.early, result.late, result.motion, result.strain, result.out, result.top );
+	std::printf( "%s of %.2f m, %s, E %.0e, %d levels, yield %.2f, %.0f s: impulse a step %.0f N s at first, %.0f at last; let go %.0f J "
+				 "of %.0f + %.0f, up to %.2f m\n",
+		how.isSlot ? "slot" : "plate", how.gap, how.elasticity == Elasticity::Implicit ? "implicit" : "explicit", how.youngsModulus,
+		how.coarseLevels, double( how.yieldStrain ), how.seconds, result.early, result.late, result.motion, result.strain, result.out,
+		result.top );
 	return result;
 }
 

@@ -13,7 +13,8 @@ namespace pliant::test {
 
 /// The energy that shape matching takes back: of a block's regions of half-width 1, computed by itself from the places of its nodes.
 ///
-///   V = k / 2 sum over regions r and their nodes i of  m_i / n_i | x_i - c_r - R_r ( q_i - d_r ) |^2,   k = alpha / h^2,   n_i regions that hold i
+///   V = k / 2 sum over regions r and their nodes i of  m_i / n_i | x_i - c_r - R_r ( q_i - d_r ) |^2,   k = alpha / h^2,   n_i regions
+///   that hold i
 class StrainEnergy
 {
 public:

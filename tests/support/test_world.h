@@ -25,7 +25,8 @@ inline std::shared_ptr<const BodyTemplate> boxTemplate( const std::array<float, 
 			positions.push_back( edges[k] * ( float( i >> k & 1 ) - 0.5f ) );
 		}
 	}
-	static const std::uint32_t indices[36] = { 0, 2, 1, 1, 2, 3, 4, 5, 6, 5, 7, 6, 0, 1, 4, 1, 5, 4, 2, 6, 3, 3, 6, 7, 0, 4, 2, 2, 4, 6, 1, 3, 5, 3, 7, 5 };
+	static const std::uint32_t indices[36] = {
+		0, 2, 1, 1, 2, 3, 4, 5, 6, 5, 7, 6, 0, 1, 4, 1, 5, 4, 2, 6, 3, 3, 6, 7, 0, 4, 2, 2, 4, 6, 1, 3, 5, 3, 7, 5 };
 	MeshView mesh;
 	mesh.positions = positions.data();
 	mesh.vertexCount = 8;

@@ -26,7 +26,9 @@ double distanceToTriangle( const Vec3d& p, const Vec3d& a, const Vec3d& b, const
 	const Vec3d normal = ( b - a ).cross( c - a );
 	const auto isLeft = [&]( const Vec3d& from, const Vec3d& to ) { return ( to - from ).cross( p - from ).dot( normal ) >= 0.0; };
 	const double nearest = std::min( { distanceToSegment( p, a, b ), distanceToSegment( p, b, c ), distanceToSegment( p, c, a ) } );
-	return normal.norm() > 0.0 && isLeft( a, b ) && isLeft( b, c ) && isLeft( c, a ) ? std::min( nearest, std::abs( normal.normalized().dot( p - a ) ) ) : nearest;
+	return normal.norm() > 0.0 && isLeft( a, b ) && isLeft( b, c ) && isLeft( c, a )
+		? std::min( nearest, std::abs( normal.normalized().dot( p - a ) ) )
+		: nearest;
 }
 
 TEST( BentChain, KeepsWhatStandsOffTheLineByTheTolerance )
@@ -78,9 +80,21 @@ struct Sample
 std::vector<Sample> samples()
 {
 	return {
-		{ "box on the grid", [] { return makeBox( { 0, 0, 0 }, { 1, 1, 1 } ); }, 0.2 },
-		{ "box off the grid", [] { return rotated( makeBox( { 0, 0, 0 }, { 1, 0.8, 0.6 } ), 0.7 ); }, 0.173 },
-		{ "thin plate", [] { return rotated( makeBox( { 0, 0, 0 }, { 2, 1.5, 0.03 }, 3 ), 0.3 ); }, 0.2 },
+		{ "box on the grid",
+			[] {
+				return makeBox( { 0, 0, 0 }, { 1, 1, 1 } );
+			},
+			0.2 },
+		{ "box off the grid",
+			[] {
+				return rotated( makeBox( { 0, 0, 0 }, { 1, 0.8, 0.6 } ), 0.7 );
+			},
+			0.173 },
+		{ "thin plate",
+			[] {
+				return rotated( makeBox( { 0, 0, 0 }, { 2, 1.5, 0.03 }, 3 ), 0.3 );
+			},
+			0.2 },
 		{ "torus", [] { return rotated( makeTorus( 1.0, 0.4, 24, 16 ), 0.4 ); }, 0.21 },
 	};
 }
@@ -137,7 +151,8 @@ TEST( BendTolerance, FewerPointsAreNowhereFartherOff )
 			{
 				worst = std::max( worst, distanceToCells( few, cellsAround( *all.complex, p ), all.at( p ) ) / sample.cellSize );
 			}
-			// A point within a face was asked how far across the triangle it lies under where space is bent; from near its rim it is a little farther.
+			// A point within a face was asked how far across the triangle it lies under where space is bent; from near its rim it is a
+			// little farther.
 			EXPECT_LT( worst, 1.25 * double( kTolerance ) );
 		}
 	}

@@ -76,8 +76,7 @@ void expectPartsApart( const SkinCase& it, int verticesOfFirst, const std::funct
 }
 
 class Binding : public testing::TestWithParam<Skinning>
-{
-};
+{};
 
 INSTANTIATE_TEST_SUITE_P( Kinds, Binding, testing::Values( Skinning::NearbyNodes, Skinning::Trilinear ),
 	[]( const auto& kind ) { return kind.param == Skinning::Trilinear ? "Trilinear" : "NearbyNodes"; } );
@@ -87,7 +86,7 @@ TEST_P( Binding, IsSoundOnManyShapes )
 	expectSound( SkinCase( test::makeBox( { 0, 0, 0 }, { 1, 1, 1 } ), 0.13, GetParam() ) );
 	expectSound( SkinCase( test::makeTorus( 1.0, 0.1, 30, 12 ), 0.15, GetParam() ) ); // thinner than a cell here and there
 	expectSound( SkinCase( test::makeGlob( 1.0, 20 ), 0.12, GetParam() ) );
-	expectSound( SkinCase( test::makeBeam( 2.0, 0.05, 20 ), 0.2, GetParam() ) ); // thinner than a cell
+	expectSound( SkinCase( test::makeBeam( 2.0, 0.05, 20 ), 0.2, GetParam() ) );           // thinner than a cell
 	expectSound( SkinCase( test::makeBox( { 0, 0, 0 }, { 1, 1, 1 } ), 3.0, GetParam() ) ); // one cell
 }
 
@@ -131,7 +130,8 @@ TEST_P( Binding, TwoPartsWithinOneLayerOfCellsAreToldApartByTheirSides )
 TEST( BindingAcrossACrack, ReachesOnlyWhatLinksJoin )
 {
 	// A U: two arms joined at the far end. Near the tips an arm's skin must not feel the other arm, though both are one part.
-	test::Mesh mesh = test::joined( test::makeBox( { 0, 0, 0 }, { 0.37, 0.4, 1.2 }, 8 ), test::makeBox( { 0.43, 0, 0 }, { 0.8, 0.4, 1.2 }, 8 ) );
+	test::Mesh mesh = test::joined(
+		test::makeBox( { 0, 0, 0 }, { 0.37, 0.4, 1.2 }, 8 ), test::makeBox( { 0.43, 0, 0 }, { 0.8, 0.4, 1.2 }, 8 ) );
 	const int arms = int( mesh.vertexCount() );
 	mesh = test::joined( mesh, test::makeBox( { 0, 0, -0.4 }, { 0.8, 0.4, 0.1 }, 8 ) ); // overlaps both: shells may cut each other
 	const SkinCase it( mesh, 0.1 );

@@ -30,19 +30,43 @@ CrackSettings flat()
 std::vector<Solid> solids()
 {
 	return {
-		{ "BoxOnTheGrid", [] { return makeBox( { 0, 0, 0 }, { 1, 1, 1 } ); }, 0.25 },
-		{ "BoxOffTheGrid", [] { return rotated( makeBox( { 0, 0, 0 }, { 1, 0.8, 0.6 } ), 0.7 ); }, 0.173 },
-		{ "BoxWithVerticesOnPlanes", [] { return makeBox( { 0, 0, 0 }, { 1, 1, 1 }, 8 ); }, 0.25 },
+		{ "BoxOnTheGrid",
+			[] {
+				return makeBox( { 0, 0, 0 }, { 1, 1, 1 } );
+			},
+			0.25 },
+		{ "BoxOffTheGrid",
+			[] {
+				return rotated( makeBox( { 0, 0, 0 }, { 1, 0.8, 0.6 } ), 0.7 );
+			},
+			0.173 },
+		{ "BoxWithVerticesOnPlanes",
+			[] {
+				return makeBox( { 0, 0, 0 }, { 1, 1, 1 }, 8 );
+			},
+			0.25 },
 		{ "Sphere", [] { return makeSphere( 1.0, 16, 24 ); }, 0.3 },
 		{ "SphereOfBigCells", [] { return makeSphere( 1.0, 24, 32 ); }, 1.3 },
 		{ "Torus", [] { return rotated( makeTorus( 1.0, 0.4, 24, 16 ), 0.4 ); }, 0.21 },
 		{ "BumpySphere", [] { return makeBumpySphere( 1.0, 0.2, 30, 40 ); }, 0.22 },
 		{ "Glob", [] { return makeGlob( 1.0, 24 ); }, 0.2 },
 		{ "HollowSphere", [] { return joined( makeSphere( 1.0, 16, 24 ), flipped( makeSphere( 0.6, 12, 20 ) ) ); }, 0.27 },
-		{ "TwoShells", [] { return joined( makeSphere( 1.0, 16, 24 ), moved( makeSphere( 0.7, 12, 20 ), { 1.75, 0.1, 0.2 } ) ); }, 0.23 },
-		{ "ThinPlate", [] { return rotated( makeBox( { 0, 0, 0 }, { 2, 1.5, 0.03 }, 3 ), 0.3 ); }, 0.2 },
+		{ "TwoShells",
+			[] {
+				return joined( makeSphere( 1.0, 16, 24 ), moved( makeSphere( 0.7, 12, 20 ), { 1.75, 0.1, 0.2 } ) );
+			},
+			0.23 },
+		{ "ThinPlate",
+			[] {
+				return rotated( makeBox( { 0, 0, 0 }, { 2, 1.5, 0.03 }, 3 ), 0.3 );
+			},
+			0.2 },
 		{ "Unwelded", [] { return unwelded( makeTorus( 1.0, 0.3, 16, 12 ) ); }, 0.25 },
-		{ "Fork", [] { return joined( makeBox( { 0, 0, 0 }, { 2, 0.2, 0.2 } ), makeBox( { 0, 0.25, 0 }, { 2, 0.45, 0.2 } ) ); }, 0.3 },
+		{ "Fork",
+			[] {
+				return joined( makeBox( { 0, 0, 0 }, { 2, 0.2, 0.2 } ), makeBox( { 0, 0.25, 0 }, { 2, 0.45, 0.2 } ) );
+			},
+			0.3 },
 	};
 }
 
@@ -121,8 +145,9 @@ TEST_P( Complex, TheOuterSurfaceIsTheMesh )
 		const auto& v = it.complex->triangle[t];
 		const std::uint32_t* source = &it.mesh.indices[3 * it.complex->triangleSource[t]];
 		const Vec3d normal = doubleAreaOf( meshAt( source[0] ), meshAt( source[1] ), meshAt( source[2] ) ).normalized();
-		area[it.complex->triangleSource[t]] +=
-			doubleAreaOf( it.at( it.complex->vertexPoint[v[0]] ), it.at( it.complex->vertexPoint[v[1]] ), it.at( it.complex->vertexPoint[v[2]] ) ).dot( normal );
+		area[it.complex->triangleSource[t]] += doubleAreaOf(
+			it.at( it.complex->vertexPoint[v[0]] ), it.at( it.complex->vertexPoint[v[1]] ), it.at( it.complex->vertexPoint[v[2]] ) )
+												   .dot( normal );
 	}
 	double worst = 0.0, total = 0.0;
 	for ( std::size_t t = 0; t < area.size(); ++t )

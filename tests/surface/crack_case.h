@@ -15,7 +15,8 @@ struct CrackCase : SkinCase
 {
 	std::shared_ptr<const CellComplex> complex;
 
-	CrackCase( Mesh cut, double cellSize, const CrackSettings& settings, Skinning kind = Skinning::NearbyNodes ) : SkinCase( std::move( cut ), cellSize, kind )
+	CrackCase( Mesh cut, double cellSize, const CrackSettings& settings, Skinning kind = Skinning::NearbyNodes ) :
+		SkinCase( std::move( cut ), cellSize, kind )
 	{
 		LatticeSettings build;
 		build.cellSize = float( cellSize );

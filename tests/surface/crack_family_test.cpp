@@ -16,8 +16,7 @@ namespace {
 using namespace test;
 
 class Families : public testing::TestWithParam<float>
-{
-};
+{};
 
 TEST_P( Families, EachBodyShowsWhatItWouldByItself )
 {
@@ -25,7 +24,8 @@ TEST_P( Families, EachBodyShowsWhatItWouldByItself )
 	Torn torn( it );
 	CrackView view;
 	int bodies = 0;
-	for ( const auto& [share, pieces] : { std::pair( 0.02, 1 ), std::pair( 0.05, 4 ), std::pair( 0.0, 1 ), std::pair( 0.3, 6 ), std::pair( 0.9, 2 ) } )
+	for ( const auto& [share, pieces] :
+		{ std::pair( 0.02, 1 ), std::pair( 0.05, 4 ), std::pair( 0.0, 1 ), std::pair( 0.3, 6 ), std::pair( 0.9, 2 ) } )
 	{
 		torn.tear( share, pieces, unsigned( 7 + bodies ) );
 		for ( const auto& cells : connectedParts( torn.lattice ) )
@@ -52,7 +52,9 @@ TEST_P( Families, SeamsAreWhatTheyWouldBeByThemselves )
 		for ( const auto& cells : connectedParts( torn.lattice ) )
 		{
 			torn.family->show( cells, Vec3::Zero(), view );
-			EXPECT_EQ( drawingOf( view ), drawingOf( CrackSurface( it.complex, cells, extractCells( torn.lattice, cells ), Vec3::Zero() ), torn.texture.data(), Cuts::Needed ) );
+			EXPECT_EQ( drawingOf( view ),
+				drawingOf( CrackSurface( it.complex, cells, extractCells( torn.lattice, cells ), Vec3::Zero() ), torn.texture.data(),
+					Cuts::Needed ) );
 		}
 		EXPECT_TRUE( torn.isInPatches() );
 	}
@@ -69,7 +71,8 @@ TEST_P( Families, AWholeThatBreaksMuchAtOnceIsDrawnInPatches )
 		torn.tear( share, 1, unsigned( 1000.0 * share ) );
 		ASSERT_EQ( connectedParts( torn.lattice ).size(), 1u );
 		torn.family->show( all, Vec3::Zero(), view );
-		EXPECT_EQ( drawingOf( view ), drawingOf( CrackSurface( it.complex, all, torn.lattice, Vec3::Zero() ), torn.texture.data(), torn.cuts() ) );
+		EXPECT_EQ(
+			drawingOf( view ), drawingOf( CrackSurface( it.complex, all, torn.lattice, Vec3::Zero() ), torn.texture.data(), torn.cuts() ) );
 		EXPECT_EQ( view.change.firstNewVertex, 0u );
 		EXPECT_EQ( torn.isInPatches(), share != 0.01 || torn.family->sides() );
 	}
@@ -106,7 +109,9 @@ TEST_P( Families, FacesWithoutLinksGoWithThoseThatHeldThem )
 		for ( const auto& cells : connectedParts( torn.lattice ) )
 		{
 			torn.family->show( cells, Vec3::Zero(), view );
-			EXPECT_EQ( drawingOf( view ), drawingOf( CrackSurface( it.complex, cells, extractCells( torn.lattice, cells ), Vec3::Zero() ), torn.texture.data(), torn.cuts() ) );
+			EXPECT_EQ( drawingOf( view ),
+				drawingOf( CrackSurface( it.complex, cells, extractCells( torn.lattice, cells ), Vec3::Zero() ), torn.texture.data(),
+					torn.cuts() ) );
 		}
 		EXPECT_TRUE( torn.isInPatches() );
 	}
@@ -138,7 +143,8 @@ TEST_P( Families, SeveralThreadsShowWhatOneDoes )
 	}
 }
 
-/// The inside of a large body is numbered beside its outer surface, and what is written is shared out: every array is what one thread makes.
+/// The inside of a large body is numbered beside its outer surface, and what is written is shared out: every array is what one thread
+/// makes.
 TEST_P( Families, ABodySharedOutIsWhatOneThreadMakes )
 {
 	const CrackCase it( makeSphere( 1.0, 24, 36 ), 0.16, noisy( GetParam() ) );
@@ -174,7 +180,8 @@ TEST_P( Families, ABodySharedOutIsWhatOneThreadMakes )
 			EXPECT_EQ( a.shading, b.shading );
 			EXPECT_EQ( a.shadedTriangles, b.shadedTriangles );
 			placed += a.placed.size();
-			spared += CrackSurface( it.complex, part, extractCells( one.lattice, part ), Vec3::Zero() ).vertexCount() - a.restPosition.size();
+			spared += CrackSurface( it.complex, part, extractCells( one.lattice, part ), Vec3::Zero() ).vertexCount() -
+				a.restPosition.size();
 			most = std::max( most, a.restPosition.size() );
 		}
 		EXPECT_TRUE( several.isInPatches() );
@@ -185,7 +192,8 @@ TEST_P( Families, ABodySharedOutIsWhatOneThreadMakes )
 }
 
 /// Where rows are found by the points of the cells they follow, none is missed, and most others are left out.
-void expectRowsAreFound( const SkinBinding& binding, const CellComplex& complex, const std::vector<std::uint32_t>& cells, std::mt19937& random, int& asked, int& held )
+void expectRowsAreFound( const SkinBinding& binding, const CellComplex& complex, const std::vector<std::uint32_t>& cells,
+	std::mt19937& random, int& asked, int& held )
 {
 	std::vector<char> isWanted( cells.size(), 0 );
 	for ( int k = 0; k < 3; ++k )

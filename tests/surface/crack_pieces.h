@@ -104,7 +104,9 @@ inline void expectNoSeams( const CrackSurface& surface )
 	for ( std::uint32_t v = 0; v < surface.vertexCount(); ++v )
 	{
 		const std::uint32_t w = first.emplace( surface.sideOf( v ), v ).first->second;
-		const auto row = [&b]( const auto& list, std::uint32_t i ) { return std::vector( list.begin() + b.start[b.carrierOf( i )], list.begin() + b.start[b.carrierOf( i ) + 1] ); };
+		const auto row = [&b]( const auto& list, std::uint32_t i ) {
+			return std::vector( list.begin() + b.start[b.carrierOf( i )], list.begin() + b.start[b.carrierOf( i ) + 1] );
+		};
 		seams += row( b.node, v ) != row( b.node, w ) || row( b.weight, v ) != row( b.weight, w ) || b.restPosition[v] != b.restPosition[w];
 	}
 	EXPECT_EQ( seams, 0 );

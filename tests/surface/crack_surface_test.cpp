@@ -23,6 +23,7 @@ struct Solid
 
 std::vector<Solid> solids()
 {
+	// clang-format off
 	return {
 		{ "BoxOnTheGrid", [] { return makeBox( { 0, 0, 0 }, { 1, 1, 1 } ); }, 0.2 },
 		{ "Sphere", [] { return makeSphere( 1.0, 16, 24 ); }, 0.3 },
@@ -33,6 +34,7 @@ std::vector<Solid> solids()
 		{ "ThinPlate", [] { return rotated( makeBox( { 0, 0, 0 }, { 2, 1.5, 0.03 }, 3 ), 0.3 ); }, 0.2 },
 		{ "Fork", [] { return joined( makeBox( { 0, 0, 0 }, { 2, 0.2, 0.2 } ), makeBox( { 0, 0.25, 0 }, { 2, 0.45, 0.2 } ) ); }, 0.3 },
 	};
+	// clang-format on
 }
 
 class Cracks : public testing::TestWithParam<std::tuple<Solid, float>>

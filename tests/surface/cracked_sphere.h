@@ -31,9 +31,9 @@ struct Cracked
 {
 	/// `hasSeams`: no two triangles share a vertex.
 	explicit Cracked( int rings = 24, double cell = kCell, bool hasSeams = false ) :
-		it( hasSeams ? unwelded( makeSphere( 1.0, rings, rings * 3 / 2 ) ) : makeSphere( 1.0, rings, rings * 3 / 2 ), cell, noisy() ), surface( it.complex )
-	{
-	}
+		it( hasSeams ? unwelded( makeSphere( 1.0, rings, rings * 3 / 2 ) ) : makeSphere( 1.0, rings, rings * 3 / 2 ), cell, noisy() ),
+		surface( it.complex )
+	{}
 
 	/// Breaks faces between cells beyond a height that stand on either side of the middle.
 	void crack( float height )
@@ -75,7 +75,8 @@ struct Cracked
 		float least = 1e9f;
 		for ( std::uint32_t f = 0; f < std::uint32_t( it.complex->face.size() ); ++f )
 		{
-			for ( const std::uint32_t* p = it.complex->pointsOfFace.begin( f ); surface.isBroken( f ) && p != it.complex->pointsOfFace.end( f ); ++p )
+			for ( const std::uint32_t* p = it.complex->pointsOfFace.begin( f );
+				  surface.isBroken( f ) && p != it.complex->pointsOfFace.end( f ); ++p )
 			{
 				least = std::min( least, ( it.complex->pointRest[*p] - rest ).norm() );
 			}

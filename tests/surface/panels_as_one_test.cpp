@@ -122,7 +122,8 @@ void expectDrawnAsOne( const Cracked& cracked, const AsOne& one )
 	for ( std::uint32_t t = 0; t < std::uint32_t( cracked.it.mesh.triangleCount() ); ++t )
 	{
 		std::array<std::uint32_t, 3> input = { indices[3 * t], indices[3 * t + 1], indices[3 * t + 2] };
-		const auto isFar = [&]( std::uint32_t v ) { return cracked.distanceToCrack( cracked.it.rest( int( v ) ) ) > 2.0f * float( kCell ); };
+		const auto isFar = [&](
+							   std::uint32_t v ) { return cracked.distanceToCrack( cracked.it.rest( int( v ) ) ) > 2.0f * float( kCell ); };
 		if ( std::all_of( input.begin(), input.end(), isFar ) )
 		{
 			if ( drawnOf[t].size() != 1 )
@@ -206,7 +207,8 @@ TEST( Panels, DrawnAsOneTheRestIsAsItWas )
 	const AsOne one( cracked.surface );
 	std::vector<float> positions( 3 * one.vertex.size() ), normals( positions );
 	const SkinTriangles triangles{ one.view.triangles[0].data(), one.view.triangleCount };
-	skin( *one.view.binding, cracked.it.nodes, cracked.it.rotations.data(), triangles, cracked.it.scratch, positions.data(), normals.data() );
+	skin(
+		*one.view.binding, cracked.it.nodes, cracked.it.rotations.data(), triangles, cracked.it.scratch, positions.data(), normals.data() );
 	for ( std::size_t k = 0; k < one.vertex.size(); ++k )
 	{
 		EXPECT_EQ( Vec3( Eigen::Map<const Vec3>( &positions[3 * k] ) ), cracked.position( one.vertex[k] ) );

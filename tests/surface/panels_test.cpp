@@ -191,7 +191,8 @@ TEST( Panels, SeamsStayClosed )
 	{
 		const std::uint32_t carrier = surface.binding().carrier[of.vertex];
 		const auto at = [of = of.vertex, carrier]( const std::vector<float>& list ) {
-			return std::pair( Vec3( Eigen::Map<const Vec3>( &list[3 * std::size_t( of )] ) ), Vec3( Eigen::Map<const Vec3>( &list[3 * std::size_t( carrier )] ) ) );
+			return std::pair( Vec3( Eigen::Map<const Vec3>( &list[3 * std::size_t( of )] ) ),
+				Vec3( Eigen::Map<const Vec3>( &list[3 * std::size_t( carrier )] ) ) );
 		};
 		const auto [place, carriers] = at( positions );
 		const auto [normal, carriersNormal] = at( normals );
@@ -202,7 +203,8 @@ TEST( Panels, SeamsStayClosed )
 	EXPECT_GT( copies, 100 );
 }
 
-/// Each processor's own loops, in room that another surface has left its numbers in; what is crushed to a point has no area to measure normals by.
+/// Each processor's own loops, in room that another surface has left its numbers in; what is crushed to a point has no area to measure
+/// normals by.
 TEST( Panels, AreSkinnedToTheSameBitsByAnyKernels )
 {
 	CrackCase it( unwelded( makeSphere( 1.0, 24, 36 ) ), kCell, noisy() );
@@ -211,7 +213,8 @@ TEST( Panels, AreSkinnedToTheSameBitsByAnyKernels )
 	surface.settle();
 	const SkinBinding& binding = surface.binding();
 	ASSERT_FALSE( binding.placed.empty() || binding.carrier.empty() || binding.normalShift.empty() || binding.shading.empty() );
-	it.deform( []( const Vec3& x ) { return x.x() > 0.6f ? Vec3( 0.6f, 0.0f, 0.0f ) : bent( x, 0.5f ); }, []( const Vec3& x ) { return turnOfBend( x, 0.5f ); } );
+	it.deform( []( const Vec3& x ) { return x.x() > 0.6f ? Vec3( 0.6f, 0.0f, 0.0f ) : bent( x, 0.5f ); },
+		[]( const Vec3& x ) { return turnOfBend( x, 0.5f ); } );
 	const SkinTriangles triangles{ surface.triangles()[0].data(), int( surface.triangles().size() ) };
 	SkinPose pose;
 	pose.rotations = it.rotations.data();
@@ -234,7 +237,8 @@ TEST( Panels, AreSkinnedToTheSameBitsByAnyKernels )
 /// What is larger than its cells bends with them.
 TEST( Panels, LargeTrianglesAreNone )
 {
-	const CrackCase large( makeBox( { 0, 0, 0 }, { 1, 1, 1 }, 2 ), kCell, noisy() ), small( makeBox( { 0, 0, 0 }, { 1, 1, 1 }, 6 ), kCell, noisy() );
+	const CrackCase large( makeBox( { 0, 0, 0 }, { 1, 1, 1 }, 2 ), kCell, noisy() ),
+		small( makeBox( { 0, 0, 0 }, { 1, 1, 1 }, 6 ), kCell, noisy() );
 	EXPECT_EQ( large.complex->panels.count(), 0u );
 	EXPECT_GT( small.complex->panels.count(), 100u );
 	const CrackSurface bending( large.complex ), placing( small.complex );

@@ -87,7 +87,8 @@ TEST( RigidSkin, IsTurnedToWhereSkinningInFullPutsIt )
 		for ( int i = 0; i < skin.it.nodes.count; ++i )
 		{
 			skin.it.nodes.x.set( i, q * places.get( i ) + Vec3( 0.1f, 0.02f, -0.03f ) * float( k ) );
-			Eigen::Map<Eigen::Vector4f>( skin.it.rotations.data() + 4 * i ) = ( q * Eigen::Quaternionf( rotations.data() + 4 * i ) ).coeffs();
+			Eigen::Map<Eigen::Vector4f>(
+				skin.it.rotations.data() + 4 * i ) = ( q * Eigen::Quaternionf( rotations.data() + 4 * i ) ).coeffs();
 		}
 		skin.show();
 		EXPECT_LT( skin.offBy(), 4e-6 ) << k;
@@ -186,7 +187,8 @@ TEST( RigidSkin, OfANodeThatTurnsIsMadeInFull )
 	EXPECT_EQ( skin.rigid.ask( skin.it.nodes, skin.it.rotations.data(), nullptr, kTolerance, kCell ), Since::Bent );
 	skin.rigid.keep( skin.it.nodes, skin.it.rotations.data(), nullptr, true );
 	Eigen::Map<Eigen::Vector4f>( skin.it.rotations.data() + 4 * 5 ) = Eigen::Quaternionf( turned( 0.02f ) ).coeffs();
-	EXPECT_EQ( skin.rigid.ask( skin.it.nodes, skin.it.rotations.data(), nullptr, kTolerance, kCell ), Since::Still ) << "places say what gradients are";
+	EXPECT_EQ( skin.rigid.ask( skin.it.nodes, skin.it.rotations.data(), nullptr, kTolerance, kCell ), Since::Still )
+		<< "places say what gradients are";
 }
 
 } // namespace

@@ -2,9 +2,9 @@
 
 #include "body/levels/levels.h"
 #include "surface/crack_pieces.h"
-#include "surface/skin_case.h"
 #include "surface/skin/rows_of_cells.h"
 #include "surface/skin/skin_fade.h"
+#include "surface/skin_case.h"
 
 #include <gtest/gtest.h>
 
@@ -21,7 +21,8 @@ struct Carried
 	std::vector<float> rotations, gradients;
 	SkinPose pose;
 
-	Carried( const Body& body, const SkinFade& fade ) : rotations( 4 * std::size_t( body.nodeCount() ) ), gradients( 9 * std::size_t( body.nodes().padded ) )
+	Carried( const Body& body, const SkinFade& fade ) :
+		rotations( 4 * std::size_t( body.nodeCount() ) ), gradients( 9 * std::size_t( body.nodes().padded ) )
 	{
 		body.nodeRotations( rotations.data() );
 		body.nodeDeformations( gradients.data() );
@@ -38,7 +39,8 @@ struct Carried
 		{
 			if ( !std::binary_search( change.measured.begin(), change.measured.end(), i ) )
 			{
-				std::copy_n( before.gradients.begin() + 9 * std::ptrdiff_t( change.heir[i] ), 9, gradients.begin() + 9 * std::ptrdiff_t( i ) );
+				std::copy_n(
+					before.gradients.begin() + 9 * std::ptrdiff_t( change.heir[i] ), 9, gradients.begin() + 9 * std::ptrdiff_t( i ) );
 			}
 		}
 	}
@@ -129,8 +131,8 @@ std::vector<float> drawn( const SkinBinding& binding, const Body& body, const Sk
 	return positions;
 }
 
-/// A body that has cracks: right after a change it is drawn where it stood, and rows found by their points give what all rows do, to the bit. What stands in panels that no crack
-/// parts goes with their corners, and needs no offsets.
+/// A body that has cracks: right after a change it is drawn where it stood, and rows found by their points give what all rows do, to the
+/// bit. What stands in panels that no crack parts goes with their corners, and needs no offsets.
 TEST( SkinFade, OfACrackedBodyKeepsItWhereItStood )
 {
 	const test::CrackCase it( test::makeBumpySphere( 1.0, 0.1, 30, 40 ), 0.12, test::noisy() );
@@ -203,8 +205,8 @@ float farthest( const std::vector<float>& offsets )
 	return far;
 }
 
-/// Torn elephants had their surfaces beside their nodes for up to 13 s, since no frame was to move a vertex by more than a twentieth of a percent of the body,
-/// and were skinned in full all that time: what is crushed jumps by a third of itself.
+/// Torn elephants had their surfaces beside their nodes for up to 13 s, since no frame was to move a vertex by more than a twentieth of a
+/// percent of the body, and were skinned in full all that time: what is crushed jumps by a third of itself.
 TEST( SkinFade, OfACrushedBodyIsOverInHalfASecond )
 {
 	const SkinCase it( test::makeBumpySphere( 1.0, 0.1, 30, 40 ), 0.12 );

@@ -14,8 +14,7 @@ namespace {
 using test::SkinCase;
 
 class Skin : public testing::TestWithParam<Skinning>
-{
-};
+{};
 
 INSTANTIATE_TEST_SUITE_P( Kinds, Skin, testing::Values( Skinning::NearbyNodes, Skinning::Trilinear ),
 	[]( const auto& kind ) { return kind.param == Skinning::Trilinear ? "Trilinear" : "NearbyNodes"; } );
@@ -109,7 +108,8 @@ TEST_P( Skin, BendingIsFollowedSmoothly )
 	{
 		for ( int k = 0; k < 3; ++k )
 		{
-			const int a = int( it.mesh.indices[3 * t + std::size_t( k )] ), b = int( it.mesh.indices[3 * t + std::size_t( ( k + 1 ) % 3 )] );
+			const int a = int( it.mesh.indices[3 * t + std::size_t( k )] ),
+					  b = int( it.mesh.indices[3 * t + std::size_t( ( k + 1 ) % 3 )] );
 			if ( std::max( std::abs( it.rest( a ).x() ), std::abs( it.rest( b ).x() ) ) < 1.0 - d )
 			{
 				const double wanted = ( bend( it.rest( b ) ) - bend( it.rest( a ) ) ).norm();
@@ -139,7 +139,8 @@ TEST_P( Skin, WeightsChangeHandsWithoutAJerk )
 	{
 		for ( int k = 0; k < 3; ++k )
 		{
-			const int a = int( it.mesh.indices[3 * t + std::size_t( k )] ), b = int( it.mesh.indices[3 * t + std::size_t( ( k + 1 ) % 3 )] );
+			const int a = int( it.mesh.indices[3 * t + std::size_t( k )] ),
+					  b = int( it.mesh.indices[3 * t + std::size_t( ( k + 1 ) % 3 )] );
 			const double rise = std::abs( ( it.position( b ).z() - it.rest( b ).z() ) - ( it.position( a ).z() - it.rest( a ).z() ) );
 			steepest = std::max( steepest, rise / ( it.rest( b ) - it.rest( a ) ).norm() );
 		}

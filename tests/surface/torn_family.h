@@ -31,7 +31,8 @@ inline Corner cornerOf( const SkinBinding& b, const float* texture, std::uint32_
 		corner.push_back( float( b.node[k] ) );
 		corner.push_back( b.weight[k] );
 	}
-	const auto placed = std::lower_bound( b.placed.begin(), b.placed.end(), v, []( const SkinBinding::Placed& a, std::uint32_t wanted ) { return a.vertex < wanted; } );
+	const auto placed = std::lower_bound(
+		b.placed.begin(), b.placed.end(), v, []( const SkinBinding::Placed& a, std::uint32_t wanted ) { return a.vertex < wanted; } );
 	for ( std::size_t k = 0; placed != b.placed.end() && placed->vertex == v && k < 3; ++k )
 	{
 		corner.insert( corner.end(), { -1.0f, float( b.point[placed->corner[k]] ), placed->weight[k] } );
@@ -51,7 +52,8 @@ inline std::vector<Corner> shadingOf( const SkinBinding& b )
 }
 
 /// Triangles in an order of their own, each beginning with its least corner.
-inline Drawing drawingOf( const SkinBinding& b, const std::array<std::uint32_t, 3>* triangles, const std::uint32_t* sources, int count, const float* texture )
+inline Drawing drawingOf(
+	const SkinBinding& b, const std::array<std::uint32_t, 3>* triangles, const std::uint32_t* sources, int count, const float* texture )
 {
 	Drawing drawing;
 	for ( int t = 0; t < count; ++t )
@@ -77,7 +79,7 @@ inline Drawing drawingOf( const CrackView& view )
 
 enum class Cuts
 {
-	All,  ///< as a body that is whole draws them, which only grows by its cracks
+	All,   ///< as a body that is whole draws them, which only grows by its cracks
 	Needed ///< panels that are one as the input has them
 };
 
@@ -87,7 +89,8 @@ inline Drawing drawingOf( const CrackSurface& surface, const float* input, Cuts 
 	surface.textureCoordinates( input, 0, texture.data() );
 	if ( cuts == Cuts::All )
 	{
-		return drawingOf( surface.binding(), surface.triangles().data(), surface.sources().data(), int( surface.triangles().size() ), texture.data() );
+		return drawingOf(
+			surface.binding(), surface.triangles().data(), surface.sources().data(), int( surface.triangles().size() ), texture.data() );
 	}
 	CrackView view;
 	surface.showPanelsAsOne( texture.data(), view );

@@ -19,9 +19,9 @@ using test::levels;
 using test::stiff;
 using test::TestWorld;
 
-/// A stiff block of big nodes fell on a corner and split when its balls had touched: the cells at the corners, which no ball had stood for, were
-/// born inside the floor, and Bullet shot them out at depth erp / h, with fifteen substeps at metres a second. It flew up to five times as high
-/// as it had come from.
+/// A stiff block of big nodes fell on a corner and split when its balls had touched: the cells at the corners, which no ball had stood for,
+/// were born inside the floor, and Bullet shot them out at depth erp / h, with fifteen substeps at metres a second. It flew up to five
+/// times as high as it had come from.
 TEST( AdaptiveImpact, WhatSplitsOnTheFloorIsNotShotUp )
 {
 	const btQuaternion onCorner( btVector3( 1, 0, -1 ).normalized(), btScalar( 0.9 ) );
@@ -31,7 +31,8 @@ TEST( AdaptiveImpact, WhatSplitsOnTheFloorIsNotShotUp )
 		test.addFloor();
 		Adaptivity settings = levels( 2 );
 		settings.refinesOnContact = true;
-		SoftBody* soft = test.addSoft( block( 8, 8, 8, 0.1f ), btTransform( onCorner, btVector3( 0, btScalar( 1.2 ), 0 ) ), stiff( modulus ), settings );
+		SoftBody* soft = test.addSoft(
+			block( 8, 8, 8, 0.1f ), btTransform( onCorner, btVector3( 0, btScalar( 1.2 ), 0 ) ), stiff( modulus ), settings );
 		const btScalar start = soft->massCentre().y(), gravity = -test.world.getGravity().y();
 		int splits = 0;
 		btScalar highest = 0; // m, by what it has of energy
@@ -42,7 +43,8 @@ TEST( AdaptiveImpact, WhatSplitsOnTheFloorIsNotShotUp )
 			btScalar energy = 0;
 			for ( int i = 0; i < soft->nodeCount(); ++i )
 			{
-				energy += soft->nodeMass( i ) * ( btScalar( 0.5 ) * soft->nodeVelocity( i ).length2() + gravity * soft->nodePosition( i ).y() );
+				energy += soft->nodeMass( i ) *
+					( btScalar( 0.5 ) * soft->nodeVelocity( i ).length2() + gravity * soft->nodePosition( i ).y() );
 			}
 			highest = btMax( highest, energy / ( soft->mass() * gravity ) );
 		}
@@ -86,18 +88,10 @@ double mostEnergy( const Impact& impact, const btQuaternion& turn, int& splits )
 	btRigidBody* box = nullptr;
 	switch ( impact.ground )
 	{
-	case Ground::Floor:
-		test.addFloor();
-		break;
-	case Ground::Box:
-		box = test.addBox( 300, btVector3( btScalar( 0.5 ), btScalar( 0.2 ), btScalar( 0.5 ) ), under );
-		break;
-	case Ground::Soft:
-		test.addSoft( block( 10, 4, 10, 0.1f ), under, material );
-		break;
-	case Ground::SoftWithLevels:
-		test.addSoft( block( 12, 4, 12, 0.1f ), under, material, settings );
-		break;
+		case Ground::Floor: test.addFloor(); break;
+		case Ground::Box: box = test.addBox( 300, btVector3( btScalar( 0.5 ), btScalar( 0.2 ), btScalar( 0.5 ) ), under ); break;
+		case Ground::Soft: test.addSoft( block( 10, 4, 10, 0.1f ), under, material ); break;
+		case Ground::SoftWithLevels: test.addSoft( block( 12, 4, 12, 0.1f ), under, material, settings ); break;
 	}
 	SoftBody* const soft = test.addSoft( block( impact.cells, impact.cells, impact.cells, 0.1f ),
 		btTransform( turn, btVector3( btScalar( 0.1 ), btScalar( 0.95 ), btScalar( 0.05 ) ) ), material, settings );
@@ -125,16 +119,18 @@ double mostEnergy( const Impact& impact, const btQuaternion& turn, int& splits )
 /// Some turns, as good as any.
 btQuaternion turnOf( int k )
 {
-	return btQuaternion( btVector3( std::cos( btScalar( k ) ), btScalar( 0.4 ), std::sin( btScalar( 2 * k ) ) ).normalized(), btScalar( 0.3 + 0.5 * k ) );
+	return btQuaternion(
+		btVector3( std::cos( btScalar( k ) ), btScalar( 0.4 ), std::sin( btScalar( 2 * k ) ) ).normalized(), btScalar( 0.3 + 0.5 * k ) );
 }
 
-/// The balls of big nodes leave out their cubes' corners, and the nodes there, new in the world, stood in what the big ones had touched. Bullet pushed them out of it
-/// within some substeps. A stiff block came back off a floor with many times the energy that it had come with, and off a soft body, which nodes do not see
-/// coming as they see a floor, with more than thirty times as much.
+/// The balls of big nodes leave out their cubes' corners, and the nodes there, new in the world, stood in what the big ones had touched.
+/// Bullet pushed them out of it within some substeps. A stiff block came back off a floor with many times the energy that it had come with,
+/// and off a soft body, which nodes do not see coming as they see a floor, with more than thirty times as much.
 TEST( AdaptiveImpact, BringsNoEnergyIn )
 {
-	const Impact impacts[] = { { Ground::Floor, 1e8f, 6, false }, { Ground::Floor, 3e6f, 8, true, Elasticity::Explicit, 4 }, { Ground::Box, 1e8f, 6, false }, { Ground::Soft, 1e7f, 8, false },
-		{ Ground::Soft, 1e8f, 6, false }, { Ground::SoftWithLevels, 1e7f, 8, false }, { Ground::SoftWithLevels, 1e8f, 6, false },
+	const Impact impacts[] = { { Ground::Floor, 1e8f, 6, false }, { Ground::Floor, 3e6f, 8, true, Elasticity::Explicit, 4 },
+		{ Ground::Box, 1e8f, 6, false }, { Ground::Soft, 1e7f, 8, false }, { Ground::Soft, 1e8f, 6, false },
+		{ Ground::SoftWithLevels, 1e7f, 8, false }, { Ground::SoftWithLevels, 1e8f, 6, false },
 		{ Ground::SoftWithLevels, 1e8f, 6, false, Elasticity::Implicit },
 		{ Ground::Floor, 1e8f, 6, false, Elasticity::Implicit, btScalar( 1.9 ) } };
 	for ( const Impact& impact : impacts )
@@ -146,13 +142,15 @@ TEST( AdaptiveImpact, BringsNoEnergyIn )
 			most = std::max( most, mostEnergy( impact, turnOf( k ), splits ) );
 		}
 		EXPECT_GT( splits, 0 );
-		EXPECT_LT( most, 1.001 ) << "ground " << int( impact.ground ) << ", E " << impact.modulus << ( impact.byStrain ? ", by strain" : "" );
-		std::printf( "ground %d, E %g%s: at most %.4f of the energy\n", int( impact.ground ), double( impact.modulus ), impact.byStrain ? ", by strain" : "", most );
+		EXPECT_LT( most, 1.001 ) << "ground " << int( impact.ground ) << ", E " << impact.modulus
+								 << ( impact.byStrain ? ", by strain" : "" );
+		std::printf( "ground %d, E %g%s: at most %.4f of the energy\n", int( impact.ground ), double( impact.modulus ),
+			impact.byStrain ? ", by strain" : "", most );
 	}
 }
 
-/// What it touched at first, by a corner, had split before; then the corners beside it came near the floor, where the block stood still for a moment and held all that
-/// it had come with: the nodes there split, and held up to 13 % more.
+/// What it touched at first, by a corner, had split before; then the corners beside it came near the floor, where the block stood still for
+/// a moment and held all that it had come with: the nodes there split, and held up to 13 % more.
 TEST( AdaptiveImpact, WhatIsPressedTogetherWaits )
 {
 	const btQuaternion onCorner( btVector3( 1, 0, -1 ).normalized(), btScalar( 0.9 ) );
@@ -183,7 +181,8 @@ TEST( AdaptiveImpact, WhatIsBornInTheFloorComesOutOfIt )
 			Adaptivity settings = levels( 2 );
 			settings.refinesOnContact = k % 2 == 1;
 			settings.refineStrain = k % 2 == 1 ? 0.0f : 0.03f;
-			SoftBody* const soft = test.addSoft( block( 6, 6, 6, 0.1f ), btTransform( turnOf( k ), btVector3( 0, 1, 0 ) ), material, settings );
+			SoftBody* const soft = test.addSoft(
+				block( 6, 6, 6, 0.1f ), btTransform( turnOf( k ), btVector3( 0, 1, 0 ) ), material, settings );
 			btScalar deepest = 0; // m
 			const auto depth = [soft] {
 				btScalar most = 0;
@@ -198,8 +197,8 @@ TEST( AdaptiveImpact, WhatIsBornInTheFloorComesOutOfIt )
 				test.run( 1 );
 				deepest = btMax( deepest, depth() );
 			}
-			std::printf( "%s, %s: %.1f mm deep at most, %.3f at the end\n", elasticity == Elasticity::Explicit ? "explicit" : "implicit", k % 2 == 1 ? "near the floor" : "by strain",
-				1e3 * double( deepest ), 1e3 * double( depth() ) );
+			std::printf( "%s, %s: %.1f mm deep at most, %.3f at the end\n", elasticity == Elasticity::Explicit ? "explicit" : "implicit",
+				k % 2 == 1 ? "near the floor" : "by strain", 1e3 * double( deepest ), 1e3 * double( depth() ) );
 			EXPECT_LT( depth(), btScalar( 0.002 ) );
 			EXPECT_FALSE( soft->isActive() );
 		}

@@ -40,7 +40,8 @@ std::shared_ptr<const BodyTemplate> gridBlock( const Eigen::Vector3i& cells, flo
 		{
 			const std::uint32_t a = first + std::uint32_t( k / cells[u] ) * row + std::uint32_t( k % cells[u] );
 			const std::uint32_t b = a + 1, c = a + row, d = c + 1;
-			const std::vector<std::uint32_t> two = face % 2 == 0 ? std::vector<std::uint32_t>{ a, c, b, b, c, d } : std::vector<std::uint32_t>{ a, b, c, b, d, c };
+			const std::vector<std::uint32_t> two = face % 2 == 0 ? std::vector<std::uint32_t>{ a, c, b, b, c, d }
+																 : std::vector<std::uint32_t>{ a, b, c, b, d, c };
 			triangles.insert( triangles.end(), two.begin(), two.end() );
 		}
 	}
@@ -153,7 +154,8 @@ TEST( AdaptiveSkin, LoadedBeamChangesLevelsWithoutAJump )
 			deepest = std::max( deepest, changing.deepest() );
 		}
 	}
-	std::printf( "beam bent by %.1f %% of its diagonal, ten changes: the surface jumps %.4f %% of it a frame (at most 0.1), momentum %.1e (1e-6), energy %.1e (0.01)\n",
+	std::printf( "beam bent by %.1f %% of its diagonal, ten changes: the surface jumps %.4f %% of it a frame (at most 0.1), momentum %.1e "
+				 "(1e-6), energy %.1e (0.01)\n",
 		100.0 * double( deepest ), 100.0 * double( worst ), momentum, energy );
 	EXPECT_GT( deepest, 0.03f );
 	EXPECT_LT( worst, 1e-3f );
@@ -224,7 +226,8 @@ TEST( PlasticSkin, ReachesTheEndsOfABarThatWasPulled )
 			end = std::max( end, view.positions[3 * v] );
 		}
 		const float wanted = outer[1] + set * ( 0.8f - outer[0] );
-		std::printf( "%d levels: set %.3f at the end, which is at %.4f (%.4f)\n", coarseLevels, double( set ), double( end ), double( wanted ) );
+		std::printf(
+			"%d levels: set %.3f at the end, which is at %.4f (%.4f)\n", coarseLevels, double( set ), double( end ), double( wanted ) );
 		EXPECT_GT( set, 1.1f );
 		EXPECT_NEAR( end, wanted, 0.1f * 0.5f * 0.1f ) << "a tenth of half a cell";
 	}

@@ -4,7 +4,6 @@
 #include "world/bodies/soft_body_impl.h"
 
 #include <algorithm>
-#include <cstdio>
 #include <random>
 
 namespace pliant {
@@ -58,13 +57,12 @@ TEST( Adaptive, BlockRestsAndCarriesAtTheHeightOfTheUniformOne )
 			const btScalar half = btScalar( 0.05 ) * btScalar( height );
 			SoftBody* soft = test.addSoft( block( 8, height, 8, 0.1f ), at( 0, half, 0 ), stiff( 4e5f ), levels( isAdaptive ? 2 : 0 ) );
 			EXPECT_EQ( soft->nodeCount(), isAdaptive ? height == 8 ? 8 : 4 : 64 * height );
-			btRigidBody* box = test.addBox( 5, btVector3( btScalar( 0.4 ), btScalar( 0.1 ), btScalar( 0.4 ) ), at( 0, 2 * half + btScalar( 0.1 ), 0 ) );
+			const btVector3 halfSize( btScalar( 0.4 ), btScalar( 0.1 ), btScalar( 0.4 ) );
+			btRigidBody* box = test.addBox( 5, halfSize, at( 0, 2 * half + btScalar( 0.1 ), 0 ) );
 			test.run( 120 );
 			low[isAdaptive] = lowestPoint( *soft );
 			top[isAdaptive] = box->getWorldTransform().getOrigin().y() - btScalar( 0.1 );
 		}
-		std::printf( "block %d cells high: lowest point %.4f m (uniform %.4f), what it carries stands at %.4f m (uniform %.4f), cell 0.1 m\n", height,
-			double( low[1] ), double( low[0] ), double( top[1] ), double( top[0] ) );
 		EXPECT_NEAR( low[1], 0, 0.005 );
 		EXPECT_NEAR( top[1], top[0], 0.02 );
 	}
@@ -80,8 +78,6 @@ TEST( Adaptive, ContactRefinesWhereItIsAndMergesBackWhenItIsGone )
 	const int before = soft->nodeCount();
 	test.run( 60 );
 	const StepReport& report = test.world.stepReport();
-	std::printf( "at rest on the floor: %d + %d + %d nodes on levels 0, 1, 2 of %d cells\n", report.nodesOnLevel[0], report.nodesOnLevel[1],
-		report.nodesOnLevel[2], soft->bodyTemplate().cellCount() );
 	EXPECT_EQ( report.nodesOnLevel[0] + report.nodesOnLevel[1] + report.nodesOnLevel[2], soft->nodeCount() );
 	EXPECT_GE( report.nodesOnLevel[0], 64 );
 	EXPECT_GE( report.nodesOnLevel[2], before / 2 );
@@ -116,7 +112,6 @@ TEST( Adaptive, SmallThingsDoNotFallBetweenBigNodes )
 		ball->setActivationState( DISABLE_DEACTIVATION );
 		test.run( 120 );
 		const btScalar height = ball->getWorldTransform().getOrigin().y() - btScalar( 0.07 );
-		std::printf( "a small ball %s: %.3f m high, %d nodes\n", refines ? "refines" : "meets big nodes", double( height ), soft->nodeCount() );
 		if ( refines )
 		{
 			EXPECT_NEAR( height, 0.8, 0.05 );
@@ -149,9 +144,10 @@ TEST( Adaptive, ContactsOfNodesThatStayKeepTheirImpulses )
 	ASSERT_EQ( contacts, 4 );
 	const btScalar restsAt = soft->massCentre().y();
 	// The upper half splits, and a corner that stands on the floor.
-	changeLevels( *soft, coarseNodes( *soft, []( const SoftBody& s, int i ) { return s.nodePosition( i ).y() > btScalar( 0.8 ) || i == 0; } ), {} );
+	const auto isHigh = []( const SoftBody& s, int i ) { return s.nodePosition( i ).y() > btScalar( 0.8 ) || i == 0; };
+	changeLevels( *soft, coarseNodes( *soft, isHigh ), {} );
 	EXPECT_TRUE( SoftBody::upcast( test.parts.dispatcher.getManifoldByIndexInternal( 0 )->getBody0() ) == soft ||
-				 SoftBody::upcast( test.parts.dispatcher.getManifoldByIndexInternal( 0 )->getBody1() ) == soft );
+		SoftBody::upcast( test.parts.dispatcher.getManifoldByIndexInternal( 0 )->getBody1() ) == soft );
 	test.run( 1 );
 	EXPECT_GT( oldest(), age );
 	EXPECT_EQ( test.world.stepReport().softContacts, contacts - 1 + 4 );
@@ -184,7 +180,7 @@ TEST( Adaptive, SpheresAreThoseOfABodyMadeThisWay )
 		else
 		{
 			std::vector<std::uint32_t> split = coarseNodes( *soft, anyNode );
-			split.erase( std::remove_if( split.begin(), split.end(), [&random]( std::uint32_t ) { return random() % 2 == 0; } ), split.end() );
+			std::erase_if( split, [&random]( std::uint32_t ) { return random() % 2 == 0; } );
 			changeLevels( *soft, split, {} );
 			splits.push_back( split );
 		}
@@ -192,7 +188,8 @@ TEST( Adaptive, SpheresAreThoseOfABodyMadeThisWay )
 		NodeShape fresh( *soft->impl().body );
 		ASSERT_EQ( shape.getNumChildShapes(), fresh.getNumChildShapes() );
 		std::vector<int> found( std::size_t( shape.getNumChildShapes() ), 0 );
-		shape.rows().visitOverlaps( SphereRows::Box{ { -9, -9, -9 }, { 9, 9, 9 } }, [&]( int node ) { ++found[std::size_t( shape.childOfNode( node ) )]; } );
+		shape.rows().visitOverlaps(
+			SphereRows::Box{ { -9, -9, -9 }, { 9, 9, 9 } }, [&]( int node ) { ++found[std::size_t( shape.childOfNode( node ) )]; } );
 		EXPECT_EQ( found, std::vector<int>( found.size(), 1 ) );
 		for ( int i = 0; i < soft->nodeCount(); ++i )
 		{
@@ -203,7 +200,8 @@ TEST( Adaptive, SpheresAreThoseOfABodyMadeThisWay )
 			{
 				EXPECT_EQ( soft->nodeOfShapeIndex( child ), i );
 				EXPECT_EQ( shape.getChildShape( child ), shape.sphereOfNode( i ) );
-				EXPECT_LT( ( soft->getWorldTransform() * shape.getChildTransform( child ).getOrigin() - soft->nodePosition( i ) ).length(), 1e-5 );
+				const btVector3 sphere = soft->getWorldTransform() * shape.getChildTransform( child ).getOrigin();
+				EXPECT_LT( ( sphere - soft->nodePosition( i ) ).length(), 1e-5 );
 				for ( const btDbvtNode* node = shape.getChildList()[child].m_node; node->parent; node = node->parent )
 				{
 					EXPECT_TRUE( node->parent->volume.Contain( node->volume ) ); // parts stand out of the sphere they were one of
@@ -303,7 +301,8 @@ TEST( Adaptive, WhatIsPinnedInPartsStaysInParts )
 	}
 	post.test.run( 30 );
 	EXPECT_EQ( soft->nodeCount(), 11 );
-	for ( int node = 0; node < soft->nodeCount(); soft->releaseNode( node++ ) ) {}
+	for ( int node = 0; node < soft->nodeCount(); soft->releaseNode( node++ ) )
+	{}
 	post.test.run( 30 );
 	EXPECT_EQ( soft->nodeCount(), 4 );
 	EXPECT_LT( soft->massCentre().y(), 1.9 ) << "what is released falls";
@@ -411,7 +410,6 @@ TEST( Adaptive, ImpactRaisesTheCountAndRestLowersIt )
 		test.run( 1 );
 		most = std::max( most, soft->nodeCount() );
 	}
-	std::printf( "drop of 2.1 m: 8 nodes, at most %d, in the end %d\n", most, soft->nodeCount() );
 	EXPECT_GT( most, 64 );
 	EXPECT_LT( soft->nodeCount(), most / 4 );
 }

@@ -19,9 +19,9 @@ constexpr float kCell = 0.1f;
 
 struct Drawn
 {
-	double area = 0.0;   ///< of the cut, m^2
+	double area = 0.0; ///< of the cut, m^2
 	double volume = 0.0;
-	double open = 0.0;   ///< length of the sum of all triangles' areas
+	double open = 0.0;     ///< length of the sum of all triangles' areas
 	double farthest = 0.0; ///< of the cut's triangles from where it should be, m
 };
 
@@ -74,7 +74,8 @@ TEST( Blade, ASlantedPlaneIsDrawnAsOnePlane )
 		for ( int i = 0; i < 2; ++i )
 		{
 			const Drawn drawn = measure( *test.world.softBody( i ), away );
-			std::printf( "cut %.5f m^2 (%.5f), volume %.5f m^3, %.4f cells from the plane\n", drawn.area, section, drawn.volume, drawn.farthest / kCell );
+			std::printf( "cut %.5f m^2 (%.5f), volume %.5f m^3, %.4f cells from the plane\n", drawn.area, section, drawn.volume,
+				drawn.farthest / kCell );
 			EXPECT_LT( drawn.farthest, 1e-3 * kCell );
 			EXPECT_NEAR( drawn.area, section, 1e-3 * section ); // the stairs: 1.55 of it
 			EXPECT_LT( drawn.open, 1e-5 * section );
@@ -107,7 +108,8 @@ std::shared_ptr<const BodyTemplate> fineBlock()
 		}
 		for ( int k = 0; k < nu * nv; ++k )
 		{
-			const std::uint32_t a = first + std::uint32_t( k / nu * ( nu + 1 ) + k % nu ), b = a + 1, c = a + std::uint32_t( nu ) + 1, d = c + 1;
+			const std::uint32_t a = first + std::uint32_t( k / nu * ( nu + 1 ) + k % nu ), b = a + 1, c = a + std::uint32_t( nu ) + 1,
+								d = c + 1;
 			const std::uint32_t out[6] = { a, b, d, a, d, c }, in[6] = { a, d, b, a, c, d };
 			indices.insert( indices.end(), side % 2 != 0 ? out : in, ( side % 2 != 0 ? out : in ) + 6 );
 		}
@@ -151,7 +153,9 @@ TEST( Blade, WhatHasHealedIsDrawnAsItWas )
 	SoftBody* soft = test.addSoft( fineBlock(), at( 0, 1, 0 ), stiff( 1e5f ) );
 	const SurfaceView whole = soft->surface();
 	const std::vector<float> before( whole.positions, whole.positions + 3 * whole.vertexCount );
-	ASSERT_GT( soft->cutPlane( btVector3( btScalar( 0.013 ), btScalar( 1.2 ), 0 ), btVector3( 1, btScalar( 0.5 ), btScalar( 0.3 ) ), btScalar( 0.25 ) ), 0 );
+	ASSERT_GT( soft->cutPlane(
+				   btVector3( btScalar( 0.013 ), btScalar( 1.2 ), 0 ), btVector3( 1, btScalar( 0.5 ), btScalar( 0.3 ) ), btScalar( 0.25 ) ),
+		0 );
 	test.run( 1 );
 	soft->surface();
 	ASSERT_GT( soft->heal(), 0 );
@@ -175,7 +179,8 @@ TEST( Blade, ASphereIsDrawnRound )
 	ASSERT_EQ( test.world.softBodyCount(), 2 );
 	for ( int i = 0; i < 2; ++i )
 	{
-		const Drawn drawn = measure( *test.world.softBody( i ), [&]( const btVector3& p ) { return double( ( p - centre ).length() ) - radius; } );
+		const Drawn drawn = measure(
+			*test.world.softBody( i ), [&]( const btVector3& p ) { return double( ( p - centre ).length() ) - radius; } );
 		const double whole = 4.0 * SIMD_PI * radius * radius;
 		std::printf( "cut %.4f m^2 (%.4f), %.3f cells from the sphere\n", drawn.area, whole, drawn.farthest / kCell );
 		EXPECT_LT( drawn.farthest, 0.15 * kCell );

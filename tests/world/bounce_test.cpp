@@ -1,4 +1,5 @@
-// Bounces bring no energy in, of motion and of strain together, whatever the restitution: balls, boxes and soft cubes at soft cubes, soft cubes at a floor.
+// Bounces bring no energy in, of motion and of strain together, whatever the restitution: balls, boxes and soft cubes at soft cubes, soft
+// cubes at a floor.
 
 #include "test_world.h"
 
@@ -36,18 +37,20 @@ public:
 		addCube( btVector3( 0, 0, 0 ) );
 		const double speed = 3.0 * std::pow( 5.0, share() );
 		const btVector3 start( btScalar( 0.4 * share() - 0.2 ), btScalar( 0.8 ), btScalar( 0.4 * share() - 0.2 ) );
-		const btVector3 velocity( btScalar( 0.3 * speed * ( share() - 0.5 ) ), btScalar( -speed ), btScalar( 0.3 * speed * ( share() - 0.5 ) ) );
+		const btVector3 velocity(
+			btScalar( 0.3 * speed * ( share() - 0.5 ) ), btScalar( -speed ), btScalar( 0.3 * speed * ( share() - 0.5 ) ) );
 		// The implicit step's own energy goes up and down where something turns far in a step, contacts or not.
 		const double turn = elasticity == Elasticity::Implicit ? 0.0 : 20.0;
-		const btVector3 spin( btScalar( turn * ( share() - 0.5 ) ), btScalar( turn * ( share() - 0.5 ) ), btScalar( turn * ( share() - 0.5 ) ) );
+		const btVector3 spin(
+			btScalar( turn * ( share() - 0.5 ) ), btScalar( turn * ( share() - 0.5 ) ), btScalar( turn * ( share() - 0.5 ) ) );
 		switch ( seed % kShotKinds )
 		{
-		case 0: throwRigid( new btSphereShape( btScalar( 0.15 ) ), start, velocity, spin ); break;
-		case 1: throwRigid( new btBoxShape( btVector3( 0.2f, 0.1f, 0.15f ) ), start, velocity, spin ); break;
-		case 2: addCube( start )->setVelocities( velocity, spin ); break;
-		default:
-			m_soft.front()->setVelocities( velocity, spin );
-			give( m_world.addBox( 0, btVector3( 3, 1, 3 ), at( 0, btScalar( -1.6 ), 0 ) ) );
+			case 0: throwRigid( new btSphereShape( btScalar( 0.15 ) ), start, velocity, spin ); break;
+			case 1: throwRigid( new btBoxShape( btVector3( 0.2f, 0.1f, 0.15f ) ), start, velocity, spin ); break;
+			case 2: addCube( start )->setVelocities( velocity, spin ); break;
+			default:
+				m_soft.front()->setVelocities( velocity, spin );
+				give( m_world.addBox( 0, btVector3( 3, 1, 3 ), at( 0, btScalar( -1.6 ), 0 ) ) );
 		}
 	}
 
@@ -116,7 +119,8 @@ private:
 		}
 		return sum;
 	}
-	// Of the step as it is taken, from x to x + h v: x . K ( x + h v ) / 2 in place of x . K x / 2 (leapfrog), the mean of both ends' (implicit).
+	// Of the step as it is taken, from x to x + h v: x . K ( x + h v ) / 2 in place of x . K x / 2 (leapfrog), the mean of both ends'
+	// (implicit).
 	double strain() const
 	{
 		EXPECT_EQ( m_world.world.stepReport().substeps, substeps() );
@@ -124,8 +128,11 @@ private:
 		double sum = 0.0;
 		for ( std::size_t k = 0; k < m_soft.size(); ++k )
 		{
-			const double ends = 0.5 * ( m_strain[k].at( StrainEnergy::places( *m_soft[k], 0.0 ) ) + m_strain[k].at( StrainEnergy::places( *m_soft[k], h ) ) );
-			sum += m_material.elasticity == Elasticity::Implicit ? ends : 2.0 * m_strain[k].at( StrainEnergy::places( *m_soft[k], 0.5 * h ) ) - ends;
+			const double ends = 0.5 *
+				( m_strain[k].at( StrainEnergy::places( *m_soft[k], 0.0 ) ) + m_strain[k].at( StrainEnergy::places( *m_soft[k], h ) ) );
+			sum += m_material.elasticity == Elasticity::Implicit
+				? ends
+				: 2.0 * m_strain[k].at( StrainEnergy::places( *m_soft[k], 0.5 * h ) ) - ends;
 		}
 		return sum;
 	}
@@ -160,7 +167,8 @@ void impacts( Elasticity elasticity )
 				hits += impact.touches() > 0 ? 1 : 0;
 			}
 			EXPECT_GE( hits, kSeeds * 7 / 8 );
-			std::printf( "friction %.1f, restitution %.1f: energy at most %.5f, rises by %.5f at most, %.3f left in the mean\n", friction, restitution, most, rise, left );
+			std::printf( "friction %.1f, restitution %.1f: energy at most %.5f, rises by %.5f at most, %.3f left in the mean\n", friction,
+				restitution, most, rise, left );
 		}
 	}
 }

@@ -1,8 +1,8 @@
 // A box that is asked for many spheres says what it says to one; and marked nodes come in their order.
 
-#include "world/touch/box_touch.h"
 #include "world/constants.h"
 #include "world/shape/node_marks.h"
+#include "world/touch/box_touch.h"
 
 #include <BulletCollision/CollisionShapes/btBoxShape.h>
 
@@ -54,9 +54,10 @@ Count askBoth( double away, double fastest )
 				EXPECT_EQ( one.normal, many.normal );
 				EXPECT_EQ( one.distance, many.distance );
 			}
-			++( !isTouching ? count.clear : sphere.isFast() && one.distance > sphere.radius * ( 1.0 + kContactSlop ) ? count.swept
-								   : one.distance < 0.0                                                          ? count.inside
-																												  : count.outside );
+			++( !isTouching                                                                    ? count.clear
+					: sphere.isFast() && one.distance > sphere.radius * ( 1.0 + kContactSlop ) ? count.swept
+					: one.distance < 0.0                                                       ? count.inside
+																							   : count.outside );
 		}
 	}
 	return count;

@@ -21,8 +21,8 @@ int linksOnLevels( const test::Drop& drop, int levels )
 	return links;
 }
 
-// Cells within four links of a big node had been kept from breaking, and others for a twentieth of a second after they had been split: an impact is
-// over by then. A quarter of what breaks on the uniform lattice broke on two levels at a strain of .1, and a fourteenth at .2.
+// Cells within four links of a big node had been kept from breaking, and others for a twentieth of a second after they had been split: an
+// impact is over by then. A quarter of what breaks on the uniform lattice broke on two levels at a strain of .1, and a fourteenth at .2.
 TEST( BreakingDrops, LevelsTakeLittleOffWhatBreaks )
 {
 	for ( const float strain : { 0.1f, 0.2f } )

@@ -26,21 +26,25 @@ struct BulletResult
 	bool meets = false, passes = false;
 };
 
-/// A ball at a block of 6 x 6 x 6 or 8 x 8 x 3 cells, with as much energy at most as pressing its own way through takes: E times what it would sweep.
+/// A ball at a block of 6 x 6 x 6 or 8 x 8 x 3 cells, with as much energy at most as pressing its own way through takes: E times what it
+/// would sweep.
 class BulletShot
 {
 public:
 	BulletShot( unsigned seed, Elasticity elasticity, const Surface& surface ) : m_random( seed * 7919u + 3u )
 	{
 		const bool isPlate = seed % 2 == 1;
-		m_half = isPlate ? btVector3( btScalar( 0.2 ), btScalar( 0.2 ), btScalar( 0.075 ) ) : btVector3( btScalar( 0.3 ), btScalar( 0.3 ), btScalar( 0.3 ) );
+		m_half = isPlate ? btVector3( btScalar( 0.2 ), btScalar( 0.2 ), btScalar( 0.075 ) )
+						 : btVector3( btScalar( 0.3 ), btScalar( 0.3 ), btScalar( 0.3 ) );
 		m_world.world.setGravity( btVector3( 0, 0, 0 ) );
 		Material material = test::stiff( float( std::pow( 10.0, 4.0 + 2.0 * share() ) ) );
 		material.elasticity = elasticity;
 		material.damping = material.wobbleDamping = 0.0f;
 		btTransform place = at( 0, 0, 0 );
-		place.setRotation( isPlate ? btQuaternion::getIdentity()
-								   : btQuaternion( btScalar( share() - 0.5 ), btScalar( share() - 0.5 ), btScalar( share() - 0.5 ), btScalar( 0.5 ) ).normalized() );
+		place.setRotation( isPlate
+				? btQuaternion::getIdentity()
+				: btQuaternion( btScalar( share() - 0.5 ), btScalar( share() - 0.5 ), btScalar( share() - 0.5 ), btScalar( 0.5 ) )
+					  .normalized() );
 		m_soft = m_world.addSoft( isPlate ? block( 8, 8, 3, 0.05f ) : block( 6, 6, 6, 0.1f ), place, material );
 
 		m_radius = 0.04 + 0.06 * share();
@@ -75,8 +79,10 @@ public:
 			wasInside = wasInside || goesThroughMiddle( from );
 		}
 		const btVector3 apart = m_ball->getWorldTransform().getOrigin() - m_soft->massCentre();
-		result.passes = wasInside && double( apart.z() ) > double( m_half.z() ) + m_radius && m_ball->getLinearVelocity().z() > m_soft->linearVelocity().z();
-		const btVector3 lost = m_ball->getLinearVelocity() * btScalar( m_mass ) + m_soft->linearVelocity() * m_soft->mass() - btVector3( 0, 0, btScalar( momentum ) );
+		result.passes = wasInside && double( apart.z() ) > double( m_half.z() ) + m_radius &&
+			m_ball->getLinearVelocity().z() > m_soft->linearVelocity().z();
+		const btVector3 lost = m_ball->getLinearVelocity() * btScalar( m_mass ) + m_soft->linearVelocity() * m_soft->mass() -
+			btVector3( 0, 0, btScalar( momentum ) );
 		result.momentum = double( lost.length() ) / momentum;
 		result.spin = double( ( spin() - spinBefore ).length() ) / ( momentum * double( m_half.x() ) );
 		result.meets = m_soft->linearVelocity().length() > 0;
@@ -92,7 +98,8 @@ private:
 		bool isInside = false;
 		for ( int k = 0; k <= 20; ++k )
 		{
-			const btVector3 x = fit.invXform( from.lerp( m_ball->getWorldTransform().getOrigin(), btScalar( k ) / 20 ) ).absolute() - btScalar( 0.6 ) * m_half;
+			const btVector3 x = fit.invXform( from.lerp( m_ball->getWorldTransform().getOrigin(), btScalar( k ) / 20 ) ).absolute() -
+				btScalar( 0.6 ) * m_half;
 			isInside = isInside || ( x.x() < 0 && x.y() < 0 && x.z() < 0 );
 		}
 		return isInside;
@@ -100,12 +107,13 @@ private:
 	btVector3 spin() const ///< about the world's origin
 	{
 		return m_ball->getWorldTransform().getOrigin().cross( m_ball->getLinearVelocity() * btScalar( m_mass ) ) +
-			   m_ball->getAngularVelocity() / m_ball->getInvInertiaDiagLocal().x() + m_soft->massCentre().cross( m_soft->linearVelocity() * m_soft->mass() ) +
-			   m_soft->angularMomentum();
+			m_ball->getAngularVelocity() / m_ball->getInvInertiaDiagLocal().x() +
+			m_soft->massCentre().cross( m_soft->linearVelocity() * m_soft->mass() ) + m_soft->angularMomentum();
 	}
 	double motion() const
 	{
-		double sum = 0.5 * m_mass * double( m_ball->getLinearVelocity().length2() ) + 0.5 * double( m_ball->getAngularVelocity().length2() / m_ball->getInvInertiaDiagLocal().x() );
+		double sum = 0.5 * m_mass * double( m_ball->getLinearVelocity().length2() ) +
+			0.5 * double( m_ball->getAngularVelocity().length2() / m_ball->getInvInertiaDiagLocal().x() );
 		for ( int i = 0; i < m_soft->nodeCount(); ++i )
 		{
 			sum += 0.5 * double( m_soft->nodeMass( i ) * m_soft->nodeVelocity( i ).length2() );
@@ -139,7 +147,8 @@ void shoot( Elasticity elasticity )
 		energy = std::max( energy, r.energy );
 		meets += r.meets ? 1 : 0;
 	}
-	std::printf( "%d of %u meet; momentum %.1e, spin %.1e, energy of motion at most %.5f of what there was\n", meets, kShots, momentum, spin, energy );
+	std::printf( "%d of %u meet; momentum %.1e, spin %.1e, energy of motion at most %.5f of what there was\n", meets, kShots, momentum,
+		spin, energy );
 	EXPECT_GE( meets, int( kShots ) - 1 );
 }
 
@@ -154,8 +163,8 @@ TEST( Bullets, GiveTheirMomentumToImplicitBodiesAndDoNotPass )
 }
 
 // Shots that brought energy in, by up to fourteen times what there was: nodes that bounced again in each substep while they were pressed on
-// (explicit, most of them without friction), solutions that ended with contacts taken as pressing that pulled (implicit), and bounces off what
-// matching had just made of the speeds, several of one ball at once.
+// (explicit, most of them without friction), solutions that ended with contacts taken as pressing that pulled (implicit), and bounces off
+// what matching had just made of the speeds, several of one ball at once.
 TEST( Bullets, BringNoEnergyInHoweverTheyBounceAndRub )
 {
 	const unsigned hard[] = { 4, 22, 24, 30, 36, 68, 82, 89, 90, 133, 164, 218, 240, 260, 274 };

@@ -19,10 +19,15 @@ struct Rows
 	std::vector<std::uint32_t> start, to;
 
 	ClosePairs::Held held() const { return { start, to }; }
-	bool stands( std::uint32_t a, std::uint32_t b ) const { return std::find( to.begin() + start[a], to.begin() + start[a + 1], b ) != to.begin() + start[a + 1]; }
+	bool stands( std::uint32_t a, std::uint32_t b ) const
+	{
+		return std::find( to.begin() + start[a], to.begin() + start[a + 1], b ) != to.begin() + start[a + 1];
+	}
 	bool hold( std::uint32_t a, std::uint32_t b ) const
 	{
-		return stands( a, b ) || std::any_of( to.begin() + start[a], to.begin() + start[a + 1], [this, b]( std::uint32_t third ) { return stands( b, third ); } );
+		return stands( a, b ) || std::any_of( to.begin() + start[a], to.begin() + start[a + 1], [this, b]( std::uint32_t third ) {
+			return stands( b, third );
+		} );
 	}
 };
 
@@ -141,7 +146,8 @@ TEST( ClosePairs, OfSomeAreThoseOfAllThatHaveOneOfThem )
 		std::generate( isOf.begin(), isOf.end(), [&random] { return std::uint8_t( random() % 5 == 0 ); } );
 		std::vector<std::uint64_t> all, expected, pairs;
 		finder.find( spheres, 0.04f, 0.03f, &held, all );
-		std::copy_if( all.begin(), all.end(), std::back_inserter( expected ), [&isOf]( std::uint64_t pair ) { return isOf[pair >> 32] != 0 || isOf[std::uint32_t( pair )] != 0; } );
+		std::copy_if( all.begin(), all.end(), std::back_inserter( expected ),
+			[&isOf]( std::uint64_t pair ) { return isOf[pair >> 32] != 0 || isOf[std::uint32_t( pair )] != 0; } );
 		finder.findOf( spheres, isOf, 0.04f, 0.03f, &held, pairs );
 		std::sort( expected.begin(), expected.end() );
 		std::sort( pairs.begin(), pairs.end() );

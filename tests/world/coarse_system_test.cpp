@@ -39,7 +39,8 @@ void solveRow( CoarseSystem& system, int bodies, int far )
 			whole.block( system.offset( a ), system.offset( b ), sizes[std::size_t( a )], sizes[std::size_t( b )] ) += piece;
 			if ( a != b )
 			{
-				whole.block( system.offset( b ), system.offset( a ), sizes[std::size_t( b )], sizes[std::size_t( a )] ) += piece.transpose();
+				whole.block(
+					system.offset( b ), system.offset( a ), sizes[std::size_t( b )], sizes[std::size_t( a )] ) += piece.transpose();
 			}
 		};
 		for ( int k = 0; k < bodies; ++k )

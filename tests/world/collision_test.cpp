@@ -65,7 +65,8 @@ TEST( Collision, OfTwoSoftBodiesKeepsSpinHoweverTheyRub )
 				Material material = stiff( 1e5f );
 				material.elasticity = elasticity;
 				SoftBody* still = t.addSoft( block( 6, 4, 4, 0.08f ), at( 0, 0, 0 ), material );
-				SoftBody* coming = t.addSoft( block( 4, 4, 4, 0.08f ), at( btScalar( 0.05 ), btScalar( 0.6 ), btScalar( 0.03 ) ), material );
+				SoftBody* coming = t.addSoft(
+					block( 4, 4, 4, 0.08f ), at( btScalar( 0.05 ), btScalar( 0.6 ), btScalar( 0.03 ) ), material );
 				still->setFriction( btScalar( friction ) );
 				coming->setFriction( 1 );
 				coming->setVelocities( btVector3( 0, -5, 0 ), btVector3( 1, 2, 3 ) );
@@ -80,7 +81,8 @@ TEST( Collision, OfTwoSoftBodiesKeepsSpinHoweverTheyRub )
 				EXPECT_GT( still->linearVelocity().length(), btScalar( 0.5 ) ); // they did meet
 				const double linear = double( ( after.linear - before.linear ).length() / before.linear.length() );
 				const double angular = double( ( after.angular - before.angular ).length() / before.angular.length() );
-				std::printf( "%s, friction %.1f: momentum lost %.1e, spin %.1e\n", elasticity == Elasticity::Explicit ? "explicit" : "implicit", friction, linear, angular );
+				std::printf( "%s, friction %.1f: momentum lost %.1e, spin %.1e\n",
+					elasticity == Elasticity::Explicit ? "explicit" : "implicit", friction, linear, angular );
 				EXPECT_LT( linear, 1e-5 );
 				EXPECT_LT( angular, 1e-4 );
 			}
@@ -88,8 +90,9 @@ TEST( Collision, OfTwoSoftBodiesKeepsSpinHoweverTheyRub )
 	}
 }
 
-// An implicit body between two explicit ones makes their contact with each other an implicit block's, which rubs in two directions. When it had left, Bullet's solver, with
-// one, let the other impulse lie, and the spin that it had made was given to the two in each step: up to a fiftieth of all.
+// An implicit body between two explicit ones makes their contact with each other an implicit block's, which rubs in two directions. When it
+// had left, Bullet's solver, with one, let the other impulse lie, and the spin that it had made was given to the two in each step: up to a
+// fiftieth of all.
 TEST( Collision, KeepsSpinWhereAnImplicitBodyLeavesTwoExplicitOnes )
 {
 	double lost = 0.0;
@@ -103,8 +106,10 @@ TEST( Collision, KeepsSpinWhereAnImplicitBodyLeavesTwoExplicitOnes )
 			const btVector3 out( std::cos( angle ), btScalar( 0.2 ) * std::sin( own ), std::sin( angle ) );
 			Material material = stiff( 1e5f );
 			material.elasticity = body == 1 ? Elasticity::Implicit : Elasticity::Explicit;
-			SoftBody* cube = t.addSoft( block( 4, 4, 4, 0.1f ), btTransform( btQuaternion( btVector3( 1, std::cos( own ), 1 ).normalized(), own ), btScalar( 0.7 ) * out ), material );
-			cube->setVelocities( ( btScalar( -1.5 ) - btScalar( k % 4 ) ) * out, 4 * btVector3( std::sin( 2 * own ), std::cos( 3 * own ), std::sin( 5 * own ) ) );
+			SoftBody* cube = t.addSoft( block( 4, 4, 4, 0.1f ),
+				btTransform( btQuaternion( btVector3( 1, std::cos( own ), 1 ).normalized(), own ), btScalar( 0.7 ) * out ), material );
+			cube->setVelocities( ( btScalar( -1.5 ) - btScalar( k % 4 ) ) * out,
+				4 * btVector3( std::sin( 2 * own ), std::cos( 3 * own ), std::sin( 5 * own ) ) );
 			cube->setFriction( btScalar( 0.8 ) );
 		}
 		const Momentum before = momentumOf( t );
@@ -183,7 +188,8 @@ TEST( Collision, FastBulletGivesItsMomentum )
 			TestWorld t;
 			t.world.setGravity( btVector3( 0, 0, 0 ) );
 			SoftBody* cube = t.addSoft( block( 6, 6, 6, 0.1f ), at( 0, 0, 0 ), stiff( 2e4f ) );
-			btRigidBody* shot = t.add( btScalar( 0.5 ), new btSphereShape( btScalar( 0.06 ) ), at( -3, btScalar( 0.02 ), btScalar( 0.03 ) ) );
+			btRigidBody* shot = t.add(
+				btScalar( 0.5 ), new btSphereShape( btScalar( 0.06 ) ), at( -3, btScalar( 0.02 ), btScalar( 0.03 ) ) );
 			shot->setLinearVelocity( btVector3( speed, 0, 0 ) );
 			if ( continuous )
 			{
@@ -192,7 +198,8 @@ TEST( Collision, FastBulletGivesItsMomentum )
 			}
 			t.run( 30 );
 			const btScalar total = cube->linearVelocity().x() * cube->mass() + shot->getLinearVelocity().x() * btScalar( 0.5 );
-			EXPECT_GT( cube->linearVelocity().x() * cube->mass(), btScalar( 0.3 ) * speed * btScalar( 0.5 ) ) << speed << " m/s, continuous " << continuous;
+			EXPECT_GT( cube->linearVelocity().x() * cube->mass(), btScalar( 0.3 ) * speed * btScalar( 0.5 ) )
+				<< speed << " m/s, continuous " << continuous;
 			EXPECT_NEAR( double( total / ( speed * btScalar( 0.5 ) ) ), 1.0, 1e-3 ) << speed << " m/s, continuous " << continuous;
 		}
 	}
@@ -220,8 +227,7 @@ struct Ground
 };
 
 class CollisionWith : public testing::TestWithParam<Ground>
-{
-};
+{};
 
 TEST_P( CollisionWith, CubeComesToRestOnIt )
 {
@@ -262,7 +268,8 @@ btCollisionShape* makeCompound( TestWorld& t, std::vector<std::unique_ptr<btStri
 	for ( int k = 0; k < 4; ++k )
 	{
 		t.shapes.push_back( std::make_unique<btBoxShape>( btVector3( 0.5, 0.5, 0.5 ) ) );
-		compound->addChildShape( at( btScalar( k % 2 ) - btScalar( 0.5 ), btScalar( -0.5 ), btScalar( k / 2 ) - btScalar( 0.5 ) ), t.shapes.back().get() );
+		compound->addChildShape(
+			at( btScalar( k % 2 ) - btScalar( 0.5 ), btScalar( -0.5 ), btScalar( k / 2 ) - btScalar( 0.5 ) ), t.shapes.back().get() );
 	}
 	return compound;
 }

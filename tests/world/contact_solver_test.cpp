@@ -1,5 +1,5 @@
-// ContactSolver is Bullet's solver to the bits: in heaps, with what stands, is driven, pinned, bounces, slips by direction and rolls, with joints, and in
-// modes that it leaves to Bullet.
+// ContactSolver is Bullet's solver to the bits: in heaps, with what stands, is driven, pinned, bounces, slips by direction and rolls, with
+// joints, and in modes that it leaves to Bullet.
 
 #include "support/test_world.h"
 
@@ -37,7 +37,8 @@ struct Heap
 		for ( int i = 0; i < 6; ++i )
 		{
 			const btScalar half = btScalar( 0.12 );
-			scene.add( 5, new btBoxShape( btVector3( half, half, half ) ), btVector3( btScalar( 0.3 * ( i % 3 ) - 0.2 ), btScalar( 1 + 0.5 * i ), btScalar( 0.2 * ( i % 2 ) ) ) );
+			scene.add( 5, new btBoxShape( btVector3( half, half, half ) ),
+				btVector3( btScalar( 0.3 * ( i % 3 ) - 0.2 ), btScalar( 1 + 0.5 * i ), btScalar( 0.2 * ( i % 2 ) ) ) );
 		}
 		change( scene );
 	}
@@ -61,7 +62,8 @@ void expectSameBits( Heap& one, Heap& other )
 	ASSERT_EQ( one.scene.dispatcher.getNumManifolds(), other.scene.dispatcher.getNumManifolds() );
 	for ( int m = 0; m < one.scene.dispatcher.getNumManifolds(); ++m )
 	{
-		const btPersistentManifold &a = *one.scene.dispatcher.getManifoldByIndexInternal( m ), &c = *other.scene.dispatcher.getManifoldByIndexInternal( m );
+		const btPersistentManifold &a = *one.scene.dispatcher.getManifoldByIndexInternal( m ),
+								   &c = *other.scene.dispatcher.getManifoldByIndexInternal( m );
 		ASSERT_EQ( a.getNumContacts(), c.getNumContacts() );
 		for ( int k = 0; k < a.getNumContacts(); ++k )
 		{
@@ -149,7 +151,8 @@ TEST( ContactSolver, IsBulletsWithStiffContactsAndRolling )
 
 TEST( ContactSolver, IsBulletsInOtherModes )
 {
-	for ( const int mode : { int( SOLVER_USE_2_FRICTION_DIRECTIONS ), int( SOLVER_RANDMIZE_ORDER ), int( SOLVER_INTERLEAVE_CONTACT_AND_FRICTION_CONSTRAINTS ) } )
+	for ( const int mode : { int( SOLVER_USE_2_FRICTION_DIRECTIONS ), int( SOLVER_RANDMIZE_ORDER ),
+			  int( SOLVER_INTERLEAVE_CONTACT_AND_FRICTION_CONSTRAINTS ) } )
 	{
 		compare( [mode]( SoftWorld& scene ) { scene.world.getSolverInfo().m_solverMode |= mode; }, 60 );
 	}
@@ -171,7 +174,8 @@ TEST( ContactSolver, IsBulletsWhereDepthIsPushedOut )
 
 TEST( ContactSolver, IsBulletsWithSoftAnchoredContacts )
 {
-	for ( const int mode : { 0, int( SOLVER_USE_2_FRICTION_DIRECTIONS ), int( SOLVER_USE_2_FRICTION_DIRECTIONS ) | int( SOLVER_DISABLE_VELOCITY_DEPENDENT_FRICTION_DIRECTION ) } )
+	for ( const int mode : { 0, int( SOLVER_USE_2_FRICTION_DIRECTIONS ),
+			  int( SOLVER_USE_2_FRICTION_DIRECTIONS ) | int( SOLVER_DISABLE_VELOCITY_DEPENDENT_FRICTION_DIRECTION ) } )
 	{
 		compare(
 			[mode]( SoftWorld& scene ) {
@@ -209,17 +213,20 @@ void askForCallbacks( SoftWorld& scene )
 
 TEST( ContactSolver, IsBulletsOnBelts )
 {
-	const Callback belts( []( btManifoldPoint& point, const btCollisionObjectWrapper*, int, int, const btCollisionObjectWrapper*, int, int ) {
-		btPlaneSpace1( point.m_normalWorldOnB, point.m_lateralFrictionDir1, point.m_lateralFrictionDir2 );
-		point.m_contactPointFlags |= BT_CONTACT_FLAG_LATERAL_FRICTION_INITIALIZED | BT_CONTACT_FLAG_HAS_CONTACT_CFM | BT_CONTACT_FLAG_HAS_CONTACT_ERP;
-		point.m_contactMotion1 = btScalar( 0.5 );
-		point.m_contactMotion2 = btScalar( -0.2 );
-		point.m_frictionCFM = btScalar( 0.01 );
-		point.m_contactCFM = btScalar( 1e-4 );
-		point.m_contactERP = btScalar( 0.15 );
-		return true;
-	} );
-	for ( const int mode : { 0, int( SOLVER_ENABLE_FRICTION_DIRECTION_CACHING ), int( SOLVER_ENABLE_FRICTION_DIRECTION_CACHING ) | int( SOLVER_USE_2_FRICTION_DIRECTIONS ) } )
+	const Callback belts(
+		[]( btManifoldPoint& point, const btCollisionObjectWrapper*, int, int, const btCollisionObjectWrapper*, int, int ) {
+			btPlaneSpace1( point.m_normalWorldOnB, point.m_lateralFrictionDir1, point.m_lateralFrictionDir2 );
+			point.m_contactPointFlags |= BT_CONTACT_FLAG_LATERAL_FRICTION_INITIALIZED | BT_CONTACT_FLAG_HAS_CONTACT_CFM |
+				BT_CONTACT_FLAG_HAS_CONTACT_ERP;
+			point.m_contactMotion1 = btScalar( 0.5 );
+			point.m_contactMotion2 = btScalar( -0.2 );
+			point.m_frictionCFM = btScalar( 0.01 );
+			point.m_contactCFM = btScalar( 1e-4 );
+			point.m_contactERP = btScalar( 0.15 );
+			return true;
+		} );
+	for ( const int mode : { 0, int( SOLVER_ENABLE_FRICTION_DIRECTION_CACHING ),
+			  int( SOLVER_ENABLE_FRICTION_DIRECTION_CACHING ) | int( SOLVER_USE_2_FRICTION_DIRECTIONS ) } )
 	{
 		compare(
 			[mode]( SoftWorld& scene ) {
@@ -238,24 +245,26 @@ btRigidBody* bodyOf( const btCollisionObjectWrapper* wrapper )
 TEST( ContactSolver, IsBulletsWhereCallbacksStrikeAndPushNodes )
 {
 	{
-		const Callback strikes( []( btManifoldPoint&, const btCollisionObjectWrapper* one, int, int index, const btCollisionObjectWrapper*, int, int ) {
-			if ( index % 7 == 3 )
-			{
-				bodyOf( one )->applyCentralImpulse( btVector3( btScalar( 1e-3 ), btScalar( 2e-3 ), 0 ) );
-			}
-			return true;
-		} );
+		const Callback strikes(
+			[]( btManifoldPoint&, const btCollisionObjectWrapper* one, int, int index, const btCollisionObjectWrapper*, int, int ) {
+				if ( index % 7 == 3 )
+				{
+					bodyOf( one )->applyCentralImpulse( btVector3( btScalar( 1e-3 ), btScalar( 2e-3 ), 0 ) );
+				}
+				return true;
+			} );
 		compare( askForCallbacks, 60 );
 	}
 	// A stand-in that forces act on is none that is known: the island goes Bullet's way.
-	const Callback pushes( []( btManifoldPoint&, const btCollisionObjectWrapper* one, int, int index, const btCollisionObjectWrapper*, int, int ) {
-		btRigidBody& body = *bodyOf( one );
-		if ( index % 17 == 3 && body.getTotalForce().isZero() )
-		{
-			body.applyCentralForce( btVector3( btScalar( 0.1 ), 0, 0 ) );
-		}
-		return true;
-	} );
+	const Callback pushes(
+		[]( btManifoldPoint&, const btCollisionObjectWrapper* one, int, int index, const btCollisionObjectWrapper*, int, int ) {
+			btRigidBody& body = *bodyOf( one );
+			if ( index % 17 == 3 && body.getTotalForce().isZero() )
+			{
+				body.applyCentralForce( btVector3( btScalar( 0.1 ), 0, 0 ) );
+			}
+			return true;
+		} );
 	compare( askForCallbacks, 60 );
 }
 
@@ -266,18 +275,19 @@ TEST( ContactCallbacks, ForcesOnNodesEndWithTheStep )
 	static int frame, left, pushes;
 	frameOf.clear();
 	frame = left = pushes = 0;
-	const Callback pushAll( []( btManifoldPoint&, const btCollisionObjectWrapper* one, int, int, const btCollisionObjectWrapper*, int, int ) {
-		btRigidBody& body = *bodyOf( one );
-		int& last = frameOf[&body];
-		if ( body.getInvMass() > 0 && last != frame )
-		{
-			left += last == frame - 1 && !body.getTotalForce().isZero() ? 1 : 0;
-			last = frame;
-			++pushes;
-			body.applyCentralForce( btVector3( btScalar( 1e-3 ), 0, 0 ) );
-		}
-		return true;
-	} );
+	const Callback pushAll(
+		[]( btManifoldPoint&, const btCollisionObjectWrapper* one, int, int, const btCollisionObjectWrapper*, int, int ) {
+			btRigidBody& body = *bodyOf( one );
+			int& last = frameOf[&body];
+			if ( body.getInvMass() > 0 && last != frame )
+			{
+				left += last == frame - 1 && !body.getTotalForce().isZero() ? 1 : 0;
+				last = frame;
+				++pushes;
+				body.applyCentralForce( btVector3( btScalar( 1e-3 ), 0, 0 ) );
+			}
+			return true;
+		} );
 	Heap heap( std::make_unique<ContactSolver>(), askForCallbacks );
 	for ( frame = 1; frame < 60; ++frame )
 	{
@@ -294,11 +304,12 @@ public:
 	int most = 0;
 
 protected:
-	btScalar solveSingleIteration( int iteration, btCollisionObject** bodies, int bodyCount, btPersistentManifold** manifolds, int manifoldCount,
-		btTypedConstraint** joints, int jointCount, const btContactSolverInfo& info, btIDebugDraw* drawer ) override
+	btScalar solveSingleIteration( int iteration, btCollisionObject** bodies, int bodyCount, btPersistentManifold** manifolds,
+		int manifoldCount, btTypedConstraint** joints, int jointCount, const btContactSolverInfo& info, btIDebugDraw* drawer ) override
 	{
 		most = std::max( most, m_tmpSolverContactConstraintPool.size() );
-		return ContactSolver::solveSingleIteration( iteration, bodies, bodyCount, manifolds, manifoldCount, joints, jointCount, info, drawer );
+		return ContactSolver::solveSingleIteration(
+			iteration, bodies, bodyCount, manifolds, manifoldCount, joints, jointCount, info, drawer );
 	}
 };
 
@@ -322,7 +333,8 @@ TEST( ContactSolver, IsBulletsWithJoints )
 	btPoint2PointConstraint* joints[2] = {};
 	int made = 0;
 	compare( [&]( SoftWorld& scene ) {
-		joints[made] = new btPoint2PointConstraint( *scene.rigid[1], *scene.rigid[2], btVector3( 0, btScalar( 0.25 ), 0 ), btVector3( 0, btScalar( -0.25 ), 0 ) );
+		joints[made] = new btPoint2PointConstraint(
+			*scene.rigid[1], *scene.rigid[2], btVector3( 0, btScalar( 0.25 ), 0 ), btVector3( 0, btScalar( -0.25 ), 0 ) );
 		scene.world.addConstraint( joints[made++] );
 	} );
 	// Worlds are gone by now; they do not own joints.

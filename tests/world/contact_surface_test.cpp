@@ -35,12 +35,15 @@ int marblesOnTop( bool isDrawn )
 {
 	TestWorld t;
 	t.addPlane();
-	SoftBody* const soft = t.addSoft( templateOf( test::makeBox( { -0.5, -0.25, -0.5 }, { 0.5, 0.25, 0.5 } ), 0.1f, isDrawn ), at( 0, btScalar( 0.25 ), 0 ), implicit( 5e5f, 1.0f ) );
+	SoftBody* const soft = t.addSoft( templateOf( test::makeBox( { -0.5, -0.25, -0.5 }, { 0.5, 0.25, 0.5 } ), 0.1f, isDrawn ),
+		at( 0, btScalar( 0.25 ), 0 ), implicit( 5e5f, 1.0f ) );
 	std::vector<btRigidBody*> marbles;
 	for ( int k = 0; k < 9; ++k )
 	{
-		const btScalar x = btScalar( 0.1 ) * btScalar( k % 3 - 1 ) + btScalar( 0.013 ) * k, z = btScalar( 0.1 ) * btScalar( k / 3 - 1 ) + btScalar( 0.017 ) * k;
-		marbles.push_back( t.add( btScalar( 0.05 ), new btSphereShape( btScalar( 0.02 ) ), at( x - btScalar( 0.1 ), btScalar( 0.53 ), z - btScalar( 0.1 ) ) ) );
+		const btScalar x = btScalar( 0.1 ) * btScalar( k % 3 - 1 ) + btScalar( 0.013 ) * k,
+					   z = btScalar( 0.1 ) * btScalar( k / 3 - 1 ) + btScalar( 0.017 ) * k;
+		marbles.push_back( t.add(
+			btScalar( 0.05 ), new btSphereShape( btScalar( 0.02 ) ), at( x - btScalar( 0.1 ), btScalar( 0.53 ), z - btScalar( 0.1 ) ) ) );
 	}
 	t.run( 120 );
 	int count = 0;
@@ -65,7 +68,8 @@ double rolled( bool isDrawn )
 {
 	TestWorld t;
 	t.addPlane()->setFriction( btScalar( 0.8 ) );
-	SoftBody* const soft = t.addSoft( templateOf( test::makeSphere( 0.4, 40, 80 ), 0.06f, isDrawn ), at( 0, btScalar( 0.4 ), 0 ), implicit( 1e6f, 0.0f ) );
+	SoftBody* const soft = t.addSoft(
+		templateOf( test::makeSphere( 0.4, 40, 80 ), 0.06f, isDrawn ), at( 0, btScalar( 0.4 ), 0 ), implicit( 1e6f, 0.0f ) );
 	soft->setFriction( btScalar( 0.8 ) );
 	soft->setActivationState( DISABLE_DEACTIVATION );
 	soft->setVelocities( btVector3( 2, 0, 0 ), btVector3( 0, 0, 0 ) );
@@ -82,8 +86,8 @@ TEST( ContactSurface, RollsFurtherThanBallsOfACell )
 	EXPECT_LT( balls, 0.75 * 10.0 / 7.0 );
 }
 
-// Nodes share a point by weights that keep force and torque: two balls that meet aslant, and a rigid cube that hits one (others lose spin in flight, by the end of
-// Bullet's own gyroscopic iteration).
+// Nodes share a point by weights that keep force and torque: two balls that meet aslant, and a rigid cube that hits one (others lose spin
+// in flight, by the end of Bullet's own gyroscopic iteration).
 TEST( ContactSurface, KeepsMomentumAndSpin )
 {
 	for ( const bool isRigid : { false, true } )
@@ -96,7 +100,8 @@ TEST( ContactSurface, KeepsMomentumAndSpin )
 		btRigidBody* box = nullptr;
 		if ( isRigid )
 		{
-			box = t.addBox( 50, btVector3( btScalar( 0.15 ), btScalar( 0.15 ), btScalar( 0.15 ) ), at( btScalar( 0.1 ), btScalar( 0.6 ), btScalar( 0.05 ) ) );
+			box = t.addBox( 50, btVector3( btScalar( 0.15 ), btScalar( 0.15 ), btScalar( 0.15 ) ),
+				at( btScalar( 0.1 ), btScalar( 0.6 ), btScalar( 0.05 ) ) );
 			box->setFriction( 1 );
 			box->setLinearVelocity( btVector3( 0, -4, 0 ) );
 			box->setAngularVelocity( btVector3( 1, 2, 3 ) );
@@ -130,7 +135,8 @@ TEST( ContactSurface, KeepsMomentumAndSpin )
 /// Height of a ball of 0.3 m that is all but rigid, at rest.
 double restsAt( TestWorld& t )
 {
-	SoftBody* const ball = t.addSoft( templateOf( test::makeSphere( 0.3, 30, 60 ), 0.06f, true ), at( 0, btScalar( 0.31 ), 0 ), implicit( 1e8f, 1.0f ) );
+	SoftBody* const ball = t.addSoft(
+		templateOf( test::makeSphere( 0.3, 30, 60 ), 0.06f, true ), at( 0, btScalar( 0.31 ), 0 ), implicit( 1e8f, 1.0f ) );
 	ball->setFriction( 1 );
 	t.run( 120 );
 	return double( ball->massCentre().y() );
@@ -166,7 +172,8 @@ TEST( ContactSurface, LiesOnEveryKindOfGround )
 		btTriangleMesh triangles;
 		for ( int k = 0; k < 64; ++k )
 		{
-			const btVector3 a( btScalar( 0.25 ) * btScalar( k % 8 - 4 ), 0, btScalar( 0.25 ) * btScalar( k / 8 - 4 ) ), b( btScalar( 0.25 ), 0, 0 ), c( 0, 0, btScalar( 0.25 ) );
+			const btVector3 a( btScalar( 0.25 ) * btScalar( k % 8 - 4 ), 0, btScalar( 0.25 ) * btScalar( k / 8 - 4 ) ),
+				b( btScalar( 0.25 ), 0, 0 ), c( 0, 0, btScalar( 0.25 ) );
 			triangles.addTriangle( a, a + c, a + b );
 			triangles.addTriangle( a + b, a + c, a + b + c );
 		}

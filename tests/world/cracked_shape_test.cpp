@@ -2,9 +2,9 @@
 
 #include "test_world.h"
 
+#include "world/bodies/soft_body_impl.h"
 #include "world/constants.h"
 #include "world/shape/node_shape.h"
-#include "world/bodies/soft_body_impl.h"
 
 #include <algorithm>
 #include <cmath>
@@ -114,7 +114,8 @@ TEST_P( CrackedShape, HasTheSpheresOfANewOne )
 		const NodeShape* const before = soft->impl().shape.get();
 		const int spheres = before->getNumChildShapes();
 		// A disc of a cut that ends inside: the body hangs together.
-		const btVector3 middle( btScalar( 0.07 * ( cut - 6 ) ), btScalar( 2 + 0.02 * cut ), 0 ), normal( 1, btScalar( 0.3 ), btScalar( 0.1 * cut ) );
+		const btVector3 middle( btScalar( 0.07 * ( cut - 6 ) ), btScalar( 2 + 0.02 * cut ), 0 ),
+			normal( 1, btScalar( 0.3 ), btScalar( 0.1 * cut ) );
 		ASSERT_GT( soft->cutPlane( middle, normal, btScalar( 0.16 ) ), 0 );
 		test.run( 1 );
 		ASSERT_EQ( test.world.softBodyCount(), 1 );

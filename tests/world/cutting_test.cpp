@@ -67,16 +67,17 @@ TEST( Cutting, ABarIsTwoBodiesAfterwardsAndKeepsWhatItHad )
 		test.run( 5 );
 		const Totals before = totals( test.world );
 		const int cut = soft->cutPlane( soft->massCentre(), soft->bestFitTransform().getBasis() * kAlong );
-		EXPECT_EQ( cut, 100 ); // ( 3 * 4 - 2 )^2
+		EXPECT_EQ( cut, 100 );                                                                              // ( 3 * 4 - 2 )^2
 		EXPECT_EQ( soft->cutPlane( soft->massCentre(), soft->bestFitTransform().getBasis() * kAlong ), 0 ); // they are cut already
-		EXPECT_EQ( test.world.softBodyCount(), 1 ); // not yet
+		EXPECT_EQ( test.world.softBodyCount(), 1 );                                                         // not yet
 		test.run( 1 );
 		ASSERT_EQ( test.world.softBodyCount(), 2 );
 		ASSERT_EQ( test.world.fractureEvents().size(), 1u );
 		EXPECT_EQ( test.world.fractureEvents()[0].links, 100 );
 		EXPECT_NEAR( test.world.fractureEvents()[0].area, 0.16, 1e-6 );
 		const Totals after = totals( test.world );
-		std::printf( "%d levels: momentum off by %.1e, spin by %.1e\n", coarse, double( ( after.momentum - before.momentum ).length() / before.momentum.length() ),
+		std::printf( "%d levels: momentum off by %.1e, spin by %.1e\n", coarse,
+			double( ( after.momentum - before.momentum ).length() / before.momentum.length() ),
 			double( ( after.spin - before.spin ).length() / before.spin.length() ) );
 		EXPECT_EQ( after.cells, 192 );
 		EXPECT_NEAR( after.mass / before.mass, 1.0, 1e-6 );
@@ -142,7 +143,8 @@ TEST( Cutting, IsTheSameOnAnyNumberOfThreads )
 		test.addFloor();
 		for ( int k = 0; k < 3; ++k )
 		{
-			SoftBody* soft = test.addSoft( block( 8, 8, 8, 0.05f ), at( btScalar( 0.1 * k ), btScalar( 0.4 + 0.6 * k ), 0 ), stiff( 1e5f ), levels( k ) );
+			SoftBody* soft = test.addSoft(
+				block( 8, 8, 8, 0.05f ), at( btScalar( 0.1 * k ), btScalar( 0.4 + 0.6 * k ), 0 ), stiff( 1e5f ), levels( k ) );
 			ASSERT_TRUE( soft->setFracture( smallOnes( k == 1 ? SmallPieces::Rigid : SmallPieces::Fade, 40 ) ).ok() );
 		}
 		for ( int frame = 0; frame < 40; ++frame )
@@ -161,7 +163,8 @@ TEST( Cutting, IsTheSameOnAnyNumberOfThreads )
 			for ( int node = 0; node < body->nodeCount(); ++node )
 			{
 				const btVector3 p = body->nodePosition( node ), v = body->nodeVelocity( node );
-				states[run].insert( states[run].end(), { float( p.x() ), float( p.y() ), float( p.z() ), float( v.x() ), float( v.y() ), float( v.z() ) } );
+				states[run].insert(
+					states[run].end(), { float( p.x() ), float( p.y() ), float( p.z() ), float( v.x() ), float( v.y() ), float( v.z() ) } );
 			}
 		}
 	}

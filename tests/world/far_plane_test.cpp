@@ -27,7 +27,8 @@ Count askBoth( double away, double spread )
 	for ( int round = 0; round < 40; ++round )
 	{
 		const Vec3d normal = some().normalized();
-		const btStaticPlaneShape shape( btVector3( btScalar( normal.x() ), btScalar( normal.y() ), btScalar( normal.z() ) ), btScalar( any( random ) ) );
+		const btStaticPlaneShape shape(
+			btVector3( btScalar( normal.x() ), btScalar( normal.y() ), btScalar( normal.z() ) ), btScalar( any( random ) ) );
 		Obstacle plane;
 		plane.shape = &shape;
 		plane.basis = Eigen::Quaterniond( any( random ), any( random ), any( random ), any( random ) ).normalized().toRotationMatrix();

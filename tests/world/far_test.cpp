@@ -24,7 +24,8 @@ std::vector<btVector3> scene( const btVector3& centre, bool onPlane )
 	}
 	else
 	{
-		t.addBox( 0, btVector3( 4, 1, 4 ), btTransform( btQuaternion( btVector3( 0, 0, 1 ), btScalar( 0.1 ) ), centre + btVector3( 0, -1, 0 ) ) );
+		t.addBox(
+			0, btVector3( 4, 1, 4 ), btTransform( btQuaternion( btVector3( 0, 0, 1 ), btScalar( 0.1 ) ), centre + btVector3( 0, -1, 0 ) ) );
 	}
 	const auto shape = block( 4, 4, 4, 0.1f );
 	SoftBody* bodies[] = { t.addSoft( shape, btTransform( btQuaternion::getIdentity(), centre + btVector3( 0, btScalar( 0.25 ), 0 ) ) ),

@@ -82,11 +82,13 @@ TEST( Fracture, ThrownAtTheFloorItShattersIntoBodies )
 			links += event.links;
 			fragments += int( event.fragments.size() );
 			EXPECT_GT( event.links, 0 );
-			EXPECT_TRUE( std::is_sorted( event.fragments.begin(), event.fragments.end(), []( SoftBody* a, SoftBody* b ) { return a->cellCount() > b->cellCount(); } ) );
+			EXPECT_TRUE( std::is_sorted( event.fragments.begin(), event.fragments.end(),
+				[]( SoftBody* a, SoftBody* b ) { return a->cellCount() > b->cellCount(); } ) );
 		}
 	}
 	const Totals after = totals( test.world );
-	std::printf( "%d bodies, %d events, %d links; worst frame's fracture work %.2f ms\n", test.world.softBodyCount(), events, links, 1e3 * worst );
+	std::printf(
+		"%d bodies, %d events, %d links; worst frame's fracture work %.2f ms\n", test.world.softBodyCount(), events, links, 1e3 * worst );
 	EXPECT_EQ( after.cells, 2197 );
 	EXPECT_NEAR( after.mass / massBefore, 1.0, 1e-6 );
 	EXPECT_EQ( test.world.softBodyCount(), fragments + 1 );
@@ -111,7 +113,8 @@ TEST( Fracture, InFreeFlightKeepsMomentumAndSpin )
 	test.run( 60 );
 	const Totals after = totals( test.world );
 	std::printf( "%d bodies; momentum off by %.1e, spin by %.1e\n", test.world.softBodyCount(),
-		double( ( after.momentum - before.momentum ).length() / before.momentum.length() ), double( ( after.spin - before.spin ).length() / before.spin.length() ) );
+		double( ( after.momentum - before.momentum ).length() / before.momentum.length() ),
+		double( ( after.spin - before.spin ).length() / before.spin.length() ) );
 	EXPECT_GE( test.world.softBodyCount(), 2 );
 	EXPECT_LT( ( after.momentum - before.momentum ).length() / before.momentum.length(), 1e-5 );
 	EXPECT_LT( ( after.spin - before.spin ).length() / before.spin.length(), 1e-4 );
@@ -226,7 +229,8 @@ TEST( Fracture, IsTheSameOnAnyNumberOfThreads )
 		{
 			Adaptivity levels;
 			levels.coarseLevels = k == 1 ? 1 : 0;
-			SoftBody* soft = test.addSoft( block( 8, 8, 8, 0.05f ), at( btScalar( 0.1 * k ), btScalar( 0.4 + 0.6 * k ), 0 ), stiff( 1e6f ), levels );
+			SoftBody* soft = test.addSoft(
+				block( 8, 8, 8, 0.05f ), at( btScalar( 0.1 * k ), btScalar( 0.4 + 0.6 * k ), 0 ), stiff( 1e6f ), levels );
 			ASSERT_TRUE( soft->setFracture( breaksAt( 0.12f ) ).ok() );
 			soft->setVelocities( btVector3( 0, btScalar( -12 ), 1 ), btVector3( 1, 1, 2 ) );
 		}
@@ -361,7 +365,12 @@ TEST( Fracture, SurfacesOfPiecesAreClosedAndShowEachItsOwn )
 /// Looked at in every frame, bodies draw what their family's cracks are; looked at once, after all is over, what their own links are.
 TEST( Fracture, ABodyLooksTheSameHoweverOftenItIsLookedAt )
 {
-	enum Way { Once, Always, Prepared };
+	enum Way
+	{
+		Once,
+		Always,
+		Prepared
+	};
 	std::vector<std::vector<std::array<float, 10>>> drawn[3];
 	for ( const Way way : { Once, Always, Prepared } )
 	{

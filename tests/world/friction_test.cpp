@@ -63,8 +63,8 @@ TEST( Friction, OnASlopeIsThatOfARigidBoxAndDoesNotChatter )
 		for ( const float youngsModulus : { 3e2f, 3e3f, 1e6f } )
 		{
 			const Slide got = slide( 0.25, youngsModulus, elasticity );
-			std::printf( "%s, E %.0e: %+.2f %%, chatter %.1e m/s\n", elasticity == Elasticity::Explicit ? "explicit" : "implicit", double( youngsModulus ),
-				100.0 * ( got.acceleration / wanted - 1.0 ), got.chatter );
+			std::printf( "%s, E %.0e: %+.2f %%, chatter %.1e m/s\n", elasticity == Elasticity::Explicit ? "explicit" : "implicit",
+				double( youngsModulus ), 100.0 * ( got.acceleration / wanted - 1.0 ), got.chatter );
 			EXPECT_NEAR( got.acceleration / wanted, 1.0, 0.03 );
 			EXPECT_LT( got.chatter, 0.01 ); // of three metres a second
 		}
@@ -155,16 +155,16 @@ TEST( Friction, RollingAndSpinningFrictionTurnBothBodies )
 		const double spinBefore = spin();
 		t.run( 15 );
 		const btVector3 lost = ( before - ball->getAngularVelocity() ) / btScalar( 0.25 );
-		std::printf( "lost: rolling %.3f of %.3f, spinning %.3f of %.3f rad/s^2; of both bodies' spin %.1e\n", double( lost.x() ), 0.02 * 0.5 * 9.81 / inertia, double( lost.y() ),
-			0.01 * 0.5 * 9.81 / inertia, std::abs( spin() / spinBefore - 1.0 ) );
+		std::printf( "lost: rolling %.3f of %.3f, spinning %.3f of %.3f rad/s^2; of both bodies' spin %.1e\n", double( lost.x() ),
+			0.02 * 0.5 * 9.81 / inertia, double( lost.y() ), 0.01 * 0.5 * 9.81 / inertia, std::abs( spin() / spinBefore - 1.0 ) );
 		EXPECT_NEAR( double( lost.x() ) / ( 0.02 * 0.5 * 9.81 / inertia ), 1.0, 0.05 );
 		EXPECT_NEAR( double( lost.y() ) / ( 0.01 * 0.5 * 9.81 / inertia ), 1.0, 0.05 );
 		EXPECT_NEAR( spin() / spinBefore, 1.0, 1e-4 );
 	}
 }
 
-/// A cube that is turned about the vertical and rubs along its own x by a fifth of what it does along its own z, on a slope that is down along the
-/// world's x: its speed after a while, m/s.
+/// A cube that is turned about the vertical and rubs along its own x by a fifth of what it does along its own z, on a slope that is down
+/// along the world's x: its speed after a while, m/s.
 btVector3 slideDirected( Elasticity elasticity, double turn, double slope, const btVector3& scales, bool isOfFloor = false )
 {
 	TestWorld t;
@@ -192,10 +192,12 @@ TEST( Friction, ByDirectionGoesByTheBodysOwnAxes )
 		// mu 0.5: held across its slippery axis, braked by a fifth of that along it.
 		const double along = double( slideDirected( elasticity, 0.0, kSlope, scales ).x() ), wanted = down - 0.5 * 0.2 * press;
 		const double across = double( slideDirected( elasticity, SIMD_HALF_PI, kSlope, scales ).x() );
-		std::printf( "%s: along %.3f of %.3f m/s^2, across %.4f\n", elasticity == Elasticity::Explicit ? "explicit" : "implicit", along, wanted, across );
+		std::printf( "%s: along %.3f of %.3f m/s^2, across %.4f\n", elasticity == Elasticity::Explicit ? "explicit" : "implicit", along,
+			wanted, across );
 		EXPECT_NEAR( along / wanted, 1.0, 0.03 );
 		EXPECT_NEAR( across, 0.0, 0.01 );
-		// Oblique, it goes off to the side where it slips: both alike, and towards its own x, which is ( cos 45, 0, - sin 45 ) in the world.
+		// Oblique, it goes off to the side where it slips: both alike, and towards its own x, which is ( cos 45, 0, - sin 45 ) in the
+		// world.
 		const btVector3 oblique = slideDirected( elasticity, 0.25 * SIMD_PI, kSlope, scales );
 		std::printf( "oblique %.3f %.3f m/s^2\n", double( oblique.x() ), double( oblique.z() ) );
 		EXPECT_LT( oblique.z(), btScalar( -0.3 ) );
@@ -208,7 +210,8 @@ TEST( Friction, ByDirectionGoesByTheBodysOwnAxes )
 	EXPECT_LT( ( explicitOne - implicitOne ).length(), btScalar( 0.05 ) * explicitOne.length() );
 }
 
-/// Of all points that were made or renewed: how many, and how far the furthest of their places in the two bodies' own axes is from the one in the world, m.
+/// Of all points that were made or renewed: how many, and how far the furthest of their places in the two bodies' own axes is from the one
+/// in the world, m.
 struct LocalPoints
 {
 	int count = 0, turned = 0;
@@ -217,7 +220,10 @@ struct LocalPoints
 	void look( const btManifoldPoint& point, const btCollisionObject& body0, const btCollisionObject& body1 )
 	{
 		++count;
-		turned += body0.getWorldTransform().getRotation().getAngle() > btScalar( 0.5 ) || body1.getWorldTransform().getRotation().getAngle() > btScalar( 0.5 ) ? 1 : 0;
+		turned += body0.getWorldTransform().getRotation().getAngle() > btScalar( 0.5 ) ||
+				body1.getWorldTransform().getRotation().getAngle() > btScalar( 0.5 )
+			? 1
+			: 0;
 		worst = btMax( worst, ( body0.getWorldTransform() * point.m_localPointA - point.m_positionWorldOnA ).length() );
 		worst = btMax( worst, ( body1.getWorldTransform() * point.m_localPointB - point.m_positionWorldOnB ).length() );
 	}
@@ -231,7 +237,8 @@ TEST( Friction, ByDirectionTurnsTheLocalPlacesOfContacts )
 	{
 		TestWorld t;
 		t.addBox( 0, btVector3( 50, 1, 50 ), at( 0, -1, 0 ) );
-		const btTransform turned( btQuaternion( btVector3( 0, 0, 1 ), SIMD_HALF_PI ), btVector3( 0, btScalar( 0.25 ), 0 ) ); // what is down is not down in its own axes
+		const btTransform turned( btQuaternion( btVector3( 0, 0, 1 ), SIMD_HALF_PI ),
+			btVector3( 0, btScalar( 0.25 ), 0 ) ); // what is down is not down in its own axes
 		SoftBody* cube = t.addSoft( block( 5, 5, 5, 0.1f ), turned, implicitOr( Elasticity::Explicit ) );
 		cube->setAnisotropicFriction( isDirected ? btVector3( btScalar( 0.2 ), 1, 1 ) : btVector3( 1, 1, 1 ) );
 		LocalPoints points;

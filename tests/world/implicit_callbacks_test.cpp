@@ -1,4 +1,5 @@
-// What a game asks of contacts that leave Bullet's rows: the callbacks, contact tests and impulses of implicit bodies are those of any other.
+// What a game asks of contacts that leave Bullet's rows: the callbacks, contact tests and impulses of implicit bodies are those of any
+// other.
 
 #include "test_world.h"
 
@@ -28,7 +29,8 @@ Calls* calls = nullptr;
 bool onAdded( btManifoldPoint& point, const btCollisionObjectWrapper* a, int, int, const btCollisionObjectWrapper* b, int, int )
 {
 	++calls->added;
-	calls->namesTheBody = calls->namesTheBody && ( SoftBody::upcast( a->getCollisionObject() ) == calls->soft || SoftBody::upcast( b->getCollisionObject() ) == calls->soft );
+	calls->namesTheBody = calls->namesTheBody &&
+		( SoftBody::upcast( a->getCollisionObject() ) == calls->soft || SoftBody::upcast( b->getCollisionObject() ) == calls->soft );
 	point.m_combinedFriction = calls->friction;
 	point.m_combinedRestitution = calls->restitution;
 	return true;
@@ -131,13 +133,16 @@ btVector3 impulseOn( TestWorld& t, const btCollisionObject* object, bool isOfNod
 	for ( int m = 0; m < t.parts.dispatcher.getNumManifolds(); ++m )
 	{
 		const btPersistentManifold& manifold = *t.parts.dispatcher.getManifoldByIndexInternal( m );
-		const auto is = [&]( const btCollisionObject* body ) { return isOfNodes ? static_cast<const btCollisionObject*>( SoftBody::upcast( body ) ) == object : body == object; };
+		const auto is = [&]( const btCollisionObject* body ) {
+			return isOfNodes ? static_cast<const btCollisionObject*>( SoftBody::upcast( body ) ) == object : body == object;
+		};
 		const btScalar sign = is( manifold.getBody0() ) ? btScalar( 1 ) : is( manifold.getBody1() ) ? btScalar( -1 ) : btScalar( 0 );
 		for ( int k = 0; k < manifold.getNumContacts(); ++k )
 		{
 			const btManifoldPoint& point = manifold.getContactPoint( k );
-			sum += sign * ( point.m_normalWorldOnB * point.getAppliedImpulse() + point.m_lateralFrictionDir1 * point.m_appliedImpulseLateral1 +
-							  point.m_lateralFrictionDir2 * point.m_appliedImpulseLateral2 );
+			sum += sign *
+				( point.m_normalWorldOnB * point.getAppliedImpulse() + point.m_lateralFrictionDir1 * point.m_appliedImpulseLateral1 +
+					point.m_lateralFrictionDir2 * point.m_appliedImpulseLateral2 );
 		}
 	}
 	return sum;
@@ -170,7 +175,8 @@ struct CountTouches : btCollisionWorld::ContactResultCallback
 	int count = 0;
 	const SoftBody* soft = nullptr;
 
-	btScalar addSingleResult( btManifoldPoint& point, const btCollisionObjectWrapper* a, int, int, const btCollisionObjectWrapper* b, int, int ) override
+	btScalar addSingleResult(
+		btManifoldPoint& point, const btCollisionObjectWrapper* a, int, int, const btCollisionObjectWrapper* b, int, int ) override
 	{
 		count += point.getDistance() <= btScalar( 0.01 ) ? 1 : 0;
 		EXPECT_TRUE( SoftBody::upcast( a->getCollisionObject() ) == soft || SoftBody::upcast( b->getCollisionObject() ) == soft );

@@ -164,7 +164,8 @@ TEST( Automatic, StaysUnderALoadThatWouldNotHaveAskedForIt )
 		t.addPlane();
 		SoftBody* cube = t.addSoft( block( 6, 6, 6, 0.1f ), at( 0, btScalar( 0.301 ), 0 ), automatic( 3.5e5f ) );
 		cube->setActivationState( DISABLE_DEACTIVATION );
-		btRigidBody* box = t.addBox( wasHeavier ? btScalar( 400 ) : btScalar( 270 ), btVector3( 0.3f, 0.3f, 0.3f ), at( 0, btScalar( 0.903 ), 0 ) );
+		btRigidBody* box = t.addBox(
+			wasHeavier ? btScalar( 400 ) : btScalar( 270 ), btVector3( 0.3f, 0.3f, 0.3f ), at( 0, btScalar( 0.903 ), 0 ) );
 		box->setActivationState( DISABLE_DEACTIVATION );
 		t.run( 120 );
 		EXPECT_EQ( cube->stepsImplicitly(), wasHeavier );
@@ -235,7 +236,8 @@ TEST( Automatic, AChangeOfTheStepIsNotSeen )
 			fastest = std::max( fastest, double( box->getLinearVelocity().length() ) );
 			moved = std::max( moved, std::abs( double( box->getWorldTransform().getOrigin().y() - before ) ) );
 		}
-		std::printf( "to %s: box moves by %.2e m at up to %.2e m/s\n", elasticity == Elasticity::Implicit ? "implicit" : "explicit", moved, fastest );
+		std::printf( "to %s: box moves by %.2e m at up to %.2e m/s\n", elasticity == Elasticity::Implicit ? "implicit" : "explicit", moved,
+			fastest );
 		EXPECT_LT( moved, 2e-4 );
 		EXPECT_LT( fastest, 2e-3 );
 	}
@@ -295,13 +297,15 @@ TEST( Automatic, GivesTheSameBitsForAnyThreadCount )
 	EXPECT_EQ( run( 3 ), once );
 }
 
-// What Bullet's solver does by joints is felt by the block a little later, and then all of it: a box of its own weight hangs from the one on the cube.
+// What Bullet's solver does by joints is felt by the block a little later, and then all of it: a box of its own weight hangs from the one
+// on the cube.
 TEST( ImplicitBeside, AJointLoadsWhatTheCubeBears )
 {
 	TestWorld t;
 	t.addFloor();
 	const double modulus = 6e6;
-	SoftBody* cube = t.addSoft( block( 6, 6, 6, 0.1f ), at( 0, btScalar( 0.301 ), 0 ), automatic( float( modulus ), Elasticity::Implicit ) );
+	SoftBody* cube = t.addSoft(
+		block( 6, 6, 6, 0.1f ), at( 0, btScalar( 0.301 ), 0 ), automatic( float( modulus ), Elasticity::Implicit ) );
 	btRigidBody* box = t.addBox( 5000, btVector3( 0.3f, 0.1f, 0.3f ), at( 0, btScalar( 0.702 ), 0 ) );
 	btRigidBody* sides[2];
 	std::vector<std::unique_ptr<btTypedConstraint>> joints;
@@ -309,7 +313,8 @@ TEST( ImplicitBeside, AJointLoadsWhatTheCubeBears )
 	{
 		const btScalar side = k == 0 ? btScalar( 1 ) : btScalar( -1 );
 		sides[k] = t.addBox( 2500, btVector3( 0.1f, 0.1f, 0.1f ), at( side * btScalar( 0.6 ), btScalar( 0.5 ), 0 ) );
-		joints.push_back( std::make_unique<btPoint2PointConstraint>( *box, *sides[k], btVector3( side * btScalar( 0.6 ), 0, 0 ), btVector3( 0, btScalar( 0.2 ), 0 ) ) );
+		joints.push_back( std::make_unique<btPoint2PointConstraint>(
+			*box, *sides[k], btVector3( side * btScalar( 0.6 ), 0, 0 ), btVector3( 0, btScalar( 0.2 ), 0 ) ) );
 		t.world.addConstraint( joints.back().get(), true );
 	}
 	cube->setActivationState( DISABLE_DEACTIVATION );
@@ -356,7 +361,8 @@ TEST( ImplicitBeside, EverySolverOfBullet )
 		t.addBox( 10, btVector3( 0.2f, 0.2f, 0.2f ), at( 3, btScalar( 0.21 ), 0 ) ); // an island of Bullet's own
 		t.run( 400 );
 		bottom[k] = double( box->getWorldTransform().getOrigin().y() ) - 0.3;
-		hangs[k] = ( joint.getRigidBodyA().getWorldTransform() * joint.getPivotInA() ).distance( hung->getWorldTransform() * joint.getPivotInB() );
+		hangs[k] = ( joint.getRigidBodyA().getWorldTransform() * joint.getPivotInA() )
+					   .distance( hung->getWorldTransform() * joint.getPivotInB() );
 		std::printf( "solver %d: box on the cube at %.4f m, joint open by %.1e m\n", k, bottom[k], hangs[k] );
 		EXPECT_NEAR( bottom[k], 0.6 - 0.1 * 0.5, 0.01 ); // a tenth of five layers
 		EXPECT_NEAR( bottom[k], bottom[0], 1e-3 );

@@ -1,5 +1,5 @@
-// Loads off a soft block's middle: what leans, by how much, and what must tip. Against the theory of columns and against the same lattice stepped
-// explicitly, very finely (docs/design/implicit.md, "Leaning and tipping").
+// Loads off a soft block's middle: what leans, by how much, and what must tip. Against the theory of columns and against the same lattice
+// stepped explicitly, very finely (docs/design/implicit.md, "Leaning and tipping").
 
 #include "test_world.h"
 
@@ -22,19 +22,19 @@ constexpr int kFineSubsteps = 64;
 struct Order
 {
 	double ratio = 1.0;
-	double strain = 0.02;      ///< of the box's weight over E and the block's top
+	double strain = 0.02; ///< of the box's weight over E and the block's top
 	double offset = 0.0;
 	btVector3 half{ btScalar( 0.3 ), btScalar( 0.3 ), btScalar( 0.3 ) };
-	double rampTime = 0.0;     ///< over which gravity comes, s
+	double rampTime = 0.0; ///< over which gravity comes, s
 	Elasticity elasticity = Elasticity::Implicit;
 	float numericalDamping = 1.0f;
-	int stepsPerFrame = 1;     ///< of the game's, where implicit
+	int stepsPerFrame = 1; ///< of the game's, where implicit
 };
 
 struct Outcome
 {
 	bool stands = true;
-	double lean = 0.0;     ///< degrees, mean of the last second
+	double lean = 0.0; ///< degrees, mean of the last second
 };
 
 double leanOf( const btRigidBody& box )
@@ -56,7 +56,8 @@ Outcome lay( const Order& order, int frames )
 	}
 	SoftBody* cube = t.addSoft( block( 6, 6, 6, 0.1f ), at( 0, btScalar( 0.3 ), 0 ), material );
 	cube->setFriction( btScalar( 0.8 ) );
-	btRigidBody* box = t.addBox( btScalar( order.ratio * 216.0 ), order.half, at( btScalar( order.offset ), btScalar( 0.601 ) + order.half.y(), 0 ) );
+	btRigidBody* box = t.addBox(
+		btScalar( order.ratio * 216.0 ), order.half, at( btScalar( order.offset ), btScalar( 0.601 ) + order.half.y(), 0 ) );
 	box->setFriction( btScalar( 0.8 ) );
 	// Awake: Bullet lets a box fall asleep below 0.8 m/s, which would stop a slow sway wherever it is.
 	cube->setActivationState( DISABLE_DEACTIVATION );
@@ -77,8 +78,8 @@ Outcome lay( const Order& order, int frames )
 	return outcome;
 }
 
-// A column of length L between the outermost layers' middles, its end turned by the weight W of a rigid box whose centre is c above it and e off
-// it: EI y'' = W ( D - y ), D = e + y( L ) + c y'( L ). With q^2 = W / EI: y' = D q sin q L, D = e / ( cos q L - c q sin q L ).
+// A column of length L between the outermost layers' middles, its end turned by the weight W of a rigid box whose centre is c above it and
+// e off it: EI y'' = W ( D - y ), D = e + y( L ) + c y'( L ). With q^2 = W / EI: y' = D q sin q L, D = e / ( cos q L - c q sin q L ).
 double columnLean( const Order& order )
 {
 	const double length = 0.5, above = 0.05 + double( order.half.y() );
@@ -137,8 +138,8 @@ TEST( ImplicitLean, OfABoxPutDownOnAnEdgeIsThatOfTheSameLatticeInManySubsteps )
 	}
 }
 
-// Let go at once, the same load swings past what it leans by at rest, and over. The finely stepped lattice falls as the implicit step does in fine
-// steps without numerical damping.
+// Let go at once, the same load swings past what it leans by at rest, and over. The finely stepped lattice falls as the implicit step does
+// in fine steps without numerical damping.
 TEST( ImplicitLean, WhatTipsWhenItIsLetGoAtOnceTipsInManySubstepsToo )
 {
 	for ( const double ratio : { 10.0, 30.0 } )

@@ -52,7 +52,8 @@ Loaded load( double ratio, int cells, const Adaptivity& settings )
 	TestWorld t;
 	t.addPlane();
 	const double weight = kGravity * 216.0, area = 0.36, modulus = ratio * weight / area / 0.1;
-	SoftBody* cube = t.addSoft( block( cells, cells, cells, 0.6f / float( cells ) ), at( 0, btScalar( 0.3 ), 0 ), implicit( float( modulus ) ), settings );
+	SoftBody* cube = t.addSoft(
+		block( cells, cells, cells, 0.6f / float( cells ) ), at( 0, btScalar( 0.3 ), 0 ), implicit( float( modulus ) ), settings );
 	btRigidBody* box = t.addBox( btScalar( ratio * 216.0 ), btVector3( 0.3f, 0.3f, 0.3f ), at( 0, btScalar( 0.901 ), 0 ) );
 	Loaded loaded;
 	for ( int frame = 0; frame < 400; ++frame )
@@ -66,8 +67,8 @@ Loaded load( double ratio, int cells, const Adaptivity& settings )
 		loaded.most = std::max( loaded.most, cube->nodeCount() );
 	}
 	const Layer top = layer( *cube, true ), bottom = layer( *cube, false );
-	// Levels have the energy of the finest cells for the same strain, and those strain between the middles of their outermost layers. Where the
-	// outermost nodes are big, they have that energy and a shorter way to give it back.
+	// Levels have the energy of the finest cells for the same strain, and those strain between the middles of their outermost layers. Where
+	// the outermost nodes are big, they have that energy and a shorter way to give it back.
 	const double length = top.rest - bottom.rest, finest = 0.6 - 0.6 / cells;
 	loaded.theory = ( ratio + 0.5 ) * weight / area / modulus * length / finest;
 	loaded.strain = 1.0 - ( top.now - bottom.now ) / length;
@@ -105,8 +106,10 @@ TEST( ImplicitLevels, BearABoxOfAnyWeightAsElasticityTellsAndSleep )
 		for ( const double ratio : { 1.0, 1000.0 } )
 		{
 			const Loaded loaded = load( ratio, kind.cells, kind.settings );
-			std::printf( "%s 1:%-4.0f strain %.4f of %.4f (%+.1f %%), tilt %.2f deg, penetration %.5f m, speed after 5 s %.1e m/s, %d to %d nodes\n", kind.name, ratio,
-				loaded.strain, loaded.theory, 100.0 * ( loaded.strain / loaded.theory - 1.0 ), loaded.tilt, loaded.penetration, loaded.speed, loaded.least, loaded.most );
+			std::printf(
+				"%s 1:%-4.0f strain %.4f of %.4f (%+.1f %%), tilt %.2f deg, penetration %.5f m, speed after 5 s %.1e m/s, %d to %d nodes\n",
+				kind.name, ratio, loaded.strain, loaded.theory, 100.0 * ( loaded.strain / loaded.theory - 1.0 ), loaded.tilt,
+				loaded.penetration, loaded.speed, loaded.least, loaded.most );
 			EXPECT_NEAR( loaded.strain / loaded.theory, 1.0, 0.05 ) << kind.name;
 			EXPECT_LT( loaded.tilt, 2.0 ) << kind.name;
 			EXPECT_LT( loaded.penetration, 0.1 * 0.6 / kind.cells ) << kind.name;
@@ -173,9 +176,10 @@ TEST( ImplicitLevels, CollisionsThatSplitAndMergeNodesKeepMomentumAndBringNoEner
 			merges += t.world.stepReport().merges;
 		}
 		const Sums after = sumsOf( t );
-		const double momentum = ( after.momentum - before.momentum ).norm() / before.momentum.norm(), spin = ( after.spin - before.spin ).norm() / before.spin.norm();
-		std::printf( "E %.0e: %d splits, %d merges, %d nodes left, momentum %.1e, spin %.1e, energy %.4f\n", double( youngsModulus ), splits, merges, cube->nodeCount(),
-			momentum, spin, most / before.energy );
+		const double momentum = ( after.momentum - before.momentum ).norm() / before.momentum.norm(),
+					 spin = ( after.spin - before.spin ).norm() / before.spin.norm();
+		std::printf( "E %.0e: %d splits, %d merges, %d nodes left, momentum %.1e, spin %.1e, energy %.4f\n", double( youngsModulus ),
+			splits, merges, cube->nodeCount(), momentum, spin, most / before.energy );
 		EXPECT_GT( splits, 0 );
 		EXPECT_TRUE( merges > 0 || youngsModulus < 1e4f ); // the softest rings on
 		EXPECT_LT( momentum, 1e-5 );
@@ -208,7 +212,8 @@ TEST( ImplicitLevels, AChangeOfLevelsUnderALoadIsHardlyFelt )
 		t.run( 1 );
 		moved = std::max( moved, std::abs( double( box->getWorldTransform().getOrigin().y() - before ) ) );
 	}
-	std::printf( "%d to %d nodes: box moves by %.2e m, at last %.2e\n", nodes, cube->nodeCount(), moved, double( box->getWorldTransform().getOrigin().y() - before ) );
+	std::printf( "%d to %d nodes: box moves by %.2e m, at last %.2e\n", nodes, cube->nodeCount(), moved,
+		double( box->getWorldTransform().getOrigin().y() - before ) );
 	EXPECT_EQ( cube->nodeCount(), 1000 );
 	EXPECT_LT( nodes, 900 );
 	EXPECT_LT( moved, 0.05 * 0.06 );
@@ -252,7 +257,8 @@ TEST( ImplicitLevels, ABodyThatBreaksInFreeFlightKeepsMomentumAndSpin )
 		// Far from everything a spinning bar tears itself apart.
 		TestWorld t;
 		t.world.setGravity( btVector3( 0, 0, 0 ) );
-		SoftBody* soft = t.addSoft( block( 12, 4, 4, 0.1f ), at( 3, 2, 1 ), implicit( 1e6f ), hasLevels ? test::levels( 1 ) : Adaptivity{} );
+		SoftBody* soft = t.addSoft(
+			block( 12, 4, 4, 0.1f ), at( 3, 2, 1 ), implicit( 1e6f ), hasLevels ? test::levels( 1 ) : Adaptivity{} );
 		ASSERT_TRUE( soft->setFracture( breaksAt( 0.02f ) ).ok() );
 		soft->setVelocities( btVector3( 1, 2, 3 ), btVector3( 0, 20, 1 ) );
 		const Sums before = sumsOf( t );
@@ -268,8 +274,10 @@ TEST( ImplicitLevels, ABodyThatBreaksInFreeFlightKeepsMomentumAndSpin )
 			}
 		}
 		const Sums after = sumsOf( t );
-		const double momentum = ( after.momentum - before.momentum ).norm() / before.momentum.norm(), spin = ( after.spin - before.spin ).norm() / before.spin.norm();
-		std::printf( "%d bodies; momentum off by %.1e, spin by %.1e, energy %.4f\n", t.world.softBodyCount(), momentum, spin, most / before.energy );
+		const double momentum = ( after.momentum - before.momentum ).norm() / before.momentum.norm(),
+					 spin = ( after.spin - before.spin ).norm() / before.spin.norm();
+		std::printf(
+			"%d bodies; momentum off by %.1e, spin by %.1e, energy %.4f\n", t.world.softBodyCount(), momentum, spin, most / before.energy );
 		EXPECT_GE( t.world.softBodyCount(), 2 );
 		EXPECT_LT( momentum, 1e-5 );
 		EXPECT_LT( spin, 1e-4 );
@@ -315,14 +323,15 @@ std::vector<btScalar> placesAfterBreaking( int threads )
 	return places;
 }
 
-// What falls touches nothing, and unstrained it needs no solving: it took 25 products a frame, as many as a pile, while it was made as exact as contacts
-// ask for and began without the frame's gravity.
+// What falls touches nothing, and unstrained it needs no solving: it took 25 products a frame, as many as a pile, while it was made as
+// exact as contacts ask for and began without the frame's gravity.
 TEST( ImplicitLevels, ABodyThatFallsIsDoneAtOnce )
 {
 	for ( const int levels : { 0, 1 } )
 	{
 		TestWorld t;
-		SoftBody* const body = t.addSoft( block( 6, 6, 6, 0.1f ), at( 0, 100, 0 ), implicit( 1e6f ), levels > 0 ? test::levels( levels ) : Adaptivity{} );
+		SoftBody* const body = t.addSoft(
+			block( 6, 6, 6, 0.1f ), at( 0, 100, 0 ), implicit( 1e6f ), levels > 0 ? test::levels( levels ) : Adaptivity{} );
 		body->setLinearVelocity( btVector3( 1, -3, 0 ) );
 		for ( int frame = 1; frame <= 60; ++frame )
 		{
@@ -335,14 +344,16 @@ TEST( ImplicitLevels, ABodyThatFallsIsDoneAtOnce )
 	}
 }
 
-// What hangs by held nodes does not fall: it took 25 to 31 products a frame to hang still, parts of elephants that stuck to a ball, while it began with free
-// flight's speeds as what falls does. And while it swings it is solved sooner with its affine motions in front of it, what is held resisting them.
+// What hangs by held nodes does not fall: it took 25 to 31 products a frame to hang still, parts of elephants that stuck to a ball, while
+// it began with free flight's speeds as what falls does. And while it swings it is solved sooner with its affine motions in front of it,
+// what is held resisting them.
 TEST( ImplicitLevels, ABodyThatHangsStillIsDoneAtOnce )
 {
 	for ( const int levels : { 0, 1 } )
 	{
 		TestWorld t;
-		SoftBody* const body = t.addSoft( block( 6, 12, 6, 0.1f ), at( 0, 0, 0 ), implicit( 1e6f ), levels > 0 ? test::levels( levels ) : Adaptivity{} );
+		SoftBody* const body = t.addSoft(
+			block( 6, 12, 6, 0.1f ), at( 0, 0, 0 ), implicit( 1e6f ), levels > 0 ? test::levels( levels ) : Adaptivity{} );
 		body->setActivationState( DISABLE_DEACTIVATION );
 		for ( int i = 0; i < body->nodeCount(); ++i )
 		{
@@ -365,15 +376,17 @@ TEST( ImplicitLevels, ABodyThatHangsStillIsDoneAtOnce )
 	}
 }
 
-// A crumb of one node takes part in an implicit body's island with its mass alone. Where it touched nothing yet, what was to keep its momentum divided by
-// the inertia that it does not have: it was stopped for numbers that were none, one crumb of a herd of elephants that broke.
+// A crumb of one node takes part in an implicit body's island with its mass alone. Where it touched nothing yet, what was to keep its
+// momentum divided by the inertia that it does not have: it was stopped for numbers that were none, one crumb of a herd of elephants that
+// broke.
 TEST( ImplicitLevels, ACrumbBesideAnImplicitBodyGoesOn )
 {
 	TestWorld t;
 	t.world.setGravity( btVector3( 0, 0, 0 ) );
 	// A millimetre apart: near enough for a contact, and nothing presses.
 	SoftBody* const cube = t.addSoft( block( 4, 4, 4, 0.1f ), at( 0, 0, 0 ), implicit( 1e5f ) );
-	SoftBody* const crumb = t.addSoft( block( 1, 1, 1, 0.1f ), at( btScalar( 0.05 ), btScalar( 0.251 ), btScalar( 0.05 ) ), implicit( 1e5f ) );
+	SoftBody* const crumb = t.addSoft(
+		block( 1, 1, 1, 0.1f ), at( btScalar( 0.05 ), btScalar( 0.251 ), btScalar( 0.05 ) ), implicit( 1e5f ) );
 	ASSERT_EQ( crumb->nodeCount(), 1 );
 	crumb->setLinearVelocity( btVector3( 0, btScalar( 0.01 ), 0 ) );
 	for ( int frame = 0; frame < 10; ++frame )

@@ -33,7 +33,7 @@ Course follow( const Rope& rope )
 	t.addFloor();
 	const double length = double( kCell ) * rope.cells;
 	const btTransform where( btQuaternion( btVector3( btScalar( 0.3 ), btScalar( 0.2 ), 1 ).normalized(), btScalar( 0.5 ) ),
-	                         btVector3( 0, btScalar( rope.isThrown ? 0.5 * length + 0.5 : length + 2 ), 0 ) );
+		btVector3( 0, btScalar( rope.isThrown ? 0.5 * length + 0.5 : length + 2 ), 0 ) );
 	SoftBody* body = t.addSoft( test::block( rope.cells, 1, 1, kCell ), where, test::implicit( rope.youngsModulus, rope.halfWidth ) );
 	if ( rope.isThrown )
 	{
@@ -74,7 +74,7 @@ TEST( ImplicitRopes, NeitherHangingNorThrownFlyApart )
 				const double limit = isThrown ? 20.0 + 21.0 * length + 10.0 : 2.0 * std::sqrt( 2.0 * test::kGravity * 2.0 * length ) + 1.0;
 				const Course course = follow( rope );
 				std::printf( "%3d cells, E %.0e, w %d, %s: at most %.1f m/s, %.2f after 5 s\n", cells, double( youngsModulus ),
-				             rope.halfWidth, isThrown ? "thrown" : "hung up", course.fastest, course.last );
+					rope.halfWidth, isThrown ? "thrown" : "hung up", course.fastest, course.last );
 				EXPECT_LT( course.fastest, limit ) << cells << " cells, E " << youngsModulus;
 				EXPECT_TRUE( course.isHealthy ) << cells << " cells, E " << youngsModulus;
 			}

@@ -1,4 +1,5 @@
-// What slides over a soft body that steps implicitly: friction and nothing else brakes it, though its edges pass one node's sphere after another, and though it be light.
+// What slides over a soft body that steps implicitly: friction and nothing else brakes it, though its edges pass one node's sphere after
+// another, and though it be light.
 
 #include "test_world.h"
 
@@ -19,18 +20,18 @@ using test::TestWorld;
 struct Slider
 {
 	btCollisionShape* shape = nullptr;
-	double mass = 50.0;     ///< kg
-	double friction = 0.0;  ///< mu, against the slab
-	double speed = 1.5;     ///< m/s
+	double mass = 50.0;    ///< kg
+	double friction = 0.0; ///< mu, against the slab
+	double speed = 1.5;    ///< m/s
 	float youngsModulus = 3e6f;
 	Elasticity elasticity = Elasticity::Implicit; ///< of the slab
 };
 
 struct Slid
 {
-	double speed = 0.0, wanted = 0.0; ///< at the end, m/s
-	double fastest = 0.0;             ///< m/s
-	double rose = 0.0;                ///< how much its height has changed at most, m
+	double speed = 0.0, wanted = 0.0;    ///< at the end, m/s
+	double fastest = 0.0;                ///< m/s
+	double rose = 0.0;                   ///< how much its height has changed at most, m
 	double passes = 0.0, products = 0.0; ///< a frame
 };
 
@@ -39,13 +40,15 @@ btConvexHullShape* hullOf( const btVector3& half )
 	auto* hull = new btConvexHullShape;
 	for ( int k = 0; k < 8; ++k )
 	{
-		hull->addPoint( btVector3( ( k & 1 ) != 0 ? half.x() : -half.x(), ( k & 2 ) != 0 ? half.y() : -half.y(), ( k & 4 ) != 0 ? half.z() : -half.z() ) );
+		hull->addPoint( btVector3(
+			( k & 1 ) != 0 ? half.x() : -half.x(), ( k & 2 ) != 0 ? half.y() : -half.y(), ( k & 4 ) != 0 ? half.z() : -half.z() ) );
 	}
 	hull->setMargin( btScalar( 0.01 ) );
 	return hull;
 }
 
-/// Over a slab of 40 x 2 x 5 cells of a tenth of a metre on a floor, along x, for half a second or until its end is near. The slider is .2 m high.
+/// Over a slab of 40 x 2 x 5 cells of a tenth of a metre on a floor, along x, for half a second or until its end is near. The slider is .2
+/// m high.
 Slid slideOver( const Slider& slider )
 {
 	TestWorld t;
@@ -96,8 +99,9 @@ void expectTruth( const Slider& slider, const char* name )
 	{
 		std::printf( "explicit %.3f, ", speedOverExplicit( slider ) );
 	}
-	std::printf( "%s, E %.0e, %.0f kg, mu %.1f, from %.1f m/s: %.3f of %.3f m/s, rises by %.1f mm, %.1f passes and %.1f products a frame\n", name, double( slider.youngsModulus ),
-		slider.mass, slider.friction, slider.speed, slid.speed, slid.wanted, 1e3 * slid.rose, slid.passes, slid.products );
+	std::printf( "%s, E %.0e, %.0f kg, mu %.1f, from %.1f m/s: %.3f of %.3f m/s, rises by %.1f mm, %.1f passes and %.1f products a frame\n",
+		name, double( slider.youngsModulus ), slider.mass, slider.friction, slider.speed, slid.speed, slid.wanted, 1e3 * slid.rose,
+		slid.passes, slid.products );
 	EXPECT_NEAR( slid.speed, slid.wanted, 0.03 * slider.speed );
 	EXPECT_LT( slid.fastest, 1.01 * slider.speed );
 	EXPECT_LT( slid.rose, 0.004 );
@@ -161,9 +165,9 @@ TEST( ImplicitSlides, DownASlopeDoWhatIsLightStiffAndFine )
 	}
 }
 
-// Where a pass is wild, limits of what has pressed before are kept for a while. Kept for good, those that were too high held the passes wild that kept them:
-// of forty heaps that fell 22 had a substep that ended with the sixtieth. Nor is each pass from the fourth on, of which any might be the last, solved to its end
-// before it is known to be.
+// Where a pass is wild, limits of what has pressed before are kept for a while. Kept for good, those that were too high held the passes
+// wild that kept them: of forty heaps that fell 22 had a substep that ended with the sixtieth. Nor is each pass from the fourth on, of
+// which any might be the last, solved to its end before it is known to be.
 TEST( ImplicitSlides, HeapsThatFallAreSettledInFewPasses )
 {
 	constexpr int kManyPasses = 6;
@@ -172,7 +176,8 @@ TEST( ImplicitSlides, HeapsThatFallAreSettledInFewPasses )
 	for ( unsigned seed : { 0u, 3u, 24u, 26u, 29u, 33u } )
 	{
 		std::mt19937 random( seed );
-		const auto between = [&]( double low, double high ) { return btScalar( low + ( high - low ) * double( random() ) / 4294967296.0 ); };
+		const auto between = [&](
+								 double low, double high ) { return btScalar( low + ( high - low ) * double( random() ) / 4294967296.0 ); };
 		const auto direction = [&]( double size ) {
 			const btScalar x = between( -size, size ), y = between( -size, size );
 			return btVector3( x, y, between( -size, size ) );
@@ -185,7 +190,8 @@ TEST( ImplicitSlides, HeapsThatFallAreSettledInFewPasses )
 			const btVector3 axis = direction( 1 ).normalized();
 			const btScalar angle = between( 0, 3 ), aside = between( -0.15, 0.15 );
 			const btVector3 place( aside, btScalar( 0.35 + 0.45 * k ), between( -0.15, 0.15 ) );
-			SoftBody* soft = t.addSoft( block( 3, 3, 3, 0.1f ), btTransform( btQuaternion( axis, angle ), place ), test::implicit( float( std::pow( 10.0, double( between( 4, 6 ) ) ) ) ) );
+			SoftBody* soft = t.addSoft( block( 3, 3, 3, 0.1f ), btTransform( btQuaternion( axis, angle ), place ),
+				test::implicit( float( std::pow( 10.0, double( between( 4, 6 ) ) ) ) ) );
 			soft->setFriction( 1 );
 			soft->setVelocities( btVector3( 0, -4, 0 ), direction( 5 ) );
 		}
@@ -198,7 +204,8 @@ TEST( ImplicitSlides, HeapsThatFallAreSettledInFewPasses )
 			products += report.implicitPasses >= kManyPasses ? report.implicitProducts : 0;
 		}
 	}
-	std::printf( "at most %d passes; where there are %d or more, %.1f products each (%.0f passes)\n", most, kManyPasses, products / passes, passes );
+	std::printf(
+		"at most %d passes; where there are %d or more, %.1f products each (%.0f passes)\n", most, kManyPasses, products / passes, passes );
 	EXPECT_LE( most, 20 );
 	EXPECT_GT( passes, 100.0 );
 	EXPECT_LT( products / passes, 4.8 ); // 5.4 each solved to its end

@@ -1,4 +1,5 @@
-// Stacks of soft cubes, bare and with rigid boxes between them, at one step of 1/60 s: they stand, sleep, and cost as much as they have cubes. Explicit ones too.
+// Stacks of soft cubes, bare and with rigid boxes between them, at one step of 1/60 s: they stand, sleep, and cost as much as they have
+// cubes. Explicit ones too.
 
 #include "support/soft_stacks.h"
 
@@ -15,10 +16,11 @@ struct Stood
 {
 	bool sleeps = false;
 	double sunk = 0.0, aside = 0.0; ///< of the top cube, m
-	/// Of all frames until it sleeps: products and passes times cubes; of explicit ones, contacts times substeps. A pass takes longer than a product (its contacts are
-	/// linearised, what stands in front of the system is summed and factored) and is counted as one; `pliant_bench --benchmark_filter=stack` has the milliseconds.
+	/// Of all frames until it sleeps: products and passes times cubes; of explicit ones, contacts times substeps. A pass takes longer than
+	/// a product (its contacts are linearised, what stands in front of the system is summed and factored) and is counted as one;
+	/// `pliant_bench --benchmark_filter=stack` has the milliseconds.
 	double work = 0.0;
-	int frames = 0;                 ///< until then
+	int frames = 0; ///< until then
 };
 
 Stood build( const Stack& stack )
@@ -30,7 +32,8 @@ Stood build( const Stack& stack )
 		scene.step( 1 );
 		const StepReport& report = scene.world.stepReport();
 		const bool isImplicit = stack.elasticity == Elasticity::Implicit;
-		stood.work += isImplicit ? double( ( report.implicitProducts + report.implicitPasses ) * stack.cubes ) : double( report.softContacts * report.substeps );
+		stood.work += isImplicit ? double( ( report.implicitProducts + report.implicitPasses ) * stack.cubes )
+								 : double( report.softContacts * report.substeps );
 		stood.frames += isImplicit ? ( report.implicitProducts > 0 ? 1 : 0 ) : ( report.awakeSoftBodies > 0 ? 1 : 0 );
 		EXPECT_TRUE( !isImplicit || report.substeps <= 1 );
 	}
@@ -54,7 +57,8 @@ TEST( ImplicitStacks, OfTwoFourAndEightCubesStandAndSleep )
 					continue; // buckles by its own weight (docs/design/implicit.md)
 				}
 				const Stood stood = build( Stack{ cubes, hasBoxes, youngsModulus } );
-				std::printf( "%d cubes%s, E %.0e: sunk by %.3f m, %.3f m aside\n", cubes, hasBoxes ? " and boxes" : "", double( youngsModulus ), stood.sunk, stood.aside );
+				std::printf( "%d cubes%s, E %.0e: sunk by %.3f m, %.3f m aside\n", cubes, hasBoxes ? " and boxes" : "",
+					double( youngsModulus ), stood.sunk, stood.aside );
 				EXPECT_TRUE( stood.sleeps ) << cubes;
 				EXPECT_LT( stood.sunk, 0.05 * cubes ) << cubes;
 				EXPECT_NEAR( stood.aside, 0.02, 0.06 ) << cubes;
@@ -82,8 +86,8 @@ TEST( ImplicitStacks, OfEightCostAtMostFourTimesWhatFourDo )
 					// Nothing has slid: what is left are their own weight, and the gaps they fell by.
 					EXPECT_NEAR( stood.aside, 0.02, 0.01 );
 					EXPECT_LT( stood.sunk, gap * things + 0.002 * cubes );
-					std::printf( "friction %.1f, %d cubes %s: asleep after %d frames, %.1f products and passes a frame, sunk by %.3f m\n", friction, cubes,
-						hasBoxes ? "and boxes" : "bare", stood.frames, stood.work / stood.frames / cubes, stood.sunk );
+					std::printf( "friction %.1f, %d cubes %s: asleep after %d frames, %.1f products and passes a frame, sunk by %.3f m\n",
+						friction, cubes, hasBoxes ? "and boxes" : "bare", stood.frames, stood.work / stood.frames / cubes, stood.sunk );
 				}
 			}
 			std::printf( "products and passes times cubes a frame, eight over four %.2f\n", cost[1] / cost[0] );
@@ -106,7 +110,8 @@ TEST( ExplicitStacks, OfFourAndEightCubesStandAndSleep )
 	};
 	stand( Stack{ 2, true, 4e7f, 0.5, 0.01, Elasticity::Explicit } );
 	stand( Stack{ 4, true, 4e7f, 0.5, 0.01, Elasticity::Explicit } );
-	const double four = stand( Stack{ 4, false, 4e7f, 0.5, 0.01, Elasticity::Explicit } ), eight = stand( Stack{ 8, false, 4e7f, 0.5, 0.01, Elasticity::Explicit } );
+	const double four = stand( Stack{ 4, false, 4e7f, 0.5, 0.01, Elasticity::Explicit } ),
+				 eight = stand( Stack{ 8, false, 4e7f, 0.5, 0.01, Elasticity::Explicit } );
 	std::printf( "contacts and substeps a frame, eight over four %.2f\n", eight / four );
 	EXPECT_LT( eight, 4.0 * four );
 }

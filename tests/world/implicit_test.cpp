@@ -60,24 +60,28 @@ Loaded load( double ratio, int halfWidth )
 	for ( int i = 0; i < cube->nodeCount(); ++i )
 	{
 		const btVector3 inBox = box->getWorldTransform().invXform( cube->nodePosition( i ) );
-		const btScalar intoBox = btFabs( inBox.x() ) < btScalar( 0.3 ) && btFabs( inBox.z() ) < btScalar( 0.3 ) ? inBox.y() + btScalar( 0.3 ) + cube->nodeRadius( i ) : btScalar( 0 );
-		loaded.penetration = std::max( { loaded.penetration, double( intoBox ), double( cube->nodeRadius( i ) - cube->nodePosition( i ).y() ) } );
+		const btScalar intoBox = btFabs( inBox.x() ) < btScalar( 0.3 ) && btFabs( inBox.z() ) < btScalar( 0.3 )
+			? inBox.y() + btScalar( 0.3 ) + cube->nodeRadius( i )
+			: btScalar( 0 );
+		loaded.penetration = std::max(
+			{ loaded.penetration, double( intoBox ), double( cube->nodeRadius( i ) - cube->nodePosition( i ).y() ) } );
 	}
 	loaded.sleeps = cube->getActivationState() == ISLAND_SLEEPING && box->getActivationState() == ISLAND_SLEEPING;
 	return loaded;
 }
 
 class ImplicitWidth : public testing::TestWithParam<int>
-{
-};
+{};
 
 TEST_P( ImplicitWidth, BearsABoxOfAnyWeightAsElasticityTellsAndSleeps )
 {
 	for ( const double ratio : { 1.0, 10.0, 100.0, 1000.0 } )
 	{
 		const Loaded loaded = load( ratio, GetParam() );
-		std::printf( "w %d 1:%-4.0f strain %.4f of %.4f (%+.1f %%), tilt %.2f deg, penetration %.5f m, speed after 5 s %.1e m/s, substeps %d\n", GetParam(), ratio,
-			loaded.strain / 0.5, loaded.theory / 0.5, 100.0 * ( loaded.strain / loaded.theory - 1.0 ), loaded.tilt, loaded.penetration, loaded.speed, loaded.substeps );
+		std::printf(
+			"w %d 1:%-4.0f strain %.4f of %.4f (%+.1f %%), tilt %.2f deg, penetration %.5f m, speed after 5 s %.1e m/s, substeps %d\n",
+			GetParam(), ratio, loaded.strain / 0.5, loaded.theory / 0.5, 100.0 * ( loaded.strain / loaded.theory - 1.0 ), loaded.tilt,
+			loaded.penetration, loaded.speed, loaded.substeps );
 		EXPECT_NEAR( loaded.strain / loaded.theory, 1.0, GetParam() == 1 ? 0.02 : 0.11 ) << ratio;
 		EXPECT_LT( loaded.tilt, 0.5 ) << ratio;
 		EXPECT_LT( loaded.penetration, 0.002 ) << ratio;
@@ -195,7 +199,8 @@ TEST( Implicit, CollisionsKeepMomentumAndBringNoEnergy )
 			const btVector3 speed( 4, 0, 0 ), turn( 0, 1, 2 );
 			if ( ratio > 0.0 )
 			{
-				btRigidBody* box = t.addBox( btScalar( ratio * 216.0 ), btVector3( 0.2f, 0.2f, 0.2f ), at( -1, btScalar( 0.15 ), btScalar( 0.1 ) ) );
+				btRigidBody* box = t.addBox(
+					btScalar( ratio * 216.0 ), btVector3( 0.2f, 0.2f, 0.2f ), at( -1, btScalar( 0.15 ), btScalar( 0.1 ) ) );
 				box->setLinearVelocity( speed );
 				box->setAngularVelocity( turn );
 			}
@@ -289,7 +294,8 @@ TEST( Implicit, HoldsPinnedNodesAndBodiesThatStepExplicitly )
 	EXPECT_LT( cube->linearVelocity().length(), btScalar( 0.02 ) );
 }
 
-// A body that had fallen asleep kept its place in a system that was another island's by then: its contacts were written there, and past the end.
+// A body that had fallen asleep kept its place in a system that was another island's by then: its contacts were written there, and past the
+// end.
 TEST( Implicit, ABodyThatSleepsHasNoPartInAnotherIsland )
 {
 	std::vector<Vec3> places[2];
@@ -335,7 +341,8 @@ TEST( Implicit, GivesTheSameBitsEachTimeAndForAnyThreadCount )
 		const auto shape = block( 4, 4, 4, 0.1f );
 		for ( int k = 0; k < 4; ++k )
 		{
-			t.addSoft( shape, at( btScalar( 0.9 * ( k % 2 ) ), btScalar( 0.25 + 0.5 * ( k / 2 ) ), btScalar( 0.05 * k ) ), implicit( 1e6f ) );
+			t.addSoft(
+				shape, at( btScalar( 0.9 * ( k % 2 ) ), btScalar( 0.25 + 0.5 * ( k / 2 ) ), btScalar( 0.05 * k ) ), implicit( 1e6f ) );
 			t.addBox( 500, btVector3( 0.1f, 0.1f, 0.1f ), at( btScalar( 0.9 * ( k % 2 ) ), btScalar( 1.5 + 0.3 * ( k / 2 ) ), 0 ) );
 		}
 		t.run( 100 );

@@ -62,7 +62,7 @@ void expectStands( const std::vector<Storey>& storeys, double density, double yo
 		const double half = double( storey.half.y() );
 		y += 0.001 + half;
 		boxes.push_back(
-		    t.addBox( btScalar( storey.mass ), storey.half, at( btScalar( storey.x ), btScalar( y ), btScalar( storey.z ) ) ) );
+			t.addBox( btScalar( storey.mass ), storey.half, at( btScalar( storey.x ), btScalar( y ), btScalar( storey.z ) ) ) );
 		y += half;
 	}
 	int frames = 0;
@@ -102,8 +102,8 @@ TEST( ImplicitTowers, OfThreeAndFiveLikeBoxesStand )
 	{
 		for ( const auto& [count, mass] : { std::pair( 3, 10.0 ), std::pair( 5, 10.0 ), std::pair( 3, 100.0 ) } )
 		{
-			const std::vector<Storey> storeys( std::size_t( count ),
-			                                   Storey{ mass, btVector3( btScalar( 0.3 ), btScalar( 0.15 ), btScalar( 0.3 ) ) } );
+			const std::vector<Storey> storeys(
+				std::size_t( count ), Storey{ mass, btVector3( btScalar( 0.3 ), btScalar( 0.15 ), btScalar( 0.3 ) ) } );
 			char what[64];
 			std::snprintf( what, sizeof( what ), "%s, %d of %.0f kg", nameOf( elasticity ), count, mass );
 			expectStands( storeys, 1000.0 / 216.0, 8.0 * tippingModulus( storeys ), elasticity, what ); // on a cube of 1 kg

@@ -1,5 +1,5 @@
-// A body that is more than one thread's share of all nodes is shared by the threads: share by share through its nodes, branch by branch through its
-// tree. Nothing of it may depend on how many there are.
+// A body that is more than one thread's share of all nodes is shared by the threads: share by share through its nodes, branch by branch
+// through its tree. Nothing of it may depend on how many there are.
 
 #include "adaptive_bodies.h"
 #include "pliant/task_runner.h"

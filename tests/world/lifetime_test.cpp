@@ -220,7 +220,9 @@ TEST( Lifetime, ThreadsDoNotChangeABit )
 		const auto shape = block( 4, 4, 4, 0.1f );
 		for ( int k = 0; k < 6; ++k )
 		{
-			t.addSoft( shape, at( btScalar( 0.1 ) * btScalar( k % 2 ), btScalar( 0.3 ) + btScalar( 0.5 ) * btScalar( k ), btScalar( 0.05 ) * btScalar( k % 3 ) ) );
+			t.addSoft( shape,
+				at( btScalar( 0.1 ) * btScalar( k % 2 ), btScalar( 0.3 ) + btScalar( 0.5 ) * btScalar( k ),
+					btScalar( 0.05 ) * btScalar( k % 3 ) ) );
 		}
 		t.addBox( 10, btVector3( 0.2f, 0.2f, 0.2f ), at( 0, 4, 0 ) );
 		t.run( 150 );

@@ -15,7 +15,10 @@ constexpr double kStep = 1.0 / 60.0;
 /// A sphere of radius .05 that does not move, and what meets it.
 struct Scene
 {
-	explicit Scene( const btCollisionShape& shape, const Vec3d& position ) { obstacle.shape = &shape, obstacle.position = motion.centre = position; }
+	explicit Scene( const btCollisionShape& shape, const Vec3d& position )
+	{
+		obstacle.shape = &shape, obstacle.position = motion.centre = position;
+	}
 
 	MovingSphere sphere() const
 	{

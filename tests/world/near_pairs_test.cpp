@@ -27,7 +27,8 @@ std::vector<std::uint64_t> keysOf( const std::vector<NodeHit>& hits )
 std::size_t compare( SoftBody& soft, const char* after )
 {
 	SelfSearch fresh;
-	const std::vector<std::uint64_t> expected = keysOf( fresh.find( soft, 0.0 ) ), found = keysOf( soft.impl().self->search.find( soft, 0.0 ) );
+	const std::vector<std::uint64_t> expected = keysOf( fresh.find( soft, 0.0 ) ),
+									 found = keysOf( soft.impl().self->search.find( soft, 0.0 ) );
 	EXPECT_EQ( found, expected ) << after;
 	return found.size();
 }
@@ -52,13 +53,13 @@ void push( SoftBody& soft, std::mt19937& random )
 void cut( SoftBody& soft, std::mt19937& random )
 {
 	const auto any = [&random] { return btScalar( random() % 1000 ) / btScalar( 500 ) - btScalar( 1 ); };
-	const btVector3 foot = btScalar( 8.0f * kCell ) * btVector3( any(), any() / 2, 0 ), along = btScalar( 8.0f * kCell ) * btVector3( any(), any(), 0 ), edge( 0, 0, 1 );
+	const btVector3 foot = btScalar( 8.0f * kCell ) * btVector3( any(), any() / 2, 0 ),
+					along = btScalar( 8.0f * kCell ) * btVector3( any(), any(), 0 ), edge( 0, 0, 1 );
 	soft.cutSweep( foot - edge, foot + edge, foot + along - edge, foot + along + edge );
 }
 
 class NearPairsOf : public testing::TestWithParam<int>
-{
-};
+{};
 
 TEST_P( NearPairsOf, ABodyThatIsCutAndSplitAreThoseOfOneThatBegins )
 {

@@ -28,7 +28,8 @@ void cutByChance( Body& body, const Lattice& whole, test::Seeded& random )
 	const Vec3d normal = random.inBox( 1.0f ).cast<double>();
 	const double reach = double( random.uniform( 0.08f, 0.4f ) );
 	const bool isBall = random.uniform( 0.0f, 1.0f ) < 0.3f;
-	body.breakLinks( isBall ? linksCut( body.lattice(), places, SphereCut{ at, reach / 2 } ) : linksCut( body.lattice(), places, PlaneCut{ at, normal, reach } ) );
+	body.breakLinks( isBall ? linksCut( body.lattice(), places, SphereCut{ at, reach / 2 } )
+							: linksCut( body.lattice(), places, PlaneCut{ at, normal, reach } ) );
 	if ( random.uniform( 0.0f, 1.0f ) < 0.2f )
 	{
 		body.healLinks( linksToHeal( whole, body.lattice(), body.firstCells(), places, 1.5 ) );
@@ -45,7 +46,8 @@ void compare( const BodyPiece& piece, const NodeColliders& before, bool isWhole,
 	const Octree& octree = piece.body->levels()->octree();
 	ASSERT_FALSE( piece.treeBefore.empty() );
 	const NodeColliders wanted = measureColliders( lattice, octree );
-	const NodeColliders got = followColliders( lattice, octree, before, CollidersChange{ piece.treeBefore, piece.cellBefore, piece.touched } );
+	const NodeColliders got = followColliders(
+		lattice, octree, before, CollidersChange{ piece.treeBefore, piece.cellBefore, piece.touched } );
 	EXPECT_EQ( got.depth, wanted.depth );
 	EXPECT_EQ( got.collides, wanted.collides );
 	ASSERT_EQ( got.radius.size(), wanted.radius.size() );
@@ -109,7 +111,8 @@ TEST( NodeColliders, FollowWhatIsCutAndHeals )
 			body = std::move( pieces[0].body );
 		}
 	}
-	std::printf( "%d whole, %d pieces; %d cells nearer to the surface, %d deeper\n", counts.whole, counts.pieces, counts.nearer, counts.deeper );
+	std::printf(
+		"%d whole, %d pieces; %d cells nearer to the surface, %d deeper\n", counts.whole, counts.pieces, counts.nearer, counts.deeper );
 	EXPECT_GT( counts.whole, 40 );
 	EXPECT_GT( counts.pieces, 40 );
 	EXPECT_GT( counts.nearer, 500 );

@@ -109,7 +109,8 @@ TEST( Queries, ASweepStopsAtTheSurface )
 struct CountContacts : btCollisionWorld::ContactResultCallback
 {
 	explicit CountContacts( SoftBody* body ) : soft( body ) {}
-	btScalar addSingleResult( btManifoldPoint&, const btCollisionObjectWrapper* wrap0, int, int index0, const btCollisionObjectWrapper* wrap1, int, int index1 ) override
+	btScalar addSingleResult( btManifoldPoint&, const btCollisionObjectWrapper* wrap0, int, int index0,
+		const btCollisionObjectWrapper* wrap1, int, int index1 ) override
 	{
 		const bool isFirst = SoftBody::upcast( wrap0->getCollisionObject() ) == soft;
 		EXPECT_TRUE( isFirst || SoftBody::upcast( wrap1->getCollisionObject() ) == soft );
@@ -159,7 +160,8 @@ TEST( Queries, AGhostSeesOneObject )
 	btManifoldArray manifolds;
 	pair->m_algorithm->getAllContactManifolds( manifolds );
 	EXPECT_EQ( manifolds.size(), 64 );
-	EXPECT_EQ( SoftBody::upcast( manifolds[0]->getBody0() ) ? cube : nullptr, SoftBody::upcast( manifolds[0]->getBody1() ) ? nullptr : cube );
+	EXPECT_EQ(
+		SoftBody::upcast( manifolds[0]->getBody0() ) ? cube : nullptr, SoftBody::upcast( manifolds[0]->getBody1() ) ? nullptr : cube );
 	t.world.removeCollisionObject( &ghost );
 	t.world.removeSoftBody( cube );
 	t.parts.broadphase.getOverlappingPairCache()->setInternalGhostPairCallback( nullptr );
@@ -170,7 +172,8 @@ std::set<int> g_added;
 int g_started = 0, g_ended = 0, g_processed = 0;
 const void* g_user = nullptr;
 
-bool added( btManifoldPoint& point, const btCollisionObjectWrapper* wrap0, int, int index0, const btCollisionObjectWrapper* wrap1, int, int index1 )
+bool added(
+	btManifoldPoint& point, const btCollisionObjectWrapper* wrap0, int, int index0, const btCollisionObjectWrapper* wrap1, int, int index1 )
 {
 	const bool isFirst = SoftBody::upcast( wrap0->getCollisionObject() ) != nullptr;
 	EXPECT_TRUE( isFirst || SoftBody::upcast( wrap1->getCollisionObject() ) );
@@ -267,7 +270,8 @@ TEST( Queries, TheGamesTickCallbacksComeOncePerGameStep )
 			seen.length = step;
 		},
 		&ticks );
-	t.world.setInternalTickCallback( []( btDynamicsWorld* world, btScalar ) { ++static_cast<Ticks*>( world->getWorldUserInfo() )->before; }, &ticks, true );
+	t.world.setInternalTickCallback(
+		[]( btDynamicsWorld* world, btScalar ) { ++static_cast<Ticks*>( world->getWorldUserInfo() )->before; }, &ticks, true );
 	t.run( 10 );
 	EXPECT_EQ( t.world.stepReport().substeps, 4 );
 	EXPECT_EQ( ticks.before, 10 );

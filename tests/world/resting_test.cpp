@@ -126,7 +126,8 @@ Loaded load( double ratio, double strain )
 		return top;
 	};
 	const double unloaded = topOf();
-	btRigidBody* box = t.addBox( btScalar( ratio * mass ), btVector3( 0.3f, 0.3f, 0.3f ), at( 0, btScalar( unloaded + 0.05 + 0.3 + 0.001 ), 0 ) );
+	btRigidBody* box = t.addBox(
+		btScalar( ratio * mass ), btVector3( 0.3f, 0.3f, 0.3f ), at( 0, btScalar( unloaded + 0.05 + 0.3 + 0.001 ), 0 ) );
 	box->setActivationState( DISABLE_DEACTIVATION );
 	t.run( 1500 );
 	Loaded loaded;
@@ -143,8 +144,8 @@ Loaded load( double ratio, double strain )
 	}
 	loaded.substeps = t.world.stepReport().substeps;
 	loaded.reachable = cube->stiffnessPlan().reachable;
-	std::printf( "load %gx: strain %.4f of %.4f, tilt %.2f degrees, penetration %.4f m, %d substeps, %.3f ms a step\n", ratio, loaded.strain, strain,
-		loaded.tilt, loaded.penetration, loaded.substeps, t.world.stepReport().total * 1e3 );
+	std::printf( "load %gx: strain %.4f of %.4f, tilt %.2f degrees, penetration %.4f m, %d substeps, %.3f ms a step\n", ratio,
+		loaded.strain, strain, loaded.tilt, loaded.penetration, loaded.substeps, t.world.stepReport().total * 1e3 );
 	return loaded;
 }
 
@@ -166,7 +167,8 @@ TEST( Resting, NoNodeEverGoesThroughAPlane )
 	{
 		TestWorld t;
 		t.addPlane();
-		SoftBody* cube = t.addSoft( block( 6, 6, 6, 0.1f ), btTransform( btQuaternion( btScalar( 0.3 ), btScalar( 0.2 ), btScalar( 0.1 ) ), btVector3( 0, 3, 0 ) ) );
+		SoftBody* cube = t.addSoft( block( 6, 6, 6, 0.1f ),
+			btTransform( btQuaternion( btScalar( 0.3 ), btScalar( 0.2 ), btScalar( 0.1 ) ), btVector3( 0, 3, 0 ) ) );
 		cube->setLinearVelocity( btVector3( 0, -speed, 0 ) );
 		btScalar lowest = 1;
 		for ( int k = 0; k < 240; ++k )
@@ -180,7 +182,8 @@ TEST( Resting, NoNodeEverGoesThroughAPlane )
 	}
 }
 
-/// Ten thousand times its mass is more than a body can bear; Bullet's split impulse then moved its nodes through the floor, a little in each step.
+/// Ten thousand times its mass is more than a body can bear; Bullet's split impulse then moved its nodes through the floor, a little in
+/// each step.
 TEST( Resting, WhatIsCrushedStaysAboveTheFloor )
 {
 	TestWorld t;

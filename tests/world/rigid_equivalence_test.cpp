@@ -57,7 +57,10 @@ struct Scene
 		world.addRigidBody( body );
 		return body;
 	}
-	btRigidBody* box( btScalar mass, const btVector3& half, const btTransform& where ) { return add( mass, shape( new btBoxShape( half ) ), where ); }
+	btRigidBody* box( btScalar mass, const btVector3& half, const btTransform& where )
+	{
+		return add( mass, shape( new btBoxShape( half ) ), where );
+	}
 	void floor() { box( 0, btVector3( 50, 1, 50 ), at( 0, -1, 0 ) ); }
 	void join( btTypedConstraint* joint )
 	{
@@ -88,7 +91,8 @@ void stack( Scene& s )
 void ramp( Scene& s )
 {
 	s.floor();
-	btRigidBody* slope = s.box( 0, btVector3( 5, 0.1f, 5 ), btTransform( btQuaternion( btVector3( 0, 0, 1 ), btScalar( 0.4 ) ), btVector3( 0, 2, 0 ) ) );
+	btRigidBody* slope = s.box(
+		0, btVector3( 5, 0.1f, 5 ), btTransform( btQuaternion( btVector3( 0, 0, 1 ), btScalar( 0.4 ) ), btVector3( 0, 2, 0 ) ) );
 	slope->setFriction( btScalar( 0.3 ) );
 	for ( int k = 0; k < 6; ++k )
 	{
@@ -112,7 +116,8 @@ void hingeMotor( Scene& s )
 	s.floor();
 	btRigidBody* post = s.box( 0, btVector3( 0.1f, 1, 0.1f ), at( 0, 1, 0 ) );
 	btRigidBody* door = s.box( 5, btVector3( 0.8f, 0.9f, 0.05f ), at( 1, 1, 0 ) );
-	auto* hinge = new btHingeConstraint( *post, *door, btVector3( 0.1f, 0, 0 ), btVector3( -0.9f, 0, 0 ), btVector3( 0, 1, 0 ), btVector3( 0, 1, 0 ) );
+	auto* hinge = new btHingeConstraint(
+		*post, *door, btVector3( 0.1f, 0, 0 ), btVector3( -0.9f, 0, 0 ), btVector3( 0, 1, 0 ), btVector3( 0, 1, 0 ) );
 	hinge->enableAngularMotor( true, btScalar( 2 ), btScalar( 3 ) );
 	s.join( hinge );
 	s.box( 1, btVector3( 0.3f, 0.3f, 0.3f ), at( 1, btScalar( 0.3 ), 1 ) );
@@ -142,7 +147,9 @@ void compounds( Scene& s )
 		table->addChildShape( at( 0, btScalar( 0.3 ), 0 ), s.shape( new btBoxShape( btVector3( 0.6f, 0.1f, 0.6f ) ) ) );
 		table->addChildShape( at( btScalar( 0.5 ), 0, btScalar( 0.5 ) ), s.shape( new btCylinderShape( btVector3( 0.1f, 0.3f, 0.1f ) ) ) );
 		table->addChildShape( at( btScalar( -0.5 ), 0, btScalar( -0.5 ) ), s.shape( new btSphereShape( 0.15f ) ) );
-		s.add( 2, table, btTransform( btQuaternion( btScalar( 0.3 ) * btScalar( k ), 1, 0 ), btVector3( btScalar( 0.2 ) * btScalar( k ), btScalar( 1 + k ), 0 ) ) );
+		s.add( 2, table,
+			btTransform( btQuaternion( btScalar( 0.3 ) * btScalar( k ), 1, 0 ),
+				btVector3( btScalar( 0.2 ) * btScalar( k ), btScalar( 1 + k ), 0 ) ) );
 	}
 }
 
@@ -272,8 +279,7 @@ void record( const Kind& kind, std::vector<btScalar>& track )
 }
 
 class RigidScene : public testing::TestWithParam<Kind>
-{
-};
+{};
 
 TEST_P( RigidScene, IsBulletsOwnBitForBit )
 {
@@ -290,9 +296,9 @@ TEST_P( RigidScene, IsBulletsOwnBitForBit )
 }
 
 INSTANTIATE_TEST_SUITE_P( All, RigidScene,
-	testing::Values( Kind{ "Stack", stack }, Kind{ "Ramp", ramp }, Kind{ "Chain", chain }, Kind{ "HingeMotor", hingeMotor }, Kind{ "Springs", springs },
-		Kind{ "Compounds", compounds }, Kind{ "Landscape", landscape }, Kind{ "Kinematic", kinematic }, Kind{ "Ghosts", ghosts }, Kind{ "Bullets", bullets },
-		Kind{ "Vehicle", vehicle } ),
+	testing::Values( Kind{ "Stack", stack }, Kind{ "Ramp", ramp }, Kind{ "Chain", chain }, Kind{ "HingeMotor", hingeMotor },
+		Kind{ "Springs", springs }, Kind{ "Compounds", compounds }, Kind{ "Landscape", landscape }, Kind{ "Kinematic", kinematic },
+		Kind{ "Ghosts", ghosts }, Kind{ "Bullets", bullets }, Kind{ "Vehicle", vehicle } ),
 	[]( const testing::TestParamInfo<Kind>& kind ) { return std::string( kind.param.name ); } );
 
 } // namespace

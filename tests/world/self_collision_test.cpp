@@ -17,16 +17,17 @@ using test::block;
 using test::stiff;
 using test::TestWorld;
 
-constexpr float kCell = 0.05f;                       // m
-constexpr float kBack = -4.0f * kCell;               // the cut ends here
-constexpr btScalar kSwing = btScalar( 0.8 );         // m/s of the arms' ends, towards each other
+constexpr float kCell = 0.05f;               // m
+constexpr float kBack = -4.0f * kCell;       // the cut ends here
+constexpr btScalar kSwing = btScalar( 0.8 ); // m/s of the arms' ends, towards each other
 
 /// A block of 16 x 8 x 4 cells, slit along its middle but for the first four layers: two arms on a back.
 SoftBody* addSlitBlock( TestWorld& test, const Adaptivity& adaptivity = {} )
 {
 	SoftBody* soft = test.addSoft( block( 16, 8, 4, kCell ), at( 0, 0, 0 ), stiff( 2e4f ), adaptivity );
 	const btScalar far = 1;
-	EXPECT_GT( soft->cutSweep( btVector3( kBack, 0, -far ), btVector3( kBack, 0, far ), btVector3( far, 0, -far ), btVector3( far, 0, far ) ), 0 );
+	EXPECT_GT(
+		soft->cutSweep( btVector3( kBack, 0, -far ), btVector3( kBack, 0, far ), btVector3( far, 0, -far ), btVector3( far, 0, far ) ), 0 );
 	test.world.setGravity( btVector3( 0, 0, 0 ) );
 	test.run( 1 );
 	return soft;
@@ -47,7 +48,8 @@ void swingTogether( SoftBody& soft )
 	}
 }
 
-/// Of one arm's nodes from the other's, as a share of how far apart such nodes are at rest or as their spheres want them, whichever is less.
+/// Of one arm's nodes from the other's, as a share of how far apart such nodes are at rest or as their spheres want them, whichever is
+/// less.
 double closest( const SoftBody& soft )
 {
 	const NodeState& nodes = soft.impl().body->nodes();
@@ -117,7 +119,8 @@ TEST( InsideDistance, IsTheShortestWayAlongLinksToTheSurface )
 			for ( std::uint32_t k = lattice.linkStart[i]; k < lattice.linkStart[i + 1] && !lattice.isSurface[i]; ++k )
 			{
 				const std::uint32_t j = lattice.linkTo[k];
-				least = std::min( least, depth[j] + kLinkTenths[( lattice.coordinate[i] - lattice.coordinate[j] ).cast<int>().cwiseAbs().sum()] );
+				least = std::min(
+					least, depth[j] + kLinkTenths[( lattice.coordinate[i] - lattice.coordinate[j] ).cast<int>().cwiseAbs().sum()] );
 			}
 			ASSERT_EQ( depth[i], least );
 			deepest = std::max( deepest, depth[i] );
@@ -144,10 +147,10 @@ TEST( SelfCollision, ArmsThatSwingTogetherDoNotGoThroughEachOther )
 		swingTogether( *free );
 		const BodySums before = held->impl().body->sums();
 		const Swing seen = swing( with, *held ), ghost = swing( without, *free );
-		std::printf( "levels %d: closest %.2f of their radii, gap %.3f m, %d contacts; without: %.2f, %.3f m\n", coarse, seen.closest, seen.lowestGap,
-			seen.contacts, ghost.closest, ghost.lowestGap );
+		std::printf( "levels %d: closest %.2f of their radii, gap %.3f m, %d contacts; without: %.2f, %.3f m\n", coarse, seen.closest,
+			seen.lowestGap, seen.contacts, ghost.closest, ghost.lowestGap );
 		EXPECT_GT( seen.contacts, 4 );
-		EXPECT_GT( seen.closest, 0.5 ); // half a node
+		EXPECT_GT( seen.closest, 0.5 );                     // half a node
 		EXPECT_GT( seen.lowestGap, 3.0 * double( kCell ) ); // four at rest
 		EXPECT_LT( ghost.lowestGap, 1.0 * double( kCell ) );
 		EXPECT_EQ( without.world.stepReport().selfContacts, 0 );
@@ -217,8 +220,10 @@ TEST( SelfCollision, FindsWhatAllPairsFind )
 				{
 					const double radii = double( soft->nodeRadius( a ) + soft->nodeRadius( b ) );
 					const double wanted = std::min( radii, double( ( nodes.x0.get( a ) - nodes.x0.get( b ) ).norm() ) );
-					const bool collide = impl.shape->childOfNode( a ) >= 0 && impl.shape->childOfNode( b ) >= 0 && !isHeld[std::size_t( b )];
-					if ( collide && double( ( nodes.x.get( a ) - nodes.x.get( b ) ).norm() ) < wanted + 0.03 * double( soft->nodeRadius( a ) ) )
+					const bool collide = impl.shape->childOfNode( a ) >= 0 && impl.shape->childOfNode( b ) >= 0 &&
+						!isHeld[std::size_t( b )];
+					if ( collide &&
+						double( ( nodes.x.get( a ) - nodes.x.get( b ) ).norm() ) < wanted + 0.03 * double( soft->nodeRadius( a ) ) )
 					{
 						const std::uint64_t key = std::uint64_t( a ) << 32 | std::uint32_t( b );
 						EXPECT_TRUE( std::any_of( hits.begin(), hits.end(), [key]( const NodeHit& hit ) { return hit.key == key; } ) );

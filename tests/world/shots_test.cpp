@@ -23,7 +23,8 @@ void shootSome( Elasticity elasticity, int step )
 		const ShotResult r = range.shoot( unsigned( seed ), elasticity );
 		hits += r.hits ? 1 : 0;
 		deepest = std::max( deepest, r.deepest );
-		EXPECT_EQ( r.behind, 0 ) << "shot " << seed << ", " << test::kShotNames[int( r.shot )] << " at " << test::kWallNames[int( r.wall )] << ", " << r.speed << " m/s";
+		EXPECT_EQ( r.behind, 0 ) << "shot " << seed << ", " << test::kShotNames[int( r.shot )] << " at " << test::kWallNames[int( r.wall )]
+								 << ", " << r.speed << " m/s";
 		EXPECT_TRUE( r.isHealthy ) << seed;
 	}
 	std::printf( "%d shots, %d hits, deepest %.2f mm\n", count, hits, 1e3 * deepest );

@@ -79,7 +79,8 @@ TEST( Sinking, AHeavyBoxDoesNot )
 		material.elasticity = elasticity;
 		SoftBody* const foam = scene.add( cubeTemplate( 0.6f, 6 ), btVector3( 0, btScalar( 0.3 ), 0 ), material );
 		const btVector3 half( btScalar( 0.15 ), btScalar( 0.15 ), btScalar( 0.15 ) );
-		const btRigidBody* const box = scene.add( btScalar( 10 * foam->impl().mass ), new btBoxShape( half ), btVector3( 0, btScalar( 1.2 ), 0 ) );
+		const btRigidBody* const box = scene.add(
+			btScalar( 10 * foam->impl().mass ), new btBoxShape( half ), btVector3( 0, btScalar( 1.2 ), 0 ) );
 		scene.step( 240 );
 		EXPECT_EQ( nodesInside( *foam, *box ), 0 );
 	}

@@ -1,5 +1,6 @@
-// The first question for a skin after a step draws, on all threads at once, those of all bodies that were looked at after the last one. What anybody
-// sees may not depend on it: not the bits, not the counters, not how long a view may be read; and what nobody asks for is not drawn.
+// The first question for a skin after a step draws, on all threads at once, those of all bodies that were looked at after the last one.
+// What anybody sees may not depend on it: not the bits, not the counters, not how long a view may be read; and what nobody asks for is not
+// drawn.
 
 #include "adaptive_bodies.h"
 
@@ -25,7 +26,8 @@ protected:
 		{
 			const int edge = k == 3 ? 12 : 3 + k % 3;
 			const btTransform where = at( btScalar( 2 * k ), 0, 0 );
-			SoftBody* const body = world->addSoft( block( edge, edge, edge, 0.1f ), where, stiff( 2e4f ), k == 1 ? levels( 1 ) : Adaptivity{} );
+			SoftBody* const body = world->addSoft(
+				block( edge, edge, edge, 0.1f ), where, stiff( 2e4f ), k == 1 ? levels( 1 ) : Adaptivity{} );
 			body->setVelocities( btVector3( 0, 0, 0 ), btVector3( 1, btScalar( k ), 2 ) );
 		}
 	}
@@ -154,7 +156,8 @@ double apart( const SurfaceView& a, const SurfaceView& b )
 	double most = 0.0;
 	for ( int v = 0; v < a.vertexCount; ++v )
 	{
-		most = std::max( most, double( ( Eigen::Map<const Vec3>( a.positions + 3 * v ) - Eigen::Map<const Vec3>( b.positions + 3 * v ) + origin ).norm() ) );
+		most = std::max( most,
+			double( ( Eigen::Map<const Vec3>( a.positions + 3 * v ) - Eigen::Map<const Vec3>( b.positions + 3 * v ) + origin ).norm() ) );
 	}
 	return most;
 }
@@ -170,7 +173,8 @@ struct Falling
 		test.addFloor();
 		for ( int k = 0; k < kCount; ++k )
 		{
-			const btTransform where( btQuaternion( btVector3( 1, 2, 0 ).normalized(), btScalar( 0.3 * k ) ), btVector3( btScalar( 2 * k ), 1, 0 ) );
+			const btTransform where(
+				btQuaternion( btVector3( 1, 2, 0 ).normalized(), btScalar( 0.3 * k ) ), btVector3( btScalar( 2 * k ), 1, 0 ) );
 			SoftBody* const body = test.addSoft( block( 4, 4, 6, 0.1f ), where, stiff( 3e4f ), k % 2 == 1 ? levels( 1 ) : Adaptivity{} );
 			body->setVelocities( btVector3( 0, 0, 0 ), btVector3( 0, btScalar( k == 3 ? 20 : 2 * k ), 1 ) );
 			body->setSurfaceTolerance( tolerance );
@@ -185,8 +189,8 @@ struct Falling
 	}
 };
 
-// Measured against a twin that is skinned in full in every frame: what is turned or left alone is as near as was asked for, in flight, bent, broken,
-// at rest and after a teleport, and costs less.
+// Measured against a twin that is skinned in full in every frame: what is turned or left alone is as near as was asked for, in flight,
+// bent, broken, at rest and after a teleport, and costs less.
 TEST( SurfaceTolerance, KeepsTheSurfaceNearTheOneSkinnedInFull )
 {
 	constexpr btScalar kTolerance = btScalar( 0.01 );

@@ -3,9 +3,9 @@
 #include "adaptive_bodies.h"
 #include "test_world.h"
 
+#include "world/bodies/soft_body_impl.h"
 #include "world/constants.h"
 #include "world/search/node_search.h"
-#include "world/bodies/soft_body_impl.h"
 
 #include <BulletCollision/CollisionDispatch/btCollisionObjectWrapper.h>
 
@@ -34,7 +34,8 @@ void shake( SoftBody& soft, std::mt19937& random, double by, double speed )
 	for ( int i = 0; i < nodes.count; ++i )
 	{
 		const Vec3 aside( float( uniform( random, -by, by ) ), float( uniform( random, -by, by ) ), float( uniform( random, -by, by ) ) );
-		const Vec3 v( float( uniform( random, -speed, speed ) ), float( uniform( random, -speed, speed ) ), float( uniform( random, -speed, speed ) ) );
+		const Vec3 v( float( uniform( random, -speed, speed ) ), float( uniform( random, -speed, speed ) ),
+			float( uniform( random, -speed, speed ) ) );
 		nodes.x.set( i, nodes.x.get( i ) + aside );
 		nodes.v.set( i, v );
 		low = low.cwiseMin( v );
@@ -68,7 +69,8 @@ protected:
 			for ( int round = 0; coarse > 0 && round < 2; ++round )
 			{
 				std::vector<std::uint32_t> split = coarseNodes( *soft[k], anyNode );
-				split.erase( std::remove_if( split.begin(), split.end(), [this]( std::uint32_t ) { return random() % 3 == 0; } ), split.end() );
+				split.erase(
+					std::remove_if( split.begin(), split.end(), [this]( std::uint32_t ) { return random() % 3 == 0; } ), split.end() );
 				changeLevels( *soft[k], split, {} );
 			}
 		}
@@ -124,8 +126,10 @@ TEST_P( SphereRowsOf, TwoBodiesFindThePairsThatMayTouch )
 		shake( *soft[0], random, 0.01, 0.0 );
 		shake( *soft[1], random, 0.01, 0.0 );
 		const double fast = round % 2 == 0 ? 0.0 : 0.05;
-		const btVector3 way( btScalar( uniform( random, 0, fast ) ), btScalar( uniform( random, 0, fast ) ), btScalar( uniform( random, 0, fast ) ) );
-		const SphereRows::Approach approach{ btVector3( btScalar( uniform( random, -0.3, 0.3 ) ), btScalar( uniform( random, -0.75, -0.6 ) ), 0 ), -way, way };
+		const btVector3 way(
+			btScalar( uniform( random, 0, fast ) ), btScalar( uniform( random, 0, fast ) ), btScalar( uniform( random, 0, fast ) ) );
+		const SphereRows::Approach approach{
+			btVector3( btScalar( uniform( random, -0.3, 0.3 ) ), btScalar( uniform( random, -0.75, -0.6 ) ), 0 ), -way, way };
 		std::vector<std::pair<int, int>> found;
 		SphereRows::findPairs( soft[0]->impl().shape->rows(), soft[1]->impl().shape->rows(), approach, pairs );
 		for ( const SphereRows::Meeting& pair : pairs.found )
@@ -142,7 +146,8 @@ TEST_P( SphereRowsOf, TwoBodiesFindThePairsThatMayTouch )
 			for ( int b = 0; b < soft[1]->nodeCount(); ++b )
 			{
 				const bool collide = soft[0]->impl().shape->childOfNode( a ) >= 0 && soft[1]->impl().shape->childOfNode( b ) >= 0;
-				const Vec3d apart = placeOf( *soft[0], a ).cast<double>() + toVec3d( approach.shift ) - placeOf( *soft[1], b ).cast<double>();
+				const Vec3d apart = placeOf( *soft[0], a ).cast<double>() + toVec3d( approach.shift ) -
+					placeOf( *soft[1], b ).cast<double>();
 				const Vec3d nearest = ( apart.cwiseAbs() - toVec3d( way ) ).cwiseMax( 0.0 ); // wherever in the approach they come
 				const double touching = double( reachOf( *soft[0], a ) + soft[1]->impl().shape->sphereOfNode( b )->getRadius() );
 				const double slack = double( kContactSlop * soft[1]->impl().shape->sphereOfNode( b )->getRadius() ) + 1e-6;
@@ -240,7 +245,9 @@ TEST_P( SphereRowsOf, TwoBodiesFindTheNodesThatMeet )
 				sphere.way -= kSubstep * others.v.get( b ).cast<double>();
 				Touch touch;
 				const bool collide = soft[0]->impl().shape->childOfNode( a ) >= 0 && soft[1]->impl().shape->childOfNode( b ) >= 0;
-				if ( collide && findBallTouch( double( soft[1]->impl().shape->sphereOfNode( b )->getRadius() ), others.x.get( b ).cast<double>() - apart, sphere, touch ) )
+				if ( collide &&
+					findBallTouch( double( soft[1]->impl().shape->sphereOfNode( b )->getRadius() ),
+						others.x.get( b ).cast<double>() - apart, sphere, touch ) )
 				{
 					expected.push_back( std::uint64_t( a ) << 32 | std::uint32_t( b ) );
 				}

@@ -87,10 +87,16 @@ public:
 		world.addRigidBody( rigid.back().get() );
 		return rigid.back().get();
 	}
-	btRigidBody* addBox( btScalar mass, const btVector3& half, const btTransform& where ) { return add( mass, new btBoxShape( half ), where ); }
+	btRigidBody* addBox( btScalar mass, const btVector3& half, const btTransform& where )
+	{
+		return add( mass, new btBoxShape( half ), where );
+	}
 	/// Top at height y.
 	btRigidBody* addFloor( btScalar y = 0 ) { return addBox( 0, btVector3( 10, 1, 10 ), at( 0, y - 1, 0 ) ); }
-	btRigidBody* addPlane( btScalar y = 0 ) { return add( 0, new btStaticPlaneShape( btVector3( 0, 1, 0 ), y ), btTransform::getIdentity() ); }
+	btRigidBody* addPlane( btScalar y = 0 )
+	{
+		return add( 0, new btStaticPlaneShape( btVector3( 0, 1, 0 ), y ), btTransform::getIdentity() );
+	}
 
 	SoftBody* addSoft( const std::shared_ptr<const BodyTemplate>& shape, const btTransform& where, const Material& material = stiff( 1e5f ),
 		const Adaptivity& adaptivity = {} )
@@ -140,8 +146,8 @@ inline std::vector<std::array<float, 10>> trianglesOf( const SurfaceView& view )
 			std::copy( p, p + 3, corner[k].begin() );
 		}
 		std::rotate( corner.begin(), std::min_element( corner.begin(), corner.end() ), corner.end() );
-		all.push_back( { corner[0][0], corner[0][1], corner[0][2], corner[1][0], corner[1][1], corner[1][2], corner[2][0], corner[2][1], corner[2][2],
-			view.triangleSource ? float( view.triangleSource[t] ) : float( t ) } );
+		all.push_back( { corner[0][0], corner[0][1], corner[0][2], corner[1][0], corner[1][1], corner[1][2], corner[2][0], corner[2][1],
+			corner[2][2], view.triangleSource ? float( view.triangleSource[t] ) : float( t ) } );
 	}
 	std::sort( all.begin(), all.end() );
 	return all;

@@ -37,8 +37,8 @@ struct BentBar
 	double impulse() const { return double( body->mass() ) * 0.05; }
 };
 
-/// A crumb of three nodes that stood a fiftieth of a cell beside a line was given what rubbing lacked of its spin, and had none of the inertia about it that its cells would
-/// have: it was spun until it flew apart.
+/// A crumb of three nodes that stood a fiftieth of a cell beside a line was given what rubbing lacked of its spin, and had none of the
+/// inertia about it that its cells would have: it was spun until it flew apart.
 TEST( Turner, DoesNotSpinWhatIsNearlyALine )
 {
 	for ( const float beside : { 0.0f, 0.001f, 0.02f, 0.1f } )

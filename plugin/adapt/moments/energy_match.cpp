@@ -11,8 +11,8 @@ namespace pliant {
 
 namespace {
 
-constexpr double kLargestSoftness = 0.95;     ///< of beta and eta: some stiffness is always left
-constexpr double kMomentShare = 1e-2;         ///< eigenvalues of J below this share of its largest count as none
+constexpr double kLargestSoftness = 0.95; ///< of beta and eta: some stiffness is always left
+constexpr double kMomentShare = 1e-2;     ///< eigenvalues of J below this share of its largest count as none
 
 /// sum E_k: variance of the six quadratics about a place `t` away from the monomials' own, over the finest regions. With the row of
 /// shiftedQuadratic, e_q + t_a e_b + t_b e_a, each is
@@ -24,7 +24,8 @@ double quadraticVariance( const std::array<float, 45>& packed, const Vec3d& t )
 	for ( int k = 0; k < 6; ++k )
 	{
 		const int q = 3 + k, a = kQuadraticFirst[k], b = kQuadraticSecond[k]; // a <= b < q
-		sum += c( q, q ) + 2.0 * ( t[a] * c( q, b ) + t[b] * c( q, a ) ) + t[a] * t[a] * c( b, b ) + 2.0 * t[a] * t[b] * c( b, a ) + t[b] * t[b] * c( a, a );
+		sum += c( q, q ) + 2.0 * ( t[a] * c( q, b ) + t[b] * c( q, a ) ) + t[a] * t[a] * c( b, b ) + 2.0 * t[a] * t[b] * c( b, a ) +
+			t[b] * t[b] * c( a, a );
 	}
 	return sum;
 }
@@ -89,7 +90,7 @@ RegionRest measureRegion( const Octree& octree, const Cut& cut, const RegionMatr
 		rest.mass += u;
 		first += u * octree.restCentre[cut.node[matrix.member[k]]].cast<double>();
 	}
-	const Vec3d centre = first / rest.mass; // m
+	const Vec3d centre = first / rest.mass;                 // m
 	Vec3d diagonal = Vec3d::Zero(), beside = Vec3d::Zero(); // of the symmetric J: xx, yy, zz and yz, xz, xy
 	for ( std::uint32_t k = matrix.start[region]; k < matrix.start[region + 1]; ++k )
 	{
@@ -153,7 +154,8 @@ Eigen::Matrix3d energyBlendByDirections( const Eigen::Matrix3d& fineMoment, cons
 		fine( i, i ) = 1.0;
 	}
 	const Vec3d inverseRoot = root.cwiseInverse();
-	const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> shares( Eigen::Matrix3d( inverseRoot.asDiagonal() * fine * inverseRoot.asDiagonal() ) );
+	const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> shares(
+		Eigen::Matrix3d( inverseRoot.asDiagonal() * fine * inverseRoot.asDiagonal() ) );
 	const Vec3d limited = shares.eigenvalues().cwiseMax( 1.0 - kLargestSoftness ).cwiseMin( 1.0 );
 	const Eigen::Matrix3d share = shares.eigenvectors() * limited.asDiagonal() * shares.eigenvectors().transpose();
 	// J^-1/2 ( J^-1/2 J_fine J^-1/2 ) J^1/2 = J^-1 J_fine

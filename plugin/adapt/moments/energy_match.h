@@ -11,10 +11,11 @@ namespace pliant {
 /// What a region of the step needs to know of its rest shape.
 struct RegionRest
 {
-	double mass = 0.0;                                 ///< full cells
-	Vec3d centre = Vec3d::Zero();                      ///< c0_r, cells
-	Eigen::Matrix3d moment = Eigen::Matrix3d::Zero();  ///< J_r, cells^2
-	Eigen::Matrix3d inverse = Eigen::Matrix3d::Zero(); ///< J_r^+: directions with less than a thousandth of the largest extent count as none
+	double mass = 0.0;                                ///< full cells
+	Vec3d centre = Vec3d::Zero();                     ///< c0_r, cells
+	Eigen::Matrix3d moment = Eigen::Matrix3d::Zero(); ///< J_r, cells^2
+	Eigen::Matrix3d inverse =
+		Eigen::Matrix3d::Zero(); ///< J_r^+: directions with less than a thousandth of the largest extent count as none
 	Eigen::Matrix3d outside = Eigen::Matrix3d::Zero(); ///< 1 - J_r J_r^+
 	bool isFlat = false;                               ///< whether `outside` is not zero
 };

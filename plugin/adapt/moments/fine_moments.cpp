@@ -22,7 +22,8 @@ using Squares = std::array<std::array<D2, kPairs>, kMonomials>;
 
 Monomials monomials( const Vec3d& s )
 {
-	return { D2{ s.x(), s.y() }, D2{ s.z(), s.x() * s.x() }, D2{ s.y() * s.y(), s.z() * s.z() }, D2{ s.y() * s.z(), s.x() * s.z() }, D2{ s.x() * s.y(), 0.0 } };
+	return { D2{ s.x(), s.y() }, D2{ s.z(), s.x() * s.x() }, D2{ s.y() * s.y(), s.z() * s.z() }, D2{ s.y() * s.z(), s.x() * s.z() },
+		D2{ s.x() * s.y(), 0.0 } };
 }
 
 /// lower triangle += weight m m^T

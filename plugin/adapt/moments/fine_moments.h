@@ -1,7 +1,7 @@
 #pragma once
 
-// Second and fourth moments of what lies under each node of the octree: what the finest regions there hold. Beyond Ohta et al. 2009, eq. 7-10,
-// which go by size alone.
+// Second and fourth moments of what lies under each node of the octree: what the finest regions there hold. Beyond Ohta et al. 2009, eq.
+// 7-10, which go by size alone.
 
 #include "adapt/regions/region_matrix.h"
 

@@ -11,7 +11,8 @@ namespace pliant {
 namespace {
 
 /// Appends the rows of cells `cell` to `end` - 1, which are what they were.
-void appendRows( const FineRegions& before, const CellChange& change, const OctreeUpdate& tree, std::uint32_t cell, std::uint32_t end, FineRegions& fine )
+void appendRows( const FineRegions& before, const CellChange& change, const OctreeUpdate& tree, std::uint32_t cell, std::uint32_t end,
+	FineRegions& fine )
 {
 	if ( change.isWhole() ) // under the same numbers: in one run
 	{
@@ -21,7 +22,8 @@ void appendRows( const FineRegions& before, const CellChange& change, const Octr
 		fine.set.member.insert( fine.set.member.end(), from( set.member, set.start[cell] ), from( set.member, set.start[end] ) );
 		fine.set.size.insert( fine.set.size.end(), from( set.size, cell ), from( set.size, end ) );
 		fine.mass.insert( fine.mass.end(), from( before.mass, cell ), from( before.mass, end ) );
-		std::transform( from( set.start, cell + 1 ), from( set.start, end + 1 ), std::back_inserter( fine.set.start ), [moved]( std::uint32_t k ) { return k + moved; } );
+		std::transform( from( set.start, cell + 1 ), from( set.start, end + 1 ), std::back_inserter( fine.set.start ),
+			[moved]( std::uint32_t k ) { return k + moved; } );
 		return;
 	}
 	for ( ; cell < end; ++cell )
@@ -53,8 +55,8 @@ FineUpdate updateFineRegions( const FineRegions& before, const CellChange& chang
 	fine.mass.clear();
 	const std::uint32_t cells = std::uint32_t( change.now.cellCount() );
 	Reach reach( change.now );
-	// A region of w links changes where a link did that starts within w - 1 of them. As they are: of a way that is no more, the first link that
-	// broke is to be come at still.
+	// A region of w links changes where a link did that starts within w - 1 of them. As they are: of a way that is no more, the first link
+	// that broke is to be come at still.
 	update.collected = reach.from( change.touched, before.set.halfWidth - 1 );
 	fine.set.halfWidth = before.set.halfWidth;
 	fine.set.start.reserve( std::size_t( cells ) + 1 );
@@ -82,10 +84,12 @@ namespace {
 /// Moments there is room for, of those there are.
 constexpr double kMomentsRoom = 1.25;
 
-/// Nodes go where they are now. Those of cells are most of what an update would copy: a cell's number never grows, and they may go in place.
+/// Nodes go where they are now. Those of cells are most of what an update would copy: a cell's number never grows, and they may go in
+/// place.
 FineMoments takeOver( const FineMoments& before, FineMoments taken, const CellChange& change, const OctreeUpdate& tree )
 {
-	const std::size_t nodes = tree.octree.parent.size(), cells = tree.octree.levelStart[1], cellsBefore = std::size_t( change.before.cellCount() );
+	const std::size_t nodes = tree.octree.parent.size(), cells = tree.octree.levelStart[1],
+					  cellsBefore = std::size_t( change.before.cellCount() );
 	const bool staysInPlace = !taken.covariance.empty();
 	const auto& from = taken.covariance.empty() ? before.covariance : taken.covariance;
 	FineMoments moments;
@@ -122,7 +126,8 @@ FineMoments takeOver( const FineMoments& before, FineMoments taken, const CellCh
 
 } // namespace
 
-FineMoments updateFineMoments( const FineMoments& before, FineMoments taken, const CellChange& change, const OctreeUpdate& tree, const FineUpdate& update )
+FineMoments updateFineMoments(
+	const FineMoments& before, FineMoments taken, const CellChange& change, const OctreeUpdate& tree, const FineUpdate& update )
 {
 	const Octree& octree = tree.octree;
 	const RegionSet& set = update.fine.set;

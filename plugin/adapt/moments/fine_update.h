@@ -11,13 +11,15 @@ namespace pliant {
 struct FineUpdate
 {
 	FineRegions fine; ///< but for RegionSet::isFullCubes, which nobody asks of them
-	std::vector<std::uint32_t> collected; ///< cells whose regions were made anew, ascending: all whose regions hold other cells, and all that weigh other shares
+	std::vector<std::uint32_t>
+		collected; ///< cells whose regions were made anew, ascending: all whose regions hold other cells, and all that weigh other shares
 };
 
 /// `tree`: of the same change. `room`: regions that nobody uses any more, to be written over.
 FineUpdate updateFineRegions( const FineRegions& before, const CellChange& change, const OctreeUpdate& tree, FineRegions room = {} );
 
 /// `taken`: those before, which then change in place; empty: they stay where they are.
-FineMoments updateFineMoments( const FineMoments& before, FineMoments taken, const CellChange& change, const OctreeUpdate& tree, const FineUpdate& fine );
+FineMoments updateFineMoments(
+	const FineMoments& before, FineMoments taken, const CellChange& change, const OctreeUpdate& tree, const FineUpdate& fine );
 
 } // namespace pliant

@@ -15,8 +15,8 @@ const std::vector<BucketMoore::Reached>& BucketMoore::from( const VisibilityGrap
 	return m_reached;
 }
 
-const std::vector<BucketMoore::Reached>& BucketMoore::fromAll( const VisibilityGraph& graph, const std::vector<std::uint32_t>& sources,
-                                                               std::uint32_t limit )
+const std::vector<BucketMoore::Reached>& BucketMoore::fromAll(
+	const VisibilityGraph& graph, const std::vector<std::uint32_t>& sources, std::uint32_t limit )
 {
 	begin( graph );
 	if ( limit > 0 )

@@ -33,7 +33,8 @@ Cut selectCut( const Octree& octree, const std::function<bool( std::uint32_t )>&
 
 std::function<bool( std::uint32_t )> keepsByMass( const Octree& octree, float share )
 {
-	return [&octree, share]( std::uint32_t node ) { return octree.mass[node] >= double( share ) * std::ldexp( 1.0, 3 * octree.levelOf( node ) ); };
+	return [&octree, share](
+			   std::uint32_t node ) { return octree.mass[node] >= double( share ) * std::ldexp( 1.0, 3 * octree.levelOf( node ) ); };
 }
 
 std::function<bool( std::uint32_t )> keepsInside( const Octree& octree )
@@ -54,8 +55,8 @@ void numberCells( const Octree& octree, Cut& cut )
 	}
 }
 
-Cut changeCut( const Octree& octree, const Cut& cut, const std::vector<std::uint32_t>& split, const std::vector<std::uint32_t>& merge,
-	Cut room )
+Cut changeCut(
+	const Octree& octree, const Cut& cut, const std::vector<std::uint32_t>& split, const std::vector<std::uint32_t>& merge, Cut room )
 {
 	const auto isBefore = [&octree]( std::uint32_t a, std::uint32_t b ) { return octree.cellStart[a] < octree.cellStart[b]; };
 	std::vector<std::uint32_t> splits( split ), merges( merge );

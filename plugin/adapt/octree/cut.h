@@ -34,8 +34,8 @@ void numberCells( const Octree& octree, Cut& cut );
 /// A cut with some nodes replaced by their children (`split`) and some parents put in the place of all their children (`merge`).
 /// Both lists name octree nodes; a node to merge has all its children in the cut, a node to split is in the cut and has children.
 /// `room`: a cut that nobody needs, for its memory.
-Cut changeCut( const Octree& octree, const Cut& cut, const std::vector<std::uint32_t>& split, const std::vector<std::uint32_t>& merge,
-	Cut room = {} );
+Cut changeCut(
+	const Octree& octree, const Cut& cut, const std::vector<std::uint32_t>& split, const std::vector<std::uint32_t>& merge, Cut room = {} );
 
 /// In depth-first order, every cell covered once; the sentence names what is broken.
 Status validate( const Cut& cut, const Octree& octree );

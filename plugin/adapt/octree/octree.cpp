@@ -19,8 +19,8 @@ bool isBefore( const Coordinate& a, const Coordinate& b )
 }
 
 /// Joins nodes of one level that share a block of the level above and a link between two of their cells.
-UnionFind joinWithinBlocks( const Octree& octree, const Lattice& lattice, const std::vector<std::uint32_t>& nodeOfCell, std::uint32_t first,
-	std::uint32_t count )
+UnionFind joinWithinBlocks(
+	const Octree& octree, const Lattice& lattice, const std::vector<std::uint32_t>& nodeOfCell, std::uint32_t first, std::uint32_t count )
 {
 	UnionFind parts( count );
 	for ( std::uint32_t cell = 0; cell < std::uint32_t( lattice.cellCount() ); ++cell )
@@ -236,8 +236,8 @@ Status validate( const Octree& octree, const Lattice& lattice )
 {
 	const std::size_t nodes = octree.parent.size();
 	if ( octree.levelStart.size() != std::size_t( octree.levels ) + 1 || octree.levelStart.back() != nodes ||
-		 octree.levelStart[1] != std::uint32_t( lattice.cellCount() ) || octree.childStart.size() != nodes + 1 ||
-		 octree.cells.size() != lattice.fill.size() || octree.mass.size() != nodes || octree.restCentre.size() != nodes )
+		octree.levelStart[1] != std::uint32_t( lattice.cellCount() ) || octree.childStart.size() != nodes + 1 ||
+		octree.cells.size() != lattice.fill.size() || octree.mass.size() != nodes || octree.restCentre.size() != nodes )
 	{
 		return broken( "Octree: its arrays disagree in size." );
 	}
@@ -259,7 +259,8 @@ Status validate( const Octree& octree, const Lattice& lattice )
 
 std::size_t Octree::bytes() const
 {
-	const std::size_t perNode = sizeof( std::uint32_t ) * 4 + sizeof( coordinate[0] ) + sizeof( double ) + sizeof( Vec3 ) + sizeof( spread[0] ) + 1;
+	const std::size_t perNode = sizeof( std::uint32_t ) * 4 + sizeof( coordinate[0] ) + sizeof( double ) + sizeof( Vec3 ) +
+		sizeof( spread[0] ) + 1;
 	return parent.size() * perNode + ( child.size() + cells.size() ) * sizeof( std::uint32_t );
 }
 

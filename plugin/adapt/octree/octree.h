@@ -24,11 +24,11 @@ inline constexpr int kMostCoarseLevels = 4;
 /// each level in the order of z, y, x of its blocks, then by lowest cell. Immutable once built.
 struct Octree
 {
-	int levels = 1;                          ///< 0 .. levels - 1
-	std::vector<std::uint32_t> levelStart;   ///< first node of each level, and the node count at the end
+	int levels = 1;                        ///< 0 .. levels - 1
+	std::vector<std::uint32_t> levelStart; ///< first node of each level, and the node count at the end
 
-	std::vector<std::uint32_t> parent;       ///< kNoNode on the highest level
-	std::vector<std::uint32_t> childStart;   ///< children of node n: child[ childStart[n] .. childStart[n + 1] ), ascending
+	std::vector<std::uint32_t> parent;     ///< kNoNode on the highest level
+	std::vector<std::uint32_t> childStart; ///< children of node n: child[ childStart[n] .. childStart[n + 1] ), ascending
 	std::vector<std::uint32_t> child;
 
 	/// The cells in depth-first order: those of node n stand together, from cells[ cellStart[n] ], cellCount[n] of them.
@@ -37,11 +37,11 @@ struct Octree
 	std::vector<std::uint32_t> cellCount;
 
 	std::vector<Eigen::Matrix<std::int16_t, 3, 1>> coordinate; ///< block position at the node's own level
-	std::vector<double> mass;                ///< in full finest cells
-	std::vector<Vec3> restCentre;            ///< m, relative to the lattice's mass centre
+	std::vector<double> mass;                                  ///< in full finest cells
+	std::vector<Vec3> restCentre;                              ///< m, relative to the lattice's mass centre
 	/// Second moment of the node's cells (as points) about restCentre, per mass, cells^2: xx, yy, zz, yz, xz, xy.
 	std::vector<std::array<float, 6>> spread;
-	std::vector<std::uint8_t> isSurface;     ///< 1 where one of its cells is
+	std::vector<std::uint8_t> isSurface; ///< 1 where one of its cells is
 
 	int nodeCount() const { return int( parent.size() ); }
 	int levelOf( std::uint32_t node ) const

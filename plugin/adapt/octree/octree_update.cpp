@@ -34,8 +34,8 @@ private:
 	/// A node of the level in the making.
 	struct Entry
 	{
-		std::uint32_t lowest;      ///< its first child
-		std::uint32_t old;         ///< kNoNode: it has m_child[ first ] to m_child[ last - 1 ]
+		std::uint32_t lowest; ///< its first child
+		std::uint32_t old;    ///< kNoNode: it has m_child[ first ] to m_child[ last - 1 ]
 		std::size_t first, last;
 	};
 
@@ -91,7 +91,8 @@ private:
 			if ( !touched.empty() )
 			{
 				addParts( touched, level );
-				std::sort( m_entries.begin() + std::ptrdiff_t( first ), m_entries.end(), []( const Entry& a, const Entry& b ) { return a.lowest < b.lowest; } );
+				std::sort( m_entries.begin() + std::ptrdiff_t( first ), m_entries.end(),
+					[]( const Entry& a, const Entry& b ) { return a.lowest < b.lowest; } );
 			}
 			n = end;
 		}
@@ -232,7 +233,8 @@ private:
 			m_now.mass[n] = m_old.mass[old];
 			m_now.spread[n] = m_old.spread[old];
 			m_now.isSurface[n] = m_old.isSurface[old];
-			m_now.restCentre[n] = m_now.cellCount[n] == 1 ? lattice.restCentre[first] : Vec3( ( m_old.restCentre[old].cast<double>() - shift ).cast<float>() );
+			m_now.restCentre[n] = m_now.cellCount[n] == 1 ? lattice.restCentre[first]
+														  : Vec3( ( m_old.restCentre[old].cast<double>() - shift ).cast<float>() );
 		}
 	}
 

@@ -1,7 +1,8 @@
 #pragma once
 
 // An octree whose cells have lost links, or got some back, or are only some of those there were: the nodes above cells that kept
-// their links are taken over. Steinemann et al. 2008, section 5.1 (cuts change the octree near the blade alone). buildOctree is the slow twin.
+// their links are taken over. Steinemann et al. 2008, section 5.1 (cuts change the octree near the blade alone). buildOctree is the slow
+// twin.
 
 #include "adapt/octree/octree.h"
 
@@ -22,8 +23,8 @@ struct CellChange
 struct OctreeUpdate
 {
 	Octree octree;
-	/// Of each node: the node before that had the same cells, linked as they are now; kNoNode where there was none. Of a finest cell: what it
-	/// was, touched or not.
+	/// Of each node: the node before that had the same cells, linked as they are now; kNoNode where there was none. Of a finest cell: what
+	/// it was, touched or not.
 	std::vector<std::uint32_t> nodeBefore;
 	std::vector<std::uint32_t> nodeNow; ///< the other way round
 };

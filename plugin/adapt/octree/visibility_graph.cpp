@@ -11,8 +11,8 @@ namespace {
 class Rows
 {
 public:
-	Rows( const Lattice& lattice, const Octree& octree, const Cut& cut, VisibilityGraph& graph )
-	    : m_lattice( lattice ), m_octree( octree ), m_cut( cut ), m_graph( graph ), m_seenFrom( cut.node.size(), kNoNode )
+	Rows( const Lattice& lattice, const Octree& octree, const Cut& cut, VisibilityGraph& graph ) :
+		m_lattice( lattice ), m_octree( octree ), m_cut( cut ), m_graph( graph ), m_seenFrom( cut.node.size(), kNoNode )
 	{
 		m_blocks.reserve( cut.node.size() );
 		for ( const std::uint32_t node : cut.node )
@@ -99,8 +99,8 @@ std::vector<NewEdge> edgesToNewNodes( const VisibilityGraph& fresh, const std::v
 			}
 		}
 	}
-	std::sort( edges.begin(), edges.end(),
-	           []( const NewEdge& a, const NewEdge& b ) { return a.from != b.from ? a.from < b.from : a.to < b.to; } );
+	std::sort(
+		edges.begin(), edges.end(), []( const NewEdge& a, const NewEdge& b ) { return a.from != b.from ? a.from < b.from : a.to < b.to; } );
 	return edges;
 }
 
@@ -144,8 +144,8 @@ CutChange compareCuts( const Octree& octree, const Cut& from, const Cut& to )
 	return change;
 }
 
-VisibilityUpdate updateVisibilityGraph( const Lattice& lattice, const Octree& octree, const Cut& from, const VisibilityGraph& graph,
-                                        const Cut& to )
+VisibilityUpdate updateVisibilityGraph(
+	const Lattice& lattice, const Octree& octree, const Cut& from, const VisibilityGraph& graph, const Cut& to )
 {
 	VisibilityUpdate update;
 	update.change = compareCuts( octree, from, to );

@@ -51,8 +51,8 @@ struct VisibilityUpdate
 };
 
 /// Steinemann et al. 2008, section 5.2: edges at removed nodes go, those of new nodes come; all else is renumbered.
-VisibilityUpdate updateVisibilityGraph( const Lattice& lattice, const Octree& octree, const Cut& from, const VisibilityGraph& graph,
-                                        const Cut& to );
+VisibilityUpdate updateVisibilityGraph(
+	const Lattice& lattice, const Octree& octree, const Cut& from, const VisibilityGraph& graph, const Cut& to );
 
 /// Centre of a node's block and half its edge, half cells.
 struct NodeBlock

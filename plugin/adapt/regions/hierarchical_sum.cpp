@@ -109,8 +109,8 @@ void breadthSum( const SumPlan& plan, const float* records, float* sums, int fir
 	const std::uint32_t* const term = plan.term.data();
 	for ( int r = first; r < end; ++r )
 	{
-		addRecords<kSumFloats>( records, term + plan.start[std::size_t( r )], term + plan.start[std::size_t( r ) + 1],
-		            sums + std::size_t( r ) * kSumFloats );
+		addRecords<kSumFloats>(
+			records, term + plan.start[std::size_t( r )], term + plan.start[std::size_t( r ) + 1], sums + std::size_t( r ) * kSumFloats );
 	}
 }
 

@@ -70,18 +70,16 @@ RegionMatrix buildIntervalRegions( const Octree& octree, const Cut& cut, const I
 	}
 	switch ( weights )
 	{
-	case IntervalWeights::Literal:
-		for ( std::size_t k = 0; k < matrix.member.size(); ++k )
-		{
-			matrix.mass[k] = matrix.share[k] = unit[matrix.member[k]];
-		}
-		break;
-	case IntervalWeights::Conserving:
-		setConserving( matrix, [&]( std::uint32_t a, std::uint32_t ) { return unit[a]; } );
-		break;
-	case IntervalWeights::ConservingByMass:
-		setConserving( matrix, [&]( std::uint32_t a, std::uint32_t r ) { return inUnits( perMass[a] * octree.mass[cut.node[r]] ); } );
-		break;
+		case IntervalWeights::Literal:
+			for ( std::size_t k = 0; k < matrix.member.size(); ++k )
+			{
+				matrix.mass[k] = matrix.share[k] = unit[matrix.member[k]];
+			}
+			break;
+		case IntervalWeights::Conserving: setConserving( matrix, [&]( std::uint32_t a, std::uint32_t ) { return unit[a]; } ); break;
+		case IntervalWeights::ConservingByMass:
+			setConserving( matrix, [&]( std::uint32_t a, std::uint32_t r ) { return inUnits( perMass[a] * octree.mass[cut.node[r]] ); } );
+			break;
 	}
 	matrix.unit.assign( cut.node.size(), kMassUnit );
 	if ( weights != IntervalWeights::Literal )

@@ -76,8 +76,8 @@ void symmetrize( const IntervalInput& input, IntervalRegions& regions )
 		const auto byFirst = by.entry.begin() + by.start[r], byEnd = by.entry.begin() + by.start[r + 1];
 		if ( std::includes( inFirst, inEnd, byFirst, byEnd ) )
 		{
-			regions.node.insert( regions.node.end(), regions.own.begin() + regions.ownStart[r],
-			                     regions.own.begin() + regions.ownStart[r + 1] );
+			regions.node.insert(
+				regions.node.end(), regions.own.begin() + regions.ownStart[r], regions.own.begin() + regions.ownStart[r + 1] );
 			regions.start.push_back( std::uint32_t( regions.node.size() ) );
 			continue;
 		}

@@ -5,8 +5,8 @@
 // A node nearer to i than w_i is in its region, one farther than ( 1 + eps ) w_i is not; what lies between may be. So a virtual node
 // whose simulation nodes all lie within ( 1 + eps ) w_i, at least one of them within w_i, stands for all of them: a summation node.
 
-#include "adapt/regions/region_matrix.h"
 #include "adapt/octree/visibility_graph.h"
+#include "adapt/regions/region_matrix.h"
 
 namespace pliant {
 
@@ -53,8 +53,8 @@ struct IntervalInput
 };
 
 /// `runner` may be null. Widths are kept within the result.
-IntervalRegions findIntervalRegions( const IntervalInput& input, std::vector<std::uint32_t> width, float eps,
-                                     TaskRunner* runner = nullptr );
+IntervalRegions findIntervalRegions(
+	const IntervalInput& input, std::vector<std::uint32_t> width, float eps, TaskRunner* runner = nullptr );
 
 struct IntervalUpdate
 {
@@ -66,7 +66,7 @@ struct IntervalUpdate
 /// edges served on the way, between w and ( 1 + eps ) w, and those a new node has come within reach of: here all are searched anew that
 /// had a removed node, or have a new one, nearer than ( 1 + eps ) w_i, besides those whose width is not what it was.
 IntervalUpdate updateIntervalRegions( const IntervalInput& from, const IntervalInput& to, const CutChange& change,
-                                      const IntervalRegions& old, std::vector<std::uint32_t> width, TaskRunner* runner = nullptr );
+	const IntervalRegions& old, std::vector<std::uint32_t> width, TaskRunner* runner = nullptr );
 
 /// Simulation nodes under an octree node: slots first .. end - 1. Only for nodes of the cut and above it.
 struct SlotSpan

@@ -41,7 +41,7 @@ public:
 			}
 		}
 		std::sort( own.begin() + std::ptrdiff_t( first ), own.end(),
-		           [this]( std::uint32_t a, std::uint32_t b ) { return m_input.octree.cellStart[a] < m_input.octree.cellStart[b]; } );
+			[this]( std::uint32_t a, std::uint32_t b ) { return m_input.octree.cellStart[a] < m_input.octree.cellStart[b]; } );
 	}
 
 private:

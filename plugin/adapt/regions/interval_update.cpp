@@ -7,7 +7,7 @@ namespace {
 
 /// Slots of nodes that stayed and must be searched anew, besides the new ones.
 std::vector<std::uint32_t> slotsToSearch( const IntervalInput& from, const IntervalInput& to, const CutChange& change,
-                                          const IntervalRegions& old, const IntervalRegions& regions )
+	const IntervalRegions& old, const IntervalRegions& regions )
 {
 	const std::vector<std::uint32_t>& before = change.before;
 	const std::vector<std::uint32_t>& after = change.after;
@@ -61,11 +61,12 @@ std::vector<std::uint32_t> slotsToSearch( const IntervalInput& from, const Inter
 class SymmetryUpdate
 {
 public:
-	SymmetryUpdate( const IntervalInput& from, const IntervalInput& to, const CutChange& change, const IntervalRegions& old,
-	                IntervalUpdate& update )
-	    : m_to( to ), m_spans( slotSpans( to.octree, to.cut ) ), m_oldSpans( slotSpans( from.octree, from.cut ) ),
-	      m_metFor( change.before.size(), kNoNode ), m_change( change ), m_old( old ), m_regions( update.regions ),
-	      m_isSearched( change.before.size(), 0 ), m_isAffected( change.before.size(), 0 ), m_heldStart( change.before.size() + 1, 0 )
+	SymmetryUpdate(
+		const IntervalInput& from, const IntervalInput& to, const CutChange& change, const IntervalRegions& old, IntervalUpdate& update ) :
+		m_to( to ),
+		m_spans( slotSpans( to.octree, to.cut ) ), m_oldSpans( slotSpans( from.octree, from.cut ) ),
+		m_metFor( change.before.size(), kNoNode ), m_change( change ), m_old( old ), m_regions( update.regions ),
+		m_isSearched( change.before.size(), 0 ), m_isAffected( change.before.size(), 0 ), m_heldStart( change.before.size() + 1, 0 )
 	{
 		for ( const std::uint32_t slot : update.searched )
 		{
@@ -203,8 +204,8 @@ private:
 	bool holds( std::uint32_t holder, std::uint32_t slot ) const
 	{
 		const auto first = m_regions.own.begin() + m_regions.ownStart[holder], end = m_regions.own.begin() + m_regions.ownStart[holder + 1];
-		const auto after =
-		    std::upper_bound( first, end, slot, [this]( std::uint32_t s, std::uint32_t node ) { return s < m_spans[node].first; } );
+		const auto after = std::upper_bound(
+			first, end, slot, [this]( std::uint32_t s, std::uint32_t node ) { return s < m_spans[node].first; } );
 		return after != first && slot < m_spans[*( after - 1 )].end;
 	}
 
@@ -227,7 +228,7 @@ private:
 } // namespace
 
 IntervalUpdate updateIntervalRegions( const IntervalInput& from, const IntervalInput& to, const CutChange& change,
-                                      const IntervalRegions& old, std::vector<std::uint32_t> width, TaskRunner* runner )
+	const IntervalRegions& old, std::vector<std::uint32_t> width, TaskRunner* runner )
 {
 	IntervalUpdate update;
 	IntervalRegions& regions = update.regions;

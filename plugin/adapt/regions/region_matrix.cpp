@@ -84,8 +84,8 @@ class Updater
 {
 public:
 	Updater( const Octree& octree, const RegionMatrix& matrix, const Cut& to, const FineRegions& fine, SlotChange change ) :
-		m_octree( octree ), m_old( matrix ), m_to( to ), m_fine( fine ), m_change( std::move( change ) ), m_row( to.count() ), m_children( to.count() ),
-		m_childRow( to.node.size(), kNoNode )
+		m_octree( octree ), m_old( matrix ), m_to( to ), m_fine( fine ), m_change( std::move( change ) ), m_row( to.count() ),
+		m_children( to.count() ), m_childRow( to.node.size(), kNoNode )
 	{
 		findUntouched();
 		countNewRows();
@@ -284,7 +284,8 @@ private:
 		{
 			addRow( m_change.before[slot] );
 		}
-		for ( ; wasMerged && m_change.now[firstOld] != slot; ++firstOld ) {}
+		for ( ; wasMerged && m_change.now[firstOld] != slot; ++firstOld )
+		{}
 		for ( ; wasMerged && firstOld < m_change.now.size() && m_change.now[firstOld] == slot; ++firstOld )
 		{
 			addRow( firstOld );
@@ -348,12 +349,12 @@ private:
 	const FineRegions& m_fine;
 	SlotChange m_change;
 	Row m_row, m_children;
-	RegionMatrix m_counted;                ///< rows of the nodes that splits brought
-	std::vector<std::uint32_t> m_childRow; ///< of each new slot: its row there, or kNoNode
+	RegionMatrix m_counted;                 ///< rows of the nodes that splits brought
+	std::vector<std::uint32_t> m_childRow;  ///< of each new slot: its row there, or kNoNode
 	std::vector<std::uint32_t> m_untouched; ///< of each new slot: its old one, where its row is to be renumbered and no more
-	std::vector<std::uint8_t> m_isMixed;    ///< of each new slot: 1 where members of its row stand in another order than before; empty: none
+	std::vector<std::uint8_t> m_isMixed; ///< of each new slot: 1 where members of its row stand in another order than before; empty: none
 	std::vector<std::uint32_t> m_columnStart; ///< of each new slot
-	std::vector<Entry> m_column;            ///< ascending by slot
+	std::vector<Entry> m_column;              ///< ascending by slot
 };
 
 } // namespace
@@ -393,14 +394,14 @@ RegionMatrix buildMultiplicityRegions( const Octree& octree, const Cut& cut, con
 	return matrix;
 }
 
-RegionMatrix updateMultiplicityRegions( const Octree& octree, const Cut& from, const RegionMatrix& matrix, const Cut& to, const FineRegions& fine,
-	MatrixRoom* room )
+RegionMatrix updateMultiplicityRegions(
+	const Octree& octree, const Cut& from, const RegionMatrix& matrix, const Cut& to, const FineRegions& fine, MatrixRoom* room )
 {
 	return Updater( octree, matrix, to, fine, slotChange( octree, from, to ) ).run( room );
 }
 
-RegionMatrix updateRelinkedRegions(
-	const Octree& octree, const Cut& cut, const FineRegions& fine, const RegionMatrix& matrix, const RelinkedNodes& nodes, MatrixRoom* room )
+RegionMatrix updateRelinkedRegions( const Octree& octree, const Cut& cut, const FineRegions& fine, const RegionMatrix& matrix,
+	const RelinkedNodes& nodes, MatrixRoom* room )
 {
 	return Updater( octree, matrix, cut, fine, slotChange( nodes ) ).run( room );
 }

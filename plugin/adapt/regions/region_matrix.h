@@ -44,8 +44,8 @@ void weighUnits( const Octree& octree, const Cut& cut, RegionMatrix& matrix );
 /// The finest level, on which everything coarser stands: for each cell, the cells of its region and the mass it gives to each.
 struct FineRegions
 {
-	RegionSet set;                      ///< with its table
-	std::vector<std::uint32_t> mass;    ///< m_c / n_c, in kMassUnit, at least 1
+	RegionSet set;                   ///< with its table
+	std::vector<std::uint32_t> mass; ///< m_c / n_c, in kMassUnit, at least 1
 
 	std::size_t bytes() const
 	{
@@ -69,8 +69,8 @@ struct MatrixRoom
 /// The matrix of cut `to`, given the one of cut `from`, where only nodes that are in one of the two and not in the other changed:
 /// split nodes are counted anew from their cells, merged ones are sums of their children's rows, all else is renumbered.
 /// `room` may be null.
-RegionMatrix updateMultiplicityRegions( const Octree& octree, const Cut& from, const RegionMatrix& matrix, const Cut& to, const FineRegions& fine,
-	MatrixRoom* room = nullptr );
+RegionMatrix updateMultiplicityRegions(
+	const Octree& octree, const Cut& from, const RegionMatrix& matrix, const Cut& to, const FineRegions& fine, MatrixRoom* room = nullptr );
 
 /// How the nodes of a cut stand to those of another one, over the same cells or more, where links are others.
 struct RelinkedNodes
@@ -80,10 +80,10 @@ struct RelinkedNodes
 	std::vector<std::uint8_t> isNew;   ///< 1 for nodes now whose finest regions hold other cells or masses
 };
 
-/// The matrix of a cut, given the one before links went or came back: rows of new nodes are counted from cells, those of their neighbours take
-/// from them, all else is renumbered. `fine`: of the links as they are.
-RegionMatrix updateRelinkedRegions(
-	const Octree& octree, const Cut& cut, const FineRegions& fine, const RegionMatrix& matrix, const RelinkedNodes& nodes, MatrixRoom* room = nullptr );
+/// The matrix of a cut, given the one before links went or came back: rows of new nodes are counted from cells, those of their neighbours
+/// take from them, all else is renumbered. `fine`: of the links as they are.
+RegionMatrix updateRelinkedRegions( const Octree& octree, const Cut& cut, const FineRegions& fine, const RegionMatrix& matrix,
+	const RelinkedNodes& nodes, MatrixRoom* room = nullptr );
 
 /// How weights enter where a region is a plain set of cells.
 enum class UnionWeights : int

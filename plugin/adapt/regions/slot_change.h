@@ -9,8 +9,9 @@ namespace pliant {
 /// What the change of a cut means for its slots.
 struct SlotChange
 {
-	std::vector<std::uint32_t> now;    ///< of each old slot: its slot, or that of the merged node that took it in; kNoNode where it was split or went
-	std::vector<std::uint32_t> before; ///< of each new slot: its old slot; kNoNode where it is new
+	std::vector<std::uint32_t>
+		now; ///< of each old slot: its slot, or that of the merged node that took it in; kNoNode where it was split or went
+	std::vector<std::uint32_t> before;   ///< of each new slot: its old slot; kNoNode where it is new
 	std::vector<std::uint8_t> wasMerged; ///< of each new slot
 };
 

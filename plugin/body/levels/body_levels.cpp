@@ -62,7 +62,7 @@ void Body::makeNodes( const Adaptivity& adaptivity )
 		return;
 	}
 	std::shared_ptr<const LevelBase> base = m_cache ? m_cache->levels.find( *m_lattice, m_material, adaptivity )
-													 : buildLevelBase( *m_lattice, m_material, adaptivity );
+													: buildLevelBase( *m_lattice, m_material, adaptivity );
 	Cut cut = firstCut( base->octree, adaptivity );
 	m_levels = std::make_unique<Levels>( std::move( base ), *m_lattice, m_material, adaptivity, m_stiffness, std::move( cut ) );
 	m_levels->fillNodes( m_nodes, m_material.density );
@@ -179,7 +179,8 @@ void Body::setFinestLevel( int level )
 
 void Body::nodeDeformations( float* gradients ) const
 {
-	m_levelMatcher->deformations( const_cast<NodeState&>( m_nodes ), gradients ); // the matcher's view has one form, for reading and writing
+	m_levelMatcher->deformations(
+		const_cast<NodeState&>( m_nodes ), gradients ); // the matcher's view has one form, for reading and writing
 }
 
 void Body::nodeDeformationsOf( const std::vector<std::uint32_t>& nodes, float* gradients ) const

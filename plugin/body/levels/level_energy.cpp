@@ -1,5 +1,6 @@
-// A change of levels brings no energy. What parts of a split node would hold at odds with those beside them is let go at once; what is more than before
-// then, in springs and in motion, the body owes, and it is taken out of how its nodes move against one another. Beyond Steinemann et al. 2008, section 5.2.
+// A change of levels brings no energy. What parts of a split node would hold at odds with those beside them is let go at once; what is more
+// than before then, in springs and in motion, the body owes, and it is taken out of how its nodes move against one another. Beyond
+// Steinemann et al. 2008, section 5.2.
 
 #include "body/body.h"
 #include "body/levels/level_nodes.h"
@@ -30,7 +31,8 @@ LevelEnergy heldBy( const RegionWork& regions, const NodeState& nodes, const Eig
 	for ( int i = 0; i < nodes.count; ++i )
 	{
 		const double m = double( nodes.mass[i] );
-		const Vec3d u = nodes.x.get( i ).cast<double>() - centre - rotation * nodes.x0.get( i ).cast<double>(), v = nodes.v.get( i ).cast<double>();
+		const Vec3d u = nodes.x.get( i ).cast<double>() - centre - rotation * nodes.x0.get( i ).cast<double>(),
+					v = nodes.v.get( i ).cast<double>();
 		held.motion += 0.5 * m * v.squaredNorm();
 		held.stray += 0.5 * m * u.squaredNorm();
 		held.strayPower -= m * u.dot( v );
@@ -69,8 +71,7 @@ void Levels::findParts( const NodeState& nodes )
 	for ( std::size_t i = 0, end = 0; i < heir.size(); i = end )
 	{
 		for ( end = i + 1; end < heir.size() && heir[end] == heir[i]; ++end )
-		{
-		}
+		{}
 		for ( std::size_t k = i; k < end && end - i > 1 && nodes.freedom[i] != 0.0f; ++k )
 		{
 			m_parts.push_back( std::uint32_t( k ) );
@@ -78,8 +79,8 @@ void Levels::findParts( const NodeState& nodes )
 	}
 }
 
-// Where a body is bent, F differs from region to region, and parts that stand where their own parent's has carried them stand at odds with those
-// beside. They go to where all regions that they are in now have them, g = mean of c + F q,
+// Where a body is bent, F differs from region to region, and parts that stand where their own parent's has carried them stand at odds with
+// those beside. They go to where all regions that they are in now have them, g = mean of c + F q,
 //   x <- x + ( g - x ) - mean of g - x over the parts of one parent,
 // so that each parent's mass centre stays, and all other nodes; what is stretched alike everywhere stays as it is.
 void Levels::easeParts( NodeState& nodes, LatticeMatcher& matcher )
@@ -152,8 +153,9 @@ void Body::oweSince( const LevelEnergy& before )
 	}
 }
 
-// What the substep v <- v + h f / m, x <- x + h v keeps is not K + U, but  H = K + U + h / 2 f.v,  and the last is as large as they are where alpha is 1.
-// U = ( 1 - s ) alpha / h^2 times the regions' for 1, and s / h^2 times the body's, s the share of its rigid fit in the goals.
+// What the substep v <- v + h f / m, x <- x + h v keeps is not K + U, but  H = K + U + h / 2 f.v,  and the last is as large as they are
+// where alpha is 1. U = ( 1 - s ) alpha / h^2 times the regions' for 1, and s / h^2 times the body's, s the share of its rigid fit in the
+// goals.
 double Body::joules( const LevelEnergy& held, float h, float alpha ) const
 {
 	const double cell = double( m_lattice->cellSize ), fullCell = double( m_material.density ) * cell * cell * cell;

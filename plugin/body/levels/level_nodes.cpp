@@ -111,7 +111,8 @@ void copyNodes( const NodeState& before, int old, NodeState& now, int first, int
 
 std::array<AlignedArray<float>*, 11> arraysOf( NodeState& nodes )
 {
-	return { &nodes.x.x, &nodes.x.y, &nodes.x.z, &nodes.v.x, &nodes.v.y, &nodes.v.z, &nodes.x0.x, &nodes.x0.y, &nodes.x0.z, &nodes.mass, &nodes.freedom };
+	return { &nodes.x.x, &nodes.x.y, &nodes.x.z, &nodes.v.x, &nodes.v.y, &nodes.v.z, &nodes.x0.x, &nodes.x0.y, &nodes.x0.z, &nodes.mass,
+		&nodes.freedom };
 }
 
 void resizeNodes( NodeState& nodes, int count )
@@ -141,7 +142,8 @@ void restoreMotion( NodeState& nodes, const NodeState& before )
 double takeOwnMotion( NodeState& nodes, double joules )
 {
 	const Motion motion = motionOf( nodes );
-	const Vec3d turn = flooredInverse( motion.inertia(), kInertiaFloor ) * motion.ownSpin(), shift = motion.momentum / motion.mass - turn.cross( motion.centre() );
+	const Vec3d turn = flooredInverse( motion.inertia(), kInertiaFloor ) * motion.ownSpin(),
+				shift = motion.momentum / motion.mass - turn.cross( motion.centre() );
 	const auto rigid = [&]( int i ) { return Vec3d( shift + turn.cross( nodes.x.get( i ).cast<double>() ) ); };
 	double own = 0.0;
 	for ( int i = 0; i < nodes.count; ++i )
@@ -259,8 +261,8 @@ NodeState Levels::changedNodes( const NodeState& before, LatticeMatcher& matcher
 // A child stands where its parent's region has carried its rest place: x = x_a + F ( x0_c - x0_a ), and moves as the region does:
 // v = v_a + G ( x0_c - x0_a ). The children's mass centre is the parent's, at rest and hence now: momentum is kept, and what spin the
 // parent did not have is taken off the body afterwards. A parent stands and moves as the mean of its children.
-void Levels::splitInto(
-	const NodeState& before, const std::vector<std::uint32_t>& parents, const std::vector<float>& gradients, const Cut& next, NodeState& now ) const
+void Levels::splitInto( const NodeState& before, const std::vector<std::uint32_t>& parents, const std::vector<float>& gradients,
+	const Cut& next, NodeState& now ) const
 {
 	std::size_t parent = 0;
 	std::uint32_t last = kNoNode; // children stand side by side

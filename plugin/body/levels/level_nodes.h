@@ -19,8 +19,8 @@ void resizeNodes( NodeState& nodes, int count );
 /// of its own, so that its children's is more than there was.
 void restoreMotion( NodeState& nodes, const NodeState& before );
 
-/// Takes as many joules out of how the nodes move against one another, or what there are: they keep the momentum and the spin of all together, and those
-/// that are held their speeds. Returns how many.
+/// Takes as many joules out of how the nodes move against one another, or what there are: they keep the momentum and the spin of all
+/// together, and those that are held their speeds. Returns how many.
 double takeOwnMotion( NodeState& nodes, double joules );
 
 } // namespace pliant

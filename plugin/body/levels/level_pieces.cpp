@@ -66,13 +66,15 @@ std::unique_ptr<Levels> Levels::ofPiece( PieceOfLevels piece, const LevelSetting
 		LevelRegions regions{ std::make_shared<RegionMatrix>( updateRelinkedRegions(
 								  piece.update.base->octree, piece.cut, piece.update.base->fine, matrix(), piece.nodes, &room ) ),
 			nullptr };
-		std::shared_ptr<const RegionTables> tables = buildLevelTables(
-			*piece.update.base, lattice, piece.cut, regions, settings, TablesBefore{ m_tables.get(), std::move( room.rowBefore ), nullptr, piece.shift } );
-		levels.reset( new Levels( piece.update.base, lattice, m_settings, settings.stiffness, std::move( piece.cut ), std::move( regions ), std::move( tables ) ) );
+		std::shared_ptr<const RegionTables> tables = buildLevelTables( *piece.update.base, lattice, piece.cut, regions, settings,
+			TablesBefore{ m_tables.get(), std::move( room.rowBefore ), nullptr, piece.shift } );
+		levels.reset( new Levels( piece.update.base, lattice, m_settings, settings.stiffness, std::move( piece.cut ), std::move( regions ),
+			std::move( tables ) ) );
 	}
 	else
 	{
-		levels = std::make_unique<Levels>( piece.update.base, lattice, settings.material, m_settings, settings.stiffness, std::move( piece.cut ) );
+		levels = std::make_unique<Levels>(
+			piece.update.base, lattice, settings.material, m_settings, settings.stiffness, std::move( piece.cut ) );
 	}
 	levels->m_ownsBase = true;
 	return levels;
@@ -82,7 +84,7 @@ std::unique_ptr<Levels> Levels::ofPiece( PieceOfLevels piece, const LevelSetting
 bool Levels::canRelink( const std::vector<std::uint32_t>& touched ) const
 {
 	return m_settings.regions == RegionRule::Multiplicity &&
-		   std::all_of( touched.begin(), touched.end(), [this]( std::uint32_t cell ) { return m_cut.node[m_cut.slotOfCell[cell]] == cell; } );
+		std::all_of( touched.begin(), touched.end(), [this]( std::uint32_t cell ) { return m_cut.node[m_cut.slotOfCell[cell]] == cell; } );
 }
 
 void Levels::ownBase()
@@ -94,7 +96,8 @@ void Levels::ownBase()
 	}
 }
 
-// Of a base that is the template's nothing may go, even where this body is the last that has it: who makes a body elsewhere meanwhile may find it.
+// Of a base that is the template's nothing may go, even where this body is the last that has it: who makes a body elsewhere meanwhile may
+// find it.
 LevelBaseRoom Levels::takeBaseRoom()
 {
 	LevelBaseRoom room;
@@ -168,7 +171,9 @@ void Levels::relink( PieceOfLevels piece, const LevelSettings& settings, const L
 							  piece.update.base->octree, piece.cut, piece.update.base->fine, matrix(), piece.nodes, &m_room.matrix ) ),
 		nullptr };
 	std::vector<std::uint32_t>& rows = m_room.matrix.rowBefore;
-	std::replace_if( rows.begin(), rows.end(), [this]( std::uint32_t row ) { return std::binary_search( m_left.begin(), m_left.end(), row ); }, kNoNode );
+	std::replace_if(
+		rows.begin(), rows.end(), [this]( std::uint32_t row ) { return std::binary_search( m_left.begin(), m_left.end(), row ); },
+		kNoNode );
 	m_left.clear();
 	std::shared_ptr<const RegionTables> old = m_tables;
 	m_tables = buildLevelTables( *piece.update.base, lattice, piece.cut, regions, settings,
@@ -231,7 +236,8 @@ PieceOfLevels Body::pieceOfLevels( const Body& from, const BodyPiece& piece, Pie
 		return made;
 	}
 	LevelBaseRoom room = piece.isLast ? from.m_levels->takeBaseRoom() : LevelBaseRoom{};
-	made.update = updateLevelBase( before.base(), std::move( room ), CellChange{ *from.m_lattice, *m_lattice, piece.cellBefore, piece.touched } );
+	made.update = updateLevelBase(
+		before.base(), std::move( room ), CellChange{ *from.m_lattice, *m_lattice, piece.cellBefore, piece.touched } );
 	made.cut = cutOfPiece( before, made.update.base->octree, piece.cellBefore );
 	made.nodes = relinkNodes( before.cut(), made.cut, made.update, piece.cellBefore );
 	made.shift = ( m_lattice->massCentre - from.m_lattice->massCentre ) / double( m_lattice->cellSize );
@@ -263,7 +269,8 @@ std::unique_ptr<Body> Body::relinkWhole( const std::shared_ptr<const Lattice>& l
 		return nullptr;
 	}
 	PieceOfLevels made;
-	made.update = updateLevelBase( m_levels->base(), m_levels->takeBaseRoom(), CellChange{ *before, *lattice, piece.cellBefore, piece.touched } );
+	made.update = updateLevelBase(
+		m_levels->base(), m_levels->takeBaseRoom(), CellChange{ *before, *lattice, piece.cellBefore, piece.touched } );
 	made.cut = cutOfPiece( *m_levels, made.update.base->octree, piece.cellBefore );
 	made.nodes = relinkNodes( m_levels->cut(), made.cut, made.update, piece.cellBefore );
 	piece.nodeBefore = made.nodes.before;
@@ -273,14 +280,14 @@ std::unique_ptr<Body> Body::relinkWhole( const std::shared_ptr<const Lattice>& l
 	m_firstCell = names; // what the report says is in the numbers of the body before
 	body->m_lattice = lattice;
 	body->m_isOnePart = piece.isOnePart;
-	body->m_cache.reset(); // it is of the lattice as it was
+	body->m_cache.reset();    // it is of the lattice as it was
 	body->m_implicit.reset(); // it knows this body, and is made again when it is asked for
 	if ( body->m_firstCell.empty() )
 	{
 		body->m_firstCell = piece.cellBefore;
 	}
-	body->m_levels->relink( std::move( made ), LevelSettings{ body->m_material, body->m_levels->settings(), body->m_stiffness }, *lattice, body->m_nodes,
-		*body->m_levelMatcher );
+	body->m_levels->relink( std::move( made ), LevelSettings{ body->m_material, body->m_levels->settings(), body->m_stiffness }, *lattice,
+		body->m_nodes, *body->m_levelMatcher );
 	if ( body->m_breaking )
 	{
 		body->m_breaking->limits = body->limitsOf( *body->m_breaking, piece );

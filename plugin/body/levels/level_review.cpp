@@ -10,8 +10,8 @@ namespace pliant {
 
 namespace {
 
-/// How much of what splits it a node is strained by; limits at 0 do not count. Largest | s - 1 | over the singular values s of F lies between the
-/// root of a third of their squares' sum and the root of it.
+/// How much of what splits it a node is strained by; limits at 0 do not count. Largest | s - 1 | over the singular values s of F lies
+/// between the root of a third of their squares' sum and the root of it.
 float loadOf( float squares, float strainLimit, float stretch, float stretchLimit )
 {
 	const float strained = strainLimit > 0.0f ? std::sqrt( squares ) / strainLimit : 0.0f;
@@ -56,8 +56,9 @@ void Levels::findReviewed()
 bool Levels::isHeldAsOne( std::uint32_t node ) const
 {
 	const auto first = octree().cells.begin() + octree().cellStart[node];
-	return !m_heldOn.empty() && std::all_of( first, first + octree().cellCount[node],
-									[&]( std::uint32_t cell ) { return int( m_heldOn[cell] ) >= octree().levelOf( node ); } );
+	return !m_heldOn.empty() && std::all_of( first, first + octree().cellCount[node], [&]( std::uint32_t cell ) {
+		return int( m_heldOn[cell] ) >= octree().levelOf( node );
+	} );
 }
 
 void Levels::measureLoads( const AlignedArray<float>& strain, const AlignedArray<float>& stretch )
@@ -89,7 +90,8 @@ bool Levels::review( const NodeState& nodes, const AlignedArray<float>& strain, 
 	return !m_split.empty() || !m_merge.empty();
 }
 
-// Above the threshold; and, where nodes are to be split together, all that hang together with such a one and are nearly as strained. Empty where none is.
+// Above the threshold; and, where nodes are to be split together, all that hang together with such a one and are nearly as strained. Empty
+// where none is.
 std::vector<std::uint8_t> Levels::strainedNodes() const
 {
 	std::vector<std::uint8_t> isStrained;
@@ -105,7 +107,8 @@ std::vector<std::uint8_t> Levels::strainedNodes() const
 	{
 		return isStrained;
 	}
-	std::transform( m_load.begin(), m_load.end(), std::back_inserter( isStrained ), []( float load ) { return std::uint8_t( load > 1.0f ? 1 : 0 ); } );
+	std::transform(
+		m_load.begin(), m_load.end(), std::back_inserter( isStrained ), []( float load ) { return std::uint8_t( load > 1.0f ? 1 : 0 ); } );
 	while ( !front.empty() && m_together < 1.0f )
 	{
 		const std::uint32_t node = front.back();

@@ -20,10 +20,11 @@ Levels::Levels( std::shared_ptr<const LevelBase> base, const Lattice& lattice, c
 	prepareRoom();
 }
 
-Levels::Levels( std::shared_ptr<const LevelBase> base, const Lattice& lattice, const Adaptivity& settings, const std::vector<float>& stiffness, Cut cut,
-	LevelRegions regions, std::shared_ptr<const RegionTables> tables ) :
-	m_base( std::move( base ) ), m_lattice( &lattice ), m_settings( settings ), m_stiffness( &stiffness ), m_cut( std::move( cut ) ),
-	m_regions( std::move( regions ) ), m_tables( std::move( tables ) ), m_quiet( m_cut.node.size(), 0.0f ), m_isWanted( m_cut.node.size(), 0 )
+Levels::Levels( std::shared_ptr<const LevelBase> base, const Lattice& lattice, const Adaptivity& settings,
+	const std::vector<float>& stiffness, Cut cut, LevelRegions regions, std::shared_ptr<const RegionTables> tables ) :
+	m_base( std::move( base ) ),
+	m_lattice( &lattice ), m_settings( settings ), m_stiffness( &stiffness ), m_cut( std::move( cut ) ), m_regions( std::move( regions ) ),
+	m_tables( std::move( tables ) ), m_quiet( m_cut.node.size(), 0.0f ), m_isWanted( m_cut.node.size(), 0 )
 {
 	countLevels();
 	countRoom();
@@ -102,11 +103,12 @@ void Levels::change( NodeState& nodes, LatticeMatcher& matcher, const Material& 
 	NodeState changed = changedNodes( nodes, matcher, next, material.density );
 
 	m_room.matrix.rowBefore.clear();
-	m_regions = updateLevelRegions( RegionInput{ *m_base, *m_lattice, material, m_settings, tasks, &m_room.matrix }, m_cut, m_regions, next );
+	m_regions = updateLevelRegions(
+		RegionInput{ *m_base, *m_lattice, material, m_settings, tasks, &m_room.matrix }, m_cut, m_regions, next );
 	std::shared_ptr<const RegionTables> old = m_tables;
 	const bool isKnown = !m_room.matrix.rowBefore.empty();
-	const TablesBefore before{ old.get(), isKnown ? std::move( m_room.matrix.rowBefore ) : unchangedRows( *old->matrix, next ), std::move( m_room.tables ),
-		Vec3d::Zero(), m_leavesRows };
+	const TablesBefore before{ old.get(), isKnown ? std::move( m_room.matrix.rowBefore ) : unchangedRows( *old->matrix, next ),
+		std::move( m_room.tables ), Vec3d::Zero(), m_leavesRows };
 	m_tables = buildLevelTables( *m_base, *m_lattice, next, m_regions, LevelSettings{ material, m_settings, *m_stiffness, tasks }, before );
 	m_change.measured.clear();
 	for ( std::uint32_t r = 0; r < std::uint32_t( next.count() ); ++r )
@@ -196,7 +198,8 @@ std::vector<std::uint32_t> Levels::unchangedRows( const RegionMatrix& old, const
 		for ( std::uint32_t k = 0; same && k < size; ++k )
 		{
 			const std::uint32_t a = now.member[now.start[r] + k], before = old.member[old.start[heir] + k];
-			same = m_cut.node[before] == next.node[a] && now.mass[now.start[r] + k] == old.mass[old.start[heir] + k] && now.unit[a] == old.unit[before];
+			same = m_cut.node[before] == next.node[a] && now.mass[now.start[r] + k] == old.mass[old.start[heir] + k] &&
+				now.unit[a] == old.unit[before];
 		}
 		return same;
 	};
@@ -211,11 +214,14 @@ std::vector<std::uint32_t> Levels::unchangedRows( const RegionMatrix& old, const
 std::size_t Levels::bytes() const
 {
 	const std::size_t cut = ( m_cut.node.size() + m_cut.slotOfCell.size() ) * sizeof( std::uint32_t );
-	const std::size_t change = ( m_change.heir.size() + m_change.nodeNow.size() + m_change.keptAs.size() + 4 * m_parts.size() ) * sizeof( std::uint32_t );
+	const std::size_t change = ( m_change.heir.size() + m_change.nodeNow.size() + m_change.keptAs.size() + 4 * m_parts.size() ) *
+		sizeof( std::uint32_t );
 	const std::size_t base = m_room.fine.bytes() + ( m_ownsBase ? m_base->fine.bytes() + m_base->moments.bytes() : 0 );
 	// Room is of the size of what is in use.
-	const std::size_t reviewed = m_reviewed.coarse.size() * sizeof( Reviewed::Coarse ) + m_reviewed.siblings.size() * sizeof( Reviewed::Siblings );
-	return 2 * ( cut + m_tables->bytes() ) + base + change + reviewed + ( m_quiet.size() + m_load.size() ) * sizeof( float ) + m_coarsest.size() + m_heldOn.size();
+	const std::size_t reviewed = m_reviewed.coarse.size() * sizeof( Reviewed::Coarse ) +
+		m_reviewed.siblings.size() * sizeof( Reviewed::Siblings );
+	return 2 * ( cut + m_tables->bytes() ) + base + change + reviewed + ( m_quiet.size() + m_load.size() ) * sizeof( float ) +
+		m_coarsest.size() + m_heldOn.size();
 }
 
 } // namespace pliant

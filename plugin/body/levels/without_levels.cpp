@@ -5,10 +5,11 @@
 
 namespace pliant {
 
-Levels::Levels( std::shared_ptr<const LevelBase> base, const Lattice& lattice, const Material&, const Adaptivity& settings, const std::vector<float>& stiffness, Cut cut ) :
-	m_base( std::move( base ) ), m_lattice( &lattice ), m_settings( settings ), m_stiffness( &stiffness ), m_cut( std::move( cut ) )
-{
-}
+Levels::Levels( std::shared_ptr<const LevelBase> base, const Lattice& lattice, const Material&, const Adaptivity& settings,
+	const std::vector<float>& stiffness, Cut cut ) :
+	m_base( std::move( base ) ),
+	m_lattice( &lattice ), m_settings( settings ), m_stiffness( &stiffness ), m_cut( std::move( cut ) )
+{}
 
 void Levels::fillNodes( NodeState&, float ) const {}
 void Levels::requestSplit( int ) {}
@@ -20,7 +21,9 @@ bool Levels::review( const NodeState&, const AlignedArray<float>&, const Aligned
 }
 
 void Levels::apply( NodeState&, LatticeMatcher&, const Material&, TaskRunner*, bool ) {}
-void Levels::change( NodeState&, LatticeMatcher&, const Material&, const std::vector<std::uint32_t>&, const std::vector<std::uint32_t>&, TaskRunner*, bool ) {}
+void Levels::change(
+	NodeState&, LatticeMatcher&, const Material&, const std::vector<std::uint32_t>&, const std::vector<std::uint32_t>&, TaskRunner*, bool )
+{}
 
 void Body::owe( const LevelEnergy& ) {}
 void Body::payForLevels( float, float ) {}

@@ -54,7 +54,8 @@ struct Adaptivity
 	float coarseStiffness = 1.0f;
 	/// eps of RegionRule::Interval, [0, 4].
 	float intervalSlack = 0.5f;
-	/// Sums of RegionRule::Interval go by way of the octree (Steinemann et al. 2008, section 4.3) or node by node; the same but for rounding.
+	/// Sums of RegionRule::Interval go by way of the octree (Steinemann et al. 2008, section 4.3) or node by node; the same but for
+	/// rounding.
 	bool hierarchicalSums = true;
 
 	/// A node is split when a singular value of its region's stretch is further from 1 than this, (0, 10]. 0: never by strain.

@@ -51,8 +51,8 @@ struct LatticeSettings
 	/// More triangles than this are refused. 1 to 100 000 000.
 	int maxTriangles = 5000000;
 
-	/// Inside samples along a cell's edge, 1 to 8: a surface cell's mass and rest centre come from the cube of this many. Open meshes of many
-	/// holes may get fewer (BuildReport::samplesPerEdge): what inside costs is bounded.
+	/// Inside samples along a cell's edge, 1 to 8: a surface cell's mass and rest centre come from the cube of this many. Open meshes of
+	/// many holes may get fewer (BuildReport::samplesPerEdge): what inside costs is bounded.
 	int samplesPerEdge = 4;
 
 	/// Vertices nearer than this share of the mesh's bounding-box diagonal are one, [0, 0.01].
@@ -63,15 +63,17 @@ struct LatticeSettings
 
 	Shell shell = Shell::WhereNeeded;
 
-	/// Thickness of a shell's material, m, 0 to 1e7. 0: a cell's edge. A shell's cell weighs density x thickness x the area of surface in it, at
-	/// most a full cell and at least 0.03 of one; both sides of a leaf count where both are drawn. Thin parts of a closed solid weigh 0.03 of a
-	/// full cell each, whatever is set here: what material they have is known, and is less. How a shell looks and bends goes by its cells.
+	/// Thickness of a shell's material, m, 0 to 1e7. 0: a cell's edge. A shell's cell weighs density x thickness x the area of surface in
+	/// it, at most a full cell and at least 0.03 of one; both sides of a leaf count where both are drawn. Thin parts of a closed solid
+	/// weigh 0.03 of a full cell each, whatever is set here: what material they have is known, and is less. How a shell looks and bends
+	/// goes by its cells.
 	float shellThickness = 0.0f;
 
 	Skinning skinning = Skinning::NearbyNodes;
 
-	/// What touches a body that steps implicitly meets the drawn surface instead of one ball a cell, where that is smooth: small things lie on it, a ball rolls
-	/// (docs/design/contacts.md). Bodies that step explicitly, levels of detail, edges, thin parts and crack faces keep the balls. Costs 24 bytes a cell.
+	/// What touches a body that steps implicitly meets the drawn surface instead of one ball a cell, where that is smooth: small things lie
+	/// on it, a ball rolls (docs/design/contacts.md). Bodies that step explicitly, levels of detail, edges, thin parts and crack faces keep
+	/// the balls. Costs 24 bytes a cell.
 	bool contactSurface = false;
 
 	/// The faces that cracks show. They are made when the first body of the template is allowed to break, or is cut, and not before.
@@ -88,19 +90,19 @@ struct LatticeSettings
 /// What was found and done while building, for a log or a warning to an artist.
 struct BuildReport
 {
-	int weldedVertices = 0;       ///< vertices merged into another
-	int flippedTriangles = 0;     ///< triangles turned to agree with their neighbours or with the outside
-	int droppedTriangles = 0;     ///< zero-area or duplicate triangles left out
-	int openEdges = 0;            ///< edges with one triangle: the mesh is not closed; inside comes from the winding number
-	int nonManifoldEdges = 0;     ///< edges with three or more triangles
-	int shells = 0;               ///< connected parts of the mesh
+	int weldedVertices = 0;   ///< vertices merged into another
+	int flippedTriangles = 0; ///< triangles turned to agree with their neighbours or with the outside
+	int droppedTriangles = 0; ///< zero-area or duplicate triangles left out
+	int openEdges = 0;        ///< edges with one triangle: the mesh is not closed; inside comes from the winding number
+	int nonManifoldEdges = 0; ///< edges with three or more triangles
+	int shells = 0;           ///< connected parts of the mesh
 	int cells = 0;
-	int shellCells = 0;           ///< of them, those that carry surface and hold no inside (LatticeSettings::shell)
-	int samplesPerEdge = 0;       ///< used: fewer than asked for where the mesh is open and inside is dear to tell; 0: it was not asked
-	int splitCells = 0;           ///< lattice positions that hold more than one material part
-	int cutLinks = 0;             ///< links left out because the surface separates the material
-	int components = 0;           ///< connected parts of the lattice
-	double volume = 0.0;          ///< m^3, of the material in the cells
+	int shellCells = 0;     ///< of them, those that carry surface and hold no inside (LatticeSettings::shell)
+	int samplesPerEdge = 0; ///< used: fewer than asked for where the mesh is open and inside is dear to tell; 0: it was not asked
+	int splitCells = 0;     ///< lattice positions that hold more than one material part
+	int cutLinks = 0;       ///< links left out because the surface separates the material
+	int components = 0;     ///< connected parts of the lattice
+	double volume = 0.0;    ///< m^3, of the material in the cells
 	double seconds = 0.0;
 };
 
@@ -136,8 +138,8 @@ public:
 	std::shared_ptr<const Lattice> sharedLattice() const;
 	std::shared_ptr<TemplateCache> cache() const;
 	const SkinBinding& skin() const;
-	/// What cracks can show, made at the first call; safe from several threads. Null with Skinning::None, or when there is no memory for it:
-	/// cracks are then not drawn.
+	/// What cracks can show, made at the first call; safe from several threads. Null with Skinning::None, or when there is no memory for
+	/// it: cracks are then not drawn.
 	std::shared_ptr<const CellComplex> crackComplex() const;
 	/// The surface of a whole body, ready to crack; made with it.
 	std::shared_ptr<const CrackSurface> crackSurface() const;

@@ -1,7 +1,7 @@
 #pragma once
 
-// What this build of the library has. Each feature can be left out by a CMake option, PLIANT_WITH_FRACTURE=OFF and so on; what asks for it then is
-// refused with a sentence that says so.
+// What this build of the library has. Each feature can be left out by a CMake option, PLIANT_WITH_FRACTURE=OFF and so on; what asks for it
+// then is refused with a sentence that says so.
 
 #include "pliant/export.h"
 

@@ -12,10 +12,11 @@ namespace pliant {
 
 struct ContactRows;
 
-/// To be given to a SoftBodyWorld instead of a btSequentialImpulseConstraintSolver. What takes Bullet's solver most of its time with soft bodies is memory: a
-/// node that touches something is two rows of 160 bytes and one or two bodies of 256. Here a node is 64 bytes, rows between nodes, or of a node and
-/// what stands, are solved four at a time, and what is converted next is asked for ahead. Where islands have joints, in modes other than the default ones,
-/// and where Bullet was built with vectors or has been given other rows (setConstraintRowSolverGeneric), it goes Bullet's way.
+/// To be given to a SoftBodyWorld instead of a btSequentialImpulseConstraintSolver. What takes Bullet's solver most of its time with soft
+/// bodies is memory: a node that touches something is two rows of 160 bytes and one or two bodies of 256. Here a node is 64 bytes, rows
+/// between nodes, or of a node and what stands, are solved four at a time, and what is converted next is asked for ahead. Where islands
+/// have joints, in modes other than the default ones, and where Bullet was built with vectors or has been given other rows
+/// (setConstraintRowSolverGeneric), it goes Bullet's way.
 class PLIANT_API ContactSolver : public btSequentialImpulseConstraintSolver
 {
 public:
@@ -30,10 +31,10 @@ protected:
 	void convertContacts( btPersistentManifold** manifolds, int count, const btContactSolverInfo& info ) override;
 	btScalar solveGroupCacheFriendlySetup( btCollisionObject** bodies, int bodyCount, btPersistentManifold** manifolds, int manifoldCount,
 		btTypedConstraint** joints, int jointCount, const btContactSolverInfo& info, btIDebugDraw* drawer ) override;
-	void solveGroupCacheFriendlySplitImpulseIterations( btCollisionObject** bodies, int bodyCount, btPersistentManifold** manifolds, int manifoldCount,
-		btTypedConstraint** joints, int jointCount, const btContactSolverInfo& info, btIDebugDraw* drawer ) override;
-	btScalar solveSingleIteration( int iteration, btCollisionObject** bodies, int bodyCount, btPersistentManifold** manifolds, int manifoldCount,
-		btTypedConstraint** joints, int jointCount, const btContactSolverInfo& info, btIDebugDraw* drawer ) override;
+	void solveGroupCacheFriendlySplitImpulseIterations( btCollisionObject** bodies, int bodyCount, btPersistentManifold** manifolds,
+		int manifoldCount, btTypedConstraint** joints, int jointCount, const btContactSolverInfo& info, btIDebugDraw* drawer ) override;
+	btScalar solveSingleIteration( int iteration, btCollisionObject** bodies, int bodyCount, btPersistentManifold** manifolds,
+		int manifoldCount, btTypedConstraint** joints, int jointCount, const btContactSolverInfo& info, btIDebugDraw* drawer ) override;
 	btScalar solveGroupCacheFriendlyFinish( btCollisionObject** bodies, int bodyCount, const btContactSolverInfo& info ) override;
 
 private:

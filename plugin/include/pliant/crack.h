@@ -26,8 +26,9 @@ struct CrackSettings
 
 	/// Each edge of a face is drawn with so many pieces, 1 to 8.
 	int subdivision = 2;
-	/// Of these, and of the points at which borders cross the triangles that the surface was sampled with, those are left out that lie nearer than this to
-	/// what is drawn without them, cells, 0 (none are left out) to 0.5. Vertices are what broken bodies cost: docs/design/cracks.md.
+	/// Of these, and of the points at which borders cross the triangles that the surface was sampled with, those are left out that lie
+	/// nearer than this to what is drawn without them, cells, 0 (none are left out) to 0.5. Vertices are what broken bodies cost:
+	/// docs/design/cracks.md.
 	float bendTolerance = 0.05f;
 
 	/// Texture coordinates of the inside go from 0 to 1 over this length, m, above 0.

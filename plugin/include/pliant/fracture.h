@@ -23,10 +23,10 @@ enum class BreakRule : int
 /// What becomes of pieces with no more than Fracture::smallCells cells.
 enum class SmallPieces : int
 {
-	Keep,   ///< bodies like all others
-	Rigid,  ///< one rigid cluster each (Method::SingleCluster): the cheapest body there is; it breaks no further by itself, but can be cut
-	Fade,   ///< rigid too, and taken out of the world after Fracture::fadeTime: deleted if it is the world's, else only removed
-	Remove  ///< never made, with what it weighed; FractureEvent says how many and how much. What is left of the body itself always stays
+	Keep,  ///< bodies like all others
+	Rigid, ///< one rigid cluster each (Method::SingleCluster): the cheapest body there is; it breaks no further by itself, but can be cut
+	Fade,  ///< rigid too, and taken out of the world after Fracture::fadeTime: deleted if it is the world's, else only removed
+	Remove ///< never made, with what it weighed; FractureEvent says how many and how much. What is left of the body itself always stays
 };
 
 /// Off by default: a body that cannot break keeps nothing for it and does nothing for it. Small pieces and maxPieces are for what is cut as
@@ -57,8 +57,8 @@ struct Fracture
 	int maxPieces = 1000;
 };
 
-/// How much a link withstands, as a share of what Fracture says; by place and, if wanted, by direction. `point` and `direction` are 3 floats
-/// each, in the mesh's coordinates, m and a unit vector along the link. Above 0; infinity: never breaks.
+/// How much a link withstands, as a share of what Fracture says; by place and, if wanted, by direction. `point` and `direction` are 3
+/// floats each, in the mesh's coordinates, m and a unit vector along the link. Above 0; infinity: never breaks.
 struct ToughnessField
 {
 	float ( *share )( const float* point, const float* direction, void* context ) = nullptr;

@@ -6,12 +6,10 @@
 namespace pliant {
 
 struct BuiltForFloatBullet
-{
-};
+{};
 
 struct BuiltForDoubleBullet
-{
-};
+{};
 
 #if defined( BT_USE_DOUBLE_PRECISION )
 using BulletPrecision = BuiltForDoubleBullet;

@@ -21,16 +21,16 @@ enum class ResultCode : int
 	TooManyTriangles, ///< more triangles than LatticeSettings::maxTriangles
 	TooManyCells,     ///< more cells than LatticeSettings::maxCells
 	OutOfMemory,
-	Cancelled,        ///< the progress callback said stop
-	BadSettings,      ///< a knob of LatticeSettings is out of its range
-	BadMaterial,      ///< a value of Material is out of its range
+	Cancelled,   ///< the progress callback said stop
+	BadSettings, ///< a knob of LatticeSettings is out of its range
+	BadMaterial, ///< a value of Material is out of its range
 	BadArgument,
 	FileNotFound,
-	FileUnreadable,   ///< the file is there, but no mesh can be read out of it
+	FileUnreadable, ///< the file is there, but no mesh can be read out of it
 	FileTooLarge,
 	TimeLimit,
-	TooFolded         ///< the surface is folded so often into its box that no cell size can tell its layers apart; or, with Shell::Never,
-	                  ///< folded or open so widely that telling inside from outside takes too long
+	TooFolded ///< the surface is folded so often into its box that no cell size can tell its layers apart; or, with Shell::Never,
+			  ///< folded or open so widely that telling inside from outside takes too long
 };
 
 /// The code's name, e.g. "TooManyCells". Never null.

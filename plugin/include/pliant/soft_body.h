@@ -23,27 +23,28 @@ class SoftBody;
 using SoftBodyResult = Result<std::unique_ptr<SoftBody>>;
 
 /// The skinned render mesh, valid until the body is next stepped. Vertex i is the input mesh's vertex i as long as nothing has broken; then
-/// vertices stand for the sides of cracks, and topologyVersion says when to take the indices and texture coordinates anew. World coordinates
-/// relative to `origin` (add it in your own precision; it keeps float vertices exact far from the world's centre).
+/// vertices stand for the sides of cracks, and topologyVersion says when to take the indices and texture coordinates anew. World
+/// coordinates relative to `origin` (add it in your own precision; it keeps float vertices exact far from the world's centre).
 struct SurfaceView
 {
-	btVector3 origin;                    ///< world position the vertices are relative to, m
-	const float* positions = nullptr;    ///< 3 floats a vertex, m
-	const float* normals = nullptr;      ///< 3 floats a vertex, unit length
+	btVector3 origin;                 ///< world position the vertices are relative to, m
+	const float* positions = nullptr; ///< 3 floats a vertex, m
+	const float* normals = nullptr;   ///< 3 floats a vertex, unit length
 	const std::uint32_t* indices = nullptr;
 	/// 2 floats a vertex; null when the mesh had none and nothing has broken.
 	const float* textureCoordinates = nullptr;
-	/// Of each triangle: the input's triangle it is a piece of, or kInside for the face of a crack. Null: triangle i is the input's triangle i.
+	/// Of each triangle: the input's triangle it is a piece of, or kInside for the face of a crack. Null: triangle i is the input's
+	/// triangle i.
 	const std::uint32_t* triangleSource = nullptr;
 	static constexpr std::uint32_t kInside = 0xffffffffu;
 	int vertexCount = 0;
 	int triangleCount = 0;
-	unsigned topologyVersion = 0;        ///< changes when indices or counts change
+	unsigned topologyVersion = 0; ///< changes when indices or counts change
 	/// What has to be uploaded again where the version that was uploaded is `changedSince`: vertices from firstNewVertex on, triangles from
 	/// firstNewTriangle on, and triangles firstChangedTriangle .. lastChangedTriangle - 1. Everything, where another version was.
 	unsigned changedSince = 0;
 	int firstNewVertex = 0, firstNewTriangle = 0, firstChangedTriangle = 0, lastChangedTriangle = 0;
-	unsigned frame = 0;                  ///< changes when positions change
+	unsigned frame = 0; ///< changes when positions change
 };
 
 /// A soft body. The game owns what it creates; the world never deletes it. Material settings that Bullet knows are set as on any
@@ -54,13 +55,14 @@ class PLIANT_API SoftBody : public btCollisionObject
 public:
 	BT_DECLARE_ALIGNED_ALLOCATOR();
 
-	/// What getInternalType() says of a soft body, a bit of its own: tests for other types (`& CO_RIGID_BODY`, `& ( CO_USER_TYPE + 1 )`) do not match it.
+	/// What getInternalType() says of a soft body, a bit of its own: tests for other types (`& CO_RIGID_BODY`, `& ( CO_USER_TYPE + 1 )`) do
+	/// not match it.
 	static constexpr int kInternalType = 1 << 16;
 
-	/// Place the template's mass centre at transform applied to the template's mesh (mesh coordinates go through `transform`). Refused (BadArgument)
-	/// where the transform scales, shears or mirrors by more than a hundredth: scale the mesh.
-	static SoftBodyResult create( std::shared_ptr<const BodyTemplate> bodyTemplate, const btTransform& transform, const Material& material = {},
-		const Adaptivity& adaptivity = {}, const StiffnessField& stiffness = {} );
+	/// Place the template's mass centre at transform applied to the template's mesh (mesh coordinates go through `transform`). Refused
+	/// (BadArgument) where the transform scales, shears or mirrors by more than a hundredth: scale the mesh.
+	static SoftBodyResult create( std::shared_ptr<const BodyTemplate> bodyTemplate, const btTransform& transform,
+		const Material& material = {}, const Adaptivity& adaptivity = {}, const StiffnessField& stiffness = {} );
 	~SoftBody() override;
 
 	/// The soft body behind any collision object: itself, or one of its node bodies as named by a manifold. Null for others.
@@ -69,20 +71,20 @@ public:
 
 	// --- nodes: 0 to nodeCount() - 1. Of a node that is not there: zeros, and in a build with assertions the end of the program ------
 	int nodeCount() const;
-	btVector3 nodePosition( int node ) const;  ///< world, m
-	btVector3 nodeVelocity( int node ) const;  ///< m/s
-	btScalar nodeMass( int node ) const;       ///< kg
-	btScalar nodeRadius( int node ) const;     ///< of the collision sphere, m
+	btVector3 nodePosition( int node ) const; ///< world, m
+	btVector3 nodeVelocity( int node ) const; ///< m/s
+	btScalar nodeMass( int node ) const;      ///< kg
+	btScalar nodeRadius( int node ) const;    ///< of the collision sphere, m
 	/// The node behind a child shape's index, as ray, sweep and contact tests report it; -1 when there is none.
 	/// Node spheres stand for the surface and one layer below; contact points carry the node's own number.
 	int nodeOfShapeIndex( int shapeIndex ) const;
 	/// Nearest node to a world point; -1 never (a body has nodes). With levels of detail: the one whose sphere is nearest.
 	int nearestNode( const btVector3& worldPoint ) const;
 
-	btScalar mass() const;                     ///< kg
-	btVector3 massCentre() const;              ///< world, m
-	btVector3 linearVelocity() const;          ///< of the mass centre, m/s
-	btVector3 angularMomentum() const;         ///< about the mass centre, kg m^2/s
+	btScalar mass() const;             ///< kg
+	btVector3 massCentre() const;      ///< world, m
+	btVector3 linearVelocity() const;  ///< of the mass centre, m/s
+	btVector3 angularMomentum() const; ///< about the mass centre, kg m^2/s
 	/// The rigid motion that fits the deformed body best; maps mesh coordinates to the world.
 	btTransform bestFitTransform() const;
 
@@ -94,8 +96,8 @@ public:
 	int nodeOfCell( int cell ) const;
 	/// Changes when nodes are split or merged: nodes then have other numbers. Pins follow.
 	unsigned levelVersion() const;
-	/// Splits all nodes that reach into a world box, level by level, as the budget allows, and keeps them for Adaptivity::mergeDelay: call it
-	/// as long as they are wanted. Wakes nothing.
+	/// Splits all nodes that reach into a world box, level by level, as the budget allows, and keeps them for Adaptivity::mergeDelay: call
+	/// it as long as they are wanted. Wakes nothing.
 	void requestRefinement( const btVector3& low, const btVector3& high );
 	/// Nothing finer than this level is used from now on, 0 to Adaptivity::coarseLevels; finer nodes are merged. For bodies far from view.
 	void setFinestLevel( int level );
@@ -105,9 +107,9 @@ public:
 	Status setFracture( const Fracture& fracture, const ToughnessField& toughness = {} );
 	/// What was set; BreakRule::Never when nothing was.
 	Fracture fracture() const;
-	/// Makes now what the first crack of a body makes, the most of what it costs: what bodies of one template share until then, and of one that is
-	/// drawn its inside and all that cracks are drawn with. Takes a cracked body's memory. Before setFracture or a cut or after, of a whole body;
-	/// nothing looks otherwise for it.
+	/// Makes now what the first crack of a body makes, the most of what it costs: what bodies of one template share until then, and of one
+	/// that is drawn its inside and all that cracks are drawn with. Takes a cracked body's memory. Before setFracture or a cut or after, of
+	/// a whole body; nothing looks otherwise for it.
 	Status prepareCracks();
 	/// Finest cells of this body; nodes without levels of detail.
 	int cellCount() const;
@@ -132,19 +134,21 @@ public:
 	/// SmallPieces::Fade: 1 when it has just come off, 0 when its time is up; 1 for all others.
 	float fadeShare() const;
 
-	// --- what the game does to it; each wakes the body. Refused (BadArgument, and nothing is changed) where a number is NaN or infinite, a node is
+	// --- what the game does to it; each wakes the body. Refused (BadArgument, and nothing is changed) where a number is NaN or infinite, a
+	// node is
 	// --- not there, or a node would pass 1e5 m/s: by velocities and impulses at once, by forces and gravity within a sixtieth of a second.
-	Status setLinearVelocity( const btVector3& velocity );            ///< of every node, m/s
+	Status setLinearVelocity( const btVector3& velocity );                     ///< of every node, m/s
 	Status setVelocities( const btVector3& linear, const btVector3& angular ); ///< rigid motion about the mass centre, m/s and rad/s
-	Status applyCentralForce( const btVector3& force );               ///< N, spread by mass, until the step's end
-	Status applyForce( const btVector3& force, int node );            ///< N, on one node, until the step's end
-	Status applyCentralImpulse( const btVector3& impulse );           ///< N s
-	Status applyImpulse( const btVector3& impulse, int node );        ///< N s, on one node
+	Status applyCentralForce( const btVector3& force );                        ///< N, spread by mass, until the step's end
+	Status applyForce( const btVector3& force, int node );                     ///< N, on one node, until the step's end
+	Status applyCentralImpulse( const btVector3& impulse );                    ///< N s
+	Status applyImpulse( const btVector3& impulse, int node );                 ///< N s, on one node
 	/// Overrides the world's gravity for this body, m/s^2; `clearGravity` goes back to the world's.
 	Status setGravity( const btVector3& gravity );
 	void clearGravity();
-	/// Moves the whole body by a rigid transform, deformation kept; velocities turn along. Wakes what the body touches. Refused (BadArgument, the body
-	/// stays) where a number is not finite, the way leads further out than 1e9 m, or the transform scales, shears or mirrors by more than a hundredth.
+	/// Moves the whole body by a rigid transform, deformation kept; velocities turn along. Wakes what the body touches. Refused
+	/// (BadArgument, the body stays) where a number is not finite, the way leads further out than 1e9 m, or the transform scales, shears or
+	/// mirrors by more than a hundredth.
 	Status teleport( const btTransform& by );
 	/// Back to the rest shape at `transform`, at rest. Wakes what the body touches. Refused as teleport.
 	Status reset( const btTransform& transform );
@@ -154,8 +158,8 @@ public:
 	void setSelfCollision( bool isOn );
 	bool selfCollision() const;
 
-	/// At any time; nodes and speeds stay as they are. Another method or other regions (weights, beta, half-width, `farLevels`, `volumeKeeping`)
-	/// forget what has flowed, and are refused where the body has levels.
+	/// At any time; nodes and speeds stay as they are. Another method or other regions (weights, beta, half-width, `farLevels`,
+	/// `volumeKeeping`) forget what has flowed, and are refused where the body has levels.
 	Status setMaterial( const Material& material );
 	const Material& material() const;
 	/// Whether the last step was the implicit one (Material::elasticity).
@@ -168,30 +172,31 @@ public:
 	// --- pins -------------------------------------------------------------------------------------------------------
 	/// Holds a node where it is. A pinned node stays until it is released.
 	Status pinNode( int node );
-	/// Ties a node to a rigid body: it follows the body's motion (one way; the rigid body does not feel it). The rigid body must be in a world, and in this
-	/// body's where that is in one; else BadArgument. The pin is released when the rigid body leaves that world, by whatever call, and when this body
-	/// is added to a world that the rigid body is not in.
+	/// Ties a node to a rigid body: it follows the body's motion (one way; the rigid body does not feel it). The rigid body must be in a
+	/// world, and in this body's where that is in one; else BadArgument. The pin is released when the rigid body leaves that world, by
+	/// whatever call, and when this body is added to a world that the rigid body is not in.
 	Status pinNodeToBody( int node, btRigidBody* body );
-	/// The game moves the node: it reaches `worldPosition` at the end of the next step. Refused (BadArgument) where that is not finite or further
-	/// from the node than a hundred times the body's size, 833 m at most.
+	/// The game moves the node: it reaches `worldPosition` at the end of the next step. Refused (BadArgument) where that is not finite or
+	/// further from the node than a hundred times the body's size, 833 m at most.
 	Status driveNode( int node, const btVector3& worldPosition );
 	/// Nothing for a node that is not pinned.
 	void releaseNode( int node );
-	/// Pins every node whose middle is inside a world box; returns how many. A node of a body with levels is pinned as a whole: where the box is to
-	/// hold to the cell, let `requestRefinement` split what is in it, and pin after the next step.
+	/// Pins every node whose middle is inside a world box; returns how many. A node of a body with levels is pinned as a whole: where the
+	/// box is to hold to the cell, let `requestRefinement` split what is in it, and pin after the next step.
 	int pinNodesInside( const btVector3& low, const btVector3& high );
 	bool isPinned( int node ) const;
 
 	// --- out --------------------------------------------------------------------------------------------------------
 	/// Skins now if the body has moved since; a later step writes to the other buffer, so a render thread may read on until
-	/// the step after next. Empty when the template was built with Skinning::None. From one thread at a time for all bodies of a world, and not during
-	/// a step: the first call after one draws, on the world's threads, all bodies that were asked for after the last.
+	/// the step after next. Empty when the template was built with Skinning::None. From one thread at a time for all bodies of a world, and
+	/// not during a step: the first call after one draws, on the world's threads, all bodies that were asked for after the last.
 	SurfaceView surface() const;
 
-	/// How far, in finest cells, a vertex may be from where skinning it anew would put it. A body whose nodes have moved as one rigid body, to within
-	/// that, since it was skinned last has that skin turned and shifted; one that has not moved keeps its view, and SurfaceView::frame. It is measured against
-	/// what was skinned last, however often it was turned since: many small moves do not add up. 0: always skinned anew when it has moved. Default 0.01;
-	/// below 0 or not a number is taken for 0. Pieces that come off take it over. Bodies of 1 024 nodes or more and fewer than four vertices a node have no use of it.
+	/// How far, in finest cells, a vertex may be from where skinning it anew would put it. A body whose nodes have moved as one rigid body,
+	/// to within that, since it was skinned last has that skin turned and shifted; one that has not moved keeps its view, and
+	/// SurfaceView::frame. It is measured against what was skinned last, however often it was turned since: many small moves do not add up.
+	/// 0: always skinned anew when it has moved. Default 0.01; below 0 or not a number is taken for 0. Pieces that come off take it over.
+	/// Bodies of 1 024 nodes or more and fewer than four vertices a node have no use of it.
 	void setSurfaceTolerance( btScalar cells );
 	btScalar surfaceTolerance() const;
 

@@ -2,40 +2,31 @@
 
 #include "lattice/build/build_lattice.h"
 
-#include "lattice/constants.h"
+#include "lattice/build/contact_patches.h"
 #include "lattice/build/links.h"
-#include "lattice/region.h"
+#include "lattice/build/sentence.h"
 #include "lattice/build/shell.h"
 #include "lattice/build/slivers.h"
-#include "lattice/build/contact_patches.h"
+#include "lattice/constants.h"
+#include "lattice/region.h"
 
 #include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <new>
 #include <optional>
-#include <sstream>
 
 namespace pliant {
 
 namespace {
 
-template <class... Words>
-std::string sentence( const Words&... words )
-{
-	std::ostringstream out;
-	( out << ... << words );
-	return out.str();
-}
-
 /// One build from mesh to lattice.
 class Builder
 {
 public:
-	Builder( const MeshView& mesh, const LatticeSettings& settings, LatticeBuild& out )
-		: m_view( mesh ), m_settings( settings ), m_out( out ), m_progress( settings )
-	{
-	}
+	Builder( const MeshView& mesh, const LatticeSettings& settings, LatticeBuild& out ) :
+		m_view( mesh ), m_settings( settings ), m_out( out ), m_progress( settings )
+	{}
 
 	Status build()
 	{
@@ -43,12 +34,13 @@ public:
 		{
 			return status;
 		}
-		return m_settings.cellSize > 0.0f ? buildAt( double( m_settings.cellSize ) ) : m_isShellOnly ? buildShellNearTarget() : buildNearTarget();
+		return m_settings.cellSize > 0.0f ? buildAt( double( m_settings.cellSize ) ) : buildWithTarget();
 	}
 
 private:
 	Status cancelled() const { return { ResultCode::Cancelled, "The progress callback asked to stop." }; }
 	bool mayHaveShell() const { return m_settings.shell != Shell::Never; }
+	Status buildWithTarget() { return m_isShellOnly ? buildShellNearTarget() : buildNearTarget(); }
 
 	Status prepare()
 	{
@@ -82,7 +74,8 @@ private:
 		{
 			m_field.emplace( m_mesh, rim );
 			m_survey = m_field->isWhole() ? InsideField::Survey{} : m_field->survey();
-			const bool isSheet = !m_field->isWhole() && !m_field->isSoup() && m_survey.volume <= kRoundingShare * m_area * ( m_mesh.high - m_mesh.low ).norm();
+			const bool isThin = m_survey.volume <= kRoundingShare * m_area * ( m_mesh.high - m_mesh.low ).norm();
+			const bool isSheet = isThin && !m_field->isWhole() && !m_field->isSoup();
 			if ( isSheet && !mayHaveShell() )
 			{
 				return noInside( "The mesh is a flat sheet: closed along its rims it holds nothing" );
@@ -113,9 +106,10 @@ private:
 
 	Status tooFolded() const
 	{
-		return { ResultCode::TooFolded, sentence( "The surface has ", m_area, " m^2 folded into a box of ", ( m_mesh.high - m_mesh.low ).norm(),
-			" m, or is open so widely that telling inside from outside takes too long. Close its holes, use fewer triangles, or let "
-			"LatticeSettings::shell make the surface itself material." ) };
+		return { ResultCode::TooFolded,
+			sentence( "The surface has ", m_area, " m^2 folded into a box of ", ( m_mesh.high - m_mesh.low ).norm(),
+				" m, or is open so widely that telling inside from outside takes too long. Close its holes, use fewer triangles, or let "
+				"LatticeSettings::shell make the surface itself material." ) };
 	}
 
 	double volume()
@@ -130,13 +124,15 @@ private:
 	/// The mesh spans no more of these than there are coordinates for.
 	double smallestSize() const { return ( m_mesh.high - m_mesh.low ).maxCoeff() / ( kMaxExtent - 2 ); }
 
-	/// The cell edge that gives about so many cells: N = V / d^3 + c A / d^2, solved by halving. Of a shell N = c A / d^2, and a line of cells at least.
+	/// The cell edge that gives about so many cells: N = V / d^3 + c A / d^2, solved by halving. Of a shell N = c A / d^2, and a line of
+	/// cells at least.
 	double sizeForCells( double cells )
 	{
 		const double longest = ( m_mesh.high - m_mesh.low ).maxCoeff();
 		if ( m_isShellOnly )
 		{
-			return std::max( { std::min( std::sqrt( kShellCellsPerArea * m_drawnArea / cells ), longest ), longest / cells, smallestSize() } );
+			return std::max(
+				{ std::min( std::sqrt( kShellCellsPerArea * m_drawnArea / cells ), longest ), longest / cells, smallestSize() } );
 		}
 		double low = smallestSize();
 		double high = 2.0 * std::max( std::cbrt( volume() / cells ), std::sqrt( kCellsPerArea * m_area / cells ) );
@@ -210,8 +206,9 @@ private:
 	{
 		// A tenth to spare, so that the proposal does fit; of a shell as much as it may stand aslant.
 		const double fits = sizeForCells( m_settings.maxCells / ( 1.0 + ( m_isShellOnly ? kTargetSlackWhenOpen : kTargetSlack ) ) );
-		return { ResultCode::TooManyCells, sentence( "With cells of ", d, " m the mesh fills more than LatticeSettings::maxCells = ", m_settings.maxCells,
-			"; a cellSize of ", float( std::max( fits, 1.01 * d ) ), " m would fit." ) };
+		return { ResultCode::TooManyCells,
+			sentence( "With cells of ", d, " m the mesh fills more than LatticeSettings::maxCells = ", m_settings.maxCells,
+				"; a cellSize of ", float( std::max( fits, 1.01 * d ) ), " m would fit." ) };
 	}
 
 	Status makeGridAt( double d, int samples, Grid& grid ) const
@@ -223,13 +220,15 @@ private:
 		}
 		if ( !( d > kRoundingShare * farthest ) )
 		{
-			return { ResultCode::ExtentOutOfRange, sentence( "Cells of ", d, " m are below float rounding ", farthest,
-				" m from the origin; move the mesh nearer or raise LatticeSettings::cellSize." ) };
+			return { ResultCode::ExtentOutOfRange,
+				sentence( "Cells of ", d, " m are below float rounding ", farthest,
+					" m from the origin; move the mesh nearer or raise LatticeSettings::cellSize." ) };
 		}
 		if ( !makeGrid( m_mesh.low, m_mesh.high, d, samples, grid ) )
 		{
-			return { ResultCode::ExtentOutOfRange, sentence( "With cells of ", d, " m the mesh spans more than ", kMaxExtent,
-				" of them; raise LatticeSettings::cellSize to at least ", float( ( m_mesh.high - m_mesh.low ).maxCoeff() / ( kMaxExtent - 2 ) ), " m." ) };
+			return { ResultCode::ExtentOutOfRange,
+				sentence( "With cells of ", d, " m the mesh spans more than ", kMaxExtent,
+					" of them; raise LatticeSettings::cellSize to at least ", float( smallestSize() ), " m." ) };
 		}
 		return {};
 	}
@@ -271,7 +270,8 @@ private:
 	{
 		const double d = grid.cellSize, mostCells = m_settings.maxCells;
 		const double thickness = m_settings.shellThickness > 0.0f ? double( m_settings.shellThickness ) / d : 1.0;
-		const int added = addShell( m_mesh, grid, { thickness, m_drawnArea / ( d * d ), !m_isShellOnly && m_field->isWhole(), mostCells }, cells, m_out.lattice );
+		const bool isWhole = !m_isShellOnly && m_field->isWhole();
+		const int added = addShell( m_mesh, grid, { thickness, m_drawnArea / ( d * d ), isWhole, mostCells }, cells, m_out.lattice );
 		m_out.report.shellCells = std::max( added, 0 );
 		return added < 0 ? tooManyCells( d ) : Status{};
 	}
@@ -304,7 +304,8 @@ private:
 	Status fillCells( const SnappedSurface& surface, std::vector<CellDraft>& cells )
 	{
 		const Grid& grid = surface.grid();
-		VoxelizeOptions options{ std::max( m_mesh.tolerance, 2.0 * grid.quantum() ), double( m_settings.maxCells ), m_settings.runner, m_progress };
+		const double tolerance = std::max( m_mesh.tolerance, 2.0 * grid.quantum() ); // m
+		VoxelizeOptions options{ tolerance, double( m_settings.maxCells ), m_settings.runner, m_progress };
 		Voxels voxels;
 		const ResultCode code = voxelize( surface, options, voxels );
 		if ( code != ResultCode::Ok )
@@ -314,8 +315,7 @@ private:
 		std::optional<Parts> parts( std::in_place, voxels, *m_field, m_settings.minimumFill, m_settings.runner );
 		if ( parts->cells().empty() )
 		{
-			// Thin everywhere: better thin cells than none.
-			parts.emplace( voxels, *m_field, 0.0f, m_settings.runner );
+			parts.emplace( voxels, *m_field, 0.0f, m_settings.runner ); // thin everywhere: better thin cells than none
 		}
 		if ( parts->cells().size() > std::size_t( m_settings.maxCells ) )
 		{
@@ -325,13 +325,14 @@ private:
 		{
 			m_out.report.cutLinks = linkCells( *parts, *m_field, m_settings.runner, m_out.lattice );
 			cells = parts->cells();
-			const bool isDust = mayHaveShell() && !m_field->isWhole() && std::size_t( kLeastCellsPerPart * countComponents( m_out.lattice ) ) > cells.size();
+			const bool areMany = std::size_t( kLeastCellsPerPart * countComponents( m_out.lattice ) ) > cells.size();
+			const bool isDust = areMany && mayHaveShell() && !m_field->isWhole();
 			return isDust && cells.size() > std::size_t( kLeastCellsPerPart ) ? noInside( "The inside falls into crumbs" ) : Status{};
 		}
 		cells = findSliverCells( m_mesh, *m_field, grid, mostCrossings() );
 		if ( cells.empty() )
 		{
-			return noInside( sentence( "No inside was found with cells of ", grid.cellSize, " m: the mesh is flat, or open so widely that it holds nothing" ) );
+			return noInside( sentence( "With cells of ", grid.cellSize, " m there is no inside: the mesh is flat or open too widely" ) );
 		}
 		if ( cells.size() > std::size_t( m_settings.maxCells ) )
 		{
@@ -386,7 +387,7 @@ private:
 	InsideField::Survey m_survey; ///< of an open surface
 	bool m_isShellOnly = false;   ///< asked for, or no inside was found
 	double m_area = 0.0;
-	double m_drawnArea = 0.0;     ///< with what bounds no inside
+	double m_drawnArea = 0.0; ///< with what bounds no inside
 };
 
 } // namespace

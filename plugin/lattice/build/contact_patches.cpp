@@ -1,7 +1,7 @@
 #include "lattice/build/contact_patches.h"
 
-#include "lattice/constants.h"
 #include "lattice/build/surface_points.h"
+#include "lattice/constants.h"
 
 #include <Eigen/Cholesky>
 
@@ -88,8 +88,8 @@ public:
 		return weight > 0.0 ? Vec3d( sum / weight ) : Vec3d( Vec3d::Zero() );
 	}
 
-	/// Height above the node along n as a + g.l - k ( |l|^2 + ( h - a )^2 ) / 2, l across n, by least squares; false where they do not determine it. That is a sphere
-	/// if g is zero; the a in it is that of `out` as it comes.
+	/// Height above the node along n as a + g.l - k ( |l|^2 + ( h - a )^2 ) / 2, l across n, by least squares; false where they do not
+	/// determine it. That is a sphere if g is zero; the a in it is that of `out` as it comes.
 	struct Fit
 	{
 		double height = 0.0, curvature = 0.0, error = 0.0;
@@ -130,7 +130,8 @@ public:
 private:
 	void gatherRow( std::uint64_t first, std::uint64_t last, const Vec3d& node )
 	{
-		auto sample = std::lower_bound( m_samples.begin(), m_samples.end(), first, []( const Sample& a, std::uint64_t key ) { return a.key < key; } );
+		auto sample = std::lower_bound(
+			m_samples.begin(), m_samples.end(), first, []( const Sample& a, std::uint64_t key ) { return a.key < key; } );
 		for ( ; sample != m_samples.end() && sample->key <= last; ++sample )
 		{
 			const Vec3d p = sample->point - node;

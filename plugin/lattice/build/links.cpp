@@ -22,8 +22,8 @@ using Pair = CellPair;
 class Linker
 {
 public:
-	Linker( const Parts& parts, const InsideField& field, TaskRunner* runner )
-		: m_parts( parts ), m_field( field ), m_runner( runner ), m_grid( parts.voxels().grid ), m_count( parts.cells().size() )
+	Linker( const Parts& parts, const InsideField& field, TaskRunner* runner ) :
+		m_parts( parts ), m_field( field ), m_runner( runner ), m_grid( parts.voxels().grid ), m_count( parts.cells().size() )
 	{
 		m_at.reserve( m_count );
 		for ( const CellDraft& cell : parts.cells() )
@@ -317,7 +317,8 @@ private:
 		const auto addCorners = [&]( const Rows& near, const Rows& far ) {
 			for ( const std::uint32_t* k = near.begin( i ); k != near.end( i ); ++k )
 			{
-				std::copy_if( far.begin( *k ), far.end( *k ), std::back_inserter( row ), [&]( std::uint32_t j ) { return kindOf( i, j ) == 3; } );
+				std::copy_if(
+					far.begin( *k ), far.end( *k ), std::back_inserter( row ), [&]( std::uint32_t j ) { return kindOf( i, j ) == 3; } );
 			}
 		};
 		addCorners( m_face, m_edge );

@@ -2,8 +2,8 @@
 
 // Which of its 26 neighbours a cell is linked to. Steinemann et al. 2008, section 4.1; Rivers and James 2007, section 3.
 
-#include "lattice/lattice.h"
 #include "lattice/build/parts.h"
+#include "lattice/lattice.h"
 
 namespace pliant {
 

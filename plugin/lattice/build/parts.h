@@ -16,7 +16,7 @@ struct CellDraft
 	std::uint64_t key;
 	std::int32_t cutCell; ///< number among Voxels::cut; -1: a full position
 	float fill;
-	Vec3d centre;         ///< of its material, in cells from the low corner of the grid
+	Vec3d centre; ///< of its material, in cells from the low corner of the grid
 };
 
 /// The cells in the lattice's order, and the way from a sample back to its cell.
@@ -48,10 +48,10 @@ private:
 	struct Pieces
 	{
 		std::vector<CellDraft> cell;
-		std::vector<std::uint8_t> pieceCount;   ///< by cut cell: 0, 1, or kSeveral
-		std::vector<std::uint16_t> label;       ///< of each sample, for cut cells of several pieces
-		std::vector<std::int32_t> cellOfLabel;  ///< by label: number among the cut cell's kept pieces, or kNone
-		std::vector<std::uint32_t> labelCount;  ///< by cut cell of several pieces
+		std::vector<std::uint8_t> pieceCount;  ///< by cut cell: 0, 1, or kSeveral
+		std::vector<std::uint16_t> label;      ///< of each sample, for cut cells of several pieces
+		std::vector<std::int32_t> cellOfLabel; ///< by label: number among the cut cell's kept pieces, or kNone
+		std::vector<std::uint32_t> labelCount; ///< by cut cell of several pieces
 	};
 	static constexpr std::uint8_t kSeveral = 2;
 
@@ -62,10 +62,10 @@ private:
 
 	const Voxels& m_voxels;
 	std::vector<CellDraft> m_cells;
-	std::vector<std::uint64_t> m_keys;          ///< of m_cells
-	std::vector<std::int32_t> m_labelStart;     ///< by cut cell: into m_label / samples, or kNone
+	std::vector<std::uint64_t> m_keys;      ///< of m_cells
+	std::vector<std::int32_t> m_labelStart; ///< by cut cell: into m_label / samples, or kNone
 	std::vector<std::uint16_t> m_label;
-	std::vector<std::int32_t> m_mapStart;       ///< by labelled cut cell: into m_cellOfLabel
+	std::vector<std::int32_t> m_mapStart; ///< by labelled cut cell: into m_cellOfLabel
 	std::vector<std::int32_t> m_cellOfLabel;
 	std::unique_ptr<PositionIndex> m_index;
 };

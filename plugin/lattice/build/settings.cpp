@@ -2,11 +2,11 @@
 
 #include "lattice/build/build_lattice.h"
 
+#include "lattice/build/sentence.h"
 #include "lattice/constants.h"
 
 #include <cmath>
 #include <new>
-#include <sstream>
 
 namespace pliant {
 
@@ -23,14 +23,6 @@ template <class T>
 bool isWithin( T value, T low, T high )
 {
 	return value >= low && value <= high; // false for NaN
-}
-
-template <class... Words>
-std::string sentence( const Words&... words )
-{
-	std::ostringstream out;
-	( out << ... << words );
-	return out.str();
 }
 
 } // namespace

@@ -85,17 +85,20 @@ private:
 class Cover
 {
 public:
-	Cover( const Grid& grid, const std::vector<CellDraft>& cells, const Keys& keys ) : m_grid( grid ), m_cells( cells ), m_keys( keys ), m_index( grid, keys )
+	Cover( const Grid& grid, const std::vector<CellDraft>& cells, const Keys& keys ) :
+		m_grid( grid ), m_cells( cells ), m_keys( keys ), m_index( grid, keys )
 	{
 		m_reach.reserve( cells.size() );
 		for ( const CellDraft& cell : cells )
 		{
-			const double reach = kShellReach + 0.5 * std::cbrt( double( cell.fill ) ); // radius of what collides: world/shape/node_colliders.h
+			const double reach = kShellReach +
+				0.5 * std::cbrt( double( cell.fill ) ); // radius of what collides: world/shape/node_colliders.h
 			m_reach.push_back( reach * reach );
 		}
 	}
 
-	/// Whether the point is in a position without a cell, and not just across the border of one with a cell: there the inside's own surface sticks out.
+	/// Whether the point is in a position without a cell, and not just across the border of one with a cell: there the inside's own surface
+	/// sticks out.
 	bool isBeyond( std::uint64_t key, const Vec3d& point ) const
 	{
 		bool isOut = !hasCell( key );
@@ -142,8 +145,8 @@ private:
 	std::vector<double> m_reach; ///< squared, cells
 };
 
-/// How many positions the surface passes through, at most some times as many, out of few points: where those fall into fewer positions than a quarter of
-/// their number, it is folded many times into the same ones.
+/// How many positions the surface passes through, at most some times as many, out of few points: where those fall into fewer positions than
+/// a quarter of their number, it is folded many times into the same ones.
 double positionsPassed( const WeldedMesh& mesh, const Grid& grid, double area )
 {
 	if ( double( mesh.triangle.size() + mesh.leftOut.size() ) > kMostSurveyPoints )
@@ -160,8 +163,8 @@ double positionsPassed( const WeldedMesh& mesh, const Grid& grid, double area )
 	return kFoldedShare * points > count ? count / kFoldedShare : std::max( count, area );
 }
 
-/// Points of the surface for a cell's edge: so many that the surface cannot slip between them, but a surface that is folded many times into its cells
-/// passes everywhere anyway, and is asked more coarsely.
+/// Points of the surface for a cell's edge: so many that the surface cannot slip between them, but a surface that is folded many times into
+/// its cells passes everywhere anyway, and is asked more coarsely.
 double densityOf( const ShellOptions& options, double positions )
 {
 	constexpr double kDensity = kAreaDensity * kShellSamples;
@@ -175,7 +178,8 @@ Keys findNeeded( const WeldedMesh& mesh, const Grid& grid, double density, const
 	KeySet needed, passed;
 	if ( cells.empty() )
 	{
-		visitSurface( mesh, grid, density, [&]( const Vec3d& point, double ) { needed.add( keyOf( grid, positionOfPoint( grid, point ) ) ); } );
+		visitSurface(
+			mesh, grid, density, [&]( const Vec3d& point, double ) { needed.add( keyOf( grid, positionOfPoint( grid, point ) ) ); } );
 		return needed.take();
 	}
 	const Cover cover( grid, cells, keys );
@@ -191,7 +195,8 @@ Keys findNeeded( const WeldedMesh& mesh, const Grid& grid, double density, const
 	{
 		return out;
 	}
-	// Between these and the inside may lie positions that its outermost cells do carry. Without cells there the shell would hang in the air.
+	// Between these and the inside may lie positions that its outermost cells do carry. Without cells there the shell would hang in the
+	// air.
 	visitSurface( mesh, grid, density, [&]( const Vec3d& point, double ) {
 		const std::uint64_t key = keyOf( grid, positionOfPoint( grid, point ) );
 		if ( cover.isBeyond( key, point ) )

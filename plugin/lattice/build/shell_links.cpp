@@ -94,10 +94,7 @@ private:
 		return step.maxCoeff() == 1 ? std::size_t( step.sum() ) : 0;
 	}
 
-	void join( std::uint32_t a, std::uint32_t b )
-	{
-		m_pairs[kindOf( a, b ) - 1].emplace_back( std::min( a, b ), std::max( a, b ) );
-	}
+	void join( std::uint32_t a, std::uint32_t b ) { m_pairs[kindOf( a, b ) - 1].emplace_back( std::min( a, b ), std::max( a, b ) ); }
 
 	void joinAlongSurface()
 	{
@@ -116,7 +113,8 @@ private:
 				const std::int32_t patch = patches.find( key );
 				const std::uint64_t passed = patch >= 0 ? m_patches[std::size_t( patch )].passed : 0;
 				Vec3d contact;
-				if ( code > 13 && patch >= 0 && m_patches[std::size_t( patch )].isShell && touches( m_patches[p].passed, passed, step, contact ) )
+				if ( code > 13 && patch >= 0 && m_patches[std::size_t( patch )].isShell &&
+					touches( m_patches[p].passed, passed, step, contact ) )
 				{
 					join( m_cellOfPatch[p], m_cellOfPatch[std::size_t( patch )] );
 				}
@@ -138,7 +136,8 @@ private:
 		const std::int32_t first = cells.find( key );
 		for ( std::size_t i = std::size_t( first ); first >= 0 && i < m_keys.size() && m_keys[i] == key; ++i )
 		{
-			const bool isNearer = best == kNone || ( m_cells[i].centre - place ).squaredNorm() < ( m_cells[best].centre - place ).squaredNorm();
+			const bool isNearer = best == kNone ||
+				( m_cells[i].centre - place ).squaredNorm() < ( m_cells[best].centre - place ).squaredNorm();
 			best = !m_isShell[i] && isNearer ? std::uint32_t( i ) : best;
 		}
 		return best;
@@ -155,7 +154,8 @@ private:
 		return border;
 	}
 
-	/// Whether the surface passes through a part of one position and through one next to it in the position that is a step away; and where, in cells.
+	/// Whether the surface passes through a part of one position and through one next to it in the position that is a step away; and where,
+	/// in cells.
 	static bool touches( std::uint64_t here, std::uint64_t there, const Eigen::Vector3i& step, Vec3d& contact )
 	{
 		Vec3d sum = Vec3d::Zero();
@@ -241,8 +241,8 @@ private:
 
 } // namespace
 
-void mergeShell( const Grid& grid, const std::vector<SurfacePatch>& patches, const std::vector<CellDraft>& shell, std::vector<CellDraft>& cells,
-	Lattice& lattice )
+void mergeShell( const Grid& grid, const std::vector<SurfacePatch>& patches, const std::vector<CellDraft>& shell,
+	std::vector<CellDraft>& cells, Lattice& lattice )
 {
 	ShellLinker( grid, patches ).merge( shell, cells, lattice );
 }

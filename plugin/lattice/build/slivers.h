@@ -2,8 +2,8 @@
 
 // Bodies that slip between the samples of every cell: a hair, a speck, a slanted foil.
 
-#include "lattice/lattice.h"
 #include "lattice/build/parts.h"
+#include "lattice/lattice.h"
 
 namespace pliant {
 

@@ -11,9 +11,9 @@
 
 namespace pliant {
 
-/// Calls visit( point, area ) for points of a triangle, both in cells of the grid (a point from its low corner). Neighbouring points are at most
-/// 1 / `density` apart along each axis, within a triangle and across an edge that two share; the areas sum to the triangle's.
-/// The corners of all but the smallest are visited too, with no area: they are what is drawn furthest out.
+/// Calls visit( point, area ) for points of a triangle, both in cells of the grid (a point from its low corner). Neighbouring points are at
+/// most 1 / `density` apart along each axis, within a triangle and across an edge that two share; the areas sum to the triangle's. The
+/// corners of all but the smallest are visited too, with no area: they are what is drawn furthest out.
 template <class F>
 void visitTriangle( const std::array<Vec3d, 3>& corner, double density, F&& visit )
 {

@@ -79,8 +79,8 @@ private:
 
 } // namespace
 
-// From all surface cells at once. What is linked to the surface asks it, and not the other way round: most of a cut body's cells are surface, and no
-// way by a second link is as short as one link.
+// From all surface cells at once. What is linked to the surface asks it, and not the other way round: most of a cut body's cells are
+// surface, and no way by a second link is as short as one link.
 std::vector<std::uint32_t> floodInside( const Lattice& lattice )
 {
 	std::vector<std::uint32_t> depth( std::size_t( lattice.cellCount() ), kUnreached );
@@ -110,7 +110,8 @@ std::vector<std::uint32_t> floodInside( const Lattice& lattice )
 
 bool followInside( const Lattice& lattice, const std::vector<std::uint32_t>& touched, std::vector<std::uint32_t>& depth )
 {
-	if ( touched.empty() || std::any_of( touched.begin(), touched.end(), [&lattice]( std::uint32_t cell ) { return lattice.isSurface[cell] == 0; } ) )
+	if ( touched.empty() ||
+		std::any_of( touched.begin(), touched.end(), [&lattice]( std::uint32_t cell ) { return lattice.isSurface[cell] == 0; } ) )
 	{
 		return false;
 	}

@@ -10,16 +10,17 @@
 
 namespace pliant {
 
-/// Lengths of links along one, two and three axes, tenths of a cell: 1, sqrt( 2 ), sqrt( 3 ) in whole numbers, so that a flood has one result.
+/// Lengths of links along one, two and three axes, tenths of a cell: 1, sqrt( 2 ), sqrt( 3 ) in whole numbers, so that a flood has one
+/// result.
 inline constexpr std::uint32_t kLinkTenths[4] = { 0, 10, 14, 17 };
 
 /// Tenths of a cell along the links to the nearest surface cell (Lattice::isSurface); 0 for those. Cells that no surface cell is linked to,
 /// however far off, cannot be.
 std::vector<std::uint32_t> floodInside( const Lattice& lattice );
 
-/// The same after links have gone, from the distances before (of the cells that are left): what came to the surface through such a link is nearer to it
-/// than it was, and nothing is farther. `touched`: the cells that lost links. False, and nothing done, where one of them is not surface (links came back),
-/// or none is named. floodInside is the slow twin.
+/// The same after links have gone, from the distances before (of the cells that are left): what came to the surface through such a link is
+/// nearer to it than it was, and nothing is farther. `touched`: the cells that lost links. False, and nothing done, where one of them is
+/// not surface (links came back), or none is named. floodInside is the slow twin.
 bool followInside( const Lattice& lattice, const std::vector<std::uint32_t>& touched, std::vector<std::uint32_t>& depth );
 
 /// Which way is out of the material at a cell, at rest; not of unit length, zero where no side is nearer than its opposite:

@@ -75,7 +75,7 @@ struct View
 {
 	std::array<Flat, 3> corner;
 	std::array<std::int64_t, 3> depth;
-	int turn; ///< -1 when sorting the corners turned it over
+	int turn;          ///< -1 when sorting the corners turned it over
 	double nu, nv, na; ///< normal
 
 	/// +1 or -1: the row passes through, along or against the normal; 0: it passes by.
@@ -113,8 +113,8 @@ std::pair<const Crossing*, const Crossing*> RowSet::row( int u, int v, int sampl
 	return { first, last };
 }
 
-SnappedSurface::SnappedSurface( const WeldedMesh& mesh, const InsideField& field, const Grid& grid )
-	: m_mesh( mesh ), m_field( field ), m_grid( grid )
+SnappedSurface::SnappedSurface( const WeldedMesh& mesh, const InsideField& field, const Grid& grid ) :
+	m_mesh( mesh ), m_field( field ), m_grid( grid )
 {
 	const double perQuantum = 1.0 / grid.quantum();
 	m_point.resize( mesh.position.size() );
@@ -180,8 +180,10 @@ void SnappedSurface::cross( const Triangle& triangle, bool isCap, int axis, std:
 		view.corner[k] = { p[uAxis], p[vAxis] };
 		view.depth[k] = p[std::size_t( axis )];
 	}
-	const Eigen::Matrix<std::int64_t, 3, 1> e( view.corner[1].u - view.corner[0].u, view.corner[1].v - view.corner[0].v, view.depth[1] - view.depth[0] );
-	const Eigen::Matrix<std::int64_t, 3, 1> f( view.corner[2].u - view.corner[0].u, view.corner[2].v - view.corner[0].v, view.depth[2] - view.depth[0] );
+	const Eigen::Matrix<std::int64_t, 3, 1> e(
+		view.corner[1].u - view.corner[0].u, view.corner[1].v - view.corner[0].v, view.depth[1] - view.depth[0] );
+	const Eigen::Matrix<std::int64_t, 3, 1> f(
+		view.corner[2].u - view.corner[0].u, view.corner[2].v - view.corner[0].v, view.depth[2] - view.depth[0] );
 	view.nu = double( e.y() * f.z() - e.z() * f.y() );
 	view.nv = double( e.z() * f.x() - e.x() * f.z() );
 	view.na = double( e.x() * f.y() - e.y() * f.x() );
@@ -245,9 +247,10 @@ RowSet SnappedSurface::makeRows( int axis, TaskRunner* runner ) const
 	}
 	auto sortSlab = [&rows]( int slab ) {
 		const auto begin = rows.crossing.begin();
-		std::sort( begin + rows.slabStart[std::size_t( slab )], begin + rows.slabStart[std::size_t( slab ) + 1], []( const Crossing& a, const Crossing& b ) {
-			return a.row() != b.row() ? a.row() < b.row() : a.at != b.at ? a.at < b.at : a.packed < b.packed;
-		} );
+		std::sort( begin + rows.slabStart[std::size_t( slab )], begin + rows.slabStart[std::size_t( slab ) + 1],
+			[]( const Crossing& a, const Crossing& b ) {
+				return a.row() != b.row() ? a.row() < b.row() : a.at != b.at ? a.at < b.at : a.packed < b.packed;
+			} );
 	};
 	runGuarded( runner, rows.slabs(), sortSlab );
 	return rows;

@@ -10,8 +10,10 @@ namespace pliant {
 void keepThinRuns( std::vector<Sliver>& slivers, Voxels& voxels )
 {
 	std::sort( slivers.begin(), slivers.end(), []( const Sliver& a, const Sliver& b ) {
-		return a.cutCell != b.cutCell ? a.cutCell < b.cutCell : a.axis != b.axis ? a.axis < b.axis : a.sample != b.sample ? a.sample < b.sample :
-			a.point[a.axis] < b.point[b.axis];
+		return a.cutCell != b.cutCell ? a.cutCell < b.cutCell
+			: a.axis != b.axis        ? a.axis < b.axis
+			: a.sample != b.sample    ? a.sample < b.sample
+									  : a.point[a.axis] < b.point[b.axis];
 	} );
 	const std::size_t perCell = voxels.samplesPerCell();
 	for ( std::size_t first = 0, last = 0; first < slivers.size(); first = last )

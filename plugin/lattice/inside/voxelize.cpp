@@ -21,28 +21,13 @@ bool Progress::report( float share )
 
 namespace {
 
-constexpr std::array<std::uint8_t, 3> kBlocked = { kBlockedX, kBlockedY, kBlockedZ };
-template <class T>
-void appendAll( std::vector<std::vector<T>>& parts, std::vector<T>& out )
-{
-	std::size_t total = out.size();
-	for ( const auto& part : parts )
-	{
-		total += part.size();
-	}
-	out.reserve( total );
-	for ( auto& part : parts )
-	{
-		out.insert( out.end(), part.begin(), part.end() );
-		std::vector<T>().swap( part );
-	}
-}
+constexpr std::uint8_t kBlocked[3] = { kBlockedX, kBlockedY, kBlockedZ };
 
 class Voxelizer
 {
 public:
-	Voxelizer( const SnappedSurface& surface, const VoxelizeOptions& options, Voxels& out )
-		: m_surface( surface ), m_grid( surface.grid() ), m_options( options ), m_out( out )
+	Voxelizer( const SnappedSurface& surface, const VoxelizeOptions& options, Voxels& out ) :
+		m_surface( surface ), m_grid( surface.grid() ), m_options( options ), m_out( out )
 	{
 		m_out = Voxels{};
 		m_out.grid = m_grid;
@@ -212,7 +197,7 @@ private:
 	/// Through a hole the inside ends without a crossing: where a position and its neighbour differ, both are sampled like cut ones.
 	void classifyOpen()
 	{
-		enum : std::uint8_t { kCutHere, kOutside, kFullHere };
+		constexpr std::uint8_t kCutHere = 0, kOutside = 1, kFullHere = 2;
 		std::vector<std::uint8_t> kind( std::size_t( m_grid.positions() ), kCutHere );
 		auto classifyLayer = [&]( int z ) {
 			const auto keep = [&]( std::uint64_t key, bool isInside ) { kind[std::size_t( key )] = isInside ? kFullHere : kOutside; };
@@ -227,7 +212,7 @@ private:
 			for ( int side = 0; side < 6; ++side )
 			{
 				const Eigen::Vector3i to = at + ( side % 2 ? 1 : -1 ) * Eigen::Vector3i::Unit( side / 2 );
-				const std::uint8_t there = m_grid.holds( to ) ? kind[std::size_t( m_grid.key( to.x(), to.y(), to.z() ) )] : std::uint8_t( kOutside );
+				const std::uint8_t there = m_grid.holds( to ) ? kind[std::size_t( m_grid.key( to.x(), to.y(), to.z() ) )] : kOutside;
 				if ( there != kCutHere && there != kind[std::size_t( key )] )
 				{
 					return true;
@@ -307,8 +292,9 @@ private:
 					{
 						count += m_surface.counted( *next++ );
 					}
-					flags[i] = m_surface.field().isWhole() ? std::uint8_t( count != 0 ? kInside : 0 )
-														   : std::uint8_t( m_surface.field().isInside( count, m_surface.pointOn( 0, row, place ) ) ? kInside : 0 );
+					const InsideField& field = m_surface.field();
+					const bool isIn = field.isWhole() ? count != 0 : field.isInside( count, m_surface.pointOn( 0, row, place ) );
+					flags[i] = std::uint8_t( isIn ? kInside : 0 );
 				}
 			}
 		}
@@ -395,9 +381,9 @@ private:
 		const Place at = place( axis, row.u(), row.v(), along );
 		const std::int32_t cell = m_index->find( at.key );
 		const float share = float( run.length / m_grid.cellSize / ( m_grid.samples * m_grid.samples ) );
-		const Vec3d point = ( m_surface.pointOn( axis, row, run.middle ) - m_grid.corner ) / m_grid.cellSize;
 		if ( cell != PositionIndex::kNone && share > 0.0f )
 		{
+			const Vec3d point = ( m_surface.pointOn( axis, row, run.middle ) - m_grid.corner ) / m_grid.cellSize;
 			slivers.push_back( { cell, std::uint16_t( at.sample ), std::uint8_t( axis ), run.hasSample, share, point } );
 		}
 	}

@@ -18,7 +18,7 @@ enum SampleFlag : std::uint8_t
 	kBlockedX = 2, ///< both this sample and the next along x are inside, but a gap lies between them
 	kBlockedY = 4,
 	kBlockedZ = 8,
-	kSliver = 16   ///< outside, but material thinner than the sample spacing passes close by
+	kSliver = 16 ///< outside, but material thinner than the sample spacing passes close by
 };
 
 /// Material that no sample hits, or just one, found where a row passes in and out of it.
@@ -29,17 +29,17 @@ struct Sliver
 	std::uint8_t axis;
 	bool hasSample; ///< takes that sample's place in the sums
 	float share;    ///< of a whole cell
-	Vec3d point; ///< in cells, from the low corner of the grid
+	Vec3d point;    ///< in cells, from the low corner of the grid
 };
 
 /// Lattice positions by kind. Anything not listed is outside. All lists ascend.
 struct Voxels
 {
 	Grid grid;
-	std::vector<std::uint64_t> full;  ///< keys of positions within the material
-	std::vector<std::uint64_t> cut;   ///< keys of positions that the surface passes through or near
-	std::vector<std::uint8_t> flags;  ///< of each cut cell's samples, x fastest
-	std::vector<Sliver> slivers;      ///< of cut cells with thin material; by cell, then sample
+	std::vector<std::uint64_t> full; ///< keys of positions within the material
+	std::vector<std::uint64_t> cut;  ///< keys of positions that the surface passes through or near
+	std::vector<std::uint8_t> flags; ///< of each cut cell's samples, x fastest
+	std::vector<Sliver> slivers;     ///< of cut cells with thin material; by cell, then sample
 
 	std::size_t samplesPerCell() const { return std::size_t( grid.samplesPerCell() ); }
 };

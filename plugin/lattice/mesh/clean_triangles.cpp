@@ -36,9 +36,10 @@ EdgeTable makeEdgeTable( const std::vector<Triangle>& triangles, std::size_t ver
 	}
 	for ( std::size_t v = 0; v < vertexCount; ++v )
 	{
-		std::sort( table.entry.begin() + row[v], table.entry.begin() + row[v + 1], []( const EdgeTable::Entry& a, const EdgeTable::Entry& b ) {
-			return a.high != b.high ? a.high < b.high : a.triangle < b.triangle;
-		} );
+		std::sort(
+			table.entry.begin() + row[v], table.entry.begin() + row[v + 1], []( const EdgeTable::Entry& a, const EdgeTable::Entry& b ) {
+				return a.high != b.high ? a.high < b.high : a.triangle < b.triangle;
+			} );
 	}
 	for ( std::size_t k = 0; k < table.entry.size(); ++k )
 	{
@@ -110,8 +111,8 @@ void sortTriangles( std::vector<Triangle>& triangles, std::size_t vertexCount )
 class DoubledWalls
 {
 public:
-	DoubledWalls( const std::vector<Triangle>& triangles, const std::vector<std::uint8_t>& isDoubled, std::size_t vertexCount )
-		: m_isDoubled( isDoubled ), m_sets( triangles.size() ), m_votes( triangles.size(), 0 )
+	DoubledWalls( const std::vector<Triangle>& triangles, const std::vector<std::uint8_t>& isDoubled, std::size_t vertexCount ) :
+		m_isDoubled( isDoubled ), m_sets( triangles.size() ), m_votes( triangles.size(), 0 )
 	{
 		const EdgeTable edges = makeEdgeTable( triangles, vertexCount );
 		for ( std::size_t e = 0; e < edges.edgeCount(); ++e )

@@ -5,8 +5,8 @@
 #include "lattice/mesh/weld.h"
 
 #include "lattice/constants.h"
-#include "lattice/union_find.h"
 #include "lattice/mesh/winding_number.h"
+#include "lattice/union_find.h"
 
 #include <algorithm>
 #include <cmath>

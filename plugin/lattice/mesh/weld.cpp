@@ -25,14 +25,16 @@ Status checkCounts( const MeshView& mesh, const LatticeSettings& settings )
 	}
 	if ( mesh.triangleCount > std::size_t( settings.maxTriangles ) )
 	{
-		return { ResultCode::TooManyTriangles, "The mesh has " + std::to_string( mesh.triangleCount ) +
-			" triangles; LatticeSettings::maxTriangles allows " + std::to_string( settings.maxTriangles ) + "." };
+		return { ResultCode::TooManyTriangles,
+			"The mesh has " + std::to_string( mesh.triangleCount ) + " triangles; LatticeSettings::maxTriangles allows " +
+				std::to_string( settings.maxTriangles ) + "." };
 	}
 	// A triangle uses three vertices at most; far more vertices than that are a mistake, and would cost memory for nothing.
 	if ( mesh.vertexCount > 3 * std::size_t( settings.maxTriangles ) )
 	{
-		return { ResultCode::TooManyTriangles, "The mesh has " + std::to_string( mesh.vertexCount ) +
-			" vertices, more than three for each of LatticeSettings::maxTriangles." };
+		return { ResultCode::TooManyTriangles,
+			"The mesh has " + std::to_string( mesh.vertexCount ) +
+				" vertices, more than three for each of LatticeSettings::maxTriangles." };
 	}
 	return {};
 }
@@ -51,8 +53,9 @@ Status checkNumbers( const MeshView& mesh )
 	{
 		if ( mesh.indices[k] >= mesh.vertexCount )
 		{
-			return { ResultCode::IndexOutOfRange, "Triangle " + std::to_string( k / 3 ) + " names vertex " + std::to_string( mesh.indices[k] ) +
-				" of " + std::to_string( mesh.vertexCount ) + "." };
+			return { ResultCode::IndexOutOfRange,
+				"Triangle " + std::to_string( k / 3 ) + " names vertex " + std::to_string( mesh.indices[k] ) + " of " +
+					std::to_string( mesh.vertexCount ) + "." };
 		}
 	}
 	return {};
@@ -76,7 +79,8 @@ Status boundingBox( const MeshView& mesh, WeldedMesh& out )
 	const double diagonal = ( out.high - out.low ).norm();
 	if ( diagonal > kLargestDiagonal )
 	{
-		return { ResultCode::ExtentOutOfRange, "The mesh is " + std::to_string( diagonal ) + " m across, more than the 1e7 m that float arithmetic bears." };
+		return { ResultCode::ExtentOutOfRange,
+			"The mesh is " + std::to_string( diagonal ) + " m across, more than the 1e7 m that float arithmetic bears." };
 	}
 	if ( diagonal == 0.0 )
 	{
@@ -101,7 +105,8 @@ Status checkFolds( const MeshView& mesh, const WeldedMesh& box )
 	}
 	if ( area > kMostFolds * ( box.high - box.low ).squaredNorm() )
 	{
-		return { ResultCode::TooFolded, "The surface is folded thousands of times into its bounding box: no cell size can tell its layers apart." };
+		return { ResultCode::TooFolded,
+			"The surface is folded thousands of times into its bounding box: no cell size can tell its layers apart." };
 	}
 	return {};
 }
@@ -116,8 +121,8 @@ struct Slot
 class Welder
 {
 public:
-	Welder( const MeshView& mesh, const WeldedMesh& box )
-		: m_mesh( mesh ), m_low( box.low ), m_tolerance( box.tolerance ), m_sets( mesh.vertexCount )
+	Welder( const MeshView& mesh, const WeldedMesh& box ) :
+		m_mesh( mesh ), m_low( box.low ), m_tolerance( box.tolerance ), m_sets( mesh.vertexCount )
 	{
 		m_width = std::max( kTolerancesPerBucket * m_tolerance, ( box.high - box.low ).norm() / kMostBuckets );
 		m_slots.reserve( mesh.vertexCount );
@@ -125,9 +130,8 @@ public:
 		{
 			m_slots.push_back( { pack( bucketOf( positionOf( mesh, i ) ) ), std::uint32_t( i ) } );
 		}
-		std::sort( m_slots.begin(), m_slots.end(), []( const Slot& a, const Slot& b ) {
-			return a.bucket != b.bucket ? a.bucket < b.bucket : a.vertex < b.vertex;
-		} );
+		std::sort( m_slots.begin(), m_slots.end(),
+			[]( const Slot& a, const Slot& b ) { return a.bucket != b.bucket ? a.bucket < b.bucket : a.vertex < b.vertex; } );
 	}
 
 	void weld()
@@ -198,7 +202,8 @@ private:
 			return std::array<double, 4>{ p.x(), p.y(), p.z(), double( s.vertex ) };
 		};
 		const auto begin = m_slots.begin();
-		std::sort( begin + std::ptrdiff_t( first ), begin + std::ptrdiff_t( last ), [&]( const Slot& a, const Slot& b ) { return key( a ) < key( b ); } );
+		std::sort( begin + std::ptrdiff_t( first ), begin + std::ptrdiff_t( last ),
+			[&]( const Slot& a, const Slot& b ) { return key( a ) < key( b ); } );
 		std::size_t out = last - 1;
 		for ( std::size_t i = last - 1; i-- > first; )
 		{

@@ -24,7 +24,7 @@ struct WeldedMesh
 	std::vector<std::uint32_t> weldedVertex; ///< per input vertex: its number in `position`
 	Vec3d low = Vec3d::Zero();               ///< bounding box of the vertices that triangles use
 	Vec3d high = Vec3d::Zero();
-	double tolerance = 0.0;                  ///< m; gaps narrower than this are none
+	double tolerance = 0.0; ///< m; gaps narrower than this are none
 };
 
 /// Of some triangles on the mesh's vertices, m^2.

@@ -90,9 +90,10 @@ void WindingTree::build( std::uint32_t first, std::uint32_t last )
 	Eigen::Index axis = 0;
 	( high - low ).maxCoeff( &axis );
 	const std::uint32_t half = first + ( last - first ) / 2;
-	std::nth_element( m_corners.begin() + first, m_corners.begin() + half, m_corners.begin() + last, [axis]( const Corners& a, const Corners& b ) {
-		return a[0][axis] + a[1][axis] + a[2][axis] < b[0][axis] + b[1][axis] + b[2][axis];
-	} );
+	std::nth_element(
+		m_corners.begin() + first, m_corners.begin() + half, m_corners.begin() + last, [axis]( const Corners& a, const Corners& b ) {
+			return a[0][axis] + a[1][axis] + a[2][axis] < b[0][axis] + b[1][axis] + b[2][axis];
+		} );
 	build( first, half );
 	m_nodes[here].first = std::uint32_t( m_nodes.size() );
 	build( half, last );

@@ -1,9 +1,9 @@
 #include "matching/clusters/cluster_matcher.h"
 
-#include "threads/parallel.h"
 #include "matching/raised_inverse.h"
 #include "matching/regions/region_moments.h"
 #include "matching/rotation.h"
+#include "threads/parallel.h"
 
 #include <Eigen/LU>
 
@@ -29,10 +29,11 @@ int chunkCount( int nodes )
 } // namespace
 
 ClusterMatcher::ClusterMatcher( ClusterSet clusters, const Material& material, const NodeState& nodes ) :
-	m_clusters( std::move( clusters ) ), m_mode( material.clusterMode ), m_beta( material.clusterMode == ClusterMode::Rigid ? 0.0 : material.beta ),
-	m_rotationFromF( material.rotationFrom == RotationFrom::F ), m_isConserving( material.weights == Weights::Conserving ),
-	m_weight( nodes.count ), m_cluster( m_clusters.count() ), m_residual( nodes.count, Vec3d::Zero() ), m_change( nodes.count, Vec3d::Zero() ),
-	m_impulseSum( chunkCount( nodes.count ) ), m_bodySum( chunkCount( nodes.count ) )
+	m_clusters( std::move( clusters ) ), m_mode( material.clusterMode ),
+	m_beta( material.clusterMode == ClusterMode::Rigid ? 0.0 : material.beta ), m_rotationFromF( material.rotationFrom == RotationFrom::F ),
+	m_isConserving( material.weights == Weights::Conserving ), m_weight( nodes.count ), m_cluster( m_clusters.count() ),
+	m_residual( nodes.count, Vec3d::Zero() ), m_change( nodes.count, Vec3d::Zero() ), m_impulseSum( chunkCount( nodes.count ) ),
+	m_bodySum( chunkCount( nodes.count ) )
 {
 	if ( m_mode == ClusterMode::Quadratic && m_beta > 0.0 )
 	{
@@ -373,14 +374,16 @@ void ClusterMatcher::nodeRotations( const NodeState& nodes, float* quaternions )
 
 std::size_t ClusterMatcher::bytes() const
 {
-	return m_clusters.bytes() + m_weight.size() * sizeof( double ) + m_cluster.size() * sizeof( Cluster ) + m_quadratic.size() * sizeof( Quadratic ) +
-		   m_pieces.size() * ( sizeof( Piece ) + sizeof( PieceSum ) ) + m_pieceStart.size() * sizeof( std::uint32_t ) +
-		   ( m_residual.size() + m_change.size() ) * sizeof( Vec3d ) + m_impulseSum.size() * sizeof( ImpulseSum ) + m_bodySum.size() * sizeof( BodySum );
+	return m_clusters.bytes() + m_weight.size() * sizeof( double ) + m_cluster.size() * sizeof( Cluster ) +
+		m_quadratic.size() * sizeof( Quadratic ) + m_pieces.size() * ( sizeof( Piece ) + sizeof( PieceSum ) ) +
+		m_pieceStart.size() * sizeof( std::uint32_t ) + ( m_residual.size() + m_change.size() ) * sizeof( Vec3d ) +
+		m_impulseSum.size() * sizeof( ImpulseSum ) + m_bodySum.size() * sizeof( BodySum );
 }
 
 std::unique_ptr<Matcher> makeClusterMatcher( const Lattice& lattice, const Material& material, const NodeState& nodes )
 {
-	ClusterSet clusters = material.method == Method::SingleCluster ? makeWholeCluster( lattice ) : makeBoxClusters( lattice, material.clusterEdge );
+	ClusterSet clusters = material.method == Method::SingleCluster ? makeWholeCluster( lattice )
+																   : makeBoxClusters( lattice, material.clusterEdge );
 	return std::make_unique<ClusterMatcher>( std::move( clusters ), material, nodes );
 }
 

@@ -39,20 +39,20 @@ private:
 	/// Lengths within a cluster are in units of `size`, masses in shares of the cluster's, so that all moments are about 1.
 	struct Cluster
 	{
-		Vec3d restCentre = Vec3d::Zero(); ///< m
-		double size = 1.0;                ///< root mean square distance from the rest centre, m
-		double inverseMass = 0.0;         ///< 1 / sum of the members' shared masses
-		Eigen::Matrix3d moment = Eigen::Matrix3d::Zero();        ///< sum of q q^T; its inverse is Müller's A_qq
+		Vec3d restCentre = Vec3d::Zero();                 ///< m
+		double size = 1.0;                                ///< root mean square distance from the rest centre, m
+		double inverseMass = 0.0;                         ///< 1 / sum of the members' shared masses
+		Eigen::Matrix3d moment = Eigen::Matrix3d::Zero(); ///< sum of q q^T; its inverse is Müller's A_qq
 		Eigen::Matrix3d inverseMoment = Eigen::Matrix3d::Zero();
 		Eigen::Quaterniond rotation = Eigen::Quaterniond::Identity();
-		Eigen::Matrix3d linear = Eigen::Matrix3d::Identity();    ///< goal = centre + size * linear * q (+ quadratic terms)
-		Vec3d centre = Vec3d::Zero();     ///< m
+		Eigen::Matrix3d linear = Eigen::Matrix3d::Identity(); ///< goal = centre + size * linear * q (+ quadratic terms)
+		Vec3d centre = Vec3d::Zero();                         ///< m
 	};
 
 	/// What the quadratic mode has beyond that. Absent in the other modes.
 	struct Quadratic
 	{
-		Terms mean = Terms::Zero();       ///< of the terms over the cluster at rest; zero for the linear ones
+		Terms mean = Terms::Zero(); ///< of the terms over the cluster at rest; zero for the linear ones
 		Eigen::Matrix<double, 3, kTerms> moment = Eigen::Matrix<double, 3, kTerms>::Zero(); ///< first three rows of the 9 x 9 moment
 		TermMoment inverseMoment = TermMoment::Zero();
 		Eigen::Matrix<double, 3, kTerms - 3> map = Eigen::Matrix<double, 3, kTerms - 3>::Zero();
@@ -110,14 +110,14 @@ private:
 	double m_beta;
 	bool m_rotationFromF;
 	bool m_isConserving;
-	std::vector<double> m_weight;      ///< a_i: the node's mass, shared among its clusters
+	std::vector<double> m_weight; ///< a_i: the node's mass, shared among its clusters
 	std::vector<Cluster> m_cluster;
 	std::vector<Quadratic> m_quadratic;
 	std::vector<Piece> m_pieces;
 	std::vector<std::uint32_t> m_pieceStart; ///< of each cluster
 	std::vector<PieceSum> m_pieceSum;
-	std::vector<Vec3d> m_residual;     ///< in the body's frame, m: so it turns along with the body
-	std::vector<Vec3d> m_change;       ///< of velocity, m/s
+	std::vector<Vec3d> m_residual; ///< in the body's frame, m: so it turns along with the body
+	std::vector<Vec3d> m_change;   ///< of velocity, m/s
 	std::vector<ImpulseSum> m_impulseSum;
 	std::vector<BodySum> m_bodySum;
 	Eigen::Quaterniond m_frame = Eigen::Quaterniond::Identity();

@@ -17,9 +17,9 @@ struct BoxRow
 	int edge, stride, count;
 
 	BoxRow( int boxEdge, int extent ) :
-		edge( boxEdge ), stride( std::max( 1, boxEdge / 2 ) ), count( extent <= boxEdge ? 1 : 1 + ( extent - boxEdge + stride - 1 ) / stride )
-	{
-	}
+		edge( boxEdge ), stride( std::max( 1, boxEdge / 2 ) ),
+		count( extent <= boxEdge ? 1 : 1 + ( extent - boxEdge + stride - 1 ) / stride )
+	{}
 	int first( int place ) const { return place < edge ? 0 : ( place - edge ) / stride + 1; }
 	int last( int place ) const { return std::min( place / stride, count - 1 ); }
 };

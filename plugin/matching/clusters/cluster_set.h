@@ -14,9 +14,9 @@ namespace pliant {
 struct ClusterSet
 {
 	std::vector<std::uint32_t> start;
-	std::vector<std::uint32_t> member;     ///< nodes of cluster r: member[ start[r] .. start[r + 1] )
+	std::vector<std::uint32_t> member; ///< nodes of cluster r: member[ start[r] .. start[r + 1] )
 	std::vector<std::uint32_t> coverStart;
-	std::vector<std::uint32_t> cover;      ///< clusters of node i: cover[ coverStart[i] .. coverStart[i + 1] )
+	std::vector<std::uint32_t> cover; ///< clusters of node i: cover[ coverStart[i] .. coverStart[i + 1] )
 
 	int count() const { return int( start.size() ) - 1; }
 	int coverCount( int node ) const { return int( coverStart[node + 1] - coverStart[node] ); }

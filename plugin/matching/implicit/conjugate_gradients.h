@@ -12,10 +12,10 @@ class LinearSystem
 {
 public:
 	virtual ~LinearSystem() = default;
-	virtual int size() const = 0;                                ///< a multiple of kLanes
-	virtual void apply( const float* v, float* to ) = 0;         ///< to = A v
-	virtual void precondition( const float* r, float* z ) = 0;   ///< z ~ A^-1 r
-	virtual void moved( float ) {}                               ///< x has gone so many times what `apply` was last given
+	virtual int size() const = 0;                              ///< a multiple of kLanes
+	virtual void apply( const float* v, float* to ) = 0;       ///< to = A v
+	virtual void precondition( const float* r, float* z ) = 0; ///< z ~ A^-1 r
+	virtual void moved( float ) {}                             ///< x has gone so many times what `apply` was last given
 };
 
 /// When to stop: at r . z <= relative * ( r . z at the start ) or <= absolute, or after so many products.
@@ -31,8 +31,9 @@ class ConjugateGradients
 public:
 	/// Improves x. Returns the number of products beyond the first. What is no number stops it.
 	int solve( LinearSystem& system, const float* b, float* x, const GradientLimits& limits );
-	/// The same in parts, for who knows what is off at x without a product, r = b - A x, or wants to look at x on the way: `begin`, then `goOn` as often as
-	/// needed, each time from where it stood. Limits are shares of what was off at the beginning. `goOn` returns the number of its products.
+	/// The same in parts, for who knows what is off at x without a product, r = b - A x, or wants to look at x on the way: `begin`, then
+	/// `goOn` as often as needed, each time from where it stood. Limits are shares of what was off at the beginning. `goOn` returns the
+	/// number of its products.
 	void begin( LinearSystem& system, const float* r );
 	int goOn( LinearSystem& system, float* x, const GradientLimits& limits );
 	std::size_t bytes() const { return ( m_r.size() + m_z.size() + m_p.size() + m_ap.size() ) * sizeof( float ); }

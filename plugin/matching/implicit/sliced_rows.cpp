@@ -29,7 +29,8 @@ void SlicedRows::layOut( const RegionMatrix& matrix )
 			RowSlice slice;
 			for ( std::size_t j = 0; j < kSliceRows; ++j )
 			{
-				slice.row[j] = std::uint8_t( m_keys[std::min( at + j, m_keys.size() - 1 )] % tileRows ); // one summed twice over does no harm
+				slice.row[j] = std::uint8_t(
+					m_keys[std::min( at + j, m_keys.size() - 1 )] % tileRows ); // one summed twice over does no harm
 			}
 			slice.first = terms;
 			slice.terms = ( lengthOf( begin + slice.row[0] ) + 1 ) / 2 * 2;
@@ -78,7 +79,7 @@ RowSlices SlicedRows::view() const
 std::size_t SlicedRows::bytes() const
 {
 	return m_slices.size() * sizeof( RowSlice ) + m_tiles.size() * sizeof( std::uint32_t ) +
-	       m_from.size() * ( sizeof( std::uint32_t ) + 2 * sizeof( float ) );
+		m_from.size() * ( sizeof( std::uint32_t ) + 2 * sizeof( float ) );
 }
 
 } // namespace pliant

@@ -109,9 +109,8 @@ void StrainRates::measureRegions( TaskRunner* runner )
 	}
 	overNodes( m_padded, runner, [&]( int, int begin, int end ) { m_kernels->inertiaRecords( m_rates, begin, end ); } );
 	sumRecords( m_view.nodeRecord, false, runner );
-	overNodes( m_padded, runner, [&]( int chunk, int begin, int end ) {
-		m_raised[std::size_t( chunk )] = m_kernels->regionInertias( m_rates, begin, end );
-	} );
+	overNodes( m_padded, runner,
+		[&]( int chunk, int begin, int end ) { m_raised[std::size_t( chunk )] = m_kernels->regionInertias( m_rates, begin, end ); } );
 	m_isRaised = std::find( m_raised.begin(), m_raised.end(), 1 ) != m_raised.end();
 }
 
@@ -167,8 +166,8 @@ double largestStretch( const RegionTables& tables, std::size_t r )
 double shareOfLevels( const RegionTables& tables, std::size_t r )
 {
 	const double affine = !tables.blend[0].empty() ? largestStretch( tables, r )
-	                      : tables.beta.empty()    ? 1.0
-	                                               : 1.0 - double( tables.beta[r] );
+		: tables.beta.empty()                      ? 1.0
+												   : 1.0 - double( tables.beta[r] );
 	return std::max( affine, tables.eta.empty() ? 0.0 : 1.0 - double( tables.eta[r] ) );
 }
 
@@ -287,8 +286,9 @@ void StrainRates::applyRegions( TaskRunner* runner )
 std::size_t StrainRates::bytes() const
 {
 	return ( m_centres[0].size() * 3 + m_inverseInertias[0].size() * 6 + m_diagonal.size() + m_share.size() + m_pull.size() ) *
-	           sizeof( float ) +
-	       ( m_places.size() + m_strained.size() ) * sizeof( float ) + m_wholes.size() * sizeof( WholePart ) + m_rows.bytes() + m_boxes.bytes() + m_partial.size() * sizeof( m_partial[0] );
+		sizeof( float ) +
+		( m_places.size() + m_strained.size() ) * sizeof( float ) + m_wholes.size() * sizeof( WholePart ) + m_rows.bytes() +
+		m_boxes.bytes() + m_partial.size() * sizeof( m_partial[0] );
 }
 
 } // namespace pliant

@@ -1,8 +1,8 @@
 // What stands on the diagonal of the implicit step's operator. docs/design/implicit.md.
 
-#include "matching/step/lattice_matcher.h"
-#include "matching/regions/region_members.h"
 #include "matching/implicit/strain_rates.h"
+#include "matching/regions/region_members.h"
+#include "matching/step/lattice_matcher.h"
 
 #include <Eigen/LU>
 
@@ -13,7 +13,8 @@ namespace pliant {
 
 namespace {
 
-/// Added to a region's inertia, share of its mean moment: a region in one line has none about it. Its nodes lie in the line, so it is not asked for either.
+/// Added to a region's inertia, share of its mean moment: a region in one line has none about it. Its nodes lie in the line, so it is not
+/// asked for either.
 constexpr double kLineInertia = 1e-4;
 
 /// A node at rest, m, and its weight in the sums.
@@ -46,8 +47,8 @@ struct Sums
 /// A region at rest: how little it resists being pushed.
 struct Turning
 {
-	double x = 0.0, y = 0.0, z = 0.0; ///< its centre, m
-	double mean = 0.0;                ///< 3 / M
+	double x = 0.0, y = 0.0, z = 0.0;                                  ///< its centre, m
+	double mean = 0.0;                                                 ///< 3 / M
 	double xx = 0.0, yy = 0.0, zz = 0.0, yz = 0.0, xz = 0.0, xy = 0.0; ///< tr( T^-1 ) 1 - T^-1, what lies off the diagonal twice
 
 	Turning() = default;
@@ -65,7 +66,8 @@ struct Turning
 		{
 			return; // one node has nothing to be turned by
 		}
-		const Eigen::Matrix3d inertia = ( 1.0 + kLineInertia ) * second.trace() * Eigen::Matrix3d::Identity() - second, inverse = inertia.inverse();
+		const Eigen::Matrix3d inertia = ( 1.0 + kLineInertia ) * second.trace() * Eigen::Matrix3d::Identity() - second,
+							  inverse = inertia.inverse();
 		xx = inverse( 1, 1 ) + inverse( 2, 2 );
 		yy = inverse( 0, 0 ) + inverse( 2, 2 );
 		zz = inverse( 0, 0 ) + inverse( 1, 1 );
@@ -84,8 +86,8 @@ struct Turning
 
 } // namespace
 
-// P's own share of a node i is sum over its regions of g_r a_i / C_i ( 1 / M_r 1 + [d]^T T_r^-1 [d] ), d from the region's centre to it. Its trace is the same
-// however the body is turned: it is taken at rest, once for as long as the regions stay.
+// P's own share of a node i is sum over its regions of g_r a_i / C_i ( 1 / M_r 1 + [d]^T T_r^-1 [d] ), d from the region's centre to it.
+// Its trace is the same however the body is turned: it is taken at rest, once for as long as the regions stay.
 void StrainRates::measureDiagonal( const RegionTables& tables )
 {
 	const RegionMembers members( tables, m_view );

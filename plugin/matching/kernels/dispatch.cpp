@@ -17,7 +17,8 @@ const Kernels* findKernels( KernelTarget target )
 #if defined( PLIANT_X86_KERNELS )
 	if ( target == KernelTarget::Avx512 )
 	{
-		const bool has = __builtin_cpu_supports( "avx512f" ) && __builtin_cpu_supports( "avx512vl" ) && __builtin_cpu_supports( "avx512dq" );
+		const bool has = __builtin_cpu_supports( "avx512f" ) && __builtin_cpu_supports( "avx512vl" ) &&
+			__builtin_cpu_supports( "avx512dq" );
 		return has ? &kAvx512Kernels : nullptr;
 	}
 	if ( target == KernelTarget::Avx2 )

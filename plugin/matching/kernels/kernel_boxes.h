@@ -1,6 +1,7 @@
-// Box sums of rates over a lattice that fills its grid, a row a component: a neighbour's number stands as many places on as the grid has nodes between,
-// and those beyond the grid's edges are masked. Whole vectors of nodes are summed at once, and nothing is turned from records to rows and back. Sums
-// have the order of those by records, and their bits. Included by kernel_source.h only, inside its unnamed namespace (see lane.h).
+// Box sums of rates over a lattice that fills its grid, a row a component: a neighbour's number stands as many places on as the grid has
+// nodes between, and those beyond the grid's edges are masked. Whole vectors of nodes are summed at once, and nothing is turned from
+// records to rows and back. Sums have the order of those by records, and their bits. Included by kernel_source.h only, inside its unnamed
+// namespace (see lane.h).
 
 #pragma once
 
@@ -19,7 +20,8 @@ inline V keep( I mask, V a )
 	return (V)( (I)a & mask );
 }
 
-/// to = sum of `from` over w neighbours to either side along one axis of the grid, `step` apart; `place` is the nodes' place on it, of `count`.
+/// to = sum of `from` over w neighbours to either side along one axis of the grid, `step` apart; `place` is the nodes' place on it, of
+/// `count`.
 template <int w>
 void boxRowsOf( float* const* from, float* const* to, const int* place, int count, int step, int begin, int end )
 {

@@ -1,5 +1,5 @@
-// Far levels (matching/step/coarse_to_fine.h): sums of records over lists, and what the levels ask of the nodes. Included by kernel_source.h only,
-// inside its unnamed namespace (see lane.h).
+// Far levels (matching/step/coarse_to_fine.h): sums of records over lists, and what the levels ask of the nodes. Included by
+// kernel_source.h only, inside its unnamed namespace (see lane.h).
 
 #pragma once
 
@@ -27,8 +27,9 @@ inline Vec farWay( const MatchView& view, const Tile& tile, int i, int at, const
 	V way[3];
 	for ( int k = 0; k < 3; ++k )
 	{
-		way[k] = ( ( load( &tile.row[3 * k][at] ) * q.x + load( &tile.row[3 * k + 1][at] ) * q.y ) + load( &tile.row[3 * k + 2][at] ) * q.z ) +
-				 ( load( &tile.row[9 + k][at] ) - pull * move[k] );
+		way[k] = ( ( load( &tile.row[3 * k][at] ) * q.x + load( &tile.row[3 * k + 1][at] ) * q.y ) +
+					 load( &tile.row[3 * k + 2][at] ) * q.z ) +
+			( load( &tile.row[9 + k][at] ) - pull * move[k] );
 		way[k] = heavy * way[k];
 	}
 	return { way[0], way[1], way[2] };

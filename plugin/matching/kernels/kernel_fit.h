@@ -233,7 +233,8 @@ inline Mat goalMatrix( const MatchView& view, const Mat& a, const Mat& rLessOne,
 			}
 		}
 		trace = select( trace > 1.0f, splat( 1.0f ), select( trace < -1.0f, splat( -1.0f ), trace ) );
-		const Mat pushed = volumeMatrix( view, fittedMatrix( view, a, r ), rLessOne, fLessOne, view.volumeShare * ( ( 1.0f - beta ) * trace ), r );
+		const Mat pushed = volumeMatrix(
+			view, fittedMatrix( view, a, r ), rLessOne, fLessOne, view.volumeShare * ( ( 1.0f - beta ) * trace ), r );
 		for ( int i = 0; i < 3; ++i )
 		{
 			for ( int j = 0; j < 3; ++j )
@@ -250,8 +251,9 @@ inline bool needsDeformation( const MatchView& view )
 	return view.beta > 0.0f || view.regionBeta || view.regionEta || view.blend[0] || view.volumeShare > 0.0f || view.strain;
 }
 
-/// Sum over the singular values s of F of ( s - 1 )^2, which is | F - R |^2. And of E = R^T F - 1, with the mean m and n = | E - m 1 | about it, m +
-/// sqrt( 2 / 3 ) n: the largest s - 1 where the other two are alike, as in a pull; else more, up to a third of a squeeze, and at most | E |.
+/// Sum over the singular values s of F of ( s - 1 )^2, which is | F - R |^2. And of E = R^T F - 1, with the mean m and n = | E - m 1 |
+/// about it, m + sqrt( 2 / 3 ) n: the largest s - 1 where the other two are alike, as in a pull; else more, up to a third of a squeeze, and
+/// at most | E |.
 inline void writeStrain( const MatchView& view, const Mat& rLessOne, const Mat& fLessOne, int r )
 {
 	V sum = V{}, trace = V{};

@@ -1,5 +1,5 @@
-// The loops over a body's nodes that are not matching: forces, and the way they go. Included by kernel_source.h only, inside its unnamed namespace
-// (see lane.h).
+// The loops over a body's nodes that are not matching: forces, and the way they go. Included by kernel_source.h only, inside its unnamed
+// namespace (see lane.h).
 
 #pragma once
 

@@ -1,6 +1,6 @@
 // How fast a body's regions strain: v - P v, with P v at a node the mean of its regions' rigid motions, about the nodes' present places.
-// The operator of the implicit step (matching/implicit/strain_rates.h; docs/design/implicit.md). Rivers and James 2007, section 5, have the same
-// P for damping. Included by kernel_source.h only, inside its unnamed namespace (see lane.h). Lengths in cells, world axes.
+// The operator of the implicit step (matching/implicit/strain_rates.h; docs/design/implicit.md). Rivers and James 2007, section 5, have the
+// same P for damping. Included by kernel_source.h only, inside its unnamed namespace (see lane.h). Lengths in cells, world axes.
 
 #pragma once
 
@@ -21,7 +21,7 @@ inline Vec placeOf( const MatchView& view, int i )
 {
 	const V perMetre = splat( view.cellsPerMetre );
 	return { ( load( view.x[0] + i ) - view.frameCentre[0] ) * perMetre, ( load( view.x[1] + i ) - view.frameCentre[1] ) * perMetre,
-	         ( load( view.x[2] + i ) - view.frameCentre[2] ) * perMetre };
+		( load( view.x[2] + i ) - view.frameCentre[2] ) * perMetre };
 }
 
 /// v less the rigid motion that the step takes off before anything is summed.
@@ -29,7 +29,7 @@ inline Vec strainingRate( const RateView& rates, const Vec& place, int i )
 {
 	const Vec turn = cross( { splat( rates.turn[0] ), splat( rates.turn[1] ), splat( rates.turn[2] ) }, place );
 	return { load( rates.rate[0] + i ) - rates.shift[0] - turn.x, load( rates.rate[1] + i ) - rates.shift[1] - turn.y,
-	         load( rates.rate[2] + i ) - rates.shift[2] - turn.z };
+		load( rates.rate[2] + i ) - rates.shift[2] - turn.z };
 }
 
 inline void clearRows( Tile& tile, int from )
@@ -85,8 +85,8 @@ inline V determinant( const V ( &t )[6] )
 
 /// What a tile's records sum up: by slices where there are any, else with the table's own weights.
 template <class Size>
-void gatherRows( const RateView& rates, const float* sliced, const std::uint32_t* own, const float* records, int begin, int end,
-                 Tile& tile )
+void gatherRows(
+	const RateView& rates, const float* sliced, const std::uint32_t* own, const float* records, int begin, int end, Tile& tile )
 {
 	if ( rates.rows.slice )
 	{
@@ -109,7 +109,7 @@ inline void gatherRates( const RateView& rates, bool isOfRegions, int begin, int
 		return;
 	}
 	gatherRows<Half>( rates, isOfRegions ? rates.rows.share : rates.rows.mass, isOfRegions ? view.memberShare : view.memberMass,
-	                  isOfRegions ? view.regionRecord : view.nodeRecord, begin, end, tile );
+		isOfRegions ? view.regionRecord : view.nodeRecord, begin, end, tile );
 }
 
 /// A tile's rates where the sums will look for them.
@@ -152,8 +152,8 @@ bool regionInertias( const RateView& rates, int begin, int end )
 			const V sum[3] = { load( &tile.row[0][at] ), load( &tile.row[1][at] ), load( &tile.row[2][at] ) };
 			const V c[3] = { sum[0] * inverseMass, sum[1] * inverseMass, sum[2] * inverseMass };
 			const V s[6] = { load( &tile.row[3][at] ) - sum[0] * c[0], load( &tile.row[4][at] ) - sum[1] * c[1],
-			                 load( &tile.row[5][at] ) - sum[2] * c[2], load( &tile.row[6][at] ) - sum[1] * c[2],
-			                 load( &tile.row[7][at] ) - sum[0] * c[2], load( &tile.row[8][at] ) - sum[0] * c[1] };
+				load( &tile.row[5][at] ) - sum[2] * c[2], load( &tile.row[6][at] ) - sum[1] * c[2],
+				load( &tile.row[7][at] ) - sum[0] * c[2], load( &tile.row[8][at] ) - sum[0] * c[1] };
 			V t[6] = { s[1] + s[2], s[0] + s[2], s[0] + s[1], -s[3], -s[4], -s[5] };
 			const V third = ( ( t[0] + t[1] ) + t[2] ) * ( 1.0f / 3.0f );
 			const V lost = kInertiaRounding * ( ( load( &tile.row[3][at] ) + load( &tile.row[4][at] ) ) + load( &tile.row[5][at] ) );
@@ -244,7 +244,7 @@ void rigidRates( const RateView& rates, int begin, int end )
 				t[k] = share * load( rates.inverseInertia[k] + r );
 			}
 			const Vec w = { ( t[0] * b.x + t[5] * b.y ) + t[4] * b.z, ( t[5] * b.x + t[1] * b.y ) + t[3] * b.z,
-			                ( t[4] * b.x + t[3] * b.y ) + t[2] * b.z };
+				( t[4] * b.x + t[3] * b.y ) + t[2] * b.z };
 			const Vec turned = cross( w, c );
 			const V mean = share * inverseMass;
 			const V row[6] = { w.x, w.y, w.z, sum.x * mean - turned.x, sum.y * mean - turned.y, sum.z * mean - turned.z };
@@ -273,8 +273,8 @@ inline void resistAll( const RateView& rates, int begin, int end )
 			const Vec p = placeOf( view, i ), v = strainingRate( rates, p, i );
 			const V cover = load( view.inverseCover + i ), pull = rates.pull ? load( rates.pull + i ) : splat( 1.0f );
 			const Vec turn = cross( { load( &tile.row[0][at] ), load( &tile.row[1][at] ), load( &tile.row[2][at] ) }, p );
-			const V carried[3] = { load( &tile.row[3][at] ) + turn.x, load( &tile.row[4][at] ) + turn.y,
-			                       load( &tile.row[5][at] ) + turn.z };
+			const V carried[3] = {
+				load( &tile.row[3][at] ) + turn.x, load( &tile.row[4][at] ) + turn.y, load( &tile.row[5][at] ) + turn.z };
 			const V own[3] = { v.x, v.y, v.z };
 			const V mass = load( view.mass + i ) * load( view.freedom + i );
 			for ( int k = 0; k < 3; ++k )

@@ -21,6 +21,8 @@ namespace {
 
 constexpr int kVirtualLanes = 16;
 
+// In the order of use.
+// clang-format off
 #include "matching/kernels/kernel_tile.h"
 #include "matching/kernels/kernel_volume.h"
 #include "matching/kernels/kernel_fit.h"
@@ -29,6 +31,7 @@ constexpr int kVirtualLanes = 16;
 #include "matching/kernels/kernel_rates.h"
 #include "matching/kernels/kernel_sums.h"
 #include "matching/kernels/kernel_motion.h"
+// clang-format on
 
 void frameSums( const MatchView& view, int begin, int end, float* sums )
 {
@@ -164,7 +167,8 @@ void boxPlaneHalf( const MatchView& view, float* records, int z )
 
 inline Quat loadQuat( const MatchView& view, int r )
 {
-	return { load( view.quaternion[0] + r ), load( view.quaternion[1] + r ), load( view.quaternion[2] + r ), load( view.quaternion[3] + r ) };
+	return {
+		load( view.quaternion[0] + r ), load( view.quaternion[1] + r ), load( view.quaternion[2] + r ), load( view.quaternion[3] + r ) };
 }
 
 inline void storeQuat( const MatchView& view, int r, const Quat& q )
@@ -260,8 +264,9 @@ inline Vec residualOf( const MatchView& view, const Tile& tile, int i, int at, c
 	V goal[3];
 	for ( int k = 0; k < 3; ++k )
 	{
-		goal[k] = ( ( load( &tile.row[3 * k][at] ) * q.x + load( &tile.row[3 * k + 1][at] ) * q.y ) + load( &tile.row[3 * k + 2][at] ) * q.z ) +
-				  load( &tile.row[9 + k][at] );
+		goal[k] = ( ( load( &tile.row[3 * k][at] ) * q.x + load( &tile.row[3 * k + 1][at] ) * q.y ) +
+					  load( &tile.row[3 * k + 2][at] ) * q.z ) +
+			load( &tile.row[9 + k][at] );
 	}
 	return { goal[0] * cover - pull * u.x, goal[1] * cover - pull * u.y, goal[2] * cover - pull * u.z };
 }
@@ -329,7 +334,8 @@ void apply( const MatchView& view, int begin, int end )
 	for ( int i = begin; i < end; i += kWidth )
 	{
 		const Vec y = fromFrame( view, { load( view.change[0] + i ), load( view.change[1] + i ), load( view.change[2] + i ) } );
-		const Vec arm = { load( view.x[0] + i ) - view.pivot[0], load( view.x[1] + i ) - view.pivot[1], load( view.x[2] + i ) - view.pivot[2] };
+		const Vec arm = {
+			load( view.x[0] + i ) - view.pivot[0], load( view.x[1] + i ) - view.pivot[1], load( view.x[2] + i ) - view.pivot[2] };
 		const Vec turn = cross( { splat( view.turn[0] ), splat( view.turn[1] ), splat( view.turn[2] ) }, arm );
 		const V freedom = load( view.freedom + i );
 		const V change[3] = { ( y.x * view.speedPerCell - view.shift[0] ) - turn.x, ( y.y * view.speedPerCell - view.shift[1] ) - turn.y,
@@ -372,6 +378,7 @@ void deformations( const MatchView& view, int begin, int end, float* gradients )
 
 extern const Kernels PLIANT_KERNEL_TABLE;
 const Kernels PLIANT_KERNEL_TABLE = { &frameSums, &nodeRecords, &boxPlane, &fitRegions, &finishRegion, &scatter, &apply, &regionMatrix,
-	&deformations, &sumRecords, &inertiaRecords, &regionInertias, &rateSums, &rateRecords, &boxPlaneHalf, &boxRows, &rigidRates, &resist, &resistPart, &finishResist, &push, &advance, &dot, &affineSums, &addAffine, PLIANT_KERNEL_NAME };
+	&deformations, &sumRecords, &inertiaRecords, &regionInertias, &rateSums, &rateRecords, &boxPlaneHalf, &boxRows, &rigidRates, &resist,
+	&resistPart, &finishResist, &push, &advance, &dot, &affineSums, &addAffine, PLIANT_KERNEL_NAME };
 
 } // namespace pliant

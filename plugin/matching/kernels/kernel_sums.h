@@ -1,5 +1,5 @@
-// Sums over vectors of speeds and affine motions of them, for the implicit step's solver. Included by kernel_source.h only, inside its unnamed
-// namespace (see lane.h).
+// Sums over vectors of speeds and affine motions of them, for the implicit step's solver. Included by kernel_source.h only, inside its
+// unnamed namespace (see lane.h).
 
 #pragma once
 

@@ -24,14 +24,8 @@ struct LaneSums
 {
 	alignas( 64 ) float lane[n][kVirtualLanes];
 
-	LaneSums()
-	{
-		__builtin_memset( lane, 0, sizeof( lane ) );
-	}
-	void add( int k, int sub, V value )
-	{
-		store( &lane[k][sub], load( &lane[k][sub] ) + value );
-	}
+	LaneSums() { __builtin_memset( lane, 0, sizeof( lane ) ); }
+	void add( int k, int sub, V value ) { store( &lane[k][sub], load( &lane[k][sub] ) + value ); }
 	/// Folds 16 lanes to one, halves onto halves, and adds that to `to`.
 	void foldInto( float* to )
 	{
@@ -216,8 +210,8 @@ void gatherTile( const MatchView& view, const float* records, const std::uint32_
 	}
 }
 
-/// The same sums to the bit with `weight` beside the slices' terms, four rows at a time. Records of both sizes stand in the same order. Rows from
-/// `real` on are padding.
+/// The same sums to the bit with `weight` beside the slices' terms, four rows at a time. Records of both sizes stand in the same order.
+/// Rows from `real` on are padding.
 template <class Size>
 void gatherSlices( const RowSlices& rows, const float* weight, const float* records, int begin, int real, int end, Tile& tile )
 {

@@ -1,5 +1,5 @@
-// Kept volume of one region, sixteen side by side, and the matrices that it and the fit are made of. Included by kernel_source.h only, inside its unnamed
-// namespace (see lane.h).
+// Kept volume of one region, sixteen side by side, and the matrices that it and the fit are made of. Included by kernel_source.h only,
+// inside its unnamed namespace (see lane.h).
 
 #pragma once
 
@@ -76,12 +76,13 @@ inline Vec volumeTurn( const MatchView& view, const Mat& fitted, const Mat& rLes
 	const V det = ( hxx * cxx + hxy * cxy ) + hxz * cxz;
 	const I isUphill = ( hxx > 0.0f ) & ( czz > 0.0f ) & ( det > kLeastTurning * ( trace * trace * trace ) );
 	const V inverse = select( isUphill, -1.0f / det, V{} );
-	return { ( ( cxx * axial.x + cxy * axial.y ) + cxz * axial.z ) * inverse, ( ( cxy * axial.x + cyy * axial.y ) + cyz * axial.z ) * inverse,
-		( ( cxz * axial.x + cyz * axial.y ) + czz * axial.z ) * inverse };
+	return { ( ( cxx * axial.x + cxy * axial.y ) + cxz * axial.z ) * inverse,
+		( ( cxy * axial.x + cyy * axial.y ) + cyz * axial.z ) * inverse, ( ( cxz * axial.x + cyz * axial.y ) + czz * axial.z ) * inverse };
 }
 
-/// kappa b ( R J^+ + h x R ), J^+ that of the shape at rest now, b a mean of J's moments, so that it is kappa R where they are all the same: the derivative of
-/// 1/2 kappa b tr( R^T F - 1 )^2, h x R that of its R, without which it would turn the region. (kappa R is no energy's where the moments differ, and goes on giving.)
+/// kappa b ( R J^+ + h x R ), J^+ that of the shape at rest now, b a mean of J's moments, so that it is kappa R where they are all the
+/// same: the derivative of 1/2 kappa b tr( R^T F - 1 )^2, h x R that of its R, without which it would turn the region. (kappa R is no
+/// energy's where the moments differ, and goes on giving.)
 ///   b = ( n / tr( J^+ ) ) min( n | J^+ |^2 / tr( J^+ )^2, kVolumeRoom ),   n directions in which it has extent
 inline Mat volumeMatrix( const MatchView& view, const Mat& fitted, const Mat& rLessOne, const Mat& fLessOne, V push, int r )
 {

@@ -36,37 +36,37 @@ struct MatchView
 	// Nodes, component by component.
 	const float* x[3] = {};
 	float* v[3] = {};
-	const float* x0[3] = {};       ///< rest position, m
+	const float* x0[3] = {}; ///< rest position, m
 	const float* mass = nullptr;
 	const float* freedom = nullptr;
 	const float* nodeWeight = nullptr;
 	const float* inverseCover = nullptr;
-	float* change[3] = {};         ///< u after nodeRecords; y after scatter. Cells, body frame
-	float* residual[3] = {};       ///< goal - position of the last substep. Cells, body frame
+	float* change[3] = {};   ///< u after nodeRecords; y after scatter. Cells, body frame
+	float* residual[3] = {}; ///< goal - position of the last substep. Cells, body frame
 
 	// Regions.
 	const std::uint32_t* start = nullptr;
 	const std::uint32_t* member = nullptr;
-	bool addOwner = false;         ///< the table lists a region's other members only (the lattice's links, w = 1)
+	bool addOwner = false; ///< the table lists a region's other members only (the lattice's links, w = 1)
 	const float* inverseMass = nullptr;
 	const float* centre[3] = {};
 	const float* moment[6] = {};
-	const float* inverseMoment[6] = {}; ///< null unless beta > 0 or rotations come from F
+	const float* inverseMoment[6] = {};  ///< null unless beta > 0 or rotations come from F
 	const float* regionWeight = nullptr; ///< b_r; null when all are 1
 
 	// Regions over several levels (adapt/regions/region_matrix.h); all null on a uniform lattice.
 	const std::uint32_t* memberMass = nullptr;  ///< beside `member`: weight of a member in the region's sums. Null: 1
 	const std::uint32_t* memberShare = nullptr; ///< beside `member`: weight of the member's region in the node's goal. Null: 1
-	const float* pull = nullptr;          ///< of each node: sum of shares b_r ( 1 - eta_r ) / C, which stands before its own u. Null: 1
-	const float* regionBeta = nullptr;    ///< beta_r; null: `beta` for all
-	const float* regionEta = nullptr;     ///< eta_r; null: 0
-	const float* blend[9] = {};           ///< C = J^+ J_fine, row by row, where beta is a tensor 1 - C^T; null where it is a number
-	const float* outOfPlane[6] = {};      ///< 1 - J J^+ of flat and thin regions: where they have no extent, F follows R. Null: all are solid
-	const float* plastic[9] = {};         ///< S_p - 1, row by row; `inverseMoment` is then that of the flowed shape
-	float volumeShare = 0.0f;             ///< kappa
-	float* strain = nullptr;              ///< out: sum over the singular values s of F of ( s - 1 )^2, a region
-	float* stretch = nullptr;             ///< out, with strain: not less than the largest s - 1, a region
-	float* quaternion[4] = {};     ///< w, x, y, z: rotation relative to the body frame
+	const float* pull = nullptr;       ///< of each node: sum of shares b_r ( 1 - eta_r ) / C, which stands before its own u. Null: 1
+	const float* regionBeta = nullptr; ///< beta_r; null: `beta` for all
+	const float* regionEta = nullptr;  ///< eta_r; null: 0
+	const float* blend[9] = {};        ///< C = J^+ J_fine, row by row, where beta is a tensor 1 - C^T; null where it is a number
+	const float* outOfPlane[6] = {};   ///< 1 - J J^+ of flat and thin regions: where they have no extent, F follows R. Null: all are solid
+	const float* plastic[9] = {};      ///< S_p - 1, row by row; `inverseMoment` is then that of the flowed shape
+	float volumeShare = 0.0f;          ///< kappa
+	float* strain = nullptr;           ///< out: sum over the singular values s of F of ( s - 1 )^2, a region
+	float* stretch = nullptr;          ///< out, with strain: not less than the largest s - 1, a region
+	float* quaternion[4] = {};         ///< w, x, y, z: rotation relative to the body frame
 
 	// Records: one line a node or region; on the grid one line a lattice position.
 	float* nodeRecord = nullptr;
@@ -76,27 +76,27 @@ struct MatchView
 	int halfWidth = 1;
 
 	// Far levels (coarse_to_fine.h); null and 0 without.
-	const float* farRecord = nullptr;          ///< of each block of the finest far level: what all far levels ask of its nodes
-	const std::uint32_t* farBlock = nullptr;   ///< of each node
-	const float* farPull = nullptr;            ///< of each node, as `pull`
-	float farDamping = 0.0f;                   ///< share of the region damping that the far levels' residual feels
+	const float* farRecord = nullptr;        ///< of each block of the finest far level: what all far levels ask of its nodes
+	const std::uint32_t* farBlock = nullptr; ///< of each node
+	const float* farPull = nullptr;          ///< of each node, as `pull`
+	float farDamping = 0.0f;                 ///< share of the region damping that the far levels' residual feels
 
 	// The body frame and the step.
-	float frameRotation[9] = {};   ///< R_b, row by row
-	float frameCentre[3] = {};     ///< c_b, m, relative to the origin
+	float frameRotation[9] = {}; ///< R_b, row by row
+	float frameCentre[3] = {};   ///< c_b, m, relative to the origin
 	float cellsPerMetre = 1.0f;
 	float alpha = 1.0f;
-	float dampingShare = 0.0f;     ///< k
-	float bodyShare = 0.0f;        ///< of the whole body's rigid fit in the goal
+	float dampingShare = 0.0f; ///< k
+	float bodyShare = 0.0f;    ///< of the whole body's rigid fit in the goal
 	float beta = 0.0f;
 	bool rotationFromF = false;
 
 	// What `apply` makes of the change, world axes: y_w = speedPerCell R_b y - wobbleShare v - shift - turn x (x - pivot).
-	float speedPerCell = 0.0f;     ///< d / h
+	float speedPerCell = 0.0f; ///< d / h
 	float wobbleShare = 0.0f;
-	float shift[3] = {};           ///< m/s
-	float turn[3] = {};            ///< rad/s
-	float pivot[3] = {};           ///< m
+	float shift[3] = {}; ///< m/s
+	float turn[3] = {};  ///< rad/s
+	float pivot[3] = {}; ///< m
 };
 
 /// Sums of the rates' pass: m v (3), m p x v (3).
@@ -115,7 +115,7 @@ struct RowSlice
 
 struct RowSlices
 {
-	const RowSlice* slice = nullptr; ///< null: rows are summed one by one, as MatchView has them
+	const RowSlice* slice = nullptr;     ///< null: rows are summed one by one, as MatchView has them
 	const std::uint32_t* tile = nullptr; ///< each tile's first slice, and the end
 	const std::uint32_t* from = nullptr; ///< of each term: where the member's record of kRateFloats floats begins
 	const float* mass = nullptr;         ///< of each term: MatchView's memberMass and memberShare, rounded
@@ -137,16 +137,16 @@ struct FlatRows
 struct RateView
 {
 	const MatchView* match = nullptr;
-	float* regionCentre[3] = {};         ///< c of each region, cells from the frame's centre, world axes
-	float* inverseInertia[6] = {};       ///< T^-1 of each region, as xx, yy, zz, yz, xz, xy
-	const float* regionShare = nullptr;  ///< g_r; null: 1
-	const float* pull = nullptr;         ///< of each node: sum of its regions' g_r / C; null: 1
-	RowSlices rows;                      ///< of nodes on several levels
-	FlatRows flat;                       ///< of a lattice that fills its grid
-	const float* rate[3] = {};           ///< v
+	float* regionCentre[3] = {};        ///< c of each region, cells from the frame's centre, world axes
+	float* inverseInertia[6] = {};      ///< T^-1 of each region, as xx, yy, zz, yz, xz, xy
+	const float* regionShare = nullptr; ///< g_r; null: 1
+	const float* pull = nullptr;        ///< of each node: sum of its regions' g_r / C; null: 1
+	RowSlices rows;                     ///< of nodes on several levels
+	FlatRows flat;                      ///< of a lattice that fills its grid
+	const float* rate[3] = {};          ///< v
 	float* result[3] = {};
-	float stiffness = 0.0f;              ///< G
-	float shift[3] = {};                 ///< a rigid motion that is taken off v before anything is summed
+	float stiffness = 0.0f; ///< G
+	float shift[3] = {};    ///< a rigid motion that is taken off v before anything is summed
 	float turn[3] = {};
 };
 
@@ -182,12 +182,12 @@ struct RecordSums
 	const float* from = nullptr;
 	const std::uint32_t* start = nullptr;
 	const std::uint32_t* member = nullptr;
-	const float* weight = nullptr;         ///< of each record of `from`; null: 1
-	const float* scale = nullptr;          ///< null: 1
-	float factor = 1.0f;                   ///< times `scale`
-	const float* base = nullptr;           ///< null: 0
+	const float* weight = nullptr; ///< of each record of `from`; null: 1
+	const float* scale = nullptr;  ///< null: 1
+	float factor = 1.0f;           ///< times `scale`
+	const float* base = nullptr;   ///< null: 0
 	const std::uint32_t* baseOf = nullptr;
-	float* sum = nullptr;                  ///< the plain sums, where they are wanted too; else null
+	float* sum = nullptr; ///< the plain sums, where they are wanted too; else null
 	float* to = nullptr;
 };
 
@@ -210,7 +210,8 @@ struct Kernels
 	int ( *fitRegions )( const MatchView&, int begin, int end, std::uint32_t* open );
 	/// The record of one region whose rotation was settled elsewhere (quaternion already stored).
 	void ( *finishRegion )( const MatchView&, int region );
-	/// e = goal - position, y = (1 - s) alpha e - s u + k (e - e before), s the body share; adds the impulse sums of the range (kImpulseSums floats).
+	/// e = goal - position, y = (1 - s) alpha e - s u + k (e - e before), s the body share; adds the impulse sums of the range
+	/// (kImpulseSums floats).
 	void ( *scatter )( const MatchView&, int begin, int end, float* sums );
 	/// v += freedom y_w
 	void ( *apply )( const MatchView&, int begin, int end );
@@ -231,7 +232,8 @@ struct Kernels
 	void ( *rateRecords )( const RateView&, int begin, int end );
 	/// As boxPlane, of records of kRateFloats floats: rateRecords and rigidRates write such.
 	void ( *boxPlaneHalf )( const MatchView&, float* records, int z );
-	/// In its place with flat rows: the nodes' or the regions' are summed along x, into the others', then along y and back. What gathers them sums along z.
+	/// In its place with flat rows: the nodes' or the regions' are summed along x, into the others', then along y and back. What gathers
+	/// them sums along z.
 	void ( *boxRows )( const RateView&, bool isOfRegions, int axis, int begin, int end );
 	void ( *rigidRates )( const RateView&, int begin, int end );
 	void ( *resist )( const RateView&, int begin, int end );
@@ -246,8 +248,8 @@ struct Kernels
 	// Of vectors as long as whole lanes, for what solves with them.
 	/// a . b in double, 16 sums side by side, folded halves onto halves.
 	double ( *dot )( const float* a, const float* b, int size );
-	/// Sums over the nodes of each component of r ( 1, arm ): 12 doubles, the plain sums first, then arm by arm (ImplicitMotion::affineSums).
-	/// Components stand `padded` apart.
+	/// Sums over the nodes of each component of r ( 1, arm ): 12 doubles, the plain sums first, then arm by arm
+	/// (ImplicitMotion::affineSums). Components stand `padded` apart.
 	void ( *affineSums )( const float* r, const float* arms, const float* free, int padded, double* sums );
 	/// z += V free + L arm, `motion` as `affineSums` orders them.
 	void ( *addAffine )( const float* motion, const float* arms, const float* free, int padded, float* z );

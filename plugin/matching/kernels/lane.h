@@ -1,6 +1,6 @@
 // Vectors of PLIANT_LANE_WIDTH floats and the few operations on them that the kernels need.
-// Included by kernel_source.h and surface/kernels/skin_kernel_source.h only, once per instruction set, inside an unnamed namespace: nothing here may be shared between
-// object files, or the linker could keep the AVX-512 copy for a processor that lacks it.
+// Included by kernel_source.h and surface/kernels/skin_kernel_source.h only, once per instruction set, inside an unnamed namespace: nothing
+// here may be shared between object files, or the linker could keep the AVX-512 copy for a processor that lacks it.
 
 #pragma once
 

@@ -35,7 +35,8 @@ Fit fitRegion( const Lattice& lattice, const NodeState& nodes, const std::vector
 		mixed += weight[i] * ( nodes.x.get( i ).cast<double>() - fit.centre ) * q.transpose();
 		rest += weight[i] * q * q.transpose();
 	}
-	fit.turn = fitRotation( Eigen::Matrix3d( mixed / ( rest.trace() > 0.0 ? rest.trace() : 1.0 ) ), Eigen::Quaterniond::Identity() ).toRotationMatrix();
+	fit.turn = fitRotation( Eigen::Matrix3d( mixed / ( rest.trace() > 0.0 ? rest.trace() : 1.0 ) ), Eigen::Quaterniond::Identity() )
+				   .toRotationMatrix();
 	Eigen::Matrix3d outside;
 	const Eigen::Matrix3d inverse = inverseInPlane( rest, kMomentFloor, outside );
 	fit.gradient = mixed * inverse + fit.turn * outside;

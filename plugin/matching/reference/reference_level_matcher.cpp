@@ -1,7 +1,7 @@
 #include "matching/reference/reference_level_matcher.h"
 
-#include "matching/step/plasticity.h"
 #include "matching/rotation.h"
+#include "matching/step/plasticity.h"
 #include "matching/volume_mean.h"
 
 #include <Eigen/Dense>
@@ -13,8 +13,10 @@ namespace pliant {
 
 ReferenceLevelMatcher::ReferenceLevelMatcher(
 	const LevelBase& base, const Lattice& lattice, const Cut& cut, const Material& material, const Adaptivity& settings ) :
-	m_base( base ), m_lattice( lattice ), m_cut( cut ), m_material( material ), m_settings( settings ),
-	m_matrix( *buildLevelRegions( base, lattice, cut, material, settings ).matrix ), m_region( cut.node.size() ), m_residual( cut.node.size(), Vec3d::Zero() )
+	m_base( base ),
+	m_lattice( lattice ), m_cut( cut ), m_material( material ), m_settings( settings ),
+	m_matrix( *buildLevelRegions( base, lattice, cut, material, settings ).matrix ), m_region( cut.node.size() ),
+	m_residual( cut.node.size(), Vec3d::Zero() )
 {
 	for ( std::uint32_t r = 0; r < std::uint32_t( cut.count() ); ++r )
 	{
@@ -109,17 +111,21 @@ void ReferenceLevelMatcher::fit( const NodeState& nodes, const MatchStep& step, 
 	const double trace = std::clamp( ( rotation.transpose() * region.f ).trace() - 3.0, -1.0, 1.0 );
 	const double mean = volumeMean( inverse, 3.0 - outside.trace() );
 	const double volumeKeeping = double( m_material.volumeKeeping ) * ( 1.0 - region.beta );
-	const Eigen::Matrix3d fitted = isTensor ? Eigen::Matrix3d( apq * blend ) : apq, across = isTensor ? Eigen::Matrix3d( rotation * blend.transpose() ) : rotation;
+	const Eigen::Matrix3d fitted = isTensor ? Eigen::Matrix3d( apq * blend ) : apq,
+						  across = isTensor ? Eigen::Matrix3d( rotation * blend.transpose() ) : rotation;
 	region.l -= volumeKeeping * trace * mean *
-				( rotation * inverse + volumeTurn( fitted * rotation.transpose(), region.f * rotation.transpose(), region.rest.moment.trace() ) * across );
+		( rotation * inverse +
+			volumeTurn( fitted * rotation.transpose(), region.f * rotation.transpose(), region.rest.moment.trace() ) * across );
 	region.l *= s;
 	region.f *= s;
 	if ( step.plastic.yieldStrain > 0.0f )
 	{
 		const Eigen::Matrix3d back = region.plastic.inverse(), fine = back * moment * blend * back;
 		const Eigen::Matrix3d resisting = isTensor ? Eigen::Matrix3d( 0.5 * ( fine + fine.transpose() ) ) : region.rest.moment;
-		m_hasFlowed |= flowStretch( step.plastic, step.h, FlowingRegion{ region.f, rotation, resisting, region.plastic * inverse * region.plastic,
-			Eigen::Matrix3d::Identity() - outside, isTensor ? volumeKeeping : double( m_material.volumeKeeping ) }, region.plastic );
+		m_hasFlowed |= flowStretch( step.plastic, step.h,
+			FlowingRegion{ region.f, rotation, resisting, region.plastic * inverse * region.plastic, Eigen::Matrix3d::Identity() - outside,
+				isTensor ? volumeKeeping : double( m_material.volumeKeeping ) },
+			region.plastic );
 	}
 }
 
@@ -135,7 +141,8 @@ Eigen::Quaterniond ReferenceLevelMatcher::fitBody( const NodeState& nodes ) cons
 	Eigen::Matrix3d moment = Eigen::Matrix3d::Zero();
 	for ( int i = 0; i < nodes.count; ++i )
 	{
-		moment += double( nodes.mass[i] ) * ( nodes.x.get( i ).cast<double>() - first / mass ) * nodes.x0.get( i ).cast<double>().transpose();
+		moment += double( nodes.mass[i] ) * ( nodes.x.get( i ).cast<double>() - first / mass ) *
+			nodes.x0.get( i ).cast<double>().transpose();
 	}
 	return fitRotation( moment, m_bodyRotation );
 }
@@ -151,7 +158,9 @@ void ReferenceLevelMatcher::accelerate( NodeState& nodes, const MatchStep& step,
 	{
 		fit( nodes, step, r );
 	}
-	const double k = wasFlowing ? 0.0 : double( dampingShare( double( step.damping ), double( step.h ), double( step.alpha ), double( m_material.volumeKeeping ) ) );
+	const double k = wasFlowing
+		? 0.0
+		: double( dampingShare( double( step.damping ), double( step.h ), double( step.alpha ), double( m_material.volumeKeeping ) ) );
 	for ( int i = 0; i < nodes.count; ++i )
 	{
 		const Vec3d x = nodes.x.get( i ).cast<double>();

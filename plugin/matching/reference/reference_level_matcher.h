@@ -3,8 +3,8 @@
 // The step over several levels straight from its formulas, one region after the other, in double precision: the slow twin of
 // LatticeMatcher on level tables. Ohta et al. 2009, eq. 1-6; for regions with multiplicity the same with other weights.
 
-#include "matching/regions/level_tables.h"
 #include "matching/matcher.h"
+#include "matching/regions/level_tables.h"
 
 #include <vector>
 
@@ -13,7 +13,8 @@ namespace pliant {
 class ReferenceLevelMatcher : public Matcher
 {
 public:
-	ReferenceLevelMatcher( const LevelBase& base, const Lattice& lattice, const Cut& cut, const Material& material, const Adaptivity& settings );
+	ReferenceLevelMatcher(
+		const LevelBase& base, const Lattice& lattice, const Cut& cut, const Material& material, const Adaptivity& settings );
 
 	void reset( const NodeState& nodes, const Eigen::Quaterniond& rotation ) override;
 	void turn( const Eigen::Quaterniond& by ) override;

@@ -1,7 +1,7 @@
 #include "matching/reference/reference_matcher.h"
 
-#include "matching/step/plasticity.h"
 #include "matching/rotation.h"
+#include "matching/step/plasticity.h"
 #include "matching/volume_mean.h"
 
 #include <Eigen/Dense>
@@ -23,7 +23,8 @@ Eigen::Matrix3d lawfullyFlowed( const MatchStep& step, const Eigen::Matrix3d& el
 	}
 	const auto volumeOne = []( const Eigen::Matrix3d& m ) {
 		const Eigen::JacobiSVD<Eigen::Matrix3d> svd( m, Eigen::ComputeFullU | Eigen::ComputeFullV );
-		return Eigen::Matrix3d( svd.matrixV() * ( svd.singularValues() / std::cbrt( svd.singularValues().prod() ) ).asDiagonal() * svd.matrixV().transpose() );
+		return Eigen::Matrix3d(
+			svd.matrixV() * ( svd.singularValues() / std::cbrt( svd.singularValues().prod() ) ).asDiagonal() * svd.matrixV().transpose() );
 	};
 	const double share = std::min( { double( step.plastic.creep ) * step.h, 1.0, kLargestFlow / strain.norm() } );
 	const Eigen::Matrix3d wanted = volumeOne( ( one + share * strain ) * before );
@@ -63,8 +64,7 @@ ReferenceMatcher::ReferenceMatcher( const Lattice& lattice, const Material& mate
 	m_regions( buildRegions( lattice, material.regionHalfWidth ) ),
 	m_moments( computeRegionMoments( lattice, m_regions, material.weights, true ) ), m_fits( lattice.cellCount() ),
 	m_residual( lattice.cellCount(), Vec3d::Zero() ), m_residualBefore( lattice.cellCount(), Vec3d::Zero() )
-{
-}
+{}
 
 void ReferenceMatcher::reset( const NodeState&, const Eigen::Quaterniond& rotation )
 {
@@ -135,13 +135,15 @@ void ReferenceMatcher::fitRegions( const NodeState& nodes, const MatchStep& step
 		const double trace = std::clamp( ( rotation.transpose() * f ).trace() - 3.0, -1.0, 1.0 );
 		const double mean = volumeMean( inverse, 3.0 - outside.trace() );
 		fit.linear -= double( m_material.volumeKeeping ) * ( 1.0 - double( m_material.beta ) ) * trace * mean *
-					  ( rotation * inverse + volumeTurn( apq * rotation.transpose(), f * rotation.transpose(), aqq.trace() ) * rotation );
+			( rotation * inverse + volumeTurn( apq * rotation.transpose(), f * rotation.transpose(), aqq.trace() ) * rotation );
 		fit.linear *= fit.plastic;
 		if ( step.plastic.yieldStrain > 0.0f )
 		{
 			const Eigen::Matrix3d back = fit.plastic.inverse(), before = fit.plastic;
-			fit.plastic = flowed( step, FlowingRegion{ f * fit.plastic, rotation, back * aqq * back, fit.plastic * inverse * fit.plastic,
-				Eigen::Matrix3d::Identity() - outside, double( m_material.volumeKeeping ) }, before );
+			fit.plastic = flowed( step,
+				FlowingRegion{ f * fit.plastic, rotation, back * aqq * back, fit.plastic * inverse * fit.plastic,
+					Eigen::Matrix3d::Identity() - outside, double( m_material.volumeKeeping ) },
+				before );
 			m_hasFlowed = m_hasFlowed || fit.plastic != before;
 		}
 		if ( m_dampingForm == DampingForm::RegionVelocity )
@@ -202,7 +204,9 @@ void ReferenceMatcher::accelerate( NodeState& nodes, const MatchStep& step, Task
 	m_hasFlowed = false;
 	fitRegions( nodes, step );
 
-	const double k = wasFlowing ? 0.0 : double( dampingShare( double( step.damping ), double( step.h ), double( step.alpha ), double( m_material.volumeKeeping ) ) );
+	const double k = wasFlowing
+		? 0.0
+		: double( dampingShare( double( step.damping ), double( step.h ), double( step.alpha ), double( m_material.volumeKeeping ) ) );
 	for ( int i = 0; i < nodes.count; ++i )
 	{
 		const Vec3d x = nodes.x.get( i ).cast<double>();
@@ -250,7 +254,7 @@ void ReferenceMatcher::nodeRotations( const NodeState& nodes, float* quaternions
 std::size_t ReferenceMatcher::bytes() const
 {
 	return m_moments.bytes() + m_fits.size() * ( sizeof( Fit ) + 2 * sizeof( Vec3d ) ) +
-		   ( m_regions.start.size() + m_regions.member.size() ) * sizeof( std::uint32_t ) + m_regions.size.size() * sizeof( std::uint16_t );
+		( m_regions.start.size() + m_regions.member.size() ) * sizeof( std::uint32_t ) + m_regions.size.size() * sizeof( std::uint16_t );
 }
 
 } // namespace pliant

@@ -38,12 +38,12 @@ private:
 	struct Fit
 	{
 		Eigen::Quaterniond rotation = Eigen::Quaterniond::Identity();
-		Eigen::Matrix3d linear = Eigen::Matrix3d::Identity(); ///< ( R + beta (F - R) ) S_p
+		Eigen::Matrix3d linear = Eigen::Matrix3d::Identity();  ///< ( R + beta (F - R) ) S_p
 		Eigen::Matrix3d plastic = Eigen::Matrix3d::Identity(); ///< S_p
-		Vec3d centre = Vec3d::Zero();                         ///< c_r, m
-		Vec3d restCentre = Vec3d::Zero();                     ///< c0_r, m
+		Vec3d centre = Vec3d::Zero();                          ///< c_r, m
+		Vec3d restCentre = Vec3d::Zero();                      ///< c0_r, m
 		Vec3d velocity = Vec3d::Zero();
-		Vec3d spin = Vec3d::Zero();                           ///< angular velocity, rad/s
+		Vec3d spin = Vec3d::Zero(); ///< angular velocity, rad/s
 	};
 
 	Eigen::Quaterniond fitBody( const NodeState& nodes );

@@ -1,7 +1,7 @@
 #pragma once
 
-// A body whose cells fall into several parts that nothing links: what is kept or taken off for a whole body (rigid motions, momentum, damping) is kept and
-// taken off for each part by itself.
+// A body whose cells fall into several parts that nothing links: what is kept or taken off for a whole body (rigid motions, momentum,
+// damping) is kept and taken off for each part by itself.
 
 #include <cstddef>
 #include <cstdint>

@@ -11,7 +11,7 @@ namespace {
 bool usesEnergies( const Adaptivity& settings )
 {
 	return settings.softening == Softening::Energy || settings.softening == Softening::EnergyTensor ||
-		   settings.residual == ResidualRule::Quadratic || settings.residual == ResidualRule::Larger;
+		settings.residual == ResidualRule::Quadratic || settings.residual == ResidualRule::Larger;
 }
 
 } // namespace
@@ -57,7 +57,8 @@ std::shared_ptr<const LevelBase> LevelCache::find( const Lattice& lattice, const
 Cut firstCut( const Octree& octree, const Adaptivity& settings )
 {
 	const auto byMass = keepsByMass( octree, settings.keepMass );
-	return selectCut( octree, [&]( std::uint32_t node ) { return !( settings.isSurfaceFine && octree.isSurface[node] != 0 ) && byMass( node ); } );
+	return selectCut(
+		octree, [&]( std::uint32_t node ) { return !( settings.isSurfaceFine && octree.isSurface[node] != 0 ) && byMass( node ); } );
 }
 
 namespace {
@@ -79,18 +80,19 @@ LevelRegions fromIntervals( const RegionInput& input, const Cut& cut, Visibility
 
 } // namespace
 
-LevelRegions buildLevelRegions( const LevelBase& base, const Lattice& lattice, const Cut& cut, const Material& material, const Adaptivity& settings )
+LevelRegions buildLevelRegions(
+	const LevelBase& base, const Lattice& lattice, const Cut& cut, const Material& material, const Adaptivity& settings )
 {
 	if ( settings.regions == RegionRule::Interval )
 	{
 		VisibilityGraph graph = buildVisibilityGraph( lattice, base.octree, cut );
-		IntervalRegions intervals = findIntervalRegions(
-			IntervalInput{ base.octree, cut, graph }, intervalWidths( base.octree, cut, float( material.regionHalfWidth ) ), settings.intervalSlack );
+		IntervalRegions intervals = findIntervalRegions( IntervalInput{ base.octree, cut, graph },
+			intervalWidths( base.octree, cut, float( material.regionHalfWidth ) ), settings.intervalSlack );
 		return fromIntervals( RegionInput{ base, lattice, material, settings }, cut, std::move( graph ), std::move( intervals ) );
 	}
 	const UnionWeights weights = material.weights == Weights::Conserving ? UnionWeights::Conserving : UnionWeights::Literal;
 	RegionMatrix matrix = settings.regions == RegionRule::Union ? buildUnionRegions( base.octree, cut, base.fine, weights )
-																 : buildMultiplicityRegions( base.octree, cut, base.fine );
+																: buildMultiplicityRegions( base.octree, cut, base.fine );
 	return LevelRegions{ std::make_shared<RegionMatrix>( std::move( matrix ) ), nullptr };
 }
 
@@ -100,10 +102,10 @@ LevelRegions updateLevelRegions( const RegionInput& input, const Cut& from, cons
 	switch ( input.settings.regions )
 	{
 		case RegionRule::Multiplicity:
-			return LevelRegions{
-				std::make_shared<RegionMatrix>( updateMultiplicityRegions( octree, from, *regions.matrix, to, input.base.fine, input.room ) ), nullptr };
-		case RegionRule::Interval:
-		{
+			return LevelRegions{ std::make_shared<RegionMatrix>(
+									 updateMultiplicityRegions( octree, from, *regions.matrix, to, input.base.fine, input.room ) ),
+				nullptr };
+		case RegionRule::Interval: {
 			VisibilityUpdate sight = updateVisibilityGraph( input.lattice, octree, from, *regions.graph, to );
 			const IntervalInput before{ octree, from, *regions.graph }, after{ octree, to, sight.graph };
 			IntervalUpdate update = updateIntervalRegions( before, after, sight.change, *regions.intervals,

@@ -9,15 +9,6 @@ namespace pliant {
 
 namespace {
 
-void storeSymmetric( AlignedArray<float> ( &to )[6], int i, const Eigen::Matrix3d& m )
-{
-	const double values[6] = { m( 0, 0 ), m( 1, 1 ), m( 2, 2 ), m( 1, 2 ), m( 0, 2 ), m( 0, 1 ) };
-	for ( int k = 0; k < 6; ++k )
-	{
-		to[k][i] = float( values[k] );
-	}
-}
-
 /// Rows that one task measures: a multiple of the floats in a cache line, so that no two tasks write to one.
 constexpr int kRowsPerTask = 64;
 
@@ -27,10 +18,10 @@ class Filler
 public:
 	Filler( const LevelBase& base, const Lattice& lattice, const Cut& cut, const RegionMatrix& matrix, const LevelSettings& settings,
 		RegionTables& tables ) :
-		m_base( base ), m_lattice( lattice ), m_cut( cut ), m_matrix( matrix ), m_material( settings.material ), m_settings( settings.adaptivity ),
+		m_base( base ),
+		m_lattice( lattice ), m_cut( cut ), m_matrix( matrix ), m_material( settings.material ), m_settings( settings.adaptivity ),
 		m_stiffness( settings.stiffness ), m_tasks( settings.tasks ), m_tables( tables )
-	{
-	}
+	{}
 
 	void run( const TablesBefore& before )
 	{
@@ -86,7 +77,8 @@ public:
 		{
 			for ( std::uint32_t k = m_matrix.start[r]; k < m_matrix.start[r + 1]; ++k )
 			{
-				fillNode( int( m_matrix.member[k] ) ); // once for each row it is in: this is the road of what comes apart, which is dear anyhow
+				fillNode(
+					int( m_matrix.member[k] ) ); // once for each row it is in: this is the road of what comes apart, which is dear anyhow
 			}
 		}
 		if ( !hasFlat( &m_tables ) )
@@ -105,7 +97,10 @@ private:
 	}
 
 	/// eta = beta everywhere: the whole of a region's pull is scaled, and F is not needed.
-	bool scalesOnly() const { return m_settings.residual == ResidualRule::Soften && m_settings.softening != Softening::EnergyTensor && m_material.beta == 0.0f; }
+	bool scalesOnly() const
+	{
+		return m_settings.residual == ResidualRule::Soften && m_settings.softening != Softening::EnergyTensor && m_material.beta == 0.0f;
+	}
 
 	/// Rows are written one by one; padding stands here. A table that had been in use keeps its memory.
 	void shape( AlignedArray<float>& array, float padding ) const
@@ -119,8 +114,8 @@ private:
 		RegionMoments& moments = m_tables.moments;
 		moments.count = m_cut.count();
 		moments.padded = ( moments.count + kLanes - 1 ) / kLanes * kLanes;
-		for ( AlignedArray<float>* array : { &moments.nodeWeight, &moments.inverseCover, &moments.inverseMass, &moments.centre[0], &moments.centre[1],
-				  &moments.centre[2], &m_tables.pull } )
+		for ( AlignedArray<float>* array : { &moments.nodeWeight, &moments.inverseCover, &moments.inverseMass, &moments.centre[0],
+				  &moments.centre[1], &moments.centre[2], &m_tables.pull } )
 		{
 			shape( *array, 0.0f );
 		}
@@ -158,8 +153,8 @@ private:
 		}
 		const auto isZero = []( float value ) { return value == 0.0f; };
 		return before && !before->outOfPlane[0].empty() &&
-			   std::any_of( std::begin( m_tables.outOfPlane ), std::end( m_tables.outOfPlane ),
-				   [&isZero]( const AlignedArray<float>& component ) { return !std::all_of( component.begin(), component.end(), isZero ); } );
+			std::any_of( std::begin( m_tables.outOfPlane ), std::end( m_tables.outOfPlane ),
+				[&isZero]( const AlignedArray<float>& component ) { return !std::all_of( component.begin(), component.end(), isZero ); } );
 	}
 
 	/// Rows r to end - 1 are what those before were, one after the other.
@@ -193,7 +188,8 @@ private:
 	/// What fillRegion would write again: it depends on the row alone.
 	void copyRegions( const RegionTables& from, int old, int first, int end )
 	{
-		const auto copy = [old, first, end]( const AlignedArray<float>& source, AlignedArray<float>& to ) { copyRun( source, to, old, first, end ); };
+		const auto copy = [old, first, end](
+							  const AlignedArray<float>& source, AlignedArray<float>& to ) { copyRun( source, to, old, first, end ); };
 		RegionMoments& moments = m_tables.moments;
 		copy( from.moments.inverseMass, moments.inverseMass );
 		copy( from.moments.regionWeight, moments.regionWeight );
@@ -287,7 +283,8 @@ private:
 		{
 			return beta;
 		}
-		const double eta = quadraticEta( m_base.octree, m_cut, m_matrix, std::uint32_t( region ), m_base.moments, rest, m_lattice.cellSize, beta );
+		const double eta = quadraticEta(
+			m_base.octree, m_cut, m_matrix, std::uint32_t( region ), m_base.moments, rest, m_lattice.cellSize, beta );
 		return m_settings.residual == ResidualRule::Larger ? std::max( eta, beta ) : eta;
 	}
 
@@ -349,7 +346,8 @@ private:
 		m_tables.eta[r] = float( eta );
 		if ( m_settings.softening == Softening::EnergyTensor )
 		{
-			const Eigen::Matrix3d c = isFinest ? Eigen::Matrix3d( Eigen::Matrix3d::Identity() ) : energyBlend( fineMoment( m_base.moments, node ), rest.moment );
+			const Eigen::Matrix3d c = isFinest ? Eigen::Matrix3d( Eigen::Matrix3d::Identity() )
+											   : energyBlend( fineMoment( m_base.moments, node ), rest.moment );
 			for ( int k = 0; k < 9; ++k )
 			{
 				m_tables.blend[k][r] = float( c( k / 3, k % 3 ) );
@@ -410,8 +408,8 @@ std::shared_ptr<const RegionTables> buildLevelTables( const LevelBase& base, con
 	return tables;
 }
 
-void fillLeftRows( const LevelBase& base, const Lattice& lattice, const Cut& cut, const LevelSettings& settings, const std::vector<std::uint32_t>& rows,
-	RegionTables& tables )
+void fillLeftRows( const LevelBase& base, const Lattice& lattice, const Cut& cut, const LevelSettings& settings,
+	const std::vector<std::uint32_t>& rows, RegionTables& tables )
 {
 	Filler( base, lattice, cut, *tables.matrix, settings, tables ).runOver( rows );
 }

@@ -4,9 +4,9 @@
 // Ohta et al. 2009, "Stiffness Consistency when The Subdivision Level of Nodes are Changed".
 
 #include "adapt/moments/energy_match.h"
+#include "adapt/octree/visibility_graph.h"
 #include "adapt/regions/interval_regions.h"
 #include "adapt/regions/region_matrix.h"
-#include "adapt/octree/visibility_graph.h"
 #include "matching/regions/region_tables.h"
 #include "pliant/adaptivity.h"
 #include "pliant/task_runner.h"
@@ -64,7 +64,8 @@ struct LevelRegions
 };
 
 /// The regions of a cut from nothing.
-LevelRegions buildLevelRegions( const LevelBase& base, const Lattice& lattice, const Cut& cut, const Material& material, const Adaptivity& settings );
+LevelRegions buildLevelRegions(
+	const LevelBase& base, const Lattice& lattice, const Cut& cut, const Material& material, const Adaptivity& settings );
 
 /// What the regions of a cut are built for.
 struct RegionInput
@@ -86,12 +87,13 @@ struct TablesBefore
 	const RegionTables* tables = nullptr;
 	std::vector<std::uint32_t> region; ///< of each region now: its number then, where its row holds the same nodes and masses; else kNoNode
 	std::shared_ptr<RegionTables> room{}; ///< tables of the same settings that nobody uses any more, to be written over; null: none
-	Vec3d shift = Vec3d::Zero(); ///< from the rest places before to those now, cells: of the mass centre of a piece
-	bool leavesOthers = false; ///< rows that are not taken over are not measured: fillLeftRows does that, or the next tables are made without them
+	Vec3d shift = Vec3d::Zero();          ///< from the rest places before to those now, cells: of the mass centre of a piece
+	bool leavesOthers =
+		false; ///< rows that are not taken over are not measured: fillLeftRows does that, or the next tables are made without them
 };
 
-/// What a region needs beside its row. `stiffness`: share of the material's for each finest cell; empty: 1 everywhere. A region takes the mean
-/// over its node's mass: energies add up.
+/// What a region needs beside its row. `stiffness`: share of the material's for each finest cell; empty: 1 everywhere. A region takes the
+/// mean over its node's mass: energies add up.
 struct LevelSettings
 {
 	const Material& material;
@@ -108,7 +110,7 @@ std::shared_ptr<const RegionTables> buildLevelTables( const LevelBase& base, con
 	const LevelRegions& regions, const LevelSettings& settings, const TablesBefore& before = {} );
 
 /// What TablesBefore::leavesOthers left of tables by RegionRule::Multiplicity: the same to the bit as had it not been.
-void fillLeftRows( const LevelBase& base, const Lattice& lattice, const Cut& cut, const LevelSettings& settings, const std::vector<std::uint32_t>& rows,
-	RegionTables& tables );
+void fillLeftRows( const LevelBase& base, const Lattice& lattice, const Cut& cut, const LevelSettings& settings,
+	const std::vector<std::uint32_t>& rows, RegionTables& tables );
 
 } // namespace pliant

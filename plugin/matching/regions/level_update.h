@@ -1,7 +1,7 @@
 #pragma once
 
-// What the tables of the step are made from, after links have gone or come back, or of a piece that came off: taken over where nothing changed.
-// Steinemann et al. 2008, section 5.1. buildLevelBase and buildLevelRegions are the slow twins.
+// What the tables of the step are made from, after links have gone or come back, or of a piece that came off: taken over where nothing
+// changed. Steinemann et al. 2008, section 5.1. buildLevelBase and buildLevelRegions are the slow twins.
 
 #include "adapt/octree/octree_update.h"
 #include "matching/regions/level_tables.h"
@@ -24,8 +24,8 @@ struct LevelBaseRoom
 
 LevelBaseUpdate updateLevelBase( const LevelBase& before, LevelBaseRoom room, const CellChange& change );
 
-/// How the nodes of the cut stand to those before, which had the same cells. Empty where a node above the cells is one in which links changed: it
-/// may hold other cells than any before.
+/// How the nodes of the cut stand to those before, which had the same cells. Empty where a node above the cells is one in which links
+/// changed: it may hold other cells than any before.
 RelinkedNodes relinkNodes( const Cut& before, const Cut& now, const LevelBaseUpdate& update, const std::vector<std::uint32_t>& cellBefore );
 
 } // namespace pliant

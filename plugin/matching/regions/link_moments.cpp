@@ -101,7 +101,7 @@ Eigen::Vector3d linksOf( const AxisLinks& links, const RegionSet& regions, int r
 bool usesLinkMoments( const Material& material )
 {
 	return material.elasticity != Elasticity::Explicit && material.method == Method::Lattice && material.weights == Weights::Conserving &&
-		   material.rotationFrom == RotationFrom::Apq && material.farLevels == 0 && material.regionHalfWidth > 1;
+		material.rotationFrom == RotationFrom::Apq && material.farLevels == 0 && material.regionHalfWidth > 1;
 }
 
 void applyLinkMoments( const Lattice& lattice, const Material& material, RegionTables& tables )

@@ -2,9 +2,9 @@
 
 // Regions that the surface or a crack cuts short, wider than one cell: the moment they should have.
 //
-// A uniform strain S costs a region |S|^2 with its second moment J. A region of half-width w that is cut down to w + 1 layers has lost more of
-// J than of its share of the material: with w = 2 half a region has a quarter. A block of 6 cells then gives way by a third more than sigma / E.
-// What a link of the lattice carries is shared out instead, like a cell's mass: over the regions that hold both its ends.
+// A uniform strain S costs a region |S|^2 with its second moment J. A region of half-width w that is cut down to w + 1 layers has lost more
+// of J than of its share of the material: with w = 2 half a region has a quarter. A block of 6 cells then gives way by a third more than
+// sigma / E. What a link of the lattice carries is shared out instead, like a cell's mass: over the regions that hold both its ends.
 //
 //   J* = mu sum over the axes' links in the region of m_ij / n_ij e e^T,   mu = w ( w + 1 ) / 3
 //

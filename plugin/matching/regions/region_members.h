@@ -46,7 +46,8 @@ public:
 		}
 		else
 		{
-			std::for_each( m_view.member + m_view.start[i], m_view.member + m_view.start[i + 1], [&visit]( std::uint32_t member ) { visit( std::size_t( member ), 0 ); } );
+			std::for_each( m_view.member + m_view.start[i], m_view.member + m_view.start[i + 1],
+				[&visit]( std::uint32_t member ) { visit( std::size_t( member ), 0 ); } );
 			m_view.addOwner ? visit( i, 0 ) : void();
 		}
 	}
@@ -55,7 +56,8 @@ private:
 	template <class Visit>
 	void visitCube( int slot, Visit visit ) const
 	{
-		const int w = m_view.halfWidth, x = slot % m_view.gridX, y = slot / m_view.gridX % m_view.gridY, z = slot / ( m_view.gridX * m_view.gridY );
+		const int w = m_view.halfWidth, x = slot % m_view.gridX, y = slot / m_view.gridX % m_view.gridY,
+				  z = slot / ( m_view.gridX * m_view.gridY );
 		for ( int c = std::max( 0, z - w ); c <= std::min( m_view.gridZ - 1, z + w ); ++c )
 		{
 			for ( int b = std::max( 0, y - w ); b <= std::min( m_view.gridY - 1, y + w ); ++b )

@@ -14,16 +14,6 @@ int paddedCount( int count )
 	return ( count + kLanes - 1 ) / kLanes * kLanes;
 }
 
-void storeSymmetric( AlignedArray<float> ( &to )[6], int i, const Eigen::Matrix3d& m )
-{
-	to[0][i] = float( m( 0, 0 ) );
-	to[1][i] = float( m( 1, 1 ) );
-	to[2][i] = float( m( 2, 2 ) );
-	to[3][i] = float( m( 1, 2 ) );
-	to[4][i] = float( m( 0, 2 ) );
-	to[5][i] = float( m( 0, 1 ) );
-}
-
 void weighNodes( const Lattice& lattice, const RegionSet& regions, Weights weights, RegionMoments& out )
 {
 	for ( int i = 0; i < out.count; ++i )
@@ -65,8 +55,8 @@ Eigen::Matrix3d flooredInverse( const Eigen::Matrix3d& moment, double floorShare
 
 namespace {
 
-/// A connected part whose inertia is less than so much a mass, m^2, is a point: a nanometre squared, of which rounding in double is far below and what floats
-/// tell of two places far above.
+/// A connected part whose inertia is less than so much a mass, m^2, is a point: a nanometre squared, of which rounding in double is far
+/// below and what floats tell of two places far above.
 constexpr double kPointExtent = 1e-18;
 
 } // namespace

@@ -17,6 +17,16 @@
 
 namespace pliant {
 
+/// Entry i of six arrays: a symmetric matrix as xx, yy, zz, yz, xz, xy.
+inline void storeSymmetric( AlignedArray<float> ( &to )[6], int i, const Eigen::Matrix3d& m )
+{
+	const double entry[6] = { m( 0, 0 ), m( 1, 1 ), m( 2, 2 ), m( 1, 2 ), m( 0, 2 ), m( 0, 1 ) };
+	for ( int k = 0; k < 6; ++k )
+	{
+		to[k][i] = float( entry[k] );
+	}
+}
+
 /// Arrays padded to whole lanes; padding regions hold zero mass moments and a unit second moment, so that no lane meets a zero.
 struct RegionMoments
 {
@@ -27,9 +37,9 @@ struct RegionMoments
 	AlignedArray<float> inverseCover; ///< 1 / C_i
 	AlignedArray<float> regionWeight; ///< b_r; empty when all are 1
 
-	AlignedArray<float> inverseMass;  ///< 1 / M_r
-	AlignedArray<float> centre[3];    ///< c0_r, cells, relative to the rest mass centre
-	AlignedArray<float> moment[6];    ///< J_r as xx, yy, zz, yz, xz, xy
+	AlignedArray<float> inverseMass; ///< 1 / M_r
+	AlignedArray<float> centre[3];   ///< c0_r, cells, relative to the rest mass centre
+	AlignedArray<float> moment[6];   ///< J_r as xx, yy, zz, yz, xz, xy
 
 	/// J_r^+, same order, eigenvalues floored at kMomentFloor of the largest. Empty unless needed (needsInverse).
 	AlignedArray<float> inverseMoment[6];

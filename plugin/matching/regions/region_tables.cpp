@@ -14,8 +14,8 @@ constexpr float kGridPays[kLargestHalfWidth + 1] = { 0.0f, 1.6f, 4.0f, 8.0f, 16.
 
 bool needsInverse( const Material& material )
 {
-	return material.beta > 0.0f || material.volumeKeeping > 0.0f || material.yieldStrain > 0.0f || material.rotationFrom == RotationFrom::F ||
-		   usesLinkMoments( material );
+	return material.beta > 0.0f || material.volumeKeeping > 0.0f || material.yieldStrain > 0.0f ||
+		material.rotationFrom == RotationFrom::F || usesLinkMoments( material );
 }
 
 namespace {
@@ -46,8 +46,8 @@ void applyStiffness( const std::vector<float>& stiffness, RegionTables& tables )
 
 } // namespace
 
-std::shared_ptr<const RegionTables> buildRegionTables(
-	const Lattice& lattice, const Material& material, Summation summation, const std::vector<float>& stiffness, const MomentsBefore* before )
+std::shared_ptr<const RegionTables> buildRegionTables( const Lattice& lattice, const Material& material, Summation summation,
+	const std::vector<float>& stiffness, const MomentsBefore* before )
 {
 	auto tables = std::make_shared<RegionTables>();
 	tables->regions = buildRegions( lattice, material.regionHalfWidth );
@@ -104,7 +104,8 @@ std::size_t RegionTables::bytes() const
 		floats += entry.size();
 	}
 	const std::size_t numbers = regions.start.size() + regions.member.size() + slot.size();
-	return ( matrix ? matrix->bytes() : 0 ) + ( plan ? plan->bytes() : 0 ) + moments.bytes() + floats * sizeof( float ) + numbers * sizeof( std::uint32_t ) + regions.size.size() * sizeof( std::uint16_t );
+	return ( matrix ? matrix->bytes() : 0 ) + ( plan ? plan->bytes() : 0 ) + moments.bytes() + floats * sizeof( float ) +
+		numbers * sizeof( std::uint32_t ) + regions.size.size() * sizeof( std::uint16_t );
 }
 
 std::shared_ptr<const RegionTables> RegionCache::find( const Lattice& lattice, const Material& material )
@@ -113,8 +114,8 @@ std::shared_ptr<const RegionTables> RegionCache::find( const Lattice& lattice, c
 	const float linkBeta = usesLinkMoments( material ) ? material.beta : -1.0f;
 	for ( Entry& entry : m_entries )
 	{
-		if ( entry.halfWidth == material.regionHalfWidth && entry.weights == material.weights && entry.withInverse == needsInverse( material ) &&
-			 entry.linkBeta == linkBeta )
+		if ( entry.halfWidth == material.regionHalfWidth && entry.weights == material.weights &&
+			entry.withInverse == needsInverse( material ) && entry.linkBeta == linkBeta )
 		{
 			std::shared_ptr<const RegionTables> tables = entry.tables.lock();
 			if ( !tables )

@@ -1,11 +1,12 @@
 #pragma once
 
-// Far propagation: matching on blocks of cells beside the matching on cells, so that a force reaches farther in one substep. Off unless asked
-// for. Neither paper has it; both name slow propagation as the limit of small regions (Steinemann et al. 2008, section 3.2).
+// Far propagation: matching on blocks of cells beside the matching on cells, so that a force reaches farther in one substep. Off unless
+// asked for. Neither paper has it; both name slow propagation as the limit of small regions (Steinemann et al. 2008, section 3.2).
 //
-// Level l has one node for each connected part of each block of 2^l cells an edge (octree.h), and one region a node: the blocks linked to it.
-// A region is matched on all cells in it, not on the blocks' centres: its sums are those of its cells, and its goal is affine. Hence momentum,
-// linear and angular, is exact on every level. Sums go up the tree and goals come down it: the finest nodes are touched once whatever the levels.
+// Level l has one node for each connected part of each block of 2^l cells an edge (octree.h), and one region a node: the blocks linked to
+// it. A region is matched on all cells in it, not on the blocks' centres: its sums are those of its cells, and its goal is affine. Hence
+// momentum, linear and angular, is exact on every level. Sums go up the tree and goals come down it: the finest nodes are touched once
+// whatever the levels.
 //
 // Per level l, its blocks B and regions r, the arithmetic being that of the finest level (kernel_fit.h):
 //   up:    S_B = sum of w_i m_i ( u, u q^T ) over the block's cells, w_i = 1, more where pinned
@@ -14,10 +15,10 @@
 //   node:  y += w_i ( G ( q, 1 ) - P u ),   P = sum over levels of alpha_l / n_B sum of b_r ( 1 - eta_r )
 
 #include "adapt/octree/octree.h"
-#include "matching/step/far_region.h"
 #include "matching/kernels/kernels.h"
 #include "matching/node_state.h"
 #include "matching/regions/region_tables.h"
+#include "matching/step/far_region.h"
 #include "matching/stiffness.h"
 
 #include <functional>
@@ -56,7 +57,7 @@ private:
 		AlignedArray<float> inverseCover;               ///< 1 / n_B
 		AlignedArray<float> inverseMass, centre[3], moment[6], inverseMoment[6], outOfPlane[6], weight, eta;
 		AlignedArray<float> quaternion[4];
-		AlignedArray<float> pull;                       ///< of each block
+		AlignedArray<float> pull; ///< of each block
 		AlignedArray<float> sums, blockRecord, regionRecord, goal;
 		std::vector<std::uint32_t> open;
 		std::vector<int> openCount;
@@ -81,16 +82,16 @@ private:
 	static void matchLevel( Level& level, const MatchView& view, const Kernels& kernels, TaskRunner* runner );
 
 	const Lattice& m_lattice;
-	std::vector<Level> m_levels;          ///< blocks of 2 cells an edge first
-	std::vector<std::uint32_t> m_block;   ///< of each cell
+	std::vector<Level> m_levels;        ///< blocks of 2 cells an edge first
+	std::vector<std::uint32_t> m_block; ///< of each cell
 	std::vector<float> m_stiffness;
-	std::vector<std::uint32_t> m_record;  ///< beside the finest blocks' children: which record is theirs; empty: record i is cell i
-	std::vector<std::uint32_t> m_slot;    ///< of each cell: its record; empty: its own number
-	AlignedArray<float> m_perRecord;      ///< from a record of the finest level to w_i m_i ( u, u q^T )
+	std::vector<std::uint32_t> m_record; ///< beside the finest blocks' children: which record is theirs; empty: record i is cell i
+	std::vector<std::uint32_t> m_slot;   ///< of each cell: its record; empty: its own number
+	AlignedArray<float> m_perRecord;     ///< from a record of the finest level to w_i m_i ( u, u q^T )
 	AlignedArray<float> m_nodeWeight;
-	AlignedArray<float> m_nodePull;       ///< P of each cell
-	AlignedArray<float> m_freedom;        ///< as the moments know it
-	FarShares m_shares = {};              ///< as m_nodePull knows them
+	AlignedArray<float> m_nodePull; ///< P of each cell
+	AlignedArray<float> m_freedom;  ///< as the moments know it
+	FarShares m_shares = {};        ///< as m_nodePull knows them
 };
 
 } // namespace pliant

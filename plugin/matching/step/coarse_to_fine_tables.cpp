@@ -54,15 +54,6 @@ Links parentLinks( const Links& links, const std::vector<std::uint32_t>& parent,
 	return above;
 }
 
-void storeSymmetric( AlignedArray<float> ( &to )[6], int i, const Eigen::Matrix3d& m )
-{
-	const double entry[6] = { m( 0, 0 ), m( 1, 1 ), m( 2, 2 ), m( 1, 2 ), m( 0, 2 ), m( 0, 1 ) };
-	for ( int k = 0; k < 6; ++k )
-	{
-		to[k][i] = float( entry[k] );
-	}
-}
-
 } // namespace
 
 int usefulFarLevels( const Lattice& lattice, int wanted )

@@ -61,8 +61,8 @@ FarRegion weighFarRegion( const FarMoments& heavy, const FarMoments& plain, int 
 
 namespace {
 
-/// Of the bending u = ( x_a x_b, - x_a^2 / 2 ) about the region's own centre, sums over its cells with pinned ones heavy: what the best affine
-/// motion makes of it beside the best turn, and what no affine motion explains.
+/// Of the bending u = ( x_a x_b, - x_a^2 / 2 ) about the region's own centre, sums over its cells with pinned ones heavy: what the best
+/// affine motion makes of it beside the best turn, and what no affine motion explains.
 struct Bending
 {
 	double affine = 0.0, residual = 0.0;
@@ -104,7 +104,9 @@ double etaOfHeld( const RegionCells& cells, const FarRegion& region, const FarMo
 		for ( int b = 0; b < 3; ++b )
 		{
 			const double strained = mu * ( std::max( solver.eigenvalues()[b], 0.0 ) + kSolidCell * plain.mass );
-			const Bending bending = a == b ? Bending{} : bendRegion( cells, region, centre, solver.eigenvectors().col( a ), solver.eigenvectors().col( b ) );
+			const Bending bending = a == b
+				? Bending{}
+				: bendRegion( cells, region, centre, solver.eigenvectors().col( a ), solver.eigenvectors().col( b ) );
 			if ( region.pull * ( bending.affine + keep * bending.residual ) > strained )
 			{
 				keep = std::clamp( ( strained / region.pull - bending.affine ) / bending.residual, 0.0, 1.0 );

@@ -11,10 +11,10 @@ namespace pliant {
 /// What a region of a far level weighs: its moments, and how much of its goal counts.
 struct FarRegion
 {
-	double mass = 0.0;                                 ///< full cells, pinned ones counted kPinnedWeight times
-	Vec3d centre = Vec3d::Zero();                      ///< cells
-	Eigen::Matrix3d moment = Eigen::Matrix3d::Zero();  ///< cells^2
-	double pull = 0.0;                                 ///< b_r
+	double mass = 0.0;                                ///< full cells, pinned ones counted kPinnedWeight times
+	Vec3d centre = Vec3d::Zero();                     ///< cells
+	Eigen::Matrix3d moment = Eigen::Matrix3d::Zero(); ///< cells^2
+	double pull = 0.0;                                ///< b_r
 	double eta = 0.0;
 };
 

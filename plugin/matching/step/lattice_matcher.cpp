@@ -1,8 +1,8 @@
 #include "matching/step/lattice_matcher.h"
 
-#include "threads/parallel.h"
 #include "matching/rotation.h"
 #include "matching/step/settle_region.h"
+#include "threads/parallel.h"
 
 #include <algorithm>
 #include <cmath>
@@ -30,12 +30,12 @@ Vec3d toVec3d( const double* p )
 
 LatticeMatcher::LatticeMatcher( const Lattice& lattice, const Material& material, Summation summation, const Kernels& kernels ) :
 	LatticeMatcher( lattice, material, buildRegionTables( lattice, material, summation ), kernels )
-{
-}
+{}
 
 LatticeMatcher::LatticeMatcher(
 	const Lattice& lattice, const Material& material, std::shared_ptr<const RegionTables> tables, const Kernels& kernels ) :
-	m_kernels( kernels ), m_lattice( &lattice ), m_tables( std::move( tables ) ), m_cellSize( lattice.cellSize ), m_beta( material.beta ),
+	m_kernels( kernels ),
+	m_lattice( &lattice ), m_tables( std::move( tables ) ), m_cellSize( lattice.cellSize ), m_beta( material.beta ),
 	m_volumeShare( material.volumeKeeping ), m_rotationFromF( material.rotationFrom == RotationFrom::F ),
 	m_keepsMomentum( material.weights == Weights::Conserving && material.rotationFrom == RotationFrom::Apq )
 {
@@ -64,8 +64,7 @@ void LatticeMatcher::allocateScratch()
 	{
 		component.assign( padded, 0.0f );
 	}
-	const Eigen::Vector3i grid = m_tables->grid;
-	std::size_t records = m_tables->usesGrid ? std::size_t( grid.x() ) * grid.y() * grid.z() : std::size_t( padded );
+	std::size_t records = m_tables->usesGrid ? m_tables->grid.cast<std::size_t>().prod() : std::size_t( padded );
 	if ( m_tables->plan )
 	{
 		records = std::max( records, std::size_t( m_tables->plan->records() ) );
@@ -246,7 +245,8 @@ void LatticeMatcher::gatherAndFit( MatchView& view, const MatchStep& step, TaskR
 	}
 	sumNodeRecords( view, runner );
 	auto fit = [&]( int chunk ) {
-		m_openCount[chunk] = m_kernels.fitRegions( view, chunk * kChunk, std::min( padded, ( chunk + 1 ) * kChunk ), &m_open[chunk * kChunk] );
+		const int end = std::min( padded, ( chunk + 1 ) * kChunk );
+		m_openCount[chunk] = m_kernels.fitRegions( view, chunk * kChunk, end, &m_open[chunk * kChunk] );
 	};
 	runTasks( runner, chunks( padded ), fit );
 	settleOpenRegions( view );
@@ -377,7 +377,9 @@ void LatticeMatcher::flow( const MatchView& view, const MatchStep& step, TaskRun
 		m_plastic = std::make_unique<PlasticFlow>( *m_tables );
 	}
 	const int padded = m_tables->moments.padded;
-	auto task = [&]( int chunk ) { m_openCount[chunk] = m_plastic->flow( view, m_kernels, step, chunk * kChunk, std::min( padded, ( chunk + 1 ) * kChunk ) ) ? 1 : 0; };
+	auto task = [&]( int chunk ) {
+		m_openCount[chunk] = m_plastic->flow( view, m_kernels, step, chunk * kChunk, std::min( padded, ( chunk + 1 ) * kChunk ) ) ? 1 : 0;
+	};
 	runTasks( runner, chunks( padded ), task );
 	// What a goal moved by because its region flowed is no motion of the nodes: damping that took it for one would throw them.
 	m_isHistoryNew = std::any_of( m_openCount.begin(), m_openCount.end(), []( int count ) { return count > 0; } );
@@ -388,7 +390,8 @@ void LatticeMatcher::nodeRotations( const NodeState& nodes, float* quaternions )
 	const Eigen::Quaternionf frame = m_frame.cast<float>();
 	for ( int i = 0; i < nodes.count; ++i )
 	{
-		const Eigen::Quaternionf q = frame * Eigen::Quaternionf( m_quaternion[0][i], m_quaternion[1][i], m_quaternion[2][i], m_quaternion[3][i] );
+		const Eigen::Quaternionf own( m_quaternion[0][i], m_quaternion[1][i], m_quaternion[2][i], m_quaternion[3][i] );
+		const Eigen::Quaternionf q = frame * own;
 		quaternions[4 * i + 0] = q.x();
 		quaternions[4 * i + 1] = q.y();
 		quaternions[4 * i + 2] = q.z();
@@ -407,8 +410,9 @@ std::size_t LatticeMatcher::bytes() const
 	{
 		bytes += ( m_residual[k].size() + m_change[k].size() ) * sizeof( float );
 	}
-	bytes += ( m_strain.size() + m_stretch.size() ) * sizeof( float ) + ( m_plastic ? m_plastic->bytes() : 0 ) + ( m_far ? m_far->bytes() : 0 );
-	bytes += m_nodeMotion.size() * sizeof( NodeMotion ) + m_areNodesWanted.size() + m_areRegionsWanted.size();
+	bytes += ( m_strain.size() + m_stretch.size() ) * sizeof( float ) + m_nodeMotion.size() * sizeof( NodeMotion );
+	bytes += ( m_plastic ? m_plastic->bytes() : 0 ) + ( m_far ? m_far->bytes() : 0 );
+	bytes += m_areNodesWanted.size() + m_areRegionsWanted.size();
 	bytes += m_parts.bytes() + m_partLength.size() * sizeof( float );
 	return bytes + m_partial.size() * sizeof( m_partial[0] ) + m_openCount.size() * sizeof( int );
 }

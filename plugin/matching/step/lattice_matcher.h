@@ -3,12 +3,12 @@
 // Uniform lattice shape matching (Rivers and James 2007; Steinemann et al. 2008, section 3.2) on the 16-lane kernels.
 // ReferenceMatcher is its slow twin.
 
-#include "matching/step/coarse_to_fine.h"
-#include "matching/regions/connected_parts.h"
 #include "matching/kernels/kernels.h"
 #include "matching/matcher.h"
-#include "matching/step/plasticity.h"
+#include "matching/regions/connected_parts.h"
 #include "matching/regions/region_tables.h"
+#include "matching/step/coarse_to_fine.h"
+#include "matching/step/plasticity.h"
 
 #include <array>
 #include <memory>
@@ -19,7 +19,8 @@ namespace pliant {
 /// For alpha / h^2 = 1 and full cells of 1 kg; with a material's, alpha / h^2 and a full cell's mass stand before both.
 struct RegionWork
 {
-	/// Half of what the pulls would do on the way to no strain, m^2: U = 1/2 sum over r and a of u_ar b_r ( x_a - c_r - R_r S_r q_a ).( x_a - g_ra ).
+	/// Half of what the pulls would do on the way to no strain, m^2: U = 1/2 sum over r and a of u_ar b_r ( x_a - c_r - R_r S_r q_a ).( x_a
+	/// - g_ra ).
 	double springs = 0.0;
 	/// What they do now, m^2/s: sum of u_ar b_r v_a.( g_ra - x_a ).
 	double power = 0.0;
@@ -52,8 +53,8 @@ public:
 	void setTables( std::shared_ptr<const RegionTables> tables, const FlowHeirs& heirs );
 	/// Takes over the history and the flowed shapes of another body's regions: region i those of `heir[i]`.
 	void inherit( const LatticeMatcher& from, const std::vector<std::uint32_t>& heir );
-	/// The same nodes, in the order `before`, on a lattice with other links, which must live as long as this; on levels. What `inherit` does
-	/// for a new matcher, in the memory of this one.
+	/// The same nodes, in the order `before`, on a lattice with other links, which must live as long as this; on levels. What `inherit`
+	/// does for a new matcher, in the memory of this one.
 	void relink( const Lattice& lattice, std::shared_ptr<const RegionTables> tables, const std::vector<std::uint32_t>& before );
 	/// Nodes must be the lattice's cells. `stiffness`: share of each cell; empty: 1 everywhere. 0 levels: none.
 	void setFarLevels( int levels, const std::vector<float>& stiffness = {} );
@@ -73,8 +74,9 @@ public:
 	void deformations( NodeState& nodes, float* gradients );
 	/// The same of a few, to the same bits: 9 floats each. In any order, but soonest ascending.
 	void deformationsOf( NodeState& nodes, const std::vector<std::uint32_t>& which, float* gradients );
-	/// How far a few nodes, ascending, stand from where their regions have carried them: mean over the regions of c + F q, less x. 3 floats each, m,
-	/// world axes. Nothing, where all are deformed alike. Only between setTables and the next substep; rotations go on from what they come to here.
+	/// How far a few nodes, ascending, stand from where their regions have carried them: mean over the regions of c + F q, less x. 3 floats
+	/// each, m, world axes. Nothing, where all are deformed alike. Only between setTables and the next substep; rotations go on from what
+	/// they come to here.
 	void oddsOf( NodeState& nodes, const std::vector<std::uint32_t>& which, float* odds );
 	/// What some regions, ascending, do to the nodes as they are. Rotations go on as above.
 	RegionWork workOf( NodeState& nodes, const std::vector<std::uint32_t>& regions );
@@ -144,9 +146,9 @@ private:
 	{
 		Eigen::Vector3d q, u, v;
 	};
-	std::vector<NodeMotion> m_nodeMotion; ///< scratch of workOf
+	std::vector<NodeMotion> m_nodeMotion;                           ///< scratch of workOf
 	std::vector<std::uint8_t> m_areNodesWanted, m_areRegionsWanted; ///< of each tile; scratch of oddsOf and workOf
-	std::vector<std::array<float, kImpulseSums>> m_partial; ///< one set of sums a chunk
+	std::vector<std::array<float, kImpulseSums>> m_partial;         ///< one set of sums a chunk
 	int m_openRegions = 0;
 	bool m_isHistoryNew = false; ///< the last substep's residuals are those of other regions: no damping by them
 };

@@ -166,7 +166,9 @@ void LatticeMatcher::fitTiles( const MatchView& view )
 	for ( std::size_t tile = 0; tile < m_areRegionsWanted.size(); ++tile )
 	{
 		const int first = int( tile ) * kTile;
-		const int open = m_areRegionsWanted[tile] == 0 ? 0 : m_kernels.fitRegions( view, first, std::min( first + kTile, padded ), m_open.data() );
+		const int open = m_areRegionsWanted[tile] == 0
+			? 0
+			: m_kernels.fitRegions( view, first, std::min( first + kTile, padded ), m_open.data() );
 		for ( int k = 0; k < open; ++k )
 		{
 			settleRegion( m_kernels, view, int( m_open[std::size_t( k )] ) );
@@ -208,15 +210,17 @@ void LatticeMatcher::oddsOf( NodeState& nodes, const std::vector<std::uint32_t>&
 	}
 }
 
-// By what fitRegions wrote down: b ( g - x ) = D q + t - b ( 1 - eta ) u, D and t the region's record, u the node's way in the body's turning frame. Pulls of
-// a region add up to none, so that any one vector may be added to its nodes' places:  x - c - R S ( q - c0 )  to  u + ( 1 - R S )( q - c0 ).
+// By what fitRegions wrote down: b ( g - x ) = D q + t - b ( 1 - eta ) u, D and t the region's record, u the node's way in the body's
+// turning frame. Pulls of a region add up to none, so that any one vector may be added to its nodes' places:  x - c - R S ( q - c0 )  to  u
+// + ( 1 - R S )( q - c0 ).
 RegionWork LatticeMatcher::workOf( const MatchView& view, std::uint32_t r ) const
 {
 	const RegionMatrix& matrix = *m_tables->matrix;
 	const float* const record = view.regionRecord + std::size_t( r ) * kRecordFloats;
 	const Eigen::Matrix3d pull = Eigen::Map<const Matrix3fRows>( record ).cast<double>();
 	const Vec3d shift = Eigen::Map<const Vec3>( record + 9 ).cast<double>();
-	const double own = double( view.regionWeight ? view.regionWeight[r] : 1.0f ) * ( 1.0 - double( view.regionEta ? view.regionEta[r] : 0.0f ) );
+	const double own = double( view.regionWeight ? view.regionWeight[r] : 1.0f ) *
+		( 1.0 - double( view.regionEta ? view.regionEta[r] : 0.0f ) );
 	const Eigen::Quaterniond rotation( m_quaternion[0][r], m_quaternion[1][r], m_quaternion[2][r], m_quaternion[3][r] );
 	Eigen::Matrix3d rest = rotation.toRotationMatrix();
 	if ( m_plastic )
@@ -251,8 +255,8 @@ RegionWork LatticeMatcher::workOf( NodeState& nodes, const std::vector<std::uint
 	m_nodeMotion.resize( std::size_t( v.nodeCount ) );
 	for ( std::size_t a = 0; a < m_nodeMotion.size(); ++a ) // each is a member of many regions
 	{
-		m_nodeMotion[a] = NodeMotion{ Vec3d( v.x0[0][a], v.x0[1][a], v.x0[2][a] ) * double( v.cellsPerMetre ), Vec3d( v.change[0][a], v.change[1][a], v.change[2][a] ),
-			toFrame * Vec3d( v.v[0][a], v.v[1][a], v.v[2][a] ) };
+		m_nodeMotion[a] = NodeMotion{ Vec3d( v.x0[0][a], v.x0[1][a], v.x0[2][a] ) * double( v.cellsPerMetre ),
+			Vec3d( v.change[0][a], v.change[1][a], v.change[2][a] ), toFrame * Vec3d( v.v[0][a], v.v[1][a], v.v[2][a] ) };
 	}
 	RegionWork sum;
 	for ( const std::uint32_t r : regions )

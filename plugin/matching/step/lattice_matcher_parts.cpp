@@ -1,5 +1,5 @@
-// What LatticeMatcher does for a body in several parts (connected_parts.h): what is spared or braked of the rigid motion of a whole body is spared or braked
-// of that of each part.
+// What LatticeMatcher does for a body in several parts (connected_parts.h): what is spared or braked of the rigid motion of a whole body is
+// spared or braked of that of each part.
 
 #include "matching/step/lattice_matcher.h"
 
@@ -64,7 +64,8 @@ void LatticeMatcher::applyToPart( const MatchView& view, const MatchStep& step, 
 {
 	const Eigen::Matrix3d perCell = m_frame.toRotationMatrix() * double( view.speedPerCell );
 	const Vec3d frame( double( view.frameCentre[0] ), double( view.frameCentre[1] ), double( view.frameCentre[2] ) );
-	// The slowest free vibration of a part is as much faster than that of a body of the length the rate was measured for as the part is shorter.
+	// The slowest free vibration of a part is as much faster than that of a body of the length the rate was measured for as the part is
+	// shorter.
 	const double rate = double( step.wobbleDamping ) * double( step.wobbleLength ) / double( m_partLength[std::size_t( part )] );
 	const double wobble = step.wobbleDamping > 0.0f ? 1.0 - std::exp( -rate * double( step.h ) ) : 0.0;
 	PartSums sums;
@@ -84,7 +85,8 @@ void LatticeMatcher::applyToPart( const MatchView& view, const MatchStep& step, 
 	} );
 	const double kept = m_keepsMomentum ? 1.0 : 0.0;
 	const Eigen::Matrix3d inverse = inverseOfPart( sums.second.trace() * Eigen::Matrix3d::Identity() - sums.second, sums.mass );
-	const Vec3d shift = ( kept * sums.impulse - wobble * sums.momentum ) / sums.mass, turn = inverse * ( kept * sums.turn - wobble * sums.spin );
+	const Vec3d shift = ( kept * sums.impulse - wobble * sums.momentum ) / sums.mass,
+				turn = inverse * ( kept * sums.turn - wobble * sums.spin );
 	m_parts.forNodes( part, view.nodeCount, [&]( int i ) {
 		const Vec3d arm = at( view.x, i ) - frame - sums.centre, v = at( view.v, i );
 		const Vec3d now = v + double( view.freedom[i] ) * ( perCell * at( view.change, i ) - shift - turn.cross( arm ) - wobble * v );

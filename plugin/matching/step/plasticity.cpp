@@ -53,7 +53,8 @@ UnitStretch unitStretchOf( const Eigen::Matrix3d& m, double limit )
 	Vec3d stretches = unitVolume( own );
 	if ( distanceFromOne( stretches ) > limit )
 	{
-		// Along 1 + t ( S_p - 1 ), scaled to det = 1, the distance from 1 grows with t; where an axis has all but none left, by no means in proportion.
+		// Along 1 + t ( S_p - 1 ), scaled to det = 1, the distance from 1 grows with t; where an axis has all but none left, by no means in
+		// proportion.
 		const Vec3d way = stretches - Vec3d::Ones();
 		double inside = 0.0, beyond = 1.0;
 		for ( int halving = 0; halving < 3 * kLimitRounds; ++halving )
@@ -174,7 +175,9 @@ FlowingRegion PlasticFlow::regionOf( const MatchView& view, int r ) const
 	const Eigen::Matrix3d one = Eigen::Matrix3d::Identity();
 	const RegionMoments& moments = m_tables->moments;
 	FlowingRegion region;
-	region.rotation = Eigen::Quaternionf( view.quaternion[0][r], view.quaternion[1][r], view.quaternion[2][r], view.quaternion[3][r] ).cast<double>().toRotationMatrix();
+	region.rotation = Eigen::Quaternionf( view.quaternion[0][r], view.quaternion[1][r], view.quaternion[2][r], view.quaternion[3][r] )
+						  .cast<double>()
+						  .toRotationMatrix();
 	region.moment = loadSymmetric( moments.moment, r );
 	region.inverse = loadSymmetric( moments.inverseMoment, r );
 	region.inPlane = m_tables->outOfPlane[0].empty() ? one : Eigen::Matrix3d( one - loadSymmetric( m_tables->outOfPlane, r ) );
@@ -201,7 +204,8 @@ bool PlasticFlow::flow( const MatchView& view, const Kernels& kernels, const Mat
 	{
 		const int last = std::min( block + kLanes, view.nodeCount );
 		// | F_e - R |^2 holds | S_e - 1 |^2 and what R leaves askew: where it is small there is nothing to look at.
-		const bool yields = std::any_of( view.strain + block, view.strain + std::max( block, last ), [limit]( float s ) { return s > limit; } );
+		const bool yields = std::any_of(
+			view.strain + block, view.strain + std::max( block, last ), [limit]( float s ) { return s > limit; } );
 		if ( !yields )
 		{
 			continue;

@@ -6,10 +6,10 @@
 //   A = A_pq S_p,  J' = S_p J S_p,  F_e = A J'^+,  S_e = sym( R^T F_e )
 //   where | S_e - 1 | > yield:  S_p <- ( 1 + h creep ( S_e - 1 ) ) S_p, its rotation taken out, det S_p = 1, | S_p - 1 | <= limit
 //
-// Flow never raises the region's elastic energy  W = 1/2 tr( E B E^T ),  E = R^T F_e - 1,  B = S_p K S_p,  K the moment that resists strain. The law by itself
-// does not see to that: towards det = 1 and towards the limit it moves S_p in directions in which a region of unequal moments may gain. Where it would, S_p
-// flows along  D = E - tr( E ) / tr( B^-1 ) B^-1  instead, of all D of no trace the nearest to E in B, so that tr( D B E^T ) >= 0; and by less, or not at all,
-// where even that raises W.
+// Flow never raises the region's elastic energy  W = 1/2 tr( E B E^T ),  E = R^T F_e - 1,  B = S_p K S_p,  K the moment that resists
+// strain. The law by itself does not see to that: towards det = 1 and towards the limit it moves S_p in directions in which a region of
+// unequal moments may gain. Where it would, S_p flows along  D = E - tr( E ) / tr( B^-1 ) B^-1  instead, of all D of no trace the nearest
+// to E in B, so that tr( D B E^T ) >= 0; and by less, or not at all, where even that raises W.
 //
 // Norms are Frobenius': a bar pulled by the share e counts as e. The rotation taken out goes over into R, which is fitted anew in each
 // substep; so S_p stays a pure stretch of the rest shape, which can be averaged, bounded and inherited.
@@ -49,8 +49,9 @@ Eigen::Matrix3d unitStretch( const Eigen::Matrix3d& m, double limit = std::numer
 /// Who takes over whose shape when levels change. Numbers of nodes and regions are the same.
 struct FlowHeirs
 {
-	const std::vector<std::uint32_t>& heir;    ///< of each region now: a region before
-	const std::vector<std::uint32_t>& nodeNow; ///< of each region before: its number now, its parent's where it was merged, kNoNode where split
+	const std::vector<std::uint32_t>& heir; ///< of each region now: a region before
+	const std::vector<std::uint32_t>&
+		nodeNow; ///< of each region before: its number now, its parent's where it was merged, kNoNode where split
 	const AlignedArray<float>& massBefore;
 };
 

@@ -20,8 +20,8 @@ constexpr float kNearTrace = 0.25f;
 
 /// How much a point of the outer surface would rather slide along it than leave it.
 constexpr float kSlide = 100.0f;
-/// The same by the square of how much of the surface there faces a way: what is flat is hardly left at all (a point stands for much surface where borders are
-/// drawn with few), and what bends a little there holds a point no more than it did.
+/// The same by the square of how much of the surface there faces a way: what is flat is hardly left at all (a point stands for much surface
+/// where borders are drawn with few), and what bends a little there holds a point no more than it did.
 constexpr float kSlideFlat = 1000.0f;
 
 /// Farther than this, in cells, no point is moved: half a cell's diagonal and what noise adds.
@@ -33,7 +33,8 @@ constexpr int kRow[6] = { 0, 1, 2, 1, 0, 0 }, kColumn[6] = { 0, 1, 2, 2, 2, 1 };
 } // namespace
 
 BladePath::BladePath( std::shared_ptr<const CellComplex> complex ) :
-	m_complex( std::move( complex ) ), m_start( m_complex->cellCount(), kNone ), m_outward( m_complex->pointCount(), std::array<float, 6>{} )
+	m_complex( std::move( complex ) ), m_start( m_complex->cellCount(), kNone ),
+	m_outward( m_complex->pointCount(), std::array<float, 6>{} )
 {
 	std::vector<float> whole( m_complex->pointCount(), 0.0f );
 	for ( const auto& corner : m_complex->triangle )
@@ -96,15 +97,18 @@ std::vector<BladePath::Near> BladePath::nearTo( std::uint32_t point, const Vec3&
 				continue; // listed with its first cell
 			}
 			const float height = trace.normal.dot( at - trace.point );
-			near.push_back( Near{ entry / 2, 1.0f / ( ( at - trace.point ).squaredNorm() + softening ), entry % 2 == 0 ? -height : height, isBetween } );
+			near.push_back( Near{
+				entry / 2, 1.0f / ( ( at - trace.point ).squaredNorm() + softening ), entry % 2 == 0 ? -height : height, isBetween } );
 		}
 	}
-	std::sort( near.begin(), near.end(), []( const Near& a, const Near& b ) { return a.weight != b.weight ? a.weight > b.weight : a.trace < b.trace; } );
+	std::sort( near.begin(), near.end(),
+		[]( const Near& a, const Near& b ) { return a.weight != b.weight ? a.weight > b.weight : a.trace < b.trace; } );
 	return near;
 }
 
-/// How to go to get one metre further along `normal`: the m of least | m |^2 + k m^T S m + k' | S m |^2 with n . m = 1, S what m_outward holds. With
-/// K = ( 1 + k S + k' S^2 )^-1 it is K n / ( n . K n ): straight on inside, along the outer surface on it, along a crease's edge in one.
+/// How to go to get one metre further along `normal`: the m of least | m |^2 + k m^T S m + k' | S m |^2 with n . m = 1, S what m_outward
+/// holds. With K = ( 1 + k S + k' S^2 )^-1 it is K n / ( n . K n ): straight on inside, along the outer surface on it, along a crease's
+/// edge in one.
 Vec3 BladePath::wayOut( std::uint32_t point, const Vec3& normal ) const
 {
 	Eigen::Matrix3f outward;
@@ -168,7 +172,8 @@ Vec3 BladePath::placeOf( std::uint32_t point ) const
 
 std::size_t BladePath::bytes() const
 {
-	return m_trace.size() * sizeof( CutTrace ) + m_start.size() * sizeof( std::uint32_t ) + m_next.size() * sizeof( m_next[0] ) + m_outward.size() * sizeof( m_outward[0] );
+	return m_trace.size() * sizeof( CutTrace ) + m_start.size() * sizeof( std::uint32_t ) + m_next.size() * sizeof( m_next[0] ) +
+		m_outward.size() * sizeof( m_outward[0] );
 }
 
 } // namespace pliant

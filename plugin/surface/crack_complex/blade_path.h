@@ -3,10 +3,10 @@
 // Cut faces that lie where the blade went. Steinemann et al. 2008, section 7.
 //
 // What can be drawn of a cut is the faces between cells: stairs. A point of the complex near a cut is moved onto the surface that the cut's
-// traces show: a point between the two sides always, one of a single side where it lies beyond. Both sides have the one point, so that faces stay
-// closed, equal and opposite: treads of the stairs become the cut, risers shrink to nothing. A point of the outer surface slides along it, one of
-// its creases along the crease.
-// Not done: cutting the triangles themselves anew (it would make the complex a body's own, and each cut a piece of geometry to be kept sound).
+// traces show: a point between the two sides always, one of a single side where it lies beyond. Both sides have the one point, so that
+// faces stay closed, equal and opposite: treads of the stairs become the cut, risers shrink to nothing. A point of the outer surface slides
+// along it, one of its creases along the crease. Not done: cutting the triangles themselves anew (it would make the complex a body's own,
+// and each cut a piece of geometry to be kept sound).
 
 #include "fracture/cut_links.h"
 #include "surface/crack_complex/cell_complex.h"
@@ -35,7 +35,7 @@ private:
 	{
 		std::uint32_t trace;
 		float weight;
-		float side; ///< the point's distance from the trace's plane, positive on the side of the point's own cell; m
+		float side;     ///< the point's distance from the trace's plane, positive on the side of the point's own cell; m
 		bool isBetween; ///< both of the trace's cells meet at the point
 	};
 
@@ -45,7 +45,7 @@ private:
 
 	std::shared_ptr<const CellComplex> m_complex;
 	std::vector<CutTrace> m_trace;
-	std::vector<std::uint32_t> m_start;           ///< by cell: its latest trace's entry, or kNone
+	std::vector<std::uint32_t> m_start;               ///< by cell: its latest trace's entry, or kNone
 	std::vector<std::array<std::uint32_t, 2>> m_next; ///< by trace: the entry before it of either cell; an entry is 2 x trace + which cell
 	/// By point: sum over the outer surface's triangles there of area n n^T over their whole area: xx, yy, zz, yz, xz, xy; zero inside.
 	std::vector<std::array<float, 6>> m_outward;

@@ -21,8 +21,8 @@ Status broken( const char* words )
 
 } // namespace
 
-Result<std::shared_ptr<const CellComplex>> CellComplex::build( const MeshView& mesh, const Lattice& lattice, const SkinBinding& skin,
-	const LatticeSettings& build, const CrackSettings& settings )
+Result<std::shared_ptr<const CellComplex>> CellComplex::build(
+	const MeshView& mesh, const Lattice& lattice, const SkinBinding& skin, const LatticeSettings& build, const CrackSettings& settings )
 {
 	using Answer = Result<std::shared_ptr<const CellComplex>>;
 	const auto start = std::chrono::steady_clock::now();
@@ -68,12 +68,12 @@ std::size_t CellComplex::bytes() const
 	const auto sizeOf = []( const auto& list ) { return list.size() * sizeof( list[0] ); };
 	const auto sizeOfTable = [&]( const Table& table ) { return sizeOf( table.start ) + sizeOf( table.entry ); };
 	return sizeOf( pointRest ) + sizeOfTable( cellsOfPoint ) + sizeOfTable( facesOfPoint ) + sizeOfTable( pointsOfCell ) +
-		sizeOfTable( pointsOfFace ) + sizeOfTable( boundPoints ) + sizeOf( bindStart ) + sizeOf( bindCell ) +
-		sizeOf( bindWeight ) + sizeOf( vertexPoint ) + sizeOf( addedOrigin ) + sizeOf( vertexNormal ) + sizeOf( cellTriangleStart ) + sizeOf( triangle ) +
+		sizeOfTable( pointsOfFace ) + sizeOfTable( boundPoints ) + sizeOf( bindStart ) + sizeOf( bindCell ) + sizeOf( bindWeight ) +
+		sizeOf( vertexPoint ) + sizeOf( addedOrigin ) + sizeOf( vertexNormal ) + sizeOf( cellTriangleStart ) + sizeOf( triangle ) +
 		sizeOf( triangleSource ) + sizeOf( face ) + sizeOf( faceTriangle ) + sizeOf( faceAxis ) + sizeOfTable( facesOfCell ) +
-		sizeOf( panels.corner ) + sizeOf( panels.ofPiece ) + sizeOf( panels.firstOfCell ) + sizeOfTable( panels.points ) + sizeOfTable( panels.atPoint ) +
-		sizeOf( panels.isPlaceable ) + sizeOf( panels.isPlane ) + sizeOf( panels.source ) + sizeOfTable( panels.border ) +
-		sizeOf( panels.isSpared ) + sizeOf( panels.isPlain );
+		sizeOf( panels.corner ) + sizeOf( panels.ofPiece ) + sizeOf( panels.firstOfCell ) + sizeOfTable( panels.points ) +
+		sizeOfTable( panels.atPoint ) + sizeOf( panels.isPlaceable ) + sizeOf( panels.isPlane ) + sizeOf( panels.source ) +
+		sizeOfTable( panels.border ) + sizeOf( panels.isSpared ) + sizeOf( panels.isPlain );
 }
 
 namespace {
@@ -123,8 +123,8 @@ Status validate( const CellComplex& complex )
 	{
 		return broken( "A table of the cell complex does not fit its rows." );
 	}
-	if ( complex.vertexPoint.size() != complex.inputVertices + complex.addedOrigin.size() || complex.triangleSource.size() != complex.triangle.size() ||
-		complex.faceAxis.size() != complex.faceTriangle.size() )
+	if ( complex.vertexPoint.size() != complex.inputVertices + complex.addedOrigin.size() ||
+		complex.triangleSource.size() != complex.triangle.size() || complex.faceAxis.size() != complex.faceTriangle.size() )
 	{
 		return broken( "Arrays of the cell complex differ in length." );
 	}
@@ -144,7 +144,8 @@ Status validate( const CellComplex& complex )
 	}
 	for ( std::uint32_t f = 0; f < faces; ++f )
 	{
-		if ( complex.face[f].cellA >= complex.face[f].cellB || complex.face[f].cellB >= cells || complex.faceBetween( complex.face[f].cellA, complex.face[f].cellB ) != f )
+		if ( complex.face[f].cellA >= complex.face[f].cellB || complex.face[f].cellB >= cells ||
+			complex.faceBetween( complex.face[f].cellA, complex.face[f].cellB ) != f )
 		{
 			return broken( "A face is not found between its cells." );
 		}

@@ -3,8 +3,8 @@
 // The surface and the inside of a body, taken apart along its cells: what every crack of every body of a template can show. Immutable.
 // Ohta et al. 2009, "Fracturing", Fig. 4.
 //
-// Every cell's pieces of the surface and its faces form a closed surface together, and the cells' volumes sum to the mesh's: cell borders are
-// the lattice's planes, bent by noise, cut exactly.
+// Every cell's pieces of the surface and its faces form a closed surface together, and the cells' volumes sum to the mesh's: cell borders
+// are the lattice's planes, bent by noise, cut exactly.
 
 #include "lattice/lattice.h"
 #include "pliant/body_template.h"
@@ -23,10 +23,10 @@ struct SkinBinding;
 
 struct CrackReport
 {
-	int faces = 0;       ///< pairs of cells with material between them
-	int fallbacks = 0;   ///< lattice squares where the surface's cut does not close, drawn by Marching Squares
-	int adopted = 0;     ///< crumbs of material drawn with a neighbouring cell
-	int emptyCells = 0;  ///< cells that draw nothing, their material having gone with the noise
+	int faces = 0;      ///< pairs of cells with material between them
+	int fallbacks = 0;  ///< lattice squares where the surface's cut does not close, drawn by Marching Squares
+	int adopted = 0;    ///< crumbs of material drawn with a neighbouring cell
+	int emptyCells = 0; ///< cells that draw nothing, their material having gone with the noise
 	double seconds = 0.0;
 };
 
@@ -36,8 +36,8 @@ struct CrackFace
 	std::uint32_t cellA, cellB;  ///< A < B
 	std::uint32_t firstTriangle; ///< in CellComplex::faceTriangle; each turned outwards seen from A
 	std::uint32_t lastTriangle;
-	float area;                  ///< m^2
-	bool isLinked;               ///< in the lattice as it was built
+	float area;    ///< m^2
+	bool isLinked; ///< in the lattice as it was built
 };
 
 class CellComplex
@@ -51,11 +51,11 @@ public:
 
 	// === Points: places, whatever is drawn there ===
 
-	std::vector<Vec3> pointRest; ///< relative to the lattice's mass centre, m
-	Table cellsOfPoint;          ///< cells that draw something there, ascending
-	Table facesOfPoint;          ///< faces between them that pass there, ascending
+	std::vector<Vec3> pointRest;      ///< relative to the lattice's mass centre, m
+	Table cellsOfPoint;               ///< cells that draw something there, ascending
+	Table facesOfPoint;               ///< faces between them that pass there, ascending
 	Table pointsOfCell, pointsOfFace; ///< the other way round
-	Table boundPoints;           ///< by cell: points that it carries, ascending
+	Table boundPoints;                ///< by cell: points that it carries, ascending
 	/// Which cells carry a point while nothing is broken, and how much. Empty rows with Skinning::None.
 	Skinning skinning = Skinning::None;
 	std::vector<std::uint32_t> bindStart, bindCell;
@@ -68,25 +68,25 @@ public:
 		std::array<std::uint32_t, 3> vertex; ///< of the input; kNone where fewer will do
 		std::array<float, 3> weight;
 	};
-	std::uint32_t inputVertices = 0;       ///< vertex i of the input is vertex i
+	std::uint32_t inputVertices = 0; ///< vertex i of the input is vertex i
 	std::vector<std::uint32_t> vertexPoint;
-	std::vector<Origin> addedOrigin;       ///< of vertex inputVertices + k
-	std::vector<Vec3> vertexNormal;        ///< at rest, as the whole mesh is shaded; empty with Skinning::None
+	std::vector<Origin> addedOrigin; ///< of vertex inputVertices + k
+	std::vector<Vec3> vertexNormal;  ///< at rest, as the whole mesh is shaded; empty with Skinning::None
 
 	// === What a cell draws ===
 
-	std::vector<std::uint32_t> cellTriangleStart;        ///< by cell: its pieces of the outer surface
-	std::vector<std::array<std::uint32_t, 3>> triangle;  ///< vertices
-	std::vector<std::uint32_t> triangleSource;           ///< the input's triangle
-	Panels panels; ///< none with Skinning::None
+	std::vector<std::uint32_t> cellTriangleStart;       ///< by cell: its pieces of the outer surface
+	std::vector<std::array<std::uint32_t, 3>> triangle; ///< vertices
+	std::vector<std::uint32_t> triangleSource;          ///< the input's triangle
+	Panels panels;                                      ///< none with Skinning::None
 
 	std::vector<CrackFace> face;                            ///< by cellA, then cellB
 	std::vector<std::array<std::uint32_t, 3>> faceTriangle; ///< points
 	std::vector<std::uint8_t> faceAxis;                     ///< by face triangle: 2 x axis, plus 1 where A is on the upper side
 	Table facesOfCell;
 	/// Two cells may share a face and have no link: one of them took a crumb beyond its own position, or the lattice's samples saw no way.
-	/// Such a face stands as long as linked ones lead from cell to cell round it. By face: threes of linked faces that lead so (of a shorter
-	/// way the last one twice); and by linked face, whom it holds.
+	/// Such a face stands as long as linked ones lead from cell to cell round it. By face: threes of linked faces that lead so (of a
+	/// shorter way the last one twice); and by linked face, whom it holds.
 	Table holdersOfFace, heldByFace;
 
 	CrackReport report;

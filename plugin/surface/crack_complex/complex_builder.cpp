@@ -6,11 +6,11 @@
 #include "lattice/inside/inside_field.h"
 #include "lattice/mesh/weld.h"
 #include "lattice/mesh/winding_number.h"
-#include "surface/crack_shapes/bent_chain.h"
 #include "surface/crack_complex/face_drawing.h"
-#include "surface/skin/skinning.h"
 #include "surface/crack_complex/surface_pieces.h"
+#include "surface/crack_shapes/bent_chain.h"
 #include "surface/crack_shapes/table.h"
+#include "surface/skin/skinning.h"
 
 #include <algorithm>
 #include <cmath>
@@ -26,8 +26,7 @@ public:
 	ComplexBuilder( const MeshView& mesh, const Lattice& lattice, const CrackSettings& settings, CellComplex& out ) :
 		m_view( mesh ), m_lattice( lattice ), m_settings( settings ), m_out( out ),
 		m_warp( double( settings.noiseAmplitude ), double( settings.noiseWavelength ), settings.noiseSeed )
-	{
-	}
+	{}
 
 	Status build( const SkinBinding& skin, const LatticeSettings& buildSettings )
 	{
@@ -122,7 +121,8 @@ private:
 			for ( int axis = 0; axis < 3; ++axis )
 			{
 				const Eigen::Vector3i above = positionOfKey( m_lattice.extent, key ) + Eigen::Vector3i::Unit( axis );
-				if ( above[axis] < m_lattice.extent[axis] && std::binary_search( keys.begin(), keys.end(), positionKey( m_lattice.extent, above ) ) )
+				const std::uint64_t key = positionKey( m_lattice.extent, above );
+				if ( above[axis] < m_lattice.extent[axis] && std::binary_search( keys.begin(), keys.end(), key ) )
 				{
 					faces.push_back( 3 * key + std::uint64_t( axis ) );
 				}
@@ -160,8 +160,6 @@ private:
 		m_pieces = drawPieces( { m_view, m_mesh, m_lattice, std::move( edges ) }, m_surface, m_owners.ofPolygon, m_merged );
 	}
 
-	// === Numbers ===
-
 	/// Of each point of the surface the lowest cell that draws something there; kNone: none does.
 	std::vector<std::uint32_t> lowestCells() const
 	{
@@ -190,8 +188,7 @@ private:
 		return lowest;
 	}
 
-	/// Places of the mesh and all others that something is drawn at: those of one cell side by side, so that what is done for a crack's faces
-	/// finds them near to one another in memory.
+	/// Positions of the mesh and of all else that is drawn, those of one cell side by side: crack faces find them close in memory.
 	void numberPoints()
 	{
 		const std::vector<std::uint32_t> lowest = lowestCells();
@@ -266,7 +263,8 @@ private:
 		findHolders();
 		for ( std::uint32_t cell = 0; cell < cells; ++cell )
 		{
-			m_out.report.emptyCells += m_out.cellTriangleStart[cell] == m_out.cellTriangleStart[cell + 1] && m_out.facesOfCell.size( cell ) == 0;
+			const bool isDrawn = m_out.cellTriangleStart[cell] != m_out.cellTriangleStart[cell + 1];
+			m_out.report.emptyCells += !isDrawn && m_out.facesOfCell.size( cell ) == 0;
 		}
 	}
 
@@ -372,7 +370,8 @@ private:
 			const SkinBinding& from = inputOf[p] == CellComplex::kNone ? bound : skin;
 			const std::size_t row = inputOf[p] == CellComplex::kNone ? p : inputOf[p];
 			m_out.bindCell.insert( m_out.bindCell.end(), from.node.begin() + from.start[row], from.node.begin() + from.start[row + 1] );
-			m_out.bindWeight.insert( m_out.bindWeight.end(), from.weight.begin() + from.start[row], from.weight.begin() + from.start[row + 1] );
+			const float* const weight = from.weight.data();
+			m_out.bindWeight.insert( m_out.bindWeight.end(), weight + from.start[row], weight + from.start[row + 1] );
 			m_out.bindStart.push_back( std::uint32_t( m_out.bindCell.size() ) );
 		}
 		m_out.boundPoints = turned( { m_out.bindStart, m_out.bindCell }, std::size_t( m_lattice.cellCount() ) );

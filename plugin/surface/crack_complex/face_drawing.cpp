@@ -37,10 +37,11 @@ bool isOnOneTriangle( const SurfaceOrigin& a, const SurfaceOrigin& b )
 class FaceDrawer
 {
 public:
-	FaceDrawer( ClippedSurface& surface, const FaceParts& parts, const NoiseWarp& warp, const CrackSettings& settings, MarchingSquares& squares ) :
-		m_surface( surface ), m_parts( parts ), m_warp( warp ), m_settings( settings ), m_squares( squares )
-	{
-	}
+	FaceDrawer(
+		ClippedSurface& surface, const FaceParts& parts, const NoiseWarp& warp, const CrackSettings& settings, MarchingSquares& squares ) :
+		m_surface( surface ),
+		m_parts( parts ), m_warp( warp ), m_settings( settings ), m_squares( squares )
+	{}
 
 	DrawnFaces run( const CellOwners& owners )
 	{
@@ -53,7 +54,8 @@ public:
 				walls.push_back( { std::min( below, above ), std::max( below, above ), p, above < below } );
 			}
 		}
-		std::sort( walls.begin(), walls.end(), []( const Wall& x, const Wall& y ) { return std::tie( x.a, x.b, x.part ) < std::tie( y.a, y.b, y.part ); } );
+		std::sort( walls.begin(), walls.end(),
+			[]( const Wall& x, const Wall& y ) { return std::tie( x.a, x.b, x.part ) < std::tie( y.a, y.b, y.part ); } );
 		for ( const Wall& wall : walls )
 		{
 			if ( m_out.face.empty() || m_out.face.back().cellA != wall.a || m_out.face.back().cellB != wall.b )
@@ -141,7 +143,8 @@ private:
 		{
 			const Vec2d at = onGrid( part, k );
 			corners += isCorner( at ) ? 1 : 0;
-			if ( !m_surface.point[m_parts.loops.point[k]].origin.isInterior() || ( at - at.array().round().matrix() ).cwiseAbs().maxCoeff() > kOffGrid )
+			if ( !m_surface.point[m_parts.loops.point[k]].origin.isInterior() ||
+				( at - at.array().round().matrix() ).cwiseAbs().maxCoeff() > kOffGrid )
 			{
 				return false;
 			}
@@ -158,7 +161,8 @@ private:
 
 	bool isCorner( const Vec2d& at ) const
 	{
-		const auto isEnd = [n = double( m_settings.subdivision )]( double x ) { return std::abs( x ) < kOffGrid || std::abs( x - n ) < kOffGrid; };
+		const auto isEnd = [n = double( m_settings.subdivision )](
+							   double x ) { return std::abs( x ) < kOffGrid || std::abs( x - n ) < kOffGrid; };
 		return isEnd( at.x() ) && isEnd( at.y() );
 	}
 
@@ -172,7 +176,8 @@ private:
 			within.push_back( pointAt( part, 1 + k % ( n - 1 ), 1 + k / ( n - 1 ) ) );
 		}
 		drawPart( part );
-		if ( !within.empty() && std::all_of( within.begin(), within.end(), [&]( const ClipPoint& p ) { return isDrawnAlready( part, p ); } ) )
+		if ( !within.empty() &&
+			std::all_of( within.begin(), within.end(), [&]( const ClipPoint& p ) { return isDrawnAlready( part, p ); } ) )
 		{
 			return;
 		}
@@ -238,7 +243,8 @@ private:
 	/// Whether what is drawn passes a point of the face nearer than the tolerance, across it.
 	bool isDrawnAlready( const FacePart& part, const ClipPoint& p ) const
 	{
-		const auto flat = [axis = part.axis]( const ClipPoint& of ) { return Vec2d( of.place[( axis + 1 ) % 3], of.place[( axis + 2 ) % 3] ); };
+		const auto flat = [axis = part.axis](
+							  const ClipPoint& of ) { return Vec2d( of.place[( axis + 1 ) % 3], of.place[( axis + 2 ) % 3] ); };
 		const auto found = std::find_if( m_drawn.begin(), m_drawn.end(), [&]( const std::array<std::uint32_t, 3>& t ) {
 			const Vec2d a = flat( m_surface.point[t[0]] ), b = flat( m_surface.point[t[1]] ), c = flat( m_surface.point[t[2]] );
 			return doubleArea( a, b, flat( p ) ) >= 0.0 && doubleArea( b, c, flat( p ) ) >= 0.0 && doubleArea( c, a, flat( p ) ) >= 0.0;
@@ -281,8 +287,8 @@ private:
 
 } // namespace
 
-DrawnFaces drawFaces( ClippedSurface& surface, const FaceParts& parts, const CellOwners& owners, const NoiseWarp& warp, const CrackSettings& settings,
-	MarchingSquares& squares )
+DrawnFaces drawFaces( ClippedSurface& surface, const FaceParts& parts, const CellOwners& owners, const NoiseWarp& warp,
+	const CrackSettings& settings, MarchingSquares& squares )
 {
 	return FaceDrawer( surface, parts, warp, settings, squares ).run( owners );
 }

@@ -56,8 +56,8 @@ private:
 		const std::uint32_t* const corner = m_mesh.indices + 3 * std::size_t( source );
 		const Vec3 a = at( corner[1] ) - at( corner[0] ), b = at( corner[2] ) - at( corner[0] );
 		const float longest = std::max( { a.norm(), b.norm(), ( b - a ).norm() } );
-		return m_pieces.size( source ) > 1 && longest <= kLongestPanel * m_complex.cellSize && !a.cross( b ).isZero( 0.0f ) && isDrawnByItself( source, corner ) &&
-			hangsTogether( source );
+		return m_pieces.size( source ) > 1 && longest <= kLongestPanel * m_complex.cellSize && !a.cross( b ).isZero( 0.0f ) &&
+			isDrawnByItself( source, corner ) && hangsTogether( source );
 	}
 
 	bool isDrawnByItself( std::uint32_t source, const std::uint32_t* corner ) const
@@ -86,7 +86,9 @@ private:
 	{
 		const std::uint32_t *const first = m_pieces.begin( source ), *const last = m_pieces.end( source );
 		std::vector<std::uint32_t> reached{ m_complex.vertexPoint[m_complex.triangle[*first][0]] };
-		const auto isReached = [&]( std::uint32_t v ) { return std::find( reached.begin(), reached.end(), m_complex.vertexPoint[v] ) != reached.end(); };
+		const auto isReached = [&]( std::uint32_t v ) {
+			return std::find( reached.begin(), reached.end(), m_complex.vertexPoint[v] ) != reached.end();
+		};
 		for ( std::size_t before = 0; before < reached.size(); )
 		{
 			before = reached.size();
@@ -138,7 +140,8 @@ private:
 		std::vector<std::uint32_t> around{ corner[0] };
 		for ( std::size_t k = 0; k < edges.size(); ++k )
 		{
-			const auto next = std::find_if( edges.begin(), edges.end(), [&around]( const auto& edge ) { return edge[0] == around.back(); } );
+			const auto next = std::find_if(
+				edges.begin(), edges.end(), [&around]( const auto& edge ) { return edge[0] == around.back(); } );
 			around.push_back( next == edges.end() ? Panels::kNone : ( *next )[1] );
 		}
 		const bool isClosed = around.back() == corner[0] && edges.size() <= std::size_t( m_pieces.size( source ) ) + 2;
@@ -175,7 +178,8 @@ private:
 		for ( std::uint32_t panel = 0; panel < std::uint32_t( m_out.count() ); ++panel )
 		{
 			const auto isCorner = [&]( std::uint32_t point ) {
-				return std::any_of( m_out.corner[panel].begin(), m_out.corner[panel].end(), [&]( std::uint32_t v ) { return m_complex.vertexPoint[v] == point; } );
+				return std::any_of( m_out.corner[panel].begin(), m_out.corner[panel].end(),
+					[&]( std::uint32_t v ) { return m_complex.vertexPoint[v] == point; } );
 			};
 			const auto isPlaceable = [&]( std::uint32_t point ) { return m_out.isPlaceable[point] != 0; };
 			const std::uint32_t *const first = m_out.points.begin( panel ), *const last = m_out.points.end( panel );
@@ -194,10 +198,13 @@ private:
 			const bool arePlanes = std::all_of( m_out.atPoint.begin( point ), m_out.atPoint.end( point ), isPlane );
 			m_out.isSpared.push_back( m_out.isPlaceable[point] != 0 && arePlanes ? 1 : 0 );
 		}
-		const auto isHidden = [this]( std::uint32_t point ) { return m_out.isSpared[point] != 0 || m_out.isPlaceable[point] == 0; }; // or a corner
+		const auto isHidden = [this]( std::uint32_t point ) {
+			return m_out.isSpared[point] != 0 || m_out.isPlaceable[point] == 0;
+		}; // or a corner
 		for ( std::uint32_t panel = 0; panel < std::uint32_t( m_out.count() ); ++panel )
 		{
-			m_out.isPlain.push_back( isPlane( panel ) && std::all_of( m_out.points.begin( panel ), m_out.points.end( panel ), isHidden ) ? 1 : 0 );
+			m_out.isPlain.push_back(
+				isPlane( panel ) && std::all_of( m_out.points.begin( panel ), m_out.points.end( panel ), isHidden ) ? 1 : 0 );
 		}
 	}
 
@@ -214,9 +221,10 @@ Panels findPanels( const MeshView& mesh, const CellComplex& complex )
 	return PanelFinder( mesh, complex ).run();
 }
 
-// Seen from the third corner, the first side with vertices on it is a fan; what that leaves at either end, where the other two sides have vertices too, is one more
-// each, around the fan's first and last.
-void drawPanel( const std::vector<std::uint32_t>& around, const std::array<std::size_t, 3>& cornerAt, std::vector<std::array<std::uint32_t, 3>>& triangles )
+// Seen from the third corner, the first side with vertices on it is a fan; what that leaves at either end, where the other two sides have
+// vertices too, is one more each, around the fan's first and last.
+void drawPanel( const std::vector<std::uint32_t>& around, const std::array<std::size_t, 3>& cornerAt,
+	std::vector<std::array<std::uint32_t, 3>>& triangles )
 {
 	const std::size_t count = around.size();
 	const auto endOf = [&]( std::size_t side ) { return side == 2 ? count : cornerAt[side + 1]; };
@@ -226,7 +234,8 @@ void drawPanel( const std::vector<std::uint32_t>& around, const std::array<std::
 		++side;
 	}
 	const auto at = [&]( std::size_t k ) { return around[k % count]; };
-	const std::size_t first = cornerAt[side], second = endOf( side ), third = second + ( endOf( ( side + 1 ) % 3 ) - cornerAt[( side + 1 ) % 3] );
+	const std::size_t first = cornerAt[side], second = endOf( side ),
+					  third = second + ( endOf( ( side + 1 ) % 3 ) - cornerAt[( side + 1 ) % 3] );
 	if ( second - first == 1 ) // nothing but corners
 	{
 		triangles.push_back( { at( first ), at( second ), at( third ) } );
@@ -247,7 +256,8 @@ void drawPanel( const std::vector<std::uint32_t>& around, const std::array<std::
 }
 
 WholePanels::WholePanels( const Panels& panels ) :
-	m_panels( &panels ), m_isWhole( panels.count(), 1 ), m_isOne( panels.isPlane ), m_isPlain( panels.isPlain ), m_isPlaced( panels.isPlaceable ), m_isSpared( panels.isSpared )
+	m_panels( &panels ), m_isWhole( panels.count(), 1 ), m_isOne( panels.isPlane ), m_isPlain( panels.isPlain ),
+	m_isPlaced( panels.isPlaceable ), m_isSpared( panels.isSpared )
 {
 	m_placed = std::size_t( std::count( m_isPlaced.begin(), m_isPlaced.end(), 1 ) );
 }
@@ -303,16 +313,21 @@ void WholePanels::uncover( std::uint32_t point )
 	if ( isSpared( point ) )
 	{
 		m_isSpared[point] = 0;
-		std::for_each( m_panels->atPoint.begin( point ), m_panels->atPoint.end( point ), [this]( std::uint32_t panel ) { m_isPlain[panel] = 0; } );
+		std::for_each(
+			m_panels->atPoint.begin( point ), m_panels->atPoint.end( point ), [this]( std::uint32_t panel ) { m_isPlain[panel] = 0; } );
 	}
 }
 
-Status WholePanels::validate( const std::function<bool( std::uint32_t )>& isParted, const std::function<bool( std::uint32_t )>& isPassed ) const
+Status WholePanels::validate(
+	const std::function<bool( std::uint32_t )>& isParted, const std::function<bool( std::uint32_t )>& isPassed ) const
 {
 	const Panels& all = *m_panels;
-	const auto areAll = []( const Table& table, std::size_t row, auto&& holds ) { return std::all_of( table.begin( row ), table.end( row ), holds ); };
+	const auto areAll = []( const Table& table, std::size_t row, auto&& holds ) {
+		return std::all_of( table.begin( row ), table.end( row ), holds );
+	};
 	const auto isWhole = [&]( std::uint32_t panel ) {
-		return areAll( all.points, panel, [&]( std::uint32_t p ) { return !isParted( p ) && ( m_isTouched.empty() || m_isTouched[p] == 0 ); } );
+		return areAll(
+			all.points, panel, [&]( std::uint32_t p ) { return !isParted( p ) && ( m_isTouched.empty() || m_isTouched[p] == 0 ); } );
 	};
 	const auto isToBePlaced = [&]( std::uint32_t point ) { return all.isPlaceable[point] != 0 && areAll( all.atPoint, point, isWhole ); };
 	for ( std::uint32_t point = 0; point < std::uint32_t( all.isPlaceable.size() ); ++point )
@@ -324,7 +339,8 @@ Status WholePanels::validate( const std::function<bool( std::uint32_t )>& isPart
 	}
 	for ( std::uint32_t panel = 0; panel < std::uint32_t( all.count() ); ++panel )
 	{
-		const bool isWholeAround = areAll( all.points, panel, [&]( std::uint32_t p ) { return all.isPlaceable[p] == 0 || isToBePlaced( p ); } );
+		const bool isWholeAround = areAll(
+			all.points, panel, [&]( std::uint32_t p ) { return all.isPlaceable[p] == 0 || isToBePlaced( p ); } );
 		if ( isOne( panel ) != ( all.isPlane[panel] != 0 && isWhole( panel ) && isWholeAround ) )
 		{
 			return { ResultCode::BadArgument, "A panel is shaded as one that is not whole, or is not that is." };
@@ -339,7 +355,8 @@ Status WholePanels::validateSpared( const std::function<bool( std::uint32_t )>& 
 	const auto isOneThere = [this]( std::uint32_t panel ) { return isOne( panel ); };
 	for ( std::uint32_t point = 0; point < std::uint32_t( all.isPlaceable.size() ); ++point )
 	{
-		const bool isToBeSpared = isPlaced( point ) && !isPassed( point ) && std::all_of( all.atPoint.begin( point ), all.atPoint.end( point ), isOneThere );
+		const bool isToBeSpared = isPlaced( point ) && !isPassed( point ) &&
+			std::all_of( all.atPoint.begin( point ), all.atPoint.end( point ), isOneThere );
 		if ( isSpared( point ) != isToBeSpared )
 		{
 			return { ResultCode::BadArgument, "A point is spared that something is drawn with, or one is not that nothing is." };

@@ -2,8 +2,8 @@
 
 #include "surface/crack_complex/surface_pieces.h"
 
-#include "surface/skin/cell_finder.h"
 #include "surface/crack_shapes/outline.h"
+#include "surface/skin/cell_finder.h"
 
 #include <Eigen/Geometry>
 
@@ -36,8 +36,7 @@ class PieceDrawer
 public:
 	PieceDrawer( const PieceInput& input, const ClippedSurface& surface, const std::vector<std::uint32_t>& merged ) :
 		m_mesh( input.mesh ), m_welded( input.welded ), m_lattice( input.lattice ), m_faceEdges( input.faceEdges ), m_surface( surface ),
-		m_merged( merged ),
-		m_firstVertex( surface.point.size(), kNone )
+		m_merged( merged ), m_firstVertex( surface.point.size(), kNone )
 	{
 		m_out.vertexPoint = m_welded.weldedVertex;
 	}

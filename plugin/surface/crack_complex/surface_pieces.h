@@ -26,8 +26,8 @@ struct PieceInput
 	const MeshView& mesh;
 	const WeldedMesh& welded;
 	const Lattice& lattice;
-	/// Edges of faces between points of the surface, lower point first, sorted: no piece draws them within itself if it can help it, for then
-	/// four triangles would meet there.
+	/// Edges of faces between points of the surface, lower point first, sorted: no piece draws them within itself if it can help it, for
+	/// then four triangles would meet there.
 	std::vector<std::pair<std::uint32_t, std::uint32_t>> faceEdges;
 };
 

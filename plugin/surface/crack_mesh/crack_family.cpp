@@ -6,15 +6,15 @@ namespace pliant {
 
 namespace {
 
-/// A body of which more than one face in so many breaks at once is drawn anew, in patches: most of what there is to draw of it is new anyhow.
+/// A body of which more than one face in so many breaks at once is drawn anew, in patches: most of what there is to draw of it is new
+/// anyhow.
 constexpr std::size_t kFewFaces = 16;
 
 } // namespace
 
 CrackFamily::CrackFamily( const CrackSurface& whole, std::shared_ptr<const CrackPatches> patches, const float* texture ) :
 	m_patches( std::move( patches ) ), m_untouched( &whole ), m_input( texture )
-{
-}
+{}
 
 void CrackFamily::prepare()
 {

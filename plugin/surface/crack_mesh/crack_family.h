@@ -2,10 +2,10 @@
 
 // What the bodies show that one body has come apart into. Ohta et al. 2009, "Fracturing".
 //
-// Together their cracks are those of the one body they were: no face between two of them stands, and no side of a crack is two bodies' own. As
-// long as the body is one and breaks little by little, there is one crack surface, which only ever grows by what breaks. From then on there
-// is only how its cells hang together (CrackSides), and each body's drawing is put together from its cells' patches. A CrackSurface made
-// from a body's own lattice is the slow twin.
+// Together their cracks are those of the one body they were: no face between two of them stands, and no side of a crack is two bodies' own.
+// As long as the body is one and breaks little by little, there is one crack surface, which only ever grows by what breaks. From then on
+// there is only how its cells hang together (CrackSides), and each body's drawing is put together from its cells' patches. A CrackSurface
+// made from a body's own lattice is the slow twin.
 
 #include "surface/crack_complex/blade_path.h"
 #include "surface/crack_mesh/crack_view.h"
@@ -20,8 +20,8 @@ namespace pliant {
 class CrackFamily
 {
 public:
-	/// `whole`: of all cells, nothing broken. `patches`: of the same, made with `texture`: u, v of the input's vertices, or null. What is not shared must
-	/// outlive the family.
+	/// `whole`: of all cells, nothing broken. `patches`: of the same, made with `texture`: u, v of the input's vertices, or null. What is
+	/// not shared must outlive the family.
 	CrackFamily( const CrackSurface& whole, std::shared_ptr<const CrackPatches> patches, const float* texture );
 
 	/// Copies `whole` now, and not when a body that is whole is first shown with cracks: some that come to pieces at once never need it.
@@ -34,9 +34,11 @@ public:
 	/// Whether links have broken since anybody looked.
 	bool hasNews() const { return !m_pending.empty(); }
 
-	/// Takes in what has broken, on the runner's threads, for a body of so many cells that is to be shown; else the next who is shown does it alone.
+	/// Takes in what has broken, on the runner's threads, for a body of so many cells that is to be shown; else the next who is shown does
+	/// it alone.
 	void catchUp( std::size_t cells, TaskRunner* runner );
-	/// What a body of these cells (ascending) shows. `shift`: its mass centre seen from the template's, m. `runner`: whose threads share the work.
+	/// What a body of these cells (ascending) shows. `shift`: its mass centre seen from the template's, m. `runner`: whose threads share
+	/// the work.
 	void show( const std::vector<std::uint32_t>& cells, const Vec3& shift, CrackView& view, TaskRunner* runner = nullptr );
 
 	/// The crack surface of all, as anybody has seen it last; null before anybody has, and from when it is drawn in patches.

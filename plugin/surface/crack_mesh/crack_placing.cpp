@@ -49,8 +49,8 @@ SkinBinding::Placed CrackSurface::placedFrom( const CellComplex::Origin& origin,
 	return placed;
 }
 
-/// Once all is drawn. From then on panels are only parted, and what is placed stays where it is in the binding: the outer surface is drawn first, so that
-/// an outer copy carries each of these sides.
+/// Once all is drawn. From then on panels are only parted, and what is placed stays where it is in the binding: the outer surface is drawn
+/// first, so that an outer copy carries each of these sides.
 void CrackSurface::placeWhatIsWhole()
 {
 	m_split.clear(); // all is shaded
@@ -73,7 +73,9 @@ void CrackSurface::listPlaced()
 {
 	m_listedVersion = m_version;
 	std::vector<SkinBinding::Placed>& placed = m_binding.placed;
-	placed.erase( std::remove_if( placed.begin(), placed.end(), [this]( const SkinBinding::Placed& of ) { return !isPlaced( m_vertex[of.vertex] ); } ), placed.end() );
+	placed.erase( std::remove_if(
+					  placed.begin(), placed.end(), [this]( const SkinBinding::Placed& of ) { return !isPlaced( m_vertex[of.vertex] ); } ),
+		placed.end() );
 	m_binding.listBlended();
 	listShading();
 }
@@ -117,7 +119,8 @@ void CrackSurface::addPanelsAt( std::uint32_t point, std::vector<std::uint32_t>&
 	const Table& all = m_complex->panels.atPoint;
 	if ( m_panels.arePlaced() )
 	{
-		std::copy_if( all.begin( m_point[point] ), all.end( m_point[point] ), std::back_inserter( panels ), [this]( std::uint32_t panel ) { return m_panels.isOne( panel ); } );
+		std::copy_if( all.begin( m_point[point] ), all.end( m_point[point] ), std::back_inserter( panels ),
+			[this]( std::uint32_t panel ) { return m_panels.isOne( panel ); } );
 	}
 }
 
@@ -128,7 +131,9 @@ void CrackGatherer::listPlaced( SkinBinding& to, TaskRunner* runner ) const
 {
 	makePlace( to.placed, m_placedCount );
 	runShares( runner, Shares{ int( m_placedCount ) }, [&]( int, int begin, int end ) {
-		const auto lookAt = [&]( int k ) { return &m_sides->patches().look[m_made[m_placed[std::size_t( std::min( k, end - 1 ) )]].vertex]; };
+		const auto lookAt = [&]( int k ) {
+			return &m_sides->patches().look[m_made[m_placed[std::size_t( std::min( k, end - 1 ) )]].vertex];
+		};
 		for ( int k = begin; k < end; ++k )
 		{
 			__builtin_prefetch( lookAt( k + kFar ) );
@@ -151,7 +156,8 @@ SkinBinding::Placed CrackGatherer::placedAt( std::uint32_t vertex ) const
 	SkinBinding::Placed placed{ vertex, {}, origin.weight };
 	for ( std::size_t k = 0; k < 3; ++k )
 	{
-		placed.corner[k] = origin.vertex[k] == kNone ? placed.corner[0] : m_number[patches.numbersOfInput[origin.vertex[k]] + Carrier] - m_first;
+		placed.corner[k] = origin.vertex[k] == kNone ? placed.corner[0]
+													 : m_number[patches.numbersOfInput[origin.vertex[k]] + Carrier] - m_first;
 	}
 	return placed;
 }
@@ -164,7 +170,8 @@ std::array<std::uint32_t, 3> CrackGatherer::ofCorners( std::uint32_t panel, std:
 	return { at( 0 ), at( 1 ), at( 2 ) };
 }
 
-/// Those that are one, all of whose cells are the body's. Areas are asked for where a corner is shaded anew. The end of what is drawn of them.
+/// Those that are one, all of whose cells are the body's. Areas are asked for where a corner is shaded anew. The end of what is drawn of
+/// them.
 std::array<std::uint32_t, 3>* CrackGatherer::takePanels( std::array<std::uint32_t, 3>* triangles )
 {
 	const CellComplex& complex = m_sides->complex();
@@ -178,7 +185,8 @@ std::array<std::uint32_t, 3>* CrackGatherer::takePanels( std::array<std::uint32_
 				continue;
 			}
 			const auto& corner = complex.panels.corner[panel];
-			const std::array<std::uint32_t, 3> points = { complex.vertexPoint[corner[0]], complex.vertexPoint[corner[1]], complex.vertexPoint[corner[2]] };
+			const std::array<std::uint32_t, 3> points = {
+				complex.vertexPoint[corner[0]], complex.vertexPoint[corner[1]], complex.vertexPoint[corner[2]] };
 			m_shading[m_shadingCount++] = ofCorners( panel, Carrier ); // fewer than its pieces
 			takePanel( panel );
 			if ( std::any_of( points.begin(), points.end(), [this]( std::uint32_t p ) { return m_sides->isShadedAnew( p ); } ) )
@@ -205,7 +213,9 @@ void CrackGatherer::takePanel( std::uint32_t panel )
 	else
 	{
 		const auto drawnAt = [&]( std::uint32_t entry ) {
-			return m_sides->panels().isSpared( patches.complex->vertexPoint[all.border.entry[entry]] ) ? kNone : numberAt( patches.numberOfBorder[entry] );
+			return m_sides->panels().isSpared( patches.complex->vertexPoint[all.border.entry[entry]] )
+				? kNone
+				: numberAt( patches.numberOfBorder[entry] );
 		};
 		drawPanel( all, panel, drawnAt, m_around, m_panelTriangle );
 	}

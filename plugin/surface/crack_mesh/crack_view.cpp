@@ -17,7 +17,8 @@ constexpr std::size_t kFar = 24, kBlock = 512, kFewPatches = 4, kLine = 64;
 
 } // namespace
 
-void CrackGatherer::gather( const CrackSides& sides, const std::vector<std::uint32_t>& cells, const Vec3& shift, CrackView& view, TaskRunner* runner )
+void CrackGatherer::gather(
+	const CrackSides& sides, const std::vector<std::uint32_t>& cells, const Vec3& shift, CrackView& view, TaskRunner* runner )
 {
 	m_sides = &sides;
 	makeRoom( cells, view );
@@ -195,7 +196,8 @@ void CrackGatherer::append( std::array<std::uint32_t, 3>* triangles, std::size_t
 		{
 			const Made& made = inner.m_made[std::size_t( k )];
 			const std::uint32_t carrier = ( made.carrier & kOuter ) != 0 ? made.carrier : inner.m_made[made.carrier].carrier;
-			m_made[std::size_t( k ) + vertices] = { made.vertex, ( carrier & kOuter ) != 0 ? carrier ^ kOuter : carrier + vertices, made.normalGroup + groups };
+			m_made[std::size_t( k ) + vertices] = {
+				made.vertex, ( carrier & kOuter ) != 0 ? carrier ^ kOuter : carrier + vertices, made.normalGroup + groups };
 		}
 	} );
 	runShares( runner, Shares{ int( count ) }, [&]( int, int begin, int end ) {
@@ -209,8 +211,8 @@ void CrackGatherer::append( std::array<std::uint32_t, 3>* triangles, std::size_t
 	m_normalGroups += inner.m_normalGroups;
 }
 
-/// Looks up the sides of the next patches, some hundreds of vertices, in steps, so that what each leads to is on its way when it is asked for. Where
-/// those patches end.
+/// Looks up the sides of the next patches, some hundreds of vertices, in steps, so that what each leads to is on its way when it is asked
+/// for. Where those patches end.
 std::size_t CrackGatherer::lookAhead( std::size_t first, std::size_t last )
 {
 	const CrackPatches& patches = m_sides->patches();
@@ -259,8 +261,8 @@ std::size_t CrackGatherer::lookAhead( std::size_t first, std::size_t last )
 	return end;
 }
 
-/// `local`: of each vertex of the patch where its side's numbers are, then its number in the body; kNone: it is spared. Each triangle is written, and counted if
-/// it is drawn: no branch to foretell.
+/// `local`: of each vertex of the patch where its side's numbers are, then its number in the body; kNone: it is spared. Each triangle is
+/// written, and counted if it is drawn: no branch to foretell.
 std::array<std::uint32_t, 3>* CrackGatherer::takePatch( std::uint32_t patch, std::uint32_t* local, std::array<std::uint32_t, 3>* triangles )
 {
 	const CrackPatches& patches = m_sides->patches();
@@ -298,8 +300,8 @@ std::uint32_t CrackGatherer::addVertex( std::uint32_t vertex, std::uint32_t carr
 	return m_count++;
 }
 
-/// `known`: the numbers of the vertex's side. Vertices of one side share a normal, outer ones one and inner ones another; without noise the inner ones
-/// are sides of cubes, each with its own.
+/// `known`: the numbers of the vertex's side. Vertices of one side share a normal, outer ones one and inner ones another; without noise the
+/// inner ones are sides of cubes, each with its own.
 std::uint32_t CrackGatherer::numberOf( std::uint32_t vertex, std::uint32_t* known )
 {
 	const CrackPatches::Vertex& of = m_sides->patches().vertex[vertex];
@@ -350,8 +352,8 @@ void CrackGatherer::addAreas( std::uint32_t patch, const std::uint32_t* local )
 	}
 }
 
-/// Of the patch just taken, an outer one, with vertices from `fresh` on: which are placed, and what adds to normals. Each is written, and counted if it is
-/// one: no branch to foretell.
+/// Of the patch just taken, an outer one, with vertices from `fresh` on: which are placed, and what adds to normals. Each is written, and
+/// counted if it is one: no branch to foretell.
 void CrackGatherer::takeOuter( std::uint32_t patch, const std::uint32_t* local, std::uint32_t fresh )
 {
 	const CrackPatches& patches = m_sides->patches();
@@ -360,7 +362,8 @@ void CrackGatherer::takeOuter( std::uint32_t patch, const std::uint32_t* local, 
 	std::uint32_t* placed = m_placed.get() + m_placedCount;
 	for ( std::uint32_t k = 0; k < count; ++k )
 	{
-		const unsigned isFresh = local[k] >= fresh && local[k] != kNone ? 1u : 0u, isPlaced = panels.isPlaced( patches.look[first + k].point ) ? 1u : 0u;
+		const unsigned isFresh = local[k] >= fresh && local[k] != kNone ? 1u : 0u,
+					   isPlaced = panels.isPlaced( patches.look[first + k].point ) ? 1u : 0u;
 		*placed = local[k];
 		placed += isFresh & isPlaced;
 	}

@@ -31,9 +31,11 @@ struct CrackView
 class CrackGatherer
 {
 public:
-	/// What a body of these cells (ascending) shows. `shift`: its mass centre seen from the template's, m. Its inside is numbered beside its outer
-	/// surface, and what is written is shared out, on the runner's threads; with one or none, one after the other, which is the slow twin.
-	void gather( const CrackSides& sides, const std::vector<std::uint32_t>& cells, const Vec3& shift, CrackView& view, TaskRunner* runner = nullptr );
+	/// What a body of these cells (ascending) shows. `shift`: its mass centre seen from the template's, m. Its inside is numbered beside
+	/// its outer surface, and what is written is shared out, on the runner's threads; with one or none, one after the other, which is the
+	/// slow twin.
+	void gather( const CrackSides& sides, const std::vector<std::uint32_t>& cells, const Vec3& shift, CrackView& view,
+		TaskRunner* runner = nullptr );
 
 private:
 	static constexpr std::uint32_t kNone = CrackSurface::kNone;
@@ -67,7 +69,10 @@ private:
 
 	void makeRoom( const std::vector<std::uint32_t>& cells, CrackView& view );
 	void begin( std::size_t vertices );
-	std::uint32_t verticesOf( std::uint32_t patch ) const { return m_sides->patches().patch[patch + 1].firstVertex - m_sides->patches().patch[patch].firstVertex; }
+	std::uint32_t verticesOf( std::uint32_t patch ) const
+	{
+		return m_sides->patches().patch[patch + 1].firstVertex - m_sides->patches().patch[patch].firstVertex;
+	}
 	bool isOuter( std::size_t patch ) const { return patch < m_cells; } ///< by place in m_patch
 	/// The end of what they draw.
 	std::array<std::uint32_t, 3>* number( std::size_t first, std::size_t last, std::array<std::uint32_t, 3>* triangles );
@@ -100,16 +105,16 @@ private:
 	std::vector<std::uint32_t> m_patch;   ///< of the body: its cells, then their sides of broken faces
 	std::vector<std::uint32_t> m_number;  ///< as CrackPatches::numbersOfSlot says; below m_first: of an earlier body
 	std::uint32_t m_first = 1;
-	std::vector<Made> m_made;             ///< room for all; m_count are
-	std::size_t m_cells = 0;              ///< of the body
+	std::vector<Made> m_made;                                        ///< room for all; m_count are
+	std::size_t m_cells = 0;                                         ///< of the body
 	std::uint32_t m_count = 0, m_outerCount = 0, m_normalGroups = 0; ///< vertices, those of the outer surface first
 	std::uint32_t m_outerTriangles = 0;
-	std::vector<Row> m_row;               ///< by vertex
-	std::vector<std::uint32_t> m_vertex;  ///< of the patches at hand; kNone: spared
-	std::vector<std::uint32_t> m_local;   ///< of the patches at hand: their vertices' numbers in the body
-	std::vector<SharedRow> m_sharedRow;   ///< while the inside is numbered by itself
+	std::vector<Row> m_row;                 ///< by vertex
+	std::vector<std::uint32_t> m_vertex;    ///< of the patches at hand; kNone: spared
+	std::vector<std::uint32_t> m_local;     ///< of the patches at hand: their vertices' numbers in the body
+	std::vector<SharedRow> m_sharedRow;     ///< while the inside is numbered by itself
 	std::unique_ptr<CrackGatherer> m_inner; ///< numbers the inside meanwhile
-	std::vector<Vec3> m_area;             ///< by group of normals, where points are shaded anew: of the outer surface
+	std::vector<Vec3> m_area;               ///< by group of normals, where points are shaded anew: of the outer surface
 	/// Of the outer surface: vertices within whole panels; SkinBinding::shading, if any are. Room for all and one, not written before.
 	std::unique_ptr<std::uint32_t[]> m_placed;
 	std::unique_ptr<std::array<std::uint32_t, 3>[]> m_shading;

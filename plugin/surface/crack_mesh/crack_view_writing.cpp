@@ -29,7 +29,9 @@ void CrackGatherer::write( const std::vector<std::uint32_t>& cells, const Vec3& 
 	}
 	const Shares rows{ int( m_row.size() ) }, vertices{ int( m_count ) };
 	OfShares<std::uint32_t> entries{};
-	runShares( runner, rows, [&]( int share, int begin, int end ) { entries[std::size_t( share )] = takeCarriers( std::size_t( begin ), std::size_t( end ) ); } );
+	runShares( runner, rows, [&]( int share, int begin, int end ) {
+		entries[std::size_t( share )] = takeCarriers( std::size_t( begin ), std::size_t( end ) );
+	} );
 	std::uint32_t sum = 0;
 	for ( std::uint32_t& each : entries )
 	{
@@ -216,7 +218,8 @@ void CrackGatherer::writeRow( const Row& row, std::uint32_t* node, float* weight
 	{
 		return;
 	}
-	// A cell that hardly carries a point (weights to 6e-5 have been seen) may come off without its side being asked anew: the rest carry all.
+	// A cell that hardly carries a point (weights to 6e-5 have been seen) may come off without its side being asked anew: the rest carry
+	// all.
 	float others = 0.0f;
 	int kept = 0;
 	for ( int k = 0; k < count; ++k )

@@ -1,4 +1,5 @@
-// A crack surface drawn with panels that are one as the input has them: the slow twin of CrackGatherer. Beyond Ohta et al. 2009, "Fracturing".
+// A crack surface drawn with panels that are one as the input has them: the slow twin of CrackGatherer. Beyond Ohta et al. 2009,
+// "Fracturing".
 
 #include "surface/crack_mesh/crack_view.h"
 
@@ -84,7 +85,8 @@ void CrackSurface::showPanelsAsOne( const float* texture, CrackView& view ) cons
 		isKept.push_back( m_panels.isSpared( m_point[vertex.point] ) ? 0 : 1 );
 	}
 	const std::vector<std::uint32_t> number = numbersOf( isKept );
-	const auto rename = [&number]( auto& list ) { std::for_each( list.begin(), list.end(), [&number]( std::uint32_t& v ) { v = number[v]; } ); };
+	const auto rename = [&number](
+							auto& list ) { std::for_each( list.begin(), list.end(), [&number]( std::uint32_t& v ) { v = number[v]; } ); };
 	std::for_each( view.ownTriangles.begin(), view.ownTriangles.end(), rename );
 	to.kind = m_binding.kind;
 	to.restPosition = keptOf( m_binding.restPosition, isKept );
@@ -104,7 +106,8 @@ void CrackSurface::showPanelsAsOne( const float* texture, CrackView& view ) cons
 			continue;
 		}
 		to.node.insert( to.node.end(), m_binding.node.begin() + m_binding.start[v], m_binding.node.begin() + m_binding.start[v + 1] );
-		to.weight.insert( to.weight.end(), m_binding.weight.begin() + m_binding.start[v], m_binding.weight.begin() + m_binding.start[v + 1] );
+		to.weight.insert(
+			to.weight.end(), m_binding.weight.begin() + m_binding.start[v], m_binding.weight.begin() + m_binding.start[v + 1] );
 		to.start.push_back( std::uint32_t( to.node.size() ) );
 		view.ownTexture.insert( view.ownTexture.end(), { texture[2 * v], texture[2 * v + 1] } );
 	}

@@ -16,7 +16,8 @@ double distanceToLine( const Vec3d& p, const Vec3d& from, const Vec3d& to )
 	return ( p - from - share * along ).norm();
 }
 
-void keepBetween( const std::vector<Vec3d>& chain, std::size_t first, std::size_t last, double tolerance, std::vector<std::uint8_t>& isKept )
+void keepBetween(
+	const std::vector<Vec3d>& chain, std::size_t first, std::size_t last, double tolerance, std::vector<std::uint8_t>& isKept )
 {
 	std::size_t farthest = first;
 	double most = 0.0;
@@ -41,7 +42,8 @@ void keepBetween( const std::vector<Vec3d>& chain, std::size_t first, std::size_
 class CutChains
 {
 public:
-	CutChains( const ClippedSurface& surface, const std::vector<FaceEdge>& edges, std::vector<std::uint32_t>& merged ) : m_surface( surface ), m_merged( merged ), m_link( merged.size() )
+	CutChains( const ClippedSurface& surface, const std::vector<FaceEdge>& edges, std::vector<std::uint32_t>& merged ) :
+		m_surface( surface ), m_merged( merged ), m_link( merged.size() )
 	{
 		for ( const std::uint32_t to : merged )
 		{
@@ -92,7 +94,8 @@ private:
 	bool isWithin( std::uint32_t p ) const
 	{
 		const Link& link = m_link[p];
-		return link.members == 1 && link.leaving == 1 && link.coming == 1 && link.faceIn == link.faceOut && m_surface.point[p].origin.vertex[2] != SurfaceOrigin::kNone;
+		return link.members == 1 && link.leaving == 1 && link.coming == 1 && link.faceIn == link.faceOut &&
+			m_surface.point[p].origin.vertex[2] != SurfaceOrigin::kNone;
 	}
 
 	void shorten( std::uint32_t from, std::uint32_t to, double tolerance )
@@ -156,7 +159,7 @@ private:
 
 	const ClippedSurface& m_surface;
 	std::vector<std::uint32_t>& m_merged;
-	std::vector<Link> m_link; ///< by point
+	std::vector<Link> m_link;            ///< by point
 	std::vector<std::uint32_t> m_became; ///< by point: the one it is left out for, or itself
 	std::vector<std::uint32_t> m_chain;
 	std::vector<Vec3d> m_place;
@@ -172,7 +175,8 @@ std::vector<std::uint8_t> keepBent( const std::vector<Vec3d>& chain, double tole
 	return isKept;
 }
 
-void leaveOutStraight( const ClippedSurface& surface, const std::vector<FaceEdge>& edges, double tolerance, std::vector<std::uint32_t>& merged )
+void leaveOutStraight(
+	const ClippedSurface& surface, const std::vector<FaceEdge>& edges, double tolerance, std::vector<std::uint32_t>& merged )
 {
 	CutChains( surface, edges, merged ).leaveOut( edges, tolerance );
 }

@@ -53,8 +53,7 @@ public:
 		makeBlobs();
 		takeLargest();
 		while ( goWithNeighbours() )
-		{
-		}
+		{}
 		goToNearest();
 		CellOwners out;
 		out.adopted = m_adopted;
@@ -346,7 +345,8 @@ bool areLinked( const Lattice& lattice, std::uint32_t a, std::uint32_t b )
 	return std::binary_search( lattice.linkTo.begin() + lattice.linkStart[a], lattice.linkTo.begin() + lattice.linkStart[a + 1], b );
 }
 
-CellOwners findOwners( const Lattice& lattice, const ClippedSurface& surface, const FaceParts& faces, const std::vector<std::uint32_t>& merged )
+CellOwners findOwners(
+	const Lattice& lattice, const ClippedSurface& surface, const FaceParts& faces, const std::vector<std::uint32_t>& merged )
 {
 	return OwnerSearch( lattice, surface, faces, merged ).run();
 }

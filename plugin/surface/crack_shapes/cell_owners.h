@@ -16,10 +16,11 @@ struct CellOwners
 	std::vector<std::uint32_t> ofPolygon;
 	std::vector<std::uint32_t> below; ///< by part of a face: the cell under it
 	std::vector<std::uint32_t> above;
-	int adopted = 0;                  ///< pieces of material that went to a cell at another position
+	int adopted = 0; ///< pieces of material that went to a cell at another position
 };
 
-CellOwners findOwners( const Lattice& lattice, const ClippedSurface& surface, const FaceParts& faces, const std::vector<std::uint32_t>& merged );
+CellOwners findOwners(
+	const Lattice& lattice, const ClippedSurface& surface, const FaceParts& faces, const std::vector<std::uint32_t>& merged );
 
 /// Whether two cells are linked in the lattice as it was built.
 bool areLinked( const Lattice& lattice, std::uint32_t a, std::uint32_t b );

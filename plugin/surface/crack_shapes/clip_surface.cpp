@@ -10,8 +10,9 @@ namespace pliant {
 
 namespace {
 
-/// An edge may be as long as so many of the pieces that faces' edges are drawn with, and as so much of a wave of the noise: what crosses it and its two
-/// neighbours bends a border some four times in a cell. Half as long, a border bent twice as often as the faces within it, with as many vertices more.
+/// An edge may be as long as so many of the pieces that faces' edges are drawn with, and as so much of a wave of the noise: what crosses it
+/// and its two neighbours bends a border some four times in a cell. Half as long, a border bent twice as often as the faces within it, with
+/// as many vertices more.
 constexpr double kPiecesOfEdge = 2.0, kWaveOfEdge = 0.625;
 
 std::uint64_t edgeKey( std::uint32_t a, std::uint32_t b )
@@ -82,8 +83,7 @@ public:
 		if ( !m_input.warp.isOff() )
 		{
 			while ( halveLongEdges( pieces ) )
-			{
-			}
+			{}
 		}
 		for ( const Piece& piece : pieces )
 		{
@@ -123,7 +123,8 @@ private:
 			made.rest += made.origin.weight[k] * m_input.position[made.origin.vertex[k]];
 		}
 		// Kept within the ends, so that labels never go back and forth along an edge.
-		made.place = ( p.place + t * ( q.place - p.place ) ).cwiseMax( p.place.cwiseMin( q.place ) ).cwiseMin( p.place.cwiseMax( q.place ) );
+		made.place =
+			( p.place + t * ( q.place - p.place ) ).cwiseMax( p.place.cwiseMin( q.place ) ).cwiseMin( p.place.cwiseMax( q.place ) );
 		m_out.point.push_back( made );
 		return std::uint32_t( m_out.point.size() - 1 );
 	}
@@ -179,24 +180,22 @@ private:
 		const std::uint32_t ab = half[turn % 3], bc = half[( turn + 1 ) % 3], ca = half[( turn + 2 ) % 3];
 		switch ( cuts )
 		{
-		case 0:
-			add( a, b, c );
-			return;
-		case 1:
-			add( a, b, ca );
-			add( b, c, ca );
-			return;
-		case 2:
-			add( ab, b, bc );
-			add( a, ab, bc );
-			add( a, bc, c );
-			return;
-		default:
-			add( a, ab, ca );
-			add( ab, b, bc );
-			add( ca, bc, c );
-			add( ab, bc, ca );
-			return;
+			case 0: add( a, b, c ); return;
+			case 1:
+				add( a, b, ca );
+				add( b, c, ca );
+				return;
+			case 2:
+				add( ab, b, bc );
+				add( a, ab, bc );
+				add( a, bc, c );
+				return;
+			default:
+				add( a, ab, ca );
+				add( ab, b, bc );
+				add( ca, bc, c );
+				add( ab, bc, ca );
+				return;
 		}
 	}
 
@@ -276,7 +275,8 @@ private:
 			Eigen::Vector3i plane = Eigen::Vector3i::Zero();
 			plane[other] = position[other] + 1;
 			plane[axis] = item.level / 2;
-			m_out.pierce.push_back( { item.point, std::int8_t( line ), std::int8_t( sign ), plane[( line + 1 ) % 3], plane[( line + 2 ) % 3], 0 } );
+			m_out.pierce.push_back(
+				{ item.point, std::int8_t( line ), std::int8_t( sign ), plane[( line + 1 ) % 3], plane[( line + 2 ) % 3], 0 } );
 		}
 	}
 

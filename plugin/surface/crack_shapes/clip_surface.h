@@ -40,8 +40,8 @@ struct ClipPoint
 struct ClipPolygons
 {
 	std::vector<std::uint32_t> start{ 0 };
-	std::vector<std::uint32_t> point;  ///< by corner
-	std::vector<std::uint8_t> plane;   ///< by corner: what the edge to the next corner lies on, a plane tag or kNoPlane
+	std::vector<std::uint32_t> point; ///< by corner
+	std::vector<std::uint8_t> plane;  ///< by corner: what the edge to the next corner lies on, a plane tag or kNoPlane
 	std::vector<Eigen::Vector3i> position;
 	std::vector<std::uint32_t> triangle; ///< the welded triangle it is a piece of
 
@@ -60,15 +60,15 @@ struct Pierce
 {
 	std::uint32_t point;
 	std::int8_t axis;
-	std::int8_t sign;  ///< 1: material begins here, going up the line; -1: it ends
+	std::int8_t sign; ///< 1: material begins here, going up the line; -1: it ends
 	int first, second;
-	int at;            ///< position along the line
+	int at; ///< position along the line
 };
 
 struct ClippedSurface
 {
 	Eigen::Vector3i extent = Eigen::Vector3i::Ones(); ///< positions along each axis; what sticks out belongs to the outermost
-	std::vector<ClipPoint> point; ///< vertex i of the welded mesh is point i
+	std::vector<ClipPoint> point;                     ///< vertex i of the welded mesh is point i
 	ClipPolygons polygons;
 	std::vector<Pierce> pierce;
 	std::vector<std::pair<Eigen::Vector3i, std::uint32_t>> insideCorner; ///< by planes; from makeFaceEdges

@@ -25,9 +25,9 @@ class LineWalker
 {
 public:
 	LineWalker( ClippedSurface& surface, const NoiseWarp& warp, const CrackSettings& settings, std::vector<FaceEdge>& out ) :
-		m_surface( surface ), m_warp( warp ), m_subdivision( settings.subdivision ), m_tolerance( double( settings.bendTolerance ) ), m_out( out )
-	{
-	}
+		m_surface( surface ), m_warp( warp ), m_subdivision( settings.subdivision ), m_tolerance( double( settings.bendTolerance ) ),
+		m_out( out )
+	{}
 
 	void run()
 	{
@@ -40,7 +40,8 @@ public:
 		for ( std::size_t k = 0; k + 1 < all.size(); ++k )
 		{
 			m_winding += all[k].sign;
-			const bool isSameLine = all[k].axis == all[k + 1].axis && all[k].first == all[k + 1].first && all[k].second == all[k + 1].second;
+			const bool isSameLine = all[k].axis == all[k + 1].axis && all[k].first == all[k + 1].first &&
+				all[k].second == all[k + 1].second;
 			if ( !isSameLine )
 			{
 				m_winding = 0; // outside again, unless the surface is open
@@ -134,7 +135,7 @@ private:
 		const int b = ( line.axis + 1 ) % 3, c = ( line.axis + 2 ) % 3;
 		for ( int side = 0; side < 4; ++side )
 		{
-			const bool isFirst = side < 2;     // on the plane across b, else on the plane across c
+			const bool isFirst = side < 2;      // on the plane across b, else on the plane across c
 			const bool isUpper = side % 2 == 0; // the line is that face's upper side
 			Eigen::Vector3i position;
 			position[line.axis] = cell;

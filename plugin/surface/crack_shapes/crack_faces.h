@@ -21,7 +21,8 @@ std::uint64_t positionKey( const Eigen::Vector3i& extent, const Eigen::Vector3i&
 Eigen::Vector3i positionOfKey( const Eigen::Vector3i& extent, std::uint64_t key );
 
 /// The borders of all faces, sorted by face: the cuts of the surface and, between them, the parts of the lattice's lines that are inside.
-/// Adds the lattice's corners and at most `subdivision` - 1 points a cell's edge to the surface's points, fewer where it bends by less than `bendTolerance`.
+/// Adds the lattice's corners and at most `subdivision` - 1 points a cell's edge to the surface's points, fewer where it bends by less than
+/// `bendTolerance`.
 std::vector<FaceEdge> makeFaceEdges( ClippedSurface& surface, const NoiseWarp& warp, const CrackSettings& settings );
 
 /// Points nearer than `kMergeDistance` become one, the lower-numbered, but no two vertices of the input. By point: what it became.
@@ -30,7 +31,7 @@ std::vector<std::uint32_t> mergeClosePoints( const ClippedSurface& surface, cons
 /// A connected piece of a face: loops first .. last of FaceParts::loops, the outer one first.
 struct FacePart
 {
-	std::uint64_t below;  ///< key of the position under it
+	std::uint64_t below; ///< key of the position under it
 	int axis;
 	std::uint32_t firstLoop, lastLoop;
 	std::uint32_t firstCut = 0, lastCut = 0; ///< of FaceParts::cutPoint: more points that it parts

@@ -48,8 +48,7 @@ double slope( std::uint32_t code, const Vec3d& away )
 
 NoiseWarp::NoiseWarp( double amplitude, double wavelength, std::uint32_t seed ) :
 	m_amplitude( amplitude ), m_frequency( 1.0 / wavelength ), m_seed( seed )
-{
-}
+{}
 
 Vec3d NoiseWarp::noise( const Vec3d& place ) const
 {

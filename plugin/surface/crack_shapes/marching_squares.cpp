@@ -13,8 +13,10 @@ constexpr int kHalvings = 8;
 
 } // namespace
 
-MarchingSquares::MarchingSquares( ClippedSurface& surface, const NoiseWarp& warp, std::vector<std::uint32_t>& merged, InsideTest isInside ) :
-	m_surface( surface ), m_warp( warp ), m_merged( merged ), m_isInside( std::move( isInside ) )
+MarchingSquares::MarchingSquares(
+	ClippedSurface& surface, const NoiseWarp& warp, std::vector<std::uint32_t>& merged, InsideTest isInside ) :
+	m_surface( surface ),
+	m_warp( warp ), m_merged( merged ), m_isInside( std::move( isInside ) )
 {
 	for ( const auto& [plane, point] : surface.insideCorner )
 	{
@@ -128,7 +130,8 @@ std::uint32_t MarchingSquares::crossing( const Side& side, bool isLowInside )
 {
 	const auto line = []( const auto& s ) { return std::make_tuple( int( s.axis ), s.first, s.second, s.at ); };
 	const std::vector<Pierce>& all = m_surface.pierce; // sorted so by makeFaceEdges
-	const auto first = std::lower_bound( all.begin(), all.end(), side, [&]( const Pierce& p, const Side& s ) { return line( p ) < line( s ); } );
+	const auto first = std::lower_bound(
+		all.begin(), all.end(), side, [&]( const Pierce& p, const Side& s ) { return line( p ) < line( s ); } );
 	const auto last = std::upper_bound( first, all.end(), side, [&]( const Side& s, const Pierce& p ) { return line( s ) < line( p ); } );
 	if ( first != last )
 	{
@@ -176,8 +179,8 @@ void closeByMarchingSquares( FaceParts& parts, const std::vector<FaceEdge>& edge
 		parts.loops.close();
 		FacePart part{ face / 3, axis, loop, loop + 1, std::uint32_t( parts.cutPoint.size() ), 0 };
 		// The surface parts along its own cuts, though the face is not drawn as far as there.
-		const auto cuts = std::equal_range( edges.begin(), edges.end(), FaceEdge{ face, 0, 0 },
-			[]( const FaceEdge& a, const FaceEdge& b ) { return a.face < b.face; } );
+		const auto cuts = std::equal_range(
+			edges.begin(), edges.end(), FaceEdge{ face, 0, 0 }, []( const FaceEdge& a, const FaceEdge& b ) { return a.face < b.face; } );
 		for ( auto e = cuts.first; e != cuts.second; ++e )
 		{
 			parts.cutPoint.insert( parts.cutPoint.end(), { merged[e->from], merged[e->to] } );

@@ -47,7 +47,7 @@ private:
 	const NoiseWarp& m_warp;
 	std::vector<std::uint32_t>& m_merged;
 	InsideTest m_isInside;
-	std::unordered_map<std::uint64_t, std::uint32_t> m_corner;   ///< points; looked up only
+	std::unordered_map<std::uint64_t, std::uint32_t> m_corner; ///< points; looked up only
 	std::unordered_map<std::uint64_t, bool> m_isCornerInside;
 	std::unordered_map<std::uint64_t, std::uint32_t> m_crossing; ///< by side, where the surface has no point of its own
 };

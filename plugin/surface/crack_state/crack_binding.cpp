@@ -131,8 +131,8 @@ std::uint64_t CrackSurface::carriersBeside( std::uint32_t cell ) const
 	return beside;
 }
 
-/// Once for all sides of a point: the cells that carry it in the whole body, and which of them standing faces join. False where they are more
-/// than a word has bits.
+/// Once for all sides of a point: the cells that carry it in the whole body, and which of them standing faces join. False where they are
+/// more than a word has bits.
 bool CrackSurface::askCarriers( std::uint32_t point )
 {
 	const std::uint32_t whole = m_point[point];

@@ -45,7 +45,8 @@ void CrackSurface::drawAll()
 		{
 			m_unsettled.push_back( f );
 			const Table& points = m_complex->pointsOfFace;
-			std::for_each( points.begin( m_face[f].number ), points.end( m_face[f].number ), [this]( std::uint32_t point ) { m_panels.uncover( point ); } );
+			std::for_each( points.begin( m_face[f].number ), points.end( m_face[f].number ),
+				[this]( std::uint32_t point ) { m_panels.uncover( point ); } );
 			drawSide( m_face[f], true );
 			drawSide( m_face[f], false );
 		}
@@ -173,8 +174,8 @@ void CrackSurface::addRow( std::uint32_t point )
 	}
 }
 
-/// Copies of one side at a point share a normal: the outer ones one, the inner ones another. Without noise the inner ones are the sides of cubes,
-/// and each keeps its own.
+/// Copies of one side at a point share a normal: the outer ones one, the inner ones another. Without noise the inner ones are the sides of
+/// cubes, and each keeps its own.
 std::uint32_t CrackSurface::normalGroupFor( Side& side, bool isInside )
 {
 	std::uint32_t& known = isInside ? side.innerNormals : side.outerNormals;

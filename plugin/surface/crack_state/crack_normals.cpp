@@ -24,7 +24,8 @@ void CrackSurface::shadeLikeTheMesh( std::uint32_t vertex, const Vec3& area )
 	if ( m_vertex[vertex].kind < kInside && !m_complex->vertexNormal.empty() )
 	{
 		m_binding.restNormal[vertex] = m_complex->vertexNormal[m_vertex[vertex].kind];
-		m_binding.normalShift[vertex] = isPlaced( m_vertex[vertex] ) ? Vec3( Vec3::Zero() ) : normalShift( m_binding.restNormal[vertex], area );
+		m_binding.normalShift[vertex] = isPlaced( m_vertex[vertex] ) ? Vec3( Vec3::Zero() )
+																	 : normalShift( m_binding.restNormal[vertex], area );
 	}
 }
 
@@ -52,7 +53,8 @@ void CrackSurface::matchNormals()
 	}
 }
 
-/// The same where only the groups of these points, or panels there, have changed: of all cells there, in the triangles' order, then of panels.
+/// The same where only the groups of these points, or panels there, have changed: of all cells there, in the triangles' order, then of
+/// panels.
 void CrackSurface::matchNormals( std::vector<std::uint32_t>& points )
 {
 	std::vector<std::uint32_t> cells, once, panels;
@@ -104,8 +106,8 @@ void CrackSurface::matchNormals( std::vector<std::uint32_t>& points )
 	}
 }
 
-// Triangles around a moved point change, and with them the shading of all their corners. What a blade came by, moved or not, is placed no more: so it
-// does not depend on which of its cuts were told when.
+// Triangles around a moved point change, and with them the shading of all their corners. What a blade came by, moved or not, is placed no
+// more: so it does not depend on which of its cuts were told when.
 void CrackSurface::follow( const BladePath& path, const std::vector<std::uint32_t>& points )
 {
 	std::vector<std::uint32_t> cells, shaded;
@@ -142,7 +144,8 @@ void CrackSurface::follow( const BladePath& path, const std::vector<std::uint32_
 	clearMarks( cells );
 	for ( const std::uint32_t cell : cells )
 	{
-		for ( const std::uint32_t* p = m_complex->pointsOfCell.begin( m_cell[cell] ); p != m_complex->pointsOfCell.end( m_cell[cell] ); ++p )
+		for ( const std::uint32_t* p = m_complex->pointsOfCell.begin( m_cell[cell] ); p != m_complex->pointsOfCell.end( m_cell[cell] );
+			  ++p )
 		{
 			shaded.push_back( localPoint( *p ) );
 		}

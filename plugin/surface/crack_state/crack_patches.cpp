@@ -42,7 +42,8 @@ std::shared_ptr<const CrackPatches> CrackPatches::make( const CrackSurface& whol
 
 std::uint32_t CrackPatches::slotOf( std::uint32_t point, std::uint32_t cell ) const
 {
-	return std::uint32_t( std::lower_bound( complex->cellsOfPoint.begin( point ), complex->cellsOfPoint.end( point ), cell ) - complex->cellsOfPoint.entry.data() );
+	return std::uint32_t( std::lower_bound( complex->cellsOfPoint.begin( point ), complex->cellsOfPoint.end( point ), cell ) -
+		complex->cellsOfPoint.entry.data() );
 }
 
 /// The latest patch's three more corners, each numbered as the patch has it. False where it has too many.
@@ -166,7 +167,9 @@ void CrackPatches::numberPanels()
 			kindAt[look[v].kind] = vertex[v].kindAt;
 		}
 	}
-	const auto numberOf = [&]( std::uint32_t v ) { return numbersOfSlot[complex->cellsOfPoint.start[complex->vertexPoint[v]]] + kNumbersOfSide + kindAt[v]; };
+	const auto numberOf = [&]( std::uint32_t v ) {
+		return numbersOfSlot[complex->cellsOfPoint.start[complex->vertexPoint[v]]] + kNumbersOfSide + kindAt[v];
+	};
 	const Panels& panels = complex->panels;
 	std::transform( panels.border.entry.begin(), panels.border.entry.end(), std::back_inserter( numberOfBorder ), numberOf );
 	for ( const std::array<std::uint32_t, 3>& corner : panels.corner )
@@ -194,7 +197,10 @@ void CrackPatches::sortIntoClasses()
 {
 	// Each class by one point of it; those whose first cell is the same are looked through.
 	std::vector<std::uint32_t> pointOf, next, newest( complex->cellCount() + 1, kNone );
-	const auto rowOf = [this]( std::uint32_t point ) { return std::pair( complex->bindCell.begin() + complex->bindStart[point], complex->bindCell.begin() + complex->bindStart[point + 1] ); };
+	const auto rowOf = [this]( std::uint32_t point ) {
+		return std::pair(
+			complex->bindCell.begin() + complex->bindStart[point], complex->bindCell.begin() + complex->bindStart[point + 1] );
+	};
 	Table cells;
 	classOfPoint.resize( complex->pointCount() );
 	firstOfClass.push_back( 0 );
@@ -238,7 +244,8 @@ void CrackPatches::addTies()
 		for ( const std::uint32_t* f = complex->facesOfPoint.begin( point ); f != complex->facesOfPoint.end( point ); ++f )
 		{
 			const CrackFace& face = complex->face[*f];
-			slotTie.push_back( { *f, std::uint16_t( slotOf( point, face.cellA ) - firstSlot ), std::uint16_t( slotOf( point, face.cellB ) - firstSlot ) } );
+			slotTie.push_back( { *f, std::uint16_t( slotOf( point, face.cellA ) - firstSlot ),
+				std::uint16_t( slotOf( point, face.cellB ) - firstSlot ) } );
 		}
 		const std::uint32_t first = complex->bindStart[point], last = complex->bindStart[point + 1];
 		for ( std::uint32_t k = first; k < last; ++k )
@@ -298,7 +305,9 @@ void CrackPatches::addLooseTies( std::uint32_t point, const std::vector<std::uin
 		bitOfSlot[slot] = bitOfCell[cell];
 		if ( bitOfSlot[slot] == kNoBit )
 		{
-			forCarriersBeside( cell, bitOfCell, [&]( std::uint32_t face, std::uint8_t bit ) { looseTie.push_back( { face, std::uint16_t( slot - first ), bit } ); } );
+			forCarriersBeside( cell, bitOfCell, [&]( std::uint32_t face, std::uint8_t bit ) {
+				looseTie.push_back( { face, std::uint16_t( slot - first ), bit } );
+			} );
 		}
 	}
 }
@@ -306,8 +315,11 @@ void CrackPatches::addLooseTies( std::uint32_t point, const std::vector<std::uin
 std::size_t CrackPatches::bytes() const
 {
 	const auto sizeOf = []( const auto& list ) { return list.size() * sizeof( list[0] ); };
-	return sizeOf( patch ) + sizeOf( vertex ) + sizeOf( look ) + sizeOf( triangle ) + sizeOf( pointOfSlot ) + sizeOf( numbersOfSlot ) + sizeOf( numbersOfInput ) + sizeOf( numberOfBorder ) + sizeOf( numbersOfCorners ) + sizeOf( normalShift ) + sizeOf( classOfPoint ) + sizeOf( classesOfCell.start ) + sizeOf( classesOfCell.entry ) +
-		sizeOf( firstOfClass ) + sizeOf( slotTieStart ) + sizeOf( carrierTieStart ) + sizeOf( looseTieStart ) + sizeOf( slotTie ) + sizeOf( carrierTie ) + sizeOf( looseTie ) + sizeOf( bitOfSlot );
+	return sizeOf( patch ) + sizeOf( vertex ) + sizeOf( look ) + sizeOf( triangle ) + sizeOf( pointOfSlot ) + sizeOf( numbersOfSlot ) +
+		sizeOf( numbersOfInput ) + sizeOf( numberOfBorder ) + sizeOf( numbersOfCorners ) + sizeOf( normalShift ) + sizeOf( classOfPoint ) +
+		sizeOf( classesOfCell.start ) + sizeOf( classesOfCell.entry ) + sizeOf( firstOfClass ) + sizeOf( slotTieStart ) +
+		sizeOf( carrierTieStart ) + sizeOf( looseTieStart ) + sizeOf( slotTie ) + sizeOf( carrierTie ) + sizeOf( looseTie ) +
+		sizeOf( bitOfSlot );
 }
 
 } // namespace pliant

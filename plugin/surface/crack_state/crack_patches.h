@@ -1,7 +1,7 @@
 #pragma once
 
-// What bodies that have come apart draw, laid ready: for each cell its part of the outer surface, and each of its sides of a face, vertex by vertex
-// as it would be were all broken. Immutable, one a template. Ohta et al. 2009, "Fracturing".
+// What bodies that have come apart draw, laid ready: for each cell its part of the outer surface, and each of its sides of a face, vertex
+// by vertex as it would be were all broken. Immutable, one a template. Ohta et al. 2009, "Fracturing".
 //
 // What cracks change is only which of these vertices are one (CrackSides), not what they are.
 
@@ -24,8 +24,8 @@ public:
 	/// Cells that carry one point are a bit each in a word.
 	static constexpr std::size_t kMostCarriers = 64;
 
-	/// `whole`: of all cells, nothing broken. `texture`: u, v of the input's vertices, or null. Null where a point is carried by more cells than a
-	/// word has bits, or where one patch has more vertices than half a word counts.
+	/// `whole`: of all cells, nothing broken. `texture`: u, v of the input's vertices, or null. Null where a point is carried by more cells
+	/// than a word has bits, or where one patch has more vertices than half a word counts.
 	static std::shared_ptr<const CrackPatches> make( const CrackSurface& whole, const float* texture );
 
 	/// A point as one cell draws it: what tells which vertices are one, ...
@@ -43,27 +43,28 @@ public:
 		std::uint32_t kind; ///< as CrackSurface has it
 		float u, v;
 	};
-	/// Patch c: cell c's part of the outer surface, its triangles numbered as the complex has them. From `cells` on, cell by cell, its sides of its faces,
-	/// as CellComplex::facesOfCell lists them. Each ends where the next one begins.
+	/// Patch c: cell c's part of the outer surface, its triangles numbered as the complex has them. From `cells` on, cell by cell, its
+	/// sides of its faces, as CellComplex::facesOfCell lists them. Each ends where the next one begins.
 	struct Patch
 	{
 		std::uint32_t firstVertex, firstTriangle;
 	};
 	std::vector<Patch> patch;
-	std::vector<Vertex> vertex; ///< of each patch in the order of first use
-	std::vector<Look> look;     ///< by vertex
+	std::vector<Vertex> vertex;                         ///< of each patch in the order of first use
+	std::vector<Look> look;                             ///< by vertex
 	std::vector<std::array<std::uint16_t, 3>> triangle; ///< by the patch's vertices
 	/// `entry`: of CellComplex::facesOfCell.
 	std::uint32_t sideOfFace( std::uint32_t entry ) const { return std::uint32_t( complex->cellCount() ) + entry; }
 
 	std::vector<std::uint32_t> pointOfSlot;
-	/// By slot: where a side that begins there may keep one number for each kind drawn at the point, and kNumbersOfSide more before them (none, where
-	/// only a vertex draws it that is alone). Then how many there are in all.
+	/// By slot: where a side that begins there may keep one number for each kind drawn at the point, and kNumbersOfSide more before them
+	/// (none, where only a vertex draws it that is alone). Then how many there are in all.
 	std::vector<std::uint32_t> numbersOfSlot;
 	static constexpr std::uint32_t kNumbersOfSide = 3;
 	/// By vertex of the input: where the side that begins with its point's first slot has its numbers.
 	std::vector<std::uint32_t> numbersOfInput;
-	/// By entry of Panels::border, and by panel, of its corners: the number that its vertex is drawn by, as long as its point's first slot is all its sides.
+	/// By entry of Panels::border, and by panel, of its corners: the number that its vertex is drawn by, as long as its point's first slot
+	/// is all its sides.
 	std::vector<std::uint32_t> numberOfBorder;
 	std::vector<std::array<std::uint32_t, 3>> numbersOfCorners;
 	/// By vertex of the complex: how the whole, closed surface shifts its normal (SkinBinding::normalShift).

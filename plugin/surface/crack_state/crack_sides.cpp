@@ -51,9 +51,10 @@ void inOrder( std::vector<std::uint32_t>& some, const std::vector<std::uint8_t>&
 } // namespace
 
 CrackSides::CrackSides( std::shared_ptr<const CrackPatches> patches, const CrackSurface& whole, TaskRunner* runner ) :
-	m_patches( std::move( patches ) ), m_isBroken( complex().face.size(), 0 ), m_side( m_patches->pointOfSlot.size() ), m_carriers( m_side.size() ),
-	m_joined( m_patches->firstOfClass.back() ), m_isDrawn( complex().pointCount(), 0 ), m_isShadedAnew( m_isDrawn.size(), 0 ), m_isMarked( m_isDrawn.size(), 0 ),
-	m_isSplit( m_isDrawn.size(), 0 ), m_panels( whole.m_panels ), m_isClassMarked( m_patches->classCount(), 0 )
+	m_patches( std::move( patches ) ), m_isBroken( complex().face.size(), 0 ), m_side( m_patches->pointOfSlot.size() ),
+	m_carriers( m_side.size() ), m_joined( m_patches->firstOfClass.back() ), m_isDrawn( complex().pointCount(), 0 ),
+	m_isShadedAnew( m_isDrawn.size(), 0 ), m_isMarked( m_isDrawn.size(), 0 ), m_isSplit( m_isDrawn.size(), 0 ), m_panels( whole.m_panels ),
+	m_isClassMarked( m_patches->classCount(), 0 )
 {
 	const CellComplex& c = complex();
 	for ( std::size_t slot = 0; slot < m_side.size(); ++slot )
@@ -254,8 +255,8 @@ std::vector<std::uint32_t> CrackSides::cellsAt( const std::vector<std::uint32_t>
 	return cells;
 }
 
-/// A point can be carried by others now only where a cell along the crack carried it. Not every one of those has a tie of a broken face: where crumbs
-/// hang on by no face at all, a side lets go of them the first time it is asked.
+/// A point can be carried by others now only where a cell along the crack carried it. Not every one of those has a tie of a broken face:
+/// where crumbs hang on by no face at all, a side lets go of them the first time it is asked.
 void CrackSides::askAround( const std::vector<std::uint32_t>& fresh, TaskRunner* runner )
 {
 	const std::vector<std::uint32_t> cells = cellsAt( fresh );
@@ -294,7 +295,8 @@ void CrackSides::collectByClass( const std::vector<std::uint32_t>& cells )
 {
 	for ( const std::uint32_t cell : cells )
 	{
-		std::for_each( m_patches->classesOfCell.begin( cell ), m_patches->classesOfCell.end( cell ), [this]( std::uint32_t c ) { m_isClassMarked[c] = 1; } );
+		std::for_each( m_patches->classesOfCell.begin( cell ), m_patches->classesOfCell.end( cell ),
+			[this]( std::uint32_t c ) { m_isClassMarked[c] = 1; } );
 	}
 	const std::uint8_t *const isClassMarked = m_isClassMarked.data(), *const isDrawn = m_isDrawn.data();
 	const std::uint32_t* const classOfPoint = m_patches->classOfPoint.data();
@@ -391,14 +393,16 @@ void CrackSides::shadeAnewAround( std::uint32_t point )
 {
 	for ( const std::uint32_t* cell = complex().cellsOfPoint.begin( point ); cell != complex().cellsOfPoint.end( point ); ++cell )
 	{
-		std::for_each( complex().pointsOfCell.begin( *cell ), complex().pointsOfCell.end( *cell ), [this]( std::uint32_t p ) { m_isShadedAnew[p] = 1; } );
+		std::for_each( complex().pointsOfCell.begin( *cell ), complex().pointsOfCell.end( *cell ),
+			[this]( std::uint32_t p ) { m_isShadedAnew[p] = 1; } );
 	}
 }
 
 std::size_t CrackSides::bytes() const
 {
 	const auto sizeOf = []( const auto& list ) { return list.size() * sizeof( list[0] ); };
-	return sizeOf( m_isBroken ) + sizeOf( m_side ) + sizeOf( m_carriers ) + sizeOf( m_joined ) + 4 * sizeOf( m_isDrawn ) + m_panels.bytes() + sizeOf( m_place );
+	return sizeOf( m_isBroken ) + sizeOf( m_side ) + sizeOf( m_carriers ) + sizeOf( m_joined ) + 4 * sizeOf( m_isDrawn ) +
+		m_panels.bytes() + sizeOf( m_place );
 }
 
 } // namespace pliant

@@ -2,8 +2,8 @@
 
 // How the cells of a family hang together at each point of their cracks. Ohta et al. 2009, "Fracturing".
 //
-// At a point the cells that draw something there fall into sides: those that standing faces join. And of the cells that carried the point in the
-// whole body each side keeps those which it reaches through standing faces. That is all that cracks change.
+// At a point the cells that draw something there fall into sides: those that standing faces join. And of the cells that carried the point
+// in the whole body each side keeps those which it reaches through standing faces. That is all that cracks change.
 
 #include "surface/crack_state/crack_patches.h"
 
@@ -59,14 +59,15 @@ private:
 	void shadePartedPanels();
 
 	std::shared_ptr<const CrackPatches> m_patches;
-	std::vector<std::uint8_t> m_isBroken;      ///< by face
-	std::vector<std::uint32_t> m_side;         ///< by slot
-	std::vector<std::uint64_t> m_carriers;     ///< by slot; of sides' first slots
-	std::vector<std::uint64_t> m_joined;       ///< by place of a class (CrackPatches::firstOfClass): the carriers that standing faces join to this one
+	std::vector<std::uint8_t> m_isBroken;  ///< by face
+	std::vector<std::uint32_t> m_side;     ///< by slot
+	std::vector<std::uint64_t> m_carriers; ///< by slot; of sides' first slots
+	std::vector<std::uint64_t>
+		m_joined; ///< by place of a class (CrackPatches::firstOfClass): the carriers that standing faces join to this one
 	std::vector<std::uint8_t> m_isDrawn, m_isShadedAnew, m_isMarked, m_isSplit; ///< by point
 	WholePanels m_panels;
-	std::vector<Vec3> m_place;                 ///< by point; empty: those of the complex
-	std::vector<std::uint32_t> m_found;        ///< points
+	std::vector<Vec3> m_place;          ///< by point; empty: those of the complex
+	std::vector<std::uint32_t> m_found; ///< points
 	std::vector<std::uint32_t> m_foundClass;
 	std::vector<std::uint8_t> m_isClassMarked;
 };

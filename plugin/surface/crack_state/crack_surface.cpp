@@ -67,12 +67,12 @@ std::vector<std::uint8_t> unlinkedFaces( const CellComplex& complex, const std::
 
 CrackSurface::CrackSurface( std::shared_ptr<const CellComplex> complex ) :
 	CrackSurface( complex, allUpTo( complex->cellCount() ), std::vector<std::uint8_t>( complex->face.size(), 0 ), Vec3::Zero() )
-{
-}
+{}
 
-CrackSurface::CrackSurface( std::shared_ptr<const CellComplex> complex, std::vector<std::uint32_t> cells, const std::vector<std::uint8_t>& isBroken,
-	const Vec3& shift ) :
-	m_complex( std::move( complex ) ), m_shift( shift ), m_cell( std::move( cells ) ), m_panels( m_complex->panels ), m_mark( m_cell.size() + 1, 0 )
+CrackSurface::CrackSurface( std::shared_ptr<const CellComplex> complex, std::vector<std::uint32_t> cells,
+	const std::vector<std::uint8_t>& isBroken, const Vec3& shift ) :
+	m_complex( std::move( complex ) ),
+	m_shift( shift ), m_cell( std::move( cells ) ), m_panels( m_complex->panels ), m_mark( m_cell.size() + 1, 0 )
 {
 	m_localCell = tableOf( m_cell, m_complex->cellCount() );
 	takeFaces( isBroken );
@@ -80,10 +80,10 @@ CrackSurface::CrackSurface( std::shared_ptr<const CellComplex> complex, std::vec
 	drawAll();
 }
 
-CrackSurface::CrackSurface( std::shared_ptr<const CellComplex> complex, std::vector<std::uint32_t> cells, const Lattice& body, const Vec3& shift ) :
+CrackSurface::CrackSurface(
+	std::shared_ptr<const CellComplex> complex, std::vector<std::uint32_t> cells, const Lattice& body, const Vec3& shift ) :
 	CrackSurface( complex, cells, unlinkedFaces( *complex, cells, body ), shift )
-{
-}
+{}
 
 CrackSurface CrackSurface::piece( std::vector<std::uint32_t> cells, const Vec3& shift ) const
 {
@@ -136,7 +136,8 @@ bool CrackSurface::isHeld( std::uint32_t face ) const
 {
 	const std::uint32_t number = m_face[face].number;
 	bool isHeld = m_complex->face[number].isLinked;
-	for ( const std::uint32_t* h = m_complex->holdersOfFace.begin( number ); !isHeld && h != m_complex->holdersOfFace.end( number ); h += 3 )
+	for ( const std::uint32_t* h = m_complex->holdersOfFace.begin( number ); !isHeld && h != m_complex->holdersOfFace.end( number );
+		  h += 3 )
 	{
 		isHeld = !isBroken( h[0] ) && !isBroken( h[1] ) && !isBroken( h[2] );
 	}
@@ -198,7 +199,8 @@ std::uint32_t CrackSurface::localFace( std::uint32_t face ) const
 	{
 		return m_localFace[face];
 	}
-	const auto found = std::lower_bound( m_face.begin(), m_face.end(), face, []( const Face& a, std::uint32_t wanted ) { return a.number < wanted; } );
+	const auto found = std::lower_bound(
+		m_face.begin(), m_face.end(), face, []( const Face& a, std::uint32_t wanted ) { return a.number < wanted; } );
 	return found != m_face.end() && found->number == face ? std::uint32_t( found - m_face.begin() ) : kNone;
 }
 

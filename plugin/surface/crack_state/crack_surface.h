@@ -2,9 +2,10 @@
 
 // The drawn surface of a body that has cracks. Ohta et al. 2009, "Fracturing"; cut surfaces: Steinemann et al. 2008, section 7.
 //
-// Its triangles are the pieces of the outer surface that its cells have, and both sides of every broken face. A point of the complex is drawn
-// once for each side: the cells that meet there fall into groups that standing faces join, and each group has copies of its own. Where a
-// crack ends all cells are one group: the sides stay joined. Breaking only ever splits groups, so that vertices are added, never moved.
+// Its triangles are the pieces of the outer surface that its cells have, and both sides of every broken face. A point of the complex is
+// drawn once for each side: the cells that meet there fall into groups that standing faces join, and each group has copies of its own.
+// Where a crack ends all cells are one group: the sides stay joined. Breaking only ever splits groups, so that vertices are added, never
+// moved.
 
 #include "lattice/pieces.h"
 #include "surface/crack_complex/cell_complex.h"
@@ -30,12 +31,15 @@ public:
 	static constexpr std::uint32_t kNone = CellComplex::kNone;
 	/// Kinds of copies of a point: vertices of the complex, or kInside + 2 x axis + side for a face.
 	static constexpr std::uint32_t kInside = 0xfffffff0u;
-	static Vec3 insideNormal( std::uint32_t kind ) { return ( ( kind & 1u ) != 0 ? -1.0f : 1.0f ) * Vec3::Unit( int( ( kind - kInside ) / 2 ) ); }
+	static Vec3 insideNormal( std::uint32_t kind )
+	{
+		return ( ( kind & 1u ) != 0 ? -1.0f : 1.0f ) * Vec3::Unit( int( ( kind - kInside ) / 2 ) );
+	}
 
 	/// A body of all cells of a template, faces without a link broken. Vertex i of the input is vertex i.
 	explicit CrackSurface( std::shared_ptr<const CellComplex> complex );
-	/// A body of some of them, ascending. `isBroken`: by face of the complex; faces to other cells count as broken. `shift`: the body's mass
-	/// centre seen from the template's, m; rest places are relative to it.
+	/// A body of some of them, ascending. `isBroken`: by face of the complex; faces to other cells count as broken. `shift`: the body's
+	/// mass centre seen from the template's, m; rest places are relative to it.
 	CrackSurface( std::shared_ptr<const CellComplex> complex, std::vector<std::uint32_t> cells, const std::vector<std::uint8_t>& isBroken,
 		const Vec3& shift );
 
@@ -45,8 +49,8 @@ public:
 	/// A piece of this body: its own vertices and triangles, the cracks as they are. Cells by the template's numbers, ascending.
 	CrackSurface piece( std::vector<std::uint32_t> cells, const Vec3& shift = Vec3::Zero() ) const;
 
-	/// Numbers of the complex; those broken before or not of this body are passed over. Appends vertices and triangles, and redirects those of
-	/// cells along the crack.
+	/// Numbers of the complex; those broken before or not of this body are passed over. Appends vertices and triangles, and redirects those
+	/// of cells along the crack.
 	void breakFaces( const std::vector<std::uint32_t>& faces );
 	/// The faces between cells whose links broke, by the body's own numbers; pairs that no face joins are passed over.
 	void breakLinks( const std::vector<CellLink>& links );
@@ -64,22 +68,25 @@ public:
 
 	// === What is drawn ===
 
-	/// How vertices follow the body's cells, numbered as in cells(), once settled. Weights sum to 1; entries that weigh nothing fill rows up.
+	/// How vertices follow the body's cells, numbered as in cells(), once settled. Weights sum to 1; entries that weigh nothing fill rows
+	/// up.
 	const SkinBinding& binding() const { return m_binding; }
 	const std::vector<std::array<std::uint32_t, 3>>& triangles() const { return m_triangle; }
 	/// By triangle: the input's, or kNone for the inside.
 	const std::vector<std::uint32_t>& sources() const { return m_source; }
 	/// By vertex: the input's vertex, or kNone for one that was added.
 	std::uint32_t inputVertexOf( std::uint32_t vertex ) const;
-	/// Vertices with one answer are at one place on one side, whatever their normals and texture coordinates: a point of the complex and which
-	/// of its sides.
+	/// Vertices with one answer are at one place on one side, whatever their normals and texture coordinates: a point of the complex and
+	/// which of its sides.
 	std::pair<std::uint32_t, std::uint32_t> sideOf( std::uint32_t vertex ) const;
-	/// u, v of the vertices from `first` on. Outside as in the input (0 where it has none); inside by place, once every CrackSettings::textureTile.
+	/// u, v of the vertices from `first` on. Outside as in the input (0 where it has none); inside by place, once every
+	/// CrackSettings::textureTile.
 	void textureCoordinates( const float* input, std::uint32_t first, float* out ) const;
 	/// The same of one copy of a point.
 	static void textureOf( const CellComplex& complex, std::uint32_t point, std::uint32_t kind, const float* input, float* out );
 
-	/// The same once settled, but panels that are one as the input has them, without what is drawn by nothing then. `texture`: u, v of all vertices.
+	/// The same once settled, but panels that are one as the input has them, without what is drawn by nothing then. `texture`: u, v of all
+	/// vertices.
 	void showPanelsAsOne( const float* texture, CrackView& view ) const;
 
 	/// SkinBinding::normalShift of a vertex that is to have `normal` where its triangles' areas sum to `area`.
@@ -118,15 +125,15 @@ private:
 	{
 		std::uint32_t point; ///< local
 		std::uint32_t kind;
-		std::uint32_t next;  ///< of the same side
+		std::uint32_t next; ///< of the same side
 		std::uint16_t group;
 	};
 	/// The copies of a point that one group of its cells has, once something is drawn with them.
 	struct Side
 	{
-		std::uint32_t carrier;                          ///< the copy that has the row
-		std::uint32_t newest;                           ///< copy
-		std::uint32_t next;                             ///< side of the same point
+		std::uint32_t carrier;                                    ///< the copy that has the row
+		std::uint32_t newest;                                     ///< copy
+		std::uint32_t next;                                       ///< side of the same point
 		std::uint32_t outerNormals = kNone, innerNormals = kNone; ///< SkinBinding::normalGroup of all copies that share one
 		std::uint16_t group;
 	};
@@ -144,9 +151,9 @@ private:
 	};
 	struct Face
 	{
-		std::uint32_t number;               ///< in the complex
-		std::uint32_t cellA, cellB;         ///< local; kNone: of another body
-		std::uint32_t firstA, firstB;       ///< triangles of either side; kNone: not drawn
+		std::uint32_t number;         ///< in the complex
+		std::uint32_t cellA, cellB;   ///< local; kNone: of another body
+		std::uint32_t firstA, firstB; ///< triangles of either side; kNone: not drawn
 		bool isBroken;
 	};
 
@@ -156,7 +163,10 @@ private:
 	void drawAll();
 
 	std::uint32_t localCell( std::uint32_t cell ) const { return m_localCell.empty() ? numberIn( m_cell, cell ) : m_localCell[cell]; }
-	std::uint32_t localPoint( std::uint32_t point ) const { return m_localPoint.empty() ? numberIn( m_point, point ) : m_localPoint[point]; }
+	std::uint32_t localPoint( std::uint32_t point ) const
+	{
+		return m_localPoint.empty() ? numberIn( m_point, point ) : m_localPoint[point];
+	}
 	std::uint32_t localFace( std::uint32_t face ) const;
 	/// A local point's place at rest, relative to the template's mass centre.
 	const Vec3& restOf( std::uint32_t point ) const { return m_place.empty() ? m_complex->pointRest[m_point[point]] : m_place[point]; }
@@ -222,13 +232,13 @@ private:
 
 	std::shared_ptr<const CellComplex> m_complex;
 	Vec3 m_shift;
-	std::vector<std::uint32_t> m_cell, m_point; ///< of the complex, ascending
-	std::vector<Vec3> m_place;                  ///< by point; empty: those of the complex
+	std::vector<std::uint32_t> m_cell, m_point;                        ///< of the complex, ascending
+	std::vector<Vec3> m_place;                                         ///< by point; empty: those of the complex
 	std::vector<std::uint32_t> m_localCell, m_localPoint, m_localFace; ///< the other way round; empty for small pieces, which search
-	std::vector<Face> m_face;                   ///< ascending
-	std::vector<std::uint32_t> m_cellFaceStart, m_cellFace;  ///< local faces by local cell
-	std::vector<std::uint32_t> m_neighbour;                  ///< by entry of m_cellFace: the cell beyond while the face stands, or the number of cells
-	std::vector<std::uint32_t> m_cellTriangle;               ///< by local cell, and one past the last: its pieces of the outer surface
+	std::vector<Face> m_face;                                          ///< ascending
+	std::vector<std::uint32_t> m_cellFaceStart, m_cellFace;            ///< local faces by local cell
+	std::vector<std::uint32_t> m_neighbour;    ///< by entry of m_cellFace: the cell beyond while the face stands, or the number of cells
+	std::vector<std::uint32_t> m_cellTriangle; ///< by local cell, and one past the last: its pieces of the outer surface
 
 	std::vector<std::uint32_t> m_slotStart, m_slotCell; ///< cells of each point, local
 	std::vector<std::uint16_t> m_slotGroup, m_groups;   ///< by slot; how many, by point
@@ -245,7 +255,7 @@ private:
 	std::vector<std::uint32_t> m_split;     ///< points that have more groups since, or panels around that are parted, local; some twice
 	WholePanels m_panels;                   ///< of the template; those that none of the cells draws are not asked for
 	std::vector<std::array<std::uint32_t, 3>> m_panelCorner; ///< by panel that was one when all was drawn: vertices
-	std::uint64_t m_version = 1, m_listedVersion = 0; ///< since when it is, and when it was listed what is placed
+	std::uint64_t m_version = 1, m_listedVersion = 0;        ///< since when it is, and when it was listed what is placed
 	Change m_change;
 
 	// Room kept between calls.
@@ -254,14 +264,14 @@ private:
 	std::vector<std::uint32_t> m_mark, m_open; ///< by local cell, and one for none; local cells
 	std::uint32_t m_round = 0;
 	std::vector<std::uint32_t> m_asked, m_reached; ///< cells; entries of those
-	std::vector<std::uint64_t> m_bitOf;         ///< by local cell, and one for none: which of those asked it is, else 0
-	std::vector<std::uint64_t> m_beside;        ///< by cell asked
+	std::vector<std::uint64_t> m_bitOf;            ///< by local cell, and one for none: which of those asked it is, else 0
+	std::vector<std::uint64_t> m_beside;           ///< by cell asked
 	bool m_bindsPlainly = false;
-	std::vector<std::uint16_t> m_root;          ///< by slot of the point at hand
-	std::vector<std::uint8_t> m_isMarked;       ///< by point or cell
-	std::vector<std::uint32_t> m_strange;       ///< points that cells of other bodies carried
-	std::vector<std::uint32_t> m_parted;        ///< of the template
-	std::vector<Vec3> m_area;                   ///< by group of normals
+	std::vector<std::uint16_t> m_root;    ///< by slot of the point at hand
+	std::vector<std::uint8_t> m_isMarked; ///< by point or cell
+	std::vector<std::uint32_t> m_strange; ///< points that cells of other bodies carried
+	std::vector<std::uint32_t> m_parted;  ///< of the template
+	std::vector<Vec3> m_area;             ///< by group of normals
 };
 
 /// Every invariant: copies belong to groups, groups to standing faces, rows of the binding to the vertex's own side.

@@ -100,7 +100,8 @@ Status CrackSurface::validateGroups() const
 Status CrackSurface::validateBinding() const
 {
 	if ( m_binding.start.size() != m_vertex.size() + 1 || m_binding.restPosition.size() != m_vertex.size() ||
-		m_binding.normalGroup.size() != m_vertex.size() || m_binding.carrier.size() != m_vertex.size() || m_binding.point.size() != m_vertex.size() || m_binding.restNormal.size() != m_vertex.size() ||
+		m_binding.normalGroup.size() != m_vertex.size() || m_binding.carrier.size() != m_vertex.size() ||
+		m_binding.point.size() != m_vertex.size() || m_binding.restNormal.size() != m_vertex.size() ||
 		( isSettled() && m_binding.normalShift.size() != m_vertex.size() ) )
 	{
 		return broken( "The binding and the vertices differ in number." );
@@ -109,7 +110,8 @@ Status CrackSurface::validateBinding() const
 	{
 		double sum = 0.0;
 		const std::uint32_t carrier = m_binding.carrier[v];
-		if ( m_binding.carrier[carrier] != carrier || m_vertex[carrier].point != m_vertex[v].point || m_vertex[carrier].group != m_vertex[v].group )
+		if ( m_binding.carrier[carrier] != carrier || m_vertex[carrier].point != m_vertex[v].point ||
+			m_vertex[carrier].group != m_vertex[v].group )
 		{
 			return broken( "A vertex is carried by one of another side." );
 		}
@@ -137,11 +139,13 @@ Status CrackSurface::validatePanels() const
 {
 	const auto isParted = [this]( std::uint32_t point ) {
 		const std::uint32_t local = localPoint( point );
-		return local != kNone && ( m_groups[local] != 1 || m_slotStart[local + 1] - m_slotStart[local] != m_complex->cellsOfPoint.size( point ) );
+		return local != kNone &&
+			( m_groups[local] != 1 || m_slotStart[local + 1] - m_slotStart[local] != m_complex->cellsOfPoint.size( point ) );
 	};
 	const auto isPassed = [this]( std::uint32_t point ) {
 		const Table& faces = m_complex->facesOfPoint;
-		return std::any_of( faces.begin( point ), faces.end( point ), [this]( std::uint32_t face ) { return localFace( face ) != kNone && isBroken( face ); } );
+		return std::any_of( faces.begin( point ), faces.end( point ),
+			[this]( std::uint32_t face ) { return localFace( face ) != kNone && isBroken( face ); } );
 	};
 	return m_panels.validate( isParted, isPassed );
 }
@@ -154,7 +158,8 @@ Status CrackSurface::validatePlaced() const
 	}
 	std::size_t placed = 0, blended = 0;
 	const auto isCorner = [&]( std::uint32_t v, std::uint32_t input ) {
-		return m_binding.carrier[v] == v && m_vertex[v].kind < m_complex->inputVertices && m_binding.point[v] == m_complex->vertexPoint[input];
+		return m_binding.carrier[v] == v && m_vertex[v].kind < m_complex->inputVertices &&
+			m_binding.point[v] == m_complex->vertexPoint[input];
 	};
 	for ( std::uint32_t v = 0; v < m_vertex.size(); ++v )
 	{
@@ -164,7 +169,8 @@ Status CrackSurface::validatePlaced() const
 			continue;
 		}
 		const std::uint32_t carrier = m_binding.carrier[v];
-		if ( placed == m_binding.placed.size() || m_binding.placed[placed].vertex != v || !isPlaced( m_vertex[carrier] ) || !m_binding.normalShift[v].isZero( 0.0f ) )
+		if ( placed == m_binding.placed.size() || m_binding.placed[placed].vertex != v || !isPlaced( m_vertex[carrier] ) ||
+			!m_binding.normalShift[v].isZero( 0.0f ) )
 		{
 			return broken( "A vertex within a whole panel is not placed, or goes with one that is not." );
 		}
@@ -178,7 +184,8 @@ Status CrackSurface::validatePlaced() const
 			}
 		}
 	}
-	const bool areAll = placed == m_binding.placed.size() && blended == m_binding.blended.size() && ( placed == 0 ? blended == 0 : placed + blended == m_vertex.size() );
+	const bool areAll = placed == m_binding.placed.size() && blended == m_binding.blended.size() &&
+		( placed == 0 ? blended == 0 : placed + blended == m_vertex.size() );
 	return areAll ? Status{} : broken( "Vertices that are placed and those that are blended are not all." );
 }
 
@@ -186,7 +193,8 @@ Status CrackSurface::validateShading() const
 {
 	if ( !isSettled() || m_binding.placed.empty() )
 	{
-		return m_binding.shading.empty() || !isSettled() ? Status{} : broken( "Panels are shaded as one, and none of their points is placed." );
+		return m_binding.shading.empty() || !isSettled() ? Status{}
+														 : broken( "Panels are shaded as one, and none of their points is placed." );
 	}
 	std::size_t listed = 0;
 	const auto isListed = [&]( const std::array<std::uint32_t, 3>& points ) {
@@ -202,27 +210,34 @@ Status CrackSurface::validateShading() const
 	bool areListed = m_binding.shadedTriangles == m_cellTriangle.back();
 	for ( std::uint32_t cell = 0; cell < m_cell.size(); ++cell )
 	{
-		for ( std::uint32_t t = m_complex->cellTriangleStart[m_cell[cell]], to = m_cellTriangle[cell]; to < m_cellTriangle[cell + 1]; ++t, ++to )
+		for ( std::uint32_t t = m_complex->cellTriangleStart[m_cell[cell]], to = m_cellTriangle[cell]; to < m_cellTriangle[cell + 1];
+			  ++t, ++to )
 		{
 			const bool isOne = m_panels.isOfOne( t );
 			isThere[isOne ? m_complex->panels.ofPiece[t] : 0] |= isOne ? 1 : 0;
 			const auto& v = m_complex->triangle[t];
-			areListed = areListed && ( isOne || ( listed < m_binding.shading.size() && m_binding.shading[listed] == m_triangle[to] &&
-				isListed( { m_complex->vertexPoint[v[0]], m_complex->vertexPoint[v[1]], m_complex->vertexPoint[v[2]] } ) ) );
+			areListed = areListed &&
+				( isOne ||
+					( listed < m_binding.shading.size() && m_binding.shading[listed] == m_triangle[to] &&
+						isListed( { m_complex->vertexPoint[v[0]], m_complex->vertexPoint[v[1]], m_complex->vertexPoint[v[2]] } ) ) );
 		}
 	}
 	for ( std::size_t panel = 0; panel < isThere.size(); ++panel )
 	{
 		const auto& v = m_complex->panels.corner[panel];
-		areListed = areListed && ( isThere[panel] == 0 || isListed( { m_complex->vertexPoint[v[0]], m_complex->vertexPoint[v[1]], m_complex->vertexPoint[v[2]] } ) );
+		areListed = areListed &&
+			( isThere[panel] == 0 ||
+				isListed( { m_complex->vertexPoint[v[0]], m_complex->vertexPoint[v[1]], m_complex->vertexPoint[v[2]] } ) );
 	}
-	return areListed && listed == m_binding.shading.size() ? Status{} : broken( "What is summed up to normals is not what is drawn, panels put together." );
+	return areListed && listed == m_binding.shading.size()
+		? Status{}
+		: broken( "What is summed up to normals is not what is drawn, panels put together." );
 }
 
 Status validate( const CrackSurface& surface )
 {
-	for ( const auto check : { &CrackSurface::validateTriangles, &CrackSurface::validateGroups, &CrackSurface::validateBinding, &CrackSurface::validatePanels, &CrackSurface::validatePlaced,
-			  &CrackSurface::validateShading } )
+	for ( const auto check : { &CrackSurface::validateTriangles, &CrackSurface::validateGroups, &CrackSurface::validateBinding,
+			  &CrackSurface::validatePanels, &CrackSurface::validatePlaced, &CrackSurface::validateShading } )
 	{
 		if ( Status status = ( surface.*check )(); !status.ok() )
 		{
@@ -237,11 +252,13 @@ Status validate( const CrackSurface& surface )
 namespace {
 
 /// Cells that standing faces join to some, going only through those asked; with a point, through faces that pass there.
-std::vector<std::uint32_t> walkFrom( const CrackSides& sides, std::vector<std::uint32_t> open, const std::vector<std::uint32_t>& asked, std::uint32_t point )
+std::vector<std::uint32_t> walkFrom(
+	const CrackSides& sides, std::vector<std::uint32_t> open, const std::vector<std::uint32_t>& asked, std::uint32_t point )
 {
 	const CellComplex& complex = sides.complex();
 	const auto isThere = [&]( std::uint32_t face ) {
-		return point == CellComplex::kNone || std::find( complex.facesOfPoint.begin( point ), complex.facesOfPoint.end( point ), face ) != complex.facesOfPoint.end( point );
+		return point == CellComplex::kNone ||
+			std::find( complex.facesOfPoint.begin( point ), complex.facesOfPoint.end( point ), face ) != complex.facesOfPoint.end( point );
 	};
 	for ( std::size_t k = 0; k < open.size(); ++k )
 	{
@@ -264,7 +281,8 @@ Status validateSide( const CrackSides& sides, std::uint32_t slot )
 	const CellComplex& complex = sides.complex();
 	const std::uint32_t point = sides.patches().pointOfSlot[slot], first = complex.cellsOfPoint.start[point];
 	const std::vector<std::uint32_t> there( complex.cellsOfPoint.begin( point ), complex.cellsOfPoint.end( point ) );
-	const std::vector<std::uint32_t> carriers( complex.bindCell.begin() + complex.bindStart[point], complex.bindCell.begin() + complex.bindStart[point + 1] );
+	const std::vector<std::uint32_t> carriers(
+		complex.bindCell.begin() + complex.bindStart[point], complex.bindCell.begin() + complex.bindStart[point + 1] );
 	std::vector<std::uint32_t> side;
 	for ( std::size_t k = 0; k < there.size(); ++k )
 	{
@@ -307,7 +325,8 @@ Status validate( const CrackSides& sides )
 	}
 	const auto isParted = [&sides]( std::uint32_t point ) {
 		const std::uint32_t *const start = sides.complex().cellsOfPoint.start.data(), first = start[point];
-		return std::any_of( sides.m_side.begin() + first, sides.m_side.begin() + start[point + 1], [first]( std::uint32_t side ) { return side != first; } );
+		return std::any_of( sides.m_side.begin() + first, sides.m_side.begin() + start[point + 1],
+			[first]( std::uint32_t side ) { return side != first; } );
 	};
 	const auto isPassed = [&sides]( std::uint32_t point ) {
 		const Table& faces = sides.complex().facesOfPoint;

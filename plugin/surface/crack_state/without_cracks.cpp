@@ -7,7 +7,8 @@
 
 namespace pliant {
 
-Result<std::shared_ptr<const CellComplex>> CellComplex::build( const MeshView&, const Lattice&, const SkinBinding&, const LatticeSettings&, const CrackSettings& )
+Result<std::shared_ptr<const CellComplex>> CellComplex::build(
+	const MeshView&, const Lattice&, const SkinBinding&, const LatticeSettings&, const CrackSettings& )
 {
 	const Feature missing = hasFeature( Feature::Surface ) ? Feature::Fracture : Feature::Surface;
 	return { needFeature( missing ), nullptr };

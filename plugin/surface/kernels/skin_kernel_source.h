@@ -1,6 +1,6 @@
-// The kernels themselves. Each skin_kernels_<target>.cpp defines PLIANT_SKIN_TABLE and PLIANT_SKIN_NAME and includes this file once. No template or inline function
-// of any other header is instantiated here (matching/kernels/kernel_source.h says why). What a view points to is taken out of it before a loop begins: the
-// compiler must expect every store to have changed the view.
+// The kernels themselves. Each skin_kernels_<target>.cpp defines PLIANT_SKIN_TABLE and PLIANT_SKIN_NAME and includes this file once. No
+// template or inline function of any other header is instantiated here (matching/kernels/kernel_source.h says why). What a view points to
+// is taken out of it before a loop begins: the compiler must expect every store to have changed the view.
 
 #pragma once
 
@@ -38,7 +38,9 @@ struct Rows
 	const std::uint32_t *start, *node, *slot;
 	const float *weight, *map;
 
-	explicit Rows( const SkinView& view ) : start( view.start ), node( view.node ), slot( view.slot ), weight( view.weight ), map( view.map ) {}
+	explicit Rows( const SkinView& view ) :
+		start( view.start ), node( view.node ), slot( view.slot ), weight( view.weight ), map( view.map )
+	{}
 
 	Blend of( std::size_t vertex ) const
 	{
@@ -204,7 +206,9 @@ struct Normals
 	const float *sums, *turnedShift;
 	std::size_t shifted;
 
-	explicit Normals( const SkinView& view ) : group( view.normalGroup ), sums( view.groupNormal ), turnedShift( view.turnedShift ), shifted( view.shifted ) {}
+	explicit Normals( const SkinView& view ) :
+		group( view.normalGroup ), sums( view.groupNormal ), turnedShift( view.turnedShift ), shifted( view.shifted )
+	{}
 
 	F4 sumOf( std::size_t vertex ) const { return load4( sums + 4 * std::size_t( group[vertex] ) ); }
 	F4 shiftOf( std::size_t vertex ) const { return load4( turnedShift + 4 * vertex ); }
@@ -298,7 +302,10 @@ void shadeFromCorners( const SkinView& view, std::size_t first, std::size_t last
 	const SkinPlace* const of = view.placed;
 	float* const normals = view.normals;
 	const auto at = [normals]( std::uint32_t vertex ) { return column( normals + 3 * std::size_t( vertex ), 0.0f ); };
-	const auto sumOf = [&]( std::size_t k ) { return ( of[k].weight[0] * at( of[k].corner[0] ) + of[k].weight[1] * at( of[k].corner[1] ) ) + of[k].weight[2] * at( of[k].corner[2] ); };
+	const auto sumOf = [&]( std::size_t k ) {
+		return ( of[k].weight[0] * at( of[k].corner[0] ) + of[k].weight[1] * at( of[k].corner[1] ) ) +
+			of[k].weight[2] * at( of[k].corner[2] );
+	};
 	for ( std::size_t k = first; k < last; ++k )
 	{
 		const std::size_t end = k + 4 < last ? k + 4 : last;
@@ -322,6 +329,7 @@ void shadeFromCorners( const SkinView& view, std::size_t first, std::size_t last
 } // namespace
 
 extern const SkinKernels PLIANT_SKIN_TABLE;
-const SkinKernels PLIANT_SKIN_TABLE = { &followRows, &placeFromCorners, &carry, &addAreas, &writeNormals, &shadeFromCorners, PLIANT_SKIN_NAME };
+const SkinKernels PLIANT_SKIN_TABLE = {
+	&followRows, &placeFromCorners, &carry, &addAreas, &writeNormals, &shadeFromCorners, PLIANT_SKIN_NAME };
 
 } // namespace pliant

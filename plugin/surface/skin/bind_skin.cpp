@@ -104,8 +104,7 @@ class Binder
 public:
 	Binder( const Lattice& lattice, Skinning kind ) :
 		m_lattice( lattice ), m_kind( kind ), m_finder( lattice ), m_mark( lattice.restCentre.size(), 0 )
-	{
-	}
+	{}
 
 	/// Whether the nearest material lies behind the surface here (1), in front of it (-1), or cannot be told (0).
 	int sideOfMaterial( const Spot& spot )
@@ -169,7 +168,8 @@ private:
 		{
 			return true;
 		}
-		const auto first = m_lattice.linkTo.begin() + m_lattice.linkStart[cell], last = m_lattice.linkTo.begin() + m_lattice.linkStart[cell + 1];
+		const auto first = m_lattice.linkTo.begin() + m_lattice.linkStart[cell],
+				   last = m_lattice.linkTo.begin() + m_lattice.linkStart[cell + 1];
 		return std::any_of( first, last, [this]( std::uint32_t other ) { return m_mark[other] == m_round; } );
 	}
 

@@ -89,8 +89,7 @@ void CellTree::search( std::size_t first, std::size_t last, int axis, const Vec3
 
 CellFinder::CellFinder( const Lattice& lattice ) :
 	m_lattice( lattice ), m_grid( gridOf( lattice ) ), m_keys( keysOf( lattice, m_grid ) ), m_index( m_grid, m_keys ), m_tree( lattice )
-{
-}
+{}
 
 Eigen::Vector3i CellFinder::positionOf( const Vec3d& point ) const
 {

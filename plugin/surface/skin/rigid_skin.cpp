@@ -31,8 +31,8 @@ void store4( float* p, F4 a )
 	*reinterpret_cast<F4*>( p ) = a;
 }
 
-/// R p + t of four vertices that lie side by side, as three times four numbers: x0 y0 z0 x1 | y1 z1 x2 y2 | z2 x3 y3 z3. A number's products with its row's
-/// diagonal, and with the next and the one after in the circle x y z x.
+/// R p + t of four vertices that lie side by side, as three times four numbers: x0 y0 z0 x1 | y1 z1 x2 y2 | z2 x3 y3 z3. A number's
+/// products with its row's diagonal, and with the next and the one after in the circle x y z x.
 struct Turn
 {
 	F4 own[3], next[3], last[3], shift[3];
@@ -167,7 +167,8 @@ bool RigidSkin::follows( const Motion& motion, const NodeState& nodes, const flo
 	{
 		// | q - p |^2 = 4 sin^2( angle / 4 ), of the sign of p that is nearer
 		const Eigen::Quaterniond q( Eigen::Map<const Eigen::Quaternionf>( rotations + 4 * i ).cast<double>() );
-		const Eigen::Quaterniond p = motion.turn * Eigen::Quaterniond( Eigen::Map<const Eigen::Quaternionf>( m_rotation.data() + 4 * i ).cast<double>() );
+		const Eigen::Quaterniond p = motion.turn *
+			Eigen::Quaterniond( Eigen::Map<const Eigen::Quaternionf>( m_rotation.data() + 4 * i ).cast<double>() );
 		const double apart = std::min( ( q.coeffs() - p.coeffs() ).squaredNorm(), ( q.coeffs() + p.coeffs() ).squaredNorm() );
 		if ( !( 4.0 * apart <= angle * angle ) )
 		{
@@ -180,8 +181,8 @@ bool RigidSkin::follows( const Motion& motion, const NodeState& nodes, const flo
 RigidSkin::Since RigidSkin::ask( const NodeState& nodes, const float* rotations, const float* flow, double tolerance, double cell )
 {
 	const std::size_t flowed = flow ? 9 * std::size_t( nodes.count ) : 0;
-	const bool isAsBefore = m_isKept && m_place.size() == 3 * std::size_t( nodes.count ) && m_origin == nodes.origin && m_flow.size() == flowed &&
-							std::equal( m_flow.begin(), m_flow.end(), flow );
+	const bool isAsBefore = m_isKept && m_place.size() == 3 * std::size_t( nodes.count ) && m_origin == nodes.origin &&
+		m_flow.size() == flowed && std::equal( m_flow.begin(), m_flow.end(), flow );
 	if ( !isAsBefore || !( tolerance > 0.0 ) )
 	{
 		return Since::Bent;
@@ -199,8 +200,8 @@ RigidSkin::Since RigidSkin::ask( const NodeState& nodes, const float* rotations,
 	return Since::Moved;
 }
 
-void RigidSkin::turn( const std::vector<float>& positions, const std::vector<float>& normals, std::vector<float>& positionsNow, std::vector<float>& normalsNow,
-	TaskRunner* runner ) const
+void RigidSkin::turn( const std::vector<float>& positions, const std::vector<float>& normals, std::vector<float>& positionsNow,
+	std::vector<float>& normalsNow, TaskRunner* runner ) const
 {
 	const Eigen::Matrix3f r = m_shown.turn.toRotationMatrix().cast<float>();
 	const Turn place( r, m_shown.shift.cast<float>() ), direction( r, Eigen::Vector3f::Zero() );

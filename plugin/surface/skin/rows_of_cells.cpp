@@ -16,7 +16,8 @@ std::vector<char> rowsThatHold( const SkinBinding& binding, const std::vector<ch
 		{
 			if ( isWanted[binding.node[k]] != 0 )
 			{
-				for ( ; binding.start[row + 1] <= k; ++row ) {}
+				for ( ; binding.start[row + 1] <= k; ++row )
+				{}
 				holds[row] = 1;
 			}
 		}
@@ -40,8 +41,8 @@ std::vector<char> rowsThatHold( const SkinBinding& binding, const std::vector<ch
 }
 
 // A side that has lost all that carried its point follows one of the cells that draw there (CrackGatherer::writeRow).
-std::vector<char> rowsAtPointsOf(
-	const SkinBinding& binding, const std::vector<char>& isWanted, const CellComplex& complex, const std::vector<std::uint32_t>& cellsThere )
+std::vector<char> rowsAtPointsOf( const SkinBinding& binding, const std::vector<char>& isWanted, const CellComplex& complex,
+	const std::vector<std::uint32_t>& cellsThere )
 {
 	std::vector<char> isThere( complex.pointCount(), 0 );
 	for ( std::size_t cell = 0; cell < isWanted.size(); ++cell )

@@ -15,8 +15,8 @@ constexpr double kFadeStep = 5e-4;
 
 /// Frames of the shortest fade: a tenth of a second.
 constexpr int kFewestFrames = 6;
-/// And of the longest: half a second. In what is crushed or torn a change may move the surface by a third of the body; at kFadeStep a frame it stood beside its
-/// nodes for up to 13 s, and was skinned in full all that time.
+/// And of the longest: half a second. In what is crushed or torn a change may move the surface by a third of the body; at kFadeStep a frame
+/// it stood beside its nodes for up to 13 s, and was skinned in full all that time.
 constexpr int kMostFrames = 30;
 
 /// Frames in which the children of a split node part: a quarter of a second.
@@ -131,8 +131,7 @@ void SkinFade::measureMaps( const Nodes& nodes, const std::vector<char>& isFresh
 	{
 		std::size_t end = slot + 1;
 		for ( ; end < isFresh.size() && isFresh[end] == isFresh[slot] && nodes.heir[end] == nodes.heir[slot] + ( end - slot ); ++end )
-		{
-		}
+		{}
 		if ( isFresh[slot] != 0 )
 		{
 			skinMaps( nodes.now, nodes.pose, m_mapNow.data(), int( slot ), int( end ) );
@@ -140,7 +139,8 @@ void SkinFade::measureMaps( const Nodes& nodes, const std::vector<char>& isFresh
 		else
 		{
 			const auto from = m_mapBefore.begin() + std::ptrdiff_t( nodes.heir[slot] ) * kSkinMapFloats;
-			std::copy( from, from + std::ptrdiff_t( end - slot ) * kSkinMapFloats, m_mapNow.begin() + std::ptrdiff_t( slot ) * kSkinMapFloats );
+			std::copy(
+				from, from + std::ptrdiff_t( end - slot ) * kSkinMapFloats, m_mapNow.begin() + std::ptrdiff_t( slot ) * kSkinMapFloats );
 		}
 		slot = end;
 	}
@@ -158,7 +158,8 @@ std::vector<char> SkinFade::changedSlots( const Nodes& nodes, std::vector<char> 
 		{
 			continue;
 		}
-		const Eigen::Matrix<float, 3, 4> difference = MapRows( &m_mapNow[slot * kSkinMapFloats] ) - MapRows( &m_mapBefore[before * kSkinMapFloats] );
+		const Eigen::Matrix<float, 3, 4> difference = MapRows( &m_mapNow[slot * kSkinMapFloats] ) -
+			MapRows( &m_mapBefore[before * kSkinMapFloats] );
 		const Vec3 atNode = difference * nodes.now.x0.get( int( slot ) ).homogeneous();
 		changed[slot] = atNode.norm() > visible || difference.leftCols<3>().norm() > kFadeFloor;
 	}
@@ -175,11 +176,9 @@ void SkinFade::regroup( const Nodes& nodes )
 	{
 		const std::uint32_t before = nodes.heir[slot];
 		for ( end = slot + 1; end < std::uint32_t( nodes.now.count ) && nodes.heir[end] == before; ++end )
-		{
-		}
+		{}
 		for ( ; old < m_group.size() && m_group[old].first < before; ++old )
-		{
-		}
+		{}
 		if ( end - slot > 1 )
 		{
 			groups.push_back( Group{ slot, end - slot, 0 } );
@@ -245,12 +244,15 @@ void SkinFade::start( const SkinBinding& binding, const Nodes& nodes )
 		if ( changed[slot[cell]] != 0 )
 		{
 			cellChanged[cell] = 1;
-			changes.add( cell, &m_mapBefore[m_slotBefore[cell] * std::size_t( kSkinMapFloats )], &m_mapNow[slot[cell] * std::size_t( kSkinMapFloats )] );
+			changes.add( cell, &m_mapBefore[m_slotBefore[cell] * std::size_t( kSkinMapFloats )],
+				&m_mapNow[slot[cell] * std::size_t( kSkinMapFloats )] );
 		}
 	}
 	const bool areNamed = nodes.complex && !binding.point.empty();
-	std::vector<char> rowChanged = areNamed ? rowsAtPointsOf( binding, cellChanged, *nodes.complex, *nodes.cellsThere ) : rowsThatHold( binding, cellChanged );
-	std::for_each( binding.placed.begin(), binding.placed.end(), [&rowChanged]( const SkinBinding::Placed& of ) { rowChanged[of.vertex] = 0; } );
+	std::vector<char> rowChanged = areNamed ? rowsAtPointsOf( binding, cellChanged, *nodes.complex, *nodes.cellsThere )
+											: rowsThatHold( binding, cellChanged );
+	std::for_each(
+		binding.placed.begin(), binding.placed.end(), [&rowChanged]( const SkinBinding::Placed& of ) { rowChanged[of.vertex] = 0; } );
 
 	std::vector<std::uint32_t> vertices;
 	std::vector<Vec3> offsets;
@@ -306,7 +308,8 @@ bool SkinFade::advance()
 	{
 		++group.frame;
 	}
-	m_group.erase( std::remove_if( m_group.begin(), m_group.end(), []( const Group& g ) { return g.frame >= kEaseFrames; } ), m_group.end() );
+	m_group.erase(
+		std::remove_if( m_group.begin(), m_group.end(), []( const Group& g ) { return g.frame >= kEaseFrames; } ), m_group.end() );
 	return true;
 }
 
@@ -333,8 +336,9 @@ void SkinFade::addTo( float* packed, float* wide, const Eigen::Quaternionf& body
 
 std::size_t SkinFade::bytes() const
 {
-	return ( m_mapBefore.size() + m_mapNow.size() ) * sizeof( float ) + ( m_slotBefore.size() + m_vertex.capacity() ) * sizeof( std::uint32_t ) +
-		   m_offset.capacity() * sizeof( Vec3 ) + m_group.capacity() * sizeof( Group );
+	return ( m_mapBefore.size() + m_mapNow.size() ) * sizeof( float ) +
+		( m_slotBefore.size() + m_vertex.capacity() ) * sizeof( std::uint32_t ) + m_offset.capacity() * sizeof( Vec3 ) +
+		m_group.capacity() * sizeof( Group );
 }
 
 } // namespace pliant

@@ -29,9 +29,10 @@ public:
 		const std::vector<std::uint32_t>& heir;   ///< of each node now: a node before
 		const std::vector<std::uint32_t>& keptAs; ///< of each node before: its number now, if it is still there
 		Eigen::Quaternionf body;                  ///< the body's rotation: offsets turn along with it
-		const std::vector<std::uint32_t>* measured = nullptr; ///< nodes now, ascending: all others are carried as before. Null: nobody knows
-		const CellComplex* complex = nullptr;                    ///< whose points the binding names; null: they are not asked for
-		const std::vector<std::uint32_t>* cellsThere = nullptr;  ///< with it: the numbers the body's cells have there; empty: the same
+		const std::vector<std::uint32_t>* measured =
+			nullptr;                          ///< nodes now, ascending: all others are carried as before. Null: nobody knows
+		const CellComplex* complex = nullptr; ///< whose points the binding names; null: they are not asked for
+		const std::vector<std::uint32_t>* cellsThere = nullptr; ///< with it: the numbers the body's cells have there; empty: the same
 	};
 	/// Right after the change, with nothing moved in between: what the surface would jump by, on top of what is left of earlier changes.
 	void start( const SkinBinding& binding, const Nodes& nodes );
@@ -43,7 +44,8 @@ public:
 
 	/// Brings the maps of nodes that were split of late nearer to each other.
 	void ease( const NodeState& nodes, float* maps ) const;
-	/// Adds what is left to positions of three and of four floats a vertex, of those that carry others (SkinBinding::carrier), which follow.
+	/// Adds what is left to positions of three and of four floats a vertex, of those that carry others (SkinBinding::carrier), which
+	/// follow.
 	void addTo( float* packed, float* wide, const Eigen::Quaternionf& body ) const;
 
 	std::size_t bytes() const;
@@ -66,7 +68,7 @@ private:
 	std::vector<std::uint32_t> m_slotBefore;
 	double m_diagonal = 0.0; ///< of the surface at rest, m; 0: not measured yet
 
-	std::vector<Group> m_group; ///< ascending
+	std::vector<Group> m_group;          ///< ascending
 	std::vector<std::uint32_t> m_vertex; ///< those with an offset that have a row of weights, ascending
 	std::vector<Vec3> m_offset;          ///< of each of them, in the body's frame, m
 	int m_frames = 1;                    ///< that the fade takes

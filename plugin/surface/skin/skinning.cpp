@@ -1,6 +1,6 @@
+#include "surface/skin/skinning.h"
 #include "surface/kernels/skin_kernels.h"
 #include "surface/skin/skin_fade.h"
-#include "surface/skin/skinning.h"
 
 #include "threads/parallel.h"
 
@@ -30,7 +30,8 @@ void forChunks( std::size_t count, TaskRunner* runner, Work&& work )
 	runTasks( runner, chunkCount( count ), task );
 }
 
-static_assert( sizeof( SkinPlace ) == sizeof( SkinBinding::Placed ) && offsetof( SkinPlace, weight ) == offsetof( SkinBinding::Placed, weight ) );
+static_assert(
+	sizeof( SkinPlace ) == sizeof( SkinBinding::Placed ) && offsetof( SkinPlace, weight ) == offsetof( SkinBinding::Placed, weight ) );
 
 SkinView viewOf( const SkinBinding& binding, const SkinPose& pose, SkinScratch& scratch, float* positions, float* normals )
 {
@@ -101,7 +102,8 @@ void skin( const SkinBinding& binding, const NodeState& state, const SkinPose& p
 	makeAtLeast( scratch.position, vertices * 4 );
 	makeAtLeast( scratch.turnedShift, binding.normalShift.size() * 4 );
 	makeAtLeast( scratch.groupNormal, std::size_t( binding.normalGroups ) * 4 );
-	forChunks( std::size_t( state.count ), runner, [&]( std::size_t first, std::size_t last ) { skinMaps( state, pose, scratch.nodeMap.data(), int( first ), int( last ) ); } );
+	forChunks( std::size_t( state.count ), runner,
+		[&]( std::size_t first, std::size_t last ) { skinMaps( state, pose, scratch.nodeMap.data(), int( first ), int( last ) ); } );
 	if ( pose.fade )
 	{
 		pose.fade->ease( state, scratch.nodeMap.data() );

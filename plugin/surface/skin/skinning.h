@@ -24,21 +24,23 @@ struct SkinBinding
 	Skinning kind = Skinning::None;
 	std::vector<std::uint32_t> start;
 	std::vector<std::uint32_t> node;
-	std::vector<float> weight;        ///< sums to 1 a vertex
-	std::vector<Vec3> restPosition;   ///< per vertex, relative to the lattice's mass centre, m
-	std::vector<Vec3> restNormal;     ///< per vertex, area-weighted over its triangles (welded vertices share theirs), unit; any, of no triangle
+	std::vector<float> weight;      ///< sums to 1 a vertex
+	std::vector<Vec3> restPosition; ///< per vertex, relative to the lattice's mass centre, m
+	std::vector<Vec3>
+		restNormal; ///< per vertex, area-weighted over its triangles (welded vertices share theirs), unit; any, of no triangle
 	std::vector<std::uint32_t> normalGroup; ///< per vertex: vertices with one number share one normal (unwelded seams)
 	int normalGroups = 0;
-	/// Of the first so many vertices: by how much their normals at rest are to differ from what their triangles give. It turns along. Others' do not.
+	/// Of the first so many vertices: by how much their normals at rest are to differ from what their triangles give. It turns along.
+	/// Others' do not.
 	std::vector<Vec3> normalShift;
-	/// Per vertex: the one it stands where and goes with, to the bit (sides of a crack that meet in an edge, seams). Only that one has a row.
-	/// Empty: each has its own.
+	/// Per vertex: the one it stands where and goes with, to the bit (sides of a crack that meet in an edge, seams). Only that one has a
+	/// row. Empty: each has its own.
 	std::vector<std::uint32_t> carrier;
 	/// Per vertex: the point of the CellComplex where it stands. Empty: of none.
 	std::vector<std::uint32_t> point;
 
-	/// Stands in a triangle of the input that no crack parts (Panels): place and normal are those of the triangle's corners, in these shares. Its row is
-	/// kept, but not asked.
+	/// Stands in a triangle of the input that no crack parts (Panels): place and normal are those of the triangle's corners, in these
+	/// shares. Its row is kept, but not asked.
 	struct Placed
 	{
 		std::uint32_t vertex;
@@ -74,12 +76,12 @@ struct SkinTriangles
 	int count = 0;
 };
 
-/// Room that `skin` needs and keeps between calls, so that only the first call allocates. Bodies may take turns with one, which is then still in the processor's
-/// cache: only `nodeMap` says anything after a call.
+/// Room that `skin` needs and keeps between calls, so that only the first call allocates. Bodies may take turns with one, which is then
+/// still in the processor's cache: only `nodeMap` says anything after a call.
 struct SkinScratch
 {
 	AlignedArray<float> nodeMap;
-	AlignedArray<float> position; ///< four floats a vertex
+	AlignedArray<float> position;    ///< four floats a vertex
 	AlignedArray<float> turnedShift; ///< the same; of vertices whose normals are shifted
 	AlignedArray<float> groupNormal;
 };
@@ -93,11 +95,11 @@ void skin( const SkinBinding& binding, const NodeState& state, const float* rota
 /// How the nodes of a body with levels of detail carry what is around them.
 struct SkinPose
 {
-	const float* rotations = nullptr;           ///< as above
-	const float* flow = nullptr;                ///< S_p of each node, 9 floats, row by row: its rest shape has flowed. Null: none has
-	const float* gradients = nullptr;           ///< F of each node, 9 floats, row by row: big nodes carry stretch too. Null: rotations alone
-	const std::uint32_t* slotOfCell = nullptr;  ///< the node that holds a cell; null where cells are nodes
-	const SkinFade* fade = nullptr;             ///< what changes of levels have left on the surface; null: nothing
+	const float* rotations = nullptr;          ///< as above
+	const float* flow = nullptr;               ///< S_p of each node, 9 floats, row by row: its rest shape has flowed. Null: none has
+	const float* gradients = nullptr;          ///< F of each node, 9 floats, row by row: big nodes carry stretch too. Null: rotations alone
+	const std::uint32_t* slotOfCell = nullptr; ///< the node that holds a cell; null where cells are nodes
+	const SkinFade* fade = nullptr;            ///< what changes of levels have left on the surface; null: nothing
 	Eigen::Quaternionf body = Eigen::Quaternionf::Identity(); ///< for `fade`: the body's rotation
 };
 

@@ -1,7 +1,7 @@
 // Who is in the world: bodies that come and go, by Bullet's calls and by ours, in any order and at any time.
 
-#include "world/constants.h"
 #include "world/bodies/soft_body_impl.h"
+#include "world/constants.h"
 #include "world/step/soft_body_system.h"
 
 #include <BulletCollision/CollisionDispatch/btCollisionDispatcher.h>
@@ -15,8 +15,7 @@ namespace pliant {
 SoftBodySystem::SoftBodySystem( btDiscreteDynamicsWorld& world, btDispatcher* dispatcher ) :
 	substeps( kDefaultSubsteps ), maxSubsteps( kDefaultMaxSubsteps ), ownRunner( createThreadPool( 1 ) ), m_world( world ),
 	m_dispatcher( *static_cast<btCollisionDispatcher*>( dispatcher ) )
-{
-}
+{}
 
 SoftBodySystem::~SoftBodySystem()
 {
@@ -115,7 +114,8 @@ bool SoftBodySystem::acceptsSteps( btScalar& timeStep, int maxSubSteps, btScalar
 
 SoftBody* SoftBodySystem::bodyAfter( unsigned serial ) const
 {
-	const auto next = std::upper_bound( m_bodies.begin(), m_bodies.end(), serial, []( unsigned s, const SoftBody* body ) { return s < body->impl().serial; } );
+	const auto next = std::upper_bound(
+		m_bodies.begin(), m_bodies.end(), serial, []( unsigned s, const SoftBody* body ) { return s < body->impl().serial; } );
 	return next == m_bodies.end() ? nullptr : *next;
 }
 
@@ -161,11 +161,12 @@ bool SoftBodySystem::openStep( btScalar& timeStep )
 void SoftBodySystem::noteSleepers()
 {
 	m_asleep.clear();
-	std::copy_if( m_bodies.begin(), m_bodies.end(), std::back_inserter( m_asleep ), []( const SoftBody* body ) { return !body->isActive(); } );
+	std::copy_if(
+		m_bodies.begin(), m_bodies.end(), std::back_inserter( m_asleep ), []( const SoftBody* body ) { return !body->isActive(); } );
 }
 
-// A body that something has woken since the last step takes what rests on it along. Bullet's islands would come to it too, after the step in which
-// the body has moved off, and let what has no contact any more sleep on where it is.
+// A body that something has woken since the last step takes what rests on it along. Bullet's islands would come to it too, after the step
+// in which the body has moved off, and let what has no contact any more sleep on where it is.
 void SoftBodySystem::wakeOnTheWoken()
 {
 	for ( const SoftBody* body : m_asleep )

@@ -26,7 +26,8 @@ Status SoftBody::pin( const PinRequest& request )
 	Pin* pin = impl.findPin( request.node );
 	if ( !pin )
 	{
-		const auto place = std::lower_bound( impl.pins.begin(), impl.pins.end(), request.node, []( const Pin& p, int n ) { return p.node < n; } );
+		const auto place = std::lower_bound(
+			impl.pins.begin(), impl.pins.end(), request.node, []( const Pin& p, int n ) { return p.node < n; } );
 		pin = &*impl.pins.insert( place, Pin{} );
 	}
 	pin->node = request.node;
@@ -47,8 +48,9 @@ Status SoftBody::pinNode( int node )
 	return pin( PinRequest{ node, int( PinKind::Still ), nullptr, btVector3( 0, 0, 0 ) } );
 }
 
-// A pin keeps a pointer to its rigid body, so it must hear of that body's end. The world hears of it: hence the body must be in the world that this
-// one is in, and the pin goes when it leaves. Where this body is in no world yet, or has left its own, the pin is asked again when it is added.
+// A pin keeps a pointer to its rigid body, so it must hear of that body's end. The world hears of it: hence the body must be in the world
+// that this one is in, and the pin goes when it leaves. Where this body is in no world yet, or has left its own, the pin is asked again
+// when it is added.
 Status SoftBody::pinNodeToBody( int node, btRigidBody* body )
 {
 	if ( !body || !m_impl->hasNode( node ) )
@@ -58,7 +60,8 @@ Status SoftBody::pinNodeToBody( int node, btRigidBody* body )
 	int index = body->getWorldArrayIndex();
 	if ( !body->getBroadphaseHandle() || index < 0 )
 	{
-		return Status{ ResultCode::BadArgument, "pinNodeToBody: the rigid body is in no world. Add it first; the pin goes when it is removed." };
+		return Status{
+			ResultCode::BadArgument, "pinNodeToBody: the rigid body is in no world. Add it first; the pin goes when it is removed." };
 	}
 	if ( m_impl->system && !m_impl->system->holds( body, index ) )
 	{
@@ -83,7 +86,8 @@ Status SoftBody::driveNode( int node, const btVector3& worldPosition )
 	}
 	if ( ( toVec3d( worldPosition ) - m_impl->body->nodes().worldPosition( node ) ).norm() > m_impl->farthestDrive() )
 	{
-		return refused( "driveNode", "the position is further than a hundred of the body's sizes from the node; teleport the body, or go there in steps." );
+		return refused( "driveNode",
+			"the position is further than a hundred of the body's sizes from the node; teleport the body, or go there in steps." );
 	}
 	return pin( PinRequest{ node, int( PinKind::Driven ), nullptr, worldPosition } );
 }
@@ -112,7 +116,8 @@ int SoftBody::pinNodesInside( const btVector3& low, const btVector3& high )
 	for ( int i = 0; i < nodeCount(); ++i )
 	{
 		const btVector3 p = nodePosition( i );
-		const bool isInside = p.x() >= low.x() && p.y() >= low.y() && p.z() >= low.z() && p.x() <= high.x() && p.y() <= high.y() && p.z() <= high.z();
+		const bool isInside = p.x() >= low.x() && p.y() >= low.y() && p.z() >= low.z() && p.x() <= high.x() && p.y() <= high.y() &&
+			p.z() <= high.z();
 		if ( isInside && pinNode( i ).ok() )
 		{
 			++count;
@@ -145,8 +150,8 @@ void SoftBodySystem::releasePinsTo( const btRigidBody& body )
 	}
 }
 
-// By pointer; and by the number of the broadphase's proxy, which no two objects of a world have in turn: a rigid body made where another was
-// deleted is not the one that was pinned to.
+// By pointer; and by the number of the broadphase's proxy, which no two objects of a world have in turn: a rigid body made where another
+// was deleted is not the one that was pinned to.
 void SoftBodySystem::releaseLostPins( SoftBody& body, bool isAdded )
 {
 	std::vector<Pin>& pins = body.impl().pins;
@@ -236,7 +241,8 @@ void SoftBodySystem::moveHeldBodies()
 		for ( int i = 0; i < nodes.count; ++i )
 		{
 			const Vec3d at = nodes.worldPosition( i );
-			const Vec3d velocity = isKnown ? Vec3d( ( at - impl.heldBefore[std::size_t( i )] ) / double( m_gameStep ) ) : Vec3d( Vec3d::Zero() );
+			const Vec3d velocity = isKnown ? Vec3d( ( at - impl.heldBefore[std::size_t( i )] ) / double( m_gameStep ) )
+										   : Vec3d( Vec3d::Zero() );
 			nodes.v.set( i, velocity.cast<float>() );
 			impl.heldBefore[std::size_t( i )] = at;
 			low = low.cwiseMin( velocity );

@@ -60,8 +60,8 @@ SoftBodyResult SoftBody::create( std::shared_ptr<const BodyTemplate> bodyTemplat
 	}
 	try
 	{
-		Result<std::unique_ptr<Body>> made = Body::create(
-			bodyTemplate->sharedLattice(), material, placementOf( bodyTemplate->lattice(), transform ), bodyTemplate->cache(), adaptivity, stiffness );
+		Result<std::unique_ptr<Body>> made = Body::create( bodyTemplate->sharedLattice(), material,
+			placementOf( bodyTemplate->lattice(), transform ), bodyTemplate->cache(), adaptivity, stiffness );
 		if ( !made )
 		{
 			return SoftBodyResult{ std::move( made.status ), nullptr };

@@ -1,8 +1,9 @@
-// What the game does to a body: velocities, forces, impulses, gravity, places. Each is refused where a number is bad, and then changes nothing.
+// What the game does to a body: velocities, forces, impulses, gravity, places. Each is refused where a number is bad, and then changes
+// nothing.
 
 #include "matching/constants.h"
-#include "world/constants.h"
 #include "world/bodies/placing.h"
+#include "world/constants.h"
 #include "world/step/soft_body_system.h"
 
 #include <algorithm>
@@ -24,7 +25,8 @@ Status checkAcceleration( const btVector3& acceleration, const char* call )
 	{
 		return refused( call, "a number is not finite." );
 	}
-	const bool isTooMuch = std::max( { btFabs( acceleration.x() ), btFabs( acceleration.y() ), btFabs( acceleration.z() ) } ) > kMostAcceleration;
+	const bool isTooMuch = std::max( { btFabs( acceleration.x() ), btFabs( acceleration.y() ), btFabs( acceleration.z() ) } ) >
+		kMostAcceleration;
 	return isTooMuch ? refused( call, "with what acts already it would bring a node to 1e5 m/s within a sixtieth of a second." ) : Status{};
 }
 
@@ -55,7 +57,9 @@ Status checkPlace( const btTransform& transform, const char* call )
 	const double off = ( basis.transpose() * basis - Eigen::Matrix3d::Identity() ).cwiseAbs().maxCoeff();
 	if ( off > kMostScale || basis.determinant() < 0.0 )
 	{
-		return refused( call, "the transform scales, shears or mirrors; only rotations and translations can be taken. Scale the mesh before BodyTemplate::build." );
+		return refused( call,
+			"the transform scales, shears or mirrors; only rotations and translations can be taken. Scale the mesh before "
+			"BodyTemplate::build." );
 	}
 	return {};
 }
@@ -77,7 +81,8 @@ Status SoftBody::setVelocities( const btVector3& linear, const btVector3& angula
 	{
 		if ( isTooFast( velocityOf( i ) ) )
 		{
-			return isFinite( linear ) && isFinite( angular ) ? refused( "setVelocities", kTooFast ) : refused( "setVelocities", "a number is not finite." );
+			return isFinite( linear ) && isFinite( angular ) ? refused( "setVelocities", kTooFast )
+															 : refused( "setVelocities", "a number is not finite." );
 		}
 	}
 	for ( int i = 0; i < nodes.count; ++i )
@@ -131,7 +136,8 @@ Status SoftBody::applyCentralImpulse( const btVector3& impulse )
 	{
 		if ( isTooFast( nodes.v.get( i ) + nodes.freedom[i] * change ) )
 		{
-			return isFinite( impulse ) ? refused( "applyCentralImpulse", kTooFast ) : refused( "applyCentralImpulse", "a number is not finite." );
+			return isFinite( impulse ) ? refused( "applyCentralImpulse", kTooFast )
+									   : refused( "applyCentralImpulse", "a number is not finite." );
 		}
 	}
 	for ( int i = 0; i < nodes.count; ++i )

@@ -1,10 +1,10 @@
 #include "world/step/soft_body_world_impl.h"
 
-#include "world/constants.h"
 #include "world/api/debug_draw.h"
-#include "world/step/island_manager.h"
 #include "world/api/rigid_file.h"
 #include "world/bodies/soft_body_impl.h"
+#include "world/constants.h"
+#include "world/step/island_manager.h"
 
 #include <LinearMath/btSerializer.h>
 
@@ -13,9 +13,8 @@
 
 namespace pliant {
 
-SoftBodyWorld::SoftBodyWorld(
-	btDispatcher* dispatcher, btBroadphaseInterface* broadphase, btConstraintSolver* solver, btCollisionConfiguration* configuration,
-	BulletPrecision ) :
+SoftBodyWorld::SoftBodyWorld( btDispatcher* dispatcher, btBroadphaseInterface* broadphase, btConstraintSolver* solver,
+	btCollisionConfiguration* configuration, BulletPrecision ) :
 	btDiscreteDynamicsWorld( dispatcher, broadphase, solver, configuration ),
 	m_system( std::make_unique<System>( *this, dispatcher ) )
 {
@@ -28,7 +27,8 @@ SoftBodyWorld::SoftBodyWorld(
 
 SoftBodyWorld::~SoftBodyWorld()
 {
-	// Fragments that nobody has taken over go. What the game added stays the game's: the bodies leave, and take their contacts along while the pool still stands.
+	// Fragments that nobody has taken over go. What the game added stays the game's: the bodies leave, and take their contacts along while
+	// the pool still stands.
 	while ( !m_system->bodies.owned.empty() )
 	{
 		delete m_system->bodies.owned.back();
@@ -69,7 +69,8 @@ void SoftBodyWorld::addCollisionObject( btCollisionObject* object, int group, in
 		btDiscreteDynamicsWorld::addCollisionObject( object, group, mask );
 		return;
 	}
-	const bool isDefault = group == btBroadphaseProxy::StaticFilter && mask == ( btBroadphaseProxy::AllFilter ^ btBroadphaseProxy::StaticFilter );
+	const bool isDefault = group == btBroadphaseProxy::StaticFilter &&
+		mask == ( btBroadphaseProxy::AllFilter ^ btBroadphaseProxy::StaticFilter );
 	isDefault && !soft->isStaticOrKinematicObject() ? addSoftBody( soft ) : addSoftBody( soft, group, mask );
 }
 

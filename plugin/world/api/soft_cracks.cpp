@@ -35,7 +35,8 @@ bool SoftBody::Impl::hasNewCracks() const
 	return !isKnown && bodyTemplate->crackComplex();
 }
 
-// With a family, cracks are drawn once for all that came from one body. Else, where nobody looked before it broke, from the body's own links.
+// With a family, cracks are drawn once for all that came from one body. Else, where nobody looked before it broke, from the body's own
+// links.
 const SkinBinding& SoftBody::Impl::binding() const
 {
 	if ( !hasNewCracks() )
@@ -65,7 +66,8 @@ void SoftBody::Impl::drawKin() const
 			cells += other.body->firstCells().size();
 		}
 	}
-	std::stable_sort( kin.begin(), kin.end(), []( const Impl* a, const Impl* b ) { return a->body->firstCells().size() > b->body->firstCells().size(); } );
+	std::stable_sort( kin.begin(), kin.end(),
+		[]( const Impl* a, const Impl* b ) { return a->body->firstCells().size() > b->body->firstCells().size(); } );
 	crackFamily->catchUp( kin.front()->body->firstCells().size(), runner );
 	// All threads draw what is more than a thread's share, body after body.
 	auto shared = kin.begin();
@@ -128,7 +130,8 @@ void SoftBody::Impl::makeCrackFamily()
 {
 	if ( !crackFamily && body->firstCells().empty() && bodyTemplate->crackPatches() )
 	{
-		crackFamily = std::make_shared<CrackFamily>( *bodyTemplate->crackSurface(), bodyTemplate->crackPatches(), bodyTemplate->textureCoordinates() );
+		crackFamily = std::make_shared<CrackFamily>(
+			*bodyTemplate->crackSurface(), bodyTemplate->crackPatches(), bodyTemplate->textureCoordinates() );
 	}
 }
 

@@ -107,7 +107,8 @@ void SoftBody::Impl::keepSurface()
 	}
 }
 
-// Where it has cracked since anybody looked there is no surface to go on from: the new one is drawn when it is asked for, and jumps with its cracks.
+// Where it has cracked since anybody looked there is no surface to go on from: the new one is drawn when it is asked for, and jumps with
+// its cracks.
 void SoftBody::Impl::fadeFromKeptSurface()
 {
 	if ( skin.frame > 0 && hasNewCracks() )
@@ -182,7 +183,8 @@ bool SoftBody::Impl::turnSkin( TaskRunner* runner ) const
 	const RigidSkin::Since since = skin.rigid.ask( body->nodes(), skin.rotations.data(), flow, skin.tolerance * cell, cell );
 	if ( since == RigidSkin::Since::Moved )
 	{
-		const int next = skin.current == skin.full ? ( skin.full + 1 ) % SkinBuffers::kCount : SkinBuffers::kCount - skin.full - skin.current;
+		const int next = skin.current == skin.full ? ( skin.full + 1 ) % SkinBuffers::kCount
+												   : SkinBuffers::kCount - skin.full - skin.current;
 		skin.rigid.turn( skin.positions[skin.full], skin.normals[skin.full], skin.positions[next], skin.normals[next], runner );
 		skin.origin[next] = skin.origin[skin.full];
 		skin.current = next;
@@ -272,8 +274,8 @@ SurfaceView SoftBody::surface() const
 	return view;
 }
 
-// Who was looked at after the last step will be looked at after this one: with threads to share the work, the first question draws them all.
-// What nobody asks for any more is drawn once in vain.
+// Who was looked at after the last step will be looked at after this one: with threads to share the work, the first question draws them
+// all. What nobody asks for any more is drawn once in vain.
 void SoftBodySystem::noteAsked( const SoftBody& asked )
 {
 	SkinBuffers& own = asked.impl().skin;

@@ -1,7 +1,7 @@
 #include "pliant/vehicle_raycaster.h"
 
-#include "world/bodies/soft_body_impl.h"
 #include "world/api/wheel_constants.h"
+#include "world/bodies/soft_body_impl.h"
 
 #include <BulletDynamics/Dynamics/btRigidBody.h>
 #include <BulletDynamics/Vehicle/btRaycastVehicle.h>
@@ -45,7 +45,8 @@ std::vector<NearNode> nodesNear( const SoftBody& body, const Ray& ray )
 	const Vec3d shift = impl.shapeShift.cast<double>(), end = ray.from + ray.length * ray.way;
 	const Vec3d room( reach, reach, reach );
 	std::vector<int> found;
-	impl.shape->rows().visitOverlaps( SphereRows::Box::of( toBt( ray.from.cwiseMin( end ) - shift - room ), toBt( ray.from.cwiseMax( end ) - shift + room ) ),
+	impl.shape->rows().visitOverlaps(
+		SphereRows::Box::of( toBt( ray.from.cwiseMin( end ) - shift - room ), toBt( ray.from.cwiseMax( end ) - shift + room ) ),
 		[&found]( int node ) { found.push_back( node ); } );
 	std::sort( found.begin(), found.end() );
 	std::vector<NearNode> near;
@@ -141,7 +142,8 @@ VehicleRaycaster::Hit VehicleRaycaster::nearest( const btVector3& from, const bt
 	{
 		SoftBody& body = *m_world.softBody( k );
 		const btBroadphaseProxy* const proxy = body.getBroadphaseHandle();
-		if ( !body.hasContactResponse() || ( proxy->m_collisionFilterGroup & m_mask ) == 0 || ( m_group & proxy->m_collisionFilterMask ) == 0 )
+		if ( !body.hasContactResponse() || ( proxy->m_collisionFilterGroup & m_mask ) == 0 ||
+			( m_group & proxy->m_collisionFilterMask ) == 0 )
 		{
 			continue;
 		}
@@ -189,7 +191,8 @@ void VehicleRaycaster::updateAction( btCollisionWorld*, btScalar step )
 		const btWheelInfo& wheel = m_vehicle->getWheelInfo( w );
 		const btWheelInfo::RaycastInfo& ray = wheel.m_raycastInfo;
 		const btScalar length = wheel.getSuspensionRestLength() + wheel.m_wheelsRadius;
-		SoftBody* const soft = ray.m_isInContact ? softBodyAt( ray.m_hardPointWS, ray.m_hardPointWS + length * ray.m_wheelDirectionWS ) : nullptr;
+		SoftBody* const soft = ray.m_isInContact ? softBodyAt( ray.m_hardPointWS, ray.m_hardPointWS + length * ray.m_wheelDirectionWS )
+												 : nullptr;
 		if ( !soft || !( wheel.m_wheelsSuspensionForce > 0 ) )
 		{
 			continue;

@@ -1,12 +1,13 @@
 // When soft bodies fall asleep and what wakes them, by Bullet's own clock.
 //
-// What is slow is measured by the body's size and its gravity: v^2 against 2 g r, r the radius of its smallest node. Contacts that a solver of few iterations
-// leaves a little off push what lies still to and fro, a heap of single cells most of all, and one of two hundred is always faster than a limit that is to tell
-// moving from lying: so what is not quite as slow may sleep too, as long as none of its nodes goes anywhere.
+// What is slow is measured by the body's size and its gravity: v^2 against 2 g r, r the radius of its smallest node. Contacts that a solver
+// of few iterations leaves a little off push what lies still to and fro, a heap of single cells most of all, and one of two hundred is
+// always faster than a limit that is to tell moving from lying: so what is not quite as slow may sleep too, as long as none of its nodes
+// goes anywhere.
 
 #include "matching/step/lattice_matcher.h"
-#include "world/constants.h"
 #include "world/bodies/soft_body_impl.h"
+#include "world/constants.h"
 #include "world/step/soft_body_system.h"
 
 #include <algorithm>
@@ -22,7 +23,8 @@ bool isDriven( const SoftBody& body )
 		[]( const Pin& pin ) { return pin.hasTarget || ( pin.kind == PinKind::FollowsBody && pin.body->isActive() ); } );
 }
 
-/// Whether no node is further than `way` from where it was when this was last not so, or when the body began to be looked at. If one is: from now on, from here.
+/// Whether no node is further than `way` from where it was when this was last not so, or when the body began to be looked at. If one is:
+/// from now on, from here.
 bool hasStayed( SoftBody::Impl& impl, double way )
 {
 	const NodeState& nodes = impl.body->nodes();
@@ -48,7 +50,8 @@ bool hasStayed( SoftBody::Impl& impl, double way )
 	return false;
 }
 
-/// Mean over the mass of | v |^2, m^2/s^2; of a body in several parts that nothing links, that of the fastest: one that falls among a thousand that lie is not at rest.
+/// Mean over the mass of | v |^2, m^2/s^2; of a body in several parts that nothing links, that of the fastest: one that falls among a
+/// thousand that lie is not at rest.
 double squareVelocity( const SoftBody::Impl& impl )
 {
 	if ( impl.body->material().method != Method::Lattice )

@@ -1,7 +1,7 @@
 #pragma once
 
-// Memory asked for before its turn. A heap's manifolds and stand-ins are a kilobyte each and lie anywhere: waiting for them was most of what a
-// contact cost.
+// Memory asked for before its turn. A heap's manifolds and stand-ins are a kilobyte each and lie anywhere: waiting for them was most of
+// what a contact cost.
 
 #include <BulletCollision/BroadphaseCollision/btDispatcher.h>
 #include <BulletCollision/CollisionDispatch/btCollisionObject.h>
@@ -52,7 +52,8 @@ inline void askForAll( const btCollisionObject& object )
 	askFor( &object.getAnisotropicFriction(), 2 * kFetched - 2 * sizeof( btScalar ) );
 }
 
-/// Written at once: what is written in parts and soon read as a whole is waited for until it, and all that was written before, has reached memory.
+/// Written at once: what is written in parts and soon read as a whole is waited for until it, and all that was written before, has reached
+/// memory.
 inline void setWhole( btVector3& to, btScalar x, btScalar y, btScalar z )
 {
 	using Whole = btScalar __attribute__( ( vector_size( 4 * sizeof( btScalar ) ), may_alias, aligned( sizeof( btScalar ) ) ) );

@@ -1,5 +1,5 @@
-// Bodies that break: the heaviest part stays the game's object, the others become bodies of the world's. Only ever at the start of a substep.
-// Ohta et al. 2009, "Fracturing".
+// Bodies that break: the heaviest part stays the game's object, the others become bodies of the world's. Only ever at the start of a
+// substep. Ohta et al. 2009, "Fracturing".
 
 #include "body/breaking.h"
 #include "body/levels/levels.h"
@@ -79,7 +79,8 @@ SoftBody::Impl::Remains SoftBody::Impl::remainsOf( const BodyPiece& piece )
 {
 	Remains remains;
 	remains.nodeNow = numbersNow( piece, body->nodeCount() );
-	remains.keepsShape = shape->followCracks( *piece.body, remains.nodeNow, piece.nodeBefore, CollidersChange{ piece.treeBefore, piece.cellBefore, piece.touched } );
+	remains.keepsShape = shape->followCracks(
+		*piece.body, remains.nodeNow, piece.nodeBefore, CollidersChange{ piece.treeBefore, piece.cellBefore, piece.touched } );
 	remains.shape = remains.keepsShape ? nullptr : std::make_unique<NodeShape>( *piece.body );
 	return remains;
 }
@@ -89,7 +90,8 @@ SoftBody::Impl::Remains SoftBody::Impl::remainsOf( const BodyPiece& piece )
 void SoftBody::Impl::adopt( SoftBody& owner, BodyPiece& piece, Remains remains )
 {
 	const std::vector<std::uint32_t>& nodeNow = remains.nodeNow;
-	const bool keepsNodes = nodeNow.size() == piece.nodeBefore.size() && std::find( nodeNow.begin(), nodeNow.end(), kNoNode ) == nodeNow.end();
+	const bool keepsNodes = nodeNow.size() == piece.nodeBefore.size() &&
+		std::find( nodeNow.begin(), nodeNow.end(), kNoNode ) == nodeNow.end();
 	pins = pinsOf( pins, nodeNow );
 	born = BornInside::of( born, piece.nodeBefore );
 	nearby.clear();
@@ -114,7 +116,8 @@ void SoftBody::Impl::adopt( SoftBody& owner, BodyPiece& piece, Remains remains )
 	skin.nodesChanged();
 	if ( self )
 	{
-		self->search.relink( keepsNumbers ? std::vector<std::uint32_t>() : nodeNow, SelfSearch::CellsNow{ body->lattice(), piece.cellBefore, piece.touched } );
+		self->search.relink( keepsNumbers ? std::vector<std::uint32_t>() : nodeNow,
+			SelfSearch::CellsNow{ body->lattice(), piece.cellBefore, piece.touched } );
 	}
 	++fractureVersion;
 }
@@ -184,7 +187,8 @@ bool SoftBodySystem::breakBodies()
 		SoftBody::Impl& impl = each.body->impl();
 		while ( impl.body->mustRefineToBreak() )
 		{
-			impl.changeNodes( *each.body, [&impl] { impl.body->refineToBreak(); }, false ); // adopt() would let go of it
+			impl.changeNodes(
+				*each.body, [&impl] { impl.body->refineToBreak(); }, false ); // adopt() would let go of it
 		}
 		const int most = impl.body->fracture().maxPieces - ( impl.family ? *impl.family - 1 : 0 );
 		each.pieces = impl.body->breakApart( each.report, std::max( 1, most ) );
@@ -287,7 +291,8 @@ void SoftBodySystem::addFragment( SoftBody& parent, std::unique_ptr<SoftBody> fr
 	for ( const FreshPair& pair : impl.fresh )
 	{
 		// Bodies stand in the order of their serials, and this one's is the highest.
-		const auto other = std::lower_bound( m_bodies.begin(), m_bodies.end(), pair.other, []( const SoftBody* body, unsigned serial ) { return body->impl().serial < serial; } );
+		const auto other = std::lower_bound( m_bodies.begin(), m_bodies.end(), pair.other,
+			[]( const SoftBody* body, unsigned serial ) { return body->impl().serial < serial; } );
 		if ( other != m_bodies.end() && ( *other )->impl().serial == pair.other )
 		{
 			( *other )->impl().fresh.push_back( FreshPair{ impl.serial, pair.slack } );

@@ -54,8 +54,9 @@ bool isCalm( const SoftBody::Impl& impl )
 	return impl.slowFor >= kBornCalmFor;
 }
 
-/// Whether a node that is stretched by F holds more than kSplitEnergy of what the body moves with: V E e^2 > kSplitEnergy m v^2, e = | F^T F - 1 | / 2. Its parts
-/// need not hold what it does where it is not bent as a quadratic: of a block that stood on its corner, at rest for a moment, and split there, they held 13 % more.
+/// Whether a node that is stretched by F holds more than kSplitEnergy of what the body moves with: V E e^2 > kSplitEnergy m v^2, e = | F^T
+/// F - 1 | / 2. Its parts need not hold what it does where it is not bent as a quadratic: of a block that stood on its corner, at rest for
+/// a moment, and split there, they held 13 % more.
 bool isLoaded( const SoftBody::Impl& impl, int node, const Eigen::Matrix3f& f )
 {
 	const Body& body = *impl.body;
@@ -230,8 +231,8 @@ void SoftBody::requestRefinement( const btVector3& low, const btVector3& high )
 	{
 		const btVector3 p = nodePosition( i );
 		const btScalar r = nodeRadius( i );
-		const bool isOutside = p.x() + r < low.x() || p.y() + r < low.y() || p.z() + r < low.z() || p.x() - r > high.x() || p.y() - r > high.y() ||
-							   p.z() - r > high.z();
+		const bool isOutside = p.x() + r < low.x() || p.y() + r < low.y() || p.z() + r < low.z() || p.x() - r > high.x() ||
+			p.y() - r > high.y() || p.z() - r > high.z();
 		if ( !isOutside )
 		{
 			m_impl->body->requestSplit( i );

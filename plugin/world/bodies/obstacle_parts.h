@@ -2,8 +2,8 @@
 
 // The simple shapes that a shape is made of.
 
-#include "world/touch/node_touch.h"
 #include "world/bodies/soft_body_impl.h"
+#include "world/touch/node_touch.h"
 
 #include <BulletCollision/CollisionShapes/btCompoundShape.h>
 

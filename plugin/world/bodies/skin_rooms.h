@@ -1,7 +1,7 @@
 #pragma once
 
-// Room for the skins that are being made: bodies borrow it from their world in turn. Where each had its own it was out of the cache whenever its turn came, at a
-// twentieth of what skins cost, and of three times what is drawn.
+// Room for the skins that are being made: bodies borrow it from their world in turn. Where each had its own it was out of the cache
+// whenever its turn came, at a twentieth of what skins cost, and of three times what is drawn.
 
 #include "surface/skin/skinning.h"
 

@@ -9,13 +9,13 @@
 #include "surface/skin/rigid_skin.h"
 #include "surface/skin/skin_fade.h"
 #include "surface/skin/skinning.h"
-#include "world/shape/born_inside.h"
 #include "world/constants.h"
-#include "world/touch/contact_surface.h"
-#include "world/implicit/implicit_choice.h"
-#include "world/shape/node_body.h"
 #include "world/detect/node_contacts.h"
+#include "world/implicit/implicit_choice.h"
+#include "world/shape/born_inside.h"
+#include "world/shape/node_body.h"
 #include "world/shape/node_shape.h"
+#include "world/touch/contact_surface.h"
 
 #include <cmath>
 #include <functional>
@@ -37,11 +37,11 @@ struct Pin
 {
 	int node = -1;
 	PinKind kind = PinKind::Still;
-	btRigidBody* body = nullptr;             ///< FollowsBody; in the soft body's world, as long as that is in one
-	int bodyIndex = -1;                      ///< where it was last in the world's list of objects
-	int bodyProxy = -1;                      ///< the number of its broadphase proxy when it was pinned to
-	btVector3 point = btVector3( 0, 0, 0 );  ///< FollowsBody: in the body's frame; Driven: target in the world
-	bool hasTarget = false;                  ///< Driven: the target has not been reached yet
+	btRigidBody* body = nullptr;            ///< FollowsBody; in the soft body's world, as long as that is in one
+	int bodyIndex = -1;                     ///< where it was last in the world's list of objects
+	int bodyProxy = -1;                     ///< the number of its broadphase proxy when it was pinned to
+	btVector3 point = btVector3( 0, 0, 0 ); ///< FollowsBody: in the body's frame; Driven: target in the world
+	bool hasTarget = false;                 ///< Driven: the target has not been reached yet
 };
 
 struct SkinBuffers
@@ -52,18 +52,18 @@ struct SkinBuffers
 	btVector3 origin[kCount] = { btVector3( 0, 0, 0 ), btVector3( 0, 0, 0 ), btVector3( 0, 0, 0 ) };
 	std::vector<float> rotations, gradients, flow;
 	std::vector<float> gradientsRoom; ///< of a change of levels
-	AlignedArray<float> maps; ///< SkinScratch::nodeMap of what is shown
-	SkinFade fade; ///< of bodies with levels
+	AlignedArray<float> maps;         ///< SkinScratch::nodeMap of what is shown
+	SkinFade fade;                    ///< of bodies with levels
 	RigidSkin rigid;
 	double tolerance = kSurfaceTolerance; ///< in cells
 	int current = 0;
-	int full = 0;             ///< skinned last in full
+	int full = 0; ///< skinned last in full
 	unsigned frame = 0;
-	unsigned askedIn = 0;     ///< the world's step after which the surface was last asked for; 0: never
+	unsigned askedIn = 0; ///< the world's step after which the surface was last asked for; 0: never
 	bool isStale = true;
 	bool areTurnsKnown = false; ///< rotations and flow are those of the nodes as they are
-	bool isPoseKnown = false; ///< gradients too
-	bool isMapKnown = false;  ///< and `maps`
+	bool isPoseKnown = false;   ///< gradients too
+	bool isMapKnown = false;    ///< and `maps`
 
 	void nodesMoved()
 	{
@@ -81,8 +81,8 @@ struct SkinBuffers
 /// Another body that this one came apart from: as deep as their spheres overlapped then they may go on doing, and no deeper.
 struct FreshPair
 {
-	unsigned other;  ///< its serial
-	double slack;    ///< m, only ever smaller; infinity until it has been measured
+	unsigned other; ///< its serial
+	double slack;   ///< m, only ever smaller; infinity until it has been measured
 
 	friend bool operator<( const FreshPair& a, const FreshPair& b ) { return a.other < b.other; }
 };
@@ -92,7 +92,7 @@ struct RestPlace
 {
 	std::vector<Vec3> place; ///< relative to `origin`, m; empty: nowhere
 	Vec3d origin = Vec3d::Zero();
-	unsigned numbering = 0;  ///< SoftBody::Impl::numbering of them
+	unsigned numbering = 0; ///< SoftBody::Impl::numbering of them
 };
 
 /// SmallPieces::Fade. A piece that has faded has left the world once; it may be added again by who owns it.
@@ -125,43 +125,43 @@ struct SoftBody::Impl
 	SoftBodySystem* system = nullptr; ///< of the world the body is in
 
 	StiffnessPlan plan;
-	ElasticityState elasticity;        ///< of Elasticity::Automatic
-	bool isImplicit = false;           ///< in this substep
-	double lastSubstep = 0.0;          ///< s; 0: there was none
-	int block = -1, blockPart = -1;    ///< in this substep's implicit solution; -1: in none
-	int rubbing = -1;                  ///< its place among RubbingSpin's turns; -1: none
-	bool isGuarded = false;            ///< it was fast, and is near what it must not pass: it is held back though it is slow now
+	ElasticityState elasticity;     ///< of Elasticity::Automatic
+	bool isImplicit = false;        ///< in this substep
+	double lastSubstep = 0.0;       ///< s; 0: there was none
+	int block = -1, blockPart = -1; ///< in this substep's implicit solution; -1: in none
+	int rubbing = -1;               ///< its place among RubbingSpin's turns; -1: none
+	bool isGuarded = false;         ///< it was fast, and is near what it must not pass: it is held back though it is slow now
 	bool isHealthy = true;
-	int stateBefore = ACTIVE_TAG;      ///< of activation, before quarantine took the body out of the simulation
+	int stateBefore = ACTIVE_TAG; ///< of activation, before quarantine took the body out of the simulation
 	bool hasOwnGravity = false;
 	btVector3 gravity = btVector3( 0, 0, 0 );
 	btVector3 centralForce = btVector3( 0, 0, 0 );
 	bool hasNodeForces = false;
 
-	std::vector<Vec3d> heldBefore;     ///< nodes of a static or kinematic body at the last game step, world, m; empty of others
+	std::vector<Vec3d> heldBefore; ///< nodes of a static or kinematic body at the last game step, world, m; empty of others
 
-	unsigned serial = 0;               ///< in the world it is in, never used twice
-	bool isWorldOwned = false;         ///< a fragment that nobody has released
+	unsigned serial = 0;       ///< in the world it is in, never used twice
+	bool isWorldOwned = false; ///< a fragment that nobody has released
 	unsigned fractureVersion = 0;
-	std::shared_ptr<int> family;       ///< bodies made of the one body it all came from; null: it never came apart
+	std::shared_ptr<int> family;          ///< bodies made of the one body it all came from; null: it never came apart
 	mutable std::vector<FreshPair> fresh; ///< ascending
 	mutable BornInside born;              ///< noted while contacts are found
 	Fading fading;
-	std::unique_ptr<NodeShape> shapeBefore; ///< stand-ins of nodes that came off point to its spheres until the next collision phase
-	std::shared_ptr<CrackFamily> crackFamily;        ///< null: nobody had looked when it broke, or links were healed
-	std::vector<CutTrace> newCuts;                   ///< their links are to break
-	std::shared_ptr<std::vector<CutTrace>> cuts;     ///< of the family, as the template's cells; null: nobody has cut it
-	mutable std::unique_ptr<CrackView> crackView;    ///< null: the template's mesh is drawn as it is
-	bool wasLookedAt = false;                        ///< what it came off
-	mutable unsigned crackVersion = 0;               ///< fractureVersion that the view shows
-	mutable unsigned crackVersionBefore = 0;         ///< and that its change is from
+	std::unique_ptr<NodeShape> shapeBefore;       ///< stand-ins of nodes that came off point to its spheres until the next collision phase
+	std::shared_ptr<CrackFamily> crackFamily;     ///< null: nobody had looked when it broke, or links were healed
+	std::vector<CutTrace> newCuts;                ///< their links are to break
+	std::shared_ptr<std::vector<CutTrace>> cuts;  ///< of the family, as the template's cells; null: nobody has cut it
+	mutable std::unique_ptr<CrackView> crackView; ///< null: the template's mesh is drawn as it is
+	bool wasLookedAt = false;                     ///< what it came off
+	mutable unsigned crackVersion = 0;            ///< fractureVersion that the view shows
+	mutable unsigned crackVersionBefore = 0;      ///< and that its change is from
 
 	std::unique_ptr<SelfCollision> self; ///< null: its nodes do not meet each other
-	std::vector<Pin> pins;             ///< ascending by node
-	std::vector<NodeBody*> nodeBody;   ///< by node; null while untouched
-	mutable int parting = 0;           ///< above 0: it goes apart from what it was put into (parting.h), whose nearest faces may hold it back
-	unsigned placed = 0;               ///< one more whenever it is put somewhere
-	unsigned numbering = 0;            ///< one more whenever nodes get other numbers
+	std::vector<Pin> pins;               ///< ascending by node
+	std::vector<NodeBody*> nodeBody;     ///< by node; null while untouched
+	mutable int parting = 0; ///< above 0: it goes apart from what it was put into (parting.h), whose nearest faces may hold it back
+	unsigned placed = 0;     ///< one more whenever it is put somewhere
+	unsigned numbering = 0;  ///< one more whenever nodes get other numbers
 	/// Nodes (with Adaptivity::refinesOnContact) that something has come near in this substep.
 	struct Near
 	{
@@ -175,10 +175,10 @@ struct SoftBody::Impl
 		Wish wish;
 	};
 	mutable std::vector<Near> nearby;
-	std::vector<NodeBody*> touched;    ///< those that are not null
-	NodeSurface surface;               ///< of stand-ins
+	std::vector<NodeBody*> touched;        ///< those that are not null
+	NodeSurface surface;                   ///< of stand-ins
 	mutable ContactSurface contactSurface; ///< ask surfaceNow()
-	mutable std::vector<float> nodeAxes; ///< rotations at the nodes (Body::nodeRotations), of bodies with friction by direction only
+	mutable std::vector<float> nodeAxes;   ///< rotations at the nodes (Body::nodeRotations), of bodies with friction by direction only
 	mutable SkinBuffers skin;
 	RestPlace rest;
 
@@ -204,15 +204,16 @@ struct SoftBody::Impl
 		contactSurface.follow( *body, numbering + fractureVersion );
 		return contactSurface;
 	}
-	/// What touches it meets patches of its drawn surface: of a body that steps implicitly. Bullet's solver, which serves explicit ones, knows bodies, not nodes that
-	/// share a contact.
+	/// What touches it meets patches of its drawn surface: of a body that steps implicitly. Bullet's solver, which serves explicit ones,
+	/// knows bodies, not nodes that share a contact.
 	bool isMetAsDrawn() const { return isImplicit && !body->lattice().patch.empty() && surfaceNow().hasPatches(); }
 	bool hasNode( int node ) const { return node >= 0 && node < body->nodeCount(); }
 	/// What rests on the body or holds it up wakes: the body is about to move in a way that contacts do not see coming.
 	void wakeTouching( const SoftBody& owner ) const;
 	double farthestDrive() const; ///< from where a node is, m
 	Pin* findPin( int node );
-	/// The object's transform and the spheres go where the nodes are, and how fast those are is noted; what Bullet is asked of them is to be freshened.
+	/// The object's transform and the spheres go where the nodes are, and how fast those are is noted; what Bullet is asked of them is to
+	/// be freshened.
 	void placeSpheres( btCollisionObject& object, const MotionSums& motion, TaskRunner* runner = nullptr );
 	void placeShape( btCollisionObject& object );
 	/// How the nodes carry the skin now. Valid until the next call.
@@ -220,8 +221,8 @@ struct SoftBody::Impl
 	/// Before a change of levels: how the surface is carried, if anybody looks at it. After: what the change moved it by.
 	void keepSurface();
 	void fadeFromKeptSurface();
-	/// Makes a change of levels and has all that names the body's nodes follow it: pins, spheres, stand-ins, skin. `fades`: what the surface jumps
-	/// by is faded out.
+	/// Makes a change of levels and has all that names the body's nodes follow it: pins, spheres, stand-ins, skin. `fades`: what the
+	/// surface jumps by is faded out.
 	void changeNodes( SoftBody& owner, const std::function<void()>& change, bool fades = true );
 	const SkinBinding& binding() const;
 	const CrackView* shownCracks() const; ///< null: the template's mesh is shown
@@ -245,7 +246,7 @@ struct SoftBody::Impl
 	{
 		std::vector<std::uint32_t> nodeNow; ///< by node before: its number; kNoNode for those of other pieces
 		bool keepsShape = false;
-		std::unique_ptr<NodeShape> shape;   ///< null where that is kept
+		std::unique_ptr<NodeShape> shape; ///< null where that is kept
 	};
 	/// Safe to use on several bodies at once, and beside makeFragment.
 	Remains remainsOf( const BodyPiece& piece );

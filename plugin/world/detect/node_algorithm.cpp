@@ -1,7 +1,7 @@
 #include "world/detect/node_algorithm.h"
 
-#include "world/detect/node_contacts.h"
 #include "world/bodies/soft_body_impl.h"
+#include "world/detect/node_contacts.h"
 #include "world/step/soft_body_system.h"
 
 #include <BulletCollision/CollisionDispatch/btCollisionDispatcher.h>
@@ -49,16 +49,15 @@ Tables& tables()
 
 NodeAlgorithm::NodeAlgorithm( const btCollisionAlgorithmConstructionInfo& info, NodeBodyPool& pool, PairScratch& scratch ) :
 	btCollisionAlgorithm( info ), m_contacts( new PairContacts( *info.m_dispatcher1, pool, scratch ) )
-{
-}
+{}
 
 NodeAlgorithm::~NodeAlgorithm()
 {
 	delete m_contacts;
 }
 
-void NodeAlgorithm::processCollision( const btCollisionObjectWrapper* body0, const btCollisionObjectWrapper* body1,
-	const btDispatcherInfo& info, btManifoldResult* )
+void NodeAlgorithm::processCollision(
+	const btCollisionObjectWrapper* body0, const btCollisionObjectWrapper* body1, const btDispatcherInfo& info, btManifoldResult* )
 {
 	m_contacts->process( *body0, *body1, double( info.m_timeStep ) );
 }

@@ -35,22 +35,23 @@ private:
 	PairContacts* m_contacts;
 };
 
-/// Creates NodeAlgorithm where a soft body takes part, and asks the function that was there before for all else. Knows no world: the soft body does.
+/// Creates NodeAlgorithm where a soft body takes part, and asks the function that was there before for all else. Knows no world: the soft
+/// body does.
 class NodeCreateFunc : public btCollisionAlgorithmCreateFunc
 {
 public:
 	explicit NodeCreateFunc( btCollisionAlgorithmCreateFunc* before ) : m_before( before ) {}
-	btCollisionAlgorithm* CreateCollisionAlgorithm( btCollisionAlgorithmConstructionInfo& info, const btCollisionObjectWrapper* body0,
-		const btCollisionObjectWrapper* body1 ) override;
+	btCollisionAlgorithm* CreateCollisionAlgorithm(
+		btCollisionAlgorithmConstructionInfo& info, const btCollisionObjectWrapper* body0, const btCollisionObjectWrapper* body1 ) override;
 	btCollisionAlgorithmCreateFunc* before() const { return m_before; }
 
 private:
 	btCollisionAlgorithmCreateFunc* m_before;
 };
 
-/// A dispatcher's table of algorithms with ours in front of what was there, for all pairs with a compound, which is what a soft body's shape is. The table
-/// of closest-point algorithms stays as it is: contact tests see a compound of spheres. So do the entries for GImpact meshes, which games register
-/// themselves. One for all worlds that share a dispatcher; there as long as one of them has a soft body.
+/// A dispatcher's table of algorithms with ours in front of what was there, for all pairs with a compound, which is what a soft body's
+/// shape is. The table of closest-point algorithms stays as it is: contact tests see a compound of spheres. So do the entries for GImpact
+/// meshes, which games register themselves. One for all worlds that share a dispatcher; there as long as one of them has a soft body.
 class AlgorithmTable
 {
 public:

@@ -1,9 +1,9 @@
 #include "world/detect/node_contacts.h"
 
 #include "world/bodies/ahead.h"
+#include "world/bodies/soft_body_impl.h"
 #include "world/constants.h"
 #include "world/search/contact_points.h"
-#include "world/bodies/soft_body_impl.h"
 
 #include <BulletCollision/BroadphaseCollision/btDispatcher.h>
 #include <BulletCollision/CollisionDispatch/btCollisionObjectWrapper.h>
@@ -131,7 +131,8 @@ void PairContacts::process( const btCollisionObjectWrapper& body0, const btColli
 		return;
 	}
 	const btCollisionObjectWrapper& other = soft0 ? body1 : body0;
-	std::vector<NodeHit>& hits = otherSoft ? m_scratch.search.againstSoft( *soft, *otherSoft, step ) : m_scratch.search.againstRigid( *soft, other, step );
+	std::vector<NodeHit>& hits = otherSoft ? m_scratch.search.againstSoft( *soft, *otherSoft, step )
+										   : m_scratch.search.againstRigid( *soft, other, step );
 	m_parting.follow( *soft, *other.getCollisionObject(), otherSoft, m_isNew, step, hits );
 	m_isNew = false;
 	matchHits( Pair{ soft, otherSoft, otherSoft ? nullptr : other.getCollisionObject(), soft == soft0 }, hits );
@@ -146,7 +147,8 @@ void PairContacts::processSelf( SoftBody& soft, SelfSearch& search, double step 
 	matchHits( Pair{ &soft, &soft, nullptr, true }, search.find( soft, step ) );
 }
 
-// While contacts are matched the game may be told of any of them, and remove whom it likes: `matching` says whether this pair is still there.
+// While contacts are matched the game may be told of any of them, and remove whom it likes: `matching` says whether this pair is still
+// there.
 
 void PairContacts::startMatching()
 {
@@ -254,8 +256,7 @@ void PairContacts::matchHits( const Pair& pair, const std::vector<NodeHit>& hits
 	{
 		const std::uint64_t key = hits[start].key;
 		for ( end = start; end < hits.size() && hits[end].key == key; ++end )
-		{
-		}
+		{}
 		if ( !dropBefore( key ) )
 		{
 			return;
@@ -298,7 +299,8 @@ void PairContacts::open( const Pair& pair, NodeContact& contact )
 		contact.second = m_pool.acquire( *pair.otherSoft, hit.other() );
 		other = contact.second;
 	}
-	contact.manifold = pair.softIsFirst ? m_dispatcher.getNewManifold( contact.first, other ) : m_dispatcher.getNewManifold( other, contact.first );
+	contact.manifold = pair.softIsFirst ? m_dispatcher.getNewManifold( contact.first, other )
+										: m_dispatcher.getNewManifold( other, contact.first );
 }
 
 /// False: this pair is no more.
@@ -310,7 +312,8 @@ bool PairContacts::write( const Pair& pair, const NodeContact& contact, const No
 	const btScalar radius = node.radius();
 	const bool isNew = manifold.getNumContacts() == 0;
 	// Hits come nearest first; Bullet keeps what lies within the threshold.
-	manifold.setContactBreakingThreshold( btMax( btScalar( hits[count - 1].touch.distance ) - radius, btScalar( 0 ) ) + kContactSlop * radius );
+	manifold.setContactBreakingThreshold(
+		btMax( btScalar( hits[count - 1].touch.distance ) - radius, btScalar( 0 ) ) + kContactSlop * radius );
 
 	unsigned renewed = 0; // bit k: old point k is carried on
 	int places[MANIFOLD_CACHE_SIZE];
@@ -365,7 +368,8 @@ bool PairContacts::tell( btPersistentManifold& manifold, int place, int leaf )
 	tellAdded( manifold, point, leaf );
 	if ( scratch.matching == this && gContactProcessedCallback )
 	{
-		gContactProcessedCallback( point, const_cast<btCollisionObject*>( manifold.getBody0() ), const_cast<btCollisionObject*>( manifold.getBody1() ) );
+		gContactProcessedCallback(
+			point, const_cast<btCollisionObject*>( manifold.getBody0() ), const_cast<btCollisionObject*>( manifold.getBody1() ) );
 	}
 	return scratch.matching == this;
 }

@@ -1,12 +1,12 @@
 #pragma once
 
-// Soft body against anything: one manifold a touching node, between the node's stand-in and the other object, so that Bullet's own solver does
-// the rest.
+// Soft body against anything: one manifold a touching node, between the node's stand-in and the other object, so that Bullet's own solver
+// does the rest.
 
-#include "world/shape/node_body.h"
-#include "world/search/node_search.h"
 #include "world/respond/parting.h"
+#include "world/search/node_search.h"
 #include "world/self/self_search.h"
+#include "world/shape/node_body.h"
 
 #include <BulletCollision/BroadphaseCollision/btCollisionAlgorithm.h>
 
@@ -28,14 +28,15 @@ struct NodeContact
 
 class PairContacts;
 
-/// What the pairs of one world use in turn: with a search of its own each pair would have some kB that are nowhere near when its turn comes.
+/// What the pairs of one world use in turn: with a search of its own each pair would have some kB that are nowhere near when its turn
+/// comes.
 struct PairScratch
 {
 	NodeSearch search;
 	std::vector<NodeContact> contacts;
-	PairContacts* last = nullptr; ///< whose turn it was
+	PairContacts* last = nullptr;     ///< whose turn it was
 	PairContacts* matching = nullptr; ///< whose contacts are being matched; null once it is gone, which a callback of the game's may do
-	std::size_t old = 0;                ///< how many of its contacts have been carried over into `contacts`, or dropped
+	std::size_t old = 0;              ///< how many of its contacts have been carried over into `contacts`, or dropped
 	std::vector<PairContacts*> all;
 };
 
@@ -56,8 +57,8 @@ public:
 	void collectManifolds( btManifoldArray& manifolds ) const;
 	/// Null where there is none.
 	const btPersistentManifold* anyManifold() const { return m_contacts.empty() ? nullptr : m_contacts.front().manifold; }
-	/// With all pairs processed: one that was not, though one of the two is awake, has been refused by the game (setIgnoreCollisionCheck, a near callback).
-	/// It lets go of its contacts.
+	/// With all pairs processed: one that was not, though one of the two is awake, has been refused by the game (setIgnoreCollisionCheck, a
+	/// near callback). It lets go of its contacts.
 	void releaseIfRefused();
 
 private:
@@ -87,11 +88,11 @@ private:
 	PairScratch& m_scratch;
 	std::vector<NodeContact> m_contacts;
 	Parting m_parting;
-	bool m_isNew = true; ///< it has not been looked at yet
+	bool m_isNew = true;           ///< it has not been looked at yet
 	const void* m_after = nullptr; ///< whose turn it was next: asked for, and else not looked at, as it may be gone
-	unsigned m_numbering = 0; ///< of both bodies, when their nodes were last followed
-	unsigned m_phase = 0;     ///< collision phase in which it was last processed
-	std::size_t m_place;      ///< among PairScratch::all
+	unsigned m_numbering = 0;      ///< of both bodies, when their nodes were last followed
+	unsigned m_phase = 0;          ///< collision phase in which it was last processed
+	std::size_t m_place;           ///< among PairScratch::all
 };
 
 } // namespace pliant

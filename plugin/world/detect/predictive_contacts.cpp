@@ -33,8 +33,8 @@ void SoftBodySystem::holdPredictiveContacts( btAlignedObjectArray<btPersistentMa
 			const btVector3 at = side == 0 ? point.getPositionWorldOnA() : point.getPositionWorldOnB();
 			NodeBody* const stand = pool.acquire( *soft, soft->nearestNode( at ) );
 			m_predictive.push_back( stand );
-			// Bullet takes the bullet's centre for the point where it is hit. The impulse acts at the node: what is turned by it must see the same lever, or
-			// spin is lost. Where that is before MovedContacts::moveToNodes:
+			// Bullet takes the bullet's centre for the point where it is hit. The impulse acts at the node: what is turned by it must see
+			// the same lever, or spin is lost. Where that is before MovedContacts::moveToNodes:
 			const btScalar outward = soft->nodeRadius( stand->node ) + point.m_distance1;
 			if ( side == 0 )
 			{

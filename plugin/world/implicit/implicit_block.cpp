@@ -1,7 +1,7 @@
 #include "world/implicit/implicit_block.h"
 
-#include "world/constants.h"
 #include "world/bodies/soft_body_impl.h"
+#include "world/constants.h"
 
 #include <algorithm>
 
@@ -37,7 +37,8 @@ Vec3d ImplicitBlock::speedOf( const ContactSide& side, const Vec3d& normal, cons
 
 Vec3d ImplicitBlock::relativeSpeed( const BlockContact& contact, const float* v ) const
 {
-	return ( speedOf( contact.side[0], contact.normal, v ) + contact.side[0].given ) - ( speedOf( contact.side[1], contact.normal, v ) + contact.side[1].given );
+	return ( speedOf( contact.side[0], contact.normal, v ) + contact.side[0].given ) -
+		( speedOf( contact.side[1], contact.normal, v ) + contact.side[1].given );
 }
 
 void ImplicitBlock::addImpulse( const ContactSide& side, const Vec3d& normal, const Vec3d& impulse, float* to ) const
@@ -210,7 +211,8 @@ void ImplicitBlock::apply( const float* v, float* to )
 			Eigen::Map<Vec3d> across( u );
 			across = ( directions[std::size_t( c.directed )] * across ).eval();
 		}
-		const double f[3] = { along * c.normal[0] + c.across * u[0], along * c.normal[1] + c.across * u[1], along * c.normal[2] + c.across * u[2] };
+		const double f[3] = {
+			along * c.normal[0] + c.across * u[0], along * c.normal[1] + c.across * u[1], along * c.normal[2] + c.across * u[2] };
 		for ( int side = 0; side < 2; ++side )
 		{
 			if ( c.side[side].count > 0 )
@@ -253,8 +255,8 @@ BlockCount ImplicitBlock::solve( TaskRunner* runner )
 	return count;
 }
 
-// No pass is solved to its end before it is plain that none follows: what contacts it changes is known long before. (Passes from the fourth on used to be, each
-// of them, since any might be the last: most of what a storm of impacts took.)
+// No pass is solved to its end before it is plain that none follows: what contacts it changes is known long before. (Passes from the fourth
+// on used to be, each of them, since any might be the last: most of what a storm of impacts took.)
 void ImplicitBlock::solveLaw( BlockCount& count )
 {
 	int passes = 0;

@@ -22,41 +22,41 @@ class TaskRunner;
 /// One side of a contact: a node and those beside it that share it, a rigid body, or something whose speed is given.
 struct ContactSide
 {
-	int soft = -1;                  ///< part, or -1
+	int soft = -1; ///< part, or -1
 	int node = -1;
-	SharedNodes shared;             ///< of a node; the first is the node itself
+	SharedNodes shared;                                 ///< of a node; the first is the node itself
 	int block[SharedNodes::kMost] = { -1, -1, -1, -1 }; ///< each among the block's nodes with contacts
-	int rigid = -1;                 ///< part, or -1
-	Vec3d arm = Vec3d::Zero();      ///< from the rigid body's mass centre, m
-	Vec3d given = Vec3d::Zero();    ///< m/s: of what neither is, and of a surface that runs along itself
+	int rigid = -1;                                     ///< part, or -1
+	Vec3d arm = Vec3d::Zero();                          ///< from the rigid body's mass centre, m
+	Vec3d given = Vec3d::Zero();                        ///< m/s: of what neither is, and of a surface that runs along itself
 };
 
 struct BlockContact
 {
-	ContactSide side[2];            ///< the normal points from the second to the first
+	ContactSide side[2]; ///< the normal points from the second to the first
 	Vec3d normal = Vec3d::Zero();
-	Vec3d before = Vec3d::Zero();   ///< relative speed at the substep's start, m/s
-	double target = 0.0;            ///< b: speed of parting that is asked for at least, m/s
-	double parting = 0.0;           ///< the same, if it did not bounce
-	double friction = 0.0;          ///< mu
-	bool isDrawn = false;           ///< with a body's drawn surface, whose points several nodes share
-	int directed = -1;              ///< among the block's directions; -1: friction is the same in all
+	Vec3d before = Vec3d::Zero(); ///< relative speed at the substep's start, m/s
+	double target = 0.0;          ///< b: speed of parting that is asked for at least, m/s
+	double parting = 0.0;         ///< the same, if it did not bounce
+	double friction = 0.0;        ///< mu
+	bool isDrawn = false;         ///< with a body's drawn surface, whose points several nodes share
+	int directed = -1;            ///< among the block's directions; -1: friction is the same in all
 	btManifoldPoint* point = nullptr;
 
 	// Impulses, N s: at first those of the last substep, at the end those of this one.
 	double normalImpulse = 0.0;
 	Vec3d tangentImpulse = Vec3d::Zero();
-	double carried = 0.0;           ///< of the normal one, into the next substep
+	double carried = 0.0; ///< of the normal one, into the next substep
 
 	// The linearised law: jn = pushed + k ( b - u.n ) while it presses; jt = held - kt ut, of `limited` times mu at most.
-	double stiffness = 0.0;         ///< k, kg
-	double pushed = 0.0;            ///< ln
-	double limited = 0.0;           ///< what it presses with as far as is known, N s
-	double tangentStiffness = 0.0;  ///< kt, kg
+	double stiffness = 0.0;        ///< k, kg
+	double pushed = 0.0;           ///< ln
+	double limited = 0.0;          ///< what it presses with as far as is known, N s
+	double tangentStiffness = 0.0; ///< kt, kg
 	Vec3d held = Vec3d::Zero();
 	Vec3d heldBefore = Vec3d::Zero(); ///< lt
 	bool presses = false;
-	bool bounces = false;           ///< off something that it meets fast enough
+	bool bounces = false; ///< off something that it meets fast enough
 
 	Vec3d impulse() const { return normalImpulse * normal + tangentImpulse; }
 	/// Whether an impulse could change anything.
@@ -77,16 +77,16 @@ struct RigidPart
 {
 	btRigidBody* body = nullptr;
 	int offset = 0;
-	double mass = 1.0;                                   ///< kg
+	double mass = 1.0;                                     ///< kg
 	Eigen::Matrix3d inertia = Eigen::Matrix3d::Identity(); ///< kg m^2, world axes
-	bool moves[3] = { true, true, true };                ///< false: the game has locked that axis
+	bool moves[3] = { true, true, true };                  ///< false: the game has locked that axis
 	bool turns[3] = { true, true, true };
-	Vector6 free = Vector6::Zero();                      ///< speeds without contacts: V + h F / M + e
+	Vector6 free = Vector6::Zero(); ///< speeds without contacts: V + h F / M + e
 	Vector6 before = Vector6::Zero();
-	Vector6 speed = Vector6::Zero();                     ///< the answer
-	Vector6 given = Vector6::Zero();                     ///< what Bullet's solver should make of it without joints and rigid contacts
-	Vec3d centre = Vec3d::Zero();                        ///< of mass, world, m
-	int coarse = -1;                                     ///< body of the coarse system
+	Vector6 speed = Vector6::Zero(); ///< the answer
+	Vector6 given = Vector6::Zero(); ///< what Bullet's solver should make of it without joints and rigid contacts
+	Vec3d centre = Vec3d::Zero();    ///< of mass, world, m
+	int coarse = -1;                 ///< body of the coarse system
 };
 
 /// A contact that presses, as the iteration walks it: u.n is answered by `along` more than u, and u by `across`.
@@ -94,9 +94,9 @@ struct Pressing
 {
 	struct Side
 	{
-		int count = 0;             ///< of nodes; 1 for a rigid body, 0 where its speed is given
-		int stride = 0;            ///< between a node's components; 0: six numbers of a rigid body
-		int place[SharedNodes::kMost]; ///< of each node's first number in the vector
+		int count = 0;                                            ///< of nodes; 1 for a rigid body, 0 where its speed is given
+		int stride = 0;                                           ///< between a node's components; 0: six numbers of a rigid body
+		int place[SharedNodes::kMost];                            ///< of each node's first number in the vector
 		double rub[SharedNodes::kMost], more[SharedNodes::kMost]; ///< SharedNodes::rub, and by how much press is more
 		double arm[3];
 	};
@@ -151,13 +151,13 @@ private:
 		static constexpr int kMost = 2 * SharedNodes::kMost; ///< a contact's of two soft bodies; implicit_clusters.cpp names each size
 		int blocks[kMost] = {};
 		int count = 0;
-		int room = 0; ///< of its matrix in m_clusterRoom
-		int inverse = 0; ///< of its inverse in m_clusterInverse, column by column
+		int room = 0;                              ///< of its matrix in m_clusterRoom
+		int inverse = 0;                           ///< of its inverse in m_clusterInverse, column by column
 		int place[kMost] = {}, stride[kMost] = {}; ///< of each block's first number in the vector, and between its numbers
 	};
 
-	/// A contact on the way from m_v to somewhere, as shares of the way: u.n and its change, jt.u of the way at m_v and its change, 0 where it does not press.
-	/// And its law, which is asked for some twenty times over: contacts themselves are half a kilobyte each.
+	/// A contact on the way from m_v to somewhere, as shares of the way: u.n and its change, jt.u of the way at m_v and its change, 0 where
+	/// it does not press. And its law, which is asked for some twenty times over: contacts themselves are half a kilobyte each.
 	struct Way
 	{
 		double start, way;
@@ -171,7 +171,8 @@ private:
 		Vec3d rub = Vec3d::Zero();
 		double limit = 0.0;
 	};
-	/// Whether impulses are those of the law at some speeds, as it was not linearised: those of all parts together, and what each is rubbed by.
+	/// Whether impulses are those of the law at some speeds, as it was not linearised: those of all parts together, and what each is rubbed
+	/// by.
 	struct Match
 	{
 		bool all = false, each = false;
@@ -182,7 +183,7 @@ private:
 	{
 		int node = -1; ///< among the block's nodes with contacts
 		std::size_t contact = 0;
-		int side = 0;  ///< the node's
+		int side = 0; ///< the node's
 	};
 
 	int size() const override { return m_size; }
@@ -286,8 +287,8 @@ private:
 		ImplicitMotion* motion = nullptr; ///< null: rigid
 		int part = 0;
 		RigidPart* rigid = nullptr;
-		Vec3d centre = Vec3d::Zero();     ///< world, m
-		Matrix6 mass = Matrix6::Zero();   ///< of rigid motions about it
+		Vec3d centre = Vec3d::Zero();      ///< world, m
+		Matrix6 mass = Matrix6::Zero();    ///< of rigid motions about it
 		Vector6 missing = Vector6::Zero(); ///< N s, N m s
 	};
 	Mover moverAt( std::uint32_t k );
@@ -301,19 +302,19 @@ private:
 	AlignedArray<float> m_bounced;          ///< speeds with all that bounces; scratch of bounceLess
 	std::vector<Bounce> m_bounces;          ///< by contact, with all that bounces; the same
 	AlignedArray<float> m_massed;           ///< what the last product was without contacts
-	AlignedArray<float> m_inverseDiagonal; ///< 1 / A_ii of the soft parts' nodes, at the place of their first component
-	std::vector<Pressing> m_pressing;      ///< as last linearised
-	std::vector<Way> m_ways;               ///< by contact; scratch of stepTowards
-	std::vector<PartError> m_partErrors;   ///< soft parts', then rigid ones'; scratch of matchAt
-	std::vector<Between> m_between;        ///< by node; scratch of agreeOnTargets
-	std::vector<NodeBlock> m_nodeBlocks;   ///< of the nodes that contacts name
+	AlignedArray<float> m_inverseDiagonal;  ///< 1 / A_ii of the soft parts' nodes, at the place of their first component
+	std::vector<Pressing> m_pressing;       ///< as last linearised
+	std::vector<Way> m_ways;                ///< by contact; scratch of stepTowards
+	std::vector<PartError> m_partErrors;    ///< soft parts', then rigid ones'; scratch of matchAt
+	std::vector<Between> m_between;         ///< by node; scratch of agreeOnTargets
+	std::vector<NodeBlock> m_nodeBlocks;    ///< of the nodes that contacts name
 	std::vector<Cluster> m_clusters;
 	std::vector<double> m_clusterRoom;
 	AlignedArray<float> m_clusterInverse;
-	std::vector<Connected> m_connected;    ///< of all soft parts, in their order
+	std::vector<Connected> m_connected;                      ///< of all soft parts, in their order
 	std::vector<std::uint32_t> m_groupStart, m_groupMembers; ///< scratch of keepMomentum
 	std::vector<Mover> m_movers;                             ///< the same of keepMomentumOf
-	std::vector<int> m_blockOf;            ///< by place of the node's first component; -1: no contact names it, and so beyond the vector's end
+	std::vector<int> m_blockOf; ///< by place of the node's first component; -1: no contact names it, and so beyond the vector's end
 	CoarseSystem m_coarse;
 	std::vector<int> m_coarseSizes;
 	std::vector<CoarseSystem::Pair> m_coarsePairs;

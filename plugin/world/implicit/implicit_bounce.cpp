@@ -1,9 +1,10 @@
 // Bounces of an implicit block that would bring energy in.
 //
-// With the block's A as the masses the step is leapfrog's, and an impulse P changes its energy by P . ( u' + u ) / 2, u the speed at the substep's start
-// (bounce.cpp): nothing where all contacts bounce off what they came with. Others, which push out of a depth or are driven into something while they part, may gain what
-// those do not lose. All impulses times s do s W - s ( 1 - s ) K, K = P . A^-1 P / 2: one more system, solved only where W is above zero. Where much less than all of them is
-// left so, they no longer stop what came: less of the bounce, then, and not of all.
+// With the block's A as the masses the step is leapfrog's, and an impulse P changes its energy by P . ( u' + u ) / 2, u the speed at the
+// substep's start (bounce.cpp): nothing where all contacts bounce off what they came with. Others, which push out of a depth or are driven
+// into something while they part, may gain what those do not lose. All impulses times s do s W - s ( 1 - s ) K, K = P . A^-1 P / 2: one
+// more system, solved only where W is above zero. Where much less than all of them is left so, they no longer stop what came: less of the
+// bounce, then, and not of all.
 
 #include "world/constants.h"
 #include "world/implicit/implicit_block.h"
@@ -46,7 +47,8 @@ void ImplicitBlock::keepEnergy( BlockCount& count )
 	listPressing();
 	fillPreconditioner();
 	std::fill( m_next.begin(), m_next.end(), 0.0f );
-	count.products += m_gradients.solve( *this, m_rightSide.data(), m_next.data(), GradientLimits{ kGradientShare, 0.0, kMostGradients } ) + 1;
+	count.products += m_gradients.solve( *this, m_rightSide.data(), m_next.data(), GradientLimits{ kGradientShare, 0.0, kMostGradients } ) +
+		1;
 
 	const double brought = 0.5 * dot( m_rightSide.data(), m_next.data(), m_size );
 	const double share = 1.0 - work.sum / brought;
@@ -66,8 +68,8 @@ void ImplicitBlock::keepEnergy( BlockCount& count )
 	}
 }
 
-// Where nothing bounces contacts bring nothing in. On the way from there to where all does,  P + s dP  and  u + s du,  nothing is pressed into anything and friction
-// stays within its limits: as far as  ( P + s dP ) . ( ( u + s du ) + before ) <= 0.
+// Where nothing bounces contacts bring nothing in. On the way from there to where all does,  P + s dP  and  u + s du,  nothing is pressed
+// into anything and friction stays within its limits: as far as  ( P + s dP ) . ( ( u + s du ) + before ) <= 0.
 void ImplicitBlock::bounceLess( BlockCount& count )
 {
 	m_bounced = m_v;

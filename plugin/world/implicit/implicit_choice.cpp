@@ -1,7 +1,7 @@
 #include "world/implicit/implicit_choice.h"
 
-#include "world/constants.h"
 #include "world/bodies/soft_body_impl.h"
+#include "world/constants.h"
 
 #include <BulletCollision/BroadphaseCollision/btDispatcher.h>
 #include <BulletCollision/NarrowPhaseCollision/btPersistentManifold.h>
@@ -111,7 +111,8 @@ bool ImplicitChoice::isTooHeavilyLoaded( SoftBody& body, const btDiscreteDynamic
 	const SoftBody::Impl& impl = body.impl();
 	ElasticityState& state = body.impl().elasticity;
 	const double weight = state.nodeMass * double( gravityOf( body, world ).length() );
-	const double load = weight > 0.0 && impl.lastSubstep > 0.0 ? state.impulse / impl.lastSubstep / weight : 0.0; // impulses are the last substep's
+	const double load = weight > 0.0 && impl.lastSubstep > 0.0 ? state.impulse / impl.lastSubstep / weight
+															   : 0.0; // impulses are the last substep's
 	state.load += ( load - state.load ) * std::min( 1.0, double( gameStep ) / kLoadTime );
 	const double count = double( impl.body->nodeCount() );
 	const double face = impl.mass / count * std::pow( count, 2.0 / 3.0 );

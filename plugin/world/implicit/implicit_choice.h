@@ -29,14 +29,14 @@ private:
 /// Choice of one body, as kept between steps.
 struct ElasticityState
 {
-	bool isImplicit = false;   ///< chosen
-	double calm = 0.0;         ///< s for which nothing has asked for it
-	double load = 0.0;         ///< what its touched nodes carry in units of their own weight, smoothed
+	bool isImplicit = false; ///< chosen
+	double calm = 0.0;       ///< s for which nothing has asked for it
+	double load = 0.0;       ///< what its touched nodes carry in units of their own weight, smoothed
 
 	// Of this step.
-	bool feelsLoads = false;   ///< its stiffness alone does not ask for it
+	bool feelsLoads = false; ///< its stiffness alone does not ask for it
 	bool needs = false;
-	double heaviest = 0.0;     ///< mass of the heaviest thing that lies on it, kg
+	double heaviest = 0.0;                ///< mass of the heaviest thing that lies on it, kg
 	double impulse = 0.0, nodeMass = 0.0; ///< that its nodes carry, N s, and their mass, kg
 };
 

@@ -1,6 +1,7 @@
-// What two standing things ask of one node and it cannot do: a plate over a floor, nearer to it than a node is wide, a slot between two walls, a corner of one wall
-// that reaches below another. Each asks for a speed of parting, the law's impulses carry on from substep to substep, and where none of the speeds is ever
-// reached they grow without end; whoever takes the plate away then gets all of it at once. So such contacts ask for what lies between them.
+// What two standing things ask of one node and it cannot do: a plate over a floor, nearer to it than a node is wide, a slot between two
+// walls, a corner of one wall that reaches below another. Each asks for a speed of parting, the law's impulses carry on from substep to
+// substep, and where none of the speeds is ever reached they grow without end; whoever takes the plate away then gets all of it at once. So
+// such contacts ask for what lies between them.
 
 #include "world/constants.h"
 #include "world/implicit/implicit_block.h"
@@ -14,8 +15,8 @@ namespace pliant {
 
 namespace {
 
-/// A contact that lacks more than this, m/s, and comes no nearer to it or further from it by more than this share of that in a substep, gets nowhere. What rests lacks less
-/// than a tenth of a millimetre a second, and what strikes changes.
+/// A contact that lacks more than this, m/s, and comes no nearer to it or further from it by more than this share of that in a substep,
+/// gets nowhere. What rests lacks less than a tenth of a millimetre a second, and what strikes changes.
 constexpr double kOddsLack = 5e-3, kOddsChange = 1e-2;
 /// What it presses with is then taken for what others carry but for this share, substep by substep.
 constexpr double kOddsLeft = 0.1;
@@ -78,8 +79,7 @@ void ImplicitBlock::agreeOnTargets()
 	for ( std::size_t first = 0, end = 0; first < m_between.size(); first = end )
 	{
 		for ( end = first; end < m_between.size() && m_between[end].node == m_between[first].node; ++end )
-		{
-		}
+		{}
 		if ( end - first > 1 )
 		{
 			agreeOnTargets( first, end );
@@ -87,8 +87,9 @@ void ImplicitBlock::agreeOnTargets()
 	}
 }
 
-// Where some speed does what all ask for, and is not much larger than what they ask for, there is no conflict. Else the one that lacks least in squares,
-// among those near the speed of what stands around: of two walls that all but face each other the way out between them would be arbitrarily fast.
+// Where some speed does what all ask for, and is not much larger than what they ask for, there is no conflict. Else the one that lacks
+// least in squares, among those near the speed of what stands around: of two walls that all but face each other the way out between them
+// would be arbitrarily fast.
 void ImplicitBlock::agreeOnTargets( std::size_t first, std::size_t end )
 {
 	const auto demand = [this]( std::size_t k ) { return demandOf( contacts[m_between[k].contact], m_between[k].side ); };
@@ -152,8 +153,9 @@ void ImplicitBlock::agreeOnTargets( std::size_t first, std::size_t end )
 	}
 }
 
-// Where others stand between two things from whose two sides the block is pressed, a box, the nodes of another body, no node knows. But who is pressed between them and can go nowhere stands, and lacks what it
-// is asked for in each substep: then no more of it is carried on. What is held up by what it presses is pressed further, moves, and so is carried again.
+// Where others stand between two things from whose two sides the block is pressed, a box, the nodes of another body, no node knows. But who
+// is pressed between them and can go nowhere stands, and lacks what it is asked for in each substep: then no more of it is carried on. What
+// is held up by what it presses is pressed further, moves, and so is carried again.
 void ImplicitBlock::carryImpulses()
 {
 	const bool isBetween = isPressedBetween( contacts );

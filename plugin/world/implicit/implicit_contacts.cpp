@@ -1,8 +1,8 @@
 #include "world/implicit/implicit_contacts.h"
 
+#include "world/bodies/soft_body_impl.h"
 #include "world/constants.h"
 #include "world/touch/round_surface.h"
-#include "world/bodies/soft_body_impl.h"
 
 #include <BulletCollision/BroadphaseCollision/btDispatcher.h>
 #include <BulletCollision/NarrowPhaseCollision/btPersistentManifold.h>
@@ -20,7 +20,8 @@ const NodeBody* asNode( const btCollisionObject* object )
 	return ownerOfNodeBody( object ) ? static_cast<const NodeBody*>( object ) : nullptr;
 }
 
-/// A contact that was a block's rubs in two directions; a solver with one leaves the other's impulse as it lies, and who sums them up would take it for the last solve's.
+/// A contact that was a block's rubs in two directions; a solver with one leaves the other's impulse as it lies, and who sums them up would
+/// take it for the last solve's.
 void forgetSecondDirection( btPersistentManifold& manifold )
 {
 	for ( int k = 0; k < manifold.getNumContacts(); ++k )
@@ -29,7 +30,8 @@ void forgetSecondDirection( btPersistentManifold& manifold )
 	}
 }
 
-/// Two rigid bodies whose contacts the block can take over: nothing but friction. Between two solvers a stack would be pressed through itself.
+/// Two rigid bodies whose contacts the block can take over: nothing but friction. Between two solvers a stack would be pressed through
+/// itself.
 bool isPlainRigid( const btPersistentManifold& manifold )
 {
 	for ( int k = 0; k < manifold.getNumContacts(); ++k )
@@ -86,7 +88,7 @@ Eigen::Matrix3d rootOfScales( const btCollisionObject& object )
 void giveDirections( const btCollisionObject* const ( &objects )[2], BlockContact& contact, ImplicitBlock& block )
 {
 	if ( !objects[0]->hasAnisotropicFriction( btCollisionObject::CF_ANISOTROPIC_FRICTION ) &&
-		 !objects[1]->hasAnisotropicFriction( btCollisionObject::CF_ANISOTROPIC_FRICTION ) )
+		!objects[1]->hasAnisotropicFriction( btCollisionObject::CF_ANISOTROPIC_FRICTION ) )
 	{
 		return;
 	}
@@ -99,9 +101,11 @@ void giveDirections( const btCollisionObject* const ( &objects )[2], BlockContac
 /// What the game lets the second surface run at along the contact (conveyors): as Bullet's solver takes it.
 Vec3d surfaceVelocity( const btManifoldPoint& point, const btContactSolverInfo& info )
 {
-	const bool isGiven = ( info.m_solverMode & SOLVER_ENABLE_FRICTION_DIRECTION_CACHING ) != 0 && ( point.m_contactPointFlags & BT_CONTACT_FLAG_LATERAL_FRICTION_INITIALIZED ) != 0;
-	return isGiven ? Vec3d( double( point.m_contactMotion1 ) * toVec3d( point.m_lateralFrictionDir1 ) + double( point.m_contactMotion2 ) * toVec3d( point.m_lateralFrictionDir2 ) ) :
-					 Vec3d( Vec3d::Zero() );
+	const bool isGiven = ( info.m_solverMode & SOLVER_ENABLE_FRICTION_DIRECTION_CACHING ) != 0 &&
+		( point.m_contactPointFlags & BT_CONTACT_FLAG_LATERAL_FRICTION_INITIALIZED ) != 0;
+	return isGiven ? Vec3d( double( point.m_contactMotion1 ) * toVec3d( point.m_lateralFrictionDir1 ) +
+						 double( point.m_contactMotion2 ) * toVec3d( point.m_lateralFrictionDir2 ) )
+				   : Vec3d( Vec3d::Zero() );
 }
 
 bool isExplicit( const NodeBody* node )
@@ -114,10 +118,12 @@ bool isDrawn( const NodeBody* node )
 	return node && node->node >= 0 && node->owner->impl().isMetAsDrawn();
 }
 
-/// The nodes of a contact of nodes' own spheres: the node, or of two round surfaces the one behind it too. It acts at the node's centre, on both sides: so no turn is lost.
+/// The nodes of a contact of nodes' own spheres: the node, or of two round surfaces the one behind it too. It acts at the node's centre, on
+/// both sides: so no turn is lost.
 Vec3d shareAtNodes( const NodeBody* const ( &nodes )[2], SharedNodes ( &shared )[2] )
 {
-	const bool isRound = nodes[0] && nodes[1] && nodes[0]->node >= 0 && nodes[1]->node >= 0 && meetRound( *nodes[0]->owner, *nodes[1]->owner );
+	const bool isRound = nodes[0] && nodes[1] && nodes[0]->node >= 0 && nodes[1]->node >= 0 &&
+		meetRound( *nodes[0]->owner, *nodes[1]->owner );
 	for ( int side = 0; side < 2; ++side )
 	{
 		shared[side] = nodes[side] ? SharedNodes::only( nodes[side]->node ) : SharedNodes{};
@@ -126,8 +132,8 @@ Vec3d shareAtNodes( const NodeBody* const ( &nodes )[2], SharedNodes ( &shared )
 			continue;
 		}
 		const NodeBody &own = *nodes[side], &other = *nodes[1 - side];
-		const RoundSphere round =
-			roundSphere( *own.owner, own.node, toVec3d( other.owner->impl().position( other.node ) - own.owner->impl().position( own.node ) ) );
+		const RoundSphere round = roundSphere(
+			*own.owner, own.node, toVec3d( other.owner->impl().position( other.node ) - own.owner->impl().position( own.node ) ) );
 		if ( round.inner >= 0 )
 		{
 			shared[side].count = 2;
@@ -139,8 +145,9 @@ Vec3d shareAtNodes( const NodeBody* const ( &nodes )[2], SharedNodes ( &shared )
 	return nodes[0] || nodes[1] ? toVec3d( ( nodes[0] ? nodes[0] : nodes[1] )->getWorldTransform().getOrigin() ) : Vec3d( Vec3d::Zero() );
 }
 
-/// The nodes that share a contact with a drawn surface, on each side that is a node. Returns where it acts on what else there is, world, m: where the nodes can share it,
-/// so that no spin is lost. While it is solved one side's point lies at the height of the node (MovedContacts), and friction acts in the middle between the two.
+/// The nodes that share a contact with a drawn surface, on each side that is a node. Returns where it acts on what else there is, world, m:
+/// where the nodes can share it, so that no spin is lost. While it is solved one side's point lies at the height of the node
+/// (MovedContacts), and friction acts in the middle between the two.
 Vec3d shareOnSurface( const NodeBody* const ( &nodes )[2], const btManifoldPoint& point, const Vec3d& normal, SharedNodes ( &shared )[2] )
 {
 	const Vec3d middle = 0.5 * ( toVec3d( point.getPositionWorldOnA() ) + toVec3d( point.getPositionWorldOnB() ) );
@@ -160,9 +167,9 @@ Vec3d shareOnSurface( const NodeBody* const ( &nodes )[2], const btManifoldPoint
 	return acts;
 }
 
-/// The velocity, m/s, by which the surface of a rolling sphere lags behind the velocities of its nodes: they move along chords, so that a sphere of radius R and angular
-/// velocity w comes ( h w )^2 R / 2 nearer to what it rolls on in a step of h than the point of it that touches. Without this a rolling body sinks and is lifted again,
-/// which costs its energy.
+/// The velocity, m/s, by which the surface of a rolling sphere lags behind the velocities of its nodes: they move along chords, so that a
+/// sphere of radius R and angular velocity w comes ( h w )^2 R / 2 nearer to what it rolls on in a step of h than the point of it that
+/// touches. Without this a rolling body sinks and is lifted again, which costs its energy.
 double rolling( const NodeBody* const ( &nodes )[2], const BlockContact& contact, ImplicitBlock& block, double h )
 {
 	double sum = 0.0;
@@ -174,7 +181,8 @@ double rolling( const NodeBody* const ( &nodes )[2], const BlockContact& contact
 			continue;
 		}
 		const SoftBody::Impl& impl = nodes[side]->owner->impl();
-		const double radius = impl.surfaceNow().rollingRadius( impl.body->nodes(), own.node, side == 0 ? Vec3d( -contact.normal ) : contact.normal );
+		const double radius = impl.surfaceNow().rollingRadius(
+			impl.body->nodes(), own.node, side == 0 ? Vec3d( -contact.normal ) : contact.normal );
 		if ( radius > 0.0 )
 		{
 			const Vec3d turn = block.turnOf( own );
@@ -185,7 +193,8 @@ double rolling( const NodeBody* const ( &nodes )[2], const BlockContact& contact
 }
 
 /// b: speed of parting asked for. Before touch, whatever closes the gap within the step; then out of what is too deep, and bouncing off.
-/// `approach`: without contacts, elasticity left out; it bounces off the speed at the substep's start (implicit_bounce.cpp). `rolling`, m/s, is added.
+/// `approach`: without contacts, elasticity left out; it bounces off the speed at the substep's start (implicit_bounce.cpp). `rolling`,
+/// m/s, is added.
 void aim( BlockContact& contact, const btContactSolverInfo& info, double approach, double rolling )
 {
 	const btManifoldPoint& point = *contact.point;
@@ -203,7 +212,8 @@ void aim( BlockContact& contact, const btContactSolverInfo& info, double approac
 
 } // namespace
 
-void ImplicitContacts::gather( btDispatcher& dispatcher, const btContactSolverInfo& info, BlockPlaces& places, std::deque<ImplicitBlock>& blocks )
+void ImplicitContacts::gather(
+	btDispatcher& dispatcher, const btContactSolverInfo& info, BlockPlaces& places, std::deque<ImplicitBlock>& blocks )
 {
 	m_count = 0;
 	m_hidden.clear();
@@ -262,7 +272,7 @@ void ImplicitContacts::gatherFrom(
 		contact.point = &point;
 		contact.normalImpulse = double( point.m_appliedImpulse );
 		contact.tangentImpulse = double( point.m_appliedImpulseLateral1 ) * toVec3d( point.m_lateralFrictionDir1 ) +
-								 double( point.m_appliedImpulseLateral2 ) * toVec3d( point.m_lateralFrictionDir2 );
+			double( point.m_appliedImpulseLateral2 ) * toVec3d( point.m_lateralFrictionDir2 );
 		ImplicitBlock& own = blocks[std::size_t( block )];
 		contact.before = own.speedBefore( contact );
 		const double rolls = contact.isDrawn ? rolling( nodes, contact, own, double( info.m_timeStep ) ) : 0.0;

@@ -39,7 +39,8 @@ public:
 class ImplicitContacts
 {
 public:
-	/// Adds the contacts of all manifolds that name a node of a block's body, or two rigid bodies of its island, and hides them from Bullet's solver.
+	/// Adds the contacts of all manifolds that name a node of a block's body, or two rigid bodies of its island, and hides them from
+	/// Bullet's solver.
 	void gather( btDispatcher& dispatcher, const btContactSolverInfo& info, BlockPlaces& places, std::deque<ImplicitBlock>& blocks );
 	/// Impulses into the contact points; sleeping bodies that are pressed wake.
 	static void writeBack( ImplicitBlock& block );
@@ -48,7 +49,8 @@ public:
 	int count() const { return m_count; }
 
 private:
-	void gatherFrom( btPersistentManifold& manifold, const btContactSolverInfo& info, BlockPlaces& places, std::deque<ImplicitBlock>& blocks );
+	void gatherFrom(
+		btPersistentManifold& manifold, const btContactSolverInfo& info, BlockPlaces& places, std::deque<ImplicitBlock>& blocks );
 	ContactSide sideOf( const btCollisionObject& object, int block, BlockPlaces& places, const Vec3d& at ) const;
 
 	struct Hidden

@@ -4,11 +4,11 @@
 //   jt = s ( lt - ks ut ),   s = min( 1, mu jn / | lt - ks ut | ),   ks = min( k, mu jn / u_eps )
 //
 // Both are what an augmented Lagrangian with one step a substep makes of Signorini's and Coulomb's laws (Alart and Curnier 1991): a contact
-// that keeps pressing ends with u.n = b and, held, with ut = 0, however soft k is. The derivative of jt is replaced by its secant, - s ks, which
-// can only dissipate; Newton's own turned small slips round in this place and threw stacks.
+// that keeps pressing ends with u.n = b and, held, with ut = 0, however soft k is. The derivative of jt is replaced by its secant, - s ks,
+// which can only dissipate; Newton's own turned small slips round in this place and threw stacks.
 //
-// Friction by direction (btCollisionObject::setAnisotropicFriction): the same law finds t, of length mu jn at most, and jt = S t, S the things'
-// scales in their own axes, without the normal. So a slide along t is braked by mu jn S t, as Bullet's solver does.
+// Friction by direction (btCollisionObject::setAnisotropicFriction): the same law finds t, of length mu jn at most, and jt = S t, S the
+// things' scales in their own axes, without the normal. So a slide along t is braked by mu jn S t, as Bullet's solver does.
 
 #include "world/constants.h"
 #include "world/implicit/implicit_block.h"
@@ -82,7 +82,9 @@ const Vec3d& ImplicitBlock::turnOf( const ContactSide& side )
 	{
 		for ( int k = 0; k < part.motion->parts().count(); ++k )
 		{
-			part.turn.push_back( part.motion->hasShape( k ) ? Vec3d( ( part.motion->rigidMass( k ).inverse() * part.motion->momentum( k ) ).tail<3>() ) : Vec3d( Vec3d::Zero() ) );
+			part.turn.push_back( part.motion->hasShape( k )
+					? Vec3d( ( part.motion->rigidMass( k ).inverse() * part.motion->momentum( k ) ).tail<3>() )
+					: Vec3d( Vec3d::Zero() ) );
 		}
 	}
 	return part.turn[std::size_t( part.motion->parts().partOf( side.node ) )];
@@ -131,7 +133,8 @@ void ImplicitBlock::chooseStiffness()
 		{
 			least = side.soft < 0 ? least : std::min( least, double( soft[std::size_t( side.soft )].motion->diagonal( side.node ) ) );
 		}
-		// A marble on a stiff body is a thousandth of what its nodes resist with; what is left of that when the iteration ends would be all its weight.
+		// A marble on a stiff body is a thousandth of what its nodes resist with; what is left of that when the iteration ends would be all
+		// its weight.
 		const bool hasNode = contact.side[0].soft >= 0 || contact.side[1].soft >= 0;
 		for ( const ContactSide& side : contact.side )
 		{
@@ -145,9 +148,10 @@ void ImplicitBlock::chooseStiffness()
 
 // At the start speeds are the last substep's, and k times what they are off by says little: what has pressed presses on as hard.
 //
-// Friction's limits are mu times what contacts were last solved to press with, not what the law makes of the speeds there are: k is ten times what nodes resist with, and
-// where a contact is new, or a way is not gone to its end, that is ten times too much and more, which stopped what is light. So what is new does not rub in the first
-// pass, and of a wild pass nothing is taken for what has pressed before; not for long, for limits that were too high can be what keeps it wild.
+// Friction's limits are mu times what contacts were last solved to press with, not what the law makes of the speeds there are: k is ten
+// times what nodes resist with, and where a contact is new, or a way is not gone to its end, that is ten times too much and more, which
+// stopped what is light. So what is new does not rub in the first pass, and of a wild pass nothing is taken for what has pressed before;
+// not for long, for limits that were too high can be what keeps it wild.
 void ImplicitBlock::linearise( const float* v, int passes )
 {
 	const bool isFirst = passes == 0, keeps = !isFirst && passes < kMostFairPasses && isWild();
@@ -193,11 +197,12 @@ ImplicitBlock::Match ImplicitBlock::matchAt( const float* v )
 		}
 	}
 	const auto isFair = []( const PartError& part ) { return part.rub.norm() <= kPartError * part.limit; };
-	return Match{ pressError <= kImpulseError * pressed && rubError <= kImpulseError * rubbed, std::all_of( m_partErrors.begin(), m_partErrors.end(), isFair ) };
+	return Match{ pressError <= kImpulseError * pressed && rubError <= kImpulseError * rubbed,
+		std::all_of( m_partErrors.begin(), m_partErrors.end(), isFair ) };
 }
 
-// A pull of what still approaches brings energy in, and so does rubbing that holds what bounces against others. A little too much or too little
-// rubbing, which is what most last passes end with, does not.
+// A pull of what still approaches brings energy in, and so does rubbing that holds what bounces against others. A little too much or too
+// little rubbing, which is what most last passes end with, does not.
 bool ImplicitBlock::isWild() const
 {
 	double pull = 0.0, press = 0.0, rub = 0.0, limit = 0.0;
@@ -223,7 +228,8 @@ void ImplicitBlock::readImpulses( const float* v )
 	}
 }
 
-// The energy that is minimised, with friction's secants as they are, is convex and quadratic in pieces: the lowest point on the way, as a share of it.
+// The energy that is minimised, with friction's secants as they are, is convex and quadratic in pieces: the lowest point on the way, as a
+// share of it.
 //   slope( t ) = d.( M v - b ) + t d.M d - sum over contacts of ( jn n + jt ).u( d )
 double ImplicitBlock::lowestShare( double slope, double curvature ) const
 {
@@ -260,12 +266,15 @@ double ImplicitBlock::stepTowards()
 	m_ways.clear();
 	for ( const BlockContact& contact : contacts )
 	{
-		const Vec3d u = relativeSpeed( contact, m_v.data() ), way = speedOf( contact.side[0], contact.normal, d.data() ) - speedOf( contact.side[1], contact.normal, d.data() );
+		const Vec3d u = relativeSpeed( contact, m_v.data() ),
+					way = speedOf( contact.side[0], contact.normal, d.data() ) - speedOf( contact.side[1], contact.normal, d.data() );
 		const double un = contact.normal.dot( u ), dn = contact.normal.dot( way );
 		const Vec3d ut = u - un * contact.normal, dt = way - dn * contact.normal, felt = directed( contact, dt );
-		const double slideStart = contact.held.dot( felt ) - contact.tangentStiffness * ut.dot( felt ), slide = -contact.tangentStiffness * dt.dot( felt );
+		const double slideStart = contact.held.dot( felt ) - contact.tangentStiffness * ut.dot( felt ),
+					 slide = -contact.tangentStiffness * dt.dot( felt );
 		const bool presses = contact.presses;
-		m_ways.push_back( Way{ un, dn, presses ? slideStart : 0.0, presses ? slide : 0.0, contact.pushed, contact.stiffness, contact.target } );
+		m_ways.push_back(
+			Way{ un, dn, presses ? slideStart : 0.0, presses ? slide : 0.0, contact.pushed, contact.stiffness, contact.target } );
 	}
 	return lowestShare( -dot( d.data(), m_free.data(), m_size ), dot( d.data(), change.data(), m_size ) );
 }

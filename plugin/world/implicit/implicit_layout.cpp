@@ -2,8 +2,8 @@
 
 #include "world/implicit/implicit_block.h"
 
-#include "world/constants.h"
 #include "world/bodies/soft_body_impl.h"
+#include "world/constants.h"
 
 #include <algorithm>
 
@@ -73,8 +73,9 @@ void ImplicitBlock::listConnected()
 	}
 }
 
-/// The iteration begins with the speeds of the substep's start; what is held has its speed already. What touches nothing and hangs by nothing falls: it begins
-/// with the speeds of free flight, and where it is not strained is done. So does a part of a body that is in several, whatever the others touch.
+/// The iteration begins with the speeds of the substep's start; what is held has its speed already. What touches nothing and hangs by
+/// nothing falls: it begins with the speeds of free flight, and where it is not strained is done. So does a part of a body that is in
+/// several, whatever the others touch.
 void ImplicitBlock::startFrom( const SoftPart& part )
 {
 	const int padded = part.motion->padded();
@@ -106,7 +107,8 @@ void ImplicitBlock::startFrom( const SoftPart& part )
 
 void ImplicitBlock::nameNodeBlocks()
 {
-	std::for_each( m_nodeBlocks.begin(), m_nodeBlocks.end(), [this]( const NodeBlock& named ) { m_blockOf[std::size_t( named.place )] = -1; } );
+	std::for_each(
+		m_nodeBlocks.begin(), m_nodeBlocks.end(), [this]( const NodeBlock& named ) { m_blockOf[std::size_t( named.place )] = -1; } );
 	m_nodeBlocks.clear();
 	m_clusters.clear();
 	m_blockOf.resize( std::max( m_blockOf.size(), std::size_t( m_size ) ), -1 );

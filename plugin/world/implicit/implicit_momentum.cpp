@@ -1,7 +1,7 @@
 // Momentum that the end of the iteration must not lose.
 
-#include "world/implicit/implicit_block.h"
 #include "world/bodies/soft_body_impl.h"
+#include "world/implicit/implicit_block.h"
 
 #include "lattice/union_find.h"
 
@@ -37,14 +37,17 @@ Vector6 seenFrom( const Vec3d& at, const Vector6& motion, const Vec3d& centre )
 
 } // namespace
 
-// The iteration ends early and in float. What is then missing of the momentum of what touches nothing fixed is given to all that touches each other
-// together, as one rigid motion: given to the light ones alone it would throw them. Parts of one soft body that nothing links are as many bodies here.
+// The iteration ends early and in float. What is then missing of the momentum of what touches nothing fixed is given to all that touches
+// each other together, as one rigid motion: given to the light ones alone it would throw them. Parts of one soft body that nothing links
+// are as many bodies here.
 void ImplicitBlock::keepMomentum()
 {
 	const std::size_t parts = m_connected.size(), count = 1 + parts + rigid.size(); // 0 is what is fixed
 	UnionFind groups( count );
 	const auto placeOf = [&]( const ContactSide& side ) {
-		return std::uint32_t( side.soft >= 0 ? 1 + std::size_t( &connectedOf( side ) - m_connected.data() ) : side.rigid >= 0 ? 1 + parts + std::size_t( side.rigid ) : 0 );
+		return std::uint32_t( side.soft >= 0 ? 1 + std::size_t( &connectedOf( side ) - m_connected.data() )
+				: side.rigid >= 0            ? 1 + parts + std::size_t( side.rigid )
+											 : 0 );
 	};
 	for ( const BlockContact& contact : contacts )
 	{

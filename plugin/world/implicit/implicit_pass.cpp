@@ -7,8 +7,8 @@
 
 namespace pliant {
 
-// One product a substep: from then on the iteration tells what a change of speeds has changed (`moved`). Told by all it takes off the residual, contacts' shares
-// among it, that is wrong in float where bodies are stiff: bullets came back at .63 of their speed for .8.
+// One product a substep: from then on the iteration tells what a change of speeds has changed (`moved`). Told by all it takes off the
+// residual, contacts' shares among it, that is wrong in float where bodies are stiff: bullets came back at .63 of their speed for .8.
 void ImplicitBlock::fillFree()
 {
 	applyMasses( m_v.data(), m_free.data() );
@@ -45,15 +45,17 @@ void ImplicitBlock::beginIteration()
 			const Vec3d u = relativeSpeed( contact, m_next.data() );
 			const double along = contact.normal.dot( u );
 			const Vec3d rub = contact.held - contact.tangentStiffness * ( u - along * contact.normal );
-			addPair( contact, ( contact.pushed + contact.stiffness * ( contact.target - along ) ) * contact.normal + directed( contact, rub ), residual.data() );
+			addPair( contact,
+				( contact.pushed + contact.stiffness * ( contact.target - along ) ) * contact.normal + directed( contact, rub ),
+				residual.data() );
 		}
 	}
 	m_gradients.begin( *this, residual.data() );
 }
 
-// Impulses are what must be right, and k times what a speed is off by is what they are off by: r . z, twice the energy of all that is off, is
-// small enough where it is less than kImpulseError of each impulse would store, sum of ( kImpulseError jn )^2 / k. Without contacts there are none, and
-// speeds are what a body alone is asked for.
+// Impulses are what must be right, and k times what a speed is off by is what they are off by: r . z, twice the energy of all that is off,
+// is small enough where it is less than kImpulseError of each impulse would store, sum of ( kImpulseError jn )^2 / k. Without contacts
+// there are none, and speeds are what a body alone is asked for.
 double ImplicitBlock::energyLeft() const
 {
 	double stored = 0.0;
@@ -63,7 +65,8 @@ double ImplicitBlock::energyLeft() const
 	}
 	const auto atSpeed = [this]( double speed ) { return m_softMass * speed * speed; };
 	const double needed = kImpulseError * kImpulseError * stored;
-	return contacts.empty() ? atSpeed( double( kGradientSpeed ) ) : std::clamp( needed, atSpeed( kContactGradientSpeed ), atSpeed( kMostContactGradientSpeed ) );
+	return contacts.empty() ? atSpeed( double( kGradientSpeed ) )
+							: std::clamp( needed, atSpeed( kContactGradientSpeed ), atSpeed( kMostContactGradientSpeed ) );
 }
 
 void ImplicitBlock::iterate( double share, BlockCount& count )

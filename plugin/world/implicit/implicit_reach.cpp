@@ -1,10 +1,10 @@
 #include "world/implicit/implicit_reach.h"
 
 #include "world/bodies/ahead.h"
+#include "world/bodies/soft_body_impl.h"
 #include "world/constants.h"
 #include "world/implicit/implicit_contacts.h"
 #include "world/shape/node_body.h"
-#include "world/bodies/soft_body_impl.h"
 
 #include <BulletCollision/BroadphaseCollision/btDispatcher.h>
 #include <BulletCollision/NarrowPhaseCollision/btPersistentManifold.h>
@@ -51,7 +51,10 @@ void ImplicitReach::look( const btPersistentManifold& manifold, const BlockPlace
 	const btCollisionObject &a = *manifold.getBody0(), &b = *manifold.getBody1();
 	const SoftBody *const softA = ownerOfNodeBody( &a ), *const softB = ownerOfNodeBody( &b );
 	const bool isA = isDynamicRigid( a ), isB = isDynamicRigid( b ), touchesSoft = softA || softB;
-	const int block = touchesSoft ? places.blockOf( softA ? *softA : *softB ) : places.blockOfIsland( isA ? a.getIslandTag() : isB ? b.getIslandTag() : -1 );
+	const int block = touchesSoft ? places.blockOf( softA ? *softA : *softB )
+								  : places.blockOfIsland( isA ? a.getIslandTag()
+											: isB             ? b.getIslandTag()
+															  : -1 );
 	if ( block < 0 )
 	{
 		return;
@@ -80,7 +83,8 @@ bool ImplicitReach::addRing()
 		const bool isInA = m_isIn[std::size_t( edge.a )] == kTaken, isInB = m_isIn[std::size_t( edge.b )] == kTaken;
 		const int other = isInA ? edge.b : edge.a;
 		int& taken = m_taken[std::size_t( edge.block )];
-		if ( m_bodies[std::size_t( edge.block )] > kMostBlockRigid && isInA != isInB && m_isIn[std::size_t( other )] == 0 && taken < kMostBlockRigid )
+		if ( m_bodies[std::size_t( edge.block )] > kMostBlockRigid && isInA != isInB && m_isIn[std::size_t( other )] == 0 &&
+			taken < kMostBlockRigid )
 		{
 			m_isIn[std::size_t( other )] = kNext;
 			++taken;
@@ -109,14 +113,14 @@ void ImplicitReach::choose( btDispatcher& dispatcher, const BlockPlaces& places,
 		}
 	} );
 	while ( addRing() )
-	{
-	}
+	{}
 }
 
 bool ImplicitReach::takesPart( int block, const btCollisionObject& rigid ) const
 {
 	const int index = rigid.getWorldArrayIndex();
-	return m_bodies[std::size_t( block )] <= kMostBlockRigid || ( index >= 0 && index < int( m_isIn.size() ) && m_isIn[std::size_t( index )] == 1 );
+	return m_bodies[std::size_t( block )] <= kMostBlockRigid ||
+		( index >= 0 && index < int( m_isIn.size() ) && m_isIn[std::size_t( index )] == 1 );
 }
 
 } // namespace pliant

@@ -1,7 +1,7 @@
 #pragma once
 
-// Which rigid bodies of an island take part in the solution of its implicit block. All of a small island; of a large one those nearest to its soft bodies by
-// contacts, for the block's coarse system grows with them. Contacts of the others are Bullet's.
+// Which rigid bodies of an island take part in the solution of its implicit block. All of a small island; of a large one those nearest to
+// its soft bodies by contacts, for the block's coarse system grows with them. Contacts of the others are Bullet's.
 
 #include <vector>
 
@@ -31,8 +31,8 @@ private:
 
 	std::vector<unsigned char> m_isIn, m_isKnown; ///< by a rigid body's index in the world
 	std::vector<Edge> m_edges;
-	std::vector<int> m_bodies, m_taken;           ///< by block: rigid bodies there are, and those that take part
-	std::vector<int> m_next;                      ///< scratch
+	std::vector<int> m_bodies, m_taken; ///< by block: rigid bodies there are, and those that take part
+	std::vector<int> m_next;            ///< scratch
 };
 
 } // namespace pliant

@@ -1,8 +1,8 @@
 #include "world/implicit/implicit_solve.h"
 
 #include "threads/parallel.h"
-#include "world/constants.h"
 #include "world/bodies/soft_body_impl.h"
+#include "world/constants.h"
 
 #include <BulletCollision/BroadphaseCollision/btDispatcher.h>
 #include <BulletCollision/NarrowPhaseCollision/btPersistentManifold.h>
@@ -25,7 +25,8 @@ Vector6 speedOf( const btRigidBody& body )
 Vector6 forceOf( const btRigidBody& body, double h )
 {
 	Vector6 force;
-	force << h * double( body.getInvMass() ) * toVec3d( body.getTotalForce() ), h * toVec3d( body.getInvInertiaTensorWorld() * body.getTotalTorque() );
+	force << h * double( body.getInvMass() ) * toVec3d( body.getTotalForce() ),
+		h * toVec3d( body.getInvInertiaTensorWorld() * body.getTotalTorque() );
 	return force;
 }
 
@@ -56,8 +57,8 @@ RigidPart makeRigid( btRigidBody& body )
 	return part;
 }
 
-/// Whether a body wants its contacts solved in a block. A crumb of one cell has nothing elastic, but a heap of crumbs that Bullet's solver leaves a little off in each
-/// step of a sixtieth of a second flows, for ever and at millimetres a second.
+/// Whether a body wants its contacts solved in a block. A crumb of one cell has nothing elastic, but a heap of crumbs that Bullet's solver
+/// leaves a little off in each step of a sixtieth of a second flows, for ever and at millimetres a second.
 bool wantsBlock( const SoftBody& body )
 {
 	return body.impl().isImplicit || ( body.nodeCount() == 1 && body.material().elasticity != Elasticity::Explicit );
@@ -69,8 +70,9 @@ int ImplicitSolve::blockOf( const SoftBody& body ) const
 {
 	// A body that has fallen asleep since remembers a place that is another's now.
 	const int block = body.impl().block;
-	const bool isThere = block >= 0 && block < int( m_tagOf.size() ) && std::size_t( body.impl().blockPart ) < m_blocks[std::size_t( block )].soft.size() &&
-						 m_blocks[std::size_t( block )].soft[std::size_t( body.impl().blockPart )].owner == &body;
+	const bool isThere = block >= 0 && block < int( m_tagOf.size() ) &&
+		std::size_t( body.impl().blockPart ) < m_blocks[std::size_t( block )].soft.size() &&
+		m_blocks[std::size_t( block )].soft[std::size_t( body.impl().blockPart )].owner == &body;
 	return isThere ? block : -1;
 }
 
@@ -126,12 +128,13 @@ OutsideImpulse& ImplicitSolve::outsideOf( const btRigidBody& body )
 
 void ImplicitSolve::forget( const btRigidBody& body )
 {
-	m_outside.erase( std::remove_if( m_outside.begin(), m_outside.end(), [&]( const OutsideImpulse& outside ) { return outside.body == &body; } ),
+	m_outside.erase(
+		std::remove_if( m_outside.begin(), m_outside.end(), [&]( const OutsideImpulse& outside ) { return outside.body == &body; } ),
 		m_outside.end() );
 }
 
-// One block an island with an implicit body in it, or a crumb of one; explicit bodies of the island take part with their masses, so that no contact stands
-// between two solvers.
+// One block an island with an implicit body in it, or a crumb of one; explicit bodies of the island take part with their masses, so that no
+// contact stands between two solvers.
 void ImplicitSolve::makeBlocks( const std::vector<SoftBody*>& awake )
 {
 	m_tagOf.clear();
@@ -170,7 +173,8 @@ void ImplicitSolve::makeBlocks( const std::vector<SoftBody*>& awake )
 	}
 }
 
-void ImplicitSolve::before( const std::vector<SoftBody*>& awake, btDispatcher& dispatcher, const btContactSolverInfo& info, TaskRunner* runner )
+void ImplicitSolve::before(
+	const std::vector<SoftBody*>& awake, btDispatcher& dispatcher, const btContactSolverInfo& info, TaskRunner* runner )
 {
 	m_count = BlockCount{};
 	m_h = double( info.m_timeStep );
@@ -189,7 +193,8 @@ void ImplicitSolve::before( const std::vector<SoftBody*>& awake, btDispatcher& d
 	}
 	m_reach.choose( dispatcher, *this, int( m_tagOf.size() ) );
 	m_contacts.gather( dispatcher, info, *this, m_blocks );
-	m_outside.erase( std::remove_if( m_outside.begin(), m_outside.end(), [this]( const OutsideImpulse& outside ) { return outside.stamp != m_stamp; } ),
+	m_outside.erase(
+		std::remove_if( m_outside.begin(), m_outside.end(), [this]( const OutsideImpulse& outside ) { return outside.stamp != m_stamp; } ),
 		m_outside.end() );
 
 	// Many islands: each in one task. One: the threads share its products.

@@ -45,7 +45,7 @@ private:
 	void giveSpeeds( ImplicitBlock& block );
 
 	std::deque<ImplicitBlock> m_blocks; ///< as many as ever were needed
-	std::vector<int> m_tagOf; ///< island of each block
+	std::vector<int> m_tagOf;           ///< island of each block
 	ImplicitReach m_reach;
 	ImplicitContacts m_contacts;
 	std::vector<OutsideImpulse> m_outside; ///< in the order in which they were first touched

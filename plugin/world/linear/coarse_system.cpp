@@ -10,7 +10,8 @@ void CoarseSystem::layOut( const std::vector<int>& sizes, std::vector<Pair>& pai
 	{
 		pairs.emplace_back( int( body ), int( body ) );
 	}
-	std::sort( pairs.begin(), pairs.end(), []( const Pair& a, const Pair& b ) { return std::pair( a.second, a.first ) < std::pair( b.second, b.first ); } );
+	std::sort( pairs.begin(), pairs.end(),
+		[]( const Pair& a, const Pair& b ) { return std::pair( a.second, a.first ) < std::pair( b.second, b.first ); } );
 	pairs.erase( std::unique( pairs.begin(), pairs.end() ), pairs.end() );
 	if ( !m_start.empty() && sizes == m_sizes && pairs == m_pairs )
 	{
@@ -96,7 +97,9 @@ bool CoarseSystem::factor()
 	m_factor.clear();
 	for ( const Part& part : m_parts )
 	{
-		m_factor.set( part.to, Eigen::Map<const BlockCholesky::Block, 0, Eigen::OuterStride<>>( m_values.data() + part.value, Eigen::OuterStride<>( part.rows ) ) );
+		m_factor.set( part.to,
+			Eigen::Map<const BlockCholesky::Block, 0, Eigen::OuterStride<>>(
+				m_values.data() + part.value, Eigen::OuterStride<>( part.rows ) ) );
 	}
 	return m_isGood = m_factor.factor();
 }

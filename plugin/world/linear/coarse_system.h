@@ -1,7 +1,8 @@
 #pragma once
 
-// The contacts of an island as whole bodies feel them: a small symmetric system, 6 unknowns a rigid body and 12 a soft one (its affine motions).
-// It stands in front of the large one (implicit_block.h): without it a stack would learn of its floor one contact and one product at a time.
+// The contacts of an island as whole bodies feel them: a small symmetric system, 6 unknowns a rigid body and 12 a soft one (its affine
+// motions). It stands in front of the large one (implicit_block.h): without it a stack would learn of its floor one contact and one product
+// at a time.
 
 #include "world/linear/block_cholesky.h"
 
@@ -17,8 +18,8 @@ public:
 	/// Two bodies that feel each other, the later one first.
 	using Pair = std::pair<int, int>;
 
-	/// Unknowns of each body, a multiple of 6, and which of them feel each other, in any order and as often as it happens. The order in which it is solved
-	/// is found here, once for as many sums as follow, and not again while both are what they were.
+	/// Unknowns of each body, a multiple of 6, and which of them feel each other, in any order and as often as it happens. The order in
+	/// which it is solved is found here, once for as many sums as follow, and not again while both are what they were.
 	void layOut( const std::vector<int>& sizes, std::vector<Pair>& pairs );
 	/// Everything zero.
 	void clear();
@@ -50,7 +51,7 @@ private:
 
 	std::vector<int> m_sizes, m_offset;
 	std::vector<Pair> m_pairs; ///< with m_sizes: what it was laid out for
-	std::vector<int> m_start; ///< of each body's column among the places, and their end
+	std::vector<int> m_start;  ///< of each body's column among the places, and their end
 	std::vector<Place> m_places;
 	std::vector<double> m_values;
 	std::vector<Part> m_parts;

@@ -1,5 +1,6 @@
-// The part of an implicit block's preconditioner that stands near the contacts: the nodes that contacts press on, up to eight, with all that acts among them,
-// as one dense piece. By themselves, 3 x 3 each, two nodes pressed together are taken for far harder to move than they are.
+// The part of an implicit block's preconditioner that stands near the contacts: the nodes that contacts press on, up to eight, with all
+// that acts among them, as one dense piece. By themselves, 3 x 3 each, two nodes pressed together are taken for far harder to move than
+// they are.
 
 #include "world/implicit/implicit_block.h"
 
@@ -42,27 +43,19 @@ void bySize( int count, Work&& work )
 {
 	switch ( count )
 	{
-	case 1:
-		return work( std::integral_constant<int, 1>() );
-	case 2:
-		return work( std::integral_constant<int, 2>() );
-	case 3:
-		return work( std::integral_constant<int, 3>() );
-	case 4:
-		return work( std::integral_constant<int, 4>() );
-	case 5:
-		return work( std::integral_constant<int, 5>() );
-	case 6:
-		return work( std::integral_constant<int, 6>() );
-	case 7:
-		return work( std::integral_constant<int, 7>() );
-	default:
-		return work( std::integral_constant<int, 8>() );
+		case 1: return work( std::integral_constant<int, 1>() );
+		case 2: return work( std::integral_constant<int, 2>() );
+		case 3: return work( std::integral_constant<int, 3>() );
+		case 4: return work( std::integral_constant<int, 4>() );
+		case 5: return work( std::integral_constant<int, 5>() );
+		case 6: return work( std::integral_constant<int, 6>() );
+		case 7: return work( std::integral_constant<int, 7>() );
+		default: return work( std::integral_constant<int, 8>() );
 	}
 }
 
-/// a = -a^-1 of a positive definite matrix, by sweeps (Beaton 1964): of each pivot p, a -= a_p a_p^T / a_pp, row and column p become a_p / a_pp.
-/// Eigen's Cholesky, solved for the unit matrix, takes three times as long.
+/// a = -a^-1 of a positive definite matrix, by sweeps (Beaton 1964): of each pivot p, a -= a_p a_p^T / a_pp, row and column p become a_p /
+/// a_pp. Eigen's Cholesky, solved for the unit matrix, takes three times as long.
 template <class Matrix>
 void sweep( Matrix& a )
 {

@@ -1,8 +1,9 @@
-// What stands in front of an implicit block's system: nodes with their contacts (implicit_clusters.cpp), and, added to them, the contacts as whole bodies feel
-// them, each rigid body with its 6 and each soft one, or each of the parts it is in, with its 12 affine motions (coarse_system.h).
+// What stands in front of an implicit block's system: nodes with their contacts (implicit_clusters.cpp), and, added to them, the contacts
+// as whole bodies feel them, each rigid body with its 6 and each soft one, or each of the parts it is in, with its 12 affine motions
+// (coarse_system.h).
 
-#include "world/implicit/implicit_block.h"
 #include "world/bodies/soft_body_impl.h"
+#include "world/implicit/implicit_block.h"
 
 #include <algorithm>
 
@@ -17,7 +18,8 @@ Eigen::Matrix3d hat( const Vec3d& a )
 	return m;
 }
 
-/// How a whole body feels a contact: a node's u = V + L p by its arm, ( 1, p ) times the identity, a rigid body's point u = V + W x arm by `turns`.
+/// How a whole body feels a contact: a node's u = V + L p by its arm, ( 1, p ) times the identity, a rigid body's point u = V + W x arm by
+/// `turns`.
 struct Feels
 {
 	int body = -1;
@@ -29,7 +31,8 @@ struct Feels
 template <int rows, int cols>
 using Fixed = Eigen::Map<Eigen::Matrix<double, rows, cols>>;
 
-/// piece += sign Ga^T R Gb, of rows of a and columns of b. Of a soft body's own piece what lies above the diagonal's 6 x 6 parts is left out: nobody asks for it.
+/// piece += sign Ga^T R Gb, of rows of a and columns of b. Of a soft body's own piece what lies above the diagonal's 6 x 6 parts is left
+/// out: nobody asks for it.
 void addCoarse( const Feels& a, const Feels& b, const Eigen::Matrix3d& resists, double sign, double* piece )
 {
 	if ( a.isSoft ) // then b, which comes no later, is soft too
@@ -76,7 +79,8 @@ void addCoarse( const Feels& a, const Feels& b, const Eigen::Matrix3d& resists, 
 Eigen::Matrix3d ImplicitBlock::resistance( const BlockContact& contact ) const
 {
 	const Eigen::Matrix3d press = contact.normal * contact.normal.transpose();
-	const Eigen::Matrix3d rub = contact.directed < 0 ? Eigen::Matrix3d( Eigen::Matrix3d::Identity() - press ) : directions[std::size_t( contact.directed )];
+	const Eigen::Matrix3d rub = contact.directed < 0 ? Eigen::Matrix3d( Eigen::Matrix3d::Identity() - press )
+													 : directions[std::size_t( contact.directed )];
 	return contact.stiffness * press + contact.tangentStiffness * rub;
 }
 
@@ -244,7 +248,8 @@ void ImplicitBlock::precondition( const float* r, float* z )
 	preconditionClusters( r, z );
 	for ( const RigidPart& part : rigid )
 	{
-		m_coarseSums.segment<6>( m_coarse.offset( part.coarse ) ) = Eigen::Map<const Eigen::Matrix<float, 6, 1>>( r + part.offset ).cast<double>();
+		m_coarseSums.segment<6>(
+			m_coarse.offset( part.coarse ) ) = Eigen::Map<const Eigen::Matrix<float, 6, 1>>( r + part.offset ).cast<double>();
 	}
 	m_coarse.solve( m_coarseSums, m_coarseMotion );
 	for ( const Connected& own : m_connected )

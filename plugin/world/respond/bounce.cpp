@@ -1,11 +1,12 @@
-// Leapfrog's energy changes by a contact's impulse P by P . ( u' + u ) / 2 exactly, u' the speed after it and u the one before the substep's
-// matching and forces: with u' = - e u by P . u ( 1 - e ) / 2, a loss. Bullet bounces off the speed after them, so that what presses a node on was given
-// back as if it had come with it; and ends before its solution is one, which for several contacts of one body at e near 1 may bring in as much again.
+// Leapfrog's energy changes by a contact's impulse P by P . ( u' + u ) / 2 exactly, u' the speed after it and u the one before the
+// substep's matching and forces: with u' = - e u by P . u ( 1 - e ) / 2, a loss. Bullet bounces off the speed after them, so that what
+// presses a node on was given back as if it had come with it; and ends before its solution is one, which for several contacts of one body
+// at e near 1 may bring in as much again.
 
 #include "world/respond/bounce.h"
 
-#include "world/constants.h"
 #include "world/bodies/soft_body_impl.h"
+#include "world/constants.h"
 
 #include <BulletCollision/BroadphaseCollision/btDispatcher.h>
 #include <BulletCollision/NarrowPhaseCollision/btPersistentManifold.h>
@@ -50,7 +51,8 @@ Vec3d addedTo( const btCollisionObject& object )
 	const auto& node = static_cast<const NodeBody&>( object );
 	const Body& body = *node.owner->impl().body;
 	const bool hasMoved = !node.wasAsleep && node.node >= 0 && node.mass > 0;
-	return hasMoved ? Vec3d( ( body.nodes().v.get( node.node ) - body.speedBefore().get( node.node ) ).cast<double>() ) : Vec3d( Vec3d::Zero() );
+	return hasMoved ? Vec3d( ( body.nodes().v.get( node.node ) - body.speedBefore().get( node.node ) ).cast<double>() )
+					: Vec3d( Vec3d::Zero() );
 }
 
 bool isInBlock( const btCollisionObject& object )
@@ -61,8 +63,9 @@ bool isInBlock( const btCollisionObject& object )
 
 Vec3d impulseOf( const btManifoldPoint& point )
 {
-	return double( point.m_appliedImpulse ) * toVec3d( point.m_normalWorldOnB ) + double( point.m_appliedImpulseLateral1 ) * toVec3d( point.m_lateralFrictionDir1 ) +
-		   double( point.m_appliedImpulseLateral2 ) * toVec3d( point.m_lateralFrictionDir2 );
+	return double( point.m_appliedImpulse ) * toVec3d( point.m_normalWorldOnB ) +
+		double( point.m_appliedImpulseLateral1 ) * toVec3d( point.m_lateralFrictionDir1 ) +
+		double( point.m_appliedImpulseLateral2 ) * toVec3d( point.m_lateralFrictionDir2 );
 }
 
 } // namespace

@@ -1,6 +1,7 @@
 #pragma once
 
-// Restitution that brings no energy in: what nodes bounce off, and a last look at what all contacts of an island did together. docs/design/contacts.md.
+// Restitution that brings no energy in: what nodes bounce off, and a last look at what all contacts of an island did together.
+// docs/design/contacts.md.
 
 #include "lattice/lattice.h"
 
@@ -30,9 +31,9 @@ private:
 	{
 		btPersistentManifold* manifold;
 		int point;
-		int island;                ///< Bullet's tag
-		bool bounces;              ///< off something that it meets fast enough
-		Vec3d before;              ///< speed of the first body against the second, m/s
+		int island;   ///< Bullet's tag
+		bool bounces; ///< off something that it meets fast enough
+		Vec3d before; ///< speed of the first body against the second, m/s
 	};
 	using Range = std::pair<std::size_t, std::size_t>;
 

@@ -1,8 +1,8 @@
 #include "world/respond/moved_contacts.h"
 
 #include "world/bodies/ahead.h"
-#include "world/constants.h"
 #include "world/bodies/soft_body_impl.h"
+#include "world/constants.h"
 
 #include <BulletDynamics/ConstraintSolver/btContactSolverInfo.h>
 

@@ -2,9 +2,9 @@
 
 #include "body/levels/levels.h"
 #include "threads/parallel.h"
-#include "world/constants.h"
 #include "world/bodies/obstacle_parts.h"
 #include "world/bodies/soft_body_impl.h"
+#include "world/constants.h"
 #include "world/step/soft_body_system.h"
 #include "world/touch/terrain_side.h"
 
@@ -131,8 +131,7 @@ void NodeGuard::turnAway( const std::vector<const btCollisionObject*>& walls )
 		for ( std::size_t first = 0, end = 0; first < m_barriers.size(); first = end )
 		{
 			for ( end = first; end < m_barriers.size() && m_barriers[end].node == m_barriers[first].node; ++end )
-			{
-			}
+			{}
 			lead( first, end, round == kGuardRounds - 1 );
 		}
 		// What was turned may now lead somewhere else.
@@ -143,8 +142,8 @@ void NodeGuard::turnAway( const std::vector<const btCollisionObject*>& walls )
 	m_held.erase( std::unique( m_held.begin(), m_held.end() ), m_held.end() );
 }
 
-// Gauss-Seidel over the barriers of one node: each takes the part of the way that leads through it. Where they leave no way, the node stays where
-// it is, or goes along with the wall.
+// Gauss-Seidel over the barriers of one node: each takes the part of the way that leads through it. Where they leave no way, the node stays
+// where it is, or goes along with the wall.
 void NodeGuard::lead( std::size_t first, std::size_t end, bool isLast )
 {
 	Vec3d& way = m_way[std::size_t( m_barriers[first].node )];
@@ -236,7 +235,8 @@ void NodeGuard::look( const Obstacle& part, const ObstacleMotion& motion )
 	if ( type == STATIC_PLANE_PROXYTYPE ) // whose box is everywhere
 	{
 		const FarPlane far( part );
-		lookAt( motion, [&far]( const Vec3d& centre, const Vec3d& way, double radius ) { return far.isClear( centre, way, radius ); }, find );
+		lookAt(
+			motion, [&far]( const Vec3d& centre, const Vec3d& way, double radius ) { return far.isClear( centre, way, radius ); }, find );
 		return;
 	}
 	btVector3 low, high;
@@ -272,7 +272,8 @@ void NodeGuard::lookAtMesh( const Obstacle& mesh, const ObstacleMotion& motion )
 			{
 				placed[k] = mesh->basis * toVec3d( corners[k] ) + mesh->position;
 			}
-			const FarBox box{ placed[0].cwiseMin( placed[1] ).cwiseMin( placed[2] ), placed[0].cwiseMax( placed[1] ).cwiseMax( placed[2] ) };
+			const FarBox box{
+				placed[0].cwiseMin( placed[1] ).cwiseMin( placed[2] ), placed[0].cwiseMax( placed[1] ).cwiseMax( placed[2] ) };
 			const TerrainSide ground( *mesh, placed, *guard->m_body->impl().shape, guard->m_body->impl().shapeShift.cast<double>() );
 			guard->lookAt( *motion, box, [&placed, &ground]( const MovingSphere& sphere, Touch& touch ) {
 				return findTouch( placed, sphere, touch ) && ground.allows( sphere.centre, touch ); // what is in the ground may come out
@@ -318,7 +319,7 @@ private:
 		// A pair that has no algorithm has been refused by the game's callback.
 		const btBroadphasePair* const pair = pairs->findPair( own, other );
 		return ( pair ? pair->m_algorithm != nullptr : pairs->needsBroadphaseCollision( own, other ) ) &&
-			   m_world.getDispatcher()->needsCollision( &m_body, &object );
+			m_world.getDispatcher()->needsCollision( &m_body, &object );
 	}
 
 	btDiscreteDynamicsWorld& m_world;
@@ -330,7 +331,9 @@ float largest( const NodeState& nodes, TaskRunner* runner )
 {
 	OfShares<float> most{};
 	runShares( runner, Shares{ nodes.padded }, [&]( int share, int begin, int end ) {
-		const auto of = [&]( const AlignedArray<float>& v ) { return Eigen::Map<const Eigen::ArrayXf>( v.data() + begin, end - begin ).abs().maxCoeff(); };
+		const auto of = [&]( const AlignedArray<float>& v ) {
+			return Eigen::Map<const Eigen::ArrayXf>( v.data() + begin, end - begin ).abs().maxCoeff();
+		};
 		most[std::size_t( share )] = std::max( of( nodes.v.x ), std::max( of( nodes.v.y ), of( nodes.v.z ) ) );
 	} );
 	return *std::max_element( most.begin(), most.end() );

@@ -1,8 +1,8 @@
 #pragma once
 
-// The last word on fast nodes, between the solver and the step: whatever the solvers made of a node's speed, it does not carry the node's centre
-// through a thing that stands (docs/design/contacts.md). Contacts are found where nodes were going before the solver turned them elsewhere,
-// and solvers end before they are exact; at a hundred metres a second either leads through a wall.
+// The last word on fast nodes, between the solver and the step: whatever the solvers made of a node's speed, it does not carry the node's
+// centre through a thing that stands (docs/design/contacts.md). Contacts are found where nodes were going before the solver turned them
+// elsewhere, and solvers end before they are exact; at a hundred metres a second either leads through a wall.
 
 #include "world/touch/node_touch.h"
 #include "world/touch/obstacle_motion.h"
@@ -21,9 +21,11 @@ class SoftBody;
 class NodeGuard
 {
 public:
-	/// Takes from the speeds of the body's nodes what would lead them through one of `walls` in a step of `h` s; returns how many it took from.
+	/// Takes from the speeds of the body's nodes what would lead them through one of `walls` in a step of `h` s; returns how many it took
+	/// from.
 	int hold( SoftBody& body, const std::vector<const btCollisionObject*>& walls, double h );
-	/// The same for the places of nodes that a change of levels has brought, by that of their heirs before; true when there were some to be moved.
+	/// The same for the places of nodes that a change of levels has brought, by that of their heirs before; true when there were some to be
+	/// moved.
 	bool place( SoftBody& body, const std::vector<const btCollisionObject*>& walls, const std::vector<Vec3>& placeBefore );
 	/// The same for all nodes, by their own places before; what has not moved is not looked at.
 	bool keep( SoftBody& body, const std::vector<const btCollisionObject*>& walls, const std::vector<Vec3>& from );

@@ -1,8 +1,8 @@
 #include "world/respond/parting.h"
 
+#include "world/bodies/soft_body_impl.h"
 #include "world/constants.h"
 #include "world/search/node_search.h"
-#include "world/bodies/soft_body_impl.h"
 
 #include <BulletCollision/CollisionShapes/btCompoundShape.h>
 #include <BulletCollision/CollisionShapes/btConvexShape.h>
@@ -35,7 +35,8 @@ double reachOf( const btCollisionShape& shape, const btTransform& at, const Vec3
 	{
 		const auto& plane = static_cast<const btStaticPlaneShape&>( shape );
 		const Vec3d normal = toVec3d( at.getBasis() * plane.getPlaneNormal() );
-		return normal.dot( direction ) > 1.0 - kParallel ? double( plane.getPlaneConstant() ) + normal.dot( toVec3d( at.getOrigin() ) ) : kNever;
+		return normal.dot( direction ) > 1.0 - kParallel ? double( plane.getPlaneConstant() ) + normal.dot( toVec3d( at.getOrigin() ) )
+														 : kNever;
 	}
 	if ( !shape.isConvex() )
 	{
@@ -60,7 +61,8 @@ double reachOf( const SoftBody& soft, const Vec3d& direction )
 /// How far the first has to go in a direction to be clear of the other.
 double wayOut( const SoftBody& soft, const btCollisionObject& other, const SoftBody* otherSoft, const Vec3d& direction )
 {
-	const double end = otherSoft ? reachOf( *otherSoft, direction ) : reachOf( *other.getCollisionShape(), other.getWorldTransform(), direction );
+	const double end = otherSoft ? reachOf( *otherSoft, direction )
+								 : reachOf( *other.getCollisionShape(), other.getWorldTransform(), direction );
 	return end + reachOf( soft, -direction );
 }
 
@@ -128,10 +130,13 @@ void Parting::follow(
 	if ( !m_isParting && isPlaced )
 	{
 		const btRigidBody* const rigid = btRigidBody::upcast( &other );
-		const double way = step * ( fastestNode( soft ) + ( otherSoft ? fastestNode( *otherSoft ) : rigid ? double( rigid->getLinearVelocity().length() ) : 0.0 ) );
-		m_isParting = std::any_of( hits.begin(), hits.end(), [&]( const NodeHit& hit ) {
-			return radiusOf( hit ) - hit.touch.distance > kPartedDepth * radiusOf( hit ) + way;
-		} );
+		const double way = step *
+			( fastestNode( soft ) +
+				( otherSoft     ? fastestNode( *otherSoft )
+						: rigid ? double( rigid->getLinearVelocity().length() )
+								: 0.0 ) );
+		m_isParting = std::any_of( hits.begin(), hits.end(),
+			[&]( const NodeHit& hit ) { return radiusOf( hit ) - hit.touch.distance > kPartedDepth * radiusOf( hit ) + way; } );
 		m_direction = m_isParting ? shortestWay( soft, other, otherSoft ) : m_direction;
 		m_isParting = m_isParting && !m_direction.isZero();
 	}
@@ -139,7 +144,8 @@ void Parting::follow(
 	{
 		return;
 	}
-	m_isParting = !hits.empty() && wayOut( soft, other, otherSoft, m_direction ) > double( kContactSlop ) * double( soft.impl().shape->smallestRadius() );
+	m_isParting = !hits.empty() &&
+		wayOut( soft, other, otherSoft, m_direction ) > double( kContactSlop ) * double( soft.impl().shape->smallestRadius() );
 	for ( const SoftBody* const each : { &soft, otherSoft } )
 	{
 		if ( each && m_isParting )

@@ -1,8 +1,8 @@
 #include "world/respond/rubbing_spin.h"
 
 #include "world/bodies/ahead.h"
-#include "world/constants.h"
 #include "world/bodies/soft_body_impl.h"
+#include "world/constants.h"
 #include "world/shape/turner.h"
 
 #include <BulletCollision/BroadphaseCollision/btDispatcher.h>
@@ -17,7 +17,7 @@ namespace {
 Vec3d impulseOf( const btManifoldPoint& point )
 {
 	return toVec3d( point.m_normalWorldOnB * point.m_appliedImpulse + point.m_lateralFrictionDir1 * point.m_appliedImpulseLateral1 +
-					point.m_lateralFrictionDir2 * point.m_appliedImpulseLateral2 );
+		point.m_lateralFrictionDir2 * point.m_appliedImpulseLateral2 );
 }
 
 double radiusOf( const btCollisionObject* node )
@@ -51,9 +51,9 @@ void RubbingSpin::choose( btUnionFind& islands )
 	std::sort( m_rubbing.begin(), m_rubbing.end() );
 }
 
-// Friction slows down  u = v0 + w0 x r0 - v1 - w1 x r1,  r from a node's middle to the touch and w its body's speed of turning: then J.u takes what T.w, given later,
-// brings. Where it held the middles alone bodies of a dozen big nodes were turned on by it. The stand-ins have no inertia to turn about: Bullet's solvers see w
-// and leave it. What else such a node meets is held at its middle, as ever.
+// Friction slows down  u = v0 + w0 x r0 - v1 - w1 x r1,  r from a node's middle to the touch and w its body's speed of turning: then J.u
+// takes what T.w, given later, brings. Where it held the middles alone bodies of a dozen big nodes were turned on by it. The stand-ins have
+// no inertia to turn about: Bullet's solvers see w and leave it. What else such a node meets is held at its middle, as ever.
 void RubbingSpin::aim( btDispatcher& dispatcher )
 {
 	if ( m_rubbing.empty() )
@@ -90,7 +90,8 @@ void RubbingSpin::aim( btDispatcher& dispatcher )
 			for ( int k = 0; k < manifold.getNumContacts(); ++k )
 			{
 				btManifoldPoint& point = manifold.getContactPoint( k );
-				place( side == 0 ? point.m_positionWorldOnA : point.m_positionWorldOnB, rubs ? touch : node->getWorldTransform().getOrigin() );
+				place(
+					side == 0 ? point.m_positionWorldOnA : point.m_positionWorldOnB, rubs ? touch : node->getWorldTransform().getOrigin() );
 			}
 		}
 	} );
@@ -104,8 +105,9 @@ void RubbingSpin::place( btVector3& point, const btVector3& at )
 
 // The spheres touch at  p = ( r1 x0 + r0 x1 ) / ( r0 + r1 ),  so that with d = x0 - x1
 //   T0 = ( p - x0 ) x J = - r0 / ( r0 + r1 ) d x J,   T1 = - ( p - x1 ) x J = - r1 / ( r0 + r1 ) d x J
-// Only in islands that touch nothing that stands: others have no spin to keep, as they hand it on to the ground. And what is lost there is what
-// lets stacks of soft bodies fall asleep: given to them, a stack of four cubes sways for ever, for the solver pushes what is pressed together apart.
+// Only in islands that touch nothing that stands: others have no spin to keep, as they hand it on to the ground. And what is lost there is
+// what lets stacks of soft bodies fall asleep: given to them, a stack of four cubes sways for ever, for the solver pushes what is pressed
+// together apart.
 void RubbingSpin::sum( btDispatcher& dispatcher )
 {
 	if ( m_rubbing.empty() )
@@ -125,7 +127,7 @@ void RubbingSpin::sum( btDispatcher& dispatcher )
 	forEachManifold( dispatcher, askForEnd, [this]( const btPersistentManifold& manifold ) {
 		SoftBody *const first = ownerOfNodeBody( manifold.getBody0() ), *const second = ownerOfNodeBody( manifold.getBody1() );
 		if ( !first || !second || first == second || !std::binary_search( m_rubbing.begin(), m_rubbing.end(), first->getIslandTag() ) ||
-			 isHidden( manifold ) || !areSolved( *first, *second ) )
+			isHidden( manifold ) || !areSolved( *first, *second ) )
 		{
 			return;
 		}

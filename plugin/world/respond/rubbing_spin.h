@@ -1,10 +1,10 @@
 #pragma once
 
-// Angular momentum of soft bodies that rub on each other. Bullet's solver moves two nodes at their middles, which are apart, by equal and opposite
-// impulses J: of those across the line between them
+// Angular momentum of soft bodies that rub on each other. Bullet's solver moves two nodes at their middles, which are apart, by equal and
+// opposite impulses J: of those across the line between them
 //   ( x0 - x1 ) x J
-// appears from nowhere. It is taken from the two bodies as wholes, as if J acted where the spheres touch, and friction sees how they turn there.
-// docs/design/contacts.md.
+// appears from nowhere. It is taken from the two bodies as wholes, as if J acted where the spheres touch, and friction sees how they turn
+// there. docs/design/contacts.md.
 
 #include "lattice/lattice.h"
 
@@ -44,8 +44,8 @@ public:
 	}
 	/// Each index has its island: those in which soft bodies rub and nothing stands are left.
 	void choose( btUnionFind& islands );
-	/// Before the solver, and when contacts of implicit blocks are hidden: those keep spin by themselves. Nodes of bodies that rub turn as their bodies
-	/// do, and touch where their spheres do, so that friction sees how fast they slip there.
+	/// Before the solver, and when contacts of implicit blocks are hidden: those keep spin by themselves. Nodes of bodies that rub turn as
+	/// their bodies do, and touch where their spheres do, so that friction sees how fast they slip there.
 	void aim( btDispatcher& dispatcher );
 	/// What is to be given, after the solver.
 	void sum( btDispatcher& dispatcher );

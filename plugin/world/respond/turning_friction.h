@@ -1,8 +1,8 @@
 #pragma once
 
-// Rolling and spinning friction of soft bodies' contacts. A node cannot turn, so Bullet's rows for it would turn the other body alone and find no
-// limit between two that cannot; they are taken out, and after the solver the bodies as wholes are braked, with what their contacts pressed
-// with as the limit, and with equal and opposite torques. docs/design/contacts.md.
+// Rolling and spinning friction of soft bodies' contacts. A node cannot turn, so Bullet's rows for it would turn the other body alone and
+// find no limit between two that cannot; they are taken out, and after the solver the bodies as wholes are braked, with what their contacts
+// pressed with as the limit, and with equal and opposite torques. docs/design/contacts.md.
 
 #include "lattice/lattice.h"
 
@@ -36,8 +36,8 @@ private:
 	{
 		btCollisionObject* first;
 		btCollisionObject* second;
-		Vec3d pressing;         ///< sum of the impulses, N s, towards the first
-		double rolling = 0.0;   ///< what the contacts can turn against at most, N m s
+		Vec3d pressing;       ///< sum of the impulses, N s, towards the first
+		double rolling = 0.0; ///< what the contacts can turn against at most, N m s
 		double spinning = 0.0;
 	};
 

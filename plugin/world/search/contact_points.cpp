@@ -1,9 +1,9 @@
 #include "world/search/contact_points.h"
 
 #include "world/bodies/ahead.h"
-#include "world/shape/node_body.h"
-#include "world/search/node_search.h"
 #include "world/bodies/soft_body_impl.h"
+#include "world/search/node_search.h"
+#include "world/shape/node_body.h"
 #include "world/touch/touched_part.h"
 
 #include <BulletCollision/CollisionDispatch/btCollisionObjectWrapper.h>
@@ -71,7 +71,8 @@ void renewPoint( btPersistentManifold& manifold, const NodeBody& node, const Nod
 	btManifoldPoint& point = manifold.getContactPoint( at );
 	// It bounces once a touch: a node that is pressed on, and struck in each substep, would bring in more than it takes.
 	const bool hasBounced = point.m_appliedImpulse > 0;
-	if ( ( manifold.getBody0()->getCollisionFlags() | manifold.getBody1()->getCollisionFlags() ) & btCollisionObject::CF_HAS_FRICTION_ANCHOR )
+	if ( ( manifold.getBody0()->getCollisionFlags() | manifold.getBody1()->getCollisionFlags() ) &
+		btCollisionObject::CF_HAS_FRICTION_ANCHOR )
 	{
 		btManifoldPoint anchored; // Bullet says whether it stays where it was
 		fillPoint( manifold, node, hit, nodeIsFirst, anchored );
@@ -110,7 +111,8 @@ int findPoint( const btPersistentManifold& manifold, const NodeHit& hit, int hit
 	for ( int k = 0; k < count; ++k )
 	{
 		const btManifoldPoint& point = manifold.getContactPoint( k );
-		if ( ( nodeIsFirst ? point.m_index1 : point.m_index0 ) == hit.index && ( nodeIsFirst ? point.m_partId1 : point.m_partId0 ) == hit.part )
+		if ( ( nodeIsFirst ? point.m_index1 : point.m_index0 ) == hit.index &&
+			( nodeIsFirst ? point.m_partId1 : point.m_partId0 ) == hit.part )
 		{
 			return k;
 		}

@@ -1,10 +1,10 @@
 #include "world/search/node_search.h"
 
 #include "body/levels/levels.h"
-#include "world/touch/box_touch.h"
-#include "world/constants.h"
 #include "world/bodies/obstacle_parts.h"
 #include "world/bodies/soft_body_impl.h"
+#include "world/constants.h"
+#include "world/touch/box_touch.h"
 #include "world/touch/terrain_side.h"
 
 #include <BulletCollision/CollisionDispatch/btCollisionObjectWrapper.h>
@@ -116,10 +116,10 @@ void NodeSearch::visit( const Obstacle& obstacle )
 }
 
 NodeSearch::Spheres::Spheres( const NodeSearch& search ) :
-	m_nodes( search.m_soft->impl().body->nodes() ), m_shape( *search.m_soft->impl().shape ), m_motion( search.m_motion ), m_step( search.m_step ),
-	m_isStill( search.m_motion.isStill() ), m_speedBefore( search.m_soft->impl().body->speedBefore() ), m_before( search.m_before )
-{
-}
+	m_nodes( search.m_soft->impl().body->nodes() ), m_shape( *search.m_soft->impl().shape ), m_motion( search.m_motion ),
+	m_step( search.m_step ), m_isStill( search.m_motion.isStill() ), m_speedBefore( search.m_soft->impl().body->speedBefore() ),
+	m_before( search.m_before )
+{}
 
 inline MovingSphere NodeSearch::Spheres::of( int node ) const
 {
@@ -174,7 +174,8 @@ void NodeSearch::plane( const Obstacle& obstacle )
 {
 	const NodeState& nodes = m_soft->impl().body->nodes();
 	const FarPlane far( obstacle );
-	const double radius = ( m_notesNear ? 2.0 * kCornerReach : 1.0 ) * double( m_soft->impl().shape->largestRadius() ) + overhang(); // foresee asks for the parents' corners
+	const double radius = ( m_notesNear ? 2.0 * kCornerReach : 1.0 ) * double( m_soft->impl().shape->largestRadius() ) +
+		overhang(); // foresee asks for the parents' corners
 	const auto nearest = [&obstacle]( const MovingSphere& sphere, Touch& found ) { return findNearest( obstacle, sphere, found ); };
 	const auto find = [&obstacle]( const MovingSphere& sphere, Touch& found ) { return findTouch( obstacle, sphere, found ); };
 	const bool isStill = m_motion.isStill();
@@ -215,8 +216,8 @@ void NodeSearch::noteNear( int node, btScalar size ) const
 }
 
 // A big node's ball leaves out its cube's corners, sqrt( 3 ) radii from the middle. Split only when the ball has touched, the cells at the
-// corners would come into the world inside the obstacle, and be shot out of it. So a node is split before, as soon as a corner may touch; and
-// what stands where its parent's corner would touch stays as it is.
+// corners would come into the world inside the obstacle, and be shot out of it. So a node is split before, as soon as a corner may touch;
+// and what stands where its parent's corner would touch stays as it is.
 template <class Find>
 void NodeSearch::foresee( int node, const Find& find ) const
 {
@@ -237,7 +238,8 @@ void NodeSearch::foresee( int node, const Find& find ) const
 	}
 }
 
-/// From the coarsest node's middle to its corner, along each axis: no other reaches further beyond its ball. Zero where nothing is foreseen.
+/// From the coarsest node's middle to its corner, along each axis: no other reaches further beyond its ball. Zero where nothing is
+/// foreseen.
 btVector3 NodeSearch::cornerReach() const
 {
 	if ( !m_notesNear )
@@ -274,7 +276,8 @@ void NodeSearch::touchMarked( const Obstacle& obstacle, btScalar size, const Fin
 		noteNear( node, size );
 		Touch touch;
 		const MovingSphere sphere = spheres.of( node );
-		if ( touches( node, sphere, nearest, find, touch ) && ( !looksAhead || touch.reach >= 0.0 || lookAhead( then, sphere, spheres.ahead( node ), touch ) ) )
+		if ( touches( node, sphere, nearest, find, touch ) &&
+			( !looksAhead || touch.reach >= 0.0 || lookAhead( then, sphere, spheres.ahead( node ), touch ) ) )
 		{
 			m_hits.push_back( NodeHit{ std::uint64_t( node ) << 32 | m_leaf, touch, obstacle.part, obstacle.index } );
 		}
@@ -293,7 +296,7 @@ void NodeSearch::solid( const Obstacle& obstacle )
 	box.stretchAlong( toBt( m_step * m_motion.linear ) );
 	box.widen( overhang() );
 	const btScalar turn = btScalar( m_step * m_motion.angular.norm() * ( obstacle.position - m_motion.centre ).norm() ) +
-						  btScalar( m_step * m_motion.angular.norm() ) * ( box.high - box.low ).length() / 2;
+		btScalar( m_step * m_motion.angular.norm() ) * ( box.high - box.low ).length() / 2;
 	box.move( btVector3( -turn, -turn, -turn ), btVector3( turn, turn, turn ) );
 	box.stretchAgainst( *impl.shape );
 	m_marks.fit( impl.body->nodeCount() );
@@ -305,9 +308,11 @@ void NodeSearch::solid( const Obstacle& obstacle )
 	}
 	else
 	{
-		touchMarked( obstacle, size, [&obstacle]( const MovingSphere& sphere, Touch& touch ) { return findTouch( obstacle, sphere, touch ); } );
+		touchMarked(
+			obstacle, size, [&obstacle]( const MovingSphere& sphere, Touch& touch ) { return findTouch( obstacle, sphere, touch ); } );
 	}
-	foreseeIn( box.low, box.high, [&obstacle]( const MovingSphere& sphere, Touch& found ) { return findTouch( obstacle, sphere, found ); } );
+	foreseeIn(
+		box.low, box.high, [&obstacle]( const MovingSphere& sphere, Touch& found ) { return findTouch( obstacle, sphere, found ); } );
 }
 
 void NodeSearch::mesh( const Obstacle& obstacle )
@@ -349,7 +354,8 @@ void NodeSearch::triangle( const Obstacle& mesh, const Vec3d ( &corners )[3] )
 {
 	const SoftBody::Impl& impl = m_soft->impl();
 	const Vec3d shift = impl.shapeShift.cast<double>();
-	Box box{ toBt( corners[0].cwiseMin( corners[1] ).cwiseMin( corners[2] ) - shift ), toBt( corners[0].cwiseMax( corners[1] ).cwiseMax( corners[2] ) - shift ) };
+	Box box{ toBt( corners[0].cwiseMin( corners[1] ).cwiseMin( corners[2] ) - shift ),
+		toBt( corners[0].cwiseMax( corners[1] ).cwiseMax( corners[2] ) - shift ) };
 	box.stretchAlong( toBt( m_step * m_motion.linear ) );
 	box.stretchAgainst( *impl.shape );
 	box.widen( overhang() );
@@ -361,7 +367,8 @@ void NodeSearch::triangle( const Obstacle& mesh, const Vec3d ( &corners )[3] )
 	impl.shape->rows().visitOverlaps( SphereRows::Box::of( box.low, box.high ), [&]( int node ) {
 		Touch touch;
 		const MovingSphere sphere = spheres.of( node );
-		if ( ground.holds( sphere.centre, touch ) || ( touches( node, sphere, nearest, find, touch ) && ground.allows( sphere.centre, touch ) ) )
+		if ( ground.holds( sphere.centre, touch ) ||
+			( touches( node, sphere, nearest, find, touch ) && ground.allows( sphere.centre, touch ) ) )
 		{
 			m_hits.push_back( NodeHit{ std::uint64_t( node ) << 32 | m_leaf, touch, mesh.part, mesh.index } );
 		}

@@ -93,7 +93,7 @@ private:
 	const SoftBody* m_soft = nullptr;
 	const ContactSurface* m_surface = nullptr; ///< null: it is met in its nodes' own spheres
 	double m_step = 0.0;
-	bool m_notesNear = false; ///< the body refines on contact
+	bool m_notesNear = false;  ///< the body refines on contact
 	bool m_looksAhead = false; ///< the body steps implicitly, and its speeds at the substep's start are known
 	ObstacleMotion m_motion;
 	ObstacleMotion m_before; ///< without the step's forces: what rests does not fall

@@ -2,8 +2,8 @@
 
 #include "world/search/node_search.h"
 
-#include "world/constants.h"
 #include "world/bodies/soft_body_impl.h"
+#include "world/constants.h"
 
 #include <BulletCollision/NarrowPhaseCollision/btPersistentManifold.h>
 
@@ -12,9 +12,10 @@
 
 namespace pliant {
 
-// A character takes its position by itself, whatever that presses with: pushed out of what carries it, nodes would give way, the character follow, and so on
-// down to the floor. They may stand in it as deep as it stands in them, and no force acts. Beside it nodes are pushed out as fast as rigid bodies are in
-// Bullet's world, which has one step where explicit bodies have several, and gives no velocity to what is deeper than that.
+// A character takes its position by itself, whatever that presses with: pushed out of what carries it, nodes would give way, the character
+// follow, and so on down to the floor. They may stand in it as deep as it stands in them, and no force acts. Beside it nodes are pushed out
+// as fast as rigid bodies are in Bullet's world, which has one step where explicit bodies have several, and gives no velocity to what is
+// deeper than that.
 void NodeSearch::meetCharacter()
 {
 	for ( NodeHit& hit : m_hits )
@@ -23,7 +24,8 @@ void NodeSearch::meetCharacter()
 		if ( hit.touch.normal.dot( m_characters.up ) < -kCarrySlope )
 		{
 			// Its sweeps end in the balls, and it may stand in the hollow between four of them.
-			hit.touch.distance += m_characters.allowance + ( hit.touch.reach < 0.0 ? 0.0 : kHollow * double( m_soft->impl().shape->sphereOfNode( hit.node() )->getRadius() ) );
+			hit.touch.distance += m_characters.allowance +
+				( hit.touch.reach < 0.0 ? 0.0 : kHollow * double( m_soft->impl().shape->sphereOfNode( hit.node() )->getRadius() ) );
 		}
 		else if ( depth > 0.0 )
 		{

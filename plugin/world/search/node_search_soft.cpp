@@ -1,9 +1,9 @@
 // Soft against soft: by the rows of both.
 
+#include "world/bodies/soft_body_impl.h"
 #include "world/constants.h"
 #include "world/search/node_search.h"
 #include "world/touch/round_surface.h"
-#include "world/bodies/soft_body_impl.h"
 
 #include <algorithm>
 
@@ -47,9 +47,9 @@ void shrinkSlack( const SoftBody::Impl& a, const SoftBody::Impl& b, double slack
 	}
 }
 
-/// Further apart than their spheres, with the room that a contact is made ahead in, and what they move against each other, `way`, m. Bodies sweep what
-/// their fastest nodes do: of the pairs that those might bring together most are so, and this is sooner said than where they would touch. `room`: how
-/// much further their spheres may reach than the nodes' own.
+/// Further apart than their spheres, with the room that a contact is made ahead in, and what they move against each other, `way`, m. Bodies
+/// sweep what their fastest nodes do: of the pairs that those might bring together most are so, and this is sooner said than where they
+/// would touch. `room`: how much further their spheres may reach than the nodes' own.
 bool staysApart( const SphereRows::Meeting& meeting, const Vec3& way, float room )
 {
 	const float farthest = meeting.reach + room + way.norm();
@@ -84,15 +84,15 @@ public:
 	PatchPairs( const SoftBody& a, const SoftBody& b ) :
 		m_nodesA( a.impl().body->nodes() ), m_nodesB( b.impl().body->nodes() ), m_a( a.impl() ), m_b( b.impl() ),
 		m_cell( std::max( double( a.bodyTemplate().cellSize() ), double( b.bodyTemplate().cellSize() ) ) )
-	{
-	}
+	{}
 	/// How much further apart than their own spheres touch two nodes may be whose patches do, m.
 	btScalar room() const { return btScalar( kPatchPairMargin * m_cell + m_a.surfaceNow().overhang() + m_b.surfaceNow().overhang() ); }
 
 	PatchAnswer find( const MovingSphere& sphere, int nodeA, const Ball& ball, Touch& touch ) const
 	{
 		ContactSurface::Patch one, other;
-		const bool hasOne = m_a.surfaceNow().patchOf( m_nodesA, nodeA, one ), hasOther = m_b.surfaceNow().patchOf( m_nodesB, ball.node, other );
+		const bool hasOne = m_a.surfaceNow().patchOf( m_nodesA, nodeA, one ),
+				   hasOther = m_b.surfaceNow().patchOf( m_nodesB, ball.node, other );
 		if ( hasOne && hasOther )
 		{
 			return findBoth( one, other, sphere, ball, touch );
@@ -121,10 +121,12 @@ public:
 
 private:
 	/// Of a patch with a ball around `at`.
-	static PatchAnswer findOn( const SoftBody::Impl& body, const ContactSurface::Patch& patch, const MovingSphere& own, const Vec3d& at, double radius, Touch& touch )
+	static PatchAnswer findOn( const SoftBody::Impl& body, const ContactSurface::Patch& patch, const MovingSphere& own, const Vec3d& at,
+		double radius, Touch& touch )
 	{
 		return findPatchTouch(
-			patch, body.surfaceNow().cellSize(), own, [&]( const MovingSphere& now, Touch& found ) { return findNearest( radius, at, now, found ); },
+			patch, body.surfaceNow().cellSize(), own,
+			[&]( const MovingSphere& now, Touch& found ) { return findNearest( radius, at, now, found ); },
 			[&]( const MovingSphere& now, Touch& found ) { return findBallTouch( radius, at, now, found ); }, touch );
 	}
 	/// A touch of the second body's as one of the first's, at the point half-way between the two surfaces.
@@ -139,14 +141,19 @@ private:
 		back.aside = at + back.reach * back.normal;
 		return back;
 	}
-	/// Two patches. Of a node and all that it faces those answer that are in front of it: no point of a grid is further than .71 of its step from all of its points. Flat
-	/// faces meet along the mean of their normals, each node on its own line: as the large spheres that they are they would roll on one another.
-	PatchAnswer findBoth( const ContactSurface::Patch& one, const ContactSurface::Patch& other, const MovingSphere& sphere, const Ball& ball, Touch& touch ) const
+	/// Two patches. Of a node and all that it faces those answer that are in front of it: no point of a grid is further than .71 of its
+	/// step from all of its points. Flat faces meet along the mean of their normals, each node on its own line: as the large spheres that
+	/// they are they would roll on one another.
+	PatchAnswer findBoth( const ContactSurface::Patch& one, const ContactSurface::Patch& other, const MovingSphere& sphere,
+		const Ball& ball, Touch& touch ) const
 	{
 		const bool isFlat = one.isFlat( m_cell ), isOtherFlat = other.isFlat( m_cell );
 		const double inwards = isFlat ? 0.0 : one.radius - one.height, otherInwards = isOtherFlat ? 0.0 : other.radius - other.height;
 		const Vec3d centre = sphere.centre - inwards * one.normal, otherCentre = ball.at - otherInwards * other.normal;
-		const Vec3d apart = isFlat && isOtherFlat ? Vec3d( other.normal - one.normal ) : isFlat ? Vec3d( -one.normal ) : isOtherFlat ? other.normal : Vec3d( centre - otherCentre );
+		const Vec3d apart = isFlat && isOtherFlat ? Vec3d( other.normal - one.normal )
+			: isFlat                              ? Vec3d( -one.normal )
+			: isOtherFlat                         ? other.normal
+												  : Vec3d( centre - otherCentre );
 		const double length = apart.norm();
 		if ( !( length > 0.0 ) )
 		{
@@ -158,7 +165,8 @@ private:
 		{
 			return PatchAnswer::UseSphere;
 		}
-		const Vec3d at = -inwards * one.normal - ( inwards + one.height ) * touch.normal, otherAt = -otherInwards * other.normal + ( otherInwards + other.height ) * touch.normal;
+		const Vec3d at = -inwards * one.normal - ( inwards + one.height ) * touch.normal,
+					otherAt = -otherInwards * other.normal + ( otherInwards + other.height ) * touch.normal;
 		const Vec3d between = ( sphere.centre + at ) - ( ball.at + otherAt );
 		const double gap = between.dot( touch.normal );
 		const Vec3d aside = at - at.dot( touch.normal ) * touch.normal;
@@ -218,7 +226,9 @@ std::vector<NodeHit>& NodeSearch::againstSoft( const SoftBody& a, const SoftBody
 	double deepest = 0.0;
 	const Vec3d fromAToB = nodesA.origin - nodesB.origin; // adds to a position of A's to make it one of B's
 	const btVector3 shapesApart = toBt( fromAToB + ( implA.shapeShift - implB.shapeShift ).cast<double>() );
-	const btScalar room = hasPatches ? patches.room() : isRound ? kRoundRoom * ( shapeA.largestRadius() + shapeB.largestRadius() ) : btScalar( 0 );
+	const btScalar room = hasPatches ? patches.room()
+		: isRound                    ? kRoundRoom * ( shapeA.largestRadius() + shapeB.largestRadius() )
+									 : btScalar( 0 );
 	const btVector3 around( room, room, room );
 	const float farther = float( around.length() ); // as findPairs takes it: cells that are stretched have more room
 	const btVector3 low = shapeA.sweepLow() - shapeB.sweepHigh() - around, high = shapeA.sweepHigh() - shapeB.sweepLow() + around;

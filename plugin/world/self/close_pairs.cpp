@@ -8,8 +8,8 @@ namespace pliant {
 
 namespace {
 
-/// Spheres up to this much larger than the smallest of a grid go into it: those of cells that are not full with those that are, and two levels of an
-/// octree at most.
+/// Spheres up to this much larger than the smallest of a grid go into it: those of cells that are not full with those that are, and two
+/// levels of an octree at most.
 constexpr float kOneSize = 2.6f;
 
 /// No more cells than this many a sphere: a body that is long and thin, or has flown apart, gets larger ones.
@@ -80,7 +80,8 @@ void ClosePairs::begin( std::size_t count, float slop, float margin, const Held*
 	m_near.resize( count + kWide );
 }
 
-void ClosePairs::findOf( const std::vector<Sphere>& spheres, const std::vector<std::uint8_t>& isOf, float slop, float margin, const Held* held, std::vector<std::uint64_t>& pairs )
+void ClosePairs::findOf( const std::vector<Sphere>& spheres, const std::vector<std::uint8_t>& isOf, float slop, float margin,
+	const Held* held, std::vector<std::uint64_t>& pairs )
 {
 	begin( spheres.size(), slop, margin, held );
 	m_grid.clear();
@@ -102,7 +103,9 @@ void ClosePairs::findOf( const std::vector<Sphere>& spheres, const std::vector<s
 		{
 			const std::uint32_t other = m_near[k];
 			m_near[kept] = other;
-			kept += other != sphere.number && ( isOf[other] == 0 || other > sphere.number ) ? 1 : 0; // of two that ask, the lower one has found it
+			kept += other != sphere.number && ( isOf[other] == 0 || other > sphere.number )
+				? 1
+				: 0; // of two that ask, the lower one has found it
 		}
 		m_nearCount = kept;
 		keepFree( sphere.number, held, pairs );
@@ -236,7 +239,8 @@ void ClosePairs::askCell( const Grid& own, const Eigen::Vector3i& cell, const He
 		}
 		const float reach = ( own.largest + grid.largest ) * ( 1.0f + m_slop ) + m_margin + kBoxSlack * own.edge;
 		layAside( grid, isOwn ? Eigen::Vector3i( cell - Eigen::Vector3i::Ones() ) : grid.cellAt( low - Vec3::Constant( reach ) ),
-			isOwn ? Eigen::Vector3i( cell + Eigen::Vector3i::Ones() ) : grid.cellAt( low + Vec3::Constant( own.edge + reach ) ), isOwn ? first : grid.first );
+			isOwn ? Eigen::Vector3i( cell + Eigen::Vector3i::Ones() ) : grid.cellAt( low + Vec3::Constant( own.edge + reach ) ),
+			isOwn ? first : grid.first );
 		for ( std::size_t k = first; k < last && m_asideCount > 0; ++k )
 		{
 			ask( Vec3( m_sorted.x[k], m_sorted.y[k], m_sorted.z[k] ), m_sorted.radius[k], isOwn ? k - first + 1 : 0 );
@@ -297,7 +301,8 @@ void ClosePairs::keepFree( std::uint32_t a, const Held* held, std::vector<std::u
 {
 	if ( held && m_nearCount > 0 )
 	{
-		std::for_each( held->to.begin() + held->start[a], held->to.begin() + held->start[a + 1], [this, a]( std::uint32_t other ) { m_owner[other] = a; } );
+		std::for_each( held->to.begin() + held->start[a], held->to.begin() + held->start[a + 1],
+			[this, a]( std::uint32_t other ) { m_owner[other] = a; } );
 	}
 	const auto isOwn = [this, a]( std::uint32_t other ) { return m_owner[other] == a; };
 	for ( std::size_t k = 0; k < m_nearCount; ++k )

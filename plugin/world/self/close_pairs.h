@@ -1,6 +1,7 @@
 #pragma once
 
-// Pairs of spheres that come near one another, found by spatial hashing. Steinemann et al. 2008, section 7: "spatial hashing" of the leaf cells.
+// Pairs of spheres that come near one another, found by spatial hashing. Steinemann et al. 2008, section 7: "spatial hashing" of the leaf
+// cells.
 
 #include "lattice/lattice.h"
 
@@ -9,9 +10,9 @@
 
 namespace pliant {
 
-/// Sizes of spheres differ by powers of two (the levels of an octree): each size has a grid of its own, and a cell asks its own size's and those of
-/// all smaller ones. What lies about a cell is laid side by side once for all its spheres, and asked eight at a time without a branch: a body's surface
-/// has three spheres a cell, and what was guessed wrong of so short rows took ten times as long as the arithmetic.
+/// Sizes of spheres differ by powers of two (the levels of an octree): each size has a grid of its own, and a cell asks its own size's and
+/// those of all smaller ones. What lies about a cell is laid side by side once for all its spheres, and asked eight at a time without a
+/// branch: a body's surface has three spheres a cell, and what was guessed wrong of so short rows took ten times as long as the arithmetic.
 /// Keeps its scratch between calls.
 class ClosePairs
 {
@@ -29,11 +30,13 @@ public:
 		const std::vector<std::uint32_t>& to;
 	};
 
-	/// All pairs with | x_a - x_b | <= ( r_a + r_b ) ( 1 + slop ) + margin, as lower number << 32 | higher; each once, in an order that follows from
-	/// the spheres alone. Left out are those that are held together, or both with the same third; `held` may be null.
+	/// All pairs with | x_a - x_b | <= ( r_a + r_b ) ( 1 + slop ) + margin, as lower number << 32 | higher; each once, in an order that
+	/// follows from the spheres alone. Left out are those that are held together, or both with the same third; `held` may be null.
 	void find( const std::vector<Sphere>& spheres, float slop, float margin, const Held* held, std::vector<std::uint64_t>& pairs );
-	/// The same of those pairs of which at least one stands in `isOf`, not 0 by number: each of these asks all spheres, and no grid is made.
-	void findOf( const std::vector<Sphere>& spheres, const std::vector<std::uint8_t>& isOf, float slop, float margin, const Held* held, std::vector<std::uint64_t>& pairs );
+	/// The same of those pairs of which at least one stands in `isOf`, not 0 by number: each of these asks all spheres, and no grid is
+	/// made.
+	void findOf( const std::vector<Sphere>& spheres, const std::vector<std::uint8_t>& isOf, float slop, float margin, const Held* held,
+		std::vector<std::uint64_t>& pairs );
 
 private:
 	/// Spheres component by component.
@@ -74,9 +77,9 @@ private:
 	Lot m_sorted;                                     // in the order of grids and cells
 	Lot m_aside;                                      // what lies about a cell
 	std::size_t m_asideCount = 0;
-	std::vector<std::uint32_t> m_near;                // what one sphere has come near, by number; room for all that lies about it
+	std::vector<std::uint32_t> m_near; // what one sphere has come near, by number; room for all that lies about it
 	std::size_t m_nearCount = 0;
-	std::vector<std::uint32_t> m_owner;               // the last in whose row each number stood
+	std::vector<std::uint32_t> m_owner; // the last in whose row each number stood
 	std::vector<std::uint32_t> m_cell, m_next;
 };
 

@@ -1,8 +1,8 @@
 #include "world/self/near_pairs.h"
 
 #include "body/levels/levels.h"
-#include "world/constants.h"
 #include "world/bodies/soft_body_impl.h"
+#include "world/constants.h"
 
 #include <algorithm>
 #include <cmath>
@@ -114,8 +114,8 @@ const std::vector<std::uint64_t>& NearPairs::of( const SoftBody& soft, double st
 	return m_pairs;
 }
 
-/// How far all have come since they asked, in the mean of those that have, and how fast they are. Not the mean of their places: with nodes that come
-/// and go it would jump.
+/// How far all have come since they asked, in the mean of those that have, and how fast they are. Not the mean of their places: with nodes
+/// that come and go it would jump.
 void NearPairs::measureDrift( const NodeState& nodes )
 {
 	Vec3 way = Vec3::Zero(), speed = Vec3::Zero();
@@ -135,9 +135,9 @@ void NearPairs::measureDrift( const NodeState& nodes )
 
 // A pair further apart then than its radii and the margin has not met as long as
 //   2 max | x - x_then | + min( m / 2, 2 h max | v - v_mean | ) <= m
-// places as if all had stayed where they were in the mean: what flies along with all others does not move. The second term is what they come closer in this step;
-// of what is faster than half a margin a step only that much is seen before. Each node is asked for its share: where it holds for both of a
-// pair, half of each sum is each one's.
+// places as if all had stayed where they were in the mean: what flies along with all others does not move. The second term is what they
+// come closer in this step; of what is faster than half a margin a step only that much is seen before. Each node is asked for its share:
+// where it holds for both of a pair, half of each sum is each one's.
 void NearPairs::findAsking( const NodeState& nodes )
 {
 	m_asking.clear();
@@ -171,10 +171,12 @@ bool NearPairs::hasSameRow( std::uint32_t node ) const
 	}
 	const auto now = m_rowTo->begin() + start[node], end = m_rowTo->begin() + start[node + 1], then = m_toThen.begin() + m_startThen[old];
 	// One that is gone makes it another row.
-	return m_hasNumbers ? std::equal( now, end, then, [this]( std::uint32_t a, std::uint32_t b ) { return a == m_now[b]; } ) : std::equal( now, end, then );
+	return m_hasNumbers ? std::equal( now, end, then, [this]( std::uint32_t a, std::uint32_t b ) { return a == m_now[b]; } )
+						: std::equal( now, end, then );
 }
 
-// Whether two nodes are held together follows from their rows alone: only those whose own has changed need ask again, and those whose sphere has.
+// Whether two nodes are held together follows from their rows alone: only those whose own has changed need ask again, and those whose
+// sphere has.
 void NearPairs::follow( const NodeState& nodes )
 {
 	m_isRelinked = false;
@@ -190,7 +192,8 @@ void NearPairs::follow( const NodeState& nodes )
 	m_hasNumbers = false;
 	m_startThen = *m_rowStart;
 	m_toThen = *m_rowTo;
-	const auto isGone = [this]( std::uint64_t pair ) { return m_then[pair >> 32].radius < 0.0f || m_then[pair & 0xffffffffu].radius < 0.0f; };
+	const auto isGone = [this](
+							std::uint64_t pair ) { return m_then[pair >> 32].radius < 0.0f || m_then[pair & 0xffffffffu].radius < 0.0f; };
 	m_pairs.erase( std::remove_if( m_pairs.begin(), m_pairs.end(), isGone ), m_pairs.end() );
 }
 

@@ -15,10 +15,11 @@ struct NodeState;
 class NearPairs
 {
 public:
-	/// Pairs of nodes whose spheres may touch in this step, ascending, as lower number << 32 | higher; but for those that one region holds together, or
-	/// that both have a third in their regions.
+	/// Pairs of nodes whose spheres may touch in this step, ascending, as lower number << 32 | higher; but for those that one region holds
+	/// together, or that both have a third in their regions.
 	const std::vector<std::uint64_t>& of( const SoftBody& soft, double step );
-	/// Nodes have other numbers, or other regions: `nodeNow` by the number before, kNoNode where the node is gone. Empty: the numbers they had.
+	/// Nodes have other numbers, or other regions: `nodeNow` by the number before, kNoNode where the node is gone. Empty: the numbers they
+	/// had.
 	void renumber( const std::vector<std::uint32_t>& nodeNow );
 	/// How many nodes have asked, since there are any: what it costs.
 	long long asked() const { return m_asked; }
@@ -44,13 +45,13 @@ private:
 	const std::vector<std::uint32_t>* m_rowStart = nullptr; ///< of each node: those a region holds with it
 	const std::vector<std::uint32_t>* m_rowTo = nullptr;
 	Vec3 m_way = Vec3::Zero(), m_drift = Vec3::Zero(); ///< that all have come, in the mean, since places were first noted; and mean speed
-	double m_margin = 0.0;          ///< m
+	double m_margin = 0.0;                             ///< m
 	bool m_isRelinked = true;
 	std::vector<std::uint64_t> m_pairs;
 	std::vector<Then> m_then;
 	std::vector<std::uint32_t> m_startThen, m_toThen; ///< rows
-	bool m_hasNumbers = false;                 ///< others than those that rows have
-	std::vector<std::uint32_t> m_now, m_before; ///< of each node of the rows: its number now; and the other way round
+	bool m_hasNumbers = false;                        ///< others than those that rows have
+	std::vector<std::uint32_t> m_now, m_before;       ///< of each node of the rows: its number now; and the other way round
 	std::vector<std::uint32_t> m_asking;
 	std::vector<std::uint8_t> m_isAsking;
 	std::vector<ClosePairs::Sphere> m_spheres;

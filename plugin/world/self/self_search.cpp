@@ -2,8 +2,8 @@
 
 #include "body/levels/levels.h"
 #include "lattice/inside/inside_distance.h"
-#include "world/constants.h"
 #include "world/bodies/soft_body_impl.h"
+#include "world/constants.h"
 
 #include <algorithm>
 #include <cmath>

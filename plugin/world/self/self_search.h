@@ -2,15 +2,15 @@
 
 // Finds which nodes of a soft body meet others of the same body. Steinemann et al. 2008, section 7.
 //
-// Nodes that one region holds together do not collide: what keeps them apart is matching. All others do, sides of a cut among them, from the
-// distance they have at rest on where that is less than their radii.
+// Nodes that one region holds together do not collide: what keeps them apart is matching. All others do, sides of a cut among them, from
+// the distance they have at rest on where that is less than their radii.
 //
-// Two spheres whose sides have gone through one another are told by the way out of the material at each of them (inside_distance.h): they are
-// pushed back the way they came, and not on. The paper looks the penetration depth up in its distance field; here it is the spheres', as in all
-// other contacts, and the field says only which way.
+// Two spheres whose sides have gone through one another are told by the way out of the material at each of them (inside_distance.h): they
+// are pushed back the way they came, and not on. The paper looks the penetration depth up in its distance field; here it is the spheres',
+// as in all other contacts, and the field says only which way.
 
-#include "world/self/near_pairs.h"
 #include "world/search/node_search.h"
+#include "world/self/near_pairs.h"
 
 #include <cstdint>
 #include <vector>
@@ -32,7 +32,8 @@ public:
 		const std::vector<std::uint32_t>& before;
 		const std::vector<std::uint32_t>& touched;
 	};
-	/// Links have been cut: what is known of the body is measured anew there. `nodeNow` by the number before, kNoNode where the node is gone; empty: the same.
+	/// Links have been cut: what is known of the body is measured anew there. `nodeNow` by the number before, kNoNode where the node is
+	/// gone; empty: the same.
 	void relink( const std::vector<std::uint32_t>& nodeNow, const CellsNow& cells );
 	/// Nodes have other numbers: the same; in the same order.
 	void renumber( const std::vector<std::uint32_t>& nodeNow );
@@ -57,10 +58,10 @@ private:
 	double m_step = 0.0;
 	std::vector<NodeHit> m_hits;
 	NearPairs m_near;
-	std::vector<std::uint32_t> m_depth;   ///< floodInside; empty: not asked for yet
-	std::vector<float> m_rotation;        ///< 4 a node; empty: not asked for in this search
+	std::vector<std::uint32_t> m_depth;      ///< floodInside; empty: not asked for yet
+	std::vector<float> m_rotation;           ///< 4 a node; empty: not asked for in this search
 	std::vector<Slack> m_slack, m_slackNext; ///< by key
-	bool m_isFirst = true;                ///< search since the body was cut
+	bool m_isFirst = true;                   ///< search since the body was cut
 };
 
 } // namespace pliant

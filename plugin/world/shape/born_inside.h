@@ -1,8 +1,9 @@
 #pragma once
 
-// Nodes that a change of levels brought into the world inside what the body touches: a big node's ball leaves out its cube's corners, and its parts stand there.
-// Pushed out at the solver's own pace they are shot out, with many times the energy that the body came with. So as deep as a new node stands in anything at
-// first it may go on standing, and no deeper, until it has come out; what is calm is let come out by itself (SoftBodySystem::endCollision).
+// Nodes that a change of levels brought into the world inside what the body touches: a big node's ball leaves out its cube's corners, and
+// its parts stand there. Pushed out at the solver's own pace they are shot out, with many times the energy that the body came with. So as
+// deep as a new node stands in anything at first it may go on standing, and no deeper, until it has come out; what is calm is let come out
+// by itself (SoftBodySystem::endCollision).
 
 #include <cstdint>
 #include <vector>

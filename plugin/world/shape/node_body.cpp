@@ -10,7 +10,8 @@ namespace pliant {
 const char kSoftBodyMark = 0;
 const char kNodeBodyMark = 0;
 
-NodeBody::NodeBody( NodeBodyPool& from ) : btRigidBody( btRigidBodyConstructionInfo( btScalar( 1 ), nullptr, nullptr, btVector3( 0, 0, 0 ) ) ), pool( &from )
+NodeBody::NodeBody( NodeBodyPool& from ) :
+	btRigidBody( btRigidBodyConstructionInfo( btScalar( 1 ), nullptr, nullptr, btVector3( 0, 0, 0 ) ) ), pool( &from )
 {
 	// Inertia and angular factor are zero: friction would spin the spheres and stop resisting the slide.
 	setAngularFactor( btVector3( 0, 0, 0 ) );
@@ -67,8 +68,8 @@ void NodeSurface::follow( const SoftBody& owner, unsigned step )
 	m_step = step;
 	const bool isDirected = owner.hasAnisotropicFriction( btCollisionObject::CF_ANISOTROPIC_FRICTION );
 	const Values now{ isDirected ? owner.getAnisotropicFriction() : btVector3( 1, 1, 1 ), owner.getFriction(), owner.getRestitution(),
-		owner.getRollingFriction(), owner.getSpinningFriction(), owner.getContactProcessingThreshold(), owner.getContactStiffness(), owner.getContactDamping(),
-		( owner.getCollisionFlags() & btCollisionObject::CF_HAS_CONTACT_STIFFNESS_DAMPING ) != 0,
+		owner.getRollingFriction(), owner.getSpinningFriction(), owner.getContactProcessingThreshold(), owner.getContactStiffness(),
+		owner.getContactDamping(), ( owner.getCollisionFlags() & btCollisionObject::CF_HAS_CONTACT_STIFFNESS_DAMPING ) != 0,
 		{ owner.getUserIndex(), owner.getUserIndex2(), owner.getUserIndex3() }, owner.getUserPointer() };
 	if ( m_version == 0 || !( now == m_values ) )
 	{
@@ -216,7 +217,9 @@ void NodeBodyPool::refresh( NodeBody& body )
 	SoftBody::Impl& impl = owner.impl();
 	const NodeState& nodes = impl.body->nodes();
 	const btVector3 velocity = impl.velocity( body.node );
-	const btScalar mass = impl.isHealthy && nodes.freedom[body.node] != 0.0f && !owner.isStaticOrKinematicObject() ? btScalar( nodes.mass[body.node] ) : btScalar( 0 );
+	const btScalar mass = impl.isHealthy && nodes.freedom[body.node] != 0.0f && !owner.isStaticOrKinematicObject()
+		? btScalar( nodes.mass[body.node] )
+		: btScalar( 0 );
 	if ( mass != body.mass )
 	{
 		body.setMassProps( mass, btVector3( 0, 0, 0 ) );

@@ -18,7 +18,8 @@ class SoftBody;
 class NodeBody : public btRigidBody
 {
 public:
-	/// So that what each stage asks for lies in few lines of the cache: where it is in one, who it is, its speed and mass, and what is below.
+	/// So that what each stage asks for lies in few lines of the cache: where it is in one, who it is, its speed and mass, and what is
+	/// below.
 	static void* operator new( std::size_t size ) { return static_cast<char*>( btAlignedAlloc( size + kOffset, kLine ) ) + kOffset; }
 	static void operator delete( void* body ) { btAlignedFree( static_cast<char*>( body ) - kOffset ); }
 
@@ -34,14 +35,14 @@ private:
 
 public:
 	SoftBody* owner = nullptr;
-	int node = -1;          ///< -1: a change of levels did away with it; what names the stand-in lets go of it in the next collision phase
-	int uses = 0;           ///< manifolds and predictive contacts that name it
-	int place = -1;         ///< among its owner's touched ones
-	btScalar mass = btScalar( 1 ); ///< kg, 0 while the node is held
-	unsigned stamp = 0;     ///< collision phase in which it was last written
-	unsigned step = 0;      ///< game step in which its surface was looked at
-	bool wasAsleep = false; ///< when it was last written: awake now means that something has woken it
-	bool isDirected = false; ///< its axes are the material's
+	int node = -1;  ///< -1: a change of levels did away with it; what names the stand-in lets go of it in the next collision phase
+	int uses = 0;   ///< manifolds and predictive contacts that name it
+	int place = -1; ///< among its owner's touched ones
+	btScalar mass = btScalar( 1 );            ///< kg, 0 while the node is held
+	unsigned stamp = 0;                       ///< collision phase in which it was last written
+	unsigned step = 0;                        ///< game step in which its surface was looked at
+	bool wasAsleep = false;                   ///< when it was last written: awake now means that something has woken it
+	bool isDirected = false;                  ///< its axes are the material's
 	btVector3 written = btVector3( 0, 0, 0 ); ///< world position given to the solver, m
 	unsigned surface = 0;                     ///< NodeSurface::version of what it was given; 0: nothing
 	btBroadphaseProxy* handle = nullptr;      ///< what Bullet has of it: that lies in a line of its own

@@ -14,10 +14,11 @@ int mostDepth( const Octree& octree )
 	return 1 << ( octree.levels - 1 );
 }
 
-/// Lowers the depths of those that are nearer to the cells of `ring`, all of which are `layer` deep, than they were known to be. Whoever is lowered
-/// is told to `lowered`.
+/// Lowers the depths of those that are nearer to the cells of `ring`, all of which are `layer` deep, than they were known to be. Whoever is
+/// lowered is told to `lowered`.
 template <class Lowered>
-void flood( const Lattice& lattice, std::vector<std::uint32_t> ring, int layer, int most, std::vector<std::uint8_t>& depth, Lowered&& lowered )
+void flood(
+	const Lattice& lattice, std::vector<std::uint32_t> ring, int layer, int most, std::vector<std::uint8_t>& depth, Lowered&& lowered )
 {
 	std::vector<std::uint32_t> next;
 	while ( ++layer <= most && !ring.empty() )
@@ -81,7 +82,9 @@ unsigned openFaces( const Lattice& lattice, std::uint32_t cell )
 class CellReaches
 {
 public:
-	explicit CellReaches( const Lattice& lattice ) : m_lattice( lattice ), m_radius( lattice.fill.size(), -1.0 ), m_open( lattice.fill.size(), kUnknown ) {}
+	explicit CellReaches( const Lattice& lattice ) :
+		m_lattice( lattice ), m_radius( lattice.fill.size(), -1.0 ), m_open( lattice.fill.size(), kUnknown )
+	{}
 
 	double radiusOf( std::uint32_t cell )
 	{
@@ -152,7 +155,8 @@ NodeColliders measureColliders( const Lattice& lattice, const Octree& octree )
 	std::vector<double> reaches;
 	CellReaches cells( lattice );
 	int level = 0;
-	for ( std::uint32_t node = 0; node < std::uint32_t( octree.nodeCount() ); ++node ) // level by level: children stand before their parents
+	for ( std::uint32_t node = 0; node < std::uint32_t( octree.nodeCount() );
+		  ++node ) // level by level: children stand before their parents
 	{
 		level += node == octree.levelStart[std::size_t( level ) + 1] ? 1 : 0;
 		colliders.radius.push_back( radiusOf( lattice, octree, node, cells, reaches ) );
@@ -171,13 +175,14 @@ namespace {
 bool isNearSurface( const Octree& octree, const std::vector<std::uint8_t>& depth, std::uint32_t node, int level )
 {
 	const auto first = octree.cells.begin() + octree.cellStart[node];
-	return std::any_of( first, first + octree.cellCount[node], [&depth, level]( std::uint32_t cell ) { return int( depth[cell] ) <= 1 << level; } );
+	return std::any_of(
+		first, first + octree.cellCount[node], [&depth, level]( std::uint32_t cell ) { return int( depth[cell] ) <= 1 << level; } );
 }
 
 } // namespace
 
-// Cells at links that went are surface now: whatever came to the surface through one of them is nearer to it than it was, and nothing is farther. Where
-// links come back and a cell is surface no more all is measured.
+// Cells at links that went are surface now: whatever came to the surface through one of them is nearer to it than it was, and nothing is
+// farther. Where links come back and a cell is surface no more all is measured.
 NodeColliders followColliders( const Lattice& lattice, const Octree& octree, const NodeColliders& before, const CollidersChange& change )
 {
 	const auto isInside = [&lattice]( std::uint32_t cell ) { return lattice.isSurface[cell] == 0; };
@@ -199,7 +204,8 @@ NodeColliders followColliders( const Lattice& lattice, const Octree& octree, con
 	{
 		colliders.depth[cell] = 0;
 	}
-	flood( lattice, change.touched, 0, mostDepth( octree ), colliders.depth, [&lowered]( std::uint32_t cell ) { lowered.push_back( cell ); } );
+	flood(
+		lattice, change.touched, 0, mostDepth( octree ), colliders.depth, [&lowered]( std::uint32_t cell ) { lowered.push_back( cell ); } );
 	std::vector<double> reaches;
 	CellReaches cells( lattice );
 	for ( std::uint32_t node = 0, level = 0; node < nodes; ++node )

@@ -18,7 +18,7 @@ namespace pliant {
 /// Of each node of the octree, in the cut or not: what it brings to a collision does not depend on what stands around it.
 struct NodeColliders
 {
-	std::vector<float> radius;          ///< m
+	std::vector<float> radius; ///< m
 	/// 1 for the surface and one layer below it: nodes with a cell no more links from the surface than the node is cells wide.
 	std::vector<std::uint8_t> collides;
 	/// Links from each finest cell to the nearest of the surface, counted up to as many as the largest node is cells wide; one more beyond.
@@ -37,8 +37,8 @@ struct CollidersChange
 	const std::vector<std::uint32_t>& touched;
 };
 
-/// The same for the body as it is now, from those before: only what is near touched cells is measured. measureColliders is the slow twin, to the bit
-/// where no cells went.
+/// The same for the body as it is now, from those before: only what is near touched cells is measured. measureColliders is the slow twin,
+/// to the bit where no cells went.
 NodeColliders followColliders( const Lattice& lattice, const Octree& octree, const NodeColliders& before, const CollidersChange& change );
 
 } // namespace pliant

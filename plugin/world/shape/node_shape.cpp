@@ -134,8 +134,8 @@ struct NewChildren
 
 } // namespace
 
-// What a node was split into stands in the tree where it stood itself. Shape indices are in no order afterwards; contacts are sorted by node, so
-// that nothing follows from that.
+// What a node was split into stands in the tree where it stood itself. Shape indices are in no order afterwards; contacts are sorted by
+// node, so that nothing follows from that.
 void NodeShape::followLevels( const Body& body, const Vec3& shift, bool isPlacedNext )
 {
 	const Levels& levels = *body.levels();
@@ -315,8 +315,8 @@ void NodeShape::setSweep( const btVector3& low, const btVector3& high )
 std::size_t NodeShape::bytes() const
 {
 	return std::size_t( m_children.size() ) * ( sizeof( btCompoundShapeChild ) + sizeof( btDbvtNode ) + sizeof( int ) ) +
-		   m_refit.count() * ( sizeof( btDbvtNode ) + sizeof( btDbvtNode* ) ) + m_childOfNode.size() * ( sizeof( int ) + sizeof( btSphereShape* ) ) +
-		   m_colliders.bytes() + m_rows.bytes();
+		m_refit.count() * ( sizeof( btDbvtNode ) + sizeof( btDbvtNode* ) ) +
+		m_childOfNode.size() * ( sizeof( int ) + sizeof( btSphereShape* ) ) + m_colliders.bytes() + m_rows.bytes();
 }
 
 } // namespace pliant

@@ -27,18 +27,20 @@ public:
 	/// Spheres for the nodes of the surface and one layer below it: with a bare shell, what once got through meets nothing.
 	explicit NodeShape( const Body& body );
 
-	/// Takes out the spheres of nodes that the body's last change of levels did away with and puts in those of new ones, in their places; those
-	/// of others stay where they are. `shift` as below. `isPlacedNext`: place() comes before anybody asks for spheres' places.
+	/// Takes out the spheres of nodes that the body's last change of levels did away with and puts in those of new ones, in their places;
+	/// those of others stay where they are. `shift` as below. `isPlacedNext`: place() comes before anybody asks for spheres' places.
 	void followLevels( const Body& body, const Vec3& shift, bool isPlacedNext = false );
 
-	/// The body's links have changed, and it may have lost nodes: those before are now `nodeNow`, or kNoNode; those it has were `nodeBefore`. Those that
-	/// now lie at the surface get their spheres. False where it takes a new shape: where nodes lie at the surface no more, many do that did not,
-	/// or a fifth has gone. `change`: of bodies with levels; `nodeBefore` empty where it is not known. All are to be placed.
+	/// The body's links have changed, and it may have lost nodes: those before are now `nodeNow`, or kNoNode; those it has were
+	/// `nodeBefore`. Those that now lie at the surface get their spheres. False where it takes a new shape: where nodes lie at the surface
+	/// no more, many do that did not, or a fifth has gone. `change`: of bodies with levels; `nodeBefore` empty where it is not known. All
+	/// are to be placed.
 	bool followCracks( const Body& body, const std::vector<std::uint32_t>& nodeNow, const std::vector<std::uint32_t>& nodeBefore,
 		const CollidersChange& change );
 
-	/// The spheres go where the nodes are. `shift`: the shape's own origin in the nodes' coordinates. `runner` may be null. What Bullet is asked
-	/// (the compound's children and its tree) stays where it is until it is freshened: most of a substep's work for nothing while only we ask.
+	/// The spheres go where the nodes are. `shift`: the shape's own origin in the nodes' coordinates. `runner` may be null. What Bullet is
+	/// asked (the compound's children and its tree) stays where it is until it is freshened: most of a substep's work for nothing while
+	/// only we ask.
 	void place( const NodeState& nodes, const Vec3& shift, TaskRunner* runner = nullptr );
 	/// Children and tree go where the spheres are.
 	void freshen( TaskRunner* runner = nullptr );
@@ -89,10 +91,10 @@ private:
 	std::vector<btSphereShape*> m_sphereOfNode;
 	SphereRows m_rows;
 	bool m_areRowsKnown = false; // nothing has come, gone or changed its number since they were arranged
-	bool m_isStale = false; // the tree stands where the spheres no longer are
+	bool m_isStale = false;      // the tree stands where the spheres no longer are
 	TreeRefit m_refit;
 	bool m_isRefitKnown = false; // of the tree as it is
-	NodeColliders m_colliders; // of bodies with levels only
+	NodeColliders m_colliders;   // of bodies with levels only
 	btScalar m_largestRadius = btScalar( 0 ), m_smallestRadius = btScalar( SIMD_INFINITY );
 	btVector3 m_sweepLow = btVector3( 0, 0, 0 ), m_sweepHigh = btVector3( 0, 0, 0 );
 };

@@ -57,7 +57,8 @@ bool NodeShape::followCracks( const Body& body, const std::vector<std::uint32_t>
 	if ( const Levels* levels = body.levels() )
 	{
 		const bool isKnown = !change.nodeBefore.empty();
-		m_colliders = isKnown ? followColliders( body.lattice(), levels->octree(), m_colliders, change ) : measureColliders( body.lattice(), levels->octree() );
+		m_colliders = isKnown ? followColliders( body.lattice(), levels->octree(), m_colliders, change )
+							  : measureColliders( body.lattice(), levels->octree() );
 		m_smallestRadius = btScalar( *std::min_element( m_colliders.radius.begin(), m_colliders.radius.end() ) );
 	}
 	std::vector<int> bare;

@@ -47,7 +47,8 @@ public:
 		}
 		const int axis = longestAxis( first, last ), half = ( last - first ) / 2;
 		// Whole rows of eight below each half: SphereRows takes the leaves as they stand.
-		const int middle = first + ( last - first > SphereRows::kWide ? ( half + SphereRows::kWide - 1 ) / SphereRows::kWide * SphereRows::kWide : half );
+		const int middle = first +
+			( last - first > SphereRows::kWide ? ( half + SphereRows::kWide - 1 ) / SphereRows::kWide * SphereRows::kWide : half );
 		const auto begin = m_order.begin();
 		std::nth_element( begin + first, begin + middle, begin + last,
 			[axis]( const Leaf& a, const Leaf& b ) { return a.at[axis] != b.at[axis] ? a.at[axis] < b.at[axis] : a.child < b.child; } );
@@ -63,8 +64,8 @@ private:
 		int child;
 	};
 
-	/// Of equal ones the last: nodes are numbered along z last, so that the first half of the tree has its nodes in the first half of their arrays, and
-	/// a thread that places it finds there what it wrote itself a stage ago.
+	/// Of equal ones the last: nodes are numbered along z last, so that the first half of the tree has its nodes in the first half of their
+	/// arrays, and a thread that places it finds there what it wrote itself a stage ago.
 	int longestAxis( int first, int last ) const
 	{
 		btVector3 low( BT_LARGE_FLOAT, BT_LARGE_FLOAT, BT_LARGE_FLOAT ), high( -low );

@@ -1,7 +1,7 @@
 #pragma once
 
-// Trees over the spheres of a body's nodes, all at once or in place of one leaf. Bullet's own way, leaf by leaf, takes twenty times as long,
-// which is the worst of what a fracture, or a change of levels, would cost.
+// Trees over the spheres of a body's nodes, all at once or in place of one leaf. Bullet's own way, leaf by leaf, takes twenty times as
+// long, which is the worst of what a fracture, or a change of levels, would cost.
 
 #include <BulletCollision/BroadphaseCollision/btDbvt.h>
 #include <BulletCollision/CollisionShapes/btCompoundShape.h>
@@ -25,8 +25,8 @@ void replaceLeaf( btDbvt& tree, btDbvtNode* leaf, btDbvtNode* top, int leaves );
 /// Inner nodes from `top` down, children before parents.
 void collectInner( btDbvtNode* top, std::vector<btDbvtNode*>& inner );
 
-/// The inner nodes of one tree in an order in which their boxes can be set: children before parents, and branch by branch, so that threads can
-/// share a large tree. A box is the union of its children's, whoever comes first.
+/// The inner nodes of one tree in an order in which their boxes can be set: children before parents, and branch by branch, so that threads
+/// can share a large tree. A box is the union of its children's, whoever comes first.
 class TreeRefit
 {
 public:
@@ -42,8 +42,8 @@ public:
 private:
 	void run( int first, int last ) const;
 
-	std::vector<btDbvtNode*> m_inner;     // below old leaves, then the branches, then what is above them
-	std::vector<int> m_branch = { 0 };    // where each branch begins, and where the last one ends
+	std::vector<btDbvtNode*> m_inner;  // below old leaves, then the branches, then what is above them
+	std::vector<int> m_branch = { 0 }; // where each branch begins, and where the last one ends
 };
 
 /// Boxes of a node's parents, as far up as they change.

@@ -139,7 +139,8 @@ void SphereRows::placeRows( int first, int last, const NodeState& nodes, const V
 void SphereRows::place( const NodeState& nodes, const Vec3& shift, TaskRunner* runner )
 {
 	// Shares are whole numbers of rows: multiples of 16 spheres.
-	runShares( runner, Shares{ int( m_rows.size() ) * kWide }, [&]( int, int begin, int end ) { placeRows( begin / kWide, end / kWide, nodes, shift ); } );
+	runShares( runner, Shares{ int( m_rows.size() ) * kWide },
+		[&]( int, int begin, int end ) { placeRows( begin / kWide, end / kWide, nodes, shift ); } );
 	for ( std::size_t rank = 1; rank < m_rank.size(); ++rank )
 	{
 		const int from = m_rank[rank - 1], to = m_rank[rank];
@@ -187,7 +188,8 @@ void SphereRows::findPairs( const SphereRows& a, const SphereRows& b, const Appr
 		const std::size_t i = pairs.near.from[c], k = pairs.asking.lane[i], l = pairs.near.lane[c];
 		const auto [mine, others] = pairs.rowPairs[pairs.asking.from[i]];
 		const Row &row = a.m_rows[std::size_t( mine )], &other = b.m_rows[std::size_t( others )];
-		const float dx = other.x[0][l] - ( row.x[0][k] + shift[0] ), dy = other.x[1][l] - ( row.x[1][k] + shift[1] ), dz = other.x[2][l] - ( row.x[2][k] + shift[2] );
+		const float dx = other.x[0][l] - ( row.x[0][k] + shift[0] ), dy = other.x[1][l] - ( row.x[1][k] + shift[1] ),
+					dz = other.x[2][l] - ( row.x[2][k] + shift[2] );
 		pairs.found[c] = Meeting{ row.node[k], other.node[l], dx * dx + dy * dy + dz * dz, row.reach[k] + other.reach[l] };
 	}
 }

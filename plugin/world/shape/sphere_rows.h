@@ -1,8 +1,8 @@
 #pragma once
 
-// The spheres of a soft body's nodes as a substep's searches want them: rows of eight that lie near one another, boxes around rows, eight of them side by
-// side, boxes around those, and so on. Nothing is pointed to and eight are asked at once: a body of some hundred nodes is 5 kB that stay in the cache.
-// Bullet's tree over the same spheres takes 40, and is there for those who ask Bullet (node_shape.h).
+// The spheres of a soft body's nodes as a substep's searches want them: rows of eight that lie near one another, boxes around rows, eight
+// of them side by side, boxes around those, and so on. Nothing is pointed to and eight are asked at once: a body of some hundred nodes is 5
+// kB that stay in the cache. Bullet's tree over the same spheres takes 40, and is there for those who ask Bullet (node_shape.h).
 
 #include "lattice/lattice.h"
 #include "matching/node_state.h"
@@ -29,17 +29,19 @@ public:
 
 		static Box of( const btVector3& low, const btVector3& high )
 		{
-			return Box{ { float( low.x() ), float( low.y() ), float( low.z() ) }, { float( high.x() ), float( high.y() ), float( high.z() ) } };
+			return Box{
+				{ float( low.x() ), float( low.y() ), float( low.z() ) }, { float( high.x() ), float( high.y() ), float( high.z() ) } };
 		}
 		btVector3 mins() const { return btVector3( low[0], low[1], low[2] ); }
 		btVector3 maxs() const { return btVector3( high[0], high[1], high[2] ); }
 		Box moved( const Box& by ) const
 		{
-			return Box{ { low[0] + by.low[0], low[1] + by.low[1], low[2] + by.low[2] }, { high[0] + by.high[0], high[1] + by.high[1], high[2] + by.high[2] } };
+			return Box{ { low[0] + by.low[0], low[1] + by.low[1], low[2] + by.low[2] },
+				{ high[0] + by.high[0], high[1] + by.high[1], high[2] + by.high[2] } };
 		}
 	};
-	/// Where the spheres of one body stand in the coordinates of another, and by how much more one may come towards one of the other's, m. `low` and
-	/// `high` are not above and not below zero.
+	/// Where the spheres of one body stand in the coordinates of another, and by how much more one may come towards one of the other's, m.
+	/// `low` and `high` are not above and not below zero.
 	struct Approach
 	{
 		btVector3 shift, low, high;
@@ -73,8 +75,8 @@ public:
 	/// What a search for pairs found, and its scratch; the caller keeps it.
 	struct Pairs
 	{
-		/// Lanes of rows, each with whatever it came of: what is found eight at a time is written eight at a time, wanted or not, and counted. How many
-		/// of eight there are is as good as chance, and a loop over them is guessed wrong each time.
+		/// Lanes of rows, each with whatever it came of: what is found eight at a time is written eight at a time, wanted or not, and
+		/// counted. How many of eight there are is as good as chance, and a loop over them is guessed wrong each time.
 		struct Lot
 		{
 			std::vector<std::uint8_t> lane;
@@ -89,7 +91,8 @@ public:
 		std::vector<std::array<int, 2>> rowPairs;
 		Lot asking, near;
 	};
-	/// Into `pairs.found`, in an order that follows from the rows. Rows whose boxes meet, spheres of the one that meet the other's box, and those near each of them.
+	/// Into `pairs.found`, in an order that follows from the rows. Rows whose boxes meet, spheres of the one that meet the other's box, and
+	/// those near each of them.
 	static void findPairs( const SphereRows& a, const SphereRows& b, const Approach& approach, Pairs& pairs );
 	/// visit( node, where its sphere is ) for the first-th to the one before the last-th.
 	template <class Visit>
@@ -163,12 +166,16 @@ private:
 			return alongX & alongY & alongZ;
 		} );
 	}
-	static Lanes met( const Row& row, const Box& box ) { return met( boxesOf( row ), box ); }
+	static Lanes met( const Row& row, const Box& box )
+	{
+		return met( boxesOf( row ), box );
+	}
 	/// Those whose middles are nearer to `x` than the sum of both reaches.
 	static Lanes near( const Row& row, const float ( &x )[3], float reach )
 	{
 		return eachHalf( [&]( int k ) {
-			const F4 dx = load( row.x[0] + k ) - x[0], dy = load( row.x[1] + k ) - x[1], dz = load( row.x[2] + k ) - x[2], both = load( row.reach + k ) + reach;
+			const F4 dx = load( row.x[0] + k ) - x[0], dy = load( row.x[1] + k ) - x[1], dz = load( row.x[2] + k ) - x[2],
+					 both = load( row.reach + k ) + reach;
 			return ( dx * dx + dy * dy + dz * dz <= both * both ) & ( both >= F4{} );
 		} );
 	}
@@ -201,7 +208,10 @@ private:
 			descend( rank - 1, at * kWide + k, box, visit );
 		} );
 	}
-	Box boxOfRow( int row ) const { return m_boxes[std::size_t( row / kWide )].at( row % kWide ); }
+	Box boxOfRow( int row ) const
+	{
+		return m_boxes[std::size_t( row / kWide )].at( row % kWide );
+	}
 	void placeRows( int first, int last, const NodeState& nodes, const Vec3& shift );
 
 	std::vector<Row> m_rows;

@@ -1,7 +1,7 @@
 #include "world/shape/turner.h"
 
-#include "world/constants.h"
 #include "world/bodies/soft_body_impl.h"
+#include "world/constants.h"
 
 #include <BulletDynamics/Dynamics/btRigidBody.h>
 
@@ -41,7 +41,8 @@ void Turner::measure()
 	{
 		return;
 	}
-	// Nodes in one line have no inertia about it. Those in one line but for a little have too little: their cells would have sum m d^2 / 6 more.
+	// Nodes in one line have no inertia about it. Those in one line but for a little have too little: their cells would have sum m d^2 / 6
+	// more.
 	const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes( inertia );
 	const double cell = soft->impl().body->lattice().cellSize, thin = kTurningInertia * sums.mass * cell * cell / 6.0;
 	Vec3d inverses = Vec3d::Zero();

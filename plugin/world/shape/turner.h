@@ -15,9 +15,9 @@ struct Turner
 {
 	SoftBody* soft = nullptr;
 	btRigidBody* rigid = nullptr;
-	Vec3d speed = Vec3d::Zero();                              ///< rad/s
-	Eigen::Matrix3d inverse = Eigen::Matrix3d::Zero();        ///< of its inertia; 0: nothing turns it
-	Vec3d centre = Vec3d::Zero();                             ///< of a soft body's mass, relative to its origin, m
+	Vec3d speed = Vec3d::Zero();                       ///< rad/s
+	Eigen::Matrix3d inverse = Eigen::Matrix3d::Zero(); ///< of its inertia; 0: nothing turns it
+	Vec3d centre = Vec3d::Zero();                      ///< of a soft body's mass, relative to its origin, m
 
 	explicit Turner( btCollisionObject* object );
 	/// By an impulse of N m s; of a soft body all nodes turn.

@@ -28,10 +28,11 @@ struct FourSpeeds
 
 	FourSpeeds( const btVector3* of, const int* at ) :
 		x{ of[at[0]].m_floats[0], of[at[1]].m_floats[0], of[at[2]].m_floats[0], of[at[3]].m_floats[0] },
-		y{ of[at[0]].m_floats[1], of[at[1]].m_floats[1], of[at[2]].m_floats[1], of[at[3]].m_floats[1] },
-		z{ of[at[0]].m_floats[2], of[at[1]].m_floats[2], of[at[2]].m_floats[2], of[at[3]].m_floats[2] }
-	{
-	}
+		y{ of[at[0]].m_floats[1], of[at[1]].m_floats[1], of[at[2]].m_floats[1], of[at[3]].m_floats[1] }, z{ of[at[0]].m_floats[2],
+																											 of[at[1]].m_floats[2],
+																											 of[at[2]].m_floats[2],
+																											 of[at[3]].m_floats[2] }
+	{}
 	void put( btVector3* to, const int* at ) const
 	{
 		for ( int lane = 0; lane < kRowLanes; ++lane )
@@ -61,7 +62,7 @@ inline void solveFour( FourRows& row, const FourRows* presses, btVector3* change
 	if ( presses )
 	{
 		const Lanes high = row.friction * presses->impulse, low = -high, sum = held;
-		const LaneMask isLow = sum < low, isHigh = sum > high, isOff = ~( presses->impulse > none );
+		const LaneMask isLow = sum<low, isHigh = sum> high, isOff = ~( presses->impulse > none );
 		put( held, isHigh, high );
 		put( held, isLow, low );
 		put( impulse, isLow | isHigh, held - row.impulse );
@@ -99,7 +100,8 @@ inline void solveFour( FourRows& row, const FourRows* presses, btVector3* change
 /// The same of a point and what turns. Of the two Bullet asks the first first.
 inline btScalar asked( const TurningRow& row, const btSolverBody& body, const btVector3& speed )
 {
-	const btScalar turned = -( ( row.normal.dot( body.getDeltaLinearVelocity() ) + row.cross.dot( body.getDeltaAngularVelocity() ) ) * row.perSpeed );
+	const btScalar turned = -(
+		( row.normal.dot( body.getDeltaLinearVelocity() ) + row.cross.dot( body.getDeltaAngularVelocity() ) ) * row.perSpeed );
 	const btScalar moved = row.normal.dot( speed ) * row.perSpeed;
 	return row.rhs - row.impulse * row.cfm + ( row.isBodyFirst ? turned : moved ) + ( row.isBodyFirst ? moved : turned );
 }
@@ -192,7 +194,8 @@ RowPlace ContactRows::place( RowKind kind, int a, int b )
 			++open.first;
 		}
 		// Steps of one kind ascend.
-		std::size_t four = std::size_t( std::upper_bound( open.step.begin() + std::ptrdiff_t( open.first ), open.step.end(), after ) - open.step.begin() );
+		std::size_t four = std::size_t(
+			std::upper_bound( open.step.begin() + std::ptrdiff_t( open.first ), open.step.end(), after ) - open.step.begin() );
 		const std::size_t last = std::min( open.step.size(), four + kMostLooks );
 		while ( four < last && open.filled[four] == kRowLanes )
 		{
@@ -240,11 +243,13 @@ void ContactRows::pressRun( const Run& run, btSolverBody* bodies, Lanes& worst )
 	const std::size_t first = std::size_t( run.first ), last = std::size_t( run.last );
 	if ( run.kind == RowKind::Alone )
 	{
-		std::for_each( &press[0][first], &press[0][last - 1] + 1, [&]( FourRows& row ) { solveFour<false>( row, nullptr, speeds, worst ); } );
+		std::for_each(
+			&press[0][first], &press[0][last - 1] + 1, [&]( FourRows& row ) { solveFour<false>( row, nullptr, speeds, worst ); } );
 	}
 	else if ( run.kind == RowKind::Pair )
 	{
-		std::for_each( &press[1][first], &press[1][last - 1] + 1, [&]( FourRows& row ) { solveFour<true>( row, nullptr, speeds, worst ); } );
+		std::for_each(
+			&press[1][first], &press[1][last - 1] + 1, [&]( FourRows& row ) { solveFour<true>( row, nullptr, speeds, worst ); } );
 	}
 	else
 	{
@@ -290,7 +295,9 @@ btScalar ContactRows::pushOut( Deep& out, btSolverBody* bodies )
 	btSolverBody* const body = turns ? &bodies[turning->body] : nullptr;
 	const btVector3 normal = turns ? turning->normal : btVector3( four->normal[0][lane], four->normal[1][lane], four->normal[2][lane] );
 
-	const btScalar ofA = -( ( turns ? normal.dot( body->getPushVelocity() ) + turning->cross.dot( body->getTurnVelocity() ) : normal.dot( a->push ) ) * perSpeed );
+	const btScalar ofA = -(
+		( turns ? normal.dot( body->getPushVelocity() ) + turning->cross.dot( body->getTurnVelocity() ) : normal.dot( a->push ) ) *
+		perSpeed );
 	const btScalar ofB = normal.dot( b.push ) * perSpeed;
 	const bool isAFirst = !turns || turning->isBodyFirst;
 	btScalar impulse = out.rhs - out.impulse * cfm + ( isAFirst ? ofA : ofB ) + ( isAFirst ? ofB : ofA );
@@ -318,7 +325,8 @@ void ContactRows::giveBackImpulses() const
 		{
 			contact.point->m_appliedImpulse = turnPress[at].impulse;
 			contact.point->m_appliedImpulseLateral1 = turnRub[at * std::size_t( directions )].impulse;
-			contact.point->m_appliedImpulseLateral2 = directions > 1 ? turnRub[at * 2 + 1].impulse : contact.point->m_appliedImpulseLateral2;
+			contact.point->m_appliedImpulseLateral2 = directions > 1 ? turnRub[at * 2 + 1].impulse
+																	 : contact.point->m_appliedImpulseLateral2;
 			continue;
 		}
 		const std::size_t lane = at % kRowLanes, four = at / kRowLanes;

@@ -1,8 +1,8 @@
 #pragma once
 
-// Rows of ContactSolver: what presses and rubs at contacts of nodes. Two rows that share no body may be solved in either order, to the same bits. So rows
-// between nodes, and of a node and what stands, are laid four side by side, no two of four with a body in common and none before one that Bullet
-// solves earlier on a body of its; those four are solved at once.
+// Rows of ContactSolver: what presses and rubs at contacts of nodes. Two rows that share no body may be solved in either order, to the same
+// bits. So rows between nodes, and of a node and what stands, are laid four side by side, no two of four with a body in common and none
+// before one that Bullet solves earlier on a body of its; those four are solved at once.
 
 #include <BulletCollision/NarrowPhaseCollision/btManifoldPoint.h>
 #include <BulletDynamics/ConstraintSolver/btSolverBody.h>
@@ -16,25 +16,26 @@ namespace pliant {
 inline constexpr int kRowLanes = 4;
 
 using Lanes = btScalar __attribute__( ( vector_size( kRowLanes * sizeof( btScalar ) ) ) );
-using LaneMask = std::conditional_t<sizeof( btScalar ) == 4, int, long long> __attribute__( ( vector_size( kRowLanes * sizeof( btScalar ) ) ) );
+using LaneMask = std::conditional_t<sizeof( btScalar ) == 4, int, long long> __attribute__( (
+	vector_size( kRowLanes * sizeof( btScalar ) ) ) );
 
 /// A stand-in for a node, while the solver is at work: it moves alike along all axes, has no spin and no force on it.
 struct Point
 {
-	btVector3 speed;          ///< that it came with, m/s
-	btVector3 push;           ///< out of what it is in, m/s
+	btVector3 speed; ///< that it came with, m/s
+	btVector3 push;  ///< out of what it is in, m/s
 	btRigidBody* body;
-	btScalar inverse;         ///< 1 / kg
-	int step;                 ///< the last that moves it
+	btScalar inverse; ///< 1 / kg
+	int step;         ///< the last that moves it
 };
 
 /// What a row asks for and may take, of whichever kind.
 struct Ask
 {
-	btVector3 normal;                ///< of the first; against it on the second
-	btScalar perSpeed;               ///< Bullet's m_jacDiagABInv
+	btVector3 normal;  ///< of the first; against it on the second
+	btScalar perSpeed; ///< Bullet's m_jacDiagABInv
 	btScalar rhs, cfm, impulse;
-	btScalar friction;               ///< share of what presses
+	btScalar friction; ///< share of what presses
 };
 
 /// Four rows between points, or (b is nobody) of a point and what stands.
@@ -53,9 +54,9 @@ struct TurningRow
 {
 	btVector3 normal, cross, angular; ///< n, r x n, I^-1 ( r x n )
 	btScalar perSpeed, rhs, cfm, impulse, friction;
-	btScalar inverse;                 ///< of the point
+	btScalar inverse; ///< of the point
 	int point, body;
-	bool isBodyFirst;                 ///< of the two, to Bullet
+	bool isBodyFirst; ///< of the two, to Bullet
 	double perImpulse;
 };
 
@@ -88,8 +89,8 @@ struct ContactRows
 	std::vector<TurningRow> turnPress, turnRub;
 	int directions = 1;
 
-	std::vector<Point> points;       ///< the first is nobody
-	std::vector<btVector3> change;   ///< of the points' speeds, m/s
+	std::vector<Point> points;     ///< the first is nobody
+	std::vector<btVector3> change; ///< of the points' speeds, m/s
 
 	/// All points of contact that have rows, but for Bullet's own.
 	struct Contact

@@ -15,8 +15,8 @@ bool ContactSolver::isPlain( const btContactSolverInfo& info ) const
 	auto& self = const_cast<ContactSolver&>( *this ); // Bullet forgot the const
 	const int others = SOLVER_RANDMIZE_ORDER | SOLVER_INTERLEAVE_CONTACT_AND_FRICTION_CONSTRAINTS;
 	return m_jointCount == 0 && ( info.m_solverMode & others ) == 0 && m_tmpSolverNonContactConstraintPool.size() == 0 &&
-		   self.getActiveConstraintRowSolverGeneric() == self.getScalarConstraintRowSolverGeneric() &&
-		   self.getActiveConstraintRowSolverLowerLimit() == self.getScalarConstraintRowSolverLowerLimit();
+		self.getActiveConstraintRowSolverGeneric() == self.getScalarConstraintRowSolverGeneric() &&
+		self.getActiveConstraintRowSolverLowerLimit() == self.getScalarConstraintRowSolverLowerLimit();
 }
 
 btSolverBody* ContactSolver::solverBodies()
@@ -24,11 +24,12 @@ btSolverBody* ContactSolver::solverBodies()
 	return m_tmpSolverBodyPool.size() > 0 ? &m_tmpSolverBodyPool[0] : nullptr;
 }
 
-btScalar ContactSolver::solveGroupCacheFriendlySetup( btCollisionObject** bodies, int bodyCount, btPersistentManifold** manifolds, int manifoldCount,
-	btTypedConstraint** joints, int jointCount, const btContactSolverInfo& info, btIDebugDraw* drawer )
+btScalar ContactSolver::solveGroupCacheFriendlySetup( btCollisionObject** bodies, int bodyCount, btPersistentManifold** manifolds,
+	int manifoldCount, btTypedConstraint** joints, int jointCount, const btContactSolverInfo& info, btIDebugDraw* drawer )
 {
 	m_jointCount = jointCount;
-	return btSequentialImpulseConstraintSolver::solveGroupCacheFriendlySetup( bodies, bodyCount, manifolds, manifoldCount, joints, jointCount, info, drawer );
+	return btSequentialImpulseConstraintSolver::solveGroupCacheFriendlySetup(
+		bodies, bodyCount, manifolds, manifoldCount, joints, jointCount, info, drawer );
 }
 
 // What has no depth is not asked: Bullet's rows find nothing to do for it.
@@ -53,8 +54,9 @@ btScalar ContactSolver::pushOutOnce()
 	return worst;
 }
 
-void ContactSolver::solveGroupCacheFriendlySplitImpulseIterations( btCollisionObject** bodies, int bodyCount, btPersistentManifold** manifolds,
-	int manifoldCount, btTypedConstraint** joints, int jointCount, const btContactSolverInfo& info, btIDebugDraw* drawer )
+void ContactSolver::solveGroupCacheFriendlySplitImpulseIterations( btCollisionObject** bodies, int bodyCount,
+	btPersistentManifold** manifolds, int manifoldCount, btTypedConstraint** joints, int jointCount, const btContactSolverInfo& info,
+	btIDebugDraw* drawer )
 {
 	if ( !m_isInUse )
 	{
@@ -114,8 +116,8 @@ btScalar ContactSolver::rollBullets()
 	return worst;
 }
 
-btScalar ContactSolver::solveSingleIteration( int iteration, btCollisionObject** bodies, int bodyCount, btPersistentManifold** manifolds, int manifoldCount,
-	btTypedConstraint** joints, int jointCount, const btContactSolverInfo& info, btIDebugDraw* drawer )
+btScalar ContactSolver::solveSingleIteration( int iteration, btCollisionObject** bodies, int bodyCount, btPersistentManifold** manifolds,
+	int manifoldCount, btTypedConstraint** joints, int jointCount, const btContactSolverInfo& info, btIDebugDraw* drawer )
 {
 	if ( !m_isInUse )
 	{

@@ -188,7 +188,9 @@ btScalar ContactSolver::Conversion::bounce() const
 	{
 		return 0;
 	}
-	const auto speed = [this]( const Side& side ) { return side.body ? side.body->m_originalBody->getVelocityInLocalPoint( arm ) : speedOf( side ); };
+	const auto speed = [this]( const Side& side ) {
+		return side.body ? side.body->m_originalBody->getVelocityInLocalPoint( arm ) : speedOf( side );
+	};
 	const btScalar parting = point->m_normalWorldOnB.dot( speed( a ) - speed( b ) );
 	const btScalar back = solver.restitutionCurve( parting, point->m_combinedRestitution, info.m_restitutionVelocityThreshold );
 	return back <= 0 ? btScalar( 0 ) : back;
@@ -216,14 +218,16 @@ void ContactSolver::Conversion::write( const Lever& lever, Ask ask, int which )
 	if ( const Side* const turns = turning() )
 	{
 		const int node = turns == &a ? b.point : a.point;
-		( which < 0 ? rows.turnPress[std::size_t( place.at )] : rows.turnRub[std::size_t( place.at * rows.directions + which )] ) =
-			TurningRow{ lever.axis, lever.cross, lever.angular, ask.perSpeed, ask.rhs, ask.cfm, ask.impulse, ask.friction,
-				rows.points[std::size_t( node )].inverse, node, turns->number, turns == &a, 1. / ask.perSpeed };
+		( which < 0 ? rows.turnPress[std::size_t( place.at )]
+					: rows.turnRub[std::size_t( place.at * rows.directions + which )] ) = TurningRow{ lever.axis, lever.cross,
+			lever.angular, ask.perSpeed, ask.rhs, ask.cfm, ask.impulse, ask.friction, rows.points[std::size_t( node )].inverse, node,
+			turns->number, turns == &a, 1. / ask.perSpeed };
 		return;
 	}
 	const int first = one(), second = other(), four = place.at / kRowLanes, kind = int( place.kind );
 	FourRows& row = which < 0 ? rows.press[kind][std::size_t( four )] : rows.rub[kind][std::size_t( four * rows.directions + which )];
-	row.set( place.at % kRowLanes, ask, first, rows.points[std::size_t( first )].inverse, second, rows.points[std::size_t( second )].inverse );
+	row.set(
+		place.at % kRowLanes, ask, first, rows.points[std::size_t( first )].inverse, second, rows.points[std::size_t( second )].inverse );
 }
 
 void ContactSolver::Conversion::convertPoint()
@@ -259,15 +263,18 @@ void ContactSolver::Conversion::convertPoint()
 	{
 		warmStart( lever, ask.impulse );
 	}
-	const bool isGiven = ( info.m_solverMode & SOLVER_ENABLE_FRICTION_DIRECTION_CACHING ) && ( point->m_contactPointFlags & BT_CONTACT_FLAG_LATERAL_FRICTION_INITIALIZED );
+	const bool isGiven = ( info.m_solverMode & SOLVER_ENABLE_FRICTION_DIRECTION_CACHING ) &&
+		( point->m_contactPointFlags & BT_CONTACT_FLAG_LATERAL_FRICTION_INITIALIZED );
 	if ( !isGiven )
 	{
 		chooseDirections();
 	}
-	rubAlong( point->m_lateralFrictionDir1, 0, isGiven ? point->m_contactMotion1 : btScalar( 0 ), isGiven ? point->m_frictionCFM : btScalar( 0 ) );
+	rubAlong( point->m_lateralFrictionDir1, 0, isGiven ? point->m_contactMotion1 : btScalar( 0 ),
+		isGiven ? point->m_frictionCFM : btScalar( 0 ) );
 	if ( rows.directions > 1 )
 	{
-		rubAlong( point->m_lateralFrictionDir2, 1, isGiven ? point->m_contactMotion2 : btScalar( 0 ), isGiven ? point->m_frictionCFM : btScalar( 0 ) );
+		rubAlong( point->m_lateralFrictionDir2, 1, isGiven ? point->m_contactMotion2 : btScalar( 0 ),
+			isGiven ? point->m_frictionCFM : btScalar( 0 ) );
 	}
 }
 

@@ -6,7 +6,8 @@
 // Bullet makes one island of all whose boxes overlap. A soft body's box is large for what is in it, and pieces of what broke lie in one
 // another's boxes: they are one island with what they touch. Otherwise nothing of a heap would sleep as long as one in it swings.
 //
-// Where the step makes several passes (substep_group.h), islands are of the objects that the pass moves; the others keep the tags they have.
+// Where the step makes several passes (substep_group.h), islands are of the objects that the pass moves; the others keep the tags they
+// have.
 
 #include "pliant/soft_body.h"
 #include "world/bodies/ahead.h"
@@ -134,7 +135,8 @@ private:
 			{
 				return;
 			}
-			if ( ( a && !a->isStaticOrKinematicObject() && !m_bodies.isInPass( *a ) ) || ( b && !b->isStaticOrKinematicObject() && !m_bodies.isInPass( *b ) ) )
+			if ( ( a && !a->isStaticOrKinematicObject() && !m_bodies.isInPass( *a ) ) ||
+				( b && !b->isStaticOrKinematicObject() && !m_bodies.isInPass( *b ) ) )
 			{
 				return;
 			}

@@ -10,7 +10,8 @@
 
 namespace pliant {
 
-/// One of the world's arrays, of which a pass sees a part. What the game adds or removes meanwhile (in a callback) is added to or removed from the whole.
+/// One of the world's arrays, of which a pass sees a part. What the game adds or removes meanwhile (in a callback) is added to or removed
+/// from the whole.
 template <class T>
 class PassObjects
 {
@@ -36,7 +37,9 @@ public:
 		std::vector<T*> now( world.size() > 0 ? &world[0] : nullptr, world.size() > 0 ? &world[0] + world.size() : nullptr );
 		const bool isSame = now == m_shown;
 		world.resizeNoInitialize( 0 );
-		const auto isIn = []( const std::vector<T*>& list, T* object ) { return std::find( list.begin(), list.end(), object ) != list.end(); };
+		const auto isIn = []( const std::vector<T*>& list, T* object ) {
+			return std::find( list.begin(), list.end(), object ) != list.end();
+		};
 		for ( T* object : m_all )
 		{
 			if ( isSame || isIn( now, object ) || !isIn( m_shown, object ) )
@@ -61,8 +64,8 @@ private:
 	std::vector<T*> m_all, m_shown;
 };
 
-/// Objects that a pass touches and does not move, for they have moved already: their velocities change and forces do not act twice. Their island is that of what
-/// they touch.
+/// Objects that a pass touches and does not move, for they have moved already: their velocities change and forces do not act twice. Their
+/// island is that of what they touch.
 class LentObjects
 {
 public:
@@ -84,7 +87,8 @@ public:
 	}
 	void forget( const btCollisionObject& object )
 	{
-		m_lent.erase( std::remove_if( m_lent.begin(), m_lent.end(), [&object]( const Lent& lent ) { return lent.object == &object; } ), m_lent.end() );
+		m_lent.erase( std::remove_if( m_lent.begin(), m_lent.end(), [&object]( const Lent& lent ) { return lent.object == &object; } ),
+			m_lent.end() );
 	}
 	void giveBack()
 	{

@@ -1,7 +1,7 @@
 // What Bullet's solver made of the stand-ins' speeds and places goes back to their nodes.
 
-#include "world/constants.h"
 #include "world/bodies/soft_body_impl.h"
+#include "world/constants.h"
 #include "world/step/soft_body_system.h"
 
 #include <LinearMath/btQuickprof.h>
@@ -36,7 +36,8 @@ void SoftBodySystem::readBack()
 				stand->forceActivationState( body->getActivationState() );
 				stand->wasAsleep = true;
 			}
-			if ( !pool.isFresh( *stand ) || nodes.freedom[stand->node] == 0.0f || impl.block >= 0 || !moves( *body ) || body->getCollisionFlags() & btCollisionObject::CF_NO_CONTACT_RESPONSE )
+			if ( !pool.isFresh( *stand ) || nodes.freedom[stand->node] == 0.0f || impl.block >= 0 || !moves( *body ) ||
+				body->getCollisionFlags() & btCollisionObject::CF_NO_CONTACT_RESPONSE )
 			{
 				continue;
 			}

@@ -2,8 +2,8 @@
 
 #include "body/levels/levels.h"
 #include "threads/parallel.h"
-#include "world/constants.h"
 #include "world/bodies/soft_body_impl.h"
+#include "world/constants.h"
 #include "world/stopwatch.h"
 
 #include <BulletCollision/CollisionDispatch/btCollisionConfiguration.h>
@@ -27,9 +27,11 @@ bool SoftBodySystem::hasAwakeBody() const
 	return std::any_of( m_bodies.begin(), m_bodies.end(), [this]( const SoftBody* body ) { return moves( *body ); } );
 }
 
-int SoftBodySystem::planSubsteps( btScalar gameStep, const btAlignedObjectArray<btRigidBody*>& rigid, const btAlignedObjectArray<btTypedConstraint*>& constraints )
+int SoftBodySystem::planSubsteps(
+	btScalar gameStep, const btAlignedObjectArray<btRigidBody*>& rigid, const btAlignedObjectArray<btTypedConstraint*>& constraints )
 {
-	// The user counts substeps for a sixtieth of a second; a longer step gets as many more, so that behaviour does not follow the frame rate.
+	// The user counts substeps for a sixtieth of a second; a longer step gets as many more, so that behaviour does not follow the frame
+	// rate.
 	const int nominal = int( std::ceil( double( substeps ) * gameStep / kNominalStep - 1e-3 ) );
 	const int usual = std::max( substeps, std::min( nominal, std::max( substeps, maxSubsteps ) ) );
 	m_choice.choose( m_bodies, m_world, gameStep, usual );
@@ -55,7 +57,8 @@ int SoftBodySystem::substepsOf( const SoftBody& body ) const
 
 bool SoftBodySystem::isAwakeIn( int island ) const
 {
-	return island >= 0 && std::any_of( m_awake.begin(), m_awake.end(), [island]( const SoftBody* body ) { return body->getIslandTag() == island; } );
+	return island >= 0 &&
+		std::any_of( m_awake.begin(), m_awake.end(), [island]( const SoftBody* body ) { return body->getIslandTag() == island; } );
 }
 
 void SoftBodySystem::beginPass( StepPass pass )
@@ -95,7 +98,8 @@ void SoftBodySystem::beginStep( btScalar gameStep, int substepCount )
 bool SoftBodySystem::stepsImplicitly( const SoftBody& body ) const
 {
 	const Elasticity wanted = body.material().elasticity;
-	return ( wanted == Elasticity::Implicit || ( wanted == Elasticity::Automatic && body.impl().elasticity.isImplicit ) ) && body.impl().body->canStepImplicitly();
+	return ( wanted == Elasticity::Implicit || ( wanted == Elasticity::Automatic && body.impl().elasticity.isImplicit ) ) &&
+		body.impl().body->canStepImplicitly();
 }
 
 bool SoftBodySystem::isImplicitPoint( const SoftBody& body ) const
@@ -132,7 +136,7 @@ void SoftBodySystem::gatherAwake()
 	for ( SoftBody* body : m_awake )
 	{
 		const int count = body->nodeCount();
-		const bool isMoreThanAShare = count >= 2 * kLeastShare && (long long)( count )*tasks()->threadCount() > nodes;
+		const bool isMoreThanAShare = count >= 2 * kLeastShare && (long long)(count)*tasks()->threadCount() > nodes;
 		( isMoreThanAShare ? m_sharedOut : m_whole ).push_back( body );
 	}
 }
@@ -185,7 +189,8 @@ void SoftBodySystem::accelerate( btScalar h, int substep )
 		} );
 	}
 	{
-		// After matching, which looks at places and at the speeds the last substep left: damping must not take a share of this one's forces.
+		// After matching, which looks at places and at the speeds the last substep left: damping must not take a share of this one's
+		// forces.
 		Stopwatch watch( report.forces );
 		forAwake( [&]( SoftBody& body, TaskRunner* within ) {
 			if ( !body.impl().isImplicit )
@@ -293,7 +298,8 @@ void SoftBodySystem::freshenShapes()
 {
 	Stopwatch watch( report.spheres );
 	m_staleShapes.clear();
-	std::copy_if( m_bodies.begin(), m_bodies.end(), std::back_inserter( m_staleShapes ), []( const SoftBody* body ) { return body->impl().shape->isStale(); } );
+	std::copy_if( m_bodies.begin(), m_bodies.end(), std::back_inserter( m_staleShapes ),
+		[]( const SoftBody* body ) { return body->impl().shape->isStale(); } );
 	// Many: each in one task. Few: the threads share a body.
 	const bool oneTaskEach = int( m_staleShapes.size() ) >= tasks()->threadCount();
 	auto freshen = [&]( int k ) { m_staleShapes[std::size_t( k )]->impl().shape->freshen( oneTaskEach ? nullptr : tasks() ); };

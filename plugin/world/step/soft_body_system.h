@@ -4,14 +4,14 @@
 // another world of the user's could do the same.
 
 #include "pliant/soft_body_world.h"
+#include "world/bodies/skin_rooms.h"
+#include "world/detect/node_algorithm.h"
+#include "world/detect/node_contacts.h"
 #include "world/implicit/implicit_choice.h"
 #include "world/implicit/implicit_solve.h"
-#include "world/detect/node_algorithm.h"
-#include "world/shape/node_body.h"
-#include "world/detect/node_contacts.h"
 #include "world/respond/node_guard.h"
 #include "world/respond/rubbing_spin.h"
-#include "world/bodies/skin_rooms.h"
+#include "world/shape/node_body.h"
 #include "world/step/substep_group.h"
 
 #include <memory>
@@ -29,7 +29,8 @@ public:
 
 	bool add( SoftBody& body );    ///< false when it is there already or belongs to another world
 	bool remove( SoftBody& body ); ///< after it has left the world; false when it is not there
-	/// Whether an object is in the world: asks the world's list for the pointer, not the object, which may be gone. `index`: where it was last; where it is.
+	/// Whether an object is in the world: asks the world's list for the pointer, not the object, which may be gone. `index`: where it was
+	/// last; where it is.
 	bool holds( const btCollisionObject* object, int& index ) const;
 	/// Objects that rest on the body or hold it up.
 	void wakeTouching( const SoftBody& body );
@@ -37,7 +38,8 @@ public:
 	void findPlace( SoftBody& body ) const;
 	/// What stepSimulation is asked for. False where it cannot be done; a time of more steps than can be counted is cut.
 	bool acceptsSteps( btScalar& timeStep, int maxSubSteps, btScalar fixedTimeStep ) const;
-	/// Before a step. False where there is nothing to be done for a step of that length; one that is longer than soft bodies can bear is cut short.
+	/// Before a step. False where there is nothing to be done for a step of that length; one that is longer than soft bodies can bear is
+	/// cut short.
 	bool openStep( btScalar& timeStep );
 	/// With all pairs processed: those that the game has refused let go of their contacts.
 	void releaseRefusedPairs();
@@ -47,12 +49,13 @@ public:
 	const std::vector<SoftBody*>& bodies() const { return m_bodies; }
 
 	bool hasAwakeBody() const;
-	/// Chooses what takes soft substeps in a game step of this length, and how many: the user's, or as many more as the stiffest awake material needs.
-	/// 1 where nothing does.
-	int planSubsteps( btScalar gameStep, const btAlignedObjectArray<btRigidBody*>& rigid, const btAlignedObjectArray<btTypedConstraint*>& constraints );
+	/// Chooses what takes soft substeps in a game step of this length, and how many: the user's, or as many more as the stiffest awake
+	/// material needs. 1 where nothing does.
+	int planSubsteps(
+		btScalar gameStep, const btAlignedObjectArray<btRigidBody*>& rigid, const btAlignedObjectArray<btTypedConstraint*>& constraints );
 	SubstepGroup group;
 
-	void wakeDriven();                          ///< sleeping bodies whose pins move
+	void wakeDriven(); ///< sleeping bodies whose pins move
 	void beginStep( btScalar gameStep, int substeps );
 	/// What follows, up to updateActivation, is for the bodies that this pass moves.
 	void beginPass( StepPass pass );
@@ -82,8 +85,8 @@ public:
 	/// Implicit bodies and what they touch, before Bullet's solver; and what that says to them afterwards.
 	void solveImplicit( btDispatcher& dispatcher, const btContactSolverInfo& info );
 	void noteSolved() { implicitSolve().after(); }
-	void readBack();                            ///< what the solver made of the touched nodes
-	void holdBack( btScalar h );                ///< fast nodes, from passing through what stands
+	void readBack();             ///< what the solver made of the touched nodes
+	void holdBack( btScalar h ); ///< fast nodes, from passing through what stands
 	void integrate( btScalar h, int substep );
 	/// For what asks Bullet where the bodies are (rays, sweeps, contact tests) before the step has ended.
 	void freshenShapes();
@@ -166,24 +169,24 @@ private:
 	btDiscreteDynamicsWorld& m_world;
 	btCollisionDispatcher& m_dispatcher;
 	std::shared_ptr<AlgorithmTable> m_algorithms; ///< null while there is no body
-	std::vector<SoftBody*> m_bodies; ///< ascending by serial
+	std::vector<SoftBody*> m_bodies;              ///< ascending by serial
 	std::vector<NodeBody*> m_predictive;
 	ImplicitSolve m_implicit[2]; ///< by pass
 	NodeGuard m_guard;
 	std::vector<Vec3> m_placesBefore; ///< scratch of readBack
 	ImplicitChoice m_choice;
-	std::vector<SoftBody*> m_awake; ///< in this substep
-	std::vector<SoftBody*> m_asleep; ///< when the last step ended
-	std::vector<SoftBody*> m_staleShapes; ///< scratch of freshenShapes
+	std::vector<SoftBody*> m_awake;              ///< in this substep
+	std::vector<SoftBody*> m_asleep;             ///< when the last step ended
+	std::vector<SoftBody*> m_staleShapes;        ///< scratch of freshenShapes
 	std::vector<SoftBody*> m_sharedOut, m_whole; ///< those of them that all threads do together, and that one does
-	std::vector<SoftBody*> m_stale; ///< scratch of noteAsked
-	std::vector<std::uint32_t> m_widening; ///< scratch of askForContacts, and the nodes' F
+	std::vector<SoftBody*> m_stale;              ///< scratch of noteAsked
+	std::vector<std::uint32_t> m_widening;       ///< scratch of askForContacts, and the nodes' F
 	std::vector<float> m_stretches;
 	unsigned m_steps = 1, m_askedIn = 0; ///< game steps so far, from 1; after which of them a skin was last asked for (0: never)
 	btScalar m_gameStep = btScalar( 0 );
-	int m_substepCount = 1;       ///< of the group that takes substeps
+	int m_substepCount = 1; ///< of the group that takes substeps
 	StepPass m_pass = StepPass::Whole;
-	int m_contactsBefore = 0;     ///< StepReport::softContacts of the pass before
+	int m_contactsBefore = 0;            ///< StepReport::softContacts of the pass before
 	std::vector<SoftBody*> m_substepped; ///< scratch of planSubsteps
 	unsigned m_serials = 0;
 };

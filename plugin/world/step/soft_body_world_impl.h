@@ -4,12 +4,12 @@
 
 #include "pliant/soft_body_world.h"
 #include "world/respond/bounce.h"
-#include "world/touch/manifold_view.h"
 #include "world/respond/moved_contacts.h"
+#include "world/respond/turning_friction.h"
 #include "world/step/pass_objects.h"
 #include "world/step/soft_body_system.h"
 #include "world/step/step_impulses.h"
-#include "world/respond/turning_friction.h"
+#include "world/touch/manifold_view.h"
 
 #include <BulletDynamics/ConstraintSolver/btTypedConstraint.h>
 
@@ -23,8 +23,8 @@ struct SoftBodyWorld::System
 	TurningFriction turning;
 	Bounces bounces;
 	MovedContacts moved;
-	ManifoldView view;                     ///< the manifolds of a pass
-	PassObjects<btRigidBody> rigid;        ///< the world's own arrays, while a pass sees its part of them
+	ManifoldView view;              ///< the manifolds of a pass
+	PassObjects<btRigidBody> rigid; ///< the world's own arrays, while a pass sees its part of them
 	PassObjects<btTypedConstraint> joints;
 	LentObjects lent;
 	StepImpulses impulses;
@@ -35,13 +35,13 @@ struct SoftBodyWorld::System
 	};
 	Lengths lengths;
 	int substep = 0;
-	btScalar gameStep = btScalar( 0 );     ///< s
-	bool isNewStep = false;                ///< no pass of the game step has begun
-	bool isStepping = false;               ///< a soft body is awake: the overrides do their part
-	bool isTickOver = false;               ///< the game's step has ended: the next one begins with no events
+	btScalar gameStep = btScalar( 0 ); ///< s
+	bool isNewStep = false;            ///< no pass of the game step has begun
+	bool isStepping = false;           ///< a soft body is awake: the overrides do their part
+	bool isTickOver = false;           ///< the game's step has ended: the next one begins with no events
 
-	/// Something asks Bullet between substeps where soft bodies are. Actions may ask anything (a vehicle's wheels cast rays), and Bullet's continuous
-	/// detection sweeps bodies against all that is there.
+	/// Something asks Bullet between substeps where soft bodies are. Actions may ask anything (a vehicle's wheels cast rays), and Bullet's
+	/// continuous detection sweeps bodies against all that is there.
 	static bool isAsked( const SoftBodyWorld& world );
 	/// The world's arrays hold what the pass moves, and its dispatcher shows the manifolds of that.
 	void beginPass( SoftBodyWorld& world, StepPass pass );

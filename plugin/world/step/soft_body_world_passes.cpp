@@ -3,8 +3,8 @@
 #include "world/step/soft_body_world_impl.h"
 
 #include "world/bodies/ahead.h"
-#include "world/step/island_manager.h"
 #include "world/bodies/soft_body_impl.h"
+#include "world/step/island_manager.h"
 
 #include <LinearMath/btQuickprof.h>
 
@@ -17,7 +17,9 @@ namespace {
 /// The pairs of one pass, handed to the game's or Bullet's own near callback.
 struct PassPairs : btOverlapCallback
 {
-	PassPairs( btCollisionDispatcher& to, const btDispatcherInfo& how, const SoftBodySystem& whose ) : dispatcher( to ), info( how ), bodies( whose ) {}
+	PassPairs( btCollisionDispatcher& to, const btDispatcherInfo& how, const SoftBodySystem& whose ) :
+		dispatcher( to ), info( how ), bodies( whose )
+	{}
 
 	bool processOverlap( btBroadphasePair& pair ) override
 	{
@@ -84,8 +86,8 @@ void SoftBodyWorld::System::endPass( SoftBodyWorld& world )
 	}
 }
 
-// Impulses that were found in a step of another length start the solver as hard as they pressed, in islands with an awake soft body and where something has
-// entered the group or left it. Else they are Bullet's, which leaves them alone.
+// Impulses that were found in a step of another length start the solver as hard as they pressed, in islands with an awake soft body and
+// where something has entered the group or left it. Else they are Bullet's, which leaves them alone.
 void SoftBodyWorld::System::carryImpulses( SoftBodyWorld& world, btScalar h )
 {
 	const Lengths before = lengths;
@@ -98,7 +100,8 @@ void SoftBodyWorld::System::carryImpulses( SoftBodyWorld& world, btScalar h )
 		const bool hasChanged = wasSubstep != ( bodies.pass() == StepPass::Substeps );
 		const btScalar then = wasSubstep ? before.substep : before.whole;
 		const int island = std::max( manifold.getBody0()->getIslandTag(), manifold.getBody1()->getIslandTag() );
-		if ( then != h && ( hasChanged || isNodeBody( manifold.getBody0() ) || isNodeBody( manifold.getBody1() ) || bodies.isAwakeIn( island ) ) )
+		if ( then != h &&
+			( hasChanged || isNodeBody( manifold.getBody0() ) || isNodeBody( manifold.getBody1() ) || bodies.isAwakeIn( island ) ) )
 		{
 			scaleImpulses( manifold, h / then );
 		}
@@ -113,7 +116,7 @@ void SoftBodyWorld::System::showPass( SoftBodyWorld& world )
 	}
 	const bool isSubstep = bodies.pass() == StepPass::Substeps;
 	view.show( *world.m_dispatcher1, [&]( btPersistentManifold& manifold ) {
-		const btCollisionObject *const objects[2] = { manifold.getBody0(), manifold.getBody1() };
+		const btCollisionObject* const objects[2] = { manifold.getBody0(), manifold.getBody1() };
 		const bool isMember[2] = { bodies.group.contains( *objects[0] ), bodies.group.contains( *objects[1] ) };
 		if ( ( isMember[0] || isMember[1] ) != isSubstep )
 		{
@@ -138,11 +141,11 @@ void SoftBodyWorld::System::showPass( SoftBodyWorld& world )
 	world.m_dispatcher1 = &view;
 }
 
-// The broadphase runs once a game step, as in Bullet's world: objects of the group have boxes that hold what they may sweep in all substeps. Should one leave its
-// box it runs again.
+// The broadphase runs once a game step, as in Bullet's world: objects of the group have boxes that hold what they may sweep in all
+// substeps. Should one leave its box it runs again.
 void SoftBodyWorld::System::updateBoxes( SoftBodyWorld& world )
 {
-		bool isOutdated = bodies.pass() == StepPass::Whole;
+	bool isOutdated = bodies.pass() == StepPass::Whole;
 	for ( int i = 0; i < world.m_collisionObjects.size(); ++i )
 	{
 		btCollisionObject& object = *world.m_collisionObjects[i];
@@ -151,7 +154,8 @@ void SoftBodyWorld::System::updateBoxes( SoftBodyWorld& world )
 			const SubstepGroup::Box box = SubstepGroup::sweptBox( object, world.m_gravity, gameStep );
 			world.m_broadphasePairCache->setAabb( object.getBroadphaseHandle(), box.low, box.high, world.m_dispatcher1 );
 		}
-		else if ( bodies.pass() == StepPass::Whole ? world.getForceUpdateAllAabbs() || object.isActive() : bodies.group.contains( object ) && !SubstepGroup::isInBox( object ) )
+		else if ( bodies.pass() == StepPass::Whole ? world.getForceUpdateAllAabbs() || object.isActive()
+												   : bodies.group.contains( object ) && !SubstepGroup::isInBox( object ) )
 		{
 			world.updateSingleAabb( &object );
 			isOutdated = true;
@@ -168,7 +172,8 @@ void SoftBodyWorld::System::detectPass( SoftBodyWorld& world )
 {
 	updateBoxes( world );
 	PassPairs pairs( *static_cast<btCollisionDispatcher*>( world.m_dispatcher1 ), world.getDispatchInfo(), bodies );
-	world.m_broadphasePairCache->getOverlappingPairCache()->processAllOverlappingPairs( &pairs, world.m_dispatcher1, world.getDispatchInfo() );
+	world.m_broadphasePairCache->getOverlappingPairCache()->processAllOverlappingPairs(
+		&pairs, world.m_dispatcher1, world.getDispatchInfo() );
 }
 
 // Bullet's, for the objects of the pass.

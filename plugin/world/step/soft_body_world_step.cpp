@@ -1,5 +1,6 @@
-// The order of a step. A game step is at most two passes over the same stages: one by the whole step for all that no explicit soft body touches, and then
-// as many substeps as explicit soft bodies need for those and what touches them (substep_group.h). Actions and tick callbacks run once, as in Bullet's world.
+// The order of a step. A game step is at most two passes over the same stages: one by the whole step for all that no explicit soft body
+// touches, and then as many substeps as explicit soft bodies need for those and what touches them (substep_group.h). Actions and tick
+// callbacks run once, as in Bullet's world.
 
 #include "world/step/soft_body_world_impl.h"
 
@@ -24,16 +25,16 @@ bool SoftBodyWorld::System::isAsked( const SoftBodyWorld& world )
 // The stages of a step of length h for the bodies of the pass, as in Bullet's internalSingleStepSimulation.
 void SoftBodyWorld::System::stepPass( SoftBodyWorld& world, btScalar h )
 {
-	world.predictUnconstraintMotion( h );         // forces, pins, matching; levels and fracture change nodes here alone
+	world.predictUnconstraintMotion( h ); // forces, pins, matching; levels and fracture change nodes here alone
 	btDispatcherInfo& info = world.getDispatchInfo();
 	info.m_timeStep = h;
 	info.m_stepCount = 0;
 	info.m_debugDraw = world.getDebugDrawer();
-	world.createPredictiveContacts( h );          // of fast rigid bodies
-	world.performDiscreteCollisionDetection();    // broadphase, narrow phase, bodies with themselves
-	bodies.releaseRefusedPairs();                 // before anybody lists manifolds
+	world.createPredictiveContacts( h );       // of fast rigid bodies
+	world.performDiscreteCollisionDetection(); // broadphase, narrow phase, bodies with themselves
+	bodies.releaseRefusedPairs();              // before anybody lists manifolds
 	btDispatcher* const dispatcher = world.m_dispatcher1;
-	showPass( world );                            // islands and solver see the manifolds of the pass
+	showPass( world ); // islands and solver see the manifolds of the pass
 	world.calculateSimulationIslands();
 	carryImpulses( world, h );
 	world.getSolverInfo().m_timeStep = h;
@@ -44,7 +45,7 @@ void SoftBodyWorld::System::stepPass( SoftBodyWorld& world, btScalar h )
 	}
 	world.m_dispatcher1 = dispatcher;
 	lent.giveBack();
-	world.integrateTransforms( h );               // positions; which links break
+	world.integrateTransforms( h ); // positions; which links break
 }
 
 // One game step, in this order.

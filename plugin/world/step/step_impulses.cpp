@@ -17,14 +17,10 @@ btScalar largestImpulse( btTypedConstraint& joint )
 {
 	switch ( joint.getConstraintType() )
 	{
-		case HINGE_CONSTRAINT_TYPE:
-			return static_cast<btHingeConstraint&>( joint ).getMaxMotorImpulse();
-		case CONETWIST_CONSTRAINT_TYPE:
-			return static_cast<btConeTwistConstraint&>( joint ).getMaxMotorImpulse();
-		case POINT2POINT_CONSTRAINT_TYPE:
-			return static_cast<btPoint2PointConstraint&>( joint ).m_setting.m_impulseClamp;
-		default:
-			return btScalar( 0 );
+		case HINGE_CONSTRAINT_TYPE: return static_cast<btHingeConstraint&>( joint ).getMaxMotorImpulse();
+		case CONETWIST_CONSTRAINT_TYPE: return static_cast<btConeTwistConstraint&>( joint ).getMaxMotorImpulse();
+		case POINT2POINT_CONSTRAINT_TYPE: return static_cast<btPoint2PointConstraint&>( joint ).m_setting.m_impulseClamp;
+		default: return btScalar( 0 );
 	}
 }
 
@@ -32,20 +28,14 @@ void setLargestImpulse( btTypedConstraint& joint, btScalar impulse )
 {
 	switch ( joint.getConstraintType() )
 	{
-		case HINGE_CONSTRAINT_TYPE:
-			static_cast<btHingeConstraint&>( joint ).setMaxMotorImpulse( impulse );
-			break;
-		case CONETWIST_CONSTRAINT_TYPE:
-		{
+		case HINGE_CONSTRAINT_TYPE: static_cast<btHingeConstraint&>( joint ).setMaxMotorImpulse( impulse ); break;
+		case CONETWIST_CONSTRAINT_TYPE: {
 			auto& cone = static_cast<btConeTwistConstraint&>( joint );
 			cone.isMaxMotorImpulseNormalized() ? cone.setMaxMotorImpulseNormalized( impulse ) : cone.setMaxMotorImpulse( impulse );
 			break;
 		}
-		case POINT2POINT_CONSTRAINT_TYPE:
-			static_cast<btPoint2PointConstraint&>( joint ).m_setting.m_impulseClamp = impulse;
-			break;
-		default:
-			break;
+		case POINT2POINT_CONSTRAINT_TYPE: static_cast<btPoint2PointConstraint&>( joint ).m_setting.m_impulseClamp = impulse; break;
+		default: break;
 	}
 }
 
@@ -60,7 +50,8 @@ StepImpulses::Contact* StepImpulses::find( const btPersistentManifold& manifold 
 		return nullptr;
 	}
 	Contact& contact = m_contacts[std::size_t( place )];
-	const bool isIts = contact.manifold == &manifold && contact.bodies[0] == manifold.getBody0() && contact.bodies[1] == manifold.getBody1();
+	const bool isIts = contact.manifold == &manifold && contact.bodies[0] == manifold.getBody0() &&
+		contact.bodies[1] == manifold.getBody1();
 	return isIts ? &contact : nullptr;
 }
 
@@ -93,7 +84,8 @@ void StepImpulses::begin( const btAlignedObjectArray<btTypedConstraint*>& joints
 	{
 		btTypedConstraint& joint = *joints[i];
 		const btScalar threshold = joint.getBreakingImpulseThreshold(), motor = largestImpulse( joint );
-		m_joints.push_back( Joint{ &joint, threshold, threshold < SIMD_INFINITY ? part * threshold : threshold, motor, part * motor, 0.0 } );
+		m_joints.push_back(
+			Joint{ &joint, threshold, threshold < SIMD_INFINITY ? part * threshold : threshold, motor, part * motor, 0.0 } );
 		joint.setBreakingImpulseThreshold( m_joints.back().scaledThreshold );
 		setLargestImpulse( joint, m_joints.back().scaledMotor );
 	}
@@ -173,7 +165,8 @@ void StepImpulses::end( btDispatcher& dispatcher )
 
 void StepImpulses::forget( const btTypedConstraint* joint )
 {
-	m_joints.erase( std::remove_if( m_joints.begin(), m_joints.end(), [joint]( const Joint& own ) { return own.joint == joint; } ), m_joints.end() );
+	m_joints.erase(
+		std::remove_if( m_joints.begin(), m_joints.end(), [joint]( const Joint& own ) { return own.joint == joint; } ), m_joints.end() );
 }
 
 } // namespace pliant

@@ -1,7 +1,7 @@
 #pragma once
 
-// Impulses of a game step that was made in soft substeps: what Bullet keeps and limits by the step (a contact's and a joint's applied impulse, a joint's
-// breaking threshold, a motor's largest impulse) means the whole game step, as without soft bodies.
+// Impulses of a game step that was made in soft substeps: what Bullet keeps and limits by the step (a contact's and a joint's applied
+// impulse, a joint's breaking threshold, a motor's largest impulse) means the whole game step, as without soft bodies.
 
 #include <LinearMath/btAlignedObjectArray.h>
 #include <LinearMath/btScalar.h>
@@ -39,10 +39,10 @@ private:
 	{
 		btPersistentManifold* manifold;
 		const btCollisionObject* bodies[2];
-		double sum;                             ///< of the step's substeps, N s
-		int points = 0;                         ///< those there were at its end
-		PointImpulse last[kMostPoints];         ///< their impulses in its last substep
-		btScalar shown[kMostPoints];            ///< what was written instead, N s
+		double sum;                     ///< of the step's substeps, N s
+		int points = 0;                 ///< those there were at its end
+		PointImpulse last[kMostPoints]; ///< their impulses in its last substep
+		btScalar shown[kMostPoints];    ///< what was written instead, N s
 	};
 	struct Joint
 	{

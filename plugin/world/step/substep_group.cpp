@@ -1,7 +1,7 @@
 #include "world/step/substep_group.h"
 
-#include "world/constants.h"
 #include "world/bodies/soft_body_impl.h"
+#include "world/constants.h"
 
 #include <BulletDynamics/ConstraintSolver/btTypedConstraint.h>
 #include <BulletDynamics/Dynamics/btDiscreteDynamicsWorld.h>
@@ -138,7 +138,8 @@ void SubstepGroup::add( const btCollisionObject& object )
 
 void SubstepGroup::noteRemoval( const btCollisionObject& object, int objectCount )
 {
-	m_touching.erase( std::remove_if( m_touching.begin(), m_touching.end(), [&object]( const Touching& touching ) { return touching.a == &object || touching.b == &object; } ),
+	m_touching.erase( std::remove_if( m_touching.begin(), m_touching.end(),
+						  [&object]( const Touching& touching ) { return touching.a == &object || touching.b == &object; } ),
 		m_touching.end() );
 	const int index = object.getWorldArrayIndex(), last = objectCount - 1;
 	for ( std::vector<unsigned char>* flags : { &m_isMember, &m_wasMember } )
@@ -202,7 +203,8 @@ bool SubstepGroup::include( const btCollisionObject& object )
 void SubstepGroup::includeNearby( const Scene& scene, const std::vector<SoftBody*>& substepped, btScalar gameStep )
 {
 	std::vector<SweptBox> sweeps, boxes;
-	SweptBox all{ { btVector3( SIMD_INFINITY, SIMD_INFINITY, SIMD_INFINITY ), btVector3( -SIMD_INFINITY, -SIMD_INFINITY, -SIMD_INFINITY ) } };
+	SweptBox all{
+		{ btVector3( SIMD_INFINITY, SIMD_INFINITY, SIMD_INFINITY ), btVector3( -SIMD_INFINITY, -SIMD_INFINITY, -SIMD_INFINITY ) } };
 	for ( const SoftBody* body : substepped )
 	{
 		sweeps.push_back( sweepOf( *body, scene.world.getGravity(), gameStep ) );
@@ -315,8 +317,7 @@ void SubstepGroup::choose( const Scene& scene, const std::vector<SoftBody*>& sub
 	includeNearby( scene, substepped, gameStep );
 	includeIslands( scene );
 	while ( includeJoined( scene ) && includeIslands( scene ) )
-	{
-	}
+	{}
 	m_joinedTags.clear();
 	for ( int i = 0; i < objects.size() && !m_isSplit; ++i )
 	{

@@ -1,8 +1,8 @@
 #pragma once
 
-// Which objects of a world take soft substeps in a game step: awake soft bodies that step explicitly, what touches them or may touch them within the
-// step, and what is in an island with that or joined to it. Everything else takes the game step whole, as in Bullet's own world: a soft body changes
-// nothing for what does not touch it.
+// Which objects of a world take soft substeps in a game step: awake soft bodies that step explicitly, what touches them or may touch them
+// within the step, and what is in an island with that or joined to it. Everything else takes the game step whole, as in Bullet's own world:
+// a soft body changes nothing for what does not touch it.
 
 #include "world/shape/node_body.h"
 
@@ -40,7 +40,7 @@ public:
 	{
 		const btDiscreteDynamicsWorld& world;
 		const std::vector<SoftBody*>& soft;
-		const btAlignedObjectArray<btRigidBody*>& rigid;            ///< that are not static
+		const btAlignedObjectArray<btRigidBody*>& rigid; ///< that are not static
 		const btAlignedObjectArray<btTypedConstraint*>& constraints;
 	};
 
@@ -55,7 +55,10 @@ public:
 	/// Whether the object was in the group in the last game step.
 	bool didContain( const btCollisionObject& object ) const { return isMember( m_wasMember, object ); }
 	/// Whether a pass moves the object. Every pass moves all objects where the group is not split.
-	bool moves( StepPass pass, const btCollisionObject& object ) const { return !m_isSplit || contains( object ) == ( pass == StepPass::Substeps ); }
+	bool moves( StepPass pass, const btCollisionObject& object ) const
+	{
+		return !m_isSplit || contains( object ) == ( pass == StepPass::Substeps );
+	}
 
 	/// A body came off one in the group during the step.
 	void add( const btCollisionObject& object );
@@ -84,8 +87,8 @@ private:
 	{
 		const btCollisionObject *a, *b;
 	};
-	std::vector<Touching> m_touching;                   ///< noteContact, in this step
-	std::vector<TagPair> m_joinedTags;                  ///< the islands of those of the last step
+	std::vector<Touching> m_touching;  ///< noteContact, in this step
+	std::vector<TagPair> m_joinedTags; ///< the islands of those of the last step
 	bool m_isEmpty = true, m_isSplit = false;
 };
 

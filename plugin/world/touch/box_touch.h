@@ -1,7 +1,7 @@
 #pragma once
 
-// A box that many spheres ask where they touch it, as boxes and floors in a heap are: what does not hang on the sphere is got once, what is far
-// is passed over before there is a root, and over a face there is none at all.
+// A box that many spheres ask where they touch it, as boxes and floors in a heap are: what does not hang on the sphere is got once, what is
+// far is passed over before there is a root, and over a face there is none at all.
 
 #include "world/constants.h"
 #include "world/touch/node_touch.h"
@@ -32,7 +32,8 @@ public:
 			}
 		}
 		touch = nearest( p, out, square );
-		return touch.distance <= touching || !sphere.isFast() ? sphere.reaches( touch.normal, touch.distance ) : findTouch( m_box, sphere, touch );
+		return touch.distance <= touching || !sphere.isFast() ? sphere.reaches( touch.normal, touch.distance )
+															  : findTouch( m_box, sphere, touch );
 	}
 
 private:

@@ -41,8 +41,8 @@ void ContactSurface::follow( const Body& body, unsigned version )
 	}
 }
 
-// With the steps to neighbours on both sides as columns, D0 at rest and D now, F = D D0^-1; the surface's normal goes with the inverse transpose of F, which is
-// D^-T D0^T, and D^-T is the cofactors of D but for a factor.
+// With the steps to neighbours on both sides as columns, D0 at rest and D now, F = D D0^-1; the surface's normal goes with the inverse
+// transpose of F, which is D^-T D0^T, and D^-T is the cofactors of D but for a factor.
 bool ContactSurface::patchOf( const NodeState& nodes, int node, Patch& patch ) const
 {
 	if ( m_beside.empty() || m_lattice->patch.empty() )
@@ -50,7 +50,8 @@ bool ContactSurface::patchOf( const NodeState& nodes, int node, Patch& patch ) c
 		return false;
 	}
 	const ContactPatch& rest = m_lattice->patch[std::size_t( node )];
-	if ( !( rest.radius > 0.0f ) || m_lattice->linkStart[std::size_t( node ) + 1] - m_lattice->linkStart[std::size_t( node )] != rest.links )
+	if ( !( rest.radius > 0.0f ) ||
+		m_lattice->linkStart[std::size_t( node ) + 1] - m_lattice->linkStart[std::size_t( node )] != rest.links )
 	{
 		return false;
 	}
@@ -96,7 +97,8 @@ bool ContactSurface::axesOf( const NodeState& nodes, int node, const Vec3d& alon
 	const Vec3 at = nodes.x.get( node );
 	for ( int axis = 0; axis < 3; ++axis )
 	{
-		int sides[2] = { m_beside[std::size_t( node )][std::size_t( 2 * axis )], m_beside[std::size_t( node )][std::size_t( 2 * axis + 1 )] };
+		int sides[2] = {
+			m_beside[std::size_t( node )][std::size_t( 2 * axis )], m_beside[std::size_t( node )][std::size_t( 2 * axis + 1 )] };
 		double most = 0.0;
 		for ( const int other : sides )
 		{

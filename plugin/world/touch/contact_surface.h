@@ -1,7 +1,7 @@
 #pragma once
 
-// What touches see of a soft body's surface: in front of most of its nodes the sphere that fits the drawn surface there (ContactPatch) instead of the node's own, and
-// for any point of it the nodes that share it. docs/design/contacts.md.
+// What touches see of a soft body's surface: in front of most of its nodes the sphere that fits the drawn surface there (ContactPatch)
+// instead of the node's own, and for any point of it the nodes that share it. docs/design/contacts.md.
 
 #include "lattice/axis_neighbours.h"
 #include "lattice/lattice.h"
@@ -20,7 +20,8 @@ struct NodeState;
 class ContactSurface
 {
 public:
-	/// Looks at the body's lattice where it has changed: `version` is another then. Bodies with levels have no patches, and their nodes share nothing.
+	/// Looks at the body's lattice where it has changed: `version` is another then. Bodies with levels have no patches, and their nodes
+	/// share nothing.
 	void follow( const Body& body, unsigned version );
 
 	/// The patch of a node as the body is deformed now.
@@ -41,11 +42,13 @@ public:
 	double overhang() const { return m_overhang; }
 	double cellSize() const { return m_cellSize; }
 
-	/// The nodes that share a contact. `at`: from the node's centre to its point, m, any point on the line along `normal` for what presses. What is returned
-	/// presses along that line and rubs at `at`, which is moved to where the nodes can share it: not at all but in crumbs, sheets and crushed parts.
+	/// The nodes that share a contact. `at`: from the node's centre to its point, m, any point on the line along `normal` for what presses.
+	/// What is returned presses along that line and rubs at `at`, which is moved to where the nodes can share it: not at all but in crumbs,
+	/// sheets and crushed parts.
 	SharedNodes share( const NodeState& nodes, int node, const Vec3d& normal, Vec3d& at ) const;
 
-	/// The radius of the sphere that rolls over what touches a node, m, as the touching point runs along its patch; 0: the point stays where it is.
+	/// The radius of the sphere that rolls over what touches a node, m, as the touching point runs along its patch; 0: the point stays
+	/// where it is.
 	double rollingRadius( const NodeState& nodes, int node, const Vec3d& outwards ) const;
 
 private:
@@ -68,12 +71,13 @@ enum class PatchAnswer : int
 	Touches
 };
 
-/// Where a patch touches an obstacle. `nearest( sphere, touch )`: what findNearest says of a sphere; `find( sphere, touch )`: what findTouch says. The distance is that of the
-/// node's own sphere that would be as near (Touch::distance), and Touch::aside and Touch::reach say where on the surface the point is.
+/// Where a patch touches an obstacle. `nearest( sphere, touch )`: what findNearest says of a sphere; `find( sphere, touch )`: what
+/// findTouch says. The distance is that of the node's own sphere that would be as near (Touch::distance), and Touch::aside and Touch::reach
+/// say where on the surface the point is.
 ///
-/// The patch is a sphere of radius R, its centre R - h behind the node, h the height of the surface. Against something in a direction whose angle with the normal has
-/// the sine s it touches ( R - h ) s aside of the node's line; so that it does not answer for what is in front of other nodes, there is a smaller sphere where that is
-/// further than they are away.
+/// The patch is a sphere of radius R, its centre R - h behind the node, h the height of the surface. Against something in a direction whose
+/// angle with the normal has the sine s it touches ( R - h ) s aside of the node's line; so that it does not answer for what is in front of
+/// other nodes, there is a smaller sphere where that is further than they are away.
 template <class Nearest, class Find>
 PatchAnswer findPatchTouch(
 	const ContactSurface::Patch& patch, double cellSize, const MovingSphere& own, const Nearest& nearest, const Find& find, Touch& touch )
@@ -125,12 +129,14 @@ PatchAnswer findPatchTouch(
 				return PatchAnswer::Clear;
 			}
 			const double then = -patch.normal.dot( touch.normal );
-			if ( then < kLeastContactCosine || inwards * std::sqrt( std::max( 0.0, 1.0 - then * then ) ) > most * ( 1.0 + kPatchTolerance ) )
+			if ( then < kLeastContactCosine ||
+				inwards * std::sqrt( std::max( 0.0, 1.0 - then * then ) ) > most * ( 1.0 + kPatchTolerance ) )
 			{
 				return PatchAnswer::UseSphere;
 			}
 		}
-		// The plane there is n.( y - q ) = 0; the node is D - ( c - x ).n from it, and the sphere's foremost point is R + ( c - x ).n nearer.
+		// The plane there is n.( y - q ) = 0; the node is D - ( c - x ).n from it, and the sphere's foremost point is R + ( c - x ).n
+		// nearer.
 		const Vec3d at = -inwards * patch.normal - ( inwards + patch.height ) * touch.normal;
 		touch.reach = -at.dot( touch.normal );
 		touch.aside = at + touch.reach * touch.normal;

@@ -33,22 +33,34 @@ public:
 	btPersistentManifold* getManifoldByIndexInternal( int index ) override { return m_shown[std::size_t( index )]; }
 	btPersistentManifold** getInternalManifoldPointer() override { return m_shown.empty() ? nullptr : m_shown.data(); }
 
-	btCollisionAlgorithm* findAlgorithm( const btCollisionObjectWrapper* body0, const btCollisionObjectWrapper* body1, btPersistentManifold* shared,
-		ebtDispatcherQueryType query ) override
+	btCollisionAlgorithm* findAlgorithm( const btCollisionObjectWrapper* body0, const btCollisionObjectWrapper* body1,
+		btPersistentManifold* shared, ebtDispatcherQueryType query ) override
 	{
 		return m_behind->findAlgorithm( body0, body1, shared, query );
 	}
-	btPersistentManifold* getNewManifold( const btCollisionObject* body0, const btCollisionObject* body1 ) override { return m_behind->getNewManifold( body0, body1 ); }
+	btPersistentManifold* getNewManifold( const btCollisionObject* body0, const btCollisionObject* body1 ) override
+	{
+		return m_behind->getNewManifold( body0, body1 );
+	}
 	void releaseManifold( btPersistentManifold* manifold ) override { m_behind->releaseManifold( manifold ); }
 	void clearManifold( btPersistentManifold* manifold ) override { m_behind->clearManifold( manifold ); }
-	bool needsCollision( const btCollisionObject* body0, const btCollisionObject* body1 ) override { return m_behind->needsCollision( body0, body1 ); }
-	bool needsResponse( const btCollisionObject* body0, const btCollisionObject* body1 ) override { return m_behind->needsResponse( body0, body1 ); }
+	bool needsCollision( const btCollisionObject* body0, const btCollisionObject* body1 ) override
+	{
+		return m_behind->needsCollision( body0, body1 );
+	}
+	bool needsResponse( const btCollisionObject* body0, const btCollisionObject* body1 ) override
+	{
+		return m_behind->needsResponse( body0, body1 );
+	}
 	void dispatchAllCollisionPairs( btOverlappingPairCache* pairs, const btDispatcherInfo& info, btDispatcher* dispatcher ) override
 	{
 		m_behind->dispatchAllCollisionPairs( pairs, info, dispatcher );
 	}
 	btPoolAllocator* getInternalManifoldPool() override { return m_behind->getInternalManifoldPool(); }
-	const btPoolAllocator* getInternalManifoldPool() const override { return static_cast<const btDispatcher*>( m_behind )->getInternalManifoldPool(); }
+	const btPoolAllocator* getInternalManifoldPool() const override
+	{
+		return static_cast<const btDispatcher*>( m_behind )->getInternalManifoldPool();
+	}
 	void* allocateCollisionAlgorithm( int size ) override { return m_behind->allocateCollisionAlgorithm( size ); }
 	void freeCollisionAlgorithm( void* algorithm ) override { m_behind->freeCollisionAlgorithm( algorithm ); }
 

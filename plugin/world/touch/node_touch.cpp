@@ -1,7 +1,7 @@
 #include "world/touch/node_touch.h"
 
-#include "world/touch/box_touch.h"
 #include "world/constants.h"
+#include "world/touch/box_touch.h"
 
 #include <BulletCollision/CollisionShapes/btBoxShape.h>
 #include <BulletCollision/CollisionShapes/btCapsuleShape.h>
@@ -113,10 +113,10 @@ bool findNearest( const Obstacle& obstacle, const MovingSphere& sphere, Touch& t
 	const Vec3d p = obstacle.toLocal( sphere.centre );
 	switch ( obstacle.shape->getShapeType() )
 	{
-		case STATIC_PLANE_PROXYTYPE:
-		{
+		case STATIC_PLANE_PROXYTYPE: {
 			const auto& plane = *static_cast<const btStaticPlaneShape*>( obstacle.shape );
-			touch = Touch{ toEigen( plane.getPlaneNormal() ), toEigen( plane.getPlaneNormal() ).dot( p ) - double( plane.getPlaneConstant() ) };
+			touch = Touch{
+				toEigen( plane.getPlaneNormal() ), toEigen( plane.getPlaneNormal() ).dot( p ) - double( plane.getPlaneConstant() ) };
 			break;
 		}
 		case SPHERE_SHAPE_PROXYTYPE:
@@ -125,17 +125,14 @@ bool findNearest( const Obstacle& obstacle, const MovingSphere& sphere, Touch& t
 		case BOX_SHAPE_PROXYTYPE:
 			touch = nearestOnBox( toEigen( static_cast<const btBoxShape*>( obstacle.shape )->getHalfExtentsWithMargin() ), p );
 			break;
-		case CAPSULE_SHAPE_PROXYTYPE:
-			touch = nearestOnCapsule( *static_cast<const btCapsuleShape*>( obstacle.shape ), p );
-			break;
+		case CAPSULE_SHAPE_PROXYTYPE: touch = nearestOnCapsule( *static_cast<const btCapsuleShape*>( obstacle.shape ), p ); break;
 		case SDF_SHAPE_PROXYTYPE:
 			if ( !nearestOnField( *static_cast<const btSdfCollisionShape*>( obstacle.shape ), p, touch ) )
 			{
 				return false;
 			}
 			break;
-		default:
-			return obstacle.shape->isConvex() && nearestOnConvex( obstacle, sphere, touch );
+		default: return obstacle.shape->isConvex() && nearestOnConvex( obstacle, sphere, touch );
 	}
 	touch.normal = obstacle.basis * touch.normal;
 	return true;
@@ -183,10 +180,10 @@ Vec3d nearestInTriangle( const Vec3d ( &c )[3], const Vec3d& p )
 	return area > 0.0 ? Vec3d( c[0] + ( vb * ab + vc * ac ) / area ) : c[0];
 }
 
-/// Where the sphere, moving straight, first meets a convex shape: the plane there stands for the shape in this step. Conservative advancement
-/// (Mirtich 1996, section 2.3.2): as far as the plane at the nearest point, which the shape lies behind, lets it go, again and again. Any of these planes
-/// that the sphere does not reach shows that it reaches nothing; so the answer is right whenever it ends.
-/// `find( sphere, touch )`: the nearest touch of the sphere where it is.
+/// Where the sphere, moving straight, first meets a convex shape: the plane there stands for the shape in this step. Conservative
+/// advancement (Mirtich 1996, section 2.3.2): as far as the plane at the nearest point, which the shape lies behind, lets it go, again and
+/// again. Any of these planes that the sphere does not reach shows that it reaches nothing; so the answer is right whenever it ends. `find(
+/// sphere, touch )`: the nearest touch of the sphere where it is.
 template <class Find>
 bool sweep( const MovingSphere& sphere, Touch& touch, const Find& find )
 {
@@ -234,8 +231,9 @@ bool findConvexTouch( const MovingSphere& sphere, Touch& touch, const Find& find
 btTransform Obstacle::transform() const
 {
 	const Eigen::Matrix3d& m = basis;
-	return btTransform( btMatrix3x3( btScalar( m( 0, 0 ) ), btScalar( m( 0, 1 ) ), btScalar( m( 0, 2 ) ), btScalar( m( 1, 0 ) ), btScalar( m( 1, 1 ) ),
-							btScalar( m( 1, 2 ) ), btScalar( m( 2, 0 ) ), btScalar( m( 2, 1 ) ), btScalar( m( 2, 2 ) ) ),
+	return btTransform(
+		btMatrix3x3( btScalar( m( 0, 0 ) ), btScalar( m( 0, 1 ) ), btScalar( m( 0, 2 ) ), btScalar( m( 1, 0 ) ), btScalar( m( 1, 1 ) ),
+			btScalar( m( 1, 2 ) ), btScalar( m( 2, 0 ) ), btScalar( m( 2, 1 ) ), btScalar( m( 2, 2 ) ) ),
 		toBullet( position ) );
 }
 
@@ -274,7 +272,9 @@ FarPlane::FarPlane( const Obstacle& plane )
 	m_constant = m_normal.dot( plane.position ) + double( shape.getPlaneConstant() );
 }
 
-BoxTouch::BoxTouch( const Obstacle& box ) : m_box( box ), m_half( toEigen( static_cast<const btBoxShape*>( box.shape )->getHalfExtentsWithMargin() ) ) {}
+BoxTouch::BoxTouch( const Obstacle& box ) :
+	m_box( box ), m_half( toEigen( static_cast<const btBoxShape*>( box.shape )->getHalfExtentsWithMargin() ) )
+{}
 
 const double FarPlane::kGrown = ( 1.0 + kContactSlop ) * ( 1.0 + kFarSlack );
 
@@ -303,7 +303,8 @@ bool findNearest( double radius, const Vec3d& at, const MovingSphere& sphere, To
 
 bool findTouch( const Vec3d ( &corners )[3], const MovingSphere& sphere, Touch& touch )
 {
-	return findConvexTouch( sphere, touch, [&corners]( const MovingSphere& now, Touch& found ) { return findNearest( corners, now, found ); } );
+	return findConvexTouch(
+		sphere, touch, [&corners]( const MovingSphere& now, Touch& found ) { return findNearest( corners, now, found ); } );
 }
 
 bool findNearest( const Vec3d ( &corners )[3], const MovingSphere& sphere, Touch& touch )

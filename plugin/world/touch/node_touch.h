@@ -36,7 +36,7 @@ struct MovingSphere
 	Vec3d way = Vec3d::Zero(); ///< what the node moves in this step against the obstacle, m
 	double radius = 0.0;       ///< m
 	const btSphereShape* shape = nullptr;
-	double scale = 0.0;        ///< m, that slack and fast motion are measured by; 0: the radius
+	double scale = 0.0; ///< m, that slack and fast motion are measured by; 0: the radius
 
 	double measure() const { return scale > 0.0 ? scale : radius; }
 	/// So near counts as touching.
@@ -51,8 +51,9 @@ struct Touch
 {
 	Vec3d normal = Vec3d::Zero(); ///< out of the obstacle, towards the node
 	double distance = 0.0;        ///< of the node's centre from the surface it meets, along the normal, m; negative inside
-	Vec3d aside = Vec3d::Zero();  ///< from the node's line along the normal to the point of the body's surface that touches, m (contact_surface.h)
-	double reach = -1.0;          ///< of that point from the node's centre against the normal, m; negative: it is the node's own sphere's
+	Vec3d aside =
+		Vec3d::Zero();   ///< from the node's line along the normal to the point of the body's surface that touches, m (contact_surface.h)
+	double reach = -1.0; ///< of that point from the node's centre against the normal, m; negative: it is the node's own sphere's
 
 	/// From the node's centre to the points that touch, of the body and of what it meets. `radius`: of the node's own sphere, m.
 	Vec3d ownPoint( double radius ) const { return aside - ( reach < 0.0 ? radius : reach ) * normal; }
@@ -76,9 +77,11 @@ struct Ahead
 	Vec3d to = Vec3d::Zero(), way = Vec3d::Zero();
 };
 
-/// Of a touch with a convex shape that findTouch has found: the plane where the sphere will be, with the shape as it will be, `then`. An edge that slides over a
-/// sphere has a slanted plane in front of it as long as it is not over it, and a contact that is solved for the step's end must not be held back by it.
-///   n, d1 of the nearest point then;   d = d1 - n . way;   taken where d, d1 >= r / 2: so the plane lies between shape and centre all the way
+/// Of a touch with a convex shape that findTouch has found: the plane where the sphere will be, with the shape as it will be, `then`. An
+/// edge that slides over a sphere has a slanted plane in front of it as long as it is not over it, and a contact that is solved for the
+/// step's end must not be held back by it.
+///   n, d1 of the nearest point then;   d = d1 - n . way;   taken where d, d1 >= r / 2: so the plane lies between shape and centre all the
+///   way
 /// False when the sphere does not come to touch that plane.
 bool lookAhead( const Obstacle& then, const MovingSphere& sphere, const Ahead& ahead, Touch& touch );
 

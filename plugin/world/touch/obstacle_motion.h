@@ -18,7 +18,8 @@ struct ObstacleMotion
 		Obstacle then = obstacle;
 		const double angle = step * angular.norm();
 		const Vec3d apart = obstacle.position - centre;
-		const Eigen::Matrix3d turn = angle > 0.0 ? Eigen::AngleAxisd( angle, angular.normalized() ).toRotationMatrix() : Eigen::Matrix3d::Identity();
+		const Eigen::Matrix3d turn = angle > 0.0 ? Eigen::AngleAxisd( angle, angular.normalized() ).toRotationMatrix()
+												 : Eigen::Matrix3d::Identity();
 		then.basis = turn * obstacle.basis;
 		then.position = centre + step * linear + turn * apart;
 		return then;

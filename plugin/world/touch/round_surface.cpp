@@ -1,12 +1,13 @@
-// Two layers of spheres are two egg boxes: what lies a fifth of a diameter aside stands on a slope of 0.2, and slides into the other's hollows, for seconds. Spheres of twice
-// the radius touch the same faces with half the slope. Their centres lie half-way to the nodes behind, so what acts along the line between
-// two centres is taken up by two nodes each, and neither momentum nor spin is lost, as with the nodes' own.
+// Two layers of spheres are two egg boxes: what lies a fifth of a diameter aside stands on a slope of 0.2, and slides into the other's
+// hollows, for seconds. Spheres of twice the radius touch the same faces with half the slope. Their centres lie half-way to the nodes
+// behind, so what acts along the line between two centres is taken up by two nodes each, and neither momentum nor spin is lost, as with the
+// nodes' own.
 
 #include "world/touch/round_surface.h"
 
 #include "body/implicit_motion.h"
-#include "world/constants.h"
 #include "world/bodies/soft_body_impl.h"
+#include "world/constants.h"
 
 #include <algorithm>
 #include <cmath>
@@ -18,7 +19,8 @@ bool meetRound( const SoftBody& a, const SoftBody& b )
 	const auto isRound = []( const SoftBody& body ) {
 		const SoftBody::Impl& impl = body.impl();
 		// What came apart has faces that fit into each other cell by cell.
-		return impl.isImplicit && impl.body->implicit() && !impl.body->levels() && !impl.family && impl.fractureVersion == 0 && !impl.isMetAsDrawn();
+		return impl.isImplicit && impl.body->implicit() && !impl.body->levels() && !impl.family && impl.fractureVersion == 0 &&
+			!impl.isMetAsDrawn();
 	};
 	return &a != &b && isRound( a ) && isRound( b );
 }

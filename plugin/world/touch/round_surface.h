@@ -8,11 +8,12 @@ namespace pliant {
 
 class SoftBody;
 
-/// A sphere that touches a face of the body where the node's own does, with its centre on the way to the node behind it. What presses on it presses on both.
+/// A sphere that touches a face of the body where the node's own does, with its centre on the way to the node behind it. What presses on it
+/// presses on both.
 struct RoundSphere
 {
-	int inner = -1;          ///< the node behind; -1: it is the node's own sphere
-	double share = 0.0;      ///< of the way to it
+	int inner = -1;                ///< the node behind; -1: it is the node's own sphere
+	double share = 0.0;            ///< of the way to it
 	Vec3d inwards = Vec3d::Zero(); ///< from the node to the sphere's centre, m
 };
 

@@ -6,8 +6,8 @@
 
 namespace pliant {
 
-/// The nodes of a body that a contact acts on: the velocity of a point of its surface is, along the contact's normal, the sum of theirs by `press`, and across it
-/// by `rub`; impulses there are shared out by the same (contact_surface.h). Each kind sums to 1.
+/// The nodes of a body that a contact acts on: the velocity of a point of its surface is, along the contact's normal, the sum of theirs by
+/// `press`, and across it by `rub`; impulses there are shared out by the same (contact_surface.h). Each kind sums to 1.
 struct SharedNodes
 {
 	static constexpr int kMost = 4;

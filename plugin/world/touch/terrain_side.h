@@ -1,8 +1,9 @@
 #pragma once
 
-// A heightfield has ground below it. Its triangles have two sides, as those of every mesh, and a node that has come below one is pushed on downwards: where the
-// game raises the field by more than a node's radius in a step, all that lay on it would be drawn into the ground node by node. So what is below a body's part
-// that is still above is in the ground, and goes up. What comes to the field from below as a whole is met as by a sheet.
+// A heightfield has ground below it. Its triangles have two sides, as those of every mesh, and a node that has come below one is pushed on
+// downwards: where the game raises the field by more than a node's radius in a step, all that lay on it would be drawn into the ground node
+// by node. So what is below a body's part that is still above is in the ground, and goes up. What comes to the field from below as a whole
+// is met as by a sheet.
 
 #include "world/shape/node_shape.h"
 #include "world/touch/node_touch.h"
@@ -15,7 +16,8 @@ class TerrainSide
 {
 public:
 	/// `corners` relative to the soft body's origin; `shift`: where its shape's own is.
-	TerrainSide( const Obstacle& mesh, const Vec3d ( &corners )[3], const NodeShape& body, const Vec3d& shift ) : m_mesh( mesh ), m_corners( corners )
+	TerrainSide( const Obstacle& mesh, const Vec3d ( &corners )[3], const NodeShape& body, const Vec3d& shift ) :
+		m_mesh( mesh ), m_corners( corners )
 	{
 		if ( mesh.shape->getShapeType() != TERRAIN_SHAPE_PROXYTYPE )
 		{

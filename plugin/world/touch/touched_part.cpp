@@ -86,7 +86,8 @@ void TouchedPart::findTriangle( int part, int index, const btVector3& at )
 	const btVector3 there = m_transform.invXform( at );
 	btVector3 low, high;
 	m_shape->getAabb( btTransform::getIdentity(), low, high );
-	const btVector3 room = ( ( high - low ) * kTriangleRoom ) + btVector3( m_shape->getMargin(), m_shape->getMargin(), m_shape->getMargin() );
+	const btVector3 room = ( ( high - low ) * kTriangleRoom ) +
+		btVector3( m_shape->getMargin(), m_shape->getMargin(), m_shape->getMargin() );
 	FindTriangle find;
 	find.part = part;
 	find.index = index;

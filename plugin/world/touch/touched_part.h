@@ -12,8 +12,8 @@ namespace pliant {
 class TouchedPart
 {
 public:
-	/// `leaf`: which of the object's simple shapes, counted through its compounds. `part`, `index`: Bullet's numbers of a triangle. `at`: the contact's
-	/// place on the object, in the world.
+	/// `leaf`: which of the object's simple shapes, counted through its compounds. `part`, `index`: Bullet's numbers of a triangle. `at`:
+	/// the contact's place on the object, in the world.
 	TouchedPart( const btCollisionObject& object, int leaf, int part, int index, const btVector3& at );
 
 	TouchedPart( const TouchedPart& ) = delete;
