@@ -55,11 +55,11 @@ const std::vector<Digit>& handDigits()
 	return kDigits;
 }
 
-DigitShare digitAt( const float* point )
+DigitFraction digitAt( const float* point )
 {
 	const std::vector<Digit>& digits = handDigits();
 	const Point p = { point[0], point[1], point[2] };
-	DigitShare best{ 0, 0 };
+	DigitFraction best{ 0, 0 };
 	float most = std::numeric_limits<float>::lowest();
 	for ( std::size_t i = 0; i < digits.size(); ++i )
 	{

@@ -32,12 +32,12 @@ struct Digit
 };
 const std::vector<Digit>& handDigits();
 /// Which digit a point of the hand belongs to, and how far beyond its root it is, 0 at the root to 1 a radius further on and beyond.
-struct DigitShare
+struct DigitFraction
 {
 	std::size_t digit;
-	float share;
+	float fraction;
 };
-DigitShare digitAt( const float* point );
+DigitFraction digitAt( const float* point );
 
 /// A tulip, about 0.65 m high, its foot at the origin; `petals` of them around a stem with two leaves.
 pliant_glue::ModelMesh makeFlower( int petals );

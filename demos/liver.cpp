@@ -32,7 +32,7 @@ public:
 			m_size[k] = int( std::ceil( float( volume.size[k] ) * volume.spacing[k] / spacing ) ) + 2 * kMargin;
 			count *= std::size_t( m_size[k] );
 		}
-		m_share.assign( count, 0.0f );
+		m_fraction.assign( count, 0.0f );
 		std::vector<float> voxels( count, 0.0f );
 		const auto sampleOf = [&]( int voxel, std::size_t k ) {
 			return int( ( float( voxel ) + 0.5f ) * volume.spacing[k] / spacing ) + kMargin;
@@ -44,14 +44,14 @@ public:
 				for ( int x = 0; x < volume.size[0]; ++x )
 				{
 					const std::size_t at = number( sampleOf( x, 0 ), sampleOf( y, 1 ), sampleOf( z, 2 ) );
-					m_share[at] += volume.at( x, y, z ) != 0 ? 1.0f : 0.0f;
+					m_fraction[at] += volume.at( x, y, z ) != 0 ? 1.0f : 0.0f;
 					voxels[at] += 1.0f;
 				}
 			}
 		}
 		for ( std::size_t i = 0; i < count; ++i )
 		{
-			m_share[i] /= std::max( voxels[i], 1.0f );
+			m_fraction[i] /= std::max( voxels[i], 1.0f );
 		}
 		for ( int k = 0; k < kSmoothings; ++k )
 		{
@@ -84,7 +84,7 @@ public:
 		{
 			const int x = corner & 1, y = corner >> 1 & 1, z = corner >> 2;
 			const float weight = ( x != 0 ? t[0] : 1 - t[0] ) * ( y != 0 ? t[1] : 1 - t[1] ) * ( z != 0 ? t[2] : 1 - t[2] );
-			sum += weight * m_share[number( low[0] + x, low[1] + y, low[2] + z )];
+			sum += weight * m_fraction[number( low[0] + x, low[1] + y, low[2] + z )];
 		}
 		return sum;
 	}
@@ -101,18 +101,18 @@ private:
 		const std::size_t steps[3] = { 1, std::size_t( m_size[0] ), std::size_t( m_size[0] ) * std::size_t( m_size[1] ) };
 		for ( const std::size_t step : steps )
 		{
-			std::vector<float> next( m_share.size(), 0.0f );
-			for ( std::size_t i = step; i + step < m_share.size(); ++i )
+			std::vector<float> next( m_fraction.size(), 0.0f );
+			for ( std::size_t i = step; i + step < m_fraction.size(); ++i )
 			{
-				next[i] = 0.25f * ( m_share[i - step] + 2 * m_share[i] + m_share[i + step] );
+				next[i] = 0.25f * ( m_fraction[i - step] + 2 * m_fraction[i] + m_fraction[i + step] );
 			}
-			m_share.swap( next );
+			m_fraction.swap( next );
 		}
 	}
 
 	float m_spacing;
 	std::array<int, 3> m_size{};
-	std::vector<float> m_share;
+	std::vector<float> m_fraction;
 };
 
 void name( ModelMesh& mesh, const char* what )

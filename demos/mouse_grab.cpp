@@ -94,13 +94,13 @@ void MouseGrab::apply()
 		held += ( m_soft->nodePosition( i ) - centre ).length() < radius ? m_soft->nodeMass( i ) : 0;
 	}
 	// The whole body hangs on the held nodes, so the spring must be made for its mass: f = M (k^2 (target - x) - 2 k v), critically damped.
-	const btScalar share = m_soft->mass() / held;
+	const btScalar fraction = m_soft->mass() / held;
 	for ( int i = 0; i < m_soft->nodeCount(); ++i )
 	{
 		if ( ( m_soft->nodePosition( i ) - centre ).length() < radius )
 		{
 			const btVector3 pull = ( m_target - centre ) * ( kFrequency * kFrequency ) - m_soft->linearVelocity() * ( 2 * kFrequency );
-			m_soft->applyForce( pull * ( m_soft->nodeMass( i ) * share ), i );
+			m_soft->applyForce( pull * ( m_soft->nodeMass( i ) * fraction ), i );
 		}
 	}
 }

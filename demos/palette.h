@@ -19,9 +19,9 @@ inline constexpr pliant_glue::Colour kMoss = { 0.12f, 0.26f, 0.07f };
 inline constexpr pliant_glue::Colour kBrick = { 0.48f, 0.09f, 0.07f };
 
 /// 0: teal, as it should be; halfway: ochre; 1 and above: brick.
-inline pliant_glue::Colour heat( float share )
+inline pliant_glue::Colour heat( float fraction )
 {
-	const float s = std::clamp( share, 0.0f, 1.0f ) * 2;
+	const float s = std::clamp( fraction, 0.0f, 1.0f ) * 2;
 	const pliant_glue::Colour &low = s < 1 ? kTeal : kOchre, &high = s < 1 ? kOchre : kBrick;
 	const float t = s < 1 ? s : s - 1;
 	return { low[0] + ( high[0] - low[0] ) * t, low[1] + ( high[1] - low[1] ) * t, low[2] + ( high[2] - low[2] ) * t };

@@ -157,7 +157,7 @@ private:
 		order.material.wobbleDamping = 0;
 		order.fracture.rule = bar.rule;
 		order.fracture.breakStrain = kBreakStrain;
-		order.toughness.share = toughness;
+		order.toughness.fraction = toughness;
 		order.toughness.context = &shoulders;
 		order.colour = bar.rule == pliant::BreakRule::Plane ? kTeal : kTerracotta;
 		order.place = btTransform( btQuaternion( btVector3( 0, 0, 1 ), -btScalar( angle ) ), btVector3( 0, kHeight, btScalar( bar.z ) ) );

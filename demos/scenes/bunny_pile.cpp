@@ -42,8 +42,8 @@ public:
 	pliant_glue::DrawCamera camera( double seconds ) const override
 	{
 		// From the whole stairs down to the pile at their foot.
-		const float share = float( std::min( 1.0, seconds / kCameraRide ) );
-		const float ride = share * share * ( 3 - 2 * share );
+		const float fraction = float( std::min( 1.0, seconds / kCameraRide ) );
+		const float ride = fraction * fraction * ( 3 - 2 * fraction );
 		const auto between = [&]( float from, float to ) { return from + ( to - from ) * ride; };
 		return { { between( 2.5f, 1.9f ), between( 1.95f, 1.5f ), between( 4.3f, 3.3f ) },
 			{ between( -0.3f, 0.25f ), between( 0.8f, 0.36f ), 0 }, 38.0f };

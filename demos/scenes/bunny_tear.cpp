@@ -68,12 +68,12 @@ public:
 		order.material.damping = 50.0f;
 		order.adaptivity.coarseLevels = kCoarseLevels;
 		order.adaptivity.keepMass = 0.1f;
-		order.adaptivity.refineStrain = 1.0f; // half of what breaks it, as for all that breaks
-		order.adaptivity.mergeShare = 0.95f;  // it lies under its own weight afterwards
+		order.adaptivity.refineStrain = 1.0f;   // half of what breaks it, as for all that breaks
+		order.adaptivity.mergeFraction = 0.95f; // it lies under its own weight afterwards
 		order.adaptivity.mergeDelay = 0.25f;
 		order.fracture.rule = pliant::BreakRule::Plane;
-		order.fracture.breakStrain = 0.38f; // little less than what its weight brings about
-		order.fracture.growthShare = 0.25f; // a tear runs through and leaves few crumbs
+		order.fracture.breakStrain = 0.38f;    // little less than what its weight brings about
+		order.fracture.growthFraction = 0.25f; // a tear runs through and leaves few crumbs
 		order.fracture.coolDown = 0.1f;
 		order.shape = stage.buildShape( order );
 		if ( order.shape == nullptr )

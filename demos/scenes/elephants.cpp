@@ -67,8 +67,8 @@ public:
 		order.material.elasticity = pliant::Elasticity::Automatic; // one step a frame, for nine explicit ones
 		order.adaptivity.coarseLevels = kCoarseLevels;
 		order.adaptivity.keepMass = 0.1f;
-		order.adaptivity.refineStrain = 1.0f; // half of what breaks it, as for all that breaks
-		order.adaptivity.mergeShare = 0.9f;   // they lie under each other's weight
+		order.adaptivity.refineStrain = 1.0f;  // half of what breaks it, as for all that breaks
+		order.adaptivity.mergeFraction = 0.9f; // they lie under each other's weight
 		order.fracture.rule = pliant::BreakRule::Plane;
 		order.fracture.breakStrain = 0.75f; // some lose a limb; nodes are split at half of it
 		order.friction = btScalar( 0.6 );

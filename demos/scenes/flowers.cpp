@@ -20,7 +20,7 @@ constexpr int kPetals = 6;
 constexpr btScalar kSpacing = btScalar( 0.55 );
 constexpr int kCoarseLevels = 2;
 constexpr float kFinestCell = 0.0148f;             // m: four in a petal's thickness
-constexpr float kPetalShare = 0.25f;               // of the stem's stiffness
+constexpr float kPetalFraction = 0.25f;            // of the stem's stiffness
 constexpr float kKeepAll = 1e-6f;                  // every block is one node at first, however little of it is filled
 constexpr btScalar kFootHeight = btScalar( 0.06 ); // m of the stem that is held
 constexpr btScalar kWind = btScalar( 0.6 );        // m/s^2 on a petal in the strongest gust
@@ -39,7 +39,7 @@ public:
 		order.cellSize = kFinestCell;
 		order.material.density = 200.0f;
 		order.material.youngsModulus = 1.4e4f;
-		order.stiffness.share = []( const float* point, void* ) { return point[1] > kFlowerHeadFrom + 0.04f ? kPetalShare : 1.0f; };
+		order.stiffness.fraction = []( const float* point, void* ) { return point[1] > kFlowerHeadFrom + 0.04f ? kPetalFraction : 1.0f; };
 		order.material.damping = 3.0f;
 		order.material.wobbleDamping = 0.1f;
 		order.adaptivity.coarseLevels = kCoarseLevels;
@@ -48,7 +48,7 @@ public:
 		order.adaptivity.residual = pliant::ResidualRule::Keep;
 		order.adaptivity.refinesOnContact = true;
 		order.adaptivity.refineStrain = 0.5f;
-		order.adaptivity.mergeShare = 0.8f;
+		order.adaptivity.mergeFraction = 0.8f;
 		order.adaptivity.mergeDelay = 0.4f;
 		order.shape = stage.buildShape( order );
 		std::mt19937 random( stage.options().seed );
@@ -111,13 +111,13 @@ public:
 
 private:
 	/// ms that so many of the frames that split nodes do not exceed, less the median of the others.
-	double costOfTouch( double share ) const
+	double costOfTouch( double fraction ) const
 	{
 		const auto at = []( std::vector<double> seconds, double part ) {
 			std::sort( seconds.begin(), seconds.end() );
 			return seconds.empty() ? 0.0 : 1e3 * seconds[std::min( seconds.size() - 1, std::size_t( part * double( seconds.size() ) ) )];
 		};
-		return at( m_touches, share ) - at( m_quiet, 0.5 );
+		return at( m_touches, fraction ) - at( m_quiet, 0.5 );
 	}
 
 	void plant( Stage& stage, SoftOrder order, int number, const pliant_glue::ModelMesh& mesh, std::mt19937& random )

@@ -24,22 +24,24 @@ constexpr btScalar kPull = btScalar( 0.6 );                            // N at e
 constexpr btScalar kGrip = btScalar( 0.07 );                           // m around a tip that is pulled
 constexpr double kPullFrom = 0.4, kPullFullAt = 1.0, kPullUntil = 2.4; // s
 constexpr float kYoungsModulus = 8.0e4f; // Pa, of the thumb; the rest has a share of it. About what 16 substeps reach
-constexpr float kPalmShare = 0.8f;
-constexpr float kDigitShare[] = { 1.0f, 0.8f, 0.8f, 0.8f, 0.15f };
+constexpr float kPalmFraction = 0.8f;
+constexpr float kDigitFraction[] = { 1.0f, 0.8f, 0.8f, 0.8f, 0.15f };
 constexpr const char* kDigitNames[] = { "thumb", "index finger", "middle finger", "ring finger", "little finger" };
 
 /// From the palm's stiffness at a digit's root to the digit's own a radius further on.
 float stiffnessAt( const float* point, void* )
 {
-	const DigitShare at = digitAt( point );
-	return kPalmShare + ( kDigitShare[at.digit] - kPalmShare ) * at.share;
+	const DigitFraction at = digitAt( point );
+	return kPalmFraction + ( kDigitFraction[at.digit] - kPalmFraction ) * at.fraction;
 }
 
 /// Soft is plum, the palm ochre, hard slate.
 pliant_glue::Colour colourOf( float stiffness )
 {
-	const auto tone = []( float share ) { return std::log( share / kDigitShare[4] ) / std::log( kDigitShare[0] / kDigitShare[4] ); };
-	const float t = std::clamp( tone( stiffness ), 0.0f, 1.0f ), palmTone = tone( kPalmShare );
+	const auto tone = []( float fraction ) {
+		return std::log( fraction / kDigitFraction[4] ) / std::log( kDigitFraction[0] / kDigitFraction[4] );
+	};
+	const float t = std::clamp( tone( stiffness ), 0.0f, 1.0f ), palmTone = tone( kPalmFraction );
 	pliant_glue::Colour colour;
 	for ( std::size_t k = 0; k < 3; ++k )
 	{
@@ -64,7 +66,7 @@ public:
 		order.adaptivity.keepMass = kKeepMass;
 		order.material.density = 300.0f;
 		order.material.youngsModulus = kYoungsModulus;
-		order.stiffness.share = stiffnessAt;
+		order.stiffness.fraction = stiffnessAt;
 		order.material.damping = 10.0f;
 		order.colour = kOchre;
 		order.shape = stage.buildShape( order );
@@ -87,7 +89,7 @@ public:
 			colours.insert( colours.end(), colour.begin(), colour.end() );
 		}
 		stage.colourVertices( m_hand.body, std::move( colours ) );
-		order.stiffness.share = []( const float*, void* ) { return kPalmShare; };
+		order.stiffness.fraction = []( const float*, void* ) { return kPalmFraction; };
 		return take( *m_beside, order, m_plain );
 	}
 
@@ -152,7 +154,7 @@ public:
 		{
 			const double here = m_hand.tips[i].deflection, plain = m_plain.tips[i].deflection;
 			table.rows.push_back( { kDigitNames[i],
-				{ here, here / m_hand.tips[0].deflection, plain, here / plain, double( kPalmShare / kDigitShare[i] ) } } );
+				{ here, here / m_hand.tips[0].deflection, plain, here / plain, double( kPalmFraction / kDigitFraction[i] ) } } );
 		}
 		return { table };
 	}

@@ -55,12 +55,12 @@ public:
 
 	void beforeStep( Stage& stage, double seconds ) override
 	{
-		const double share = std::min( 1.0, seconds / kPutDown );
+		const double fraction = std::min( 1.0, seconds / kPutDown );
 		for ( Column& column : m_columns )
 		{
 			if ( seconds < kPutDown + 1.0 )
 			{
-				column.box->setGravity( stage.world().getGravity() * btScalar( share ) );
+				column.box->setGravity( stage.world().getGravity() * btScalar( fraction ) );
 			}
 		}
 	}

@@ -86,9 +86,10 @@ public:
 	{
 		for ( std::size_t i = 0; i < m_stamps.size(); ++i )
 		{
-			const double share = ( seconds - kFirstStamp ) / kStampSeconds - double( i );
+			const double fraction = ( seconds - kFirstStamp ) / kStampSeconds - double( i );
 			// Half a cosine down, half a cosine up.
-			const btScalar down = share <= 0 || share >= 1 ? btScalar( 0 ) : btScalar( 0.5 - 0.5 * std::cos( 2 * SIMD_PI * share ) );
+			const btScalar down = fraction <= 0 || fraction >= 1 ? btScalar( 0 )
+																 : btScalar( 0.5 - 0.5 * std::cos( 2 * SIMD_PI * fraction ) );
 			const Stamp& stamp = m_stamps[i];
 			const btScalar y = btScalar( kEdge ) + stamp.reach + kClearance - down * ( kClearance + kDepth );
 			for ( std::size_t k = 0; k < stamp.bodies.size(); ++k )

@@ -121,20 +121,20 @@ public:
 
 	std::vector<FindingTable> findings( const Stage& stage ) const override
 	{
-		const double share = 100 / m_diagonal;
+		const double fraction = 100 / m_diagonal;
 		FindingTable tips{
 			"largest deflection of each tip, % of the bounding-box diagonal", { "uniform", "with levels", "difference" }, {} };
 		double most = 0;
 		for ( std::size_t i = 0; i < m_uniform.deflection.size(); ++i )
 		{
-			const double a = m_uniform.deflection[i] * share, b = m_levels.deflection[i] * share;
+			const double a = m_uniform.deflection[i] * fraction, b = m_levels.deflection[i] * fraction;
 			tips.rows.push_back( { "finger " + std::to_string( i + 1 ), { a, b, b - a } } );
 			most = std::max( most, std::abs( b - a ) );
 		}
 		tips.rows.push_back( { "worst (goal 1)", { 0, 0, most } } );
 		FindingTable difference{ "all vertices of the fingers, at the same instants, % of the bounding-box diagonal",
 			{ "mean diff.", "worst mean", "worst vertex" },
-			{ { "fingers", { m_meanDifference / m_steps * share, m_largestMean * share, m_largestDifference * share } } } };
+			{ { "fingers", { m_meanDifference / m_steps * fraction, m_largestMean * fraction, m_largestDifference * fraction } } } };
 		const StepLog &slow = stage.log(), &fast = m_beside->log();
 		FindingTable speed{ "uniform over levels", { "nodes", "matching", "whole step", "skin" },
 			{ { "times",

@@ -1,6 +1,6 @@
 // +-----------------------------------------------------------------------------------------------------------------+
 // | vase_shatter: an iron ball falls on a brittle vase. Cracks begin where it is hit and run on at a third of what it |
-// | took to begin them (Fracture::growthShare), so that it flies apart in large shards and small ones.               |
+// | took to begin them (Fracture::growthFraction), so that it flies apart in large shards and small ones.               |
 // +-----------------------------------------------------------------------------------------------------------------+
 
 #include "demos/palette.h"
@@ -47,7 +47,7 @@ public:
 		order.material.damping = 150.0f; // shards neither ring nor bounce
 		order.fracture.rule = pliant::BreakRule::Plane;
 		order.fracture.breakStrain = 0.035f;
-		order.fracture.growthShare = 0.3f;
+		order.fracture.growthFraction = 0.3f;
 		order.fracture.coolDown = 0.02f;
 		order.fracture.smallCells = kCrumb;
 		order.fracture.smallPieces = pliant::SmallPieces::Rigid;

@@ -230,9 +230,8 @@ std::string codeOf( const Candidate& candidate )
 	const pliant::Material& m = candidate.material;
 	const pliant::Adaptivity& a = candidate.adaptivity;
 	std::ostringstream out;
-	out << "pliant::LatticeSettings lattice;\nlattice.targetCells = " << candidate.cells
-		<< ";\npliant::Material material;\nmaterial.density = " << number( m.density )
-		<< ";\nmaterial.youngsModulus = " << number( m.youngsModulus ) << ";\n";
+	out << "pliant::LatticeSettings lattice;\nlattice.targetCells = " << candidate.cells << ";\npliant::Material material;\n";
+	out << "material.density = " << number( m.density ) << ";\nmaterial.youngsModulus = " << number( m.youngsModulus ) << ";\n";
 	if ( m.regionHalfWidth != 1 )
 	{
 		out << "material.regionHalfWidth = " << m.regionHalfWidth << ";\n";
@@ -275,8 +274,8 @@ std::string codeOf( const Candidate& candidate )
 		}
 		if ( a.refineStrain > 0 )
 		{
-			out << "adaptivity.refineStrain = " << number( a.refineStrain ) << ";\nadaptivity.mergeDelay = " << number( a.mergeDelay )
-				<< ";\n";
+			out << "adaptivity.refineStrain = " << number( a.refineStrain ) << ";\n";
+			out << "adaptivity.mergeDelay = " << number( a.mergeDelay ) << ";\n";
 		}
 	}
 	if ( candidate.substeps > 0 )

@@ -329,7 +329,7 @@ double Coupon::misfit() const
 	return most;
 }
 
-double Coupon::invertedShare() const
+double Coupon::invertedFraction() const
 {
 	const double d = m_order.cell;
 	int inverted = 0, looked = 0;

@@ -76,7 +76,7 @@ public:
 	/// Largest distance of a node from the rest shape put where it fits best, m.
 	double misfit() const;
 	/// Of the cells that have three neighbours at rest, the share whose corner of edges to them is turned over.
-	double invertedShare() const;
+	double invertedFraction() const;
 
 private:
 	struct Couple

@@ -162,14 +162,14 @@ private:
 		}
 		const btVector3 centre = toBullet( m_subject->motion().centre );
 		const btScalar height = btScalar( 2 * m_specimen.half.y() );
-		std::vector<btVector3> places;
+		std::vector<btVector3> positions;
 		m_subject->put(
-			[&places]( int, const btVector3& at ) {
-				places.push_back( at );
+			[&positions]( int, const btVector3& at ) {
+				positions.push_back( at );
 				return at;
 			},
 			m_case.step );
-		std::shuffle( places.begin(), places.end(), m_random );
+		std::shuffle( positions.begin(), positions.end(), m_random );
 		m_subject->put(
 			[&]( int node, const btVector3& at ) {
 				btVector3 x = at - centre;
@@ -177,7 +177,7 @@ private:
 				{
 					case Ordeal::Flat: x.setY( 0 ); break;
 					case Ordeal::Mirrored: x.setX( -x.x() ); break;
-					case Ordeal::Scrambled: x = places[std::size_t( node )] - centre; break;
+					case Ordeal::Scrambled: x = positions[std::size_t( node )] - centre; break;
 					case Ordeal::Point: x.setZero(); break;
 					case Ordeal::Stretched: x.setY( 1000 * x.y() ); break;
 					default: x = x.rotate( btVector3( 0, 1, 0 ), btScalar( kTwoTurns ) * x.y() / height ); break;
@@ -221,7 +221,7 @@ private:
 	}
 
 	/// Of the cells that have three neighbours at rest, those whose corner of edges to them is turned over.
-	double invertedShare() const
+	double invertedFraction() const
 	{
 		int inverted = 0, looked = 0;
 		const double reach = 1.3 * m_cell, least = 0.5 * m_cell;
@@ -277,7 +277,7 @@ private:
 		verdict.depth = isFree() ? 0.0 : std::max( 0.0, 0.5 - m_lowest / m_cell );
 		const bool isElastic = !m_method.isPlastic && !m_hasBroken && m_case.ordeal != Ordeal::Spin;
 		verdict.recovery = isElastic ? m_recovery : -1;
-		verdict.inverted = m_hasBroken ? 0.0 : invertedShare();
+		verdict.inverted = m_hasBroken ? 0.0 : invertedFraction();
 		if ( verdict.inverted > kMostInverted )
 		{
 			blame( Colour::Red, "cells inverted" );

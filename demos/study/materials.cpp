@@ -27,15 +27,15 @@ const char* toString( Judge judge )
 std::string errorText( const MaterialRow& row )
 {
 	char text[32];
-	const bool isShare = row.judge == Judge::Ratio || row.judge == Judge::Spread;
-	std::snprintf( text, sizeof( text ), isShare ? "%+.2f %%" : "%+.3g", isShare ? 100 * row.error() : row.error() );
+	const bool isFraction = row.judge == Judge::Ratio || row.judge == Judge::Spread;
+	std::snprintf( text, sizeof( text ), isFraction ? "%+.2f %%" : "%+.3g", isFraction ? 100 * row.error() : row.error() );
 	return text;
 }
 
 std::string boundText( const MaterialRow& row )
 {
-	const bool isShare = row.judge == Judge::Ratio || row.judge == Judge::Spread;
-	return shortNumber( isShare ? 100 * row.bound : row.bound ) + ( isShare ? " %" : "" );
+	const bool isFraction = row.judge == Judge::Ratio || row.judge == Judge::Spread;
+	return shortNumber( isFraction ? 100 * row.bound : row.bound ) + ( isFraction ? " %" : "" );
 }
 
 void print( const MaterialRow& row )

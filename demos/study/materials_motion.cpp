@@ -21,9 +21,9 @@ constexpr double kClampedRoot = 1.8751040687; // cos( root ) cosh( root ) = -1: 
 /// The slowest bending of a beam of length 1 that is held at 0, 1 at its end; `y` above its middle, where sections turn.
 Eigen::Vector3d clampedMode( double s, double y )
 {
-	const double r = kClampedRoot, share = ( std::cosh( r ) + std::cos( r ) ) / ( std::sinh( r ) + std::sin( r ) );
-	const double height = ( std::cosh( r * s ) - std::cos( r * s ) - share * ( std::sinh( r * s ) - std::sin( r * s ) ) ) / 2;
-	const double slope = r * ( std::sinh( r * s ) + std::sin( r * s ) - share * ( std::cosh( r * s ) - std::cos( r * s ) ) ) / 2;
+	const double r = kClampedRoot, fraction = ( std::cosh( r ) + std::cos( r ) ) / ( std::sinh( r ) + std::sin( r ) );
+	const double height = ( std::cosh( r * s ) - std::cos( r * s ) - fraction * ( std::sinh( r * s ) - std::sin( r * s ) ) ) / 2;
+	const double slope = r * ( std::sinh( r * s ) + std::sin( r * s ) - fraction * ( std::cosh( r * s ) - std::cos( r * s ) ) ) / 2;
 	return { -y * slope, height, 0 };
 }
 
@@ -78,12 +78,12 @@ Field mangle( int kind, unsigned seed, const Coupon& coupon )
 	const Eigen::Quaterniond turn = Eigen::Quaterniond( even(), even(), even(), even() ).normalized();
 	if ( kind == 1 )
 	{
-		std::vector<Eigen::Vector3d> places = coupon.rest();
-		for ( std::size_t k = places.size() - 1; k > 0; --k )
+		std::vector<Eigen::Vector3d> positions = coupon.rest();
+		for ( std::size_t k = positions.size() - 1; k > 0; --k )
 		{
-			std::swap( places[k], places[random() % ( k + 1 )] );
+			std::swap( positions[k], positions[random() % ( k + 1 )] );
 		}
-		return [places, k = std::size_t( 0 )]( const Eigen::Vector3d& ) mutable { return places[k++]; };
+		return [positions, k = std::size_t( 0 )]( const Eigen::Vector3d& ) mutable { return positions[k++]; };
 	}
 	const double squeeze[] = { 0.05, 1, 0, -1 }; // to a twentieth of its height, -, flat, inside out
 	const Eigen::Vector3d scale( 1, squeeze[kind], 1 );
@@ -158,7 +158,7 @@ std::vector<MaterialRow> measureTwist( bool isShort )
 		const double box = order.cell * order.cells.cast<double>().norm();
 		rows.push_back( { "M7", "twisted by " + shortNumber( degrees ) + " degrees, let go: off its shape after 10 s", "bbox",
 			bar.misfit() / box, 0, 1e-3, Judge::AtMost, "" } );
-		rows.push_back( { "M7", "the same: inverted cells", "", bar.invertedShare(), 0, 0, Judge::AtMost, "" } );
+		rows.push_back( { "M7", "the same: inverted cells", "", bar.invertedFraction(), 0, 0, Judge::AtMost, "" } );
 	}
 	return rows;
 }
@@ -184,7 +184,7 @@ std::vector<MaterialRow> measureSquash( bool isShort )
 			{
 				cube.step();
 			}
-			back += cube.isHealthy() && cube.misfit() < 0.01 * box && cube.invertedShare() == 0 ? 1 : 0;
+			back += cube.isHealthy() && cube.misfit() < 0.01 * box && cube.invertedFraction() == 0 ? 1 : 0;
 			cube.put( []( const Eigen::Vector3d& rest ) { return rest; } );
 		}
 		rows.push_back( { "M12", std::string( kNames[kind] ) + ", let go: back within 2 s", "of " + std::to_string( each ), double( back ),

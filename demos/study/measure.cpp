@@ -39,14 +39,15 @@ double bounded( double error )
 
 double meanDistance( const Specimen& specimen, const Points& a, const Points& b )
 {
-	return ( a - b ).colwise().norm().dot( specimen.share.transpose() ) / specimen.diagonal;
+	return ( a - b ).colwise().norm().dot( specimen.fraction.transpose() ) / specimen.diagonal;
 }
 
 /// `points` moved rigidly onto `reference` (Kabsch: the rotation out of the weighted covariance's singular vectors).
 Points movedOnto( const Specimen& specimen, const Points& points, const Points& reference )
 {
-	const Eigen::Vector3d from = points * specimen.share, to = reference * specimen.share;
-	const Eigen::Matrix3d covariance = ( reference.colwise() - to ) * specimen.share.asDiagonal() * ( points.colwise() - from ).transpose();
+	const Eigen::Vector3d from = points * specimen.fraction, to = reference * specimen.fraction;
+	const Eigen::Matrix3d covariance = ( reference.colwise() - to ) * specimen.fraction.asDiagonal() *
+		( points.colwise() - from ).transpose();
 	const Eigen::JacobiSVD<Eigen::Matrix3d> svd( covariance, Eigen::ComputeFullU | Eigen::ComputeFullV );
 	const double sign = ( svd.matrixU() * svd.matrixV().transpose() ).determinant() < 0 ? -1.0 : 1.0;
 	const Eigen::Matrix3d rotation = svd.matrixU() * Eigen::Vector3d( 1, 1, sign ).asDiagonal() * svd.matrixV().transpose();
@@ -90,7 +91,8 @@ private:
 void sumUpTimes( std::vector<double> times, Record& record )
 {
 	std::sort( times.begin(), times.end() );
-	const auto at = [&times]( double share ) { return times[std::min( times.size() - 1, std::size_t( share * double( times.size() ) ) )]; };
+	const auto at = [&times](
+						double fraction ) { return times[std::min( times.size() - 1, std::size_t( fraction * double( times.size() ) ) )]; };
 	record.median = at( 0.5 );
 	record.slow = at( 0.99 );
 	record.slowest = times.back();
@@ -99,8 +101,8 @@ void sumUpTimes( std::vector<double> times, Record& record )
 void addErrors( const Errors& measured, std::size_t taken, Record& record )
 {
 	const Errors e = { bounded( measured.mean ), bounded( measured.deviation ), bounded( measured.shape ) };
-	const double share = 1.0 / double( taken );
-	const auto blend = [share]( double& mean, double value ) { mean += share * ( value - mean ); };
+	const double fraction = 1.0 / double( taken );
+	const auto blend = [fraction]( double& mean, double value ) { mean += fraction * ( value - mean ); };
 	blend( record.errors.mean, e.mean );
 	blend( record.errors.deviation, e.deviation );
 	blend( record.errors.shape, e.shape );
@@ -114,8 +116,8 @@ Errors errorsOf( const Specimen& specimen, const Points& points, const Points& r
 {
 	Errors errors;
 	const Eigen::VectorXd away = ( points - reference ).colwise().norm().transpose() / specimen.diagonal;
-	errors.mean = away.dot( specimen.share );
-	errors.deviation = std::sqrt( ( away.array() - errors.mean ).square().matrix().dot( specimen.share ) );
+	errors.mean = away.dot( specimen.fraction );
+	errors.deviation = std::sqrt( ( away.array() - errors.mean ).square().matrix().dot( specimen.fraction ) );
 	errors.shape = meanDistance( specimen, movedOnto( specimen, points, reference ), reference );
 	return errors;
 }

@@ -14,9 +14,9 @@ namespace pliant_study {
 
 namespace {
 
-constexpr double kGravity = 9.81;   // m/s^2
-constexpr double kDropHeight = 0.3; // D, under the lowest point
-constexpr double kHeldShare = 0.15; // of the height, at each end that is held
+constexpr double kGravity = 9.81;      // m/s^2
+constexpr double kDropHeight = 0.3;    // D, under the lowest point
+constexpr double kHeldFraction = 0.15; // of the height, at each end that is held
 constexpr double kQuarter = 1.5707963267948966;
 constexpr double kTwistTime = 2.0, kTwistHeld = 3.0;                     // sqrt( D / g )
 constexpr double kPushTime = 1.5, kPushDepth = 0.15, kBallRadius = 0.15; // D
@@ -35,16 +35,16 @@ Eigen::Quaterniond orientationOf( int number )
 		return Eigen::Quaterniond::Identity();
 	}
 	std::mt19937 random( 7919u + unsigned( number ) );
-	const auto share = [&random] { return double( random() ) / 4294967296.0; };
-	const double a = share(), b = 4 * kQuarter * share(), c = 4 * kQuarter * share();
+	const auto fraction = [&random] { return double( random() ) / 4294967296.0; };
+	const double a = fraction(), b = 4 * kQuarter * fraction(), c = 4 * kQuarter * fraction();
 	return { std::sqrt( 1 - a ) * std::sin( b ), std::sqrt( 1 - a ) * std::cos( b ), std::sqrt( a ) * std::sin( c ),
 		std::sqrt( a ) * std::cos( c ) };
 }
 
 /// From 0 to 1 with no jump of speed at either end.
-double smooth( double share )
+double smooth( double fraction )
 {
-	const double s = std::fmin( 1.0, std::fmax( 0.0, share ) );
+	const double s = std::fmin( 1.0, std::fmax( 0.0, fraction ) );
 	return s * s * ( 3 - 2 * s );
 }
 
@@ -147,7 +147,7 @@ bool Rig::furnish()
 	};
 	const bool holdsFoot = m_scene.kind == SceneKind::Twist || m_scene.kind == SceneKind::Push || m_scene.kind == SceneKind::Tear;
 	const bool holdsTop = m_scene.kind == SceneKind::Twist || m_scene.kind == SceneKind::Hang || m_scene.kind == SceneKind::Tear;
-	if ( ( holdsFoot && !hold( -d, kHeldShare * height ) ) || ( holdsTop && !hold( ( 1 - kHeldShare ) * height, 2 * d ) ) )
+	if ( ( holdsFoot && !hold( -d, kHeldFraction * height ) ) || ( holdsTop && !hold( ( 1 - kHeldFraction ) * height, 2 * d ) ) )
 	{
 		return false;
 	}

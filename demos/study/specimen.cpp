@@ -67,7 +67,7 @@ Specimen makeSpecimen( pliant_glue::ModelMesh mesh, double diagonal )
 	specimen.mesh = std::move( mesh );
 	measureInside( specimen );
 
-	specimen.share = Eigen::VectorXd::Zero( count );
+	specimen.fraction = Eigen::VectorXd::Zero( count );
 	for ( std::size_t t = 0; t < specimen.mesh.triangleCount(); ++t )
 	{
 		const Eigen::Vector3i v = cornersOf( specimen.mesh, t );
@@ -75,10 +75,10 @@ Specimen makeSpecimen( pliant_glue::ModelMesh mesh, double diagonal )
 		const double area = ( b - a ).cross( c - a ).norm() / 2;
 		for ( const int corner : v )
 		{
-			specimen.share[corner] += area / 3;
+			specimen.fraction[corner] += area / 3;
 		}
 	}
-	specimen.share /= specimen.share.sum();
+	specimen.fraction /= specimen.fraction.sum();
 	return specimen;
 }
 

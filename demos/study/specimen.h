@@ -23,7 +23,7 @@ struct Specimen
 	double volume = 0;           ///< that it encloses, m^3; of an open mesh, what its triangles give
 	double spread = 0;           ///< mean square distance from the mass centre along an axis, mean over three axes, m^2
 	/// Share of the surface that belongs to a vertex; all sum to 1.
-	Eigen::VectorXd share;
+	Eigen::VectorXd fraction;
 };
 
 /// Takes a mesh from a file or from code. `diagonal`, m: 0 leaves the mesh's own size.

@@ -39,17 +39,17 @@ public:
 		m_bytesBefore = bytesInUse();
 		m_world.getWorldInfo().m_gravity.setZero();
 		std::vector<int> triangles( mesh.indices.begin(), mesh.indices.end() );
-		std::vector<btScalar> places( mesh.positions.begin(), mesh.positions.end() );
+		std::vector<btScalar> positions( mesh.positions.begin(), mesh.positions.end() );
 		m_body.reset( btSoftBodyHelpers::CreateFromTriMesh(
-			m_world.getWorldInfo(), places.data(), triangles.data(), int( mesh.triangleCount() ), false ) );
+			m_world.getWorldInfo(), positions.data(), triangles.data(), int( mesh.triangleCount() ), false ) );
 		m_body->setTotalMass( btScalar( double( order.candidate.material.density ) * order.specimen->volume ), true );
 		m_body->transform( order.place );
 		// Each step goes this share of the way to the goal: the same formula as for one cluster of ours.
-		const double share = wholeBodyAlpha( *order.specimen, order.candidate.material, kGameStep );
+		const double fraction = wholeBodyAlpha( *order.specimen, order.candidate.material, kGameStep );
 		m_body->m_cfg.collisions = btSoftBody::fCollision::SDF_RS;
 		if ( order.candidate.engine == Engine::BulletPose )
 		{
-			m_body->m_cfg.kMT = btScalar( share );
+			m_body->m_cfg.kMT = btScalar( fraction );
 			m_body->setPose( false, true );
 		}
 		else
@@ -57,7 +57,7 @@ public:
 			m_body->generateClusters( order.candidate.clusters );
 			for ( int k = 0; k < m_body->clusterCount(); ++k )
 			{
-				m_body->m_clusters[k]->m_matching = btScalar( share );
+				m_body->m_clusters[k]->m_matching = btScalar( fraction );
 			}
 		}
 		m_body->setActivationState( DISABLE_DEACTIVATION );

@@ -52,8 +52,8 @@ double middleOver( const std::vector<Record>& records, const Summary& of, const 
 
 void addRun( Summary& sum, const Record& record )
 {
-	const double share = 1.0 / ++sum.runs;
-	const auto blend = [share]( double& mean, double value ) { mean += share * ( value - mean ); };
+	const double fraction = 1.0 / ++sum.runs;
+	const auto blend = [fraction]( double& mean, double value ) { mean += fraction * ( value - mean ); };
 	blend( sum.nodes, record.nodes );
 	blend( sum.substeps, record.substeps );
 	for ( std::size_t k = 0; k < kStageCount; ++k )
@@ -133,7 +133,7 @@ std::vector<Summary> summarise( const std::vector<Record>& records, const std::s
 std::vector<Summary> combine( const std::vector<std::vector<Summary>>& scenes )
 {
 	std::vector<Summary> all;
-	const double share = scenes.empty() ? 1.0 : 1.0 / double( scenes.size() );
+	const double fraction = scenes.empty() ? 1.0 : 1.0 / double( scenes.size() );
 	for ( const Summary& first : scenes.empty() ? std::vector<Summary>() : scenes.front() )
 	{
 		Summary sum = first;
@@ -149,11 +149,11 @@ std::vector<Summary> combine( const std::vector<std::vector<Summary>>& scenes )
 				break;
 			}
 			sum.isHealthy = sum.isHealthy && at->isHealthy;
-			sum.median += share * at->median;
+			sum.median += fraction * at->median;
 			sum.slowest = std::max( sum.slowest, at->slowest );
-			sum.errors.mean += share * std::log( std::max( at->errors.mean, kLeastError ) );
-			sum.errors.shape += share * std::log( std::max( at->errors.shape, kLeastError ) );
-			sum.spread += share * at->spread / std::max( at->errors.mean, kLeastError );
+			sum.errors.mean += fraction * std::log( std::max( at->errors.mean, kLeastError ) );
+			sum.errors.shape += fraction * std::log( std::max( at->errors.shape, kLeastError ) );
+			sum.spread += fraction * at->spread / std::max( at->errors.mean, kLeastError );
 		}
 		if ( isEverywhere )
 		{

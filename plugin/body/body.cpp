@@ -94,7 +94,7 @@ Result<std::unique_ptr<Body>> Body::create( std::shared_ptr<const Lattice> latti
 		body->makeNodes( adaptivity );
 		body->makeMeasures( countComponents( *body->m_lattice ) == 1 );
 		body->m_matcher = body->makeMatcher( body->m_material );
-		body->makeRoomToMove();
+		body->reserveMotionScratch();
 		body->place( placement );
 		return Made::success( std::move( body ) );
 	}
@@ -173,7 +173,7 @@ void Body::setPinned( int node, bool pinned )
 void Body::accelerateTowardGoals( float h, float alpha, TaskRunner* runner )
 {
 	m_wasImplicit = false;
-	keepSpeeds( runner );
+	keepVelocities( runner );
 	if ( m_nodes.count == 1 )
 	{
 		return; // its goal is where it is: dust costs nothing
@@ -181,15 +181,15 @@ void Body::accelerateTowardGoals( float h, float alpha, TaskRunner* runner )
 	payForLevels( h, alpha );
 	const bool measuresStrain = m_levels && m_reviewIn == 0 && m_levels->followsStrain();
 	m_matcher->accelerate( m_nodes,
-		MatchStep{ h, alpha, m_material.damping, wobbleRate( h, alpha ), bodyShare( h, alpha ), measuresStrain,
+		MatchStep{ h, alpha, m_material.damping, wobbleRate( h, alpha ), bodyFraction( h, alpha ), measuresStrain,
 			PlasticLaw{ m_material.yieldStrain, m_material.plasticCreep, m_material.plasticLimit },
-			farShares( m_material, m_lattice->cellSize, h ), m_isOnePart, float( m_restLength ) },
+			farFractions( m_material, m_lattice->cellSize, h ), m_isOnePart, float( m_restLength ) },
 		runner );
 }
 
 double Body::stiffnessMoment( float h, float alpha ) const
 {
-	return alpha * modulusMoment( m_material ) + farMoment( farShares( m_material, m_lattice->cellSize, h ) );
+	return alpha * modulusMoment( m_material ) + farMoment( farFractions( m_material, m_lattice->cellSize, h ) );
 }
 
 // The slowest free vibration of a bar of length L has omega = pi c / L with c = sqrt( E / rho ); a motion damped at rate r has
@@ -209,7 +209,7 @@ float Body::wobbleRate( float h, float alpha ) const
 // Where alpha is cut at its limit the regions alone reach E_f = rho d^2 w ( w + 1 ) / ( 3 h^2 ) only. One match of the whole body
 // reaches E_b = rho m / h^2, m the mean second moment an axis, which for bodies of many cells is more. A share s of it in the goal
 // makes up what can be made up: ( 1 - s ) E_f + s E_b = E. Both matches are contractions, and so is their blend.
-float Body::bodyShare( float h, float alpha ) const
+float Body::bodyFraction( float h, float alpha ) const
 {
 	if ( m_material.stiffness != Stiffness::YoungsModulus || m_material.method == Method::SingleCluster ||
 		alpha < float( largestAlpha( m_material ) ) || !m_isOnePart ||

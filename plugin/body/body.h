@@ -138,7 +138,7 @@ public:
 	/// Puts links back by name: ascending, each once, none of them there, between 26-neighbours. Returns how many had not been before.
 	int healLinks( const std::vector<CellLink>& links );
 	/// Where each finest cell is now, relative to `NodeState::origin`; those under a big node where its region's deformation has them.
-	std::vector<Vec3d> cellPlaces() const;
+	std::vector<Vec3d> cellPositions() const;
 	/// Makes ahead what the first links that go need and bodies of one template share until then.
 	void prepareToBreak();
 	/// Whether there are links to be taken out or put back.
@@ -173,7 +173,7 @@ public:
 	/// The same with the reason.
 	Status implicitStatus() const;
 	/// How much harder than others a region of the body answers at most (link_moments.h).
-	float largestRegionShare() const;
+	float largestRegionFraction() const;
 	/// Prepares `implicit()`; leaves the nodes with the speeds of free flight. `alpha` may be of any size.
 	void pushImplicitly( float h, float alpha, const Vec3& gravity, TaskRunner* runner );
 	/// For a body whose forces are applied: it takes part in other bodies' system with its masses alone.
@@ -181,14 +181,14 @@ public:
 	/// Null before the first of the two.
 	ImplicitMotion* implicit() { return m_implicit.get(); }
 	/// Speeds at the start of the substep.
-	const Vec3Array& speedBefore() const { return m_speedBefore; }
+	const Vec3Array& velocityBefore() const { return m_velocityBefore; }
 	/// The end of pushImplicitly for a body that touches nothing; returns how many products it took.
 	int solveAlone( TaskRunner* runner );
 
 	/// x += h v   (Ohta et al. 2009, eq. 4); moves the origin along when the body strays from it. Checks every number: see BodyHealth.
 	BodyHealth integrate( float h, TaskRunner* runner = nullptr );
 	/// Of all nodes once their forces are applied, m/s.
-	const SpeedSpan& speeds() const { return m_speeds; }
+	const VelocityBounds& velocities() const { return m_velocities; }
 	/// Of all nodes where `integrate` has left them; places relative to `NodeState::origin`.
 	const MotionSums& motion() const { return m_motion; }
 	/// The same of the nodes as they are (`sums`): the slow twin.
@@ -207,7 +207,7 @@ public:
 	/// Bytes of the body's state, its matching, and of the lattice and tables it shares with others of its template.
 	std::size_t bytes() const;
 	/// Cells whose eight-corner frame has turned inside out, as a share of those that can be tested.
-	float invertedShare() const;
+	float invertedFraction() const;
 
 private:
 	Body();
@@ -222,7 +222,7 @@ private:
 	/// E h^2 / ( rho d^2 ), all levels together.
 	double stiffnessMoment( float h, float alpha ) const;
 	float wobbleRate( float h, float alpha ) const;
-	float bodyShare( float h, float alpha ) const;
+	float bodyFraction( float h, float alpha ) const;
 	void makeMeasures( bool isOnePart );
 	void refineBeforeBreaking();
 	std::vector<CellLink> brokenLinks() const;
@@ -239,8 +239,8 @@ private:
 	LinkLimits limitsOf( const Breaking& from, const BodyPiece& piece ) const;
 	void inheritNodes( const Body& from, const BodyPiece& piece );
 	void inheritBreaking( const Breaking& from, const BodyPiece& piece );
-	void makeRoomToMove();
-	void keepSpeeds( TaskRunner* runner );
+	void reserveMotionScratch();
+	void keepVelocities( TaskRunner* runner );
 	void keepFiniteState();
 	void restoreFiniteState();
 
@@ -251,7 +251,7 @@ private:
 	NodeState m_nodes;
 	std::unique_ptr<Matcher> m_matcher;
 	std::unique_ptr<ImplicitMotion> m_implicit; ///< null until the first implicit substep
-	Vec3Array m_speedBefore;                    ///< of it
+	Vec3Array m_velocityBefore;                 ///< of it
 	AlignedArray<float> m_pushed;
 	std::unique_ptr<Levels> m_levels;
 	LatticeMatcher* m_levelMatcher = nullptr; ///< m_matcher where there are levels
@@ -266,7 +266,7 @@ private:
 	bool m_isOnePart = true;
 	double m_secondMoment = 0.0; ///< m^2, mean over the axes, per mass
 	double m_restLength = 1.0;   ///< m, longest edge of the rest shape's box
-	SpeedSpan m_speeds;
+	VelocityBounds m_velocities;
 	MotionSums m_motion;
 	AlignedArray<float> m_lastFinite, m_kept; ///< x of the last finite state, component after component; and room for the next
 	Vec3d m_lastFiniteOrigin = Vec3d::Zero();

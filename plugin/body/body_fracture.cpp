@@ -27,7 +27,7 @@ Result<std::vector<float>> sampleToughness( const Lattice& lattice, const Toughn
 {
 	using Answer = Result<std::vector<float>>;
 	std::vector<float> toughness;
-	if ( !field.share )
+	if ( !field.fraction )
 	{
 		return Answer::success( std::move( toughness ) );
 	}
@@ -43,12 +43,12 @@ Result<std::vector<float>> sampleToughness( const Lattice& lattice, const Toughn
 			}
 			const Vec3 point = 0.5f * ( lattice.restCentre[i] + lattice.restCentre[j] ) + shift;
 			const Vec3 direction = ( lattice.restCentre[j] - lattice.restCentre[i] ).normalized();
-			const float share = field.share( point.data(), direction.data(), field.context );
-			if ( !( share > 0.0f ) )
+			const float fraction = field.fraction( point.data(), direction.data(), field.context );
+			if ( !( fraction > 0.0f ) )
 			{
 				return Answer::failure( ResultCode::BadArgument, "ToughnessField: a share is not above 0." );
 			}
-			toughness.push_back( share );
+			toughness.push_back( fraction );
 		}
 	}
 	return Answer::success( std::move( toughness ) );
@@ -60,7 +60,7 @@ void Breaking::prepare( const Lattice& lattice, float strain, std::vector<float>
 {
 	if ( settings.rule == BreakRule::Plane )
 	{
-		planes = std::make_unique<PlaneCracks>( strain, settings.growthShare );
+		planes = std::make_unique<PlaneCracks>( strain, settings.growthFraction );
 	}
 	limits = limitLinks( lattice, planes ? planes->candidateStrain() : strain, std::move( toughness ) );
 }
@@ -138,7 +138,7 @@ void Body::testLinks( float h )
 		return;
 	}
 	const auto placesOnLevels = [&] {
-		return CellPlaces( m_nodes, m_levels->cut(), b.standings.update( *m_lattice, m_levels->cut(), m_levels->version() ) );
+		return CellPositions( m_nodes, m_levels->cut(), b.refinementStates.update( *m_lattice, m_levels->cut(), m_levels->version() ) );
 	};
 	bool hasBegun = false;
 	if ( b.planes )
@@ -148,8 +148,8 @@ void Body::testLinks( float h )
 		{
 			return;
 		}
-		const CellPlaces places = m_levels ? placesOnLevels() : CellPlaces( m_nodes );
-		hasBegun = b.planes->find( *m_lattice, b.limits, places, b.sinceLook, isCool, b.broken );
+		const CellPositions positions = m_levels ? placesOnLevels() : CellPositions( m_nodes );
+		hasBegun = b.planes->find( *m_lattice, b.limits, positions, b.sinceLook, isCool, b.broken );
 		b.sinceLook = 0.0f;
 	}
 	else if ( m_levels )

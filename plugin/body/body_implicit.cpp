@@ -83,9 +83,9 @@ Status Body::implicitStatus() const
 		"The implicit step needs Method::Lattice, Weights::Conserving and RotationFrom::Apq: this body steps explicitly." };
 }
 
-float Body::largestRegionShare() const
+float Body::largestRegionFraction() const
 {
-	return canStepImplicitly() ? static_cast<const LatticeMatcher&>( *m_matcher ).tables().largestRateShare : 1.0f;
+	return canStepImplicitly() ? static_cast<const LatticeMatcher&>( *m_matcher ).tables().largestRateFraction : 1.0f;
 }
 
 // Matching first, from the speeds the last substep left, then forces: the order of the explicit step.
@@ -97,7 +97,7 @@ void Body::pushImplicitly( float h, float alpha, const Vec3& gravity, TaskRunner
 	}
 	const std::size_t padded = std::size_t( m_nodes.padded );
 	m_pushed.resize( 3 * padded );
-	keepSpeeds( runner );
+	keepVelocities( runner );
 	m_wasImplicit = true;
 	m_owed = LevelDebt{};
 	const bool measuresStrain = m_levels && m_reviewIn == 0 && m_levels->followsStrain();
@@ -106,8 +106,8 @@ void Body::pushImplicitly( float h, float alpha, const Vec3& gravity, TaskRunner
 			PlasticLaw{ m_material.yieldStrain, m_material.plasticCreep, m_material.plasticLimit }, {}, m_isOnePart,
 			float( m_restLength ) },
 		runner );
-	std::swap( m_speedBefore, m_nodes.v ); // now: what matching makes of the speeds
-	const AlignedArray<float>* const pushed[3] = { &m_speedBefore.x, &m_speedBefore.y, &m_speedBefore.z };
+	std::swap( m_velocityBefore, m_nodes.v ); // now: what matching makes of the speeds
+	const AlignedArray<float>* const pushed[3] = { &m_velocityBefore.x, &m_velocityBefore.y, &m_velocityBefore.z };
 	const AlignedArray<float>* const speed[3] = { &m_nodes.v.x, &m_nodes.v.y, &m_nodes.v.z };
 	// What matching adds to the speeds, then the speeds of free flight as well.
 	for ( std::size_t k = 0; k < 3; ++k )
@@ -115,7 +115,7 @@ void Body::pushImplicitly( float h, float alpha, const Vec3& gravity, TaskRunner
 		std::transform(
 			pushed[k]->begin(), pushed[k]->end(), speed[k]->begin(), m_pushed.begin() + std::ptrdiff_t( k * padded ), std::minus<>() );
 	}
-	keepSpeeds( runner );
+	keepVelocities( runner );
 	applyForces( h, gravity, runner );
 	for ( std::size_t k = 0; k < 3; ++k )
 	{
@@ -144,7 +144,7 @@ int Body::solveAlone( TaskRunner* runner )
 {
 	AloneSystem system( *m_implicit, runner );
 	AlignedArray<float> v( static_cast<std::size_t>( system.size() ) );
-	m_implicit->copySpeeds( v.data() );
+	m_implicit->copyVelocities( v.data() );
 	double mass = 0.0;
 	for ( const float m : m_nodes.mass )
 	{
@@ -152,8 +152,8 @@ int Body::solveAlone( TaskRunner* runner )
 	}
 	ConjugateGradients gradients;
 	const int count = gradients.solve( system, m_implicit->rightSide(), v.data(),
-		GradientLimits{ kGradientShare, mass * double( kGradientSpeed ) * double( kGradientSpeed ), kMostGradients } );
-	m_implicit->setSpeeds( v.data() );
+		GradientLimits{ kGradientFraction, mass * double( kGradientSpeed ) * double( kGradientSpeed ), kMostGradients } );
+	m_implicit->setNodeVelocities( v.data() );
 	m_implicit->keepMomentum();
 	return count;
 }

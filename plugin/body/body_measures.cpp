@@ -62,16 +62,16 @@ int Body::nodeOfCell( std::uint32_t cell ) const
 	return m_levels ? int( m_levels->cut().slotOfCell[cell] ) : int( cell );
 }
 
-std::vector<Vec3d> Body::cellPlaces() const
+std::vector<Vec3d> Body::cellPositions() const
 {
-	std::vector<Vec3d> places( m_lattice->fill.size() );
+	std::vector<Vec3d> positions( m_lattice->fill.size() );
 	if ( !m_levels )
 	{
 		for ( int i = 0; i < m_nodes.count; ++i )
 		{
-			places[std::size_t( i )] = m_nodes.x.get( i ).cast<double>();
+			positions[std::size_t( i )] = m_nodes.x.get( i ).cast<double>();
 		}
-		return places;
+		return positions;
 	}
 	// x_c = x_a + F_a ( x0_c - x0_a ), a the node above cell c. What is one cell stands where its node does.
 	const Octree& octree = m_levels->octree();
@@ -84,7 +84,7 @@ std::vector<Vec3d> Body::cellPlaces() const
 			big.push_back( i );
 			continue;
 		}
-		places[octree.cells[octree.cellStart[above[i]]]] = m_nodes.x.get( int( i ) ).cast<double>();
+		positions[octree.cells[octree.cellStart[above[i]]]] = m_nodes.x.get( int( i ) ).cast<double>();
 	}
 	std::vector<float> gradients( big.size() * 9 );
 	nodeDeformationsOf( big, gradients.data() );
@@ -95,10 +95,10 @@ std::vector<Vec3d> Body::cellPlaces() const
 		for ( std::uint32_t k = octree.cellStart[node]; k < octree.cellStart[node] + octree.cellCount[node]; ++k )
 		{
 			const Vec3 arm = m_lattice->restCentre[octree.cells[k]] - m_nodes.x0.get( int( big[b] ) );
-			places[octree.cells[k]] = ( m_nodes.x.get( int( big[b] ) ) + f * arm ).cast<double>();
+			positions[octree.cells[k]] = ( m_nodes.x.get( int( big[b] ) ) + f * arm ).cast<double>();
 		}
 	}
-	return places;
+	return positions;
 }
 
 void Body::nodeRotations( float* quaternions ) const
@@ -116,7 +116,7 @@ void Body::nodeFlow( float* stretches ) const
 	m_matcher->nodeFlow( m_nodes.count, stretches );
 }
 
-float Body::invertedShare() const
+float Body::invertedFraction() const
 {
 	if ( m_levels )
 	{

@@ -74,7 +74,7 @@ void Body::teleport( const Placement& by )
 	keepFiniteState();
 }
 
-void Body::makeRoomToMove()
+void Body::reserveMotionScratch()
 {
 	const std::size_t now = std::size_t( m_nodes.padded ) * 3;
 	for ( AlignedArray<float>* const array : { &m_lastFinite, &m_kept } )
@@ -82,15 +82,15 @@ void Body::makeRoomToMove()
 		array->resize( now, 0.0f );
 		if ( m_levels )
 		{
-			makeRoom( *array, std::size_t( m_levels->roomNodes() + kLanes ) * 3, std::size_t( kRoomShare * double( now ) ) );
+			reserveScratch( *array, std::size_t( m_levels->scratchNodes() + kLanes ) * 3, std::size_t( kScratchFraction * double( now ) ) );
 		}
 	}
 }
 
-void Body::keepSpeeds( TaskRunner* runner )
+void Body::keepVelocities( TaskRunner* runner )
 {
 	const AlignedArray<float>* const from[3] = { &m_nodes.v.x, &m_nodes.v.y, &m_nodes.v.z };
-	AlignedArray<float>* const to[3] = { &m_speedBefore.x, &m_speedBefore.y, &m_speedBefore.z };
+	AlignedArray<float>* const to[3] = { &m_velocityBefore.x, &m_velocityBefore.y, &m_velocityBefore.z };
 	for ( AlignedArray<float>* const component : to )
 	{
 		component->resize( std::size_t( m_nodes.padded ) );
@@ -108,23 +108,23 @@ void Body::applyForces( float h, const Vec3& gravity, TaskRunner* runner )
 	const Kernels& kernels = bestKernels();
 	const MotionView view = viewOf( m_nodes, m_kept.data() );
 	const bool hasForce = !m_nodes.force.x.empty();
-	OfShares<SpeedSpan> spans;
-	runShares( runner, Shares{ m_nodes.padded }, [&]( int share, int begin, int end ) {
+	OfFractions<VelocityBounds> spans;
+	runShares( runner, Shares{ m_nodes.padded }, [&]( int fraction, int begin, int end ) {
 		for ( int i = begin; hasForce && i < std::min( end, m_nodes.count ); ++i )
 		{
 			m_nodes.v.set( i, m_nodes.v.get( i ) + ( h * m_nodes.freedom[i] / m_nodes.mass[i] ) * m_nodes.force.get( i ) );
 		}
-		kernels.push( view, gravity.data(), h, begin, end, spans[std::size_t( share )] );
+		kernels.push( view, gravity.data(), h, begin, end, spans[std::size_t( fraction )] );
 	} );
-	m_speeds = SpeedSpan{};
-	for ( const SpeedSpan& span : spans )
+	m_velocities = VelocityBounds{};
+	for ( const VelocityBounds& span : spans )
 	{
 		for ( int k = 0; k < 3; ++k )
 		{
-			m_speeds.low[k] = std::min( m_speeds.low[k], span.low[k] );
-			m_speeds.high[k] = std::max( m_speeds.high[k], span.high[k] );
+			m_velocities.low[k] = std::min( m_velocities.low[k], span.low[k] );
+			m_velocities.high[k] = std::max( m_velocities.high[k], span.high[k] );
 		}
-		m_speeds.worst += span.worst;
+		m_velocities.worst += span.worst;
 	}
 }
 
@@ -134,9 +134,9 @@ BodyHealth Body::integrate( float h, TaskRunner* runner )
 {
 	const Kernels& kernels = bestKernels();
 	const MotionView view = viewOf( m_nodes, m_kept.data() );
-	OfShares<MotionSums> sums;
+	OfFractions<MotionSums> sums;
 	runShares( runner, Shares{ m_nodes.padded },
-		[&]( int share, int begin, int end ) { kernels.advance( view, h, begin, end, sums[std::size_t( share )] ); } );
+		[&]( int fraction, int begin, int end ) { kernels.advance( view, h, begin, end, sums[std::size_t( fraction )] ); } );
 	m_motion = MotionSums{};
 	for ( const MotionSums& sum : sums )
 	{
@@ -169,7 +169,7 @@ MotionSums Body::measureMotion() const
 
 void Body::keepFiniteState()
 {
-	m_kept.resize( std::size_t( m_nodes.padded ) * 3 ); // within its room (makeRoomToMove)
+	m_kept.resize( std::size_t( m_nodes.padded ) * 3 ); // within its room (reserveMotionScratch)
 	m_lastFinite.resize( std::size_t( m_nodes.padded ) * 3 );
 	auto to = m_lastFinite.begin();
 	for ( const AlignedArray<float>* const component : { &m_nodes.x.x, &m_nodes.x.y, &m_nodes.x.z } )

@@ -256,7 +256,7 @@ std::unique_ptr<Body> Body::makePiece( std::shared_ptr<const Lattice> lattice, B
 	body->m_sinceReview = m_sinceReview;
 	if ( m_owed.left > 0.0f )
 	{
-		body->m_owed = m_owed.share( double( body->m_lattice->cellCount() ) / double( m_lattice->cellCount() ) );
+		body->m_owed = m_owed.fraction( double( body->m_lattice->cellCount() ) / double( m_lattice->cellCount() ) );
 	}
 	if ( body->m_material.method == Method::Lattice )
 	{

@@ -27,11 +27,11 @@ struct Breaking
 {
 	Fracture settings;
 	LinkLimits limits;
-	std::vector<CellLink> broken;        ///< waiting to be taken out, ascending
-	float sinceLook = 0.0f;              ///< s since planes were looked at
-	float coolDown = 0.0f;               ///< s until links are tested again, or new cracks may begin
-	CellStandings standings;             ///< bodies with levels only
-	std::unique_ptr<PlaneCracks> planes; ///< BreakRule::Plane only
+	std::vector<CellLink> broken;          ///< waiting to be taken out, ascending
+	float sinceLook = 0.0f;                ///< s since planes were looked at
+	float coolDown = 0.0f;                 ///< s until links are tested again, or new cracks may begin
+	CellRefinementStates refinementStates; ///< bodies with levels only
+	std::unique_ptr<PlaneCracks> planes;   ///< BreakRule::Plane only
 
 	/// Limits and planes for the settings.
 	void prepare( const Lattice& lattice, float strain, std::vector<float> toughness );

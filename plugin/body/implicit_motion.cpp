@@ -74,7 +74,7 @@ void ImplicitMotion::begin( LatticeMatcher& matcher, NodeState& nodes, const flo
 	{
 		// m ( 1 + G' ( 1 - P ) ) v* less m v*
 		AlignedArray<float> free( static_cast<std::size_t>( size() ) );
-		copySpeeds( free.data() );
+		copyVelocities( free.data() );
 		m_rates.resist( free.data(), ( gamma - sigma ) * elastic, m_rightSide.data(), runner );
 		for ( int k = 0; k < size(); ++k )
 		{
@@ -96,7 +96,7 @@ void ImplicitMotion::beginFree( NodeState& nodes, const ConnectedParts* parts )
 	const auto least = []( double mass ) { return kPointInertia * mass; };
 	raiseInertias( least, least );
 	m_rightSide.resize( std::size_t( size() ) );
-	copySpeeds( m_rightSide.data() );
+	copyVelocities( m_rightSide.data() );
 	for ( int k = 0; k < size(); ++k )
 	{
 		m_rightSide[k] *= nodes.mass[k % nodes.padded] * nodes.freedom[k % nodes.padded];
@@ -278,7 +278,7 @@ void ImplicitMotion::keepMomentum()
 	}
 }
 
-void ImplicitMotion::copySpeeds( float* v ) const
+void ImplicitMotion::copyVelocities( float* v ) const
 {
 	const int padded = m_nodes->padded;
 	std::copy( m_nodes->v.x.begin(), m_nodes->v.x.begin() + padded, v );
@@ -286,7 +286,7 @@ void ImplicitMotion::copySpeeds( float* v ) const
 	std::copy( m_nodes->v.z.begin(), m_nodes->v.z.begin() + padded, v + 2 * padded );
 }
 
-void ImplicitMotion::setSpeeds( const float* v )
+void ImplicitMotion::setNodeVelocities( const float* v )
 {
 	NodeState& nodes = *m_nodes;
 	for ( int i = 0; i < nodes.count; ++i )

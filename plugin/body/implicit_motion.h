@@ -87,8 +87,8 @@ public:
 	Vector6 missingMomentum( int part = 0 ) const;
 	/// Adds a rigid motion to the nodes' speeds.
 	void addMotion( const Vector6& motion, int part = 0 );
-	void copySpeeds( float* v ) const; ///< of the nodes as they are
-	void setSpeeds( const float* v );  ///< of the free nodes
+	void copyVelocities( float* v ) const;    ///< of the nodes as they are
+	void setNodeVelocities( const float* v ); ///< of the free nodes
 	std::size_t bytes() const { return m_rightSide.size() * sizeof( float ) + m_rates.bytes(); }
 
 private:

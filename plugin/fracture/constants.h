@@ -25,7 +25,7 @@ inline constexpr float kBearsBesideBig = 2.0f;
 
 /// Along a pull in any direction lies a link whose cosine with it is at least 0.85 (worst between an axis, a face's and a cell's diagonal):
 /// it is strained by more than this share of what the material is.
-inline constexpr float kCandidateShare = 0.6f;
+inline constexpr float kCandidateFraction = 0.6f;
 /// Axes along which a cell's neighbours spread less than this share of the widest are left out of its deformation.
 inline constexpr double kFlatNeighbourhood = 1e-3;
 /// Two stretches that differ by less than this share of what the third differs are alike: their directions are any.

@@ -72,13 +72,13 @@ bool isSomething( const BladeCut& cut )
 }
 
 /// Where each place lies beyond the blade's box: a bit a side. What has its both ends beyond one side is not cut.
-std::vector<std::uint8_t> sidesBeyond( const std::vector<Vec3d>& places, const BladeCut& cut )
+std::vector<std::uint8_t> sidesBeyond( const std::vector<Vec3d>& positions, const BladeCut& cut )
 {
 	const Vec3d low = cut.p0.cwiseMin( cut.p1 ).cwiseMin( cut.q0.cwiseMin( cut.q1 ) ),
 				high = cut.p0.cwiseMax( cut.p1 ).cwiseMax( cut.q0.cwiseMax( cut.q1 ) );
 	std::vector<std::uint8_t> beyond;
-	beyond.reserve( places.size() );
-	for ( const Vec3d& at : places )
+	beyond.reserve( positions.size() );
+	for ( const Vec3d& at : positions )
 	{
 		unsigned bits = 0;
 		for ( int axis = 0; axis < 3; ++axis )
@@ -91,9 +91,9 @@ std::vector<std::uint8_t> sidesBeyond( const std::vector<Vec3d>& places, const B
 }
 
 template <class Cut>
-std::vector<std::uint8_t> sidesBeyond( const std::vector<Vec3d>& places, const Cut& )
+std::vector<std::uint8_t> sidesBeyond( const std::vector<Vec3d>& positions, const Cut& )
 {
-	return std::vector<std::uint8_t>( places.size(), 0 );
+	return std::vector<std::uint8_t>( positions.size(), 0 );
 }
 
 /// Whether a cell and all it is linked to lie beyond one side: most do, and no link of theirs is looked at. So nothing is gained by
@@ -110,14 +110,14 @@ bool isBeyond( const Lattice& lattice, const std::vector<std::uint8_t>& beyond, 
 }
 
 template <class Cut>
-std::vector<CellLink> findCut( const Lattice& lattice, const std::vector<Vec3d>& places, const Cut& cut )
+std::vector<CellLink> findCut( const Lattice& lattice, const std::vector<Vec3d>& positions, const Cut& cut )
 {
 	std::vector<CellLink> links;
 	if ( !isSomething( cut ) )
 	{
 		return links;
 	}
-	const std::vector<std::uint8_t> beyond = sidesBeyond( places, cut );
+	const std::vector<std::uint8_t> beyond = sidesBeyond( positions, cut );
 	for ( std::uint32_t i = 0; i < std::uint32_t( lattice.cellCount() ); ++i )
 	{
 		if ( isBeyond( lattice, beyond, i ) )
@@ -127,7 +127,7 @@ std::vector<CellLink> findCut( const Lattice& lattice, const std::vector<Vec3d>&
 		const auto row = lattice.linkTo.begin() + lattice.linkStart[i], end = lattice.linkTo.begin() + lattice.linkStart[i + 1];
 		for ( auto to = std::upper_bound( row, end, i ); to != end; ++to )
 		{
-			if ( ( beyond[i] & beyond[*to] ) == 0 && crosses( cut, places[i], places[*to] ) )
+			if ( ( beyond[i] & beyond[*to] ) == 0 && crosses( cut, positions[i], positions[*to] ) )
 			{
 				links.push_back( CellLink{ i, *to } );
 			}
@@ -138,23 +138,23 @@ std::vector<CellLink> findCut( const Lattice& lattice, const std::vector<Vec3d>&
 
 } // namespace
 
-std::vector<CellLink> linksCut( const Lattice& lattice, const std::vector<Vec3d>& places, const PlaneCut& cut )
+std::vector<CellLink> linksCut( const Lattice& lattice, const std::vector<Vec3d>& positions, const PlaneCut& cut )
 {
-	return findCut( lattice, places, cut );
+	return findCut( lattice, positions, cut );
 }
 
-std::vector<CellLink> linksCut( const Lattice& lattice, const std::vector<Vec3d>& places, const SphereCut& cut )
+std::vector<CellLink> linksCut( const Lattice& lattice, const std::vector<Vec3d>& positions, const SphereCut& cut )
 {
-	return findCut( lattice, places, cut );
+	return findCut( lattice, positions, cut );
 }
 
-std::vector<CellLink> linksCut( const Lattice& lattice, const std::vector<Vec3d>& places, const BladeCut& cut )
+std::vector<CellLink> linksCut( const Lattice& lattice, const std::vector<Vec3d>& positions, const BladeCut& cut )
 {
-	return findCut( lattice, places, cut );
+	return findCut( lattice, positions, cut );
 }
 
 std::vector<CellLink> linksToHeal( const Lattice& whole, const Lattice& part, const std::vector<std::uint32_t>& cellInWhole,
-	const std::vector<Vec3d>& places, double most )
+	const std::vector<Vec3d>& positions, double most )
 {
 	std::vector<CellLink> links;
 	for ( std::uint32_t i = 0; i < std::uint32_t( part.cellCount() ); ++i )
@@ -171,7 +171,7 @@ std::vector<CellLink> linksToHeal( const Lattice& whole, const Lattice& part, co
 				continue;
 			}
 			const double rest = ( part.restCentre[i] - part.restCentre[j] ).cast<double>().norm();
-			if ( ( places[i] - places[j] ).norm() <= most * rest )
+			if ( ( positions[i] - positions[j] ).norm() <= most * rest )
 			{
 				links.push_back( CellLink{ i, j } );
 			}

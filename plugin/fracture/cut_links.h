@@ -35,9 +35,9 @@ struct BladeCut
 };
 
 /// The links of the lattice that are cut, ascending, each once; `places`: of each cell. None where the cut is nothing, or not finite.
-std::vector<CellLink> linksCut( const Lattice& lattice, const std::vector<Vec3d>& places, const PlaneCut& cut );
-std::vector<CellLink> linksCut( const Lattice& lattice, const std::vector<Vec3d>& places, const SphereCut& cut );
-std::vector<CellLink> linksCut( const Lattice& lattice, const std::vector<Vec3d>& places, const BladeCut& cut );
+std::vector<CellLink> linksCut( const Lattice& lattice, const std::vector<Vec3d>& positions, const PlaneCut& cut );
+std::vector<CellLink> linksCut( const Lattice& lattice, const std::vector<Vec3d>& positions, const SphereCut& cut );
+std::vector<CellLink> linksCut( const Lattice& lattice, const std::vector<Vec3d>& positions, const BladeCut& cut );
 
 /// Where a cut goes through a link, in the rest shape.
 struct CutTrace
@@ -48,16 +48,16 @@ struct CutTrace
 };
 
 /// What the cut left on each of the links it goes through. `rotations`: x y z w of each cell: what lay at rest is turned so now.
-std::vector<CutTrace> tracesOf( const Lattice& lattice, const std::vector<Vec3d>& places, const std::vector<CellLink>& links,
+std::vector<CutTrace> tracesOf( const Lattice& lattice, const std::vector<Vec3d>& positions, const std::vector<CellLink>& links,
 	const PlaneCut& cut, const std::vector<Eigen::Quaternionf>& rotations );
-std::vector<CutTrace> tracesOf( const Lattice& lattice, const std::vector<Vec3d>& places, const std::vector<CellLink>& links,
+std::vector<CutTrace> tracesOf( const Lattice& lattice, const std::vector<Vec3d>& positions, const std::vector<CellLink>& links,
 	const SphereCut& cut, const std::vector<Eigen::Quaternionf>& rotations );
-std::vector<CutTrace> tracesOf( const Lattice& lattice, const std::vector<Vec3d>& places, const std::vector<CellLink>& links,
+std::vector<CutTrace> tracesOf( const Lattice& lattice, const std::vector<Vec3d>& positions, const std::vector<CellLink>& links,
 	const BladeCut& cut, const std::vector<Eigen::Quaternionf>& rotations );
 
 /// The links that `whole` has and `part` has not, between cells of `part` that are not further apart than `most` times their rest length:
 /// what may grow together again. `cellInWhole`: of each cell of the part, ascending; empty: the same. Ascending, each once.
 std::vector<CellLink> linksToHeal( const Lattice& whole, const Lattice& part, const std::vector<std::uint32_t>& cellInWhole,
-	const std::vector<Vec3d>& places, double most );
+	const std::vector<Vec3d>& positions, double most );
 
 } // namespace pliant

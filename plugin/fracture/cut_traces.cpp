@@ -12,7 +12,7 @@ namespace {
 /// A place on a link, as the share of the way from a to b, and the cut's normal there, both as the body is now.
 struct Crossing
 {
-	double share = 0.5;
+	double fraction = 0.5;
 	Vec3d normal = Vec3d::UnitX();
 };
 
@@ -35,9 +35,9 @@ Crossing crossingOf( const SphereCut& cut, const Vec3d& a, const Vec3d& b )
 	const double square = way.squaredNorm(), half = from.dot( way ), rest = from.squaredNorm() - cut.radius * cut.radius;
 	const double root = std::sqrt( std::max( 0.0, half * half - square * rest ) );
 	const bool isInA = rest < 0.0, isInB = ( b - cut.centre ).squaredNorm() < cut.radius * cut.radius;
-	const double share = isInA == isInB ? -half / square : ( isInA ? -half + root : -half - root ) / square;
-	const Vec3d out = from + share * way;
-	return Crossing{ share, out.isZero( 0.0 ) ? Vec3d( way.normalized() ) : Vec3d( out.normalized() ) };
+	const double fraction = isInA == isInB ? -half / square : ( isInA ? -half + root : -half - root ) / square;
+	const Vec3d out = from + fraction * way;
+	return Crossing{ fraction, out.isZero( 0.0 ) ? Vec3d( way.normalized() ) : Vec3d( out.normalized() ) };
 }
 
 Crossing crossingOf( const BladeCut& cut, const Vec3d& a, const Vec3d& b )
@@ -52,7 +52,7 @@ Crossing crossingOf( const BladeCut& cut, const Vec3d& a, const Vec3d& b )
 	{
 		// Both planes part the link, but it passes through one triangle: the one whose side of their common line it is on.
 		const Crossing one = acrossPlane( cut.p0, first, a, b );
-		const Vec3d at = a + one.share * ( b - a ), edge = cut.q0 - cut.p1;
+		const Vec3d at = a + one.fraction * ( b - a ), edge = cut.q0 - cut.p1;
 		const bool isOnSide = edge.cross( at - cut.p1 ).dot( edge.cross( cut.p0 - cut.p1 ) ) >= 0.0;
 		return isOnSide ? one : acrossPlane( cut.q0, second, a, b );
 	}
@@ -60,19 +60,19 @@ Crossing crossingOf( const BladeCut& cut, const Vec3d& a, const Vec3d& b )
 }
 
 template <class Cut>
-std::vector<CutTrace> findTraces( const Lattice& lattice, const std::vector<Vec3d>& places, const std::vector<CellLink>& links,
+std::vector<CutTrace> findTraces( const Lattice& lattice, const std::vector<Vec3d>& positions, const std::vector<CellLink>& links,
 	const Cut& cut, const std::vector<Eigen::Quaternionf>& rotations )
 {
 	std::vector<CutTrace> traces;
 	traces.reserve( links.size() );
 	for ( const CellLink& link : links )
 	{
-		const Crossing at = crossingOf( cut, places[link.a], places[link.b] );
-		const float share = float( std::clamp( at.share, 0.0, 1.0 ) );
+		const Crossing at = crossingOf( cut, positions[link.a], positions[link.b] );
+		const float fraction = float( std::clamp( at.fraction, 0.0, 1.0 ) );
 		CutTrace trace;
 		trace.link = link;
-		trace.point = ( 1.0f - share ) * lattice.restCentre[link.a] + share * lattice.restCentre[link.b];
-		trace.normal = rotations[share < 0.5f ? link.a : link.b].conjugate() * at.normal.cast<float>();
+		trace.point = ( 1.0f - fraction ) * lattice.restCentre[link.a] + fraction * lattice.restCentre[link.b];
+		trace.normal = rotations[fraction < 0.5f ? link.a : link.b].conjugate() * at.normal.cast<float>();
 		if ( trace.normal.allFinite() && trace.point.allFinite() )
 		{
 			const float along = trace.normal.dot( lattice.restCentre[link.b] - lattice.restCentre[link.a] );
@@ -85,22 +85,22 @@ std::vector<CutTrace> findTraces( const Lattice& lattice, const std::vector<Vec3
 
 } // namespace
 
-std::vector<CutTrace> tracesOf( const Lattice& lattice, const std::vector<Vec3d>& places, const std::vector<CellLink>& links,
+std::vector<CutTrace> tracesOf( const Lattice& lattice, const std::vector<Vec3d>& positions, const std::vector<CellLink>& links,
 	const PlaneCut& cut, const std::vector<Eigen::Quaternionf>& rotations )
 {
-	return findTraces( lattice, places, links, cut, rotations );
+	return findTraces( lattice, positions, links, cut, rotations );
 }
 
-std::vector<CutTrace> tracesOf( const Lattice& lattice, const std::vector<Vec3d>& places, const std::vector<CellLink>& links,
+std::vector<CutTrace> tracesOf( const Lattice& lattice, const std::vector<Vec3d>& positions, const std::vector<CellLink>& links,
 	const SphereCut& cut, const std::vector<Eigen::Quaternionf>& rotations )
 {
-	return findTraces( lattice, places, links, cut, rotations );
+	return findTraces( lattice, positions, links, cut, rotations );
 }
 
-std::vector<CutTrace> tracesOf( const Lattice& lattice, const std::vector<Vec3d>& places, const std::vector<CellLink>& links,
+std::vector<CutTrace> tracesOf( const Lattice& lattice, const std::vector<Vec3d>& positions, const std::vector<CellLink>& links,
 	const BladeCut& cut, const std::vector<Eigen::Quaternionf>& rotations )
 {
-	return findTraces( lattice, places, links, cut, rotations );
+	return findTraces( lattice, positions, links, cut, rotations );
 }
 
 } // namespace pliant

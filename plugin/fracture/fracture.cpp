@@ -32,7 +32,7 @@ Status check( const Fracture& fracture )
 	{
 		return refuse( "Fracture::coolDown must lie in [0, 10] s." );
 	}
-	if ( !( fracture.growthShare > 0.0f ) || !within( fracture.growthShare, 0.0f, 1.0f ) )
+	if ( !( fracture.growthFraction > 0.0f ) || !within( fracture.growthFraction, 0.0f, 1.0f ) )
 	{
 		return refuse( "Fracture::growthShare must be above 0 and at most 1." );
 	}

@@ -1,6 +1,6 @@
 #include "fracture/link_limits.h"
 
-#include "fracture/cell_places.h"
+#include "fracture/cell_positions.h"
 
 #include <algorithm>
 #include <cmath>
@@ -35,9 +35,9 @@ LinkLimits limitLinks( const Lattice& lattice, float strain, std::vector<float> 
 		const auto row = lattice.linkTo.begin() + lattice.linkStart[i], end = lattice.linkTo.begin() + lattice.linkStart[i + 1];
 		for ( auto link = std::upper_bound( row, end, i ); link != end; ++link )
 		{
-			const float share = limits.toughness.empty() ? 1.0f : limits.toughness[limits.to.size()];
+			const float fraction = limits.toughness.empty() ? 1.0f : limits.toughness[limits.to.size()];
 			limits.to.push_back( *link );
-			limits.lengthSquared.push_back( limitSquared( lattice, i, *link, strain * share ) );
+			limits.lengthSquared.push_back( limitSquared( lattice, i, *link, strain * fraction ) );
 		}
 		limits.start.push_back( std::uint32_t( limits.to.size() ) );
 	}
@@ -133,13 +133,13 @@ struct Places
 
 void findOverstretched( const LinkLimits& limits, const NodeState& nodes, std::vector<CellLink>& found )
 {
-	const Places places{ nodes.x.x.data(), nodes.x.y.data(), nodes.x.z.data() };
+	const Places positions{ nodes.x.x.data(), nodes.x.y.data(), nodes.x.z.data() };
 	const std::uint32_t count = std::uint32_t( limits.start.size() ) - 1;
 	for ( std::uint32_t i = 0; i < count; ++i )
 	{
 		for ( std::uint32_t k = limits.start[i]; k < limits.start[i + 1]; ++k )
 		{
-			if ( places.distanceSquared( i, limits.to[k] ) > limits.lengthSquared[k] )
+			if ( positions.distanceSquared( i, limits.to[k] ) > limits.lengthSquared[k] )
 			{
 				found.push_back( CellLink{ i, limits.to[k] } );
 			}
@@ -150,26 +150,27 @@ void findOverstretched( const LinkLimits& limits, const NodeState& nodes, std::v
 namespace {
 
 /// ( L + b ( M - L ) )^2 of two cells L apart at rest whose link bears M where b is 1.
-float borneSquared( float limitSquared, const CellPlaces& places, std::uint32_t i, std::uint32_t j )
+float borneSquared( float limitSquared, const CellPositions& positions, std::uint32_t i, std::uint32_t j )
 {
-	const float bears = std::max( places.bears( i ), places.bears( j ) ), rest = ( places.restOf( i ) - places.restOf( j ) ).norm();
+	const float bears = std::max( positions.bears( i ), positions.bears( j ) ),
+				rest = ( positions.restOf( i ) - positions.restOf( j ) ).norm();
 	const float borne = rest + bears * ( std::sqrt( limitSquared ) - rest );
 	return bears == 1.0f ? limitSquared : borne * borne;
 }
 
 } // namespace
 
-void findOverstretched( const LinkLimits& limits, const CellPlaces& places, std::vector<CellLink>& found )
+void findOverstretched( const LinkLimits& limits, const CellPositions& positions, std::vector<CellLink>& found )
 {
 	const std::uint32_t count = std::uint32_t( limits.start.size() ) - 1;
 	for ( std::uint32_t i = 0; i < count; ++i )
 	{
-		for ( std::uint32_t k = limits.start[i]; places.mayBreak( i ) && k < limits.start[i + 1]; ++k )
+		for ( std::uint32_t k = limits.start[i]; positions.mayBreak( i ) && k < limits.start[i + 1]; ++k )
 		{
 			const std::uint32_t j = limits.to[k];
-			const float squared = ( places.at( i ) - places.at( j ) ).squaredNorm();
-			if ( places.mayBreak( j ) && squared > limits.lengthSquared[k] &&
-				squared > borneSquared( limits.lengthSquared[k], places, i, j ) )
+			const float squared = ( positions.at( i ) - positions.at( j ) ).squaredNorm();
+			if ( positions.mayBreak( j ) && squared > limits.lengthSquared[k] &&
+				squared > borneSquared( limits.lengthSquared[k], positions, i, j ) )
 			{
 				found.push_back( CellLink{ i, j } );
 			}

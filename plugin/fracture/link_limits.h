@@ -11,7 +11,7 @@
 
 namespace pliant {
 
-class CellPlaces;
+class CellPositions;
 
 /// The links of a lattice, each once, from its lower cell: link k of cell i leads to to[k], start[i] <= k < start[i + 1].
 struct LinkLimits
@@ -40,6 +40,6 @@ LinkLimits inheritLimits( const LinkLimits& before, const Lattice& part, const s
 /// All links longer than they may be, ascending. Cells are nodes.
 void findOverstretched( const LinkLimits& limits, const NodeState& nodes, std::vector<CellLink>& found );
 /// The same where nodes differ in size: links between two cells that may break.
-void findOverstretched( const LinkLimits& limits, const CellPlaces& places, std::vector<CellLink>& found );
+void findOverstretched( const LinkLimits& limits, const CellPositions& positions, std::vector<CellLink>& found );
 
 } // namespace pliant

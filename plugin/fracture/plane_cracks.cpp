@@ -11,7 +11,7 @@ namespace pliant {
 namespace {
 
 /// What an excess, a float, may be off by.
-constexpr double kRoundedShare = 1e-6;
+constexpr double kRoundedFraction = 1e-6;
 
 /// Toughness of the link from the lower cell to the higher.
 float toughnessOf( const LinkLimits& limits, std::uint32_t a, std::uint32_t b )
@@ -28,27 +28,27 @@ float toughnessOf( const LinkLimits& limits, std::uint32_t a, std::uint32_t b )
 
 float PlaneCracks::candidateStrain() const
 {
-	return kCandidateShare * m_growthShare * m_breakStrain;
+	return kCandidateFraction * m_growthFraction * m_breakStrain;
 }
 
 void PlaneCracks::placeAtRest( const Lattice& lattice )
 {
-	m_room.rest.resize( std::size_t( lattice.cellCount() ) );
-	for ( std::size_t cell = 0; cell < m_room.rest.size(); ++cell )
+	m_scratch.rest.resize( std::size_t( lattice.cellCount() ) );
+	for ( std::size_t cell = 0; cell < m_scratch.rest.size(); ++cell )
 	{
-		m_room.rest[cell] = lattice.massCentre + lattice.restCentre[cell].cast<double>();
+		m_scratch.rest[cell] = lattice.massCentre + lattice.restCentre[cell].cast<double>();
 	}
 }
 
 // Links are cheap to look at and single out the few cells for which the deformation of all that is around them is worth measuring. Where
 // most are stretched, most links join two of which that is known.
-void PlaneCracks::findStretched( const LinkLimits& limits, const CellPlaces& places )
+void PlaneCracks::findStretched( const LinkLimits& limits, const CellPositions& positions )
 {
-	std::vector<std::uint8_t>&isStretched = m_room.mark, &isSought = m_room.isSought;
-	isStretched.assign( m_room.isOpen.size(), 0 );
-	isSought = m_room.isOpen;
-	m_room.stretched.clear();
-	const LinkMoments& cells = m_room.moments;
+	std::vector<std::uint8_t>&isStretched = m_scratch.mark, &isSought = m_scratch.isSought;
+	isStretched.assign( m_scratch.isOpen.size(), 0 );
+	isSought = m_scratch.isOpen;
+	m_scratch.stretched.clear();
+	const LinkMoments& cells = m_scratch.moments;
 	for ( std::uint32_t i = 0; i < std::uint32_t( isStretched.size() ); ++i )
 	{
 		for ( std::uint32_t k = limits.start[i]; cells.has( i ) && k < limits.start[i + 1]; ++k )
@@ -60,10 +60,10 @@ void PlaneCracks::findStretched( const LinkLimits& limits, const CellPlaces& pla
 				isSought[i] = isSought[j] = 0;
 			}
 		}
-		if ( isStretched[i] != 0 && m_room.isOpen[i] != 0 &&
-			places.mayBreak( i ) ) // all links of i have been looked at: those to lower cells were theirs
+		if ( isStretched[i] != 0 && m_scratch.isOpen[i] != 0 &&
+			positions.mayBreak( i ) ) // all links of i have been looked at: those to lower cells were theirs
 		{
-			m_room.stretched.push_back( i );
+			m_scratch.stretched.push_back( i );
 		}
 	}
 }
@@ -72,29 +72,29 @@ void PlaneCracks::measureWide( const Lattice& lattice, const LinkLimits& limits,
 {
 	if ( overload.near.excess > 1.0f )
 	{
-		overload.wide = measure( lattice, limits, m_room.moments.around( overload.cell ).deformation(), overload );
+		overload.wide = measure( lattice, limits, m_scratch.moments.around( overload.cell ).deformation(), overload );
 		overload.wide.excess = overload.near.excess > kNeck ? std::max( overload.wide.excess, 1.0f + overload.near.excess - kNeck )
 															: overload.wide.excess;
 	}
 }
 
-void PlaneCracks::findOverloads( const Lattice& lattice, const LinkLimits& limits, const CellPlaces& places, bool mayBegin )
+void PlaneCracks::findOverloads( const Lattice& lattice, const LinkLimits& limits, const CellPositions& positions, bool mayBegin )
 {
-	std::vector<Overload>& found = m_room.found;
+	std::vector<Overload>& found = m_scratch.found;
 	found.clear();
 	const bool goesOnOnly = !mayBegin && !m_looksEverywhere;
-	const double least = double( m_growthShare ) * double( m_breakStrain ) * double( limits.weakest );
-	for ( const std::uint32_t i : m_room.stretched )
+	const double least = double( m_growthFraction ) * double( m_breakStrain ) * double( limits.weakest );
+	for ( const std::uint32_t i : m_scratch.stretched )
 	{
-		const Eigen::Matrix3d around = m_room.moments.of( i ).deformation();
-		if ( !m_looksEverywhere && isStretchedLess( around, least * ( 1.0 - kRoundedShare ) ) )
+		const Eigen::Matrix3d around = m_scratch.moments.of( i ).deformation();
+		if ( !m_looksEverywhere && isStretchedLess( around, least * ( 1.0 - kRoundedFraction ) ) )
 		{
 			continue; // no crack would go on or begin
 		}
-		Overload overload{ i, places.bears( i ), {}, {}, 0 };
+		Overload overload{ i, positions.bears( i ), {}, {}, 0 };
 		overload.near = measure( lattice, limits, around, overload );
 		overload.planes = goesOnOnly ? planesOf( i, overload.near, lattice.cellSize ) : 0;
-		if ( overload.near.excess > m_growthShare && ( !goesOnOnly || overload.planes != 0 ) ) // else it would do nothing
+		if ( overload.near.excess > m_growthFraction && ( !goesOnOnly || overload.planes != 0 ) ) // else it would do nothing
 		{
 			found.push_back( overload );
 		}
@@ -171,15 +171,15 @@ PlaneCracks::Plane* PlaneCracks::planeFor( const Overload& found, const Vec3d& a
 
 bool PlaneCracks::breakAcross( const Lattice& lattice, const LinkLimits& limits, std::uint32_t cell, Plane& plane )
 {
-	std::vector<std::uint32_t>& members = m_room.members;
+	std::vector<std::uint32_t>& members = m_scratch.members;
 	members.assign( lattice.linkTo.begin() + lattice.linkStart[cell], lattice.linkTo.begin() + lattice.linkStart[cell + 1] );
 	members.insert( std::lower_bound( members.begin(), members.end(), cell ), cell );
-	std::vector<std::uint8_t>& sideOf = m_room.sideOf;
+	std::vector<std::uint8_t>& sideOf = m_scratch.sideOf;
 	sideOf.resize( std::max( sideOf.size(), std::size_t( lattice.cellCount() ) ), 0 );
 	std::uint8_t sides = 0;
 	for ( const std::uint32_t a : members )
 	{
-		const Vec3d& at = m_room.rest[a];
+		const Vec3d& at = m_scratch.rest[a];
 		sideOf[a] = heightOver( plane, a ) >= 0.0 ? 2 : 1;
 		sides |= sideOf[a];
 		plane.low = plane.low.cwiseMin( at );
@@ -196,13 +196,13 @@ bool PlaneCracks::breakAcross( const Lattice& lattice, const LinkLimits& limits,
 			const bool isTough = !limits.toughness.empty() && std::isinf( limits.toughness[k] );
 			if ( ( sideOf[a] ^ sideOf[b] ) == 3 && !isTough )
 			{
-				m_room.isBroken[k] = 1;
+				m_scratch.isBroken[k] = 1;
 				breaksHere = true;
 			}
 		}
 		if ( breaksHere )
 		{
-			m_room.mark[a] = 1;
+			m_scratch.mark[a] = 1;
 			breaks = true;
 		}
 	}
@@ -217,13 +217,13 @@ bool PlaneCracks::breakAcross( const Lattice& lattice, const LinkLimits& limits,
 void PlaneCracks::takeBroken( const LinkLimits& limits, std::vector<CellLink>& broken )
 {
 	const bool areMore = !broken.empty();
-	for ( std::uint32_t a = 0; a < std::uint32_t( m_room.mark.size() ); ++a )
+	for ( std::uint32_t a = 0; a < std::uint32_t( m_scratch.mark.size() ); ++a )
 	{
-		for ( std::uint32_t k = limits.start[a]; m_room.mark[a] != 0 && k < limits.start[a + 1]; ++k )
+		for ( std::uint32_t k = limits.start[a]; m_scratch.mark[a] != 0 && k < limits.start[a + 1]; ++k )
 		{
-			if ( m_room.isBroken[k] != 0 )
+			if ( m_scratch.isBroken[k] != 0 )
 			{
-				m_room.isBroken[k] = 0;
+				m_scratch.isBroken[k] = 0;
 				broken.push_back( CellLink{ a, limits.to[k] } );
 			}
 		}
@@ -235,8 +235,8 @@ void PlaneCracks::takeBroken( const LinkLimits& limits, std::vector<CellLink>& b
 	}
 }
 
-bool PlaneCracks::find(
-	const Lattice& lattice, const LinkLimits& limits, const CellPlaces& places, float h, bool mayBegin, std::vector<CellLink>& broken )
+bool PlaneCracks::find( const Lattice& lattice, const LinkLimits& limits, const CellPositions& positions, float h, bool mayBegin,
+	std::vector<CellLink>& broken )
 {
 	for ( Plane& plane : m_planes )
 	{
@@ -248,16 +248,16 @@ bool PlaneCracks::find(
 	{
 		return false;
 	}
-	m_room.moments.look( lattice, places );
+	m_scratch.moments.look( lattice, positions );
 	const bool goesOnOnly = !mayBegin && !m_looksEverywhere;
-	m_room.isOpen.assign( std::size_t( lattice.cellCount() ), 1 );
+	m_scratch.isOpen.assign( std::size_t( lattice.cellCount() ), 1 );
 	if ( goesOnOnly )
 	{
 		placeAtRest( lattice );
 		findOpen( lattice );
 	}
-	findStretched( limits, places );
-	if ( m_room.stretched.empty() )
+	findStretched( limits, positions );
+	if ( m_scratch.stretched.empty() )
 	{
 		return false; // as in most substeps of most bodies
 	}
@@ -269,13 +269,13 @@ bool PlaneCracks::find(
 	{
 		placeAtRest( lattice );
 	}
-	findOverloads( lattice, limits, places, mayBegin );
-	m_room.mark.assign( std::size_t( lattice.cellCount() ), 0 );
-	m_room.isBroken.resize( std::max( m_room.isBroken.size(), limits.to.size() ), 0 );
+	findOverloads( lattice, limits, positions, mayBegin );
+	m_scratch.mark.assign( std::size_t( lattice.cellCount() ), 0 );
+	m_scratch.isBroken.resize( std::max( m_scratch.isBroken.size(), limits.to.size() ), 0 );
 	bool hasBegun = false;
-	for ( const Overload& overload : m_room.found )
+	for ( const Overload& overload : m_scratch.found )
 	{
-		const Vec3d& at = m_room.rest[overload.cell];
+		const Vec3d& at = m_scratch.rest[overload.cell];
 		bool isShielded = false;
 		Plane* plane = planeFor( overload, at, lattice.cellSize, mayBegin, isShielded );
 		if ( !plane && mayBegin && !isShielded && overload.wide.excess > 1.0f )

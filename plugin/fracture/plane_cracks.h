@@ -5,7 +5,7 @@
 // on how the lattice lies (a pull between two of the 26 directions stretches no link by the whole of it), and cracks of single links follow
 // it.
 
-#include "fracture/cell_places.h"
+#include "fracture/cell_positions.h"
 #include "fracture/link_limits.h"
 #include "fracture/stretch.h"
 
@@ -17,7 +17,7 @@ class PlaneCracks
 {
 public:
 	/// Strain at which a cell of toughness 1 cracks; the share of it at which a crack that is there goes on.
-	PlaneCracks( float breakStrain, float growthShare ) : m_breakStrain( breakStrain ), m_growthShare( growthShare ) {}
+	PlaneCracks( float breakStrain, float growthFraction ) : m_breakStrain( breakStrain ), m_growthFraction( growthFraction ) {}
 
 	/// Links for `limitLinks`: what may be the start of something. A body strained by e has a link strained by this share of it at least,
 	/// whatever the direction.
@@ -25,8 +25,8 @@ public:
 
 	/// Adds the links that break in this substep of length h, ascending. `limits` made for candidateStrain(). `mayBegin`: new cracks may,
 	/// else the ones there are go on only. True when one has begun.
-	bool find(
-		const Lattice& lattice, const LinkLimits& limits, const CellPlaces& places, float h, bool mayBegin, std::vector<CellLink>& broken );
+	bool find( const Lattice& lattice, const LinkLimits& limits, const CellPositions& positions, float h, bool mayBegin,
+		std::vector<CellLink>& broken );
 
 	/// The slow twin of what find() does: measures around every stretched cell, whether a crack can get there or not, and however little it
 	/// may be.
@@ -55,16 +55,16 @@ private:
 	struct Overload
 	{
 		std::uint32_t cell;
-		float bears; ///< CellPlaces::bears
+		float bears; ///< CellPositions::bears
 		Pull near, wide;
 		std::uint64_t planes = 0; ///< planesOf(), where cracks go on only
 	};
 	/// Kept between calls; a piece makes its own.
-	struct Room
+	struct Scratch
 	{
-		Room() = default;
-		Room( const Room& ) {}
-		Room& operator=( const Room& ) { return *this; }
+		Scratch() = default;
+		Scratch( const Scratch& ) {}
+		Scratch& operator=( const Scratch& ) { return *this; }
 
 		LinkMoments moments;
 		std::vector<std::uint32_t> stretched; ///< cells, ascending
@@ -83,13 +83,13 @@ private:
 
 	/// Bits that a word has for planes; more of them, and all cells are open.
 	static constexpr std::size_t kMostBits = 64;
-	double heightOver( const Plane& plane, std::uint32_t cell ) const { return plane.normal.dot( m_room.rest[cell] - plane.point ); }
+	double heightOver( const Plane& plane, std::uint32_t cell ) const { return plane.normal.dot( m_scratch.rest[cell] - plane.point ); }
 
 	void findOpen( const Lattice& lattice );
 	bool doesSomething( const Lattice& lattice, std::uint32_t cell ) const;
-	void findStretched( const LinkLimits& limits, const CellPlaces& places );
+	void findStretched( const LinkLimits& limits, const CellPositions& positions );
 	void dropUnreachable( const Lattice& lattice );
-	void findOverloads( const Lattice& lattice, const LinkLimits& limits, const CellPlaces& places, bool mayBegin );
+	void findOverloads( const Lattice& lattice, const LinkLimits& limits, const CellPositions& positions, bool mayBegin );
 	void measureWide( const Lattice& lattice, const LinkLimits& limits, Overload& overload );
 	void placeAtRest( const Lattice& lattice );
 	std::uint64_t planesOf( std::uint32_t cell, const Pull& near, double cellSize ) const;
@@ -99,10 +99,10 @@ private:
 	bool breakAcross( const Lattice& lattice, const LinkLimits& limits, std::uint32_t cell, Plane& plane );
 	void takeBroken( const LinkLimits& limits, std::vector<CellLink>& broken );
 
-	float m_breakStrain, m_growthShare;
+	float m_breakStrain, m_growthFraction;
 	bool m_looksEverywhere = false;
 	std::vector<Plane> m_planes;
-	Room m_room;
+	Scratch m_scratch;
 };
 
 } // namespace pliant

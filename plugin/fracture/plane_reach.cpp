@@ -24,34 +24,34 @@ void PlaneCracks::findOpen( const Lattice& lattice )
 		return; // any may do something
 	}
 	const double most = kCrackThickness * lattice.cellSize;
-	m_room.above.assign( m_room.rest.size(), 0 );
-	m_room.inSlabs.assign( m_room.rest.size(), 0 );
+	m_scratch.above.assign( m_scratch.rest.size(), 0 );
+	m_scratch.inSlabs.assign( m_scratch.rest.size(), 0 );
 	for ( std::size_t p = 0; p < m_planes.size(); ++p )
 	{
-		for ( std::uint32_t cell = 0; cell < std::uint32_t( m_room.rest.size() ); ++cell )
+		for ( std::uint32_t cell = 0; cell < std::uint32_t( m_scratch.rest.size() ); ++cell )
 		{
 			const double height = heightOver( m_planes[p], cell );
-			m_room.above[cell] |= std::uint64_t( height >= 0.0 ? 1 : 0 ) << p;
-			m_room.inSlabs[cell] |= std::uint64_t( std::fabs( height ) <= most ? 1 : 0 ) << p;
+			m_scratch.above[cell] |= std::uint64_t( height >= 0.0 ? 1 : 0 ) << p;
+			m_scratch.inSlabs[cell] |= std::uint64_t( std::fabs( height ) <= most ? 1 : 0 ) << p;
 		}
 	}
-	for ( std::uint32_t cell = 0; cell < std::uint32_t( m_room.rest.size() ); ++cell )
+	for ( std::uint32_t cell = 0; cell < std::uint32_t( m_scratch.rest.size() ); ++cell )
 	{
-		m_room.isOpen[cell] = m_room.inSlabs[cell] != 0 && doesSomething( lattice, cell ) ? 1 : 0;
+		m_scratch.isOpen[cell] = m_scratch.inSlabs[cell] != 0 && doesSomething( lattice, cell ) ? 1 : 0;
 	}
 }
 
 bool PlaneCracks::doesSomething( const Lattice& lattice, std::uint32_t cell ) const
 {
-	const std::uint64_t inSlabs = m_room.inSlabs[cell];
+	const std::uint64_t inSlabs = m_scratch.inSlabs[cell];
 	std::uint64_t crossed = 0;
-	Vec3d low = m_room.rest[cell], high = low;
+	Vec3d low = m_scratch.rest[cell], high = low;
 	for ( std::uint32_t k = lattice.linkStart[cell]; k < lattice.linkStart[cell + 1]; ++k )
 	{
 		const std::uint32_t j = lattice.linkTo[k];
-		crossed |= m_room.above[cell] ^ m_room.above[j];
-		low = low.cwiseMin( m_room.rest[j] );
-		high = high.cwiseMax( m_room.rest[j] );
+		crossed |= m_scratch.above[cell] ^ m_scratch.above[j];
+		low = low.cwiseMin( m_scratch.rest[j] );
+		high = high.cwiseMax( m_scratch.rest[j] );
 	}
 	bool does = ( crossed & inSlabs ) != 0;
 	for ( std::uint64_t open = inSlabs; open != 0 && !does; open &= open - 1 )
@@ -66,26 +66,26 @@ bool PlaneCracks::doesSomething( const Lattice& lattice, std::uint32_t cell ) co
 // cell that it then has been at.
 void PlaneCracks::dropUnreachable( const Lattice& lattice )
 {
-	std::vector<std::uint8_t>& isReached = m_room.mark;
+	std::vector<std::uint8_t>& isReached = m_scratch.mark;
 	isReached.assign( std::size_t( lattice.cellCount() ), 0 );
 	const double reach = kCrackReach * lattice.cellSize, most = kCrackThickness * lattice.cellSize;
 	const Vec3d ring = Vec3d::Constant( 2.0 * lattice.cellSize ); // middles of material in neighbouring cells are no further apart
 	for ( const Plane& plane : m_planes )
 	{
-		m_room.inSlab.clear();
-		for ( const std::uint32_t cell : m_room.stretched )
+		m_scratch.inSlab.clear();
+		for ( const std::uint32_t cell : m_scratch.stretched )
 		{
 			if ( std::fabs( heightOver( plane, cell ) ) <= most )
 			{
-				m_room.inSlab.push_back( cell );
+				m_scratch.inSlab.push_back( cell );
 			}
 		}
 		Plane grown = plane;
-		for ( std::size_t before = m_room.inSlab.size() + 1; m_room.inSlab.size() < before; )
+		for ( std::size_t before = m_scratch.inSlab.size() + 1; m_scratch.inSlab.size() < before; )
 		{
-			before = m_room.inSlab.size();
+			before = m_scratch.inSlab.size();
 			const auto isNear = [&]( std::uint32_t cell ) {
-				const Vec3d& at = m_room.rest[cell];
+				const Vec3d& at = m_scratch.rest[cell];
 				if ( grown.distanceOf( at ) > reach )
 				{
 					return false;
@@ -95,10 +95,10 @@ void PlaneCracks::dropUnreachable( const Lattice& lattice )
 				grown.high = grown.high.cwiseMax( at + ring );
 				return true;
 			};
-			m_room.inSlab.erase( std::remove_if( m_room.inSlab.begin(), m_room.inSlab.end(), isNear ), m_room.inSlab.end() );
+			m_scratch.inSlab.erase( std::remove_if( m_scratch.inSlab.begin(), m_scratch.inSlab.end(), isNear ), m_scratch.inSlab.end() );
 		}
 	}
-	std::vector<std::uint32_t>& cells = m_room.stretched;
+	std::vector<std::uint32_t>& cells = m_scratch.stretched;
 	cells.erase( std::remove_if( cells.begin(), cells.end(), [&]( std::uint32_t cell ) { return isReached[cell] == 0; } ), cells.end() );
 }
 
@@ -127,12 +127,12 @@ std::uint64_t PlaneCracks::planesToReach( double cellSize ) const
 		return ~std::uint64_t( 0 );
 	}
 	std::uint64_t far = 0;
-	for ( const Overload& overload : m_room.found )
+	for ( const Overload& overload : m_scratch.found )
 	{
 		for ( std::uint64_t open = overload.planes & ~far; open != 0; open &= open - 1 )
 		{
 			const std::size_t p = std::size_t( std::countr_zero( open ) );
-			far |= m_planes[p].distanceOf( m_room.rest[overload.cell] ) > kCrackReach * cellSize ? std::uint64_t( 1 ) << p : 0;
+			far |= m_planes[p].distanceOf( m_scratch.rest[overload.cell] ) > kCrackReach * cellSize ? std::uint64_t( 1 ) << p : 0;
 		}
 	}
 	return far;

@@ -128,25 +128,25 @@ Eigen::Matrix3d LinkMoments::Moment::deformation() const
 	return p * inverseOfRest( q );
 }
 
-void LinkMoments::look( const Lattice& lattice, const CellPlaces& places )
+void LinkMoments::look( const Lattice& lattice, const CellPositions& positions )
 {
 	m_lattice = &lattice;
 	const std::size_t cells = std::size_t( lattice.cellCount() );
-	m_place.resize( cells );
+	m_position.resize( cells );
 	m_has.resize( cells );
 	m_slot.clear();
 	m_made.clear();
 	for ( std::uint32_t i = 0; i < std::uint32_t( cells ); ++i )
 	{
-		const Vec3 at = places.at( i );
-		m_place[i] = Eigen::Array4f( at.x(), at.y(), at.z(), 0.0f );
-		m_has[i] = places.has( i ) ? 1 : 0;
+		const Vec3 at = positions.at( i );
+		m_position[i] = Eigen::Array4f( at.x(), at.y(), at.z(), 0.0f );
+		m_has[i] = positions.has( i ) ? 1 : 0;
 	}
 }
 
 void LinkMoments::prepare()
 {
-	const std::size_t cells = m_place.size();
+	const std::size_t cells = m_position.size();
 	m_slot.assign( cells, kNone );
 	m_rest.resize( cells );
 	for ( std::size_t i = 0; i < cells; ++i )
@@ -164,13 +164,13 @@ LinkMoments::Moment LinkMoments::measure( std::uint32_t cell ) const
 		sum.now[row].setZero();
 		sum.rest[row].setZero();
 	}
-	const Eigen::Array4f place = m_place[cell], rest = m_rest[cell];
+	const Eigen::Array4f place = m_position[cell], rest = m_rest[cell];
 	for ( std::uint32_t k = m_lattice->linkStart[cell]; k < m_lattice->linkStart[cell + 1] && has( cell ); ++k )
 	{
 		const std::uint32_t j = m_lattice->linkTo[k];
 		if ( has( j ) )
 		{
-			const Eigen::Array4f p = m_place[j] - place, q = m_rest[j] - rest;
+			const Eigen::Array4f p = m_position[j] - place, q = m_rest[j] - rest;
 			for ( int row = 0; row < 3; ++row )
 			{
 				sum.now[row] += p[row] * q;

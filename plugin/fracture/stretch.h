@@ -3,7 +3,7 @@
 // The largest stretch of the material around a cell, from where its neighbours are: F = ( sum p q^T ) ( sum q q^T )^+ with q a link at rest
 // and p the same link now. Steinemann et al. 2008, section 4.2 (their regions' A_pq and A_qq).
 
-#include "fracture/cell_places.h"
+#include "fracture/cell_positions.h"
 #include "lattice/lattice.h"
 
 #include <Eigen/Core>
@@ -41,13 +41,13 @@ public:
 	};
 
 	/// Looks at another lattice, or at the same one later. Both must outlive the questions.
-	void look( const Lattice& lattice, const CellPlaces& places );
+	void look( const Lattice& lattice, const CellPositions& positions );
 
 	bool has( std::uint32_t cell ) const { return m_has[cell] != 0; }
 	/// Squared distance between two cells.
 	float distanceSquared( std::uint32_t a, std::uint32_t b ) const
 	{
-		const Eigen::Array4f d = m_place[a] - m_place[b];
+		const Eigen::Array4f d = m_position[a] - m_position[b];
 		return d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
 	}
 	const Moment& of( std::uint32_t cell );
@@ -60,9 +60,9 @@ private:
 
 	static constexpr std::uint32_t kNone = 0xffffffffu;
 	const Lattice* m_lattice = nullptr;
-	std::vector<Eigen::Array4f> m_place, m_rest; ///< by cell
-	std::vector<std::uint8_t> m_has;             ///< by cell: a node by itself
-	std::vector<std::uint32_t> m_slot;           ///< by cell, in m_made; empty: nothing has been asked for yet
+	std::vector<Eigen::Array4f> m_position, m_rest; ///< by cell
+	std::vector<std::uint8_t> m_has;                ///< by cell: a node by itself
+	std::vector<std::uint32_t> m_slot;              ///< by cell, in m_made; empty: nothing has been asked for yet
 	std::vector<Moment> m_made;
 };
 

@@ -13,7 +13,7 @@ inline constexpr unsigned kNeighbours = 26;
 inline constexpr int kMaxExtent = 32767;
 
 /// What float rounding of positions may amount to, as a share of the lattice's size: 8 units in the last place.
-inline constexpr double kRoundingShare = 1e-6;
+inline constexpr double kRoundingFraction = 1e-6;
 
 /// Diagonals of a mesh, m, for which products such as mass x length^2 stay inside float's range with room to spare.
 inline constexpr double kSmallestDiagonal = 1e-7;
@@ -40,7 +40,7 @@ inline constexpr std::size_t kMostContainers = 32;
 inline constexpr std::size_t kContainmentProbes = 9;
 
 /// Above this share of unpaired edges to triangles the surface is a soup: closing its rims would cost more than it saves.
-inline constexpr double kMostRimShare = 0.2;
+inline constexpr double kMostRimFraction = 0.2;
 
 /// A cluster of triangles is one dipole from this many of its radii on (Barill et al. 2018). Measured error of W below 0.05, far from 1/2.
 inline constexpr double kFarField = 2.6;
@@ -101,7 +101,7 @@ inline constexpr double kShellTargetSlack = 0.1;
 inline constexpr int kShellTries = 4;
 
 /// Cells that carry a solid's thin parts count for targetCells where they are more than this share of all.
-inline constexpr double kMostShellShare = 0.25;
+inline constexpr double kMostShellFraction = 0.25;
 
 /// How the count may change with the cell size, count ~ d^-p: ribbons, sheets, crumpled sheets.
 inline constexpr double kLeastShellPower = 0.8;
@@ -112,7 +112,7 @@ inline constexpr double kMostShellPoints = 1e6;
 /// And points at which it is asked first, at most, for how many positions that will be; it is folded where these are less than this share
 /// of them.
 inline constexpr double kMostSurveyPoints = 2e5;
-inline constexpr double kFoldedShare = 0.25;
+inline constexpr double kFoldedFraction = 0.25;
 /// Positions are counted too high by less than this factor.
 inline constexpr double kMostOverCounted = 4.0;
 
@@ -127,7 +127,7 @@ inline constexpr double kShellOverhang = 0.25;
 inline constexpr double kSmallestVisited = 0.1;
 
 /// A soup that winds both ways, this share of what it seems to hold the other way round, holds nothing: sheets above one another.
-inline constexpr double kMostOpposedShare = 0.25;
+inline constexpr double kMostOpposedFraction = 0.25;
 
 /// An open surface whose inside falls into parts of fewer cells than this holds nothing: its winding number hangs near one half.
 inline constexpr int kLeastCellsPerPart = 8;

@@ -90,7 +90,7 @@ Status validateCell( const Lattice& lattice, std::size_t i )
 	}
 	const double d = lattice.cellSize;
 	const Vec3d inCell = ( lattice.restCentre[i].cast<double>() + lattice.massCentre - lattice.corner ) / d - at.cast<double>();
-	const double slack = kRoundingShare * ( lattice.extent.maxCoeff() + lattice.corner.cwiseAbs().maxCoeff() / d );
+	const double slack = kRoundingFraction * ( lattice.extent.maxCoeff() + lattice.corner.cwiseAbs().maxCoeff() / d );
 	if ( !( inCell.minCoeff() >= -slack && inCell.maxCoeff() <= 1.0 + slack ) )
 	{
 		return broken( cellName( i ) + " has its rest centre outside itself" );
@@ -140,7 +140,7 @@ Status validateMassCentre( const Lattice& lattice )
 		moment += double( lattice.fill[i] ) * lattice.restCentre[i].cast<double>();
 	}
 	const double reach = double( lattice.cellSize ) * lattice.extent.maxCoeff();
-	if ( !( moment.norm() <= kRoundingShare * reach * mass ) )
+	if ( !( moment.norm() <= kRoundingFraction * reach * mass ) )
 	{
 		return broken( "the mass centre is not at zero" );
 	}

@@ -36,7 +36,7 @@ using AlignedArray = std::vector<T, LineAllocator<T>>;
 
 /// Reserves `reserved` entries and has the system give the memory of the first `touched` of them now rather than when they are first used.
 template <class T, class A>
-void makeRoom( std::vector<T, A>& array, std::size_t reserved, std::size_t touched )
+void reserveScratch( std::vector<T, A>& array, std::size_t reserved, std::size_t touched )
 {
 	const std::size_t size = array.size();
 	array.reserve( std::max( reserved, touched ) );

@@ -33,7 +33,7 @@ inline constexpr float kLargestVolumeKeeping = 2.0f;
 
 /// Largest share of region damping in a substep: with .87 a body of alpha .87 that strikes a floor gains fifty times its energy, with .71
 /// nothing.
-inline constexpr double kLargestDampingShare = 0.5;
+inline constexpr double kLargestDampingFraction = 0.5;
 /// lambda ( alpha + 2 k ) stays below this, of the 4 at which the explicit step ends.
 inline constexpr double kMostDampedAnswer = 3.8;
 
@@ -51,12 +51,12 @@ inline constexpr double kLargestFarAlpha = 2.0 / 3.0;
 inline constexpr double kMostReach = 1.0e6;
 
 /// Shares of region damping with far levels: 3 + 2 * 0.25 + 2 * 2 * 0.1 < 4 (docs/design/step.md).
-inline constexpr float kLargestFarDampingShare = 0.25f;
+inline constexpr float kLargestFarDampingFraction = 0.25f;
 inline constexpr float kLargestDampingOfFar = 0.1f;
 
 /// The implicit step's solver stops when what is left (r . z, twice an energy) is this share of what it began with, or the body's mass
 /// times the square of this speed, m/s; after so many products at the latest.
-inline constexpr double kGradientShare = 1e-8;
+inline constexpr double kGradientFraction = 1e-8;
 inline constexpr float kGradientSpeed = 1e-4f;
 inline constexpr int kMostGradients = 60;
 
@@ -103,9 +103,9 @@ inline constexpr int kEasingRounds = 2;
 inline constexpr float kOwedFor = 0.5f;
 
 /// Changes of levels that arrays are reserved for, each with all the nodes it may bring. What is reserved and not used takes no memory.
-inline constexpr int kRoomChanges = 10;
+inline constexpr int kScratchChanges = 10;
 
 /// Room that a body with levels has from the start, in memory that is there, as a share of what its nodes take.
-inline constexpr double kRoomShare = 1.125;
+inline constexpr double kScratchFraction = 1.125;
 
 } // namespace pliant

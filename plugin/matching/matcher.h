@@ -28,10 +28,10 @@ struct MatchStep
 	float alpha = 1.0f;          ///< share of the way to the goal, (0, 1]
 	float damping = 0.0f;        ///< 1/s; the factor a substep is k = 1 - exp(-damping h)
 	float wobbleDamping = 0.0f;  ///< 1/s, of all motion that is no rigid motion of the whole body, or of the part of it a node belongs to
-	float bodyShare = 0.0f;      ///< share of the goal that is the whole body's rigid fit instead of the regions', [0, 1]
+	float bodyFraction = 0.0f;   ///< share of the goal that is the whole body's rigid fit instead of the regions', [0, 1]
 	bool measuresStrain = false; ///< keep what `strain` and `stretch` tell of this substep
 	PlasticLaw plastic = {};
-	FarShares far = {};        ///< shares of the way to the goal on the far levels, where the matcher has them
+	FarFractions far = {};     ///< shares of the way to the goal on the far levels, where the matcher has them
 	bool isOnePart = true;     ///< false: the body's cells may fall into several parts that nothing links
 	float wobbleLength = 1.0f; ///< m, length of the body `wobbleDamping` is meant for; a part is damped as much faster as it is shorter
 };

@@ -195,13 +195,13 @@ StiffnessPlan planStiffness( const Material& material, float cellSize, float gam
 		plan.reachedModulus = material.youngsModulus;
 		return plan;
 	}
-	const FarShares far = farShares( material, cellSize, h );
+	const FarFractions far = farFractions( material, cellSize, h );
 	const double ofFar = farMoment( far ) / modulusMoment( material );
 	plan.alpha = float( std::min( alpha, most ) );
 	plan.reachedModulus = float( modulusPerAlpha * ( plan.alpha + ofFar ) );
 
 	// alpha falls with the square of the substep: n substeps reach E when alpha( 1 substep ) <= n^2 times the largest, far levels included.
-	const double reach = most + farMoment( farShares( material.farLevels, kMostReach ) ) / modulusMoment( material );
+	const double reach = most + farMoment( farFractions( material.farLevels, kMostReach ) ) / modulusMoment( material );
 	plan.reachable = alpha <= reach * ( 1.0 + kAlphaSlack );
 	const double needed = std::ceil( std::sqrt( alpha / reach ) * std::max( substeps, 1 ) - kAlphaSlack );
 	plan.substepsNeeded = int( std::clamp( needed, 1.0, double( kMostSubstepsNamed ) ) );

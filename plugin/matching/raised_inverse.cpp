@@ -57,7 +57,7 @@ bool isDiagonal( const Moment9& a )
 
 } // namespace
 
-Moment9 raisedInverse( const Moment9& moment, double floorShare )
+Moment9 raisedInverse( const Moment9& moment, double floorFraction )
 {
 	Moment9 a = moment, axes = Moment9::Identity();
 	for ( int sweep = 0; sweep < kMostSweeps && !isDiagonal( a ); ++sweep )
@@ -75,7 +75,7 @@ Moment9 raisedInverse( const Moment9& moment, double floorShare )
 	{
 		return Moment9::Zero();
 	}
-	const Eigen::Matrix<double, kSize, 1> raised = a.diagonal().cwiseMax( floorShare * largest );
+	const Eigen::Matrix<double, kSize, 1> raised = a.diagonal().cwiseMax( floorFraction * largest );
 	return axes * raised.cwiseInverse().asDiagonal() * axes.transpose();
 }
 

@@ -8,8 +8,8 @@ namespace pliant {
 
 using Moment9 = Eigen::Matrix<double, 9, 9>;
 
-/// The inverse of a symmetric positive semidefinite matrix whose eigenvalues below `floorShare` of the largest are raised to it.
+/// The inverse of a symmetric positive semidefinite matrix whose eigenvalues below `floorFraction` of the largest are raised to it.
 /// The zero matrix gives zero. By Jacobi rotations: exact to rounding, and the same on every compiler.
-Moment9 raisedInverse( const Moment9& moment, double floorShare );
+Moment9 raisedInverse( const Moment9& moment, double floorFraction );
 
 } // namespace pliant

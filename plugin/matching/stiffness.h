@@ -36,14 +36,14 @@ inline double largestAlpha( const Material& material )
 /// Region damping's share of a substep, k = 1 - exp( - damping h ), as far as it is safe beside `alpha`. A mode that is answered lambda <=
 /// 1 + 3 kappa times is stable below lambda ( alpha + 2 k ) = 4; and in a region pressed to a half, whose rotation answers twice what turns
 /// it, all of k would drive and not brake.
-inline float dampingShare( double damping, double h, double alpha, double kappa )
+inline float dampingFraction( double damping, double h, double alpha, double kappa )
 {
-	const double k = 1.0 - std::exp( -damping * h ), room = 0.5 * ( kMostDampedAnswer / ( 1.0 + 3.0 * kappa ) - alpha );
-	return float( std::max( 0.0, std::min( { k, kLargestDampingShare, room } ) ) );
+	const double k = 1.0 - std::exp( -damping * h ), scratch = 0.5 * ( kMostDampedAnswer / ( 1.0 + 3.0 * kappa ) - alpha );
+	return float( std::max( 0.0, std::min( { k, kLargestDampingFraction, scratch } ) ) );
 }
 
 /// Share of the way to the goal on each far level, finest first; 0: the level is not used.
-using FarShares = std::array<float, kMostFarLevels>;
+using FarFractions = std::array<float, kMostFarLevels>;
 
 /// Second moment an axis of a full region of far level l: three blocks of 2^l cells an edge, in cells^2.
 inline double farSecondMoment( int level )
@@ -53,12 +53,12 @@ inline double farSecondMoment( int level )
 }
 
 /// What one unit of the far levels' shares makes up: sum of alpha_l mu_l, to be added to alpha mu f.
-inline double farMoment( const FarShares& shares )
+inline double farMoment( const FarFractions& fractions )
 {
 	double sum = 0.0;
 	for ( int k = 0; k < kMostFarLevels; ++k )
 	{
-		sum += double( shares[k] ) * farSecondMoment( k + 1 );
+		sum += double( fractions[k] ) * farSecondMoment( k + 1 );
 	}
 	return sum;
 }
@@ -66,27 +66,27 @@ inline double farMoment( const FarShares& shares )
 /// The energies of all levels add up, and so do their moduli: E h^2 / ( rho d^2 ) = alpha mu f + sum of alpha_l mu_l. What the finest level
 /// cannot give is asked of the next one first, up to its limit, then of the one above: short waves become as stiff as they can be, and no
 /// level works that is not needed. `beyond`: E h^2 / ( rho d^2 ) less what the finest level gives. What is out of reach is left out.
-inline FarShares farShares( int levels, double beyond )
+inline FarFractions farFractions( int levels, double beyond )
 {
-	FarShares shares = {};
+	FarFractions fractions = {};
 	for ( int k = 0; k < levels && beyond > 0.0; ++k )
 	{
 		const double mu = farSecondMoment( k + 1 );
-		shares[k] = float( std::min( kLargestFarAlpha, beyond / mu ) );
+		fractions[k] = float( std::min( kLargestFarAlpha, beyond / mu ) );
 		beyond -= kLargestFarAlpha * mu;
 	}
-	return shares;
+	return fractions;
 }
 
 /// What Material::farLevels adds at a substep of h on cells of edge d.
-inline FarShares farShares( const Material& material, double cellSize, double h )
+inline FarFractions farFractions( const Material& material, double cellSize, double h )
 {
 	if ( material.farLevels == 0 )
 	{
 		return {};
 	}
 	const double wanted = material.youngsModulus * h * h / ( material.density * cellSize * cellSize );
-	return farShares( material.farLevels, wanted - largestAlpha( material ) * modulusMoment( material ) );
+	return farFractions( material.farLevels, wanted - largestAlpha( material ) * modulusMoment( material ) );
 }
 
 } // namespace pliant

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "matching/kernels/volume_room.h"
+#include "matching/kernels/volume_limits.h"
 
 #include <Eigen/Dense>
 
@@ -13,7 +13,7 @@ namespace pliant {
 inline double volumeMean( const Eigen::Matrix3d& inverse, double extents )
 {
 	const double sum = inverse.trace(), harmonic = extents / sum;
-	return sum > 0.0 ? harmonic * std::min( double( kVolumeRoom ), harmonic * inverse.squaredNorm() / sum ) : 0.0;
+	return sum > 0.0 ? harmonic * std::min( double( kVolumeLimit ), harmonic * inverse.squaredNorm() / sum ) : 0.0;
 }
 
 /// h of kept volume: ( tr M - M ) h = - axial( F R^T ), and none where that is no maximum (kernel_volume.h, volumeTurn). `turning`: M;

@@ -32,7 +32,7 @@ constexpr int kLeastShare = 1024;
 
 /// A value for each share, without memory from the heap.
 template <class T>
-using OfShares = std::array<T, kMostShares>;
+using OfFractions = std::array<T, kMostShares>;
 
 /// 0 .. count - 1, cut into shares by nothing but how many there are.
 struct Shares
@@ -41,17 +41,17 @@ struct Shares
 
 	/// A multiple of 16, so that no two shares write to one line of the cache.
 	int size() const { return std::max( kLeastShare, ( ( count + kMostShares - 1 ) / kMostShares + 15 ) / 16 * 16 ); }
-	int shares() const { return ( count + size() - 1 ) / size(); }
-	int begin( int share ) const { return share * size(); }
-	int end( int share ) const { return std::min( count, ( share + 1 ) * size() ); }
+	int fractions() const { return ( count + size() - 1 ) / size(); }
+	int begin( int fraction ) const { return fraction * size(); }
+	int end( int fraction ) const { return std::min( count, ( fraction + 1 ) * size() ); }
 };
 
 /// work( share, begin, end ) for each.
 template <class F>
 void runShares( TaskRunner* runner, const Shares& range, F&& work )
 {
-	auto task = [&]( int share ) { work( share, range.begin( share ), range.end( share ) ); };
-	runTasks( runner, range.shares(), task );
+	auto task = [&]( int fraction ) { work( fraction, range.begin( fraction ), range.end( fraction ) ); };
+	runTasks( runner, range.fractions(), task );
 }
 
 } // namespace pliant

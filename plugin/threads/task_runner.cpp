@@ -112,9 +112,9 @@ public:
 		Slice slice{ task, context, 0 };
 		for ( ; slice.first + kMostTasks < count; slice.first += kMostTasks )
 		{
-			share( kMostTasks, Slice::call, &slice );
+			fraction( kMostTasks, Slice::call, &slice );
 		}
-		slice.first > 0 ? share( count - slice.first, Slice::call, &slice ) : share( count, task, context );
+		slice.first > 0 ? fraction( count - slice.first, Slice::call, &slice ) : fraction( count, task, context );
 	}
 
 	int threadCount() const override { return int( m_threads.size() ) + 1; }
@@ -134,7 +134,7 @@ private:
 		}
 	};
 
-	void share( int count, Task task, void* context )
+	void fraction( int count, Task task, void* context )
 	{
 		// No task of the last run is left and none is under way, so nobody uses these. The ticket makes them known.
 		m_task.store( task, std::memory_order_relaxed );

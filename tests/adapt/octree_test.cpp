@@ -53,14 +53,14 @@ TEST( Cut, ByMassAndInsideCoverEveryCellOnce )
 {
 	const Lattice lattice = makeBlobLattice( 20, 0.1f, 3 );
 	const Octree octree = buildOctree( lattice, 3 );
-	for ( const float share : { 0.25f, 0.5f, 1.0f } )
+	for ( const float fraction : { 0.25f, 0.5f, 1.0f } )
 	{
-		const Cut cut = selectCut( octree, keepsByMass( octree, share ) );
+		const Cut cut = selectCut( octree, keepsByMass( octree, fraction ) );
 		EXPECT_TRUE( validate( cut, octree ).ok() ) << validate( cut, octree ).sentence;
 		for ( const std::uint32_t node : cut.node )
 		{
 			const int level = octree.levelOf( node );
-			EXPECT_TRUE( level == 0 || octree.mass[node] >= share * std::pow( 8.0, level ) );
+			EXPECT_TRUE( level == 0 || octree.mass[node] >= fraction * std::pow( 8.0, level ) );
 		}
 	}
 	const Cut inside = selectCut( octree, keepsInside( octree ) );

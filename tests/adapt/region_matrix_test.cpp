@@ -17,7 +17,7 @@ void expectEqual( const RegionMatrix& a, const RegionMatrix& b )
 	EXPECT_EQ( a.start, b.start );
 	EXPECT_EQ( a.member, b.member );
 	EXPECT_EQ( a.mass, b.mass );
-	EXPECT_EQ( a.share, b.share );
+	EXPECT_EQ( a.fraction, b.fraction );
 	EXPECT_EQ( a.unit, b.unit );
 }
 
@@ -51,18 +51,18 @@ TEST( MultiplicityRegions, AreTheSumsOfTheFineRegionsUnderThem )
 		ASSERT_EQ( matrix.member.size(), wanted.size() );
 		for ( std::uint32_t r = 0; r < std::uint32_t( matrix.count() ); ++r )
 		{
-			std::uint64_t shares = 0, own = 0;
+			std::uint64_t fractions = 0, own = 0;
 			for ( std::uint32_t k = matrix.start[r]; k < matrix.start[r + 1]; ++k )
 			{
 				EXPECT_EQ( matrix.mass[k], wanted.at( { matrix.member[k], r } ) );
-				EXPECT_EQ( matrix.share[k], wanted.at( { r, matrix.member[k] } ) );
-				shares += matrix.share[k];
+				EXPECT_EQ( matrix.fraction[k], wanted.at( { r, matrix.member[k] } ) );
+				fractions += matrix.fraction[k];
 			}
 			for ( std::uint32_t k = octree.cellStart[cut.node[r]]; k < octree.cellStart[cut.node[r]] + octree.cellCount[cut.node[r]]; ++k )
 			{
 				own += std::uint64_t( fine.mass[octree.cells[k]] ) * fine.set.size[octree.cells[k]];
 			}
-			EXPECT_EQ( shares, own ) << "the node's mass over its regions is not its own";
+			EXPECT_EQ( fractions, own ) << "the node's mass over its regions is not its own";
 		}
 	}
 }
@@ -80,7 +80,7 @@ TEST( MultiplicityRegions, OfFinestCellsAreTheUniformLattice )
 		for ( std::uint32_t k = matrix.start[r]; k < matrix.start[r + 1]; ++k )
 		{
 			EXPECT_EQ( matrix.mass[k], fine.mass[cut.node[matrix.member[k]]] );
-			EXPECT_EQ( matrix.share[k], fine.mass[cut.node[r]] );
+			EXPECT_EQ( matrix.fraction[k], fine.mass[cut.node[r]] );
 		}
 	}
 }
@@ -127,8 +127,8 @@ TEST( UnionRegions, ConservingOnesAreTheirOwnTranspose )
 			const std::uint32_t a = matrix.member[k];
 			const auto back = std::lower_bound( matrix.member.begin() + matrix.start[a], matrix.member.begin() + matrix.start[a + 1], r );
 			ASSERT_EQ( *back, r );
-			EXPECT_EQ( matrix.share[k], matrix.mass[std::size_t( back - matrix.member.begin() )] );
-			own += matrix.share[k] * kMassUnit;
+			EXPECT_EQ( matrix.fraction[k], matrix.mass[std::size_t( back - matrix.member.begin() )] );
+			own += matrix.fraction[k] * kMassUnit;
 		}
 		EXPECT_NEAR( own / octree.mass[cut.node[r]], 1.0, 1e-3 ); // rounding to units
 	}

@@ -225,13 +225,13 @@ TEST( IntervalRegions, OfFinestNodesAreTheLattices )
 		EXPECT_EQ( found.start, wanted.start );
 		EXPECT_EQ( found.member, wanted.member );
 		EXPECT_EQ( found.mass, wanted.mass );
-		EXPECT_EQ( found.share, wanted.share );
+		EXPECT_EQ( found.fraction, wanted.fraction );
 		EXPECT_EQ( found.unit, wanted.unit );
 		EXPECT_LT( regions.node.size(), found.member.size() ); // whole virtual nodes stand for their cells
 	}
 }
 
-TEST( IntervalRegions, ConservingWeightsAreTheirOwnTransposeAndShareAllMass )
+TEST( IntervalRegions, ConservingWeightsAreTheirOwnTransposeAndFractionAllMass )
 {
 	const Lattice lattice = makeRandomBlob( 6 );
 	const Octree octree = buildOctree( lattice, 3 );
@@ -250,8 +250,8 @@ TEST( IntervalRegions, ConservingWeightsAreTheirOwnTransposeAndShareAllMass )
 						   end = matrix.member.begin() + matrix.start[matrix.member[k] + 1];
 				const auto back = std::lower_bound( row, end, r );
 				ASSERT_TRUE( back != end && *back == r );
-				EXPECT_EQ( matrix.share[k], matrix.mass[std::size_t( back - matrix.member.begin() )] );
-				shared += matrix.share[k] * matrix.unit[r];
+				EXPECT_EQ( matrix.fraction[k], matrix.mass[std::size_t( back - matrix.member.begin() )] );
+				shared += matrix.fraction[k] * matrix.unit[r];
 			}
 			EXPECT_NEAR( shared / octree.mass[cut.node[r]], 1.0, 1e-12 );
 			EXPECT_NEAR( matrix.unit[r] / kMassUnit, 1.0, 1e-4 );
@@ -261,7 +261,7 @@ TEST( IntervalRegions, ConservingWeightsAreTheirOwnTransposeAndShareAllMass )
 	for ( std::size_t k = 0; k < literal.member.size(); ++k )
 	{
 		EXPECT_NEAR( literal.mass[k] * kMassUnit, octree.mass[cut.node[literal.member[k]]], kMassUnit );
-		EXPECT_EQ( literal.share[k], literal.mass[k] );
+		EXPECT_EQ( literal.fraction[k], literal.mass[k] );
 	}
 }
 

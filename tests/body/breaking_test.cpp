@@ -87,7 +87,7 @@ TEST( Breaking, RefusesWhatMakesNoSense )
 	wrong.maxPieces = 0;
 	EXPECT_EQ( body->setFracture( wrong ).code, ResultCode::BadArgument );
 	ToughnessField field;
-	field.share = []( const float*, const float*, void* ) { return 0.0f; };
+	field.fraction = []( const float*, const float*, void* ) { return 0.0f; };
 	EXPECT_EQ( body->setFracture( fracture, field ).code, ResultCode::BadArgument );
 	EXPECT_NE( body->breaking(), nullptr ); // what was there before stays
 	Material cluster;
@@ -208,7 +208,7 @@ TEST( Breaking, WhatIsPulledTooFarBreaksWhereItIsWeakest )
 		fracture.rule = BreakRule::Distance;
 		fracture.breakStrain = 0.2f;
 		ToughnessField field;
-		field.share = []( const float* point, const float*, void* ) { return std::fabs( point[0] ) < 0.01f ? 0.5f : 1.0f; };
+		field.fraction = []( const float* point, const float*, void* ) { return std::fabs( point[0] ) < 0.01f ? 0.5f : 1.0f; };
 		ASSERT_TRUE( body->setFracture( fracture, field ).ok() );
 		int broken = 0;
 		float pulled = 0.0f;
@@ -294,7 +294,7 @@ TEST( Breaking, PiecesHaveAsManyFarLevelsAsTheyAreLongEnoughFor )
 		{
 			ASSERT_EQ( substep( *piece.body, 1.0f / 240.0f, 1.0f ), BodyHealth::Good );
 		}
-		EXPECT_EQ( piece.body->invertedShare(), 0.0f );
+		EXPECT_EQ( piece.body->invertedFraction(), 0.0f );
 		add( after, *piece.body );
 	}
 	EXPECT_LT( ( after.momentum - before.momentum ).norm(), 1e-5 * before.momentum.norm() );

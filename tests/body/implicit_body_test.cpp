@@ -83,7 +83,7 @@ TEST( ImplicitBody, ComesBackFromOnePoint )
 			implicitSubstep( *body, kStep );
 		}
 		EXPECT_LT( stretch( *body ), 1e-3 ) << alpha;
-		EXPECT_EQ( body->invertedShare(), 0.0f ) << alpha;
+		EXPECT_EQ( body->invertedFraction(), 0.0f ) << alpha;
 	}
 }
 

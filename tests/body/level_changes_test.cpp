@@ -18,7 +18,7 @@ void expectSameTables( const RegionTables& got, const RegionTables& wanted )
 	EXPECT_EQ( got.matrix->start, wanted.matrix->start );
 	EXPECT_EQ( got.matrix->member, wanted.matrix->member );
 	EXPECT_EQ( got.matrix->mass, wanted.matrix->mass );
-	EXPECT_EQ( got.matrix->share, wanted.matrix->share );
+	EXPECT_EQ( got.matrix->fraction, wanted.matrix->fraction );
 	EXPECT_EQ( got.matrix->unit, wanted.matrix->unit );
 	ASSERT_EQ( got.plan != nullptr, wanted.plan != nullptr );
 	if ( got.plan )
@@ -155,7 +155,7 @@ TEST( Levels, StretchOfAFewRegionsIsThatOfAllAndStaysWhereNothingChanged )
 			}
 			else
 			{
-				EXPECT_NEAR( before[9 * change.heir[i] + k], all[9 * i + k], 1e-5f );
+				EXPECT_NEAR( before[9 * change.source[i] + k], all[9 * i + k], 1e-5f );
 			}
 		}
 		next += isMeasured ? 1 : 0;
@@ -234,7 +234,7 @@ TEST( LevelChanges, CellsLieWhereTheirNodesRegionsPutThem )
 		}
 		std::vector<float> gradients( 9 * std::size_t( body->nodes().padded ) );
 		body->nodeDeformations( gradients.data() );
-		const std::vector<Vec3d> places = body->cellPlaces();
+		const std::vector<Vec3d> positions = body->cellPositions();
 		int moved = 0;
 		for ( std::uint32_t cell = 0; cell < std::uint32_t( lattice->cellCount() ); ++cell )
 		{
@@ -242,7 +242,7 @@ TEST( LevelChanges, CellsLieWhereTheirNodesRegionsPutThem )
 			const Vec3 arm = lattice->restCentre[cell] - body->nodes().x0.get( node );
 			const Eigen::Map<const Eigen::Matrix<float, 3, 3, Eigen::RowMajor>> f( gradients.data() + 9 * std::size_t( node ) );
 			const Vec3 place = body->nodes().x.get( node ) + f * arm;
-			EXPECT_EQ( places[cell], place.cast<double>() );
+			EXPECT_EQ( positions[cell], place.cast<double>() );
 			moved += arm.isZero( 0.0f ) ? 0 : 1;
 		}
 		EXPECT_GT( moved, 100 );

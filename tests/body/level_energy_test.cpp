@@ -175,7 +175,7 @@ TEST( LevelEnergy, PartsOfABentBodyStandAtFewOdds )
 	std::vector<double> mass( std::size_t( before.count ), 0.0 );
 	for ( int i = 0; i < naive.count; ++i )
 	{
-		const int parent = int( lump.levels.lastChange().heir[std::size_t( i )] );
+		const int parent = int( lump.levels.lastChange().source[std::size_t( i )] );
 		const Eigen::Map<const Eigen::Matrix<float, 3, 3, Eigen::RowMajor>> of( f.data() + 9 * std::size_t( parent ) );
 		naive.x.set( i, before.x.get( parent ) + of * ( naive.x0.get( i ) - before.x0.get( parent ) ) );
 		centre[std::size_t( parent )] += double( naive.mass[i] ) * lump.nodes.x.get( i ).cast<double>();

@@ -65,7 +65,7 @@ Twins makeTwins( unsigned seed, int coarseLevels, int halfWidth, bool isSoftInPa
 	StiffnessField field;
 	if ( isSoftInParts )
 	{
-		field.share = []( const float* p, void* ) { return p[0] > 0.4f ? 0.5f : 1.0f; };
+		field.fraction = []( const float* p, void* ) { return p[0] > 0.4f ? 0.5f : 1.0f; };
 	}
 	const auto make = [&] { return std::move( Body::create( lattice, material, {}, nullptr, settings, field ).value ); };
 	Twins twins{ make(), make() };
@@ -202,7 +202,7 @@ TEST( LevelPieces, OfAWholeWhoseLinksChangeAreThoseFromNothingToTheBit )
 			expectNear( *twins.body, *twins.slow, 0.0f );
 			EXPECT_EQ( twins.body->hasFlowed(), twins.slow->hasFlowed() );
 			count.flowed += twins.body->hasFlowed() ? 1 : 0;
-			count.refined += int( twins.body->levels()->lastChange().heir.size() > 0 );
+			count.refined += int( twins.body->levels()->lastChange().source.size() > 0 );
 			ASSERT_FALSE( HasFailure() ) << "seed " << seed << " round " << round;
 		}
 	}

@@ -143,7 +143,7 @@ TEST( Levels, OfARoundTripHaveTheSameRegionsToTheBit )
 			const RegionTables& now = *body->levels()->tables();
 			EXPECT_EQ( now.matrix->member, before->matrix->member );
 			EXPECT_EQ( now.matrix->mass, before->matrix->mass );
-			EXPECT_EQ( now.matrix->share, before->matrix->share );
+			EXPECT_EQ( now.matrix->fraction, before->matrix->fraction );
 			EXPECT_EQ( now.beta, before->beta );
 			EXPECT_EQ( now.eta, before->eta );
 			EXPECT_EQ( now.pull, before->pull );
@@ -352,7 +352,7 @@ TEST( Levels, ComeBackFromAnyShapeWithTheNodesTheyBeganWith )
 			EXPECT_GT( most, 2 * before );
 			EXPECT_EQ( body->nodeCount(), before ) << "start " << int( start ) << ", kappa " << kappa;
 			EXPECT_LT( test::shapeError( *body ), 1e-5 );
-			EXPECT_EQ( body->invertedShare(), 0.0f );
+			EXPECT_EQ( body->invertedFraction(), 0.0f );
 		}
 	}
 }

@@ -75,12 +75,12 @@ TEST( Motion, ForcesAreAddedNodeByNodeAndTheirSpeedsSpanned )
 	}
 	EXPECT_EQ( nodes.v.get( 700 ), before.get( 700 ) );
 	EXPECT_GT( nodes.v.get( 1200 ).y(), before.get( 1200 ).y() + 1.0f );
-	EXPECT_EQ( Vec3( body->speeds().low ), low );
-	EXPECT_EQ( Vec3( body->speeds().high ), high );
-	EXPECT_EQ( body->speeds().worst, 0.0f );
+	EXPECT_EQ( Vec3( body->velocities().low ), low );
+	EXPECT_EQ( Vec3( body->velocities().high ), high );
+	EXPECT_EQ( body->velocities().worst, 0.0f );
 	nodes.v.z[nodes.count - 1] = std::numeric_limits<float>::infinity();
 	body->applyForces( kStep, kGravity );
-	EXPECT_NE( body->speeds().worst, 0.0f );
+	EXPECT_NE( body->velocities().worst, 0.0f );
 }
 
 TEST( Motion, IsTheSameToTheBitOnAnyThreadCount )
@@ -97,7 +97,7 @@ TEST( Motion, IsTheSameToTheBitOnAnyThreadCount )
 		}
 		EXPECT_TRUE( haveEqualBits( alone->nodes().x, shared->nodes().x ) );
 		EXPECT_TRUE( haveEqualBits( alone->nodes().v, shared->nodes().v ) );
-		EXPECT_TRUE( haveEqualBits( alone->speedBefore(), shared->speedBefore() ) );
+		EXPECT_TRUE( haveEqualBits( alone->velocityBefore(), shared->velocityBefore() ) );
 		EXPECT_EQ( std::memcmp( &alone->motion(), &shared->motion(), offsetof( MotionSums, worst ) ), 0 );
 	}
 }
@@ -132,7 +132,7 @@ TEST( Motion, KernelsGiveTheSameBitsOnEveryInstructionSet )
 	{
 		NodeState nodes;
 		Vec3Array kept;
-		SpeedSpan span;
+		VelocityBounds span;
 		MotionSums sums;
 	};
 	std::vector<Moved> moved;

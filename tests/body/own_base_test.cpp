@@ -98,10 +98,10 @@ TEST_F( OwnBase, AloneIsTakenApart )
 	std::shared_ptr<const LevelBase> base = cache->levels.find( *lattice, Material{}, settings );
 	Cut cut = firstCut( base->octree, settings );
 	Levels levels( std::move( base ), *lattice, Material{}, settings, stiffness, std::move( cut ) ); // the only ones of the template
-	EXPECT_TRUE( levels.takeBaseRoom().moments.covariance.empty() );
+	EXPECT_TRUE( levels.takeBaseScratch().moments.covariance.empty() );
 	EXPECT_FALSE( levels.base().moments.covariance.empty() );
 	levels.ownBase();
-	EXPECT_FALSE( levels.takeBaseRoom().moments.covariance.empty() );
+	EXPECT_FALSE( levels.takeBaseScratch().moments.covariance.empty() );
 }
 
 TEST_F( OwnBase, IsMadeAhead )

@@ -152,7 +152,7 @@ TEST( PlasticBody, FlowIsInheritedWhenLevelsChange )
 	body->changeLevels( { coarse }, {} );
 	for ( int child = slot; child < slot + 8; ++child )
 	{
-		EXPECT_EQ( body->levels()->lastChange().heir[child], std::uint32_t( slot ) );
+		EXPECT_EQ( body->levels()->lastChange().source[child], std::uint32_t( slot ) );
 		EXPECT_LT( ( stretchAt( child ) - parent ).norm(), 1e-6 );
 	}
 	run( *body, 0.5f, 1e9f );

@@ -31,12 +31,12 @@ Bar makeBar( double degrees )
 	const double angle = degrees * kPiHere / 180.0;
 	bar.along = Vec3d( std::cos( angle ), std::sin( angle ), 0.0 );
 	bar.across = Vec3d( -std::sin( angle ), std::cos( angle ), 0.0 );
-	const int room = 104;
+	const int scratch = 104;
 	const auto isInside = [&]( int x, int y, int ) {
-		const Vec3d p( x + 0.5 - room / 2, y + 0.5 - room / 2, 0.0 );
+		const Vec3d p( x + 0.5 - scratch / 2, y + 0.5 - scratch / 2, 0.0 );
 		return std::abs( p.dot( bar.along ) ) < kLength / 2 && std::abs( p.dot( bar.across ) ) < kHeight / 2;
 	};
-	bar.lattice = std::make_shared<const Lattice>( test::makeShapeLattice( { room, room, int( kHeight ) }, 1.0f, isInside ) );
+	bar.lattice = std::make_shared<const Lattice>( test::makeShapeLattice( { scratch, scratch, int( kHeight ) }, 1.0f, isInside ) );
 	return bar;
 }
 

@@ -58,8 +58,8 @@ public:
 		m_regime( regime ), m_lattice( std::make_shared<const Lattice>( test::makeBlobLattice( regime.cells, 1.0f, 1 ) ) )
 	{
 		std::mt19937 random( 100 + orientation );
-		const auto share = [&random] { return double( random() ) / 2147483648.0 - 1.0; };
-		const double w = share(), x = share(), y = share(), z = share();
+		const auto fraction = [&random] { return double( random() ) / 2147483648.0 - 1.0; };
+		const double w = fraction(), x = fraction(), y = fraction(), z = fraction();
 		m_placement.rotation = Eigen::Quaterniond( w, x, y, z ).normalized();
 		Vec3 low = m_lattice->restCentre[0], high = low;
 		double lowest = 0.0;
@@ -108,7 +108,7 @@ public:
 				const std::size_t write = std::size_t( step / kStepsAWrite ) - 1;
 				if ( track )
 				{
-					track->push_back( places( *body ) );
+					track->push_back( positions( *body ) );
 				}
 				if ( reference )
 				{
@@ -127,15 +127,15 @@ private:
 		NodeState& nodes = body.nodes();
 		for ( int i = 0; i < nodes.count; ++i )
 		{
-			const double room = nodes.origin.z() + nodes.x.z[i] - 0.5 * ( std::cbrt( double( nodes.mass[i] ) ) - 1.0 );
-			if ( room + kStep * nodes.v.z[i] < 0.0 )
+			const double scratch = nodes.origin.z() + nodes.x.z[i] - 0.5 * ( std::cbrt( double( nodes.mass[i] ) ) - 1.0 );
+			if ( scratch + kStep * nodes.v.z[i] < 0.0 )
 			{
-				nodes.v.z[i] = float( -room / kStep );
+				nodes.v.z[i] = float( -scratch / kStep );
 			}
 		}
 	}
 
-	static std::vector<Vec3d> places( const Body& body )
+	static std::vector<Vec3d> positions( const Body& body )
 	{
 		std::vector<Vec3d> at;
 		for ( int i = 0; i < body.nodeCount(); ++i )
@@ -202,11 +202,11 @@ double geometricMean( const std::vector<Errors>& errors )
 	return std::exp( sum / double( errors.size() ) );
 }
 
-void addTo( Errors& sum, const Errors& e, double share )
+void addTo( Errors& sum, const Errors& e, double fraction )
 {
-	sum.mean += e.mean * share;
-	sum.deviation += e.deviation * share;
-	sum.shape += e.shape * share;
+	sum.mean += e.mean * fraction;
+	sum.deviation += e.deviation * fraction;
+	sum.shape += e.shape * fraction;
 }
 
 void runRegime( int regime, int orientations, const std::vector<NamedMethod>& methods, std::vector<Row>& rows )
@@ -218,7 +218,7 @@ void runRegime( int regime, int orientations, const std::vector<NamedMethod>& me
 		row.nodes.push_back( 0.0 );
 		row.microseconds.push_back( 0.0 );
 	}
-	const double share = 1.0 / orientations;
+	const double fraction = 1.0 / orientations;
 	for ( int o = 0; o < orientations; ++o )
 	{
 		const Drop drop( kRegimes[regime], unsigned( o ) );
@@ -228,14 +228,14 @@ void runRegime( int regime, int orientations, const std::vector<NamedMethod>& me
 		{
 			const Run run = drop.run( methods[m], &track, nullptr );
 			Row& row = rows[m];
-			addTo( row.at400.back(), run.errors[400 / kStepsAWrite - 1], share );
-			addTo( row.at500.back(), run.errors[500 / kStepsAWrite - 1], share );
-			row.nodes.back() += run.meanNodes * share;
-			row.microseconds.back() += run.secondsAStep * 1e6 * share;
+			addTo( row.at400.back(), run.errors[400 / kStepsAWrite - 1], fraction );
+			addTo( row.at500.back(), run.errors[500 / kStepsAWrite - 1], fraction );
+			row.nodes.back() += run.meanNodes * fraction;
+			row.microseconds.back() += run.secondsAStep * 1e6 * fraction;
 			row.curve.resize( run.errors.size(), 0.0 );
 			for ( std::size_t k = 0; k < run.errors.size(); ++k )
 			{
-				row.curve[k] += run.errors[k].mean * share / kRegimeCount;
+				row.curve[k] += run.errors[k].mean * fraction / kRegimeCount;
 			}
 		}
 	}

@@ -1,7 +1,7 @@
 // Which cells may break, and which of them bear more for what is beside them.
 
 #include "body/levels/level_nodes.h"
-#include "fracture/cell_places.h"
+#include "fracture/cell_positions.h"
 #include "fracture/link_limits.h"
 #include "lattice/pieces.h"
 #include "support/shapes.h"
@@ -14,7 +14,7 @@
 namespace pliant {
 namespace {
 
-TEST( CellStandings, AreTheSameRememberedOrLookedAtAnew )
+TEST( CellRefinementStates, AreTheSameRememberedOrLookedAtAnew )
 {
 	std::mt19937 random( 3 );
 	Lattice lattice = makeBlockLattice( 12, 8, 8, 0.05f );
@@ -22,11 +22,11 @@ TEST( CellStandings, AreTheSameRememberedOrLookedAtAnew )
 	std::vector<std::uint8_t> isSplit( octree.parent.size(), 0 );
 	const auto cutNow = [&] { return selectCut( octree, [&]( std::uint32_t node ) { return isSplit[node] == 0; } ); };
 	Cut cut = cutNow();
-	CellStandings kept;
+	CellRefinementStates kept;
 	unsigned version = 0;
 	int changed = 0;
 	std::size_t fewest = lattice.fill.size(), most = 0;
-	std::vector<CellStanding> last;
+	std::vector<CellRefinementState> last;
 	for ( int step = 0; step < 200; ++step )
 	{
 		if ( step % 23 == 5 ) // nodes are split, or merged again
@@ -54,13 +54,13 @@ TEST( CellStandings, AreTheSameRememberedOrLookedAtAnew )
 			lattice = withoutLinks( lattice, gone );
 			kept.forget();
 		}
-		CellStandings anew;
-		const std::vector<CellStanding> wanted = anew.update( lattice, cut, version );
-		const std::vector<CellStanding>& got = kept.update( lattice, cut, version );
+		CellRefinementStates anew;
+		const std::vector<CellRefinementState> wanted = anew.update( lattice, cut, version );
+		const std::vector<CellRefinementState>& got = kept.update( lattice, cut, version );
 		ASSERT_EQ( got, wanted ) << "step " << step;
 		changed += got != last ? 1 : 0;
 		last = got;
-		const std::size_t count = std::size_t( std::count( got.begin(), got.end(), CellStanding::AmongFine ) );
+		const std::size_t count = std::size_t( std::count( got.begin(), got.end(), CellRefinementState::AmongFine ) );
 		fewest = std::min( fewest, count );
 		most = std::max( most, count );
 	}
@@ -76,26 +76,30 @@ struct HalfBig
 	Cut cut = selectCut( octree, [&]( std::uint32_t node ) { return octree.levelOf( node ) == 1 && octree.restCentre[node].x() < 0.0f; } );
 };
 
-TEST( CellStandings, SayWhatACellIsAndWhatIsBesideIt )
+TEST( CellRefinementStates, SayWhatACellIsAndWhatIsBesideIt )
 {
 	HalfBig bar;
-	CellStandings standings;
-	const std::vector<CellStanding>& standing = standings.update( bar.lattice, bar.cut, 0 );
+	CellRefinementStates refinementStates;
+	const std::vector<CellRefinementState>& standing = refinementStates.update( bar.lattice, bar.cut, 0 );
 	ASSERT_EQ( bar.cut.count(), 2 + 16 );
 	for ( std::size_t cell = 0; cell < standing.size(); ++cell )
 	{
 		const float x = bar.lattice.restCentre[cell].x();
-		EXPECT_EQ( standing[cell], x < 0.0f ? CellStanding::InBig : x < 1.0f ? CellStanding::BesideBig : CellStanding::AmongFine ) << x;
+		EXPECT_EQ( standing[cell],
+			x < 0.0f       ? CellRefinementState::InBig
+				: x < 1.0f ? CellRefinementState::BesideBig
+						   : CellRefinementState::AmongFine )
+			<< x;
 	}
 }
 
 // Links of length 1 that may grow by a tenth: beside big nodes by two tenths, and inside them however far.
-TEST( CellStandings, LinksBesideBigNodesBearTwiceTheStrain )
+TEST( CellRefinementStates, LinksBesideBigNodesBearTwiceTheStrain )
 {
 	HalfBig bar;
 	const LinkLimits limits = limitLinks( bar.lattice, 0.1f, {} );
-	CellStandings standings;
-	const std::vector<CellStanding>& standing = standings.update( bar.lattice, bar.cut, 0 );
+	CellRefinementStates refinementStates;
+	const std::vector<CellRefinementState>& standing = refinementStates.update( bar.lattice, bar.cut, 0 );
 	for ( const float strain : { 0.05f, 0.11f, 0.19f, 0.21f } )
 	{
 		NodeState nodes;
@@ -107,13 +111,13 @@ TEST( CellStandings, LinksBesideBigNodesBearTwiceTheStrain )
 			nodes.x.set( i, Vec3( rest.x() * ( 1.0f + strain ), rest.y(), rest.z() ) );
 		}
 		std::vector<CellLink> found;
-		findOverstretched( limits, CellPlaces( nodes, bar.cut, standing ), found );
+		findOverstretched( limits, CellPositions( nodes, bar.cut, standing ), found );
 		int alongHere = 0, alongBeside = 0;
 		for ( const CellLink& link : found )
 		{
-			ASSERT_TRUE( standing[link.a] != CellStanding::InBig && standing[link.b] != CellStanding::InBig );
+			ASSERT_TRUE( standing[link.a] != CellRefinementState::InBig && standing[link.b] != CellRefinementState::InBig );
 			const Vec3 along = bar.lattice.restCentre[link.b] - bar.lattice.restCentre[link.a];
-			const bool isBeside = standing[link.a] == CellStanding::BesideBig || standing[link.b] == CellStanding::BesideBig;
+			const bool isBeside = standing[link.a] == CellRefinementState::BesideBig || standing[link.b] == CellRefinementState::BesideBig;
 			( isBeside ? alongBeside : alongHere ) += along.cwiseAbs().sum() < 1.5f ? 1 : 0;
 		}
 		EXPECT_EQ( alongHere, strain > 0.1f ? 8 : 0 ) << strain;   // four a layer, between the third fine layer and the fourth, and ...

@@ -17,12 +17,12 @@ using Deformation = std::function<Vec3d( const Vec3d& )>;
 
 std::vector<Vec3d> placed( const Lattice& lattice, const Deformation& by )
 {
-	std::vector<Vec3d> places;
+	std::vector<Vec3d> positions;
 	for ( const Vec3& rest : lattice.restCentre )
 	{
-		places.push_back( by( rest.cast<double>() ) );
+		positions.push_back( by( rest.cast<double>() ) );
 	}
-	return places;
+	return positions;
 }
 
 std::vector<CellLink> linksThat( const Lattice& lattice, const std::function<bool( std::uint32_t, std::uint32_t )>& isCut )
@@ -97,13 +97,13 @@ TEST( CutLinks, APlaneThroughTheMiddlesOfCellsPutsThemOnOneSide )
 TEST( CutLinks, ADiscCutsNoFurtherThanItReaches )
 {
 	const Lattice bar = makeBlockLattice( 6, 6, 6, 0.1f );
-	const auto places = placed( bar, []( const Vec3d& x ) { return x; } );
+	const auto positions = placed( bar, []( const Vec3d& x ) { return x; } );
 	const PlaneCut disc{ Vec3d( 0, 0.02, -0.01 ), Vec3d( 1, 0, 0 ), 0.15 };
 	const auto wanted = linksThat( bar, [&]( std::uint32_t a, std::uint32_t b ) {
-		const Vec3d middle = 0.5 * ( places[a] + places[b] ); // of links across x = 0
-		return ( places[a].x() < 0.0 ) != ( places[b].x() < 0.0 ) && ( middle - disc.point ).norm() <= 0.15;
+		const Vec3d middle = 0.5 * ( positions[a] + positions[b] ); // of links across x = 0
+		return ( positions[a].x() < 0.0 ) != ( positions[b].x() < 0.0 ) && ( middle - disc.point ).norm() <= 0.15;
 	} );
-	EXPECT_EQ( linksCut( bar, places, disc ), wanted );
+	EXPECT_EQ( linksCut( bar, positions, disc ), wanted );
 	EXPECT_GT( wanted.size(), 9u );
 	EXPECT_LT( wanted.size(), 16u * 16u );
 }
@@ -115,16 +115,16 @@ TEST( CutLinks, ASphereTakesOutWhatIsInIt )
 		test::Seeded random( seed );
 		const Lattice block = makeBlockLattice( 9, 9, 9, 0.1f );
 		const Eigen::Matrix3d map = someMap( random, 0.2f );
-		const auto places = placed( block, [&]( const Vec3d& x ) { return Vec3d( map * x ); } );
+		const auto positions = placed( block, [&]( const Vec3d& x ) { return Vec3d( map * x ); } );
 		const SphereCut ball{ wide( random.inBox( 0.1f ) ), double( random.uniform( 0.15f, 0.3f ) ) };
-		const auto isIn = [&]( std::uint32_t i ) { return ( places[i] - ball.centre ).norm() < ball.radius; };
-		const auto links = linksCut( block, places, ball );
+		const auto isIn = [&]( std::uint32_t i ) { return ( positions[i] - ball.centre ).norm() < ball.radius; };
+		const auto links = linksCut( block, positions, ball );
 		// Between inside and outside all; else none but those that go in and out again: their nearest point is inside.
 		const auto wanted = linksThat( block, [&]( std::uint32_t a, std::uint32_t b ) {
 			bool passes = isIn( a ) || isIn( b );
 			for ( int k = 1; k < 2000 && !passes; ++k )
 			{
-				passes = ( places[a] + double( k ) / 2000.0 * ( places[b] - places[a] ) - ball.centre ).norm() <
+				passes = ( positions[a] + double( k ) / 2000.0 * ( positions[b] - positions[a] ) - ball.centre ).norm() <
 					ball.radius * ( 1.0 - 1e-6 );
 			}
 			return passes && !( isIn( a ) && isIn( b ) );
@@ -140,7 +140,7 @@ TEST( CutLinks, ABladeThatHasGoneThroughAllOfItCutsLikeItsPlane )
 	{
 		test::Seeded random( seed );
 		const Lattice blob = test::makeBlobLattice( 10, 0.1f, seed );
-		const auto places = placed( blob, []( const Vec3d& x ) { return x; } );
+		const auto positions = placed( blob, []( const Vec3d& x ) { return x; } );
 		const Vec3d normal = wide( random.inBox( 1.0f ) ).normalized(), edge = normal.unitOrthogonal(), way = normal.cross( edge );
 		const Vec3d middle = wide( random.inBox( 0.1f ) );
 		// In one go, and in forty: no link slips through where sweeps meet.
@@ -151,12 +151,12 @@ TEST( CutLinks, ABladeThatHasGoneThroughAllOfItCutsLikeItsPlane )
 			{
 				const Vec3d from = middle + way * ( -2.0 + 4.0 * k / steps ), to = middle + way * ( -2.0 + 4.0 * ( k + 1 ) / steps );
 				const auto some = linksCut(
-					blob, places, BladeCut{ from - 2.0 * edge, from + 2.0 * edge, to - 2.0 * edge, to + 2.0 * edge } );
+					blob, positions, BladeCut{ from - 2.0 * edge, from + 2.0 * edge, to - 2.0 * edge, to + 2.0 * edge } );
 				links.insert( links.end(), some.begin(), some.end() );
 			}
 			std::sort( links.begin(), links.end() );
 			links.erase( std::unique( links.begin(), links.end() ), links.end() );
-			EXPECT_EQ( links, linksCut( blob, places, PlaneCut{ middle, normal } ) ) << seed;
+			EXPECT_EQ( links, linksCut( blob, positions, PlaneCut{ middle, normal } ) ) << seed;
 			EXPECT_FALSE( links.empty() );
 		}
 	}
@@ -179,44 +179,44 @@ TEST( CutLinks, SmallBladesCutWhatMeetsTheirTriangles )
 		test::Seeded random( seed );
 		const Lattice blob = test::makeBlobLattice( 10, 0.1f, seed );
 		const Eigen::Matrix3d map = someMap( random, 0.3f );
-		const auto places = placed( blob, [&]( const Vec3d& x ) { return Vec3d( map * x ); } );
+		const auto positions = placed( blob, [&]( const Vec3d& x ) { return Vec3d( map * x ); } );
 		const Vec3d p0 = wide( random.inBox( 0.4f ) ), p1 = wide( random.inBox( 0.4f ) ), q0 = wide( random.inBox( 0.4f ) ),
 					q1 = wide( random.inBox( 0.4f ) );
 		const auto wanted = linksThat( blob, [&]( std::uint32_t i, std::uint32_t j ) {
-			return meets( places[i], places[j], p0, p1, q0 ) || meets( places[i], places[j], q0, p1, q1 );
+			return meets( positions[i], positions[j], p0, p1, q0 ) || meets( positions[i], positions[j], q0, p1, q1 );
 		} );
-		EXPECT_EQ( linksCut( blob, places, BladeCut{ p0, p1, q0, q1 } ), wanted ) << seed;
+		EXPECT_EQ( linksCut( blob, positions, BladeCut{ p0, p1, q0, q1 } ), wanted ) << seed;
 		cut += int( wanted.size() );
 	}
 	EXPECT_GT( cut, 1000 );
 }
 
-TEST( CutLinks, LinksThroughTheLineTwoTrianglesShareAreCut )
+TEST( CutLinks, LinksThroughTheLineTwoTrianglesFractionAreCut )
 {
 	const Lattice pair = makeBlockLattice( 1, 1, 2, 1.0f );
-	const std::vector<Vec3d> places = { Vec3d( 0, 0, -0.5 ), Vec3d( 0, 0, 0.5 ) };
+	const std::vector<Vec3d> positions = { Vec3d( 0, 0, -0.5 ), Vec3d( 0, 0, 0.5 ) };
 	// The diagonal from p1 to q0 goes through the origin; then an edge, then a corner.
-	EXPECT_EQ( linksCut( pair, places, BladeCut{ { -1, -1, 0 }, { 1, -1, 0 }, { -1, 1, 0 }, { 1, 1, 0 } } ).size(), 1u );
-	EXPECT_EQ( linksCut( pair, places, BladeCut{ { -1, 0, 0 }, { 1, 0, 0 }, { -1, 1, 0 }, { 1, 1, 0 } } ).size(), 1u );
-	EXPECT_EQ( linksCut( pair, places, BladeCut{ { 0, 0, 0 }, { 1, 0, 0 }, { 0, 1, 0 }, { 1, 1, 0 } } ).size(), 1u );
+	EXPECT_EQ( linksCut( pair, positions, BladeCut{ { -1, -1, 0 }, { 1, -1, 0 }, { -1, 1, 0 }, { 1, 1, 0 } } ).size(), 1u );
+	EXPECT_EQ( linksCut( pair, positions, BladeCut{ { -1, 0, 0 }, { 1, 0, 0 }, { -1, 1, 0 }, { 1, 1, 0 } } ).size(), 1u );
+	EXPECT_EQ( linksCut( pair, positions, BladeCut{ { 0, 0, 0 }, { 1, 0, 0 }, { 0, 1, 0 }, { 1, 1, 0 } } ).size(), 1u );
 	// Past it, and short of it.
-	EXPECT_TRUE( linksCut( pair, places, BladeCut{ { 0.1, -1, 0 }, { 1, -1, 0 }, { 0.1, 1, 0 }, { 1, 1, 0 } } ).empty() );
-	EXPECT_TRUE( linksCut( pair, places, BladeCut{ { -1, -1, 0.6 }, { 1, -1, 0.6 }, { -1, 1, 0.6 }, { 1, 1, 0.6 } } ).empty() );
+	EXPECT_TRUE( linksCut( pair, positions, BladeCut{ { 0.1, -1, 0 }, { 1, -1, 0 }, { 0.1, 1, 0 }, { 1, 1, 0 } } ).empty() );
+	EXPECT_TRUE( linksCut( pair, positions, BladeCut{ { -1, -1, 0.6 }, { 1, -1, 0.6 }, { -1, 1, 0.6 }, { 1, 1, 0.6 } } ).empty() );
 }
 
 TEST( CutLinks, WhatIsNoCutCutsNothing )
 {
 	const Lattice bar = makeBlockLattice( 4, 4, 4, 0.1f );
-	const auto places = placed( bar, []( const Vec3d& x ) { return x; } );
+	const auto positions = placed( bar, []( const Vec3d& x ) { return x; } );
 	const double nan = std::nan( "" ), inf = std::numeric_limits<double>::infinity();
-	EXPECT_TRUE( linksCut( bar, places, PlaneCut{ Vec3d::Zero(), Vec3d::Zero() } ).empty() );
-	EXPECT_TRUE( linksCut( bar, places, PlaneCut{ Vec3d( nan, 0, 0 ), Vec3d::UnitX() } ).empty() );
-	EXPECT_TRUE( linksCut( bar, places, PlaneCut{ Vec3d::Zero(), Vec3d( 0, inf, 0 ) } ).empty() );
-	EXPECT_TRUE( linksCut( bar, places, PlaneCut{ Vec3d::Zero(), Vec3d::UnitX(), nan } ).empty() );
-	EXPECT_TRUE( linksCut( bar, places, SphereCut{ Vec3d::Zero(), -0.15 } ).empty() );
-	EXPECT_TRUE( linksCut( bar, places, SphereCut{ Vec3d::Zero(), nan } ).empty() );
-	EXPECT_TRUE( linksCut( bar, places, BladeCut{ Vec3d( nan, 0, 0 ), Vec3d::UnitX(), Vec3d::UnitY(), Vec3d::Ones() } ).empty() );
-	EXPECT_TRUE( linksCut( bar, places, BladeCut{} ).empty() );
+	EXPECT_TRUE( linksCut( bar, positions, PlaneCut{ Vec3d::Zero(), Vec3d::Zero() } ).empty() );
+	EXPECT_TRUE( linksCut( bar, positions, PlaneCut{ Vec3d( nan, 0, 0 ), Vec3d::UnitX() } ).empty() );
+	EXPECT_TRUE( linksCut( bar, positions, PlaneCut{ Vec3d::Zero(), Vec3d( 0, inf, 0 ) } ).empty() );
+	EXPECT_TRUE( linksCut( bar, positions, PlaneCut{ Vec3d::Zero(), Vec3d::UnitX(), nan } ).empty() );
+	EXPECT_TRUE( linksCut( bar, positions, SphereCut{ Vec3d::Zero(), -0.15 } ).empty() );
+	EXPECT_TRUE( linksCut( bar, positions, SphereCut{ Vec3d::Zero(), nan } ).empty() );
+	EXPECT_TRUE( linksCut( bar, positions, BladeCut{ Vec3d( nan, 0, 0 ), Vec3d::UnitX(), Vec3d::UnitY(), Vec3d::Ones() } ).empty() );
+	EXPECT_TRUE( linksCut( bar, positions, BladeCut{} ).empty() );
 }
 
 TEST( CutLinks, HealingIsTheInverseOfCutting )
@@ -224,18 +224,18 @@ TEST( CutLinks, HealingIsTheInverseOfCutting )
 	for ( unsigned seed = 1; seed <= 10; ++seed )
 	{
 		const Lattice blob = test::makeBlobLattice( 10, 0.1f, seed );
-		const auto places = placed( blob, []( const Vec3d& x ) { return x; } );
+		const auto positions = placed( blob, []( const Vec3d& x ) { return x; } );
 		test::Seeded random( seed );
-		const auto cut = linksCut( blob, places, PlaneCut{ Vec3d::Zero(), wide( random.inBox( 1.0f ) ) } );
+		const auto cut = linksCut( blob, positions, PlaneCut{ Vec3d::Zero(), wide( random.inBox( 1.0f ) ) } );
 		const Lattice open = withoutLinks( blob, cut );
-		EXPECT_EQ( linksToHeal( blob, open, {}, places, 1.01 ), cut );
+		EXPECT_EQ( linksToHeal( blob, open, {}, positions, 1.01 ), cut );
 		// In a piece of it: what the piece has of them. Further apart than they may be: nothing.
 		const std::vector<std::uint32_t> cells = connectedParts( open )[0];
 		const Lattice part = extractCells( open, cells );
 		std::vector<Vec3d> ofPart;
 		for ( const std::uint32_t cell : cells )
 		{
-			ofPart.push_back( places[cell] );
+			ofPart.push_back( positions[cell] );
 		}
 		EXPECT_TRUE( linksToHeal( blob, part, cells, ofPart, 1.01 ).empty() ); // a plane leaves no broken link within a side
 		const auto slit = linksCut( part, ofPart, PlaneCut{ ofPart[0], Vec3d( 0.3, 1, 0.2 ), 0.2 } );

@@ -30,7 +30,7 @@ std::vector<CellLink> linksAcross( const Lattice& lattice, int at )
 	return links;
 }
 
-std::vector<CellLink> someLinks( const Lattice& lattice, double share, unsigned seed )
+std::vector<CellLink> someLinks( const Lattice& lattice, double fraction, unsigned seed )
 {
 	std::mt19937 random( seed );
 	std::vector<CellLink> links;
@@ -38,7 +38,7 @@ std::vector<CellLink> someLinks( const Lattice& lattice, double share, unsigned 
 	{
 		for ( std::uint32_t k = lattice.linkStart[i]; k < lattice.linkStart[i + 1]; ++k )
 		{
-			if ( i < lattice.linkTo[k] && random() < share * double( random.max() ) )
+			if ( i < lattice.linkTo[k] && random() < fraction * double( random.max() ) )
 			{
 				links.push_back( CellLink{ i, lattice.linkTo[k] } );
 			}

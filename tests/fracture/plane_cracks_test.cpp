@@ -50,14 +50,14 @@ struct Slab
 	}
 
 	/// What breaks in so many substeps; nothing moves meanwhile.
-	std::vector<CellLink> breakFor( int substeps, float growthShare ) const
+	std::vector<CellLink> breakFor( int substeps, float growthFraction ) const
 	{
-		PlaneCracks cracks( kBreakStrain, growthShare );
+		PlaneCracks cracks( kBreakStrain, growthFraction );
 		const LinkLimits limits = limitLinks( lattice, cracks.candidateStrain(), toughness );
 		std::vector<CellLink> broken;
 		for ( int k = 0; k < substeps; ++k )
 		{
-			cracks.find( lattice, limits, CellPlaces( nodes ), 1.0f / 240.0f, true, broken );
+			cracks.find( lattice, limits, CellPositions( nodes ), 1.0f / 240.0f, true, broken );
 		}
 		return broken;
 	}
@@ -72,7 +72,7 @@ TEST( PlaneCracks, GoOnOnlyWhereItTakesAsMuchAsToBeginOne )
 	EXPECT_EQ( slab.breakFor( 60, 1.0f ).size(), broken.size() );
 }
 
-TEST( PlaneCracks, RunOnAtTheirShareAndBeginNoSooner )
+TEST( PlaneCracks, RunOnAtTheirFractionAndBeginNoSooner )
 {
 	const Slab slab;
 	const std::vector<CellLink> broken = slab.breakFor( 30, 0.5f );
@@ -86,13 +86,13 @@ TEST( PlaneCracks, RunOnAtTheirShareAndBeginNoSooner )
 }
 
 /// A block that random waves run through, its links taken out as they break, new cracks allowed now and then; all that broke, in order.
-std::vector<std::vector<CellLink>> breakInWaves( unsigned seed, float growthShare, bool everywhere, bool isTough,
+std::vector<std::vector<CellLink>> breakInWaves( unsigned seed, float growthFraction, bool everywhere, bool isTough,
 	Lattice lattice = makeBlockLattice( 9, 8, 7, kCell ), std::size_t* most = nullptr )
 {
 	NodeState nodes = test::restNodes( lattice );
 	std::mt19937 random( seed );
 	std::uniform_real_distribution<float> any( -1.0f, 1.0f );
-	PlaneCracks cracks( kBreakStrain, growthShare );
+	PlaneCracks cracks( kBreakStrain, growthFraction );
 	if ( everywhere )
 	{
 		cracks.lookEverywhere();
@@ -116,7 +116,7 @@ std::vector<std::vector<CellLink>> breakInWaves( unsigned seed, float growthShar
 			nodes.x.set( i, rest + pull * rest * ( 1.0f + std::sin( 5.0f * rest.x() + float( step ) ) ) );
 		}
 		std::vector<CellLink> broken;
-		cracks.find( lattice, limits, CellPlaces( nodes ), 1.0f / 240.0f, step % 8 == 0, broken );
+		cracks.find( lattice, limits, CellPositions( nodes ), 1.0f / 240.0f, step % 8 == 0, broken );
 		lattice = withoutLinks( lattice, broken );
 		limits = inheritLimits( limits, lattice, all, cracks.candidateStrain() );
 		history.push_back( std::move( broken ) );
@@ -133,9 +133,9 @@ TEST( PlaneCracks, AreThoseOfLookingEverywhere )
 	std::size_t goneOn = 0;
 	for ( unsigned seed = 0; seed < 40; ++seed )
 	{
-		const float share = seed % 2 == 0 ? 1.0f : 0.6f;
-		const std::vector<std::vector<CellLink>> quick = breakInWaves( seed, share, false, seed % 3 == 0 ),
-												 slow = breakInWaves( seed, share, true, seed % 3 == 0 );
+		const float fraction = seed % 2 == 0 ? 1.0f : 0.6f;
+		const std::vector<std::vector<CellLink>> quick = breakInWaves( seed, fraction, false, seed % 3 == 0 ),
+												 slow = breakInWaves( seed, fraction, true, seed % 3 == 0 );
 		ASSERT_EQ( quick, slow ) << seed;
 		for ( std::size_t step = 0; step < quick.size(); ++step )
 		{
@@ -153,15 +153,15 @@ TEST( PlaneCracks, AreThoseOfLookingEverywhereHoweverMany )
 	EXPECT_GT( most, 64u ); // more than a word has bits
 }
 
-TEST( PlaneCracks, TheShareIsChecked )
+TEST( PlaneCracks, TheFractionIsChecked )
 {
 	Fracture fracture;
 	for ( const float bad : { 0.0f, -1.0f, 1.01f } )
 	{
-		fracture.growthShare = bad;
+		fracture.growthFraction = bad;
 		EXPECT_FALSE( check( fracture ).ok() );
 	}
-	fracture.growthShare = 0.3f;
+	fracture.growthFraction = 0.3f;
 	EXPECT_TRUE( check( fracture ).ok() );
 }
 

@@ -17,12 +17,12 @@ const btScalar kNan = std::numeric_limits<btScalar>::quiet_NaN(), kInfinity = st
 
 std::vector<btVector3> placesOf( const SoftBody& body )
 {
-	std::vector<btVector3> places;
+	std::vector<btVector3> positions;
 	for ( int i = 0; i < body.nodeCount(); ++i )
 	{
-		places.push_back( body.nodePosition( i ) );
+		positions.push_back( body.nodePosition( i ) );
 	}
-	return places;
+	return positions;
 }
 
 /// Where a cube that falls on the floor is after a second, with what somebody asks of it on the way.

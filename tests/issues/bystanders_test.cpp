@@ -353,7 +353,7 @@ struct LadenCube
 };
 
 /// All in one block.
-struct OneBlock : BlockPlaces
+struct OneBlock : BlockPositions
 {
 	int blockOf( const SoftBody& ) const override { return 0; }
 	int blockOfIsland( int tag ) const override { return tag >= 0 ? 0 : -1; }

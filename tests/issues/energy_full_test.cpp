@@ -16,7 +16,7 @@ TEST( EnergyFull, PlasticCorners )
 		const test::PlasticScene scene = test::plasticScene( seed );
 		const test::PlasticEnergy energy = test::run( scene, 60 );
 		EXPECT_TRUE( energy.isHealthy ) << seed;
-		EXPECT_LT( energy.most, test::mostShare( scene ) * energy.brought ) << seed;
+		EXPECT_LT( energy.most, test::mostFraction( scene ) * energy.brought ) << seed;
 	}
 }
 

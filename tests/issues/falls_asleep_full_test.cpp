@@ -34,10 +34,10 @@ TEST( FallsAsleep, AHeapOfTwenty )
 		SoftWorld t;
 		t.addFloor();
 		std::mt19937 random( 1 );
-		const auto share = [&random] { return btScalar( random() / 4294967296.0 ); };
+		const auto fraction = [&random] { return btScalar( random() / 4294967296.0 ); };
 		for ( std::size_t k = 0; k < 20; ++k )
 		{
-			const btScalar x = share(), z = share(), a = share(), b = share(), c = share();
+			const btScalar x = fraction(), z = fraction(), a = fraction(), b = fraction(), c = fraction();
 			const btQuaternion turn = btQuaternion( a - btScalar( 0.5 ), b - btScalar( 0.5 ), c - btScalar( 0.5 ), btScalar( 0.5 ) )
 										  .normalized();
 			t.add( made[k % 4], btVector3( x - btScalar( 0.5 ), btScalar( 0.6 + 0.35 * double( k ) ), z - btScalar( 0.5 ) ),

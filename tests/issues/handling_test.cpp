@@ -162,7 +162,7 @@ TEST( Handling, CutHalfWayFiftyTimesNothingIsLost )
 	SoftBody* const whole = t.addSoft( block( 8, 8, 8, 0.1f ), at( 0, 0, 0 ) );
 	const double mass = double( whole->mass() );
 	std::uint32_t random = 1;
-	const auto share = [&random] {
+	const auto fraction = [&random] {
 		random = random * 1664525u + 1013904223u;
 		return btScalar( random >> 8 ) / btScalar( 1 << 24 ) - btScalar( 0.5 );
 	};
@@ -171,7 +171,7 @@ TEST( Handling, CutHalfWayFiftyTimesNothingIsLost )
 		for ( int b = t.world.softBodyCount(); b-- > 0; )
 		{
 			SoftBody* const piece = t.world.softBody( b );
-			const btScalar x = share(), y = share(), z = share();
+			const btScalar x = fraction(), y = fraction(), z = fraction();
 			const btVector3 normal = btVector3( x, y, z ).normalized();
 			// A disc about a point at the piece's rim goes half-way through it.
 			const btScalar size = btScalar( 0.1 * std::cbrt( double( piece->cellCount() ) ) );
@@ -375,7 +375,7 @@ TEST( Handling, PanesThatBreakAllTheTimeLeaveNothingBehind )
 			Fracture fracture;
 			fracture.rule = BreakRule::Plane;
 			fracture.breakStrain = 0.01f;
-			fracture.growthShare = 0.3f;
+			fracture.growthFraction = 0.3f;
 			fracture.smallCells = 64;
 			fracture.smallPieces = SmallPieces::Fade;
 			fracture.fadeTime = 1.0f;

@@ -244,7 +244,7 @@ TEST( Membership, ABodyThatVanishesFromBulletsListHasLeft )
 }
 
 // A split screen: two worlds, one dispatcher. Once the second was gone the first one's soft bodies had no algorithm, and the memory of one.
-TEST( Membership, TwoWorldsShareADispatcher )
+TEST( Membership, TwoWorldsFractionADispatcher )
 {
 	test::BulletParts parts;
 	btDbvtBroadphase secondBroadphase;

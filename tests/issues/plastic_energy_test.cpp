@@ -56,7 +56,7 @@ TEST( PlasticEnergy, CornersOfTheSettings )
 		const test::PlasticScene scene = test::plasticScene( seed );
 		const test::PlasticEnergy energy = test::run( scene, 2 );
 		EXPECT_TRUE( energy.isHealthy ) << seed;
-		EXPECT_LT( energy.most, test::mostShare( scene ) * energy.brought ) << seed;
+		EXPECT_LT( energy.most, test::mostFraction( scene ) * energy.brought ) << seed;
 	}
 }
 

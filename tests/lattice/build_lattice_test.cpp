@@ -27,14 +27,14 @@ TEST( Grid, FirstSampleAboveAWholeQuantumIsThatOfAnyPlace )
 		for ( int axis = 0; axis < 3; ++axis )
 		{
 			const std::int64_t end = std::int64_t( grid.extent[axis] ) << grid.bits;
-			std::vector<std::int64_t> places = { -end, -1, 0, 1, end - 1, end, end + 1, 2 * end };
+			std::vector<std::int64_t> positions = { -end, -1, 0, 1, end - 1, end, end + 1, 2 * end };
 			for ( int k = 0; k < 200; ++k )
 			{
-				places.push_back( std::int64_t( random() ) % ( end + 1 ) );
+				positions.push_back( std::int64_t( random() ) % ( end + 1 ) );
 				const std::int64_t sample = grid.sampleAt( int( random() % unsigned( grid.sampleCount( axis ) ) ) );
-				places.insert( places.end(), { sample - 1, sample, sample + 1 } );
+				positions.insert( positions.end(), { sample - 1, sample, sample + 1 } );
 			}
-			for ( const std::int64_t place : places )
+			for ( const std::int64_t place : positions )
 			{
 				EXPECT_EQ( grid.firstAbove( axis, place ), grid.firstAbove( axis, double( place ) ) )
 					<< samples << " samples, at " << place << " of " << end;
@@ -67,7 +67,7 @@ TEST( Build, CubeBecomesTheFullBlock )
 	}
 }
 
-TEST( Build, PartlyFilledCellsCarryTheirShareAndCentre )
+TEST( Build, PartlyFilledCellsCarryTheirFractionAndCentre )
 {
 	// Half a cell sticks out on each side of two whole ones: samples at 1/8, 3/8, 5/8, 7/8 of a cell see half exactly.
 	const LatticeBuild build = built( makeBox( { 0, 0, 0 }, { 3, 1, 1 } ), cellsOf( 1.0f ) );
@@ -257,11 +257,11 @@ struct Watcher
 	int cancelAt = -1;
 	bool wentBack = false;
 
-	static bool watch( float share, void* context )
+	static bool watch( float fraction, void* context )
 	{
 		Watcher& self = *static_cast<Watcher*>( context );
-		self.wentBack = self.wentBack || !( share >= self.last && share <= 1.0f );
-		self.last = share;
+		self.wentBack = self.wentBack || !( fraction >= self.last && fraction <= 1.0f );
+		self.last = fraction;
 		return self.calls++ != self.cancelAt;
 	}
 };

@@ -165,8 +165,8 @@ double standingSag( int cells )
 	const double length = 1.0 - 0.5 * d, s = 1.0 - d;
 	const double theory = material.density * gravity * ( length * s - 0.5 * s * s ) / material.youngsModulus;
 	std::printf( "block of %d nodes, %d substeps: sag %.4f m, theory %.4f m (%+.1f %%), inverted %.4f\n", nodes.count, substeps, sag,
-		theory, 100.0 * ( sag / theory - 1.0 ), double( body->invertedShare() ) );
-	EXPECT_EQ( body->invertedShare(), 0.0f );
+		theory, 100.0 * ( sag / theory - 1.0 ), double( body->invertedFraction() ) );
+	EXPECT_EQ( body->invertedFraction(), 0.0f );
 	return sag / theory;
 }
 
@@ -181,7 +181,7 @@ TEST( StandingBlockFull, SagsTheSameAt19683Nodes )
 	EXPECT_NEAR( standingSag( 27 ), 1.0, 0.15 );
 }
 
-TEST( WobbleDamping, TakesTheShareOfCriticalItPromises )
+TEST( WobbleDamping, TakesTheFractionOfCriticalItPromises )
 {
 	// A free bar stretched along its axis: amplitude falls by exp( - zeta omega t ); after one period by exp( - 2 pi zeta ).
 	Material material;

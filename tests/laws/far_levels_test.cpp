@@ -123,8 +123,8 @@ double ringBend( const BarCase& bar )
 	const double length = ( bar.cells - 0.5 ) * kCell, b = bar.width * kCell;
 	const double omega = 1.8751 * 1.8751 * std::sqrt( material.youngsModulus * b * b / 12.0 / material.density ) / ( length * length );
 	return ring( bar, 2.0 * kPiD / omega, 0, []( double s ) {
-		const double a = 1.8751 * s, share = 0.7341;
-		return 0.5 * ( std::cosh( a ) - std::cos( a ) - share * ( std::sinh( a ) - std::sin( a ) ) );
+		const double a = 1.8751 * s, fraction = 0.7341;
+		return 0.5 * ( std::cosh( a ) - std::cos( a ) - fraction * ( std::sinh( a ) - std::sin( a ) ) );
 	} );
 }
 
@@ -135,8 +135,8 @@ double ringFree( const BarCase& bar )
 	const double length = bar.cells * kCell, b = bar.width * kCell;
 	const double omega = 4.73 * 4.73 * std::sqrt( material.youngsModulus * b * b / 12.0 / material.density ) / ( length * length );
 	return ring( bar, 2.0 * kPiD / omega, 0, []( double s ) {
-		const double a = 4.73 * s, share = 0.98250;
-		return 0.5 * ( std::cosh( a ) + std::cos( a ) - share * ( std::sinh( a ) + std::sin( a ) ) );
+		const double a = 4.73 * s, fraction = 0.98250;
+		return 0.5 * ( std::cosh( a ) + std::cos( a ) - fraction * ( std::sinh( a ) + std::sin( a ) ) );
 	} );
 }
 
@@ -266,7 +266,7 @@ void expectReturn( int width, float damping, const Mangle& mangle )
 		ASSERT_EQ( test::substep( *body, kStep, 1.0f ), BodyHealth::Good );
 	}
 	EXPECT_LT( test::shapeError( *body ), 0.01 * kCell );
-	EXPECT_EQ( body->invertedShare(), 0.0f );
+	EXPECT_EQ( body->invertedFraction(), 0.0f );
 }
 
 TEST( FarLevels, ComeBackFromAnything )

@@ -26,7 +26,7 @@ void expectReturn( int cells, const Mangle& mangle )
 	{
 		ASSERT_EQ( test::substep( *body, 1.0f / 240.0f, alpha ), BodyHealth::Good );
 	}
-	EXPECT_EQ( body->invertedShare(), 0.0f );
+	EXPECT_EQ( body->invertedFraction(), 0.0f );
 	EXPECT_LT( test::shapeError( *body ), 1e-3 ); // of an edge
 	std::printf( "%d cells an edge: shape error %.1e m after 10 s\n", cells, test::shapeError( *body ) );
 }
@@ -79,11 +79,11 @@ TEST( LongStep, OfATenthOfASecondReturnsToRestToo )
 	{
 		ASSERT_EQ( test::substep( *body, 0.1f, alpha ), BodyHealth::Good );
 	}
-	EXPECT_EQ( body->invertedShare(), 0.0f );
+	EXPECT_EQ( body->invertedFraction(), 0.0f );
 	EXPECT_LT( test::shapeError( *body ), 1e-3 );
 }
 
-TEST( BodyShare, CarriesTheWeightTheRegionsCannot )
+TEST( BodyFraction, CarriesTheWeightTheRegionsCannot )
 {
 	// Hung by its upper cells, E far out of reach of the regions at this step: without the whole-body match it would hang
 	// ( E_f = 1.2 kPa against rho g L = 9.8 kPa ) many times its own length.
@@ -101,11 +101,11 @@ TEST( BodyShare, CarriesTheWeightTheRegionsCannot )
 	{
 		test::substep( *body, h, 1.0f, Vec3( 0, -9.81f, 0 ) );
 	}
-	const double withShare = -top - nodes.x.y[0] - nodes.origin.y();
-	std::printf( "lowest cell hangs %.3f m below its rest place, regions alone would let it %.3f m\n", withShare,
+	const double withFraction = -top - nodes.x.y[0] - nodes.origin.y();
+	std::printf( "lowest cell hangs %.3f m below its rest place, regions alone would let it %.3f m\n", withFraction,
 		0.5 * 1000.0 * 9.81 / planStiffness( material, d, h, 1 ).reachedModulus );
-	EXPECT_LT( withShare, 0.1 * 0.5 * 1000.0 * 9.81 / planStiffness( material, d, h, 1 ).reachedModulus );
-	EXPECT_EQ( body->invertedShare(), 0.0f );
+	EXPECT_LT( withFraction, 0.1 * 0.5 * 1000.0 * 9.81 / planStiffness( material, d, h, 1 ).reachedModulus );
+	EXPECT_EQ( body->invertedFraction(), 0.0f );
 }
 
 } // namespace

@@ -22,12 +22,12 @@ TEST( LongStep, OfATenthOfASecondInvertsNothing )
 	for ( int k = 0; k < 100; ++k )
 	{
 		scene.world.stepSimulation( btScalar( 0.1 ), 0 );
-		worst = std::max( worst, body->impl().body->invertedShare() );
+		worst = std::max( worst, body->impl().body->invertedFraction() );
 	}
 	std::printf( "inverted cells at the end %.4f, at the worst of the impact %.4f, substeps %d, height of the mass centre %.3f m\n",
-		double( body->impl().body->invertedShare() ), double( worst ), scene.world.stepReport().substeps,
+		double( body->impl().body->invertedFraction() ), double( worst ), scene.world.stepReport().substeps,
 		double( body->massCentre().y() ) );
-	EXPECT_EQ( body->impl().body->invertedShare(), 0.0f );
+	EXPECT_EQ( body->impl().body->invertedFraction(), 0.0f );
 	EXPECT_LT( worst, 0.2f ); // the lowest layer may pass through itself in the impact, at this one substep
 	EXPECT_GT( body->massCentre().y(), btScalar( 0.25 ) );
 }
@@ -81,8 +81,8 @@ TEST( Memory, StaysWithinItsBudgetANode )
 		scene.step( 60 );
 		const SoftBody::Impl& impl = body->impl();
 		const double core = double( impl.body->bytes() ) / body->nodeCount();
-		const double bullets = double( impl.shape->bytes() + impl.touched.size() * sizeof( NodeBody ) +
-								   impl.nodeBody.size() * sizeof( NodeBody* ) +
+		const double bullets = double( impl.shape->bytes() + impl.touched.size() * sizeof( ContactProxy ) +
+								   impl.nodeBody.size() * sizeof( ContactProxy* ) +
 								   scene.dispatcher.getNumManifolds() * sizeof( btPersistentManifold ) ) /
 			body->nodeCount();
 		std::printf( "w = %d: core %.0f bytes a node, template included; Bullet's side %.0f\n", halfWidth, core, bullets );

@@ -148,7 +148,7 @@ TEST_P( Clusters, ComeBackFromAnything )
 		{
 			ASSERT_EQ( test::substep( *body, kStep, 0.3f ), BodyHealth::Good );
 		}
-		EXPECT_EQ( body->invertedShare(), 0.0f );
+		EXPECT_EQ( body->invertedFraction(), 0.0f );
 		EXPECT_LT( test::shapeError( *body ), 2e-3 ) << "mangle " << &mangle - mangles;
 	}
 }

@@ -53,10 +53,10 @@ NodeState shaken( const Lattice& lattice, float shake, const Vec3& where = Vec3(
 	return nodes;
 }
 
-MatchStep stepOf( const FarShares& shares )
+MatchStep stepOf( const FarFractions& fractions )
 {
 	MatchStep step{ kStep, 1.0f };
-	step.far = shares;
+	step.far = fractions;
 	return step;
 }
 
@@ -96,21 +96,21 @@ TEST_P( FarTwin, AgreesOnEveryLevel )
 			matcher.setFarLevels( level );
 			EXPECT_EQ( matcher.tables().gridHasHoles, GetParam() == 4 );
 			NodeState with = start, without = start;
-			FarShares shares = {};
+			FarFractions fractions = {};
 			for ( int l = 0; l < level; ++l )
 			{
-				shares[l] = 0.3f + 0.1f * float( l );
+				fractions[l] = 0.3f + 0.1f * float( l );
 			}
-			matcher.accelerate( with, stepOf( shares ), nullptr );
+			matcher.accelerate( with, stepOf( fractions ), nullptr );
 			plain.accelerate( without, MatchStep{ kStep, 1.0f }, nullptr );
 
 			std::vector<Vec3d> expected( start.count, Vec3d::Zero() );
 			for ( int l = 1; l <= level; ++l )
 			{
-				const std::vector<Vec3d> way = referenceFarWay( lattice, start, *matcher.farLevels(), l );
+				const std::vector<Vec3d> way = referenceFarDisplacement( lattice, start, *matcher.farLevels(), l );
 				for ( int i = 0; i < start.count; ++i )
 				{
-					expected[i] += double( shares[l - 1] ) * double( start.freedom[i] ) * way[i] / double( kStep );
+					expected[i] += double( fractions[l - 1] ) * double( start.freedom[i] ) * way[i] / double( kStep );
 				}
 			}
 			double worst = 0.0, largest = 0.0;
@@ -134,7 +134,7 @@ TEST_P( FarTwin, MovesNoMomentumOnAnyLevel )
 	matcher.setFarLevels( 3 );
 	for ( int level = 1; level <= 3; ++level )
 	{
-		const std::vector<Vec3d> way = referenceFarWay( lattice, nodes, *matcher.farLevels(), level );
+		const std::vector<Vec3d> way = referenceFarDisplacement( lattice, nodes, *matcher.farLevels(), level );
 		Vec3d impulse = Vec3d::Zero(), turn = Vec3d::Zero();
 		double size = 0.0, arm = 0.0;
 		for ( int i = 0; i < nodes.count; ++i )
@@ -247,7 +247,7 @@ TEST( FarLevels, DoNothingWhereTheFinestLevelIsEnough )
 	material.youngsModulus = 0.9f * planStiffness( material, kCell, kStep, 1 ).reachedModulus /
 		planStiffness( material, kCell, kStep, 1 ).alpha;
 	material.farLevels = 3;
-	const FarShares none = farShares( material, kCell, kStep );
+	const FarFractions none = farFractions( material, kCell, kStep );
 	EXPECT_EQ( farMoment( none ), 0.0 );
 	LatticeMatcher plain( lattice, material ), with( lattice, material );
 	with.setFarLevels( 3 );
@@ -278,7 +278,7 @@ TEST( FarLevels, DoNotReachAcrossAGap )
 	matcher.setFarLevels( 3 );
 	for ( int level = 1; level <= 3; ++level )
 	{
-		const std::vector<Vec3d> way = referenceFarWay( lattice, nodes, *matcher.farLevels(), level );
+		const std::vector<Vec3d> way = referenceFarDisplacement( lattice, nodes, *matcher.farLevels(), level );
 		double own = 0.0, other = 0.0;
 		for ( int i = 0; i < nodes.count; ++i )
 		{

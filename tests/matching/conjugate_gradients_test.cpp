@@ -57,9 +57,9 @@ TEST( ConjugateGradients, GoOnWhereTheyStood )
 	const int products = one.solve( chain, b.data(), whole.data(), GradientLimits{ 1e-8, 0.0, 200 } );
 	other.begin( told, b.data() ); // what is off at 0
 	int sum = 0;
-	for ( const double share : { 1e-1, 1e-3, 1e-3, 1e-8 } )
+	for ( const double fraction : { 1e-1, 1e-3, 1e-3, 1e-8 } )
 	{
-		const int own = other.goOn( told, parts.data(), GradientLimits{ share, 0.0, 200 } );
+		const int own = other.goOn( told, parts.data(), GradientLimits{ fraction, 0.0, 200 } );
 		sum += own;
 		chain.apply( parts.data(), left.data() );
 		for ( std::size_t i = 0; i < b.size(); ++i )

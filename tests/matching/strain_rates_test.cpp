@@ -201,10 +201,10 @@ std::vector<double> byDefinition( const Case& c, const NodeState& nodes, const s
 			inertia += a * ( arm.squaredNorm() * Eigen::Matrix3d::Identity() - arm * arm.transpose() );
 		} );
 		const Vec3d turn = flooredInverse( inertia, 1e-9 ) * spin;
-		const double share = c.stiffness.empty() ? 1.0 : double( c.stiffness[r] );
+		const double fraction = c.stiffness.empty() ? 1.0 : double( c.stiffness[r] );
 		each( [&]( std::size_t i, double a ) {
 			const Vec3d arm = nodes.x.get( int( i ) ).cast<double>() - centre;
-			add( i, stiffness * share * a * ( speed( i ) - mean - turn.cross( arm ) ) );
+			add( i, stiffness * fraction * a * ( speed( i ) - mean - turn.cross( arm ) ) );
 		} );
 	}
 	return to;

@@ -165,8 +165,8 @@ double leastVolumeAtImpact( float kappa, float alpha )
 		body->accelerateTowardGoals( h, alpha, nullptr );
 		for ( int i = 0; i < nodes.count; ++i )
 		{
-			const double room = nodes.worldPosition( i ).z() + 4.0;
-			nodes.v.z[i] = room + h * nodes.v.z[i] < 0.0 ? float( -room / h ) : nodes.v.z[i];
+			const double scratch = nodes.worldPosition( i ).z() + 4.0;
+			nodes.v.z[i] = scratch + h * nodes.v.z[i] < 0.0 ? float( -scratch / h ) : nodes.v.z[i];
 		}
 		body->integrate( h );
 		least = std::min( least, meanVolume( *body ) );

@@ -51,7 +51,7 @@ TEST( Specimen, OfACubeHasItsVolumeAndItsMoments )
 	EXPECT_NEAR( specimen.volume, 1.0, 1e-6 );
 	EXPECT_NEAR( specimen.spread, 1.0 / 12.0, 1e-6 );
 	EXPECT_NEAR( specimen.diagonal, std::sqrt( 3.0 ), 1e-6 );
-	EXPECT_NEAR( specimen.share.sum(), 1.0, 1e-12 );
+	EXPECT_NEAR( specimen.fraction.sum(), 1.0, 1e-12 );
 	EXPECT_NEAR( enclosedVolume( specimen.mesh, specimen.points.colwise() + Eigen::Vector3d( 1e4, 0, 0 ) ), 1.0, 1e-6 );
 	pliant_glue::ModelMesh mesh;
 	makeShape( "cube", mesh );

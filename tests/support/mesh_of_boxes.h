@@ -79,11 +79,11 @@ inline std::shared_ptr<const BodyTemplate> looseBoxes( int count, const Cells& c
 inline std::shared_ptr<const BodyTemplate> spreadCubes( int count, btScalar edge, unsigned seed )
 {
 	std::mt19937 random( seed );
-	const auto share = [&random] { return btScalar( random() / 4294967296.0 ); };
+	const auto fraction = [&random] { return btScalar( random() / 4294967296.0 ); };
 	MeshOfBoxes mesh;
 	for ( int k = 0; k < count; ++k )
 	{
-		const btScalar x = share(), y = share(), z = share();
+		const btScalar x = fraction(), y = fraction(), z = fraction();
 		mesh.add( btVector3( x, y, z ), btVector3( edge, edge, edge ) / 2 );
 	}
 	return mesh.build( 0.0f, 800 );

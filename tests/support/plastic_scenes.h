@@ -76,10 +76,10 @@ inline PlasticEnergy run( const PlasticScene& scene, int seconds )
 	}
 	body->setActivationState( DISABLE_DEACTIVATION );
 	std::mt19937 random( scene.seed );
-	std::uniform_real_distribution<double> share( -0.5, 0.5 );
+	std::uniform_real_distribution<double> fraction( -0.5, 0.5 );
 	for ( int i = 0; i < body->nodeCount() && !scene.isDropped; ++i )
 	{
-		const btVector3 way( btScalar( share( random ) ), btScalar( share( random ) ), btScalar( share( random ) ) );
+		const btVector3 way( btScalar( fraction( random ) ), btScalar( fraction( random ) ), btScalar( fraction( random ) ) );
 		body->applyImpulse( btScalar( scene.speed ) * body->nodeMass( i ) * way, i );
 	}
 	// From the floor to where the middle may come to at the least.
@@ -100,7 +100,7 @@ inline PlasticEnergy run( const PlasticScene& scene, int seconds )
 
 /// What a body that rings without any damping holds in motion may be more than it was given when that is all of its energy at half steps:
 /// by 1 / ( 1 - alpha / 4 ) in the explicit step. The implicit one of numericalDamping 1 loses it.
-inline double mostShare( const PlasticScene& scene )
+inline double mostFraction( const PlasticScene& scene )
 {
 	return scene.material.elasticity == Elasticity::Explicit && !scene.isDropped ? 4.0 / 3.0 : 1.001;
 }

@@ -73,13 +73,13 @@ public:
 		m_angle( bar.degrees * 3.14159265358979323846 / 180.0 ), m_along( std::cos( m_angle ), std::sin( m_angle ), 0.0 )
 	{
 		const Vec3d across( -std::sin( m_angle ), std::cos( m_angle ), 0.0 );
-		const int room = 48;
+		const int scratch = 48;
 		const auto isInside = [&]( int x, int y, int ) {
-			const Vec3d p( x + 0.5 - room / 2, y + 0.5 - room / 2, 0.0 );
+			const Vec3d p( x + 0.5 - scratch / 2, y + 0.5 - scratch / 2, 0.0 );
 			return std::fabs( p.dot( m_along ) ) < kLength / 2 && std::fabs( p.dot( across ) ) < kHeight / 2;
 		};
 		const auto lattice = std::make_shared<const Lattice>(
-			makeShapeLattice( { room, room, int( kHeight ) }, float( kCell ), isInside ) );
+			makeShapeLattice( { scratch, scratch, int( kHeight ) }, float( kCell ), isInside ) );
 		Material material;
 		material.youngsModulus = 1e5f;
 		material.wobbleDamping = bar.rings ? 0.0f : material.wobbleDamping;
@@ -155,7 +155,7 @@ private:
 		} shoulders{ m_along.cast<float>(), float( m_along.dot( m_body->lattice().massCentre ) ), float( kFree - kShoulder * kCell ) };
 		ToughnessField field;
 		field.context = &shoulders;
-		field.share = []( const float* point, const float*, void* context ) {
+		field.fraction = []( const float* point, const float*, void* context ) {
 			const Shoulders& s = *static_cast<const Shoulders*>( context );
 			return std::fabs( s.along.dot( Vec3( point[0], point[1], point[2] ) ) - s.middle ) > s.from
 				? std::numeric_limits<float>::infinity()

@@ -81,24 +81,25 @@ private:
 
 	void hurt( Body& body, BreakingCounts& counts )
 	{
-		const std::vector<Vec3d> places = body.cellPlaces();
+		const std::vector<Vec3d> positions = body.cellPositions();
 		const Lattice& lattice = body.lattice();
-		const Vec3d at = places[std::size_t( m_random.uniform( 0.0f, 0.999f ) * float( places.size() ) )];
+		const Vec3d at = positions[std::size_t( m_random.uniform( 0.0f, 0.999f ) * float( positions.size() ) )];
 		const int kind = int( m_random.uniform( 0.0f, 4.999f ) );
 		std::vector<CellLink> links;
 		switch ( kind )
 		{
-			case 0: links = linksCut( lattice, places, PlaneCut{ at, wide( 1.0f ), double( m_random.uniform( 0.1f, 1.0f ) ) } ); break;
-			case 1: links = linksCut( lattice, places, SphereCut{ at, double( m_random.uniform( 0.05f, 0.3f ) ) } ); break;
+			case 0: links = linksCut( lattice, positions, PlaneCut{ at, wide( 1.0f ), double( m_random.uniform( 0.1f, 1.0f ) ) } ); break;
+			case 1: links = linksCut( lattice, positions, SphereCut{ at, double( m_random.uniform( 0.05f, 0.3f ) ) } ); break;
 			case 2:
-				links = linksCut( lattice, places, BladeCut{ at + wide( 0.4f ), at + wide( 0.4f ), at + wide( 0.4f ), at + wide( 0.4f ) } );
+				links = linksCut(
+					lattice, positions, BladeCut{ at + wide( 0.4f ), at + wide( 0.4f ), at + wide( 0.4f ), at + wide( 0.4f ) } );
 				break;
 			case 3: links = someLinks( lattice ); break;
 			default: body.testLinks( 1.0f / 240.0f ); break;
 		}
 		if ( m_random.uniform( 0.0f, 1.0f ) < 0.2f )
 		{
-			counts.healed += body.healLinks( linksToHeal( *m_whole, lattice, body.firstCells(), places, 1.5 ) );
+			counts.healed += body.healLinks( linksToHeal( *m_whole, lattice, body.firstCells(), positions, 1.5 ) );
 		}
 		body.breakLinks( links );
 		counts.kind[kind] += body.hasBrokenLinks() ? 1 : 0;
@@ -106,13 +107,13 @@ private:
 
 	std::vector<CellLink> someLinks( const Lattice& lattice )
 	{
-		const float share = m_random.uniform( 0.0f, 1.0f ) < 0.5f ? 0.05f : 0.9f;
+		const float fraction = m_random.uniform( 0.0f, 1.0f ) < 0.5f ? 0.05f : 0.9f;
 		std::vector<CellLink> links;
 		for ( std::uint32_t i = 0; i < std::uint32_t( lattice.cellCount() ); ++i )
 		{
 			for ( std::uint32_t k = lattice.linkStart[i]; k < lattice.linkStart[i + 1]; ++k )
 			{
-				if ( i < lattice.linkTo[k] && m_random.uniform( 0.0f, 1.0f ) < share )
+				if ( i < lattice.linkTo[k] && m_random.uniform( 0.0f, 1.0f ) < fraction )
 				{
 					links.push_back( CellLink{ i, lattice.linkTo[k] } );
 				}
@@ -171,7 +172,7 @@ private:
 			EXPECT_TRUE( octree.ok() ) << octree.sentence;
 			EXPECT_TRUE( cut.ok() ) << cut.sentence;
 		}
-		for ( const Vec3d& place : body.cellPlaces() )
+		for ( const Vec3d& place : body.cellPositions() )
 		{
 			EXPECT_TRUE( place.allFinite() );
 		}

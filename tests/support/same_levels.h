@@ -59,7 +59,7 @@ inline void expectNearTables( const RegionTables& got, const RegionTables& wante
 	EXPECT_EQ( got.matrix->start, wanted.matrix->start );
 	EXPECT_EQ( got.matrix->member, wanted.matrix->member );
 	EXPECT_EQ( got.matrix->mass, wanted.matrix->mass );
-	EXPECT_EQ( got.matrix->share, wanted.matrix->share );
+	EXPECT_EQ( got.matrix->fraction, wanted.matrix->fraction );
 	EXPECT_EQ( got.matrix->unit, wanted.matrix->unit );
 	expectNear( got.pull, wanted.pull, allowed, "pull" );
 	expectNear( got.beta, wanted.beta, allowed, "beta" );

@@ -77,11 +77,11 @@ inline Lattice makeShapeLattice( const Eigen::Vector3i& extent, float cellSize, 
 inline Lattice makeBlobLattice( int cells, float cellSize, unsigned seed, int balls = 6, const LinkRule& isLinked = {} )
 {
 	std::mt19937 random( seed );
-	const auto share = [&random] { return double( random() ) / 4294967296.0; };
+	const auto fraction = [&random] { return double( random() ) / 4294967296.0; };
 	std::vector<Vec3d> centre;
 	for ( int k = 0; k < balls; ++k )
 	{
-		centre.emplace_back( 0.27 + 0.46 * share(), 0.27 + 0.46 * share(), 0.27 + 0.46 * share() );
+		centre.emplace_back( 0.27 + 0.46 * fraction(), 0.27 + 0.46 * fraction(), 0.27 + 0.46 * fraction() );
 	}
 	const CellRule rule = [&centre, cells]( int x, int y, int z ) {
 		const Vec3d p = Vec3d( x + 0.5, y + 0.5, z + 0.5 ) / cells;

@@ -77,41 +77,41 @@ public:
 	ShotResult shoot( unsigned seed, Elasticity elasticity ) const
 	{
 		std::mt19937 random( seed * 2654435761u + 17u );
-		const auto share = [&random] { return double( random() ) / 4294967296.0; };
+		const auto fraction = [&random] { return double( random() ) / 4294967296.0; };
 		ShotResult result;
 		result.seed = seed;
 		result.wall = Wall( int( seed ) % kWalls );
 		result.shot = Shot( int( seed ) / kWalls % kShots );
-		result.speed = 10.0 * std::pow( 10.0, share() );
-		result.youngsModulus = std::pow( 10.0, 3.0 + 3.0 * share() );
+		result.speed = 10.0 * std::pow( 10.0, fraction() );
+		result.youngsModulus = std::pow( 10.0, 3.0 + 3.0 * fraction() );
 
 		// The wall's outside is its own y; it stands at any angle.
 		SoftWorld t;
-		const btTransform wall( turn( share(), share(), share() ), btVector3( 0, 0, 0 ) );
+		const btTransform wall( turn( fraction(), fraction(), fraction() ), btVector3( 0, 0, 0 ) );
 		t.world.setGravity( wall.getBasis() * btVector3( 0, btScalar( -9.81 ), 0 ) );
 		btCollisionShape* shape = makeWall( result.wall );
 		btRigidBody* standing = t.add( 0, shape, btVector3( 0, 0, 0 ) );
 		standing->setWorldTransform(
 			wall * btTransform( btQuaternion::getIdentity(), btVector3( 0, -thicknessOf( result.wall ) / 2, 0 ) ) );
-		standing->setFriction( btScalar( share() ) );
-		standing->setRestitution( btScalar( share() < 0.5 ? 0.0 : share() ) );
+		standing->setFriction( btScalar( fraction() ) );
+		standing->setRestitution( btScalar( fraction() < 0.5 ? 0.0 : fraction() ) );
 		t.world.updateSingleAabb( standing );
 
-		const double tilt = share() * 60.0 * SIMD_PI / 180.0, round = share() * 2.0 * SIMD_PI;
+		const double tilt = fraction() * 60.0 * SIMD_PI / 180.0, round = fraction() * 2.0 * SIMD_PI;
 		const btVector3 way( btScalar( std::sin( tilt ) * std::cos( round ) ), btScalar( -std::cos( tilt ) ),
 			btScalar( std::sin( tilt ) * std::sin( round ) ) );
-		const btVector3 start = btVector3( btScalar( share() - 0.5 ), btScalar( 0.3 ), btScalar( share() - 0.5 ) ) -
-			way * btScalar( 0.6 + 2.0 * share() );
+		const btVector3 start = btVector3( btScalar( fraction() - 0.5 ), btScalar( 0.3 ), btScalar( fraction() - 0.5 ) ) -
+			way * btScalar( 0.6 + 2.0 * fraction() );
 		SoftBody* body = t.add( m_templates[std::size_t( result.shot )], start, materialOf( result, elasticity ),
-			turn( share(), share(), share() ), adaptivityOf( result.shot ) );
+			turn( fraction(), fraction(), fraction() ), adaptivityOf( result.shot ) );
 		if ( !body )
 		{
 			return result;
 		}
 		body->teleport( wall );
-		const btVector3 spin( btScalar( share() - 0.5 ), btScalar( share() - 0.5 ), btScalar( share() - 0.5 ) );
-		body->setVelocities( wall.getBasis() * way * btScalar( result.speed ), spin * btScalar( 60.0 * share() ) );
-		body->setRestitution( btScalar( share() < 0.5 ? 0.0 : share() ) );
+		const btVector3 spin( btScalar( fraction() - 0.5 ), btScalar( fraction() - 0.5 ), btScalar( fraction() - 0.5 ) );
+		body->setVelocities( wall.getBasis() * way * btScalar( result.speed ), spin * btScalar( 60.0 * fraction() ) );
+		body->setRestitution( btScalar( fraction() < 0.5 ? 0.0 : fraction() ) );
 		// What slides off the wall's edge has not come through it.
 		const auto isOver = [&]( const btVector3& at ) { return btMax( btFabs( at.x() ), btFabs( at.z() ) ) < kHalfWidth - 1; };
 		for ( int frame = 0; frame < kFrames && isOver( wall.invXform( body->massCentre() ) ); ++frame )

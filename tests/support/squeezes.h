@@ -105,11 +105,11 @@ inline Squeezed squeeze( const Squeeze& how )
 		result.late = frame >= frames - 60 ? std::max( result.late, now ) : result.late;
 	}
 	const double reached = double( body->stiffnessPlan().reachedModulus ), cell = kEdge / 6,
-				 share = 1.0 - std::max( 0.0, how.gap - cell ) / kEdge;
+				 fraction = 1.0 - std::max( 0.0, how.gap - cell ) / kEdge;
 	// E = alpha rho d^2 mu / h^2, mu = 2 / 3, and k = alpha / h^2.
 	result.strain = how.coarseLevels == 0 && how.yieldStrain == 0.0f
-		? rest.at( StrainEnergy::places( *body, 0.0 ) ) * reached / ( double( material.density ) * cell * cell * 2.0 / 3.0 )
-		: 0.5 * reached * kEdge * kEdge * kEdge * share * share;
+		? rest.at( StrainEnergy::positions( *body, 0.0 ) ) * reached / ( double( material.density ) * cell * cell * 2.0 / 3.0 )
+		: 0.5 * reached * kEdge * kEdge * kEdge * fraction * fraction;
 	result.out = 0.5 * double( body->mass() ) * 4.0;
 	for ( btRigidBody* const each : pressing )
 	{

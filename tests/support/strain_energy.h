@@ -44,7 +44,7 @@ public:
 		}
 	}
 
-	static std::vector<Eigen::Vector3d> places( const SoftBody& body, double back )
+	static std::vector<Eigen::Vector3d> positions( const SoftBody& body, double back )
 	{
 		std::vector<Eigen::Vector3d> x;
 		for ( int i = 0; i < body.nodeCount(); ++i )

@@ -17,8 +17,8 @@ using namespace test;
 
 double distanceToSegment( const Vec3d& p, const Vec3d& a, const Vec3d& b )
 {
-	const double share = ( b - a ).squaredNorm() > 0.0 ? std::clamp( ( p - a ).dot( b - a ) / ( b - a ).squaredNorm(), 0.0, 1.0 ) : 0.0;
-	return ( p - a - share * ( b - a ) ).norm();
+	const double fraction = ( b - a ).squaredNorm() > 0.0 ? std::clamp( ( p - a ).dot( b - a ) / ( b - a ).squaredNorm(), 0.0, 1.0 ) : 0.0;
+	return ( p - a - fraction * ( b - a ) ).norm();
 }
 
 double distanceToTriangle( const Vec3d& p, const Vec3d& a, const Vec3d& b, const Vec3d& c )

@@ -24,10 +24,10 @@ TEST_P( Families, EachBodyShowsWhatItWouldByItself )
 	Torn torn( it );
 	CrackView view;
 	int bodies = 0;
-	for ( const auto& [share, pieces] :
+	for ( const auto& [fraction, pieces] :
 		{ std::pair( 0.02, 1 ), std::pair( 0.05, 4 ), std::pair( 0.0, 1 ), std::pair( 0.3, 6 ), std::pair( 0.9, 2 ) } )
 	{
-		torn.tear( share, pieces, unsigned( 7 + bodies ) );
+		torn.tear( fraction, pieces, unsigned( 7 + bodies ) );
 		for ( const auto& cells : connectedParts( torn.lattice ) )
 		{
 			const CrackSurface alone( it.complex, cells, extractCells( torn.lattice, cells ), Vec3::Zero() );
@@ -66,15 +66,15 @@ TEST_P( Families, AWholeThatBreaksMuchAtOnceIsDrawnInPatches )
 	Torn torn( it );
 	const std::vector<std::uint32_t> all = connectedParts( torn.lattice )[0];
 	CrackView view;
-	for ( const double share : { 0.01, 0.2, 0.01, 0.1 } )
+	for ( const double fraction : { 0.01, 0.2, 0.01, 0.1 } )
 	{
-		torn.tear( share, 1, unsigned( 1000.0 * share ) );
+		torn.tear( fraction, 1, unsigned( 1000.0 * fraction ) );
 		ASSERT_EQ( connectedParts( torn.lattice ).size(), 1u );
 		torn.family->show( all, Vec3::Zero(), view );
 		EXPECT_EQ(
 			drawingOf( view ), drawingOf( CrackSurface( it.complex, all, torn.lattice, Vec3::Zero() ), torn.texture.data(), torn.cuts() ) );
 		EXPECT_EQ( view.change.firstNewVertex, 0u );
-		EXPECT_EQ( torn.isInPatches(), share != 0.01 || torn.family->sides() );
+		EXPECT_EQ( torn.isInPatches(), fraction != 0.01 || torn.family->sides() );
 	}
 	EXPECT_TRUE( torn.isInPatches() );
 }

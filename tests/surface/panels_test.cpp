@@ -224,9 +224,9 @@ TEST( Panels, AreSkinnedToTheSameBitsByAnyKernels )
 		return both;
 	};
 	SkinScratch own, others;
-	for ( AlignedArray<float>* room : { &others.position, &others.turnedShift, &others.groupNormal } )
+	for ( AlignedArray<float>* scratch : { &others.position, &others.turnedShift, &others.groupNormal } )
 	{
-		room->assign( 8 * std::size_t( surface.vertexCount() ), std::numeric_limits<float>::quiet_NaN() );
+		scratch->assign( 8 * std::size_t( surface.vertexCount() ), std::numeric_limits<float>::quiet_NaN() );
 	}
 	const std::vector<float> plain = skinned( own, plainSkinKernels() );
 	EXPECT_TRUE( std::all_of( plain.begin(), plain.end(), []( float x ) { return std::abs( x ) < 2.0f; } ) );

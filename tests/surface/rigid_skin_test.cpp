@@ -79,14 +79,14 @@ TEST( RigidSkin, IsTurnedToWhereSkinningInFullPutsIt )
 		Eigen::Map<Eigen::Vector4f>( skin.it.rotations.data() + 4 * i ) = Eigen::Quaternionf( turned( 0.4f ) ).coeffs();
 	}
 	const std::vector<float> rotations = skin.it.rotations;
-	const Vec3Array places = skin.it.nodes.x;
+	const Vec3Array positions = skin.it.nodes.x;
 	skin.show();
 	for ( int k = 1; k < 40; ++k )
 	{
 		const Eigen::Quaternionf q( turned( 0.15f * float( k ) ) );
 		for ( int i = 0; i < skin.it.nodes.count; ++i )
 		{
-			skin.it.nodes.x.set( i, q * places.get( i ) + Vec3( 0.1f, 0.02f, -0.03f ) * float( k ) );
+			skin.it.nodes.x.set( i, q * positions.get( i ) + Vec3( 0.1f, 0.02f, -0.03f ) * float( k ) );
 			Eigen::Map<Eigen::Vector4f>(
 				skin.it.rotations.data() + 4 * i ) = ( q * Eigen::Quaternionf( rotations.data() + 4 * i ) ).coeffs();
 		}

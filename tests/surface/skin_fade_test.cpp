@@ -35,12 +35,12 @@ struct Carried
 	/// Regions that hold what they held are stretched as they were: summed again they would differ in the last bits.
 	void keepWhatWasNotMeasured( const Carried& before, const LevelChange& change )
 	{
-		for ( std::uint32_t i = 0; i < std::uint32_t( change.heir.size() ); ++i )
+		for ( std::uint32_t i = 0; i < std::uint32_t( change.source.size() ); ++i )
 		{
 			if ( !std::binary_search( change.measured.begin(), change.measured.end(), i ) )
 			{
 				std::copy_n(
-					before.gradients.begin() + 9 * std::ptrdiff_t( change.heir[i] ), 9, gradients.begin() + 9 * std::ptrdiff_t( i ) );
+					before.gradients.begin() + 9 * std::ptrdiff_t( change.source[i] ), 9, gradients.begin() + 9 * std::ptrdiff_t( i ) );
 			}
 		}
 	}
@@ -110,7 +110,7 @@ TEST( SkinFade, IsTheSameWhereOnlyWhatWasMeasuredAnewIsLookedAt )
 		const LevelChange& done = body.levels()->lastChange();
 		Carried now( body, SkinFade() );
 		now.keepWhatWasNotMeasured( before, done );
-		SkinFade::Nodes nodes{ body.nodes(), now.pose, done.heir, done.keptAs, Eigen::Quaternionf::Identity() };
+		SkinFade::Nodes nodes{ body.nodes(), now.pose, done.source, done.keptAs, Eigen::Quaternionf::Identity() };
 		everywhere.start( it.binding, nodes );
 		nodes.measured = &done.measured;
 		there.start( it.binding, nodes );
@@ -168,7 +168,7 @@ TEST( SkinFade, OfACrackedBodyKeepsItWhereItStood )
 		const LevelChange& done = body.levels()->lastChange();
 		Carried now( body, SkinFade() );
 		now.keepWhatWasNotMeasured( before, done );
-		SkinFade::Nodes nodes{ body.nodes(), now.pose, done.heir, done.keptAs, Eigen::Quaternionf::Identity() };
+		SkinFade::Nodes nodes{ body.nodes(), now.pose, done.source, done.keptAs, Eigen::Quaternionf::Identity() };
 		everywhere.start( binding, nodes );
 		nodes.measured = &done.measured;
 		nodes.complex = it.complex.get();
@@ -225,7 +225,7 @@ TEST( SkinFade, OfACrushedBodyIsOverInHalfASecond )
 	body.changeLevels( someOfThoseThatSplit( body, 0 ), {} );
 	const LevelChange& done = body.levels()->lastChange();
 	const Carried now( body, SkinFade() );
-	fade.start( it.binding, SkinFade::Nodes{ body.nodes(), now.pose, done.heir, done.keptAs, Eigen::Quaternionf::Identity() } );
+	fade.start( it.binding, SkinFade::Nodes{ body.nodes(), now.pose, done.source, done.keptAs, Eigen::Quaternionf::Identity() } );
 	const float jumped = farthest( offsets( fade, it.binding ) );
 	EXPECT_GT( jumped, 0.1f ) << "of a body 2 m across";
 	int frames = 0;

@@ -4,7 +4,7 @@
 
 #include "surface/crack_pieces.h"
 
-#include "surface/crack_mesh/crack_family.h"
+#include "surface/crack_mesh/shared_crack_state.h"
 
 #include <gtest/gtest.h>
 
@@ -106,11 +106,11 @@ struct Torn
 			const float* p = &it.mesh.positions[3 * v];
 			texture.insert( texture.end(), { 2.0f * p[0] + p[1], p[2] - 3.0f * p[1] } );
 		}
-		family = std::make_unique<CrackFamily>( whole, CrackPatches::make( whole, texture.data() ), texture.data() );
+		family = std::make_unique<SharedCrackState>( whole, CrackPatches::make( whole, texture.data() ), texture.data() );
 	}
 
 	/// A share of all links that are left, and those between pieces.
-	void tear( double share, int pieces, unsigned seed )
+	void tear( double fraction, int pieces, unsigned seed )
 	{
 		std::mt19937 random( seed );
 		std::vector<std::size_t> pieceOf( lattice.fill.size(), 0 );
@@ -128,7 +128,7 @@ struct Torn
 			for ( std::uint32_t k = lattice.linkStart[a]; k < lattice.linkStart[a + 1]; ++k )
 			{
 				const std::uint32_t b = lattice.linkTo[k];
-				if ( a < b && ( pieceOf[a] != pieceOf[b] || random() < share * 4294967296.0 ) )
+				if ( a < b && ( pieceOf[a] != pieceOf[b] || random() < fraction * 4294967296.0 ) )
 				{
 					links.push_back( { a, b } );
 				}
@@ -153,7 +153,7 @@ struct Torn
 	CrackSurface whole;
 	Lattice lattice;
 	std::vector<float> texture;
-	std::unique_ptr<CrackFamily> family;
+	std::unique_ptr<SharedCrackState> family;
 };
 
 } // namespace pliant::test

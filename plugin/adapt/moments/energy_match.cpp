@@ -12,7 +12,7 @@ namespace pliant {
 namespace {
 
 constexpr double kLargestSoftness = 0.95; ///< of beta and eta: some stiffness is always left
-constexpr double kMomentShare = 1e-2;     ///< eigenvalues of J below this share of its largest count as none
+constexpr double kMomentFraction = 1e-2;  ///< eigenvalues of J below this share of its largest count as none
 
 /// sum E_k: variance of the six quadratics about a place `t` away from the monomials' own, over the finest regions. With the row of
 /// shiftedQuadratic, e_q + t_a e_b + t_b e_a, each is
@@ -30,14 +30,14 @@ double quadraticVariance( const std::array<float, 45>& packed, const Vec3d& t )
 	return sum;
 }
 
-/// A matrix whose determinant is this share of the largest its trace allows has no eigenvalue below kMomentShare of its largest:
+/// A matrix whose determinant is this share of the largest its trace allows has no eigenvalue below kMomentFraction of its largest:
 /// with eigenvalues a >= b >= c, det = a b c <= a^2 c and ( tr / 3 )^3 >= ( a / 3 )^3, so c / a >= share / 27.
-constexpr double kSolidShare = 27.0 * kMomentShare;
+constexpr double kSolidFraction = 27.0 * kMomentFraction;
 
 bool isSolid( const Eigen::Matrix3d& moment )
 {
 	const double third = moment.trace() / 3.0;
-	return moment.determinant() > kSolidShare * third * third * third;
+	return moment.determinant() > kSolidFraction * third * third * third;
 }
 
 /// Sylvester: every leading minor of a symmetric matrix is above zero.
@@ -55,7 +55,7 @@ void invertMoment( RegionRest& rest )
 		return;
 	}
 	const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver( rest.moment );
-	const double floor = kMomentShare * solver.eigenvalues()[2];
+	const double floor = kMomentFraction * solver.eigenvalues()[2];
 	for ( int i = 0; i < 3; ++i )
 	{
 		const Vec3d axis = solver.eigenvectors().col( i );
@@ -143,7 +143,7 @@ Eigen::Matrix3d energyBlendByDirections( const Eigen::Matrix3d& fineMoment, cons
 	{
 		const double value = solver.eigenvalues()[i];
 		root[i] = 1.0;
-		if ( value > kMomentShare * largest )
+		if ( value > kMomentFraction * largest )
 		{
 			root[i] = std::sqrt( value );
 			continue;
@@ -154,12 +154,12 @@ Eigen::Matrix3d energyBlendByDirections( const Eigen::Matrix3d& fineMoment, cons
 		fine( i, i ) = 1.0;
 	}
 	const Vec3d inverseRoot = root.cwiseInverse();
-	const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> shares(
+	const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> fractions(
 		Eigen::Matrix3d( inverseRoot.asDiagonal() * fine * inverseRoot.asDiagonal() ) );
-	const Vec3d limited = shares.eigenvalues().cwiseMax( 1.0 - kLargestSoftness ).cwiseMin( 1.0 );
-	const Eigen::Matrix3d share = shares.eigenvectors() * limited.asDiagonal() * shares.eigenvectors().transpose();
+	const Vec3d limited = fractions.eigenvalues().cwiseMax( 1.0 - kLargestSoftness ).cwiseMin( 1.0 );
+	const Eigen::Matrix3d fraction = fractions.eigenvectors() * limited.asDiagonal() * fractions.eigenvectors().transpose();
 	// J^-1/2 ( J^-1/2 J_fine J^-1/2 ) J^1/2 = J^-1 J_fine
-	return v * inverseRoot.asDiagonal() * share * root.asDiagonal() * v.transpose();
+	return v * inverseRoot.asDiagonal() * fraction * root.asDiagonal() * v.transpose();
 }
 
 double quadraticEta( const Octree& octree, const Cut& cut, const RegionMatrix& matrix, std::uint32_t region, const FineMoments& fine,
@@ -190,7 +190,7 @@ double quadraticEta( const Octree& octree, const Cut& cut, const RegionMatrix& m
 	const double variance = square - sums.row( 3 ).squaredNorm() / rest.mass;
 	const double affine = slope.cwiseProduct( rest.inverse * slope ).sum();
 	const double residual = variance - affine;
-	if ( !( residual > kMomentShare * variance ) )
+	if ( !( residual > kMomentFraction * variance ) )
 	{
 		return beta;
 	}

@@ -44,11 +44,11 @@ void appendRows( const FineRegions& before, const CellChange& change, const Octr
 
 } // namespace
 
-FineUpdate updateFineRegions( const FineRegions& before, const CellChange& change, const OctreeUpdate& tree, FineRegions room )
+FineUpdate updateFineRegions( const FineRegions& before, const CellChange& change, const OctreeUpdate& tree, FineRegions scratch )
 {
 	FineUpdate update;
 	FineRegions& fine = update.fine;
-	fine = std::move( room );
+	fine = std::move( scratch );
 	fine.set.start.clear();
 	fine.set.member.clear();
 	fine.set.size.clear();
@@ -82,7 +82,7 @@ FineUpdate updateFineRegions( const FineRegions& before, const CellChange& chang
 namespace {
 
 /// Moments there is room for, of those there are.
-constexpr double kMomentsRoom = 1.25;
+constexpr double kMomentsCapacity = 1.25;
 
 /// Nodes go where they are now. Those of cells are most of what an update would copy: a cell's number never grows, and they may go in
 /// place.
@@ -108,7 +108,7 @@ FineMoments takeOver( const FineMoments& before, FineMoments taken, const CellCh
 	const std::size_t first = moments.covariance.size(), oldFirst = staysInPlace ? cellsBefore : 0;
 	if ( moments.covariance.capacity() < nodes ) // as more comes apart nodes become more with nearly every update, and all would be copied
 	{
-		moments.covariance.reserve( std::size_t( kMomentsRoom * double( nodes ) ) );
+		moments.covariance.reserve( std::size_t( kMomentsCapacity * double( nodes ) ) );
 	}
 	for ( std::size_t n = first; n < nodes; ++n )
 	{

@@ -16,7 +16,7 @@ struct FineUpdate
 };
 
 /// `tree`: of the same change. `room`: regions that nobody uses any more, to be written over.
-FineUpdate updateFineRegions( const FineRegions& before, const CellChange& change, const OctreeUpdate& tree, FineRegions room = {} );
+FineUpdate updateFineRegions( const FineRegions& before, const CellChange& change, const OctreeUpdate& tree, FineRegions scratch = {} );
 
 /// `taken`: those before, which then change in place; empty: they stay where they are.
 FineMoments updateFineMoments(

@@ -67,7 +67,7 @@ Status check( const Adaptivity& settings )
 	{
 		return refuse( "Adaptivity: refineStrain must be within 0 and 10." );
 	}
-	if ( !( isWithin( settings.mergeShare, 0.0f, 1.0f ) && settings.mergeShare < 1.0f ) )
+	if ( !( isWithin( settings.mergeFraction, 0.0f, 1.0f ) && settings.mergeFraction < 1.0f ) )
 	{
 		return refuse( "Adaptivity: mergeShare must be within 0 and below 1." );
 	}

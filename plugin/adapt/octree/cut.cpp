@@ -31,10 +31,10 @@ Cut selectCut( const Octree& octree, const std::function<bool( std::uint32_t )>&
 	return cut;
 }
 
-std::function<bool( std::uint32_t )> keepsByMass( const Octree& octree, float share )
+std::function<bool( std::uint32_t )> keepsByMass( const Octree& octree, float fraction )
 {
-	return [&octree, share](
-			   std::uint32_t node ) { return octree.mass[node] >= double( share ) * std::ldexp( 1.0, 3 * octree.levelOf( node ) ); };
+	return [&octree, fraction](
+			   std::uint32_t node ) { return octree.mass[node] >= double( fraction ) * std::ldexp( 1.0, 3 * octree.levelOf( node ) ); };
 }
 
 std::function<bool( std::uint32_t )> keepsInside( const Octree& octree )
@@ -56,13 +56,13 @@ void numberCells( const Octree& octree, Cut& cut )
 }
 
 Cut changeCut(
-	const Octree& octree, const Cut& cut, const std::vector<std::uint32_t>& split, const std::vector<std::uint32_t>& merge, Cut room )
+	const Octree& octree, const Cut& cut, const std::vector<std::uint32_t>& split, const std::vector<std::uint32_t>& merge, Cut scratch )
 {
 	const auto isBefore = [&octree]( std::uint32_t a, std::uint32_t b ) { return octree.cellStart[a] < octree.cellStart[b]; };
 	std::vector<std::uint32_t> splits( split ), merges( merge );
 	std::sort( splits.begin(), splits.end(), isBefore );
 	std::sort( merges.begin(), merges.end(), isBefore );
-	Cut changed = std::move( room );
+	Cut changed = std::move( scratch );
 	changed.node.clear();
 	changed.node.reserve( cut.node.size() + 8 * split.size() );
 	auto nextSplit = splits.begin();

@@ -23,7 +23,7 @@ struct Cut
 Cut selectCut( const Octree& octree, const std::function<bool( std::uint32_t node )>& keeps );
 
 /// Ohta's rule: a node of level l is kept where its mass is at least `share` 8^l finest cells; else its children are. `share` in (0, 1].
-std::function<bool( std::uint32_t )> keepsByMass( const Octree& octree, float share );
+std::function<bool( std::uint32_t )> keepsByMass( const Octree& octree, float fraction );
 
 /// Nodes without a surface cell are kept.
 std::function<bool( std::uint32_t )> keepsInside( const Octree& octree );
@@ -34,8 +34,8 @@ void numberCells( const Octree& octree, Cut& cut );
 /// A cut with some nodes replaced by their children (`split`) and some parents put in the place of all their children (`merge`).
 /// Both lists name octree nodes; a node to merge has all its children in the cut, a node to split is in the cut and has children.
 /// `room`: a cut that nobody needs, for its memory.
-Cut changeCut(
-	const Octree& octree, const Cut& cut, const std::vector<std::uint32_t>& split, const std::vector<std::uint32_t>& merge, Cut room = {} );
+Cut changeCut( const Octree& octree, const Cut& cut, const std::vector<std::uint32_t>& split, const std::vector<std::uint32_t>& merge,
+	Cut scratch = {} );
 
 /// In depth-first order, every cell covered once; the sentence names what is broken.
 Status validate( const Cut& cut, const Octree& octree );

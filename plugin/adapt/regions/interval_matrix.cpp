@@ -30,7 +30,7 @@ void listMembers( const Octree& octree, const Cut& cut, const IntervalRegions& i
 		matrix.start.push_back( std::uint32_t( matrix.member.size() ) );
 	}
 	matrix.mass.resize( matrix.member.size() );
-	matrix.share.resize( matrix.member.size() );
+	matrix.fraction.resize( matrix.member.size() );
 }
 
 /// u( a, r ) of all pairs, and its transpose beside it. `weight( a, r )` must depend on nothing else.
@@ -42,7 +42,7 @@ void setConserving( RegionMatrix& matrix, const F& weight )
 		for ( std::uint32_t k = matrix.start[r]; k < matrix.start[r + 1]; ++k )
 		{
 			matrix.mass[k] = weight( matrix.member[k], r );
-			matrix.share[k] = weight( r, matrix.member[k] );
+			matrix.fraction[k] = weight( r, matrix.member[k] );
 		}
 	}
 }
@@ -73,7 +73,7 @@ RegionMatrix buildIntervalRegions( const Octree& octree, const Cut& cut, const I
 		case IntervalWeights::Literal:
 			for ( std::size_t k = 0; k < matrix.member.size(); ++k )
 			{
-				matrix.mass[k] = matrix.share[k] = unit[matrix.member[k]];
+				matrix.mass[k] = matrix.fraction[k] = unit[matrix.member[k]];
 			}
 			break;
 		case IntervalWeights::Conserving: setConserving( matrix, [&]( std::uint32_t a, std::uint32_t ) { return unit[a]; } ); break;

@@ -16,15 +16,15 @@ public:
 	explicit Row( int slots ) : m_sum( static_cast<std::size_t>( slots ) ) {}
 
 	/// Shares are at least 1: a slot without any is not listed yet.
-	void add( std::uint32_t slot, std::uint32_t mass, std::uint32_t share )
+	void add( std::uint32_t slot, std::uint32_t mass, std::uint32_t fraction )
 	{
 		Entry& entry = m_sum[slot];
-		if ( entry.share == 0 )
+		if ( entry.fraction == 0 )
 		{
 			m_members.push_back( slot );
 		}
 		entry.mass += mass;
-		entry.share += share;
+		entry.fraction += fraction;
 	}
 
 	/// Appends the row to the matrix, ascending, and is empty again.
@@ -35,7 +35,7 @@ public:
 		{
 			matrix.member.push_back( slot );
 			matrix.mass.push_back( m_sum[slot].mass );
-			matrix.share.push_back( m_sum[slot].share );
+			matrix.fraction.push_back( m_sum[slot].fraction );
 			m_sum[slot] = Entry{};
 		}
 		m_members.clear();
@@ -45,7 +45,7 @@ public:
 private:
 	struct Entry
 	{
-		std::uint32_t mass = 0, share = 0;
+		std::uint32_t mass = 0, fraction = 0;
 	};
 
 	std::vector<Entry> m_sum;
@@ -74,7 +74,7 @@ double unitOf( double mass, const RegionMatrix& matrix, std::uint32_t row )
 	std::uint64_t sum = 0;
 	for ( std::uint32_t k = matrix.start[row]; k < matrix.start[row + 1]; ++k )
 	{
-		sum += matrix.share[k];
+		sum += matrix.fraction[k];
 	}
 	return mass / double( sum );
 }
@@ -91,12 +91,12 @@ public:
 		countNewRows();
 	}
 
-	RegionMatrix run( MatrixRoom* room )
+	RegionMatrix run( MatrixScratch* scratch )
 	{
 		RegionMatrix result;
-		if ( room )
+		if ( scratch )
 		{
-			result = std::move( room->matrix );
+			result = std::move( scratch->matrix );
 		}
 		clear( result );
 		std::uint32_t firstOld = 0;
@@ -125,9 +125,9 @@ public:
 			result.unit.push_back( unitOf( m_octree.mass[m_to.node[slot]], result, slot ) );
 			++slot;
 		}
-		if ( room )
+		if ( scratch )
 		{
-			room->rowBefore = std::move( m_untouched );
+			scratch->rowBefore = std::move( m_untouched );
 		}
 		return result;
 	}
@@ -135,14 +135,14 @@ public:
 private:
 	struct Entry
 	{
-		std::uint32_t slot, mass, share;
+		std::uint32_t slot, mass, fraction;
 	};
 
 	bool isCounted( std::uint32_t slot ) const { return m_change.before[slot] == kNoNode && m_change.wasMerged[slot] == 0; }
 
 	void clear( RegionMatrix& result ) const
 	{
-		for ( std::vector<std::uint32_t>* array : { &result.start, &result.member, &result.mass, &result.share } )
+		for ( std::vector<std::uint32_t>* array : { &result.start, &result.member, &result.mass, &result.fraction } )
 		{
 			array->clear();
 		}
@@ -150,7 +150,7 @@ private:
 		result.start.reserve( m_to.node.size() + 1 );
 		result.start.push_back( 0 );
 		result.unit.reserve( m_to.node.size() );
-		for ( std::vector<std::uint32_t>* array : { &result.member, &result.mass, &result.share } )
+		for ( std::vector<std::uint32_t>* array : { &result.member, &result.mass, &result.fraction } )
 		{
 			array->reserve( m_old.member.size() + m_counted.member.size() );
 		}
@@ -231,7 +231,7 @@ private:
 			{
 				if ( const std::uint32_t slot = m_counted.member[k]; !isCounted( slot ) )
 				{
-					m_column[next[slot]++] = Entry{ child, m_counted.share[k], m_counted.mass[k] }; // row and column swapped
+					m_column[next[slot]++] = Entry{ child, m_counted.fraction[k], m_counted.mass[k] }; // row and column swapped
 				}
 			}
 		}
@@ -248,7 +248,7 @@ private:
 	{
 		result.member.insert( result.member.end(), of.member.begin() + first, of.member.begin() + last );
 		result.mass.insert( result.mass.end(), of.mass.begin() + first, of.mass.begin() + last );
-		result.share.insert( result.share.end(), of.share.begin() + first, of.share.begin() + last );
+		result.fraction.insert( result.fraction.end(), of.fraction.begin() + first, of.fraction.begin() + last );
 	}
 
 	/// Rows that keep all their members, under other numbers, which rise as the old ones did.
@@ -292,7 +292,7 @@ private:
 		}
 		for ( ; next != last; ++next )
 		{
-			m_row.add( next->slot, next->mass, next->share );
+			m_row.add( next->slot, next->mass, next->fraction );
 		}
 		m_row.appendTo( result );
 	}
@@ -303,7 +303,7 @@ private:
 		{
 			if ( const std::uint32_t now = m_change.now[m_old.member[k]]; now != kNoNode )
 			{
-				m_row.add( now, m_old.mass[k], m_old.share[k] );
+				m_row.add( now, m_old.mass[k], m_old.fraction[k] );
 			}
 		}
 	}
@@ -315,7 +315,7 @@ private:
 		const auto append = [&result]( const Entry& entry ) {
 			result.member.push_back( entry.slot );
 			result.mass.push_back( entry.mass );
-			result.share.push_back( entry.share );
+			result.fraction.push_back( entry.fraction );
 		};
 		for ( std::uint32_t k = m_old.start[old]; k < m_old.start[old + 1]; ++k )
 		{
@@ -331,10 +331,10 @@ private:
 			if ( result.member.size() > first && result.member.back() == now )
 			{
 				result.mass.back() += m_old.mass[k];
-				result.share.back() += m_old.share[k];
+				result.fraction.back() += m_old.fraction[k];
 				continue;
 			}
-			append( Entry{ now, m_old.mass[k], m_old.share[k] } );
+			append( Entry{ now, m_old.mass[k], m_old.fraction[k] } );
 		}
 		for ( ; next != last; ++next )
 		{
@@ -395,15 +395,15 @@ RegionMatrix buildMultiplicityRegions( const Octree& octree, const Cut& cut, con
 }
 
 RegionMatrix updateMultiplicityRegions(
-	const Octree& octree, const Cut& from, const RegionMatrix& matrix, const Cut& to, const FineRegions& fine, MatrixRoom* room )
+	const Octree& octree, const Cut& from, const RegionMatrix& matrix, const Cut& to, const FineRegions& fine, MatrixScratch* scratch )
 {
-	return Updater( octree, matrix, to, fine, slotChange( octree, from, to ) ).run( room );
+	return Updater( octree, matrix, to, fine, slotChange( octree, from, to ) ).run( scratch );
 }
 
 RegionMatrix updateRelinkedRegions( const Octree& octree, const Cut& cut, const FineRegions& fine, const RegionMatrix& matrix,
-	const RelinkedNodes& nodes, MatrixRoom* room )
+	const RelinkedNodes& nodes, MatrixScratch* scratch )
 {
-	return Updater( octree, matrix, cut, fine, slotChange( nodes ) ).run( room );
+	return Updater( octree, matrix, cut, fine, slotChange( nodes ) ).run( scratch );
 }
 
 } // namespace pliant

@@ -28,11 +28,11 @@ inline std::uint32_t inMassUnits( double cells )
 /// row r of the transposed matrix stands in `share`, beside the same members.
 struct RegionMatrix
 {
-	std::vector<std::uint32_t> start;  ///< members of region r: start[r] .. start[r + 1]
-	std::vector<std::uint32_t> member; ///< slots
-	std::vector<std::uint32_t> mass;   ///< u( member, r ): what the member gives to the sums of region r, in kMassUnit
-	std::vector<std::uint32_t> share;  ///< weight of the member's region in the goal of node r; u( r, member ) where momentum is kept
-	std::vector<double> unit;          ///< of each node: what one unit of its mass weighs, full cells
+	std::vector<std::uint32_t> start;    ///< members of region r: start[r] .. start[r + 1]
+	std::vector<std::uint32_t> member;   ///< slots
+	std::vector<std::uint32_t> mass;     ///< u( member, r ): what the member gives to the sums of region r, in kMassUnit
+	std::vector<std::uint32_t> fraction; ///< weight of the member's region in the goal of node r; u( r, member ) where momentum is kept
+	std::vector<double> unit;            ///< of each node: what one unit of its mass weighs, full cells
 
 	int count() const { return start.empty() ? 0 : int( start.size() ) - 1; }
 	std::size_t bytes() const { return ( start.size() + member.size() * 3 ) * sizeof( std::uint32_t ) + unit.size() * sizeof( double ); }
@@ -60,7 +60,7 @@ FineRegions buildFineRegions( const Lattice& lattice, int halfWidth );
 RegionMatrix buildMultiplicityRegions( const Octree& octree, const Cut& cut, const FineRegions& fine );
 
 /// What a change of the cut may build in, and what it finds on the way.
-struct MatrixRoom
+struct MatrixScratch
 {
 	RegionMatrix matrix;                  ///< taken for the new one: what it has allocated, not what it holds
 	std::vector<std::uint32_t> rowBefore; ///< of each new row: its number before, where it holds the same nodes and masses; else kNoNode
@@ -69,8 +69,8 @@ struct MatrixRoom
 /// The matrix of cut `to`, given the one of cut `from`, where only nodes that are in one of the two and not in the other changed:
 /// split nodes are counted anew from their cells, merged ones are sums of their children's rows, all else is renumbered.
 /// `room` may be null.
-RegionMatrix updateMultiplicityRegions(
-	const Octree& octree, const Cut& from, const RegionMatrix& matrix, const Cut& to, const FineRegions& fine, MatrixRoom* room = nullptr );
+RegionMatrix updateMultiplicityRegions( const Octree& octree, const Cut& from, const RegionMatrix& matrix, const Cut& to,
+	const FineRegions& fine, MatrixScratch* scratch = nullptr );
 
 /// How the nodes of a cut stand to those of another one, over the same cells or more, where links are others.
 struct RelinkedNodes
@@ -83,7 +83,7 @@ struct RelinkedNodes
 /// The matrix of a cut, given the one before links went or came back: rows of new nodes are counted from cells, those of their neighbours
 /// take from them, all else is renumbered. `fine`: of the links as they are.
 RegionMatrix updateRelinkedRegions( const Octree& octree, const Cut& cut, const FineRegions& fine, const RegionMatrix& matrix,
-	const RelinkedNodes& nodes, MatrixRoom* room = nullptr );
+	const RelinkedNodes& nodes, MatrixScratch* scratch = nullptr );
 
 /// How weights enter where a region is a plain set of cells.
 enum class UnionWeights : int

@@ -66,7 +66,7 @@ RegionMatrix buildUnionRegions( const Octree& octree, const Cut& cut, const Fine
 	UnionPattern pattern = findUnions( octree, cut, fine );
 	RegionMatrix& matrix = pattern.matrix;
 	matrix.mass.resize( matrix.member.size() );
-	matrix.share.resize( matrix.member.size() );
+	matrix.fraction.resize( matrix.member.size() );
 	for ( std::uint32_t r = 0; r < count; ++r )
 	{
 		const double ofRegion = octree.mass[cut.node[r]];
@@ -78,12 +78,12 @@ RegionMatrix buildUnionRegions( const Octree& octree, const Cut& cut, const Fine
 			if ( weights == UnionWeights::Conserving )
 			{
 				matrix.mass[k] = inMassUnits( ofRegion * pattern.value[k] / pattern.cover[a] );
-				matrix.share[back] = matrix.mass[k];
+				matrix.fraction[back] = matrix.mass[k];
 			}
 			else
 			{
 				matrix.mass[k] = inMassUnits( pattern.value[k] );
-				matrix.share[back] = inMassUnits( ofRegion * pattern.value[k] / octree.mass[cut.node[a]] );
+				matrix.fraction[back] = inMassUnits( ofRegion * pattern.value[k] / octree.mass[cut.node[a]] );
 			}
 		}
 	}

@@ -32,7 +32,7 @@ void fillNodes( const Lattice& lattice, const Material& material, NodeState& nod
 
 Status Body::sampleStiffness( const StiffnessField& field )
 {
-	if ( !field.share )
+	if ( !field.fraction )
 	{
 		return {};
 	}
@@ -44,12 +44,12 @@ Status Body::sampleStiffness( const StiffnessField& field )
 	for ( const Vec3& rest : m_lattice->restCentre )
 	{
 		const Vec3 point = ( rest.cast<double>() + m_lattice->massCentre ).cast<float>();
-		const float share = field.share( point.data(), field.context );
-		if ( !( share > 0.0f && share <= 1.0f ) )
+		const float fraction = field.fraction( point.data(), field.context );
+		if ( !( fraction > 0.0f && fraction <= 1.0f ) )
 		{
 			return Status{ ResultCode::BadArgument, "StiffnessField: a share is not above 0 and at most 1." };
 		}
-		m_stiffness.push_back( share );
+		m_stiffness.push_back( fraction );
 	}
 	return {};
 }
@@ -74,9 +74,9 @@ std::unique_ptr<Matcher> Body::makeMatcher( const Material& material )
 	if ( m_levels )
 	{
 		auto matcher = std::make_unique<LatticeMatcher>( *m_lattice, material, m_levels->tables() );
-		if ( m_levels->hasRoom() )
+		if ( m_levels->hasScratch() )
 		{
-			matcher->reserveNodes( m_levels->roomNodes() );
+			matcher->reserveNodes( m_levels->scratchNodes() );
 		}
 		m_levelMatcher = matcher.get();
 		return matcher;

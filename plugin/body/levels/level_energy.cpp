@@ -67,10 +67,10 @@ std::vector<std::uint32_t> Levels::regionsGone( const std::vector<std::uint32_t>
 void Levels::findParts( const NodeState& nodes )
 {
 	m_parts.clear();
-	const std::vector<std::uint32_t>& heir = m_change.heir;
-	for ( std::size_t i = 0, end = 0; i < heir.size(); i = end )
+	const std::vector<std::uint32_t>& source = m_change.source;
+	for ( std::size_t i = 0, end = 0; i < source.size(); i = end )
 	{
-		for ( end = i + 1; end < heir.size() && heir[end] == heir[i]; ++end )
+		for ( end = i + 1; end < source.size() && source[end] == source[i]; ++end )
 		{}
 		for ( std::size_t k = i; k < end && end - i > 1 && nodes.freedom[i] != 0.0f; ++k )
 		{
@@ -86,16 +86,17 @@ void Levels::findParts( const NodeState& nodes )
 void Levels::easeParts( NodeState& nodes, LatticeMatcher& matcher )
 {
 	findParts( nodes );
-	m_partWay.resize( 3 * m_parts.size() );
-	const auto way = [this]( std::size_t k ) { return Vec3d( Eigen::Map<const Vec3>( m_partWay.data() + 3 * k ).cast<double>() ); };
+	m_partDisplacement.resize( 3 * m_parts.size() );
+	const auto way = [this](
+						 std::size_t k ) { return Vec3d( Eigen::Map<const Vec3>( m_partDisplacement.data() + 3 * k ).cast<double>() ); };
 	for ( int round = 0; round < kEasingRounds && !m_parts.empty(); ++round )
 	{
-		matcher.oddsOf( nodes, m_parts, m_partWay.data() );
+		matcher.oddsOf( nodes, m_parts, m_partDisplacement.data() );
 		for ( std::size_t first = 0, end = 0; first < m_parts.size(); first = end )
 		{
 			Vec3d mean = Vec3d::Zero();
 			double mass = 0.0;
-			for ( end = first; end < m_parts.size() && m_change.heir[m_parts[end]] == m_change.heir[m_parts[first]]; ++end )
+			for ( end = first; end < m_parts.size() && m_change.source[m_parts[end]] == m_change.source[m_parts[first]]; ++end )
 			{
 				const double m = nodes.mass[m_parts[end]];
 				mean += m * way( end );
@@ -118,12 +119,12 @@ void Levels::settle( NodeState& nodes, LatticeMatcher& matcher, const RegionWork
 	{
 		easeParts( nodes, matcher );
 	}
-	restoreMotion( nodes, m_room.nodes );
+	restoreMotion( nodes, m_scratch.nodes );
 	m_change.energy = LevelEnergy{};
 	if ( before )
 	{
 		const RegionWork now = matcher.workOf( nodes, m_change.measured );
-		m_change.energy = heldBy( now, nodes, matcher.frame() ).plus( heldBy( *before, m_room.nodes, matcher.frame() ), -1.0 );
+		m_change.energy = heldBy( now, nodes, matcher.frame() ).plus( heldBy( *before, m_scratch.nodes, matcher.frame() ), -1.0 );
 	}
 }
 
@@ -159,9 +160,9 @@ void Body::oweSince( const LevelEnergy& before )
 double Body::joules( const LevelEnergy& held, float h, float alpha ) const
 {
 	const double cell = double( m_lattice->cellSize ), fullCell = double( m_material.density ) * cell * cell * cell;
-	const double seconds = double( h ), share = double( bodyShare( h, alpha ) );
-	const double regions = ( 1.0 - share ) * double( alpha ) * fullCell * ( held.springs + 0.5 * seconds * held.power );
-	const double body = share * ( held.stray + 0.5 * seconds * held.strayPower );
+	const double seconds = double( h ), fraction = double( bodyFraction( h, alpha ) );
+	const double regions = ( 1.0 - fraction ) * double( alpha ) * fullCell * ( held.springs + 0.5 * seconds * held.power );
+	const double body = fraction * ( held.stray + 0.5 * seconds * held.strayPower );
 	return ( regions + body ) / ( seconds * seconds ) + held.motion;
 }
 

@@ -27,7 +27,7 @@ struct LevelDebt
 	float left = 0.0f;   ///< s, until it is forgiven
 
 	/// Of a piece that has so much of the body.
-	LevelDebt share( double of ) const { return { LevelEnergy{}.plus( brought, of ), of * energy, left }; }
+	LevelDebt fraction( double of ) const { return { LevelEnergy{}.plus( brought, of ), of * energy, left }; }
 };
 
 } // namespace pliant

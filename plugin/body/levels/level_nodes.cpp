@@ -156,19 +156,19 @@ double takeOwnMotion( NodeState& nodes, double joules )
 		return 0.0;
 	}
 	// v <- v_rigid + sqrt( 1 - taken / own ) ( v - v_rigid )
-	const double share = std::sqrt( 1.0 - taken / own );
+	const double fraction = std::sqrt( 1.0 - taken / own );
 	for ( int i = 0; i < nodes.count; ++i )
 	{
-		const double left = nodes.freedom[i] == 0.0f ? 1.0 : share;
+		const double left = nodes.freedom[i] == 0.0f ? 1.0 : fraction;
 		nodes.v.set( i, ( rigid( i ) + left * ( nodes.v.get( i ).cast<double>() - rigid( i ) ) ).cast<float>() );
 	}
 	return taken;
 }
 
 /// The first of the old nodes under a node is its heir: both cuts are in depth-first order.
-void Levels::numberHeirs( const Cut& next )
+void Levels::numberSources( const Cut& next )
 {
-	m_change.heir.assign( next.node.size(), kNoNode );
+	m_change.source.assign( next.node.size(), kNoNode );
 	m_change.nodeNow.assign( m_cut.node.size(), kNoNode );
 	m_change.keptAs.assign( m_cut.node.size(), kNoNode );
 	const Octree& tree = octree();
@@ -176,7 +176,7 @@ void Levels::numberHeirs( const Cut& next )
 	while ( i < std::uint32_t( m_cut.count() ) )
 	{
 		const std::uint32_t old = m_cut.node[i], now = next.node[j];
-		m_change.heir[j] = std::min( m_change.heir[j], i );
+		m_change.source[j] = std::min( m_change.source[j], i );
 		if ( old == now )
 		{
 			m_change.nodeNow[i] = m_change.keptAs[i] = j;
@@ -200,7 +200,7 @@ std::vector<std::uint32_t> Levels::splitNodes( const Cut& next ) const
 	std::vector<std::uint32_t> split;
 	for ( int i = 0; i < next.count(); ++i )
 	{
-		const std::uint32_t old = m_change.heir[i];
+		const std::uint32_t old = m_change.source[i];
 		const bool isChild = !isKept( next, i ) && octree().cellCount[m_cut.node[old]] >= octree().cellCount[next.node[i]];
 		if ( isChild && ( split.empty() || split.back() != old ) )
 		{
@@ -212,15 +212,15 @@ std::vector<std::uint32_t> Levels::splitNodes( const Cut& next ) const
 
 NodeState Levels::changedNodes( const NodeState& before, LatticeMatcher& matcher, const Cut& next, float density )
 {
-	NodeState now = std::move( m_room.nodes );
+	NodeState now = std::move( m_scratch.nodes );
 	now.origin = before.origin;
 	resizeNodes( now, next.count() );
 	const double fullCell = double( density ) * std::pow( double( m_lattice->cellSize ), 3 );
 	for ( int i = 0; i < now.count; )
 	{
-		const int old = int( m_change.heir[i] );
+		const int old = int( m_change.source[i] );
 		int end = i;
-		while ( end < now.count && int( m_change.heir[end] ) == old + ( end - i ) && isKept( next, end ) )
+		while ( end < now.count && int( m_change.source[end] ) == old + ( end - i ) && isKept( next, end ) )
 		{
 			++end;
 		}
@@ -252,7 +252,7 @@ NodeState Levels::changedNodes( const NodeState& before, LatticeMatcher& matcher
 	now.force.resize( now.padded );
 	for ( int i = 0; i < now.count; ++i )
 	{
-		const int old = int( m_change.heir[i] );
+		const int old = int( m_change.source[i] );
 		now.force.set( i, before.force.get( old ) * ( now.mass[i] / before.mass[old] ) );
 	}
 	return now;
@@ -269,7 +269,7 @@ void Levels::splitInto( const NodeState& before, const std::vector<std::uint32_t
 	Eigen::Matrix3d gradient = Eigen::Matrix3d::Zero();
 	for ( int i = 0; i < now.count && !parents.empty(); ++i )
 	{
-		const std::uint32_t old = m_change.heir[i];
+		const std::uint32_t old = m_change.source[i];
 		while ( parent + 1 < parents.size() && parents[parent] < old )
 		{
 			++parent;

@@ -16,14 +16,14 @@ namespace pliant {
 
 namespace {
 
-void takeInOrder( AlignedArray<float>& array, const std::vector<std::uint32_t>& before, AlignedArray<float>& room )
+void takeInOrder( AlignedArray<float>& array, const std::vector<std::uint32_t>& before, AlignedArray<float>& scratch )
 {
-	room = array; // padding stays
+	scratch = array; // padding stays
 	for ( std::size_t i = 0; i < before.size(); ++i )
 	{
-		room[i] = array[before[i]];
+		scratch[i] = array[before[i]];
 	}
-	array.swap( room );
+	array.swap( scratch );
 }
 
 /// `before`: the number that each node had.
@@ -33,16 +33,16 @@ void putInOrder( NodeState& nodes, const std::vector<std::uint32_t>& before )
 	{
 		return;
 	}
-	AlignedArray<float> room;
+	AlignedArray<float> scratch;
 	for ( AlignedArray<float>* array : arraysOf( nodes ) )
 	{
-		takeInOrder( *array, before, room );
+		takeInOrder( *array, before, scratch );
 	}
 	for ( AlignedArray<float>* array : { &nodes.force.x, &nodes.force.y, &nodes.force.z } )
 	{
 		if ( !array->empty() )
 		{
-			takeInOrder( *array, before, room );
+			takeInOrder( *array, before, scratch );
 		}
 	}
 }
@@ -62,12 +62,12 @@ std::unique_ptr<Levels> Levels::ofPiece( PieceOfLevels piece, const LevelSetting
 	std::unique_ptr<Levels> levels;
 	if ( canTakeOver( piece ) )
 	{
-		MatrixRoom room;
+		MatrixScratch scratch;
 		LevelRegions regions{ std::make_shared<RegionMatrix>( updateRelinkedRegions(
-								  piece.update.base->octree, piece.cut, piece.update.base->fine, matrix(), piece.nodes, &room ) ),
+								  piece.update.base->octree, piece.cut, piece.update.base->fine, matrix(), piece.nodes, &scratch ) ),
 			nullptr };
 		std::shared_ptr<const RegionTables> tables = buildLevelTables( *piece.update.base, lattice, piece.cut, regions, settings,
-			TablesBefore{ m_tables.get(), std::move( room.rowBefore ), nullptr, piece.shift } );
+			TablesBefore{ m_tables.get(), std::move( scratch.rowBefore ), nullptr, piece.shift } );
 		levels.reset( new Levels( piece.update.base, lattice, m_settings, settings.stiffness, std::move( piece.cut ), std::move( regions ),
 			std::move( tables ) ) );
 	}
@@ -98,15 +98,15 @@ void Levels::ownBase()
 
 // Of a base that is the template's nothing may go, even where this body is the last that has it: who makes a body elsewhere meanwhile may
 // find it.
-LevelBaseRoom Levels::takeBaseRoom()
+LevelBaseScratch Levels::takeBaseScratch()
 {
-	LevelBaseRoom room;
+	LevelBaseScratch scratch;
 	if ( m_ownsBase && m_base.use_count() == 1 )
 	{
-		room.moments = std::move( std::const_pointer_cast<LevelBase>( m_base )->moments );
+		scratch.moments = std::move( std::const_pointer_cast<LevelBase>( m_base )->moments );
 	}
-	room.fine = std::move( m_room.fine );
-	return room;
+	scratch.fine = std::move( m_scratch.fine );
+	return scratch;
 }
 
 void Levels::inherit( const Levels& whole, const std::vector<std::uint32_t>& cellBefore )
@@ -166,43 +166,43 @@ void Levels::measureLeftRows( const Material& material )
 // As a change of levels is made (Levels::change): in the room the one before the last left.
 void Levels::relink( PieceOfLevels piece, const LevelSettings& settings, const Lattice& lattice, NodeState& nodes, LatticeMatcher& matcher )
 {
-	m_room.matrix.rowBefore.clear();
+	m_scratch.matrix.rowBefore.clear();
 	LevelRegions regions{ std::make_shared<RegionMatrix>( updateRelinkedRegions(
-							  piece.update.base->octree, piece.cut, piece.update.base->fine, matrix(), piece.nodes, &m_room.matrix ) ),
+							  piece.update.base->octree, piece.cut, piece.update.base->fine, matrix(), piece.nodes, &m_scratch.matrix ) ),
 		nullptr };
-	std::vector<std::uint32_t>& rows = m_room.matrix.rowBefore;
+	std::vector<std::uint32_t>& rows = m_scratch.matrix.rowBefore;
 	std::replace_if(
 		rows.begin(), rows.end(), [this]( std::uint32_t row ) { return std::binary_search( m_left.begin(), m_left.end(), row ); },
 		kNoNode );
 	m_left.clear();
 	std::shared_ptr<const RegionTables> old = m_tables;
 	m_tables = buildLevelTables( *piece.update.base, lattice, piece.cut, regions, settings,
-		TablesBefore{ old.get(), std::move( m_room.matrix.rowBefore ), std::move( m_room.tables ) } );
+		TablesBefore{ old.get(), std::move( m_scratch.matrix.rowBefore ), std::move( m_scratch.tables ) } );
 	matcher.relink( lattice, m_tables, piece.nodes.before );
 	m_regions = std::move( regions );
-	keepRoom( std::move( old ) );
+	keepScratch( std::move( old ) );
 	putInOrder( nodes, piece.nodes.before );
-	m_room.quiet.clear();
+	m_scratch.quiet.clear();
 	const std::vector<std::uint8_t> isAsked = askedNodes();
 	std::vector<std::uint8_t> isWanted;
 	std::vector<std::uint32_t> asked;
 	for ( std::size_t i = 0; i < piece.nodes.before.size(); ++i )
 	{
 		const std::uint32_t before = piece.nodes.before[i];
-		m_room.quiet.push_back( m_quiet[before] );
+		m_scratch.quiet.push_back( m_quiet[before] );
 		isWanted.push_back( m_isWanted[before] );
 		if ( isAsked[before] != 0 )
 		{
 			asked.push_back( piece.cut.node[i] );
 		}
 	}
-	m_quiet.swap( m_room.quiet );
+	m_quiet.swap( m_scratch.quiet );
 	m_isWanted.swap( isWanted );
 	m_asked.swap( asked );
 	const std::shared_ptr<const LevelBase> baseBefore = std::exchange( m_base, piece.update.base );
 	if ( m_ownsBase && baseBefore.use_count() == 1 )
 	{
-		m_room.fine = std::move( std::const_pointer_cast<LevelBase>( baseBefore )->fine );
+		m_scratch.fine = std::move( std::const_pointer_cast<LevelBase>( baseBefore )->fine );
 	}
 	m_ownsBase = true;
 	m_lattice = &lattice;
@@ -235,9 +235,9 @@ PieceOfLevels Body::pieceOfLevels( const Body& from, const BodyPiece& piece, Pie
 		made.cut = cutOfPiece( before, made.update.base->octree, piece.cellBefore );
 		return made;
 	}
-	LevelBaseRoom room = piece.isLast ? from.m_levels->takeBaseRoom() : LevelBaseRoom{};
+	LevelBaseScratch scratch = piece.isLast ? from.m_levels->takeBaseScratch() : LevelBaseScratch{};
 	made.update = updateLevelBase(
-		before.base(), std::move( room ), CellChange{ *from.m_lattice, *m_lattice, piece.cellBefore, piece.touched } );
+		before.base(), std::move( scratch ), CellChange{ *from.m_lattice, *m_lattice, piece.cellBefore, piece.touched } );
 	made.cut = cutOfPiece( before, made.update.base->octree, piece.cellBefore );
 	made.nodes = relinkNodes( before.cut(), made.cut, made.update, piece.cellBefore );
 	made.shift = ( m_lattice->massCentre - from.m_lattice->massCentre ) / double( m_lattice->cellSize );
@@ -270,7 +270,7 @@ std::unique_ptr<Body> Body::relinkWhole( const std::shared_ptr<const Lattice>& l
 	}
 	PieceOfLevels made;
 	made.update = updateLevelBase(
-		m_levels->base(), m_levels->takeBaseRoom(), CellChange{ *before, *lattice, piece.cellBefore, piece.touched } );
+		m_levels->base(), m_levels->takeBaseScratch(), CellChange{ *before, *lattice, piece.cellBefore, piece.touched } );
 	made.cut = cutOfPiece( *m_levels, made.update.base->octree, piece.cellBefore );
 	made.nodes = relinkNodes( m_levels->cut(), made.cut, made.update, piece.cellBefore );
 	piece.nodeBefore = made.nodes.before;
@@ -291,7 +291,7 @@ std::unique_ptr<Body> Body::relinkWhole( const std::shared_ptr<const Lattice>& l
 	if ( body->m_breaking )
 	{
 		body->m_breaking->limits = body->limitsOf( *body->m_breaking, piece );
-		body->m_breaking->standings.forget();
+		body->m_breaking->refinementStates.forget();
 	}
 	body->keepFiniteState();
 	return body;

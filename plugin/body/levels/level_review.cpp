@@ -80,7 +80,7 @@ bool Levels::review( const NodeState& nodes, const AlignedArray<float>& strain, 
 	const bool follows = followsStrain();
 	for ( std::size_t i = 0; i < m_cut.node.size() && !( follows && m_load.empty() ); ++i )
 	{
-		const bool isQuiet = !follows || m_load[i] < m_settings.mergeShare;
+		const bool isQuiet = !follows || m_load[i] < m_settings.mergeFraction;
 		m_quiet[i] = isQuiet && m_isWanted[i] == 0 ? m_quiet[i] + seconds : 0.0f;
 	}
 	collectSplits();

@@ -17,7 +17,7 @@ Levels::Levels( std::shared_ptr<const LevelBase> base, const Lattice& lattice, c
 {
 	m_regions = buildLevelRegions( *m_base, lattice, m_cut, material, settings );
 	m_tables = buildLevelTables( *m_base, lattice, m_cut, m_regions, LevelSettings{ material, m_settings, stiffness } );
-	prepareRoom();
+	prepareScratch();
 }
 
 Levels::Levels( std::shared_ptr<const LevelBase> base, const Lattice& lattice, const Adaptivity& settings,
@@ -27,7 +27,7 @@ Levels::Levels( std::shared_ptr<const LevelBase> base, const Lattice& lattice, c
 	m_tables( std::move( tables ) ), m_quiet( m_cut.node.size(), 0.0f ), m_isWanted( m_cut.node.size(), 0 )
 {
 	countLevels();
-	countRoom();
+	planScratch();
 	for ( const std::uint32_t slot : m_cut.slotOfCell )
 	{
 		m_coarsest.push_back( std::uint8_t( levelOf( int( slot ) ) ) );
@@ -47,7 +47,7 @@ void Levels::fillNodes( NodeState& nodes, float density ) const
 {
 	for ( AlignedArray<float>* array : arraysOf( nodes ) )
 	{
-		makeRoom( *array, std::size_t( m_hasRoom ? m_room.count : 0 ), 0 );
+		reserveScratch( *array, std::size_t( m_hasScratch ? m_scratch.count : 0 ), 0 );
 	}
 	resizeNodes( nodes, m_cut.count() );
 	const double fullCell = double( density ) * std::pow( double( m_lattice->cellSize ), 3 );
@@ -92,23 +92,23 @@ void Levels::apply( NodeState& nodes, LatticeMatcher& matcher, const Material& m
 void Levels::change( NodeState& nodes, LatticeMatcher& matcher, const Material& material, const std::vector<std::uint32_t>& split,
 	const std::vector<std::uint32_t>& merge, TaskRunner* tasks, bool measuresEnergy )
 {
-	if ( !m_hasRoom )
+	if ( !m_hasScratch )
 	{
-		prepareRoom();
+		prepareScratch();
 	}
-	Cut next = changeCut( octree(), m_cut, split, merge, std::move( m_room.cut ) );
-	numberHeirs( next );
+	Cut next = changeCut( octree(), m_cut, split, merge, std::move( m_scratch.cut ) );
+	numberSources( next );
 	m_change.splits = int( split.size() );
 	m_change.merges = int( merge.size() );
 	NodeState changed = changedNodes( nodes, matcher, next, material.density );
 
-	m_room.matrix.rowBefore.clear();
+	m_scratch.matrix.rowBefore.clear();
 	m_regions = updateLevelRegions(
-		RegionInput{ *m_base, *m_lattice, material, m_settings, tasks, &m_room.matrix }, m_cut, m_regions, next );
+		RegionInput{ *m_base, *m_lattice, material, m_settings, tasks, &m_scratch.matrix }, m_cut, m_regions, next );
 	std::shared_ptr<const RegionTables> old = m_tables;
-	const bool isKnown = !m_room.matrix.rowBefore.empty();
-	const TablesBefore before{ old.get(), isKnown ? std::move( m_room.matrix.rowBefore ) : unchangedRows( *old->matrix, next ),
-		std::move( m_room.tables ), Vec3d::Zero(), m_leavesRows };
+	const bool isKnown = !m_scratch.matrix.rowBefore.empty();
+	const TablesBefore before{ old.get(), isKnown ? std::move( m_scratch.matrix.rowBefore ) : unchangedRows( *old->matrix, next ),
+		std::move( m_scratch.tables ), Vec3d::Zero(), m_leavesRows };
 	m_tables = buildLevelTables( *m_base, *m_lattice, next, m_regions, LevelSettings{ material, m_settings, *m_stiffness, tasks }, before );
 	m_change.measured.clear();
 	for ( std::uint32_t r = 0; r < std::uint32_t( next.count() ); ++r )
@@ -122,57 +122,58 @@ void Levels::change( NodeState& nodes, LatticeMatcher& matcher, const Material& 
 	const RegionWork workBefore = isMeasured ? matcher.workOf( nodes, regionsGone( before.region, m_cut.count() ) ) : RegionWork{};
 	m_left = m_leavesRows ? m_change.measured : std::vector<std::uint32_t>();
 	m_leavesRows = false;
-	m_room.quiet.assign( next.node.size(), 0.0f );
+	m_scratch.quiet.assign( next.node.size(), 0.0f );
 	for ( int i = 0; i < next.count(); ++i )
 	{
-		const std::uint32_t heir = m_change.heir[i];
-		m_room.quiet[i] = m_cut.node[heir] == next.node[i] ? m_quiet[heir] : 0.0f;
+		const std::uint32_t source = m_change.source[i];
+		m_scratch.quiet[i] = m_cut.node[source] == next.node[i] ? m_quiet[source] : 0.0f;
 	}
-	m_quiet.swap( m_room.quiet );
+	m_quiet.swap( m_scratch.quiet );
 	m_isWanted.assign( next.node.size(), 0 );
 	std::swap( m_cut, next );
-	m_room.cut = std::move( next );
+	m_scratch.cut = std::move( next );
 	countLevels();
 	std::swap( nodes, changed );
-	m_room.nodes = std::move( changed );
-	matcher.setTables( m_tables, FlowHeirs{ m_change.heir, m_change.nodeNow, m_room.nodes.mass } );
+	m_scratch.nodes = std::move( changed );
+	matcher.setTables( m_tables, FlowSources{ m_change.source, m_change.nodeNow, m_scratch.nodes.mass } );
 	settle( nodes, matcher, isMeasured ? &workBefore : nullptr );
-	keepRoom( std::move( old ) );
+	keepScratch( std::move( old ) );
 	++m_version;
 }
 
-void Levels::countRoom()
+void Levels::planScratch()
 {
 	const int cells = m_lattice->cellCount(), count = m_cut.count();
-	m_room.count = int( std::min<long long>( cells, count + static_cast<long long>( kRoomChanges ) * m_settings.nodesPerStep ) );
+	m_scratch.count = int( std::min<long long>( cells, count + static_cast<long long>( kScratchChanges ) * m_settings.nodesPerStep ) );
 }
 
 // A change in a running game must not wait for the system to hand out memory, which takes longer than the change: each is built where the
 // one before the last was. Reserved is what several changes may bring; what is not used of it takes no memory.
-void Levels::prepareRoom()
+void Levels::prepareScratch()
 {
 	const int count = m_cut.count();
-	m_hasRoom = true;
-	const int touched = std::min( m_room.count, int( count * kRoomShare ) );
-	const std::size_t edge = 2 * std::size_t( m_tables->regions.halfWidth ) + 1, entries = edge * edge * edge * std::size_t( m_room.count );
+	m_hasScratch = true;
+	const int touched = std::min( m_scratch.count, int( count * kScratchFraction ) );
+	const std::size_t edge = 2 * std::size_t( m_tables->regions.halfWidth ) + 1,
+					  entries = edge * edge * edge * std::size_t( m_scratch.count );
 	RegionMatrix& matrix = *std::const_pointer_cast<RegionMatrix>( m_regions.matrix ); // it is ours, and what it holds stays
-	const std::size_t touchedEntries = std::min( entries, std::size_t( double( matrix.member.size() ) * kRoomShare ) );
-	for ( std::vector<std::uint32_t> RegionMatrix::*array : { &RegionMatrix::member, &RegionMatrix::mass, &RegionMatrix::share } )
+	const std::size_t touchedEntries = std::min( entries, std::size_t( double( matrix.member.size() ) * kScratchFraction ) );
+	for ( std::vector<std::uint32_t> RegionMatrix::*array : { &RegionMatrix::member, &RegionMatrix::mass, &RegionMatrix::fraction } )
 	{
-		makeRoom( matrix.*array, entries, 0 );
-		makeRoom( m_room.matrix.matrix.*array, entries, touchedEntries );
+		reserveScratch( matrix.*array, entries, 0 );
+		reserveScratch( m_scratch.matrix.matrix.*array, entries, touchedEntries );
 	}
-	m_room.tables = std::make_shared<RegionTables>();
-	makeLevelRoom( *std::const_pointer_cast<RegionTables>( m_tables ), *m_room.tables, m_room.count, touched );
-	makeRoom( m_room.cut.slotOfCell, m_cut.slotOfCell.size(), m_cut.slotOfCell.size() );
-	for ( AlignedArray<float>* array : arraysOf( m_room.nodes ) )
+	m_scratch.tables = std::make_shared<RegionTables>();
+	makeLevelScratch( *std::const_pointer_cast<RegionTables>( m_tables ), *m_scratch.tables, m_scratch.count, touched );
+	reserveScratch( m_scratch.cut.slotOfCell, m_cut.slotOfCell.size(), m_cut.slotOfCell.size() );
+	for ( AlignedArray<float>* array : arraysOf( m_scratch.nodes ) )
 	{
-		makeRoom( *array, std::size_t( m_room.count ), std::size_t( touched ) );
+		reserveScratch( *array, std::size_t( m_scratch.count ), std::size_t( touched ) );
 	}
 }
 
 /// The tables before become room for those after the next change, unless somebody else looks at them still.
-void Levels::keepRoom( std::shared_ptr<const RegionTables> old )
+void Levels::keepScratch( std::shared_ptr<const RegionTables> old )
 {
 	std::shared_ptr<RegionTables> tables = std::const_pointer_cast<RegionTables>( std::move( old ) );
 	if ( tables.use_count() != 1 )
@@ -182,10 +183,10 @@ void Levels::keepRoom( std::shared_ptr<const RegionTables> old )
 	tables->plan.reset();
 	if ( const auto matrix = std::const_pointer_cast<RegionMatrix>( std::move( tables->matrix ) ); matrix.use_count() == 1 )
 	{
-		m_room.matrix.matrix = std::move( *matrix );
+		m_scratch.matrix.matrix = std::move( *matrix );
 	}
 	tables->matrix.reset();
-	m_room.tables = std::move( tables );
+	m_scratch.tables = std::move( tables );
 }
 
 std::vector<std::uint32_t> Levels::unchangedRows( const RegionMatrix& old, const Cut& next ) const
@@ -193,12 +194,12 @@ std::vector<std::uint32_t> Levels::unchangedRows( const RegionMatrix& old, const
 	const RegionMatrix& now = matrix();
 	// Nor may masses differ: in unions and intervals a member's share hangs on regions farther off, which may have changed.
 	const auto isSame = [&]( std::uint32_t r ) {
-		const std::uint32_t heir = m_change.heir[r], size = now.start[r + 1] - now.start[r];
-		bool same = old.start[heir + 1] - old.start[heir] == size;
+		const std::uint32_t source = m_change.source[r], size = now.start[r + 1] - now.start[r];
+		bool same = old.start[source + 1] - old.start[source] == size;
 		for ( std::uint32_t k = 0; same && k < size; ++k )
 		{
-			const std::uint32_t a = now.member[now.start[r] + k], before = old.member[old.start[heir] + k];
-			same = m_cut.node[before] == next.node[a] && now.mass[now.start[r] + k] == old.mass[old.start[heir] + k] &&
+			const std::uint32_t a = now.member[now.start[r] + k], before = old.member[old.start[source] + k];
+			same = m_cut.node[before] == next.node[a] && now.mass[now.start[r] + k] == old.mass[old.start[source] + k] &&
 				now.unit[a] == old.unit[before];
 		}
 		return same;
@@ -206,7 +207,7 @@ std::vector<std::uint32_t> Levels::unchangedRows( const RegionMatrix& old, const
 	std::vector<std::uint32_t> before( next.node.size() );
 	for ( std::uint32_t r = 0; r < std::uint32_t( next.count() ); ++r )
 	{
-		before[r] = m_cut.node[m_change.heir[r]] == next.node[r] && isSame( r ) ? m_change.heir[r] : kNoNode;
+		before[r] = m_cut.node[m_change.source[r]] == next.node[r] && isSame( r ) ? m_change.source[r] : kNoNode;
 	}
 	return before;
 }
@@ -214,9 +215,9 @@ std::vector<std::uint32_t> Levels::unchangedRows( const RegionMatrix& old, const
 std::size_t Levels::bytes() const
 {
 	const std::size_t cut = ( m_cut.node.size() + m_cut.slotOfCell.size() ) * sizeof( std::uint32_t );
-	const std::size_t change = ( m_change.heir.size() + m_change.nodeNow.size() + m_change.keptAs.size() + 4 * m_parts.size() ) *
+	const std::size_t change = ( m_change.source.size() + m_change.nodeNow.size() + m_change.keptAs.size() + 4 * m_parts.size() ) *
 		sizeof( std::uint32_t );
-	const std::size_t base = m_room.fine.bytes() + ( m_ownsBase ? m_base->fine.bytes() + m_base->moments.bytes() : 0 );
+	const std::size_t base = m_scratch.fine.bytes() + ( m_ownsBase ? m_base->fine.bytes() + m_base->moments.bytes() : 0 );
 	// Room is of the size of what is in use.
 	const std::size_t reviewed = m_reviewed.coarse.size() * sizeof( Reviewed::Coarse ) +
 		m_reviewed.siblings.size() * sizeof( Reviewed::Siblings );

@@ -21,7 +21,8 @@ struct RegionWork;
 /// What a change of levels did to the nodes' numbers.
 struct LevelChange
 {
-	std::vector<std::uint32_t> heir; ///< of each node now: the node before whose history it took over (its parent's, or its first child's)
+	std::vector<std::uint32_t>
+		source; ///< of each node now: the node before whose history it took over (its parent's, or its first child's)
 	std::vector<std::uint32_t>
 		nodeNow; ///< of each node before: its number now, its parent's where it was merged, kNoNode where it was split
 	std::vector<std::uint32_t> keptAs;   ///< of each node before: its number now where it is still the same node, else kNoNode; ascending
@@ -61,9 +62,9 @@ public:
 	const LevelChange& lastChange() const { return m_change; }
 
 	/// As many nodes as there may be before arrays that were made for them outgrow their room.
-	int roomNodes() const { return m_room.count; }
+	int scratchNodes() const { return m_scratch.count; }
 	/// False of a piece that has not changed its levels yet: most never do.
-	bool hasRoom() const { return m_hasRoom; }
+	bool hasScratch() const { return m_hasScratch; }
 
 	/// The nodes at rest: counts, rest positions, masses. kg per cubic metre.
 	void fillNodes( NodeState& nodes, float density ) const;
@@ -81,7 +82,7 @@ public:
 	void ownBase();
 	/// For a base that takes the place of this one at once: its moments, where it is these levels' own and nobody else looks at it, and
 	/// what else there is.
-	LevelBaseRoom takeBaseRoom();
+	LevelBaseScratch takeBaseScratch();
 	/// The next change leaves the rows of new nodes, and of those beside them, as they lie: links change at once after it, and what is near
 	/// those is measured then (relink), or by measureLeftRows. Until then nobody may ask the tables. By multiplicity alone.
 	void leaveRows() { m_leavesRows = m_settings.regions == RegionRule::Multiplicity; }
@@ -185,9 +186,9 @@ private:
 	bool mayMerge( const NodeState& nodes, const Reviewed::Siblings& of ) const;
 	/// Of each node: 1 where it was asked to be split.
 	std::vector<std::uint8_t> askedNodes() const;
-	void countRoom();
-	void prepareRoom();
-	void keepRoom( std::shared_ptr<const RegionTables> old );
+	void planScratch();
+	void prepareScratch();
+	void keepScratch( std::shared_ptr<const RegionTables> old );
 	NodeState changedNodes( const NodeState& before, LatticeMatcher& matcher, const Cut& next, float density );
 	void splitInto( const NodeState& before, const std::vector<std::uint32_t>& parents, const std::vector<float>& gradients,
 		const Cut& next, NodeState& now ) const;
@@ -196,7 +197,7 @@ private:
 	void settle( NodeState& nodes, LatticeMatcher& matcher, const RegionWork* before );
 	std::vector<std::uint32_t> regionsGone( const std::vector<std::uint32_t>& regionBefore, int countBefore ) const;
 	std::vector<std::uint32_t> splitNodes( const Cut& next ) const;
-	void numberHeirs( const Cut& next );
+	void numberSources( const Cut& next );
 	void countLevels();
 	/// Whether the first cut of the whole body has smaller nodes there: on the way back to one of its nodes, nodes are merged that it would
 	/// not choose by themselves. What a piece has of a block may weigh too little for keepMass: it was one node with the rest, and may be
@@ -206,7 +207,7 @@ private:
 		return octree().levelOf( node ) > int( m_coarsest[octree().cells[octree().cellStart[node]]] );
 	}
 	std::vector<std::uint32_t> unchangedRows( const RegionMatrix& old, const Cut& next ) const;
-	bool isKept( const Cut& next, int node ) const { return m_cut.node[m_change.heir[node]] == next.node[node]; }
+	bool isKept( const Cut& next, int node ) const { return m_cut.node[m_change.source[node]] == next.node[node]; }
 	void mergeInto( const NodeState& before, int first, NodeState& now, int slot ) const;
 	Eigen::Matrix3d velocityGradient( const NodeState& nodes, int node ) const;
 
@@ -225,18 +226,18 @@ private:
 	std::array<int, kMostCoarseLevels + 1> m_nodesOnLevel{};
 
 	/// What the change before the last left, for the next to be built in.
-	struct Room
+	struct Scratch
 	{
 		int count = 0; ///< nodes there is room for
 		Cut cut;
-		MatrixRoom matrix;
+		MatrixScratch matrix;
 		std::shared_ptr<RegionTables> tables;
 		FineRegions fine;
 		NodeState nodes;
 		std::vector<float> quiet;
 	};
-	Room m_room;
-	bool m_hasRoom = false;
+	Scratch m_scratch;
+	bool m_hasScratch = false;
 
 	std::vector<std::uint8_t> m_coarsest; ///< of each finest cell: the level of the node that the first cut of the whole body has there
 	std::vector<std::uint8_t> m_heldOn;   ///< of each finest cell: the level of the node that was held above it last; empty: none ever was
@@ -252,7 +253,7 @@ private:
 	bool m_hasBacklog = false;
 	bool m_leavesRows = false;
 	std::vector<std::uint32_t> m_parts; ///< nodes that the change has made by splitting and that may move, ascending
-	std::vector<float> m_partWay;
+	std::vector<float> m_partDisplacement;
 	std::vector<std::uint32_t> m_left; ///< rows that are not measured, ascending
 };
 

@@ -61,7 +61,7 @@ struct Adaptivity
 	/// A node is split when a singular value of its region's stretch is further from 1 than this, (0, 10]. 0: never by strain.
 	float refineStrain = 0.0f;
 	/// Siblings are merged when all are below this share of refineStrain, [0, 1), ...
-	float mergeShare = 0.5f;
+	float mergeFraction = 0.5f;
 	/// ... and nothing has asked for them, for this long, s, [0, 60]. Never beyond what keepMass and isSurfaceFine allow.
 	float mergeDelay = 0.1f;
 	/// Nodes that touch another object are split down to the finest level.

@@ -83,7 +83,7 @@ struct LatticeSettings
 	TaskRunner* runner = nullptr;
 
 	/// Called now and then with the share done, [0, 1]; return false to cancel. Called from the building thread.
-	bool ( *progress )( float shareDone, void* context ) = nullptr;
+	bool ( *progress )( float fractionDone, void* context ) = nullptr;
 	void* progressContext = nullptr;
 };
 

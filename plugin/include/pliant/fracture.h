@@ -45,7 +45,7 @@ struct Fracture
 
 	/// BreakRule::Plane: a crack that is there goes on at this share of the stretch that it takes to begin one, (0, 1]. Brittle things fly
 	/// apart in few large pieces when it is small.
-	float growthShare = 1.0f;
+	float growthFraction = 1.0f;
 
 	/// Pieces of at most this many finest cells are small, [0, 1 000 000].
 	int smallCells = 0;
@@ -61,7 +61,7 @@ struct Fracture
 /// floats each, in the mesh's coordinates, m and a unit vector along the link. Above 0; infinity: never breaks.
 struct ToughnessField
 {
-	float ( *share )( const float* point, const float* direction, void* context ) = nullptr;
+	float ( *fraction )( const float* point, const float* direction, void* context ) = nullptr;
 	void* context = nullptr; ///< used only while the field is being set
 };
 

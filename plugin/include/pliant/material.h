@@ -130,7 +130,7 @@ struct StiffnessField
 {
 	/// `point`: 3 floats, the middle of the cell's material in the mesh's own coordinates, m. Returns a share of youngsModulus (or alpha)
 	/// in (0, 1]; what lies outside is refused. Null: 1 everywhere, and nothing is kept.
-	float ( *share )( const float* point, void* context ) = nullptr;
+	float ( *fraction )( const float* point, void* context ) = nullptr;
 	void* context = nullptr;
 };
 

@@ -132,7 +132,7 @@ public:
 	/// times their distance at rest. From the next substep on; returns how many. Toughness of healed links is 1.
 	int heal( btScalar reach = btScalar( 1.2 ) );
 	/// SmallPieces::Fade: 1 when it has just come off, 0 when its time is up; 1 for all others.
-	float fadeShare() const;
+	float fadeFraction() const;
 
 	// --- what the game does to it; each wakes the body. Refused (BadArgument, and nothing is changed) where a number is NaN or infinite, a
 	// node is

@@ -74,13 +74,13 @@ private:
 		{
 			m_field.emplace( m_mesh, rim );
 			m_survey = m_field->isWhole() ? InsideField::Survey{} : m_field->survey();
-			const bool isThin = m_survey.volume <= kRoundingShare * m_area * ( m_mesh.high - m_mesh.low ).norm();
+			const bool isThin = m_survey.volume <= kRoundingFraction * m_area * ( m_mesh.high - m_mesh.low ).norm();
 			const bool isSheet = isThin && !m_field->isWhole() && !m_field->isSoup();
 			if ( isSheet && !mayHaveShell() )
 			{
 				return noInside( "The mesh is a flat sheet: closed along its rims it holds nothing" );
 			}
-			m_isShellOnly = isSheet || ( mayHaveShell() && m_survey.opposed > kMostOpposedShare * m_survey.volume );
+			m_isShellOnly = isSheet || ( mayHaveShell() && m_survey.opposed > kMostOpposedFraction * m_survey.volume );
 		}
 		return m_progress.report( 0.3f ) ? Status{} : cancelled();
 	}
@@ -170,7 +170,7 @@ private:
 	double countForTarget() const
 	{
 		const int shell = m_out.report.shellCells, all = m_out.lattice.cellCount();
-		return shell <= kMostShellShare * all ? all - shell : all;
+		return shell <= kMostShellFraction * all ? all - shell : all;
 	}
 
 	/// How the count goes with the cell size hangs on the shape: it is learnt on the way.
@@ -218,7 +218,7 @@ private:
 		{
 			return { ResultCode::ExtentOutOfRange, "LatticeSettings::cellSize is above the 1e7 m that float arithmetic bears." };
 		}
-		if ( !( d > kRoundingShare * farthest ) )
+		if ( !( d > kRoundingFraction * farthest ) )
 		{
 			return { ResultCode::ExtentOutOfRange,
 				sentence( "Cells of ", d, " m are below float rounding ", farthest,

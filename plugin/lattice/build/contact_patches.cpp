@@ -76,7 +76,7 @@ public:
 	{
 		Vec3d sum = Vec3d::Zero();
 		double weight = 0.0;
-		for ( const auto& [sample, share] : m_near )
+		for ( const auto& [sample, fraction] : m_near )
 		{
 			const double near = 1.0 - ( sample->point - node ).squaredNorm() / ( kPatchNormalRadius * kPatchNormalRadius );
 			if ( near > 0.0 )
@@ -102,7 +102,7 @@ public:
 		Eigen::Vector4d right = Eigen::Vector4d::Zero();
 		double weight = 0.0, square = 0.0;
 		const double before = out.height;
-		for ( const auto& [sample, share] : m_near )
+		for ( const auto& [sample, fraction] : m_near )
 		{
 			if ( sample->normal.dot( n ) <= kLeastPatchCosine )
 			{
@@ -112,10 +112,10 @@ public:
 			const double a = p.dot( s ), b = p.dot( t ), height = p.dot( n );
 			const double up = height - before;
 			const Eigen::Vector4d row( 1.0, a, b, -0.5 * ( a * a + b * b + up * up ) );
-			normal += share * row * row.transpose();
-			right += share * height * row;
-			square += share * height * height;
-			weight += share;
+			normal += fraction * row * row.transpose();
+			right += fraction * height * row;
+			square += fraction * height * height;
+			weight += fraction;
 		}
 		if ( !( weight > 0.0 ) )
 		{

@@ -152,9 +152,9 @@ void Parts::cutPieces( std::size_t cutCell, float minimumFill, const InsideField
 		[]( const Sliver& a, std::int32_t wanted ) { return a.cutCell < wanted; } );
 	for ( auto it = sliver; it != m_voxels.slivers.end() && it->cutCell == std::int32_t( cutCell ); ++it )
 	{
-		const double share = double( it->share ) * double( perCell );
-		sum[label[it->sample]] += share * double( s ) * ( it->point - origin );
-		weight[label[it->sample]] += share;
+		const double fraction = double( it->fraction ) * double( perCell );
+		sum[label[it->sample]] += fraction * double( s ) * ( it->point - origin );
+		weight[label[it->sample]] += fraction;
 		isReplaced[it->sample] |= std::uint8_t( it->hasSample ? 1 : 0 );
 	}
 	for ( std::size_t p = 0; p < perCell; ++p )

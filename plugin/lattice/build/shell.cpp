@@ -160,7 +160,7 @@ double positionsPassed( const WeldedMesh& mesh, const Grid& grid, double area )
 		points += 1.0;
 	} );
 	const double count = double( passed.take().size() );
-	return kFoldedShare * points > count ? count / kFoldedShare : std::max( count, area );
+	return kFoldedFraction * points > count ? count / kFoldedFraction : std::max( count, area );
 }
 
 /// Points of the surface for a cell's edge: so many that the surface cannot slip between them, but a surface that is folded many times into

@@ -17,7 +17,7 @@ InsideField::InsideField( WeldedMesh& mesh, const std::vector<RimEdge>& rim ) : 
 	{
 		return;
 	}
-	if ( double( rim.size() ) > kMostRimShare * double( mesh.triangle.size() ) )
+	if ( double( rim.size() ) > kMostRimFraction * double( mesh.triangle.size() ) )
 	{
 		m_isSoup = true;
 		m_smooth = std::make_unique<WindingTree>( mesh.position, mesh.triangle );

@@ -13,9 +13,9 @@
 
 namespace pliant {
 
-bool Progress::report( float share )
+bool Progress::report( float fraction )
 {
-	m_done = std::max( m_done, share );
+	m_done = std::max( m_done, fraction );
 	return !m_settings.progress || m_settings.progress( m_done, m_settings.progressContext );
 }
 
@@ -380,11 +380,11 @@ private:
 	{
 		const Place at = place( axis, row.u(), row.v(), along );
 		const std::int32_t cell = m_index->find( at.key );
-		const float share = float( run.length / m_grid.cellSize / ( m_grid.samples * m_grid.samples ) );
-		if ( cell != PositionIndex::kNone && share > 0.0f )
+		const float fraction = float( run.length / m_grid.cellSize / ( m_grid.samples * m_grid.samples ) );
+		if ( cell != PositionIndex::kNone && fraction > 0.0f )
 		{
 			const Vec3d point = ( m_surface.pointOn( axis, row, run.middle ) - m_grid.corner ) / m_grid.cellSize;
-			slivers.push_back( { cell, std::uint16_t( at.sample ), std::uint8_t( axis ), run.hasSample, share, point } );
+			slivers.push_back( { cell, std::uint16_t( at.sample ), std::uint8_t( axis ), run.hasSample, fraction, point } );
 		}
 	}
 

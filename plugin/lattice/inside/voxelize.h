@@ -28,7 +28,7 @@ struct Sliver
 	std::uint16_t sample;
 	std::uint8_t axis;
 	bool hasSample; ///< takes that sample's place in the sums
-	float share;    ///< of a whole cell
+	float fraction; ///< of a whole cell
 	Vec3d point;    ///< in cells, from the low corner of the grid
 };
 
@@ -51,7 +51,7 @@ public:
 	explicit Progress( const LatticeSettings& settings ) : m_settings( settings ) {}
 
 	/// False: the game wants to stop.
-	bool report( float share );
+	bool report( float fraction );
 
 private:
 	const LatticeSettings& m_settings;

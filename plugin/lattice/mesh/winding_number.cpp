@@ -245,7 +245,7 @@ bool WindingTree::isCrossed( const Vec3d& from, const Vec3d& to ) const
 		const std::uint32_t here = stack[--depth];
 		const Node& node = m_nodes[here];
 		const double along = std::clamp( ( node.centre - from ).dot( way ) / way.squaredNorm(), 0.0, 1.0 );
-		if ( ( from + along * way - node.centre ).squaredNorm() * kFarField * kFarField > node.farSquared * ( 1.0 + kRoundingShare ) )
+		if ( ( from + along * way - node.centre ).squaredNorm() * kFarField * kFarField > node.farSquared * ( 1.0 + kRoundingFraction ) )
 		{
 			continue;
 		}

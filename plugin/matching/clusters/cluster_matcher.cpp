@@ -274,7 +274,7 @@ Vec3d ClusterMatcher::goal( int node, const Vec3d& rest ) const
 ClusterMatcher::ImpulseSum ClusterMatcher::findChanges( const NodeState& nodes, const MatchStep& step, int first, int last )
 {
 	const double k = 1.0 - std::exp( -double( step.damping ) * step.h );
-	const double share = step.bodyShare;
+	const double fraction = step.bodyFraction;
 	const Eigen::Matrix3d frame = m_frame.toRotationMatrix();
 	ImpulseSum sum;
 	for ( int i = first; i < last; ++i )
@@ -285,7 +285,7 @@ ClusterMatcher::ImpulseSum ClusterMatcher::findChanges( const NodeState& nodes, 
 		const Vec3d turned = frame * m_residual[i];
 
 		// v += ( alpha e + k ( e - e_before ) ) / h
-		m_change[i] = ( ( 1.0 - share ) * step.alpha * residual + share * toBody + k * ( residual - turned ) ) / step.h;
+		m_change[i] = ( ( 1.0 - fraction ) * step.alpha * residual + fraction * toBody + k * ( residual - turned ) ) / step.h;
 		m_residual[i] = frame.transpose() * residual;
 
 		const double m = nodes.mass[i];
@@ -315,7 +315,7 @@ ClusterMatcher::ImpulseSum ClusterMatcher::foldImpulses() const
 
 // What is taken off the change: the rigid part of the internal impulses, which ought to be none (damping, volume scaling and floored
 // inverses leave some); and of the wobble damping -k v the part that would brake the body as a whole.
-ClusterMatcher::Motion ClusterMatcher::unwantedMotion( double wobbleShare ) const
+ClusterMatcher::Motion ClusterMatcher::unwantedMotion( double wobbleFraction ) const
 {
 	const ImpulseSum sum = foldImpulses();
 	const Eigen::Matrix3d inertia = sum.second.trace() * Eigen::Matrix3d::Identity() - sum.second;
@@ -325,8 +325,8 @@ ClusterMatcher::Motion ClusterMatcher::unwantedMotion( double wobbleShare ) cons
 	{
 		motion = Motion{ sum.impulse / m_mass, inverseInertia * sum.turn };
 	}
-	motion.shift -= wobbleShare * sum.momentum / m_mass;
-	motion.turn -= wobbleShare * ( inverseInertia * sum.spin );
+	motion.shift -= wobbleFraction * sum.momentum / m_mass;
+	motion.turn -= wobbleFraction * ( inverseInertia * sum.spin );
 	return motion;
 }
 
@@ -340,15 +340,15 @@ void ClusterMatcher::accelerate( NodeState& nodes, const MatchStep& step, TaskRu
 	};
 	runTasks( runner, chunks, find );
 
-	const double wobbleShare = 1.0 - std::exp( -double( step.wobbleDamping ) * step.h );
-	const Motion unwanted = unwantedMotion( wobbleShare );
+	const double wobbleFraction = 1.0 - std::exp( -double( step.wobbleDamping ) * step.h );
+	const Motion unwanted = unwantedMotion( wobbleFraction );
 	auto apply = [&]( int chunk ) {
 		for ( int i = chunk * kPiece; i < std::min( nodes.count, ( chunk + 1 ) * kPiece ); ++i )
 		{
 			if ( nodes.freedom[i] != 0.0f )
 			{
 				const Vec3d v = nodes.v.get( i ).cast<double>(), arm = nodes.x.get( i ).cast<double>() - m_centre;
-				nodes.v.set( i, ( v + m_change[i] - wobbleShare * v - unwanted.at( arm ) ).cast<float>() );
+				nodes.v.set( i, ( v + m_change[i] - wobbleFraction * v - unwanted.at( arm ) ).cast<float>() );
 			}
 		}
 	};

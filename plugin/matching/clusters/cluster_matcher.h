@@ -103,7 +103,7 @@ private:
 	Vec3d goal( int node, const Vec3d& rest ) const;
 	ImpulseSum findChanges( const NodeState& nodes, const MatchStep& step, int first, int last );
 	ImpulseSum foldImpulses() const;
-	Motion unwantedMotion( double wobbleShare ) const;
+	Motion unwantedMotion( double wobbleFraction ) const;
 
 	ClusterSet m_clusters;
 	ClusterMode m_mode;

@@ -65,11 +65,11 @@ int ConjugateGradients::goOn( LinearSystem& system, float* x, const GradientLimi
 		system.moved( step );
 		system.precondition( r, z );
 		const double next = dot( r, z, size );
-		const float share = float( next / m_rz );
+		const float fraction = float( next / m_rz );
 		m_rz = next;
 		for ( int i = 0; i < size; ++i )
 		{
-			p[i] = z[i] + share * p[i];
+			p[i] = z[i] + fraction * p[i];
 		}
 	}
 	return count;

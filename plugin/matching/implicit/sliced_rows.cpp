@@ -41,7 +41,7 @@ void SlicedRows::layOut( const RegionMatrix& matrix )
 	}
 	m_from.resize( terms );
 	m_mass.resize( terms );
-	m_share.resize( terms );
+	m_fraction.resize( terms );
 	for ( std::uint32_t tile = 0; tile + 1 < std::uint32_t( m_tiles.size() ); ++tile )
 	{
 		for ( std::uint32_t s = m_tiles[tile]; s < m_tiles[tile + 1]; ++s )
@@ -61,19 +61,19 @@ void SlicedRows::fill( const RegionMatrix& matrix, const RowSlice& slice, std::u
 		{
 			m_from[to] = matrix.member[k] * kRateFloats;
 			m_mass[to] = float( matrix.mass[k] );
-			m_share[to] = float( matrix.share[k] );
+			m_fraction[to] = float( matrix.fraction[k] );
 		}
 		for ( const std::uint32_t last = slice.first + slice.terms * kSliceRows; to < last; to += kSliceRows )
 		{
 			m_from[to] = matrix.member[begin] * kRateFloats;
-			m_mass[to] = m_share[to] = 0.0f;
+			m_mass[to] = m_fraction[to] = 0.0f;
 		}
 	}
 }
 
 RowSlices SlicedRows::view() const
 {
-	return { m_slices.data(), m_tiles.data(), m_from.data(), m_mass.data(), m_share.data() };
+	return { m_slices.data(), m_tiles.data(), m_from.data(), m_mass.data(), m_fraction.data() };
 }
 
 std::size_t SlicedRows::bytes() const

@@ -30,7 +30,7 @@ private:
 	std::vector<RowSlice> m_slices;
 	std::vector<std::uint32_t> m_tiles; ///< first slice of each tile, and the end
 	std::vector<std::uint32_t> m_from, m_keys;
-	AlignedArray<float> m_mass, m_share;
+	AlignedArray<float> m_mass, m_fraction;
 };
 
 } // namespace pliant

@@ -41,9 +41,9 @@ void StrainRates::prepare( LatticeMatcher& matcher, NodeState& nodes, TaskRunner
 	placeFrames( nodes );
 	m_rates = RateView{};
 	m_rates.match = &m_view;
-	const bool hasOwnShares = !tables.rateShare.empty();
-	m_rates.regionShare = hasOwnShares ? tables.rateShare.data() : m_view.regionWeight;
-	m_rates.pull = hasOwnShares ? tables.ratePull.data() : m_view.pull;
+	const bool hasOwnFractions = !tables.rateFraction.empty();
+	m_rates.regionFraction = hasOwnFractions ? tables.rateFraction.data() : m_view.regionWeight;
+	m_rates.pull = hasOwnFractions ? tables.ratePull.data() : m_view.pull;
 	m_plan = tables.plan;
 	for ( int k = 0; k < 6; ++k )
 	{
@@ -55,13 +55,13 @@ void StrainRates::prepare( LatticeMatcher& matcher, NodeState& nodes, TaskRunner
 	{
 		if ( !isMeasured )
 		{
-			measureShares( tables );
+			measureFractions( tables );
 			if ( m_view.memberMass )
 			{
 				m_rows.layOut( *tables.matrix );
 			}
 		}
-		m_rates.regionShare = m_share.data();
+		m_rates.regionFraction = m_fraction.data();
 		m_rates.pull = m_pull.data();
 		m_rates.rows = m_view.memberMass && !m_isRowByRow ? m_rows.view() : RowSlices{};
 	}
@@ -173,22 +173,22 @@ double shareOfLevels( const RegionTables& tables, std::size_t r )
 
 } // namespace
 
-void StrainRates::measureShares( const RegionTables& tables )
+void StrainRates::measureFractions( const RegionTables& tables )
 {
 	const RegionMatrix& matrix = *tables.matrix;
-	m_share.assign( std::size_t( m_padded ), 1.0f );
+	m_fraction.assign( std::size_t( m_padded ), 1.0f );
 	m_pull.assign( std::size_t( m_padded ), 0.0f );
 	for ( std::size_t r = 0; r < std::size_t( matrix.count() ); ++r )
 	{
 		const double weight = tables.moments.regionWeight.empty() ? 1.0 : double( tables.moments.regionWeight[r] );
-		m_share[r] = float( weight * shareOfLevels( tables, r ) );
+		m_fraction[r] = float( weight * shareOfLevels( tables, r ) );
 	}
 	for ( std::size_t i = 0; i < std::size_t( matrix.count() ); ++i )
 	{
 		double sum = 0.0;
 		for ( std::uint32_t k = matrix.start[i]; k < matrix.start[i + 1]; ++k )
 		{
-			sum += double( m_share[matrix.member[k]] ) * ( tables.plan ? 1.0 : double( matrix.share[k] ) );
+			sum += double( m_fraction[matrix.member[k]] ) * ( tables.plan ? 1.0 : double( matrix.fraction[k] ) );
 		}
 		m_pull[i] = float( sum * double( tables.moments.inverseCover[i] ) );
 	}
@@ -285,9 +285,9 @@ void StrainRates::applyRegions( TaskRunner* runner )
 
 std::size_t StrainRates::bytes() const
 {
-	return ( m_centres[0].size() * 3 + m_inverseInertias[0].size() * 6 + m_diagonal.size() + m_share.size() + m_pull.size() ) *
+	return ( m_centres[0].size() * 3 + m_inverseInertias[0].size() * 6 + m_diagonal.size() + m_fraction.size() + m_pull.size() ) *
 		sizeof( float ) +
-		( m_places.size() + m_strained.size() ) * sizeof( float ) + m_wholes.size() * sizeof( WholePart ) + m_rows.bytes() +
+		( m_positions.size() + m_strained.size() ) * sizeof( float ) + m_wholes.size() * sizeof( WholePart ) + m_rows.bytes() +
 		m_boxes.bytes() + m_partial.size() * sizeof( m_partial[0] );
 }
 

@@ -76,7 +76,7 @@ public:
 	std::size_t bytes() const;
 
 private:
-	void measureShares( const RegionTables& tables );
+	void measureFractions( const RegionTables& tables );
 	void measureDiagonal( const RegionTables& tables );
 	void measureRegions( TaskRunner* runner ); ///< where they are, and their inertias
 	void sumRecords( float* records, bool isOfRates, TaskRunner* runner );
@@ -97,9 +97,9 @@ private:
 	std::size_t m_recordFloats = 0;
 	bool m_isRaised = false; ///< some region's inertia is more than it has
 	AlignedArray<float> m_centres[3], m_inverseInertias[6], m_diagonal;
-	AlignedArray<float> m_share, m_pull; ///< of nodes on several levels; empty on a uniform lattice
-	SlicedRows m_rows;                   ///< the same
-	FlatBoxes m_boxes;                   ///< of a lattice that fills its grid
+	AlignedArray<float> m_fraction, m_pull; ///< of nodes on several levels; empty on a uniform lattice
+	SlicedRows m_rows;                      ///< the same
+	FlatBoxes m_boxes;                      ///< of a lattice that fills its grid
 	bool m_isRowByRow = false;
 	const LatticeMatcher* m_measuredOf = nullptr; ///< what diagonal and shares were measured for, and which of its tables
 	unsigned m_measuredVersion = 0;
@@ -108,7 +108,7 @@ private:
 	std::vector<char> m_raised; ///< of each chunk
 	const ConnectedParts* m_parts = nullptr;
 	std::vector<WholePart> m_wholes; ///< of each part
-	AlignedArray<float> m_places,
+	AlignedArray<float> m_positions,
 		m_strained; ///< of a body in several parts: from each part's centre, m; v without each part's rigid motion
 };
 

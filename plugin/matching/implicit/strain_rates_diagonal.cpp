@@ -115,10 +115,10 @@ void StrainRates::measureDiagonal( const RegionTables& tables )
 		const Weighed own = node[i];
 		double sum = 0.0;
 		members.visit( i, [&]( std::size_t r, std::size_t k ) {
-			const double share = m_rates.regionShare ? double( m_rates.regionShare[r] ) : 1.0;
+			const double fraction = m_rates.regionFraction ? double( m_rates.regionFraction[r] ) : 1.0;
 			// What the node gives to the region's sums is what that gives to the node's goal: conserving weights.
-			const double weight = isWeighed ? double( tables.matrix->share[k] ) : 1.0;
-			sum += weight * share * std::max( 0.0, 1.0 - weight * own.a * region[r].answerTo( own ) / 3.0 );
+			const double weight = isWeighed ? double( tables.matrix->fraction[k] ) : 1.0;
+			sum += weight * fraction * std::max( 0.0, 1.0 - weight * own.a * region[r].answerTo( own ) / 3.0 );
 		} );
 		m_diagonal[i] = float( sum * double( m_view.inverseCover[i] ) );
 	}

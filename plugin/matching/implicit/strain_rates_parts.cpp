@@ -20,7 +20,7 @@ Eigen::Vector3d at( const float* const* component, int i )
 void StrainRates::placeParts( const NodeState& nodes )
 {
 	const std::size_t padded = std::size_t( m_padded );
-	m_places.assign( 3 * padded, 0.0f );
+	m_positions.assign( 3 * padded, 0.0f );
 	m_strained.assign( 3 * padded, 0.0f );
 	for ( int p = 0; p < m_parts->count(); ++p )
 	{
@@ -28,13 +28,13 @@ void StrainRates::placeParts( const NodeState& nodes )
 			const Eigen::Vector3d arm = nodes.x.get( i ).cast<double>() - whole( p ).centre;
 			for ( std::size_t k = 0; k < 3; ++k )
 			{
-				m_places[k * padded + std::size_t( i )] = float( arm[Eigen::Index( k )] );
+				m_positions[k * padded + std::size_t( i )] = float( arm[Eigen::Index( k )] );
 			}
 		} );
 	}
 	for ( std::size_t k = 0; k < 3; ++k )
 	{
-		m_view.x[k] = m_places.data() + k * padded;
+		m_view.x[k] = m_positions.data() + k * padded;
 	}
 }
 

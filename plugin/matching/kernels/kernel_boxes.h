@@ -10,7 +10,7 @@ inline V loadAnywhere( const float* p )
 	return *reinterpret_cast<const VU*>( p );
 }
 
-inline I loadPlaces( const int* p )
+inline I loadPositions( const int* p )
 {
 	return *reinterpret_cast<const I*>( p );
 }
@@ -27,7 +27,7 @@ void boxRowsOf( float* const* from, float* const* to, const int* place, int coun
 {
 	for ( int i = begin; i < end; i += kWidth )
 	{
-		const I at = loadPlaces( place + i );
+		const I at = loadPositions( place + i );
 		I below[w], above[w];
 		for ( int k = 0; k < w; ++k )
 		{

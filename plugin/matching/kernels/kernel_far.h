@@ -19,7 +19,7 @@ void gatherFar( const MatchView& view, int begin, int end, Tile& tile )
 }
 
 /// What the far levels ask of a node: D q + t - P u. What holds a pinned node feels it as often as the node counted in the sums.
-inline Vec farWay( const MatchView& view, const Tile& tile, int i, int at, const Vec& q, const Vec& u )
+inline Vec farDisplacement( const MatchView& view, const Tile& tile, int i, int at, const Vec& q, const Vec& u )
 {
 	const V pull = load( view.farPull + i );
 	const V heavy = kPinnedWeight - ( kPinnedWeight - 1.0f ) * load( view.freedom + i );

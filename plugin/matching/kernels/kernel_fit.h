@@ -220,7 +220,7 @@ inline Mat goalMatrix( const MatchView& view, const Mat& a, const Mat& rLessOne,
 			}
 		}
 	}
-	if ( view.volumeShare > 0.0f )
+	if ( view.volumeFraction > 0.0f )
 	{
 		// tr( R^T F ) - 3 = tr( ( R^T - 1 ) ( F - 1 ) ) + tr( R - 1 ) + tr( F - 1 )
 		V trace = V{};
@@ -234,7 +234,7 @@ inline Mat goalMatrix( const MatchView& view, const Mat& a, const Mat& rLessOne,
 		}
 		trace = select( trace > 1.0f, splat( 1.0f ), select( trace < -1.0f, splat( -1.0f ), trace ) );
 		const Mat pushed = volumeMatrix(
-			view, fittedMatrix( view, a, r ), rLessOne, fLessOne, view.volumeShare * ( ( 1.0f - beta ) * trace ), r );
+			view, fittedMatrix( view, a, r ), rLessOne, fLessOne, view.volumeFraction * ( ( 1.0f - beta ) * trace ), r );
 		for ( int i = 0; i < 3; ++i )
 		{
 			for ( int j = 0; j < 3; ++j )
@@ -248,7 +248,7 @@ inline Mat goalMatrix( const MatchView& view, const Mat& a, const Mat& rLessOne,
 
 inline bool needsDeformation( const MatchView& view )
 {
-	return view.beta > 0.0f || view.regionBeta || view.regionEta || view.blend[0] || view.volumeShare > 0.0f || view.strain;
+	return view.beta > 0.0f || view.regionBeta || view.regionEta || view.blend[0] || view.volumeFraction > 0.0f || view.strain;
 }
 
 /// Sum over the singular values s of F of ( s - 1 )^2, which is | F - R |^2. And of E = R^T F - 1, with the mean m and n = | E - m 1 |

@@ -14,7 +14,7 @@ inline float sumOfLanes( V a )
 	return sum;
 }
 
-void push( const MotionView& view, const float* gravity, float h, int begin, int end, SpeedSpan& span )
+void push( const MotionView& view, const float* gravity, float h, int begin, int end, VelocityBounds& span )
 {
 	V low[3] = {}, high[3] = {}, worst = {};
 	for ( int i = begin; i < end; i += kWidth )

@@ -108,7 +108,7 @@ inline void gatherRates( const RateView& rates, bool isOfRegions, int begin, int
 		sumPlanes( view, isOfRegions ? rates.flat.region : rates.flat.node, begin, end, tile );
 		return;
 	}
-	gatherRows<Half>( rates, isOfRegions ? rates.rows.share : rates.rows.mass, isOfRegions ? view.memberShare : view.memberMass,
+	gatherRows<Half>( rates, isOfRegions ? rates.rows.fraction : rates.rows.mass, isOfRegions ? view.memberFraction : view.memberMass,
 		isOfRegions ? view.regionRecord : view.nodeRecord, begin, end, tile );
 }
 
@@ -233,7 +233,8 @@ void rigidRates( const RateView& rates, int begin, int end )
 		for ( int r = first; r < last; r += kWidth )
 		{
 			const int at = r - first;
-			const V inverseMass = load( view.inverseMass + r ), share = rates.regionShare ? load( rates.regionShare + r ) : splat( 1.0f );
+			const V inverseMass = load( view.inverseMass + r ),
+					fraction = rates.regionFraction ? load( rates.regionFraction + r ) : splat( 1.0f );
 			const Vec sum = { load( &in.row[0][at] ), load( &in.row[1][at] ), load( &in.row[2][at] ) };
 			const Vec c = { load( rates.regionCentre[0] + r ), load( rates.regionCentre[1] + r ), load( rates.regionCentre[2] + r ) };
 			const Vec moved = cross( c, sum );
@@ -241,12 +242,12 @@ void rigidRates( const RateView& rates, int begin, int end )
 			V t[6];
 			for ( int k = 0; k < 6; ++k )
 			{
-				t[k] = share * load( rates.inverseInertia[k] + r );
+				t[k] = fraction * load( rates.inverseInertia[k] + r );
 			}
 			const Vec w = { ( t[0] * b.x + t[5] * b.y ) + t[4] * b.z, ( t[5] * b.x + t[1] * b.y ) + t[3] * b.z,
 				( t[4] * b.x + t[3] * b.y ) + t[2] * b.z };
 			const Vec turned = cross( w, c );
-			const V mean = share * inverseMass;
+			const V mean = fraction * inverseMass;
 			const V row[6] = { w.x, w.y, w.z, sum.x * mean - turned.x, sum.y * mean - turned.y, sum.z * mean - turned.z };
 			for ( int k = 0; k < 6; ++k )
 			{

@@ -5,7 +5,7 @@
 #pragma once
 
 #include "matching/kernels/kernels.h"
-#include "matching/kernels/volume_room.h"
+#include "matching/kernels/volume_limits.h"
 
 #include <cstdint>
 
@@ -192,7 +192,7 @@ int fitRegions( const MatchView& view, int begin, int end, std::uint32_t* open )
 			const RegionFit fit = readRegion( view, in, r, r - first );
 			const V trace = ( load( view.moment[0] + r ) + load( view.moment[1] + r ) ) + load( view.moment[2] + r );
 			Quat q = loadQuat( view, r );
-			const V floor = view.rotationFromF ? splat( kHessianShare ) : trace * kHessianShare + kHessianFloor;
+			const V floor = view.rotationFromF ? splat( kHessianFraction ) : trace * kHessianFraction + kHessianFloor;
 			const I openLanes = fitLanes( fittedMatrix( view, fit.a, r ), floor, q );
 			storeQuat( view, r, q );
 			writeGoal( view, fit, q, r, out, r - first );
@@ -278,7 +278,7 @@ void scatter( const MatchView& view, int begin, int end, float* sums )
 	for ( int first = begin; first < end; first += kTile )
 	{
 		const int last = first + kTile < end ? first + kTile : end;
-		gatherTile( view, view.regionRecord, view.memberShare, first, last, tile );
+		gatherTile( view, view.regionRecord, view.memberFraction, first, last, tile );
 		if ( view.farRecord )
 		{
 			gatherFar( view, first, last, farTile );
@@ -291,13 +291,13 @@ void scatter( const MatchView& view, int begin, int end, float* sums )
 			Vec e = residualOf( view, tile, i, i - first, q, u );
 
 			// y = ( 1 - s ) alpha e - s u + k ( e - e before ); u is the way from the whole body's rigid fit
-			const float k = view.dampingShare, s = view.bodyShare, alpha = ( 1.0f - s ) * view.alpha;
+			const float k = view.dampingFraction, s = view.bodyFraction, alpha = ( 1.0f - s ) * view.alpha;
 			Vec way = { alpha * e.x, alpha * e.y, alpha * e.z };
 			if ( view.farRecord )
 			{
-				const Vec far = farWay( view, farTile, i, i - first, q, u );
-				const float share = 1.0f - s, damped = view.farDamping;
-				way = { way.x + share * far.x, way.y + share * far.y, way.z + share * far.z };
+				const Vec far = farDisplacement( view, farTile, i, i - first, q, u );
+				const float fraction = 1.0f - s, damped = view.farDamping;
+				way = { way.x + fraction * far.x, way.y + fraction * far.y, way.z + fraction * far.z };
 				e = { e.x + damped * far.x, e.y + damped * far.y, e.z + damped * far.z };
 			}
 			const Vec y = { ( way.x - s * u.x ) + k * ( e.x - load( view.residual[0] + i ) ),
@@ -343,7 +343,7 @@ void apply( const MatchView& view, int begin, int end )
 		for ( int k = 0; k < 3; ++k )
 		{
 			const V v = load( view.v[k] + i );
-			store( view.v[k] + i, v + freedom * ( change[k] - view.wobbleShare * v ) );
+			store( view.v[k] + i, v + freedom * ( change[k] - view.wobbleFraction * v ) );
 		}
 	}
 }

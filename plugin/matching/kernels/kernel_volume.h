@@ -5,7 +5,7 @@
 
 /// Added to Newton's matrix in shares of the region's own moment, and absolutely for regions of one cell, where all is zero:
 /// it slows the iteration by that share, leaves its fixed point where it is, and keeps what the matrix leaves open as it was.
-constexpr float kHessianShare = 1e-6f;
+constexpr float kHessianFraction = 1e-6f;
 constexpr float kHessianFloor = 1e-8f;
 
 inline Mat product( const Mat& a, const Mat& b )
@@ -68,7 +68,7 @@ inline Vec volumeTurn( const MatchView& view, const Mat& fitted, const Mat& rLes
 	}
 	const Vec axial = { stretch.m[1][2] - stretch.m[2][1], stretch.m[2][0] - stretch.m[0][2], stretch.m[0][1] - stretch.m[1][0] };
 	const V trace = ( load( view.moment[0] + r ) + load( view.moment[1] + r ) ) + load( view.moment[2] + r );
-	const V floor = kHessianShare * trace + kHessianFloor;
+	const V floor = kHessianFraction * trace + kHessianFloor;
 	const V hxx = ( m.m[1][1] + m.m[2][2] ) + floor, hyy = ( m.m[0][0] + m.m[2][2] ) + floor, hzz = ( m.m[0][0] + m.m[1][1] ) + floor;
 	const V hxy = -0.5f * ( m.m[0][1] + m.m[1][0] ), hxz = -0.5f * ( m.m[0][2] + m.m[2][0] ), hyz = -0.5f * ( m.m[1][2] + m.m[2][1] );
 	const V cxx = hyy * hzz - hyz * hyz, cxy = hxz * hyz - hxy * hzz, cxz = hxy * hyz - hxz * hyy;
@@ -83,7 +83,7 @@ inline Vec volumeTurn( const MatchView& view, const Mat& fitted, const Mat& rLes
 /// kappa b ( R J^+ + h x R ), J^+ that of the shape at rest now, b a mean of J's moments, so that it is kappa R where they are all the
 /// same: the derivative of 1/2 kappa b tr( R^T F - 1 )^2, h x R that of its R, without which it would turn the region. (kappa R is no
 /// energy's where the moments differ, and goes on giving.)
-///   b = ( n / tr( J^+ ) ) min( n | J^+ |^2 / tr( J^+ )^2, kVolumeRoom ),   n directions in which it has extent
+///   b = ( n / tr( J^+ ) ) min( n | J^+ |^2 / tr( J^+ )^2, kVolumeLimit ),   n directions in which it has extent
 inline Mat volumeMatrix( const MatchView& view, const Mat& fitted, const Mat& rLessOne, const Mat& fLessOne, V push, int r )
 {
 	const Mat inverse = loadSymmetric( view.inverseMoment, r ), turned = product( rLessOne, inverse );
@@ -102,7 +102,7 @@ inline Mat volumeMatrix( const MatchView& view, const Mat& fitted, const Mat& rL
 		}
 	}
 	const V harmonic = extents / sum, uneven = harmonic * ( square / sum );
-	const V mean = push * select( sum > 0.0f, harmonic * select( uneven > kVolumeRoom, splat( kVolumeRoom ), uneven ), V{} );
+	const V mean = push * select( sum > 0.0f, harmonic * select( uneven > kVolumeLimit, splat( kVolumeLimit ), uneven ), V{} );
 	const Vec h = volumeTurn( view, fitted, rLessOne, fLessOne, r );
 	Mat across = rLessOne;
 	for ( int i = 0; i < 3; ++i )

@@ -55,15 +55,15 @@ struct MatchView
 	const float* regionWeight = nullptr; ///< b_r; null when all are 1
 
 	// Regions over several levels (adapt/regions/region_matrix.h); all null on a uniform lattice.
-	const std::uint32_t* memberMass = nullptr;  ///< beside `member`: weight of a member in the region's sums. Null: 1
-	const std::uint32_t* memberShare = nullptr; ///< beside `member`: weight of the member's region in the node's goal. Null: 1
+	const std::uint32_t* memberMass = nullptr;     ///< beside `member`: weight of a member in the region's sums. Null: 1
+	const std::uint32_t* memberFraction = nullptr; ///< beside `member`: weight of the member's region in the node's goal. Null: 1
 	const float* pull = nullptr;       ///< of each node: sum of shares b_r ( 1 - eta_r ) / C, which stands before its own u. Null: 1
 	const float* regionBeta = nullptr; ///< beta_r; null: `beta` for all
 	const float* regionEta = nullptr;  ///< eta_r; null: 0
 	const float* blend[9] = {};        ///< C = J^+ J_fine, row by row, where beta is a tensor 1 - C^T; null where it is a number
 	const float* outOfPlane[6] = {};   ///< 1 - J J^+ of flat and thin regions: where they have no extent, F follows R. Null: all are solid
 	const float* plastic[9] = {};      ///< S_p - 1, row by row; `inverseMoment` is then that of the flowed shape
-	float volumeShare = 0.0f;          ///< kappa
+	float volumeFraction = 0.0f;       ///< kappa
 	float* strain = nullptr;           ///< out: sum over the singular values s of F of ( s - 1 )^2, a region
 	float* stretch = nullptr;          ///< out, with strain: not less than the largest s - 1, a region
 	float* quaternion[4] = {};         ///< w, x, y, z: rotation relative to the body frame
@@ -86,14 +86,14 @@ struct MatchView
 	float frameCentre[3] = {};   ///< c_b, m, relative to the origin
 	float cellsPerMetre = 1.0f;
 	float alpha = 1.0f;
-	float dampingShare = 0.0f; ///< k
-	float bodyShare = 0.0f;    ///< of the whole body's rigid fit in the goal
+	float dampingFraction = 0.0f; ///< k
+	float bodyFraction = 0.0f;    ///< of the whole body's rigid fit in the goal
 	float beta = 0.0f;
 	bool rotationFromF = false;
 
-	// What `apply` makes of the change, world axes: y_w = speedPerCell R_b y - wobbleShare v - shift - turn x (x - pivot).
+	// What `apply` makes of the change, world axes: y_w = speedPerCell R_b y - wobbleFraction v - shift - turn x (x - pivot).
 	float speedPerCell = 0.0f; ///< d / h
-	float wobbleShare = 0.0f;
+	float wobbleFraction = 0.0f;
 	float shift[3] = {}; ///< m/s
 	float turn[3] = {};  ///< rad/s
 	float pivot[3] = {}; ///< m
@@ -118,8 +118,8 @@ struct RowSlices
 	const RowSlice* slice = nullptr;     ///< null: rows are summed one by one, as MatchView has them
 	const std::uint32_t* tile = nullptr; ///< each tile's first slice, and the end
 	const std::uint32_t* from = nullptr; ///< of each term: where the member's record of kRateFloats floats begins
-	const float* mass = nullptr;         ///< of each term: MatchView's memberMass and memberShare, rounded
-	const float* share = nullptr;
+	const float* mass = nullptr;         ///< of each term: MatchView's memberMass and memberFraction, rounded
+	const float* fraction = nullptr;
 };
 
 /// Rates of a lattice that fills its grid, a row a component in place of records: box sums are rows shifted against each other
@@ -137,13 +137,13 @@ struct FlatRows
 struct RateView
 {
 	const MatchView* match = nullptr;
-	float* regionCentre[3] = {};        ///< c of each region, cells from the frame's centre, world axes
-	float* inverseInertia[6] = {};      ///< T^-1 of each region, as xx, yy, zz, yz, xz, xy
-	const float* regionShare = nullptr; ///< g_r; null: 1
-	const float* pull = nullptr;        ///< of each node: sum of its regions' g_r / C; null: 1
-	RowSlices rows;                     ///< of nodes on several levels
-	FlatRows flat;                      ///< of a lattice that fills its grid
-	const float* rate[3] = {};          ///< v
+	float* regionCentre[3] = {};           ///< c of each region, cells from the frame's centre, world axes
+	float* inverseInertia[6] = {};         ///< T^-1 of each region, as xx, yy, zz, yz, xz, xy
+	const float* regionFraction = nullptr; ///< g_r; null: 1
+	const float* pull = nullptr;           ///< of each node: sum of its regions' g_r / C; null: 1
+	RowSlices rows;                        ///< of nodes on several levels
+	FlatRows flat;                         ///< of a lattice that fills its grid
+	const float* rate[3] = {};             ///< v
 	float* result[3] = {};
 	float stiffness = 0.0f; ///< G
 	float shift[3] = {};    ///< a rigid motion that is taken off v before anything is summed
@@ -161,7 +161,7 @@ struct MotionView
 };
 
 /// Of nodes and of what stands still, m/s. `worst` is 0 as long as every number is finite, and NaN then.
-struct SpeedSpan
+struct VelocityBounds
 {
 	float low[3] = {}, high[3] = {};
 	float worst = 0.0f;
@@ -241,7 +241,7 @@ struct Kernels
 	void ( *finishResist )( const RateView&, int begin, int end );
 
 	/// v += h freedom g; takes the new speeds into `span`.
-	void ( *push )( const MotionView&, const float* gravity, float h, int begin, int end, SpeedSpan& span );
+	void ( *push )( const MotionView&, const float* gravity, float h, int begin, int end, VelocityBounds& span );
 	/// x += h v; adds to `sums`.
 	void ( *advance )( const MotionView&, float h, int begin, int end, MotionSums& sums );
 

@@ -45,7 +45,7 @@ Fit fitRegion( const Lattice& lattice, const NodeState& nodes, const std::vector
 
 } // namespace
 
-std::vector<Vec3d> referenceFarWay( const Lattice& lattice, const NodeState& nodes, const CoarseToFine& far, int level )
+std::vector<Vec3d> referenceFarDisplacement( const Lattice& lattice, const NodeState& nodes, const CoarseToFine& far, int level )
 {
 	const Octree octree = buildOctree( lattice, far.levels() );
 	std::vector<std::uint32_t> block( nodes.count );

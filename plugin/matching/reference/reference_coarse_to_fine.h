@@ -8,6 +8,6 @@ namespace pliant {
 
 /// What level `level` (1: blocks of 2 cells an edge) asks of each node at a share of 1, goal - position, m. How much of each region's goal
 /// counts is taken from `far`, all else is measured anew.
-std::vector<Vec3d> referenceFarWay( const Lattice& lattice, const NodeState& nodes, const CoarseToFine& far, int level );
+std::vector<Vec3d> referenceFarDisplacement( const Lattice& lattice, const NodeState& nodes, const CoarseToFine& far, int level );
 
 } // namespace pliant

@@ -160,7 +160,7 @@ void ReferenceLevelMatcher::accelerate( NodeState& nodes, const MatchStep& step,
 	}
 	const double k = wasFlowing
 		? 0.0
-		: double( dampingShare( double( step.damping ), double( step.h ), double( step.alpha ), double( m_material.volumeKeeping ) ) );
+		: double( dampingFraction( double( step.damping ), double( step.h ), double( step.alpha ), double( m_material.volumeKeeping ) ) );
 	for ( int i = 0; i < nodes.count; ++i )
 	{
 		const Vec3d x = nodes.x.get( i ).cast<double>();
@@ -171,9 +171,9 @@ void ReferenceLevelMatcher::accelerate( NodeState& nodes, const MatchStep& step,
 			// g = c + L q + eta ( x - c - F q )
 			const Region& region = m_region[m_matrix.member[m]];
 			const Vec3d q = nodes.x0.get( i ).cast<double>() - region.rest.centre * double( m_lattice.cellSize );
-			const double share = m_matrix.share[m];
-			goal += share * ( region.centre + region.l * q + region.eta * ( x - region.centre - region.f * q ) );
-			cover += share;
+			const double fraction = m_matrix.fraction[m];
+			goal += fraction * ( region.centre + region.l * q + region.eta * ( x - region.centre - region.f * q ) );
+			cover += fraction;
 		}
 		const Vec3d last = m_bodyRotation * ( before.conjugate() * m_residual[std::size_t( i )] );
 		const Vec3d residual = goal / cover - x;

@@ -26,8 +26,8 @@ Eigen::Matrix3d lawfullyFlowed( const MatchStep& step, const Eigen::Matrix3d& el
 		return Eigen::Matrix3d(
 			svd.matrixV() * ( svd.singularValues() / std::cbrt( svd.singularValues().prod() ) ).asDiagonal() * svd.matrixV().transpose() );
 	};
-	const double share = std::min( { double( step.plastic.creep ) * step.h, 1.0, kLargestFlow / strain.norm() } );
-	const Eigen::Matrix3d wanted = volumeOne( ( one + share * strain ) * before );
+	const double fraction = std::min( { double( step.plastic.creep ) * step.h, 1.0, kLargestFlow / strain.norm() } );
+	const Eigen::Matrix3d wanted = volumeOne( ( one + fraction * strain ) * before );
 	const double limit = step.plastic.limit;
 	if ( ( wanted - one ).norm() <= limit )
 	{
@@ -206,7 +206,7 @@ void ReferenceMatcher::accelerate( NodeState& nodes, const MatchStep& step, Task
 
 	const double k = wasFlowing
 		? 0.0
-		: double( dampingShare( double( step.damping ), double( step.h ), double( step.alpha ), double( m_material.volumeKeeping ) ) );
+		: double( dampingFraction( double( step.damping ), double( step.h ), double( step.alpha ), double( m_material.volumeKeeping ) ) );
 	for ( int i = 0; i < nodes.count; ++i )
 	{
 		const Vec3d x = nodes.x.get( i ).cast<double>();
@@ -223,7 +223,8 @@ void ReferenceMatcher::accelerate( NodeState& nodes, const MatchStep& step, Task
 		m_residual[i] = goal * m_moments.inverseCover[i] - x;
 
 		const Vec3d wholeBody = m_bodyRotation * x0 + m_bodyCentre;
-		Vec3d change = ( ( 1.0 - step.bodyShare ) * step.alpha * m_residual[i] + double( step.bodyShare ) * ( wholeBody - x ) ) / step.h;
+		Vec3d change = ( ( 1.0 - step.bodyFraction ) * step.alpha * m_residual[i] + double( step.bodyFraction ) * ( wholeBody - x ) ) /
+			step.h;
 		if ( m_dampingForm == DampingForm::GoalRate )
 		{
 			change += k * ( m_residual[i] - m_residualBefore[i] ) / step.h;

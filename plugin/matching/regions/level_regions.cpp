@@ -103,7 +103,7 @@ LevelRegions updateLevelRegions( const RegionInput& input, const Cut& from, cons
 	{
 		case RegionRule::Multiplicity:
 			return LevelRegions{ std::make_shared<RegionMatrix>(
-									 updateMultiplicityRegions( octree, from, *regions.matrix, to, input.base.fine, input.room ) ),
+									 updateMultiplicityRegions( octree, from, *regions.matrix, to, input.base.fine, input.scratch ) ),
 				nullptr };
 		case RegionRule::Interval: {
 			VisibilityUpdate sight = updateVisibilityGraph( input.lattice, octree, from, *regions.graph, to );

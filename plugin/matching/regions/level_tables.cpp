@@ -362,10 +362,10 @@ private:
 		for ( std::uint32_t k = m_matrix.start[i]; k < m_matrix.start[i + 1]; ++k )
 		{
 			const std::uint32_t r = m_matrix.member[k];
-			const double share = m_matrix.share[k];
-			cover += share;
+			const double fraction = m_matrix.fraction[k];
+			cover += fraction;
 			const float weight = m_tables.moments.regionWeight.empty() ? 1.0f : m_tables.moments.regionWeight[r];
-			pull += share * ( scalesOnly() ? weight : weight * ( 1.0f - m_tables.eta[r] ) );
+			pull += fraction * ( scalesOnly() ? weight : weight * ( 1.0f - m_tables.eta[r] ) );
 		}
 		RegionMoments& moments = m_tables.moments;
 		if ( m_tables.plan )
@@ -401,7 +401,7 @@ private:
 std::shared_ptr<const RegionTables> buildLevelTables( const LevelBase& base, const Lattice& lattice, const Cut& cut,
 	const LevelRegions& regions, const LevelSettings& settings, const TablesBefore& before )
 {
-	const std::shared_ptr<RegionTables> tables = before.room ? before.room : std::make_shared<RegionTables>();
+	const std::shared_ptr<RegionTables> tables = before.scratch ? before.scratch : std::make_shared<RegionTables>();
 	tables->matrix = regions.matrix;
 	tables->plan = regions.plan;
 	Filler( base, lattice, cut, *tables->matrix, settings, *tables ).run( before );

@@ -75,7 +75,7 @@ struct RegionInput
 	const Material& material;
 	const Adaptivity& settings;
 	TaskRunner* tasks = nullptr;
-	MatrixRoom* room = nullptr; ///< for RegionRule::Multiplicity; may be null
+	MatrixScratch* scratch = nullptr; ///< for RegionRule::Multiplicity; may be null
 };
 
 /// The regions of cut `to`, given those of cut `from`: equal to those from nothing. Unions alone are built from nothing.
@@ -86,8 +86,8 @@ struct TablesBefore
 {
 	const RegionTables* tables = nullptr;
 	std::vector<std::uint32_t> region; ///< of each region now: its number then, where its row holds the same nodes and masses; else kNoNode
-	std::shared_ptr<RegionTables> room{}; ///< tables of the same settings that nobody uses any more, to be written over; null: none
-	Vec3d shift = Vec3d::Zero();          ///< from the rest places before to those now, cells: of the mass centre of a piece
+	std::shared_ptr<RegionTables> scratch{}; ///< tables of the same settings that nobody uses any more, to be written over; null: none
+	Vec3d shift = Vec3d::Zero();             ///< from the rest places before to those now, cells: of the mass centre of a piece
 	bool leavesOthers =
 		false; ///< rows that are not taken over are not measured: fillLeftRows does that, or the next tables are made without them
 };
@@ -103,7 +103,7 @@ struct LevelSettings
 };
 
 /// Room for `reserved` nodes in tables and in others of the same kind, which are empty; for `touched` of them in memory that is there.
-void makeLevelRoom( RegionTables& tables, RegionTables& others, int reserved, int touched );
+void makeLevelScratch( RegionTables& tables, RegionTables& others, int reserved, int touched );
 
 /// Tables for the step out of a region matrix. With `before` the result is the same to the bit, sooner.
 std::shared_ptr<const RegionTables> buildLevelTables( const LevelBase& base, const Lattice& lattice, const Cut& cut,

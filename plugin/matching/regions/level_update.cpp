@@ -6,14 +6,14 @@
 
 namespace pliant {
 
-LevelBaseUpdate updateLevelBase( const LevelBase& before, LevelBaseRoom room, const CellChange& change )
+LevelBaseUpdate updateLevelBase( const LevelBase& before, LevelBaseScratch scratch, const CellChange& change )
 {
 	OctreeUpdate tree = updateOctree( before.octree, change );
-	FineUpdate fine = updateFineRegions( before.fine, change, tree, std::move( room.fine ) );
+	FineUpdate fine = updateFineRegions( before.fine, change, tree, std::move( scratch.fine ) );
 	auto base = std::make_shared<LevelBase>();
-	if ( !room.moments.covariance.empty() || !before.moments.covariance.empty() )
+	if ( !scratch.moments.covariance.empty() || !before.moments.covariance.empty() )
 	{
-		base->moments = updateFineMoments( before.moments, std::move( room.moments ), change, tree, fine );
+		base->moments = updateFineMoments( before.moments, std::move( scratch.moments ), change, tree, fine );
 	}
 	base->octree = std::move( tree.octree );
 	base->fine = std::move( fine.fine );

@@ -16,13 +16,13 @@ struct LevelBaseUpdate
 };
 
 /// What an update need not ask the system for.
-struct LevelBaseRoom
+struct LevelBaseScratch
 {
 	FineMoments moments; ///< those before, taken from there; empty: they stay there, for others look at them
 	FineRegions fine;    ///< any that nobody uses any more
 };
 
-LevelBaseUpdate updateLevelBase( const LevelBase& before, LevelBaseRoom room, const CellChange& change );
+LevelBaseUpdate updateLevelBase( const LevelBase& before, LevelBaseScratch scratch, const CellChange& change );
 
 /// How the nodes of the cut stand to those before, which had the same cells. Empty where a node above the cells is one in which links
 /// changed: it may hold other cells than any before.

@@ -16,7 +16,7 @@ struct AxisLink
 {
 	std::uint32_t to;
 	int axis;
-	double share; ///< m_ij / n_ij
+	double fraction; ///< m_ij / n_ij
 };
 
 /// Regions that hold both cells: the members that their own regions share, for membership is symmetric.
@@ -73,7 +73,7 @@ Eigen::Matrix3d symmetric( const AlignedArray<float> ( &m )[6], int r )
 }
 
 /// The largest J* can be against J in any direction, 1 at least: what bounds the region's stiffness in the step's operator.
-double largestShare( const Eigen::Matrix3d& wanted, const Eigen::Matrix3d& inverse )
+double largestFraction( const Eigen::Matrix3d& wanted, const Eigen::Matrix3d& inverse )
 {
 	const Eigen::Matrix3d root = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>( inverse ).operatorSqrt();
 	return std::max( 1.0, Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>( root * wanted * root ).eigenvalues()[2] );
@@ -90,7 +90,7 @@ Eigen::Vector3d linksOf( const AxisLinks& links, const RegionSet& regions, int r
 		const std::uint32_t i = regions.member[k];
 		for ( std::uint32_t l = links.start[i]; l < links.start[i + 1]; ++l )
 		{
-			sum[links.link[l].axis] += heldBy[links.link[l].to] == r ? links.link[l].share : 0.0;
+			sum[links.link[l].axis] += heldBy[links.link[l].to] == r ? links.link[l].fraction : 0.0;
 		}
 	}
 	return sum;
@@ -113,7 +113,7 @@ void applyLinkMoments( const Lattice& lattice, const Material& material, RegionT
 	{
 		tables.blend[k].assign( std::size_t( moments.padded ), k % 4 == 0 ? 1.0f : 0.0f );
 	}
-	tables.rateShare.assign( std::size_t( moments.padded ), 1.0f );
+	tables.rateFraction.assign( std::size_t( moments.padded ), 1.0f );
 	std::vector<int> heldBy( std::size_t( moments.count ), -1 );
 	for ( int r = 0; r < moments.count; ++r )
 	{
@@ -124,8 +124,8 @@ void applyLinkMoments( const Lattice& lattice, const Material& material, RegionT
 			tables.blend[k][std::size_t( r )] = float( c( k / 3, k % 3 ) );
 		}
 		const double weight = moments.regionWeight.empty() ? 1.0 : double( moments.regionWeight[std::size_t( r )] );
-		tables.rateShare[std::size_t( r )] = float( weight * largestShare( wanted, inverse ) );
-		tables.largestRateShare = std::max( tables.largestRateShare, tables.rateShare[std::size_t( r )] );
+		tables.rateFraction[std::size_t( r )] = float( weight * largestFraction( wanted, inverse ) );
+		tables.largestRateFraction = std::max( tables.largestRateFraction, tables.rateFraction[std::size_t( r )] );
 	}
 	tables.ratePull.assign( std::size_t( moments.padded ), 0.0f );
 	for ( int i = 0; i < moments.count; ++i )
@@ -133,7 +133,7 @@ void applyLinkMoments( const Lattice& lattice, const Material& material, RegionT
 		double sum = 0.0;
 		for ( std::uint32_t k = tables.regions.start[std::size_t( i )]; k < tables.regions.start[std::size_t( i ) + 1]; ++k )
 		{
-			sum += double( tables.rateShare[tables.regions.member[k]] );
+			sum += double( tables.rateFraction[tables.regions.member[k]] );
 		}
 		tables.ratePull[std::size_t( i )] = float( sum * double( moments.inverseCover[std::size_t( i )] ) );
 	}

@@ -23,7 +23,7 @@ struct RegionTables;
 /// Whether a body of this material gets them: implicit steps of regions wider than 1. At w = 1 the sums over all regions agree anyhow.
 bool usesLinkMoments( const Material& material );
 
-/// Fills `blend`, `rateShare` and `ratePull`. The tables must still have their members, J and J^+.
+/// Fills `blend`, `rateFraction` and `ratePull`. The tables must still have their members, J and J^+.
 void applyLinkMoments( const Lattice& lattice, const Material& material, RegionTables& tables );
 
 } // namespace pliant

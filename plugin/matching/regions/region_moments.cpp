@@ -41,7 +41,7 @@ void weighNodes( const Lattice& lattice, const RegionSet& regions, Weights weigh
 
 } // namespace
 
-Eigen::Matrix3d flooredInverse( const Eigen::Matrix3d& moment, double floorShare )
+Eigen::Matrix3d flooredInverse( const Eigen::Matrix3d& moment, double floorFraction )
 {
 	const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver( moment );
 	const double largest = solver.eigenvalues()[2];
@@ -49,7 +49,7 @@ Eigen::Matrix3d flooredInverse( const Eigen::Matrix3d& moment, double floorShare
 	{
 		return Eigen::Matrix3d::Zero();
 	}
-	const Eigen::Vector3d raised = solver.eigenvalues().cwiseMax( floorShare * largest );
+	const Eigen::Vector3d raised = solver.eigenvalues().cwiseMax( floorFraction * largest );
 	return solver.eigenvectors() * raised.cwiseInverse().asDiagonal() * solver.eigenvectors().transpose();
 }
 
@@ -66,10 +66,10 @@ Eigen::Matrix3d inverseOfPart( const Eigen::Matrix3d& inertia, double mass )
 	return inertia.trace() > kPointExtent * mass ? flooredInverse( inertia, kInertiaFloor ) : Eigen::Matrix3d( Eigen::Matrix3d::Zero() );
 }
 
-Eigen::Matrix3d inverseInPlane( const Eigen::Matrix3d& moment, double floorShare, Eigen::Matrix3d& outside )
+Eigen::Matrix3d inverseInPlane( const Eigen::Matrix3d& moment, double floorFraction, Eigen::Matrix3d& outside )
 {
 	const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver( moment );
-	const double floor = floorShare * solver.eigenvalues()[2];
+	const double floor = floorFraction * solver.eigenvalues()[2];
 	Eigen::Matrix3d inverse = Eigen::Matrix3d::Zero();
 	outside.setZero();
 	for ( int i = 0; i < 3; ++i )
@@ -122,25 +122,25 @@ using Places = std::vector<Eigen::Array4d>;
 Places placesInCells( const Lattice& lattice )
 {
 	const double perCell = 1.0 / lattice.cellSize;
-	Places places( lattice.restCentre.size() );
-	for ( std::size_t i = 0; i < places.size(); ++i )
+	Places positions( lattice.restCentre.size() );
+	for ( std::size_t i = 0; i < positions.size(); ++i )
 	{
-		places[i] << lattice.restCentre[i].cast<double>().array() * perCell, 1.0;
+		positions[i] << lattice.restCentre[i].cast<double>().array() * perCell, 1.0;
 	}
-	return places;
+	return positions;
 }
 
 // Summed about the owner's place q_r, which is at most w cells from the centre, so that in doubles nothing cancels that a float could tell:
 //   c0 = q_r + sum a d / M,  J = sum a d d^T - M (c0 - q_r)(c0 - q_r)^T  with d = q - q_r.
-void measureRegion( const Places& places, const RegionSet& regions, int r, bool withInverse, RegionMoments& out )
+void measureRegion( const Places& positions, const RegionSet& regions, int r, bool withInverse, RegionMoments& out )
 {
-	Eigen::Array4d owner = places[std::size_t( r )];
+	Eigen::Array4d owner = positions[std::size_t( r )];
 	owner[3] = 0.0; // the last of d is 1, and sums to the mass
 	Eigen::Array4d first = Eigen::Array4d::Zero(), row[3] = { first, first, first };
 	for ( std::uint32_t k = regions.start[r]; k < regions.start[r + 1]; ++k )
 	{
 		const std::uint32_t i = regions.member[k];
-		const Eigen::Array4d d = places[i] - owner, weighed = double( out.nodeWeight[i] ) * d;
+		const Eigen::Array4d d = positions[i] - owner, weighed = double( out.nodeWeight[i] ) * d;
 		first += weighed;
 		row[0] += d[0] * weighed;
 		row[1] += d[1] * weighed;
@@ -209,12 +209,12 @@ RegionMoments computeRegionMoments(
 	weighNodes( lattice, regions, weights, out );
 
 	const std::vector<std::uint8_t> isChanged = before ? changedRegions( regions, *before ) : std::vector<std::uint8_t>();
-	const Places places = placesInCells( lattice );
+	const Places positions = placesInCells( lattice );
 	for ( int r = 0; r < out.count; ++r )
 	{
 		if ( !before || isChanged[std::size_t( r )] != 0 )
 		{
-			measureRegion( places, regions, r, withInverse, out );
+			measureRegion( positions, regions, r, withInverse, out );
 			continue;
 		}
 		const int old = int( before->cellBefore[std::size_t( r )] );

@@ -47,9 +47,9 @@ struct RegionMoments
 	std::size_t bytes() const;
 };
 
-/// The pseudo-inverse J^+ of a region that may be flat: axes with less than `floorShare` of the largest moment are left out of it, and
+/// The pseudo-inverse J^+ of a region that may be flat: axes with less than `floorFraction` of the largest moment are left out of it, and
 /// make up `outside` = 1 - J J^+, which is zero for a solid region.
-Eigen::Matrix3d inverseInPlane( const Eigen::Matrix3d& moment, double floorShare, Eigen::Matrix3d& outside );
+Eigen::Matrix3d inverseInPlane( const Eigen::Matrix3d& moment, double floorFraction, Eigen::Matrix3d& outside );
 
 /// J^+ of flat and thin regions without their missing axes, and 1 - J J^+ of all; `outOfPlane` stays empty where every region is solid.
 void markFlatRegions( RegionMoments& moments, AlignedArray<float> ( &outOfPlane )[6] );
@@ -67,9 +67,9 @@ struct MomentsBefore
 RegionMoments computeRegionMoments(
 	const Lattice& lattice, const RegionSet& regions, Weights weights, bool withInverse, const MomentsBefore* before = nullptr );
 
-/// The pseudo-inverse of a symmetric positive semidefinite matrix, eigenvalues below `floorShare` of the largest raised to it.
+/// The pseudo-inverse of a symmetric positive semidefinite matrix, eigenvalues below `floorFraction` of the largest raised to it.
 /// The zero matrix gives zero.
-Eigen::Matrix3d flooredInverse( const Eigen::Matrix3d& moment, double floorShare );
+Eigen::Matrix3d flooredInverse( const Eigen::Matrix3d& moment, double floorFraction );
 
 /// The inverse of a connected part's inertia, kg m^2, with kInertiaFloor; 0 of a point, which cannot turn.
 Eigen::Matrix3d inverseOfPart( const Eigen::Matrix3d& inertia, double mass );

@@ -94,7 +94,7 @@ std::shared_ptr<const RegionTables> buildRegionTables( const Lattice& lattice, c
 
 std::size_t RegionTables::bytes() const
 {
-	std::size_t floats = pull.size() + beta.size() + eta.size() + rateShare.size() + ratePull.size();
+	std::size_t floats = pull.size() + beta.size() + eta.size() + rateFraction.size() + ratePull.size();
 	for ( const auto& entry : blend )
 	{
 		floats += entry.size();

@@ -41,8 +41,9 @@ struct RegionTables
 	AlignedArray<float> pull;          ///< of each node, MatchView::pull; empty where all are 1
 	AlignedArray<float> outOfPlane[6]; ///< 1 - J J^+; empty where every region is solid or J^+ is not needed
 	AlignedArray<float> blend[9];      ///< C of each region (level_tables.h, link_moments.h); empty where beta is a number
-	float largestRateShare = 1.0f;
-	AlignedArray<float> rateShare, ratePull; ///< what the implicit step's operator takes for b_r and `pull` (link_moments.h); empty: those
+	float largestRateFraction = 1.0f;
+	AlignedArray<float> rateFraction,
+		ratePull; ///< what the implicit step's operator takes for b_r and `pull` (link_moments.h); empty: those
 
 	// Of nodes on several levels only (level_tables.h); empty on a uniform lattice. The matrix then takes the place of `regions`.
 	std::shared_ptr<const RegionMatrix> matrix;

@@ -39,20 +39,20 @@ void CoarseToFine::reset()
 	}
 }
 
-void CoarseToFine::match( MatchView& view, const FarShares& shares, const Kernels& kernels, TaskRunner* runner )
+void CoarseToFine::match( MatchView& view, const FarFractions& fractions, const Kernels& kernels, TaskRunner* runner )
 {
 	// Pins come and go as the game likes; what they weigh is measured when they did.
 	if ( std::memcmp( m_freedom.data(), view.freedom, m_block.size() * sizeof( float ) ) != 0 )
 	{
 		weighCells( view.freedom );
-		m_shares = {};
+		m_fractions = {};
 	}
-	if ( shares != m_shares )
+	if ( fractions != m_fractions )
 	{
-		weighPulls( shares );
+		weighPulls( fractions );
 	}
 	int used = 0;
-	while ( used < levels() && shares[used] > 0.0f )
+	while ( used < levels() && fractions[used] > 0.0f )
 	{
 		++used;
 	}
@@ -78,7 +78,7 @@ void CoarseToFine::match( MatchView& view, const FarShares& shares, const Kernel
 		down.start = level.regionStart.data();
 		down.member = level.region.data();
 		down.scale = level.inverseCover.data();
-		down.factor = shares[l];
+		down.factor = fractions[l];
 		down.base = l + 1 < used ? m_levels[l + 1].goal.data() : nullptr;
 		down.baseOf = level.parent.data();
 		down.to = level.goal.data();

@@ -40,7 +40,7 @@ public:
 
 	void reset();
 	/// Matches all levels that have a share and shows the view what they ask of the nodes. The view's node records must be fresh.
-	void match( MatchView& view, const FarShares& shares, const Kernels& kernels, TaskRunner* runner );
+	void match( MatchView& view, const FarFractions& fractions, const Kernels& kernels, TaskRunner* runner );
 	int levels() const { return int( m_levels.size() ); }
 	/// b and eta of region r, which is that of block r, on level 1, 2 ...
 	double pull( int level, int r ) const { return m_levels[level - 1].weight[r]; }
@@ -78,7 +78,7 @@ private:
 	double heldEta( int number, int r, const FarRegion& region, const FarMoments& plain ) const;
 	void collectCells( int level, std::uint32_t block, const std::function<void( std::uint32_t )>& take ) const;
 	static void storeRegion( Level& level, int r, const FarRegion& region );
-	void weighPulls( const FarShares& shares );
+	void weighPulls( const FarFractions& fractions );
 	static void matchLevel( Level& level, const MatchView& view, const Kernels& kernels, TaskRunner* runner );
 
 	const Lattice& m_lattice;
@@ -91,7 +91,7 @@ private:
 	AlignedArray<float> m_nodeWeight;
 	AlignedArray<float> m_nodePull; ///< P of each cell
 	AlignedArray<float> m_freedom;  ///< as the moments know it
-	FarShares m_shares = {};        ///< as m_nodePull knows them
+	FarFractions m_fractions = {};  ///< as m_nodePull knows them
 };
 
 } // namespace pliant

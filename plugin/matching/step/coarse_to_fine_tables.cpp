@@ -297,16 +297,16 @@ void CoarseToFine::storeRegion( Level& level, int r, const FarRegion& region )
 	}
 }
 
-void CoarseToFine::weighPulls( const FarShares& shares )
+void CoarseToFine::weighPulls( const FarFractions& fractions )
 {
-	m_shares = shares;
+	m_fractions = fractions;
 	for ( std::size_t i = 0; i < m_block.size(); ++i )
 	{
 		double pull = 0.0;
 		std::uint32_t block = m_block[i];
 		for ( int l = 0; l < levels(); ++l )
 		{
-			pull += double( shares[l] ) * m_levels[l].pull[block];
+			pull += double( fractions[l] ) * m_levels[l].pull[block];
 			block = l + 1 < levels() ? m_levels[l].parent[block] : 0;
 		}
 		m_nodePull[i] = float( pull );

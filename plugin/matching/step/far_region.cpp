@@ -15,15 +15,15 @@ namespace {
 constexpr double kSolidCell = 1.0 / 12.0;
 
 /// Of the square of the second moment of a stretch of material, what x^2 / 2 is off any straight line: L^4 / 720 of ( L^2 / 12 )^2.
-constexpr double kCurveShare = 0.2;
+constexpr double kCurveFraction = 0.2;
 
 } // namespace
 
-void FarMoments::add( const FarMoments& other, double share )
+void FarMoments::add( const FarMoments& other, double fraction )
 {
-	mass += share * other.mass;
-	first += share * other.first;
-	second += share * other.second;
+	mass += fraction * other.mass;
+	first += fraction * other.first;
+	second += fraction * other.second;
 }
 
 // Two things are matched, both to what a solid of modulus E_l = alpha_l rho d^2 mu / h^2 has, mu = M_r's full second moment:
@@ -48,7 +48,8 @@ FarRegion weighFarRegion( const FarMoments& heavy, const FarMoments& plain, int 
 		for ( int b = 0; b < 3; ++b )
 		{
 			const double along = std::max( solver.eigenvalues()[a], 0.0 ), across = std::max( solver.eigenvalues()[b], 0.0 );
-			const double curved = region.pull * ( along * across + kCurveShare * along * along ), strained = mu * ( across + kSolidCell );
+			const double curved = region.pull * ( along * across + kCurveFraction * along * along ),
+						 strained = mu * ( across + kSolidCell );
 			if ( a != b && strained < keep * curved )
 			{
 				keep = strained / curved;

@@ -25,7 +25,7 @@ struct FarMoments
 	Vec3d first = Vec3d::Zero();
 	Eigen::Matrix3d second = Eigen::Matrix3d::Zero();
 
-	void add( const FarMoments& other, double share );
+	void add( const FarMoments& other, double fraction );
 	Eigen::Matrix3d aboutCentre() const { return second - first * first.transpose() / mass; }
 };
 

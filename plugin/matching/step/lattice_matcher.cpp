@@ -36,7 +36,7 @@ LatticeMatcher::LatticeMatcher(
 	const Lattice& lattice, const Material& material, std::shared_ptr<const RegionTables> tables, const Kernels& kernels ) :
 	m_kernels( kernels ),
 	m_lattice( &lattice ), m_tables( std::move( tables ) ), m_cellSize( lattice.cellSize ), m_beta( material.beta ),
-	m_volumeShare( material.volumeKeeping ), m_rotationFromF( material.rotationFrom == RotationFrom::F ),
+	m_volumeFraction( material.volumeKeeping ), m_rotationFromF( material.rotationFrom == RotationFrom::F ),
 	m_keepsMomentum( material.weights == Weights::Conserving && material.rotationFrom == RotationFrom::Apq )
 {
 	allocate();
@@ -157,7 +157,7 @@ MatchView LatticeMatcher::view( NodeState& nodes )
 	v.cellsPerMetre = 1.0f / m_cellSize;
 	v.beta = m_beta;
 	v.rotationFromF = m_rotationFromF;
-	v.volumeShare = m_volumeShare;
+	v.volumeFraction = m_volumeFraction;
 	v.pull = m_tables->pull.empty() ? nullptr : m_tables->pull.data();
 	viewBlend( v );
 	if ( m_tables->matrix )
@@ -307,8 +307,8 @@ void LatticeMatcher::spareRigidMotion( MatchView& view, float h ) const
 	const Vec3d momentum = toVec3d( sum + 15 );
 	const Vec3d spin = toVec3d( sum + 18 ) - pivot.cross( momentum );
 	const double perSquareMetre = 1.0 / ( double( m_cellSize ) * m_cellSize );
-	shift -= view.wobbleShare * momentum / m_mass;
-	turn -= view.wobbleShare * ( rotation * ( inverseInertia * ( rotation.transpose() * spin ) ) ) * perSquareMetre;
+	shift -= view.wobbleFraction * momentum / m_mass;
+	turn -= view.wobbleFraction * ( rotation * ( inverseInertia * ( rotation.transpose() * spin ) ) ) * perSquareMetre;
 	for ( int k = 0; k < 3; ++k )
 	{
 		view.shift[k] = float( shift[k] );
@@ -321,19 +321,19 @@ void LatticeMatcher::accelerate( NodeState& nodes, const MatchStep& step, TaskRu
 {
 	MatchView v = view( nodes );
 	v.alpha = step.alpha;
-	v.bodyShare = step.bodyShare;
-	v.dampingShare = dampingShare( double( step.damping ), double( step.h ), double( step.alpha ), double( m_volumeShare ) );
-	v.wobbleShare = float( 1.0 - std::exp( -double( step.wobbleDamping ) * step.h ) );
+	v.bodyFraction = step.bodyFraction;
+	v.dampingFraction = dampingFraction( double( step.damping ), double( step.h ), double( step.alpha ), double( m_volumeFraction ) );
+	v.wobbleFraction = float( 1.0 - std::exp( -double( step.wobbleDamping ) * step.h ) );
 	v.speedPerCell = m_cellSize / step.h;
 	if ( m_isHistoryNew )
 	{
-		v.dampingShare = 0.0f;
+		v.dampingFraction = 0.0f;
 		m_isHistoryNew = false;
 	}
 	if ( m_far && step.far[0] > 0.0f )
 	{
-		v.dampingShare = std::min( v.dampingShare, kLargestFarDampingShare );
-		v.farDamping = v.dampingShare > 0.0f ? std::min( 1.0f, kLargestDampingOfFar / v.dampingShare ) : 0.0f;
+		v.dampingFraction = std::min( v.dampingFraction, kLargestFarDampingFraction );
+		v.farDamping = v.dampingFraction > 0.0f ? std::min( 1.0f, kLargestDampingOfFar / v.dampingFraction ) : 0.0f;
 	}
 	if ( ( step.measuresStrain || step.plastic.yieldStrain > 0.0f ) && v.inverseMoment[0] )
 	{

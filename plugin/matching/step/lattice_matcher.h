@@ -50,9 +50,9 @@ public:
 	std::size_t recordFloats() const { return m_nodeRecord.size(); }
 
 	/// Other regions for other nodes: node i takes over the history of the old node `heir[i]`, and of what has flowed what `heirs` says.
-	void setTables( std::shared_ptr<const RegionTables> tables, const FlowHeirs& heirs );
+	void setTables( std::shared_ptr<const RegionTables> tables, const FlowSources& sources );
 	/// Takes over the history and the flowed shapes of another body's regions: region i those of `heir[i]`.
-	void inherit( const LatticeMatcher& from, const std::vector<std::uint32_t>& heir );
+	void inherit( const LatticeMatcher& from, const std::vector<std::uint32_t>& source );
 	/// The same nodes, in the order `before`, on a lattice with other links, which must live as long as this; on levels. What `inherit`
 	/// does for a new matcher, in the memory of this one.
 	void relink( const Lattice& lattice, std::shared_ptr<const RegionTables> tables, const std::vector<std::uint32_t>& before );
@@ -117,7 +117,7 @@ private:
 	unsigned m_tablesVersion = 0;
 	float m_cellSize = 0.0f;
 	float m_beta = 0.0f;
-	float m_volumeShare = 0.0f; ///< kappa
+	float m_volumeFraction = 0.0f; ///< kappa
 	bool m_rotationFromF = false;
 	bool m_keepsMomentum = true; ///< conserving weights and rotations from A_pq: what rounding leaves is taken off
 
@@ -125,7 +125,7 @@ private:
 	Eigen::Quaterniond m_frame = Eigen::Quaterniond::Identity();
 	AlignedArray<float> m_quaternion[4];
 	AlignedArray<float> m_residual[3];
-	AlignedArray<float> m_historyRoom; ///< of a change of levels
+	AlignedArray<float> m_historyScratch; ///< of a change of levels
 
 	ConnectedParts m_parts;
 	unsigned m_partsVersion = 0;     ///< of the tables they were found in

@@ -8,12 +8,12 @@
 
 namespace pliant {
 
-void LatticeMatcher::setTables( std::shared_ptr<const RegionTables> tables, const FlowHeirs& heirs )
+void LatticeMatcher::setTables( std::shared_ptr<const RegionTables> tables, const FlowSources& sources )
 {
-	const std::vector<std::uint32_t>& heir = heirs.heir;
+	const std::vector<std::uint32_t>& source = sources.source;
 	if ( m_plastic )
 	{
-		m_plastic->carryOver( *m_tables, *tables, heirs );
+		m_plastic->carryOver( *m_tables, *tables, sources );
 	}
 	m_tables = std::move( tables );
 	++m_tablesVersion;
@@ -22,12 +22,12 @@ void LatticeMatcher::setTables( std::shared_ptr<const RegionTables> tables, cons
 	const std::size_t padded = std::size_t( m_tables->moments.padded );
 	for ( AlignedArray<float>* array : history() )
 	{
-		m_historyRoom.assign( padded, array == &m_quaternion[0] ? 1.0f : 0.0f );
-		for ( std::size_t i = 0; i < heir.size(); ++i )
+		m_historyScratch.assign( padded, array == &m_quaternion[0] ? 1.0f : 0.0f );
+		for ( std::size_t i = 0; i < source.size(); ++i )
 		{
-			m_historyRoom[i] = ( *array )[heir[i]];
+			m_historyScratch[i] = ( *array )[source[i]];
 		}
-		array->swap( m_historyRoom );
+		array->swap( m_historyScratch );
 	}
 	allocateScratch();
 	m_isHistoryNew = true;
@@ -46,7 +46,7 @@ void LatticeMatcher::viewLevels( MatchView& v ) const
 		v.start = m_tables->matrix->start.data();
 		v.member = m_tables->matrix->member.data();
 		v.memberMass = m_tables->matrix->mass.data();
-		v.memberShare = m_tables->matrix->share.data();
+		v.memberFraction = m_tables->matrix->fraction.data();
 	}
 	v.regionBeta = dataOrNull( m_tables->beta );
 	v.regionEta = dataOrNull( m_tables->eta );
@@ -76,19 +76,19 @@ std::array<AlignedArray<float>*, 7> LatticeMatcher::history()
 
 void LatticeMatcher::reserveNodes( int count )
 {
-	const std::size_t reserved = std::size_t( count ) + kLanes, touched = std::size_t( kRoomShare * m_tables->moments.padded );
+	const std::size_t reserved = std::size_t( count ) + kLanes, touched = std::size_t( kScratchFraction * m_tables->moments.padded );
 	for ( AlignedArray<float>* array : history() )
 	{
-		makeRoom( *array, reserved, touched );
+		reserveScratch( *array, reserved, touched );
 	}
-	for ( AlignedArray<float>* array : { &m_historyRoom, &m_change[0], &m_change[1], &m_change[2] } )
+	for ( AlignedArray<float>* array : { &m_historyScratch, &m_change[0], &m_change[1], &m_change[2] } )
 	{
-		makeRoom( *array, reserved, touched );
+		reserveScratch( *array, reserved, touched );
 	}
-	makeRoom( m_open, reserved, touched );
+	reserveScratch( m_open, reserved, touched );
 	for ( AlignedArray<float>* records : { &m_nodeRecord, &m_regionRecord } )
 	{
-		makeRoom( *records, reserved * kRecordFloats, std::size_t( kRoomShare * double( records->size() ) ) );
+		reserveScratch( *records, reserved * kRecordFloats, std::size_t( kScratchFraction * double( records->size() ) ) );
 	}
 }
 
@@ -181,7 +181,7 @@ void LatticeMatcher::oddsOf( NodeState& nodes, const std::vector<std::uint32_t>&
 	MatchView v = viewOfNow( nodes );
 	// The step's own kernels, told of a material that does not resist: L = R + beta ( F - R ) = F
 	v.beta = 1.0f;
-	v.volumeShare = 0.0f;
+	v.volumeFraction = 0.0f;
 	v.regionBeta = v.regionEta = v.regionWeight = v.pull = nullptr;
 	std::fill( std::begin( v.blend ), std::end( v.blend ), nullptr );
 	markTiles( v, which );

@@ -4,25 +4,25 @@
 
 namespace pliant {
 
-void LatticeMatcher::inherit( const LatticeMatcher& from, const std::vector<std::uint32_t>& heir )
+void LatticeMatcher::inherit( const LatticeMatcher& from, const std::vector<std::uint32_t>& source )
 {
 	m_frame = from.m_frame;
-	for ( std::size_t i = 0; i < heir.size(); ++i )
+	for ( std::size_t i = 0; i < source.size(); ++i )
 	{
 		for ( int k = 0; k < 4; ++k )
 		{
-			m_quaternion[k][i] = from.m_quaternion[k][heir[i]];
+			m_quaternion[k][i] = from.m_quaternion[k][source[i]];
 		}
 		for ( int k = 0; k < 3; ++k )
 		{
-			m_residual[k][i] = from.m_residual[k][heir[i]];
+			m_residual[k][i] = from.m_residual[k][source[i]];
 		}
 	}
 	m_isHistoryNew = true; // regions are others: no damping by what the old ones left
 	if ( from.m_plastic )
 	{
 		m_plastic = std::make_unique<PlasticFlow>( *m_tables );
-		m_plastic->inherit( *from.m_plastic, heir );
+		m_plastic->inherit( *from.m_plastic, source );
 	}
 }
 
@@ -35,12 +35,12 @@ void LatticeMatcher::relink( const Lattice& lattice, std::shared_ptr<const Regio
 	m_stretch.clear();
 	for ( AlignedArray<float>* array : history() )
 	{
-		m_historyRoom = *array; // what is beyond the last node stays
+		m_historyScratch = *array; // what is beyond the last node stays
 		for ( std::size_t i = 0; i < before.size(); ++i )
 		{
-			m_historyRoom[i] = ( *array )[before[i]];
+			m_historyScratch[i] = ( *array )[before[i]];
 		}
-		array->swap( m_historyRoom );
+		array->swap( m_historyScratch );
 	}
 	allocateScratch();
 	m_isHistoryNew = true;

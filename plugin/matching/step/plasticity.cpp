@@ -109,19 +109,19 @@ bool flowStretch( const PlasticLaw& law, float h, const FlowingRegion& region, E
 		return isLess;
 	};
 	// More than all of the strain would overshoot, and a region thrown inside out must not take its rest shape along.
-	double share = std::min( { double( law.creep ) * h, 1.0, kLargestFlow / size } );
-	if ( isTaken( share * stretching ) )
+	double fraction = std::min( { double( law.creep ) * h, 1.0, kLargestFlow / size } );
+	if ( isTaken( fraction * stretching ) )
 	{
 		return true;
 	}
 	const Eigen::Matrix3d resisting = stretch * region.moment * stretch;
 	const Eigen::Matrix3d yielding = ( resisting + kFlowFloor * resisting.trace() * one ).inverse();
 	const Eigen::Matrix3d downhill = strain - strain.trace() / yielding.trace() * yielding;
-	share = std::min( share, kLargestFlow / downhill.norm() );
+	fraction = std::min( fraction, kLargestFlow / downhill.norm() );
 	bool hasFlowed = false;
-	for ( int k = 0; k < kFlowHalvings && !hasFlowed; ++k, share *= 0.5 )
+	for ( int k = 0; k < kFlowHalvings && !hasFlowed; ++k, fraction *= 0.5 )
 	{
-		hasFlowed = isTaken( share * downhill );
+		hasFlowed = isTaken( fraction * downhill );
 	}
 	return hasFlowed;
 }
@@ -181,7 +181,7 @@ FlowingRegion PlasticFlow::regionOf( const MatchView& view, int r ) const
 	region.moment = loadSymmetric( moments.moment, r );
 	region.inverse = loadSymmetric( moments.inverseMoment, r );
 	region.inPlane = m_tables->outOfPlane[0].empty() ? one : Eigen::Matrix3d( one - loadSymmetric( m_tables->outOfPlane, r ) );
-	region.volumeKeeping = double( view.volumeShare );
+	region.volumeKeeping = double( view.volumeFraction );
 	if ( !m_tables->blend[0].empty() )
 	{
 		Eigen::Matrix3d blend;
@@ -269,23 +269,23 @@ void PlasticFlow::store( int region, Eigen::Matrix3d stretch )
 	}
 }
 
-void PlasticFlow::carryOver( const RegionTables& before, const RegionTables& now, const FlowHeirs& heirs )
+void PlasticFlow::carryOver( const RegionTables& before, const RegionTables& now, const FlowSources& sources )
 {
-	std::vector<Eigen::Matrix3d> sum( heirs.heir.size(), Eigen::Matrix3d::Zero() );
-	std::vector<double> mass( heirs.heir.size(), 0.0 );
-	std::vector<int> sources( heirs.heir.size(), 0 );
+	std::vector<Eigen::Matrix3d> sum( sources.source.size(), Eigen::Matrix3d::Zero() );
+	std::vector<double> mass( sources.source.size(), 0.0 );
+	std::vector<int> count( sources.source.size(), 0 );
 	for ( int i = 0; i < before.moments.count; ++i )
 	{
-		if ( const std::uint32_t to = heirs.nodeNow[i]; to != kNoNode )
+		if ( const std::uint32_t to = sources.nodeNow[i]; to != kNoNode )
 		{
-			sum[to] += double( heirs.massBefore[i] ) * loadSymmetric( m_stretch, i );
-			mass[to] += heirs.massBefore[i];
-			++sources[to];
+			sum[to] += double( sources.massBefore[i] ) * loadSymmetric( m_stretch, i );
+			mass[to] += sources.massBefore[i];
+			++count[to];
 		}
 	}
 	for ( std::size_t r = 0; r < sum.size(); ++r )
 	{
-		sum[r] = mass[r] > 0.0 ? Eigen::Matrix3d( sum[r] / mass[r] ) : loadSymmetric( m_stretch, int( heirs.heir[r] ) );
+		sum[r] = mass[r] > 0.0 ? Eigen::Matrix3d( sum[r] / mass[r] ) : loadSymmetric( m_stretch, int( sources.source[r] ) );
 	}
 	allocate( now );
 	for ( int r = 0; r < int( sum.size() ); ++r )
@@ -293,16 +293,16 @@ void PlasticFlow::carryOver( const RegionTables& before, const RegionTables& now
 		if ( !sum[r].isZero( 0.0 ) )
 		{
 			const Eigen::Matrix3d stretch = sum[r] + Eigen::Matrix3d::Identity();
-			store( r, sources[r] > 1 ? unitStretch( stretch ) : stretch ); // a mean of volumes kept keeps its volume only nearly
+			store( r, count[r] > 1 ? unitStretch( stretch ) : stretch ); // a mean of volumes kept keeps its volume only nearly
 		}
 	}
 }
 
-void PlasticFlow::inherit( const PlasticFlow& from, const std::vector<std::uint32_t>& heir )
+void PlasticFlow::inherit( const PlasticFlow& from, const std::vector<std::uint32_t>& source )
 {
-	for ( std::size_t r = 0; r < heir.size(); ++r )
+	for ( std::size_t r = 0; r < source.size(); ++r )
 	{
-		const Eigen::Matrix3d stretch = from.stretch( int( heir[r] ) );
+		const Eigen::Matrix3d stretch = from.stretch( int( source[r] ) );
 		if ( !stretch.isIdentity( 0.0 ) )
 		{
 			store( int( r ), stretch );

@@ -47,9 +47,9 @@ bool flowStretch( const PlasticLaw& law, float h, const FlowingRegion& region, E
 Eigen::Matrix3d unitStretch( const Eigen::Matrix3d& m, double limit = std::numeric_limits<double>::infinity() );
 
 /// Who takes over whose shape when levels change. Numbers of nodes and regions are the same.
-struct FlowHeirs
+struct FlowSources
 {
-	const std::vector<std::uint32_t>& heir; ///< of each region now: a region before
+	const std::vector<std::uint32_t>& source; ///< of each region now: a region before
 	const std::vector<std::uint32_t>&
 		nodeNow; ///< of each region before: its number now, its parent's where it was merged, kNoNode where split
 	const AlignedArray<float>& massBefore;
@@ -72,10 +72,10 @@ public:
 	bool flow( const MatchView& view, const Kernels& kernels, const MatchStep& step, int begin, int end );
 
 	/// The shapes under other tables: children take their parent's, a parent the mean of its children's by mass.
-	void carryOver( const RegionTables& before, const RegionTables& now, const FlowHeirs& heirs );
+	void carryOver( const RegionTables& before, const RegionTables& now, const FlowSources& sources );
 
 	/// The shapes of other tables' regions: region r takes that of `heir[r]`.
-	void inherit( const PlasticFlow& from, const std::vector<std::uint32_t>& heir );
+	void inherit( const PlasticFlow& from, const std::vector<std::uint32_t>& source );
 
 	Eigen::Matrix3d stretch( int region ) const;
 	std::size_t bytes() const;

@@ -12,7 +12,7 @@ int usefulFarLevels( const Lattice&, int )
 CoarseToFine::CoarseToFine( const Lattice& lattice, int, const RegionTables&, const std::vector<float>& ) : m_lattice( lattice ) {}
 
 void CoarseToFine::reset() {}
-void CoarseToFine::match( MatchView&, const FarShares&, const Kernels&, TaskRunner* ) {}
+void CoarseToFine::match( MatchView&, const FarFractions&, const Kernels&, TaskRunner* ) {}
 
 std::size_t CoarseToFine::bytes() const
 {

@@ -28,7 +28,7 @@ bool PlasticFlow::flow( const MatchView&, const Kernels&, const MatchStep&, int,
 	return false;
 }
 
-void PlasticFlow::carryOver( const RegionTables&, const RegionTables&, const FlowHeirs& ) {}
+void PlasticFlow::carryOver( const RegionTables&, const RegionTables&, const FlowSources& ) {}
 void PlasticFlow::inherit( const PlasticFlow&, const std::vector<std::uint32_t>& ) {}
 
 Eigen::Matrix3d PlasticFlow::stretch( int ) const

@@ -109,7 +109,7 @@ std::vector<BladePath::Near> BladePath::nearTo( std::uint32_t point, const Vec3&
 /// How to go to get one metre further along `normal`: the m of least | m |^2 + k m^T S m + k' | S m |^2 with n . m = 1, S what m_outward
 /// holds. With K = ( 1 + k S + k' S^2 )^-1 it is K n / ( n . K n ): straight on inside, along the outer surface on it, along a crease's
 /// edge in one.
-Vec3 BladePath::wayOut( std::uint32_t point, const Vec3& normal ) const
+Vec3 BladePath::exitDisplacement( std::uint32_t point, const Vec3& normal ) const
 {
 	Eigen::Matrix3f outward;
 	for ( int e = 0; e < 6; ++e )
@@ -148,7 +148,7 @@ Vec3 BladePath::moved( std::uint32_t point, const Vec3& at, std::vector<Near>& n
 	{
 		return at; // on its own side
 	}
-	const Vec3 move = -height / weight * wayOut( point, normal.normalized() );
+	const Vec3 move = -height / weight * exitDisplacement( point, normal.normalized() );
 	const float length = move.norm(), most = kFarthestMove * m_complex->cellSize;
 	return at + ( length > most ? most / length : 1.0f ) * move;
 }

@@ -41,7 +41,7 @@ private:
 
 	std::vector<Near> nearTo( std::uint32_t point, const Vec3& at ) const;
 	Vec3 moved( std::uint32_t point, const Vec3& at, std::vector<Near>& near ) const;
-	Vec3 wayOut( std::uint32_t point, const Vec3& normal ) const;
+	Vec3 exitDisplacement( std::uint32_t point, const Vec3& normal ) const;
 
 	std::shared_ptr<const CellComplex> m_complex;
 	std::vector<CutTrace> m_trace;

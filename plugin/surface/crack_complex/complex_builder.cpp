@@ -121,8 +121,8 @@ private:
 			for ( int axis = 0; axis < 3; ++axis )
 			{
 				const Eigen::Vector3i above = positionOfKey( m_lattice.extent, key ) + Eigen::Vector3i::Unit( axis );
-				const std::uint64_t key = positionKey( m_lattice.extent, above );
-				if ( above[axis] < m_lattice.extent[axis] && std::binary_search( keys.begin(), keys.end(), key ) )
+				const std::uint64_t next = positionKey( m_lattice.extent, above );
+				if ( above[axis] < m_lattice.extent[axis] && std::binary_search( keys.begin(), keys.end(), next ) )
 				{
 					faces.push_back( 3 * key + std::uint64_t( axis ) );
 				}

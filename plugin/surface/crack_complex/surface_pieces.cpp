@@ -209,7 +209,7 @@ private:
 	{
 		const Triangle& t = m_welded.triangle[triangle];
 		const SurfaceOrigin& origin = m_surface.point[point].origin;
-		std::array<double, 3> share{ 0.0, 0.0, 0.0 };
+		std::array<double, 3> fraction{ 0.0, 0.0, 0.0 };
 		bool isOfTriangle = !origin.isInterior();
 		for ( std::size_t k = 0; k < 3 && origin.vertex[k] != SurfaceOrigin::kNone; ++k )
 		{
@@ -217,36 +217,36 @@ private:
 			isOfTriangle = isOfTriangle && corner < 3;
 			if ( corner < 3 )
 			{
-				share[corner] = origin.weight[k];
+				fraction[corner] = origin.weight[k];
 			}
 		}
 		if ( isOfTriangle )
 		{
-			return share;
+			return fraction;
 		}
 		// It was merged with a point of a neighbouring triangle.
 		const double whole = doubleArea( m_corner[0], m_corner[1], m_corner[2] );
 		double sum = 0.0;
 		for ( std::size_t k = 0; k < 3; ++k )
 		{
-			share[k] = whole > 0.0 ? std::max( 0.0, doubleArea( m_corner[( k + 1 ) % 3], m_corner[( k + 2 ) % 3], at ) / whole ) : 1.0;
-			sum += share[k];
+			fraction[k] = whole > 0.0 ? std::max( 0.0, doubleArea( m_corner[( k + 1 ) % 3], m_corner[( k + 2 ) % 3], at ) / whole ) : 1.0;
+			sum += fraction[k];
 		}
-		for ( double& s : share )
+		for ( double& s : fraction )
 		{
 			s /= sum;
 		}
-		return share;
+		return fraction;
 	}
 
 	/// The vertex at a point as this triangle sees it: triangles that share the input's vertices there share it.
 	std::uint32_t vertexAt( std::uint32_t point, std::uint32_t triangle, const Vec2d& at )
 	{
-		const std::array<double, 3> share = sharesAt( point, triangle, at );
+		const std::array<double, 3> fraction = sharesAt( point, triangle, at );
 		std::array<std::pair<std::uint32_t, float>, 3> used;
 		for ( std::size_t k = 0; k < 3; ++k )
 		{
-			used[k] = { share[k] > 0.0 ? m_source[triangle].vertex[k] : kNone, float( share[k] ) };
+			used[k] = { fraction[k] > 0.0 ? m_source[triangle].vertex[k] : kNone, float( fraction[k] ) };
 		}
 		std::sort( used.begin(), used.end() );
 		if ( used[1].first == kNone && m_surface.point[point].origin.isInput() )

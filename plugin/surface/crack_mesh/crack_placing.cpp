@@ -1,7 +1,7 @@
 // What no crack parts is drawn as the input has it: cuts within panels stand where the panels' corners put them, or are spared.
 
 #include "surface/crack_mesh/crack_view.h"
-#include "surface/crack_mesh/make_place.h"
+#include "surface/crack_mesh/resize_for_overwrite.h"
 #include "threads/parallel.h"
 
 #include <algorithm>
@@ -129,7 +129,7 @@ void CrackSurface::addPanelsAt( std::uint32_t point, std::vector<std::uint32_t>&
 /// In the order that CrackSurface has.
 void CrackGatherer::listPlaced( SkinBinding& to, TaskRunner* runner ) const
 {
-	makePlace( to.placed, m_placedCount );
+	resizeForOverwrite( to.placed, m_placedCount );
 	runShares( runner, Shares{ int( m_placedCount ) }, [&]( int, int begin, int end ) {
 		const auto lookAt = [&]( int k ) {
 			return &m_sides->patches().look[m_made[m_placed[std::size_t( std::min( k, end - 1 ) )]].vertex];

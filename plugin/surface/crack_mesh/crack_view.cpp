@@ -1,6 +1,6 @@
 #include "surface/crack_mesh/crack_view.h"
 
-#include "surface/crack_mesh/make_place.h"
+#include "surface/crack_mesh/resize_for_overwrite.h"
 #include "threads/parallel.h"
 
 #include <Eigen/Geometry>
@@ -21,7 +21,7 @@ void CrackGatherer::gather(
 	const CrackSides& sides, const std::vector<std::uint32_t>& cells, const Vec3& shift, CrackView& view, TaskRunner* runner )
 {
 	m_sides = &sides;
-	makeRoom( cells, view );
+	reserveScratch( cells, view );
 	if ( runner && runner->threadCount() > 1 )
 	{
 		numberTogether( view, runner );
@@ -40,7 +40,7 @@ void CrackGatherer::gather(
 }
 
 // The outer surface first, so that its triangles and vertices are one run.
-void CrackGatherer::makeRoom( const std::vector<std::uint32_t>& cells, CrackView& view )
+void CrackGatherer::reserveScratch( const std::vector<std::uint32_t>& cells, CrackView& view )
 {
 	const CellComplex& complex = m_sides->complex();
 	const CrackPatches& patches = m_sides->patches();
@@ -63,11 +63,11 @@ void CrackGatherer::makeRoom( const std::vector<std::uint32_t>& cells, CrackView
 	}
 	begin( vertices );
 	m_cells = cells.size();
-	makePlace( view.ownTriangles, triangles );
-	if ( m_sides->panels().arePlaced() && ( m_outerRoom < vertices || m_shadingRoom < triangles ) )
+	resizeForOverwrite( view.ownTriangles, triangles );
+	if ( m_sides->panels().arePlaced() && ( m_outerCapacity < vertices || m_shadingCapacity < triangles ) )
 	{
-		m_outerRoom = vertices;
-		m_shadingRoom = triangles;
+		m_outerCapacity = vertices;
+		m_shadingCapacity = triangles;
 		m_placed = std::make_unique_for_overwrite<std::uint32_t[]>( vertices + 1 );
 		m_shading = std::make_unique_for_overwrite<std::array<std::uint32_t, 3>[]>( triangles + 1 );
 	}
@@ -87,7 +87,7 @@ void CrackGatherer::begin( std::size_t vertices )
 	}
 	if ( m_made.size() < vertices )
 	{
-		makePlace( m_made, vertices );
+		resizeForOverwrite( m_made, vertices );
 	}
 	m_count = 0;
 	m_outerCount = 0;

@@ -67,7 +67,7 @@ private:
 		std::uint32_t row, number;
 	};
 
-	void makeRoom( const std::vector<std::uint32_t>& cells, CrackView& view );
+	void reserveScratch( const std::vector<std::uint32_t>& cells, CrackView& view );
 	void begin( std::size_t vertices );
 	std::uint32_t verticesOf( std::uint32_t patch ) const
 	{
@@ -118,7 +118,7 @@ private:
 	/// Of the outer surface: vertices within whole panels; SkinBinding::shading, if any are. Room for all and one, not written before.
 	std::unique_ptr<std::uint32_t[]> m_placed;
 	std::unique_ptr<std::array<std::uint32_t, 3>[]> m_shading;
-	std::size_t m_placedCount = 0, m_shadingCount = 0, m_outerRoom = 0, m_shadingRoom = 0;
+	std::size_t m_placedCount = 0, m_shadingCount = 0, m_outerCapacity = 0, m_shadingCapacity = 0;
 	std::vector<std::array<std::uint32_t, 3>> m_panelTriangle; ///< what panels that are one are drawn as
 	std::vector<std::uint32_t> m_panelSource, m_around;        ///< of each of those; a panel's border, as far as it is drawn
 };

@@ -2,7 +2,7 @@
 
 #include "surface/crack_mesh/crack_view.h"
 
-#include "surface/crack_mesh/make_place.h"
+#include "surface/crack_mesh/resize_for_overwrite.h"
 #include "threads/parallel.h"
 
 #include <Eigen/Geometry>
@@ -28,9 +28,9 @@ void CrackGatherer::write( const std::vector<std::uint32_t>& cells, const Vec3& 
 		m_cellNow[cells[k]] = k;
 	}
 	const Shares rows{ int( m_row.size() ) }, vertices{ int( m_count ) };
-	OfShares<std::uint32_t> entries{};
-	runShares( runner, rows, [&]( int share, int begin, int end ) {
-		entries[std::size_t( share )] = takeCarriers( std::size_t( begin ), std::size_t( end ) );
+	OfFractions<std::uint32_t> entries{};
+	runShares( runner, rows, [&]( int fraction, int begin, int end ) {
+		entries[std::size_t( fraction )] = takeCarriers( std::size_t( begin ), std::size_t( end ) );
 	} );
 	std::uint32_t sum = 0;
 	for ( std::uint32_t& each : entries )
@@ -39,24 +39,24 @@ void CrackGatherer::write( const std::vector<std::uint32_t>& cells, const Vec3& 
 		each = sum - each;
 	}
 	makeArrays( view );
-	makePlace( to.node, sum );
-	makePlace( to.weight, sum );
+	resizeForOverwrite( to.node, sum );
+	resizeForOverwrite( to.weight, sum );
 	auto task = [&]( int k ) {
-		const int share = k < rows.shares() ? k : k - rows.shares();
-		if ( k < rows.shares() )
+		const int fraction = k < rows.fractions() ? k : k - rows.fractions();
+		if ( k < rows.fractions() )
 		{
-			writeRows( to, std::size_t( rows.begin( share ) ), std::size_t( rows.end( share ) ), entries[std::size_t( share )] );
+			writeRows( to, std::size_t( rows.begin( fraction ) ), std::size_t( rows.end( fraction ) ), entries[std::size_t( fraction )] );
 		}
-		else if ( share < vertices.shares() )
+		else if ( fraction < vertices.fractions() )
 		{
-			writeVertices( shift, view, std::size_t( vertices.begin( share ) ), std::size_t( vertices.end( share ) ) );
+			writeVertices( shift, view, std::size_t( vertices.begin( fraction ) ), std::size_t( vertices.end( fraction ) ) );
 		}
 		else
 		{
 			takeSources( cells, view );
 		}
 	};
-	runTasks( runner, rows.shares() + vertices.shares() + 1, task );
+	runTasks( runner, rows.fractions() + vertices.fractions() + 1, task );
 	view.ownSources.pop_back();
 	listPlaced( to, runner );
 	const std::uint32_t last = m_row.empty() ? 0 : m_row.back().vertex + 1;
@@ -72,15 +72,15 @@ void CrackGatherer::makeArrays( CrackView& view ) const
 	SkinBinding& to = view.ownBinding;
 	to.kind = m_sides->complex().skinning;
 	to.normalGroups = int( m_normalGroups );
-	makePlace( to.restPosition, m_count );
-	makePlace( to.restNormal, m_count );
-	makePlace( to.normalShift, m_outerCount );
-	makePlace( to.normalGroup, m_count );
-	makePlace( to.carrier, m_count );
-	makePlace( to.point, m_count );
-	makePlace( to.start, std::size_t( m_count ) + 1 );
-	makePlace( view.ownTexture, 2 * std::size_t( m_count ) );
-	makePlace( view.ownSources, view.ownTriangles.size() + 1 ); // takeSources
+	resizeForOverwrite( to.restPosition, m_count );
+	resizeForOverwrite( to.restNormal, m_count );
+	resizeForOverwrite( to.normalShift, m_outerCount );
+	resizeForOverwrite( to.normalGroup, m_count );
+	resizeForOverwrite( to.carrier, m_count );
+	resizeForOverwrite( to.point, m_count );
+	resizeForOverwrite( to.start, std::size_t( m_count ) + 1 );
+	resizeForOverwrite( view.ownTexture, 2 * std::size_t( m_count ) );
+	resizeForOverwrite( view.ownSources, view.ownTriangles.size() + 1 ); // takeSources
 }
 
 /// Each is written, and counted if it is drawn: one too many has its place.
@@ -108,7 +108,7 @@ void CrackGatherer::writeVertices( const Vec3& shift, CrackView& view, std::size
 	for ( std::size_t k = first; k < last; ++k )
 	{
 		__builtin_prefetch( &patches.look[m_made[std::min<std::size_t>( k + kFar, m_count - 1 )].vertex] );
-		m_sides->fetchPlace( patches.look[m_made[std::min<std::size_t>( k + kNear, m_count - 1 )].vertex].point );
+		m_sides->fetchPosition( patches.look[m_made[std::min<std::size_t>( k + kNear, m_count - 1 )].vertex].point );
 		const Made& made = m_made[k];
 		const CrackPatches::Look& look = patches.look[made.vertex];
 		to.restPosition[k] = m_sides->placeOf( look.point ) - shift;

@@ -12,8 +12,8 @@ double distanceToLine( const Vec3d& p, const Vec3d& from, const Vec3d& to )
 {
 	const Vec3d along = to - from;
 	const double square = along.squaredNorm();
-	const double share = square > 0.0 ? std::clamp( along.dot( p - from ) / square, 0.0, 1.0 ) : 0.0;
-	return ( p - from - share * along ).norm();
+	const double fraction = square > 0.0 ? std::clamp( along.dot( p - from ) / square, 0.0, 1.0 ) : 0.0;
+	return ( p - from - fraction * along ).norm();
 }
 
 void keepBetween(
@@ -113,12 +113,12 @@ private:
 			return;
 		}
 		m_chain.push_back( to );
-		m_place.clear();
+		m_position.clear();
 		for ( const std::uint32_t p : m_chain )
 		{
-			m_place.push_back( m_surface.point[p].rest );
+			m_position.push_back( m_surface.point[p].rest );
 		}
-		const std::vector<std::uint8_t> isKept = keepBent( m_place, tolerance );
+		const std::vector<std::uint8_t> isKept = keepBent( m_position, tolerance );
 		for ( std::size_t k = 1; k + 1 < m_chain.size(); ++k )
 		{
 			m_became[m_chain[k]] = isKept[k] != 0 ? m_chain[k] : m_became[m_chain[k - 1]];
@@ -162,7 +162,7 @@ private:
 	std::vector<Link> m_link;            ///< by point
 	std::vector<std::uint32_t> m_became; ///< by point: the one it is left out for, or itself
 	std::vector<std::uint32_t> m_chain;
-	std::vector<Vec3d> m_place;
+	std::vector<Vec3d> m_position;
 };
 
 } // namespace

@@ -25,7 +25,7 @@ SurfaceOrigin blend( const SurfaceOrigin& a, const SurfaceOrigin& b, double t )
 {
 	SurfaceOrigin out;
 	std::size_t count = 0;
-	const auto add = [&]( const SurfaceOrigin& o, double share ) {
+	const auto add = [&]( const SurfaceOrigin& o, double fraction ) {
 		for ( std::size_t k = 0; k < 3 && o.vertex[k] != SurfaceOrigin::kNone; ++k )
 		{
 			std::size_t at = 0;
@@ -41,7 +41,7 @@ SurfaceOrigin blend( const SurfaceOrigin& a, const SurfaceOrigin& b, double t )
 				out.weight[at] = 0.0;
 				++count;
 			}
-			out.weight[at] += share * o.weight[k];
+			out.weight[at] += fraction * o.weight[k];
 		}
 	};
 	add( a, 1.0 - t );

@@ -55,7 +55,7 @@ Vec3d NoiseWarp::noise( const Vec3d& place ) const
 	const Vec3d at = place * m_frequency + Vec3d( kShift[0], kShift[1], kShift[2] );
 	const Vec3d floor = at.array().floor();
 	const Vec3d within = at - floor;
-	const Vec3d share( fade( within.x() ), fade( within.y() ), fade( within.z() ) );
+	const Vec3d fraction( fade( within.x() ), fade( within.y() ), fade( within.z() ) );
 	Vec3d sum = Vec3d::Zero();
 	for ( int corner = 0; corner < 8; ++corner )
 	{
@@ -63,7 +63,7 @@ Vec3d NoiseWarp::noise( const Vec3d& place ) const
 		double weight = 1.0;
 		for ( int axis = 0; axis < 3; ++axis )
 		{
-			weight *= step[axis] != 0.0 ? share[axis] : 1.0 - share[axis];
+			weight *= step[axis] != 0.0 ? fraction[axis] : 1.0 - fraction[axis];
 		}
 		const auto number = [&]( int axis ) { return std::uint32_t( std::int64_t( floor[axis] + step[axis] ) ); };
 		const std::uint32_t hash = mix( number( 0 ), number( 1 ), number( 2 ), m_seed );

@@ -123,14 +123,14 @@ void CrackSurface::follow( const BladePath& path, const std::vector<std::uint32_
 		{
 			continue;
 		}
-		if ( m_place.empty() )
+		if ( m_position.empty() )
 		{
 			for ( const std::uint32_t any : m_point )
 			{
-				m_place.push_back( m_complex->pointRest[any] );
+				m_position.push_back( m_complex->pointRest[any] );
 			}
 		}
-		m_place[point] = place;
+		m_position[point] = place;
 		for ( std::uint32_t side = m_firstSide[point]; side != kNone; side = m_side[side].next )
 		{
 			for ( std::uint32_t v = m_side[side].newest; v != kNone; v = m_vertex[v].next )

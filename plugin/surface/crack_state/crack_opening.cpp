@@ -227,7 +227,7 @@ void CrackSurface::redirectTriangles( std::uint32_t cell, std::uint32_t first, s
 	}
 }
 
-void CrackSurface::makeRoom()
+void CrackSurface::reserveScratch()
 {
 	// Were all faces to break, so many would come to it; half of them is a lot.
 	const std::size_t triangles = m_complex->faceTriangle.size(), vertices = m_complex->pointsOfFace.entry.size();

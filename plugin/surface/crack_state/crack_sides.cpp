@@ -79,12 +79,12 @@ CrackSides::CrackSides( std::shared_ptr<const CrackPatches> patches, const Crack
 	}
 	splitSides( fresh, runner );
 	askAround( fresh, runner );
-	if ( !whole.m_place.empty() )
+	if ( !whole.m_position.empty() )
 	{
-		m_place = whole.m_place;
-		for ( std::uint32_t point = 0; point < std::uint32_t( m_place.size() ); ++point )
+		m_position = whole.m_position;
+		for ( std::uint32_t point = 0; point < std::uint32_t( m_position.size() ); ++point )
 		{
-			if ( m_place[point] != c.pointRest[point] )
+			if ( m_position[point] != c.pointRest[point] )
 			{
 				shadeAnewAround( point );
 			}
@@ -373,15 +373,15 @@ void CrackSides::ask( std::uint32_t point )
 
 void CrackSides::follow( const BladePath& path, const std::vector<std::uint32_t>& points )
 {
-	m_place = m_place.empty() ? complex().pointRest : std::move( m_place );
+	m_position = m_position.empty() ? complex().pointRest : std::move( m_position );
 	std::vector<std::uint32_t> anew;
 	for ( const std::uint32_t point : points )
 	{
 		m_panels.touch( point, anew ); // as CrackSurface does
 		const Vec3 place = path.placeOf( point );
-		if ( place != m_place[point] )
+		if ( place != m_position[point] )
 		{
-			m_place[point] = place;
+			m_position[point] = place;
 			shadeAnewAround( point );
 		}
 	}
@@ -402,7 +402,7 @@ std::size_t CrackSides::bytes() const
 {
 	const auto sizeOf = []( const auto& list ) { return list.size() * sizeof( list[0] ); };
 	return sizeOf( m_isBroken ) + sizeOf( m_side ) + sizeOf( m_carriers ) + sizeOf( m_joined ) + 4 * sizeOf( m_isDrawn ) +
-		m_panels.bytes() + sizeOf( m_place );
+		m_panels.bytes() + sizeOf( m_position );
 }
 
 } // namespace pliant

@@ -29,9 +29,12 @@ public:
 	/// Of those that carry the point in the whole body, the ones that a side has, a bit each; by the side's first slot.
 	std::uint64_t carriersOf( std::uint32_t side ) const { return m_carriers[side]; }
 	const std::uint64_t* carriersAt( std::uint32_t side ) const { return &m_carriers[side]; }
-	const Vec3& placeOf( std::uint32_t point ) const { return m_place.empty() ? m_patches->complex->pointRest[point] : m_place[point]; }
+	const Vec3& placeOf( std::uint32_t point ) const
+	{
+		return m_position.empty() ? m_patches->complex->pointRest[point] : m_position[point];
+	}
 	void fetchSide( std::uint32_t slot ) const { __builtin_prefetch( &m_side[slot] ); }
-	void fetchPlace( std::uint32_t point ) const { __builtin_prefetch( &placeOf( point ) ); }
+	void fetchPosition( std::uint32_t point ) const { __builtin_prefetch( &placeOf( point ) ); }
 	/// Whether the outer surface around a point is not what it was in the whole body.
 	bool isShadedAnew( std::uint32_t point ) const { return m_isShadedAnew[point] != 0; }
 	const WholePanels& panels() const { return m_panels; }
@@ -66,7 +69,7 @@ private:
 		m_joined; ///< by place of a class (CrackPatches::firstOfClass): the carriers that standing faces join to this one
 	std::vector<std::uint8_t> m_isDrawn, m_isShadedAnew, m_isMarked, m_isSplit; ///< by point
 	WholePanels m_panels;
-	std::vector<Vec3> m_place;          ///< by point; empty: those of the complex
+	std::vector<Vec3> m_position;       ///< by point; empty: those of the complex
 	std::vector<std::uint32_t> m_found; ///< points
 	std::vector<std::uint32_t> m_foundClass;
 	std::vector<std::uint8_t> m_isClassMarked;

@@ -21,12 +21,12 @@ std::uint32_t numberIn( const std::vector<std::uint32_t>& list, std::uint32_t wa
 namespace {
 
 /// Pieces of less than this share of the template search for numbers rather than keep a table as long as the template's.
-constexpr std::size_t kTableShare = 16;
+constexpr std::size_t kTableFraction = 16;
 
 std::vector<std::uint32_t> tableOf( const std::vector<std::uint32_t>& list, std::size_t all )
 {
 	std::vector<std::uint32_t> table;
-	if ( list.size() * kTableShare >= all )
+	if ( list.size() * kTableFraction >= all )
 	{
 		table.assign( all, CrackSurface::kNone );
 		for ( std::uint32_t k = 0; k < list.size(); ++k )

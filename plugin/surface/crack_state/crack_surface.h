@@ -112,11 +112,11 @@ public:
 	std::size_t bytes() const;
 
 	/// Room for half of all faces, so that what breaks next need not move what is there.
-	void makeRoom();
+	void reserveScratch();
 
 private:
 	friend Status validate( const CrackSurface& surface );
-	friend class CrackFamily;
+	friend class SharedCrackState;
 	friend class CrackPatches;
 	friend class CrackSides;
 
@@ -169,7 +169,10 @@ private:
 	}
 	std::uint32_t localFace( std::uint32_t face ) const;
 	/// A local point's place at rest, relative to the template's mass centre.
-	const Vec3& restOf( std::uint32_t point ) const { return m_place.empty() ? m_complex->pointRest[m_point[point]] : m_place[point]; }
+	const Vec3& restOf( std::uint32_t point ) const
+	{
+		return m_position.empty() ? m_complex->pointRest[m_point[point]] : m_position[point];
+	}
 
 	bool regroup( std::uint32_t point );
 	std::uint16_t groupOf( std::uint32_t point, std::uint32_t cell ) const;
@@ -233,7 +236,7 @@ private:
 	std::shared_ptr<const CellComplex> m_complex;
 	Vec3 m_shift;
 	std::vector<std::uint32_t> m_cell, m_point;                        ///< of the complex, ascending
-	std::vector<Vec3> m_place;                                         ///< by point; empty: those of the complex
+	std::vector<Vec3> m_position;                                      ///< by point; empty: those of the complex
 	std::vector<std::uint32_t> m_localCell, m_localPoint, m_localFace; ///< the other way round; empty for small pieces, which search
 	std::vector<Face> m_face;                                          ///< ascending
 	std::vector<std::uint32_t> m_cellFaceStart, m_cellFace;            ///< local faces by local cell

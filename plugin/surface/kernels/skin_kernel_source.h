@@ -81,7 +81,7 @@ void followRows( const SkinView& view, std::size_t first, std::size_t last )
 	const Rows rows( view );
 	const std::uint32_t *const listed = view.listed, *const carriers = view.carrier;
 	const float *const rest = view.restPosition, *const shifts = view.normalShift;
-	float *const places = view.place, *const turnedShift = view.turnedShift, *const positions = view.positions;
+	float *const positions4 = view.place, *const turnedShift = view.turnedShift, *const positions = view.positions;
 	const std::size_t shifted = view.shifted;
 	for ( std::size_t k = first; k < last; ++k )
 	{
@@ -94,7 +94,7 @@ void followRows( const SkinView& view, std::size_t first, std::size_t last )
 			if ( carrier == v )
 			{
 				const F4 x = blend.apply( column( rest + 3 * v, 1.0f ) );
-				store4( places + 4 * v, x );
+				store4( positions4 + 4 * v, x );
 				store3( positions + 3 * v, x );
 			}
 			turned = isShifted ? blend.apply( column( shifts + 3 * v, 0.0f ) ) : turned;
@@ -108,18 +108,18 @@ void followRows( const SkinView& view, std::size_t first, std::size_t last )
 
 void placeFromCorners( const SkinView& view, std::size_t first, std::size_t last )
 {
-	const SkinPlace* const placed = view.placed;
+	const SkinPosition* const placed = view.placed;
 	const std::uint32_t* const carriers = view.carrier;
-	float *const places = view.place, *const positions = view.positions;
-	const auto at = [places]( std::uint32_t vertex ) { return load4( places + 4 * std::size_t( vertex ) ); };
+	float *const positions4 = view.place, *const positions = view.positions;
+	const auto at = [positions4]( std::uint32_t vertex ) { return load4( positions4 + 4 * std::size_t( vertex ) ); };
 	for ( std::size_t k = first; k < last; ++k )
 	{
-		const SkinPlace& of = placed[k];
+		const SkinPosition& of = placed[k];
 		const std::size_t v = of.vertex;
 		if ( !carriers || carriers[v] == v )
 		{
 			const F4 x = ( of.weight[0] * at( of.corner[0] ) + of.weight[1] * at( of.corner[1] ) ) + of.weight[2] * at( of.corner[2] );
-			store4( places + 4 * v, x );
+			store4( positions4 + 4 * v, x );
 			store3( positions + 3 * v, x );
 		}
 	}
@@ -128,13 +128,13 @@ void placeFromCorners( const SkinView& view, std::size_t first, std::size_t last
 void carry( const SkinView& view, std::size_t first, std::size_t last )
 {
 	const std::uint32_t* const carriers = view.carrier;
-	float *const places = view.place, *const positions = view.positions;
+	float *const positions4 = view.place, *const positions = view.positions;
 	for ( std::size_t v = first; v < last; ++v )
 	{
 		if ( const std::size_t carrier = carriers[v]; carrier != v )
 		{
-			const F4 x = load4( places + 4 * carrier );
-			store4( places + 4 * v, x );
+			const F4 x = load4( positions4 + 4 * carrier );
+			store4( positions4 + 4 * v, x );
 			store3( positions + 3 * v, x );
 		}
 	}
@@ -149,9 +149,9 @@ F4 cross( F4 a, F4 b )
 void addAreas( const SkinView& view, const std::uint32_t* corners, int triangles )
 {
 	const std::uint32_t* const group = view.normalGroup;
-	const float* const places = view.place;
+	const float* const positions4 = view.place;
 	float* const sums = view.groupNormal;
-	const auto at = [places]( std::uint32_t vertex ) { return load4( places + 4 * std::size_t( vertex ) ); };
+	const auto at = [positions4]( std::uint32_t vertex ) { return load4( positions4 + 4 * std::size_t( vertex ) ); };
 	for ( int t = 0; t < triangles; ++t, corners += 3 )
 	{
 		const F4 a = at( corners[0] );
@@ -299,7 +299,7 @@ void writeNormals( const SkinView& view, std::size_t first, std::size_t last )
 
 void shadeFromCorners( const SkinView& view, std::size_t first, std::size_t last )
 {
-	const SkinPlace* const of = view.placed;
+	const SkinPosition* const of = view.placed;
 	float* const normals = view.normals;
 	const auto at = [normals]( std::uint32_t vertex ) { return column( normals + 3 * std::size_t( vertex ), 0.0f ); };
 	const auto sumOf = [&]( std::size_t k ) {

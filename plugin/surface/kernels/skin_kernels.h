@@ -13,7 +13,7 @@ namespace pliant {
 inline constexpr int kSkinMapFloats = 12;
 
 /// A vertex that stands within a triangle: SkinBinding::Placed, word by word.
-struct SkinPlace
+struct SkinPosition
 {
 	std::uint32_t vertex;
 	std::uint32_t corner[3];
@@ -30,7 +30,7 @@ struct SkinView
 	const float* map = nullptr;             ///< kSkinMapFloats a node, on 16 bytes
 	const std::uint32_t* carrier = nullptr; ///< null: each vertex has its own row
 	const std::uint32_t* listed = nullptr;  ///< vertices that follow rows; null: all
-	const SkinPlace* placed = nullptr;
+	const SkinPosition* placed = nullptr;
 	const float* restPosition = nullptr; ///< 3 a vertex, and so are the next two
 	const float* restNormal = nullptr;
 	const float* normalShift = nullptr;

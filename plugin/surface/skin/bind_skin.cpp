@@ -119,12 +119,12 @@ public:
 	}
 
 	/// Appends the spot's shares. Their weights sum to 1.
-	void bind( const Spot& spot, bool isInsideOut, std::vector<Share>& shares )
+	void bind( const Spot& spot, bool isInsideOut, std::vector<Share>& fractions )
 	{
 		m_finder.cellsAround( m_finder.positionOf( spot.point ), m_around );
 		const Vec3d outward = isInsideOut ? Vec3d( -spot.outward ) : spot.outward;
 		const std::uint32_t owner = std::uint32_t( m_finder.owner( spot.point, outward, m_around ) );
-		const std::size_t first = shares.size();
+		const std::size_t first = fractions.size();
 		double sum = 0.0;
 		markLinks( owner );
 		for ( const std::uint32_t cell : m_around )
@@ -133,18 +133,18 @@ public:
 			const double weight = m_kind == Skinning::Trilinear ? trilinearWeight( away ) : nearbyWeight( away );
 			if ( weight > 0.0 && isWithinTwoLinks( cell ) )
 			{
-				shares.push_back( Share{ cell, weight } );
+				fractions.push_back( Share{ cell, weight } );
 				sum += weight;
 			}
 		}
-		if ( shares.size() == first ) // out of every cell's reach
+		if ( fractions.size() == first ) // out of every cell's reach
 		{
-			shares.push_back( Share{ owner, 1.0 } );
+			fractions.push_back( Share{ owner, 1.0 } );
 			return;
 		}
-		for ( std::size_t k = first; k < shares.size(); ++k )
+		for ( std::size_t k = first; k < fractions.size(); ++k )
 		{
-			shares[k].weight /= sum;
+			fractions[k].weight /= sum;
 		}
 	}
 
@@ -218,12 +218,12 @@ SkinBinding bindSkin( const MeshView& mesh, const Lattice& lattice, const std::v
 	std::vector<Spot> spots = makeSpots( mesh, binding );
 	Binder binder( lattice, kind );
 	const std::vector<std::uint8_t> isInsideOut = findInsideOut( mesh, binding, spots, binder );
-	std::vector<Share> shares;
+	std::vector<Share> fractions;
 	for ( std::size_t g = 0; g < spots.size(); ++g )
 	{
-		spots[g].first = std::uint32_t( shares.size() );
-		binder.bind( spots[g], isInsideOut[g] != 0, shares );
-		spots[g].last = std::uint32_t( shares.size() );
+		spots[g].first = std::uint32_t( fractions.size() );
+		binder.bind( spots[g], isInsideOut[g] != 0, fractions );
+		spots[g].last = std::uint32_t( fractions.size() );
 	}
 
 	binding.start.reserve( mesh.vertexCount + 1 );
@@ -236,8 +236,8 @@ SkinBinding bindSkin( const MeshView& mesh, const Lattice& lattice, const std::v
 		const Spot& spot = spots[binding.normalGroup[i]];
 		for ( std::uint32_t k = spot.first; k < spot.last; ++k )
 		{
-			binding.node.push_back( shares[k].node );
-			binding.weight.push_back( float( shares[k].weight ) );
+			binding.node.push_back( fractions[k].node );
+			binding.weight.push_back( float( fractions[k].weight ) );
 		}
 		binding.start.push_back( std::uint32_t( binding.node.size() ) );
 		binding.restPosition.push_back( ( meshVertex( mesh, i ) - lattice.massCentre ).cast<float>() );

@@ -10,7 +10,7 @@ namespace pliant {
 namespace {
 
 /// Share of what a vertex may be off by that nodes may be: see the header.
-constexpr double kNodeShare = 1.0 / 3.0;
+constexpr double kNodeFraction = 1.0 / 3.0;
 
 /// Nodes are in one line where their extent across it, squared, is less than this share of that along it.
 constexpr double kLine = 1e-4;
@@ -80,9 +80,9 @@ void turnGroups( const Turn& turn, const std::vector<float>& from, std::vector<f
 	}
 }
 
-Eigen::Vector3d placeIn( const std::vector<float>& places, int i )
+Eigen::Vector3d placeIn( const std::vector<float>& positions, int i )
 {
-	return Eigen::Map<const Eigen::Vector3f>( places.data() + 3 * std::size_t( i ) ).cast<double>();
+	return Eigen::Map<const Eigen::Vector3f>( positions.data() + 3 * std::size_t( i ) ).cast<double>();
 }
 
 } // namespace
@@ -90,10 +90,10 @@ Eigen::Vector3d placeIn( const std::vector<float>& places, int i )
 void RigidSkin::keep( const NodeState& nodes, const float* rotations, const float* flow, bool hasGradients )
 {
 	const std::size_t count = std::size_t( nodes.count );
-	m_place.resize( 3 * count );
+	m_position.resize( 3 * count );
 	for ( int i = 0; i < nodes.count; ++i )
 	{
-		Eigen::Map<Eigen::Vector3f>( m_place.data() + 3 * std::size_t( i ) ) = nodes.x.get( i );
+		Eigen::Map<Eigen::Vector3f>( m_position.data() + 3 * std::size_t( i ) ) = nodes.x.get( i );
 	}
 	m_rotation.assign( rotations, rotations + 4 * count );
 	m_flow.clear();
@@ -113,12 +113,12 @@ bool RigidSkin::areInOneLine( const NodeState& nodes ) const
 	Eigen::Vector3d centre = Eigen::Vector3d::Zero();
 	for ( int i = 0; i < nodes.count; ++i )
 	{
-		centre += placeIn( m_place, i ) / double( nodes.count );
+		centre += placeIn( m_position, i ) / double( nodes.count );
 	}
 	Eigen::Matrix3d second = Eigen::Matrix3d::Zero();
 	for ( int i = 0; i < nodes.count; ++i )
 	{
-		second += ( placeIn( m_place, i ) - centre ) * ( placeIn( m_place, i ) - centre ).transpose();
+		second += ( placeIn( m_position, i ) - centre ) * ( placeIn( m_position, i ) - centre ).transpose();
 	}
 	// Of eigenvalues a >= b >= c: a b + a c + b c, against ( a + b + c )^2
 	const double size = second.trace();
@@ -135,14 +135,14 @@ RigidSkin::Motion RigidSkin::fit( const NodeState& nodes, const float* rotations
 		const double m = double( nodes.mass[i] );
 		mass += m;
 		now += m * nodes.x.get( i ).cast<double>();
-		before += m * placeIn( m_place, i );
+		before += m * placeIn( m_position, i );
 	}
 	now /= mass;
 	before /= mass;
 	Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
 	for ( int i = 0; i < nodes.count; ++i )
 	{
-		sum += double( nodes.mass[i] ) * ( nodes.x.get( i ).cast<double>() - now ) * ( placeIn( m_place, i ) - before ).transpose();
+		sum += double( nodes.mass[i] ) * ( nodes.x.get( i ).cast<double>() - now ) * ( placeIn( m_position, i ) - before ).transpose();
 	}
 	// Nodes in one point or in one line leave open how it is turned: as its first node is.
 	const Eigen::Quaternionf own( rotations ), kept( m_rotation.data() );
@@ -154,11 +154,11 @@ RigidSkin::Motion RigidSkin::fit( const NodeState& nodes, const float* rotations
 
 bool RigidSkin::follows( const Motion& motion, const NodeState& nodes, const float* rotations, double tolerance, double cell ) const
 {
-	const double off = kNodeShare * tolerance, angle = off / cell;
+	const double off = kNodeFraction * tolerance, angle = off / cell;
 	const Eigen::Matrix3d r = motion.turn.toRotationMatrix();
 	for ( int i = 0; i < nodes.count; ++i )
 	{
-		if ( !( ( r * placeIn( m_place, i ) + motion.shift - nodes.x.get( i ).cast<double>() ).squaredNorm() <= off * off ) )
+		if ( !( ( r * placeIn( m_position, i ) + motion.shift - nodes.x.get( i ).cast<double>() ).squaredNorm() <= off * off ) )
 		{
 			return false;
 		}
@@ -181,7 +181,7 @@ bool RigidSkin::follows( const Motion& motion, const NodeState& nodes, const flo
 RigidSkin::Since RigidSkin::ask( const NodeState& nodes, const float* rotations, const float* flow, double tolerance, double cell )
 {
 	const std::size_t flowed = flow ? 9 * std::size_t( nodes.count ) : 0;
-	const bool isAsBefore = m_isKept && m_place.size() == 3 * std::size_t( nodes.count ) && m_origin == nodes.origin &&
+	const bool isAsBefore = m_isKept && m_position.size() == 3 * std::size_t( nodes.count ) && m_origin == nodes.origin &&
 		m_flow.size() == flowed && std::equal( m_flow.begin(), m_flow.end(), flow );
 	if ( !isAsBefore || !( tolerance > 0.0 ) )
 	{

@@ -45,7 +45,7 @@ public:
 	void turn( const std::vector<float>& positions, const std::vector<float>& normals, std::vector<float>& positionsNow,
 		std::vector<float>& normalsNow, TaskRunner* runner = nullptr ) const;
 
-	std::size_t bytes() const { return ( m_place.size() + m_rotation.size() + m_flow.size() ) * sizeof( float ); }
+	std::size_t bytes() const { return ( m_position.size() + m_rotation.size() + m_flow.size() ) * sizeof( float ); }
 
 private:
 	struct Motion
@@ -57,7 +57,7 @@ private:
 	Motion fit( const NodeState& nodes, const float* rotations ) const;
 	bool follows( const Motion& motion, const NodeState& nodes, const float* rotations, double tolerance, double cell ) const;
 
-	std::vector<float> m_place, m_rotation, m_flow; ///< 3, 4 and 9 floats a node, when it was skinned in full
+	std::vector<float> m_position, m_rotation, m_flow; ///< 3, 4 and 9 floats a node, when it was skinned in full
 	Eigen::Vector3d m_origin = Eigen::Vector3d::Zero();
 	Motion m_shown; ///< since then
 	bool m_isKept = false;

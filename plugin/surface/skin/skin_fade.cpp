@@ -80,9 +80,9 @@ private:
 
 void SkinFade::reserveNodes( int count, std::size_t touched, int cellCount )
 {
-	makeRoom( m_mapBefore, std::size_t( count ) * kSkinMapFloats, touched * kSkinMapFloats );
-	makeRoom( m_mapNow, std::size_t( count ) * kSkinMapFloats, touched * kSkinMapFloats );
-	makeRoom( m_slotBefore, std::size_t( cellCount ), std::size_t( cellCount ) );
+	reserveScratch( m_mapBefore, std::size_t( count ) * kSkinMapFloats, touched * kSkinMapFloats );
+	reserveScratch( m_mapNow, std::size_t( count ) * kSkinMapFloats, touched * kSkinMapFloats );
+	reserveScratch( m_slotBefore, std::size_t( cellCount ), std::size_t( cellCount ) );
 }
 
 void SkinFade::keep( const NodeState& nodes, const SkinPose& pose, int cellCount, AlignedArray<float>* maps )
@@ -130,7 +130,7 @@ void SkinFade::measureMaps( const Nodes& nodes, const std::vector<char>& isFresh
 	for ( std::size_t slot = 0; slot < isFresh.size(); )
 	{
 		std::size_t end = slot + 1;
-		for ( ; end < isFresh.size() && isFresh[end] == isFresh[slot] && nodes.heir[end] == nodes.heir[slot] + ( end - slot ); ++end )
+		for ( ; end < isFresh.size() && isFresh[end] == isFresh[slot] && nodes.source[end] == nodes.source[slot] + ( end - slot ); ++end )
 		{}
 		if ( isFresh[slot] != 0 )
 		{
@@ -138,7 +138,7 @@ void SkinFade::measureMaps( const Nodes& nodes, const std::vector<char>& isFresh
 		}
 		else
 		{
-			const auto from = m_mapBefore.begin() + std::ptrdiff_t( nodes.heir[slot] ) * kSkinMapFloats;
+			const auto from = m_mapBefore.begin() + std::ptrdiff_t( nodes.source[slot] ) * kSkinMapFloats;
 			std::copy(
 				from, from + std::ptrdiff_t( end - slot ) * kSkinMapFloats, m_mapNow.begin() + std::ptrdiff_t( slot ) * kSkinMapFloats );
 		}
@@ -153,7 +153,7 @@ std::vector<char> SkinFade::changedSlots( const Nodes& nodes, std::vector<char> 
 	std::vector<char>& changed = isFresh;
 	for ( std::size_t slot = 0; slot < changed.size(); ++slot )
 	{
-		const std::uint32_t before = nodes.heir[slot];
+		const std::uint32_t before = nodes.source[slot];
 		if ( changed[slot] == 0 || nodes.keptAs[before] != slot )
 		{
 			continue;
@@ -174,8 +174,8 @@ void SkinFade::regroup( const Nodes& nodes )
 	const auto isKept = [&]( std::uint32_t before ) { return nodes.keptAs[before] != kGone; };
 	for ( std::uint32_t slot = 0, end = 0; slot < std::uint32_t( nodes.now.count ); slot = end )
 	{
-		const std::uint32_t before = nodes.heir[slot];
-		for ( end = slot + 1; end < std::uint32_t( nodes.now.count ) && nodes.heir[end] == before; ++end )
+		const std::uint32_t before = nodes.source[slot];
+		for ( end = slot + 1; end < std::uint32_t( nodes.now.count ) && nodes.source[end] == before; ++end )
 		{}
 		for ( ; old < m_group.size() && m_group[old].first < before; ++old )
 		{}
@@ -259,7 +259,7 @@ void SkinFade::start( const SkinBinding& binding, const Nodes& nodes )
 	vertices.reserve( 2 * m_vertex.size() );
 	offsets.reserve( 2 * m_vertex.size() );
 	std::size_t old = 0;
-	const float left = share();
+	const float left = fraction();
 	double largest = 0.0;
 	for ( std::uint32_t v = 0; v < std::uint32_t( binding.restPosition.size() ); ++v )
 	{
@@ -288,7 +288,7 @@ void SkinFade::start( const SkinBinding& binding, const Nodes& nodes )
 	m_frame = 0;
 }
 
-float SkinFade::share() const
+float SkinFade::fraction() const
 {
 	return m_frame < m_frames ? 1.0f - float( m_frame ) / float( m_frames ) : 0.0f;
 }
@@ -322,7 +322,7 @@ void SkinFade::clear()
 
 void SkinFade::addTo( float* packed, float* wide, const Eigen::Quaternionf& body ) const
 {
-	const Eigen::Matrix3f turn = share() * body.toRotationMatrix();
+	const Eigen::Matrix3f turn = fraction() * body.toRotationMatrix();
 	for ( std::size_t k = 0; k < m_vertex.size(); ++k )
 	{
 		const Vec3 offset = turn * m_offset[k];

@@ -26,7 +26,7 @@ public:
 	{
 		const NodeState& now;
 		const SkinPose& pose;
-		const std::vector<std::uint32_t>& heir;   ///< of each node now: a node before
+		const std::vector<std::uint32_t>& source; ///< of each node now: a node before
 		const std::vector<std::uint32_t>& keptAs; ///< of each node before: its number now, if it is still there
 		Eigen::Quaternionf body;                  ///< the body's rotation: offsets turn along with it
 		const std::vector<std::uint32_t>* measured =
@@ -62,7 +62,7 @@ private:
 	std::vector<char> freshSlots( const Nodes& nodes ) const;
 	void measureMaps( const Nodes& nodes, const std::vector<char>& isFresh );
 	std::vector<char> changedSlots( const Nodes& nodes, std::vector<char> isFresh, float visible ) const;
-	float share() const;
+	float fraction() const;
 
 	AlignedArray<float> m_mapBefore, m_mapNow;
 	std::vector<std::uint32_t> m_slotBefore;

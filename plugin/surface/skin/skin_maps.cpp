@@ -18,10 +18,10 @@ Eigen::Matrix3f soundGradient( const float* nine, const Eigen::Matrix3f& wanted 
 {
 	const Eigen::Matrix3f f = Eigen::Map<const Matrix3fRows>( nine );
 	const float strain = ( f - wanted ).squaredNorm();
-	const float share = strain < kSoundStrain ? 1.0f
-		: strain < 4.0f * kSoundStrain        ? ( 4.0f * kSoundStrain - strain ) / ( 3.0f * kSoundStrain )
-											  : 0.0f;
-	return wanted + share * ( share > 0.0f ? Eigen::Matrix3f( f - wanted ) : Eigen::Matrix3f( Eigen::Matrix3f::Zero() ) );
+	const float fraction = strain < kSoundStrain ? 1.0f
+		: strain < 4.0f * kSoundStrain           ? ( 4.0f * kSoundStrain - strain ) / ( 3.0f * kSoundStrain )
+												 : 0.0f;
+	return wanted + fraction * ( fraction > 0.0f ? Eigen::Matrix3f( f - wanted ) : Eigen::Matrix3f( Eigen::Matrix3f::Zero() ) );
 }
 
 } // namespace

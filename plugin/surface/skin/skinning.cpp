@@ -30,8 +30,8 @@ void forChunks( std::size_t count, TaskRunner* runner, Work&& work )
 	runTasks( runner, chunkCount( count ), task );
 }
 
-static_assert(
-	sizeof( SkinPlace ) == sizeof( SkinBinding::Placed ) && offsetof( SkinPlace, weight ) == offsetof( SkinBinding::Placed, weight ) );
+static_assert( sizeof( SkinPosition ) == sizeof( SkinBinding::Placed ) &&
+	offsetof( SkinPosition, weight ) == offsetof( SkinBinding::Placed, weight ) );
 
 SkinView viewOf( const SkinBinding& binding, const SkinPose& pose, SkinScratch& scratch, float* positions, float* normals )
 {
@@ -45,7 +45,7 @@ SkinView viewOf( const SkinBinding& binding, const SkinPose& pose, SkinScratch& 
 	view.map = scratch.nodeMap.data();
 	view.carrier = orNull( binding.carrier );
 	view.listed = orNull( binding.blended );
-	view.placed = reinterpret_cast<const SkinPlace*>( binding.placed.data() );
+	view.placed = reinterpret_cast<const SkinPosition*>( binding.placed.data() );
 	view.restPosition = numbers( binding.restPosition );
 	view.restNormal = numbers( binding.restNormal );
 	view.normalShift = numbers( binding.normalShift );

@@ -64,15 +64,15 @@ int cutBody( SoftBody& soft, const Cut& cut )
 	try
 	{
 		Body& body = *soft.impl().body;
-		const std::vector<Vec3d> places = body.cellPlaces();
+		const std::vector<Vec3d> positions = body.cellPositions();
 		const Cut here = moved( cut, body.nodes().origin );
-		const std::vector<CellLink> links = linksCut( body.lattice(), places, here );
+		const std::vector<CellLink> links = linksCut( body.lattice(), positions, here );
 		const int count = body.breakLinks( links );
 		if ( count > 0 )
 		{
 			if ( soft.impl().bodyTemplate->skin().kind != Skinning::None )
 			{
-				noteTraces( soft.impl(), tracesOf( body.lattice(), places, links, here, cellRotations( body, links ) ) );
+				noteTraces( soft.impl(), tracesOf( body.lattice(), positions, links, here, cellRotations( body, links ) ) );
 			}
 			soft.activate( true );
 		}
@@ -123,7 +123,7 @@ int SoftBody::heal( btScalar reach )
 	{
 		Body& body = *m_impl->body;
 		const int count = body.healLinks(
-			linksToHeal( m_impl->bodyTemplate->lattice(), body.lattice(), body.firstCells(), body.cellPlaces(), double( reach ) ) );
+			linksToHeal( m_impl->bodyTemplate->lattice(), body.lattice(), body.firstCells(), body.cellPositions(), double( reach ) ) );
 		if ( count > 0 )
 		{
 			activate( true );

@@ -59,10 +59,10 @@ bool SoftBodySystem::remove( SoftBody& body )
 	{
 		impl.self->contacts.reset();
 	}
-	NodeBodyPool::detach( body );
+	ContactProxyPool::detach( body );
 	impl.system = nullptr;
 	impl.block = -1;
-	impl.rubbing = -1;
+	impl.frictionTorque = -1;
 	release( body );
 	if ( m_bodies.empty() )
 	{
@@ -203,9 +203,9 @@ void SoftBodySystem::wakeTouching( const SoftBody& body )
 		const btCollisionObject* side[2] = { manifold.getBody0(), manifold.getBody1() };
 		for ( int k = 0; k < 2 && manifold.getNumContacts() > 0; ++k )
 		{
-			if ( ownerOfNodeBody( side[k] ) == &body )
+			if ( ownerOfContactProxy( side[k] ) == &body )
 			{
-				SoftBody* const other = ownerOfNodeBody( side[1 - k] );
+				SoftBody* const other = ownerOfContactProxy( side[1 - k] );
 				const_cast<btCollisionObject*>( other ? other : side[1 - k] )->activate();
 			}
 		}

@@ -54,7 +54,7 @@ SoftBodyResult SoftBody::create( std::shared_ptr<const BodyTemplate> bodyTemplat
 	{
 		return SoftBodyResult::failure( ResultCode::BadArgument, "SoftBody::create needs a template." );
 	}
-	if ( Status sound = checkPlace( transform, "SoftBody::create" ); !sound.ok() )
+	if ( Status sound = checkTransform( transform, "SoftBody::create" ); !sound.ok() )
 	{
 		return SoftBodyResult{ std::move( sound ), nullptr };
 	}
@@ -91,7 +91,7 @@ SoftBody::~SoftBody()
 SoftBody* SoftBody::upcast( btCollisionObject* object )
 {
 	SoftBody* const soft = asSoftBody( object );
-	return soft ? soft : ownerOfNodeBody( object );
+	return soft ? soft : ownerOfContactProxy( object );
 }
 
 const SoftBody* SoftBody::upcast( const btCollisionObject* object )

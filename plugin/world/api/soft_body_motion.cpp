@@ -42,14 +42,14 @@ Status checkVector( const btVector3& vector, const char* call, const char* what 
 	return isFinite( vector ) ? Status{} : refused( call, std::string( what ) + " holds a number that is not finite." );
 }
 
-Status checkPlace( const btTransform& transform, const char* call )
+Status checkTransform( const btTransform& transform, const char* call )
 {
 	if ( !isFinite( transform ) )
 	{
 		return refused( call, "the transform holds a number that is not finite." );
 	}
 	const btVector3& to = transform.getOrigin();
-	if ( std::max( { btFabs( to.x() ), btFabs( to.y() ), btFabs( to.z() ) } ) > kFarthestPlace )
+	if ( std::max( { btFabs( to.x() ), btFabs( to.y() ), btFabs( to.z() ) } ) > kFarthestPosition )
 	{
 		return refused( call, "the transform leads further out than 1e9 m." );
 	}
@@ -206,12 +206,12 @@ void SoftBody::hasMoved()
 
 Status SoftBody::teleport( const btTransform& by )
 {
-	if ( Status status = checkPlace( by, "teleport" ); !status.ok() )
+	if ( Status status = checkTransform( by, "teleport" ); !status.ok() )
 	{
 		return status;
 	}
 	const btVector3 to = by * massCentre();
-	if ( std::max( { btFabs( to.x() ), btFabs( to.y() ), btFabs( to.z() ) } ) > kFarthestPlace )
+	if ( std::max( { btFabs( to.x() ), btFabs( to.y() ), btFabs( to.z() ) } ) > kFarthestPosition )
 	{
 		return refused( "teleport", "the body would be further out than 1e9 m." );
 	}
@@ -222,7 +222,7 @@ Status SoftBody::teleport( const btTransform& by )
 
 Status SoftBody::reset( const btTransform& transform )
 {
-	if ( Status status = checkPlace( transform, "reset" ); !status.ok() )
+	if ( Status status = checkTransform( transform, "reset" ); !status.ok() )
 	{
 		return status;
 	}

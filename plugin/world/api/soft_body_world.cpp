@@ -21,8 +21,8 @@ SoftBodyWorld::SoftBodyWorld( btDispatcher* dispatcher, btBroadphaseInterface* b
 	// As btDiscreteDynamicsWorldMt does it: the base made a manager and owns it; ours takes its place and is owned in turn.
 	m_islandManager->~btSimulationIslandManager();
 	btAlignedFree( m_islandManager );
-	void* const room = btAlignedAlloc( sizeof( IslandManager ), 16 );
-	m_islandManager = new ( room ) IslandManager( m_system->bodies );
+	void* const memory = btAlignedAlloc( sizeof( IslandManager ), 16 );
+	m_islandManager = new ( memory ) IslandManager( m_system->bodies );
 }
 
 SoftBodyWorld::~SoftBodyWorld()
@@ -59,7 +59,7 @@ void SoftBodyWorld::removeSoftBody( SoftBody* body )
 
 void SoftBodyWorld::addCollisionObject( btCollisionObject* object, int group, int mask )
 {
-	if ( isNodeBody( object ) )
+	if ( isContactProxy( object ) )
 	{
 		return;
 	}
@@ -76,7 +76,7 @@ void SoftBodyWorld::addCollisionObject( btCollisionObject* object, int group, in
 
 void SoftBodyWorld::addRigidBody( btRigidBody* body )
 {
-	if ( !isNodeBody( body ) )
+	if ( !isContactProxy( body ) )
 	{
 		btDiscreteDynamicsWorld::addRigidBody( body );
 	}
@@ -84,7 +84,7 @@ void SoftBodyWorld::addRigidBody( btRigidBody* body )
 
 void SoftBodyWorld::addRigidBody( btRigidBody* body, int group, int mask )
 {
-	if ( !isNodeBody( body ) )
+	if ( !isContactProxy( body ) )
 	{
 		btDiscreteDynamicsWorld::addRigidBody( body, group, mask );
 	}
@@ -93,7 +93,7 @@ void SoftBodyWorld::addRigidBody( btRigidBody* body, int group, int mask )
 void SoftBodyWorld::removeCollisionObject( btCollisionObject* object )
 {
 	SoftBody* const soft = SoftBody::upcast( object );
-	if ( !soft && !isNodeBody( object ) )
+	if ( !soft && !isContactProxy( object ) )
 	{
 		if ( !btRigidBody::upcast( object ) )
 		{
@@ -116,7 +116,7 @@ void SoftBodyWorld::removeCollisionObject( btCollisionObject* object )
 
 void SoftBodyWorld::removeRigidBody( btRigidBody* body )
 {
-	if ( isNodeBody( body ) )
+	if ( isContactProxy( body ) )
 	{
 		removeCollisionObject( body );
 		return;

@@ -126,11 +126,11 @@ void SoftBody::Impl::noteCuts()
 	}
 }
 
-void SoftBody::Impl::makeCrackFamily()
+void SoftBody::Impl::makeSharedCrackState()
 {
 	if ( !crackFamily && body->firstCells().empty() && bodyTemplate->crackPatches() )
 	{
-		crackFamily = std::make_shared<CrackFamily>(
+		crackFamily = std::make_shared<SharedCrackState>(
 			*bodyTemplate->crackSurface(), bodyTemplate->crackPatches(), bodyTemplate->textureCoordinates() );
 	}
 }
@@ -139,7 +139,7 @@ Status SoftBody::prepareCracks()
 {
 	try
 	{
-		m_impl->makeCrackFamily();
+		m_impl->makeSharedCrackState();
 		if ( m_impl->crackFamily )
 		{
 			m_impl->crackFamily->prepare();
@@ -158,7 +158,7 @@ void SoftBody::Impl::noteCracks( const BreakReport& report )
 	const std::vector<std::uint32_t>& first = body->firstCells();
 	if ( skin.frame > 0 ) // somebody looks at it
 	{
-		makeCrackFamily();
+		makeSharedCrackState();
 	}
 	noteCuts();
 	if ( report.hasHealed )

@@ -38,13 +38,14 @@ void measureTurns( const Body& body, SkinBuffers& skin )
 }
 
 /// For as many nodes as the body has room for.
-void makeSkinRoom( const Body& body, SkinBuffers& skin )
+void makeSkinScratch( const Body& body, SkinBuffers& skin )
 {
-	const std::size_t reserved = std::size_t( body.levels()->roomNodes() + kLanes ), now = std::size_t( kRoomShare * body.nodes().padded );
-	makeRoom( skin.gradients, 9 * reserved, 9 * now );
-	makeRoom( skin.gradientsRoom, 9 * reserved, 9 * now );
-	makeRoom( skin.rotations, 4 * reserved, 4 * now );
-	makeRoom( skin.maps, kSkinMapFloats * reserved, kSkinMapFloats * now );
+	const std::size_t reserved = std::size_t( body.levels()->scratchNodes() + kLanes ),
+					  now = std::size_t( kScratchFraction * body.nodes().padded );
+	reserveScratch( skin.gradients, 9 * reserved, 9 * now );
+	reserveScratch( skin.gradientsScratch, 9 * reserved, 9 * now );
+	reserveScratch( skin.rotations, 4 * reserved, 4 * now );
+	reserveScratch( skin.maps, kSkinMapFloats * reserved, kSkinMapFloats * now );
 	skin.fade.reserveNodes( int( reserved ), now, body.lattice().cellCount() );
 }
 
@@ -52,12 +53,12 @@ void makeSkinRoom( const Body& body, SkinBuffers& skin )
 void followGradients( const Body& body, SkinBuffers& skin )
 {
 	const LevelChange& change = body.levels()->lastChange();
-	skin.gradientsRoom.resize( std::size_t( body.nodes().padded ) * 9 );
-	for ( std::size_t i = 0; i < change.heir.size(); ++i )
+	skin.gradientsScratch.resize( std::size_t( body.nodes().padded ) * 9 );
+	for ( std::size_t i = 0; i < change.source.size(); ++i )
 	{
-		std::copy_n( skin.gradients.data() + 9 * std::size_t( change.heir[i] ), 9, skin.gradientsRoom.data() + 9 * i );
+		std::copy_n( skin.gradients.data() + 9 * std::size_t( change.source[i] ), 9, skin.gradientsScratch.data() + 9 * i );
 	}
-	skin.gradients.swap( skin.gradientsRoom );
+	skin.gradients.swap( skin.gradientsScratch );
 	std::vector<float> measured( change.measured.size() * 9 );
 	body.nodeDeformationsOf( change.measured, measured.data() );
 	for ( std::size_t k = 0; k < change.measured.size(); ++k )
@@ -79,7 +80,7 @@ SkinPose SoftBody::Impl::skinPose() const
 			const std::size_t count = std::size_t( body->nodes().padded ) * 9;
 			if ( skin.gradients.capacity() == 0 )
 			{
-				makeSkinRoom( *body, skin );
+				makeSkinScratch( *body, skin );
 			}
 			skin.gradients.resize( count );
 			body->nodeDeformations( skin.gradients.data() );
@@ -123,7 +124,7 @@ void SoftBody::Impl::fadeFromKeptSurface()
 		followGradients( *body, skin );
 		skin.isPoseKnown = true;
 		const SkinBinding& shown = binding();
-		SkinFade::Nodes nodes{ body->nodes(), skinPose(), change.heir, change.keptAs, body->levelFrame(), &change.measured };
+		SkinFade::Nodes nodes{ body->nodes(), skinPose(), change.source, change.keptAs, body->levelFrame(), &change.measured };
 		nodes.complex = shown.point.empty() ? nullptr : bodyTemplate->crackComplex().get();
 		nodes.cellsThere = &body->firstCells();
 		skin.fade.start( shown, nodes );
@@ -204,10 +205,10 @@ void SoftBody::Impl::skinInFull( TaskRunner* runner ) const
 	}
 	skin.positions[next].resize( shown.restPosition.size() * 3 );
 	skin.normals[next].resize( shown.restPosition.size() * 3 );
-	const SkinRooms::Borrowed room( system ? &system->skinRooms : nullptr );
-	( *room ).nodeMap.swap( skin.maps );
-	pliant::skin( shown, body->nodes(), pose, shownTriangles(), *room, skin.positions[next].data(), skin.normals[next].data(), runner );
-	( *room ).nodeMap.swap( skin.maps );
+	const SkinScratchPool::Borrowed scratch( system ? &system->skinScratch : nullptr );
+	( *scratch ).nodeMap.swap( skin.maps );
+	pliant::skin( shown, body->nodes(), pose, shownTriangles(), *scratch, skin.positions[next].data(), skin.normals[next].data(), runner );
+	( *scratch ).nodeMap.swap( skin.maps );
 	skin.origin[next] = worldOrigin();
 	skin.current = skin.full = next;
 	++skin.frame;

@@ -43,10 +43,10 @@ std::vector<NearNode> nodesNear( const SoftBody& body, const Ray& ray )
 	const SoftBody::Impl& impl = body.impl();
 	const double reach = kWheelReach * double( impl.shape->largestRadius() );
 	const Vec3d shift = impl.shapeShift.cast<double>(), end = ray.from + ray.length * ray.way;
-	const Vec3d room( reach, reach, reach );
+	const Vec3d margin( reach, reach, reach );
 	std::vector<int> found;
 	impl.shape->rows().visitOverlaps(
-		SphereRows::Box::of( toBt( ray.from.cwiseMin( end ) - shift - room ), toBt( ray.from.cwiseMax( end ) - shift + room ) ),
+		SphereRows::Box::of( toBt( ray.from.cwiseMin( end ) - shift - margin ), toBt( ray.from.cwiseMax( end ) - shift + margin ) ),
 		[&found]( int node ) { found.push_back( node ); } );
 	std::sort( found.begin(), found.end() );
 	std::vector<NearNode> near;

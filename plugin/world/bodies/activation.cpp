@@ -28,7 +28,7 @@ bool isDriven( const SoftBody& body )
 bool hasStayed( SoftBody::Impl& impl, double way )
 {
 	const NodeState& nodes = impl.body->nodes();
-	RestPlace& rest = impl.rest;
+	RestPosition& rest = impl.rest;
 	const Vec3 shift = ( nodes.origin - rest.origin ).cast<float>();
 	const float limit = float( way * way );
 	bool isThere = rest.place.size() == std::size_t( nodes.count ) && rest.numbering == impl.numbering;
@@ -80,7 +80,7 @@ double squareVelocity( const SoftBody::Impl& impl )
 /// Whether the body as it moves now may be on its way to sleep.
 bool isAtRest( SoftBody::Impl& impl, double gravity )
 {
-	const double radius = double( impl.shape->smallestRadius() ), way = kRestWay * radius;
+	const double radius = double( impl.shape->smallestRadius() ), way = kRestDisplacement * radius;
 	const double fallen = 2.0 * gravity * radius, square = squareVelocity( impl );
 	const double drift = way / double( gDeactivationTime ); // where there is no gravity
 	const bool mayStay = square < std::max( fallen * double( kContactSlop ), drift * drift );
@@ -90,7 +90,7 @@ bool isAtRest( SoftBody::Impl& impl, double gravity )
 		return false;
 	}
 	const bool stays = hasStayed( impl, way );
-	return stays || square < fallen * kSleepShare * kSleepShare;
+	return stays || square < fallen * kSleepFraction * kSleepFraction;
 }
 
 } // namespace
@@ -116,7 +116,7 @@ void SoftBodySystem::updateActivation( btScalar h )
 			continue;
 		}
 		SoftBody::Impl& impl = body->impl();
-		const double calm = kBornCalm * double( impl.shape->smallestRadius() );
+		const double calm = kAllowanceCalm * double( impl.shape->smallestRadius() );
 		impl.slowFor = impl.meanSquareSpeed < calm * calm ? impl.slowFor + double( h ) : 0.0;
 		const bool canSleep = state != DISABLE_DEACTIVATION && !gDisableDeactivation && gDeactivationTime > 0;
 		const btVector3 gravity = impl.hasOwnGravity ? impl.gravity : m_world.getGravity();

@@ -93,20 +93,20 @@ void SoftBody::Impl::adopt( SoftBody& owner, BodyPiece& piece, Remains remains )
 	const bool keepsNodes = nodeNow.size() == piece.nodeBefore.size() &&
 		std::find( nodeNow.begin(), nodeNow.end(), kNoNode ) == nodeNow.end();
 	pins = pinsOf( pins, nodeNow );
-	born = BornInside::of( born, piece.nodeBefore );
+	born = PenetrationAllowance::of( born, piece.nodeBefore );
 	nearby.clear();
 	body = std::move( piece.body );
 	const bool keepsNumbers = keepsNodes && std::is_sorted( nodeNow.begin(), nodeNow.end() );
 	if ( !remains.keepsShape || !keepsNumbers )
 	{
-		NodeBodyPool::renumber( owner, nodeNow, body->nodeCount() );
+		ContactProxyPool::renumber( owner, nodeNow, body->nodeCount() );
 	}
 	if ( !remains.keepsShape )
 	{
 		shapeBefore = std::move( shape );
 		shape = std::move( remains.shape );
 		owner.setCollisionShape( shape.get() );
-		for ( NodeBody* stand : touched )
+		for ( ContactProxy* stand : touched )
 		{
 			stand->setCollisionShape( shape->sphereOfNode( stand->node ) );
 		}
@@ -132,7 +132,7 @@ std::unique_ptr<SoftBody> SoftBody::Impl::makeFragment( const SoftBody& parent, 
 	impl.plan = from.plan;
 	impl.elasticity = from.elasticity;
 	impl.hasOwnGravity = from.hasOwnGravity;
-	impl.born = BornInside::of( from.born, piece.nodeBefore );
+	impl.born = PenetrationAllowance::of( from.born, piece.nodeBefore );
 	impl.gravity = from.gravity;
 	impl.hasNodeForces = from.hasNodeForces;
 	impl.pins = pinsOf( from.pins, numbersNow( piece, from.body->nodeCount() ) );
@@ -347,7 +347,7 @@ void SoftBodySystem::removeFaded()
 	}
 }
 
-float SoftBody::fadeShare() const
+float SoftBody::fadeFraction() const
 {
 	const Fading& fading = m_impl->fading;
 	return fading.time > 0.0f ? std::clamp( float( fading.left ) / fading.time, 0.0f, 1.0f ) : 1.0f;

@@ -21,7 +21,7 @@ using Near = SoftBody::Impl::Near;
 
 /// Where a pin's node has split, each of its children is pinned as it was; where such children have merged, the node they make up is, and
 /// stands as the first of them does.
-void movePins( SoftBody::Impl& impl, const LevelChange& change, const std::vector<btVector3>& placeBefore )
+void movePins( SoftBody::Impl& impl, const LevelChange& change, const std::vector<btVector3>& positionBefore )
 {
 	if ( impl.pins.empty() )
 	{
@@ -30,7 +30,7 @@ void movePins( SoftBody::Impl& impl, const LevelChange& change, const std::vecto
 	std::vector<Pin> moved;
 	for ( int node = 0; node < impl.body->nodeCount(); ++node )
 	{
-		const int before = int( change.heir[std::size_t( node )] );
+		const int before = int( change.source[std::size_t( node )] );
 		const Pin* pin = impl.findPin( before );
 		if ( !pin || impl.body->nodes().freedom[node] != 0.0f )
 		{
@@ -40,7 +40,7 @@ void movePins( SoftBody::Impl& impl, const LevelChange& change, const std::vecto
 		now.node = node;
 		if ( change.keptAs[std::size_t( before )] == kNoNode )
 		{
-			const btVector3 arm = impl.position( node ) - placeBefore[std::size_t( pin - impl.pins.data() )];
+			const btVector3 arm = impl.position( node ) - positionBefore[std::size_t( pin - impl.pins.data() )];
 			now.point += pin->kind == PinKind::FollowsBody ? pin->body->getWorldTransform().getBasis().transpose() * arm : arm;
 		}
 		moved.push_back( now );
@@ -51,7 +51,7 @@ void movePins( SoftBody::Impl& impl, const LevelChange& change, const std::vecto
 /// And not only for the moment at which what is pressed together turns back.
 bool isCalm( const SoftBody::Impl& impl )
 {
-	return impl.slowFor >= kBornCalmFor;
+	return impl.slowFor >= kAllowanceCalmFor;
 }
 
 /// Whether a node that is stretched by F holds more than kSplitEnergy of what the body moves with: V E e^2 > kSplitEnergy m v^2, e = | F^T
@@ -81,7 +81,7 @@ void SoftBodySystem::askForContacts( SoftBody::Impl& impl )
 		}
 		impl.body->requestSplit( node );
 	};
-	for ( const NodeBody* stand : impl.touched )
+	for ( const ContactProxy* stand : impl.touched )
 	{
 		ask( stand->node, true );
 	}
@@ -137,13 +137,13 @@ void SoftBodySystem::adaptLevels( btScalar h )
 	// Many: each in one task. Few: the threads share a body. The bits are the same.
 	Stopwatch watch( report.levels );
 	const bool oneTaskEach = int( changing.size() ) >= tasks()->threadCount();
-	std::vector<std::vector<Vec3>> placesBefore( changing.size() ); // of those that are fast near what stands
+	std::vector<std::vector<Vec3>> positionsBefore( changing.size() ); // of those that are fast near what stands
 	auto change = [&]( int k ) {
 		SoftBody::Impl& impl = changing[std::size_t( k )]->impl();
 		TaskRunner* const within = oneTaskEach ? nullptr : tasks();
 		for ( int i = 0; impl.isGuarded && i < impl.body->nodeCount(); ++i )
 		{
-			placesBefore[std::size_t( k )].push_back( impl.body->nodes().x.get( i ) );
+			positionsBefore[std::size_t( k )].push_back( impl.body->nodes().x.get( i ) );
 		}
 		impl.changeNodes( *changing[std::size_t( k )], [&impl, within] { impl.body->applyLevels( within ); } );
 	};
@@ -153,7 +153,7 @@ void SoftBodySystem::adaptLevels( btScalar h )
 		SoftBody* const body = changing[k];
 		if ( body->impl().isGuarded )
 		{
-			keepNewNodesOut( *body, placesBefore[k] );
+			keepNewNodesOut( *body, positionsBefore[k] );
 		}
 		const LevelChange& done = body->impl().body->levels()->lastChange();
 		++report.levelChanges;
@@ -170,7 +170,7 @@ void SoftBodySystem::endCollision( btScalar h )
 		SoftBody::Impl& impl = body->impl();
 		if ( impl.born.isAny() && moves( *body ) && isInPass( *body ) )
 		{
-			impl.born.endPhase( isCalm( impl ) ? kBornOut * double( impl.shape->smallestRadius() ) * double( h ) : 0.0 );
+			impl.born.endPhase( isCalm( impl ) ? kAllowanceOut * double( impl.shape->smallestRadius() ) * double( h ) : 0.0 );
 		}
 	}
 }
@@ -179,10 +179,10 @@ void SoftBodySystem::endCollision( btScalar h )
 void SoftBody::Impl::changeNodes( SoftBody& owner, const std::function<void()>& change, bool fades )
 {
 	nearby.clear();
-	std::vector<btVector3> placeBefore;
+	std::vector<btVector3> positionBefore;
 	for ( const Pin& pin : pins )
 	{
-		placeBefore.push_back( position( pin.node ) );
+		positionBefore.push_back( position( pin.node ) );
 	}
 	if ( fades )
 	{
@@ -190,9 +190,9 @@ void SoftBody::Impl::changeNodes( SoftBody& owner, const std::function<void()>& 
 	}
 	change();
 	const LevelChange& done = body->levels()->lastChange();
-	movePins( *this, done, placeBefore );
+	movePins( *this, done, positionBefore );
 	shape->followLevels( *body, shapeShift, !fades ); // before links break: adopt() places what is there then
-	NodeBodyPool::renumber( owner, done.keptAs, body->nodeCount() );
+	ContactProxyPool::renumber( owner, done.keptAs, body->nodeCount() );
 	born.follow( done.keptAs, body->nodeCount() );
 	if ( self )
 	{

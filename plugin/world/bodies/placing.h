@@ -28,7 +28,7 @@ inline Status refused( const char* call, const std::string& why )
 }
 
 /// Ok for a rotation and a translation to a place that Bullet can hold.
-Status checkPlace( const btTransform& transform, const char* call );
+Status checkTransform( const btTransform& transform, const char* call );
 
 /// Ok for three finite numbers.
 Status checkVector( const btVector3& vector, const char* call, const char* what );

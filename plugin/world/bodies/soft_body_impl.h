@@ -5,16 +5,16 @@
 #include "body/body.h"
 #include "body/breaking.h"
 #include "pliant/soft_body.h"
-#include "surface/crack_mesh/crack_family.h"
+#include "surface/crack_mesh/shared_crack_state.h"
 #include "surface/skin/rigid_skin.h"
 #include "surface/skin/skin_fade.h"
 #include "surface/skin/skinning.h"
 #include "world/constants.h"
 #include "world/detect/node_contacts.h"
 #include "world/implicit/implicit_choice.h"
-#include "world/shape/born_inside.h"
-#include "world/shape/node_body.h"
+#include "world/shape/contact_proxy.h"
 #include "world/shape/node_shape.h"
+#include "world/shape/penetration_allowance.h"
 #include "world/touch/contact_surface.h"
 
 #include <cmath>
@@ -51,9 +51,9 @@ struct SkinBuffers
 	std::vector<float> positions[kCount], normals[kCount];
 	btVector3 origin[kCount] = { btVector3( 0, 0, 0 ), btVector3( 0, 0, 0 ), btVector3( 0, 0, 0 ) };
 	std::vector<float> rotations, gradients, flow;
-	std::vector<float> gradientsRoom; ///< of a change of levels
-	AlignedArray<float> maps;         ///< SkinScratch::nodeMap of what is shown
-	SkinFade fade;                    ///< of bodies with levels
+	std::vector<float> gradientsScratch; ///< of a change of levels
+	AlignedArray<float> maps;            ///< SkinScratch::nodeMap of what is shown
+	SkinFade fade;                       ///< of bodies with levels
 	RigidSkin rigid;
 	double tolerance = kSurfaceTolerance; ///< in cells
 	int current = 0;
@@ -88,7 +88,7 @@ struct FreshPair
 };
 
 /// Where the nodes were when the body was last seen to move from there (activation.cpp).
-struct RestPlace
+struct RestPosition
 {
 	std::vector<Vec3> place; ///< relative to `origin`, m; empty: nowhere
 	Vec3d origin = Vec3d::Zero();
@@ -120,7 +120,7 @@ struct SoftBody::Impl
 	Vec3 shapeShift = Vec3::Zero();
 	double mass = 0.0;                ///< kg, of all nodes
 	double meanSquareSpeed = 0.0;     ///< m^2/s^2, weighted by mass, after the last substep
-	double slowFor = 0.0;             ///< s, that it has been slower than kBornCalm
+	double slowFor = 0.0;             ///< s, that it has been slower than kAllowanceCalm
 	bool isBroken = false;            ///< the last substep met a number that is not finite
 	SoftBodySystem* system = nullptr; ///< of the world the body is in
 
@@ -129,7 +129,7 @@ struct SoftBody::Impl
 	bool isImplicit = false;        ///< in this substep
 	double lastSubstep = 0.0;       ///< s; 0: there was none
 	int block = -1, blockPart = -1; ///< in this substep's implicit solution; -1: in none
-	int rubbing = -1;               ///< its place among RubbingSpin's turns; -1: none
+	int frictionTorque = -1;        ///< its place among FrictionTorqueCorrection's turns; -1: none
 	bool isGuarded = false;         ///< it was fast, and is near what it must not pass: it is held back though it is slow now
 	bool isHealthy = true;
 	int stateBefore = ACTIVE_TAG; ///< of activation, before quarantine took the body out of the simulation
@@ -145,20 +145,20 @@ struct SoftBody::Impl
 	unsigned fractureVersion = 0;
 	std::shared_ptr<int> family;          ///< bodies made of the one body it all came from; null: it never came apart
 	mutable std::vector<FreshPair> fresh; ///< ascending
-	mutable BornInside born;              ///< noted while contacts are found
+	mutable PenetrationAllowance born;    ///< noted while contacts are found
 	Fading fading;
-	std::unique_ptr<NodeShape> shapeBefore;       ///< stand-ins of nodes that came off point to its spheres until the next collision phase
-	std::shared_ptr<CrackFamily> crackFamily;     ///< null: nobody had looked when it broke, or links were healed
-	std::vector<CutTrace> newCuts;                ///< their links are to break
-	std::shared_ptr<std::vector<CutTrace>> cuts;  ///< of the family, as the template's cells; null: nobody has cut it
-	mutable std::unique_ptr<CrackView> crackView; ///< null: the template's mesh is drawn as it is
-	bool wasLookedAt = false;                     ///< what it came off
-	mutable unsigned crackVersion = 0;            ///< fractureVersion that the view shows
-	mutable unsigned crackVersionBefore = 0;      ///< and that its change is from
+	std::unique_ptr<NodeShape> shapeBefore;        ///< stand-ins of nodes that came off point to its spheres until the next collision phase
+	std::shared_ptr<SharedCrackState> crackFamily; ///< null: nobody had looked when it broke, or links were healed
+	std::vector<CutTrace> newCuts;                 ///< their links are to break
+	std::shared_ptr<std::vector<CutTrace>> cuts;   ///< of the family, as the template's cells; null: nobody has cut it
+	mutable std::unique_ptr<CrackView> crackView;  ///< null: the template's mesh is drawn as it is
+	bool wasLookedAt = false;                      ///< what it came off
+	mutable unsigned crackVersion = 0;             ///< fractureVersion that the view shows
+	mutable unsigned crackVersionBefore = 0;       ///< and that its change is from
 
 	std::unique_ptr<SelfCollision> self; ///< null: its nodes do not meet each other
 	std::vector<Pin> pins;               ///< ascending by node
-	std::vector<NodeBody*> nodeBody;     ///< by node; null while untouched
+	std::vector<ContactProxy*> nodeBody; ///< by node; null while untouched
 	mutable int parting = 0; ///< above 0: it goes apart from what it was put into (parting.h), whose nearest faces may hold it back
 	unsigned placed = 0;     ///< one more whenever it is put somewhere
 	unsigned numbering = 0;  ///< one more whenever nodes get other numbers
@@ -175,12 +175,12 @@ struct SoftBody::Impl
 		Wish wish;
 	};
 	mutable std::vector<Near> nearby;
-	std::vector<NodeBody*> touched;        ///< those that are not null
+	std::vector<ContactProxy*> touched;    ///< those that are not null
 	NodeSurface surface;                   ///< of stand-ins
 	mutable ContactSurface contactSurface; ///< ask surfaceNow()
 	mutable std::vector<float> nodeAxes;   ///< rotations at the nodes (Body::nodeRotations), of bodies with friction by direction only
 	mutable SkinBuffers skin;
-	RestPlace rest;
+	RestPosition rest;
 
 	btVector3 worldOrigin() const
 	{
@@ -238,7 +238,7 @@ struct SoftBody::Impl
 	bool isLookedAt() const { return wasLookedAt || skin.frame > 0; }
 	/// Links broke that the body's lattice had so far. Before it takes the shape of what is left of it.
 	void noteCuts();
-	void makeCrackFamily();
+	void makeSharedCrackState();
 	void noteCracks( const BreakReport& report );
 
 	/// What is left of the body, and its spheres: those there were, or `shape`.

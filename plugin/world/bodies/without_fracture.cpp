@@ -16,7 +16,7 @@ Fracture SoftBody::fracture() const
 	return m_impl->body->fracture();
 }
 
-float SoftBody::fadeShare() const
+float SoftBody::fadeFraction() const
 {
 	return 1.0f;
 }

@@ -47,7 +47,7 @@ Tables& tables()
 
 } // namespace
 
-NodeAlgorithm::NodeAlgorithm( const btCollisionAlgorithmConstructionInfo& info, NodeBodyPool& pool, PairScratch& scratch ) :
+NodeAlgorithm::NodeAlgorithm( const btCollisionAlgorithmConstructionInfo& info, ContactProxyPool& pool, PairScratch& scratch ) :
 	btCollisionAlgorithm( info ), m_contacts( new PairContacts( *info.m_dispatcher1, pool, scratch ) )
 {}
 
@@ -78,12 +78,12 @@ btCollisionAlgorithm* NodeCreateFunc::CreateCollisionAlgorithm(
 	}
 	if ( system0 && system1 && system0 != system1 ) // of two worlds: they do not meet
 	{
-		void* const room = info.m_dispatcher1->allocateCollisionAlgorithm( sizeof( btEmptyAlgorithm ) );
-		return new ( room ) btEmptyAlgorithm( info );
+		void* const memory = info.m_dispatcher1->allocateCollisionAlgorithm( sizeof( btEmptyAlgorithm ) );
+		return new ( memory ) btEmptyAlgorithm( info );
 	}
 	SoftBodySystem& system = system0 ? *system0 : *system1;
-	void* const room = info.m_dispatcher1->allocateCollisionAlgorithm( sizeof( NodeAlgorithm ) );
-	return new ( room ) NodeAlgorithm( info, system.pool, system.pairScratch );
+	void* const memory = info.m_dispatcher1->allocateCollisionAlgorithm( sizeof( NodeAlgorithm ) );
+	return new ( memory ) NodeAlgorithm( info, system.pool, system.pairScratch );
 }
 
 std::shared_ptr<AlgorithmTable> AlgorithmTable::of( btCollisionDispatcher& dispatcher )

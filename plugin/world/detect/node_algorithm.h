@@ -12,7 +12,7 @@ class btCollisionDispatcher;
 
 namespace pliant {
 
-class NodeBodyPool;
+class ContactProxyPool;
 class PairContacts;
 struct PairScratch;
 
@@ -20,7 +20,7 @@ struct PairScratch;
 class NodeAlgorithm : public btCollisionAlgorithm
 {
 public:
-	NodeAlgorithm( const btCollisionAlgorithmConstructionInfo& info, NodeBodyPool& pool, PairScratch& scratch );
+	NodeAlgorithm( const btCollisionAlgorithmConstructionInfo& info, ContactProxyPool& pool, PairScratch& scratch );
 	~NodeAlgorithm() override;
 
 	void processCollision( const btCollisionObjectWrapper* body0, const btCollisionObjectWrapper* body1, const btDispatcherInfo& info,

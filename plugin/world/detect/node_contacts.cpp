@@ -1,6 +1,6 @@
 #include "world/detect/node_contacts.h"
 
-#include "world/bodies/ahead.h"
+#include "world/bodies/prefetch.h"
 #include "world/bodies/soft_body_impl.h"
 #include "world/constants.h"
 #include "world/search/contact_points.h"
@@ -26,16 +26,16 @@ SoftBody* softOf( const btCollisionObjectWrapper* wrapper )
 
 } // namespace
 
-PairContacts::PairContacts( btDispatcher& dispatcher, NodeBodyPool& pool, PairScratch& scratch ) :
-	m_dispatcher( dispatcher ), m_pool( pool ), m_scratch( scratch ), m_place( scratch.all.size() )
+PairContacts::PairContacts( btDispatcher& dispatcher, ContactProxyPool& pool, PairScratch& scratch ) :
+	m_dispatcher( dispatcher ), m_pool( pool ), m_scratch( scratch ), m_position( scratch.all.size() )
 {
 	scratch.all.push_back( this );
 }
 
 PairContacts::~PairContacts()
 {
-	m_scratch.all[m_place] = m_scratch.all.back();
-	m_scratch.all[m_place]->m_place = m_place;
+	m_scratch.all[m_position] = m_scratch.all.back();
+	m_scratch.all[m_position]->m_position = m_position;
 	m_scratch.all.pop_back();
 	m_scratch.last = m_scratch.last == this ? nullptr : m_scratch.last;
 	if ( m_scratch.matching == this ) // a callback of the game's has removed one of the two
@@ -60,7 +60,7 @@ void PairContacts::wakeBoth( const NodeContact& contact ) const
 {
 	for ( const btCollisionObject* object : { contact.manifold->getBody0(), contact.manifold->getBody1() } )
 	{
-		SoftBody* const owner = ownerOfNodeBody( object );
+		SoftBody* const owner = ownerOfContactProxy( object );
 		const_cast<btCollisionObject*>( owner ? owner : object )->activate();
 	}
 }
@@ -68,8 +68,8 @@ void PairContacts::wakeBoth( const NodeContact& contact ) const
 // Manifolds before the bodies they name. The game may be told of it, and this pair be gone when it has been.
 void PairContacts::drop( const NodeContact& contact )
 {
-	NodeBodyPool& pool = m_pool;
-	NodeBody *const first = contact.first, *const second = contact.second;
+	ContactProxyPool& pool = m_pool;
+	ContactProxy *const first = contact.first, *const second = contact.second;
 	m_dispatcher.releaseManifold( contact.manifold );
 	pool.release( first );
 	pool.release( second );
@@ -82,7 +82,7 @@ void PairContacts::releaseIfRefused()
 		return;
 	}
 	const auto isActive = []( const btCollisionObject* object ) {
-		const SoftBody* const owner = ownerOfNodeBody( object );
+		const SoftBody* const owner = ownerOfContactProxy( object );
 		return owner ? owner->isActive() : object->isActive();
 	};
 	const btPersistentManifold& any = *m_contacts.front().manifold;
@@ -112,13 +112,13 @@ void PairContacts::process( const btCollisionObjectWrapper& body0, const btColli
 	SoftBody* const soft0 = softOf( &body0 );
 	SoftBody* const soft1 = softOf( &body1 );
 	m_phase = m_pool.phase();
-	askFor( m_after, sizeof( PairContacts ) );
+	prefetch( m_after, sizeof( PairContacts ) );
 	if ( m_scratch.last )
 	{
 		m_scratch.last->m_after = this;
 	}
 	m_scratch.last = this;
-	askFor( m_contacts.data(), kFetched );
+	prefetch( m_contacts.data(), kFetched );
 	if ( !followNodes( soft0, soft1 ) )
 	{
 		return;
@@ -228,18 +228,18 @@ bool PairContacts::followNodes( const SoftBody* soft0, const SoftBody* soft1 )
 	return isThere;
 }
 
-void PairContacts::askAhead( std::size_t contact ) const
+void PairContacts::prefetchAhead( std::size_t contact ) const
 {
 	if ( contact >= m_contacts.size() )
 	{
 		return;
 	}
 	const NodeContact& ahead = m_contacts[contact];
-	askForManifold( *ahead.manifold );
-	NodeBodyPool::askAhead( *ahead.first );
+	prefetchManifold( *ahead.manifold );
+	ContactProxyPool::prefetchAhead( *ahead.first );
 	if ( ahead.second )
 	{
-		NodeBodyPool::askAhead( *ahead.second );
+		ContactProxyPool::prefetchAhead( *ahead.second );
 	}
 }
 
@@ -250,7 +250,7 @@ void PairContacts::matchHits( const Pair& pair, const std::vector<NodeHit>& hits
 	startMatching();
 	for ( std::size_t k = 0; k <= kContactsAhead && !hits.empty(); ++k )
 	{
-		askAhead( k );
+		prefetchAhead( k );
 	}
 	for ( std::size_t start = 0, end = 0; start < hits.size(); start = end )
 	{
@@ -266,7 +266,7 @@ void PairContacts::matchHits( const Pair& pair, const std::vector<NodeHit>& hits
 		if ( old < m_contacts.size() && m_contacts[old].key == key )
 		{
 			contact = m_contacts[old++];
-			askAhead( old + kContactsAhead );
+			prefetchAhead( old + kContactsAhead );
 			m_pool.refresh( *contact.first );
 			if ( contact.second )
 			{
@@ -308,7 +308,7 @@ bool PairContacts::write( const Pair& pair, const NodeContact& contact, const No
 {
 	const PairScratch& scratch = m_scratch;
 	btPersistentManifold& manifold = *contact.manifold;
-	const NodeBody& node = *contact.first;
+	const ContactProxy& node = *contact.first;
 	const btScalar radius = node.radius();
 	const bool isNew = manifold.getNumContacts() == 0;
 	// Hits come nearest first; Bullet keeps what lies within the threshold.
@@ -316,11 +316,11 @@ bool PairContacts::write( const Pair& pair, const NodeContact& contact, const No
 		btMax( btScalar( hits[count - 1].touch.distance ) - radius, btScalar( 0 ) ) + kContactSlop * radius );
 
 	unsigned renewed = 0; // bit k: old point k is carried on
-	int places[MANIFOLD_CACHE_SIZE];
+	int positions[MANIFOLD_CACHE_SIZE];
 	for ( int h = 0; h < count; ++h )
 	{
-		places[h] = findPoint( manifold, hits[h], count, pair.softIsFirst );
-		renewed |= places[h] < 0 ? 0u : 1u << places[h];
+		positions[h] = findPoint( manifold, hits[h], count, pair.softIsFirst );
+		renewed |= positions[h] < 0 ? 0u : 1u << positions[h];
 	}
 	for ( int k = manifold.getNumContacts(); k-- > 0; )
 	{
@@ -332,22 +332,22 @@ bool PairContacts::write( const Pair& pair, const NodeContact& contact, const No
 			{
 				return false;
 			}
-			std::replace( places, places + count, manifold.getNumContacts(), k );
+			std::replace( positions, positions + count, manifold.getNumContacts(), k );
 		}
 	}
 	for ( int h = 0; h < count; ++h )
 	{
-		if ( places[h] >= 0 )
+		if ( positions[h] >= 0 )
 		{
-			renewPoint( manifold, node, hits[h], pair.softIsFirst, places[h] );
+			renewPoint( manifold, node, hits[h], pair.softIsFirst, positions[h] );
 		}
 		else
 		{
 			btManifoldPoint point;
 			fillPoint( manifold, node, hits[h], pair.softIsFirst, point );
-			places[h] = manifold.addManifoldPoint( point );
+			positions[h] = manifold.addManifoldPoint( point );
 		}
-		if ( hasContactCallback() && !tell( manifold, places[h], hits[h].other() ) )
+		if ( hasContactCallback() && !tell( manifold, positions[h], hits[h].other() ) )
 		{
 			return false;
 		}

@@ -6,7 +6,7 @@
 #include "world/respond/parting.h"
 #include "world/search/node_search.h"
 #include "world/self/self_search.h"
-#include "world/shape/node_body.h"
+#include "world/shape/contact_proxy.h"
 
 #include <BulletCollision/BroadphaseCollision/btCollisionAlgorithm.h>
 
@@ -21,8 +21,8 @@ namespace pliant {
 struct NodeContact
 {
 	std::uint64_t key = 0; ///< NodeHit's
-	NodeBody* first = nullptr;
-	NodeBody* second = nullptr; ///< soft against soft only
+	ContactProxy* first = nullptr;
+	ContactProxy* second = nullptr; ///< soft against soft only
 	btPersistentManifold* manifold = nullptr;
 };
 
@@ -46,7 +46,7 @@ class PairContacts
 public:
 	BT_DECLARE_ALIGNED_ALLOCATOR();
 
-	PairContacts( btDispatcher& dispatcher, NodeBodyPool& pool, PairScratch& scratch );
+	PairContacts( btDispatcher& dispatcher, ContactProxyPool& pool, PairScratch& scratch );
 	~PairContacts();
 
 	void process( const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1, double step );
@@ -74,7 +74,7 @@ private:
 	bool followNodes( const SoftBody* soft0, const SoftBody* soft1 );
 	void startMatching();
 	void endMatching();
-	void askAhead( std::size_t contact ) const;
+	void prefetchAhead( std::size_t contact ) const;
 	void matchHits( const Pair& pair, const std::vector<NodeHit>& hits );
 	void open( const Pair& pair, NodeContact& contact );
 	bool write( const Pair& pair, const NodeContact& contact, const NodeHit* hits, int count );
@@ -84,7 +84,7 @@ private:
 	void wakeBoth( const NodeContact& contact ) const;
 
 	btDispatcher& m_dispatcher;
-	NodeBodyPool& m_pool;
+	ContactProxyPool& m_pool;
 	PairScratch& m_scratch;
 	std::vector<NodeContact> m_contacts;
 	Parting m_parting;
@@ -92,7 +92,7 @@ private:
 	const void* m_after = nullptr; ///< whose turn it was next: asked for, and else not looked at, as it may be gone
 	unsigned m_numbering = 0;      ///< of both bodies, when their nodes were last followed
 	unsigned m_phase = 0;          ///< collision phase in which it was last processed
-	std::size_t m_place;           ///< among PairScratch::all
+	std::size_t m_position;        ///< among PairScratch::all
 };
 
 } // namespace pliant

@@ -7,7 +7,7 @@ namespace pliant {
 
 void SoftBodySystem::dropPredictiveContacts()
 {
-	for ( NodeBody* body : m_predictive )
+	for ( ContactProxy* body : m_predictive )
 	{
 		pool.release( body );
 	}
@@ -31,7 +31,7 @@ void SoftBodySystem::holdPredictiveContacts( btAlignedObjectArray<btPersistentMa
 			}
 			btManifoldPoint& point = manifold->getContactPoint( 0 );
 			const btVector3 at = side == 0 ? point.getPositionWorldOnA() : point.getPositionWorldOnB();
-			NodeBody* const stand = pool.acquire( *soft, soft->nearestNode( at ) );
+			ContactProxy* const stand = pool.acquire( *soft, soft->nearestNode( at ) );
 			m_predictive.push_back( stand );
 			// Bullet takes the bullet's centre for the point where it is hit. The impulse acts at the node: what is turned by it must see
 			// the same lever, or spin is lost. Where that is before MovedContacts::moveToNodes:

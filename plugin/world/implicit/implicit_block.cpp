@@ -270,7 +270,7 @@ void ImplicitBlock::solveLaw( BlockCount& count )
 		m_freeNext = m_free;
 		beginIteration();
 		++passes;
-		iterate( passes < kMostPasses ? kPassShare : kLatePassShare, count );
+		iterate( passes < kMostPasses ? kPassFraction : kLatePassFraction, count );
 		bool isLast = mayEnd( passes );
 		if ( isLast )
 		{
@@ -306,7 +306,7 @@ void ImplicitBlock::readAnswer()
 {
 	for ( SoftPart& part : soft )
 	{
-		part.motion->setSpeeds( m_v.data() + part.offset );
+		part.motion->setNodeVelocities( m_v.data() + part.offset );
 	}
 	for ( RigidPart& part : rigid )
 	{

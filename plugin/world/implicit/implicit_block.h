@@ -129,7 +129,7 @@ public:
 	/// How a node's part turns as a whole, rad/s.
 	const Vec3d& turnOf( const ContactSide& side );
 	/// And at the substep's start.
-	Vec3d speedBefore( const BlockContact& contact ) const;
+	Vec3d velocityBefore( const BlockContact& contact ) const;
 
 private:
 	struct NodeBlock
@@ -151,7 +151,7 @@ private:
 		static constexpr int kMost = 2 * SharedNodes::kMost; ///< a contact's of two soft bodies; implicit_clusters.cpp names each size
 		int blocks[kMost] = {};
 		int count = 0;
-		int room = 0;                              ///< of its matrix in m_clusterRoom
+		int scratch = 0;                           ///< of its matrix in m_clusterStorage
 		int inverse = 0;                           ///< of its inverse in m_clusterInverse, column by column
 		int place[kMost] = {}, stride[kMost] = {}; ///< of each block's first number in the vector, and between its numbers
 	};
@@ -223,13 +223,13 @@ private:
 	void beginIteration();
 	double energyLeft() const;
 	/// Improves m_next until `share` of what is off is left, or little enough, and reads its impulses.
-	void iterate( double share, BlockCount& count );
+	void iterate( double fraction, BlockCount& count );
 	void fillPreconditioner();
 	void layOutCoarse();
 	void nameClusters( const BlockContact& contact );
 	Eigen::Map<Eigen::MatrixXd> matrixOf( const Cluster& cluster )
 	{
-		return { m_clusterRoom.data() + cluster.room, 3 * cluster.count, 3 * cluster.count };
+		return { m_clusterStorage.data() + cluster.scratch, 3 * cluster.count, 3 * cluster.count };
 	}
 	void beginClusters();
 	void addToClusters( const BlockContact& contact, const Eigen::Matrix3d& resists );
@@ -250,7 +250,7 @@ private:
 	void carryImpulses();
 	void agreeOnTargets( std::size_t first, std::size_t end ); ///< of one node: [first, end) of m_between
 
-	// The law, in implicit_law.cpp.
+	// The law, in contact_law.cpp.
 	Vec3d undirected( const BlockContact& contact ) const;
 	void chooseStiffness();
 	/// `passes`: those made so far.
@@ -261,9 +261,9 @@ private:
 	void readImpulses( const float* v );
 	/// The lowest point on the way from m_v to m_next, as a share of the way.
 	double stepTowards();
-	double lowestShare( double slope, double curvature ) const;
+	double lowestFraction( double slope, double curvature ) const;
 
-	// In implicit_bounce.cpp.
+	// In implicit_restitution.cpp.
 	/// Of the contacts' impulses, and how much they move, J.
 	struct Work
 	{
@@ -309,7 +309,7 @@ private:
 	std::vector<Between> m_between;         ///< by node; scratch of agreeOnTargets
 	std::vector<NodeBlock> m_nodeBlocks;    ///< of the nodes that contacts name
 	std::vector<Cluster> m_clusters;
-	std::vector<double> m_clusterRoom;
+	std::vector<double> m_clusterStorage;
 	AlignedArray<float> m_clusterInverse;
 	std::vector<Connected> m_connected;                      ///< of all soft parts, in their order
 	std::vector<std::uint32_t> m_groupStart, m_groupMembers; ///< scratch of keepMomentum

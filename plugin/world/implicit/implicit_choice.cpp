@@ -26,7 +26,7 @@ double massOf( const btCollisionObject& object )
 	{
 		return 0.0;
 	}
-	if ( const SoftBody* owner = ownerOfNodeBody( &object ) )
+	if ( const SoftBody* owner = ownerOfContactProxy( &object ) )
 	{
 		return owner->impl().mass;
 	}
@@ -43,7 +43,7 @@ btVector3 gravityOf( const SoftBody& body, const btDiscreteDynamicsWorld& world 
 void addContact( btPersistentManifold& manifold, int side, const btDiscreteDynamicsWorld& world )
 {
 	const btCollisionObject* const objects[2] = { manifold.getBody0(), manifold.getBody1() };
-	SoftBody* const owner = ownerOfNodeBody( objects[side] );
+	SoftBody* const owner = ownerOfContactProxy( objects[side] );
 	if ( !owner || !owner->impl().elasticity.feelsLoads || manifold.getNumContacts() == 0 )
 	{
 		return;
@@ -53,7 +53,7 @@ void addContact( btPersistentManifold& manifold, int side, const btDiscreteDynam
 	{
 		return;
 	}
-	const NodeBody& node = *static_cast<const NodeBody*>( objects[side] );
+	const ContactProxy& node = *static_cast<const ContactProxy*>( objects[side] );
 	ElasticityState& state = owner->impl().elasticity;
 	double impulse = 0.0;
 	bool liesOnIt = false;
@@ -100,8 +100,8 @@ bool ImplicitChoice::isTooStiff( const SoftBody& body, btScalar gameStep, int su
 	Material material = body.material();
 	material.elasticity = Elasticity::Explicit;
 	const StiffnessPlan plan = planStiffness( material, impl.bodyTemplate->cellSize(), float( gameStep ), substeps );
-	const double share = impl.body->largestRegionShare() * ( 1.0 + 3.0 * double( material.volumeKeeping ) );
-	return !plan.reachable || double( plan.alpha ) * share > kLargestVolumeAlpha;
+	const double fraction = impl.body->largestRegionFraction() * ( 1.0 + 3.0 * double( material.volumeKeeping ) );
+	return !plan.reachable || double( plan.alpha ) * fraction > kLargestVolumeAlpha;
 }
 
 // One round over the contacts between a thing of mass M and n nodes of mass m brings its speed and theirs nearer by n m / M, so that I
@@ -116,7 +116,7 @@ bool ImplicitChoice::isTooHeavilyLoaded( SoftBody& body, const btDiscreteDynamic
 	state.load += ( load - state.load ) * std::min( 1.0, double( gameStep ) / kLoadTime );
 	const double count = double( impl.body->nodeCount() );
 	const double face = impl.mass / count * std::pow( count, 2.0 / 3.0 );
-	const double bears = ( state.isImplicit ? kLeaveShare : 1.0 ) * double( world.getSolverInfo().m_numIterations );
+	const double bears = ( state.isImplicit ? kLeaveFraction : 1.0 ) * double( world.getSolverInfo().m_numIterations );
 	return state.heaviest > bears * face || state.load > bears;
 }
 

@@ -103,7 +103,7 @@ void ImplicitBlock::agreeOnTargets( std::size_t first, std::size_t end )
 	{
 		most = std::max( most, demand( k ).lack( around ) );
 	}
-	const auto lacks = [&]( const Vec3d& w, std::size_t k ) { return demand( k ).lack( w ) > kAgreedShare * most; };
+	const auto lacks = [&]( const Vec3d& w, std::size_t k ) { return demand( k ).lack( w ) > kAgreedFraction * most; };
 	Vec3d way = around;
 	bool isShort = true;
 	for ( int sweep = 0; sweep < kAgreeSweeps && isShort; ++sweep )
@@ -119,7 +119,7 @@ void ImplicitBlock::agreeOnTargets( std::size_t first, std::size_t end )
 			}
 		}
 	}
-	if ( !isShort && ( way - around ).norm() <= kMostWayOut * most )
+	if ( !isShort && ( way - around ).norm() <= kLargestExitDistance * most )
 	{
 		return;
 	}
@@ -137,7 +137,7 @@ void ImplicitBlock::agreeOnTargets( std::size_t first, std::size_t end )
 			}
 		}
 		const Vec3d next = around + sum.inverse() * right;
-		const bool isSame = ( next - way ).norm() <= kAgreedShare * most;
+		const bool isSame = ( next - way ).norm() <= kAgreedFraction * most;
 		way = next;
 		if ( isSame )
 		{

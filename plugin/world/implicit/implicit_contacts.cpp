@@ -15,9 +15,9 @@ namespace pliant {
 
 namespace {
 
-const NodeBody* asNode( const btCollisionObject* object )
+const ContactProxy* asNode( const btCollisionObject* object )
 {
-	return ownerOfNodeBody( object ) ? static_cast<const NodeBody*>( object ) : nullptr;
+	return ownerOfContactProxy( object ) ? static_cast<const ContactProxy*>( object ) : nullptr;
 }
 
 /// A contact that was a block's rubs in two directions; a solver with one leaves the other's impulse as it lies, and who sums them up would
@@ -46,29 +46,29 @@ bool isPlainRigid( const btPersistentManifold& manifold )
 }
 
 /// Whether both of two rigid bodies are moved by the block, or stand.
-bool takeParts( const btCollisionObject* const ( &objects )[2], int block, const BlockPlaces& places )
+bool takeParts( const btCollisionObject* const ( &objects )[2], int block, const BlockPositions& positions )
 {
 	return block >= 0 && std::all_of( std::begin( objects ), std::end( objects ), [&]( const btCollisionObject* object ) {
-		return object->isStaticOrKinematicObject() || places.takesPart( block, *object );
+		return object->isStaticOrKinematicObject() || positions.takesPart( block, *object );
 	} );
 }
 
 /// The block that solves a manifold's contacts; -1: they are Bullet's.
-int blockOf( const btPersistentManifold& manifold, const BlockPlaces& places )
+int blockOf( const btPersistentManifold& manifold, const BlockPositions& positions )
 {
 	const btCollisionObject* const objects[2] = { manifold.getBody0(), manifold.getBody1() };
 	int block = -1;
 	bool hasNode = false;
 	for ( const btCollisionObject* object : objects )
 	{
-		const NodeBody* const node = asNode( object );
+		const ContactProxy* const node = asNode( object );
 		hasNode = hasNode || node;
-		block = node && block < 0 && node->node >= 0 ? places.blockOf( *node->owner ) : block;
+		block = node && block < 0 && node->node >= 0 ? positions.blockOf( *node->owner ) : block;
 	}
 	if ( !hasNode && isPlainRigid( manifold ) )
 	{
-		block = std::max( places.blockOfIsland( objects[0]->getIslandTag() ), places.blockOfIsland( objects[1]->getIslandTag() ) );
-		block = takeParts( objects, block, places ) ? block : -1;
+		block = std::max( positions.blockOfIsland( objects[0]->getIslandTag() ), positions.blockOfIsland( objects[1]->getIslandTag() ) );
+		block = takeParts( objects, block, positions ) ? block : -1;
 	}
 	return block;
 }
@@ -108,19 +108,19 @@ Vec3d surfaceVelocity( const btManifoldPoint& point, const btContactSolverInfo& 
 				   : Vec3d( Vec3d::Zero() );
 }
 
-bool isExplicit( const NodeBody* node )
+bool isExplicit( const ContactProxy* node )
 {
 	return node && node->node >= 0 && !node->owner->impl().isImplicit;
 }
 
-bool isDrawn( const NodeBody* node )
+bool isDrawn( const ContactProxy* node )
 {
 	return node && node->node >= 0 && node->owner->impl().isMetAsDrawn();
 }
 
 /// The nodes of a contact of nodes' own spheres: the node, or of two round surfaces the one behind it too. It acts at the node's centre, on
 /// both sides: so no turn is lost.
-Vec3d shareAtNodes( const NodeBody* const ( &nodes )[2], SharedNodes ( &shared )[2] )
+Vec3d shareAtNodes( const ContactProxy* const ( &nodes )[2], SharedNodes ( &shared )[2] )
 {
 	const bool isRound = nodes[0] && nodes[1] && nodes[0]->node >= 0 && nodes[1]->node >= 0 &&
 		meetRound( *nodes[0]->owner, *nodes[1]->owner );
@@ -131,15 +131,15 @@ Vec3d shareAtNodes( const NodeBody* const ( &nodes )[2], SharedNodes ( &shared )
 		{
 			continue;
 		}
-		const NodeBody &own = *nodes[side], &other = *nodes[1 - side];
+		const ContactProxy &own = *nodes[side], &other = *nodes[1 - side];
 		const RoundSphere round = roundSphere(
 			*own.owner, own.node, toVec3d( other.owner->impl().position( other.node ) - own.owner->impl().position( own.node ) ) );
 		if ( round.inner >= 0 )
 		{
 			shared[side].count = 2;
 			shared[side].node[1] = round.inner;
-			shared[side].press[0] = shared[side].rub[0] = 1.0 - round.share;
-			shared[side].press[1] = shared[side].rub[1] = round.share;
+			shared[side].press[0] = shared[side].rub[0] = 1.0 - round.fraction;
+			shared[side].press[1] = shared[side].rub[1] = round.fraction;
 		}
 	}
 	return nodes[0] || nodes[1] ? toVec3d( ( nodes[0] ? nodes[0] : nodes[1] )->getWorldTransform().getOrigin() ) : Vec3d( Vec3d::Zero() );
@@ -148,7 +148,8 @@ Vec3d shareAtNodes( const NodeBody* const ( &nodes )[2], SharedNodes ( &shared )
 /// The nodes that share a contact with a drawn surface, on each side that is a node. Returns where it acts on what else there is, world, m:
 /// where the nodes can share it, so that no spin is lost. While it is solved one side's point lies at the height of the node
 /// (MovedContacts), and friction acts in the middle between the two.
-Vec3d shareOnSurface( const NodeBody* const ( &nodes )[2], const btManifoldPoint& point, const Vec3d& normal, SharedNodes ( &shared )[2] )
+Vec3d shareOnSurface(
+	const ContactProxy* const ( &nodes )[2], const btManifoldPoint& point, const Vec3d& normal, SharedNodes ( &shared )[2] )
 {
 	const Vec3d middle = 0.5 * ( toVec3d( point.getPositionWorldOnA() ) + toVec3d( point.getPositionWorldOnB() ) );
 	Vec3d acts = middle;
@@ -161,7 +162,7 @@ Vec3d shareOnSurface( const NodeBody* const ( &nodes )[2], const btManifoldPoint
 		const SoftBody::Impl& impl = nodes[side]->owner->impl();
 		const Vec3d node = toVec3d( impl.position( nodes[side]->node ) );
 		Vec3d at = middle - node;
-		shared[side] = impl.surfaceNow().share( impl.body->nodes(), nodes[side]->node, normal, at );
+		shared[side] = impl.surfaceNow().fraction( impl.body->nodes(), nodes[side]->node, normal, at );
 		acts = node + at;
 	}
 	return acts;
@@ -170,7 +171,7 @@ Vec3d shareOnSurface( const NodeBody* const ( &nodes )[2], const btManifoldPoint
 /// The velocity, m/s, by which the surface of a rolling sphere lags behind the velocities of its nodes: they move along chords, so that a
 /// sphere of radius R and angular velocity w comes ( h w )^2 R / 2 nearer to what it rolls on in a step of h than the point of it that
 /// touches. Without this a rolling body sinks and is lifted again, which costs its energy.
-double rolling( const NodeBody* const ( &nodes )[2], const BlockContact& contact, ImplicitBlock& block, double h )
+double rolling( const ContactProxy* const ( &nodes )[2], const BlockContact& contact, ImplicitBlock& block, double h )
 {
 	double sum = 0.0;
 	for ( int side = 0; side < 2; ++side )
@@ -193,8 +194,8 @@ double rolling( const NodeBody* const ( &nodes )[2], const BlockContact& contact
 }
 
 /// b: speed of parting asked for. Before touch, whatever closes the gap within the step; then out of what is too deep, and bouncing off.
-/// `approach`: without contacts, elasticity left out; it bounces off the speed at the substep's start (implicit_bounce.cpp). `rolling`,
-/// m/s, is added.
+/// `approach`: without contacts, elasticity left out; it bounces off the speed at the substep's start (implicit_restitution.cpp).
+/// `rolling`, m/s, is added.
 void aim( BlockContact& contact, const btContactSolverInfo& info, double approach, double rolling )
 {
 	const btManifoldPoint& point = *contact.point;
@@ -213,22 +214,22 @@ void aim( BlockContact& contact, const btContactSolverInfo& info, double approac
 } // namespace
 
 void ImplicitContacts::gather(
-	btDispatcher& dispatcher, const btContactSolverInfo& info, BlockPlaces& places, std::deque<ImplicitBlock>& blocks )
+	btDispatcher& dispatcher, const btContactSolverInfo& info, BlockPositions& positions, std::deque<ImplicitBlock>& blocks )
 {
 	m_count = 0;
 	m_hidden.clear();
 	for ( int m = 0; m < dispatcher.getNumManifolds(); ++m )
 	{
-		gatherFrom( *dispatcher.getManifoldByIndexInternal( m ), info, places, blocks );
+		gatherFrom( *dispatcher.getManifoldByIndexInternal( m ), info, positions, blocks );
 	}
 }
 
 void ImplicitContacts::gatherFrom(
-	btPersistentManifold& manifold, const btContactSolverInfo& info, BlockPlaces& places, std::deque<ImplicitBlock>& blocks )
+	btPersistentManifold& manifold, const btContactSolverInfo& info, BlockPositions& positions, std::deque<ImplicitBlock>& blocks )
 {
 	const btCollisionObject* const objects[2] = { manifold.getBody0(), manifold.getBody1() };
-	const NodeBody* const nodes[2] = { asNode( objects[0] ), asNode( objects[1] ) };
-	const int block = blockOf( manifold, places );
+	const ContactProxy* const nodes[2] = { asNode( objects[0] ), asNode( objects[1] ) };
+	const int block = blockOf( manifold, positions );
 	if ( block < 0 )
 	{
 		if ( ( info.m_solverMode & SOLVER_USE_2_FRICTION_DIRECTIONS ) == 0 )
@@ -259,7 +260,7 @@ void ImplicitContacts::gatherFrom(
 		for ( int side = 0; side < 2; ++side )
 		{
 			const Vec3d touches = toVec3d( side == 0 ? point.getPositionWorldOnA() : point.getPositionWorldOnB() );
-			contact.side[side] = sideOf( *objects[side], block, places, nodes[0] || nodes[1] ? acts : touches );
+			contact.side[side] = sideOf( *objects[side], block, positions, nodes[0] || nodes[1] ? acts : touches );
 			contact.side[side].shared = nodes[side] ? shared[side] : SharedNodes{};
 		}
 		contact.side[1].given += surfaceVelocity( point, info );
@@ -274,7 +275,7 @@ void ImplicitContacts::gatherFrom(
 		contact.tangentImpulse = double( point.m_appliedImpulseLateral1 ) * toVec3d( point.m_lateralFrictionDir1 ) +
 			double( point.m_appliedImpulseLateral2 ) * toVec3d( point.m_lateralFrictionDir2 );
 		ImplicitBlock& own = blocks[std::size_t( block )];
-		contact.before = own.speedBefore( contact );
+		contact.before = own.velocityBefore( contact );
 		const double rolls = contact.isDrawn ? rolling( nodes, contact, own, double( info.m_timeStep ) ) : 0.0;
 		aim( contact, info, -contact.normal.dot( own.freeSpeed( contact ) ), rolls );
 		blocks[std::size_t( block )].contacts.push_back( contact );
@@ -282,14 +283,14 @@ void ImplicitContacts::gatherFrom(
 	}
 }
 
-ContactSide ImplicitContacts::sideOf( const btCollisionObject& object, int block, BlockPlaces& places, const Vec3d& at ) const
+ContactSide ImplicitContacts::sideOf( const btCollisionObject& object, int block, BlockPositions& positions, const Vec3d& at ) const
 {
 	ContactSide side;
-	if ( const NodeBody* node = asNode( &object ) )
+	if ( const ContactProxy* node = asNode( &object ) )
 	{
 		const NodeState& nodes = node->owner->impl().body->nodes();
-		const bool isFree = node->node >= 0 && places.blockOf( *node->owner ) == block && nodes.freedom[node->node] != 0.0f;
-		side.soft = isFree ? places.softPart( *node->owner ) : -1;
+		const bool isFree = node->node >= 0 && positions.blockOf( *node->owner ) == block && nodes.freedom[node->node] != 0.0f;
+		side.soft = isFree ? positions.softPart( *node->owner ) : -1;
 		side.node = node->node;
 		side.given = isFree ? Vec3d( Vec3d::Zero() ) : toVec3d( node->getLinearVelocity() );
 		return side;
@@ -306,7 +307,7 @@ ContactSide ImplicitContacts::sideOf( const btCollisionObject& object, int block
 		side.given = toVec3d( rigid->getLinearVelocity() ) + toVec3d( rigid->getAngularVelocity() ).cross( arm );
 		return side;
 	}
-	side.rigid = places.rigidPart( block, *rigid );
+	side.rigid = positions.rigidPart( block, *rigid );
 	side.arm = arm;
 	return side;
 }

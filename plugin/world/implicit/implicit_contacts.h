@@ -17,13 +17,13 @@ struct btContactSolverInfo;
 
 namespace pliant {
 
-class NodeBody;
+class ContactProxy;
 
 /// Finds which block, and which part of it, a collision object is.
-class BlockPlaces
+class BlockPositions
 {
 public:
-	virtual ~BlockPlaces() = default;
+	virtual ~BlockPositions() = default;
 	/// The block of a soft body; -1: it takes part in none.
 	virtual int blockOf( const SoftBody& body ) const = 0;
 	/// The block of an island, by Bullet's tag; -1: it has none.
@@ -41,7 +41,7 @@ class ImplicitContacts
 public:
 	/// Adds the contacts of all manifolds that name a node of a block's body, or two rigid bodies of its island, and hides them from
 	/// Bullet's solver.
-	void gather( btDispatcher& dispatcher, const btContactSolverInfo& info, BlockPlaces& places, std::deque<ImplicitBlock>& blocks );
+	void gather( btDispatcher& dispatcher, const btContactSolverInfo& info, BlockPositions& positions, std::deque<ImplicitBlock>& blocks );
 	/// Impulses into the contact points; sleeping bodies that are pressed wake.
 	static void writeBack( ImplicitBlock& block );
 	/// Bullet may see them again.
@@ -50,8 +50,8 @@ public:
 
 private:
 	void gatherFrom(
-		btPersistentManifold& manifold, const btContactSolverInfo& info, BlockPlaces& places, std::deque<ImplicitBlock>& blocks );
-	ContactSide sideOf( const btCollisionObject& object, int block, BlockPlaces& places, const Vec3d& at ) const;
+		btPersistentManifold& manifold, const btContactSolverInfo& info, BlockPositions& positions, std::deque<ImplicitBlock>& blocks );
+	ContactSide sideOf( const btCollisionObject& object, int block, BlockPositions& positions, const Vec3d& at ) const;
 
 	struct Hidden
 	{

@@ -69,9 +69,9 @@ double ImplicitBlock::energyLeft() const
 							: std::clamp( needed, atSpeed( kContactGradientSpeed ), atSpeed( kMostContactGradientSpeed ) );
 }
 
-void ImplicitBlock::iterate( double share, BlockCount& count )
+void ImplicitBlock::iterate( double fraction, BlockCount& count )
 {
-	count.products += m_gradients.goOn( *this, m_next.data(), GradientLimits{ share, energyLeft(), kMostGradients } );
+	count.products += m_gradients.goOn( *this, m_next.data(), GradientLimits{ fraction, energyLeft(), kMostGradients } );
 	readImpulses( m_next.data() );
 }
 

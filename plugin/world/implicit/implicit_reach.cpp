@@ -1,10 +1,10 @@
 #include "world/implicit/implicit_reach.h"
 
-#include "world/bodies/ahead.h"
+#include "world/bodies/prefetch.h"
 #include "world/bodies/soft_body_impl.h"
 #include "world/constants.h"
 #include "world/implicit/implicit_contacts.h"
-#include "world/shape/node_body.h"
+#include "world/shape/contact_proxy.h"
 
 #include <BulletCollision/BroadphaseCollision/btDispatcher.h>
 #include <BulletCollision/NarrowPhaseCollision/btPersistentManifold.h>
@@ -18,7 +18,7 @@ namespace {
 bool isDynamicRigid( const btCollisionObject& object )
 {
 	const btRigidBody* const rigid = btRigidBody::upcast( &object );
-	return rigid && !ownerOfNodeBody( &object ) && !object.isStaticOrKinematicObject() && rigid->getInvMass() > 0;
+	return rigid && !ownerOfContactProxy( &object ) && !object.isStaticOrKinematicObject() && rigid->getInvMass() > 0;
 }
 
 unsigned char& at( std::vector<unsigned char>& flags, int index )
@@ -46,15 +46,15 @@ void ImplicitReach::note( const btCollisionObject& rigid, int block, bool touche
 	}
 }
 
-void ImplicitReach::look( const btPersistentManifold& manifold, const BlockPlaces& places )
+void ImplicitReach::look( const btPersistentManifold& manifold, const BlockPositions& positions )
 {
 	const btCollisionObject &a = *manifold.getBody0(), &b = *manifold.getBody1();
-	const SoftBody *const softA = ownerOfNodeBody( &a ), *const softB = ownerOfNodeBody( &b );
+	const SoftBody *const softA = ownerOfContactProxy( &a ), *const softB = ownerOfContactProxy( &b );
 	const bool isA = isDynamicRigid( a ), isB = isDynamicRigid( b ), touchesSoft = softA || softB;
-	const int block = touchesSoft ? places.blockOf( softA ? *softA : *softB )
-								  : places.blockOfIsland( isA ? a.getIslandTag()
-											: isB             ? b.getIslandTag()
-															  : -1 );
+	const int block = touchesSoft ? positions.blockOf( softA ? *softA : *softB )
+								  : positions.blockOfIsland( isA ? a.getIslandTag()
+											: isB                ? b.getIslandTag()
+																 : -1 );
 	if ( block < 0 )
 	{
 		return;
@@ -99,17 +99,17 @@ bool ImplicitReach::addRing()
 }
 
 // Nearest first: what touches a soft body, then what touches that, and so on.
-void ImplicitReach::choose( btDispatcher& dispatcher, const BlockPlaces& places, int blocks )
+void ImplicitReach::choose( btDispatcher& dispatcher, const BlockPositions& positions, int blocks )
 {
 	std::fill( m_isIn.begin(), m_isIn.end(), static_cast<unsigned char>( 0 ) );
 	std::fill( m_isKnown.begin(), m_isKnown.end(), static_cast<unsigned char>( 0 ) );
 	m_bodies.assign( std::size_t( blocks ), 0 );
 	m_taken.assign( std::size_t( blocks ), 0 );
 	m_edges.clear();
-	forEachManifold( dispatcher, askForEnd, [&]( const btPersistentManifold& manifold ) {
+	forEachManifold( dispatcher, prefetchEnd, [&]( const btPersistentManifold& manifold ) {
 		if ( manifold.getNumContacts() > 0 )
 		{
-			look( manifold, places );
+			look( manifold, positions );
 		}
 	} );
 	while ( addRing() )

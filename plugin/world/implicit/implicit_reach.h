@@ -11,13 +11,13 @@ class btPersistentManifold;
 
 namespace pliant {
 
-class BlockPlaces;
+class BlockPositions;
 
 class ImplicitReach
 {
 public:
 	/// From the contacts there are. `blocks`: how many there are.
-	void choose( btDispatcher& dispatcher, const BlockPlaces& places, int blocks );
+	void choose( btDispatcher& dispatcher, const BlockPositions& positions, int blocks );
 	bool takesPart( int block, const btCollisionObject& rigid ) const;
 
 private:
@@ -25,7 +25,7 @@ private:
 	{
 		int a, b, block; ///< indices of two rigid bodies in the world
 	};
-	void look( const btPersistentManifold& manifold, const BlockPlaces& places );
+	void look( const btPersistentManifold& manifold, const BlockPositions& positions );
 	void note( const btCollisionObject& rigid, int block, bool touchesSoft );
 	bool addRing();
 

@@ -168,7 +168,7 @@ void ImplicitSolve::makeBlocks( const std::vector<SoftBody*>& awake )
 		SoftPart part;
 		part.owner = body;
 		part.motion = impl.isImplicit ? impl.body->implicit() : &impl.body->takePartFreely();
-		part.before = &impl.body->speedBefore();
+		part.before = &impl.body->velocityBefore();
 		block.soft.push_back( part );
 	}
 }
@@ -207,13 +207,13 @@ void ImplicitSolve::before(
 	{
 		m_count.passes = std::max( m_count.passes, counts[std::size_t( k )].passes );
 		m_count.products = std::max( m_count.products, counts[std::size_t( k )].products );
-		giveSpeeds( m_blocks[std::size_t( k )] );
+		storeVelocities( m_blocks[std::size_t( k )] );
 		ImplicitContacts::writeBack( m_blocks[std::size_t( k )] );
 	}
 }
 
 // Bullet's solver will add the forces, and joints and rigid contacts what they did last time, as far as they do it again.
-void ImplicitSolve::giveSpeeds( ImplicitBlock& block )
+void ImplicitSolve::storeVelocities( ImplicitBlock& block )
 {
 	for ( RigidPart& part : block.rigid )
 	{
@@ -237,7 +237,7 @@ void ImplicitSolve::after()
 		{
 			// e += r ( dV - e ), dV what Bullet's solver did beyond the forces
 			Vector6& expected = outsideOf( *part.body ).change;
-			expected += kOutsideShare * ( speedOf( *part.body ) - part.given - expected );
+			expected += kOutsideFraction * ( speedOf( *part.body ) - part.given - expected );
 		}
 	}
 }

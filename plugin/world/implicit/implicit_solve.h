@@ -21,7 +21,7 @@ struct OutsideImpulse
 	unsigned stamp = 0;
 };
 
-class ImplicitSolve : private BlockPlaces
+class ImplicitSolve : private BlockPositions
 {
 public:
 	/// `awake`: the substep's bodies. Solves, gives nodes and rigid bodies their speeds and hides the blocks' contacts from Bullet.
@@ -42,7 +42,7 @@ private:
 
 	void makeBlocks( const std::vector<SoftBody*>& awake );
 	OutsideImpulse& outsideOf( const btRigidBody& body );
-	void giveSpeeds( ImplicitBlock& block );
+	void storeVelocities( ImplicitBlock& block );
 
 	std::deque<ImplicitBlock> m_blocks; ///< as many as ever were needed
 	std::vector<int> m_tagOf;           ///< island of each block

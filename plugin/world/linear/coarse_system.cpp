@@ -28,13 +28,13 @@ void CoarseSystem::layOut( const std::vector<int>& sizes, std::vector<Pair>& pai
 		m_size += size;
 	}
 	m_start.assign( 1, 0 );
-	m_places.clear();
+	m_positions.clear();
 	int values = 0;
 	for ( const auto& [row, column] : pairs )
 	{
 		m_start.resize( std::size_t( column ) + 2 );
-		m_places.push_back( Place{ row, values } );
-		m_start.back() = int( m_places.size() );
+		m_positions.push_back( Place{ row, values } );
+		m_start.back() = int( m_positions.size() );
 		values += sizes[std::size_t( row )] * sizes[std::size_t( column )];
 	}
 	m_values.assign( std::size_t( values ), 0.0 );
@@ -51,7 +51,7 @@ void CoarseSystem::layOutFactor()
 	{
 		for ( int p = m_start[std::size_t( b )]; p < m_start[std::size_t( b ) + 1]; ++p )
 		{
-			const Place& place = m_places[std::size_t( p )];
+			const Place& place = m_positions[std::size_t( p )];
 			const int rows = m_sizes[std::size_t( place.row )];
 			for ( int j = 0; j < m_sizes[std::size_t( b )]; j += edge )
 			{
@@ -79,9 +79,9 @@ int CoarseSystem::find( int a, int b ) const
 {
 	for ( int p = m_start[std::size_t( b )]; p < m_start[std::size_t( b ) + 1]; ++p )
 	{
-		if ( m_places[std::size_t( p )].row == a )
+		if ( m_positions[std::size_t( p )].row == a )
 		{
-			return m_places[std::size_t( p )].value;
+			return m_positions[std::size_t( p )].value;
 		}
 	}
 	return -1;

@@ -52,7 +52,7 @@ private:
 	std::vector<int> m_sizes, m_offset;
 	std::vector<Pair> m_pairs; ///< with m_sizes: what it was laid out for
 	std::vector<int> m_start;  ///< of each body's column among the places, and their end
-	std::vector<Place> m_places;
+	std::vector<Place> m_positions;
 	std::vector<double> m_values;
 	std::vector<Part> m_parts;
 	BlockCholesky m_factor;

@@ -62,13 +62,13 @@ void sweep( Matrix& a )
 	for ( int p = 0; p < Matrix::RowsAtCompileTime; ++p )
 	{
 		const double pivot = a( p, p );
-		const Eigen::Matrix<double, Matrix::RowsAtCompileTime, 1> column = a.col( p ), share = column / pivot;
+		const Eigen::Matrix<double, Matrix::RowsAtCompileTime, 1> column = a.col( p ), fraction = column / pivot;
 		for ( int j = 0; j < Matrix::RowsAtCompileTime; ++j )
 		{
-			a.col( j ) -= share * column[j];
+			a.col( j ) -= fraction * column[j];
 		}
-		a.col( p ) = share;
-		a.row( p ) = share.transpose();
+		a.col( p ) = fraction;
+		a.row( p ) = fraction.transpose();
 		a( p, p ) = -1.0 / pivot;
 	}
 }
@@ -113,13 +113,13 @@ void ImplicitBlock::nameClusters( const BlockContact& contact )
 
 void ImplicitBlock::beginClusters()
 {
-	int room = 0;
+	int scratch = 0;
 	for ( Cluster& cluster : m_clusters )
 	{
-		cluster.room = room;
-		room += 9 * cluster.count * cluster.count;
+		cluster.scratch = scratch;
+		scratch += 9 * cluster.count * cluster.count;
 	}
-	m_clusterRoom.assign( std::size_t( room ), 0.0 );
+	m_clusterStorage.assign( std::size_t( scratch ), 0.0 );
 	for ( const Cluster& cluster : m_clusters )
 	{
 		Eigen::Map<Eigen::MatrixXd> matrix = matrixOf( cluster );
@@ -164,11 +164,11 @@ void ImplicitBlock::addToClusters( const BlockContact& contact, const Eigen::Mat
 // What was summed in double acts in float, as the iteration's vectors are.
 void ImplicitBlock::invertClusters()
 {
-	int room = 0;
+	int scratch = 0;
 	for ( Cluster& cluster : m_clusters )
 	{
-		cluster.inverse = room;
-		room += 3 * cluster.count * columnOf( cluster.count );
+		cluster.inverse = scratch;
+		scratch += 3 * cluster.count * columnOf( cluster.count );
 		for ( int k = 0; k < cluster.count; ++k )
 		{
 			const NodeBlock& block = m_nodeBlocks[std::size_t( cluster.blocks[k] )];
@@ -177,12 +177,12 @@ void ImplicitBlock::invertClusters()
 			cluster.stride[k] = part.motion->padded();
 		}
 	}
-	m_clusterInverse.assign( std::size_t( room ), 0.0f );
+	m_clusterInverse.assign( std::size_t( scratch ), 0.0f );
 	for ( const Cluster& cluster : m_clusters )
 	{
 		bySize( cluster.count, [&]( auto count ) {
 			constexpr int rows = 3 * count();
-			Eigen::Map<Eigen::Matrix<double, rows, rows>> matrix( m_clusterRoom.data() + cluster.room );
+			Eigen::Map<Eigen::Matrix<double, rows, rows>> matrix( m_clusterStorage.data() + cluster.scratch );
 			sweep( matrix );
 			Eigen::Map<Eigen::Matrix<float, columnOf( count() ), rows>> inverse( m_clusterInverse.data() + cluster.inverse );
 			inverse.template topRows<rows>() = -matrix.template cast<float>();

@@ -1,6 +1,6 @@
 #include "world/respond/moved_contacts.h"
 
-#include "world/bodies/ahead.h"
+#include "world/bodies/prefetch.h"
 #include "world/bodies/soft_body_impl.h"
 #include "world/constants.h"
 
@@ -16,20 +16,20 @@ void MovedContacts::moveToNodes( btDispatcher& dispatcher, const btContactSolver
 	const btScalar deepest = info.m_erp2 > 0 ? btScalar( -kPushOutSpeed ) * info.m_timeStep / info.m_erp2 : -SIMD_INFINITY;
 	m_moved.clear();
 	m_deep.clear();
-	m_hasTurning = m_hasBounces = false;
+	m_hasRollingFriction = m_hasRestitution = false;
 	const auto ask = []( const btPersistentManifold& manifold ) {
-		askForEnd( manifold );
-		askFor( &manifold, offsetof( btManifoldPoint, m_partId0 ) + sizeof( btVector3 ) ); // where its first point is, and how it is met
+		prefetchEnd( manifold );
+		prefetch( &manifold, offsetof( btManifoldPoint, m_partId0 ) + sizeof( btVector3 ) ); // where its first point is, and how it is met
 	};
 	forEachManifold( dispatcher, ask, [this, deepest]( btPersistentManifold& manifold ) {
-		const bool nodeIsFirst = ownerOfNodeBody( manifold.getBody0() ) != nullptr;
-		if ( !nodeIsFirst && !ownerOfNodeBody( manifold.getBody1() ) )
+		const bool nodeIsFirst = ownerOfContactProxy( manifold.getBody0() ) != nullptr;
+		if ( !nodeIsFirst && !ownerOfContactProxy( manifold.getBody1() ) )
 		{
 			return;
 		}
-		const auto& node = static_cast<const NodeBody&>( *( nodeIsFirst ? manifold.getBody0() : manifold.getBody1() ) );
+		const auto& node = static_cast<const ContactProxy&>( *( nodeIsFirst ? manifold.getBody0() : manifold.getBody1() ) );
 		const btScalar radius = node.radius();
-		const btScalar deep = -kDeepShare * radius;
+		const btScalar deep = -kDeepFraction * radius;
 		for ( int k = 0; k < manifold.getNumContacts(); ++k )
 		{
 			btManifoldPoint& point = manifold.getContactPoint( k );
@@ -37,8 +37,8 @@ void MovedContacts::moveToNodes( btDispatcher& dispatcher, const btContactSolver
 			{
 				node.owner->impl().isGuarded = true; // what is crushed goes through slowly
 			}
-			m_hasTurning = m_hasTurning || point.m_combinedRollingFriction != 0 || point.m_combinedSpinningFriction != 0;
-			m_hasBounces = m_hasBounces || point.m_combinedRestitution > 0;
+			m_hasRollingFriction = m_hasRollingFriction || point.m_combinedRollingFriction != 0 || point.m_combinedSpinningFriction != 0;
+			m_hasRestitution = m_hasRestitution || point.m_combinedRestitution > 0;
 			const btScalar fromSurface = point.m_distance1 + radius;
 			btVector3& place = nodeIsFirst ? point.m_positionWorldOnB : point.m_positionWorldOnA;
 			m_moved.push_back( Moved{ &place, place } );
@@ -60,7 +60,7 @@ void MovedContacts::moveBack()
 	}
 	for ( std::size_t k = 0; k < m_moved.size(); ++k )
 	{
-		askFor( m_moved[std::min( k + kPlacesAhead, m_moved.size() - 1 )].point, sizeof( btVector3 ) );
+		prefetch( m_moved[std::min( k + kPositionsAhead, m_moved.size() - 1 )].point, sizeof( btVector3 ) );
 		*m_moved[k].point = m_moved[k].was;
 	}
 }

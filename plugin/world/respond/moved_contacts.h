@@ -22,9 +22,9 @@ public:
 	/// Those moved last.
 	int count() const { return int( m_moved.size() ); }
 	/// Some of them have rolling or spinning friction.
-	bool hasTurning() const { return m_hasTurning; }
+	bool hasRollingFriction() const { return m_hasRollingFriction; }
 	/// Some have restitution.
-	bool hasBounces() const { return m_hasBounces; }
+	bool hasRestitution() const { return m_hasRestitution; }
 
 private:
 	struct Moved
@@ -41,7 +41,7 @@ private:
 
 	std::vector<Moved> m_moved;
 	std::vector<Deep> m_deep;
-	bool m_hasTurning = false, m_hasBounces = false;
+	bool m_hasRollingFriction = false, m_hasRestitution = false;
 };
 
 } // namespace pliant

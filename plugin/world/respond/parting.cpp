@@ -59,7 +59,7 @@ double reachOf( const SoftBody& soft, const Vec3d& direction )
 }
 
 /// How far the first has to go in a direction to be clear of the other.
-double wayOut( const SoftBody& soft, const btCollisionObject& other, const SoftBody* otherSoft, const Vec3d& direction )
+double exitDisplacement( const SoftBody& soft, const btCollisionObject& other, const SoftBody* otherSoft, const Vec3d& direction )
 {
 	const double end = otherSoft ? reachOf( *otherSoft, direction )
 								 : reachOf( *other.getCollisionShape(), other.getWorldTransform(), direction );
@@ -97,7 +97,7 @@ Vec3d shortestWay( const SoftBody& soft, const btCollisionObject& other, const S
 	double least = kNever;
 	for ( std::size_t k = 0; k < count; ++k )
 	{
-		const double way = wayOut( soft, other, otherSoft, ways[k] );
+		const double way = exitDisplacement( soft, other, otherSoft, ways[k] );
 		if ( way < least * ( 1.0 - kParallel ) )
 		{
 			least = way;
@@ -145,7 +145,7 @@ void Parting::follow(
 		return;
 	}
 	m_isParting = !hits.empty() &&
-		wayOut( soft, other, otherSoft, m_direction ) > double( kContactSlop ) * double( soft.impl().shape->smallestRadius() );
+		exitDisplacement( soft, other, otherSoft, m_direction ) > double( kContactSlop ) * double( soft.impl().shape->smallestRadius() );
 	for ( const SoftBody* const each : { &soft, otherSoft } )
 	{
 		if ( each && m_isParting )

@@ -1,9 +1,9 @@
 #include "world/search/contact_points.h"
 
-#include "world/bodies/ahead.h"
+#include "world/bodies/prefetch.h"
 #include "world/bodies/soft_body_impl.h"
 #include "world/search/node_search.h"
-#include "world/shape/node_body.h"
+#include "world/shape/contact_proxy.h"
 #include "world/touch/touched_part.h"
 
 #include <BulletCollision/CollisionDispatch/btCollisionObjectWrapper.h>
@@ -37,13 +37,14 @@ void combineSurfaces( const btCollisionObject* body0, const btCollisionObject* b
 /// In the body's own axes. Most stand-ins have the world's: what would be read of those lies in a line of its own.
 btVector3 placeIn( const btCollisionObject& body, const btVector3& at )
 {
-	const bool isStraight = ownerOfNodeBody( &body ) && !static_cast<const NodeBody&>( body ).isDirected;
+	const bool isStraight = ownerOfContactProxy( &body ) && !static_cast<const ContactProxy&>( body ).isDirected;
 	return isStraight ? at - body.getWorldTransform().getOrigin() : body.getWorldTransform().invXform( at );
 }
 
 } // namespace
 
-void fillPoint( const btPersistentManifold& manifold, const NodeBody& node, const NodeHit& hit, bool nodeIsFirst, btManifoldPoint& point )
+void fillPoint(
+	const btPersistentManifold& manifold, const ContactProxy& node, const NodeHit& hit, bool nodeIsFirst, btManifoldPoint& point )
 {
 	const btScalar radius = node.radius(), distance = btScalar( hit.touch.distance );
 	const btVector3 outward = toBt( hit.touch.normal );
@@ -66,7 +67,7 @@ void fillPoint( const btPersistentManifold& manifold, const NodeBody& node, cons
 	combineSurfaces( manifold.getBody0(), manifold.getBody1(), point );
 }
 
-void renewPoint( btPersistentManifold& manifold, const NodeBody& node, const NodeHit& hit, bool nodeIsFirst, int at )
+void renewPoint( btPersistentManifold& manifold, const ContactProxy& node, const NodeHit& hit, bool nodeIsFirst, int at )
 {
 	btManifoldPoint& point = manifold.getContactPoint( at );
 	// It bounces once a touch: a node that is pressed on, and struck in each substep, would bring in more than it takes.

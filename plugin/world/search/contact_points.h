@@ -7,15 +7,16 @@ class btPersistentManifold;
 
 namespace pliant {
 
-class NodeBody;
+class ContactProxy;
 struct NodeHit;
 
 /// The hit as Bullet's solver wants it: the points on both surfaces, the normal on the second object, who it is. What a point is given
 /// besides when it is made is given again; its age, its impulses and the game's pointer stay.
-void fillPoint( const btPersistentManifold& manifold, const NodeBody& node, const NodeHit& hit, bool nodeIsFirst, btManifoldPoint& point );
+void fillPoint(
+	const btPersistentManifold& manifold, const ContactProxy& node, const NodeHit& hit, bool nodeIsFirst, btManifoldPoint& point );
 
 /// Where it lies: what a copy would be made of has just been written in parts, and would be waited for.
-void renewPoint( btPersistentManifold& manifold, const NodeBody& node, const NodeHit& hit, bool nodeIsFirst, int at );
+void renewPoint( btPersistentManifold& manifold, const ContactProxy& node, const NodeHit& hit, bool nodeIsFirst, int at );
 
 /// The old point that a hit carries on: of the same triangle or part. A manifold of one point keeps it wherever it slides.
 int findPoint( const btPersistentManifold& manifold, const NodeHit& hit, int hitCount, bool nodeIsFirst );

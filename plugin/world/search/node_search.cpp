@@ -24,7 +24,7 @@ const double kCornerReach = 1.1 * std::sqrt( 3.0 );
 
 using Near = SoftBody::Impl::Near;
 
-/// A box in the coordinates of a soft body's shape, and room around it for what moves in this step.
+/// A box in the coordinates of a soft body's shape, and margin around it for what moves in this step.
 struct Box
 {
 	btVector3 low, high;
@@ -69,7 +69,7 @@ std::vector<NodeHit>& NodeSearch::againstRigid( const SoftBody& soft, const btCo
 	m_leaf = 0;
 	m_hits.clear();
 	m_motion = m_before = ObstacleMotion{};
-	m_looksAhead = soft.impl().isImplicit && soft.isActive() && int( soft.impl().body->speedBefore().x.size() ) >= soft.nodeCount();
+	m_looksAhead = soft.impl().isImplicit && soft.isActive() && int( soft.impl().body->velocityBefore().x.size() ) >= soft.nodeCount();
 	const Levels* levels = soft.impl().body->levels();
 	m_notesNear = levels && levels->settings().refinesOnContact && soft.isActive();
 	if ( const btRigidBody* rigid = btRigidBody::upcast( other.getCollisionObject() ) )
@@ -117,7 +117,7 @@ void NodeSearch::visit( const Obstacle& obstacle )
 
 NodeSearch::Spheres::Spheres( const NodeSearch& search ) :
 	m_nodes( search.m_soft->impl().body->nodes() ), m_shape( *search.m_soft->impl().shape ), m_motion( search.m_motion ),
-	m_step( search.m_step ), m_isStill( search.m_motion.isStill() ), m_speedBefore( search.m_soft->impl().body->speedBefore() ),
+	m_step( search.m_step ), m_isStill( search.m_motion.isStill() ), m_velocityBefore( search.m_soft->impl().body->velocityBefore() ),
 	m_before( search.m_before )
 {}
 
@@ -137,7 +137,7 @@ inline MovingSphere NodeSearch::Spheres::of( int node ) const
 
 inline Ahead NodeSearch::Spheres::ahead( int node ) const
 {
-	const Vec3d to = m_step * m_speedBefore.get( node ).cast<double>();
+	const Vec3d to = m_step * m_velocityBefore.get( node ).cast<double>();
 	return Ahead{ to, to - m_before.way( m_nodes.x.get( node ).cast<double>(), m_step ) };
 }
 
@@ -360,7 +360,7 @@ void NodeSearch::triangle( const Obstacle& mesh, const Vec3d ( &corners )[3] )
 	box.stretchAgainst( *impl.shape );
 	box.widen( overhang() );
 	const TerrainSide ground( mesh, corners, *impl.shape, shift );
-	box.stretchAlong( toBt( ground.wayDown() ) );
+	box.stretchAlong( toBt( ground.exitBelow() ) );
 	const Spheres spheres( *this );
 	const auto nearest = [&corners]( const MovingSphere& sphere, Touch& found ) { return findNearest( corners, sphere, found ); };
 	const auto find = [&corners]( const MovingSphere& sphere, Touch& found ) { return findTouch( corners, sphere, found ); };

@@ -64,7 +64,7 @@ private:
 		const ObstacleMotion& m_motion;
 		double m_step;
 		bool m_isStill;
-		const Vec3Array& m_speedBefore;
+		const Vec3Array& m_velocityBefore;
 		const ObstacleMotion& m_before;
 	};
 

@@ -47,24 +47,24 @@ void shrinkSlack( const SoftBody::Impl& a, const SoftBody::Impl& b, double slack
 	}
 }
 
-/// Further apart than their spheres, with the room that a contact is made ahead in, and what they move against each other, `way`, m. Bodies
-/// sweep what their fastest nodes do: of the pairs that those might bring together most are so, and this is sooner said than where they
-/// would touch. `room`: how much further their spheres may reach than the nodes' own.
-bool staysApart( const SphereRows::Meeting& meeting, const Vec3& way, float room )
+/// Further apart than their spheres, with the margin that a contact is made ahead in, and what they move against each other, `way`, m.
+/// Bodies sweep what their fastest nodes do: of the pairs that those might bring together most are so, and this is sooner said than where
+/// they would touch. `margin`: how much further their spheres may reach than the nodes' own.
+bool staysApart( const SphereRows::Meeting& meeting, const Vec3& way, float margin )
 {
-	const float farthest = meeting.reach + room + way.norm();
+	const float farthest = meeting.reach + margin + way.norm();
 	return meeting.square > farthest * farthest;
 }
 
 /// Leaves those that do not stay apart.
-void keepComing( std::vector<SphereRows::Meeting>& meetings, const NodeState& nodesA, const NodeState& nodesB, double step, float room )
+void keepComing( std::vector<SphereRows::Meeting>& meetings, const NodeState& nodesA, const NodeState& nodesB, double step, float margin )
 {
 	std::size_t kept = 0;
 	for ( const SphereRows::Meeting& meeting : meetings )
 	{
 		meetings[kept] = meeting;
 		const Vec3 way = float( step ) * ( nodesA.v.get( meeting.nodeA ) - nodesB.v.get( meeting.nodeB ) );
-		kept += staysApart( meeting, way, room ) ? 0 : 1;
+		kept += staysApart( meeting, way, margin ) ? 0 : 1;
 	}
 	meetings.resize( kept );
 }
@@ -86,7 +86,7 @@ public:
 		m_cell( std::max( double( a.bodyTemplate().cellSize() ), double( b.bodyTemplate().cellSize() ) ) )
 	{}
 	/// How much further apart than their own spheres touch two nodes may be whose patches do, m.
-	btScalar room() const { return btScalar( kPatchPairMargin * m_cell + m_a.surfaceNow().overhang() + m_b.surfaceNow().overhang() ); }
+	btScalar margin() const { return btScalar( kPatchPairMargin * m_cell + m_a.surfaceNow().overhang() + m_b.surfaceNow().overhang() ); }
 
 	PatchAnswer find( const MovingSphere& sphere, int nodeA, const Ball& ball, Touch& touch ) const
 	{
@@ -226,11 +226,11 @@ std::vector<NodeHit>& NodeSearch::againstSoft( const SoftBody& a, const SoftBody
 	double deepest = 0.0;
 	const Vec3d fromAToB = nodesA.origin - nodesB.origin; // adds to a position of A's to make it one of B's
 	const btVector3 shapesApart = toBt( fromAToB + ( implA.shapeShift - implB.shapeShift ).cast<double>() );
-	const btScalar room = hasPatches ? patches.room()
-		: isRound                    ? kRoundRoom * ( shapeA.largestRadius() + shapeB.largestRadius() )
-									 : btScalar( 0 );
-	const btVector3 around( room, room, room );
-	const float farther = float( around.length() ); // as findPairs takes it: cells that are stretched have more room
+	const btScalar margin = hasPatches ? patches.margin()
+		: isRound                      ? kRoundMargin * ( shapeA.largestRadius() + shapeB.largestRadius() )
+									   : btScalar( 0 );
+	const btVector3 around( margin, margin, margin );
+	const float farther = float( around.length() ); // as findPairs takes it: cells that are stretched have more margin
 	const btVector3 low = shapeA.sweepLow() - shapeB.sweepHigh() - around, high = shapeA.sweepHigh() - shapeB.sweepLow() + around;
 	SphereRows::findPairs( shapeA.rows(), shapeB.rows(), SphereRows::Approach{ shapesApart, low, high }, m_pairs );
 	keepComing( m_pairs.found, nodesA, nodesB, step, farther );

@@ -33,11 +33,11 @@ NodeShape::NodeShape( const Body& body ) : btCompoundShape( true, body.nodeCount
 	{
 		m_colliders = measureColliders( body.lattice(), levels->octree() );
 		m_smallestRadius = btScalar( *std::min_element( m_colliders.radius.begin(), m_colliders.radius.end() ) );
-		const int room = levels->roomNodes();
-		m_children.reserve( room );
-		m_nodeOfChild.reserve( std::size_t( room ) );
-		m_sphereOfNode.reserve( std::size_t( room ) );
-		m_refit.reserve( std::size_t( room ) );
+		const int capacity = levels->scratchNodes();
+		m_children.reserve( capacity );
+		m_nodeOfChild.reserve( std::size_t( capacity ) );
+		m_sphereOfNode.reserve( std::size_t( capacity ) );
+		m_refit.reserve( std::size_t( capacity ) );
 		for ( int i = 0; i < body.nodeCount(); ++i )
 		{
 			const std::uint32_t node = levels->cut().node[i];
@@ -118,12 +118,12 @@ struct NewChildren
 
 	NewChildren( const LevelChange& change, const std::function<bool( int )>& collides ) : start( change.nodeNow.size() + 1, 0 )
 	{
-		for ( int i = 0; i < int( change.heir.size() ); ++i )
+		for ( int i = 0; i < int( change.source.size() ); ++i )
 		{
-			const std::uint32_t heir = change.heir[std::size_t( i )];
-			if ( change.nodeNow[heir] == kNoNode && collides( i ) )
+			const std::uint32_t source = change.source[std::size_t( i )];
+			if ( change.nodeNow[source] == kNoNode && collides( i ) )
 			{
-				++start[heir + 1];
+				++start[source + 1];
 				node.push_back( i ); // ascending in both
 			}
 		}
@@ -287,7 +287,7 @@ void NodeShape::freshen( TaskRunner* runner )
 		m_isRefitKnown = true;
 	}
 	runShares( runner, Shares{ m_rows.count() }, [&]( int, int begin, int end ) {
-		m_rows.visitPlaces( begin, end, [&]( int node, const btVector3& at ) {
+		m_rows.visitPositions( begin, end, [&]( int node, const btVector3& at ) {
 			const int child = m_childOfNode[std::size_t( node )];
 			m_children[child].m_transform.setOrigin( at );
 			m_children[child].m_node->volume = boxOf( child );

@@ -96,7 +96,7 @@ public:
 	static void findPairs( const SphereRows& a, const SphereRows& b, const Approach& approach, Pairs& pairs );
 	/// visit( node, where its sphere is ) for the first-th to the one before the last-th.
 	template <class Visit>
-	void visitPlaces( int first, int last, Visit&& visit ) const
+	void visitPositions( int first, int last, Visit&& visit ) const
 	{
 		for ( int i = first; i < last; ++i )
 		{

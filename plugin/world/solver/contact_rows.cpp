@@ -1,6 +1,6 @@
 #include "world/solver/contact_rows.h"
 
-#include "world/bodies/ahead.h"
+#include "world/bodies/prefetch.h"
 #include "world/constants.h"
 
 #include <BulletDynamics/Dynamics/btRigidBody.h>
@@ -22,11 +22,11 @@ inline void put( Lanes& to, const LaneMask& which, const Lanes& yes )
 }
 
 /// Speeds of four points, axis by axis.
-struct FourSpeeds
+struct FourVelocities
 {
 	Lanes x, y, z;
 
-	FourSpeeds( const btVector3* of, const int* at ) :
+	FourVelocities( const btVector3* of, const int* at ) :
 		x{ of[at[0]].m_floats[0], of[at[1]].m_floats[0], of[at[2]].m_floats[0], of[at[3]].m_floats[0] },
 		y{ of[at[0]].m_floats[1], of[at[1]].m_floats[1], of[at[2]].m_floats[1], of[at[3]].m_floats[1] }, z{ of[at[0]].m_floats[2],
 																											 of[at[1]].m_floats[2],
@@ -52,7 +52,7 @@ template <bool kHasB>
 inline void solveFour( FourRows& row, const FourRows* presses, btVector3* change, Lanes& worst )
 {
 	const Lanes none{};
-	FourSpeeds a( change, row.a ), b( change, kHasB ? row.b : row.a );
+	FourVelocities a( change, row.a ), b( change, kHasB ? row.b : row.a );
 	Lanes d = row.rhs - row.impulse * row.cfm - ( row.normal[0] * a.x + row.normal[1] * a.y + row.normal[2] * a.z ) * row.perSpeed;
 	if constexpr ( kHasB )
 	{
@@ -98,7 +98,7 @@ inline void solveFour( FourRows& row, const FourRows* presses, btVector3* change
 }
 
 /// The same of a point and what turns. Of the two Bullet asks the first first.
-inline btScalar asked( const TurningRow& row, const btSolverBody& body, const btVector3& speed )
+inline btScalar asked( const RollingRow& row, const btSolverBody& body, const btVector3& speed )
 {
 	const btScalar turned = -(
 		( row.normal.dot( body.getDeltaLinearVelocity() ) + row.cross.dot( body.getDeltaAngularVelocity() ) ) * row.perSpeed );
@@ -106,14 +106,14 @@ inline btScalar asked( const TurningRow& row, const btSolverBody& body, const bt
 	return row.rhs - row.impulse * row.cfm + ( row.isBodyFirst ? turned : moved ) + ( row.isBodyFirst ? moved : turned );
 }
 
-inline btScalar take( const TurningRow& row, btSolverBody& body, btVector3& speed, btScalar impulse )
+inline btScalar take( const RollingRow& row, btSolverBody& body, btVector3& speed, btScalar impulse )
 {
 	body.internalApplyImpulse( row.normal * body.internalGetInvMass(), row.angular, impulse );
 	speed -= row.normal * row.inverse * impulse;
 	return btScalar( impulse * row.perImpulse );
 }
 
-inline btScalar press( TurningRow& row, btSolverBody& body, btVector3& speed )
+inline btScalar press( RollingRow& row, btSolverBody& body, btVector3& speed )
 {
 	const btScalar d = asked( row, body, speed ), sum = row.impulse + d;
 	const btScalar impulse = sum < 0 ? -row.impulse : d;
@@ -121,7 +121,7 @@ inline btScalar press( TurningRow& row, btSolverBody& body, btVector3& speed )
 	return take( row, body, speed, impulse );
 }
 
-inline btScalar rub( TurningRow& row, btSolverBody& body, btVector3& speed, btScalar pressed )
+inline btScalar rub( RollingRow& row, btSolverBody& body, btVector3& speed, btScalar pressed )
 {
 	const btScalar high = row.friction * pressed, low = -high, d = asked( row, body, speed ), sum = row.impulse + d;
 	const btScalar held = sum < low ? low : sum > high ? high : sum;
@@ -182,7 +182,7 @@ int ContactRows::addPoint( btRigidBody& body )
 	return int( points.size() ) - 1;
 }
 
-RowPlace ContactRows::place( RowKind kind, int a, int b )
+RowPosition ContactRows::place( RowKind kind, int a, int b )
 {
 	const int next = m_stepCount, after = std::max( points[std::size_t( a )].step, b > 0 ? points[std::size_t( b )].step : -1 );
 	int step = next, at = int( turnPress.size() );
@@ -223,7 +223,7 @@ RowPlace ContactRows::place( RowKind kind, int a, int b )
 	}
 	points[std::size_t( a )].step = step;
 	points[std::size_t( b )].step = b > 0 ? step : -1;
-	return RowPlace{ kind, at };
+	return RowPosition{ kind, at };
 }
 
 void ContactRows::addStep( RowKind kind, int at )
@@ -239,28 +239,28 @@ void ContactRows::addStep( RowKind kind, int at )
 
 void ContactRows::pressRun( const Run& run, btSolverBody* bodies, Lanes& worst )
 {
-	btVector3* const speeds = change.data();
+	btVector3* const velocities = change.data();
 	const std::size_t first = std::size_t( run.first ), last = std::size_t( run.last );
 	if ( run.kind == RowKind::Alone )
 	{
 		std::for_each(
-			&press[0][first], &press[0][last - 1] + 1, [&]( FourRows& row ) { solveFour<false>( row, nullptr, speeds, worst ); } );
+			&press[0][first], &press[0][last - 1] + 1, [&]( FourRows& row ) { solveFour<false>( row, nullptr, velocities, worst ); } );
 	}
 	else if ( run.kind == RowKind::Pair )
 	{
 		std::for_each(
-			&press[1][first], &press[1][last - 1] + 1, [&]( FourRows& row ) { solveFour<true>( row, nullptr, speeds, worst ); } );
+			&press[1][first], &press[1][last - 1] + 1, [&]( FourRows& row ) { solveFour<true>( row, nullptr, velocities, worst ); } );
 	}
 	else
 	{
 		std::for_each( &turnPress[first], &turnPress[last - 1] + 1,
-			[&]( TurningRow& row ) { note( pliant::press( row, bodies[row.body], speeds[row.point] ), worst ); } );
+			[&]( RollingRow& row ) { note( pliant::press( row, bodies[row.body], velocities[row.point] ), worst ); } );
 	}
 }
 
 void ContactRows::rubRun( const Run& run, btSolverBody* bodies, Lanes& worst )
 {
-	btVector3* const speeds = change.data();
+	btVector3* const velocities = change.data();
 	const std::size_t each = std::size_t( directions );
 	for ( std::size_t k = std::size_t( run.first ) * each, at = std::size_t( run.first ); at < std::size_t( run.last ); ++at )
 	{
@@ -268,16 +268,16 @@ void ContactRows::rubRun( const Run& run, btSolverBody* bodies, Lanes& worst )
 		{
 			if ( run.kind == RowKind::Alone )
 			{
-				solveFour<false>( rub[0][k], &press[0][at], speeds, worst );
+				solveFour<false>( rub[0][k], &press[0][at], velocities, worst );
 			}
 			else if ( run.kind == RowKind::Pair )
 			{
-				solveFour<true>( rub[1][k], &press[1][at], speeds, worst );
+				solveFour<true>( rub[1][k], &press[1][at], velocities, worst );
 			}
 			else if ( turnPress[at].impulse > 0 )
 			{
-				TurningRow& row = turnRub[k];
-				note( pliant::rub( row, bodies[row.body], speeds[row.point], turnPress[at].impulse ), worst );
+				RollingRow& row = turnRub[k];
+				note( pliant::rub( row, bodies[row.body], velocities[row.point], turnPress[at].impulse ), worst );
 			}
 		}
 	}
@@ -286,7 +286,7 @@ void ContactRows::rubRun( const Run& run, btSolverBody* bodies, Lanes& worst )
 btScalar ContactRows::pushOut( Deep& out, btSolverBody* bodies )
 {
 	const bool turns = out.place.kind == RowKind::Turning;
-	TurningRow* const turning = turns ? &turnPress[std::size_t( out.place.at )] : nullptr;
+	RollingRow* const turning = turns ? &turnPress[std::size_t( out.place.at )] : nullptr;
 	const FourRows* const four = turns ? nullptr : &press[int( out.place.kind )][std::size_t( out.place.at / kRowLanes )];
 	const int lane = out.place.at % kRowLanes;
 	const btScalar cfm = turns ? turning->cfm : four->cfm[lane], perSpeed = turns ? turning->perSpeed : four->perSpeed[lane];
@@ -337,11 +337,11 @@ void ContactRows::giveBackImpulses() const
 	}
 }
 
-void ContactRows::giveBackSpeeds( bool isSplit, btScalar timeStep ) const
+void ContactRows::restoreVelocities( bool isSplit, btScalar timeStep ) const
 {
 	for ( std::size_t i = 1; i < points.size(); ++i )
 	{
-		askFor( &points[std::min( i + kStandsAhead, points.size() - 1 )].body->getLinearVelocity(), sizeof( btVector3 ) );
+		prefetch( &points[std::min( i + kStandsAhead, points.size() - 1 )].body->getLinearVelocity(), sizeof( btVector3 ) );
 		const Point& point = points[i];
 		setWhole( const_cast<btVector3&>( point.body->getLinearVelocity() ), point.speed + change[i] );
 		point.body->setCompanionId( -1 );

@@ -50,7 +50,7 @@ struct FourRows
 };
 
 /// A row of a point and a body that turns. `normal` and what is made of it act on that body.
-struct TurningRow
+struct RollingRow
 {
 	btVector3 normal, cross, angular; ///< n, r x n, I^-1 ( r x n )
 	btScalar perSpeed, rhs, cfm, impulse, friction;
@@ -69,7 +69,7 @@ enum class RowKind : unsigned char
 	Bullets  ///< no point: Bullet's own
 };
 
-struct RowPlace
+struct RowPosition
 {
 	RowKind kind;
 	int at; ///< times kRowLanes and the lane where there are four; Bullet's number
@@ -86,7 +86,7 @@ struct ContactRows
 	std::vector<Run> runs;
 	/// Rows that press; those that rub have the same numbers, times `directions`.
 	std::vector<FourRows> press[2], rub[2];
-	std::vector<TurningRow> turnPress, turnRub;
+	std::vector<RollingRow> turnPress, turnRub;
 	int directions = 1;
 
 	std::vector<Point> points;     ///< the first is nobody
@@ -96,13 +96,13 @@ struct ContactRows
 	struct Contact
 	{
 		btManifoldPoint* point;
-		RowPlace place;
+		RowPosition place;
 	};
 	std::vector<Contact> contacts;
 	/// Those that are to be pushed out, in Bullet's order, his own among them.
 	struct Deep
 	{
-		RowPlace place;
+		RowPosition place;
 		btScalar rhs, impulse;
 	};
 	std::vector<Deep> deep;
@@ -110,7 +110,7 @@ struct ContactRows
 	void clear( int directionCount );
 	int addPoint( btRigidBody& body );
 	/// A place after all that moves these points; of `b` there is none in a row alone.
-	RowPlace place( RowKind kind, int a, int b );
+	RowPosition place( RowKind kind, int a, int b );
 	/// The next step.
 	void addStep( RowKind kind, int at );
 
@@ -122,7 +122,7 @@ struct ContactRows
 	/// Impulses to the points of contact.
 	void giveBackImpulses() const;
 	/// Speeds, and with `isSplit` places, to the bodies.
-	void giveBackSpeeds( bool isSplit, btScalar timeStep ) const;
+	void restoreVelocities( bool isSplit, btScalar timeStep ) const;
 
 private:
 	struct Open

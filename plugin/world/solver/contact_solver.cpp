@@ -169,7 +169,7 @@ btScalar ContactSolver::solveGroupCacheFriendlyFinish( btCollisionObject** bodie
 	}
 	if ( m_isInUse )
 	{
-		m_rows->giveBackSpeeds( info.m_splitImpulse, info.m_timeStep );
+		m_rows->restoreVelocities( info.m_splitImpulse, info.m_timeStep );
 	}
 	m_isInUse = false;
 	return btSequentialImpulseConstraintSolver::solveGroupCacheFriendlyFinish( bodies, bodyCount, info );

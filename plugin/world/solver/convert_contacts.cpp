@@ -2,8 +2,8 @@
 
 #include "world/solver/convert_contacts.h"
 
-#include "world/bodies/ahead.h"
-#include "world/shape/node_body.h"
+#include "world/bodies/prefetch.h"
+#include "world/shape/contact_proxy.h"
 
 #include <algorithm>
 
@@ -14,15 +14,15 @@ namespace {
 /// So many turns ahead manifolds are asked for, and bodies and points.
 constexpr int kManifoldsAhead = 16, kBodiesAhead = 8;
 
-void askForContact( const btPersistentManifold& manifold )
+void prefetchContact( const btPersistentManifold& manifold )
 {
 	const btManifoldPoint& point = manifold.getContactPoint( 0 );
 	const char* const from = reinterpret_cast<const char*>( &point.m_normalWorldOnB );
-	askFor( from, std::size_t( reinterpret_cast<const char*>( &point + 1 ) - from ) );
+	prefetch( from, std::size_t( reinterpret_cast<const char*>( &point + 1 ) - from ) );
 	for ( const btCollisionObject* object : { manifold.getBody0(), manifold.getBody1() } )
 	{
-		askForAll( *object );
-		askFor( &static_cast<const btRigidBody*>( object )->getLinearVelocity(), 3 * sizeof( btVector3 ) );
+		prefetchAll( *object );
+		prefetch( &static_cast<const btRigidBody*>( object )->getLinearVelocity(), 3 * sizeof( btVector3 ) );
 	}
 }
 
@@ -57,9 +57,9 @@ Softness softnessOf( const btManifoldPoint& point, const btContactSolverInfo& in
 bool ContactSolver::Conversion::findSide( btCollisionObject& object, Side& side )
 {
 	side = Side{ &object, 0, 0, nullptr, nullptr };
-	if ( object.internalGetExtensionPointer() == &kNodeBodyMark )
+	if ( object.internalGetExtensionPointer() == &kContactProxyMark )
 	{
-		auto& body = static_cast<NodeBody&>( object );
+		auto& body = static_cast<ContactProxy&>( object );
 		if ( body.getInvMass() != 0 || body.isKinematicObject() )
 		{
 			side.point = body.getCompanionId();
@@ -131,7 +131,7 @@ void ContactSolver::Conversion::convertBullets( btPersistentManifold& manifold )
 		rows.addStep( RowKind::Bullets, k );
 		if ( pool[k].m_rhsPenetration != 0 )
 		{
-			rows.deep.push_back( ContactRows::Deep{ RowPlace{ RowKind::Bullets, k }, 0, 0 } );
+			rows.deep.push_back( ContactRows::Deep{ RowPosition{ RowKind::Bullets, k }, 0, 0 } );
 		}
 	}
 }
@@ -219,7 +219,7 @@ void ContactSolver::Conversion::write( const Lever& lever, Ask ask, int which )
 	{
 		const int node = turns == &a ? b.point : a.point;
 		( which < 0 ? rows.turnPress[std::size_t( place.at )]
-					: rows.turnRub[std::size_t( place.at * rows.directions + which )] ) = TurningRow{ lever.axis, lever.cross,
+					: rows.turnRub[std::size_t( place.at * rows.directions + which )] ) = RollingRow{ lever.axis, lever.cross,
 			lever.angular, ask.perSpeed, ask.rhs, ask.cfm, ask.impulse, ask.friction, rows.points[std::size_t( node )].inverse, node,
 			turns->number, turns == &a, 1. / ask.perSpeed };
 		return;
@@ -361,11 +361,11 @@ void ContactSolver::convertContacts( btPersistentManifold** manifolds, int count
 	{
 		if ( m + kManifoldsAhead < count )
 		{
-			askForManifold( *manifolds[m + kManifoldsAhead] );
+			prefetchManifold( *manifolds[m + kManifoldsAhead] );
 		}
 		if ( m + kBodiesAhead < count )
 		{
-			askForContact( *manifolds[m + kBodiesAhead] );
+			prefetchContact( *manifolds[m + kBodiesAhead] );
 		}
 		m_isInUse = conversion.convert( *manifolds[m] );
 		if ( !m_isInUse )

@@ -16,7 +16,7 @@ struct ContactSolver::Conversion
 		int point;              ///< 0: none
 		int number;             ///< Bullet's, of what is no point
 		btSolverBody* body;     ///< what turns, or null
-		const btVector3* turns; ///< rad/s; of a node that turns as its body does (RubbingSpin), else null
+		const btVector3* turns; ///< rad/s; of a node that turns as its body does (FrictionTorqueCorrection), else null
 	};
 
 	/// What a row acts by. `axis` is as it acts on the row's first: on a point, or on the body that turns.
@@ -33,7 +33,7 @@ struct ContactSolver::Conversion
 	// The contact at hand.
 	btManifoldPoint* point = nullptr;
 	Side a{}, b{};
-	RowPlace place{};
+	RowPosition place{};
 	btVector3 arm = btVector3( 0, 0, 0 ); ///< of the body that turns, m
 
 	bool convert( btPersistentManifold& manifold );

@@ -10,8 +10,8 @@
 // have.
 
 #include "pliant/soft_body.h"
-#include "world/bodies/ahead.h"
-#include "world/shape/node_body.h"
+#include "world/bodies/prefetch.h"
+#include "world/shape/contact_proxy.h"
 #include "world/step/soft_body_system.h"
 
 #include <BulletCollision/CollisionDispatch/btSimulationIslandManager.h>
@@ -51,7 +51,7 @@ public:
 			object->setHitFraction( btScalar( 1 ) );
 		}
 		initUnionFind( index );
-		m_bodies.rubbing.clear();
+		m_bodies.frictionTorque.clear();
 		uniteByBoxes( *world->getPairCache() );
 		uniteByContacts( *dispatcher, world->getCollisionObjectArray() );
 		m_bodies.copyIslandTags();
@@ -66,7 +66,7 @@ public:
 		{
 			btSimulationIslandManager::storeIslandActivationState( world );
 		}
-		m_bodies.rubbing.choose( getUnionFind() );
+		m_bodies.frictionTorque.choose( getUnionFind() );
 		m_bodies.copyIslandTags();
 	}
 
@@ -126,9 +126,9 @@ private:
 
 	void uniteByContacts( btDispatcher& dispatcher, const btCollisionObjectArray& objects )
 	{
-		forEachManifold( dispatcher, askForEnd, [this, &objects]( const btPersistentManifold& manifold ) {
+		forEachManifold( dispatcher, prefetchEnd, [this, &objects]( const btPersistentManifold& manifold ) {
 			const btCollisionObject *a = manifold.getBody0(), *b = manifold.getBody1();
-			const SoftBody *const ownerA = ownerOfNodeBody( a ), *const ownerB = ownerOfNodeBody( b );
+			const SoftBody *const ownerA = ownerOfContactProxy( a ), *const ownerB = ownerOfContactProxy( b );
 			a = ownerA ? ownerA : a;
 			b = ownerB ? ownerB : b;
 			if ( manifold.getNumContacts() <= 0 || !isIn( objects, a ) || !isIn( objects, b ) )
@@ -147,7 +147,7 @@ private:
 			if ( a && b && a->hasContactResponse() && b->hasContactResponse() )
 			{
 				const bool bothMove = a->getIslandTag() >= 0 && b->getIslandTag() >= 0; // else one of them is a soft body that stands
-				m_bodies.rubbing.touch( a->getIslandTag(), b->getIslandTag(), bothMove && ownerA && ownerB && ownerA != ownerB );
+				m_bodies.frictionTorque.touch( a->getIslandTag(), b->getIslandTag(), bothMove && ownerA && ownerB && ownerA != ownerB );
 			}
 		} );
 	}

@@ -20,16 +20,16 @@ void SoftBodySystem::readBack()
 		bool wakes = false, isPushed = false;
 		if ( impl.isGuarded )
 		{
-			m_placesBefore.resize( std::size_t( nodes.count ) );
+			m_positionsBefore.resize( std::size_t( nodes.count ) );
 			for ( int i = 0; i < nodes.count; ++i )
 			{
-				m_placesBefore[std::size_t( i )] = nodes.x.get( i );
+				m_positionsBefore[std::size_t( i )] = nodes.x.get( i );
 			}
 		}
 		for ( std::size_t k = 0; k < impl.touched.size(); ++k )
 		{
-			NodeBody* const stand = impl.touched[k];
-			NodeBodyPool::askForSpeed( *impl.touched[std::min( k + kStandsAhead, impl.touched.size() - 1 )] );
+			ContactProxy* const stand = impl.touched[k];
+			ContactProxyPool::prefetchVelocity( *impl.touched[std::min( k + kStandsAhead, impl.touched.size() - 1 )] );
 			wakes = wakes || ( stand->wasAsleep && stand->isActive() );
 			if ( !body->isActive() )
 			{
@@ -51,7 +51,7 @@ void SoftBodySystem::readBack()
 		}
 		if ( isPushed && impl.isGuarded )
 		{
-			keepPushedNodesOut( *body, m_placesBefore );
+			keepPushedNodesOut( *body, m_positionsBefore );
 		}
 		if ( wakes )
 		{

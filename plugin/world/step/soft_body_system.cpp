@@ -212,9 +212,9 @@ void SoftBodySystem::accelerate( btScalar h, int substep )
 bool SoftBodySystem::sweepBox( SoftBody& body, btScalar h ) const
 {
 	SoftBody::Impl& impl = body.impl();
-	const SpeedSpan& speeds = impl.body->speeds();
-	const Vec3 low( speeds.low ), high( speeds.high );
-	if ( speeds.worst != 0.0f || std::max( high.maxCoeff(), -low.minCoeff() ) > kSpeedLimit )
+	const VelocityBounds& velocities = impl.body->velocities();
+	const Vec3 low( velocities.low ), high( velocities.high );
+	if ( velocities.worst != 0.0f || std::max( high.maxCoeff(), -low.minCoeff() ) > kSpeedLimit )
 	{
 		return false;
 	}
@@ -252,7 +252,7 @@ void SoftBodySystem::copyIslandTags()
 {
 	for ( SoftBody* body : m_bodies )
 	{
-		for ( NodeBody* stand : body->impl().touched )
+		for ( ContactProxy* stand : body->impl().touched )
 		{
 			stand->setIslandTag( body->getIslandTag() );
 		}

@@ -4,14 +4,14 @@
 // another world of the user's could do the same.
 
 #include "pliant/soft_body_world.h"
-#include "world/bodies/skin_rooms.h"
+#include "world/bodies/skin_scratch_pool.h"
 #include "world/detect/node_algorithm.h"
 #include "world/detect/node_contacts.h"
 #include "world/implicit/implicit_choice.h"
 #include "world/implicit/implicit_solve.h"
-#include "world/respond/node_guard.h"
-#include "world/respond/rubbing_spin.h"
-#include "world/shape/node_body.h"
+#include "world/respond/friction_torque_correction.h"
+#include "world/respond/tunneling_guard.h"
+#include "world/shape/contact_proxy.h"
 #include "world/step/substep_group.h"
 
 #include <memory>
@@ -116,10 +116,10 @@ public:
 	StepReport report;
 	int substeps;
 	int maxSubsteps;
-	NodeBodyPool pool;
-	RubbingSpin rubbing;
+	ContactProxyPool pool;
+	FrictionTorqueCorrection frictionTorque;
 	PairScratch pairScratch;
-	SkinRooms skinRooms;
+	SkinScratchPool skinScratch;
 	std::unique_ptr<TaskRunner> ownRunner;
 	TaskRunner* runner = nullptr; ///< the game's, or null
 	/// The game's, or the own.
@@ -157,8 +157,8 @@ private:
 	void countNodes();
 	/// What stands within `reach` of a body's nodes and collides with it, ascending by the order in which Bullet came to know it.
 	std::vector<const btCollisionObject*> wallsAround( SoftBody& body, double reach );
-	void keepNewNodesOut( SoftBody& body, const std::vector<Vec3>& placeBefore );
-	void keepPushedNodesOut( SoftBody& body, const std::vector<Vec3>& placeBefore );
+	void keepNewNodesOut( SoftBody& body, const std::vector<Vec3>& positionBefore );
+	void keepPushedNodesOut( SoftBody& body, const std::vector<Vec3>& positionBefore );
 	SoftBody* bodyAfter( unsigned serial ) const;
 	void removeLost();
 	void noteSleepers();
@@ -170,10 +170,10 @@ private:
 	btCollisionDispatcher& m_dispatcher;
 	std::shared_ptr<AlgorithmTable> m_algorithms; ///< null while there is no body
 	std::vector<SoftBody*> m_bodies;              ///< ascending by serial
-	std::vector<NodeBody*> m_predictive;
+	std::vector<ContactProxy*> m_predictive;
 	ImplicitSolve m_implicit[2]; ///< by pass
-	NodeGuard m_guard;
-	std::vector<Vec3> m_placesBefore; ///< scratch of readBack
+	TunnelingGuard m_guard;
+	std::vector<Vec3> m_positionsBefore; ///< scratch of readBack
 	ImplicitChoice m_choice;
 	std::vector<SoftBody*> m_awake;              ///< in this substep
 	std::vector<SoftBody*> m_asleep;             ///< when the last step ended

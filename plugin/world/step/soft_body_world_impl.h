@@ -3,9 +3,9 @@
 // What stands behind a SoftBodyWorld.
 
 #include "pliant/soft_body_world.h"
-#include "world/respond/bounce.h"
 #include "world/respond/moved_contacts.h"
-#include "world/respond/turning_friction.h"
+#include "world/respond/restitution.h"
+#include "world/respond/rolling_friction.h"
 #include "world/step/pass_objects.h"
 #include "world/step/soft_body_system.h"
 #include "world/step/step_impulses.h"
@@ -20,8 +20,8 @@ struct SoftBodyWorld::System
 	System( SoftBodyWorld& world, btDispatcher* dispatcher ) : bodies( world, dispatcher ) {}
 
 	SoftBodySystem bodies;
-	TurningFriction turning;
-	Bounces bounces;
+	RollingFriction turning;
+	RestitutionCorrection bounces;
 	MovedContacts moved;
 	ManifoldView view;              ///< the manifolds of a pass
 	PassObjects<btRigidBody> rigid; ///< the world's own arrays, while a pass sees its part of them

@@ -2,7 +2,7 @@
 
 #include "world/step/soft_body_world_impl.h"
 
-#include "world/bodies/ahead.h"
+#include "world/bodies/prefetch.h"
 #include "world/bodies/soft_body_impl.h"
 #include "world/step/island_manager.h"
 
@@ -45,7 +45,7 @@ bool isDynamic( const btCollisionObject& object )
 /// The object of a contact: of a node's body, the soft body behind it.
 btCollisionObject& ownerOf( const btCollisionObject& object )
 {
-	SoftBody* const owner = ownerOfNodeBody( &object );
+	SoftBody* const owner = ownerOfContactProxy( &object );
 	return owner ? static_cast<btCollisionObject&>( *owner ) : const_cast<btCollisionObject&>( object );
 }
 
@@ -95,13 +95,13 @@ void SoftBodyWorld::System::carryImpulses( SoftBodyWorld& world, btScalar h )
 	{
 		return;
 	}
-	forEachManifold( *world.m_dispatcher1, askForEnd, [&]( btPersistentManifold& manifold ) {
+	forEachManifold( *world.m_dispatcher1, prefetchEnd, [&]( btPersistentManifold& manifold ) {
 		const bool wasSubstep = bodies.group.didContain( *manifold.getBody0() ) || bodies.group.didContain( *manifold.getBody1() );
 		const bool hasChanged = wasSubstep != ( bodies.pass() == StepPass::Substeps );
 		const btScalar then = wasSubstep ? before.substep : before.whole;
 		const int island = std::max( manifold.getBody0()->getIslandTag(), manifold.getBody1()->getIslandTag() );
 		if ( then != h &&
-			( hasChanged || isNodeBody( manifold.getBody0() ) || isNodeBody( manifold.getBody1() ) || bodies.isAwakeIn( island ) ) )
+			( hasChanged || isContactProxy( manifold.getBody0() ) || isContactProxy( manifold.getBody1() ) || bodies.isAwakeIn( island ) ) )
 		{
 			scaleImpulses( manifold, h / then );
 		}

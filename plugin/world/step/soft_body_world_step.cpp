@@ -186,32 +186,32 @@ void SoftBodyWorld::solveConstraints( btContactSolverInfo& info )
 	MovedContacts& moved = m_system->moved;
 	moved.moveToNodes( *getDispatcher(), info );
 	m_system->bodies.countContacts( moved.count() );
-	if ( moved.hasTurning() )
+	if ( moved.hasRollingFriction() )
 	{
 		m_system->turning.hide( *getDispatcher() );
 	}
 	if ( m_system->isStepping )
 	{
 		m_system->bodies.solveImplicit( *getDispatcher(), info );
-		m_system->bodies.rubbing.aim( *getDispatcher() );
+		m_system->bodies.frictionTorque.aim( *getDispatcher() );
 	}
-	if ( moved.hasBounces() && m_system->isStepping )
+	if ( moved.hasRestitution() && m_system->isStepping )
 	{
 		m_system->bounces.aim( *getDispatcher(), info );
 	}
 	btDiscreteDynamicsWorld::solveConstraints( info );
-	if ( moved.hasBounces() && m_system->isStepping )
+	if ( moved.hasRestitution() && m_system->isStepping )
 	{
 		m_system->bounces.settle();
 	}
 	if ( m_system->isStepping )
 	{
-		m_system->bodies.rubbing.sum( *getDispatcher() );
+		m_system->bodies.frictionTorque.sum( *getDispatcher() );
 		m_system->bodies.noteSolved();
 	}
 	moved.moveBack();
 	m_system->bodies.readBack();
-	if ( moved.hasTurning() )
+	if ( moved.hasRollingFriction() )
 	{
 		m_system->turning.apply();
 	}
@@ -225,7 +225,7 @@ void SoftBodyWorld::integrateTransforms( btScalar timeStep )
 		Stopwatch watch( m_system->bodies.report.integrate );
 		m_system->bodies.holdBack( timeStep );
 		m_system->bodies.integrate( timeStep, m_system->substep );
-		m_system->bodies.rubbing.give();
+		m_system->bodies.frictionTorque.give();
 	}
 	if ( m_system->isStepping && System::isAsked( *this ) )
 	{

@@ -100,7 +100,7 @@ SubstepGroup::Box SubstepGroup::sweptBox( const btCollisionObject& object, const
 	{
 		object.getCollisionShape()->getAabb( object.getWorldTransform(), box.low, box.high );
 	}
-	box.grow( gContactBreakingThreshold + kSweepRoom * ( box.high - box.low ).length() );
+	box.grow( gContactBreakingThreshold + kSweepMargin * ( box.high - box.low ).length() );
 	return box;
 }
 
@@ -121,7 +121,7 @@ bool SubstepGroup::isInBox( const btCollisionObject& object )
 
 bool SubstepGroup::isMember( const std::vector<unsigned char>& flags, const btCollisionObject& object )
 {
-	const SoftBody* const owner = ownerOfNodeBody( &object );
+	const SoftBody* const owner = ownerOfContactProxy( &object );
 	const int index = owner ? static_cast<const btCollisionObject*>( owner )->getWorldArrayIndex() : object.getWorldArrayIndex();
 	return index >= 0 && index < int( flags.size() ) && flags[std::size_t( index )] != 0;
 }

@@ -4,7 +4,7 @@
 // within the step, and what is in an island with that or joined to it. Everything else takes the game step whole, as in Bullet's own world:
 // a soft body changes nothing for what does not touch it.
 
-#include "world/shape/node_body.h"
+#include "world/shape/contact_proxy.h"
 
 #include <LinearMath/btAlignedObjectArray.h>
 

@@ -129,7 +129,7 @@ bool solve( const Eigen::Matrix3d& steps, int count, const Vec3d& offset, Vec3d&
 	if ( count == 3 )
 	{
 		const double size = steps.col( 0 ).norm() * steps.col( 1 ).norm() * steps.col( 2 ).norm();
-		if ( !( std::abs( steps.determinant() ) > kLeastShareVolume * size ) )
+		if ( !( std::abs( steps.determinant() ) > kLeastFractionVolume * size ) )
 		{
 			return false;
 		}
@@ -144,12 +144,12 @@ bool solve( const Eigen::Matrix3d& steps, int count, const Vec3d& offset, Vec3d&
 		}
 		b = normal.inverse() * ( steps.transpose() * offset );
 	}
-	return b.allFinite() && b.cwiseAbs().maxCoeff() <= kMostShare;
+	return b.allFinite() && b.cwiseAbs().maxCoeff() <= kMostFraction;
 }
 
 } // namespace
 
-SharedNodes ContactSurface::share( const NodeState& nodes, int node, const Vec3d& normal, Vec3d& at ) const
+SharedNodes ContactSurface::fraction( const NodeState& nodes, int node, const Vec3d& normal, Vec3d& at ) const
 {
 	SharedNodes shared = SharedNodes::only( node );
 	Axes axes;

@@ -45,7 +45,7 @@ public:
 	/// The nodes that share a contact. `at`: from the node's centre to its point, m, any point on the line along `normal` for what presses.
 	/// What is returned presses along that line and rubs at `at`, which is moved to where the nodes can share it: not at all but in crumbs,
 	/// sheets and crushed parts.
-	SharedNodes share( const NodeState& nodes, int node, const Vec3d& normal, Vec3d& at ) const;
+	SharedNodes fraction( const NodeState& nodes, int node, const Vec3d& normal, Vec3d& at ) const;
 
 	/// The radius of the sphere that rolls over what touches a node, m, as the touching point runs along its patch; 0: the point stays
 	/// where it is.
@@ -105,8 +105,7 @@ PatchAnswer findPatchTouch(
 		const double sine = std::sqrt( std::max( 0.0, 1.0 - cosine * cosine ) );
 		if ( sine < kFlatSine && inwards > 0.0 )
 		{
-			// A face that rests on another presses each node on its own line.
-			Touch there;
+			Touch there; // a face that rests on another presses each node on its own line
 			if ( nearest( own, there ) && there.normal.dot( touch.normal ) > kSameNormal )
 			{
 				inwards = 0.0;
@@ -129,14 +128,13 @@ PatchAnswer findPatchTouch(
 				return PatchAnswer::Clear;
 			}
 			const double then = -patch.normal.dot( touch.normal );
-			if ( then < kLeastContactCosine ||
-				inwards * std::sqrt( std::max( 0.0, 1.0 - then * then ) ) > most * ( 1.0 + kPatchTolerance ) )
+			const double aside = inwards * std::sqrt( std::max( 0.0, 1.0 - then * then ) );
+			if ( then < kLeastContactCosine || aside > most * ( 1.0 + kPatchTolerance ) )
 			{
 				return PatchAnswer::UseSphere;
 			}
 		}
-		// The plane there is n.( y - q ) = 0; the node is D - ( c - x ).n from it, and the sphere's foremost point is R + ( c - x ).n
-		// nearer.
+		// The plane there is n.( y - q ) = 0. The node is D - ( c - x ).n from it; the sphere's foremost point is R + ( c - x ).n nearer.
 		const Vec3d at = -inwards * patch.normal - ( inwards + patch.height ) * touch.normal;
 		touch.reach = -at.dot( touch.normal );
 		touch.aside = at + touch.reach * touch.normal;

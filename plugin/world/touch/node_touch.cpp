@@ -196,16 +196,16 @@ bool sweep( const MovingSphere& sphere, Touch& touch, const Find& find )
 		{
 			return false;
 		}
-		const double approach = -sphere.way.dot( touch.normal ), room = touch.distance - sphere.radius;
-		if ( room <= kContactSlop * sphere.measure() )
+		const double approach = -sphere.way.dot( touch.normal ), gap = touch.distance - sphere.radius;
+		if ( gap <= kContactSlop * sphere.measure() )
 		{
 			break;
 		}
-		if ( approach <= 0.0 || gone + room / approach > 1.0 )
+		if ( approach <= 0.0 || gone + gap / approach > 1.0 )
 		{
 			return false;
 		}
-		gone += room / approach;
+		gone += gap / approach;
 	}
 	touch.distance -= gone * sphere.way.dot( touch.normal );
 	return true;
@@ -256,7 +256,7 @@ bool lookAhead( const Obstacle& then, const MovingSphere& sphere, const Ahead& a
 	{
 		return true;
 	}
-	const double least = kAheadShare * sphere.radius, distance = found.distance - ahead.way.dot( found.normal );
+	const double least = kAheadFraction * sphere.radius, distance = found.distance - ahead.way.dot( found.normal );
 	if ( found.distance < least || distance < least )
 	{
 		return true;

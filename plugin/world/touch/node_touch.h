@@ -44,7 +44,7 @@ struct MovingSphere
 	/// The nearest touch counts when the sphere touches it, nearly touches it, or comes that far in this step.
 	bool reaches( const Vec3d& normal, double distance ) const { return distance <= touching() + std::max( 0.0, -normal.dot( way ) ); }
 	/// It moves so far that the place it is nearest to now need not be the place it hits.
-	bool isFast() const { return way.squaredNorm() > kFastShare * kFastShare * measure() * measure(); }
+	bool isFast() const { return way.squaredNorm() > kFastFraction * kFastFraction * measure() * measure(); }
 };
 
 struct Touch

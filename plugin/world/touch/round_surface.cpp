@@ -49,8 +49,8 @@ RoundSphere roundSphere( const SoftBody& body, int node, const Vec3d& towards )
 		}
 		most = along / std::sqrt( both2 );
 		round.inner = inner;
-		round.share = kRoundShare * std::min( 1.0, ( most - kLeastLook ) / ( kFullLook - kLeastLook ) );
-		round.inwards = round.share * inwards;
+		round.fraction = kRoundFraction * std::min( 1.0, ( most - kLeastLook ) / ( kFullLook - kLeastLook ) );
+		round.inwards = round.fraction * inwards;
 	}
 	return round;
 }

@@ -13,7 +13,7 @@ class SoftBody;
 struct RoundSphere
 {
 	int inner = -1;                ///< the node behind; -1: it is the node's own sphere
-	double share = 0.0;            ///< of the way to it
+	double fraction = 0.0;         ///< of the way to it
 	Vec3d inwards = Vec3d::Zero(); ///< from the node to the sphere's centre, m
 };
 

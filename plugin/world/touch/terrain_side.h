@@ -38,7 +38,7 @@ public:
 	/// Some of the body is above the triangle's plane and some below.
 	bool isStoodIn() const { return m_isStoodIn; }
 	/// From the triangle to the deepest node that may be in the ground below it, m.
-	Vec3d wayDown() const { return m_isStoodIn ? Vec3d( -m_deepest * m_up ) : Vec3d( Vec3d::Zero() ); }
+	Vec3d exitBelow() const { return m_isStoodIn ? Vec3d( -m_deepest * m_up ) : Vec3d( Vec3d::Zero() ); }
 
 	/// Whether a sphere's middle is below the triangle, and then how it gets out.
 	bool holds( const Vec3d& centre, Touch& touch ) const

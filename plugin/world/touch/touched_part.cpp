@@ -1,7 +1,7 @@
 #include "world/touch/touched_part.h"
 
 #include "world/constants.h"
-#include "world/shape/node_body.h"
+#include "world/shape/contact_proxy.h"
 
 #include <BulletCollision/CollisionDispatch/btCollisionObject.h>
 #include <BulletCollision/CollisionShapes/btCompoundShape.h>
@@ -63,7 +63,7 @@ struct FindTriangle : btTriangleCallback
 TouchedPart::TouchedPart( const btCollisionObject& object, int leaf, int part, int index, const btVector3& at ) :
 	m_shape( object.getCollisionShape() ), m_transform( object.getWorldTransform() )
 {
-	if ( ownerOfNodeBody( &object ) )
+	if ( ownerOfContactProxy( &object ) )
 	{
 		return; // a node's sphere is all there is
 	}
@@ -86,12 +86,12 @@ void TouchedPart::findTriangle( int part, int index, const btVector3& at )
 	const btVector3 there = m_transform.invXform( at );
 	btVector3 low, high;
 	m_shape->getAabb( btTransform::getIdentity(), low, high );
-	const btVector3 room = ( ( high - low ) * kTriangleRoom ) +
+	const btVector3 margin = ( ( high - low ) * kTriangleMargin ) +
 		btVector3( m_shape->getMargin(), m_shape->getMargin(), m_shape->getMargin() );
 	FindTriangle find;
 	find.part = part;
 	find.index = index;
-	static_cast<const btConcaveShape*>( m_shape )->processAllTriangles( &find, there - room, there + room );
+	static_cast<const btConcaveShape*>( m_shape )->processAllTriangles( &find, there - margin, there + margin );
 	if ( find.found.isAny )
 	{
 		m_triangle = btTriangleShape( find.found.corner[0], find.found.corner[1], find.found.corner[2] );

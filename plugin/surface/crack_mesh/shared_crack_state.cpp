@@ -1,0 +1,142 @@
+#include "surface/crack_mesh/shared_crack_state.h"
+
+#include <algorithm>
+
+namespace pliant {
+
+namespace {
+
+/// A body of which more than one face in so many breaks at once is drawn anew, in patches: most of what there is to draw of it is new
+/// anyhow.
+constexpr std::size_t kFewFaces = 16;
+
+} // namespace
+
+SharedCrackState::SharedCrackState( const CrackSurface& whole, std::shared_ptr<const CrackPatches> patches, const float* texture ) :
+	m_patches( std::move( patches ) ), m_untouched( &whole ), m_input( texture )
+{}
+
+void SharedCrackState::prepare()
+{
+	const std::lock_guard<std::mutex> lock( m_mutex );
+	growWhole();
+}
+
+/// Where there is nothing yet that grows.
+void SharedCrackState::growWhole()
+{
+	if ( !m_whole && !m_sides )
+	{
+		m_whole = std::make_unique<CrackSurface>( *m_untouched );
+		m_whole->reserveScratch();
+		takeInTexture();
+	}
+}
+
+/// Of vertices that are new.
+void SharedCrackState::takeInTexture()
+{
+	const std::size_t known = m_texture.size();
+	m_texture.resize( 2 * std::size_t( m_whole->vertexCount() ) );
+	m_whole->textureCoordinates( m_input, std::uint32_t( known / 2 ), m_texture.data() + known );
+}
+
+void SharedCrackState::breakLinks( const std::vector<CellLink>& links )
+{
+	m_pending.insert( m_pending.end(), links.begin(), links.end() );
+}
+
+void SharedCrackState::follow( const std::vector<CutTrace>& traces )
+{
+	m_newTraces.insert( m_newTraces.end(), traces.begin(), traces.end() );
+}
+
+std::vector<std::uint32_t> SharedCrackState::pendingFaces() const
+{
+	std::vector<std::uint32_t> faces;
+	for ( const CellLink& link : m_pending )
+	{
+		if ( const std::uint32_t face = m_patches->complex->faceBetween( link.a, link.b ); face != CrackSurface::kNone )
+		{
+			faces.push_back( face );
+		}
+	}
+	return faces;
+}
+
+/// `isWhole`: somebody asks for what all cells are.
+void SharedCrackState::takeIn( bool isWhole, TaskRunner* runner )
+{
+	const std::vector<std::uint32_t> faces = pendingFaces();
+	if ( !m_sides && ( !isWhole || faces.size() * kFewFaces > m_patches->complex->face.size() ) )
+	{
+		m_sides = std::make_unique<CrackSides>( m_patches, m_whole ? *m_whole : *m_untouched, runner );
+		m_whole.reset();
+		m_texture = {};
+	}
+	growWhole();
+	if ( !m_newTraces.empty() )
+	{
+		m_path = m_path ? std::move( m_path ) : std::make_unique<BladePath>( m_patches->complex );
+		const std::vector<std::uint32_t> points = m_path->add( m_newTraces );
+		m_whole ? m_whole->follow( *m_path, points ) : m_sides->follow( *m_path, points );
+		m_newTraces.clear();
+	}
+	if ( !m_pending.empty() )
+	{
+		m_whole ? m_whole->breakFaces( faces ) : m_sides->breakFaces( faces, runner );
+		m_pending.clear();
+	}
+	if ( m_whole )
+	{
+		m_whole->settle();
+		takeInTexture();
+	}
+}
+
+void SharedCrackState::show( const std::vector<std::uint32_t>& cells, const Vec3& shift, CrackView& view, TaskRunner* runner )
+{
+	std::unique_ptr<CrackGatherer> gatherer;
+	{
+		const std::lock_guard<std::mutex> lock( m_mutex );
+		takeIn( cells.size() == m_patches->complex->cellCount(), runner );
+		if ( m_whole )
+		{
+			showWhole( view );
+			return;
+		}
+		if ( m_gatherer.empty() )
+		{
+			m_gatherer.push_back( std::make_unique<CrackGatherer>() );
+		}
+		gatherer = std::move( m_gatherer.back() );
+		m_gatherer.pop_back();
+	}
+	gatherer->gather( *m_sides, cells, shift, view, runner );
+	const std::lock_guard<std::mutex> lock( m_mutex );
+	m_gatherer.push_back( std::move( gatherer ) );
+}
+
+void SharedCrackState::catchUp( std::size_t cells, TaskRunner* runner )
+{
+	const std::lock_guard<std::mutex> lock( m_mutex );
+	takeIn( cells == m_patches->complex->cellCount(), runner );
+}
+
+void SharedCrackState::showWhole( CrackView& view ) const
+{
+	const bool isSame = view.binding == &m_whole->binding();
+	view.change = isSame ? m_whole->latestChange() : CrackSurface::Change{};
+	view.binding = &m_whole->binding();
+	view.triangles = m_whole->triangles().data();
+	view.sources = m_whole->sources().data();
+	view.texture = m_texture.data();
+	view.triangleCount = int( m_whole->triangles().size() );
+}
+
+std::size_t SharedCrackState::bytes() const
+{
+	return m_texture.size() * sizeof( float ) + ( m_whole ? m_whole->bytes() : m_sides ? m_sides->bytes() : 0 );
+}
+
+} // namespace pliant

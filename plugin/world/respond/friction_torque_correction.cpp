@@ -1,0 +1,169 @@
+#include "world/respond/friction_torque_correction.h"
+
+#include "world/bodies/prefetch.h"
+#include "world/bodies/soft_body_impl.h"
+#include "world/constants.h"
+#include "world/shape/rigid_motion_proxy.h"
+
+#include <BulletCollision/BroadphaseCollision/btDispatcher.h>
+#include <BulletCollision/CollisionDispatch/btUnionFind.h>
+#include <BulletCollision/NarrowPhaseCollision/btPersistentManifold.h>
+
+namespace pliant {
+
+namespace {
+
+/// On the first body, N s, in the last solve.
+Vec3d impulseOf( const btManifoldPoint& point )
+{
+	return toVec3d( point.m_normalWorldOnB * point.m_appliedImpulse + point.m_lateralFrictionDir1 * point.m_appliedImpulseLateral1 +
+		point.m_lateralFrictionDir2 * point.m_appliedImpulseLateral2 );
+}
+
+double radiusOf( const btCollisionObject* node )
+{
+	return double( static_cast<const ContactProxy*>( node )->radius() );
+}
+
+bool isHidden( const btPersistentManifold& manifold )
+{
+	return manifold.getContactProcessingThreshold() <= btScalar( kHiddenThreshold );
+}
+
+} // namespace
+
+void FrictionTorqueCorrection::choose( btUnionFind& islands )
+{
+	if ( m_frictionTorque.empty() )
+	{
+		return;
+	}
+	for ( int& index : m_refinementState )
+	{
+		index = islands.find( index );
+	}
+	std::sort( m_refinementState.begin(), m_refinementState.end() );
+	const auto stands = [&]( int& index ) {
+		index = islands.find( index );
+		return std::binary_search( m_refinementState.begin(), m_refinementState.end(), index );
+	};
+	m_frictionTorque.erase( std::remove_if( m_frictionTorque.begin(), m_frictionTorque.end(), stands ), m_frictionTorque.end() );
+	std::sort( m_frictionTorque.begin(), m_frictionTorque.end() );
+}
+
+// Friction slows down  u = v0 + w0 x r0 - v1 - w1 x r1,  r from a node's middle to the touch and w its body's speed of turning: then J.u
+// takes what T.w, given later, brings. Where it held the middles alone bodies of a dozen big nodes were turned on by it. The stand-ins have
+// no inertia to turn about: Bullet's solvers see w and leave it. What else such a node meets is held at its middle, as ever.
+void FrictionTorqueCorrection::aim( btDispatcher& dispatcher )
+{
+	if ( m_frictionTorque.empty() )
+	{
+		return;
+	}
+	forEachManifold( dispatcher, prefetchEnd, [this]( btPersistentManifold& manifold ) {
+		const btCollisionObject* const objects[] = { manifold.getBody0(), manifold.getBody1() };
+		SoftBody* const owners[] = { ownerOfContactProxy( objects[0] ), ownerOfContactProxy( objects[1] ) };
+		const SoftBody* const any = owners[0] ? owners[0] : owners[1];
+		if ( !any || !std::binary_search( m_frictionTorque.begin(), m_frictionTorque.end(), any->getIslandTag() ) || isHidden( manifold ) )
+		{
+			return;
+		}
+		const bool rubs = owners[0] && owners[1] && owners[0] != owners[1];
+		btVector3 touch( 0, 0, 0 );
+		if ( rubs )
+		{
+			const btScalar r0 = btScalar( radiusOf( objects[0] ) ), r1 = btScalar( radiusOf( objects[1] ) );
+			touch = ( r1 * objects[0]->getWorldTransform().getOrigin() + r0 * objects[1]->getWorldTransform().getOrigin() ) / ( r0 + r1 );
+		}
+		for ( int side = 0; side < 2; ++side )
+		{
+			if ( !owners[side] )
+			{
+				continue;
+			}
+			auto* const node = const_cast<ContactProxy*>( static_cast<const ContactProxy*>( objects[side] ) );
+			if ( rubs )
+			{
+				node->setAngularVelocity( turnOf( *owners[side] ).speed );
+				m_turning.push_back( node );
+			}
+			for ( int k = 0; k < manifold.getNumContacts(); ++k )
+			{
+				btManifoldPoint& point = manifold.getContactPoint( k );
+				place(
+					side == 0 ? point.m_positionWorldOnA : point.m_positionWorldOnB, rubs ? touch : node->getWorldTransform().getOrigin() );
+			}
+		}
+	} );
+}
+
+void FrictionTorqueCorrection::place( btVector3& point, const btVector3& at )
+{
+	m_placed.push_back( Placed{ &point, point } );
+	point = at;
+}
+
+// The spheres touch at  p = ( r1 x0 + r0 x1 ) / ( r0 + r1 ),  so that with d = x0 - x1
+//   T0 = ( p - x0 ) x J = - r0 / ( r0 + r1 ) d x J,   T1 = - ( p - x1 ) x J = - r1 / ( r0 + r1 ) d x J
+// Only in islands that touch nothing that stands: others have no spin to keep, as they hand it on to the ground. And what is lost there is
+// what lets stacks of soft bodies fall asleep: given to them, a stack of four cubes sways for ever, for the solver pushes what is pressed
+// together apart.
+void FrictionTorqueCorrection::sum( btDispatcher& dispatcher )
+{
+	if ( m_frictionTorque.empty() )
+	{
+		return;
+	}
+	for ( const Placed& placed : m_placed )
+	{
+		*placed.point = placed.was;
+	}
+	for ( ContactProxy* node : m_turning )
+	{
+		node->setAngularVelocity( btVector3( 0, 0, 0 ) );
+	}
+	m_placed.clear();
+	m_turning.clear();
+	forEachManifold( dispatcher, prefetchEnd, [this]( const btPersistentManifold& manifold ) {
+		SoftBody *const first = ownerOfContactProxy( manifold.getBody0() ), *const second = ownerOfContactProxy( manifold.getBody1() );
+		if ( !first || !second || first == second ||
+			!std::binary_search( m_frictionTorque.begin(), m_frictionTorque.end(), first->getIslandTag() ) || isHidden( manifold ) ||
+			!areSolved( *first, *second ) )
+		{
+			return;
+		}
+		const btVector3 apart = manifold.getBody0()->getWorldTransform().getOrigin() - manifold.getBody1()->getWorldTransform().getOrigin();
+		const double r0 = radiusOf( manifold.getBody0() ), r1 = radiusOf( manifold.getBody1() );
+		Vec3d impulse = Vec3d::Zero();
+		for ( int k = 0; k < manifold.getNumContacts(); ++k )
+		{
+			impulse += impulseOf( manifold.getContactPoint( k ) );
+		}
+		const Vec3d lacks = -toVec3d( apart ).cross( impulse ) / ( r0 + r1 );
+		turnOf( *first ).impulse += r0 * lacks;
+		turnOf( *second ).impulse += r1 * lacks;
+	} );
+}
+
+void FrictionTorqueCorrection::give()
+{
+	for ( const Turn& turn : m_turns )
+	{
+		RigidMotionProxy( turn.body ).turn( turn.impulse );
+		turn.body->impl().frictionTorque = -1;
+	}
+	m_turns.clear();
+}
+
+FrictionTorqueCorrection::Turn& FrictionTorqueCorrection::turnOf( SoftBody& body )
+{
+	int& place = body.impl().frictionTorque;
+	if ( place < 0 )
+	{
+		place = int( m_turns.size() );
+		m_turns.push_back( Turn{ &body, Vec3d::Zero(), toBt( RigidMotionProxy( &body ).speed ) } );
+	}
+	return m_turns[std::size_t( place )];
+}
+
+} // namespace pliant

@@ -1,0 +1,115 @@
+#include "world/respond/rolling_friction.h"
+
+#include "world/bodies/soft_body_impl.h"
+#include "world/shape/rigid_motion_proxy.h"
+
+#include <BulletCollision/BroadphaseCollision/btDispatcher.h>
+#include <BulletCollision/NarrowPhaseCollision/btPersistentManifold.h>
+
+#include <algorithm>
+
+namespace pliant {
+
+namespace {
+
+/// The body a contact belongs to: the soft one for its node.
+btCollisionObject* wholeOf( const btCollisionObject* object )
+{
+	SoftBody* const owner = ownerOfContactProxy( object );
+	return owner ? owner : const_cast<btCollisionObject*>( object );
+}
+
+/// Brakes their turning against each other about an axis of unit length, as far as `limit` (N m s) does it.
+void brakeAbout( RigidMotionProxy& a, RigidMotionProxy& b, const Vec3d& axis, double limit )
+{
+	const double ease = axis.dot( ( a.inverse + b.inverse ) * axis );
+	if ( ease > 0.0 && limit > 0.0 )
+	{
+		// The impulse that would end it; never more, so it can only take energy.
+		const double wanted = -axis.dot( a.speed - b.speed ) / ease;
+		const Vec3d impulse = std::clamp( wanted, -limit, limit ) * axis;
+		a.turn( impulse );
+		b.turn( -impulse );
+	}
+}
+
+} // namespace
+
+void RollingFriction::hide( btDispatcher& dispatcher )
+{
+	m_hidden.clear();
+	for ( int m = 0; m < dispatcher.getNumManifolds(); ++m )
+	{
+		btPersistentManifold* const manifold = dispatcher.getManifoldByIndexInternal( m );
+		if ( !ownerOfContactProxy( manifold->getBody0() ) && !ownerOfContactProxy( manifold->getBody1() ) )
+		{
+			continue;
+		}
+		for ( int k = 0; k < manifold->getNumContacts(); ++k )
+		{
+			btManifoldPoint& point = manifold->getContactPoint( k );
+			if ( point.m_combinedRollingFriction != 0 || point.m_combinedSpinningFriction != 0 )
+			{
+				m_hidden.push_back( Hidden{ manifold, k, point.m_combinedRollingFriction, point.m_combinedSpinningFriction } );
+				point.m_combinedRollingFriction = point.m_combinedSpinningFriction = 0;
+			}
+		}
+	}
+}
+
+RollingFriction::Pair& RollingFriction::pairOf( btCollisionObject* first, btCollisionObject* second )
+{
+	for ( Pair& pair : m_pairs )
+	{
+		if ( pair.first == first && pair.second == second )
+		{
+			return pair;
+		}
+	}
+	m_pairs.push_back( Pair{ first, second, Vec3d::Zero() } );
+	return m_pairs.back();
+}
+
+void RollingFriction::apply()
+{
+	m_pairs.clear();
+	for ( const Hidden& hidden : m_hidden )
+	{
+		btManifoldPoint& point = hidden.manifold->getContactPoint( hidden.point );
+		point.m_combinedRollingFriction = hidden.rolling;
+		point.m_combinedSpinningFriction = hidden.spinning;
+		btCollisionObject* const first = wholeOf( hidden.manifold->getBody0() );
+		btCollisionObject* const second = wholeOf( hidden.manifold->getBody1() );
+		const double pressing = double( point.m_appliedImpulse );
+		if ( pressing <= 0.0 || !areSolved( *first, *second ) )
+		{
+			continue;
+		}
+		Pair& pair = pairOf( first, second );
+		pair.pressing += pressing * toVec3d( point.m_normalWorldOnB );
+		pair.rolling += pressing * double( hidden.rolling );
+		pair.spinning += pressing * double( hidden.spinning );
+	}
+	for ( const Pair& pair : m_pairs )
+	{
+		brake( pair );
+	}
+}
+
+void RollingFriction::brake( const Pair& pair )
+{
+	if ( pair.pressing.isZero( 0.0 ) )
+	{
+		return;
+	}
+	const Vec3d normal = pair.pressing.normalized();
+	RigidMotionProxy a( pair.first ), b( pair.second );
+	brakeAbout( a, b, normal, pair.spinning );
+	const Vec3d turning = a.speed - b.speed, rolling = turning - normal.dot( turning ) * normal;
+	if ( !rolling.isZero( 0.0 ) )
+	{
+		brakeAbout( a, b, rolling.normalized(), pair.rolling );
+	}
+}
+
+} // namespace pliant

@@ -1,0 +1,83 @@
+#include "world/shape/rigid_motion_proxy.h"
+
+#include "world/bodies/soft_body_impl.h"
+#include "world/constants.h"
+
+#include <BulletDynamics/Dynamics/btRigidBody.h>
+
+#include <Eigen/Eigenvalues>
+
+namespace pliant {
+
+RigidMotionProxy::RigidMotionProxy( btCollisionObject* object )
+{
+	soft = asSoftBody( object );
+	rigid = soft ? nullptr : btRigidBody::upcast( object );
+	if ( soft )
+	{
+		measure();
+	}
+	else if ( rigid && ( !rigid->isStaticObject() || rigid->isKinematicObject() ) )
+	{
+		speed = toVec3d( rigid->getAngularVelocity() );
+		inverse = rigid->isKinematicObject() ? Eigen::Matrix3d( Eigen::Matrix3d::Zero() ) : toMatrix3d( rigid->getInvInertiaTensorWorld() );
+	}
+}
+
+// A body that is held somewhere does not turn as a whole; nor does one that sleeps.
+void RigidMotionProxy::measure()
+{
+	const NodeState& nodes = soft->impl().body->nodes();
+	const BodySums sums = soft->impl().body->sums();
+	Eigen::Matrix3d inertia = Eigen::Matrix3d::Zero();
+	bool isHeld = !soft->isActive() || !soft->isHealthy();
+	for ( int i = 0; i < nodes.count; ++i )
+	{
+		const Vec3d p = nodes.x.get( i ).cast<double>() - sums.centre;
+		inertia += double( nodes.mass[i] ) * ( p.squaredNorm() * Eigen::Matrix3d::Identity() - p * p.transpose() );
+		isHeld = isHeld || nodes.freedom[i] == 0.0f;
+	}
+	if ( isHeld )
+	{
+		return;
+	}
+	// Nodes in one line have no inertia about it. Those in one line but for a little have too little: their cells would have sum m d^2 / 6
+	// more.
+	const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes( inertia );
+	const double cell = soft->impl().body->lattice().cellSize, thin = kRollingInertia * sums.mass * cell * cell / 6.0;
+	Vec3d inverses = Vec3d::Zero();
+	for ( int k = 0; k < 3; ++k )
+	{
+		const double moment = axes.eigenvalues()[k];
+		inverses[k] = moment > thin ? 1.0 / moment : 0.0;
+	}
+	inverse = axes.eigenvectors() * inverses.asDiagonal() * axes.eigenvectors().transpose();
+	speed = inverse * sums.spin;
+	centre = sums.centre;
+}
+
+void RigidMotionProxy::turn( const Vec3d& impulse )
+{
+	const Vec3d change = inverse * impulse;
+	speed += change;
+	if ( rigid && !inverse.isZero( 0.0 ) )
+	{
+		rigid->setAngularVelocity( rigid->getAngularVelocity() + toBt( change ) * rigid->getAngularFactor() );
+	}
+	if ( soft && !inverse.isZero( 0.0 ) )
+	{
+		NodeState& nodes = soft->impl().body->nodes();
+		for ( int i = 0; i < nodes.count; ++i )
+		{
+			const Vec3d p = nodes.x.get( i ).cast<double>() - centre;
+			nodes.v.set( i, nodes.v.get( i ) + change.cross( p ).cast<float>() );
+		}
+	}
+}
+
+bool areSolved( const btCollisionObject& first, const btCollisionObject& second )
+{
+	return ( first.isActive() || second.isActive() ) && first.hasContactResponse() && second.hasContactResponse();
+}
+
+} // namespace pliant

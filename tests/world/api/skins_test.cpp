@@ -1,0 +1,279 @@
+// The first question for a skin after a step draws, on all threads at once, those of all bodies that were looked at after the last one.
+// What anybody sees may not depend on it: not the bits, not the counters, not how long a view may be read; and what nobody asks for is not
+// drawn.
+
+#include "world/levels/adaptive_bodies.h"
+
+#include <gtest/gtest.h>
+
+#include <optional>
+#include <vector>
+
+namespace pliant::test {
+namespace {
+
+constexpr int kBodies = 7;
+
+/// Bodies of several sizes in the air, one of them with levels that change.
+class Skins : public ::testing::Test
+{
+protected:
+	void fill( int threads )
+	{
+		world.emplace();
+		world->world.setThreadCount( threads );
+		for ( int k = 0; k < kBodies; ++k )
+		{
+			const int edge = k == 3 ? 12 : 3 + k % 3;
+			const btTransform where = at( btScalar( 2 * k ), 0, 0 );
+			SoftBody* const body = world->addSoft(
+				block( edge, edge, edge, 0.1f ), where, stiff( 2e4f ), k == 1 ? levels( 1 ) : Adaptivity{} );
+			body->setVelocities( btVector3( 0, 0, 0 ), btVector3( 1, btScalar( k ), 2 ) );
+		}
+	}
+
+	/// Steps, and looks at these bodies after each.
+	void run( int frames, const std::vector<int>& lookedAt )
+	{
+		for ( int frame = 0; frame < frames; ++frame )
+		{
+			world->run( 1 );
+			for ( const int k : lookedAt )
+			{
+				body( k ).surface();
+			}
+		}
+	}
+
+	const SoftBody& body( int k ) const { return *world->soft[std::size_t( k )]; }
+	/// Of a body that may not have been asked for.
+	unsigned frameOf( int k ) const { return body( k ).impl().skin.frame; }
+
+	std::optional<TestWorld> world;
+};
+
+std::vector<float> copyOf( const SurfaceView& view )
+{
+	std::vector<float> all( view.positions, view.positions + 3 * view.vertexCount );
+	all.insert( all.end(), view.normals, view.normals + 3 * view.vertexCount );
+	all.push_back( float( view.frame ) );
+	all.push_back( float( view.origin.y() ) );
+	return all;
+}
+
+TEST_F( Skins, AreTheSameForAnyNumberOfThreads )
+{
+	std::vector<std::vector<float>> seen;
+	for ( const int threads : { 1, 2, 4 } )
+	{
+		fill( threads );
+		seen.emplace_back();
+		for ( int frame = 0; frame < 12; ++frame )
+		{
+			world->run( 1 );
+			if ( frame == 5 )
+			{
+				changeLevels( *world->soft[1], coarseNodes( body( 1 ), anyNode ), {} );
+			}
+			for ( int k = 0; k < kBodies; ++k )
+			{
+				// In any order, not always all, and one of them twice.
+				const std::vector<float> copy = copyOf( body( ( k * ( 1 + frame % 5 ) + 3 ) % kBodies ).surface() );
+				seen.back().insert( seen.back().end(), copy.begin(), copy.end() );
+			}
+		}
+	}
+	EXPECT_EQ( seen[1], seen[0] );
+	EXPECT_EQ( seen[2], seen[0] );
+}
+
+TEST_F( Skins, OfThoseLookedAtAreDrawnWithTheFirst )
+{
+	fill( 2 );
+	run( 3, { 0, 2, 3, 4 } );
+	run( 1, { 4 } );
+	for ( int k = 0; k < kBodies; ++k )
+	{
+		const bool isLookedAt = k == 0 || k == 2 || k == 3 || k == 4;
+		EXPECT_EQ( frameOf( k ), isLookedAt ? 4u : 0u ) << "body " << k;
+		EXPECT_EQ( body( k ).impl().skin.isStale, !isLookedAt ) << "body " << k;
+	}
+	// Only the one was asked for: after the next step the others are left alone.
+	run( 1, { 4 } );
+	EXPECT_EQ( frameOf( 4 ), 5u );
+	EXPECT_EQ( frameOf( 0 ), 4u );
+	EXPECT_EQ( frameOf( 3 ), 4u );
+}
+
+TEST_F( Skins, AreDrawnOneByOneWithoutThreads )
+{
+	fill( 1 );
+	run( 2, { 0, 1 } );
+	run( 1, { 0 } );
+	EXPECT_EQ( frameOf( 0 ), 3u );
+	EXPECT_EQ( frameOf( 1 ), 2u );
+}
+
+TEST_F( Skins, StayReadableUntilTheStepAfterNext )
+{
+	fill( 3 );
+	for ( int frame = 0; frame < 3; ++frame )
+	{
+		world->run( 1 );
+		std::vector<SurfaceView> views;
+		std::vector<std::vector<float>> copies;
+		for ( int k = 0; k < kBodies; ++k )
+		{
+			views.push_back( body( k ).surface() );
+			copies.push_back( copyOf( views.back() ) );
+		}
+		world->run( 1 );
+		body( 0 ).surface(); // draws all others, too
+		for ( int k = 0; k < kBodies; ++k )
+		{
+			EXPECT_EQ( copyOf( views[std::size_t( k )] ), copies[std::size_t( k )] ) << "body " << k;
+		}
+	}
+}
+
+TEST_F( Skins, OfABodyThatHasLeftAreItsOwn )
+{
+	fill( 2 );
+	run( 2, { 0, 1, 2, 3, 4, 5, 6 } );
+	world->run( 1 );
+	world->world.removeSoftBody( world->soft[2].get() );
+	body( 0 ).surface();
+	EXPECT_EQ( frameOf( 2 ), 2u );
+	EXPECT_EQ( body( 2 ).surface().frame, 3u );
+	EXPECT_EQ( frameOf( 5 ), 3u );
+}
+
+/// Of one of two bodies that move alike: how far its vertices are from the other's, m.
+double apart( const SurfaceView& a, const SurfaceView& b )
+{
+	EXPECT_EQ( a.vertexCount, b.vertexCount );
+	const Vec3 origin = toVec3( a.origin - b.origin );
+	double most = 0.0;
+	for ( int v = 0; v < a.vertexCount; ++v )
+	{
+		most = std::max( most,
+			double( ( Eigen::Map<const Vec3>( a.positions + 3 * v ) - Eigen::Map<const Vec3>( b.positions + 3 * v ) + origin ).norm() ) );
+	}
+	return most;
+}
+
+/// Blocks that fall, hit the floor, rest and sleep; one has levels, one spins so fast that it breaks.
+struct Falling
+{
+	static constexpr int kCount = 4;
+	TestWorld test;
+
+	explicit Falling( btScalar tolerance )
+	{
+		test.addFloor();
+		for ( int k = 0; k < kCount; ++k )
+		{
+			const btTransform where(
+				btQuaternion( btVector3( 1, 2, 0 ).normalized(), btScalar( 0.3 * k ) ), btVector3( btScalar( 2 * k ), 1, 0 ) );
+			SoftBody* const body = test.addSoft( block( 4, 4, 6, 0.1f ), where, stiff( 3e4f ), k % 2 == 1 ? levels( 1 ) : Adaptivity{} );
+			body->setVelocities( btVector3( 0, 0, 0 ), btVector3( 0, btScalar( k == 3 ? 20 : 2 * k ), 1 ) );
+			body->setSurfaceTolerance( tolerance );
+			if ( k == 3 )
+			{
+				Fracture fracture;
+				fracture.rule = BreakRule::Distance;
+				fracture.breakStrain = 0.03f;
+				EXPECT_TRUE( body->setFracture( fracture ).ok() );
+			}
+		}
+	}
+};
+
+// Measured against a twin that is skinned in full in every frame: what is turned or left alone is as near as was asked for, in flight,
+// bent, broken, at rest and after a teleport, and costs less.
+TEST( SurfaceTolerance, KeepsTheSurfaceNearTheOneSkinnedInFull )
+{
+	constexpr btScalar kTolerance = btScalar( 0.01 );
+	Falling full( 0 ), turned( kTolerance );
+	unsigned fullFrames = 0, turnedFrames = 0;
+	for ( int frame = 0; frame < 240; ++frame )
+	{
+		full.test.run( 1 );
+		turned.test.run( 1 );
+		if ( frame == 200 )
+		{
+			const btTransform by( btQuaternion( btVector3( 0, 1, 0 ), btScalar( 0.4 ) ), btVector3( 0, btScalar( 0.5 ), 1 ) );
+			full.test.soft[1]->teleport( by );
+			turned.test.soft[1]->teleport( by );
+		}
+		ASSERT_EQ( full.test.world.softBodyCount(), turned.test.world.softBodyCount() );
+		for ( int k = 0; k < full.test.world.softBodyCount(); ++k )
+		{
+			SoftBody &a = *full.test.world.softBody( k ), &b = *turned.test.world.softBody( k );
+			EXPECT_EQ( b.surfaceTolerance(), kTolerance ) << "a piece takes it over";
+			const SurfaceView wanted = a.surface(), shown = b.surface();
+			EXPECT_LE( apart( shown, wanted ), double( kTolerance ) * 0.1 + 2e-6 ) << "frame " << frame << ", body " << k;
+			fullFrames = frame == 239 ? fullFrames + wanted.frame : fullFrames;
+			turnedFrames = frame == 239 ? turnedFrames + shown.frame : turnedFrames;
+		}
+	}
+	EXPECT_GT( full.test.world.softBodyCount(), Falling::kCount ) << "nothing came off";
+	EXPECT_LT( turnedFrames, fullFrames ) << "nothing was left alone";
+}
+
+TEST( SurfaceTolerance, LeavesTheViewAloneWhereNothingMoved )
+{
+	TestWorld test;
+	test.world.setGravity( btVector3( 0, 0, 0 ) );
+	SoftBody* const body = test.addSoft( block( 4, 4, 4, 0.1f ), at( 0, 0, 0 ) );
+	body->setActivationState( DISABLE_DEACTIVATION );
+	const SurfaceView before = body->surface();
+	test.run( 5 );
+	const SurfaceView after = body->surface();
+	EXPECT_EQ( after.frame, before.frame );
+	EXPECT_EQ( after.positions, before.positions );
+	body->setSurfaceTolerance( 0 );
+	test.run( 1 );
+	EXPECT_EQ( body->surface().frame, before.frame + 1 );
+	body->setSurfaceTolerance( btScalar( -1 ) );
+	EXPECT_EQ( body->surfaceTolerance(), btScalar( 0 ) );
+}
+
+// To ask 1 100 nodes took longer than to skin the few vertices of a plain block: a step of 19 683 nodes had become a seventh slower by it.
+TEST( SurfaceTolerance, IsNotAskedForWhereManyNodesCarryFewVertices )
+{
+	TestWorld test;
+	test.world.setGravity( btVector3( 0, 0, 0 ) );
+	SoftBody* const body = test.addSoft( block( 11, 10, 10, 0.1f ), at( 0, 0, 0 ) );
+	const SurfaceView before = body->surface();
+	test.run( 1 );
+	EXPECT_EQ( body->surface().frame, before.frame + 1 );
+}
+
+// Turned ones are written from what was skinned in full, which is not written to before it is out of use.
+TEST( SurfaceTolerance, ViewsOfATurnedBodyStayReadableUntilTheStepAfterNext )
+{
+	TestWorld test;
+	test.world.setGravity( btVector3( 0, 0, 0 ) );
+	SoftBody* const body = test.addSoft( block( 4, 4, 4, 0.1f ), at( 0, 0, 0 ) );
+	body->setLinearVelocity( btVector3( 1, 0, 0 ) );
+	SurfaceView last = body->surface();
+	std::vector<float> copy = copyOf( last );
+	for ( int frame = 0; frame < 12; ++frame )
+	{
+		test.run( 1 );
+		if ( frame == 7 )
+		{
+			body->setSurfaceTolerance( 0 );
+		}
+		const SurfaceView now = body->surface();
+		EXPECT_EQ( copyOf( last ), copy ) << frame;
+		EXPECT_NE( now.positions, last.positions ) << frame;
+		EXPECT_NEAR( now.positions[0] + float( now.origin.x() ), copy[0] + float( last.origin.x() ) + 1.0f / 60.0f, 1e-5f );
+		last = now;
+		copy = copyOf( last );
+	}
+}
+
+} // namespace
+} // namespace pliant::test

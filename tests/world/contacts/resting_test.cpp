@@ -1,0 +1,226 @@
+// Soft bodies at rest on things and things at rest on them.
+
+#include "world/test_world.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+namespace pliant {
+namespace {
+
+using test::at;
+using test::block;
+using test::stiff;
+using test::TestWorld;
+
+TEST( Resting, CubeRestsOnABoxAndOnAPlaneAndSleepsAsAWhole )
+{
+	for ( const bool onPlane : { false, true } )
+	{
+		TestWorld t;
+		onPlane ? t.addPlane() : t.addFloor();
+		SoftBody* cube = t.addSoft( block( 6, 6, 6, 0.1f ), at( 0, btScalar( 0.5 ), 0 ) );
+		t.run( 500 );
+		EXPECT_EQ( cube->getActivationState(), ISLAND_SLEEPING );
+		EXPECT_NEAR( test::lowestNode( *cube ), cube->nodeRadius( 0 ), 0.002 );
+		EXPECT_GT( cube->massCentre().y(), btScalar( 0.26 ) );
+		const btVector3 before = cube->nodePosition( 100 );
+		t.run( 60 );
+		EXPECT_EQ( ( cube->nodePosition( 100 ) - before ).length(), 0 ); // asleep: not one bit moves
+		EXPECT_EQ( t.world.stepReport().substeps, 1 );
+	}
+}
+
+TEST( Resting, WakesWhenTheFloorIsTakenAway )
+{
+	TestWorld t;
+	btRigidBody* floor = t.addFloor();
+	SoftBody* cube = t.addSoft( block( 4, 4, 4, 0.1f ), at( 0, btScalar( 0.21 ), 0 ) );
+	t.run( 400 );
+	ASSERT_FALSE( cube->isActive() );
+	t.world.removeRigidBody( floor );
+	t.run( 60 );
+	EXPECT_NEAR( cube->linearVelocity().y(), -9.81, 0.3 );
+	t.world.addRigidBody( floor );
+}
+
+TEST( Resting, WakesWhenARigidBodyHitsIt )
+{
+	TestWorld t;
+	t.addFloor();
+	SoftBody* cube = t.addSoft( block( 4, 4, 4, 0.1f ), at( 0, btScalar( 0.21 ), 0 ) );
+	t.run( 400 );
+	ASSERT_FALSE( cube->isActive() );
+	btRigidBody* box = t.addBox( 20, btVector3( 0.1f, 0.1f, 0.1f ), at( -1, btScalar( 0.2 ), 0 ) );
+	box->setLinearVelocity( btVector3( 5, 1, 0 ) );
+	t.run( 30 );
+	EXPECT_TRUE( cube->isActive() );
+	EXPECT_GT( cube->linearVelocity().x(), btScalar( 0.1 ) );
+}
+
+/// Acceleration down a slope of 20 degrees over the third and fourth second, m/s^2.
+double slide( btScalar friction, int substeps = 4 )
+{
+	TestWorld t;
+	const double slope = 20.0 / 180.0 * SIMD_PI;
+	t.world.setGravity( btVector3( btScalar( 9.81 * std::sin( slope ) ), btScalar( -9.81 * std::cos( slope ) ), 0 ) );
+	t.addBox( 0, btVector3( 50, 1, 50 ), at( 0, -1, 0 ) )->setFriction( 1 );
+	SoftBody* cube = t.addSoft( block( 6, 6, 6, 0.1f ), at( 0, btScalar( 0.3 ), 0 ) );
+	cube->setFriction( friction );
+	cube->setActivationState( DISABLE_DEACTIVATION );
+	t.world.setSoftSubsteps( substeps );
+	t.run( 120 );
+	const btScalar before = cube->linearVelocity().x();
+	t.run( 120 );
+	return double( cube->linearVelocity().x() - before ) / 2.0;
+}
+
+TEST( Resting, SlidesLikeARigidBoxAndHoldsAtTheFrictionAngle )
+{
+	// a = g ( sin 20 - mu cos 20 ); tan 18 = 0.325, tan 22 = 0.404: within two degrees of the angle it slides below and holds above.
+	const double slope = 20.0 / 180.0 * SIMD_PI;
+	EXPECT_NEAR( slide( btScalar( 0.25 ) ), 9.81 * ( std::sin( slope ) - 0.25 * std::cos( slope ) ), 0.02 );
+	EXPECT_NEAR( slide( btScalar( 0.325 ) ), 9.81 * ( std::sin( slope ) - 0.325 * std::cos( slope ) ), 0.02 );
+	EXPECT_NEAR( slide( btScalar( 0.404 ) ), 0.0, 0.002 );
+}
+
+TEST( Resting, TwoStackedCubesStandAndSleep )
+{
+	TestWorld t;
+	t.addFloor();
+	const auto shape = block( 6, 6, 6, 0.1f );
+	SoftBody* low = t.addSoft( shape, at( 0, btScalar( 0.31 ), 0 ) );
+	SoftBody* high = t.addSoft( shape, at( btScalar( 0.02 ), btScalar( 0.93 ), btScalar( 0.01 ) ) );
+	t.run( 700 );
+	EXPECT_EQ( low->getActivationState(), ISLAND_SLEEPING );
+	EXPECT_EQ( high->getActivationState(), ISLAND_SLEEPING );
+	EXPECT_GT( high->massCentre().y(), btScalar( 0.75 ) );
+	EXPECT_NEAR( high->massCentre().x(), 0.02, 0.05 );
+}
+
+struct Loaded
+{
+	double strain, tilt, penetration;
+	int substeps;
+	bool reachable;
+};
+
+/// A box `ratio` times as heavy as a cube, on the cube, with a modulus that gives a strain of `strain` under it.
+Loaded load( double ratio, double strain )
+{
+	TestWorld t;
+	t.addFloor();
+	const auto shape = block( 6, 6, 6, 0.1f );
+	const double mass = 216.0, area = 0.36, length = 0.6;
+	Material material = stiff( float( ratio * mass * 9.81 / area / strain ) );
+	SoftBody* cube = t.addSoft( shape, at( 0, btScalar( 0.3 ), 0 ), material );
+	t.run( 300 );
+	// Nodes come in the order of z, then y, then x: the top layer is y = 5 in every z.
+	const auto topOf = [&] {
+		double top = 0.0;
+		for ( int k = 0; k < 36; ++k )
+		{
+			top += double( cube->nodePosition( k / 6 * 36 + 30 + k % 6 ).y() ) / 36.0;
+		}
+		return top;
+	};
+	const double unloaded = topOf();
+	btRigidBody* box = t.addBox(
+		btScalar( ratio * mass ), btVector3( 0.3f, 0.3f, 0.3f ), at( 0, btScalar( unloaded + 0.05 + 0.3 + 0.001 ), 0 ) );
+	box->setActivationState( DISABLE_DEACTIVATION );
+	t.run( 1500 );
+	Loaded loaded;
+	loaded.strain = ( unloaded - topOf() ) / length;
+	loaded.tilt = double( btAcos( box->getWorldTransform().getBasis()[1].y() ) ) * 180.0 / SIMD_PI;
+	loaded.penetration = 0.0;
+	for ( int i = 0; i < cube->nodeCount(); ++i )
+	{
+		const btVector3 inBox = box->getWorldTransform().invXform( cube->nodePosition( i ) );
+		if ( btFabs( inBox.x() ) < btScalar( 0.3 ) && btFabs( inBox.z() ) < btScalar( 0.3 ) )
+		{
+			loaded.penetration = std::max( loaded.penetration, double( inBox.y() + btScalar( 0.3 ) + cube->nodeRadius( i ) ) );
+		}
+	}
+	loaded.substeps = t.world.stepReport().substeps;
+	loaded.reachable = cube->stiffnessPlan().reachable;
+	std::printf( "load %gx: strain %.4f of %.4f, tilt %.2f degrees, penetration %.4f m, %d substeps, %.3f ms a step\n", ratio,
+		loaded.strain, strain, loaded.tilt, loaded.penetration, loaded.substeps, t.world.stepReport().total * 1e3 );
+	return loaded;
+}
+
+TEST( Resting, CarriesABoxOfItsOwnMassAndOfTenTimesAsMuch )
+{
+	for ( const double ratio : { 1.0, 10.0 } )
+	{
+		const Loaded loaded = load( ratio, 0.05 );
+		EXPECT_NEAR( loaded.strain, 0.05, 0.3 * 0.05 );
+		EXPECT_LT( loaded.tilt, 2.0 );
+		EXPECT_LT( loaded.penetration, 0.01 );
+		EXPECT_TRUE( loaded.reachable );
+	}
+}
+
+TEST( Resting, NoNodeEverGoesThroughAPlane )
+{
+	for ( const btScalar speed : { btScalar( 20 ), btScalar( 100 ) } )
+	{
+		TestWorld t;
+		t.addPlane();
+		SoftBody* cube = t.addSoft( block( 6, 6, 6, 0.1f ),
+			btTransform( btQuaternion( btScalar( 0.3 ), btScalar( 0.2 ), btScalar( 0.1 ) ), btVector3( 0, 3, 0 ) ) );
+		cube->setLinearVelocity( btVector3( 0, -speed, 0 ) );
+		btScalar lowest = 1;
+		for ( int k = 0; k < 240; ++k )
+		{
+			t.run( 1 );
+			lowest = btMin( lowest, test::lowestNode( *cube ) );
+		}
+		EXPECT_GT( lowest, btScalar( 0.04 ) ) << "at " << speed << " m/s"; // 0.05 is a sphere's radius
+		EXPECT_TRUE( cube->isHealthy() );
+		EXPECT_LT( cube->massCentre().y(), btScalar( 3 ) );
+	}
+}
+
+/// Ten thousand times its mass is more than a body can bear; Bullet's split impulse then moved its nodes through the floor, a little in
+/// each step.
+TEST( Resting, WhatIsCrushedStaysAboveTheFloor )
+{
+	TestWorld t;
+	t.addPlane();
+	SoftBody* cube = t.addSoft( block( 5, 5, 5, 0.115f ), at( 0, btScalar( 0.2875 ), 0 ), stiff( 5.7e4f ) );
+	btRigidBody* box = t.addBox( btScalar( 1e4 ) * cube->mass(), btVector3( 0.29f, 0.145f, 0.29f ), at( 0, btScalar( 0.575 + 0.146 ), 0 ) );
+	box->setActivationState( DISABLE_DEACTIVATION );
+	btScalar lowest = 1;
+	for ( int k = 0; k < 120; ++k )
+	{
+		t.run( 1 );
+		lowest = btMin( lowest, test::lowestNode( *cube ) );
+	}
+	EXPECT_GT( lowest, 0 );
+	EXPECT_LT( box->getWorldTransform().getOrigin().y(), btScalar( 0.3 ) ) << "it was not crushed: this shows nothing";
+	EXPECT_TRUE( cube->isHealthy() );
+}
+
+TEST( Resting, LongStepsWithOneSubstepAreReportedAndStayAboveThePlane )
+{
+	TestWorld t;
+	t.addPlane();
+	t.world.setSoftSubsteps( 1 );
+	t.world.setMaxSoftSubsteps( 1 );
+	SoftBody* cube = t.addSoft( block( 6, 6, 6, 0.1f ), at( 0, btScalar( 0.4 ), 0 ) );
+	for ( int k = 0; k < 50; ++k )
+	{
+		t.world.stepSimulation( btScalar( 0.1 ), 0 );
+		EXPECT_EQ( t.world.stepReport().substeps, 1 );
+	}
+	// Ten steps a second reach 0.7 kPa, where the cube weighs 6 kPa: it lies flat, and the report says why.
+	EXPECT_GT( test::lowestNode( *cube ), btScalar( 0.04 ) );
+	EXPECT_TRUE( cube->isHealthy() );
+	EXPECT_FALSE( cube->stiffnessPlan().reachable );
+	EXPECT_EQ( t.world.stepReport().unreachableStiffness, 1 );
+	EXPECT_GT( cube->stiffnessPlan().substepsNeeded, 1 );
+}
+
+} // namespace
+} // namespace pliant

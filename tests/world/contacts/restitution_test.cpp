@@ -1,0 +1,188 @@
+// RestitutionCorrection bring no energy in, of motion and of strain together, whatever the restitution: balls, boxes and soft cubes at soft
+// cubes, soft cubes at a floor.
+
+#include "world/test_world.h"
+
+#include "support/strain_energy.h"
+
+#include <cmath>
+#include <cstdio>
+#include <random>
+
+namespace pliant {
+namespace {
+
+using test::at;
+using test::block;
+using test::StrainEnergy;
+using test::TestWorld;
+
+struct Surface
+{
+	double friction, restitution; ///< as they combine
+};
+
+constexpr float kCell = 0.1f;
+constexpr int kShotKinds = 4, kSeeds = 16;
+
+class Impact
+{
+public:
+	Impact( unsigned seed, Elasticity elasticity, const Surface& surface ) : m_random( seed * 2654435761u + 11u ), m_surface( surface )
+	{
+		m_world.world.setGravity( btVector3( 0, 0, 0 ) );
+		m_material = test::stiff( float( std::pow( 10.0, 4.0 + 1.5 * fraction() ) ) );
+		m_material.elasticity = elasticity;
+		m_material.damping = m_material.wobbleDamping = 0.0f;
+		addCube( btVector3( 0, 0, 0 ) );
+		const double speed = 3.0 * std::pow( 5.0, fraction() );
+		const btVector3 start( btScalar( 0.4 * fraction() - 0.2 ), btScalar( 0.8 ), btScalar( 0.4 * fraction() - 0.2 ) );
+		const btVector3 velocity(
+			btScalar( 0.3 * speed * ( fraction() - 0.5 ) ), btScalar( -speed ), btScalar( 0.3 * speed * ( fraction() - 0.5 ) ) );
+		// The implicit step's own energy goes up and down where something turns far in a step, contacts or not.
+		const double turn = elasticity == Elasticity::Implicit ? 0.0 : 20.0;
+		const btVector3 spin(
+			btScalar( turn * ( fraction() - 0.5 ) ), btScalar( turn * ( fraction() - 0.5 ) ), btScalar( turn * ( fraction() - 0.5 ) ) );
+		switch ( seed % kShotKinds )
+		{
+			case 0: throwRigid( new btSphereShape( btScalar( 0.15 ) ), start, velocity, spin ); break;
+			case 1: throwRigid( new btBoxShape( btVector3( 0.2f, 0.1f, 0.15f ) ), start, velocity, spin ); break;
+			case 2: addCube( start )->setVelocities( velocity, spin ); break;
+			default:
+				m_soft.front()->setVelocities( velocity, spin );
+				give( m_world.addBox( 0, btVector3( 3, 1, 3 ), at( 0, btScalar( -1.6 ), 0 ) ) );
+		}
+	}
+
+	void run( int frames )
+	{
+		const double before = motion();
+		double least = 1.0;
+		for ( int frame = 0; frame < frames; ++frame )
+		{
+			m_world.run( 1 );
+			m_touches += m_world.world.stepReport().softContacts;
+			left = ( motion() + strain() ) / before;
+			most = std::max( most, left );
+			rise = std::max( rise, left - least );
+			least = std::min( least, left );
+		}
+	}
+	// Energy, as shares of what there was: at its most, at the end, and what it ever rises by from where it has been.
+	double most = 0.0, left = 0.0, rise = 0.0;
+	int touches() const { return m_touches; }
+
+private:
+	double fraction() { return double( m_random() ) / 4294967296.0; }
+
+	template <class Object>
+	void give( Object* object ) const
+	{
+		object->setFriction( btScalar( std::sqrt( m_surface.friction ) ) );
+		object->setRestitution( btScalar( std::sqrt( m_surface.restitution ) ) );
+	}
+	SoftBody* addCube( const btVector3& where )
+	{
+		SoftBody* const cube = m_world.addSoft( block( 4, 4, 4, kCell ), at( where.x(), where.y(), where.z() ), m_material );
+		give( cube );
+		const StiffnessPlan plan = planStiffness( m_material, kCell, float( test::kFrame ), substeps() );
+		const double h = double( test::kFrame ) / substeps();
+		m_soft.push_back( cube );
+		m_strain.emplace_back( *cube, double( kCell ), double( plan.alpha ) / ( h * h ) );
+		return cube;
+	}
+	void throwRigid( btCollisionShape* shape, const btVector3& start, const btVector3& velocity, const btVector3& spin )
+	{
+		const double mass = double( m_soft.front()->mass() ) * ( 0.05 + 0.5 * fraction() );
+		m_rigid = m_world.add( btScalar( mass ), shape, at( start.x(), start.y(), start.z() ) );
+		m_rigid->setLinearVelocity( velocity );
+		m_rigid->setAngularVelocity( spin );
+		give( m_rigid );
+	}
+	int substeps() const { return m_material.elasticity == Elasticity::Implicit ? 1 : m_world.world.softSubsteps(); }
+
+	double motion() const
+	{
+		double sum = 0.0;
+		if ( m_rigid )
+		{
+			const btVector3 spin = m_rigid->getWorldTransform().getBasis().transpose() * m_rigid->getAngularVelocity();
+			const btVector3 inertia = m_rigid->getLocalInertia();
+			sum += 0.5 * double( m_rigid->getLinearVelocity().length2() / m_rigid->getInvMass() + ( spin * inertia ).dot( spin ) );
+		}
+		for ( const SoftBody* soft : m_soft )
+		{
+			for ( int i = 0; i < soft->nodeCount(); ++i )
+			{
+				sum += 0.5 * double( soft->nodeMass( i ) * soft->nodeVelocity( i ).length2() );
+			}
+		}
+		return sum;
+	}
+	// Of the step as it is taken, from x to x + h v: x . K ( x + h v ) / 2 in place of x . K x / 2 (leapfrog), the mean of both ends'
+	// (implicit).
+	double strain() const
+	{
+		EXPECT_EQ( m_world.world.stepReport().substeps, substeps() );
+		const double h = double( test::kFrame ) / substeps();
+		double sum = 0.0;
+		for ( std::size_t k = 0; k < m_soft.size(); ++k )
+		{
+			const double ends = 0.5 *
+				( m_strain[k].at( StrainEnergy::positions( *m_soft[k], 0.0 ) ) +
+					m_strain[k].at( StrainEnergy::positions( *m_soft[k], h ) ) );
+			sum += m_material.elasticity == Elasticity::Implicit
+				? ends
+				: 2.0 * m_strain[k].at( StrainEnergy::positions( *m_soft[k], 0.5 * h ) ) - ends;
+		}
+		return sum;
+	}
+
+	std::mt19937 m_random;
+	Surface m_surface;
+	TestWorld m_world;
+	Material m_material;
+	std::vector<SoftBody*> m_soft;
+	std::vector<StrainEnergy> m_strain;
+	btRigidBody* m_rigid = nullptr;
+	int m_touches = 0;
+};
+
+void impacts( Elasticity elasticity )
+{
+	for ( const double friction : { 0.0, 0.5 } )
+	{
+		for ( const double restitution : { 0.5, 0.8, 1.0 } )
+		{
+			double most = 0.0, rise = 0.0, left = 0.0;
+			int hits = 0;
+			for ( int seed = 0; seed < kSeeds; ++seed )
+			{
+				Impact impact( unsigned( seed ), elasticity, Surface{ friction, restitution } );
+				impact.run( 40 );
+				EXPECT_LT( impact.most, 1.001 ) << seed << " friction " << friction << " restitution " << restitution;
+				EXPECT_LT( impact.rise, 0.01 ) << seed << " friction " << friction << " restitution " << restitution;
+				most = std::max( most, impact.most );
+				rise = std::max( rise, impact.rise );
+				left += impact.left / kSeeds;
+				hits += impact.touches() > 0 ? 1 : 0;
+			}
+			EXPECT_GE( hits, kSeeds * 7 / 8 );
+			std::printf( "friction %.1f, restitution %.1f: energy at most %.5f, rises by %.5f at most, %.3f left in the mean\n", friction,
+				restitution, most, rise, left );
+		}
+	}
+}
+
+TEST( Bounce, BringsNoEnergyIntoExplicitBodies )
+{
+	impacts( Elasticity::Explicit );
+}
+
+TEST( Bounce, BringsNoEnergyIntoImplicitBodies )
+{
+	impacts( Elasticity::Implicit );
+}
+
+} // namespace
+} // namespace pliant

@@ -1,0 +1,378 @@
+// Elasticity::Automatic: who takes the implicit step, and that nobody sees it. Bullet's other solvers beside the implicit step.
+
+#include "world/test_world.h"
+
+#include "world/bodies/soft_body_impl.h"
+
+#include <BulletDynamics/ConstraintSolver/btNNCGConstraintSolver.h>
+#include <BulletDynamics/MLCPSolvers/btDantzigSolver.h>
+#include <BulletDynamics/MLCPSolvers/btMLCPSolver.h>
+#include <BulletDynamics/MLCPSolvers/btSolveProjectedGaussSeidel.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+namespace pliant {
+namespace {
+
+using test::at;
+using test::block;
+using test::TestWorld;
+
+Material automatic( float youngsModulus, Elasticity elasticity = Elasticity::Automatic )
+{
+	Material material = test::stiff( youngsModulus );
+	material.elasticity = elasticity;
+	return material;
+}
+
+std::vector<Vec3> positions( const SoftBody& body )
+{
+	const NodeState& nodes = body.impl().body->nodes();
+	std::vector<Vec3> all;
+	for ( int i = 0; i < nodes.count; ++i )
+	{
+		all.push_back( nodes.worldPosition( i ).cast<float>() );
+	}
+	return all;
+}
+
+double height( const SoftBody& cube )
+{
+	double low = HUGE_VAL, high = -HUGE_VAL;
+	for ( int i = 0; i < cube.nodeCount(); ++i )
+	{
+		low = std::min( low, double( cube.nodePosition( i ).y() ) );
+		high = std::max( high, double( cube.nodePosition( i ).y() ) );
+	}
+	return high - low;
+}
+
+TEST( Automatic, LeavesSoftBodiesWithLightLoadsAsTheyWereToTheBit )
+{
+	std::vector<Vec3> found[2];
+	for ( const Elasticity elasticity : { Elasticity::Explicit, Elasticity::Automatic } )
+	{
+		TestWorld t;
+		t.addFloor();
+		SoftBody* cube = t.addSoft( block( 6, 6, 6, 0.1f ), at( 0, btScalar( 0.5 ), 0 ), automatic( 1e5f, elasticity ) );
+		t.addBox( 20, btVector3( 0.1f, 0.1f, 0.1f ), at( btScalar( 0.1 ), btScalar( 1.2 ), 0 ) );
+		for ( int frame = 0; frame < 60; ++frame )
+		{
+			t.run( 1 );
+			EXPECT_EQ( t.world.stepReport().implicitBodies, 0 );
+			EXPECT_FALSE( cube->stepsImplicitly() );
+		}
+		found[elasticity == Elasticity::Automatic ? 1 : 0] = positions( *cube );
+	}
+	EXPECT_EQ( found[0], found[1] );
+}
+
+TEST( Automatic, TakesTheImplicitStepWhereStiffnessIsOutOfReach )
+{
+	// alpha at a 240th of a second is 1 at 3.84e5 Pa
+	for ( const bool isStiff : { false, true } )
+	{
+		TestWorld t;
+		t.addFloor();
+		SoftBody* cube = t.addSoft( block( 6, 6, 6, 0.1f ), at( 0, btScalar( 0.31 ), 0 ), automatic( isStiff ? 3.9e5f : 3.8e5f ) );
+		t.run( 1 );
+		EXPECT_EQ( cube->stepsImplicitly(), isStiff );
+		EXPECT_EQ( t.world.stepReport().substeps, isStiff ? 1 : 4 );
+		EXPECT_TRUE( cube->stiffnessPlan().reachable );
+	}
+	// Two cells of regions five wide answer four times as hard as their alpha says: the explicit step is safe up to 3.5.
+	for ( const int cells : { 2, 8 } )
+	{
+		TestWorld t;
+		t.world.setGravity( btVector3( 0, 0, 0 ) );
+		Material material = automatic( 1.1e6f ); // alpha 0.95
+		material.regionHalfWidth = 2;
+		SoftBody* body = t.addSoft( block( cells, 8, 8, 0.1f ), at( 0, 0, 0 ), material );
+		t.run( 1 );
+		EXPECT_EQ( body->stepsImplicitly(), cells == 2 );
+	}
+}
+
+// What breaks leaves crumbs of one cell, which cannot step implicitly: the whole herd they came from would take sixteen substeps for them.
+TEST( Automatic, OneNodeHasNothingElasticAndAsksForNoSubsteps )
+{
+	for ( const Elasticity elasticity : { Elasticity::Explicit, Elasticity::Implicit, Elasticity::Automatic } )
+	{
+		TestWorld t;
+		t.addFloor();
+		SoftBody* crumb = t.addSoft( block( 1, 1, 1, 0.1f ), at( 2, btScalar( 0.2 ), 0 ), automatic( 3.9e6f, elasticity ) );
+		SoftBody* cube = t.addSoft( block( 6, 6, 6, 0.1f ), at( 0, btScalar( 0.31 ), 0 ), automatic( 3.9e6f ) );
+		ASSERT_EQ( crumb->nodeCount(), 1 );
+		t.run( 1 );
+		const bool isExplicit = elasticity == Elasticity::Explicit;
+		EXPECT_TRUE( cube->stepsImplicitly() );
+		EXPECT_EQ( t.world.stepReport().substeps, isExplicit ? 13 : 1 ); // sqrt( 3.9 / 3.84 ) * 4 * sqrt( 10 ), rounded up
+		EXPECT_EQ( t.world.stepReport().unreachableStiffness, 0 );
+		t.run( 59 );
+		EXPECT_NEAR( crumb->nodePosition( 0 ).y(), crumb->nodeRadius( 0 ), 2e-3 );
+	}
+}
+
+TEST( Automatic, TakesTheImplicitStepUnderAHeavyLoadAndGoesBackWhenItIsGone )
+{
+	TestWorld t;
+	t.addPlane();
+	const float modulus = 3.5e5f;
+	SoftBody* cube = t.addSoft( block( 6, 6, 6, 0.1f ), at( 0, btScalar( 0.301 ), 0 ), automatic( modulus ) );
+	SoftBody* other = t.addSoft( block( 6, 6, 6, 0.1f ), at( 5, btScalar( 0.301 ), 0 ), automatic( modulus ) );
+	cube->setActivationState( DISABLE_DEACTIVATION );
+	other->setActivationState( DISABLE_DEACTIVATION );
+	t.run( 60 );
+	EXPECT_FALSE( cube->stepsImplicitly() );
+	btRigidBody* box = t.addBox( 1000, btVector3( 0.3f, 0.3f, 0.3f ), at( 0, btScalar( 0.903 ), 0 ) );
+	box->setActivationState( DISABLE_DEACTIVATION );
+	t.run( 6 );
+	EXPECT_TRUE( cube->stepsImplicitly() ); // by what lies there, long before what the nodes carry tells
+	double most = 0.0;
+	for ( int frame = 0; frame < 600; ++frame )
+	{
+		t.run( 1 );
+		most = frame > 500 ? std::max( most, double( box->getLinearVelocity().length() ) ) : 0.0;
+	}
+	EXPECT_TRUE( cube->stepsImplicitly() );
+	EXPECT_FALSE( other->stepsImplicitly() ); // another island
+	EXPECT_LT( most, 1e-3 );
+	double theory = 0.0; // of the five layers of material between the outermost nodes
+	for ( int k = 1; k <= 5; ++k )
+	{
+		theory += 0.1 * 10.0 * ( 1000.0 + 36.0 * k ) / 0.36 / double( modulus );
+	}
+	std::printf( "sinks by %.4f of %.4f m\n", 0.5 - height( *cube ), theory );
+	EXPECT_NEAR( ( 0.5 - height( *cube ) ) / theory, 1.0, 0.03 );
+
+	t.world.removeRigidBody( box );
+	t.rigid.erase( std::find_if( t.rigid.begin(), t.rigid.end(), [&]( const auto& own ) { return own.get() == box; } ) );
+	t.run( 90 );
+	EXPECT_TRUE( cube->stepsImplicitly() ); // not at once
+	t.run( 120 );
+	EXPECT_FALSE( cube->stepsImplicitly() );
+}
+
+// A face of 36 nodes of a kilogram in ten rounds bears 360 kg; half of that is enough to stay.
+TEST( Automatic, StaysUnderALoadThatWouldNotHaveAskedForIt )
+{
+	for ( const bool wasHeavier : { false, true } )
+	{
+		TestWorld t;
+		t.addPlane();
+		SoftBody* cube = t.addSoft( block( 6, 6, 6, 0.1f ), at( 0, btScalar( 0.301 ), 0 ), automatic( 3.5e5f ) );
+		cube->setActivationState( DISABLE_DEACTIVATION );
+		btRigidBody* box = t.addBox(
+			wasHeavier ? btScalar( 400 ) : btScalar( 270 ), btVector3( 0.3f, 0.3f, 0.3f ), at( 0, btScalar( 0.903 ), 0 ) );
+		box->setActivationState( DISABLE_DEACTIVATION );
+		t.run( 120 );
+		EXPECT_EQ( cube->stepsImplicitly(), wasHeavier );
+		btVector3 inertia;
+		box->getCollisionShape()->calculateLocalInertia( 270, inertia );
+		box->setMassProps( 270, inertia );
+		t.run( 240 );
+		EXPECT_EQ( cube->stepsImplicitly(), wasHeavier );
+	}
+}
+
+TEST( Automatic, IsNotAskedForByWhatTheBodyLiesOn )
+{
+	TestWorld t;
+	t.addPlane();
+	t.addBox( 1000, btVector3( 0.4f, 0.2f, 0.4f ), at( 0, btScalar( 0.2 ), 0 ) );
+	SoftBody* cube = t.addSoft( block( 6, 6, 6, 0.1f ), at( 0, btScalar( 0.702 ), 0 ), automatic( 3.5e5f ) );
+	for ( int frame = 0; frame < 120; ++frame )
+	{
+		t.run( 1 );
+		EXPECT_FALSE( cube->stepsImplicitly() ) << frame;
+	}
+	EXPECT_NEAR( cube->massCentre().y(), 0.7, 0.02 );
+}
+
+TEST( Automatic, StacksAskForItByWhatTheirNodesCarry )
+{
+	TestWorld t;
+	t.addFloor();
+	const auto shape = block( 6, 6, 6, 0.1f );
+	std::vector<SoftBody*> cubes;
+	for ( int k = 0; k < 4; ++k )
+	{
+		cubes.push_back( t.addSoft( shape, at( 0, btScalar( 0.301 + 0.6 * k ), 0 ), automatic( 3e5f ) ) );
+	}
+	t.run( 1 );
+	EXPECT_FALSE( cubes[0]->stepsImplicitly() );
+	t.run( 60 );
+	for ( const SoftBody* cube : cubes )
+	{
+		EXPECT_TRUE( cube->stepsImplicitly() ); // one island
+	}
+	t.run( 300 );
+	for ( const SoftBody* cube : cubes )
+	{
+		EXPECT_EQ( cube->getActivationState(), ISLAND_SLEEPING );
+	}
+}
+
+// Momentum and shape are the nodes', and they stay; impulses of contacts follow the length of the substep.
+TEST( Automatic, AChangeOfTheStepIsNotSeen )
+{
+	TestWorld t;
+	t.addFloor();
+	SoftBody* cube = t.addSoft( block( 6, 6, 6, 0.1f ), at( 0, btScalar( 0.301 ), 0 ), automatic( 3.5e5f, Elasticity::Explicit ) );
+	cube->setActivationState( DISABLE_DEACTIVATION );
+	btRigidBody* box = t.addBox( 200, btVector3( 0.3f, 0.3f, 0.3f ), at( 0, btScalar( 0.901 ), 0 ) );
+	box->setActivationState( DISABLE_DEACTIVATION );
+	t.run( 400 );
+	for ( const Elasticity elasticity : { Elasticity::Implicit, Elasticity::Explicit } )
+	{
+		const btScalar before = box->getWorldTransform().getOrigin().y();
+		ASSERT_TRUE( cube->setMaterial( automatic( 3.5e5f, elasticity ) ).ok() );
+		double fastest = 0.0, moved = 0.0;
+		for ( int frame = 0; frame < 120; ++frame )
+		{
+			t.run( 1 );
+			fastest = std::max( fastest, double( box->getLinearVelocity().length() ) );
+			moved = std::max( moved, std::abs( double( box->getWorldTransform().getOrigin().y() - before ) ) );
+		}
+		std::printf( "to %s: box moves by %.2e m at up to %.2e m/s\n", elasticity == Elasticity::Implicit ? "implicit" : "explicit", moved,
+			fastest );
+		EXPECT_LT( moved, 2e-4 );
+		EXPECT_LT( fastest, 2e-3 );
+	}
+}
+
+TEST( Automatic, SaysWhyABodyStepsExplicitly )
+{
+	TestWorld t;
+	t.addFloor();
+	Adaptivity levels;
+	levels.coarseLevels = 1;
+	SoftBody* adaptive = t.addSoft( block( 8, 8, 8, 0.1f ), at( 0, btScalar( 0.41 ), 0 ), automatic( 1e7f ), levels );
+	EXPECT_TRUE( adaptive->implicitStatus().ok() );
+	Material far = automatic( 1e7f );
+	far.farLevels = 1;
+	SoftBody* distant = t.addSoft( block( 8, 8, 8, 0.1f ), at( 3, btScalar( 0.41 ), 0 ), far );
+	EXPECT_NE( distant->implicitStatus().sentence.find( "farLevels" ), std::string::npos );
+	SoftBody* plain = t.addSoft( block( 8, 8, 8, 0.1f ), at( 6, btScalar( 0.41 ), 0 ), automatic( 1e7f ) );
+	EXPECT_TRUE( plain->implicitStatus().ok() );
+	t.run( 1 );
+	EXPECT_TRUE( adaptive->stepsImplicitly() );
+	EXPECT_FALSE( distant->stepsImplicitly() );
+	EXPECT_TRUE( plain->stepsImplicitly() );
+	EXPECT_EQ( t.world.stepReport().implicitBodies, 2 );
+}
+
+TEST( Automatic, GivesTheSameBitsForAnyThreadCount )
+{
+	const auto run = []( int threads ) {
+		TestWorld t;
+		t.addFloor();
+		t.world.setThreadCount( threads );
+		const auto shape = block( 4, 4, 4, 0.1f );
+		for ( int k = 0; k < 4; ++k )
+		{
+			t.addSoft( shape, at( btScalar( 0.9 * k ), btScalar( 0.25 ), 0 ), automatic( 3e5f ) );
+			t.addBox( btScalar( 50 + 200 * k ), btVector3( 0.2f, 0.2f, 0.2f ), at( btScalar( 0.9 * k + 0.05 ), btScalar( 0.8 ), 0 ) );
+		}
+		std::vector<Vec3> all;
+		int most = 0, least = 4;
+		for ( int frame = 0; frame < 120; ++frame )
+		{
+			t.run( 1 );
+			most = std::max( most, t.world.stepReport().implicitBodies );
+			least = std::min( least, t.world.stepReport().implicitBodies );
+		}
+		EXPECT_GT( most, least ); // some change
+		for ( const auto& body : t.soft )
+		{
+			const std::vector<Vec3> own = positions( *body );
+			all.insert( all.end(), own.begin(), own.end() );
+		}
+		return all;
+	};
+	const auto once = run( 1 );
+	EXPECT_EQ( run( 1 ), once );
+	EXPECT_EQ( run( 3 ), once );
+}
+
+// What Bullet's solver does by joints is felt by the block a little later, and then all of it: a box of its own weight hangs from the one
+// on the cube.
+TEST( ImplicitBeside, AJointLoadsWhatTheCubeBears )
+{
+	TestWorld t;
+	t.addFloor();
+	const double modulus = 6e6;
+	SoftBody* cube = t.addSoft(
+		block( 6, 6, 6, 0.1f ), at( 0, btScalar( 0.301 ), 0 ), automatic( float( modulus ), Elasticity::Implicit ) );
+	btRigidBody* box = t.addBox( 5000, btVector3( 0.3f, 0.1f, 0.3f ), at( 0, btScalar( 0.702 ), 0 ) );
+	btRigidBody* sides[2];
+	std::vector<std::unique_ptr<btTypedConstraint>> joints;
+	for ( int k = 0; k < 2; ++k )
+	{
+		const btScalar side = k == 0 ? btScalar( 1 ) : btScalar( -1 );
+		sides[k] = t.addBox( 2500, btVector3( 0.1f, 0.1f, 0.1f ), at( side * btScalar( 0.6 ), btScalar( 0.5 ), 0 ) );
+		joints.push_back( std::make_unique<btPoint2PointConstraint>(
+			*box, *sides[k], btVector3( side * btScalar( 0.6 ), 0, 0 ), btVector3( 0, btScalar( 0.2 ), 0 ) ) );
+		t.world.addConstraint( joints.back().get(), true );
+	}
+	cube->setActivationState( DISABLE_DEACTIVATION );
+	box->setActivationState( DISABLE_DEACTIVATION );
+	double most = 0.0;
+	for ( int frame = 0; frame < 400; ++frame )
+	{
+		t.run( 1 );
+		most = frame > 380 ? std::max( most, double( box->getLinearVelocity().length() ) ) : 0.0;
+	}
+	const double theory = ( 10000.0 + 108.0 ) * 10.0 / 0.36 / modulus, got = 1.0 - height( *cube ) / 0.5;
+	std::printf( "strain %.4f of %.4f, box at %.1e m/s\n", got, theory, most );
+	EXPECT_NEAR( got / theory, 1.0, 0.03 );
+	EXPECT_LT( most, 1e-3 );
+	for ( const auto& joint : joints )
+	{
+		t.world.removeConstraint( joint.get() );
+	}
+}
+
+// Bullet's solver is left joints and other islands; the block beside it must not mind which one it is.
+TEST( ImplicitBeside, EverySolverOfBullet )
+{
+	btNNCGConstraintSolver conjugate;
+	btDantzigSolver dantzig;
+	btSolveProjectedGaussSeidel projected;
+	btMLCPSolver pivoting( &dantzig ), relaxing( &projected );
+	btConstraintSolver* const solvers[] = { nullptr, &conjugate, &pivoting, &relaxing };
+	double bottom[4], hangs[4];
+	for ( int k = 0; k < 4; ++k )
+	{
+		TestWorld t;
+		if ( solvers[k] )
+		{
+			t.world.setConstraintSolver( solvers[k] );
+		}
+		t.addFloor();
+		SoftBody* cube = t.addSoft( block( 6, 6, 6, 0.1f ), at( 0, btScalar( 0.301 ), 0 ), automatic( 6e6f, Elasticity::Implicit ) );
+		btRigidBody* box = t.addBox( 21600, btVector3( 0.3f, 0.3f, 0.3f ), at( 0, btScalar( 0.902 ), 0 ) );
+		// Hung from the box by a joint, free of everything else.
+		btRigidBody* hung = t.addBox( 5, btVector3( 0.1f, 0.1f, 0.1f ), at( btScalar( 0.6 ), btScalar( 0.9 ), 0 ) );
+		btPoint2PointConstraint joint( *box, *hung, btVector3( btScalar( 0.5 ), 0, 0 ), btVector3( btScalar( -0.1 ), 0, 0 ) );
+		t.world.addConstraint( &joint, true );
+		t.addBox( 10, btVector3( 0.2f, 0.2f, 0.2f ), at( 3, btScalar( 0.21 ), 0 ) ); // an island of Bullet's own
+		t.run( 400 );
+		bottom[k] = double( box->getWorldTransform().getOrigin().y() ) - 0.3;
+		hangs[k] = ( joint.getRigidBodyA().getWorldTransform() * joint.getPivotInA() )
+					   .distance( hung->getWorldTransform() * joint.getPivotInB() );
+		std::printf( "solver %d: box on the cube at %.4f m, joint open by %.1e m\n", k, bottom[k], hangs[k] );
+		EXPECT_NEAR( bottom[k], 0.6 - 0.1 * 0.5, 0.01 ); // a tenth of five layers
+		EXPECT_NEAR( bottom[k], bottom[0], 1e-3 );
+		EXPECT_LT( hangs[k], 0.01 );
+		EXPECT_GT( cube->massCentre().y(), btScalar( 0.2 ) );
+		EXPECT_NEAR( t.rigid.back()->getWorldTransform().getOrigin().y(), 0.2, 0.01 );
+		t.world.removeConstraint( &joint );
+		t.world.setConstraintSolver( &t.parts.solver );
+	}
+}
+
+} // namespace
+} // namespace pliant
