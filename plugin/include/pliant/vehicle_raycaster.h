@@ -3,7 +3,7 @@
 // Wheels of btRaycastVehicle on soft bodies: btDefaultVehicleRaycaster sees rigid bodies only.
 
 #include "pliant/export.h"
-#include "pliant/soft_body_world.h"
+#include "pliant/soft_body_host.h"
 
 #include <BulletDynamics/Dynamics/btActionInterface.h>
 #include <BulletDynamics/Vehicle/btVehicleRaycaster.h>
@@ -25,8 +25,7 @@ class PLIANT_API VehicleRaycaster : public btVehicleRaycaster, public btActionIn
 {
 public:
 	/// Group and mask of its rays, as of any of Bullet's. The world must outlive it.
-	explicit VehicleRaycaster(
-		SoftBodyWorld& world, int group = btBroadphaseProxy::DefaultFilter, int mask = btBroadphaseProxy::AllFilter );
+	explicit VehicleRaycaster( SoftBodyHost& world, int group = btBroadphaseProxy::DefaultFilter, int mask = btBroadphaseProxy::AllFilter );
 
 	/// What Bullet's vehicle asks. The rigid body that is hit; where that is a soft body, Bullet's fixed body: programs read what they get
 	/// as a btRigidBody. Null where nothing is hit.
@@ -44,7 +43,7 @@ private:
 	struct Hit;
 	Hit nearest( const btVector3& from, const btVector3& to );
 
-	SoftBodyWorld& m_world;
+	SoftBodyHost& m_world;
 	int m_group, m_mask;
 	const btRaycastVehicle* m_vehicle = nullptr;
 };

@@ -110,7 +110,7 @@ bool cast( const SoftBody& body, const Ray& ray, double& along, Vec3d& normal )
 
 } // namespace
 
-VehicleRaycaster::VehicleRaycaster( SoftBodyWorld& world, int group, int mask ) : m_world( world ), m_group( group ), m_mask( mask ) {}
+VehicleRaycaster::VehicleRaycaster( SoftBodyHost& world, int group, int mask ) : m_world( world ), m_group( group ), m_mask( mask ) {}
 
 VehicleRaycaster::Hit VehicleRaycaster::nearest( const btVector3& from, const btVector3& to )
 {
@@ -130,7 +130,7 @@ VehicleRaycaster::Hit VehicleRaycaster::nearest( const btVector3& from, const bt
 	} rigid( from, to );
 	rigid.m_collisionFilterGroup = m_group;
 	rigid.m_collisionFilterMask = m_mask;
-	m_world.rayTest( from, to, rigid );
+	m_world.bulletWorld().rayTest( from, to, rigid );
 	if ( rigid.hasHit() )
 	{
 		const btRigidBody* const body = btRigidBody::upcast( rigid.m_collisionObject );

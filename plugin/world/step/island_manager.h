@@ -11,6 +11,7 @@
 
 #include "pliant/soft_body.h"
 #include "world/bodies/prefetch.h"
+#include "world/respond/friction_torque_correction.h"
 #include "world/shape/contact_proxy.h"
 #include "world/step/soft_body_system.h"
 
@@ -18,16 +19,20 @@
 
 namespace pliant {
 
-class IslandManager : public btSimulationIslandManager
+/// `Base`: btSimulationIslandManager, or that of btDiscreteDynamicsWorldMt.
+template <class Base>
+class IslandManager : public Base
 {
 public:
-	explicit IslandManager( SoftBodySystem& bodies ) : m_bodies( bodies ) {}
+	IslandManager( SoftBodySystem& bodies, FrictionTorqueCorrection& frictionTorque ) :
+		m_bodies( bodies ), m_frictionTorque( frictionTorque )
+	{}
 
 	void updateActivationState( btCollisionWorld* world, btDispatcher* dispatcher ) override
 	{
 		if ( m_bodies.isEmpty() )
 		{
-			btSimulationIslandManager::updateActivationState( world, dispatcher );
+			Base::updateActivationState( world, dispatcher );
 			return;
 		}
 		int index = 0;
@@ -50,8 +55,8 @@ public:
 			object->setCompanionId( -1 );
 			object->setHitFraction( btScalar( 1 ) );
 		}
-		initUnionFind( index );
-		m_bodies.frictionTorque.clear();
+		this->initUnionFind( index );
+		m_frictionTorque.clear();
 		uniteByBoxes( *world->getPairCache() );
 		uniteByContacts( *dispatcher, world->getCollisionObjectArray() );
 		m_bodies.copyIslandTags();
@@ -64,9 +69,9 @@ public:
 		}
 		else
 		{
-			btSimulationIslandManager::storeIslandActivationState( world );
+			Base::storeIslandActivationState( world );
 		}
-		m_bodies.frictionTorque.choose( getUnionFind() );
+		m_frictionTorque.choose( this->getUnionFind() );
 		m_bodies.copyIslandTags();
 	}
 
@@ -86,8 +91,8 @@ private:
 			}
 			else if ( m_bodies.isInPass( *object ) )
 			{
-				object->setIslandTag( getUnionFind().find( index ) );
-				getUnionFind().getElement( index ).m_sz = i;
+				object->setIslandTag( this->getUnionFind().find( index ) );
+				this->getUnionFind().getElement( index ).m_sz = i;
 				object->setCompanionId( -1 );
 				++index;
 			}
@@ -97,7 +102,7 @@ private:
 	{
 		if ( a && b && a->mergesSimulationIslands() && b->mergesSimulationIslands() )
 		{
-			getUnionFind().unite( a->getIslandTag(), b->getIslandTag() );
+			this->getUnionFind().unite( a->getIslandTag(), b->getIslandTag() );
 		}
 	}
 	static bool isSoft( const btCollisionObject* object ) { return object && SoftBody::upcast( object ); }
@@ -147,12 +152,13 @@ private:
 			if ( a && b && a->hasContactResponse() && b->hasContactResponse() )
 			{
 				const bool bothMove = a->getIslandTag() >= 0 && b->getIslandTag() >= 0; // else one of them is a soft body that stands
-				m_bodies.frictionTorque.touch( a->getIslandTag(), b->getIslandTag(), bothMove && ownerA && ownerB && ownerA != ownerB );
+				m_frictionTorque.touch( a->getIslandTag(), b->getIslandTag(), bothMove && ownerA && ownerB && ownerA != ownerB );
 			}
 		} );
 	}
 
 	SoftBodySystem& m_bodies;
+	FrictionTorqueCorrection& m_frictionTorque;
 };
 
 } // namespace pliant

@@ -27,8 +27,8 @@ bool SoftBodySystem::hasAwakeBody() const
 	return std::any_of( m_bodies.begin(), m_bodies.end(), [this]( const SoftBody* body ) { return moves( *body ); } );
 }
 
-int SoftBodySystem::planSubsteps(
-	btScalar gameStep, const btAlignedObjectArray<btRigidBody*>& rigid, const btAlignedObjectArray<btTypedConstraint*>& constraints )
+int SoftBodySystem::planSubsteps( btScalar gameStep, const btAlignedObjectArray<btRigidBody*>& rigid,
+	const btAlignedObjectArray<btTypedConstraint*>& constraints, bool canSplit )
 {
 	// The user counts substeps for a sixtieth of a second; a longer step gets as many more, so that behaviour does not follow the frame
 	// rate.
@@ -46,7 +46,7 @@ int SoftBodySystem::planSubsteps(
 			count = std::max( count, std::min( planOf( *body, gameStep, count ).substepsNeeded, maxSubsteps ) );
 		}
 	}
-	group.choose( SubstepGroup::Scene{ m_world, m_bodies, rigid, constraints }, m_substepped, gameStep );
+	group.choose( SubstepGroup::Scene{ m_world, m_bodies, rigid, constraints, canSplit }, m_substepped, gameStep );
 	return std::min( count, kLargestSubsteps );
 }
 

@@ -1,15 +1,15 @@
 #pragma once
 
-// The soft bodies of one world and what a world must call, in the order it must call it. SoftBodyWorld calls it from its overrides;
-// another world of the user's could do the same.
+// The soft bodies of one world. WorldStep calls its stages, in the order of world_step.cpp.
 
-#include "pliant/soft_body_world.h"
+#include "pliant/soft_body.h"
+#include "pliant/step_report.h"
+#include "pliant/task_runner.h"
 #include "world/bodies/skin_scratch_pool.h"
 #include "world/detect/node_algorithm.h"
 #include "world/detect/node_contacts.h"
 #include "world/implicit/implicit_choice.h"
 #include "world/implicit/implicit_solve.h"
-#include "world/respond/friction_torque_correction.h"
 #include "world/respond/tunneling_guard.h"
 #include "world/shape/contact_proxy.h"
 #include "world/step/substep_group.h"
@@ -50,9 +50,9 @@ public:
 
 	bool hasAwakeBody() const;
 	/// Chooses what takes soft substeps in a game step of this length, and how many: the user's, or as many more as the stiffest awake
-	/// material needs. 1 where nothing does.
-	int planSubsteps(
-		btScalar gameStep, const btAlignedObjectArray<btRigidBody*>& rigid, const btAlignedObjectArray<btTypedConstraint*>& constraints );
+	/// material needs. 1 where nothing does. `canSplit`: else the whole world takes substeps where anything does.
+	int planSubsteps( btScalar gameStep, const btAlignedObjectArray<btRigidBody*>& rigid,
+		const btAlignedObjectArray<btTypedConstraint*>& constraints, bool canSplit );
 	SubstepGroup group;
 
 	void wakeDriven(); ///< sleeping bodies whose pins move
@@ -74,7 +74,7 @@ public:
 		return !group.isSplit() || ( group.contains( a ) || group.contains( b ) ) == ( m_pass == StepPass::Substeps );
 	}
 
-	// One pass, in this order: soft_body_world_step.cpp.
+	// One pass, in the order of world_step.cpp.
 	void accelerate( btScalar h, int substep ); ///< forces, pins' speeds, shape matching, the boxes' sweep
 	void collideWithThemselves( btScalar h );   ///< with the broadphase's pairs done
 	void endCollision( btScalar h );            ///< with all contacts found
@@ -117,7 +117,6 @@ public:
 	int substeps;
 	int maxSubsteps;
 	ContactProxyPool pool;
-	FrictionTorqueCorrection frictionTorque;
 	PairScratch pairScratch;
 	SkinScratchPool skinScratch;
 	std::unique_ptr<TaskRunner> ownRunner;

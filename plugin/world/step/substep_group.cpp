@@ -319,7 +319,7 @@ void SubstepGroup::choose( const Scene& scene, const std::vector<SoftBody*>& sub
 	while ( includeJoined( scene ) && includeIslands( scene ) )
 	{}
 	m_joinedTags.clear();
-	for ( int i = 0; i < objects.size() && !m_isSplit; ++i )
+	for ( int i = 0; i < objects.size() && scene.canSplit && !m_isSplit; ++i )
 	{
 		m_isSplit = canMove( *objects[i] ) && objects[i]->isActive() && !contains( *objects[i] );
 	}

@@ -42,6 +42,7 @@ public:
 		const std::vector<SoftBody*>& soft;
 		const btAlignedObjectArray<btRigidBody*>& rigid; ///< that are not static
 		const btAlignedObjectArray<btTypedConstraint*>& constraints;
+		bool canSplit; ///< else all that moves is in the group, or nothing
 	};
 
 	/// `substepped`: the awake soft bodies that step explicitly. Empty: so is the group. `gameStep` in s.

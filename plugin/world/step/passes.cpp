@@ -1,11 +1,11 @@
 // What Bullet's stages see of the world in one pass over the step (substep_group.h): arrays, boxes, pairs, manifolds, islands.
 
-#include "world/step/soft_body_world_impl.h"
+#include "world/step/world_step.h"
 
 #include "world/bodies/prefetch.h"
 #include "world/bodies/soft_body_impl.h"
-#include "world/step/island_manager.h"
 
+#include <BulletCollision/CollisionDispatch/btSimulationIslandManager.h>
 #include <LinearMath/btQuickprof.h>
 
 #include <algorithm>
@@ -62,7 +62,7 @@ void scaleImpulses( btPersistentManifold& manifold, btScalar by )
 
 } // namespace
 
-void SoftBodyWorld::System::beginPass( SoftBodyWorld& world, StepPass pass )
+void WorldStep::beginPass( StepPass pass )
 {
 	bodies.beginPass( pass );
 	if ( !bodies.group.isSplit() )
@@ -70,32 +70,32 @@ void SoftBodyWorld::System::beginPass( SoftBodyWorld& world, StepPass pass )
 		return;
 	}
 	const auto belongs = [&]( const btCollisionObject& object ) { return bodies.isInPass( object ); };
-	rigid.hide( world.m_nonStaticRigidBodies, belongs );
-	joints.hide( world.m_constraints, [&]( const btTypedConstraint& joint ) {
+	m_rigid.hide( m_parts.rigidBodies, belongs );
+	m_joints.hide( m_parts.constraints, [&]( const btTypedConstraint& joint ) {
 		const btRigidBody &a = joint.getRigidBodyA(), &b = joint.getRigidBodyB();
 		return bodies.group.contains( a ) || bodies.group.contains( b ) ? pass == StepPass::Substeps : pass == StepPass::Whole;
 	} );
 }
 
-void SoftBodyWorld::System::endPass( SoftBodyWorld& world )
+void WorldStep::endPass()
 {
 	if ( bodies.group.isSplit() )
 	{
-		rigid.restore( world.m_nonStaticRigidBodies );
-		joints.restore( world.m_constraints );
+		m_rigid.restore( m_parts.rigidBodies );
+		m_joints.restore( m_parts.constraints );
 	}
 }
 
 // Impulses that were found in a step of another length start the solver as hard as they pressed, in islands with an awake soft body and
 // where something has entered the group or left it. Else they are Bullet's, which leaves them alone.
-void SoftBodyWorld::System::carryImpulses( SoftBodyWorld& world, btScalar h )
+void WorldStep::carryImpulses( btScalar h )
 {
-	const Lengths before = lengths;
-	if ( substep != 0 || before.whole == 0 || ( before.whole == h && before.substep == h ) )
+	const Lengths before = m_lengths;
+	if ( m_substep != 0 || before.whole == 0 || ( before.whole == h && before.substep == h ) )
 	{
 		return;
 	}
-	forEachManifold( *world.m_dispatcher1, prefetchEnd, [&]( btPersistentManifold& manifold ) {
+	forEachManifold( *m_parts.dispatcher, prefetchEnd, [&]( btPersistentManifold& manifold ) {
 		const bool wasSubstep = bodies.group.didContain( *manifold.getBody0() ) || bodies.group.didContain( *manifold.getBody1() );
 		const bool hasChanged = wasSubstep != ( bodies.pass() == StepPass::Substeps );
 		const btScalar then = wasSubstep ? before.substep : before.whole;
@@ -108,14 +108,14 @@ void SoftBodyWorld::System::carryImpulses( SoftBodyWorld& world, btScalar h )
 	} );
 }
 
-void SoftBodyWorld::System::showPass( SoftBodyWorld& world )
+void WorldStep::showPass()
 {
 	if ( !bodies.group.isSplit() )
 	{
 		return;
 	}
 	const bool isSubstep = bodies.pass() == StepPass::Substeps;
-	view.show( *world.m_dispatcher1, [&]( btPersistentManifold& manifold ) {
+	m_view.show( *m_parts.dispatcher, [&]( btPersistentManifold& manifold ) {
 		const btCollisionObject* const objects[2] = { manifold.getBody0(), manifold.getBody1() };
 		const bool isMember[2] = { bodies.group.contains( *objects[0] ), bodies.group.contains( *objects[1] ) };
 		if ( ( isMember[0] || isMember[1] ) != isSubstep )
@@ -134,77 +134,72 @@ void SoftBodyWorld::System::showPass( SoftBodyWorld& world )
 				return false; // it is in no island of this pass
 			}
 			bodies.group.noteContact( other, ownerOf( *objects[1 - side] ) );
-			lent.lend( other );
+			m_lent.lend( other );
 		}
 		return true;
 	} );
-	world.m_dispatcher1 = &view;
+	m_parts.dispatcher = &m_view;
 }
 
 // The broadphase runs once a game step, as in Bullet's world: objects of the group have boxes that hold what they may sweep in all
 // substeps. Should one leave its box it runs again.
-void SoftBodyWorld::System::updateBoxes( SoftBodyWorld& world )
+void WorldStep::updateBoxes()
 {
 	bool isOutdated = bodies.pass() == StepPass::Whole;
-	for ( int i = 0; i < world.m_collisionObjects.size(); ++i )
+	for ( int i = 0; i < m_parts.objects.size(); ++i )
 	{
-		btCollisionObject& object = *world.m_collisionObjects[i];
+		btCollisionObject& object = *m_parts.objects[i];
 		if ( bodies.pass() == StepPass::Whole && bodies.group.contains( object ) )
 		{
-			const SubstepGroup::Box box = SubstepGroup::sweptBox( object, world.m_gravity, gameStep );
-			world.m_broadphasePairCache->setAabb( object.getBroadphaseHandle(), box.low, box.high, world.m_dispatcher1 );
+			const SubstepGroup::Box box = SubstepGroup::sweptBox( object, m_parts.world.getGravity(), m_gameStep );
+			m_parts.world.getBroadphase()->setAabb( object.getBroadphaseHandle(), box.low, box.high, m_parts.dispatcher );
 		}
-		else if ( bodies.pass() == StepPass::Whole ? world.getForceUpdateAllAabbs() || object.isActive()
+		else if ( bodies.pass() == StepPass::Whole ? m_parts.world.getForceUpdateAllAabbs() || object.isActive()
 												   : bodies.group.contains( object ) && !SubstepGroup::isInBox( object ) )
 		{
-			world.updateSingleAabb( &object );
+			m_parts.world.updateSingleAabb( &object );
 			isOutdated = true;
 		}
 	}
 	if ( isOutdated )
 	{
-		world.computeOverlappingPairs();
+		m_parts.world.computeOverlappingPairs();
 	}
 }
 
 // As btCollisionWorld does it for all objects.
-void SoftBodyWorld::System::detectPass( SoftBodyWorld& world )
+void WorldStep::detectPass()
 {
-	updateBoxes( world );
-	PassPairs pairs( *static_cast<btCollisionDispatcher*>( world.m_dispatcher1 ), world.getDispatchInfo(), bodies );
-	world.m_broadphasePairCache->getOverlappingPairCache()->processAllOverlappingPairs(
-		&pairs, world.m_dispatcher1, world.getDispatchInfo() );
+	updateBoxes();
+	PassPairs pairs( *static_cast<btCollisionDispatcher*>( m_parts.dispatcher ), m_parts.world.getDispatchInfo(), bodies );
+	m_parts.world.getBroadphase()->getOverlappingPairCache()->processAllOverlappingPairs(
+		&pairs, m_parts.dispatcher, m_parts.world.getDispatchInfo() );
 }
 
 // Bullet's, for the objects of the pass.
-void SoftBodyWorld::calculateSimulationIslands()
+void WorldStep::findPassIslands()
 {
-	SoftBodySystem& bodies = m_system->bodies;
-	if ( !bodies.group.isSplit() )
-	{
-		btDiscreteDynamicsWorld::calculateSimulationIslands();
-		return;
-	}
 	BT_PROFILE( "calculateSimulationIslands" );
-	m_islandManager->updateActivationState( this, m_dispatcher1 );
+	btSimulationIslandManager& islands = *m_parts.islandManager;
+	islands.updateActivationState( &m_parts.world, m_parts.dispatcher );
 	const auto unite = [&]( const btCollisionObject* a, const btCollisionObject* b ) {
 		if ( a && b && isDynamic( *a ) && isDynamic( *b ) && bodies.isInPass( *a ) && bodies.isInPass( *b ) )
 		{
-			m_islandManager->getUnionFind().unite( a->getIslandTag(), b->getIslandTag() );
+			islands.getUnionFind().unite( a->getIslandTag(), b->getIslandTag() );
 		}
 	};
-	for ( int i = 0; i < m_predictiveManifolds.size(); ++i )
+	for ( int i = 0; i < m_parts.predictiveManifolds.size(); ++i )
 	{
-		unite( m_predictiveManifolds[i]->getBody0(), m_predictiveManifolds[i]->getBody1() );
+		unite( m_parts.predictiveManifolds[i]->getBody0(), m_parts.predictiveManifolds[i]->getBody1() );
 	}
-	for ( int i = 0; i < m_constraints.size(); ++i )
+	for ( int i = 0; i < m_parts.constraints.size(); ++i )
 	{
-		if ( m_constraints[i]->isEnabled() )
+		if ( m_parts.constraints[i]->isEnabled() )
 		{
-			unite( &m_constraints[i]->getRigidBodyA(), &m_constraints[i]->getRigidBodyB() );
+			unite( &m_parts.constraints[i]->getRigidBodyA(), &m_parts.constraints[i]->getRigidBodyB() );
 		}
 	}
-	m_islandManager->storeIslandActivationState( this );
+	islands.storeIslandActivationState( &m_parts.world );
 }
 
 } // namespace pliant

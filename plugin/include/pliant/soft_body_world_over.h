@@ -1,0 +1,168 @@
+#pragma once
+
+// Soft bodies in any of Bullet's worlds: btDiscreteDynamicsWorld (SoftBodyWorld), btDiscreteDynamicsWorldMt, btMultiBodyDynamicsWorld,
+// btSoftRigidDynamicsWorld, or the game's own subclass of one of them. Without a soft body in it, it is that world, bit for bit.
+//
+//     pliant::SoftBodyWorldOver<btMultiBodyDynamicsWorld> world( &dispatcher, &broadphase, &solver, &configuration );
+//     world.addSoftBody( body );
+
+#include "pliant/soft_body_host.h"
+
+#include <BulletDynamics/Dynamics/btDiscreteDynamicsWorldMt.h>
+#include <BulletDynamics/Dynamics/btRigidBody.h>
+
+#include <type_traits>
+#include <utility>
+
+namespace pliant {
+
+template <class Base>
+class SoftBodyWorldOver : public Base, public SoftBodyHost, private BulletStages
+{
+	static_assert(
+		std::is_base_of_v<btDiscreteDynamicsWorld, Base>, "Soft bodies need a btDiscreteDynamicsWorld or a class derived from it" );
+
+public:
+	BT_DECLARE_ALIGNED_ALLOCATOR();
+
+	/// Takes what Base's constructor takes.
+	template <class... Arguments>
+	explicit SoftBodyWorldOver( Arguments&&... arguments ) : Base( std::forward<Arguments>( arguments )... )
+	{
+		using Discrete = btDiscreteDynamicsWorld;
+		hostAttach( *this,
+			Parts{ *this, this->m_nonStaticRigidBodies, this->m_constraints, this->m_actions, this->m_predictiveManifolds,
+				this->m_collisionObjects, this->m_dispatcher1, this->m_islandManager, this->m_internalPreTickCallback,
+				this->m_internalTickCallback, std::is_base_of_v<btDiscreteDynamicsWorldMt, Base>,
+				!std::is_same_v<decltype( &Probe::internalSingleStepSimulation ), void ( Discrete::* )( btScalar )>,
+				!std::is_same_v<decltype( &Probe::calculateSimulationIslands ), void ( Discrete::* )()> } );
+	}
+	~SoftBodyWorldOver() override { hostDetach(); }
+
+	/// Of SoftBodyHost; and the base's own, where it has one for Bullet's soft bodies.
+	void addSoftBody( SoftBody* body, int group = btBroadphaseProxy::DefaultFilter, int mask = btBroadphaseProxy::AllFilter )
+	{
+		SoftBodyHost::addSoftBody( body, group, mask );
+	}
+	template <class Body, class World = Base>
+	auto addSoftBody( Body* body, int group = btBroadphaseProxy::DefaultFilter, int mask = btBroadphaseProxy::AllFilter )
+		-> decltype( std::declval<World&>().addSoftBody( body, group, mask ) )
+	{
+		World::addSoftBody( body, group, mask );
+	}
+	void removeSoftBody( SoftBody* body ) { SoftBodyHost::removeSoftBody( body ); }
+	template <class Body, class World = Base>
+	auto removeSoftBody( Body* body ) -> decltype( std::declval<World&>().removeSoftBody( body ) )
+	{
+		World::removeSoftBody( body );
+	}
+
+	/// As Bullet's. While a soft body is in the world a time step that is negative with maxSubSteps 0, NaN or infinite, and a fixedTimeStep
+	/// that is no positive number, do nothing and return 0; a single step (timeStep with maxSubSteps 0, else fixedTimeStep) is cut to 1 s.
+	int stepSimulation( btScalar timeStep, int maxSubSteps = 1, btScalar fixedTimeStep = btScalar( 1. ) / btScalar( 60. ) ) override
+	{
+		return beginTick( timeStep, maxSubSteps, fixedTimeStep ) ? Base::stepSimulation( timeStep, maxSubSteps, fixedTimeStep ) : 0;
+	}
+	/// A soft body comes in as by addSoftBody; Bullet's default filter, which is for static objects, is a dynamic body's then. What stands
+	/// in a manifold for a soft body's node is never added itself.
+	void addCollisionObject( btCollisionObject* object, int group = btBroadphaseProxy::StaticFilter,
+		int mask = btBroadphaseProxy::AllFilter ^ btBroadphaseProxy::StaticFilter ) override
+	{
+		hostAdd( object, group, mask );
+	}
+	void addRigidBody( btRigidBody* body ) override
+	{
+		if ( hostMayAdd( body ) )
+		{
+			Base::addRigidBody( body );
+		}
+	}
+	void addRigidBody( btRigidBody* body, int group, int mask ) override
+	{
+		if ( hostMayAdd( body ) )
+		{
+			Base::addRigidBody( body, group, mask );
+		}
+	}
+	/// A soft body leaves as by removeSoftBody, also where it is named by what stands for one of its nodes in a manifold.
+	void removeCollisionObject( btCollisionObject* object ) override { hostRemove( object ); }
+	void removeRigidBody( btRigidBody* body ) override
+	{
+		if ( !hostMayAdd( body ) )
+		{
+			hostRemove( body );
+			return;
+		}
+		hostForget( *body );
+		Base::removeRigidBody( body );
+	}
+	void removeConstraint( btTypedConstraint* constraint ) override
+	{
+		hostForget( *constraint );
+		Base::removeConstraint( constraint );
+	}
+	void clearForces() override
+	{
+		Base::clearForces();
+		endTick();
+	}
+	/// Soft bodies are drawn as the links of their surface (DBG_DrawWireframe) and crosses at pinned nodes (DBG_DrawConstraints).
+	void debugDrawWorld() override
+	{
+		Base::debugDrawWorld();
+		hostDrawPins();
+	}
+	void debugDrawObject( const btTransform& transform, const btCollisionShape* shape, const btVector3& colour ) override
+	{
+		if ( !hostDrawShape( shape, colour ) )
+		{
+			Base::debugDrawObject( transform, shape, colour );
+		}
+	}
+	/// Writes what Bullet's world writes, without soft bodies, their shapes and their contacts: a file with all else in it, as if they were
+	/// not there.
+	void serialize( btSerializer* serializer ) override { hostSerialize( *serializer ); }
+	void solveConstraints( btContactSolverInfo& info ) override { solveStage( info ); }
+
+protected:
+	void internalSingleStepSimulation( btScalar timeStep ) override { singleStep( timeStep ); }
+	void predictUnconstraintMotion( btScalar timeStep ) override { predictStage( timeStep ); }
+	void createPredictiveContacts( btScalar timeStep ) override { predictiveContactsStage( timeStep ); }
+	void performDiscreteCollisionDetection() override { detectStage(); }
+	void calculateSimulationIslands() override { islandsStage(); }
+	void integrateTransforms( btScalar timeStep ) override { integrateStage( timeStep ); }
+	void updateActivationState( btScalar timeStep ) override { activationStage( timeStep ); }
+
+private:
+	/// Sees which class declares Base's protected functions.
+	struct Probe : Base
+	{
+		using Base::calculateSimulationIslands;
+		using Base::internalSingleStepSimulation;
+	};
+
+	void predict( btScalar h ) final { predictUnconstraintMotion( h ); }
+	void findPredictiveContacts( btScalar h ) final { createPredictiveContacts( h ); }
+	void detect() final { performDiscreteCollisionDetection(); }
+	void findIslands() final { calculateSimulationIslands(); }
+	void solve( btContactSolverInfo& info ) final { solveConstraints( info ); }
+	void integrate( btScalar h ) final { integrateTransforms( h ); }
+	void updateActivation( btScalar h ) final { updateActivationState( h ); }
+
+	void basePredict( btScalar h ) final { Base::predictUnconstraintMotion( h ); }
+	void baseFindPredictiveContacts( btScalar h ) final { Base::createPredictiveContacts( h ); }
+	void baseDetect() final { Base::performDiscreteCollisionDetection(); }
+	void baseFindIslands() final { Base::calculateSimulationIslands(); }
+	void baseSolve( btContactSolverInfo& info ) final { Base::solveConstraints( info ); }
+	void baseIntegrate( btScalar h ) final { Base::integrateTransforms( h ); }
+	void baseUpdateActivation( btScalar h ) final { Base::updateActivationState( h ); }
+	void baseSingleStep( btScalar h ) final { Base::internalSingleStepSimulation( h ); }
+
+	void releasePredictiveContacts() final { Base::releasePredictiveContacts(); }
+	void updateActions( btScalar h ) final { Base::updateActions( h ); }
+	void baseAdd( btCollisionObject* object, int group, int mask ) final { Base::addCollisionObject( object, group, mask ); }
+	void baseRemove( btCollisionObject* object ) final { Base::removeCollisionObject( object ); }
+	void baseSerialize( btSerializer* serializer ) final { Base::serialize( serializer ); }
+};
+
+} // namespace pliant

@@ -1,0 +1,50 @@
+#pragma once
+
+// What a world with soft bodies says of its last step.
+
+#include <vector>
+
+namespace pliant {
+
+class SoftBody;
+
+/// Where one game step's time went, s, and what it met. All zero for a world without soft bodies.
+struct StepReport
+{
+	double forces = 0, matching = 0, spheres = 0, collision = 0, solve = 0, integrate = 0, skinning = 0, levels = 0, fracture = 0,
+		   total = 0;   ///< s; the implicit solution is matching's
+	int substeps = 0;   ///< soft substeps made in the last game step
+	int softBodies = 0; ///< in the world
+	int awakeSoftBodies = 0;
+	int nodes = 0;                ///< in all soft bodies
+	int softContacts = 0;         ///< contact points between nodes and anything, last substep
+	int implicitBodies = 0;       ///< awake bodies that took the implicit step
+	int implicitPasses = 0;       ///< of the implicit solution that took most, last substep (docs/design/implicit.md)
+	int implicitProducts = 0;     ///< the same: products with its matrix
+	int selfContacts = 0;         ///< those of them between two nodes of one body (SoftBody::setSelfCollision)
+	int heldNodes = 0;            ///< fast nodes that were kept from passing through what stands (docs/design/contacts.md), all substeps
+	int levelChanges = 0;         ///< changes of bodies' levels of detail: each may split and merge many nodes
+	int splits = 0;               ///< nodes that gave way to their parts
+	int merges = 0;               ///< nodes that took the place of their parts
+	int nodesOnLevel[5] = {};     ///< of all soft bodies, finest first; bodies without levels have finest nodes only
+	int brokenLinks = 0;          ///< between finest cells
+	int fragments = 0;            ///< bodies that came off others
+	int removedPieces = 0;        ///< small pieces that were not made, or have faded (SmallPieces)
+	int quarantined = 0;          ///< bodies that stand still because a number in them stopped being finite
+	int unreachableStiffness = 0; ///< bodies whose Young's modulus was out of reach: raise maxSoftSubsteps or regionHalfWidth
+};
+
+/// A body that broke. Its heaviest part keeps the object; the others are new bodies in the world, with its template, material, filter,
+/// surface, user pointer and indices. They belong to the world, which deletes them when it is destroyed; see releaseFragment.
+struct FractureEvent
+{
+	SoftBody* parent = nullptr;
+	std::vector<SoftBody*> fragments; ///< heaviest first; empty where the body cracked and holds together
+	int links = 0;                    ///< broken, between finest cells
+	double area = 0;                  ///< of the crack, one side, m^2
+	double energy = 0;                ///< J, that the broken links held
+	int removedPieces = 0;            ///< SmallPieces::Remove
+	double removedMass = 0;           ///< kg
+};
+
+} // namespace pliant

@@ -1,0 +1,205 @@
+#include "pliant/soft_body_host.h"
+
+#include "world/api/debug_draw.h"
+#include "world/constants.h"
+#include "world/step/world_step.h"
+
+#include <algorithm>
+
+namespace pliant {
+
+SoftBodyHost::SoftBodyHost() = default;
+
+SoftBodyHost::~SoftBodyHost() = default;
+
+void SoftBodyHost::hostAttach( BulletStages& stages, const BulletStages::Parts& parts, BulletPrecision )
+{
+	m_step = std::make_unique<WorldStep>( stages, parts );
+}
+
+void SoftBodyHost::hostDetach()
+{
+	m_step->leave();
+}
+
+// === What games call ===
+
+void SoftBodyHost::addSoftBody( SoftBody* body, int group, int mask )
+{
+	m_step->addSoftBody( body, group, mask );
+}
+
+void SoftBodyHost::removeSoftBody( SoftBody* body )
+{
+	if ( body )
+	{
+		m_step->world().removeCollisionObject( body );
+	}
+}
+
+int SoftBodyHost::softBodyCount() const
+{
+	return int( m_step->bodies.bodies().size() );
+}
+
+SoftBody* SoftBodyHost::softBody( int index ) const
+{
+	const std::vector<SoftBody*>& bodies = m_step->bodies.bodies();
+	return index >= 0 && index < int( bodies.size() ) ? bodies[std::size_t( index )] : nullptr;
+}
+
+void SoftBodyHost::setSoftSubsteps( int count )
+{
+	m_step->bodies.substeps = std::clamp( count, 1, kLargestSubsteps );
+}
+
+int SoftBodyHost::softSubsteps() const
+{
+	return m_step->bodies.substeps;
+}
+
+void SoftBodyHost::setMaxSoftSubsteps( int count )
+{
+	m_step->bodies.maxSubsteps = std::clamp( count, 1, kLargestSubsteps );
+}
+
+int SoftBodyHost::maxSoftSubsteps() const
+{
+	return m_step->bodies.maxSubsteps;
+}
+
+void SoftBodyHost::setThreadCount( int count )
+{
+	if ( std::unique_ptr<TaskRunner> made = createThreadPool( count ) )
+	{
+		m_step->bodies.ownRunner = std::move( made );
+	}
+}
+
+void SoftBodyHost::setTaskRunner( TaskRunner* runner )
+{
+	m_step->bodies.runner = runner;
+}
+
+const StepReport& SoftBodyHost::stepReport() const
+{
+	return m_step->bodies.report;
+}
+
+const std::vector<FractureEvent>& SoftBodyHost::fractureEvents() const
+{
+	return m_step->bodies.events;
+}
+
+int SoftBodyHost::fragmentCount() const
+{
+	return int( m_step->bodies.owned.size() );
+}
+
+bool SoftBodyHost::releaseFragment( SoftBody* fragment )
+{
+	return fragment && m_step->bodies.release( *fragment );
+}
+
+btDiscreteDynamicsWorld& SoftBodyHost::bulletWorld() const
+{
+	return m_step->world();
+}
+
+// === What the world's overrides call ===
+
+void SoftBodyHost::singleStep( btScalar timeStep )
+{
+	m_step->singleStep( timeStep );
+}
+
+void SoftBodyHost::predictStage( btScalar h )
+{
+	m_step->predict( h );
+}
+
+void SoftBodyHost::predictiveContactsStage( btScalar h )
+{
+	m_step->findPredictiveContacts( h );
+}
+
+void SoftBodyHost::detectStage()
+{
+	m_step->detect();
+}
+
+void SoftBodyHost::islandsStage()
+{
+	m_step->findIslands();
+}
+
+void SoftBodyHost::solveStage( btContactSolverInfo& info )
+{
+	m_step->solve( info );
+}
+
+void SoftBodyHost::integrateStage( btScalar h )
+{
+	m_step->integrate( h );
+}
+
+void SoftBodyHost::activationStage( btScalar h )
+{
+	m_step->updateActivation( h );
+}
+
+bool SoftBodyHost::beginTick( btScalar& timeStep, int maxSubSteps, btScalar fixedTimeStep )
+{
+	return m_step->beginTick( timeStep, maxSubSteps, fixedTimeStep );
+}
+
+void SoftBodyHost::endTick()
+{
+	m_step->endTick();
+}
+
+void SoftBodyHost::hostAdd( btCollisionObject* object, int group, int mask )
+{
+	m_step->add( object, group, mask );
+}
+
+void SoftBodyHost::hostRemove( btCollisionObject* object )
+{
+	m_step->remove( object );
+}
+
+bool SoftBodyHost::hostMayAdd( const btRigidBody* body )
+{
+	return !isContactProxy( body );
+}
+
+void SoftBodyHost::hostForget( btRigidBody& body )
+{
+	m_step->forget( body );
+}
+
+void SoftBodyHost::hostForget( btTypedConstraint& joint )
+{
+	m_step->forget( joint );
+}
+
+void SoftBodyHost::hostDrawPins()
+{
+	if ( btIDebugDraw* const drawer = m_step->world().getDebugDrawer() )
+	{
+		drawPins( m_step->bodies, *drawer );
+	}
+}
+
+bool SoftBodyHost::hostDrawShape( const btCollisionShape* shape, const btVector3& colour )
+{
+	btIDebugDraw* const drawer = m_step->world().getDebugDrawer();
+	return drawer && drawSoftBody( m_step->bodies, shape, colour, *drawer );
+}
+
+void SoftBodyHost::hostSerialize( btSerializer& serializer )
+{
+	m_step->serialize( serializer );
+}
+
+} // namespace pliant

@@ -1,0 +1,152 @@
+// What comes into a world and leaves it, and what of it is written to a file.
+
+#include "world/bodies/soft_body_impl.h"
+#include "world/step/island_manager.h"
+#include "world/step/world_step.h"
+
+#include <BulletDynamics/Dynamics/btSimulationIslandManagerMt.h>
+#include <LinearMath/btSerializer.h>
+
+#include <new>
+
+namespace pliant {
+
+namespace {
+
+// As btDiscreteDynamicsWorldMt does it: the base made a manager and owns it; ours takes its place and is owned in turn.
+template <class Base>
+btSimulationIslandManager* replaced( btSimulationIslandManager* base, SoftBodySystem& bodies, FrictionTorqueCorrection& torques )
+{
+	using Manager = IslandManager<Base>;
+	base->~btSimulationIslandManager();
+	btAlignedFree( base );
+	void* const memory = btAlignedAlloc( sizeof( Manager ), 16 );
+	return new ( memory ) Manager( bodies, torques );
+}
+
+btCollisionObjectArray withoutSoftBodies( const btCollisionObjectArray& objects )
+{
+	btCollisionObjectArray others;
+	for ( int k = 0; k < objects.size(); ++k )
+	{
+		if ( !SoftBody::upcast( objects[k] ) )
+		{
+			others.push_back( objects[k] );
+		}
+	}
+	return others;
+}
+
+} // namespace
+
+WorldStep::WorldStep( BulletStages& stages, const BulletStages::Parts& parts ) :
+	bodies( parts.world, parts.dispatcher ), m_stages( stages ), m_parts( parts )
+{
+	m_parts.islandManager = parts.hasIslandManagerMt ? replaced<btSimulationIslandManagerMt>( parts.islandManager, bodies, frictionTorque )
+													 : replaced<btSimulationIslandManager>( parts.islandManager, bodies, frictionTorque );
+}
+
+// What the game added stays the game's: the bodies leave, and take their contacts along while the pool still stands.
+void WorldStep::leave()
+{
+	while ( !bodies.owned.empty() )
+	{
+		delete bodies.owned.back();
+	}
+	while ( !bodies.bodies().empty() )
+	{
+		remove( bodies.bodies().back() );
+	}
+	m_stages.releasePredictiveContacts();
+	bodies.dropPredictiveContacts();
+}
+
+void WorldStep::addSoftBody( SoftBody* body, int group, int mask )
+{
+	if ( body && bodies.add( *body ) )
+	{
+		m_stages.baseAdd( body, group, mask );
+	}
+}
+
+void WorldStep::add( btCollisionObject* object, int group, int mask )
+{
+	if ( isContactProxy( object ) )
+	{
+		return;
+	}
+	SoftBody* const soft = asSoftBody( object );
+	if ( !soft )
+	{
+		m_stages.baseAdd( object, group, mask );
+		return;
+	}
+	const bool isDefault = group == btBroadphaseProxy::StaticFilter &&
+		mask == ( btBroadphaseProxy::AllFilter ^ btBroadphaseProxy::StaticFilter );
+	const bool isDynamic = isDefault && !soft->isStaticOrKinematicObject();
+	isDynamic ? addSoftBody( soft, btBroadphaseProxy::DefaultFilter, btBroadphaseProxy::AllFilter ) : addSoftBody( soft, group, mask );
+}
+
+void WorldStep::remove( btCollisionObject* object )
+{
+	SoftBody* const soft = SoftBody::upcast( object );
+	if ( !soft && !isContactProxy( object ) )
+	{
+		if ( !btRigidBody::upcast( object ) )
+		{
+			forgetObject( *object );
+		}
+		m_stages.baseRemove( object ); // which calls removeRigidBody
+	}
+	if ( !soft || soft->impl().system != &bodies )
+	{
+		return;
+	}
+	bodies.findPlace( *soft );
+	// Predictive contacts may still name its nodes; then the pair cache lets the algorithms go, and with them manifolds and contact
+	// proxies.
+	m_stages.releasePredictiveContacts();
+	bodies.dropPredictiveContacts();
+	forgetObject( *soft );
+	m_parts.world.btCollisionWorld::removeCollisionObject( soft );
+	bodies.remove( *soft );
+}
+
+void WorldStep::forgetObject( btCollisionObject& object )
+{
+	bodies.group.noteRemoval( object, m_parts.world.getNumCollisionObjects() );
+	m_lent.forget( object );
+	if ( btRigidBody* const body = btRigidBody::upcast( &object ) )
+	{
+		m_rigid.forget( body );
+	}
+}
+
+void WorldStep::forget( btRigidBody& body )
+{
+	bodies.releasePinsTo( body );
+	forgetObject( body );
+}
+
+void WorldStep::forget( btTypedConstraint& joint )
+{
+	m_joints.forget( &joint );
+	m_impulses.forget( &joint );
+}
+
+// The base writes the objects and contacts that it finds: soft bodies and theirs are kept from it.
+void WorldStep::serialize( btSerializer& serializer )
+{
+	const btCollisionObjectArray all( m_parts.objects );
+	m_parts.objects = withoutSoftBodies( all );
+	btDispatcher* const dispatcher = m_parts.dispatcher;
+	m_view.show( *dispatcher, []( const btPersistentManifold& manifold ) {
+		return !SoftBody::upcast( manifold.getBody0() ) && !SoftBody::upcast( manifold.getBody1() );
+	} );
+	m_parts.dispatcher = &m_view;
+	m_stages.baseSerialize( &serializer );
+	m_parts.dispatcher = dispatcher;
+	m_parts.objects = all;
+}
+
+} // namespace pliant

@@ -1,0 +1,332 @@
+// The order of a step.
+//
+// A game step is at most two passes over the same stages: one by the whole step for all that no explicit soft body touches, and then as
+// many substeps as explicit soft bodies need for those and for what touches them (substep_group.h). Actions and tick callbacks run once, as
+// in Bullet's world. A pass of length h:
+//
+//   stage                    reads                                    writes
+//   predict                  x, v, F, pins, forces, strain            v; topology: pieces come off, levels change; boxes' sweep
+//   findPredictiveContacts   fast rigid bodies                        their contacts with nodes
+//   detect                   x, v, boxes, shapes                      contacts, of bodies with themselves too
+//   findIslands              contacts, joints                         island tags, start impulses
+//   solve                    contacts, v                              v of nodes and rigid bodies, impulses
+//   integrate                v                                        x, spheres; which links break next
+//   updateActivation         v, x                                     what sleeps
+//
+// Bullet calls a stage once a pass through the world's virtual functions, so that a game's subclass may add to it. Nothing else calls what
+// the stages below call: tests/house (StagesAreCalledInOnePlace) holds the code to it.
+
+#include "world/step/world_step.h"
+
+#include "world/bodies/soft_body_impl.h"
+#include "world/stopwatch.h"
+
+#include <LinearMath/btQuickprof.h>
+
+namespace pliant {
+
+bool WorldStep::isAsked() const
+{
+	bool isSwept = false;
+	for ( int i = 0; m_parts.world.getDispatchInfo().m_useContinuous && !isSwept && i < m_parts.rigidBodies.size(); ++i )
+	{
+		isSwept = m_parts.rigidBodies[i]->getCcdSquareMotionThreshold() != 0;
+	}
+	return isSwept || m_parts.actions.size() > 0;
+}
+
+// === The game step ===
+
+bool WorldStep::beginTick( btScalar& timeStep, int maxSubSteps, btScalar fixedTimeStep )
+{
+	m_isTickOver = false;
+	bodies.events.clear();
+	bodies.removeFaded();
+	return bodies.acceptsSteps( timeStep, maxSubSteps, fixedTimeStep );
+}
+
+void WorldStep::singleStep( btScalar timeStep )
+{
+	if ( m_isTickOver )
+	{
+		// The game, or a class that derives from the world, steps it by itself.
+		m_isTickOver = false;
+		bodies.events.clear();
+		bodies.removeFaded();
+	}
+	if ( !bodies.openStep( timeStep ) )
+	{
+		return;
+	}
+	if ( bodies.isEmpty() )
+	{
+		bodies.report = StepReport{};
+		bodies.report.removedPieces = bodies.removedSinceStep;
+		m_stages.baseSingleStep( timeStep );
+		return;
+	}
+	BT_PROFILE( "internalSingleStepSimulation" );
+	if ( m_parts.preTick )
+	{
+		m_parts.preTick( &m_parts.world, timeStep );
+	}
+	m_impulses.giveBack( *m_parts.dispatcher );
+	bodies.wakeDriven();
+	m_isStepping = bodies.hasAwakeBody();
+	const bool canSplit = !m_parts.hasOwnSingleStep && !m_parts.hasOwnIslands;
+	const int substeps = bodies.planSubsteps( timeStep, m_parts.rigidBodies, m_parts.constraints, canSplit );
+	bodies.beginStep( timeStep, substeps );
+	{
+		Stopwatch watch( bodies.report.total );
+		makePasses( timeStep, substeps );
+	}
+	if ( m_parts.tick && !( m_parts.hasOwnSingleStep && bodies.group.isEmpty() ) ) // which has called it
+	{
+		m_parts.tick( &m_parts.world, timeStep );
+	}
+}
+
+void WorldStep::makePasses( btScalar timeStep, int substeps )
+{
+	const bool hasWhole = bodies.group.isEmpty() || bodies.group.isSplit();
+	m_substep = 0;
+	m_isNewStep = true;
+	m_gameStep = timeStep;
+	if ( hasWhole )
+	{
+		beginPass( StepPass::Whole );
+		runPass( timeStep );
+		endPass();
+	}
+	if ( !bodies.group.isEmpty() )
+	{
+		beginPass( StepPass::Substeps );
+		m_impulses.begin( m_parts.constraints, substeps );
+		for ( ; m_substep < substeps; ++m_substep )
+		{
+			runPass( timeStep / btScalar( substeps ) );
+			if ( !m_parts.hasOwnSingleStep )
+			{
+				m_stages.updateActivation( timeStep / btScalar( substeps ) );
+			}
+		}
+		m_impulses.end( *m_parts.dispatcher );
+		endPass();
+		bodies.endSubsteps();
+	}
+	const btScalar h = bodies.group.isEmpty() ? timeStep : timeStep / btScalar( substeps );
+	m_lengths = Lengths{ hasWhole ? timeStep : h, h };
+	if ( !m_parts.hasOwnSingleStep || !hasWhole )
+	{
+		m_stages.updateActions( timeStep );
+	}
+	if ( hasWhole && !m_parts.hasOwnSingleStep )
+	{
+		beginPass( StepPass::Whole );
+		m_stages.updateActivation( timeStep );
+		endPass();
+	}
+	if ( m_isStepping )
+	{
+		bodies.endStep();
+	}
+	m_isStepping = false;
+}
+
+// A base that replaces Bullet's single step makes the pass itself, by way of the stages. It calls callbacks and actions each time: what
+// belongs to the game step is kept from it.
+void WorldStep::runPass( btScalar h )
+{
+	m_passLength = h;
+	if ( !m_parts.hasOwnSingleStep )
+	{
+		runStages( h );
+		return;
+	}
+	const bool isWhole = bodies.pass() == StepPass::Whole;
+	const btInternalTickCallback preTick = m_parts.preTick, tick = m_parts.tick;
+	btAlignedObjectArray<btActionInterface*> actions( m_parts.actions );
+	m_parts.preTick = nullptr;
+	if ( !isWhole )
+	{
+		m_parts.tick = nullptr;
+		m_parts.actions.resizeNoInitialize( 0 );
+	}
+	m_stages.baseSingleStep( h );
+	m_parts.preTick = preTick;
+	if ( !isWhole )
+	{
+		m_parts.tick = tick;
+		m_parts.actions = actions;
+	}
+}
+
+// As Bullet's internalSingleStepSimulation, for the objects of the pass.
+void WorldStep::runStages( btScalar h )
+{
+	m_stages.predict( h );
+	btDispatcherInfo& info = m_parts.world.getDispatchInfo();
+	info.m_timeStep = h;
+	info.m_stepCount = 0;
+	info.m_debugDraw = m_parts.world.getDebugDrawer();
+	m_stages.findPredictiveContacts( h );
+	m_stages.detect();
+	btDispatcher* const dispatcher = m_parts.dispatcher;
+	showPass(); // islands and solver see the manifolds of the pass
+	m_stages.findIslands();
+	m_parts.world.getSolverInfo().m_timeStep = h;
+	m_stages.solve( m_parts.world.getSolverInfo() );
+	m_parts.dispatcher = dispatcher;
+	m_lent.giveBack();
+	m_stages.integrate( h );
+}
+
+// The end of a game's step, whoever made it: Bullet's stepSimulation, ours, or that of a class which derives from this one.
+void WorldStep::endTick()
+{
+	m_isTickOver = true;
+	bodies.clearForces();
+}
+
+// === The stages ===
+
+void WorldStep::predict( btScalar h )
+{
+	bodies.pool.nextPhase( m_isNewStep );
+	m_isNewStep = false;
+	if ( m_isStepping )
+	{
+		bodies.accelerate( h, m_substep ); // breaks, changes levels, drives pins; matching, forces, boxes
+	}
+	m_stages.basePredict( h );
+}
+
+void WorldStep::findPredictiveContacts( btScalar h )
+{
+	if ( bodies.isEmpty() )
+	{
+		m_stages.baseFindPredictiveContacts( h );
+		return;
+	}
+	m_stages.releasePredictiveContacts(); // before the contact proxies they name
+	bodies.dropPredictiveContacts();
+	m_stages.baseFindPredictiveContacts( h );
+	bodies.holdPredictiveContacts( m_parts.predictiveManifolds );
+}
+
+void WorldStep::detect()
+{
+	if ( !m_isStepping )
+	{
+		m_stages.baseDetect();
+		bodies.releaseRefusedPairs();
+		return;
+	}
+	Stopwatch watch( bodies.report.collision );
+	if ( bodies.group.isSplit() )
+	{
+		detectPass();
+	}
+	else
+	{
+		m_stages.baseDetect();
+	}
+	const btScalar h = m_parts.world.getDispatchInfo().m_timeStep;
+	bodies.collideWithThemselves( h );
+	bodies.endCollision( h );
+	bodies.releaseRefusedPairs(); // before anybody lists manifolds
+}
+
+void WorldStep::findIslands()
+{
+	if ( bodies.group.isSplit() )
+	{
+		findPassIslands();
+	}
+	else
+	{
+		m_stages.baseFindIslands();
+	}
+	if ( !bodies.isEmpty() )
+	{
+		carryImpulses( m_passLength );
+	}
+}
+
+void WorldStep::solve( btContactSolverInfo& info )
+{
+	if ( bodies.isEmpty() )
+	{
+		m_stages.baseSolve( info );
+		return;
+	}
+	// Sleeping bodies too: a rigid body may have hit one of them and woken it in this very step.
+	Stopwatch watch( bodies.report.solve );
+	btDispatcher& dispatcher = *m_parts.dispatcher;
+	m_moved.moveToNodes( dispatcher, info );
+	bodies.countContacts( m_moved.count() );
+	if ( m_moved.hasRollingFriction() )
+	{
+		m_rolling.hide( dispatcher );
+	}
+	if ( m_isStepping )
+	{
+		bodies.solveImplicit( dispatcher, info );
+		frictionTorque.aim( dispatcher );
+	}
+	if ( m_moved.hasRestitution() && m_isStepping )
+	{
+		m_restitution.aim( dispatcher, info );
+	}
+	m_stages.baseSolve( info ); // contacts of explicit and rigid bodies, joints
+	if ( m_moved.hasRestitution() && m_isStepping )
+	{
+		m_restitution.settle();
+	}
+	if ( m_isStepping )
+	{
+		frictionTorque.sum( dispatcher );
+		bodies.noteSolved();
+	}
+	m_moved.moveBack();
+	bodies.readBack();
+	if ( m_moved.hasRollingFriction() )
+	{
+		m_rolling.apply();
+	}
+	if ( bodies.pass() == StepPass::Substeps )
+	{
+		m_impulses.add( dispatcher );
+	}
+}
+
+void WorldStep::integrate( btScalar h )
+{
+	m_stages.baseIntegrate( h );
+	if ( !m_isStepping )
+	{
+		return;
+	}
+	{
+		Stopwatch watch( bodies.report.integrate );
+		bodies.holdBack( h );
+		bodies.integrate( h, m_substep );
+		frictionTorque.give();
+	}
+	if ( isAsked() )
+	{
+		bodies.freshenShapes();
+	}
+	bodies.testLinks( h );
+}
+
+void WorldStep::updateActivation( btScalar h )
+{
+	m_stages.baseUpdateActivation( h );
+	if ( m_isStepping )
+	{
+		bodies.updateActivation( h );
+	}
+}
+
+} // namespace pliant

@@ -1,0 +1,259 @@
+// Soft bodies in each of Bullet's worlds, and in a game's own subclass of one.
+
+#include "support/bullet_worlds.h"
+#include "world/test_world.h"
+
+#include <BulletDynamics/Featherstone/btMultiBody.h>
+#include <BulletDynamics/Featherstone/btMultiBodyLinkCollider.h>
+#include <BulletSoftBody/btSoftBodyHelpers.h>
+
+namespace pliant {
+namespace {
+
+using test::at;
+using test::kFrame;
+
+/// A world over Base with a floor and what a test puts into it.
+template <class Base>
+struct Stage
+{
+	using World = SoftBodyWorldOver<Base>;
+
+	Stage() { addBox( 0, btVector3( 50, 1, 50 ), at( 0, -1, 0 ) ); }
+	~Stage()
+	{
+		soft.clear();
+		for ( const auto& body : rigid )
+		{
+			world->removeRigidBody( body.get() );
+		}
+	}
+	btRigidBody* addBox( btScalar mass, const btVector3& half, const btTransform& where )
+	{
+		shapes.push_back( std::make_unique<btBoxShape>( half ) );
+		btVector3 inertia( 0, 0, 0 );
+		shapes.back()->calculateLocalInertia( mass, inertia );
+		btRigidBody::btRigidBodyConstructionInfo info( mass, nullptr, shapes.back().get(), inertia );
+		info.m_startWorldTransform = where;
+		rigid.push_back( std::make_unique<btRigidBody>( info ) );
+		world->addRigidBody( rigid.back().get() );
+		return rigid.back().get();
+	}
+	SoftBody* addCube( const btTransform& where, const Material& material, const Fracture& fracture = {} )
+	{
+		SoftBodyResult made = SoftBody::create( test::block( 4, 4, 4, 0.25f ), where, material );
+		EXPECT_TRUE( made.ok() ) << made.status.sentence;
+		EXPECT_TRUE( made.value->setFracture( fracture ).ok() );
+		soft.push_back( std::move( made.value ) );
+		world->addSoftBody( soft.back().get() );
+		return soft.back().get();
+	}
+	void run( int frames )
+	{
+		for ( int frame = 0; frame < frames; ++frame )
+		{
+			world->stepSimulation( kFrame, 1, kFrame );
+		}
+	}
+
+	test::PartsOf<Base> parts;
+	std::unique_ptr<World> world = parts.template make<World>();
+	std::vector<std::unique_ptr<btCollisionShape>> shapes;
+	std::vector<std::unique_ptr<btRigidBody>> rigid;
+	std::vector<std::unique_ptr<SoftBody>> soft;
+};
+
+template <class Base>
+class OtherWorlds : public testing::Test
+{};
+
+using Bases = testing::Types<btDiscreteDynamicsWorld, btDiscreteDynamicsWorldMt, btMultiBodyDynamicsWorld, btSoftRigidDynamicsWorld,
+	test::CountingWorld>;
+TYPED_TEST_SUITE( OtherWorlds, Bases );
+
+Material material( Elasticity elasticity )
+{
+	Material made;
+	made.youngsModulus = 1e6f;
+	made.elasticity = elasticity;
+	return made;
+}
+
+TYPED_TEST( OtherWorlds, CubeCarriesABoxAsInBulletsDiscreteWorld )
+{
+	for ( const Elasticity elasticity : { Elasticity::Explicit, Elasticity::Implicit } )
+	{
+		btScalar height[2];
+		{
+			Stage<btDiscreteDynamicsWorld> plain;
+			plain.addCube( at( 0, btScalar( 0.55 ), 0 ), material( elasticity ) );
+			const btRigidBody* const box = plain.addBox(
+				500, btVector3( btScalar( 0.4 ), btScalar( 0.1 ), btScalar( 0.4 ) ), at( 0, btScalar( 1.2 ), 0 ) );
+			plain.run( 240 );
+			height[0] = box->getWorldTransform().getOrigin().y();
+		}
+		Stage<TypeParam> stage;
+		SoftBody* const cube = stage.addCube( at( 0, btScalar( 0.55 ), 0 ), material( elasticity ) );
+		const btRigidBody* const box = stage.addBox(
+			500, btVector3( btScalar( 0.4 ), btScalar( 0.1 ), btScalar( 0.4 ) ), at( 0, btScalar( 1.2 ), 0 ) );
+		stage.run( 240 );
+		height[1] = box->getWorldTransform().getOrigin().y();
+		EXPECT_NEAR( height[1], height[0], 1e-3 ) << "elasticity " << int( elasticity );
+		EXPECT_GT( height[1], btScalar( 1.0 ) );
+		EXPECT_TRUE( cube->isHealthy() );
+	}
+}
+
+// Bodies that a soft one does not touch keep their bits while it moves, in any world, where the soft body steps implicitly.
+TYPED_TEST( OtherWorlds, BystandersKeepTheirBitsBesideAnImplicitCube )
+{
+	std::vector<btVector3> track[2];
+	for ( int with = 0; with < 2; ++with )
+	{
+		Stage<TypeParam> stage;
+		for ( int k = 0; k < 4; ++k )
+		{
+			stage.addBox( 1, btVector3( btScalar( 0.3 ), btScalar( 0.3 ), btScalar( 0.3 ) ),
+				at( btScalar( 0.1 ) * btScalar( k ), btScalar( 0.4 ) + btScalar( 0.7 ) * btScalar( k ), 0 ) );
+		}
+		if ( with == 1 )
+		{
+			stage.addCube( at( 20, 2, 0 ), material( Elasticity::Implicit ) );
+		}
+		for ( int frame = 0; frame < 120; ++frame )
+		{
+			stage.run( 1 );
+			for ( const auto& body : stage.rigid )
+			{
+				track[with].push_back( body->getWorldTransform().getOrigin() );
+			}
+		}
+	}
+	std::size_t differences = 0;
+	for ( std::size_t k = 0; k < track[0].size(); ++k )
+	{
+		differences += track[0][k] == track[1][k] ? 0 : 1;
+	}
+	EXPECT_EQ( differences, 0u );
+}
+
+TYPED_TEST( OtherWorlds, FragmentsComeOffAndLeaveWithTheWorld )
+{
+	Fracture brittle;
+	brittle.rule = BreakRule::Distance;
+	brittle.breakStrain = 0.02f;
+	Stage<TypeParam> stage;
+	SoftBody* const cube = stage.addCube( at( 0, 3, 0 ), material( Elasticity::Explicit ), brittle );
+	cube->setLinearVelocity( btVector3( 0, -12, 0 ) );
+	stage.run( 60 );
+	EXPECT_GT( stage.world->fragmentCount(), 0 );
+	EXPECT_EQ( stage.world->softBodyCount(), stage.world->fragmentCount() + 1 );
+}
+
+TYPED_TEST( OtherWorlds, ActionsRunOnceAGameStep )
+{
+	struct Counter : btActionInterface
+	{
+		void updateAction( btCollisionWorld*, btScalar step ) override
+		{
+			++calls;
+			seconds += double( step );
+		}
+		void debugDraw( btIDebugDraw* ) override {}
+		int calls = 0;
+		double seconds = 0.0;
+	} counter;
+	int ticks = 0;
+	for ( const Elasticity elasticity : { Elasticity::Explicit, Elasticity::Implicit } )
+	{
+		Stage<TypeParam> stage;
+		stage.addCube( at( 0, 2, 0 ), material( elasticity ) );
+		stage.world->addAction( &counter );
+		stage.world->setInternalTickCallback(
+			[]( btDynamicsWorld* world, btScalar ) { ++*static_cast<int*>( world->getWorldUserInfo() ); }, &ticks );
+		stage.run( 60 );
+		stage.world->removeAction( &counter );
+	}
+	EXPECT_EQ( counter.calls, 120 );
+	EXPECT_NEAR( counter.seconds, 2.0, 1e-4 );
+	EXPECT_EQ( ticks, 120 );
+}
+
+TEST( OtherWorlds, AGamesOverridesAreCalledOnceAPass )
+{
+	Stage<test::CountingWorld> stage;
+	stage.addCube( at( 0, 2, 0 ), material( Elasticity::Implicit ) );
+	stage.run( 10 );
+	EXPECT_EQ( stage.world->integrations, 10 );
+}
+
+// Bullet's own cloth beside a soft cube moves as without it, and both worlds' bodies are told apart.
+TEST( OtherWorlds, BulletsClothKeepsItsBitsBesideACube )
+{
+	std::vector<btVector3> track[2];
+	for ( int with = 0; with < 2; ++with )
+	{
+		Stage<btSoftRigidDynamicsWorld> stage;
+		btSoftBodyWorldInfo& info = stage.world->getWorldInfo();
+		info.m_broadphase = &stage.parts.broadphase;
+		info.m_dispatcher = &stage.parts.dispatcher;
+		info.m_gravity = stage.world->getGravity();
+		btSoftBody* const cloth = btSoftBodyHelpers::CreatePatch(
+			info, btVector3( 3, 2, 0 ), btVector3( 5, 2, 0 ), btVector3( 3, 2, 2 ), btVector3( 5, 2, 2 ), 9, 9, 1 + 2, true );
+		stage.world->addSoftBody( cloth );
+		if ( with == 1 )
+		{
+			stage.addCube( at( -5, 2, 0 ), material( Elasticity::Implicit ) );
+			EXPECT_EQ( stage.world->softBodyCount(), 1 );
+			EXPECT_EQ( stage.world->getSoftBodyArray().size(), 1 );
+		}
+		for ( int frame = 0; frame < 60; ++frame )
+		{
+			stage.run( 1 );
+			for ( int k = 0; k < cloth->m_nodes.size(); ++k )
+			{
+				track[with].push_back( cloth->m_nodes[k].m_x );
+			}
+		}
+		stage.world->removeSoftBody( cloth );
+		delete cloth;
+	}
+	ASSERT_EQ( track[0].size(), track[1].size() );
+	std::size_t differences = 0;
+	for ( std::size_t k = 0; k < track[0].size(); ++k )
+	{
+		differences += track[0][k] == track[1][k] ? 0 : 1;
+	}
+	EXPECT_EQ( differences, 0u );
+}
+
+// A multibody with a free base of 20 kg rests on a soft cube.
+TEST( OtherWorlds, MultiBodyRestsOnACube )
+{
+	for ( const Elasticity elasticity : { Elasticity::Explicit, Elasticity::Implicit } )
+	{
+		Stage<btMultiBodyDynamicsWorld> stage;
+		SoftBody* const cube = stage.addCube( at( 0, btScalar( 0.5 ), 0 ), material( elasticity ) );
+		btBoxShape shape( btVector3( btScalar( 0.3 ), btScalar( 0.1 ), btScalar( 0.3 ) ) );
+		btVector3 inertia;
+		shape.calculateLocalInertia( 20, inertia );
+		btMultiBody body( 0, 20, inertia, false, false );
+		body.setBasePos( btVector3( 0, btScalar( 1.2 ), 0 ) );
+		body.finalizeMultiDof();
+		btMultiBodyLinkCollider collider( &body, -1 );
+		collider.setCollisionShape( &shape );
+		collider.setWorldTransform( at( 0, btScalar( 1.2 ), 0 ) );
+		body.setBaseCollider( &collider );
+		stage.world->addMultiBody( &body );
+		stage.world->addCollisionObject( &collider, btBroadphaseProxy::DefaultFilter, btBroadphaseProxy::AllFilter );
+		stage.run( 300 );
+		EXPECT_NEAR( body.getBasePos().y(), 1.1, 0.03 ) << "elasticity " << int( elasticity );
+		EXPECT_LT( body.getBaseVel().length(), 0.05 );
+		EXPECT_TRUE( cube->isHealthy() );
+		stage.world->removeCollisionObject( &collider );
+		stage.world->removeMultiBody( &body );
+	}
+}
+
+} // namespace
+} // namespace pliant
