@@ -185,20 +185,20 @@ TEST( LevelEnergy, PartsOfABentBodyStandAtFewOdds )
 	{
 		EXPECT_LT( ( centre[std::size_t( i )] / mass[std::size_t( i )] - before.x.get( i ).cast<double>() ).norm(), 1e-6 );
 	}
-	const auto oddsOf = [&lump]( NodeState& nodes ) {
+	const auto offsetsOf = [&lump]( NodeState& nodes ) {
 		std::vector<float> odds( 3 * std::size_t( nodes.count ) );
-		lump.matcher.oddsOf( nodes, lump.all(), odds.data() );
+		lump.matcher.offsetsOf( nodes, lump.all(), odds.data() );
 		return std::sqrt( std::inner_product( odds.begin(), odds.end(), odds.begin(), 0.0 ) / nodes.count );
 	};
-	const double eased = oddsOf( lump.nodes ), left = oddsOf( naive );
+	const double eased = offsetsOf( lump.nodes ), left = offsetsOf( naive );
 	std::vector<std::uint32_t> few;
 	for ( std::uint32_t i = 0; i < std::uint32_t( naive.count ); i += 150 )
 	{
 		few.push_back( i );
 	}
 	std::vector<float> ofAll( 3 * std::size_t( naive.count ) ), ofFew( 3 * few.size() );
-	lump.matcher.oddsOf( naive, lump.all(), ofAll.data() );
-	lump.matcher.oddsOf( naive, few, ofFew.data() );
+	lump.matcher.offsetsOf( naive, lump.all(), ofAll.data() );
+	lump.matcher.offsetsOf( naive, few, ofFew.data() );
 	for ( std::size_t k = 0; k < 3 * few.size(); ++k )
 	{
 		EXPECT_NEAR( ofFew[k], ofAll[3 * few[k / 3] + k % 3], 1e-8f ); // rotations have gone on between the two

@@ -91,7 +91,7 @@ void Levels::easeParts( NodeState& nodes, LatticeMatcher& matcher )
 						 std::size_t k ) { return Vec3d( Eigen::Map<const Vec3>( m_partDisplacement.data() + 3 * k ).cast<double>() ); };
 	for ( int round = 0; round < kEasingRounds && !m_parts.empty(); ++round )
 	{
-		matcher.oddsOf( nodes, m_parts, m_partDisplacement.data() );
+		matcher.offsetsOf( nodes, m_parts, m_partDisplacement.data() );
 		for ( std::size_t first = 0, end = 0; first < m_parts.size(); first = end )
 		{
 			Vec3d mean = Vec3d::Zero();
@@ -131,7 +131,7 @@ void Levels::settle( NodeState& nodes, LatticeMatcher& matcher, const RegionWork
 void Body::owe( const LevelEnergy& brought )
 {
 	m_owed.brought = m_owed.brought.plus( brought );
-	m_owed.left = kOwedFor;
+	m_owed.left = kEnergyRemovalTime;
 }
 
 // What steps implicitly loses more in each step than a change brings; only explicit steps give back all that springs hold.

@@ -158,7 +158,7 @@ void Levels::measureLeftRows( const Material& material )
 	if ( !m_left.empty() )
 	{
 		RegionTables& tables = *std::const_pointer_cast<RegionTables>( m_tables ); // made by the last change, for these levels
-		fillLeftRows( *m_base, *m_lattice, m_cut, LevelSettings{ material, m_settings, *m_stiffness }, m_left, tables );
+		fillSkippedRows( *m_base, *m_lattice, m_cut, LevelSettings{ material, m_settings, *m_stiffness }, m_left, tables );
 		m_left.clear();
 	}
 }

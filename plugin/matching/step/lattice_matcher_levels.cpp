@@ -1,4 +1,4 @@
-// What LatticeMatcher does for nodes on several levels: other tables while it runs, and the regions' stretch.
+// LatticeMatcher for nodes on several levels: replacing the tables at run time, and the regions' deformations.
 
 #include "matching/step/lattice_matcher.h"
 
@@ -30,7 +30,7 @@ void LatticeMatcher::setTables( std::shared_ptr<const RegionTables> tables, cons
 		array->swap( m_historyScratch );
 	}
 	allocateScratch();
-	m_isHistoryNew = true;
+	m_isHistoryForeign = true;
 }
 
 void LatticeMatcher::viewLevels( MatchView& v ) const
@@ -92,8 +92,8 @@ void LatticeMatcher::reserveNodes( int count )
 	}
 }
 
-/// The view that `deformations` needs, from the positions as they are: what the last substep left of them may be those of other nodes.
-MatchView LatticeMatcher::viewOfNow( NodeState& nodes )
+/// The view that `deformations` needs, from the current positions: the last substep's records may belong to other nodes.
+MatchView LatticeMatcher::currentView( NodeState& nodes )
 {
 	MatchView v = view( nodes );
 	float sum[kFrameSums] = {};
@@ -112,9 +112,9 @@ using Matrix3fRows = Eigen::Matrix<float, 3, 3, Eigen::RowMajor>;
 
 void LatticeMatcher::deformations( NodeState& nodes, float* gradients )
 {
-	const MatchView v = viewOfNow( nodes );
+	const MatchView v = currentView( nodes );
 	m_kernels.deformations( v, 0, nodes.padded, gradients );
-	// F turns with the body's frame: what the kernels see is R_b^T F.
+	// The kernels return R_b^T F, relative to the body's frame.
 	const Eigen::Matrix3f frame = m_frame.toRotationMatrix().cast<float>();
 	for ( int i = 0; i < nodes.count; ++i )
 	{
@@ -129,7 +129,7 @@ void LatticeMatcher::deformationsOf( NodeState& nodes, const std::vector<std::ui
 	{
 		return;
 	}
-	const MatchView v = viewOfNow( nodes );
+	const MatchView v = currentView( nodes );
 	const Eigen::Matrix3f frame = m_frame.toRotationMatrix().cast<float>();
 	float tile[9 * kTile];
 	for ( std::size_t k = 0; k < which.size(); )
@@ -144,7 +144,7 @@ void LatticeMatcher::deformationsOf( NodeState& nodes, const std::vector<std::ui
 	}
 }
 
-// What the wanted nodes' goals need: their regions. By the octree's sums each region may be part of any.
+// Marks the tiles of the given nodes and of their regions. With a sum plan any region may contribute.
 void LatticeMatcher::markTiles( const MatchView& view, const std::vector<std::uint32_t>& which )
 {
 	const std::size_t tiles = std::size_t( view.nodeCount + kTile - 1 ) / kTile;
@@ -176,10 +176,10 @@ void LatticeMatcher::fitTiles( const MatchView& view )
 	}
 }
 
-void LatticeMatcher::oddsOf( NodeState& nodes, const std::vector<std::uint32_t>& which, float* odds )
+void LatticeMatcher::offsetsOf( NodeState& nodes, const std::vector<std::uint32_t>& which, float* offsets )
 {
-	MatchView v = viewOfNow( nodes );
-	// The step's own kernels, told of a material that does not resist: L = R + beta ( F - R ) = F
+	MatchView v = currentView( nodes );
+	// The step's own kernels with a material without resistance: L = R + beta ( F - R ) = F
 	v.beta = 1.0f;
 	v.volumeFraction = 0.0f;
 	v.regionBeta = v.regionEta = v.regionWeight = v.pull = nullptr;
@@ -202,17 +202,17 @@ void LatticeMatcher::oddsOf( NodeState& nodes, const std::vector<std::uint32_t>&
 	for ( std::size_t k = 0; k < which.size(); ++k )
 	{
 		const Vec3 e( m_residual[0][which[k]], m_residual[1][which[k]], m_residual[2][which[k]] );
-		Eigen::Map<Vec3>( odds + 3 * k ) = frame * e;
+		Eigen::Map<Vec3>( offsets + 3 * k ) = frame * e;
 	}
-	for ( AlignedArray<float>& residual : m_residual ) // beside the wanted ones stands what regions gave that were not fitted
+	for ( AlignedArray<float>& residual : m_residual ) // all other residuals depend on regions that were not fitted
 	{
 		std::fill( residual.begin(), residual.end(), 0.0f );
 	}
 }
 
-// By what fitRegions wrote down: b ( g - x ) = D q + t - b ( 1 - eta ) u, D and t the region's record, u the node's way in the body's
-// turning frame. Pulls of a region add up to none, so that any one vector may be added to its nodes' places:  x - c - R S ( q - c0 )  to  u
-// + ( 1 - R S )( q - c0 ).
+// From the records of fitRegions: b ( g - x ) = D q + t - b ( 1 - eta ) u, D and t the region's record, u the node's displacement in the
+// body's rotating frame. The pulls of a region sum to zero, so a constant vector may be added to its nodes' positions:
+// x - c - R S ( q - c0 ) becomes u + ( 1 - R S )( q - c0 ).
 RegionWork LatticeMatcher::workOf( const MatchView& view, std::uint32_t r ) const
 {
 	const RegionMatrix& matrix = *m_tables->matrix;
@@ -234,17 +234,17 @@ RegionWork LatticeMatcher::workOf( const MatchView& view, std::uint32_t r ) cons
 	{
 		const std::uint32_t a = matrix.member[k];
 		const Vec3d &q = m_nodeMotion[a].q, &u = m_nodeMotion[a].u, &v = m_nodeMotion[a].v;
-		const Vec3d way = pull * q + shift - own * u;
+		const Vec3d displacement = pull * q + shift - own * u;
 		const double mass = matrix.mass[k] * matrix.unit[a];
-		work.springs -= 0.5 * mass * ( u + rest * ( q - centre ) ).dot( way );
-		work.power += mass * v.dot( way );
+		work.springs -= 0.5 * mass * ( u + rest * ( q - centre ) ).dot( displacement );
+		work.power += mass * v.dot( displacement );
 	}
 	return work;
 }
 
 RegionWork LatticeMatcher::workOf( NodeState& nodes, const std::vector<std::uint32_t>& regions )
 {
-	const MatchView v = viewOfNow( nodes );
+	const MatchView v = currentView( nodes );
 	m_areRegionsWanted.assign( std::size_t( v.nodeCount + kTile - 1 ) / kTile, 0 );
 	for ( const std::uint32_t r : regions )
 	{
