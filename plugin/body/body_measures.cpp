@@ -42,7 +42,8 @@ Placement Body::bestFit( const Eigen::Quaterniond& guess ) const
 
 std::size_t Body::bytes() const
 {
-	const std::size_t floats = std::size_t( m_nodes.padded ) * 11 + m_nodes.force.x.size() * 3 + m_lastFinite.size() + m_kept.size();
+	const std::size_t floats = std::size_t( m_nodes.padded ) * 11 + m_nodes.force.x.size() * 3 + m_lastFinite.size() +
+		m_positionScratch.size();
 	return floats * sizeof( float ) + m_matcher->bytes() + m_matcher->sharedBytes() + m_lattice->bytes() +
 		( m_levels ? m_levels->bytes() : 0 );
 }
@@ -73,7 +74,7 @@ std::vector<Vec3d> Body::cellPositions() const
 		}
 		return positions;
 	}
-	// x_c = x_a + F_a ( x0_c - x0_a ), a the node above cell c. What is one cell stands where its node does.
+	// x_c = x_a + F_a ( x0_c - x0_a ), a the node above cell c. A node of one cell has that cell's position.
 	const Octree& octree = m_levels->octree();
 	const std::vector<std::uint32_t>& above = m_levels->cut().node;
 	std::vector<std::uint32_t> big;
@@ -120,7 +121,7 @@ float Body::invertedFraction() const
 {
 	if ( m_levels )
 	{
-		// A node's region is inside out when its F is.
+		// A node's region is inverted when its F is.
 		std::vector<float> gradients( std::size_t( m_nodes.padded ) * 9 );
 		nodeDeformations( gradients.data() );
 		int turned = 0;
@@ -130,8 +131,8 @@ float Body::invertedFraction() const
 		}
 		return float( turned ) / float( m_nodes.count );
 	}
-	// A cell's frame: the mean of the edge vectors to its links along each axis, as far as they exist. Inside out when their
-	// determinant is not positive.
+	// A cell's frame: the mean of the edge vectors to its links along each axis, where they exist. Inverted unless their determinant is
+	// positive.
 	int tested = 0, inverted = 0;
 	for ( int i = 0; i < m_nodes.count; ++i )
 	{

@@ -31,8 +31,7 @@ inline constexpr double kLargestVolumeAlpha = 3.5;
 
 inline constexpr float kLargestVolumeKeeping = 2.0f;
 
-/// Largest region damping factor of a substep: with 0.87 a body of alpha 0.87 that hits a floor gains fifty times its energy, with 0.71
-/// none.
+/// Largest region damping factor of a substep: with 0.87 a body of alpha 0.87 that hits a floor gains fifty times its energy, at 0.71 none.
 inline constexpr double kLargestDampingFraction = 0.5;
 /// lambda ( alpha + 2 k ) stays below this; the explicit step is unstable from 4 on.
 inline constexpr double kLargestDampedResponse = 3.8;
@@ -43,8 +42,8 @@ inline constexpr double kAlphaSlack = 1e-4;
 /// Blocks of far levels have up to 2^3 cells along an edge.
 inline constexpr int kMostFarLevels = 3;
 
-/// Largest alpha of a far level. Every level is a contraction, so the response to the worst wave is at most 1 + 3 * 2 / 3 = 3 times, below
-/// the stability limit of 4.
+/// Largest alpha of a far level. Every level is a contraction, so any wave has a response of at most 1 + 3 * 2 / 3 = 3 < 4, the stability
+/// limit.
 inline constexpr double kLargestFarAlpha = 2.0 / 3.0;
 
 /// More than the moment of all far levels together, cells^2.

@@ -57,8 +57,7 @@ public:
 	/// Writes, for each node, the unit quaternion (x, y, z, w) of the rotation of its own region from rest to the current shape.
 	virtual void nodeRotations( const NodeState& nodes, float* quaternions ) const = 0;
 
-	/// Writes each region's plastic stretch S_p, 9 floats per region in row-major order; returns false and writes nothing where no region
-	/// has flowed.
+	/// Writes each region's plastic stretch S_p, 9 floats per region, row-major; returns false and writes nothing if no region has flowed.
 	virtual bool nodeFlow( int /*count*/, float* /*stretches*/ ) const { return false; }
 	/// True where `nodeFlow` would write.
 	virtual bool hasFlowed() const { return false; }

@@ -200,8 +200,7 @@ StiffnessPlan planStiffness( const Material& material, float cellSize, float gam
 	plan.alpha = float( std::min( alpha, largest ) );
 	plan.reachedModulus = float( modulusPerAlpha * ( plan.alpha + farAlpha ) );
 
-	// alpha falls with the square of the substep: n substeps reach E when alpha( 1 substep ) <= n^2 times the largest alpha, far levels
-	// included.
+	// alpha falls with the square of the substep: n substeps reach E when alpha( 1 substep ) <= n^2 times the largest, with far levels.
 	const double largestReach = largest + farMoment( farFractions( material.farLevels, kMostReach ) ) / modulusMoment( material );
 	plan.reachable = alpha <= largestReach * ( 1.0 + kAlphaSlack );
 	const double needed = std::ceil( std::sqrt( alpha / largestReach ) * std::max( substeps, 1 ) - kAlphaSlack );

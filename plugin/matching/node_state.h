@@ -37,8 +37,7 @@ struct NodeState
 	int count = 0;
 	int padded = 0; ///< count rounded up to a multiple of kLanes
 
-	/// World position of the local frame, m. Positions `x` are relative to it, so that precision does not depend on the distance to the
-	/// world's origin.
+	/// World position of the local frame, m. Positions `x` are relative to it, so that precision is the same everywhere in the world.
 	Eigen::Vector3d origin = Eigen::Vector3d::Zero();
 
 	Vec3Array x;                 ///< position relative to origin, m

@@ -1,7 +1,6 @@
 #pragma once
 
-// The regularised inverse of a possibly singular symmetric matrix: the 9 x 9 moments of quadratic clusters (Müller et al. 2005, section
-// 4.3).
+// The regularised inverse of a symmetric matrix: the 9 x 9 moments of quadratic clusters (Müller et al. 2005, section 4.3).
 
 #include <Eigen/Core>
 

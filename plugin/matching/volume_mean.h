@@ -8,15 +8,15 @@
 
 namespace pliant {
 
-/// b of volume keeping: a mean of the moments whose pseudo-inverse is `inverse`, in `extents` directions (kernel_volume.h, volumeMatrix); 0
-/// where there are none.
+/// b of volume keeping: a mean of the moments whose pseudo-inverse is `inverse`, in `extents` directions (volumeMatrix in kernel_volume.h);
+/// 0 if none.
 inline double volumeMean( const Eigen::Matrix3d& inverse, double extents )
 {
 	const double sum = inverse.trace(), harmonic = extents / sum;
 	return sum > 0.0 ? harmonic * std::min( double( kVolumeLimit ), harmonic * inverse.squaredNorm() / sum ) : 0.0;
 }
 
-/// h of volume keeping: ( tr M - M ) h = - axial( F R^T ), zero where the fit is not a maximum (kernel_volume.h, volumeTurn). `turning`: M;
+/// h of volume keeping: ( tr M - M ) h = - axial( F R^T ), zero where the fit is no maximum (volumeTurn in kernel_volume.h). `turning`: M;
 /// `stretch`: F R^T.
 inline Eigen::Matrix3d volumeTurn( const Eigen::Matrix3d& turning, const Eigen::Matrix3d& stretch, double moment )
 {

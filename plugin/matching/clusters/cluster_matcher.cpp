@@ -358,8 +358,7 @@ void ClusterMatcher::nodeRotations( const NodeState& nodes, float* quaternions )
 {
 	for ( int i = 0; i < nodes.count; ++i )
 	{
-		// The mean over the node's clusters, as for its goal; q and -q are the same rotation, so all are flipped to the first one's
-		// hemisphere.
+		// The mean over the node's clusters, as for its goal; q and -q are the same rotation, so signs follow the first one.
 		const std::uint32_t first = m_clusters.coverStart[i];
 		const Eigen::Vector4d lead = m_cluster[m_clusters.cover[first]].rotation.coeffs();
 		Eigen::Vector4d sum = lead;

@@ -255,8 +255,7 @@ void StrainRates::resist( const float* v, float stiffness, float* to, TaskRunner
 		resistByPart( v, to, runner );
 		return;
 	}
-	// In exact arithmetic A v is the same without it. In float a rotation common to all regions would be summed, subtracted and multiplied
-	// by G.
+	// In exact arithmetic A v is the same without it. In float a common rotation would be summed, subtracted and multiplied by G.
 	measureRigidMotion( m_rates.rate, runner );
 	applyRegions( runner );
 	if ( !m_isRaised )

@@ -56,8 +56,7 @@ public:
 	/// arguments must stay unchanged for as long as `resist` is called.
 	void prepare( LatticeMatcher& matcher, NodeState& nodes, TaskRunner* runner );
 
-	/// Uses the reference implementation from the next `prepare` on: rows of regions on several levels are summed one by one, boxes by
-	/// records.
+	/// Uses the reference implementation from the next `prepare` on: rows on several levels summed one by one, boxes by records.
 	void sumRowByRow() { m_isRowByRow = true; }
 
 	/// Measures the body's mass, centre and inertia only. `parts`: as above, must live as long as the nodes; null: one part.

@@ -76,8 +76,7 @@ struct Compliance
 		xy = -2.0 * inverse( 0, 1 );
 	}
 
-	/// The trace of 1 / M 1 + [d]^T T^-1 [d], d from the centre to the node: the node's displacement under unit impulses in three
-	/// directions.
+	/// The trace of 1 / M 1 + [d]^T T^-1 [d], d from the centre to the node: the node's response to unit impulses in three directions.
 	double complianceAt( const WeightedNode& node ) const
 	{
 		const double dx = node.x - x, dy = node.y - y, dz = node.z - z;

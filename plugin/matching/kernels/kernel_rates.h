@@ -5,14 +5,12 @@
 #pragma once
 
 /// Regions with hardly any extent about some axis: where the determinant of their inertia is below this fraction of ( trace / 3 )^3, it is
-/// raised before inversion. An underestimated inertia would make 1 - P indefinite: a rod of ten cells, bent by a hundredth of a cell, flew
-/// apart.
+/// raised before inversion. An underestimated inertia would make 1 - P indefinite: a rod of ten cells, bent by 0.01 cells, flew apart.
 constexpr float kThinInertia = 1e-2f;
 constexpr float kThinRaise = 1e-4f;
 /// Added to those, in cells^2 of full cells: a region of one cell has no inertia, and its rotation is undetermined.
 constexpr float kPointInertia = 1e-4f;
-/// Bound of the rounding error of an inertia, relative to the second moment about the frame's centre, from which it was shifted to the
-/// region's own centre.
+/// Bound of the rounding error of an inertia, relative to the second moment about the frame's centre before its shift to the region's.
 constexpr float kInertiaRounding = 4e-7f;
 /// An inertia below this multiple of that error also counts as thin.
 constexpr float kSafeInertia = 50.0f;

@@ -1,7 +1,6 @@
 #pragma once
 
-// Far levels by definition: world coordinates, double precision, every region summed cell by cell. Reference implementation of
-// CoarseToFine.
+// Far levels by definition: world coordinates, double precision, sums cell by cell. Reference implementation of CoarseToFine.
 
 #include "matching/step/coarse_to_fine.h"
 

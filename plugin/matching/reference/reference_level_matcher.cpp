@@ -147,8 +147,7 @@ Eigen::Quaterniond ReferenceLevelMatcher::fitBody( const NodeState& nodes ) cons
 	return fitRotation( moment, m_bodyRotation );
 }
 
-// Goals and region damping only: no whole-body goal, no wobble damping, and no correction of rounding errors, which are negligible in
-// double.
+// Goals and region damping only: no whole-body goal, no wobble damping, no correction of rounding errors, negligible in double.
 void ReferenceLevelMatcher::accelerate( NodeState& nodes, const MatchStep& step, TaskRunner* )
 {
 	const Eigen::Quaterniond before = m_bodyRotation;

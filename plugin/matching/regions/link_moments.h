@@ -10,8 +10,8 @@
 //
 // n_ij regions hold link ij of mass m_ij, the mean of its cells' masses. A full region has J* = J, and the regions of any body together
 // have mu per link: the strain energy of the body under uniform strain is that of its links. J* enters like the moment of a finer body
-// (level_tables.h): the rotation is fitted to A_pq C and the goal is L = F + ( R - F ) C^T, C = J^+ J*. An extension beyond the papers;
-// effects in docs/design/implicit.md.
+// (level_tables.h): the rotation is fitted to A_pq C and the goal is L = F + ( R - F ) C^T, C = J^+ J*. Not in the papers; see
+// docs/design/implicit.md.
 
 #include "lattice/lattice.h"
 #include "pliant/material.h"
@@ -20,8 +20,7 @@ namespace pliant {
 
 struct RegionTables;
 
-/// True where a body of this material uses link moments: implicit steps of regions wider than 1. At w = 1 the sums over all regions are
-/// equal anyhow.
+/// True where a body of this material uses link moments: implicit steps of regions wider than 1. At w = 1 they change nothing in sum.
 bool usesLinkMoments( const Material& material );
 
 /// Fills `blend`, `rateFraction` and `ratePull`. The tables must still hold their members, J and J^+.

@@ -166,8 +166,7 @@ void measureRegion( const Positions& positions, const RegionSet& regions, int r,
 }
 
 /// Broken links only remove cells from regions: a region of unchanged size has the same cells, and weighs them the same where each of them
-/// is in as many regions as before. So the regions to recompute are those with a cell whose own region changed in size; membership is
-/// symmetric.
+/// is in as many regions as before. So regions that hold a cell whose own region changed in size are recomputed; membership is symmetric.
 std::vector<std::uint8_t> changedRegions( const RegionSet& regions, const MomentsBefore& before )
 {
 	std::vector<std::uint8_t> isChanged( regions.size.size(), 0 );

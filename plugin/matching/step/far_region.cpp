@@ -14,7 +14,7 @@ namespace {
 /// Second moment of one solid cell, cells^2: that of a plate of one cell across its thickness.
 constexpr double kSolidCell = 1.0 / 12.0;
 
-/// Squared deviation of x^2 / 2 from its best linear fit over a length L, relative to the squared second moment: L^4 / 720 of ( L^2 / 12
+/// Squared deviation of x^2 / 2 from its best linear fit over a length L, relative to the second moment squared: L^4 / 720 of ( L^2 / 12
 /// )^2.
 constexpr double kCurveFraction = 0.2;
 

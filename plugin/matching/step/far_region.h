@@ -1,7 +1,6 @@
 #pragma once
 
-// Weights of a far region's goal that give the level the stiffness of a solid: under tension, under bending, truncated at its end, or
-// pinned.
+// Weights of a far region's goal that give the level the stiffness of a solid: in tension, in bending, truncated, or pinned.
 
 #include "lattice/lattice.h"
 

@@ -1,5 +1,4 @@
-// LatticeMatcher for a body in several parts (connected_parts.h): the corrections for the rigid motion of a whole body are applied to each
-// part.
+// LatticeMatcher for a body in several parts (connected_parts.h): corrections for rigid motion are applied to each part.
 
 #include "matching/step/lattice_matcher.h"
 
@@ -64,8 +63,7 @@ void LatticeMatcher::applyToPart( const MatchView& view, const MatchStep& step, 
 {
 	const Eigen::Matrix3d perCell = m_frame.toRotationMatrix() * double( view.speedPerCell );
 	const Vec3d frame( double( view.frameCentre[0] ), double( view.frameCentre[1] ), double( view.frameCentre[2] ) );
-	// The lowest vibration frequency of a part, relative to that of a body of the length that the rate refers to, is inversely proportional
-	// to its length.
+	// The lowest vibration frequency, for which the rate is meant, is inversely proportional to the length.
 	const double rate = double( step.wobbleDamping ) * double( step.wobbleLength ) / double( m_partLength[std::size_t( part )] );
 	const double wobble = step.wobbleDamping > 0.0f ? 1.0 - std::exp( -rate * double( step.h ) ) : 0.0;
 	PartSums sums;

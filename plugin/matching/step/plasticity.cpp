@@ -53,8 +53,7 @@ UnitStretch unitStretchOf( const Eigen::Matrix3d& m, double limit )
 	Vec3d stretches = unitVolume( own );
 	if ( distanceFromOne( stretches ) > limit )
 	{
-		// Along 1 + t ( S_p - 1 ), scaled to det = 1, the distance from 1 grows with t, but far from linearly where an axis has nearly
-		// vanished.
+		// Along 1 + t ( S_p - 1 ), scaled to det = 1, the distance from 1 grows with t, but not linearly where an axis has nearly vanished.
 		const Vec3d direction = stretches - Vec3d::Ones();
 		double inside = 0.0, beyond = 1.0;
 		for ( int halving = 0; halving < 3 * kLimitRounds; ++halving )
