@@ -248,7 +248,7 @@ private:
 	NodeState m_nodes;
 	std::unique_ptr<Matcher> m_matcher;
 	std::unique_ptr<ImplicitMotion> m_implicit; ///< null until the first implicit substep
-	Vec3Array m_velocityBefore;                 ///< at the start of the implicit substep
+	Vec3Array m_velocityBefore;                 ///< at the start of the substep
 	AlignedArray<float> m_pushed;
 	std::unique_ptr<Levels> m_levels;
 	LatticeMatcher* m_levelMatcher = nullptr; ///< m_matcher where there are levels

@@ -77,26 +77,26 @@ std::vector<Vec3d> Body::cellPositions() const
 	// x_c = x_a + F_a ( x0_c - x0_a ), a the node above cell c. A node of one cell has that cell's position.
 	const Octree& octree = m_levels->octree();
 	const std::vector<std::uint32_t>& above = m_levels->cut().node;
-	std::vector<std::uint32_t> big;
+	std::vector<std::uint32_t> coarse;
 	for ( std::uint32_t i = 0; i < std::uint32_t( above.size() ); ++i )
 	{
 		if ( octree.cellCount[above[i]] > 1 )
 		{
-			big.push_back( i );
+			coarse.push_back( i );
 			continue;
 		}
 		positions[octree.cells[octree.cellStart[above[i]]]] = m_nodes.x.get( int( i ) ).cast<double>();
 	}
-	std::vector<float> gradients( big.size() * 9 );
-	nodeDeformationsOf( big, gradients.data() );
-	for ( std::size_t b = 0; b < big.size(); ++b )
+	std::vector<float> gradients( coarse.size() * 9 );
+	nodeDeformationsOf( coarse, gradients.data() );
+	for ( std::size_t b = 0; b < coarse.size(); ++b )
 	{
-		const std::uint32_t node = above[big[b]];
+		const std::uint32_t node = above[coarse[b]];
 		const Eigen::Map<const Eigen::Matrix<float, 3, 3, Eigen::RowMajor>> f( gradients.data() + 9 * b );
 		for ( std::uint32_t k = octree.cellStart[node]; k < octree.cellStart[node] + octree.cellCount[node]; ++k )
 		{
-			const Vec3 arm = m_lattice->restCentre[octree.cells[k]] - m_nodes.x0.get( int( big[b] ) );
-			positions[octree.cells[k]] = ( m_nodes.x.get( int( big[b] ) ) + f * arm ).cast<double>();
+			const Vec3 arm = m_lattice->restCentre[octree.cells[k]] - m_nodes.x0.get( int( coarse[b] ) );
+			positions[octree.cells[k]] = ( m_nodes.x.get( int( coarse[b] ) ) + f * arm ).cast<double>();
 		}
 	}
 	return positions;

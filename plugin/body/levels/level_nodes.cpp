@@ -129,8 +129,8 @@ void resizeNodes( NodeState& nodes, int count )
 
 void restoreMomentum( NodeState& nodes, const NodeState& before )
 {
-	const auto isHeld = []( float freedom ) { return freedom == 0.0f; };
-	if ( nodes.count < 2 || std::any_of( nodes.freedom.begin(), nodes.freedom.begin() + nodes.count, isHeld ) )
+	const auto isPinned = []( float freedom ) { return freedom == 0.0f; };
+	if ( nodes.count < 2 || std::any_of( nodes.freedom.begin(), nodes.freedom.begin() + nodes.count, isPinned ) )
 	{
 		return;
 	}

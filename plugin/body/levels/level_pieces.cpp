@@ -60,7 +60,7 @@ Cut cutOfPiece( const Levels& whole, const Octree& tree, const std::vector<std::
 std::unique_ptr<Levels> Levels::ofPiece( PieceOfLevels piece, const LevelSettings& settings, const Lattice& lattice ) const
 {
 	std::unique_ptr<Levels> levels;
-	if ( canTakeOver( piece ) )
+	if ( canReuse( piece ) )
 	{
 		MatrixScratch scratch;
 		LevelRegions regions{ std::make_shared<RegionMatrix>( updateRelinkedRegions(
@@ -183,20 +183,20 @@ void Levels::relink( PieceOfLevels piece, const LevelSettings& settings, const L
 	reorderNodes( nodes, piece.nodes.before );
 	m_scratch.quiet.clear();
 	const std::vector<std::uint8_t> isRequested = requestedNodes();
-	std::vector<std::uint8_t> isWanted;
+	std::vector<std::uint8_t> wasRequested;
 	std::vector<std::uint32_t> requested;
 	for ( std::size_t i = 0; i < piece.nodes.before.size(); ++i )
 	{
 		const std::uint32_t before = piece.nodes.before[i];
 		m_scratch.quiet.push_back( m_quiet[before] );
-		isWanted.push_back( m_wasRequested[before] );
+		wasRequested.push_back( m_wasRequested[before] );
 		if ( isRequested[before] != 0 )
 		{
 			requested.push_back( piece.cut.node[i] );
 		}
 	}
 	m_quiet.swap( m_scratch.quiet );
-	m_wasRequested.swap( isWanted );
+	m_wasRequested.swap( wasRequested );
 	m_requested.swap( requested );
 	const std::shared_ptr<const LevelBase> baseBefore = std::exchange( m_base, piece.update.base );
 	if ( m_ownsBase && baseBefore.use_count() == 1 )

@@ -69,7 +69,7 @@ public:
 	void fillNodes( NodeState& nodes, float density ) const;
 
 	/// Whether regions and tables can be updated from the present ones: by multiplicity, where links changed only between finest cells.
-	bool canTakeOver( const PieceOfLevels& piece ) const
+	bool canReuse( const PieceOfLevels& piece ) const
 	{
 		return m_settings.regions == RegionRule::Multiplicity && !piece.nodes.before.empty();
 	}

@@ -28,14 +28,14 @@ public:
 		allocate();
 		// Literal weights with a sum plan are multiplied by m_r at the end, so that previous values cannot be reused.
 		const bool isWeighed = m_tables.plan && m_material.weights == Weights::Literal;
-		const bool takesOver = before.tables && !isWeighed;
+		const bool reusesRows = before.tables && !isWeighed;
 		const int chunks = ( m_cut.count() + kRowsPerTask - 1 ) / kRowsPerTask;
 		m_hasFlat.assign( std::size_t( chunks ), 0 );
-		auto fill = [this, &before, takesOver]( int chunk ) {
+		auto fill = [this, &before, reusesRows]( int chunk ) {
 			const int last = std::min( m_cut.count(), ( chunk + 1 ) * kRowsPerTask );
 			for ( int r = chunk * kRowsPerTask; r < last; )
 			{
-				const int end = takesOver ? endOfRun( before.region, r, last ) : r;
+				const int end = reusesRows ? endOfRun( before.region, r, last ) : r;
 				if ( end > r )
 				{
 					copyRegions( *before.tables, int( before.region[r] ), r, end );
@@ -52,7 +52,7 @@ public:
 		};
 		runTasks( m_tasks, chunks, fill );
 		// With a sum plan a node's weights depend on more than its own row.
-		fillNodes( takesOver && !m_tables.plan ? &before : nullptr );
+		fillNodes( reusesRows && !m_tables.plan ? &before : nullptr );
 		if ( isWeighed )
 		{
 			for ( int r = 0; r < m_cut.count(); ++r )
@@ -60,7 +60,7 @@ public:
 				m_tables.moments.regionWeight[r] *= float( m_base.octree.mass[m_cut.node[r]] ); // m_r of eq. 8
 			}
 		}
-		if ( !before.skipsOthers && !hasFlat( takesOver ? before.tables : nullptr ) )
+		if ( !before.skipsOthers && !hasFlat( reusesRows ? before.tables : nullptr ) )
 		{
 			dropOutOfPlane();
 		}

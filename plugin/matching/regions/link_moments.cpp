@@ -80,17 +80,17 @@ double largestFraction( const Eigen::Matrix3d& wanted, const Eigen::Matrix3d& in
 }
 
 /// sum over the links in region r of fraction e e^T
-Eigen::Vector3d linksOf( const AxisLinks& links, const RegionSet& regions, int r, std::vector<int>& heldBy )
+Eigen::Vector3d linksOf( const AxisLinks& links, const RegionSet& regions, int r, std::vector<int>& lastRegion )
 {
 	const std::uint32_t begin = regions.start[std::size_t( r )], end = regions.start[std::size_t( r ) + 1];
-	std::for_each( regions.member.begin() + begin, regions.member.begin() + end, [&]( std::uint32_t i ) { heldBy[i] = r; } );
+	std::for_each( regions.member.begin() + begin, regions.member.begin() + end, [&]( std::uint32_t i ) { lastRegion[i] = r; } );
 	Eigen::Vector3d sum = Eigen::Vector3d::Zero();
 	for ( std::uint32_t k = begin; k < end; ++k )
 	{
 		const std::uint32_t i = regions.member[k];
 		for ( std::uint32_t l = links.start[i]; l < links.start[i + 1]; ++l )
 		{
-			sum[links.link[l].axis] += heldBy[links.link[l].to] == r ? links.link[l].fraction : 0.0;
+			sum[links.link[l].axis] += lastRegion[links.link[l].to] == r ? links.link[l].fraction : 0.0;
 		}
 	}
 	return sum;
@@ -114,10 +114,10 @@ void applyLinkMoments( const Lattice& lattice, const Material& material, RegionT
 		tables.blend[k].assign( std::size_t( moments.padded ), k % 4 == 0 ? 1.0f : 0.0f );
 	}
 	tables.rateFraction.assign( std::size_t( moments.padded ), 1.0f );
-	std::vector<int> heldBy( std::size_t( moments.count ), -1 );
+	std::vector<int> lastRegion( std::size_t( moments.count ), -1 );
 	for ( int r = 0; r < moments.count; ++r )
 	{
-		const Eigen::Matrix3d wanted = mu * linksOf( links, tables.regions, r, heldBy ).asDiagonal().toDenseMatrix();
+		const Eigen::Matrix3d wanted = mu * linksOf( links, tables.regions, r, lastRegion ).asDiagonal().toDenseMatrix();
 		const Eigen::Matrix3d inverse = symmetric( moments.inverseMoment, r ), c = elasticFraction * inverse * wanted;
 		for ( int k = 0; k < 9; ++k )
 		{

@@ -76,7 +76,7 @@ private:
 	static BlockMoments momentsAbove( const BlockMoments& below, const Level& level );
 	void weighRegions( int number, const BlockMoments& blocks );
 	double pinnedEta( int number, int r, const FarRegion& region, const FarMoments& plain ) const;
-	void collectCells( int level, std::uint32_t block, const std::function<void( std::uint32_t )>& take ) const;
+	void collectCells( int level, std::uint32_t block, const std::function<void( std::uint32_t )>& visit ) const;
 	static void storeRegion( Level& level, int r, const FarRegion& region );
 	void weighPulls( const FarFractions& fractions );
 	static void matchLevel( Level& level, const MatchView& view, const Kernels& kernels, TaskRunner* runner );

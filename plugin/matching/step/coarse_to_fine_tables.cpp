@@ -73,17 +73,17 @@ int usefulFarLevels( const Lattice& lattice, int wanted )
 	return levels;
 }
 
-void CoarseToFine::collectCells( int level, std::uint32_t block, const std::function<void( std::uint32_t )>& take ) const
+void CoarseToFine::collectCells( int level, std::uint32_t block, const std::function<void( std::uint32_t )>& visit ) const
 {
 	for ( std::uint32_t k = m_levels[level].childStart[block]; k < m_levels[level].childStart[block + 1]; ++k )
 	{
 		if ( level == 0 )
 		{
-			take( m_levels[0].child[k] );
+			visit( m_levels[0].child[k] );
 		}
 		else
 		{
-			collectCells( level - 1, m_levels[level].child[k], take );
+			collectCells( level - 1, m_levels[level].child[k], visit );
 		}
 	}
 }

@@ -412,7 +412,7 @@ std::size_t LatticeMatcher::bytes() const
 	}
 	bytes += ( m_strain.size() + m_stretch.size() ) * sizeof( float ) + m_nodeMotion.size() * sizeof( NodeMotion );
 	bytes += ( m_plastic ? m_plastic->bytes() : 0 ) + ( m_far ? m_far->bytes() : 0 );
-	bytes += m_areNodesWanted.size() + m_areRegionsWanted.size();
+	bytes += m_neededNodeTiles.size() + m_neededRegionTiles.size();
 	bytes += m_parts.bytes() + m_partLength.size() * sizeof( float );
 	return bytes + m_partial.size() * sizeof( m_partial[0] ) + m_openCount.size() * sizeof( int );
 }

@@ -145,9 +145,9 @@ private:
 	{
 		Eigen::Vector3d q, u, v;
 	};
-	std::vector<NodeMotion> m_nodeMotion;                           ///< scratch of workOf
-	std::vector<std::uint8_t> m_areNodesWanted, m_areRegionsWanted; ///< of each tile; scratch of offsetsOf and workOf
-	std::vector<std::array<float, kImpulseSums>> m_partial;         ///< one set of sums per chunk
+	std::vector<NodeMotion> m_nodeMotion;                             ///< scratch of workOf
+	std::vector<std::uint8_t> m_neededNodeTiles, m_neededRegionTiles; ///< of each tile; scratch of offsetsOf and workOf
+	std::vector<std::array<float, kImpulseSums>> m_partial;           ///< one set of sums per chunk
 	int m_openRegions = 0;
 	bool m_isHistoryForeign = false; ///< the last residuals are those of other regions: no damping by them
 };

@@ -148,14 +148,14 @@ void LatticeMatcher::deformationsOf( NodeState& nodes, const std::vector<std::ui
 void LatticeMatcher::markTiles( const MatchView& view, const std::vector<std::uint32_t>& which )
 {
 	const std::size_t tiles = std::size_t( view.nodeCount + kTile - 1 ) / kTile;
-	m_areNodesWanted.assign( tiles, 0 );
-	m_areRegionsWanted.assign( tiles, m_tables->plan ? 1 : 0 );
+	m_neededNodeTiles.assign( tiles, 0 );
+	m_neededRegionTiles.assign( tiles, m_tables->plan ? 1 : 0 );
 	for ( const std::uint32_t i : which )
 	{
-		m_areNodesWanted[i / kTile] = 1;
+		m_neededNodeTiles[i / kTile] = 1;
 		for ( std::uint32_t k = view.start[i]; k < view.start[i + 1] && !m_tables->plan; ++k )
 		{
-			m_areRegionsWanted[view.member[k] / kTile] = 1;
+			m_neededRegionTiles[view.member[k] / kTile] = 1;
 		}
 	}
 }
@@ -163,10 +163,10 @@ void LatticeMatcher::markTiles( const MatchView& view, const std::vector<std::ui
 void LatticeMatcher::fitTiles( const MatchView& view )
 {
 	const int padded = m_tables->moments.padded;
-	for ( std::size_t tile = 0; tile < m_areRegionsWanted.size(); ++tile )
+	for ( std::size_t tile = 0; tile < m_neededRegionTiles.size(); ++tile )
 	{
 		const int first = int( tile ) * kTile;
-		const int open = m_areRegionsWanted[tile] == 0
+		const int open = m_neededRegionTiles[tile] == 0
 			? 0
 			: m_kernels.fitRegions( view, first, std::min( first + kTile, padded ), m_open.data() );
 		for ( int k = 0; k < open; ++k )
@@ -191,9 +191,9 @@ void LatticeMatcher::offsetsOf( NodeState& nodes, const std::vector<std::uint32_
 		depthSum( *m_tables->plan, m_regionRecord.data() );
 	}
 	float unused[kImpulseSums] = {};
-	for ( std::size_t tile = 0; tile < m_areNodesWanted.size(); ++tile )
+	for ( std::size_t tile = 0; tile < m_neededNodeTiles.size(); ++tile )
 	{
-		if ( m_areNodesWanted[tile] != 0 )
+		if ( m_neededNodeTiles[tile] != 0 )
 		{
 			m_kernels.scatter( v, int( tile ) * kTile, std::min( int( tile + 1 ) * kTile, nodes.padded ), unused );
 		}
@@ -245,10 +245,10 @@ RegionWork LatticeMatcher::workOf( const MatchView& view, std::uint32_t r ) cons
 RegionWork LatticeMatcher::workOf( NodeState& nodes, const std::vector<std::uint32_t>& regions )
 {
 	const MatchView v = currentView( nodes );
-	m_areRegionsWanted.assign( std::size_t( v.nodeCount + kTile - 1 ) / kTile, 0 );
+	m_neededRegionTiles.assign( std::size_t( v.nodeCount + kTile - 1 ) / kTile, 0 );
 	for ( const std::uint32_t r : regions )
 	{
-		m_areRegionsWanted[r / kTile] = 1;
+		m_neededRegionTiles[r / kTile] = 1;
 	}
 	fitTiles( v );
 	const Eigen::Matrix3d toFrame = m_frame.toRotationMatrix().transpose();
