@@ -126,7 +126,7 @@ Status Body::setMaterial( const Material& wanted )
 	try
 	{
 		std::unique_ptr<Matcher> matcher;
-		// What has flowed has the tables for more of it, also where plasticity was switched off since.
+		// A body with plastic flow has the tables for more of it, even where plasticity was switched off since.
 		const bool lacksInverse = !m_levels && material.yieldStrain > 0.0f && !needsInverse( m_material ) && !hasFlowed();
 		if ( lacksInverse || needsNewMatcher( m_material, material, m_levels != nullptr ) )
 		{
@@ -146,10 +146,10 @@ Status Body::setMaterial( const Material& wanted )
 		if ( matcher )
 		{
 			m_matcher = std::move( matcher );
-			m_implicit.reset(); // it knows the old one
+			m_implicit.reset(); // it refers to the previous matcher
 		}
 		m_material = material;
-		if ( m_breaking && m_breaking->settings.strength > 0.0f ) // the strain it breaks at follows the modulus
+		if ( m_breaking && m_breaking->settings.strength > 0.0f ) // the breaking strain depends on the modulus
 		{
 			m_breaking->prepare( *m_lattice, breakStrain( m_breaking->settings, m_material ), std::move( m_breaking->limits.toughness ) );
 		}
@@ -166,7 +166,7 @@ void Body::setPinned( int node, bool pinned )
 	m_nodes.freedom[node] = pinned ? 0.0f : 1.0f;
 	if ( m_levels && pinned )
 	{
-		m_levels->hold( node );
+		m_levels->pin( node );
 	}
 }
 
@@ -176,9 +176,9 @@ void Body::accelerateTowardGoals( float h, float alpha, TaskRunner* runner )
 	keepVelocities( runner );
 	if ( m_nodes.count == 1 )
 	{
-		return; // its goal is where it is: dust costs nothing
+		return; // the goal of a single node is its own position
 	}
-	payForLevels( h, alpha );
+	reduceEnergyDebt( h, alpha );
 	const bool measuresStrain = m_levels && m_reviewIn == 0 && m_levels->followsStrain();
 	m_matcher->accelerate( m_nodes,
 		MatchStep{ h, alpha, m_material.damping, wobbleRate( h, alpha ), bodyFraction( h, alpha ), measuresStrain,
@@ -192,9 +192,8 @@ double Body::stiffnessMoment( float h, float alpha ) const
 	return alpha * modulusMoment( m_material ) + farMoment( farFractions( m_material, m_lattice->cellSize, h ) );
 }
 
-// The slowest free vibration of a bar of length L has omega = pi c / L with c = sqrt( E / rho ); a motion damped at rate r has
-// damping ratio r / ( 2 omega ). E is what this alpha and h amount to (see planStiffness), so that a body stiffened or softened
-// by its settings keeps the same ratio.
+// The lowest free vibration of a bar of length L has omega = pi c / L with c = sqrt( E / rho ); a motion damped at rate r has damping ratio
+// r / ( 2 omega ). E is the modulus that corresponds to this alpha and h (see planStiffness), so that the settings do not change the ratio.
 float Body::wobbleRate( float h, float alpha ) const
 {
 	if ( m_material.wobbleDamping == 0.0f || ( !m_isOnePart && m_material.method != Method::Lattice ) )
@@ -206,25 +205,25 @@ float Body::wobbleRate( float h, float alpha ) const
 	return float( 2.0 * m_material.wobbleDamping * omega );
 }
 
-// Where alpha is cut at its limit the regions alone reach E_f = rho d^2 w ( w + 1 ) / ( 3 h^2 ) only. One match of the whole body
-// reaches E_b = rho m / h^2, m the mean second moment an axis, which for bodies of many cells is more. A share s of it in the goal
-// makes up what can be made up: ( 1 - s ) E_f + s E_b = E. Both matches are contractions, and so is their blend.
+// Where alpha is clamped to its limit, the regions alone only reach E_f = rho d^2 w ( w + 1 ) / ( 3 h^2 ). Matching the whole body reaches
+// E_b = rho m / h^2, m the mean second moment per axis, which is larger for bodies of many cells. A weight s of it in the goal makes up the
+// difference as far as possible: ( 1 - s ) E_f + s E_b = E. Both are contractions, and so is their blend.
 float Body::bodyFraction( float h, float alpha ) const
 {
 	if ( m_material.stiffness != Stiffness::YoungsModulus || m_material.method == Method::SingleCluster ||
 		alpha < float( largestAlpha( m_material ) ) || !m_isOnePart ||
-		m_material.yieldStrain > 0.0f ) // the whole body's fit knows the first rest shape only
+		m_material.yieldStrain > 0.0f ) // the whole body's fit does not include plastic flow
 	{
 		return 0.0f;
 	}
 	const double d = m_lattice->cellSize;
 	const double perStep = m_material.density / ( double( h ) * h );
-	const double ofRegions = perStep * d * d * stiffnessMoment( h, alpha ), ofBody = perStep * m_secondMoment;
-	if ( ofBody <= ofRegions )
+	const double regionModulus = perStep * d * d * stiffnessMoment( h, alpha ), bodyModulus = perStep * m_secondMoment;
+	if ( bodyModulus <= regionModulus )
 	{
 		return 0.0f;
 	}
-	return float( std::clamp( ( m_material.youngsModulus - ofRegions ) / ( ofBody - ofRegions ), 0.0, 1.0 ) );
+	return float( std::clamp( ( m_material.youngsModulus - regionModulus ) / ( bodyModulus - regionModulus ), 0.0, 1.0 ) );
 }
 
 } // namespace pliant

@@ -1,4 +1,4 @@
-// How a body breaks: links are tested, taken out, and what is then connected is a body each. Ohta et al. 2009, "Fracturing".
+// Fracture of a body: links are tested and removed, and each connected part becomes a body. Ohta et al. 2009, "Fracturing".
 
 #include "body/body.h"
 #include "body/breaking.h"
@@ -17,7 +17,7 @@ namespace pliant {
 
 namespace {
 
-/// Links whose cells share a face carry the area of the crack; d^2 each.
+/// Links between cells that share a face make up the area of the crack, d^2 each.
 bool sharesFace( const Lattice& lattice, const CellLink& link )
 {
 	return ( lattice.coordinate[link.a].cast<int>() - lattice.coordinate[link.b].cast<int>() ).cwiseAbs().sum() == 1;
@@ -46,7 +46,7 @@ Result<std::vector<float>> sampleToughness( const Lattice& lattice, const Toughn
 			const float fraction = field.fraction( point.data(), direction.data(), field.context );
 			if ( !( fraction > 0.0f ) )
 			{
-				return Answer::failure( ResultCode::BadArgument, "ToughnessField: a share is not above 0." );
+				return Answer::failure( ResultCode::BadArgument, "ToughnessField: a fraction is not above 0." );
 			}
 			toughness.push_back( fraction );
 		}
@@ -102,7 +102,7 @@ Status Body::setFracture( const Fracture& fracture, const ToughnessField& field 
 	}
 }
 
-// Big nodes are split while what is under them is still whole: a crack then never runs through one.
+// Coarse nodes are split while the cells under them are still connected: a crack then never runs through one.
 void Body::refineBeforeBreaking()
 {
 	if ( m_levels )
@@ -115,8 +115,8 @@ void Body::refineBeforeBreaking()
 
 namespace {
 
-/// How long a crack takes for a cell, s: it goes on by one or two with each look at the body.
-float timeForACell( const Lattice& lattice, const Material& material )
+/// Time for a crack to cross a cell, s: it grows by one or two cells with each test of the body.
+float cellCrackTime( const Lattice& lattice, const Material& material )
 {
 	const float waves = std::sqrt( material.youngsModulus / material.density );
 	return material.stiffness == Stiffness::YoungsModulus ? lattice.cellSize / ( kCrackSpeed * waves ) : 0.0f;
@@ -137,24 +137,24 @@ void Body::testLinks( float h )
 	{
 		return;
 	}
-	const auto placesOnLevels = [&] {
+	const auto positionsOnLevels = [&] {
 		return CellPositions( m_nodes, m_levels->cut(), b.refinementStates.update( *m_lattice, m_levels->cut(), m_levels->version() ) );
 	};
 	bool hasBegun = false;
 	if ( b.planes )
 	{
-		b.sinceLook += h;
-		if ( b.planes->count() > 0 && b.sinceLook + 0.5f * h < timeForACell( *m_lattice, m_material ) )
+		b.sinceTest += h;
+		if ( b.planes->count() > 0 && b.sinceTest + 0.5f * h < cellCrackTime( *m_lattice, m_material ) )
 		{
 			return;
 		}
-		const CellPositions positions = m_levels ? placesOnLevels() : CellPositions( m_nodes );
-		hasBegun = b.planes->find( *m_lattice, b.limits, positions, b.sinceLook, isCool, b.broken );
-		b.sinceLook = 0.0f;
+		const CellPositions positions = m_levels ? positionsOnLevels() : CellPositions( m_nodes );
+		hasBegun = b.planes->find( *m_lattice, b.limits, positions, b.sinceTest, isCool, b.broken );
+		b.sinceTest = 0.0f;
 	}
 	else if ( m_levels )
 	{
-		findOverstretched( b.limits, placesOnLevels(), b.broken );
+		findOverstretched( b.limits, positionsOnLevels(), b.broken );
 	}
 	else
 	{
@@ -168,7 +168,7 @@ void Body::testLinks( float h )
 
 namespace {
 
-/// Adds links to some there are; how many were new.
+/// Merges `more` into `some`; returns how many links were new.
 int join( std::vector<CellLink>& some, const std::vector<CellLink>& more )
 {
 	std::vector<CellLink> all;
@@ -223,7 +223,7 @@ std::vector<std::uint32_t> Body::nodesAboveBroken() const
 			}
 		}
 	}
-	addNodesOfRigid( above );
+	addNodesOfRigidPieces( above );
 	std::sort( above.begin(), above.end() );
 	above.erase( std::unique( above.begin(), above.end() ), above.end() );
 	return above;
@@ -234,15 +234,15 @@ bool Body::mustRefineToBreak() const
 	return m_levels && hasBrokenLinks() && !nodesAboveBroken().empty();
 }
 
-// Once all of them are finest ones, breakApart comes next, and measures what is near the links again.
+// Once all of them are finest ones, breakApart follows and measures the surroundings of the links again.
 void Body::refineToBreak()
 {
 	const std::vector<std::uint32_t> nodes = nodesAboveBroken();
 	const bool isLast = std::all_of(
 		nodes.begin(), nodes.end(), [this]( std::uint32_t node ) { return m_levels->octree().levelOf( node ) == 1; } );
-	if ( isLast && !m_matcher->hasFlowed() ) // what has flowed is measured by the tables at once
+	if ( isLast && !m_matcher->hasFlowed() ) // plastic flow is measured immediately, using the tables
 	{
-		m_levels->leaveRows();
+		m_levels->skipRows();
 	}
 	changeLevels( nodes, {} );
 }
@@ -252,7 +252,7 @@ BreakReport Body::reportOn( const std::vector<CellLink>& broken ) const
 	BreakReport report;
 	report.links = int( broken.size() );
 	const double d = m_lattice->cellSize;
-	// A link stands for a thirteenth of a cell: 26 links a cell, each shared by two.
+	// A link represents a thirteenth of a cell: 26 links per cell, each shared by two.
 	const double energyPerLink = 0.5 * m_material.youngsModulus * d * d * d / 13.0;
 	for ( const CellLink& link : broken )
 	{

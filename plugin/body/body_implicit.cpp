@@ -1,4 +1,4 @@
-// The implicit substep of a body: its part in a linear system, and the system of a body that touches nothing.
+// The implicit substep of a body: its contribution to a linear system, and the system of a body without contacts.
 
 #include "body/body.h"
 
@@ -15,7 +15,7 @@ namespace pliant {
 
 namespace {
 
-/// A body by itself: its own matrix, and in front of it the masses and the affine motions of the body, or of each of its parts.
+/// System of a single body: its own matrix, preconditioned by the masses and the affine motions of the body, or of each of its parts.
 class AloneSystem : public LinearSystem
 {
 public:
@@ -88,7 +88,7 @@ float Body::largestRegionFraction() const
 	return canStepImplicitly() ? static_cast<const LatticeMatcher&>( *m_matcher ).tables().largestRateFraction : 1.0f;
 }
 
-// Matching first, from the speeds the last substep left, then forces: the order of the explicit step.
+// Matching first, from the velocities of the last substep, then forces: the order of the explicit step.
 void Body::pushImplicitly( float h, float alpha, const Vec3& gravity, TaskRunner* runner )
 {
 	if ( !m_implicit )
@@ -99,28 +99,28 @@ void Body::pushImplicitly( float h, float alpha, const Vec3& gravity, TaskRunner
 	m_pushed.resize( 3 * padded );
 	keepVelocities( runner );
 	m_wasImplicit = true;
-	m_owed = LevelDebt{};
+	m_energyDebt = LevelDebt{};
 	const bool measuresStrain = m_levels && m_reviewIn == 0 && m_levels->followsStrain();
 	m_matcher->accelerate( m_nodes,
 		MatchStep{ h, alpha, 0.0f, wobbleRate( h, alpha ), 0.0f, measuresStrain,
 			PlasticLaw{ m_material.yieldStrain, m_material.plasticCreep, m_material.plasticLimit }, {}, m_isOnePart,
 			float( m_restLength ) },
 		runner );
-	std::swap( m_velocityBefore, m_nodes.v ); // now: what matching makes of the speeds
+	std::swap( m_velocityBefore, m_nodes.v ); // now the velocities after matching
 	const AlignedArray<float>* const pushed[3] = { &m_velocityBefore.x, &m_velocityBefore.y, &m_velocityBefore.z };
-	const AlignedArray<float>* const speed[3] = { &m_nodes.v.x, &m_nodes.v.y, &m_nodes.v.z };
-	// What matching adds to the speeds, then the speeds of free flight as well.
+	const AlignedArray<float>* const velocity[3] = { &m_nodes.v.x, &m_nodes.v.y, &m_nodes.v.z };
+	// The velocity changes by matching, to which the velocities of free flight are added.
 	for ( std::size_t k = 0; k < 3; ++k )
 	{
 		std::transform(
-			pushed[k]->begin(), pushed[k]->end(), speed[k]->begin(), m_pushed.begin() + std::ptrdiff_t( k * padded ), std::minus<>() );
+			pushed[k]->begin(), pushed[k]->end(), velocity[k]->begin(), m_pushed.begin() + std::ptrdiff_t( k * padded ), std::minus<>() );
 	}
 	keepVelocities( runner );
 	applyForces( h, gravity, runner );
 	for ( std::size_t k = 0; k < 3; ++k )
 	{
 		float* const to = m_pushed.data() + k * padded;
-		std::transform( to, to + padded, speed[k]->begin(), to, std::plus<>() );
+		std::transform( to, to + padded, velocity[k]->begin(), to, std::plus<>() );
 	}
 	m_implicit->begin( static_cast<LatticeMatcher&>( *m_matcher ), m_nodes, m_pushed.data(),
 		ImplicitStep{ h, alpha, m_material.damping, m_material.numericalDamping, m_material.volumeKeeping,
@@ -128,7 +128,7 @@ void Body::pushImplicitly( float h, float alpha, const Vec3& gravity, TaskRunner
 		runner );
 }
 
-ImplicitMotion& Body::takePartFreely()
+ImplicitMotion& Body::joinFreely()
 {
 	if ( !m_implicit )
 	{

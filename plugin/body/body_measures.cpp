@@ -42,7 +42,8 @@ Placement Body::bestFit( const Eigen::Quaterniond& guess ) const
 
 std::size_t Body::bytes() const
 {
-	const std::size_t floats = std::size_t( m_nodes.padded ) * 11 + m_nodes.force.x.size() * 3 + m_lastFinite.size() + m_kept.size();
+	const std::size_t floats = std::size_t( m_nodes.padded ) * 11 + m_nodes.force.x.size() * 3 + m_lastFinite.size() +
+		m_positionScratch.size();
 	return floats * sizeof( float ) + m_matcher->bytes() + m_matcher->sharedBytes() + m_lattice->bytes() +
 		( m_levels ? m_levels->bytes() : 0 );
 }
@@ -73,29 +74,29 @@ std::vector<Vec3d> Body::cellPositions() const
 		}
 		return positions;
 	}
-	// x_c = x_a + F_a ( x0_c - x0_a ), a the node above cell c. What is one cell stands where its node does.
+	// x_c = x_a + F_a ( x0_c - x0_a ), a the node above cell c. A node of one cell has that cell's position.
 	const Octree& octree = m_levels->octree();
 	const std::vector<std::uint32_t>& above = m_levels->cut().node;
-	std::vector<std::uint32_t> big;
+	std::vector<std::uint32_t> coarse;
 	for ( std::uint32_t i = 0; i < std::uint32_t( above.size() ); ++i )
 	{
 		if ( octree.cellCount[above[i]] > 1 )
 		{
-			big.push_back( i );
+			coarse.push_back( i );
 			continue;
 		}
 		positions[octree.cells[octree.cellStart[above[i]]]] = m_nodes.x.get( int( i ) ).cast<double>();
 	}
-	std::vector<float> gradients( big.size() * 9 );
-	nodeDeformationsOf( big, gradients.data() );
-	for ( std::size_t b = 0; b < big.size(); ++b )
+	std::vector<float> gradients( coarse.size() * 9 );
+	nodeDeformationsOf( coarse, gradients.data() );
+	for ( std::size_t b = 0; b < coarse.size(); ++b )
 	{
-		const std::uint32_t node = above[big[b]];
+		const std::uint32_t node = above[coarse[b]];
 		const Eigen::Map<const Eigen::Matrix<float, 3, 3, Eigen::RowMajor>> f( gradients.data() + 9 * b );
 		for ( std::uint32_t k = octree.cellStart[node]; k < octree.cellStart[node] + octree.cellCount[node]; ++k )
 		{
-			const Vec3 arm = m_lattice->restCentre[octree.cells[k]] - m_nodes.x0.get( int( big[b] ) );
-			positions[octree.cells[k]] = ( m_nodes.x.get( int( big[b] ) ) + f * arm ).cast<double>();
+			const Vec3 arm = m_lattice->restCentre[octree.cells[k]] - m_nodes.x0.get( int( coarse[b] ) );
+			positions[octree.cells[k]] = ( m_nodes.x.get( int( coarse[b] ) ) + f * arm ).cast<double>();
 		}
 	}
 	return positions;
@@ -120,7 +121,7 @@ float Body::invertedFraction() const
 {
 	if ( m_levels )
 	{
-		// A node's region is inside out when its F is.
+		// A node's region is inverted when its F is.
 		std::vector<float> gradients( std::size_t( m_nodes.padded ) * 9 );
 		nodeDeformations( gradients.data() );
 		int turned = 0;
@@ -130,8 +131,8 @@ float Body::invertedFraction() const
 		}
 		return float( turned ) / float( m_nodes.count );
 	}
-	// A cell's frame: the mean of the edge vectors to its links along each axis, as far as they exist. Inside out when their
-	// determinant is not positive.
+	// A cell's frame: the mean of the edge vectors to its links along each axis, where they exist. Inverted unless their determinant is
+	// positive.
 	int tested = 0, inverted = 0;
 	for ( int i = 0; i < m_nodes.count; ++i )
 	{

@@ -1,4 +1,4 @@
-// Where a body's nodes are and how they move on: placing them, the forces on them, and the way they go in a substep.
+// Motion of a body's nodes: placing them, external forces, and the position update of a substep.
 
 #include "body/body.h"
 #include "body/breaking.h"
@@ -14,7 +14,7 @@ namespace pliant {
 
 namespace {
 
-/// The grid point next to a position. Origins stand on this grid, so that they are the same number in float and in double.
+/// The grid point nearest to a position. Origins lie on this grid, so that they are the same number in float and in double.
 Vec3d snapped( const Vec3d& position )
 {
 	return ( position / kOriginGrid ).array().round() * kOriginGrid;
@@ -50,12 +50,12 @@ void Body::place( const Placement& placement )
 	}
 	m_matcher->reset( m_nodes, placement.rotation.normalized() );
 	m_matcher->forgetFlow();
-	m_owed = LevelDebt{};
+	m_energyDebt = LevelDebt{};
 	m_cutLinks.clear();
 	m_healedLinks.clear();
 	if ( m_breaking )
 	{
-		m_breaking->broken.clear(); // found where the nodes no longer are
+		m_breaking->broken.clear(); // found at previous positions
 	}
 	keepFiniteState();
 }
@@ -77,7 +77,7 @@ void Body::teleport( const Placement& by )
 void Body::reserveMotionScratch()
 {
 	const std::size_t now = std::size_t( m_nodes.padded ) * 3;
-	for ( AlignedArray<float>* const array : { &m_lastFinite, &m_kept } )
+	for ( AlignedArray<float>* const array : { &m_lastFinite, &m_positionScratch } )
 	{
 		array->resize( now, 0.0f );
 		if ( m_levels )
@@ -106,34 +106,34 @@ void Body::keepVelocities( TaskRunner* runner )
 void Body::applyForces( float h, const Vec3& gravity, TaskRunner* runner )
 {
 	const Kernels& kernels = bestKernels();
-	const MotionView view = viewOf( m_nodes, m_kept.data() );
+	const MotionView view = viewOf( m_nodes, m_positionScratch.data() );
 	const bool hasForce = !m_nodes.force.x.empty();
-	OfFractions<VelocityBounds> spans;
+	OfFractions<VelocityBounds> partial;
 	runShares( runner, Shares{ m_nodes.padded }, [&]( int fraction, int begin, int end ) {
 		for ( int i = begin; hasForce && i < std::min( end, m_nodes.count ); ++i )
 		{
 			m_nodes.v.set( i, m_nodes.v.get( i ) + ( h * m_nodes.freedom[i] / m_nodes.mass[i] ) * m_nodes.force.get( i ) );
 		}
-		kernels.push( view, gravity.data(), h, begin, end, spans[std::size_t( fraction )] );
+		kernels.push( view, gravity.data(), h, begin, end, partial[std::size_t( fraction )] );
 	} );
 	m_velocities = VelocityBounds{};
-	for ( const VelocityBounds& span : spans )
+	for ( const VelocityBounds& part : partial )
 	{
 		for ( int k = 0; k < 3; ++k )
 		{
-			m_velocities.low[k] = std::min( m_velocities.low[k], span.low[k] );
-			m_velocities.high[k] = std::max( m_velocities.high[k], span.high[k] );
+			m_velocities.low[k] = std::min( m_velocities.low[k], part.low[k] );
+			m_velocities.high[k] = std::max( m_velocities.high[k], part.high[k] );
 		}
-		m_velocities.worst += span.worst;
+		m_velocities.worst += part.worst;
 	}
 }
 
-// The new places are written twice, here and into the copy of the last finite state that is none any more. Where all are finite that copy
-// is the last one from now on, else nobody has lost anything: 24 bytes a node and a second store buy that one bad number never spreads.
+// The new positions are written twice: here, and over the scratch copy. If all are finite, that copy becomes the last finite state,
+// otherwise the previous one is intact: 24 bytes per node and a second store ensure that a non-finite number never spreads.
 BodyHealth Body::integrate( float h, TaskRunner* runner )
 {
 	const Kernels& kernels = bestKernels();
-	const MotionView view = viewOf( m_nodes, m_kept.data() );
+	const MotionView view = viewOf( m_nodes, m_positionScratch.data() );
 	OfFractions<MotionSums> sums;
 	runShares( runner, Shares{ m_nodes.padded },
 		[&]( int fraction, int begin, int end ) { kernels.advance( view, h, begin, end, sums[std::size_t( fraction )] ); } );
@@ -154,7 +154,7 @@ BodyHealth Body::integrate( float h, TaskRunner* runner )
 		m_motion = measureMotion();
 		return BodyHealth::Quarantined;
 	}
-	m_kept.swap( m_lastFinite );
+	m_positionScratch.swap( m_lastFinite );
 	m_lastFiniteOrigin = m_nodes.origin;
 	rebase();
 	return BodyHealth::Good;
@@ -169,7 +169,7 @@ MotionSums Body::measureMotion() const
 
 void Body::keepFiniteState()
 {
-	m_kept.resize( std::size_t( m_nodes.padded ) * 3 ); // within its room (reserveMotionScratch)
+	m_positionScratch.resize( std::size_t( m_nodes.padded ) * 3 ); // within its capacity (reserveMotionScratch)
 	m_lastFinite.resize( std::size_t( m_nodes.padded ) * 3 );
 	auto to = m_lastFinite.begin();
 	for ( const AlignedArray<float>* const component : { &m_nodes.x.x, &m_nodes.x.y, &m_nodes.x.z } )
@@ -194,14 +194,14 @@ void Body::restoreFiniteState()
 
 void Body::rebase()
 {
-	// One node stands for the body here: the origin need only stay near, and the test is then free.
-	const Vec3d strayed = m_nodes.x.get( 0 ).cast<double>();
-	if ( strayed.cwiseAbs().maxCoeff() <= m_strayLimit )
+	// Node 0 represents the body: the origin need only stay near, and the test is then free.
+	const Vec3d offset = m_nodes.x.get( 0 ).cast<double>();
+	if ( offset.cwiseAbs().maxCoeff() <= m_originLimit )
 	{
 		return;
 	}
 	// Moves by whole multiples of a power of two: origin and positions change by the same exactly representable amount.
-	const Vec3d move = snapped( strayed );
+	const Vec3d move = snapped( offset );
 	m_nodes.origin += move;
 	const Vec3 back = move.cast<float>();
 	for ( int i = 0; i < m_nodes.count; ++i )

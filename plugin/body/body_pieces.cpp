@@ -1,4 +1,4 @@
-// The pieces of a body that has come apart: which there are, and what each takes over from the whole. Ohta et al. 2009, "Fracturing".
+// Pieces of a body that has come apart: finding them, and moving the state of the whole to them. Ohta et al. 2009, "Fracturing".
 
 #include "body/body.h"
 #include "body/breaking.h"
@@ -13,11 +13,11 @@ namespace pliant {
 
 namespace {
 
-/// Where as many links as one in so many cells has break at once, what hangs together is sooner found by going through all. Measured event
-/// by event: at one in 16 to 31 both take as long, at one in 32 growing takes a sixth, at one in 8 a third more.
+/// Where more than one link per this number of cells breaks at once, connected parts are found faster by visiting all cells. Measured per
+/// event: at one in 16 to 31 both take the same time, at one in 32 local growth takes a sixth, at one in 8 a third more.
 constexpr std::size_t kFewLinks = 16;
 
-/// Heaviest first, equals by lowest cell.
+/// Heaviest first, equal ones by lowest cell.
 std::vector<std::vector<std::uint32_t>> byMass( const Lattice& lattice, std::vector<std::vector<std::uint32_t>> parts )
 {
 	std::vector<std::pair<double, std::size_t>> order;
@@ -39,21 +39,21 @@ std::vector<std::vector<std::uint32_t>> byMass( const Lattice& lattice, std::vec
 	return sorted;
 }
 
-/// Parts beyond `most` are counted to the heaviest.
-void keepMost( std::vector<std::vector<std::uint32_t>>& parts, std::size_t most )
+/// Merges parts beyond the first `most` into the heaviest.
+void mergeSurplus( std::vector<std::vector<std::uint32_t>>& parts, std::size_t most )
 {
 	for ( std::size_t k = most; k < parts.size(); ++k )
 	{
 		parts[0].insert( parts[0].end(), parts[k].begin(), parts[k].end() );
 	}
 	parts.resize( std::min( parts.size(), most ) );
-	if ( !std::is_sorted( parts[0].begin(), parts[0].end() ) ) // most times nothing was added
+	if ( !std::is_sorted( parts[0].begin(), parts[0].end() ) ) // usually nothing was added
 	{
 		std::sort( parts[0].begin(), parts[0].end() );
 	}
 }
 
-/// The lattice with some links gone and others back.
+/// Returns the lattice with some links removed and others restored.
 Lattice relinked( const Lattice& lattice, const std::vector<CellLink>& broken, const std::vector<CellLink>& healed )
 {
 	Lattice now = withoutLinks( lattice, broken );
@@ -61,10 +61,10 @@ Lattice relinked( const Lattice& lattice, const std::vector<CellLink>& broken, c
 	{
 		now = withLinks( now, healed );
 	}
-	return now; // a choice of the two would be a copy
+	return now; // a conditional expression would copy
 }
 
-/// Both ends of all links, each cell once, ascending.
+/// Both ends of all links, without duplicates, ascending.
 std::vector<std::uint32_t> cellsOf( const std::vector<CellLink>& broken, const std::vector<CellLink>& healed )
 {
 	std::vector<std::uint32_t> cells;
@@ -81,24 +81,24 @@ std::vector<std::uint32_t> cellsOf( const std::vector<CellLink>& broken, const s
 	return cells;
 }
 
-/// What numbers those of `some` have that are in `cells`; both ascending.
-std::vector<std::uint32_t> theirNumbers( const std::vector<std::uint32_t>& some, const std::vector<std::uint32_t>& cells )
+/// Indices in `cells` of those of `some` that it contains; both ascending.
+std::vector<std::uint32_t> indicesIn( const std::vector<std::uint32_t>& some, const std::vector<std::uint32_t>& cells )
 {
-	std::vector<std::uint32_t> numbers;
+	std::vector<std::uint32_t> indices;
 	for ( const std::uint32_t cell : some )
 	{
 		if ( const auto found = std::lower_bound( cells.begin(), cells.end(), cell ); found != cells.end() && *found == cell )
 		{
-			numbers.push_back( std::uint32_t( found - cells.begin() ) );
+			indices.push_back( std::uint32_t( found - cells.begin() ) );
 		}
 	}
-	return numbers;
+	return indices;
 }
 
-/// One rigid cluster of the same stuff, as stiff as can be. What has flowed stays behind: the cluster's rest shape is the first one.
-Material rigidMaterial( const Material& of )
+/// One rigid cluster of the same material, as stiff as possible. Plastic flow is dropped: the cluster has the original rest shape.
+Material rigidMaterial( const Material& original )
 {
-	Material material = of;
+	Material material = original;
 	material.method = Method::SingleCluster;
 	material.clusterMode = ClusterMode::Rigid;
 	material.alpha = 1.0f;
@@ -111,7 +111,7 @@ Material rigidMaterial( const Material& of )
 
 } // namespace
 
-std::vector<BodyPiece> Body::breakApart( BreakReport& report, int most, PieceRoad road )
+std::vector<BodyPiece> Body::breakApart( BreakReport& report, int most, PieceBuild build )
 {
 	const std::vector<CellLink> broken = brokenLinks();
 	const bool areFew = ( broken.size() + m_healedLinks.size() ) * kFewLinks < std::size_t( m_lattice->cellCount() );
@@ -126,12 +126,12 @@ std::vector<BodyPiece> Body::breakApart( BreakReport& report, int most, PieceRoa
 	{
 		m_breaking->broken.clear();
 	}
-	const bool looksFromThere = m_isOnePart && areFew && !touched.empty();
+	const bool growsFromTouched = m_isOnePart && areFew && !touched.empty();
 	std::vector<std::vector<std::uint32_t>> parts = byMass(
-		*whole, looksFromThere ? connectedParts( *whole, touched ) : connectedParts( *whole ) );
+		*whole, growsFromTouched ? connectedParts( *whole, touched ) : connectedParts( *whole ) );
 	removeSmall( parts, report );
 	const bool isMerged = parts.size() > std::size_t( most );
-	keepMost( parts, std::size_t( most ) );
+	mergeSurplus( parts, std::size_t( most ) );
 	std::vector<float> rotations;
 	if ( makesRigid() || m_material.method != Method::Lattice )
 	{
@@ -154,8 +154,8 @@ std::vector<BodyPiece> Body::breakApart( BreakReport& report, int most, PieceRoa
 			piece.turn = Eigen::Map<const Eigen::Quaternionf>( rotations.data() + 4 * std::size_t( nodeOfCell( cells[0] ) ) );
 		}
 		piece.cellBefore = std::move( cells );
-		piece.touched = m_levels ? theirNumbers( touched, piece.cellBefore ) : std::vector<std::uint32_t>();
-		if ( isAll && m_levels && road == PieceRoad::TakeOver )
+		piece.touched = m_levels ? indicesIn( touched, piece.cellBefore ) : std::vector<std::uint32_t>();
+		if ( isAll && m_levels && build == PieceBuild::Reuse )
 		{
 			piece.body = relinkWhole( lattice, piece );
 		}
@@ -163,9 +163,9 @@ std::vector<BodyPiece> Body::breakApart( BreakReport& report, int most, PieceRoa
 		{
 			if ( m_levels )
 			{
-				m_levels->measureLeftRows( m_material );
+				m_levels->measureSkippedRows( m_material );
 			}
-			piece.body = makePiece( std::move( lattice ), piece, road );
+			piece.body = makePiece( std::move( lattice ), piece, build );
 		}
 	}
 	return pieces;
@@ -176,8 +176,8 @@ bool Body::makesRigid() const
 	return m_fracture.smallCells > 0 && ( m_fracture.smallPieces == SmallPieces::Rigid || m_fracture.smallPieces == SmallPieces::Fade );
 }
 
-// Rigid pieces are made of finest cells: what holds them then is their own cluster alone.
-void Body::addNodesOfRigid( std::vector<std::uint32_t>& nodes ) const
+// Rigid pieces consist of finest cells, held together only by their own cluster.
+void Body::addNodesOfRigidPieces( std::vector<std::uint32_t>& nodes ) const
 {
 	if ( !makesRigid() )
 	{
@@ -198,7 +198,7 @@ void Body::addNodesOfRigid( std::vector<std::uint32_t>& nodes ) const
 	}
 }
 
-// What is removed is never made, and counts to no limit. The heaviest part is nobody's small piece.
+// Removed pieces are not built and do not count towards a limit. The heaviest part is never a small piece.
 void Body::removeSmall( std::vector<std::vector<std::uint32_t>>& parts, BreakReport& report ) const
 {
 	if ( m_fracture.smallPieces != SmallPieces::Remove )
@@ -223,7 +223,7 @@ void Body::removeSmall( std::vector<std::vector<std::uint32_t>>& parts, BreakRep
 	parts = std::move( kept );
 }
 
-std::unique_ptr<Body> Body::makePiece( std::shared_ptr<const Lattice> lattice, BodyPiece& piece, PieceRoad road ) const
+std::unique_ptr<Body> Body::makePiece( std::shared_ptr<const Lattice> lattice, BodyPiece& piece, PieceBuild build ) const
 {
 	std::unique_ptr<Body> body( new Body );
 	body->m_lattice = std::move( lattice );
@@ -240,7 +240,7 @@ std::unique_ptr<Body> Body::makePiece( std::shared_ptr<const Lattice> lattice, B
 	}
 	if ( m_levels && !piece.isRigid )
 	{
-		body->inheritLevels( *this, piece, road );
+		body->inheritLevels( *this, piece, build );
 	}
 	else
 	{
@@ -254,9 +254,9 @@ std::unique_ptr<Body> Body::makePiece( std::shared_ptr<const Lattice> lattice, B
 	body->inheritNodes( *this, piece );
 	body->m_reviewIn = m_reviewIn;
 	body->m_sinceReview = m_sinceReview;
-	if ( m_owed.left > 0.0f )
+	if ( m_energyDebt.timeLeft > 0.0f )
 	{
-		body->m_owed = m_owed.fraction( double( body->m_lattice->cellCount() ) / double( m_lattice->cellCount() ) );
+		body->m_energyDebt = m_energyDebt.fraction( double( body->m_lattice->cellCount() ) / double( m_lattice->cellCount() ) );
 	}
 	if ( body->m_material.method == Method::Lattice )
 	{
@@ -290,7 +290,7 @@ std::unique_ptr<Matcher> Body::makePieceMatcher( const Body& from, const BodyPie
 	const Vec3d shift = ( m_lattice->massCentre - from.m_lattice->massCentre ) / double( m_lattice->cellSize );
 	const MomentsBefore moments{ before.moments, before.regions, piece.cellBefore, shift };
 	Material measured = m_material;
-	if ( from.hasFlowed() && !needsInverse( measured ) ) // plasticity has been switched off, and what has flowed stays
+	if ( from.hasFlowed() && !needsInverse( measured ) ) // plasticity was switched off, but its flow stays
 	{
 		measured.yieldStrain = 1.0f;
 	}
@@ -327,11 +327,11 @@ void Body::inheritBreaking( const Breaking& from, const BodyPiece& piece )
 	m_breaking = std::make_unique<Breaking>();
 	m_breaking->settings = from.settings;
 	m_breaking->coolDown = from.coolDown;
-	m_breaking->sinceLook = from.sinceLook;
+	m_breaking->sinceTest = from.sinceTest;
 	m_breaking->limits = limitsOf( from, piece );
 	if ( from.planes )
 	{
-		m_breaking->planes = std::make_unique<PlaneCracks>( *from.planes ); // cracks are where they were
+		m_breaking->planes = std::make_unique<PlaneCracks>( *from.planes ); // cracks stay in place
 	}
 }
 

@@ -1,4 +1,4 @@
-// From a mesh to everything that bodies share: cells, links and skin. Ohta et al. 2009, "Preprocessing".
+// Builds the data that bodies share from a mesh: cells, links and skin. Ohta et al. 2009, "Preprocessing".
 
 #include "pliant/body_template.h"
 
@@ -29,7 +29,7 @@ struct BodyTemplate::Data
 	std::vector<float> textureCoordinates;
 	std::vector<std::uint32_t> submeshOfTriangle;
 
-	// For cracks, which most templates never show.
+	// For cracks, which most templates never use.
 	std::vector<float> positions; ///< of the mesh's vertices, m
 	LatticeSettings settings;
 	std::mutex crackMutex;
@@ -41,7 +41,7 @@ struct BodyTemplate::Data
 
 namespace {
 
-/// Positions without gaps between them, whatever the stride they came in.
+/// Copies the positions without gaps, for any input stride.
 std::vector<float> packedPositions( const MeshView& mesh )
 {
 	std::vector<float> packed;
@@ -108,12 +108,12 @@ Result<std::shared_ptr<const BodyTemplate>> BodyTemplate::build( const MeshView&
 			data.submeshOfTriangle = copyOf( mesh.submeshOfTriangle, mesh.triangleCount );
 		}
 		data.settings = settings;
-		data.settings.runner = nullptr; // the game's, and only while it builds
+		data.settings.runner = nullptr; // owned by the game, valid only during the build
 		data.settings.progress = nullptr;
 		data.report = built.value.report;
 		if ( data.report.shellCells == data.report.cells )
 		{
-			data.settings.shell = Shell::Always; // of what has no inside, cracks need not look for it
+			data.settings.shell = Shell::Always; // without an inside, cracks need not search for one
 		}
 		data.report.seconds = std::chrono::duration<double>( std::chrono::steady_clock::now() - start ).count();
 		return Answer::success( made );

@@ -8,9 +8,9 @@ namespace pliant {
 
 namespace {
 
-/// Least inertia of a body, in units of what its regions have as full ones about their own middles: all nodes in one point have none.
+/// Minimum inertia of a body, relative to that of its regions as full ones about their own centres: all nodes in one point have none.
 constexpr double kLeastInertia = 1e-12;
-/// And of a body of one node, m^2 per mass: it has none, and nothing there to be turned.
+/// The same for a body of one node, m^2 per mass: it has no inertia, and nothing that could rotate.
 constexpr double kPointInertia = 1e-12;
 
 Eigen::Vector3d at( const float* v, int padded, int i )
@@ -20,7 +20,7 @@ Eigen::Vector3d at( const float* v, int padded, int i )
 
 } // namespace
 
-void ImplicitMotion::measureHeld()
+void ImplicitMotion::measurePinned()
 {
 	m_hasHeldNodes = false;
 	m_isHeld.assign( std::size_t( parts().count() ), 0 );
@@ -34,7 +34,7 @@ void ImplicitMotion::measureHeld()
 	}
 }
 
-/// What the parts' inertias are taken for; those of less than `least`( mass ), kg m^2, for `point`( mass ) about any axis.
+/// Sets the parts' inertias; those below `least`( mass ), kg m^2, are replaced by `point`( mass ) about any axis.
 template <class Least, class Point>
 void ImplicitMotion::raiseInertias( const Least& least, const Point& point )
 {
@@ -56,12 +56,12 @@ void ImplicitMotion::begin( LatticeMatcher& matcher, NodeState& nodes, const flo
 {
 	m_nodes = &nodes;
 	m_rates.prepare( matcher, nodes, runner );
-	measureHeld();
-	// In one point nothing can be turned, whatever its inertia is taken for.
+	measurePinned();
+	// Nodes in one point cannot rotate, whatever the inertia.
 	const auto least = [&]( double mass ) { return kLeastInertia * mass * step.secondMoment; };
 	raiseInertias( least, [&]( double mass ) { return least( mass ) / 3.0; } );
 
-	// Kept volume answers pressing 1 + 3 kappa times as hard as pulling: all of it is made as stiff here, so that the step stays safe.
+	// Volume keeping makes the response to compression 1 + 3 kappa times that to tension: that factor is applied everywhere, for stability.
 	const float elastic = step.alpha * ( 1.0f + 3.0f * step.volumeKeeping ), sigma = step.numericalDamping;
 	const float gamma = 0.5f * ( 1.0f + sigma );
 	m_stiffness = gamma * elastic + step.h * step.damping;
@@ -92,7 +92,7 @@ void ImplicitMotion::beginFree( NodeState& nodes, const ConnectedParts* parts )
 	m_nodes = &nodes;
 	m_stiffness = 0.0f;
 	m_rates.measureBody( nodes, parts );
-	measureHeld();
+	measurePinned();
 	const auto least = []( double mass ) { return kPointInertia * mass; };
 	raiseInertias( least, least );
 	m_rightSide.resize( std::size_t( size() ) );
@@ -126,7 +126,7 @@ Matrix6 ImplicitMotion::rigidMass( int part ) const
 {
 	Matrix6 mass = Matrix6::Zero();
 	mass.topLeftCorner<3, 3>() = m_rates.whole( part ).mass * Eigen::Matrix3d::Identity();
-	// A rod has no inertia about its own axis, and nothing there to be turned.
+	// A rod has no inertia about its own axis, and nothing that could rotate about it.
 	mass.bottomRightCorner<3, 3>() = m_inertias[std::size_t( part )] + kInertiaFloor * trace( part ) * Eigen::Matrix3d::Identity();
 	return mass;
 }
@@ -185,13 +185,13 @@ Matrix12 ImplicitMotion::affineMatrix( int part ) const
 	}
 	if ( isHeld( part ) )
 	{
-		addHeld( matrix, part );
+		addPinned( matrix, part );
 	}
 	return matrix;
 }
 
-// What is held does not come along: its neighbours resist that with as much as they would its own going away.
-void ImplicitMotion::addHeld( Matrix12& matrix, int part ) const
+// Pinned nodes do not follow: their neighbours resist the relative motion as they would resist their own.
+void ImplicitMotion::addPinned( Matrix12& matrix, int part ) const
 {
 	Eigen::Matrix4d sum = Eigen::Matrix4d::Zero();
 	parts().forNodes( part, m_nodes->count, [&]( int i ) {
@@ -241,16 +241,16 @@ void ImplicitMotion::addAffine( const Vector12& motion, float* z, int part ) con
 	}
 	parts().forNodes( part, m_nodes->count, [&]( int i ) {
 		const Eigen::Vector3d from = arm( i );
-		const Eigen::Vector3d moved = motion.head<3>() + from[0] * motion.segment<3>( 3 ) + from[1] * motion.segment<3>( 6 ) +
+		const Eigen::Vector3d velocity = motion.head<3>() + from[0] * motion.segment<3>( 3 ) + from[1] * motion.segment<3>( 6 ) +
 			from[2] * motion.segment<3>( 9 );
 		for ( int k = 0; k < 3; ++k )
 		{
-			z[k * padded + i] += m_nodes->freedom[i] * float( moved[k] );
+			z[k * padded + i] += m_nodes->freedom[i] * float( velocity[k] );
 		}
 	} );
 }
 
-// Qt b = Qt m v*, but b holds elastic kicks that cancel in the sum, and in float do not quite: v* says it better.
+// Q^T b = Q^T m v*, but b contains elastic impulses that cancel in the sum only up to float rounding: v* is more accurate.
 Vector6 ImplicitMotion::missingMomentum( int part ) const
 {
 	return m_freeMomentum[std::size_t( part )] - momentum( part );
@@ -261,9 +261,9 @@ void ImplicitMotion::addMotion( const Vector6& motion, int part )
 	NodeState& nodes = *m_nodes;
 	const Eigen::Vector3d shift = motion.head<3>(), turn = motion.tail<3>();
 	parts().forNodes( part, nodes.count, [&]( int i ) {
-		const Eigen::Vector3d place = nodes.x.get( i ).cast<double>() - centre( part );
-		const Eigen::Vector3d speed = nodes.v.get( i ).cast<double>() + double( nodes.freedom[i] ) * ( shift + turn.cross( place ) );
-		nodes.v.set( i, speed.cast<float>() );
+		const Eigen::Vector3d position = nodes.x.get( i ).cast<double>() - centre( part );
+		const Eigen::Vector3d velocity = nodes.v.get( i ).cast<double>() + double( nodes.freedom[i] ) * ( shift + turn.cross( position ) );
+		nodes.v.set( i, velocity.cast<float>() );
 	} );
 }
 

@@ -1,7 +1,7 @@
 #pragma once
 
-// One body's part in an implicit substep: the linear system for the speeds it will have, the force of its matching linearised in them.
-// docs/design/implicit.md. Knows no contacts: who solves for several bodies at once adds them to the system.
+// One body's contribution to an implicit substep: the linear system for its new velocities, with the matching force linearised in them.
+// docs/design/implicit.md. Contains no contacts: the solver of several bodies adds them to the system.
 //
 //   A v = b,   A = m ( 1 + G ( 1 - P ) ),   G = gamma alpha ( 1 + 3 kappa ) + h c
 //   b = m ( v* + alpha e d / h ) + m ( gamma - sigma ) alpha ( 1 + 3 kappa ) ( 1 - P ) v*,   v* = v + h ( g + f / m )
@@ -23,7 +23,7 @@ class TaskRunner;
 
 using Vector6 = Eigen::Matrix<double, 6, 1>;
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
-/// An affine motion v = V + L p, p from the mass centre: V, then the columns of L.
+/// An affine motion v = V + L p, p relative to the mass centre: V, then the columns of L.
 using Vector12 = Eigen::Matrix<double, 12, 1>;
 using Matrix12 = Eigen::Matrix<double, 12, 12>;
 
@@ -34,67 +34,65 @@ struct ImplicitStep
 	float damping = 0.0f;          ///< 1/s
 	float numericalDamping = 1.0f; ///< sigma
 	float volumeKeeping = 0.0f;    ///< kappa
-	double secondMoment = 0.0;     ///< of a full region, an axis, per mass, m^2
+	double secondMoment = 0.0;     ///< of a full region, per axis and mass, m^2
 };
 
 class ImplicitMotion
 {
 public:
-	/// `pushed`: nodes' speeds with what matching adds to them; nodes.v: those of free flight, v*; `before`: at the substep's start. All
-	/// three as long as `size`.
+	/// `pushed`: the nodes' velocities plus the changes by matching; nodes.v: those of free flight, v*; both as long as `size`.
 	void begin( LatticeMatcher& matcher, NodeState& nodes, const float* pushed, const ImplicitStep& step, TaskRunner* runner );
-	/// A body that is moved by its contacts alone in this substep: G = 0, b = m v. `parts`: kept as long as `nodes`; null: one.
+	/// Starts a substep of a body moved by its contacts only: G = 0, b = m v. `parts`: must live as long as `nodes`; null: one part.
 	void beginFree( NodeState& nodes, const ConnectedParts* parts = nullptr );
 
-	/// Floats of a vector of speeds: three components, each padded to whole lanes.
+	/// Floats of a velocity vector: three components, each padded to whole lanes.
 	int size() const { return 3 * m_nodes->padded; }
 	int padded() const { return m_nodes->padded; }
 	const NodeState& nodes() const { return *m_nodes; }
 	const float* rightSide() const { return m_rightSide.data(); }
-	/// to = A v; rows of held nodes are 0.
+	/// to = A v; rows of pinned nodes are 0.
 	void apply( const float* v, float* to, TaskRunner* runner );
 	/// The mean of A's three diagonal entries of a node, kg.
 	float diagonal( int node ) const;
 	bool isElastic() const { return m_stiffness > 0.0f; }
 	bool hasHeldNodes() const { return m_hasHeldNodes; }
 
-	// A body whose cells fall into several parts moves as so many: what follows is of one of them, and of the whole body where it is in
-	// one.
+	// A body whose cells form several parts moves as so many: the following refers to one of them, or to the whole body where it is in one.
 	const ConnectedParts& parts() const { return m_rates.parts(); }
-	/// Whether some node of a part is held.
+	/// Whether some node of a part is pinned.
 	bool isHeld( int part ) const { return m_isHeld[std::size_t( part )] != 0; }
-	/// Whether a part is more than a point: of one node nothing stands in front of the system but the node.
+	/// Whether a part is more than a point: a part of one node has no affine preconditioner.
 	bool hasShape( int part ) const { return !parts().areSeveral() || parts().size( part, m_nodes->count ) > 1; }
 
-	// Rigid motions ( V, Omega ) about the mass centre, in which A is the mass alone.
+	// Rigid motions ( V, Omega ) about the mass centre, for which A is the mass alone.
 	Matrix6 rigidMass( int part = 0 ) const;
-	/// Momentum of the nodes as they are, and their spin about the centre.
+	/// Momentum of the current node velocities, and their angular momentum about the centre.
 	Vector6 momentum( int part = 0 ) const;
 	const Eigen::Vector3d& centre( int part = 0 ) const { return m_rates.whole( part ).centre; }
 
-	// Affine motions, for what stands in front of the system: A among them as a full lattice would have it, about right elsewhere.
+	// Affine motions, for the preconditioner: A restricted to them, exact for a full lattice and approximate otherwise.
 	Matrix12 affineMatrix( int part = 0 ) const;
 	Vector12 affineSums( const float* r, int part = 0 ) const;
 	/// z += the affine motion, at free nodes.
 	void addAffine( const Vector12& motion, float* z, int part = 0 ) const;
-	/// A node's place from the mass centre of its part, m.
+	/// A node's position relative to the mass centre of its part, m.
 	Eigen::Vector3d arm( int node ) const;
 
-	/// What the solver's end and rounding left of Qt( m v* - m v ), Q the rigid motions, as a rigid motion of each part, of a body that
-	/// touches nothing.
+	/// Corrects the momentum error Q^T( m v* - m v ) of the solver's tolerance and rounding by a rigid motion of each part, Q the rigid
+	/// motions. For a body without contacts.
 	void keepMomentum();
-	/// Qt( m v* - m v ): what the nodes' momentum lacks to what it was at the substep's start and what forces brought since.
+	/// Q^T( m v* - m v ): momentum at the substep's start plus that of external forces, less the nodes' current momentum.
 	Vector6 missingMomentum( int part = 0 ) const;
-	/// Adds a rigid motion to the nodes' speeds.
+	/// Adds a rigid motion to the nodes' velocities.
 	void addMotion( const Vector6& motion, int part = 0 );
-	void copyVelocities( float* v ) const;    ///< of the nodes as they are
+	void copyVelocities( float* v ) const;    ///< current node velocities
 	void setNodeVelocities( const float* v ); ///< of the free nodes
 	std::size_t bytes() const { return m_rightSide.size() * sizeof( float ) + m_rates.bytes(); }
 
 private:
-	void measureHeld();
+	void measurePinned();
 	void measureArms();
-	void addHeld( Matrix12& matrix, int part ) const;
+	void addPinned( Matrix12& matrix, int part ) const;
 	template <class Least, class Point>
 	void raiseInertias( const Least& least, const Point& point );
 	double trace( int part ) const { return m_inertias[std::size_t( part )].trace(); }
@@ -102,13 +100,13 @@ private:
 	StrainRates m_rates;
 	NodeState* m_nodes = nullptr;
 	AlignedArray<float> m_rightSide;
-	AlignedArray<float> m_arms;  ///< of the nodes from their part's mass centre, m, component by component; 0 where one is held
-	double m_secondMoment = 0.0; ///< of a full region, an axis, per mass, m^2
+	AlignedArray<float> m_arms;  ///< of the nodes relative to their part's mass centre, m, component by component; 0 where pinned
+	double m_secondMoment = 0.0; ///< of a full region, per axis and mass, m^2
 	float m_stiffness = 0.0f;    ///< G
 	bool m_hasHeldNodes = false;
 	std::vector<char> m_isHeld;              ///< of each part
-	std::vector<Vector6> m_freeMomentum;     ///< of each part with the speeds of free flight, v*
-	std::vector<Eigen::Matrix3d> m_inertias; ///< of each part, kg m^2; raised where it has none
+	std::vector<Vector6> m_freeMomentum;     ///< of each part with the velocities of free flight, v*
+	std::vector<Eigen::Matrix3d> m_inertias; ///< of each part, kg m^2; with a minimum
 };
 
 } // namespace pliant

@@ -1,4 +1,4 @@
-// In a build without fracture no body ever breaks: Body::m_breaking stays null, and this is never reached.
+// For builds without fracture: no body ever breaks, Body::m_breaking stays null, and this is never called.
 
 #include "body/breaking.h"
 

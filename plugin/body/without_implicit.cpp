@@ -1,4 +1,4 @@
-// In a build without the implicit step: Elasticity::Implicit is refused (material.cpp), and Automatic steps explicitly.
+// For builds without the implicit step: Elasticity::Implicit is rejected (material.cpp), and Automatic steps explicitly.
 
 #include "body/body.h"
 

@@ -1,6 +1,6 @@
 #pragma once
 
-// std::vector on cache-line borders, for arrays that kernels load 16 lanes at a time.
+// std::vector aligned to cache lines, for arrays that kernels load 16 lanes at a time.
 
 #include "matching/constants.h"
 
@@ -34,7 +34,7 @@ struct LineAllocator
 template <class T>
 using AlignedArray = std::vector<T, LineAllocator<T>>;
 
-/// Reserves `reserved` entries and has the system give the memory of the first `touched` of them now rather than when they are first used.
+/// Reserves `reserved` entries and touches the memory of the first `touched` of them now, so that no page fault occurs at their first use.
 template <class T, class A>
 void reserveScratch( std::vector<T, A>& array, std::size_t reserved, std::size_t touched )
 {

@@ -1,6 +1,6 @@
 #pragma once
 
-// What every matching method offers the body's step: goals from the nodes' positions, and the velocity change towards them.
+// Interface of every matching method: goals from the nodes' positions, and the velocity change towards them.
 
 #include "matching/node_state.h"
 #include "matching/stiffness.h"
@@ -13,27 +13,27 @@ namespace pliant {
 
 class TaskRunner;
 
-/// How rest shapes flow; see plasticity.h.
+/// Plastic flow of rest shapes; see plasticity.h.
 struct PlasticLaw
 {
-	float yieldStrain = 0.0f; ///< 0: they do not
+	float yieldStrain = 0.0f; ///< 0: no flow
 	float creep = 0.0f;       ///< 1/s
 	float limit = 0.0f;
 };
 
-/// What one substep asks for.
+/// Parameters of one substep.
 struct MatchStep
 {
 	float h = 0.0f;              ///< substep, s, above 0
-	float alpha = 1.0f;          ///< share of the way to the goal, (0, 1]
-	float damping = 0.0f;        ///< 1/s; the factor a substep is k = 1 - exp(-damping h)
-	float wobbleDamping = 0.0f;  ///< 1/s, of all motion that is no rigid motion of the whole body, or of the part of it a node belongs to
-	float bodyFraction = 0.0f;   ///< share of the goal that is the whole body's rigid fit instead of the regions', [0, 1]
-	bool measuresStrain = false; ///< keep what `strain` and `stretch` tell of this substep
+	float alpha = 1.0f;          ///< fraction of the displacement to the goal, (0, 1]
+	float damping = 0.0f;        ///< 1/s; the factor per substep is k = 1 - exp(-damping h)
+	float wobbleDamping = 0.0f;  ///< 1/s, of all motion except rigid motion of the whole body, or of the connected part of the node
+	float bodyFraction = 0.0f;   ///< weight of the whole body's rigid fit in the goal, against the regions' goals, [0, 1]
+	bool measuresStrain = false; ///< record the values that `strain` and `stretch` return for this substep
 	PlasticLaw plastic = {};
-	FarFractions far = {};     ///< shares of the way to the goal on the far levels, where the matcher has them
-	bool isOnePart = true;     ///< false: the body's cells may fall into several parts that nothing links
-	float wobbleLength = 1.0f; ///< m, length of the body `wobbleDamping` is meant for; a part is damped as much faster as it is shorter
+	FarFractions far = {};     ///< alphas of the far levels, where the matcher has them
+	bool isOnePart = true;     ///< false: the body's cells may form several unlinked parts
+	float wobbleLength = 1.0f; ///< m, body length that `wobbleDamping` refers to; shorter parts are damped faster in proportion
 };
 
 class Matcher
@@ -41,30 +41,30 @@ class Matcher
 public:
 	virtual ~Matcher() = default;
 
-	/// Forget all history; the body stands at rest shape turned by `rotation`. What has flowed stays as it is.
+	/// Discards all history; the body is at its rest shape rotated by `rotation`. Plastic flow is kept.
 	virtual void reset( const NodeState& nodes, const Eigen::Quaterniond& rotation ) = 0;
 
-	/// The rest shape is once more the one the body was made with.
+	/// Restores the rest shape the body was created with.
 	virtual void forgetFlow() {}
 
-	/// The whole body was turned by `by` from outside: turn the history along.
+	/// Rotates the history by `by`, after the whole body was rotated from outside.
 	virtual void turn( const Eigen::Quaterniond& by ) = 0;
 
-	/// v += (alpha e + k de) / h for every free node, e = goal - position. Internal forces only: linear and angular momentum
-	/// of all nodes together stay as they were, but for rounding. `runner` may be null.
+	/// v += (alpha e + k de) / h for every free node, e = goal - position. Internal forces only: the linear and angular momentum of all
+	/// nodes together is conserved up to rounding. `runner` may be null.
 	virtual void accelerate( NodeState& nodes, const MatchStep& step, TaskRunner* runner ) = 0;
 
-	/// Writes, for each node, the unit quaternion (x, y, z, w) of the rotation of its own region from rest to now.
+	/// Writes, for each node, the unit quaternion (x, y, z, w) of the rotation of its own region from rest to the current shape.
 	virtual void nodeRotations( const NodeState& nodes, float* quaternions ) const = 0;
 
-	/// Writes each region's flowed stretch S_p, 9 floats a region, row by row; false, and nothing written, where nothing has flowed.
+	/// Writes each region's plastic stretch S_p, 9 floats per region, row-major; returns false and writes nothing if no region has flowed.
 	virtual bool nodeFlow( int /*count*/, float* /*stretches*/ ) const { return false; }
-	/// Whether it would.
+	/// True where `nodeFlow` would write.
 	virtual bool hasFlowed() const { return false; }
 
-	/// Bytes held, buffers included, what is shared with other bodies left out.
+	/// Bytes held, including buffers, without data shared with other bodies.
 	virtual std::size_t bytes() const = 0;
-	/// Bytes shared with other bodies of the same template and setting.
+	/// Bytes shared with other bodies of the same template and settings.
 	virtual std::size_t sharedBytes() const { return 0; }
 };
 

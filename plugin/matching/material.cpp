@@ -88,18 +88,18 @@ Status checkElasticity( const Material& material )
 
 namespace {
 
-/// What it asks for that this build may be without.
+/// Checks that this build has the optional features the material needs.
 Status checkBuild( const Material& material )
 {
 	const struct
 	{
-		bool isAsked;
+		bool isUsed;
 		Feature feature;
-	} asked[] = { { material.method != Method::Lattice, Feature::Clusters }, { material.yieldStrain > 0.0f, Feature::Plasticity },
+	} features[] = { { material.method != Method::Lattice, Feature::Clusters }, { material.yieldStrain > 0.0f, Feature::Plasticity },
 		{ material.farLevels > 0, Feature::FarLevels }, { material.elasticity == Elasticity::Implicit, Feature::Implicit } };
-	for ( const auto& [isAsked, feature] : asked )
+	for ( const auto& [isUsed, feature] : features )
 	{
-		if ( Status status = isAsked ? needFeature( feature ) : Status{}; !status.ok() )
+		if ( Status status = isUsed ? needFeature( feature ) : Status{}; !status.ok() )
 		{
 			return status;
 		}
@@ -175,8 +175,8 @@ StiffnessPlan planStiffness( const Material& material, float cellSize, float gam
 	StiffnessPlan plan;
 	const double h = double( gameStep ) / std::max( substeps, 1 );
 
-	// A lattice of regions, alpha at step h, is an elastic solid of modulus E = alpha rho d^2 mu f / h^2 (stiffness.h), with
-	// mu = w ( w + 1 ) / 3; so the modulus reached per unit of alpha is:
+	// A lattice of regions with alpha at step h is an elastic solid of modulus E = alpha rho d^2 mu f / h^2 (stiffness.h), with mu = w ( w
+	// + 1 ) / 3; the modulus per unit of alpha is therefore:
 	const double modulusPerAlpha = material.density * double( cellSize ) * cellSize * modulusMoment( material ) / ( h * h );
 	if ( material.stiffness == Stiffness::RawAlpha || material.method == Method::SingleCluster )
 	{
@@ -186,8 +186,8 @@ StiffnessPlan planStiffness( const Material& material, float cellSize, float gam
 		return plan;
 	}
 
-	const double alpha = material.youngsModulus / modulusPerAlpha, most = largestAlpha( material );
-	const bool isOutOfReach = alpha > most * ( 1.0 + kAlphaSlack );
+	const double alpha = material.youngsModulus / modulusPerAlpha, largest = largestAlpha( material );
+	const bool isOutOfReach = alpha > largest * ( 1.0 + kAlphaSlack );
 	if ( material.elasticity == Elasticity::Implicit ||
 		( material.elasticity == Elasticity::Automatic && isOutOfReach && material.farLevels == 0 && hasFeature( Feature::Implicit ) ) )
 	{
@@ -196,14 +196,14 @@ StiffnessPlan planStiffness( const Material& material, float cellSize, float gam
 		return plan;
 	}
 	const FarFractions far = farFractions( material, cellSize, h );
-	const double ofFar = farMoment( far ) / modulusMoment( material );
-	plan.alpha = float( std::min( alpha, most ) );
-	plan.reachedModulus = float( modulusPerAlpha * ( plan.alpha + ofFar ) );
+	const double farAlpha = farMoment( far ) / modulusMoment( material );
+	plan.alpha = float( std::min( alpha, largest ) );
+	plan.reachedModulus = float( modulusPerAlpha * ( plan.alpha + farAlpha ) );
 
-	// alpha falls with the square of the substep: n substeps reach E when alpha( 1 substep ) <= n^2 times the largest, far levels included.
-	const double reach = most + farMoment( farFractions( material.farLevels, kMostReach ) ) / modulusMoment( material );
-	plan.reachable = alpha <= reach * ( 1.0 + kAlphaSlack );
-	const double needed = std::ceil( std::sqrt( alpha / reach ) * std::max( substeps, 1 ) - kAlphaSlack );
+	// alpha falls with the square of the substep: n substeps reach E when alpha( 1 substep ) <= n^2 times the largest, with far levels.
+	const double largestReach = largest + farMoment( farFractions( material.farLevels, kMostReach ) ) / modulusMoment( material );
+	plan.reachable = alpha <= largestReach * ( 1.0 + kAlphaSlack );
+	const double needed = std::ceil( std::sqrt( alpha / largestReach ) * std::max( substeps, 1 ) - kAlphaSlack );
 	plan.substepsNeeded = int( std::clamp( needed, 1.0, double( kMostSubstepsNamed ) ) );
 	return plan;
 }

@@ -1,6 +1,6 @@
 #pragma once
 
-// The nodes of one body as flat arrays, component by component, padded to whole lanes. Nothing else.
+// The nodes of one body as flat arrays, component by component, padded to whole lanes.
 
 #include "matching/aligned_array.h"
 #include "matching/constants.h"
@@ -12,7 +12,7 @@
 
 namespace pliant {
 
-/// Three arrays, one a component, each `padded` long; entries from `count` on are zero.
+/// One array per component, each `padded` long; entries from `count` on are zero.
 struct Vec3Array
 {
 	AlignedArray<float> x, y, z;
@@ -37,16 +37,16 @@ struct NodeState
 	int count = 0;
 	int padded = 0; ///< count rounded up to a multiple of kLanes
 
-	/// World position of the local frame, m. Positions `x` are relative to it, so that a body far out computes as at home.
+	/// World position of the local frame, m. Positions `x` are relative to it, so that precision is the same everywhere in the world.
 	Eigen::Vector3d origin = Eigen::Vector3d::Zero();
 
 	Vec3Array x;                 ///< position relative to origin, m
 	Vec3Array v;                 ///< velocity, m/s
 	Vec3Array x0;                ///< rest position relative to the rest mass centre, m
 	AlignedArray<float> mass;    ///< kg
-	AlignedArray<float> freedom; ///< 1, or 0 for a pinned node and for padding: by rule, not by an epsilon
+	AlignedArray<float> freedom; ///< 1, or exactly 0 for a pinned node and for padding
 
-	/// External force, N. Empty until the first force on a single node is set: a body without pays nothing.
+	/// External force, N. Empty until the first force on a single node is set.
 	Vec3Array force;
 
 	Eigen::Vector3d worldPosition( int i ) const { return origin + x.get( i ).cast<double>(); }

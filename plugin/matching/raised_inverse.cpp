@@ -8,10 +8,10 @@ namespace {
 
 constexpr int kSize = 9;
 
-/// Jacobi's method converges quadratically once rotations are small: ten sweeps are far more than 9 x 9 needs.
+/// Jacobi's method converges quadratically once rotations are small: ten sweeps are more than enough for 9 x 9.
 constexpr int kMostSweeps = 32;
 
-/// Turns the plane of axes p and q so that a( p, q ) becomes zero; `axes` collects the rotations.
+/// Rotates the plane of axes p and q so that a( p, q ) becomes zero; `axes` accumulates the rotations.
 void rotate( Moment9& a, Moment9& axes, int p, int q )
 {
 	if ( a( p, q ) == 0.0 )
@@ -40,19 +40,19 @@ void rotate( Moment9& a, Moment9& axes, int p, int q )
 	a( p, q ) = a( q, p ) = 0.0;
 }
 
-/// Whether what stands beside the diagonal is too small to change what stands on it.
+/// True where the off-diagonal entries are too small to change the diagonal.
 bool isDiagonal( const Moment9& a )
 {
 	const double largest = a.diagonal().cwiseAbs().maxCoeff();
-	double beside = 0.0;
+	double offDiagonal = 0.0;
 	for ( int p = 0; p < kSize; ++p )
 	{
 		for ( int q = p + 1; q < kSize; ++q )
 		{
-			beside += a( p, q ) * a( p, q );
+			offDiagonal += a( p, q ) * a( p, q );
 		}
 	}
-	return largest + std::sqrt( beside ) == largest;
+	return largest + std::sqrt( offDiagonal ) == largest;
 }
 
 } // namespace

@@ -37,25 +37,25 @@ Eigen::Quaterniond fitRotation( const Eigen::Matrix3d& a, const Eigen::Quaternio
 		return previous;
 	}
 
-	// The optimum is the eigenvector of K's largest eigenvalue. Newton on the quartic is faster, but this road is for the hard cases.
+	// The optimum is the eigenvector of K's largest eigenvalue. Newton on the quartic is faster, but this path handles the hard cases.
 	const Eigen::SelfAdjointEigenSolver<Eigen::Matrix4d> solver( hornMatrix( a / largest ) );
 	const Eigen::Vector4d& lambda = solver.eigenvalues(); // ascending
 	const Eigen::Vector4d before( previous.w(), previous.x(), previous.y(), previous.z() );
 
-	// A gap of zero below the largest eigenvalue means that a whole plane of quaternions is equally good:
-	// keep as much of the previous rotation as lies in it, so that a line or a mirrored body does not flip from step to step.
-	Eigen::Vector4d open = Eigen::Vector4d::Zero();
+	// A gap of zero below the largest eigenvalue means that a whole subspace of quaternions is equally good: use the projection of the
+	// previous rotation on it, so that a rod or a mirrored body does not flip from step to step.
+	Eigen::Vector4d projection = Eigen::Vector4d::Zero();
 	for ( int i = 0; i < 4; ++i )
 	{
 		if ( lambda[3] - lambda[i] <= kOpenRotationGap )
 		{
-			open += solver.eigenvectors().col( i ) * solver.eigenvectors().col( i ).dot( before );
+			projection += solver.eigenvectors().col( i ) * solver.eigenvectors().col( i ).dot( before );
 		}
 	}
 	Eigen::Vector4d q = solver.eigenvectors().col( 3 );
-	if ( lambda[3] - lambda[2] <= kOpenRotationGap && open.norm() > kOpenRotationGap )
+	if ( lambda[3] - lambda[2] <= kOpenRotationGap && projection.norm() > kOpenRotationGap )
 	{
-		q = open;
+		q = projection;
 	}
 	if ( q.dot( before ) < 0.0 )
 	{

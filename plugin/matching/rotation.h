@@ -1,8 +1,8 @@
 #pragma once
 
-// The rotation nearest to any 3x3 matrix: what shape matching calls the polar factor (Steinemann et al. 2008, eq. 1).
-// Any matrix will do: zero, flat, mirrored, huge. The answer is always finite and proper (det +1), never a reflection.
-// This is the careful scalar road; the kernels' lanes come here with what their fast road could not settle.
+// The rotation nearest to any 3x3 matrix, the polar factor of shape matching (Steinemann et al. 2008, eq. 1). Accepts any matrix: zero,
+// flat, mirrored, huge. The result is always finite and proper (det +1), never a reflection.
+// This is the robust scalar path; the kernels use it for lanes that their fast path cannot resolve.
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
@@ -10,8 +10,8 @@
 namespace pliant {
 
 /// The unit quaternion of the rotation R that maximises tr( R^T a ), the global optimum.
-/// Where the matrix leaves the rotation open (zero, rank one, some reflections) the open part is taken from `previous`.
-/// `a` with a number that is not finite gives `previous`.
+/// Where the matrix leaves the rotation undetermined (zero, rank one, some reflections) the undetermined part is taken from `previous`.
+/// Returns `previous` if `a` has a non-finite entry.
 Eigen::Quaterniond fitRotation( const Eigen::Matrix3d& a, const Eigen::Quaterniond& previous );
 Eigen::Quaternionf fitRotation( const Eigen::Matrix3f& a, const Eigen::Quaternionf& previous );
 

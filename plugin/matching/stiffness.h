@@ -1,6 +1,6 @@
 #pragma once
 
-// What a region's size says about stiffness: E = alpha rho d^2 mu / h^2, mu the second moment an axis of a full region, in cells^2.
+// Stiffness from region size: E = alpha rho d^2 mu / h^2, mu the second moment per axis of a full region, in cells^2.
 
 #include "matching/constants.h"
 #include "pliant/material.h"
@@ -11,48 +11,48 @@
 
 namespace pliant {
 
-/// A full cube of n cells an edge has mu = ( n^2 - 1 ) / 12; with n = 2w + 1 that is w ( w + 1 ) / 3.
+/// A full cube of n cells along an edge has mu = ( n^2 - 1 ) / 12; with n = 2w + 1 that is w ( w + 1 ) / 3.
 inline double regionSecondMoment( const Material& material )
 {
 	const double edge = material.method == Method::Clusters ? material.clusterEdge : 2.0 * material.regionHalfWidth + 1.0;
 	return ( edge * edge - 1.0 ) / 12.0;
 }
 
-/// E = alpha rho d^2 mu f / h^2. Kept volume makes sigma = M ( eps + kappa tr( eps ) 1 ) with M = alpha rho d^2 mu / h^2, that is 2 G = M
-/// and lambda = kappa M: hence f = E / M = ( 1 + 3 kappa ) / ( 1 + 2 kappa ) and nu = kappa / ( 1 + 2 kappa ).
+/// E = alpha rho d^2 mu f / h^2. Volume keeping gives sigma = M ( eps + kappa tr( eps ) 1 ) with M = alpha rho d^2 mu / h^2, that is 2 G =
+/// M and lambda = kappa M: hence f = E / M = ( 1 + 3 kappa ) / ( 1 + 2 kappa ) and nu = kappa / ( 1 + 2 kappa ).
 inline double modulusMoment( const Material& material )
 {
 	const double kappa = material.method == Method::Lattice ? material.volumeKeeping : 0.0;
 	return regionSecondMoment( material ) * ( 1.0 + 3.0 * kappa ) / ( 1.0 + 2.0 * kappa );
 }
 
-/// Pressing a region in all directions is answered 1 + 3 kappa times as hard as pulling it: alpha ( 1 + 3 kappa ) must stay below 4.
+/// The response to uniform compression is 1 + 3 kappa times that to uniaxial tension: alpha ( 1 + 3 kappa ) must stay below 4.
 inline double largestAlpha( const Material& material )
 {
 	const double kappa = material.method == Method::Lattice ? material.volumeKeeping : 0.0;
 	return std::min( double( kLargestAlpha ), kLargestVolumeAlpha / ( 1.0 + 3.0 * kappa ) );
 }
 
-/// Region damping's share of a substep, k = 1 - exp( - damping h ), as far as it is safe beside `alpha`. A mode that is answered lambda <=
-/// 1 + 3 kappa times is stable below lambda ( alpha + 2 k ) = 4; and in a region pressed to a half, whose rotation answers twice what turns
-/// it, all of k would drive and not brake.
+/// Region damping factor of a substep, k = 1 - exp( - damping h ), limited to what is stable with `alpha`. A mode whose response factor is
+/// lambda <= 1 + 3 kappa is stable below lambda ( alpha + 2 k ) = 4; and in a region compressed to a half, whose rotation responds with
+/// twice the torque, an unlimited k would drive the motion instead of damping it.
 inline float dampingFraction( double damping, double h, double alpha, double kappa )
 {
-	const double k = 1.0 - std::exp( -damping * h ), scratch = 0.5 * ( kMostDampedAnswer / ( 1.0 + 3.0 * kappa ) - alpha );
-	return float( std::max( 0.0, std::min( { k, kLargestDampingFraction, scratch } ) ) );
+	const double k = 1.0 - std::exp( -damping * h ), margin = 0.5 * ( kLargestDampedResponse / ( 1.0 + 3.0 * kappa ) - alpha );
+	return float( std::max( 0.0, std::min( { k, kLargestDampingFraction, margin } ) ) );
 }
 
-/// Share of the way to the goal on each far level, finest first; 0: the level is not used.
+/// Alpha of each far level, finest first; 0: the level is not used.
 using FarFractions = std::array<float, kMostFarLevels>;
 
-/// Second moment an axis of a full region of far level l: three blocks of 2^l cells an edge, in cells^2.
+/// Second moment per axis of a full region of far level l: three blocks of 2^l cells along an edge, in cells^2.
 inline double farSecondMoment( int level )
 {
 	const double edge = 3.0 * double( 1 << level );
 	return ( edge * edge - 1.0 ) / 12.0;
 }
 
-/// What one unit of the far levels' shares makes up: sum of alpha_l mu_l, to be added to alpha mu f.
+/// Contribution of the far levels: the sum of alpha_l mu_l, to be added to alpha mu f.
 inline double farMoment( const FarFractions& fractions )
 {
 	double sum = 0.0;
@@ -63,9 +63,9 @@ inline double farMoment( const FarFractions& fractions )
 	return sum;
 }
 
-/// The energies of all levels add up, and so do their moduli: E h^2 / ( rho d^2 ) = alpha mu f + sum of alpha_l mu_l. What the finest level
-/// cannot give is asked of the next one first, up to its limit, then of the one above: short waves become as stiff as they can be, and no
-/// level works that is not needed. `beyond`: E h^2 / ( rho d^2 ) less what the finest level gives. What is out of reach is left out.
+/// The energies of all levels add up, and so do their moduli: E h^2 / ( rho d^2 ) = alpha mu f + sum of alpha_l mu_l. The remainder beyond
+/// the finest level goes to the next level up to its limit, then to the one above: short waves become as stiff as possible, and unneeded
+/// levels stay off. `beyond`: E h^2 / ( rho d^2 ) less the contribution of the finest level. Any remainder beyond all levels is dropped.
 inline FarFractions farFractions( int levels, double beyond )
 {
 	FarFractions fractions = {};
@@ -78,7 +78,7 @@ inline FarFractions farFractions( int levels, double beyond )
 	return fractions;
 }
 
-/// What Material::farLevels adds at a substep of h on cells of edge d.
+/// Alphas of Material::farLevels for a substep of h on cells of edge d.
 inline FarFractions farFractions( const Material& material, double cellSize, double h )
 {
 	if ( material.farLevels == 0 )

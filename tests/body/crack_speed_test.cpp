@@ -40,7 +40,7 @@ int untilLook( Body& body )
 	{
 		body.testLinks( kStep );
 		++steps;
-	} while ( body.breaking()->sinceLook > 0.0f && steps < 100 );
+	} while ( body.breaking()->sinceTest > 0.0f && steps < 100 );
 	return steps;
 }
 

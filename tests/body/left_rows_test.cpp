@@ -25,7 +25,7 @@ TEST( LeftRows, AreMeasuredWithTheCut )
 			Adaptivity settings;
 			settings.coarseLevels = coarse;
 			const auto lattice = std::make_shared<const Lattice>( makeBlockLattice( 16, 8, 8, 0.1f ) );
-			const auto cut = [&]( PieceRoad road ) {
+			const auto cut = [&]( PieceBuild road ) {
 				const std::unique_ptr<Body> body = std::move( Body::create( lattice, Material{}, {}, nullptr, settings ).value );
 				body->breakLinks( test::linksAtFour( *lattice, most ) );
 				int splits = 0;
@@ -37,7 +37,7 @@ TEST( LeftRows, AreMeasuredWithTheCut )
 				BreakReport report;
 				return body->breakApart( report, 10, road );
 			};
-			const std::vector<BodyPiece> got = cut( PieceRoad::TakeOver ), wanted = cut( PieceRoad::FromNothing );
+			const std::vector<BodyPiece> got = cut( PieceBuild::Reuse ), wanted = cut( PieceBuild::FromScratch );
 			ASSERT_EQ( got.size(), most == 8 ? 2u : 1u );
 			for ( std::size_t k = 0; k < got.size(); ++k )
 			{

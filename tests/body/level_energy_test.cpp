@@ -141,13 +141,13 @@ TEST( LevelEnergy, IsWhatExplicitStepsKeep )
 		{
 			body->accelerateTowardGoals( kStep, alpha, nullptr );
 			body->integrate( kStep );
-			const LevelEnergy held = body->heldEnergy();
+			const LevelEnergy held = body->storedEnergy();
 			const double energy = body->joules( held, kStep, alpha );
 			low = std::min( low, energy );
 			high = std::max( high, energy );
 			least = std::min( least, held.motion );
 			LevelEnergy plain = held;
-			plain.power = plain.strayPower = 0.0;
+			plain.power = plain.deviationPower = 0.0;
 			lowPlain = std::min( lowPlain, body->joules( plain, kStep, alpha ) );
 			highPlain = std::max( highPlain, body->joules( plain, kStep, alpha ) );
 		}
@@ -185,20 +185,20 @@ TEST( LevelEnergy, PartsOfABentBodyStandAtFewOdds )
 	{
 		EXPECT_LT( ( centre[std::size_t( i )] / mass[std::size_t( i )] - before.x.get( i ).cast<double>() ).norm(), 1e-6 );
 	}
-	const auto oddsOf = [&lump]( NodeState& nodes ) {
+	const auto offsetsOf = [&lump]( NodeState& nodes ) {
 		std::vector<float> odds( 3 * std::size_t( nodes.count ) );
-		lump.matcher.oddsOf( nodes, lump.all(), odds.data() );
+		lump.matcher.offsetsOf( nodes, lump.all(), odds.data() );
 		return std::sqrt( std::inner_product( odds.begin(), odds.end(), odds.begin(), 0.0 ) / nodes.count );
 	};
-	const double eased = oddsOf( lump.nodes ), left = oddsOf( naive );
+	const double eased = offsetsOf( lump.nodes ), left = offsetsOf( naive );
 	std::vector<std::uint32_t> few;
 	for ( std::uint32_t i = 0; i < std::uint32_t( naive.count ); i += 150 )
 	{
 		few.push_back( i );
 	}
 	std::vector<float> ofAll( 3 * std::size_t( naive.count ) ), ofFew( 3 * few.size() );
-	lump.matcher.oddsOf( naive, lump.all(), ofAll.data() );
-	lump.matcher.oddsOf( naive, few, ofFew.data() );
+	lump.matcher.offsetsOf( naive, lump.all(), ofAll.data() );
+	lump.matcher.offsetsOf( naive, few, ofFew.data() );
 	for ( std::size_t k = 0; k < 3 * few.size(); ++k )
 	{
 		EXPECT_NEAR( ofFew[k], ofAll[3 * few[k / 3] + k % 3], 1e-8f ); // rotations have gone on between the two
@@ -233,18 +233,18 @@ TEST( LevelEnergy, WhatIsTakenIsTheirOwnMotionAlone )
 		return sum;
 	};
 	const auto before = sums();
-	EXPECT_DOUBLE_EQ( takeOwnMotion( nodes, 2.0 ), 2.0 );
+	EXPECT_DOUBLE_EQ( removeInternalMotion( nodes, 2.0 ), 2.0 );
 	const auto after = sums();
 	EXPECT_LT( ( after - before ).head<3>().norm(), 1e-5 * before.head<3>().norm() );
 	EXPECT_LT( ( after - before ).segment<3>( 3 ).norm(), 1e-5 * before.segment<3>( 3 ).norm() );
 	EXPECT_NEAR( before[6] - after[6], 2.0, 1e-3 );
 	// More than there is: what is left is rigid, and there is nothing to take any more.
-	const double rest = takeOwnMotion( nodes, 1e9 );
+	const double rest = removeInternalMotion( nodes, 1e9 );
 	EXPECT_GT( rest, 0.0 );
-	EXPECT_LT( takeOwnMotion( nodes, 1e9 ), 1e-6 * rest );
+	EXPECT_LT( removeInternalMotion( nodes, 1e9 ), 1e-6 * rest );
 	nodes.freedom[0] = 0.0f;
 	nodes.v.set( 0, Vec3( 5, 6, 7 ) );
-	takeOwnMotion( nodes, 1e9 );
+	removeInternalMotion( nodes, 1e9 );
 	EXPECT_EQ( nodes.v.get( 0 ), Vec3( 5, 6, 7 ) );
 }
 

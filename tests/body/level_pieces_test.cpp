@@ -164,7 +164,7 @@ void breakAndCompare( Twins& twins, std::mt19937& random, std::vector<CellLink>&
 	cutByChance( twins, random, gone );
 	BreakReport report;
 	std::vector<BodyPiece> got = twins.body->breakApart( report, 1000 );
-	std::vector<BodyPiece> wanted = twins.slow->breakApart( report, 1000, PieceRoad::FromNothing );
+	std::vector<BodyPiece> wanted = twins.slow->breakApart( report, 1000, PieceBuild::FromScratch );
 	ASSERT_EQ( got.size(), wanted.size() );
 	EXPECT_EQ( twins.body->firstCells(), twins.slow->firstCells() ); // the report's numbers
 	EXPECT_EQ( twins.body->nodeCount(), twins.slow->nodeCount() );
@@ -225,14 +225,14 @@ TEST( LevelPieces, RowsFollowCellsThatChangeTheirOrder )
 	} ) );
 	Adaptivity settings;
 	settings.coarseLevels = 2;
-	const auto cut = [&]( PieceRoad road ) {
+	const auto cut = [&]( PieceBuild road ) {
 		const std::unique_ptr<Body> body = std::move( Body::create( lattice, Material{}, {}, nullptr, settings ).value );
 		EXPECT_EQ( body->nodeCount(), 8 );
 		body->breakLinks( { CellLink{ 1, 2 } } );
 		BreakReport report;
 		return body->breakApart( report, 1000, road );
 	};
-	const std::vector<BodyPiece> got = cut( PieceRoad::TakeOver ), wanted = cut( PieceRoad::FromNothing );
+	const std::vector<BodyPiece> got = cut( PieceBuild::Reuse ), wanted = cut( PieceBuild::FromScratch );
 	ASSERT_EQ( got.size(), 1u );
 	ASSERT_FALSE( std::is_sorted( got[0].nodeBefore.begin(), got[0].nodeBefore.end() ) );
 	EXPECT_EQ( got[0].nodeBefore, wanted[0].nodeBefore );
@@ -281,7 +281,7 @@ TEST( LevelPieces, ThatCameOffAreThoseFromNothingButForRounding )
 // From the first event on, what had cracked or come off was refined node by node again: bars on coarse levels break too early then.
 TEST( LevelPieces, AreRefinedTogetherAsTheWholeWas )
 {
-	for ( const PieceRoad road : { PieceRoad::TakeOver, PieceRoad::FromNothing } )
+	for ( const PieceBuild road : { PieceBuild::Reuse, PieceBuild::FromScratch } )
 	{
 		for ( const bool comesApart : { false, true } )
 		{
@@ -314,7 +314,7 @@ TEST( LevelPieces, AreRefinedTogetherAsTheWholeWas )
 // Requests were lost with every event: a game that cuts in each frame and asks for finer nodes ahead of the blade got none.
 TEST( LevelPieces, AreSplitWhereTheWholeWasAskedToBe )
 {
-	for ( const PieceRoad road : { PieceRoad::TakeOver, PieceRoad::FromNothing } )
+	for ( const PieceBuild road : { PieceBuild::Reuse, PieceBuild::FromScratch } )
 	{
 		for ( const int most : { 4, 1 } ) // through all of it; a notch
 		{
@@ -359,7 +359,7 @@ TEST( LevelPieces, AreSplitWhereTheWholeWasAskedToBe )
 // What has been quiet for most of the delay when a crack opens need not wait for all of it anew.
 TEST( LevelPieces, AreMergedWhenTheWholeWouldHaveBeen )
 {
-	for ( const PieceRoad road : { PieceRoad::TakeOver, PieceRoad::FromNothing } )
+	for ( const PieceBuild road : { PieceBuild::Reuse, PieceBuild::FromScratch } )
 	{
 		for ( const int most : { 4, 1 } ) // through all of it; a notch
 		{

@@ -13,7 +13,7 @@ namespace {
 /// A piece's places are those of the whole, moved: a rounding each.
 constexpr float kRounding = 2e-5f;
 
-std::vector<BodyPiece> cutAtFour( Body& body, int most, PieceRoad road = PieceRoad::TakeOver )
+std::vector<BodyPiece> cutAtFour( Body& body, int most, PieceBuild road = PieceBuild::Reuse )
 {
 	body.breakLinks( test::linksAtFour( body.lattice(), most ) );
 	while ( body.mustRefineToBreak() )
@@ -25,7 +25,7 @@ std::vector<BodyPiece> cutAtFour( Body& body, int most, PieceRoad road = PieceRo
 }
 
 /// A notch, then all of it: the lower cells come off what is left, and its own have other numbers.
-std::vector<BodyPiece> cutTwice( Body& body, PieceRoad road = PieceRoad::TakeOver )
+std::vector<BodyPiece> cutTwice( Body& body, PieceBuild road = PieceBuild::Reuse )
 {
 	std::vector<BodyPiece> notched = cutAtFour( body, 3, road );
 	EXPECT_EQ( notched.size(), 1u );
@@ -59,7 +59,7 @@ struct OwnBase : testing::Test
 TEST_F( OwnBase, ChangesInPlaceWhenSomethingComesOff )
 {
 	const std::unique_ptr<Body> one = body(), other = body();
-	const std::vector<BodyPiece> got = cutTwice( *one ), wanted = cutTwice( *other, PieceRoad::FromNothing );
+	const std::vector<BodyPiece> got = cutTwice( *one ), wanted = cutTwice( *other, PieceBuild::FromScratch );
 	ASSERT_EQ( got.size(), 2u );
 	ASSERT_NE( got[0].cellBefore[0], 0u ); // else nothing would have to move
 	expectSamePieces( got, wanted, kRounding );

@@ -59,7 +59,7 @@ TEST( ConjugateGradients, GoOnWhereTheyStood )
 	int sum = 0;
 	for ( const double fraction : { 1e-1, 1e-3, 1e-3, 1e-8 } )
 	{
-		const int own = other.goOn( told, parts.data(), GradientLimits{ fraction, 0.0, 200 } );
+		const int own = other.iterate( told, parts.data(), GradientLimits{ fraction, 0.0, 200 } );
 		sum += own;
 		chain.apply( parts.data(), left.data() );
 		for ( std::size_t i = 0; i < b.size(); ++i )

@@ -1,4 +1,4 @@
-// What a body is made of: its nodes, uniform or on several levels, and the matcher for them; and how its levels change.
+// Construction of a body's nodes, uniform or on several levels, and of their matcher; and changes of its levels.
 
 #include "body/body.h"
 #include "body/levels/levels.h"
@@ -47,7 +47,7 @@ Status Body::sampleStiffness( const StiffnessField& field )
 		const float fraction = field.fraction( point.data(), field.context );
 		if ( !( fraction > 0.0f && fraction <= 1.0f ) )
 		{
-			return Status{ ResultCode::BadArgument, "StiffnessField: a share is not above 0 and at most 1." };
+			return Status{ ResultCode::BadArgument, "StiffnessField: a fraction is not above 0 and at most 1." };
 		}
 		m_stiffness.push_back( fraction );
 	}
@@ -111,7 +111,7 @@ bool Body::reviewLevels( float h )
 		--m_reviewIn;
 		return false;
 	}
-	m_reviewIn = m_wasImplicit ? 0 : kSubstepsBetweenReviews - 1; // an implicit substep is as long as several others
+	m_reviewIn = m_wasImplicit ? 0 : kSubstepsBetweenReviews - 1; // an implicit substep is as long as several explicit ones
 	const bool hasChange = m_levels->review( m_nodes, m_levelMatcher->strain(), m_levelMatcher->stretch(), m_sinceReview );
 	m_sinceReview = 0.0f;
 	return hasChange;
@@ -132,7 +132,7 @@ void Body::applyLevels( TaskRunner* tasks )
 	m_levels->apply( m_nodes, *m_levelMatcher, m_material, tasks, !m_wasImplicit );
 	if ( m_levels->version() != before )
 	{
-		owe( m_levels->lastChange().energy );
+		addEnergyDebt( m_levels->lastChange().energy );
 	}
 	keepFiniteState();
 }
@@ -179,8 +179,8 @@ void Body::setFinestLevel( int level )
 
 void Body::nodeDeformations( float* gradients ) const
 {
-	m_levelMatcher->deformations(
-		const_cast<NodeState&>( m_nodes ), gradients ); // the matcher's view has one form, for reading and writing
+	// The matcher's view has one form, for reading and writing.
+	m_levelMatcher->deformations( const_cast<NodeState&>( m_nodes ), gradients );
 }
 
 void Body::nodeDeformationsOf( const std::vector<std::uint32_t>& nodes, float* gradients ) const

@@ -1,6 +1,6 @@
-// A change of levels brings no energy. What parts of a split node would hold at odds with those beside them is let go at once; what is more
-// than before then, in springs and in motion, the body owes, and it is taken out of how its nodes move against one another. Beyond
-// Steinemann et al. 2008, section 5.2.
+// A change of levels adds no energy. Children of a split node are moved to positions consistent with their neighbours; energy that the
+// change still adds, elastic or kinetic, becomes a debt that is removed from the nodes' internal motion. Beyond Steinemann et al. 2008,
+// section 5.2.
 
 #include "body/body.h"
 #include "body/levels/level_nodes.h"
@@ -14,8 +14,8 @@ namespace pliant {
 
 namespace {
 
-/// What the regions do, and what is the whole body's: K, and how far nodes stray from its rigid fit, u = x - c - R x0.
-LevelEnergy heldBy( const RegionWork& regions, const NodeState& nodes, const Eigen::Quaterniond& frame )
+/// The regions' energy and that of the whole body: K, and the nodes' deviation from its rigid fit, u = x - c - R x0.
+LevelEnergy storedIn( const RegionWork& regions, const NodeState& nodes, const Eigen::Quaterniond& frame )
 {
 	const Eigen::Matrix3d rotation = frame.toRotationMatrix();
 	Vec3d centre = Vec3d::Zero();
@@ -27,23 +27,23 @@ LevelEnergy heldBy( const RegionWork& regions, const NodeState& nodes, const Eig
 		mass += m;
 	}
 	centre /= mass;
-	LevelEnergy held{ regions.springs, regions.power };
+	LevelEnergy stored{ regions.springs, regions.power };
 	for ( int i = 0; i < nodes.count; ++i )
 	{
 		const double m = double( nodes.mass[i] );
 		const Vec3d u = nodes.x.get( i ).cast<double>() - centre - rotation * nodes.x0.get( i ).cast<double>(),
 					v = nodes.v.get( i ).cast<double>();
-		held.motion += 0.5 * m * v.squaredNorm();
-		held.stray += 0.5 * m * u.squaredNorm();
-		held.strayPower -= m * u.dot( v );
+		stored.motion += 0.5 * m * v.squaredNorm();
+		stored.deviation += 0.5 * m * u.squaredNorm();
+		stored.deviationPower -= m * u.dot( v );
 	}
-	return held;
+	return stored;
 }
 
 } // namespace
 
-/// The regions before that none is the same as.
-std::vector<std::uint32_t> Levels::regionsGone( const std::vector<std::uint32_t>& regionBefore, int countBefore ) const
+/// Previous regions that are not kept.
+std::vector<std::uint32_t> Levels::removedRegions( const std::vector<std::uint32_t>& regionBefore, int countBefore ) const
 {
 	std::vector<std::uint8_t> isKept( std::size_t( countBefore ), 0 );
 	for ( const std::uint32_t r : regionBefore )
@@ -53,15 +53,15 @@ std::vector<std::uint32_t> Levels::regionsGone( const std::vector<std::uint32_t>
 			isKept[r] = 1;
 		}
 	}
-	std::vector<std::uint32_t> gone;
+	std::vector<std::uint32_t> removed;
 	for ( std::uint32_t r = 0; r < std::uint32_t( countBefore ); ++r )
 	{
 		if ( isKept[r] == 0 )
 		{
-			gone.push_back( r );
+			removed.push_back( r );
 		}
 	}
-	return gone;
+	return removed;
 }
 
 void Levels::findParts( const NodeState& nodes )
@@ -79,19 +79,20 @@ void Levels::findParts( const NodeState& nodes )
 	}
 }
 
-// Where a body is bent, F differs from region to region, and parts that stand where their own parent's has carried them stand at odds with
-// those beside. They go to where all regions that they are in now have them, g = mean of c + F q,
-//   x <- x + ( g - x ) - mean of g - x over the parts of one parent,
-// so that each parent's mass centre stays, and all other nodes; what is stretched alike everywhere stays as it is.
+// Where a body is bent, F differs from region to region, and children placed by their own parent's region are inconsistent with their
+// neighbours. They move to the mean position predicted by all their regions, g = mean of c + F q,
+//   x <- x + ( g - x ) - mean of g - x over the children of one parent,
+// which keeps each parent's mass centre and all other nodes; uniform deformation stays unchanged.
 void Levels::easeParts( NodeState& nodes, LatticeMatcher& matcher )
 {
 	findParts( nodes );
 	m_partDisplacement.resize( 3 * m_parts.size() );
-	const auto way = [this](
-						 std::size_t k ) { return Vec3d( Eigen::Map<const Vec3>( m_partDisplacement.data() + 3 * k ).cast<double>() ); };
+	const auto displacementOf = [this]( std::size_t k ) {
+		return Vec3d( Eigen::Map<const Vec3>( m_partDisplacement.data() + 3 * k ).cast<double>() );
+	};
 	for ( int round = 0; round < kEasingRounds && !m_parts.empty(); ++round )
 	{
-		matcher.oddsOf( nodes, m_parts, m_partDisplacement.data() );
+		matcher.offsetsOf( nodes, m_parts, m_partDisplacement.data() );
 		for ( std::size_t first = 0, end = 0; first < m_parts.size(); first = end )
 		{
 			Vec3d mean = Vec3d::Zero();
@@ -99,43 +100,43 @@ void Levels::easeParts( NodeState& nodes, LatticeMatcher& matcher )
 			for ( end = first; end < m_parts.size() && m_change.source[m_parts[end]] == m_change.source[m_parts[first]]; ++end )
 			{
 				const double m = nodes.mass[m_parts[end]];
-				mean += m * way( end );
+				mean += m * displacementOf( end );
 				mass += m;
 			}
 			mean /= mass;
 			for ( std::size_t k = first; k < end; ++k )
 			{
 				const int i = int( m_parts[k] );
-				nodes.x.set( i, nodes.x.get( i ) + ( way( k ) - mean ).cast<float>() );
+				nodes.x.set( i, nodes.x.get( i ) + ( displacementOf( k ) - mean ).cast<float>() );
 			}
 		}
 	}
 }
 
-/// With the new tables; m_room.nodes are those before. `before`: what the regions did that are gone; null: it is not measured.
+/// With the new tables; m_scratch.nodes are the previous nodes. `before`: the work of the removed regions; null: not measured.
 void Levels::settle( NodeState& nodes, LatticeMatcher& matcher, const RegionWork* before )
 {
-	if ( m_left.empty() )
+	if ( m_skippedRows.empty() )
 	{
 		easeParts( nodes, matcher );
 	}
-	restoreMotion( nodes, m_scratch.nodes );
+	restoreMomentum( nodes, m_scratch.nodes );
 	m_change.energy = LevelEnergy{};
 	if ( before )
 	{
 		const RegionWork now = matcher.workOf( nodes, m_change.measured );
-		m_change.energy = heldBy( now, nodes, matcher.frame() ).plus( heldBy( *before, m_scratch.nodes, matcher.frame() ), -1.0 );
+		m_change.energy = storedIn( now, nodes, matcher.frame() ).plus( storedIn( *before, m_scratch.nodes, matcher.frame() ), -1.0 );
 	}
 }
 
-void Body::owe( const LevelEnergy& brought )
+void Body::addEnergyDebt( const LevelEnergy& added )
 {
-	m_owed.brought = m_owed.brought.plus( brought );
-	m_owed.left = kOwedFor;
+	m_energyDebt.added = m_energyDebt.added.plus( added );
+	m_energyDebt.timeLeft = kEnergyRemovalTime;
 }
 
-// What steps implicitly loses more in each step than a change brings; only explicit steps give back all that springs hold.
-LevelEnergy Body::heldEnergy()
+// Implicit steps dissipate more energy in each step than a change adds; only explicit steps conserve all elastic energy.
+LevelEnergy Body::storedEnergy()
 {
 	if ( !m_levels || m_wasImplicit )
 	{
@@ -143,43 +144,43 @@ LevelEnergy Body::heldEnergy()
 	}
 	std::vector<std::uint32_t> all( std::size_t( m_nodes.count ) );
 	std::iota( all.begin(), all.end(), 0u );
-	return heldBy( m_levelMatcher->workOf( m_nodes, all ), m_nodes, m_levelMatcher->frame() );
+	return storedIn( m_levelMatcher->workOf( m_nodes, all ), m_nodes, m_levelMatcher->frame() );
 }
 
-void Body::oweSince( const LevelEnergy& before )
+void Body::addEnergyDebtSince( const LevelEnergy& before )
 {
 	if ( m_levels && !m_wasImplicit )
 	{
-		owe( heldEnergy().plus( before, -1.0 ) );
+		addEnergyDebt( storedEnergy().plus( before, -1.0 ) );
 	}
 }
 
-// What the substep v <- v + h f / m, x <- x + h v keeps is not K + U, but  H = K + U + h / 2 f.v,  and the last is as large as they are
-// where alpha is 1. U = ( 1 - s ) alpha / h^2 times the regions' for 1, and s / h^2 times the body's, s the share of its rigid fit in the
+// The substep v <- v + h f / m, x <- x + h v does not conserve K + U, but H = K + U + h / 2 f.v, whose last term is as large as the others
+// for alpha = 1. U = ( 1 - s ) alpha / h^2 times the regions' for 1, and s / h^2 times the body's, s the weight of its rigid fit in the
 // goals.
-double Body::joules( const LevelEnergy& held, float h, float alpha ) const
+double Body::joules( const LevelEnergy& stored, float h, float alpha ) const
 {
 	const double cell = double( m_lattice->cellSize ), fullCell = double( m_material.density ) * cell * cell * cell;
 	const double seconds = double( h ), fraction = double( bodyFraction( h, alpha ) );
-	const double regions = ( 1.0 - fraction ) * double( alpha ) * fullCell * ( held.springs + 0.5 * seconds * held.power );
-	const double body = fraction * ( held.stray + 0.5 * seconds * held.strayPower );
-	return ( regions + body ) / ( seconds * seconds ) + held.motion;
+	const double regions = ( 1.0 - fraction ) * double( alpha ) * fullCell * ( stored.springs + 0.5 * seconds * stored.power );
+	const double body = fraction * ( stored.deviation + 0.5 * seconds * stored.deviationPower );
+	return ( regions + body ) / ( seconds * seconds ) + stored.motion;
 }
 
-void Body::payForLevels( float h, float alpha )
+void Body::reduceEnergyDebt( float h, float alpha )
 {
-	if ( !( m_owed.left > 0.0f ) )
+	if ( !( m_energyDebt.timeLeft > 0.0f ) )
 	{
 		return;
 	}
-	// What a change has taken away pays for what others have brought, and no more.
-	m_owed.energy = std::max( 0.0, m_owed.energy + joules( m_owed.brought, h, alpha ) );
-	m_owed.brought = LevelEnergy{};
-	m_owed.energy -= m_owed.energy > 0.0 ? takeOwnMotion( m_nodes, m_owed.energy ) : 0.0;
-	m_owed.left -= h;
-	if ( !( m_owed.left > 0.0f ) || !( m_owed.energy > 0.0 ) )
+	// Energy removed by one change offsets energy added by others, but is not credited further.
+	m_energyDebt.energy = std::max( 0.0, m_energyDebt.energy + joules( m_energyDebt.added, h, alpha ) );
+	m_energyDebt.added = LevelEnergy{};
+	m_energyDebt.energy -= m_energyDebt.energy > 0.0 ? removeInternalMotion( m_nodes, m_energyDebt.energy ) : 0.0;
+	m_energyDebt.timeLeft -= h;
+	if ( !( m_energyDebt.timeLeft > 0.0f ) || !( m_energyDebt.energy > 0.0 ) )
 	{
-		m_owed = LevelDebt{};
+		m_energyDebt = LevelDebt{};
 	}
 }
 

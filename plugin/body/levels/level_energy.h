@@ -1,33 +1,33 @@
 #pragma once
 
-// What a change of levels brings of energy, and what a body owes of it. See level_energy.cpp.
+// Energy added by a change of levels, and the body's resulting debt. See level_energy.cpp.
 
 namespace pliant {
 
-/// What that is in joules hangs on the substep (Body::joules).
+/// Its value in joules depends on the substep (Body::joules).
 struct LevelEnergy
 {
 	double springs = 0.0, power = 0.0; ///< of the regions, as in RegionWork
-	double stray = 0.0,
-		   strayPower = 0.0; ///< of nodes that are off the body's rigid fit by u: 1/2 sum m |u|^2, kg m^2; - sum m u.v, kg m^2/s
-	double motion = 0.0;     ///< J
+	/// Deviations u from the body's rigid fit: 1/2 sum m |u|^2, kg m^2; - sum m u.v, kg m^2/s.
+	double deviation = 0.0, deviationPower = 0.0;
+	double motion = 0.0; ///< J
 
-	LevelEnergy plus( const LevelEnergy& other, double times = 1.0 ) const
+	LevelEnergy plus( const LevelEnergy& other, double factor = 1.0 ) const
 	{
-		return { springs + times * other.springs, power + times * other.power, stray + times * other.stray,
-			strayPower + times * other.strayPower, motion + times * other.motion };
+		return { springs + factor * other.springs, power + factor * other.power, deviation + factor * other.deviation,
+			deviationPower + factor * other.deviationPower, motion + factor * other.motion };
 	}
 };
 
-/// What changes have brought and the next substeps take off.
+/// Energy that changes have added and the next substeps remove.
 struct LevelDebt
 {
-	LevelEnergy brought; ///< not yet counted in `energy`
-	double energy = 0.0; ///< J
-	float left = 0.0f;   ///< s, until it is forgiven
+	LevelEnergy added;     ///< not yet included in `energy`
+	double energy = 0.0;   ///< J
+	float timeLeft = 0.0f; ///< s, until the rest is dropped
 
-	/// Of a piece that has so much of the body.
-	LevelDebt fraction( double of ) const { return { LevelEnergy{}.plus( brought, of ), of * energy, left }; }
+	/// The debt of a piece that has this fraction of the body.
+	LevelDebt fraction( double ratio ) const { return { LevelEnergy{}.plus( added, ratio ), ratio * energy, timeLeft }; }
 };
 
 } // namespace pliant

@@ -14,7 +14,7 @@ namespace {
 
 using Matrix3fRows = Eigen::Matrix<float, 3, 3, Eigen::RowMajor>;
 
-/// Nodes that are summed side by side; part of the sums' order.
+/// Nodes summed side by side; determines the order of the sums.
 constexpr int kSumLanes = 8;
 static_assert( kLanes % kSumLanes == 0 );
 using Lanes = Eigen::Array<double, kSumLanes, 1>;
@@ -24,12 +24,12 @@ Lanes load( const AlignedArray<float>& array, int i )
 	return Eigen::Map<const Eigen::Array<float, kSumLanes, 1>>( array.data() + i ).cast<double>();
 }
 
-/// Sums over all nodes, in double: one walk, about the nodes' own origin.
+/// Sums over all nodes, in double, in one pass, about the nodes' origin.
 struct Motion
 {
 	double mass = 0.0;
 	Vec3d first = Vec3d::Zero(), momentum = Vec3d::Zero(), spin = Vec3d::Zero();
-	Vec3d square = Vec3d::Zero(), beside = Vec3d::Zero(); ///< sum m x x^T: xx, yy, zz and yz, xz, xy
+	Vec3d square = Vec3d::Zero(), offDiagonal = Vec3d::Zero(); ///< sum m x x^T: xx, yy, zz and yz, xz, xy
 
 	Vec3d centre() const { return first / mass; }
 	/// Spin about the centre of mass.
@@ -37,7 +37,8 @@ struct Motion
 	Eigen::Matrix3d inertia() const
 	{
 		Eigen::Matrix3d moment;
-		moment << square[0], beside[2], beside[1], beside[2], square[1], beside[0], beside[1], beside[0], square[2];
+		moment << square[0], offDiagonal[2], offDiagonal[1], offDiagonal[2], square[1], offDiagonal[0], offDiagonal[1], offDiagonal[0],
+			square[2];
 		moment -= first * centre().transpose();
 		return moment.trace() * Eigen::Matrix3d::Identity() - moment;
 	}
@@ -69,7 +70,7 @@ Motion motionOf( const NodeState& nodes )
 	}
 	Motion motion;
 	motion.mass = mass.sum();
-	Vec3d* const to[5] = { &motion.first, &motion.momentum, &motion.spin, &motion.square, &motion.beside };
+	Vec3d* const to[5] = { &motion.first, &motion.momentum, &motion.spin, &motion.square, &motion.offDiagonal };
 	for ( int kind = 0; kind < 5; ++kind )
 	{
 		*to[kind] = Vec3d( sum[kind][0].sum(), sum[kind][1].sum(), sum[kind][2].sum() );
@@ -97,7 +98,7 @@ void addRigid( NodeState& nodes, const Vec3d& shift, const Vec3d& turn )
 	}
 }
 
-/// Nodes `old`, old + 1, ... become `first` to end - 1, as they are.
+/// Copies nodes `old`, old + 1, ... to `first` to end - 1.
 void copyNodes( const NodeState& before, int old, NodeState& now, int first, int end )
 {
 	const auto from = arraysOf( const_cast<NodeState&>( before ) ), to = arraysOf( now ); // read only
@@ -126,46 +127,47 @@ void resizeNodes( NodeState& nodes, int count )
 	}
 }
 
-void restoreMotion( NodeState& nodes, const NodeState& before )
+void restoreMomentum( NodeState& nodes, const NodeState& before )
 {
-	const auto isHeld = []( float freedom ) { return freedom == 0.0f; };
-	if ( nodes.count < 2 || std::any_of( nodes.freedom.begin(), nodes.freedom.begin() + nodes.count, isHeld ) )
+	const auto isPinned = []( float freedom ) { return freedom == 0.0f; };
+	if ( nodes.count < 2 || std::any_of( nodes.freedom.begin(), nodes.freedom.begin() + nodes.count, isPinned ) )
 	{
 		return;
 	}
-	const Motion was = motionOf( before ), is = motionOf( nodes );
-	const Vec3d turn = flooredInverse( is.inertia(), kInertiaFloor ) * ( was.ownSpin() - is.ownSpin() );
-	const Vec3d shift = ( was.momentum - is.momentum ) / is.mass;
-	addRigid( nodes, shift - turn.cross( is.centre() ), turn );
+	const Motion then = motionOf( before ), now = motionOf( nodes );
+	const Vec3d turn = flooredInverse( now.inertia(), kInertiaFloor ) * ( then.ownSpin() - now.ownSpin() );
+	const Vec3d shift = ( then.momentum - now.momentum ) / now.mass;
+	addRigid( nodes, shift - turn.cross( now.centre() ), turn );
 }
 
-double takeOwnMotion( NodeState& nodes, double joules )
+double removeInternalMotion( NodeState& nodes, double joules )
 {
 	const Motion motion = motionOf( nodes );
 	const Vec3d turn = flooredInverse( motion.inertia(), kInertiaFloor ) * motion.ownSpin(),
 				shift = motion.momentum / motion.mass - turn.cross( motion.centre() );
 	const auto rigid = [&]( int i ) { return Vec3d( shift + turn.cross( nodes.x.get( i ).cast<double>() ) ); };
-	double own = 0.0;
+	double internal = 0.0;
 	for ( int i = 0; i < nodes.count; ++i )
 	{
-		own += 0.5 * double( nodes.freedom[i] ) * double( nodes.mass[i] ) * ( nodes.v.get( i ).cast<double>() - rigid( i ) ).squaredNorm();
+		internal += 0.5 * double( nodes.freedom[i] ) * double( nodes.mass[i] ) *
+			( nodes.v.get( i ).cast<double>() - rigid( i ) ).squaredNorm();
 	}
-	const double taken = std::min( joules, own );
-	if ( !( taken > 0.0 ) )
+	const double removed = std::min( joules, internal );
+	if ( !( removed > 0.0 ) )
 	{
 		return 0.0;
 	}
 	// v <- v_rigid + sqrt( 1 - taken / own ) ( v - v_rigid )
-	const double fraction = std::sqrt( 1.0 - taken / own );
+	const double fraction = std::sqrt( 1.0 - removed / internal );
 	for ( int i = 0; i < nodes.count; ++i )
 	{
-		const double left = nodes.freedom[i] == 0.0f ? 1.0 : fraction;
-		nodes.v.set( i, ( rigid( i ) + left * ( nodes.v.get( i ).cast<double>() - rigid( i ) ) ).cast<float>() );
+		const double scale = nodes.freedom[i] == 0.0f ? 1.0 : fraction;
+		nodes.v.set( i, ( rigid( i ) + scale * ( nodes.v.get( i ).cast<double>() - rigid( i ) ) ).cast<float>() );
 	}
-	return taken;
+	return removed;
 }
 
-/// The first of the old nodes under a node is its heir: both cuts are in depth-first order.
+/// The source of a node is the first of the old nodes under it: both cuts are in depth-first order.
 void Levels::numberSources( const Cut& next )
 {
 	m_change.source.assign( next.node.size(), kNoNode );
@@ -194,7 +196,7 @@ void Levels::numberSources( const Cut& next )
 	}
 }
 
-/// Old nodes whose children stand in their place, ascending.
+/// Old nodes that are replaced by their children, ascending.
 std::vector<std::uint32_t> Levels::splitNodes( const Cut& next ) const
 {
 	std::vector<std::uint32_t> split;
@@ -258,14 +260,14 @@ NodeState Levels::changedNodes( const NodeState& before, LatticeMatcher& matcher
 	return now;
 }
 
-// A child stands where its parent's region has carried its rest place: x = x_a + F ( x0_c - x0_a ), and moves as the region does:
-// v = v_a + G ( x0_c - x0_a ). The children's mass centre is the parent's, at rest and hence now: momentum is kept, and what spin the
-// parent did not have is taken off the body afterwards. A parent stands and moves as the mean of its children.
+// A child is placed by its parent's region: x = x_a + F ( x0_c - x0_a ), v = v_a + G ( x0_c - x0_a ). The children's mass centre is the
+// parent's, at rest and hence now: momentum is conserved, and spin that the parent did not have is removed from the body afterwards. A
+// parent takes the mean position and velocity of its children.
 void Levels::splitInto( const NodeState& before, const std::vector<std::uint32_t>& parents, const std::vector<float>& gradients,
 	const Cut& next, NodeState& now ) const
 {
 	std::size_t parent = 0;
-	std::uint32_t last = kNoNode; // children stand side by side
+	std::uint32_t last = kNoNode; // children are adjacent
 	Eigen::Matrix3d gradient = Eigen::Matrix3d::Zero();
 	for ( int i = 0; i < now.count && !parents.empty(); ++i )
 	{
@@ -306,13 +308,13 @@ void Levels::mergeInto( const NodeState& before, int first, NodeState& now, int 
 	now.v.set( slot, ( v / mass ).cast<float>() );
 }
 
-/// G = sum u ( v - v_r ) q^T J^+, 1/s: how the velocities around a node change over its rest shape.
+/// G = sum u ( v - v_r ) q^T J^+, 1/s: the velocity gradient around a node with respect to its rest shape.
 Eigen::Matrix3d Levels::velocityGradient( const NodeState& nodes, int node ) const
 {
 	const RegionMoments& moments = m_tables->moments;
 	const Vec3d centre( moments.centre[0][node], moments.centre[1][node], moments.centre[2][node] );
 	Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
-	const Vec3d own = nodes.v.get( node ).cast<double>(); // any velocity may be taken off: sum u q = 0
+	const Vec3d own = nodes.v.get( node ).cast<double>(); // any velocity may be subtracted: sum u q = 0
 	for ( std::uint32_t k = matrix().start[node]; k < matrix().start[node + 1]; ++k )
 	{
 		const int a = int( matrix().member[k] );

@@ -1,5 +1,5 @@
-// Levels of a body whose links have changed, and of the pieces that came off it: what is above links that stayed is taken over.
-// Steinemann et al. 2008, section 5.1; Ohta et al. 2009, "Fracturing".
+// Levels of a body whose links have changed, and of pieces that came off: data above unchanged links is reused. Steinemann et al. 2008,
+// section 5.1; Ohta et al. 2009, "Fracturing".
 
 #include "body/levels/level_nodes.h"
 
@@ -16,9 +16,9 @@ namespace pliant {
 
 namespace {
 
-void takeInOrder( AlignedArray<float>& array, const std::vector<std::uint32_t>& before, AlignedArray<float>& scratch )
+void permute( AlignedArray<float>& array, const std::vector<std::uint32_t>& before, AlignedArray<float>& scratch )
 {
-	scratch = array; // padding stays
+	scratch = array; // keeps the padding
 	for ( std::size_t i = 0; i < before.size(); ++i )
 	{
 		scratch[i] = array[before[i]];
@@ -26,8 +26,8 @@ void takeInOrder( AlignedArray<float>& array, const std::vector<std::uint32_t>& 
 	array.swap( scratch );
 }
 
-/// `before`: the number that each node had.
-void putInOrder( NodeState& nodes, const std::vector<std::uint32_t>& before )
+/// `before`: previous index of each node.
+void reorderNodes( NodeState& nodes, const std::vector<std::uint32_t>& before )
 {
 	if ( std::is_sorted( before.begin(), before.end() ) )
 	{
@@ -36,18 +36,18 @@ void putInOrder( NodeState& nodes, const std::vector<std::uint32_t>& before )
 	AlignedArray<float> scratch;
 	for ( AlignedArray<float>* array : arraysOf( nodes ) )
 	{
-		takeInOrder( *array, before, scratch );
+		permute( *array, before, scratch );
 	}
 	for ( AlignedArray<float>* array : { &nodes.force.x, &nodes.force.y, &nodes.force.z } )
 	{
 		if ( !array->empty() )
 		{
-			takeInOrder( *array, before, scratch );
+			permute( *array, before, scratch );
 		}
 	}
 }
 
-/// The same cells stand under one node as before, as far as they are still connected: blocks are where they were.
+/// Groups the cells under the same nodes as in `whole`, as far as they are still connected; blocks do not move.
 Cut cutOfPiece( const Levels& whole, const Octree& tree, const std::vector<std::uint32_t>& cellBefore )
 {
 	return selectCut( tree, [&]( std::uint32_t node ) {
@@ -60,7 +60,7 @@ Cut cutOfPiece( const Levels& whole, const Octree& tree, const std::vector<std::
 std::unique_ptr<Levels> Levels::ofPiece( PieceOfLevels piece, const LevelSettings& settings, const Lattice& lattice ) const
 {
 	std::unique_ptr<Levels> levels;
-	if ( canTakeOver( piece ) )
+	if ( canReuse( piece ) )
 	{
 		MatrixScratch scratch;
 		LevelRegions regions{ std::make_shared<RegionMatrix>( updateRelinkedRegions(
@@ -80,7 +80,7 @@ std::unique_ptr<Levels> Levels::ofPiece( PieceOfLevels piece, const LevelSetting
 	return levels;
 }
 
-// A node in the cut above a touched cell might hold other cells than before.
+// A node in the cut above a touched cell may hold other cells than before.
 bool Levels::canRelink( const std::vector<std::uint32_t>& touched ) const
 {
 	return m_settings.regions == RegionRule::Multiplicity &&
@@ -96,8 +96,7 @@ void Levels::ownBase()
 	}
 }
 
-// Of a base that is the template's nothing may go, even where this body is the last that has it: who makes a body elsewhere meanwhile may
-// find it.
+// A template's base must not be modified, even where this body is the last to hold it: a body created in another thread may obtain it.
 LevelBaseScratch Levels::takeBaseScratch()
 {
 	LevelBaseScratch scratch;
@@ -119,51 +118,51 @@ void Levels::inherit( const Levels& whole, const std::vector<std::uint32_t>& cel
 	{
 		m_coarsest[cell] = whole.m_coarsest[cellBefore[cell]];
 	}
-	const std::vector<std::uint8_t> isAsked = whole.askedNodes();
+	const std::vector<std::uint8_t> isRequested = whole.requestedNodes();
 	for ( std::size_t i = 0; i < m_quiet.size(); ++i )
 	{
 		const std::uint32_t cell = octree().cells[octree().cellStart[m_cut.node[i]]];
 		const std::uint32_t before = whole.m_cut.slotOfCell[cellBefore[cell]];
 		m_quiet[i] = whole.m_quiet[before];
-		m_isWanted[i] = whole.m_isWanted[before];
-		if ( isAsked[before] != 0 )
+		m_wasRequested[i] = whole.m_wasRequested[before];
+		if ( isRequested[before] != 0 )
 		{
-			m_asked.push_back( m_cut.node[i] );
+			m_requested.push_back( m_cut.node[i] );
 		}
 	}
-	if ( !whole.m_heldOn.empty() )
+	if ( !whole.m_pinnedLevel.empty() )
 	{
-		m_heldOn.reserve( cellBefore.size() );
+		m_pinnedLevel.reserve( cellBefore.size() );
 		for ( const std::uint32_t cell : cellBefore )
 		{
-			m_heldOn.push_back( whole.m_heldOn[cell] );
+			m_pinnedLevel.push_back( whole.m_pinnedLevel[cell] );
 		}
 	}
 }
 
-std::vector<std::uint8_t> Levels::askedNodes() const
+std::vector<std::uint8_t> Levels::requestedNodes() const
 {
-	std::vector<std::uint32_t> asked( m_asked );
-	std::sort( asked.begin(), asked.end() );
-	std::vector<std::uint8_t> isAsked;
+	std::vector<std::uint32_t> requested( m_requested );
+	std::sort( requested.begin(), requested.end() );
+	std::vector<std::uint8_t> isRequested;
 	for ( const std::uint32_t node : m_cut.node )
 	{
-		isAsked.push_back( std::binary_search( asked.begin(), asked.end(), node ) ? 1 : 0 );
+		isRequested.push_back( std::binary_search( requested.begin(), requested.end(), node ) ? 1 : 0 );
 	}
-	return isAsked;
+	return isRequested;
 }
 
-void Levels::measureLeftRows( const Material& material )
+void Levels::measureSkippedRows( const Material& material )
 {
-	if ( !m_left.empty() )
+	if ( !m_skippedRows.empty() )
 	{
-		RegionTables& tables = *std::const_pointer_cast<RegionTables>( m_tables ); // made by the last change, for these levels
-		fillLeftRows( *m_base, *m_lattice, m_cut, LevelSettings{ material, m_settings, *m_stiffness }, m_left, tables );
-		m_left.clear();
+		RegionTables& tables = *std::const_pointer_cast<RegionTables>( m_tables ); // created by the last change, for these levels
+		fillSkippedRows( *m_base, *m_lattice, m_cut, LevelSettings{ material, m_settings, *m_stiffness }, m_skippedRows, tables );
+		m_skippedRows.clear();
 	}
 }
 
-// As a change of levels is made (Levels::change): in the room the one before the last left.
+// Like Levels::change, in the scratch memory of the change before the last.
 void Levels::relink( PieceOfLevels piece, const LevelSettings& settings, const Lattice& lattice, NodeState& nodes, LatticeMatcher& matcher )
 {
 	m_scratch.matrix.rowBefore.clear();
@@ -172,33 +171,33 @@ void Levels::relink( PieceOfLevels piece, const LevelSettings& settings, const L
 		nullptr };
 	std::vector<std::uint32_t>& rows = m_scratch.matrix.rowBefore;
 	std::replace_if(
-		rows.begin(), rows.end(), [this]( std::uint32_t row ) { return std::binary_search( m_left.begin(), m_left.end(), row ); },
-		kNoNode );
-	m_left.clear();
+		rows.begin(), rows.end(),
+		[this]( std::uint32_t row ) { return std::binary_search( m_skippedRows.begin(), m_skippedRows.end(), row ); }, kNoNode );
+	m_skippedRows.clear();
 	std::shared_ptr<const RegionTables> old = m_tables;
 	m_tables = buildLevelTables( *piece.update.base, lattice, piece.cut, regions, settings,
 		TablesBefore{ old.get(), std::move( m_scratch.matrix.rowBefore ), std::move( m_scratch.tables ) } );
 	matcher.relink( lattice, m_tables, piece.nodes.before );
 	m_regions = std::move( regions );
 	keepScratch( std::move( old ) );
-	putInOrder( nodes, piece.nodes.before );
+	reorderNodes( nodes, piece.nodes.before );
 	m_scratch.quiet.clear();
-	const std::vector<std::uint8_t> isAsked = askedNodes();
-	std::vector<std::uint8_t> isWanted;
-	std::vector<std::uint32_t> asked;
+	const std::vector<std::uint8_t> isRequested = requestedNodes();
+	std::vector<std::uint8_t> wasRequested;
+	std::vector<std::uint32_t> requested;
 	for ( std::size_t i = 0; i < piece.nodes.before.size(); ++i )
 	{
 		const std::uint32_t before = piece.nodes.before[i];
 		m_scratch.quiet.push_back( m_quiet[before] );
-		isWanted.push_back( m_isWanted[before] );
-		if ( isAsked[before] != 0 )
+		wasRequested.push_back( m_wasRequested[before] );
+		if ( isRequested[before] != 0 )
 		{
-			asked.push_back( piece.cut.node[i] );
+			requested.push_back( piece.cut.node[i] );
 		}
 	}
 	m_quiet.swap( m_scratch.quiet );
-	m_isWanted.swap( isWanted );
-	m_asked.swap( asked );
+	m_wasRequested.swap( wasRequested );
+	m_requested.swap( requested );
 	const std::shared_ptr<const LevelBase> baseBefore = std::exchange( m_base, piece.update.base );
 	if ( m_ownsBase && baseBefore.use_count() == 1 )
 	{
@@ -209,7 +208,7 @@ void Levels::relink( PieceOfLevels piece, const LevelSettings& settings, const L
 	m_stiffness = &settings.stiffness;
 	m_cut = std::move( piece.cut );
 	countLevels();
-	// What was to be changed names nodes of the octree before; it is found again.
+	// Pending changes refer to nodes of the previous octree; the next review finds them again.
 	m_change = {};
 	m_split.clear();
 	m_merge.clear();
@@ -225,11 +224,11 @@ void Body::prepareToBreak()
 	}
 }
 
-PieceOfLevels Body::pieceOfLevels( const Body& from, const BodyPiece& piece, PieceRoad road ) const
+PieceOfLevels Body::pieceOfLevels( const Body& from, const BodyPiece& piece, PieceBuild build ) const
 {
 	const Levels& before = *from.m_levels;
 	PieceOfLevels made;
-	if ( road == PieceRoad::FromNothing )
+	if ( build == PieceBuild::FromScratch )
 	{
 		made.update.base = buildLevelBase( *m_lattice, m_material, before.settings() );
 		made.cut = cutOfPiece( before, made.update.base->octree, piece.cellBefore );
@@ -244,10 +243,10 @@ PieceOfLevels Body::pieceOfLevels( const Body& from, const BodyPiece& piece, Pie
 	return made;
 }
 
-void Body::inheritLevels( const Body& from, BodyPiece& piece, PieceRoad road )
+void Body::inheritLevels( const Body& from, BodyPiece& piece, PieceBuild build )
 {
 	const Levels& before = *from.m_levels;
-	PieceOfLevels made = pieceOfLevels( from, piece, road );
+	PieceOfLevels made = pieceOfLevels( from, piece, build );
 	piece.treeBefore = made.update.nodeBefore;
 	for ( const std::uint32_t node : made.cut.node )
 	{
@@ -260,7 +259,7 @@ void Body::inheritLevels( const Body& from, BodyPiece& piece, PieceRoad road )
 	m_levels->fillNodes( m_nodes, m_material.density );
 }
 
-// Nothing came off: what makes up this body goes on in another one, and only what is near the links in question is made anew.
+// Nothing came off: the body's data moves to a new body, and only the surroundings of the changed links are rebuilt.
 std::unique_ptr<Body> Body::relinkWhole( const std::shared_ptr<const Lattice>& lattice, BodyPiece& piece )
 {
 	const std::shared_ptr<const Lattice> before = m_lattice;
@@ -275,13 +274,13 @@ std::unique_ptr<Body> Body::relinkWhole( const std::shared_ptr<const Lattice>& l
 	made.nodes = relinkNodes( m_levels->cut(), made.cut, made.update, piece.cellBefore );
 	piece.nodeBefore = made.nodes.before;
 	piece.treeBefore = made.update.nodeBefore;
-	const std::vector<std::uint32_t> names = m_firstCell;
+	const std::vector<std::uint32_t> firstCells = m_firstCell;
 	std::unique_ptr<Body> body( new Body( std::move( *this ) ) );
-	m_firstCell = names; // what the report says is in the numbers of the body before
+	m_firstCell = firstCells; // the report uses the previous body's indices
 	body->m_lattice = lattice;
 	body->m_isOnePart = piece.isOnePart;
-	body->m_cache.reset();    // it is of the lattice as it was
-	body->m_implicit.reset(); // it knows this body, and is made again when it is asked for
+	body->m_cache.reset();    // it belongs to the previous lattice
+	body->m_implicit.reset(); // it refers to this body; rebuilt on demand
 	if ( body->m_firstCell.empty() )
 	{
 		body->m_firstCell = piece.cellBefore;

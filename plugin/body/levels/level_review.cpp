@@ -1,4 +1,4 @@
-// Which nodes are to be split and which merged: Ohta et al. 2009, "Changing the Subdivision Level" and "Merging".
+// Selects the nodes to split and to merge: Ohta et al. 2009, "Changing the Subdivision Level" and "Merging".
 
 #include "body/levels/levels.h"
 
@@ -10,8 +10,8 @@ namespace pliant {
 
 namespace {
 
-/// How much of what splits it a node is strained by; limits at 0 do not count. Largest | s - 1 | over the singular values s of F lies
-/// between the root of a third of their squares' sum and the root of it.
+/// Strain of a node relative to its splitting thresholds; limits of 0 are ignored. The largest | s - 1 | over the singular values s of F
+/// lies between the root of a third of their squares' sum and the root of it.
 float loadOf( float squares, float strainLimit, float stretch, float stretchLimit )
 {
 	const float strained = strainLimit > 0.0f ? std::sqrt( squares ) / strainLimit : 0.0f;
@@ -20,7 +20,7 @@ float loadOf( float squares, float strainLimit, float stretch, float stretchLimi
 
 } // namespace
 
-// A body is reviewed in every step and its cut stays the same for many: the octree, which lies anywhere, is asked once a cut.
+// A body is reviewed in every step but its cut rarely changes: the octree, whose memory is scattered, is read once per cut.
 void Levels::findReviewed()
 {
 	if ( m_reviewed.isKnown && m_reviewed.version == m_version )
@@ -37,7 +37,7 @@ void Levels::findReviewed()
 		const std::uint32_t node = m_cut.node[i], parent = tree.parent[node];
 		if ( const int level = tree.levelOf( node ); level > 0 )
 		{
-			m_reviewed.coarse.push_back( { i, node, level, isTooBig( node ) } );
+			m_reviewed.coarse.push_back( { i, node, level, isTooCoarse( node ) } );
 		}
 		if ( parent == kNoNode )
 		{
@@ -47,17 +47,17 @@ void Levels::findReviewed()
 		const std::uint32_t children = std::uint32_t( end - first );
 		if ( i + children <= m_cut.node.size() && std::equal( first, end, m_cut.node.begin() + i ) )
 		{
-			m_reviewed.siblings.push_back( { parent, i, children, tree.levelOf( parent ), isTooBig( parent ) } );
+			m_reviewed.siblings.push_back( { parent, i, children, tree.levelOf( parent ), isTooCoarse( parent ) } );
 		}
 	}
 }
 
-/// Whether each of its cells was held by a node at least as big, while it was held last.
-bool Levels::isHeldAsOne( std::uint32_t node ) const
+/// Whether each of its cells was last pinned through a node at least as coarse.
+bool Levels::isPinnedAsOne( std::uint32_t node ) const
 {
 	const auto first = octree().cells.begin() + octree().cellStart[node];
-	return !m_heldOn.empty() && std::all_of( first, first + octree().cellCount[node], [&]( std::uint32_t cell ) {
-		return int( m_heldOn[cell] ) >= octree().levelOf( node );
+	return !m_pinnedLevel.empty() && std::all_of( first, first + octree().cellCount[node], [&]( std::uint32_t cell ) {
+		return int( m_pinnedLevel[cell] ) >= octree().levelOf( node );
 	} );
 }
 
@@ -81,17 +81,16 @@ bool Levels::review( const NodeState& nodes, const AlignedArray<float>& strain, 
 	for ( std::size_t i = 0; i < m_cut.node.size() && !( follows && m_load.empty() ); ++i )
 	{
 		const bool isQuiet = !follows || m_load[i] < m_settings.mergeFraction;
-		m_quiet[i] = isQuiet && m_isWanted[i] == 0 ? m_quiet[i] + seconds : 0.0f;
+		m_quiet[i] = isQuiet && m_wasRequested[i] == 0 ? m_quiet[i] + seconds : 0.0f;
 	}
 	collectSplits();
 	collectMerges( nodes );
 	gatherMerges( seconds );
-	std::fill( m_isWanted.begin(), m_isWanted.end(), std::uint8_t( 0 ) );
+	std::fill( m_wasRequested.begin(), m_wasRequested.end(), std::uint8_t( 0 ) );
 	return !m_split.empty() || !m_merge.empty();
 }
 
-// Above the threshold; and, where nodes are to be split together, all that hang together with such a one and are nearly as strained. Empty
-// where none is.
+// Nodes above the threshold; and, where nodes split in groups, those connected to such a node with nearly as much strain. Empty if none.
 std::vector<std::uint8_t> Levels::strainedNodes() const
 {
 	std::vector<std::uint8_t> isStrained;
@@ -128,26 +127,26 @@ std::vector<std::uint8_t> Levels::strainedNodes() const
 
 void Levels::collectSplits()
 {
-	// What was asked for comes first, then what only the finest level allowed had kept merged, then the most strained.
-	constexpr float kAsked = -std::numeric_limits<float>::infinity(), kTooBig = -std::numeric_limits<float>::max();
+	// Requested nodes come first, then nodes that only the finest level allowed had kept merged, then the most strained.
+	constexpr float kRequested = -std::numeric_limits<float>::infinity(), kTooCoarse = -std::numeric_limits<float>::max();
 	std::vector<std::pair<float, std::uint32_t>> wanted;
-	std::sort( m_asked.begin(), m_asked.end() );
+	std::sort( m_requested.begin(), m_requested.end() );
 	std::vector<std::uint32_t> waiting;
 	const std::vector<std::uint8_t> isStrained = strainedNodes();
-	for ( const auto& [slot, node, level, isTooBig] : m_reviewed.coarse )
+	for ( const auto& [slot, node, level, isTooCoarse] : m_reviewed.coarse )
 	{
 		if ( level <= m_finestLevel )
 		{
 			continue;
 		}
-		if ( std::binary_search( m_asked.begin(), m_asked.end(), node ) )
+		if ( std::binary_search( m_requested.begin(), m_requested.end(), node ) )
 		{
-			wanted.emplace_back( kAsked, node );
+			wanted.emplace_back( kRequested, node );
 			waiting.push_back( node );
 		}
-		else if ( isTooBig )
+		else if ( isTooCoarse )
 		{
-			wanted.emplace_back( kTooBig, node );
+			wanted.emplace_back( kTooCoarse, node );
 		}
 		else if ( !isStrained.empty() && isStrained[slot] != 0 )
 		{
@@ -155,49 +154,49 @@ void Levels::collectSplits()
 		}
 	}
 	std::stable_sort( wanted.begin(), wanted.end(), []( const auto& a, const auto& b ) { return a.first < b.first; } );
-	int left = m_budget == kNoBudget ? m_settings.nodesPerStep : m_budget;
+	int budget = m_budget == kNoBudget ? m_settings.nodesPerStep : m_budget;
 	m_hasBacklog = false;
 	for ( const auto& [order, node] : wanted )
 	{
 		const int children = int( octree().childStart[node + 1] - octree().childStart[node] );
-		m_hasBacklog = children > left;
+		m_hasBacklog = children > budget;
 		if ( m_hasBacklog )
 		{
-			left = 0; // what waits, waits together: a second change for a few nodes would cost nearly as much as one for all
+			budget = 0; // postponed splits wait for one common change, as a change for a few nodes costs nearly as much as one for all
 			break;
 		}
-		left -= children;
+		budget -= children;
 		m_split.push_back( node );
 	}
-	m_budget = m_budget == kNoBudget ? kNoBudget : left;
+	m_budget = m_budget == kNoBudget ? kNoBudget : budget;
 	std::sort( m_split.begin(), m_split.end() );
 	const auto isDone = [this]( std::uint32_t node ) { return std::binary_search( m_split.begin(), m_split.end(), node ); };
 	waiting.erase( std::remove_if( waiting.begin(), waiting.end(), isDone ), waiting.end() );
-	m_asked = std::move( waiting ); // each once, and only what is there: requests come again and again
+	m_requested = std::move( waiting ); // without duplicates and only current nodes, as requests repeat
 }
 
-bool Levels::mayMerge( const NodeState& nodes, const Reviewed::Siblings& of ) const
+bool Levels::mayMerge( const NodeState& nodes, const Reviewed::Siblings& siblings ) const
 {
-	const bool isFiner = of.parentLevel <= m_finestLevel, isHeld = nodes.freedom[of.first] == 0.0f;
-	for ( std::size_t slot = of.first; slot < std::size_t( of.first ) + of.count; ++slot )
+	const bool isFiner = siblings.parentLevel <= m_finestLevel, isPinned = nodes.freedom[siblings.first] == 0.0f;
+	for ( std::size_t slot = siblings.first; slot < std::size_t( siblings.first ) + siblings.count; ++slot )
 	{
 		const bool isQuiet = isFiner || ( m_quiet[slot] > 0.0f && m_quiet[slot] >= m_settings.mergeDelay );
-		const bool isAlike = ( nodes.freedom[slot] == 0.0f ) == isHeld; // a pin holds one node, not what surrounds it
+		const bool isAlike = ( nodes.freedom[slot] == 0.0f ) == isPinned; // a pin holds one node, not its surroundings
 		if ( !isQuiet || !isAlike || std::binary_search( m_split.begin(), m_split.end(), m_cut.node[slot] ) )
 		{
 			return false;
 		}
 	}
-	return ( isFiner || !of.isParentTooBig ) && ( !isHeld || isHeldAsOne( of.parent ) );
+	return ( isFiner || !siblings.isParentTooCoarse ) && ( !isPinned || isPinnedAsOne( siblings.parent ) );
 }
 
 void Levels::collectMerges( const NodeState& nodes )
 {
-	for ( const Reviewed::Siblings& of : m_reviewed.siblings )
+	for ( const Reviewed::Siblings& siblings : m_reviewed.siblings )
 	{
-		if ( mayMerge( nodes, of ) )
+		if ( mayMerge( nodes, siblings ) )
 		{
-			m_merge.push_back( of.parent );
+			m_merge.push_back( siblings.parent );
 		}
 	}
 }

@@ -24,7 +24,7 @@ Levels::Levels( std::shared_ptr<const LevelBase> base, const Lattice& lattice, c
 	const std::vector<float>& stiffness, Cut cut, LevelRegions regions, std::shared_ptr<const RegionTables> tables ) :
 	m_base( std::move( base ) ),
 	m_lattice( &lattice ), m_settings( settings ), m_stiffness( &stiffness ), m_cut( std::move( cut ) ), m_regions( std::move( regions ) ),
-	m_tables( std::move( tables ) ), m_quiet( m_cut.node.size(), 0.0f ), m_isWanted( m_cut.node.size(), 0 )
+	m_tables( std::move( tables ) ), m_quiet( m_cut.node.size(), 0.0f ), m_wasRequested( m_cut.node.size(), 0 )
 {
 	countLevels();
 	planScratch();
@@ -64,17 +64,17 @@ void Levels::requestSplit( int node )
 	keep( node );
 	if ( levelOf( node ) > m_finestLevel )
 	{
-		m_asked.push_back( m_cut.node[node] );
+		m_requested.push_back( m_cut.node[node] );
 	}
 }
 
-void Levels::hold( int node )
+void Levels::pin( int node )
 {
-	m_heldOn.resize( std::size_t( m_lattice->cellCount() ), 0 );
-	const std::uint32_t held = m_cut.node[node], first = octree().cellStart[held];
-	for ( std::uint32_t k = first; k < first + octree().cellCount[held]; ++k )
+	m_pinnedLevel.resize( std::size_t( m_lattice->cellCount() ), 0 );
+	const std::uint32_t pinned = m_cut.node[node], first = octree().cellStart[pinned];
+	for ( std::uint32_t k = first; k < first + octree().cellCount[pinned]; ++k )
 	{
-		m_heldOn[octree().cells[k]] = std::uint8_t( levelOf( node ) );
+		m_pinnedLevel[octree().cells[k]] = std::uint8_t( levelOf( node ) );
 	}
 }
 
@@ -108,7 +108,7 @@ void Levels::change( NodeState& nodes, LatticeMatcher& matcher, const Material& 
 	std::shared_ptr<const RegionTables> old = m_tables;
 	const bool isKnown = !m_scratch.matrix.rowBefore.empty();
 	const TablesBefore before{ old.get(), isKnown ? std::move( m_scratch.matrix.rowBefore ) : unchangedRows( *old->matrix, next ),
-		std::move( m_scratch.tables ), Vec3d::Zero(), m_leavesRows };
+		std::move( m_scratch.tables ), Vec3d::Zero(), m_skipsRows };
 	m_tables = buildLevelTables( *m_base, *m_lattice, next, m_regions, LevelSettings{ material, m_settings, *m_stiffness, tasks }, before );
 	m_change.measured.clear();
 	for ( std::uint32_t r = 0; r < std::uint32_t( next.count() ); ++r )
@@ -118,10 +118,10 @@ void Levels::change( NodeState& nodes, LatticeMatcher& matcher, const Material& 
 			m_change.measured.push_back( r );
 		}
 	}
-	const bool isMeasured = measuresEnergy && !m_leavesRows;
-	const RegionWork workBefore = isMeasured ? matcher.workOf( nodes, regionsGone( before.region, m_cut.count() ) ) : RegionWork{};
-	m_left = m_leavesRows ? m_change.measured : std::vector<std::uint32_t>();
-	m_leavesRows = false;
+	const bool isMeasured = measuresEnergy && !m_skipsRows;
+	const RegionWork workBefore = isMeasured ? matcher.workOf( nodes, removedRegions( before.region, m_cut.count() ) ) : RegionWork{};
+	m_skippedRows = m_skipsRows ? m_change.measured : std::vector<std::uint32_t>();
+	m_skipsRows = false;
 	m_scratch.quiet.assign( next.node.size(), 0.0f );
 	for ( int i = 0; i < next.count(); ++i )
 	{
@@ -129,7 +129,7 @@ void Levels::change( NodeState& nodes, LatticeMatcher& matcher, const Material& 
 		m_scratch.quiet[i] = m_cut.node[source] == next.node[i] ? m_quiet[source] : 0.0f;
 	}
 	m_quiet.swap( m_scratch.quiet );
-	m_isWanted.assign( next.node.size(), 0 );
+	m_wasRequested.assign( next.node.size(), 0 );
 	std::swap( m_cut, next );
 	m_scratch.cut = std::move( next );
 	countLevels();
@@ -147,8 +147,8 @@ void Levels::planScratch()
 	m_scratch.count = int( std::min<long long>( cells, count + static_cast<long long>( kScratchChanges ) * m_settings.nodesPerStep ) );
 }
 
-// A change in a running game must not wait for the system to hand out memory, which takes longer than the change: each is built where the
-// one before the last was. Reserved is what several changes may bring; what is not used of it takes no memory.
+// A change must not wait for the system to allocate memory, which takes longer than the change: each reuses the memory of the one before
+// the last. Capacity is reserved for several changes; unused capacity is not committed.
 void Levels::prepareScratch()
 {
 	const int count = m_cut.count();
@@ -156,7 +156,7 @@ void Levels::prepareScratch()
 	const int touched = std::min( m_scratch.count, int( count * kScratchFraction ) );
 	const std::size_t edge = 2 * std::size_t( m_tables->regions.halfWidth ) + 1,
 					  entries = edge * edge * edge * std::size_t( m_scratch.count );
-	RegionMatrix& matrix = *std::const_pointer_cast<RegionMatrix>( m_regions.matrix ); // it is ours, and what it holds stays
+	RegionMatrix& matrix = *std::const_pointer_cast<RegionMatrix>( m_regions.matrix ); // it is owned here, and its contents stay the same
 	const std::size_t touchedEntries = std::min( entries, std::size_t( double( matrix.member.size() ) * kScratchFraction ) );
 	for ( std::vector<std::uint32_t> RegionMatrix::*array : { &RegionMatrix::member, &RegionMatrix::mass, &RegionMatrix::fraction } )
 	{
@@ -172,7 +172,7 @@ void Levels::prepareScratch()
 	}
 }
 
-/// The tables before become room for those after the next change, unless somebody else looks at them still.
+/// Keeps the previous tables as scratch for the next change, unless they are still shared.
 void Levels::keepScratch( std::shared_ptr<const RegionTables> old )
 {
 	std::shared_ptr<RegionTables> tables = std::const_pointer_cast<RegionTables>( std::move( old ) );
@@ -192,7 +192,7 @@ void Levels::keepScratch( std::shared_ptr<const RegionTables> old )
 std::vector<std::uint32_t> Levels::unchangedRows( const RegionMatrix& old, const Cut& next ) const
 {
 	const RegionMatrix& now = matrix();
-	// Nor may masses differ: in unions and intervals a member's share hangs on regions farther off, which may have changed.
+	// Masses must be the same too: in unions and intervals a member's fraction depends on regions farther away, which may have changed.
 	const auto isSame = [&]( std::uint32_t r ) {
 		const std::uint32_t source = m_change.source[r], size = now.start[r + 1] - now.start[r];
 		bool same = old.start[source + 1] - old.start[source] == size;
@@ -218,11 +218,11 @@ std::size_t Levels::bytes() const
 	const std::size_t change = ( m_change.source.size() + m_change.nodeNow.size() + m_change.keptAs.size() + 4 * m_parts.size() ) *
 		sizeof( std::uint32_t );
 	const std::size_t base = m_scratch.fine.bytes() + ( m_ownsBase ? m_base->fine.bytes() + m_base->moments.bytes() : 0 );
-	// Room is of the size of what is in use.
+	// Scratch has the size of the data in use.
 	const std::size_t reviewed = m_reviewed.coarse.size() * sizeof( Reviewed::Coarse ) +
 		m_reviewed.siblings.size() * sizeof( Reviewed::Siblings );
 	return 2 * ( cut + m_tables->bytes() ) + base + change + reviewed + ( m_quiet.size() + m_load.size() ) * sizeof( float ) +
-		m_coarsest.size() + m_heldOn.size();
+		m_coarsest.size() + m_pinnedLevel.size();
 }
 
 } // namespace pliant

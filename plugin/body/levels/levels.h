@@ -1,6 +1,6 @@
 #pragma once
 
-// The levels of one body: which nodes it has now, the regions over them, and when that changes.
+// The levels of one body: its current nodes, the regions over them, and their changes.
 // Steinemann et al. 2008, section 5.2; Ohta et al. 2009, "Changing the Subdivision Level" and "Merging".
 
 #include "body/levels/level_energy.h"
@@ -18,25 +18,24 @@ namespace pliant {
 class LatticeMatcher;
 struct RegionWork;
 
-/// What a change of levels did to the nodes' numbers.
+/// Effect of a change of levels on node indices.
 struct LevelChange
 {
-	std::vector<std::uint32_t>
-		source; ///< of each node now: the node before whose history it took over (its parent's, or its first child's)
-	std::vector<std::uint32_t>
-		nodeNow; ///< of each node before: its number now, its parent's where it was merged, kNoNode where it was split
-	std::vector<std::uint32_t> keptAs;   ///< of each node before: its number now where it is still the same node, else kNoNode; ascending
-	std::vector<std::uint32_t> measured; ///< nodes now whose regions hold other nodes or masses than before, ascending
-	LevelEnergy energy;                  ///< what it has brought, where that is measured
-	int splits = 0, merges = 0;          ///< nodes split, nodes that took the place of their children
+	std::vector<std::uint32_t> source; ///< of each node: the previous node of its history (its parent or its first child)
+	/// Of each previous node: its index now, its parent's where it was merged, kNoNode where it was split.
+	std::vector<std::uint32_t> nodeNow;
+	std::vector<std::uint32_t> keptAs;   ///< of each previous node: its index now where it is the same node, else kNoNode; ascending
+	std::vector<std::uint32_t> measured; ///< nodes whose regions hold other nodes or masses than before, ascending
+	LevelEnergy energy;                  ///< added by the change, if measured
+	int splits = 0, merges = 0;          ///< nodes split, nodes that replaced their children
 };
 
-/// What a piece takes over, or the whole after links have changed.
+/// Data for the levels of a piece, or of the whole after links changed.
 struct PieceOfLevels
 {
 	LevelBaseUpdate update;
 	Cut cut;
-	RelinkedNodes nodes;         ///< empty: regions are made from nothing
+	RelinkedNodes nodes;         ///< empty: regions are built from scratch
 	Vec3d shift = Vec3d::Zero(); ///< of the mass centre, cells
 };
 
@@ -57,61 +56,58 @@ public:
 	/// Nodes on each level.
 	const std::array<int, kMostCoarseLevels + 1>& nodesOnLevel() const { return m_nodesOnLevel; }
 
-	/// Goes up by one with each change; 0 as made.
+	/// Incremented with each change; initially 0.
 	unsigned version() const { return m_version; }
 	const LevelChange& lastChange() const { return m_change; }
 
-	/// As many nodes as there may be before arrays that were made for them outgrow their room.
+	/// Maximum number of nodes before the reserved arrays must grow.
 	int scratchNodes() const { return m_scratch.count; }
-	/// False of a piece that has not changed its levels yet: most never do.
+	/// False for a piece whose levels have not changed yet: most never do.
 	bool hasScratch() const { return m_hasScratch; }
 
-	/// The nodes at rest: counts, rest positions, masses. kg per cubic metre.
+	/// Fills in the nodes at rest: counts, rest positions, masses. `density` in kg/m^3.
 	void fillNodes( NodeState& nodes, float density ) const;
 
-	/// Whether regions and tables can be made from those that are there: by multiplicity, where links changed between finest cells alone.
-	bool canTakeOver( const PieceOfLevels& piece ) const
+	/// Whether regions and tables can be updated from the present ones: by multiplicity, where links changed only between finest cells.
+	bool canReuse( const PieceOfLevels& piece ) const
 	{
 		return m_settings.regions == RegionRule::Multiplicity && !piece.nodes.before.empty();
 	}
-	/// The levels of a piece of a body that had these: as made from nothing for its lattice, from what is left of the whole's.
+	/// The levels of a piece of a body that had these, made from what is left of the whole's: equal to those built for its lattice.
 	std::unique_ptr<Levels> ofPiece( PieceOfLevels piece, const LevelSettings& settings, const Lattice& lattice ) const;
 	/// Whether the whole can be relinked where links of these cells changed.
 	bool canRelink( const std::vector<std::uint32_t>& touched ) const;
-	/// The base becomes these levels' own, with which a first change of links then need not begin.
+	/// Makes a private copy of the base ahead of the first change of links.
 	void ownBase();
-	/// For a base that takes the place of this one at once: its moments, where it is these levels' own and nobody else looks at it, and
-	/// what else there is.
+	/// Scratch for a base that replaces this one immediately: its moments, where they are not shared, and other unused memory.
 	LevelBaseScratch takeBaseScratch();
-	/// The next change leaves the rows of new nodes, and of those beside them, as they lie: links change at once after it, and what is near
-	/// those is measured then (relink), or by measureLeftRows. Until then nobody may ask the tables. By multiplicity alone.
-	void leaveRows() { m_leavesRows = m_settings.regions == RegionRule::Multiplicity; }
-	void measureLeftRows( const Material& material );
-	/// The whole is one piece still, some of its links are others: the same in place, and what is kept of each node with it.
+	/// The next change does not measure the rows of new nodes and their neighbours: links change right after it, and the affected rows are
+	/// measured then (relink), or by measureSkippedRows. The tables must not be used before. By multiplicity only.
+	void skipRows() { m_skipsRows = m_settings.regions == RegionRule::Multiplicity; }
+	void measureSkippedRows( const Material& material );
+	/// For a whole that stays one piece with changed links: updates in place, together with the data of each node.
 	void relink( PieceOfLevels piece, const LevelSettings& settings, const Lattice& lattice, NodeState& nodes, LatticeMatcher& matcher );
 
-	/// Of a piece of a body that had these: what is split together and what is left of the budget are the whole's; material is merged as
-	/// far as it was there, however little of a block the piece has, and as soon. `cellBefore`: of each finest cell.
+	/// For a piece of a body that had these: takes over the whole's splitting settings and remaining budget, and the levels and delays of
+	/// merging, however little of a block the piece has. `cellBefore`: of each finest cell.
 	void inherit( const Levels& whole, const std::vector<std::uint32_t>& cellBefore );
 
-	/// Asks for a node to be split at the next change; a node on the finest level is kept from being merged, now and for
-	/// Adaptivity::mergeDelay.
+	/// Requests a node to be split at the next change; a node on the finest level is not merged for Adaptivity::mergeDelay.
 	void requestSplit( int node );
-	/// Keeps a node from being merged, as requestSplit does, and no more.
+	/// Keeps a node from being merged, as requestSplit does, without a split.
 	void keep( int node )
 	{
 		m_quiet[std::size_t( node )] = 0.0f;
-		m_isWanted[std::size_t( node )] = 1;
+		m_wasRequested[std::size_t( node )] = 1;
 	}
-	/// A pin holds the node as it is now, and what that is made of: where it is split its parts are held, which may be merged up to it
-	/// again.
-	void hold( int node );
-	/// Levels below this are not used, and merged away. Nodes that only this had merged are split again when it lets them. 0: all may be.
+	/// Pins the node and its cells: where it is split its children are pinned, and may be merged up to it again.
+	void pin( int node );
+	/// Levels below this are merged away. Nodes merged only by this are split again when it allows them. 0: all levels are allowed.
 	void setFinestLevel( int level ) { m_finestLevel = level; }
 	int finestLevel() const { return m_finestLevel; }
-	/// Beside Adaptivity::refineStrain: nodes are split that are stretched by more in some direction, however little they are squeezed.
-	/// `together`: where a node is split, so are those its regions reach that are strained by this share of the threshold, and those theirs
-	/// reach; 1: none.
+	/// In addition to Adaptivity::refineStrain: splits nodes stretched by more in some direction, with little regard to compression.
+	/// `together`: splits a node's neighbours in its regions too, and theirs in turn, if strained by this fraction of the threshold; 1:
+	/// none.
 	void setRefineStretch( float stretch, float together )
 	{
 		m_refineStretch = stretch;
@@ -120,18 +116,18 @@ public:
 	bool followsStrain() const { return m_settings.refineStrain > 0.0f || m_refineStretch > 0.0f; }
 	float together() const { return m_together; }
 
-	/// From now on, until it is said again, changes together bring no more than Adaptivity::nodesPerStep. Unsaid: each change may.
+	/// From now until the next call, changes together add at most Adaptivity::nodesPerStep. Without a call, each change may.
 	void openBudget() { m_budget = m_settings.nodesPerStep; }
-	/// Whether something waits that the budget had no room for.
+	/// Whether changes are postponed because of the budget.
 	bool hasBacklog() const { return m_hasBacklog; }
 
-	/// Reads the strains and stretches last measured; `seconds` since the last reading. True when there is something to change.
+	/// Evaluates the strains and stretches last measured; `seconds` since the last review. Returns true when there is something to change.
 	bool review( const NodeState& nodes, const AlignedArray<float>& strain, const AlignedArray<float>& stretch, float seconds );
-	/// Makes the changes that `review` and requests asked for, within the budget. Momentum and spin of the nodes stay what they were where
-	/// no node is held. `measuresEnergy`: whether LevelChange::energy is wanted; where rows are left there is none.
+	/// Applies the changes selected by `review` and requests, within the budget. Conserves momentum and spin unless a node is pinned.
+	/// `measuresEnergy`: fills in LevelChange::energy, except where rows are skipped.
 	void apply(
 		NodeState& nodes, LatticeMatcher& matcher, const Material& material, TaskRunner* tasks = nullptr, bool measuresEnergy = false );
-	/// The same for a list of one's own: octree nodes, as in changeCut.
+	/// The same for given octree nodes, as in changeCut.
 	void change( NodeState& nodes, LatticeMatcher& matcher, const Material& material, const std::vector<std::uint32_t>& split,
 		const std::vector<std::uint32_t>& merge, TaskRunner* tasks = nullptr, bool measuresEnergy = false );
 
@@ -139,9 +135,9 @@ public:
 
 private:
 	static constexpr int kNoBudget = -1;
-	static constexpr float kMergeTogether = 0.5f; ///< share of Adaptivity::mergeDelay between one merging and the next
+	static constexpr float kMergeTogether = 0.5f; ///< time between merges, as a fraction of Adaptivity::mergeDelay
 
-	/// `regions` and `tables` are the cut's.
+	/// `regions` and `tables` belong to the cut.
 	Levels( std::shared_ptr<const LevelBase> base, const Lattice& lattice, const Adaptivity& settings, const std::vector<float>& stiffness,
 		Cut cut, LevelRegions regions, std::shared_ptr<const RegionTables> tables );
 
@@ -149,9 +145,9 @@ private:
 	std::vector<std::uint8_t> strainedNodes() const;
 	void collectSplits();
 	void collectMerges( const NodeState& nodes );
-	bool isHeldAsOne( std::uint32_t node ) const;
-	/// A change for a few nodes costs nearly as much as one for many, and what comes to rest does so node by node: what is to be merged
-	/// waits for more of it, for a share of the delay that each node has waited for already.
+	bool isPinnedAsOne( std::uint32_t node ) const;
+	/// A change for a few nodes costs nearly as much as one for many, and bodies come to rest node by node: merges wait for more, for a
+	/// fraction of the delay that each node has waited already.
 	void gatherMerges( float seconds )
 	{
 		m_sinceMerge += seconds;
@@ -161,21 +157,21 @@ private:
 		}
 		m_sinceMerge = m_merge.empty() ? m_sinceMerge : 0.0f;
 	}
-	/// What of the cut a review asks about.
+	/// Data of the cut that reviews need.
 	struct Reviewed
 	{
 		struct Coarse
 		{
 			std::uint32_t slot, node;
 			int level;
-			bool isTooBig;
+			bool isTooCoarse;
 		};
 		/// Children of one node, all of which are in the cut.
 		struct Siblings
 		{
 			std::uint32_t parent, first, count; ///< first: slot
 			int parentLevel;
-			bool isParentTooBig;
+			bool isParentTooCoarse;
 		};
 		std::vector<Coarse> coarse; ///< not on the finest level; both ascending by slot
 		std::vector<Siblings> siblings;
@@ -183,9 +179,9 @@ private:
 		bool isKnown = false;
 	};
 	void findReviewed();
-	bool mayMerge( const NodeState& nodes, const Reviewed::Siblings& of ) const;
-	/// Of each node: 1 where it was asked to be split.
-	std::vector<std::uint8_t> askedNodes() const;
+	bool mayMerge( const NodeState& nodes, const Reviewed::Siblings& siblings ) const;
+	/// Of each node: 1 where a split was requested.
+	std::vector<std::uint8_t> requestedNodes() const;
 	void planScratch();
 	void prepareScratch();
 	void keepScratch( std::shared_ptr<const RegionTables> old );
@@ -195,14 +191,13 @@ private:
 	void easeParts( NodeState& nodes, LatticeMatcher& matcher );
 	void findParts( const NodeState& nodes );
 	void settle( NodeState& nodes, LatticeMatcher& matcher, const RegionWork* before );
-	std::vector<std::uint32_t> regionsGone( const std::vector<std::uint32_t>& regionBefore, int countBefore ) const;
+	std::vector<std::uint32_t> removedRegions( const std::vector<std::uint32_t>& regionBefore, int countBefore ) const;
 	std::vector<std::uint32_t> splitNodes( const Cut& next ) const;
 	void numberSources( const Cut& next );
 	void countLevels();
-	/// Whether the first cut of the whole body has smaller nodes there: on the way back to one of its nodes, nodes are merged that it would
-	/// not choose by themselves. What a piece has of a block may weigh too little for keepMass: it was one node with the rest, and may be
-	/// one without.
-	bool isTooBig( std::uint32_t node ) const
+	/// Whether the first cut of the whole body has finer nodes there: nodes are merged on the way back to that cut which keepMass would not
+	/// select. A piece's part of a block may weigh too little for keepMass, although it was merged with the rest before.
+	bool isTooCoarse( std::uint32_t node ) const
 	{
 		return octree().levelOf( node ) > int( m_coarsest[octree().cells[octree().cellStart[node]]] );
 	}
@@ -212,7 +207,7 @@ private:
 	Eigen::Matrix3d velocityGradient( const NodeState& nodes, int node ) const;
 
 	std::shared_ptr<const LevelBase> m_base;
-	bool m_ownsBase = false; ///< else it is the template's, and others may ask for it
+	bool m_ownsBase = false; ///< false: it belongs to the template and may be shared
 	const Lattice* m_lattice;
 	Adaptivity m_settings;
 	const std::vector<float>* m_stiffness;
@@ -225,10 +220,10 @@ private:
 	float m_refineStretch = 0.0f, m_together = 1.0f;
 	std::array<int, kMostCoarseLevels + 1> m_nodesOnLevel{};
 
-	/// What the change before the last left, for the next to be built in.
+	/// Memory of the change before the last, reused by the next.
 	struct Scratch
 	{
-		int count = 0; ///< nodes there is room for
+		int count = 0; ///< capacity, in nodes
 		Cut cut;
 		MatrixScratch matrix;
 		std::shared_ptr<RegionTables> tables;
@@ -239,22 +234,21 @@ private:
 	Scratch m_scratch;
 	bool m_hasScratch = false;
 
-	std::vector<std::uint8_t> m_coarsest; ///< of each finest cell: the level of the node that the first cut of the whole body has there
-	std::vector<std::uint8_t> m_heldOn;   ///< of each finest cell: the level of the node that was held above it last; empty: none ever was
-	std::vector<float> m_load;            ///< of each node: its strain over what splits it, as last reviewed; empty: not known
-	std::vector<float>
-		m_quiet; ///< of each node: seconds since its strain was last above the merging threshold, or it was asked for; 0 while it is
+	std::vector<std::uint8_t> m_coarsest;    ///< of each finest cell: level of its node in the first cut of the whole body
+	std::vector<std::uint8_t> m_pinnedLevel; ///< of each finest cell: level of the node through which it was last pinned; empty: none was
+	std::vector<float> m_load;  ///< of each node: strain relative to the splitting threshold at the last review; empty: unknown
+	std::vector<float> m_quiet; ///< of each node: seconds since it was last requested or strained above the merging threshold
 	float m_sinceMerge = std::numeric_limits<float>::max(); ///< s
-	std::vector<std::uint8_t> m_isWanted;                   ///< of each node: 1 where it was asked for since the last review
+	std::vector<std::uint8_t> m_wasRequested;               ///< of each node: 1 where it was requested since the last review
 	Reviewed m_reviewed;
 	std::vector<std::uint32_t> m_split, m_merge; ///< octree nodes, found by the last review
-	std::vector<std::uint32_t> m_asked;          ///< octree nodes
-	int m_budget = kNoBudget;                    ///< new nodes that changes may still bring
+	std::vector<std::uint32_t> m_requested;      ///< octree nodes
+	int m_budget = kNoBudget;                    ///< number of nodes that changes may still add
 	bool m_hasBacklog = false;
-	bool m_leavesRows = false;
-	std::vector<std::uint32_t> m_parts; ///< nodes that the change has made by splitting and that may move, ascending
+	bool m_skipsRows = false;
+	std::vector<std::uint32_t> m_parts; ///< movable nodes that the change created by splitting, ascending
 	std::vector<float> m_partDisplacement;
-	std::vector<std::uint32_t> m_left; ///< rows that are not measured, ascending
+	std::vector<std::uint32_t> m_skippedRows; ///< rows that were not measured, ascending
 };
 
 } // namespace pliant

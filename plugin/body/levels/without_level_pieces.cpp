@@ -1,4 +1,4 @@
-// In a build with fracture and without levels of detail: what pieces would take over of levels.
+// For builds with fracture and without levels of detail: levels of pieces.
 
 #include "body/body.h"
 #include "body/breaking.h"
@@ -6,9 +6,9 @@
 
 namespace pliant {
 
-void Levels::measureLeftRows( const Material& ) {}
+void Levels::measureSkippedRows( const Material& ) {}
 
-void Body::inheritLevels( const Body&, BodyPiece&, PieceRoad ) {}
+void Body::inheritLevels( const Body&, BodyPiece&, PieceBuild ) {}
 void Body::prepareToBreak() {}
 
 std::unique_ptr<Body> Body::relinkWhole( const std::shared_ptr<const Lattice>&, BodyPiece& )

@@ -1,4 +1,4 @@
-// In a build without levels of detail: bodies that ask for them are refused (adaptivity.cpp), and none of this is ever reached.
+// For builds without levels of detail: bodies that need them are rejected (adaptivity.cpp), so none of this is ever called.
 
 #include "body/body.h"
 #include "body/levels/levels.h"
@@ -13,7 +13,7 @@ Levels::Levels( std::shared_ptr<const LevelBase> base, const Lattice& lattice, c
 
 void Levels::fillNodes( NodeState&, float ) const {}
 void Levels::requestSplit( int ) {}
-void Levels::hold( int ) {}
+void Levels::pin( int ) {}
 
 bool Levels::review( const NodeState&, const AlignedArray<float>&, const AlignedArray<float>&, float )
 {
@@ -25,15 +25,15 @@ void Levels::change(
 	NodeState&, LatticeMatcher&, const Material&, const std::vector<std::uint32_t>&, const std::vector<std::uint32_t>&, TaskRunner*, bool )
 {}
 
-void Body::owe( const LevelEnergy& ) {}
-void Body::payForLevels( float, float ) {}
+void Body::addEnergyDebt( const LevelEnergy& ) {}
+void Body::reduceEnergyDebt( float, float ) {}
 
-LevelEnergy Body::heldEnergy()
+LevelEnergy Body::storedEnergy()
 {
 	return {};
 }
 
-void Body::oweSince( const LevelEnergy& ) {}
+void Body::addEnergyDebtSince( const LevelEnergy& ) {}
 
 double Body::joules( const LevelEnergy&, float, float ) const
 {

@@ -14,11 +14,11 @@ namespace pliant {
 
 namespace {
 
-/// Nodes or members of one task. Sums are folded piece by piece, so this is part of the result's bits and never follows the threads.
+/// Nodes or members per task. Sums are folded in chunks of this size, which affects rounding, so it must not depend on the thread count.
 constexpr int kPiece = 1024;
 
-/// The linear mode scales its fit back to the rest volume by this much at most: a flat cluster would else grow without bound.
-/// (Müller's own program holds the factor at 2 as well.)
+/// The linear mode scales its fit to the rest volume by this factor at most: a flat cluster would otherwise grow without bound. (Müller's
+/// own program limits the factor to 2 as well.)
 constexpr double kLargestVolumeScale = 2.0;
 
 int chunkCount( int nodes )
@@ -41,7 +41,7 @@ ClusterMatcher::ClusterMatcher( ClusterSet clusters, const Material& material, c
 	}
 	for ( int i = 0; i < nodes.count; ++i )
 	{
-		// Departs from Müller et al.: a node's mass is shared among its clusters, or its clusters' forces would not cancel out.
+		// Departs from Müller et al.: a node's mass is divided among its clusters; otherwise the clusters' forces would not cancel.
 		m_weight[i] = nodes.mass[i] / ( m_isConserving ? double( m_clusters.coverCount( i ) ) : 1.0 );
 	}
 	m_pieceStart.assign( 1, 0 );
@@ -79,7 +79,7 @@ void ClusterMatcher::measureRest( int cluster, const NodeState& nodes )
 		const Vec3d q = nodes.x0.get( i ).cast<double>() - c.restCentre;
 		moment += m_weight[i] * c.inverseMass * q * q.transpose();
 	}
-	// A cluster of one node has no size, and no lengths to measure with it.
+	// A cluster of one node has no extent, and no lengths to scale.
 	c.size = moment.trace() > 0.0 ? std::sqrt( moment.trace() ) : 1.0;
 	c.moment = moment / ( c.size * c.size );
 	c.inverseMoment = flooredInverse( c.moment, kMomentFloor );
@@ -91,8 +91,8 @@ void ClusterMatcher::measureRest( int cluster, const NodeState& nodes )
 
 void ClusterMatcher::measureQuadraticRest( int cluster, const NodeState& nodes )
 {
-	// Departs from Müller et al.: the quadratic terms are taken about their mean. Then the goals' mean is the cluster's centre for any
-	// fit, and linear momentum is kept.
+	// Departs from Müller et al.: the quadratic terms are taken about their mean. The goals' mean is then the cluster's centre for any fit,
+	// and linear momentum is conserved.
 	Quadratic& quadratic = m_quadratic[cluster];
 	const double inverseMass = m_cluster[cluster].inverseMass;
 	const std::uint32_t first = m_clusters.start[cluster], last = m_clusters.start[cluster + 1];
@@ -206,7 +206,7 @@ void ClusterMatcher::gather( const NodeState& nodes, TaskRunner* runner )
 
 void ClusterMatcher::fit( int cluster )
 {
-	// A_pq = sum a ( x - c )( x0 - c0 )^T. The terms' mean is zero, so that c need not be taken off x   (Müller et al. 2005, eq. 7)
+	// A_pq = sum a ( x - c )( x0 - c0 )^T. The terms' mean is zero, so that c need not be subtracted from x   (Müller et al. 2005, eq. 7)
 	Cluster& c = m_cluster[cluster];
 	PieceSum sum;
 	for ( std::uint32_t k = m_pieceStart[cluster]; k < m_pieceStart[cluster + 1]; ++k )
@@ -232,11 +232,10 @@ void ClusterMatcher::fitLinear( Cluster& cluster, const Eigen::Matrix3d& apq ) c
 	{
 		return;
 	}
-	// A = A_pq A_qq, written as the way away from R: where the pseudo-inverse cannot tell (flat, thin), A is R and not zero.
+	// A = A_pq A_qq, written as the difference from R: where the pseudo-inverse has no information (flat, thin), A is R and not zero.
 	Eigen::Matrix3d a = rotation + ( apq - rotation * cluster.moment ) * cluster.inverseMoment;
 
-	// A / cbrt( det A ) keeps the volume   (Müller et al. 2005, section 4.2). A flat or inverted A has none to keep: scaled up, it would
-	// stay where it is.
+	// A / cbrt( det A ) keeps the volume   (Müller et al. 2005, section 4.2). A flat or inverted A is not scaled up: it would not recover.
 	const double volume = a.determinant();
 	if ( volume > 0.0 )
 	{
@@ -247,16 +246,16 @@ void ClusterMatcher::fitLinear( Cluster& cluster, const Eigen::Matrix3d& apq ) c
 
 void ClusterMatcher::fitQuadratic( Cluster& cluster, Quadratic& quadratic, const TermMap& apq ) const
 {
-	// A~ = A~_pq A~_qq;  goal = beta A~ q~ + ( 1 - beta ) R q   (Müller et al. 2005, section 4.3), again as the way away from R.
+	// A~ = A~_pq A~_qq;  goal = beta A~ q~ + ( 1 - beta ) R q   (Müller et al. 2005, section 4.3), again as the difference from R.
 	const Eigen::Matrix3d rotation = cluster.rotation.toRotationMatrix();
-	const TermMap away = ( apq - rotation * quadratic.moment ) * quadratic.inverseMoment;
-	cluster.linear = rotation + m_beta * away.leftCols<3>();
-	quadratic.map = m_beta * away.rightCols<kTerms - 3>();
+	const TermMap difference = ( apq - rotation * quadratic.moment ) * quadratic.inverseMoment;
+	cluster.linear = rotation + m_beta * difference.leftCols<3>();
+	quadratic.map = m_beta * difference.rightCols<kTerms - 3>();
 }
 
 Vec3d ClusterMatcher::goal( int node, const Vec3d& rest ) const
 {
-	// The mean over the clusters that hold the node   (Müller et al. 2005, section 4.4)
+	// The mean over the clusters that contain the node   (Müller et al. 2005, section 4.4)
 	Vec3d sum = Vec3d::Zero();
 	for ( std::uint32_t k = m_clusters.coverStart[node]; k < m_clusters.coverStart[node + 1]; ++k )
 	{
@@ -313,8 +312,8 @@ ClusterMatcher::ImpulseSum ClusterMatcher::foldImpulses() const
 	return whole;
 }
 
-// What is taken off the change: the rigid part of the internal impulses, which ought to be none (damping, volume scaling and floored
-// inverses leave some); and of the wobble damping -k v the part that would brake the body as a whole.
+// The motion subtracted from the velocity change: the rigid part of the internal impulses, which should be zero (damping, volume scaling
+// and floored inverses leave some); and the part of the wobble damping -k v that would brake the body as a whole.
 ClusterMatcher::Motion ClusterMatcher::unwantedMotion( double wobbleFraction ) const
 {
 	const ImpulseSum sum = foldImpulses();
@@ -359,7 +358,7 @@ void ClusterMatcher::nodeRotations( const NodeState& nodes, float* quaternions )
 {
 	for ( int i = 0; i < nodes.count; ++i )
 	{
-		// The mean over the node's clusters, as for its goal; q and -q are one rotation, so all are taken on the first one's side.
+		// The mean over the node's clusters, as for its goal; q and -q are the same rotation, so signs follow the first one.
 		const std::uint32_t first = m_clusters.coverStart[i];
 		const Eigen::Vector4d lead = m_cluster[m_clusters.cover[first]].rotation.coeffs();
 		Eigen::Vector4d sum = lead;

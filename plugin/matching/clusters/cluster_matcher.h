@@ -1,7 +1,7 @@
 #pragma once
 
-// Meshless shape matching as Müller et al. 2005 have it: one cluster for the whole body, or several overlapping boxes; rigid, linear
-// and quadratic modes (sections 3.3, 4.2, 4.3). The smallest method, and the cheapest level of detail.
+// Meshless shape matching of Müller et al. 2005: one cluster for the whole body, or several overlapping boxes; rigid, linear and quadratic
+// modes (sections 3.3, 4.2, 4.3). The simplest method, and the cheapest level of detail.
 
 #include "lattice/lattice.h"
 #include "matching/clusters/cluster_set.h"
@@ -13,7 +13,7 @@
 
 namespace pliant {
 
-/// All in double precision: a cluster may span the whole body, and there are few of them.
+/// Uses double precision throughout: a cluster may span the whole body, and there are few of them.
 class ClusterMatcher : public Matcher
 {
 public:
@@ -36,7 +36,7 @@ private:
 	using TermMap = Eigen::Matrix<double, 3, kTerms>;
 	using TermMoment = Eigen::Matrix<double, kTerms, kTerms>;
 
-	/// Lengths within a cluster are in units of `size`, masses in shares of the cluster's, so that all moments are about 1.
+	/// Lengths within a cluster are in units of `size`, masses relative to the cluster's mass, so that all moments are about 1.
 	struct Cluster
 	{
 		Vec3d restCentre = Vec3d::Zero();                 ///< m
@@ -49,7 +49,7 @@ private:
 		Vec3d centre = Vec3d::Zero();                         ///< m
 	};
 
-	/// What the quadratic mode has beyond that. Absent in the other modes.
+	/// Additional data of the quadratic mode. Absent in the other modes.
 	struct Quadratic
 	{
 		Terms mean = Terms::Zero(); ///< of the terms over the cluster at rest; zero for the linear ones
@@ -58,7 +58,7 @@ private:
 		Eigen::Matrix<double, 3, kTerms - 3> map = Eigen::Matrix<double, 3, kTerms - 3>::Zero();
 	};
 
-	/// A run of members that one task sums up. Cut by number only, so that sums do not depend on the threads.
+	/// A range of members that one task sums. Boundaries depend on the counts only, so that sums do not depend on the threads.
 	struct Piece
 	{
 		int cluster;
@@ -73,7 +73,7 @@ private:
 	/// Sums over a chunk of nodes, about the body's centre.
 	struct ImpulseSum
 	{
-		Vec3d impulse = Vec3d::Zero(), turn = Vec3d::Zero();  ///< of the internal change of velocity
+		Vec3d impulse = Vec3d::Zero(), turn = Vec3d::Zero();  ///< of the internal velocity change
 		Vec3d momentum = Vec3d::Zero(), spin = Vec3d::Zero(); ///< of the velocities before it
 		Eigen::Matrix3d second = Eigen::Matrix3d::Zero();
 	};
@@ -110,13 +110,13 @@ private:
 	double m_beta;
 	bool m_rotationFromF;
 	bool m_isConserving;
-	std::vector<double> m_weight; ///< a_i: the node's mass, shared among its clusters
+	std::vector<double> m_weight; ///< a_i: the node's mass, divided among its clusters
 	std::vector<Cluster> m_cluster;
 	std::vector<Quadratic> m_quadratic;
 	std::vector<Piece> m_pieces;
 	std::vector<std::uint32_t> m_pieceStart; ///< of each cluster
 	std::vector<PieceSum> m_pieceSum;
-	std::vector<Vec3d> m_residual; ///< in the body's frame, m: so it turns along with the body
+	std::vector<Vec3d> m_residual; ///< in the body's frame, m, so that it rotates with the body
 	std::vector<Vec3d> m_change;   ///< of velocity, m/s
 	std::vector<ImpulseSum> m_impulseSum;
 	std::vector<BodySum> m_bodySum;

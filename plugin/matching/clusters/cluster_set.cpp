@@ -8,7 +8,7 @@ namespace pliant {
 
 namespace {
 
-/// A cell in a box: the box's number first, so that sorting puts each box's cells together, ascending.
+/// A cell in a box. The box number comes first, so that sorting groups the cells of each box, ascending.
 using Entry = std::pair<std::uint64_t, std::uint32_t>;
 
 /// The boxes along one axis begin at 0, stride, 2 stride ...; the last is the first that reaches the end.
@@ -20,8 +20,8 @@ struct BoxRow
 		edge( boxEdge ), stride( std::max( 1, boxEdge / 2 ) ),
 		count( extent <= boxEdge ? 1 : 1 + ( extent - boxEdge + stride - 1 ) / stride )
 	{}
-	int first( int place ) const { return place < edge ? 0 : ( place - edge ) / stride + 1; }
-	int last( int place ) const { return std::min( place / stride, count - 1 ); }
+	int first( int coordinate ) const { return coordinate < edge ? 0 : ( coordinate - edge ) / stride + 1; }
+	int last( int coordinate ) const { return std::min( coordinate / stride, count - 1 ); }
 };
 
 std::vector<Entry> cellsByBox( const Lattice& lattice, int edge )
@@ -30,12 +30,12 @@ std::vector<Entry> cellsByBox( const Lattice& lattice, int edge )
 	std::vector<Entry> entries;
 	for ( int i = 0; i < lattice.cellCount(); ++i )
 	{
-		const auto& place = lattice.coordinate[i];
-		for ( int bz = z.first( place.z() ); bz <= z.last( place.z() ); ++bz )
+		const auto& coordinate = lattice.coordinate[i];
+		for ( int bz = z.first( coordinate.z() ); bz <= z.last( coordinate.z() ); ++bz )
 		{
-			for ( int by = y.first( place.y() ); by <= y.last( place.y() ); ++by )
+			for ( int by = y.first( coordinate.y() ); by <= y.last( coordinate.y() ); ++by )
 			{
-				for ( int bx = x.first( place.x() ); bx <= x.last( place.x() ); ++bx )
+				for ( int bx = x.first( coordinate.x() ); bx <= x.last( coordinate.x() ); ++bx )
 				{
 					entries.emplace_back( ( std::uint64_t( bz ) * y.count + by ) * x.count + bx, std::uint32_t( i ) );
 				}
@@ -46,7 +46,7 @@ std::vector<Entry> cellsByBox( const Lattice& lattice, int edge )
 	return entries;
 }
 
-/// Cuts the cells of one box after the other into linked parts.
+/// Splits the cells of one box after another into linked parts.
 class PartCutter
 {
 public:
@@ -93,7 +93,7 @@ private:
 	}
 
 	const Lattice& m_lattice;
-	std::vector<std::uint8_t> m_isWaiting; ///< 1 for cells of the box at hand that are in no part yet
+	std::vector<std::uint8_t> m_isWaiting; ///< 1 for cells of the current box that are not in a part yet
 	std::vector<std::uint32_t> m_open;
 };
 

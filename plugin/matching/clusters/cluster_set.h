@@ -1,7 +1,6 @@
 #pragma once
 
-// Which nodes a cluster holds: all of them, or boxes that overlap by half, cut where the material is cut. Müller et al. 2005,
-// section 4.4.
+// The nodes of each cluster: all of them, or boxes that overlap by half, split where the material is cut. Müller et al. 2005, section 4.4.
 
 #include "lattice/lattice.h"
 
@@ -10,7 +9,7 @@
 
 namespace pliant {
 
-/// Both directions as compressed rows, ascending: nodes of a cluster, clusters of a node. Every node is in one cluster at least.
+/// Both directions as compressed rows, ascending: nodes of a cluster, clusters of a node. Every node is in at least one cluster.
 struct ClusterSet
 {
 	std::vector<std::uint32_t> start;
@@ -26,8 +25,8 @@ struct ClusterSet
 /// One cluster of all nodes, linked or not.
 ClusterSet makeWholeCluster( const Lattice& lattice );
 
-/// Boxes of `edge` cells an edge, each half an edge from the next, so that two linked cells always share a box.
-/// What is not linked within its box falls into clusters of its own.
+/// Boxes of `edge` cells along an edge, each offset from the next by half an edge, so that two linked cells always share a box. Cells that
+/// are not linked within their box form separate clusters.
 ClusterSet makeBoxClusters( const Lattice& lattice, int edge );
 
 } // namespace pliant

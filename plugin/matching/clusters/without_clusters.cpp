@@ -1,4 +1,4 @@
-// In a build without clusters: the methods that need them are refused (material.cpp), and this is never reached.
+// For builds without clusters: materials that need them are rejected (material.cpp), so this is never called.
 
 #include "matching/clusters/cluster_matcher.h"
 

@@ -20,7 +20,7 @@ int ConjugateGradients::solve( LinearSystem& system, const float* b, float* x, c
 		m_r[std::size_t( i )] = b[i] - m_ap[std::size_t( i )];
 	}
 	beginFromResidual( system );
-	return goOn( system, x, limits );
+	return iterate( system, x, limits );
 }
 
 void ConjugateGradients::begin( LinearSystem& system, const float* r )
@@ -41,13 +41,13 @@ void ConjugateGradients::beginFromResidual( LinearSystem& system )
 	std::copy( m_z.begin(), m_z.begin() + size, m_p.begin() );
 }
 
-int ConjugateGradients::goOn( LinearSystem& system, float* x, const GradientLimits& limits )
+int ConjugateGradients::iterate( LinearSystem& system, float* x, const GradientLimits& limits )
 {
 	const int size = system.size();
 	float *const r = m_r.data(), *const z = m_z.data(), *const p = m_p.data(), *const ap = m_ap.data();
-	const double enough = std::max( limits.relative * m_rzFirst, limits.absolute );
+	const double tolerance = std::max( limits.relative * m_rzFirst, limits.absolute );
 	int count = 0;
-	while ( count < limits.most && m_rz > enough )
+	while ( count < limits.maxProducts && m_rz > tolerance )
 	{
 		system.apply( p, ap );
 		++count;

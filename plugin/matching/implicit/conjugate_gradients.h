@@ -1,13 +1,13 @@
 #pragma once
 
-// Preconditioned conjugate gradients over one flat array of floats, for symmetric positive definite systems that are given by what they do
-// to a vector (Hestenes and Stiefel 1952). Sums are in double and in one order.
+// Preconditioned conjugate gradients over one flat float array, for symmetric positive definite matrix-free systems (Hestenes and Stiefel
+// 1952). Sums are in double and in a fixed order.
 
 #include "matching/aligned_array.h"
 
 namespace pliant {
 
-/// A v = b, as the iteration sees it.
+/// The system A v = b.
 class LinearSystem
 {
 public:
@@ -15,27 +15,27 @@ public:
 	virtual int size() const = 0;                              ///< a multiple of kLanes
 	virtual void apply( const float* v, float* to ) = 0;       ///< to = A v
 	virtual void precondition( const float* r, float* z ) = 0; ///< z ~ A^-1 r
-	virtual void moved( float ) {}                             ///< x has gone so many times what `apply` was last given
+	virtual void moved( float ) {}                             ///< called after x += step * p, p the last argument of `apply`
 };
 
-/// When to stop: at r . z <= relative * ( r . z at the start ) or <= absolute, or after so many products.
+/// Stop criteria: r . z <= relative * ( r . z at the start ), or <= absolute, or this number of products.
 struct GradientLimits
 {
 	double relative = 0.0;
 	double absolute = 0.0;
-	int most = 0;
+	int maxProducts = 0;
 };
 
 class ConjugateGradients
 {
 public:
-	/// Improves x. Returns the number of products beyond the first. What is no number stops it.
+	/// Improves x. Returns the number of products beyond the first. Stops at NaN.
 	int solve( LinearSystem& system, const float* b, float* x, const GradientLimits& limits );
-	/// The same in parts, for who knows what is off at x without a product, r = b - A x, or wants to look at x on the way: `begin`, then
-	/// `goOn` as often as needed, each time from where it stood. Limits are shares of what was off at the beginning. `goOn` returns the
-	/// number of its products.
+	/// The same in parts, for callers that know the residual r = b - A x without a product, or inspect x between iterations: `begin`, then
+	/// `iterate` as often as needed, each time continuing from the last state. Relative limits refer to the residual at `begin`. `iterate`
+	/// returns the number of its products.
 	void begin( LinearSystem& system, const float* r );
-	int goOn( LinearSystem& system, float* x, const GradientLimits& limits );
+	int iterate( LinearSystem& system, float* x, const GradientLimits& limits );
 	std::size_t bytes() const { return ( m_r.size() + m_z.size() + m_p.size() + m_ap.size() ) * sizeof( float ); }
 
 private:
@@ -45,7 +45,7 @@ private:
 	double m_rz = 0.0, m_rzFirst = 0.0;
 };
 
-/// a . b, kLanes sums side by side, folded halves onto halves.
+/// a . b, summed in kLanes independent sums that are folded pairwise.
 double dot( const float* a, const float* b, int size );
 
 } // namespace pliant

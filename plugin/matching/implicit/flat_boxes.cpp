@@ -6,7 +6,7 @@ namespace pliant {
 
 void FlatBoxes::layOut( int gridX, int gridY, int gridZ, int halfWidth, int padded )
 {
-	// A row's neighbours are what may be read beyond its ends: a plane at a time along z, and no further than there are planes.
+	// Rows are read beyond their ends by the neighbours' offsets: one plane at a time along z, up to the number of planes.
 	const int reach = std::max( halfWidth * gridX, std::min( halfWidth, gridZ - 1 ) * gridX * gridY );
 	m_margin = std::size_t( ( reach + kLanes - 1 ) / kLanes * kLanes );
 	m_stride = std::size_t( padded ) + m_margin;

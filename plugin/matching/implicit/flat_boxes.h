@@ -1,6 +1,6 @@
 #pragma once
 
-// Rates of a lattice that fills its grid as the implicit step's kernels sum them: a row a component (kernels/kernel_boxes.h).
+// Rates on a lattice that fills its grid, in the layout of the implicit step's kernels: one row per component (kernels/kernel_boxes.h).
 
 #include "matching/kernels/kernels.h"
 #include "matching/node_state.h"
@@ -12,16 +12,16 @@ namespace pliant {
 class FlatBoxes
 {
 public:
-	/// For a grid of gridX x gridY x gridZ nodes, all there; `padded`: their number in whole lanes.
+	/// For a grid of gridX x gridY x gridZ nodes without holes; `padded`: their number rounded up to whole lanes.
 	void layOut( int gridX, int gridY, int gridZ, int halfWidth, int padded );
-	/// Borrowed: until it is laid out again.
+	/// Returned pointers are valid until the next layOut.
 	FlatRows view();
 	std::size_t bytes() const;
 
 private:
 	AlignedArray<float> m_rows;
 	AlignedArray<int> m_x, m_y;
-	std::size_t m_stride = 0, m_margin = 0; ///< between rows; before the first
+	std::size_t m_stride = 0, m_margin = 0; ///< between rows, and before the first
 };
 
 } // namespace pliant

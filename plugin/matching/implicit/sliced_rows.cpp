@@ -17,7 +17,7 @@ void SlicedRows::layOut( const RegionMatrix& matrix )
 	std::uint32_t terms = 0;
 	for ( std::uint32_t begin = 0; begin < count; begin += tileRows )
 	{
-		// The longest first; a key of length and row sorts sooner than a row that looks its length up.
+		// Longest rows first; sorting combined keys of length and row is faster than looking up each row's length.
 		m_keys.clear();
 		for ( std::uint32_t row = begin; row < std::min( count, begin + tileRows ); ++row )
 		{
@@ -29,8 +29,8 @@ void SlicedRows::layOut( const RegionMatrix& matrix )
 			RowSlice slice;
 			for ( std::size_t j = 0; j < kSliceRows; ++j )
 			{
-				slice.row[j] = std::uint8_t(
-					m_keys[std::min( at + j, m_keys.size() - 1 )] % tileRows ); // one summed twice over does no harm
+				// The last row fills up an incomplete slice; summing it twice is harmless.
+				slice.row[j] = std::uint8_t( m_keys[std::min( at + j, m_keys.size() - 1 )] % tileRows );
 			}
 			slice.first = terms;
 			slice.terms = ( lengthOf( begin + slice.row[0] ) + 1 ) / 2 * 2;

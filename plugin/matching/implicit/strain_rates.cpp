@@ -10,7 +10,7 @@ namespace pliant {
 
 namespace {
 
-/// As the matcher's: part of the result's bits.
+/// As in the matcher: the chunk size affects the rounding of sums.
 constexpr int kChunk = 1024;
 static_assert( kChunk % kTile == 0 );
 
@@ -38,7 +38,7 @@ void StrainRates::prepare( LatticeMatcher& matcher, NodeState& nodes, TaskRunner
 	m_recordFloats = matcher.recordFloats();
 	m_partial.resize( std::size_t( chunks( m_padded ) ) );
 	measureBody( nodes, &matcher.parts() );
-	placeFrames( nodes );
+	centreFrames( nodes );
 	m_rates = RateView{};
 	m_rates.match = &m_view;
 	const bool hasOwnFractions = !tables.rateFraction.empty();
@@ -82,12 +82,12 @@ void StrainRates::prepare( LatticeMatcher& matcher, NodeState& nodes, TaskRunner
 	measureRegions( runner );
 }
 
-/// Regions' centres are about the body's, or about those of its parts.
-void StrainRates::placeFrames( const NodeState& nodes )
+/// Region centres are relative to the body's centre, or to that of their part.
+void StrainRates::centreFrames( const NodeState& nodes )
 {
 	if ( m_parts->areSeveral() )
 	{
-		placeParts( nodes );
+		centreParts( nodes );
 	}
 	for ( int k = 0; k < 3; ++k )
 	{
@@ -141,8 +141,8 @@ void StrainRates::measureBody( const NodeState& nodes, const ConnectedParts* par
 
 namespace {
 
-/// The largest eigenvalue of C, which are real and not negative, within what the region has extent in: of a matrix M = m + p B with tr B =
-/// 0 and tr B^2 = 6 it is m + 2 p cos( acos( det B / 2 ) / 3 ).
+/// The largest eigenvalue of C, whose eigenvalues are real and not negative, within the directions in which the region has extent: for a
+/// matrix M = m + p B with tr B = 0 and tr B^2 = 6 it is m + 2 p cos( acos( det B / 2 ) / 3 ).
 double largestStretch( const RegionTables& tables, std::size_t r )
 {
 	Eigen::Matrix3d c;
@@ -162,8 +162,8 @@ double largestStretch( const RegionTables& tables, std::size_t r )
 	return mean + 2.0 * scatter * std::cos( std::acos( std::clamp( 0.5 * ( c / scatter ).determinant(), -1.0, 1.0 ) ) / 3.0 );
 }
 
-/// g of a region of nodes on several levels, without b.
-double shareOfLevels( const RegionTables& tables, std::size_t r )
+/// g of a region of nodes on several levels, without the factor b.
+double levelFraction( const RegionTables& tables, std::size_t r )
 {
 	const double affine = !tables.blend[0].empty() ? largestStretch( tables, r )
 		: tables.beta.empty()                      ? 1.0
@@ -181,7 +181,7 @@ void StrainRates::measureFractions( const RegionTables& tables )
 	for ( std::size_t r = 0; r < std::size_t( matrix.count() ); ++r )
 	{
 		const double weight = tables.moments.regionWeight.empty() ? 1.0 : double( tables.moments.regionWeight[r] );
-		m_fraction[r] = float( weight * shareOfLevels( tables, r ) );
+		m_fraction[r] = float( weight * levelFraction( tables, r ) );
 	}
 	for ( std::size_t i = 0; i < std::size_t( matrix.count() ); ++i )
 	{
@@ -218,12 +218,12 @@ void StrainRates::sumRates( bool isOfRegions, TaskRunner* runner )
 	}
 }
 
-/// The rigid motion Q v, into what the kernels take off.
-void StrainRates::measureRigidMotion( const float* const* speed, TaskRunner* runner )
+/// Measures the rigid motion Q v, which the kernels subtract.
+void StrainRates::measureRigidMotion( const float* const* velocity, TaskRunner* runner )
 {
 	overNodes( m_padded, runner, [&]( int chunk, int begin, int end ) {
 		m_partial[std::size_t( chunk )].fill( 0.0f );
-		m_kernels->rateSums( m_rates, speed, begin, end, m_partial[std::size_t( chunk )].data() );
+		m_kernels->rateSums( m_rates, velocity, begin, end, m_partial[std::size_t( chunk )].data() );
 	} );
 	double sum[kRateSums] = {};
 	for ( const auto& partial : m_partial )
@@ -255,7 +255,7 @@ void StrainRates::resist( const float* v, float stiffness, float* to, TaskRunner
 		resistByPart( v, to, runner );
 		return;
 	}
-	// A v is the same without it. In float it is not: a turn that every region shares would be summed, subtracted and multiplied by G.
+	// In exact arithmetic A v is the same without it. In float a common rotation would be summed, subtracted and multiplied by G.
 	measureRigidMotion( m_rates.rate, runner );
 	applyRegions( runner );
 	if ( !m_isRaised )
@@ -268,7 +268,7 @@ void StrainRates::resist( const float* v, float stiffness, float* to, TaskRunner
 	overNodes( m_padded, runner, [&]( int, int begin, int end ) { m_kernels->finishResist( m_rates, begin, end ); } );
 }
 
-/// What the regions make of the rates, up to the sums that each node takes up.
+/// Computes the regions' rigid rates, up to the sums that each node gathers.
 void StrainRates::applyRegions( TaskRunner* runner )
 {
 	if ( m_gridHasHoles )

@@ -1,4 +1,4 @@
-// What stands on the diagonal of the implicit step's operator. docs/design/implicit.md.
+// The diagonal of the implicit step's operator. docs/design/implicit.md.
 
 #include "matching/implicit/strain_rates.h"
 #include "matching/regions/region_members.h"
@@ -13,17 +13,17 @@ namespace pliant {
 
 namespace {
 
-/// Added to a region's inertia, share of its mean moment: a region in one line has none about it. Its nodes lie in the line, so it is not
-/// asked for either.
+/// Added to a region's inertia, relative to its mean moment: a collinear region has none about its line. Its nodes lie on the line, so the
+/// value has no effect there.
 constexpr double kLineInertia = 1e-4;
 
-/// A node at rest, m, and its weight in the sums.
-struct Weighed
+/// Rest position of a node, m, and its weight in the sums.
+struct WeightedNode
 {
 	double x, y, z, a;
 };
 
-/// Sums over a region's nodes of a, a p and a p p^T, p from the region's own node.
+/// Sums over a region's nodes of a, a p and a p p^T, p relative to the region's own node.
 struct Sums
 {
 	double a = 0.0, x = 0.0, y = 0.0, z = 0.0, xx = 0.0, yy = 0.0, zz = 0.0, yz = 0.0, xz = 0.0, xy = 0.0;
@@ -44,15 +44,15 @@ struct Sums
 	}
 };
 
-/// A region at rest: how little it resists being pushed.
-struct Turning
+/// Rigid-body compliance of a region at rest.
+struct Compliance
 {
 	double x = 0.0, y = 0.0, z = 0.0;                                  ///< its centre, m
 	double mean = 0.0;                                                 ///< 3 / M
-	double xx = 0.0, yy = 0.0, zz = 0.0, yz = 0.0, xz = 0.0, xy = 0.0; ///< tr( T^-1 ) 1 - T^-1, what lies off the diagonal twice
+	double xx = 0.0, yy = 0.0, zz = 0.0, yz = 0.0, xz = 0.0, xy = 0.0; ///< tr( T^-1 ) 1 - T^-1, off-diagonal entries doubled
 
-	Turning() = default;
-	Turning( const Sums& s, const Weighed& own )
+	Compliance() = default;
+	Compliance( const Sums& s, const WeightedNode& own )
 	{
 		const Eigen::Vector3d c( s.x / s.a, s.y / s.a, s.z / s.a );
 		x = own.x + c.x();
@@ -64,7 +64,7 @@ struct Turning
 		second -= s.a * c * c.transpose();
 		if ( !( second.trace() > 0.0 ) )
 		{
-			return; // one node has nothing to be turned by
+			return; // a single node cannot rotate the region
 		}
 		const Eigen::Matrix3d inertia = ( 1.0 + kLineInertia ) * second.trace() * Eigen::Matrix3d::Identity() - second,
 							  inverse = inertia.inverse();
@@ -76,8 +76,8 @@ struct Turning
 		xy = -2.0 * inverse( 0, 1 );
 	}
 
-	/// The trace of 1 / M 1 + [d]^T T^-1 [d], d from the centre to the node: what pushes of one there, in three directions, move it by.
-	double answerTo( const Weighed& node ) const
+	/// The trace of 1 / M 1 + [d]^T T^-1 [d], d from the centre to the node: the node's response to unit impulses in three directions.
+	double complianceAt( const WeightedNode& node ) const
 	{
 		const double dx = node.x - x, dy = node.y - y, dz = node.z - z;
 		return mean + ( dx * ( xx * dx + xy * dy + xz * dz ) + dy * ( yy * dy + yz * dz ) + zz * dz * dz );
@@ -86,39 +86,39 @@ struct Turning
 
 } // namespace
 
-// P's own share of a node i is sum over its regions of g_r a_i / C_i ( 1 / M_r 1 + [d]^T T_r^-1 [d] ), d from the region's centre to it.
-// Its trace is the same however the body is turned: it is taken at rest, once for as long as the regions stay.
+// The diagonal block of P at node i is sum over its regions of g_r a_i / C_i ( 1 / M_r 1 + [d]^T T_r^-1 [d] ), d from the region's centre
+// to the node. Its trace does not depend on the body's rotation: it is measured at rest, once per region tables.
 void StrainRates::measureDiagonal( const RegionTables& tables )
 {
 	const RegionMembers members( tables, m_view );
-	std::vector<Weighed> node( std::size_t( m_view.nodeCount ) );
+	std::vector<WeightedNode> node( std::size_t( m_view.nodeCount ) );
 	for ( std::size_t i = 0; i < node.size(); ++i )
 	{
 		node[i] = { double( m_view.x0[0][i] ), double( m_view.x0[1][i] ), double( m_view.x0[2][i] ), double( m_view.nodeWeight[i] ) };
 	}
-	// By way of the octree a node gives all it has to each of its regions.
+	// With a sum plan a node contributes its full weight to each of its regions.
 	const bool isWeighed = tables.matrix && !tables.plan;
-	std::vector<Turning> region( node.size() );
+	std::vector<Compliance> region( node.size() );
 	for ( std::size_t r = 0; r < region.size(); ++r )
 	{
-		const Weighed own = node[r];
+		const WeightedNode own = node[r];
 		Sums sums;
 		members.visit( r, [&]( std::size_t i, std::size_t k ) {
-			const Weighed& of = node[i];
-			sums.add( isWeighed ? of.a * double( tables.matrix->mass[k] ) : of.a, of.x - own.x, of.y - own.y, of.z - own.z );
+			const WeightedNode& other = node[i];
+			sums.add( isWeighed ? other.a * double( tables.matrix->mass[k] ) : other.a, other.x - own.x, other.y - own.y, other.z - own.z );
 		} );
-		region[r] = Turning( sums, own );
+		region[r] = Compliance( sums, own );
 	}
 	m_diagonal.assign( std::size_t( m_padded ), 0.0f );
 	for ( std::size_t i = 0; i < node.size(); ++i )
 	{
-		const Weighed own = node[i];
+		const WeightedNode own = node[i];
 		double sum = 0.0;
 		members.visit( i, [&]( std::size_t r, std::size_t k ) {
 			const double fraction = m_rates.regionFraction ? double( m_rates.regionFraction[r] ) : 1.0;
-			// What the node gives to the region's sums is what that gives to the node's goal: conserving weights.
+			// With conserving weights a node's weight in the region's sums equals the region's weight in the node's goal.
 			const double weight = isWeighed ? double( tables.matrix->fraction[k] ) : 1.0;
-			sum += weight * fraction * std::max( 0.0, 1.0 - weight * own.a * region[r].answerTo( own ) / 3.0 );
+			sum += weight * fraction * std::max( 0.0, 1.0 - weight * own.a * region[r].complianceAt( own ) / 3.0 );
 		} );
 		m_diagonal[i] = float( sum * double( m_view.inverseCover[i] ) );
 	}

@@ -1,4 +1,4 @@
-// Which kernel table runs on this processor. Compiled for the baseline only.
+// Selects the kernel table for this processor. Compiled for the baseline only.
 
 #include "matching/kernels/kernels.h"
 

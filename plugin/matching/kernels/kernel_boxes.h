@@ -1,7 +1,6 @@
-// Box sums of rates over a lattice that fills its grid, a row a component: a neighbour's number stands as many places on as the grid has
-// nodes between, and those beyond the grid's edges are masked. Whole vectors of nodes are summed at once, and nothing is turned from
-// records to rows and back. Sums have the order of those by records, and their bits. Included by kernel_source.h only, inside its unnamed
-// namespace (see lane.h).
+// Box sums of rates over a lattice that fills its grid, one row per component: neighbours are at constant index offsets, and those beyond
+// the grid's edges are masked. Whole vectors of nodes are summed at once, without conversion between records and rows. Sums have the same
+// order, and the same bits, as those of records. Included by kernel_source.h only, inside its unnamed namespace (see lane.h).
 
 #pragma once
 
@@ -20,14 +19,14 @@ inline V keep( I mask, V a )
 	return (V)( (I)a & mask );
 }
 
-/// to = sum of `from` over w neighbours to either side along one axis of the grid, `step` apart; `place` is the nodes' place on it, of
-/// `count`.
+/// to = sum of `from` over w neighbours to either side along one axis of the grid, `step` apart; `position` holds the nodes' coordinates
+/// along it, below `count`.
 template <int w>
-void boxRowsOf( float* const* from, float* const* to, const int* place, int count, int step, int begin, int end )
+void boxRowsOf( float* const* from, float* const* to, const int* position, int count, int step, int begin, int end )
 {
 	for ( int i = begin; i < end; i += kWidth )
 	{
-		const I at = loadPositions( place + i );
+		const I at = loadPositions( position + i );
 		I below[w], above[w];
 		for ( int k = 0; k < w; ++k )
 		{
@@ -60,18 +59,18 @@ void boxRows( const RateView& rates, bool isOfRegions, int axis, int begin, int 
 	float* const* const other = isOfRegions ? flat.node : flat.region;
 	float* const* const from = axis == 0 ? own : other;
 	float* const* const to = axis == 0 ? other : own;
-	const int* const place = axis == 0 ? flat.x : flat.y;
+	const int* const position = axis == 0 ? flat.x : flat.y;
 	const int count = axis == 0 ? view.gridX : view.gridY, step = axis == 0 ? 1 : view.gridX;
 	switch ( view.halfWidth )
 	{
-		case 1: boxRowsOf<1>( from, to, place, count, step, begin, end ); break;
-		case 2: boxRowsOf<2>( from, to, place, count, step, begin, end ); break;
-		case 3: boxRowsOf<3>( from, to, place, count, step, begin, end ); break;
-		default: boxRowsOf<4>( from, to, place, count, step, begin, end ); break;
+		case 1: boxRowsOf<1>( from, to, position, count, step, begin, end ); break;
+		case 2: boxRowsOf<2>( from, to, position, count, step, begin, end ); break;
+		case 3: boxRowsOf<3>( from, to, position, count, step, begin, end ); break;
+		default: boxRowsOf<4>( from, to, position, count, step, begin, end ); break;
 	}
 }
 
-/// A tile's sums over the planes within the half-width.
+/// Sums a tile over the planes within the half-width.
 inline void sumPlanes( const MatchView& view, float* const* rows, int begin, int end, Tile& tile )
 {
 	const int plane = view.gridX * view.gridY;

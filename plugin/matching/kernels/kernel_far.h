@@ -1,9 +1,9 @@
-// Far levels (matching/step/coarse_to_fine.h): sums of records over lists, and what the levels ask of the nodes. Included by
+// Far levels (matching/step/coarse_to_fine.h): sums of records over lists, and the displacements towards the levels' goals. Included by
 // kernel_source.h only, inside its unnamed namespace (see lane.h).
 
 #pragma once
 
-/// The records of each node's block, as columns.
+/// Gathers the record of each node's block, as columns.
 void gatherFar( const MatchView& view, int begin, int end, Tile& tile )
 {
 	for ( int first = begin; first < end; first += 4 )
@@ -18,24 +18,25 @@ void gatherFar( const MatchView& view, int begin, int end, Tile& tile )
 	}
 }
 
-/// What the far levels ask of a node: D q + t - P u. What holds a pinned node feels it as often as the node counted in the sums.
+/// Displacement of a node towards the far levels' goals: D q + t - P u. For a pinned node it has the factor by which the sums weigh the
+/// node, so that action and reaction stay equal.
 inline Vec farDisplacement( const MatchView& view, const Tile& tile, int i, int at, const Vec& q, const Vec& u )
 {
 	const V pull = load( view.farPull + i );
-	const V heavy = kPinnedWeight - ( kPinnedWeight - 1.0f ) * load( view.freedom + i );
+	const V pinnedFactor = kPinnedWeight - ( kPinnedWeight - 1.0f ) * load( view.freedom + i );
 	const V move[3] = { u.x, u.y, u.z };
-	V way[3];
+	V displacement[3];
 	for ( int k = 0; k < 3; ++k )
 	{
-		way[k] = ( ( load( &tile.row[3 * k][at] ) * q.x + load( &tile.row[3 * k + 1][at] ) * q.y ) +
-					 load( &tile.row[3 * k + 2][at] ) * q.z ) +
+		displacement[k] = ( ( load( &tile.row[3 * k][at] ) * q.x + load( &tile.row[3 * k + 1][at] ) * q.y ) +
+							  load( &tile.row[3 * k + 2][at] ) * q.z ) +
 			( load( &tile.row[9 + k][at] ) - pull * move[k] );
-		way[k] = heavy * way[k];
+		displacement[k] = pinnedFactor * displacement[k];
 	}
-	return { way[0], way[1], way[2] };
+	return { displacement[0], displacement[1], displacement[2] };
 }
 
-/// sumList with a weight a record.
+/// sumList with a weight per record.
 inline Record sumScaled( const float* records, const float* weight, const std::uint32_t* member, std::uint32_t count )
 {
 	const auto term = [&]( std::uint32_t k ) {

@@ -1,9 +1,9 @@
-// One region's fit, sixteen side by side: moments, rotation by Newton's method, goal transform. Included by kernel_source.h only,
-// inside its unnamed namespace (see lane.h). Steinemann et al. 2008, eq. 1; Ohta et al. 2009, eq. 1 and 5.
+// Fit of regions, sixteen side by side: moments, rotation by Newton's method, goal transform. Included by kernel_source.h only, inside its
+// unnamed namespace (see lane.h). Steinemann et al. 2008, eq. 1; Ohta et al. 2009, eq. 1 and 5.
 
 #pragma once
 
-/// Newton stops when its last turn is below this angle, rad: the error left is its square, below float's rounding.
+/// Newton's method stops when its last rotation is below this angle, rad: the remaining error is its square, below float rounding.
 constexpr float kTurnConverged = 3e-4f;
 constexpr int kMostTurns = 6;
 
@@ -12,7 +12,7 @@ struct Quat
 	V w, x, y, z;
 };
 
-/// R( q ) - 1 of a unit quaternion, small where the rotation is small: nothing of order 1 is added and taken away again.
+/// R( q ) - 1 of a unit quaternion, accurate for small rotations: no terms of order 1 cancel.
 inline Mat rotationLessOne( const Quat& q )
 {
 	const V x2 = q.x + q.x, y2 = q.y + q.y, z2 = q.z + q.z;
@@ -22,11 +22,11 @@ inline Mat rotationLessOne( const Quat& q )
 	return { { { -( yy + zz ), xy - wz, xz + wy }, { xy + wz, -( xx + zz ), yz - wx }, { xz - wy, yz + wx, -( xx + yy ) } } };
 }
 
-/// One turn of Newton's method on the rotations for max tr( R^T A ): omega solves ( tr M - M_s ) omega = axial( M ), M = A R^T.
+/// One Newton step on the rotations for max tr( R^T A ): omega solves ( tr M - M_s ) omega = axial( M ), M = A R^T.
 struct Turn
 {
 	Vec omega;
-	I isUphill; ///< the matrix is positive definite: what is near is the maximum, not a saddle
+	I isUphill; ///< the matrix is positive definite: the nearby stationary point is the maximum, not a saddle
 };
 
 inline Turn newtonTurn( const Mat& a, const Quat& q, V floor )
@@ -70,7 +70,7 @@ inline Quat turned( const Quat& q, const Vec& omega )
 	return { p.w * scale, p.x * scale, p.y * scale, p.z * scale };
 }
 
-/// Turns `q` until it fits `a`; lanes that do not settle on a maximum come back in the mask, their quaternion as it was.
+/// Iterates `q` until it fits `a`; returns the mask of lanes that do not converge to a maximum, whose quaternions stay unchanged.
 inline I fitLanes( const Mat& a, V floor, Quat& q )
 {
 	const Quat before = q;
@@ -120,7 +120,7 @@ inline Mat withFlow( const Mat& f, const Mat& s )
 	return c;
 }
 
-/// What a region's sums say: c - c0 in cells (uc) and A_pq.
+/// Fit of a region's sums: c - c0 in cells (uc) and A_pq.
 struct RegionFit
 {
 	Vec uc;
@@ -150,7 +150,7 @@ inline RegionFit readRegion( const MatchView& view, const Tile& tile, int r, int
 	return fit;
 }
 
-/// F = A_pq J^+   (eq. 10: where the region has flowed, J^+ is that of its flowed shape).
+/// F = A_pq J^+   (eq. 10: where the region has flowed, J^+ is that of its plastic rest shape).
 inline Mat deformation( const MatchView& view, const Mat& a, int r )
 {
 	return product( a, loadSymmetric( view.inverseMoment, r ) );
@@ -166,7 +166,7 @@ inline Mat fittedMatrix( const MatchView& view, const Mat& a, int r )
 	return view.blend[0] ? product( a, loadMatrix( view.blend, r ) ) : a;
 }
 
-/// F - 1. Where the region has no extent the fit says nothing, and F follows R there: F = A_pq J^+ + R ( 1 - J J^+ ).
+/// F - 1. Along directions without extent the fit has no information, and F equals R: F = A_pq J^+ + R ( 1 - J J^+ ).
 inline Mat deformationLessOne( const MatchView& view, const Mat& a, const Mat& rLessOne, int r )
 {
 	Mat f = deformation( view, a, r );
@@ -188,8 +188,8 @@ inline Mat deformationLessOne( const MatchView& view, const Mat& a, const Mat& r
 	return f;
 }
 
-/// L - 1 from R - 1 and F - 1: L = R + beta ( F - R ) (Ohta et al. 2009, eq. 5), or F + ( R - F ) C^T with a tensor, and then
-/// - tr( R^T F - 1 ) kappa b ( R J^+ + h x R ) for volume, the trace within -1 .. 1.
+/// L - 1 from R - 1 and F - 1: L = R + beta ( F - R ) (Ohta et al. 2009, eq. 5), or F + ( R - F ) C^T with a tensor, and then - tr( R^T F -
+/// 1 ) kappa b ( R J^+ + h x R ) for volume keeping, with the trace clamped to -1 .. 1.
 inline Mat goalMatrix( const MatchView& view, const Mat& a, const Mat& rLessOne, const Mat& fLessOne, int r )
 {
 	const V beta = view.regionBeta ? load( view.regionBeta + r ) : splat( view.beta );
@@ -251,9 +251,9 @@ inline bool needsDeformation( const MatchView& view )
 	return view.beta > 0.0f || view.regionBeta || view.regionEta || view.blend[0] || view.volumeFraction > 0.0f || view.strain;
 }
 
-/// Sum over the singular values s of F of ( s - 1 )^2, which is | F - R |^2. And of E = R^T F - 1, with the mean m and n = | E - m 1 |
-/// about it, m + sqrt( 2 / 3 ) n: the largest s - 1 where the other two are alike, as in a pull; else more, up to a third of a squeeze, and
-/// at most | E |.
+/// Writes the sum over the singular values s of F of ( s - 1 )^2, which is | F - R |^2. And for E = R^T F - 1, with mean m and deviation n
+/// = | E - m 1 |, writes m + sqrt( 2 / 3 ) n: equal to the largest s - 1 where the other two are equal, as in tension; otherwise larger, by
+/// up to a third of a compression, and at most | E |.
 inline void writeStrain( const MatchView& view, const Mat& rLessOne, const Mat& fLessOne, int r )
 {
 	V sum = V{}, trace = V{};
@@ -275,9 +275,9 @@ inline void writeStrain( const MatchView& view, const Mat& rLessOne, const Mat& 
 	}
 }
 
-/// What the region asks of its nodes, as a matrix D on rest arms q and the shift that goes with it:
+/// The region's goal, as a matrix D on rest positions q and an associated translation:
 ///   goal - x = D ( q - c0 ) + ( 1 - eta ) uc - ( 1 - eta ) u,   D = ( L - eta F ) S_p - ( 1 - eta )
-/// from goal = c + L S_p q + eta ( x - c - F S_p q ): eta lets the nodes keep that share of what no affine motion explains.
+/// from goal = c + L S_p q + eta ( x - c - F S_p q ): nodes keep the fraction eta of their non-affine displacement.
 inline Mat goalOf( const MatchView& view, const RegionFit& fit, const Quat& q, int r )
 {
 	const Mat rLessOne = rotationLessOne( q );
@@ -318,7 +318,7 @@ inline Mat goalOf( const MatchView& view, const RegionFit& fit, const Quat& q, i
 	return d;
 }
 
-/// The region's record into the tile: b_r ( D, ( 1 - eta ) uc - D c0 ).
+/// Writes the region's record into the tile: b_r ( D, ( 1 - eta ) uc - D c0 ).
 inline void writeGoal( const MatchView& view, const RegionFit& fit, const Quat& q, int r, Tile& tile, int at )
 {
 	const Mat d = goalOf( view, fit, q, r );

@@ -1,9 +1,9 @@
-// The loops over a body's nodes that are not matching: forces, and the way they go. Included by kernel_source.h only, inside its unnamed
-// namespace (see lane.h).
+// Loops over a body's nodes outside matching: external accelerations, and the advance of positions. Included by kernel_source.h only,
+// inside its unnamed namespace (see lane.h).
 
 #pragma once
 
-/// 0 where each lane is, else NaN: 0 times what is not finite is NaN.
+/// Returns 0 where every lane is 0, else NaN: 0 times a non-finite number is NaN.
 inline float sumOfLanes( V a )
 {
 	float sum = 0.0f;
@@ -14,7 +14,7 @@ inline float sumOfLanes( V a )
 	return sum;
 }
 
-void push( const MotionView& view, const float* gravity, float h, int begin, int end, VelocityBounds& span )
+void push( const MotionView& view, const float* gravity, float h, int begin, int end, VelocityBounds& bounds )
 {
 	V low[3] = {}, high[3] = {}, worst = {};
 	for ( int i = begin; i < end; i += kWidth )
@@ -35,11 +35,11 @@ void push( const MotionView& view, const float* gravity, float h, int begin, int
 	{
 		for ( int lane = 0; lane < kWidth; ++lane )
 		{
-			span.low[k] = low[k][lane] < span.low[k] ? low[k][lane] : span.low[k];
-			span.high[k] = high[k][lane] > span.high[k] ? high[k][lane] : span.high[k];
+			bounds.low[k] = low[k][lane] < bounds.low[k] ? low[k][lane] : bounds.low[k];
+			bounds.high[k] = high[k][lane] > bounds.high[k] ? high[k][lane] : bounds.high[k];
 		}
 	}
-	span.worst += sumOfLanes( worst );
+	bounds.worst += sumOfLanes( worst );
 }
 
 inline void loadEight( const float* p, D8& to )

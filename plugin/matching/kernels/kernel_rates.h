@@ -1,20 +1,18 @@
-// How fast a body's regions strain: v - P v, with P v at a node the mean of its regions' rigid motions, about the nodes' present places.
-// The operator of the implicit step (matching/implicit/strain_rates.h; docs/design/implicit.md). Rivers and James 2007, section 5, have the
-// same P for damping. Included by kernel_source.h only, inside its unnamed namespace (see lane.h). Lengths in cells, world axes.
+// Strain rates of a body's regions: v - P v, with P v at a node the mean of its regions' rigid motions, at the current node positions. The
+// operator of the implicit step (matching/implicit/strain_rates.h; docs/design/implicit.md). Rivers and James 2007, section 5, use the same
+// P for damping. Included by kernel_source.h only, inside its unnamed namespace (see lane.h). Lengths in cells, world axes.
 
 #pragma once
 
-/// Regions with hardly any extent about some axis: where the determinant of their inertia is below this share of ( trace / 3 )^3, it is
-/// raised before it is inverted. What is taken for less than it is would make 1 - P push: a rod of ten cells, bent by a hundredth of one,
-/// flew apart.
+/// Regions with hardly any extent about some axis: where the determinant of their inertia is below this fraction of ( trace / 3 )^3, it is
+/// raised before inversion. An underestimated inertia would make 1 - P indefinite: a rod of ten cells, bent by 0.01 cells, flew apart.
 constexpr float kThinInertia = 1e-2f;
 constexpr float kThinRaise = 1e-4f;
-/// Added to those, in cells^2 of full cells: a region of one cell has none at all, and its rotation says nothing.
+/// Added to those, in cells^2 of full cells: a region of one cell has no inertia, and its rotation is undetermined.
 constexpr float kPointInertia = 1e-4f;
-/// What rounding may have made of an inertia, share of the second moment about the frame's centre, from which it was moved to the region's
-/// own.
+/// Bound of the rounding error of an inertia, relative to the second moment about the frame's centre before its shift to the region's.
 constexpr float kInertiaRounding = 4e-7f;
-/// An inertia is thin, too, where it is less than so many times that.
+/// An inertia below this multiple of that error also counts as thin.
 constexpr float kSafeInertia = 50.0f;
 
 inline Vec placeOf( const MatchView& view, int i )
@@ -24,10 +22,10 @@ inline Vec placeOf( const MatchView& view, int i )
 		( load( view.x[2] + i ) - view.frameCentre[2] ) * perMetre };
 }
 
-/// v less the rigid motion that the step takes off before anything is summed.
-inline Vec strainingRate( const RateView& rates, const Vec& place, int i )
+/// v less the rigid motion that the step removes before summing.
+inline Vec strainingRate( const RateView& rates, const Vec& position, int i )
 {
-	const Vec turn = cross( { splat( rates.turn[0] ), splat( rates.turn[1] ), splat( rates.turn[2] ) }, place );
+	const Vec turn = cross( { splat( rates.turn[0] ), splat( rates.turn[1] ), splat( rates.turn[2] ) }, position );
 	return { load( rates.rate[0] + i ) - rates.shift[0] - turn.x, load( rates.rate[1] + i ) - rates.shift[1] - turn.y,
 		load( rates.rate[2] + i ) - rates.shift[2] - turn.z };
 }
@@ -37,7 +35,7 @@ inline void clearRows( Tile& tile, int from )
 	__builtin_memset( tile.row[from], 0, sizeof( tile.row[0] ) * std::size_t( kRecordUsed - from ) );
 }
 
-/// a p and a p p^T of each node.
+/// Writes a p and a p p^T of each node.
 void inertiaRecords( const RateView& rates, int begin, int end )
 {
 	const MatchView& view = *rates.match;
@@ -83,7 +81,7 @@ inline V determinant( const V ( &t )[6] )
 	return ( t[0] * ( t[1] * t[2] - t[3] * t[3] ) + t[5] * ( t[4] * t[3] - t[2] * t[5] ) ) + t[4] * ( t[5] * t[3] - t[1] * t[4] );
 }
 
-/// What a tile's records sum up: by slices where there are any, else with the table's own weights.
+/// Gathers the sums of a tile's records: by slices where there are any, otherwise with the table's own weights.
 template <class Size>
 void gatherRows(
 	const RateView& rates, const float* sliced, const std::uint32_t* own, const float* records, int begin, int end, Tile& tile )
@@ -99,7 +97,7 @@ void gatherRows(
 	}
 }
 
-/// What a tile's rates sum up.
+/// Gathers the sums of a tile's rates.
 inline void gatherRates( const RateView& rates, bool isOfRegions, int begin, int end, Tile& tile )
 {
 	const MatchView& view = *rates.match;
@@ -112,7 +110,7 @@ inline void gatherRates( const RateView& rates, bool isOfRegions, int begin, int
 		isOfRegions ? view.regionRecord : view.nodeRecord, begin, end, tile );
 }
 
-/// A tile's rates where the sums will look for them.
+/// Stores a tile's rates where the sums read them.
 inline void giveRates( const RateView& rates, bool isOfRegions, const Tile& tile, int begin, int end )
 {
 	const MatchView& view = *rates.match;
@@ -135,7 +133,7 @@ inline void giveRates( const RateView& rates, bool isOfRegions, const Tile& tile
 	}
 }
 
-/// Of each region: centre c and T^-1, T = sum a ( |p - c|^2 1 - ( p - c )( p - c )^T ). Whether any was thin, and raised.
+/// Computes each region's centre c and T^-1, T = sum a ( |p - c|^2 1 - ( p - c )( p - c )^T ). Returns whether any was thin and raised.
 bool regionInertias( const RateView& rates, int begin, int end )
 {
 	const MatchView& view = *rates.match;
@@ -156,10 +154,11 @@ bool regionInertias( const RateView& rates, int begin, int end )
 				load( &tile.row[7][at] ) - sum[0] * c[2], load( &tile.row[8][at] ) - sum[0] * c[1] };
 			V t[6] = { s[1] + s[2], s[0] + s[2], s[0] + s[1], -s[3], -s[4], -s[5] };
 			const V third = ( ( t[0] + t[1] ) + t[2] ) * ( 1.0f / 3.0f );
-			const V lost = kInertiaRounding * ( ( load( &tile.row[3][at] ) + load( &tile.row[4][at] ) ) + load( &tile.row[5][at] ) );
-			const I thin = determinant( t ) <= third * third * ( kThinInertia * third + kSafeInertia * lost );
-			const V raised = select( thin, kThinRaise * third + kPointInertia + lost, V{} );
-			isRaised = isRaised || any( thin & ( third > 0.0f ) ); // padding has none
+			const V roundingError = kInertiaRounding *
+				( ( load( &tile.row[3][at] ) + load( &tile.row[4][at] ) ) + load( &tile.row[5][at] ) );
+			const I thin = determinant( t ) <= third * third * ( kThinInertia * third + kSafeInertia * roundingError );
+			const V raised = select( thin, kThinRaise * third + kPointInertia + roundingError, V{} );
+			isRaised = isRaised || any( thin & ( third > 0.0f ) ); // padding has no inertia
 			for ( int k = 0; k < 3; ++k )
 			{
 				t[k] = t[k] + raised;
@@ -175,8 +174,8 @@ bool regionInertias( const RateView& rates, int begin, int end )
 	return isRaised;
 }
 
-/// Sums over the nodes: m v and m p x v, v three components.
-void rateSums( const RateView& rates, const float* const* speed, int begin, int end, float* sums )
+/// Sums over the nodes: m v and m p x v, v given as three component arrays.
+void rateSums( const RateView& rates, const float* const* velocity, int begin, int end, float* sums )
 {
 	const MatchView& view = *rates.match;
 	LaneSums<kRateSums> sum;
@@ -184,7 +183,7 @@ void rateSums( const RateView& rates, const float* const* speed, int begin, int 
 	{
 		const int sub = i % kVirtualLanes;
 		const V m = load( view.mass + i );
-		const Vec mv = { m * load( speed[0] + i ), m * load( speed[1] + i ), m * load( speed[2] + i ) };
+		const Vec mv = { m * load( velocity[0] + i ), m * load( velocity[1] + i ), m * load( velocity[2] + i ) };
 		const Vec spin = cross( placeOf( view, i ), mv );
 		const V value[kRateSums] = { mv.x, mv.y, mv.z, spin.x, spin.y, spin.z };
 		for ( int k = 0; k < kRateSums; ++k )
@@ -195,7 +194,7 @@ void rateSums( const RateView& rates, const float* const* speed, int begin, int 
 	sum.foldInto( sums );
 }
 
-/// a v and a p x v of each node.
+/// Writes a v and a p x v of each node.
 void rateRecords( const RateView& rates, int begin, int end )
 {
 	const MatchView& view = *rates.match;
@@ -220,7 +219,7 @@ void rateRecords( const RateView& rates, int begin, int end )
 	}
 }
 
-/// Of each region its rigid motion: g ( w, vc - w x c ), w = T^-1 ( sum a p x v - c x sum a v ).
+/// Computes each region's rigid motion: g ( w, vc - w x c ), w = T^-1 ( sum a p x v - c x sum a v ).
 void rigidRates( const RateView& rates, int begin, int end )
 {
 	const MatchView& view = *rates.match;
@@ -258,7 +257,7 @@ void rigidRates( const RateView& rates, int begin, int end )
 	}
 }
 
-/// Of each node G ( v - P v ), and m ( v + that ) of each free one, 0 of the others; or, `isPart`, the first alone.
+/// Computes G ( v - P v ) = e of each node and writes m ( v + e ) for free nodes, 0 for the others; with `isPart`, writes e alone.
 template <bool isPart>
 inline void resistAll( const RateView& rates, int begin, int end )
 {
@@ -297,7 +296,7 @@ void resistPart( const RateView& rates, int begin, int end )
 	resistAll<true>( rates, begin, end );
 }
 
-/// What `resistPart` left, e, less a rigid motion: m ( v + e - shift - turn x p ) of each free node.
+/// Subtracts a rigid motion from the result e of `resistPart`: m ( v + e - shift - turn x p ) of each free node.
 void finishResist( const RateView& rates, int begin, int end )
 {
 	const MatchView& view = *rates.match;

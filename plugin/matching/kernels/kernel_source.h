@@ -1,6 +1,6 @@
-// The kernels themselves. Each kernels_<target>.cpp defines PLIANT_LANE_WIDTH and PLIANT_KERNEL_TABLE and includes this file once.
-// Lanes are independent but for sums, and sums are kept per virtual lane (16 of them) and folded at the end: hence equal bits
-// for every width. No template or inline function of any other header is instantiated here.
+// The kernels. Each kernels_<target>.cpp defines PLIANT_LANE_WIDTH and PLIANT_KERNEL_TABLE and includes this file once. Lanes are
+// independent except in sums, which are kept per virtual lane (16 of them) and folded at the end: hence equal bits for every width. No
+// template or inline function of any other header is instantiated here.
 
 #pragma once
 
@@ -94,7 +94,7 @@ void nodeRecords( const MatchView& view, int begin, int end )
 	}
 }
 
-/// Along one line of `count` records, `stride` records apart: each becomes the sum over w neighbours to either side, in place.
+/// Along one line of `count` records, `stride` records apart: replaces each by the sum over w neighbours to either side, in place.
 template <int w, class Size>
 void boxLine( float* line, int count, std::size_t stride )
 {
@@ -213,7 +213,7 @@ int fitRegions( const MatchView& view, int begin, int end, std::uint32_t* open )
 	return openCount;
 }
 
-/// One region alone, in the lanes it has in its block, so that its numbers are the same bits as in the block.
+/// A single region, in the lane it has within its block, so that its results are bitwise the same as in the block.
 struct Single
 {
 	Tile tile;
@@ -290,19 +290,19 @@ void scatter( const MatchView& view, int begin, int end, float* sums )
 			const Vec u = { load( view.change[0] + i ), load( view.change[1] + i ), load( view.change[2] + i ) };
 			Vec e = residualOf( view, tile, i, i - first, q, u );
 
-			// y = ( 1 - s ) alpha e - s u + k ( e - e before ); u is the way from the whole body's rigid fit
+			// y = ( 1 - s ) alpha e - s u + k ( e - e before ); u is the displacement from the whole body's rigid fit
 			const float k = view.dampingFraction, s = view.bodyFraction, alpha = ( 1.0f - s ) * view.alpha;
-			Vec way = { alpha * e.x, alpha * e.y, alpha * e.z };
+			Vec displacement = { alpha * e.x, alpha * e.y, alpha * e.z };
 			if ( view.farRecord )
 			{
 				const Vec far = farDisplacement( view, farTile, i, i - first, q, u );
 				const float fraction = 1.0f - s, damped = view.farDamping;
-				way = { way.x + fraction * far.x, way.y + fraction * far.y, way.z + fraction * far.z };
+				displacement = { displacement.x + fraction * far.x, displacement.y + fraction * far.y, displacement.z + fraction * far.z };
 				e = { e.x + damped * far.x, e.y + damped * far.y, e.z + damped * far.z };
 			}
-			const Vec y = { ( way.x - s * u.x ) + k * ( e.x - load( view.residual[0] + i ) ),
-				( way.y - s * u.y ) + k * ( e.y - load( view.residual[1] + i ) ),
-				( way.z - s * u.z ) + k * ( e.z - load( view.residual[2] + i ) ) };
+			const Vec y = { ( displacement.x - s * u.x ) + k * ( e.x - load( view.residual[0] + i ) ),
+				( displacement.y - s * u.y ) + k * ( e.y - load( view.residual[1] + i ) ),
+				( displacement.z - s * u.z ) + k * ( e.z - load( view.residual[2] + i ) ) };
 			store( view.residual[0] + i, e.x );
 			store( view.residual[1] + i, e.y );
 			store( view.residual[2] + i, e.z );

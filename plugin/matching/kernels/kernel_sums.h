@@ -1,12 +1,12 @@
-// Sums over vectors of speeds and affine motions of them, for the implicit step's solver. Included by kernel_source.h only, inside its
-// unnamed namespace (see lane.h).
+// Sums over velocity vectors and their affine motions, for the implicit step's solver. Included by kernel_source.h only, inside its unnamed
+// namespace (see lane.h).
 
 #pragma once
 
 using F8 = float __attribute__( ( vector_size( 32 ), may_alias ) );
 using D8 = double __attribute__( ( vector_size( 64 ) ) );
 
-/// Eight floats as doubles, times eight others, added to `sum`.
+/// Adds the products of eight floats each of a and b, in double, to `sum`.
 inline void addProduct( D8& sum, const float* a, const float* b )
 {
 	const F8 left = *reinterpret_cast<const F8*>( a ), right = *reinterpret_cast<const F8*>( b );

@@ -1,5 +1,5 @@
-// Tiles of 64 nodes or regions: between records (one line a node, as gathers want them) and rows (one a component, as arithmetic
-// wants them), and the sums of records. Included by kernel_source.h only, inside its unnamed namespace (see lane.h).
+// Tiles of 64 nodes or regions: conversion between records (one line per node, as gathers need them) and rows (one per component, as
+// arithmetic needs them), and the sums of records. Included by kernel_source.h only, inside its unnamed namespace (see lane.h).
 
 #pragma once
 
@@ -18,7 +18,7 @@ inline Vec cross( const Vec& a, const Vec& b )
 	return { a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x };
 }
 
-/// Sums kept per virtual lane. `sub` is the first virtual lane of the vector at hand.
+/// Sums kept per virtual lane. `sub` is the first virtual lane of the current vector.
 template <int n>
 struct LaneSums
 {
@@ -26,7 +26,7 @@ struct LaneSums
 
 	LaneSums() { __builtin_memset( lane, 0, sizeof( lane ) ); }
 	void add( int k, int sub, V value ) { store( &lane[k][sub], load( &lane[k][sub] ) + value ); }
-	/// Folds 16 lanes to one, halves onto halves, and adds that to `to`.
+	/// Folds 16 lanes pairwise by halves to one, and adds that to `to`.
 	void foldInto( float* to )
 	{
 		for ( int k = 0; k < n; ++k )
@@ -58,7 +58,7 @@ inline void storeGroup( Tile& tile, int first, F4 a, F4 b, F4 c, F4 d, int at )
 	store4( &tile.row[first + 3][at], d );
 }
 
-/// Four records become four columns of the tile at `at`.
+/// Transposes four records into four columns of the tile at `at`.
 template <class Size>
 inline void storeColumns( Tile& tile, const RecordOf<Size> ( &r )[4], int at )
 {
@@ -75,7 +75,7 @@ inline std::uint32_t slotOf( const MatchView& view, int node )
 	return view.slot ? view.slot[node] : std::uint32_t( node );
 }
 
-/// Columns of the tile become records of nodes or regions begin .. end.
+/// Transposes columns of the tile into records of nodes or regions begin .. end.
 template <class Size = Whole>
 void writeRecords( const MatchView& view, const Tile& tile, int begin, int end, float* records )
 {
@@ -102,7 +102,7 @@ void writeRecords( const MatchView& view, const Tile& tile, int begin, int end, 
 	}
 }
 
-/// Sum of the listed records, even and odd terms apart, so that two chains of additions run side by side.
+/// Sum of the listed records, with separate even and odd terms, so that two chains of additions run in parallel.
 template <class Size = Whole>
 inline RecordOf<Size> sumList( const float* records, const std::uint32_t* member, std::uint32_t count )
 {
@@ -125,7 +125,7 @@ inline RecordOf<Size> sumList( const float* records, const std::uint32_t* member
 	return even + odd;
 }
 
-/// The same with a weight a term. Whole masses come in, rounded once to float, here or before (RowSlices): the same on every processor.
+/// The same with a weight per term. Integer masses, rounded once to float, here or earlier (RowSlices): the same on every processor.
 template <class Size>
 inline RecordOf<Size> sumWeighted( const float* records, const std::uint32_t* member, const std::uint32_t* weight, std::uint32_t count )
 {
@@ -148,7 +148,7 @@ inline RecordOf<Size> sumWeighted( const float* records, const std::uint32_t* me
 	return even + odd;
 }
 
-/// Sum of 2w + 1 plane sums through a lattice position along z, from below.
+/// Sum of 2w + 1 plane sums through a lattice position along z, in ascending order.
 template <class Size>
 inline RecordOf<Size> sumColumn( const MatchView& view, const float* records, std::uint32_t slot )
 {
@@ -187,7 +187,7 @@ inline RecordOf<Size> sumAround( const MatchView& view, const float* records, co
 	return count == 0 ? own : sumList<Size>( records, member, count ) + own;
 }
 
-/// `weight`: of each term of the table, or null.
+/// `weight`: of each term of the table; may be null.
 template <class Size = Whole>
 void gatherTile( const MatchView& view, const float* records, const std::uint32_t* weight, int begin, int end, Tile& tile )
 {
@@ -210,8 +210,8 @@ void gatherTile( const MatchView& view, const float* records, const std::uint32_
 	}
 }
 
-/// The same sums to the bit with `weight` beside the slices' terms, four rows at a time. Records of both sizes stand in the same order.
-/// Rows from `real` on are padding.
+/// Bitwise the same sums with `weight` per term of the slices, four rows at a time. Records of both sizes have the same order. Rows from
+/// `real` on are padding.
 template <class Size>
 void gatherSlices( const RowSlices& rows, const float* weight, const float* records, int begin, int real, int end, Tile& tile )
 {

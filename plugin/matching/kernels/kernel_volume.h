@@ -1,10 +1,10 @@
-// Kept volume of one region, sixteen side by side, and the matrices that it and the fit are made of. Included by kernel_source.h only,
-// inside its unnamed namespace (see lane.h).
+// Volume keeping of regions, sixteen side by side, and the matrix operations shared with the fit. Included by kernel_source.h only, inside
+// its unnamed namespace (see lane.h).
 
 #pragma once
 
-/// Added to Newton's matrix in shares of the region's own moment, and absolutely for regions of one cell, where all is zero:
-/// it slows the iteration by that share, leaves its fixed point where it is, and keeps what the matrix leaves open as it was.
+/// Added to Newton's matrix, relative to the region's own moment, and absolutely for regions of one cell, where all is zero: slows the
+/// iteration by that fraction, does not move its fixed point, and keeps undetermined rotations unchanged.
 constexpr float kHessianFraction = 1e-6f;
 constexpr float kHessianFloor = 1e-8f;
 
@@ -34,7 +34,7 @@ inline Mat loadMatrix( const float* const ( &rows )[9], int r )
 	return a;
 }
 
-/// Components stand as xx, yy, zz, yz, xz, xy.
+/// Component order: xx, yy, zz, yz, xz, xy.
 inline Mat loadSymmetric( const float* const ( &components )[6], int r )
 {
 	Mat a;
@@ -48,7 +48,7 @@ inline Mat loadSymmetric( const float* const ( &components )[6], int r )
 	return a;
 }
 
-/// h of volumeMatrix:   ( tr M - M ) h = - axial( F R^T ),   M = A R^T (A C R^T with a tensor), and none where that is no maximum.
+/// h of volumeMatrix:   ( tr M - M ) h = - axial( F R^T ),   M = A R^T (A C R^T with a tensor); zero where the fit is not a maximum.
 inline Vec volumeTurn( const MatchView& view, const Mat& fitted, const Mat& rLessOne, const Mat& fLessOne, int r )
 {
 	Mat f = fLessOne, rotation = rLessOne;
@@ -80,10 +80,10 @@ inline Vec volumeTurn( const MatchView& view, const Mat& fitted, const Mat& rLes
 		( ( cxy * axial.x + cyy * axial.y ) + cyz * axial.z ) * inverse, ( ( cxz * axial.x + cyz * axial.y ) + czz * axial.z ) * inverse };
 }
 
-/// kappa b ( R J^+ + h x R ), J^+ that of the shape at rest now, b a mean of J's moments, so that it is kappa R where they are all the
-/// same: the derivative of 1/2 kappa b tr( R^T F - 1 )^2, h x R that of its R, without which it would turn the region. (kappa R is no
-/// energy's where the moments differ, and goes on giving.)
-///   b = ( n / tr( J^+ ) ) min( n | J^+ |^2 / tr( J^+ )^2, kVolumeLimit ),   n directions in which it has extent
+/// kappa b ( R J^+ + h x R ), J^+ that of the current rest shape, b a mean of J's moments, so that it is kappa R where these are equal: the
+/// derivative of 1/2 kappa b tr( R^T F - 1 )^2. h x R is the derivative of its R, without which it would exert a torque on the region.
+/// (kappa R derives from no energy where the moments differ, and would feed energy in.)
+///   b = ( n / tr( J^+ ) ) min( n | J^+ |^2 / tr( J^+ )^2, kVolumeLimit ),   n directions with extent
 inline Mat volumeMatrix( const MatchView& view, const Mat& fitted, const Mat& rLessOne, const Mat& fLessOne, V push, int r )
 {
 	const Mat inverse = loadSymmetric( view.inverseMoment, r ), turned = product( rLessOne, inverse );

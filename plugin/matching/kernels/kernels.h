@@ -1,27 +1,27 @@
 #pragma once
 
-// The hot loops of lattice shape matching behind plain function pointers, one table per instruction set.
-// Every table gives the same bits: 16 virtual lanes, one order of every sum, no fused or approximate operation.
+// The hot loops of lattice shape matching behind plain function pointers, one table per instruction set. Every table gives the same bits:
+// 16 virtual lanes, a fixed order of every sum, no fused or approximate operation.
 //
-// The arithmetic runs in the body's own turning frame (rotation R_b, centre c_b) in units of cells:
+// The arithmetic runs in the body's own rotating frame (rotation R_b, centre c_b) in units of cells:
 //   u_i = R_b^T (x_i - c_b) / d - q_i,   q_i = rest position / d
-// so that a rigid motion of the whole body leaves u = 0 and what is summed, subtracted and rounded is deformation only.
+// so that a rigid motion of the whole body leaves u = 0 and only deformation is summed, subtracted and rounded.
 
 #include <cstdint>
 
 namespace pliant {
 
-/// Floats of a record: what one node gives to its regions, or one region to its nodes. 12 are used; 16 fill a cache line.
+/// Floats of a record: the contribution of one node to its regions, or of one region to its nodes. 12 are used; 16 fill a cache line.
 inline constexpr int kRecordFloats = 16;
 inline constexpr int kRecordUsed = 12;
 
-/// The same of the implicit step's rates: 6 are used.
+/// The same for the implicit step's rates: 6 are used.
 inline constexpr int kRateFloats = 8;
 
-/// Nodes worked on together between two transpositions.
+/// Nodes processed together between two transpositions.
 inline constexpr int kTile = 64;
 
-/// Sums of the body frame pass: m x (3), m x q^T (9, row by row), m.
+/// Sums of the body frame pass: m x (3), m x q^T (9, row-major), m.
 inline constexpr int kFrameSums = 13;
 
 /// Sums over the nodes' changes y and motion: m y (3), m p x y (3), m p (3), m p p^T as xx, yy, zz, yz, xz, xy (6) in cells and
@@ -47,7 +47,7 @@ struct MatchView
 	// Regions.
 	const std::uint32_t* start = nullptr;
 	const std::uint32_t* member = nullptr;
-	bool addOwner = false; ///< the table lists a region's other members only (the lattice's links, w = 1)
+	bool addOwner = false; ///< the table lists only a region's other members (the lattice's links, w = 1)
 	const float* inverseMass = nullptr;
 	const float* centre[3] = {};
 	const float* moment[6] = {};
@@ -55,20 +55,20 @@ struct MatchView
 	const float* regionWeight = nullptr; ///< b_r; null when all are 1
 
 	// Regions over several levels (adapt/regions/region_matrix.h); all null on a uniform lattice.
-	const std::uint32_t* memberMass = nullptr;     ///< beside `member`: weight of a member in the region's sums. Null: 1
-	const std::uint32_t* memberFraction = nullptr; ///< beside `member`: weight of the member's region in the node's goal. Null: 1
-	const float* pull = nullptr;       ///< of each node: sum of shares b_r ( 1 - eta_r ) / C, which stands before its own u. Null: 1
+	const std::uint32_t* memberMass = nullptr;     ///< per entry of `member`: weight of a member in the region's sums. Null: 1
+	const std::uint32_t* memberFraction = nullptr; ///< per entry of `member`: weight of the member's region in the node's goal. Null: 1
+	const float* pull = nullptr;       ///< of each node: sum of fractions b_r ( 1 - eta_r ) / C, the factor of its own u. Null: 1
 	const float* regionBeta = nullptr; ///< beta_r; null: `beta` for all
 	const float* regionEta = nullptr;  ///< eta_r; null: 0
-	const float* blend[9] = {};        ///< C = J^+ J_fine, row by row, where beta is a tensor 1 - C^T; null where it is a number
-	const float* outOfPlane[6] = {};   ///< 1 - J J^+ of flat and thin regions: where they have no extent, F follows R. Null: all are solid
-	const float* plastic[9] = {};      ///< S_p - 1, row by row; `inverseMoment` is then that of the flowed shape
+	const float* blend[9] = {};        ///< C = J^+ J_fine, row-major, where beta is a tensor 1 - C^T; null where it is a scalar
+	const float* outOfPlane[6] = {};   ///< 1 - J J^+ of flat and thin regions: along these directions F equals R. Null: all are solid
+	const float* plastic[9] = {};      ///< S_p - 1, row-major; `inverseMoment` is then that of the plastic rest shape
 	float volumeFraction = 0.0f;       ///< kappa
-	float* strain = nullptr;           ///< out: sum over the singular values s of F of ( s - 1 )^2, a region
-	float* stretch = nullptr;          ///< out, with strain: not less than the largest s - 1, a region
+	float* strain = nullptr;           ///< out: sum over the singular values s of F of ( s - 1 )^2, per region
+	float* stretch = nullptr;          ///< out, with strain: upper bound of the largest s - 1, per region
 	float* quaternion[4] = {};         ///< w, x, y, z: rotation relative to the body frame
 
-	// Records: one line a node or region; on the grid one line a lattice position.
+	// Records: one line per node or region; on the grid one line per lattice position.
 	float* nodeRecord = nullptr;
 	float* regionRecord = nullptr;
 	const std::uint32_t* slot = nullptr; ///< lattice position of a node; null when node i is record i
@@ -76,13 +76,13 @@ struct MatchView
 	int halfWidth = 1;
 
 	// Far levels (coarse_to_fine.h); null and 0 without.
-	const float* farRecord = nullptr;        ///< of each block of the finest far level: what all far levels ask of its nodes
+	const float* farRecord = nullptr;        ///< of each block of the finest far level: the goals of all far levels for its nodes
 	const std::uint32_t* farBlock = nullptr; ///< of each node
 	const float* farPull = nullptr;          ///< of each node, as `pull`
-	float farDamping = 0.0f;                 ///< share of the region damping that the far levels' residual feels
+	float farDamping = 0.0f;                 ///< fraction of the region damping that applies to the far levels' residual
 
 	// The body frame and the step.
-	float frameRotation[9] = {}; ///< R_b, row by row
+	float frameRotation[9] = {}; ///< R_b, row-major
 	float frameCentre[3] = {};   ///< c_b, m, relative to the origin
 	float cellsPerMetre = 1.0f;
 	float alpha = 1.0f;
@@ -91,7 +91,7 @@ struct MatchView
 	float beta = 0.0f;
 	bool rotationFromF = false;
 
-	// What `apply` makes of the change, world axes: y_w = speedPerCell R_b y - wobbleFraction v - shift - turn x (x - pivot).
+	// Conversion of the change in `apply`, world axes: y_w = speedPerCell R_b y - wobbleFraction v - shift - turn x (x - pivot).
 	float speedPerCell = 0.0f; ///< d / h
 	float wobbleFraction = 0.0f;
 	float shift[3] = {}; ///< m/s
@@ -99,7 +99,7 @@ struct MatchView
 	float pivot[3] = {}; ///< m
 };
 
-/// Sums of the rates' pass: m v (3), m p x v (3).
+/// Sums of the rate pass: m v (3), m p x v (3).
 inline constexpr int kRateSums = 6;
 
 /// Rows side by side in a slice.
@@ -109,35 +109,35 @@ inline constexpr int kSliceRows = 4;
 struct RowSlice
 {
 	std::uint32_t first = 0;           ///< of its terms
-	std::uint32_t terms = 0;           ///< of each row, even; what a row does not have weighs nothing
-	std::uint8_t row[kSliceRows] = {}; ///< counted from the tile's first
+	std::uint32_t terms = 0;           ///< of each row, even; missing terms have zero weight
+	std::uint8_t row[kSliceRows] = {}; ///< relative to the tile's first row
 };
 
 struct RowSlices
 {
-	const RowSlice* slice = nullptr;     ///< null: rows are summed one by one, as MatchView has them
-	const std::uint32_t* tile = nullptr; ///< each tile's first slice, and the end
-	const std::uint32_t* from = nullptr; ///< of each term: where the member's record of kRateFloats floats begins
+	const RowSlice* slice = nullptr;     ///< null: rows are summed one by one, in MatchView's format
+	const std::uint32_t* tile = nullptr; ///< each tile's first slice, and the total
+	const std::uint32_t* from = nullptr; ///< of each term: index of the member's record of kRateFloats floats
 	const float* mass = nullptr;         ///< of each term: MatchView's memberMass and memberFraction, rounded
 	const float* fraction = nullptr;
 };
 
-/// Rates of a lattice that fills its grid, a row a component in place of records: box sums are rows shifted against each other
-/// (kernel_boxes.h). Rows may be read by `halfWidth` planes of the grid before their beginning and after their end, and have neither a
-/// meaning there nor in padding.
+/// Rates of a lattice that fills its grid, one row per component instead of records: box sums are rows shifted against each other
+/// (kernel_boxes.h). Rows may be read up to `halfWidth` planes of the grid before their beginning and after their end; values there and in
+/// padding are arbitrary.
 struct FlatRows
 {
 	float* node[kRateSums] = {};   ///< null: records
-	float* region[kRateSums] = {}; ///< each is the other's scratch
-	const int* x = nullptr;        ///< of each node on the grid
+	float* region[kRateSums] = {}; ///< node and region rows are each other's scratch
+	const int* x = nullptr;        ///< grid coordinates of each node
 	const int* y = nullptr;
 };
 
-/// What the implicit step's kernels see beside the MatchView, of which they use nodes, tables and records (kernel_rates.h).
+/// Inputs of the implicit step's kernels besides the nodes, tables and records of MatchView (kernel_rates.h).
 struct RateView
 {
 	const MatchView* match = nullptr;
-	float* regionCentre[3] = {};           ///< c of each region, cells from the frame's centre, world axes
+	float* regionCentre[3] = {};           ///< c of each region, cells, relative to the frame's centre, world axes
 	float* inverseInertia[6] = {};         ///< T^-1 of each region, as xx, yy, zz, yz, xz, xy
 	const float* regionFraction = nullptr; ///< g_r; null: 1
 	const float* pull = nullptr;           ///< of each node: sum of its regions' g_r / C; null: 1
@@ -146,28 +146,28 @@ struct RateView
 	const float* rate[3] = {};             ///< v
 	float* result[3] = {};
 	float stiffness = 0.0f; ///< G
-	float shift[3] = {};    ///< a rigid motion that is taken off v before anything is summed
+	float shift[3] = {};    ///< a rigid motion removed from v before summing
 	float turn[3] = {};
 };
 
-/// What a substep does to a body's nodes before contacts and after them (kernel_motion.h). Component by component, padded as above.
+/// Arrays of a substep's loops over a body's nodes before and after contacts (kernel_motion.h). Component by component, padded as above.
 struct MotionView
 {
 	float* x[3] = {};               ///< m
 	float* v[3] = {};               ///< m/s
-	float* kept[3] = {};            ///< out: new places a second time
+	float* kept[3] = {};            ///< out: copy of the new positions
 	const float* mass = nullptr;    ///< kg; 0 in padding
 	const float* freedom = nullptr; ///< 0 in padding
 };
 
-/// Of nodes and of what stands still, m/s. `worst` is 0 as long as every number is finite, and NaN then.
+/// Velocity range of the nodes and of rest (zero), m/s. `worst` is 0 while every number is finite, and NaN otherwise.
 struct VelocityBounds
 {
 	float low[3] = {}, high[3] = {};
 	float worst = 0.0f;
 };
 
-/// Sums over nodes: m, m x, m |v|^2; `worst` as above, of places.
+/// Sums over nodes: m, m x, m |v|^2; `worst` as above, for positions.
 struct MotionSums
 {
 	double mass = 0.0;        ///< kg
@@ -184,74 +184,73 @@ struct RecordSums
 	const std::uint32_t* member = nullptr;
 	const float* weight = nullptr; ///< of each record of `from`; null: 1
 	const float* scale = nullptr;  ///< null: 1
-	float factor = 1.0f;           ///< times `scale`
+	float factor = 1.0f;           ///< multiplies `scale`
 	const float* base = nullptr;   ///< null: 0
 	const std::uint32_t* baseOf = nullptr;
-	float* sum = nullptr; ///< the plain sums, where they are wanted too; else null
+	float* sum = nullptr; ///< out: the unscaled sums; may be null
 	float* to = nullptr;
 };
 
-/// How much heavier a pinned node counts in the far levels' sums than its mass: what holds a body is not to be dragged along by it.
-/// Measured on held bars of 64 cells (docs/design/step.md): at 4 their ends give by 9 %, from 64 on what holds them pulls on too
-/// little of them.
+/// Weight factor of a pinned node in the far levels' sums, so that a support is not dragged along by the body. Measured on supported bars
+/// of 64 cells (docs/design/step.md): at 4 their ends yield by 9 %, from 64 on too few of the supported nodes pull.
 inline constexpr float kPinnedWeight = 12.0f;
 
-/// Ranges [begin, end) are multiples of 16 at the start; the end may be the padded count.
+/// Range begins are multiples of 16; the end may be the padded count.
 struct Kernels
 {
-	/// Adds the body frame's sums over the nodes of the range to `sums` (kFrameSums floats), lane sums folded in a fixed tree.
+	/// Adds the body frame's sums over the nodes of the range to `sums` (kFrameSums floats); lane sums are folded in a fixed tree.
 	void ( *frameSums )( const MatchView&, int begin, int end, float* sums );
-	/// u, and each node's record a_i (u, u q^T).
+	/// Computes u, and each node's record a_i (u, u q^T).
 	void ( *nodeRecords )( const MatchView&, int begin, int end );
 	/// Replaces each record of the lattice plane z by its sum over 2w + 1 positions along x and y.
 	void ( *boxPlane )( const MatchView&, float* records, int z );
-	/// Sums of records, rotation, goal transform, each region's record b_r (L - 1, c - L c0). Returns how many lanes stayed open;
-	/// their numbers are appended to `open`.
+	/// Sums records, fits rotations and writes each region's record b_r (L - 1, c - L c0). Returns the number of lanes whose fit did not
+	/// converge; their indices are appended to `open`.
 	int ( *fitRegions )( const MatchView&, int begin, int end, std::uint32_t* open );
-	/// The record of one region whose rotation was settled elsewhere (quaternion already stored).
+	/// Writes the record of one region whose rotation was found elsewhere (quaternion already stored).
 	void ( *finishRegion )( const MatchView&, int region );
-	/// e = goal - position, y = (1 - s) alpha e - s u + k (e - e before), s the body share; adds the impulse sums of the range
+	/// e = goal - position, y = (1 - s) alpha e - s u + k (e - e before), s the body fraction; adds the impulse sums of the range
 	/// (kImpulseSums floats).
 	void ( *scatter )( const MatchView&, int begin, int end, float* sums );
 	/// v += freedom y_w
 	void ( *apply )( const MatchView&, int begin, int end );
-	/// The matrix whose rotation is wanted for one region, row by row: what fitRegions saw.
+	/// The matrix whose rotation is fitted for one region, row-major: the same as in fitRegions.
 	void ( *regionMatrix )( const MatchView&, int region, float* matrix );
 
-	/// F of each region of the range from rest to now, flow included, 9 floats a region from `begin` on, row by row, in the body's frame;
-	/// padding regions are left out.
+	/// F of each region of the range from rest to the current shape, plastic flow included, 9 floats per region from `begin` on, row-major,
+	/// in the body's frame; padding regions are skipped.
 	void ( *deformations )( const MatchView&, int begin, int end, float* gradients );
 
-	/// Lists are not empty.
+	/// Lists must not be empty.
 	void ( *sumRecords )( const RecordSums&, int begin, int end );
 
-	// The implicit step (kernel_rates.h), in the order it calls them; box sums stand between records and what gathers them.
+	// The implicit step (kernel_rates.h), in calling order; box sums run between writing and gathering records.
 	void ( *inertiaRecords )( const RateView&, int begin, int end );
 	bool ( *regionInertias )( const RateView&, int begin, int end );
-	void ( *rateSums )( const RateView&, const float* const* speed, int begin, int end, float* sums );
+	void ( *rateSums )( const RateView&, const float* const* velocity, int begin, int end, float* sums );
 	void ( *rateRecords )( const RateView&, int begin, int end );
-	/// As boxPlane, of records of kRateFloats floats: rateRecords and rigidRates write such.
+	/// As boxPlane, for the records of kRateFloats floats that rateRecords and rigidRates write.
 	void ( *boxPlaneHalf )( const MatchView&, float* records, int z );
-	/// In its place with flat rows: the nodes' or the regions' are summed along x, into the others', then along y and back. What gathers
-	/// them sums along z.
+	/// Replaces it with flat rows: the nodes' or the regions' rows are summed along x, into the others', then along y and back. The gather
+	/// sums along z.
 	void ( *boxRows )( const RateView&, bool isOfRegions, int axis, int begin, int end );
 	void ( *rigidRates )( const RateView&, int begin, int end );
 	void ( *resist )( const RateView&, int begin, int end );
 	void ( *resistPart )( const RateView&, int begin, int end );
 	void ( *finishResist )( const RateView&, int begin, int end );
 
-	/// v += h freedom g; takes the new speeds into `span`.
-	void ( *push )( const MotionView&, const float* gravity, float h, int begin, int end, VelocityBounds& span );
+	/// v += h freedom g; extends `bounds` by the new velocities.
+	void ( *push )( const MotionView&, const float* gravity, float h, int begin, int end, VelocityBounds& bounds );
 	/// x += h v; adds to `sums`.
 	void ( *advance )( const MotionView&, float h, int begin, int end, MotionSums& sums );
 
-	// Of vectors as long as whole lanes, for what solves with them.
-	/// a . b in double, 16 sums side by side, folded halves onto halves.
+	// For vectors padded to whole lanes, used by the solver.
+	/// a . b in double, 16 independent sums folded pairwise by halves.
 	double ( *dot )( const float* a, const float* b, int size );
 	/// Sums over the nodes of each component of r ( 1, arm ): 12 doubles, the plain sums first, then arm by arm
-	/// (ImplicitMotion::affineSums). Components stand `padded` apart.
+	/// (ImplicitMotion::affineSums). Components are `padded` apart.
 	void ( *affineSums )( const float* r, const float* arms, const float* free, int padded, double* sums );
-	/// z += V free + L arm, `motion` as `affineSums` orders them.
+	/// z += V free + L arm, `motion` in the order of `affineSums`.
 	void ( *addAffine )( const float* motion, const float* arms, const float* free, int padded, float* z );
 
 	const char* name;
@@ -259,15 +258,15 @@ struct Kernels
 
 enum class KernelTarget : int
 {
-	Baseline, ///< SSE2, NEON, or whatever the compiler makes of four-float vectors
+	Baseline, ///< SSE2, NEON, or the compiler's lowering of four-float vectors
 	Avx2,
 	Avx512
 };
 
-/// The table of a target, or null where this build or this processor lacks it.
+/// The table of a target, or null where this build or this processor does not support it.
 const Kernels* findKernels( KernelTarget target );
 
-/// The widest table this processor runs.
+/// The widest table this processor supports.
 const Kernels& bestKernels();
 
 } // namespace pliant

@@ -1,4 +1,4 @@
-// The kernels in vectors of eight. Compiled with -mavx2; entered only where the processor has it.
+// The kernels in vectors of eight. Compiled with -mavx2; called only where the processor supports it.
 
 #define PLIANT_LANE_WIDTH 8
 #define PLIANT_KERNEL_TABLE kAvx2Kernels

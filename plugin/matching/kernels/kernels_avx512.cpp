@@ -1,4 +1,4 @@
-// The kernels in vectors of sixteen. Compiled with -mavx512f and its kin; entered only where the processor has them.
+// The kernels in vectors of sixteen. Compiled with -mavx512f and related flags; called only where the processor supports them.
 
 #define PLIANT_LANE_WIDTH 16
 #define PLIANT_KERNEL_TABLE kAvx512Kernels

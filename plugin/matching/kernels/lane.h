@@ -1,6 +1,6 @@
 // Vectors of PLIANT_LANE_WIDTH floats and the few operations on them that the kernels need.
 // Included by kernel_source.h and surface/kernels/skin_kernel_source.h only, once per instruction set, inside an unnamed namespace: nothing
-// here may be shared between object files, or the linker could keep the AVX-512 copy for a processor that lacks it.
+// here may be shared between object files, or the linker could keep the AVX-512 copy for a processor without it.
 
 #pragma once
 
@@ -44,7 +44,7 @@ inline V select( I mask, V a, V b )
 inline V squareRoot( V a )
 {
 #if PLIANT_LANE_WIDTH == 16
-	return (V)_mm512_maskz_sqrt_ps( 0xffff, (__m512)a ); // the unmasked form trips g++ 12 into a warning
+	return (V)_mm512_maskz_sqrt_ps( 0xffff, (__m512)a ); // the unmasked form triggers a g++ 12 warning
 #elif PLIANT_LANE_WIDTH == 8
 	return (V)_mm256_sqrt_ps( (__m256)a );
 #elif defined( __SSE2__ )
@@ -71,7 +71,7 @@ inline bool any( I mask )
 	return all != 0;
 }
 
-/// Four rows of four become four columns.
+/// Transposes four rows of four.
 inline void transpose4( F4& a, F4& b, F4& c, F4& d )
 {
 	const F4 ab0 = __builtin_shufflevector( a, b, 0, 4, 1, 5 );
@@ -84,14 +84,14 @@ inline void transpose4( F4& a, F4& b, F4& c, F4& d )
 	d = __builtin_shufflevector( ab1, cd1, 2, 3, 6, 7 );
 }
 
-/// A record of 16 floats while it is summed: one vector of 16, two of 8, or three of 4 (the last four floats of a record are unused).
+/// A record of 16 floats during summation: one vector of 16, two of 8, or three of 4 (the last four floats of a record are unused).
 struct Whole
 {
 	using Piece = V;
 	static constexpr int floats = 16, groups = 3, pieces = PLIANT_LANE_WIDTH == 16 ? 1 : PLIANT_LANE_WIDTH == 8 ? 2 : 3;
 };
 
-/// One of 8 floats: one vector of 8, or two of 4.
+/// A record of 8 floats: one vector of 8, or two of 4.
 struct Half
 {
 #if PLIANT_LANE_WIDTH == 4

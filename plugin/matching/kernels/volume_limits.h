@@ -1,15 +1,15 @@
 #pragma once
 
-// No code here: what is compiled for one instruction set must share none.
+// Constants only: sources compiled for one instruction set must share no code.
 
 namespace pliant {
 
-/// b of kept volume (volumeMatrix, volumeMean): b tr( J^+ ), which says how hard a squeeze is answered, is at most so many times what it is
-/// where all moments are the same. With the least of these means, at 1, E of a bar of 6 x 6 cells is .95 of what it is set to at kappa 2;
-/// the explicit step is safe up to 1.17.
+/// b of volume keeping (volumeMatrix, volumeMean): b tr( J^+ ), the stiffness against compression, is at most this multiple of its value
+/// for equal moments. At 1, the smallest of these means, E of a bar of 6 x 6 cells is .95 of the set value at kappa 2; the explicit step is
+/// stable up to 1.17.
 inline constexpr float kVolumeLimit = 1.15f;
 
-/// What is so thin that the determinant of tr M - M is less than this share of its moments' sum cubed is not turned by kept volume.
+/// Volume keeping does not rotate regions so thin that the determinant of tr M - M is below this fraction of their moments' sum cubed.
 inline constexpr float kLeastTurning = 1e-3f;
 
 } // namespace pliant

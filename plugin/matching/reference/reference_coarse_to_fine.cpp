@@ -68,14 +68,14 @@ std::vector<Vec3d> referenceFarDisplacement( const Lattice& lattice, const NodeS
 			region[block[i]].insert( block[lattice.linkTo[k]] );
 		}
 	}
-	std::vector<Vec3d> way( nodes.count, Vec3d::Zero() );
+	std::vector<Vec3d> displacement( nodes.count, Vec3d::Zero() );
 	std::vector<double> weight( nodes.count );
 	for ( std::uint32_t r = 0; r < count; ++r )
 	{
 		for ( int i = 0; i < nodes.count; ++i )
 		{
-			const double heavy = nodes.freedom[i] == 0.0f ? double( kPinnedWeight ) : 1.0;
-			weight[i] = region[r].count( block[i] ) ? heavy * lattice.fill[i] / double( region[block[i]].size() ) : 0.0;
+			const double pinnedFactor = nodes.freedom[i] == 0.0f ? double( kPinnedWeight ) : 1.0;
+			weight[i] = region[r].count( block[i] ) ? pinnedFactor * lattice.fill[i] / double( region[block[i]].size() ) : 0.0;
 		}
 		const Fit fit = fitRegion( lattice, nodes, weight );
 		for ( int i = 0; i < nodes.count; ++i )
@@ -85,11 +85,11 @@ std::vector<Vec3d> referenceFarDisplacement( const Lattice& lattice, const NodeS
 				// goal = c + R q + eta ( x - c - F q )
 				const Vec3d q = lattice.restCentre[i].cast<double>() - fit.restCentre, x = nodes.x.get( i ).cast<double>();
 				const Vec3d goal = fit.centre + fit.turn * q + far.eta( level, int( r ) ) * ( x - fit.centre - fit.gradient * q );
-				way[i] += far.pull( level, int( r ) ) / double( region[block[i]].size() ) * ( goal - x );
+				displacement[i] += far.pull( level, int( r ) ) / double( region[block[i]].size() ) * ( goal - x );
 			}
 		}
 	}
-	return way;
+	return displacement;
 }
 
 } // namespace pliant

@@ -1,13 +1,13 @@
 #pragma once
 
-// Far levels as they are defined: world coordinates, double precision, every region summed cell by cell. The slow twin of CoarseToFine.
+// Far levels by definition: world coordinates, double precision, sums cell by cell. Reference implementation of CoarseToFine.
 
 #include "matching/step/coarse_to_fine.h"
 
 namespace pliant {
 
-/// What level `level` (1: blocks of 2 cells an edge) asks of each node at a share of 1, goal - position, m. How much of each region's goal
-/// counts is taken from `far`, all else is measured anew.
+/// Displacement goal - position, m, of each node on level `level` (1: blocks of 2 cells along an edge) at an alpha of 1. The weight of each
+/// region's goal is taken from `far`, everything else is computed independently.
 std::vector<Vec3d> referenceFarDisplacement( const Lattice& lattice, const NodeState& nodes, const CoarseToFine& far, int level );
 
 } // namespace pliant

@@ -96,7 +96,7 @@ void ReferenceLevelMatcher::fit( const NodeState& nodes, const MatchStep& step, 
 		const Vec3d q = region.plastic * ( nodes.x0.get( a ).cast<double>() / d - region.rest.centre );
 		apq += m_matrix.mass[k] * m_matrix.unit[std::size_t( a )] * ( nodes.x.get( a ).cast<double>() - region.centre ) / d * q.transpose();
 	}
-	// What has flowed is the rest shape: J and J_fine between two S_p   (Steinemann et al. 2008, eq. 9-10)
+	// The plastic stretch defines the rest shape: J and J_fine between two S_p   (Steinemann et al. 2008, eq. 9-10)
 	const bool isTensor = m_settings.softening == Softening::EnergyTensor;
 	const Eigen::Matrix3d& s = region.plastic;
 	const Eigen::Matrix3d moment = s * region.rest.moment * s;
@@ -106,7 +106,7 @@ void ReferenceLevelMatcher::fit( const NodeState& nodes, const MatchStep& step, 
 	region.rotation = fitRotation( isTensor ? Eigen::Matrix3d( apq * blend ) : apq, region.rotation );
 	const Eigen::Matrix3d rotation = region.rotation.toRotationMatrix();
 	region.f = apq * inverse + rotation * outside;
-	// L = F + ( R - F ) C^T, with C = 1 - beta where beta is a number: L = R + beta ( F - R )   (Ohta et al. 2009, eq. 5)
+	// L = F + ( R - F ) C^T, with C = 1 - beta where beta is a scalar: L = R + beta ( F - R )   (Ohta et al. 2009, eq. 5)
 	region.l = region.f + ( rotation - region.f ) * blend.transpose();
 	const double trace = std::clamp( ( rotation.transpose() * region.f ).trace() - 3.0, -1.0, 1.0 );
 	const double mean = volumeMean( inverse, 3.0 - outside.trace() );
@@ -147,12 +147,12 @@ Eigen::Quaterniond ReferenceLevelMatcher::fitBody( const NodeState& nodes ) cons
 	return fitRotation( moment, m_bodyRotation );
 }
 
-// Goals and region damping; no whole-body share, no wobble damping, no correction of what rounding leaves: in double there is nothing.
+// Goals and region damping only: no whole-body goal, no wobble damping, no correction of rounding errors, negligible in double.
 void ReferenceLevelMatcher::accelerate( NodeState& nodes, const MatchStep& step, TaskRunner* )
 {
 	const Eigen::Quaterniond before = m_bodyRotation;
 	m_bodyRotation = fitBody( nodes );
-	const bool wasFlowing = m_hasFlowed; // goals have moved that no node has moved by
+	const bool wasFlowing = m_hasFlowed; // the flow has moved the goals without any motion of the nodes
 	m_hasFlowed = false;
 	for ( std::uint32_t r = 0; r < std::uint32_t( m_region.size() ); ++r )
 	{

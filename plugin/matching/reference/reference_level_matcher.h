@@ -1,7 +1,7 @@
 #pragma once
 
-// The step over several levels straight from its formulas, one region after the other, in double precision: the slow twin of
-// LatticeMatcher on level tables. Ohta et al. 2009, eq. 1-6; for regions with multiplicity the same with other weights.
+// The step over several levels directly from its formulas, region by region, in double precision: the reference implementation of
+// LatticeMatcher on level tables. Ohta et al. 2009, eq. 1-6; regions with multiplicity use the same formulas with other weights.
 
 #include "matching/matcher.h"
 #include "matching/regions/level_tables.h"
@@ -44,7 +44,7 @@ private:
 	const Lattice& m_lattice;
 	Cut m_cut;
 	Material m_material;
-	bool m_hasFlowed = false; ///< a region, in the last substep
+	bool m_hasFlowed = false; ///< whether a region flowed in the last substep
 	Adaptivity m_settings;
 	RegionMatrix m_matrix;
 	std::vector<Region> m_region;

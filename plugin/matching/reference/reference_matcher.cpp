@@ -13,8 +13,8 @@ namespace pliant {
 
 namespace {
 
-/// S_p after the substep, by singular values and bisection; the law stands in plasticity.h. Not asked yet: whether energy rises.
-Eigen::Matrix3d lawfullyFlowed( const MatchStep& step, const Eigen::Matrix3d& elastic, const Eigen::Matrix3d& before )
+/// S_p after the substep, by singular values and bisection; the law is defined in plasticity.h. Does not check whether the energy rises.
+Eigen::Matrix3d flowedByLaw( const MatchStep& step, const Eigen::Matrix3d& elastic, const Eigen::Matrix3d& before )
 {
 	const Eigen::Matrix3d one = Eigen::Matrix3d::Identity(), strain = 0.5 * ( elastic + elastic.transpose() ) - one;
 	if ( strain.norm() <= double( step.plastic.yieldStrain ) )
@@ -42,13 +42,13 @@ Eigen::Matrix3d lawfullyFlowed( const MatchStep& step, const Eigen::Matrix3d& el
 	return volumeOne( one + inside * ( wanted - one ) );
 }
 
-/// The same, where it lowers the energy; what is done where it does not is taken from flowStretch.
+/// The same where it lowers the energy; otherwise the fallback of flowStretch.
 Eigen::Matrix3d flowed( const MatchStep& step, const FlowingRegion& region, const Eigen::Matrix3d& before )
 {
-	Eigen::Matrix3d after = lawfullyFlowed( step, region.rotation.transpose() * region.total * before.inverse(), before );
+	Eigen::Matrix3d after = flowedByLaw( step, region.rotation.transpose() * region.total * before.inverse(), before );
 	const Eigen::JacobiSVD<Eigen::Matrix3d> svd( region.total * region.moment * after, Eigen::ComputeFullU | Eigen::ComputeFullV );
-	const double side = ( svd.matrixU() * svd.matrixV().transpose() ).determinant();
-	const Eigen::Matrix3d fitted = svd.matrixU() * Vec3d( 1.0, 1.0, side ).asDiagonal() * svd.matrixV().transpose();
+	const double sign = ( svd.matrixU() * svd.matrixV().transpose() ).determinant();
+	const Eigen::Matrix3d fitted = svd.matrixU() * Vec3d( 1.0, 1.0, sign ).asDiagonal() * svd.matrixV().transpose();
 	if ( region.energy( fitted, after ) > region.energy( region.rotation, before ) )
 	{
 		after = before;
@@ -131,7 +131,7 @@ void ReferenceMatcher::fitRegions( const NodeState& nodes, const MatchStep& step
 
 		// L = R + beta (F - R)   (Ohta et al. 2009, eq. 5)
 		fit.linear = rotation + double( m_material.beta ) * ( f - rotation );
-		// - kappa tr( R^T F - 1 ) R, the trace within -1 .. 1: what is pressed one way is asked to give way in the others
+		// - kappa tr( R^T F - 1 ) R, the trace clamped to -1 .. 1: compression along one axis asks for expansion along the others
 		const double trace = std::clamp( ( rotation.transpose() * f ).trace() - 3.0, -1.0, 1.0 );
 		const double mean = volumeMean( inverse, 3.0 - outside.trace() );
 		fit.linear -= double( m_material.volumeKeeping ) * ( 1.0 - double( m_material.beta ) ) * trace * mean *
@@ -193,14 +193,14 @@ Eigen::Quaterniond ReferenceMatcher::fitBody( const NodeState& nodes )
 
 void ReferenceMatcher::accelerate( NodeState& nodes, const MatchStep& step, TaskRunner* )
 {
-	// The residual of the last substep turns along with the body, or a spinning body would see its own stretch as motion.
+	// The residual of the last substep rotates with the body; otherwise a spinning body would see its own stretch as motion.
 	const Eigen::Quaterniond before = m_bodyRotation;
 	m_bodyRotation = fitBody( nodes );
 	for ( int i = 0; i < nodes.count; ++i )
 	{
 		m_residualBefore[i] = m_bodyRotation * ( before.conjugate() * m_residual[i] );
 	}
-	const bool wasFlowing = m_hasFlowed; // goals have moved that no node has moved by
+	const bool wasFlowing = m_hasFlowed; // the flow has moved the goals without any motion of the nodes
 	m_hasFlowed = false;
 	fitRegions( nodes, step );
 

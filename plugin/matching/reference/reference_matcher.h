@@ -1,7 +1,7 @@
 #pragma once
 
-// Lattice shape matching written as the papers write it: world coordinates, double precision, one sum after the other.
-// The slow twin of LatticeMatcher: tests hold the fast road against it. Also the only home of FastLSM's region damping to the letter.
+// Lattice shape matching as the papers define it: world coordinates, double precision, sums in sequence. Reference implementation of
+// LatticeMatcher; also the only implementation of FastLSM's original region damping.
 
 #include "lattice/region.h"
 #include "matching/matcher.h"
@@ -14,7 +14,7 @@ namespace pliant {
 enum class DampingForm : int
 {
 	GoalRate,      ///< k times the change of goal - position since the last substep (what the kernels do)
-	RegionVelocity ///< k times the way to the mean rigid motion of the covering regions (Rivers and James 2007, section 5)
+	RegionVelocity ///< k times the difference to the mean rigid motion of the covering regions (Rivers and James 2007, section 5)
 };
 
 class ReferenceMatcher : public Matcher
@@ -29,7 +29,7 @@ public:
 	void forgetFlow() override;
 	std::size_t bytes() const override;
 
-	/// Goal of each node minus its position, m, of the last `accelerate`, in world axes.
+	/// Goal of each node minus its position, m, in world axes, as of the last `accelerate`.
 	const std::vector<Vec3d>& residual() const { return m_residual; }
 	/// S_p of a region.
 	const Eigen::Matrix3d& plasticStretch( int region ) const { return m_fits[std::size_t( region )].plastic; }
@@ -52,7 +52,7 @@ private:
 
 	const Lattice& m_lattice;
 	Material m_material;
-	bool m_hasFlowed = false; ///< a region, in the last substep
+	bool m_hasFlowed = false; ///< whether a region flowed in the last substep
 	DampingForm m_dampingForm;
 	RegionSet m_regions;
 	RegionMoments m_moments;

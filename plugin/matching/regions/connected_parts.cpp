@@ -19,7 +19,7 @@ ConnectedParts findConnectedParts( const RegionTables& tables, const MatchView& 
 	std::uint32_t found = 0;
 	for ( std::size_t i = 0; i < count; ++i )
 	{
-		const std::uint32_t lowest = sets.find( std::uint32_t( i ) ); // of its part, so it has its number already
+		const std::uint32_t lowest = sets.find( std::uint32_t( i ) ); // lowest node of the part, so it is numbered already
 		parts.of[i] = lowest == i ? found++ : parts.of[lowest];
 	}
 	if ( found <= 1 )

@@ -1,7 +1,7 @@
 #pragma once
 
-// A body whose cells fall into several parts that nothing links: what is kept or taken off for a whole body (rigid motions, momentum,
-// damping) is kept and taken off for each part by itself.
+// A body whose cells form several unlinked parts: whatever is conserved or removed for a whole body (rigid motion, momentum, damping) is
+// conserved and removed for each part separately.
 
 #include <cstddef>
 #include <cstdint>
@@ -12,7 +12,7 @@ namespace pliant {
 struct MatchView;
 struct RegionTables;
 
-/// The nodes of each part. Of a body in one part, as most are, nothing is kept.
+/// The nodes of each part. Empty for a body in one part, the common case.
 struct ConnectedParts
 {
 	std::vector<std::uint32_t> start; ///< nodes of part p: node[ start[p] .. start[p + 1] ); empty: one part
@@ -41,7 +41,7 @@ struct ConnectedParts
 	std::size_t bytes() const { return ( start.size() + node.size() + of.size() ) * sizeof( std::uint32_t ); }
 };
 
-/// The parts that regions tie together.
+/// The parts that are connected by regions.
 ConnectedParts findConnectedParts( const RegionTables& tables, const MatchView& view );
 
 } // namespace pliant

@@ -1,4 +1,4 @@
-// What the tables of the step are made from: the octree and its finest regions, and the regions of a cut.
+// Inputs of the step's tables: the octree and its finest regions, and the regions of a cut.
 
 #include "matching/regions/level_tables.h"
 
@@ -63,7 +63,7 @@ Cut firstCut( const Octree& octree, const Adaptivity& settings )
 
 namespace {
 
-/// Matrix and sums of Steinemann's regions, which are kept with their graph for the next change.
+/// Matrix and sum plan of Steinemann's regions, stored with their graph for the next change.
 LevelRegions fromIntervals( const RegionInput& input, const Cut& cut, VisibilityGraph graph, IntervalRegions intervals )
 {
 	LevelRegions regions;

@@ -1,4 +1,4 @@
-// Memory for the tables of the step, ahead of the changes that will need it.
+// Allocates memory for the step's tables before changes of levels need it.
 
 #include "matching/regions/level_tables.h"
 
@@ -29,7 +29,7 @@ void makeLevelScratch( RegionTables& tables, RegionTables& others, int reserved,
 	{
 		make( a.moment[k], b.moment[k] );
 		make( a.inverseMoment[k], b.inverseMoment[k] );
-		reserveScratch( others.outOfPlane[k], std::size_t( reserved ), std::size_t( touched ) ); // in use while tables are made, at least
+		reserveScratch( others.outOfPlane[k], std::size_t( reserved ), std::size_t( touched ) ); // used at least while tables are built
 	}
 	for ( int k = 0; k < 9; ++k )
 	{

@@ -9,7 +9,7 @@ namespace pliant {
 
 namespace {
 
-/// Rows that one task measures: a multiple of the floats in a cache line, so that no two tasks write to one.
+/// Rows that one task measures: a multiple of the floats in a cache line, so that no two tasks write to the same line.
 constexpr int kRowsPerTask = 64;
 
 /// Fills the tables region by region.
@@ -26,16 +26,16 @@ public:
 	void run( const TablesBefore& before )
 	{
 		allocate();
-		// Literal weights by way of the octree are multiplied by m_r at the end, and could not be taken over as they were.
+		// Literal weights with a sum plan are multiplied by m_r at the end, so that previous values cannot be reused.
 		const bool isWeighed = m_tables.plan && m_material.weights == Weights::Literal;
-		const bool takesOver = before.tables && !isWeighed;
+		const bool reusesRows = before.tables && !isWeighed;
 		const int chunks = ( m_cut.count() + kRowsPerTask - 1 ) / kRowsPerTask;
 		m_hasFlat.assign( std::size_t( chunks ), 0 );
-		auto fill = [this, &before, takesOver]( int chunk ) {
+		auto fill = [this, &before, reusesRows]( int chunk ) {
 			const int last = std::min( m_cut.count(), ( chunk + 1 ) * kRowsPerTask );
 			for ( int r = chunk * kRowsPerTask; r < last; )
 			{
-				const int end = takesOver ? endOfRun( before.region, r, last ) : r;
+				const int end = reusesRows ? endOfRun( before.region, r, last ) : r;
 				if ( end > r )
 				{
 					copyRegions( *before.tables, int( before.region[r] ), r, end );
@@ -43,7 +43,7 @@ public:
 					r = end;
 					continue;
 				}
-				if ( !before.leavesOthers )
+				if ( !before.skipsOthers )
 				{
 					m_hasFlat[std::size_t( chunk )] |= fillRegion( r ) ? 1 : 0;
 				}
@@ -51,8 +51,8 @@ public:
 			}
 		};
 		runTasks( m_tasks, chunks, fill );
-		// By way of the octree a node's weights hang on more than its own row.
-		fillNodes( takesOver && !m_tables.plan ? &before : nullptr );
+		// With a sum plan a node's weights depend on more than its own row.
+		fillNodes( reusesRows && !m_tables.plan ? &before : nullptr );
 		if ( isWeighed )
 		{
 			for ( int r = 0; r < m_cut.count(); ++r )
@@ -60,14 +60,14 @@ public:
 				m_tables.moments.regionWeight[r] *= float( m_base.octree.mass[m_cut.node[r]] ); // m_r of eq. 8
 			}
 		}
-		if ( !before.leavesOthers && !hasFlat( takesOver ? before.tables : nullptr ) )
+		if ( !before.skipsOthers && !hasFlat( reusesRows ? before.tables : nullptr ) )
 		{
 			dropOutOfPlane();
 		}
 	}
 
-	/// Rows that were left: they, and the weights of the nodes in them.
-	void runOver( const std::vector<std::uint32_t>& rows )
+	/// Fills rows that were skipped, and the weights of the nodes in them.
+	void fillRows( const std::vector<std::uint32_t>& rows )
 	{
 		for ( const std::uint32_t r : rows )
 		{
@@ -77,8 +77,8 @@ public:
 		{
 			for ( std::uint32_t k = m_matrix.start[r]; k < m_matrix.start[r + 1]; ++k )
 			{
-				fillNode(
-					int( m_matrix.member[k] ) ); // once for each row it is in: this is the road of what comes apart, which is dear anyhow
+				// Repeated for each row that holds the node: only pieces that come apart take this path, which is expensive anyhow.
+				fillNode( int( m_matrix.member[k] ) );
 			}
 		}
 		if ( !hasFlat( &m_tables ) )
@@ -96,13 +96,13 @@ private:
 		}
 	}
 
-	/// eta = beta everywhere: the whole of a region's pull is scaled, and F is not needed.
+	/// eta = beta everywhere: a region's whole pull is scaled, and F is not needed.
 	bool scalesOnly() const
 	{
 		return m_settings.residual == ResidualRule::Soften && m_settings.softening != Softening::EnergyTensor && m_material.beta == 0.0f;
 	}
 
-	/// Rows are written one by one; padding stands here. A table that had been in use keeps its memory.
+	/// Rows are written one by one; this sets the padding only. Reused tables keep their memory.
 	void shape( AlignedArray<float>& array, float padding ) const
 	{
 		array.resize( std::size_t( m_tables.moments.padded ) );
@@ -144,7 +144,7 @@ private:
 		m_tables.regions.halfWidth = m_material.regionHalfWidth;
 	}
 
-	/// `before`: null, or the tables that rows were taken from.
+	/// `before`: null, or the tables that rows were copied from.
 	bool hasFlat( const RegionTables* before ) const
 	{
 		if ( std::any_of( m_hasFlat.begin(), m_hasFlat.end(), []( char flat ) { return flat != 0; } ) )
@@ -157,7 +157,7 @@ private:
 				[&isZero]( const AlignedArray<float>& component ) { return !std::all_of( component.begin(), component.end(), isZero ); } );
 	}
 
-	/// Rows r to end - 1 are what those before were, one after the other.
+	/// Returns the end of the run of rows from r on that equal consecutive previous rows.
 	static int endOfRun( const std::vector<std::uint32_t>& before, int r, int last )
 	{
 		if ( before[std::size_t( r )] == kNoNode )
@@ -172,7 +172,7 @@ private:
 		return end;
 	}
 
-	/// Entries `old`, old + 1, ... of an array become `first` to end - 1; an empty source is all zero.
+	/// Entries `old`, old + 1, ... of `source` become entries `first` to end - 1 of `to`; an empty source is all zero.
 	static void copyRun( const AlignedArray<float>& source, AlignedArray<float>& to, int old, int first, int end )
 	{
 		if ( !to.empty() && source.empty() )
@@ -185,7 +185,7 @@ private:
 		}
 	}
 
-	/// What fillRegion would write again: it depends on the row alone.
+	/// Copies what fillRegion would compute again: it depends on the row alone.
 	void copyRegions( const RegionTables& from, int old, int first, int end )
 	{
 		const auto copy = [old, first, end](
@@ -223,7 +223,7 @@ private:
 		}
 	}
 
-	/// With `before`: a node whose row and regions are all what they were has the weights it had.
+	/// With `before`, nodes whose row and regions are unchanged keep their weights.
 	void fillNodes( const TablesBefore* before )
 	{
 		const int count = m_cut.count();
@@ -309,7 +309,7 @@ private:
 		return sum / octree.mass[node];
 	}
 
-	/// True where the region is flat.
+	/// Returns true where the region is flat.
 	bool fillRegion( int r )
 	{
 		RegionMoments& moments = m_tables.moments;
@@ -324,7 +324,7 @@ private:
 		storeSymmetric( moments.inverseMoment, r, rest.inverse );
 		storeSymmetric( m_tables.outOfPlane, r, rest.outside );
 
-		// Among finest cells only, the region is the finest one itself: nothing to soften, to the last bit.
+		// Among finest cells only, the region equals the finest one: exactly no softening.
 		const bool isFinest = holdsFinestOnly( r );
 		double beta = isFinest ? 0.0 : betaOf( node, rest );
 		double eta = isFinest ? 0.0 : etaOf( r, rest, beta );
@@ -370,7 +370,7 @@ private:
 		RegionMoments& moments = m_tables.moments;
 		if ( m_tables.plan )
 		{
-			// By way of the octree every member of a region weighs as much as in any other: weights stand at the nodes, not at the terms.
+			// With a sum plan every member has the same weight in all regions: weights belong to nodes, not to matrix entries.
 			const double mass = m_base.octree.mass[m_cut.node[i]];
 			const std::uint32_t members = m_matrix.start[i + 1] - m_matrix.start[i];
 			const bool conserves = m_material.weights == Weights::Conserving;
@@ -408,10 +408,10 @@ std::shared_ptr<const RegionTables> buildLevelTables( const LevelBase& base, con
 	return tables;
 }
 
-void fillLeftRows( const LevelBase& base, const Lattice& lattice, const Cut& cut, const LevelSettings& settings,
+void fillSkippedRows( const LevelBase& base, const Lattice& lattice, const Cut& cut, const LevelSettings& settings,
 	const std::vector<std::uint32_t>& rows, RegionTables& tables )
 {
-	Filler( base, lattice, cut, *tables.matrix, settings, tables ).runOver( rows );
+	Filler( base, lattice, cut, *tables.matrix, settings, tables ).fillRows( rows );
 }
 
 } // namespace pliant

@@ -1,6 +1,6 @@
 #pragma once
 
-// The tables of a body whose nodes stand on several levels: the region matrix, its moments, and how soft each region is.
+// Tables of a body with nodes on several levels: the region matrix, its moments, and the softening of each region.
 // Ohta et al. 2009, "Stiffness Consistency when The Subdivision Level of Nodes are Changed".
 
 #include "adapt/moments/energy_match.h"
@@ -15,7 +15,7 @@
 
 namespace pliant {
 
-/// What bodies of one template, one number of levels and one half-width share.
+/// Data shared by bodies of one template, number of levels and half-width.
 struct LevelBase
 {
 	Octree octree;
@@ -25,7 +25,7 @@ struct LevelBase
 
 std::shared_ptr<const LevelBase> buildLevelBase( const Lattice& lattice, const Material& material, const Adaptivity& settings );
 
-/// A base for each setting in use, built once for as long as a body holds it. Safe to call from several threads.
+/// One base for each setting in use, built once and kept for as long as a body holds it. Thread-safe.
 class LevelCache
 {
 public:
@@ -43,31 +43,31 @@ private:
 	std::vector<Entry> m_entries;
 };
 
-/// What bodies of one template share beside the lattice.
+/// Data, besides the lattice, shared by all bodies of one template.
 struct TemplateCache
 {
 	RegionCache regions;
 	LevelCache levels;
 };
 
-/// The cut a body begins with.
+/// The initial cut of a body.
 Cut firstCut( const Octree& octree, const Adaptivity& settings );
 
-/// Regions as the tables take them.
+/// Regions in the form that the tables use.
 struct LevelRegions
 {
 	std::shared_ptr<const RegionMatrix> matrix;
 	std::shared_ptr<const SumPlan> plan; ///< null: the matrix is summed
-	// Of RegionRule::Interval only: what the next cut's regions are made from.
+	// For RegionRule::Interval only: input of the next cut's regions.
 	std::shared_ptr<const VisibilityGraph> graph{};
 	std::shared_ptr<const IntervalRegions> intervals{};
 };
 
-/// The regions of a cut from nothing.
+/// Builds the regions of a cut from scratch.
 LevelRegions buildLevelRegions(
 	const LevelBase& base, const Lattice& lattice, const Cut& cut, const Material& material, const Adaptivity& settings );
 
-/// What the regions of a cut are built for.
+/// Input of building the regions of a cut.
 struct RegionInput
 {
 	const LevelBase& base;
@@ -78,39 +78,38 @@ struct RegionInput
 	MatrixScratch* scratch = nullptr; ///< for RegionRule::Multiplicity; may be null
 };
 
-/// The regions of cut `to`, given those of cut `from`: equal to those from nothing. Unions alone are built from nothing.
+/// Returns the regions of cut `to`, given those of cut `from`: equal to a build from scratch. Union regions are always built from scratch.
 LevelRegions updateLevelRegions( const RegionInput& input, const Cut& from, const LevelRegions& regions, const Cut& to );
 
-/// What is left of the tables before a change of levels: rows that are what they were need not be measured again.
+/// The tables before a change of levels: unchanged rows need not be measured again.
 struct TablesBefore
 {
 	const RegionTables* tables = nullptr;
-	std::vector<std::uint32_t> region; ///< of each region now: its number then, where its row holds the same nodes and masses; else kNoNode
-	std::shared_ptr<RegionTables> scratch{}; ///< tables of the same settings that nobody uses any more, to be written over; null: none
-	Vec3d shift = Vec3d::Zero();             ///< from the rest places before to those now, cells: of the mass centre of a piece
-	bool leavesOthers =
-		false; ///< rows that are not taken over are not measured: fillLeftRows does that, or the next tables are made without them
+	std::vector<std::uint32_t> region;       ///< previous index of each region whose row holds the same nodes and masses, else kNoNode
+	std::shared_ptr<RegionTables> scratch{}; ///< unused tables of the same settings to overwrite; may be null
+	Vec3d shift = Vec3d::Zero();             ///< of the rest positions, cells: the new mass centre of a piece relative to the previous one
+	bool skipsOthers = false;                ///< changed rows are left to fillSkippedRows, or to the next tables
 };
 
-/// What a region needs beside its row. `stiffness`: share of the material's for each finest cell; empty: 1 everywhere. A region takes the
-/// mean over its node's mass: energies add up.
+/// Inputs of a region besides its row. `stiffness`: factor on the material's stiffness for each finest cell; empty: 1 everywhere. A region
+/// takes the mass-weighted mean over its node, since energies add up.
 struct LevelSettings
 {
 	const Material& material;
 	const Adaptivity& adaptivity;
 	const std::vector<float>& stiffness;
-	TaskRunner* tasks = nullptr; ///< rows are measured on its threads, to the same bits; null: on the calling one
+	TaskRunner* tasks = nullptr; ///< threads that measure the rows, with bitwise equal results; null: the calling thread
 };
 
-/// Room for `reserved` nodes in tables and in others of the same kind, which are empty; for `touched` of them in memory that is there.
+/// Reserves capacity for `reserved` nodes in `tables` and in the empty `others`, where the memory of `touched` of them is also touched.
 void makeLevelScratch( RegionTables& tables, RegionTables& others, int reserved, int touched );
 
-/// Tables for the step out of a region matrix. With `before` the result is the same to the bit, sooner.
+/// Builds tables for the step from a region matrix. With `before` the result is bitwise the same, and faster.
 std::shared_ptr<const RegionTables> buildLevelTables( const LevelBase& base, const Lattice& lattice, const Cut& cut,
 	const LevelRegions& regions, const LevelSettings& settings, const TablesBefore& before = {} );
 
-/// What TablesBefore::leavesOthers left of tables by RegionRule::Multiplicity: the same to the bit as had it not been.
-void fillLeftRows( const LevelBase& base, const Lattice& lattice, const Cut& cut, const LevelSettings& settings,
+/// Fills the rows that TablesBefore::skipsOthers skipped (RegionRule::Multiplicity), with bitwise the same result as without skipping.
+void fillSkippedRows( const LevelBase& base, const Lattice& lattice, const Cut& cut, const LevelSettings& settings,
 	const std::vector<std::uint32_t>& rows, RegionTables& tables );
 
 } // namespace pliant

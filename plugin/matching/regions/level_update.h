@@ -1,7 +1,7 @@
 #pragma once
 
-// What the tables of the step are made from, after links have gone or come back, or of a piece that came off: taken over where nothing
-// changed. Steinemann et al. 2008, section 5.1. buildLevelBase and buildLevelRegions are the slow twins.
+// Updates the base of the step's tables after links were removed or restored, or for a piece that came off; unchanged data is reused.
+// Steinemann et al. 2008, section 5.1. buildLevelBase and buildLevelRegions are the reference implementations.
 
 #include "adapt/octree/octree_update.h"
 #include "matching/regions/level_tables.h"
@@ -15,17 +15,17 @@ struct LevelBaseUpdate
 	std::vector<std::uint32_t> collected;  ///< FineUpdate::collected
 };
 
-/// What an update need not ask the system for.
+/// Memory that an update can reuse.
 struct LevelBaseScratch
 {
-	FineMoments moments; ///< those before, taken from there; empty: they stay there, for others look at them
-	FineRegions fine;    ///< any that nobody uses any more
+	FineMoments moments; ///< the previous ones, moved from there; empty: they stay in place because others read them
+	FineRegions fine;    ///< any unused ones
 };
 
 LevelBaseUpdate updateLevelBase( const LevelBase& before, LevelBaseScratch scratch, const CellChange& change );
 
-/// How the nodes of the cut stand to those before, which had the same cells. Empty where a node above the cells is one in which links
-/// changed: it may hold other cells than any before.
+/// Maps the nodes of the cut to those of the previous cut, which had the same cells. Empty where a node above the cells contains changed
+/// links: it may hold other cells than any previous one.
 RelinkedNodes relinkNodes( const Cut& before, const Cut& now, const LevelBaseUpdate& update, const std::vector<std::uint32_t>& cellBefore );
 
 } // namespace pliant

@@ -11,7 +11,7 @@ namespace pliant {
 
 namespace {
 
-/// A link along an axis, from cell `from` upwards.
+/// A link along an axis, from cell `from` in the positive direction.
 struct AxisLink
 {
 	std::uint32_t to;
@@ -19,7 +19,7 @@ struct AxisLink
 	double fraction; ///< m_ij / n_ij
 };
 
-/// Regions that hold both cells: the members that their own regions share, for membership is symmetric.
+/// Number of regions that hold both cells: the common members of their own regions, since membership is symmetric.
 int regionsOfBoth( const RegionSet& regions, std::uint32_t i, std::uint32_t j )
 {
 	int count = 0;
@@ -72,25 +72,25 @@ Eigen::Matrix3d symmetric( const AlignedArray<float> ( &m )[6], int r )
 	return full;
 }
 
-/// The largest J* can be against J in any direction, 1 at least: what bounds the region's stiffness in the step's operator.
+/// The largest ratio of J* to J over all directions, at least 1: a bound of the region's stiffness in the step's operator.
 double largestFraction( const Eigen::Matrix3d& wanted, const Eigen::Matrix3d& inverse )
 {
 	const Eigen::Matrix3d root = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>( inverse ).operatorSqrt();
 	return std::max( 1.0, Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>( root * wanted * root ).eigenvalues()[2] );
 }
 
-/// sum over the links in region r of share e e^T
-Eigen::Vector3d linksOf( const AxisLinks& links, const RegionSet& regions, int r, std::vector<int>& heldBy )
+/// sum over the links in region r of fraction e e^T
+Eigen::Vector3d linksOf( const AxisLinks& links, const RegionSet& regions, int r, std::vector<int>& lastRegion )
 {
 	const std::uint32_t begin = regions.start[std::size_t( r )], end = regions.start[std::size_t( r ) + 1];
-	std::for_each( regions.member.begin() + begin, regions.member.begin() + end, [&]( std::uint32_t i ) { heldBy[i] = r; } );
+	std::for_each( regions.member.begin() + begin, regions.member.begin() + end, [&]( std::uint32_t i ) { lastRegion[i] = r; } );
 	Eigen::Vector3d sum = Eigen::Vector3d::Zero();
 	for ( std::uint32_t k = begin; k < end; ++k )
 	{
 		const std::uint32_t i = regions.member[k];
 		for ( std::uint32_t l = links.start[i]; l < links.start[i + 1]; ++l )
 		{
-			sum[links.link[l].axis] += heldBy[links.link[l].to] == r ? links.link[l].fraction : 0.0;
+			sum[links.link[l].axis] += lastRegion[links.link[l].to] == r ? links.link[l].fraction : 0.0;
 		}
 	}
 	return sum;
@@ -108,17 +108,17 @@ void applyLinkMoments( const Lattice& lattice, const Material& material, RegionT
 {
 	const RegionMoments& moments = tables.moments;
 	const AxisLinks links = axisLinks( lattice, tables.regions );
-	const double mu = regionSecondMoment( material ), keeps = 1.0 - double( material.beta );
+	const double mu = regionSecondMoment( material ), elasticFraction = 1.0 - double( material.beta );
 	for ( int k = 0; k < 9; ++k )
 	{
 		tables.blend[k].assign( std::size_t( moments.padded ), k % 4 == 0 ? 1.0f : 0.0f );
 	}
 	tables.rateFraction.assign( std::size_t( moments.padded ), 1.0f );
-	std::vector<int> heldBy( std::size_t( moments.count ), -1 );
+	std::vector<int> lastRegion( std::size_t( moments.count ), -1 );
 	for ( int r = 0; r < moments.count; ++r )
 	{
-		const Eigen::Matrix3d wanted = mu * linksOf( links, tables.regions, r, heldBy ).asDiagonal().toDenseMatrix();
-		const Eigen::Matrix3d inverse = symmetric( moments.inverseMoment, r ), c = keeps * inverse * wanted;
+		const Eigen::Matrix3d wanted = mu * linksOf( links, tables.regions, r, lastRegion ).asDiagonal().toDenseMatrix();
+		const Eigen::Matrix3d inverse = symmetric( moments.inverseMoment, r ), c = elasticFraction * inverse * wanted;
 		for ( int k = 0; k < 9; ++k )
 		{
 			tables.blend[k][std::size_t( r )] = float( c( k / 3, k % 3 ) );

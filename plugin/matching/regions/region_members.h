@@ -1,6 +1,6 @@
 #pragma once
 
-// Which nodes a region has, however its tables keep them.
+// The nodes of each region, for any storage format of the tables.
 
 #include "matching/kernels/kernels.h"
 #include "matching/regions/region_tables.h"
@@ -11,11 +11,11 @@
 
 namespace pliant {
 
-/// Whom a region has, and whom a node: nodes of region i, or regions of node i, are the same.
+/// Members of a region, or regions of a node: membership is symmetric, so both are the same.
 class RegionMembers
 {
 public:
-	/// Both must stay as they are for as long as this is asked.
+	/// Both arguments must outlive this object unchanged.
 	RegionMembers( const RegionTables& tables, const MatchView& view ) : m_tables( tables ), m_view( view )
 	{
 		if ( tables.usesGrid )
@@ -28,7 +28,7 @@ public:
 		}
 	}
 
-	/// visit( number, place in the matrix's weights ).
+	/// Calls visit( index, index into the matrix's weights ).
 	template <class Visit>
 	void visit( std::size_t i, Visit visit ) const
 	{
@@ -76,7 +76,7 @@ private:
 
 	const RegionTables& m_tables;
 	const MatchView& m_view;
-	std::vector<int> m_nodeAt; ///< by lattice position; empty but on the grid
+	std::vector<int> m_nodeAt; ///< by lattice position; empty unless the tables use the grid
 };
 
 } // namespace pliant

@@ -55,8 +55,8 @@ Eigen::Matrix3d flooredInverse( const Eigen::Matrix3d& moment, double floorFract
 
 namespace {
 
-/// A connected part whose inertia is less than so much a mass, m^2, is a point: a nanometre squared, of which rounding in double is far
-/// below and what floats tell of two places far above.
+/// A connected part whose inertia per mass is less than this, m^2, is a point: a nanometre squared, far above rounding in double and far
+/// below what floats resolve between two positions.
 constexpr double kPointExtent = 1e-18;
 
 } // namespace
@@ -116,13 +116,13 @@ void markFlatRegions( RegionMoments& moments, AlignedArray<float> ( &outOfPlane 
 
 namespace {
 
-/// Rest places in cells, and 1: four doubles a cell, so that all sums below go in pairs.
-using Places = std::vector<Eigen::Array4d>;
+/// Rest positions in cells, and 1: four doubles per cell, so that all sums below vectorise in pairs.
+using Positions = std::vector<Eigen::Array4d>;
 
-Places placesInCells( const Lattice& lattice )
+Positions positionsInCells( const Lattice& lattice )
 {
 	const double perCell = 1.0 / lattice.cellSize;
-	Places positions( lattice.restCentre.size() );
+	Positions positions( lattice.restCentre.size() );
 	for ( std::size_t i = 0; i < positions.size(); ++i )
 	{
 		positions[i] << lattice.restCentre[i].cast<double>().array() * perCell, 1.0;
@@ -130,12 +130,12 @@ Places placesInCells( const Lattice& lattice )
 	return positions;
 }
 
-// Summed about the owner's place q_r, which is at most w cells from the centre, so that in doubles nothing cancels that a float could tell:
+// Summed about the owner's position q_r, at most w cells from the centre, so that cancellation in double stays below float resolution:
 //   c0 = q_r + sum a d / M,  J = sum a d d^T - M (c0 - q_r)(c0 - q_r)^T  with d = q - q_r.
-void measureRegion( const Places& positions, const RegionSet& regions, int r, bool withInverse, RegionMoments& out )
+void measureRegion( const Positions& positions, const RegionSet& regions, int r, bool withInverse, RegionMoments& out )
 {
 	Eigen::Array4d owner = positions[std::size_t( r )];
-	owner[3] = 0.0; // the last of d is 1, and sums to the mass
+	owner[3] = 0.0; // the last component of d is 1, and sums to the mass
 	Eigen::Array4d first = Eigen::Array4d::Zero(), row[3] = { first, first, first };
 	for ( std::uint32_t k = regions.start[r]; k < regions.start[r + 1]; ++k )
 	{
@@ -147,16 +147,16 @@ void measureRegion( const Places& positions, const RegionSet& regions, int r, bo
 		row[2] += d[2] * weighed;
 	}
 	const double mass = first[3];
-	const Vec3d off = first.head<3>().matrix() / mass;
+	const Vec3d offset = first.head<3>().matrix() / mass;
 	Eigen::Matrix3d moment;
 	for ( int k = 0; k < 3; ++k )
 	{
-		moment.row( k ) = row[k].head<3>().matrix().transpose() - mass * off[k] * off.transpose();
+		moment.row( k ) = row[k].head<3>().matrix().transpose() - mass * offset[k] * offset.transpose();
 	}
 	out.inverseMass[r] = float( 1.0 / mass );
 	for ( int axis = 0; axis < 3; ++axis )
 	{
-		out.centre[axis][r] = float( owner[axis] + off[axis] );
+		out.centre[axis][r] = float( owner[axis] + offset[axis] );
 	}
 	storeSymmetric( out.moment, r, moment );
 	if ( withInverse )
@@ -165,8 +165,8 @@ void measureRegion( const Places& positions, const RegionSet& regions, int r, bo
 	}
 }
 
-/// Broken links only take cells out of regions: one that has as many as before has the same, and weighs them alike where each is in as many
-/// regions as before. So regions change that hold a cell whose own one has another size; membership is symmetric.
+/// Broken links only remove cells from regions: a region of unchanged size has the same cells, and weighs them the same where each of them
+/// is in as many regions as before. So regions that hold a cell whose own region changed in size are recomputed; membership is symmetric.
 std::vector<std::uint8_t> changedRegions( const RegionSet& regions, const MomentsBefore& before )
 {
 	std::vector<std::uint8_t> isChanged( regions.size.size(), 0 );
@@ -209,7 +209,7 @@ RegionMoments computeRegionMoments(
 	weighNodes( lattice, regions, weights, out );
 
 	const std::vector<std::uint8_t> isChanged = before ? changedRegions( regions, *before ) : std::vector<std::uint8_t>();
-	const Places positions = placesInCells( lattice );
+	const Positions positions = positionsInCells( lattice );
 	for ( int r = 0; r < out.count; ++r )
 	{
 		if ( !before || isChanged[std::size_t( r )] != 0 )

@@ -1,6 +1,6 @@
 #pragma once
 
-// What a region knows of its rest shape: weights, mass, centre and second moment. Built once per lattice, half-width and weight rule.
+// Rest data of a region: weights, mass, centre and second moment. Built once per lattice, half-width and weight rule.
 //
 // Lengths are in cells and masses in full cells, so that every number here is of order 1 whatever the body's size.
 // With node weights a_i, region weights b_r and covers C_i the step computes
@@ -27,7 +27,7 @@ inline void storeSymmetric( AlignedArray<float> ( &to )[6], int i, const Eigen::
 	}
 }
 
-/// Arrays padded to whole lanes; padding regions hold zero mass moments and a unit second moment, so that no lane meets a zero.
+/// Arrays are padded to whole lanes; padding regions have zero mass moments and a unit second moment, so that no lane divides by zero.
 struct RegionMoments
 {
 	int count = 0;
@@ -47,31 +47,31 @@ struct RegionMoments
 	std::size_t bytes() const;
 };
 
-/// The pseudo-inverse J^+ of a region that may be flat: axes with less than `floorFraction` of the largest moment are left out of it, and
-/// make up `outside` = 1 - J J^+, which is zero for a solid region.
+/// The pseudo-inverse J^+ of a possibly flat region: axes with less than `floorFraction` of the largest moment are left out of it, and form
+/// `outside` = 1 - J J^+, which is zero for a solid region.
 Eigen::Matrix3d inverseInPlane( const Eigen::Matrix3d& moment, double floorFraction, Eigen::Matrix3d& outside );
 
-/// J^+ of flat and thin regions without their missing axes, and 1 - J J^+ of all; `outOfPlane` stays empty where every region is solid.
+/// Replaces J^+ of flat and thin regions by the pseudo-inverse and stores 1 - J J^+ of all; `outOfPlane` stays empty where all are solid.
 void markFlatRegions( RegionMoments& moments, AlignedArray<float> ( &outOfPlane )[6] );
 
-/// The moments of a lattice that a piece is of, with the same settings.
+/// The moments of the lattice that a piece came off, with the same settings.
 struct MomentsBefore
 {
 	const RegionMoments& moments;
-	const RegionSet& regions;                     ///< sizes at least
+	const RegionSet& regions;                     ///< at least the sizes
 	const std::vector<std::uint32_t>& cellBefore; ///< of each cell of the piece
-	Vec3d shift;                                  ///< the piece's mass centre seen from the old one's, cells
+	Vec3d shift;                                  ///< the piece's mass centre relative to the previous one, cells
 };
 
-/// With `before`, regions that are what they were are copied; the same but for how their centres are rounded.
+/// With `before`, unchanged regions are copied; the result differs only in the rounding of their centres.
 RegionMoments computeRegionMoments(
 	const Lattice& lattice, const RegionSet& regions, Weights weights, bool withInverse, const MomentsBefore* before = nullptr );
 
-/// The pseudo-inverse of a symmetric positive semidefinite matrix, eigenvalues below `floorFraction` of the largest raised to it.
-/// The zero matrix gives zero.
+/// The inverse of a symmetric positive semidefinite matrix, with eigenvalues below `floorFraction` of the largest raised to that floor.
+/// Returns zero for the zero matrix.
 Eigen::Matrix3d flooredInverse( const Eigen::Matrix3d& moment, double floorFraction );
 
-/// The inverse of a connected part's inertia, kg m^2, with kInertiaFloor; 0 of a point, which cannot turn.
+/// The inverse of a connected part's inertia, kg m^2, with kInertiaFloor; zero for a point, which cannot rotate.
 Eigen::Matrix3d inverseOfPart( const Eigen::Matrix3d& inertia, double mass );
 
 } // namespace pliant

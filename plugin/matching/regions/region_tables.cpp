@@ -6,9 +6,9 @@ namespace pliant {
 
 namespace {
 
-/// Box sums touch every position of the grid, the table only what is there: largest positions per node at which the grid wins,
+/// Box sums touch every position of the grid, the table only the nodes: largest number of positions per node at which the grid is faster,
 /// by half-width (measured, docs/benchmarks.md).
-constexpr float kGridPays[kLargestHalfWidth + 1] = { 0.0f, 1.6f, 4.0f, 8.0f, 16.0f };
+constexpr float kLargestGridRatio[kLargestHalfWidth + 1] = { 0.0f, 1.6f, 4.0f, 8.0f, 16.0f };
 
 } // namespace
 
@@ -20,7 +20,7 @@ bool needsInverse( const Material& material )
 
 namespace {
 
-/// Each region's goal counts with its share; of node i then remains the pull sum of b_r / C_i.
+/// Multiplies each region's weight by its stiffness; the pull of node i is then the sum of b_r / C_i.
 void applyStiffness( const std::vector<float>& stiffness, RegionTables& tables )
 {
 	RegionMoments& moments = tables.moments;
@@ -68,8 +68,9 @@ std::shared_ptr<const RegionTables> buildRegionTables( const Lattice& lattice, c
 
 	const int nodes = lattice.cellCount();
 	const double positions = double( lattice.extent.x() ) * lattice.extent.y() * lattice.extent.z();
-	const bool pays = positions / nodes <= kGridPays[material.regionHalfWidth];
-	tables->usesGrid = tables->regions.isFullCubes && ( summation == Summation::BoxSums || ( summation == Summation::Automatic && pays ) );
+	const bool isFaster = positions / nodes <= kLargestGridRatio[material.regionHalfWidth];
+	tables->usesGrid = tables->regions.isFullCubes &&
+		( summation == Summation::BoxSums || ( summation == Summation::Automatic && isFaster ) );
 	tables->usesLinks = !tables->usesGrid && material.regionHalfWidth == 1;
 	if ( tables->usesGrid || tables->usesLinks )
 	{

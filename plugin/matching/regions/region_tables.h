@@ -1,7 +1,6 @@
 #pragma once
 
-// What all bodies of one template and one setting share: regions, their weights and moments, and the way their sums are made.
-// Fifteen elephants hold it once.
+// Data shared by all bodies of one template and setting: regions, their weights and moments, and the summation method.
 
 #include "adapt/regions/hierarchical_sum.h"
 #include "adapt/regions/region_matrix.h"
@@ -18,11 +17,11 @@
 
 namespace pliant {
 
-/// How the sums over regions are made.
+/// How sums over regions are computed.
 enum class Summation : int
 {
 	Automatic, ///< box sums where regions are full cubes and the grid is well filled, else the table
-	Table,     ///< one term a member of the region (flat compressed rows)
+	Table,     ///< one term per member of the region (flat compressed rows)
 	BoxSums    ///< separable sums over the grid; falls back to the table where regions are not full cubes
 };
 
@@ -32,36 +31,36 @@ struct RegionTables
 	RegionSet regions;
 	RegionMoments moments;
 
-	bool usesGrid = false;  ///< box sums; the table of members is then not kept
-	bool usesLinks = false; ///< w = 1: a region is its owner and the owner's links; the lattice's table serves
+	bool usesGrid = false;  ///< box sums; the member table is then dropped
+	bool usesLinks = false; ///< w = 1: a region is its owner and the owner's links, so the lattice's link table is used
 	bool gridHasHoles = false;
 	Eigen::Vector3i grid = Eigen::Vector3i::Zero();
 	std::vector<std::uint32_t> slot; ///< lattice position of each cell; empty without holes
 
 	AlignedArray<float> pull;          ///< of each node, MatchView::pull; empty where all are 1
 	AlignedArray<float> outOfPlane[6]; ///< 1 - J J^+; empty where every region is solid or J^+ is not needed
-	AlignedArray<float> blend[9];      ///< C of each region (level_tables.h, link_moments.h); empty where beta is a number
+	AlignedArray<float> blend[9];      ///< C of each region (level_tables.h, link_moments.h); empty where beta is a scalar
 	float largestRateFraction = 1.0f;
-	AlignedArray<float> rateFraction,
-		ratePull; ///< what the implicit step's operator takes for b_r and `pull` (link_moments.h); empty: those
+	// Replace b_r and `pull` in the implicit step's operator (link_moments.h); empty: not replaced.
+	AlignedArray<float> rateFraction, ratePull;
 
-	// Of nodes on several levels only (level_tables.h); empty on a uniform lattice. The matrix then takes the place of `regions`.
+	// For nodes on several levels only (level_tables.h); empty on a uniform lattice. The matrix then replaces `regions`.
 	std::shared_ptr<const RegionMatrix> matrix;
-	std::shared_ptr<const SumPlan> plan; ///< sums by way of the octree instead of the matrix; null: no
+	std::shared_ptr<const SumPlan> plan; ///< sums over the octree instead of the matrix; null: none
 	AlignedArray<float> beta, eta;       ///< of each region; empty where all are 0
 
 	std::size_t bytes() const;
 };
 
-/// Whether any of the material's settings needs J^+.
+/// True where any of the material's settings needs J^+.
 bool needsInverse( const Material& material );
 
-/// `stiffness`: share of the material's for each cell; empty: 1 everywhere. A region takes the share of its owner, so that what it pulls
-/// and what pulls back stay equal.
+/// `stiffness`: factor on the material's stiffness for each cell; empty: 1 everywhere. A region takes the factor of its owner, so that
+/// action and reaction stay equal.
 std::shared_ptr<const RegionTables> buildRegionTables( const Lattice& lattice, const Material& material, Summation summation,
 	const std::vector<float>& stiffness = {}, const MomentsBefore* before = nullptr );
 
-/// Hands out tables by setting, each built once for as long as a body holds it. Safe to call from several threads.
+/// Returns tables by setting, each built once and kept for as long as a body holds it. Thread-safe.
 class RegionCache
 {
 public:
@@ -73,7 +72,7 @@ private:
 		int halfWidth;
 		Weights weights;
 		bool withInverse;
-		float linkBeta; ///< of tables with link moments, which know it; -1: they have none
+		float linkBeta; ///< beta of tables with link moments, which depend on it; -1: no link moments
 		std::weak_ptr<const RegionTables> tables;
 	};
 

@@ -1,4 +1,4 @@
-// In a build without levels of detail: bodies that ask for them are refused (adaptivity.cpp), and none of this is ever reached.
+// For builds without levels of detail: bodies that need them are rejected (adaptivity.cpp), so none of this is ever called.
 
 #include "matching/regions/level_tables.h"
 

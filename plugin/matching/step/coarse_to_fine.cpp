@@ -10,7 +10,7 @@ namespace pliant {
 
 namespace {
 
-/// Blocks of one task.
+/// Blocks per task.
 constexpr int kBlockChunk = 256;
 static_assert( kBlockChunk % kTile == 0 );
 
@@ -41,7 +41,7 @@ void CoarseToFine::reset()
 
 void CoarseToFine::match( MatchView& view, const FarFractions& fractions, const Kernels& kernels, TaskRunner* runner )
 {
-	// Pins come and go as the game likes; what they weigh is measured when they did.
+	// The game may pin and free nodes at any time; weights are measured again after a change.
 	if ( std::memcmp( m_freedom.data(), view.freedom, m_block.size() * sizeof( float ) ) != 0 )
 	{
 		weighCells( view.freedom );

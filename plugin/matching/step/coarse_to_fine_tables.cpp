@@ -1,4 +1,4 @@
-// What far levels know before a step: blocks, their regions, and what those weigh.
+// Precomputation of the far levels: blocks, their regions, and the regions' weights.
 
 #include "matching/step/coarse_to_fine.h"
 
@@ -11,10 +11,10 @@ namespace pliant {
 
 namespace {
 
-/// Blocks along its longest side that a body must have for a level to be of use: fewer, and most regions hold all of it.
+/// Minimum number of blocks along a body's longest side for a level to be used: with fewer, most regions contain the whole body.
 constexpr int kLeastBlocks = 4;
 
-/// Linked pairs, both ways, ascending, each once.
+/// Linked pairs, in both directions, ascending, without duplicates.
 using Links = std::vector<std::pair<std::uint32_t, std::uint32_t>>;
 
 void makeUnique( Links& links )
@@ -37,7 +37,7 @@ Links cellLinks( const Lattice& lattice )
 	return links;
 }
 
-/// The links between the parents of linked nodes, and of each parent to itself.
+/// The links between the parents of linked nodes, and from each parent to itself.
 Links parentLinks( const Links& links, const std::vector<std::uint32_t>& parent, int parents )
 {
 	Links above;
@@ -58,7 +58,7 @@ Links parentLinks( const Links& links, const std::vector<std::uint32_t>& parent,
 
 int usefulFarLevels( const Lattice& lattice, int wanted )
 {
-	Eigen::Matrix<std::int16_t, 3, 1> low = lattice.coordinate[0], high = low; // a piece that came off may fill little of the extent
+	Eigen::Matrix<std::int16_t, 3, 1> low = lattice.coordinate[0], high = low; // the extent may be much larger than a piece that came off
 	for ( const auto& c : lattice.coordinate )
 	{
 		low = low.cwiseMin( c );
@@ -73,22 +73,22 @@ int usefulFarLevels( const Lattice& lattice, int wanted )
 	return levels;
 }
 
-void CoarseToFine::collectCells( int level, std::uint32_t block, const std::function<void( std::uint32_t )>& take ) const
+void CoarseToFine::collectCells( int level, std::uint32_t block, const std::function<void( std::uint32_t )>& visit ) const
 {
 	for ( std::uint32_t k = m_levels[level].childStart[block]; k < m_levels[level].childStart[block + 1]; ++k )
 	{
 		if ( level == 0 )
 		{
-			take( m_levels[0].child[k] );
+			visit( m_levels[0].child[k] );
 		}
 		else
 		{
-			collectCells( level - 1, m_levels[level].child[k], take );
+			collectCells( level - 1, m_levels[level].child[k], visit );
 		}
 	}
 }
 
-double CoarseToFine::heldEta( int number, int r, const FarRegion& region, const FarMoments& plain ) const
+double CoarseToFine::pinnedEta( int number, int r, const FarRegion& region, const FarMoments& plain ) const
 {
 	const Level& level = m_levels[number - 1];
 	RegionCells cells;
@@ -96,11 +96,11 @@ double CoarseToFine::heldEta( int number, int r, const FarRegion& region, const 
 	{
 		const std::uint32_t b = level.region[k];
 		collectCells( number - 1, b, [&]( std::uint32_t c ) {
-			cells.place.push_back( m_lattice.restCentre[c].cast<double>() / double( m_lattice.cellSize ) );
+			cells.position.push_back( m_lattice.restCentre[c].cast<double>() / double( m_lattice.cellSize ) );
 			cells.weight.push_back( double( m_lattice.fill[c] ) * ( m_freedom[c] == 0.0f ? kPinnedWeight : 1.0f ) * level.inverseCover[b] );
 		} );
 	}
-	return etaOfHeld( cells, region, plain, farSecondMoment( number ) );
+	return etaOfPinned( cells, region, plain, farSecondMoment( number ) );
 }
 
 CoarseToFine::CoarseToFine( const Lattice& lattice, int levels, const RegionTables& tables, const std::vector<float>& stiffness ) :
@@ -123,7 +123,7 @@ CoarseToFine::CoarseToFine( const Lattice& lattice, int levels, const RegionTabl
 	}
 	m_nodePull.assign( m_nodeWeight.size(), 0.0f );
 	m_perRecord.assign( std::max( m_nodeWeight.size(), std::size_t( tables.usesGrid ? tables.grid.prod() : 0 ) ), 0.0f );
-	if ( !m_slot.empty() && !m_levels.empty() ) // on a grid with holes, records stand where the cells do
+	if ( !m_slot.empty() && !m_levels.empty() ) // on a grid with holes, records are at grid positions
 	{
 		for ( const std::uint32_t cell : m_levels[0].child )
 		{
@@ -195,16 +195,16 @@ void CoarseToFine::weighCells( const float* freedom )
 	m_freedom.assign( freedom, freedom + m_nodeWeight.size() );
 	BlockMoments moments;
 	moments.plain.resize( cells );
-	moments.heavy.resize( cells );
+	moments.weighted.resize( cells );
 	moments.stiffness.assign( m_stiffness.begin(), m_stiffness.end() );
 	for ( int i = 0; i < cells; ++i )
 	{
 		const Vec3d q = m_lattice.restCentre[i].cast<double>() / double( m_lattice.cellSize );
-		const float times = freedom[i] == 0.0f ? kPinnedWeight : 1.0f;
+		const float factor = freedom[i] == 0.0f ? kPinnedWeight : 1.0f;
 		const double m = m_lattice.fill[i];
 		moments.plain[i] = FarMoments{ m, m * q, m * q * q.transpose() };
-		moments.heavy[i].add( moments.plain[i], times );
-		m_perRecord[m_slot.empty() ? std::size_t( i ) : m_slot[i]] = times * m_lattice.fill[i] / m_nodeWeight[i];
+		moments.weighted[i].add( moments.plain[i], factor );
+		m_perRecord[m_slot.empty() ? std::size_t( i ) : m_slot[i]] = factor * m_lattice.fill[i] / m_nodeWeight[i];
 	}
 	for ( int l = 0; l < levels(); ++l )
 	{
@@ -217,7 +217,7 @@ CoarseToFine::BlockMoments CoarseToFine::momentsAbove( const BlockMoments& below
 {
 	BlockMoments above;
 	above.plain.resize( level.count );
-	above.heavy.resize( level.count );
+	above.weighted.resize( level.count );
 	above.stiffness.assign( below.stiffness.empty() ? 0 : level.count, 0.0 );
 	for ( int b = 0; b < level.count; ++b )
 	{
@@ -225,7 +225,7 @@ CoarseToFine::BlockMoments CoarseToFine::momentsAbove( const BlockMoments& below
 		{
 			const std::uint32_t c = level.child[k];
 			above.plain[b].add( below.plain[c], 1.0 );
-			above.heavy[b].add( below.heavy[c], 1.0 );
+			above.weighted[b].add( below.weighted[c], 1.0 );
 			if ( !below.stiffness.empty() )
 			{
 				above.stiffness[b] += below.stiffness[c] * below.plain[c].mass;
@@ -248,17 +248,17 @@ void CoarseToFine::weighRegions( int number, const BlockMoments& blocks )
 	}
 	for ( int r = 0; r < level.count; ++r )
 	{
-		FarMoments plain, heavy;
+		FarMoments plain, weighted;
 		for ( std::uint32_t k = level.regionStart[r]; k < level.regionStart[r + 1]; ++k )
 		{
 			const std::uint32_t b = level.region[k];
 			plain.add( blocks.plain[b], level.inverseCover[b] );
-			heavy.add( blocks.heavy[b], level.inverseCover[b] );
+			weighted.add( blocks.weighted[b], level.inverseCover[b] );
 		}
-		FarRegion region = weighFarRegion( heavy, plain, number );
-		if ( heavy.mass > plain.mass )
+		FarRegion region = weighFarRegion( weighted, plain, number );
+		if ( weighted.mass > plain.mass )
 		{
-			region.eta = heldEta( number, r, region, plain );
+			region.eta = pinnedEta( number, r, region, plain );
 		}
 		region.pull *= blocks.stiffness.empty() ? 1.0 : blocks.stiffness[r];
 		storeRegion( level, r, region );

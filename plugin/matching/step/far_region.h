@@ -1,6 +1,6 @@
 #pragma once
 
-// How much of a far region's goal counts, so that the level has the stiffness of a solid: stretched, bent, cut short at its end, or held.
+// Weights of a far region's goal that give the level the stiffness of a solid: in tension, in bending, truncated, or pinned.
 
 #include "lattice/lattice.h"
 
@@ -8,17 +8,17 @@
 
 namespace pliant {
 
-/// What a region of a far level weighs: its moments, and how much of its goal counts.
+/// A region of a far level: its moments, and the weight of its goal.
 struct FarRegion
 {
-	double mass = 0.0;                                ///< full cells, pinned ones counted kPinnedWeight times
+	double mass = 0.0;                                ///< full cells, pinned ones weighted by kPinnedWeight
 	Vec3d centre = Vec3d::Zero();                     ///< cells
 	Eigen::Matrix3d moment = Eigen::Matrix3d::Zero(); ///< cells^2
 	double pull = 0.0;                                ///< b_r
 	double eta = 0.0;
 };
 
-/// First and second moments of a set of cells about the rest mass centre, in cells; sums.
+/// First and second moments of a set of cells about the rest mass centre, in cells; plain sums.
 struct FarMoments
 {
 	double mass = 0.0;
@@ -32,14 +32,14 @@ struct FarMoments
 /// The cells of one region.
 struct RegionCells
 {
-	std::vector<Vec3d> place;   ///< cells
-	std::vector<double> weight; ///< full cells, heavy where pinned
+	std::vector<Vec3d> position; ///< cells
+	std::vector<double> weight;  ///< full cells, weighted for pins
 };
 
-/// b_r and eta_r from a region's moments with pinned cells heavy, and without.
-FarRegion weighFarRegion( const FarMoments& heavy, const FarMoments& plain, int level );
+/// b_r and eta_r from a region's moments with and without the extra weight of pinned cells.
+FarRegion weighFarRegion( const FarMoments& weighted, const FarMoments& plain, int level );
 
-/// eta of a region that holds pinned cells: these stand to one side, where the closed form does not know them. `mu`: farSecondMoment.
-double etaOfHeld( const RegionCells& cells, const FarRegion& region, const FarMoments& plain, double mu );
+/// eta of a region with pinned cells: these are off to one side, which the closed form does not cover. `mu`: farSecondMoment.
+double etaOfPinned( const RegionCells& cells, const FarRegion& region, const FarMoments& plain, double mu );
 
 } // namespace pliant

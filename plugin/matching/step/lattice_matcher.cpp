@@ -11,7 +11,7 @@ namespace pliant {
 
 namespace {
 
-/// Nodes of one task: sums are folded chunk by chunk, so this is part of the result's bits and never follows the thread count.
+/// Nodes per task. Sums are folded chunk by chunk, which affects rounding, so it must not depend on the thread count.
 constexpr int kChunk = 1024;
 static_assert( kChunk % kTile == 0 );
 static_assert( kRecordFloats == kSumFloats );
@@ -106,7 +106,7 @@ void LatticeMatcher::setFarLevels( int levels, const std::vector<float>& stiffne
 
 void LatticeMatcher::turn( const Eigen::Quaterniond& by )
 {
-	m_frame = ( by * m_frame ).normalized(); // everything else is kept relative to the frame
+	m_frame = ( by * m_frame ).normalized(); // all other state is relative to the frame
 }
 
 MatchView LatticeMatcher::view( NodeState& nodes )
@@ -171,8 +171,8 @@ MatchView LatticeMatcher::view( NodeState& nodes )
 	return v;
 }
 
-// The frame need not be exact: it only keeps u small. It is measured from the nodes each substep, so that nothing the game does
-// to them in between can be missed.
+// The frame need not be exact: it only keeps u small. It is measured from the nodes in each substep, so that any change the game makes to
+// them in between is included.
 void LatticeMatcher::measureFrame( const NodeState& nodes, MatchView& view, TaskRunner* runner )
 {
 	auto task = [&]( int chunk ) {
@@ -210,7 +210,7 @@ void LatticeMatcher::setFrame( MatchView& view, const Vec3d& centre ) const
 	}
 }
 
-/// What the table cannot do by itself: sums over the grid, or up the octree.
+/// Sums over the grid or up the octree, where the kernels' tables do not do it.
 void LatticeMatcher::sumNodeRecords( const MatchView& view, TaskRunner* runner )
 {
 	if ( m_tables->usesGrid )
@@ -239,7 +239,7 @@ void LatticeMatcher::gatherAndFit( MatchView& view, const MatchStep& step, TaskR
 	const int padded = m_tables->moments.padded;
 	auto records = [&]( int chunk ) { m_kernels.nodeRecords( view, chunk * kChunk, std::min( padded, ( chunk + 1 ) * kChunk ) ); };
 	runTasks( runner, chunks( padded ), records );
-	if ( m_far && step.far[0] > 0.0f ) // before box sums take the records' place
+	if ( m_far && step.far[0] > 0.0f ) // before box sums overwrite the records
 	{
 		m_far->match( view, step.far, m_kernels, runner );
 	}
@@ -273,10 +273,10 @@ void LatticeMatcher::settleOpenRegions( const MatchView& view )
 	}
 }
 
-// Two rigid motions are taken off the change, both about the present positions, where they would be felt:
-// - what rounding leaves of the internal forces' net impulse and turn, which should be none;
-// - of the wobble damping -k v, the part that brakes the body as a whole: - k ( v - V - Omega x p ) is what remains.
-void LatticeMatcher::spareRigidMotion( MatchView& view, float h ) const
+// Two rigid motions are subtracted from the change, both about the current positions, where they act:
+// - the rounding errors of the internal forces' net impulse and torque, which should be zero;
+// - the part of the wobble damping -k v that brakes the body as a whole: - k ( v - V - Omega x p ) remains.
+void LatticeMatcher::correctRigidMotion( MatchView& view, float h ) const
 {
 	double sum[kImpulseSums] = {};
 	for ( const auto& partial : m_partial )
@@ -325,10 +325,10 @@ void LatticeMatcher::accelerate( NodeState& nodes, const MatchStep& step, TaskRu
 	v.dampingFraction = dampingFraction( double( step.damping ), double( step.h ), double( step.alpha ), double( m_volumeFraction ) );
 	v.wobbleFraction = float( 1.0 - std::exp( -double( step.wobbleDamping ) * step.h ) );
 	v.speedPerCell = m_cellSize / step.h;
-	if ( m_isHistoryNew )
+	if ( m_isHistoryForeign )
 	{
 		v.dampingFraction = 0.0f;
-		m_isHistoryNew = false;
+		m_isHistoryForeign = false;
 	}
 	if ( m_far && step.far[0] > 0.0f )
 	{
@@ -345,7 +345,7 @@ void LatticeMatcher::accelerate( NodeState& nodes, const MatchStep& step, TaskRu
 		m_stretch.resize( m_strain.size() );
 		v.stretch = m_stretch.data();
 	}
-	followParts( v, step.isOnePart );
+	updateParts( v, step.isOnePart );
 	measureFrame( nodes, v, runner );
 	gatherAndFit( v, step, runner );
 
@@ -360,7 +360,7 @@ void LatticeMatcher::accelerate( NodeState& nodes, const MatchStep& step, TaskRu
 		flow( v, step, runner );
 		return;
 	}
-	spareRigidMotion( v, step.h );
+	correctRigidMotion( v, step.h );
 	auto apply = [&]( int chunk ) { m_kernels.apply( v, chunk * kChunk, std::min( nodes.padded, ( chunk + 1 ) * kChunk ) ); };
 	runTasks( runner, chunks( nodes.padded ), apply );
 	flow( v, step, runner );
@@ -381,8 +381,8 @@ void LatticeMatcher::flow( const MatchView& view, const MatchStep& step, TaskRun
 		m_openCount[chunk] = m_plastic->flow( view, m_kernels, step, chunk * kChunk, std::min( padded, ( chunk + 1 ) * kChunk ) ) ? 1 : 0;
 	};
 	runTasks( runner, chunks( padded ), task );
-	// What a goal moved by because its region flowed is no motion of the nodes: damping that took it for one would throw them.
-	m_isHistoryNew = std::any_of( m_openCount.begin(), m_openCount.end(), []( int count ) { return count > 0; } );
+	// Plastic flow moves goals without any motion of the nodes: damping that change would accelerate them.
+	m_isHistoryForeign = std::any_of( m_openCount.begin(), m_openCount.end(), []( int count ) { return count > 0; } );
 }
 
 void LatticeMatcher::nodeRotations( const NodeState& nodes, float* quaternions ) const
@@ -412,7 +412,7 @@ std::size_t LatticeMatcher::bytes() const
 	}
 	bytes += ( m_strain.size() + m_stretch.size() ) * sizeof( float ) + m_nodeMotion.size() * sizeof( NodeMotion );
 	bytes += ( m_plastic ? m_plastic->bytes() : 0 ) + ( m_far ? m_far->bytes() : 0 );
-	bytes += m_areNodesWanted.size() + m_areRegionsWanted.size();
+	bytes += m_neededNodeTiles.size() + m_neededRegionTiles.size();
 	bytes += m_parts.bytes() + m_partLength.size() * sizeof( float );
 	return bytes + m_partial.size() * sizeof( m_partial[0] ) + m_openCount.size() * sizeof( int );
 }

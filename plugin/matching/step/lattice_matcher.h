@@ -1,7 +1,7 @@
 #pragma once
 
-// Uniform lattice shape matching (Rivers and James 2007; Steinemann et al. 2008, section 3.2) on the 16-lane kernels.
-// ReferenceMatcher is its slow twin.
+// Uniform lattice shape matching (Rivers and James 2007; Steinemann et al. 2008, section 3.2) on the 16-lane kernels. ReferenceMatcher is
+// its reference implementation.
 
 #include "matching/kernels/kernels.h"
 #include "matching/matcher.h"
@@ -16,13 +16,13 @@
 
 namespace pliant {
 
-/// For alpha / h^2 = 1 and full cells of 1 kg; with a material's, alpha / h^2 and a full cell's mass stand before both.
+/// For alpha / h^2 = 1 and full cells of 1 kg; for a material, multiply by alpha / h^2 and the mass of a full cell.
 struct RegionWork
 {
-	/// Half of what the pulls would do on the way to no strain, m^2: U = 1/2 sum over r and a of u_ar b_r ( x_a - c_r - R_r S_r q_a ).( x_a
-	/// - g_ra ).
+	/// Half the work of the pulls along the displacement to zero strain, m^2: U = 1/2 sum over r and a of u_ar b_r ( x_a - c_r - R_r S_r
+	/// q_a ).( x_a - g_ra ).
 	double springs = 0.0;
-	/// What they do now, m^2/s: sum of u_ar b_r v_a.( g_ra - x_a ).
+	/// Current power of the pulls, m^2/s: sum of u_ar b_r v_a.( g_ra - x_a ).
 	double power = 0.0;
 };
 
@@ -41,22 +41,22 @@ public:
 	std::size_t bytes() const override; ///< without the shared tables
 	std::size_t sharedBytes() const override { return m_tables->bytes(); }
 	const RegionTables& tables() const { return *m_tables; }
-	/// Goes up whenever the tables become others.
+	/// Incremented whenever the tables are replaced.
 	unsigned tablesVersion() const { return m_tablesVersion; }
 	const Kernels& kernels() const { return m_kernels; }
-	/// Those of the nodes, as the last substep found them.
+	/// Connected parts of the nodes, as of the last substep.
 	const ConnectedParts& parts() const { return m_parts; }
-	/// Length of each of the two arrays of records that `view` shows.
+	/// Length of each of the two record arrays in `view`.
 	std::size_t recordFloats() const { return m_nodeRecord.size(); }
 
-	/// Other regions for other nodes: node i takes over the history of the old node `heir[i]`, and of what has flowed what `heirs` says.
+	/// Replaces the regions after a change of nodes: node i takes over the history of its source, and plastic flow as `sources` says.
 	void setTables( std::shared_ptr<const RegionTables> tables, const FlowSources& sources );
-	/// Takes over the history and the flowed shapes of another body's regions: region i those of `heir[i]`.
+	/// Takes over the history and plastic flow of another body's regions: region i from region `source[i]`.
 	void inherit( const LatticeMatcher& from, const std::vector<std::uint32_t>& source );
-	/// The same nodes, in the order `before`, on a lattice with other links, which must live as long as this; on levels. What `inherit`
-	/// does for a new matcher, in the memory of this one.
+	/// For the same nodes, previously in the order `before`, on a lattice with other links, which must outlive this object; on levels.
+	/// Equivalent to `inherit` for a new matcher, but reuses this one's memory.
 	void relink( const Lattice& lattice, std::shared_ptr<const RegionTables> tables, const std::vector<std::uint32_t>& before );
-	/// Nodes must be the lattice's cells. `stiffness`: share of each cell; empty: 1 everywhere. 0 levels: none.
+	/// Nodes must be the lattice's cells. `stiffness`: factor of each cell; empty: 1 everywhere. 0 levels: none.
 	void setFarLevels( int levels, const std::vector<float>& stiffness = {} );
 	const CoarseToFine* farLevels() const { return m_far.get(); }
 	/// Null until a region yields.
@@ -64,29 +64,28 @@ public:
 	void forgetFlow() override { m_plastic.reset(); }
 	bool hasFlowed() const override { return m_plastic != nullptr; }
 	bool nodeFlow( int count, float* stretches ) const override;
-	/// Of each region, sum over the singular values s of F of ( s - 1 )^2, as last measured (MatchStep::measuresStrain).
+	/// For each region, the sum over the singular values s of F of ( s - 1 )^2, as last measured (MatchStep::measuresStrain).
 	const AlignedArray<float>& strain() const { return m_strain; }
-	/// The same of what is not less than the largest s - 1: what is squeezed counts little.
+	/// The same for the upper bound of the largest s - 1, in which compression counts little.
 	const AlignedArray<float>& stretch() const { return m_stretch; }
-	/// The body's own rotation, as the last substep found it.
+	/// The body's own rotation, as of the last substep.
 	const Eigen::Quaterniond& frame() const { return m_frame; }
-	/// F of every region in world axes, from the nodes as they are, 9 floats a region, row by row. The tables must hold J^+.
+	/// F of every region in world axes, from the current nodes, 9 floats per region, row-major. The tables must hold J^+.
 	void deformations( NodeState& nodes, float* gradients );
-	/// The same of a few, to the same bits: 9 floats each. In any order, but soonest ascending.
+	/// The same, bitwise, for some regions: 9 floats each. Any order, ascending is fastest.
 	void deformationsOf( NodeState& nodes, const std::vector<std::uint32_t>& which, float* gradients );
-	/// How far a few nodes, ascending, stand from where their regions have carried them: mean over the regions of c + F q, less x. 3 floats
-	/// each, m, world axes. Nothing, where all are deformed alike. Only between setTables and the next substep; rotations go on from what
-	/// they come to here.
-	void oddsOf( NodeState& nodes, const std::vector<std::uint32_t>& which, float* odds );
-	/// What some regions, ascending, do to the nodes as they are. Rotations go on as above.
+	/// Offsets of some nodes, ascending, to the positions their regions predict: mean over the regions of c + F q, less x. 3 floats each,
+	/// m, world axes. Zero where all regions are deformed alike. Valid only between setTables and the next substep; advances the rotations.
+	void offsetsOf( NodeState& nodes, const std::vector<std::uint32_t>& which, float* offsets );
+	/// Work of some regions, ascending, on the current nodes. Advances the rotations as above.
 	RegionWork workOf( NodeState& nodes, const std::vector<std::uint32_t>& regions );
-	/// Room for as many nodes, so that setTables need not ask for memory before there are more.
+	/// Reserves capacity for `count` nodes, so that setTables does not allocate up to that number.
 	void reserveNodes( int count );
 
-	/// What the kernels see, body frame and step left at their defaults; for benchmarks of one kernel alone.
+	/// The kernels' view with body frame and step at their defaults; for benchmarks of single kernels.
 	MatchView view( NodeState& nodes );
 	bool usesBoxSums() const { return m_tables->usesGrid; }
-	/// Regions whose rotation the lanes left to the careful scalar road in the last step.
+	/// Number of regions in the last step whose rotation needed the scalar path.
 	int openRegions() const { return m_openRegions; }
 
 private:
@@ -96,15 +95,15 @@ private:
 	void sumNodeRecords( const MatchView& view, TaskRunner* runner );
 	void boxSums( const MatchView& view, float* records, TaskRunner* runner );
 	void settleOpenRegions( const MatchView& view );
-	void spareRigidMotion( MatchView& view, float h ) const;
-	void followParts( const MatchView& view, bool isOnePart );
+	void correctRigidMotion( MatchView& view, float h ) const;
+	void updateParts( const MatchView& view, bool isOnePart );
 	void applyToParts( const MatchView& view, const MatchStep& step, TaskRunner* runner );
 	void applyToPart( const MatchView& view, const MatchStep& step, int part );
 	void flow( const MatchView& view, const MatchStep& step, TaskRunner* runner );
 	void allocate();
 	void allocateScratch();
 	std::array<AlignedArray<float>*, 7> history();
-	MatchView viewOfNow( NodeState& nodes );
+	MatchView currentView( NodeState& nodes );
 	void markTiles( const MatchView& view, const std::vector<std::uint32_t>& which );
 	void fitTiles( const MatchView& view );
 	RegionWork workOf( const MatchView& view, std::uint32_t region ) const;
@@ -119,38 +118,38 @@ private:
 	float m_beta = 0.0f;
 	float m_volumeFraction = 0.0f; ///< kappa
 	bool m_rotationFromF = false;
-	bool m_keepsMomentum = true; ///< conserving weights and rotations from A_pq: what rounding leaves is taken off
+	bool m_keepsMomentum = true; ///< conserving weights and rotations from A_pq: rounding errors of momentum are removed
 
 	// State between substeps.
 	Eigen::Quaterniond m_frame = Eigen::Quaterniond::Identity();
 	AlignedArray<float> m_quaternion[4];
 	AlignedArray<float> m_residual[3];
-	AlignedArray<float> m_historyScratch; ///< of a change of levels
+	AlignedArray<float> m_historyScratch; ///< for a change of levels
 
 	ConnectedParts m_parts;
-	unsigned m_partsVersion = 0;     ///< of the tables they were found in
+	unsigned m_partsVersion = 0;     ///< of the tables in which they were found
 	std::vector<float> m_partLength; ///< of each part at rest, longest edge of its box, m
 
 	std::unique_ptr<PlasticFlow> m_plastic;
-	std::unique_ptr<CoarseToFine> m_far; ///< null unless asked for
+	std::unique_ptr<CoarseToFine> m_far; ///< null where there are no far levels
 
 	// Scratch of one substep.
 	double m_mass = 0.0; ///< kg
 	AlignedArray<float> m_change[3];
-	AlignedArray<float> m_strain, m_stretch; ///< empty until they are asked for
+	AlignedArray<float> m_strain, m_stretch; ///< empty until first measured
 	AlignedArray<float> m_nodeRecord, m_regionRecord;
 	std::vector<std::uint32_t> m_open;
 	std::vector<int> m_openCount;
-	/// Rest place and way, cells, and speed, m/s, in the body's frame.
+	/// Rest position and displacement, cells, and velocity, m/s, in the body's frame.
 	struct NodeMotion
 	{
 		Eigen::Vector3d q, u, v;
 	};
-	std::vector<NodeMotion> m_nodeMotion;                           ///< scratch of workOf
-	std::vector<std::uint8_t> m_areNodesWanted, m_areRegionsWanted; ///< of each tile; scratch of oddsOf and workOf
-	std::vector<std::array<float, kImpulseSums>> m_partial;         ///< one set of sums a chunk
+	std::vector<NodeMotion> m_nodeMotion;                             ///< scratch of workOf
+	std::vector<std::uint8_t> m_neededNodeTiles, m_neededRegionTiles; ///< of each tile; scratch of offsetsOf and workOf
+	std::vector<std::array<float, kImpulseSums>> m_partial;           ///< one set of sums per chunk
 	int m_openRegions = 0;
-	bool m_isHistoryNew = false; ///< the last substep's residuals are those of other regions: no damping by them
+	bool m_isHistoryForeign = false; ///< the last residuals are those of other regions: no damping by them
 };
 
 } // namespace pliant

@@ -1,4 +1,4 @@
-// What LatticeMatcher does for nodes on several levels: other tables while it runs, and the regions' stretch.
+// LatticeMatcher for nodes on several levels: replacing the tables at run time, and the regions' deformations.
 
 #include "matching/step/lattice_matcher.h"
 
@@ -30,7 +30,7 @@ void LatticeMatcher::setTables( std::shared_ptr<const RegionTables> tables, cons
 		array->swap( m_historyScratch );
 	}
 	allocateScratch();
-	m_isHistoryNew = true;
+	m_isHistoryForeign = true;
 }
 
 void LatticeMatcher::viewLevels( MatchView& v ) const
@@ -92,8 +92,8 @@ void LatticeMatcher::reserveNodes( int count )
 	}
 }
 
-/// The view that `deformations` needs, from the positions as they are: what the last substep left of them may be those of other nodes.
-MatchView LatticeMatcher::viewOfNow( NodeState& nodes )
+/// The view that `deformations` needs, from the current positions: the last substep's records may belong to other nodes.
+MatchView LatticeMatcher::currentView( NodeState& nodes )
 {
 	MatchView v = view( nodes );
 	float sum[kFrameSums] = {};
@@ -112,9 +112,9 @@ using Matrix3fRows = Eigen::Matrix<float, 3, 3, Eigen::RowMajor>;
 
 void LatticeMatcher::deformations( NodeState& nodes, float* gradients )
 {
-	const MatchView v = viewOfNow( nodes );
+	const MatchView v = currentView( nodes );
 	m_kernels.deformations( v, 0, nodes.padded, gradients );
-	// F turns with the body's frame: what the kernels see is R_b^T F.
+	// The kernels return R_b^T F, relative to the body's frame.
 	const Eigen::Matrix3f frame = m_frame.toRotationMatrix().cast<float>();
 	for ( int i = 0; i < nodes.count; ++i )
 	{
@@ -129,7 +129,7 @@ void LatticeMatcher::deformationsOf( NodeState& nodes, const std::vector<std::ui
 	{
 		return;
 	}
-	const MatchView v = viewOfNow( nodes );
+	const MatchView v = currentView( nodes );
 	const Eigen::Matrix3f frame = m_frame.toRotationMatrix().cast<float>();
 	float tile[9 * kTile];
 	for ( std::size_t k = 0; k < which.size(); )
@@ -144,18 +144,18 @@ void LatticeMatcher::deformationsOf( NodeState& nodes, const std::vector<std::ui
 	}
 }
 
-// What the wanted nodes' goals need: their regions. By the octree's sums each region may be part of any.
+// Marks the tiles of the given nodes and of their regions. With a sum plan any region may contribute.
 void LatticeMatcher::markTiles( const MatchView& view, const std::vector<std::uint32_t>& which )
 {
 	const std::size_t tiles = std::size_t( view.nodeCount + kTile - 1 ) / kTile;
-	m_areNodesWanted.assign( tiles, 0 );
-	m_areRegionsWanted.assign( tiles, m_tables->plan ? 1 : 0 );
+	m_neededNodeTiles.assign( tiles, 0 );
+	m_neededRegionTiles.assign( tiles, m_tables->plan ? 1 : 0 );
 	for ( const std::uint32_t i : which )
 	{
-		m_areNodesWanted[i / kTile] = 1;
+		m_neededNodeTiles[i / kTile] = 1;
 		for ( std::uint32_t k = view.start[i]; k < view.start[i + 1] && !m_tables->plan; ++k )
 		{
-			m_areRegionsWanted[view.member[k] / kTile] = 1;
+			m_neededRegionTiles[view.member[k] / kTile] = 1;
 		}
 	}
 }
@@ -163,10 +163,10 @@ void LatticeMatcher::markTiles( const MatchView& view, const std::vector<std::ui
 void LatticeMatcher::fitTiles( const MatchView& view )
 {
 	const int padded = m_tables->moments.padded;
-	for ( std::size_t tile = 0; tile < m_areRegionsWanted.size(); ++tile )
+	for ( std::size_t tile = 0; tile < m_neededRegionTiles.size(); ++tile )
 	{
 		const int first = int( tile ) * kTile;
-		const int open = m_areRegionsWanted[tile] == 0
+		const int open = m_neededRegionTiles[tile] == 0
 			? 0
 			: m_kernels.fitRegions( view, first, std::min( first + kTile, padded ), m_open.data() );
 		for ( int k = 0; k < open; ++k )
@@ -176,10 +176,10 @@ void LatticeMatcher::fitTiles( const MatchView& view )
 	}
 }
 
-void LatticeMatcher::oddsOf( NodeState& nodes, const std::vector<std::uint32_t>& which, float* odds )
+void LatticeMatcher::offsetsOf( NodeState& nodes, const std::vector<std::uint32_t>& which, float* offsets )
 {
-	MatchView v = viewOfNow( nodes );
-	// The step's own kernels, told of a material that does not resist: L = R + beta ( F - R ) = F
+	MatchView v = currentView( nodes );
+	// The step's own kernels with a material without resistance: L = R + beta ( F - R ) = F
 	v.beta = 1.0f;
 	v.volumeFraction = 0.0f;
 	v.regionBeta = v.regionEta = v.regionWeight = v.pull = nullptr;
@@ -191,9 +191,9 @@ void LatticeMatcher::oddsOf( NodeState& nodes, const std::vector<std::uint32_t>&
 		depthSum( *m_tables->plan, m_regionRecord.data() );
 	}
 	float unused[kImpulseSums] = {};
-	for ( std::size_t tile = 0; tile < m_areNodesWanted.size(); ++tile )
+	for ( std::size_t tile = 0; tile < m_neededNodeTiles.size(); ++tile )
 	{
-		if ( m_areNodesWanted[tile] != 0 )
+		if ( m_neededNodeTiles[tile] != 0 )
 		{
 			m_kernels.scatter( v, int( tile ) * kTile, std::min( int( tile + 1 ) * kTile, nodes.padded ), unused );
 		}
@@ -202,17 +202,17 @@ void LatticeMatcher::oddsOf( NodeState& nodes, const std::vector<std::uint32_t>&
 	for ( std::size_t k = 0; k < which.size(); ++k )
 	{
 		const Vec3 e( m_residual[0][which[k]], m_residual[1][which[k]], m_residual[2][which[k]] );
-		Eigen::Map<Vec3>( odds + 3 * k ) = frame * e;
+		Eigen::Map<Vec3>( offsets + 3 * k ) = frame * e;
 	}
-	for ( AlignedArray<float>& residual : m_residual ) // beside the wanted ones stands what regions gave that were not fitted
+	for ( AlignedArray<float>& residual : m_residual ) // all other residuals depend on regions that were not fitted
 	{
 		std::fill( residual.begin(), residual.end(), 0.0f );
 	}
 }
 
-// By what fitRegions wrote down: b ( g - x ) = D q + t - b ( 1 - eta ) u, D and t the region's record, u the node's way in the body's
-// turning frame. Pulls of a region add up to none, so that any one vector may be added to its nodes' places:  x - c - R S ( q - c0 )  to  u
-// + ( 1 - R S )( q - c0 ).
+// From the records of fitRegions: b ( g - x ) = D q + t - b ( 1 - eta ) u, D and t the region's record, u the node's displacement in the
+// body's rotating frame. The pulls of a region sum to zero, so a constant vector may be added to its nodes' positions:
+// x - c - R S ( q - c0 ) becomes u + ( 1 - R S )( q - c0 ).
 RegionWork LatticeMatcher::workOf( const MatchView& view, std::uint32_t r ) const
 {
 	const RegionMatrix& matrix = *m_tables->matrix;
@@ -234,21 +234,21 @@ RegionWork LatticeMatcher::workOf( const MatchView& view, std::uint32_t r ) cons
 	{
 		const std::uint32_t a = matrix.member[k];
 		const Vec3d &q = m_nodeMotion[a].q, &u = m_nodeMotion[a].u, &v = m_nodeMotion[a].v;
-		const Vec3d way = pull * q + shift - own * u;
+		const Vec3d displacement = pull * q + shift - own * u;
 		const double mass = matrix.mass[k] * matrix.unit[a];
-		work.springs -= 0.5 * mass * ( u + rest * ( q - centre ) ).dot( way );
-		work.power += mass * v.dot( way );
+		work.springs -= 0.5 * mass * ( u + rest * ( q - centre ) ).dot( displacement );
+		work.power += mass * v.dot( displacement );
 	}
 	return work;
 }
 
 RegionWork LatticeMatcher::workOf( NodeState& nodes, const std::vector<std::uint32_t>& regions )
 {
-	const MatchView v = viewOfNow( nodes );
-	m_areRegionsWanted.assign( std::size_t( v.nodeCount + kTile - 1 ) / kTile, 0 );
+	const MatchView v = currentView( nodes );
+	m_neededRegionTiles.assign( std::size_t( v.nodeCount + kTile - 1 ) / kTile, 0 );
 	for ( const std::uint32_t r : regions )
 	{
-		m_areRegionsWanted[r / kTile] = 1;
+		m_neededRegionTiles[r / kTile] = 1;
 	}
 	fitTiles( v );
 	const Eigen::Matrix3d toFrame = m_frame.toRotationMatrix().transpose();

@@ -1,5 +1,4 @@
-// What LatticeMatcher does for a body in several parts (connected_parts.h): what is spared or braked of the rigid motion of a whole body is
-// spared or braked of that of each part.
+// LatticeMatcher for a body in several parts (connected_parts.h): corrections for rigid motion are applied to each part.
 
 #include "matching/step/lattice_matcher.h"
 
@@ -12,13 +11,13 @@ namespace pliant {
 
 namespace {
 
-/// Of one part, world axes; places relative to the frame's centre.
+/// Sums of one part, world axes; positions relative to the frame's centre.
 struct PartSums
 {
 	double mass = 0.0;
 	Vec3d centre = Vec3d::Zero();
-	Vec3d impulse = Vec3d::Zero(), turn = Vec3d::Zero();  ///< of what matching adds to the speeds
-	Vec3d momentum = Vec3d::Zero(), spin = Vec3d::Zero(); ///< of the speeds
+	Vec3d impulse = Vec3d::Zero(), turn = Vec3d::Zero();  ///< of the velocity changes by matching
+	Vec3d momentum = Vec3d::Zero(), spin = Vec3d::Zero(); ///< of the velocities
 	Eigen::Matrix3d second = Eigen::Matrix3d::Zero();     ///< sum m p p^T about the centre
 };
 
@@ -34,7 +33,7 @@ Vec3d at( float* const* component, int i )
 
 } // namespace
 
-void LatticeMatcher::followParts( const MatchView& view, bool isOnePart )
+void LatticeMatcher::updateParts( const MatchView& view, bool isOnePart )
 {
 	if ( isOnePart )
 	{
@@ -59,13 +58,12 @@ void LatticeMatcher::followParts( const MatchView& view, bool isOnePart )
 	}
 }
 
-// As spareRigidMotion and the kernel `apply` for a body in one part.
+// As correctRigidMotion and the kernel `apply` for a body in one part.
 void LatticeMatcher::applyToPart( const MatchView& view, const MatchStep& step, int part )
 {
 	const Eigen::Matrix3d perCell = m_frame.toRotationMatrix() * double( view.speedPerCell );
 	const Vec3d frame( double( view.frameCentre[0] ), double( view.frameCentre[1] ), double( view.frameCentre[2] ) );
-	// The slowest free vibration of a part is as much faster than that of a body of the length the rate was measured for as the part is
-	// shorter.
+	// The lowest vibration frequency, for which the rate is meant, is inversely proportional to the length.
 	const double rate = double( step.wobbleDamping ) * double( step.wobbleLength ) / double( m_partLength[std::size_t( part )] );
 	const double wobble = step.wobbleDamping > 0.0f ? 1.0 - std::exp( -rate * double( step.h ) ) : 0.0;
 	PartSums sums;
@@ -76,17 +74,18 @@ void LatticeMatcher::applyToPart( const MatchView& view, const MatchStep& step, 
 	sums.centre /= sums.mass;
 	m_parts.forNodes( part, view.nodeCount, [&]( int i ) {
 		const Vec3d arm = at( view.x, i ) - frame - sums.centre;
-		const Vec3d pushed = double( view.mass[i] ) * ( perCell * at( view.change, i ) ), moved = double( view.mass[i] ) * at( view.v, i );
-		sums.impulse += pushed;
-		sums.turn += arm.cross( pushed );
-		sums.momentum += moved;
-		sums.spin += arm.cross( moved );
+		const Vec3d impulse = double( view.mass[i] ) * ( perCell * at( view.change, i ) ),
+					momentum = double( view.mass[i] ) * at( view.v, i );
+		sums.impulse += impulse;
+		sums.turn += arm.cross( impulse );
+		sums.momentum += momentum;
+		sums.spin += arm.cross( momentum );
 		sums.second += double( view.mass[i] ) * arm * arm.transpose();
 	} );
-	const double kept = m_keepsMomentum ? 1.0 : 0.0;
+	const double conserved = m_keepsMomentum ? 1.0 : 0.0;
 	const Eigen::Matrix3d inverse = inverseOfPart( sums.second.trace() * Eigen::Matrix3d::Identity() - sums.second, sums.mass );
-	const Vec3d shift = ( kept * sums.impulse - wobble * sums.momentum ) / sums.mass,
-				turn = inverse * ( kept * sums.turn - wobble * sums.spin );
+	const Vec3d shift = ( conserved * sums.impulse - wobble * sums.momentum ) / sums.mass,
+				turn = inverse * ( conserved * sums.turn - wobble * sums.spin );
 	m_parts.forNodes( part, view.nodeCount, [&]( int i ) {
 		const Vec3d arm = at( view.x, i ) - frame - sums.centre, v = at( view.v, i );
 		const Vec3d now = v + double( view.freedom[i] ) * ( perCell * at( view.change, i ) - shift - turn.cross( arm ) - wobble * v );

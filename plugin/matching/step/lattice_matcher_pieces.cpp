@@ -1,4 +1,4 @@
-// What LatticeMatcher of a piece takes over from that of the body it came off. Ohta et al. 2009, "Fracturing".
+// Initial state of a piece's LatticeMatcher, from that of the body it came off. Ohta et al. 2009, "Fracturing".
 
 #include "matching/step/lattice_matcher.h"
 
@@ -18,7 +18,7 @@ void LatticeMatcher::inherit( const LatticeMatcher& from, const std::vector<std:
 			m_residual[k][i] = from.m_residual[k][source[i]];
 		}
 	}
-	m_isHistoryNew = true; // regions are others: no damping by what the old ones left
+	m_isHistoryForeign = true; // residuals are those of other regions: no damping by them
 	if ( from.m_plastic )
 	{
 		m_plastic = std::make_unique<PlasticFlow>( *m_tables );
@@ -35,7 +35,7 @@ void LatticeMatcher::relink( const Lattice& lattice, std::shared_ptr<const Regio
 	m_stretch.clear();
 	for ( AlignedArray<float>* array : history() )
 	{
-		m_historyScratch = *array; // what is beyond the last node stays
+		m_historyScratch = *array; // keeps the entries beyond the last node
 		for ( std::size_t i = 0; i < before.size(); ++i )
 		{
 			m_historyScratch[i] = ( *array )[before[i]];
@@ -43,7 +43,7 @@ void LatticeMatcher::relink( const Lattice& lattice, std::shared_ptr<const Regio
 		array->swap( m_historyScratch );
 	}
 	allocateScratch();
-	m_isHistoryNew = true;
+	m_isHistoryForeign = true;
 	if ( m_plastic )
 	{
 		const std::unique_ptr<PlasticFlow> flowed = std::move( m_plastic );

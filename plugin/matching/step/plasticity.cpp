@@ -28,7 +28,7 @@ Eigen::Matrix3d loadSymmetric( const AlignedArray<float> ( &from )[6], int i )
 	return m;
 }
 
-/// Scaled to a product of 1.
+/// Scales to a product of 1.
 Vec3d unitVolume( const Vec3d& stretches )
 {
 	return stretches / std::cbrt( stretches.prod() );
@@ -39,7 +39,7 @@ double distanceFromOne( const Vec3d& stretches )
 	return ( stretches - Vec3d::Ones() ).norm();
 }
 
-/// M = Q U: U as unitStretch gives it, and Q.
+/// M = Q U: U as unitStretch returns it, and Q.
 struct UnitStretch
 {
 	Eigen::Matrix3d stretch, rotation;
@@ -53,16 +53,15 @@ UnitStretch unitStretchOf( const Eigen::Matrix3d& m, double limit )
 	Vec3d stretches = unitVolume( own );
 	if ( distanceFromOne( stretches ) > limit )
 	{
-		// Along 1 + t ( S_p - 1 ), scaled to det = 1, the distance from 1 grows with t; where an axis has all but none left, by no means in
-		// proportion.
-		const Vec3d way = stretches - Vec3d::Ones();
+		// Along 1 + t ( S_p - 1 ), scaled to det = 1, the distance from 1 grows with t, but not linearly where an axis has nearly vanished.
+		const Vec3d direction = stretches - Vec3d::Ones();
 		double inside = 0.0, beyond = 1.0;
 		for ( int halving = 0; halving < 3 * kLimitRounds; ++halving )
 		{
 			const double t = 0.5 * ( inside + beyond );
-			( distanceFromOne( unitVolume( Vec3d::Ones() + t * way ) ) <= limit ? inside : beyond ) = t;
+			( distanceFromOne( unitVolume( Vec3d::Ones() + t * direction ) ) <= limit ? inside : beyond ) = t;
 		}
-		stretches = unitVolume( Vec3d::Ones() + inside * way );
+		stretches = unitVolume( Vec3d::Ones() + inside * direction );
 	}
 	return UnitStretch{ axes * stretches.asDiagonal() * axes.transpose(), m * axes * own.cwiseInverse().asDiagonal() * axes.transpose() };
 }
@@ -83,7 +82,7 @@ double FlowingRegion::energy( const Eigen::Matrix3d& fitted, const Eigen::Matrix
 	{
 		return shape;
 	}
-	// As goalMatrix answers: kappa b tr( E ), the trace within -1 .. 1.
+	// Consistent with goalMatrix: kappa b tr( E ), with the trace clamped to -1 .. 1.
 	const double trace = ( strain * inPlane ).trace(), size = std::abs( trace );
 	return shape + volumeKeeping * volumeMean( back * inverse * back, inPlane.trace() ) * ( size < 1.0 ? 0.5 * size * size : size - 0.5 );
 }
@@ -100,7 +99,7 @@ bool flowStretch( const PlasticLaw& law, float h, const FlowingRegion& region, E
 		return false;
 	}
 	const double before = region.energy( region.rotation, stretch );
-	const auto isTaken = [&]( const Eigen::Matrix3d& flow ) {
+	const auto tryFlow = [&]( const Eigen::Matrix3d& flow ) {
 		const UnitStretch to = unitStretchOf( ( one + flow ) * stretch, law.limit );
 		// A flat region stays in its plane.
 		const Eigen::Matrix3d out = one - region.inPlane, next = region.inPlane * to.stretch * region.inPlane + out * to.stretch * out;
@@ -108,20 +107,20 @@ bool flowStretch( const PlasticLaw& law, float h, const FlowingRegion& region, E
 		stretch = isLess ? next : stretch;
 		return isLess;
 	};
-	// More than all of the strain would overshoot, and a region thrown inside out must not take its rest shape along.
+	// More than the whole strain would overshoot, and an inverted region must not change its rest shape at once.
 	double fraction = std::min( { double( law.creep ) * h, 1.0, kLargestFlow / size } );
-	if ( isTaken( fraction * stretching ) )
+	if ( tryFlow( fraction * stretching ) )
 	{
 		return true;
 	}
 	const Eigen::Matrix3d resisting = stretch * region.moment * stretch;
-	const Eigen::Matrix3d yielding = ( resisting + kFlowFloor * resisting.trace() * one ).inverse();
-	const Eigen::Matrix3d downhill = strain - strain.trace() / yielding.trace() * yielding;
+	const Eigen::Matrix3d compliance = ( resisting + kFlowFloor * resisting.trace() * one ).inverse();
+	const Eigen::Matrix3d downhill = strain - strain.trace() / compliance.trace() * compliance;
 	fraction = std::min( fraction, kLargestFlow / downhill.norm() );
 	bool hasFlowed = false;
 	for ( int k = 0; k < kFlowHalvings && !hasFlowed; ++k, fraction *= 0.5 )
 	{
-		hasFlowed = isTaken( fraction * downhill );
+		hasFlowed = tryFlow( fraction * downhill );
 	}
 	return hasFlowed;
 }
@@ -203,7 +202,7 @@ bool PlasticFlow::flow( const MatchView& view, const Kernels& kernels, const Mat
 	for ( int block = begin; block < end; block += kLanes )
 	{
 		const int last = std::min( block + kLanes, view.nodeCount );
-		// | F_e - R |^2 holds | S_e - 1 |^2 and what R leaves askew: where it is small there is nothing to look at.
+		// | F_e - R |^2 is an upper bound of | S_e - 1 |^2: where it is small no region yields.
 		const bool yields = std::any_of(
 			view.strain + block, view.strain + std::max( block, last ), [limit]( float s ) { return s > limit; } );
 		if ( !yields )
@@ -240,7 +239,7 @@ void PlasticFlow::store( int region, Eigen::Matrix3d stretch )
 {
 	if ( !m_tables->outOfPlane[0].empty() )
 	{
-		// A flat region stays in its plane: a slanted part of the stretch, which only a change of levels can bring, is left out.
+		// A flat region stays in its plane: the off-plane part of the stretch, which only a change of levels can introduce, is dropped.
 		const Eigen::Matrix3d out = loadSymmetric( m_tables->outOfPlane, region ), in = Eigen::Matrix3d::Identity() - out;
 		stretch = Eigen::Matrix3d( in * stretch * in + out * stretch * out );
 	}
@@ -293,7 +292,9 @@ void PlasticFlow::carryOver( const RegionTables& before, const RegionTables& now
 		if ( !sum[r].isZero( 0.0 ) )
 		{
 			const Eigen::Matrix3d stretch = sum[r] + Eigen::Matrix3d::Identity();
-			store( r, count[r] > 1 ? unitStretch( stretch ) : stretch ); // a mean of volumes kept keeps its volume only nearly
+			store( r,
+				count[r] > 1 ? unitStretch( stretch )
+							 : stretch ); // the mean of volume-preserving stretches is only nearly volume-preserving
 		}
 	}
 }

@@ -1,12 +1,12 @@
 #pragma once
 
-// The careful scalar road for one region that the lanes left open.
+// The robust scalar path for one region whose rotation the kernels' lanes left undetermined.
 
 #include "matching/kernels/kernels.h"
 
 namespace pliant {
 
-/// Settles the rotation of region r and writes its record.
+/// Fits the rotation of region r and writes its record.
 void settleRegion( const Kernels& kernels, const MatchView& view, int r );
 
 } // namespace pliant

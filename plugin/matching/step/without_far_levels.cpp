@@ -1,4 +1,4 @@
-// In a build without far levels: materials that ask for them are refused (material.cpp), and none of this is ever reached.
+// For builds without far levels: materials that need them are rejected (material.cpp), so none of this is ever called.
 
 #include "matching/step/coarse_to_fine.h"
 

@@ -1,4 +1,4 @@
-// In a build without plasticity: materials that flow are refused (material.cpp), and none of this is ever reached.
+// For builds without plasticity: materials that flow are rejected (material.cpp), so none of this is ever called.
 
 #include "matching/step/plasticity.h"
 

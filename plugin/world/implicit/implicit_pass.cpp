@@ -71,7 +71,7 @@ double ImplicitBlock::energyLeft() const
 
 void ImplicitBlock::iterate( double fraction, BlockCount& count )
 {
-	count.products += m_gradients.goOn( *this, m_next.data(), GradientLimits{ fraction, energyLeft(), kMostGradients } );
+	count.products += m_gradients.iterate( *this, m_next.data(), GradientLimits{ fraction, energyLeft(), kMostGradients } );
 	readImpulses( m_next.data() );
 }
 

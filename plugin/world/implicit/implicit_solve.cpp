@@ -167,7 +167,7 @@ void ImplicitSolve::makeBlocks( const std::vector<SoftBody*>& awake )
 		impl.blockPart = int( block.soft.size() );
 		SoftPart part;
 		part.owner = body;
-		part.motion = impl.isImplicit ? impl.body->implicit() : &impl.body->takePartFreely();
+		part.motion = impl.isImplicit ? impl.body->implicit() : &impl.body->joinFreely();
 		part.before = &impl.body->velocityBefore();
 		block.soft.push_back( part );
 	}

@@ -391,10 +391,10 @@ void SoftBodySystem::keepNewNodesOut( SoftBody& body, const std::vector<Vec3>& p
 		return;
 	}
 	Body& own = *body.impl().body;
-	const LevelEnergy before = own.heldEnergy(); // to move them squeezes them
+	const LevelEnergy before = own.storedEnergy(); // to move them squeezes them
 	if ( m_guard.place( body, walls, positionBefore ) )
 	{
-		own.oweSince( before );
+		own.addEnergyDebtSince( before );
 		body.impl().shape->place( own.nodes(), body.impl().shapeShift );
 	}
 }
