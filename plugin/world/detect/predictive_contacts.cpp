@@ -1,4 +1,4 @@
-// Bullet's predictive contacts, where they name a soft body.
+// Bullet's predictive contacts with soft bodies.
 
 #include "world/bodies/soft_body_impl.h"
 #include "world/step/soft_body_system.h"
@@ -14,8 +14,8 @@ void SoftBodySystem::dropPredictiveContacts()
 	m_predictive.clear();
 }
 
-// Bullet's predictive contacts of fast rigid bodies name the soft body itself, which its solver takes for a wall. The nearest node's
-// stand-in takes its place.
+// Bullet's predictive contacts of fast rigid bodies refer to the soft body itself, which its solver would take for static. The nearest
+// node's contact proxy replaces it.
 void SoftBodySystem::holdPredictiveContacts( btAlignedObjectArray<btPersistentManifold*>& manifolds )
 {
 	for ( int m = 0; m < manifolds.size(); ++m )
@@ -33,8 +33,8 @@ void SoftBodySystem::holdPredictiveContacts( btAlignedObjectArray<btPersistentMa
 			const btVector3 at = side == 0 ? point.getPositionWorldOnA() : point.getPositionWorldOnB();
 			ContactProxy* const stand = pool.acquire( *soft, soft->nearestNode( at ) );
 			m_predictive.push_back( stand );
-			// Bullet takes the bullet's centre for the point where it is hit. The impulse acts at the node: what is turned by it must see
-			// the same lever, or spin is lost. Where that is before MovedContacts::moveToNodes:
+			// Bullet takes the centre of the fast body for the contact point on it. The impulse acts at the node: whatever it rotates must
+			// have the same lever arm, or spin is lost. The position before MovedContacts::moveToNodes:
 			const btScalar outward = soft->nodeRadius( stand->node ) + point.m_distance1;
 			if ( side == 0 )
 			{

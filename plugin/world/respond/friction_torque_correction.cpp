@@ -13,7 +13,7 @@ namespace pliant {
 
 namespace {
 
-/// On the first body, N s, in the last solve.
+/// Impulse on the first body in the last solve, N s.
 Vec3d impulseOf( const btManifoldPoint& point )
 {
 	return toVec3d( point.m_normalWorldOnB * point.m_appliedImpulse + point.m_lateralFrictionDir1 * point.m_appliedImpulseLateral1 +
@@ -51,9 +51,10 @@ void FrictionTorqueCorrection::choose( btUnionFind& islands )
 	std::sort( m_frictionTorque.begin(), m_frictionTorque.end() );
 }
 
-// Friction slows down  u = v0 + w0 x r0 - v1 - w1 x r1,  r from a node's middle to the touch and w its body's speed of turning: then J.u
-// takes what T.w, given later, brings. Where it held the middles alone bodies of a dozen big nodes were turned on by it. The stand-ins have
-// no inertia to turn about: Bullet's solvers see w and leave it. What else such a node meets is held at its middle, as ever.
+// Friction acts on the slip velocity  u = v0 + w0 x r0 - v1 - w1 x r1,  r from a node's centre to the contact point and w its body's
+// angular velocity: then J.u dissipates what T.w, applied later, adds. Friction on the centres' velocities alone would drive the rotation
+// of bodies of a dozen coarse nodes. Proxies have no rotational inertia: Bullet's solvers read w and leave it unchanged. Other contacts of
+// such a node act at its centre as usual.
 void FrictionTorqueCorrection::aim( btDispatcher& dispatcher )
 {
 	if ( m_frictionTorque.empty() )
@@ -105,9 +106,8 @@ void FrictionTorqueCorrection::place( btVector3& point, const btVector3& at )
 
 // The spheres touch at  p = ( r1 x0 + r0 x1 ) / ( r0 + r1 ),  so that with d = x0 - x1
 //   T0 = ( p - x0 ) x J = - r0 / ( r0 + r1 ) d x J,   T1 = - ( p - x1 ) x J = - r1 / ( r0 + r1 ) d x J
-// Only in islands that touch nothing that stands: others have no spin to keep, as they hand it on to the ground. And what is lost there is
-// what lets stacks of soft bodies fall asleep: given to them, a stack of four cubes sways for ever, for the solver pushes what is pressed
-// together apart.
+// Only in islands without contacts to static objects: others pass spin on to the ground. The spin lost there lets stacks of soft bodies
+// fall asleep: with the correction a stack of four cubes sways forever, since the solver pushes compressed bodies apart.
 void FrictionTorqueCorrection::sum( btDispatcher& dispatcher )
 {
 	if ( m_frictionTorque.empty() )

@@ -19,7 +19,8 @@ void MovedContacts::moveToNodes( btDispatcher& dispatcher, const btContactSolver
 	m_hasRollingFriction = m_hasRestitution = false;
 	const auto ask = []( const btPersistentManifold& manifold ) {
 		prefetchEnd( manifold );
-		prefetch( &manifold, offsetof( btManifoldPoint, m_partId0 ) + sizeof( btVector3 ) ); // where its first point is, and how it is met
+		prefetch( &manifold,
+			offsetof( btManifoldPoint, m_partId0 ) + sizeof( btVector3 ) ); // position of the first point, and its surface properties
 	};
 	forEachManifold( dispatcher, ask, [this, deepest]( btPersistentManifold& manifold ) {
 		const bool nodeIsFirst = ownerOfContactProxy( manifold.getBody0() ) != nullptr;
@@ -35,7 +36,7 @@ void MovedContacts::moveToNodes( btDispatcher& dispatcher, const btContactSolver
 			btManifoldPoint& point = manifold.getContactPoint( k );
 			if ( point.m_distance1 < deep && ( nodeIsFirst ? manifold.getBody1() : manifold.getBody0() )->isStaticOrKinematicObject() )
 			{
-				node.owner->impl().isGuarded = true; // what is crushed goes through slowly
+				node.owner->impl().isGuarded = true; // crushed nodes pass through slowly
 			}
 			m_hasRollingFriction = m_hasRollingFriction || point.m_combinedRollingFriction != 0 || point.m_combinedSpinningFriction != 0;
 			m_hasRestitution = m_hasRestitution || point.m_combinedRestitution > 0;

@@ -18,7 +18,7 @@ namespace {
 
 constexpr double kNever = HUGE_VAL;
 
-/// How far a shape reaches in a direction, m from the world's origin; `kNever` where that has no end or is not known.
+/// Support distance of a shape in a direction, m from the world's origin; `kUnbounded` where it is unbounded or unknown.
 double reachOf( const btCollisionShape& shape, const btTransform& at, const Vec3d& direction )
 {
 	if ( shape.isCompound() )
@@ -46,7 +46,7 @@ double reachOf( const btCollisionShape& shape, const btTransform& at, const Vec3
 	return direction.dot( toVec3d( at * static_cast<const btConvexShape&>( shape ).localGetSupportingVertex( local ) ) );
 }
 
-/// How far its nodes' spheres reach.
+/// Support distance of a body's node spheres.
 double reachOf( const SoftBody& soft, const Vec3d& direction )
 {
 	const NodeState& nodes = soft.impl().body->nodes();
@@ -58,7 +58,7 @@ double reachOf( const SoftBody& soft, const Vec3d& direction )
 	return most + direction.dot( nodes.origin );
 }
 
-/// How far the first has to go in a direction to be clear of the other.
+/// Distance that the first body must move in a direction to be clear of the other.
 double exitDisplacement( const SoftBody& soft, const btCollisionObject& other, const SoftBody* otherSoft, const Vec3d& direction )
 {
 	const double end = otherSoft ? reachOf( *otherSoft, direction )
@@ -66,14 +66,14 @@ double exitDisplacement( const SoftBody& soft, const btCollisionObject& other, c
 	return end + reachOf( soft, -direction );
 }
 
-/// Directions that may be the shortest: the axes of both as they stand, a plane's normal, and from middle to middle.
+/// The direction of the shortest exit among candidates: the axes of both objects, a plane's normal, and from centre to centre.
 Vec3d shortestWay( const SoftBody& soft, const btCollisionObject& other, const SoftBody* otherSoft )
 {
 	std::array<Vec3d, 14> ways;
 	std::size_t count = 0;
 	const Eigen::Matrix3d axes[2] = { toMatrix3d( soft.bestFitTransform().getBasis() ),
 		toMatrix3d( otherSoft ? otherSoft->bestFitTransform().getBasis() : other.getWorldTransform().getBasis() ) };
-	for ( int axis : { 1, 0, 2 } ) // of ways of one length the one upwards, as most games have it
+	for ( int axis : { 1, 0, 2 } ) // of equal exits the upward one, in most games' convention
 	{
 		for ( const double sign : { 1.0, -1.0 } )
 		{

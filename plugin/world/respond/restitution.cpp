@@ -1,7 +1,7 @@
-// Leapfrog's energy changes by a contact's impulse P by P . ( u' + u ) / 2 exactly, u' the speed after it and u the one before the
-// substep's matching and forces: with u' = - e u by P . u ( 1 - e ) / 2, a loss. Bullet bounces off the speed after them, so that what
-// presses a node on was given back as if it had come with it; and ends before its solution is one, which for several contacts of one body
-// at e near 1 may bring in as much again.
+// A contact's impulse P changes leapfrog's energy by exactly P . ( u' + u ) / 2, u' the velocity after it and u the one before the
+// substep's matching and forces: with u' = - e u by P . u ( 1 - e ) / 2, a loss. Bullet bounces from the velocity after them, and would
+// return what presses a node on as if it had been the node's approach; and it stops before its solution has converged, which for several
+// contacts of one body at e near 1 may add as much again.
 
 #include "world/respond/restitution.h"
 
@@ -23,7 +23,7 @@ const btRigidBody* bodyOf( const btPersistentManifold& manifold, int side )
 	return btRigidBody::upcast( side == 0 ? manifold.getBody0() : manifold.getBody1() );
 }
 
-/// Where an impulse acts, from the body's mass centre.
+/// Lever arm of an impulse from the body's mass centre.
 btVector3 armOf( const btRigidBody& body, const btManifoldPoint& point, int side )
 {
 	return ( side == 0 ? point.getPositionWorldOnA() : point.getPositionWorldOnB() ) - body.getCenterOfMassPosition();
@@ -41,7 +41,7 @@ Vec3d speedNow( const btPersistentManifold& manifold, const btManifoldPoint& poi
 	return speed;
 }
 
-/// What matching and forces have added to a node's speed in this substep. (To a rigid body's Bullet adds them later.)
+/// Velocity that matching and forces have added to a node in this substep. (Bullet adds that of rigid bodies later.)
 Vec3d addedTo( const btCollisionObject& object )
 {
 	if ( !ownerOfContactProxy( &object ) )
@@ -89,7 +89,7 @@ void RestitutionCorrection::aim( btDispatcher& dispatcher, const btContactSolver
 	}
 }
 
-// Bullet asks for e' times the speed after matching, and for what pushes out of a depth besides.
+// Bullet's target is e' times the velocity after matching, plus the push-out velocity of a penetration.
 void RestitutionCorrection::aimAt( Bounce& bounce, const btContactSolverInfo& info )
 {
 	const btPersistentManifold& manifold = *bounce.manifold;
@@ -125,7 +125,7 @@ void RestitutionCorrection::settle()
 	}
 }
 
-// All impulses of the island's contacts times s: the work is s W - s ( 1 - s ) K, K = P . A P / 2 what they would bring to bodies at rest.
+// All impulses of the island's contacts times s do the work s W - s ( 1 - s ) K, K = P . A P / 2 what they would add to bodies at rest.
 void RestitutionCorrection::settle( const Range& island )
 {
 	const double after = pressed( island, false ), work = 0.5 * ( after + pressed( island, true ) );

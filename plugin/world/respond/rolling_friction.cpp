@@ -12,20 +12,20 @@ namespace pliant {
 
 namespace {
 
-/// The body a contact belongs to: the soft one for its node.
+/// The body that a contact belongs to: a proxy's soft body.
 btCollisionObject* wholeOf( const btCollisionObject* object )
 {
 	SoftBody* const owner = ownerOfContactProxy( object );
 	return owner ? owner : const_cast<btCollisionObject*>( object );
 }
 
-/// Brakes their turning against each other about an axis of unit length, as far as `limit` (N m s) does it.
+/// Brakes their relative rotation about an axis of unit length, by at most `limit`, N m s.
 void brakeAbout( RigidMotionProxy& a, RigidMotionProxy& b, const Vec3d& axis, double limit )
 {
 	const double ease = axis.dot( ( a.inverse + b.inverse ) * axis );
 	if ( ease > 0.0 && limit > 0.0 )
 	{
-		// The impulse that would end it; never more, so it can only take energy.
+		// The impulse that would stop the rotation is never exceeded, so that energy can only decrease.
 		const double wanted = -axis.dot( a.speed - b.speed ) / ease;
 		const Vec3d impulse = std::clamp( wanted, -limit, limit ) * axis;
 		a.turn( impulse );

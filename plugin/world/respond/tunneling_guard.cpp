@@ -21,7 +21,7 @@ namespace pliant {
 
 namespace {
 
-/// The step's share of what an object that moves by the game's hand moves by.
+/// Motion in this step of an object that the game moves.
 ObstacleMotion motionOf( const btCollisionObject& wall, const Vec3d& origin )
 {
 	ObstacleMotion motion;
@@ -58,7 +58,7 @@ int TunnelingGuard::hold( SoftBody& body, const std::vector<const btCollisionObj
 	return int( m_held.size() );
 }
 
-// As if they came from where their parents were.
+// New nodes are treated as if they came from their parents' positions.
 bool TunnelingGuard::place( SoftBody& body, const std::vector<const btCollisionObject*>& walls, const std::vector<Vec3>& positionBefore )
 {
 	const NodeState& nodes = body.impl().body->nodes();
@@ -134,7 +134,7 @@ void TunnelingGuard::turnAway( const std::vector<const btCollisionObject*>& wall
 			{}
 			lead( first, end, round == kGuardRounds - 1 );
 		}
-		// What was turned may now lead somewhere else.
+		// A corrected node may now meet another wall.
 		m_nodes = m_turned;
 		m_held.insert( m_held.end(), m_turned.begin(), m_turned.end() );
 	}
@@ -142,8 +142,8 @@ void TunnelingGuard::turnAway( const std::vector<const btCollisionObject*>& wall
 	m_held.erase( std::unique( m_held.begin(), m_held.end() ), m_held.end() );
 }
 
-// Gauss-Seidel over the barriers of one node: each takes the part of the way that leads through it. Where they leave no way, the node stays
-// where it is, or goes along with the wall.
+// Gauss-Seidel over the barriers of one node: each removes the part of the displacement that violates it. Where they leave no displacement,
+// the node stays in place or moves with the wall.
 void TunnelingGuard::lead( std::size_t first, std::size_t end, bool isLast )
 {
 	Vec3d& way = m_way[std::size_t( m_barriers[first].node )];
@@ -174,7 +174,7 @@ void TunnelingGuard::lead( std::size_t first, std::size_t end, bool isLast )
 
 namespace {
 
-/// What is so far from a box that it cannot come to it.
+/// True for spheres too far from a box to reach it.
 struct FarBox
 {
 	Vec3d low, high;
@@ -196,7 +196,7 @@ void TunnelingGuard::lookAt( const ObstacleMotion& motion, const IsFar& isFar, c
 	for ( const int node : m_nodes )
 	{
 		const double radius = double( shape.sphereOfNode( node )->getRadius() );
-		const bool isBare = shape.childOfNode( node ) < 0; // deep inside: nothing else keeps it out
+		const bool isBare = shape.childOfNode( node ) < 0; // inner nodes: no contact keeps them out
 		MovingSphere sphere;
 		sphere.centre = m_from[std::size_t( node )];
 		sphere.radius = ( isBare ? 1.0 : kGuardFraction ) * radius;
@@ -232,7 +232,7 @@ void TunnelingGuard::look( const Obstacle& part, const ObstacleMotion& motion )
 		return;
 	}
 	const auto find = [&part]( const MovingSphere& sphere, Touch& touch ) { return findTouch( part, sphere, touch ); };
-	if ( type == STATIC_PLANE_PROXYTYPE ) // whose box is everywhere
+	if ( type == STATIC_PLANE_PROXYTYPE ) // a plane's box is unbounded
 	{
 		const FarPlane far( part );
 		lookAt(
@@ -246,7 +246,7 @@ void TunnelingGuard::look( const Obstacle& part, const ObstacleMotion& motion )
 
 void TunnelingGuard::lookAtMesh( const Obstacle& mesh, const ObstacleMotion& motion )
 {
-	// The box that the nodes sweep, in the mesh's coordinates.
+	// The box swept by the nodes, in the mesh's coordinates.
 	const SoftBody::Impl& impl = m_body->impl();
 	Vec3d low = Vec3d::Constant( HUGE_VAL ), high = -low;
 	for ( const int node : m_nodes )
@@ -276,7 +276,7 @@ void TunnelingGuard::lookAtMesh( const Obstacle& mesh, const ObstacleMotion& mot
 				placed[0].cwiseMin( placed[1] ).cwiseMin( placed[2] ), placed[0].cwiseMax( placed[1] ).cwiseMax( placed[2] ) };
 			const TerrainSide ground( *mesh, placed, *guard->m_body->impl().shape, guard->m_body->impl().shapeShift.cast<double>() );
 			guard->lookAt( *motion, box, [&placed, &ground]( const MovingSphere& sphere, Touch& touch ) {
-				return findTouch( placed, sphere, touch ) && ground.allows( sphere.centre, touch ); // what is in the ground may come out
+				return findTouch( placed, sphere, touch ) && ground.allows( sphere.centre, touch ); // nodes in the ground may come out
 			} );
 		}
 	} call;
@@ -288,7 +288,7 @@ void TunnelingGuard::lookAtMesh( const Obstacle& mesh, const ObstacleMotion& mot
 
 namespace {
 
-/// What stands in a box and the body collides with, ascending by the order in which Bullet came to know it.
+/// Static and kinematic objects in a box that the body collides with, in the order in which Bullet first saw them.
 class WallsAround : public btBroadphaseAabbCallback
 {
 public:
@@ -308,7 +308,7 @@ public:
 private:
 	bool isMet( btCollisionObject& object ) const
 	{
-		// Where the game changes contact points as they are made, it may have let the body through.
+		// Where the game modifies contact points as they are created, it may have let the body pass.
 		const int flags = object.getCollisionFlags() | m_body.getCollisionFlags();
 		if ( ( gContactAddedCallback && flags & btCollisionObject::CF_CUSTOM_MATERIAL_CALLBACK ) || asSoftBody( &object ) )
 		{
@@ -316,7 +316,7 @@ private:
 		}
 		btOverlappingPairCache* const pairs = m_world.getBroadphase()->getOverlappingPairCache();
 		btBroadphaseProxy *const own = m_body.getBroadphaseHandle(), *const other = object.getBroadphaseHandle();
-		// A pair that has no algorithm has been refused by the game's callback.
+		// A pair without an algorithm has been refused by the game's callback.
 		const btBroadphasePair* const pair = pairs->findPair( own, other );
 		return ( pair ? pair->m_algorithm != nullptr : pairs->needsBroadphaseCollision( own, other ) ) &&
 			m_world.getDispatcher()->needsCollision( &m_body, &object );
@@ -326,7 +326,7 @@ private:
 	SoftBody& m_body;
 };
 
-/// Of any component of any node's; whole lanes at a time, for every awake body is asked.
+/// Largest absolute velocity component of any node; whole lanes at a time, since it is computed for every awake body.
 float largest( const NodeState& nodes, TaskRunner* runner )
 {
 	OfFractions<float> most{};
@@ -377,7 +377,7 @@ void SoftBodySystem::holdBack( btScalar h )
 		const std::vector<const btCollisionObject*> walls = wallsAround( *body, sweep );
 		const int held = walls.empty() ? 0 : m_guard.hold( *body, walls, double( h ) );
 		report.heldNodes += held;
-		// What was fast may still be squeezed against the wall, and have nodes deep in it, when it is slow.
+		// A body that was fast may still be pressed against the wall, with nodes deep in it, when it is slow.
 		impl.isGuarded = !walls.empty() &&
 			( held > 0 || m_guard.isAsked() || sweep > kSlowFraction * double( impl.shape->smallestRadius() ) );
 	}
@@ -391,7 +391,7 @@ void SoftBodySystem::keepNewNodesOut( SoftBody& body, const std::vector<Vec3>& p
 		return;
 	}
 	Body& own = *body.impl().body;
-	const LevelEnergy before = own.heldEnergy(); // to move them squeezes them
+	const LevelEnergy before = own.heldEnergy(); // moving the nodes compresses them
 	if ( m_guard.place( body, walls, positionBefore ) )
 	{
 		own.oweSince( before );
@@ -399,7 +399,7 @@ void SoftBodySystem::keepNewNodesOut( SoftBody& body, const std::vector<Vec3>& p
 	}
 }
 
-// Bullet's split impulse moves places and not speeds; of a node between a heavy thing and the floor it makes the floor's guest.
+// Bullet's split impulse changes positions, not velocities; it can push a node between a heavy object and the floor into the floor.
 void SoftBodySystem::keepPushedNodesOut( SoftBody& body, const std::vector<Vec3>& positionBefore )
 {
 	const std::vector<const btCollisionObject*> walls = wallsAround( body, 0.0 );

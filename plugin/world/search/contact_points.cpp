@@ -13,7 +13,7 @@ namespace pliant {
 
 namespace {
 
-/// What the two surfaces make of each other, through Bullet's (and the game's) own combination rules.
+/// Combines the properties of the two surfaces by Bullet's (and the game's) rules.
 void combineSurfaces( const btCollisionObject* body0, const btCollisionObject* body1, btManifoldPoint& point )
 {
 	point.m_combinedFriction = gCalculateCombinedFrictionCallback( body0, body1 );
@@ -34,7 +34,7 @@ void combineSurfaces( const btCollisionObject* body0, const btCollisionObject* b
 	btPlaneSpace1( point.m_normalWorldOnB, point.m_lateralFrictionDir1, point.m_lateralFrictionDir2 );
 }
 
-/// In the body's own axes. Most stand-ins have the world's: what would be read of those lies in a line of its own.
+/// A point in the body's own axes. Most proxies have the world's axes; reading their basis would touch another cache line.
 btVector3 placeIn( const btCollisionObject& body, const btVector3& at )
 {
 	const bool isStraight = ownerOfContactProxy( &body ) && !static_cast<const ContactProxy&>( body ).isDirected;
@@ -70,12 +70,12 @@ void fillPoint(
 void renewPoint( btPersistentManifold& manifold, const ContactProxy& node, const NodeHit& hit, bool nodeIsFirst, int at )
 {
 	btManifoldPoint& point = manifold.getContactPoint( at );
-	// It bounces once a touch: a node that is pressed on, and struck in each substep, would bring in more than it takes.
+	// Restitution acts once per touch: a node under load that bounced in every substep would gain energy.
 	const bool hasBounced = point.m_appliedImpulse > 0;
 	if ( ( manifold.getBody0()->getCollisionFlags() | manifold.getBody1()->getCollisionFlags() ) &
 		btCollisionObject::CF_HAS_FRICTION_ANCHOR )
 	{
-		btManifoldPoint anchored; // Bullet says whether it stays where it was
+		btManifoldPoint anchored; // Bullet decides whether the anchor stays
 		fillPoint( manifold, node, hit, nodeIsFirst, anchored );
 		anchored.m_combinedRestitution = hasBounced ? btScalar( 0 ) : anchored.m_combinedRestitution;
 		manifold.replaceContactPoint( anchored, at );

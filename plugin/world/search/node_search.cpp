@@ -19,12 +19,12 @@ namespace pliant {
 
 namespace {
 
-/// From a cube's middle to its corner, in half edges, and a tenth more: a node of level 2 takes two substeps to give way to finest ones.
+/// From a cube's centre to its corner, in half edges, plus a tenth: splitting a node of level 2 to the finest level takes two substeps.
 const double kCornerReach = 1.1 * std::sqrt( 3.0 );
 
 using Near = SoftBody::Impl::Near;
 
-/// A box in the coordinates of a soft body's shape, and margin around it for what moves in this step.
+/// A box in the coordinates of a soft body's shape, with a margin for the motion in this step.
 struct Box
 {
 	btVector3 low, high;
@@ -39,7 +39,7 @@ struct Box
 		const btScalar all = btScalar( by );
 		move( btVector3( -all, -all, -all ), btVector3( all, all, all ) );
 	}
-	/// The nodes may come to the box by what they sweep: it is the box that is stretched, backwards.
+	/// Stretches the box backwards by the sweep of the nodes.
 	void stretchAgainst( const NodeShape& shape ) { move( -shape.sweepHigh(), -shape.sweepLow() ); }
 	void stretchAlong( const btVector3& way )
 	{
@@ -74,7 +74,7 @@ std::vector<NodeHit>& NodeSearch::againstRigid( const SoftBody& soft, const btCo
 	m_notesNear = levels && levels->settings().refinesOnContact && soft.isActive();
 	if ( const btRigidBody* rigid = btRigidBody::upcast( other.getCollisionObject() ) )
 	{
-		// Bullet's solver adds the forces of the step to the velocity: the contact must see the same.
+		// Bullet's solver adds the step's forces to the velocity: the contact search must use the same velocity.
 		m_motion.linear = toVec3d( rigid->getLinearVelocity() + rigid->getTotalForce() * rigid->getInvMass() * btScalar( step ) );
 		m_motion.angular = toVec3d( rigid->getAngularVelocity() );
 		m_motion.centre = toVec3d( rigid->getCenterOfMassPosition() ) - origin;
@@ -146,7 +146,7 @@ double NodeSearch::overhang() const
 	return m_surface ? m_surface->overhang() : 0.0;
 }
 
-// The patch in front of a node, or where that does not look there the node's own sphere.
+// Tests the patch in front of a node, or the node's own sphere where the patch does not face the obstacle.
 template <class Nearest, class Find>
 inline bool NodeSearch::touches( int node, const MovingSphere& sphere, const Nearest& nearest, const Find& find, Touch& touch ) const
 {
@@ -158,7 +158,7 @@ inline bool NodeSearch::touches( int node, const MovingSphere& sphere, const Nea
 		{
 			return answer == PatchAnswer::Touches;
 		}
-		// What the patch does not answer for is met no further out than the surface is.
+		// Where the patch does not apply, the node's sphere reaches no farther than the surface.
 		MovingSphere within = sphere;
 		within.radius = std::min( sphere.radius, patch.height );
 		within.scale = sphere.radius;
@@ -169,13 +169,13 @@ inline bool NodeSearch::touches( int node, const MovingSphere& sphere, const Nea
 	return find( sphere, touch );
 }
 
-// A plane's box is everywhere: every node is asked, the deep ones too, for here no tree is needed.
+// A plane's box is unbounded: every node is tested, inner ones too, without a tree.
 void NodeSearch::plane( const Obstacle& obstacle )
 {
 	const NodeState& nodes = m_soft->impl().body->nodes();
 	const FarPlane far( obstacle );
 	const double radius = ( m_notesNear ? 2.0 * kCornerReach : 1.0 ) * double( m_soft->impl().shape->largestRadius() ) +
-		overhang(); // foresee asks for the parents' corners
+		overhang(); // foresee() tests the corners of parents
 	const auto nearest = [&obstacle]( const MovingSphere& sphere, Touch& found ) { return findNearest( obstacle, sphere, found ); };
 	const auto find = [&obstacle]( const MovingSphere& sphere, Touch& found ) { return findTouch( obstacle, sphere, found ); };
 	const bool isStill = m_motion.isStill();
@@ -199,8 +199,8 @@ void NodeSearch::plane( const Obstacle& obstacle )
 	}
 }
 
-// A grid of balls has channels that what is smaller than them falls through. Such a thing refines what it comes near, before it touches:
-// a node is split whose box it enters and which is larger than it; its parts, one of which it is then in, stay while it is there.
+// Objects smaller than the spheres fall through the channels of a grid of spheres. Such an object refines the nodes it comes near, before
+// it touches: a node larger than the object whose box it enters is split; nodes near it of about its size are kept from merging.
 void NodeSearch::noteNear( int node, btScalar size ) const
 {
 	if ( !m_notesNear )
@@ -215,9 +215,9 @@ void NodeSearch::noteNear( int node, btScalar size ) const
 	}
 }
 
-// A big node's ball leaves out its cube's corners, sqrt( 3 ) radii from the middle. Split only when the ball has touched, the cells at the
-// corners would come into the world inside the obstacle, and be shot out of it. So a node is split before, as soon as a corner may touch;
-// and what stands where its parent's corner would touch stays as it is.
+// A coarse node's sphere leaves out the corners of its cube, sqrt( 3 ) radii from the centre. Were it split only when the sphere touches,
+// cells at the corners would appear inside the obstacle and be ejected. So a node is split as soon as a corner may touch, and a node is
+// kept from merging where its parent's corner would touch.
 template <class Find>
 void NodeSearch::foresee( int node, const Find& find ) const
 {
@@ -238,8 +238,7 @@ void NodeSearch::foresee( int node, const Find& find ) const
 	}
 }
 
-/// From the coarsest node's middle to its corner, along each axis: no other reaches further beyond its ball. Zero where nothing is
-/// foreseen.
+/// Distance from the coarsest node's centre to its corner, along each axis, an upper bound for all nodes. Zero where no corners are tested.
 btVector3 NodeSearch::cornerReach() const
 {
 	if ( !m_notesNear )
@@ -251,7 +250,7 @@ btVector3 NodeSearch::cornerReach() const
 	return btVector3( reach, reach, reach );
 }
 
-/// The same for all nodes whose corners, or whose parents', reach into a box that has been stretched for what moves.
+/// Calls foresee() for all nodes whose corners, or whose parents' corners, reach into a box that is already stretched for the motion.
 template <class Find>
 void NodeSearch::foreseeIn( const btVector3& low, const btVector3& high, const Find& find )
 {
@@ -264,7 +263,7 @@ void NodeSearch::foreseeIn( const btVector3& low, const btVector3& high, const F
 	impl.shape->rows().visitOverlaps( SphereRows::Box::of( low - aside, high + aside ), [&]( int node ) { foresee( node, find ); } );
 }
 
-// In the nodes' order, which is that of the hits: of a single solid none is left to put in order.
+// Visits the marked nodes in ascending order, which is the order of the hits: those of a single solid need no sorting.
 template <class Find>
 void NodeSearch::touchMarked( const Obstacle& obstacle, btScalar size, const Find& find )
 {

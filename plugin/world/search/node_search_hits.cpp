@@ -1,4 +1,4 @@
-// What becomes of a search's hits before they are contacts: characters, new nodes, flat seams, order.
+// Corrections of a search's hits before they become contacts: characters, new nodes, flat seams, order.
 
 #include "world/search/node_search.h"
 
@@ -12,10 +12,10 @@
 
 namespace pliant {
 
-// A character takes its position by itself, whatever that presses with: pushed out of what carries it, nodes would give way, the character
-// follow, and so on down to the floor. They may stand in it as deep as it stands in them, and no force acts. Beside it nodes are pushed out
-// as fast as rigid bodies are in Bullet's world, which has one step where explicit bodies have several, and gives no velocity to what is
-// deeper than that.
+// A character sets its own position, whatever force opposes it: if nodes were pushed out of a character they carry, they would yield, the
+// character would follow, and so on down to the floor. They may penetrate it as deep as it penetrates them, without a force. Nodes beside
+// it are pushed out at the rate of rigid bodies in Bullet's world, which takes one step where explicit bodies take several, and deeper
+// penetration adds no velocity.
 void NodeSearch::meetCharacter()
 {
 	for ( NodeHit& hit : m_hits )
@@ -23,7 +23,7 @@ void NodeSearch::meetCharacter()
 		const double depth = double( m_soft->impl().shape->sphereOfNode( hit.node() )->getRadius() ) - hit.touch.distance;
 		if ( hit.touch.normal.dot( m_characters.up ) < -kCarrySlope )
 		{
-			// Its sweeps end in the balls, and it may stand in the hollow between four of them.
+			// Its sweeps stop at the spheres, and it may penetrate the hollow between four of them.
 			hit.touch.distance += m_characters.allowance +
 				( hit.touch.reach < 0.0 ? 0.0 : kHollow * double( m_soft->impl().shape->sphereOfNode( hit.node() )->getRadius() ) );
 		}
@@ -35,7 +35,7 @@ void NodeSearch::meetCharacter()
 	}
 }
 
-// New nodes that stand in what they touch touch it just so.
+// Contacts of new nodes within their allowance count as just touching.
 void NodeSearch::giveLeave( const SoftBody& first, const SoftBody* second )
 {
 	PenetrationAllowance &own = first.impl().born, &others = second ? second->impl().born : own;
@@ -65,8 +65,8 @@ void NodeSearch::sortHits()
 	}
 }
 
-// A sphere on a flat mesh is nearest to one triangle's face and to its neighbours' edges. An edge that does not stand out of the plane
-// of a nearer touch is no obstacle of its own: left in, it would trip the node at every seam.
+// A sphere on a flat mesh is nearest to one triangle's face and to its neighbours' edges. An edge that does not protrude from the plane of
+// a nearer touch is no obstacle of its own; it would trip the node at every seam.
 void NodeSearch::keepFlatNeighboursOut()
 {
 	const SoftBody::Impl& impl = m_soft->impl();

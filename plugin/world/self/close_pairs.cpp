@@ -8,23 +8,22 @@ namespace pliant {
 
 namespace {
 
-/// Spheres up to this much larger than the smallest of a grid go into it: those of cells that are not full with those that are, and two
-/// levels of an octree at most.
+/// Ratio of radii within one size class: partly filled cells share a grid with full ones, which spans at most two levels of an octree.
 constexpr float kOneSize = 2.6f;
 
-/// No more cells than this many a sphere: a body that is long and thin, or has flown apart, gets larger ones.
+/// Largest number of cells per sphere: a long thin or scattered body gets larger cells.
 constexpr double kMostCells = 8.0;
 
-/// Spheres that are asked at once; and where those are that fill up the last of them, m: near none, and its square is still a number.
+/// Spheres tested at once; and the coordinate of padding, m: far from all spheres, with a finite square.
 constexpr std::size_t kWide = 8;
 constexpr float kNowhere = 1e18f;
 
-/// A cell's own box, by which it asks other grids, is right to a few roundings of where its spheres are; this share of its edge is more.
+/// Slack of a cell's box in searches of other grids, as a fraction of its edge: more than the rounding error of positions.
 constexpr float kBoxSlack = 1e-3f;
 
 constexpr std::uint32_t kNobody = std::numeric_limits<std::uint32_t>::max();
 
-/// Cells of a grid along each axis.
+/// Number of cells of a grid along each axis.
 Vec3 countOf( const Vec3& low, const Vec3& high, float edge )
 {
 	const Vec3 span = ( high - low ) / edge;
@@ -66,7 +65,7 @@ void ClosePairs::Lot::copy( const Lot& from, std::size_t first, std::size_t last
 Eigen::Vector3i ClosePairs::Grid::cellAt( const Vec3& place ) const
 {
 	const Vec3 at = ( place - low ) * perMetre;
-	// One is added before what lies behind the point is cut off, for that rounds towards zero.
+	// One is added before the fraction is truncated, since truncation rounds towards zero.
 	const auto along = [this, &at]( int axis ) { return int( std::clamp( at[axis] + 1.0f, 0.0f, float( count[axis] + 1 ) ) ) - 1; };
 	return Eigen::Vector3i( along( 0 ), along( 1 ), along( 2 ) );
 }
@@ -105,7 +104,7 @@ void ClosePairs::findOf( const std::vector<Sphere>& spheres, const std::vector<s
 			m_near[kept] = other;
 			kept += other != sphere.number && ( isOf[other] == 0 || other > sphere.number )
 				? 1
-				: 0; // of two that ask, the lower one has found it
+				: 0; // of two selected spheres the lower one has found the pair
 		}
 		m_nearCount = kept;
 		keepFree( sphere.number, held, pairs );
@@ -172,7 +171,7 @@ void ClosePairs::sortSizes( const std::vector<Sphere>& spheres )
 	}
 }
 
-/// Puts the spheres of one size into the order of their cells.
+/// Sorts the spheres of one size into the order of their cells.
 void ClosePairs::makeGrid( const std::vector<Sphere>& spheres, const std::vector<std::uint32_t>& which )
 {
 	Grid grid;
@@ -220,7 +219,7 @@ void ClosePairs::makeGrid( const std::vector<Sphere>& spheres, const std::vector
 	m_grid.push_back( grid );
 }
 
-/// Of its own grid a cell asks those behind it alone.
+/// In its own grid a cell pairs only with spheres after it.
 void ClosePairs::askCell( const Grid& own, const Eigen::Vector3i& cell, const Held* held, std::vector<std::uint64_t>& pairs )
 {
 	const std::uint32_t* const at = m_start.data() + own.cells + ( cell.z() * own.count.y() + cell.y() ) * own.count.x() + cell.x();
@@ -249,7 +248,7 @@ void ClosePairs::askCell( const Grid& own, const Eigen::Vector3i& cell, const He
 	}
 }
 
-/// Cells side by side along x lie one after the other: a row of them is one stretch of spheres. None before `from`.
+/// Cells adjacent along x are contiguous: a row of them is one range of spheres. Omits spheres before `from`.
 void ClosePairs::layAside( const Grid& grid, const Eigen::Vector3i& least, const Eigen::Vector3i& most, std::size_t from )
 {
 	m_asideCount = 0;
@@ -270,12 +269,12 @@ void ClosePairs::layAside( const Grid& grid, const Eigen::Vector3i& least, const
 	std::fill_n( m_aside.x.begin() + std::ptrdiff_t( m_asideCount ), kWide, kNowhere );
 }
 
-/// What lies aside, from the `from`-th on, and is near goes into m_near:   | x_i - x |^2 <= ( ( r_i + r ) ( 1 + slop ) + margin )^2
+/// Collects in m_near the gathered spheres, from the `from`-th on, with   | x_i - x |^2 <= ( ( r_i + r ) ( 1 + slop ) + margin )^2
 void ClosePairs::ask( const Vec3& place, float radius, std::size_t from )
 {
 	using Lanes = Eigen::Array<float, int( kWide ), 1>;
 	const auto lanes = []( const std::vector<float>& of, std::size_t at ) { return Eigen::Map<const Lanes>( of.data() + at ); };
-	const bool isRare = m_grid.empty(); // with no grid all are asked: of most eight nothing is near, and that is guessed right
+	const bool isRare = m_grid.empty(); // without a grid all spheres are tested: most groups of eight have no hit, which is predicted well
 	std::size_t count = 0;
 	std::uint32_t* const near = m_near.data();
 	for ( std::size_t i = from; i < m_asideCount; i += kWide )
@@ -296,7 +295,7 @@ void ClosePairs::ask( const Vec3& place, float radius, std::size_t from )
 	m_nearCount = count;
 }
 
-/// Of those near `a`, the ones linked neither to it nor to a third that is. Links go both ways: a third stands in both rows.
+/// Appends the spheres near `a` that are linked neither to it nor to a common third. Links are symmetric, so that a third is in both rows.
 void ClosePairs::keepFree( std::uint32_t a, const Held* held, std::vector<std::uint64_t>& pairs )
 {
 	if ( held && m_nearCount > 0 )

@@ -12,12 +12,13 @@ namespace pliant {
 
 namespace {
 
-/// Where more nodes than this ask, all do, by a grid: that takes about as long as for so many to ask everybody, however large the body.
+/// Above this number of outdated nodes all are searched by a grid, which takes about as long as searching for that many without one, for
+/// bodies of any size.
 constexpr std::size_t kFewAsking = 300;
 
 constexpr float kNoSphere = -1.0f;
 
-/// A little less than 1, for rounding.
+/// Slightly less than 1, against rounding error.
 constexpr float kUnder = 0.999f;
 
 } // namespace
@@ -28,7 +29,7 @@ float NearPairs::radiusOf( int node ) const
 	return shape.childOfNode( node ) >= 0 ? float( shape.sphereOfNode( node )->getRadius() ) : kNoSphere;
 }
 
-// Several changes may come before the next step: what was known keeps its numbers until then.
+// Several changes may precede the next step: the stored rows keep their numbers until then.
 void NearPairs::renumber( const std::vector<std::uint32_t>& nodeNow )
 {
 	m_isRelinked = true;
@@ -44,11 +45,11 @@ void NearPairs::renumber( const std::vector<std::uint32_t>& nodeNow )
 	}
 	for ( std::uint32_t& now : m_now )
 	{
-		now = now < nodeNow.size() ? nodeNow[now] : kNoNode; // which is no number
+		now = now < nodeNow.size() ? nodeNow[now] : kNoNode; // not an index
 	}
 }
 
-/// Nodes and pairs take the numbers they have now; rows stay as they were, with `m_before` and `m_now` between the two.
+/// Converts records and pairs to the present numbers; rows are unchanged, with m_oldNumber and m_newNumber mapping between the two.
 void NearPairs::takeNumbers()
 {
 	std::uint32_t count = 0;
@@ -114,8 +115,8 @@ const std::vector<std::uint64_t>& NearPairs::of( const SoftBody& soft, double st
 	return m_pairs;
 }
 
-/// How far all have come since they asked, in the mean of those that have, and how fast they are. Not the mean of their places: with nodes
-/// that come and go it would jump.
+/// Mean displacement of the nodes since their last search, and mean velocity. The mean of their positions would jump with nodes that come
+/// and go.
 void NearPairs::measureDrift( const NodeState& nodes )
 {
 	Vec3 way = Vec3::Zero(), speed = Vec3::Zero();
@@ -133,11 +134,11 @@ void NearPairs::measureDrift( const NodeState& nodes )
 	m_drift = speed / float( nodes.count );
 }
 
-// A pair further apart then than its radii and the margin has not met as long as
+// A pair that was farther apart at its last search than its radii and the margin m cannot have met as long as
 //   2 max | x - x_then | + min( m / 2, 2 h max | v - v_mean | ) <= m
-// places as if all had stayed where they were in the mean: what flies along with all others does not move. The second term is what they
-// come closer in this step; of what is faster than half a margin a step only that much is seen before. Each node is asked for its share:
-// where it holds for both of a pair, half of each sum is each one's.
+// with positions relative to the mean motion: a body in flight does not count as moving. The second term is the approach within this step,
+// of which at most half a margin is taken into account. The condition is tested per node: where both nodes of a pair satisfy it, each
+// accounts for half of each sum.
 void NearPairs::findAsking( const NodeState& nodes )
 {
 	m_asking.clear();
@@ -148,7 +149,7 @@ void NearPairs::findAsking( const NodeState& nodes )
 		Then& then = m_then[std::size_t( i )];
 		bool asks = then.radius == kNoSphere && m_soft->impl().shape->childOfNode( i ) >= 0;
 		const Vec3 way = nodes.x.get( i ) - m_way - then.place;
-		if ( then.radius >= 0.0f && way.squaredNorm() > farEnough ) // what closes in is half of the margin at most
+		if ( then.radius >= 0.0f && way.squaredNorm() > farEnough ) // the approach takes half of the margin at most
 		{
 			const double moved = double( way.norm() ), closing = m_step * double( ( nodes.v.get( i ) - m_drift ).norm() );
 			asks = 2.0 * moved + std::min( m_margin / 2.0, 2.0 * closing ) > m_margin;
@@ -170,13 +171,12 @@ bool NearPairs::hasSameRow( std::uint32_t node ) const
 		return false;
 	}
 	const auto now = m_rowTo->begin() + start[node], end = m_rowTo->begin() + start[node + 1], then = m_toThen.begin() + m_startThen[old];
-	// One that is gone makes it another row.
+	// A removed neighbour makes it a different row.
 	return m_hasNumbers ? std::equal( now, end, then, [this]( std::uint32_t a, std::uint32_t b ) { return a == m_now[b]; } )
 						: std::equal( now, end, then );
 }
 
-// Whether two nodes are held together follows from their rows alone: only those whose own has changed need ask again, and those whose
-// sphere has.
+// Whether two nodes are held together depends on their rows alone: only nodes whose row or sphere has changed need a new search.
 void NearPairs::follow( const NodeState& nodes )
 {
 	m_isRelinked = false;

@@ -1,4 +1,4 @@
-// Bodies that meet themselves. The broadphase pairs no object with itself: their contacts are found right after its pairs', by the same
+// Self-collision of bodies. The broadphase pairs no object with itself: these contacts are found after those of its pairs, by the same
 // means, and solved with all others.
 
 #include "world/bodies/soft_body_impl.h"
@@ -11,7 +11,7 @@ namespace pliant {
 void SoftBodySystem::collideWithThemselves( btScalar h )
 {
 	report.selfContacts = 0;
-	// The game is told of contacts, and may remove any body then.
+	// Contact callbacks of the game may remove any body.
 	unsigned serial = 0;
 	while ( SoftBody* const body = bodyAfter( serial ) )
 	{
@@ -30,7 +30,7 @@ void SoftBodySystem::collideWithThemselves( btScalar h )
 		{
 			self->contacts = std::make_unique<PairContacts>( m_dispatcher, pool, pairScratch );
 		}
-		// A sleeping body keeps the contacts it has, as pairs of Bullet's do.
+		// A sleeping body keeps its contacts, as Bullet's pairs do.
 		if ( moves( *body ) && isInPass( *body ) )
 		{
 			BT_PROFILE( "pliant: self-collision" );

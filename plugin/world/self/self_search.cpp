@@ -81,7 +81,7 @@ void SelfSearch::consider( int a, int b )
 		return;
 	}
 	NodeHit hit{ std::uint64_t( a ) << 32 | std::uint32_t( b ), touchOf( a, b, apart ), -1, b };
-	// Closer at rest than their radii: that close they may be.
+	// A pair closer at rest than the sum of its radii may stay that close.
 	hit.touch.distance += std::max( 0.0, radii - double( ( nodes.x0.get( a ) - nodes.x0.get( b ) ).norm() ) );
 	MovingSphere sphere;
 	sphere.radius = radiusA;
@@ -92,21 +92,21 @@ void SelfSearch::consider( int a, int b )
 	}
 }
 
-// The spheres' own normal, n = ( x_a - x_b ) / |x_a - x_b|, as long as it leads out of b's material and into a's:
+// The spheres' own normal, n = ( x_a - x_b ) / |x_a - x_b|, as long as it points out of b's material and into a's:
 //   n . ( o_b - o_a ) >= 0
-// Else their sides have gone through one another, and the way back is along o_b - o_a; no further than one radius at a time.
+// Otherwise their sides have passed through one another, and the normal is along o_b - o_a; the depth is limited to one radius at a time.
 Touch SelfSearch::touchOf( int a, int b, const Vec3& apart )
 {
 	const double radiusA = radiusOf( m_soft->impl(), a ), radiusB = radiusOf( m_soft->impl(), b );
 	const Vec3d between = apart.cast<double>();
 	const double length = between.norm();
 	Touch touch;
-	// Two centres at one place have no direction; up is as good as any other and the same on every machine.
+	// Coincident centres have no direction; up is as good as any other and the same on every machine.
 	touch.normal = length > 0.0 ? Vec3d( between / length ) : Vec3d::UnitY();
 	touch.distance = length - radiusB;
 	if ( touch.distance > radiusA )
 	{
-		return touch; // not yet
+		return touch; // no touch yet
 	}
 	const Vec3d facing = ( outwardNow( b ) - outwardNow( a ) ).cast<double>();
 	if ( facing.norm() > kFacing && touch.normal.dot( facing ) < 0.0 && !faceAwayAtRest( a, b ) )
@@ -118,7 +118,7 @@ Touch SelfSearch::touchOf( int a, int b, const Vec3& apart )
 	return touch;
 }
 
-// Top and bottom of a plate that is crushed flat look like sides that have gone through one another, and have not.
+// Top and bottom of a plate that is crushed flat resemble sides that have passed through one another, but have not.
 bool SelfSearch::faceAwayAtRest( int a, int b )
 {
 	const NodeState& nodes = m_body->nodes();

@@ -13,10 +13,10 @@ const char kContactProxyMark = 0;
 ContactProxy::ContactProxy( ContactProxyPool& from ) :
 	btRigidBody( btRigidBodyConstructionInfo( btScalar( 1 ), nullptr, nullptr, btVector3( 0, 0, 0 ) ) ), pool( &from )
 {
-	// Inertia and angular factor are zero: friction would spin the spheres and stop resisting the slide.
+	// Inertia and angular factor are zero: otherwise friction would spin the spheres instead of resisting the slide.
 	setAngularFactor( btVector3( 0, 0, 0 ) );
 	internalSetExtensionPointer( const_cast<char*>( &kContactProxyMark ) );
-	setFlags( BT_DISABLE_WORLD_GRAVITY ); // and no gyroscopic torque of what may be told to turn (FrictionTorqueCorrection)
+	setFlags( BT_DISABLE_WORLD_GRAVITY ); // and no gyroscopic torque where a node is given an angular velocity (FrictionTorqueCorrection)
 }
 
 ContactProxy::~ContactProxy()
@@ -93,19 +93,19 @@ void NodeSurface::giveTo( ContactProxy& body ) const
 	{
 		body.setContactStiffnessAndDamping( m_values.stiffness, m_values.damping );
 	}
-	// Stand-ins go from owner to owner: what one asked for is taken back.
+	// Proxies pass from owner to owner, so that every property is set again.
 	body.setAnisotropicFriction( m_values.slip );
 	body.surface = m_version;
 }
 
 namespace {
 
-/// The axes of the material at a node, which friction by direction goes by; others ask for no rotation.
+/// The material's axes at a node, which anisotropic friction refers to.
 btQuaternion axesAt( const SoftBody& owner, int node )
 {
 	const SoftBody::Impl& impl = owner.impl();
 	const std::size_t count = std::size_t( impl.body->nodeCount() );
-	if ( impl.nodeAxes.size() != 4 * count ) // asleep since it was made
+	if ( impl.nodeAxes.size() != 4 * count ) // asleep since creation
 	{
 		impl.nodeAxes.resize( 4 * count );
 		impl.body->nodeRotations( impl.nodeAxes.data() );
@@ -224,7 +224,7 @@ void ContactProxyPool::refresh( ContactProxy& body )
 		body.setMassProps( mass, btVector3( 0, 0, 0 ) );
 		body.mass = mass;
 	}
-	// What is held moves others only while it moves itself: Bullet keeps everything awake that touches a kinematic body.
+	// A held node moves others only while it moves itself: Bullet keeps everything awake that touches a kinematic body.
 	int flags = owner.getCollisionFlags() & ~( btCollisionObject::CF_STATIC_OBJECT | btCollisionObject::CF_KINEMATIC_OBJECT );
 	if ( mass == 0 )
 	{
@@ -246,7 +246,7 @@ void ContactProxyPool::refresh( ContactProxy& body )
 	}
 	body.isDirected = isDirected;
 	setWhole( const_cast<btVector3&>( body.getLinearVelocity() ), velocity );
-	if ( body.step != m_step ) // else cache lines that nothing reads stay untouched; a callback of the game may have set them
+	if ( body.step != m_step ) // otherwise cache lines that nobody reads stay untouched; a callback of the game may have set them
 	{
 		body.step = m_step;
 		impl.surface.follow( owner, m_step );

@@ -1,4 +1,4 @@
-// The spheres of a body that has cracked, which are those it had but for a few.
+// Updates of the collision shape after a crack, which changes few spheres.
 
 #include "body/levels/levels.h"
 #include "world/shape/node_shape.h"
@@ -9,15 +9,15 @@ namespace pliant {
 
 namespace {
 
-/// Leaf by leaf into a tree takes twenty times as long as all at once: beyond this share of what is in it, it is made anew.
+/// Inserting leaves one by one takes twenty times as long as building a tree: above this fraction of inserted leaves the tree is rebuilt.
 constexpr double kMostPutIn = 0.05;
 
-/// Sphere by sphere out of a tree is quicker than a new one as long as this share of a body is left.
+/// Removing spheres one by one is faster than rebuilding as long as this fraction of a body remains.
 constexpr double kLeastLeft = 0.8;
 
 } // namespace
 
-/// Nodes that are no more there take their spheres along. `before`: the number that each node had. True where all have it still.
+/// Removes the spheres of lost nodes. `before`: the previous number of each node. True where no number changed.
 bool NodeShape::renumber( const std::vector<std::uint32_t>& nodeNow, const std::vector<std::uint32_t>& before )
 {
 	for ( int child = int( m_nodeOfChild.size() ); before.size() < nodeNow.size() && child-- > 0; )
@@ -29,7 +29,7 @@ bool NodeShape::renumber( const std::vector<std::uint32_t>& nodeNow, const std::
 	}
 	if ( before.size() == nodeNow.size() && std::is_sorted( nodeNow.begin(), nodeNow.end() ) )
 	{
-		return true; // all are there: each is where it was
+		return true; // nothing lost: all numbers are unchanged
 	}
 	std::vector<btSphereShape*> spheres( before.size() );
 	for ( std::size_t i = 0; i < before.size(); ++i )
@@ -46,7 +46,7 @@ bool NodeShape::renumber( const std::vector<std::uint32_t>& nodeNow, const std::
 	return false;
 }
 
-// Spheres are as large as they were: links change between finest cells alone, whose size does not hang on them.
+// Radii are unchanged: links change between finest cells only, whose radius does not depend on them.
 bool NodeShape::followCracks( const Body& body, const std::vector<std::uint32_t>& nodeNow, const std::vector<std::uint32_t>& nodeBefore,
 	const CollidersChange& change )
 {
@@ -89,7 +89,7 @@ bool NodeShape::followCracks( const Body& body, const std::vector<std::uint32_t>
 	}
 	for ( const int i : bare )
 	{
-		addNode( i, body.nodes().x.get( i ), m_sphereOfNode[i] ); // placed with all others when the substep goes on
+		addNode( i, body.nodes().x.get( i ), m_sphereOfNode[i] ); // placed with all others when the substep continues
 	}
 	m_isRefitKnown = m_isRefitKnown && isSameTree;
 	m_areRowsKnown = m_areRowsKnown && isSameTree && keepsNumbers;

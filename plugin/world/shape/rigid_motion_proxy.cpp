@@ -24,7 +24,7 @@ RigidMotionProxy::RigidMotionProxy( btCollisionObject* object )
 	}
 }
 
-// A body that is held somewhere does not turn as a whole; nor does one that sleeps.
+// Held and sleeping bodies do not rotate rigidly.
 void RigidMotionProxy::measure()
 {
 	const NodeState& nodes = soft->impl().body->nodes();
@@ -41,8 +41,7 @@ void RigidMotionProxy::measure()
 	{
 		return;
 	}
-	// Nodes in one line have no inertia about it. Those in one line but for a little have too little: their cells would have sum m d^2 / 6
-	// more.
+	// Collinear nodes have no inertia about their line, and nearly collinear ones too little: their cells would add sum m d^2 / 6.
 	const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes( inertia );
 	const double cell = soft->impl().body->lattice().cellSize, thin = kRollingInertia * sums.mass * cell * cell / 6.0;
 	Vec3d inverses = Vec3d::Zero();

@@ -10,7 +10,7 @@ namespace pliant {
 
 namespace {
 
-/// A box that meets none, and that adds nothing to another.
+/// A box that overlaps nothing and adds nothing to a union.
 constexpr float kNowhere = 1e30f;
 constexpr SphereRows::Box kEmpty{ { kNowhere, kNowhere, kNowhere }, { -kNowhere, -kNowhere, -kNowhere } };
 
@@ -19,7 +19,7 @@ std::size_t eighthOf( std::size_t count )
 	return ( count + SphereRows::kWide - 1 ) / SphereRows::kWide;
 }
 
-/// The lanes that are set of eight, in order, and how many they are; what follows them is none of them.
+/// For every set of eight lanes: its lanes in order, and their number; entries beyond it are unspecified.
 struct SetLanes
 {
 	static constexpr int kSets = 1 << SphereRows::kWide;
@@ -127,7 +127,7 @@ void SphereRows::placeRows( int first, int last, const NodeState& nodes, const V
 		Row& row = m_rows[std::size_t( r )];
 		for ( int k = 0; k < kWide; ++k )
 		{
-			const int node = row.node[k]; // where there is none, any
+			const int node = row.node[k]; // any node in an unused slot
 			row.x[0][k] = nodes.x.x[node] - shift.x();
 			row.x[1][k] = nodes.x.y[node] - shift.y();
 			row.x[2][k] = nodes.x.z[node] - shift.z();
@@ -138,7 +138,7 @@ void SphereRows::placeRows( int first, int last, const NodeState& nodes, const V
 
 void SphereRows::place( const NodeState& nodes, const Vec3& shift, TaskRunner* runner )
 {
-	// Shares are whole numbers of rows: multiples of 16 spheres.
+	// Ranges are whole rows: multiples of 16 spheres.
 	runShares( runner, Shares{ int( m_rows.size() ) * kWide },
 		[&]( int, int begin, int end ) { placeRows( begin / kWide, end / kWide, nodes, shift ); } );
 	for ( std::size_t rank = 1; rank < m_rank.size(); ++rank )
@@ -154,7 +154,7 @@ void SphereRows::place( const NodeState& nodes, const Vec3& shift, TaskRunner* r
 
 void SphereRows::findPairs( const SphereRows& a, const SphereRows& b, const Approach& approach, Pairs& pairs )
 {
-	// What the way from a's coordinates to b's, and back, makes of a box.
+	// Offsets of a box from a's coordinates to b's, and back.
 	const Box there = Box::of( approach.shift + approach.low, approach.shift + approach.high );
 	const Box back = Box::of( -approach.shift - approach.high, -approach.shift - approach.low );
 	btVector3 farthest = -approach.low;

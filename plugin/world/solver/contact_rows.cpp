@@ -12,16 +12,16 @@ namespace pliant {
 
 namespace {
 
-/// Fours with room that are looked at before a new one is begun.
+/// Incomplete groups that are searched before a new one is started.
 constexpr std::size_t kMostLooks = 16;
 
-/// `to` becomes `yes` where `which` is, and else stays.
+/// `to` becomes `yes` where `which` is set, and is unchanged elsewhere.
 inline void put( Lanes& to, const LaneMask& which, const Lanes& yes )
 {
 	to = (Lanes)( ( (LaneMask)yes & which ) | ( (LaneMask)to & ~which ) );
 }
 
-/// Speeds of four points, axis by axis.
+/// Velocities of four nodes, axis by axis.
 struct FourVelocities
 {
 	Lanes x, y, z;
@@ -45,9 +45,9 @@ struct FourVelocities
 	}
 };
 
-/// Four rows at once, in Bullet's order of evaluation, without its products with zero:
-///     d = rhs - cfm P - n.va / K + n.vb / K,    P + d  no less than 0, or within  +- friction times what presses
-/// `presses`: what four rows that rub belong to. Which of them slip or press cannot be guessed ahead: no branches.
+/// Solves four rows at once, in Bullet's order of evaluation, without its products with zero:
+///     d = rhs - cfm P - n.va / K + n.vb / K,    P + d  at least 0, or within  +- friction times the normal impulse
+/// `presses`: the normal rows of four friction rows. Without branches, since sliding and separation cannot be predicted.
 template <bool kHasB>
 inline void solveFour( FourRows& row, const FourRows* presses, btVector3* change, Lanes& worst )
 {
@@ -71,7 +71,7 @@ inline void solveFour( FourRows& row, const FourRows* presses, btVector3* change
 	}
 	else
 	{
-		const LaneMask isLow = held < none; // a contact's least impulse is zero
+		const LaneMask isLow = held < none; // normal impulses are not negative
 		put( impulse, isLow, -row.impulse );
 		put( held, isLow, none );
 	}
@@ -97,7 +97,7 @@ inline void solveFour( FourRows& row, const FourRows* presses, btVector3* change
 	put( worst, off > worst, off );
 }
 
-/// The same of a point and what turns. Of the two Bullet asks the first first.
+/// The unclamped impulse of a node and a rotating body. Bullet evaluates the first body first.
 inline btScalar asked( const RollingRow& row, const btSolverBody& body, const btVector3& speed )
 {
 	const btScalar turned = -(

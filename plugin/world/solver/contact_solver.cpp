@@ -12,7 +12,7 @@ ContactSolver::~ContactSolver() = default;
 
 bool ContactSolver::isPlain( const btContactSolverInfo& info ) const
 {
-	auto& self = const_cast<ContactSolver&>( *this ); // Bullet forgot the const
+	auto& self = const_cast<ContactSolver&>( *this ); // Bullet's accessors lack const
 	const int others = SOLVER_RANDMIZE_ORDER | SOLVER_INTERLEAVE_CONTACT_AND_FRICTION_CONSTRAINTS;
 	return m_jointCount == 0 && ( info.m_solverMode & others ) == 0 && m_tmpSolverNonContactConstraintPool.size() == 0 &&
 		self.getActiveConstraintRowSolverGeneric() == self.getScalarConstraintRowSolverGeneric() &&
@@ -32,7 +32,7 @@ btScalar ContactSolver::solveGroupCacheFriendlySetup( btCollisionObject** bodies
 		bodies, bodyCount, manifolds, manifoldCount, joints, jointCount, info, drawer );
 }
 
-// What has no depth is not asked: Bullet's rows find nothing to do for it.
+// Contacts without penetration are skipped: Bullet's rows leave them unchanged.
 btScalar ContactSolver::pushOutOnce()
 {
 	btSolverBody* const all = solverBodies();
@@ -95,7 +95,7 @@ btScalar ContactSolver::rubBullets( int at )
 	return worst;
 }
 
-// Rolling friction, of rigid bodies only: an impulse of one newton second rubs fully.
+// Rolling friction of rigid bodies only: the limit is that of a normal impulse of at most 1 N s.
 btScalar ContactSolver::rollBullets()
 {
 	btSolverBody* const all = solverBodies();

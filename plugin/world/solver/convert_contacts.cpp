@@ -1,4 +1,4 @@
-// Manifolds become ContactSolver's rows: in Bullet's order of evaluation, without its products with zero.
+// Converts manifolds to ContactSolver's rows, in Bullet's order of evaluation, without its products with zero.
 
 #include "world/solver/convert_contacts.h"
 
@@ -11,7 +11,7 @@ namespace pliant {
 
 namespace {
 
-/// So many turns ahead manifolds are asked for, and bodies and points.
+/// Prefetch distances of manifolds, and of bodies and points.
 constexpr int kManifoldsAhead = 16, kBodiesAhead = 8;
 
 void prefetchContact( const btPersistentManifold& manifold )
@@ -26,7 +26,7 @@ void prefetchContact( const btPersistentManifold& manifold )
 	}
 }
 
-/// How a contact gives:   cfm / h,  erp
+/// Compliance of a contact:   cfm / h,  erp
 struct Softness
 {
 	btScalar cfm, erp;
@@ -53,7 +53,7 @@ Softness softnessOf( const btManifoldPoint& point, const btContactSolverInfo& in
 
 } // namespace
 
-/// False where a stand-in is not as ours are: an island with such goes Bullet's way.
+/// False where a proxy has forces set by the game: Bullet solves such an island.
 bool ContactSolver::Conversion::findSide( btCollisionObject& object, Side& side )
 {
 	side = Side{ &object, 0, 0, nullptr, nullptr };
@@ -68,7 +68,7 @@ bool ContactSolver::Conversion::findSide( btCollisionObject& object, Side& side 
 				side.point = rows.addPoint( body );
 				body.setCompanionId( side.point );
 			}
-			// Forces lie where nothing else is asked for.
+			// Forces lie in a cache line that nothing else uses.
 			side.turns = body.getAngularVelocity().isZero() ? nullptr : &body.getAngularVelocity();
 			return !hasContactCallback() || body.getTotalForce().isZero();
 		}
@@ -136,7 +136,7 @@ void ContactSolver::Conversion::convertBullets( btPersistentManifold& manifold )
 	}
 }
 
-/// Where they meet, m/s, with what forces add in this step.
+/// Velocity at the contact point, m/s, including the forces of this step.
 btVector3 ContactSolver::Conversion::speedOf( const Side& side ) const
 {
 	btVector3 speed = side.point > 0 ? pointOf( side ).speed : btVector3( 0, 0, 0 );
@@ -167,7 +167,7 @@ void ContactSolver::Conversion::findLever( const btVector3& normal, Lever& lever
 	lever.inverse = body.getInvMass() + lever.axis.dot( lever.angular.cross( arm ) ) + pointOf( turns == &a ? b : a ).inverse;
 }
 
-/// How fast they part along a row, m/s.
+/// Velocity of separation along a row, m/s.
 btScalar ContactSolver::Conversion::approach( const Lever& lever, bool withTorque ) const
 {
 	const Side* const turns = turning();
@@ -181,7 +181,7 @@ btScalar ContactSolver::Conversion::approach( const Lever& lever, bool withTorqu
 	return ofBody - along( turns == &a ? b : a, lever.axis );
 }
 
-/// The speed that a contact gives back, m/s: of what the bodies came with, without forces.
+/// Restitution velocity of a contact, m/s: from the bodies' velocities without forces.
 btScalar ContactSolver::Conversion::bounce() const
 {
 	if ( point->m_combinedRestitution == 0 )
@@ -208,10 +208,10 @@ void ContactSolver::Conversion::warmStart( const Lever& lever, btScalar impulse 
 	{
 		rows.change[first] += lever.axis * rows.points[first].inverse * impulse;
 	}
-	rows.change[second] -= lever.axis * rows.points[second].inverse * impulse; // nobody's stays zero
+	rows.change[second] -= lever.axis * rows.points[second].inverse * impulse; // the placeholder's stays zero
 }
 
-/// `which`: -1 presses, else the direction in which it rubs.
+/// `which`: -1 for the normal row, else the friction direction.
 void ContactSolver::Conversion::write( const Lever& lever, Ask ask, int which )
 {
 	ask.normal = lever.axis;
@@ -245,7 +245,7 @@ void ContactSolver::Conversion::convertPoint()
 	ask.friction = point->m_combinedFriction;
 	ask.impulse = info.m_solverMode & SOLVER_USE_WARMSTARTING ? point->m_appliedImpulse * info.m_warmstartingFactor : btScalar( 0 );
 	ask.cfm = soft.cfm * ask.perSpeed;
-	// A gap may be closed; what is too deep is pushed out, by itself where it is deep enough.
+	// A gap may close; a penetration is pushed out, by split impulse where it is deep enough.
 	btScalar off = bounce() - approach( lever, true );
 	off -= depth > 0 ? depth * perSecond : btScalar( 0 );
 	const btScalar out = ( depth > 0 ? btScalar( 0 ) : -depth * soft.erp * perSecond ) * ask.perSpeed;
@@ -278,7 +278,7 @@ void ContactSolver::Conversion::convertPoint()
 	}
 }
 
-/// The way they slip, or any where they do not.
+/// Along the slip velocity, or any tangential direction without slip.
 void ContactSolver::Conversion::chooseDirections()
 {
 	const btVector3 &normal = point->m_normalWorldOnB, speed = speedOf( a ) - speedOf( b );
@@ -334,7 +334,7 @@ void ContactSolver::Conversion::rubAlong( const btVector3& direction, int which,
 	write( lever, ask, which );
 }
 
-/// As if nothing had been converted.
+/// Undoes the conversion.
 void ContactSolver::Conversion::takeBack()
 {
 	for ( std::size_t i = 1; i < rows.points.size(); ++i )
@@ -351,7 +351,7 @@ void ContactSolver::Conversion::takeBack()
 	solver.m_tmpSolverContactRollingFrictionConstraintPool.resizeNoInitialize( 0 );
 }
 
-// Manifolds and bodies lie anywhere: they are asked for before their turn.
+// Manifolds and bodies are scattered in memory, and prefetched.
 void ContactSolver::convertContacts( btPersistentManifold** manifolds, int count, const btContactSolverInfo& info )
 {
 	m_isInUse = isPlain( info );

@@ -1,6 +1,6 @@
 #pragma once
 
-// Contact by contact, how manifolds become ContactSolver's rows.
+// Conversion of manifolds to ContactSolver's rows, one contact at a time.
 
 #include "pliant/contact_solver.h"
 #include "world/solver/contact_rows.h"
@@ -9,32 +9,32 @@ namespace pliant {
 
 struct ContactSolver::Conversion
 {
-	/// One of two that meet: a point, what turns, or what stands.
+	/// One of the two objects: a node, a rotating body or a static object.
 	struct Side
 	{
 		btCollisionObject* object;
 		int point;              ///< 0: none
-		int number;             ///< Bullet's, of what is no point
-		btSolverBody* body;     ///< what turns, or null
-		const btVector3* turns; ///< rad/s; of a node that turns as its body does (FrictionTorqueCorrection), else null
+		int number;             ///< Bullet's index of an object other than a node
+		btSolverBody* body;     ///< of a rotating body, else null
+		const btVector3* turns; ///< rad/s; of a node with its body's rotation (FrictionTorqueCorrection), else null
 	};
 
-	/// What a row acts by. `axis` is as it acts on the row's first: on a point, or on the body that turns.
+	/// The direction in which a row acts. `axis` is the direction on the row's first: on a node, or on the rotating body.
 	struct Lever
 	{
 		btVector3 axis, cross, angular; ///< n, r x n, I^-1 ( r x n )
-		btScalar inverse;               ///< of both, along the axis, 1 / kg
+		btScalar inverse;               ///< of both along the axis, 1 / kg
 	};
 
 	ContactSolver& solver;
 	ContactRows& rows;
 	const btContactSolverInfo& info;
 
-	// The contact at hand.
+	// State of the present contact.
 	btManifoldPoint* point = nullptr;
 	Side a{}, b{};
 	RowPosition place{};
-	btVector3 arm = btVector3( 0, 0, 0 ); ///< of the body that turns, m
+	btVector3 arm = btVector3( 0, 0, 0 ); ///< lever arm of the rotating body, m
 
 	bool convert( btPersistentManifold& manifold );
 	void takeBack();
@@ -44,17 +44,17 @@ private:
 	bool isHeld( const Side& side ) const;
 	void convertBullets( btPersistentManifold& manifold );
 	void convertPoint();
-	int one() const { return a.point > 0 ? a.point : b.point; } ///< of the nodes' points at hand
-	int other() const { return a.point > 0 ? b.point : 0; }     ///< or nobody's
+	int one() const { return a.point > 0 ? a.point : b.point; } ///< nodes of the present contact
+	int other() const { return a.point > 0 ? b.point : 0; }     ///< or the placeholder
 	const Side* turning() const { return a.body ? &a : b.body ? &b : nullptr; }
 	const Point& pointOf( const Side& side ) const { return rows.points[std::size_t( side.point )]; }
 	btVector3 speedOf( const Side& side ) const;
-	/// From what it is of to where they meet, m.
+	/// From the object's origin to the contact point, m.
 	btVector3 armOf( const Side& side ) const
 	{
 		return ( &side == &a ? point->getPositionWorldOnA() : point->getPositionWorldOnB() ) - side.object->getWorldTransform().getOrigin();
 	}
-	/// A point's speed along a row.
+	/// A node's velocity along a row.
 	btScalar along( const Side& side, const btVector3& axis ) const
 	{
 		const btScalar moves = axis.dot( pointOf( side ).speed );

@@ -7,11 +7,11 @@
 
 namespace pliant {
 
-/// The steps to a node's neighbours, one along each axis of the lattice, as they are now.
+/// Present steps from a node to its neighbours, one along each axis of the lattice.
 struct ContactSurface::Axes
 {
 	int neighbour[3] = { -1, -1, -1 };
-	Eigen::Matrix3d step = Eigen::Matrix3d::Zero(); ///< in columns; zero where there is none
+	Eigen::Matrix3d step = Eigen::Matrix3d::Zero(); ///< as columns; zero without a neighbour
 	int count = 0;
 };
 
@@ -41,8 +41,8 @@ void ContactSurface::follow( const Body& body, unsigned version )
 	}
 }
 
-// With the steps to neighbours on both sides as columns, D0 at rest and D now, F = D D0^-1; the surface's normal goes with the inverse
-// transpose of F, which is D^-T D0^T, and D^-T is the cofactors of D but for a factor.
+// With the steps between neighbours on both sides as columns, D0 at rest and D now, F = D D0^-1. The surface normal transforms with the
+// inverse transpose of F, which is D^-T D0^T, and D^-T is the cofactor matrix of D up to a factor.
 bool ContactSurface::patchOf( const NodeState& nodes, int node, Patch& patch ) const
 {
 	if ( m_beside.empty() || m_lattice->patch.empty() )
@@ -107,7 +107,7 @@ bool ContactSurface::axesOf( const NodeState& nodes, int node, const Vec3d& alon
 				continue;
 			}
 			const Vec3d step = ( nodes.x.get( other ) - at ).cast<double>();
-			// The one that the point is nearer to; the other only where that is missing.
+			// The neighbour on the point's side; the other one only where that is missing.
 			const double look = 2.0 + step.normalized().dot( along );
 			if ( look > most )
 			{
@@ -123,7 +123,7 @@ bool ContactSurface::axesOf( const NodeState& nodes, int node, const Vec3d& alon
 
 namespace {
 
-/// b of   steps b = offset,   least squares where an axis has no neighbour.
+/// Solves   steps b = offset,   by least squares where an axis has no neighbour.
 bool solve( const Eigen::Matrix3d& steps, int count, const Vec3d& offset, Vec3d& b )
 {
 	if ( count == 3 )

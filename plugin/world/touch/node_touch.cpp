@@ -29,11 +29,11 @@ btVector3 toBullet( const Vec3d& a )
 	return btVector3( btScalar( a.x() ), btScalar( a.y() ), btScalar( a.z() ) );
 }
 
-/// From a point of the surface's skeleton at `p` to the sphere's centre: normal and distance of a surface `round` away from it.
+/// Normal and distance of a surface that lies `round` outside a core point; `out`: from that point to the sphere's centre.
 Touch fromCore( const Vec3d& out, double round )
 {
 	const double length = out.norm();
-	// A centre exactly on the core has no side; up is as good as any other and the same on every machine.
+	// A centre exactly on the core has no direction; up is as good as any other and the same on every machine.
 	return length > 0.0 ? Touch{ out / length, length - round } : Touch{ Vec3d::UnitY(), -round };
 }
 
@@ -44,7 +44,7 @@ Touch nearestOnBox( const Vec3d& half, const Vec3d& p )
 	{
 		return fromCore( out, 0.0 );
 	}
-	// Inside: out through the nearest face.
+	// Inside: the nearest face.
 	int axis = 0;
 	( half - p.cwiseAbs() ).minCoeff( &axis );
 	Vec3d normal = Vec3d::Zero();
@@ -65,7 +65,7 @@ bool nearestOnField( const btSdfCollisionShape& field, const Vec3d& p, Touch& to
 {
 	btScalar distance = 0;
 	btVector3 normal( 0, 1, 0 );
-	// Bullet forgot the const: the query changes nothing.
+	// queryPoint is not const but changes nothing.
 	if ( !const_cast<btSdfCollisionShape&>( field ).queryPoint( toBullet( p ), distance, normal ) )
 	{
 		return false;
@@ -100,7 +100,7 @@ bool nearestOnConvex( const Obstacle& obstacle, const MovingSphere& sphere, Touc
 	input.m_transformB = obstacle.transform();
 	NearestPair pair;
 	detector.getClosestPoints( input, pair, nullptr );
-	// GJK has met the shape's own sphere, whatever radius is asked about.
+	// GJK used the shape's own radius, whatever radius is asked for.
 	const double radius = sphere.scale > 0.0 ? double( sphere.shape->getRadius() ) : sphere.radius;
 	touch = Touch{ toEigen( pair.normal ), double( pair.distance ) + radius };
 	return pair.isFound;
@@ -180,15 +180,15 @@ Vec3d nearestInTriangle( const Vec3d ( &c )[3], const Vec3d& p )
 	return area > 0.0 ? Vec3d( c[0] + ( vb * ab + vc * ac ) / area ) : c[0];
 }
 
-/// Where the sphere, moving straight, first meets a convex shape: the plane there stands for the shape in this step. Conservative
-/// advancement (Mirtich 1996, section 2.3.2): as far as the plane at the nearest point, which the shape lies behind, lets it go, again and
-/// again. Any of these planes that the sphere does not reach shows that it reaches nothing; so the answer is right whenever it ends. `find(
-/// sphere, touch )`: the nearest touch of the sphere where it is.
+/// Where a sphere in straight motion first meets a convex shape: the plane there represents the shape in this step. Conservative
+/// advancement (Mirtich 1996, section 2.3.2): the sphere repeatedly advances up to the plane at the nearest point, behind which the shape
+/// lies. Any of these planes that the sphere does not reach proves that it misses the shape, so that the result is valid after any
+/// iteration. `find( sphere, touch )`: the nearest touch at the sphere's position.
 template <class Find>
 bool sweep( const MovingSphere& sphere, Touch& touch, const Find& find )
 {
 	MovingSphere now = sphere;
-	double gone = 0.0; // share of the way
+	double gone = 0.0; // fraction of the displacement
 	for ( int step = 0; step < kMostAdvances; ++step )
 	{
 		now.centre = sphere.centre + gone * sphere.way;
@@ -211,7 +211,7 @@ bool sweep( const MovingSphere& sphere, Touch& touch, const Find& find )
 	return true;
 }
 
-/// The nearest plane stands for a convex shape when the sphere is slow or touches; else the one it will meet.
+/// A slow or touching sphere meets the nearest plane of a convex shape; others meet the plane at the first contact.
 template <class Find>
 bool findConvexTouch( const MovingSphere& sphere, Touch& touch, const Find& find )
 {
@@ -285,7 +285,7 @@ bool findBallTouch( double radius, const Vec3d& at, const MovingSphere& sphere, 
 	const double square = apart.squaredNorm();
 	if ( square > touching * touching )
 	{
-		// Where it is too far for whatever it moves, no root is needed.
+		// Out of reach for any direction of motion, without a root.
 		const double farthest = touching + std::sqrt( sphere.way.squaredNorm() );
 		if ( square > farthest * farthest )
 		{
