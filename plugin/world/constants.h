@@ -17,7 +17,7 @@ inline constexpr double kRadiusStepsPerOctave = 16.0;
 /// Prefetch distance in the contacts of a pair.
 inline constexpr std::size_t kContactsAhead = 2;
 /// Prefetch distance in a body's contact proxies.
-inline constexpr std::size_t kStandsAhead = 4;
+inline constexpr std::size_t kProxiesAhead = 4;
 /// Prefetch distance in contact points that are moved back to the surfaces.
 inline constexpr std::size_t kPositionsAhead = 12;
 
@@ -43,7 +43,7 @@ inline constexpr double kAheadFraction = 0.5;
 
 /// How much deeper than at the nearest sphere an object may penetrate between four spheres, in their radii: an object of their size by 0.6,
 /// a character's capsule of six times that size by 0.14.
-inline constexpr double kHollow = 0.3;
+inline constexpr double kHollowDepth = 0.3;
 /// A fast body stays guarded (tunneling_guard.h) near static objects until it moves by less than this fraction of its radius in a step.
 inline constexpr double kSlowFraction = 0.1;
 /// A node that penetrates a static object this deep, in node radii, is guarded too, however slow it is.
@@ -65,9 +65,9 @@ inline constexpr double kAllowanceOut = 10.0, kAllowanceCalm = 2.0, kAllowanceCa
 inline constexpr double kSplitEnergy = 5e-4;
 
 /// Self-collision. Two outward unit vectors that differ by less than this do not tell which side is which.
-inline constexpr double kFacing = 0.5;
+inline constexpr double kLeastFacing = 0.5;
 /// A sum of outward vectors shorter than this is rounding error: the material continues equally in all directions.
-inline constexpr float kNoSide = 1e-3f;
+inline constexpr float kLeastOutward = 1e-3f;
 /// Margin of the list of near pairs beyond the contact distance, in radii of the largest node.
 inline constexpr double kNearMargin = 0.5;
 /// Nodes that are this many diameters apart at rest, with material between them, cannot be brought into contact by crushing it.
@@ -78,8 +78,8 @@ inline constexpr double kCrushedNodes = 8.0;
 inline constexpr double kRoundFraction = 0.5;
 /// Cosines of the angle between a face and the direction to the other node: above the first the sphere becomes larger than the node's own,
 /// at the second it has its full size.
-inline constexpr double kLeastLook = 0.5;
-inline constexpr double kFullLook = 0.8;
+inline constexpr double kLeastRoundCosine = 0.5;
+inline constexpr double kFullRoundCosine = 0.8;
 /// How much farther apart than their own spheres touch two nodes may be whose round spheres touch, in their radii.
 inline constexpr btScalar kRoundMargin = btScalar( 0.2 );
 

@@ -74,7 +74,7 @@ btCollisionAlgorithm* NodeCreateFunc::CreateCollisionAlgorithm(
 	SoftBodySystem* const system1 = systemOf( body1 );
 	if ( !system0 && !system1 )
 	{
-		return m_before->CreateCollisionAlgorithm( info, body0, body1 );
+		return m_previous->CreateCollisionAlgorithm( info, body0, body1 );
 	}
 	if ( system0 && system1 && system0 != system1 ) // objects of two worlds do not collide
 	{
@@ -142,7 +142,7 @@ AlgorithmTable::~AlgorithmTable()
 	{
 		if ( OpenDispatcher::registered( m_dispatcher, entry.type0, entry.type1 ) == entry.ours.get() )
 		{
-			m_dispatcher.registerCollisionCreateFunc( entry.type0, entry.type1, entry.ours->before() );
+			m_dispatcher.registerCollisionCreateFunc( entry.type0, entry.type1, entry.ours->previous() );
 		}
 	}
 }

@@ -40,13 +40,13 @@ private:
 class NodeCreateFunc : public btCollisionAlgorithmCreateFunc
 {
 public:
-	explicit NodeCreateFunc( btCollisionAlgorithmCreateFunc* before ) : m_before( before ) {}
+	explicit NodeCreateFunc( btCollisionAlgorithmCreateFunc* previous ) : m_previous( previous ) {}
 	btCollisionAlgorithm* CreateCollisionAlgorithm(
 		btCollisionAlgorithmConstructionInfo& info, const btCollisionObjectWrapper* body0, const btCollisionObjectWrapper* body1 ) override;
-	btCollisionAlgorithmCreateFunc* before() const { return m_before; }
+	btCollisionAlgorithmCreateFunc* previous() const { return m_previous; }
 
 private:
-	btCollisionAlgorithmCreateFunc* m_before;
+	btCollisionAlgorithmCreateFunc* m_previous;
 };
 
 /// Registers our create functions in a dispatcher's table, in front of the previous ones, for all pairs with a compound, which a soft

@@ -113,10 +113,10 @@ void PairContacts::process( const btCollisionObjectWrapper& body0, const btColli
 	SoftBody* const soft0 = softOf( &body0 );
 	SoftBody* const soft1 = softOf( &body1 );
 	m_phase = m_pool.phase();
-	prefetch( m_after, sizeof( PairContacts ) );
+	prefetch( m_nextPair, sizeof( PairContacts ) );
 	if ( m_scratch.last )
 	{
-		m_scratch.last->m_after = this;
+		m_scratch.last->m_nextPair = this;
 	}
 	m_scratch.last = this;
 	prefetch( m_contacts.data(), kFetched );
@@ -275,7 +275,7 @@ void PairContacts::matchHits( const Pair& pair, const std::vector<NodeHit>& hits
 		}
 		else
 		{
-			open( pair, contact );
+			create( pair, contact );
 		}
 		m_scratch.contacts.push_back( contact );
 		if ( !write( pair, contact, &hits[start], int( end - start ) ) )
@@ -289,7 +289,7 @@ void PairContacts::matchHits( const Pair& pair, const std::vector<NodeHit>& hits
 	}
 }
 
-void PairContacts::open( const Pair& pair, NodeContact& contact )
+void PairContacts::create( const Pair& pair, NodeContact& contact )
 {
 	const NodeHit hit{ contact.key, {}, -1, -1 };
 	contact.first = m_pool.acquire( *pair.soft, hit.node() );
@@ -347,7 +347,7 @@ bool PairContacts::write( const Pair& pair, const NodeContact& contact, const No
 			fillPoint( manifold, node, hits[h], pair.softIsFirst, point );
 			positions[h] = manifold.addManifoldPoint( point );
 		}
-		if ( hasContactCallback() && !tell( manifold, positions[h], hits[h].other() ) )
+		if ( hasContactCallback() && !notify( manifold, positions[h], hits[h].other() ) )
 		{
 			return false;
 		}
@@ -361,11 +361,11 @@ bool PairContacts::write( const Pair& pair, const NodeContact& contact, const No
 }
 
 /// False: this pair no longer exists.
-bool PairContacts::tell( btPersistentManifold& manifold, int place, int leaf )
+bool PairContacts::notify( btPersistentManifold& manifold, int index, int leaf )
 {
 	const PairScratch& scratch = m_scratch;
-	btManifoldPoint& point = manifold.getContactPoint( place );
-	tellAdded( manifold, point, leaf );
+	btManifoldPoint& point = manifold.getContactPoint( index );
+	notifyAdded( manifold, point, leaf );
 	if ( scratch.matching == this && gContactProcessedCallback )
 	{
 		gContactProcessedCallback(

@@ -78,9 +78,9 @@ private:
 	void endMatching();
 	void prefetchAhead( std::size_t contact ) const;
 	void matchHits( const Pair& pair, const std::vector<NodeHit>& hits );
-	void open( const Pair& pair, NodeContact& contact );
+	void create( const Pair& pair, NodeContact& contact );
 	bool write( const Pair& pair, const NodeContact& contact, const NodeHit* hits, int count );
-	bool tell( btPersistentManifold& manifold, int place, int leaf );
+	bool notify( btPersistentManifold& manifold, int index, int leaf );
 	bool dropBefore( std::uint64_t key );
 	void drop( const NodeContact& contact );
 	void wakeBoth( const NodeContact& contact ) const;
@@ -90,11 +90,11 @@ private:
 	PairScratch& m_scratch;
 	std::vector<NodeContact> m_contacts;
 	Parting m_parting;
-	bool m_isNew = true;           ///< not processed yet
-	const void* m_after = nullptr; ///< processed after it in the last phase: prefetched but never dereferenced, as it may be gone
-	unsigned m_numbering = 0;      ///< of both bodies, when their nodes were last followed
-	unsigned m_phase = 0;          ///< collision phase in which it was last processed
-	std::size_t m_position;        ///< index in PairScratch::all
+	bool m_isNew = true;              ///< not processed yet
+	const void* m_nextPair = nullptr; ///< processed after it in the last phase: prefetched but never dereferenced, as it may be gone
+	unsigned m_numbering = 0;         ///< of both bodies, when their nodes were last followed
+	unsigned m_phase = 0;             ///< collision phase in which it was last processed
+	std::size_t m_position;           ///< index in PairScratch::all
 };
 
 } // namespace pliant

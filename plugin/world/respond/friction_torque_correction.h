@@ -27,19 +27,19 @@ public:
 	/// Clears the lists, before islands are built anew.
 	void clear()
 	{
-		m_refinementState.clear();
-		m_frictionTorque.clear();
+		m_grounded.clear();
+		m_rubbing.clear();
 	}
 	/// Records a contact of two objects by their union-find indices, -1 for static objects. `areSoft`: nodes of two soft bodies.
 	void touch( int first, int second, bool areSoft )
 	{
 		if ( areSoft )
 		{
-			note( first, m_frictionTorque );
+			note( first, m_rubbing );
 		}
 		else if ( ( first < 0 ) != ( second < 0 ) )
 		{
-			note( std::max( first, second ), m_refinementState );
+			note( std::max( first, second ), m_grounded );
 		}
 	}
 	/// Replaces indices by islands: keeps those in which soft bodies rub and nothing touches a static object.
@@ -57,11 +57,11 @@ private:
 	struct Turn
 	{
 		SoftBody* body;
-		Vec3d impulse;   ///< N m s
-		btVector3 speed; ///< rad/s
+		Vec3d impulse;             ///< N m s
+		btVector3 angularVelocity; ///< rad/s
 	};
 	/// The former position of a contact point, m.
-	struct Placed
+	struct MovedPoint
 	{
 		btVector3* point;
 		btVector3 was;
@@ -76,13 +76,13 @@ private:
 		}
 	}
 	Turn& turnOf( SoftBody& body );
-	void place( btVector3& point, const btVector3& at );
+	void movePoint( btVector3& point, const btVector3& at );
 
-	std::vector<int> m_refinementState,
-		m_frictionTorque; ///< by Bullet's index: islands that touch static objects, and those in which soft bodies rub
+	std::vector<int> m_grounded,
+		m_rubbing; ///< by Bullet's index: islands that touch static objects, and those in which soft bodies rub
 	std::vector<Turn> m_turns;
-	std::vector<Placed> m_placed;         ///< from aim to sum
-	std::vector<ContactProxy*> m_turning; ///< from aim to sum
+	std::vector<MovedPoint> m_movedPoints; ///< from aim to sum
+	std::vector<ContactProxy*> m_turning;  ///< from aim to sum
 };
 
 } // namespace pliant

@@ -27,7 +27,7 @@ public:
 
 private:
 	bool m_isParting = false;
-	unsigned m_placed = 0;             ///< sum of both bodies' placement counts at the last call
+	unsigned m_placementCount = 0;     ///< sum of both bodies' placement counts at the last call
 	Vec3d m_direction = Vec3d::Zero(); ///< of the first body's separation
 };
 

@@ -29,20 +29,20 @@ btVector3 armOf( const btRigidBody& body, const btManifoldPoint& point, int side
 	return ( side == 0 ? point.getPositionWorldOnA() : point.getPositionWorldOnB() ) - body.getCenterOfMassPosition();
 }
 
-Vec3d speedNow( const btPersistentManifold& manifold, const btManifoldPoint& point )
+Vec3d velocityNow( const btPersistentManifold& manifold, const btManifoldPoint& point )
 {
-	Vec3d speed = Vec3d::Zero();
+	Vec3d velocity = Vec3d::Zero();
 	for ( int side = 0; side < 2; ++side )
 	{
 		const btRigidBody* const body = bodyOf( manifold, side );
 		const Vec3d own = body ? toVec3d( body->getVelocityInLocalPoint( armOf( *body, point, side ) ) ) : Vec3d( Vec3d::Zero() );
-		speed += side == 0 ? own : Vec3d( -own );
+		velocity += side == 0 ? own : Vec3d( -own );
 	}
-	return speed;
+	return velocity;
 }
 
 /// Velocity that matching and forces have added to a node in this substep. (Bullet adds that of rigid bodies later.)
-Vec3d addedTo( const btCollisionObject& object )
+Vec3d velocityAdded( const btCollisionObject& object )
 {
 	if ( !ownerOfContactProxy( &object ) )
 	{
@@ -94,8 +94,8 @@ void RestitutionCorrection::aimAt( Bounce& bounce, const btContactSolverInfo& in
 {
 	const btPersistentManifold& manifold = *bounce.manifold;
 	btManifoldPoint& point = bounce.manifold->getContactPoint( bounce.point );
-	const Vec3d now = speedNow( manifold, point ), normal = toVec3d( point.m_normalWorldOnB );
-	bounce.before = now - addedTo( *manifold.getBody0() ) + addedTo( *manifold.getBody1() );
+	const Vec3d now = velocityNow( manifold, point ), normal = toVec3d( point.m_normalWorldOnB );
+	bounce.before = now - velocityAdded( *manifold.getBody0() ) + velocityAdded( *manifold.getBody1() );
 	if ( point.m_combinedRestitution <= 0 )
 	{
 		return;
@@ -128,15 +128,15 @@ void RestitutionCorrection::settle()
 // All impulses of the island's contacts times s do the work s W - s ( 1 - s ) K, K = P . A P / 2 what they would add to bodies at rest.
 void RestitutionCorrection::settle( const Range& island )
 {
-	const double after = pressed( island, false ), work = 0.5 * ( after + pressed( island, true ) );
+	const double after = doubledWork( island, false ), work = 0.5 * ( after + doubledWork( island, true ) );
 	if ( !( work > 0.0 ) )
 	{
 		return;
 	}
-	push( island, -1.0 );
-	const double brought = 0.5 * ( after - pressed( island, false ) );
+	applyImpulses( island, -1.0 );
+	const double brought = 0.5 * ( after - doubledWork( island, false ) );
 	const double fraction = brought > 0.0 ? std::max( 1.0 - work / brought, kLeastBounce ) : 1.0;
-	push( island, fraction );
+	applyImpulses( island, fraction );
 	for ( std::size_t k = island.first; k < island.second; ++k )
 	{
 		btManifoldPoint& point = m_bounces[k].manifold->getContactPoint( m_bounces[k].point );
@@ -146,19 +146,19 @@ void RestitutionCorrection::settle( const Range& island )
 	}
 }
 
-double RestitutionCorrection::pressed( const Range& island, bool isBefore ) const
+double RestitutionCorrection::doubledWork( const Range& island, bool isBefore ) const
 {
 	double sum = 0.0;
 	for ( std::size_t k = island.first; k < island.second; ++k )
 	{
 		const Bounce& bounce = m_bounces[k];
 		const btManifoldPoint& point = bounce.manifold->getContactPoint( bounce.point );
-		sum += impulseOf( point ).dot( isBefore ? bounce.before : speedNow( *bounce.manifold, point ) );
+		sum += impulseOf( point ).dot( isBefore ? bounce.before : velocityNow( *bounce.manifold, point ) );
 	}
 	return sum;
 }
 
-void RestitutionCorrection::push( const Range& island, double fraction )
+void RestitutionCorrection::applyImpulses( const Range& island, double fraction )
 {
 	for ( std::size_t k = island.first; k < island.second; ++k )
 	{

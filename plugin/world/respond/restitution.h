@@ -40,8 +40,8 @@ private:
 	static void aimAt( Bounce& bounce, const btContactSolverInfo& info );
 	void settle( const Range& island );
 	/// Sum of P . u, twice the work.
-	double pressed( const Range& island, bool isBefore ) const;
-	void push( const Range& island, double fraction );
+	double doubledWork( const Range& island, bool isBefore ) const;
+	void applyImpulses( const Range& island, double fraction );
 
 	std::vector<Bounce> m_bounces;
 };

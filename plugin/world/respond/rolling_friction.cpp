@@ -22,11 +22,11 @@ btCollisionObject* wholeOf( const btCollisionObject* object )
 /// Brakes their relative rotation about an axis of unit length, by at most `limit`, N m s.
 void brakeAbout( RigidMotionProxy& a, RigidMotionProxy& b, const Vec3d& axis, double limit )
 {
-	const double ease = axis.dot( ( a.inverse + b.inverse ) * axis );
-	if ( ease > 0.0 && limit > 0.0 )
+	const double inverseMoment = axis.dot( ( a.inverseInertia + b.inverseInertia ) * axis );
+	if ( inverseMoment > 0.0 && limit > 0.0 )
 	{
 		// The impulse that would stop the rotation is never exceeded, so that energy can only decrease.
-		const double wanted = -axis.dot( a.speed - b.speed ) / ease;
+		const double wanted = -axis.dot( a.angularVelocity - b.angularVelocity ) / inverseMoment;
 		const Vec3d impulse = std::clamp( wanted, -limit, limit ) * axis;
 		a.turn( impulse );
 		b.turn( -impulse );
@@ -105,7 +105,7 @@ void RollingFriction::brake( const Pair& pair )
 	const Vec3d normal = pair.pressing.normalized();
 	RigidMotionProxy a( pair.first ), b( pair.second );
 	brakeAbout( a, b, normal, pair.spinning );
-	const Vec3d turning = a.speed - b.speed, rolling = turning - normal.dot( turning ) * normal;
+	const Vec3d turning = a.angularVelocity - b.angularVelocity, rolling = turning - normal.dot( turning ) * normal;
 	if ( !rolling.isZero( 0.0 ) )
 	{
 		brakeAbout( a, b, rolling.normalized(), pair.rolling );

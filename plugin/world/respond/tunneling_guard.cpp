@@ -44,16 +44,16 @@ int TunnelingGuard::hold( SoftBody& body, const std::vector<const btCollisionObj
 	for ( int i = 0; i < nodes.count; ++i )
 	{
 		m_from[std::size_t( i )] = nodes.x.get( i ).cast<double>();
-		m_way[std::size_t( i )] = h * nodes.v.get( i ).cast<double>();
+		m_displacement[std::size_t( i )] = h * nodes.v.get( i ).cast<double>();
 		if ( nodes.freedom[i] != 0.0f )
 		{
 			m_nodes.push_back( i );
 		}
 	}
-	turnAway( walls );
+	enforceBarriers( walls );
 	for ( const int node : m_held )
 	{
-		nodes.v.set( node, ( m_way[std::size_t( node )] / h ).cast<float>() );
+		nodes.v.set( node, ( m_displacement[std::size_t( node )] / h ).cast<float>() );
 	}
 	return int( m_held.size() );
 }
@@ -88,14 +88,14 @@ bool TunnelingGuard::keep( SoftBody& body, const std::vector<const btCollisionOb
 		if ( before != now && nodes.freedom[i] != 0.0f )
 		{
 			m_from[std::size_t( i )] = before.cast<double>();
-			m_way[std::size_t( i )] = ( now - before ).cast<double>();
+			m_displacement[std::size_t( i )] = ( now - before ).cast<double>();
 			m_nodes.push_back( i );
 		}
 	}
-	turnAway( walls );
+	enforceBarriers( walls );
 	for ( const int node : m_held )
 	{
-		nodes.x.set( node, ( m_from[std::size_t( node )] + m_way[std::size_t( node )] ).cast<float>() );
+		nodes.x.set( node, ( m_from[std::size_t( node )] + m_displacement[std::size_t( node )] ).cast<float>() );
 	}
 	return !m_held.empty();
 }
@@ -104,15 +104,15 @@ void TunnelingGuard::begin( SoftBody& body, double h )
 {
 	m_body = &body;
 	m_h = h;
-	m_isAsked = false;
+	m_hasInnerNodes = false;
 	m_nodes.clear();
 	m_barriers.clear();
 	m_held.clear();
 	m_from.resize( std::size_t( body.nodeCount() ) );
-	m_way.resize( std::size_t( body.nodeCount() ) );
+	m_displacement.resize( std::size_t( body.nodeCount() ) );
 }
 
-void TunnelingGuard::turnAway( const std::vector<const btCollisionObject*>& walls )
+void TunnelingGuard::enforceBarriers( const std::vector<const btCollisionObject*>& walls )
 {
 	const Vec3d& origin = m_body->impl().body->nodes().origin;
 	for ( int round = 0; round < kGuardRounds && !m_nodes.empty(); ++round )
@@ -124,19 +124,19 @@ void TunnelingGuard::turnAway( const std::vector<const btCollisionObject*>& wall
 			obstacle.basis = toMatrix3d( wall->getWorldTransform().getBasis() );
 			obstacle.position = toVec3d( wall->getWorldTransform().getOrigin() ) - origin;
 			const ObstacleMotion motion = motionOf( *wall, origin );
-			visitParts( obstacle, [&]( const Obstacle& part ) { look( part, motion ); } );
+			visitParts( obstacle, [&]( const Obstacle& part ) { addBarriers( part, motion ); } );
 		}
 		std::stable_sort( m_barriers.begin(), m_barriers.end(), []( const Barrier& a, const Barrier& b ) { return a.node < b.node; } );
-		m_turned.clear();
+		m_corrected.clear();
 		for ( std::size_t first = 0, end = 0; first < m_barriers.size(); first = end )
 		{
 			for ( end = first; end < m_barriers.size() && m_barriers[end].node == m_barriers[first].node; ++end )
 			{}
-			lead( first, end, round == kGuardRounds - 1 );
+			constrain( first, end, round == kGuardRounds - 1 );
 		}
 		// A corrected node may now meet another wall.
-		m_nodes = m_turned;
-		m_held.insert( m_held.end(), m_turned.begin(), m_turned.end() );
+		m_nodes = m_corrected;
+		m_held.insert( m_held.end(), m_corrected.begin(), m_corrected.end() );
 	}
 	std::sort( m_held.begin(), m_held.end() );
 	m_held.erase( std::unique( m_held.begin(), m_held.end() ), m_held.end() );
@@ -144,31 +144,31 @@ void TunnelingGuard::turnAway( const std::vector<const btCollisionObject*>& wall
 
 // Gauss-Seidel over the barriers of one node: each removes the part of the displacement that violates it. Where they leave no displacement,
 // the node stays in place or moves with the wall.
-void TunnelingGuard::lead( std::size_t first, std::size_t end, bool isLast )
+void TunnelingGuard::constrain( std::size_t first, std::size_t end, bool isLast )
 {
-	Vec3d& way = m_way[std::size_t( m_barriers[first].node )];
+	Vec3d& displacement = m_displacement[std::size_t( m_barriers[first].node )];
 	const double tiny = kGuardSlack * double( m_body->impl().shape->sphereOfNode( m_barriers[first].node )->getRadius() );
-	bool isTurned = false, isThrough = true;
-	for ( int sweep = 0; sweep < kGuardSweeps && isThrough; ++sweep )
+	bool isCorrected = false, isViolated = true;
+	for ( int sweep = 0; sweep < kGuardSweeps && isViolated; ++sweep )
 	{
-		isThrough = false;
+		isViolated = false;
 		for ( std::size_t k = first; k < end; ++k )
 		{
-			const double lack = m_barriers[k].least - m_barriers[k].normal.dot( way );
+			const double lack = m_barriers[k].least - m_barriers[k].normal.dot( displacement );
 			if ( lack > tiny )
 			{
-				way += lack * m_barriers[k].normal;
-				isThrough = isTurned = true;
+				displacement += lack * m_barriers[k].normal;
+				isViolated = isCorrected = true;
 			}
 		}
 	}
-	if ( isThrough || ( isTurned && isLast ) )
+	if ( isViolated || ( isCorrected && isLast ) )
 	{
-		way = m_barriers[end - 1].yieldingWay;
+		displacement = m_barriers[end - 1].fallback;
 	}
-	if ( isTurned )
+	if ( isCorrected )
 	{
-		m_turned.push_back( m_barriers[first].node );
+		m_corrected.push_back( m_barriers[first].node );
 	}
 }
 
@@ -179,9 +179,9 @@ struct FarBox
 {
 	Vec3d low, high;
 
-	bool operator()( const Vec3d& centre, const Vec3d& way, double radius ) const
+	bool operator()( const Vec3d& centre, const Vec3d& displacement, double radius ) const
 	{
-		const Vec3d to = centre + way;
+		const Vec3d to = centre + displacement;
 		return ( ( centre.cwiseMin( to ) - high ).array() > radius ).any() || ( ( low - centre.cwiseMax( to ) ).array() > radius ).any();
 	}
 };
@@ -189,20 +189,20 @@ struct FarBox
 } // namespace
 
 template <class IsFar, class FindTouch>
-void TunnelingGuard::lookAt( const ObstacleMotion& motion, const IsFar& isFar, const FindTouch& find )
+void TunnelingGuard::addBarriersOf( const ObstacleMotion& motion, const IsFar& isFar, const FindTouch& find )
 {
 	const NodeShape& shape = *m_body->impl().shape;
 	const bool isStill = motion.isStill();
 	for ( const int node : m_nodes )
 	{
 		const double radius = double( shape.sphereOfNode( node )->getRadius() );
-		const bool isBare = shape.childOfNode( node ) < 0; // inner nodes: no contact keeps them out
+		const bool isInner = shape.childOfNode( node ) < 0; // inner nodes: no contact keeps them out
 		MovingSphere sphere;
 		sphere.centre = m_from[std::size_t( node )];
-		sphere.radius = ( isBare ? 1.0 : kGuardFraction ) * radius;
-		const Vec3d along = isStill ? Vec3d( Vec3d::Zero() ) : motion.way( sphere.centre, m_h );
-		sphere.way = m_way[std::size_t( node )] - along;
-		if ( isFar( sphere.centre, sphere.way, radius ) )
+		sphere.radius = ( isInner ? 1.0 : kGuardFraction ) * radius;
+		const Vec3d motionOfWall = isStill ? Vec3d( Vec3d::Zero() ) : motion.displacement( sphere.centre, m_h );
+		sphere.displacement = m_displacement[std::size_t( node )] - motionOfWall;
+		if ( isFar( sphere.centre, sphere.displacement, radius ) )
 		{
 			continue;
 		}
@@ -213,18 +213,18 @@ void TunnelingGuard::lookAt( const ObstacleMotion& motion, const IsFar& isFar, c
 		{
 			continue;
 		}
-		m_isAsked = m_isAsked || isBare;
+		m_hasInnerNodes = m_hasInnerNodes || isInner;
 		const double gap = std::max( 0.0, touch.distance - sphere.radius );
-		m_barriers.push_back( Barrier{ node, touch.normal, touch.normal.dot( along ) - gap, along } );
+		m_barriers.push_back( Barrier{ node, touch.normal, touch.normal.dot( motionOfWall ) - gap, motionOfWall } );
 	}
 }
 
-void TunnelingGuard::look( const Obstacle& part, const ObstacleMotion& motion )
+void TunnelingGuard::addBarriers( const Obstacle& part, const ObstacleMotion& motion )
 {
 	const int type = part.shape->getShapeType();
 	if ( part.shape->isConcave() && type != SDF_SHAPE_PROXYTYPE && type != STATIC_PLANE_PROXYTYPE )
 	{
-		lookAtMesh( part, motion );
+		addMeshBarriers( part, motion );
 		return;
 	}
 	if ( type == EMPTY_SHAPE_PROXYTYPE )
@@ -235,16 +235,18 @@ void TunnelingGuard::look( const Obstacle& part, const ObstacleMotion& motion )
 	if ( type == STATIC_PLANE_PROXYTYPE ) // a plane's box is unbounded
 	{
 		const FarPlane far( part );
-		lookAt(
-			motion, [&far]( const Vec3d& centre, const Vec3d& way, double radius ) { return far.isClear( centre, way, radius ); }, find );
+		addBarriersOf(
+			motion,
+			[&far]( const Vec3d& centre, const Vec3d& displacement, double radius ) { return far.isClear( centre, displacement, radius ); },
+			find );
 		return;
 	}
 	btVector3 low, high;
 	part.shape->getAabb( part.transform(), low, high );
-	lookAt( motion, FarBox{ toVec3d( low ), toVec3d( high ) }, find );
+	addBarriersOf( motion, FarBox{ toVec3d( low ), toVec3d( high ) }, find );
 }
 
-void TunnelingGuard::lookAtMesh( const Obstacle& mesh, const ObstacleMotion& motion )
+void TunnelingGuard::addMeshBarriers( const Obstacle& mesh, const ObstacleMotion& motion )
 {
 	// The box swept by the nodes, in the mesh's coordinates.
 	const SoftBody::Impl& impl = m_body->impl();
@@ -252,7 +254,7 @@ void TunnelingGuard::lookAtMesh( const Obstacle& mesh, const ObstacleMotion& mot
 	for ( const int node : m_nodes )
 	{
 		const Vec3d from = m_from[std::size_t( node )];
-		const Vec3d to = from + m_way[std::size_t( node )] - motion.way( from, m_h );
+		const Vec3d to = from + m_displacement[std::size_t( node )] - motion.displacement( from, m_h );
 		low = low.cwiseMin( from ).cwiseMin( to );
 		high = high.cwiseMax( from ).cwiseMax( to );
 	}
@@ -267,16 +269,15 @@ void TunnelingGuard::lookAtMesh( const Obstacle& mesh, const ObstacleMotion& mot
 		const ObstacleMotion* motion = nullptr;
 		void processTriangle( btVector3* corners, int, int ) override
 		{
-			Vec3d placed[3];
+			Vec3d world[3];
 			for ( int k = 0; k < 3; ++k )
 			{
-				placed[k] = mesh->basis * toVec3d( corners[k] ) + mesh->position;
+				world[k] = mesh->basis * toVec3d( corners[k] ) + mesh->position;
 			}
-			const FarBox box{
-				placed[0].cwiseMin( placed[1] ).cwiseMin( placed[2] ), placed[0].cwiseMax( placed[1] ).cwiseMax( placed[2] ) };
-			const TerrainSide ground( *mesh, placed, *guard->m_body->impl().shape, guard->m_body->impl().shapeShift.cast<double>() );
-			guard->lookAt( *motion, box, [&placed, &ground]( const MovingSphere& sphere, Touch& touch ) {
-				return findTouch( placed, sphere, touch ) && ground.allows( sphere.centre, touch ); // nodes in the ground may come out
+			const FarBox box{ world[0].cwiseMin( world[1] ).cwiseMin( world[2] ), world[0].cwiseMax( world[1] ).cwiseMax( world[2] ) };
+			const TerrainSide ground( *mesh, world, *guard->m_body->impl().shape, guard->m_body->impl().shapeShift.cast<double>() );
+			guard->addBarriersOf( *motion, box, [&world, &ground]( const MovingSphere& sphere, Touch& touch ) {
+				return findTouch( world, sphere, touch ) && ground.allows( sphere.centre, touch ); // nodes in the ground may come out
 			} );
 		}
 	} call;
@@ -379,7 +380,7 @@ void SoftBodySystem::holdBack( btScalar h )
 		report.heldNodes += held;
 		// A body that was fast may still be pressed against the wall, with nodes deep in it, when it is slow.
 		impl.isGuarded = !walls.empty() &&
-			( held > 0 || m_guard.isAsked() || sweep > kSlowFraction * double( impl.shape->smallestRadius() ) );
+			( held > 0 || m_guard.hasInnerNodes() || sweep > kSlowFraction * double( impl.shape->smallestRadius() ) );
 	}
 }
 

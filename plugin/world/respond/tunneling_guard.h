@@ -30,7 +30,7 @@ public:
 	/// Corrects the positions of all nodes that have moved since `from`.
 	bool keep( SoftBody& body, const std::vector<const btCollisionObject*>& walls, const std::vector<Vec3>& from );
 	/// Whether nodes without a sphere reached a wall in the last call.
-	bool isAsked() const { return m_isAsked; }
+	bool hasInnerNodes() const { return m_hasInnerNodes; }
 
 private:
 	/// The node's displacement w must satisfy normal . w >= least.
@@ -38,24 +38,24 @@ private:
 	{
 		int node;
 		Vec3d normal;
-		double least;      ///< m
-		Vec3d yieldingWay; ///< displacement of the wall, which none of its barriers excludes
+		double least;   ///< m
+		Vec3d fallback; ///< displacement of the wall, which none of its barriers excludes
 	};
 
 	void begin( SoftBody& body, double h );
-	void turnAway( const std::vector<const btCollisionObject*>& walls );
-	void look( const Obstacle& part, const ObstacleMotion& motion );
-	void lookAtMesh( const Obstacle& mesh, const ObstacleMotion& motion );
+	void enforceBarriers( const std::vector<const btCollisionObject*>& walls );
+	void addBarriers( const Obstacle& part, const ObstacleMotion& motion );
+	void addMeshBarriers( const Obstacle& mesh, const ObstacleMotion& motion );
 	template <class IsFar, class FindTouch>
-	void lookAt( const ObstacleMotion& motion, const IsFar& isFar, const FindTouch& find );
-	void lead( std::size_t first, std::size_t end, bool isLast );
+	void addBarriersOf( const ObstacleMotion& motion, const IsFar& isFar, const FindTouch& find );
+	void constrain( std::size_t first, std::size_t end, bool isLast );
 
 	SoftBody* m_body = nullptr;
 	double m_h = 0.0;
-	bool m_isAsked = false;
-	std::vector<int> m_nodes, m_turned; ///< to be tested in this round, and in the next
-	std::vector<int> m_held;            ///< nodes corrected in any round
-	std::vector<Vec3d> m_from, m_way;   ///< by node, m
+	bool m_hasInnerNodes = false;
+	std::vector<int> m_nodes, m_corrected;     ///< to be tested in this round, and in the next
+	std::vector<int> m_held;                   ///< nodes corrected in any round
+	std::vector<Vec3d> m_from, m_displacement; ///< by node, m
 	std::vector<Barrier> m_barriers;
 	btSphereShape m_sphere{ btScalar( 1 ) };
 };

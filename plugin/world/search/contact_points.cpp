@@ -35,7 +35,7 @@ void combineSurfaces( const btCollisionObject* body0, const btCollisionObject* b
 }
 
 /// A point in the body's own axes. Most proxies have the world's axes; reading their basis would touch another cache line.
-btVector3 placeIn( const btCollisionObject& body, const btVector3& at )
+btVector3 toLocal( const btCollisionObject& body, const btVector3& at )
 {
 	const bool isStraight = ownerOfContactProxy( &body ) && !static_cast<const ContactProxy&>( body ).isDirected;
 	return isStraight ? at - body.getWorldTransform().getOrigin() : body.getWorldTransform().invXform( at );
@@ -53,8 +53,8 @@ void fillPoint(
 	const btVector3 other = isPatch ? toBt( hit.touch.otherPoint( double( radius ) ) ) : btVector3( outward * -distance );
 	setWhole( nodeIsFirst ? point.m_positionWorldOnA : point.m_positionWorldOnB, node.written + own );
 	setWhole( nodeIsFirst ? point.m_positionWorldOnB : point.m_positionWorldOnA, node.written + other );
-	setWhole( point.m_localPointA, placeIn( *manifold.getBody0(), point.m_positionWorldOnA ) );
-	setWhole( point.m_localPointB, placeIn( *manifold.getBody1(), point.m_positionWorldOnB ) );
+	setWhole( point.m_localPointA, toLocal( *manifold.getBody0(), point.m_positionWorldOnA ) );
+	setWhole( point.m_localPointB, toLocal( *manifold.getBody1(), point.m_positionWorldOnB ) );
 	setWhole( point.m_normalWorldOnB, nodeIsFirst ? outward : -outward );
 	point.m_distance1 = distance - radius;
 	point.m_partId0 = nodeIsFirst ? -1 : hit.part;
@@ -88,7 +88,7 @@ void renewPoint( btPersistentManifold& manifold, const ContactProxy& node, const
 	++point.m_lifeTime;
 }
 
-void tellAdded( const btPersistentManifold& manifold, btManifoldPoint& point, int leaf )
+void notifyAdded( const btPersistentManifold& manifold, btManifoldPoint& point, int leaf )
 {
 	const btCollisionObject* const body[2] = { manifold.getBody0(), manifold.getBody1() };
 	const int flags = body[0]->getCollisionFlags() | body[1]->getCollisionFlags();

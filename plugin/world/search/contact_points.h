@@ -23,6 +23,6 @@ int findPoint( const btPersistentManifold& manifold, const NodeHit& hit, int hit
 
 /// Calls the game's callback, which may change a new or renewed point as with any contact of Bullet's. It is shown the child or triangle of
 /// the other object that is touched. `leaf`: NodeHit::other().
-void tellAdded( const btPersistentManifold& manifold, btManifoldPoint& point, int leaf );
+void notifyAdded( const btPersistentManifold& manifold, btManifoldPoint& point, int leaf );
 
 } // namespace pliant

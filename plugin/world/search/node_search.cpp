@@ -41,9 +41,9 @@ struct Box
 	}
 	/// Stretches the box backwards by the sweep of the nodes.
 	void stretchAgainst( const NodeShape& shape ) { move( -shape.sweepHigh(), -shape.sweepLow() ); }
-	void stretchAlong( const btVector3& way )
+	void stretchAlong( const btVector3& displacement )
 	{
-		btVector3 back = way, forth = way;
+		btVector3 back = displacement, forth = displacement;
 		back.setMin( btVector3( 0, 0, 0 ) );
 		forth.setMax( btVector3( 0, 0, 0 ) );
 		move( back, forth );
@@ -71,7 +71,7 @@ std::vector<NodeHit>& NodeSearch::againstRigid( const SoftBody& soft, const btCo
 	m_motion = m_before = ObstacleMotion{};
 	m_looksAhead = soft.impl().isImplicit && soft.isActive() && int( soft.impl().body->velocityBefore().x.size() ) >= soft.nodeCount();
 	const Levels* levels = soft.impl().body->levels();
-	m_notesNear = levels && levels->settings().refinesOnContact && soft.isActive();
+	m_refinesOnContact = levels && levels->settings().refinesOnContact && soft.isActive();
 	if ( const btRigidBody* rigid = btRigidBody::upcast( other.getCollisionObject() ) )
 	{
 		// Bullet's solver adds the step's forces to the velocity: the contact search must use the same velocity.
@@ -86,13 +86,13 @@ std::vector<NodeHit>& NodeSearch::againstRigid( const SoftBody& soft, const btCo
 	obstacle.basis = toMatrix3d( other.getWorldTransform().getBasis() );
 	obstacle.position = toVec3d( other.getWorldTransform().getOrigin() ) - origin;
 	visitParts( obstacle, [this]( const Obstacle& part ) { visit( part ); } );
-	giveLeave( soft, nullptr );
+	applyAllowances( soft, nullptr );
 	if ( other.getCollisionObject()->getCollisionFlags() & btCollisionObject::CF_CHARACTER_OBJECT )
 	{
-		meetCharacter();
+		adjustForCharacter();
 	}
 	sortHits();
-	keepFlatNeighboursOut();
+	dropFlatNeighbours();
 	return m_hits;
 }
 
@@ -127,10 +127,10 @@ inline MovingSphere NodeSearch::Spheres::of( int node ) const
 	sphere.shape = m_shape.sphereOfNode( node );
 	sphere.radius = double( sphere.shape->getRadius() );
 	sphere.centre = m_nodes.x.get( node ).cast<double>();
-	sphere.way = m_step * m_nodes.v.get( node ).cast<double>();
+	sphere.displacement = m_step * m_nodes.v.get( node ).cast<double>();
 	if ( !m_isStill )
 	{
-		sphere.way -= m_motion.way( sphere.centre, m_step );
+		sphere.displacement -= m_motion.displacement( sphere.centre, m_step );
 	}
 	return sphere;
 }
@@ -138,7 +138,7 @@ inline MovingSphere NodeSearch::Spheres::of( int node ) const
 inline Ahead NodeSearch::Spheres::ahead( int node ) const
 {
 	const Vec3d to = m_step * m_velocityBefore.get( node ).cast<double>();
-	return Ahead{ to, to - m_before.way( m_nodes.x.get( node ).cast<double>(), m_step ) };
+	return Ahead{ to, to - m_before.displacement( m_nodes.x.get( node ).cast<double>(), m_step ) };
 }
 
 double NodeSearch::overhang() const
@@ -174,7 +174,7 @@ void NodeSearch::plane( const Obstacle& obstacle )
 {
 	const NodeState& nodes = m_soft->impl().body->nodes();
 	const FarPlane far( obstacle );
-	const double radius = ( m_notesNear ? 2.0 * kCornerReach : 1.0 ) * double( m_soft->impl().shape->largestRadius() ) +
+	const double radius = ( m_refinesOnContact ? 2.0 * kCornerReach : 1.0 ) * double( m_soft->impl().shape->largestRadius() ) +
 		overhang(); // foresee() tests the corners of parents
 	const auto nearest = [&obstacle]( const MovingSphere& sphere, Touch& found ) { return findNearest( obstacle, sphere, found ); };
 	const auto find = [&obstacle]( const MovingSphere& sphere, Touch& found ) { return findTouch( obstacle, sphere, found ); };
@@ -183,8 +183,8 @@ void NodeSearch::plane( const Obstacle& obstacle )
 	Touch touch;
 	for ( int node = 0; node < nodes.count; ++node )
 	{
-		const Vec3d centre = nodes.x.get( node ).cast<double>(), way = m_step * nodes.v.get( node ).cast<double>();
-		if ( far.isClear( centre, isStill ? way : Vec3d( way - m_motion.way( centre, m_step ) ), radius ) )
+		const Vec3d centre = nodes.x.get( node ).cast<double>(), displacement = m_step * nodes.v.get( node ).cast<double>();
+		if ( far.isClear( centre, isStill ? displacement : Vec3d( displacement - m_motion.displacement( centre, m_step ) ), radius ) )
 		{
 			continue;
 		}
@@ -192,7 +192,7 @@ void NodeSearch::plane( const Obstacle& obstacle )
 		{
 			m_hits.push_back( NodeHit{ std::uint64_t( node ) << 32 | m_leaf, touch, obstacle.part, obstacle.index } );
 		}
-		if ( m_notesNear )
+		if ( m_refinesOnContact )
 		{
 			foresee( node, find );
 		}
@@ -201,9 +201,9 @@ void NodeSearch::plane( const Obstacle& obstacle )
 
 // Objects smaller than the spheres fall through the channels of a grid of spheres. Such an object refines the nodes it comes near, before
 // it touches: a node larger than the object whose box it enters is split; nodes near it of about its size are kept from merging.
-void NodeSearch::noteNear( int node, btScalar size ) const
+void NodeSearch::noteNearby( int node, btScalar size ) const
 {
-	if ( !m_notesNear )
+	if ( !m_refinesOnContact )
 	{
 		return;
 	}
@@ -241,7 +241,7 @@ void NodeSearch::foresee( int node, const Find& find ) const
 /// Distance from the coarsest node's centre to its corner, along each axis, an upper bound for all nodes. Zero where no corners are tested.
 btVector3 NodeSearch::cornerReach() const
 {
-	if ( !m_notesNear )
+	if ( !m_refinesOnContact )
 	{
 		return btVector3( 0, 0, 0 );
 	}
@@ -254,7 +254,7 @@ btVector3 NodeSearch::cornerReach() const
 template <class Find>
 void NodeSearch::foreseeIn( const btVector3& low, const btVector3& high, const Find& find )
 {
-	if ( !m_notesNear )
+	if ( !m_refinesOnContact )
 	{
 		return;
 	}
@@ -272,7 +272,7 @@ void NodeSearch::touchMarked( const Obstacle& obstacle, btScalar size, const Fin
 	const Obstacle then = looksAhead ? m_before.moved( obstacle, m_step ) : Obstacle{};
 	const auto nearest = [&obstacle]( const MovingSphere& sphere, Touch& found ) { return findNearest( obstacle, sphere, found ); };
 	m_marks.takeAll( [&]( int node ) {
-		noteNear( node, size );
+		noteNearby( node, size );
 		Touch touch;
 		const MovingSphere sphere = spheres.of( node );
 		if ( touches( node, sphere, nearest, find, touch ) &&
@@ -302,8 +302,8 @@ void NodeSearch::solid( const Obstacle& obstacle )
 	impl.shape->rows().visitOverlaps( SphereRows::Box::of( box.low, box.high ), [this]( int node ) { m_marks.add( node ); } );
 	if ( obstacle.shape->getShapeType() == BOX_SHAPE_PROXYTYPE )
 	{
-		const BoxTouch asked( obstacle );
-		touchMarked( obstacle, size, [&asked]( const MovingSphere& sphere, Touch& touch ) { return asked.find( sphere, touch ); } );
+		const BoxTouch boxTouch( obstacle );
+		touchMarked( obstacle, size, [&boxTouch]( const MovingSphere& sphere, Touch& touch ) { return boxTouch.find( sphere, touch ); } );
 	}
 	else
 	{
@@ -366,7 +366,7 @@ void NodeSearch::triangle( const Obstacle& mesh, const Vec3d ( &corners )[3] )
 	impl.shape->rows().visitOverlaps( SphereRows::Box::of( box.low, box.high ), [&]( int node ) {
 		Touch touch;
 		const MovingSphere sphere = spheres.of( node );
-		if ( ground.holds( sphere.centre, touch ) ||
+		if ( ground.contains( sphere.centre, touch ) ||
 			( touches( node, sphere, nearest, find, touch ) && ground.allows( sphere.centre, touch ) ) )
 		{
 			m_hits.push_back( NodeHit{ std::uint64_t( node ) << 32 | m_leaf, touch, mesh.part, mesh.index } );

@@ -77,24 +77,24 @@ private:
 	bool touches( int node, const MovingSphere& sphere, const Nearest& nearest, const Find& find, Touch& touch ) const;
 	template <class Find>
 	void touchMarked( const Obstacle& obstacle, btScalar size, const Find& find );
-	void noteNear( int node, btScalar size ) const;
+	void noteNearby( int node, btScalar size ) const;
 	btVector3 cornerReach() const;
 	double overhang() const; ///< of the contact surface, m
 	template <class Find>
 	void foresee( int node, const Find& find ) const;
 	template <class Find>
 	void foreseeIn( const btVector3& low, const btVector3& high, const Find& find );
-	void giveLeave( const SoftBody& first, const SoftBody* second );
-	void keepFlatNeighboursOut();
-	void meetCharacter();
+	void applyAllowances( const SoftBody& first, const SoftBody* second );
+	void dropFlatNeighbours();
+	void adjustForCharacter();
 	void sortHits();
 
 	Characters m_characters;
 	const SoftBody* m_soft = nullptr;
 	const ContactSurface* m_surface = nullptr; ///< null: the body is met in its nodes' own spheres
 	double m_step = 0.0;
-	bool m_notesNear = false;  ///< the body refines on contact
-	bool m_looksAhead = false; ///< the body steps implicitly, and its velocities at the substep's start are known
+	bool m_refinesOnContact = false; ///< the body refines on contact
+	bool m_looksAhead = false;       ///< the body steps implicitly, and its velocities at the substep's start are known
 	ObstacleMotion m_motion;
 	ObstacleMotion m_before; ///< without the step's forces: a body at rest does not fall
 	std::uint32_t m_leaf = 0;

@@ -16,7 +16,7 @@ namespace pliant {
 // character would follow, and so on down to the floor. They may penetrate it as deep as it penetrates them, without a force. Nodes beside
 // it are pushed out at the rate of rigid bodies in Bullet's world, which takes one step where explicit bodies take several, and deeper
 // penetration adds no velocity.
-void NodeSearch::meetCharacter()
+void NodeSearch::adjustForCharacter()
 {
 	for ( NodeHit& hit : m_hits )
 	{
@@ -25,7 +25,7 @@ void NodeSearch::meetCharacter()
 		{
 			// Its sweeps stop at the spheres, and it may penetrate the hollow between four of them.
 			hit.touch.distance += m_characters.allowance +
-				( hit.touch.reach < 0.0 ? 0.0 : kHollow * double( m_soft->impl().shape->sphereOfNode( hit.node() )->getRadius() ) );
+				( hit.touch.reach < 0.0 ? 0.0 : kHollowDepth * double( m_soft->impl().shape->sphereOfNode( hit.node() )->getRadius() ) );
 		}
 		else if ( depth > 0.0 )
 		{
@@ -36,7 +36,7 @@ void NodeSearch::meetCharacter()
 }
 
 // Contacts of new nodes within their allowance count as just touching.
-void NodeSearch::giveLeave( const SoftBody& first, const SoftBody* second )
+void NodeSearch::applyAllowances( const SoftBody& first, const SoftBody* second )
 {
 	PenetrationAllowance &own = first.impl().born, &others = second ? second->impl().born : own;
 	if ( !own.isAny() && !others.isAny() )
@@ -48,8 +48,8 @@ void NodeSearch::giveLeave( const SoftBody& first, const SoftBody* second )
 		const double depth = double( first.impl().shape->sphereOfNode( hit.node() )->getRadius() ) - hit.touch.distance;
 		if ( depth > 0.0 )
 		{
-			const double leave = own.leave( hit.node(), depth );
-			hit.touch.distance += second ? std::max( leave, others.leave( hit.other(), depth ) ) : leave;
+			const double allowed = own.allowedDepth( hit.node(), depth );
+			hit.touch.distance += second ? std::max( allowed, others.allowedDepth( hit.other(), depth ) ) : allowed;
 		}
 	}
 }
@@ -67,7 +67,7 @@ void NodeSearch::sortHits()
 
 // A sphere on a flat mesh is nearest to one triangle's face and to its neighbours' edges. An edge that does not protrude from the plane of
 // a nearer touch is no obstacle of its own; it would trip the node at every seam.
-void NodeSearch::keepFlatNeighboursOut()
+void NodeSearch::dropFlatNeighbours()
 {
 	const SoftBody::Impl& impl = m_soft->impl();
 	std::size_t kept = 0, groupStart = 0;

@@ -50,23 +50,24 @@ void shrinkSlack( const SoftBody::Impl& a, const SoftBody::Impl& b, double slack
 /// Whether two spheres are farther apart than their reaches, the contact margin and their relative displacement, m. Candidate pairs come
 /// from the sweeps of the bodies' fastest nodes, so that most of them are rejected here at less cost than by a contact test. `margin`: how
 /// much farther than the nodes' own spheres the contact spheres may reach.
-bool staysApart( const SphereRows::Meeting& meeting, const Vec3& way, float margin )
+bool staysApart( const SphereRows::NearSpheres& pair, const Vec3& displacement, float margin )
 {
-	const float farthest = meeting.reach + margin + way.norm();
-	return meeting.square > farthest * farthest;
+	const float farthest = pair.reach + margin + displacement.norm();
+	return pair.squaredDistance > farthest * farthest;
 }
 
 /// Keeps the pairs that may touch.
-void keepComing( std::vector<SphereRows::Meeting>& meetings, const NodeState& nodesA, const NodeState& nodesB, double step, float margin )
+void dropSeparate(
+	std::vector<SphereRows::NearSpheres>& pairs, const NodeState& nodesA, const NodeState& nodesB, double step, float margin )
 {
 	std::size_t kept = 0;
-	for ( const SphereRows::Meeting& meeting : meetings )
+	for ( const SphereRows::NearSpheres& pair : pairs )
 	{
-		meetings[kept] = meeting;
-		const Vec3 way = float( step ) * ( nodesA.v.get( meeting.nodeA ) - nodesB.v.get( meeting.nodeB ) );
-		kept += staysApart( meeting, way, margin ) ? 0 : 1;
+		pairs[kept] = pair;
+		const Vec3 displacement = float( step ) * ( nodesA.v.get( pair.nodeA ) - nodesB.v.get( pair.nodeB ) );
+		kept += staysApart( pair, displacement, margin ) ? 0 : 1;
 	}
-	meetings.resize( kept );
+	pairs.resize( kept );
 }
 
 /// A node of the second body: position in the first body's coordinates, m, and radius of its own sphere.
@@ -108,13 +109,13 @@ public:
 		// Reversed: the first node's sphere against the second node's patch.
 		MovingSphere second;
 		second.centre = ball.at;
-		second.way = -sphere.way;
+		second.displacement = -sphere.displacement;
 		second.radius = ball.radius;
 		second.shape = sphere.shape;
 		const PatchAnswer answer = findOn( m_b, other, second, sphere.centre, sphere.radius, touch );
 		if ( answer == PatchAnswer::Touches )
 		{
-			touch = turned( touch, second, sphere );
+			touch = fromSecond( touch, second, sphere );
 		}
 		return answer;
 	}
@@ -130,7 +131,7 @@ private:
 			[&]( const MovingSphere& now, Touch& found ) { return findBallTouch( radius, at, now, found ); }, touch );
 	}
 	/// Converts a touch of the second body to one of the first, at the point half-way between the two surfaces.
-	static Touch turned( const Touch& touch, const MovingSphere& second, const MovingSphere& first )
+	static Touch fromSecond( const Touch& touch, const MovingSphere& second, const MovingSphere& first )
 	{
 		const double gap = touch.distance - second.radius;
 		const Vec3d at = second.centre + touch.otherPoint( second.radius ) - first.centre;
@@ -197,7 +198,7 @@ private:
 };
 
 /// Replaces both nodes' spheres by the round spheres of their faces.
-void roundOff( const SoftBody& a, int nodeA, MovingSphere& sphere, const SoftBody& b, int nodeB, Vec3d& at, double& radius )
+void makeRound( const SoftBody& a, int nodeA, MovingSphere& sphere, const SoftBody& b, int nodeB, Vec3d& at, double& radius )
 {
 	const RoundSphere one = roundSphere( a, nodeA, at - sphere.centre ), other = roundSphere( b, nodeB, sphere.centre - at );
 	sphere.centre += one.inwards;
@@ -222,7 +223,7 @@ std::vector<NodeHit>& NodeSearch::againstSoft( const SoftBody& a, const SoftBody
 	// Fragments have faces that fit into each other cell by cell.
 	const bool hasPatches = slack == 0.0 && implA.isImplicit && implB.isImplicit && ( implA.isMetAsDrawn() || implB.isMetAsDrawn() );
 	const PatchPairs patches( a, b ); // used only where there are patches
-	const bool isRound = slack == 0.0 && meetRound( a, b );
+	const bool isRound = slack == 0.0 && useRoundSpheres( a, b );
 	double deepest = 0.0;
 	const Vec3d fromAToB = nodesA.origin - nodesB.origin; // added to a position in A's coordinates gives one in B's
 	const btVector3 shapesApart = toBt( fromAToB + ( implA.shapeShift - implB.shapeShift ).cast<double>() );
@@ -233,21 +234,21 @@ std::vector<NodeHit>& NodeSearch::againstSoft( const SoftBody& a, const SoftBody
 	const float farther = float( around.length() ); // as findPairs computes it: stretched cells have more margin
 	const btVector3 low = shapeA.sweepLow() - shapeB.sweepHigh() - around, high = shapeA.sweepHigh() - shapeB.sweepLow() + around;
 	SphereRows::findPairs( shapeA.rows(), shapeB.rows(), SphereRows::Approach{ shapesApart, low, high }, m_pairs );
-	keepComing( m_pairs.found, nodesA, nodesB, step, farther );
-	for ( const SphereRows::Meeting& meeting : m_pairs.found )
+	dropSeparate( m_pairs.found, nodesA, nodesB, step, farther );
+	for ( const SphereRows::NearSpheres& pair : m_pairs.found )
 	{
-		const int nodeA = meeting.nodeA, nodeB = meeting.nodeB;
-		const Vec3 speedA = nodesA.v.get( nodeA ), speedB = nodesB.v.get( nodeB );
+		const int nodeA = pair.nodeA, nodeB = pair.nodeB;
+		const Vec3 velocityA = nodesA.v.get( nodeA ), velocityB = nodesB.v.get( nodeB );
 		MovingSphere sphere;
 		sphere.radius = double( shapeA.sphereOfNode( nodeA )->getRadius() );
 		sphere.centre = nodesA.x.get( nodeA ).cast<double>();
-		sphere.way = step * speedA.cast<double>() - step * speedB.cast<double>();
+		sphere.displacement = step * velocityA.cast<double>() - step * velocityB.cast<double>();
 		Vec3d at = nodesB.x.get( nodeB ).cast<double>() - fromAToB;
 		double radius = double( shapeB.sphereOfNode( nodeB )->getRadius() );
 		const double own = sphere.radius;
 		if ( isRound )
 		{
-			roundOff( a, nodeA, sphere, b, nodeB, at, radius );
+			makeRound( a, nodeA, sphere, b, nodeB, at, radius );
 		}
 		Touch touch;
 		const PatchAnswer answer = hasPatches ? patches.find( sphere, nodeA, Ball{ at, radius, nodeB }, touch ) : PatchAnswer::UseSphere;
@@ -265,7 +266,7 @@ std::vector<NodeHit>& NodeSearch::againstSoft( const SoftBody& a, const SoftBody
 		}
 	}
 	shrinkSlack( implA, implB, slack, deepest );
-	giveLeave( a, &b );
+	applyAllowances( a, &b );
 	sortHits();
 	return m_hits;
 }

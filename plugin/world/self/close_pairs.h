@@ -18,7 +18,7 @@ class ClosePairs
 public:
 	struct Sphere
 	{
-		Vec3 place;
+		Vec3 position;
 		float radius;
 		std::uint32_t number;
 	};
@@ -35,19 +35,19 @@ public:
 	void find( const std::vector<Sphere>& spheres, float slop, float margin, const Held* held, std::vector<std::uint64_t>& pairs );
 	/// Appends only the pairs with at least one sphere that is selected by its number in `isOf` (not 0): each selected sphere is tested
 	/// against all others, without a grid.
-	void findOf( const std::vector<Sphere>& spheres, const std::vector<std::uint8_t>& isOf, float slop, float margin, const Held* held,
-		std::vector<std::uint64_t>& pairs );
+	void findOf( const std::vector<Sphere>& spheres, const std::vector<std::uint8_t>& isSelected, float slop, float margin,
+		const Held* held, std::vector<std::uint64_t>& pairs );
 
 private:
 	/// Spheres as arrays of components.
-	struct Lot
+	struct SphereList
 	{
 		std::vector<float> x, y, z, radius;
 		std::vector<std::uint32_t> number;
 
 		void resize( std::size_t count );
 		void set( std::size_t at, const Sphere& sphere );
-		void copy( const Lot& from, std::size_t first, std::size_t last, std::size_t to );
+		void copy( const SphereList& from, std::size_t first, std::size_t last, std::size_t to );
 	};
 	struct Grid
 	{
@@ -58,25 +58,25 @@ private:
 		Vec3 low;
 		Eigen::Vector3i count;
 		/// The cell of a position, clamped to one cell outside the grid.
-		Eigen::Vector3i cellAt( const Vec3& place ) const;
+		Eigen::Vector3i cellAt( const Vec3& position ) const;
 	};
 
 	void sortSizes( const std::vector<Sphere>& spheres );
 	void makeGrid( const std::vector<Sphere>& spheres, const std::vector<std::uint32_t>& which );
-	void askCell( const Grid& own, const Eigen::Vector3i& cell, const Held* held, std::vector<std::uint64_t>& pairs );
-	void layAside( const Grid& grid, const Eigen::Vector3i& least, const Eigen::Vector3i& most, std::size_t from );
+	void searchCell( const Grid& own, const Eigen::Vector3i& cell, const Held* held, std::vector<std::uint64_t>& pairs );
+	void gatherCells( const Grid& grid, const Eigen::Vector3i& least, const Eigen::Vector3i& most, std::size_t from );
 	void begin( std::size_t count, float slop, float margin, const Held* held );
-	void ask( const Vec3& place, float radius, std::size_t from );
-	void keepFree( std::uint32_t a, const Held* held, std::vector<std::uint64_t>& pairs );
+	void findNear( const Vec3& position, float radius, std::size_t from );
+	void appendFree( std::uint32_t a, const Held* held, std::vector<std::uint64_t>& pairs );
 
 	float m_slop = 0.0f, m_margin = 0.0f;
 	std::vector<float> m_size;                        // largest radius of each size class, ascending
 	std::vector<std::vector<std::uint32_t>> m_ofSize; // spheres of each size class
 	std::vector<Grid> m_grid;                         // one per size class that has spheres
 	std::vector<std::uint32_t> m_start;               // of each grid: by cell, x fastest, the first sphere, and one past the last
-	Lot m_sorted;                                     // in the order of grids and cells
-	Lot m_aside;                                      // the spheres around a cell
-	std::size_t m_asideCount = 0;
+	SphereList m_sorted;                              // in the order of grids and cells
+	SphereList m_gathered;                            // the spheres around a cell
+	std::size_t m_gatheredCount = 0;
 	std::vector<std::uint32_t> m_near; // numbers of spheres near one sphere; capacity for all gathered ones
 	std::size_t m_nearCount = 0;
 	std::vector<std::uint32_t> m_owner; // by number: the last sphere whose row contains it

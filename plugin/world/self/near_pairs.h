@@ -22,42 +22,42 @@ public:
 	/// unchanged.
 	void renumber( const std::vector<std::uint32_t>& nodeNow );
 	/// Number of queries by nodes since construction: a measure of the cost.
-	long long asked() const { return m_asked; }
+	long long queryCount() const { return m_queryCount; }
 
 private:
 	/// State of a node when it last searched for near nodes.
-	struct Then
+	struct Record
 	{
-		Vec3 place;   ///< less the mean displacement at that time
-		float radius; ///< of its sphere; less than 0: no sphere, or no search yet
+		Vec3 position; ///< less the mean displacement at that time
+		float radius;  ///< of its sphere; less than 0: no sphere, or no search yet
 	};
 
 	float radiusOf( int node ) const;
-	void takeNumbers();
+	void applyNumbers();
 	bool hasSameRow( std::uint32_t node ) const;
-	void measureDrift( const NodeState& nodes );
-	void findAsking( const NodeState& nodes );
+	void measureMeanMotion( const NodeState& nodes );
+	void findOutdated( const NodeState& nodes );
 	void follow( const NodeState& nodes );
-	void ask( const NodeState& nodes );
+	void update( const NodeState& nodes );
 
 	const SoftBody* m_soft = nullptr;
 	double m_step = 0.0;
 	const std::vector<std::uint32_t>* m_rowStart = nullptr; ///< of each node: those a region holds with it
 	const std::vector<std::uint32_t>* m_rowTo = nullptr;
-	Vec3 m_way = Vec3::Zero(),
-		 m_drift = Vec3::Zero(); ///< mean displacement of all nodes since positions were first recorded; and mean velocity
-	double m_margin = 0.0;       ///< m
+	Vec3 m_meanDisplacement = Vec3::Zero(),
+		 m_meanVelocity = Vec3::Zero(); ///< mean displacement of all nodes since positions were first recorded; and mean velocity
+	double m_margin = 0.0;              ///< m
 	bool m_isRelinked = true;
 	std::vector<std::uint64_t> m_pairs;
-	std::vector<Then> m_then;
-	std::vector<std::uint32_t> m_startThen, m_toThen; ///< rows at the last update
-	bool m_hasNumbers = false;                        ///< node numbers differ from those of the stored rows
-	std::vector<std::uint32_t> m_now, m_before;       ///< present number of each node of the stored rows; and the reverse
-	std::vector<std::uint32_t> m_asking;
-	std::vector<std::uint8_t> m_isAsking;
+	std::vector<Record> m_records;
+	std::vector<std::uint32_t> m_recordedStart, m_recordedTo; ///< rows at the last update
+	bool m_isRenumbered = false;                              ///< node numbers differ from those of the stored rows
+	std::vector<std::uint32_t> m_newNumber, m_oldNumber;      ///< present number of each node of the stored rows; and the reverse
+	std::vector<std::uint32_t> m_outdated;
+	std::vector<std::uint8_t> m_isOutdated;
 	std::vector<ClosePairs::Sphere> m_spheres;
 	ClosePairs m_close;
-	long long m_asked = 0;
+	long long m_queryCount = 0;
 };
 
 } // namespace pliant

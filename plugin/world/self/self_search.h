@@ -46,12 +46,12 @@ private:
 		double depth; ///< m
 	};
 
-	void consider( int a, int b );
+	void testPair( int a, int b );
 	Touch touchOf( int a, int b, const Vec3& apart );
 	bool faceAwayAtRest( int a, int b );
 	Vec3 outwardAtRest( int node );
 	Vec3 outwardNow( int node );
-	void giveSlack();
+	void applySlack();
 
 	const SoftBody* m_soft = nullptr;
 	const Body* m_body = nullptr;

@@ -34,9 +34,9 @@ private:
 
 public:
 	SoftBody* owner = nullptr;
-	int node = -1;  ///< -1: a change of levels removed the node; whatever refers to the proxy releases it in the next collision phase
-	int uses = 0;   ///< manifolds and predictive contacts that refer to it
-	int place = -1; ///< in its owner's list of touched nodes
+	int node = -1; ///< -1: a change of levels removed the node; whatever refers to the proxy releases it in the next collision phase
+	int uses = 0;  ///< manifolds and predictive contacts that refer to it
+	int touchedIndex = -1;                    ///< in its owner's list of touched nodes
 	btScalar mass = btScalar( 1 );            ///< kg, 0 while the node is held
 	unsigned stamp = 0;                       ///< collision phase in which it was last written
 	unsigned step = 0;                        ///< game step in which its surface properties were last checked
@@ -56,7 +56,7 @@ public:
 	void follow( const SoftBody& owner, unsigned step );
 	/// Increases with every change of a property; 0 before the first read.
 	unsigned version() const { return m_version; }
-	void giveTo( ContactProxy& body ) const;
+	void applyTo( ContactProxy& body ) const;
 
 private:
 	struct Values
@@ -106,7 +106,7 @@ public:
 	{
 		++m_phase;
 		m_step += isNewStep ? 1 : 0;
-		m_forgetsForces = isNewStep ? m_hadCallback : m_forgetsForces;
+		m_clearsForces = isNewStep ? m_hadCallback : m_clearsForces;
 		m_hadCallback = hasContactCallback() || ( !isNewStep && m_hadCallback );
 	}
 	unsigned phase() const { return m_phase; }
@@ -131,7 +131,7 @@ public:
 private:
 	std::vector<ContactProxy*> m_all, m_free;
 	unsigned m_phase = 1, m_step = 1;
-	bool m_hadCallback = false, m_forgetsForces = false; ///< in this step; in the last one: proxies may have received forces
+	bool m_hadCallback = false, m_clearsForces = false; ///< in this step; in the last one: proxies may have received forces
 };
 
 } // namespace pliant

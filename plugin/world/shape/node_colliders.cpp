@@ -9,7 +9,7 @@ namespace pliant {
 namespace {
 
 /// Largest depth below the surface that is counted, in links.
-int mostDepth( const Octree& octree )
+int largestDepth( const Octree& octree )
 {
 	return 1 << ( octree.levels - 1 );
 }
@@ -18,13 +18,13 @@ int mostDepth( const Octree& octree )
 /// them.
 template <class Lowered>
 void flood(
-	const Lattice& lattice, std::vector<std::uint32_t> ring, int layer, int most, std::vector<std::uint8_t>& depth, Lowered&& lowered )
+	const Lattice& lattice, std::vector<std::uint32_t> front, int layer, int most, std::vector<std::uint8_t>& depth, Lowered&& lowered )
 {
 	std::vector<std::uint32_t> next;
-	while ( ++layer <= most && !ring.empty() )
+	while ( ++layer <= most && !front.empty() )
 	{
 		next.clear();
-		for ( const std::uint32_t i : ring )
+		for ( const std::uint32_t i : front )
 		{
 			for ( std::uint32_t k = lattice.linkStart[i]; k < lattice.linkStart[i + 1]; ++k )
 			{
@@ -37,7 +37,7 @@ void flood(
 				}
 			}
 		}
-		ring.swap( next );
+		front.swap( next );
 	}
 }
 
@@ -45,7 +45,7 @@ void flood(
 std::vector<std::uint8_t> depthBelowSurface( const Lattice& lattice, int most )
 {
 	std::vector<std::uint8_t> depth( std::size_t( lattice.cellCount() ), std::uint8_t( most + 1 ) );
-	std::vector<std::uint32_t> ring;
+	std::vector<std::uint32_t> front;
 	for ( std::uint32_t i = 0; i < std::uint32_t( lattice.cellCount() ); ++i )
 	{
 		const auto first = lattice.linkTo.begin() + lattice.linkStart[i], last = lattice.linkTo.begin() + lattice.linkStart[i + 1];
@@ -56,10 +56,10 @@ std::vector<std::uint8_t> depthBelowSurface( const Lattice& lattice, int most )
 		else if ( std::any_of( first, last, [&lattice]( std::uint32_t to ) { return lattice.isSurface[to] != 0; } ) )
 		{
 			depth[i] = 1;
-			ring.push_back( i );
+			front.push_back( i );
 		}
 	}
-	flood( lattice, std::move( ring ), 1, most, depth, []( std::uint32_t ) {} );
+	flood( lattice, std::move( front ), 1, most, depth, []( std::uint32_t ) {} );
 	return depth;
 }
 
@@ -149,7 +149,7 @@ NodeColliders measureColliders( const Lattice& lattice, const Octree& octree )
 	NodeColliders colliders;
 	colliders.radius.reserve( std::size_t( octree.nodeCount() ) );
 	colliders.collides.reserve( std::size_t( octree.nodeCount() ) );
-	colliders.depth = depthBelowSurface( lattice, mostDepth( octree ) );
+	colliders.depth = depthBelowSurface( lattice, largestDepth( octree ) );
 	std::vector<int> nearest( std::size_t( octree.nodeCount() ), std::numeric_limits<int>::max() );
 	std::copy( colliders.depth.begin(), colliders.depth.end(), nearest.begin() );
 	std::vector<double> reaches;
@@ -203,8 +203,8 @@ NodeColliders followColliders( const Lattice& lattice, const Octree& octree, con
 	{
 		colliders.depth[cell] = 0;
 	}
-	flood(
-		lattice, change.touched, 0, mostDepth( octree ), colliders.depth, [&lowered]( std::uint32_t cell ) { lowered.push_back( cell ); } );
+	flood( lattice, change.touched, 0, largestDepth( octree ), colliders.depth,
+		[&lowered]( std::uint32_t cell ) { lowered.push_back( cell ); } );
 	std::vector<double> reaches;
 	CellReaches cells( lattice );
 	for ( std::uint32_t node = 0, level = 0; node < nodes; ++node )

@@ -141,13 +141,13 @@ void NodeShape::followLevels( const Body& body, const Vec3& shift, bool isPlaced
 	const Levels& levels = *body.levels();
 	const LevelChange& change = levels.lastChange();
 	const auto collides = [&]( int node ) { return m_colliders.collides[levels.cut().node[std::size_t( node )]] != 0; };
-	const NewChildren born( change, collides );
+	const NewChildren added( change, collides );
 	renumberSpheres( levels );
 	bool isSameTree = true; // except for replaced leaves
 	for ( int child = int( m_nodeOfChild.size() ); child-- > 0; )
 	{
 		const int node = m_nodeOfChild[child];
-		if ( change.keptAs[std::size_t( node )] == kNoNode && born.count( node ) == 0 )
+		if ( change.keptAs[std::size_t( node )] == kNoNode && added.count( node ) == 0 )
 		{
 			removeChild( child );
 			isSameTree = false;
@@ -164,8 +164,8 @@ void NodeShape::followLevels( const Body& body, const Vec3& shift, bool isPlaced
 			m_childOfNode[now] = child;
 			continue;
 		}
-		const auto first = born.node.begin() + born.start[std::size_t( before )];
-		splitLeaf( child, std::vector<int>( first, first + born.count( before ) ), inner, PlacedNodes{ body.nodes(), shift } );
+		const auto first = added.node.begin() + added.start[std::size_t( before )];
+		splitLeaf( child, std::vector<int>( first, first + added.count( before ) ), inner, PlacedNodes{ body.nodes(), shift } );
 	}
 	for ( int i = 0; i < body.nodeCount(); ++i )
 	{
@@ -178,7 +178,7 @@ void NodeShape::followLevels( const Body& body, const Vec3& shift, bool isPlaced
 	m_areRowsKnown = false;
 	if ( isSameTree && m_isRefitKnown )
 	{
-		m_refit.putBefore( inner );
+		m_refit.prepend( inner );
 	}
 	m_isRefitKnown = m_isRefitKnown && isSameTree;
 	if ( !isPlacedNext )

@@ -10,10 +10,10 @@ namespace pliant {
 namespace {
 
 /// Inserting leaves one by one takes twenty times as long as building a tree: above this fraction of inserted leaves the tree is rebuilt.
-constexpr double kMostPutIn = 0.05;
+constexpr double kMostInserted = 0.05;
 
 /// Removing spheres one by one is faster than rebuilding as long as this fraction of a body remains.
-constexpr double kLeastLeft = 0.8;
+constexpr double kLeastRemaining = 0.8;
 
 } // namespace
 
@@ -50,7 +50,7 @@ bool NodeShape::renumber( const std::vector<std::uint32_t>& nodeNow, const std::
 bool NodeShape::followCracks( const Body& body, const std::vector<std::uint32_t>& nodeNow, const std::vector<std::uint32_t>& nodeBefore,
 	const CollidersChange& change )
 {
-	if ( double( nodeBefore.size() ) < kLeastLeft * double( nodeNow.size() ) )
+	if ( double( nodeBefore.size() ) < kLeastRemaining * double( nodeNow.size() ) )
 	{
 		return false;
 	}
@@ -61,7 +61,7 @@ bool NodeShape::followCracks( const Body& body, const std::vector<std::uint32_t>
 							  : measureColliders( body.lattice(), levels->octree() );
 		m_smallestRadius = btScalar( *std::min_element( m_colliders.radius.begin(), m_colliders.radius.end() ) );
 	}
-	std::vector<int> bare;
+	std::vector<int> exposed;
 	for ( int i = 0; i < body.nodeCount(); ++i )
 	{
 		const bool isNear = collides( body, i ), wasNear = m_childOfNode[std::size_t( nodeBefore[std::size_t( i )] )] >= 0;
@@ -71,14 +71,14 @@ bool NodeShape::followCracks( const Body& body, const std::vector<std::uint32_t>
 		}
 		if ( isNear && !wasNear )
 		{
-			bare.push_back( i );
+			exposed.push_back( i );
 		}
 	}
-	if ( double( bare.size() ) > kMostPutIn * double( m_nodeOfChild.size() ) )
+	if ( double( exposed.size() ) > kMostInserted * double( m_nodeOfChild.size() ) )
 	{
 		return false;
 	}
-	const bool hasLost = nodeBefore.size() < nodeNow.size(), isSameTree = bare.empty() && !hasLost;
+	const bool hasLost = nodeBefore.size() < nodeNow.size(), isSameTree = exposed.empty() && !hasLost;
 	const bool keepsNumbers = renumber( nodeNow, nodeBefore );
 	if ( hasLost && !body.levels() )
 	{
@@ -87,7 +87,7 @@ bool NodeShape::followCracks( const Body& body, const std::vector<std::uint32_t>
 		m_smallestRadius = ( *smallest )->getRadius();
 		m_largestRadius = ( *largest )->getRadius();
 	}
-	for ( const int i : bare )
+	for ( const int i : exposed )
 	{
 		addNode( i, body.nodes().x.get( i ), m_sphereOfNode[i] ); // placed with all others when the substep continues
 	}

@@ -71,8 +71,8 @@ private:
 		btVector3 low( BT_LARGE_FLOAT, BT_LARGE_FLOAT, BT_LARGE_FLOAT ), high( -low );
 		for ( int k = first; k < last; ++k )
 		{
-			const btScalar* const place = m_order[std::size_t( k )].at;
-			const btVector3 at( place[0], place[1], place[2] );
+			const btScalar* const p = m_order[std::size_t( k )].at;
+			const btVector3 at( p[0], p[1], p[2] );
 			low.setMin( at );
 			high.setMax( at );
 		}
@@ -156,7 +156,7 @@ void TreeRefit::collect( btDbvtNode* root )
 	m_inner.insert( m_inner.end(), above.rbegin(), above.rend() );
 }
 
-void TreeRefit::putBefore( std::vector<btDbvtNode*>& fresh )
+void TreeRefit::prepend( std::vector<btDbvtNode*>& fresh )
 {
 	for ( int& bound : m_branch )
 	{
@@ -179,7 +179,7 @@ void TreeRefit::run( int first, int last ) const
 {
 	for ( int k = first; k < last; ++k )
 	{
-		__builtin_prefetch( m_inner[std::size_t( std::min( k + kAskedAhead, last - 1 ) )], 1 );
+		__builtin_prefetch( m_inner[std::size_t( std::min( k + kPrefetchDistance, last - 1 ) )], 1 );
 		btDbvtNode* const node = m_inner[std::size_t( k )];
 		Merge( node->childs[0]->volume, node->childs[1]->volume, node->volume );
 	}

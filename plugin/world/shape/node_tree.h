@@ -14,7 +14,7 @@ namespace pliant {
 class TaskRunner;
 
 /// Prefetch distance of a refit: a tree's nodes are scattered in memory, and waiting for them is most of the time.
-inline constexpr int kAskedAhead = 8;
+inline constexpr int kPrefetchDistance = 8;
 
 /// Builds a tree over the children `which` of a compound, at least one, by recursive bisection along the longest side. Boxes are not set.
 btDbvtNode* buildNodeTree( btCompoundShapeChild* children, const std::vector<int>& which );
@@ -34,7 +34,7 @@ public:
 	/// Collects them from the root, which may be null.
 	void collect( btDbvtNode* root );
 	/// Prepends the inner nodes of trees that replaced leaves, children before parents. The contents of `fresh` are unspecified afterwards.
-	void putBefore( std::vector<btDbvtNode*>& fresh );
+	void prepend( std::vector<btDbvtNode*>& fresh );
 	/// Computes all inner boxes from the leaves' boxes. `runner` may be null.
 	void run( TaskRunner* runner ) const;
 	std::size_t count() const { return m_inner.size(); }

@@ -19,15 +19,15 @@ public:
 	static PenetrationAllowance of( const PenetrationAllowance& parent, const std::vector<std::uint32_t>& nodeBefore );
 
 	/// Whether any node has an allowance; otherwise nothing is looked up or stored.
-	bool isAny() const { return !m_leave.empty(); }
+	bool isAny() const { return !m_allowed.empty(); }
 	/// The allowed part of a node's penetration `depth`, 0 to depth, m; recorded until the end of the phase.
-	double leave( int node, double depth );
+	double allowedDepth( int node, double depth );
 	/// After all contacts of a collision phase: limits each allowance to the largest depth recorded, less `out`, m.
 	void endPhase( double out );
 
 private:
-	std::vector<float> m_leave; ///< by node, m; infinity until measured; empty: no node has one
-	std::vector<float> m_found; ///< largest depth recorded in this phase
+	std::vector<float> m_allowed; ///< by node, m; infinity until measured; empty: no node has one
+	std::vector<float> m_found;   ///< largest depth recorded in this phase
 };
 
 } // namespace pliant

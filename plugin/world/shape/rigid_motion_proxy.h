@@ -15,9 +15,9 @@ struct RigidMotionProxy
 {
 	SoftBody* soft = nullptr;
 	btRigidBody* rigid = nullptr;
-	Vec3d speed = Vec3d::Zero();                       ///< rad/s
-	Eigen::Matrix3d inverse = Eigen::Matrix3d::Zero(); ///< of the inertia tensor; 0: not rotatable
-	Vec3d centre = Vec3d::Zero();                      ///< mass centre of a soft body, relative to its origin, m
+	Vec3d angularVelocity = Vec3d::Zero();                    ///< rad/s
+	Eigen::Matrix3d inverseInertia = Eigen::Matrix3d::Zero(); ///< of the inertia tensor; 0: not rotatable
+	Vec3d centre = Vec3d::Zero();                             ///< mass centre of a soft body, relative to its origin, m
 
 	explicit RigidMotionProxy( btCollisionObject* object );
 	/// Applies an angular impulse, N m s; all nodes of a soft body rotate.

@@ -48,10 +48,10 @@ public:
 	};
 
 	/// Two spheres that may touch by the sweeps of both bodies; the caller tests the nodes' own velocities.
-	struct Meeting
+	struct NearSpheres
 	{
 		int nodeA, nodeB;
-		float square, reach; ///< squared distance of the centres, m^2; sum of the reaches, m
+		float squaredDistance, reach; ///< squared distance of the centres, m^2; sum of the reaches, m
 	};
 
 	/// Takes the spheres of a tree's leaves in order; leaves hold indices of children. Positions are set by place().
@@ -69,7 +69,7 @@ public:
 	{
 		visitRows( box, [&]( int at ) {
 			const Row& row = m_rows[std::size_t( at )];
-			forEach( met( row, box ), [&]( int k ) { visit( row.node[k] ); } );
+			forEach( overlapping( row, box ), [&]( int k ) { visit( row.node[k] ); } );
 		} );
 	}
 	/// Result and scratch of a search for pairs; owned by the caller.
@@ -77,7 +77,7 @@ public:
 	{
 		/// Selected lanes of rows, each with the index of its source: all eight are written and the count advances by the selected ones. A
 		/// loop over the selected lanes would be mispredicted almost every time.
-		struct Lot
+		struct LaneList
 		{
 			std::vector<std::uint8_t> lane;
 			std::vector<std::uint32_t> from;
@@ -86,10 +86,10 @@ public:
 			void add( std::uint32_t source, unsigned lanes );
 		};
 
-		std::vector<Meeting> found; ///< all pairs of spheres that may touch, and some that nearly do
+		std::vector<NearSpheres> found; ///< all pairs of spheres that may touch, and some that nearly do
 		std::vector<int> rows;
 		std::vector<std::array<int, 2>> rowPairs;
-		Lot asking, near;
+		LaneList candidates, near;
 	};
 	/// Fills `pairs.found`, in an order that follows from the rows: rows whose boxes overlap, spheres of the one that overlap the other's
 	/// box, and spheres within reach of each of them.
@@ -157,7 +157,7 @@ private:
 		}
 		return boxes;
 	}
-	static Lanes met( const Boxes& boxes, const Box& box )
+	static Lanes overlapping( const Boxes& boxes, const Box& box )
 	{
 		return eachHalf( [&]( int k ) {
 			const I4 alongX = ( load( boxes.low[0] + k ) <= F4{} + box.high[0] ) & ( load( boxes.high[0] + k ) >= F4{} + box.low[0] );
@@ -166,9 +166,9 @@ private:
 			return alongX & alongY & alongZ;
 		} );
 	}
-	static Lanes met( const Row& row, const Box& box )
+	static Lanes overlapping( const Row& row, const Box& box )
 	{
-		return met( boxesOf( row ), box );
+		return overlapping( boxesOf( row ), box );
 	}
 	/// Lanes whose centres are nearer to `x` than the sum of both reaches.
 	static Lanes near( const Row& row, const float ( &x )[3], float reach )
@@ -199,7 +199,7 @@ private:
 	template <class Visit>
 	void descend( int rank, int at, const Box& box, Visit& visit ) const // NOLINT(misc-no-recursion): as deep as the logarithm of the count
 	{
-		forEach( met( m_boxes[std::size_t( m_rank[std::size_t( rank )] + at )], box ), [&]( int k ) {
+		forEach( overlapping( m_boxes[std::size_t( m_rank[std::size_t( rank )] + at )], box ), [&]( int k ) {
 			if ( rank == 0 )
 			{
 				visit( at * kWide + k );

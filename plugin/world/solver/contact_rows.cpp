@@ -13,7 +13,7 @@ namespace pliant {
 namespace {
 
 /// Incomplete groups that are searched before a new one is started.
-constexpr std::size_t kMostLooks = 16;
+constexpr std::size_t kMostSearched = 16;
 
 /// `to` becomes `yes` where `which` is set, and is unchanged elsewhere.
 inline void put( Lanes& to, const LaneMask& which, const Lanes& yes )
@@ -53,10 +53,10 @@ inline void solveFour( FourRows& row, const FourRows* presses, btVector3* change
 {
 	const Lanes none{};
 	FourVelocities a( change, row.a ), b( change, kHasB ? row.b : row.a );
-	Lanes d = row.rhs - row.impulse * row.cfm - ( row.normal[0] * a.x + row.normal[1] * a.y + row.normal[2] * a.z ) * row.perSpeed;
+	Lanes d = row.rhs - row.impulse * row.cfm - ( row.normal[0] * a.x + row.normal[1] * a.y + row.normal[2] * a.z ) * row.effectiveMass;
 	if constexpr ( kHasB )
 	{
-		d += ( row.normal[0] * b.x + row.normal[1] * b.y + row.normal[2] * b.z ) * row.perSpeed;
+		d += ( row.normal[0] * b.x + row.normal[1] * b.y + row.normal[2] * b.z ) * row.effectiveMass;
 	}
 	Lanes impulse = d, held = row.impulse + d;
 	if ( presses )
@@ -91,65 +91,65 @@ inline void solveFour( FourRows& row, const FourRows* presses, btVector3* change
 	Lanes off;
 	for ( int lane = 0; lane < kRowLanes; ++lane )
 	{
-		off[lane] = btScalar( impulse[lane] * row.perImpulse[lane] );
+		off[lane] = btScalar( impulse[lane] * row.inverseEffectiveMass[lane] );
 	}
 	off *= off;
 	put( worst, off > worst, off );
 }
 
 /// The unclamped impulse of a node and a rotating body. Bullet evaluates the first body first.
-inline btScalar asked( const RollingRow& row, const btSolverBody& body, const btVector3& speed )
+inline btScalar unclampedImpulse( const RollingRow& row, const btSolverBody& body, const btVector3& velocity )
 {
 	const btScalar turned = -(
-		( row.normal.dot( body.getDeltaLinearVelocity() ) + row.cross.dot( body.getDeltaAngularVelocity() ) ) * row.perSpeed );
-	const btScalar moved = row.normal.dot( speed ) * row.perSpeed;
+		( row.normal.dot( body.getDeltaLinearVelocity() ) + row.cross.dot( body.getDeltaAngularVelocity() ) ) * row.effectiveMass );
+	const btScalar moved = row.normal.dot( velocity ) * row.effectiveMass;
 	return row.rhs - row.impulse * row.cfm + ( row.isBodyFirst ? turned : moved ) + ( row.isBodyFirst ? moved : turned );
 }
 
-inline btScalar take( const RollingRow& row, btSolverBody& body, btVector3& speed, btScalar impulse )
+inline btScalar applyImpulse( const RollingRow& row, btSolverBody& body, btVector3& velocity, btScalar impulse )
 {
 	body.internalApplyImpulse( row.normal * body.internalGetInvMass(), row.angular, impulse );
-	speed -= row.normal * row.inverse * impulse;
-	return btScalar( impulse * row.perImpulse );
+	velocity -= row.normal * row.inverseMass * impulse;
+	return btScalar( impulse * row.inverseEffectiveMass );
 }
 
-inline btScalar press( RollingRow& row, btSolverBody& body, btVector3& speed )
+inline btScalar press( RollingRow& row, btSolverBody& body, btVector3& velocity )
 {
-	const btScalar d = asked( row, body, speed ), sum = row.impulse + d;
+	const btScalar d = unclampedImpulse( row, body, velocity ), sum = row.impulse + d;
 	const btScalar impulse = sum < 0 ? -row.impulse : d;
 	row.impulse = sum < 0 ? 0 : sum;
-	return take( row, body, speed, impulse );
+	return applyImpulse( row, body, velocity, impulse );
 }
 
-inline btScalar rub( RollingRow& row, btSolverBody& body, btVector3& speed, btScalar pressed )
+inline btScalar rub( RollingRow& row, btSolverBody& body, btVector3& velocity, btScalar pressed )
 {
-	const btScalar high = row.friction * pressed, low = -high, d = asked( row, body, speed ), sum = row.impulse + d;
+	const btScalar high = row.friction * pressed, low = -high, d = unclampedImpulse( row, body, velocity ), sum = row.impulse + d;
 	const btScalar held = sum < low ? low : sum > high ? high : sum;
 	const btScalar impulse = sum < low || sum > high ? held - row.impulse : d;
 	row.impulse = held;
-	return take( row, body, speed, impulse );
+	return applyImpulse( row, body, velocity, impulse );
 }
 
-void note( btScalar off, Lanes& worst )
+void raiseWorst( btScalar off, Lanes& worst )
 {
 	worst[0] = std::max( worst[0], off * off );
 }
 
 } // namespace
 
-void FourRows::set( int lane, const Ask& ask, int pointA, btScalar inverseOfA, int pointB, btScalar inverseOfB )
+void FourRows::set( int lane, const RowData& data, int pointA, btScalar inverseOfA, int pointB, btScalar inverseOfB )
 {
-	normal[0][lane] = ask.normal.x();
-	normal[1][lane] = ask.normal.y();
-	normal[2][lane] = ask.normal.z();
-	perSpeed[lane] = ask.perSpeed;
+	normal[0][lane] = data.normal.x();
+	normal[1][lane] = data.normal.y();
+	normal[2][lane] = data.normal.z();
+	effectiveMass[lane] = data.effectiveMass;
 	inverseA[lane] = inverseOfA;
 	inverseB[lane] = inverseOfB;
-	rhs[lane] = ask.rhs;
-	cfm[lane] = ask.cfm;
-	impulse[lane] = ask.impulse;
-	friction[lane] = ask.friction;
-	perImpulse[lane] = 1. / ask.perSpeed;
+	rhs[lane] = data.rhs;
+	cfm[lane] = data.cfm;
+	impulse[lane] = data.impulse;
+	friction[lane] = data.friction;
+	inverseEffectiveMass[lane] = 1. / data.effectiveMass;
 	a[lane] = pointA;
 	b[lane] = pointB;
 }
@@ -163,32 +163,32 @@ void ContactRows::clear( int directionCount )
 	{
 		press[kind].clear();
 		rub[kind].clear();
-		m_open[kind].step.clear();
-		m_open[kind].filled.clear();
-		m_open[kind].first = 0;
+		m_openGroups[kind].step.clear();
+		m_openGroups[kind].filled.clear();
+		m_openGroups[kind].first = 0;
 	}
 	turnPress.clear();
 	turnRub.clear();
 	contacts.clear();
 	deep.clear();
-	points.assign( 1, Point{ btVector3( 0, 0, 0 ), btVector3( 0, 0, 0 ), nullptr, 0, -1 } );
+	points.assign( 1, NodePoint{ btVector3( 0, 0, 0 ), btVector3( 0, 0, 0 ), nullptr, 0, -1 } );
 	change.assign( 1, btVector3( 0, 0, 0 ) );
 }
 
 int ContactRows::addPoint( btRigidBody& body )
 {
-	points.push_back( Point{ body.getLinearVelocity(), btVector3( 0, 0, 0 ), &body, body.getInvMass(), -1 } );
+	points.push_back( NodePoint{ body.getLinearVelocity(), btVector3( 0, 0, 0 ), &body, body.getInvMass(), -1 } );
 	change.push_back( btVector3( 0, 0, 0 ) );
 	return int( points.size() ) - 1;
 }
 
-RowPosition ContactRows::place( RowKind kind, int a, int b )
+RowPosition ContactRows::allocate( RowKind kind, int a, int b )
 {
 	const int next = m_stepCount, after = std::max( points[std::size_t( a )].step, b > 0 ? points[std::size_t( b )].step : -1 );
 	int step = next, at = int( turnPress.size() );
 	if ( kind != RowKind::Turning )
 	{
-		Open& open = m_open[int( kind )];
+		OpenGroups& open = m_openGroups[int( kind )];
 		while ( open.first < open.filled.size() && open.filled[open.first] == kRowLanes )
 		{
 			++open.first;
@@ -196,7 +196,7 @@ RowPosition ContactRows::place( RowKind kind, int a, int b )
 		// Steps of one kind ascend.
 		std::size_t four = std::size_t(
 			std::upper_bound( open.step.begin() + std::ptrdiff_t( open.first ), open.step.end(), after ) - open.step.begin() );
-		const std::size_t last = std::min( open.step.size(), four + kMostLooks );
+		const std::size_t last = std::min( open.step.size(), four + kMostSearched );
 		while ( four < last && open.filled[four] == kRowLanes )
 		{
 			++four;
@@ -241,7 +241,7 @@ void ContactRows::pressRun( const Run& run, btSolverBody* bodies, Lanes& worst )
 {
 	btVector3* const velocities = change.data();
 	const std::size_t first = std::size_t( run.first ), last = std::size_t( run.last );
-	if ( run.kind == RowKind::Alone )
+	if ( run.kind == RowKind::Static )
 	{
 		std::for_each(
 			&press[0][first], &press[0][last - 1] + 1, [&]( FourRows& row ) { solveFour<false>( row, nullptr, velocities, worst ); } );
@@ -254,7 +254,7 @@ void ContactRows::pressRun( const Run& run, btSolverBody* bodies, Lanes& worst )
 	else
 	{
 		std::for_each( &turnPress[first], &turnPress[last - 1] + 1,
-			[&]( RollingRow& row ) { note( pliant::press( row, bodies[row.body], velocities[row.point] ), worst ); } );
+			[&]( RollingRow& row ) { raiseWorst( pliant::press( row, bodies[row.body], velocities[row.point] ), worst ); } );
 	}
 }
 
@@ -266,7 +266,7 @@ void ContactRows::rubRun( const Run& run, btSolverBody* bodies, Lanes& worst )
 	{
 		for ( const std::size_t end = k + each; k < end; ++k )
 		{
-			if ( run.kind == RowKind::Alone )
+			if ( run.kind == RowKind::Static )
 			{
 				solveFour<false>( rub[0][k], &press[0][at], velocities, worst );
 			}
@@ -277,7 +277,7 @@ void ContactRows::rubRun( const Run& run, btSolverBody* bodies, Lanes& worst )
 			else if ( turnPress[at].impulse > 0 )
 			{
 				RollingRow& row = turnRub[k];
-				note( pliant::rub( row, bodies[row.body], velocities[row.point], turnPress[at].impulse ), worst );
+				raiseWorst( pliant::rub( row, bodies[row.body], velocities[row.point], turnPress[at].impulse ), worst );
 			}
 		}
 	}
@@ -285,20 +285,20 @@ void ContactRows::rubRun( const Run& run, btSolverBody* bodies, Lanes& worst )
 
 btScalar ContactRows::pushOut( Deep& out, btSolverBody* bodies )
 {
-	const bool turns = out.place.kind == RowKind::Turning;
-	RollingRow* const turning = turns ? &turnPress[std::size_t( out.place.at )] : nullptr;
-	const FourRows* const four = turns ? nullptr : &press[int( out.place.kind )][std::size_t( out.place.at / kRowLanes )];
-	const int lane = out.place.at % kRowLanes;
-	const btScalar cfm = turns ? turning->cfm : four->cfm[lane], perSpeed = turns ? turning->perSpeed : four->perSpeed[lane];
-	Point& b = points[std::size_t( turns ? turning->point : four->b[lane] )];
-	Point* const a = turns ? nullptr : &points[std::size_t( four->a[lane] )];
+	const bool turns = out.position.kind == RowKind::Turning;
+	RollingRow* const turning = turns ? &turnPress[std::size_t( out.position.at )] : nullptr;
+	const FourRows* const four = turns ? nullptr : &press[int( out.position.kind )][std::size_t( out.position.at / kRowLanes )];
+	const int lane = out.position.at % kRowLanes;
+	const btScalar cfm = turns ? turning->cfm : four->cfm[lane], effectiveMass = turns ? turning->effectiveMass : four->effectiveMass[lane];
+	NodePoint& b = points[std::size_t( turns ? turning->point : four->b[lane] )];
+	NodePoint* const a = turns ? nullptr : &points[std::size_t( four->a[lane] )];
 	btSolverBody* const body = turns ? &bodies[turning->body] : nullptr;
 	const btVector3 normal = turns ? turning->normal : btVector3( four->normal[0][lane], four->normal[1][lane], four->normal[2][lane] );
 
 	const btScalar ofA = -(
-		( turns ? normal.dot( body->getPushVelocity() ) + turning->cross.dot( body->getTurnVelocity() ) : normal.dot( a->push ) ) *
-		perSpeed );
-	const btScalar ofB = normal.dot( b.push ) * perSpeed;
+		( turns ? normal.dot( body->getPushVelocity() ) + turning->cross.dot( body->getTurnVelocity() ) : normal.dot( a->pushVelocity ) ) *
+		effectiveMass );
+	const btScalar ofB = normal.dot( b.pushVelocity ) * effectiveMass;
 	const bool isAFirst = !turns || turning->isBodyFirst;
 	btScalar impulse = out.rhs - out.impulse * cfm + ( isAFirst ? ofA : ofB ) + ( isAFirst ? ofB : ofA );
 	const btScalar sum = out.impulse + impulse;
@@ -310,18 +310,18 @@ btScalar ContactRows::pushOut( Deep& out, btSolverBody* bodies )
 	}
 	else
 	{
-		a->push += normal * a->inverse * impulse;
+		a->pushVelocity += normal * a->inverseMass * impulse;
 	}
-	b.push -= normal * b.inverse * impulse;
-	return btScalar( impulse * ( turns ? turning->perImpulse : four->perImpulse[lane] ) );
+	b.pushVelocity -= normal * b.inverseMass * impulse;
+	return btScalar( impulse * ( turns ? turning->inverseEffectiveMass : four->inverseEffectiveMass[lane] ) );
 }
 
 void ContactRows::giveBackImpulses() const
 {
 	for ( const Contact& contact : contacts )
 	{
-		const std::size_t at = std::size_t( contact.place.at );
-		if ( contact.place.kind == RowKind::Turning )
+		const std::size_t at = std::size_t( contact.position.at );
+		if ( contact.position.kind == RowKind::Turning )
 		{
 			contact.point->m_appliedImpulse = turnPress[at].impulse;
 			contact.point->m_appliedImpulseLateral1 = turnRub[at * std::size_t( directions )].impulse;
@@ -330,8 +330,8 @@ void ContactRows::giveBackImpulses() const
 			continue;
 		}
 		const std::size_t lane = at % kRowLanes, four = at / kRowLanes;
-		const FourRows* const rubs = &rub[int( contact.place.kind )][four * std::size_t( directions )];
-		contact.point->m_appliedImpulse = press[int( contact.place.kind )][four].impulse[lane];
+		const FourRows* const rubs = &rub[int( contact.position.kind )][four * std::size_t( directions )];
+		contact.point->m_appliedImpulse = press[int( contact.position.kind )][four].impulse[lane];
 		contact.point->m_appliedImpulseLateral1 = rubs[0].impulse[lane];
 		contact.point->m_appliedImpulseLateral2 = directions > 1 ? rubs[1].impulse[lane] : contact.point->m_appliedImpulseLateral2;
 	}
@@ -341,14 +341,15 @@ void ContactRows::restoreVelocities( bool isSplit, btScalar timeStep ) const
 {
 	for ( std::size_t i = 1; i < points.size(); ++i )
 	{
-		prefetch( &points[std::min( i + kStandsAhead, points.size() - 1 )].body->getLinearVelocity(), sizeof( btVector3 ) );
-		const Point& point = points[i];
-		setWhole( const_cast<btVector3&>( point.body->getLinearVelocity() ), point.speed + change[i] );
+		prefetch( &points[std::min( i + kProxiesAhead, points.size() - 1 )].body->getLinearVelocity(), sizeof( btVector3 ) );
+		const NodePoint& point = points[i];
+		setWhole( const_cast<btVector3&>( point.body->getLinearVelocity() ), point.velocity + change[i] );
 		point.body->setCompanionId( -1 );
-		if ( isSplit && !point.push.isZero() )
+		if ( isSplit && !point.pushVelocity.isZero() )
 		{
 			btTransform moved;
-			btTransformUtil::integrateTransform( point.body->getWorldTransform(), point.push, btVector3( 0, 0, 0 ), timeStep, moved );
+			btTransformUtil::integrateTransform(
+				point.body->getWorldTransform(), point.pushVelocity, btVector3( 0, 0, 0 ), timeStep, moved );
 			point.body->setWorldTransform( moved );
 		}
 	}

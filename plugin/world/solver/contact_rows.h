@@ -20,20 +20,20 @@ using LaneMask = std::conditional_t<sizeof( btScalar ) == 4, int, long long> __a
 	vector_size( kRowLanes * sizeof( btScalar ) ) ) );
 
 /// A contact proxy during the solve: it moves equally along all axes, and has neither spin nor forces.
-struct Point
+struct NodePoint
 {
-	btVector3 speed; ///< before the solve, m/s
-	btVector3 push;  ///< push-out velocity, m/s
+	btVector3 velocity;     ///< before the solve, m/s
+	btVector3 pushVelocity; ///< push-out velocity, m/s
 	btRigidBody* body;
-	btScalar inverse; ///< 1 / kg
-	int step;         ///< last step that moves it
+	btScalar inverseMass; ///< 1 / kg
+	int step;             ///< last step that moves it
 };
 
 /// Coefficients of a row of any kind.
-struct Ask
+struct RowData
 {
-	btVector3 normal;  ///< on the first; its negative acts on the second
-	btScalar perSpeed; ///< Bullet's m_jacDiagABInv
+	btVector3 normal;       ///< on the first; its negative acts on the second
+	btScalar effectiveMass; ///< Bullet's m_jacDiagABInv
 	btScalar rhs, cfm, impulse;
 	btScalar friction; ///< limit as a fraction of the normal impulse
 };
@@ -42,28 +42,28 @@ struct Ask
 struct FourRows
 {
 	Lanes normal[3];
-	Lanes perSpeed, inverseA, inverseB, rhs, cfm, impulse, friction;
-	double perImpulse[kRowLanes]; ///< 1 / effectiveMass, in double precision as in Bullet
+	Lanes effectiveMass, inverseA, inverseB, rhs, cfm, impulse, friction;
+	double inverseEffectiveMass[kRowLanes]; ///< 1 / effectiveMass, in double precision as in Bullet
 	int a[kRowLanes], b[kRowLanes];
 
-	void set( int lane, const Ask& ask, int pointA, btScalar inverseOfA, int pointB, btScalar inverseOfB );
+	void set( int lane, const RowData& data, int pointA, btScalar inverseOfA, int pointB, btScalar inverseOfB );
 };
 
 /// A row of a node and a rotating body. `normal` and the vectors derived from it act on that body.
 struct RollingRow
 {
 	btVector3 normal, cross, angular; ///< n, r x n, I^-1 ( r x n )
-	btScalar perSpeed, rhs, cfm, impulse, friction;
-	btScalar inverse; ///< of the node
+	btScalar effectiveMass, rhs, cfm, impulse, friction;
+	btScalar inverseMass; ///< of the node
 	int point, body;
 	bool isBodyFirst; ///< in Bullet's order of the two
-	double perImpulse;
+	double inverseEffectiveMass;
 };
 
 /// Kinds of contact rows.
 enum class RowKind : unsigned char
 {
-	Alone,   ///< a node and a static object
+	Static,  ///< a node and a static object
 	Pair,    ///< two nodes
 	Turning, ///< a node and a rotating body
 	Bullets  ///< no node: Bullet's own row
@@ -89,20 +89,20 @@ struct ContactRows
 	std::vector<RollingRow> turnPress, turnRub;
 	int directions = 1;
 
-	std::vector<Point> points;     ///< the first is a placeholder for no node
+	std::vector<NodePoint> points; ///< the first is a placeholder for no node
 	std::vector<btVector3> change; ///< velocity change of the nodes, m/s
 
 	/// All contact points that have rows, except Bullet's own.
 	struct Contact
 	{
 		btManifoldPoint* point;
-		RowPosition place;
+		RowPosition position;
 	};
 	std::vector<Contact> contacts;
 	/// Rows to be pushed out of penetrations, in Bullet's order, including Bullet's own.
 	struct Deep
 	{
-		RowPosition place;
+		RowPosition position;
 		btScalar rhs, impulse;
 	};
 	std::vector<Deep> deep;
@@ -110,7 +110,7 @@ struct ContactRows
 	void clear( int directionCount );
 	int addPoint( btRigidBody& body );
 	/// Allocates a slot after all rows that move these nodes; a row with a static object has no `b`.
-	RowPosition place( RowKind kind, int a, int b );
+	RowPosition allocate( RowKind kind, int a, int b );
 	/// Appends a step.
 	void addStep( RowKind kind, int at );
 
@@ -125,12 +125,12 @@ struct ContactRows
 	void restoreVelocities( bool isSplit, btScalar timeStep ) const;
 
 private:
-	struct Open
+	struct OpenGroups
 	{
 		std::vector<int> step, filled; ///< of each group
 		std::size_t first = 0;         ///< no group before it has a free lane
 	};
-	Open m_open[2];
+	OpenGroups m_openGroups[2];
 	int m_stepCount = 0;
 };
 

@@ -40,9 +40,9 @@ btScalar ContactSolver::pushOutOnce()
 	for ( ContactRows::Deep& deep : m_rows->deep )
 	{
 		btScalar off = 0;
-		if ( deep.place.kind == RowKind::Bullets )
+		if ( deep.position.kind == RowKind::Bullets )
 		{
-			const btSolverConstraint& row = m_tmpSolverContactConstraintPool[deep.place.at];
+			const btSolverConstraint& row = m_tmpSolverContactConstraintPool[deep.position.at];
 			off = m_resolveSplitPenetrationImpulse( all[row.m_solverBodyIdA], all[row.m_solverBodyIdB], row );
 		}
 		else

@@ -13,10 +13,10 @@ struct ContactSolver::Conversion
 	struct Side
 	{
 		btCollisionObject* object;
-		int point;              ///< 0: none
-		int number;             ///< Bullet's index of an object other than a node
-		btSolverBody* body;     ///< of a rotating body, else null
-		const btVector3* turns; ///< rad/s; of a node with its body's rotation (FrictionTorqueCorrection), else null
+		int point;                        ///< 0: none
+		int solverBody;                   ///< Bullet's index of an object other than a node
+		btSolverBody* body;               ///< of a rotating body, else null
+		const btVector3* angularVelocity; ///< rad/s; of a node with its body's rotation (FrictionTorqueCorrection), else null
 	};
 
 	/// The direction in which a row acts. `axis` is the direction on the row's first: on a node, or on the rotating body.
@@ -33,22 +33,22 @@ struct ContactSolver::Conversion
 	// State of the present contact.
 	btManifoldPoint* point = nullptr;
 	Side a{}, b{};
-	RowPosition place{};
+	RowPosition position{};
 	btVector3 arm = btVector3( 0, 0, 0 ); ///< lever arm of the rotating body, m
 
 	bool convert( btPersistentManifold& manifold );
-	void takeBack();
+	void revert();
 
 private:
 	bool findSide( btCollisionObject& object, Side& side );
 	bool isHeld( const Side& side ) const;
 	void convertBullets( btPersistentManifold& manifold );
 	void convertPoint();
-	int one() const { return a.point > 0 ? a.point : b.point; } ///< nodes of the present contact
-	int other() const { return a.point > 0 ? b.point : 0; }     ///< or the placeholder
+	int firstPoint() const { return a.point > 0 ? a.point : b.point; } ///< nodes of the present contact
+	int secondPoint() const { return a.point > 0 ? b.point : 0; }      ///< or the placeholder
 	const Side* turning() const { return a.body ? &a : b.body ? &b : nullptr; }
-	const Point& pointOf( const Side& side ) const { return rows.points[std::size_t( side.point )]; }
-	btVector3 speedOf( const Side& side ) const;
+	const NodePoint& pointOf( const Side& side ) const { return rows.points[std::size_t( side.point )]; }
+	btVector3 velocityOf( const Side& side ) const;
 	/// From the object's origin to the contact point, m.
 	btVector3 armOf( const Side& side ) const
 	{
@@ -57,8 +57,8 @@ private:
 	/// A node's velocity along a row.
 	btScalar along( const Side& side, const btVector3& axis ) const
 	{
-		const btScalar moves = axis.dot( pointOf( side ).speed );
-		return side.turns ? moves + armOf( side ).cross( axis ).dot( *side.turns ) : moves;
+		const btScalar moves = axis.dot( pointOf( side ).velocity );
+		return side.angularVelocity ? moves + armOf( side ).cross( axis ).dot( *side.angularVelocity ) : moves;
 	}
 	void findLever( const btVector3& normal, Lever& lever ) const;
 	btScalar approach( const Lever& lever, bool withTorque ) const;
@@ -66,7 +66,7 @@ private:
 	void warmStart( const Lever& lever, btScalar impulse );
 	void chooseDirections();
 	void rubAlong( const btVector3& direction, int which, btScalar wanted, btScalar cfm );
-	void write( const Lever& lever, Ask ask, int which );
+	void write( const Lever& lever, RowData data, int which );
 };
 
 } // namespace pliant

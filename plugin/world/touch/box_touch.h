@@ -21,19 +21,19 @@ public:
 	{
 		const Vec3d p = m_box.toLocal( sphere.centre );
 		const Vec3d out = p - p.cwiseMin( m_half ).cwiseMax( -m_half );
-		const double touching = sphere.touching(), square = out.squaredNorm();
-		if ( square > touching * touching )
+		const double touchDistance = sphere.touchDistance(), square = out.squaredNorm();
+		if ( square > touchDistance * touchDistance )
 		{
 			// Out of reach for any direction of motion:   |out| > r ( 1 + slop ) + |w|
-			const double farthest = ( touching + std::sqrt( sphere.way.squaredNorm() ) ) * ( 1.0 + kFarSlack );
+			const double farthest = ( touchDistance + std::sqrt( sphere.displacement.squaredNorm() ) ) * ( 1.0 + kFarSlack );
 			if ( square > farthest * farthest )
 			{
 				return false;
 			}
 		}
 		touch = nearest( p, out, square );
-		return touch.distance <= touching || !sphere.isFast() ? sphere.reaches( touch.normal, touch.distance )
-															  : findTouch( m_box, sphere, touch );
+		return touch.distance <= touchDistance || !sphere.isFast() ? sphere.reaches( touch.normal, touch.distance )
+																   : findTouch( m_box, sphere, touch );
 	}
 
 private:

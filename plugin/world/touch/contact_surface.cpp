@@ -28,12 +28,12 @@ void ContactSurface::follow( const Body& body, unsigned version )
 	m_cellSize = double( lattice.cellSize );
 	m_hasPatches = false;
 	m_overhang = 0.0;
-	m_beside.clear();
+	m_neighbours.clear();
 	if ( body.levels() )
 	{
 		return;
 	}
-	m_beside = findAxisNeighbours( lattice );
+	m_neighbours = findAxisNeighbours( lattice );
 	for ( const ContactPatch& patch : lattice.patch )
 	{
 		m_hasPatches = m_hasPatches || patch.radius > 0.0f;
@@ -45,7 +45,7 @@ void ContactSurface::follow( const Body& body, unsigned version )
 // inverse transpose of F, which is D^-T D0^T, and D^-T is the cofactor matrix of D up to a factor.
 bool ContactSurface::patchOf( const NodeState& nodes, int node, Patch& patch ) const
 {
-	if ( m_beside.empty() || m_lattice->patch.empty() )
+	if ( m_neighbours.empty() || m_lattice->patch.empty() )
 	{
 		return false;
 	}
@@ -58,7 +58,7 @@ bool ContactSurface::patchOf( const NodeState& nodes, int node, Patch& patch ) c
 	Eigen::Matrix3d before, now;
 	for ( int axis = 0; axis < 3; ++axis )
 	{
-		const std::array<std::int32_t, 6>& beside = m_beside[std::size_t( node )];
+		const std::array<std::int32_t, 6>& beside = m_neighbours[std::size_t( node )];
 		const int low = beside[std::size_t( 2 * axis )], high = beside[std::size_t( 2 * axis + 1 )];
 		if ( low < 0 && high < 0 )
 		{
@@ -98,7 +98,7 @@ bool ContactSurface::axesOf( const NodeState& nodes, int node, const Vec3d& alon
 	for ( int axis = 0; axis < 3; ++axis )
 	{
 		int sides[2] = {
-			m_beside[std::size_t( node )][std::size_t( 2 * axis )], m_beside[std::size_t( node )][std::size_t( 2 * axis + 1 )] };
+			m_neighbours[std::size_t( node )][std::size_t( 2 * axis )], m_neighbours[std::size_t( node )][std::size_t( 2 * axis + 1 )] };
 		double most = 0.0;
 		for ( const int other : sides )
 		{
@@ -149,13 +149,13 @@ bool solve( const Eigen::Matrix3d& steps, int count, const Vec3d& offset, Vec3d&
 
 } // namespace
 
-SharedNodes ContactSurface::fraction( const NodeState& nodes, int node, const Vec3d& normal, Vec3d& at ) const
+SharedNodes ContactSurface::sharedNodes( const NodeState& nodes, int node, const Vec3d& normal, Vec3d& at ) const
 {
 	SharedNodes shared = SharedNodes::only( node );
 	Axes axes;
 	const Vec3d along = at;
 	at = Vec3d::Zero();
-	if ( m_beside.empty() || !axesOf( nodes, node, along, axes ) )
+	if ( m_neighbours.empty() || !axesOf( nodes, node, along, axes ) )
 	{
 		return shared;
 	}

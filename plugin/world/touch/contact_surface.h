@@ -37,7 +37,7 @@ public:
 	bool patchOf( const NodeState& nodes, int node, Patch& patch ) const;
 	bool hasPatches() const { return m_hasPatches; }
 	/// Axis neighbours of the nodes of a body without levels; otherwise empty.
-	const AxisNeighbours& beside() const { return m_beside; }
+	const AxisNeighbours& neighbours() const { return m_neighbours; }
 	/// Largest height of the surface over a node beyond half a cell, m.
 	double overhang() const { return m_overhang; }
 	double cellSize() const { return m_cellSize; }
@@ -45,7 +45,7 @@ public:
 	/// The nodes that share a contact. `at`: from the node's centre to the contact point, m. The weights `press` act along the line through
 	/// it along `normal`, the weights `rub` at the point itself; `at` is moved to where the nodes can share it, which changes it only in
 	/// crumbs, sheets and crushed parts.
-	SharedNodes fraction( const NodeState& nodes, int node, const Vec3d& normal, Vec3d& at ) const;
+	SharedNodes sharedNodes( const NodeState& nodes, int node, const Vec3d& normal, Vec3d& at ) const;
 
 	/// Radius of the rolling sphere at a node, m, where the touching point travels along its patch; 0 where the point stays.
 	double rollingRadius( const NodeState& nodes, int node, const Vec3d& outwards ) const;
@@ -57,7 +57,7 @@ private:
 	const Lattice* m_lattice = nullptr;
 	unsigned m_version = 0;
 	std::size_t m_links = 0;
-	AxisNeighbours m_beside; ///< empty: nothing is shared
+	AxisNeighbours m_neighbours; ///< empty: nothing is shared
 	bool m_hasPatches = false;
 	double m_cellSize = 0.0, m_overhang = 0.0;
 };

@@ -188,26 +188,26 @@ template <class Find>
 bool sweep( const MovingSphere& sphere, Touch& touch, const Find& find )
 {
 	MovingSphere now = sphere;
-	double gone = 0.0; // fraction of the displacement
+	double fraction = 0.0; // fraction of the displacement
 	for ( int step = 0; step < kMostAdvances; ++step )
 	{
-		now.centre = sphere.centre + gone * sphere.way;
+		now.centre = sphere.centre + fraction * sphere.displacement;
 		if ( !find( now, touch ) )
 		{
 			return false;
 		}
-		const double approach = -sphere.way.dot( touch.normal ), gap = touch.distance - sphere.radius;
-		if ( gap <= kContactSlop * sphere.measure() )
+		const double approach = -sphere.displacement.dot( touch.normal ), gap = touch.distance - sphere.radius;
+		if ( gap <= kContactSlop * sphere.lengthScale() )
 		{
 			break;
 		}
-		if ( approach <= 0.0 || gone + gap / approach > 1.0 )
+		if ( approach <= 0.0 || fraction + gap / approach > 1.0 )
 		{
 			return false;
 		}
-		gone += gap / approach;
+		fraction += gap / approach;
 	}
-	touch.distance -= gone * sphere.way.dot( touch.normal );
+	touch.distance -= fraction * sphere.displacement.dot( touch.normal );
 	return true;
 }
 
@@ -219,7 +219,7 @@ bool findConvexTouch( const MovingSphere& sphere, Touch& touch, const Find& find
 	{
 		return false;
 	}
-	if ( touch.distance <= sphere.touching() || !sphere.isFast() )
+	if ( touch.distance <= sphere.touchDistance() || !sphere.isFast() )
 	{
 		return sphere.reaches( touch.normal, touch.distance );
 	}
@@ -250,13 +250,13 @@ bool findTouch( const Obstacle& obstacle, const MovingSphere& sphere, Touch& tou
 bool lookAhead( const Obstacle& then, const MovingSphere& sphere, const Ahead& ahead, Touch& touch )
 {
 	MovingSphere there = sphere;
-	there.centre += ahead.to;
+	there.centre += ahead.displacement;
 	Touch found;
 	if ( !findNearest( then, there, found ) )
 	{
 		return true;
 	}
-	const double least = kAheadFraction * sphere.radius, distance = found.distance - ahead.way.dot( found.normal );
+	const double least = kAheadFraction * sphere.radius, distance = found.distance - ahead.relativeDisplacement.dot( found.normal );
 	if ( found.distance < least || distance < least )
 	{
 		return true;
@@ -281,12 +281,12 @@ const double FarPlane::kGrown = ( 1.0 + kContactSlop ) * ( 1.0 + kFarSlack );
 bool findBallTouch( double radius, const Vec3d& at, const MovingSphere& sphere, Touch& touch )
 {
 	const Vec3d apart = sphere.centre - at;
-	const double touching = sphere.touching() + radius;
+	const double touchDistance = sphere.touchDistance() + radius;
 	const double square = apart.squaredNorm();
-	if ( square > touching * touching )
+	if ( square > touchDistance * touchDistance )
 	{
 		// Out of reach for any direction of motion, without a root.
-		const double farthest = touching + std::sqrt( sphere.way.squaredNorm() );
+		const double farthest = touchDistance + std::sqrt( sphere.displacement.squaredNorm() );
 		if ( square > farthest * farthest )
 		{
 			return false;

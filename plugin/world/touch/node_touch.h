@@ -34,18 +34,21 @@ struct Obstacle
 struct MovingSphere
 {
 	Vec3d centre = Vec3d::Zero();
-	Vec3d way = Vec3d::Zero(); ///< displacement of the node relative to the obstacle in this step, m
-	double radius = 0.0;       ///< m
+	Vec3d displacement = Vec3d::Zero(); ///< displacement of the node relative to the obstacle in this step, m
+	double radius = 0.0;                ///< m
 	const btSphereShape* shape = nullptr;
 	double scale = 0.0; ///< m, length scale of slack and of fast motion; 0: the radius
 
-	double measure() const { return scale > 0.0 ? scale : radius; }
+	double lengthScale() const { return scale > 0.0 ? scale : radius; }
 	/// Distance of the centre up to which the sphere counts as touching.
-	double touching() const { return scale > 0.0 ? radius + kContactSlop * scale : radius * ( 1.0 + kContactSlop ); }
+	double touchDistance() const { return scale > 0.0 ? radius + kContactSlop * scale : radius * ( 1.0 + kContactSlop ); }
 	/// The nearest touch counts where the sphere touches it, nearly touches it, or reaches it in this step.
-	bool reaches( const Vec3d& normal, double distance ) const { return distance <= touching() + std::max( 0.0, -normal.dot( way ) ); }
+	bool reaches( const Vec3d& normal, double distance ) const
+	{
+		return distance <= touchDistance() + std::max( 0.0, -normal.dot( displacement ) );
+	}
 	/// It moves so far that the nearest point now need not be the point it will hit.
-	bool isFast() const { return way.squaredNorm() > kFastFraction * kFastFraction * measure() * measure(); }
+	bool isFast() const { return displacement.squaredNorm() > kFastFraction * kFastFraction * lengthScale() * lengthScale(); }
 };
 
 struct Touch
@@ -75,7 +78,7 @@ bool findTouch( const Obstacle& obstacle, const MovingSphere& sphere, Touch& tou
 /// Displacement of a sphere until the step's end at its last velocity, absolute and relative to the obstacle, m.
 struct Ahead
 {
-	Vec3d to = Vec3d::Zero(), way = Vec3d::Zero();
+	Vec3d displacement = Vec3d::Zero(), relativeDisplacement = Vec3d::Zero();
 };
 
 /// Replaces a touch with a convex shape by the plane at the positions at the step's end, `then` the shape's. An edge that slides over a
@@ -94,9 +97,9 @@ public:
 	explicit FarPlane( const Obstacle& plane );
 	/// True for no sphere that findTouch reports as touching, and for all others but for rounding error. `radius` is an upper bound. The
 	/// negation of MovingSphere::reaches:   n . x - c + min( 0, n . w ) > r ( 1 + slop )
-	bool isClear( const Vec3d& centre, const Vec3d& way, double radius ) const
+	bool isClear( const Vec3d& centre, const Vec3d& displacement, double radius ) const
 	{
-		return m_normal.dot( centre ) - m_constant + std::min( 0.0, m_normal.dot( way ) ) > radius * kGrown;
+		return m_normal.dot( centre ) - m_constant + std::min( 0.0, m_normal.dot( displacement ) ) > radius * kGrown;
 	}
 
 private:

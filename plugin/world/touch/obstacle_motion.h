@@ -24,7 +24,7 @@ struct ObstacleMotion
 		then.position = centre + step * linear + turn * apart;
 		return then;
 	}
-	Vec3d way( const Vec3d& at, double step ) const { return step * ( linear + angular.cross( at - centre ) ); }
+	Vec3d displacement( const Vec3d& at, double step ) const { return step * ( linear + angular.cross( at - centre ) ); }
 };
 
 } // namespace pliant

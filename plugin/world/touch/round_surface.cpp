@@ -14,7 +14,7 @@
 
 namespace pliant {
 
-bool meetRound( const SoftBody& a, const SoftBody& b )
+bool useRoundSpheres( const SoftBody& a, const SoftBody& b )
 {
 	const auto isRound = []( const SoftBody& body ) {
 		const SoftBody::Impl& impl = body.impl();
@@ -27,11 +27,11 @@ bool meetRound( const SoftBody& a, const SoftBody& b )
 
 RoundSphere roundSphere( const SoftBody& body, int node, const Vec3d& towards )
 {
-	const std::array<std::int32_t, 6>& beside = body.impl().surfaceNow().beside()[std::size_t( node )];
+	const std::array<std::int32_t, 6>& beside = body.impl().surfaceNow().neighbours()[std::size_t( node )];
 	const NodeState& nodes = body.impl().body->nodes();
 	RoundSphere round;
 	// The open face nearest to that direction. Without one the sphere is the node's own; the transition between the two is gradual.
-	double most = kLeastLook;
+	double most = kLeastRoundCosine;
 	const Vec3d at = nodes.x.get( node ).cast<double>();
 	const double distance2 = towards.squaredNorm();
 	for ( std::size_t side = 0; side < beside.size(); ++side )
@@ -49,7 +49,7 @@ RoundSphere roundSphere( const SoftBody& body, int node, const Vec3d& towards )
 		}
 		most = along / std::sqrt( both2 );
 		round.inner = inner;
-		round.fraction = kRoundFraction * std::min( 1.0, ( most - kLeastLook ) / ( kFullLook - kLeastLook ) );
+		round.fraction = kRoundFraction * std::min( 1.0, ( most - kLeastRoundCosine ) / ( kFullRoundCosine - kLeastRoundCosine ) );
 		round.inwards = round.fraction * inwards;
 	}
 	return round;

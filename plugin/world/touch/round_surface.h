@@ -18,7 +18,7 @@ struct RoundSphere
 };
 
 /// Whether the two bodies touch each other in such spheres.
-bool meetRound( const SoftBody& a, const SoftBody& b );
+bool useRoundSpheres( const SoftBody& a, const SoftBody& b );
 /// The sphere of a node for an object in the direction `towards`, m.
 RoundSphere roundSphere( const SoftBody& body, int node, const Vec3d& towards );
 

@@ -25,25 +25,25 @@ public:
 		}
 		m_up = mesh.basis.col( static_cast<const btHeightfieldTerrainShape*>( mesh.shape )->getUpAxis() );
 		m_normal = ( corners[1] - corners[0] ).cross( corners[2] - corners[0] ).normalized();
-		m_turn = m_normal.dot( m_up ) < 0.0 ? -1.0 : 1.0;
-		m_normal *= m_turn;
+		m_orientation = m_normal.dot( m_up ) < 0.0 ? -1.0 : 1.0;
+		m_normal *= m_orientation;
 		// The box around the centres of the body's spheres.
 		const Vec3d ball = Vec3d::Constant( double( body.largestRadius() ) );
 		const Vec3d low = toVec3d( body.rows().whole().mins() ) + shift + ball, high = toVec3d( body.rows().whole().maxs() ) + shift - ball;
 		const double middle = m_normal.dot( ( low + high ) / 2.0 - corners[0] ), half = m_normal.cwiseAbs().dot( high - low ) / 2.0;
-		m_isStoodIn = middle + half > 0.0 && middle - half < 0.0;
+		m_isPenetrated = middle + half > 0.0 && middle - half < 0.0;
 		m_deepest = ( high - low ).norm();
 	}
 
 	/// Part of the body lies above the triangle's plane and part below.
-	bool isStoodIn() const { return m_isStoodIn; }
+	bool isPenetrated() const { return m_isPenetrated; }
 	/// From the triangle to the deepest node that may be in the ground below it, m.
-	Vec3d exitBelow() const { return m_isStoodIn ? Vec3d( -m_deepest * m_up ) : Vec3d( Vec3d::Zero() ); }
+	Vec3d exitBelow() const { return m_isPenetrated ? Vec3d( -m_deepest * m_up ) : Vec3d( Vec3d::Zero() ); }
 
 	/// Whether a sphere's centre is below the triangle; then `touch` tells how it gets out.
-	bool holds( const Vec3d& centre, Touch& touch ) const
+	bool contains( const Vec3d& centre, Touch& touch ) const
 	{
-		const double height = m_isStoodIn ? m_normal.dot( centre - m_corners[0] ) : 0.0;
+		const double height = m_isPenetrated ? m_normal.dot( centre - m_corners[0] ) : 0.0;
 		if ( height >= 0.0 )
 		{
 			return false;
@@ -51,7 +51,7 @@ public:
 		for ( int k = 0; k < 3; ++k )
 		{
 			const Vec3d edge = m_corners[( k + 1 ) % 3] - m_corners[k];
-			if ( m_turn * m_up.dot( edge.cross( centre - m_corners[k] ) ) < 0.0 )
+			if ( m_orientation * m_up.dot( edge.cross( centre - m_corners[k] ) ) < 0.0 )
 			{
 				return false;
 			}
@@ -65,7 +65,7 @@ public:
 	/// False for touches that push a node in the ground down, except beside the field's border.
 	bool allows( const Vec3d& centre, const Touch& touch ) const
 	{
-		return !m_isStoodIn || touch.normal.dot( m_up ) >= 0.0 || !isOverField( centre );
+		return !m_isPenetrated || touch.normal.dot( m_up ) >= 0.0 || !isOverField( centre );
 	}
 
 private:
@@ -89,9 +89,9 @@ private:
 	const Obstacle& m_mesh;
 	const Vec3d ( &m_corners )[3];
 	Vec3d m_up = Vec3d::Zero(), m_normal = Vec3d::Zero();
-	double m_turn = 1.0;    ///< -1 for corners that are clockwise, seen from above
-	double m_deepest = 0.0; ///< m
-	bool m_isStoodIn = false;
+	double m_orientation = 1.0; ///< -1 for corners that are clockwise, seen from above
+	double m_deepest = 0.0;     ///< m
+	bool m_isPenetrated = false;
 };
 
 } // namespace pliant
