@@ -24,8 +24,7 @@ inline constexpr std::size_t kPositionsAhead = 12;
 /// Contacts are created at least this far before touch, in node radii, so that a resting contact does not flicker.
 inline constexpr btScalar kContactSlop = btScalar( 0.04 );
 
-/// A sphere is rejected where its distance to a plane or box exceeds its reach by more than this fraction of its radius: rounding error in
-/// a world 10 000 km wide.
+/// A sphere is out of reach of a plane or box where this fraction of its radius is left: rounding error in a world 10 000 km wide.
 inline constexpr double kFarSlack = 1e-6;
 
 /// A node that moves by more than this fraction of its radius in a step is swept; a slower one is tested by its nearest point.
@@ -37,8 +36,7 @@ inline constexpr int kMostAdvances = 32;
 /// Contact processing threshold that hides a manifold from Bullet's solver, m: no contact is as deep.
 inline constexpr double kHiddenThreshold = -1e18;
 
-/// An implicit body's contact is taken at the step's end (lookAhead) where the node's centre lies at least this fraction of its radius in
-/// front of that plane, now and then.
+/// An implicit body meets the plane at the step's end (lookAhead) where its node's centre is this fraction of a radius in front of it.
 inline constexpr double kAheadFraction = 0.5;
 
 /// How much deeper than at the nearest sphere an object may penetrate between four spheres, in their radii: an object of their size by 0.6,
@@ -48,8 +46,7 @@ inline constexpr double kHollowDepth = 0.3;
 inline constexpr double kSlowFraction = 0.1;
 /// A node that penetrates a static object this deep, in node radii, is guarded too, however slow it is.
 inline constexpr btScalar kDeepFraction = btScalar( 0.6 );
-/// The tunneling guard keeps a node's centre this fraction of its radius away from static objects, or as far as it already is where that is
-/// nearer.
+/// The tunneling guard keeps a node's centre this fraction of its radius, or its present distance if smaller, away from static objects.
 inline constexpr double kGuardFraction = 0.25;
 /// A violation of a barrier below this fraction of the radius is rounding error.
 inline constexpr double kGuardSlack = 1e-6;
@@ -73,11 +70,9 @@ inline constexpr double kNearMargin = 0.5;
 /// Nodes that are this many diameters apart at rest, with material between them, cannot be brought into contact by crushing it.
 inline constexpr double kCrushedNodes = 8.0;
 
-/// Implicit soft bodies touch each other in spheres whose centres lie this fraction of the distance to the node behind (round_surface.h):
-/// twice the radius.
+/// Implicit soft bodies touch in spheres centred at this fraction of the distance to the node behind (round_surface.h): twice the radius.
 inline constexpr double kRoundFraction = 0.5;
-/// Cosines of the angle between a face and the direction to the other node: above the first the sphere becomes larger than the node's own,
-/// at the second it has its full size.
+/// Cosines between a face and the direction to the other node at which the sphere begins to grow, and has its full size.
 inline constexpr double kLeastRoundCosine = 0.5;
 inline constexpr double kFullRoundCosine = 0.8;
 /// How much farther apart than their own spheres touch two nodes may be whose round spheres touch, in their radii.
@@ -104,29 +99,24 @@ inline constexpr double kPatchTolerance = 0.05;
 inline constexpr double kPatchPairDistance = 0.72, kPatchPairMargin = 0.25;
 /// A node has no patch where the cells around it are compressed below this fraction of their rest volume.
 inline constexpr double kLeastPatchVolume = 0.2;
-/// Nodes share a contact point where the steps to them span at least this fraction of the box of their lengths, and no weight exceeds the
-/// second value.
+/// Least volume of the steps to the nodes that share a point, as a fraction of the box of their lengths, and largest weight of a node.
 inline constexpr double kLeastFractionVolume = 0.1, kMostFraction = 1.5;
 
-/// A soft body rotates rigidly about an axis where its nodes' moment of inertia is at least this fraction of what their cells would have by
-/// themselves.
+/// A soft body rotates about an axis where its moment of inertia is at least this fraction of what its cells have by themselves.
 inline constexpr double kRollingInertia = 0.1;
 
 /// Deactivation (activation.cpp), relative to the velocity gained in a fall over the smallest node's radius: the root mean square velocity
 /// of the nodes is below this fraction of it, 3 cm/s at cells of 0.1 m under 9.81 m/s^2 ...
 inline constexpr double kSleepFraction = 0.03;
-/// ... or below the velocity of a fall over kContactSlop, and no node has since moved by more than this many radii: a body pressed to and
-/// fro at rest does not travel.
+/// ... or below that of a fall over kContactSlop, while no node moves by more than this many radii: a body pressed to and fro at rest.
 inline constexpr double kRestDisplacement = 0.1;
 
-/// Contacts of one island that added energy have their impulses scaled down, at most to this fraction: half an impulse still stops the
-/// approach.
+/// Impulses of an island's contacts that add energy are scaled down at most to this: half an impulse still stops the approach.
 inline constexpr double kLeastBounce = 0.5;
 /// Resolution of the bisection for the fraction of a bounce that adds no energy.
 inline constexpr double kLeastBounceStep = 1e-4;
 
-/// Energy added by an implicit block's contacts counts as rounding error below this fraction of all energy they transfer; it also ends that
-/// iteration.
+/// Energy added by an implicit block's contacts, relative to all they transfer, that counts as rounding error; ends that iteration too.
 inline constexpr double kBounceSlack = 1e-4;
 
 // The implicit step's contacts (docs/design/implicit.md says how each was found).
@@ -158,8 +148,7 @@ inline constexpr double kLargestFrictionTorque = 2.0;
 inline constexpr double kPartError = 0.1;
 /// Passes after which friction limits follow passes far from convergence too.
 inline constexpr int kMostFairPasses = 8;
-/// Limit of rigid bodies in a block, where its island has more: the cost of the coarse system's factorisation grows with their number to a
-/// power between 2 and 3.
+/// Limit of rigid bodies in a block: the cost of the coarse system's factorisation grows with a power between 2 and 3 of their number.
 inline constexpr int kMostBlockRigid = 96;
 /// Halvings of the line search: as many as a float has bits.
 inline constexpr int kLineSearchHalvings = 24;
@@ -183,8 +172,7 @@ inline constexpr double kPartedDepth = 0.25, kUsualPush = 0.2;
 inline constexpr int kPartingPhases = 2;
 /// Directions and lengths that differ by less than this fraction are equal.
 inline constexpr double kParallel = 1e-3;
-/// Relaxation factor of the impulses that a rigid body receives from the rest of the world (joints, rigid contacts), relative to the last
-/// substep.
+/// Relaxation factor, per substep, of the impulses on a rigid body from the rest of the world (joints, rigid contacts).
 inline constexpr double kOutsideFraction = 0.25;
 
 /// A surface carries a character where the cosine between its normal and the vertical is at least this: 60 degrees.
@@ -203,11 +191,9 @@ inline constexpr int kDefaultSubsteps = 4;
 inline constexpr int kLargestSubsteps = 64;
 inline constexpr int kDefaultMaxSubsteps = 16;
 
-/// Margin in the broadphase around an object's swept box of all soft substeps, as a fraction of that box's diagonal: contacts change
-/// velocities.
+/// Margin of an object's swept box in the broadphase, as a fraction of its diagonal: contacts change velocities.
 inline constexpr btScalar kSweepMargin = btScalar( 0.02 );
-/// A world with soft bodies advances by at most this in one step, s; longer steps are shortened. A longer frame means that the program was
-/// halted.
+/// Longest step of a world with soft bodies, s; longer ones are shortened. A longer frame means that the program was halted.
 inline constexpr btScalar kLongestStep = btScalar( 1 );
 /// Frames that stepSimulation catches up with at once; further ones are dropped before Bullet's step count overflows.
 inline constexpr btScalar kMostFrames = btScalar( 1e6 );

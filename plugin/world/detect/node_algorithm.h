@@ -35,8 +35,7 @@ private:
 	PairContacts* m_contacts;
 };
 
-/// Creates a NodeAlgorithm where a soft body takes part, and delegates to the previous function otherwise. It refers to no world; the soft
-/// body does.
+/// Creates a NodeAlgorithm where a soft body takes part, which knows its world, and otherwise delegates to the previous function.
 class NodeCreateFunc : public btCollisionAlgorithmCreateFunc
 {
 public:

@@ -47,8 +47,7 @@ PairContacts::~PairContacts()
 	}
 	for ( const NodeContact& contact : m_contacts )
 	{
-		// Objects that the pair supported fall when it is removed and are woken: Bullet does not check sleeping bodies when a floor is
-		// removed.
+		// Objects that the pair supported fall now and are woken: Bullet does not check sleeping bodies when a floor is removed.
 		if ( contact.manifold->getNumContacts() > 0 )
 		{
 			wakeBoth( contact );
@@ -220,12 +219,12 @@ bool PairContacts::followNodes( const SoftBody* soft0, const SoftBody* soft1 )
 	{
 		contact.key = 0;
 	}
-	const bool isThere = dropBefore( kAllKeys );
-	if ( isThere )
+	const bool exists = dropBefore( kAllKeys );
+	if ( exists )
 	{
 		endMatching();
 	}
-	return isThere;
+	return exists;
 }
 
 void PairContacts::prefetchAhead( std::size_t contact ) const

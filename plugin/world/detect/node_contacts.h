@@ -1,7 +1,6 @@
 #pragma once
 
-// Contacts of a soft body with any object: one manifold per touching node, between its contact proxy and the other object, so that Bullet's
-// own solver handles the rest.
+// Contacts of a soft body: one manifold per touching node, between its contact proxy and the other object, for Bullet's own solver.
 
 #include "world/respond/parting.h"
 #include "world/search/node_search.h"
@@ -28,16 +27,14 @@ struct NodeContact
 
 class PairContacts;
 
-/// Scratch that the pairs of one world share: with a search of its own each pair would own some kB that are never in the cache when it is
-/// processed.
+/// Scratch shared by the pairs of one world: with some kB of its own each pair would miss the cache.
 struct PairScratch
 {
 	NodeSearch search;
 	std::vector<NodeContact> contacts;
-	PairContacts* last = nullptr; ///< processed last
-	PairContacts* matching =
-		nullptr;         ///< whose contacts are being matched; null once it is destroyed, which a callback of the game may cause
-	std::size_t old = 0; ///< number of its contacts already carried over into `contacts`, or dropped
+	PairContacts* last = nullptr;     ///< processed last
+	PairContacts* matching = nullptr; ///< whose contacts are being matched; null where a callback of the game has destroyed it
+	std::size_t old = 0;              ///< number of its contacts already carried over into `contacts`, or dropped
 	std::vector<PairContacts*> all;
 };
 
@@ -63,8 +60,7 @@ public:
 	void releaseIfRefused();
 
 private:
-	/// The two objects in Bullet's order; `soft` is the body whose nodes come first in the keys; `other` is set where the other object is
-	/// rigid.
+	/// The two objects in Bullet's order; `soft` is the one whose nodes come first in the keys; `other` is set where it is rigid.
 	struct Pair
 	{
 		SoftBody* soft;

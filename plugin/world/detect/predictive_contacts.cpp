@@ -14,8 +14,7 @@ void SoftBodySystem::dropPredictiveContacts()
 	m_predictive.clear();
 }
 
-// Bullet's predictive contacts of fast rigid bodies refer to the soft body itself, which its solver would take for static. The nearest
-// node's contact proxy replaces it.
+// Bullet's predictive contacts refer to the soft body itself, which its solver takes for static. The nearest node's proxy replaces it.
 void SoftBodySystem::holdPredictiveContacts( btAlignedObjectArray<btPersistentManifold*>& manifolds )
 {
 	for ( int m = 0; m < manifolds.size(); ++m )

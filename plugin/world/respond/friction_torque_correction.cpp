@@ -52,9 +52,9 @@ void FrictionTorqueCorrection::choose( btUnionFind& islands )
 }
 
 // Friction acts on the slip velocity  u = v0 + w0 x r0 - v1 - w1 x r1,  r from a node's centre to the contact point and w its body's
-// angular velocity: then J.u dissipates what T.w, applied later, adds. Friction on the centres' velocities alone would drive the rotation
-// of bodies of a dozen coarse nodes. Proxies have no rotational inertia: Bullet's solvers read w and leave it unchanged. Other contacts of
-// such a node act at its centre as usual.
+// angular velocity: then J.u dissipates what T.w, applied later, adds. Friction on the centres' velocities would drive the rotation of
+// bodies of a dozen coarse nodes. Proxies have no rotational inertia: Bullet's solvers read w and leave it. Other contacts of the node act
+// at its centre.
 void FrictionTorqueCorrection::aim( btDispatcher& dispatcher )
 {
 	if ( m_rubbing.empty() )
@@ -116,7 +116,7 @@ void FrictionTorqueCorrection::sum( btDispatcher& dispatcher )
 	}
 	for ( const MovedPoint& moved : m_movedPoints )
 	{
-		*moved.point = moved.was;
+		*moved.point = moved.original;
 	}
 	for ( ContactProxy* node : m_turning )
 	{
@@ -138,9 +138,9 @@ void FrictionTorqueCorrection::sum( btDispatcher& dispatcher )
 		{
 			impulse += impulseOf( manifold.getContactPoint( k ) );
 		}
-		const Vec3d missing = -toVec3d( apart ).cross( impulse ) / ( r0 + r1 );
-		turnOf( *first ).impulse += r0 * missing;
-		turnOf( *second ).impulse += r1 * missing;
+		const Vec3d correction = -toVec3d( apart ).cross( impulse ) / ( r0 + r1 );
+		turnOf( *first ).impulse += r0 * correction;
+		turnOf( *second ).impulse += r1 * correction;
 	} );
 }
 

@@ -1,10 +1,9 @@
 #pragma once
 
-// Conserves the angular momentum of soft bodies that rub on each other. Bullet's solver applies equal and opposite impulses J to two nodes
-// at their centres, which are apart: for components across the line between them, an angular momentum of
+// Conserves the angular momentum of soft bodies that rub on each other. Bullet's solver applies opposite impulses J to two nodes at their
+// centres, which are apart: for components across the line between them, an angular momentum of
 //   ( x0 - x1 ) x J
-// appears. It is subtracted from the two bodies as a whole, as if J acted where the spheres touch, and friction takes the rotation there
-// into account. docs/design/contacts.md.
+// appears. It is subtracted from the two bodies, as if J acted where the spheres touch (docs/design/contacts.md).
 
 #include "lattice/lattice.h"
 
@@ -44,13 +43,12 @@ public:
 	}
 	/// Replaces indices by islands: keeps those in which soft bodies rub and nothing touches a static object.
 	void choose( btUnionFind& islands );
-	/// Called before the solver, while contacts of implicit blocks, which conserve spin themselves, are hidden. Nodes of rubbing bodies
-	/// receive their bodies' angular velocity, and contact points move to where the spheres touch, so that friction acts on the slip
-	/// velocity there.
+	/// Called before the solver, with contacts of implicit blocks hidden. Nodes of rubbing bodies receive their bodies' angular velocity,
+	/// and contact points move to where the spheres touch, so that friction acts on the slip velocity there.
 	void aim( btDispatcher& dispatcher );
 	/// Sums the corrections, after the solver.
 	void sum( btDispatcher& dispatcher );
-	/// Applies them, after the nodes have been moved: the solver must use the nodes' displacement before the correction deforms the bodies.
+	/// Applies them, after the nodes have been moved: the next solve uses the new velocities before they cause overlaps.
 	void give();
 
 private:
@@ -64,7 +62,7 @@ private:
 	struct MovedPoint
 	{
 		btVector3* point;
-		btVector3 was;
+		btVector3 original;
 	};
 
 	/// Manifolds of the same two objects are consecutive.

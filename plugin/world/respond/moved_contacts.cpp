@@ -57,12 +57,12 @@ void MovedContacts::moveBack()
 {
 	for ( const Deep& deep : m_deep )
 	{
-		*deep.distance = deep.was;
+		*deep.distance = deep.original;
 	}
 	for ( std::size_t k = 0; k < m_moved.size(); ++k )
 	{
 		prefetch( m_moved[std::min( k + kPositionsAhead, m_moved.size() - 1 )].point, sizeof( btVector3 ) );
-		*m_moved[k].point = m_moved[k].was;
+		*m_moved[k].point = m_moved[k].original;
 	}
 }
 

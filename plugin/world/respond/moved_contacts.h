@@ -30,13 +30,13 @@ private:
 	struct Moved
 	{
 		btVector3* point;
-		btVector3 was; ///< the point on the surface
+		btVector3 original; ///< the point on the surface
 	};
 
 	struct Deep
 	{
 		btScalar* distance;
-		btScalar was;
+		btScalar original;
 	};
 
 	std::vector<Moved> m_moved;

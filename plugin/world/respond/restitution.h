@@ -1,7 +1,6 @@
 #pragma once
 
-// Restitution that adds no energy: the velocity that nodes bounce from, and a check of the work of all contacts of an island.
-// docs/design/contacts.md.
+// Restitution that adds no energy: corrects the velocity that nodes bounce from, and an island's work. docs/design/contacts.md.
 
 #include "lattice/lattice.h"
 

@@ -13,7 +13,7 @@ namespace pliant {
 namespace {
 
 /// The body that a contact belongs to: a proxy's soft body.
-btCollisionObject* wholeOf( const btCollisionObject* object )
+btCollisionObject* bodyOf( const btCollisionObject* object )
 {
 	SoftBody* const owner = ownerOfContactProxy( object );
 	return owner ? owner : const_cast<btCollisionObject*>( object );
@@ -78,17 +78,17 @@ void RollingFriction::apply()
 		btManifoldPoint& point = hidden.manifold->getContactPoint( hidden.point );
 		point.m_combinedRollingFriction = hidden.rolling;
 		point.m_combinedSpinningFriction = hidden.spinning;
-		btCollisionObject* const first = wholeOf( hidden.manifold->getBody0() );
-		btCollisionObject* const second = wholeOf( hidden.manifold->getBody1() );
-		const double pressing = double( point.m_appliedImpulse );
-		if ( pressing <= 0.0 || !areSolved( *first, *second ) )
+		btCollisionObject* const first = bodyOf( hidden.manifold->getBody0() );
+		btCollisionObject* const second = bodyOf( hidden.manifold->getBody1() );
+		const double normalImpulse = double( point.m_appliedImpulse );
+		if ( normalImpulse <= 0.0 || !areSolved( *first, *second ) )
 		{
 			continue;
 		}
 		Pair& pair = pairOf( first, second );
-		pair.pressing += pressing * toVec3d( point.m_normalWorldOnB );
-		pair.rolling += pressing * double( hidden.rolling );
-		pair.spinning += pressing * double( hidden.spinning );
+		pair.normalImpulse += normalImpulse * toVec3d( point.m_normalWorldOnB );
+		pair.rolling += normalImpulse * double( hidden.rolling );
+		pair.spinning += normalImpulse * double( hidden.spinning );
 	}
 	for ( const Pair& pair : m_pairs )
 	{
@@ -98,11 +98,11 @@ void RollingFriction::apply()
 
 void RollingFriction::brake( const Pair& pair )
 {
-	if ( pair.pressing.isZero( 0.0 ) )
+	if ( pair.normalImpulse.isZero( 0.0 ) )
 	{
 		return;
 	}
-	const Vec3d normal = pair.pressing.normalized();
+	const Vec3d normal = pair.normalImpulse.normalized();
 	RigidMotionProxy a( pair.first ), b( pair.second );
 	brakeAbout( a, b, normal, pair.spinning );
 	const Vec3d turning = a.angularVelocity - b.angularVelocity, rolling = turning - normal.dot( turning ) * normal;

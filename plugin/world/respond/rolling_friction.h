@@ -36,7 +36,7 @@ private:
 	{
 		btCollisionObject* first;
 		btCollisionObject* second;
-		Vec3d pressing;       ///< sum of the normal impulses on the first, N s
+		Vec3d normalImpulse;  ///< sum of the normal impulses on the first, N s
 		double rolling = 0.0; ///< limit of the contacts' rolling torque impulse, N m s
 		double spinning = 0.0;
 	};

@@ -51,11 +51,11 @@ int TunnelingGuard::hold( SoftBody& body, const std::vector<const btCollisionObj
 		}
 	}
 	enforceBarriers( walls );
-	for ( const int node : m_held )
+	for ( const int node : m_changed )
 	{
 		nodes.v.set( node, ( m_displacement[std::size_t( node )] / h ).cast<float>() );
 	}
-	return int( m_held.size() );
+	return int( m_changed.size() );
 }
 
 // New nodes are treated as if they came from their parents' positions.
@@ -93,11 +93,11 @@ bool TunnelingGuard::keep( SoftBody& body, const std::vector<const btCollisionOb
 		}
 	}
 	enforceBarriers( walls );
-	for ( const int node : m_held )
+	for ( const int node : m_changed )
 	{
 		nodes.x.set( node, ( m_from[std::size_t( node )] + m_displacement[std::size_t( node )] ).cast<float>() );
 	}
-	return !m_held.empty();
+	return !m_changed.empty();
 }
 
 void TunnelingGuard::begin( SoftBody& body, double h )
@@ -107,7 +107,7 @@ void TunnelingGuard::begin( SoftBody& body, double h )
 	m_hasInnerNodes = false;
 	m_nodes.clear();
 	m_barriers.clear();
-	m_held.clear();
+	m_changed.clear();
 	m_from.resize( std::size_t( body.nodeCount() ) );
 	m_displacement.resize( std::size_t( body.nodeCount() ) );
 }
@@ -136,14 +136,13 @@ void TunnelingGuard::enforceBarriers( const std::vector<const btCollisionObject*
 		}
 		// A corrected node may now meet another wall.
 		m_nodes = m_corrected;
-		m_held.insert( m_held.end(), m_corrected.begin(), m_corrected.end() );
+		m_changed.insert( m_changed.end(), m_corrected.begin(), m_corrected.end() );
 	}
-	std::sort( m_held.begin(), m_held.end() );
-	m_held.erase( std::unique( m_held.begin(), m_held.end() ), m_held.end() );
+	std::sort( m_changed.begin(), m_changed.end() );
+	m_changed.erase( std::unique( m_changed.begin(), m_changed.end() ), m_changed.end() );
 }
 
-// Gauss-Seidel over the barriers of one node: each removes the part of the displacement that violates it. Where they leave no displacement,
-// the node stays in place or moves with the wall.
+// Gauss-Seidel over the barriers of one node. Where they leave no displacement, the node stays or moves with the wall.
 void TunnelingGuard::constrain( std::size_t first, std::size_t end, bool isLast )
 {
 	Vec3d& displacement = m_displacement[std::size_t( m_barriers[first].node )];
@@ -154,10 +153,10 @@ void TunnelingGuard::constrain( std::size_t first, std::size_t end, bool isLast 
 		isViolated = false;
 		for ( std::size_t k = first; k < end; ++k )
 		{
-			const double lack = m_barriers[k].least - m_barriers[k].normal.dot( displacement );
-			if ( lack > tiny )
+			const double violation = m_barriers[k].least - m_barriers[k].normal.dot( displacement );
+			if ( violation > tiny )
 			{
-				displacement += lack * m_barriers[k].normal;
+				displacement += violation * m_barriers[k].normal;
 				isViolated = isCorrected = true;
 			}
 		}

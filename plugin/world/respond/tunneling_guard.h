@@ -21,11 +21,9 @@ class SoftBody;
 class TunnelingGuard
 {
 public:
-	/// Removes from the velocities of the body's nodes what would carry them through one of `walls` in a step of `h` s; returns the number
-	/// of nodes changed.
+	/// Limits the velocities of nodes that would pass through one of `walls` in a step of `h` s; returns the number of nodes changed.
 	int hold( SoftBody& body, const std::vector<const btCollisionObject*>& walls, double h );
-	/// Corrects the positions of nodes that a change of levels has created, as if they had moved from their sources' previous positions;
-	/// true where any was moved.
+	/// Corrects the positions of nodes that a change of levels created, given those of their sources; true where any was moved.
 	bool place( SoftBody& body, const std::vector<const btCollisionObject*>& walls, const std::vector<Vec3>& positionBefore );
 	/// Corrects the positions of all nodes that have moved since `from`.
 	bool keep( SoftBody& body, const std::vector<const btCollisionObject*>& walls, const std::vector<Vec3>& from );
@@ -54,7 +52,7 @@ private:
 	double m_h = 0.0;
 	bool m_hasInnerNodes = false;
 	std::vector<int> m_nodes, m_corrected;     ///< to be tested in this round, and in the next
-	std::vector<int> m_held;                   ///< nodes corrected in any round
+	std::vector<int> m_changed;                ///< nodes corrected in any round
 	std::vector<Vec3d> m_from, m_displacement; ///< by node, m
 	std::vector<Barrier> m_barriers;
 	btSphereShape m_sphere{ btScalar( 1 ) };

@@ -68,7 +68,7 @@ std::vector<NodeHit>& NodeSearch::againstRigid( const SoftBody& soft, const btCo
 	m_step = step;
 	m_leaf = 0;
 	m_hits.clear();
-	m_motion = m_before = ObstacleMotion{};
+	m_motion = m_unforcedMotion = ObstacleMotion{};
 	m_looksAhead = soft.impl().isImplicit && soft.isActive() && int( soft.impl().body->velocityBefore().x.size() ) >= soft.nodeCount();
 	const Levels* levels = soft.impl().body->levels();
 	m_refinesOnContact = levels && levels->settings().refinesOnContact && soft.isActive();
@@ -78,8 +78,8 @@ std::vector<NodeHit>& NodeSearch::againstRigid( const SoftBody& soft, const btCo
 		m_motion.linear = toVec3d( rigid->getLinearVelocity() + rigid->getTotalForce() * rigid->getInvMass() * btScalar( step ) );
 		m_motion.angular = toVec3d( rigid->getAngularVelocity() );
 		m_motion.centre = toVec3d( rigid->getCenterOfMassPosition() ) - origin;
-		m_before = m_motion;
-		m_before.linear = toVec3d( rigid->getLinearVelocity() );
+		m_unforcedMotion = m_motion;
+		m_unforcedMotion.linear = toVec3d( rigid->getLinearVelocity() );
 	}
 	Obstacle obstacle;
 	obstacle.shape = other.getCollisionShape();
@@ -118,7 +118,7 @@ void NodeSearch::visit( const Obstacle& obstacle )
 NodeSearch::Spheres::Spheres( const NodeSearch& search ) :
 	m_nodes( search.m_soft->impl().body->nodes() ), m_shape( *search.m_soft->impl().shape ), m_motion( search.m_motion ),
 	m_step( search.m_step ), m_isStill( search.m_motion.isStill() ), m_velocityBefore( search.m_soft->impl().body->velocityBefore() ),
-	m_before( search.m_before )
+	m_unforcedMotion( search.m_unforcedMotion )
 {}
 
 inline MovingSphere NodeSearch::Spheres::of( int node ) const
@@ -138,7 +138,7 @@ inline MovingSphere NodeSearch::Spheres::of( int node ) const
 inline Ahead NodeSearch::Spheres::ahead( int node ) const
 {
 	const Vec3d to = m_step * m_velocityBefore.get( node ).cast<double>();
-	return Ahead{ to, to - m_before.displacement( m_nodes.x.get( node ).cast<double>(), m_step ) };
+	return Ahead{ to, to - m_unforcedMotion.displacement( m_nodes.x.get( node ).cast<double>(), m_step ) };
 }
 
 double NodeSearch::overhang() const
@@ -269,7 +269,7 @@ void NodeSearch::touchMarked( const Obstacle& obstacle, btScalar size, const Fin
 {
 	const Spheres spheres( *this );
 	const bool looksAhead = m_looksAhead && obstacle.shape->isConvex();
-	const Obstacle then = looksAhead ? m_before.moved( obstacle, m_step ) : Obstacle{};
+	const Obstacle then = looksAhead ? m_unforcedMotion.moved( obstacle, m_step ) : Obstacle{};
 	const auto nearest = [&obstacle]( const MovingSphere& sphere, Touch& found ) { return findNearest( obstacle, sphere, found ); };
 	m_marks.takeAll( [&]( int node ) {
 		noteNearby( node, size );
@@ -337,14 +337,14 @@ void NodeSearch::mesh( const Obstacle& obstacle )
 	call.context = &context;
 	call.call = []( void* to, btVector3* corners, int part, int index ) {
 		Context& c = *static_cast<Context*>( to );
-		Vec3d placed[3];
+		Vec3d world[3];
 		for ( int k = 0; k < 3; ++k )
 		{
-			placed[k] = c.mesh.basis * toVec3d( corners[k] ) + c.mesh.position;
+			world[k] = c.mesh.basis * toVec3d( corners[k] ) + c.mesh.position;
 		}
 		c.mesh.part = part;
 		c.mesh.index = index;
-		c.search.triangle( c.mesh, placed );
+		c.search.triangle( c.mesh, world );
 	};
 	static_cast<const btConcaveShape*>( obstacle.shape )->processAllTriangles( &call, toBt( low ), toBt( high ) );
 }

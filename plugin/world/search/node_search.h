@@ -1,7 +1,6 @@
 #pragma once
 
-// Finds the nodes of a soft body that touch another object in this step, in an order that does not depend on trees: by node, then by part
-// of the other object, then by distance.
+// Finds the nodes of a soft body that touch another object in this step, ordered by node, then part of the other object, then distance.
 
 #include "world/shape/node_marks.h"
 #include "world/shape/node_shape.h"
@@ -65,7 +64,7 @@ private:
 		double m_step;
 		bool m_isStill;
 		const Vec3Array& m_velocityBefore;
-		const ObstacleMotion& m_before;
+		const ObstacleMotion& m_unforcedMotion;
 	};
 
 	void visit( const Obstacle& part );
@@ -96,7 +95,7 @@ private:
 	bool m_refinesOnContact = false; ///< the body refines on contact
 	bool m_looksAhead = false;       ///< the body steps implicitly, and its velocities at the substep's start are known
 	ObstacleMotion m_motion;
-	ObstacleMotion m_before; ///< without the step's forces: a body at rest does not fall
+	ObstacleMotion m_unforcedMotion; ///< without the step's forces: a body at rest does not fall
 	std::uint32_t m_leaf = 0;
 	std::vector<NodeHit> m_hits;
 	NodeMarks m_marks;

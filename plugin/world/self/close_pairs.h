@@ -33,8 +33,7 @@ public:
 	/// that follows from the spheres alone. Omits pairs that are held together, or both held with the same third sphere; `held` may be
 	/// null.
 	void find( const std::vector<Sphere>& spheres, float slop, float margin, const Held* held, std::vector<std::uint64_t>& pairs );
-	/// Appends only the pairs with at least one sphere that is selected by its number in `isOf` (not 0): each selected sphere is tested
-	/// against all others, without a grid.
+	/// Appends only pairs with a sphere whose `isSelected` is not 0, by number: these are tested against all others, without a grid.
 	void findOf( const std::vector<Sphere>& spheres, const std::vector<std::uint8_t>& isSelected, float slop, float margin,
 		const Held* held, std::vector<std::uint64_t>& pairs );
 

@@ -12,8 +12,7 @@ namespace pliant {
 
 namespace {
 
-/// Above this number of outdated nodes all are searched by a grid, which takes about as long as searching for that many without one, for
-/// bodies of any size.
+/// Above this number of outdated nodes a grid search for all nodes is as fast as their single searches, for bodies of any size.
 constexpr std::size_t kFewOutdated = 300;
 
 constexpr float kNoSphere = -1.0f;
@@ -58,16 +57,16 @@ void NearPairs::applyNumbers()
 		count = now == kNoNode ? count : std::max( count, now + 1 );
 	}
 	m_oldNumber.assign( count, kNoNode );
-	std::vector<Record> then( count, Record{ Vec3::Zero(), kNoSphere } );
+	std::vector<Record> records( count, Record{ Vec3::Zero(), kNoSphere } );
 	for ( std::uint32_t i = 0; i < std::uint32_t( m_newNumber.size() ); ++i )
 	{
 		if ( m_newNumber[i] != kNoNode )
 		{
-			then[m_newNumber[i]] = m_records[i];
+			records[m_newNumber[i]] = m_records[i];
 			m_oldNumber[m_newNumber[i]] = i;
 		}
 	}
-	m_records.swap( then );
+	m_records.swap( records );
 	std::size_t kept = 0;
 	for ( const std::uint64_t pair : m_pairs )
 	{
@@ -115,8 +114,7 @@ const std::vector<std::uint64_t>& NearPairs::of( const SoftBody& soft, double st
 	return m_pairs;
 }
 
-/// Mean displacement of the nodes since their last search, and mean velocity. The mean of their positions would jump with nodes that come
-/// and go.
+/// Mean displacement since the nodes' last searches, and mean velocity. With nodes that come and go a mean position would jump.
 void NearPairs::measureMeanMotion( const NodeState& nodes )
 {
 	Vec3 displacement = Vec3::Zero(), velocity = Vec3::Zero();

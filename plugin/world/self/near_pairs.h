@@ -18,8 +18,7 @@ public:
 	/// Pairs of nodes whose spheres may touch in this step, ascending, as lower number << 32 | higher; without those that a region holds
 	/// together, or that share a third node in their regions.
 	const std::vector<std::uint64_t>& of( const SoftBody& soft, double step );
-	/// Follows a change of node numbers or regions: `nodeNow` by previous number, kNoNode where the node is gone. Empty: numbers are
-	/// unchanged.
+	/// Follows new numbers or regions: `nodeNow` by previous number, kNoNode where the node is gone; empty: numbers are unchanged.
 	void renumber( const std::vector<std::uint32_t>& nodeNow );
 	/// Number of queries by nodes since construction: a measure of the cost.
 	long long queryCount() const { return m_queryCount; }

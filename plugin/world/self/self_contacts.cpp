@@ -1,5 +1,4 @@
-// Self-collision of bodies. The broadphase pairs no object with itself: these contacts are found after those of its pairs, by the same
-// means, and solved with all others.
+// Self-collision of bodies. The broadphase pairs no object with itself: these contacts are found after those of its pairs.
 
 #include "world/bodies/soft_body_impl.h"
 #include "world/step/soft_body_system.h"
@@ -37,8 +36,8 @@ void SoftBodySystem::collideWithThemselves( btScalar h )
 			self->contacts->processSelf( *body, self->search, double( h ) );
 		}
 		const SoftBody* const after = bodyAfter( serial - 1 );
-		const bool isThere = after == body && body->impl().self.get() == self && self->contacts;
-		report.selfContacts += isThere ? self->contacts->count() : 0;
+		const bool exists = after == body && body->impl().self.get() == self && self->contacts;
+		report.selfContacts += exists ? self->contacts->count() : 0;
 	}
 }
 

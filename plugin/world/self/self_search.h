@@ -32,8 +32,7 @@ public:
 		const std::vector<std::uint32_t>& before;
 		const std::vector<std::uint32_t>& touched;
 	};
-	/// Follows a cut: affected values of the body are measured again. `nodeNow` by previous number, kNoNode where the node is gone; empty:
-	/// numbers are unchanged.
+	/// Follows a cut. `nodeNow` by previous number, kNoNode where the node is gone; empty: numbers are unchanged.
 	void relink( const std::vector<std::uint32_t>& nodeNow, const CellsNow& cells );
 	/// Follows a change of node numbers that keeps their order.
 	void renumber( const std::vector<std::uint32_t>& nodeNow );

@@ -100,8 +100,7 @@ public:
 	ContactProxy* acquire( SoftBody& owner, int node );
 	void release( ContactProxy* body );
 
-	/// Starts a collision phase: proxies are rewritten when they are next acquired or refreshed; properties set by the game (friction and
-	/// the like) once per game step.
+	/// Starts a collision phase: proxies are rewritten when next acquired or refreshed; friction and the like once per game step.
 	void nextPhase( bool isNewStep )
 	{
 		++m_phase;

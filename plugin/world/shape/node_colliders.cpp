@@ -14,8 +14,7 @@ int largestDepth( const Octree& octree )
 	return 1 << ( octree.levels - 1 );
 }
 
-/// Lowers the depths of cells that are nearer to the cells of `ring`, all of depth `layer`, than recorded. Calls `lowered` for each of
-/// them.
+/// Lowers the depths of cells nearer to the cells of `front`, all of depth `layer`, than recorded, and calls `lowered` for each.
 template <class Lowered>
 void flood(
 	const Lattice& lattice, std::vector<std::uint32_t> front, int layer, int most, std::vector<std::uint8_t>& depth, Lowered&& lowered )

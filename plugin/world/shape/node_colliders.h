@@ -19,8 +19,7 @@ namespace pliant {
 struct NodeColliders
 {
 	std::vector<float> radius; ///< m
-	/// 1 for the surface and one layer below it: nodes with a cell whose distance to the surface, in links, does not exceed the node's
-	/// width in cells.
+	/// 1 for the surface and one layer below it: nodes with a cell no more links from the surface than the node is cells wide.
 	std::vector<std::uint8_t> collides;
 	/// Links from each finest cell to the nearest surface cell, counted up to the largest node's width in cells; one more beyond.
 	std::vector<std::uint8_t> depth;

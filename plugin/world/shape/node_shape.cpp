@@ -134,8 +134,7 @@ struct NewChildren
 
 } // namespace
 
-// The parts of a split node replace its leaf in the tree. Shape indices have no order afterwards; contacts are sorted by node and do not
-// depend on it.
+// The parts of a split node replace its leaf in the tree. Shape indices are then unordered; contacts are sorted by node.
 void NodeShape::followLevels( const Body& body, const Vec3& shift, bool isPlacedNext )
 {
 	const Levels& levels = *body.levels();

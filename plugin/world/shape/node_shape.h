@@ -24,8 +24,7 @@ class NodeShape : public btCompoundShape
 public:
 	BT_DECLARE_ALIGNED_ALLOCATOR();
 
-	/// Creates spheres for the nodes of the surface and of one layer below it: with the surface alone, an object that has passed it would
-	/// meet nothing.
+	/// Creates spheres for the nodes of the surface and of one layer below it, which stops objects that have passed the surface.
 	explicit NodeShape( const Body& body );
 
 	/// Replaces the spheres of nodes that the body's last change of levels removed by those of the new nodes; the others stay in place.
@@ -47,8 +46,7 @@ public:
 	bool isStale() const { return m_isStale; }
 	/// Calls place() and freshen().
 	void update( const NodeState& nodes, const Vec3& shift, TaskRunner* runner = nullptr );
-	/// Nodes may be displaced by any vector between `low` and `high` in this step, m: the shape's box grows by it, the spheres' boxes do
-	/// not.
+	/// Nodes move by vectors between `low` and `high` in this step, m: the shape's box grows by it, the spheres' boxes do not.
 	void setSweep( const btVector3& low, const btVector3& high );
 	const btVector3& sweepLow() const { return m_sweepLow; }
 	const btVector3& sweepHigh() const { return m_sweepHigh; }

@@ -1,9 +1,8 @@
 #pragma once
 
 // Allowed penetration of nodes that a change of levels created inside what the body touches: a coarse node's sphere leaves out the corners
-// of its cube, where its parts appear. Pushed out at the solver's rate, they would gain many times the body's energy. A new node may
-// therefore stay as deep as it first is, but no deeper, until it has come out; the allowance of a calm body is reduced over time
-// (SoftBodySystem::endCollision).
+// of its cube, where its parts appear. Pushed out at the solver's rate, they would gain many times the body's energy. So a new node may
+// stay as deep as it first is, until it has come out; a calm body's allowance is reduced over time (SoftBodySystem::endCollision).
 
 #include <cstdint>
 #include <vector>

@@ -91,8 +91,7 @@ public:
 		std::vector<std::array<int, 2>> rowPairs;
 		LaneList candidates, near;
 	};
-	/// Fills `pairs.found`, in an order that follows from the rows: rows whose boxes overlap, spheres of the one that overlap the other's
-	/// box, and spheres within reach of each of them.
+	/// Fills `pairs.found` in an order that follows from the rows: from rows whose boxes overlap to spheres within reach of each other.
 	static void findPairs( const SphereRows& a, const SphereRows& b, const Approach& approach, Pairs& pairs );
 	/// Calls visit( node, position ) for the spheres from `first` to `last` - 1.
 	template <class Visit>

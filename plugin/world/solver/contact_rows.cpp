@@ -47,9 +47,9 @@ struct FourVelocities
 
 /// Solves four rows at once, in Bullet's order of evaluation, without its products with zero:
 ///     d = rhs - cfm P - n.va / K + n.vb / K,    P + d  at least 0, or within  +- friction times the normal impulse
-/// `presses`: the normal rows of four friction rows. Without branches, since sliding and separation cannot be predicted.
+/// `normalRow`: the normal rows of four friction rows. Without branches, since sliding and separation cannot be predicted.
 template <bool kHasB>
-inline void solveFour( FourRows& row, const FourRows* presses, btVector3* change, Lanes& worst )
+inline void solveFour( FourRows& row, const FourRows* normalRow, btVector3* change, Lanes& worst )
 {
 	const Lanes none{};
 	FourVelocities a( change, row.a ), b( change, kHasB ? row.b : row.a );
@@ -58,24 +58,24 @@ inline void solveFour( FourRows& row, const FourRows* presses, btVector3* change
 	{
 		d += ( row.normal[0] * b.x + row.normal[1] * b.y + row.normal[2] * b.z ) * row.effectiveMass;
 	}
-	Lanes impulse = d, held = row.impulse + d;
-	if ( presses )
+	Lanes impulse = d, newImpulse = row.impulse + d;
+	if ( normalRow )
 	{
-		const Lanes high = row.friction * presses->impulse, low = -high, sum = held;
-		const LaneMask isLow = sum<low, isHigh = sum> high, isOff = ~( presses->impulse > none );
-		put( held, isHigh, high );
-		put( held, isLow, low );
-		put( impulse, isLow | isHigh, held - row.impulse );
+		const Lanes high = row.friction * normalRow->impulse, low = -high, sum = newImpulse;
+		const LaneMask isLow = sum<low, isHigh = sum> high, isOff = ~( normalRow->impulse > none );
+		put( newImpulse, isHigh, high );
+		put( newImpulse, isLow, low );
+		put( impulse, isLow | isHigh, newImpulse - row.impulse );
 		put( impulse, isOff, none );
-		put( held, isOff, row.impulse );
+		put( newImpulse, isOff, row.impulse );
 	}
 	else
 	{
-		const LaneMask isLow = held < none; // normal impulses are not negative
+		const LaneMask isLow = newImpulse < none; // normal impulses are not negative
 		put( impulse, isLow, -row.impulse );
-		put( held, isLow, none );
+		put( newImpulse, isLow, none );
 	}
-	row.impulse = held;
+	row.impulse = newImpulse;
 	const Lanes forA = row.inverseA, forB = row.inverseB;
 	a.x += row.normal[0] * forA * impulse;
 	a.y += row.normal[1] * forA * impulse;
@@ -98,7 +98,7 @@ inline void solveFour( FourRows& row, const FourRows* presses, btVector3* change
 }
 
 /// The unclamped impulse of a node and a rotating body. Bullet evaluates the first body first.
-inline btScalar unclampedImpulse( const RollingRow& row, const btSolverBody& body, const btVector3& velocity )
+inline btScalar unclampedImpulse( const RotatingRow& row, const btSolverBody& body, const btVector3& velocity )
 {
 	const btScalar turned = -(
 		( row.normal.dot( body.getDeltaLinearVelocity() ) + row.cross.dot( body.getDeltaAngularVelocity() ) ) * row.effectiveMass );
@@ -106,14 +106,14 @@ inline btScalar unclampedImpulse( const RollingRow& row, const btSolverBody& bod
 	return row.rhs - row.impulse * row.cfm + ( row.isBodyFirst ? turned : moved ) + ( row.isBodyFirst ? moved : turned );
 }
 
-inline btScalar applyImpulse( const RollingRow& row, btSolverBody& body, btVector3& velocity, btScalar impulse )
+inline btScalar applyImpulse( const RotatingRow& row, btSolverBody& body, btVector3& velocity, btScalar impulse )
 {
 	body.internalApplyImpulse( row.normal * body.internalGetInvMass(), row.angular, impulse );
 	velocity -= row.normal * row.inverseMass * impulse;
 	return btScalar( impulse * row.inverseEffectiveMass );
 }
 
-inline btScalar press( RollingRow& row, btSolverBody& body, btVector3& velocity )
+inline btScalar solveNormal( RotatingRow& row, btSolverBody& body, btVector3& velocity )
 {
 	const btScalar d = unclampedImpulse( row, body, velocity ), sum = row.impulse + d;
 	const btScalar impulse = sum < 0 ? -row.impulse : d;
@@ -121,12 +121,12 @@ inline btScalar press( RollingRow& row, btSolverBody& body, btVector3& velocity 
 	return applyImpulse( row, body, velocity, impulse );
 }
 
-inline btScalar rub( RollingRow& row, btSolverBody& body, btVector3& velocity, btScalar pressed )
+inline btScalar solveFriction( RotatingRow& row, btSolverBody& body, btVector3& velocity, btScalar normalImpulse )
 {
-	const btScalar high = row.friction * pressed, low = -high, d = unclampedImpulse( row, body, velocity ), sum = row.impulse + d;
-	const btScalar held = sum < low ? low : sum > high ? high : sum;
-	const btScalar impulse = sum < low || sum > high ? held - row.impulse : d;
-	row.impulse = held;
+	const btScalar high = row.friction * normalImpulse, low = -high, d = unclampedImpulse( row, body, velocity ), sum = row.impulse + d;
+	const btScalar newImpulse = sum < low ? low : sum > high ? high : sum;
+	const btScalar impulse = sum < low || sum > high ? newImpulse - row.impulse : d;
+	row.impulse = newImpulse;
 	return applyImpulse( row, body, velocity, impulse );
 }
 
@@ -161,14 +161,14 @@ void ContactRows::clear( int directionCount )
 	m_stepCount = 0;
 	for ( int kind = 0; kind < 2; ++kind )
 	{
-		press[kind].clear();
-		rub[kind].clear();
+		normalRows[kind].clear();
+		frictionRows[kind].clear();
 		m_openGroups[kind].step.clear();
 		m_openGroups[kind].filled.clear();
 		m_openGroups[kind].first = 0;
 	}
-	turnPress.clear();
-	turnRub.clear();
+	rotatingNormalRows.clear();
+	rotatingFrictionRows.clear();
 	contacts.clear();
 	deep.clear();
 	points.assign( 1, NodePoint{ btVector3( 0, 0, 0 ), btVector3( 0, 0, 0 ), nullptr, 0, -1 } );
@@ -185,8 +185,8 @@ int ContactRows::addPoint( btRigidBody& body )
 RowPosition ContactRows::allocate( RowKind kind, int a, int b )
 {
 	const int next = m_stepCount, after = std::max( points[std::size_t( a )].step, b > 0 ? points[std::size_t( b )].step : -1 );
-	int step = next, at = int( turnPress.size() );
-	if ( kind != RowKind::Turning )
+	int step = next, at = int( rotatingNormalRows.size() );
+	if ( kind != RowKind::Rotating )
 	{
 		OpenGroups& open = m_openGroups[int( kind )];
 		while ( open.first < open.filled.size() && open.filled[open.first] == kRowLanes )
@@ -206,20 +206,20 @@ RowPosition ContactRows::allocate( RowKind kind, int a, int b )
 			four = open.step.size();
 			open.step.push_back( next );
 			open.filled.push_back( 0 );
-			press[int( kind )].emplace_back();
-			rub[int( kind )].resize( rub[int( kind )].size() + std::size_t( directions ) );
+			normalRows[int( kind )].emplace_back();
+			frictionRows[int( kind )].resize( frictionRows[int( kind )].size() + std::size_t( directions ) );
 		}
 		step = open.step[four];
 		at = int( four ) * kRowLanes + open.filled[four]++;
 	}
 	else
 	{
-		turnPress.emplace_back();
-		turnRub.resize( turnRub.size() + std::size_t( directions ) );
+		rotatingNormalRows.emplace_back();
+		rotatingFrictionRows.resize( rotatingFrictionRows.size() + std::size_t( directions ) );
 	}
 	if ( step == next )
 	{
-		addStep( kind, kind == RowKind::Turning ? at : at / kRowLanes );
+		addStep( kind, kind == RowKind::Rotating ? at : at / kRowLanes );
 	}
 	points[std::size_t( a )].step = step;
 	points[std::size_t( b )].step = b > 0 ? step : -1;
@@ -237,28 +237,28 @@ void ContactRows::addStep( RowKind kind, int at )
 	runs.push_back( Run{ kind, at, at + 1 } );
 }
 
-void ContactRows::pressRun( const Run& run, btSolverBody* bodies, Lanes& worst )
+void ContactRows::solveNormalRun( const Run& run, btSolverBody* bodies, Lanes& worst )
 {
 	btVector3* const velocities = change.data();
 	const std::size_t first = std::size_t( run.first ), last = std::size_t( run.last );
 	if ( run.kind == RowKind::Static )
 	{
-		std::for_each(
-			&press[0][first], &press[0][last - 1] + 1, [&]( FourRows& row ) { solveFour<false>( row, nullptr, velocities, worst ); } );
+		std::for_each( &normalRows[0][first], &normalRows[0][last - 1] + 1,
+			[&]( FourRows& row ) { solveFour<false>( row, nullptr, velocities, worst ); } );
 	}
 	else if ( run.kind == RowKind::Pair )
 	{
-		std::for_each(
-			&press[1][first], &press[1][last - 1] + 1, [&]( FourRows& row ) { solveFour<true>( row, nullptr, velocities, worst ); } );
+		std::for_each( &normalRows[1][first], &normalRows[1][last - 1] + 1,
+			[&]( FourRows& row ) { solveFour<true>( row, nullptr, velocities, worst ); } );
 	}
 	else
 	{
-		std::for_each( &turnPress[first], &turnPress[last - 1] + 1,
-			[&]( RollingRow& row ) { raiseWorst( pliant::press( row, bodies[row.body], velocities[row.point] ), worst ); } );
+		std::for_each( &rotatingNormalRows[first], &rotatingNormalRows[last - 1] + 1,
+			[&]( RotatingRow& row ) { raiseWorst( solveNormal( row, bodies[row.body], velocities[row.point] ), worst ); } );
 	}
 }
 
-void ContactRows::rubRun( const Run& run, btSolverBody* bodies, Lanes& worst )
+void ContactRows::solveFrictionRun( const Run& run, btSolverBody* bodies, Lanes& worst )
 {
 	btVector3* const velocities = change.data();
 	const std::size_t each = std::size_t( directions );
@@ -268,16 +268,16 @@ void ContactRows::rubRun( const Run& run, btSolverBody* bodies, Lanes& worst )
 		{
 			if ( run.kind == RowKind::Static )
 			{
-				solveFour<false>( rub[0][k], &press[0][at], velocities, worst );
+				solveFour<false>( frictionRows[0][k], &normalRows[0][at], velocities, worst );
 			}
 			else if ( run.kind == RowKind::Pair )
 			{
-				solveFour<true>( rub[1][k], &press[1][at], velocities, worst );
+				solveFour<true>( frictionRows[1][k], &normalRows[1][at], velocities, worst );
 			}
-			else if ( turnPress[at].impulse > 0 )
+			else if ( rotatingNormalRows[at].impulse > 0 )
 			{
-				RollingRow& row = turnRub[k];
-				raiseWorst( pliant::rub( row, bodies[row.body], velocities[row.point], turnPress[at].impulse ), worst );
+				RotatingRow& row = rotatingFrictionRows[k];
+				raiseWorst( solveFriction( row, bodies[row.body], velocities[row.point], rotatingNormalRows[at].impulse ), worst );
 			}
 		}
 	}
@@ -285,59 +285,61 @@ void ContactRows::rubRun( const Run& run, btSolverBody* bodies, Lanes& worst )
 
 btScalar ContactRows::pushOut( Deep& out, btSolverBody* bodies )
 {
-	const bool turns = out.position.kind == RowKind::Turning;
-	RollingRow* const turning = turns ? &turnPress[std::size_t( out.position.at )] : nullptr;
-	const FourRows* const four = turns ? nullptr : &press[int( out.position.kind )][std::size_t( out.position.at / kRowLanes )];
+	const bool isRotating = out.position.kind == RowKind::Rotating;
+	RotatingRow* const rotating = isRotating ? &rotatingNormalRows[std::size_t( out.position.at )] : nullptr;
+	const FourRows* const four = isRotating ? nullptr : &normalRows[int( out.position.kind )][std::size_t( out.position.at / kRowLanes )];
 	const int lane = out.position.at % kRowLanes;
-	const btScalar cfm = turns ? turning->cfm : four->cfm[lane], effectiveMass = turns ? turning->effectiveMass : four->effectiveMass[lane];
-	NodePoint& b = points[std::size_t( turns ? turning->point : four->b[lane] )];
-	NodePoint* const a = turns ? nullptr : &points[std::size_t( four->a[lane] )];
-	btSolverBody* const body = turns ? &bodies[turning->body] : nullptr;
-	const btVector3 normal = turns ? turning->normal : btVector3( four->normal[0][lane], four->normal[1][lane], four->normal[2][lane] );
+	const btScalar cfm = isRotating ? rotating->cfm : four->cfm[lane],
+				   effectiveMass = isRotating ? rotating->effectiveMass : four->effectiveMass[lane];
+	NodePoint& b = points[std::size_t( isRotating ? rotating->point : four->b[lane] )];
+	NodePoint* const a = isRotating ? nullptr : &points[std::size_t( four->a[lane] )];
+	btSolverBody* const body = isRotating ? &bodies[rotating->body] : nullptr;
+	const btVector3 normal = isRotating ? rotating->normal
+										: btVector3( four->normal[0][lane], four->normal[1][lane], four->normal[2][lane] );
 
-	const btScalar ofA = -(
-		( turns ? normal.dot( body->getPushVelocity() ) + turning->cross.dot( body->getTurnVelocity() ) : normal.dot( a->pushVelocity ) ) *
+	const btScalar ofA = -( ( isRotating ? normal.dot( body->getPushVelocity() ) + rotating->cross.dot( body->getTurnVelocity() )
+										 : normal.dot( a->pushVelocity ) ) *
 		effectiveMass );
 	const btScalar ofB = normal.dot( b.pushVelocity ) * effectiveMass;
-	const bool isAFirst = !turns || turning->isBodyFirst;
+	const bool isAFirst = !isRotating || rotating->isBodyFirst;
 	btScalar impulse = out.rhs - out.impulse * cfm + ( isAFirst ? ofA : ofB ) + ( isAFirst ? ofB : ofA );
 	const btScalar sum = out.impulse + impulse;
 	impulse = sum < 0 ? -out.impulse : impulse;
 	out.impulse = sum < 0 ? 0 : sum;
-	if ( turns )
+	if ( isRotating )
 	{
-		body->internalApplyPushImpulse( normal * body->internalGetInvMass(), turning->angular, impulse );
+		body->internalApplyPushImpulse( normal * body->internalGetInvMass(), rotating->angular, impulse );
 	}
 	else
 	{
 		a->pushVelocity += normal * a->inverseMass * impulse;
 	}
 	b.pushVelocity -= normal * b.inverseMass * impulse;
-	return btScalar( impulse * ( turns ? turning->inverseEffectiveMass : four->inverseEffectiveMass[lane] ) );
+	return btScalar( impulse * ( isRotating ? rotating->inverseEffectiveMass : four->inverseEffectiveMass[lane] ) );
 }
 
-void ContactRows::giveBackImpulses() const
+void ContactRows::writeImpulses() const
 {
 	for ( const Contact& contact : contacts )
 	{
 		const std::size_t at = std::size_t( contact.position.at );
-		if ( contact.position.kind == RowKind::Turning )
+		if ( contact.position.kind == RowKind::Rotating )
 		{
-			contact.point->m_appliedImpulse = turnPress[at].impulse;
-			contact.point->m_appliedImpulseLateral1 = turnRub[at * std::size_t( directions )].impulse;
-			contact.point->m_appliedImpulseLateral2 = directions > 1 ? turnRub[at * 2 + 1].impulse
+			contact.point->m_appliedImpulse = rotatingNormalRows[at].impulse;
+			contact.point->m_appliedImpulseLateral1 = rotatingFrictionRows[at * std::size_t( directions )].impulse;
+			contact.point->m_appliedImpulseLateral2 = directions > 1 ? rotatingFrictionRows[at * 2 + 1].impulse
 																	 : contact.point->m_appliedImpulseLateral2;
 			continue;
 		}
 		const std::size_t lane = at % kRowLanes, four = at / kRowLanes;
-		const FourRows* const rubs = &rub[int( contact.position.kind )][four * std::size_t( directions )];
-		contact.point->m_appliedImpulse = press[int( contact.position.kind )][four].impulse[lane];
-		contact.point->m_appliedImpulseLateral1 = rubs[0].impulse[lane];
-		contact.point->m_appliedImpulseLateral2 = directions > 1 ? rubs[1].impulse[lane] : contact.point->m_appliedImpulseLateral2;
+		const FourRows* const frictionGroup = &frictionRows[int( contact.position.kind )][four * std::size_t( directions )];
+		contact.point->m_appliedImpulse = normalRows[int( contact.position.kind )][four].impulse[lane];
+		contact.point->m_appliedImpulseLateral1 = frictionGroup[0].impulse[lane];
+		contact.point->m_appliedImpulseLateral2 = directions > 1 ? frictionGroup[1].impulse[lane] : contact.point->m_appliedImpulseLateral2;
 	}
 }
 
-void ContactRows::restoreVelocities( bool isSplit, btScalar timeStep ) const
+void ContactRows::writeVelocities( bool isSplit, btScalar timeStep ) const
 {
 	for ( std::size_t i = 1; i < points.size(); ++i )
 	{

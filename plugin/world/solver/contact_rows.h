@@ -50,7 +50,7 @@ struct FourRows
 };
 
 /// A row of a node and a rotating body. `normal` and the vectors derived from it act on that body.
-struct RollingRow
+struct RotatingRow
 {
 	btVector3 normal, cross, angular; ///< n, r x n, I^-1 ( r x n )
 	btScalar effectiveMass, rhs, cfm, impulse, friction;
@@ -63,10 +63,10 @@ struct RollingRow
 /// Kinds of contact rows.
 enum class RowKind : unsigned char
 {
-	Static,  ///< a node and a static object
-	Pair,    ///< two nodes
-	Turning, ///< a node and a rotating body
-	Bullets  ///< no node: Bullet's own row
+	Static,   ///< a node and a static object
+	Pair,     ///< two nodes
+	Rotating, ///< a node and a rotating body
+	Bullet    ///< no node: Bullet's own row
 };
 
 struct RowPosition
@@ -85,8 +85,8 @@ struct ContactRows
 	};
 	std::vector<Run> runs;
 	/// Normal rows; friction rows have the same numbers times `directions`.
-	std::vector<FourRows> press[2], rub[2];
-	std::vector<RollingRow> turnPress, turnRub;
+	std::vector<FourRows> normalRows[2], frictionRows[2];
+	std::vector<RotatingRow> rotatingNormalRows, rotatingFrictionRows;
 	int directions = 1;
 
 	std::vector<NodePoint> points; ///< the first is a placeholder for no node
@@ -115,14 +115,14 @@ struct ContactRows
 	void addStep( RowKind kind, int at );
 
 	// Solve the rows of a run other than Bullet's. `worst` is raised to their squared residuals.
-	void pressRun( const Run& run, btSolverBody* bodies, Lanes& worst );
-	void rubRun( const Run& run, btSolverBody* bodies, Lanes& worst );
+	void solveNormalRun( const Run& run, btSolverBody* bodies, Lanes& worst );
+	void solveFrictionRun( const Run& run, btSolverBody* bodies, Lanes& worst );
 	/// Returns the row's residual, m/s.
 	btScalar pushOut( Deep& out, btSolverBody* bodies );
 	/// Copies the impulses to the contact points.
-	void giveBackImpulses() const;
+	void writeImpulses() const;
 	/// Copies velocities, and with `isSplit` positions, to the bodies.
-	void restoreVelocities( bool isSplit, btScalar timeStep ) const;
+	void writeVelocities( bool isSplit, btScalar timeStep ) const;
 
 private:
 	struct OpenGroups

@@ -40,7 +40,7 @@ btScalar ContactSolver::pushOutOnce()
 	for ( ContactRows::Deep& deep : m_rows->deep )
 	{
 		btScalar off = 0;
-		if ( deep.position.kind == RowKind::Bullets )
+		if ( deep.position.kind == RowKind::Bullet )
 		{
 			const btSolverConstraint& row = m_tmpSolverContactConstraintPool[deep.position.at];
 			off = m_resolveSplitPenetrationImpulse( all[row.m_solverBodyIdA], all[row.m_solverBodyIdB], row );
@@ -134,9 +134,9 @@ btScalar ContactSolver::solveSingleIteration( int iteration, btCollisionObject**
 	Lanes worst{};
 	for ( const ContactRows::Run& run : rows.runs )
 	{
-		if ( run.kind != RowKind::Bullets )
+		if ( run.kind != RowKind::Bullet )
 		{
-			rows.pressRun( run, all, worst );
+			rows.solveNormalRun( run, all, worst );
 			continue;
 		}
 		for ( int k = run.first; k < run.last; ++k )
@@ -147,9 +147,9 @@ btScalar ContactSolver::solveSingleIteration( int iteration, btCollisionObject**
 	}
 	for ( const ContactRows::Run& run : rows.runs )
 	{
-		if ( run.kind != RowKind::Bullets )
+		if ( run.kind != RowKind::Bullet )
 		{
-			rows.rubRun( run, all, worst );
+			rows.solveFrictionRun( run, all, worst );
 			continue;
 		}
 		for ( int k = run.first; k < run.last; ++k )
@@ -165,11 +165,11 @@ btScalar ContactSolver::solveGroupCacheFriendlyFinish( btCollisionObject** bodie
 {
 	if ( m_isInUse && ( info.m_solverMode & SOLVER_USE_WARMSTARTING ) )
 	{
-		m_rows->giveBackImpulses();
+		m_rows->writeImpulses();
 	}
 	if ( m_isInUse )
 	{
-		m_rows->restoreVelocities( info.m_splitImpulse, info.m_timeStep );
+		m_rows->writeVelocities( info.m_splitImpulse, info.m_timeStep );
 	}
 	m_isInUse = false;
 	return btSequentialImpulseConstraintSolver::solveGroupCacheFriendlyFinish( bodies, bodyCount, info );

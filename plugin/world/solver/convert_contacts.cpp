@@ -93,7 +93,7 @@ bool ContactSolver::Conversion::convert( btPersistentManifold& manifold )
 	}
 	if ( a.point == 0 && b.point == 0 )
 	{
-		convertBullets( manifold );
+		convertBulletContact( manifold );
 		return true;
 	}
 	if ( isHeld( a ) && isHeld( b ) )
@@ -121,17 +121,17 @@ bool ContactSolver::Conversion::convert( btPersistentManifold& manifold )
 	return true;
 }
 
-void ContactSolver::Conversion::convertBullets( btPersistentManifold& manifold )
+void ContactSolver::Conversion::convertBulletContact( btPersistentManifold& manifold )
 {
 	const btConstraintArray& pool = solver.m_tmpSolverContactConstraintPool;
 	const int first = pool.size();
 	solver.convertContact( &manifold, info );
 	for ( int k = first; k < pool.size(); ++k )
 	{
-		rows.addStep( RowKind::Bullets, k );
+		rows.addStep( RowKind::Bullet, k );
 		if ( pool[k].m_rhsPenetration != 0 )
 		{
-			rows.deep.push_back( ContactRows::Deep{ RowPosition{ RowKind::Bullets, k }, 0, 0 } );
+			rows.deep.push_back( ContactRows::Deep{ RowPosition{ RowKind::Bullet, k }, 0, 0 } );
 		}
 	}
 }
@@ -153,32 +153,32 @@ btVector3 ContactSolver::Conversion::velocityOf( const Side& side ) const
 
 void ContactSolver::Conversion::findLever( const btVector3& normal, Lever& lever ) const
 {
-	const Side* const turns = turning();
-	if ( !turns )
+	const Side* const rotating = rotatingSide();
+	if ( !rotating )
 	{
 		setWhole( lever.axis, a.point > 0 ? normal : -normal );
 		lever.inverse = pointOf( a ).inverseMass + pointOf( b ).inverseMass;
 		return;
 	}
-	const btRigidBody& body = *turns->body->m_originalBody;
-	setWhole( lever.axis, turns == &a ? normal : -normal );
+	const btRigidBody& body = *rotating->body->m_originalBody;
+	setWhole( lever.axis, rotating == &a ? normal : -normal );
 	setWhole( lever.cross, arm.cross( lever.axis ) );
 	lever.angular = body.getInvInertiaTensorWorld() * lever.cross * body.getAngularFactor();
-	lever.inverse = body.getInvMass() + lever.axis.dot( lever.angular.cross( arm ) ) + pointOf( turns == &a ? b : a ).inverseMass;
+	lever.inverse = body.getInvMass() + lever.axis.dot( lever.angular.cross( arm ) ) + pointOf( rotating == &a ? b : a ).inverseMass;
 }
 
 /// Velocity of separation along a row, m/s.
 btScalar ContactSolver::Conversion::approach( const Lever& lever, bool withTorque ) const
 {
-	const Side* const turns = turning();
-	if ( !turns )
+	const Side* const rotating = rotatingSide();
+	if ( !rotating )
 	{
 		return along( a.point > 0 ? a : b, lever.axis ) - ( a.point > 0 && b.point > 0 ? along( b, lever.axis ) : btScalar( 0 ) );
 	}
-	const btSolverBody& body = *turns->body;
+	const btSolverBody& body = *rotating->body;
 	const btVector3 turn = withTorque ? body.m_angularVelocity + body.m_externalTorqueImpulse : body.m_angularVelocity;
 	const btScalar ofBody = lever.axis.dot( body.m_linearVelocity + body.m_externalForceImpulse ) + lever.cross.dot( turn );
-	return ofBody - along( turns == &a ? b : a, lever.axis );
+	return ofBody - along( rotating == &a ? b : a, lever.axis );
 }
 
 /// Restitution velocity of a contact, m/s: from the bodies' velocities without forces.
@@ -198,11 +198,11 @@ btScalar ContactSolver::Conversion::bounce() const
 
 void ContactSolver::Conversion::warmStart( const Lever& lever, btScalar impulse )
 {
-	const Side* const turns = turning();
-	const std::size_t first = std::size_t( firstPoint() ), second = turns ? first : std::size_t( secondPoint() );
-	if ( turns )
+	const Side* const rotating = rotatingSide();
+	const std::size_t first = std::size_t( firstPoint() ), second = rotating ? first : std::size_t( secondPoint() );
+	if ( rotating )
 	{
-		turns->body->internalApplyImpulse( lever.axis * turns->body->internalGetInvMass(), lever.angular, impulse );
+		rotating->body->internalApplyImpulse( lever.axis * rotating->body->internalGetInvMass(), lever.angular, impulse );
 	}
 	else
 	{
@@ -215,26 +215,27 @@ void ContactSolver::Conversion::warmStart( const Lever& lever, btScalar impulse 
 void ContactSolver::Conversion::write( const Lever& lever, RowData data, int which )
 {
 	data.normal = lever.axis;
-	if ( const Side* const turns = turning() )
+	if ( const Side* const rotating = rotatingSide() )
 	{
-		const int node = turns == &a ? b.point : a.point;
-		( which < 0 ? rows.turnPress[std::size_t( position.at )]
-					: rows.turnRub[std::size_t( position.at * rows.directions + which )] ) = RollingRow{ lever.axis, lever.cross,
-			lever.angular, data.effectiveMass, data.rhs, data.cfm, data.impulse, data.friction,
-			rows.points[std::size_t( node )].inverseMass, node, turns->solverBody, turns == &a, 1. / data.effectiveMass };
+		const int node = rotating == &a ? b.point : a.point;
+		( which < 0 ? rows.rotatingNormalRows[std::size_t( position.at )]
+					: rows.rotatingFrictionRows[std::size_t( position.at * rows.directions + which )] ) = RotatingRow{ lever.axis,
+			lever.cross, lever.angular, data.effectiveMass, data.rhs, data.cfm, data.impulse, data.friction,
+			rows.points[std::size_t( node )].inverseMass, node, rotating->solverBody, rotating == &a, 1. / data.effectiveMass };
 		return;
 	}
 	const int first = firstPoint(), second = secondPoint(), four = position.at / kRowLanes, kind = int( position.kind );
-	FourRows& row = which < 0 ? rows.press[kind][std::size_t( four )] : rows.rub[kind][std::size_t( four * rows.directions + which )];
+	FourRows& row = which < 0 ? rows.normalRows[kind][std::size_t( four )]
+							  : rows.frictionRows[kind][std::size_t( four * rows.directions + which )];
 	row.set( position.at % kRowLanes, data, first, rows.points[std::size_t( first )].inverseMass, second,
 		rows.points[std::size_t( second )].inverseMass );
 }
 
 void ContactSolver::Conversion::convertPoint()
 {
-	if ( const Side* const turns = turning() )
+	if ( const Side* const rotating = rotatingSide() )
 	{
-		arm = armOf( *turns );
+		arm = armOf( *rotating );
 	}
 	const Softness soft = softnessOf( *point, info );
 	Lever lever;
@@ -252,9 +253,9 @@ void ContactSolver::Conversion::convertPoint()
 	const bool isSplit = info.m_splitImpulse && !( depth > info.m_splitImpulsePenetrationThreshold );
 	data.rhs = isSplit ? off * data.effectiveMass : out + off * data.effectiveMass;
 
-	position = rows.allocate( turning()  ? RowKind::Turning
-			: a.point > 0 && b.point > 0 ? RowKind::Pair
-										 : RowKind::Static,
+	position = rows.allocate( rotatingSide() ? RowKind::Rotating
+			: a.point > 0 && b.point > 0     ? RowKind::Pair
+											 : RowKind::Static,
 		firstPoint(), secondPoint() );
 	write( lever, data, -1 );
 	rows.contacts.push_back( ContactRows::Contact{ point, position } );
@@ -266,18 +267,18 @@ void ContactSolver::Conversion::convertPoint()
 	{
 		warmStart( lever, data.impulse );
 	}
-	const bool isGiven = ( info.m_solverMode & SOLVER_ENABLE_FRICTION_DIRECTION_CACHING ) &&
+	const bool areDirectionsGiven = ( info.m_solverMode & SOLVER_ENABLE_FRICTION_DIRECTION_CACHING ) &&
 		( point->m_contactPointFlags & BT_CONTACT_FLAG_LATERAL_FRICTION_INITIALIZED );
-	if ( !isGiven )
+	if ( !areDirectionsGiven )
 	{
 		chooseDirections();
 	}
-	rubAlong( point->m_lateralFrictionDir1, 0, isGiven ? point->m_contactMotion1 : btScalar( 0 ),
-		isGiven ? point->m_frictionCFM : btScalar( 0 ) );
+	addFrictionRow( point->m_lateralFrictionDir1, 0, areDirectionsGiven ? point->m_contactMotion1 : btScalar( 0 ),
+		areDirectionsGiven ? point->m_frictionCFM : btScalar( 0 ) );
 	if ( rows.directions > 1 )
 	{
-		rubAlong( point->m_lateralFrictionDir2, 1, isGiven ? point->m_contactMotion2 : btScalar( 0 ),
-			isGiven ? point->m_frictionCFM : btScalar( 0 ) );
+		addFrictionRow( point->m_lateralFrictionDir2, 1, areDirectionsGiven ? point->m_contactMotion2 : btScalar( 0 ),
+			areDirectionsGiven ? point->m_frictionCFM : btScalar( 0 ) );
 	}
 }
 
@@ -319,7 +320,7 @@ void ContactSolver::Conversion::chooseDirections()
 	}
 }
 
-void ContactSolver::Conversion::rubAlong( const btVector3& direction, int which, btScalar wanted, btScalar cfm )
+void ContactSolver::Conversion::addFrictionRow( const btVector3& direction, int which, btScalar wanted, btScalar cfm )
 {
 	Lever lever;
 	findLever( direction, lever );

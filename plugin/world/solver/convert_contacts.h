@@ -42,11 +42,11 @@ struct ContactSolver::Conversion
 private:
 	bool findSide( btCollisionObject& object, Side& side );
 	bool isHeld( const Side& side ) const;
-	void convertBullets( btPersistentManifold& manifold );
+	void convertBulletContact( btPersistentManifold& manifold );
 	void convertPoint();
 	int firstPoint() const { return a.point > 0 ? a.point : b.point; } ///< nodes of the present contact
 	int secondPoint() const { return a.point > 0 ? b.point : 0; }      ///< or the placeholder
-	const Side* turning() const { return a.body ? &a : b.body ? &b : nullptr; }
+	const Side* rotatingSide() const { return a.body ? &a : b.body ? &b : nullptr; }
 	const NodePoint& pointOf( const Side& side ) const { return rows.points[std::size_t( side.point )]; }
 	btVector3 velocityOf( const Side& side ) const;
 	/// From the object's origin to the contact point, m.
@@ -65,7 +65,7 @@ private:
 	btScalar bounce() const;
 	void warmStart( const Lever& lever, btScalar impulse );
 	void chooseDirections();
-	void rubAlong( const btVector3& direction, int which, btScalar wanted, btScalar cfm );
+	void addFrictionRow( const btVector3& direction, int which, btScalar wanted, btScalar cfm );
 	void write( const Lever& lever, RowData data, int which );
 };
 

@@ -108,10 +108,10 @@ bool ContactSurface::axesOf( const NodeState& nodes, int node, const Vec3d& alon
 			}
 			const Vec3d step = ( nodes.x.get( other ) - at ).cast<double>();
 			// The neighbour on the point's side; the other one only where that is missing.
-			const double look = 2.0 + step.normalized().dot( along );
-			if ( look > most )
+			const double alignment = 2.0 + step.normalized().dot( along );
+			if ( alignment > most )
 			{
-				most = look;
+				most = alignment;
 				axes.neighbour[axis] = other;
 				axes.step.col( axis ) = step;
 			}

@@ -20,8 +20,7 @@ struct NodeState;
 class ContactSurface
 {
 public:
-	/// Reads the body's lattice where it has changed, which `version` tells. Bodies with levels have no patches, and their nodes share no
-	/// contacts.
+	/// Reads the body's lattice where `version` has changed. Bodies with levels have no patches, and their nodes share no contacts.
 	void follow( const Body& body, unsigned version );
 
 	/// The patch of a node in the body's present deformation.
@@ -42,9 +41,9 @@ public:
 	double overhang() const { return m_overhang; }
 	double cellSize() const { return m_cellSize; }
 
-	/// The nodes that share a contact. `at`: from the node's centre to the contact point, m. The weights `press` act along the line through
-	/// it along `normal`, the weights `rub` at the point itself; `at` is moved to where the nodes can share it, which changes it only in
-	/// crumbs, sheets and crushed parts.
+	/// The nodes that share a contact. `at`: from the node's centre to the contact point, m; it is moved to where the nodes can share it,
+	/// which changes it only in crumbs, sheets and crushed parts. The weights `press` act along the line through it along `normal`, `rub`
+	/// at the point.
 	SharedNodes sharedNodes( const NodeState& nodes, int node, const Vec3d& normal, Vec3d& at ) const;
 
 	/// Radius of the rolling sphere at a node, m, where the touching point travels along its patch; 0 where the point stays.
@@ -133,8 +132,7 @@ PatchAnswer findPatchTouch(
 				return PatchAnswer::UseSphere;
 			}
 		}
-		// The plane there is n.( y - q ) = 0. The node is at distance D - ( c - x ).n; the sphere's foremost point is nearer by R + ( c - x
-		// ).n.
+		// The plane there is n.( y - q ) = 0. The node is D - ( c - x ).n from it, the sphere's foremost point nearer by R + ( c - x ).n.
 		const Vec3d at = -inwards * patch.normal - ( inwards + patch.height ) * touch.normal;
 		touch.reach = -at.dot( touch.normal );
 		touch.aside = at + touch.reach * touch.normal;

@@ -1,7 +1,6 @@
 #pragma once
 
-// A dispatcher that shows a selection of another's manifolds, so that Bullet's islands and solver see only the objects of one pass of the
-// step.
+// A dispatcher that shows some of another's manifolds: Bullet's islands and solver see only the objects of one pass of the step.
 
 #include <BulletCollision/BroadphaseCollision/btDispatcher.h>
 

@@ -1,8 +1,7 @@
 #pragma once
 
 // Contact of a node's sphere with an obstacle within a step: in closed form where possible, by Bullet's GJK for other convex shapes.
-// Everything is relative to the soft body's origin and in double precision: a float world behaves a kilometre from the origin as it does
-// there.
+// Everything is in double precision and relative to the soft body's origin, so that far from the world's origin nothing changes.
 
 #include "lattice/lattice.h"
 #include "world/constants.h"
@@ -34,7 +33,7 @@ struct Obstacle
 struct MovingSphere
 {
 	Vec3d centre = Vec3d::Zero();
-	Vec3d displacement = Vec3d::Zero(); ///< displacement of the node relative to the obstacle in this step, m
+	Vec3d displacement = Vec3d::Zero(); ///< of the node relative to the obstacle in this step, m
 	double radius = 0.0;                ///< m
 	const btSphereShape* shape = nullptr;
 	double scale = 0.0; ///< m, length scale of slack and of fast motion; 0: the radius
@@ -55,8 +54,7 @@ struct Touch
 {
 	Vec3d normal = Vec3d::Zero(); ///< out of the obstacle, towards the node
 	double distance = 0.0;        ///< of the node's centre from the obstacle's surface, along the normal, m; negative inside
-	Vec3d aside = Vec3d::Zero();  ///< lateral offset of the contact point on the body's surface from the node's line along the normal, m
-								  ///< (contact_surface.h)
+	Vec3d aside = Vec3d::Zero();  ///< lateral offset of the surface point from the node's line along the normal, m (contact_surface.h)
 	double reach = -1.0; ///< of that point from the node's centre against the normal, m; negative: the touch is of the node's own sphere
 
 	/// Contact points of the body and of the obstacle, from the node's centre. `radius`: of the node's own sphere, m.
@@ -84,9 +82,8 @@ struct Ahead
 /// Replaces a touch with a convex shape by the plane at the positions at the step's end, `then` the shape's. An edge that slides over a
 /// sphere has a slanted plane in front of it until it is over the sphere's top; a contact that is solved for the step's end must not be
 /// held back by that plane.
-///  n, d1 of the nearest point then;   d = d1 - n . w,   w the relative displacement;   used where d, d1 >= r / 2: then the plane lies
-///  between shape and centre throughout the step
-/// False where the sphere does not reach that plane.
+///   n, d1 of the nearest point then;   d = d1 - n . w,   w the relative displacement;   used where d, d1 >= r / 2
+/// Then the plane lies between shape and centre throughout the step. False where the sphere does not reach that plane.
 bool lookAhead( const Obstacle& then, const MovingSphere& sphere, const Ahead& ahead, Touch& touch );
 
 /// A plane that rejects distant spheres at less cost than a contact test, for tests of many spheres.

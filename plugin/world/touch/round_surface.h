@@ -8,8 +8,7 @@ namespace pliant {
 
 class SoftBody;
 
-/// A sphere that touches a face of the body where the node's own does, with its centre between the node and the node behind it. Impulses on
-/// it act on both.
+/// A sphere that touches a face where the node's own does, centred between the node and the one behind it; impulses act on both.
 struct RoundSphere
 {
 	int inner = -1;                ///< the node behind; -1: this is the node's own sphere

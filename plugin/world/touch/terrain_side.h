@@ -1,9 +1,8 @@
 #pragma once
 
 // A heightfield has ground below it. Its triangles are two-sided, as those of every mesh, and a node below one is pushed farther down:
-// where the game raises the field by more than a node's radius in a step, bodies on it would be drawn into the ground node by node. So
-// nodes below the triangle are in the ground and are pushed up where another part of their body is above it. A body that approaches the
-// field from below as a whole meets it as a sheet.
+// where the game raises the field by more than a node's radius in a step, bodies on it would be drawn into the ground. So nodes below a
+// triangle are pushed up where another part of their body is above it. A body that is below as a whole meets the field as a sheet.
 
 #include "world/shape/node_shape.h"
 #include "world/touch/node_touch.h"

@@ -1,7 +1,6 @@
 #pragma once
 
-// The part of an object that a contact point lies on, as Bullet shows it to contact callbacks: the child of a compound, the triangle of a
-// mesh.
+// The part of an object that a contact point lies on, as Bullet shows it to contact callbacks: a compound's child, a mesh's triangle.
 
 #include <BulletCollision/CollisionShapes/btTriangleShape.h>
 #include <LinearMath/btTransform.h>
