@@ -24,7 +24,7 @@ inline constexpr std::size_t kPositionsAhead = 12;
 /// Contacts are created at least this far before touch, in node radii, so that a resting contact does not flicker.
 inline constexpr btScalar kContactSlop = btScalar( 0.04 );
 
-/// A sphere is out of reach of a plane or box where this fraction of its radius is left: rounding error in a world 10 000 km wide.
+/// Spheres that miss a plane or box by more than this fraction of a radius are rejected early: rounding in a world 10 000 km wide.
 inline constexpr double kFarSlack = 1e-6;
 
 /// A node that moves by more than this fraction of its radius in a step is swept; a slower one is tested by its nearest point.
@@ -36,7 +36,7 @@ inline constexpr int kMostAdvances = 32;
 /// Contact processing threshold that hides a manifold from Bullet's solver, m: no contact is as deep.
 inline constexpr double kHiddenThreshold = -1e18;
 
-/// An implicit body meets the plane at the step's end (lookAhead) where its node's centre is this fraction of a radius in front of it.
+/// Least distance of an implicit node's centre, now and then, from the plane at the step's end (lookAhead), in its radii.
 inline constexpr double kAheadFraction = 0.5;
 
 /// How much deeper than at the nearest sphere an object may penetrate between four spheres, in their radii: an object of their size by 0.6,
@@ -75,7 +75,7 @@ inline constexpr double kRoundFraction = 0.5;
 /// Cosines between a face and the direction to the other node at which the sphere begins to grow, and has its full size.
 inline constexpr double kLeastRoundCosine = 0.5;
 inline constexpr double kFullRoundCosine = 0.8;
-/// How much farther apart than their own spheres touch two nodes may be whose round spheres touch, in their radii.
+/// Largest gap between the own spheres of two nodes whose round spheres touch, in their radii.
 inline constexpr btScalar kRoundMargin = btScalar( 0.2 );
 
 /// Contact surface of a body (contact_surface.h). Half width of a node's patch, cells: on a face cut at 45 degrees the nodes behind it are
@@ -94,8 +94,8 @@ inline constexpr double kPatchDepth = 0.75, kPatchRetreat = 0.25;
 /// Limit of spheres tried per patch, and tolerance of the lateral offset of the touching point, as a fraction of its bound.
 inline constexpr int kPatchRounds = 4;
 inline constexpr double kPatchTolerance = 0.05;
-/// Two patches are tested against each other where their nodes' lines are no farther apart than this, cells of the larger kind; and how
-/// much farther apart than their own spheres touch the nodes may then be, cells.
+/// Two patches are tested against each other where their nodes' lines are no farther apart than this, and the gap between their own
+/// spheres no larger than that, cells of the larger kind.
 inline constexpr double kPatchPairDistance = 0.72, kPatchPairMargin = 0.25;
 /// A node has no patch where the cells around it are compressed below this fraction of their rest volume.
 inline constexpr double kLeastPatchVolume = 0.2;

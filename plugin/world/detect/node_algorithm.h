@@ -35,7 +35,7 @@ private:
 	PairContacts* m_contacts;
 };
 
-/// Creates a NodeAlgorithm where a soft body takes part, which knows its world, and otherwise delegates to the previous function.
+/// Creates a NodeAlgorithm in the world of a soft body that takes part, and otherwise delegates to the previous function.
 class NodeCreateFunc : public btCollisionAlgorithmCreateFunc
 {
 public:

@@ -86,7 +86,7 @@ public:
 		m_nodesA( a.impl().body->nodes() ), m_nodesB( b.impl().body->nodes() ), m_a( a.impl() ), m_b( b.impl() ),
 		m_cell( std::max( double( a.bodyTemplate().cellSize() ), double( b.bodyTemplate().cellSize() ) ) )
 	{}
-	/// How much farther apart than their own spheres touch two nodes may be whose patches touch, m.
+	/// Largest gap between the own spheres of two nodes whose patches touch, m.
 	btScalar margin() const { return btScalar( kPatchPairMargin * m_cell + m_a.surfaceNow().overhang() + m_b.surfaceNow().overhang() ); }
 
 	PatchAnswer find( const MovingSphere& sphere, int nodeA, const Ball& ball, Touch& touch ) const
