@@ -1,6 +1,6 @@
 #pragma once
 
-// Numbers of the coupling to Bullet, each with its unit and reason.
+// Constants of the coupling to Bullet, each with its unit and reason.
 
 #include <LinearMath/btScalar.h>
 
@@ -8,215 +8,207 @@
 
 namespace pliant {
 
-/// SoftBody::setSurfaceTolerance unless set, cells: a tenth of a pixel where a cell is ten of them.
+/// Default of SoftBody::setSurfaceTolerance, cells: a tenth of a pixel where a cell covers ten.
 inline constexpr double kSurfaceTolerance = 1e-2;
 
-/// Sphere radii are rounded to steps of 2^(1/16), so that nodes share shapes.
+/// Sphere radii are rounded to steps of 2^(1/16), so that nodes can share shapes.
 inline constexpr double kRadiusStepsPerOctave = 16.0;
 
-/// Contacts of a pair whose memory is asked for before their turn.
+/// Prefetch distance in the contacts of a pair.
 inline constexpr std::size_t kContactsAhead = 2;
-/// The same of a body's stand-ins.
-inline constexpr std::size_t kStandsAhead = 4;
-/// And of points that go back to the surfaces.
+/// Prefetch distance in a body's contact proxies.
+inline constexpr std::size_t kProxiesAhead = 4;
+/// Prefetch distance in contact points that are moved back to the surfaces.
 inline constexpr std::size_t kPositionsAhead = 12;
 
-/// Contacts are made this far ahead of touch at least, in node radii, so that a resting contact does not flicker.
+/// Contacts are created at least this far before touch, in node radii, so that a resting contact does not flicker.
 inline constexpr btScalar kContactSlop = btScalar( 0.04 );
 
-/// Clear of a plane or a box is what misses it by more than this share of a radius: rounding, of a world ten thousand kilometres wide.
+/// Spheres that miss a plane or box by more than this fraction of a radius are rejected early: rounding in a world 10 000 km wide.
 inline constexpr double kFarSlack = 1e-6;
 
-/// A node that moves more than this share of its radius in a step is swept instead of asked for its nearest point.
+/// A node that moves by more than this fraction of its radius in a step is swept; a slower one is tested by its nearest point.
 inline constexpr double kFastFraction = 0.5;
 
-/// Advances of what is swept until it touches: most take two, what grazes an edge a few more.
+/// Limit of the iterations of conservative advancement: most sweeps take two, grazing ones a few more.
 inline constexpr int kMostAdvances = 32;
 
-/// Contact processing threshold of what Bullet's solver is to leave alone, m: no contact is as deep.
+/// Contact processing threshold that hides a manifold from Bullet's solver, m: no contact is as deep.
 inline constexpr double kHiddenThreshold = -1e18;
 
-/// What steps implicitly is met where it will be (lookAhead), where its centre is this share of its radius in front of the plane there, now
-/// and then.
+/// Least distance of an implicit node's centre, now and then, from the plane at the step's end (lookAhead), in its radii.
 inline constexpr double kAheadFraction = 0.5;
 
-/// How much deeper than on the nearest ball something may stand between four, in their radii: a thing of their size by 0.6, a character's
-/// capsule of six times that by 0.14.
-inline constexpr double kHollow = 0.3;
-/// What was fast is held back (tunneling_guard.h) near what stands until it moves less than this share of its radius in a step.
+/// How much deeper than at the nearest sphere an object may penetrate between four spheres, in their radii: an object of their size by 0.6,
+/// a character's capsule of six times that size by 0.14.
+inline constexpr double kHollowDepth = 0.3;
+/// A fast body stays guarded (tunneling_guard.h) near static objects until it moves by less than this fraction of its radius in a step.
 inline constexpr double kSlowFraction = 0.1;
-/// What is squeezed so deep into what stands, in node radii, is held back too, however slow.
+/// A node that penetrates a static object this deep, in node radii, is guarded too, however slow it is.
 inline constexpr btScalar kDeepFraction = btScalar( 0.6 );
-/// What holds fast nodes back (tunneling_guard.h). A node's centre is kept this share of its radius away from what stands ...
+/// The tunneling guard keeps a node's centre this fraction of its radius, or its present distance if smaller, away from static objects.
 inline constexpr double kGuardFraction = 0.25;
-/// ... as far as it is not nearer yet; less than this share through a barrier is rounding.
+/// A violation of a barrier below this fraction of the radius is rounding error.
 inline constexpr double kGuardSlack = 1e-6;
-/// A node that was turned is looked at again, this often; then it stays where it is.
+/// Rounds of the tunneling guard: a corrected node is tested again; after the last round it stays where it is.
 inline constexpr int kGuardRounds = 4;
-/// Sweeps over the barriers of one node.
+/// Gauss-Seidel sweeps over the barriers of one node.
 inline constexpr int kGuardSweeps = 16;
 
-/// What a change of levels brought into the world inside something (penetration_allowance.h) comes out of it at so many radii of the body's
-/// smallest node a second, when the body has been slower than so many for so many seconds.
+/// A penetration that a change of levels caused (penetration_allowance.h) is removed at the first of these velocities, radii of the body's
+/// smallest node per second, once the body has stayed slower than the second of them for the third, s.
 inline constexpr double kAllowanceOut = 10.0, kAllowanceCalm = 2.0, kAllowanceCalmFor = 0.25;
-/// A faster body's nodes that hold more than this share of what it moves with are not split for what they touch.
+/// Nodes of a faster body that hold more than this fraction of its kinetic energy are not split where they touch something.
 inline constexpr double kSplitEnergy = 5e-4;
 
-/// Self-collision. Two ways out of the material (unit vectors) that differ by less than this leave open which side is which.
-inline constexpr double kFacing = 0.5;
-/// A way out of the material that is shorter than this before it is normalised is rounding: as much lies on one side as on the other.
-inline constexpr float kNoSide = 1e-3f;
-/// How much further than they touch from pairs are noted that may come to touch, in radii of the largest node.
+/// Self-collision. Two outward unit vectors that differ by less than this do not tell which side is which.
+inline constexpr double kLeastFacing = 0.5;
+/// A sum of outward vectors shorter than this is rounding error: the material continues equally in all directions.
+inline constexpr float kLeastOutward = 1e-3f;
+/// Margin of the list of near pairs beyond the contact distance, in radii of the largest node.
 inline constexpr double kNearMargin = 0.5;
-/// Nodes that are this many diameters apart at rest, with material between them, are not brought together by crushing it.
+/// Nodes that are this many diameters apart at rest, with material between them, cannot be brought into contact by crushing it.
 inline constexpr double kCrushedNodes = 8.0;
 
-/// Soft bodies that step implicitly meet in spheres whose centres lie this share of the way to the node behind (round_surface.h): twice the
-/// radius.
+/// Implicit soft bodies touch in spheres centred at this fraction of the distance to the node behind (round_surface.h): twice the radius.
 inline constexpr double kRoundFraction = 0.5;
-/// Cosines of the angle between a face and where the other node is: from where on the sphere is more than the node's own, and is that
-/// whole.
-inline constexpr double kLeastLook = 0.5;
-inline constexpr double kFullLook = 0.8;
-/// And how much further apart than their own spheres touch two nodes may be whose round ones do, in their radii.
+/// Cosines between a face and the direction to the other node at which the sphere begins to grow, and has its full size.
+inline constexpr double kLeastRoundCosine = 0.5;
+inline constexpr double kFullRoundCosine = 0.8;
+/// Largest gap between the own spheres of two nodes whose round spheres touch, in their radii.
 inline constexpr btScalar kRoundMargin = btScalar( 0.2 );
 
-/// A body's surface as what touches it sees it (contact_surface.h). How far aside of a node's line its patch answers, cells: on a face cut
-/// at 45 degrees the nodes behind it are 1.4 cells apart, and no point of it is further from all of them.
+/// Contact surface of a body (contact_surface.h). Half width of a node's patch, cells: on a face cut at 45 degrees the nodes behind it are
+/// 1.4 cells apart, and no point of it is farther from all of them.
 inline constexpr double kPatchHalfWidth = 0.9;
-/// What is less curved than a sphere of this radius is flat, cells.
+/// A surface with a larger radius of curvature counts as flat, cells.
 inline constexpr double kFlatRadius = 7.5;
-/// Sine of the angle with its normal below which a patch touches flat things on the node's line, so that a face that rests on another has
-/// contacts of few nodes; what has the same normal wherever it is asked, by this cosine, is flat.
+/// Sine of the angle to its normal below which a patch touches a flat obstacle on the node's own line, so that contacts of resting faces
+/// involve few nodes. An obstacle is flat where its normals at two points agree by the cosine.
 inline constexpr double kFlatSine = 0.02, kSameNormal = 1.0 - 1e-9;
-/// Cosine of the angle between a patch's normal and what it answers for; further aside the node's own sphere does.
+/// Least cosine of the angle between a patch's normal and the contact normal; beyond it the node's own sphere is used.
 inline constexpr double kLeastContactCosine = 0.5;
-/// What is deeper in a patch than this, cells, is on the other side of a thin body, or so deep that nodes meet it one by one: the sphere is
-/// tried at this share of its depth.
+/// A penetration of a patch deeper than this, cells, belongs to the other side of a thin body, or is so deep that nodes are tested one by
+/// one: the sphere's centre is then moved to this fraction of its depth.
 inline constexpr double kPatchDepth = 0.75, kPatchRetreat = 0.25;
-/// Spheres tried; and how much further aside than it should be one may touch, as a share of the most.
+/// Limit of spheres tried per patch, and tolerance of the lateral offset of the touching point, as a fraction of its bound.
 inline constexpr int kPatchRounds = 4;
 inline constexpr double kPatchTolerance = 0.05;
-/// Two patches answer for each other where their nodes' lines are no further aside than this, cells of the larger kind; and how much
-/// further apart than their own spheres touch nodes may be then, cells.
+/// Two patches are tested against each other where their nodes' lines are no farther apart than this, and the gap between their own
+/// spheres no larger than that, cells of the larger kind.
 inline constexpr double kPatchPairDistance = 0.72, kPatchPairMargin = 0.25;
-/// Where the cells around a node have less than this share of their volume at rest, it has no patch.
+/// A node has no patch where the cells around it are compressed below this fraction of their rest volume.
 inline constexpr double kLeastPatchVolume = 0.2;
-/// Nodes share a point where the steps to them span at least this share of the box of their lengths, and none has more of it than this.
+/// Least volume of the steps to the nodes that share a point, as a fraction of the box of their lengths, and largest weight of a node.
 inline constexpr double kLeastFractionVolume = 0.1, kMostFraction = 1.5;
 
-/// A soft body turns as a whole about an axis about which its nodes have at least this share of what their cells would have by themselves.
+/// A soft body rotates about an axis where its moment of inertia is at least this fraction of what its cells have by themselves.
 inline constexpr double kRollingInertia = 0.1;
 
-/// When a body may fall asleep (activation.cpp), by what a fall of its smallest node's radius would give it: its nodes' root mean square
-/// velocity is below this share of that, 3 cm/s at cells of 0.1 m under 9.81 m/s^2 ...
+/// Deactivation (activation.cpp), relative to the velocity gained in a fall over the smallest node's radius: the root mean square velocity
+/// of the nodes is below this fraction of it, 3 cm/s at cells of 0.1 m under 9.81 m/s^2 ...
 inline constexpr double kSleepFraction = 0.03;
-/// ... or below what a fall of kContactSlop would give it, and no node has gone further than so many radii since: what is pressed to and
-/// fro at rest goes nowhere.
+/// ... or below that of a fall over kContactSlop, while no node moves by more than this many radii: a body pressed to and fro at rest.
 inline constexpr double kRestDisplacement = 0.1;
 
-/// Where contacts of one island brought energy in, their impulses are made smaller, to this share at most: half of it still stops what
-/// came.
+/// Impulses of an island's contacts that add energy are scaled down at most to this: half an impulse still stops the approach.
 inline constexpr double kLeastBounce = 0.5;
-/// How finely the share of a bounce is found that brings nothing in.
+/// Resolution of the bisection for the fraction of a bounce that adds no energy.
 inline constexpr double kLeastBounceStep = 1e-4;
 
-/// What an implicit block's contacts bring in, as a share of all they move, is rounding below this, and the end of its iteration.
+/// Energy added by an implicit block's contacts, relative to all they transfer, that counts as rounding error; ends that iteration too.
 inline constexpr double kBounceSlack = 1e-4;
 
 // The implicit step's contacts (docs/design/implicit.md says how each was found).
-/// A contact's stiffness in units of what its nodes resist with by themselves.
+/// A contact's stiffness in units of its nodes' own resistance.
 inline constexpr double kContactStiffness = 10.0;
-/// Below this speed a contact that has just begun to rub counts as held, m/s; one that is held creeps by less with every substep.
+/// Below this velocity a contact that has just begun to slide counts as sticking, m/s; a sticking contact creeps by less in every substep.
 inline constexpr double kSlipSpeed = 5e-3;
 
-/// Friction by direction: where it is scaled by less than this, a share, there is none.
+/// Anisotropic friction: directions scaled by less than this fraction have no friction.
 inline constexpr double kLeastDirection = 1e-3;
 
-/// Impulses that together are off by less than this share of all that presses are good enough.
+/// Impulses are accurate enough where their summed errors are below this fraction of all normal impulses and of all friction limits.
 inline constexpr double kImpulseError = 0.01;
-/// With contacts the iteration ends where impulses are right to kImpulseError, but never need go on below the first of these speeds, m/s,
-/// and never ends above the second.
+/// With contacts the iteration ends where impulses are accurate to kImpulseError, but it never has to continue below the first of these
+/// velocities, m/s, and never ends above the second.
 inline constexpr double kContactGradientSpeed = 1e-5, kMostContactGradientSpeed = 3e-4;
-/// Share of what is off (twice an energy) that a pass leaves before it is asked whether others follow: a tenth of the speeds; and of one
-/// that may be the last by their number. At a hundredth there too what is light and all but rigid slides a fifth too slowly.
+/// Fraction of the residual (twice an energy) that a pass may leave: while further passes are to follow, a tenth in velocity; and from the
+/// pass on that may be the last. With a hundredth there too, light and almost rigid bodies slide a fifth too slowly.
 inline constexpr double kPassFraction = 1e-2, kLatePassFraction = 1e-3;
-/// Solutions of a substep: contacts that press or slide otherwise than they were taken for make it one more.
-/// With eight a tower of eight cubes sleeps a second sooner, as impacts are not ended early; but a pile takes nearly twice as long.
+/// Passes of a substep: a contact that presses or slides otherwise than assumed requires another. With eight a tower of eight cubes sleeps
+/// a second sooner, as impacts are not ended early, but a pile takes nearly twice as long.
 inline constexpr int kMostPasses = 4;
-/// Where contacts would pull by then, or rub by so many times their limits, which can bring energy in, it goes on: most impacts are settled
-/// in 8 passes, the hardest of 600 in 49.
+/// Limit of passes where contacts would still pull, or rub by kLargestFrictionTorque times their limits, which can add energy: most impacts
+/// settle in 8 passes, the hardest of 600 in 49.
 inline constexpr int kMostHardPasses = 60;
 inline constexpr double kLargestFrictionTorque = 2.0;
-/// What each body is rubbed by must be right to this share of the limits of all its contacts, or a pass more is made, up to so many in all:
-/// beside what rubs a heavy body on the floor, a light one's friction on it is nothing.
+/// The friction on each body must be accurate to this fraction of the limits of all its contacts, or another pass follows, up to
+/// kMostFairPasses: compared with the friction of a heavy body on the floor, that of a light body on it is negligible.
 inline constexpr double kPartError = 0.1;
-/// And after so many, limits of friction follow wild passes too.
+/// Passes after which friction limits follow passes far from convergence too.
 inline constexpr int kMostFairPasses = 8;
-/// Rigid bodies that take part in a block, where its island has more: the coarse system's factor grows with their number to a power between
-/// 2 and 3.
+/// Limit of rigid bodies in a block: the cost of the coarse system's factorisation grows with a power between 2 and 3 of their number.
 inline constexpr int kMostBlockRigid = 96;
-/// Halvings of the way to a solution: as many as a float has bits.
+/// Halvings of the line search: as many as a float has bits.
 inline constexpr int kLineSearchHalvings = 24;
-/// Nodes that have come too deep are pushed out at most this fast, m/s.
+/// Nodes that penetrate too deep are pushed out at most at this velocity, m/s.
 inline constexpr double kPushOutSpeed = 2.0;
-/// Contacts of one node with what stands ask for what they can all have: looked for in so many sweeps, to this share of the most that any
-/// of them lacks.
+/// Conflicting contacts of one node with static objects: limit of the sweeps that seek a velocity which satisfies them all, and tolerance
+/// as a fraction of the largest velocity that any of them lacks.
 inline constexpr int kAgreeSweeps = 32;
 inline constexpr double kAgreedFraction = 1e-3;
-/// It must not be more than so many times that, or they are taken to be at odds ...
+/// Contacts conflict where the velocity found exceeds this many times the largest lack ...
 inline constexpr double kLargestExitDistance = 4.0;
-/// ... and what lies between is looked for with this weight on staying with what stands, beside 1 of each contact.
+/// ... and the compromise weights the velocity of the static objects by this, beside 1 for each contact.
 inline constexpr double kAgreeRest = 0.01;
-/// Two things that are put into one another go apart by so much, m/s: stiff ones, which spring back, twice as fast. Bullet's own bodies, of
-/// which nothing springs, take what their depth asks for.
+/// Velocity at which two objects that were placed inside one another separate, m/s; stiff ones, which spring back, separate twice as fast.
+/// Bullet's own bodies, which do not spring, move as their depth requires.
 inline constexpr double kPartingSpeed = 1.0;
-/// Deeper than this share of a radius is put into one another, if it is more than they move by; Bullet's usual share (m_erp2) of a depth is
-/// pushed out in a step.
+/// A penetration deeper than this fraction of a radius, and deeper than the motion of a step, counts as placed inside one another;
+/// kUsualPush is Bullet's default fraction of a depth that is corrected in a step (m_erp2).
 inline constexpr double kPartedDepth = 0.25, kUsualPush = 0.2;
-/// Substeps in which nothing is held back after one in which it went apart: that one, and the next.
+/// Substeps without the tunneling guard after a separation: the current one and the next.
 inline constexpr int kPartingPhases = 2;
-/// Directions and ways that differ by less than this share are the same.
+/// Directions and lengths that differ by less than this fraction are equal.
 inline constexpr double kParallel = 1e-3;
-/// Share in which a rigid body's impulses from the rest of the world (joints, rigid contacts) follow those of the last substep.
+/// Relaxation factor, per substep, of the impulses on a rigid body from the rest of the world (joints, rigid contacts).
 inline constexpr double kOutsideFraction = 0.25;
 
-/// What is under a character carries it where the normal is as near to the vertical as this cosine: 60 degrees.
+/// A surface carries a character where the cosine between its normal and the vertical is at least this: 60 degrees.
 inline constexpr double kCarrySlope = 0.5;
 
 // Elasticity::Automatic (implicit_choice.cpp).
-/// Time over which what nodes carry is averaged, s: several times a bounce, for that is no load.
+/// Averaging time of the nodes' load, s: several bounce periods, since a bounce is no load.
 inline constexpr double kLoadTime = 0.5;
-/// A body that has taken the implicit step keeps it until its loads are down to this share of what asked for it, and stay so for this long,
-/// s: the time that Bullet waits before it puts a body to sleep.
+/// A body that steps implicitly continues to until its load has stayed below this fraction of the switching load for kCalmTime, s: the time
+/// that Bullet waits before it deactivates a body.
 inline constexpr double kLeaveFraction = 0.5;
 inline constexpr double kCalmTime = 2.0;
 
-/// Soft substeps: default, largest, and the default bound up to which stiff materials raise them by themselves.
+/// Soft substeps: default, maximum, and default bound up to which stiff materials raise them automatically.
 inline constexpr int kDefaultSubsteps = 4;
 inline constexpr int kLargestSubsteps = 64;
 inline constexpr int kDefaultMaxSubsteps = 16;
 
-/// Room in the broadphase around what an object may sweep in all its soft substeps, as a share of the swept box's diagonal: contacts change
-/// velocities.
+/// Margin of an object's swept box in the broadphase, as a fraction of its diagonal: contacts change velocities.
 inline constexpr btScalar kSweepMargin = btScalar( 0.02 );
-/// A world with soft bodies steps by no more than this at once, s: longer steps are cut short. A frame that took longer was a halt of the
-/// program.
+/// Longest step of a world with soft bodies, s; longer ones are shortened. A longer frame means that the program was halted.
 inline constexpr btScalar kLongestStep = btScalar( 1 );
-/// Frames that stepSimulation may be asked to catch up with at once; what is beyond is dropped before it overflows Bullet's count of steps.
+/// Frames that stepSimulation catches up with at once; further ones are dropped before Bullet's step count overflows.
 inline constexpr btScalar kMostFrames = btScalar( 1e6 );
 
-/// The game step that substeps are counted for, s. Longer steps get more.
+/// Game step that substep counts refer to, s. Longer steps get more substeps.
 inline constexpr btScalar kNominalStep = btScalar( 1 ) / 60;
 
-/// How far a transform's axes may be from unit length and right angles, as a share, to be taken for a rotation: products of many float
+/// How far a transform's axes may deviate from unit length and right angles, as a fraction, to count as a rotation: products of many float
 /// rotations stay within a tenth of it, and nobody scales by so little.
 inline constexpr double kMostScale = 1e-2;
-/// Room about a contact in which the triangle is looked for that it lies on, as a share of the mesh's box: rounding.
+/// Margin around a contact within which its triangle is sought, as a fraction of the mesh's box: rounding error.
 inline constexpr btScalar kTriangleMargin = btScalar( 1e-5 );
-/// A node is driven in one step by at most so many of its body's sizes: further off what is left of the body's shape is a thread.
+/// A node is driven in one step by at most this many sizes of its body: beyond that the rest of the body would be stretched to a thread.
 inline constexpr double kFarthestDrive = 100.0;
-/// Bodies are put no further from the origin than this along any axis, m: a float's last bit is 64 m there.
+/// Bodies are placed no farther from the origin than this along any axis, m: a float's last bit is 64 m there.
 inline constexpr btScalar kFarthestPosition = btScalar( 1e9 );
 
 } // namespace pliant

@@ -16,14 +16,14 @@ namespace pliant {
 
 namespace {
 
-/// The soft body itself only: a node's stand-in meeting a compound is Bullet's business.
+/// The soft body itself only: Bullet handles contact proxies that meet a compound.
 SoftBodySystem* systemOf( const btCollisionObjectWrapper* wrapper )
 {
 	const SoftBody* const soft = asSoftBody( const_cast<btCollisionObject*>( wrapper->getCollisionObject() ) );
 	return soft ? soft->impl().system : nullptr;
 }
 
-/// Bullet lets algorithms be registered, and does not say which are.
+/// Reads the registered functions, for which Bullet has no accessor.
 struct OpenDispatcher : btCollisionDispatcher
 {
 	static btCollisionAlgorithmCreateFunc* registered( const btCollisionDispatcher& dispatcher, int type0, int type1 )
@@ -32,7 +32,7 @@ struct OpenDispatcher : btCollisionDispatcher
 	}
 };
 
-/// Of all dispatchers that serve a world with soft bodies. Worlds may be made on several threads.
+/// Tables of all dispatchers that serve a world with soft bodies. Worlds may be created on several threads.
 struct Tables
 {
 	std::mutex mutex;
@@ -74,9 +74,9 @@ btCollisionAlgorithm* NodeCreateFunc::CreateCollisionAlgorithm(
 	SoftBodySystem* const system1 = systemOf( body1 );
 	if ( !system0 && !system1 )
 	{
-		return m_before->CreateCollisionAlgorithm( info, body0, body1 );
+		return m_previous->CreateCollisionAlgorithm( info, body0, body1 );
 	}
-	if ( system0 && system1 && system0 != system1 ) // of two worlds: they do not meet
+	if ( system0 && system1 && system0 != system1 ) // objects of two worlds do not collide
 	{
 		void* const memory = info.m_dispatcher1->allocateCollisionAlgorithm( sizeof( btEmptyAlgorithm ) );
 		return new ( memory ) btEmptyAlgorithm( info );
@@ -142,7 +142,7 @@ AlgorithmTable::~AlgorithmTable()
 	{
 		if ( OpenDispatcher::registered( m_dispatcher, entry.type0, entry.type1 ) == entry.ours.get() )
 		{
-			m_dispatcher.registerCollisionCreateFunc( entry.type0, entry.type1, entry.ours->before() );
+			m_dispatcher.registerCollisionCreateFunc( entry.type0, entry.type1, entry.ours->previous() );
 		}
 	}
 }

@@ -1,6 +1,6 @@
 #pragma once
 
-// The collision algorithm that Bullet's dispatcher makes for a pair with a soft body, and how the dispatcher comes to know it.
+// The collision algorithm that Bullet's dispatcher creates for pairs with a soft body, and its registration.
 
 #include <BulletCollision/BroadphaseCollision/btCollisionAlgorithm.h>
 #include <BulletCollision/CollisionDispatch/btCollisionCreateFunc.h>
@@ -16,7 +16,7 @@ class ContactProxyPool;
 class PairContacts;
 struct PairScratch;
 
-/// Bullet's pools give an algorithm a fixed room: this one holds a pointer only.
+/// Bullet's pools give an algorithm a fixed capacity: this one holds a pointer only.
 class NodeAlgorithm : public btCollisionAlgorithm
 {
 public:
@@ -35,23 +35,22 @@ private:
 	PairContacts* m_contacts;
 };
 
-/// Creates NodeAlgorithm where a soft body takes part, and asks the function that was there before for all else. Knows no world: the soft
-/// body does.
+/// Creates a NodeAlgorithm in the world of a soft body that takes part, and otherwise delegates to the previous function.
 class NodeCreateFunc : public btCollisionAlgorithmCreateFunc
 {
 public:
-	explicit NodeCreateFunc( btCollisionAlgorithmCreateFunc* before ) : m_before( before ) {}
+	explicit NodeCreateFunc( btCollisionAlgorithmCreateFunc* previous ) : m_previous( previous ) {}
 	btCollisionAlgorithm* CreateCollisionAlgorithm(
 		btCollisionAlgorithmConstructionInfo& info, const btCollisionObjectWrapper* body0, const btCollisionObjectWrapper* body1 ) override;
-	btCollisionAlgorithmCreateFunc* before() const { return m_before; }
+	btCollisionAlgorithmCreateFunc* previous() const { return m_previous; }
 
 private:
-	btCollisionAlgorithmCreateFunc* m_before;
+	btCollisionAlgorithmCreateFunc* m_previous;
 };
 
-/// A dispatcher's table of algorithms with ours in front of what was there, for all pairs with a compound, which is what a soft body's
-/// shape is. The table of closest-point algorithms stays as it is: contact tests see a compound of spheres. So do the entries for GImpact
-/// meshes, which games register themselves. One for all worlds that share a dispatcher; there as long as one of them has a soft body.
+/// Registers our create functions in a dispatcher's table, in front of the previous ones, for all pairs with a compound, which a soft
+/// body's shape is. The table of closest-point algorithms is unchanged: contact tests see a compound of spheres. So are the entries for
+/// GImpact meshes, which games register themselves. Shared by all worlds of a dispatcher; exists as long as one of them has a soft body.
 class AlgorithmTable
 {
 public:
@@ -61,7 +60,7 @@ public:
 	AlgorithmTable( const AlgorithmTable& ) = delete;
 	AlgorithmTable& operator=( const AlgorithmTable& ) = delete;
 
-	/// Once a step: what the game has registered since goes behind ours.
+	/// Called once per step: puts functions that the game has registered since behind ours.
 	void check();
 
 private:

@@ -18,7 +18,7 @@ namespace {
 /// Above the key of any contact.
 constexpr std::uint64_t kAllKeys = ~std::uint64_t( 0 );
 
-/// The soft body itself only: a node's stand-in meeting a compound is Bullet's business.
+/// The soft body itself only: Bullet handles contact proxies that meet a compound.
 SoftBody* softOf( const btCollisionObjectWrapper* wrapper )
 {
 	return asSoftBody( const_cast<btCollisionObject*>( wrapper->getCollisionObject() ) );
@@ -38,7 +38,7 @@ PairContacts::~PairContacts()
 	m_scratch.all[m_position]->m_position = m_position;
 	m_scratch.all.pop_back();
 	m_scratch.last = m_scratch.last == this ? nullptr : m_scratch.last;
-	if ( m_scratch.matching == this ) // a callback of the game's has removed one of the two
+	if ( m_scratch.matching == this ) // a callback of the game has removed one of the two
 	{
 		m_scratch.matching = nullptr;
 		m_contacts.erase( m_contacts.begin(), m_contacts.begin() + std::ptrdiff_t( m_scratch.old ) );
@@ -47,7 +47,7 @@ PairContacts::~PairContacts()
 	}
 	for ( const NodeContact& contact : m_contacts )
 	{
-		// What the pair held up falls when it goes: wake it, for Bullet does not look at sleeping bodies when a floor is taken away.
+		// Objects that the pair supported fall now and are woken: Bullet does not check sleeping bodies when a floor is removed.
 		if ( contact.manifold->getNumContacts() > 0 )
 		{
 			wakeBoth( contact );
@@ -65,7 +65,7 @@ void PairContacts::wakeBoth( const NodeContact& contact ) const
 	}
 }
 
-// Manifolds before the bodies they name. The game may be told of it, and this pair be gone when it has been.
+// Releases manifolds before the bodies they refer to. A callback of the game may destroy this pair meanwhile.
 void PairContacts::drop( const NodeContact& contact )
 {
 	ContactProxyPool& pool = m_pool;
@@ -88,7 +88,7 @@ void PairContacts::releaseIfRefused()
 	const btPersistentManifold& any = *m_contacts.front().manifold;
 	if ( !isActive( any.getBody0() ) && !isActive( any.getBody1() ) )
 	{
-		return; // nobody asks for sleeping pairs
+		return; // Bullet does not process sleeping pairs
 	}
 	for ( const NodeContact& contact : m_contacts )
 	{
@@ -112,10 +112,10 @@ void PairContacts::process( const btCollisionObjectWrapper& body0, const btColli
 	SoftBody* const soft0 = softOf( &body0 );
 	SoftBody* const soft1 = softOf( &body1 );
 	m_phase = m_pool.phase();
-	prefetch( m_after, sizeof( PairContacts ) );
+	prefetch( m_nextPair, sizeof( PairContacts ) );
 	if ( m_scratch.last )
 	{
-		m_scratch.last->m_after = this;
+		m_scratch.last->m_nextPair = this;
 	}
 	m_scratch.last = this;
 	prefetch( m_contacts.data(), kFetched );
@@ -147,8 +147,7 @@ void PairContacts::processSelf( SoftBody& soft, SelfSearch& search, double step 
 	matchHits( Pair{ &soft, &soft, nullptr, true }, search.find( soft, step ) );
 }
 
-// While contacts are matched the game may be told of any of them, and remove whom it likes: `matching` says whether this pair is still
-// there.
+// While contacts are matched, callbacks of the game may remove any object: `matching` tells whether this pair still exists.
 
 void PairContacts::startMatching()
 {
@@ -167,7 +166,7 @@ void PairContacts::endMatching()
 	}
 }
 
-/// Drops the contacts before `key`. False: this pair is no more.
+/// Drops the contacts before `key`. False: this pair no longer exists.
 bool PairContacts::dropBefore( std::uint64_t key )
 {
 	PairScratch& scratch = m_scratch;
@@ -182,11 +181,11 @@ bool PairContacts::dropBefore( std::uint64_t key )
 	return true;
 }
 
-// After a change of levels: the contacts of nodes that are still there carry on under their new numbers, impulses and all. Nodes keep
-// their order, and so do the keys. False: this pair is no more.
+// Carries contacts of remaining nodes over to their new numbers after a change of levels, with impulses. Nodes keep their order, and so do
+// the keys. False: this pair no longer exists.
 bool PairContacts::followNodes( const SoftBody* soft0, const SoftBody* soft1 )
 {
-	// Either number only ever grows: the sum is the same only where both are.
+	// Either counter only grows: the sum is equal only where both are.
 	const unsigned numbering = ( soft0 ? soft0->impl().numbering : 0u ) + ( soft1 ? soft1->impl().numbering : 0u );
 	if ( numbering == m_numbering )
 	{
@@ -207,7 +206,7 @@ bool PairContacts::followNodes( const SoftBody* soft0, const SoftBody* soft1 )
 		m_contacts[kept++] = contact;
 	}
 	m_contacts.resize( kept );
-	// Nodes keep their order through changes of levels; what a crack leaves of a block may stand in another.
+	// Nodes keep their order in changes of levels, but not where a crack removes part of a block.
 	const auto isBefore = []( const NodeContact& a, const NodeContact& b ) { return a.key < b.key; };
 	if ( !std::is_sorted( m_contacts.begin(), m_contacts.end(), isBefore ) )
 	{
@@ -220,12 +219,12 @@ bool PairContacts::followNodes( const SoftBody* soft0, const SoftBody* soft1 )
 	{
 		contact.key = 0;
 	}
-	const bool isThere = dropBefore( kAllKeys );
-	if ( isThere )
+	const bool exists = dropBefore( kAllKeys );
+	if ( exists )
 	{
 		endMatching();
 	}
-	return isThere;
+	return exists;
 }
 
 void PairContacts::prefetchAhead( std::size_t contact ) const
@@ -243,7 +242,7 @@ void PairContacts::prefetchAhead( std::size_t contact ) const
 	}
 }
 
-// Carries on the contacts that still have a hit, drops the others, opens new ones, all in the order of the keys.
+// Continues the contacts that still have a hit, drops the others and creates new ones, in the order of the keys.
 void PairContacts::matchHits( const Pair& pair, const std::vector<NodeHit>& hits )
 {
 	std::size_t& old = m_scratch.old;
@@ -275,7 +274,7 @@ void PairContacts::matchHits( const Pair& pair, const std::vector<NodeHit>& hits
 		}
 		else
 		{
-			open( pair, contact );
+			create( pair, contact );
 		}
 		m_scratch.contacts.push_back( contact );
 		if ( !write( pair, contact, &hits[start], int( end - start ) ) )
@@ -289,7 +288,7 @@ void PairContacts::matchHits( const Pair& pair, const std::vector<NodeHit>& hits
 	}
 }
 
-void PairContacts::open( const Pair& pair, NodeContact& contact )
+void PairContacts::create( const Pair& pair, NodeContact& contact )
 {
 	const NodeHit hit{ contact.key, {}, -1, -1 };
 	contact.first = m_pool.acquire( *pair.soft, hit.node() );
@@ -303,7 +302,7 @@ void PairContacts::open( const Pair& pair, NodeContact& contact )
 										: m_dispatcher.getNewManifold( other, contact.first );
 }
 
-/// False: this pair is no more.
+/// False: this pair no longer exists.
 bool PairContacts::write( const Pair& pair, const NodeContact& contact, const NodeHit* hits, int count )
 {
 	const PairScratch& scratch = m_scratch;
@@ -311,11 +310,11 @@ bool PairContacts::write( const Pair& pair, const NodeContact& contact, const No
 	const ContactProxy& node = *contact.first;
 	const btScalar radius = node.radius();
 	const bool isNew = manifold.getNumContacts() == 0;
-	// Hits come nearest first; Bullet keeps what lies within the threshold.
+	// Hits are sorted by distance; Bullet keeps points within the threshold.
 	manifold.setContactBreakingThreshold(
 		btMax( btScalar( hits[count - 1].touch.distance ) - radius, btScalar( 0 ) ) + kContactSlop * radius );
 
-	unsigned renewed = 0; // bit k: old point k is carried on
+	unsigned renewed = 0; // bit k: old point k is continued
 	int positions[MANIFOLD_CACHE_SIZE];
 	for ( int h = 0; h < count; ++h )
 	{
@@ -347,7 +346,7 @@ bool PairContacts::write( const Pair& pair, const NodeContact& contact, const No
 			fillPoint( manifold, node, hits[h], pair.softIsFirst, point );
 			positions[h] = manifold.addManifoldPoint( point );
 		}
-		if ( hasContactCallback() && !tell( manifold, positions[h], hits[h].other() ) )
+		if ( hasContactCallback() && !notify( manifold, positions[h], hits[h].other() ) )
 		{
 			return false;
 		}
@@ -360,12 +359,12 @@ bool PairContacts::write( const Pair& pair, const NodeContact& contact, const No
 	return scratch.matching == this;
 }
 
-/// False: this pair is no more.
-bool PairContacts::tell( btPersistentManifold& manifold, int place, int leaf )
+/// False: this pair no longer exists.
+bool PairContacts::notify( btPersistentManifold& manifold, int index, int leaf )
 {
 	const PairScratch& scratch = m_scratch;
-	btManifoldPoint& point = manifold.getContactPoint( place );
-	tellAdded( manifold, point, leaf );
+	btManifoldPoint& point = manifold.getContactPoint( index );
+	notifyAdded( manifold, point, leaf );
 	if ( scratch.matching == this && gContactProcessedCallback )
 	{
 		gContactProcessedCallback(

@@ -1,7 +1,6 @@
 #pragma once
 
-// Soft body against anything: one manifold a touching node, between the node's stand-in and the other object, so that Bullet's own solver
-// does the rest.
+// Contacts of a soft body: one manifold per touching node, between its contact proxy and the other object, for Bullet's own solver.
 
 #include "world/respond/parting.h"
 #include "world/search/node_search.h"
@@ -17,7 +16,7 @@ class btManifoldResult;
 
 namespace pliant {
 
-/// One touching node (or pair of nodes) and what Bullet keeps for it.
+/// One touching node (or pair of nodes) and the Bullet objects that belong to it.
 struct NodeContact
 {
 	std::uint64_t key = 0; ///< NodeHit's
@@ -28,15 +27,14 @@ struct NodeContact
 
 class PairContacts;
 
-/// What the pairs of one world use in turn: with a search of its own each pair would have some kB that are nowhere near when its turn
-/// comes.
+/// Scratch shared by the pairs of one world: with some kB of its own each pair would miss the cache.
 struct PairScratch
 {
 	NodeSearch search;
 	std::vector<NodeContact> contacts;
-	PairContacts* last = nullptr;     ///< whose turn it was
-	PairContacts* matching = nullptr; ///< whose contacts are being matched; null once it is gone, which a callback of the game's may do
-	std::size_t old = 0;              ///< how many of its contacts have been carried over into `contacts`, or dropped
+	PairContacts* last = nullptr;     ///< processed last
+	PairContacts* matching = nullptr; ///< whose contacts are being matched; null where a callback of the game has destroyed it
+	std::size_t old = 0;              ///< number of its contacts already carried over into `contacts`, or dropped
 	std::vector<PairContacts*> all;
 };
 
@@ -50,19 +48,19 @@ public:
 	~PairContacts();
 
 	void process( const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1, double step );
-	/// A body's contacts with itself.
+	/// Finds a body's contacts with itself.
 	void processSelf( SoftBody& soft, SelfSearch& search, double step );
-	/// How many there are.
+	/// Number of contacts.
 	int count() const { return int( m_contacts.size() ); }
 	void collectManifolds( btManifoldArray& manifolds ) const;
 	/// Null where there is none.
 	const btPersistentManifold* anyManifold() const { return m_contacts.empty() ? nullptr : m_contacts.front().manifold; }
-	/// With all pairs processed: one that was not, though one of the two is awake, has been refused by the game (setIgnoreCollisionCheck, a
-	/// near callback). It lets go of its contacts.
+	/// Called after all pairs were processed: a pair that was not, though one of its objects is awake, has been refused by the game
+	/// (setIgnoreCollisionCheck, a near callback), and releases its contacts.
 	void releaseIfRefused();
 
 private:
-	/// The two objects as Bullet ordered them; `soft` is the one whose nodes the keys name first; `other` where that is rigid.
+	/// The two objects in Bullet's order; `soft` is the one whose nodes come first in the keys; `other` is set where it is rigid.
 	struct Pair
 	{
 		SoftBody* soft;
@@ -76,9 +74,9 @@ private:
 	void endMatching();
 	void prefetchAhead( std::size_t contact ) const;
 	void matchHits( const Pair& pair, const std::vector<NodeHit>& hits );
-	void open( const Pair& pair, NodeContact& contact );
+	void create( const Pair& pair, NodeContact& contact );
 	bool write( const Pair& pair, const NodeContact& contact, const NodeHit* hits, int count );
-	bool tell( btPersistentManifold& manifold, int place, int leaf );
+	bool notify( btPersistentManifold& manifold, int index, int leaf );
 	bool dropBefore( std::uint64_t key );
 	void drop( const NodeContact& contact );
 	void wakeBoth( const NodeContact& contact ) const;
@@ -88,11 +86,11 @@ private:
 	PairScratch& m_scratch;
 	std::vector<NodeContact> m_contacts;
 	Parting m_parting;
-	bool m_isNew = true;           ///< it has not been looked at yet
-	const void* m_after = nullptr; ///< whose turn it was next: asked for, and else not looked at, as it may be gone
-	unsigned m_numbering = 0;      ///< of both bodies, when their nodes were last followed
-	unsigned m_phase = 0;          ///< collision phase in which it was last processed
-	std::size_t m_position;        ///< among PairScratch::all
+	bool m_isNew = true;              ///< not processed yet
+	const void* m_nextPair = nullptr; ///< processed after it in the last phase: prefetched but never dereferenced, as it may be gone
+	unsigned m_numbering = 0;         ///< of both bodies, when their nodes were last followed
+	unsigned m_phase = 0;             ///< collision phase in which it was last processed
+	std::size_t m_position;           ///< index in PairScratch::all
 };
 
 } // namespace pliant

@@ -1,4 +1,4 @@
-// Bullet's predictive contacts, where they name a soft body.
+// Bullet's predictive contacts with soft bodies.
 
 #include "world/bodies/soft_body_impl.h"
 #include "world/step/soft_body_system.h"
@@ -14,8 +14,7 @@ void SoftBodySystem::dropPredictiveContacts()
 	m_predictive.clear();
 }
 
-// Bullet's predictive contacts of fast rigid bodies name the soft body itself, which its solver takes for a wall. The nearest node's
-// stand-in takes its place.
+// Bullet's predictive contacts refer to the soft body itself, which its solver takes for static. The nearest node's proxy replaces it.
 void SoftBodySystem::holdPredictiveContacts( btAlignedObjectArray<btPersistentManifold*>& manifolds )
 {
 	for ( int m = 0; m < manifolds.size(); ++m )
@@ -31,22 +30,22 @@ void SoftBodySystem::holdPredictiveContacts( btAlignedObjectArray<btPersistentMa
 			}
 			btManifoldPoint& point = manifold->getContactPoint( 0 );
 			const btVector3 at = side == 0 ? point.getPositionWorldOnA() : point.getPositionWorldOnB();
-			ContactProxy* const stand = pool.acquire( *soft, soft->nearestNode( at ) );
-			m_predictive.push_back( stand );
-			// Bullet takes the bullet's centre for the point where it is hit. The impulse acts at the node: what is turned by it must see
-			// the same lever, or spin is lost. Where that is before MovedContacts::moveToNodes:
-			const btScalar outward = soft->nodeRadius( stand->node ) + point.m_distance1;
+			ContactProxy* const proxy = pool.acquire( *soft, soft->nearestNode( at ) );
+			m_predictive.push_back( proxy );
+			// Bullet takes the centre of the fast body for the contact point on it. The impulse acts at the node: whatever it rotates must
+			// have the same lever arm, or spin is lost. The position before MovedContacts::moveToNodes:
+			const btScalar outward = soft->nodeRadius( proxy->node ) + point.m_distance1;
 			if ( side == 0 )
 			{
-				manifold->setBodies( stand, manifold->getBody1() );
-				point.m_localPointA = stand->getWorldTransform().invXform( at );
-				point.m_positionWorldOnB = stand->written - outward * point.m_normalWorldOnB;
+				manifold->setBodies( proxy, manifold->getBody1() );
+				point.m_localPointA = proxy->getWorldTransform().invXform( at );
+				point.m_positionWorldOnB = proxy->written - outward * point.m_normalWorldOnB;
 			}
 			else
 			{
-				manifold->setBodies( manifold->getBody0(), stand );
-				point.m_localPointB = stand->getWorldTransform().invXform( at );
-				point.m_positionWorldOnA = stand->written + outward * point.m_normalWorldOnB;
+				manifold->setBodies( manifold->getBody0(), proxy );
+				point.m_localPointB = proxy->getWorldTransform().invXform( at );
+				point.m_positionWorldOnA = proxy->written + outward * point.m_normalWorldOnB;
 			}
 		}
 	}

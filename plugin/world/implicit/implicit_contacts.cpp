@@ -123,7 +123,7 @@ bool isDrawn( const ContactProxy* node )
 Vec3d shareAtNodes( const ContactProxy* const ( &nodes )[2], SharedNodes ( &shared )[2] )
 {
 	const bool isRound = nodes[0] && nodes[1] && nodes[0]->node >= 0 && nodes[1]->node >= 0 &&
-		meetRound( *nodes[0]->owner, *nodes[1]->owner );
+		useRoundSpheres( *nodes[0]->owner, *nodes[1]->owner );
 	for ( int side = 0; side < 2; ++side )
 	{
 		shared[side] = nodes[side] ? SharedNodes::only( nodes[side]->node ) : SharedNodes{};
@@ -162,7 +162,7 @@ Vec3d shareOnSurface(
 		const SoftBody::Impl& impl = nodes[side]->owner->impl();
 		const Vec3d node = toVec3d( impl.position( nodes[side]->node ) );
 		Vec3d at = middle - node;
-		shared[side] = impl.surfaceNow().fraction( impl.body->nodes(), nodes[side]->node, normal, at );
+		shared[side] = impl.surfaceNow().sharedNodes( impl.body->nodes(), nodes[side]->node, normal, at );
 		acts = node + at;
 	}
 	return acts;

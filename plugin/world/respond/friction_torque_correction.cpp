@@ -13,7 +13,7 @@ namespace pliant {
 
 namespace {
 
-/// On the first body, N s, in the last solve.
+/// Impulse on the first body in the last solve, N s.
 Vec3d impulseOf( const btManifoldPoint& point )
 {
 	return toVec3d( point.m_normalWorldOnB * point.m_appliedImpulse + point.m_lateralFrictionDir1 * point.m_appliedImpulseLateral1 +
@@ -34,29 +34,30 @@ bool isHidden( const btPersistentManifold& manifold )
 
 void FrictionTorqueCorrection::choose( btUnionFind& islands )
 {
-	if ( m_frictionTorque.empty() )
+	if ( m_rubbing.empty() )
 	{
 		return;
 	}
-	for ( int& index : m_refinementState )
+	for ( int& index : m_grounded )
 	{
 		index = islands.find( index );
 	}
-	std::sort( m_refinementState.begin(), m_refinementState.end() );
-	const auto stands = [&]( int& index ) {
+	std::sort( m_grounded.begin(), m_grounded.end() );
+	const auto isGrounded = [&]( int& index ) {
 		index = islands.find( index );
-		return std::binary_search( m_refinementState.begin(), m_refinementState.end(), index );
+		return std::binary_search( m_grounded.begin(), m_grounded.end(), index );
 	};
-	m_frictionTorque.erase( std::remove_if( m_frictionTorque.begin(), m_frictionTorque.end(), stands ), m_frictionTorque.end() );
-	std::sort( m_frictionTorque.begin(), m_frictionTorque.end() );
+	m_rubbing.erase( std::remove_if( m_rubbing.begin(), m_rubbing.end(), isGrounded ), m_rubbing.end() );
+	std::sort( m_rubbing.begin(), m_rubbing.end() );
 }
 
-// Friction slows down  u = v0 + w0 x r0 - v1 - w1 x r1,  r from a node's middle to the touch and w its body's speed of turning: then J.u
-// takes what T.w, given later, brings. Where it held the middles alone bodies of a dozen big nodes were turned on by it. The stand-ins have
-// no inertia to turn about: Bullet's solvers see w and leave it. What else such a node meets is held at its middle, as ever.
+// Friction acts on the slip velocity  u = v0 + w0 x r0 - v1 - w1 x r1,  r from a node's centre to the contact point and w its body's
+// angular velocity: then J.u dissipates what T.w, applied later, adds. Friction on the centres' velocities would drive the rotation of
+// bodies of a dozen coarse nodes. Proxies have no rotational inertia: Bullet's solvers read w and leave it. Other contacts of the node act
+// at its centre.
 void FrictionTorqueCorrection::aim( btDispatcher& dispatcher )
 {
-	if ( m_frictionTorque.empty() )
+	if ( m_rubbing.empty() )
 	{
 		return;
 	}
@@ -64,7 +65,7 @@ void FrictionTorqueCorrection::aim( btDispatcher& dispatcher )
 		const btCollisionObject* const objects[] = { manifold.getBody0(), manifold.getBody1() };
 		SoftBody* const owners[] = { ownerOfContactProxy( objects[0] ), ownerOfContactProxy( objects[1] ) };
 		const SoftBody* const any = owners[0] ? owners[0] : owners[1];
-		if ( !any || !std::binary_search( m_frictionTorque.begin(), m_frictionTorque.end(), any->getIslandTag() ) || isHidden( manifold ) )
+		if ( !any || !std::binary_search( m_rubbing.begin(), m_rubbing.end(), any->getIslandTag() ) || isHidden( manifold ) )
 		{
 			return;
 		}
@@ -84,51 +85,49 @@ void FrictionTorqueCorrection::aim( btDispatcher& dispatcher )
 			auto* const node = const_cast<ContactProxy*>( static_cast<const ContactProxy*>( objects[side] ) );
 			if ( rubs )
 			{
-				node->setAngularVelocity( turnOf( *owners[side] ).speed );
+				node->setAngularVelocity( turnOf( *owners[side] ).angularVelocity );
 				m_turning.push_back( node );
 			}
 			for ( int k = 0; k < manifold.getNumContacts(); ++k )
 			{
 				btManifoldPoint& point = manifold.getContactPoint( k );
-				place(
+				movePoint(
 					side == 0 ? point.m_positionWorldOnA : point.m_positionWorldOnB, rubs ? touch : node->getWorldTransform().getOrigin() );
 			}
 		}
 	} );
 }
 
-void FrictionTorqueCorrection::place( btVector3& point, const btVector3& at )
+void FrictionTorqueCorrection::movePoint( btVector3& point, const btVector3& at )
 {
-	m_placed.push_back( Placed{ &point, point } );
+	m_movedPoints.push_back( MovedPoint{ &point, point } );
 	point = at;
 }
 
 // The spheres touch at  p = ( r1 x0 + r0 x1 ) / ( r0 + r1 ),  so that with d = x0 - x1
 //   T0 = ( p - x0 ) x J = - r0 / ( r0 + r1 ) d x J,   T1 = - ( p - x1 ) x J = - r1 / ( r0 + r1 ) d x J
-// Only in islands that touch nothing that stands: others have no spin to keep, as they hand it on to the ground. And what is lost there is
-// what lets stacks of soft bodies fall asleep: given to them, a stack of four cubes sways for ever, for the solver pushes what is pressed
-// together apart.
+// Only in islands without contacts to static objects: others pass spin on to the ground. The spin lost there lets stacks of soft bodies
+// fall asleep: with the correction a stack of four cubes sways forever, since the solver pushes compressed bodies apart.
 void FrictionTorqueCorrection::sum( btDispatcher& dispatcher )
 {
-	if ( m_frictionTorque.empty() )
+	if ( m_rubbing.empty() )
 	{
 		return;
 	}
-	for ( const Placed& placed : m_placed )
+	for ( const MovedPoint& moved : m_movedPoints )
 	{
-		*placed.point = placed.was;
+		*moved.point = moved.original;
 	}
 	for ( ContactProxy* node : m_turning )
 	{
 		node->setAngularVelocity( btVector3( 0, 0, 0 ) );
 	}
-	m_placed.clear();
+	m_movedPoints.clear();
 	m_turning.clear();
 	forEachManifold( dispatcher, prefetchEnd, [this]( const btPersistentManifold& manifold ) {
 		SoftBody *const first = ownerOfContactProxy( manifold.getBody0() ), *const second = ownerOfContactProxy( manifold.getBody1() );
-		if ( !first || !second || first == second ||
-			!std::binary_search( m_frictionTorque.begin(), m_frictionTorque.end(), first->getIslandTag() ) || isHidden( manifold ) ||
-			!areSolved( *first, *second ) )
+		if ( !first || !second || first == second || !std::binary_search( m_rubbing.begin(), m_rubbing.end(), first->getIslandTag() ) ||
+			isHidden( manifold ) || !areSolved( *first, *second ) )
 		{
 			return;
 		}
@@ -139,9 +138,9 @@ void FrictionTorqueCorrection::sum( btDispatcher& dispatcher )
 		{
 			impulse += impulseOf( manifold.getContactPoint( k ) );
 		}
-		const Vec3d lacks = -toVec3d( apart ).cross( impulse ) / ( r0 + r1 );
-		turnOf( *first ).impulse += r0 * lacks;
-		turnOf( *second ).impulse += r1 * lacks;
+		const Vec3d correction = -toVec3d( apart ).cross( impulse ) / ( r0 + r1 );
+		turnOf( *first ).impulse += r0 * correction;
+		turnOf( *second ).impulse += r1 * correction;
 	} );
 }
 
@@ -157,13 +156,13 @@ void FrictionTorqueCorrection::give()
 
 FrictionTorqueCorrection::Turn& FrictionTorqueCorrection::turnOf( SoftBody& body )
 {
-	int& place = body.impl().frictionTorque;
-	if ( place < 0 )
+	int& index = body.impl().frictionTorque;
+	if ( index < 0 )
 	{
-		place = int( m_turns.size() );
-		m_turns.push_back( Turn{ &body, Vec3d::Zero(), toBt( RigidMotionProxy( &body ).speed ) } );
+		index = int( m_turns.size() );
+		m_turns.push_back( Turn{ &body, Vec3d::Zero(), toBt( RigidMotionProxy( &body ).angularVelocity ) } );
 	}
-	return m_turns[std::size_t( place )];
+	return m_turns[std::size_t( index )];
 }
 
 } // namespace pliant

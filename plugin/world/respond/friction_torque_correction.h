@@ -1,10 +1,9 @@
 #pragma once
 
-// Angular momentum of soft bodies that rub on each other. Bullet's solver moves two nodes at their middles, which are apart, by equal and
-// opposite impulses J: of those across the line between them
+// Conserves the angular momentum of soft bodies that rub on each other. Bullet's solver applies opposite impulses J to two nodes at their
+// centres, which are apart: for components across the line between them, an angular momentum of
 //   ( x0 - x1 ) x J
-// appears from nowhere. It is taken from the two bodies as wholes, as if J acted where the spheres touch, and friction sees how they turn
-// there. docs/design/contacts.md.
+// appears. It is subtracted from the two bodies, as if J acted where the spheres touch (docs/design/contacts.md).
 
 #include "lattice/lattice.h"
 
@@ -24,49 +23,49 @@ class SoftBody;
 class FrictionTorqueCorrection
 {
 public:
-	/// Islands are found anew.
+	/// Clears the lists, before islands are built anew.
 	void clear()
 	{
-		m_refinementState.clear();
-		m_frictionTorque.clear();
+		m_grounded.clear();
+		m_rubbing.clear();
 	}
-	/// Two things touch; by the union-find's index, -1 of what stands, whatever meets it. `areSoft`: nodes of two soft bodies.
+	/// Records a contact of two objects by their union-find indices, -1 for static objects. `areSoft`: nodes of two soft bodies.
 	void touch( int first, int second, bool areSoft )
 	{
 		if ( areSoft )
 		{
-			note( first, m_frictionTorque );
+			note( first, m_rubbing );
 		}
 		else if ( ( first < 0 ) != ( second < 0 ) )
 		{
-			note( std::max( first, second ), m_refinementState );
+			note( std::max( first, second ), m_grounded );
 		}
 	}
-	/// Each index has its island: those in which soft bodies rub and nothing stands are left.
+	/// Replaces indices by islands: keeps those in which soft bodies rub and nothing touches a static object.
 	void choose( btUnionFind& islands );
-	/// Before the solver, and when contacts of implicit blocks are hidden: those keep spin by themselves. Nodes of bodies that rub turn as
-	/// their bodies do, and touch where their spheres do, so that friction sees how fast they slip there.
+	/// Called before the solver, with contacts of implicit blocks hidden. Nodes of rubbing bodies receive their bodies' angular velocity,
+	/// and contact points move to where the spheres touch, so that friction acts on the slip velocity there.
 	void aim( btDispatcher& dispatcher );
-	/// What is to be given, after the solver.
+	/// Sums the corrections, after the solver.
 	void sum( btDispatcher& dispatcher );
-	/// When the nodes have been moved: the solver is to see how they move then before it brings them into each other.
+	/// Applies them, after the nodes have been moved: the next solve uses the new velocities before they cause overlaps.
 	void give();
 
 private:
 	struct Turn
 	{
 		SoftBody* body;
-		Vec3d impulse;   ///< N m s
-		btVector3 speed; ///< rad/s
+		Vec3d impulse;             ///< N m s
+		btVector3 angularVelocity; ///< rad/s
 	};
-	/// Where a contact was, m.
-	struct Placed
+	/// The former position of a contact point, m.
+	struct MovedPoint
 	{
 		btVector3* point;
-		btVector3 was;
+		btVector3 original;
 	};
 
-	/// Manifolds of two things come one after the other.
+	/// Manifolds of the same two objects are consecutive.
 	static void note( int index, std::vector<int>& list )
 	{
 		if ( list.empty() || list.back() != index )
@@ -75,13 +74,13 @@ private:
 		}
 	}
 	Turn& turnOf( SoftBody& body );
-	void place( btVector3& point, const btVector3& at );
+	void movePoint( btVector3& point, const btVector3& at );
 
-	std::vector<int> m_refinementState,
-		m_frictionTorque; ///< by Bullet's index, islands that touch what stands, and in which soft bodies rub
+	std::vector<int> m_grounded,
+		m_rubbing; ///< by Bullet's index: islands that touch static objects, and those in which soft bodies rub
 	std::vector<Turn> m_turns;
-	std::vector<Placed> m_placed;         ///< from aim to sum
-	std::vector<ContactProxy*> m_turning; ///< the same
+	std::vector<MovedPoint> m_movedPoints; ///< from aim to sum
+	std::vector<ContactProxy*> m_turning;  ///< from aim to sum
 };
 
 } // namespace pliant

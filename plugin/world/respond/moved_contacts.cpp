@@ -17,11 +17,12 @@ void MovedContacts::moveToNodes( btDispatcher& dispatcher, const btContactSolver
 	m_moved.clear();
 	m_deep.clear();
 	m_hasRollingFriction = m_hasRestitution = false;
-	const auto ask = []( const btPersistentManifold& manifold ) {
+	const auto prefetchPoint = []( const btPersistentManifold& manifold ) {
 		prefetchEnd( manifold );
-		prefetch( &manifold, offsetof( btManifoldPoint, m_partId0 ) + sizeof( btVector3 ) ); // where its first point is, and how it is met
+		prefetch( &manifold,
+			offsetof( btManifoldPoint, m_partId0 ) + sizeof( btVector3 ) ); // position of the first point, and its surface properties
 	};
-	forEachManifold( dispatcher, ask, [this, deepest]( btPersistentManifold& manifold ) {
+	forEachManifold( dispatcher, prefetchPoint, [this, deepest]( btPersistentManifold& manifold ) {
 		const bool nodeIsFirst = ownerOfContactProxy( manifold.getBody0() ) != nullptr;
 		if ( !nodeIsFirst && !ownerOfContactProxy( manifold.getBody1() ) )
 		{
@@ -35,19 +36,19 @@ void MovedContacts::moveToNodes( btDispatcher& dispatcher, const btContactSolver
 			btManifoldPoint& point = manifold.getContactPoint( k );
 			if ( point.m_distance1 < deep && ( nodeIsFirst ? manifold.getBody1() : manifold.getBody0() )->isStaticOrKinematicObject() )
 			{
-				node.owner->impl().isGuarded = true; // what is crushed goes through slowly
+				node.owner->impl().isGuarded = true; // crushed nodes pass through slowly
 			}
 			m_hasRollingFriction = m_hasRollingFriction || point.m_combinedRollingFriction != 0 || point.m_combinedSpinningFriction != 0;
 			m_hasRestitution = m_hasRestitution || point.m_combinedRestitution > 0;
 			const btScalar fromSurface = point.m_distance1 + radius;
-			btVector3& place = nodeIsFirst ? point.m_positionWorldOnB : point.m_positionWorldOnA;
-			m_moved.push_back( Moved{ &place, place } );
+			btVector3& position = nodeIsFirst ? point.m_positionWorldOnB : point.m_positionWorldOnA;
+			m_moved.push_back( Moved{ &position, position } );
 			if ( point.m_distance1 < deepest )
 			{
 				m_deep.push_back( Deep{ &point.m_distance1, point.m_distance1 } );
 				point.m_distance1 = deepest;
 			}
-			place += point.m_normalWorldOnB * ( nodeIsFirst ? fromSurface : -fromSurface );
+			position += point.m_normalWorldOnB * ( nodeIsFirst ? fromSurface : -fromSurface );
 		}
 	} );
 }
@@ -56,12 +57,12 @@ void MovedContacts::moveBack()
 {
 	for ( const Deep& deep : m_deep )
 	{
-		*deep.distance = deep.was;
+		*deep.distance = deep.original;
 	}
 	for ( std::size_t k = 0; k < m_moved.size(); ++k )
 	{
 		prefetch( m_moved[std::min( k + kPositionsAhead, m_moved.size() - 1 )].point, sizeof( btVector3 ) );
-		*m_moved[k].point = m_moved[k].was;
+		*m_moved[k].point = m_moved[k].original;
 	}
 }
 

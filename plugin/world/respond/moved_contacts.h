@@ -1,6 +1,6 @@
 #pragma once
 
-// Where contacts of nodes act while they are solved.
+// Contact points of nodes while they are solved.
 
 #include <LinearMath/btVector3.h>
 
@@ -11,32 +11,32 @@ struct btContactSolverInfo;
 
 namespace pliant {
 
-/// While Bullet's solver is at work a contact acts at the node's centre, on both sides: a node has no spin that could take up the rest,
-/// and angular momentum is kept. At all other times the contact's point lies on the surfaces.
+/// While Bullet's solver runs, a contact acts at the node's centre, on both sides: a node has no spin that could take up a torque, and
+/// angular momentum is conserved. At all other times the contact point lies on the surfaces.
 class MovedContacts
 {
 public:
-	/// What is deeper than Bullet pushes out of at kPushOutSpeed in a step is shown to be just so deep.
+	/// Also limits penetrations to the depth that Bullet pushes out at kPushOutSpeed in a step.
 	void moveToNodes( btDispatcher& dispatcher, const btContactSolverInfo& info );
 	void moveBack();
-	/// Those moved last.
+	/// Number of points moved last.
 	int count() const { return int( m_moved.size() ); }
-	/// Some of them have rolling or spinning friction.
+	/// Whether any of them has rolling or spinning friction.
 	bool hasRollingFriction() const { return m_hasRollingFriction; }
-	/// Some have restitution.
+	/// Whether any of them has restitution.
 	bool hasRestitution() const { return m_hasRestitution; }
 
 private:
 	struct Moved
 	{
 		btVector3* point;
-		btVector3 was; ///< the point on the surface
+		btVector3 original; ///< the point on the surface
 	};
 
 	struct Deep
 	{
 		btScalar* distance;
-		btScalar was;
+		btScalar original;
 	};
 
 	std::vector<Moved> m_moved;

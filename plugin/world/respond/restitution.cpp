@@ -1,7 +1,7 @@
-// Leapfrog's energy changes by a contact's impulse P by P . ( u' + u ) / 2 exactly, u' the speed after it and u the one before the
-// substep's matching and forces: with u' = - e u by P . u ( 1 - e ) / 2, a loss. Bullet bounces off the speed after them, so that what
-// presses a node on was given back as if it had come with it; and ends before its solution is one, which for several contacts of one body
-// at e near 1 may bring in as much again.
+// A contact's impulse P changes leapfrog's energy by exactly P . ( u' + u ) / 2, u' the velocity after it and u the one before the
+// substep's matching and forces: with u' = - e u by P . u ( 1 - e ) / 2, a loss. Bullet bounces from the velocity after them, and would
+// return what presses a node on as if it had been the node's approach; and it stops before its solution has converged, which for several
+// contacts of one body at e near 1 may add as much again.
 
 #include "world/respond/restitution.h"
 
@@ -23,26 +23,26 @@ const btRigidBody* bodyOf( const btPersistentManifold& manifold, int side )
 	return btRigidBody::upcast( side == 0 ? manifold.getBody0() : manifold.getBody1() );
 }
 
-/// Where an impulse acts, from the body's mass centre.
+/// Lever arm of an impulse from the body's mass centre.
 btVector3 armOf( const btRigidBody& body, const btManifoldPoint& point, int side )
 {
 	return ( side == 0 ? point.getPositionWorldOnA() : point.getPositionWorldOnB() ) - body.getCenterOfMassPosition();
 }
 
-Vec3d speedNow( const btPersistentManifold& manifold, const btManifoldPoint& point )
+Vec3d velocityNow( const btPersistentManifold& manifold, const btManifoldPoint& point )
 {
-	Vec3d speed = Vec3d::Zero();
+	Vec3d velocity = Vec3d::Zero();
 	for ( int side = 0; side < 2; ++side )
 	{
 		const btRigidBody* const body = bodyOf( manifold, side );
 		const Vec3d own = body ? toVec3d( body->getVelocityInLocalPoint( armOf( *body, point, side ) ) ) : Vec3d( Vec3d::Zero() );
-		speed += side == 0 ? own : Vec3d( -own );
+		velocity += side == 0 ? own : Vec3d( -own );
 	}
-	return speed;
+	return velocity;
 }
 
-/// What matching and forces have added to a node's speed in this substep. (To a rigid body's Bullet adds them later.)
-Vec3d addedTo( const btCollisionObject& object )
+/// Velocity that matching and forces have added to a node in this substep. (Bullet adds that of rigid bodies later.)
+Vec3d velocityAdded( const btCollisionObject& object )
 {
 	if ( !ownerOfContactProxy( &object ) )
 	{
@@ -89,13 +89,13 @@ void RestitutionCorrection::aim( btDispatcher& dispatcher, const btContactSolver
 	}
 }
 
-// Bullet asks for e' times the speed after matching, and for what pushes out of a depth besides.
+// Bullet's target is e' times the velocity after matching, plus the push-out velocity of a penetration.
 void RestitutionCorrection::aimAt( Bounce& bounce, const btContactSolverInfo& info )
 {
 	const btPersistentManifold& manifold = *bounce.manifold;
 	btManifoldPoint& point = bounce.manifold->getContactPoint( bounce.point );
-	const Vec3d now = speedNow( manifold, point ), normal = toVec3d( point.m_normalWorldOnB );
-	bounce.before = now - addedTo( *manifold.getBody0() ) + addedTo( *manifold.getBody1() );
+	const Vec3d now = velocityNow( manifold, point ), normal = toVec3d( point.m_normalWorldOnB );
+	bounce.before = now - velocityAdded( *manifold.getBody0() ) + velocityAdded( *manifold.getBody1() );
 	if ( point.m_combinedRestitution <= 0 )
 	{
 		return;
@@ -125,18 +125,18 @@ void RestitutionCorrection::settle()
 	}
 }
 
-// All impulses of the island's contacts times s: the work is s W - s ( 1 - s ) K, K = P . A P / 2 what they would bring to bodies at rest.
+// All impulses of the island's contacts times s do the work s W - s ( 1 - s ) K, K = P . A P / 2 what they would add to bodies at rest.
 void RestitutionCorrection::settle( const Range& island )
 {
-	const double after = pressed( island, false ), work = 0.5 * ( after + pressed( island, true ) );
+	const double after = doubledWork( island, false ), work = 0.5 * ( after + doubledWork( island, true ) );
 	if ( !( work > 0.0 ) )
 	{
 		return;
 	}
-	push( island, -1.0 );
-	const double brought = 0.5 * ( after - pressed( island, false ) );
+	applyImpulses( island, -1.0 );
+	const double brought = 0.5 * ( after - doubledWork( island, false ) );
 	const double fraction = brought > 0.0 ? std::max( 1.0 - work / brought, kLeastBounce ) : 1.0;
-	push( island, fraction );
+	applyImpulses( island, fraction );
 	for ( std::size_t k = island.first; k < island.second; ++k )
 	{
 		btManifoldPoint& point = m_bounces[k].manifold->getContactPoint( m_bounces[k].point );
@@ -146,19 +146,19 @@ void RestitutionCorrection::settle( const Range& island )
 	}
 }
 
-double RestitutionCorrection::pressed( const Range& island, bool isBefore ) const
+double RestitutionCorrection::doubledWork( const Range& island, bool isBefore ) const
 {
 	double sum = 0.0;
 	for ( std::size_t k = island.first; k < island.second; ++k )
 	{
 		const Bounce& bounce = m_bounces[k];
 		const btManifoldPoint& point = bounce.manifold->getContactPoint( bounce.point );
-		sum += impulseOf( point ).dot( isBefore ? bounce.before : speedNow( *bounce.manifold, point ) );
+		sum += impulseOf( point ).dot( isBefore ? bounce.before : velocityNow( *bounce.manifold, point ) );
 	}
 	return sum;
 }
 
-void RestitutionCorrection::push( const Range& island, double fraction )
+void RestitutionCorrection::applyImpulses( const Range& island, double fraction )
 {
 	for ( std::size_t k = island.first; k < island.second; ++k )
 	{

@@ -1,7 +1,6 @@
 #pragma once
 
-// Restitution that brings no energy in: what nodes bounce off, and a last look at what all contacts of an island did together.
-// docs/design/contacts.md.
+// Restitution that adds no energy: corrects the velocity that nodes bounce from, and an island's work. docs/design/contacts.md.
 
 #include "lattice/lattice.h"
 
@@ -21,9 +20,9 @@ namespace pliant {
 class RestitutionCorrection
 {
 public:
-	/// Before it: nodes bounce off the speeds they had before the substep's matching and forces.
+	/// Called before it: nodes bounce from their velocities before the substep's matching and forces.
 	void aim( btDispatcher& dispatcher, const btContactSolverInfo& info );
-	/// After it: where the contacts of an island brought energy in, their impulses are made smaller until they do not.
+	/// Called after it: where the contacts of an island added energy, scales their impulses down until they do not.
 	void settle();
 
 private:
@@ -31,17 +30,17 @@ private:
 	{
 		btPersistentManifold* manifold;
 		int point;
-		int island;   ///< Bullet's tag
-		bool bounces; ///< off something that it meets fast enough
-		Vec3d before; ///< speed of the first body against the second, m/s
+		int island;   ///< Bullet's island tag
+		bool bounces; ///< approaches fast enough to bounce
+		Vec3d before; ///< velocity of the first body relative to the second before matching and forces, m/s
 	};
 	using Range = std::pair<std::size_t, std::size_t>;
 
 	static void aimAt( Bounce& bounce, const btContactSolverInfo& info );
 	void settle( const Range& island );
-	/// Sum of P . u, twice a work.
-	double pressed( const Range& island, bool isBefore ) const;
-	void push( const Range& island, double fraction );
+	/// Sum of P . u, twice the work.
+	double doubledWork( const Range& island, bool isBefore ) const;
+	void applyImpulses( const Range& island, double fraction );
 
 	std::vector<Bounce> m_bounces;
 };

@@ -12,21 +12,21 @@ namespace pliant {
 
 namespace {
 
-/// The body a contact belongs to: the soft one for its node.
-btCollisionObject* wholeOf( const btCollisionObject* object )
+/// The body that a contact belongs to: a proxy's soft body.
+btCollisionObject* bodyOf( const btCollisionObject* object )
 {
 	SoftBody* const owner = ownerOfContactProxy( object );
 	return owner ? owner : const_cast<btCollisionObject*>( object );
 }
 
-/// Brakes their turning against each other about an axis of unit length, as far as `limit` (N m s) does it.
+/// Brakes their relative rotation about an axis of unit length, by at most `limit`, N m s.
 void brakeAbout( RigidMotionProxy& a, RigidMotionProxy& b, const Vec3d& axis, double limit )
 {
-	const double ease = axis.dot( ( a.inverse + b.inverse ) * axis );
-	if ( ease > 0.0 && limit > 0.0 )
+	const double inverseMoment = axis.dot( ( a.inverseInertia + b.inverseInertia ) * axis );
+	if ( inverseMoment > 0.0 && limit > 0.0 )
 	{
-		// The impulse that would end it; never more, so it can only take energy.
-		const double wanted = -axis.dot( a.speed - b.speed ) / ease;
+		// The impulse that would stop the rotation is never exceeded, so that energy can only decrease.
+		const double wanted = -axis.dot( a.angularVelocity - b.angularVelocity ) / inverseMoment;
 		const Vec3d impulse = std::clamp( wanted, -limit, limit ) * axis;
 		a.turn( impulse );
 		b.turn( -impulse );
@@ -78,17 +78,17 @@ void RollingFriction::apply()
 		btManifoldPoint& point = hidden.manifold->getContactPoint( hidden.point );
 		point.m_combinedRollingFriction = hidden.rolling;
 		point.m_combinedSpinningFriction = hidden.spinning;
-		btCollisionObject* const first = wholeOf( hidden.manifold->getBody0() );
-		btCollisionObject* const second = wholeOf( hidden.manifold->getBody1() );
-		const double pressing = double( point.m_appliedImpulse );
-		if ( pressing <= 0.0 || !areSolved( *first, *second ) )
+		btCollisionObject* const first = bodyOf( hidden.manifold->getBody0() );
+		btCollisionObject* const second = bodyOf( hidden.manifold->getBody1() );
+		const double normalImpulse = double( point.m_appliedImpulse );
+		if ( normalImpulse <= 0.0 || !areSolved( *first, *second ) )
 		{
 			continue;
 		}
 		Pair& pair = pairOf( first, second );
-		pair.pressing += pressing * toVec3d( point.m_normalWorldOnB );
-		pair.rolling += pressing * double( hidden.rolling );
-		pair.spinning += pressing * double( hidden.spinning );
+		pair.normalImpulse += normalImpulse * toVec3d( point.m_normalWorldOnB );
+		pair.rolling += normalImpulse * double( hidden.rolling );
+		pair.spinning += normalImpulse * double( hidden.spinning );
 	}
 	for ( const Pair& pair : m_pairs )
 	{
@@ -98,14 +98,14 @@ void RollingFriction::apply()
 
 void RollingFriction::brake( const Pair& pair )
 {
-	if ( pair.pressing.isZero( 0.0 ) )
+	if ( pair.normalImpulse.isZero( 0.0 ) )
 	{
 		return;
 	}
-	const Vec3d normal = pair.pressing.normalized();
+	const Vec3d normal = pair.normalImpulse.normalized();
 	RigidMotionProxy a( pair.first ), b( pair.second );
 	brakeAbout( a, b, normal, pair.spinning );
-	const Vec3d turning = a.speed - b.speed, rolling = turning - normal.dot( turning ) * normal;
+	const Vec3d turning = a.angularVelocity - b.angularVelocity, rolling = turning - normal.dot( turning ) * normal;
 	if ( !rolling.isZero( 0.0 ) )
 	{
 		brakeAbout( a, b, rolling.normalized(), pair.rolling );

@@ -1,8 +1,8 @@
 #pragma once
 
-// Rolling and spinning friction of soft bodies' contacts. A node cannot turn, so Bullet's rows for it would turn the other body alone and
-// find no limit between two that cannot; they are taken out, and after the solver the bodies as wholes are braked, with what their contacts
-// pressed with as the limit, and with equal and opposite torques. docs/design/contacts.md.
+// Rolling and spinning friction of soft bodies' contacts. A node cannot rotate, so that Bullet's rows would rotate the other body alone,
+// and without limit between two nodes. They are removed, and after the solver the bodies as a whole are braked by equal and opposite
+// torques, limited by the normal impulses of their contacts. docs/design/contacts.md.
 
 #include "lattice/lattice.h"
 
@@ -19,9 +19,9 @@ namespace pliant {
 class RollingFriction
 {
 public:
-	/// Takes rolling and spinning friction out of all points that name a node, before Bullet's solver.
+	/// Removes rolling and spinning friction from all points of nodes, before Bullet's solver.
 	void hide( btDispatcher& dispatcher );
-	/// Puts it back, and brakes.
+	/// Restores it and brakes the bodies.
 	void apply();
 
 private:
@@ -31,13 +31,13 @@ private:
 		int point;
 		btScalar rolling, spinning;
 	};
-	/// All contacts of two bodies together.
+	/// All contacts between two bodies.
 	struct Pair
 	{
 		btCollisionObject* first;
 		btCollisionObject* second;
-		Vec3d pressing;       ///< sum of the impulses, N s, towards the first
-		double rolling = 0.0; ///< what the contacts can turn against at most, N m s
+		Vec3d normalImpulse;  ///< sum of the normal impulses on the first, N s
+		double rolling = 0.0; ///< limit of the contacts' rolling torque impulse, N m s
 		double spinning = 0.0;
 	};
 

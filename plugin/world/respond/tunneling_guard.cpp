@@ -21,7 +21,7 @@ namespace pliant {
 
 namespace {
 
-/// The step's share of what an object that moves by the game's hand moves by.
+/// Motion in this step of an object that the game moves.
 ObstacleMotion motionOf( const btCollisionObject& wall, const Vec3d& origin )
 {
 	ObstacleMotion motion;
@@ -44,21 +44,21 @@ int TunnelingGuard::hold( SoftBody& body, const std::vector<const btCollisionObj
 	for ( int i = 0; i < nodes.count; ++i )
 	{
 		m_from[std::size_t( i )] = nodes.x.get( i ).cast<double>();
-		m_way[std::size_t( i )] = h * nodes.v.get( i ).cast<double>();
+		m_displacement[std::size_t( i )] = h * nodes.v.get( i ).cast<double>();
 		if ( nodes.freedom[i] != 0.0f )
 		{
 			m_nodes.push_back( i );
 		}
 	}
-	turnAway( walls );
-	for ( const int node : m_held )
+	enforceBarriers( walls );
+	for ( const int node : m_changed )
 	{
-		nodes.v.set( node, ( m_way[std::size_t( node )] / h ).cast<float>() );
+		nodes.v.set( node, ( m_displacement[std::size_t( node )] / h ).cast<float>() );
 	}
-	return int( m_held.size() );
+	return int( m_changed.size() );
 }
 
-// As if they came from where their parents were.
+// New nodes are treated as if they came from their parents' positions.
 bool TunnelingGuard::place( SoftBody& body, const std::vector<const btCollisionObject*>& walls, const std::vector<Vec3>& positionBefore )
 {
 	const NodeState& nodes = body.impl().body->nodes();
@@ -88,31 +88,31 @@ bool TunnelingGuard::keep( SoftBody& body, const std::vector<const btCollisionOb
 		if ( before != now && nodes.freedom[i] != 0.0f )
 		{
 			m_from[std::size_t( i )] = before.cast<double>();
-			m_way[std::size_t( i )] = ( now - before ).cast<double>();
+			m_displacement[std::size_t( i )] = ( now - before ).cast<double>();
 			m_nodes.push_back( i );
 		}
 	}
-	turnAway( walls );
-	for ( const int node : m_held )
+	enforceBarriers( walls );
+	for ( const int node : m_changed )
 	{
-		nodes.x.set( node, ( m_from[std::size_t( node )] + m_way[std::size_t( node )] ).cast<float>() );
+		nodes.x.set( node, ( m_from[std::size_t( node )] + m_displacement[std::size_t( node )] ).cast<float>() );
 	}
-	return !m_held.empty();
+	return !m_changed.empty();
 }
 
 void TunnelingGuard::begin( SoftBody& body, double h )
 {
 	m_body = &body;
 	m_h = h;
-	m_isAsked = false;
+	m_hasInnerNodes = false;
 	m_nodes.clear();
 	m_barriers.clear();
-	m_held.clear();
+	m_changed.clear();
 	m_from.resize( std::size_t( body.nodeCount() ) );
-	m_way.resize( std::size_t( body.nodeCount() ) );
+	m_displacement.resize( std::size_t( body.nodeCount() ) );
 }
 
-void TunnelingGuard::turnAway( const std::vector<const btCollisionObject*>& walls )
+void TunnelingGuard::enforceBarriers( const std::vector<const btCollisionObject*>& walls )
 {
 	const Vec3d& origin = m_body->impl().body->nodes().origin;
 	for ( int round = 0; round < kGuardRounds && !m_nodes.empty(); ++round )
@@ -124,64 +124,63 @@ void TunnelingGuard::turnAway( const std::vector<const btCollisionObject*>& wall
 			obstacle.basis = toMatrix3d( wall->getWorldTransform().getBasis() );
 			obstacle.position = toVec3d( wall->getWorldTransform().getOrigin() ) - origin;
 			const ObstacleMotion motion = motionOf( *wall, origin );
-			visitParts( obstacle, [&]( const Obstacle& part ) { look( part, motion ); } );
+			visitParts( obstacle, [&]( const Obstacle& part ) { addBarriers( part, motion ); } );
 		}
 		std::stable_sort( m_barriers.begin(), m_barriers.end(), []( const Barrier& a, const Barrier& b ) { return a.node < b.node; } );
-		m_turned.clear();
+		m_corrected.clear();
 		for ( std::size_t first = 0, end = 0; first < m_barriers.size(); first = end )
 		{
 			for ( end = first; end < m_barriers.size() && m_barriers[end].node == m_barriers[first].node; ++end )
 			{}
-			lead( first, end, round == kGuardRounds - 1 );
+			constrain( first, end, round == kGuardRounds - 1 );
 		}
-		// What was turned may now lead somewhere else.
-		m_nodes = m_turned;
-		m_held.insert( m_held.end(), m_turned.begin(), m_turned.end() );
+		// A corrected node may now meet another wall.
+		m_nodes = m_corrected;
+		m_changed.insert( m_changed.end(), m_corrected.begin(), m_corrected.end() );
 	}
-	std::sort( m_held.begin(), m_held.end() );
-	m_held.erase( std::unique( m_held.begin(), m_held.end() ), m_held.end() );
+	std::sort( m_changed.begin(), m_changed.end() );
+	m_changed.erase( std::unique( m_changed.begin(), m_changed.end() ), m_changed.end() );
 }
 
-// Gauss-Seidel over the barriers of one node: each takes the part of the way that leads through it. Where they leave no way, the node stays
-// where it is, or goes along with the wall.
-void TunnelingGuard::lead( std::size_t first, std::size_t end, bool isLast )
+// Gauss-Seidel over the barriers of one node. Where they leave no displacement, the node stays or moves with the wall.
+void TunnelingGuard::constrain( std::size_t first, std::size_t end, bool isLast )
 {
-	Vec3d& way = m_way[std::size_t( m_barriers[first].node )];
+	Vec3d& displacement = m_displacement[std::size_t( m_barriers[first].node )];
 	const double tiny = kGuardSlack * double( m_body->impl().shape->sphereOfNode( m_barriers[first].node )->getRadius() );
-	bool isTurned = false, isThrough = true;
-	for ( int sweep = 0; sweep < kGuardSweeps && isThrough; ++sweep )
+	bool isCorrected = false, isViolated = true;
+	for ( int sweep = 0; sweep < kGuardSweeps && isViolated; ++sweep )
 	{
-		isThrough = false;
+		isViolated = false;
 		for ( std::size_t k = first; k < end; ++k )
 		{
-			const double lack = m_barriers[k].least - m_barriers[k].normal.dot( way );
-			if ( lack > tiny )
+			const double violation = m_barriers[k].least - m_barriers[k].normal.dot( displacement );
+			if ( violation > tiny )
 			{
-				way += lack * m_barriers[k].normal;
-				isThrough = isTurned = true;
+				displacement += violation * m_barriers[k].normal;
+				isViolated = isCorrected = true;
 			}
 		}
 	}
-	if ( isThrough || ( isTurned && isLast ) )
+	if ( isViolated || ( isCorrected && isLast ) )
 	{
-		way = m_barriers[end - 1].yieldingWay;
+		displacement = m_barriers[end - 1].fallback;
 	}
-	if ( isTurned )
+	if ( isCorrected )
 	{
-		m_turned.push_back( m_barriers[first].node );
+		m_corrected.push_back( m_barriers[first].node );
 	}
 }
 
 namespace {
 
-/// What is so far from a box that it cannot come to it.
+/// True for spheres too far from a box to reach it.
 struct FarBox
 {
 	Vec3d low, high;
 
-	bool operator()( const Vec3d& centre, const Vec3d& way, double radius ) const
+	bool operator()( const Vec3d& centre, const Vec3d& displacement, double radius ) const
 	{
-		const Vec3d to = centre + way;
+		const Vec3d to = centre + displacement;
 		return ( ( centre.cwiseMin( to ) - high ).array() > radius ).any() || ( ( low - centre.cwiseMax( to ) ).array() > radius ).any();
 	}
 };
@@ -189,20 +188,20 @@ struct FarBox
 } // namespace
 
 template <class IsFar, class FindTouch>
-void TunnelingGuard::lookAt( const ObstacleMotion& motion, const IsFar& isFar, const FindTouch& find )
+void TunnelingGuard::addBarriersOf( const ObstacleMotion& motion, const IsFar& isFar, const FindTouch& find )
 {
 	const NodeShape& shape = *m_body->impl().shape;
 	const bool isStill = motion.isStill();
 	for ( const int node : m_nodes )
 	{
 		const double radius = double( shape.sphereOfNode( node )->getRadius() );
-		const bool isBare = shape.childOfNode( node ) < 0; // deep inside: nothing else keeps it out
+		const bool isInner = shape.childOfNode( node ) < 0; // inner nodes: no contact keeps them out
 		MovingSphere sphere;
 		sphere.centre = m_from[std::size_t( node )];
-		sphere.radius = ( isBare ? 1.0 : kGuardFraction ) * radius;
-		const Vec3d along = isStill ? Vec3d( Vec3d::Zero() ) : motion.way( sphere.centre, m_h );
-		sphere.way = m_way[std::size_t( node )] - along;
-		if ( isFar( sphere.centre, sphere.way, radius ) )
+		sphere.radius = ( isInner ? 1.0 : kGuardFraction ) * radius;
+		const Vec3d motionOfWall = isStill ? Vec3d( Vec3d::Zero() ) : motion.displacement( sphere.centre, m_h );
+		sphere.displacement = m_displacement[std::size_t( node )] - motionOfWall;
+		if ( isFar( sphere.centre, sphere.displacement, radius ) )
 		{
 			continue;
 		}
@@ -213,18 +212,18 @@ void TunnelingGuard::lookAt( const ObstacleMotion& motion, const IsFar& isFar, c
 		{
 			continue;
 		}
-		m_isAsked = m_isAsked || isBare;
+		m_hasInnerNodes = m_hasInnerNodes || isInner;
 		const double gap = std::max( 0.0, touch.distance - sphere.radius );
-		m_barriers.push_back( Barrier{ node, touch.normal, touch.normal.dot( along ) - gap, along } );
+		m_barriers.push_back( Barrier{ node, touch.normal, touch.normal.dot( motionOfWall ) - gap, motionOfWall } );
 	}
 }
 
-void TunnelingGuard::look( const Obstacle& part, const ObstacleMotion& motion )
+void TunnelingGuard::addBarriers( const Obstacle& part, const ObstacleMotion& motion )
 {
 	const int type = part.shape->getShapeType();
 	if ( part.shape->isConcave() && type != SDF_SHAPE_PROXYTYPE && type != STATIC_PLANE_PROXYTYPE )
 	{
-		lookAtMesh( part, motion );
+		addMeshBarriers( part, motion );
 		return;
 	}
 	if ( type == EMPTY_SHAPE_PROXYTYPE )
@@ -232,27 +231,29 @@ void TunnelingGuard::look( const Obstacle& part, const ObstacleMotion& motion )
 		return;
 	}
 	const auto find = [&part]( const MovingSphere& sphere, Touch& touch ) { return findTouch( part, sphere, touch ); };
-	if ( type == STATIC_PLANE_PROXYTYPE ) // whose box is everywhere
+	if ( type == STATIC_PLANE_PROXYTYPE ) // a plane's box is unbounded
 	{
 		const FarPlane far( part );
-		lookAt(
-			motion, [&far]( const Vec3d& centre, const Vec3d& way, double radius ) { return far.isClear( centre, way, radius ); }, find );
+		addBarriersOf(
+			motion,
+			[&far]( const Vec3d& centre, const Vec3d& displacement, double radius ) { return far.isClear( centre, displacement, radius ); },
+			find );
 		return;
 	}
 	btVector3 low, high;
 	part.shape->getAabb( part.transform(), low, high );
-	lookAt( motion, FarBox{ toVec3d( low ), toVec3d( high ) }, find );
+	addBarriersOf( motion, FarBox{ toVec3d( low ), toVec3d( high ) }, find );
 }
 
-void TunnelingGuard::lookAtMesh( const Obstacle& mesh, const ObstacleMotion& motion )
+void TunnelingGuard::addMeshBarriers( const Obstacle& mesh, const ObstacleMotion& motion )
 {
-	// The box that the nodes sweep, in the mesh's coordinates.
+	// The box swept by the nodes, in the mesh's coordinates.
 	const SoftBody::Impl& impl = m_body->impl();
 	Vec3d low = Vec3d::Constant( HUGE_VAL ), high = -low;
 	for ( const int node : m_nodes )
 	{
 		const Vec3d from = m_from[std::size_t( node )];
-		const Vec3d to = from + m_way[std::size_t( node )] - motion.way( from, m_h );
+		const Vec3d to = from + m_displacement[std::size_t( node )] - motion.displacement( from, m_h );
 		low = low.cwiseMin( from ).cwiseMin( to );
 		high = high.cwiseMax( from ).cwiseMax( to );
 	}
@@ -267,16 +268,15 @@ void TunnelingGuard::lookAtMesh( const Obstacle& mesh, const ObstacleMotion& mot
 		const ObstacleMotion* motion = nullptr;
 		void processTriangle( btVector3* corners, int, int ) override
 		{
-			Vec3d placed[3];
+			Vec3d world[3];
 			for ( int k = 0; k < 3; ++k )
 			{
-				placed[k] = mesh->basis * toVec3d( corners[k] ) + mesh->position;
+				world[k] = mesh->basis * toVec3d( corners[k] ) + mesh->position;
 			}
-			const FarBox box{
-				placed[0].cwiseMin( placed[1] ).cwiseMin( placed[2] ), placed[0].cwiseMax( placed[1] ).cwiseMax( placed[2] ) };
-			const TerrainSide ground( *mesh, placed, *guard->m_body->impl().shape, guard->m_body->impl().shapeShift.cast<double>() );
-			guard->lookAt( *motion, box, [&placed, &ground]( const MovingSphere& sphere, Touch& touch ) {
-				return findTouch( placed, sphere, touch ) && ground.allows( sphere.centre, touch ); // what is in the ground may come out
+			const FarBox box{ world[0].cwiseMin( world[1] ).cwiseMin( world[2] ), world[0].cwiseMax( world[1] ).cwiseMax( world[2] ) };
+			const TerrainSide ground( *mesh, world, *guard->m_body->impl().shape, guard->m_body->impl().shapeShift.cast<double>() );
+			guard->addBarriersOf( *motion, box, [&world, &ground]( const MovingSphere& sphere, Touch& touch ) {
+				return findTouch( world, sphere, touch ) && ground.allows( sphere.centre, touch ); // nodes in the ground may come out
 			} );
 		}
 	} call;
@@ -288,7 +288,7 @@ void TunnelingGuard::lookAtMesh( const Obstacle& mesh, const ObstacleMotion& mot
 
 namespace {
 
-/// What stands in a box and the body collides with, ascending by the order in which Bullet came to know it.
+/// Static and kinematic objects in a box that the body collides with, in the order in which Bullet first saw them.
 class WallsAround : public btBroadphaseAabbCallback
 {
 public:
@@ -308,7 +308,7 @@ public:
 private:
 	bool isMet( btCollisionObject& object ) const
 	{
-		// Where the game changes contact points as they are made, it may have let the body through.
+		// Where the game modifies contact points as they are created, it may have let the body pass.
 		const int flags = object.getCollisionFlags() | m_body.getCollisionFlags();
 		if ( ( gContactAddedCallback && flags & btCollisionObject::CF_CUSTOM_MATERIAL_CALLBACK ) || asSoftBody( &object ) )
 		{
@@ -316,7 +316,7 @@ private:
 		}
 		btOverlappingPairCache* const pairs = m_world.getBroadphase()->getOverlappingPairCache();
 		btBroadphaseProxy *const own = m_body.getBroadphaseHandle(), *const other = object.getBroadphaseHandle();
-		// A pair that has no algorithm has been refused by the game's callback.
+		// A pair without an algorithm has been refused by the game's callback.
 		const btBroadphasePair* const pair = pairs->findPair( own, other );
 		return ( pair ? pair->m_algorithm != nullptr : pairs->needsBroadphaseCollision( own, other ) ) &&
 			m_world.getDispatcher()->needsCollision( &m_body, &object );
@@ -326,7 +326,7 @@ private:
 	SoftBody& m_body;
 };
 
-/// Of any component of any node's; whole lanes at a time, for every awake body is asked.
+/// Largest absolute velocity component of any node; whole lanes at a time, since it is computed for every awake body.
 float largest( const NodeState& nodes, TaskRunner* runner )
 {
 	OfFractions<float> most{};
@@ -377,9 +377,9 @@ void SoftBodySystem::holdBack( btScalar h )
 		const std::vector<const btCollisionObject*> walls = wallsAround( *body, sweep );
 		const int held = walls.empty() ? 0 : m_guard.hold( *body, walls, double( h ) );
 		report.heldNodes += held;
-		// What was fast may still be squeezed against the wall, and have nodes deep in it, when it is slow.
+		// A body that was fast may still be pressed against the wall, with nodes deep in it, when it is slow.
 		impl.isGuarded = !walls.empty() &&
-			( held > 0 || m_guard.isAsked() || sweep > kSlowFraction * double( impl.shape->smallestRadius() ) );
+			( held > 0 || m_guard.hasInnerNodes() || sweep > kSlowFraction * double( impl.shape->smallestRadius() ) );
 	}
 }
 
@@ -391,7 +391,7 @@ void SoftBodySystem::keepNewNodesOut( SoftBody& body, const std::vector<Vec3>& p
 		return;
 	}
 	Body& own = *body.impl().body;
-	const LevelEnergy before = own.storedEnergy(); // to move them squeezes them
+	const LevelEnergy before = own.storedEnergy(); // moving the nodes compresses them
 	if ( m_guard.place( body, walls, positionBefore ) )
 	{
 		own.addEnergyDebtSince( before );
@@ -399,7 +399,7 @@ void SoftBodySystem::keepNewNodesOut( SoftBody& body, const std::vector<Vec3>& p
 	}
 }
 
-// Bullet's split impulse moves places and not speeds; of a node between a heavy thing and the floor it makes the floor's guest.
+// Bullet's split impulse changes positions, not velocities; it can push a node between a heavy object and the floor into the floor.
 void SoftBodySystem::keepPushedNodesOut( SoftBody& body, const std::vector<Vec3>& positionBefore )
 {
 	const std::vector<const btCollisionObject*> walls = wallsAround( body, 0.0 );

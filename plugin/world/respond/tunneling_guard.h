@@ -1,8 +1,8 @@
 #pragma once
 
-// The last word on fast nodes, between the solver and the step: whatever the solvers made of a node's speed, it does not carry the node's
-// centre through a thing that stands (docs/design/contacts.md). Contacts are found where nodes were going before the solver turned them
-// elsewhere, and solvers end before they are exact; at a hundred metres a second either leads through a wall.
+// Final check of fast nodes, between the solver and the step: no velocity may carry a node's centre through a static object
+// (docs/design/contacts.md). Contacts are found along the motion that nodes had before the solver redirected them, and solvers stop before
+// they have converged; at a hundred metres a second either leads through a wall.
 
 #include "world/touch/node_touch.h"
 #include "world/touch/obstacle_motion.h"
@@ -21,41 +21,39 @@ class SoftBody;
 class TunnelingGuard
 {
 public:
-	/// Takes from the speeds of the body's nodes what would lead them through one of `walls` in a step of `h` s; returns how many it took
-	/// from.
+	/// Limits the velocities of nodes that would pass through one of `walls` in a step of `h` s; returns the number of nodes changed.
 	int hold( SoftBody& body, const std::vector<const btCollisionObject*>& walls, double h );
-	/// The same for the places of nodes that a change of levels has brought, by that of their heirs before; true when there were some to be
-	/// moved.
+	/// Corrects the positions of nodes that a change of levels created, given those of their sources; true where any was moved.
 	bool place( SoftBody& body, const std::vector<const btCollisionObject*>& walls, const std::vector<Vec3>& positionBefore );
-	/// The same for all nodes, by their own places before; what has not moved is not looked at.
+	/// Corrects the positions of all nodes that have moved since `from`.
 	bool keep( SoftBody& body, const std::vector<const btCollisionObject*>& walls, const std::vector<Vec3>& from );
-	/// Whether nodes that have no sphere came to a wall in the last call.
-	bool isAsked() const { return m_isAsked; }
+	/// Whether nodes without a sphere reached a wall in the last call.
+	bool hasInnerNodes() const { return m_hasInnerNodes; }
 
 private:
-	/// The node's way w must keep normal . w >= least.
+	/// The node's displacement w must satisfy normal . w >= least.
 	struct Barrier
 	{
 		int node;
 		Vec3d normal;
-		double least;      ///< m
-		Vec3d yieldingWay; ///< of the wall: a way that no barrier of it forbids
+		double least;   ///< m
+		Vec3d fallback; ///< displacement of the wall, which none of its barriers excludes
 	};
 
 	void begin( SoftBody& body, double h );
-	void turnAway( const std::vector<const btCollisionObject*>& walls );
-	void look( const Obstacle& part, const ObstacleMotion& motion );
-	void lookAtMesh( const Obstacle& mesh, const ObstacleMotion& motion );
+	void enforceBarriers( const std::vector<const btCollisionObject*>& walls );
+	void addBarriers( const Obstacle& part, const ObstacleMotion& motion );
+	void addMeshBarriers( const Obstacle& mesh, const ObstacleMotion& motion );
 	template <class IsFar, class FindTouch>
-	void lookAt( const ObstacleMotion& motion, const IsFar& isFar, const FindTouch& find );
-	void lead( std::size_t first, std::size_t end, bool isLast );
+	void addBarriersOf( const ObstacleMotion& motion, const IsFar& isFar, const FindTouch& find );
+	void constrain( std::size_t first, std::size_t end, bool isLast );
 
 	SoftBody* m_body = nullptr;
 	double m_h = 0.0;
-	bool m_isAsked = false;
-	std::vector<int> m_nodes, m_turned; ///< to look at in this round, and in the next
-	std::vector<int> m_held;            ///< those that were turned in any
-	std::vector<Vec3d> m_from, m_way;   ///< by node, m
+	bool m_hasInnerNodes = false;
+	std::vector<int> m_nodes, m_corrected;     ///< to be tested in this round, and in the next
+	std::vector<int> m_changed;                ///< nodes corrected in any round
+	std::vector<Vec3d> m_from, m_displacement; ///< by node, m
 	std::vector<Barrier> m_barriers;
 	btSphereShape m_sphere{ btScalar( 1 ) };
 };

@@ -13,7 +13,7 @@ namespace pliant {
 
 namespace {
 
-/// What the two surfaces make of each other, through Bullet's (and the game's) own combination rules.
+/// Combines the properties of the two surfaces by Bullet's (and the game's) rules.
 void combineSurfaces( const btCollisionObject* body0, const btCollisionObject* body1, btManifoldPoint& point )
 {
 	point.m_combinedFriction = gCalculateCombinedFrictionCallback( body0, body1 );
@@ -34,8 +34,8 @@ void combineSurfaces( const btCollisionObject* body0, const btCollisionObject* b
 	btPlaneSpace1( point.m_normalWorldOnB, point.m_lateralFrictionDir1, point.m_lateralFrictionDir2 );
 }
 
-/// In the body's own axes. Most stand-ins have the world's: what would be read of those lies in a line of its own.
-btVector3 placeIn( const btCollisionObject& body, const btVector3& at )
+/// A point in the body's own axes. Most proxies have the world's axes; reading their basis would touch another cache line.
+btVector3 toLocal( const btCollisionObject& body, const btVector3& at )
 {
 	const bool isStraight = ownerOfContactProxy( &body ) && !static_cast<const ContactProxy&>( body ).isDirected;
 	return isStraight ? at - body.getWorldTransform().getOrigin() : body.getWorldTransform().invXform( at );
@@ -53,8 +53,8 @@ void fillPoint(
 	const btVector3 other = isPatch ? toBt( hit.touch.otherPoint( double( radius ) ) ) : btVector3( outward * -distance );
 	setWhole( nodeIsFirst ? point.m_positionWorldOnA : point.m_positionWorldOnB, node.written + own );
 	setWhole( nodeIsFirst ? point.m_positionWorldOnB : point.m_positionWorldOnA, node.written + other );
-	setWhole( point.m_localPointA, placeIn( *manifold.getBody0(), point.m_positionWorldOnA ) );
-	setWhole( point.m_localPointB, placeIn( *manifold.getBody1(), point.m_positionWorldOnB ) );
+	setWhole( point.m_localPointA, toLocal( *manifold.getBody0(), point.m_positionWorldOnA ) );
+	setWhole( point.m_localPointB, toLocal( *manifold.getBody1(), point.m_positionWorldOnB ) );
 	setWhole( point.m_normalWorldOnB, nodeIsFirst ? outward : -outward );
 	point.m_distance1 = distance - radius;
 	point.m_partId0 = nodeIsFirst ? -1 : hit.part;
@@ -70,12 +70,12 @@ void fillPoint(
 void renewPoint( btPersistentManifold& manifold, const ContactProxy& node, const NodeHit& hit, bool nodeIsFirst, int at )
 {
 	btManifoldPoint& point = manifold.getContactPoint( at );
-	// It bounces once a touch: a node that is pressed on, and struck in each substep, would bring in more than it takes.
+	// Restitution acts once per touch: a node under load that bounced in every substep would gain energy.
 	const bool hasBounced = point.m_appliedImpulse > 0;
 	if ( ( manifold.getBody0()->getCollisionFlags() | manifold.getBody1()->getCollisionFlags() ) &
 		btCollisionObject::CF_HAS_FRICTION_ANCHOR )
 	{
-		btManifoldPoint anchored; // Bullet says whether it stays where it was
+		btManifoldPoint anchored; // Bullet decides whether the anchor stays
 		fillPoint( manifold, node, hit, nodeIsFirst, anchored );
 		anchored.m_combinedRestitution = hasBounced ? btScalar( 0 ) : anchored.m_combinedRestitution;
 		manifold.replaceContactPoint( anchored, at );
@@ -88,7 +88,7 @@ void renewPoint( btPersistentManifold& manifold, const ContactProxy& node, const
 	++point.m_lifeTime;
 }
 
-void tellAdded( const btPersistentManifold& manifold, btManifoldPoint& point, int leaf )
+void notifyAdded( const btPersistentManifold& manifold, btManifoldPoint& point, int leaf )
 {
 	const btCollisionObject* const body[2] = { manifold.getBody0(), manifold.getBody1() };
 	const int flags = body[0]->getCollisionFlags() | body[1]->getCollisionFlags();

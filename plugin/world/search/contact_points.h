@@ -1,6 +1,6 @@
 #pragma once
 
-// What a node has hit, as a point of Bullet's manifolds.
+// Conversion of a node's hit to a point of Bullet's manifolds.
 
 class btManifoldPoint;
 class btPersistentManifold;
@@ -10,19 +10,19 @@ namespace pliant {
 class ContactProxy;
 struct NodeHit;
 
-/// The hit as Bullet's solver wants it: the points on both surfaces, the normal on the second object, who it is. What a point is given
-/// besides when it is made is given again; its age, its impulses and the game's pointer stay.
+/// Writes the hit as Bullet's solver expects it: the points on both surfaces, the normal on the second object, identifiers and combined
+/// surface properties. Age, impulses and the game's pointer are kept.
 void fillPoint(
 	const btPersistentManifold& manifold, const ContactProxy& node, const NodeHit& hit, bool nodeIsFirst, btManifoldPoint& point );
 
-/// Where it lies: what a copy would be made of has just been written in parts, and would be waited for.
+/// Renews the point in place: a copy of a point just written in parts would stall on store forwarding.
 void renewPoint( btPersistentManifold& manifold, const ContactProxy& node, const NodeHit& hit, bool nodeIsFirst, int at );
 
-/// The old point that a hit carries on: of the same triangle or part. A manifold of one point keeps it wherever it slides.
+/// The old point that a hit continues: of the same triangle or part, or -1. A manifold of one point keeps it wherever it slides.
 int findPoint( const btPersistentManifold& manifold, const NodeHit& hit, int hitCount, bool nodeIsFirst );
 
-/// The game may change a new or renewed point, as with any contact of Bullet's. What it is shown of the other object is the child or the
-/// triangle that is touched, as Bullet shows it. `leaf`: NodeHit::other().
-void tellAdded( const btPersistentManifold& manifold, btManifoldPoint& point, int leaf );
+/// Calls the game's callback, which may change a new or renewed point as with any contact of Bullet's. It is shown the child or triangle of
+/// the other object that is touched. `leaf`: NodeHit::other().
+void notifyAdded( const btPersistentManifold& manifold, btManifoldPoint& point, int leaf );
 
 } // namespace pliant

@@ -19,12 +19,12 @@ namespace pliant {
 
 namespace {
 
-/// From a cube's middle to its corner, in half edges, and a tenth more: a node of level 2 takes two substeps to give way to finest ones.
+/// From a cube's centre to its corner, in half edges, plus a tenth: splitting a node of level 2 to the finest level takes two substeps.
 const double kCornerReach = 1.1 * std::sqrt( 3.0 );
 
 using Near = SoftBody::Impl::Near;
 
-/// A box in the coordinates of a soft body's shape, and margin around it for what moves in this step.
+/// A box in the coordinates of a soft body's shape, with a margin for the motion in this step.
 struct Box
 {
 	btVector3 low, high;
@@ -39,11 +39,11 @@ struct Box
 		const btScalar all = btScalar( by );
 		move( btVector3( -all, -all, -all ), btVector3( all, all, all ) );
 	}
-	/// The nodes may come to the box by what they sweep: it is the box that is stretched, backwards.
+	/// Stretches the box backwards by the sweep of the nodes.
 	void stretchAgainst( const NodeShape& shape ) { move( -shape.sweepHigh(), -shape.sweepLow() ); }
-	void stretchAlong( const btVector3& way )
+	void stretchAlong( const btVector3& displacement )
 	{
-		btVector3 back = way, forth = way;
+		btVector3 back = displacement, forth = displacement;
 		back.setMin( btVector3( 0, 0, 0 ) );
 		forth.setMax( btVector3( 0, 0, 0 ) );
 		move( back, forth );
@@ -68,31 +68,31 @@ std::vector<NodeHit>& NodeSearch::againstRigid( const SoftBody& soft, const btCo
 	m_step = step;
 	m_leaf = 0;
 	m_hits.clear();
-	m_motion = m_before = ObstacleMotion{};
+	m_motion = m_unforcedMotion = ObstacleMotion{};
 	m_looksAhead = soft.impl().isImplicit && soft.isActive() && int( soft.impl().body->velocityBefore().x.size() ) >= soft.nodeCount();
 	const Levels* levels = soft.impl().body->levels();
-	m_notesNear = levels && levels->settings().refinesOnContact && soft.isActive();
+	m_refinesOnContact = levels && levels->settings().refinesOnContact && soft.isActive();
 	if ( const btRigidBody* rigid = btRigidBody::upcast( other.getCollisionObject() ) )
 	{
-		// Bullet's solver adds the forces of the step to the velocity: the contact must see the same.
+		// Bullet's solver adds the step's forces to the velocity: the contact search must use the same velocity.
 		m_motion.linear = toVec3d( rigid->getLinearVelocity() + rigid->getTotalForce() * rigid->getInvMass() * btScalar( step ) );
 		m_motion.angular = toVec3d( rigid->getAngularVelocity() );
 		m_motion.centre = toVec3d( rigid->getCenterOfMassPosition() ) - origin;
-		m_before = m_motion;
-		m_before.linear = toVec3d( rigid->getLinearVelocity() );
+		m_unforcedMotion = m_motion;
+		m_unforcedMotion.linear = toVec3d( rigid->getLinearVelocity() );
 	}
 	Obstacle obstacle;
 	obstacle.shape = other.getCollisionShape();
 	obstacle.basis = toMatrix3d( other.getWorldTransform().getBasis() );
 	obstacle.position = toVec3d( other.getWorldTransform().getOrigin() ) - origin;
 	visitParts( obstacle, [this]( const Obstacle& part ) { visit( part ); } );
-	giveLeave( soft, nullptr );
+	applyAllowances( soft, nullptr );
 	if ( other.getCollisionObject()->getCollisionFlags() & btCollisionObject::CF_CHARACTER_OBJECT )
 	{
-		meetCharacter();
+		adjustForCharacter();
 	}
 	sortHits();
-	keepFlatNeighboursOut();
+	dropFlatNeighbours();
 	return m_hits;
 }
 
@@ -118,7 +118,7 @@ void NodeSearch::visit( const Obstacle& obstacle )
 NodeSearch::Spheres::Spheres( const NodeSearch& search ) :
 	m_nodes( search.m_soft->impl().body->nodes() ), m_shape( *search.m_soft->impl().shape ), m_motion( search.m_motion ),
 	m_step( search.m_step ), m_isStill( search.m_motion.isStill() ), m_velocityBefore( search.m_soft->impl().body->velocityBefore() ),
-	m_before( search.m_before )
+	m_unforcedMotion( search.m_unforcedMotion )
 {}
 
 inline MovingSphere NodeSearch::Spheres::of( int node ) const
@@ -127,10 +127,10 @@ inline MovingSphere NodeSearch::Spheres::of( int node ) const
 	sphere.shape = m_shape.sphereOfNode( node );
 	sphere.radius = double( sphere.shape->getRadius() );
 	sphere.centre = m_nodes.x.get( node ).cast<double>();
-	sphere.way = m_step * m_nodes.v.get( node ).cast<double>();
+	sphere.displacement = m_step * m_nodes.v.get( node ).cast<double>();
 	if ( !m_isStill )
 	{
-		sphere.way -= m_motion.way( sphere.centre, m_step );
+		sphere.displacement -= m_motion.displacement( sphere.centre, m_step );
 	}
 	return sphere;
 }
@@ -138,7 +138,7 @@ inline MovingSphere NodeSearch::Spheres::of( int node ) const
 inline Ahead NodeSearch::Spheres::ahead( int node ) const
 {
 	const Vec3d to = m_step * m_velocityBefore.get( node ).cast<double>();
-	return Ahead{ to, to - m_before.way( m_nodes.x.get( node ).cast<double>(), m_step ) };
+	return Ahead{ to, to - m_unforcedMotion.displacement( m_nodes.x.get( node ).cast<double>(), m_step ) };
 }
 
 double NodeSearch::overhang() const
@@ -146,7 +146,7 @@ double NodeSearch::overhang() const
 	return m_surface ? m_surface->overhang() : 0.0;
 }
 
-// The patch in front of a node, or where that does not look there the node's own sphere.
+// Tests the patch in front of a node, or the node's own sphere where the patch does not face the obstacle.
 template <class Nearest, class Find>
 inline bool NodeSearch::touches( int node, const MovingSphere& sphere, const Nearest& nearest, const Find& find, Touch& touch ) const
 {
@@ -158,7 +158,7 @@ inline bool NodeSearch::touches( int node, const MovingSphere& sphere, const Nea
 		{
 			return answer == PatchAnswer::Touches;
 		}
-		// What the patch does not answer for is met no further out than the surface is.
+		// Where the patch does not apply, the node's sphere reaches no farther than the surface.
 		MovingSphere within = sphere;
 		within.radius = std::min( sphere.radius, patch.height );
 		within.scale = sphere.radius;
@@ -169,13 +169,13 @@ inline bool NodeSearch::touches( int node, const MovingSphere& sphere, const Nea
 	return find( sphere, touch );
 }
 
-// A plane's box is everywhere: every node is asked, the deep ones too, for here no tree is needed.
+// A plane's box is unbounded: every node is tested, inner ones too, without a tree.
 void NodeSearch::plane( const Obstacle& obstacle )
 {
 	const NodeState& nodes = m_soft->impl().body->nodes();
 	const FarPlane far( obstacle );
-	const double radius = ( m_notesNear ? 2.0 * kCornerReach : 1.0 ) * double( m_soft->impl().shape->largestRadius() ) +
-		overhang(); // foresee asks for the parents' corners
+	const double radius = ( m_refinesOnContact ? 2.0 * kCornerReach : 1.0 ) * double( m_soft->impl().shape->largestRadius() ) +
+		overhang(); // foresee() tests the corners of parents
 	const auto nearest = [&obstacle]( const MovingSphere& sphere, Touch& found ) { return findNearest( obstacle, sphere, found ); };
 	const auto find = [&obstacle]( const MovingSphere& sphere, Touch& found ) { return findTouch( obstacle, sphere, found ); };
 	const bool isStill = m_motion.isStill();
@@ -183,8 +183,8 @@ void NodeSearch::plane( const Obstacle& obstacle )
 	Touch touch;
 	for ( int node = 0; node < nodes.count; ++node )
 	{
-		const Vec3d centre = nodes.x.get( node ).cast<double>(), way = m_step * nodes.v.get( node ).cast<double>();
-		if ( far.isClear( centre, isStill ? way : Vec3d( way - m_motion.way( centre, m_step ) ), radius ) )
+		const Vec3d centre = nodes.x.get( node ).cast<double>(), displacement = m_step * nodes.v.get( node ).cast<double>();
+		if ( far.isClear( centre, isStill ? displacement : Vec3d( displacement - m_motion.displacement( centre, m_step ) ), radius ) )
 		{
 			continue;
 		}
@@ -192,18 +192,18 @@ void NodeSearch::plane( const Obstacle& obstacle )
 		{
 			m_hits.push_back( NodeHit{ std::uint64_t( node ) << 32 | m_leaf, touch, obstacle.part, obstacle.index } );
 		}
-		if ( m_notesNear )
+		if ( m_refinesOnContact )
 		{
 			foresee( node, find );
 		}
 	}
 }
 
-// A grid of balls has channels that what is smaller than them falls through. Such a thing refines what it comes near, before it touches:
-// a node is split whose box it enters and which is larger than it; its parts, one of which it is then in, stay while it is there.
-void NodeSearch::noteNear( int node, btScalar size ) const
+// Objects smaller than the spheres fall through the channels of a grid of spheres. Such an object refines the nodes it comes near, before
+// it touches: a node larger than the object whose box it enters is split; nodes near it of about its size are kept from merging.
+void NodeSearch::noteNearby( int node, btScalar size ) const
 {
-	if ( !m_notesNear )
+	if ( !m_refinesOnContact )
 	{
 		return;
 	}
@@ -215,9 +215,9 @@ void NodeSearch::noteNear( int node, btScalar size ) const
 	}
 }
 
-// A big node's ball leaves out its cube's corners, sqrt( 3 ) radii from the middle. Split only when the ball has touched, the cells at the
-// corners would come into the world inside the obstacle, and be shot out of it. So a node is split before, as soon as a corner may touch;
-// and what stands where its parent's corner would touch stays as it is.
+// A coarse node's sphere leaves out the corners of its cube, sqrt( 3 ) radii from the centre. Were it split only when the sphere touches,
+// cells at the corners would appear inside the obstacle and be ejected. So a node is split as soon as a corner may touch, and a node is
+// kept from merging where its parent's corner would touch.
 template <class Find>
 void NodeSearch::foresee( int node, const Find& find ) const
 {
@@ -238,11 +238,10 @@ void NodeSearch::foresee( int node, const Find& find ) const
 	}
 }
 
-/// From the coarsest node's middle to its corner, along each axis: no other reaches further beyond its ball. Zero where nothing is
-/// foreseen.
+/// Distance from the coarsest node's centre to its corner, along each axis, an upper bound for all nodes. Zero where no corners are tested.
 btVector3 NodeSearch::cornerReach() const
 {
-	if ( !m_notesNear )
+	if ( !m_refinesOnContact )
 	{
 		return btVector3( 0, 0, 0 );
 	}
@@ -251,11 +250,11 @@ btVector3 NodeSearch::cornerReach() const
 	return btVector3( reach, reach, reach );
 }
 
-/// The same for all nodes whose corners, or whose parents', reach into a box that has been stretched for what moves.
+/// Calls foresee() for all nodes whose corners, or whose parents' corners, reach into a box that is already stretched for the motion.
 template <class Find>
 void NodeSearch::foreseeIn( const btVector3& low, const btVector3& high, const Find& find )
 {
-	if ( !m_notesNear )
+	if ( !m_refinesOnContact )
 	{
 		return;
 	}
@@ -264,16 +263,16 @@ void NodeSearch::foreseeIn( const btVector3& low, const btVector3& high, const F
 	impl.shape->rows().visitOverlaps( SphereRows::Box::of( low - aside, high + aside ), [&]( int node ) { foresee( node, find ); } );
 }
 
-// In the nodes' order, which is that of the hits: of a single solid none is left to put in order.
+// Visits the marked nodes in ascending order, which is the order of the hits: those of a single solid need no sorting.
 template <class Find>
 void NodeSearch::touchMarked( const Obstacle& obstacle, btScalar size, const Find& find )
 {
 	const Spheres spheres( *this );
 	const bool looksAhead = m_looksAhead && obstacle.shape->isConvex();
-	const Obstacle then = looksAhead ? m_before.moved( obstacle, m_step ) : Obstacle{};
+	const Obstacle then = looksAhead ? m_unforcedMotion.moved( obstacle, m_step ) : Obstacle{};
 	const auto nearest = [&obstacle]( const MovingSphere& sphere, Touch& found ) { return findNearest( obstacle, sphere, found ); };
 	m_marks.takeAll( [&]( int node ) {
-		noteNear( node, size );
+		noteNearby( node, size );
 		Touch touch;
 		const MovingSphere sphere = spheres.of( node );
 		if ( touches( node, sphere, nearest, find, touch ) &&
@@ -303,8 +302,8 @@ void NodeSearch::solid( const Obstacle& obstacle )
 	impl.shape->rows().visitOverlaps( SphereRows::Box::of( box.low, box.high ), [this]( int node ) { m_marks.add( node ); } );
 	if ( obstacle.shape->getShapeType() == BOX_SHAPE_PROXYTYPE )
 	{
-		const BoxTouch asked( obstacle );
-		touchMarked( obstacle, size, [&asked]( const MovingSphere& sphere, Touch& touch ) { return asked.find( sphere, touch ); } );
+		const BoxTouch boxTouch( obstacle );
+		touchMarked( obstacle, size, [&boxTouch]( const MovingSphere& sphere, Touch& touch ) { return boxTouch.find( sphere, touch ); } );
 	}
 	else
 	{
@@ -338,14 +337,14 @@ void NodeSearch::mesh( const Obstacle& obstacle )
 	call.context = &context;
 	call.call = []( void* to, btVector3* corners, int part, int index ) {
 		Context& c = *static_cast<Context*>( to );
-		Vec3d placed[3];
+		Vec3d world[3];
 		for ( int k = 0; k < 3; ++k )
 		{
-			placed[k] = c.mesh.basis * toVec3d( corners[k] ) + c.mesh.position;
+			world[k] = c.mesh.basis * toVec3d( corners[k] ) + c.mesh.position;
 		}
 		c.mesh.part = part;
 		c.mesh.index = index;
-		c.search.triangle( c.mesh, placed );
+		c.search.triangle( c.mesh, world );
 	};
 	static_cast<const btConcaveShape*>( obstacle.shape )->processAllTriangles( &call, toBt( low ), toBt( high ) );
 }
@@ -367,7 +366,7 @@ void NodeSearch::triangle( const Obstacle& mesh, const Vec3d ( &corners )[3] )
 	impl.shape->rows().visitOverlaps( SphereRows::Box::of( box.low, box.high ), [&]( int node ) {
 		Touch touch;
 		const MovingSphere sphere = spheres.of( node );
-		if ( ground.holds( sphere.centre, touch ) ||
+		if ( ground.contains( sphere.centre, touch ) ||
 			( touches( node, sphere, nearest, find, touch ) && ground.allows( sphere.centre, touch ) ) )
 		{
 			m_hits.push_back( NodeHit{ std::uint64_t( node ) << 32 | m_leaf, touch, mesh.part, mesh.index } );

@@ -1,7 +1,6 @@
 #pragma once
 
-// Finds which nodes of a soft body meet another object in this step, in an order that does not depend on trees: by node, then by the
-// part of the other object, then by distance.
+// Finds the nodes of a soft body that touch another object in this step, ordered by node, then part of the other object, then distance.
 
 #include "world/shape/node_marks.h"
 #include "world/shape/node_shape.h"
@@ -24,25 +23,25 @@ class SoftBody;
 
 struct NodeHit
 {
-	std::uint64_t key = 0; ///< ( node ) << 32 | simple shape of the other object, counted through its compounds, or its node
+	std::uint64_t key = 0; ///< ( node ) << 32 | index of the other object's simple shape, counted through its compounds, or its node
 	Touch touch;
-	int part = -1; ///< Bullet's identifiers of what was hit
+	int part = -1; ///< Bullet's identifiers of the part that was hit
 	int index = -1;
 
 	int node() const { return int( key >> 32 ); }
 	int other() const { return int( key & 0xffffffffu ); }
 };
 
-/// Keeps its scratch between calls: a warmed-up search allocates nothing.
+/// Keeps its scratch between calls: after warm-up a search allocates nothing.
 class NodeSearch
 {
 public:
-	/// How Bullet's characters meet soft bodies.
+	/// Contact of soft bodies with Bullet's characters.
 	struct Characters
 	{
 		Vec3d up = Vec3d::Zero(); ///< against gravity, of unit length; zero without gravity
-		double allowance = 0.0;   ///< m, so deep they stand in what carries them: their sweeps end there
-		double gameStep = 0.0;    ///< s, in which they push things out of themselves
+		double allowance = 0.0;   ///< m, their penetration of the ground: their sweeps stop there
+		double gameStep = 0.0;    ///< s, in which characters push objects out
 	};
 	void setCharacters( const Characters& characters ) { m_characters = characters; }
 	std::vector<NodeHit>& againstRigid( const SoftBody& soft, const btCollisionObjectWrapper& other, double step );
@@ -50,7 +49,7 @@ public:
 	std::vector<NodeHit>& againstSoft( const SoftBody& a, const SoftBody& b, double step );
 
 private:
-	/// The body's spheres, as they move against what is asked about.
+	/// The body's spheres with their motion relative to the obstacle.
 	class Spheres
 	{
 	public:
@@ -65,7 +64,7 @@ private:
 		double m_step;
 		bool m_isStill;
 		const Vec3Array& m_velocityBefore;
-		const ObstacleMotion& m_before;
+		const ObstacleMotion& m_unforcedMotion;
 	};
 
 	void visit( const Obstacle& part );
@@ -77,26 +76,26 @@ private:
 	bool touches( int node, const MovingSphere& sphere, const Nearest& nearest, const Find& find, Touch& touch ) const;
 	template <class Find>
 	void touchMarked( const Obstacle& obstacle, btScalar size, const Find& find );
-	void noteNear( int node, btScalar size ) const;
+	void noteNearby( int node, btScalar size ) const;
 	btVector3 cornerReach() const;
-	double overhang() const; ///< of its surface, m
+	double overhang() const; ///< of the contact surface, m
 	template <class Find>
 	void foresee( int node, const Find& find ) const;
 	template <class Find>
 	void foreseeIn( const btVector3& low, const btVector3& high, const Find& find );
-	void giveLeave( const SoftBody& first, const SoftBody* second );
-	void keepFlatNeighboursOut();
-	void meetCharacter();
+	void applyAllowances( const SoftBody& first, const SoftBody* second );
+	void dropFlatNeighbours();
+	void adjustForCharacter();
 	void sortHits();
 
 	Characters m_characters;
 	const SoftBody* m_soft = nullptr;
-	const ContactSurface* m_surface = nullptr; ///< null: it is met in its nodes' own spheres
+	const ContactSurface* m_surface = nullptr; ///< null: the body is met in its nodes' own spheres
 	double m_step = 0.0;
-	bool m_notesNear = false;  ///< the body refines on contact
-	bool m_looksAhead = false; ///< the body steps implicitly, and its speeds at the substep's start are known
+	bool m_refinesOnContact = false; ///< the body refines on contact
+	bool m_looksAhead = false;       ///< the body steps implicitly, and its velocities at the substep's start are known
 	ObstacleMotion m_motion;
-	ObstacleMotion m_before; ///< without the step's forces: what rests does not fall
+	ObstacleMotion m_unforcedMotion; ///< without the step's forces: a body at rest does not fall
 	std::uint32_t m_leaf = 0;
 	std::vector<NodeHit> m_hits;
 	NodeMarks m_marks;

@@ -1,4 +1,4 @@
-// What becomes of a search's hits before they are contacts: characters, new nodes, flat seams, order.
+// Corrections of a search's hits before they become contacts: characters, new nodes, flat seams, order.
 
 #include "world/search/node_search.h"
 
@@ -12,20 +12,20 @@
 
 namespace pliant {
 
-// A character takes its position by itself, whatever that presses with: pushed out of what carries it, nodes would give way, the character
-// follow, and so on down to the floor. They may stand in it as deep as it stands in them, and no force acts. Beside it nodes are pushed out
-// as fast as rigid bodies are in Bullet's world, which has one step where explicit bodies have several, and gives no velocity to what is
-// deeper than that.
-void NodeSearch::meetCharacter()
+// A character sets its own position, whatever force opposes it: if nodes were pushed out of a character they carry, they would yield, the
+// character would follow, and so on down to the floor. They may penetrate it as deep as it penetrates them, without a force. Nodes beside
+// it are pushed out at the rate of rigid bodies in Bullet's world, which takes one step where explicit bodies take several, and deeper
+// penetration adds no velocity.
+void NodeSearch::adjustForCharacter()
 {
 	for ( NodeHit& hit : m_hits )
 	{
 		const double depth = double( m_soft->impl().shape->sphereOfNode( hit.node() )->getRadius() ) - hit.touch.distance;
 		if ( hit.touch.normal.dot( m_characters.up ) < -kCarrySlope )
 		{
-			// Its sweeps end in the balls, and it may stand in the hollow between four of them.
+			// Its sweeps stop at the spheres, and it may penetrate the hollow between four of them.
 			hit.touch.distance += m_characters.allowance +
-				( hit.touch.reach < 0.0 ? 0.0 : kHollow * double( m_soft->impl().shape->sphereOfNode( hit.node() )->getRadius() ) );
+				( hit.touch.reach < 0.0 ? 0.0 : kHollowDepth * double( m_soft->impl().shape->sphereOfNode( hit.node() )->getRadius() ) );
 		}
 		else if ( depth > 0.0 )
 		{
@@ -35,8 +35,8 @@ void NodeSearch::meetCharacter()
 	}
 }
 
-// New nodes that stand in what they touch touch it just so.
-void NodeSearch::giveLeave( const SoftBody& first, const SoftBody* second )
+// Contacts of new nodes within their allowance count as just touching.
+void NodeSearch::applyAllowances( const SoftBody& first, const SoftBody* second )
 {
 	PenetrationAllowance &own = first.impl().born, &others = second ? second->impl().born : own;
 	if ( !own.isAny() && !others.isAny() )
@@ -48,8 +48,8 @@ void NodeSearch::giveLeave( const SoftBody& first, const SoftBody* second )
 		const double depth = double( first.impl().shape->sphereOfNode( hit.node() )->getRadius() ) - hit.touch.distance;
 		if ( depth > 0.0 )
 		{
-			const double leave = own.leave( hit.node(), depth );
-			hit.touch.distance += second ? std::max( leave, others.leave( hit.other(), depth ) ) : leave;
+			const double allowed = own.allowedDepth( hit.node(), depth );
+			hit.touch.distance += second ? std::max( allowed, others.allowedDepth( hit.other(), depth ) ) : allowed;
 		}
 	}
 }
@@ -65,9 +65,9 @@ void NodeSearch::sortHits()
 	}
 }
 
-// A sphere on a flat mesh is nearest to one triangle's face and to its neighbours' edges. An edge that does not stand out of the plane
-// of a nearer touch is no obstacle of its own: left in, it would trip the node at every seam.
-void NodeSearch::keepFlatNeighboursOut()
+// A sphere on a flat mesh is nearest to one triangle's face and to its neighbours' edges. An edge that does not protrude from the plane of
+// a nearer touch is no obstacle of its own; it would trip the node at every seam.
+void NodeSearch::dropFlatNeighbours()
 {
 	const SoftBody::Impl& impl = m_soft->impl();
 	std::size_t kept = 0, groupStart = 0;

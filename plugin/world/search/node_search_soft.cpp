@@ -1,4 +1,4 @@
-// Soft against soft: by the rows of both.
+// Search for contacts between two soft bodies, by the rows of both.
 
 #include "world/bodies/soft_body_impl.h"
 #include "world/constants.h"
@@ -17,7 +17,7 @@ std::vector<FreshPair>::iterator findFresh( std::vector<FreshPair>& fresh, unsig
 	return found != fresh.end() && found->other == other ? found : fresh.end();
 }
 
-/// How deep the spheres of two bodies may overlap that came apart from each other; 0 for all others.
+/// Allowed overlap of the spheres of two bodies that came from one; 0 for all others.
 double slackOf( const SoftBody::Impl& a, const SoftBody::Impl& b )
 {
 	const auto pair = findFresh( a.fresh, b.serial );
@@ -32,12 +32,12 @@ void setSlack( const SoftBody::Impl& of, unsigned other, double slack )
 		pair->slack = slack;
 		if ( slack == 0.0 )
 		{
-			of.fresh.erase( pair ); // they have parted
+			of.fresh.erase( pair ); // they have separated
 		}
 	}
 }
 
-/// They go apart: no deeper than they are now may they be any more.
+/// Limits the overlap to its present value while the bodies separate.
 void shrinkSlack( const SoftBody::Impl& a, const SoftBody::Impl& b, double slack, double deepest )
 {
 	if ( slack > 0.0 )
@@ -47,29 +47,30 @@ void shrinkSlack( const SoftBody::Impl& a, const SoftBody::Impl& b, double slack
 	}
 }
 
-/// Further apart than their spheres, with the margin that a contact is made ahead in, and what they move against each other, `way`, m.
-/// Bodies sweep what their fastest nodes do: of the pairs that those might bring together most are so, and this is sooner said than where
-/// they would touch. `margin`: how much further their spheres may reach than the nodes' own.
-bool staysApart( const SphereRows::Meeting& meeting, const Vec3& way, float margin )
+/// Whether two spheres are farther apart than their reaches, the contact margin and their relative displacement, m. Candidate pairs come
+/// from the sweeps of the bodies' fastest nodes, so that most of them are rejected here at less cost than by a contact test. `margin`: how
+/// much farther than the nodes' own spheres the contact spheres may reach.
+bool staysApart( const SphereRows::NearSpheres& pair, const Vec3& displacement, float margin )
 {
-	const float farthest = meeting.reach + margin + way.norm();
-	return meeting.square > farthest * farthest;
+	const float farthest = pair.reach + margin + displacement.norm();
+	return pair.squaredDistance > farthest * farthest;
 }
 
-/// Leaves those that do not stay apart.
-void keepComing( std::vector<SphereRows::Meeting>& meetings, const NodeState& nodesA, const NodeState& nodesB, double step, float margin )
+/// Keeps the pairs that may touch.
+void dropSeparate(
+	std::vector<SphereRows::NearSpheres>& pairs, const NodeState& nodesA, const NodeState& nodesB, double step, float margin )
 {
 	std::size_t kept = 0;
-	for ( const SphereRows::Meeting& meeting : meetings )
+	for ( const SphereRows::NearSpheres& pair : pairs )
 	{
-		meetings[kept] = meeting;
-		const Vec3 way = float( step ) * ( nodesA.v.get( meeting.nodeA ) - nodesB.v.get( meeting.nodeB ) );
-		kept += staysApart( meeting, way, margin ) ? 0 : 1;
+		pairs[kept] = pair;
+		const Vec3 displacement = float( step ) * ( nodesA.v.get( pair.nodeA ) - nodesB.v.get( pair.nodeB ) );
+		kept += staysApart( pair, displacement, margin ) ? 0 : 1;
 	}
-	meetings.resize( kept );
+	pairs.resize( kept );
 }
 
-/// A node of the second body: where it is in the first one's coordinates, m, and its own sphere.
+/// A node of the second body: position in the first body's coordinates, m, and radius of its own sphere.
 struct Ball
 {
 	Vec3d at;
@@ -77,7 +78,7 @@ struct Ball
 	int node;
 };
 
-/// Touches of two bodies' patches with each other, and of a patch with a node's own sphere.
+/// Contacts of two bodies' patches with each other, and of a patch with a node's own sphere.
 class PatchPairs
 {
 public:
@@ -85,7 +86,7 @@ public:
 		m_nodesA( a.impl().body->nodes() ), m_nodesB( b.impl().body->nodes() ), m_a( a.impl() ), m_b( b.impl() ),
 		m_cell( std::max( double( a.bodyTemplate().cellSize() ), double( b.bodyTemplate().cellSize() ) ) )
 	{}
-	/// How much further apart than their own spheres touch two nodes may be whose patches do, m.
+	/// Largest gap between the own spheres of two nodes whose patches touch, m.
 	btScalar margin() const { return btScalar( kPatchPairMargin * m_cell + m_a.surfaceNow().overhang() + m_b.surfaceNow().overhang() ); }
 
 	PatchAnswer find( const MovingSphere& sphere, int nodeA, const Ball& ball, Touch& touch ) const
@@ -105,22 +106,22 @@ public:
 		{
 			return PatchAnswer::UseSphere;
 		}
-		// The other way round: the first one's sphere as the second one's patch sees it.
+		// Reversed: the first node's sphere against the second node's patch.
 		MovingSphere second;
 		second.centre = ball.at;
-		second.way = -sphere.way;
+		second.displacement = -sphere.displacement;
 		second.radius = ball.radius;
 		second.shape = sphere.shape;
 		const PatchAnswer answer = findOn( m_b, other, second, sphere.centre, sphere.radius, touch );
 		if ( answer == PatchAnswer::Touches )
 		{
-			touch = turned( touch, second, sphere );
+			touch = fromSecond( touch, second, sphere );
 		}
 		return answer;
 	}
 
 private:
-	/// Of a patch with a ball around `at`.
+	/// Tests a patch against a sphere around `at`.
 	static PatchAnswer findOn( const SoftBody::Impl& body, const ContactSurface::Patch& patch, const MovingSphere& own, const Vec3d& at,
 		double radius, Touch& touch )
 	{
@@ -129,8 +130,8 @@ private:
 			[&]( const MovingSphere& now, Touch& found ) { return findNearest( radius, at, now, found ); },
 			[&]( const MovingSphere& now, Touch& found ) { return findBallTouch( radius, at, now, found ); }, touch );
 	}
-	/// A touch of the second body's as one of the first's, at the point half-way between the two surfaces.
-	static Touch turned( const Touch& touch, const MovingSphere& second, const MovingSphere& first )
+	/// Converts a touch of the second body to one of the first, at the point half-way between the two surfaces.
+	static Touch fromSecond( const Touch& touch, const MovingSphere& second, const MovingSphere& first )
 	{
 		const double gap = touch.distance - second.radius;
 		const Vec3d at = second.centre + touch.otherPoint( second.radius ) - first.centre;
@@ -141,9 +142,9 @@ private:
 		back.aside = at + back.reach * back.normal;
 		return back;
 	}
-	/// Two patches. Of a node and all that it faces those answer that are in front of it: no point of a grid is further than .71 of its
-	/// step from all of its points. Flat faces meet along the mean of their normals, each node on its own line: as the large spheres that
-	/// they are they would roll on one another.
+	/// Tests two patches. Only nodes that face each other are paired: no point of a grid is farther than .71 of its step from the nearest
+	/// grid point. Flat faces meet along the mean of their normals, each node on its own line; as the large spheres that represent them
+	/// they would roll on each other.
 	PatchAnswer findBoth( const ContactSurface::Patch& one, const ContactSurface::Patch& other, const MovingSphere& sphere,
 		const Ball& ball, Touch& touch ) const
 	{
@@ -179,7 +180,7 @@ private:
 		{
 			return PatchAnswer::Clear;
 		}
-		// Half-way between where the two would touch by themselves: a flat one touches wherever the other does.
+		// Half-way between the points where each would touch by itself; a flat patch touches wherever the other does.
 		const Vec3d middle = between - gap * touch.normal;
 		touch.reach = -at.dot( touch.normal );
 		touch.aside = isFlat == isOtherFlat ? Vec3d( aside - 0.5 * middle ) : isFlat ? Vec3d( aside - middle ) : aside;
@@ -196,8 +197,8 @@ private:
 	double m_cell;
 };
 
-/// Both nodes' spheres become the round ones of their faces.
-void roundOff( const SoftBody& a, int nodeA, MovingSphere& sphere, const SoftBody& b, int nodeB, Vec3d& at, double& radius )
+/// Replaces both nodes' spheres by the round spheres of their faces.
+void makeRound( const SoftBody& a, int nodeA, MovingSphere& sphere, const SoftBody& b, int nodeB, Vec3d& at, double& radius )
 {
 	const RoundSphere one = roundSphere( a, nodeA, at - sphere.centre ), other = roundSphere( b, nodeB, sphere.centre - at );
 	sphere.centre += one.inwards;
@@ -219,41 +220,41 @@ std::vector<NodeHit>& NodeSearch::againstSoft( const SoftBody& a, const SoftBody
 	m_step = step;
 	m_hits.clear();
 	const double slack = slackOf( implA, implB );
-	// What came apart has faces that fit into each other cell by cell.
+	// Fragments have faces that fit into each other cell by cell.
 	const bool hasPatches = slack == 0.0 && implA.isImplicit && implB.isImplicit && ( implA.isMetAsDrawn() || implB.isMetAsDrawn() );
-	const PatchPairs patches( a, b ); // asked only where there are any
-	const bool isRound = slack == 0.0 && meetRound( a, b );
+	const PatchPairs patches( a, b ); // used only where there are patches
+	const bool isRound = slack == 0.0 && useRoundSpheres( a, b );
 	double deepest = 0.0;
-	const Vec3d fromAToB = nodesA.origin - nodesB.origin; // adds to a position of A's to make it one of B's
+	const Vec3d fromAToB = nodesA.origin - nodesB.origin; // added to a position in A's coordinates gives one in B's
 	const btVector3 shapesApart = toBt( fromAToB + ( implA.shapeShift - implB.shapeShift ).cast<double>() );
 	const btScalar margin = hasPatches ? patches.margin()
 		: isRound                      ? kRoundMargin * ( shapeA.largestRadius() + shapeB.largestRadius() )
 									   : btScalar( 0 );
 	const btVector3 around( margin, margin, margin );
-	const float farther = float( around.length() ); // as findPairs takes it: cells that are stretched have more margin
+	const float farther = float( around.length() ); // as findPairs computes it: stretched cells have more margin
 	const btVector3 low = shapeA.sweepLow() - shapeB.sweepHigh() - around, high = shapeA.sweepHigh() - shapeB.sweepLow() + around;
 	SphereRows::findPairs( shapeA.rows(), shapeB.rows(), SphereRows::Approach{ shapesApart, low, high }, m_pairs );
-	keepComing( m_pairs.found, nodesA, nodesB, step, farther );
-	for ( const SphereRows::Meeting& meeting : m_pairs.found )
+	dropSeparate( m_pairs.found, nodesA, nodesB, step, farther );
+	for ( const SphereRows::NearSpheres& pair : m_pairs.found )
 	{
-		const int nodeA = meeting.nodeA, nodeB = meeting.nodeB;
-		const Vec3 speedA = nodesA.v.get( nodeA ), speedB = nodesB.v.get( nodeB );
+		const int nodeA = pair.nodeA, nodeB = pair.nodeB;
+		const Vec3 velocityA = nodesA.v.get( nodeA ), velocityB = nodesB.v.get( nodeB );
 		MovingSphere sphere;
 		sphere.radius = double( shapeA.sphereOfNode( nodeA )->getRadius() );
 		sphere.centre = nodesA.x.get( nodeA ).cast<double>();
-		sphere.way = step * speedA.cast<double>() - step * speedB.cast<double>();
+		sphere.displacement = step * velocityA.cast<double>() - step * velocityB.cast<double>();
 		Vec3d at = nodesB.x.get( nodeB ).cast<double>() - fromAToB;
 		double radius = double( shapeB.sphereOfNode( nodeB )->getRadius() );
 		const double own = sphere.radius;
 		if ( isRound )
 		{
-			roundOff( a, nodeA, sphere, b, nodeB, at, radius );
+			makeRound( a, nodeA, sphere, b, nodeB, at, radius );
 		}
 		Touch touch;
 		const PatchAnswer answer = hasPatches ? patches.find( sphere, nodeA, Ball{ at, radius, nodeB }, touch ) : PatchAnswer::UseSphere;
 		if ( answer == PatchAnswer::Touches || ( answer == PatchAnswer::UseSphere && findBallTouch( radius, at, sphere, touch ) ) )
 		{
-			touch.distance -= sphere.radius - own; // of the node's own sphere that would be as near
+			touch.distance -= sphere.radius - own; // distance of the node's own sphere at the same gap
 			sphere.radius = own;
 			deepest = std::max( deepest, sphere.radius - touch.distance );
 			touch.distance += slack;
@@ -265,7 +266,7 @@ std::vector<NodeHit>& NodeSearch::againstSoft( const SoftBody& a, const SoftBody
 		}
 	}
 	shrinkSlack( implA, implB, slack, deepest );
-	giveLeave( a, &b );
+	applyAllowances( a, &b );
 	sortHits();
 	return m_hits;
 }

@@ -8,23 +8,22 @@ namespace pliant {
 
 namespace {
 
-/// Spheres up to this much larger than the smallest of a grid go into it: those of cells that are not full with those that are, and two
-/// levels of an octree at most.
-constexpr float kOneSize = 2.6f;
+/// Ratio of radii within one size class: partly filled cells share a grid with full ones, which spans at most two levels of an octree.
+constexpr float kSizeRatio = 2.6f;
 
-/// No more cells than this many a sphere: a body that is long and thin, or has flown apart, gets larger ones.
+/// Largest number of cells per sphere: a long thin or scattered body gets larger cells.
 constexpr double kMostCells = 8.0;
 
-/// Spheres that are asked at once; and where those are that fill up the last of them, m: near none, and its square is still a number.
+/// Spheres tested at once; and the coordinate of padding, m: far from all spheres, with a finite square.
 constexpr std::size_t kWide = 8;
-constexpr float kNowhere = 1e18f;
+constexpr float kFarAway = 1e18f;
 
-/// A cell's own box, by which it asks other grids, is right to a few roundings of where its spheres are; this share of its edge is more.
+/// Slack of a cell's box in searches of other grids, as a fraction of its edge: more than the rounding error of positions.
 constexpr float kBoxSlack = 1e-3f;
 
-constexpr std::uint32_t kNobody = std::numeric_limits<std::uint32_t>::max();
+constexpr std::uint32_t kNoOwner = std::numeric_limits<std::uint32_t>::max();
 
-/// Cells of a grid along each axis.
+/// Number of cells of a grid along each axis.
 Vec3 countOf( const Vec3& low, const Vec3& high, float edge )
 {
 	const Vec3 span = ( high - low ) / edge;
@@ -33,7 +32,7 @@ Vec3 countOf( const Vec3& low, const Vec3& high, float edge )
 
 } // namespace
 
-void ClosePairs::Lot::resize( std::size_t count )
+void ClosePairs::SphereList::resize( std::size_t count )
 {
 	for ( std::vector<float>* const each : { &x, &y, &z, &radius } )
 	{
@@ -42,16 +41,16 @@ void ClosePairs::Lot::resize( std::size_t count )
 	number.resize( count );
 }
 
-void ClosePairs::Lot::set( std::size_t at, const Sphere& sphere )
+void ClosePairs::SphereList::set( std::size_t at, const Sphere& sphere )
 {
-	x[at] = sphere.place.x();
-	y[at] = sphere.place.y();
-	z[at] = sphere.place.z();
+	x[at] = sphere.position.x();
+	y[at] = sphere.position.y();
+	z[at] = sphere.position.z();
 	radius[at] = sphere.radius;
 	number[at] = sphere.number;
 }
 
-void ClosePairs::Lot::copy( const Lot& from, std::size_t first, std::size_t last, std::size_t to )
+void ClosePairs::SphereList::copy( const SphereList& from, std::size_t first, std::size_t last, std::size_t to )
 {
 	for ( std::size_t i = first; i < last; ++i, ++to )
 	{
@@ -63,10 +62,10 @@ void ClosePairs::Lot::copy( const Lot& from, std::size_t first, std::size_t last
 	}
 }
 
-Eigen::Vector3i ClosePairs::Grid::cellAt( const Vec3& place ) const
+Eigen::Vector3i ClosePairs::Grid::cellAt( const Vec3& position ) const
 {
-	const Vec3 at = ( place - low ) * perMetre;
-	// One is added before what lies behind the point is cut off, for that rounds towards zero.
+	const Vec3 at = ( position - low ) * perMetre;
+	// One is added before the fraction is truncated, since truncation rounds towards zero.
 	const auto along = [this, &at]( int axis ) { return int( std::clamp( at[axis] + 1.0f, 0.0f, float( count[axis] + 1 ) ) ) - 1; };
 	return Eigen::Vector3i( along( 0 ), along( 1 ), along( 2 ) );
 }
@@ -75,40 +74,40 @@ void ClosePairs::begin( std::size_t count, float slop, float margin, const Held*
 {
 	m_slop = slop;
 	m_margin = margin;
-	m_owner.assign( held ? held->start.size() - 1 : 0, kNobody );
-	m_aside.resize( count + kWide );
+	m_owner.assign( held ? held->start.size() - 1 : 0, kNoOwner );
+	m_gathered.resize( count + kWide );
 	m_near.resize( count + kWide );
 }
 
-void ClosePairs::findOf( const std::vector<Sphere>& spheres, const std::vector<std::uint8_t>& isOf, float slop, float margin,
+void ClosePairs::findOf( const std::vector<Sphere>& spheres, const std::vector<std::uint8_t>& isSelected, float slop, float margin,
 	const Held* held, std::vector<std::uint64_t>& pairs )
 {
 	begin( spheres.size(), slop, margin, held );
 	m_grid.clear();
-	m_asideCount = spheres.size();
+	m_gatheredCount = spheres.size();
 	for ( std::size_t i = 0; i < spheres.size(); ++i )
 	{
-		m_aside.set( i, spheres[i] );
+		m_gathered.set( i, spheres[i] );
 	}
-	std::fill_n( m_aside.x.begin() + std::ptrdiff_t( m_asideCount ), kWide, kNowhere );
+	std::fill_n( m_gathered.x.begin() + std::ptrdiff_t( m_gatheredCount ), kWide, kFarAway );
 	for ( const Sphere& sphere : spheres )
 	{
-		if ( isOf[sphere.number] == 0 )
+		if ( isSelected[sphere.number] == 0 )
 		{
 			continue;
 		}
-		ask( sphere.place, sphere.radius, 0 );
+		findNear( sphere.position, sphere.radius, 0 );
 		std::size_t kept = 0;
 		for ( std::size_t k = 0; k < m_nearCount; ++k )
 		{
 			const std::uint32_t other = m_near[k];
 			m_near[kept] = other;
-			kept += other != sphere.number && ( isOf[other] == 0 || other > sphere.number )
+			kept += other != sphere.number && ( isSelected[other] == 0 || other > sphere.number )
 				? 1
-				: 0; // of two that ask, the lower one has found it
+				: 0; // of two selected spheres the lower one has found the pair
 		}
 		m_nearCount = kept;
-		keepFree( sphere.number, held, pairs );
+		appendFree( sphere.number, held, pairs );
 	}
 }
 
@@ -139,7 +138,7 @@ void ClosePairs::find( const std::vector<Sphere>& spheres, float slop, float mar
 			{
 				for ( cell.x() = 0; cell.x() < grid.count.x(); ++cell.x() )
 				{
-					askCell( grid, cell, held, pairs );
+					searchCell( grid, cell, held, pairs );
 				}
 			}
 		}
@@ -153,7 +152,7 @@ void ClosePairs::sortSizes( const std::vector<Sphere>& spheres )
 	m_size.clear();
 	for ( float most = smallest->radius; m_size.empty() || m_size.back() < largest->radius; )
 	{
-		most *= kOneSize;
+		most *= kSizeRatio;
 		m_size.push_back( most );
 	}
 	m_ofSize.resize( std::max( m_ofSize.size(), m_size.size() ) );
@@ -172,20 +171,20 @@ void ClosePairs::sortSizes( const std::vector<Sphere>& spheres )
 	}
 }
 
-/// Puts the spheres of one size into the order of their cells.
+/// Sorts the spheres of one size into the order of their cells.
 void ClosePairs::makeGrid( const std::vector<Sphere>& spheres, const std::vector<std::uint32_t>& which )
 {
 	Grid grid;
 	grid.first = m_grid.empty() ? 0 : m_grid.back().last;
 	grid.last = grid.first + which.size();
 	grid.largest = 0.0f;
-	grid.low = spheres[which[0]].place;
+	grid.low = spheres[which[0]].position;
 	Vec3 high = grid.low;
 	for ( const std::uint32_t i : which )
 	{
 		grid.largest = std::max( grid.largest, spheres[i].radius );
-		grid.low = grid.low.cwiseMin( spheres[i].place );
-		high = high.cwiseMax( spheres[i].place );
+		grid.low = grid.low.cwiseMin( spheres[i].position );
+		high = high.cwiseMax( spheres[i].position );
 	}
 	grid.edge = 2.0f * grid.largest * ( 1.0f + m_slop ) + m_margin;
 	Vec3 cells = countOf( grid.low, high, grid.edge );
@@ -203,7 +202,7 @@ void ClosePairs::makeGrid( const std::vector<Sphere>& spheres, const std::vector
 	m_cell.clear();
 	for ( const std::uint32_t i : which )
 	{
-		const Eigen::Vector3i at = grid.cellAt( spheres[i].place ).cwiseMin( grid.count - Eigen::Vector3i::Ones() );
+		const Eigen::Vector3i at = grid.cellAt( spheres[i].position ).cwiseMin( grid.count - Eigen::Vector3i::Ones() );
 		m_cell.push_back( std::uint32_t( ( at.z() * grid.count.y() + at.y() ) * grid.count.x() + at.x() ) );
 		++start[m_cell.back() + 1];
 	}
@@ -220,8 +219,8 @@ void ClosePairs::makeGrid( const std::vector<Sphere>& spheres, const std::vector
 	m_grid.push_back( grid );
 }
 
-/// Of its own grid a cell asks those behind it alone.
-void ClosePairs::askCell( const Grid& own, const Eigen::Vector3i& cell, const Held* held, std::vector<std::uint64_t>& pairs )
+/// In its own grid a cell pairs only with spheres after it.
+void ClosePairs::searchCell( const Grid& own, const Eigen::Vector3i& cell, const Held* held, std::vector<std::uint64_t>& pairs )
 {
 	const std::uint32_t* const at = m_start.data() + own.cells + ( cell.z() * own.count.y() + cell.y() ) * own.count.x() + cell.x();
 	const std::size_t first = at[0], last = at[1];
@@ -238,21 +237,21 @@ void ClosePairs::askCell( const Grid& own, const Eigen::Vector3i& cell, const He
 			break;
 		}
 		const float reach = ( own.largest + grid.largest ) * ( 1.0f + m_slop ) + m_margin + kBoxSlack * own.edge;
-		layAside( grid, isOwn ? Eigen::Vector3i( cell - Eigen::Vector3i::Ones() ) : grid.cellAt( low - Vec3::Constant( reach ) ),
+		gatherCells( grid, isOwn ? Eigen::Vector3i( cell - Eigen::Vector3i::Ones() ) : grid.cellAt( low - Vec3::Constant( reach ) ),
 			isOwn ? Eigen::Vector3i( cell + Eigen::Vector3i::Ones() ) : grid.cellAt( low + Vec3::Constant( own.edge + reach ) ),
 			isOwn ? first : grid.first );
-		for ( std::size_t k = first; k < last && m_asideCount > 0; ++k )
+		for ( std::size_t k = first; k < last && m_gatheredCount > 0; ++k )
 		{
-			ask( Vec3( m_sorted.x[k], m_sorted.y[k], m_sorted.z[k] ), m_sorted.radius[k], isOwn ? k - first + 1 : 0 );
-			keepFree( m_sorted.number[k], held, pairs );
+			findNear( Vec3( m_sorted.x[k], m_sorted.y[k], m_sorted.z[k] ), m_sorted.radius[k], isOwn ? k - first + 1 : 0 );
+			appendFree( m_sorted.number[k], held, pairs );
 		}
 	}
 }
 
-/// Cells side by side along x lie one after the other: a row of them is one stretch of spheres. None before `from`.
-void ClosePairs::layAside( const Grid& grid, const Eigen::Vector3i& least, const Eigen::Vector3i& most, std::size_t from )
+/// Cells adjacent along x are contiguous: a row of them is one range of spheres. Omits spheres before `from`.
+void ClosePairs::gatherCells( const Grid& grid, const Eigen::Vector3i& least, const Eigen::Vector3i& most, std::size_t from )
 {
-	m_asideCount = 0;
+	m_gatheredCount = 0;
 	const Eigen::Vector3i low = least.cwiseMax( 0 ), high = most.cwiseMin( grid.count - Eigen::Vector3i::Ones() );
 	for ( int z = low.z(); z <= high.z() && low.x() <= high.x(); ++z )
 	{
@@ -262,26 +261,27 @@ void ClosePairs::layAside( const Grid& grid, const Eigen::Vector3i& least, const
 			const std::size_t first = std::max( from, std::size_t( row[low.x()] ) ), last = row[high.x() + 1];
 			if ( first < last )
 			{
-				m_aside.copy( m_sorted, first, last, m_asideCount );
-				m_asideCount += last - first;
+				m_gathered.copy( m_sorted, first, last, m_gatheredCount );
+				m_gatheredCount += last - first;
 			}
 		}
 	}
-	std::fill_n( m_aside.x.begin() + std::ptrdiff_t( m_asideCount ), kWide, kNowhere );
+	std::fill_n( m_gathered.x.begin() + std::ptrdiff_t( m_gatheredCount ), kWide, kFarAway );
 }
 
-/// What lies aside, from the `from`-th on, and is near goes into m_near:   | x_i - x |^2 <= ( ( r_i + r ) ( 1 + slop ) + margin )^2
-void ClosePairs::ask( const Vec3& place, float radius, std::size_t from )
+/// Collects in m_near the gathered spheres, from the `from`-th on, with   | x_i - x |^2 <= ( ( r_i + r ) ( 1 + slop ) + margin )^2
+void ClosePairs::findNear( const Vec3& position, float radius, std::size_t from )
 {
 	using Lanes = Eigen::Array<float, int( kWide ), 1>;
 	const auto lanes = []( const std::vector<float>& of, std::size_t at ) { return Eigen::Map<const Lanes>( of.data() + at ); };
-	const bool isRare = m_grid.empty(); // with no grid all are asked: of most eight nothing is near, and that is guessed right
+	const bool isRare = m_grid.empty(); // without a grid all spheres are tested: most groups of eight have no hit, which is predicted well
 	std::size_t count = 0;
 	std::uint32_t* const near = m_near.data();
-	for ( std::size_t i = from; i < m_asideCount; i += kWide )
+	for ( std::size_t i = from; i < m_gatheredCount; i += kWide )
 	{
-		const Lanes dx = lanes( m_aside.x, i ) - place.x(), dy = lanes( m_aside.y, i ) - place.y(), dz = lanes( m_aside.z, i ) - place.z();
-		const Lanes far = ( lanes( m_aside.radius, i ) + radius ) * ( 1.0f + m_slop ) + m_margin;
+		const Lanes dx = lanes( m_gathered.x, i ) - position.x(), dy = lanes( m_gathered.y, i ) - position.y(),
+					dz = lanes( m_gathered.z, i ) - position.z();
+		const Lanes far = ( lanes( m_gathered.radius, i ) + radius ) * ( 1.0f + m_slop ) + m_margin;
 		const Lanes excess = dx * dx + dy * dy + dz * dz - far * far;
 		if ( isRare && excess.minCoeff() > 0.0f )
 		{
@@ -289,15 +289,15 @@ void ClosePairs::ask( const Vec3& place, float radius, std::size_t from )
 		}
 		for ( std::size_t lane = 0; lane < kWide; ++lane )
 		{
-			near[count] = m_aside.number[i + lane];
+			near[count] = m_gathered.number[i + lane];
 			count += excess[std::ptrdiff_t( lane )] <= 0.0f ? 1 : 0;
 		}
 	}
 	m_nearCount = count;
 }
 
-/// Of those near `a`, the ones linked neither to it nor to a third that is. Links go both ways: a third stands in both rows.
-void ClosePairs::keepFree( std::uint32_t a, const Held* held, std::vector<std::uint64_t>& pairs )
+/// Appends the spheres near `a` that are linked neither to it nor to a common third. Links are symmetric, so that a third is in both rows.
+void ClosePairs::appendFree( std::uint32_t a, const Held* held, std::vector<std::uint64_t>& pairs )
 {
 	if ( held && m_nearCount > 0 )
 	{

@@ -12,13 +12,13 @@ namespace pliant {
 
 namespace {
 
-/// Where more nodes than this ask, all do, by a grid: that takes about as long as for so many to ask everybody, however large the body.
-constexpr std::size_t kFewAsking = 300;
+/// Above this number of outdated nodes a grid search for all nodes is as fast as their single searches, for bodies of any size.
+constexpr std::size_t kFewOutdated = 300;
 
 constexpr float kNoSphere = -1.0f;
 
-/// A little less than 1, for rounding.
-constexpr float kUnder = 0.999f;
+/// Slightly less than 1, against rounding error.
+constexpr float kRoundingFactor = 0.999f;
 
 } // namespace
 
@@ -28,7 +28,7 @@ float NearPairs::radiusOf( int node ) const
 	return shape.childOfNode( node ) >= 0 ? float( shape.sphereOfNode( node )->getRadius() ) : kNoSphere;
 }
 
-// Several changes may come before the next step: what was known keeps its numbers until then.
+// Several changes may precede the next step: the stored rows keep their numbers until then.
 void NearPairs::renumber( const std::vector<std::uint32_t>& nodeNow )
 {
 	m_isRelinked = true;
@@ -36,41 +36,41 @@ void NearPairs::renumber( const std::vector<std::uint32_t>& nodeNow )
 	{
 		return;
 	}
-	if ( !m_hasNumbers )
+	if ( !m_isRenumbered )
 	{
-		m_now.resize( m_then.size() );
-		std::iota( m_now.begin(), m_now.end(), 0u );
-		m_hasNumbers = true;
+		m_newNumber.resize( m_records.size() );
+		std::iota( m_newNumber.begin(), m_newNumber.end(), 0u );
+		m_isRenumbered = true;
 	}
-	for ( std::uint32_t& now : m_now )
+	for ( std::uint32_t& now : m_newNumber )
 	{
-		now = now < nodeNow.size() ? nodeNow[now] : kNoNode; // which is no number
+		now = now < nodeNow.size() ? nodeNow[now] : kNoNode; // not an index
 	}
 }
 
-/// Nodes and pairs take the numbers they have now; rows stay as they were, with `m_before` and `m_now` between the two.
-void NearPairs::takeNumbers()
+/// Converts records and pairs to the present numbers; rows are unchanged, with m_oldNumber and m_newNumber mapping between the two.
+void NearPairs::applyNumbers()
 {
 	std::uint32_t count = 0;
-	for ( const std::uint32_t now : m_now )
+	for ( const std::uint32_t now : m_newNumber )
 	{
 		count = now == kNoNode ? count : std::max( count, now + 1 );
 	}
-	m_before.assign( count, kNoNode );
-	std::vector<Then> then( count, Then{ Vec3::Zero(), kNoSphere } );
-	for ( std::uint32_t i = 0; i < std::uint32_t( m_now.size() ); ++i )
+	m_oldNumber.assign( count, kNoNode );
+	std::vector<Record> records( count, Record{ Vec3::Zero(), kNoSphere } );
+	for ( std::uint32_t i = 0; i < std::uint32_t( m_newNumber.size() ); ++i )
 	{
-		if ( m_now[i] != kNoNode )
+		if ( m_newNumber[i] != kNoNode )
 		{
-			then[m_now[i]] = m_then[i];
-			m_before[m_now[i]] = i;
+			records[m_newNumber[i]] = m_records[i];
+			m_oldNumber[m_newNumber[i]] = i;
 		}
 	}
-	m_then.swap( then );
+	m_records.swap( records );
 	std::size_t kept = 0;
 	for ( const std::uint64_t pair : m_pairs )
 	{
-		const std::uint32_t a = m_now[pair >> 32], b = m_now[pair & 0xffffffffu];
+		const std::uint32_t a = m_newNumber[pair >> 32], b = m_newNumber[pair & 0xffffffffu];
 		if ( a != kNoNode && b != kNoNode )
 		{
 			m_pairs[kept++] = std::uint64_t( std::min( a, b ) ) << 32 | std::max( a, b );
@@ -90,73 +90,72 @@ const std::vector<std::uint64_t>& NearPairs::of( const SoftBody& soft, double st
 	m_rowStart = levels ? &levels->matrix().start : &body.lattice().linkStart;
 	m_rowTo = levels ? &levels->matrix().member : &body.lattice().linkTo;
 	const double margin = kNearMargin * double( soft.impl().shape->largestRadius() );
-	if ( m_hasNumbers )
+	if ( m_isRenumbered )
 	{
-		takeNumbers();
+		applyNumbers();
 	}
-	if ( margin != m_margin || int( m_then.size() ) > nodes.count )
+	if ( margin != m_margin || int( m_records.size() ) > nodes.count )
 	{
-		m_then.clear();
+		m_records.clear();
 		m_pairs.clear();
 		m_margin = margin;
 		m_isRelinked = true;
 	}
-	if ( m_isRelinked || int( m_then.size() ) != nodes.count )
+	if ( m_isRelinked || int( m_records.size() ) != nodes.count )
 	{
 		follow( nodes );
 	}
-	measureDrift( nodes );
-	findAsking( nodes );
-	if ( !m_asking.empty() )
+	measureMeanMotion( nodes );
+	findOutdated( nodes );
+	if ( !m_outdated.empty() )
 	{
-		ask( nodes );
+		update( nodes );
 	}
 	return m_pairs;
 }
 
-/// How far all have come since they asked, in the mean of those that have, and how fast they are. Not the mean of their places: with nodes
-/// that come and go it would jump.
-void NearPairs::measureDrift( const NodeState& nodes )
+/// Mean displacement since the nodes' last searches, and mean velocity. With nodes that come and go a mean position would jump.
+void NearPairs::measureMeanMotion( const NodeState& nodes )
 {
-	Vec3 way = Vec3::Zero(), speed = Vec3::Zero();
+	Vec3 displacement = Vec3::Zero(), velocity = Vec3::Zero();
 	int known = 0;
 	for ( int i = 0; i < nodes.count; ++i )
 	{
-		if ( const Then& then = m_then[std::size_t( i )]; then.radius >= 0.0f )
+		if ( const Record& record = m_records[std::size_t( i )]; record.radius >= 0.0f )
 		{
-			way += nodes.x.get( i ) - then.place;
+			displacement += nodes.x.get( i ) - record.position;
 			++known;
 		}
-		speed += nodes.v.get( i );
+		velocity += nodes.v.get( i );
 	}
-	m_way = known > 0 ? Vec3( way / float( known ) ) : Vec3( Vec3::Zero() );
-	m_drift = speed / float( nodes.count );
+	m_meanDisplacement = known > 0 ? Vec3( displacement / float( known ) ) : Vec3( Vec3::Zero() );
+	m_meanVelocity = velocity / float( nodes.count );
 }
 
-// A pair further apart then than its radii and the margin has not met as long as
+// A pair that was farther apart at its last search than its radii and the margin m cannot have met as long as
 //   2 max | x - x_then | + min( m / 2, 2 h max | v - v_mean | ) <= m
-// places as if all had stayed where they were in the mean: what flies along with all others does not move. The second term is what they
-// come closer in this step; of what is faster than half a margin a step only that much is seen before. Each node is asked for its share:
-// where it holds for both of a pair, half of each sum is each one's.
-void NearPairs::findAsking( const NodeState& nodes )
+// with positions relative to the mean motion: a body in flight does not count as moving. The second term is the approach within this step,
+// of which at most half a margin is taken into account. The condition is tested per node: where both nodes of a pair satisfy it, each
+// accounts for half of each sum.
+void NearPairs::findOutdated( const NodeState& nodes )
 {
-	m_asking.clear();
-	m_isAsking.assign( std::size_t( nodes.count ), 0 );
-	const float farEnough = float( m_margin * m_margin / 16.0 ) * kUnder;
+	m_outdated.clear();
+	m_isOutdated.assign( std::size_t( nodes.count ), 0 );
+	const float farEnough = float( m_margin * m_margin / 16.0 ) * kRoundingFactor;
 	for ( int i = 0; i < nodes.count; ++i )
 	{
-		Then& then = m_then[std::size_t( i )];
-		bool asks = then.radius == kNoSphere && m_soft->impl().shape->childOfNode( i ) >= 0;
-		const Vec3 way = nodes.x.get( i ) - m_way - then.place;
-		if ( then.radius >= 0.0f && way.squaredNorm() > farEnough ) // what closes in is half of the margin at most
+		Record& record = m_records[std::size_t( i )];
+		bool isOutdated = record.radius == kNoSphere && m_soft->impl().shape->childOfNode( i ) >= 0;
+		const Vec3 displacement = nodes.x.get( i ) - m_meanDisplacement - record.position;
+		if ( record.radius >= 0.0f && displacement.squaredNorm() > farEnough ) // the approach takes half of the margin at most
 		{
-			const double moved = double( way.norm() ), closing = m_step * double( ( nodes.v.get( i ) - m_drift ).norm() );
-			asks = 2.0 * moved + std::min( m_margin / 2.0, 2.0 * closing ) > m_margin;
+			const double moved = double( displacement.norm() ), closing = m_step * double( ( nodes.v.get( i ) - m_meanVelocity ).norm() );
+			isOutdated = 2.0 * moved + std::min( m_margin / 2.0, 2.0 * closing ) > m_margin;
 		}
-		if ( asks )
+		if ( isOutdated )
 		{
-			m_asking.push_back( std::uint32_t( i ) );
-			m_isAsking[std::size_t( i )] = 1;
+			m_outdated.push_back( std::uint32_t( i ) );
+			m_isOutdated[std::size_t( i )] = 1;
 		}
 	}
 }
@@ -164,65 +163,67 @@ void NearPairs::findAsking( const NodeState& nodes )
 bool NearPairs::hasSameRow( std::uint32_t node ) const
 {
 	const std::vector<std::uint32_t>& start = *m_rowStart;
-	const std::uint32_t old = m_hasNumbers ? m_before[node] : node;
-	if ( old + 1 >= m_startThen.size() || start[node + 1] - start[node] != m_startThen[old + 1] - m_startThen[old] )
+	const std::uint32_t old = m_isRenumbered ? m_oldNumber[node] : node;
+	if ( old + 1 >= m_recordedStart.size() || start[node + 1] - start[node] != m_recordedStart[old + 1] - m_recordedStart[old] )
 	{
 		return false;
 	}
-	const auto now = m_rowTo->begin() + start[node], end = m_rowTo->begin() + start[node + 1], then = m_toThen.begin() + m_startThen[old];
-	// One that is gone makes it another row.
-	return m_hasNumbers ? std::equal( now, end, then, [this]( std::uint32_t a, std::uint32_t b ) { return a == m_now[b]; } )
-						: std::equal( now, end, then );
+	const auto now = m_rowTo->begin() + start[node], end = m_rowTo->begin() + start[node + 1],
+			   then = m_recordedTo.begin() + m_recordedStart[old];
+	// A removed neighbour makes it a different row.
+	return m_isRenumbered ? std::equal( now, end, then, [this]( std::uint32_t a, std::uint32_t b ) { return a == m_newNumber[b]; } )
+						  : std::equal( now, end, then );
 }
 
-// Whether two nodes are held together follows from their rows alone: only those whose own has changed need ask again, and those whose
-// sphere has.
+// Whether two nodes are held together depends on their rows alone: only nodes whose row or sphere has changed need a new search.
 void NearPairs::follow( const NodeState& nodes )
 {
 	m_isRelinked = false;
-	m_then.resize( std::size_t( nodes.count ), Then{ Vec3::Zero(), kNoSphere } );
+	m_records.resize( std::size_t( nodes.count ), Record{ Vec3::Zero(), kNoSphere } );
 	for ( int i = 0; i < nodes.count; ++i )
 	{
-		Then& then = m_then[std::size_t( i )];
-		if ( then.radius >= 0.0f && ( then.radius != radiusOf( i ) || !hasSameRow( std::uint32_t( i ) ) ) )
+		Record& record = m_records[std::size_t( i )];
+		if ( record.radius >= 0.0f && ( record.radius != radiusOf( i ) || !hasSameRow( std::uint32_t( i ) ) ) )
 		{
-			then.radius = kNoSphere;
+			record.radius = kNoSphere;
 		}
 	}
-	m_hasNumbers = false;
-	m_startThen = *m_rowStart;
-	m_toThen = *m_rowTo;
-	const auto isGone = [this](
-							std::uint64_t pair ) { return m_then[pair >> 32].radius < 0.0f || m_then[pair & 0xffffffffu].radius < 0.0f; };
+	m_isRenumbered = false;
+	m_recordedStart = *m_rowStart;
+	m_recordedTo = *m_rowTo;
+	const auto isGone = [this]( std::uint64_t pair ) {
+		return m_records[pair >> 32].radius < 0.0f || m_records[pair & 0xffffffffu].radius < 0.0f;
+	};
 	m_pairs.erase( std::remove_if( m_pairs.begin(), m_pairs.end(), isGone ), m_pairs.end() );
 }
 
-void NearPairs::ask( const NodeState& nodes )
+void NearPairs::update( const NodeState& nodes )
 {
-	m_asked += (long long)( m_asking.size() );
+	m_queryCount += (long long)( m_outdated.size() );
 	m_spheres.clear();
-	for ( const std::uint32_t node : m_asking )
+	for ( const std::uint32_t node : m_outdated )
 	{
-		m_then[node] = Then{ nodes.x.get( int( node ) ) - m_way, radiusOf( int( node ) ) };
+		m_records[node] = Record{ nodes.x.get( int( node ) ) - m_meanDisplacement, radiusOf( int( node ) ) };
 	}
 	for ( int i = 0; i < nodes.count; ++i )
 	{
-		if ( const Then& then = m_then[std::size_t( i )]; then.radius >= 0.0f )
+		if ( const Record& record = m_records[std::size_t( i )]; record.radius >= 0.0f )
 		{
-			m_spheres.push_back( { then.place, then.radius, std::uint32_t( i ) } );
+			m_spheres.push_back( { record.position, record.radius, std::uint32_t( i ) } );
 		}
 	}
 	const ClosePairs::Held held{ *m_rowStart, *m_rowTo };
-	if ( m_asking.size() > kFewAsking )
+	if ( m_outdated.size() > kFewOutdated )
 	{
 		m_pairs.clear();
 		m_close.find( m_spheres, float( kContactSlop ), float( m_margin ), &held, m_pairs );
 	}
 	else
 	{
-		const auto isAsking = [this]( std::uint64_t pair ) { return ( m_isAsking[pair >> 32] | m_isAsking[pair & 0xffffffffu] ) != 0; };
-		m_pairs.erase( std::remove_if( m_pairs.begin(), m_pairs.end(), isAsking ), m_pairs.end() );
-		m_close.findOf( m_spheres, m_isAsking, float( kContactSlop ), float( m_margin ), &held, m_pairs );
+		const auto isOutdated = [this](
+									std::uint64_t pair ) { return ( m_isOutdated[pair >> 32] | m_isOutdated[pair & 0xffffffffu] ) != 0; };
+		m_pairs.erase( std::remove_if( m_pairs.begin(), m_pairs.end(), isOutdated ), m_pairs.end() );
+		m_close.findOf( m_spheres, m_isOutdated, float( kContactSlop ), float( m_margin ), &held, m_pairs );
 	}
 	std::sort( m_pairs.begin(), m_pairs.end() );
 }

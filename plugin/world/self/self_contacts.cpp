@@ -1,5 +1,4 @@
-// Bodies that meet themselves. The broadphase pairs no object with itself: their contacts are found right after its pairs', by the same
-// means, and solved with all others.
+// Self-collision of bodies. The broadphase pairs no object with itself: these contacts are found after those of its pairs.
 
 #include "world/bodies/soft_body_impl.h"
 #include "world/step/soft_body_system.h"
@@ -11,7 +10,7 @@ namespace pliant {
 void SoftBodySystem::collideWithThemselves( btScalar h )
 {
 	report.selfContacts = 0;
-	// The game is told of contacts, and may remove any body then.
+	// Contact callbacks of the game may remove any body.
 	unsigned serial = 0;
 	while ( SoftBody* const body = bodyAfter( serial ) )
 	{
@@ -30,15 +29,15 @@ void SoftBodySystem::collideWithThemselves( btScalar h )
 		{
 			self->contacts = std::make_unique<PairContacts>( m_dispatcher, pool, pairScratch );
 		}
-		// A sleeping body keeps the contacts it has, as pairs of Bullet's do.
+		// A sleeping body keeps its contacts, as Bullet's pairs do.
 		if ( moves( *body ) && isInPass( *body ) )
 		{
 			BT_PROFILE( "pliant: self-collision" );
 			self->contacts->processSelf( *body, self->search, double( h ) );
 		}
 		const SoftBody* const after = bodyAfter( serial - 1 );
-		const bool isThere = after == body && body->impl().self.get() == self && self->contacts;
-		report.selfContacts += isThere ? self->contacts->count() : 0;
+		const bool exists = after == body && body->impl().self.get() == self && self->contacts;
+		report.selfContacts += exists ? self->contacts->count() : 0;
 	}
 }
 

@@ -64,52 +64,52 @@ const std::vector<NodeHit>& SelfSearch::find( const SoftBody& soft, double step 
 	m_hits.clear();
 	for ( const std::uint64_t pair : m_near.of( soft, step ) )
 	{
-		consider( int( pair >> 32 ), int( pair & 0xffffffffu ) );
+		testPair( int( pair >> 32 ), int( pair & 0xffffffffu ) );
 	}
-	giveSlack();
+	applySlack();
 	return m_hits;
 }
 
-void SelfSearch::consider( int a, int b )
+void SelfSearch::testPair( int a, int b )
 {
 	const NodeState& nodes = m_body->nodes();
 	const double radiusA = radiusOf( m_soft->impl(), a ), radii = radiusA + radiusOf( m_soft->impl(), b );
-	const Vec3 apart = nodes.x.get( a ) - nodes.x.get( b ), way = float( m_step ) * ( nodes.v.get( a ) - nodes.v.get( b ) );
-	const double reach = radii + kContactSlop * radiusA + double( way.norm() );
+	const Vec3 apart = nodes.x.get( a ) - nodes.x.get( b ), displacement = float( m_step ) * ( nodes.v.get( a ) - nodes.v.get( b ) );
+	const double reach = radii + kContactSlop * radiusA + double( displacement.norm() );
 	if ( double( apart.squaredNorm() ) > reach * reach )
 	{
 		return;
 	}
 	NodeHit hit{ std::uint64_t( a ) << 32 | std::uint32_t( b ), touchOf( a, b, apart ), -1, b };
-	// Closer at rest than their radii: that close they may be.
+	// A pair closer at rest than the sum of its radii may stay that close.
 	hit.touch.distance += std::max( 0.0, radii - double( ( nodes.x0.get( a ) - nodes.x0.get( b ) ).norm() ) );
 	MovingSphere sphere;
 	sphere.radius = radiusA;
-	sphere.way = way.cast<double>();
+	sphere.displacement = displacement.cast<double>();
 	if ( sphere.reaches( hit.touch.normal, hit.touch.distance ) )
 	{
 		m_hits.push_back( hit );
 	}
 }
 
-// The spheres' own normal, n = ( x_a - x_b ) / |x_a - x_b|, as long as it leads out of b's material and into a's:
+// The spheres' own normal, n = ( x_a - x_b ) / |x_a - x_b|, as long as it points out of b's material and into a's:
 //   n . ( o_b - o_a ) >= 0
-// Else their sides have gone through one another, and the way back is along o_b - o_a; no further than one radius at a time.
+// Otherwise their sides have passed through one another, and the normal is along o_b - o_a; the depth is limited to one radius at a time.
 Touch SelfSearch::touchOf( int a, int b, const Vec3& apart )
 {
 	const double radiusA = radiusOf( m_soft->impl(), a ), radiusB = radiusOf( m_soft->impl(), b );
 	const Vec3d between = apart.cast<double>();
 	const double length = between.norm();
 	Touch touch;
-	// Two centres at one place have no direction; up is as good as any other and the same on every machine.
+	// Coincident centres have no direction; up is as good as any other and the same on every machine.
 	touch.normal = length > 0.0 ? Vec3d( between / length ) : Vec3d::UnitY();
 	touch.distance = length - radiusB;
 	if ( touch.distance > radiusA )
 	{
-		return touch; // not yet
+		return touch; // no touch yet
 	}
 	const Vec3d facing = ( outwardNow( b ) - outwardNow( a ) ).cast<double>();
-	if ( facing.norm() > kFacing && touch.normal.dot( facing ) < 0.0 && !faceAwayAtRest( a, b ) )
+	if ( facing.norm() > kLeastFacing && touch.normal.dot( facing ) < 0.0 && !faceAwayAtRest( a, b ) )
 	{
 		touch.normal = facing.normalized();
 		touch.distance = touch.normal.dot( between ) - radiusB;
@@ -118,7 +118,7 @@ Touch SelfSearch::touchOf( int a, int b, const Vec3& apart )
 	return touch;
 }
 
-// Top and bottom of a plate that is crushed flat look like sides that have gone through one another, and have not.
+// Top and bottom of a plate that is crushed flat resemble sides that have passed through one another, but have not.
 bool SelfSearch::faceAwayAtRest( int a, int b )
 {
 	const NodeState& nodes = m_body->nodes();
@@ -150,7 +150,7 @@ Vec3 SelfSearch::outwardAtRest( int node )
 		out = outwardOf( lattice, m_depth, std::uint32_t( node ) );
 	}
 	const float length = out.norm();
-	return length > kNoSide ? Vec3( out / length ) : Vec3( Vec3::Zero() );
+	return length > kLeastOutward ? Vec3( out / length ) : Vec3( Vec3::Zero() );
 }
 
 Vec3 SelfSearch::outwardNow( int node )
@@ -163,7 +163,7 @@ Vec3 SelfSearch::outwardNow( int node )
 	return Eigen::Map<const Eigen::Quaternionf>( m_rotation.data() + 4 * std::size_t( node ) ) * outwardAtRest( node );
 }
 
-void SelfSearch::giveSlack()
+void SelfSearch::applySlack()
 {
 	const SoftBody::Impl& impl = m_soft->impl();
 	m_slackNext.clear();
@@ -183,7 +183,7 @@ void SelfSearch::giveSlack()
 		}
 		else if ( depth > 0.0 )
 		{
-			hit.touch.distance += std::max( impl.born.leave( hit.node(), depth ), impl.born.leave( hit.other(), depth ) );
+			hit.touch.distance += std::max( impl.born.allowedDepth( hit.node(), depth ), impl.born.allowedDepth( hit.other(), depth ) );
 		}
 	}
 	m_slack.swap( m_slackNext );

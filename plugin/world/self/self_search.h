@@ -1,13 +1,13 @@
 #pragma once
 
-// Finds which nodes of a soft body meet others of the same body. Steinemann et al. 2008, section 7.
+// Finds the nodes of a soft body that touch other nodes of the same body. Steinemann et al. 2008, section 7.
 //
-// Nodes that one region holds together do not collide: what keeps them apart is matching. All others do, sides of a cut among them, from
-// the distance they have at rest on where that is less than their radii.
+// Nodes held together by a region do not collide: shape matching keeps them apart. All others do, including the sides of a cut, from their
+// rest distance on where that is less than the sum of their radii.
 //
-// Two spheres whose sides have gone through one another are told by the way out of the material at each of them (inside_distance.h): they
-// are pushed back the way they came, and not on. The paper looks the penetration depth up in its distance field; here it is the spheres',
-// as in all other contacts, and the field says only which way.
+// Two spheres whose sides have passed through one another are recognised by the outward direction of the material at each of them
+// (inside_distance.h) and pushed back to their own sides. The paper takes the penetration depth from its distance field; here it is that of
+// the spheres, as in all other contacts, and the field gives only the direction.
 
 #include "world/search/node_search.h"
 #include "world/self/near_pairs.h"
@@ -23,45 +23,44 @@ class NodeShape;
 class SelfSearch
 {
 public:
-	/// Normals point from the node of the higher number to that of the lower, which comes first in the key.
+	/// Normals point from the node with the higher number to that with the lower, which comes first in the key.
 	const std::vector<NodeHit>& find( const SoftBody& soft, double step );
-	/// The body's cells: their numbers before, and those that lost links; none named: nobody knows.
+	/// The body's cells after a change: their previous numbers, and those that lost links; none listed: unknown.
 	struct CellsNow
 	{
 		const Lattice& lattice;
 		const std::vector<std::uint32_t>& before;
 		const std::vector<std::uint32_t>& touched;
 	};
-	/// Links have been cut: what is known of the body is measured anew there. `nodeNow` by the number before, kNoNode where the node is
-	/// gone; empty: the same.
+	/// Follows a cut. `nodeNow` by previous number, kNoNode where the node is gone; empty: numbers are unchanged.
 	void relink( const std::vector<std::uint32_t>& nodeNow, const CellsNow& cells );
-	/// Nodes have other numbers: the same; in the same order.
+	/// Follows a change of node numbers that keeps their order.
 	void renumber( const std::vector<std::uint32_t>& nodeNow );
 
 private:
-	/// As deep as the two sides of a fresh cut overlapped at first they may go on doing, and no deeper, until they have parted.
+	/// Allowed overlap of the two sides of a fresh cut: no deeper than at first, and never growing, until they have separated.
 	struct Slack
 	{
 		std::uint64_t key;
 		double depth; ///< m
 	};
 
-	void consider( int a, int b );
+	void testPair( int a, int b );
 	Touch touchOf( int a, int b, const Vec3& apart );
 	bool faceAwayAtRest( int a, int b );
 	Vec3 outwardAtRest( int node );
 	Vec3 outwardNow( int node );
-	void giveSlack();
+	void applySlack();
 
 	const SoftBody* m_soft = nullptr;
 	const Body* m_body = nullptr;
 	double m_step = 0.0;
 	std::vector<NodeHit> m_hits;
 	NearPairs m_near;
-	std::vector<std::uint32_t> m_depth;      ///< floodInside; empty: not asked for yet
-	std::vector<float> m_rotation;           ///< 4 a node; empty: not asked for in this search
-	std::vector<Slack> m_slack, m_slackNext; ///< by key
-	bool m_isFirst = true;                   ///< search since the body was cut
+	std::vector<std::uint32_t> m_depth;      ///< floodInside; empty: not yet computed
+	std::vector<float> m_rotation;           ///< 4 per node; empty: not yet computed in this search
+	std::vector<Slack> m_slack, m_slackNext; ///< sorted by key
+	bool m_isFirst = true;                   ///< first search since the body was cut
 };
 
 } // namespace pliant

@@ -1,4 +1,4 @@
-// In a build without self-collision it cannot be switched on.
+// In a build without self-collision it cannot be enabled.
 
 #include "world/bodies/soft_body_impl.h"
 #include "world/step/soft_body_system.h"

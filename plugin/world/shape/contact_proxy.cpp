@@ -13,10 +13,10 @@ const char kContactProxyMark = 0;
 ContactProxy::ContactProxy( ContactProxyPool& from ) :
 	btRigidBody( btRigidBodyConstructionInfo( btScalar( 1 ), nullptr, nullptr, btVector3( 0, 0, 0 ) ) ), pool( &from )
 {
-	// Inertia and angular factor are zero: friction would spin the spheres and stop resisting the slide.
+	// Inertia and angular factor are zero: otherwise friction would spin the spheres instead of resisting the slide.
 	setAngularFactor( btVector3( 0, 0, 0 ) );
 	internalSetExtensionPointer( const_cast<char*>( &kContactProxyMark ) );
-	setFlags( BT_DISABLE_WORLD_GRAVITY ); // and no gyroscopic torque of what may be told to turn (FrictionTorqueCorrection)
+	setFlags( BT_DISABLE_WORLD_GRAVITY ); // and no gyroscopic torque where a node is given an angular velocity (FrictionTorqueCorrection)
 }
 
 ContactProxy::~ContactProxy()
@@ -50,10 +50,10 @@ void ContactProxyPool::forget( const ContactProxy& body )
 void ContactProxyPool::detach( SoftBody& owner )
 {
 	SoftBody::Impl& impl = owner.impl();
-	for ( ContactProxy* stand : impl.touched )
+	for ( ContactProxy* proxy : impl.touched )
 	{
-		stand->node = -1;
-		stand->owner = nullptr;
+		proxy->node = -1;
+		proxy->owner = nullptr;
 	}
 	impl.touched.clear();
 	impl.nodeBody.assign( impl.nodeBody.size(), nullptr );
@@ -78,7 +78,7 @@ void NodeSurface::follow( const SoftBody& owner, unsigned step )
 	}
 }
 
-void NodeSurface::giveTo( ContactProxy& body ) const
+void NodeSurface::applyTo( ContactProxy& body ) const
 {
 	body.setFriction( m_values.friction );
 	body.setRestitution( m_values.restitution );
@@ -93,19 +93,19 @@ void NodeSurface::giveTo( ContactProxy& body ) const
 	{
 		body.setContactStiffnessAndDamping( m_values.stiffness, m_values.damping );
 	}
-	// Stand-ins go from owner to owner: what one asked for is taken back.
+	// Proxies pass from owner to owner, so that every property is set again.
 	body.setAnisotropicFriction( m_values.slip );
 	body.surface = m_version;
 }
 
 namespace {
 
-/// The axes of the material at a node, which friction by direction goes by; others ask for no rotation.
+/// The material's axes at a node, which anisotropic friction refers to.
 btQuaternion axesAt( const SoftBody& owner, int node )
 {
 	const SoftBody::Impl& impl = owner.impl();
 	const std::size_t count = std::size_t( impl.body->nodeCount() );
-	if ( impl.nodeAxes.size() != 4 * count ) // asleep since it was made
+	if ( impl.nodeAxes.size() != 4 * count ) // asleep since creation
 	{
 		impl.nodeAxes.resize( 4 * count );
 		impl.body->nodeRotations( impl.nodeAxes.data() );
@@ -119,38 +119,38 @@ btQuaternion axesAt( const SoftBody& owner, int node )
 ContactProxy* ContactProxyPool::acquire( SoftBody& owner, int node )
 {
 	SoftBody::Impl& impl = owner.impl();
-	ContactProxy*& place = impl.nodeBody[node];
-	if ( !place )
+	ContactProxy*& slot = impl.nodeBody[node];
+	if ( !slot )
 	{
 		if ( m_free.empty() )
 		{
 			m_all.push_back( new ContactProxy( *this ) );
 			m_free.push_back( m_all.back() );
 		}
-		place = m_free.back();
+		slot = m_free.back();
 		m_free.pop_back();
-		place->owner = &owner;
-		place->node = node;
-		place->uses = 0;
-		place->clearForces();
-		place->stamp = m_phase - 1;
-		place->step = m_step - 1;
-		place->surface = 0;
-		place->setCollisionShape( impl.shape->sphereOfNode( node ) );
-		place->place = int( impl.touched.size() );
-		impl.touched.push_back( place );
+		slot->owner = &owner;
+		slot->node = node;
+		slot->uses = 0;
+		slot->clearForces();
+		slot->stamp = m_phase - 1;
+		slot->step = m_step - 1;
+		slot->surface = 0;
+		slot->setCollisionShape( impl.shape->sphereOfNode( node ) );
+		slot->touchedIndex = int( impl.touched.size() );
+		impl.touched.push_back( slot );
 	}
-	++place->uses;
-	refresh( *place );
-	return place;
+	++slot->uses;
+	refresh( *slot );
+	return slot;
 }
 
 namespace {
 
 void takeFromTouched( SoftBody::Impl& impl, ContactProxy& body )
 {
-	impl.touched[body.place] = impl.touched.back();
-	impl.touched[body.place]->place = body.place;
+	impl.touched[body.touchedIndex] = impl.touched.back();
+	impl.touched[body.touchedIndex]->touchedIndex = body.touchedIndex;
 	impl.touched.pop_back();
 }
 
@@ -180,16 +180,16 @@ void ContactProxyPool::renumber( SoftBody& owner, const std::vector<std::uint32_
 	impl.nodeBody.assign( std::size_t( nodeCount ), nullptr );
 	for ( std::size_t k = impl.touched.size(); k-- > 0; )
 	{
-		ContactProxy& stand = *impl.touched[k];
-		const std::uint32_t now = nodeNow[std::size_t( stand.node )];
+		ContactProxy& proxy = *impl.touched[k];
+		const std::uint32_t now = nodeNow[std::size_t( proxy.node )];
 		if ( now == kNoNode )
 		{
-			takeFromTouched( impl, stand );
-			stand.node = -1;
+			takeFromTouched( impl, proxy );
+			proxy.node = -1;
 			continue;
 		}
-		stand.node = int( now );
-		impl.nodeBody[now] = &stand;
+		proxy.node = int( now );
+		impl.nodeBody[now] = &proxy;
 	}
 }
 
@@ -224,7 +224,7 @@ void ContactProxyPool::refresh( ContactProxy& body )
 		body.setMassProps( mass, btVector3( 0, 0, 0 ) );
 		body.mass = mass;
 	}
-	// What is held moves others only while it moves itself: Bullet keeps everything awake that touches a kinematic body.
+	// A held node moves others only while it moves itself: Bullet keeps everything awake that touches a kinematic body.
 	int flags = owner.getCollisionFlags() & ~( btCollisionObject::CF_STATIC_OBJECT | btCollisionObject::CF_KINEMATIC_OBJECT );
 	if ( mass == 0 )
 	{
@@ -232,9 +232,9 @@ void ContactProxyPool::refresh( ContactProxy& body )
 	}
 	body.setCollisionFlags( flags );
 
-	const btVector3 place = impl.position( body.node );
-	setWhole( body.written, place );
-	setWhole( body.getWorldTransform().getOrigin(), place );
+	const btVector3 position = impl.position( body.node );
+	setWhole( body.written, position );
+	setWhole( body.getWorldTransform().getOrigin(), position );
 	const bool isDirected = owner.hasAnisotropicFriction( btCollisionObject::CF_ANISOTROPIC_FRICTION );
 	if ( isDirected )
 	{
@@ -246,17 +246,17 @@ void ContactProxyPool::refresh( ContactProxy& body )
 	}
 	body.isDirected = isDirected;
 	setWhole( const_cast<btVector3&>( body.getLinearVelocity() ), velocity );
-	if ( body.step != m_step ) // else cache lines that nothing reads stay untouched; a callback of the game may have set them
+	if ( body.step != m_step ) // otherwise cache lines that nobody reads stay untouched; a callback of the game may have set them
 	{
 		body.step = m_step;
 		impl.surface.follow( owner, m_step );
-		if ( body.surface != impl.surface.version() || m_hadCallback || m_forgetsForces )
+		if ( body.surface != impl.surface.version() || m_hadCallback || m_clearsForces )
 		{
-			impl.surface.giveTo( body );
+			impl.surface.applyTo( body );
 			body.setInterpolationWorldTransform( body.getWorldTransform() );
 			body.setInterpolationLinearVelocity( velocity );
 		}
-		if ( m_forgetsForces )
+		if ( m_clearsForces )
 		{
 			body.clearForces();
 		}

@@ -1,7 +1,7 @@
 #pragma once
 
-// The stand-in through which Bullet's solver moves one node: a light rigid body that is in no world, made when the node is first
-// touched and given back to a pool when nothing touches it any more. A body of 20 000 nodes resting on 100 of them has 100.
+// The contact proxy through which Bullet's solver moves one node: a light rigid body that belongs to no world, created when the node is
+// first touched and returned to a pool when nothing touches it any more. A body of 20 000 nodes resting on 100 of them has 100 proxies.
 
 #include <BulletCollision/CollisionShapes/btSphereShape.h>
 #include <BulletDynamics/Dynamics/btRigidBody.h>
@@ -18,8 +18,7 @@ class SoftBody;
 class ContactProxy : public btRigidBody
 {
 public:
-	/// So that what each stage asks for lies in few lines of the cache: where it is in one, who it is, its speed and mass, and what is
-	/// below.
+	/// The offset places what each stage reads in few cache lines: position; identity; velocity and mass; the members below.
 	static void* operator new( std::size_t size ) { return static_cast<char*>( btAlignedAlloc( size + kOffset, kLine ) ) + kOffset; }
 	static void operator delete( void* body ) { btAlignedFree( static_cast<char*>( body ) - kOffset ); }
 
@@ -31,38 +30,38 @@ public:
 
 private:
 	static constexpr int kLine = 64, kOffset = 56;
-	[[maybe_unused]] char m_gap[32] = {}; ///< to the next line
+	[[maybe_unused]] char m_gap[32] = {}; ///< fills the cache line
 
 public:
 	SoftBody* owner = nullptr;
-	int node = -1;  ///< -1: a change of levels did away with it; what names the stand-in lets go of it in the next collision phase
-	int uses = 0;   ///< manifolds and predictive contacts that name it
-	int place = -1; ///< among its owner's touched ones
+	int node = -1; ///< -1: a change of levels removed the node; whatever refers to the proxy releases it in the next collision phase
+	int uses = 0;  ///< manifolds and predictive contacts that refer to it
+	int touchedIndex = -1;                    ///< in its owner's list of touched nodes
 	btScalar mass = btScalar( 1 );            ///< kg, 0 while the node is held
 	unsigned stamp = 0;                       ///< collision phase in which it was last written
-	unsigned step = 0;                        ///< game step in which its surface was looked at
-	bool wasAsleep = false;                   ///< when it was last written: awake now means that something has woken it
+	unsigned step = 0;                        ///< game step in which its surface properties were last checked
+	bool wasAsleep = false;                   ///< when last written: if awake now, something has woken it
 	bool isDirected = false;                  ///< its axes are the material's
 	btVector3 written = btVector3( 0, 0, 0 ); ///< world position given to the solver, m
-	unsigned surface = 0;                     ///< NodeSurface::version of what it was given; 0: nothing
-	btBroadphaseProxy* handle = nullptr;      ///< what Bullet has of it: that lies in a line of its own
-	ContactProxyPool* pool = nullptr;         ///< that it came from; null while that goes
+	unsigned surface = 0;                     ///< NodeSurface::version of its surface properties; 0: none set
+	btBroadphaseProxy* handle = nullptr;      ///< copy of Bullet's pointer, which lies in another cache line
+	ContactProxyPool* pool = nullptr;         ///< that it belongs to; null while the pool is being destroyed
 };
 
-/// What a user sets on a soft body and Bullet asks of its stand-ins.
+/// Surface properties that a user sets on a soft body and Bullet reads from its contact proxies.
 class NodeSurface
 {
 public:
-	/// Looks at the body, once in `step`.
+	/// Reads the body's properties, once per `step`.
 	void follow( const SoftBody& owner, unsigned step );
-	/// One more whenever something of it has changed; 0 before it has looked.
+	/// Increases with every change of a property; 0 before the first read.
 	unsigned version() const { return m_version; }
-	void giveTo( ContactProxy& body ) const;
+	void applyTo( ContactProxy& body ) const;
 
 private:
 	struct Values
 	{
-		btVector3 slip; ///< friction by direction
+		btVector3 slip; ///< anisotropic friction
 		btScalar friction, restitution, rolling, spinning, threshold, stiffness, damping;
 		bool isSpring;
 		int index[3];
@@ -75,7 +74,7 @@ private:
 	unsigned m_version = 0, m_step = 0;
 };
 
-/// Marks an object as a stand-in without touching the user's pointers.
+/// Marks an object as a contact proxy without touching the user's pointers.
 extern const char kContactProxyMark;
 
 inline bool isContactProxy( const btCollisionObject* object )
@@ -83,13 +82,13 @@ inline bool isContactProxy( const btCollisionObject* object )
 	return object && object->internalGetExtensionPointer() == &kContactProxyMark;
 }
 
-/// The soft body behind a node body, or null for any other object.
+/// The soft body of a contact proxy, or null for any other object.
 inline SoftBody* ownerOfContactProxy( const btCollisionObject* object )
 {
 	return isContactProxy( object ) ? static_cast<const ContactProxy*>( object )->owner : nullptr;
 }
 
-/// The game has a say about contacts, and so comes by stand-ins.
+/// Whether the game has contact callbacks, and can therefore access proxies.
 bool hasContactCallback();
 
 class ContactProxyPool
@@ -97,42 +96,41 @@ class ContactProxyPool
 public:
 	~ContactProxyPool();
 
-	/// The node's stand-in, written for this collision phase; counts one use.
+	/// The node's proxy, written for this collision phase; counts one use.
 	ContactProxy* acquire( SoftBody& owner, int node );
 	void release( ContactProxy* body );
 
-	/// A new collision phase begins: stand-ins are written anew when they are next acquired or refreshed; what the game sets on a body
-	/// (friction and the like) once a game step.
+	/// Starts a collision phase: proxies are rewritten when next acquired or refreshed; friction and the like once per game step.
 	void nextPhase( bool isNewStep )
 	{
 		++m_phase;
 		m_step += isNewStep ? 1 : 0;
-		m_forgetsForces = isNewStep ? m_hadCallback : m_forgetsForces;
+		m_clearsForces = isNewStep ? m_hadCallback : m_clearsForces;
 		m_hadCallback = hasContactCallback() || ( !isNewStep && m_hadCallback );
 	}
 	unsigned phase() const { return m_phase; }
-	/// The owner leaves its world: what still holds stand-ins of its nodes must not ask it again.
+	/// The owner leaves its world: whatever still refers to proxies of its nodes must not access it again.
 	static void detach( SoftBody& owner );
-	/// The game has deleted a stand-in, which it took for a rigid body of its own.
+	/// The game has deleted a proxy, which it took for one of its own rigid bodies.
 	void forget( const ContactProxy& body );
-	/// Position, velocity, mass and surface properties from the node, once a phase.
+	/// Copies position, velocity, mass and surface properties from the node, once per phase.
 	void refresh( ContactProxy& body );
-	/// Whether it was written in this collision phase: what the solver made of it is for its node then.
+	/// Whether it was written in this collision phase; only then does the solver's result apply to its node.
 	bool isFresh( const ContactProxy& body ) const { return body.stamp == m_phase; }
-	/// The body is to be refreshed some turns later: what of it is written then.
+	/// Prefetches what refresh() writes, a few iterations ahead.
 	static void prefetchAhead( const ContactProxy& body );
-	/// What it has come to is to be read: its place and speed.
+	/// Prefetches position and velocity before they are read back.
 	static void prefetchVelocity( const ContactProxy& body );
 
 	std::size_t count() const { return m_all.size(); }
 
-	/// The owner's nodes have other numbers: `nodeNow` by the number before, kNoNode where the node is gone; `nodeCount` there are now.
+	/// The owner's nodes are renumbered: `nodeNow` by previous number, kNoNode where the node is gone; `nodeCount` is the new count.
 	static void renumber( SoftBody& owner, const std::vector<std::uint32_t>& nodeNow, int nodeCount );
 
 private:
 	std::vector<ContactProxy*> m_all, m_free;
 	unsigned m_phase = 1, m_step = 1;
-	bool m_hadCallback = false, m_forgetsForces = false; ///< in this step; in the last one: stand-ins may have been pushed
+	bool m_hadCallback = false, m_clearsForces = false; ///< in this step; in the last one: proxies may have received forces
 };
 
 } // namespace pliant

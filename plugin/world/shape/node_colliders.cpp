@@ -8,23 +8,22 @@ namespace pliant {
 
 namespace {
 
-/// How far from the surface depths are counted, in links.
-int mostDepth( const Octree& octree )
+/// Largest depth below the surface that is counted, in links.
+int largestDepth( const Octree& octree )
 {
 	return 1 << ( octree.levels - 1 );
 }
 
-/// Lowers the depths of those that are nearer to the cells of `ring`, all of which are `layer` deep, than they were known to be. Whoever is
-/// lowered is told to `lowered`.
+/// Lowers the depths of cells nearer to the cells of `front`, all of depth `layer`, than recorded, and calls `lowered` for each.
 template <class Lowered>
 void flood(
-	const Lattice& lattice, std::vector<std::uint32_t> ring, int layer, int most, std::vector<std::uint8_t>& depth, Lowered&& lowered )
+	const Lattice& lattice, std::vector<std::uint32_t> front, int layer, int most, std::vector<std::uint8_t>& depth, Lowered&& lowered )
 {
 	std::vector<std::uint32_t> next;
-	while ( ++layer <= most && !ring.empty() )
+	while ( ++layer <= most && !front.empty() )
 	{
 		next.clear();
-		for ( const std::uint32_t i : ring )
+		for ( const std::uint32_t i : front )
 		{
 			for ( std::uint32_t k = lattice.linkStart[i]; k < lattice.linkStart[i + 1]; ++k )
 			{
@@ -37,15 +36,15 @@ void flood(
 				}
 			}
 		}
-		ring.swap( next );
+		front.swap( next );
 	}
 }
 
-/// NodeColliders::depth. What lies below the surface asks it, and not the other way round: of a cut body most cells are surface.
+/// NodeColliders::depth. Inner cells look for the surface, not the reverse: most cells of a cut body are surface.
 std::vector<std::uint8_t> depthBelowSurface( const Lattice& lattice, int most )
 {
 	std::vector<std::uint8_t> depth( std::size_t( lattice.cellCount() ), std::uint8_t( most + 1 ) );
-	std::vector<std::uint32_t> ring;
+	std::vector<std::uint32_t> front;
 	for ( std::uint32_t i = 0; i < std::uint32_t( lattice.cellCount() ); ++i )
 	{
 		const auto first = lattice.linkTo.begin() + lattice.linkStart[i], last = lattice.linkTo.begin() + lattice.linkStart[i + 1];
@@ -56,14 +55,14 @@ std::vector<std::uint8_t> depthBelowSurface( const Lattice& lattice, int most )
 		else if ( std::any_of( first, last, [&lattice]( std::uint32_t to ) { return lattice.isSurface[to] != 0; } ) )
 		{
 			depth[i] = 1;
-			ring.push_back( i );
+			front.push_back( i );
 		}
 	}
-	flood( lattice, std::move( ring ), 1, most, depth, []( std::uint32_t ) {} );
+	flood( lattice, std::move( front ), 1, most, depth, []( std::uint32_t ) {} );
 	return depth;
 }
 
-/// Bit 2a: the face towards lower coordinates along axis a lies open; bit 2a + 1: the one towards higher.
+/// Bit 2a: the face towards lower coordinates along axis a is open; bit 2a + 1: the one towards higher.
 unsigned openFaces( const Lattice& lattice, std::uint32_t cell )
 {
 	unsigned open = 63u;
@@ -78,7 +77,7 @@ unsigned openFaces( const Lattice& lattice, std::uint32_t cell )
 	return open;
 }
 
-/// What nodes of all levels ask of their cells, once for each that is asked for.
+/// Reaches of cells, computed once for nodes of all levels.
 class CellReaches
 {
 public:
@@ -96,7 +95,7 @@ public:
 		return m_radius[cell];
 	}
 
-	/// How far the cell's sphere reaches from `centre` through each of its open faces, m.
+	/// Appends the reach of the cell's sphere from `centre` through each of its open faces, m.
 	void addTo( std::vector<double>& reaches, std::uint32_t cell, const Vec3& centre )
 	{
 		m_open[cell] = m_open[cell] == kUnknown ? std::uint8_t( openFaces( m_lattice, cell ) ) : m_open[cell];
@@ -114,11 +113,11 @@ private:
 	static constexpr std::uint8_t kUnknown = 0xff;
 
 	const Lattice& m_lattice;
-	std::vector<double> m_radius;     ///< negative: not asked for
+	std::vector<double> m_radius;     ///< negative: not yet computed
 	std::vector<std::uint8_t> m_open; ///< openFaces, or kUnknown
 };
 
-/// The median of what its cells reach, or the ball of its volume.
+/// The median of its cells' reaches, or the radius of the sphere of its volume.
 float radiusOf( const Lattice& lattice, const Octree& octree, std::uint32_t node, CellReaches& cells, std::vector<double>& reaches )
 {
 	reaches.clear();
@@ -149,14 +148,13 @@ NodeColliders measureColliders( const Lattice& lattice, const Octree& octree )
 	NodeColliders colliders;
 	colliders.radius.reserve( std::size_t( octree.nodeCount() ) );
 	colliders.collides.reserve( std::size_t( octree.nodeCount() ) );
-	colliders.depth = depthBelowSurface( lattice, mostDepth( octree ) );
+	colliders.depth = depthBelowSurface( lattice, largestDepth( octree ) );
 	std::vector<int> nearest( std::size_t( octree.nodeCount() ), std::numeric_limits<int>::max() );
 	std::copy( colliders.depth.begin(), colliders.depth.end(), nearest.begin() );
 	std::vector<double> reaches;
 	CellReaches cells( lattice );
 	int level = 0;
-	for ( std::uint32_t node = 0; node < std::uint32_t( octree.nodeCount() );
-		  ++node ) // level by level: children stand before their parents
+	for ( std::uint32_t node = 0; node < std::uint32_t( octree.nodeCount() ); ++node ) // level by level: children precede their parents
 	{
 		level += node == octree.levelStart[std::size_t( level ) + 1] ? 1 : 0;
 		colliders.radius.push_back( radiusOf( lattice, octree, node, cells, reaches ) );
@@ -171,7 +169,7 @@ NodeColliders measureColliders( const Lattice& lattice, const Octree& octree )
 
 namespace {
 
-/// Whether a node has a cell no deeper than it is cells wide.
+/// Whether a node has a cell whose depth does not exceed the node's width in cells.
 bool isNearSurface( const Octree& octree, const std::vector<std::uint8_t>& depth, std::uint32_t node, int level )
 {
 	const auto first = octree.cells.begin() + octree.cellStart[node];
@@ -181,8 +179,8 @@ bool isNearSurface( const Octree& octree, const std::vector<std::uint8_t>& depth
 
 } // namespace
 
-// Cells at links that went are surface now: whatever came to the surface through one of them is nearer to it than it was, and nothing is
-// farther. Where links come back and a cell is surface no more all is measured.
+// Cells at removed links are surface now: cells can only have come nearer to the surface, through one of them. Where links are restored and
+// a cell is no longer surface, everything is measured again.
 NodeColliders followColliders( const Lattice& lattice, const Octree& octree, const NodeColliders& before, const CollidersChange& change )
 {
 	const auto isInside = [&lattice]( std::uint32_t cell ) { return lattice.isSurface[cell] == 0; };
@@ -204,8 +202,8 @@ NodeColliders followColliders( const Lattice& lattice, const Octree& octree, con
 	{
 		colliders.depth[cell] = 0;
 	}
-	flood(
-		lattice, change.touched, 0, mostDepth( octree ), colliders.depth, [&lowered]( std::uint32_t cell ) { lowered.push_back( cell ); } );
+	flood( lattice, change.touched, 0, largestDepth( octree ), colliders.depth,
+		[&lowered]( std::uint32_t cell ) { lowered.push_back( cell ); } );
 	std::vector<double> reaches;
 	CellReaches cells( lattice );
 	for ( std::uint32_t node = 0, level = 0; node < nodes; ++node )

@@ -1,6 +1,6 @@
 #pragma once
 
-// Some of a body's nodes, given in any order and taken in theirs: a bit for each, which is sooner done than putting a list in order.
+// A set of a body's nodes, added in any order and visited in ascending order: one bit each, which is faster than sorting a list.
 
 #include <algorithm>
 #include <cstddef>
@@ -9,11 +9,11 @@
 
 namespace pliant {
 
-/// Keeps its room between bodies.
+/// Keeps its memory between bodies.
 class NodeMarks
 {
 public:
-	/// Before nodes of a body of `count` are given.
+	/// Prepares for nodes of a body of `count`.
 	void fit( int count ) { m_words.resize( std::max( m_words.size(), std::size_t( count ) / kBits + 1 ) ); }
 	void add( int node )
 	{
@@ -22,7 +22,7 @@ public:
 		m_first = std::min( m_first, word );
 		m_end = std::max( m_end, word + 1 );
 	}
-	/// visit( node ) in ascending order; none is left.
+	/// Calls visit( node ) in ascending order and empties the set.
 	template <class Visit>
 	void takeAll( Visit&& visit )
 	{
@@ -42,7 +42,7 @@ private:
 	static constexpr std::size_t kBits = 64;
 
 	std::vector<std::uint64_t> m_words;
-	std::size_t m_first = SIZE_MAX, m_end = 0; ///< of the words that are not zero
+	std::size_t m_first = SIZE_MAX, m_end = 0; ///< range of the nonzero words
 };
 
 } // namespace pliant

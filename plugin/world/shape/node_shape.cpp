@@ -14,7 +14,7 @@ namespace pliant {
 
 namespace {
 
-/// Cells of the surface and one layer below.
+/// Whether a cell belongs to the surface or to the layer below it.
 bool isNearSurface( const Lattice& lattice, int cell )
 {
 	bool isNear = lattice.isSurface[cell] != 0;
@@ -64,7 +64,7 @@ void NodeShape::addUniform( const Lattice& lattice )
 	m_sphereOfNode.reserve( lattice.cellCount() );
 	for ( int i = 0; i < lattice.cellCount(); ++i )
 	{
-		// r = ( d / 2 ) cbrt( fill ). Departs from [O], where it is proportional to the mass: an eighth of a cell would be a dot.
+		// r = ( d / 2 ) cbrt( fill ). Departs from [O], where it is proportional to the mass: an eighth of a cell would be a point.
 		const bool isAlike = i > 0 && lattice.fill[i] == lattice.fill[i - 1];
 		m_sphereOfNode.push_back( isAlike ? m_sphereOfNode.back() : sphereOf( 0.5 * lattice.cellSize * std::cbrt( lattice.fill[i] ) ) );
 		if ( isNearSurface( lattice, i ) )
@@ -88,7 +88,7 @@ void NodeShape::removeChild( int child )
 	m_nodeOfChild.pop_back();
 }
 
-// The child alone; the tree is built when all are there.
+// Adds the child only; the tree is built when all are present.
 void NodeShape::addChild( int node, const Vec3& at, btSphereShape* sphere )
 {
 	m_childOfNode[node] = int( m_nodeOfChild.size() );
@@ -111,7 +111,7 @@ void NodeShape::addNode( int node, const Vec3& at, btSphereShape* sphere )
 
 namespace {
 
-/// New nodes that collide, one list for each node before that was split: those of node i stand at node[start[i]] to node[start[i + 1] - 1].
+/// New nodes that collide, listed by the split node they came from: those of node i are node[start[i]] to node[start[i + 1] - 1].
 struct NewChildren
 {
 	std::vector<int> start, node;
@@ -134,20 +134,19 @@ struct NewChildren
 
 } // namespace
 
-// What a node was split into stands in the tree where it stood itself. Shape indices are in no order afterwards; contacts are sorted by
-// node, so that nothing follows from that.
+// The parts of a split node replace its leaf in the tree. Shape indices are then unordered; contacts are sorted by node.
 void NodeShape::followLevels( const Body& body, const Vec3& shift, bool isPlacedNext )
 {
 	const Levels& levels = *body.levels();
 	const LevelChange& change = levels.lastChange();
 	const auto collides = [&]( int node ) { return m_colliders.collides[levels.cut().node[std::size_t( node )]] != 0; };
-	const NewChildren born( change, collides );
+	const NewChildren added( change, collides );
 	renumberSpheres( levels );
-	bool isSameTree = true; // but for what stands in the place of leaves
+	bool isSameTree = true; // except for replaced leaves
 	for ( int child = int( m_nodeOfChild.size() ); child-- > 0; )
 	{
 		const int node = m_nodeOfChild[child];
-		if ( change.keptAs[std::size_t( node )] == kNoNode && born.count( node ) == 0 )
+		if ( change.keptAs[std::size_t( node )] == kNoNode && added.count( node ) == 0 )
 		{
 			removeChild( child );
 			isSameTree = false;
@@ -164,8 +163,8 @@ void NodeShape::followLevels( const Body& body, const Vec3& shift, bool isPlaced
 			m_childOfNode[now] = child;
 			continue;
 		}
-		const auto first = born.node.begin() + born.start[std::size_t( before )];
-		splitLeaf( child, std::vector<int>( first, first + born.count( before ) ), inner, PlacedNodes{ body.nodes(), shift } );
+		const auto first = added.node.begin() + added.start[std::size_t( before )];
+		splitLeaf( child, std::vector<int>( first, first + added.count( before ) ), inner, PlacedNodes{ body.nodes(), shift } );
 	}
 	for ( int i = 0; i < body.nodeCount(); ++i )
 	{
@@ -178,7 +177,7 @@ void NodeShape::followLevels( const Body& body, const Vec3& shift, bool isPlaced
 	m_areRowsKnown = false;
 	if ( isSameTree && m_isRefitKnown )
 	{
-		m_refit.putBefore( inner );
+		m_refit.prepend( inner );
 	}
 	m_isRefitKnown = m_isRefitKnown && isSameTree;
 	if ( !isPlacedNext )
@@ -205,7 +204,7 @@ void NodeShape::renumberSpheres( const Levels& levels )
 	m_sphereOfNode.swap( spheres );
 }
 
-/// The first of the new nodes takes the child over. New inner nodes are added to `inner`, children before parents.
+/// The first new node takes over the child. New inner nodes are appended to `inner`, children before parents.
 void NodeShape::splitLeaf( int child, const std::vector<int>& into, std::vector<btDbvtNode*>& inner, const PlacedNodes& placed )
 {
 	btDbvtNode* const leaf = m_children[child].m_node;

@@ -1,7 +1,7 @@
 #pragma once
 
-// A soft body's collision shape: one Bullet compound of shared spheres, one a colliding node, its tree refitted after each step.
-// Ray, sweep and contact tests, ghosts and debug drawing work on it as on any compound. A substep's own searches ask sphere_rows.h.
+// A soft body's collision shape: one Bullet compound of shared spheres, one per colliding node, its tree refitted after each step. Ray,
+// sweep and contact tests, ghosts and debug drawing work on it as on any compound. A substep's own searches use sphere_rows.h.
 
 #include "body/body.h"
 #include "matching/node_state.h"
@@ -24,30 +24,29 @@ class NodeShape : public btCompoundShape
 public:
 	BT_DECLARE_ALIGNED_ALLOCATOR();
 
-	/// Spheres for the nodes of the surface and one layer below it: with a bare shell, what once got through meets nothing.
+	/// Creates spheres for the nodes of the surface and of one layer below it, which stops objects that have passed the surface.
 	explicit NodeShape( const Body& body );
 
-	/// Takes out the spheres of nodes that the body's last change of levels did away with and puts in those of new ones, in their places;
-	/// those of others stay where they are. `shift` as below. `isPlacedNext`: place() comes before anybody asks for spheres' places.
+	/// Replaces the spheres of nodes that the body's last change of levels removed by those of the new nodes; the others stay in place.
+	/// `shift` as below. `isPlacedNext`: place() follows before any position is read.
 	void followLevels( const Body& body, const Vec3& shift, bool isPlacedNext = false );
 
-	/// The body's links have changed, and it may have lost nodes: those before are now `nodeNow`, or kNoNode; those it has were
-	/// `nodeBefore`. Those that now lie at the surface get their spheres. False where it takes a new shape: where nodes lie at the surface
-	/// no more, many do that did not, or a fifth has gone. `change`: of bodies with levels; `nodeBefore` empty where it is not known. All
-	/// are to be placed.
+	/// Updates the shape after the body's links changed and nodes may have been lost. `nodeNow`: by previous number, kNoNode where lost;
+	/// `nodeBefore`: by present number. Nodes that now lie at the surface receive spheres. Returns false where the shape must be rebuilt:
+	/// where nodes no longer lie at the surface, many newly do, or a fifth is lost. `change`: for bodies with levels; its `nodeBefore` is
+	/// empty where unknown. All spheres must be placed afterwards.
 	bool followCracks( const Body& body, const std::vector<std::uint32_t>& nodeNow, const std::vector<std::uint32_t>& nodeBefore,
 		const CollidersChange& change );
 
-	/// The spheres go where the nodes are. `shift`: the shape's own origin in the nodes' coordinates. `runner` may be null. What Bullet is
-	/// asked (the compound's children and its tree) stays where it is until it is freshened: most of a substep's work for nothing while
-	/// only we ask.
+	/// Moves the spheres to the nodes. `shift`: the shape's own origin in the nodes' coordinates. `runner` may be null. The compound's
+	/// children and tree, which Bullet reads, stay unchanged until freshen(): most substeps do not need them.
 	void place( const NodeState& nodes, const Vec3& shift, TaskRunner* runner = nullptr );
-	/// Children and tree go where the spheres are.
+	/// Moves children and tree to the spheres.
 	void freshen( TaskRunner* runner = nullptr );
 	bool isStale() const { return m_isStale; }
-	/// Both.
+	/// Calls place() and freshen().
 	void update( const NodeState& nodes, const Vec3& shift, TaskRunner* runner = nullptr );
-	/// The nodes may move by anything between `low` and `high`, m, in this step: the shape's box grows by it, the spheres' do not.
+	/// Nodes move by vectors between `low` and `high` in this step, m: the shape's box grows by it, the spheres' boxes do not.
 	void setSweep( const btVector3& low, const btVector3& high );
 	const btVector3& sweepLow() const { return m_sweepLow; }
 	const btVector3& sweepHigh() const { return m_sweepHigh; }
@@ -55,16 +54,16 @@ public:
 	int nodeOfChild( int child ) const { return m_nodeOfChild[child]; }
 	/// -1 for a node that does not collide.
 	int childOfNode( int node ) const { return m_childOfNode[node]; }
-	/// Every node has a sphere, in the compound or not: against a plane all of them are tested, for there no tree is needed.
+	/// Every node has a sphere, in the compound or not: against a plane all nodes are tested, without a tree.
 	btSphereShape* sphereOfNode( int node ) const { return m_sphereOfNode[node]; }
 	btScalar radius( int child ) const { return m_sphereOfNode[m_nodeOfChild[child]]->getRadius(); }
-	/// Radii that no node is larger, or smaller, than, m; with levels: none there ever could be.
+	/// Bounds of the node radii, m; of a body with levels over all nodes of the octree.
 	btScalar largestRadius() const { return m_largestRadius; }
 	btScalar smallestRadius() const { return m_smallestRadius; }
 
-	/// What a substep's searches ask: the spheres where the nodes are, in the shape's own coordinates.
+	/// The spheres at the nodes' positions, in the shape's own coordinates, for a substep's searches.
 	const SphereRows& rows() const { return m_rows; }
-	/// Bullet's tree, where it was last freshened.
+	/// Bullet's tree, as of the last freshen().
 	const btDbvt& tree() const { return *m_dynamicAabbTree; }
 
 	std::size_t bytes() const;
@@ -90,11 +89,11 @@ private:
 	std::vector<int> m_nodeOfChild, m_childOfNode;
 	std::vector<btSphereShape*> m_sphereOfNode;
 	SphereRows m_rows;
-	bool m_areRowsKnown = false; // nothing has come, gone or changed its number since they were arranged
-	bool m_isStale = false;      // the tree stands where the spheres no longer are
+	bool m_areRowsKnown = false; // no sphere was added, removed or renumbered since they were arranged
+	bool m_isStale = false;      // children and tree are not at the spheres' positions
 	TreeRefit m_refit;
-	bool m_isRefitKnown = false; // of the tree as it is
-	NodeColliders m_colliders;   // of bodies with levels only
+	bool m_isRefitKnown = false; // for the present tree
+	NodeColliders m_colliders;   // bodies with levels only
 	btScalar m_largestRadius = btScalar( 0 ), m_smallestRadius = btScalar( SIMD_INFINITY );
 	btVector3 m_sweepLow = btVector3( 0, 0, 0 ), m_sweepHigh = btVector3( 0, 0, 0 );
 };

@@ -1,4 +1,4 @@
-// The spheres of a body that has cracked, which are those it had but for a few.
+// Updates of the collision shape after a crack, which changes few spheres.
 
 #include "body/levels/levels.h"
 #include "world/shape/node_shape.h"
@@ -9,15 +9,15 @@ namespace pliant {
 
 namespace {
 
-/// Leaf by leaf into a tree takes twenty times as long as all at once: beyond this share of what is in it, it is made anew.
-constexpr double kMostPutIn = 0.05;
+/// Inserting leaves one by one takes twenty times as long as building a tree: above this fraction of inserted leaves the tree is rebuilt.
+constexpr double kMostInserted = 0.05;
 
-/// Sphere by sphere out of a tree is quicker than a new one as long as this share of a body is left.
-constexpr double kLeastLeft = 0.8;
+/// Removing spheres one by one is faster than rebuilding as long as this fraction of a body remains.
+constexpr double kLeastRemaining = 0.8;
 
 } // namespace
 
-/// Nodes that are no more there take their spheres along. `before`: the number that each node had. True where all have it still.
+/// Removes the spheres of lost nodes. `before`: the previous number of each node. True where no number changed.
 bool NodeShape::renumber( const std::vector<std::uint32_t>& nodeNow, const std::vector<std::uint32_t>& before )
 {
 	for ( int child = int( m_nodeOfChild.size() ); before.size() < nodeNow.size() && child-- > 0; )
@@ -29,7 +29,7 @@ bool NodeShape::renumber( const std::vector<std::uint32_t>& nodeNow, const std::
 	}
 	if ( before.size() == nodeNow.size() && std::is_sorted( nodeNow.begin(), nodeNow.end() ) )
 	{
-		return true; // all are there: each is where it was
+		return true; // nothing lost: all numbers are unchanged
 	}
 	std::vector<btSphereShape*> spheres( before.size() );
 	for ( std::size_t i = 0; i < before.size(); ++i )
@@ -46,11 +46,11 @@ bool NodeShape::renumber( const std::vector<std::uint32_t>& nodeNow, const std::
 	return false;
 }
 
-// Spheres are as large as they were: links change between finest cells alone, whose size does not hang on them.
+// Radii are unchanged: links change between finest cells only, whose radius does not depend on them.
 bool NodeShape::followCracks( const Body& body, const std::vector<std::uint32_t>& nodeNow, const std::vector<std::uint32_t>& nodeBefore,
 	const CollidersChange& change )
 {
-	if ( double( nodeBefore.size() ) < kLeastLeft * double( nodeNow.size() ) )
+	if ( double( nodeBefore.size() ) < kLeastRemaining * double( nodeNow.size() ) )
 	{
 		return false;
 	}
@@ -61,7 +61,7 @@ bool NodeShape::followCracks( const Body& body, const std::vector<std::uint32_t>
 							  : measureColliders( body.lattice(), levels->octree() );
 		m_smallestRadius = btScalar( *std::min_element( m_colliders.radius.begin(), m_colliders.radius.end() ) );
 	}
-	std::vector<int> bare;
+	std::vector<int> exposed;
 	for ( int i = 0; i < body.nodeCount(); ++i )
 	{
 		const bool isNear = collides( body, i ), wasNear = m_childOfNode[std::size_t( nodeBefore[std::size_t( i )] )] >= 0;
@@ -71,14 +71,14 @@ bool NodeShape::followCracks( const Body& body, const std::vector<std::uint32_t>
 		}
 		if ( isNear && !wasNear )
 		{
-			bare.push_back( i );
+			exposed.push_back( i );
 		}
 	}
-	if ( double( bare.size() ) > kMostPutIn * double( m_nodeOfChild.size() ) )
+	if ( double( exposed.size() ) > kMostInserted * double( m_nodeOfChild.size() ) )
 	{
 		return false;
 	}
-	const bool hasLost = nodeBefore.size() < nodeNow.size(), isSameTree = bare.empty() && !hasLost;
+	const bool hasLost = nodeBefore.size() < nodeNow.size(), isSameTree = exposed.empty() && !hasLost;
 	const bool keepsNumbers = renumber( nodeNow, nodeBefore );
 	if ( hasLost && !body.levels() )
 	{
@@ -87,9 +87,9 @@ bool NodeShape::followCracks( const Body& body, const std::vector<std::uint32_t>
 		m_smallestRadius = ( *smallest )->getRadius();
 		m_largestRadius = ( *largest )->getRadius();
 	}
-	for ( const int i : bare )
+	for ( const int i : exposed )
 	{
-		addNode( i, body.nodes().x.get( i ), m_sphereOfNode[i] ); // placed with all others when the substep goes on
+		addNode( i, body.nodes().x.get( i ), m_sphereOfNode[i] ); // placed with all others when the substep continues
 	}
 	m_isRefitKnown = m_isRefitKnown && isSameTree;
 	m_areRowsKnown = m_areRowsKnown && isSameTree && keepsNumbers;

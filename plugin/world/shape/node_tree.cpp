@@ -10,12 +10,12 @@ namespace pliant {
 
 namespace {
 
-/// Extents that differ by a smaller share are equal.
+/// Extents that differ by a smaller fraction are equal.
 constexpr btScalar kEqualExtents = btScalar( 1e-3 );
 
 btDbvtNode* makeTreeNode( btDbvtNode* parent )
 {
-	// As btDbvt makes them: it is the tree that frees them.
+	// Allocated as btDbvt does, since the tree frees it.
 	auto* const node = new ( btAlignedAlloc( sizeof( btDbvtNode ), int( alignof( btDbvtNode ) ) ) ) btDbvtNode();
 	node->parent = parent;
 	node->childs[1] = nullptr;
@@ -46,7 +46,7 @@ public:
 			return node;
 		}
 		const int axis = longestAxis( first, last ), half = ( last - first ) / 2;
-		// Whole rows of eight below each half: SphereRows takes the leaves as they stand.
+		// Whole rows of eight below each half: SphereRows takes the leaves in order.
 		const int middle = first +
 			( last - first > SphereRows::kWide ? ( half + SphereRows::kWide - 1 ) / SphereRows::kWide * SphereRows::kWide : half );
 		const auto begin = m_order.begin();
@@ -64,15 +64,15 @@ private:
 		int child;
 	};
 
-	/// Of equal ones the last: nodes are numbered along z last, so that the first half of the tree has its nodes in the first half of their
-	/// arrays, and a thread that places it finds there what it wrote itself a stage ago.
+	/// The last of equal axes: nodes are numbered along z last, so that the first half of the tree holds the first half of the node arrays,
+	/// and a thread reads what it wrote itself in the stage before.
 	int longestAxis( int first, int last ) const
 	{
 		btVector3 low( BT_LARGE_FLOAT, BT_LARGE_FLOAT, BT_LARGE_FLOAT ), high( -low );
 		for ( int k = first; k < last; ++k )
 		{
-			const btScalar* const place = m_order[std::size_t( k )].at;
-			const btVector3 at( place[0], place[1], place[2] );
+			const btScalar* const p = m_order[std::size_t( k )].at;
+			const btVector3 at( p[0], p[1], p[2] );
 			low.setMin( at );
 			high.setMax( at );
 		}
@@ -109,7 +109,7 @@ void replaceLeaf( btDbvt& tree, btDbvtNode* leaf, btDbvtNode* top, int leaves )
 
 void collectInner( btDbvtNode* top, std::vector<btDbvtNode*>& inner )
 {
-	// Parents before children on the stack, then turned round: no recursion, the tree may be deep.
+	// Parents before children, then reversed. Not recursive, since the tree may be deep.
 	const auto first = std::ptrdiff_t( inner.size() );
 	std::vector<btDbvtNode*> stack( 1, top );
 	while ( !stack.empty() )
@@ -130,7 +130,7 @@ void TreeRefit::collect( btDbvtNode* root )
 {
 	m_inner.clear();
 	m_branch.assign( 1, 0 );
-	// Down from the root, the widest rank that is no wider than there are to be branches.
+	// Descends from the root to the widest rank that has no more nodes than there may be branches.
 	std::vector<btDbvtNode*> above, rank, next;
 	for ( next.assign( root && root->isinternal() ? 1 : 0, root ); !next.empty() && int( next.size() ) <= kMostShares; )
 	{
@@ -156,7 +156,7 @@ void TreeRefit::collect( btDbvtNode* root )
 	m_inner.insert( m_inner.end(), above.rbegin(), above.rend() );
 }
 
-void TreeRefit::putBefore( std::vector<btDbvtNode*>& fresh )
+void TreeRefit::prepend( std::vector<btDbvtNode*>& fresh )
 {
 	for ( int& bound : m_branch )
 	{
@@ -179,7 +179,7 @@ void TreeRefit::run( int first, int last ) const
 {
 	for ( int k = first; k < last; ++k )
 	{
-		__builtin_prefetch( m_inner[std::size_t( std::min( k + kAskedAhead, last - 1 ) )], 1 );
+		__builtin_prefetch( m_inner[std::size_t( std::min( k + kPrefetchDistance, last - 1 ) )], 1 );
 		btDbvtNode* const node = m_inner[std::size_t( k )];
 		Merge( node->childs[0]->volume, node->childs[1]->volume, node->volume );
 	}

@@ -1,7 +1,7 @@
 #pragma once
 
-// Trees over the spheres of a body's nodes, all at once or in place of one leaf. Bullet's own way, leaf by leaf, takes twenty times as
-// long, which is the worst of what a fracture, or a change of levels, would cost.
+// Builds trees over the spheres of a body's nodes, as a whole or in place of one leaf. Bullet's insertion of single leaves takes twenty
+// times as long, which would dominate the cost of a fracture or of a change of levels.
 
 #include <BulletCollision/BroadphaseCollision/btDbvt.h>
 #include <BulletCollision/CollisionShapes/btCompoundShape.h>
@@ -13,40 +13,40 @@ namespace pliant {
 
 class TaskRunner;
 
-/// A tree's nodes lie anywhere in memory, and waiting for them is most of a refit: each is asked for this many steps ahead.
-inline constexpr int kAskedAhead = 8;
+/// Prefetch distance of a refit: a tree's nodes are scattered in memory, and waiting for them is most of the time.
+inline constexpr int kPrefetchDistance = 8;
 
-/// A tree over children `which` of a compound, halved along its longest side again and again. At least one. Boxes are not set.
+/// Builds a tree over the children `which` of a compound, at least one, by recursive bisection along the longest side. Boxes are not set.
 btDbvtNode* buildNodeTree( btCompoundShapeChild* children, const std::vector<int>& which );
 
-/// Puts the tree `top` where `leaf` stood, which is freed.
+/// Replaces `leaf`, which is freed, by the tree `top`.
 void replaceLeaf( btDbvt& tree, btDbvtNode* leaf, btDbvtNode* top, int leaves );
 
-/// Inner nodes from `top` down, children before parents.
+/// Appends the inner nodes below and including `top`, children before parents.
 void collectInner( btDbvtNode* top, std::vector<btDbvtNode*>& inner );
 
-/// The inner nodes of one tree in an order in which their boxes can be set: children before parents, and branch by branch, so that threads
-/// can share a large tree. A box is the union of its children's, whoever comes first.
+/// The inner nodes of one tree in an order in which their boxes can be computed: children before parents, and branch by branch, so that
+/// threads can share a large tree. A box is the union of its children's boxes, in any order.
 class TreeRefit
 {
 public:
 	void reserve( std::size_t inner ) { m_inner.reserve( inner ); }
-	/// Anew from the root, which may be null.
+	/// Collects them from the root, which may be null.
 	void collect( btDbvtNode* root );
-	/// Trees were put where leaves were: their inner nodes, children before parents. `fresh` is left with what does not matter.
-	void putBefore( std::vector<btDbvtNode*>& fresh );
-	/// Sets all inner boxes from the leaves'. `runner` may be null.
+	/// Prepends the inner nodes of trees that replaced leaves, children before parents. The contents of `fresh` are unspecified afterwards.
+	void prepend( std::vector<btDbvtNode*>& fresh );
+	/// Computes all inner boxes from the leaves' boxes. `runner` may be null.
 	void run( TaskRunner* runner ) const;
 	std::size_t count() const { return m_inner.size(); }
 
 private:
 	void run( int first, int last ) const;
 
-	std::vector<btDbvtNode*> m_inner;  // below old leaves, then the branches, then what is above them
-	std::vector<int> m_branch = { 0 }; // where each branch begins, and where the last one ends
+	std::vector<btDbvtNode*> m_inner;  // below replaced leaves, then the branches, then the nodes above them
+	std::vector<int> m_branch = { 0 }; // start of each branch, and end of the last
 };
 
-/// Boxes of a node's parents, as far up as they change.
+/// Updates the boxes of a node's ancestors up to the first that does not change.
 void refitUpwards( btDbvtNode* node );
 
 } // namespace pliant

@@ -9,16 +9,16 @@ namespace pliant {
 
 void PenetrationAllowance::follow( const std::vector<std::uint32_t>& nodeNow, int nodeCount )
 {
-	std::vector<float> leave( std::size_t( nodeCount ), std::numeric_limits<float>::infinity() );
+	std::vector<float> allowed( std::size_t( nodeCount ), std::numeric_limits<float>::infinity() );
 	for ( std::size_t before = 0; before < nodeNow.size(); ++before )
 	{
 		if ( nodeNow[before] != kNoNode )
 		{
-			leave[nodeNow[before]] = isAny() ? m_leave[before] : 0.0f;
+			allowed[nodeNow[before]] = isAny() ? m_allowed[before] : 0.0f;
 		}
 	}
-	m_leave.swap( leave );
-	m_found.assign( m_leave.size(), 0.0f );
+	m_allowed.swap( allowed );
+	m_found.assign( m_allowed.size(), 0.0f );
 }
 
 PenetrationAllowance PenetrationAllowance::of( const PenetrationAllowance& parent, const std::vector<std::uint32_t>& nodeBefore )
@@ -26,20 +26,20 @@ PenetrationAllowance PenetrationAllowance::of( const PenetrationAllowance& paren
 	PenetrationAllowance own;
 	for ( std::size_t node = 0; parent.isAny() && node < nodeBefore.size(); ++node )
 	{
-		own.m_leave.push_back( parent.m_leave[nodeBefore[node]] );
+		own.m_allowed.push_back( parent.m_allowed[nodeBefore[node]] );
 	}
-	own.m_found.assign( own.m_leave.size(), 0.0f );
+	own.m_found.assign( own.m_allowed.size(), 0.0f );
 	return own;
 }
 
-double PenetrationAllowance::leave( int node, double depth )
+double PenetrationAllowance::allowedDepth( int node, double depth )
 {
 	const std::size_t i = std::size_t( node );
-	if ( !isAny() || !( m_leave[i] > 0.0f ) )
+	if ( !isAny() || !( m_allowed[i] > 0.0f ) )
 	{
 		return 0.0;
 	}
-	const double given = std::min( depth, double( m_leave[i] ) );
+	const double given = std::min( depth, double( m_allowed[i] ) );
 	m_found[i] = std::max( m_found[i], float( given ) );
 	return given;
 }
@@ -47,15 +47,15 @@ double PenetrationAllowance::leave( int node, double depth )
 void PenetrationAllowance::endPhase( double out )
 {
 	bool isAnyLeft = false;
-	for ( std::size_t i = 0; i < m_leave.size(); ++i )
+	for ( std::size_t i = 0; i < m_allowed.size(); ++i )
 	{
-		m_leave[i] = std::max( 0.0f, m_found[i] - float( out ) );
+		m_allowed[i] = std::max( 0.0f, m_found[i] - float( out ) );
 		m_found[i] = 0.0f;
-		isAnyLeft = isAnyLeft || m_leave[i] > 0.0f;
+		isAnyLeft = isAnyLeft || m_allowed[i] > 0.0f;
 	}
 	if ( !isAnyLeft )
 	{
-		m_leave.clear();
+		m_allowed.clear();
 	}
 }
 

@@ -1,9 +1,8 @@
 #pragma once
 
-// Nodes that a change of levels brought into the world inside what the body touches: a big node's ball leaves out its cube's corners, and
-// its parts stand there. Pushed out at the solver's own pace they are shot out, with many times the energy that the body came with. So as
-// deep as a new node stands in anything at first it may go on standing, and no deeper, until it has come out; what is calm is let come out
-// by itself (SoftBodySystem::endCollision).
+// Allowed penetration of nodes that a change of levels created inside what the body touches: a coarse node's sphere leaves out the corners
+// of its cube, where its parts appear. Pushed out at the solver's rate, they would gain many times the body's energy. So a new node may
+// stay as deep as it first is, until it has come out; a calm body's allowance is reduced over time (SoftBodySystem::endCollision).
 
 #include <cstdint>
 #include <vector>
@@ -13,21 +12,21 @@ namespace pliant {
 class PenetrationAllowance
 {
 public:
-	/// A change of levels. `nodeNow`: by number before, kNoNode for what is gone; who is nobody's number is new.
+	/// Follows a change of levels. `nodeNow`: by previous number, kNoNode where the node is gone; nodes without a previous number are new.
 	void follow( const std::vector<std::uint32_t>& nodeNow, int nodeCount );
-	/// Of a piece. `nodeBefore`: by its nodes, what they were in the body before.
+	/// The allowance of a fragment. `nodeBefore`: for each of its nodes, the number in the parent.
 	static PenetrationAllowance of( const PenetrationAllowance& parent, const std::vector<std::uint32_t>& nodeBefore );
 
-	/// Whether any node may stand in something; else nothing is asked and nothing is kept.
-	bool isAny() const { return !m_leave.empty(); }
-	/// How much of the `depth` that a node is in something now it may be, 0 to depth, m; noted for the phase's end.
-	double leave( int node, double depth );
-	/// After all contacts of a collision phase: no node may be deeper from now on than it was in any of them, less `out`, m.
+	/// Whether any node has an allowance; otherwise nothing is looked up or stored.
+	bool isAny() const { return !m_allowed.empty(); }
+	/// The allowed part of a node's penetration `depth`, 0 to depth, m; recorded until the end of the phase.
+	double allowedDepth( int node, double depth );
+	/// After all contacts of a collision phase: limits each allowance to the largest depth recorded, less `out`, m.
 	void endPhase( double out );
 
 private:
-	std::vector<float> m_leave; ///< by node, m; infinity until it has been measured; empty: none has any
-	std::vector<float> m_found; ///< in this phase
+	std::vector<float> m_allowed; ///< by node, m; infinity until measured; empty: no node has one
+	std::vector<float> m_found;   ///< largest depth recorded in this phase
 };
 
 } // namespace pliant

@@ -19,12 +19,13 @@ RigidMotionProxy::RigidMotionProxy( btCollisionObject* object )
 	}
 	else if ( rigid && ( !rigid->isStaticObject() || rigid->isKinematicObject() ) )
 	{
-		speed = toVec3d( rigid->getAngularVelocity() );
-		inverse = rigid->isKinematicObject() ? Eigen::Matrix3d( Eigen::Matrix3d::Zero() ) : toMatrix3d( rigid->getInvInertiaTensorWorld() );
+		angularVelocity = toVec3d( rigid->getAngularVelocity() );
+		inverseInertia = rigid->isKinematicObject() ? Eigen::Matrix3d( Eigen::Matrix3d::Zero() )
+													: toMatrix3d( rigid->getInvInertiaTensorWorld() );
 	}
 }
 
-// A body that is held somewhere does not turn as a whole; nor does one that sleeps.
+// Held and sleeping bodies do not rotate rigidly.
 void RigidMotionProxy::measure()
 {
 	const NodeState& nodes = soft->impl().body->nodes();
@@ -41,8 +42,7 @@ void RigidMotionProxy::measure()
 	{
 		return;
 	}
-	// Nodes in one line have no inertia about it. Those in one line but for a little have too little: their cells would have sum m d^2 / 6
-	// more.
+	// Collinear nodes have no inertia about their line, and nearly collinear ones too little: their cells would add sum m d^2 / 6.
 	const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes( inertia );
 	const double cell = soft->impl().body->lattice().cellSize, thin = kRollingInertia * sums.mass * cell * cell / 6.0;
 	Vec3d inverses = Vec3d::Zero();
@@ -51,20 +51,20 @@ void RigidMotionProxy::measure()
 		const double moment = axes.eigenvalues()[k];
 		inverses[k] = moment > thin ? 1.0 / moment : 0.0;
 	}
-	inverse = axes.eigenvectors() * inverses.asDiagonal() * axes.eigenvectors().transpose();
-	speed = inverse * sums.spin;
+	inverseInertia = axes.eigenvectors() * inverses.asDiagonal() * axes.eigenvectors().transpose();
+	angularVelocity = inverseInertia * sums.spin;
 	centre = sums.centre;
 }
 
 void RigidMotionProxy::turn( const Vec3d& impulse )
 {
-	const Vec3d change = inverse * impulse;
-	speed += change;
-	if ( rigid && !inverse.isZero( 0.0 ) )
+	const Vec3d change = inverseInertia * impulse;
+	angularVelocity += change;
+	if ( rigid && !inverseInertia.isZero( 0.0 ) )
 	{
 		rigid->setAngularVelocity( rigid->getAngularVelocity() + toBt( change ) * rigid->getAngularFactor() );
 	}
-	if ( soft && !inverse.isZero( 0.0 ) )
+	if ( soft && !inverseInertia.isZero( 0.0 ) )
 	{
 		NodeState& nodes = soft->impl().body->nodes();
 		for ( int i = 0; i < nodes.count; ++i )

@@ -1,6 +1,6 @@
 #pragma once
 
-// A body, soft or rigid, as something that turns as a whole.
+// The rigid rotation of a body, soft or rigid.
 
 #include "lattice/lattice.h"
 
@@ -15,19 +15,19 @@ struct RigidMotionProxy
 {
 	SoftBody* soft = nullptr;
 	btRigidBody* rigid = nullptr;
-	Vec3d speed = Vec3d::Zero();                       ///< rad/s
-	Eigen::Matrix3d inverse = Eigen::Matrix3d::Zero(); ///< of its inertia; 0: nothing turns it
-	Vec3d centre = Vec3d::Zero();                      ///< of a soft body's mass, relative to its origin, m
+	Vec3d angularVelocity = Vec3d::Zero();                    ///< rad/s
+	Eigen::Matrix3d inverseInertia = Eigen::Matrix3d::Zero(); ///< of the inertia tensor; 0: not rotatable
+	Vec3d centre = Vec3d::Zero();                             ///< mass centre of a soft body, relative to its origin, m
 
 	explicit RigidMotionProxy( btCollisionObject* object );
-	/// By an impulse of N m s; of a soft body all nodes turn.
+	/// Applies an angular impulse, N m s; all nodes of a soft body rotate.
 	void turn( const Vec3d& impulse );
 
 private:
 	void measure();
 };
 
-/// Whether solvers work on what is between the two; they leave alone what sleeps, and impulses there are those of when it fell asleep.
+/// Whether solvers act between the two; contacts of sleeping bodies keep the impulses of when they fell asleep.
 bool areSolved( const btCollisionObject& first, const btCollisionObject& second );
 
 } // namespace pliant

@@ -10,16 +10,16 @@ namespace pliant {
 
 namespace {
 
-/// A box that meets none, and that adds nothing to another.
-constexpr float kNowhere = 1e30f;
-constexpr SphereRows::Box kEmpty{ { kNowhere, kNowhere, kNowhere }, { -kNowhere, -kNowhere, -kNowhere } };
+/// A box that overlaps nothing and adds nothing to a union.
+constexpr float kFarAway = 1e30f;
+constexpr SphereRows::Box kEmpty{ { kFarAway, kFarAway, kFarAway }, { -kFarAway, -kFarAway, -kFarAway } };
 
-std::size_t eighthOf( std::size_t count )
+std::size_t groupsOfEight( std::size_t count )
 {
 	return ( count + SphereRows::kWide - 1 ) / SphereRows::kWide;
 }
 
-/// The lanes that are set of eight, in order, and how many they are; what follows them is none of them.
+/// For every set of eight lanes: its lanes in order, and their number; entries beyond it are unspecified.
 struct SetLanes
 {
 	static constexpr int kSets = 1 << SphereRows::kWide;
@@ -45,7 +45,7 @@ constexpr SetLanes kSetLanes;
 
 } // namespace
 
-void SphereRows::Pairs::Lot::add( std::uint32_t source, unsigned lanes )
+void SphereRows::Pairs::LaneList::add( std::uint32_t source, unsigned lanes )
 {
 	if ( count + kWide > lane.size() )
 	{
@@ -80,10 +80,10 @@ SphereRows::Box SphereRows::Boxes::around() const
 void SphereRows::arrange( const btDbvtNode* root, const std::vector<int>& nodeOfChild, const std::vector<btSphereShape*>& sphereOfNode )
 {
 	m_rows.clear();
-	m_rows.reserve( eighthOf( nodeOfChild.size() ) );
+	m_rows.reserve( groupsOfEight( nodeOfChild.size() ) );
 	m_count = 0;
 	Row none{};
-	std::fill( std::begin( none.reach ), std::end( none.reach ), -kNowhere );
+	std::fill( std::begin( none.reach ), std::end( none.reach ), -kFarAway );
 	std::vector<const btDbvtNode*> waiting( root ? 1 : 0, root );
 	while ( !waiting.empty() )
 	{
@@ -109,7 +109,7 @@ void SphereRows::arrange( const btDbvtNode* root, const std::vector<int>& nodeOf
 	for ( std::size_t wide = m_rows.size(); wide > 1 || m_rank.empty(); )
 	{
 		m_rank.push_back( int( boxes ) );
-		wide = eighthOf( wide );
+		wide = groupsOfEight( wide );
 		boxes += wide;
 	}
 	Boxes empty;
@@ -127,7 +127,7 @@ void SphereRows::placeRows( int first, int last, const NodeState& nodes, const V
 		Row& row = m_rows[std::size_t( r )];
 		for ( int k = 0; k < kWide; ++k )
 		{
-			const int node = row.node[k]; // where there is none, any
+			const int node = row.node[k]; // any node in an unused slot
 			row.x[0][k] = nodes.x.x[node] - shift.x();
 			row.x[1][k] = nodes.x.y[node] - shift.y();
 			row.x[2][k] = nodes.x.z[node] - shift.z();
@@ -138,7 +138,7 @@ void SphereRows::placeRows( int first, int last, const NodeState& nodes, const V
 
 void SphereRows::place( const NodeState& nodes, const Vec3& shift, TaskRunner* runner )
 {
-	// Shares are whole numbers of rows: multiples of 16 spheres.
+	// Ranges are whole rows: multiples of 16 spheres.
 	runShares( runner, Shares{ int( m_rows.size() ) * kWide },
 		[&]( int, int begin, int end ) { placeRows( begin / kWide, end / kWide, nodes, shift ); } );
 	for ( std::size_t rank = 1; rank < m_rank.size(); ++rank )
@@ -154,43 +154,43 @@ void SphereRows::place( const NodeState& nodes, const Vec3& shift, TaskRunner* r
 
 void SphereRows::findPairs( const SphereRows& a, const SphereRows& b, const Approach& approach, Pairs& pairs )
 {
-	// What the way from a's coordinates to b's, and back, makes of a box.
+	// Offsets of a box from a's coordinates to b's, and back.
 	const Box there = Box::of( approach.shift + approach.low, approach.shift + approach.high );
 	const Box back = Box::of( -approach.shift - approach.high, -approach.shift - approach.low );
 	btVector3 farthest = -approach.low;
 	farthest.setMax( approach.high );
-	const float way = float( farthest.length() );
+	const float sweepLength = float( farthest.length() );
 	const float shift[3] = { float( approach.shift.x() ), float( approach.shift.y() ), float( approach.shift.z() ) };
 	pairs.rows.clear();
 	pairs.rowPairs.clear();
-	pairs.asking.count = pairs.near.count = 0;
+	pairs.candidates.count = pairs.near.count = 0;
 	a.visitRows( b.m_whole.moved( back ), [&pairs]( int row ) { pairs.rows.push_back( row ); } );
-	for ( const int mine : pairs.rows )
+	for ( const int rowA : pairs.rows )
 	{
-		b.visitRows( a.boxOfRow( mine ).moved( there ), [&pairs, mine]( int others ) { pairs.rowPairs.push_back( { mine, others } ); } );
+		b.visitRows( a.boxOfRow( rowA ).moved( there ), [&pairs, rowA]( int rowB ) { pairs.rowPairs.push_back( { rowA, rowB } ); } );
 	}
 	for ( std::size_t p = 0; p < pairs.rowPairs.size(); ++p )
 	{
-		const auto [mine, others] = pairs.rowPairs[p];
-		pairs.asking.add( std::uint32_t( p ), met( a.m_rows[std::size_t( mine )], b.boxOfRow( others ).moved( back ) ) );
+		const auto [rowA, rowB] = pairs.rowPairs[p];
+		pairs.candidates.add( std::uint32_t( p ), overlapping( a.m_rows[std::size_t( rowA )], b.boxOfRow( rowB ).moved( back ) ) );
 	}
-	for ( std::size_t i = 0; i < pairs.asking.count; ++i )
+	for ( std::size_t i = 0; i < pairs.candidates.count; ++i )
 	{
-		const auto [mine, others] = pairs.rowPairs[pairs.asking.from[i]];
-		const Row& row = a.m_rows[std::size_t( mine )];
-		const std::size_t k = pairs.asking.lane[i];
+		const auto [rowA, rowB] = pairs.rowPairs[pairs.candidates.from[i]];
+		const Row& row = a.m_rows[std::size_t( rowA )];
+		const std::size_t k = pairs.candidates.lane[i];
 		const float x[3] = { row.x[0][k] + shift[0], row.x[1][k] + shift[1], row.x[2][k] + shift[2] };
-		pairs.near.add( std::uint32_t( i ), near( b.m_rows[std::size_t( others )], x, row.reach[k] + way ) );
+		pairs.near.add( std::uint32_t( i ), near( b.m_rows[std::size_t( rowB )], x, row.reach[k] + sweepLength ) );
 	}
 	pairs.found.resize( pairs.near.count );
 	for ( std::size_t c = 0; c < pairs.near.count; ++c )
 	{
-		const std::size_t i = pairs.near.from[c], k = pairs.asking.lane[i], l = pairs.near.lane[c];
-		const auto [mine, others] = pairs.rowPairs[pairs.asking.from[i]];
-		const Row &row = a.m_rows[std::size_t( mine )], &other = b.m_rows[std::size_t( others )];
+		const std::size_t i = pairs.near.from[c], k = pairs.candidates.lane[i], l = pairs.near.lane[c];
+		const auto [rowA, rowB] = pairs.rowPairs[pairs.candidates.from[i]];
+		const Row &row = a.m_rows[std::size_t( rowA )], &other = b.m_rows[std::size_t( rowB )];
 		const float dx = other.x[0][l] - ( row.x[0][k] + shift[0] ), dy = other.x[1][l] - ( row.x[1][k] + shift[1] ),
 					dz = other.x[2][l] - ( row.x[2][k] + shift[2] );
-		pairs.found[c] = Meeting{ row.node[k], other.node[l], dx * dx + dy * dy + dz * dz, row.reach[k] + other.reach[l] };
+		pairs.found[c] = NearSpheres{ row.node[k], other.node[l], dx * dx + dy * dy + dz * dz, row.reach[k] + other.reach[l] };
 	}
 }
 

@@ -1,8 +1,8 @@
 #pragma once
 
-// The spheres of a soft body's nodes as a substep's searches want them: rows of eight that lie near one another, boxes around rows, eight
-// of them side by side, boxes around those, and so on. Nothing is pointed to and eight are asked at once: a body of some hundred nodes is 5
-// kB that stay in the cache. Bullet's tree over the same spheres takes 40, and is there for those who ask Bullet (node_shape.h).
+// The spheres of a soft body's nodes for a substep's searches: rows of eight neighbouring spheres, boxes around rows, eight side by side,
+// boxes around those, and so on. There are no pointers and eight are tested at once: a body of some hundred nodes takes 5 kB, which stay in
+// the cache. Bullet's tree over the same spheres takes 40 kB and serves Bullet's own queries (node_shape.h).
 
 #include "lattice/lattice.h"
 #include "matching/node_state.h"
@@ -40,44 +40,44 @@ public:
 				{ high[0] + by.high[0], high[1] + by.high[1], high[2] + by.high[2] } };
 		}
 	};
-	/// Where the spheres of one body stand in the coordinates of another, and by how much more one may come towards one of the other's, m.
-	/// `low` and `high` are not above and not below zero.
+	/// Shift from one body's coordinates to the other's, and the range of displacement of the one relative to the other in this step, m.
+	/// `low` has no positive and `high` no negative component.
 	struct Approach
 	{
 		btVector3 shift, low, high;
 	};
 
-	/// Two spheres that may come to touch. As both bodies' sweeps go; what their own nodes' speeds make of it is for who asks.
-	struct Meeting
+	/// Two spheres that may touch by the sweeps of both bodies; the caller tests the nodes' own velocities.
+	struct NearSpheres
 	{
 		int nodeA, nodeB;
-		float square, reach; ///< of how far their middles are apart, m^2; and their reaches together, m
+		float squaredDistance, reach; ///< squared distance of the centres, m^2; sum of the reaches, m
 	};
 
-	/// The spheres of a tree's leaves, in their order; leaves name children. They are to be placed.
+	/// Takes the spheres of a tree's leaves in order; leaves hold indices of children. Positions are set by place().
 	void arrange( const btDbvtNode* root, const std::vector<int>& nodeOfChild, const std::vector<btSphereShape*>& sphereOfNode );
-	/// Spheres and boxes go where the nodes are. `shift`: where the rows' own origin is in the nodes' coordinates. `runner` may be null.
+	/// Moves spheres and boxes to the nodes. `shift`: the rows' own origin in the nodes' coordinates. `runner` may be null.
 	void place( const NodeState& nodes, const Vec3& shift, TaskRunner* runner );
-	/// Around all of them.
+	/// The box around all spheres.
 	const Box& whole() const { return m_whole; }
 	int count() const { return m_count; }
 	std::size_t bytes() const { return m_rows.size() * sizeof( Row ) + m_boxes.size() * sizeof( Boxes ); }
 
-	/// visit( node ) for every sphere whose box meets the box.
+	/// Calls visit( node ) for every sphere whose box overlaps the box.
 	template <class Visit>
 	void visitOverlaps( const Box& box, Visit&& visit ) const
 	{
 		visitRows( box, [&]( int at ) {
 			const Row& row = m_rows[std::size_t( at )];
-			forEach( met( row, box ), [&]( int k ) { visit( row.node[k] ); } );
+			forEach( overlapping( row, box ), [&]( int k ) { visit( row.node[k] ); } );
 		} );
 	}
-	/// What a search for pairs found, and its scratch; the caller keeps it.
+	/// Result and scratch of a search for pairs; owned by the caller.
 	struct Pairs
 	{
-		/// Lanes of rows, each with whatever it came of: what is found eight at a time is written eight at a time, wanted or not, and
-		/// counted. How many of eight there are is as good as chance, and a loop over them is guessed wrong each time.
-		struct Lot
+		/// Selected lanes of rows, each with the index of its source: all eight are written and the count advances by the selected ones. A
+		/// loop over the selected lanes would be mispredicted almost every time.
+		struct LaneList
 		{
 			std::vector<std::uint8_t> lane;
 			std::vector<std::uint32_t> from;
@@ -86,15 +86,14 @@ public:
 			void add( std::uint32_t source, unsigned lanes );
 		};
 
-		std::vector<Meeting> found; ///< every pair of spheres that may come to touch, and some that nearly do
+		std::vector<NearSpheres> found; ///< all pairs of spheres that may touch, and some that nearly do
 		std::vector<int> rows;
 		std::vector<std::array<int, 2>> rowPairs;
-		Lot asking, near;
+		LaneList candidates, near;
 	};
-	/// Into `pairs.found`, in an order that follows from the rows. Rows whose boxes meet, spheres of the one that meet the other's box, and
-	/// those near each of them.
+	/// Fills `pairs.found` in an order that follows from the rows: from rows whose boxes overlap to spheres within reach of each other.
 	static void findPairs( const SphereRows& a, const SphereRows& b, const Approach& approach, Pairs& pairs );
-	/// visit( node, where its sphere is ) for the first-th to the one before the last-th.
+	/// Calls visit( node, position ) for the spheres from `first` to `last` - 1.
 	template <class Visit>
 	void visitPositions( int first, int last, Visit&& visit ) const
 	{
@@ -107,7 +106,7 @@ public:
 	}
 
 private:
-	/// `reach`: of a sphere's box from its middle. Places without a sphere have boxes that nothing meets.
+	/// `reach`: half width of a sphere's box. Unused slots have boxes that overlap nothing.
 	struct alignas( 32 ) Row
 	{
 		float x[3][kWide], reach[kWide];
@@ -121,10 +120,10 @@ private:
 		void set( int k, const Box& box );
 		Box around() const;
 	};
-	/// Half a row, and -1 where something is so of it.
+	/// Half a row of values, and of comparison results (-1 where true).
 	using F4 = float __attribute__( ( vector_size( 16 ), may_alias ) );
 	using I4 = int __attribute__( ( vector_size( 16 ), may_alias ) );
-	/// Bit k: it is so of the k-th.
+	/// Bit k: true for the k-th lane.
 	using Lanes = unsigned;
 
 	static F4 load( const float* four ) { return *reinterpret_cast<const F4*>( four ); }
@@ -136,7 +135,7 @@ private:
 		return unsigned( is[0] & 1 ) | unsigned( is[1] & 2 ) | unsigned( is[2] & 4 ) | unsigned( is[3] & 8 );
 #endif
 	}
-	/// is( k ): of the four from the k-th on.
+	/// is( k ): results for the four lanes from the k-th on.
 	template <class Is>
 	static Lanes eachHalf( Is&& is )
 	{
@@ -157,7 +156,7 @@ private:
 		}
 		return boxes;
 	}
-	static Lanes met( const Boxes& boxes, const Box& box )
+	static Lanes overlapping( const Boxes& boxes, const Box& box )
 	{
 		return eachHalf( [&]( int k ) {
 			const I4 alongX = ( load( boxes.low[0] + k ) <= F4{} + box.high[0] ) & ( load( boxes.high[0] + k ) >= F4{} + box.low[0] );
@@ -166,11 +165,11 @@ private:
 			return alongX & alongY & alongZ;
 		} );
 	}
-	static Lanes met( const Row& row, const Box& box )
+	static Lanes overlapping( const Row& row, const Box& box )
 	{
-		return met( boxesOf( row ), box );
+		return overlapping( boxesOf( row ), box );
 	}
-	/// Those whose middles are nearer to `x` than the sum of both reaches.
+	/// Lanes whose centres are nearer to `x` than the sum of both reaches.
 	static Lanes near( const Row& row, const float ( &x )[3], float reach )
 	{
 		return eachHalf( [&]( int k ) {
@@ -187,7 +186,7 @@ private:
 			visit( __builtin_ctz( is ) );
 		}
 	}
-	/// visit( row ) for every row whose box meets the box.
+	/// Calls visit( row ) for every row whose box overlaps the box.
 	template <class Visit>
 	void visitRows( const Box& box, Visit&& visit ) const
 	{
@@ -199,7 +198,7 @@ private:
 	template <class Visit>
 	void descend( int rank, int at, const Box& box, Visit& visit ) const // NOLINT(misc-no-recursion): as deep as the logarithm of the count
 	{
-		forEach( met( m_boxes[std::size_t( m_rank[std::size_t( rank )] + at )], box ), [&]( int k ) {
+		forEach( overlapping( m_boxes[std::size_t( m_rank[std::size_t( rank )] + at )], box ), [&]( int k ) {
 			if ( rank == 0 )
 			{
 				visit( at * kWide + k );
@@ -215,8 +214,8 @@ private:
 	void placeRows( int first, int last, const NodeState& nodes, const Vec3& shift );
 
 	std::vector<Row> m_rows;
-	std::vector<Boxes> m_boxes; // of the rows, then of those, up to a single one
-	std::vector<int> m_rank;    // where the boxes of each rank begin
+	std::vector<Boxes> m_boxes; // of the rows, then of those boxes, up to a single one
+	std::vector<int> m_rank;    // first box of each rank
 	Box m_whole{};
 	int m_count = 0;
 };

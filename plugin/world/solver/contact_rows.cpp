@@ -12,16 +12,16 @@ namespace pliant {
 
 namespace {
 
-/// Fours with room that are looked at before a new one is begun.
-constexpr std::size_t kMostLooks = 16;
+/// Incomplete groups that are searched before a new one is started.
+constexpr std::size_t kMostSearched = 16;
 
-/// `to` becomes `yes` where `which` is, and else stays.
+/// `to` becomes `yes` where `which` is set, and is unchanged elsewhere.
 inline void put( Lanes& to, const LaneMask& which, const Lanes& yes )
 {
 	to = (Lanes)( ( (LaneMask)yes & which ) | ( (LaneMask)to & ~which ) );
 }
 
-/// Speeds of four points, axis by axis.
+/// Velocities of four nodes, axis by axis.
 struct FourVelocities
 {
 	Lanes x, y, z;
@@ -45,37 +45,37 @@ struct FourVelocities
 	}
 };
 
-/// Four rows at once, in Bullet's order of evaluation, without its products with zero:
-///     d = rhs - cfm P - n.va / K + n.vb / K,    P + d  no less than 0, or within  +- friction times what presses
-/// `presses`: what four rows that rub belong to. Which of them slip or press cannot be guessed ahead: no branches.
+/// Solves four rows at once, in Bullet's order of evaluation, without its products with zero:
+///     d = rhs - cfm P - n.va / K + n.vb / K,    P + d  at least 0, or within  +- friction times the normal impulse
+/// `normalRow`: the normal rows of four friction rows. Without branches, since sliding and separation cannot be predicted.
 template <bool kHasB>
-inline void solveFour( FourRows& row, const FourRows* presses, btVector3* change, Lanes& worst )
+inline void solveFour( FourRows& row, const FourRows* normalRow, btVector3* change, Lanes& worst )
 {
 	const Lanes none{};
 	FourVelocities a( change, row.a ), b( change, kHasB ? row.b : row.a );
-	Lanes d = row.rhs - row.impulse * row.cfm - ( row.normal[0] * a.x + row.normal[1] * a.y + row.normal[2] * a.z ) * row.perSpeed;
+	Lanes d = row.rhs - row.impulse * row.cfm - ( row.normal[0] * a.x + row.normal[1] * a.y + row.normal[2] * a.z ) * row.effectiveMass;
 	if constexpr ( kHasB )
 	{
-		d += ( row.normal[0] * b.x + row.normal[1] * b.y + row.normal[2] * b.z ) * row.perSpeed;
+		d += ( row.normal[0] * b.x + row.normal[1] * b.y + row.normal[2] * b.z ) * row.effectiveMass;
 	}
-	Lanes impulse = d, held = row.impulse + d;
-	if ( presses )
+	Lanes impulse = d, newImpulse = row.impulse + d;
+	if ( normalRow )
 	{
-		const Lanes high = row.friction * presses->impulse, low = -high, sum = held;
-		const LaneMask isLow = sum<low, isHigh = sum> high, isOff = ~( presses->impulse > none );
-		put( held, isHigh, high );
-		put( held, isLow, low );
-		put( impulse, isLow | isHigh, held - row.impulse );
+		const Lanes high = row.friction * normalRow->impulse, low = -high, sum = newImpulse;
+		const LaneMask isLow = sum<low, isHigh = sum> high, isOff = ~( normalRow->impulse > none );
+		put( newImpulse, isHigh, high );
+		put( newImpulse, isLow, low );
+		put( impulse, isLow | isHigh, newImpulse - row.impulse );
 		put( impulse, isOff, none );
-		put( held, isOff, row.impulse );
+		put( newImpulse, isOff, row.impulse );
 	}
 	else
 	{
-		const LaneMask isLow = held < none; // a contact's least impulse is zero
+		const LaneMask isLow = newImpulse < none; // normal impulses are not negative
 		put( impulse, isLow, -row.impulse );
-		put( held, isLow, none );
+		put( newImpulse, isLow, none );
 	}
-	row.impulse = held;
+	row.impulse = newImpulse;
 	const Lanes forA = row.inverseA, forB = row.inverseB;
 	a.x += row.normal[0] * forA * impulse;
 	a.y += row.normal[1] * forA * impulse;
@@ -91,65 +91,65 @@ inline void solveFour( FourRows& row, const FourRows* presses, btVector3* change
 	Lanes off;
 	for ( int lane = 0; lane < kRowLanes; ++lane )
 	{
-		off[lane] = btScalar( impulse[lane] * row.perImpulse[lane] );
+		off[lane] = btScalar( impulse[lane] * row.inverseEffectiveMass[lane] );
 	}
 	off *= off;
 	put( worst, off > worst, off );
 }
 
-/// The same of a point and what turns. Of the two Bullet asks the first first.
-inline btScalar asked( const RollingRow& row, const btSolverBody& body, const btVector3& speed )
+/// The unclamped impulse of a node and a rotating body. Bullet evaluates the first body first.
+inline btScalar unclampedImpulse( const RotatingRow& row, const btSolverBody& body, const btVector3& velocity )
 {
 	const btScalar turned = -(
-		( row.normal.dot( body.getDeltaLinearVelocity() ) + row.cross.dot( body.getDeltaAngularVelocity() ) ) * row.perSpeed );
-	const btScalar moved = row.normal.dot( speed ) * row.perSpeed;
+		( row.normal.dot( body.getDeltaLinearVelocity() ) + row.cross.dot( body.getDeltaAngularVelocity() ) ) * row.effectiveMass );
+	const btScalar moved = row.normal.dot( velocity ) * row.effectiveMass;
 	return row.rhs - row.impulse * row.cfm + ( row.isBodyFirst ? turned : moved ) + ( row.isBodyFirst ? moved : turned );
 }
 
-inline btScalar take( const RollingRow& row, btSolverBody& body, btVector3& speed, btScalar impulse )
+inline btScalar applyImpulse( const RotatingRow& row, btSolverBody& body, btVector3& velocity, btScalar impulse )
 {
 	body.internalApplyImpulse( row.normal * body.internalGetInvMass(), row.angular, impulse );
-	speed -= row.normal * row.inverse * impulse;
-	return btScalar( impulse * row.perImpulse );
+	velocity -= row.normal * row.inverseMass * impulse;
+	return btScalar( impulse * row.inverseEffectiveMass );
 }
 
-inline btScalar press( RollingRow& row, btSolverBody& body, btVector3& speed )
+inline btScalar solveNormal( RotatingRow& row, btSolverBody& body, btVector3& velocity )
 {
-	const btScalar d = asked( row, body, speed ), sum = row.impulse + d;
+	const btScalar d = unclampedImpulse( row, body, velocity ), sum = row.impulse + d;
 	const btScalar impulse = sum < 0 ? -row.impulse : d;
 	row.impulse = sum < 0 ? 0 : sum;
-	return take( row, body, speed, impulse );
+	return applyImpulse( row, body, velocity, impulse );
 }
 
-inline btScalar rub( RollingRow& row, btSolverBody& body, btVector3& speed, btScalar pressed )
+inline btScalar solveFriction( RotatingRow& row, btSolverBody& body, btVector3& velocity, btScalar normalImpulse )
 {
-	const btScalar high = row.friction * pressed, low = -high, d = asked( row, body, speed ), sum = row.impulse + d;
-	const btScalar held = sum < low ? low : sum > high ? high : sum;
-	const btScalar impulse = sum < low || sum > high ? held - row.impulse : d;
-	row.impulse = held;
-	return take( row, body, speed, impulse );
+	const btScalar high = row.friction * normalImpulse, low = -high, d = unclampedImpulse( row, body, velocity ), sum = row.impulse + d;
+	const btScalar newImpulse = sum < low ? low : sum > high ? high : sum;
+	const btScalar impulse = sum < low || sum > high ? newImpulse - row.impulse : d;
+	row.impulse = newImpulse;
+	return applyImpulse( row, body, velocity, impulse );
 }
 
-void note( btScalar off, Lanes& worst )
+void raiseWorst( btScalar off, Lanes& worst )
 {
 	worst[0] = std::max( worst[0], off * off );
 }
 
 } // namespace
 
-void FourRows::set( int lane, const Ask& ask, int pointA, btScalar inverseOfA, int pointB, btScalar inverseOfB )
+void FourRows::set( int lane, const RowData& data, int pointA, btScalar inverseOfA, int pointB, btScalar inverseOfB )
 {
-	normal[0][lane] = ask.normal.x();
-	normal[1][lane] = ask.normal.y();
-	normal[2][lane] = ask.normal.z();
-	perSpeed[lane] = ask.perSpeed;
+	normal[0][lane] = data.normal.x();
+	normal[1][lane] = data.normal.y();
+	normal[2][lane] = data.normal.z();
+	effectiveMass[lane] = data.effectiveMass;
 	inverseA[lane] = inverseOfA;
 	inverseB[lane] = inverseOfB;
-	rhs[lane] = ask.rhs;
-	cfm[lane] = ask.cfm;
-	impulse[lane] = ask.impulse;
-	friction[lane] = ask.friction;
-	perImpulse[lane] = 1. / ask.perSpeed;
+	rhs[lane] = data.rhs;
+	cfm[lane] = data.cfm;
+	impulse[lane] = data.impulse;
+	friction[lane] = data.friction;
+	inverseEffectiveMass[lane] = 1. / data.effectiveMass;
 	a[lane] = pointA;
 	b[lane] = pointB;
 }
@@ -161,34 +161,34 @@ void ContactRows::clear( int directionCount )
 	m_stepCount = 0;
 	for ( int kind = 0; kind < 2; ++kind )
 	{
-		press[kind].clear();
-		rub[kind].clear();
-		m_open[kind].step.clear();
-		m_open[kind].filled.clear();
-		m_open[kind].first = 0;
+		normalRows[kind].clear();
+		frictionRows[kind].clear();
+		m_openGroups[kind].step.clear();
+		m_openGroups[kind].filled.clear();
+		m_openGroups[kind].first = 0;
 	}
-	turnPress.clear();
-	turnRub.clear();
+	rotatingNormalRows.clear();
+	rotatingFrictionRows.clear();
 	contacts.clear();
 	deep.clear();
-	points.assign( 1, Point{ btVector3( 0, 0, 0 ), btVector3( 0, 0, 0 ), nullptr, 0, -1 } );
+	points.assign( 1, NodePoint{ btVector3( 0, 0, 0 ), btVector3( 0, 0, 0 ), nullptr, 0, -1 } );
 	change.assign( 1, btVector3( 0, 0, 0 ) );
 }
 
 int ContactRows::addPoint( btRigidBody& body )
 {
-	points.push_back( Point{ body.getLinearVelocity(), btVector3( 0, 0, 0 ), &body, body.getInvMass(), -1 } );
+	points.push_back( NodePoint{ body.getLinearVelocity(), btVector3( 0, 0, 0 ), &body, body.getInvMass(), -1 } );
 	change.push_back( btVector3( 0, 0, 0 ) );
 	return int( points.size() ) - 1;
 }
 
-RowPosition ContactRows::place( RowKind kind, int a, int b )
+RowPosition ContactRows::allocate( RowKind kind, int a, int b )
 {
 	const int next = m_stepCount, after = std::max( points[std::size_t( a )].step, b > 0 ? points[std::size_t( b )].step : -1 );
-	int step = next, at = int( turnPress.size() );
-	if ( kind != RowKind::Turning )
+	int step = next, at = int( rotatingNormalRows.size() );
+	if ( kind != RowKind::Rotating )
 	{
-		Open& open = m_open[int( kind )];
+		OpenGroups& open = m_openGroups[int( kind )];
 		while ( open.first < open.filled.size() && open.filled[open.first] == kRowLanes )
 		{
 			++open.first;
@@ -196,7 +196,7 @@ RowPosition ContactRows::place( RowKind kind, int a, int b )
 		// Steps of one kind ascend.
 		std::size_t four = std::size_t(
 			std::upper_bound( open.step.begin() + std::ptrdiff_t( open.first ), open.step.end(), after ) - open.step.begin() );
-		const std::size_t last = std::min( open.step.size(), four + kMostLooks );
+		const std::size_t last = std::min( open.step.size(), four + kMostSearched );
 		while ( four < last && open.filled[four] == kRowLanes )
 		{
 			++four;
@@ -206,20 +206,20 @@ RowPosition ContactRows::place( RowKind kind, int a, int b )
 			four = open.step.size();
 			open.step.push_back( next );
 			open.filled.push_back( 0 );
-			press[int( kind )].emplace_back();
-			rub[int( kind )].resize( rub[int( kind )].size() + std::size_t( directions ) );
+			normalRows[int( kind )].emplace_back();
+			frictionRows[int( kind )].resize( frictionRows[int( kind )].size() + std::size_t( directions ) );
 		}
 		step = open.step[four];
 		at = int( four ) * kRowLanes + open.filled[four]++;
 	}
 	else
 	{
-		turnPress.emplace_back();
-		turnRub.resize( turnRub.size() + std::size_t( directions ) );
+		rotatingNormalRows.emplace_back();
+		rotatingFrictionRows.resize( rotatingFrictionRows.size() + std::size_t( directions ) );
 	}
 	if ( step == next )
 	{
-		addStep( kind, kind == RowKind::Turning ? at : at / kRowLanes );
+		addStep( kind, kind == RowKind::Rotating ? at : at / kRowLanes );
 	}
 	points[std::size_t( a )].step = step;
 	points[std::size_t( b )].step = b > 0 ? step : -1;
@@ -237,28 +237,28 @@ void ContactRows::addStep( RowKind kind, int at )
 	runs.push_back( Run{ kind, at, at + 1 } );
 }
 
-void ContactRows::pressRun( const Run& run, btSolverBody* bodies, Lanes& worst )
+void ContactRows::solveNormalRun( const Run& run, btSolverBody* bodies, Lanes& worst )
 {
 	btVector3* const velocities = change.data();
 	const std::size_t first = std::size_t( run.first ), last = std::size_t( run.last );
-	if ( run.kind == RowKind::Alone )
+	if ( run.kind == RowKind::Static )
 	{
-		std::for_each(
-			&press[0][first], &press[0][last - 1] + 1, [&]( FourRows& row ) { solveFour<false>( row, nullptr, velocities, worst ); } );
+		std::for_each( &normalRows[0][first], &normalRows[0][last - 1] + 1,
+			[&]( FourRows& row ) { solveFour<false>( row, nullptr, velocities, worst ); } );
 	}
 	else if ( run.kind == RowKind::Pair )
 	{
-		std::for_each(
-			&press[1][first], &press[1][last - 1] + 1, [&]( FourRows& row ) { solveFour<true>( row, nullptr, velocities, worst ); } );
+		std::for_each( &normalRows[1][first], &normalRows[1][last - 1] + 1,
+			[&]( FourRows& row ) { solveFour<true>( row, nullptr, velocities, worst ); } );
 	}
 	else
 	{
-		std::for_each( &turnPress[first], &turnPress[last - 1] + 1,
-			[&]( RollingRow& row ) { note( pliant::press( row, bodies[row.body], velocities[row.point] ), worst ); } );
+		std::for_each( &rotatingNormalRows[first], &rotatingNormalRows[last - 1] + 1,
+			[&]( RotatingRow& row ) { raiseWorst( solveNormal( row, bodies[row.body], velocities[row.point] ), worst ); } );
 	}
 }
 
-void ContactRows::rubRun( const Run& run, btSolverBody* bodies, Lanes& worst )
+void ContactRows::solveFrictionRun( const Run& run, btSolverBody* bodies, Lanes& worst )
 {
 	btVector3* const velocities = change.data();
 	const std::size_t each = std::size_t( directions );
@@ -266,18 +266,18 @@ void ContactRows::rubRun( const Run& run, btSolverBody* bodies, Lanes& worst )
 	{
 		for ( const std::size_t end = k + each; k < end; ++k )
 		{
-			if ( run.kind == RowKind::Alone )
+			if ( run.kind == RowKind::Static )
 			{
-				solveFour<false>( rub[0][k], &press[0][at], velocities, worst );
+				solveFour<false>( frictionRows[0][k], &normalRows[0][at], velocities, worst );
 			}
 			else if ( run.kind == RowKind::Pair )
 			{
-				solveFour<true>( rub[1][k], &press[1][at], velocities, worst );
+				solveFour<true>( frictionRows[1][k], &normalRows[1][at], velocities, worst );
 			}
-			else if ( turnPress[at].impulse > 0 )
+			else if ( rotatingNormalRows[at].impulse > 0 )
 			{
-				RollingRow& row = turnRub[k];
-				note( pliant::rub( row, bodies[row.body], velocities[row.point], turnPress[at].impulse ), worst );
+				RotatingRow& row = rotatingFrictionRows[k];
+				raiseWorst( solveFriction( row, bodies[row.body], velocities[row.point], rotatingNormalRows[at].impulse ), worst );
 			}
 		}
 	}
@@ -285,70 +285,73 @@ void ContactRows::rubRun( const Run& run, btSolverBody* bodies, Lanes& worst )
 
 btScalar ContactRows::pushOut( Deep& out, btSolverBody* bodies )
 {
-	const bool turns = out.place.kind == RowKind::Turning;
-	RollingRow* const turning = turns ? &turnPress[std::size_t( out.place.at )] : nullptr;
-	const FourRows* const four = turns ? nullptr : &press[int( out.place.kind )][std::size_t( out.place.at / kRowLanes )];
-	const int lane = out.place.at % kRowLanes;
-	const btScalar cfm = turns ? turning->cfm : four->cfm[lane], perSpeed = turns ? turning->perSpeed : four->perSpeed[lane];
-	Point& b = points[std::size_t( turns ? turning->point : four->b[lane] )];
-	Point* const a = turns ? nullptr : &points[std::size_t( four->a[lane] )];
-	btSolverBody* const body = turns ? &bodies[turning->body] : nullptr;
-	const btVector3 normal = turns ? turning->normal : btVector3( four->normal[0][lane], four->normal[1][lane], four->normal[2][lane] );
+	const bool isRotating = out.position.kind == RowKind::Rotating;
+	RotatingRow* const rotating = isRotating ? &rotatingNormalRows[std::size_t( out.position.at )] : nullptr;
+	const FourRows* const four = isRotating ? nullptr : &normalRows[int( out.position.kind )][std::size_t( out.position.at / kRowLanes )];
+	const int lane = out.position.at % kRowLanes;
+	const btScalar cfm = isRotating ? rotating->cfm : four->cfm[lane],
+				   effectiveMass = isRotating ? rotating->effectiveMass : four->effectiveMass[lane];
+	NodePoint& b = points[std::size_t( isRotating ? rotating->point : four->b[lane] )];
+	NodePoint* const a = isRotating ? nullptr : &points[std::size_t( four->a[lane] )];
+	btSolverBody* const body = isRotating ? &bodies[rotating->body] : nullptr;
+	const btVector3 normal = isRotating ? rotating->normal
+										: btVector3( four->normal[0][lane], four->normal[1][lane], four->normal[2][lane] );
 
-	const btScalar ofA = -(
-		( turns ? normal.dot( body->getPushVelocity() ) + turning->cross.dot( body->getTurnVelocity() ) : normal.dot( a->push ) ) *
-		perSpeed );
-	const btScalar ofB = normal.dot( b.push ) * perSpeed;
-	const bool isAFirst = !turns || turning->isBodyFirst;
+	const btScalar ofA = -( ( isRotating ? normal.dot( body->getPushVelocity() ) + rotating->cross.dot( body->getTurnVelocity() )
+										 : normal.dot( a->pushVelocity ) ) *
+		effectiveMass );
+	const btScalar ofB = normal.dot( b.pushVelocity ) * effectiveMass;
+	const bool isAFirst = !isRotating || rotating->isBodyFirst;
 	btScalar impulse = out.rhs - out.impulse * cfm + ( isAFirst ? ofA : ofB ) + ( isAFirst ? ofB : ofA );
 	const btScalar sum = out.impulse + impulse;
 	impulse = sum < 0 ? -out.impulse : impulse;
 	out.impulse = sum < 0 ? 0 : sum;
-	if ( turns )
+	if ( isRotating )
 	{
-		body->internalApplyPushImpulse( normal * body->internalGetInvMass(), turning->angular, impulse );
+		body->internalApplyPushImpulse( normal * body->internalGetInvMass(), rotating->angular, impulse );
 	}
 	else
 	{
-		a->push += normal * a->inverse * impulse;
+		a->pushVelocity += normal * a->inverseMass * impulse;
 	}
-	b.push -= normal * b.inverse * impulse;
-	return btScalar( impulse * ( turns ? turning->perImpulse : four->perImpulse[lane] ) );
+	b.pushVelocity -= normal * b.inverseMass * impulse;
+	return btScalar( impulse * ( isRotating ? rotating->inverseEffectiveMass : four->inverseEffectiveMass[lane] ) );
 }
 
-void ContactRows::giveBackImpulses() const
+void ContactRows::writeImpulses() const
 {
 	for ( const Contact& contact : contacts )
 	{
-		const std::size_t at = std::size_t( contact.place.at );
-		if ( contact.place.kind == RowKind::Turning )
+		const std::size_t at = std::size_t( contact.position.at );
+		if ( contact.position.kind == RowKind::Rotating )
 		{
-			contact.point->m_appliedImpulse = turnPress[at].impulse;
-			contact.point->m_appliedImpulseLateral1 = turnRub[at * std::size_t( directions )].impulse;
-			contact.point->m_appliedImpulseLateral2 = directions > 1 ? turnRub[at * 2 + 1].impulse
+			contact.point->m_appliedImpulse = rotatingNormalRows[at].impulse;
+			contact.point->m_appliedImpulseLateral1 = rotatingFrictionRows[at * std::size_t( directions )].impulse;
+			contact.point->m_appliedImpulseLateral2 = directions > 1 ? rotatingFrictionRows[at * 2 + 1].impulse
 																	 : contact.point->m_appliedImpulseLateral2;
 			continue;
 		}
 		const std::size_t lane = at % kRowLanes, four = at / kRowLanes;
-		const FourRows* const rubs = &rub[int( contact.place.kind )][four * std::size_t( directions )];
-		contact.point->m_appliedImpulse = press[int( contact.place.kind )][four].impulse[lane];
-		contact.point->m_appliedImpulseLateral1 = rubs[0].impulse[lane];
-		contact.point->m_appliedImpulseLateral2 = directions > 1 ? rubs[1].impulse[lane] : contact.point->m_appliedImpulseLateral2;
+		const FourRows* const frictionGroup = &frictionRows[int( contact.position.kind )][four * std::size_t( directions )];
+		contact.point->m_appliedImpulse = normalRows[int( contact.position.kind )][four].impulse[lane];
+		contact.point->m_appliedImpulseLateral1 = frictionGroup[0].impulse[lane];
+		contact.point->m_appliedImpulseLateral2 = directions > 1 ? frictionGroup[1].impulse[lane] : contact.point->m_appliedImpulseLateral2;
 	}
 }
 
-void ContactRows::restoreVelocities( bool isSplit, btScalar timeStep ) const
+void ContactRows::writeVelocities( bool isSplit, btScalar timeStep ) const
 {
 	for ( std::size_t i = 1; i < points.size(); ++i )
 	{
-		prefetch( &points[std::min( i + kStandsAhead, points.size() - 1 )].body->getLinearVelocity(), sizeof( btVector3 ) );
-		const Point& point = points[i];
-		setWhole( const_cast<btVector3&>( point.body->getLinearVelocity() ), point.speed + change[i] );
+		prefetch( &points[std::min( i + kProxiesAhead, points.size() - 1 )].body->getLinearVelocity(), sizeof( btVector3 ) );
+		const NodePoint& point = points[i];
+		setWhole( const_cast<btVector3&>( point.body->getLinearVelocity() ), point.velocity + change[i] );
 		point.body->setCompanionId( -1 );
-		if ( isSplit && !point.push.isZero() )
+		if ( isSplit && !point.pushVelocity.isZero() )
 		{
 			btTransform moved;
-			btTransformUtil::integrateTransform( point.body->getWorldTransform(), point.push, btVector3( 0, 0, 0 ), timeStep, moved );
+			btTransformUtil::integrateTransform(
+				point.body->getWorldTransform(), point.pushVelocity, btVector3( 0, 0, 0 ), timeStep, moved );
 			point.body->setWorldTransform( moved );
 		}
 	}

@@ -1,8 +1,8 @@
 #pragma once
 
-// Rows of ContactSolver: what presses and rubs at contacts of nodes. Two rows that share no body may be solved in either order, to the same
-// bits. So rows between nodes, and of a node and what stands, are laid four side by side, no two of four with a body in common and none
-// before one that Bullet solves earlier on a body of its; those four are solved at once.
+// Constraint rows of ContactSolver: normal and friction impulses at contacts of nodes. Two rows that share no body may be solved in either
+// order, with identical bits. So rows between nodes, and rows of a node and a static object, are arranged in groups of four, no two of a
+// group with a common body, and none before a row that Bullet solves earlier for one of its bodies; a group is solved at once.
 
 #include <BulletCollision/NarrowPhaseCollision/btManifoldPoint.h>
 #include <BulletDynamics/ConstraintSolver/btSolverBody.h>
@@ -19,118 +19,118 @@ using Lanes = btScalar __attribute__( ( vector_size( kRowLanes * sizeof( btScala
 using LaneMask = std::conditional_t<sizeof( btScalar ) == 4, int, long long> __attribute__( (
 	vector_size( kRowLanes * sizeof( btScalar ) ) ) );
 
-/// A stand-in for a node, while the solver is at work: it moves alike along all axes, has no spin and no force on it.
-struct Point
+/// A contact proxy during the solve: it moves equally along all axes, and has neither spin nor forces.
+struct NodePoint
 {
-	btVector3 speed; ///< that it came with, m/s
-	btVector3 push;  ///< out of what it is in, m/s
+	btVector3 velocity;     ///< before the solve, m/s
+	btVector3 pushVelocity; ///< push-out velocity, m/s
 	btRigidBody* body;
-	btScalar inverse; ///< 1 / kg
-	int step;         ///< the last that moves it
+	btScalar inverseMass; ///< 1 / kg
+	int step;             ///< last step that moves it
 };
 
-/// What a row asks for and may take, of whichever kind.
-struct Ask
+/// Coefficients of a row of any kind.
+struct RowData
 {
-	btVector3 normal;  ///< of the first; against it on the second
-	btScalar perSpeed; ///< Bullet's m_jacDiagABInv
+	btVector3 normal;       ///< on the first; its negative acts on the second
+	btScalar effectiveMass; ///< Bullet's m_jacDiagABInv
 	btScalar rhs, cfm, impulse;
-	btScalar friction; ///< share of what presses
+	btScalar friction; ///< limit as a fraction of the normal impulse
 };
 
-/// Four rows between points, or (b is nobody) of a point and what stands.
+/// Four rows between nodes, or (b is unused) of nodes and static objects.
 struct FourRows
 {
 	Lanes normal[3];
-	Lanes perSpeed, inverseA, inverseB, rhs, cfm, impulse, friction;
-	double perImpulse[kRowLanes]; ///< 1 / perSpeed, in double, as Bullet has it
+	Lanes effectiveMass, inverseA, inverseB, rhs, cfm, impulse, friction;
+	double inverseEffectiveMass[kRowLanes]; ///< 1 / effectiveMass, in double precision as in Bullet
 	int a[kRowLanes], b[kRowLanes];
 
-	void set( int lane, const Ask& ask, int pointA, btScalar inverseOfA, int pointB, btScalar inverseOfB );
+	void set( int lane, const RowData& data, int pointA, btScalar inverseOfA, int pointB, btScalar inverseOfB );
 };
 
-/// A row of a point and a body that turns. `normal` and what is made of it act on that body.
-struct RollingRow
+/// A row of a node and a rotating body. `normal` and the vectors derived from it act on that body.
+struct RotatingRow
 {
 	btVector3 normal, cross, angular; ///< n, r x n, I^-1 ( r x n )
-	btScalar perSpeed, rhs, cfm, impulse, friction;
-	btScalar inverse; ///< of the point
+	btScalar effectiveMass, rhs, cfm, impulse, friction;
+	btScalar inverseMass; ///< of the node
 	int point, body;
-	bool isBodyFirst; ///< of the two, to Bullet
-	double perImpulse;
+	bool isBodyFirst; ///< in Bullet's order of the two
+	double inverseEffectiveMass;
 };
 
-/// Where a contact's rows are.
+/// Kinds of contact rows.
 enum class RowKind : unsigned char
 {
-	Alone,   ///< a point and what stands
-	Pair,    ///< two points
-	Turning, ///< a point and what turns
-	Bullets  ///< no point: Bullet's own
+	Static,   ///< a node and a static object
+	Pair,     ///< two nodes
+	Rotating, ///< a node and a rotating body
+	Bullet    ///< no node: Bullet's own row
 };
 
 struct RowPosition
 {
 	RowKind kind;
-	int at; ///< times kRowLanes and the lane where there are four; Bullet's number
+	int at; ///< slot number (group times kRowLanes plus lane) in groups of four; otherwise index of a row, Bullet's own among them
 };
 
 struct ContactRows
 {
-	/// What is solved one after the other: fours, turning rows or Bullet's from `first` to before `last`.
+	/// Rows solved in sequence: groups, rotating rows or Bullet's rows from `first` to `last` - 1.
 	struct Run
 	{
 		RowKind kind;
 		int first, last;
 	};
 	std::vector<Run> runs;
-	/// Rows that press; those that rub have the same numbers, times `directions`.
-	std::vector<FourRows> press[2], rub[2];
-	std::vector<RollingRow> turnPress, turnRub;
+	/// Normal rows; friction rows have the same numbers times `directions`.
+	std::vector<FourRows> normalRows[2], frictionRows[2];
+	std::vector<RotatingRow> rotatingNormalRows, rotatingFrictionRows;
 	int directions = 1;
 
-	std::vector<Point> points;     ///< the first is nobody
-	std::vector<btVector3> change; ///< of the points' speeds, m/s
+	std::vector<NodePoint> points; ///< the first is a placeholder for no node
+	std::vector<btVector3> change; ///< velocity change of the nodes, m/s
 
-	/// All points of contact that have rows, but for Bullet's own.
+	/// All contact points that have rows, except Bullet's own.
 	struct Contact
 	{
 		btManifoldPoint* point;
-		RowPosition place;
+		RowPosition position;
 	};
 	std::vector<Contact> contacts;
-	/// Those that are to be pushed out, in Bullet's order, his own among them.
+	/// Rows to be pushed out of penetrations, in Bullet's order, including Bullet's own.
 	struct Deep
 	{
-		RowPosition place;
+		RowPosition position;
 		btScalar rhs, impulse;
 	};
 	std::vector<Deep> deep;
 
 	void clear( int directionCount );
 	int addPoint( btRigidBody& body );
-	/// A place after all that moves these points; of `b` there is none in a row alone.
-	RowPosition place( RowKind kind, int a, int b );
-	/// The next step.
+	/// Allocates a slot after all rows that move these nodes; a row with a static object has no `b`.
+	RowPosition allocate( RowKind kind, int a, int b );
+	/// Appends a step.
 	void addStep( RowKind kind, int at );
 
-	// A run's rows, none of Bullet's. `worst` becomes what they were off by, squared, where that is more.
-	void pressRun( const Run& run, btSolverBody* bodies, Lanes& worst );
-	void rubRun( const Run& run, btSolverBody* bodies, Lanes& worst );
-	/// Returns what the row was off by, m/s.
+	// Solve the rows of a run other than Bullet's. `worst` is raised to their squared residuals.
+	void solveNormalRun( const Run& run, btSolverBody* bodies, Lanes& worst );
+	void solveFrictionRun( const Run& run, btSolverBody* bodies, Lanes& worst );
+	/// Returns the row's residual, m/s.
 	btScalar pushOut( Deep& out, btSolverBody* bodies );
-	/// Impulses to the points of contact.
-	void giveBackImpulses() const;
-	/// Speeds, and with `isSplit` places, to the bodies.
-	void restoreVelocities( bool isSplit, btScalar timeStep ) const;
+	/// Copies the impulses to the contact points.
+	void writeImpulses() const;
+	/// Copies velocities, and with `isSplit` positions, to the bodies.
+	void writeVelocities( bool isSplit, btScalar timeStep ) const;
 
 private:
-	struct Open
+	struct OpenGroups
 	{
-		std::vector<int> step, filled; ///< of each four
-		std::size_t first = 0;         ///< none before it has room
+		std::vector<int> step, filled; ///< of each group
+		std::size_t first = 0;         ///< no group before it has a free lane
 	};
-	Open m_open[2];
+	OpenGroups m_openGroups[2];
 	int m_stepCount = 0;
 };
 

@@ -12,7 +12,7 @@ ContactSolver::~ContactSolver() = default;
 
 bool ContactSolver::isPlain( const btContactSolverInfo& info ) const
 {
-	auto& self = const_cast<ContactSolver&>( *this ); // Bullet forgot the const
+	auto& self = const_cast<ContactSolver&>( *this ); // Bullet's accessors lack const
 	const int others = SOLVER_RANDMIZE_ORDER | SOLVER_INTERLEAVE_CONTACT_AND_FRICTION_CONSTRAINTS;
 	return m_jointCount == 0 && ( info.m_solverMode & others ) == 0 && m_tmpSolverNonContactConstraintPool.size() == 0 &&
 		self.getActiveConstraintRowSolverGeneric() == self.getScalarConstraintRowSolverGeneric() &&
@@ -32,7 +32,7 @@ btScalar ContactSolver::solveGroupCacheFriendlySetup( btCollisionObject** bodies
 		bodies, bodyCount, manifolds, manifoldCount, joints, jointCount, info, drawer );
 }
 
-// What has no depth is not asked: Bullet's rows find nothing to do for it.
+// Contacts without penetration are skipped: Bullet's rows leave them unchanged.
 btScalar ContactSolver::pushOutOnce()
 {
 	btSolverBody* const all = solverBodies();
@@ -40,9 +40,9 @@ btScalar ContactSolver::pushOutOnce()
 	for ( ContactRows::Deep& deep : m_rows->deep )
 	{
 		btScalar off = 0;
-		if ( deep.place.kind == RowKind::Bullets )
+		if ( deep.position.kind == RowKind::Bullet )
 		{
-			const btSolverConstraint& row = m_tmpSolverContactConstraintPool[deep.place.at];
+			const btSolverConstraint& row = m_tmpSolverContactConstraintPool[deep.position.at];
 			off = m_resolveSplitPenetrationImpulse( all[row.m_solverBodyIdA], all[row.m_solverBodyIdB], row );
 		}
 		else
@@ -95,7 +95,7 @@ btScalar ContactSolver::rubBullets( int at )
 	return worst;
 }
 
-// Rolling friction, of rigid bodies only: an impulse of one newton second rubs fully.
+// Rolling friction of rigid bodies only: the limit is that of a normal impulse of at most 1 N s.
 btScalar ContactSolver::rollBullets()
 {
 	btSolverBody* const all = solverBodies();
@@ -134,9 +134,9 @@ btScalar ContactSolver::solveSingleIteration( int iteration, btCollisionObject**
 	Lanes worst{};
 	for ( const ContactRows::Run& run : rows.runs )
 	{
-		if ( run.kind != RowKind::Bullets )
+		if ( run.kind != RowKind::Bullet )
 		{
-			rows.pressRun( run, all, worst );
+			rows.solveNormalRun( run, all, worst );
 			continue;
 		}
 		for ( int k = run.first; k < run.last; ++k )
@@ -147,9 +147,9 @@ btScalar ContactSolver::solveSingleIteration( int iteration, btCollisionObject**
 	}
 	for ( const ContactRows::Run& run : rows.runs )
 	{
-		if ( run.kind != RowKind::Bullets )
+		if ( run.kind != RowKind::Bullet )
 		{
-			rows.rubRun( run, all, worst );
+			rows.solveFrictionRun( run, all, worst );
 			continue;
 		}
 		for ( int k = run.first; k < run.last; ++k )
@@ -165,11 +165,11 @@ btScalar ContactSolver::solveGroupCacheFriendlyFinish( btCollisionObject** bodie
 {
 	if ( m_isInUse && ( info.m_solverMode & SOLVER_USE_WARMSTARTING ) )
 	{
-		m_rows->giveBackImpulses();
+		m_rows->writeImpulses();
 	}
 	if ( m_isInUse )
 	{
-		m_rows->restoreVelocities( info.m_splitImpulse, info.m_timeStep );
+		m_rows->writeVelocities( info.m_splitImpulse, info.m_timeStep );
 	}
 	m_isInUse = false;
 	return btSequentialImpulseConstraintSolver::solveGroupCacheFriendlyFinish( bodies, bodyCount, info );

@@ -1,4 +1,4 @@
-// Manifolds become ContactSolver's rows: in Bullet's order of evaluation, without its products with zero.
+// Converts manifolds to ContactSolver's rows, in Bullet's order of evaluation, without its products with zero.
 
 #include "world/solver/convert_contacts.h"
 
@@ -11,7 +11,7 @@ namespace pliant {
 
 namespace {
 
-/// So many turns ahead manifolds are asked for, and bodies and points.
+/// Prefetch distances of manifolds, and of bodies and points.
 constexpr int kManifoldsAhead = 16, kBodiesAhead = 8;
 
 void prefetchContact( const btPersistentManifold& manifold )
@@ -26,7 +26,7 @@ void prefetchContact( const btPersistentManifold& manifold )
 	}
 }
 
-/// How a contact gives:   cfm / h,  erp
+/// Compliance of a contact:   cfm / h,  erp
 struct Softness
 {
 	btScalar cfm, erp;
@@ -53,7 +53,7 @@ Softness softnessOf( const btManifoldPoint& point, const btContactSolverInfo& in
 
 } // namespace
 
-/// False where a stand-in is not as ours are: an island with such goes Bullet's way.
+/// False where a proxy has forces set by the game: Bullet solves such an island.
 bool ContactSolver::Conversion::findSide( btCollisionObject& object, Side& side )
 {
 	side = Side{ &object, 0, 0, nullptr, nullptr };
@@ -68,19 +68,19 @@ bool ContactSolver::Conversion::findSide( btCollisionObject& object, Side& side 
 				side.point = rows.addPoint( body );
 				body.setCompanionId( side.point );
 			}
-			// Forces lie where nothing else is asked for.
-			side.turns = body.getAngularVelocity().isZero() ? nullptr : &body.getAngularVelocity();
+			// Forces lie in a cache line that nothing else uses.
+			side.angularVelocity = body.getAngularVelocity().isZero() ? nullptr : &body.getAngularVelocity();
 			return !hasContactCallback() || body.getTotalForce().isZero();
 		}
 	}
-	side.number = solver.getOrInitSolverBody( object, info.m_timeStep );
+	side.solverBody = solver.getOrInitSolverBody( object, info.m_timeStep );
 	return true;
 }
 
 bool ContactSolver::Conversion::isHeld( const Side& side ) const
 {
-	const btScalar inverse = pointOf( side ).inverse;
-	return ( side.point > 0 ? btVector3( inverse, inverse, inverse ) : solver.m_tmpSolverBodyPool[side.number].m_invMass ).fuzzyZero();
+	const btScalar inverse = pointOf( side ).inverseMass;
+	return ( side.point > 0 ? btVector3( inverse, inverse, inverse ) : solver.m_tmpSolverBodyPool[side.solverBody].m_invMass ).fuzzyZero();
 }
 
 bool ContactSolver::Conversion::convert( btPersistentManifold& manifold )
@@ -93,7 +93,7 @@ bool ContactSolver::Conversion::convert( btPersistentManifold& manifold )
 	}
 	if ( a.point == 0 && b.point == 0 )
 	{
-		convertBullets( manifold );
+		convertBulletContact( manifold );
 		return true;
 	}
 	if ( isHeld( a ) && isHeld( b ) )
@@ -102,7 +102,7 @@ bool ContactSolver::Conversion::convert( btPersistentManifold& manifold )
 	}
 	for ( Side* side : { &a, &b } )
 	{
-		btSolverBody* const body = side->point > 0 ? nullptr : &solver.m_tmpSolverBodyPool[side->number];
+		btSolverBody* const body = side->point > 0 ? nullptr : &solver.m_tmpSolverBodyPool[side->solverBody];
 		side->body = body && body->m_originalBody ? body : nullptr;
 	}
 	for ( int k = 0; k < manifold.getNumContacts(); ++k )
@@ -121,167 +121,171 @@ bool ContactSolver::Conversion::convert( btPersistentManifold& manifold )
 	return true;
 }
 
-void ContactSolver::Conversion::convertBullets( btPersistentManifold& manifold )
+void ContactSolver::Conversion::convertBulletContact( btPersistentManifold& manifold )
 {
 	const btConstraintArray& pool = solver.m_tmpSolverContactConstraintPool;
 	const int first = pool.size();
 	solver.convertContact( &manifold, info );
 	for ( int k = first; k < pool.size(); ++k )
 	{
-		rows.addStep( RowKind::Bullets, k );
+		rows.addStep( RowKind::Bullet, k );
 		if ( pool[k].m_rhsPenetration != 0 )
 		{
-			rows.deep.push_back( ContactRows::Deep{ RowPosition{ RowKind::Bullets, k }, 0, 0 } );
+			rows.deep.push_back( ContactRows::Deep{ RowPosition{ RowKind::Bullet, k }, 0, 0 } );
 		}
 	}
 }
 
-/// Where they meet, m/s, with what forces add in this step.
-btVector3 ContactSolver::Conversion::speedOf( const Side& side ) const
+/// Velocity at the contact point, m/s, including the forces of this step.
+btVector3 ContactSolver::Conversion::velocityOf( const Side& side ) const
 {
-	btVector3 speed = side.point > 0 ? pointOf( side ).speed : btVector3( 0, 0, 0 );
-	if ( side.turns )
+	btVector3 velocity = side.point > 0 ? pointOf( side ).velocity : btVector3( 0, 0, 0 );
+	if ( side.angularVelocity )
 	{
-		speed += side.turns->cross( armOf( side ) );
+		velocity += side.angularVelocity->cross( armOf( side ) );
 	}
 	if ( side.body )
 	{
-		side.body->getVelocityInLocalPointNoDelta( arm, speed );
+		side.body->getVelocityInLocalPointNoDelta( arm, velocity );
 	}
-	return speed;
+	return velocity;
 }
 
 void ContactSolver::Conversion::findLever( const btVector3& normal, Lever& lever ) const
 {
-	const Side* const turns = turning();
-	if ( !turns )
+	const Side* const rotating = rotatingSide();
+	if ( !rotating )
 	{
 		setWhole( lever.axis, a.point > 0 ? normal : -normal );
-		lever.inverse = pointOf( a ).inverse + pointOf( b ).inverse;
+		lever.inverse = pointOf( a ).inverseMass + pointOf( b ).inverseMass;
 		return;
 	}
-	const btRigidBody& body = *turns->body->m_originalBody;
-	setWhole( lever.axis, turns == &a ? normal : -normal );
+	const btRigidBody& body = *rotating->body->m_originalBody;
+	setWhole( lever.axis, rotating == &a ? normal : -normal );
 	setWhole( lever.cross, arm.cross( lever.axis ) );
 	lever.angular = body.getInvInertiaTensorWorld() * lever.cross * body.getAngularFactor();
-	lever.inverse = body.getInvMass() + lever.axis.dot( lever.angular.cross( arm ) ) + pointOf( turns == &a ? b : a ).inverse;
+	lever.inverse = body.getInvMass() + lever.axis.dot( lever.angular.cross( arm ) ) + pointOf( rotating == &a ? b : a ).inverseMass;
 }
 
-/// How fast they part along a row, m/s.
+/// Velocity of separation along a row, m/s.
 btScalar ContactSolver::Conversion::approach( const Lever& lever, bool withTorque ) const
 {
-	const Side* const turns = turning();
-	if ( !turns )
+	const Side* const rotating = rotatingSide();
+	if ( !rotating )
 	{
 		return along( a.point > 0 ? a : b, lever.axis ) - ( a.point > 0 && b.point > 0 ? along( b, lever.axis ) : btScalar( 0 ) );
 	}
-	const btSolverBody& body = *turns->body;
+	const btSolverBody& body = *rotating->body;
 	const btVector3 turn = withTorque ? body.m_angularVelocity + body.m_externalTorqueImpulse : body.m_angularVelocity;
 	const btScalar ofBody = lever.axis.dot( body.m_linearVelocity + body.m_externalForceImpulse ) + lever.cross.dot( turn );
-	return ofBody - along( turns == &a ? b : a, lever.axis );
+	return ofBody - along( rotating == &a ? b : a, lever.axis );
 }
 
-/// The speed that a contact gives back, m/s: of what the bodies came with, without forces.
+/// Restitution velocity of a contact, m/s: from the bodies' velocities without forces.
 btScalar ContactSolver::Conversion::bounce() const
 {
 	if ( point->m_combinedRestitution == 0 )
 	{
 		return 0;
 	}
-	const auto speed = [this]( const Side& side ) {
-		return side.body ? side.body->m_originalBody->getVelocityInLocalPoint( arm ) : speedOf( side );
+	const auto velocity = [this]( const Side& side ) {
+		return side.body ? side.body->m_originalBody->getVelocityInLocalPoint( arm ) : velocityOf( side );
 	};
-	const btScalar parting = point->m_normalWorldOnB.dot( speed( a ) - speed( b ) );
+	const btScalar parting = point->m_normalWorldOnB.dot( velocity( a ) - velocity( b ) );
 	const btScalar back = solver.restitutionCurve( parting, point->m_combinedRestitution, info.m_restitutionVelocityThreshold );
 	return back <= 0 ? btScalar( 0 ) : back;
 }
 
 void ContactSolver::Conversion::warmStart( const Lever& lever, btScalar impulse )
 {
-	const Side* const turns = turning();
-	const std::size_t first = std::size_t( one() ), second = turns ? first : std::size_t( other() );
-	if ( turns )
+	const Side* const rotating = rotatingSide();
+	const std::size_t first = std::size_t( firstPoint() ), second = rotating ? first : std::size_t( secondPoint() );
+	if ( rotating )
 	{
-		turns->body->internalApplyImpulse( lever.axis * turns->body->internalGetInvMass(), lever.angular, impulse );
+		rotating->body->internalApplyImpulse( lever.axis * rotating->body->internalGetInvMass(), lever.angular, impulse );
 	}
 	else
 	{
-		rows.change[first] += lever.axis * rows.points[first].inverse * impulse;
+		rows.change[first] += lever.axis * rows.points[first].inverseMass * impulse;
 	}
-	rows.change[second] -= lever.axis * rows.points[second].inverse * impulse; // nobody's stays zero
+	rows.change[second] -= lever.axis * rows.points[second].inverseMass * impulse; // the placeholder's stays zero
 }
 
-/// `which`: -1 presses, else the direction in which it rubs.
-void ContactSolver::Conversion::write( const Lever& lever, Ask ask, int which )
+/// `which`: -1 for the normal row, else the friction direction.
+void ContactSolver::Conversion::write( const Lever& lever, RowData data, int which )
 {
-	ask.normal = lever.axis;
-	if ( const Side* const turns = turning() )
+	data.normal = lever.axis;
+	if ( const Side* const rotating = rotatingSide() )
 	{
-		const int node = turns == &a ? b.point : a.point;
-		( which < 0 ? rows.turnPress[std::size_t( place.at )]
-					: rows.turnRub[std::size_t( place.at * rows.directions + which )] ) = RollingRow{ lever.axis, lever.cross,
-			lever.angular, ask.perSpeed, ask.rhs, ask.cfm, ask.impulse, ask.friction, rows.points[std::size_t( node )].inverse, node,
-			turns->number, turns == &a, 1. / ask.perSpeed };
+		const int node = rotating == &a ? b.point : a.point;
+		( which < 0 ? rows.rotatingNormalRows[std::size_t( position.at )]
+					: rows.rotatingFrictionRows[std::size_t( position.at * rows.directions + which )] ) = RotatingRow{ lever.axis,
+			lever.cross, lever.angular, data.effectiveMass, data.rhs, data.cfm, data.impulse, data.friction,
+			rows.points[std::size_t( node )].inverseMass, node, rotating->solverBody, rotating == &a, 1. / data.effectiveMass };
 		return;
 	}
-	const int first = one(), second = other(), four = place.at / kRowLanes, kind = int( place.kind );
-	FourRows& row = which < 0 ? rows.press[kind][std::size_t( four )] : rows.rub[kind][std::size_t( four * rows.directions + which )];
-	row.set(
-		place.at % kRowLanes, ask, first, rows.points[std::size_t( first )].inverse, second, rows.points[std::size_t( second )].inverse );
+	const int first = firstPoint(), second = secondPoint(), four = position.at / kRowLanes, kind = int( position.kind );
+	FourRows& row = which < 0 ? rows.normalRows[kind][std::size_t( four )]
+							  : rows.frictionRows[kind][std::size_t( four * rows.directions + which )];
+	row.set( position.at % kRowLanes, data, first, rows.points[std::size_t( first )].inverseMass, second,
+		rows.points[std::size_t( second )].inverseMass );
 }
 
 void ContactSolver::Conversion::convertPoint()
 {
-	if ( const Side* const turns = turning() )
+	if ( const Side* const rotating = rotatingSide() )
 	{
-		arm = armOf( *turns );
+		arm = armOf( *rotating );
 	}
 	const Softness soft = softnessOf( *point, info );
 	Lever lever;
 	findLever( point->m_normalWorldOnB, lever );
 	const btScalar perSecond = btScalar( 1 ) / info.m_timeStep, depth = point->getDistance() + info.m_linearSlop;
-	Ask ask;
-	ask.perSpeed = info.m_sor / ( lever.inverse + soft.cfm );
-	ask.friction = point->m_combinedFriction;
-	ask.impulse = info.m_solverMode & SOLVER_USE_WARMSTARTING ? point->m_appliedImpulse * info.m_warmstartingFactor : btScalar( 0 );
-	ask.cfm = soft.cfm * ask.perSpeed;
-	// A gap may be closed; what is too deep is pushed out, by itself where it is deep enough.
+	RowData data;
+	data.effectiveMass = info.m_sor / ( lever.inverse + soft.cfm );
+	data.friction = point->m_combinedFriction;
+	data.impulse = info.m_solverMode & SOLVER_USE_WARMSTARTING ? point->m_appliedImpulse * info.m_warmstartingFactor : btScalar( 0 );
+	data.cfm = soft.cfm * data.effectiveMass;
+	// A gap may close; a penetration is pushed out, by split impulse where it is deep enough.
 	btScalar off = bounce() - approach( lever, true );
 	off -= depth > 0 ? depth * perSecond : btScalar( 0 );
-	const btScalar out = ( depth > 0 ? btScalar( 0 ) : -depth * soft.erp * perSecond ) * ask.perSpeed;
+	const btScalar out = ( depth > 0 ? btScalar( 0 ) : -depth * soft.erp * perSecond ) * data.effectiveMass;
 	const bool isSplit = info.m_splitImpulse && !( depth > info.m_splitImpulsePenetrationThreshold );
-	ask.rhs = isSplit ? off * ask.perSpeed : out + off * ask.perSpeed;
+	data.rhs = isSplit ? off * data.effectiveMass : out + off * data.effectiveMass;
 
-	place = rows.place( turning() ? RowKind::Turning : a.point > 0 && b.point > 0 ? RowKind::Pair : RowKind::Alone, one(), other() );
-	write( lever, ask, -1 );
-	rows.contacts.push_back( ContactRows::Contact{ point, place } );
+	position = rows.allocate( rotatingSide() ? RowKind::Rotating
+			: a.point > 0 && b.point > 0     ? RowKind::Pair
+											 : RowKind::Static,
+		firstPoint(), secondPoint() );
+	write( lever, data, -1 );
+	rows.contacts.push_back( ContactRows::Contact{ point, position } );
 	if ( isSplit && out != 0 )
 	{
-		rows.deep.push_back( ContactRows::Deep{ place, out, 0 } );
+		rows.deep.push_back( ContactRows::Deep{ position, out, 0 } );
 	}
 	if ( info.m_solverMode & SOLVER_USE_WARMSTARTING )
 	{
-		warmStart( lever, ask.impulse );
+		warmStart( lever, data.impulse );
 	}
-	const bool isGiven = ( info.m_solverMode & SOLVER_ENABLE_FRICTION_DIRECTION_CACHING ) &&
+	const bool areDirectionsGiven = ( info.m_solverMode & SOLVER_ENABLE_FRICTION_DIRECTION_CACHING ) &&
 		( point->m_contactPointFlags & BT_CONTACT_FLAG_LATERAL_FRICTION_INITIALIZED );
-	if ( !isGiven )
+	if ( !areDirectionsGiven )
 	{
 		chooseDirections();
 	}
-	rubAlong( point->m_lateralFrictionDir1, 0, isGiven ? point->m_contactMotion1 : btScalar( 0 ),
-		isGiven ? point->m_frictionCFM : btScalar( 0 ) );
+	addFrictionRow( point->m_lateralFrictionDir1, 0, areDirectionsGiven ? point->m_contactMotion1 : btScalar( 0 ),
+		areDirectionsGiven ? point->m_frictionCFM : btScalar( 0 ) );
 	if ( rows.directions > 1 )
 	{
-		rubAlong( point->m_lateralFrictionDir2, 1, isGiven ? point->m_contactMotion2 : btScalar( 0 ),
-			isGiven ? point->m_frictionCFM : btScalar( 0 ) );
+		addFrictionRow( point->m_lateralFrictionDir2, 1, areDirectionsGiven ? point->m_contactMotion2 : btScalar( 0 ),
+			areDirectionsGiven ? point->m_frictionCFM : btScalar( 0 ) );
 	}
 }
 
-/// The way they slip, or any where they do not.
+/// Along the slip velocity, or any tangential direction without slip.
 void ContactSolver::Conversion::chooseDirections()
 {
-	const btVector3 &normal = point->m_normalWorldOnB, speed = speedOf( a ) - speedOf( b );
+	const btVector3 &normal = point->m_normalWorldOnB, velocity = velocityOf( a ) - velocityOf( b );
 	btVector3 &first = point->m_lateralFrictionDir1, &second = point->m_lateralFrictionDir2;
 	const bool hasTwo = rows.directions > 1, isFixed = ( info.m_solverMode & SOLVER_DISABLE_VELOCITY_DEPENDENT_FRICTION_DIRECTION ) != 0;
 	const auto scale = [this]( btVector3& direction ) {
@@ -293,7 +297,7 @@ void ContactSolver::Conversion::chooseDirections()
 			}
 		}
 	};
-	first = speed - normal * normal.dot( speed );
+	first = velocity - normal * normal.dot( velocity );
 	const btScalar slip2 = first.length2();
 	if ( !isFixed && slip2 > SIMD_EPSILON )
 	{
@@ -316,26 +320,26 @@ void ContactSolver::Conversion::chooseDirections()
 	}
 }
 
-void ContactSolver::Conversion::rubAlong( const btVector3& direction, int which, btScalar wanted, btScalar cfm )
+void ContactSolver::Conversion::addFrictionRow( const btVector3& direction, int which, btScalar wanted, btScalar cfm )
 {
 	Lever lever;
 	findLever( direction, lever );
-	Ask ask;
-	ask.perSpeed = info.m_sor / lever.inverse;
-	ask.friction = point->m_combinedFriction;
-	ask.impulse = 0;
-	ask.cfm = cfm;
-	ask.rhs = ( wanted - approach( lever, false ) ) * ask.perSpeed;
+	RowData data;
+	data.effectiveMass = info.m_sor / lever.inverse;
+	data.friction = point->m_combinedFriction;
+	data.impulse = 0;
+	data.cfm = cfm;
+	data.rhs = ( wanted - approach( lever, false ) ) * data.effectiveMass;
 	if ( point->m_contactPointFlags & BT_CONTACT_FLAG_FRICTION_ANCHOR )
 	{
 		const btScalar apart = ( point->getPositionWorldOnA() - point->getPositionWorldOnB() ).dot( direction );
-		ask.rhs = ( -apart * info.m_frictionERP / info.m_timeStep ) * ask.perSpeed + ask.rhs;
+		data.rhs = ( -apart * info.m_frictionERP / info.m_timeStep ) * data.effectiveMass + data.rhs;
 	}
-	write( lever, ask, which );
+	write( lever, data, which );
 }
 
-/// As if nothing had been converted.
-void ContactSolver::Conversion::takeBack()
+/// Undoes the conversion.
+void ContactSolver::Conversion::revert()
 {
 	for ( std::size_t i = 1; i < rows.points.size(); ++i )
 	{
@@ -351,7 +355,7 @@ void ContactSolver::Conversion::takeBack()
 	solver.m_tmpSolverContactRollingFrictionConstraintPool.resizeNoInitialize( 0 );
 }
 
-// Manifolds and bodies lie anywhere: they are asked for before their turn.
+// Manifolds and bodies are scattered in memory, and prefetched.
 void ContactSolver::convertContacts( btPersistentManifold** manifolds, int count, const btContactSolverInfo& info )
 {
 	m_isInUse = isPlain( info );
@@ -370,7 +374,7 @@ void ContactSolver::convertContacts( btPersistentManifold** manifolds, int count
 		m_isInUse = conversion.convert( *manifolds[m] );
 		if ( !m_isInUse )
 		{
-			conversion.takeBack();
+			conversion.revert();
 		}
 	}
 	if ( !m_isInUse )

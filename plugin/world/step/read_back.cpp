@@ -29,7 +29,7 @@ void SoftBodySystem::readBack()
 		for ( std::size_t k = 0; k < impl.touched.size(); ++k )
 		{
 			ContactProxy* const stand = impl.touched[k];
-			ContactProxyPool::prefetchVelocity( *impl.touched[std::min( k + kStandsAhead, impl.touched.size() - 1 )] );
+			ContactProxyPool::prefetchVelocity( *impl.touched[std::min( k + kProxiesAhead, impl.touched.size() - 1 )] );
 			wakes = wakes || ( stand->wasAsleep && stand->isActive() );
 			if ( !body->isActive() )
 			{

@@ -1,7 +1,7 @@
 #pragma once
 
-// A box that many spheres ask where they touch it, as boxes and floors in a heap are: what does not hang on the sphere is got once, what is
-// far is passed over before there is a root, and over a face there is none at all.
+// A box tested against many spheres, as boxes and floors in a heap are: values that do not depend on the sphere are computed once, distant
+// spheres are rejected without a square root, and spheres over a face need none.
 
 #include "world/constants.h"
 #include "world/touch/node_touch.h"
@@ -13,31 +13,31 @@ namespace pliant {
 class BoxTouch
 {
 public:
-	/// `box`: of type BOX_SHAPE_PROXYTYPE; it must stay where it is.
+	/// `box`: of type BOX_SHAPE_PROXYTYPE; it must outlive this object unmoved.
 	explicit BoxTouch( const Obstacle& box );
 
-	/// What findTouch says of the box, to the bit.
+	/// The result of findTouch, with identical bits.
 	bool find( const MovingSphere& sphere, Touch& touch ) const
 	{
 		const Vec3d p = m_box.toLocal( sphere.centre );
 		const Vec3d out = p - p.cwiseMin( m_half ).cwiseMax( -m_half );
-		const double touching = sphere.touching(), square = out.squaredNorm();
-		if ( square > touching * touching )
+		const double touchDistance = sphere.touchDistance(), square = out.squaredNorm();
+		if ( square > touchDistance * touchDistance )
 		{
-			// Too far for whatever it moves:   |out| > r ( 1 + slop ) + |w|
-			const double farthest = ( touching + std::sqrt( sphere.way.squaredNorm() ) ) * ( 1.0 + kFarSlack );
+			// Out of reach for any direction of motion:   |out| > r ( 1 + slop ) + |w|
+			const double farthest = ( touchDistance + std::sqrt( sphere.displacement.squaredNorm() ) ) * ( 1.0 + kFarSlack );
 			if ( square > farthest * farthest )
 			{
 				return false;
 			}
 		}
 		touch = nearest( p, out, square );
-		return touch.distance <= touching || !sphere.isFast() ? sphere.reaches( touch.normal, touch.distance )
-															  : findTouch( m_box, sphere, touch );
+		return touch.distance <= touchDistance || !sphere.isFast() ? sphere.reaches( touch.normal, touch.distance )
+																   : findTouch( m_box, sphere, touch );
 	}
 
 private:
-	// Beyond one side the way out is along an axis, and its length the root of one square; within, it is through the nearest side.
+	// Beyond one face only, the normal is an axis and the distance is the root of one square; inside, the nearest face counts.
 	Touch nearest( const Vec3d& p, const Vec3d& out, double square ) const
 	{
 		if ( ( out.array() != 0.0 ).count() > 1 )
@@ -52,7 +52,7 @@ private:
 	}
 
 	const Obstacle& m_box;
-	Vec3d m_half; ///< edges, m
+	Vec3d m_half; ///< half edges, m
 };
 
 } // namespace pliant

@@ -7,11 +7,11 @@
 
 namespace pliant {
 
-/// The steps to a node's neighbours, one along each axis of the lattice, as they are now.
+/// Present steps from a node to its neighbours, one along each axis of the lattice.
 struct ContactSurface::Axes
 {
 	int neighbour[3] = { -1, -1, -1 };
-	Eigen::Matrix3d step = Eigen::Matrix3d::Zero(); ///< in columns; zero where there is none
+	Eigen::Matrix3d step = Eigen::Matrix3d::Zero(); ///< as columns; zero without a neighbour
 	int count = 0;
 };
 
@@ -28,12 +28,12 @@ void ContactSurface::follow( const Body& body, unsigned version )
 	m_cellSize = double( lattice.cellSize );
 	m_hasPatches = false;
 	m_overhang = 0.0;
-	m_beside.clear();
+	m_neighbours.clear();
 	if ( body.levels() )
 	{
 		return;
 	}
-	m_beside = findAxisNeighbours( lattice );
+	m_neighbours = findAxisNeighbours( lattice );
 	for ( const ContactPatch& patch : lattice.patch )
 	{
 		m_hasPatches = m_hasPatches || patch.radius > 0.0f;
@@ -41,11 +41,11 @@ void ContactSurface::follow( const Body& body, unsigned version )
 	}
 }
 
-// With the steps to neighbours on both sides as columns, D0 at rest and D now, F = D D0^-1; the surface's normal goes with the inverse
-// transpose of F, which is D^-T D0^T, and D^-T is the cofactors of D but for a factor.
+// With the steps between neighbours on both sides as columns, D0 at rest and D now, F = D D0^-1. The surface normal transforms with the
+// inverse transpose of F, which is D^-T D0^T, and D^-T is the cofactor matrix of D up to a factor.
 bool ContactSurface::patchOf( const NodeState& nodes, int node, Patch& patch ) const
 {
-	if ( m_beside.empty() || m_lattice->patch.empty() )
+	if ( m_neighbours.empty() || m_lattice->patch.empty() )
 	{
 		return false;
 	}
@@ -58,7 +58,7 @@ bool ContactSurface::patchOf( const NodeState& nodes, int node, Patch& patch ) c
 	Eigen::Matrix3d before, now;
 	for ( int axis = 0; axis < 3; ++axis )
 	{
-		const std::array<std::int32_t, 6>& beside = m_beside[std::size_t( node )];
+		const std::array<std::int32_t, 6>& beside = m_neighbours[std::size_t( node )];
 		const int low = beside[std::size_t( 2 * axis )], high = beside[std::size_t( 2 * axis + 1 )];
 		if ( low < 0 && high < 0 )
 		{
@@ -98,7 +98,7 @@ bool ContactSurface::axesOf( const NodeState& nodes, int node, const Vec3d& alon
 	for ( int axis = 0; axis < 3; ++axis )
 	{
 		int sides[2] = {
-			m_beside[std::size_t( node )][std::size_t( 2 * axis )], m_beside[std::size_t( node )][std::size_t( 2 * axis + 1 )] };
+			m_neighbours[std::size_t( node )][std::size_t( 2 * axis )], m_neighbours[std::size_t( node )][std::size_t( 2 * axis + 1 )] };
 		double most = 0.0;
 		for ( const int other : sides )
 		{
@@ -107,11 +107,11 @@ bool ContactSurface::axesOf( const NodeState& nodes, int node, const Vec3d& alon
 				continue;
 			}
 			const Vec3d step = ( nodes.x.get( other ) - at ).cast<double>();
-			// The one that the point is nearer to; the other only where that is missing.
-			const double look = 2.0 + step.normalized().dot( along );
-			if ( look > most )
+			// The neighbour on the point's side; the other one only where that is missing.
+			const double alignment = 2.0 + step.normalized().dot( along );
+			if ( alignment > most )
 			{
-				most = look;
+				most = alignment;
 				axes.neighbour[axis] = other;
 				axes.step.col( axis ) = step;
 			}
@@ -123,7 +123,7 @@ bool ContactSurface::axesOf( const NodeState& nodes, int node, const Vec3d& alon
 
 namespace {
 
-/// b of   steps b = offset,   least squares where an axis has no neighbour.
+/// Solves   steps b = offset,   by least squares where an axis has no neighbour.
 bool solve( const Eigen::Matrix3d& steps, int count, const Vec3d& offset, Vec3d& b )
 {
 	if ( count == 3 )
@@ -149,13 +149,13 @@ bool solve( const Eigen::Matrix3d& steps, int count, const Vec3d& offset, Vec3d&
 
 } // namespace
 
-SharedNodes ContactSurface::fraction( const NodeState& nodes, int node, const Vec3d& normal, Vec3d& at ) const
+SharedNodes ContactSurface::sharedNodes( const NodeState& nodes, int node, const Vec3d& normal, Vec3d& at ) const
 {
 	SharedNodes shared = SharedNodes::only( node );
 	Axes axes;
 	const Vec3d along = at;
 	at = Vec3d::Zero();
-	if ( m_beside.empty() || !axesOf( nodes, node, along, axes ) )
+	if ( m_neighbours.empty() || !axesOf( nodes, node, along, axes ) )
 	{
 		return shared;
 	}

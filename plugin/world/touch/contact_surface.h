@@ -1,7 +1,7 @@
 #pragma once
 
-// What touches see of a soft body's surface: in front of most of its nodes the sphere that fits the drawn surface there (ContactPatch)
-// instead of the node's own, and for any point of it the nodes that share it. docs/design/contacts.md.
+// A soft body's surface for contacts: in front of most nodes, the sphere that fits the drawn surface there (ContactPatch) replaces the
+// node's own sphere; and each point of the surface is shared by the nodes around it. docs/design/contacts.md.
 
 #include "lattice/axis_neighbours.h"
 #include "lattice/lattice.h"
@@ -20,35 +20,33 @@ struct NodeState;
 class ContactSurface
 {
 public:
-	/// Looks at the body's lattice where it has changed: `version` is another then. Bodies with levels have no patches, and their nodes
-	/// share nothing.
+	/// Reads the body's lattice where `version` has changed. Bodies with levels have no patches, and their nodes share no contacts.
 	void follow( const Body& body, unsigned version );
 
-	/// The patch of a node as the body is deformed now.
+	/// The patch of a node in the body's present deformation.
 	struct Patch
 	{
-		Vec3d normal = Vec3d::UnitY(); ///< outwards, of unit length, world axes
+		Vec3d normal = Vec3d::UnitY(); ///< outwards, unit length, world axes
 		double height = 0.0;           ///< from the node along the normal to the surface, m
 		double radius = 0.0;           ///< m
 
 		bool isFlat( double cellSize ) const { return radius > kFlatRadius * cellSize; }
 	};
-	/// False where the node has none: at edges, in thin parts, at crack faces, where what is around it is crushed.
+	/// False where the node has none: at edges, in thin parts, at crack faces, and where the cells around it are crushed.
 	bool patchOf( const NodeState& nodes, int node, Patch& patch ) const;
 	bool hasPatches() const { return m_hasPatches; }
-	/// Of bodies without levels; else empty.
-	const AxisNeighbours& beside() const { return m_beside; }
-	/// How much further the surface lies in front of a node than half a cell, at most, m.
+	/// Axis neighbours of the nodes of a body without levels; otherwise empty.
+	const AxisNeighbours& neighbours() const { return m_neighbours; }
+	/// Largest height of the surface over a node beyond half a cell, m.
 	double overhang() const { return m_overhang; }
 	double cellSize() const { return m_cellSize; }
 
-	/// The nodes that share a contact. `at`: from the node's centre to its point, m, any point on the line along `normal` for what presses.
-	/// What is returned presses along that line and rubs at `at`, which is moved to where the nodes can share it: not at all but in crumbs,
-	/// sheets and crushed parts.
-	SharedNodes fraction( const NodeState& nodes, int node, const Vec3d& normal, Vec3d& at ) const;
+	/// The nodes that share a contact. `at`: from the node's centre to the contact point, m; it is moved to where the nodes can share it,
+	/// which changes it only in crumbs, sheets and crushed parts. The weights `press` act along the line through it along `normal`, `rub`
+	/// at the point.
+	SharedNodes sharedNodes( const NodeState& nodes, int node, const Vec3d& normal, Vec3d& at ) const;
 
-	/// The radius of the sphere that rolls over what touches a node, m, as the touching point runs along its patch; 0: the point stays
-	/// where it is.
+	/// Radius of the rolling sphere at a node, m, where the touching point travels along its patch; 0 where the point stays.
 	double rollingRadius( const NodeState& nodes, int node, const Vec3d& outwards ) const;
 
 private:
@@ -58,26 +56,26 @@ private:
 	const Lattice* m_lattice = nullptr;
 	unsigned m_version = 0;
 	std::size_t m_links = 0;
-	AxisNeighbours m_beside; ///< empty: nothing is shared
+	AxisNeighbours m_neighbours; ///< empty: nothing is shared
 	bool m_hasPatches = false;
 	double m_cellSize = 0.0, m_overhang = 0.0;
 };
 
-/// What a patch says of an obstacle.
+/// Result of testing a patch against an obstacle.
 enum class PatchAnswer : int
 {
-	UseSphere, ///< the patch does not face the obstacle; the node's own sphere may touch it
-	Clear,     ///< it does not touch
+	UseSphere, ///< the patch does not face the obstacle; the node's own sphere is to be tested
+	Clear,     ///< no touch
 	Touches
 };
 
-/// Where a patch touches an obstacle. `nearest( sphere, touch )`: what findNearest says of a sphere; `find( sphere, touch )`: what
-/// findTouch says. The distance is that of the node's own sphere that would be as near (Touch::distance), and Touch::aside and Touch::reach
-/// say where on the surface the point is.
+/// Tests a patch against an obstacle. `nearest( sphere, touch )`: findNearest for a sphere; `find( sphere, touch )`: findTouch. The
+/// distance returned is that of the node's own sphere at the same gap (Touch::distance); Touch::aside and Touch::reach locate the point on
+/// the surface.
 ///
-/// The patch is a sphere of radius R, its centre R - h behind the node, h the height of the surface. Against something in a direction whose
-/// angle with the normal has the sine s it touches ( R - h ) s aside of the node's line; so that it does not answer for what is in front of
-/// other nodes, there is a smaller sphere where that is further than they are away.
+/// The patch is a sphere of radius R with its centre R - h behind the node, h the height of the surface. Where the sine of the angle
+/// between contact normal and patch normal is s, it touches at a distance ( R - h ) s from the node's line. Where that exceeds the distance
+/// to other nodes' regions, a smaller sphere is used.
 template <class Nearest, class Find>
 PatchAnswer findPatchTouch(
 	const ContactSurface::Patch& patch, double cellSize, const MovingSphere& own, const Nearest& nearest, const Find& find, Touch& touch )
@@ -95,7 +93,7 @@ PatchAnswer findPatchTouch(
 		const double cosine = -patch.normal.dot( touch.normal );
 		if ( touch.distance < inwards + patch.height - kPatchDepth * cellSize )
 		{
-			inwards *= kPatchRetreat; // its centre may be on the other side of a thin body
+			inwards *= kPatchRetreat; // the centre may lie on the other side of a thin body
 			continue;
 		}
 		if ( cosine < kLeastContactCosine )
@@ -105,7 +103,7 @@ PatchAnswer findPatchTouch(
 		const double sine = std::sqrt( std::max( 0.0, 1.0 - cosine * cosine ) );
 		if ( sine < kFlatSine && inwards > 0.0 )
 		{
-			Touch there; // a face that rests on another presses each node on its own line
+			Touch there; // a face at rest on another presses each node on its own line
 			if ( nearest( own, there ) && there.normal.dot( touch.normal ) > kSameNormal )
 			{
 				inwards = 0.0;
@@ -134,7 +132,7 @@ PatchAnswer findPatchTouch(
 				return PatchAnswer::UseSphere;
 			}
 		}
-		// The plane there is n.( y - q ) = 0. The node is D - ( c - x ).n from it; the sphere's foremost point is R + ( c - x ).n nearer.
+		// The plane there is n.( y - q ) = 0. The node is D - ( c - x ).n from it, the sphere's foremost point nearer by R + ( c - x ).n.
 		const Vec3d at = -inwards * patch.normal - ( inwards + patch.height ) * touch.normal;
 		touch.reach = -at.dot( touch.normal );
 		touch.aside = at + touch.reach * touch.normal;

@@ -1,6 +1,6 @@
 #pragma once
 
-// A dispatcher that shows some of another's manifolds: Bullet's islands and solver then see the objects of one pass over the step alone.
+// A dispatcher that shows some of another's manifolds: Bullet's islands and solver see only the objects of one pass of the step.
 
 #include <BulletCollision/BroadphaseCollision/btDispatcher.h>
 
@@ -13,7 +13,7 @@ namespace pliant {
 class ManifoldView : public btDispatcher
 {
 public:
-	/// Shows the manifolds of `behind` that `keeps( manifold )`, in its order.
+	/// Shows the manifolds of `behind` for which `keeps( manifold )` is true, in its order.
 	template <class Keeps>
 	void show( btDispatcher& behind, const Keeps& keeps )
 	{

@@ -29,11 +29,11 @@ btVector3 toBullet( const Vec3d& a )
 	return btVector3( btScalar( a.x() ), btScalar( a.y() ), btScalar( a.z() ) );
 }
 
-/// From a point of the surface's skeleton at `p` to the sphere's centre: normal and distance of a surface `round` away from it.
+/// Normal and distance of a surface that lies `round` outside a core point; `out`: from that point to the sphere's centre.
 Touch fromCore( const Vec3d& out, double round )
 {
 	const double length = out.norm();
-	// A centre exactly on the core has no side; up is as good as any other and the same on every machine.
+	// A centre exactly on the core has no direction; up is as good as any other and the same on every machine.
 	return length > 0.0 ? Touch{ out / length, length - round } : Touch{ Vec3d::UnitY(), -round };
 }
 
@@ -44,7 +44,7 @@ Touch nearestOnBox( const Vec3d& half, const Vec3d& p )
 	{
 		return fromCore( out, 0.0 );
 	}
-	// Inside: out through the nearest face.
+	// Inside: the nearest face.
 	int axis = 0;
 	( half - p.cwiseAbs() ).minCoeff( &axis );
 	Vec3d normal = Vec3d::Zero();
@@ -65,7 +65,7 @@ bool nearestOnField( const btSdfCollisionShape& field, const Vec3d& p, Touch& to
 {
 	btScalar distance = 0;
 	btVector3 normal( 0, 1, 0 );
-	// Bullet forgot the const: the query changes nothing.
+	// queryPoint is not const but changes nothing.
 	if ( !const_cast<btSdfCollisionShape&>( field ).queryPoint( toBullet( p ), distance, normal ) )
 	{
 		return false;
@@ -100,7 +100,7 @@ bool nearestOnConvex( const Obstacle& obstacle, const MovingSphere& sphere, Touc
 	input.m_transformB = obstacle.transform();
 	NearestPair pair;
 	detector.getClosestPoints( input, pair, nullptr );
-	// GJK has met the shape's own sphere, whatever radius is asked about.
+	// GJK used the shape's own radius, whatever radius is asked for.
 	const double radius = sphere.scale > 0.0 ? double( sphere.shape->getRadius() ) : sphere.radius;
 	touch = Touch{ toEigen( pair.normal ), double( pair.distance ) + radius };
 	return pair.isFound;
@@ -180,38 +180,38 @@ Vec3d nearestInTriangle( const Vec3d ( &c )[3], const Vec3d& p )
 	return area > 0.0 ? Vec3d( c[0] + ( vb * ab + vc * ac ) / area ) : c[0];
 }
 
-/// Where the sphere, moving straight, first meets a convex shape: the plane there stands for the shape in this step. Conservative
-/// advancement (Mirtich 1996, section 2.3.2): as far as the plane at the nearest point, which the shape lies behind, lets it go, again and
-/// again. Any of these planes that the sphere does not reach shows that it reaches nothing; so the answer is right whenever it ends. `find(
-/// sphere, touch )`: the nearest touch of the sphere where it is.
+/// Where a sphere in straight motion first meets a convex shape: the plane there represents the shape in this step. Conservative
+/// advancement (Mirtich 1996, section 2.3.2): the sphere repeatedly advances up to the plane at the nearest point, behind which the shape
+/// lies. Any of these planes that the sphere does not reach proves that it misses the shape, so that the result is valid after any
+/// iteration. `find( sphere, touch )`: the nearest touch at the sphere's position.
 template <class Find>
 bool sweep( const MovingSphere& sphere, Touch& touch, const Find& find )
 {
 	MovingSphere now = sphere;
-	double gone = 0.0; // share of the way
+	double fraction = 0.0; // fraction of the displacement
 	for ( int step = 0; step < kMostAdvances; ++step )
 	{
-		now.centre = sphere.centre + gone * sphere.way;
+		now.centre = sphere.centre + fraction * sphere.displacement;
 		if ( !find( now, touch ) )
 		{
 			return false;
 		}
-		const double approach = -sphere.way.dot( touch.normal ), gap = touch.distance - sphere.radius;
-		if ( gap <= kContactSlop * sphere.measure() )
+		const double approach = -sphere.displacement.dot( touch.normal ), gap = touch.distance - sphere.radius;
+		if ( gap <= kContactSlop * sphere.lengthScale() )
 		{
 			break;
 		}
-		if ( approach <= 0.0 || gone + gap / approach > 1.0 )
+		if ( approach <= 0.0 || fraction + gap / approach > 1.0 )
 		{
 			return false;
 		}
-		gone += gap / approach;
+		fraction += gap / approach;
 	}
-	touch.distance -= gone * sphere.way.dot( touch.normal );
+	touch.distance -= fraction * sphere.displacement.dot( touch.normal );
 	return true;
 }
 
-/// The nearest plane stands for a convex shape when the sphere is slow or touches; else the one it will meet.
+/// A slow or touching sphere meets the nearest plane of a convex shape; others meet the plane at the first contact.
 template <class Find>
 bool findConvexTouch( const MovingSphere& sphere, Touch& touch, const Find& find )
 {
@@ -219,7 +219,7 @@ bool findConvexTouch( const MovingSphere& sphere, Touch& touch, const Find& find
 	{
 		return false;
 	}
-	if ( touch.distance <= sphere.touching() || !sphere.isFast() )
+	if ( touch.distance <= sphere.touchDistance() || !sphere.isFast() )
 	{
 		return sphere.reaches( touch.normal, touch.distance );
 	}
@@ -250,13 +250,13 @@ bool findTouch( const Obstacle& obstacle, const MovingSphere& sphere, Touch& tou
 bool lookAhead( const Obstacle& then, const MovingSphere& sphere, const Ahead& ahead, Touch& touch )
 {
 	MovingSphere there = sphere;
-	there.centre += ahead.to;
+	there.centre += ahead.displacement;
 	Touch found;
 	if ( !findNearest( then, there, found ) )
 	{
 		return true;
 	}
-	const double least = kAheadFraction * sphere.radius, distance = found.distance - ahead.way.dot( found.normal );
+	const double least = kAheadFraction * sphere.radius, distance = found.distance - ahead.relativeDisplacement.dot( found.normal );
 	if ( found.distance < least || distance < least )
 	{
 		return true;
@@ -281,12 +281,12 @@ const double FarPlane::kGrown = ( 1.0 + kContactSlop ) * ( 1.0 + kFarSlack );
 bool findBallTouch( double radius, const Vec3d& at, const MovingSphere& sphere, Touch& touch )
 {
 	const Vec3d apart = sphere.centre - at;
-	const double touching = sphere.touching() + radius;
+	const double touchDistance = sphere.touchDistance() + radius;
 	const double square = apart.squaredNorm();
-	if ( square > touching * touching )
+	if ( square > touchDistance * touchDistance )
 	{
-		// Where it is too far for whatever it moves, no root is needed.
-		const double farthest = touching + std::sqrt( sphere.way.squaredNorm() );
+		// Out of reach for any direction of motion, without a root.
+		const double farthest = touchDistance + std::sqrt( sphere.displacement.squaredNorm() );
 		if ( square > farthest * farthest )
 		{
 			return false;

@@ -1,18 +1,18 @@
 #pragma once
 
-// How what a soft body meets moves.
+// Motion of the obstacles of a soft body.
 
 #include "world/touch/node_touch.h"
 
 namespace pliant {
 
-/// How an object moves in a step, relative to the soft body's origin.
+/// Motion of an object in a step, relative to the soft body's origin.
 struct ObstacleMotion
 {
 	Vec3d linear = Vec3d::Zero(), angular = Vec3d::Zero(), centre = Vec3d::Zero();
 
 	bool isStill() const { return linear.isZero( 0.0 ) && angular.isZero( 0.0 ); }
-	/// Where it will be at the step's end.
+	/// The obstacle at the step's end.
 	Obstacle moved( const Obstacle& obstacle, double step ) const
 	{
 		Obstacle then = obstacle;
@@ -24,7 +24,7 @@ struct ObstacleMotion
 		then.position = centre + step * linear + turn * apart;
 		return then;
 	}
-	Vec3d way( const Vec3d& at, double step ) const { return step * ( linear + angular.cross( at - centre ) ); }
+	Vec3d displacement( const Vec3d& at, double step ) const { return step * ( linear + angular.cross( at - centre ) ); }
 };
 
 } // namespace pliant

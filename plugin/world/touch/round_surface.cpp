@@ -1,7 +1,6 @@
-// Two layers of spheres are two egg boxes: what lies a fifth of a diameter aside stands on a slope of 0.2, and slides into the other's
-// hollows, for seconds. Spheres of twice the radius touch the same faces with half the slope. Their centres lie half-way to the nodes
-// behind, so what acts along the line between two centres is taken up by two nodes each, and neither momentum nor spin is lost, as with the
-// nodes' own.
+// Two layers of spheres act like two egg boxes: a face displaced by a fifth of a diameter rests on a slope of 0.2 and slides into the
+// other's hollows, for seconds. Spheres of twice the radius touch the same faces at half the slope. Their centres lie half-way to the nodes
+// behind, so that two nodes on each side share the impulse along the line between centres, and momentum and spin are conserved.
 
 #include "world/touch/round_surface.h"
 
@@ -14,11 +13,11 @@
 
 namespace pliant {
 
-bool meetRound( const SoftBody& a, const SoftBody& b )
+bool useRoundSpheres( const SoftBody& a, const SoftBody& b )
 {
 	const auto isRound = []( const SoftBody& body ) {
 		const SoftBody::Impl& impl = body.impl();
-		// What came apart has faces that fit into each other cell by cell.
+		// Fragments have faces that fit into each other cell by cell.
 		return impl.isImplicit && impl.body->implicit() && !impl.body->levels() && !impl.family && impl.fractureVersion == 0 &&
 			!impl.isMetAsDrawn();
 	};
@@ -27,11 +26,11 @@ bool meetRound( const SoftBody& a, const SoftBody& b )
 
 RoundSphere roundSphere( const SoftBody& body, int node, const Vec3d& towards )
 {
-	const std::array<std::int32_t, 6>& beside = body.impl().surfaceNow().beside()[std::size_t( node )];
+	const std::array<std::int32_t, 6>& beside = body.impl().surfaceNow().neighbours()[std::size_t( node )];
 	const NodeState& nodes = body.impl().body->nodes();
 	RoundSphere round;
-	// The open face that looks there most. Where none does, the sphere is the node's own, and between it becomes so by and by.
-	double most = kLeastLook;
+	// The open face nearest to that direction. Without one the sphere is the node's own; the transition between the two is gradual.
+	double most = kLeastRoundCosine;
 	const Vec3d at = nodes.x.get( node ).cast<double>();
 	const double distance2 = towards.squaredNorm();
 	for ( std::size_t side = 0; side < beside.size(); ++side )
@@ -39,7 +38,7 @@ RoundSphere roundSphere( const SoftBody& body, int node, const Vec3d& towards )
 		const int inner = beside[side];
 		if ( inner < 0 || beside[side ^ 1] >= 0 )
 		{
-			continue; // nothing behind it, or no open face in front
+			continue; // no node behind, or no open face in front
 		}
 		const Vec3d inwards = nodes.x.get( inner ).cast<double>() - at;
 		const double along = -inwards.dot( towards ), both2 = inwards.squaredNorm() * distance2;
@@ -49,7 +48,7 @@ RoundSphere roundSphere( const SoftBody& body, int node, const Vec3d& towards )
 		}
 		most = along / std::sqrt( both2 );
 		round.inner = inner;
-		round.fraction = kRoundFraction * std::min( 1.0, ( most - kLeastLook ) / ( kFullLook - kLeastLook ) );
+		round.fraction = kRoundFraction * std::min( 1.0, ( most - kLeastRoundCosine ) / ( kFullRoundCosine - kLeastRoundCosine ) );
 		round.inwards = round.fraction * inwards;
 	}
 	return round;

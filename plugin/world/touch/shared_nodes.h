@@ -1,13 +1,13 @@
 #pragma once
 
-// How a point of a soft body's surface moves with the nodes around it.
+// Motion of a point of a soft body's surface with the nodes around it.
 
 #include "lattice/lattice.h"
 
 namespace pliant {
 
-/// The nodes of a body that a contact acts on: the velocity of a point of its surface is, along the contact's normal, the sum of theirs by
-/// `press`, and across it by `rub`; impulses there are shared out by the same (contact_surface.h). Each kind sums to 1.
+/// The nodes that a contact acts on: the velocity of a surface point is the weighted sum of theirs, by `press` along the contact normal and
+/// by `rub` across it; impulses are distributed by the same weights (contact_surface.h). Each set of weights sums to 1.
 struct SharedNodes
 {
 	static constexpr int kMost = 4;
@@ -15,7 +15,7 @@ struct SharedNodes
 	int node[kMost] = {};
 	double press[kMost] = {}, rub[kMost] = {};
 
-	/// What acts at a node acts on it alone.
+	/// A contact that acts on one node alone.
 	static SharedNodes only( int own )
 	{
 		SharedNodes shared;
@@ -24,7 +24,7 @@ struct SharedNodes
 		shared.press[0] = shared.rub[0] = 1.0;
 		return shared;
 	}
-	/// u = sum r_j v_j + n n.( sum ( p_j - r_j ) v_j ),   `of`( node ): its velocity, m/s.
+	/// u = sum r_j v_j + n n.( sum ( p_j - r_j ) v_j ),   `of`( node ): the node's velocity, m/s.
 	template <class Of>
 	Vec3d velocity( const Vec3d& normal, const Of& of ) const
 	{

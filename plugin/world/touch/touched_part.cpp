@@ -11,7 +11,7 @@ namespace pliant {
 
 namespace {
 
-/// The simple shape of that number, counted down to; `at` becomes its transform. Null: there are fewer.
+/// The simple shape of index `left`, which is counted down; `at` becomes its transform. Null where there are fewer.
 const btCollisionShape* findLeaf( const btCollisionShape& shape, int& left, btTransform& at )
 {
 	if ( !shape.isCompound() )
@@ -65,7 +65,7 @@ TouchedPart::TouchedPart( const btCollisionObject& object, int leaf, int part, i
 {
 	if ( ownerOfContactProxy( &object ) )
 	{
-		return; // a node's sphere is all there is
+		return; // a proxy has only its node's sphere
 	}
 	btTransform ofLeaf = m_transform;
 	if ( const btCollisionShape* const found = findLeaf( *m_shape, leaf, ofLeaf ) )
@@ -80,7 +80,7 @@ TouchedPart::TouchedPart( const btCollisionObject& object, int leaf, int part, i
 	}
 }
 
-// Meshes and terrains make their triangles when they are asked for those in a box.
+// Meshes and terrains produce their triangles on request for a box.
 void TouchedPart::findTriangle( int part, int index, const btVector3& at )
 {
 	const btVector3 there = m_transform.invXform( at );

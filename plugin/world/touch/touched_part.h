@@ -1,6 +1,6 @@
 #pragma once
 
-// What of an object a contact point lies on, as Bullet shows it to contact callbacks: the child of a compound, the triangle of a mesh.
+// The part of an object that a contact point lies on, as Bullet shows it to contact callbacks: a compound's child, a mesh's triangle.
 
 #include <BulletCollision/CollisionShapes/btTriangleShape.h>
 #include <LinearMath/btTransform.h>
@@ -12,15 +12,15 @@ namespace pliant {
 class TouchedPart
 {
 public:
-	/// `leaf`: which of the object's simple shapes, counted through its compounds. `part`, `index`: Bullet's numbers of a triangle. `at`:
-	/// the contact's place on the object, in the world.
+	/// `leaf`: index of the object's simple shape, counted through its compounds. `part`, `index`: Bullet's identifiers of a triangle.
+	/// `at`: the contact point on the object, in world coordinates.
 	TouchedPart( const btCollisionObject& object, int leaf, int part, int index, const btVector3& at );
 
 	TouchedPart( const TouchedPart& ) = delete;
 	TouchedPart& operator=( const TouchedPart& ) = delete;
 
 	const btCollisionShape* shape() const { return m_shape; }
-	/// Of the shape, in the world.
+	/// Transform of the shape in the world.
 	const btTransform& transform() const { return m_transform; }
 
 private:

@@ -38,10 +38,11 @@ Count askBoth( double away, double spread )
 		{
 			MovingSphere sphere;
 			sphere.radius = 0.2 + 0.1 * any( random );
-			sphere.way = 0.5 * some();
+			sphere.displacement = 0.5 * some();
 			sphere.centre = plane.position + spread * some() + double( shape.getPlaneConstant() ) * ( plane.basis * normal );
 			Touch touch;
-			const bool isTouching = findTouch( plane, sphere, touch ), isClear = far.isClear( sphere.centre, sphere.way, sphere.radius );
+			const bool isTouching = findTouch( plane, sphere, touch ),
+					   isClear = far.isClear( sphere.centre, sphere.displacement, sphere.radius );
 			EXPECT_FALSE( isTouching && isClear );
 			++( isTouching ? count.touching : isClear ? count.clear : count.neither );
 		}

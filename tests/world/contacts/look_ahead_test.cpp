@@ -24,13 +24,14 @@ struct Scene
 	{
 		MovingSphere sphere;
 		sphere.radius = 0.05;
-		sphere.way = -motion.way( sphere.centre, kStep );
+		sphere.displacement = -motion.displacement( sphere.centre, kStep );
 		return sphere;
 	}
 	bool looksAhead( Touch& touch ) const
 	{
 		const MovingSphere s = sphere();
-		return findTouch( obstacle, s, touch ) && lookAhead( motion.moved( obstacle, kStep ), s, Ahead{ Vec3d::Zero(), s.way }, touch );
+		return findTouch( obstacle, s, touch ) &&
+			lookAhead( motion.moved( obstacle, kStep ), s, Ahead{ Vec3d::Zero(), s.displacement }, touch );
 	}
 
 	Obstacle obstacle;

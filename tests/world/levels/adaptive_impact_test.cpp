@@ -210,30 +210,30 @@ TEST( PenetrationAllowance, MayStandAsDeepAsAtFirstAndNoDeeper )
 	const std::uint32_t gone = std::numeric_limits<std::uint32_t>::max();
 	PenetrationAllowance born;
 	EXPECT_FALSE( born.isAny() );
-	EXPECT_EQ( born.leave( 0, 1.0 ), 0.0 );
+	EXPECT_EQ( born.allowedDepth( 0, 1.0 ), 0.0 );
 	// Of three nodes the middle one gave way to two.
 	born.follow( { 0, gone, 3 }, 4 );
 	ASSERT_TRUE( born.isAny() );
-	EXPECT_EQ( born.leave( 0, 0.5 ), 0.0 ); // who was there has none
-	EXPECT_EQ( born.leave( 1, 0.25 ), 0.25 );
-	EXPECT_EQ( born.leave( 1, 0.5 ), 0.5 ); // the deepest of what it stands in
+	EXPECT_EQ( born.allowedDepth( 0, 0.5 ), 0.0 ); // who was there has none
+	EXPECT_EQ( born.allowedDepth( 1, 0.25 ), 0.25 );
+	EXPECT_EQ( born.allowedDepth( 1, 0.5 ), 0.5 ); // the deepest of what it stands in
 	born.endPhase( 0.0 );
-	EXPECT_EQ( born.leave( 2, 0.5 ), 0.0 ) << "stood in nothing";
-	EXPECT_EQ( born.leave( 1, 2.0 ), 0.5 ) << "no deeper";
+	EXPECT_EQ( born.allowedDepth( 2, 0.5 ), 0.0 ) << "stood in nothing";
+	EXPECT_EQ( born.allowedDepth( 1, 2.0 ), 0.5 ) << "no deeper";
 	born.endPhase( 0.0 );
-	EXPECT_EQ( born.leave( 1, 0.25 ), 0.25 ) << "on its way out";
+	EXPECT_EQ( born.allowedDepth( 1, 0.25 ), 0.25 ) << "on its way out";
 	born.endPhase( 0.0 );
-	EXPECT_EQ( born.leave( 1, 0.5 ), 0.25 ) << "and not back";
+	EXPECT_EQ( born.allowedDepth( 1, 0.5 ), 0.25 ) << "and not back";
 	born.endPhase( 0.125 );
-	EXPECT_EQ( born.leave( 1, 0.5 ), 0.125 ) << "let out";
+	EXPECT_EQ( born.allowedDepth( 1, 0.5 ), 0.125 ) << "let out";
 
 	// Other numbers, of a change and of a piece.
 	born.follow( { gone, 0, gone, gone }, 2 );
-	EXPECT_EQ( born.leave( 0, 0.5 ), 0.125 );
-	EXPECT_EQ( born.leave( 1, 0.5 ), 0.5 ) << "new";
+	EXPECT_EQ( born.allowedDepth( 0, 0.5 ), 0.125 );
+	EXPECT_EQ( born.allowedDepth( 1, 0.5 ), 0.5 ) << "new";
 	born.endPhase( 0.0 );
 	PenetrationAllowance piece = PenetrationAllowance::of( born, { 1 } );
-	EXPECT_EQ( piece.leave( 0, 1.0 ), 0.5 );
+	EXPECT_EQ( piece.allowedDepth( 0, 1.0 ), 0.5 );
 	piece.endPhase( 1.0 );
 	EXPECT_FALSE( piece.isAny() ) << "is out";
 	EXPECT_FALSE( PenetrationAllowance::of( piece, { 0 } ).isAny() );

@@ -58,7 +58,7 @@ std::vector<std::uint64_t> allClose( const Spheres& spheres, float slop, float m
 		for ( const ClosePairs::Sphere& b : spheres )
 		{
 			const float reach = ( a.radius + b.radius ) * ( 1.0f + slop ) + margin;
-			if ( a.number < b.number && ( a.place - b.place ).squaredNorm() <= reach * reach )
+			if ( a.number < b.number && ( a.position - b.position ).squaredNorm() <= reach * reach )
 			{
 				pairs.push_back( std::uint64_t( a.number ) << 32 | b.number );
 			}

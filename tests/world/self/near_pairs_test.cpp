@@ -120,7 +120,7 @@ TEST( NearPairs, AskAgainOnlyWhereNodesHaveMoved )
 	SoftBody* const soft = test.addSoft( block( 16, 8, 4, kCell ), at( 0, 0, 0 ), stiff( 2e4f ) );
 	NearPairs pairs;
 	pairs.of( *soft, 0.0 );
-	const long long all = pairs.asked();
+	const long long all = pairs.queryCount();
 	EXPECT_GT( all, soft->nodeCount() / 2 );
 	NodeState& nodes = soft->impl().body->nodes();
 	for ( int i = 0; i < 5; ++i )
@@ -128,9 +128,9 @@ TEST( NearPairs, AskAgainOnlyWhereNodesHaveMoved )
 		nodes.x.set( i, nodes.x.get( i ) + Vec3( 0.0f, kCell, 0.0f ) );
 	}
 	pairs.of( *soft, 0.0 );
-	EXPECT_EQ( pairs.asked(), all + 5 );
+	EXPECT_EQ( pairs.queryCount(), all + 5 );
 	pairs.of( *soft, 0.0 );
-	EXPECT_EQ( pairs.asked(), all + 5 );
+	EXPECT_EQ( pairs.queryCount(), all + 5 );
 }
 
 /// Two changes of levels before anybody looks: rows that hold the nodes they held, under whatever numbers, do not ask.
@@ -142,7 +142,7 @@ TEST( NearPairs, AskAgainOnlyWhereNodesWereSplit )
 	changeLevels( *soft, coarseNodes( *soft, anyNode ), {} );
 	NearPairs pairs;
 	pairs.of( *soft, 0.0 );
-	const long long before = pairs.asked();
+	const long long before = pairs.queryCount();
 	std::set<std::uint32_t> reached;
 	for ( int k = 0; k < 2; ++k )
 	{
@@ -165,8 +165,8 @@ TEST( NearPairs, AskAgainOnlyWhereNodesWereSplit )
 		reached = now;
 	}
 	pairs.of( *soft, 0.0 );
-	EXPECT_GT( pairs.asked(), before );
-	EXPECT_LE( pairs.asked() - before, (long long)( reached.size() ) );
+	EXPECT_GT( pairs.queryCount(), before );
+	EXPECT_LE( pairs.queryCount() - before, (long long)( reached.size() ) );
 	EXPECT_LT( reached.size(), std::size_t( soft->nodeCount() ) / 2 );
 }
 

@@ -38,16 +38,16 @@ Count askBoth( double away, double fastest )
 			box.basis = Eigen::Quaterniond( any( random ), any( random ), any( random ), any( random ) ).normalized().toRotationMatrix();
 		}
 		box.position = away * some();
-		const BoxTouch asked( box );
+		const BoxTouch boxTouch( box );
 		for ( int k = 0; k < 500; ++k )
 		{
 			MovingSphere sphere;
 			sphere.radius = 0.2 + 0.1 * any( random );
-			sphere.way = fastest * some();
+			sphere.displacement = fastest * some();
 			sphere.centre = box.position + 1.8 * some();
 			Touch one, many;
 			const bool isTouching = findTouch( box, sphere, one );
-			const bool isFound = asked.find( sphere, many );
+			const bool isFound = boxTouch.find( sphere, many );
 			EXPECT_EQ( isTouching, isFound );
 			if ( isTouching && isFound )
 			{

@@ -132,10 +132,10 @@ TEST_P( SphereRowsOf, TwoBodiesFindThePairsThatMayTouch )
 			btVector3( btScalar( uniform( random, -0.3, 0.3 ) ), btScalar( uniform( random, -0.75, -0.6 ) ), 0 ), -way, way };
 		std::vector<std::pair<int, int>> found;
 		SphereRows::findPairs( soft[0]->impl().shape->rows(), soft[1]->impl().shape->rows(), approach, pairs );
-		for ( const SphereRows::Meeting& pair : pairs.found )
+		for ( const SphereRows::NearSpheres& pair : pairs.found )
 		{
 			const Vec3 apart = placeOf( *soft[0], pair.nodeA ) + toVec3( approach.shift ) - placeOf( *soft[1], pair.nodeB );
-			ASSERT_NEAR( pair.square, apart.squaredNorm(), 1e-6f );
+			ASSERT_NEAR( pair.squaredDistance, apart.squaredNorm(), 1e-6f );
 			ASSERT_EQ( pair.reach, reachOf( *soft[0], pair.nodeA ) + reachOf( *soft[1], pair.nodeB ) );
 			found.push_back( { pair.nodeA, pair.nodeB } );
 		}
@@ -179,7 +179,7 @@ MovingSphere movingSphere( const SoftBody& soft, int node )
 	sphere.shape = soft.impl().shape->sphereOfNode( node );
 	sphere.radius = double( sphere.shape->getRadius() );
 	sphere.centre = nodes.x.get( node ).cast<double>();
-	sphere.way = kSubstep * nodes.v.get( node ).cast<double>();
+	sphere.displacement = kSubstep * nodes.v.get( node ).cast<double>();
 	return sphere;
 }
 
@@ -242,7 +242,7 @@ TEST_P( SphereRowsOf, TwoBodiesFindTheNodesThatMeet )
 			for ( int b = 0; b < soft[1]->nodeCount(); ++b )
 			{
 				MovingSphere sphere = movingSphere( *soft[0], a );
-				sphere.way -= kSubstep * others.v.get( b ).cast<double>();
+				sphere.displacement -= kSubstep * others.v.get( b ).cast<double>();
 				Touch touch;
 				const bool collide = soft[0]->impl().shape->childOfNode( a ) >= 0 && soft[1]->impl().shape->childOfNode( b ) >= 0;
 				if ( collide &&
