@@ -175,7 +175,7 @@ std::array<std::uint32_t, 3> CrackGatherer::ofCorners( std::uint32_t panel, std:
 std::array<std::uint32_t, 3>* CrackGatherer::takePanels( std::array<std::uint32_t, 3>* triangles )
 {
 	const CellComplex& complex = m_sides->complex();
-	const WholePanels& panels = m_sides->panels();
+	const IntactPanels& panels = m_sides->panels();
 	for ( std::size_t k = 0; k < m_cells && panels.arePlaced(); ++k )
 	{
 		for ( std::uint32_t panel = complex.panels.firstOfCell[m_patch[k]]; panel < complex.panels.firstOfCell[m_patch[k] + 1]; ++panel )

@@ -357,7 +357,7 @@ void CrackGatherer::addAreas( std::uint32_t patch, const std::uint32_t* local )
 void CrackGatherer::takeOuter( std::uint32_t patch, const std::uint32_t* local, std::uint32_t fresh )
 {
 	const CrackPatches& patches = m_sides->patches();
-	const WholePanels& panels = m_sides->panels();
+	const IntactPanels& panels = m_sides->panels();
 	const std::uint32_t first = patches.patch[patch].firstVertex, count = verticesOf( patch );
 	std::uint32_t* placed = m_placed.get() + m_placedCount;
 	for ( std::uint32_t k = 0; k < count; ++k )
@@ -381,8 +381,8 @@ void CrackGatherer::takeOuter( std::uint32_t patch, const std::uint32_t* local, 
 
 void CrackGatherer::addArea( const std::array<std::uint32_t, 3>& points, const std::array<std::uint32_t, 3>& normalGroups )
 {
-	const Vec3& a = m_sides->placeOf( points[0] );
-	const Vec3 area = ( m_sides->placeOf( points[1] ) - a ).cross( m_sides->placeOf( points[2] ) - a );
+	const Vec3& a = m_sides->positionOf( points[0] );
+	const Vec3 area = ( m_sides->positionOf( points[1] ) - a ).cross( m_sides->positionOf( points[2] ) - a );
 	for ( const std::uint32_t group : normalGroups )
 	{
 		m_area[group] += area;

@@ -111,7 +111,7 @@ void CrackGatherer::writeVertices( const Vec3& shift, CrackView& view, std::size
 		m_sides->fetchPosition( patches.look[m_made[std::min<std::size_t>( k + kNear, m_count - 1 )].vertex].point );
 		const Made& made = m_made[k];
 		const CrackPatches::Look& look = patches.look[made.vertex];
-		to.restPosition[k] = m_sides->placeOf( look.point ) - shift;
+		to.restPosition[k] = m_sides->positionOf( look.point ) - shift;
 		to.normalGroup[k] = made.normalGroup;
 		to.carrier[k] = made.carrier;
 		to.point[k] = look.point;

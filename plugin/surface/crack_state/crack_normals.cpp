@@ -118,7 +118,7 @@ void CrackSurface::follow( const BladePath& path, const std::vector<std::uint32_
 		{
 			part( point, true );
 		}
-		const Vec3 place = point != kNone ? path.placeOf( known ) : Vec3( Vec3::Zero() );
+		const Vec3 place = point != kNone ? path.positionOf( known ) : Vec3( Vec3::Zero() );
 		if ( point == kNone || place == restOf( point ) )
 		{
 			continue;

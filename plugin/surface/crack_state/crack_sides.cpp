@@ -378,7 +378,7 @@ void CrackSides::follow( const BladePath& path, const std::vector<std::uint32_t>
 	for ( const std::uint32_t point : points )
 	{
 		m_panels.touch( point, anew ); // as CrackSurface does
-		const Vec3 place = path.placeOf( point );
+		const Vec3 place = path.positionOf( point );
 		if ( place != m_position[point] )
 		{
 			m_position[point] = place;

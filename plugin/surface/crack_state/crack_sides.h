@@ -29,15 +29,15 @@ public:
 	/// Of those that carry the point in the whole body, the ones that a side has, a bit each; by the side's first slot.
 	std::uint64_t carriersOf( std::uint32_t side ) const { return m_carriers[side]; }
 	const std::uint64_t* carriersAt( std::uint32_t side ) const { return &m_carriers[side]; }
-	const Vec3& placeOf( std::uint32_t point ) const
+	const Vec3& positionOf( std::uint32_t point ) const
 	{
 		return m_position.empty() ? m_patches->complex->pointRest[point] : m_position[point];
 	}
 	void fetchSide( std::uint32_t slot ) const { __builtin_prefetch( &m_side[slot] ); }
-	void fetchPosition( std::uint32_t point ) const { __builtin_prefetch( &placeOf( point ) ); }
+	void fetchPosition( std::uint32_t point ) const { __builtin_prefetch( &positionOf( point ) ); }
 	/// Whether the outer surface around a point is not what it was in the whole body.
 	bool isShadedAnew( std::uint32_t point ) const { return m_isShadedAnew[point] != 0; }
-	const WholePanels& panels() const { return m_panels; }
+	const IntactPanels& panels() const { return m_panels; }
 
 	const CrackPatches& patches() const { return *m_patches; }
 	const CellComplex& complex() const { return *m_patches->complex; }
@@ -68,7 +68,7 @@ private:
 	std::vector<std::uint64_t>
 		m_joined; ///< by place of a class (CrackPatches::firstOfClass): the carriers that standing faces join to this one
 	std::vector<std::uint8_t> m_isDrawn, m_isShadedAnew, m_isMarked, m_isSplit; ///< by point
-	WholePanels m_panels;
+	IntactPanels m_panels;
 	std::vector<Vec3> m_position;       ///< by point; empty: those of the complex
 	std::vector<std::uint32_t> m_found; ///< points
 	std::vector<std::uint32_t> m_foundClass;

@@ -256,7 +256,7 @@ private:
 	SkinBinding m_binding;
 	std::vector<std::uint32_t> m_unsettled; ///< faces that broke since, local
 	std::vector<std::uint32_t> m_split;     ///< points that have more groups since, or panels around that are parted, local; some twice
-	WholePanels m_panels;                   ///< of the template; those that none of the cells draws are not asked for
+	IntactPanels m_panels;                  ///< of the template; those that none of the cells draws are not asked for
 	std::vector<std::array<std::uint32_t, 3>> m_panelCorner; ///< by panel that was one when all was drawn: vertices
 	std::uint64_t m_version = 1, m_listedVersion = 0;        ///< since when it is, and when it was listed what is placed
 	Change m_change;
