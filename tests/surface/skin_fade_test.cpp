@@ -145,7 +145,7 @@ TEST( SkinFade, OfACrackedBodyKeepsItWhereItStood )
 		faces.push_back( f );
 	}
 	surface.breakFaces( faces );
-	surface.settle();
+	surface.updateBinding();
 	const SkinBinding& binding = surface.binding();
 	EXPECT_GT( binding.placed.size(), 500u );
 	const SkinTriangles triangles{ surface.triangles()[0].data(), int( surface.triangles().size() ) };

@@ -262,7 +262,7 @@ IntactPanels::IntactPanels( const Panels& panels ) :
 	m_placed = std::size_t( std::count( m_isPlaced.begin(), m_isPlaced.end(), 1 ) );
 }
 
-void IntactPanels::part( std::uint32_t point, std::vector<std::uint32_t>& reshaded )
+void IntactPanels::separate( std::uint32_t point, std::vector<std::uint32_t>& reshaded )
 {
 	if ( !arePlaced() )
 	{
@@ -305,7 +305,7 @@ void IntactPanels::touch( std::uint32_t point, std::vector<std::uint32_t>& resha
 	{
 		m_isTouched[point] = 1;
 	}
-	part( point, reshaded );
+	separate( point, reshaded );
 }
 
 void IntactPanels::uncover( std::uint32_t point )
@@ -319,7 +319,7 @@ void IntactPanels::uncover( std::uint32_t point )
 }
 
 Status IntactPanels::validate(
-	const std::function<bool( std::uint32_t )>& isParted, const std::function<bool( std::uint32_t )>& isPassed ) const
+	const std::function<bool( std::uint32_t )>& isSeparated, const std::function<bool( std::uint32_t )>& isPassed ) const
 {
 	const Panels& all = *m_panels;
 	const auto areAll = []( const Table& table, std::size_t row, auto&& holds ) {
@@ -327,7 +327,7 @@ Status IntactPanels::validate(
 	};
 	const auto isIntact = [&]( std::uint32_t panel ) {
 		return areAll(
-			all.points, panel, [&]( std::uint32_t p ) { return !isParted( p ) && ( m_isTouched.empty() || m_isTouched[p] == 0 ); } );
+			all.points, panel, [&]( std::uint32_t p ) { return !isSeparated( p ) && ( m_isTouched.empty() || m_isTouched[p] == 0 ); } );
 	};
 	const auto isToBePlaced = [&]( std::uint32_t point ) { return all.isPlaceable[point] != 0 && areAll( all.atPoint, point, isIntact ); };
 	for ( std::uint32_t point = 0; point < std::uint32_t( all.isPlaceable.size() ); ++point )

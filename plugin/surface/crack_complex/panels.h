@@ -77,7 +77,7 @@ public:
 	explicit IntactPanels( const Panels& panels );
 
 	/// More than one side of a crack meets at a point. Appends the points whose shading changes, some of them twice.
-	void part( std::uint32_t point, std::vector<std::uint32_t>& reshaded );
+	void separate( std::uint32_t point, std::vector<std::uint32_t>& reshaded );
 	/// A cut by a blade moves a point. Otherwise the same.
 	void touch( std::uint32_t point, std::vector<std::uint32_t>& reshaded );
 	/// A broken face contains a point, which must then be drawn, even if nothing is separated there.
@@ -107,7 +107,7 @@ public:
 	}
 
 	/// Checks the flags against the points at which more than one side meets and those that broken faces contain.
-	Status validate( const std::function<bool( std::uint32_t )>& isParted, const std::function<bool( std::uint32_t )>& isPassed ) const;
+	Status validate( const std::function<bool( std::uint32_t )>& isSeparated, const std::function<bool( std::uint32_t )>& isPassed ) const;
 
 private:
 	Status validateSpared( const std::function<bool( std::uint32_t )>& isPassed ) const;
