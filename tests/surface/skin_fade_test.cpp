@@ -172,7 +172,7 @@ TEST( SkinFade, OfACrackedBodyKeepsItWhereItStood )
 		everywhere.start( binding, nodes );
 		nodes.measured = &done.measured;
 		nodes.complex = it.complex.get();
-		nodes.cellsThere = &same;
+		nodes.cellsInComplex = &same;
 		there.start( binding, nodes );
 		const std::vector<float> wanted = offsets( everywhere, binding );
 		EXPECT_EQ( offsets( there, binding ), wanted ) << change;
