@@ -98,14 +98,13 @@ struct BuildReport
 	int nonManifoldEdges = 0; ///< edges with three or more triangles
 	int shells = 0;           ///< connected parts of the mesh
 	int cells = 0;
-	int shellCells = 0; ///< those of `cells` that contain surface and no inside (LatticeSettings::shell)
-	int samplesPerEdge =
-		0;                ///< samples used; fewer than set where the mesh is open and inside tests are expensive; 0: no inside was sampled
-	int splitCells = 0;   ///< lattice positions that hold more than one material part
-	int cutLinks = 0;     ///< links left out because the surface separates the material
-	int components = 0;   ///< connected parts of the lattice
-	double volume = 0.0;  ///< volume of the material in the cells, m^3
-	double seconds = 0.0; ///< duration of the build, s
+	int shellCells = 0;     ///< those of `cells` that contain surface and no inside (LatticeSettings::shell)
+	int samplesPerEdge = 0; ///< as used; fewer than set where inside tests of an open mesh are expensive; 0: no inside was sampled
+	int splitCells = 0;     ///< lattice positions that hold more than one material part
+	int cutLinks = 0;       ///< links left out because the surface separates the material
+	int components = 0;     ///< connected parts of the lattice
+	double volume = 0.0;    ///< volume of the material in the cells, m^3
+	double seconds = 0.0;   ///< duration of the build, s
 };
 
 /// The immutable data that bodies of one mesh share. Reference-counted: each body holds a std::shared_ptr to it.

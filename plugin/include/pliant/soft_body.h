@@ -48,8 +48,8 @@ struct SurfaceView
 
 /// A soft body. The game owns the bodies that it creates; the world never deletes them. Contact properties and flags are set as on any
 /// btCollisionObject: setFriction, setRestitution, setRollingFriction, setCollisionFlags, setUserPointer, setActivationState. A stiff body
-/// rebounds by its elasticity even with restitution 0. Bullet's contact points hold the impulses of the whole game step. Numbers refused as
-/// bad are NaN and infinity. Calls that change the body wake it unless noted otherwise; a refused call changes nothing.
+/// rebounds by its elasticity even with restitution 0. Bullet's contact points hold the impulses of the whole game step. In the
+/// following a bad number is NaN or infinite. Calls that change the body wake it unless noted otherwise; a refused call changes nothing.
 class PLIANT_API SoftBody : public btCollisionObject
 {
 public:

@@ -17,8 +17,7 @@ namespace pliant {
 class SkinFade;
 class TaskRunner;
 
-/// The nodes that move a vertex, and their weights; built once with the template. The row of vertex i is the entries start[i] .. start[i +
-/// 1] - 1.
+/// The nodes that move a vertex and their weights; built once with the template. Row of vertex i: start[i] to start[i + 1] - 1.
 struct SkinBinding
 {
 	Skinning kind = Skinning::None;
@@ -65,8 +64,9 @@ struct SkinBinding
 ///
 /// NearbyNodes: cells whose centres are within 1.4 edges of the vertex, with weights that fall smoothly to zero there.
 /// Trilinear: the eight cells whose centres form the cube around the vertex. Rivers and James embed in a grid whose corners are nodes; here
-/// the nodes are cells, so the grid is that of their centres, and half a cell at the surface follows by the nodes' rotations. Both: only
-/// cells within two links of the cell whose material lies behind the vertex. A vertex out of reach follows that cell alone.
+/// the nodes are cells, so the grid is that of their centres, and half a cell at the surface follows by the nodes' rotations.
+///
+/// Both use only cells within two links of the cell whose material lies behind the vertex. A vertex out of reach follows that cell alone.
 SkinBinding bindSkin( const MeshView& mesh, const Lattice& lattice, const std::vector<std::uint32_t>& weldedVertex, Skinning kind );
 
 /// The render mesh's triangles, three vertex indices each.
@@ -86,8 +86,8 @@ struct SkinScratch
 	AlignedArray<float> groupNormal;
 };
 
-/// Computes positions (relative to `state.origin`, m) and unit normals, 3 floats per vertex. `rotations`: per node one unit quaternion (x,
-/// y, z, w), the rotation of its region relative to rest. `triangles`: those of the bound mesh. The same bits for any number of threads.
+/// Computes positions (relative to `state.origin`, m) and unit normals, 3 floats per vertex. `rotations`: the rotation of each node's
+/// region relative to rest, a unit quaternion (x, y, z, w). `triangles`: those of the bound mesh. The same bits for any number of threads.
 void skin( const SkinBinding& binding, const NodeState& state, const float* rotations, const SkinTriangles& triangles, SkinScratch& scratch,
 	float* positions, float* normals, TaskRunner* runner = nullptr );
 
