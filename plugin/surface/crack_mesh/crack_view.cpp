@@ -74,7 +74,6 @@ void CrackGatherer::reserveScratch( const std::vector<std::uint32_t>& cells, Cra
 	}
 }
 
-/// Starts a new numbering.
 void CrackGatherer::begin( std::size_t vertices )
 {
 	const CrackPatches& patches = m_sides->patches();

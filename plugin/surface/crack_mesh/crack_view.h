@@ -40,7 +40,6 @@ public:
 private:
 	static constexpr std::uint32_t kNone = CrackSurface::kNone;
 
-	/// A vertex of the current body.
 	struct Made
 	{
 		std::uint32_t vertex; ///< index in the patches

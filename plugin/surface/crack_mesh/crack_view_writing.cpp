@@ -100,7 +100,6 @@ void CrackGatherer::takeSources( const std::vector<std::uint32_t>& cells, CrackV
 	std::fill( to, view.ownSources.data() + view.ownSources.size(), kNone );
 }
 
-/// Writes vertices first to last - 1.
 void CrackGatherer::writeVertices( const Vec3& shift, CrackView& view, std::size_t first, std::size_t last ) const
 {
 	const CrackPatches& patches = m_sides->patches();

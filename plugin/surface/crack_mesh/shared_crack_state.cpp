@@ -32,7 +32,6 @@ void SharedCrackState::startGrowing()
 	}
 }
 
-/// Adds the texture coordinates of new vertices.
 void SharedCrackState::updateTexture()
 {
 	const std::size_t known = m_texture.size();

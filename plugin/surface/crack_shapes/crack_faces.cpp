@@ -54,7 +54,6 @@ public:
 	}
 
 private:
-	/// Walks along a line from one crossing to the next.
 	void walk( const LineCrossing& from, const LineCrossing& to )
 	{
 		std::uint32_t here = from.point;

@@ -25,7 +25,6 @@ public:
 
 	/// Computes the outline of a face's inside, counter-clockwise from above; fewer than three points where there is none.
 	void outline( const Eigen::Vector3i& below, int axis, std::vector<std::uint32_t>& points );
-	/// Computes the whole face: four corners.
 	void square( const Eigen::Vector3i& below, int axis, std::vector<std::uint32_t>& points );
 
 private:

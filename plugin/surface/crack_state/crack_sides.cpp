@@ -151,7 +151,6 @@ void CrackSides::splitSides( const std::vector<std::uint32_t>& added, TaskRunner
 	separatePanels();
 }
 
-/// Updates the panels at m_found.
 void CrackSides::separatePanels()
 {
 	std::vector<std::uint32_t> reshaded;
@@ -290,7 +289,6 @@ void CrackSides::updateCarriersAround( const std::vector<std::uint32_t>& added, 
 	runOver( m_found, &CrackSides::updateCarriers, runner );
 }
 
-/// Collects all points carried by these cells.
 void CrackSides::collectByClass( const std::vector<std::uint32_t>& cells )
 {
 	for ( const std::uint32_t cell : cells )

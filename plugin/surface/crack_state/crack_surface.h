@@ -118,7 +118,6 @@ private:
 	friend class CrackPatches;
 	friend class CrackSides;
 
-	/// A copy of a point.
 	struct Vertex
 	{
 		std::uint32_t point; ///< local index

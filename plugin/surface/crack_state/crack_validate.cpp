@@ -276,7 +276,6 @@ std::vector<std::uint32_t> walkFrom(
 	return frontier;
 }
 
-/// Checks the side that begins with a slot.
 Status validateSide( const CrackSides& sides, std::uint32_t slot )
 {
 	const CellComplex& complex = sides.complex();

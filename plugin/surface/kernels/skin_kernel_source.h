@@ -32,7 +32,6 @@ struct Blend
 	}
 };
 
-/// Rows of weights and the nodes' maps.
 struct Rows
 {
 	const std::uint32_t *start, *node, *slot;

@@ -98,7 +98,6 @@ std::vector<WeldedPoint> makePoints( const MeshView& mesh, const SkinBinding& bi
 	return points;
 }
 
-/// Binds points one by one.
 class Binder
 {
 public:

@@ -19,7 +19,6 @@ int chunkCount( std::size_t items )
 	return int( ( items + kChunk - 1 ) / kChunk );
 }
 
-/// Runs work( first, last ) in tasks over `count` entries.
 template <class Work>
 void forChunks( std::size_t count, TaskRunner* runner, Work&& work )
 {
