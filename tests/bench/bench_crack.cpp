@@ -90,7 +90,7 @@ void settleCracks( benchmark::State& state )
 		CrackSurface surface( body.complex );
 		surface.breakFaces( body.faces );
 		state.ResumeTiming();
-		surface.settle();
+		surface.updateBinding();
 		benchmark::DoNotOptimize( surface.vertexCount() );
 	}
 	state.SetItemsProcessed( std::int64_t( body.faces.size() ) * state.iterations() );
@@ -131,7 +131,7 @@ void crackedSkin( benchmark::State& state )
 		return body.slabOf( body.complex->face[f].cellA ) / 4 != body.slabOf( body.complex->face[f].cellB ) / 4;
 	} );
 	surface.breakFaces( across );
-	surface.settle();
+	surface.updateBinding();
 	CrackView view;
 	const std::vector<float> texture( 2 * std::size_t( surface.vertexCount() ) );
 	surface.showPanelsAsOne( texture.data(), view );

@@ -152,7 +152,7 @@ void breakSphere( const Way& way, const Vec3& at, std::list<DrawnPiece>& drawn )
 	const auto pieces = piecesOf( lattice );
 	const auto start = std::chrono::steady_clock::now();
 	surface.breakLinks( linksBetween( lattice, pieces ) );
-	surface.settle();
+	surface.updateBinding();
 	const double opened = milliseconds( start );
 	const Lattice torn = withoutLinks( lattice, linksBetween( lattice, pieces ) );
 	std::size_t triangles = 0;

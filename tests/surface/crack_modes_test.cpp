@@ -44,7 +44,7 @@ TEST( CrackModes, BricksAreWholeSquares )
 	EXPECT_GT( whole, 0.8 * double( it.complex->face.size() ) );
 	CrackSurface surface( it.complex );
 	surface.breakFaces( facesBetween( *it.complex, shatter( it.lattice(), 8, 1 ) ) );
-	surface.settle();
+	surface.updateBinding();
 	expectValid( surface );
 	expectNoSeams( surface );
 }
@@ -67,7 +67,7 @@ TEST( CrackModes, MarchingSquaresComesNearTheExactFaces )
 	}
 	CrackSurface surface( it.complex );
 	surface.breakFaces( facesBetween( *it.complex, shatter( it.lattice(), 8, 1 ) ) );
-	surface.settle();
+	surface.updateBinding();
 	expectValid( surface );
 	expectNoSeams( surface );
 }
@@ -100,7 +100,7 @@ TEST( CrackModes, HolesStayTheOnlyOpenPlaces )
 		EXPECT_LT( lowest, 0.2 ); // faces fill the inside
 		CrackSurface surface( it.complex );
 		surface.breakFaces( facesBetween( *it.complex, shatter( it.lattice(), 8, 1 ) ) );
-		surface.settle();
+		surface.updateBinding();
 		expectValid( surface );
 	}
 }
@@ -122,7 +122,7 @@ TEST( CrackModes, SoupFallsBackOnMarchingSquares )
 	EXPECT_NEAR( areaOf( *it.complex ) / exact, 1.0, 0.05 );
 	CrackSurface surface( it.complex );
 	surface.breakFaces( facesBetween( *it.complex, shatter( it.lattice(), 8, 1 ) ) );
-	surface.settle();
+	surface.updateBinding();
 	expectValid( surface );
 	expectNoSeams( surface );
 }
@@ -159,7 +159,7 @@ TEST( CrackModes, CutsDoNotShowOnTheOuterSurface )
 	CrackCase it( makeSphere( 1.0, 24, 32 ), 0.2, noisy() );
 	CrackSurface surface( it.complex );
 	surface.breakFaces( facesBetween( *it.complex, shatter( it.lattice(), 8, 1 ) ) );
-	surface.settle();
+	surface.updateBinding();
 	const auto [wrong, all] = wronglyShaded( it, surface, surface.binding() );
 	EXPECT_LT( wrong, all / 5000 ); // slivers, whose normals are rounding
 	SkinBinding unshifted = surface.binding();
@@ -173,7 +173,7 @@ TEST( CrackModes, NormalShiftsMayEndEarly )
 	CrackCase it( makeSphere( 1.0, 24, 32 ), 0.2, noisy() );
 	CrackSurface surface( it.complex );
 	surface.breakFaces( facesBetween( *it.complex, shatter( it.lattice(), 8, 1 ) ) );
-	surface.settle();
+	surface.updateBinding();
 	const SkinTriangles triangles{ surface.triangles()[0].data(), int( surface.triangles().size() ) };
 	it.affine( Eigen::AngleAxisf( 1.1f, Vec3( 1, 2, 3 ).normalized() ).toRotationMatrix() );
 	const auto normalsOf = [&]( const SkinBinding& binding ) {

@@ -65,7 +65,7 @@ TEST_P( Cracks, PiecesAreClosedAndSumToTheWhole )
 	CrackSurface whole( it.complex );
 	const auto pieces = shatter( it.lattice(), 8, 5 );
 	whole.breakFaces( facesBetween( *it.complex, pieces ) );
-	whole.settle();
+	whole.updateBinding();
 	expectValid( whole );
 	expectNoSeams( whole );
 	double sum = 0.0;
@@ -90,7 +90,7 @@ TEST_P( Cracks, SidesAreEqualAndOpposite )
 	const CrackCase it = make();
 	CrackSurface whole( it.complex );
 	whole.breakFaces( facesBetween( *it.complex, shatter( it.lattice(), 8, 7 ) ) );
-	whole.settle();
+	whole.updateBinding();
 	Vec3d sum = Vec3d::Zero();
 	double area = 0.0, expected = 0.0;
 	for ( std::size_t t = 0; t < whole.triangles().size(); ++t )
@@ -117,7 +117,7 @@ TEST_P( Cracks, BrokenFaceByFaceAreThoseBrokenAtOnce )
 	CrackSurface atOnce( it.complex ), stepwise( it.complex );
 	std::vector<std::uint32_t> faces = facesBetween( *it.complex, shatter( it.lattice(), 5, 3 ) );
 	atOnce.breakFaces( faces );
-	atOnce.settle();
+	atOnce.updateBinding();
 	std::mt19937 random( 3 );
 	for ( std::size_t k = faces.size(); k > 1; --k )
 	{
@@ -127,7 +127,7 @@ TEST_P( Cracks, BrokenFaceByFaceAreThoseBrokenAtOnce )
 	{
 		stepwise.breakFaces( { face } );
 	}
-	stepwise.settle();
+	stepwise.updateBinding();
 	expectValid( atOnce );
 	expectValid( stepwise );
 	ASSERT_EQ( atOnce.triangles().size(), stepwise.triangles().size() );
@@ -176,7 +176,7 @@ TEST_P( Cracks, AnyBreaksLeaveItClosed )
 		const std::uint32_t vertices = surface.vertexCount();
 		const std::vector<TrianglePoints> before = surface.triangles();
 		surface.breakFaces( faces );
-		surface.settle();
+		surface.updateBinding();
 		expectValid( surface );
 		expectNoSeams( surface );
 		EXPECT_GT( surface.topologyVersion(), version );
@@ -207,7 +207,7 @@ TEST( CrackSurface, HalvesAreManifolds )
 			halves[it.lattice().coordinate[cell].x() < it.lattice().extent.x() / 2 ? 0 : 1].push_back( cell );
 		}
 		whole.breakFaces( facesBetween( *it.complex, halves ) );
-		whole.settle();
+		whole.updateBinding();
 		for ( const auto& half : halves )
 		{
 			EXPECT_EQ( oddEdges( welded( whole.piece( half ) ) ), 0 );
@@ -230,7 +230,7 @@ TEST( CrackSurface, SidesLetGoOfEachOther )
 			halves[std::size_t( halfOf[cell] )].push_back( cell );
 		}
 		whole.breakFaces( facesBetween( *it.complex, halves ) );
-		whole.settle();
+		whole.updateBinding();
 		int both = 0;
 		const SkinBinding& b = whole.binding();
 		for ( std::uint32_t v = 0; v < whole.vertexCount(); ++v )
@@ -253,7 +253,7 @@ TEST( CrackSurface, MadeFromALatticeItIsTheSame )
 	const auto pieces = shatter( it.lattice(), 4, 2 );
 	CrackSurface whole( it.complex );
 	whole.breakFaces( facesBetween( *it.complex, pieces ) );
-	whole.settle();
+	whole.updateBinding();
 	std::vector<CellLink> links;
 	std::vector<std::size_t> pieceOf( it.complex->cellCount() );
 	for ( std::size_t k = 0; k < pieces.size(); ++k )
@@ -287,7 +287,7 @@ TEST( CrackSurface, MadeFromALatticeItIsTheSame )
 	}
 	CrackSurface byLinks( it.complex );
 	byLinks.breakLinks( links );
-	byLinks.settle();
+	byLinks.updateBinding();
 	EXPECT_EQ( byLinks.triangles(), whole.triangles() );
 }
 
@@ -296,7 +296,7 @@ TEST( CrackSurface, SidesFollowWhatFacesLeadThemTo )
 {
 	const CrackCase it( makeSphere( 1.0, 16, 24 ), 0.3, noisy( 0.3f ) );
 	CrackSurface quick( it.complex ), plain( it.complex );
-	plain.bindPlainly();
+	plain.useReferenceBinding();
 	std::mt19937 random( 11 );
 	for ( const unsigned oneIn : { 50u, 20u, 8u, 3u, 2u } )
 	{
@@ -311,7 +311,7 @@ TEST( CrackSurface, SidesFollowWhatFacesLeadThemTo )
 		for ( CrackSurface* surface : { &quick, &plain } )
 		{
 			surface->breakFaces( faces );
-			surface->settle();
+			surface->updateBinding();
 		}
 		EXPECT_EQ( quick.binding().start, plain.binding().start );
 		EXPECT_EQ( quick.binding().node, plain.binding().node );
@@ -342,7 +342,7 @@ TEST( CrackSurface, TipsStayJoined )
 		links.push_back( { cellAt( 1, y, 1 ), cellAt( 2, y, 1 ) } );
 	}
 	surface.breakLinks( links );
-	surface.settle();
+	surface.updateBinding();
 	expectValid( surface );
 	const auto rowsAt = [&]( const Vec3d& place ) {
 		std::set<std::vector<std::uint32_t>> rows;
@@ -373,7 +373,7 @@ TEST( CrackSurface, TextureCoordinatesRunThroughCutsOfTheSurface )
 	const CrackCase it( makeBox( { 0, 0, 0 }, { 1, 1, 1 } ), 0.23, settings );
 	CrackSurface surface( it.complex );
 	surface.breakFaces( facesBetween( *it.complex, shatter( it.lattice(), 4, 1 ) ) );
-	surface.settle();
+	surface.updateBinding();
 	// u, v linear in place on the input: then they must be on every cut of it.
 	std::vector<float> input;
 	for ( std::size_t v = 0; v < it.mesh.vertexCount(); ++v )

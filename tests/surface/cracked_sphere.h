@@ -49,7 +49,7 @@ struct Cracked
 		}
 		EXPECT_FALSE( faces.empty() );
 		surface.breakFaces( faces );
-		surface.settle();
+		surface.updateBinding();
 		expectValid( surface );
 	}
 

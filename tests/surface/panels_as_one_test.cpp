@@ -176,7 +176,7 @@ TEST( Panels, WhereBrokenFacesPassCutsAreDrawn )
 			faces.push_back( std::uint32_t( random() % complex.face.size() ) );
 		}
 		cracked.surface.breakFaces( faces );
-		cracked.surface.settle();
+		cracked.surface.updateBinding();
 		expectValid( cracked.surface ); // spared are those at which nothing passes
 		const AsOne one( cracked.surface );
 		if ( round == 0 )

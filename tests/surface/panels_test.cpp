@@ -139,7 +139,7 @@ TEST( Panels, BlendedOrPlacedTheSurfaceHardlyDiffers )
 		cracked.surface.isBroken( f ) ? faces.push_back( f ) : void();
 	}
 	twin.breakFaces( faces );
-	twin.settle();
+	twin.updateBinding();
 	expectValid( twin );
 	EXPECT_TRUE( twin.binding().placed.empty() );
 	ASSERT_EQ( twin.triangles(), cracked.surface.triangles() );
@@ -179,7 +179,7 @@ TEST( Panels, SeamsStayClosed )
 	CrackCase it( unwelded( makeSphere( 1.0, 24, 36 ) ), kCell, noisy() );
 	CrackSurface surface( it.complex );
 	surface.breakFaces( { 0 } );
-	surface.settle();
+	surface.updateBinding();
 	expectValid( surface );
 	EXPECT_GT( surface.binding().placed.size(), 1000u );
 	it.deform( []( const Vec3& x ) { return bent( x, 0.5f ); }, []( const Vec3& x ) { return turnOfBend( x, 0.5f ); } );
@@ -210,7 +210,7 @@ TEST( Panels, AreSkinnedToTheSameBitsByAnyKernels )
 	CrackCase it( unwelded( makeSphere( 1.0, 24, 36 ) ), kCell, noisy() );
 	CrackSurface surface( it.complex );
 	surface.breakFaces( { 0, 40, 41, 42 } );
-	surface.settle();
+	surface.updateBinding();
 	const SkinBinding& binding = surface.binding();
 	ASSERT_FALSE( binding.placed.empty() || binding.carrier.empty() || binding.normalShift.empty() || binding.shading.empty() );
 	it.deform( []( const Vec3& x ) { return x.x() > 0.6f ? Vec3( 0.6f, 0.0f, 0.0f ) : bent( x, 0.5f ); },

@@ -13,7 +13,7 @@ namespace pliant {
 namespace {
 
 using test::SkinCase;
-using Since = RigidSkin::Since;
+using Change = RigidSkin::Change;
 
 constexpr double kCell = 0.2;
 constexpr double kTolerance = 0.01 * kCell; // m
@@ -28,9 +28,9 @@ struct Shown
 
 	void show()
 	{
-		const Since since = rigid.ask( it.nodes, it.rotations.data(), nullptr, kTolerance, kCell );
+		const Change change = rigid.classify( it.nodes, it.rotations.data(), nullptr, kTolerance, kCell );
 		it.skinIt();
-		if ( since == Since::Bent )
+		if ( change == Change::Bent )
 		{
 			++bent;
 			rigid.keep( it.nodes, it.rotations.data(), nullptr, false );
@@ -38,8 +38,8 @@ struct Shown
 			normals = fullNormals = it.normals;
 			return;
 		}
-		++( since == Since::Still ? still : moved );
-		if ( since == Since::Moved )
+		++( change == Change::Still ? still : moved );
+		if ( change == Change::Moved )
 		{
 			rigid.turn( fullPositions, fullNormals, positions, normals );
 		}
@@ -103,7 +103,7 @@ TEST( RigidSkin, IsTheSameOnAnyNumberOfThreadsAndToTheLastVertex )
 	Shown skin;
 	skin.show();
 	skin.it.affine( turned( 0.7f ), Vec3( 0.3f, 0.1f, -0.2f ) );
-	ASSERT_EQ( skin.rigid.ask( skin.it.nodes, skin.it.rotations.data(), nullptr, kTolerance, kCell ), Since::Moved );
+	ASSERT_EQ( skin.rigid.classify( skin.it.nodes, skin.it.rotations.data(), nullptr, kTolerance, kCell ), Change::Moved );
 	const auto pool = createThreadPool( 4 );
 	for ( std::size_t vertices : { 1u, 2u, 3u, 4u, 5u, 8191u, 20003u } )
 	{
@@ -143,10 +143,10 @@ TEST( RigidSkin, WithoutToleranceIsMadeInFull )
 {
 	Shown skin;
 	skin.show();
-	EXPECT_EQ( skin.rigid.ask( skin.it.nodes, skin.it.rotations.data(), nullptr, kTolerance, kCell ), Since::Still );
-	EXPECT_EQ( skin.rigid.ask( skin.it.nodes, skin.it.rotations.data(), nullptr, 0.0, kCell ), Since::Bent );
+	EXPECT_EQ( skin.rigid.classify( skin.it.nodes, skin.it.rotations.data(), nullptr, kTolerance, kCell ), Change::Still );
+	EXPECT_EQ( skin.rigid.classify( skin.it.nodes, skin.it.rotations.data(), nullptr, 0.0, kCell ), Change::Bent );
 	skin.rigid.forget();
-	EXPECT_EQ( skin.rigid.ask( skin.it.nodes, skin.it.rotations.data(), nullptr, kTolerance, kCell ), Since::Bent );
+	EXPECT_EQ( skin.rigid.classify( skin.it.nodes, skin.it.rotations.data(), nullptr, kTolerance, kCell ), Change::Bent );
 }
 
 // A number that is not finite is no rigid motion.
@@ -155,7 +155,7 @@ TEST( RigidSkin, OfABrokenNumberIsMadeInFull )
 	Shown skin;
 	skin.show();
 	skin.it.nodes.x.set( 3, Vec3::Constant( std::nanf( "" ) ) );
-	EXPECT_EQ( skin.rigid.ask( skin.it.nodes, skin.it.rotations.data(), nullptr, kTolerance, kCell ), Since::Bent );
+	EXPECT_EQ( skin.rigid.classify( skin.it.nodes, skin.it.rotations.data(), nullptr, kTolerance, kCell ), Change::Bent );
 }
 
 // A rod that spins about itself leaves its nodes where they are.
@@ -170,7 +170,7 @@ TEST( RigidSkin, OfARodFollowsHowItsNodesAreTurned )
 		}
 		skin.rigid.keep( skin.it.nodes, skin.it.rotations.data(), nullptr, hasGradients );
 		skin.it.turnNodes( []( const Vec3& ) { return Eigen::Matrix3f( Eigen::AngleAxisf( 0.3f, Vec3::UnitX() ) ); } );
-		ASSERT_EQ( skin.rigid.ask( skin.it.nodes, skin.it.rotations.data(), nullptr, kTolerance, kCell ), Since::Moved );
+		ASSERT_EQ( skin.rigid.classify( skin.it.nodes, skin.it.rotations.data(), nullptr, kTolerance, kCell ), Change::Moved );
 		std::vector<float> to, normal;
 		skin.rigid.turn( { 0.0f, 1.0f, 0.0f }, { 0.0f, 0.0f, 1.0f }, to, normal );
 		EXPECT_NEAR( to[2], std::sin( 0.3f ), 1e-6f );
@@ -184,10 +184,10 @@ TEST( RigidSkin, OfANodeThatTurnsIsMadeInFull )
 	Shown skin;
 	skin.show();
 	Eigen::Map<Eigen::Vector4f>( skin.it.rotations.data() + 4 * 5 ) = Eigen::Quaternionf( turned( 0.01f ) ).coeffs();
-	EXPECT_EQ( skin.rigid.ask( skin.it.nodes, skin.it.rotations.data(), nullptr, kTolerance, kCell ), Since::Bent );
+	EXPECT_EQ( skin.rigid.classify( skin.it.nodes, skin.it.rotations.data(), nullptr, kTolerance, kCell ), Change::Bent );
 	skin.rigid.keep( skin.it.nodes, skin.it.rotations.data(), nullptr, true );
 	Eigen::Map<Eigen::Vector4f>( skin.it.rotations.data() + 4 * 5 ) = Eigen::Quaternionf( turned( 0.02f ) ).coeffs();
-	EXPECT_EQ( skin.rigid.ask( skin.it.nodes, skin.it.rotations.data(), nullptr, kTolerance, kCell ), Since::Still )
+	EXPECT_EQ( skin.rigid.classify( skin.it.nodes, skin.it.rotations.data(), nullptr, kTolerance, kCell ), Change::Still )
 		<< "places say what gradients are";
 }
 

@@ -145,7 +145,7 @@ TEST( SkinFade, OfACrackedBodyKeepsItWhereItStood )
 		faces.push_back( f );
 	}
 	surface.breakFaces( faces );
-	surface.settle();
+	surface.updateBinding();
 	const SkinBinding& binding = surface.binding();
 	EXPECT_GT( binding.placed.size(), 500u );
 	const SkinTriangles triangles{ surface.triangles()[0].data(), int( surface.triangles().size() ) };
@@ -172,7 +172,7 @@ TEST( SkinFade, OfACrackedBodyKeepsItWhereItStood )
 		everywhere.start( binding, nodes );
 		nodes.measured = &done.measured;
 		nodes.complex = it.complex.get();
-		nodes.cellsThere = &same;
+		nodes.cellsInComplex = &same;
 		there.start( binding, nodes );
 		const std::vector<float> wanted = offsets( everywhere, binding );
 		EXPECT_EQ( offsets( there, binding ), wanted ) << change;

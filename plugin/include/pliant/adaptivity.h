@@ -1,6 +1,6 @@
 #pragma once
 
-// Levels of detail of a body: which cells are simulated together, by which of the papers' methods, and when that changes.
+// Levels of detail of a body: which cells are simulated as one node, how the regions of such nodes are built, and when the levels change.
 // Steinemann et al. 2008, sections 4 and 5; Ohta et al. 2009, "Deformation" and "Changing the Subdivision Level".
 
 #include "pliant/export.h"
@@ -8,73 +8,76 @@
 
 namespace pliant {
 
-/// How a node's region is made when nodes differ in size.
+/// How the region of a node is built when nodes differ in size.
 enum class RegionRule : int
 {
-	Multiplicity, ///< the sum of the finest regions under the node, each cell as often as it is in one: the default
-	Union,        ///< the union of the finest regions under the node (Ohta et al. 2009, "Preprocessing")
-	Interval      ///< all nodes nearer than w along the material, those up to (1 + eps) w as it suits (Steinemann et al. 2008, section 4.2)
+	Multiplicity, ///< the sum of the finest regions of the node's cells; a cell counts once for each of them that contains it. Default.
+	Union,        ///< the union of the finest regions of the node's cells (Ohta et al. 2009, "Preprocessing")
+	Interval      ///< all nodes within a distance w through the material, optionally up to ( 1 + eps ) w (Steinemann et al. 2008, 4.2)
 };
 
-/// How much softer a big region is made, so that stiffness is the same on all levels.
+/// How much softer a coarse region is made, so that the stiffness is the same on all levels.
 enum class Softening : int
 {
-	None,        ///< as Steinemann et al. 2008: big nodes are stiffer
+	None,        ///< not at all: coarse nodes are stiffer (Steinemann et al. 2008)
 	Ohta1D,      ///< Ohta et al. 2009, eq. 8
-	Ohta2D,      ///< eq. 9
-	Ohta3D,      ///< eq. 10
-	Energy,      ///< from the second moments of what the region holds, one number for all directions
-	EnergyTensor ///< the same in each direction, exact for every affine deformation: the default
+	Ohta2D,      ///< Ohta et al. 2009, eq. 9
+	Ohta3D,      ///< Ohta et al. 2009, eq. 10
+	Energy,      ///< one factor for all directions, from the second moments of the region's material
+	EnergyTensor ///< one factor for each direction, exact for every affine deformation. Default.
 };
 
-/// How much of what no affine motion explains a big region leaves alone.
+/// Which fraction eta of the non-affine part of the deformation a coarse region leaves uncorrected.
 enum class ResidualRule : int
 {
-	Keep,      ///< nothing: Ohta et al. 2009, eq. 5
-	Soften,    ///< as much as the affine part: eta = beta. No matrix is inverted; the cheapest and most robust
-	Quadratic, ///< so that quadratic deformations cost what they cost the finest regions
-	Larger     ///< the larger of the two: the default
+	Keep,      ///< eta = 0 (Ohta et al. 2009, eq. 5)
+	Soften,    ///< eta = beta, as for the affine part. Needs no matrix inverse; the cheapest and most robust.
+	Quadratic, ///< quadratic deformations store the same energy as in the finest regions
+	Larger     ///< the larger of Soften and Quadratic. Default.
 };
 
-/// Off by default. A body without levels allocates nothing for them and runs no branch per node.
+/// Settings of the levels of detail; off by default. A body without levels allocates nothing for them and runs no extra code per node.
 struct Adaptivity
 {
-	/// Levels above the finest cells, 0 to 4; 0: the uniform lattice. A node of level l holds up to 8^l cells.
+	/// Number of levels above the finest cells, 0 to 4. 0: the uniform lattice. A node of level l holds up to 8^l cells.
 	int coarseLevels = 0;
 
-	/// A node is used instead of its children where it has at least this share of a full node's material, (0, 1]. Above 1: never.
+	/// A coarse node replaces its children where its mass is at least this fraction of a full node's mass. Above 0; above 1: never.
 	float keepMass = 0.5f;
-	/// Cells at the surface stay finest, whatever they weigh.
+	/// Whether cells at the surface always stay on the finest level, regardless of keepMass.
 	bool isSurfaceFine = false;
 
 	RegionRule regions = RegionRule::Multiplicity;
 	Softening softening = Softening::EnergyTensor;
 	ResidualRule residual = ResidualRule::Larger;
-	/// 1 - beta and 1 - eta of big regions are multiplied by this, (0, 1]: below 1 they give way more in violent impacts.
+	/// Factor on 1 - beta and 1 - eta of coarse regions, (0, 1]. Below 1 coarse regions yield more in violent impacts.
 	float coarseStiffness = 1.0f;
 	/// eps of RegionRule::Interval, [0, 4].
 	float intervalSlack = 0.5f;
-	/// Sums of RegionRule::Interval go by way of the octree (Steinemann et al. 2008, section 4.3) or node by node; the same but for
-	/// rounding.
+	/// How the sums of RegionRule::Interval are computed: through the octree (true; Steinemann et al. 2008, section 4.3) or node by node.
+	/// The results are equal up to rounding.
 	bool hierarchicalSums = true;
 
-	/// A node is split when a singular value of its region's stretch is further from 1 than this, (0, 10]. 0: never by strain.
+	/// A node is split when a singular value of its region's stretch differs from 1 by more than this, [0, 10]. 0: never by strain.
 	float refineStrain = 0.0f;
-	/// Siblings are merged when all are below this share of refineStrain, [0, 1), ...
+	/// Sibling nodes are merged when the strain of all of them is below this fraction of refineStrain, [0, 1), ...
 	float mergeFraction = 0.5f;
-	/// ... and nothing has asked for them, for this long, s, [0, 60]. Never beyond what keepMass and isSurfaceFine allow.
+	/// ... and nothing has requested the finer nodes, for this long, s, [0, 60]. keepMass and isSurfaceFine still limit what is merged.
 	float mergeDelay = 0.1f;
-	/// Nodes that touch another object are split down to the finest level.
+	/// Whether nodes that touch another object are split down to the finest level.
 	bool refinesOnContact = false;
-	/// Nodes that changes may bring in one game step; what is left waits for the next, most strained first. 8 to 1 000 000.
+	/// Largest number of nodes that level changes may create in one game step, 8 to 1 000 000. The rest waits for the next game step; the
+	/// most strained nodes are split first.
 	int nodesPerStep = 1000;
 };
 
-/// The papers' own settings, for comparison.
+/// Settings that reproduce Steinemann et al. 2008, for comparison.
 PLIANT_API Adaptivity steinemannAdaptivity( int coarseLevels );
+/// Settings that reproduce Ohta et al. 2009, for comparison.
 PLIANT_API Adaptivity ohtaAdaptivity( int coarseLevels );
 
-/// The first thing wrong with the settings, or Ok.
+/// Returns Ok, or BadArgument with a sentence about the first setting that is out of its range (NaN included). BadArgument too where this
+/// build lacks Feature::Levels and coarseLevels is above 0.
 PLIANT_API Status check( const Adaptivity& adaptivity );
 
 } // namespace pliant

@@ -1,6 +1,6 @@
 #pragma once
 
-// A mesh turned into finest cells, links and skin weights: immutable, built once, shared by any number of bodies.
+// A mesh converted into finest cells, links and skin weights: immutable, built once, shared by any number of bodies.
 
 #include "pliant/crack.h"
 #include "pliant/export.h"
@@ -23,125 +23,129 @@ class CrackSurface;
 /// How the render mesh follows the nodes.
 enum class Skinning : int
 {
-	NearbyNodes, ///< weighted transforms of nearby nodes on the vertex's own side of the material (Steinemann et al. 2008, section 7)
+	NearbyNodes, ///< weighted transforms of nearby nodes on the vertex's side of the material (Steinemann et al. 2008, section 7). Default.
 	Trilinear,   ///< trilinear embedding in the lattice (Rivers and James 2007)
-	None         ///< no surface: collision and physics only
+	None         ///< no render mesh: simulation and collision only
 };
 
-/// When the surface of a mesh itself becomes material: one layer of cells that carries it. Sheets, leaves, ribbons and open models have no
-/// inside to be filled; and parts of a solid may be too thin for cells of their own.
+/// When the surface of a mesh itself becomes material, as one layer of cells that contains it. Sheets, leaves, ribbons and open meshes have
+/// no inside to fill, and parts of a solid may be too thin for cells of their own.
 enum class Shell : int
 {
-	WhereNeeded, ///< where no inside is found, and where the surface would be further than a cell from all that collides
-	Never,       ///< a mesh without an inside is refused; thin parts of a solid are drawn, but nothing of them collides
-	Always       ///< everywhere, and nothing else: closed meshes are hollow
+	WhereNeeded, ///< where no inside is found, and where the surface is further than a cell from every collision sphere. Default.
+	Never,       ///< a mesh without an inside is refused (ZeroVolume); thin parts of a solid are drawn, but do not collide
+	Always       ///< the whole surface, and only the surface: closed meshes become hollow
 };
 
+/// Settings of BodyTemplate::build. Values out of range are refused (BadSettings).
 struct LatticeSettings
 {
-	/// Edge of a finest cell, m. 0: chosen so that about `targetCells` cells are filled.
+	/// Edge length of a finest cell, m, finite. 0: chosen so that about `targetCells` cells are filled.
 	float cellSize = 0.0f;
 
-	/// Used when cellSize is 0. 1 to maxCells.
+	/// Desired number of cells, 1 to maxCells; used when cellSize is 0.
 	int targetCells = 1000;
 
-	/// More cells than this are refused (ResultCode::TooManyCells). 1 to 10 000 000.
+	/// Largest number of cells, 1 to 10 000 000; more are refused (TooManyCells).
 	int maxCells = 200000;
 
-	/// More triangles than this are refused. 1 to 100 000 000.
+	/// Largest number of triangles, 1 to 100 000 000; more are refused (TooManyTriangles).
 	int maxTriangles = 5000000;
 
-	/// Inside samples along a cell's edge, 1 to 8: a surface cell's mass and rest centre come from the cube of this many. Open meshes of
-	/// many holes may get fewer (BuildReport::samplesPerEdge): what inside costs is bounded.
+	/// Number of inside samples along a cell's edge, 1 to 8: the mass and rest centre of a surface cell come from the cube of this many
+	/// points. Open meshes with many holes may get fewer, to bound the time (BuildReport::samplesPerEdge).
 	int samplesPerEdge = 4;
 
-	/// Vertices nearer than this share of the mesh's bounding-box diagonal are one, [0, 0.01].
+	/// Distance below which vertices are merged, as a fraction of the diagonal of the mesh's bounding box, [0, 0.01].
 	float weldTolerance = 1e-6f;
 
-	/// Cells with less material than this share of a full cell are dropped (their material is left out), [0, 0.5].
+	/// Cells that are filled with material to less than this fraction are dropped with their material, [0, 0.5].
 	float minimumFill = 0.03f;
 
 	Shell shell = Shell::WhereNeeded;
 
-	/// Thickness of a shell's material, m, 0 to 1e7. 0: a cell's edge. A shell's cell weighs density x thickness x the area of surface in
-	/// it, at most a full cell and at least 0.03 of one; both sides of a leaf count where both are drawn. Thin parts of a closed solid
-	/// weigh 0.03 of a full cell each, whatever is set here: what material they have is known, and is less. How a shell looks and bends
-	/// goes by its cells.
+	/// Thickness of a shell's material, m, 0 to 1e7. 0: the edge of a cell. The mass of a shell cell is density x thickness x the surface
+	/// area in it, limited to 0.03 to 1 times that of a full cell; where both sides of a leaf are drawn, both count. Cells on thin parts of
+	/// a closed solid always have 0.03 of a full cell's mass, since their true mass is less. Bending and collision depend on the cell size,
+	/// not on the thickness.
 	float shellThickness = 0.0f;
 
 	Skinning skinning = Skinning::NearbyNodes;
 
-	/// What touches a body that steps implicitly meets the drawn surface instead of one ball a cell, where that is smooth: small things lie
-	/// on it, a ball rolls (docs/design/contacts.md). Bodies that step explicitly, levels of detail, edges, thin parts and crack faces keep
-	/// the balls. Costs 24 bytes a cell.
+	/// Whether objects collide with the drawn surface of bodies that step implicitly, where it is smooth, instead of with one sphere per
+	/// cell: small objects lie on it, balls roll (docs/design/contacts.md). Bodies that step explicitly, bodies with levels of detail,
+	/// edges, thin parts and crack faces keep the spheres. Takes 24 bytes per cell.
 	bool contactSurface = false;
 
-	/// The faces that cracks show. They are made when the first body of the template is allowed to break, or is cut, and not before.
+	/// Shape of the crack faces. They are computed when the first body of the template may break or is cut.
 	CrackSettings cracks;
 
-	/// Threads for building; null: the calling thread alone. The result does not depend on it.
+	/// Threads for building, used only during the build; null: the calling thread alone. The result does not depend on it.
 	TaskRunner* runner = nullptr;
 
-	/// Called now and then with the share done, [0, 1]; return false to cancel. Called from the building thread.
+	/// Called from the building thread from time to time with the fraction done, [0, 1]; returns false to cancel (Cancelled). May be null.
 	bool ( *progress )( float fractionDone, void* context ) = nullptr;
-	void* progressContext = nullptr;
+	void* progressContext = nullptr; ///< passed to `progress`
 };
 
-/// What was found and done while building, for a log or a warning to an artist.
+/// What the build found and changed, for a log or a warning to an artist.
 struct BuildReport
 {
 	int weldedVertices = 0;   ///< vertices merged into another
-	int flippedTriangles = 0; ///< triangles turned to agree with their neighbours or with the outside
+	int flippedTriangles = 0; ///< triangles whose orientation was reversed to agree with their neighbours or with the outside
 	int droppedTriangles = 0; ///< zero-area or duplicate triangles left out
-	int openEdges = 0;        ///< edges with one triangle: the mesh is not closed; inside comes from the winding number
+	int openEdges = 0;        ///< edges with one triangle: the mesh is not closed, and the winding number defines the inside
 	int nonManifoldEdges = 0; ///< edges with three or more triangles
 	int shells = 0;           ///< connected parts of the mesh
 	int cells = 0;
-	int shellCells = 0;     ///< of them, those that carry surface and hold no inside (LatticeSettings::shell)
-	int samplesPerEdge = 0; ///< used: fewer than asked for where the mesh is open and inside is dear to tell; 0: it was not asked
+	int shellCells = 0;     ///< those of `cells` that contain surface and no inside (LatticeSettings::shell)
+	int samplesPerEdge = 0; ///< as used; fewer than set where inside tests of an open mesh are expensive; 0: no inside was sampled
 	int splitCells = 0;     ///< lattice positions that hold more than one material part
 	int cutLinks = 0;       ///< links left out because the surface separates the material
 	int components = 0;     ///< connected parts of the lattice
-	double volume = 0.0;    ///< m^3, of the material in the cells
-	double seconds = 0.0;
+	double volume = 0.0;    ///< volume of the material in the cells, m^3
+	double seconds = 0.0;   ///< duration of the build, s
 };
 
-/// Immutable and reference-counted. Hold it with std::shared_ptr; bodies hold it too.
+/// The immutable data that bodies of one mesh share. Reference-counted: each body holds a std::shared_ptr to it.
 class PLIANT_API BodyTemplate
 {
 public:
-	/// Turn a mesh into cells. On refusal the result says why and nothing is kept.
+	/// Converts a mesh into cells. Errors: all mesh and settings codes of ResultCode, Cancelled, OutOfMemory; BadArgument for null arrays,
+	/// a stride below 3, or a skin where the build lacks Feature::Surface.
 	static Result<std::shared_ptr<const BodyTemplate>> build( const MeshView& mesh, const LatticeSettings& settings = {} );
 
 	~BodyTemplate();
 	BodyTemplate( const BodyTemplate& ) = delete;
 	BodyTemplate& operator=( const BodyTemplate& ) = delete;
 
+	/// Number of finest cells.
 	int cellCount() const;
-	/// Links between cells, each counted once.
+	/// Number of links between cells, each counted once.
 	int linkCount() const;
-	/// Edge of a cell, m.
+	/// Edge length of a cell, m.
 	float cellSize() const;
-	/// Centre of mass in the mesh's own coordinates, m: 3 doubles.
+	/// Centre of mass in mesh coordinates, m: 3 doubles.
 	const double* massCentre() const;
 	const BuildReport& report() const;
 
-	/// The render mesh: vertex i is the input's vertex i. Null arrays where the input gave none.
+	/// The render mesh: vertex i is the input's vertex i; array sizes as in MeshView. With Skinning::None counts are 0 and arrays null;
+	/// arrays that the input lacked are null.
 	int vertexCount() const;
 	int triangleCount() const;
 	const std::uint32_t* indices() const;
 	const float* textureCoordinates() const;
 	const std::uint32_t* submeshOfTriangle() const;
 
-	/// Private to Pliant's own sources (the types are not public).
+	/// For Pliant's own sources only (the types are not public).
 	const Lattice& lattice() const;
 	std::shared_ptr<const Lattice> sharedLattice() const;
 	std::shared_ptr<TemplateCache> cache() const;
 	const SkinBinding& skin() const;
-	/// What cracks can show, made at the first call; safe from several threads. Null with Skinning::None, or when there is no memory for
-	/// it: cracks are then not drawn.
+	/// Everything that cracks can show, computed at the first call; callable from several threads. Null with Skinning::None or when memory
+	/// does not suffice: cracks are then not drawn.
 	std::shared_ptr<const CellComplex> crackComplex() const;
-	/// The surface of a whole body, ready to crack; made with it.
+	/// The surface of an uncracked body; computed together with crackComplex, as are the patches.
 	std::shared_ptr<const CrackSurface> crackSurface() const;
 	std::shared_ptr<const CrackPatches> crackPatches() const;
 

@@ -1,7 +1,7 @@
 #pragma once
 
-// What this build of the library has. Each feature can be left out by a CMake option, PLIANT_WITH_FRACTURE=OFF and so on; what asks for it
-// then is refused with a sentence that says so.
+// Which features this build of the library has. Each can be left out by a CMake option (PLIANT_WITH_FRACTURE=OFF and so on); calls that
+// need a missing feature are refused with ResultCode::BadArgument and a sentence that names the option.
 
 #include "pliant/export.h"
 
@@ -9,21 +9,22 @@ namespace pliant {
 
 enum class Feature : int
 {
-	Fracture,     ///< breaking and cutting: Fracture with a rule, SoftBody::cutPlane and its like
+	Fracture,     ///< breaking and cutting: Fracture with a rule, SoftBody::cutPlane, cutSphere and cutSweep
 	Levels,       ///< levels of detail: Adaptivity::coarseLevels
 	Plasticity,   ///< Material::yieldStrain
-	Implicit,     ///< Elasticity::Implicit; Automatic steps explicitly
-	Surface,      ///< skins and drawn cracks: templates need Skinning::None
+	Implicit,     ///< Elasticity::Implicit. Without it Elasticity::Automatic always steps explicitly.
+	Surface,      ///< skins and drawn cracks. Without it templates need Skinning::None.
 	FarLevels,    ///< Material::farLevels
-	Clusters,     ///< Method::SingleCluster and Clusters
+	Clusters,     ///< Method::SingleCluster and Method::Clusters
 	SelfCollision ///< SoftBody::setSelfCollision
 };
 
 constexpr int kFeatureCount = 8;
 
+/// True where this build has the feature; false for a value that is no Feature.
 PLIANT_API bool hasFeature( Feature feature );
 
-/// Its name, e.g. "SelfCollision". Never null.
+/// The feature's name, e.g. "SelfCollision"; "unknown" for a value that is no Feature. Never null.
 PLIANT_API const char* toString( Feature feature );
 
 } // namespace pliant

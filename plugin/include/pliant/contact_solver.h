@@ -1,6 +1,6 @@
 #pragma once
 
-// Bullet's sequential solver, sooner done with soft bodies. To the bits it is the same: a world may have either.
+// Bullet's sequential impulse solver, faster with soft bodies. Its results are equal to the bit.
 
 #include "pliant/export.h"
 
@@ -12,11 +12,11 @@ namespace pliant {
 
 struct ContactRows;
 
-/// To be given to a SoftBodyWorld instead of a btSequentialImpulseConstraintSolver. What takes Bullet's solver most of its time with soft
-/// bodies is memory: a node that touches something is two rows of 160 bytes and one or two bodies of 256. Here a node is 64 bytes, rows
-/// between nodes, or of a node and what stands, are solved four at a time, and what is converted next is asked for ahead. Where islands
-/// have joints, in modes other than the default ones, and where Bullet was built with vectors or has been given other rows
-/// (setConstraintRowSolverGeneric), it goes Bullet's way.
+/// Replaces btSequentialImpulseConstraintSolver as the solver of a SoftBodyWorld. With soft bodies Bullet's solver spends most of its time
+/// on memory access: a touching node takes two rows of 160 bytes and one or two solver bodies of 256. Here a node takes 64 bytes, rows
+/// between two nodes or between a node and an immovable object are solved four at a time, and contacts to be converted are prefetched.
+/// Uses Bullet's own code for islands with joints, in solver modes other than the default, and where Bullet was built with SIMD or has been
+/// given other row solvers (setConstraintRowSolverGeneric).
 class PLIANT_API ContactSolver : public btSequentialImpulseConstraintSolver
 {
 public:
@@ -48,7 +48,7 @@ private:
 	btScalar pushOutOnce();
 
 	std::unique_ptr<ContactRows> m_rows;
-	bool m_isInUse = false; ///< are our rows, of the island at hand
+	bool m_isInUse = false; ///< whether m_rows solves the current island
 	int m_jointCount = 0;
 };
 

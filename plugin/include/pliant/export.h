@@ -1,6 +1,6 @@
 #pragma once
 
-// Which symbols a shared library of Pliant shows. Elsewhere than on Windows the mark costs a static library nothing, so it always stands.
+// Marks the symbols that a shared library of Pliant exports. Outside Windows the mark costs a static library nothing, so it is always set.
 
 #if defined( _WIN32 )
 	#if defined( PLIANT_SHARED ) && defined( PLIANT_BUILDING )

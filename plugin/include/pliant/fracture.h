@@ -1,6 +1,6 @@
 #pragma once
 
-// What breaks a body, and what becomes of the pieces. Ohta et al. 2009, "Fracturing"; Steinemann et al. 2008, section 5.1.
+// When a body breaks, and what happens to the pieces. Ohta et al. 2009, "Fracturing"; Steinemann et al. 2008, section 5.1.
 
 #include "pliant/export.h"
 #include "pliant/result.h"
@@ -13,59 +13,62 @@ struct Material;
 enum class BreakRule : int
 {
 	Never,
-	/// When the two cells are further apart than breakStrain allows (Ohta et al. 2009): cheap, and cracks follow the lattice.
+	/// A link breaks when the distance of its two cells exceeds ( 1 + breakStrain ) times its rest length (Ohta et al. 2009). Cheap; cracks
+	/// follow the lattice.
 	Distance,
-	/// When a region's largest stretch goes beyond what strength or breakStrain allows: all its links that cross the plane normal to that
-	/// stretch break at once, and a crack goes on in the plane it began in. Cracks follow the load and not the lattice.
+	/// When the largest stretch of a region exceeds the limit set by strength or breakStrain, all its links that cross the plane normal to
+	/// that stretch break at once, and a crack continues in the plane in which it began. Cracks follow the load, not the lattice.
 	Plane
 };
 
-/// What becomes of pieces with no more than Fracture::smallCells cells.
+/// What happens to pieces of at most Fracture::smallCells cells.
 enum class SmallPieces : int
 {
-	Keep,  ///< bodies like all others
-	Rigid, ///< one rigid cluster each (Method::SingleCluster): the cheapest body there is; it breaks no further by itself, but can be cut
-	Fade,  ///< rigid too, and taken out of the world after Fracture::fadeTime: deleted if it is the world's, else only removed
-	Remove ///< never made, with what it weighed; FractureEvent says how many and how much. What is left of the body itself always stays
+	Keep,  ///< they become bodies like all others
+	Rigid, ///< each becomes one rigid cluster (Method::SingleCluster), the cheapest body. It does not break by itself, but can be cut.
+	Fade,  ///< as Rigid; removed from the world after Fracture::fadeTime, and deleted if the world owns it
+	Remove ///< not created; FractureEvent reports their number and mass. The part that remains of the body itself is never removed.
 };
 
-/// Off by default: a body that cannot break keeps nothing for it and does nothing for it. Small pieces and maxPieces are for what is cut as
-/// well, with any rule.
+/// Off by default: a body that cannot break stores nothing for it and does no work for it. smallCells, smallPieces, fadeTime and maxPieces
+/// also apply to cuts, with any rule.
 struct Fracture
 {
 	BreakRule rule = BreakRule::Never;
 
-	/// Stretch at which material breaks, (0, 10]: a link at ( 1 + breakStrain ) of its rest length.
+	/// Strain at which the material breaks, (0, 10]: a link breaks at ( 1 + breakStrain ) times its rest length. Unused if strength is set.
 	float breakStrain = 0.3f;
-	/// Tensile strength, Pa; above 0 it takes the place of breakStrain, which is then strength / Material::youngsModulus. [0, 1e12].
+	/// Tensile strength, Pa, [0, 1e12]. Above 0 it replaces breakStrain by strength / Material::youngsModulus.
 	float strength = 0.0f;
 
-	/// No further link breaks for this long after some did, s, [0, 10]: what rings after a crack makes no dust.
+	/// Time after a break during which no further link breaks, s, [0, 10]. Keeps vibrations after a crack from shattering the pieces.
 	float coolDown = 1.0f / 60.0f;
 
-	/// BreakRule::Plane: a crack that is there goes on at this share of the stretch that it takes to begin one, (0, 1]. Brittle things fly
-	/// apart in few large pieces when it is small.
+	/// BreakRule::Plane: an existing crack grows at this fraction of the stretch that begins a new one, (0, 1]. Small values make brittle
+	/// bodies break into few large pieces.
 	float growthFraction = 1.0f;
 
-	/// Pieces of at most this many finest cells are small, [0, 1 000 000].
+	/// Pieces of at most this many finest cells are small, 0 to 1 000 000.
 	int smallCells = 0;
 	SmallPieces smallPieces = SmallPieces::Keep;
-	float fadeTime = 2.0f; ///< s, (0, 3600]
+	float fadeTime = 2.0f; ///< lifetime of a piece with SmallPieces::Fade, s, (0, 3600]
 
-	/// Pieces that one body may come apart into over its life, itself and those of its pieces counted, 1 to 100 000. When it is
-	/// reached, what would come off stays in one body with what it came off from: cracked, but not parted.
+	/// Largest number of pieces that one body may break into over its life, including itself and the pieces of its pieces, 1 to 100 000.
+	/// Once it is reached, further parts stay in the body that they would separate from: cracked, but not separated.
 	int maxPieces = 1000;
 };
 
-/// How much a link withstands, as a share of what Fracture says; by place and, if wanted, by direction. `point` and `direction` are 3
-/// floats each, in the mesh's coordinates, m and a unit vector along the link. Above 0; infinity: never breaks.
+/// Toughness that varies with position and direction: a factor on the limit strain of each link.
 struct ToughnessField
 {
+	/// Called once for each link. `point`: 3 floats, the middle of the link, mesh coordinates, m. `direction`: 3 floats, unit vector along
+	/// the link, mesh coordinates. Returns a factor above 0; infinity: the link never breaks. A value not above 0 is refused
+	/// (BadArgument). Null: 1 everywhere.
 	float ( *fraction )( const float* point, const float* direction, void* context ) = nullptr;
-	void* context = nullptr; ///< used only while the field is being set
+	void* context = nullptr; ///< passed to `fraction`; used only during the call that sets the field
 };
 
-/// The first thing wrong with the settings, or Ok.
+/// Returns Ok, or BadArgument with a sentence about the first setting that is out of its range (NaN included).
 PLIANT_API Status check( const Fracture& fracture );
 
 } // namespace pliant

@@ -1,21 +1,21 @@
 #pragma once
 
-// What a body is made of and which of the papers' methods moves it. Every value has a unit, a range and a default that works.
+// The material of a body and the method that simulates it. Every value has a unit, a range and a working default.
 
 #include "pliant/export.h"
 #include "pliant/result.h"
 
 namespace pliant {
 
-/// How a body's regions are laid over its nodes.
+/// How a body's nodes are grouped into regions, the sets of nodes that shape matching fits as one.
 enum class Method : int
 {
-	Lattice,       ///< one region per node on the uniform lattice (Rivers and James 2007)
+	Lattice,       ///< one region per node on the uniform lattice (Rivers and James 2007). Default.
 	SingleCluster, ///< one region for the whole body (Müller et al. 2005)
 	Clusters       ///< several overlapping box-shaped regions (Müller et al. 2005, section 4.4)
 };
 
-/// Deformation modes of a cluster (Müller et al. 2005, sections 3.3, 4.2, 4.3). Used by SingleCluster and Clusters.
+/// Deformation modes of a cluster (Müller et al. 2005, sections 3.3, 4.2, 4.3). Used by Method::SingleCluster and Method::Clusters.
 enum class ClusterMode : int
 {
 	Rigid,
@@ -26,128 +26,130 @@ enum class ClusterMode : int
 /// How masses enter region sums and goals.
 enum class Weights : int
 {
-	Conserving, ///< a node's mass is shared among the regions that cover it; goals are the exact transpose. Keeps momentum.
-	Literal     ///< plain mass in sums, goals averaged by region mass (Steinemann et al. 2008, eq. 6-8). Leaks momentum; for comparison.
+	Conserving, ///< a node's mass is divided among the regions that cover it; goals are the exact transpose. Conserves momentum. Default.
+	Literal     ///< full mass in sums, goals averaged by region mass (Steinemann et al. 2008, eq. 6-8). Loses momentum; for comparison.
 };
 
-/// Out of which matrix a region's rotation is taken.
+/// The matrix from which a region's rotation is extracted.
 enum class RotationFrom : int
 {
-	Apq, ///< the moment matrix: torque-free with conserving weights
+	Apq, ///< the moment matrix A_pq: free of torque with conserving weights. Default.
 	F    ///< the deformation gradient A_pq A_qq^+ (Ohta et al. 2009, eq. 1); for comparison
 };
 
+/// How stiffness is specified.
 enum class Stiffness : int
 {
-	YoungsModulus, ///< alpha follows from `youngsModulus` and the step
-	RawAlpha       ///< alpha is `alpha`, whatever the step (the papers' parameter; not a material constant)
+	YoungsModulus, ///< by Material::youngsModulus; alpha follows from it and the step. Default.
+	RawAlpha       ///< by Material::alpha, regardless of the step (the papers' parameter; not a material constant)
 };
 
-/// How a body's elasticity moves it in time.
+/// How elasticity is integrated in time.
 enum class Elasticity : int
 {
-	Explicit, ///< the papers' step: cheap; stiffness needs substeps, and heavy loads do too
-	Implicit, ///< any stiffness and any load at the game's own step, for more time a step (docs/design/implicit.md). Method::Lattice only
-	Automatic ///< implicit where the explicit step cannot reach the stiffness or a heavy load lies on the body's island, else explicit.
-			  ///< What the implicit step cannot do (far levels, other methods) steps explicitly: SoftBody::implicitStatus tells why
+	Explicit, ///< the papers' step: cheap; stiff materials and heavy loads need substeps. Default.
+	Implicit, ///< any stiffness and any load at the game step, at a higher cost per step (docs/design/implicit.md). Needs Method::Lattice,
+			  ///< Weights::Conserving, RotationFrom::Apq and farLevels 0.
+	Automatic ///< Implicit where the explicit step cannot reach the stiffness or a heavy load rests on the body's island, else Explicit.
+			  ///< Bodies that cannot step implicitly step explicitly; SoftBody::implicitStatus gives the reason.
 };
 
+/// Settings of a material. `check` refuses values out of range (BadMaterial).
 struct Material
 {
-	/// kg per cubic metre. Above 0, at most 1e6.
+	/// Density, kg/m^3, (0, 1e6].
 	float density = 1000.0f;
 
-	/// Young's modulus, Pa. Above 0. Poisson's ratio is 0. Reached up to a limit that grows with substeps and
-	/// regionHalfWidth; what is out of reach is reported, and the stiffest stable setting is used instead.
-	/// Not used by Method::SingleCluster, whose stiffness is `alpha`.
+	/// Young's modulus, Pa, above 0 and finite. The explicit step reaches it up to a limit that grows with the number of substeps and with
+	/// regionHalfWidth; beyond it the stiffest stable setting is used and the body is reported (StiffnessPlan,
+	/// StepReport::unreachableStiffness). Not used by Method::SingleCluster, whose stiffness is `alpha`.
 	float youngsModulus = 2.0e4f;
 
 	Stiffness stiffness = Stiffness::YoungsModulus;
 
-	/// Share of the way to the goal per substep, (0, 1]. Used with Stiffness::RawAlpha and Method::SingleCluster. Ohta et al. 2009, eq. 3.
+	/// Fraction of the displacement to its goal that a node makes in a substep, (0, 1]. Used with Stiffness::RawAlpha and
+	/// Method::SingleCluster. With RawAlpha alpha ( 1 + 3 volumeKeeping ) is at most 3.5. Ohta et al. 2009, eq. 3.
 	float alpha = 1.0f;
 
-	/// Blend of the goal from rigid (0) to the best linear or quadratic fit, [0, 0.95]. Ohta et al. 2009, eq. 5. Larger is softer.
+	/// Blend of the goal from the rigid fit (0) to the best linear or quadratic one, [0, 0.95]; larger is softer. Ohta et al. 2009, eq. 5.
 	float beta = 0.0f;
 
-	/// Kept volume, kappa, [0, 2]: a pressed body bulges, with Poisson's ratio nu = kappa / (2 kappa + 1); 0: nu = 0, and nothing is paid.
-	/// 0.5 gives nu 0.25, 1 gives 0.33, 2 gives 0.4. Young's modulus stays what it is set to; how much of it can be reached changes a
-	/// little. Method::Lattice only.
+	/// Volume conservation, kappa, [0, 2]: a compressed body bulges, with Poisson's ratio nu = kappa / ( 2 kappa + 1 ): 0.5 gives 0.25, 1
+	/// gives 0.33, 2 gives 0.4. 0: nu = 0, at no cost. Young's modulus stays as set; the largest one that can be reached changes slightly.
+	/// Method::Lattice only.
 	float volumeKeeping = 0.0f;
 
-	/// Plasticity (Müller et al. 2005, section 4.5; Steinemann et al. 2008, eq. 9-10): what is strained beyond `yieldStrain` keeps part of
-	/// it. The strain is | S - 1 |, the root of the sum of squares of a region's principal elastic strains: a bar pulled by 5 % counts
-	/// 0.05. [0, 10]; 0: nothing flows, and nothing is paid or held. Volume is kept by what flows. Method::Lattice only.
+	/// Plasticity: strain above which a region deforms permanently, [0, 10] (Müller et al. 2005, section 4.5; Steinemann et al. 2008, eq.
+	/// 9-10). The strain is | S - 1 |, the root of the sum of squares of a region's principal elastic strains: 0.05 for a bar stretched by
+	/// 5 %. Plastic flow conserves volume. 0: no plasticity, at no cost. Method::Lattice only.
 	float yieldStrain = 0.0f;
 
-	/// Rate at which the rest shape follows the elastic strain while that is beyond the yield strain, 1/s, (0, 1e4].
+	/// Rate at which the rest shape follows the elastic strain while that exceeds yieldStrain, 1/s, (0, 1e4].
 	float plasticCreep = 10.0f;
 
-	/// Largest distance of a region's flowed rest shape from the first one, in the measure of `yieldStrain`, (0, 2].
+	/// Largest plastic strain of a region's rest shape relative to the original one, in the measure of `yieldStrain`, (0, 2].
 	float plasticLimit = 0.5f;
 
-	/// Half-width w of a region, in cells, 1 to 4. Wider reaches stiffer materials per substep and costs more.
+	/// Half-width w of a region, cells, 1 to 4: a region spans up to 2 w + 1 cells along each axis. Wider regions reach stiffer materials
+	/// per substep and cost more.
 	int regionHalfWidth = 1;
 
-	/// Far levels, 0 to 3: matching on blocks of 2, 4 and 8 cells an edge too, so that a force reaches farther in one substep
-	/// (docs/design/step.md, "Far levels"; beyond the papers). One, two, three reach 3.9, 15.8, 63.7 times the Young's modulus that
-	/// regionHalfWidth 1 reaches at the same substep, for a fifth to a third more time. Only as many work as `youngsModulus` needs; 0:
-	/// nothing is paid or held. A body does without levels that it is less than 4 blocks long for. Poisson's ratio of what they add is 0,
-	/// and region damping feels little of it. Refused without Method::Lattice and Stiffness::YoungsModulus, with a yieldStrain, and for
-	/// bodies with levels of detail.
+	/// Number of far levels, 0 to 3: shape matching also on blocks of 2, 4 and 8 cells per edge, so that a force travels farther in one
+	/// substep (docs/design/step.md, "Far levels"; not in the papers). 1, 2 and 3 reach 3.9, 15.8 and 63.7 times the Young's modulus that
+	/// regionHalfWidth 1 reaches with the same substep, for a fifth to a third more time. Only as many are active as `youngsModulus` needs;
+	/// levels for which the body is less than 4 blocks long are left out. 0: none, at no cost. The added stiffness has Poisson's ratio 0
+	/// and is hardly affected by `damping`. Needs Method::Lattice, Stiffness::YoungsModulus, yieldStrain 0 and no levels of detail.
 	int farLevels = 0;
 
-	/// Rate at which motion that is no rigid motion of a region dies, 1/s, [0, 1000].
-	/// Lowest modes feel little of it; momentum is untouched.
+	/// Decay rate of velocities that deviate from the rigid motion of their region, 1/s, [0, 1000]. Affects the lowest modes of the body
+	/// little; conserves momentum.
 	float damping = 10.0f;
 
-	/// Damping of the slow wobble, as a share of critical damping of the body's slowest free vibration, [0, 1]. 0 lets it ring.
-	/// Flight, rolling and swinging of the body as a whole, and its momentum, are untouched.
-	/// A body whose cells fall into several unconnected parts is damped part by part, each by its own slowest vibration (Method::Lattice;
-	/// others not at all).
+	/// Damping of slow vibrations, as a fraction of the critical damping of the body's slowest free vibration, [0, 1]; 0: none. Conserves
+	/// momentum and does not affect flight, rolling or swinging of the body as a whole. In a body of several unconnected parts each part is
+	/// damped by its own slowest vibration (Method::Lattice; other methods: not at all).
 	float wobbleDamping = 0.15f;
 
 	Elasticity elasticity = Elasticity::Explicit;
 
-	/// Damping that the implicit step brings along, [0, 1]: 1 calms a body within a few swings of a sixtieth of a second's step and is the
-	/// sturdiest, 0 lets it ring as long as `damping` and `wobbleDamping` allow. Rigid motion and momentum are untouched. Of the implicit
-	/// step only.
+	/// Numerical damping of the implicit step, [0, 1]: 1 stops vibrations within a few periods at a step of 1/60 s and is the most robust;
+	/// 0 leaves damping to `damping` and `wobbleDamping`. Rigid motion and momentum are not affected. Implicit step only.
 	float numericalDamping = 1.0f;
 
 	Method method = Method::Lattice;
 	ClusterMode clusterMode = ClusterMode::Linear;
 
-	/// Edge of a cluster's box for Method::Clusters, in cells, 2 to 64; neighbours overlap by half.
+	/// Edge length of a cluster's box, cells, 2 to 64, for Method::Clusters; neighbouring boxes overlap by half.
 	int clusterEdge = 4;
 
 	Weights weights = Weights::Conserving;
 	RotationFrom rotationFrom = RotationFrom::Apq;
 };
 
-/// Stiffness that varies in space (Steinemann et al. 2008, section 4.2 and Fig. 4): a share of the material's, asked once for each finest
-/// cell when a body is made. Method::Lattice only.
+/// Stiffness that varies in space (Steinemann et al. 2008, section 4.2 and Fig. 4). Method::Lattice only, else BadArgument.
 struct StiffnessField
 {
-	/// `point`: 3 floats, the middle of the cell's material in the mesh's own coordinates, m. Returns a share of youngsModulus (or alpha)
-	/// in (0, 1]; what lies outside is refused. Null: 1 everywhere, and nothing is kept.
+	/// Called once for each finest cell when a body is created. `point`: 3 floats, the centre of mass of the cell's material, mesh
+	/// coordinates, m. Returns a factor on youngsModulus (or alpha) in (0, 1]; other values are refused (BadArgument). Null: 1 everywhere.
 	float ( *fraction )( const float* point, void* context ) = nullptr;
-	void* context = nullptr;
+	void* context = nullptr; ///< passed to `fraction`; used only during SoftBody::create
 };
 
-/// The first thing wrong with a material, or Ok. Refuses NaN.
+/// Returns Ok, or BadMaterial with a sentence about the first value that is out of its range (NaN included) or incompatible with another.
+/// BadArgument where this build lacks a feature that the material needs.
 PLIANT_API Status check( const Material& material );
 
-/// What a material asks of the step on a lattice of cells of edge `cellSize` (m).
+/// The stiffness that a material has at a given step and cell size.
 struct StiffnessPlan
 {
-	float alpha = 1.0f;          ///< what the step will use, (0, 1]; with Elasticity::Implicit of any size
-	float reachedModulus = 0.0f; ///< Pa; below `youngsModulus` when that is out of reach
-	int substepsNeeded = 1;      ///< substeps per game step that would reach `youngsModulus` at this regionHalfWidth with these far levels
-	bool reachable = true;
+	float alpha = 1.0f;          ///< the alpha of the step, (0, 1]; unbounded with the implicit step
+	float reachedModulus = 0.0f; ///< Young's modulus that is reached, Pa; below Material::youngsModulus when that is out of reach
+	int substepsNeeded = 1;      ///< substeps per game step that would reach Material::youngsModulus with the given width and far levels
+	bool reachable = true;       ///< whether the given number of substeps reaches Material::youngsModulus
 };
 
-/// alpha = 3 E h^2 / (rho d^2 w (w + 1)), at most 1, what is left being asked of the far levels; `h` is one substep, s
-/// (docs/design/step.md). Clusters of edge e: (e^2 - 1) / 4 for w (w + 1).
+/// Computes alpha = 3 E h^2 / ( rho d^2 w ( w + 1 ) ), limited to 1; far levels contribute the rest (docs/design/step.md). h: one substep,
+/// s; d: `cellSize`, m. For clusters of edge e, ( e^2 - 1 ) / 4 replaces w ( w + 1 ). `gameStep`: s; `substeps`: per game step, at least 1.
 PLIANT_API StiffnessPlan planStiffness( const Material& material, float cellSize, float gameStep, int substeps );
 
 } // namespace pliant

@@ -1,27 +1,30 @@
 #pragma once
 
-// A triangle mesh as plain arrays: what a game hands in, and what it gets back each frame.
+// A triangle mesh as plain arrays: the input of BodyTemplate::build.
 
 #include <cstddef>
 #include <cstdint>
 
 namespace pliant {
 
-/// Borrowed arrays of a triangle mesh. They are read during the call only.
-/// Any mesh will do: closed, open, self-cutting, flipped, unwelded, in several shells.
+/// Non-owning view of a triangle mesh; the arrays are read only during the call. Any mesh is accepted: closed, open, self-intersecting,
+/// with inconsistent orientation, unwelded, in several connected parts.
 struct MeshView
 {
-	/// Vertex positions, metres: x, y, z, then `positionStride` floats on to the next vertex.
+	/// Vertex positions, m: x, y, z, then a step of `positionStride` floats from one vertex to the next. At least
+	/// ( vertexCount - 1 ) * positionStride + 3 floats, finite (else NonFiniteVertex). Not null (BadArgument).
 	const float* positions = nullptr;
-	std::size_t vertexCount = 0;
-	std::size_t positionStride = 3;
+	std::size_t vertexCount = 0;    ///< above 0, else EmptyMesh
+	std::size_t positionStride = 3; ///< floats, at least 3, else BadArgument
 
-	/// Three vertex numbers a triangle, counter-clockwise seen from outside where the mesh has an outside.
+	/// 3 * triangleCount vertex indices, each below vertexCount (else IndexOutOfRange); counter-clockwise seen from outside where the mesh
+	/// has an outside. Not null (BadArgument).
 	const std::uint32_t* indices = nullptr;
-	std::size_t triangleCount = 0;
+	std::size_t triangleCount = 0; ///< above 0, else EmptyMesh
 
-	/// Optional, kept and handed back untouched: u, v per vertex; a part number per triangle.
+	/// Optional (null: none); copied and returned unchanged by the template: u, v for each vertex, 2 * vertexCount floats; ...
 	const float* textureCoordinates = nullptr;
+	/// ... and a submesh number for each triangle, triangleCount values.
 	const std::uint32_t* submeshOfTriangle = nullptr;
 };
 

@@ -1,7 +1,7 @@
 #pragma once
 
-// Bullet's precision, made part of a function's name: a program that sees Bullet in double precision does not link with a library
-// built for float, or the other way round. Bullet's own symbols mostly agree in both, so that such a program would link and crash.
+// Encodes Bullet's precision in a parameter type and so in a mangled name: a program compiled for double precision does not link with a
+// library built for float, and vice versa. Most of Bullet's own symbols are equal in both, so such a program would link and then crash.
 
 namespace pliant {
 

@@ -1,6 +1,6 @@
 #pragma once
 
-// How Pliant answers: a code for the program, a sentence for its author. Nothing throws across the public face.
+// Return values: a code for the program and a sentence for the developer. No public function throws.
 
 #include "pliant/export.h"
 
@@ -13,30 +13,30 @@ namespace pliant {
 enum class ResultCode : int
 {
 	Ok = 0,
-	EmptyMesh,        ///< no vertex or no triangle
-	NonFiniteVertex,  ///< a coordinate is NaN or infinite
-	IndexOutOfRange,  ///< a triangle names a vertex that is not there
-	ExtentOutOfRange, ///< the mesh is too small or too large for float arithmetic at the asked cell size
-	ZeroVolume,       ///< no triangle has an area; or no inside was found at the asked cell size and Shell::Never was asked for
-	TooManyTriangles, ///< more triangles than LatticeSettings::maxTriangles
+	EmptyMesh,        ///< the mesh has no vertex or no triangle
+	NonFiniteVertex,  ///< a vertex coordinate is NaN or infinite
+	IndexOutOfRange,  ///< a triangle refers to a vertex that does not exist
+	ExtentOutOfRange, ///< the mesh is too small or too large for float arithmetic at the requested cell size
+	ZeroVolume,       ///< no triangle has an area; or, with Shell::Never, no inside was found at the requested cell size
+	TooManyTriangles, ///< more triangles than LatticeSettings::maxTriangles, or more than three vertices for each of these
 	TooManyCells,     ///< more cells than LatticeSettings::maxCells
 	OutOfMemory,
-	Cancelled,   ///< the progress callback said stop
-	BadSettings, ///< a knob of LatticeSettings is out of its range
-	BadMaterial, ///< a value of Material is out of its range
-	BadArgument,
-	FileNotFound,
-	FileUnreadable, ///< the file is there, but no mesh can be read out of it
-	FileTooLarge,
-	TimeLimit,
-	TooFolded ///< the surface is folded so often into its box that no cell size can tell its layers apart; or, with Shell::Never,
-			  ///< folded or open so widely that telling inside from outside takes too long
+	Cancelled,      ///< the progress callback returned false
+	BadSettings,    ///< a value of LatticeSettings or CrackSettings is out of its range
+	BadMaterial,    ///< a value of Material is out of its range, or does not go with another one
+	BadArgument,    ///< any other argument is invalid, or this build lacks a feature (build.h); the sentence says which
+	FileNotFound,   ///< not returned by the library; for programs that read meshes from files
+	FileUnreadable, ///< the file exists, but no mesh can be read from it; as FileNotFound
+	FileTooLarge,   ///< as FileNotFound
+	TimeLimit,      ///< as FileNotFound
+	TooFolded ///< the surface is folded so often within its bounding box that no cell size separates its layers; or, with Shell::Never,
+			  ///< it is so folded or so widely open that telling inside from outside takes too long
 };
 
-/// The code's name, e.g. "TooManyCells". Never null.
+/// The code's name, e.g. "TooManyCells"; "unknown" for a value that is no ResultCode. Never null.
 PLIANT_API const char* toString( ResultCode code );
 
-/// What came of a call: a code, and a sentence that names the cause and, where there is one, the knob to turn.
+/// The outcome of a call: a code, and a sentence that names the cause and, where there is one, the setting to change. Empty for Ok.
 struct Status
 {
 	ResultCode code = ResultCode::Ok;
@@ -45,7 +45,7 @@ struct Status
 	bool ok() const { return code == ResultCode::Ok; }
 };
 
-/// A value, or the reason why there is none. `value` is default-made unless `ok()`.
+/// A value, or the reason why there is none. `value` is default-constructed unless `ok()`.
 template <class T>
 struct Result
 {

@@ -1,6 +1,6 @@
 #pragma once
 
-// A soft body in a Bullet world: an ordinary btCollisionObject whose shape is a compound of node spheres.
+// A soft body in a Bullet world: a btCollisionObject whose shape is a compound of node spheres.
 
 #include "pliant/adaptivity.h"
 #include "pliant/body_template.h"
@@ -22,190 +22,193 @@ namespace pliant {
 class SoftBody;
 using SoftBodyResult = Result<std::unique_ptr<SoftBody>>;
 
-/// The skinned render mesh, valid until the body is next stepped. Vertex i is the input mesh's vertex i as long as nothing has broken; then
-/// vertices stand for the sides of cracks, and topologyVersion says when to take the indices and texture coordinates anew. World
-/// coordinates relative to `origin` (add it in your own precision; it keeps float vertices exact far from the world's centre).
+/// The skinned render mesh of a body. As long as nothing has broken, vertex i is the input mesh's vertex i. Cracks add vertices for their
+/// sides; when topologyVersion changes, indices, sources and texture coordinates have to be read again. Pointers: see SoftBody::surface.
 struct SurfaceView
 {
-	btVector3 origin;                 ///< world position the vertices are relative to, m
-	const float* positions = nullptr; ///< 3 floats a vertex, m
-	const float* normals = nullptr;   ///< 3 floats a vertex, unit length
-	const std::uint32_t* indices = nullptr;
-	/// 2 floats a vertex; null when the mesh had none and nothing has broken.
+	btVector3 origin; ///< world position that the vertices are relative to, m. Keeps float vertices exact far from the world's origin.
+	const float* positions = nullptr;       ///< 3 floats per vertex, m, relative to `origin`, along the world's axes
+	const float* normals = nullptr;         ///< 3 floats per vertex, unit length
+	const std::uint32_t* indices = nullptr; ///< 3 per triangle
+	/// 2 floats per vertex; null when the input mesh had none and nothing has broken.
 	const float* textureCoordinates = nullptr;
-	/// Of each triangle: the input's triangle it is a piece of, or kInside for the face of a crack. Null: triangle i is the input's
+	/// For each triangle the index of the input triangle that it is part of, or kInside for a crack face. Null: triangle i is the input's
 	/// triangle i.
 	const std::uint32_t* triangleSource = nullptr;
 	static constexpr std::uint32_t kInside = 0xffffffffu;
 	int vertexCount = 0;
 	int triangleCount = 0;
 	unsigned topologyVersion = 0; ///< changes when indices or counts change
-	/// What has to be uploaded again where the version that was uploaded is `changedSince`: vertices from firstNewVertex on, triangles from
-	/// firstNewTriangle on, and triangles firstChangedTriangle .. lastChangedTriangle - 1. Everything, where another version was.
+	/// A renderer that holds topology version `changedSince` only needs the vertices from firstNewVertex on, the triangles from
+	/// firstNewTriangle on, and the triangles firstChangedTriangle to lastChangedTriangle - 1. With any other version it needs everything.
 	unsigned changedSince = 0;
 	int firstNewVertex = 0, firstNewTriangle = 0, firstChangedTriangle = 0, lastChangedTriangle = 0;
 	unsigned frame = 0; ///< changes when positions change
 };
 
-/// A soft body. The game owns what it creates; the world never deletes it. Material settings that Bullet knows are set as on any
-/// btCollisionObject: setFriction, setRestitution, setRollingFriction, setCollisionFlags, setUserPointer, setActivationState. Without
-/// restitution too a stiff body comes back by its elasticity. Bullet's contact points hold the impulses of the whole game step.
+/// A soft body. The game owns the bodies that it creates; the world never deletes them. Contact properties and flags are set as on any
+/// btCollisionObject: setFriction, setRestitution, setRollingFriction, setCollisionFlags, setUserPointer, setActivationState. A stiff body
+/// rebounds by its elasticity even with restitution 0. Bullet's contact points hold the impulses of the whole game step. In the
+/// following a bad number is NaN or infinite. Calls that change the body wake it unless noted otherwise; a refused call changes nothing.
 class PLIANT_API SoftBody : public btCollisionObject
 {
 public:
 	BT_DECLARE_ALIGNED_ALLOCATOR();
 
-	/// What getInternalType() says of a soft body, a bit of its own: tests for other types (`& CO_RIGID_BODY`, `& ( CO_USER_TYPE + 1 )`) do
+	/// Value of getInternalType(), a bit that Bullet does not use: tests for other types (`& CO_RIGID_BODY`, `& ( CO_USER_TYPE + 1 )`) do
 	/// not match it.
 	static constexpr int kInternalType = 1 << 16;
 
-	/// Place the template's mass centre at transform applied to the template's mesh (mesh coordinates go through `transform`). Refused
-	/// (BadArgument) where the transform scales, shears or mirrors by more than a hundredth: scale the mesh.
+	/// Creates a body at rest in the undeformed shape; `transform` maps mesh coordinates to the world. Errors: BadArgument for a null
+	/// template, for a transform with a bad number, that leads further out than 1e9 m or that scales, shears or mirrors by more than 1 %
+	/// (scale the mesh instead), or for bad `adaptivity` or `stiffness`; BadMaterial; OutOfMemory.
 	static SoftBodyResult create( std::shared_ptr<const BodyTemplate> bodyTemplate, const btTransform& transform,
 		const Material& material = {}, const Adaptivity& adaptivity = {}, const StiffnessField& stiffness = {} );
 	~SoftBody() override;
 
-	/// The soft body behind any collision object: itself, or one of its node bodies as named by a manifold. Null for others.
+	/// The soft body that a collision object is, or whose node it represents in a manifold. Null for other objects and for null.
 	static SoftBody* upcast( btCollisionObject* object );
 	static const SoftBody* upcast( const btCollisionObject* object );
 
-	// --- nodes: 0 to nodeCount() - 1. Of a node that is not there: zeros, and in a build with assertions the end of the program ------
+	// --- nodes, 0 to nodeCount() - 1. For an index out of range: an assertion; without assertions zero ---------------------------------
 	int nodeCount() const;
 	btVector3 nodePosition( int node ) const; ///< world, m
 	btVector3 nodeVelocity( int node ) const; ///< m/s
 	btScalar nodeMass( int node ) const;      ///< kg
 	btScalar nodeRadius( int node ) const;    ///< of the collision sphere, m
-	/// The node behind a child shape's index, as ray, sweep and contact tests report it; -1 when there is none.
-	/// Node spheres stand for the surface and one layer below; contact points carry the node's own number.
+	/// The node of a child shape's index, as ray, sweep and contact tests report it; -1 for an index out of range. Only nodes of the
+	/// surface and of one layer below it have child shapes. Contact points hold the node's index instead.
 	int nodeOfShapeIndex( int shapeIndex ) const;
-	/// Nearest node to a world point; -1 never (a body has nodes). With levels of detail: the one whose sphere is nearest.
+	/// The node nearest to a world position, m; with levels of detail the one whose sphere is nearest. Never -1: every body has a node.
 	int nearestNode( const btVector3& worldPoint ) const;
 
 	btScalar mass() const;             ///< kg
 	btVector3 massCentre() const;      ///< world, m
-	btVector3 linearVelocity() const;  ///< of the mass centre, m/s
-	btVector3 angularMomentum() const; ///< about the mass centre, kg m^2/s
-	/// The rigid motion that fits the deformed body best; maps mesh coordinates to the world.
+	btVector3 linearVelocity() const;  ///< of the centre of mass, m/s
+	btVector3 angularMomentum() const; ///< about the centre of mass, kg m^2/s
+	/// The rigid transform that fits the deformed body best; maps mesh coordinates to the world.
 	btTransform bestFitTransform() const;
 
-	// --- levels of detail (Adaptivity); without them every node is on level 0 and none of this changes anything --------
-	/// 0: a finest cell; l: up to 8^l of them.
+	// --- levels of detail (Adaptivity); without them every node is on level 0 and the functions that change levels do nothing ---------
+	/// Level of a node: 0 for a finest cell; a node of level l holds up to 8^l cells.
 	int nodeLevel( int node ) const;
-	/// The node that holds a finest cell of the template; cells without levels are nodes. -1 where there is no such cell, or another piece
-	/// has it.
+	/// The node that holds a finest cell of the template (without levels of detail each cell is a node). -1 for an index out of range or a
+	/// cell of another piece.
 	int nodeOfCell( int cell ) const;
-	/// Changes when nodes are split or merged: nodes then have other numbers. Pins follow.
+	/// Changes when nodes are split or merged, which renumbers the nodes. Pins are kept.
 	unsigned levelVersion() const;
-	/// Splits all nodes that reach into a world box, level by level, as the budget allows, and keeps them for Adaptivity::mergeDelay: call
-	/// it as long as they are wanted. Wakes nothing.
+	/// Splits all nodes that overlap a world box (corners, m), level by level within the budget Adaptivity::nodesPerStep, and keeps them
+	/// split for Adaptivity::mergeDelay; call it as long as the detail is needed. Does not wake the body. Ignored for bad numbers.
 	void requestRefinement( const btVector3& low, const btVector3& high );
-	/// Nothing finer than this level is used from now on, 0 to Adaptivity::coarseLevels; finer nodes are merged. For bodies far from view.
+	/// Sets the finest level in use, 0 to Adaptivity::coarseLevels (clamped); finer nodes are merged. For bodies far from the viewer.
 	void setFinestLevel( int level );
 
-	// --- breaking: Fracture. Off by default; pieces take their body's settings over -----------------------------------
-	/// Whether and how links between cells break. `toughness` is asked once for every link.
+	// --- breaking (Fracture); off by default; pieces inherit the settings of their body -----------------------------------------------
+	/// Sets whether and how links between cells break. `toughness` is called once for every link. Errors: BadArgument for settings out of
+	/// range, a toughness not above 0, another method than Method::Lattice, or a build without Feature::Fracture; OutOfMemory.
 	Status setFracture( const Fracture& fracture, const ToughnessField& toughness = {} );
-	/// What was set; BreakRule::Never when nothing was.
+	/// The settings of the last setFracture; BreakRule::Never when there was none.
 	Fracture fracture() const;
-	/// Makes now what the first crack of a body makes, the most of what it costs: what bodies of one template share until then, and of one
-	/// that is drawn its inside and all that cracks are drawn with. Takes a cracked body's memory. Before setFracture or a cut or after, of
-	/// a whole body; nothing looks otherwise for it.
+	/// Makes ahead of time what the first crack of a body has to make, which is most of its cost: data that bodies of one template share
+	/// until then and, for a drawn body, the crack faces. Takes the memory of a cracked body. For whole bodies, before or after
+	/// setFracture; changes nothing visible. Error: OutOfMemory.
 	Status prepareCracks();
-	/// Finest cells of this body; nodes without levels of detail.
+	/// Number of finest cells of this body; equals the number of nodes without levels of detail.
 	int cellCount() const;
-	/// Links between them that stand, each counted once.
+	/// Number of unbroken links between them, each counted once.
 	int linkCount() const;
-	/// Changes when links have broken: nodes and cells then have other numbers. Pins follow.
+	/// Changes when links break, which renumbers nodes and cells. Pins are kept.
 	unsigned fractureVersion() const;
 
-	// --- cutting: also bodies whose rule is Never. Links between cells are cut where the straight line between the cells' middles, as they
-	// --- are now, goes through the cut; they part at the start of the next substep, and what comes off is a fragment like any other. Each
-	// --- returns the number of links that were not cut already, and wakes the body if there are any; 0 too where a
-	// --- number is bad or memory does not suffice.
-	/// By a plane, or a disc of it about `point`. A middle in the plane is on the side `normal` points to.
+	// --- cutting, also of bodies whose rule is Never. A link is cut where the straight line between the current positions of its two cells
+	// --- crosses the cut. Parts separate at the start of the next substep and become fragments like any other. All return the number of
+	// --- links that were newly cut, and wake the body if there are any; 0 for bad numbers or when out of memory. World coordinates, m.
+	/// Cuts by a plane, or by a disc about `point`. `normal` of any length above 0; a cell in the plane counts as on the side that it
+	/// points to.
 	int cutPlane( const btVector3& point, const btVector3& normal, btScalar radius = SIMD_INFINITY );
-	/// By the surface of a sphere.
+	/// Cuts by the surface of a sphere.
 	int cutSphere( const btVector3& centre, btScalar radius );
-	/// By a blade whose edge has gone from p0 p1 to q0 q1: the triangles p0 p1 q0 and q0 p1 q1.
+	/// Cuts by a blade whose edge moves from p0 p1 to q0 q1: by the triangles p0 p1 q0 and q0 p1 q1.
 	int cutSweep( const btVector3& p0, const btVector3& p1, const btVector3& q0, const btVector3& q1 );
-	/// The inverse: puts back links the template has, that were cut or broke, between cells of this one body that are now within `reach`
-	/// times their distance at rest. From the next substep on; returns how many. Toughness of healed links is 1.
+	/// The inverse: restores cut or broken links of the template between cells of this body that are at most `reach` times their rest
+	/// distance apart, from the next substep on. Returns their number. Restored links have toughness 1.
 	int heal( btScalar reach = btScalar( 1.2 ) );
-	/// SmallPieces::Fade: 1 when it has just come off, 0 when its time is up; 1 for all others.
+	/// SmallPieces::Fade: falls from 1 when the piece separates to 0 when its time is up. 1 for all other bodies.
 	float fadeFraction() const;
 
-	// --- what the game does to it; each wakes the body. Refused (BadArgument, and nothing is changed) where a number is NaN or infinite, a
-	// node is
-	// --- not there, or a node would pass 1e5 m/s: by velocities and impulses at once, by forces and gravity within a sixtieth of a second.
+	// --- motion. Refused with BadArgument: bad numbers, a node index out of range, and what would give a node more than 1e5 m/s along an
+	// --- axis: at once by velocities and impulses, within 1/60 s by forces and gravity.
 	Status setLinearVelocity( const btVector3& velocity );                     ///< of every node, m/s
-	Status setVelocities( const btVector3& linear, const btVector3& angular ); ///< rigid motion about the mass centre, m/s and rad/s
-	Status applyCentralForce( const btVector3& force );                        ///< N, spread by mass, until the step's end
-	Status applyForce( const btVector3& force, int node );                     ///< N, on one node, until the step's end
-	Status applyCentralImpulse( const btVector3& impulse );                    ///< N s
+	Status setVelocities( const btVector3& linear, const btVector3& angular ); ///< rigid motion about the centre of mass, m/s and rad/s
+	Status applyCentralForce( const btVector3& force );                        ///< N, distributed by mass, until the end of the step
+	Status applyForce( const btVector3& force, int node );                     ///< N, on one node, until the end of the step
+	Status applyCentralImpulse( const btVector3& impulse );                    ///< N s, distributed by mass
 	Status applyImpulse( const btVector3& impulse, int node );                 ///< N s, on one node
-	/// Overrides the world's gravity for this body, m/s^2; `clearGravity` goes back to the world's.
+	/// Replaces the world's gravity for this body, m/s^2; `clearGravity` restores the world's.
 	Status setGravity( const btVector3& gravity );
 	void clearGravity();
-	/// Moves the whole body by a rigid transform, deformation kept; velocities turn along. Wakes what the body touches. Refused
-	/// (BadArgument, the body stays) where a number is not finite, the way leads further out than 1e9 m, or the transform scales, shears or
-	/// mirrors by more than a hundredth.
+	/// Moves the whole body by a rigid transform; keeps its deformation and turns its velocities. Wakes what the body touches. Refused
+	/// (BadArgument) where the transform holds a bad number, where it or the body's new position is further out than 1e9 m, or where it
+	/// scales, shears or mirrors by more than 1 %.
 	Status teleport( const btTransform& by );
-	/// Back to the rest shape at `transform`, at rest. Wakes what the body touches. Refused as teleport.
+	/// Returns the body to its rest shape, at rest; `transform` maps mesh coordinates to the world. Wakes what the body touches. Ends
+	/// quarantine (isHealthy). Refused as by teleport.
 	Status reset( const btTransform& transform );
 
-	/// Whether the body's own parts collide, sides of cuts among them; off by default, and then nothing is kept or done for it. Nodes that
-	/// shape matching holds together never do. Pieces that come off take it over. Steinemann et al. 2008, section 7.
+	/// Whether the parts of the body collide with each other, sides of cuts included. Default off, at no cost. Nodes of one region never
+	/// collide. Pieces inherit the setting. Steinemann et al. 2008, section 7.
 	void setSelfCollision( bool isOn );
 	bool selfCollision() const;
 
-	/// At any time; nodes and speeds stay as they are. Another method or other regions (weights, beta, half-width, `farLevels`,
-	/// `volumeKeeping`) forget what has flowed, and are refused where the body has levels.
+	/// Changes the material at any time; positions and velocities stay as they are. A change of the method or of its regions (weights,
+	/// beta, half-width, `farLevels`, `volumeKeeping`) discards plastic deformation, and is refused for a body with levels of detail.
+	/// Errors: BadMaterial; BadArgument, also for another method than Method::Lattice where the body can break; OutOfMemory.
 	Status setMaterial( const Material& material );
 	const Material& material() const;
 	/// Whether the last step was the implicit one (Material::elasticity).
 	bool stepsImplicitly() const;
-	/// Ok where this body can take the implicit step; else the reason why it steps explicitly.
+	/// Ok where this body can take the implicit step; else BadMaterial or BadArgument with the reason.
 	Status implicitStatus() const;
-	/// What the last step could reach of the material's stiffness.
+	/// The stiffness that the last step reached.
 	const StiffnessPlan& stiffnessPlan() const;
 
-	// --- pins -------------------------------------------------------------------------------------------------------
-	/// Holds a node where it is. A pinned node stays until it is released.
+	// --- pins: nodes that forces do not move. Errors: BadArgument -----------------------------------------------------------------------
+	/// Holds a node at its current position until it is released.
 	Status pinNode( int node );
-	/// Ties a node to a rigid body: it follows the body's motion (one way; the rigid body does not feel it). The rigid body must be in a
-	/// world, and in this body's where that is in one; else BadArgument. The pin is released when the rigid body leaves that world, by
-	/// whatever call, and when this body is added to a world that the rigid body is not in.
+	/// Attaches a node to a rigid body, whose motion it follows; the rigid body feels no force from it. The rigid body must be in a world,
+	/// and in this body's world where that is in one. The pin is released when the rigid body leaves that world, by whatever call, and when
+	/// this body is added to a world that the rigid body is not in.
 	Status pinNodeToBody( int node, btRigidBody* body );
-	/// The game moves the node: it reaches `worldPosition` at the end of the next step. Refused (BadArgument) where that is not finite or
-	/// further from the node than a hundred times the body's size, 833 m at most.
+	/// Moves a node so that it reaches `worldPosition`, m, at the end of the next step. Refused for a bad number and where the position is
+	/// further from the node than a hundred times the body's size or 833 m.
 	Status driveNode( int node, const btVector3& worldPosition );
-	/// Nothing for a node that is not pinned.
+	/// Ignored for a node that is not pinned.
 	void releaseNode( int node );
-	/// Pins every node whose middle is inside a world box; returns how many. A node of a body with levels is pinned as a whole: where the
-	/// box is to hold to the cell, let `requestRefinement` split what is in it, and pin after the next step.
+	/// Pins every node whose position is inside a world box (corners, m); returns their number. A node of a body with levels of detail is
+	/// pinned as a whole: for a pin exact to the cell, call `requestRefinement` for the box and pin after the next step.
 	int pinNodesInside( const btVector3& low, const btVector3& high );
 	bool isPinned( int node ) const;
 
-	// --- out --------------------------------------------------------------------------------------------------------
-	/// Skins now if the body has moved since; a later step writes to the other buffer, so a render thread may read on until
-	/// the step after next. Empty when the template was built with Skinning::None. From one thread at a time for all bodies of a world, and
-	/// not during a step: the first call after one draws, on the world's threads, all bodies that were asked for after the last.
+	// --- rendering --------------------------------------------------------------------------------------------------------------------
+	/// Returns the skin, after computing it if the body has moved. Results are written to alternating buffers, so the pointers stay valid
+	/// until the step after next: a render thread may go on reading. Empty with Skinning::None. Call it from one thread at a time for all
+	/// bodies of a world, and not during a step. The first call after a step also skins, on the world's threads, all bodies whose surface
+	/// was requested after the previous step.
 	SurfaceView surface() const;
 
-	/// How far, in finest cells, a vertex may be from where skinning it anew would put it. A body whose nodes have moved as one rigid body,
-	/// to within that, since it was skinned last has that skin turned and shifted; one that has not moved keeps its view, and
-	/// SurfaceView::frame. It is measured against what was skinned last, however often it was turned since: many small moves do not add up.
-	/// 0: always skinned anew when it has moved. Default 0.01; below 0 or not a number is taken for 0. Pieces that come off take it over.
-	/// Bodies of 1 024 nodes or more and fewer than four vertices a node have no use of it.
+	/// Sets the largest error of a reused skin, in finest cells. Where all nodes have moved as one rigid body since the last full skinning,
+	/// up to this error, that skin is transformed rigidly; where they have not moved, the view and SurfaceView::frame stay the same. Errors
+	/// do not accumulate: they are measured from the last full skinning. 0: every motion is skinned in full. Default 0.01; a negative value
+	/// or NaN counts as 0. Pieces inherit the setting. No effect on bodies of 1 024 or more nodes with fewer than four vertices per node.
 	void setSurfaceTolerance( btScalar cells );
 	btScalar surfaceTolerance() const;
 
-	/// False once a number in the body stopped being finite: it stands at its last finite state until `reset`.
+	/// False after a number in the body has become NaN or infinite: the body stays in its last finite state until `reset`.
 	bool isHealthy() const;
 	const BodyTemplate& bodyTemplate() const;
 
 	struct Impl;
-	/// Private to Pliant's own sources.
+	/// For Pliant's own sources only.
 	Impl& impl() { return *m_impl; }
 	const Impl& impl() const { return *m_impl; }
 

@@ -1,6 +1,6 @@
 #pragma once
 
-// Where Pliant's parallel work goes: its own pool, or the game's through this interface.
+// Interface for parallel work: Pliant's own thread pool, or the game's task system behind the same interface.
 
 #include "pliant/export.h"
 
@@ -8,7 +8,7 @@
 
 namespace pliant {
 
-/// Runs `count` independent tasks and returns when all are done. Results never depend on how they are spread over threads.
+/// Runs independent tasks. No result of Pliant depends on how tasks are distributed over threads.
 class PLIANT_API TaskRunner
 {
 public:
@@ -16,16 +16,16 @@ public:
 
 	virtual ~TaskRunner();
 
-	/// Call `task( context, i )` once for each i in [0, count), in any order, on any threads; return after the last.
+	/// Calls `task( context, i )` once for each i in [0, count), in any order, on any threads; returns when all have finished.
 	/// Called from one thread at a time. Tasks do not throw and do not call `run`.
 	virtual void run( int count, Task task, void* context ) = 0;
 
-	/// How many tasks can run at once, at least 1.
+	/// Number of tasks that can run at the same time, at least 1.
 	virtual int threadCount() const = 0;
 };
 
-/// A pool of `threadCount` threads (the caller counts as one), clamped to [1, 64]. Null only when out of memory.
-/// With 1 nothing is started and tasks run in the caller.
+/// Creates a pool of `threadCount` threads including the calling one, clamped to [1, 64]. With 1 no thread is started and tasks run in the
+/// caller. Null only when out of memory.
 PLIANT_API std::unique_ptr<TaskRunner> createThreadPool( int threadCount );
 
 } // namespace pliant

@@ -1,6 +1,6 @@
 #pragma once
 
-// Wheels of btRaycastVehicle on soft bodies: btDefaultVehicleRaycaster sees rigid bodies only.
+// Ray caster for btRaycastVehicle that also finds soft bodies; btDefaultVehicleRaycaster finds rigid bodies only.
 
 #include "pliant/export.h"
 #include "pliant/soft_body_host.h"
@@ -12,9 +12,9 @@ class btRaycastVehicle;
 
 namespace pliant {
 
-/// Rigid bodies as btDefaultVehicleRaycaster finds them, and soft bodies as the surface that their nodes' spheres make up: a wheel does not
-/// fall between two nodes. To the vehicle a soft body is ground, as any rigid body is to Bullet's vehicle. Bullet's vehicle never pushes
-/// what it stands on; this can, for soft bodies: name the vehicle and add the caster to the world as an action, after the vehicle.
+/// Finds rigid bodies as btDefaultVehicleRaycaster does, and soft bodies as the surface formed by their node spheres: a wheel does not fall
+/// between two nodes. The vehicle treats a soft body as fixed ground. Bullet's vehicle exerts no force on the ground; for soft bodies
+/// this class does: set the vehicle and add the ray caster to the world as an action, after the vehicle.
 ///
 ///     pliant::VehicleRaycaster caster( world );
 ///     btRaycastVehicle vehicle( tuning, chassis, &caster );
@@ -24,17 +24,17 @@ namespace pliant {
 class PLIANT_API VehicleRaycaster : public btVehicleRaycaster, public btActionInterface
 {
 public:
-	/// Group and mask of its rays, as of any of Bullet's. The world must outlive it.
+	/// Collision group and mask of its rays, as for any of Bullet's. The world must outlive it.
 	explicit VehicleRaycaster( SoftBodyHost& world, int group = btBroadphaseProxy::DefaultFilter, int mask = btBroadphaseProxy::AllFilter );
 
-	/// What Bullet's vehicle asks. The rigid body that is hit; where that is a soft body, Bullet's fixed body: programs read what they get
-	/// as a btRigidBody. Null where nothing is hit.
+	/// Called by Bullet's vehicle; positions in world coordinates, m. Returns the btRigidBody that is hit, Bullet's fixed body where a soft
+	/// body is hit (callers read the result as a btRigidBody), or null where nothing is hit; then `result` is unchanged.
 	void* castRay( const btVector3& from, const btVector3& to, btVehicleRaycasterResult& result ) override;
-	/// The soft body that castRay would find; null where there is none, or something rigid is nearer.
+	/// The soft body that castRay would hit; null where there is none or a rigid body is nearer.
 	SoftBody* softBodyAt( const btVector3& from, const btVector3& to );
 
-	/// The vehicle whose wheels press on soft bodies, by the force of their suspension on the nodes within a wheel's radius; not owned,
-	/// null for none (the default). A vehicle that sleeps does not press.
+	/// Sets the vehicle whose wheels press on soft bodies: each suspension force acts on the nodes within the wheel's radius, or within two
+	/// node radii if that is more. Not owned; null (the default): none. A sleeping vehicle does not press.
 	void setVehicle( const btRaycastVehicle* vehicle ) { m_vehicle = vehicle; }
 	void updateAction( btCollisionWorld* world, btScalar step ) override;
 	void debugDraw( btIDebugDraw* ) override {}

@@ -1,6 +1,6 @@
 #pragma once
 
-// Pliant's version, here and nowhere else: CMakeLists.txt reads it from this file.
+// Pliant's version. This is its only definition; CMakeLists.txt reads it from this file.
 
 #define PLIANT_VERSION_MAJOR 0
 #define PLIANT_VERSION_MINOR 1

@@ -12,22 +12,22 @@ namespace {
 
 constexpr std::uint32_t kNone = CellComplex::kNone;
 
-/// Traces whose normals turn by less than this (its cosine) are of one surface.
+/// Traces whose normals differ by less than the angle of this cosine belong to one surface.
 constexpr float kSameSurface = 0.7f;
 
-/// Distance below which traces count alike, in cells.
+/// Distance below which traces have about equal weight, cells.
 constexpr float kNearTrace = 0.25f;
 
-/// How much a point of the outer surface would rather slide along it than leave it.
+/// Resistance of a point of the outer surface to leaving it.
 constexpr float kSlide = 100.0f;
-/// The same by the square of how much of the surface there faces a way: what is flat is hardly left at all (a point stands for much surface
-/// where borders are drawn with few), and what bends a little there holds a point no more than it did.
+/// The same for the square of the fraction of the surface there that faces a direction. Points on flat surface hardly leave it (where
+/// borders have few points each represents a large area); slightly bent surface holds a point no more than kSlide alone.
 constexpr float kSlideFlat = 1000.0f;
 
-/// Farther than this, in cells, no point is moved: half a cell's diagonal and what noise adds.
+/// Largest displacement of a point, cells: half a cell's diagonal and the noise.
 constexpr float kFarthestMove = 1.25f;
 
-/// Of a symmetric matrix: xx, yy, zz, yz, xz, xy.
+/// Entries of a symmetric matrix: xx, yy, zz, yz, xz, xy.
 constexpr int kRow[6] = { 0, 1, 2, 1, 0, 0 }, kColumn[6] = { 0, 1, 2, 2, 2, 1 };
 
 } // namespace
@@ -106,9 +106,9 @@ std::vector<BladePath::Near> BladePath::nearTo( std::uint32_t point, const Vec3&
 	return near;
 }
 
-/// How to go to get one metre further along `normal`: the m of least | m |^2 + k m^T S m + k' | S m |^2 with n . m = 1, S what m_outward
-/// holds. With K = ( 1 + k S + k' S^2 )^-1 it is K n / ( n . K n ): straight on inside, along the outer surface on it, along a crease's
-/// edge in one.
+/// The displacement m that leads one metre further along `normal`: it minimises | m |^2 + k m^T S m + k' | S m |^2 subject to n . m = 1,
+/// with S from m_outward. With K = ( 1 + k S + k' S^2 )^-1 it is K n / ( n . K n ): along the normal inside, along the outer surface on it,
+/// along the edge in a crease.
 Vec3 BladePath::exitDisplacement( std::uint32_t point, const Vec3& normal ) const
 {
 	Eigen::Matrix3f outward;
@@ -121,7 +121,7 @@ Vec3 BladePath::exitDisplacement( std::uint32_t point, const Vec3& normal ) cons
 	return along / normal.dot( along );
 }
 
-/// The point on the surface that the nearest of the traces and those like it show; they are taken off the list.
+/// Moves a position onto the surface given by the nearest trace and those of similar normal, and removes these from the list.
 Vec3 BladePath::moved( std::uint32_t point, const Vec3& at, std::vector<Near>& near ) const
 {
 	const Vec3 leading = m_trace[near.front().trace].normal;
@@ -146,14 +146,14 @@ Vec3 BladePath::moved( std::uint32_t point, const Vec3& at, std::vector<Near>& n
 	near.erase( std::remove_if( near.begin(), near.end(), isLike ), near.end() );
 	if ( !isBetween && side >= 0.0f )
 	{
-		return at; // on its own side
+		return at; // it is on its own side
 	}
 	const Vec3 move = -height / weight * exitDisplacement( point, normal.normalized() );
 	const float length = move.norm(), most = kFarthestMove * m_complex->cellSize;
 	return at + ( length > most ? most / length : 1.0f ) * move;
 }
 
-Vec3 BladePath::placeOf( std::uint32_t point ) const
+Vec3 BladePath::positionOf( std::uint32_t point ) const
 {
 	const Vec3& rest = m_complex->pointRest[point];
 	if ( m_trace.empty() )
@@ -166,7 +166,7 @@ Vec3 BladePath::placeOf( std::uint32_t point ) const
 		return rest;
 	}
 	Vec3 at = moved( point, rest, near );
-	// Where a second cut crosses the first, the point lies in both.
+	// Where a second cut crosses the first, the point lies on both.
 	return near.empty() ? at : moved( point, at, near );
 }
 

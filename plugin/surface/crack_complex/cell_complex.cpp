@@ -90,7 +90,7 @@ bool hasRow( const Table& table, std::uint32_t row, std::uint32_t wanted )
 	return std::binary_search( table.begin( row ), table.end( row ), wanted );
 }
 
-/// What a cell draws, in points.
+/// Calls visit for each triangle that a cell draws, as points.
 template <class F>
 void forTriangles( const CellComplex& complex, std::uint32_t cell, F&& visit )
 {
@@ -139,7 +139,7 @@ Status validate( const CellComplex& complex )
 		} );
 		if ( !isKnown )
 		{
-			return broken( "A cell draws a point that does not know it." );
+			return broken( "A cell draws a point whose row of cellsOfPoint lacks it." );
 		}
 	}
 	for ( std::uint32_t f = 0; f < faces; ++f )

@@ -1,4 +1,4 @@
-// Weld, clip, trace faces, find owners, draw, number.
+// Steps: weld, clip, trace faces, find owners, draw, number.
 
 #include "surface/crack_complex/complex_builder.h"
 
@@ -89,12 +89,12 @@ private:
 		m_surface = clipSurface( { cells, triangles, m_lattice.extent, m_warp, longestBentEdge( m_settings ) } );
 		const std::vector<FaceEdge> edges = makeFaceEdges( m_surface, m_warp, m_settings );
 		m_merged = mergeClosePoints( m_surface, edges );
-		leaveOutStraight( m_surface, edges, double( m_settings.bendTolerance ), m_merged );
+		simplifyCuts( m_surface, edges, double( m_settings.bendTolerance ), m_merged );
 		FaceParts parts = traceFaces( m_surface, edges, m_merged );
 		MarchingSquares squares( m_surface, m_warp, m_merged );
 		if ( isShell || m_field->isSoup() )
 		{
-			parts = FaceParts{}; // a shell has no faces; the lattice's lines miss much of a soup: its faces are all asked for
+			parts = FaceParts{}; // a shell has no faces; for a soup, whose crossings are incomplete, every face is tested
 			parts.broken = isShell ? std::vector<std::uint64_t>{} : facesOfLattice();
 		}
 		if ( !parts.broken.empty() )
@@ -108,7 +108,7 @@ private:
 		m_out.report.faces = int( m_faces.face.size() );
 	}
 
-	/// Those between positions that both have cells.
+	/// Faces between positions that both have cells.
 	std::vector<std::uint64_t> facesOfLattice() const
 	{
 		std::vector<std::uint64_t> keys, faces;
@@ -160,7 +160,7 @@ private:
 		m_pieces = drawPieces( { m_view, m_mesh, m_lattice, std::move( edges ) }, m_surface, m_owners.ofPolygon, m_merged );
 	}
 
-	/// Of each point of the surface the lowest cell that draws something there; kNone: none does.
+	/// By point of the surface, the lowest cell that draws something there; kNone where none does.
 	std::vector<std::uint32_t> lowestCells() const
 	{
 		std::vector<std::uint32_t> lowest( m_surface.point.size(), CellComplex::kNone );
@@ -188,7 +188,8 @@ private:
 		return lowest;
 	}
 
-	/// Positions of the mesh and of all else that is drawn, those of one cell side by side: crack faces find them close in memory.
+	/// Numbers the points of the mesh and all other drawn points; those of one cell are consecutive, so that crack faces access nearby
+	/// memory.
 	void numberPoints()
 	{
 		const std::vector<std::uint32_t> lowest = lowestCells();
@@ -245,7 +246,7 @@ private:
 			faceOfCell.emplace_back( m_out.face[f].cellA, f );
 			faceOfCell.emplace_back( m_out.face[f].cellB, f );
 		}
-		for ( const auto& [point, face] : m_faces.tie )
+		for ( const auto& [point, face] : m_faces.incidence )
 		{
 			if ( m_number[point] != CellComplex::kNone )
 			{
@@ -318,7 +319,7 @@ private:
 		m_out.heldByFace = makeTable( held, m_out.face.size() );
 	}
 
-	/// Calls visit( face, neighbour ) for each cell linked to this one across a face.
+	/// Calls visit( face, neighbour ) for each cell linked to this one through a face.
 	template <class F>
 	void forLinked( std::uint32_t cell, F&& visit ) const
 	{
@@ -331,7 +332,7 @@ private:
 		}
 	}
 
-	// === Which cells carry what ===
+	// // === Binding of points to cells ===
 
 	void bindPoints( const SkinBinding& skin )
 	{
@@ -358,7 +359,7 @@ private:
 		all.triangleCount = m_out.triangle.size();
 		const SkinBinding bound = bindSkin( all, m_lattice, {}, skin.kind );
 
-		// Points of the input stay with the cells they had: nothing moves when the first crack opens.
+		// Points of the input keep their cells, so that no vertex moves when the first crack opens.
 		std::vector<std::uint32_t> inputOf( m_out.pointCount(), CellComplex::kNone );
 		for ( std::uint32_t v = 0; v < m_out.inputVertices; ++v )
 		{
@@ -377,7 +378,7 @@ private:
 		m_out.boundPoints = turned( { m_out.bindStart, m_out.bindCell }, std::size_t( m_lattice.cellCount() ) );
 	}
 
-	/// Between the input's vertices normals are interpolated, as a renderer does.
+	/// Normals between the input's vertices are interpolated, as a renderer does.
 	void shade( const SkinBinding& skin )
 	{
 		m_out.vertexNormal = skin.restNormal;
@@ -405,7 +406,7 @@ private:
 	CellOwners m_owners;
 	DrawnFaces m_faces;
 	SurfacePieces m_pieces;
-	std::vector<std::uint32_t> m_number; ///< of the surface's points among those drawn
+	std::vector<std::uint32_t> m_number; ///< by point of the surface: its index among the drawn points
 };
 
 } // namespace

@@ -1,6 +1,6 @@
 #pragma once
 
-// From mesh and lattice to a cell complex; see CellComplex::build.
+// Builds a cell complex from a mesh and a lattice; see CellComplex::build.
 
 #include "surface/crack_complex/cell_complex.h"
 

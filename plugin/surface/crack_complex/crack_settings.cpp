@@ -1,4 +1,4 @@
-// What may be asked of drawn cracks.
+// Ranges of the settings of drawn cracks.
 
 #include "surface/crack_complex/cell_complex.h"
 

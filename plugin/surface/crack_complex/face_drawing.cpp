@@ -11,10 +11,10 @@ namespace pliant {
 
 namespace {
 
-/// Cells' parts: how far off the grid of a face a point of it may lie.
+/// Largest distance of a point from the grid of its face, as a fraction of the grid's spacing.
 constexpr double kOffGrid = 1e-6;
 
-/// A part of a face that stands between two cells.
+/// A part of a face that separates two cells.
 struct Wall
 {
 	std::uint32_t a, b; ///< a < b
@@ -22,7 +22,7 @@ struct Wall
 	bool isAUpper;
 };
 
-/// The piece of surface there may draw the same edge: then an edge would have four triangles.
+/// True where a piece of surface may draw the same edge, which would then have four triangles.
 bool isOnOneTriangle( const SurfaceOrigin& a, const SurfaceOrigin& b )
 {
 	std::size_t count = 0, more = 0;
@@ -76,11 +76,11 @@ private:
 		const std::uint32_t first = m_parts.loops.start[part.firstLoop], last = m_parts.loops.start[part.lastLoop];
 		for ( std::uint32_t k = first; k < last; ++k )
 		{
-			m_out.tie.emplace_back( m_parts.loops.point[k], std::uint32_t( m_out.face.size() - 1 ) );
+			m_out.incidence.emplace_back( m_parts.loops.point[k], std::uint32_t( m_out.face.size() - 1 ) );
 		}
 		for ( std::uint32_t k = part.firstCut; k < part.lastCut; ++k )
 		{
-			m_out.tie.emplace_back( m_parts.cutPoint[k], std::uint32_t( m_out.face.size() - 1 ) );
+			m_out.incidence.emplace_back( m_parts.cutPoint[k], std::uint32_t( m_out.face.size() - 1 ) );
 		}
 		m_drawn.clear();
 		if ( m_settings.faces != CrackFaces::Exact )
@@ -103,20 +103,20 @@ private:
 			}
 			for ( const std::uint32_t p : t )
 			{
-				m_out.tie.emplace_back( p, std::uint32_t( m_out.face.size() - 1 ) );
+				m_out.incidence.emplace_back( p, std::uint32_t( m_out.face.size() - 1 ) );
 			}
 			m_out.triangle.push_back( t );
 			m_out.axis.push_back( std::uint8_t( 2 * part.axis + ( wall.isAUpper ? 1 : 0 ) ) );
 		}
 	}
 
-	/// A square is drawn once between two cells, however many parts of it stand there.
+	/// Draws a square once between two cells, regardless of how many parts it has there.
 	void drawCoarsely( const Wall& wall )
 	{
 		const FacePart& part = m_parts.part[wall.part];
-		const Wall* before = std::exchange( m_before, &wall );
-		const bool isKnown = before && before->a == wall.a && before->b == wall.b && m_parts.part[before->part].below == part.below &&
-			m_parts.part[before->part].axis == part.axis;
+		const Wall* previous = std::exchange( m_previous, &wall );
+		const bool isKnown = previous && previous->a == wall.a && previous->b == wall.b &&
+			m_parts.part[previous->part].below == part.below && m_parts.part[previous->part].axis == part.axis;
 		if ( isKnown )
 		{
 			return;
@@ -130,7 +130,7 @@ private:
 		}
 	}
 
-	/// Bordered by the lattice's lines alone: its corners are there, and between them the points that the lines kept.
+	/// True for a part bordered by the lattice's lines only: it has all four corners and, between them, the points that the lines kept.
 	bool isWholeSquare( const FacePart& part ) const
 	{
 		const std::uint32_t first = m_parts.loops.start[part.firstLoop], last = m_parts.loops.start[part.firstLoop + 1];
@@ -152,7 +152,7 @@ private:
 		return corners == 4;
 	}
 
-	/// Of an entry of the loops: along the face's sides, 0 to n.
+	/// Grid coordinates of an entry of the loops along the face's sides, 0 to subdivision.
 	Vec2d onGrid( const FacePart& part, std::uint32_t entry ) const
 	{
 		const Eigen::Vector3i below = positionOfKey( m_surface.extent, part.below );
@@ -166,7 +166,7 @@ private:
 		return isEnd( at.x() ) && isEnd( at.y() );
 	}
 
-	/// n x n squares, or the border alone where no point within would lie off what is drawn so.
+	/// Draws n x n squares, or the border alone if no inner point would deviate from it.
 	void drawSquare( const FacePart& part )
 	{
 		const int n = m_settings.subdivision;
@@ -186,8 +186,8 @@ private:
 		const auto at = [&grid, n]( int u, int v ) -> std::uint32_t& { return grid[std::size_t( v * ( n + 1 ) + u )]; };
 		for ( std::uint32_t k = m_parts.loops.start[part.firstLoop]; k < m_parts.loops.start[part.lastLoop]; ++k )
 		{
-			const Vec2d place = onGrid( part, k );
-			at( int( std::lround( place.x() ) ), int( std::lround( place.y() ) ) ) = m_parts.loops.point[k];
+			const Vec2d position = onGrid( part, k );
+			at( int( std::lround( position.x() ) ), int( std::lround( position.y() ) ) ) = m_parts.loops.point[k];
 		}
 		for ( int v = 0; v <= n; ++v )
 		{
@@ -198,7 +198,7 @@ private:
 					m_surface.point.push_back( within[std::size_t( ( v - 1 ) * ( n - 1 ) + u - 1 )] );
 					at( u, v ) = std::uint32_t( m_surface.point.size() - 1 );
 				}
-				else if ( at( u, v ) == SurfaceOrigin::kNone ) // left out: on a side the one before stands for it
+				else if ( at( u, v ) == SurfaceOrigin::kNone ) // left out: replaced by the previous point of the side
 				{
 					at( u, v ) = u % n != 0 ? at( u - 1, v ) : at( u, v - 1 );
 				}
@@ -233,18 +233,18 @@ private:
 	{
 		const Eigen::Vector3i below = positionOfKey( m_surface.extent, part.below );
 		ClipPoint made;
-		made.place[part.axis] = below[part.axis] + 1;
-		made.place[( part.axis + 1 ) % 3] = below[( part.axis + 1 ) % 3] + double( u ) / m_settings.subdivision;
-		made.place[( part.axis + 2 ) % 3] = below[( part.axis + 2 ) % 3] + double( v ) / m_settings.subdivision;
-		made.rest = m_warp.backward( made.place );
+		made.bent[part.axis] = below[part.axis] + 1;
+		made.bent[( part.axis + 1 ) % 3] = below[( part.axis + 1 ) % 3] + double( u ) / m_settings.subdivision;
+		made.bent[( part.axis + 2 ) % 3] = below[( part.axis + 2 ) % 3] + double( v ) / m_settings.subdivision;
+		made.rest = m_warp.backward( made.bent );
 		return made;
 	}
 
-	/// Whether what is drawn passes a point of the face nearer than the tolerance, across it.
+	/// True where the drawn triangles pass within the tolerance of a point of the face.
 	bool isDrawnAlready( const FacePart& part, const ClipPoint& p ) const
 	{
 		const auto flat = [axis = part.axis](
-							  const ClipPoint& of ) { return Vec2d( of.place[( axis + 1 ) % 3], of.place[( axis + 2 ) % 3] ); };
+							  const ClipPoint& of ) { return Vec2d( of.bent[( axis + 1 ) % 3], of.bent[( axis + 2 ) % 3] ); };
 		const auto found = std::find_if( m_drawn.begin(), m_drawn.end(), [&]( const std::array<std::uint32_t, 3>& t ) {
 			const Vec2d a = flat( m_surface.point[t[0]] ), b = flat( m_surface.point[t[1]] ), c = flat( m_surface.point[t[2]] );
 			return doubleArea( a, b, flat( p ) ) >= 0.0 && doubleArea( b, c, flat( p ) ) >= 0.0 && doubleArea( c, a, flat( p ) ) >= 0.0;
@@ -280,7 +280,7 @@ private:
 	const NoiseWarp& m_warp;
 	const CrackSettings& m_settings;
 	MarchingSquares& m_squares;
-	const Wall* m_before = nullptr; ///< the wall drawn last
+	const Wall* m_previous = nullptr; ///< drawn last
 	DrawnFaces m_out;
 	std::vector<std::array<std::uint32_t, 3>> m_drawn;
 };

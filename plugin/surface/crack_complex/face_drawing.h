@@ -14,13 +14,13 @@ namespace pliant {
 
 struct DrawnFaces
 {
-	std::vector<CrackFace> face;                              ///< without area
-	std::vector<std::array<std::uint32_t, 3>> triangle;       ///< of the surface's points
-	std::vector<std::uint8_t> axis;                           ///< by triangle
-	std::vector<std::pair<std::uint32_t, std::uint32_t>> tie; ///< point, face: faces that pass a point
+	std::vector<CrackFace> face;                                    ///< areas not yet set
+	std::vector<std::array<std::uint32_t, 3>> triangle;             ///< indices of the surface's points
+	std::vector<std::uint8_t> axis;                                 ///< by triangle
+	std::vector<std::pair<std::uint32_t, std::uint32_t>> incidence; ///< point, face: the faces that contain a point
 };
 
-/// Adds points to the surface: middles of faces, and `squares` its own.
+/// Triangulates the faces between cells. Adds points to the surface: interior points of faces, and those of `squares`.
 DrawnFaces drawFaces( ClippedSurface& surface, const FaceParts& parts, const CellOwners& owners, const NoiseWarp& warp,
 	const CrackSettings& settings, MarchingSquares& squares );
 

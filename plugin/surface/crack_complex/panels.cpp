@@ -10,7 +10,7 @@ namespace pliant {
 
 namespace {
 
-/// Longest edge of a panel, cells: what is longer goes on bending with the cells that cut it.
+/// Longest edge of a panel, cells: longer triangles keep following the cells that cut them.
 constexpr float kLongestPanel = 1.5f;
 
 class PanelFinder
@@ -50,17 +50,17 @@ public:
 private:
 	const Vec3& at( std::uint32_t vertex ) const { return m_complex.pointRest[m_complex.vertexPoint[vertex]]; }
 
-	/// Cut, not too long, with an inside, and drawn by nothing but its corners and cuts, all of it in one.
+	/// True for a triangle that is cut, small enough, not degenerate, connected, and drawn only from its corners and cuts.
 	bool isPanel( std::uint32_t source ) const
 	{
 		const std::uint32_t* const corner = m_mesh.indices + 3 * std::size_t( source );
 		const Vec3 a = at( corner[1] ) - at( corner[0] ), b = at( corner[2] ) - at( corner[0] );
 		const float longest = std::max( { a.norm(), b.norm(), ( b - a ).norm() } );
 		return m_pieces.size( source ) > 1 && longest <= kLongestPanel * m_complex.cellSize && !a.cross( b ).isZero( 0.0f ) &&
-			isDrawnByItself( source, corner ) && hangsTogether( source );
+			isDrawnAlone( source, corner ) && isConnected( source );
 	}
 
-	bool isDrawnByItself( std::uint32_t source, const std::uint32_t* corner ) const
+	bool isDrawnAlone( std::uint32_t source, const std::uint32_t* corner ) const
 	{
 		bool isDrawn[3] = {}, isOwn = true;
 		const auto cornerAt = [corner]( std::uint32_t vertex ) { return std::size_t( std::find( corner, corner + 3, vertex ) - corner ); };
@@ -81,8 +81,8 @@ private:
 		return isOwn && isDrawn[0] && isDrawn[1] && isDrawn[2];
 	}
 
-	/// Whether its pieces lead from one to another by points that they share: then no crack gets through but at one of its points.
-	bool hangsTogether( std::uint32_t source ) const
+	/// True where its pieces are connected through shared points: then a crack can only pass at one of its points.
+	bool isConnected( std::uint32_t source ) const
 	{
 		const std::uint32_t *const first = m_pieces.begin( source ), *const last = m_pieces.end( source );
 		std::vector<std::uint32_t> reached{ m_complex.vertexPoint[m_complex.triangle[*first][0]] };
@@ -124,7 +124,7 @@ private:
 		}
 	}
 
-	/// Edges of its pieces that no other one has the other way round, one after the other.
+	/// Joins the edges of its pieces that have no opposite edge.
 	void addBorder( std::uint32_t source, const std::uint32_t* corner )
 	{
 		std::vector<std::array<std::uint32_t, 2>> edges;
@@ -200,7 +200,7 @@ private:
 		}
 		const auto isHidden = [this]( std::uint32_t point ) {
 			return m_out.isSpared[point] != 0 || m_out.isPlaceable[point] == 0;
-		}; // or a corner
+		}; // or it is a corner
 		for ( std::uint32_t panel = 0; panel < std::uint32_t( m_out.count() ); ++panel )
 		{
 			m_out.isPlain.push_back(
@@ -221,8 +221,8 @@ Panels findPanels( const MeshView& mesh, const CellComplex& complex )
 	return PanelFinder( mesh, complex ).run();
 }
 
-// Seen from the third corner, the first side with vertices on it is a fan; what that leaves at either end, where the other two sides have
-// vertices too, is one more each, around the fan's first and last.
+// The first side with vertices on it forms a fan around the third corner. Where the other two sides have vertices too, each forms one more
+// fan, around the first and the last vertex of the first fan.
 void drawPanel( const std::vector<std::uint32_t>& around, const std::array<std::size_t, 3>& cornerAt,
 	std::vector<std::array<std::uint32_t, 3>>& triangles )
 {
@@ -236,7 +236,7 @@ void drawPanel( const std::vector<std::uint32_t>& around, const std::array<std::
 	const auto at = [&]( std::size_t k ) { return around[k % count]; };
 	const std::size_t first = cornerAt[side], second = endOf( side ),
 					  third = second + ( endOf( ( side + 1 ) % 3 ) - cornerAt[( side + 1 ) % 3] );
-	if ( second - first == 1 ) // nothing but corners
+	if ( second - first == 1 ) // no vertices besides corners
 	{
 		triangles.push_back( { at( first ), at( second ), at( third ) } );
 		return;
@@ -255,14 +255,14 @@ void drawPanel( const std::vector<std::uint32_t>& around, const std::array<std::
 	}
 }
 
-WholePanels::WholePanels( const Panels& panels ) :
-	m_panels( &panels ), m_isWhole( panels.count(), 1 ), m_isOne( panels.isPlane ), m_isPlain( panels.isPlain ),
+IntactPanels::IntactPanels( const Panels& panels ) :
+	m_panels( &panels ), m_isIntact( panels.count(), 1 ), m_isOne( panels.isPlane ), m_isPlain( panels.isPlain ),
 	m_isPlaced( panels.isPlaceable ), m_isSpared( panels.isSpared )
 {
 	m_placed = std::size_t( std::count( m_isPlaced.begin(), m_isPlaced.end(), 1 ) );
 }
 
-void WholePanels::part( std::uint32_t point, std::vector<std::uint32_t>& anew )
+void IntactPanels::separate( std::uint32_t point, std::vector<std::uint32_t>& reshaded )
 {
 	if ( !arePlaced() )
 	{
@@ -273,17 +273,17 @@ void WholePanels::part( std::uint32_t point, std::vector<std::uint32_t>& anew )
 		if ( m_isOne[panel] != 0 )
 		{
 			m_isOne[panel] = m_isPlain[panel] = 0;
-			anew.insert( anew.end(), points.begin( panel ), points.end( panel ) );
+			reshaded.insert( reshaded.end(), points.begin( panel ), points.end( panel ) );
 			std::for_each( points.begin( panel ), points.end( panel ), [this]( std::uint32_t p ) { uncover( p ); } );
 		}
 	};
 	for ( const std::uint32_t* panel = at.begin( point ); panel != at.end( point ); ++panel )
 	{
-		if ( m_isWhole[*panel] == 0 )
+		if ( m_isIntact[*panel] == 0 )
 		{
 			continue;
 		}
-		m_isWhole[*panel] = 0;
+		m_isIntact[*panel] = 0;
 		shade( *panel );
 		for ( const std::uint32_t* p = points.begin( *panel ); p != points.end( *panel ); ++p )
 		{
@@ -291,24 +291,24 @@ void WholePanels::part( std::uint32_t point, std::vector<std::uint32_t>& anew )
 			{
 				m_isPlaced[*p] = 0;
 				--m_placed;
-				anew.push_back( *p );
+				reshaded.push_back( *p );
 				std::for_each( at.begin( *p ), at.end( *p ), shade );
 			}
 		}
 	}
 }
 
-void WholePanels::touch( std::uint32_t point, std::vector<std::uint32_t>& anew )
+void IntactPanels::touch( std::uint32_t point, std::vector<std::uint32_t>& reshaded )
 {
 	m_isTouched.resize( m_panels->isPlaceable.size(), 0 );
 	if ( !m_isTouched.empty() )
 	{
 		m_isTouched[point] = 1;
 	}
-	part( point, anew );
+	separate( point, reshaded );
 }
 
-void WholePanels::uncover( std::uint32_t point )
+void IntactPanels::uncover( std::uint32_t point )
 {
 	if ( isSpared( point ) )
 	{
@@ -318,38 +318,38 @@ void WholePanels::uncover( std::uint32_t point )
 	}
 }
 
-Status WholePanels::validate(
-	const std::function<bool( std::uint32_t )>& isParted, const std::function<bool( std::uint32_t )>& isPassed ) const
+Status IntactPanels::validate(
+	const std::function<bool( std::uint32_t )>& isSeparated, const std::function<bool( std::uint32_t )>& isPassed ) const
 {
 	const Panels& all = *m_panels;
 	const auto areAll = []( const Table& table, std::size_t row, auto&& holds ) {
 		return std::all_of( table.begin( row ), table.end( row ), holds );
 	};
-	const auto isWhole = [&]( std::uint32_t panel ) {
+	const auto isIntact = [&]( std::uint32_t panel ) {
 		return areAll(
-			all.points, panel, [&]( std::uint32_t p ) { return !isParted( p ) && ( m_isTouched.empty() || m_isTouched[p] == 0 ); } );
+			all.points, panel, [&]( std::uint32_t p ) { return !isSeparated( p ) && ( m_isTouched.empty() || m_isTouched[p] == 0 ); } );
 	};
-	const auto isToBePlaced = [&]( std::uint32_t point ) { return all.isPlaceable[point] != 0 && areAll( all.atPoint, point, isWhole ); };
+	const auto isToBePlaced = [&]( std::uint32_t point ) { return all.isPlaceable[point] != 0 && areAll( all.atPoint, point, isIntact ); };
 	for ( std::uint32_t point = 0; point < std::uint32_t( all.isPlaceable.size() ); ++point )
 	{
 		if ( isPlaced( point ) != isToBePlaced( point ) )
 		{
-			return { ResultCode::BadArgument, "A point is placed that a crack parts, or one is not that none does." };
+			return { ResultCode::BadArgument, "A point that a crack separates is placed, or an intact one is not." };
 		}
 	}
 	for ( std::uint32_t panel = 0; panel < std::uint32_t( all.count() ); ++panel )
 	{
-		const bool isWholeAround = areAll(
+		const bool isIntactAround = areAll(
 			all.points, panel, [&]( std::uint32_t p ) { return all.isPlaceable[p] == 0 || isToBePlaced( p ); } );
-		if ( isOne( panel ) != ( all.isPlane[panel] != 0 && isWhole( panel ) && isWholeAround ) )
+		if ( isOne( panel ) != ( all.isPlane[panel] != 0 && isIntact( panel ) && isIntactAround ) )
 		{
-			return { ResultCode::BadArgument, "A panel is shaded as one that is not whole, or is not that is." };
+			return { ResultCode::BadArgument, "A panel that is not intact is shaded as one triangle, or an intact one is not." };
 		}
 	}
 	return validateSpared( isPassed );
 }
 
-Status WholePanels::validateSpared( const std::function<bool( std::uint32_t )>& isPassed ) const
+Status IntactPanels::validateSpared( const std::function<bool( std::uint32_t )>& isPassed ) const
 {
 	const Panels& all = *m_panels;
 	const auto isOneThere = [this]( std::uint32_t panel ) { return isOne( panel ); };
@@ -359,7 +359,7 @@ Status WholePanels::validateSpared( const std::function<bool( std::uint32_t )>& 
 			std::all_of( all.atPoint.begin( point ), all.atPoint.end( point ), isOneThere );
 		if ( isSpared( point ) != isToBeSpared )
 		{
-			return { ResultCode::BadArgument, "A point is spared that something is drawn with, or one is not that nothing is." };
+			return { ResultCode::BadArgument, "A point that must be drawn is spared, or one that need not be is not." };
 		}
 	}
 	for ( std::uint32_t panel = 0; panel < std::uint32_t( all.count() ); ++panel )
@@ -367,7 +367,7 @@ Status WholePanels::validateSpared( const std::function<bool( std::uint32_t )>& 
 		const auto isHidden = [&]( std::uint32_t point ) { return all.isPlaceable[point] == 0 || isSpared( point ); };
 		if ( isPlain( panel ) != ( isOne( panel ) && std::all_of( all.points.begin( panel ), all.points.end( panel ), isHidden ) ) )
 		{
-			return { ResultCode::BadArgument, "A panel is drawn as the input has it that is cut, or is not that is not." };
+			return { ResultCode::BadArgument, "A cut panel is drawn as the input's triangle, or an uncut one is not." };
 		}
 	}
 	return {};

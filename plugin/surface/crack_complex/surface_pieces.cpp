@@ -17,12 +17,12 @@ namespace {
 
 constexpr std::uint32_t kNone = CellComplex::kNone;
 
-/// The input's triangle behind each triangle of the welded mesh.
+/// The input triangle of a triangle of the welded mesh.
 struct Source
 {
 	std::uint32_t triangle = kNone;
 	Triangle vertex{}; ///< of the input, by corner of the welded triangle
-	bool isTurned = false;
+	bool isReversed = false;
 };
 
 Triangle sorted( Triangle t )
@@ -48,7 +48,7 @@ public:
 		for ( std::uint32_t p = 0; p < m_surface.polygons.count(); ++p )
 		{
 			const std::uint32_t t = m_surface.polygons.triangle[p];
-			if ( t < m_welded.triangle.size() ) // no cap
+			if ( t < m_welded.triangle.size() ) // not a cap
 			{
 				order.emplace_back( owner[p], t, p );
 			}
@@ -79,7 +79,7 @@ public:
 	}
 
 private:
-	/// Welding sorted and turned the triangles, and dropped some: found again by their vertices.
+	/// Finds the input triangles by their vertices: welding has sorted and reoriented the triangles and dropped some.
 	void findSources()
 	{
 		std::vector<std::pair<Triangle, std::uint32_t>> known;
@@ -121,12 +121,12 @@ private:
 		{
 			const std::size_t at = std::size_t( std::find( corners.begin(), corners.end(), welded[k] ) - corners.begin() );
 			source.vertex[k] = m_mesh.indices[3 * std::size_t( t ) + at];
-			source.isTurned = k == 0 ? corners[( at + 1 ) % 3] != welded[1] : source.isTurned;
+			source.isReversed = k == 0 ? corners[( at + 1 ) % 3] != welded[1] : source.isReversed;
 		}
 		return source;
 	}
 
-	/// Doubled walls bound nothing, but the artist drew them: each goes whole to the nearest cell.
+	/// Adds a triangle that bounds no material, such as a doubled wall, as a whole to the nearest cell.
 	void addLoose( std::uint32_t t )
 	{
 		if ( !m_tree )
@@ -176,7 +176,7 @@ private:
 			{
 				v[k] = vertexAt( m_loops.point[t[k]], triangle, m_at[t[k]] );
 			}
-			if ( m_source[triangle].isTurned )
+			if ( m_source[triangle].isReversed )
 			{
 				std::swap( v[1], v[2] );
 			}
@@ -185,7 +185,7 @@ private:
 		}
 	}
 
-	/// Places within the triangle: along its first side, and across it.
+	/// Computes coordinates within the triangle: along its first side, and across it.
 	void flatten( std::uint32_t triangle )
 	{
 		const Triangle& t = m_welded.triangle[triangle];
@@ -204,8 +204,8 @@ private:
 		m_corner[2] = Vec2d( along.dot( other ), across.dot( other ) );
 	}
 
-	/// Shares of a triangle's corners in a point of it.
-	std::array<double, 3> sharesAt( std::uint32_t point, std::uint32_t triangle, const Vec2d& at ) const
+	/// Barycentric weights of a point in a triangle.
+	std::array<double, 3> weightsAt( std::uint32_t point, std::uint32_t triangle, const Vec2d& at ) const
 	{
 		const Triangle& t = m_welded.triangle[triangle];
 		const SurfaceOrigin& origin = m_surface.point[point].origin;
@@ -224,7 +224,7 @@ private:
 		{
 			return fraction;
 		}
-		// It was merged with a point of a neighbouring triangle.
+		// The point was merged with one of a neighbouring triangle.
 		const double whole = doubleArea( m_corner[0], m_corner[1], m_corner[2] );
 		double sum = 0.0;
 		for ( std::size_t k = 0; k < 3; ++k )
@@ -239,10 +239,10 @@ private:
 		return fraction;
 	}
 
-	/// The vertex at a point as this triangle sees it: triangles that share the input's vertices there share it.
+	/// The vertex of a point in this triangle: triangles that share the input's vertices there share it.
 	std::uint32_t vertexAt( std::uint32_t point, std::uint32_t triangle, const Vec2d& at )
 	{
-		const std::array<double, 3> fraction = sharesAt( point, triangle, at );
+		const std::array<double, 3> fraction = weightsAt( point, triangle, at );
 		std::array<std::pair<std::uint32_t, float>, 3> used;
 		for ( std::size_t k = 0; k < 3; ++k )
 		{

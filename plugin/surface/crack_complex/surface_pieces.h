@@ -1,6 +1,6 @@
 #pragma once
 
-// The outer surface, cell by cell: what a cell has of each triangle of the input, with vertices that remember where on it they lie.
+// The outer surface divided by cells: the part of each input triangle in each cell. Each vertex knows its position on the input's triangle.
 
 #include "lattice/mesh/weld.h"
 #include "surface/crack_complex/cell_complex.h"
@@ -14,10 +14,10 @@ namespace pliant {
 
 struct SurfacePieces
 {
-	std::vector<std::uint32_t> vertexPoint; ///< the input's vertices first; points of the clipped surface
+	std::vector<std::uint32_t> vertexPoint; ///< points of the clipped surface; the input's vertices first
 	std::vector<CellComplex::Origin> addedOrigin;
 	std::vector<std::uint32_t> cellStart;
-	std::vector<std::array<std::uint32_t, 3>> triangle; ///< vertices, turned as in the input
+	std::vector<std::array<std::uint32_t, 3>> triangle; ///< vertices, oriented as in the input
 	std::vector<std::uint32_t> source;
 };
 
@@ -26,12 +26,12 @@ struct PieceInput
 	const MeshView& mesh;
 	const WeldedMesh& welded;
 	const Lattice& lattice;
-	/// Edges of faces between points of the surface, lower point first, sorted: no piece draws them within itself if it can help it, for
-	/// then four triangles would meet there.
+	/// Edges of faces between points of the surface, lower index first, sorted: pieces avoid them as inner edges, since four triangles
+	/// would meet there.
 	std::vector<std::pair<std::uint32_t, std::uint32_t>> faceEdges;
 };
 
-/// `owner`: the cell of each polygon. `merged`: what each point became.
+/// `owner`: by polygon, its cell. `merged`: by point, its representative.
 SurfacePieces drawPieces( const PieceInput& input, const ClippedSurface& surface, const std::vector<std::uint32_t>& owner,
 	const std::vector<std::uint32_t>& merged );
 

@@ -1,4 +1,4 @@
-// What no crack parts is drawn as the input has it: cuts within panels stand where the panels' corners put them, or are spared.
+// Panels that no crack separates are drawn as in the input: their cuts are interpolated from the corners, or spared.
 
 #include "surface/crack_mesh/crack_view.h"
 #include "surface/crack_mesh/resize_for_overwrite.h"
@@ -10,28 +10,28 @@ namespace pliant {
 
 namespace {
 
-/// How far ahead of its use memory is asked for that lies anywhere in the template's.
+/// Prefetch distances for data scattered over the template, in vertices.
 constexpr int kFar = 24, kNear = 8;
 
 } // namespace
 
-// === Of a body that grows by its cracks ===
+// // === A body whose surface grows with its cracks ===
 
-/// More than one side meets at a local point, or some of it is another body's; or a blade came by.
-void CrackSurface::part( std::uint32_t point, bool isByBlade )
+/// Separates the panels at a local point where several sides meet, where cells belong to another body, or near a blade.
+void CrackSurface::separate( std::uint32_t point, bool isByBlade )
 {
-	m_parted.clear();
-	isByBlade ? m_panels.touch( m_point[point], m_parted ) : m_panels.part( m_point[point], m_parted );
-	for ( const std::uint32_t anew : m_parted )
+	m_reshaded.clear();
+	isByBlade ? m_panels.touch( m_point[point], m_reshaded ) : m_panels.separate( m_point[point], m_reshaded );
+	for ( const std::uint32_t reshaded : m_reshaded )
 	{
-		if ( const std::uint32_t local = localPoint( anew ); local != kNone )
+		if ( const std::uint32_t local = localPoint( reshaded ); local != kNone )
 		{
 			m_split.push_back( local );
 		}
 	}
 }
 
-/// The vertex that carries those at the place of one of the input's, where only one side is.
+/// The carrier at the position of an input vertex that has only one side.
 std::uint32_t CrackSurface::carrierAt( std::uint32_t input ) const
 {
 	const std::uint32_t point = localPoint( m_complex->vertexPoint[input] );
@@ -49,11 +49,11 @@ SkinBinding::Placed CrackSurface::placedFrom( const CellComplex::Origin& origin,
 	return placed;
 }
 
-/// Once all is drawn. From then on panels are only parted, and what is placed stays where it is in the binding: the outer surface is drawn
-/// first, so that an outer copy carries each of these sides.
-void CrackSurface::placeWhatIsWhole()
+/// Called once all is drawn. Later, panels are only separated, and placed vertices keep their position in the binding: the outer surface is
+/// drawn first, so each of these sides has an outer copy as its carrier.
+void CrackSurface::placeIntactPanels()
 {
-	m_split.clear(); // all is shaded
+	m_split.clear(); // everything is shaded
 	for ( std::uint32_t v = 0; v < vertexCount() && m_panels.arePlaced(); ++v )
 	{
 		if ( isPlaced( m_vertex[v] ) )
@@ -62,7 +62,7 @@ void CrackSurface::placeWhatIsWhole()
 		}
 	}
 	m_panelCorner.resize( m_complex->panels.count() );
-	for ( const std::uint32_t panel : wholePanels() )
+	for ( const std::uint32_t panel : intactPanels() )
 	{
 		const std::array<std::uint32_t, 3>& corner = m_complex->panels.corner[panel];
 		m_panelCorner[panel] = { carrierAt( corner[0] ), carrierAt( corner[1] ), carrierAt( corner[2] ) };
@@ -80,24 +80,24 @@ void CrackSurface::listPlaced()
 	listShading();
 }
 
-/// Pieces that are by themselves, in the triangles' order, then panels in theirs.
+/// Lists the pieces outside intact panels in the triangles' order, then the panels in theirs.
 void CrackSurface::listShading()
 {
 	m_binding.shading.clear();
 	m_binding.shadedTriangles = m_binding.placed.empty() ? 0 : m_cellTriangle.back();
-	m_binding.shading.reserve( m_binding.shadedTriangles ); // each panel is some of them
+	m_binding.shading.reserve( m_binding.shadedTriangles ); // each panel replaces several of them
 	for ( std::uint32_t cell = 0; cell < m_cell.size() && m_binding.shadedTriangles > 0; ++cell )
 	{
-		forPiecesAlone( cell, [this]( std::uint32_t t ) { m_binding.shading.push_back( m_triangle[t] ); } );
+		forSeparatePieces( cell, [this]( std::uint32_t t ) { m_binding.shading.push_back( m_triangle[t] ); } );
 	}
-	for ( const std::uint32_t panel : wholePanels() )
+	for ( const std::uint32_t panel : intactPanels() )
 	{
 		m_binding.shading.push_back( m_panelCorner[panel] );
 	}
 }
 
-/// Those that add to normals as one: all their cells are the body's.
-std::vector<std::uint32_t> CrackSurface::wholePanels() const
+/// Panels that contribute to normals as one triangle: all their cells are the body's.
+std::vector<std::uint32_t> CrackSurface::intactPanels() const
 {
 	std::vector<std::uint32_t> panels;
 	for ( std::size_t k = 0; k < m_cell.size() && !m_binding.placed.empty(); ++k )
@@ -124,20 +124,20 @@ void CrackSurface::addPanelsAt( std::uint32_t point, std::vector<std::uint32_t>&
 	}
 }
 
-// === Of a body put together from its cells' patches ===
+// // === A body assembled from its cells' patches ===
 
-/// In the order that CrackSurface has.
+/// Lists in the same order as CrackSurface.
 void CrackGatherer::listPlaced( SkinBinding& to, TaskRunner* runner ) const
 {
 	resizeForOverwrite( to.placed, m_placedCount );
 	runShares( runner, Shares{ int( m_placedCount ) }, [&]( int, int begin, int end ) {
-		const auto lookAt = [&]( int k ) {
-			return &m_sides->patches().look[m_made[m_placed[std::size_t( std::min( k, end - 1 ) )]].vertex];
+		const auto appearanceAt = [&]( int k ) {
+			return &m_sides->patches().appearance[m_made[m_placed[std::size_t( std::min( k, end - 1 ) )]].vertex];
 		};
 		for ( int k = begin; k < end; ++k )
 		{
-			__builtin_prefetch( lookAt( k + kFar ) );
-			__builtin_prefetch( &m_sides->complex().addedOrigin[lookAt( k + kNear )->kind - m_sides->complex().inputVertices] );
+			__builtin_prefetch( appearanceAt( k + kFar ) );
+			__builtin_prefetch( &m_sides->complex().addedOrigin[appearanceAt( k + kNear )->kind - m_sides->complex().inputVertices] );
 			to.placed[std::size_t( k )] = placedAt( m_placed[std::size_t( k )] );
 		}
 	} );
@@ -147,12 +147,12 @@ void CrackGatherer::listPlaced( SkinBinding& to, TaskRunner* runner ) const
 	to.shadedTriangles = areAny ? m_outerTriangles : 0;
 }
 
-/// No crack parts the corners: they are carried where their points' first slots have them.
+/// No crack separates the corners, so their carriers belong to their points' first slots.
 SkinBinding::Placed CrackGatherer::placedAt( std::uint32_t vertex ) const
 {
 	const CrackPatches& patches = m_sides->patches();
 	const CellComplex& complex = *patches.complex;
-	const CellComplex::Origin& origin = complex.addedOrigin[patches.look[m_made[vertex].vertex].kind - complex.inputVertices];
+	const CellComplex::Origin& origin = complex.addedOrigin[patches.appearance[m_made[vertex].vertex].kind - complex.inputVertices];
 	SkinBinding::Placed placed{ vertex, {}, origin.weight };
 	for ( std::size_t k = 0; k < 3; ++k )
 	{
@@ -170,12 +170,12 @@ std::array<std::uint32_t, 3> CrackGatherer::ofCorners( std::uint32_t panel, std:
 	return { at( 0 ), at( 1 ), at( 2 ) };
 }
 
-/// Those that are one, all of whose cells are the body's. Areas are asked for where a corner is shaded anew. The end of what is drawn of
-/// them.
+/// Draws the intact panels, all of whose cells are the body's. Sums areas where a corner is reshaded. Returns the end of the triangles
+/// drawn.
 std::array<std::uint32_t, 3>* CrackGatherer::takePanels( std::array<std::uint32_t, 3>* triangles )
 {
 	const CellComplex& complex = m_sides->complex();
-	const WholePanels& panels = m_sides->panels();
+	const IntactPanels& panels = m_sides->panels();
 	for ( std::size_t k = 0; k < m_cells && panels.arePlaced(); ++k )
 	{
 		for ( std::uint32_t panel = complex.panels.firstOfCell[m_patch[k]]; panel < complex.panels.firstOfCell[m_patch[k] + 1]; ++panel )
@@ -189,7 +189,7 @@ std::array<std::uint32_t, 3>* CrackGatherer::takePanels( std::array<std::uint32_
 				complex.vertexPoint[corner[0]], complex.vertexPoint[corner[1]], complex.vertexPoint[corner[2]] };
 			m_shading[m_shadingCount++] = ofCorners( panel, Carrier ); // fewer than its pieces
 			takePanel( panel );
-			if ( std::any_of( points.begin(), points.end(), [this]( std::uint32_t p ) { return m_sides->isShadedAnew( p ); } ) )
+			if ( std::any_of( points.begin(), points.end(), [this]( std::uint32_t p ) { return m_sides->isReshaded( p ); } ) )
 			{
 				addArea( points, ofCorners( panel, OuterNormals ) );
 			}
@@ -199,7 +199,7 @@ std::array<std::uint32_t, 3>* CrackGatherer::takePanels( std::array<std::uint32_
 	return std::copy( m_panelTriangle.begin(), m_panelTriangle.end(), triangles );
 }
 
-/// As the input has it, or between those of its cuts that others are drawn with.
+/// Draws a panel as the input's triangle, or between those of its cuts that other triangles use.
 void CrackGatherer::takePanel( std::uint32_t panel )
 {
 	const CrackPatches& patches = m_sides->patches();

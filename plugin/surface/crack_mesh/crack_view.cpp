@@ -12,7 +12,8 @@ namespace pliant {
 
 namespace {
 
-/// How far ahead of its use memory is asked for that lies anywhere in the template's, vertices.
+/// kFar: prefetch distance for data scattered over the template, vertices; kBlock: vertices looked up together; kFewPatches: prefetch
+/// distance, patches; kLine: bytes of a cache line.
 constexpr std::size_t kFar = 24, kBlock = 512, kFewPatches = 4, kLine = 64;
 
 } // namespace
@@ -39,7 +40,7 @@ void CrackGatherer::gather(
 	view.change = {};
 }
 
-// The outer surface first, so that its triangles and vertices are one run.
+// The outer surface comes first, so that its triangles and vertices are contiguous.
 void CrackGatherer::reserveScratch( const std::vector<std::uint32_t>& cells, CrackView& view )
 {
 	const CellComplex& complex = m_sides->complex();
@@ -73,11 +74,10 @@ void CrackGatherer::reserveScratch( const std::vector<std::uint32_t>& cells, Cra
 	}
 }
 
-/// Numbers from nothing.
 void CrackGatherer::begin( std::size_t vertices )
 {
 	const CrackPatches& patches = m_sides->patches();
-	// All numbers of the body before are below its first of now, and vertices are at least as many as groups of normals.
+	// All numbers of the previous body are below the new m_first; there are at least as many vertices as groups of normals.
 	const std::size_t used = std::size_t( m_first ) + m_made.size();
 	m_first = std::uint32_t( used );
 	if ( m_number.size() < patches.numbersOfSlot.back() || used + vertices > std::numeric_limits<std::uint32_t>::max() )
@@ -101,22 +101,22 @@ void CrackGatherer::begin( std::size_t vertices )
 	m_panelSource.clear();
 }
 
-/// Patches first to last - 1 of m_patch.
+/// Numbers the patches first to last - 1 of m_patch. Returns the end of their triangles.
 std::array<std::uint32_t, 3>* CrackGatherer::number( std::size_t first, std::size_t last, std::array<std::uint32_t, 3>* triangles )
 {
 	for ( std::size_t k = first; k < last; )
 	{
-		const std::size_t end = lookAhead( k, last );
+		const std::size_t end = prefetchSides( k, last );
 		for ( std::uint32_t local = 0; k < end; ++k )
 		{
-			const std::uint32_t fresh = m_count;
+			const std::uint32_t firstNew = m_count;
 			triangles = takePatch( m_patch[k], m_local.data() + local, triangles );
 			if ( isOuter( k ) )
 			{
 				addAreas( m_patch[k], m_local.data() + local );
 				if ( m_sides->panels().arePlaced() )
 				{
-					takeOuter( m_patch[k], m_local.data() + local, fresh );
+					takeOuter( m_patch[k], m_local.data() + local, firstNew );
 				}
 			}
 			local += verticesOf( m_patch[k] );
@@ -130,7 +130,7 @@ std::array<std::uint32_t, 3>* CrackGatherer::number( std::size_t first, std::siz
 	return triangles;
 }
 
-/// The outer surface in one task, the inside in another, each with numbers of its own.
+/// Numbers the outer surface in one task and the inside in another, each with its own numbers.
 void CrackGatherer::numberTogether( CrackView& view, TaskRunner* runner )
 {
 	const CrackPatches& patches = m_sides->patches();
@@ -145,7 +145,8 @@ void CrackGatherer::numberTogether( CrackView& view, TaskRunner* runner )
 		outer += isOuter( k ) ? patches.patch[m_patch[k] + 1].firstTriangle - patches.patch[m_patch[k]].firstTriangle : 0;
 	}
 	inner.begin( vertices );
-	// Where the outer surface ends is known when it is numbered: before that the inside has its triangles where it would end at most.
+	// The end of the outer triangles is only known once they are numbered: until then the inside is written behind their largest possible
+	// count.
 	std::array<std::uint32_t, 3>* end = nullptr;
 	const auto begin = view.ownTriangles.begin();
 	auto task = [&]( int k ) {
@@ -164,7 +165,7 @@ void CrackGatherer::numberTogether( CrackView& view, TaskRunner* runner )
 	append( end, view.ownTriangles.size() - std::size_t( drawn ), runner );
 }
 
-/// What has been numbered of the inside, behind the outer surface: sides that it has too are carried there.
+/// Appends the numbered inside to the outer surface; sides that both have get their carriers from the outer one.
 void CrackGatherer::append( std::array<std::uint32_t, 3>* triangles, std::size_t count, TaskRunner* runner )
 {
 	constexpr std::uint32_t kOuter = 1u << 31;
@@ -211,9 +212,9 @@ void CrackGatherer::append( std::array<std::uint32_t, 3>* triangles, std::size_t
 	m_normalGroups += inner.m_normalGroups;
 }
 
-/// Looks up the sides of the next patches, some hundreds of vertices, in steps, so that what each leads to is on its way when it is asked
-/// for. Where those patches end.
-std::size_t CrackGatherer::lookAhead( std::size_t first, std::size_t last )
+/// Looks up the sides of the next patches, some hundreds of vertices, in stages, so that the memory accessed by each stage has been
+/// prefetched. Returns the end of those patches.
+std::size_t CrackGatherer::prefetchSides( std::size_t first, std::size_t last )
 {
 	const CrackPatches& patches = m_sides->patches();
 	m_vertex.clear();
@@ -221,14 +222,14 @@ std::size_t CrackGatherer::lookAhead( std::size_t first, std::size_t last )
 	const bool mayBeSpared = isOuter( first ) && m_sides->panels().arePlaced();
 	for ( ; end < last && m_vertex.size() < kBlock && isOuter( end ) == isOuter( first ); ++end )
 	{
-		const CrackPatches::Patch& soon = patches.patch[m_patch[std::min( end + kFewPatches, m_patch.size() - 1 )]];
-		__builtin_prefetch( &patches.vertex[soon.firstVertex] );
-		__builtin_prefetch( &patches.vertex[soon.firstVertex] + kLine / sizeof( CrackPatches::Vertex ) );
-		__builtin_prefetch( patches.triangle.data() + soon.firstTriangle );
-		__builtin_prefetch( patches.triangle.data() + soon.firstTriangle + kLine / sizeof( patches.triangle[0] ) );
+		const CrackPatches::Patch& next = patches.patch[m_patch[std::min( end + kFewPatches, m_patch.size() - 1 )]];
+		__builtin_prefetch( &patches.vertex[next.firstVertex] );
+		__builtin_prefetch( &patches.vertex[next.firstVertex] + kLine / sizeof( CrackPatches::Vertex ) );
+		__builtin_prefetch( patches.triangle.data() + next.firstTriangle );
+		__builtin_prefetch( patches.triangle.data() + next.firstTriangle + kLine / sizeof( patches.triangle[0] ) );
 		for ( std::uint32_t v = patches.patch[m_patch[end]].firstVertex; v < patches.patch[m_patch[end] + 1].firstVertex; ++v )
 		{
-			const bool isSpared = mayBeSpared && m_sides->panels().isSpared( patches.look[v].point );
+			const bool isSpared = mayBeSpared && m_sides->panels().isSpared( patches.appearance[v].point );
 			m_vertex.push_back( isSpared ? kNone : v );
 			m_sides->fetchSide( patches.vertex[v].slot );
 		}
@@ -252,7 +253,7 @@ std::size_t CrackGatherer::lookAhead( std::size_t first, std::size_t last )
 		}
 		const CrackPatches::Vertex& of = patches.vertex[m_vertex[k]];
 		m_local[k] = patches.numbersOfSlot[m_local[k]];
-		if ( of.isAlone == 0 )
+		if ( of.isUnshared == 0 )
 		{
 			__builtin_prefetch( &m_number[m_local[k]], 1 );
 			__builtin_prefetch( &m_number[m_local[k] + CrackPatches::kNumbersOfSide + of.kindAt], 1 );
@@ -261,8 +262,8 @@ std::size_t CrackGatherer::lookAhead( std::size_t first, std::size_t last )
 	return end;
 }
 
-/// `local`: of each vertex of the patch where its side's numbers are, then its number in the body; kNone: it is spared. Each triangle is
-/// written, and counted if it is drawn: no branch to foretell.
+/// `local`: by vertex of the patch, start of its side's numbers on input, its index in the body on output; kNone: spared. Branch-free: each
+/// triangle is written, and counted if it is drawn.
 std::array<std::uint32_t, 3>* CrackGatherer::takePatch( std::uint32_t patch, std::uint32_t* local, std::array<std::uint32_t, 3>* triangles )
 {
 	const CrackPatches& patches = m_sides->patches();
@@ -274,7 +275,7 @@ std::array<std::uint32_t, 3>* CrackGatherer::takePatch( std::uint32_t patch, std
 			continue;
 		}
 		const CrackPatches::Vertex& of = patches.vertex[first + k];
-		if ( of.isAlone != 0 )
+		if ( of.isUnshared != 0 )
 		{
 			m_row.push_back( { m_count, of.slot, 0 } );
 			local[k] = addVertex( first + k, m_count, m_normalGroups++ );
@@ -284,7 +285,7 @@ std::array<std::uint32_t, 3>* CrackGatherer::takePatch( std::uint32_t patch, std
 			local[k] = numberOf( first + k, m_number.data() + local[k] );
 		}
 	}
-	const bool isOfOuter = patch < patches.complex->cellCount(); // and its triangles are numbered as the complex has them
+	const bool isOfOuter = patch < patches.complex->cellCount(); // its triangles then have the complex's indices
 	for ( std::uint32_t t = patches.patch[patch].firstTriangle; t < patches.patch[patch + 1].firstTriangle; ++t )
 	{
 		const auto& corner = patches.triangle[t];
@@ -300,8 +301,8 @@ std::uint32_t CrackGatherer::addVertex( std::uint32_t vertex, std::uint32_t carr
 	return m_count++;
 }
 
-/// `known`: the numbers of the vertex's side. Vertices of one side share a normal, outer ones one and inner ones another; without noise the
-/// inner ones are sides of cubes, each with its own.
+/// `known`: the numbers of the vertex's side. Vertices of one side share a normal: one for the outer, one for the inner ones. Without noise
+/// the inner ones are faces of cubes, and each has its own normal.
 std::uint32_t CrackGatherer::numberOf( std::uint32_t vertex, std::uint32_t* known )
 {
 	const CrackPatches::Vertex& of = m_sides->patches().vertex[vertex];
@@ -329,22 +330,22 @@ std::uint32_t CrackGatherer::numberOf( std::uint32_t vertex, std::uint32_t* know
 	return number - m_first;
 }
 
-/// Of the patch just taken, an outer one; panels that are one come after all.
+/// Adds the areas of an outer patch; intact panels are added after all patches.
 void CrackGatherer::addAreas( std::uint32_t patch, const std::uint32_t* local )
 {
 	const CrackPatches& patches = m_sides->patches();
 	const std::uint32_t first = patches.patch[patch].firstVertex;
-	const auto pointOf = [&]( std::uint32_t k ) { return patches.look[first + k].point; };
+	const auto pointOf = [&]( std::uint32_t k ) { return patches.appearance[first + k].point; };
 	const auto groupOf = [&]( std::uint32_t k ) { return m_made[local[k]].normalGroup; };
-	bool isAnew = false;
-	for ( std::uint32_t k = 0; k < verticesOf( patch ) && !isAnew; ++k )
+	bool isReshaded = false;
+	for ( std::uint32_t k = 0; k < verticesOf( patch ) && !isReshaded; ++k )
 	{
-		isAnew = m_sides->isShadedAnew( pointOf( k ) );
+		isReshaded = m_sides->isReshaded( pointOf( k ) );
 	}
 	m_area.resize( m_normalGroups, Vec3::Zero() );
-	for ( std::uint32_t t = patches.patch[patch].firstTriangle; isAnew && t < patches.patch[patch + 1].firstTriangle; ++t )
+	for ( std::uint32_t t = patches.patch[patch].firstTriangle; isReshaded && t < patches.patch[patch + 1].firstTriangle; ++t )
 	{
-		if ( !m_sides->panels().isOfOne( t ) ) // outer patches' triangles are numbered as the complex has them
+		if ( !m_sides->panels().isOfOne( t ) ) // triangles of outer patches have the complex's indices
 		{
 			const auto& c = patches.triangle[t];
 			addArea( { pointOf( c[0] ), pointOf( c[1] ), pointOf( c[2] ) }, { groupOf( c[0] ), groupOf( c[1] ), groupOf( c[2] ) } );
@@ -352,20 +353,20 @@ void CrackGatherer::addAreas( std::uint32_t patch, const std::uint32_t* local )
 	}
 }
 
-/// Of the patch just taken, an outer one, with vertices from `fresh` on: which are placed, and what adds to normals. Each is written, and
-/// counted if it is one: no branch to foretell.
-void CrackGatherer::takeOuter( std::uint32_t patch, const std::uint32_t* local, std::uint32_t fresh )
+/// Lists the placed vertices of an outer patch (those from `firstNew` on) and its triangles that contribute to normals. Branch-free: each
+/// is written, and counted if it qualifies.
+void CrackGatherer::takeOuter( std::uint32_t patch, const std::uint32_t* local, std::uint32_t firstNew )
 {
 	const CrackPatches& patches = m_sides->patches();
-	const WholePanels& panels = m_sides->panels();
+	const IntactPanels& panels = m_sides->panels();
 	const std::uint32_t first = patches.patch[patch].firstVertex, count = verticesOf( patch );
 	std::uint32_t* placed = m_placed.get() + m_placedCount;
 	for ( std::uint32_t k = 0; k < count; ++k )
 	{
-		const unsigned isFresh = local[k] >= fresh && local[k] != kNone ? 1u : 0u,
-					   isPlaced = panels.isPlaced( patches.look[first + k].point ) ? 1u : 0u;
+		const unsigned isNew = local[k] >= firstNew && local[k] != kNone ? 1u : 0u,
+					   isPlaced = panels.isPlaced( patches.appearance[first + k].point ) ? 1u : 0u;
 		*placed = local[k];
-		placed += isFresh & isPlaced;
+		placed += isNew & isPlaced;
 	}
 	m_placedCount = std::size_t( placed - m_placed.get() );
 	std::array<std::uint32_t, 3>* shading = m_shading.get() + m_shadingCount;
@@ -376,13 +377,13 @@ void CrackGatherer::takeOuter( std::uint32_t patch, const std::uint32_t* local, 
 		shading += panels.isOfOne( t ) ? 0 : 1;
 	}
 	m_shadingCount = std::size_t( shading - m_shading.get() );
-	m_outerTriangles = std::uint32_t( m_shadingCount ); // so far they are the same
+	m_outerTriangles = std::uint32_t( m_shadingCount ); // equal so far
 }
 
 void CrackGatherer::addArea( const std::array<std::uint32_t, 3>& points, const std::array<std::uint32_t, 3>& normalGroups )
 {
-	const Vec3& a = m_sides->placeOf( points[0] );
-	const Vec3 area = ( m_sides->placeOf( points[1] ) - a ).cross( m_sides->placeOf( points[2] ) - a );
+	const Vec3& a = m_sides->positionOf( points[0] );
+	const Vec3 area = ( m_sides->positionOf( points[1] ) - a ).cross( m_sides->positionOf( points[2] ) - a );
 	for ( const std::uint32_t group : normalGroups )
 	{
 		m_area[group] += area;

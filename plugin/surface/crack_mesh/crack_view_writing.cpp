@@ -1,4 +1,4 @@
-// Writes down what has been numbered: vertices, normals and rows of weights, in shares.
+// Writes the numbered vertices, normals and rows of weights, divided among threads.
 
 #include "surface/crack_mesh/crack_view.h"
 
@@ -14,7 +14,7 @@ namespace pliant {
 
 namespace {
 
-/// How far ahead of its use memory is asked for that lies anywhere in the template's.
+/// Prefetch distances for data scattered over the template, vertices.
 constexpr std::size_t kFar = 24, kNear = 8;
 
 } // namespace
@@ -22,10 +22,10 @@ constexpr std::size_t kFar = 24, kNear = 8;
 void CrackGatherer::write( const std::vector<std::uint32_t>& cells, const Vec3& shift, CrackView& view, TaskRunner* runner )
 {
 	SkinBinding& to = view.ownBinding;
-	m_cellNow.resize( m_sides->complex().cellCount(), kNone );
+	m_cellInBody.resize( m_sides->complex().cellCount(), kNone );
 	for ( std::uint32_t k = 0; k < std::uint32_t( cells.size() ); ++k )
 	{
-		m_cellNow[cells[k]] = k;
+		m_cellInBody[cells[k]] = k;
 	}
 	const Shares rows{ int( m_row.size() ) }, vertices{ int( m_count ) };
 	OfFractions<std::uint32_t> entries{};
@@ -63,7 +63,7 @@ void CrackGatherer::write( const std::vector<std::uint32_t>& cells, const Vec3& 
 	std::fill( to.start.begin() + last, to.start.end(), sum );
 	for ( const std::uint32_t cell : cells )
 	{
-		m_cellNow[cell] = kNone;
+		m_cellInBody[cell] = kNone;
 	}
 }
 
@@ -80,10 +80,10 @@ void CrackGatherer::makeArrays( CrackView& view ) const
 	resizeForOverwrite( to.point, m_count );
 	resizeForOverwrite( to.start, std::size_t( m_count ) + 1 );
 	resizeForOverwrite( view.ownTexture, 2 * std::size_t( m_count ) );
-	resizeForOverwrite( view.ownSources, view.ownTriangles.size() + 1 ); // takeSources
+	resizeForOverwrite( view.ownSources, view.ownTriangles.size() + 1 ); // one more: see takeSources
 }
 
-/// Each is written, and counted if it is drawn: one too many has its place.
+/// Branch-free: each is written, and counted if it is drawn, so the array has one more entry.
 void CrackGatherer::takeSources( const std::vector<std::uint32_t>& cells, CrackView& view ) const
 {
 	const CellComplex& complex = m_sides->complex();
@@ -100,38 +100,38 @@ void CrackGatherer::takeSources( const std::vector<std::uint32_t>& cells, CrackV
 	std::fill( to, view.ownSources.data() + view.ownSources.size(), kNone );
 }
 
-/// Of vertices first to last - 1.
 void CrackGatherer::writeVertices( const Vec3& shift, CrackView& view, std::size_t first, std::size_t last ) const
 {
 	const CrackPatches& patches = m_sides->patches();
 	SkinBinding& to = view.ownBinding;
 	for ( std::size_t k = first; k < last; ++k )
 	{
-		__builtin_prefetch( &patches.look[m_made[std::min<std::size_t>( k + kFar, m_count - 1 )].vertex] );
-		m_sides->fetchPosition( patches.look[m_made[std::min<std::size_t>( k + kNear, m_count - 1 )].vertex].point );
+		__builtin_prefetch( &patches.appearance[m_made[std::min<std::size_t>( k + kFar, m_count - 1 )].vertex] );
+		m_sides->fetchPosition( patches.appearance[m_made[std::min<std::size_t>( k + kNear, m_count - 1 )].vertex].point );
 		const Made& made = m_made[k];
-		const CrackPatches::Look& look = patches.look[made.vertex];
-		to.restPosition[k] = m_sides->placeOf( look.point ) - shift;
+		const CrackPatches::Appearance& appearance = patches.appearance[made.vertex];
+		to.restPosition[k] = m_sides->positionOf( appearance.point ) - shift;
 		to.normalGroup[k] = made.normalGroup;
 		to.carrier[k] = made.carrier;
-		to.point[k] = look.point;
-		view.ownTexture[2 * k] = look.u;
-		view.ownTexture[2 * k + 1] = look.v;
+		to.point[k] = appearance.point;
+		view.ownTexture[2 * k] = appearance.u;
+		view.ownTexture[2 * k + 1] = appearance.v;
 	}
 	writeNormals( to, first, last );
 }
 
-/// Outside, a vertex is shaded as the whole mesh was, however few of the triangles around it are left on its side.
+/// Outer vertices are shaded as on the whole mesh, however few of the adjacent triangles are on their side.
 void CrackGatherer::writeNormals( SkinBinding& to, std::size_t first, std::size_t last ) const
 {
 	const CrackPatches& patches = m_sides->patches();
 	for ( std::size_t k = first; k < std::min<std::size_t>( last, m_outerCount ); ++k )
 	{
-		const CrackPatches::Look& look = patches.look[m_made[k].vertex];
-		const Vec3& normal = m_sides->complex().vertexNormal[look.kind];
+		const CrackPatches::Appearance& appearance = patches.appearance[m_made[k].vertex];
+		const Vec3& normal = m_sides->complex().vertexNormal[appearance.kind];
 		to.restNormal[k] = normal;
-		const bool isAnew = m_sides->isShadedAnew( look.point ) && !m_sides->panels().isPlaced( look.point );
-		to.normalShift[k] = isAnew ? CrackSurface::normalShift( normal, m_area[m_made[k].normalGroup] ) : patches.normalShift[look.kind];
+		const bool isReshaded = m_sides->isReshaded( appearance.point ) && !m_sides->panels().isPlaced( appearance.point );
+		to.normalShift[k] = isReshaded ? CrackSurface::normalShift( normal, m_area[m_made[k].normalGroup] )
+									   : patches.normalShift[appearance.kind];
 	}
 	Vec3 inside[6];
 	for ( std::uint32_t side = 0; side < 6; ++side )
@@ -140,21 +140,21 @@ void CrackGatherer::writeNormals( SkinBinding& to, std::size_t first, std::size_
 	}
 	for ( std::size_t k = std::max<std::size_t>( first, m_outerCount ); k < last; ++k )
 	{
-		to.restNormal[k] = inside[patches.look[m_made[k].vertex].kind - CrackSurface::kInside];
+		to.restNormal[k] = inside[patches.appearance[m_made[k].vertex].kind - CrackSurface::kInside];
 	}
 }
 
 namespace {
 
-/// A row has a place for each cell that its side follows, and one where it follows none.
-std::uint32_t placesOf( std::uint64_t carriers )
+/// Entries in the row of a side: one for each cell that it follows, at least one.
+std::uint32_t entriesOf( std::uint64_t carriers )
 {
 	return std::max( 1u, std::uint32_t( std::popcount( carriers ) ) );
 }
 
 } // namespace
 
-/// How many places they have in all.
+/// Returns the number of their entries.
 std::uint32_t CrackGatherer::takeCarriers( std::size_t first, std::size_t last )
 {
 	std::uint32_t entries = 0;
@@ -162,12 +162,12 @@ std::uint32_t CrackGatherer::takeCarriers( std::size_t first, std::size_t last )
 	{
 		__builtin_prefetch( m_sides->carriersAt( m_row[std::min( k + kFar, m_row.size() - 1 )].side ) );
 		m_row[k].carriers = m_sides->carriersOf( m_row[k].side );
-		entries += placesOf( m_row[k].carriers );
+		entries += entriesOf( m_row[k].carriers );
 	}
 	return entries;
 }
 
-/// Only vertices that carry others have a row. `entries`: of the rows before these.
+/// Only carriers have a row. `entries`: of the rows before these.
 void CrackGatherer::writeRows( SkinBinding& to, std::size_t first, std::size_t last, std::uint32_t entries ) const
 {
 	const CellComplex& complex = m_sides->complex();
@@ -176,14 +176,14 @@ void CrackGatherer::writeRows( SkinBinding& to, std::size_t first, std::size_t l
 	for ( std::size_t k = first; k < last; ++k )
 	{
 		__builtin_prefetch( &complex.bindStart[pointOf( k + kFar )] );
-		const std::uint32_t soon = complex.bindStart[pointOf( k + kNear )];
-		__builtin_prefetch( complex.bindCell.data() + soon );
-		__builtin_prefetch( complex.bindWeight.data() + soon );
+		const std::uint32_t next = complex.bindStart[pointOf( k + kNear )];
+		__builtin_prefetch( complex.bindCell.data() + next );
+		__builtin_prefetch( complex.bindWeight.data() + next );
 		const Row& row = m_row[k];
 		std::fill( to.start.begin() + vertex, to.start.begin() + row.vertex + 1, entries );
 		vertex = row.vertex + 1;
 		writeRow( row, to.node.data() + entries, to.weight.data() + entries );
-		entries += placesOf( row.carriers );
+		entries += entriesOf( row.carriers );
 	}
 }
 
@@ -194,17 +194,17 @@ void CrackGatherer::writeRow( const Row& row, std::uint32_t* node, float* weight
 	const std::uint64_t carriers = row.carriers;
 	int count = 0, known = 0;
 	double sum = 0.0;
-	for ( std::uint64_t open = carriers; open != 0; open &= open - 1, ++count )
+	for ( std::uint64_t remaining = carriers; remaining != 0; remaining &= remaining - 1, ++count )
 	{
-		const std::uint32_t k = first + std::uint32_t( std::countr_zero( open ) );
-		node[count] = m_cellNow[complex.bindCell[k]];
+		const std::uint32_t k = first + std::uint32_t( std::countr_zero( remaining ) );
+		node[count] = m_cellInBody[complex.bindCell[k]];
 		weight[count] = complex.bindWeight[k];
 		known += node[count] != kNone ? 1 : 0;
 		sum += double( weight[count] );
 	}
-	if ( known == 0 ) // it goes with the first of its own cells
+	if ( known == 0 ) // it follows the first of its own cells
 	{
-		std::fill( node, node + std::max( 1, count ), m_cellNow[complex.cellsOfPoint.entry[row.side]] );
+		std::fill( node, node + std::max( 1, count ), m_cellInBody[complex.cellsOfPoint.entry[row.side]] );
 		std::fill( weight, weight + std::max( 1, count ), 0.0f );
 		weight[0] = 1.0f;
 		return;
@@ -218,8 +218,8 @@ void CrackGatherer::writeRow( const Row& row, std::uint32_t* node, float* weight
 	{
 		return;
 	}
-	// A cell that hardly carries a point (weights to 6e-5 have been seen) may come off without its side being asked anew: the rest carry
-	// all.
+	// A cell that hardly carries a point (weights up to 6e-5 occur) may separate without an update of its side: the other cells take its
+	// weight.
 	float others = 0.0f;
 	int kept = 0;
 	for ( int k = 0; k < count; ++k )

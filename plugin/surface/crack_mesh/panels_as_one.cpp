@@ -1,5 +1,4 @@
-// A crack surface drawn with panels that are one as the input has them: the slow twin of CrackGatherer. Beyond Ohta et al. 2009,
-// "Fracturing".
+// A crack surface with intact panels drawn as one triangle: the reference implementation of CrackGatherer. Not in Ohta et al. 2009.
 
 #include "surface/crack_mesh/crack_view.h"
 
@@ -9,7 +8,7 @@ namespace pliant {
 
 namespace {
 
-/// Numbers that vertices keep, among those that do.
+/// New index of each kept vertex; kNone for the others.
 std::vector<std::uint32_t> numbersOf( const std::vector<std::uint8_t>& isKept )
 {
 	std::vector<std::uint32_t> number;
@@ -23,7 +22,7 @@ std::vector<std::uint32_t> numbersOf( const std::vector<std::uint8_t>& isKept )
 }
 
 template <class T>
-std::vector<T> keptOf( const std::vector<T>& list, const std::vector<std::uint8_t>& isKept )
+std::vector<T> selectKept( const std::vector<T>& list, const std::vector<std::uint8_t>& isKept )
 {
 	std::vector<T> kept;
 	for ( std::size_t k = 0; k < list.size(); ++k )
@@ -35,7 +34,7 @@ std::vector<T> keptOf( const std::vector<T>& list, const std::vector<std::uint8_
 
 } // namespace
 
-/// The vertex of the body that draws one of the complex, at a point where there is one side.
+/// The body's vertex that draws a vertex of the complex, at a point with one side.
 std::uint32_t CrackSurface::vertexOf( std::uint32_t kind ) const
 {
 	std::uint32_t vertex = m_side[m_firstSide[localPoint( m_complex->vertexPoint[kind] )]].newest;
@@ -46,14 +45,14 @@ std::uint32_t CrackSurface::vertexOf( std::uint32_t kind ) const
 	return vertex;
 }
 
-/// The pieces that are by themselves, then what panels are drawn as that are one. By vertices of the body.
-void CrackSurface::drawAsOne( CrackView& view ) const
+/// Draws the pieces outside intact panels, then the intact panels, with vertices of the body.
+void CrackSurface::drawIntactPanels( CrackView& view ) const
 {
 	view.ownTriangles.clear();
 	view.ownSources.clear();
 	for ( std::uint32_t cell = 0; cell < m_cell.size(); ++cell )
 	{
-		forPiecesAlone( cell, [&]( std::uint32_t t ) {
+		forSeparatePieces( cell, [&]( std::uint32_t t ) {
 			view.ownTriangles.push_back( m_triangle[t] );
 			view.ownSources.push_back( m_source[t] );
 		} );
@@ -64,7 +63,7 @@ void CrackSurface::drawAsOne( CrackView& view ) const
 		return m_panels.isSpared( m_complex->vertexPoint[vertex] ) ? kNone : vertexOf( vertex );
 	};
 	std::vector<std::uint32_t> around;
-	for ( const std::uint32_t panel : wholePanels() )
+	for ( const std::uint32_t panel : intactPanels() )
 	{
 		drawPanel( all, panel, drawnAt, around, view.ownTriangles );
 		view.ownSources.resize( view.ownTriangles.size(), all.source[panel] );
@@ -78,25 +77,25 @@ void CrackSurface::showPanelsAsOne( const float* texture, CrackView& view ) cons
 {
 	SkinBinding& to = view.ownBinding;
 	to = {};
-	drawAsOne( view );
+	drawIntactPanels( view );
 	std::vector<std::uint8_t> isKept;
 	for ( const Vertex& vertex : m_vertex )
 	{
 		isKept.push_back( m_panels.isSpared( m_point[vertex.point] ) ? 0 : 1 );
 	}
 	const std::vector<std::uint32_t> number = numbersOf( isKept );
-	const auto rename = [&number](
-							auto& list ) { std::for_each( list.begin(), list.end(), [&number]( std::uint32_t& v ) { v = number[v]; } ); };
-	std::for_each( view.ownTriangles.begin(), view.ownTriangles.end(), rename );
+	const auto renumber = [&number](
+							  auto& list ) { std::for_each( list.begin(), list.end(), [&number]( std::uint32_t& v ) { v = number[v]; } ); };
+	std::for_each( view.ownTriangles.begin(), view.ownTriangles.end(), renumber );
 	to.kind = m_binding.kind;
-	to.restPosition = keptOf( m_binding.restPosition, isKept );
-	to.restNormal = keptOf( m_binding.restNormal, isKept );
-	to.normalShift = keptOf( m_binding.normalShift, isKept );
-	to.normalGroup = keptOf( m_binding.normalGroup, isKept );
+	to.restPosition = selectKept( m_binding.restPosition, isKept );
+	to.restNormal = selectKept( m_binding.restNormal, isKept );
+	to.normalShift = selectKept( m_binding.normalShift, isKept );
+	to.normalGroup = selectKept( m_binding.normalGroup, isKept );
 	to.normalGroups = m_binding.normalGroups;
-	to.carrier = keptOf( m_binding.carrier, isKept );
-	rename( to.carrier );
-	to.point = keptOf( m_binding.point, isKept );
+	to.carrier = selectKept( m_binding.carrier, isKept );
+	renumber( to.carrier );
+	to.point = selectKept( m_binding.point, isKept );
 	to.start.push_back( 0 );
 	view.ownTexture.clear();
 	for ( std::size_t v = 0; v < m_vertex.size(); ++v )
@@ -116,19 +115,19 @@ void CrackSurface::showPanelsAsOne( const float* texture, CrackView& view ) cons
 		if ( isKept[of.vertex] != 0 )
 		{
 			of.vertex = number[of.vertex];
-			rename( of.corner );
+			renumber( of.corner );
 			to.placed.push_back( of );
 		}
 	}
 	to.listBlended();
 	if ( to.placed.empty() )
 	{
-		to.shadedTriangles = 0; // what is drawn adds to normals
+		to.shadedTriangles = 0; // the drawn triangles contribute to normals
 	}
 	else
 	{
 		to.shading = m_binding.shading;
-		std::for_each( to.shading.begin(), to.shading.end(), rename );
+		std::for_each( to.shading.begin(), to.shading.end(), renumber );
 	}
 	view.binding = &to;
 	view.triangles = view.ownTriangles.data();

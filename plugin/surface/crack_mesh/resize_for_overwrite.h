@@ -1,13 +1,13 @@
 #pragma once
 
-// Room for what is written anew from end to end.
+// Resizing of vectors whose entries are all overwritten.
 
 #include <cstddef>
 #include <vector>
 
 namespace pliant {
 
-/// `count` entries, of whatever values: what was there is not carried along where the memory has to grow, and it grows by an eighth more.
+/// Resizes to `count` entries of unspecified value. Growing does not copy old entries, and reserves an eighth more.
 template <class T>
 void resizeForOverwrite( std::vector<T>& list, std::size_t count )
 {

@@ -6,35 +6,33 @@ namespace pliant {
 
 namespace {
 
-/// A body of which more than one face in so many breaks at once is drawn anew, in patches: most of what there is to draw of it is new
-/// anyhow.
+/// A body of which more than one face in this many breaks at once is drawn from patches, since most of its drawn surface is new.
 constexpr std::size_t kFewFaces = 16;
 
 } // namespace
 
 SharedCrackState::SharedCrackState( const CrackSurface& whole, std::shared_ptr<const CrackPatches> patches, const float* texture ) :
-	m_patches( std::move( patches ) ), m_untouched( &whole ), m_input( texture )
+	m_patches( std::move( patches ) ), m_unbroken( &whole ), m_input( texture )
 {}
 
 void SharedCrackState::prepare()
 {
 	const std::lock_guard<std::mutex> lock( m_mutex );
-	growWhole();
+	startGrowing();
 }
 
-/// Where there is nothing yet that grows.
-void SharedCrackState::growWhole()
+/// Creates the growing surface, unless there is one or patches are used.
+void SharedCrackState::startGrowing()
 {
 	if ( !m_whole && !m_sides )
 	{
-		m_whole = std::make_unique<CrackSurface>( *m_untouched );
+		m_whole = std::make_unique<CrackSurface>( *m_unbroken );
 		m_whole->reserveScratch();
-		takeInTexture();
+		updateTexture();
 	}
 }
 
-/// Of vertices that are new.
-void SharedCrackState::takeInTexture()
+void SharedCrackState::updateTexture()
 {
 	const std::size_t known = m_texture.size();
 	m_texture.resize( 2 * std::size_t( m_whole->vertexCount() ) );
@@ -64,17 +62,17 @@ std::vector<std::uint32_t> SharedCrackState::pendingFaces() const
 	return faces;
 }
 
-/// `isWhole`: somebody asks for what all cells are.
-void SharedCrackState::takeIn( bool isWhole, TaskRunner* runner )
+/// `isWhole`: requested for all cells.
+void SharedCrackState::processBreaks( bool isWhole, TaskRunner* runner )
 {
 	const std::vector<std::uint32_t> faces = pendingFaces();
 	if ( !m_sides && ( !isWhole || faces.size() * kFewFaces > m_patches->complex->face.size() ) )
 	{
-		m_sides = std::make_unique<CrackSides>( m_patches, m_whole ? *m_whole : *m_untouched, runner );
+		m_sides = std::make_unique<CrackSides>( m_patches, m_whole ? *m_whole : *m_unbroken, runner );
 		m_whole.reset();
 		m_texture = {};
 	}
-	growWhole();
+	startGrowing();
 	if ( !m_newTraces.empty() )
 	{
 		m_path = m_path ? std::move( m_path ) : std::make_unique<BladePath>( m_patches->complex );
@@ -89,8 +87,8 @@ void SharedCrackState::takeIn( bool isWhole, TaskRunner* runner )
 	}
 	if ( m_whole )
 	{
-		m_whole->settle();
-		takeInTexture();
+		m_whole->updateBinding();
+		updateTexture();
 	}
 }
 
@@ -99,7 +97,7 @@ void SharedCrackState::show( const std::vector<std::uint32_t>& cells, const Vec3
 	std::unique_ptr<CrackGatherer> gatherer;
 	{
 		const std::lock_guard<std::mutex> lock( m_mutex );
-		takeIn( cells.size() == m_patches->complex->cellCount(), runner );
+		processBreaks( cells.size() == m_patches->complex->cellCount(), runner );
 		if ( m_whole )
 		{
 			showWhole( view );
@@ -120,7 +118,7 @@ void SharedCrackState::show( const std::vector<std::uint32_t>& cells, const Vec3
 void SharedCrackState::catchUp( std::size_t cells, TaskRunner* runner )
 {
 	const std::lock_guard<std::mutex> lock( m_mutex );
-	takeIn( cells == m_patches->complex->cellCount(), runner );
+	processBreaks( cells == m_patches->complex->cellCount(), runner );
 }
 
 void SharedCrackState::showWhole( CrackView& view ) const

@@ -38,7 +38,7 @@ void keepBetween(
 	}
 }
 
-/// The cuts' points, each with the one after it on its face.
+/// The points of the cuts, each with its successor on its face.
 class CutChains
 {
 public:
@@ -56,7 +56,7 @@ public:
 			if ( &from != &to )
 			{
 				++from.leaving;
-				++to.coming;
+				++to.entering;
 				from.next = merged[edge.to];
 				from.faceOut = edge.face;
 				to.faceIn = edge.face;
@@ -64,51 +64,51 @@ public:
 		}
 	}
 
-	void leaveOut( const std::vector<FaceEdge>& edges, double tolerance )
+	void simplify( const std::vector<FaceEdge>& edges, double tolerance )
 	{
-		m_became.resize( m_merged.size() );
-		std::iota( m_became.begin(), m_became.end(), 0u );
+		m_representative.resize( m_merged.size() );
+		std::iota( m_representative.begin(), m_representative.end(), 0u );
 		for ( const FaceEdge& edge : edges )
 		{
 			const std::uint32_t from = m_merged[edge.from], to = m_merged[edge.to];
 			if ( !isWithin( from ) && isWithin( to ) )
 			{
-				shorten( from, to, tolerance );
+				simplifyChain( from, to, tolerance );
 			}
 		}
-		leaveOutOnEdges();
+		simplifyEdges();
 		for ( std::uint32_t& p : m_merged )
 		{
-			p = m_became[p];
+			p = m_representative[p];
 		}
 	}
 
 private:
 	struct Link
 	{
-		std::uint32_t members = 0, leaving = 0, coming = 0, next = 0;
+		std::uint32_t members = 0, leaving = 0, entering = 0, next = 0;
 		std::uint64_t faceOut = 0, faceIn = 0;
 	};
 
-	/// Inside a triangle of the input, on one face, and merged with nothing.
+	/// True for a point inside a triangle of the input that lies on one face and is merged with no other.
 	bool isWithin( std::uint32_t p ) const
 	{
 		const Link& link = m_link[p];
-		return link.members == 1 && link.leaving == 1 && link.coming == 1 && link.faceIn == link.faceOut &&
+		return link.members == 1 && link.leaving == 1 && link.entering == 1 && link.faceIn == link.faceOut &&
 			m_surface.point[p].origin.vertex[2] != SurfaceOrigin::kNone;
 	}
 
-	void shorten( std::uint32_t from, std::uint32_t to, double tolerance )
+	void simplifyChain( std::uint32_t from, std::uint32_t to, double tolerance )
 	{
 		const auto& triangle = m_surface.point[to].origin.vertex;
-		bool isOnOne = true;
+		bool isOnOneTriangle = true;
 		m_chain.assign( 1, from );
 		for ( ; isWithin( to ); to = m_link[to].next )
 		{
-			isOnOne = isOnOne && m_surface.point[to].origin.vertex == triangle;
+			isOnOneTriangle = isOnOneTriangle && m_surface.point[to].origin.vertex == triangle;
 			m_chain.push_back( to );
 		}
-		if ( !isOnOne || to == from ) // what runs round nothing but its own end would shrink to that
+		if ( !isOnOneTriangle || to == from ) // a closed chain without other ends would shrink to one point
 		{
 			return;
 		}
@@ -121,12 +121,12 @@ private:
 		const std::vector<std::uint8_t> isKept = keepBent( m_position, tolerance );
 		for ( std::size_t k = 1; k + 1 < m_chain.size(); ++k )
 		{
-			m_became[m_chain[k]] = isKept[k] != 0 ? m_chain[k] : m_became[m_chain[k - 1]];
+			m_representative[m_chain[k]] = isKept[k] != 0 ? m_chain[k] : m_representative[m_chain[k - 1]];
 		}
 	}
 
-	/// What halved an edge of the input and is of no face.
-	void leaveOutOnEdges()
+	/// Merges points that bisect an edge of the input and lie on no face.
+	void simplifyEdges()
 	{
 		std::vector<std::uint32_t> onEdges;
 		for ( std::uint32_t p = 0; p < std::uint32_t( m_merged.size() ); ++p )
@@ -149,18 +149,18 @@ private:
 			const auto& ends = m_surface.point[p].origin.vertex;
 			before = k == 0 || m_surface.point[onEdges[k - 1]].origin.vertex != ends ? m_merged[ends[0]] : before;
 			const Link& link = m_link[m_merged[p]];
-			if ( link.members == 1 && link.leaving == 0 && link.coming == 0 )
+			if ( link.members == 1 && link.leaving == 0 && link.entering == 0 )
 			{
-				m_became[p] = before;
+				m_representative[p] = before;
 			}
-			before = m_became[m_merged[p]];
+			before = m_representative[m_merged[p]];
 		}
 	}
 
 	const ClippedSurface& m_surface;
 	std::vector<std::uint32_t>& m_merged;
-	std::vector<Link> m_link;            ///< by point
-	std::vector<std::uint32_t> m_became; ///< by point: the one it is left out for, or itself
+	std::vector<Link> m_link;                    ///< by point
+	std::vector<std::uint32_t> m_representative; ///< by point: the point it is merged with, or itself
 	std::vector<std::uint32_t> m_chain;
 	std::vector<Vec3d> m_position;
 };
@@ -175,10 +175,9 @@ std::vector<std::uint8_t> keepBent( const std::vector<Vec3d>& chain, double tole
 	return isKept;
 }
 
-void leaveOutStraight(
-	const ClippedSurface& surface, const std::vector<FaceEdge>& edges, double tolerance, std::vector<std::uint32_t>& merged )
+void simplifyCuts( const ClippedSurface& surface, const std::vector<FaceEdge>& edges, double tolerance, std::vector<std::uint32_t>& merged )
 {
-	CutChains( surface, edges, merged ).leaveOut( edges, tolerance );
+	CutChains( surface, edges, merged ).simplify( edges, tolerance );
 }
 
 } // namespace pliant

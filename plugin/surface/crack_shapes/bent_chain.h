@@ -1,6 +1,6 @@
 #pragma once
 
-// Borders with no more points than their bends ask for.
+// // Simplification of face borders: points that hardly bend the border are removed.
 
 #include "surface/crack_shapes/crack_faces.h"
 
@@ -9,14 +9,14 @@
 
 namespace pliant {
 
-/// By point of a chain: whether it is kept. The ends are; between two that are kept each other one lies nearer than `tolerance` to the line
-/// from one to the other (Douglas and Peucker 1973, the line cut off at its ends). All are kept at a tolerance of 0.
+/// Returns for each point of a chain whether it is kept. The ends always are; every other point lies nearer than `tolerance` to the line
+/// segment between the kept points around it (Douglas and Peucker 1973). With tolerance 0 all points are kept.
 std::vector<std::uint8_t> keepBent( const std::vector<Vec3d>& chain, double tolerance );
 
-/// Where the surface's cut on a face runs on within one triangle of the input, all its points are there because the surface was sampled for
-/// the noise: those that `keepBent` does not keep, `tolerance` in cells, become one with the kept one before them. A point lies on one face
-/// alone, and so all who share it see the same. `merged`: what each point became.
-void leaveOutStraight(
+/// Simplifies the cuts of the surface on the faces. Where a cut lies within one triangle of the input, its points exist only because the
+/// surface was sampled for the noise: those that `keepBent` drops (`tolerance`: cells) are merged with the kept point before them. Such a
+/// point lies on one face only, so all who share it agree. `merged`: by point, its representative.
+void simplifyCuts(
 	const ClippedSurface& surface, const std::vector<FaceEdge>& edges, double tolerance, std::vector<std::uint32_t>& merged );
 
 } // namespace pliant

@@ -1,5 +1,5 @@
-// Pieces of surface and sides of faces that share an edge bound one piece of material. Each cell takes the largest piece that is nearest to
-// it; the rest goes to the neighbour it is joined to most widely.
+// Pieces of surface and sides of faces that share an edge bound one part of the material. Each cell owns the largest of the parts nearest
+// to it; every other part goes to the neighbour with which it shares the largest area.
 
 #include "surface/crack_shapes/cell_owners.h"
 
@@ -17,13 +17,13 @@ namespace {
 
 constexpr std::uint32_t kNone = 0xffffffffu;
 
-/// A connected piece of material in one position.
+/// A connected part of the material in one position.
 struct Blob
 {
 	std::uint64_t position = 0;
-	double volume = 0.0; ///< of the cell; negative for a bubble
+	double volume = 0.0; ///< in cells^3; negative for a bubble
 	Vec3d moment = Vec3d::Zero();
-	Vec3d corners = Vec3d::Zero(); ///< sum, for pieces without a volume
+	Vec3d corners = Vec3d::Zero(); ///< sum, for parts without a volume
 	double cornerCount = 0.0;
 	std::uint32_t owner = kNone;
 
@@ -34,7 +34,7 @@ struct Blob
 	}
 };
 
-/// Elements are the polygons, then two for each part of a face: its side below and its side above.
+/// Elements are the polygons, then two for each part of a face: its lower and its upper side.
 class OwnerSearch
 {
 public:
@@ -51,10 +51,10 @@ public:
 	CellOwners run()
 	{
 		makeBlobs();
-		takeLargest();
-		while ( goWithNeighbours() )
+		assignLargest();
+		while ( assignToNeighbours() )
 		{}
-		goToNearest();
+		assignToNearest();
 		CellOwners out;
 		out.adopted = m_adopted;
 		for ( std::size_t p = 0; p < m_polygons; ++p )
@@ -82,7 +82,7 @@ private:
 		return positionKey( m_lattice.extent, position );
 	}
 
-	/// Calls visit( from, to, isFirstOfLoop ) for each edge of an element; material is below or behind the element.
+	/// Calls visit( from, to, firstOfLoop ) for each edge of an element, oriented so that the material is behind the element.
 	template <class F>
 	void forEdges( std::size_t element, F&& visit ) const
 	{
@@ -167,7 +167,7 @@ private:
 	void measure( std::size_t element, Blob& blob ) const
 	{
 		const Vec3d origin = positionOfKey( m_lattice.extent, blob.position ).cast<double>();
-		const auto at = [&]( std::uint32_t p ) { return Vec3d( m_surface.point[p].place - origin ); };
+		const auto at = [&]( std::uint32_t p ) { return Vec3d( m_surface.point[p].bent - origin ); };
 		forEdges( element, [&]( std::uint32_t from, std::uint32_t to, std::uint32_t first ) {
 			const Vec3d a = at( first ), b = at( from ), c = at( to );
 			const double volume = a.dot( b.cross( c ) ) / 6.0;
@@ -184,18 +184,18 @@ private:
 		return { std::uint32_t( first - m_keys.begin() ), std::uint32_t( last - m_keys.begin() ) };
 	}
 
-	/// Middle of a cell's material, cells.
+	/// Centre of mass of a cell's material, cells.
 	Vec3d middleOf( std::uint32_t cell ) const
 	{
 		return ( m_lattice.restCentre[cell].cast<double>() + m_lattice.massCentre - m_lattice.corner ) / double( m_lattice.cellSize );
 	}
 
-	std::uint32_t nearestOf( std::uint32_t first, std::uint32_t last, const Vec3d& place ) const
+	std::uint32_t nearestOf( std::uint32_t first, std::uint32_t last, const Vec3d& position ) const
 	{
 		std::uint32_t best = first;
 		for ( std::uint32_t cell = first + 1; cell < last; ++cell )
 		{
-			if ( ( middleOf( cell ) - place ).squaredNorm() < ( middleOf( best ) - place ).squaredNorm() )
+			if ( ( middleOf( cell ) - position ).squaredNorm() < ( middleOf( best ) - position ).squaredNorm() )
 			{
 				best = cell;
 			}
@@ -203,7 +203,7 @@ private:
 		return best;
 	}
 
-	void takeLargest()
+	void assignLargest()
 	{
 		std::vector<std::uint32_t> largest( m_keys.size(), kNone ); // blob, by cell
 		for ( std::uint32_t b = 0; b < m_blobs.size(); ++b )
@@ -238,8 +238,8 @@ private:
 		return std::abs( area );
 	}
 
-	/// One round, all from the state at its beginning. False when nobody found an owner.
-	bool goWithNeighbours()
+	/// Runs one round based on the owners at its start. Returns false when no owner was found.
+	bool assignToNeighbours()
 	{
 		struct Offer
 		{
@@ -264,7 +264,7 @@ private:
 		for ( std::size_t first = 0; first < offers.size(); first = last )
 		{
 			Blob& blob = m_blobs[offers[first].blob];
-			std::uint32_t widest = kNone, atHome = kNone;
+			std::uint32_t widest = kNone, linkedCell = kNone;
 			double most = -1.0;
 			while ( last < offers.size() && offers[last].blob == offers[first].blob )
 			{
@@ -279,16 +279,16 @@ private:
 					most = area;
 					widest = owner;
 				}
-				atHome = std::min( atHome, linkedAtHome( blob, owner ) );
+				linkedCell = std::min( linkedCell, linkedCellAt( blob, owner ) );
 			}
-			blob.owner = atHome != kNone ? atHome : widest;
-			m_adopted += atHome == kNone ? 1 : 0;
+			blob.owner = linkedCell != kNone ? linkedCell : widest;
+			m_adopted += linkedCell == kNone ? 1 : 0;
 		}
 		return !offers.empty();
 	}
 
-	/// A cell at the blob's own position that is linked to a neighbour.
-	std::uint32_t linkedAtHome( const Blob& blob, std::uint32_t neighbour ) const
+	/// A cell at the blob's own position that is linked to a neighbour; kNone where there is none.
+	std::uint32_t linkedCellAt( const Blob& blob, std::uint32_t neighbour ) const
 	{
 		const auto [first, last] = cellsAt( blob.position );
 		for ( std::uint32_t cell = first; cell < last; ++cell )
@@ -301,8 +301,8 @@ private:
 		return kNone;
 	}
 
-	/// What touches nobody: bubbles, and crumbs by themselves.
-	void goToNearest()
+	/// Assigns parts that touch no owned one: bubbles, and isolated fragments.
+	void assignToNearest()
 	{
 		std::unique_ptr<CellTree> tree;
 		for ( Blob& blob : m_blobs )

@@ -1,4 +1,4 @@
-// Axis by axis: all edges that pass from one slab to another are cut, then every polygon is handed out to the slabs.
+// For each axis in rotation, all edges that pass from one slab to another are cut, then every polygon is distributed over the slabs.
 
 #include "surface/crack_shapes/clip_surface.h"
 
@@ -10,9 +10,9 @@ namespace pliant {
 
 namespace {
 
-/// An edge may be as long as so many of the pieces that faces' edges are drawn with, and as so much of a wave of the noise: what crosses it
-/// and its two neighbours bends a border some four times in a cell. Half as long, a border bent twice as often as the faces within it, with
-/// as many vertices more.
+/// Upper limits of an edge's length, as a multiple of the segments of the faces' edges and as a fraction of the noise's wavelength: cuts
+/// along it and its two neighbours then bend a border about four times in a cell. Half as long, borders would have twice as many points as
+/// the faces within them need.
 constexpr double kPiecesOfEdge = 2.0, kWaveOfEdge = 0.625;
 
 std::uint64_t edgeKey( std::uint32_t a, std::uint32_t b )
@@ -20,7 +20,7 @@ std::uint64_t edgeKey( std::uint32_t a, std::uint32_t b )
 	return std::uint64_t( std::min( a, b ) ) << 32 | std::max( a, b );
 }
 
-/// ( 1 - t ) a + t b. Both lie on one triangle, so there are no more than three vertices.
+/// ( 1 - t ) a + t b. Both lie on one triangle, so at most three vertices have a weight.
 SurfaceOrigin blend( const SurfaceOrigin& a, const SurfaceOrigin& b, double t )
 {
 	SurfaceOrigin out;
@@ -49,7 +49,7 @@ SurfaceOrigin blend( const SurfaceOrigin& a, const SurfaceOrigin& b, double t )
 	return out;
 }
 
-/// A corner while its polygon is handed out. Level 2 k: on plane k; 2 k + 1: in slab k.
+/// A corner of a polygon that is being distributed. Level 2 k: on plane k; 2 k + 1: in slab k.
 struct Item
 {
 	std::uint32_t point;
@@ -82,7 +82,7 @@ public:
 		}
 		if ( !m_input.warp.isOff() )
 		{
-			while ( halveLongEdges( pieces ) )
+			while ( bisectLongEdges( pieces ) )
 			{}
 		}
 		for ( const Piece& piece : pieces )
@@ -110,7 +110,7 @@ private:
 		std::uint32_t source;
 	};
 
-	/// A point on the way from a to b, the same whichever of them is named first.
+	/// Adds a point between a and b; the result does not depend on their order.
 	std::uint32_t addBetween( std::uint32_t a, std::uint32_t b, double t )
 	{
 		const ClipPoint& p = m_out.point[a];
@@ -122,17 +122,16 @@ private:
 		{
 			made.rest += made.origin.weight[k] * m_input.position[made.origin.vertex[k]];
 		}
-		// Kept within the ends, so that labels never go back and forth along an edge.
-		made.place =
-			( p.place + t * ( q.place - p.place ) ).cwiseMax( p.place.cwiseMin( q.place ) ).cwiseMin( p.place.cwiseMax( q.place ) );
+		// Clamped to the ends, so that the slab changes monotonically along an edge.
+		made.bent = ( p.bent + t * ( q.bent - p.bent ) ).cwiseMax( p.bent.cwiseMin( q.bent ) ).cwiseMin( p.bent.cwiseMax( q.bent ) );
 		m_out.point.push_back( made );
 		return std::uint32_t( m_out.point.size() - 1 );
 	}
 
-	/// One round: every edge that is too long is halved, and each triangle cut into two, three or four to suit.
-	bool halveLongEdges( std::vector<Piece>& pieces )
+	/// One round: bisects every edge that is too long and divides each triangle into two, three or four accordingly.
+	bool bisectLongEdges( std::vector<Piece>& pieces )
 	{
-		std::unordered_map<std::uint64_t, std::uint32_t> middle; // looked up only: its order tells nothing
+		std::unordered_map<std::uint64_t, std::uint32_t> middle; // for lookup only: its order has no effect
 		std::vector<Piece> next;
 		bool isAny = false;
 		for ( const Piece& piece : pieces )
@@ -162,7 +161,7 @@ private:
 		{
 			entry->second = addBetween( std::min( a, b ), std::max( a, b ), 0.5 );
 			ClipPoint& made = m_out.point[entry->second];
-			made.place = m_input.warp.forward( made.rest );
+			made.bent = m_input.warp.forward( made.rest );
 		}
 		return entry->second;
 	}
@@ -171,13 +170,13 @@ private:
 	{
 		const auto isCut = [&]( std::size_t k ) { return half[k % 3] != SurfaceOrigin::kNone; };
 		const auto add = [&]( std::uint32_t a, std::uint32_t b, std::uint32_t c ) { out.push_back( { { a, b, c }, piece.source } ); };
-		std::size_t turn = 0; // so that the one cut edge, or the one whole edge, comes last
-		while ( turn < 3 && ( ( cuts == 1 && !isCut( turn + 2 ) ) || ( cuts == 2 && isCut( turn + 2 ) ) ) )
+		std::size_t rotation = 0; // rotates the triangle so that the only cut edge, or the only uncut one, comes last
+		while ( rotation < 3 && ( ( cuts == 1 && !isCut( rotation + 2 ) ) || ( cuts == 2 && isCut( rotation + 2 ) ) ) )
 		{
-			++turn;
+			++rotation;
 		}
-		const std::uint32_t a = piece.corner[turn % 3], b = piece.corner[( turn + 1 ) % 3], c = piece.corner[( turn + 2 ) % 3];
-		const std::uint32_t ab = half[turn % 3], bc = half[( turn + 1 ) % 3], ca = half[( turn + 2 ) % 3];
+		const std::uint32_t a = piece.corner[rotation % 3], b = piece.corner[( rotation + 1 ) % 3], c = piece.corner[( rotation + 2 ) % 3];
+		const std::uint32_t ab = half[rotation % 3], bc = half[( rotation + 1 ) % 3], ca = half[( rotation + 2 ) % 3];
 		switch ( cuts )
 		{
 			case 0: add( a, b, c ); return;
@@ -201,7 +200,7 @@ private:
 
 	// === Cutting ===
 
-	/// Points on the planes between a and b, in order from the lower-numbered end; they are numbered on end from the first.
+	/// Adds the points on the planes between a and b, with consecutive indices from the lower-numbered end. Returns the first.
 	std::uint32_t cutEdge( std::uint32_t a, std::uint32_t b, int axis )
 	{
 		const std::uint32_t low = std::min( a, b ), high = std::max( a, b );
@@ -209,13 +208,13 @@ private:
 		if ( isNew )
 		{
 			const int from = m_out.positionOf( low, axis ), to = m_out.positionOf( high, axis );
-			const double x = m_out.point[low].place[axis], y = m_out.point[high].place[axis];
+			const double x = m_out.point[low].bent[axis], y = m_out.point[high].bent[axis];
 			const int step = to > from ? 1 : -1;
 			for ( int k = from; k != to; k += step )
 			{
 				const int plane = step > 0 ? k + 1 : k;
 				const std::uint32_t made = addBetween( low, high, std::clamp( ( plane - x ) / ( y - x ), 0.0, 1.0 ) );
-				m_out.point[made].place[axis] = plane;
+				m_out.point[made].bent[axis] = plane;
 			}
 		}
 		return entry->second;
@@ -235,11 +234,11 @@ private:
 				const std::uint32_t next = old.point[c + 1 < last ? c + 1 : first];
 				addCorner( old.point[c], next, old.plane[c], axis, old.position[p] );
 			}
-			handOut( axis, old.position[p], old.triangle[p] );
+			distribute( axis, old.position[p], old.triangle[p] );
 		}
 	}
 
-	/// One corner and the cuts of the edge that leaves it.
+	/// Adds one corner and the cuts of the edge that leaves it.
 	void addCorner( std::uint32_t here, std::uint32_t next, std::uint8_t plane, int axis, const Eigen::Vector3i& position )
 	{
 		const int from = m_out.positionOf( here, axis ), to = m_out.positionOf( next, axis );
@@ -255,12 +254,12 @@ private:
 			const std::uint32_t made = first + std::uint32_t( here < next ? k : count - 1 - k );
 			const int level = to > from ? 2 * ( from + 1 + k ) : 2 * ( from - k );
 			m_items.push_back( { made, plane, level } );
-			notePierce( m_items.back(), axis, to > from, position );
+			noteCrossing( m_items.back(), axis, to > from, position );
 		}
 	}
 
-	/// An edge on a plane that is cut by another plane: a line of the lattice passes there. Noted from below the first plane only.
-	void notePierce( const Item& item, int axis, bool isAscending, const Eigen::Vector3i& position )
+	/// Notes where an edge on a plane is cut by another plane: a line of the lattice passes there. Done only from below the first plane.
+	void noteCrossing( const Item& item, int axis, bool isAscending, const Eigen::Vector3i& position )
 	{
 		for ( int other = 0; other < axis; ++other )
 		{
@@ -268,14 +267,14 @@ private:
 			{
 				continue;
 			}
-			// The face runs against the piece of surface; see crack_faces.cpp for which way round it is then.
+			// The face's edge is opposite to the edge of the surface; see crack_faces.cpp for the resulting orientation.
 			const bool isNext = axis == ( other + 1 ) % 3;
 			const int sign = ( isAscending != isNext ) ? 1 : -1;
 			const int line = 3 - axis - other;
 			Eigen::Vector3i plane = Eigen::Vector3i::Zero();
 			plane[other] = position[other] + 1;
 			plane[axis] = item.level / 2;
-			m_out.pierce.push_back(
+			m_out.lineCrossing.push_back(
 				{ item.point, std::int8_t( line ), std::int8_t( sign ), plane[( line + 1 ) % 3], plane[( line + 2 ) % 3], 0 } );
 		}
 	}
@@ -293,7 +292,7 @@ private:
 		m_out.polygons.triangle.push_back( triangle );
 	}
 
-	void handOut( int axis, const Eigen::Vector3i& position, std::uint32_t triangle )
+	void distribute( int axis, const Eigen::Vector3i& position, std::uint32_t triangle )
 	{
 		int lowest = m_items[0].level, highest = lowest;
 		for ( const Item& item : m_items )
@@ -319,7 +318,7 @@ private:
 		}
 	}
 
-	/// Each stretch of the outline above the plane becomes a polygon of its own, and a straight edge of what stays below.
+	/// Each section of the outline above the plane becomes a polygon of its own, and a straight edge of the remaining polygon below.
 	void split( const std::vector<Item>& items, int axis, int plane, std::vector<std::vector<Item>>& above )
 	{
 		const std::size_t count = items.size();
@@ -354,7 +353,7 @@ private:
 
 	const ClipInput& m_input;
 	ClippedSurface m_out;
-	std::unordered_map<std::uint64_t, std::uint32_t> m_cut; ///< of this axis: first point on an edge; looked up only
+	std::unordered_map<std::uint64_t, std::uint32_t> m_cut; ///< of this axis: first point on an edge; for lookup only
 	std::vector<Item> m_items, m_below;
 	std::vector<std::vector<Item>> m_open;
 };
@@ -363,7 +362,7 @@ private:
 
 int ClippedSurface::positionOf( std::uint32_t p, int axis ) const
 {
-	return int( std::clamp( std::floor( point[p].place[axis] ), 0.0, double( extent[axis] - 1 ) ) );
+	return int( std::clamp( std::floor( point[p].bent[axis] ), 0.0, double( extent[axis] - 1 ) ) );
 }
 
 double longestBentEdge( const CrackSettings& settings )
@@ -374,9 +373,9 @@ double longestBentEdge( const CrackSettings& settings )
 ClippedSurface clipSurface( const ClipInput& input )
 {
 	ClippedSurface out = SurfaceClipper( input ).run();
-	for ( Pierce& pierce : out.pierce )
+	for ( LineCrossing& lineCrossing : out.lineCrossing )
 	{
-		pierce.at = out.positionOf( pierce.point, pierce.axis );
+		lineCrossing.at = out.positionOf( lineCrossing.point, lineCrossing.axis );
 	}
 	return out;
 }

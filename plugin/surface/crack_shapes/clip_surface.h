@@ -1,10 +1,10 @@
 #pragma once
 
-// The surface cut along the planes of the lattice: each piece lies in one lattice position, and pieces that meet share their points.
-// The exact counterpart of the Marching Squares of Ohta et al. 2009, "Fracturing".
+// The surface cut along the planes of the lattice: each piece lies in one lattice position, and pieces that meet share their points. The
+// exact counterpart of the Marching Squares of Ohta et al. 2009, "Fracturing".
 //
-// All in cells from the lattice's low corner. Nothing is decided twice: a point is on one side of a plane or on the other, never on it; an
-// edge is cut once, for all that share it. So what is closed stays closed, whatever the rounding.
+// All lengths in cells from the lattice's low corner. Every decision is made once: a point is on one side of a plane or the other, never on
+// it, and an edge is cut once for all pieces that share it. So closed surfaces stay closed regardless of rounding.
 
 #include "lattice/mesh/weld.h"
 #include "pliant/crack.h"
@@ -17,7 +17,7 @@
 
 namespace pliant {
 
-/// Where on the welded mesh a point lies: up to three of its vertices, ascending, with weights that sum to 1.
+/// Position on the welded mesh: up to three of its vertices, ascending, with weights that sum to 1.
 struct SurfaceOrigin
 {
 	static constexpr std::uint32_t kNone = 0xffffffffu;
@@ -31,62 +31,64 @@ struct SurfaceOrigin
 
 struct ClipPoint
 {
-	Vec3d place; ///< in bent space, where the planes are flat
-	Vec3d rest;  ///< where it is
+	Vec3d bent; ///< position in bent space, where the planes are flat, cells
+	Vec3d rest; ///< position in the rest shape, cells
 	SurfaceOrigin origin;
 };
 
-/// Polygon p has the corners start[p] .. start[p + 1).
+/// Polygon p has the corners start[p] .. start[p + 1] - 1.
 struct ClipPolygons
 {
 	std::vector<std::uint32_t> start{ 0 };
 	std::vector<std::uint32_t> point; ///< by corner
-	std::vector<std::uint8_t> plane;  ///< by corner: what the edge to the next corner lies on, a plane tag or kNoPlane
+	std::vector<std::uint8_t> plane;  ///< by corner: the plane of the edge to the next corner, a plane tag or kNoPlane
 	std::vector<Eigen::Vector3i> position;
-	std::vector<std::uint32_t> triangle; ///< the welded triangle it is a piece of
+	std::vector<std::uint32_t> triangle; ///< the welded triangle that it is a piece of
 
 	std::size_t count() const { return position.size(); }
 };
 
 inline constexpr std::uint8_t kNoPlane = 0;
-/// The plane that bounds a position along an axis, below or above.
+/// Tag of the plane that bounds a position along an axis, below or above.
 constexpr std::uint8_t planeTag( int axis, bool isAbove )
 {
 	return std::uint8_t( 1 + 2 * axis + ( isAbove ? 1 : 0 ) );
 }
 
-/// Where the surface crosses a line of the lattice: the line along `axis` on the planes `first` (of axis + 1) and `second` (of axis + 2).
-struct Pierce
+/// A point where the surface crosses a line of the lattice: the line along `axis` on the planes `first` (of axis + 1) and `second` (of axis
+/// + 2).
+struct LineCrossing
 {
 	std::uint32_t point;
 	std::int8_t axis;
-	std::int8_t sign; ///< 1: material begins here, going up the line; -1: it ends
+	std::int8_t sign; ///< 1: the material begins here in the direction of the line; -1: it ends
 	int first, second;
-	int at; ///< position along the line
+	int at; ///< index of the cell along the line
 };
 
 struct ClippedSurface
 {
-	Eigen::Vector3i extent = Eigen::Vector3i::Ones(); ///< positions along each axis; what sticks out belongs to the outermost
-	std::vector<ClipPoint> point;                     ///< vertex i of the welded mesh is point i
+	Eigen::Vector3i extent =
+		Eigen::Vector3i::Ones();  ///< number of positions along each axis; what lies outside belongs to the outermost position
+	std::vector<ClipPoint> point; ///< vertex i of the welded mesh is point i
 	ClipPolygons polygons;
-	std::vector<Pierce> pierce;
-	std::vector<std::pair<Eigen::Vector3i, std::uint32_t>> insideCorner; ///< by planes; from makeFaceEdges
+	std::vector<LineCrossing> lineCrossing;
+	std::vector<std::pair<Eigen::Vector3i, std::uint32_t>> insideCorner; ///< indices of its planes, and its point; from makeFaceEdges
 
 	int positionOf( std::uint32_t p, int axis ) const;
 };
 
-/// `triangles`: of the welded mesh and its caps. `toCells`: place of a welded vertex in cells.
+/// `triangles`: of the welded mesh and its caps.
 struct ClipInput
 {
 	const std::vector<Vec3d>& position; ///< of the welded vertices, cells
 	const std::vector<Triangle>& triangles;
 	Eigen::Vector3i extent;
 	const NoiseWarp& warp;
-	double longestEdge; ///< cells; with noise, longer ones are halved first
+	double longestEdge; ///< cells; with noise, longer edges are bisected first
 };
 
-/// With noise planes are straight in bent space only as finely as the surface is sampled there. Cells.
+/// Longest edge, cells, that samples the noise finely enough: planes are straight in bent space only up to the sampling of the surface.
 double longestBentEdge( const CrackSettings& settings );
 
 ClippedSurface clipSurface( const ClipInput& input );

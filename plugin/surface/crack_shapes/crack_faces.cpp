@@ -1,6 +1,6 @@
-// The surface crosses each line of the lattice into and out of the material; between crossings the line is inside or outside as a whole.
-// A face's border is made of the cuts that the surface leaves on it and of the inside parts of its four sides. At the end of each cut on a
-// side such a part begins or ends, and so the border closes without a measurement.
+// The surface crosses each line of the lattice into and out of the material; between crossings the line is entirely inside or outside. The
+// border of a face consists of the cuts that the surface leaves on it and of the inside parts of its four sides. Where a cut ends on a
+// side, such a part begins or ends, so the border closes without any geometric test.
 
 #include "surface/crack_shapes/crack_faces.h"
 
@@ -15,10 +15,10 @@ namespace pliant {
 
 namespace {
 
-/// Cells. Moves the surface by no more than this; what is smaller only makes slivers.
+/// Cells. The surface moves by no more than this; smaller features would only produce slivers.
 constexpr double kMergeDistance = 1e-4;
 
-/// A point that refines a line keeps this share of its spacing from the line's ends.
+/// Smallest distance of a refining point from the ends of its line, as a fraction of the spacing.
 constexpr double kSpacing = 0.3;
 
 class LineWalker
@@ -31,11 +31,11 @@ public:
 
 	void run()
 	{
-		std::vector<Pierce>& all = m_surface.pierce;
-		const auto order = [this]( const Pierce& p ) {
-			return std::make_tuple( p.axis, p.first, p.second, m_surface.point[p.point].place[p.axis], p.point, p.sign );
+		std::vector<LineCrossing>& all = m_surface.lineCrossing;
+		const auto order = [this]( const LineCrossing& p ) {
+			return std::make_tuple( p.axis, p.first, p.second, m_surface.point[p.point].bent[p.axis], p.point, p.sign );
 		};
-		std::sort( all.begin(), all.end(), [&]( const Pierce& a, const Pierce& b ) { return order( a ) < order( b ); } );
+		std::sort( all.begin(), all.end(), [&]( const LineCrossing& a, const LineCrossing& b ) { return order( a ) < order( b ); } );
 		m_winding = 0;
 		for ( std::size_t k = 0; k + 1 < all.size(); ++k )
 		{
@@ -54,8 +54,7 @@ public:
 	}
 
 private:
-	/// Along a line from one crossing to the next.
-	void walk( const Pierce& from, const Pierce& to )
+	void walk( const LineCrossing& from, const LineCrossing& to )
 	{
 		std::uint32_t here = from.point;
 		for ( int cell = from.at; cell <= to.at; ++cell )
@@ -66,11 +65,11 @@ private:
 		}
 	}
 
-	/// Which points are needed is asked of the line alone: the four faces around it have the same ones.
-	void walkInCell( const Pierce& line, int cell, std::uint32_t from, std::uint32_t to )
+	/// The choice of points depends on the line alone, so the four faces around it agree.
+	void walkInCell( const LineCrossing& line, int cell, std::uint32_t from, std::uint32_t to )
 	{
 		const double spacing = 1.0 / m_subdivision;
-		const double low = m_surface.point[from].place[line.axis], high = m_surface.point[to].place[line.axis];
+		const double low = m_surface.point[from].bent[line.axis], high = m_surface.point[to].bent[line.axis];
 		m_between.clear();
 		m_chain = { m_surface.point[from].rest };
 		for ( int k = 1; k < m_subdivision; ++k )
@@ -97,13 +96,13 @@ private:
 		addEdges( line, cell, here, to );
 	}
 
-	ClipPoint pointAt( const Pierce& line, double at ) const
+	ClipPoint pointAt( const LineCrossing& line, double at ) const
 	{
 		ClipPoint made;
-		made.place[line.axis] = at;
-		made.place[( line.axis + 1 ) % 3] = line.first;
-		made.place[( line.axis + 2 ) % 3] = line.second;
-		made.rest = m_warp.backward( made.place );
+		made.bent[line.axis] = at;
+		made.bent[( line.axis + 1 ) % 3] = line.first;
+		made.bent[( line.axis + 2 ) % 3] = line.second;
+		made.rest = m_warp.backward( made.bent );
 		return made;
 	}
 
@@ -113,8 +112,8 @@ private:
 		return std::uint32_t( m_surface.point.size() - 1 );
 	}
 
-	/// The lattice's corner on a line, one for the three lines that meet there.
-	std::uint32_t corner( const Pierce& line, int at )
+	/// The lattice's corner on a line, shared by the three lines that meet there.
+	std::uint32_t corner( const LineCrossing& line, int at )
 	{
 		Eigen::Vector3i plane;
 		plane[line.axis] = at;
@@ -129,14 +128,14 @@ private:
 		return entry->second;
 	}
 
-	/// An inside part of a line belongs to the four faces around it, and runs up or down in each so that the material is to its left.
-	void addEdges( const Pierce& line, int cell, std::uint32_t from, std::uint32_t to )
+	/// Adds an inside part of a line to the four faces around it, in each directed so that the material is on its left.
+	void addEdges( const LineCrossing& line, int cell, std::uint32_t from, std::uint32_t to )
 	{
 		const int b = ( line.axis + 1 ) % 3, c = ( line.axis + 2 ) % 3;
 		for ( int side = 0; side < 4; ++side )
 		{
-			const bool isFirst = side < 2;      // on the plane across b, else on the plane across c
-			const bool isUpper = side % 2 == 0; // the line is that face's upper side
+			const bool isFirst = side < 2;      // on the plane normal to b, else on the plane normal to c
+			const bool isUpper = side % 2 == 0; // the line is the upper side of that face
 			Eigen::Vector3i position;
 			position[line.axis] = cell;
 			position[b] = line.first - ( isFirst || isUpper ? 1 : 0 );
@@ -156,13 +155,13 @@ private:
 	int m_subdivision;
 	double m_tolerance;
 	std::vector<FaceEdge>& m_out;
-	std::unordered_map<std::uint64_t, std::uint32_t> m_corner; ///< looked up only
+	std::unordered_map<std::uint64_t, std::uint32_t> m_corner; ///< for lookup only
 	int m_winding = 0;
 	std::vector<ClipPoint> m_between;
 	std::vector<Vec3d> m_chain;
 };
 
-/// Every edge of a piece of surface on the plane above it, turned round.
+/// Adds the edges of pieces of surface that lie on the upper plane of their position, reversed.
 void addCuts( const ClippedSurface& surface, std::vector<FaceEdge>& out )
 {
 	const ClipPolygons& polygons = surface.polygons;
@@ -210,11 +209,11 @@ std::vector<FaceEdge> makeFaceEdges( ClippedSurface& surface, const NoiseWarp& w
 std::vector<std::uint32_t> mergeClosePoints( const ClippedSurface& surface, const std::vector<FaceEdge>& edges )
 {
 	UnionFind sets( surface.point.size() );
-	// Vertices of the input have the lowest numbers, so that they stand for their sets.
+	// Vertices of the input have the lowest indices, so they become the representatives of their sets.
 	const auto join = [&]( std::uint32_t a, std::uint32_t b ) {
 		a = sets.find( a );
 		b = sets.find( b );
-		const bool isNear = ( surface.point[a].place - surface.point[b].place ).squaredNorm() < kMergeDistance * kMergeDistance;
+		const bool isNear = ( surface.point[a].bent - surface.point[b].bent ).squaredNorm() < kMergeDistance * kMergeDistance;
 		if ( a != b && isNear && !( surface.point[a].origin.isInput() && surface.point[b].origin.isInput() ) )
 		{
 			sets.join( a, b );
@@ -264,8 +263,8 @@ FaceParts traceFaces( const ClippedSurface& surface, const std::vector<FaceEdge>
 		at.clear();
 		for ( const std::uint32_t p : loops.point )
 		{
-			const Vec3d& place = surface.point[p].place;
-			at.emplace_back( place[( axis + 1 ) % 3], place[( axis + 2 ) % 3] );
+			const Vec3d& bent = surface.point[p].bent;
+			at.emplace_back( bent[( axis + 1 ) % 3], bent[( axis + 2 ) % 3] );
 		}
 		for ( const OutlinePart& part : groupLoops( loops, at ) )
 		{

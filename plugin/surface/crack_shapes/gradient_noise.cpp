@@ -1,4 +1,4 @@
-// Three gradient noises at once: one hash a lattice corner serves the three components.
+// Three gradient noises at once: one hash per lattice corner serves all three components.
 
 #include "surface/crack_shapes/gradient_noise.h"
 
@@ -8,14 +8,14 @@ namespace pliant {
 
 namespace {
 
-/// The noise is zero on its own lattice. This shift, in wavelengths, keeps that lattice off the cells'.
+/// The noise is zero at its own lattice points. This shift, in wavelengths, keeps them away from the cells' corners.
 constexpr double kShift[3] = { 0.3819, 0.6180, 0.2361 };
 
-/// The fixed-point iteration gains a digit in two rounds mostly, in ten at its slowest; it ends when nothing moves any more.
+/// The fixed-point iteration usually gains a digit in two rounds, at worst in ten; it ends when the change is below kStill.
 constexpr int kMostRounds = 200;
 constexpr double kStill = 1e-13;
 
-/// The last mixing rounds of a 32-bit hash over three coordinates: any change of a bit changes half of the others.
+/// A 32-bit hash of three coordinates: any change of a bit flips about half of the others.
 std::uint32_t mix( std::uint32_t x, std::uint32_t y, std::uint32_t z, std::uint32_t seed )
 {
 	std::uint32_t h = seed * 0x9e3779b9u;
@@ -35,7 +35,7 @@ double fade( double t )
 	return t * t * t * ( t * ( t * 6.0 - 15.0 ) + 10.0 );
 }
 
-/// Product with one of the twelve directions to the middles of a cube's edges; four of the sixteen codes come twice.
+/// Product with one of twelve directions to the middles of a cube's edges; four of the sixteen codes are duplicates.
 double slope( std::uint32_t code, const Vec3d& away )
 {
 	const std::uint32_t h = code & 15u;
@@ -50,9 +50,9 @@ NoiseWarp::NoiseWarp( double amplitude, double wavelength, std::uint32_t seed ) 
 	m_amplitude( amplitude ), m_frequency( 1.0 / wavelength ), m_seed( seed )
 {}
 
-Vec3d NoiseWarp::noise( const Vec3d& place ) const
+Vec3d NoiseWarp::noise( const Vec3d& position ) const
 {
-	const Vec3d at = place * m_frequency + Vec3d( kShift[0], kShift[1], kShift[2] );
+	const Vec3d at = position * m_frequency + Vec3d( kShift[0], kShift[1], kShift[2] );
 	const Vec3d floor = at.array().floor();
 	const Vec3d within = at - floor;
 	const Vec3d fraction( fade( within.x() ), fade( within.y() ), fade( within.z() ) );
@@ -73,13 +73,13 @@ Vec3d NoiseWarp::noise( const Vec3d& place ) const
 	return sum;
 }
 
-Vec3d NoiseWarp::backward( const Vec3d& place ) const
+Vec3d NoiseWarp::backward( const Vec3d& position ) const
 {
 	// x <- x' - a N( x ) contracts as long as a |grad N| < 1.
-	Vec3d at = place;
+	Vec3d at = position;
 	for ( int round = 0; round < kMostRounds && !isOff(); ++round )
 	{
-		const Vec3d next = place - m_amplitude * noise( at );
+		const Vec3d next = position - m_amplitude * noise( at );
 		const bool isStill = ( next - at ).cwiseAbs().maxCoeff() < kStill;
 		at = next;
 		if ( isStill )

@@ -1,7 +1,7 @@
 #pragma once
 
-// Smooth noise that bends the planes of the lattice, so that what breaks along them does not look like bricks.
-// Ohta et al. 2009, "Fracturing": an offset of crack vertices by Perlin noise (Perlin 2002, "Improving noise").
+// Smooth noise that bends the planes of the lattice, so that fragments do not look like bricks.
+// Ohta et al. 2009, "Fracturing": displacement of crack vertices by Perlin noise (Perlin 2002, "Improving noise").
 
 #include "lattice/lattice.h"
 
@@ -9,21 +9,21 @@
 
 namespace pliant {
 
-/// Space bent by noise, in cells: forward( x ) = x + a N( x / wavelength ), each component of N within [-1, 1] and nearly always within
-/// [-1/2, 1/2]. One function of place alone: whatever meets at a place is moved alike.
+/// A map of space bent by noise, in cells: forward( x ) = x + a N( x / wavelength ); each component of N lies in [-1, 1] and almost always
+/// in [-1/2, 1/2]. It depends on the position only, so coincident points stay coincident.
 class NoiseWarp
 {
 public:
-	/// `amplitude` and `wavelength` in cells. With amplitude <= kMostNoise * wavelength the map does not fold. 0: no noise.
+	/// `amplitude` and `wavelength` in cells; amplitude 0: no noise. With amplitude <= kMostNoise * wavelength the map does not fold.
 	NoiseWarp( double amplitude, double wavelength, std::uint32_t seed );
 
 	bool isOff() const { return m_amplitude == 0.0; }
-	Vec3d forward( const Vec3d& place ) const { return isOff() ? place : Vec3d( place + m_amplitude * noise( place ) ); }
-	/// The inverse, to within rounding.
-	Vec3d backward( const Vec3d& place ) const;
+	Vec3d forward( const Vec3d& position ) const { return isOff() ? position : Vec3d( position + m_amplitude * noise( position ) ); }
+	/// The inverse of `forward`, up to rounding.
+	Vec3d backward( const Vec3d& position ) const;
 
-	/// N alone, by place in cells.
-	Vec3d noise( const Vec3d& place ) const;
+	/// N alone; `position` in cells.
+	Vec3d noise( const Vec3d& position ) const;
 
 private:
 	double m_amplitude;

@@ -8,8 +8,8 @@ namespace pliant {
 
 namespace {
 
-/// Halvings of a side in search of the surface: to 1/256 of a cell.
-constexpr int kHalvings = 8;
+/// Bisections of a side in search of the surface: to 1/256 of a cell.
+constexpr int kBisections = 8;
 
 } // namespace
 
@@ -29,7 +29,7 @@ MarchingSquares::MarchingSquares(
 	}
 }
 
-/// Unlike positions, corners stand on the outermost planes too.
+/// Unlike positions, corners also lie on the outermost planes.
 std::uint64_t MarchingSquares::cornerKey( const Eigen::Vector3i& plane ) const
 {
 	return positionKey( m_surface.extent + Eigen::Vector3i::Ones(), plane );
@@ -72,13 +72,13 @@ void MarchingSquares::outline( const Eigen::Vector3i& below, int axis, std::vect
 		if ( isInside[k] != isInside[next] )
 		{
 			const int along = k % 2 == 0 ? u : v;
-			const bool isUp = k < 2; // the outline runs up this side's line
+			const bool isUp = k < 2; // the outline follows the line of this side upwards
 			const Eigen::Vector3i& low = corner[isUp ? k : next];
 			const Side side{ along, low[( along + 1 ) % 3], low[( along + 2 ) % 3], low[along] };
 			points.push_back( crossing( side, isUp ? isInside[k] : isInside[next] ) );
 		}
 	}
-	// Crossings at one place, where the surface runs through a corner.
+	// Removes coincident crossings, where the surface passes through a corner.
 	points.erase( std::unique( points.begin(), points.end() ), points.end() );
 	while ( points.size() > 1 && points.front() == points.back() )
 	{
@@ -96,11 +96,11 @@ bool MarchingSquares::isCornerInside( const Eigen::Vector3i& plane )
 	return m_isCornerInside[cornerKey( plane )] = m_isInside( m_warp.backward( plane.cast<double>() ) );
 }
 
-std::uint32_t MarchingSquares::addPoint( const Vec3d& place )
+std::uint32_t MarchingSquares::addPoint( const Vec3d& bent )
 {
 	ClipPoint made;
-	made.place = place;
-	made.rest = m_warp.backward( place );
+	made.bent = bent;
+	made.rest = m_warp.backward( bent );
 	m_surface.point.push_back( made );
 	m_merged.push_back( std::uint32_t( m_surface.point.size() - 1 ) );
 	return m_merged.back();
@@ -116,43 +116,44 @@ std::uint32_t MarchingSquares::cornerPoint( const Eigen::Vector3i& plane )
 	return entry->second;
 }
 
-Vec3d MarchingSquares::placeOn( const Side& side, double at ) const
+Vec3d MarchingSquares::bentPositionOn( const Side& side, double at ) const
 {
-	Vec3d place;
-	place[side.axis] = at;
-	place[( side.axis + 1 ) % 3] = side.first;
-	place[( side.axis + 2 ) % 3] = side.second;
-	return place;
+	Vec3d bent;
+	bent[side.axis] = at;
+	bent[( side.axis + 1 ) % 3] = side.first;
+	bent[( side.axis + 2 ) % 3] = side.second;
+	return bent;
 }
 
-/// Where the surface crosses a side, counted from the end that is inside.
+/// The crossing of the surface with a side that is nearest to the inside end.
 std::uint32_t MarchingSquares::crossing( const Side& side, bool isLowInside )
 {
 	const auto line = []( const auto& s ) { return std::make_tuple( int( s.axis ), s.first, s.second, s.at ); };
-	const std::vector<Pierce>& all = m_surface.pierce; // sorted so by makeFaceEdges
+	const std::vector<LineCrossing>& all = m_surface.lineCrossing; // sorted in this order by makeFaceEdges
 	const auto first = std::lower_bound(
-		all.begin(), all.end(), side, [&]( const Pierce& p, const Side& s ) { return line( p ) < line( s ); } );
-	const auto last = std::upper_bound( first, all.end(), side, [&]( const Side& s, const Pierce& p ) { return line( s ) < line( p ); } );
+		all.begin(), all.end(), side, [&]( const LineCrossing& p, const Side& s ) { return line( p ) < line( s ); } );
+	const auto last = std::upper_bound(
+		first, all.end(), side, [&]( const Side& s, const LineCrossing& p ) { return line( s ) < line( p ); } );
 	if ( first != last )
 	{
 		return m_merged[isLowInside ? first->point : std::prev( last )->point];
 	}
-	Eigen::Vector3i plane = placeOn( side, side.at ).cast<int>();
+	Eigen::Vector3i plane = bentPositionOn( side, side.at ).cast<int>();
 	const auto [entry, isNew] = m_crossing.try_emplace( 3 * cornerKey( plane ) + std::uint64_t( side.axis ), 0u );
 	if ( isNew )
 	{
-		entry->second = addPoint( placeOn( side, halve( side, isLowInside ) ) );
+		entry->second = addPoint( bentPositionOn( side, bisect( side, isLowInside ) ) );
 	}
 	return entry->second;
 }
 
-double MarchingSquares::halve( const Side& side, bool isLowInside ) const
+double MarchingSquares::bisect( const Side& side, bool isLowInside ) const
 {
 	double low = side.at, high = side.at + 1.0;
-	for ( int k = 0; k < kHalvings && m_isInside; ++k )
+	for ( int k = 0; k < kBisections && m_isInside; ++k )
 	{
 		const double middle = 0.5 * ( low + high );
-		( m_isInside( m_warp.backward( placeOn( side, middle ) ) ) == isLowInside ? low : high ) = middle;
+		( m_isInside( m_warp.backward( bentPositionOn( side, middle ) ) ) == isLowInside ? low : high ) = middle;
 	}
 	return 0.5 * ( low + high );
 }
@@ -172,13 +173,13 @@ void closeByMarchingSquares( FaceParts& parts, const std::vector<FaceEdge>& edge
 		const std::uint32_t loop = std::uint32_t( parts.loops.count() );
 		for ( const std::uint32_t p : points )
 		{
-			const Vec3d& place = surface.point[p].place;
+			const Vec3d& bent = surface.point[p].bent;
 			parts.loops.point.push_back( p );
-			parts.at.emplace_back( place[( axis + 1 ) % 3], place[( axis + 2 ) % 3] );
+			parts.at.emplace_back( bent[( axis + 1 ) % 3], bent[( axis + 2 ) % 3] );
 		}
 		parts.loops.close();
 		FacePart part{ face / 3, axis, loop, loop + 1, std::uint32_t( parts.cutPoint.size() ), 0 };
-		// The surface parts along its own cuts, though the face is not drawn as far as there.
+		// The surface separates along its own cuts, although the drawn face does not reach them.
 		const auto cuts = std::equal_range(
 			edges.begin(), edges.end(), FaceEdge{ face, 0, 0 }, []( const FaceEdge& a, const FaceEdge& b ) { return a.face < b.face; } );
 		for ( auto e = cuts.first; e != cuts.second; ++e )

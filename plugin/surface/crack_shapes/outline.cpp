@@ -9,7 +9,7 @@ namespace {
 
 constexpr double kFar = std::numeric_limits<double>::infinity();
 
-/// Edges by both ends, the direction aside.
+/// Compares the ends of edges regardless of direction.
 bool isSameEdge( const OutlineEdge& a, const OutlineEdge& b )
 {
 	return std::minmax( a.first, a.second ) == std::minmax( b.first, b.second );
@@ -25,28 +25,28 @@ void cancelOpposites( std::vector<OutlineEdge>& edges )
 	for ( std::size_t first = 0, last = 0; first < edges.size(); first = last )
 	{
 		const OutlineEdge edge = edges[first];
-		int there = 0;
+		int balance = 0;
 		for ( ; last < edges.size() && isSameEdge( edges[last], edge ); ++last )
 		{
-			there += edges[last].first < edges[last].second ? 1 : -1;
+			balance += edges[last].first < edges[last].second ? 1 : -1;
 		}
 		const auto ends = std::minmax( edge.first, edge.second );
-		const OutlineEdge left = there > 0 ? OutlineEdge( ends.first, ends.second ) : OutlineEdge( ends.second, ends.first );
-		for ( int k = 0; k < std::abs( there ) && edge.first != edge.second; ++k )
+		const OutlineEdge remaining = balance > 0 ? OutlineEdge( ends.first, ends.second ) : OutlineEdge( ends.second, ends.first );
+		for ( int k = 0; k < std::abs( balance ) && edge.first != edge.second; ++k )
 		{
-			edges[kept++] = left;
+			edges[kept++] = remaining;
 		}
 	}
 	edges.resize( kept );
 }
 
-/// Whether c lies in the triangle or on its border.
+/// True for a point in the triangle or on its border.
 bool isWithin( const std::array<Vec2d, 3>& t, const Vec2d& p )
 {
 	return doubleArea( t[0], t[1], p ) >= 0.0 && doubleArea( t[1], t[2], p ) >= 0.0 && doubleArea( t[2], t[0], p ) >= 0.0;
 }
 
-/// 0 for a flat triangle, 1 for one with equal sides.
+/// Shape quality: 0 for a flat triangle, 1 for an equilateral one.
 double shapeOf( const std::array<Vec2d, 3>& t )
 {
 	const double longest = std::max( { ( t[1] - t[0] ).squaredNorm(), ( t[2] - t[1] ).squaredNorm(), ( t[0] - t[2] ).squaredNorm() } );
@@ -60,7 +60,7 @@ bool isCrossing( const Vec2d& a, const Vec2d& b, const Vec2d& p, const Vec2d& q 
 	return ( ap > 0.0 ) != ( aq > 0.0 ) && ( pa > 0.0 ) != ( pb > 0.0 );
 }
 
-/// The outline of one part as a single ring of entries: each hole is tied in by a way there and back.
+/// The outline of one part as a single ring of entries: each hole is joined by a bridge that is passed in both directions.
 class Ring
 {
 public:
@@ -70,7 +70,7 @@ public:
 		std::vector<std::uint32_t> holes = part.holes;
 		while ( !holes.empty() )
 		{
-			tieNearest( holes );
+			bridgeNearest( holes );
 		}
 	}
 
@@ -102,9 +102,9 @@ private:
 		return true;
 	}
 
-	void tieNearest( std::vector<std::uint32_t>& holes )
+	void bridgeNearest( std::vector<std::uint32_t>& holes )
 	{
-		double best[2] = { kFar, kFar }; // of ways that cross nothing; of any
+		double best[2] = { kFar, kFar }; // of bridges that cross nothing; of any bridge
 		std::array<std::size_t, 3> found[2]{};
 		for ( std::size_t h = 0; h < holes.size(); ++h )
 		{
@@ -131,13 +131,13 @@ private:
 		}
 		const auto [h, i, j] = found[best[0] < kFar ? 0 : 1];
 		const std::vector<std::uint32_t> hole = entriesOf( holes[h] );
-		std::vector<std::uint32_t> tied( m_entry.begin(), m_entry.begin() + std::ptrdiff_t( i ) + 1 );
+		std::vector<std::uint32_t> bridged( m_entry.begin(), m_entry.begin() + std::ptrdiff_t( i ) + 1 );
 		for ( std::size_t k = 0; k <= hole.size(); ++k )
 		{
-			tied.push_back( hole[( j + k ) % hole.size()] );
+			bridged.push_back( hole[( j + k ) % hole.size()] );
 		}
-		tied.insert( tied.end(), m_entry.begin() + std::ptrdiff_t( i ), m_entry.end() );
-		m_entry = std::move( tied );
+		bridged.insert( bridged.end(), m_entry.begin() + std::ptrdiff_t( i ), m_entry.end() );
+		m_entry = std::move( bridged );
 		holes.erase( holes.begin() + std::ptrdiff_t( h ) );
 	}
 
@@ -167,25 +167,25 @@ bool traceLoops( std::vector<OutlineEdge>& edges, Loops& out )
 		return e != edges.end() && e->first == from ? std::size_t( e - edges.begin() ) : edges.size();
 	};
 	bool isWhole = true;
-	std::vector<std::uint32_t> way;
+	std::vector<std::uint32_t> path;
 	for ( std::size_t seed = 0; seed < edges.size(); ++seed )
 	{
-		way.clear();
+		path.clear();
 		std::uint32_t here = edges[seed].first;
 		for ( std::size_t e = isUsed[seed] ? edges.size() : seed; e < edges.size(); e = leaving( here ) )
 		{
 			isUsed[e] = 1;
-			way.push_back( here );
+			path.push_back( here );
 			here = edges[e].second;
-			const auto met = std::find( way.begin(), way.end(), here );
-			if ( met != way.end() )
+			const auto met = std::find( path.begin(), path.end(), here );
+			if ( met != path.end() )
 			{
-				out.point.insert( out.point.end(), met, way.end() );
+				out.point.insert( out.point.end(), met, path.end() );
 				out.close();
-				way.erase( met, way.end() );
+				path.erase( met, path.end() );
 			}
 		}
-		isWhole = isWhole && way.empty();
+		isWhole = isWhole && path.empty();
 	}
 	return isWhole;
 }
@@ -240,7 +240,7 @@ std::vector<OutlinePart> groupLoops( const Loops& loops, const std::vector<Vec2d
 		{
 			continue;
 		}
-		// The middle of an edge: corners may lie on the outer loop.
+		// The middle of an edge is tested, because corners may lie on the outer loop.
 		const Vec2d middle = 0.5 * ( at[loops.start[i]] + at[loops.start[i] + 1] );
 		std::size_t holder = outers;
 		for ( std::size_t k = 0; k < outers; ++k )
@@ -257,7 +257,7 @@ std::vector<OutlinePart> groupLoops( const Loops& loops, const std::vector<Vec2d
 		}
 		else
 		{
-			parts.push_back( { std::uint32_t( i ), {} } ); // of rounding's size, or a surface folded through itself
+			parts.push_back( { std::uint32_t( i ), {} } ); // a loop of rounding size, or a surface that intersects itself
 		}
 	}
 	return parts;
@@ -265,12 +265,12 @@ std::vector<OutlinePart> groupLoops( const Loops& loops, const std::vector<Vec2d
 
 namespace {
 
-/// What is no ear is taken only where there is none.
+/// Added to the quality of a corner that is no ear: such corners are cut only when balance is no ear.
 constexpr double kNoEar = -2.0;
-/// An ear that leaves an unwanted edge comes after all others.
+/// Factor for an ear that leaves an unwanted edge: it comes after all others.
 constexpr double kUnwanted = 1e-6;
 
-/// How good an ear the ring has at k. Flat ones are worse than any ear and better than what is none.
+/// Quality of the ear at k. Flat ears are worse than any other ear and better than corners that are no ear.
 double earAt( const std::vector<std::uint32_t>& ring, std::size_t k, const std::vector<Vec2d>& at )
 {
 	const std::size_t count = ring.size();
@@ -313,7 +313,7 @@ void triangulate( const Loops& loops, const std::vector<Vec2d>& at, const Outlin
 		out.push_back( { ring[( best + ring.size() - 1 ) % ring.size()], ring[best], ring[( best + 1 ) % ring.size()] } );
 		ring.erase( ring.begin() + std::ptrdiff_t( best ) );
 		ear.erase( ear.begin() + std::ptrdiff_t( best ) );
-		// Taking an ear leaves the others what they are, but for its neighbours and for those its tip stood in.
+		// Removing an ear changes only its neighbours and corners that were blocked by its tip.
 		for ( std::size_t k = 0; k < ring.size(); ++k )
 		{
 			const bool isNeighbour = k == best % ring.size() || k == ( best + ring.size() - 1 ) % ring.size();

@@ -1,7 +1,7 @@
 #pragma once
 
-// Flat outlines with holes, from loose edges to triangles. Whatever comes in, the triangles' border is the outline: where the drawing folds
-// over itself the triangles are ugly, but what was closed stays closed.
+// Flat outlines with holes, from unordered edges to triangles. For any input the border of the triangles is the outline: where the outline
+// overlaps itself the triangles are badly shaped, but a closed surface stays closed.
 
 #include <Eigen/Core>
 
@@ -16,7 +16,7 @@ namespace pliant {
 using Vec2d = Eigen::Vector2d;
 using OutlineEdge = std::pair<std::uint32_t, std::uint32_t>; ///< from, to
 
-/// Loops of points, each point once a loop. Counter-clockwise around material.
+/// Loops of points; no loop contains a point twice. Counter-clockwise around material.
 struct Loops
 {
 	std::vector<std::uint32_t> start{ 0 };
@@ -28,8 +28,8 @@ struct Loops
 	void close() { start.push_back( std::uint32_t( point.size() ) ); }
 };
 
-/// Edges there and back cancel; the rest is walked along. False when some point is entered more often than left: that is no outline, and
-/// what could be walked is in `out`. Sorts the edges.
+/// Cancels opposite edges and joins the rest to loops. Returns false where more edges enter some point than leave it: the edges are then no
+/// outline, and `out` has the loops that could be found. Sorts the edges.
 bool traceLoops( std::vector<OutlineEdge>& edges, Loops& out );
 
 /// One outer loop and the holes in it.
@@ -42,14 +42,14 @@ struct OutlinePart
 /// `at`: by entry of loops.point.
 std::vector<OutlinePart> groupLoops( const Loops& loops, const std::vector<Vec2d>& at );
 
-/// Whether an edge between two entries of loops.point had better not be drawn.
+/// True where an edge between two entries of loops.point should be avoided.
 using EdgeTest = std::function<bool( std::uint32_t, std::uint32_t )>;
 
-/// Ear clipping, best-shaped ears first. Appends triangles of entries of loops.point.
+/// Triangulates by ear clipping, best-shaped ears first. Appends triangles of entries of loops.point.
 void triangulate( const Loops& loops, const std::vector<Vec2d>& at, const OutlinePart& part, std::vector<std::array<std::uint32_t, 3>>& out,
 	const EdgeTest& isUnwanted = {} );
 
-/// Twice the area of a triangle, positive when it runs counter-clockwise.
+/// Twice the area of a triangle, positive when counter-clockwise.
 inline double doubleArea( const Vec2d& a, const Vec2d& b, const Vec2d& c )
 {
 	return ( b.x() - a.x() ) * ( c.y() - a.y() ) - ( b.y() - a.y() ) * ( c.x() - a.x() );

@@ -22,7 +22,7 @@ Table makeTable( const std::vector<std::pair<std::uint32_t, std::uint32_t>>& pai
 	{
 		all.entry[next[row]++] = entry;
 	}
-	// Each row sorted, doubles dropped, and moved up.
+	// Sorts each row, removes duplicates and closes the gaps.
 	std::uint32_t kept = 0;
 	for ( std::size_t r = 0; r < rows; ++r )
 	{

@@ -1,6 +1,6 @@
 #pragma once
 
-// Rows of numbers of different lengths, one after the other.
+// Rows of numbers of different lengths in one array.
 
 #include <cstdint>
 #include <utility>
@@ -19,10 +19,10 @@ struct Table
 	std::uint32_t size( std::size_t row ) const { return start[row + 1] - start[row]; }
 };
 
-/// Pairs of row and entry, in any order, as rows of ascending entries, each once.
+/// Makes a table from unordered pairs of row and entry. The entries of a row are ascending and unique.
 Table makeTable( const std::vector<std::pair<std::uint32_t, std::uint32_t>>& pairs, std::size_t rows );
 
-/// The other way round: by entry, below `rows`, the rows it stands in.
+/// The inverse table: for each entry below `rows` the rows that contain it.
 Table turned( const Table& table, std::size_t rows );
 
 } // namespace pliant

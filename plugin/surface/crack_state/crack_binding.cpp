@@ -1,4 +1,4 @@
-// Which cells a side of a crack follows: of those that carried its points, the ones that standing faces still join to it.
+// Binding of crack sides to cells: a side follows those carriers of its points that are still connected to it by unbroken faces.
 
 #include "surface/crack_state/crack_surface.h"
 
@@ -7,11 +7,11 @@
 
 namespace pliant {
 
-/// A point follows cells on both sides only where both of the face's cells carried it.
-void CrackSurface::settle()
+/// Only points carried by cells along the crack, or on its faces, can change their binding.
+void CrackSurface::updateBinding()
 {
 	std::vector<std::uint32_t> cells, points;
-	for ( const std::uint32_t f : m_unsettled )
+	for ( const std::uint32_t f : m_newlyBroken )
 	{
 		for ( const std::uint32_t cell : { m_face[f].cellA, m_face[f].cellB } )
 		{
@@ -22,7 +22,7 @@ void CrackSurface::settle()
 		}
 	}
 	clearMarks( cells );
-	const auto look = [&]( const std::uint32_t* p, const std::uint32_t* end ) {
+	const auto collectDrawn = [&]( const std::uint32_t* p, const std::uint32_t* end ) {
 		for ( ; p != end; ++p )
 		{
 			const std::uint32_t local = localPoint( *p );
@@ -34,26 +34,26 @@ void CrackSurface::settle()
 	};
 	for ( const std::uint32_t cell : cells )
 	{
-		look( m_complex->boundPoints.begin( m_cell[cell] ), m_complex->boundPoints.end( m_cell[cell] ) );
+		collectDrawn( m_complex->boundPoints.begin( m_cell[cell] ), m_complex->boundPoints.end( m_cell[cell] ) );
 	}
-	for ( const std::uint32_t f : m_unsettled )
+	for ( const std::uint32_t f : m_newlyBroken )
 	{
 		const CrackFace& known = m_complex->face[m_face[f].number];
 		for ( const std::uint32_t beyond : { known.cellA, known.cellB } )
 		{
-			if ( localCell( beyond ) == kNone ) // drawn by the other, which need not carry it
+			if ( localCell( beyond ) == kNone ) // drawn by a cell of another body, which need not carry it
 			{
-				look( m_complex->boundPoints.begin( beyond ), m_complex->boundPoints.end( beyond ) );
+				collectDrawn( m_complex->boundPoints.begin( beyond ), m_complex->boundPoints.end( beyond ) );
 			}
 		}
-		look( m_complex->pointsOfFace.begin( m_face[f].number ), m_complex->pointsOfFace.end( m_face[f].number ) );
+		collectDrawn( m_complex->pointsOfFace.begin( m_face[f].number ), m_complex->pointsOfFace.end( m_face[f].number ) );
 	}
-	for ( const std::uint32_t point : m_strange )
+	for ( const std::uint32_t point : m_foreign )
 	{
 		collect( point, points );
 	}
-	m_strange.clear();
-	m_unsettled.clear();
+	m_foreign.clear();
+	m_newlyBroken.clear();
 	clearMarks( points );
 	for ( const std::uint32_t point : points )
 	{
@@ -68,21 +68,21 @@ void CrackSurface::settle()
 	m_split.clear();
 }
 
-/// Of those asked, the ones in m_reached.
-void CrackSurface::writeRow( std::uint32_t point, const Side& side, std::uint32_t home )
+/// Writes the row of a side from the carriers in m_reached.
+void CrackSurface::writeRow( std::uint32_t point, const Side& side, std::uint32_t firstCell )
 {
 	const float* const whole = m_complex->bindWeight.data() + m_complex->bindStart[m_point[point]];
 	std::uint32_t* const node = m_binding.node.data() + m_binding.start[side.carrier];
 	float* const weight = m_binding.weight.data() + m_binding.start[side.carrier];
-	const std::size_t asked = m_asked.size(), count = m_reached.size();
-	if ( count == asked )
+	const std::size_t candidates = m_candidate.size(), count = m_reached.size();
+	if ( count == candidates )
 	{
-		return; // they carried it all along: the row is as addRow() made it
+		return; // all carriers are reached: the row is unchanged since addRow()
 	}
 	if ( count == 0 )
 	{
-		std::fill( node, node + asked, home );
-		std::fill( weight, weight + asked, 0.0f );
+		std::fill( node, node + candidates, firstCell );
+		std::fill( weight, weight + candidates, 0.0f );
 		weight[0] = 1.0f;
 	}
 	else
@@ -94,12 +94,12 @@ void CrackSurface::writeRow( std::uint32_t point, const Side& side, std::uint32_
 		}
 		for ( std::size_t k = 0; k < count; ++k )
 		{
-			node[k] = m_asked[m_reached[k]];
+			node[k] = m_candidate[m_reached[k]];
 			weight[k] = float( double( whole[m_reached[k]] ) / sum );
 		}
-		// What is left of the row weighs nothing.
-		std::fill( node + count, node + asked, node[0] );
-		std::fill( weight + count, weight + asked, 0.0f );
+		// The rest of the row has weight 0.
+		std::fill( node + count, node + candidates, node[0] );
+		std::fill( weight + count, weight + candidates, 0.0f );
 	}
 }
 
@@ -109,18 +109,18 @@ void CrackSurface::rebind( std::uint32_t point )
 	{
 		return;
 	}
-	const bool isQuick = !m_bindsPlainly && askCarriers( point );
+	const bool usesBits = !m_usesReferenceBinding && findCarriers( point );
 	for ( std::uint32_t side = m_firstSide[point]; side != kNone; side = m_side[side].next )
 	{
-		isQuick ? reachInWords( point, m_side[side] ) : reach( point, m_side[side] );
+		usesBits ? reachByBits( point, m_side[side] ) : reach( point, m_side[side] );
 	}
-	if ( isQuick )
+	if ( usesBits )
 	{
-		forgetCarriers();
+		clearCarriers();
 	}
 }
 
-/// Cells asked that lie beyond a cell's standing faces, a bit each.
+/// Bits of the carriers behind a cell's unbroken faces.
 std::uint64_t CrackSurface::carriersBeside( std::uint32_t cell ) const
 {
 	std::uint64_t beside = 0;
@@ -131,9 +131,9 @@ std::uint64_t CrackSurface::carriersBeside( std::uint32_t cell ) const
 	return beside;
 }
 
-/// Once for all sides of a point: the cells that carry it in the whole body, and which of them standing faces join. False where they are
-/// more than a word has bits.
-bool CrackSurface::askCarriers( std::uint32_t point )
+/// Finds the carriers of a point and which of them unbroken faces connect, once for all its sides. Returns false for more carriers than
+/// bits.
+bool CrackSurface::findCarriers( std::uint32_t point )
 {
 	const std::uint32_t whole = m_point[point];
 	const std::uint32_t first = m_complex->bindStart[whole], last = m_complex->bindStart[whole + 1];
@@ -142,111 +142,111 @@ bool CrackSurface::askCarriers( std::uint32_t point )
 		return false;
 	}
 	m_bitOf.resize( m_cell.size() + 1, 0 );
-	m_asked.clear();
+	m_candidate.clear();
 	for ( std::uint32_t k = first; k < last; ++k )
 	{
-		m_asked.push_back( localCell( m_complex->bindCell[k] ) );
-		if ( m_asked.back() != kNone )
+		m_candidate.push_back( localCell( m_complex->bindCell[k] ) );
+		if ( m_candidate.back() != kNone )
 		{
-			m_bitOf[m_asked.back()] = std::uint64_t( 1 ) << ( k - first );
+			m_bitOf[m_candidate.back()] = std::uint64_t( 1 ) << ( k - first );
 		}
 	}
 	m_beside.clear();
-	for ( const std::uint32_t cell : m_asked )
+	for ( const std::uint32_t cell : m_candidate )
 	{
 		m_beside.push_back( cell == kNone ? 0 : carriersBeside( cell ) );
 	}
 	return true;
 }
 
-void CrackSurface::forgetCarriers()
+void CrackSurface::clearCarriers()
 {
-	for ( const std::uint32_t cell : m_asked )
+	for ( const std::uint32_t cell : m_candidate )
 	{
 		m_bitOf[cell == kNone ? m_cell.size() : cell] = 0;
 	}
 }
 
-/// `reach` with a bit for each cell asked; after askCarriers.
-void CrackSurface::reachInWords( std::uint32_t point, const Side& side )
+/// As `reach`, with a bit for each carrier; after findCarriers.
+void CrackSurface::reachByBits( std::uint32_t point, const Side& side )
 {
 	std::uint64_t reached = 0;
-	std::uint32_t home = kNone;
+	std::uint32_t firstCell = kNone;
 	for ( std::uint32_t s = m_slotStart[point]; s < m_slotStart[point + 1]; ++s )
 	{
 		if ( m_slotGroup[s] == side.group )
 		{
 			const std::uint32_t cell = m_slotCell[s];
-			home = home == kNone ? cell : home;
+			firstCell = firstCell == kNone ? cell : firstCell;
 			reached |= m_bitOf[cell] != 0 ? m_bitOf[cell] : carriersBeside( cell );
 		}
 	}
-	for ( std::uint64_t open = reached; open != 0; )
+	for ( std::uint64_t frontier = reached; frontier != 0; )
 	{
-		const int bit = std::countr_zero( open );
-		open &= open - 1;
-		const std::uint64_t fresh = m_beside[std::size_t( bit )] & ~reached;
-		reached |= fresh;
-		open |= fresh;
+		const int bit = std::countr_zero( frontier );
+		frontier &= frontier - 1;
+		const std::uint64_t added = m_beside[std::size_t( bit )] & ~reached;
+		reached |= added;
+		frontier |= added;
 	}
 	m_reached.clear();
 	for ( ; reached != 0; reached &= reached - 1 )
 	{
 		m_reached.push_back( std::uint32_t( std::countr_zero( reached ) ) );
 	}
-	writeRow( point, side, home );
+	writeRow( point, side, firstCell );
 }
 
-/// The row of one side: of the cells that carry the point in the whole body, those that standing faces join to it, by way of one another.
+/// Computes the row of a side: the carriers that unbroken faces connect to it, directly or through other carriers.
 void CrackSurface::reach( std::uint32_t point, const Side& side )
 {
 	const std::uint32_t whole = m_point[point];
 	const std::uint32_t first = m_complex->bindStart[whole], last = m_complex->bindStart[whole + 1];
 	m_round += 2;
-	const std::uint32_t asked = m_round, reached = m_round + 1;
-	m_asked.clear();
+	const std::uint32_t candidates = m_round, reached = m_round + 1;
+	m_candidate.clear();
 	for ( std::uint32_t k = first; k < last; ++k )
 	{
-		m_asked.push_back( localCell( m_complex->bindCell[k] ) );
-		if ( m_asked.back() != kNone )
+		m_candidate.push_back( localCell( m_complex->bindCell[k] ) );
+		if ( m_candidate.back() != kNone )
 		{
-			m_mark[m_asked.back()] = asked;
+			m_mark[m_candidate.back()] = candidates;
 		}
 	}
-	m_open.clear();
+	m_frontier.clear();
 	std::size_t found = 0;
 	for ( std::uint32_t s = m_slotStart[point]; s < m_slotStart[point + 1]; ++s )
 	{
 		if ( m_slotGroup[s] == side.group )
 		{
-			found += m_mark[m_slotCell[s]] == asked;
+			found += m_mark[m_slotCell[s]] == candidates;
 			m_mark[m_slotCell[s]] = reached;
-			m_open.push_back( m_slotCell[s] );
+			m_frontier.push_back( m_slotCell[s] );
 		}
 	}
-	const std::uint32_t home = m_open.front();
-	for ( std::size_t k = 0; k < m_open.size() && found < m_asked.size(); ++k )
+	const std::uint32_t firstCell = m_frontier.front();
+	for ( std::size_t k = 0; k < m_frontier.size() && found < m_candidate.size(); ++k )
 	{
-		for ( std::uint32_t f = m_cellFaceStart[m_open[k]]; f < m_cellFaceStart[m_open[k] + 1]; ++f )
+		for ( std::uint32_t f = m_cellFaceStart[m_frontier[k]]; f < m_cellFaceStart[m_frontier[k] + 1]; ++f )
 		{
 			const std::uint32_t other = m_neighbour[f];
-			if ( m_mark[other] == asked )
+			if ( m_mark[other] == candidates )
 			{
 				m_mark[other] = reached;
-				m_open.push_back( other );
+				m_frontier.push_back( other );
 				++found;
 			}
 		}
 	}
 	m_reached.clear();
-	for ( std::uint32_t k = 0; k < std::uint32_t( m_asked.size() ); ++k )
+	for ( std::uint32_t k = 0; k < std::uint32_t( m_candidate.size() ); ++k )
 	{
-		if ( m_asked[k] != kNone && m_mark[m_asked[k]] == reached )
+		if ( m_candidate[k] != kNone && m_mark[m_candidate[k]] == reached )
 		{
 			m_reached.push_back( k );
 		}
 	}
-	writeRow( point, side, home );
+	writeRow( point, side, firstCell );
 }
 
 } // namespace pliant

@@ -1,4 +1,4 @@
-// Drawing a body's share of the complex: vertices, each the copy of a point for one side of the cracks there.
+// Draws a body's part of the complex. Each vertex is the copy of a point for one side of the cracks there.
 
 #include "surface/crack_state/crack_surface.h"
 
@@ -16,7 +16,7 @@ void CrackSurface::drawAll()
 		regroup( p );
 		if ( m_groups[p] > 1 || m_slotStart[p + 1] - m_slotStart[p] < m_complex->cellsOfPoint.size( m_point[p] ) )
 		{
-			part( p );
+			separate( p );
 		}
 	}
 	for ( std::uint32_t v = 0; isWhole && v < m_complex->inputVertices; ++v )
@@ -43,7 +43,7 @@ void CrackSurface::drawAll()
 	{
 		if ( m_face[f].isBroken )
 		{
-			m_unsettled.push_back( f );
+			m_newlyBroken.push_back( f );
 			const Table& points = m_complex->pointsOfFace;
 			std::for_each( points.begin( m_face[f].number ), points.end( m_face[f].number ),
 				[this]( std::uint32_t point ) { m_panels.uncover( point ); } );
@@ -51,8 +51,8 @@ void CrackSurface::drawAll()
 			drawSide( m_face[f], false );
 		}
 	}
-	placeWhatIsWhole();
-	settle();
+	placeIntactPanels();
+	updateBinding();
 	matchNormals();
 }
 
@@ -74,7 +74,7 @@ void CrackSurface::drawSide( Face& face, bool isA )
 			std::swap( corner[1], corner[2] );
 		}
 		const std::uint32_t kind = kInside + ( m_complex->faceAxis[t] ^ ( isA ? 0u : 1u ) );
-		m_sideRound += kind != kindBefore ? 1 : 0; // corners that triangles share are looked for once
+		m_sideRound += kind != kindBefore ? 1 : 0; // shared corners are searched only once
 		kindBefore = kind;
 		for ( std::uint32_t& v : corner )
 		{
@@ -124,11 +124,11 @@ std::uint32_t CrackSurface::vertexFor( std::uint32_t point, std::uint32_t kind, 
 	return addVertex( point, kind, group, side );
 }
 
-/// `side`: that of the group, or kNone where this is its first copy.
+/// `side`: that of the group, or kNone for its first copy.
 std::uint32_t CrackSurface::addVertex( std::uint32_t point, std::uint32_t kind, std::uint16_t group, std::uint32_t side )
 {
 	const std::uint32_t made = vertexCount();
-	if ( side == kNone ) // one row a side
+	if ( side == kNone ) // one row per side
 	{
 		side = std::uint32_t( m_side.size() );
 		m_side.push_back( { made, kNone, m_firstSide[point], kNone, kNone, group } );
@@ -151,7 +151,7 @@ std::uint32_t CrackSurface::addVertex( std::uint32_t point, std::uint32_t kind, 
 	return made;
 }
 
-/// Room for all that could ever carry it; where cells of other bodies did, the row is written when all is drawn.
+/// Adds a row with space for all carriers; where some belong to other bodies, updateBinding() rewrites it after drawing.
 void CrackSurface::addRow( std::uint32_t point )
 {
 	const std::uint32_t whole = m_point[point];
@@ -162,20 +162,20 @@ void CrackSurface::addRow( std::uint32_t point )
 		m_binding.node.insert( m_binding.node.end(), m_complex->bindCell.begin() + first, m_complex->bindCell.begin() + last );
 		return;
 	}
-	bool isStrange = false;
+	bool isForeign = false;
 	for ( std::uint32_t k = first; k < last; ++k )
 	{
 		m_binding.node.push_back( localCell( m_complex->bindCell[k] ) );
-		isStrange = isStrange || m_binding.node.back() == kNone;
+		isForeign = isForeign || m_binding.node.back() == kNone;
 	}
-	if ( isStrange )
+	if ( isForeign )
 	{
-		m_strange.push_back( point );
+		m_foreign.push_back( point );
 	}
 }
 
-/// Copies of one side at a point share a normal: the outer ones one, the inner ones another. Without noise the inner ones are the sides of
-/// cubes, and each keeps its own.
+/// Copies of one side at a point share a normal: one for the outer, one for the inner copies. Without noise the inner ones are faces of
+/// cubes, and each has its own normal.
 std::uint32_t CrackSurface::normalGroupFor( Side& side, bool isInside )
 {
 	std::uint32_t& known = isInside ? side.innerNormals : side.outerNormals;
@@ -211,9 +211,9 @@ void CrackSurface::textureOf( const CellComplex& complex, std::uint32_t point, s
 	if ( kind >= kInside )
 	{
 		const int axis = int( ( kind - kInside ) / 2 );
-		const Vec3& place = complex.pointRest[point]; // of the template: pieces fit together
-		out[0] = place[( axis + 1 ) % 3] / complex.settings.textureTile;
-		out[1] = place[( axis + 2 ) % 3] / complex.settings.textureTile;
+		const Vec3& position = complex.pointRest[point]; // of the template, so that pieces match
+		out[0] = position[( axis + 1 ) % 3] / complex.settings.textureTile;
+		out[1] = position[( axis + 2 ) % 3] / complex.settings.textureTile;
 	}
 	else if ( input && kind < complex.inputVertices )
 	{

@@ -1,4 +1,4 @@
-// Shading of the outer surface where it is cut: as on the whole mesh, until something moves.
+// Shading of the cut outer surface: equal to that of the whole mesh until something moves.
 
 #include "surface/crack_state/crack_surface.h"
 
@@ -12,14 +12,14 @@ namespace pliant {
 
 namespace {
 
-/// Shifts of a unit normal below this are rounding: what needs none is spared the turning.
+/// Smaller shifts of a unit normal are rounding errors and are ignored.
 constexpr float kSeenShift = 1e-6f;
 
 } // namespace
 
-/// A cut through the outer surface must not show as long as it is closed: at rest its vertices are shaded like the whole mesh, however few
-/// of the triangles around are left on their side.
-void CrackSurface::shadeLikeTheMesh( std::uint32_t vertex, const Vec3& area )
+/// A closed cut through the outer surface must be invisible: at rest its vertices are shaded as on the whole mesh, however few of the
+/// adjacent triangles are on their side.
+void CrackSurface::shadeAsMesh( std::uint32_t vertex, const Vec3& area )
 {
 	if ( m_vertex[vertex].kind < kInside && !m_complex->vertexNormal.empty() )
 	{
@@ -31,7 +31,7 @@ void CrackSurface::shadeLikeTheMesh( std::uint32_t vertex, const Vec3& area )
 
 Vec3 CrackSurface::normalShift( const Vec3& normal, const Vec3& area )
 {
-	const float largest = area.cwiseAbs().maxCoeff(); // its square would be nothing
+	const float largest = area.cwiseAbs().maxCoeff(); // avoids underflow of its square
 	const Vec3 shift = largest > 0.0f ? Vec3( normal - ( area / largest ).normalized() ) : Vec3( Vec3::Zero() );
 	return shift.cwiseAbs().maxCoeff() > kSeenShift ? shift : Vec3( Vec3::Zero() );
 }
@@ -43,17 +43,17 @@ void CrackSurface::matchNormals()
 	{
 		addAreas( cell );
 	}
-	for ( const std::uint32_t panel : wholePanels() )
+	for ( const std::uint32_t panel : intactPanels() )
 	{
 		addArea( m_panelCorner[panel] );
 	}
 	for ( std::uint32_t v = 0; v < vertexCount(); ++v )
 	{
-		shadeLikeTheMesh( v, m_area[m_binding.normalGroup[v]] );
+		shadeAsMesh( v, m_area[m_binding.normalGroup[v]] );
 	}
 }
 
-/// The same where only the groups of these points, or panels there, have changed: of all cells there, in the triangles' order, then of
+/// The same where only the groups or panels of these points have changed: sums over all cells there, in the triangles' order, then over
 /// panels.
 void CrackSurface::matchNormals( std::vector<std::uint32_t>& points )
 {
@@ -68,7 +68,7 @@ void CrackSurface::matchNormals( std::vector<std::uint32_t>& points )
 	};
 	for ( const std::uint32_t point : points )
 	{
-		if ( isOnSurface( point ) ) // inside there is no mesh to be like
+		if ( isOnSurface( point ) ) // there is no mesh normal inside
 		{
 			collect( point, once );
 		}
@@ -100,14 +100,14 @@ void CrackSurface::matchNormals( std::vector<std::uint32_t>& points )
 		{
 			for ( std::uint32_t v = m_side[side].newest; v != kNone; v = m_vertex[v].next )
 			{
-				shadeLikeTheMesh( v, m_area[m_binding.normalGroup[v]] );
+				shadeAsMesh( v, m_area[m_binding.normalGroup[v]] );
 			}
 		}
 	}
 }
 
-// Triangles around a moved point change, and with them the shading of all their corners. What a blade came by, moved or not, is placed no
-// more: so it does not depend on which of its cuts were told when.
+// The shading of all corners of triangles around a moved point changes. A point near a blade is no longer placed, even if it did not move,
+// so that the result does not depend on the order in which cuts are reported.
 void CrackSurface::follow( const BladePath& path, const std::vector<std::uint32_t>& points )
 {
 	std::vector<std::uint32_t> cells, shaded;
@@ -116,10 +116,10 @@ void CrackSurface::follow( const BladePath& path, const std::vector<std::uint32_
 		const std::uint32_t point = localPoint( known );
 		if ( point != kNone )
 		{
-			part( point, true );
+			separate( point, true );
 		}
-		const Vec3 place = point != kNone ? path.placeOf( known ) : Vec3( Vec3::Zero() );
-		if ( point == kNone || place == restOf( point ) )
+		const Vec3 position = point != kNone ? path.positionOf( known ) : Vec3( Vec3::Zero() );
+		if ( point == kNone || position == restOf( point ) )
 		{
 			continue;
 		}
@@ -130,12 +130,12 @@ void CrackSurface::follow( const BladePath& path, const std::vector<std::uint32_
 				m_position.push_back( m_complex->pointRest[any] );
 			}
 		}
-		m_position[point] = place;
+		m_position[point] = position;
 		for ( std::uint32_t side = m_firstSide[point]; side != kNone; side = m_side[side].next )
 		{
 			for ( std::uint32_t v = m_side[side].newest; v != kNone; v = m_vertex[v].next )
 			{
-				m_binding.restPosition[v] = place - m_shift;
+				m_binding.restPosition[v] = position - m_shift;
 			}
 		}
 		std::for_each( m_slotCell.begin() + m_slotStart[point], m_slotCell.begin() + m_slotStart[point + 1],
@@ -156,10 +156,10 @@ void CrackSurface::follow( const BladePath& path, const std::vector<std::uint32_
 	matchNormals( shaded );
 }
 
-/// Of the pieces that a cell draws, but for those of panels that add to normals as one.
+/// Adds the areas of a cell's pieces, except those of panels shaded as one.
 void CrackSurface::addAreas( std::uint32_t cell )
 {
-	forPiecesAlone( cell, [this]( std::uint32_t t ) { addArea( m_triangle[t] ); } );
+	forSeparatePieces( cell, [this]( std::uint32_t t ) { addArea( m_triangle[t] ); } );
 }
 
 void CrackSurface::addArea( const std::array<std::uint32_t, 3>& corner )

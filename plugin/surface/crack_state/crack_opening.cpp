@@ -1,4 +1,4 @@
-// What changes when faces break: groups of cells split at the points along the crack, and each side lets go of the cells beyond it.
+// Updates when faces break: groups of cells split at the points along the crack, and triangles are redirected to the new groups.
 
 #include "surface/crack_state/crack_surface.h"
 
@@ -30,34 +30,34 @@ bool CrackSurface::isBroken( std::uint32_t face ) const
 
 void CrackSurface::breakFaces( const std::vector<std::uint32_t>& faces )
 {
-	std::vector<std::uint32_t> fresh; // local
+	std::vector<std::uint32_t> added; // local indices
 	for ( const std::uint32_t face : faces )
 	{
 		const std::uint32_t local = localFace( face );
 		if ( local != kNone && !m_face[local].isBroken )
 		{
-			shut( local );
-			fresh.push_back( local );
+			markBroken( local );
+			added.push_back( local );
 		}
 	}
-	if ( fresh.empty() )
+	if ( added.empty() )
 	{
 		return;
 	}
-	addUnheld( fresh );
+	addUnheld( added );
 	++m_version;
 	m_change = { vertexCount(), std::uint32_t( m_triangle.size() ), std::uint32_t( m_triangle.size() ), 0 };
-	splitGroups( fresh );
-	for ( const std::uint32_t f : fresh )
+	splitGroups( added );
+	for ( const std::uint32_t f : added )
 	{
 		drawSide( m_face[f], true );
 		drawSide( m_face[f], false );
 	}
 	m_change.firstChanged = std::min( m_change.firstChanged, m_change.lastChanged );
-	m_unsettled.insert( m_unsettled.end(), fresh.begin(), fresh.end() );
+	m_newlyBroken.insert( m_newlyBroken.end(), added.begin(), added.end() );
 }
 
-void CrackSurface::shut( std::uint32_t face )
+void CrackSurface::markBroken( std::uint32_t face )
 {
 	m_face[face].isBroken = true;
 	for ( const std::uint32_t cell : { m_face[face].cellA, m_face[face].cellB } )
@@ -67,30 +67,30 @@ void CrackSurface::shut( std::uint32_t face )
 	}
 }
 
-/// Faces without a link go with those that held them.
-void CrackSurface::addUnheld( std::vector<std::uint32_t>& fresh )
+/// Adds the faces without a link whose holders are broken.
+void CrackSurface::addUnheld( std::vector<std::uint32_t>& added )
 {
-	const std::size_t count = fresh.size();
+	const std::size_t count = added.size();
 	for ( std::size_t k = 0; k < count; ++k )
 	{
-		const std::uint32_t number = m_face[fresh[k]].number;
+		const std::uint32_t number = m_face[added[k]].number;
 		for ( const std::uint32_t* held = m_complex->heldByFace.begin( number ); held != m_complex->heldByFace.end( number ); ++held )
 		{
 			const std::uint32_t local = localFace( *held );
 			if ( local != kNone && !m_face[local].isBroken && !isHeld( local ) )
 			{
-				shut( local );
-				fresh.push_back( local );
+				markBroken( local );
+				added.push_back( local );
 			}
 		}
 	}
-	std::sort( fresh.begin(), fresh.end() );
+	std::sort( added.begin(), added.end() );
 }
 
-void CrackSurface::splitGroups( const std::vector<std::uint32_t>& fresh )
+void CrackSurface::splitGroups( const std::vector<std::uint32_t>& added )
 {
 	std::vector<std::uint32_t> points;
-	for ( const std::uint32_t f : fresh )
+	for ( const std::uint32_t f : added )
 	{
 		const std::uint32_t number = m_face[f].number;
 		for ( const std::uint32_t* p = m_complex->pointsOfFace.begin( number ); p != m_complex->pointsOfFace.end( number ); ++p )
@@ -106,11 +106,11 @@ void CrackSurface::splitGroups( const std::vector<std::uint32_t>& fresh )
 		const std::uint32_t first = m_slotStart[point], last = m_slotStart[point + 1];
 		m_panels.uncover( m_point[point] );
 		before.assign( m_slotGroup.begin() + first, m_slotGroup.begin() + last );
-		// A point at which nothing is drawn so far needs no copies: sides are drawn later, into their groups.
+		// A point without drawn vertices needs no copies: sides drawn later are assigned to its groups.
 		if ( regroup( point ) && m_firstSide[point] != kNone )
 		{
 			m_split.push_back( point );
-			part( point );
+			separate( point );
 			for ( std::uint32_t slot = first; slot < last; ++slot )
 			{
 				if ( m_slotGroup[slot] != before[slot - first] )
@@ -145,7 +145,7 @@ void CrackSurface::clearMarks( const std::vector<std::uint32_t>& list )
 	}
 }
 
-/// Splits the groups of a point's cells along broken faces. The part with a group's first cell keeps its number, and with it its copies.
+/// Splits the groups of a point's cells along broken faces. The part with a group's first cell keeps its number and its copies.
 bool CrackSurface::regroup( std::uint32_t point )
 {
 	const std::uint32_t first = m_slotStart[point];
@@ -170,7 +170,7 @@ bool CrackSurface::regroup( std::uint32_t point )
 			m_root[std::max( a, b )] = std::min( a, b );
 		}
 	}
-	// From the first slot up: those before it have their new numbers, those behind it still the old ones.
+	// In ascending order: earlier slots have their new groups, later ones still the old groups.
 	const std::uint16_t before = m_groups[point];
 	for ( std::size_t k = 0; k < count; ++k )
 	{
@@ -229,7 +229,7 @@ void CrackSurface::redirectTriangles( std::uint32_t cell, std::uint32_t first, s
 
 void CrackSurface::reserveScratch()
 {
-	// Were all faces to break, so many would come to it; half of them is a lot.
+	// Upper bounds, were all faces to break; half of that is already much.
 	const std::size_t triangles = m_complex->faceTriangle.size(), vertices = m_complex->pointsOfFace.entry.size();
 	const std::size_t entries = m_binding.node.size();
 	const auto more = []( auto& list, std::size_t count ) { list.reserve( list.size() + count ); };

@@ -24,7 +24,7 @@ std::shared_ptr<const CrackPatches> CrackPatches::make( const CrackSurface& whol
 	{
 		return nullptr;
 	}
-	made->findAlone();
+	made->findUnshared();
 	made->numberKinds();
 	made->numberPanels();
 	made->sortIntoClasses();
@@ -46,7 +46,7 @@ std::uint32_t CrackPatches::slotOf( std::uint32_t point, std::uint32_t cell ) co
 		complex->cellsOfPoint.entry.data() );
 }
 
-/// The latest patch's three more corners, each numbered as the patch has it. False where it has too many.
+/// Adds a triangle to the latest patch. Returns false where the patch has too many vertices.
 bool CrackPatches::addCorners( const std::array<Corner, 3>& corners )
 {
 	std::array<std::uint16_t, 3> numbers;
@@ -55,14 +55,14 @@ bool CrackPatches::addCorners( const std::array<Corner, 3>& corners )
 	for ( std::size_t k = 0; k < 3; ++k )
 	{
 		std::size_t found = first;
-		while ( found < vertex.size() && ( vertex[found].slot != corners[k].slot || look[found].kind != corners[k].look.kind ) )
+		while ( found < vertex.size() && ( vertex[found].slot != corners[k].slot || appearance[found].kind != corners[k].appearance.kind ) )
 		{
 			++found;
 		}
 		if ( found == vertex.size() )
 		{
-			vertex.push_back( { corners[k].slot, 0, std::uint8_t( corners[k].look.kind >= CrackSurface::kInside ), 0 } );
-			look.push_back( corners[k].look );
+			vertex.push_back( { corners[k].slot, 0, std::uint8_t( corners[k].appearance.kind >= CrackSurface::kInside ), 0 } );
+			appearance.push_back( corners[k].appearance );
 		}
 		most = std::max( most, found - first );
 		numbers[k] = std::uint16_t( found - first );
@@ -77,7 +77,7 @@ bool CrackPatches::addPatches( const float* texture )
 	const auto begin = [this] { patch.push_back( { std::uint32_t( vertex.size() ), std::uint32_t( triangle.size() ) } ); };
 	const auto cornerOf = [&]( std::uint32_t point, std::uint32_t cell, std::uint32_t kind ) {
 		Corner corner{ slotOf( point, cell ), { point, kind, 0.0f, 0.0f } };
-		CrackSurface::textureOf( *complex, point, kind, texture, &corner.look.u );
+		CrackSurface::textureOf( *complex, point, kind, texture, &corner.appearance.u );
 		return corner;
 	};
 	for ( std::uint32_t cell = 0; cell < complex->cellCount(); ++cell )
@@ -110,7 +110,7 @@ bool CrackPatches::addPatches( const float* texture )
 	return isGood;
 }
 
-/// Kinds of a point are few: they are looked through.
+/// A point has few kinds, so they are searched linearly.
 void CrackPatches::numberKinds()
 {
 	struct Kind
@@ -122,7 +122,7 @@ void CrackPatches::numberKinds()
 	std::vector<std::uint16_t> count( complex->pointCount(), 0 );
 	for ( std::size_t v = 0; v < vertex.size(); ++v )
 	{
-		const Look& of = look[v];
+		const Appearance& of = appearance[v];
 		std::uint32_t k = newest[of.point];
 		std::uint16_t younger = 0;
 		while ( k != kNone && known[k].kind != of.kind )
@@ -139,16 +139,16 @@ void CrackPatches::numberKinds()
 		}
 		vertex[v].kindAt = std::uint16_t( count[of.point] - 1 - younger );
 	}
-	std::vector<std::uint8_t> isAlone( pointOfSlot.size(), 0 );
+	std::vector<std::uint8_t> isUnshared( pointOfSlot.size(), 0 );
 	for ( const Vertex& of : vertex )
 	{
-		isAlone[of.slot] = of.isAlone;
+		isUnshared[of.slot] = of.isUnshared;
 	}
 	std::uint32_t numbers = 0;
 	for ( std::size_t slot = 0; slot < pointOfSlot.size(); ++slot )
 	{
 		numbersOfSlot.push_back( numbers );
-		numbers += isAlone[slot] != 0 ? 0 : kNumbersOfSide + count[pointOfSlot[slot]];
+		numbers += isUnshared[slot] != 0 ? 0 : kNumbersOfSide + count[pointOfSlot[slot]];
 	}
 	numbersOfSlot.push_back( numbers );
 	for ( std::uint32_t v = 0; v < complex->inputVertices; ++v )
@@ -162,9 +162,9 @@ void CrackPatches::numberPanels()
 	std::vector<std::uint16_t> kindAt( complex->vertexPoint.size(), 0 );
 	for ( std::size_t v = 0; v < vertex.size(); ++v )
 	{
-		if ( look[v].kind < CrackSurface::kInside )
+		if ( appearance[v].kind < CrackSurface::kInside )
 		{
-			kindAt[look[v].kind] = vertex[v].kindAt;
+			kindAt[appearance[v].kind] = vertex[v].kindAt;
 		}
 	}
 	const auto numberOf = [&]( std::uint32_t v ) {
@@ -178,7 +178,7 @@ void CrackPatches::numberPanels()
 	}
 }
 
-void CrackPatches::findAlone()
+void CrackPatches::findUnshared()
 {
 	std::vector<std::uint8_t> uses( pointOfSlot.size(), 0 );
 	for ( const Vertex& of : vertex )
@@ -189,13 +189,13 @@ void CrackPatches::findAlone()
 	{
 		const std::uint32_t point = pointOfSlot[of.slot];
 		const bool isOfOneFace = complex->cellsOfPoint.size( point ) == 2 && complex->facesOfPoint.size( point ) == 1;
-		of.isAlone = isOfOneFace && of.isInside != 0 && uses[of.slot] == 1 ? 1 : 0;
+		of.isUnshared = isOfOneFace && of.isInside != 0 && uses[of.slot] == 1 ? 1 : 0;
 	}
 }
 
 void CrackPatches::sortIntoClasses()
 {
-	// Each class by one point of it; those whose first cell is the same are looked through.
+	// Each class is represented by one of its points; classes with the same first cell are searched linearly.
 	std::vector<std::uint32_t> pointOf, next, newest( complex->cellCount() + 1, kNone );
 	const auto rowOf = [this]( std::uint32_t point ) {
 		return std::pair(
@@ -288,7 +288,7 @@ void CrackPatches::addCarrierTies( std::uint32_t point, const std::vector<std::u
 	{
 		const std::uint8_t own = bitOfCell[complex->bindCell[k]];
 		forCarriersBeside( complex->bindCell[k], bitOfCell, [&]( std::uint32_t face, std::uint8_t bit ) {
-			if ( own < bit ) // else it is the other's
+			if ( own < bit ) // each pair once
 			{
 				carrierTie.push_back( { face, own, bit } );
 			}
@@ -315,11 +315,11 @@ void CrackPatches::addLooseTies( std::uint32_t point, const std::vector<std::uin
 std::size_t CrackPatches::bytes() const
 {
 	const auto sizeOf = []( const auto& list ) { return list.size() * sizeof( list[0] ); };
-	return sizeOf( patch ) + sizeOf( vertex ) + sizeOf( look ) + sizeOf( triangle ) + sizeOf( pointOfSlot ) + sizeOf( numbersOfSlot ) +
-		sizeOf( numbersOfInput ) + sizeOf( numberOfBorder ) + sizeOf( numbersOfCorners ) + sizeOf( normalShift ) + sizeOf( classOfPoint ) +
-		sizeOf( classesOfCell.start ) + sizeOf( classesOfCell.entry ) + sizeOf( firstOfClass ) + sizeOf( slotTieStart ) +
-		sizeOf( carrierTieStart ) + sizeOf( looseTieStart ) + sizeOf( slotTie ) + sizeOf( carrierTie ) + sizeOf( looseTie ) +
-		sizeOf( bitOfSlot );
+	return sizeOf( patch ) + sizeOf( vertex ) + sizeOf( appearance ) + sizeOf( triangle ) + sizeOf( pointOfSlot ) +
+		sizeOf( numbersOfSlot ) + sizeOf( numbersOfInput ) + sizeOf( numberOfBorder ) + sizeOf( numbersOfCorners ) + sizeOf( normalShift ) +
+		sizeOf( classOfPoint ) + sizeOf( classesOfCell.start ) + sizeOf( classesOfCell.entry ) + sizeOf( firstOfClass ) +
+		sizeOf( slotTieStart ) + sizeOf( carrierTieStart ) + sizeOf( looseTieStart ) + sizeOf( slotTie ) + sizeOf( carrierTie ) +
+		sizeOf( looseTie ) + sizeOf( bitOfSlot );
 }
 
 } // namespace pliant

@@ -11,19 +11,19 @@ namespace pliant {
 
 namespace {
 
-/// Points of one task.
+/// Points per task.
 constexpr std::size_t kChunk = 1024;
 
-/// Less than one in so many is few.
-constexpr std::size_t kFew = 32;
+/// A list is sparse where it has fewer than one in this many of all items.
+constexpr std::size_t kSparseFraction = 32;
 
-/// The lowest so many bits.
+/// The lowest `count` bits.
 std::uint64_t bitsUpTo( std::uint32_t count )
 {
 	return count == 64 ? ~std::uint64_t( 0 ) : ( std::uint64_t( 1 ) << count ) - 1;
 }
 
-/// The numbers below `count` that `holds` is true of, ascending. Each is written, and counted if it is one: no branch to foretell.
+/// Lists the numbers below `count` for which `holds` is true, ascending. Branch-free: each is written, and counted if it holds.
 template <class Holds>
 void list( std::vector<std::uint32_t>& to, std::size_t count, Holds&& holds )
 {
@@ -38,13 +38,13 @@ void list( std::vector<std::uint32_t>& to, std::size_t count, Holds&& holds )
 	to.resize( kept );
 }
 
-/// Those that are marked, ascending, so that what is theirs is gone through in the order of memory. Few stay as they are.
-void inOrder( std::vector<std::uint32_t>& some, const std::vector<std::uint8_t>& isMarked )
+/// Sorts a list by the marks of its items, so that their data is accessed in memory order. Sparse lists stay unsorted.
+void sortByMarks( std::vector<std::uint32_t>& items, const std::vector<std::uint8_t>& isMarked )
 {
-	if ( some.size() * kFew > isMarked.size() )
+	if ( items.size() * kSparseFraction > isMarked.size() )
 	{
 		const std::uint8_t* const marks = isMarked.data();
-		list( some, isMarked.size(), [marks]( std::uint32_t k ) { return marks[k] != 0; } );
+		list( items, isMarked.size(), [marks]( std::uint32_t k ) { return marks[k] != 0; } );
 	}
 }
 
@@ -53,7 +53,7 @@ void inOrder( std::vector<std::uint32_t>& some, const std::vector<std::uint8_t>&
 CrackSides::CrackSides( std::shared_ptr<const CrackPatches> patches, const CrackSurface& whole, TaskRunner* runner ) :
 	m_patches( std::move( patches ) ), m_isBroken( complex().face.size(), 0 ), m_side( m_patches->pointOfSlot.size() ),
 	m_carriers( m_side.size() ), m_joined( m_patches->firstOfClass.back() ), m_isDrawn( complex().pointCount(), 0 ),
-	m_isShadedAnew( m_isDrawn.size(), 0 ), m_isMarked( m_isDrawn.size(), 0 ), m_isSplit( m_isDrawn.size(), 0 ), m_panels( whole.m_panels ),
+	m_isReshaded( m_isDrawn.size(), 0 ), m_isMarked( m_isDrawn.size(), 0 ), m_isSplit( m_isDrawn.size(), 0 ), m_panels( whole.m_panels ),
 	m_isClassMarked( m_patches->classCount(), 0 )
 {
 	const CellComplex& c = complex();
@@ -67,18 +67,18 @@ CrackSides::CrackSides( std::shared_ptr<const CrackPatches> patches, const Crack
 	{
 		m_isDrawn[point] = 1;
 	}
-	shadePartedPanels();
-	std::vector<std::uint32_t> fresh;
+	reshadeSeparatedPanels();
+	std::vector<std::uint32_t> added;
 	for ( const CrackSurface::Face& face : whole.m_face )
 	{
 		m_isBroken[face.number] = face.isBroken ? 1 : 0;
 		if ( face.isBroken )
 		{
-			fresh.push_back( face.number );
+			added.push_back( face.number );
 		}
 	}
-	splitSides( fresh, runner );
-	askAround( fresh, runner );
+	splitSides( added, runner );
+	updateCarriersAround( added, runner );
 	if ( !whole.m_position.empty() )
 	{
 		m_position = whole.m_position;
@@ -86,7 +86,7 @@ CrackSides::CrackSides( std::shared_ptr<const CrackPatches> patches, const Crack
 		{
 			if ( m_position[point] != c.pointRest[point] )
 			{
-				shadeAnewAround( point );
+				reshadeAround( point );
 			}
 		}
 	}
@@ -94,21 +94,21 @@ CrackSides::CrackSides( std::shared_ptr<const CrackPatches> patches, const Crack
 
 void CrackSides::breakFaces( const std::vector<std::uint32_t>& faces, TaskRunner* runner )
 {
-	std::vector<std::uint32_t> fresh;
+	std::vector<std::uint32_t> added;
 	for ( const std::uint32_t face : faces )
 	{
 		if ( m_isBroken[face] == 0 )
 		{
 			m_isBroken[face] = 1;
-			fresh.push_back( face );
+			added.push_back( face );
 		}
 	}
-	addUnheld( fresh );
-	splitSides( fresh, runner );
-	askAround( fresh, runner );
+	addUnheld( added );
+	splitSides( added, runner );
+	updateCarriersAround( added, runner );
 }
 
-/// Whether a face without a link may stand: linked ones lead round it.
+/// True for a face without a link that is still held by a chain of linked faces.
 bool CrackSides::isHeld( std::uint32_t face ) const
 {
 	bool isHeld = false;
@@ -119,71 +119,70 @@ bool CrackSides::isHeld( std::uint32_t face ) const
 	return isHeld;
 }
 
-void CrackSides::addUnheld( std::vector<std::uint32_t>& fresh )
+void CrackSides::addUnheld( std::vector<std::uint32_t>& added )
 {
-	const std::size_t count = fresh.size();
+	const std::size_t count = added.size();
 	for ( std::size_t k = 0; k < count; ++k )
 	{
-		for ( const std::uint32_t* held = complex().heldByFace.begin( fresh[k] ); held != complex().heldByFace.end( fresh[k] ); ++held )
+		for ( const std::uint32_t* held = complex().heldByFace.begin( added[k] ); held != complex().heldByFace.end( added[k] ); ++held )
 		{
 			if ( m_isBroken[*held] == 0 && !isHeld( *held ) )
 			{
 				m_isBroken[*held] = 1;
-				fresh.push_back( *held );
+				added.push_back( *held );
 			}
 		}
 	}
-	std::sort( fresh.begin(), fresh.end() );
+	std::sort( added.begin(), added.end() );
 }
 
-void CrackSides::splitSides( const std::vector<std::uint32_t>& fresh, TaskRunner* runner )
+void CrackSides::splitSides( const std::vector<std::uint32_t>& added, TaskRunner* runner )
 {
 	m_found.clear();
-	for ( const std::uint32_t face : fresh )
+	for ( const std::uint32_t face : added )
 	{
 		const std::uint32_t* const first = complex().pointsOfFace.begin( face );
 		const std::uint32_t* const last = complex().pointsOfFace.end( face );
 		std::for_each( first, last, [this]( std::uint32_t point ) { m_isDrawn[point] = 1; } );
 		collect( first, last );
 	}
-	inOrder( m_found, m_isMarked );
+	sortByMarks( m_found, m_isMarked );
 	runOver( m_found, &CrackSides::regroup, runner );
-	partPanels();
+	separatePanels();
 }
 
-/// Of the points just found.
-void CrackSides::partPanels()
+void CrackSides::separatePanels()
 {
-	std::vector<std::uint32_t> anew;
+	std::vector<std::uint32_t> reshaded;
 	for ( std::size_t k = 0; k < m_found.size() && m_panels.arePlaced(); ++k )
 	{
 		m_panels.uncover( m_found[k] );
 		if ( m_isSplit[m_found[k]] != 0 )
 		{
-			m_panels.part( m_found[k], anew );
+			m_panels.separate( m_found[k], reshaded );
 		}
 	}
-	for ( const std::uint32_t point : anew )
+	for ( const std::uint32_t point : reshaded )
 	{
-		m_isShadedAnew[point] = 1;
+		m_isReshaded[point] = 1;
 	}
 }
 
-/// Around what was placed when nothing was broken, and is no more.
-void CrackSides::shadePartedPanels()
+/// Marks for shading the points around cuts that were placed in the uncracked body and no longer are.
+void CrackSides::reshadeSeparatedPanels()
 {
 	const Panels& all = complex().panels;
 	for ( std::uint32_t point = 0; point < std::uint32_t( all.isPlaceable.size() ); ++point )
 	{
-		const bool isPlacedNoMore = all.isPlaceable[point] != 0 && !m_panels.isPlaced( point );
-		for ( const std::uint32_t* panel = all.atPoint.begin( point ); isPlacedNoMore && panel != all.atPoint.end( point ); ++panel )
+		const bool isNoLongerPlaced = all.isPlaceable[point] != 0 && !m_panels.isPlaced( point );
+		for ( const std::uint32_t* panel = all.atPoint.begin( point ); isNoLongerPlaced && panel != all.atPoint.end( point ); ++panel )
 		{
-			std::for_each( all.points.begin( *panel ), all.points.end( *panel ), [this]( std::uint32_t p ) { m_isShadedAnew[p] = 1; } );
+			std::for_each( all.points.begin( *panel ), all.points.end( *panel ), [this]( std::uint32_t p ) { m_isReshaded[p] = 1; } );
 		}
 	}
 }
 
-/// Those that are drawn, each once.
+/// Adds the drawn points to m_found, each once.
 void CrackSides::collect( const std::uint32_t* point, const std::uint32_t* end )
 {
 	for ( ; point != end; ++point )
@@ -222,13 +221,13 @@ void CrackSides::regroup( std::uint32_t point )
 	}
 	for ( std::uint32_t slot = first; slot < last; ++slot )
 	{
-		m_side[slot] = m_side[m_side[slot]]; // those before it have their roots by now
+		m_side[slot] = m_side[m_side[slot]]; // earlier slots already have their roots
 		m_isSplit[point] |= m_side[slot] != first ? 1 : 0;
 	}
-	m_isShadedAnew[point] |= m_isSplit[point];
+	m_isReshaded[point] |= m_isSplit[point];
 }
 
-/// Both cells of each, ascending, each once. To mark them takes less than to sort them where most of a body breaks.
+/// Both cells of each face, ascending, without duplicates. Marking is faster than sorting where most of a body breaks.
 std::vector<std::uint32_t> CrackSides::cellsAt( const std::vector<std::uint32_t>& faces ) const
 {
 	std::vector<std::uint8_t> isOne( complex().cellCount(), 0 );
@@ -244,9 +243,9 @@ std::vector<std::uint32_t> CrackSides::cellsAt( const std::vector<std::uint32_t>
 			}
 		}
 	}
-	if ( cells.size() * kFew > isOne.size() )
+	if ( cells.size() * kSparseFraction > isOne.size() )
 	{
-		inOrder( cells, isOne );
+		sortByMarks( cells, isOne );
 	}
 	else
 	{
@@ -255,25 +254,25 @@ std::vector<std::uint32_t> CrackSides::cellsAt( const std::vector<std::uint32_t>
 	return cells;
 }
 
-/// A point can be carried by others now only where a cell along the crack carried it. Not every one of those has a tie of a broken face:
-/// where crumbs hang on by no face at all, a side lets go of them the first time it is asked.
-void CrackSides::askAround( const std::vector<std::uint32_t>& fresh, TaskRunner* runner )
+/// Only points with carriers along the crack can lose carriers. Not all of these have a tie of a broken face: a side drops carriers that
+/// are connected to it by no face when it is first updated.
+void CrackSides::updateCarriersAround( const std::vector<std::uint32_t>& added, TaskRunner* runner )
 {
-	const std::vector<std::uint32_t> cells = cellsAt( fresh );
+	const std::vector<std::uint32_t> cells = cellsAt( added );
 	m_found.clear();
-	if ( cells.size() * kFew > complex().cellCount() )
+	if ( cells.size() * kSparseFraction > complex().cellCount() )
 	{
 		collectByClass( cells );
 	}
-	for ( std::size_t k = 0; k < cells.size() && cells.size() * kFew <= complex().cellCount(); ++k )
+	for ( std::size_t k = 0; k < cells.size() && cells.size() * kSparseFraction <= complex().cellCount(); ++k )
 	{
 		collect( complex().boundPoints.begin( cells[k] ), complex().boundPoints.end( cells[k] ) );
 	}
-	for ( const std::uint32_t face : fresh )
+	for ( const std::uint32_t face : added )
 	{
 		collect( complex().pointsOfFace.begin( face ), complex().pointsOfFace.end( face ) );
 	}
-	inOrder( m_found, m_isMarked );
+	sortByMarks( m_found, m_isMarked );
 	for ( const std::uint32_t point : m_found )
 	{
 		m_isMarked[point] = 0;
@@ -284,13 +283,12 @@ void CrackSides::askAround( const std::vector<std::uint32_t>& fresh, TaskRunner*
 			m_foundClass.push_back( ofClass );
 		}
 	}
-	inOrder( m_foundClass, m_isClassMarked );
+	sortByMarks( m_foundClass, m_isClassMarked );
 	runOver( m_foundClass, &CrackSides::joinCarriers, runner );
 	m_foundClass.clear();
-	runOver( m_found, &CrackSides::ask, runner );
+	runOver( m_found, &CrackSides::updateCarriers, runner );
 }
 
-/// All points that these cells carry.
 void CrackSides::collectByClass( const std::vector<std::uint32_t>& cells )
 {
 	for ( const std::uint32_t cell : cells )
@@ -310,17 +308,17 @@ void CrackSides::collectByClass( const std::vector<std::uint32_t>& cells )
 
 void CrackSides::runOver( std::vector<std::uint32_t>& list, void ( CrackSides::*each )( std::uint32_t ), TaskRunner* runner )
 {
-	auto some = [&]( int chunk ) {
+	auto items = [&]( int chunk ) {
 		const std::size_t first = std::size_t( chunk ) * kChunk, last = std::min( list.size(), first + kChunk );
 		for ( std::size_t k = first; k < last; ++k )
 		{
 			( this->*each )( list[k] );
 		}
 	};
-	runTasks( runner, int( ( list.size() + kChunk - 1 ) / kChunk ), some );
+	runTasks( runner, int( ( list.size() + kChunk - 1 ) / kChunk ), items );
 }
 
-/// Of the cells that carry the points of a class: which of them each reaches by way of one another.
+/// Finds which carriers of a class are connected, directly or through each other.
 void CrackSides::joinCarriers( std::uint32_t ofClass )
 {
 	const CrackPatches& p = *m_patches;
@@ -331,21 +329,21 @@ void CrackSides::joinCarriers( std::uint32_t ofClass )
 	for ( std::uint32_t t = p.carrierTieStart[ofClass]; t < p.carrierTieStart[ofClass + 1]; ++t )
 	{
 		const CrackPatches::Tie& tie = p.carrierTie[t];
-		const std::uint64_t stands = m_isBroken[tie.face] ^ 1u;
-		beside[tie.a] |= stands << tie.b;
-		beside[tie.b] |= stands << tie.a;
+		const std::uint64_t unbroken = m_isBroken[tie.face] ^ 1u;
+		beside[tie.a] |= unbroken << tie.b;
+		beside[tie.b] |= unbroken << tie.a;
 	}
-	for ( std::uint64_t left = bitsUpTo( count ); left != 0; )
+	for ( std::uint64_t remaining = bitsUpTo( count ); remaining != 0; )
 	{
-		std::uint64_t joined = left & ( ~left + 1 ), open = joined;
-		while ( open != 0 )
+		std::uint64_t joined = remaining & ( ~remaining + 1 ), frontier = joined;
+		while ( frontier != 0 )
 		{
-			const std::uint64_t fresh = beside[std::countr_zero( open )] & ~joined;
-			open &= open - 1;
-			joined |= fresh;
-			open |= fresh;
+			const std::uint64_t added = beside[std::countr_zero( frontier )] & ~joined;
+			frontier &= frontier - 1;
+			joined |= added;
+			frontier |= added;
 		}
-		left &= ~joined;
+		remaining &= ~joined;
 		for ( std::uint64_t each = joined; each != 0; each &= each - 1 )
 		{
 			m_joined[first + std::uint32_t( std::countr_zero( each ) )] = joined;
@@ -353,8 +351,8 @@ void CrackSides::joinCarriers( std::uint32_t ofClass )
 	}
 }
 
-/// Each side has the carriers that its cells are or stand beside, and what those reach.
-void CrackSides::ask( std::uint32_t point )
+/// A side has the carriers that are among its cells or adjacent to them, and all carriers connected to these.
+void CrackSides::updateCarriers( std::uint32_t point )
 {
 	const CrackPatches& p = *m_patches;
 	const std::uint64_t* const joined = m_joined.data() + p.firstOfClass[p.classOfPoint[point]];
@@ -374,27 +372,27 @@ void CrackSides::ask( std::uint32_t point )
 void CrackSides::follow( const BladePath& path, const std::vector<std::uint32_t>& points )
 {
 	m_position = m_position.empty() ? complex().pointRest : std::move( m_position );
-	std::vector<std::uint32_t> anew;
+	std::vector<std::uint32_t> reshaded;
 	for ( const std::uint32_t point : points )
 	{
-		m_panels.touch( point, anew ); // as CrackSurface does
-		const Vec3 place = path.placeOf( point );
-		if ( place != m_position[point] )
+		m_panels.touch( point, reshaded ); // as CrackSurface does
+		const Vec3 position = path.positionOf( point );
+		if ( position != m_position[point] )
 		{
-			m_position[point] = place;
-			shadeAnewAround( point );
+			m_position[point] = position;
+			reshadeAround( point );
 		}
 	}
-	std::for_each( anew.begin(), anew.end(), [this]( std::uint32_t point ) { m_isShadedAnew[point] = 1; } );
+	std::for_each( reshaded.begin(), reshaded.end(), [this]( std::uint32_t point ) { m_isReshaded[point] = 1; } );
 }
 
-/// Triangles around a moved point change, and with them the shading of all their corners.
-void CrackSides::shadeAnewAround( std::uint32_t point )
+/// The shading of all corners of triangles around a moved point changes.
+void CrackSides::reshadeAround( std::uint32_t point )
 {
 	for ( const std::uint32_t* cell = complex().cellsOfPoint.begin( point ); cell != complex().cellsOfPoint.end( point ); ++cell )
 	{
 		std::for_each( complex().pointsOfCell.begin( *cell ), complex().pointsOfCell.end( *cell ),
-			[this]( std::uint32_t p ) { m_isShadedAnew[p] = 1; } );
+			[this]( std::uint32_t p ) { m_isReshaded[p] = 1; } );
 	}
 }
 

@@ -1,4 +1,4 @@
-// Taking a body's share of the complex.
+// Selection of a body's part of the complex.
 
 #include "surface/crack_state/crack_surface.h"
 
@@ -20,7 +20,7 @@ std::uint32_t numberIn( const std::vector<std::uint32_t>& list, std::uint32_t wa
 
 namespace {
 
-/// Pieces of less than this share of the template search for numbers rather than keep a table as long as the template's.
+/// Pieces of less than this fraction of the template search for indices instead of storing a table of the template's size.
 constexpr std::size_t kTableFraction = 16;
 
 std::vector<std::uint32_t> tableOf( const std::vector<std::uint32_t>& list, std::size_t all )
@@ -44,7 +44,7 @@ std::vector<std::uint32_t> allUpTo( std::size_t count )
 	return all;
 }
 
-/// By face: whether the lattice of a body lacks its link.
+/// By face: true where the lattice of a body lacks its link.
 std::vector<std::uint8_t> unlinkedFaces( const CellComplex& complex, const std::vector<std::uint32_t>& cells, const Lattice& body )
 {
 	std::vector<std::uint8_t> isBroken( complex.face.size(), 0 );
@@ -75,8 +75,8 @@ CrackSurface::CrackSurface( std::shared_ptr<const CellComplex> complex, std::vec
 	m_shift( shift ), m_cell( std::move( cells ) ), m_panels( m_complex->panels ), m_mark( m_cell.size() + 1, 0 )
 {
 	m_localCell = tableOf( m_cell, m_complex->cellCount() );
-	takeFaces( isBroken );
-	takePoints();
+	selectFaces( isBroken );
+	selectPoints();
 	drawAll();
 }
 
@@ -95,9 +95,9 @@ CrackSurface CrackSurface::piece( std::vector<std::uint32_t> cells, const Vec3& 
 	return CrackSurface( m_complex, std::move( cells ), isBroken, shift );
 }
 
-// === Taking ===
+// // === Selection ===
 
-void CrackSurface::takeFaces( const std::vector<std::uint8_t>& isBroken )
+void CrackSurface::selectFaces( const std::vector<std::uint8_t>& isBroken )
 {
 	std::vector<std::uint32_t> numbers;
 	for ( const std::uint32_t cell : m_cell )
@@ -131,7 +131,7 @@ void CrackSurface::takeFaces( const std::vector<std::uint8_t>& isBroken )
 	}
 }
 
-/// Whether a face may stand: its cells are linked, or linked ones lead round it.
+/// True for a face that stays unbroken: its cells are linked, or a chain of linked faces connects them.
 bool CrackSurface::isHeld( std::uint32_t face ) const
 {
 	const std::uint32_t number = m_face[face].number;
@@ -144,7 +144,7 @@ bool CrackSurface::isHeld( std::uint32_t face ) const
 	return isHeld;
 }
 
-void CrackSurface::takePoints()
+void CrackSurface::selectPoints()
 {
 	if ( m_cell.size() == m_complex->cellCount() )
 	{

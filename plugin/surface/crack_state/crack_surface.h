@@ -1,11 +1,10 @@
 #pragma once
 
-// The drawn surface of a body that has cracks. Ohta et al. 2009, "Fracturing"; cut surfaces: Steinemann et al. 2008, section 7.
+// The drawn surface of a cracked body. Ohta et al. 2009, "Fracturing"; cut surfaces: Steinemann et al. 2008, section 7.
 //
-// Its triangles are the pieces of the outer surface that its cells have, and both sides of every broken face. A point of the complex is
-// drawn once for each side: the cells that meet there fall into groups that standing faces join, and each group has copies of its own.
-// Where a crack ends all cells are one group: the sides stay joined. Breaking only ever splits groups, so that vertices are added, never
-// moved.
+// Its triangles are its cells' pieces of the outer surface and both sides of every broken face. A point of the complex is drawn once for
+// each side: the cells that meet there form groups connected by unbroken faces, and each group has its own copies. Where a crack ends there
+// is one group, and the sides stay joined. Breaking only splits groups, so vertices are added, never moved.
 
 #include "lattice/pieces.h"
 #include "surface/crack_complex/cell_complex.h"
@@ -22,96 +21,95 @@ namespace pliant {
 class BladePath;
 struct CrackView;
 
-/// Where an ascending list holds `wanted`; CellComplex::kNone: nowhere.
+/// Index of `wanted` in an ascending list, or CellComplex::kNone.
 std::uint32_t numberIn( const std::vector<std::uint32_t>& list, std::uint32_t wanted );
 
 class CrackSurface
 {
 public:
 	static constexpr std::uint32_t kNone = CellComplex::kNone;
-	/// Kinds of copies of a point: vertices of the complex, or kInside + 2 x axis + side for a face.
+	/// Kinds of copies of a point: a vertex of the complex, or kInside + 2 x axis + side for a face.
 	static constexpr std::uint32_t kInside = 0xfffffff0u;
 	static Vec3 insideNormal( std::uint32_t kind )
 	{
 		return ( ( kind & 1u ) != 0 ? -1.0f : 1.0f ) * Vec3::Unit( int( ( kind - kInside ) / 2 ) );
 	}
 
-	/// A body of all cells of a template, faces without a link broken. Vertex i of the input is vertex i.
+	/// A body of all cells of a template, without broken faces. Vertex i of the input is vertex i.
 	explicit CrackSurface( std::shared_ptr<const CellComplex> complex );
-	/// A body of some of them, ascending. `isBroken`: by face of the complex; faces to other cells count as broken. `shift`: the body's
-	/// mass centre seen from the template's, m; rest places are relative to it.
+	/// A body of some of the cells, ascending. `isBroken`: by face of the complex; faces to other cells count as broken. `shift`: the
+	/// body's mass centre relative to the template's, m; rest positions are relative to it.
 	CrackSurface( std::shared_ptr<const CellComplex> complex, std::vector<std::uint32_t> cells, const std::vector<std::uint8_t>& isBroken,
 		const Vec3& shift );
 
-	/// The same, broken where `body`, the body's own lattice, has no link any more (its cell k is cells[k]).
+	/// The same with the links that `body`, the body's own lattice, lacks as broken faces (its cell k is cells[k]).
 	CrackSurface( std::shared_ptr<const CellComplex> complex, std::vector<std::uint32_t> cells, const Lattice& body, const Vec3& shift );
 
-	/// A piece of this body: its own vertices and triangles, the cracks as they are. Cells by the template's numbers, ascending.
+	/// A piece of this body with its own vertices and triangles and the same cracks. Cells: indices of the template, ascending.
 	CrackSurface piece( std::vector<std::uint32_t> cells, const Vec3& shift = Vec3::Zero() ) const;
 
-	/// Numbers of the complex; those broken before or not of this body are passed over. Appends vertices and triangles, and redirects those
-	/// of cells along the crack.
+	/// Breaks faces of the complex; ignores those already broken or not of this body. Appends vertices and triangles, and redirects
+	/// triangles of cells along the crack.
 	void breakFaces( const std::vector<std::uint32_t>& faces );
-	/// The faces between cells whose links broke, by the body's own numbers; pairs that no face joins are passed over.
+	/// Breaks the faces between cells whose links broke, given by the body's own indices; ignores pairs without a face.
 	void breakLinks( const std::vector<CellLink>& links );
 
-	/// Binds anew what the cracks since the last time cut off: once a picture is enough, before the binding is used.
-	void settle();
-	bool isSettled() const { return m_unsettled.empty(); }
-	/// The slow twin of settle(): from cell to cell, for each side by itself.
-	void bindPlainly() { m_bindsPlainly = true; }
+	/// Updates the binding for all cracks since the last call. Required before the binding is used.
+	void updateBinding();
+	bool isBindingCurrent() const { return m_newlyBroken.empty(); }
+	/// Uses the reference implementation of updateBinding(): a walk from cell to cell for each side.
+	void useReferenceBinding() { m_usesReferenceBinding = true; }
 
 	bool isBroken( std::uint32_t face ) const;
 
-	/// Draws points of the complex (others than the body's are passed over) where a blade's path has them.
+	/// Moves points of the complex (ignores those of other bodies) to their positions on a blade's path.
 	void follow( const BladePath& path, const std::vector<std::uint32_t>& points );
 
 	// === What is drawn ===
 
-	/// How vertices follow the body's cells, numbered as in cells(), once settled. Weights sum to 1; entries that weigh nothing fill rows
-	/// up.
+	/// How vertices follow the body's cells, which are numbered as in cells(). Valid after updateBinding(). Weights sum to 1; unused
+	/// entries of a row have weight 0.
 	const SkinBinding& binding() const { return m_binding; }
 	const std::vector<std::array<std::uint32_t, 3>>& triangles() const { return m_triangle; }
-	/// By triangle: the input's, or kNone for the inside.
+	/// By triangle: the input's triangle, or kNone for the inside.
 	const std::vector<std::uint32_t>& sources() const { return m_source; }
-	/// By vertex: the input's vertex, or kNone for one that was added.
+	/// By vertex: the input's vertex, or kNone for an added one.
 	std::uint32_t inputVertexOf( std::uint32_t vertex ) const;
-	/// Vertices with one answer are at one place on one side, whatever their normals and texture coordinates: a point of the complex and
-	/// which of its sides.
+	/// A point of the complex and one of its sides. Vertices of equal result coincide, whatever their normals and texture coordinates.
 	std::pair<std::uint32_t, std::uint32_t> sideOf( std::uint32_t vertex ) const;
-	/// u, v of the vertices from `first` on. Outside as in the input (0 where it has none); inside by place, once every
+	/// Writes u, v of the vertices from `first` on. Outside as in the input (0 where it has none); inside by position, with period
 	/// CrackSettings::textureTile.
 	void textureCoordinates( const float* input, std::uint32_t first, float* out ) const;
-	/// The same of one copy of a point.
+	/// The same for one copy of a point.
 	static void textureOf( const CellComplex& complex, std::uint32_t point, std::uint32_t kind, const float* input, float* out );
 
-	/// The same once settled, but panels that are one as the input has them, without what is drawn by nothing then. `texture`: u, v of all
-	/// vertices.
+	/// Writes the drawn surface with intact panels as the input's triangles, without the vertices that become unused. Needs
+	/// updateBinding(). `texture`: u, v of all vertices.
 	void showPanelsAsOne( const float* texture, CrackView& view ) const;
 
-	/// SkinBinding::normalShift of a vertex that is to have `normal` where its triangles' areas sum to `area`.
+	/// SkinBinding::normalShift of a vertex with the normal `normal` whose triangles' areas sum to `area`.
 	static Vec3 normalShift( const Vec3& normal, const Vec3& area );
 
 	std::uint32_t vertexCount() const { return std::uint32_t( m_vertex.size() ); }
-	/// The body's cells by the template's numbers, ascending.
+	/// The body's cells as indices of the template, ascending.
 	const std::vector<std::uint32_t>& cells() const { return m_cell; }
 	const CellComplex& complex() const { return *m_complex; }
 
-	/// Grows with every change.
+	/// Increases with every change.
 	std::uint64_t topologyVersion() const { return m_version; }
-	/// What the latest change touched: upload new vertices and triangles, triangles changed.first .. changed.last again.
+	/// What the latest change touched: new vertices and triangles, and the triangles firstChanged .. lastChanged - 1.
 	struct Change
 	{
 		std::uint32_t firstNewVertex = 0;
 		std::uint32_t firstNewTriangle = 0;
-		std::uint32_t firstChanged = 0; ///< of the triangles before; equal to lastChanged: none
+		std::uint32_t firstChanged = 0; ///< among the earlier triangles; equal to lastChanged: none
 		std::uint32_t lastChanged = 0;
 	};
 	const Change& latestChange() const { return m_change; }
 
 	std::size_t bytes() const;
 
-	/// Room for half of all faces, so that what breaks next need not move what is there.
+	/// Reserves memory for half of all faces, so that later breaks need no reallocation.
 	void reserveScratch();
 
 private:
@@ -120,25 +118,24 @@ private:
 	friend class CrackPatches;
 	friend class CrackSides;
 
-	/// A copy of a point.
 	struct Vertex
 	{
-		std::uint32_t point; ///< local
+		std::uint32_t point; ///< local index
 		std::uint32_t kind;
-		std::uint32_t next; ///< of the same side
+		std::uint32_t next; ///< next copy of the same side
 		std::uint16_t group;
 	};
-	/// The copies of a point that one group of its cells has, once something is drawn with them.
+	/// The copies of a point that belong to one group of its cells; created when something is drawn with them.
 	struct Side
 	{
-		std::uint32_t carrier;                                    ///< the copy that has the row
-		std::uint32_t newest;                                     ///< copy
-		std::uint32_t next;                                       ///< side of the same point
-		std::uint32_t outerNormals = kNone, innerNormals = kNone; ///< SkinBinding::normalGroup of all copies that share one
+		std::uint32_t carrier;                                    ///< the copy that has the row of weights
+		std::uint32_t newest;                                     ///< latest copy
+		std::uint32_t next;                                       ///< next side of the same point
+		std::uint32_t outerNormals = kNone, innerNormals = kNone; ///< SkinBinding::normalGroup shared by the outer and the inner copies
 		std::uint16_t group;
 	};
 
-	/// The copy of a point that the side at hand is drawn with, as far as it is of this round.
+	/// The copy of a point used by the side being drawn, valid in the given round.
 	struct SideVertex
 	{
 		std::uint32_t round = 0, vertex = kNone;
@@ -146,20 +143,20 @@ private:
 
 	struct Tie
 	{
-		std::uint32_t face; ///< local
-		std::uint16_t a, b; ///< slots of its cells, from the point's first
+		std::uint32_t face; ///< local index
+		std::uint16_t a, b; ///< slots of its cells, counted from the point's first
 	};
 	struct Face
 	{
-		std::uint32_t number;         ///< in the complex
-		std::uint32_t cellA, cellB;   ///< local; kNone: of another body
-		std::uint32_t firstA, firstB; ///< triangles of either side; kNone: not drawn
+		std::uint32_t number;         ///< index in the complex
+		std::uint32_t cellA, cellB;   ///< local indices; kNone: of another body
+		std::uint32_t firstA, firstB; ///< first triangles of the two sides; kNone: not drawn
 		bool isBroken;
 	};
 
-	void takeFaces( const std::vector<std::uint8_t>& isBroken );
+	void selectFaces( const std::vector<std::uint8_t>& isBroken );
 	bool isHeld( std::uint32_t face ) const;
-	void takePoints();
+	void selectPoints();
 	void drawAll();
 
 	std::uint32_t localCell( std::uint32_t cell ) const { return m_localCell.empty() ? numberIn( m_cell, cell ) : m_localCell[cell]; }
@@ -168,7 +165,7 @@ private:
 		return m_localPoint.empty() ? numberIn( m_point, point ) : m_localPoint[point];
 	}
 	std::uint32_t localFace( std::uint32_t face ) const;
-	/// A local point's place at rest, relative to the template's mass centre.
+	/// Rest position of a local point relative to the template's mass centre.
 	const Vec3& restOf( std::uint32_t point ) const
 	{
 		return m_position.empty() ? m_complex->pointRest[m_point[point]] : m_position[point];
@@ -186,18 +183,18 @@ private:
 	void matchNormals( std::vector<std::uint32_t>& points );
 	void addAreas( std::uint32_t cell );
 	void addArea( const std::array<std::uint32_t, 3>& corner );
-	void shadeLikeTheMesh( std::uint32_t vertex, const Vec3& area );
+	void shadeAsMesh( std::uint32_t vertex, const Vec3& area );
 
-	void part( std::uint32_t point, bool isByBlade = false );
-	void placeWhatIsWhole();
+	void separate( std::uint32_t point, bool isByBlade = false );
+	void placeIntactPanels();
 	SkinBinding::Placed placedFrom( const CellComplex::Origin& origin, std::uint32_t vertex ) const;
-	std::vector<std::uint32_t> wholePanels() const;
+	std::vector<std::uint32_t> intactPanels() const;
 	void addPanelsAt( std::uint32_t point, std::vector<std::uint32_t>& panels ) const;
 	bool isPlaced( const Vertex& vertex ) const { return vertex.kind < kInside && m_panels.isPlaced( m_point[vertex.point] ); }
 	std::uint32_t carrierAt( std::uint32_t input ) const;
-	/// Triangles of a cell's outer surface that are pieces by themselves: of no panel that is one.
+	/// Calls take for each triangle of a cell's outer surface that is in no panel shaded as one.
 	template <class Take>
-	void forPiecesAlone( std::uint32_t cell, Take&& take ) const
+	void forSeparatePieces( std::uint32_t cell, Take&& take ) const
 	{
 		const std::uint32_t known = m_complex->cellTriangleStart[m_cell[cell]] - m_cellTriangle[cell];
 		for ( std::uint32_t t = m_cellTriangle[cell]; t < m_cellTriangle[cell + 1]; ++t )
@@ -208,23 +205,23 @@ private:
 	void listPlaced();
 	void listShading();
 	std::uint32_t vertexOf( std::uint32_t kind ) const;
-	void drawAsOne( CrackView& view ) const;
+	void drawIntactPanels( CrackView& view ) const;
 
-	void addUnheld( std::vector<std::uint32_t>& fresh );
-	void splitGroups( const std::vector<std::uint32_t>& fresh );
+	void addUnheld( std::vector<std::uint32_t>& added );
+	void splitGroups( const std::vector<std::uint32_t>& added );
 	void redirect( std::uint32_t cell );
 	void redirectTriangles( std::uint32_t cell, std::uint32_t first, std::uint32_t last );
 	void collect( std::uint32_t item, std::vector<std::uint32_t>& list );
 	void clearMarks( const std::vector<std::uint32_t>& list );
 
 	void rebind( std::uint32_t point );
-	bool askCarriers( std::uint32_t point );
+	bool findCarriers( std::uint32_t point );
 	std::uint64_t carriersBeside( std::uint32_t cell ) const;
-	void forgetCarriers();
-	void reachInWords( std::uint32_t point, const Side& side );
+	void clearCarriers();
+	void reachByBits( std::uint32_t point, const Side& side );
 	void reach( std::uint32_t point, const Side& side );
-	void writeRow( std::uint32_t point, const Side& side, std::uint32_t home );
-	void shut( std::uint32_t face );
+	void writeRow( std::uint32_t point, const Side& side, std::uint32_t firstCell );
+	void markBroken( std::uint32_t face );
 
 	Status validateTriangles() const;
 	Status validateGroups() const;
@@ -235,16 +232,16 @@ private:
 
 	std::shared_ptr<const CellComplex> m_complex;
 	Vec3 m_shift;
-	std::vector<std::uint32_t> m_cell, m_point;                        ///< of the complex, ascending
-	std::vector<Vec3> m_position;                                      ///< by point; empty: those of the complex
-	std::vector<std::uint32_t> m_localCell, m_localPoint, m_localFace; ///< the other way round; empty for small pieces, which search
+	std::vector<std::uint32_t> m_cell, m_point;                        ///< indices in the complex, ascending
+	std::vector<Vec3> m_position;                                      ///< by point; empty: as in the complex
+	std::vector<std::uint32_t> m_localCell, m_localPoint, m_localFace; ///< the inverse tables; empty for small pieces, which search instead
 	std::vector<Face> m_face;                                          ///< ascending
 	std::vector<std::uint32_t> m_cellFaceStart, m_cellFace;            ///< local faces by local cell
-	std::vector<std::uint32_t> m_neighbour;    ///< by entry of m_cellFace: the cell beyond while the face stands, or the number of cells
+	std::vector<std::uint32_t> m_neighbour;    ///< by entry of m_cellFace: the cell behind an unbroken face, or the number of cells
 	std::vector<std::uint32_t> m_cellTriangle; ///< by local cell, and one past the last: its pieces of the outer surface
 
 	std::vector<std::uint32_t> m_slotStart, m_slotCell; ///< cells of each point, local
-	std::vector<std::uint16_t> m_slotGroup, m_groups;   ///< by slot; how many, by point
+	std::vector<std::uint16_t> m_slotGroup, m_groups;   ///< group by slot; number of groups by point
 	std::vector<std::uint32_t> m_tieStart;
 	std::vector<Tie> m_tie;
 
@@ -254,30 +251,30 @@ private:
 	std::vector<std::array<std::uint32_t, 3>> m_triangle;
 	std::vector<std::uint32_t> m_source;
 	SkinBinding m_binding;
-	std::vector<std::uint32_t> m_unsettled; ///< faces that broke since, local
-	std::vector<std::uint32_t> m_split;     ///< points that have more groups since, or panels around that are parted, local; some twice
-	WholePanels m_panels;                   ///< of the template; those that none of the cells draws are not asked for
-	std::vector<std::array<std::uint32_t, 3>> m_panelCorner; ///< by panel that was one when all was drawn: vertices
-	std::uint64_t m_version = 1, m_listedVersion = 0;        ///< since when it is, and when it was listed what is placed
+	std::vector<std::uint32_t> m_newlyBroken;                ///< faces broken since the last updateBinding(), local
+	std::vector<std::uint32_t> m_split;                      ///< local points with new groups or separated panels since then, some twice
+	IntactPanels m_panels;                                   ///< of the template; panels that none of the cells draws are not used
+	std::vector<std::array<std::uint32_t, 3>> m_panelCorner; ///< by panel that is intact when all is drawn: vertices
+	std::uint64_t m_version = 1, m_listedVersion = 0; ///< version of the cracks, and version for which the placed vertices were listed
 	Change m_change;
 
-	// Room kept between calls.
+	// // Scratch kept between calls.
 	std::vector<SideVertex> m_sideVertex; ///< by point
 	std::uint32_t m_sideRound = 0;
-	std::vector<std::uint32_t> m_mark, m_open; ///< by local cell, and one for none; local cells
+	std::vector<std::uint32_t> m_mark, m_frontier; ///< by local cell, and one for none; local cells
 	std::uint32_t m_round = 0;
-	std::vector<std::uint32_t> m_asked, m_reached; ///< cells; entries of those
-	std::vector<std::uint64_t> m_bitOf;            ///< by local cell, and one for none: which of those asked it is, else 0
-	std::vector<std::uint64_t> m_beside;           ///< by cell asked
-	bool m_bindsPlainly = false;
-	std::vector<std::uint16_t> m_root;    ///< by slot of the point at hand
-	std::vector<std::uint8_t> m_isMarked; ///< by point or cell
-	std::vector<std::uint32_t> m_strange; ///< points that cells of other bodies carried
-	std::vector<std::uint32_t> m_parted;  ///< of the template
-	std::vector<Vec3> m_area;             ///< by group of normals
+	std::vector<std::uint32_t> m_candidate, m_reached; ///< cells; indices into them
+	std::vector<std::uint64_t> m_bitOf;                ///< by local cell, and one for none: its bit among m_candidate, else 0
+	std::vector<std::uint64_t> m_beside;               ///< by candidate
+	bool m_usesReferenceBinding = false;
+	std::vector<std::uint16_t> m_root;     ///< by slot of the current point
+	std::vector<std::uint8_t> m_isMarked;  ///< by point or cell
+	std::vector<std::uint32_t> m_foreign;  ///< points with carriers in other bodies
+	std::vector<std::uint32_t> m_reshaded; ///< of the template
+	std::vector<Vec3> m_area;              ///< by group of normals
 };
 
-/// Every invariant: copies belong to groups, groups to standing faces, rows of the binding to the vertex's own side.
+/// Checks all invariants: copies belong to groups, groups to unbroken faces, rows of the binding to the vertex's own side.
 Status validate( const CrackSurface& surface );
 
 } // namespace pliant

@@ -13,7 +13,7 @@ Status broken( const char* words )
 	return { ResultCode::BadArgument, words };
 }
 
-/// Weights are floats: their sum is 1 but for rounding.
+/// Tolerance for the rounded sum of weights.
 constexpr double kSumSlack = 1e-5;
 
 } // namespace
@@ -49,7 +49,7 @@ Status CrackSurface::validateTriangles() const
 			const std::uint32_t cell = isA ? face.cellA : face.cellB, first = isA ? face.firstA : face.firstB;
 			if ( ( first != kNone ) != ( face.isBroken && cell != kNone ) )
 			{
-				return broken( "A broken face is not drawn, or a standing one is." );
+				return broken( "A broken face is not drawn, or an unbroken one is." );
 			}
 			if ( first != kNone && !isOfSide( cell, first, first + count ) )
 			{
@@ -80,7 +80,7 @@ Status CrackSurface::validateGroups() const
 			}
 			if ( m_slotGroup[first + tie.a] != m_slotGroup[first + tie.b] )
 			{
-				return broken( "A standing face parts its cells." );
+				return broken( "An unbroken face separates its cells." );
 			}
 			const std::uint32_t from = label[tie.b], to = label[tie.a];
 			joins += from != to;
@@ -91,7 +91,7 @@ Status CrackSurface::validateGroups() const
 		}
 		if ( count > 0 && count - joins != m_groups[p] )
 		{
-			return broken( "Cells that no standing face joins are one group." );
+			return broken( "Cells that no unbroken face joins are one group." );
 		}
 	}
 	return {};
@@ -102,22 +102,22 @@ Status CrackSurface::validateBinding() const
 	if ( m_binding.start.size() != m_vertex.size() + 1 || m_binding.restPosition.size() != m_vertex.size() ||
 		m_binding.normalGroup.size() != m_vertex.size() || m_binding.carrier.size() != m_vertex.size() ||
 		m_binding.point.size() != m_vertex.size() || m_binding.restNormal.size() != m_vertex.size() ||
-		( isSettled() && m_binding.normalShift.size() != m_vertex.size() ) )
+		( isBindingCurrent() && m_binding.normalShift.size() != m_vertex.size() ) )
 	{
 		return broken( "The binding and the vertices differ in number." );
 	}
-	for ( std::size_t v = 0; v < m_vertex.size() && m_binding.kind != Skinning::None && isSettled(); ++v )
+	for ( std::size_t v = 0; v < m_vertex.size() && m_binding.kind != Skinning::None && isBindingCurrent(); ++v )
 	{
 		double sum = 0.0;
 		const std::uint32_t carrier = m_binding.carrier[v];
 		if ( m_binding.carrier[carrier] != carrier || m_vertex[carrier].point != m_vertex[v].point ||
 			m_vertex[carrier].group != m_vertex[v].group )
 		{
-			return broken( "A vertex is carried by one of another side." );
+			return broken( "The carrier of a vertex belongs to another side." );
 		}
 		if ( m_binding.point[v] != m_point[m_vertex[v].point] )
 		{
-			return broken( "A vertex stands at another point than it is said to." );
+			return broken( "A vertex is at another point than its binding says." );
 		}
 		for ( std::uint32_t k = m_binding.start[carrier]; k < m_binding.start[carrier + 1]; ++k )
 		{
@@ -137,7 +137,7 @@ Status CrackSurface::validateBinding() const
 
 Status CrackSurface::validatePanels() const
 {
-	const auto isParted = [this]( std::uint32_t point ) {
+	const auto isSeparated = [this]( std::uint32_t point ) {
 		const std::uint32_t local = localPoint( point );
 		return local != kNone &&
 			( m_groups[local] != 1 || m_slotStart[local + 1] - m_slotStart[local] != m_complex->cellsOfPoint.size( point ) );
@@ -147,12 +147,12 @@ Status CrackSurface::validatePanels() const
 		return std::any_of( faces.begin( point ), faces.end( point ),
 			[this]( std::uint32_t face ) { return localFace( face ) != kNone && isBroken( face ); } );
 	};
-	return m_panels.validate( isParted, isPassed );
+	return m_panels.validate( isSeparated, isPassed );
 }
 
 Status CrackSurface::validatePlaced() const
 {
-	if ( !isSettled() )
+	if ( !isBindingCurrent() )
 	{
 		return {};
 	}
@@ -172,7 +172,7 @@ Status CrackSurface::validatePlaced() const
 		if ( placed == m_binding.placed.size() || m_binding.placed[placed].vertex != v || !isPlaced( m_vertex[carrier] ) ||
 			!m_binding.normalShift[v].isZero( 0.0f ) )
 		{
-			return broken( "A vertex within a whole panel is not placed, or goes with one that is not." );
+			return broken( "A vertex within an intact panel is not placed, or its carrier is not." );
 		}
 		const CellComplex::Origin& origin = m_complex->addedOrigin[m_vertex[v].kind - m_complex->inputVertices];
 		const SkinBinding::Placed& of = m_binding.placed[placed++];
@@ -180,21 +180,21 @@ Status CrackSurface::validatePlaced() const
 		{
 			if ( of.weight[k] != origin.weight[k] || !isCorner( of.corner[k], origin.vertex[origin.vertex[k] == kNone ? 0 : k] ) )
 			{
-				return broken( "A vertex is placed by others than the corners of its panel." );
+				return broken( "A vertex is placed by vertices other than the corners of its panel." );
 			}
 		}
 	}
 	const bool areAll = placed == m_binding.placed.size() && blended == m_binding.blended.size() &&
 		( placed == 0 ? blended == 0 : placed + blended == m_vertex.size() );
-	return areAll ? Status{} : broken( "Vertices that are placed and those that are blended are not all." );
+	return areAll ? Status{} : broken( "Some vertex is neither placed nor blended, or is both." );
 }
 
 Status CrackSurface::validateShading() const
 {
-	if ( !isSettled() || m_binding.placed.empty() )
+	if ( !isBindingCurrent() || m_binding.placed.empty() )
 	{
-		return m_binding.shading.empty() || !isSettled() ? Status{}
-														 : broken( "Panels are shaded as one, and none of their points is placed." );
+		return m_binding.shading.empty() || !isBindingCurrent() ? Status{}
+																: broken( "Panels are shaded as one triangle, but no point is placed." );
 	}
 	std::size_t listed = 0;
 	const auto isListed = [&]( const std::array<std::uint32_t, 3>& points ) {
@@ -231,7 +231,7 @@ Status CrackSurface::validateShading() const
 	}
 	return areListed && listed == m_binding.shading.size()
 		? Status{}
-		: broken( "What is summed up to normals is not what is drawn, panels put together." );
+		: broken( "The triangles summed to normals are not the drawn ones with intact panels as one." );
 }
 
 Status validate( const CrackSurface& surface )
@@ -247,35 +247,35 @@ Status validate( const CrackSurface& surface )
 	return {};
 }
 
-// === Of the sides of a family's cracks ===
+// // === Sides of a family's cracks ===
 
 namespace {
 
-/// Cells that standing faces join to some, going only through those asked; with a point, through faces that pass there.
+/// Cells connected to `frontier` by unbroken faces through `allowed` cells; with a point, only through faces that contain it.
 std::vector<std::uint32_t> walkFrom(
-	const CrackSides& sides, std::vector<std::uint32_t> open, const std::vector<std::uint32_t>& asked, std::uint32_t point )
+	const CrackSides& sides, std::vector<std::uint32_t> frontier, const std::vector<std::uint32_t>& allowed, std::uint32_t point )
 {
 	const CellComplex& complex = sides.complex();
 	const auto isThere = [&]( std::uint32_t face ) {
 		return point == CellComplex::kNone ||
 			std::find( complex.facesOfPoint.begin( point ), complex.facesOfPoint.end( point ), face ) != complex.facesOfPoint.end( point );
 	};
-	for ( std::size_t k = 0; k < open.size(); ++k )
+	for ( std::size_t k = 0; k < frontier.size(); ++k )
 	{
-		for ( const std::uint32_t* f = complex.facesOfCell.begin( open[k] ); f != complex.facesOfCell.end( open[k] ); ++f )
+		for ( const std::uint32_t* f = complex.facesOfCell.begin( frontier[k] ); f != complex.facesOfCell.end( frontier[k] ); ++f )
 		{
-			const std::uint32_t other = complex.face[*f].cellA == open[k] ? complex.face[*f].cellB : complex.face[*f].cellA;
-			const bool isAsked = std::find( asked.begin(), asked.end(), other ) != asked.end();
-			if ( isAsked && isThere( *f ) && !sides.isBroken( *f ) && std::find( open.begin(), open.end(), other ) == open.end() )
+			const std::uint32_t other = complex.face[*f].cellA == frontier[k] ? complex.face[*f].cellB : complex.face[*f].cellA;
+			const bool isAllowed = std::find( allowed.begin(), allowed.end(), other ) != allowed.end();
+			if ( isAllowed && isThere( *f ) && !sides.isBroken( *f ) &&
+				std::find( frontier.begin(), frontier.end(), other ) == frontier.end() )
 			{
-				open.push_back( other );
+				frontier.push_back( other );
 			}
 		}
 	}
-	return open;
+	return frontier;
 }
 
-/// Of the side that begins with a slot.
 Status validateSide( const CrackSides& sides, std::uint32_t slot )
 {
 	const CellComplex& complex = sides.complex();
@@ -295,7 +295,7 @@ Status validateSide( const CrackSides& sides, std::uint32_t slot )
 	std::sort( joined.begin(), joined.end() );
 	if ( joined != side )
 	{
-		return broken( "A side of a crack is not what standing faces join." );
+		return broken( "A side of a crack is not a group joined by unbroken faces." );
 	}
 	const std::vector<std::uint32_t> reached = walkFrom( sides, side, carriers, CellComplex::kNone );
 	for ( std::size_t k = 0; k < carriers.size(); ++k )
@@ -323,7 +323,7 @@ Status validate( const CrackSides& sides )
 			}
 		}
 	}
-	const auto isParted = [&sides]( std::uint32_t point ) {
+	const auto isSeparated = [&sides]( std::uint32_t point ) {
 		const std::uint32_t *const start = sides.complex().cellsOfPoint.start.data(), first = start[point];
 		return std::any_of( sides.m_side.begin() + first, sides.m_side.begin() + start[point + 1],
 			[first]( std::uint32_t side ) { return side != first; } );
@@ -332,7 +332,7 @@ Status validate( const CrackSides& sides )
 		const Table& faces = sides.complex().facesOfPoint;
 		return std::any_of( faces.begin( point ), faces.end( point ), [&sides]( std::uint32_t face ) { return sides.isBroken( face ); } );
 	};
-	return sides.m_panels.validate( isParted, isPassed );
+	return sides.m_panels.validate( isSeparated, isPassed );
 }
 
 } // namespace pliant

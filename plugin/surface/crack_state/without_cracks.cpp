@@ -1,4 +1,4 @@
-// In a build without fracture or without skins no crack is ever drawn.
+// For builds without fracture or without skins: no crack is drawn.
 
 #include "lattice/features.h"
 #include "surface/crack_complex/cell_complex.h"

@@ -1,4 +1,4 @@
-// Which of the skin's kernel tables runs on this processor. Compiled for the baseline only.
+// Selects the skin's kernel table for this processor. Compiled for the baseline only.
 
 #include "matching/kernels/kernels.h"
 #include "surface/kernels/skin_kernels.h"

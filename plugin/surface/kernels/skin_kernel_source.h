@@ -1,6 +1,6 @@
-// The kernels themselves. Each skin_kernels_<target>.cpp defines PLIANT_SKIN_TABLE and PLIANT_SKIN_NAME and includes this file once. No
-// template or inline function of any other header is instantiated here (matching/kernels/kernel_source.h says why). What a view points to
-// is taken out of it before a loop begins: the compiler must expect every store to have changed the view.
+// The skin's kernels. Each skin_kernels_<target>.cpp defines PLIANT_SKIN_TABLE and PLIANT_SKIN_NAME and includes this file once. No
+// template or inline function of another header is instantiated here (matching/kernels/kernel_source.h explains why). Pointers are copied
+// from the view before a loop, because the compiler must assume that every store changes the view.
 
 #pragma once
 
@@ -17,12 +17,12 @@ namespace {
 #define PLIANT_LANE_WIDTH 4
 #include "matching/kernels/lane.h"
 
-/// The rows of the map that a vertex follows, blended of those of its nodes.
+/// The rows of a vertex's affine map, blended from those of its nodes.
 struct Blend
 {
 	F4 x, y, z;
 
-	/// The three rows' products with a column, and zero. The column's last entry is 1 for points, 0 for directions.
+	/// Products of the three rows with a column, and zero. The column's last entry is 1 for positions, 0 for directions.
 	F4 apply( F4 column ) const
 	{
 		const F4 a = x * column, b = y * column, c = z * column, d{};
@@ -32,7 +32,6 @@ struct Blend
 	}
 };
 
-/// What rows are of.
 struct Rows
 {
 	const std::uint32_t *start, *node, *slot;
@@ -81,7 +80,7 @@ void followRows( const SkinView& view, std::size_t first, std::size_t last )
 	const Rows rows( view );
 	const std::uint32_t *const listed = view.listed, *const carriers = view.carrier;
 	const float *const rest = view.restPosition, *const shifts = view.normalShift;
-	float *const positions4 = view.place, *const turnedShift = view.turnedShift, *const positions = view.positions;
+	float *const positions4 = view.position4, *const turnedShift = view.turnedShift, *const positions = view.positions;
 	const std::size_t shifted = view.shifted;
 	for ( std::size_t k = first; k < last; ++k )
 	{
@@ -110,7 +109,7 @@ void placeFromCorners( const SkinView& view, std::size_t first, std::size_t last
 {
 	const SkinPosition* const placed = view.placed;
 	const std::uint32_t* const carriers = view.carrier;
-	float *const positions4 = view.place, *const positions = view.positions;
+	float *const positions4 = view.position4, *const positions = view.positions;
 	const auto at = [positions4]( std::uint32_t vertex ) { return load4( positions4 + 4 * std::size_t( vertex ) ); };
 	for ( std::size_t k = first; k < last; ++k )
 	{
@@ -128,7 +127,7 @@ void placeFromCorners( const SkinView& view, std::size_t first, std::size_t last
 void carry( const SkinView& view, std::size_t first, std::size_t last )
 {
 	const std::uint32_t* const carriers = view.carrier;
-	float *const positions4 = view.place, *const positions = view.positions;
+	float *const positions4 = view.position4, *const positions = view.positions;
 	for ( std::size_t v = first; v < last; ++v )
 	{
 		if ( const std::size_t carrier = carriers[v]; carrier != v )
@@ -149,7 +148,7 @@ F4 cross( F4 a, F4 b )
 void addAreas( const SkinView& view, const std::uint32_t* corners, int triangles )
 {
 	const std::uint32_t* const group = view.normalGroup;
-	const float* const positions4 = view.place;
+	const float* const positions4 = view.position4;
 	float* const sums = view.groupNormal;
 	const auto at = [positions4]( std::uint32_t vertex ) { return load4( positions4 + 4 * std::size_t( vertex ) ); };
 	for ( int t = 0; t < triangles; ++t, corners += 3 )
@@ -169,7 +168,7 @@ float lengthOf( F4 a )
 	return __builtin_sqrtf( ( a[0] * a[0] + a[1] * a[1] ) + a[2] * a[2] );
 }
 
-/// Four directions side by side: component by component. Turns one way and back alike.
+/// Four directions, stored by component. The transposition is its own inverse.
 struct Four
 {
 	F4 x, y, z;
@@ -183,7 +182,7 @@ struct Four
 		z = __builtin_shufflevector( ab1, cd1, 0, 1, 4, 5 );
 	}
 	F4 length() const { return squareRoot( ( x * x + y * y ) + z * z ); }
-	/// False, with nothing done, where one of them is zero.
+	/// Returns false and changes nothing where one of them is zero.
 	bool normalize()
 	{
 		const F4 l = length();
@@ -199,7 +198,7 @@ struct Four
 	F4 operator[]( int k ) const { return F4{ x[k], y[k], z[k], 0.0f }; }
 };
 
-/// What normals are of.
+/// Sums of areas and shifts, from which normals are computed.
 struct Normals
 {
 	const std::uint32_t* group;
@@ -213,7 +212,7 @@ struct Normals
 	F4 sumOf( std::size_t vertex ) const { return load4( sums + 4 * std::size_t( group[vertex] ) ); }
 	F4 shiftOf( std::size_t vertex ) const { return load4( turnedShift + 4 * vertex ); }
 
-	/// Of four vertices, to the bit what they are one by one. False where one of them has none to begin with, or shifts end among them.
+	/// Writes four vertices, with the same bits as one by one. Returns false where one has no area sum, or only some are shifted.
 	bool writeFour( const std::size_t ( &v )[4], float* normals ) const
 	{
 		if ( v[0] < shifted && v[3] >= shifted )
@@ -249,7 +248,7 @@ struct Normals
 	}
 };
 
-/// A normal that turns along with the vertex's nodes, where the triangles have no area to measure one by.
+/// The rest normal rotated with the vertex's nodes, for vertices whose triangles have no area.
 F4 turnedNormal( const SkinView& view, std::size_t vertex )
 {
 	const F4 rest = column( view.restNormal + 3 * vertex, 0.0f );

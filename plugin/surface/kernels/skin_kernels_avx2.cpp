@@ -1,5 +1,5 @@
-// The skin's kernels in AVX2's encoding: the same operations in fewer instructions. Compiled with -mavx2; entered only where the processor
-// has it.
+// The skin's kernels in AVX2 encoding: the same operations in fewer instructions. Compiled with -mavx2; called only on processors that have
+// it.
 
 #define PLIANT_SKIN_TABLE kSkinAvx2
 #define PLIANT_SKIN_NAME "avx2"

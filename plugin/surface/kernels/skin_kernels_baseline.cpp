@@ -1,4 +1,4 @@
-// The skin's kernels as every processor runs them.
+// The skin's kernels for every processor.
 
 #define PLIANT_SKIN_TABLE kSkinBaseline
 #define PLIANT_SKIN_NAME "baseline"

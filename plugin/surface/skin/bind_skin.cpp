@@ -1,4 +1,4 @@
-// Which nodes move a vertex. Steinemann et al. 2008, section 7; trilinear embedding: Rivers and James 2007, section 4.
+// Computes which nodes move a vertex. Steinemann et al. 2008, section 7; trilinear embedding: Rivers and James 2007, section 4.
 
 #include "surface/skin/cell_finder.h"
 #include "surface/skin/skinning.h"
@@ -16,33 +16,33 @@ namespace {
 
 constexpr std::uint32_t kNoGroup = std::numeric_limits<std::uint32_t>::max();
 
-/// Radius of a cell's say over vertices, in cells. At 1.4 a point always has at least two cells of full material in reach, no cell
-/// beyond the 27 around it has any say, and on the middles, faces and corners of cells a linear field is met exactly.
+/// Radius of a cell's influence on vertices, cells. With 1.4 every point has at least two cells of full material in reach, no cell beyond
+/// the 27 around it has influence, and linear fields are exact at the centres, faces and corners of cells.
 constexpr double kSupport = 1.4;
 
-/// ( 1 - r^2 / R^2 )^2 within R, with zero slope at the border: a vertex that slides over the material changes hands without a jerk.
+/// ( 1 - r^2 / R^2 )^2 within R, with zero slope at R, so that weights change smoothly over the material.
 double nearbyWeight( const Vec3d& fromMiddle )
 {
 	const double rest = 1.0 - fromMiddle.squaredNorm() / ( kSupport * kSupport );
 	return rest > 0.0 ? rest * rest : 0.0;
 }
 
-/// The cell's weight in the cube of eight cells' middles that holds the point.
+/// The cell's weight in the cube of eight cell centres that contains the point.
 double trilinearWeight( const Vec3d& fromMiddle )
 {
 	return ( 1.0 - fromMiddle.array().abs() ).max( 0.0 ).prod();
 }
 
-/// Vertices at one place, taken as one.
-struct Spot
+/// Coincident vertices, treated as one.
+struct WeldedPoint
 {
-	Vec3d point = Vec3d::Zero();   ///< m, mesh coordinates
-	Vec3d outward = Vec3d::Zero(); ///< area-weighted normal of the rest mesh, unit, or zero
-	std::uint32_t first = 0;       ///< its shares in the table of shares
+	Vec3d position = Vec3d::Zero(); ///< mesh coordinates, m
+	Vec3d outward = Vec3d::Zero();  ///< area-weighted normal of the rest mesh, unit, or zero
+	std::uint32_t first = 0;        ///< range in the table of node weights
 	std::uint32_t last = 0;
 };
 
-struct Share
+struct NodeWeight
 {
 	std::uint32_t node;
 	double weight;
@@ -69,12 +69,12 @@ void numberGroups( const MeshView& mesh, const std::vector<std::uint32_t>& welde
 	}
 }
 
-std::vector<Spot> makeSpots( const MeshView& mesh, const SkinBinding& binding )
+std::vector<WeldedPoint> makePoints( const MeshView& mesh, const SkinBinding& binding )
 {
-	std::vector<Spot> spots( binding.normalGroups );
-	for ( std::size_t i = mesh.vertexCount; i-- > 0; ) // the first vertex of a group stands for it
+	std::vector<WeldedPoint> points( binding.normalGroups );
+	for ( std::size_t i = mesh.vertexCount; i-- > 0; ) // the first vertex of a group gives its position
 	{
-		spots[binding.normalGroup[i]].point = meshVertex( mesh, i );
+		points[binding.normalGroup[i]].position = meshVertex( mesh, i );
 	}
 	for ( std::size_t t = 0; t < mesh.triangleCount; ++t )
 	{
@@ -83,22 +83,21 @@ std::vector<Spot> makeSpots( const MeshView& mesh, const SkinBinding& binding )
 		const Vec3d area = ( b - a ).cross( c - a );
 		for ( int k = 0; k < 3; ++k )
 		{
-			spots[binding.normalGroup[corner[k]]].outward += area;
+			points[binding.normalGroup[corner[k]]].outward += area;
 		}
 	}
-	for ( Spot& spot : spots )
+	for ( WeldedPoint& point : points )
 	{
-		// Scaled by the largest part first: the square of a tiny triangle's area is nothing.
-		const double largest = spot.outward.cwiseAbs().maxCoeff();
+		// Scaled by the largest component first: the square of a tiny triangle's area would underflow.
+		const double largest = point.outward.cwiseAbs().maxCoeff();
 		if ( largest > 0.0 )
 		{
-			spot.outward = ( spot.outward / largest ).normalized();
+			point.outward = ( point.outward / largest ).normalized();
 		}
 	}
-	return spots;
+	return points;
 }
 
-/// Binds one spot after the other.
 class Binder
 {
 public:
@@ -106,45 +105,45 @@ public:
 		m_lattice( lattice ), m_kind( kind ), m_finder( lattice ), m_mark( lattice.restCentre.size(), 0 )
 	{}
 
-	/// Whether the nearest material lies behind the surface here (1), in front of it (-1), or cannot be told (0).
-	int sideOfMaterial( const Spot& spot )
+	/// Returns 1 where the nearest material lies behind the surface, -1 where it lies in front, 0 where it is undetermined.
+	int sideOfMaterial( const WeldedPoint& point )
 	{
-		m_finder.cellsAround( m_finder.positionOf( spot.point ), m_around );
+		m_finder.cellsAround( m_finder.positionOf( point.position ), m_around );
 		if ( m_around.empty() )
 		{
 			return 0;
 		}
-		const double front = m_finder.inFront( m_finder.owner( spot.point, Vec3d::Zero(), m_around ), spot.point, spot.outward );
+		const double front = m_finder.inFront( m_finder.owner( point.position, Vec3d::Zero(), m_around ), point.position, point.outward );
 		return front < 0.0 ? 1 : front > 0.0 ? -1 : 0;
 	}
 
-	/// Appends the spot's shares. Their weights sum to 1.
-	void bind( const Spot& spot, bool isInsideOut, std::vector<Share>& fractions )
+	/// Appends the point's node weights, which sum to 1.
+	void bind( const WeldedPoint& point, bool isInsideOut, std::vector<NodeWeight>& nodeWeights )
 	{
-		m_finder.cellsAround( m_finder.positionOf( spot.point ), m_around );
-		const Vec3d outward = isInsideOut ? Vec3d( -spot.outward ) : spot.outward;
-		const std::uint32_t owner = std::uint32_t( m_finder.owner( spot.point, outward, m_around ) );
-		const std::size_t first = fractions.size();
+		m_finder.cellsAround( m_finder.positionOf( point.position ), m_around );
+		const Vec3d outward = isInsideOut ? Vec3d( -point.outward ) : point.outward;
+		const std::uint32_t owner = std::uint32_t( m_finder.owner( point.position, outward, m_around ) );
+		const std::size_t first = nodeWeights.size();
 		double sum = 0.0;
 		markLinks( owner );
 		for ( const std::uint32_t cell : m_around )
 		{
-			const Vec3d away = m_finder.fromMiddle( int( cell ), spot.point );
+			const Vec3d away = m_finder.fromMiddle( int( cell ), point.position );
 			const double weight = m_kind == Skinning::Trilinear ? trilinearWeight( away ) : nearbyWeight( away );
 			if ( weight > 0.0 && isWithinTwoLinks( cell ) )
 			{
-				fractions.push_back( Share{ cell, weight } );
+				nodeWeights.push_back( NodeWeight{ cell, weight } );
 				sum += weight;
 			}
 		}
-		if ( fractions.size() == first ) // out of every cell's reach
+		if ( nodeWeights.size() == first ) // out of reach of every cell
 		{
-			fractions.push_back( Share{ owner, 1.0 } );
+			nodeWeights.push_back( NodeWeight{ owner, 1.0 } );
 			return;
 		}
-		for ( std::size_t k = first; k < fractions.size(); ++k )
+		for ( std::size_t k = first; k < nodeWeights.size(); ++k )
 		{
-			fractions[k].weight /= sum;
+			nodeWeights[k].weight /= sum;
 		}
 	}
 
@@ -160,8 +159,8 @@ private:
 		}
 	}
 
-	/// Two links reach all the 27 cells around, wherever the owner is among them, as long as the material is whole between;
-	/// what is across a gap is further away.
+	/// Two links reach all of the 27 cells around, wherever among them the owner is, as long as the material between is connected; cells
+	/// across a gap are further away.
 	bool isWithinTwoLinks( std::uint32_t cell ) const
 	{
 		if ( m_mark[cell] == m_round )
@@ -176,28 +175,29 @@ private:
 	const Lattice& m_lattice;
 	Skinning m_kind;
 	CellFinder m_finder;
-	std::vector<std::uint32_t> m_mark; ///< of the spot at hand where it equals m_round
+	std::vector<std::uint32_t> m_mark; ///< equals m_round for cells marked for the current point
 	std::uint32_t m_round = 0;
 	std::vector<std::uint32_t> m_around;
 };
 
-/// Shells whose triangles look inwards, by vote of their vertices: the mesh comes as the artist left it.
-std::vector<std::uint8_t> findInsideOut( const MeshView& mesh, const SkinBinding& binding, const std::vector<Spot>& spots, Binder& binder )
+/// Finds connected parts whose triangles face inwards, by a vote of their vertices: input meshes may have any orientation.
+std::vector<std::uint8_t> findInsideOut(
+	const MeshView& mesh, const SkinBinding& binding, const std::vector<WeldedPoint>& points, Binder& binder )
 {
-	UnionFind shells( spots.size() );
+	UnionFind shells( points.size() );
 	for ( std::size_t t = 0; t < mesh.triangleCount; ++t )
 	{
 		const std::uint32_t* corner = mesh.indices + 3 * t;
 		shells.join( binding.normalGroup[corner[0]], binding.normalGroup[corner[1]] );
 		shells.join( binding.normalGroup[corner[0]], binding.normalGroup[corner[2]] );
 	}
-	std::vector<std::int64_t> votes( spots.size(), 0 );
-	for ( std::size_t g = 0; g < spots.size(); ++g )
+	std::vector<std::int64_t> votes( points.size(), 0 );
+	for ( std::size_t g = 0; g < points.size(); ++g )
 	{
-		votes[shells.find( std::uint32_t( g ) )] += binder.sideOfMaterial( spots[g] );
+		votes[shells.find( std::uint32_t( g ) )] += binder.sideOfMaterial( points[g] );
 	}
-	std::vector<std::uint8_t> isInsideOut( spots.size() );
-	for ( std::size_t g = 0; g < spots.size(); ++g )
+	std::vector<std::uint8_t> isInsideOut( points.size() );
+	for ( std::size_t g = 0; g < points.size(); ++g )
 	{
 		isInsideOut[g] = votes[shells.find( std::uint32_t( g ) )] < 0;
 	}
@@ -215,15 +215,15 @@ SkinBinding bindSkin( const MeshView& mesh, const Lattice& lattice, const std::v
 		return binding;
 	}
 	numberGroups( mesh, weldedVertex, binding );
-	std::vector<Spot> spots = makeSpots( mesh, binding );
+	std::vector<WeldedPoint> points = makePoints( mesh, binding );
 	Binder binder( lattice, kind );
-	const std::vector<std::uint8_t> isInsideOut = findInsideOut( mesh, binding, spots, binder );
-	std::vector<Share> fractions;
-	for ( std::size_t g = 0; g < spots.size(); ++g )
+	const std::vector<std::uint8_t> isInsideOut = findInsideOut( mesh, binding, points, binder );
+	std::vector<NodeWeight> nodeWeights;
+	for ( std::size_t g = 0; g < points.size(); ++g )
 	{
-		spots[g].first = std::uint32_t( fractions.size() );
-		binder.bind( spots[g], isInsideOut[g] != 0, fractions );
-		spots[g].last = std::uint32_t( fractions.size() );
+		points[g].first = std::uint32_t( nodeWeights.size() );
+		binder.bind( points[g], isInsideOut[g] != 0, nodeWeights );
+		points[g].last = std::uint32_t( nodeWeights.size() );
 	}
 
 	binding.start.reserve( mesh.vertexCount + 1 );
@@ -232,16 +232,16 @@ SkinBinding bindSkin( const MeshView& mesh, const Lattice& lattice, const std::v
 	binding.restNormal.reserve( mesh.vertexCount );
 	for ( std::size_t i = 0; i < mesh.vertexCount; ++i )
 	{
-		// Vertices of one spot have the same shares to the bit: no seam can open between them.
-		const Spot& spot = spots[binding.normalGroup[i]];
-		for ( std::uint32_t k = spot.first; k < spot.last; ++k )
+		// Vertices of one point have identical weights, so no seam can open between them.
+		const WeldedPoint& point = points[binding.normalGroup[i]];
+		for ( std::uint32_t k = point.first; k < point.last; ++k )
 		{
-			binding.node.push_back( fractions[k].node );
-			binding.weight.push_back( float( fractions[k].weight ) );
+			binding.node.push_back( nodeWeights[k].node );
+			binding.weight.push_back( float( nodeWeights[k].weight ) );
 		}
 		binding.start.push_back( std::uint32_t( binding.node.size() ) );
 		binding.restPosition.push_back( ( meshVertex( mesh, i ) - lattice.massCentre ).cast<float>() );
-		binding.restNormal.push_back( spot.outward.isZero( 0.0 ) ? Vec3( Vec3::UnitZ() ) : Vec3( spot.outward.cast<float>() ) );
+		binding.restNormal.push_back( point.outward.isZero( 0.0 ) ? Vec3( Vec3::UnitZ() ) : Vec3( point.outward.cast<float>() ) );
 	}
 	return binding;
 }

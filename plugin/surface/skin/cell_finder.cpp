@@ -7,11 +7,11 @@ namespace pliant {
 
 namespace {
 
-/// Material counts as behind the surface up to this far in front of it, cells: on a concave or bumpy patch the centre of a cell's
-/// material may stand out a little beyond the tangent plane.
+/// Tolerance for material behind the surface, cells: on a concave or bumpy surface the centre of a cell's material may lie slightly in
+/// front of the tangent plane.
 constexpr double kFrontSlack = 0.1;
 
-/// Points further out than this, in cells, are taken as this far out: they have no cell around them either way.
+/// Points further out than this, cells, are clamped: they have no cell around them either way.
 constexpr double kFarOut = 4.0;
 
 Grid gridOf( const Lattice& lattice )
@@ -93,19 +93,19 @@ CellFinder::CellFinder( const Lattice& lattice ) :
 
 Eigen::Vector3i CellFinder::positionOf( const Vec3d& point ) const
 {
-	const Vec3d place = ( point - m_lattice.corner ) / double( m_lattice.cellSize );
+	const Vec3d position = ( point - m_lattice.corner ) / double( m_lattice.cellSize );
 	const Vec3d most = m_lattice.extent.cast<double>().array() + kFarOut;
-	return place.cwiseMax( -kFarOut ).cwiseMin( most ).array().floor().cast<int>();
+	return position.cwiseMax( -kFarOut ).cwiseMin( most ).array().floor().cast<int>();
 }
 
-void CellFinder::cellsAround( const Eigen::Vector3i& home, std::vector<std::uint32_t>& cells ) const
+void CellFinder::cellsAround( const Eigen::Vector3i& position, std::vector<std::uint32_t>& cells ) const
 {
 	cells.clear();
-	for ( int z = home.z() - 1; z <= home.z() + 1; ++z )
+	for ( int z = position.z() - 1; z <= position.z() + 1; ++z )
 	{
-		for ( int y = home.y() - 1; y <= home.y() + 1; ++y )
+		for ( int y = position.y() - 1; y <= position.y() + 1; ++y )
 		{
-			for ( int x = home.x() - 1; x <= home.x() + 1; ++x )
+			for ( int x = position.x() - 1; x <= position.x() + 1; ++x )
 			{
 				if ( !m_grid.holds( { x, y, z } ) )
 				{

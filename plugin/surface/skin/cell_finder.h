@@ -1,6 +1,7 @@
 #pragma once
 
-// Which cell a point of the surface belongs to. Steinemann et al. 2008, section 7: the surface follows the material on its own side.
+// Finds the cell that a point of the surface belongs to. Steinemann et al. 2008, section 7: the surface follows the material on its own
+// side.
 
 #include "lattice/inside/grid.h"
 #include "lattice/lattice.h"
@@ -11,13 +12,13 @@
 
 namespace pliant {
 
-/// Nearest cell to any point, however far off. A balanced tree over the rest centres, kept as an order of the cells.
+/// Nearest cell to any point, at any distance. A balanced k-d tree over the rest centres, stored as a permutation of the cells.
 class CellTree
 {
 public:
 	explicit CellTree( const Lattice& lattice );
 
-	/// `point` in the mesh's coordinates, m. Of equally near cells the first in the lattice's order.
+	/// `point` in mesh coordinates, m. Among equally near cells the first in the lattice's order.
 	int nearest( const Vec3d& point ) const;
 
 private:
@@ -32,7 +33,7 @@ private:
 	void search( std::size_t first, std::size_t last, int axis, const Vec3d& point, Best& best ) const;
 
 	const Lattice& m_lattice;
-	std::vector<std::uint32_t> m_order; ///< the middle of each range splits it, along x, y, z by turns
+	std::vector<std::uint32_t> m_order; ///< the middle of each range splits it, along x, y, z in turn
 };
 
 class CellFinder
@@ -40,20 +41,20 @@ class CellFinder
 public:
 	explicit CellFinder( const Lattice& lattice );
 
-	/// Lattice position that a point lies in, kept near the lattice.
+	/// Lattice position that contains a point, clamped to the neighbourhood of the lattice.
 	Eigen::Vector3i positionOf( const Vec3d& point ) const;
 
-	/// All cells at the 27 positions around `home`, in the lattice's order.
-	void cellsAround( const Eigen::Vector3i& home, std::vector<std::uint32_t>& cells ) const;
+	/// All cells at the 27 positions around `position`, in the lattice's order.
+	void cellsAround( const Eigen::Vector3i& position, std::vector<std::uint32_t>& cells ) const;
 
-	/// The nearest of `around` whose material lies behind the surface there, or the nearest at all where none does (or `outward` is zero:
-	/// a vertex of no triangle has no side). Of all cells when `around` is empty.
+	/// The nearest of the cells `around` whose material lies behind the surface at `point`; the nearest of all of them where there is none
+	/// or `outward` is zero (a vertex without triangles has no side); the nearest of all cells where `around` is empty.
 	int owner( const Vec3d& point, const Vec3d& outward, const std::vector<std::uint32_t>& around ) const;
 
-	/// How far a cell's material stands out in front of the surface there, cells; negative behind it.
+	/// Distance of a cell's material in front of the surface at `point`, cells; negative behind it.
 	double inFront( int cell, const Vec3d& point, const Vec3d& outward ) const;
 
-	/// From a cell's middle to a point, cells.
+	/// Vector from a cell's centre to a point, cells.
 	Vec3d fromMiddle( int cell, const Vec3d& point ) const;
 
 private:

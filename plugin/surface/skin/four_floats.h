@@ -1,10 +1,10 @@
 #pragma once
 
-// Four floats at a time, as the skin is computed.
+// Vectors of four floats, used for skinning.
 
 namespace pliant {
 
-/// Four floats as every compiler we build with has them; where the processor has no such registers, as four.
+/// Vector extension of all supported compilers; emulated where the processor has no such registers.
 using F4 = float __attribute__( ( vector_size( 16 ), may_alias ) );
 
 inline F4 load4( const float* p )

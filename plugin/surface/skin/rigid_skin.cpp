@@ -9,16 +9,16 @@ namespace pliant {
 
 namespace {
 
-/// Share of what a vertex may be off by that nodes may be: see the header.
+/// Tolerance of nodes as a fraction of that of vertices: see the header.
 constexpr double kNodeFraction = 1.0 / 3.0;
 
-/// Nodes are in one line where their extent across it, squared, is less than this share of that along it.
+/// Nodes are collinear where their squared extent across the line is below this fraction of that along it.
 constexpr double kLine = 1e-4;
 
-/// Groups of four vertices of one task.
+/// Groups of four vertices per task.
 constexpr int kChunk = 2048;
 
-/// Four floats as every compiler we build with has them; read from anywhere.
+/// Vector extension of all supported compilers, for unaligned memory.
 using F4 = float __attribute__( ( vector_size( 16 ), aligned( 4 ), may_alias ) );
 
 F4 load4( const float* p )
@@ -31,8 +31,8 @@ void store4( float* p, F4 a )
 	*reinterpret_cast<F4*>( p ) = a;
 }
 
-/// R p + t of four vertices that lie side by side, as three times four numbers: x0 y0 z0 x1 | y1 z1 x2 y2 | z2 x3 y3 z3. A number's
-/// products with its row's diagonal, and with the next and the one after in the circle x y z x.
+/// R p + t of four consecutive vertices, as three times four numbers: x0 y0 z0 x1 | y1 z1 x2 y2 | z2 x3 y3 z3. Each number is multiplied by
+/// its row's diagonal entry, and the next two in the cycle x y z x by the other entries.
 struct Turn
 {
 	F4 own[3], next[3], last[3], shift[3];
@@ -62,7 +62,7 @@ struct Turn
 	}
 };
 
-/// Of groups first to last - 1 of four vertices, the last of which may be less.
+/// Transforms groups first to last - 1 of four vertices; the last group may have fewer.
 void turnGroups( const Turn& turn, const std::vector<float>& from, std::vector<float>& to, int first, int last )
 {
 	for ( int group = first; group < last; ++group )
@@ -80,7 +80,7 @@ void turnGroups( const Turn& turn, const std::vector<float>& from, std::vector<f
 	}
 }
 
-Eigen::Vector3d placeIn( const std::vector<float>& positions, int i )
+Eigen::Vector3d positionIn( const std::vector<float>& positions, int i )
 {
 	return Eigen::Map<const Eigen::Vector3f>( positions.data() + 3 * std::size_t( i ) ).cast<double>();
 }
@@ -104,28 +104,28 @@ void RigidSkin::keep( const NodeState& nodes, const float* rotations, const floa
 	m_origin = nodes.origin;
 	m_shown = Motion{};
 	m_isKept = true;
-	m_asksTurns = !hasGradients || areInOneLine( nodes );
+	m_comparesRotations = !hasGradients || areCollinear( nodes );
 }
 
-/// Or in one point: then their places do not say how they are turned.
-bool RigidSkin::areInOneLine( const NodeState& nodes ) const
+/// True also for coincident nodes: in both cases positions do not determine the rotation.
+bool RigidSkin::areCollinear( const NodeState& nodes ) const
 {
 	Eigen::Vector3d centre = Eigen::Vector3d::Zero();
 	for ( int i = 0; i < nodes.count; ++i )
 	{
-		centre += placeIn( m_position, i ) / double( nodes.count );
+		centre += positionIn( m_position, i ) / double( nodes.count );
 	}
 	Eigen::Matrix3d second = Eigen::Matrix3d::Zero();
 	for ( int i = 0; i < nodes.count; ++i )
 	{
-		second += ( placeIn( m_position, i ) - centre ) * ( placeIn( m_position, i ) - centre ).transpose();
+		second += ( positionIn( m_position, i ) - centre ) * ( positionIn( m_position, i ) - centre ).transpose();
 	}
 	// Of eigenvalues a >= b >= c: a b + a c + b c, against ( a + b + c )^2
 	const double size = second.trace();
 	return !( 0.5 * ( size * size - second.squaredNorm() ) > kLine * size * size );
 }
 
-/// The rigid motion that fits best: R nearest to sum m ( x - c )( p - cp )^T, t = c - R cp.
+/// The best-fitting rigid motion: R nearest to sum m ( x - c )( p - cp )^T, t = c - R cp.
 RigidSkin::Motion RigidSkin::fit( const NodeState& nodes, const float* rotations ) const
 {
 	Eigen::Vector3d now = Eigen::Vector3d::Zero(), before = Eigen::Vector3d::Zero();
@@ -135,16 +135,16 @@ RigidSkin::Motion RigidSkin::fit( const NodeState& nodes, const float* rotations
 		const double m = double( nodes.mass[i] );
 		mass += m;
 		now += m * nodes.x.get( i ).cast<double>();
-		before += m * placeIn( m_position, i );
+		before += m * positionIn( m_position, i );
 	}
 	now /= mass;
 	before /= mass;
 	Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
 	for ( int i = 0; i < nodes.count; ++i )
 	{
-		sum += double( nodes.mass[i] ) * ( nodes.x.get( i ).cast<double>() - now ) * ( placeIn( m_position, i ) - before ).transpose();
+		sum += double( nodes.mass[i] ) * ( nodes.x.get( i ).cast<double>() - now ) * ( positionIn( m_position, i ) - before ).transpose();
 	}
-	// Nodes in one point or in one line leave open how it is turned: as its first node is.
+	// Coincident or collinear nodes leave the rotation undetermined: that of the first node is used.
 	const Eigen::Quaternionf own( rotations ), kept( m_rotation.data() );
 	Motion motion;
 	motion.turn = fitRotation( sum, ( own.cast<double>() * kept.cast<double>().conjugate() ).normalized() );
@@ -158,14 +158,14 @@ bool RigidSkin::follows( const Motion& motion, const NodeState& nodes, const flo
 	const Eigen::Matrix3d r = motion.turn.toRotationMatrix();
 	for ( int i = 0; i < nodes.count; ++i )
 	{
-		if ( !( ( r * placeIn( m_position, i ) + motion.shift - nodes.x.get( i ).cast<double>() ).squaredNorm() <= off * off ) )
+		if ( !( ( r * positionIn( m_position, i ) + motion.shift - nodes.x.get( i ).cast<double>() ).squaredNorm() <= off * off ) )
 		{
 			return false;
 		}
 	}
-	for ( std::size_t i = 0; m_asksTurns && i < std::size_t( nodes.count ); ++i )
+	for ( std::size_t i = 0; m_comparesRotations && i < std::size_t( nodes.count ); ++i )
 	{
-		// | q - p |^2 = 4 sin^2( angle / 4 ), of the sign of p that is nearer
+		// | q - p |^2 = 4 sin^2( angle / 4 ), for the nearer of p and -p
 		const Eigen::Quaterniond q( Eigen::Map<const Eigen::Quaternionf>( rotations + 4 * i ).cast<double>() );
 		const Eigen::Quaterniond p = motion.turn *
 			Eigen::Quaterniond( Eigen::Map<const Eigen::Quaternionf>( m_rotation.data() + 4 * i ).cast<double>() );
@@ -178,39 +178,39 @@ bool RigidSkin::follows( const Motion& motion, const NodeState& nodes, const flo
 	return true;
 }
 
-RigidSkin::Since RigidSkin::ask( const NodeState& nodes, const float* rotations, const float* flow, double tolerance, double cell )
+RigidSkin::Change RigidSkin::classify( const NodeState& nodes, const float* rotations, const float* flow, double tolerance, double cell )
 {
 	const std::size_t flowed = flow ? 9 * std::size_t( nodes.count ) : 0;
-	const bool isAsBefore = m_isKept && m_position.size() == 3 * std::size_t( nodes.count ) && m_origin == nodes.origin &&
+	const bool isComparable = m_isKept && m_position.size() == 3 * std::size_t( nodes.count ) && m_origin == nodes.origin &&
 		m_flow.size() == flowed && std::equal( m_flow.begin(), m_flow.end(), flow );
-	if ( !isAsBefore || !( tolerance > 0.0 ) )
+	if ( !isComparable || !( tolerance > 0.0 ) )
 	{
-		return Since::Bent;
+		return Change::Bent;
 	}
 	if ( follows( m_shown, nodes, rotations, tolerance, cell ) )
 	{
-		return Since::Still;
+		return Change::Still;
 	}
 	const Motion motion = fit( nodes, rotations );
 	if ( !follows( motion, nodes, rotations, tolerance, cell ) )
 	{
-		return Since::Bent;
+		return Change::Bent;
 	}
 	m_shown = motion;
-	return Since::Moved;
+	return Change::Moved;
 }
 
 void RigidSkin::turn( const std::vector<float>& positions, const std::vector<float>& normals, std::vector<float>& positionsNow,
 	std::vector<float>& normalsNow, TaskRunner* runner ) const
 {
 	const Eigen::Matrix3f r = m_shown.turn.toRotationMatrix().cast<float>();
-	const Turn place( r, m_shown.shift.cast<float>() ), direction( r, Eigen::Vector3f::Zero() );
+	const Turn position( r, m_shown.shift.cast<float>() ), direction( r, Eigen::Vector3f::Zero() );
 	positionsNow.resize( positions.size() );
 	normalsNow.resize( normals.size() );
 	const int groups = int( ( positions.size() + 11 ) / 12 );
 	auto task = [&]( int chunk ) {
 		const int first = chunk * kChunk, last = std::min( groups, first + kChunk );
-		turnGroups( place, positions, positionsNow, first, last );
+		turnGroups( position, positions, positionsNow, first, last );
 		turnGroups( direction, normals, normalsNow, first, last );
 	};
 	runTasks( runner, ( groups + kChunk - 1 ) / kChunk, task );

@@ -1,12 +1,11 @@
 #pragma once
 
-// The skin of a body that moves as one rigid body: what was skinned last in full is turned and shifted, at a tenth of the cost. Whether it
-// does is asked of its nodes, as they are against as they were when it was skinned in full, so that nothing adds up. Beyond Steinemann et
-// al. 2008, section 7.
+// The skin of a body that moves as a rigid body: the last full skin is rotated and translated, at a tenth of the cost. The decision
+// compares the nodes with their state at the last full skinning, so errors do not accumulate. Not in Steinemann et al. 2008, section 7.
 //
-// A vertex is x = sum w_k ( x_k + F_k ( X - x0_k ) ). Nodes off a rigid motion by e at most change F_k by about e over the region's width,
-// and X is at most as far from x0_k as that is wide: together some 2 e, 3 e at the worst. So nodes may be off by a third of what vertices
-// may.
+// A vertex is x = sum w_k ( x_k + F_k ( X - x0_k ) ). If nodes deviate from a rigid motion by at most e, F_k changes by about e over the
+// width of a region, and X is at most that width away from x0_k: together about 2 e, at worst 3 e. So nodes may deviate by a third of the
+// vertices' tolerance.
 
 #include "matching/node_state.h"
 
@@ -22,26 +21,26 @@ class TaskRunner;
 class RigidSkin
 {
 public:
-	enum class Since
+	enum class Change
 	{
-		Bent,  ///< to be skinned in full
-		Still, ///< what is shown is as it should be
-		Moved  ///< `turn` has what was skinned in full go where it should be
+		Bent,  ///< full skinning is required
+		Still, ///< the shown skin is still correct
+		Moved  ///< `turn` computes the correct skin from the last full one
 	};
 
-	/// The skin has just been made in full of these nodes. `rotations`: as in SkinPose; `flow`: the same, or null; `hasGradients`: the
-	/// nodes' F are from their places, which say enough then.
+	/// Stores the nodes of a full skinning. `rotations`: as in SkinPose; `flow`: the same, or null; `hasGradients`: the nodes' F follow
+	/// from their positions, so that these suffice for the comparison.
 	void keep( const NodeState& nodes, const float* rotations, const float* flow, bool hasGradients );
-	/// What was kept is of no use: nodes or vertices are others now, or what was shown was not the nodes' alone.
+	/// Discards the stored nodes: nodes or vertices have changed, or the shown skin depended on more than the nodes.
 	void forget() { m_isKept = false; }
 	bool isKept() const { return m_isKept; }
 
-	/// What the nodes, those that were kept, have done since. `tolerance`: how far a vertex may be from where it should be, m; `cell`: edge
-	/// of a finest cell, m. Goes on from what it said last.
-	Since ask( const NodeState& nodes, const float* rotations, const float* flow, double tolerance, double cell );
+	/// Classifies the motion of the stored nodes since the last full skinning. `tolerance`: largest error of a vertex, m; `cell`: edge
+	/// length of a finest cell, m. Starts from the motion found last.
+	Change classify( const NodeState& nodes, const float* rotations, const float* flow, double tolerance, double cell );
 
-	/// 3 floats a vertex, of as many vertices: those of the skin that was kept, where the last `ask` has them. The same bits on any thread
-	/// count.
+	/// Applies the motion found by the last `classify` to the full skin. All arrays: 3 floats per vertex. The same bits for any number of
+	/// threads.
 	void turn( const std::vector<float>& positions, const std::vector<float>& normals, std::vector<float>& positionsNow,
 		std::vector<float>& normalsNow, TaskRunner* runner = nullptr ) const;
 
@@ -53,15 +52,15 @@ private:
 		Eigen::Quaterniond turn = Eigen::Quaterniond::Identity();
 		Eigen::Vector3d shift = Eigen::Vector3d::Zero();
 	};
-	bool areInOneLine( const NodeState& nodes ) const;
+	bool areCollinear( const NodeState& nodes ) const;
 	Motion fit( const NodeState& nodes, const float* rotations ) const;
 	bool follows( const Motion& motion, const NodeState& nodes, const float* rotations, double tolerance, double cell ) const;
 
-	std::vector<float> m_position, m_rotation, m_flow; ///< 3, 4 and 9 floats a node, when it was skinned in full
+	std::vector<float> m_position, m_rotation, m_flow; ///< 3, 4 and 9 floats per node at the last full skinning
 	Eigen::Vector3d m_origin = Eigen::Vector3d::Zero();
-	Motion m_shown; ///< since then
+	Motion m_shown; ///< motion since then
 	bool m_isKept = false;
-	bool m_asksTurns = true; ///< nodes' rotations count too
+	bool m_comparesRotations = true; ///< whether nodes' rotations are compared too
 };
 
 } // namespace pliant

@@ -4,7 +4,7 @@
 
 namespace pliant {
 
-// Most rows hold none: entries are gone through as they lie, eight at a time, whosever they are.
+// Most rows contain none of the cells, so entries are tested eight at a time, regardless of rows.
 std::vector<char> rowsThatHold( const SkinBinding& binding, const std::vector<char>& isWanted )
 {
 	constexpr std::size_t kWide = 8;
@@ -40,19 +40,19 @@ std::vector<char> rowsThatHold( const SkinBinding& binding, const std::vector<ch
 	return holds;
 }
 
-// A side that has lost all that carried its point follows one of the cells that draw there (CrackGatherer::writeRow).
+// A side that has lost all carriers of its point follows one of the cells that draw inComplex (CrackGatherer::writeRow).
 std::vector<char> rowsAtPointsOf( const SkinBinding& binding, const std::vector<char>& isWanted, const CellComplex& complex,
-	const std::vector<std::uint32_t>& cellsThere )
+	const std::vector<std::uint32_t>& cellsInComplex )
 {
-	std::vector<char> isThere( complex.pointCount(), 0 );
+	std::vector<char> isMarked( complex.pointCount(), 0 );
 	for ( std::size_t cell = 0; cell < isWanted.size(); ++cell )
 	{
-		const std::size_t there = cellsThere.empty() ? cell : cellsThere[cell];
+		const std::size_t inComplex = cellsInComplex.empty() ? cell : cellsInComplex[cell];
 		for ( const Table* points : { &complex.boundPoints, &complex.pointsOfCell } )
 		{
-			for ( const std::uint32_t* p = points->begin( there ); isWanted[cell] != 0 && p != points->end( there ); ++p )
+			for ( const std::uint32_t* p = points->begin( inComplex ); isWanted[cell] != 0 && p != points->end( inComplex ); ++p )
 			{
-				isThere[*p] = 1;
+				isMarked[*p] = 1;
 			}
 		}
 	}
@@ -60,7 +60,7 @@ std::vector<char> rowsAtPointsOf( const SkinBinding& binding, const std::vector<
 	std::vector<char> isNear( rows );
 	for ( std::size_t row = 0; row < rows; ++row )
 	{
-		isNear[row] = binding.carrierOf( row ) == row ? isThere[binding.point[row]] : char( 0 );
+		isNear[row] = binding.carrierOf( row ) == row ? isMarked[binding.point[row]] : char( 0 );
 	}
 	return isNear;
 }

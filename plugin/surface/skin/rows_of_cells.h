@@ -1,6 +1,6 @@
 #pragma once
 
-// Which vertices follow some cells: what a change of levels moves the skin by is looked for at these.
+// Finds the vertices that follow given cells, to measure how a change of levels moves the skin.
 
 #include "surface/skin/skinning.h"
 
@@ -8,12 +8,12 @@ namespace pliant {
 
 class CellComplex;
 
-/// Of each row of the binding: 1 where it holds one of the cells, `isWanted` by their numbers.
+/// By row of the binding: 1 where it contains one of the cells `isWanted`.
 std::vector<char> rowsThatHold( const SkinBinding& binding, const std::vector<char>& isWanted );
 
-/// The same, and some others' more, in a binding that names its points (SkinBinding::point), sooner: of each row at a point of the complex
-/// that one of the cells carries or draws at. `cellsThere`: the numbers the body's cells have in the complex; empty: the same.
+/// A superset of it, found faster in a binding with points (SkinBinding::point): rows at points of the complex that one of the cells
+/// carries or draws. `cellsInComplex`: by cell of the body, its index in the complex; empty: equal.
 std::vector<char> rowsAtPointsOf( const SkinBinding& binding, const std::vector<char>& isWanted, const CellComplex& complex,
-	const std::vector<std::uint32_t>& cellsThere );
+	const std::vector<std::uint32_t>& cellsInComplex );
 
 } // namespace pliant

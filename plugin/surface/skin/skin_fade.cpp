@@ -10,22 +10,24 @@ namespace pliant {
 
 namespace {
 
-/// What a fade moves a vertex by in one frame at most, as a share of the surface's diagonal: half of what a change may.
+/// Largest displacement of a vertex by a fade in one frame, as a fraction of the surface's diagonal: half of what a change of levels may
+/// cause.
 constexpr double kFadeStep = 5e-4;
 
 /// Frames of the shortest fade: a tenth of a second.
 constexpr int kFewestFrames = 6;
-/// And of the longest: half a second. In what is crushed or torn a change may move the surface by a third of the body; at kFadeStep a frame
-/// it stood beside its nodes for up to 13 s, and was skinned in full all that time.
+/// Frames of the longest fade: half a second. In crushed or torn bodies a change may move the surface by a third of the body; at kFadeStep
+/// per frame the surface would stay away from its nodes, and be skinned in full, for up to 13 s.
 constexpr int kMostFrames = 30;
 
-/// Frames in which the children of a split node part: a quarter of a second.
+/// Frames over which the children of a split node separate: a quarter of a second.
 constexpr int kEaseFrames = 15;
 
-/// Shares of the diagonal below which an offset is not kept, and differences of gradients: a fiftieth of a step, and above rounding.
+/// Fraction of the diagonal below which an offset is dropped, and smallest difference of gradients: a fiftieth of a step, and above
+/// rounding.
 constexpr float kFadeFloor = 1e-5f;
 
-constexpr std::uint32_t kGone = std::numeric_limits<std::uint32_t>::max(); // LevelChange::keptAs of nodes that are not there any more
+constexpr std::uint32_t kRemoved = std::numeric_limits<std::uint32_t>::max(); // LevelChange::keptAs of removed nodes
 
 using MapRows = Eigen::Map<const Eigen::Matrix<float, 3, 4, Eigen::RowMajor>>;
 
@@ -40,7 +42,7 @@ double diagonalOf( const std::vector<Vec3>& points )
 	return double( ( high - low ).norm() );
 }
 
-/// What the skin goes back by to stand where it stood: D_c = M_before - M_now of the cells whose maps are not what they were.
+/// The differences D_c = M_before - M_now of the cells whose maps have changed, which move the skin back.
 class MapChanges
 {
 public:
@@ -54,7 +56,7 @@ public:
 		m_difference.push_back( MapRows( before ) - MapRows( now ) );
 	}
 
-	/// sum over the cells c of a row of w_c D_c, at the row's own place. Zero to the bit where none has changed.
+	/// sum of w_c D_c over the cells c of a row, at the row's rest position. Exactly zero where no map has changed.
 	Vec3 jumpOf( const SkinBinding& binding, std::uint32_t row ) const
 	{
 		Rows sum = Rows::Zero();
@@ -99,40 +101,41 @@ void SkinFade::keep( const NodeState& nodes, const SkinPose& pose, int cellCount
 	m_slotBefore.assign( pose.slotOfCell, pose.slotOfCell + cellCount );
 }
 
-/// Slots that may not be carried as before: what was measured anew, and what was in a group, for that may be over.
-std::vector<char> SkinFade::freshSlots( const Nodes& nodes ) const
+/// Slots whose maps may have changed: nodes measured anew, and members of groups, which may have ended.
+std::vector<char> SkinFade::changeableSlots( const Nodes& nodes ) const
 {
-	std::vector<char> isFresh( std::size_t( nodes.now.count ), nodes.measured ? 0 : 1 );
+	std::vector<char> mayDiffer( std::size_t( nodes.now.count ), nodes.measured ? 0 : 1 );
 	if ( !nodes.measured )
 	{
-		return isFresh;
+		return mayDiffer;
 	}
 	for ( const std::uint32_t slot : *nodes.measured )
 	{
-		isFresh[slot] = 1;
+		mayDiffer[slot] = 1;
 	}
 	for ( const Group& group : m_group )
 	{
 		for ( std::uint32_t before = group.first; before < group.first + group.count; ++before )
 		{
-			if ( nodes.keptAs[before] != kGone )
+			if ( nodes.keptAs[before] != kRemoved )
 			{
-				isFresh[nodes.keptAs[before]] = 1;
+				mayDiffer[nodes.keptAs[before]] = 1;
 			}
 		}
 	}
-	return isFresh;
+	return mayDiffer;
 }
 
-void SkinFade::measureMaps( const Nodes& nodes, const std::vector<char>& isFresh )
+void SkinFade::measureMaps( const Nodes& nodes, const std::vector<char>& mayDiffer )
 {
-	m_mapNow.resize( isFresh.size() * kSkinMapFloats );
-	for ( std::size_t slot = 0; slot < isFresh.size(); )
+	m_mapNow.resize( mayDiffer.size() * kSkinMapFloats );
+	for ( std::size_t slot = 0; slot < mayDiffer.size(); )
 	{
 		std::size_t end = slot + 1;
-		for ( ; end < isFresh.size() && isFresh[end] == isFresh[slot] && nodes.source[end] == nodes.source[slot] + ( end - slot ); ++end )
+		for ( ; end < mayDiffer.size() && mayDiffer[end] == mayDiffer[slot] && nodes.source[end] == nodes.source[slot] + ( end - slot );
+			  ++end )
 		{}
-		if ( isFresh[slot] != 0 )
+		if ( mayDiffer[slot] != 0 )
 		{
 			skinMaps( nodes.now, nodes.pose, m_mapNow.data(), int( slot ), int( end ) );
 		}
@@ -147,10 +150,10 @@ void SkinFade::measureMaps( const Nodes& nodes, const std::vector<char>& isFresh
 	ease( nodes.now, m_mapNow.data() );
 }
 
-/// Slots whose cells are not carried as before.
-std::vector<char> SkinFade::changedSlots( const Nodes& nodes, std::vector<char> isFresh, float visible ) const
+/// Slots whose maps have visibly changed.
+std::vector<char> SkinFade::changedSlots( const Nodes& nodes, std::vector<char> mayDiffer, float visible ) const
 {
-	std::vector<char>& changed = isFresh;
+	std::vector<char>& changed = mayDiffer;
 	for ( std::size_t slot = 0; slot < changed.size(); ++slot )
 	{
 		const std::uint32_t before = nodes.source[slot];
@@ -163,15 +166,15 @@ std::vector<char> SkinFade::changedSlots( const Nodes& nodes, std::vector<char> 
 		const Vec3 atNode = difference * nodes.now.x0.get( int( slot ) ).homogeneous();
 		changed[slot] = atNode.norm() > visible || difference.leftCols<3>().norm() > kFadeFloor;
 	}
-	return isFresh;
+	return mayDiffer;
 }
 
-/// Groups whose nodes are all still there go on; each split makes a new one. Whatever that does to the maps is left to the offsets.
+/// Keeps groups whose nodes all still exist, and adds one for each split. The effect on the maps is compensated by the offsets.
 void SkinFade::regroup( const Nodes& nodes )
 {
 	std::vector<Group> groups;
 	std::size_t old = 0;
-	const auto isKept = [&]( std::uint32_t before ) { return nodes.keptAs[before] != kGone; };
+	const auto isKept = [&]( std::uint32_t before ) { return nodes.keptAs[before] != kRemoved; };
 	for ( std::uint32_t slot = 0, end = 0; slot < std::uint32_t( nodes.now.count ); slot = end )
 	{
 		const std::uint32_t before = nodes.source[slot];
@@ -185,12 +188,12 @@ void SkinFade::regroup( const Nodes& nodes )
 		}
 		else if ( old < m_group.size() && m_group[old].first == before )
 		{
-			bool isWhole = true;
+			bool isComplete = true;
 			for ( std::uint32_t k = 0; k < m_group[old].count; ++k )
 			{
-				isWhole = isWhole && isKept( before + k );
+				isComplete = isComplete && isKept( before + k );
 			}
-			if ( isWhole )
+			if ( isComplete )
 			{
 				groups.push_back( Group{ slot, m_group[old].count, m_group[old].frame } );
 			}
@@ -226,15 +229,15 @@ void SkinFade::ease( const NodeState& nodes, float* maps ) const
 	}
 }
 
-// Vertices that go with another stand where it stands, and those within a panel where its corners put them: only the others are looked at.
+// Only carriers outside panels need offsets: other vertices copy from carriers or are interpolated from corners.
 void SkinFade::start( const SkinBinding& binding, const Nodes& nodes )
 {
 	m_diagonal = m_diagonal > 0.0 ? m_diagonal : diagonalOf( binding.restPosition );
 	const float visible = kFadeFloor * float( m_diagonal );
-	const std::vector<char> isFresh = freshSlots( nodes );
+	const std::vector<char> mayDiffer = changeableSlots( nodes );
 	regroup( nodes );
-	measureMaps( nodes, isFresh );
-	const std::vector<char> changed = changedSlots( nodes, isFresh, visible );
+	measureMaps( nodes, mayDiffer );
+	const std::vector<char> changed = changedSlots( nodes, mayDiffer, visible );
 	const std::uint32_t* const slot = nodes.pose.slotOfCell;
 
 	MapChanges changes( m_slotBefore.size() );
@@ -249,7 +252,7 @@ void SkinFade::start( const SkinBinding& binding, const Nodes& nodes )
 		}
 	}
 	const bool areNamed = nodes.complex && !binding.point.empty();
-	std::vector<char> rowChanged = areNamed ? rowsAtPointsOf( binding, cellChanged, *nodes.complex, *nodes.cellsThere )
+	std::vector<char> rowChanged = areNamed ? rowsAtPointsOf( binding, cellChanged, *nodes.complex, *nodes.cellsInComplex )
 											: rowsThatHold( binding, cellChanged );
 	std::for_each(
 		binding.placed.begin(), binding.placed.end(), [&rowChanged]( const SkinBinding::Placed& of ) { rowChanged[of.vertex] = 0; } );
@@ -259,16 +262,16 @@ void SkinFade::start( const SkinBinding& binding, const Nodes& nodes )
 	vertices.reserve( 2 * m_vertex.size() );
 	offsets.reserve( 2 * m_vertex.size() );
 	std::size_t old = 0;
-	const float left = fraction();
+	const float remaining = fraction();
 	double largest = 0.0;
 	for ( std::uint32_t v = 0; v < std::uint32_t( binding.restPosition.size() ); ++v )
 	{
-		const bool wasOff = old < m_vertex.size() && m_vertex[old] == v;
-		if ( !wasOff && rowChanged[v] == 0 )
+		const bool hadOffset = old < m_vertex.size() && m_vertex[old] == v;
+		if ( !hadOffset && rowChanged[v] == 0 )
 		{
-			continue; // most of them
+			continue; // most vertices
 		}
-		Vec3 offset = wasOff ? Vec3( left * m_offset[old++] ) : Vec3( Vec3::Zero() );
+		Vec3 offset = hadOffset ? Vec3( remaining * m_offset[old++] ) : Vec3( Vec3::Zero() );
 		if ( rowChanged[v] != 0 )
 		{
 			offset += nodes.body.conjugate() * changes.jumpOf( binding, v );
@@ -283,7 +286,8 @@ void SkinFade::start( const SkinBinding& binding, const Nodes& nodes )
 	}
 	m_vertex.swap( vertices );
 	m_offset.swap( offsets );
-	// Linear in time, so that no frame moves a vertex by more than a step while N allows it: N >= largest / ( step diagonal ).
+	// The fade is linear in time. No frame moves a vertex by more than a step, as long as the limits of N permit: N >= largest / ( step
+	// diagonal ).
 	m_frames = int( std::clamp( std::ceil( largest / ( kFadeStep * m_diagonal ) ), double( kFewestFrames ), double( kMostFrames ) ) );
 	m_frame = 0;
 }

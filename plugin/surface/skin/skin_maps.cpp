@@ -1,4 +1,4 @@
-// The affine maps by which nodes carry the skin around them. Steinemann et al. 2008, section 7.
+// The affine maps by which nodes move the skin. Steinemann et al. 2008, section 7.
 
 #include "surface/skin/four_floats.h"
 #include "surface/skin/skin_fade.h"
@@ -8,12 +8,12 @@ namespace pliant {
 
 namespace {
 
-/// Sum of ( s - 1 )^2 over a gradient's singular values up to which the skin follows it; beyond four times that, not at all.
+/// Sum of ( s - 1 )^2 over a gradient's singular values up to which the skin follows it; above four times that it is ignored.
 constexpr float kSoundStrain = 0.5f;
 
 using Matrix3fRows = Eigen::Matrix<float, 3, 3, Eigen::RowMajor>;
 
-/// A node's stretch as its neighbours show it; where that is crushed, turned inside out or torn, what its region would have it be: R S_p.
+/// A node's deformation gradient as measured from its neighbours; where that is crushed, inverted or torn, that of its region: R S_p.
 Eigen::Matrix3f soundGradient( const float* nine, const Eigen::Matrix3f& wanted )
 {
 	const Eigen::Matrix3f f = Eigen::Map<const Matrix3fRows>( nine );

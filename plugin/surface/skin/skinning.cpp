@@ -11,7 +11,7 @@ namespace pliant {
 
 namespace {
 
-/// Vertices or nodes of one task.
+/// Vertices or nodes per task.
 constexpr int kChunk = 2048;
 
 int chunkCount( std::size_t items )
@@ -19,7 +19,6 @@ int chunkCount( std::size_t items )
 	return int( ( items + kChunk - 1 ) / kChunk );
 }
 
-/// work( first, last ), a task each, of so many entries.
 template <class Work>
 void forChunks( std::size_t count, TaskRunner* runner, Work&& work )
 {
@@ -51,7 +50,7 @@ SkinView viewOf( const SkinBinding& binding, const SkinPose& pose, SkinScratch& 
 	view.normalShift = numbers( binding.normalShift );
 	view.shifted = binding.normalShift.size();
 	view.normalGroup = binding.normalGroup.data();
-	view.place = scratch.position.data();
+	view.position4 = scratch.position.data();
 	view.turnedShift = scratch.turnedShift.data();
 	view.groupNormal = scratch.groupNormal.data();
 	view.positions = positions;
@@ -59,7 +58,7 @@ SkinView viewOf( const SkinBinding& binding, const SkinPose& pose, SkinScratch& 
 	return view;
 }
 
-/// In the triangles' order, in one thread: the sums' bits do not depend on the threads.
+/// Sums in the triangles' order on one thread, so that the bits do not depend on the number of threads.
 void sumNormals( const SkinKernels& kernels, const SkinView& view, const SkinBinding& binding, const SkinTriangles& triangles )
 {
 	std::fill( view.groupNormal, view.groupNormal + 4 * std::size_t( binding.normalGroups ), 0.0f );
@@ -71,8 +70,8 @@ void sumNormals( const SkinKernels& kernels, const SkinView& view, const SkinBin
 	kernels.addAreas( view, triangles.indices + 3 * std::size_t( first ), triangles.count - first );
 }
 
-/// Room is another skin's before and after: it only grows.
-void makeAtLeast( AlignedArray<float>& array, std::size_t size )
+/// Grows an array, but never shrinks it, since several skins share it.
+void growTo( AlignedArray<float>& array, std::size_t size )
 {
 	if ( array.size() < size )
 	{
@@ -99,9 +98,9 @@ void skin( const SkinBinding& binding, const NodeState& state, const SkinPose& p
 	}
 	const std::size_t vertices = binding.restPosition.size();
 	scratch.nodeMap.resize( std::size_t( state.count ) * kSkinMapFloats );
-	makeAtLeast( scratch.position, vertices * 4 );
-	makeAtLeast( scratch.turnedShift, binding.normalShift.size() * 4 );
-	makeAtLeast( scratch.groupNormal, std::size_t( binding.normalGroups ) * 4 );
+	growTo( scratch.position, vertices * 4 );
+	growTo( scratch.turnedShift, binding.normalShift.size() * 4 );
+	growTo( scratch.groupNormal, std::size_t( binding.normalGroups ) * 4 );
 	forChunks( std::size_t( state.count ), runner,
 		[&]( std::size_t first, std::size_t last ) { skinMaps( state, pose, scratch.nodeMap.data(), int( first ), int( last ) ); } );
 	if ( pose.fade )

@@ -1,4 +1,4 @@
-// In a build without skins or without levels of detail no surface jumps when levels change.
+// For builds without skins or without levels of detail: changes of levels never move a surface.
 
 #include "surface/skin/skin_fade.h"
 

@@ -1,4 +1,4 @@
-// In a build without skins: templates that ask for one are refused (body_template.cpp), and this is never reached.
+// For builds without skins: templates with a skin are refused (body_template.cpp), so this is never called.
 
 #include "surface/skin/skinning.h"
 

@@ -126,7 +126,7 @@ void SoftBody::Impl::fadeFromKeptSurface()
 		const SkinBinding& shown = binding();
 		SkinFade::Nodes nodes{ body->nodes(), skinPose(), change.source, change.keptAs, body->levelFrame(), &change.measured };
 		nodes.complex = shown.point.empty() ? nullptr : bodyTemplate->crackComplex().get();
-		nodes.cellsThere = &body->firstCells();
+		nodes.cellsInComplex = &body->firstCells();
 		skin.fade.start( shown, nodes );
 		return;
 	}
@@ -181,8 +181,8 @@ bool SoftBody::Impl::turnSkin( TaskRunner* runner ) const
 	measureTurns( *body, skin );
 	const double cell = double( bodyTemplate->cellSize() );
 	const float* const flow = body->hasFlowed() ? skin.flow.data() : nullptr;
-	const RigidSkin::Since since = skin.rigid.ask( body->nodes(), skin.rotations.data(), flow, skin.tolerance * cell, cell );
-	if ( since == RigidSkin::Since::Moved )
+	const RigidSkin::Change change = skin.rigid.classify( body->nodes(), skin.rotations.data(), flow, skin.tolerance * cell, cell );
+	if ( change == RigidSkin::Change::Moved )
 	{
 		const int next = skin.current == skin.full ? ( skin.full + 1 ) % SkinBuffers::kCount
 												   : SkinBuffers::kCount - skin.full - skin.current;
@@ -191,7 +191,7 @@ bool SoftBody::Impl::turnSkin( TaskRunner* runner ) const
 		skin.current = next;
 		++skin.frame;
 	}
-	return since != RigidSkin::Since::Bent;
+	return change != RigidSkin::Change::Bent;
 }
 
 void SoftBody::Impl::skinInFull( TaskRunner* runner ) const
