@@ -34,7 +34,7 @@ Status check( const Fracture& fracture )
 	}
 	if ( !( fracture.growthFraction > 0.0f ) || !within( fracture.growthFraction, 0.0f, 1.0f ) )
 	{
-		return refuse( "Fracture::growthShare must be above 0 and at most 1." );
+		return refuse( "Fracture::growthFraction must be above 0 and at most 1." );
 	}
 	if ( fracture.smallCells < 0 || fracture.smallCells > kLargestSmallPiece )
 	{

@@ -87,6 +87,12 @@ TEST( House, ArrowsOfHeadersRunDownTheRooms )
 	EXPECT_TRUE( complaints.empty() ) << listOf( complaints );
 }
 
+TEST( House, StagesAreCalledInOnePlace )
+{
+	const Complaints complaints = checkStages( ours() );
+	EXPECT_TRUE( complaints.empty() ) << listOf( complaints );
+}
+
 TEST( House, HasNoCircles )
 {
 	const Complaints complaints = checkCircles( ours() );
@@ -189,6 +195,21 @@ TEST_F( SmallHouse, RoomsAreSeen )
 		put( "plugin/threads/e" + std::to_string( i ) + ".cpp", "int e;\n" );
 	}
 	EXPECT_EQ( checkRooms( tree() ).size(), 3u ) << listOf( checkRooms( tree() ) );
+}
+
+TEST_F( SmallHouse, StagesCalledElsewhereAreSeen )
+{
+	std::string order;
+	for ( const std::string& line : ours().files().at( "plugin/world/step/world_step.cpp" ).lines )
+	{
+		order += line + "\n";
+	}
+	put( "plugin/world/step/world_step.cpp", order );
+	EXPECT_TRUE( checkStages( tree() ).empty() ) << listOf( checkStages( tree() ) );
+	put( "plugin/world/api/a.cpp", "void a() { bodies.readBack(); }\n" );
+	EXPECT_EQ( checkStages( tree() ).size(), 1u );
+	put( "plugin/world/step/world_step.cpp", "" );
+	EXPECT_GT( checkStages( tree() ).size(), 20u );
 }
 
 TEST_F( SmallHouse, CircleIsSeen )

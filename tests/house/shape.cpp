@@ -231,6 +231,39 @@ Complaints checkConstants( const SourceTree& tree )
 	return complaints;
 }
 
+Complaints checkStages( const SourceTree& tree )
+{
+	// As they are called: a stage of the soft bodies, of Bullet's world, or a correction around Bullet's solver.
+	static const std::vector<std::string> kStages = { "bodies.accelerate", "bodies.dropPredictiveContacts", "bodies.holdPredictiveContacts",
+		"bodies.collideWithThemselves", "bodies.endCollision", "bodies.releaseRefusedPairs", "carryImpulses", "m_moved.moveToNodes",
+		"m_rolling.hide", "bodies.solveImplicit", "frictionTorque.aim", "m_restitution.aim", "m_stages.baseSolve", "m_restitution.settle",
+		"frictionTorque.sum", "bodies.noteSolved", "m_moved.moveBack", "bodies.readBack", "m_rolling.apply", "m_impulses.add",
+		"m_stages.baseIntegrate", "bodies.holdBack", "bodies.integrate", "frictionTorque.give", "bodies.freshenShapes", "bodies.testLinks",
+		"m_stages.baseUpdateActivation", "bodies.updateActivation", "bodies.endStep" };
+	static const std::set<std::string> kAlsoAtTheEnd = { "bodies.dropPredictiveContacts" }; // of the world
+	const std::string order = "plugin/world/step/world_step.cpp";
+	Complaints complaints;
+	for ( const std::string& stage : kStages )
+	{
+		bool isThere = false;
+		for ( const auto& [path, file] : tree.files() )
+		{
+			const bool calls = std::ranges::any_of( file.lines,
+				[&stage]( const std::string& line ) { return withoutComment( line ).find( stage + "(" ) != std::string::npos; } );
+			isThere = isThere || ( calls && path == order );
+			if ( calls && path.starts_with( "plugin/" ) && path != order && !kAlsoAtTheEnd.contains( stage ) )
+			{
+				complaints.push_back( path + ": calls the stage " + stage + ", which " + order + " does" );
+			}
+		}
+		if ( !isThere )
+		{
+			complaints.push_back( order + ": does not call the stage " + stage );
+		}
+	}
+	return complaints;
+}
+
 Complaints checkTopLevel( const fs::path& root )
 {
 	static const std::set<std::string> kBelongs = { "CMakeLists.txt", "plugin", "demos", "third_party_glue", "tests", "docs", "README.md",

@@ -55,6 +55,9 @@ Complaints checkFloors( const SourceTree& tree );
 /// Within a floor of the plugin: headers' arrows only run down its rooms; every folder has a room, and none holds too many files.
 Complaints checkRooms( const SourceTree& tree );
 
+/// The stages of a step are called in plugin/world/step/world_step.cpp, each of them, and from no other file.
+Complaints checkStages( const SourceTree& tree );
+
 /// No header reaches itself.
 Complaints checkCircles( const SourceTree& tree );
 

@@ -69,7 +69,7 @@ Status check( const Adaptivity& settings )
 	}
 	if ( !( isWithin( settings.mergeFraction, 0.0f, 1.0f ) && settings.mergeFraction < 1.0f ) )
 	{
-		return refuse( "Adaptivity: mergeShare must be within 0 and below 1." );
+		return refuse( "Adaptivity: mergeFraction must be within 0 and below 1." );
 	}
 	if ( !isWithin( settings.mergeDelay, 0.0f, 60.0f ) )
 	{

@@ -14,7 +14,11 @@ Result<std::shared_ptr<const CellComplex>> CellComplex::build(
 	return { needFeature( missing ), nullptr };
 }
 
-CrackSurface::CrackSurface( std::shared_ptr<const CellComplex> complex ) : m_complex( std::move( complex ) ), m_shift( Vec3::Zero() ) {}
+IntactPanels::IntactPanels( const Panels& panels ) : m_panels( &panels ) {}
+
+CrackSurface::CrackSurface( std::shared_ptr<const CellComplex> complex ) :
+	m_complex( std::move( complex ) ), m_shift( Vec3::Zero() ), m_panels( m_complex->panels )
+{}
 
 std::shared_ptr<const CrackPatches> CrackPatches::make( const CrackSurface&, const float* )
 {
