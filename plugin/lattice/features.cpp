@@ -1,4 +1,4 @@
-// What this build has: the one file that is compiled with the options.
+// The features of this build: the only file that is compiled with the options.
 
 #include "lattice/features.h"
 

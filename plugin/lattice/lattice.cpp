@@ -1,4 +1,4 @@
-// A lattice made of whole cells, and the law every lattice keeps. Ohta et al. 2009, "Preprocessing".
+// Block lattices and the invariants of every lattice. Ohta et al. 2009, "Preprocessing".
 
 #include "lattice/lattice.h"
 
@@ -24,7 +24,7 @@ std::string cellName( std::size_t i )
 	return "cell " + std::to_string( i );
 }
 
-/// z, then y, then x: below zero when a comes before b, zero at one position.
+/// Compares by z, then y, then x: negative when a comes before b, zero at the same position.
 int compareOrder( const Cell& a, const Cell& b )
 {
 	for ( int axis = 2; axis >= 0; --axis )

@@ -9,8 +9,8 @@ namespace pliant {
 
 namespace {
 
-/// Both directions of every link, ascending: the order in which the rows list them. `links` ascend, so that those to one cell from lower
-/// ones stand in order, and before those from it: counting sorts them.
+/// Returns both directions of every link in the order of the rows, by counting sort. `links` ascend, so that the links to a cell from lower
+/// cells are in order and precede the links from it.
 std::vector<CellLink> bothWays( const std::vector<CellLink>& links, std::size_t cells )
 {
 	std::vector<std::uint32_t> next( cells + 1, 0 );
@@ -51,7 +51,7 @@ Lattice withoutLinks( const Lattice& lattice, const std::vector<CellLink>& links
 	const std::uint32_t cells = std::uint32_t( lattice.cellCount() );
 	for ( std::uint32_t i = 0; i < cells; ++i )
 	{
-		// Rows that lose nothing, all up to the next that does.
+		// Copies the rows without losses up to the next row with one.
 		const std::uint32_t end = next == gone.end() ? cells : next->a, first = lattice.linkStart[i], lost = first - kept;
 		std::copy( lattice.linkTo.begin() + first, lattice.linkTo.begin() + lattice.linkStart[end], now.linkTo.begin() + kept );
 		kept += lattice.linkStart[end] - first;
@@ -114,7 +114,7 @@ Lattice withLinks( const Lattice& lattice, const std::vector<CellLink>& links )
 
 namespace {
 
-/// Cells by the set they are of, which are numbered as they like.
+/// Groups cells by their set; set numbers are arbitrary.
 std::vector<std::vector<std::uint32_t>> partsOf( const std::vector<std::uint32_t>& sets )
 {
 	constexpr std::uint32_t kNone = ~0u;
@@ -135,7 +135,7 @@ std::vector<std::vector<std::uint32_t>> partsOf( const std::vector<std::uint32_t
 
 } // namespace
 
-// Rows go both ways: each cell looks at those before it alone.
+// Rows store both directions: each cell considers only lower neighbours.
 std::vector<std::vector<std::uint32_t>> connectedParts( const Lattice& lattice )
 {
 	const std::uint32_t count = std::uint32_t( lattice.cellCount() );
@@ -162,7 +162,7 @@ std::vector<std::vector<std::uint32_t>> connectedParts( const Lattice& lattice )
 
 namespace {
 
-/// Some cells' surroundings, growing side by side.
+/// Breadth-first searches from several seeds in lockstep.
 class SideBySide
 {
 public:
@@ -176,7 +176,7 @@ public:
 		}
 	}
 
-	/// Until one alone could go on: what nobody has come to is its own.
+	/// Runs until a single search remains, which owns all cells not reached.
 	void grow()
 	{
 		for ( std::size_t at = 0; m_growing > 1 && at < m_queue.size(); ++at )
@@ -196,7 +196,7 @@ public:
 				{
 					m_sets.join( own, other );
 					const int both = m_waiting[own] + m_waiting[other];
-					m_growing -= m_waiting[other] > 0 ? 1 : 0; // its own still has this cell to do
+					m_growing -= m_waiting[other] > 0 ? 1 : 0; // this cell is still pending in its own set
 					own = m_sets.find( own );
 					m_waiting[own] = both;
 				}
@@ -205,7 +205,7 @@ public:
 		}
 	}
 
-	/// Of each cell: the set it is of. Those that nobody has come to are of the one that could go on.
+	/// Returns the set of each cell. Cells that no search has reached belong to the remaining search.
 	std::vector<std::uint32_t> sets()
 	{
 		std::uint32_t rest = 0;
@@ -226,10 +226,10 @@ private:
 	static constexpr std::uint32_t kNone = ~0u;
 
 	const Lattice& m_lattice;
-	std::vector<std::uint32_t> m_own; ///< of each cell: the seed it was come to from
+	std::vector<std::uint32_t> m_own; ///< of each cell: the seed from which it was reached
 	UnionFind m_sets;                 ///< of seeds
 	std::vector<int> m_waiting;       ///< of each set: cells in the queue
-	std::size_t m_growing;            ///< sets that have any
+	std::size_t m_growing;            ///< number of sets with cells in the queue
 	std::vector<std::uint32_t> m_queue;
 };
 

@@ -1,4 +1,4 @@
-// The table of contents of preprocessing: weld, orient, close, cut into cells, link, centre.
+// The steps of preprocessing: weld, orient, close, cut into cells, link, centre.
 
 #include "lattice/build/build_lattice.h"
 
@@ -93,7 +93,7 @@ private:
 	double cellsAskedFor() const { return m_settings.cellSize > 0.0f ? m_settings.maxCells : m_settings.targetCells; }
 	double mostCrossings() const { return kMostCrossingsAtLeast + kMostCrossingsPerCell * cellsAskedFor(); }
 
-	/// Winding numbers asked for, each position once, each sample of a cut one, and each run between crossings.
+	/// Winding number queries: one per position, one per sample of a cut position, and one per run between crossings.
 	bool isTooMuchWork( const Grid& grid, double crossings ) const
 	{
 		const double positions = double( grid.positions() );
@@ -121,11 +121,11 @@ private:
 		return *m_volume;
 	}
 
-	/// The mesh spans no more of these than there are coordinates for.
+	/// At this cell size the mesh spans the maximum number of lattice coordinates.
 	double smallestSize() const { return ( m_mesh.high - m_mesh.low ).maxCoeff() / ( kMaxExtent - 2 ); }
 
-	/// The cell edge that gives about so many cells: N = V / d^3 + c A / d^2, solved by halving. Of a shell N = c A / d^2, and a line of
-	/// cells at least.
+	/// Returns the cell edge that gives about `cells` cells: N = V / d^3 + c A / d^2, solved by bisection. For a shell N = c A / d^2, with
+	/// at least a line of cells.
 	double sizeForCells( double cells )
 	{
 		const double longest = ( m_mesh.high - m_mesh.low ).maxCoeff();
@@ -166,14 +166,14 @@ private:
 		}
 	}
 
-	/// A few cells on thin parts do not change the size of all others.
+	/// A few cells on thin parts must not change the size of all others.
 	double countForTarget() const
 	{
 		const int shell = m_out.report.shellCells, all = m_out.lattice.cellCount();
 		return shell <= kMostShellFraction * all ? all - shell : all;
 	}
 
-	/// How the count goes with the cell size hangs on the shape: it is learnt on the way.
+	/// The exponent of the cell count in the cell size depends on the shape: it is estimated from successive attempts.
 	Status buildShellNearTarget()
 	{
 		const double target = m_settings.targetCells;
@@ -204,7 +204,7 @@ private:
 
 	Status tooManyCells( double d )
 	{
-		// A tenth to spare, so that the proposal does fit; of a shell as much as it may stand aslant.
+		// A margin of a tenth, so that the proposed size fits; larger for a shell, whose count depends on its orientation.
 		const double fits = sizeForCells( m_settings.maxCells / ( 1.0 + ( m_isShellOnly ? kTargetSlackWhenOpen : kTargetSlack ) ) );
 		return { ResultCode::TooManyCells,
 			sentence( "With cells of ", d, " m the mesh fills more than LatticeSettings::maxCells = ", m_settings.maxCells,
@@ -276,7 +276,7 @@ private:
 		return added < 0 ? tooManyCells( d ) : Status{};
 	}
 
-	/// Fewer samples where they would take too long: a fraction of a second is what inside may cost.
+	/// Uses fewer samples where the requested number would take too long: finding the inside should take a fraction of a second.
 	Status fillInside( double d, std::vector<CellDraft>& cells )
 	{
 		for ( int samples = m_settings.samplesPerEdge; samples > 0; --samples )
@@ -315,7 +315,7 @@ private:
 		std::optional<Parts> parts( std::in_place, voxels, *m_field, m_settings.minimumFill, m_settings.runner );
 		if ( parts->cells().empty() )
 		{
-			parts.emplace( voxels, *m_field, 0.0f, m_settings.runner ); // thin everywhere: better thin cells than none
+			parts.emplace( voxels, *m_field, 0.0f, m_settings.runner ); // thin everywhere: thin cells are better than none
 		}
 		if ( parts->cells().size() > std::size_t( m_settings.maxCells ) )
 		{
@@ -382,12 +382,12 @@ private:
 	LatticeBuild& m_out;
 	Progress m_progress;
 	WeldedMesh m_mesh;
-	std::optional<InsideField> m_field; ///< empty where the surface alone is material from the start
+	std::optional<InsideField> m_field; ///< empty where only the surface is material from the start
 	std::optional<double> m_volume;
 	InsideField::Survey m_survey; ///< of an open surface
-	bool m_isShellOnly = false;   ///< asked for, or no inside was found
+	bool m_isShellOnly = false;   ///< requested, or no inside was found
 	double m_area = 0.0;
-	double m_drawnArea = 0.0; ///< with what bounds no inside
+	double m_drawnArea = 0.0; ///< including triangles that bound no inside
 };
 
 } // namespace

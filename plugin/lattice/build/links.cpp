@@ -1,5 +1,5 @@
-// Across a face: linked when some way from sample to sample leads across it through material. Across an edge or a corner: linked when
-// links lead there through the cells around that edge or corner, or a slanted way leads straight across.
+// Across a face, cells are linked when a path from sample to sample crosses it through material. Across an edge or a corner, they are
+// linked when links through the cells around it connect them, or when a diagonal path leads straight across.
 
 #include "lattice/build/links.h"
 
@@ -60,7 +60,7 @@ private:
 
 	bool isFull( std::size_t i ) const { return m_parts.cells()[i].cutCell == Parts::kNone; }
 
-	/// 1, 2 or 3 for neighbours across a face, an edge, a corner; 0 for anything else.
+	/// 1, 2 or 3 for neighbours across a face, an edge, a corner; 0 otherwise.
 	int kindOf( std::size_t i, std::size_t j ) const
 	{
 		const Eigen::Vector3i step = ( m_at[i] - m_at[j] ).cwiseAbs();
@@ -127,7 +127,7 @@ private:
 		return ( voxels.flags[first + m_parts.sampleNumber( sample )] & kBlocked[std::size_t( axis )] ) != 0;
 	}
 
-	/// Slanted ways over the border of a cut cell. Both cells are cut then: a full one has no outside sample next to it.
+	/// Diagonal paths across the border of a cut cell. Both cells are cut then: a full one has no outside sample next to it.
 	void linkSlantwise( std::size_t i, std::vector<Pair>& out ) const
 	{
 		const int s = m_grid.samples;
@@ -154,7 +154,7 @@ private:
 		}
 	}
 
-	/// The cell a sample of the whole grid belongs to.
+	/// The cell that contains a sample of the whole grid.
 	std::int32_t cellOf( const Eigen::Vector3i& sample ) const
 	{
 		const int s = m_grid.samples;
@@ -200,7 +200,7 @@ private:
 		return ( voxels.flags[first + m_parts.sampleNumber( sample - m_grid.samples * position )] & kSliver ) != 0;
 	}
 
-	/// Slanted links across faces join the face links; the others wait for their turn.
+	/// Merges diagonal links across faces into the face links and keeps the others for the edge and corner links.
 	void sortOut( std::vector<std::vector<Pair>> slanted )
 	{
 		std::vector<std::vector<Pair>> faces( 1 );
@@ -243,7 +243,7 @@ private:
 		}
 	}
 
-	/// Every pair once, from its lower cell.
+	/// Each pair once, from its lower cell.
 	void linkEdges( std::size_t i, std::vector<Pair>& out ) const
 	{
 		const std::size_t before = out.size();
@@ -277,7 +277,7 @@ private:
 		}
 	}
 
-	/// A full cell among 26 full cells is linked to all of them: most cells, and no search.
+	/// A full cell among 26 full cells is linked to all of them without a search; most cells are of this kind.
 	bool linkInner( std::size_t i, std::vector<std::uint32_t>& row ) const
 	{
 		const Eigen::Vector3i p = m_at[i];
@@ -329,7 +329,7 @@ private:
 		row.erase( std::unique( row.begin(), row.end() ), row.end() );
 	}
 
-	/// Pairs of neighbours, linked or not, seen from one cell.
+	/// Number of neighbours of a cell, linked or not.
 	int countNeighbours( std::size_t i ) const
 	{
 		int count = 0;

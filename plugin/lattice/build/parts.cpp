@@ -1,5 +1,5 @@
-// Samples of a cut cell are one piece when a way from sample to next sample leads through material: straight along the axes where no gap
-// was found, and slantwise where nothing beside the way is inside (a slanted sheet thinner than two samples).
+// Samples of a cut cell belong to one piece when a path between adjacent samples leads through material: straight along the axes where no
+// gap was found, and diagonally where no sample beside the path is inside (a slanted sheet thinner than two samples).
 
 #include "lattice/build/parts.h"
 
@@ -122,7 +122,7 @@ void Parts::joinDiagonally( std::size_t cutCell, const InsideField& field, Union
 			bool isFree = sets.find( a ) != sets.find( b );
 			for ( int corner = 1; corner < 7 && isFree; ++corner )
 			{
-				// Corners of the box that the step spans, but for its ends.
+				// Corners of the box that the step spans, except its ends.
 				const Eigen::Vector3i r = p + step.cwiseProduct( Eigen::Vector3i( corner & 1, corner >> 1 & 1, corner >> 2 ) );
 				isFree = r == p || r == q || !isSolid( r );
 			}
@@ -143,7 +143,7 @@ void Parts::cutPieces( std::size_t cutCell, float minimumFill, const InsideField
 	std::vector<std::uint16_t> label;
 	const std::uint32_t groups = labelSamples( cutCell, field, label );
 
-	// Whole samples are counted, so that a full cell is exactly full; thin runs bring their own shares.
+	// Samples are counted as integers, so that a full cell is exactly full; thin runs contribute their own fractions.
 	std::vector<Vec3d> sum( groups, Vec3d::Zero() );
 	std::vector<double> weight( groups, 0.0 );
 	std::vector<std::uint8_t> isReplaced( perCell, 0 );

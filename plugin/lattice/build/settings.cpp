@@ -1,4 +1,4 @@
-// Which knobs are in their ranges.
+// Checks the ranges of the settings.
 
 #include "lattice/build/build_lattice.h"
 
@@ -83,7 +83,7 @@ Status outOfMemory() noexcept
 	}
 	catch ( const std::bad_alloc& )
 	{
-		status.sentence = "Out of memory."; // short enough to be kept without an allocation
+		status.sentence = "Out of memory."; // short enough to be stored without an allocation
 	}
 	return status;
 }

@@ -1,4 +1,4 @@
-// The grid that cells are cut from. Ohta et al. 2009, "Preprocessing": the finest lattice.
+// The grid from which cells are cut. Ohta et al. 2009, "Preprocessing": the finest lattice.
 
 #include "lattice/inside/grid.h"
 
@@ -38,14 +38,14 @@ bool makeGrid( const Vec3d& low, const Vec3d& high, double cellSize, int samples
 
 int Grid::firstAbove( int axis, double place ) const
 {
-	// Samples stand at whole quanta. What lies outside may be farther than an integer reaches.
+	// Samples have whole quanta as coordinates. Coordinates outside the grid may exceed an integer's range.
 	const double end = double( std::int64_t( extent[axis] ) << bits );
 	return place < 0.0 ? 0 : place >= end ? sampleCount( axis ) : firstAbove( axis, std::int64_t( place ) );
 }
 
 namespace {
 
-/// A table of this many positions costs 16 MB at most.
+/// A table of this size costs 16 MB at most.
 constexpr std::uint64_t kMostTableEntries = std::uint64_t( 1 ) << 22;
 
 } // namespace

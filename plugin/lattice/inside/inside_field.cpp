@@ -1,5 +1,5 @@
-// Closes rims so that counting along rows works, and remembers how to take the caps away again.
-// The unpaired edges of a surface form closed loops (the boundary of a boundary is nothing), so a fan over each set of them closes it.
+// Closes rims with caps so that counting along rows works, and stores how to subtract the caps again. The unpaired edges of a surface form
+// closed loops (the boundary of a boundary is empty), so a fan over each connected set of them closes it.
 
 #include "lattice/inside/inside_field.h"
 
@@ -29,7 +29,7 @@ InsideField::InsideField( WeldedMesh& mesh, const std::vector<RimEdge>& rim ) : 
 	{
 		loops.join( edge.from, edge.to );
 	}
-	std::vector<std::uint32_t> apexOf( vertices, 0 ); // 0 is never an apex: those stand behind the vertices
+	std::vector<std::uint32_t> apexOf( vertices, 0 ); // 0 is never an apex: apexes follow the vertices
 	std::vector<Vec3d> middle;
 	std::vector<double> weight;
 	for ( const RimEdge& edge : rim )

@@ -1,5 +1,5 @@
-// Crossings of axis-parallel rows with triangles. A row that meets an edge or a corner is moved aside by an infinitesimal step, the same
-// for every triangle (simulation of simplicity, Edelsbrunner and Mücke 1990), and all signs are those of exact integers.
+// Crossings of axis-parallel rows with triangles. A row that meets an edge or a corner is displaced by an infinitesimal step, the same for
+// every triangle (simulation of simplicity, Edelsbrunner and Mücke 1990), and all signs are those of exact integers.
 
 #include "lattice/inside/rows.h"
 
@@ -13,7 +13,7 @@ namespace pliant {
 
 namespace {
 
-/// A row's place between the two other axes, and a corner seen along the row.
+/// The position of a row, or of a corner projected along the row, in the two other axes.
 struct Flat
 {
 	std::int64_t u;
@@ -25,8 +25,8 @@ int signOf( std::int64_t x )
 	return x > 0 ? 1 : x < 0 ? -1 : 0;
 }
 
-/// On which side of the line from `low` to `high` the row passes; never 0 but for a line seen end on.
-/// sign of (high - low) x (row - low), the row moved by (e, e^2).
+/// The side of the line from `low` to `high` on which the row passes; 0 only for a line parallel to the row. sign of (high - low) x (row -
+/// low), the row displaced by (e, e^2).
 int sideOf( const Flat& low, const Flat& high, const Flat& row )
 {
 	const std::int64_t du = high.u - low.u;
@@ -41,7 +41,7 @@ struct Span
 	double high;
 };
 
-/// Where a triangle meets the line v, widened by a quantum for rounding. The exact test follows.
+/// The range in which a triangle meets the line v, widened by a quantum for rounding. The exact test follows.
 Span spanAt( const std::array<Flat, 3>& corner, std::int64_t v )
 {
 	Span span{ 1e300, -1e300 };
@@ -70,15 +70,15 @@ Span spanAt( const std::array<Flat, 3>& corner, std::int64_t v )
 	return span;
 }
 
-/// A triangle seen along a row, corners by ascending vertex number so that its neighbours see the same edges.
+/// A triangle projected along a row, with corners by ascending vertex index so that its neighbours have the same edges.
 struct View
 {
 	std::array<Flat, 3> corner;
 	std::array<std::int64_t, 3> depth;
-	int turn;          ///< -1 when sorting the corners turned it over
+	int turn;          ///< -1 when sorting the corners reversed the orientation
 	double nu, nv, na; ///< normal
 
-	/// +1 or -1: the row passes through, along or against the normal; 0: it passes by.
+	/// +1 or -1: the row passes through, along or against the normal; 0: the row misses the triangle.
 	int hit( const Flat& row ) const
 	{
 		const int ab = sideOf( corner[0], corner[1], row );
@@ -121,7 +121,7 @@ SnappedSurface::SnappedSurface( const WeldedMesh& mesh, const InsideField& field
 	const double most = double( std::int64_t( 1 ) << kCoordinateBits );
 	for ( std::size_t i = 0; i < mesh.position.size(); ++i )
 	{
-		// Vertices that no triangle uses may lie anywhere: clamped, they are harmless.
+		// Vertices that no triangle uses may lie anywhere; clamping makes them harmless.
 		const Vec3d p = ( ( mesh.position[i] - grid.corner ) * perQuantum ).array().round().max( -most ).min( most );
 		m_point[i] = { std::int32_t( p.x() ), std::int32_t( p.y() ), std::int32_t( p.z() ) };
 	}
@@ -197,7 +197,7 @@ void SnappedSurface::cross( const Triangle& triangle, bool isCap, int axis, std:
 			const Flat row{ m_grid.sampleAt( u ), rowV };
 			if ( const int hit = view.hit( row ); hit != 0 )
 			{
-				// Along the outward normal is out of the material: the winding number goes down.
+				// Crossing along the outward normal leaves the material: the winding number decreases.
 				const std::uint64_t flags = ( isCap ? 2u : 0u ) | ( hit < 0 ? 1u : 0u );
 				out.push_back( { Crossing::packRow( u, v ) | flags, view.placeOn( row ) } );
 			}

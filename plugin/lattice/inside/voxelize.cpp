@@ -1,5 +1,5 @@
-// Positions without a crossing on or next to any of their rows are wholly inside or wholly outside and asked once; in the others every
-// sample is asked. So the cost follows the surface.
+// Positions without a crossing on or next to any of their rows are wholly inside or wholly outside and need one test; in the others every
+// sample is tested. The cost is therefore proportional to the surface.
 
 #include "lattice/inside/voxelize.h"
 
@@ -72,7 +72,7 @@ public:
 	}
 
 private:
-	/// A sample by its row and its number along it.
+	/// A sample as its cell's key and its index in the cell.
 	struct Place
 	{
 		std::uint64_t key;
@@ -91,7 +91,7 @@ private:
 		return { m_grid.key( cell.x(), cell.y(), cell.z() ), std::size_t( ( in.z() * s + in.y() ) * s + in.x() ) };
 	}
 
-	/// The volume along the rows is known before any cell is made; and where the surface is open, every position will be asked.
+	/// The volume along the rows is known before any cell is created; where the surface is open, every position needs a test.
 	bool isTooMuch() const
 	{
 		if ( !m_surface.field().isWhole() )
@@ -130,7 +130,7 @@ private:
 		}
 	}
 
-	/// Every position that is not cut, layer by layer.
+	/// Classifies every position that is not cut, layer by layer.
 	void classifyTheRest()
 	{
 		if ( !m_surface.field().isWhole() )
@@ -144,7 +144,7 @@ private:
 		appendAll( full, m_out.full );
 	}
 
-	/// Where counting says it all, a row of cells without any crossing is outside: only the others are walked.
+	/// For a closed surface, rows of cells without any crossing are outside: only the others are traversed.
 	void classifyCrossedRows( int z, std::vector<std::uint64_t>& full ) const
 	{
 		const RowSet& rows = m_rows[0];
@@ -160,7 +160,7 @@ private:
 			const Crossing& c = rows.crossing[k];
 			if ( c.v() != z * m_grid.samples )
 			{
-				break; // the cells' first rows stand first in the slab
+				break; // the first rows of the cells come first in the slab
 			}
 			if ( c.u() % m_grid.samples == 0 && c.u() / m_grid.samples != done )
 			{
@@ -170,7 +170,7 @@ private:
 		}
 	}
 
-	/// Positions between samples of a row of cells share the row's count; cut cells are passed over.
+	/// Positions between samples of a row of cells share the row's count; cut cells are skipped.
 	template <class F>
 	void classifyRow( int y, int z, F&& keep ) const
 	{
@@ -194,7 +194,7 @@ private:
 		}
 	}
 
-	/// Through a hole the inside ends without a crossing: where a position and its neighbour differ, both are sampled like cut ones.
+	/// At a hole the inside ends without a crossing: where a position and its neighbour differ, both are sampled like cut ones.
 	void classifyOpen()
 	{
 		constexpr std::uint8_t kCutHere = 0, kOutside = 1, kFullHere = 2;
@@ -234,8 +234,8 @@ private:
 				rim.push_back( key );
 			}
 		}
-		// A hole is smaller than the surface around it. Where the winding number hangs in the middle everywhere, samples would tell no more
-		// than the position's own middle.
+		// A hole is smaller than the surface around it. Where the winding number is close to one half everywhere, samples carry no more
+		// information than the position's centre.
 		if ( rim.size() > m_out.cut.size() )
 		{
 			rim.clear();
@@ -330,8 +330,8 @@ private:
 		appendAll( found, slivers );
 	}
 
-	/// The piece of a row between two crossings. Without a sample in it, it is a gap between inside samples or a sliver between outside
-	/// ones; with one, it is a thin run, whose length says more than the sample.
+	/// Classifies the segment of a row between two crossings. Without a sample in it, it is a gap between inside samples or a sliver
+	/// between outside ones; with one, it is a thin run, whose length is more accurate than the sample.
 	void inspect( int axis, const Crossing& from, double to, int count, std::vector<Sliver>& slivers )
 	{
 		const int above = m_grid.firstAbove( axis, from.at );

@@ -1,6 +1,6 @@
-// Triangles are turned to agree, first with their neighbours, then with the outside.
-// A shell that is inside out is turned, together with the shells inside it: a shell within another keeps its sense relative to it, so
-// that one drawn the other way round stays a cavity and one drawn the same way round stays part of the union.
+// Orients triangles consistently, first with their neighbours, then outwards. A shell that is inside out is flipped together with the
+// shells inside it: a nested shell keeps its orientation relative to its container, so that an oppositely oriented one stays a cavity and
+// an equally oriented one stays part of the union.
 
 #include "lattice/mesh/weld.h"
 
@@ -17,14 +17,14 @@ namespace pliant {
 
 namespace {
 
-/// Triangles connected through edges of exactly two: over these the sense of one is the sense of all. A soup has as many patches as
-/// triangles, so they are kept small.
+/// Triangles connected through edges with exactly two triangles: the orientation of one determines that of all. A soup has as many patches
+/// as triangles, so the struct is kept small.
 struct Patch
 {
 	std::uint32_t first = 0; ///< of its triangles in Patches::triangle
 	std::uint32_t last = 0;
 	bool isNearlyClosed = false;
-	double volume = 0.0; ///< signed; about the patch's own middle, so that a few holes do little
+	double volume = 0.0; ///< signed; about the patch's own centroid, so that a few holes have little effect
 };
 
 struct Patches
@@ -75,7 +75,7 @@ Neighbours findNeighbours( const EdgeTable& edges, std::size_t triangles )
 	return neighbours;
 }
 
-/// Walks each patch from its first triangle and makes neighbours agree; what the larger area says stays.
+/// Traverses each patch from its first triangle and makes neighbours agree; the orientation with the larger area is kept.
 Patches collectPatches( WeldedMesh& mesh, const EdgeTable& edges )
 {
 	const Neighbours neighbours = findNeighbours( edges, mesh.triangle.size() );
@@ -93,7 +93,7 @@ Patches collectPatches( WeldedMesh& mesh, const EdgeTable& edges )
 		patch.first = std::uint32_t( patches.triangle.size() );
 		patches.triangle.push_back( seed );
 		isReached[seed] = 1;
-		double turnedArea = 0.0; // minus what is not turned
+		double turnedArea = 0.0; // minus the area that keeps its orientation
 		for ( std::size_t k = patch.first; k < patches.triangle.size(); ++k )
 		{
 			const std::uint32_t t = patches.triangle[k];
@@ -149,7 +149,7 @@ void measurePatch( const WeldedMesh& mesh, const Patches& patches, Patch& patch 
 	patch.isNearlyClosed = vectorArea.norm() < kNearlyClosed * area;
 }
 
-/// Which shells stand inside which, for meshes whose shells do not agree.
+/// Determines which shells contain which, for meshes whose shells differ in orientation.
 class Nesting
 {
 public:
@@ -171,7 +171,7 @@ public:
 		m_trees.resize( m_containers.size() );
 	}
 
-	/// The outermost shell around a patch: the largest that holds it, or the patch itself.
+	/// Returns the outermost shell around a patch: the largest that contains it, or the patch itself.
 	std::uint32_t outermost( std::uint32_t patch )
 	{
 		for ( std::size_t k = 0; k < m_containers.size() && m_containers[k] != patch; ++k )

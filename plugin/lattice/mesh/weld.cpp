@@ -1,4 +1,4 @@
-// Vertices at one place become one, found through a sorted grid of buckets with looks across the borders.
+// Welds coincident vertices, found through a sorted grid of buckets and a search across bucket borders.
 
 #include "lattice/mesh/weld.h"
 
@@ -29,7 +29,7 @@ Status checkCounts( const MeshView& mesh, const LatticeSettings& settings )
 			"The mesh has " + std::to_string( mesh.triangleCount ) + " triangles; LatticeSettings::maxTriangles allows " +
 				std::to_string( settings.maxTriangles ) + "." };
 	}
-	// A triangle uses three vertices at most; far more vertices than that are a mistake, and would cost memory for nothing.
+	// A triangle uses at most three vertices; far more vertices are an error and would waste memory.
 	if ( mesh.vertexCount > 3 * std::size_t( settings.maxTriangles ) )
 	{
 		return { ResultCode::TooManyTriangles,
@@ -93,7 +93,7 @@ Status boundingBox( const MeshView& mesh, WeldedMesh& out )
 	return {};
 }
 
-/// A surface so crumpled that no cell size can tell its layers apart is refused before the dear part begins.
+/// Rejects a surface so crumpled that no cell size can resolve its layers, before the expensive part begins.
 Status checkFolds( const MeshView& mesh, const WeldedMesh& box )
 {
 	double area = 0.0;
@@ -111,7 +111,7 @@ Status checkFolds( const MeshView& mesh, const WeldedMesh& box )
 	return {};
 }
 
-/// A vertex and the bucket it falls into. Outliers that no triangle uses are clamped to the border buckets; distances still decide.
+/// A vertex and its bucket. Outliers that no triangle uses are clamped to the border buckets; welding still depends on distances.
 struct Slot
 {
 	std::uint64_t bucket;
@@ -194,7 +194,7 @@ private:
 		}
 	}
 
-	/// Joins exact doubles and moves one of each to the end of the bucket's range; returns where those begin.
+	/// Joins exact duplicates and moves one of each to the end of the bucket's range; returns where those begin.
 	std::size_t joinEqual( std::size_t first, std::size_t last )
 	{
 		const auto key = [this]( const Slot& s ) {
@@ -219,7 +219,7 @@ private:
 		return out;
 	}
 
-	/// Looks into the buckets that a ball of one tolerance around the vertex touches, beyond its own.
+	/// Searches the other buckets that a ball of one tolerance around the vertex touches.
 	void weldAcross( std::size_t k )
 	{
 		const Vec3d p = positionOf( m_mesh, m_slots[k].vertex );
@@ -232,7 +232,7 @@ private:
 			{
 				for ( std::int64_t x = low.x(); x <= high.x(); ++x )
 				{
-					// Pairs are seen from both sides; one is enough.
+					// Each pair is visited from both sides; one is enough.
 					if ( const std::uint64_t bucket = pack( Bucket( x, y, z ) ); bucket > m_slots[k].bucket )
 					{
 						weldWith( k, bucket );
@@ -292,7 +292,7 @@ Status weldMesh( const MeshView& mesh, const LatticeSettings& settings, WeldedMe
 	out.position.clear();
 	for ( std::size_t i = 0; i < mesh.vertexCount; ++i )
 	{
-		// The lowest vertex stands for its set and comes first.
+		// The lowest vertex represents its set and comes first.
 		const std::uint32_t root = welder.rootOf( i );
 		if ( root == i )
 		{

@@ -12,7 +12,7 @@ namespace pliant {
 
 namespace {
 
-/// Halving at the median keeps the depth below log2 of the triangles that 32 bits can count.
+/// Median splits keep the depth below log2 of the number of triangles that 32 bits can count.
 constexpr int kMostDepth = 64;
 
 constexpr double kWholeSphere = 4.0 * std::numbers::pi;
@@ -102,7 +102,7 @@ void WindingTree::build( std::uint32_t first, std::uint32_t last )
 
 namespace {
 
-/// Adds angles by multiplying complex numbers, so that a sum costs one arc tangent. Turns past half a circle are counted.
+/// Adds angles by multiplying complex numbers, so that a sum costs one arc tangent. Turns beyond half a circle are counted.
 class AngleSum
 {
 public:
@@ -111,9 +111,9 @@ public:
 	{
 		const double nextX = m_x * x - m_y * y;
 		const double nextY = m_x * y + m_y * x;
-		// Two angles of one sign whose sum shows the other sign have passed pi.
+		// Two angles of the same sign whose sum has the other sign have passed pi.
 		m_turns += m_y >= 0.0 && y > 0.0 && nextY < 0.0 ? 1 : m_y < 0.0 && y < 0.0 && nextY >= 0.0 ? -1 : 0;
-		// One division by the larger part keeps the product within range.
+		// Dividing by the larger component keeps the product within range.
 		const double scale = 1.0 / std::max( std::abs( nextX ), std::abs( nextY ) );
 		m_x = nextX * scale;
 		m_y = nextY * scale;
@@ -138,7 +138,7 @@ void addHalfSolidAngle( const std::array<Vec3d, 3>& corner, const Vec3d& point, 
 	const double lc = c.norm();
 	const double above = a.dot( b.cross( c ) );
 	const double below = la * lb * lc + a.dot( b ) * lc + b.dot( c ) * la + c.dot( a ) * lb;
-	// In the triangle's own plane it covers nothing from one side and everything from the other: call it nothing.
+	// The solid angle is discontinuous in the triangle's own plane; its mean, zero, is used.
 	if ( above != 0.0 )
 	{
 		sum.add( below, above );
@@ -190,7 +190,7 @@ double WindingTree::workAt( const Vec3d& point ) const
 	double work = 0.0;
 	for ( std::size_t here = 0; here < m_nodes.size(); )
 	{
-		// The first child follows its node, so that a walk in order visits what the search would; a far node's children are skipped.
+		// The first child follows its node: sequential traversal visits the nodes of the search; a far node's children are skipped.
 		const Node& node = m_nodes[here];
 		const bool isFar = ( node.centre - point ).squaredNorm() > node.farSquared;
 		work += 1.0 + ( isFar ? 0.0 : double( node.count ) );
@@ -211,7 +211,7 @@ double WindingTree::exactlyAt( const Vec3d& point ) const
 
 namespace {
 
-/// Signs of the volumes that the way spans with the triangle's edges, and that its ends span with the triangle.
+/// Compares the signs of the volumes that the segment spans with the triangle's edges and that its ends span with the triangle.
 bool meets( const std::array<Vec3d, 3>& corner, const Vec3d& from, const Vec3d& to )
 {
 	const Vec3d way = to - from;
