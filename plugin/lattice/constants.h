@@ -27,7 +27,7 @@ inline constexpr int kCoordinateBits = 29;
 
 /// Welding: width of a bucket in tolerances, large enough that few vertices lie near a border, and the limit of 2^20 buckets along an axis.
 inline constexpr double kTolerancesPerBucket = 4.0;
-inline constexpr double kMostBuckets = 1048576.0;
+inline constexpr double kMaxBuckets = 1048576.0;
 
 /// A bucket with more distinct points than this is welded whole: only meshes with clusters far below the tolerance have one.
 inline constexpr std::size_t kCrowdedBucket = 1024;
@@ -36,11 +36,11 @@ inline constexpr std::size_t kCrowdedBucket = 1024;
 inline constexpr double kNearlyClosed = 0.1;
 
 /// Number of largest shells tested for containing a smaller one, and number of the smaller shell's triangles that are tested.
-inline constexpr std::size_t kMostContainers = 32;
+inline constexpr std::size_t kMaxContainers = 32;
 inline constexpr std::size_t kContainmentProbes = 9;
 
 /// Above this ratio of unpaired edges to triangles the surface is a triangle soup: closing its rims would cost more than it saves.
-inline constexpr double kMostRimFraction = 0.2;
+inline constexpr double kMaxRimFraction = 0.2;
 
 /// A cluster of triangles counts as one dipole from this many radii on (Barill et al. 2018). Measured error of W below 0.05, far from 1/2.
 inline constexpr double kFarField = 2.6;
@@ -50,27 +50,27 @@ inline constexpr int kTrianglesPerLeaf = 8;
 inline constexpr double kInsideWinding = 0.5;
 
 /// Limit of row crossings, 16 bytes each, per requested cell; above it the surface is too folded to be resolved.
-inline constexpr double kMostCrossingsPerCell = 48.0;
-inline constexpr double kMostCrossingsAtLeast = 1.0e6;
+inline constexpr double kMaxCrossingsPerCell = 48.0;
+inline constexpr double kBaseCrossings = 1.0e6;
 
 /// Limit of lattice positions per allowed cell, for meshes that are not closed, where each position needs a winding number.
-inline constexpr double kMostPositionsPerCell = 16.0;
+inline constexpr double kMaxPositionsPerCell = 16.0;
 
 /// Cells in excess of V / d^3 for a surface of area A: it cuts 1.5 A / d^2 cells on average, half of each is filled, and a tenth are below
 /// the minimum fill: 1.5 * 0.9 - 0.75.
 inline constexpr double kCellsPerArea = 0.6;
 
 /// Limit of the area over the square of the diagonal. A ball has 0.8, a tree with all its leaves some tens.
-inline constexpr double kMostFolds = 2000.0;
+inline constexpr double kMaxFolds = 2000.0;
 
 /// An open surface needs a winding number per sample. Limit of the triangles and clusters visited per requested cell; more would take
 /// seconds.
-inline constexpr double kMostWorkPerCell = 25000.0;
+inline constexpr double kMaxWorkPerCell = 25000.0;
 
 /// Points per axis for estimating an open surface's query cost and volume; work limit of the volume estimate.
 inline constexpr int kWorkProbes = 2;
 inline constexpr int kVolumeProbes = 12;
-inline constexpr double kMostSurveyWork = 5e6;
+inline constexpr double kMaxSurveyWork = 5e6;
 
 /// Rows across the longest side of the mesh for the volume estimate and for the search for slivers.
 inline constexpr int kEstimateRows = 64;
@@ -91,7 +91,7 @@ inline constexpr double kShellReach = 1.0;
 
 /// Minimum mass of a shell's cell as a fraction of a full cell: lighter cells would be accelerated too strongly by their neighbours. Equals
 /// the default minimum fill.
-inline constexpr double kLeastShellFill = 0.03;
+inline constexpr double kMinShellFill = 0.03;
 
 /// Lattice positions that a surface of area A passes through: 1.5 A / d^2 on average, 1 A / d^2 along the axes, fewer where it is folded.
 inline constexpr double kShellCellsPerArea = 1.25;
@@ -101,20 +101,20 @@ inline constexpr double kShellTargetSlack = 0.1;
 inline constexpr int kShellTries = 4;
 
 /// Cells of a solid's thin parts count towards targetCells where they exceed this fraction of all cells.
-inline constexpr double kMostShellFraction = 0.25;
+inline constexpr double kMaxShellFraction = 0.25;
 
 /// Bounds of the exponent p in count ~ d^-p: ribbons, sheets, crumpled sheets.
-inline constexpr double kLeastShellPower = 0.8;
-inline constexpr double kMostShellPower = 3.0;
+inline constexpr double kMinShellPower = 0.8;
+inline constexpr double kMaxShellPower = 3.0;
 
 /// Number of points sampled on a surface; exceeded only where the surface has more cells.
-inline constexpr double kMostShellPoints = 1e6;
+inline constexpr double kShellPoints = 1e6;
 /// Maximum number of points in the first pass, which estimates the number of positions. The surface counts as folded where the positions
 /// are less than this fraction of those points.
-inline constexpr double kMostSurveyPoints = 2e5;
+inline constexpr double kMaxSurveyPoints = 2e5;
 inline constexpr double kFoldedFraction = 0.25;
 /// Upper bound of the factor by which positions are overestimated.
-inline constexpr double kMostOverCounted = 4.0;
+inline constexpr double kMaxOvercount = 4.0;
 
 /// Sampling density along an edge relative to kShellSamples: the area in a position, a sum over the samples, then has an error of about 2
 /// %.
@@ -127,34 +127,34 @@ inline constexpr double kShellOverhang = 0.25;
 inline constexpr double kSmallestVisited = 0.1;
 
 /// A soup with this fraction of its apparent volume oriented the other way has no inside: it consists of stacked sheets.
-inline constexpr double kMostOpposedFraction = 0.25;
+inline constexpr double kMaxOpposedFraction = 0.25;
 
 /// An open surface whose inside consists of parts with fewer cells than this has no inside: its winding number is close to one half.
-inline constexpr int kLeastCellsPerPart = 8;
+inline constexpr int kMinCellsPerPart = 8;
 
 /// Patches of the drawn surface (contact_patches.h): samples along a cell's edge, maximum number of triangles, maximum distance of a sample
 /// from the node in cells, minimum cosine between a sample's normal and the patch's.
 inline constexpr double kPatchSampleDensity = 4.0;
-inline constexpr std::size_t kMostPatchTriangles = 30000;
+inline constexpr std::size_t kMaxPatchTriangles = 30000;
 inline constexpr double kPatchFitRadius = 1.75;
-inline constexpr double kLeastPatchCosine = 0.7;
+inline constexpr double kMinPatchCosine = 0.7;
 /// Minimum length of the mean normal of the samples within this distance, in cells: 0.71 at a right-angled edge, 0.96 on a ball of three
 /// cells' radius.
 inline constexpr double kPatchNormalRadius = 1.25;
-inline constexpr double kLeastPatchAgreement = 0.9;
+inline constexpr double kMinPatchAgreement = 0.9;
 /// Number of fits of a patch, each with the normal of the previous one, and the regularisation of the equations, which keeps collinear
 /// points solvable.
 inline constexpr int kPatchFits = 3;
 inline constexpr double kPatchRegularity = 1e-6;
 /// Maximum root mean square distance of the surface from its patch, in cells.
-inline constexpr double kMostPatchError = 0.08;
+inline constexpr double kMaxPatchError = 0.08;
 /// Height of the surface above the node, in cells: at a greater height the cell is not the first one behind the surface.
-inline constexpr double kLeastPatchHeight = 0.01;
-inline constexpr double kMostPatchHeight = 0.95;
+inline constexpr double kMinPatchHeight = 0.01;
+inline constexpr double kMaxPatchHeight = 0.95;
 /// Radius of a flat or hollow patch, in cells: half a cell to the side the error is a sixtieth of a cell.
-inline constexpr double kMostPatchRadius = 8.0;
+inline constexpr double kMaxPatchRadius = 8.0;
 
 /// Maximum number of tasks per pass. Fixed, so that results do not depend on the number of threads.
-inline constexpr std::size_t kMostTasks = 64;
+inline constexpr std::size_t kMaxTasks = 64;
 
 } // namespace pliant

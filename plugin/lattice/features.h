@@ -8,6 +8,6 @@
 namespace pliant {
 
 /// Ok, or an error that names the missing feature.
-Status needFeature( Feature feature );
+Status requireFeature( Feature feature );
 
 } // namespace pliant

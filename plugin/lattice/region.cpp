@@ -16,8 +16,8 @@ constexpr int kCellsPerTask = 512;
 /// when a lattice position holds two cells or the grid is much larger than the body.
 std::vector<std::uint32_t> cubeCounts( const Lattice& lattice, int w )
 {
-	constexpr std::size_t kMostPositionsPerCell = 64;
-	if ( std::size_t( lattice.extent.x() ) * lattice.extent.y() * lattice.extent.z() > kMostPositionsPerCell * lattice.fill.size() + 4096 )
+	constexpr std::size_t kMaxPositionsPerCell = 64;
+	if ( std::size_t( lattice.extent.x() ) * lattice.extent.y() * lattice.extent.z() > kMaxPositionsPerCell * lattice.fill.size() + 4096 )
 	{
 		return {};
 	}

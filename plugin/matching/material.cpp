@@ -99,7 +99,7 @@ Status checkBuild( const Material& material )
 		{ material.farLevels > 0, Feature::FarLevels }, { material.elasticity == Elasticity::Implicit, Feature::Implicit } };
 	for ( const auto& [isAsked, feature] : asked )
 	{
-		if ( Status status = isAsked ? needFeature( feature ) : Status{}; !status.ok() )
+		if ( Status status = isAsked ? requireFeature( feature ) : Status{}; !status.ok() )
 		{
 			return status;
 		}

@@ -43,7 +43,7 @@ Adaptivity ohtaAdaptivity( int coarseLevels )
 
 Status check( const Adaptivity& settings )
 {
-	if ( Status status = settings.coarseLevels > 0 ? needFeature( Feature::Levels ) : Status{}; !status.ok() )
+	if ( Status status = settings.coarseLevels > 0 ? requireFeature( Feature::Levels ) : Status{}; !status.ok() )
 	{
 		return status;
 	}

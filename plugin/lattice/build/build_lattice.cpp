@@ -73,25 +73,25 @@ private:
 		if ( !m_isShellOnly )
 		{
 			m_field.emplace( m_mesh, rim );
-			m_survey = m_field->isWhole() ? InsideField::Survey{} : m_field->survey();
+			m_survey = m_field->isClosed() ? InsideField::Survey{} : m_field->survey();
 			const bool isThin = m_survey.volume <= kRoundingFraction * m_area * ( m_mesh.high - m_mesh.low ).norm();
-			const bool isSheet = isThin && !m_field->isWhole() && !m_field->isSoup();
+			const bool isSheet = isThin && !m_field->isClosed() && !m_field->isSoup();
 			if ( isSheet && !mayHaveShell() )
 			{
 				return noInside( "The mesh is a flat sheet: closed along its rims it holds nothing" );
 			}
-			m_isShellOnly = isSheet || ( mayHaveShell() && m_survey.opposed > kMostOpposedFraction * m_survey.volume );
+			m_isShellOnly = isSheet || ( mayHaveShell() && m_survey.opposed > kMaxOpposedFraction * m_survey.volume );
 		}
 		return m_progress.report( 0.3f ) ? Status{} : cancelled();
 	}
 
-	static Status noInside( const std::string& why )
+	static Status noInside( const std::string& reason )
 	{
-		return { ResultCode::ZeroVolume, why + ". With LatticeSettings::shell other than Never the surface itself becomes material." };
+		return { ResultCode::ZeroVolume, reason + ". With LatticeSettings::shell other than Never the surface itself becomes material." };
 	}
 
-	double cellsAskedFor() const { return m_settings.cellSize > 0.0f ? m_settings.maxCells : m_settings.targetCells; }
-	double mostCrossings() const { return kMostCrossingsAtLeast + kMostCrossingsPerCell * cellsAskedFor(); }
+	double requestedCells() const { return m_settings.cellSize > 0.0f ? m_settings.maxCells : m_settings.targetCells; }
+	double maxCrossings() const { return kBaseCrossings + kMaxCrossingsPerCell * requestedCells(); }
 
 	/// Winding number queries: one per position, one per sample of a cut position, and one per run between crossings.
 	bool isTooMuchWork( const Grid& grid, double crossings ) const
@@ -100,8 +100,8 @@ private:
 		const double cut = std::min( positions, 2.0 * m_area / ( grid.cellSize * grid.cellSize ) );
 		const double answers = positions + cut * grid.samplesPerCell() + crossings;
 		const double expected = m_survey.volume / ( grid.cellSize * grid.cellSize * grid.cellSize ) + 0.5 * kCellsPerArea * cut;
-		const double cells = m_settings.cellSize > 0.0f ? std::min( cellsAskedFor(), expected ) : cellsAskedFor();
-		return !m_field->isWhole() && answers * m_survey.work > kMostWorkPerCell * std::max( cells, 1000.0 );
+		const double cells = m_settings.cellSize > 0.0f ? std::min( requestedCells(), expected ) : requestedCells();
+		return !m_field->isClosed() && answers * m_survey.work > kMaxWorkPerCell * std::max( cells, 1000.0 );
 	}
 
 	Status tooFolded() const
@@ -116,7 +116,7 @@ private:
 	{
 		if ( !m_volume )
 		{
-			m_volume = m_field->isWhole() ? estimateVolume( m_mesh, *m_field, mostCrossings() ) : m_survey.volume;
+			m_volume = m_field->isClosed() ? estimateVolume( m_mesh, *m_field, maxCrossings() ) : m_survey.volume;
 		}
 		return *m_volume;
 	}
@@ -157,8 +157,8 @@ private:
 				return buildShellNearTarget(); // no inside was found
 			}
 			const double ratio = countForTarget() / target;
-			const bool isNear = std::abs( ratio - 1.0 ) <= ( m_field->isWhole() ? kTargetSlack : kTargetSlackWhenOpen );
-			if ( !status.ok() || isNear || attempt == ( m_field->isWhole() ? kTargetTries : kTargetTriesWhenOpen ) )
+			const bool isNear = std::abs( ratio - 1.0 ) <= ( m_field->isClosed() ? kTargetSlack : kTargetSlackWhenOpen );
+			if ( !status.ok() || isNear || attempt == ( m_field->isClosed() ? kTargetTries : kTargetTriesWhenOpen ) )
 			{
 				return status;
 			}
@@ -170,7 +170,7 @@ private:
 	double countForTarget() const
 	{
 		const int shell = m_out.report.shellCells, all = m_out.lattice.cellCount();
-		return shell <= kMostShellFraction * all ? all - shell : all;
+		return shell <= kMaxShellFraction * all ? all - shell : all;
 	}
 
 	/// The exponent of the cell count in the cell size depends on the shape: it is estimated from successive attempts.
@@ -194,7 +194,7 @@ private:
 			}
 			if ( lastCells > 0.0 && lastSize != d )
 			{
-				power = std::clamp( std::log( cells / lastCells ) / std::log( lastSize / d ), kLeastShellPower, kMostShellPower );
+				power = std::clamp( std::log( cells / lastCells ) / std::log( lastSize / d ), kMinShellPower, kMaxShellPower );
 			}
 			lastSize = d;
 			lastCells = cells;
@@ -258,7 +258,7 @@ private:
 			m_out.lattice = Lattice{};
 			m_out.report.samplesPerEdge = m_out.report.cutLinks = 0;
 		}
-		if ( Status status = mayHaveShell() ? putShell( grid, cells ) : Status{}; !status.ok() )
+		if ( Status status = mayHaveShell() ? addShellCells( grid, cells ) : Status{}; !status.ok() )
 		{
 			return status;
 		}
@@ -266,12 +266,12 @@ private:
 		return m_progress.report( 1.0f ) ? Status{} : cancelled();
 	}
 
-	Status putShell( const Grid& grid, std::vector<CellDraft>& cells )
+	Status addShellCells( const Grid& grid, std::vector<CellDraft>& cells )
 	{
-		const double d = grid.cellSize, mostCells = m_settings.maxCells;
+		const double d = grid.cellSize, maxCells = m_settings.maxCells;
 		const double thickness = m_settings.shellThickness > 0.0f ? double( m_settings.shellThickness ) / d : 1.0;
-		const bool isWhole = !m_isShellOnly && m_field->isWhole();
-		const int added = addShell( m_mesh, grid, { thickness, m_drawnArea / ( d * d ), isWhole, mostCells }, cells, m_out.lattice );
+		const bool hasKnownInside = !m_isShellOnly && m_field->isClosed();
+		const int added = addShell( m_mesh, grid, { thickness, m_drawnArea / ( d * d ), hasKnownInside, maxCells }, cells, m_out.lattice );
 		m_out.report.shellCells = std::max( added, 0 );
 		return added < 0 ? tooManyCells( d ) : Status{};
 	}
@@ -288,11 +288,11 @@ private:
 			}
 			const SnappedSurface surface( m_mesh, *m_field, grid );
 			const double crossings = surface.expectedCrossings();
-			if ( crossings > mostCrossings() && m_settings.cellSize > 0.0f && sizeForCells( m_settings.maxCells ) > d )
+			if ( crossings > maxCrossings() && m_settings.cellSize > 0.0f && sizeForCells( m_settings.maxCells ) > d )
 			{
 				return tooManyCells( d );
 			}
-			if ( crossings <= mostCrossings() && !isTooMuchWork( grid, crossings ) )
+			if ( crossings <= maxCrossings() && !isTooMuchWork( grid, crossings ) )
 			{
 				m_out.report.samplesPerEdge = samples;
 				return fillCells( surface, cells );
@@ -325,11 +325,11 @@ private:
 		{
 			m_out.report.cutLinks = linkCells( *parts, *m_field, m_settings.runner, m_out.lattice );
 			cells = parts->cells();
-			const bool areMany = std::size_t( kLeastCellsPerPart * countComponents( m_out.lattice ) ) > cells.size();
-			const bool isDust = areMany && mayHaveShell() && !m_field->isWhole();
-			return isDust && cells.size() > std::size_t( kLeastCellsPerPart ) ? noInside( "The inside falls into crumbs" ) : Status{};
+			const bool hasSmallParts = std::size_t( kMinCellsPerPart * countComponents( m_out.lattice ) ) > cells.size();
+			const bool isFragmented = hasSmallParts && mayHaveShell() && !m_field->isClosed();
+			return isFragmented && cells.size() > std::size_t( kMinCellsPerPart ) ? noInside( "The inside falls into crumbs" ) : Status{};
 		}
-		cells = findSliverCells( m_mesh, *m_field, grid, mostCrossings() );
+		cells = findSliverCells( m_mesh, *m_field, grid, maxCrossings() );
 		if ( cells.empty() )
 		{
 			return noInside( sentence( "With cells of ", grid.cellSize, " m there is no inside: the mesh is flat or open too widely" ) );

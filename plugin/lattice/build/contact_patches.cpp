@@ -25,7 +25,7 @@ struct Sample
 std::vector<Sample> sampleSurface( const WeldedMesh& mesh, const Grid& grid )
 {
 	std::vector<Sample> samples;
-	const std::size_t stride = 1 + mesh.triangle.size() / kMostPatchTriangles;
+	const std::size_t stride = 1 + mesh.triangle.size() / kMaxPatchTriangles;
 	for ( std::size_t t = 0; t < mesh.triangle.size(); t += stride )
 	{
 		std::array<Vec3d, 3> corner;
@@ -104,7 +104,7 @@ public:
 		const double before = out.height;
 		for ( const auto& [sample, fraction] : m_near )
 		{
-			if ( sample->normal.dot( n ) <= kLeastPatchCosine )
+			if ( sample->normal.dot( n ) <= kMinPatchCosine )
 			{
 				continue;
 			}
@@ -153,7 +153,7 @@ ContactPatch patchOf( const Neighbourhood& near, const Vec3d& node )
 {
 	const Vec3d all = near.meanNormal( node );
 	ContactPatch patch;
-	if ( all.norm() < kLeastPatchAgreement )
+	if ( all.norm() < kMinPatchAgreement )
 	{
 		return patch;
 	}
@@ -168,13 +168,13 @@ ContactPatch patchOf( const Neighbourhood& near, const Vec3d& node )
 		// h = a + g.l: the surface's normal is along n - g.
 		n = ( n - fit.slope ).normalized();
 	}
-	if ( !near.fit( node, n, fit ) || fit.error > kMostPatchError || !( fit.height > kLeastPatchHeight && fit.height < kMostPatchHeight ) )
+	if ( !near.fit( node, n, fit ) || fit.error > kMaxPatchError || !( fit.height > kMinPatchHeight && fit.height < kMaxPatchHeight ) )
 	{
 		return patch;
 	}
 	patch.normal = n.cast<float>();
 	patch.height = float( fit.height );
-	patch.radius = float( std::max( fit.height, fit.curvature * kMostPatchRadius > 1.0 ? 1.0 / fit.curvature : kMostPatchRadius ) );
+	patch.radius = float( std::max( fit.height, fit.curvature * kMaxPatchRadius > 1.0 ? 1.0 / fit.curvature : kMaxPatchRadius ) );
 	return patch;
 }
 

@@ -35,13 +35,13 @@ public:
 	int link( Lattice& lattice )
 	{
 		m_face = makeNeighbourRows( forCells( [this]( std::size_t i, std::vector<Pair>& out ) { linkFaces( i, out ); } ), m_count );
-		sortOut( forCells( [this]( std::size_t i, std::vector<Pair>& out ) { linkSlantwise( i, out ); } ) );
+		sortDiagonalLinks( forCells( [this]( std::size_t i, std::vector<Pair>& out ) { linkDiagonals( i, out ); } ) );
 		m_edge = makeNeighbourRows( forCells( [this]( std::size_t i, std::vector<Pair>& out ) { linkEdges( i, out ); } ), m_count );
 		return writeLinks( lattice );
 	}
 
 private:
-	std::size_t taskCount() const { return std::min( kMostTasks, m_count ); }
+	std::size_t taskCount() const { return std::min( kMaxTasks, m_count ); }
 
 	template <class F>
 	std::vector<std::vector<Pair>> forCells( F&& perCell ) const
@@ -128,7 +128,7 @@ private:
 	}
 
 	/// Diagonal paths across the border of a cut cell. Both cells are cut then: a full one has no outside sample next to it.
-	void linkSlantwise( std::size_t i, std::vector<Pair>& out ) const
+	void linkDiagonals( std::size_t i, std::vector<Pair>& out ) const
 	{
 		const int s = m_grid.samples;
 		if ( isFull( i ) )
@@ -181,7 +181,7 @@ private:
 				return;
 			}
 		}
-		if ( isSliver( from ) || isSliver( from + step ) || leadsAcross( m_field, m_grid, from, step ) )
+		if ( isSliver( from ) || isSliver( from + step ) || isUnobstructed( m_field, m_grid, from, step ) )
 		{
 			out.emplace_back( std::uint32_t( i ), std::uint32_t( other ) );
 		}
@@ -201,10 +201,10 @@ private:
 	}
 
 	/// Merges diagonal links across faces into the face links and keeps the others for the edge and corner links.
-	void sortOut( std::vector<std::vector<Pair>> slanted )
+	void sortDiagonalLinks( std::vector<std::vector<Pair>> diagonal )
 	{
 		std::vector<std::vector<Pair>> faces( 1 );
-		for ( auto& some : slanted )
+		for ( auto& some : diagonal )
 		{
 			for ( Pair& p : some )
 			{
@@ -213,19 +213,19 @@ private:
 					std::swap( p.first, p.second );
 				}
 				const int kind = kindOf( p.first, p.second );
-				( kind == 1 ? faces[0] : kind == 2 ? m_slantedEdges : m_slantedCorners ).push_back( p );
+				( kind == 1 ? faces[0] : kind == 2 ? m_diagonalEdges : m_diagonalCorners ).push_back( p );
 			}
 		}
-		for ( std::vector<Pair>* pairs : { &faces[0], &m_slantedEdges, &m_slantedCorners } )
+		for ( std::vector<Pair>* pairs : { &faces[0], &m_diagonalEdges, &m_diagonalCorners } )
 		{
 			std::sort( pairs->begin(), pairs->end() );
 			pairs->erase( std::unique( pairs->begin(), pairs->end() ), pairs->end() );
 		}
-		for ( const Pair& p : m_slantedCorners )
+		for ( const Pair& p : m_diagonalCorners )
 		{
-			m_turnedCorners.emplace_back( p.second, p.first );
+			m_reversedCorners.emplace_back( p.second, p.first );
 		}
-		std::sort( m_turnedCorners.begin(), m_turnedCorners.end() );
+		std::sort( m_reversedCorners.begin(), m_reversedCorners.end() );
 		const auto isKnown = [this]( const Pair& p ) { return m_face.has( p.first, p.second ); };
 		faces[0].erase( std::remove_if( faces[0].begin(), faces[0].end(), isKnown ), faces[0].end() );
 		if ( !faces[0].empty() )
@@ -264,7 +264,7 @@ private:
 				}
 			}
 		}
-		forPartners( m_slantedEdges, i, add );
+		forPartners( m_diagonalEdges, i, add );
 	}
 
 	template <class F>
@@ -323,8 +323,8 @@ private:
 		};
 		addCorners( m_face, m_edge );
 		addCorners( m_edge, m_face );
-		forPartners( m_slantedCorners, i, [&]( std::uint32_t j ) { row.push_back( j ); } );
-		forPartners( m_turnedCorners, i, [&]( std::uint32_t j ) { row.push_back( j ); } );
+		forPartners( m_diagonalCorners, i, [&]( std::uint32_t j ) { row.push_back( j ); } );
+		forPartners( m_reversedCorners, i, [&]( std::uint32_t j ) { row.push_back( j ); } );
 		std::sort( row.begin(), row.end() );
 		row.erase( std::unique( row.begin(), row.end() ), row.end() );
 	}
@@ -393,9 +393,9 @@ private:
 	std::vector<Eigen::Vector3i> m_at;
 	Rows m_face;
 	Rows m_edge;
-	std::vector<Pair> m_slantedEdges;
-	std::vector<Pair> m_slantedCorners;
-	std::vector<Pair> m_turnedCorners;
+	std::vector<Pair> m_diagonalEdges;
+	std::vector<Pair> m_diagonalCorners;
+	std::vector<Pair> m_reversedCorners;
 };
 
 } // namespace

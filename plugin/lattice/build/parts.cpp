@@ -39,7 +39,7 @@ const std::vector<Eigen::Vector3i>& diagonalSteps()
 	return steps;
 }
 
-bool leadsAcross( const InsideField& field, const Grid& grid, const Eigen::Vector3i& sample, const Eigen::Vector3i& step )
+bool isUnobstructed( const InsideField& field, const Grid& grid, const Eigen::Vector3i& sample, const Eigen::Vector3i& step )
 {
 	const double spacing = grid.cellSize / grid.samples;
 	const Vec3d from = grid.corner + spacing * ( sample.cast<double>() + Vec3d::Constant( 0.5 ) );
@@ -49,7 +49,7 @@ bool leadsAcross( const InsideField& field, const Grid& grid, const Eigen::Vecto
 Parts::Parts( const Voxels& voxels, const InsideField& field, float minimumFill, TaskRunner* runner ) : m_voxels( voxels )
 {
 	const std::size_t count = voxels.cut.size();
-	const std::size_t tasks = std::min( kMostTasks, count );
+	const std::size_t tasks = std::min( kMaxTasks, count );
 	std::vector<Pieces> pieces( tasks );
 	auto cutSome = [&]( int task ) {
 		for ( std::size_t k = count * std::size_t( task ) / tasks; k < count * ( std::size_t( task ) + 1 ) / tasks; ++k )
@@ -127,7 +127,7 @@ void Parts::joinDiagonally( std::size_t cutCell, const InsideField& field, Union
 				isFree = r == p || r == q || !isSolid( r );
 			}
 			const bool isSliver = ( ( flags[a] | flags[b] ) & kSliver ) != 0;
-			if ( isFree && ( isSliver || leadsAcross( field, m_voxels.grid, origin + p, step ) ) )
+			if ( isFree && ( isSliver || isUnobstructed( field, m_voxels.grid, origin + p, step ) ) )
 			{
 				sets.join( a, b );
 			}

@@ -1,7 +1,6 @@
 #pragma once
 
 // One cell per piece of material in a lattice position. Steinemann et al. 2008, section 4.1; Ohta et al. 2009, "Preprocessing".
-// "Preprocessing".
 
 #include "lattice/inside/voxelize.h"
 
@@ -72,7 +71,7 @@ private:
 };
 
 /// True where the segment from a sample to its diagonal neighbour does not cross the surface; called when no sample beside it is inside.
-bool leadsAcross( const InsideField& field, const Grid& grid, const Eigen::Vector3i& sample, const Eigen::Vector3i& step );
+bool isUnobstructed( const InsideField& field, const Grid& grid, const Eigen::Vector3i& sample, const Eigen::Vector3i& step );
 
 /// The 10 of 20 diagonal steps that come after their opposites.
 const std::vector<Eigen::Vector3i>& diagonalSteps();

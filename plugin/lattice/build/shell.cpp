@@ -62,7 +62,7 @@ public:
 			if ( m_keys.size() >= m_next )
 			{
 				sortOnce( m_keys );
-				m_next = std::max( kLeast, 2 * m_keys.size() );
+				m_next = std::max( kMinSize, 2 * m_keys.size() );
 			}
 		}
 	}
@@ -76,9 +76,9 @@ public:
 	std::size_t size() const { return m_keys.size(); }
 
 private:
-	static constexpr std::size_t kLeast = 65536;
+	static constexpr std::size_t kMinSize = 65536;
 	Keys m_keys;
-	std::size_t m_next = kLeast;
+	std::size_t m_next = kMinSize;
 };
 
 /// Determines which points of the surface are covered by the inside's cells.
@@ -148,13 +148,13 @@ private:
 /// points fall into fewer positions than a quarter of their number, the surface is folded repeatedly into the same ones.
 double positionsPassed( const WeldedMesh& mesh, const Grid& grid, double area )
 {
-	if ( double( mesh.triangle.size() + mesh.leftOut.size() ) > kMostSurveyPoints )
+	if ( double( mesh.triangle.size() + mesh.leftOut.size() ) > kMaxSurveyPoints )
 	{
 		return area; // each triangle has at least one point
 	}
 	KeySet passed;
 	double points = 0.0;
-	visitSurface( mesh, grid, std::min( 1.0, std::sqrt( kMostSurveyPoints / area ) ), [&]( const Vec3d& point, double ) {
+	visitSurface( mesh, grid, std::min( 1.0, std::sqrt( kMaxSurveyPoints / area ) ), [&]( const Vec3d& point, double ) {
 		passed.add( keyOf( grid, positionOfPoint( grid, point ) ) );
 		points += 1.0;
 	} );
@@ -167,7 +167,7 @@ double positionsPassed( const WeldedMesh& mesh, const Grid& grid, double area )
 double densityOf( const ShellOptions& options, double positions )
 {
 	constexpr double kDensity = kAreaDensity * kShellSamples;
-	const double most = std::max( kMostShellPoints, kDensity * kDensity * std::min( { options.area, options.mostCells, positions } ) );
+	const double most = std::max( kShellPoints, kDensity * kDensity * std::min( { options.area, options.maxCells, positions } ) );
 	return kDensity * std::min( 1.0, std::sqrt( most / ( kDensity * kDensity * options.area ) ) );
 }
 
@@ -271,8 +271,8 @@ CellDraft makeCell( const Grid& grid, const SurfacePatch& patch, const ShellOpti
 	{
 		centre = middle;
 	}
-	const double fill = options.isWhole ? 0.0 : std::min( 1.0, patch.area * options.thickness );
-	return { patch.key, Parts::kNone, float( std::max( fill, kLeastShellFill ) ), centre.cwiseMax( low ).cwiseMin( high ) };
+	const double fill = options.hasKnownInside ? 0.0 : std::min( 1.0, patch.area * options.thickness );
+	return { patch.key, Parts::kNone, float( std::max( fill, kMinShellFill ) ), centre.cwiseMax( low ).cwiseMin( high ) };
 }
 
 } // namespace
@@ -281,13 +281,13 @@ int addShell( const WeldedMesh& mesh, const Grid& grid, const ShellOptions& opti
 {
 	const Keys inside = keysOf( cells );
 	const double positions = positionsPassed( mesh, grid, options.area );
-	if ( cells.empty() && positions > kMostOverCounted * options.mostCells )
+	if ( cells.empty() && positions > kMaxOvercount * options.maxCells )
 	{
 		return -1;
 	}
 	const double density = densityOf( options, positions );
 	const Keys needed = findNeeded( mesh, grid, density, cells, inside );
-	if ( double( needed.size() + cells.size() ) > options.mostCells )
+	if ( double( needed.size() + cells.size() ) > options.maxCells )
 	{
 		return -1;
 	}

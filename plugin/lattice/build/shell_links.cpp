@@ -27,8 +27,8 @@ public:
 
 	void merge( const std::vector<CellDraft>& shell, std::vector<CellDraft>& cells, Lattice& lattice )
 	{
-		placeAmong( shell, cells );
-		takeOver( lattice );
+		mergeCells( shell, cells );
+		addInsideLinks( lattice );
 		joinAlongSurface();
 		joinAroundEdges();
 		write( lattice );
@@ -43,7 +43,7 @@ private:
 	static constexpr std::array<std::uint64_t, 3> kHighParts = { 0x8888888888888888u, 0xf000f000f000f000u, 0xffff000000000000u };
 
 	/// Merges both lists of cells; at the same position those of the inside come first.
-	void placeAmong( const std::vector<CellDraft>& shell, const std::vector<CellDraft>& inside )
+	void mergeCells( const std::vector<CellDraft>& shell, const std::vector<CellDraft>& inside )
 	{
 		m_cells.reserve( shell.size() + inside.size() );
 		m_cellOfPatch.assign( m_patches.size(), kNone );
@@ -73,7 +73,7 @@ private:
 		}
 	}
 
-	void takeOver( const Lattice& lattice )
+	void addInsideLinks( const Lattice& lattice )
 	{
 		for ( std::uint32_t i = 0; i < std::uint32_t( m_numberOfInside.size() ); ++i )
 		{
@@ -123,21 +123,21 @@ private:
 				const bool isFull = inside != kNone && m_cells[inside].fill == 1.0f;
 				if ( inside != kNone && touches( m_patches[p].passed, isFull ? ~std::uint64_t( 0 ) : passed, step, contact ) )
 				{
-					const Vec3d place = m_grid.at( m_patches[p].key ).cast<double>() + contact;
-					join( m_cellOfPatch[p], nearestInside( cells, key, place ) );
+					const Vec3d position = m_grid.at( m_patches[p].key ).cast<double>() + contact;
+					join( m_cellOfPatch[p], nearestInside( cells, key, position ) );
 				}
 			}
 		}
 	}
 
-	std::uint32_t nearestInside( const PositionIndex& cells, std::uint64_t key, const Vec3d& place ) const
+	std::uint32_t nearestInside( const PositionIndex& cells, std::uint64_t key, const Vec3d& position ) const
 	{
 		std::uint32_t best = kNone;
 		const std::int32_t first = cells.find( key );
 		for ( std::size_t i = std::size_t( first ); first >= 0 && i < m_keys.size() && m_keys[i] == key; ++i )
 		{
 			const bool isNearer = best == kNone ||
-				( m_cells[i].centre - place ).squaredNorm() < ( m_cells[best].centre - place ).squaredNorm();
+				( m_cells[i].centre - position ).squaredNorm() < ( m_cells[best].centre - position ).squaredNorm();
 			best = !m_isShell[i] && isNearer ? std::uint32_t( i ) : best;
 		}
 		return best;

@@ -27,7 +27,7 @@ struct FineRows
 	double area = 0.0;
 };
 
-bool makeFineRows( const WeldedMesh& mesh, const InsideField& field, int rows, int axis, double mostCrossings, FineRows& out )
+bool makeFineRows( const WeldedMesh& mesh, const InsideField& field, int rows, int axis, double maxCrossings, FineRows& out )
 {
 	const Vec3d size = mesh.high - mesh.low;
 	if ( !makeGrid( mesh.low, mesh.high, size.maxCoeff() / rows, 1, out.grid ) )
@@ -35,7 +35,7 @@ bool makeFineRows( const WeldedMesh& mesh, const InsideField& field, int rows, i
 		return false;
 	}
 	const SnappedSurface surface( mesh, field, out.grid );
-	if ( surface.expectedCrossings() > mostCrossings )
+	if ( surface.expectedCrossings() > maxCrossings )
 	{
 		return false;
 	}
@@ -100,10 +100,10 @@ std::vector<CellDraft> gather( std::vector<Piece>& pieces )
 
 } // namespace
 
-std::vector<CellDraft> findSliverCells( const WeldedMesh& mesh, const InsideField& field, const Grid& grid, double mostCrossings )
+std::vector<CellDraft> findSliverCells( const WeldedMesh& mesh, const InsideField& field, const Grid& grid, double maxCrossings )
 {
 	// With a winding number query per interval, fine rows would take too long; an open surface without an inside is a sheet.
-	if ( !field.isWhole() )
+	if ( !field.isClosed() )
 	{
 		return {};
 	}
@@ -112,7 +112,7 @@ std::vector<CellDraft> findSliverCells( const WeldedMesh& mesh, const InsideFiel
 		for ( int axis = 0; axis < 3; ++axis )
 		{
 			FineRows fine;
-			if ( !makeFineRows( mesh, field, rows, axis, mostCrossings, fine ) || fine.runs.empty() )
+			if ( !makeFineRows( mesh, field, rows, axis, maxCrossings, fine ) || fine.runs.empty() )
 			{
 				continue;
 			}
@@ -157,14 +157,14 @@ void linkAllNeighbours( const std::vector<CellDraft>& cells, const Grid& grid, L
 	}
 }
 
-double estimateVolume( const WeldedMesh& mesh, const InsideField& field, double mostCrossings )
+double estimateVolume( const WeldedMesh& mesh, const InsideField& field, double maxCrossings )
 {
 	double volume = 0.0;
 	int axes = 0;
 	for ( int axis = 0; axis < 3; ++axis )
 	{
 		FineRows fine;
-		if ( makeFineRows( mesh, field, kEstimateRows, axis, mostCrossings, fine ) )
+		if ( makeFineRows( mesh, field, kEstimateRows, axis, maxCrossings, fine ) )
 		{
 			++axes;
 			for ( const InsideRun& run : fine.runs )

@@ -25,16 +25,16 @@ struct Grid
 	int sampleCount( int axis ) const { return extent[axis] * samples; }
 
 	/// Number of samples at or below a coordinate, quanta, in [0, sampleCount]: the index of the first sample above it.
-	int firstAbove( int axis, double place ) const;
+	int firstAbove( int axis, double coordinate ) const;
 	/// The same for a whole number of quanta, as corners have: called three times per triangle of a mesh.
-	int firstAbove( int axis, std::int64_t place ) const
+	int firstAbove( int axis, std::int64_t coordinate ) const
 	{
-		const std::int64_t cell = place >> bits;
-		if ( place < 0 || cell >= extent[axis] )
+		const std::int64_t cell = coordinate >> bits;
+		if ( coordinate < 0 || cell >= extent[axis] )
 		{
-			return place < 0 ? 0 : sampleCount( axis );
+			return coordinate < 0 ? 0 : sampleCount( axis );
 		}
-		const std::int64_t within = place - ( cell << bits );
+		const std::int64_t within = coordinate - ( cell << bits );
 		int k = 0;
 		while ( k < samples && offset[std::size_t( k )] <= within )
 		{

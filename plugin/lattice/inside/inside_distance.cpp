@@ -108,7 +108,7 @@ std::vector<std::uint32_t> floodInside( const Lattice& lattice )
 	return depth;
 }
 
-bool followInside( const Lattice& lattice, const std::vector<std::uint32_t>& touched, std::vector<std::uint32_t>& depth )
+bool updateInside( const Lattice& lattice, const std::vector<std::uint32_t>& touched, std::vector<std::uint32_t>& depth )
 {
 	if ( touched.empty() ||
 		std::any_of( touched.begin(), touched.end(), [&lattice]( std::uint32_t cell ) { return lattice.isSurface[cell] == 0; } ) )

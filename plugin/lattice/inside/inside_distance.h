@@ -21,7 +21,7 @@ std::vector<std::uint32_t> floodInside( const Lattice& lattice );
 /// Updates the distances of the remaining cells after links were removed: distances can only shrink. `touched`: the cells that lost links.
 /// Returns false, with `depth` unchanged, where one of them is not a surface cell (links were added) or `touched` is empty. floodInside is
 /// the reference implementation.
-bool followInside( const Lattice& lattice, const std::vector<std::uint32_t>& touched, std::vector<std::uint32_t>& depth );
+bool updateInside( const Lattice& lattice, const std::vector<std::uint32_t>& touched, std::vector<std::uint32_t>& depth );
 
 /// Returns the outward direction of the material at a cell at rest; not of unit length, zero where opposite sides are equally near:
 ///   n_i = sum over links of ( D_i - D_j ) ( x_j - x_i ) / |x_j - x_i|^2 - sum over links of ( x_j - x_i ) / |x_j - x_i|

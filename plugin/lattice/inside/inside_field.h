@@ -22,7 +22,7 @@ public:
 	const std::vector<Triangle>& caps() const { return m_caps; }
 	bool isSoup() const { return m_isSoup; }
 	/// True where the count along rows alone determines the inside.
-	bool isWhole() const { return !m_smooth; }
+	bool isClosed() const { return !m_smooth; }
 
 	/// W at a point whose row count is known.
 	double winding( int count, const Vec3d& point ) const { return m_smooth ? count + m_smooth->at( point ) : double( count ); }
@@ -44,8 +44,8 @@ private:
 	std::vector<Triangle> m_caps;
 	std::unique_ptr<WindingTree> m_smooth;
 	bool m_isSoup = false;
-	mutable std::once_flag m_wholeOnce; // most meshes never need it
-	mutable std::unique_ptr<WindingTree> m_whole;
+	mutable std::once_flag m_fullTreeOnce; // most meshes never need it
+	mutable std::unique_ptr<WindingTree> m_fullTree;
 };
 
 } // namespace pliant

@@ -87,12 +87,12 @@ struct View
 		return ab == bc && bc == ca ? ab * turn : 0;
 	}
 
-	double placeOn( const Flat& row ) const
+	double coordinateOn( const Flat& row ) const
 	{
 		// n . ( p - a ) = 0
-		const double place = double( depth[0] ) - ( nu * double( row.u - corner[0].u ) + nv * double( row.v - corner[0].v ) ) / na;
+		const double coordinate = double( depth[0] ) - ( nu * double( row.u - corner[0].u ) + nv * double( row.v - corner[0].v ) ) / na;
 		const auto [low, high] = std::minmax( { depth[0], depth[1], depth[2] } );
-		return std::clamp( place, double( low ), double( high ) );
+		return std::clamp( coordinate, double( low ), double( high ) );
 	}
 };
 
@@ -199,7 +199,7 @@ void SnappedSurface::cross( const Triangle& triangle, bool isCap, int axis, std:
 			{
 				// Crossing along the outward normal leaves the material: the winding number decreases.
 				const std::uint64_t flags = ( isCap ? 2u : 0u ) | ( hit < 0 ? 1u : 0u );
-				out.push_back( { Crossing::packRow( u, v ) | flags, view.placeOn( row ) } );
+				out.push_back( { Crossing::packRow( u, v ) | flags, view.coordinateOn( row ) } );
 			}
 		}
 	}
@@ -209,7 +209,7 @@ RowSet SnappedSurface::makeRows( int axis, TaskRunner* runner ) const
 {
 	const std::vector<Triangle>& caps = m_field.caps();
 	const std::size_t triangles = m_mesh.triangle.size() + caps.size();
-	const std::size_t tasks = std::min( kMostTasks, triangles );
+	const std::size_t tasks = std::min( kMaxTasks, triangles );
 	std::vector<std::vector<Crossing>> found( tasks );
 	auto crossSome = [&]( int task ) {
 		const std::size_t last = triangles * std::size_t( task + 1 ) / tasks;

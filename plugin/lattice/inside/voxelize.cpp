@@ -50,7 +50,7 @@ public:
 		}
 		markCutCells();
 		classifyTheRest();
-		if ( double( m_out.full.size() ) > m_options.mostCells || double( m_out.cut.size() ) > kMostPositionsPerCell * m_options.mostCells )
+		if ( double( m_out.full.size() ) > m_options.maxCells || double( m_out.cut.size() ) > kMaxPositionsPerCell * m_options.maxCells )
 		{
 			return ResultCode::TooManyCells;
 		}
@@ -73,13 +73,13 @@ public:
 
 private:
 	/// A sample as its cell's key and its index in the cell.
-	struct Place
+	struct SampleIndex
 	{
 		std::uint64_t key;
 		std::size_t sample;
 	};
 
-	Place place( int axis, int u, int v, int along ) const
+	SampleIndex sampleIndex( int axis, int u, int v, int along ) const
 	{
 		const int s = m_grid.samples;
 		Eigen::Vector3i at;
@@ -94,9 +94,9 @@ private:
 	/// The volume along the rows is known before any cell is created; where the surface is open, every position needs a test.
 	bool isTooMuch() const
 	{
-		if ( !m_surface.field().isWhole() )
+		if ( !m_surface.field().isClosed() )
 		{
-			return double( m_grid.positions() ) > kMostPositionsPerCell * m_options.mostCells;
+			return double( m_grid.positions() ) > kMaxPositionsPerCell * m_options.maxCells;
 		}
 		double length = 0.0;
 		for ( const InsideRun& run : insideRuns( m_surface, m_rows[0] ) )
@@ -104,7 +104,7 @@ private:
 			length += run.to - run.from;
 		}
 		const double cells = length / ( m_grid.cellSize * m_grid.samples * m_grid.samples );
-		return cells > ( 1.0 + kTargetSlack ) * m_options.mostCells;
+		return cells > ( 1.0 + kTargetSlack ) * m_options.maxCells;
 	}
 
 	void markCutCells()
@@ -118,7 +118,7 @@ private:
 				const int above = m_grid.firstAbove( rows.axis, c.at );
 				for ( int along = std::max( above - 1, 0 ); along < std::min( above + 1, most ); ++along )
 				{
-					const std::uint64_t key = place( rows.axis, c.u(), c.v(), along ).key;
+					const std::uint64_t key = sampleIndex( rows.axis, c.u(), c.v(), along ).key;
 					if ( cut.empty() || cut.back() != key )
 					{
 						cut.push_back( key );
@@ -133,7 +133,7 @@ private:
 	/// Classifies every position that is not cut, layer by layer.
 	void classifyTheRest()
 	{
-		if ( !m_surface.field().isWhole() )
+		if ( !m_surface.field().isClosed() )
 		{
 			classifyOpen();
 			return;
@@ -260,7 +260,7 @@ private:
 		}
 		start.push_back( m_out.cut.size() );
 		const std::size_t count = start.size() - 1;
-		const std::size_t tasks = std::min( kMostTasks, count );
+		const std::size_t tasks = std::min( kMaxTasks, count );
 		auto sampleSome = [&]( int task ) {
 			for ( std::size_t k = count * std::size_t( task ) / tasks; k < count * ( std::size_t( task ) + 1 ) / tasks; ++k )
 			{
@@ -287,23 +287,23 @@ private:
 				std::uint8_t* flags = &m_out.flags[k * m_out.samplesPerCell() + std::size_t( inRow * s )];
 				for ( int i = 0; i < s; ++i )
 				{
-					const double place = m_grid.sampleAt( x * s + i );
-					while ( next != last && next->at <= place )
+					const double coordinate = m_grid.sampleAt( x * s + i );
+					while ( next != last && next->at <= coordinate )
 					{
 						count += m_surface.counted( *next++ );
 					}
 					const InsideField& field = m_surface.field();
-					const bool isIn = field.isWhole() ? count != 0 : field.isInside( count, m_surface.pointOn( 0, row, place ) );
+					const bool isIn = field.isClosed() ? count != 0 : field.isInside( count, m_surface.pointOn( 0, row, coordinate ) );
 					flags[i] = std::uint8_t( isIn ? kInside : 0 );
 				}
 			}
 		}
 	}
 
-	std::uint8_t* flagsAt( const Place& place )
+	std::uint8_t* flagsAt( const SampleIndex& index )
 	{
-		const std::int32_t cell = m_index->find( place.key );
-		return cell == PositionIndex::kNone ? nullptr : &m_out.flags[std::size_t( cell ) * m_out.samplesPerCell() + place.sample];
+		const std::int32_t cell = m_index->find( index.key );
+		return cell == PositionIndex::kNone ? nullptr : &m_out.flags[std::size_t( cell ) * m_out.samplesPerCell() + index.sample];
 	}
 
 	void searchBetweenSamples( const RowSet& rows, std::vector<Sliver>& slivers )
@@ -345,7 +345,7 @@ private:
 		const double length = ( to - from.at ) * m_grid.quantum();
 		if ( samplesWithin == 1 )
 		{
-			const std::uint8_t* flags = flagsAt( place( axis, from.u(), from.v(), above ) );
+			const std::uint8_t* flags = flagsAt( sampleIndex( axis, from.u(), from.v(), above ) );
 			if ( isInside && flags && ( *flags & kInside ) )
 			{
 				addSliver( axis, from, above, { middle, length, true }, slivers );
@@ -353,8 +353,8 @@ private:
 			return;
 		}
 		const int most = m_grid.sampleCount( axis );
-		std::uint8_t* low = above > 0 ? flagsAt( place( axis, from.u(), from.v(), above - 1 ) ) : nullptr;
-		const std::uint8_t* high = above < most ? flagsAt( place( axis, from.u(), from.v(), above ) ) : nullptr;
+		std::uint8_t* low = above > 0 ? flagsAt( sampleIndex( axis, from.u(), from.v(), above - 1 ) ) : nullptr;
+		const std::uint8_t* high = above < most ? flagsAt( sampleIndex( axis, from.u(), from.v(), above ) ) : nullptr;
 		const bool isLowInside = low && ( *low & kInside );
 		const bool isHighInside = high && ( *high & kInside );
 		if ( isLowInside && isHighInside && !isInside && length > m_options.gap )
@@ -378,7 +378,7 @@ private:
 
 	void addSliver( int axis, const Crossing& row, int along, const Run& run, std::vector<Sliver>& slivers ) const
 	{
-		const Place at = place( axis, row.u(), row.v(), along );
+		const SampleIndex at = sampleIndex( axis, row.u(), row.v(), along );
 		const std::int32_t cell = m_index->find( at.key );
 		const float fraction = float( run.length / m_grid.cellSize / ( m_grid.samples * m_grid.samples ) );
 		if ( cell != PositionIndex::kNone && fraction > 0.0f )

@@ -60,8 +60,8 @@ private:
 
 struct VoxelizeOptions
 {
-	double gap = 0.0;       ///< m; narrower gaps are ignored
-	double mostCells = 0.0; ///< limit above which voxelizing is abandoned
+	double gap = 0.0;      ///< m; narrower gaps are ignored
+	double maxCells = 0.0; ///< limit above which voxelizing is abandoned
 	TaskRunner* runner = nullptr;
 	Progress& progress;
 };

@@ -70,7 +70,7 @@ bool isForward( const Triangle& t )
 }
 
 /// Rotates the lowest vertex to the front; the orientation is kept.
-Triangle turned( const Triangle& t )
+Triangle withLowestFirst( const Triangle& t )
 {
 	const std::size_t first = std::size_t( std::min_element( t.begin(), t.end() ) - t.begin() );
 	return { t[first], t[( first + 1 ) % 3], t[( first + 2 ) % 3] };
@@ -184,7 +184,7 @@ void cleanTriangles( WeldedMesh& mesh, BuildReport& report )
 	{
 		if ( t[0] != t[1] && t[1] != t[2] && t[2] != t[0] )
 		{
-			triangles.push_back( turned( t ) );
+			triangles.push_back( withLowestFirst( t ) );
 		}
 		else if ( t[0] != t[1] || t[1] != t[2] )
 		{

@@ -103,7 +103,7 @@ Status checkFolds( const MeshView& mesh, const WeldedMesh& box )
 		const Vec3d a = positionOf( mesh, corner[0] );
 		area += 0.5 * ( positionOf( mesh, corner[1] ) - a ).cross( positionOf( mesh, corner[2] ) - a ).norm();
 	}
-	if ( area > kMostFolds * ( box.high - box.low ).squaredNorm() )
+	if ( area > kMaxFolds * ( box.high - box.low ).squaredNorm() )
 	{
 		return { ResultCode::TooFolded,
 			"The surface is folded thousands of times into its bounding box: no cell size can tell its layers apart." };
@@ -124,7 +124,7 @@ public:
 	Welder( const MeshView& mesh, const WeldedMesh& box ) :
 		m_mesh( mesh ), m_low( box.low ), m_tolerance( box.tolerance ), m_sets( mesh.vertexCount )
 	{
-		m_width = std::max( kTolerancesPerBucket * m_tolerance, ( box.high - box.low ).norm() / kMostBuckets );
+		m_width = std::max( kTolerancesPerBucket * m_tolerance, ( box.high - box.low ).norm() / kMaxBuckets );
 		m_slots.reserve( mesh.vertexCount );
 		for ( std::size_t i = 0; i < mesh.vertexCount; ++i )
 		{
@@ -162,7 +162,7 @@ private:
 
 	Bucket bucketOf( const Vec3d& p ) const
 	{
-		return ( ( p - m_low ) / m_width ).array().floor().max( 0.0 ).min( kMostBuckets - 1.0 ).cast<std::int64_t>();
+		return ( ( p - m_low ) / m_width ).array().floor().max( 0.0 ).min( kMaxBuckets - 1.0 ).cast<std::int64_t>();
 	}
 
 	static std::uint64_t pack( const Bucket& b )
@@ -170,7 +170,7 @@ private:
 		return ( std::uint64_t( b.z() ) << 40 ) | ( std::uint64_t( b.y() ) << 20 ) | std::uint64_t( b.x() );
 	}
 
-	bool areOne( std::uint32_t a, std::uint32_t b ) const
+	bool areCoincident( std::uint32_t a, std::uint32_t b ) const
 	{
 		return ( positionOf( m_mesh, a ) - positionOf( m_mesh, b ) ).squaredNorm() <= m_tolerance * m_tolerance;
 	}
@@ -186,7 +186,7 @@ private:
 		{
 			for ( std::size_t j = i + 1; j < ( isCrowded ? std::min( i + 2, last ) : last ); ++j )
 			{
-				if ( isCrowded || areOne( m_slots[i].vertex, m_slots[j].vertex ) )
+				if ( isCrowded || areCoincident( m_slots[i].vertex, m_slots[j].vertex ) )
 				{
 					m_sets.join( m_slots[i].vertex, m_slots[j].vertex );
 				}
@@ -246,10 +246,10 @@ private:
 	{
 		auto other = std::lower_bound(
 			m_slots.begin(), m_slots.end(), bucket, []( const Slot& slot, std::uint64_t wanted ) { return slot.bucket < wanted; } );
-		std::size_t looked = 0;
-		for ( ; other != m_slots.end() && other->bucket == bucket && looked <= kCrowdedBucket; ++other, ++looked )
+		std::size_t visited = 0;
+		for ( ; other != m_slots.end() && other->bucket == bucket && visited <= kCrowdedBucket; ++other, ++visited )
 		{
-			if ( areOne( m_slots[k].vertex, other->vertex ) )
+			if ( areCoincident( m_slots[k].vertex, other->vertex ) )
 			{
 				m_sets.join( m_slots[k].vertex, other->vertex );
 			}

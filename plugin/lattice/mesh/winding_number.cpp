@@ -13,7 +13,7 @@ namespace pliant {
 namespace {
 
 /// Median splits keep the depth below log2 of the number of triangles that 32 bits can count.
-constexpr int kMostDepth = 64;
+constexpr int kMaxDepth = 64;
 
 constexpr double kWholeSphere = 4.0 * std::numbers::pi;
 
@@ -153,7 +153,7 @@ double WindingTree::at( const Vec3d& point ) const
 	{
 		return 0.0;
 	}
-	std::uint32_t stack[kMostDepth];
+	std::uint32_t stack[kMaxDepth];
 	int depth = 0;
 	stack[depth++] = 0;
 	double angle = 0.0;
@@ -212,20 +212,20 @@ double WindingTree::exactlyAt( const Vec3d& point ) const
 namespace {
 
 /// Compares the signs of the volumes that the segment spans with the triangle's edges and that its ends span with the triangle.
-bool meets( const std::array<Vec3d, 3>& corner, const Vec3d& from, const Vec3d& to )
+bool intersects( const std::array<Vec3d, 3>& corner, const Vec3d& from, const Vec3d& to )
 {
-	const Vec3d way = to - from;
+	const Vec3d segment = to - from;
 	const Vec3d a = corner[0] - from;
 	const Vec3d b = corner[1] - from;
 	const Vec3d c = corner[2] - from;
 	const Vec3d normal = ( b - a ).cross( c - a );
-	if ( a.dot( normal ) * ( a - way ).dot( normal ) > 0.0 )
+	if ( a.dot( normal ) * ( a - segment ).dot( normal ) > 0.0 )
 	{
 		return false;
 	}
-	const double ab = way.dot( a.cross( b ) );
-	const double bc = way.dot( b.cross( c ) );
-	const double ca = way.dot( c.cross( a ) );
+	const double ab = segment.dot( a.cross( b ) );
+	const double bc = segment.dot( b.cross( c ) );
+	const double ca = segment.dot( c.cross( a ) );
 	return ( ab >= 0.0 && bc >= 0.0 && ca >= 0.0 ) || ( ab <= 0.0 && bc <= 0.0 && ca <= 0.0 );
 }
 
@@ -233,8 +233,8 @@ bool meets( const std::array<Vec3d, 3>& corner, const Vec3d& from, const Vec3d& 
 
 bool WindingTree::isCrossed( const Vec3d& from, const Vec3d& to ) const
 {
-	const Vec3d way = to - from;
-	std::uint32_t stack[kMostDepth];
+	const Vec3d segment = to - from;
+	std::uint32_t stack[kMaxDepth];
 	int depth = 0;
 	if ( !m_nodes.empty() )
 	{
@@ -244,8 +244,9 @@ bool WindingTree::isCrossed( const Vec3d& from, const Vec3d& to ) const
 	{
 		const std::uint32_t here = stack[--depth];
 		const Node& node = m_nodes[here];
-		const double along = std::clamp( ( node.centre - from ).dot( way ) / way.squaredNorm(), 0.0, 1.0 );
-		if ( ( from + along * way - node.centre ).squaredNorm() * kFarField * kFarField > node.farSquared * ( 1.0 + kRoundingFraction ) )
+		const double along = std::clamp( ( node.centre - from ).dot( segment ) / segment.squaredNorm(), 0.0, 1.0 );
+		if ( ( from + along * segment - node.centre ).squaredNorm() * kFarField * kFarField >
+			node.farSquared * ( 1.0 + kRoundingFraction ) )
 		{
 			continue;
 		}
@@ -257,7 +258,7 @@ bool WindingTree::isCrossed( const Vec3d& from, const Vec3d& to ) const
 		}
 		for ( std::uint32_t i = node.first; i < node.first + node.count; ++i )
 		{
-			if ( meets( m_corners[i], from, to ) )
+			if ( intersects( m_corners[i], from, to ) )
 			{
 				return true;
 			}
