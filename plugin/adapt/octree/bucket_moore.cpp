@@ -41,7 +41,7 @@ void BucketMoore::begin( const VisibilityGraph& graph )
 	{
 		m_buckets.resize( std::size_t( graph.longest ) + 1 );
 	}
-	if ( ++m_search == 0 ) // the count came round: what old searches wrote must not look new
+	if ( ++m_search == 0 ) // counter overflow: entries of old searches must not appear current
 	{
 		std::fill( m_tentative.begin(), m_tentative.end(), Tentative{} );
 		m_search = 1;
@@ -57,13 +57,13 @@ void BucketMoore::place( std::uint32_t node, std::uint32_t distance, std::size_t
 	++m_waiting;
 }
 
-/// Steps 2 to 4. Every entry lies at most d_max ahead of k, so a ring of d_max + 1 buckets keeps distances apart.
+/// Steps 2 to 4. Every entry is at most d_max ahead of k, so a ring of d_max + 1 buckets keeps distances apart.
 void BucketMoore::run( const VisibilityGraph& graph, std::uint32_t limit )
 {
 	std::size_t front = 0;
 	for ( std::uint32_t k = 0; k < limit && m_waiting > 0; ++k )
 	{
-		// No edge has length 0: the front does not grow while it is emptied.
+		// No edge has length 0, so the front bucket does not grow while it is processed.
 		for ( const std::uint32_t node : m_buckets[front] )
 		{
 			visit( graph, node, { k, front, limit } );
@@ -76,7 +76,7 @@ void BucketMoore::run( const VisibilityGraph& graph, std::uint32_t limit )
 
 void BucketMoore::visit( const VisibilityGraph& graph, std::uint32_t node, const Front& front )
 {
-	if ( m_tentative[node].isMarked ) // reached earlier on a shorter way
+	if ( m_tentative[node].isMarked ) // already reached on a shorter path
 	{
 		return;
 	}
@@ -86,7 +86,7 @@ void BucketMoore::visit( const VisibilityGraph& graph, std::uint32_t node, const
 	for ( std::uint32_t e = graph.start[node]; e < graph.start[node + 1]; ++e )
 	{
 		const std::uint32_t d = front.k + graph.length[e];
-		if ( d >= front.limit ) // rows are in order of length: all that follow are too far as well
+		if ( d >= front.limit ) // rows are ordered by length: all remaining edges are too long as well
 		{
 			return;
 		}

@@ -18,7 +18,7 @@ bool isBefore( const Coordinate& a, const Coordinate& b )
 	return a.z() != b.z() ? a.z() < b.z() : a.y() != b.y() ? a.y() < b.y() : a.x() < b.x();
 }
 
-/// Joins nodes of one level that share a block of the level above and a link between two of their cells.
+/// Joins nodes of one level that share a block of the next coarser level and a link between two of their cells.
 UnionFind joinWithinBlocks(
 	const Octree& octree, const Lattice& lattice, const std::vector<std::uint32_t>& nodeOfCell, std::uint32_t first, std::uint32_t count )
 {
@@ -38,13 +38,13 @@ UnionFind joinWithinBlocks(
 	return parts;
 }
 
-/// Appends the level above the one that begins at `first`.
+/// Appends the level above the one that starts at `first`.
 void addLevel( Octree& octree, const Lattice& lattice, std::vector<std::uint32_t>& nodeOfCell, std::uint32_t first )
 {
 	const std::uint32_t count = std::uint32_t( octree.parent.size() ) - first;
 	UnionFind parts = joinWithinBlocks( octree, lattice, nodeOfCell, first, count );
 
-	// One node a part, by block, then by lowest child.
+	// One node per part, by block, then by lowest child.
 	std::vector<std::uint32_t> lowest;
 	for ( std::uint32_t i = 0; i < count; ++i )
 	{
@@ -122,7 +122,7 @@ void orderCells( Octree& octree )
 			stack.push_back( octree.child[k] );
 		}
 	}
-	for ( std::uint32_t i = 0; i < std::uint32_t( octree.parent.size() ); ++i ) // children stand before their parents
+	for ( std::uint32_t i = 0; i < std::uint32_t( octree.parent.size() ); ++i ) // children precede their parents
 	{
 		if ( octree.parent[i] != kNoNode )
 		{

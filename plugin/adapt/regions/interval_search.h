@@ -1,6 +1,6 @@
 #pragma once
 
-// Steps 1 and 2 of Steinemann et al. 2008, section 4.2, for any slots: what finding regions and changing them share.
+// Steps 1 and 2 of Steinemann et al. 2008, section 4.2, for any slots: shared by the construction and the update of regions.
 
 #include "adapt/regions/interval_regions.h"
 
@@ -16,7 +16,7 @@ inline std::uint32_t limitOf( std::uint32_t width, float eps )
 	return std::max( width + 1, std::uint32_t( std::ceil( ( 1.0 + double( eps ) ) * width ) ) );
 }
 
-/// Which octree nodes have all their simulation nodes among those added.
+/// Finds the octree nodes whose simulation nodes have all been added: the complete ones.
 class Cover
 {
 public:
@@ -39,7 +39,7 @@ public:
 		}
 	}
 
-	/// The largest node above one added that is whole, or kNoNode where it was named already.
+	/// Returns the largest complete node above an added one, or kNoNode where it was returned before.
 	std::uint32_t largestAbove( std::uint32_t simulationNode )
 	{
 		std::uint32_t node = simulationNode;
@@ -82,10 +82,10 @@ struct Rows
 	void close() { start.push_back( std::uint32_t( entry.size() ) ); }
 };
 
-/// Own rows of some slots, in parallel, in their order.
+/// Own rows of some slots, computed in parallel, in their order.
 Rows searchRows( const IntervalInput& input, const IntervalRegions& regions, const std::vector<std::uint32_t>& slots, TaskRunner* runner );
 
-/// Appends the largest octree nodes all of whose simulation nodes are in a set of slots, ascending, in depth-first order.
+/// Appends the largest octree nodes whose simulation nodes are all in `slots` (ascending), in depth-first order.
 void nameLargest( const IntervalInput& input, const std::vector<std::uint32_t>& slots, Cover& cover, std::vector<std::uint32_t>& named );
 
 } // namespace pliant

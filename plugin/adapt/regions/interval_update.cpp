@@ -5,7 +5,7 @@ namespace pliant {
 
 namespace {
 
-/// Slots of nodes that stayed and must be searched anew, besides the new ones.
+/// Returns the new slots and the kept ones that must be searched again.
 std::vector<std::uint32_t> slotsToSearch( const IntervalInput& from, const IntervalInput& to, const CutChange& change,
 	const IntervalRegions& old, const IntervalRegions& regions )
 {
@@ -57,7 +57,7 @@ std::vector<std::uint32_t> slotsToSearch( const IntervalInput& from, const Inter
 	return slots;
 }
 
-/// Step 3 for the rows that can have changed; all others are copied.
+/// Step 3 for the rows that may have changed; all others are copied.
 class SymmetryUpdate
 {
 public:
@@ -123,7 +123,7 @@ private:
 		forEachSlot( m_spans, own + m_regions.ownStart[slot], own + m_regions.ownStart[slot + 1], what );
 	}
 
-	/// Whoever was in a row that is gone or was searched anew.
+	/// Marks the members of rows that were removed or searched again.
 	void findAffected()
 	{
 		for ( std::uint32_t before = 0; before < std::uint32_t( m_change.after.size() ); ++before )
@@ -143,7 +143,7 @@ private:
 		}
 	}
 
-	/// For each slot, the searched ones whose rows hold it now; it is affected.
+	/// Lists, for each slot, the searched slots whose rows hold it now, and marks it as affected.
 	void listHolders( const std::vector<std::uint32_t>& searched )
 	{
 		for ( const std::uint32_t holder : searched )
@@ -165,7 +165,7 @@ private:
 		}
 	}
 
-	/// Row and column of a slot together, ascending; returns how many the row has alone.
+	/// Collects the union of a slot's row and column, ascending; returns the size of the row alone.
 	std::size_t collect( std::uint32_t slot )
 	{
 		m_both.clear();
@@ -181,7 +181,7 @@ private:
 			}
 		};
 		std::for_each( m_heldBy.begin() + m_heldStart[slot], m_heldBy.begin() + m_heldStart[slot + 1], meet );
-		// Rows that were not searched held it before if they do now, so its old row names them all.
+		// Rows that were not searched hold the slot now only if they held it before, so its old row lists them all.
 		if ( const std::uint32_t before = m_change.before[slot]; before != kNoNode )
 		{
 			const std::uint32_t* const row = m_old.node.data();
@@ -200,7 +200,7 @@ private:
 		return members;
 	}
 
-	/// Whether the own row of one slot holds another: the last of its nodes that begins at or before it does.
+	/// True where the own row of one slot holds another: tests the last of its nodes that starts at or before it.
 	bool holds( std::uint32_t holder, std::uint32_t slot ) const
 	{
 		const auto first = m_regions.own.begin() + m_regions.ownStart[holder], end = m_regions.own.begin() + m_regions.ownStart[holder + 1];
@@ -216,7 +216,7 @@ private:
 
 	const IntervalInput& m_to;
 	std::vector<SlotSpan> m_spans, m_oldSpans;
-	std::vector<std::uint32_t> m_metFor; ///< the last slot a slot was collected for
+	std::vector<std::uint32_t> m_metFor; ///< of each slot: the last slot for which it was collected
 	const CutChange& m_change;
 	const IntervalRegions& m_old;
 	IntervalRegions& m_regions;
@@ -240,7 +240,7 @@ IntervalUpdate updateIntervalRegions( const IntervalInput& from, const IntervalI
 	std::size_t next = 0;
 	for ( std::uint32_t slot = 0; slot < std::uint32_t( to.cut.count() ); ++slot )
 	{
-		// Octree nodes keep their ids: a row that no change has touched stays as it is.
+		// Octree nodes keep their ids, so rows that were not searched again are copied.
 		const bool isAnew = next < update.searched.size() && update.searched[next] == slot;
 		const std::size_t row = isAnew ? next++ : change.before[slot];
 		const std::vector<std::uint32_t>& start = isAnew ? rows.start : old.ownStart;
