@@ -87,26 +87,26 @@ constexpr double kMomentsCapacity = 1.25;
 
 /// Moves the moments of nodes to their new indices. Those of cells are most of the data; a cell's number never increases, so they can be
 /// moved in place.
-FineMoments takeOver( const FineMoments& before, FineMoments taken, const CellChange& change, const OctreeUpdate& tree )
+FineMoments moveMoments( const FineMoments& before, FineMoments reused, const CellChange& change, const OctreeUpdate& tree )
 {
 	const std::size_t nodes = tree.octree.parent.size(), cells = tree.octree.levelStart[1],
 					  cellsBefore = std::size_t( change.before.cellCount() );
-	const bool staysInPlace = !taken.covariance.empty();
-	const auto& from = taken.covariance.empty() ? before.covariance : taken.covariance;
+	const bool isInPlace = !reused.covariance.empty();
+	const auto& from = reused.covariance.empty() ? before.covariance : reused.covariance;
 	FineMoments moments;
 	decltype( moments.covariance ) above;
-	if ( staysInPlace )
+	if ( isInPlace )
 	{
 		above.assign( from.begin() + std::ptrdiff_t( cellsBefore ), from.end() );
-		moments = std::move( taken );
+		moments = std::move( reused );
 		for ( std::size_t n = 0; n < cells && !change.isWhole(); ++n )
 		{
 			moments.covariance[n] = moments.covariance[tree.nodeBefore[n]];
 		}
 		moments.covariance.resize( cells );
 	}
-	const auto& old = staysInPlace ? above : from;
-	const std::size_t first = moments.covariance.size(), oldFirst = staysInPlace ? cellsBefore : 0;
+	const auto& old = isInPlace ? above : from;
+	const std::size_t first = moments.covariance.size(), oldFirst = isInPlace ? cellsBefore : 0;
 	if ( moments.covariance.capacity() < nodes ) // fragmentation adds nodes in nearly every update, and each reallocation copies everything
 	{
 		moments.covariance.reserve( std::size_t( kMomentsCapacity * double( nodes ) ) );
@@ -128,11 +128,11 @@ FineMoments takeOver( const FineMoments& before, FineMoments taken, const CellCh
 } // namespace
 
 FineMoments updateFineMoments(
-	const FineMoments& before, FineMoments taken, const CellChange& change, const OctreeUpdate& tree, const FineUpdate& update )
+	const FineMoments& before, FineMoments reused, const CellChange& change, const OctreeUpdate& tree, const FineUpdate& update )
 {
 	const Octree& octree = tree.octree;
 	const RegionSet& set = update.fine.set;
-	FineMoments moments = takeOver( before, std::move( taken ), change, tree );
+	FineMoments moments = moveMoments( before, std::move( reused ), change, tree );
 	std::vector<std::uint8_t> isOld( octree.parent.size(), 1 ); // 0: to be measured again
 	for ( const std::uint32_t cell : update.collected )
 	{

@@ -18,8 +18,8 @@ struct FineUpdate
 /// `tree`: of the same change. `scratch`: unused regions whose memory is overwritten.
 FineUpdate updateFineRegions( const FineRegions& before, const CellChange& change, const OctreeUpdate& tree, FineRegions scratch = {} );
 
-/// `taken`: the former moments, which are modified in place; if empty, `before` is copied instead.
+/// `reused`: the former moments, which are modified in place; if empty, `before` is copied instead.
 FineMoments updateFineMoments(
-	const FineMoments& before, FineMoments taken, const CellChange& change, const OctreeUpdate& tree, const FineUpdate& fine );
+	const FineMoments& before, FineMoments reused, const CellChange& change, const OctreeUpdate& tree, const FineUpdate& fine );
 
 } // namespace pliant

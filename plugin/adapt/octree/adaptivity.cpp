@@ -47,7 +47,7 @@ Status check( const Adaptivity& settings )
 	{
 		return status;
 	}
-	if ( settings.coarseLevels < 0 || settings.coarseLevels > kMostCoarseLevels )
+	if ( settings.coarseLevels < 0 || settings.coarseLevels > kMaxCoarseLevels )
 	{
 		return refuse( "Adaptivity: coarseLevels must be 0 to 4." );
 	}
@@ -69,7 +69,7 @@ Status check( const Adaptivity& settings )
 	}
 	if ( !( isWithin( settings.mergeFraction, 0.0f, 1.0f ) && settings.mergeFraction < 1.0f ) )
 	{
-		return refuse( "Adaptivity: mergeShare must be within 0 and below 1." );
+		return refuse( "Adaptivity: mergeFraction must be within 0 and below 1." );
 	}
 	if ( !isWithin( settings.mergeDelay, 0.0f, 60.0f ) )
 	{

@@ -9,7 +9,7 @@ const std::vector<BucketMoore::Reached>& BucketMoore::from( const VisibilityGrap
 	begin( graph );
 	if ( limit > 0 )
 	{
-		place( source, 0, 0 );
+		insert( source, 0, 0 );
 		run( graph, limit );
 	}
 	return m_reached;
@@ -23,7 +23,7 @@ const std::vector<BucketMoore::Reached>& BucketMoore::fromAll(
 	{
 		for ( const std::uint32_t source : sources )
 		{
-			place( source, 0, 0 );
+			insert( source, 0, 0 );
 		}
 		run( graph, limit );
 	}
@@ -47,28 +47,28 @@ void BucketMoore::begin( const VisibilityGraph& graph )
 		m_search = 1;
 	}
 	m_reached.clear();
-	m_waiting = 0;
+	m_pending = 0;
 }
 
-void BucketMoore::place( std::uint32_t node, std::uint32_t distance, std::size_t bucket )
+void BucketMoore::insert( std::uint32_t node, std::uint32_t distance, std::size_t bucket )
 {
 	m_tentative[node] = { m_search, distance, false };
 	m_buckets[bucket].push_back( node );
-	++m_waiting;
+	++m_pending;
 }
 
 /// Steps 2 to 4. Every entry is at most d_max ahead of k, so a ring of d_max + 1 buckets keeps distances apart.
 void BucketMoore::run( const VisibilityGraph& graph, std::uint32_t limit )
 {
 	std::size_t front = 0;
-	for ( std::uint32_t k = 0; k < limit && m_waiting > 0; ++k )
+	for ( std::uint32_t k = 0; k < limit && m_pending > 0; ++k )
 	{
 		// No edge has length 0, so the front bucket does not grow while it is processed.
 		for ( const std::uint32_t node : m_buckets[front] )
 		{
 			visit( graph, node, { k, front, limit } );
 		}
-		m_waiting -= m_buckets[front].size();
+		m_pending -= m_buckets[front].size();
 		m_buckets[front].clear();
 		front = front + 1 == m_buckets.size() ? 0 : front + 1;
 	}
@@ -91,10 +91,10 @@ void BucketMoore::visit( const VisibilityGraph& graph, std::uint32_t node, const
 			return;
 		}
 		const std::uint32_t next = graph.to[e];
-		if ( m_tentative[next].search != m_search || d < m_tentative[next].least )
+		if ( m_tentative[next].search != m_search || d < m_tentative[next].shortest )
 		{
 			const std::size_t ahead = front.bucket + graph.length[e];
-			place( next, d, ahead < ring ? ahead : ahead - ring );
+			insert( next, d, ahead < ring ? ahead : ahead - ring );
 		}
 	}
 }

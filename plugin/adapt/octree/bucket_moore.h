@@ -26,8 +26,8 @@ public:
 private:
 	struct Tentative
 	{
-		std::uint32_t search = 0; ///< the search that wrote this
-		std::uint32_t least = 0;  ///< d_min
+		std::uint32_t search = 0;   ///< the search that wrote this
+		std::uint32_t shortest = 0; ///< d_min
 		bool isMarked = false;
 	};
 
@@ -40,7 +40,7 @@ private:
 	};
 
 	void begin( const VisibilityGraph& graph );
-	void place( std::uint32_t node, std::uint32_t distance, std::size_t bucket );
+	void insert( std::uint32_t node, std::uint32_t distance, std::size_t bucket );
 	void run( const VisibilityGraph& graph, std::uint32_t limit );
 	void visit( const VisibilityGraph& graph, std::uint32_t node, const Front& front );
 
@@ -48,7 +48,7 @@ private:
 	std::vector<std::vector<std::uint32_t>> m_buckets; ///< d_max + 1 in a ring: the first bucket index advances instead of shifting them
 	std::vector<Reached> m_reached;
 	std::uint32_t m_search = 0;
-	std::size_t m_waiting = 0; ///< entries in all buckets
+	std::size_t m_pending = 0; ///< entries in all buckets
 };
 
 } // namespace pliant

@@ -219,7 +219,7 @@ Octree buildOctree( const Lattice& lattice, int coarseLevels )
 	octree.parent.assign( cells, kNoNode );
 	std::vector<std::uint32_t> nodeOfCell( cells );
 	std::iota( nodeOfCell.begin(), nodeOfCell.end(), 0u );
-	for ( int level = 0; level < std::min( coarseLevels, kMostCoarseLevels ); ++level )
+	for ( int level = 0; level < std::min( coarseLevels, kMaxCoarseLevels ); ++level )
 	{
 		addLevel( octree, lattice, nodeOfCell, octree.levelStart[level] );
 	}

@@ -18,7 +18,7 @@ namespace pliant {
 inline constexpr std::uint32_t kNoNode = std::numeric_limits<std::uint32_t>::max();
 
 /// Maximum number of levels above the finest: with 8^4 cells in one node, region masses fit in 32 bits (region_matrix.h).
-inline constexpr int kMostCoarseLevels = 4;
+inline constexpr int kMaxCoarseLevels = 4;
 
 /// Nodes of all levels in flat arrays. Level 0 comes first and its node i is cell i of the lattice; then level 1, and so on, each level in
 /// the order of z, y, x of its blocks, then by lowest cell. Immutable once built.
@@ -56,7 +56,7 @@ struct Octree
 	std::size_t bytes() const;
 };
 
-/// `coarseLevels`: levels above the finest, 0 to kMostCoarseLevels.
+/// `coarseLevels`: levels above the finest, 0 to kMaxCoarseLevels.
 Octree buildOctree( const Lattice& lattice, int coarseLevels );
 
 /// Checks every invariant of an octree over its lattice; the message names the first violation.

@@ -18,7 +18,7 @@ public:
 
 	OctreeUpdate run()
 	{
-		takeCells();
+		copyCells();
 		markTouched();
 		for ( int level = 1; level < m_old.levels; ++level )
 		{
@@ -39,7 +39,7 @@ private:
 		std::size_t first, last;
 	};
 
-	void takeCells()
+	void copyCells()
 	{
 		const std::uint32_t cells = std::uint32_t( m_change.now.cellCount() );
 		m_now.levelStart = { 0, cells };

@@ -23,7 +23,7 @@ inline void addRecords( const float* records, const std::uint32_t* term, const s
 }
 
 template <int floats>
-void addUp( const SumPlan& plan, float* records )
+void sumVirtualNodes( const SumPlan& plan, float* records )
 {
 	for ( int v = 0; v < plan.virtualNodes; ++v )
 	{
@@ -96,12 +96,12 @@ SumPlan planSums( const Octree& octree, const Cut& cut, const IntervalRegions& i
 
 void depthSum( const SumPlan& plan, float* records )
 {
-	addUp<kSumFloats>( plan, records );
+	sumVirtualNodes<kSumFloats>( plan, records );
 }
 
 void depthSumHalf( const SumPlan& plan, float* records )
 {
-	addUp<kSumFloats / 2>( plan, records );
+	sumVirtualNodes<kSumFloats / 2>( plan, records );
 }
 
 void breadthSum( const SumPlan& plan, const float* records, float* sums, int first, int end )

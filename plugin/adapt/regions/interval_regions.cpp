@@ -83,7 +83,7 @@ void symmetrize( const IntervalInput& input, IntervalRegions& regions )
 		}
 		both.clear();
 		std::set_union( inFirst, inEnd, byFirst, byEnd, std::back_inserter( both ) );
-		nameLargest( input, both, cover, regions.node );
+		appendLargest( input, both, cover, regions.node );
 		regions.start.push_back( std::uint32_t( regions.node.size() ) );
 	}
 }

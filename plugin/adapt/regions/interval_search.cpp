@@ -80,7 +80,7 @@ Rows searchRows( const IntervalInput& input, const IntervalRegions& regions, con
 	return all;
 }
 
-void nameLargest( const IntervalInput& input, const std::vector<std::uint32_t>& slots, Cover& cover, std::vector<std::uint32_t>& named )
+void appendLargest( const IntervalInput& input, const std::vector<std::uint32_t>& slots, Cover& cover, std::vector<std::uint32_t>& nodes )
 {
 	cover.clear();
 	for ( const std::uint32_t slot : slots )
@@ -91,7 +91,7 @@ void nameLargest( const IntervalInput& input, const std::vector<std::uint32_t>& 
 	{
 		if ( const std::uint32_t node = cover.largestAbove( input.cut.node[slot] ); node != kNoNode )
 		{
-			named.push_back( node );
+			nodes.push_back( node );
 		}
 	}
 }

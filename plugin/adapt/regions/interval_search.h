@@ -27,15 +27,15 @@ public:
 	void add( std::uint32_t simulationNode )
 	{
 		std::uint32_t node = simulationNode;
-		stateOf( node ).isWhole = true;
+		stateOf( node ).isComplete = true;
 		for ( std::uint32_t parent = m_octree.parent[node]; parent != kNoNode; parent = m_octree.parent[parent] )
 		{
 			State& state = stateOf( parent );
-			if ( ++state.wholeChildren < m_octree.childStart[parent + 1] - m_octree.childStart[parent] )
+			if ( ++state.completeChildren < m_octree.childStart[parent + 1] - m_octree.childStart[parent] )
 			{
 				return;
 			}
-			state.isWhole = true;
+			state.isComplete = true;
 		}
 	}
 
@@ -43,20 +43,21 @@ public:
 	std::uint32_t largestAbove( std::uint32_t simulationNode )
 	{
 		std::uint32_t node = simulationNode;
-		for ( std::uint32_t parent = m_octree.parent[node]; parent != kNoNode && stateOf( parent ).isWhole; parent = m_octree.parent[node] )
+		for ( std::uint32_t parent = m_octree.parent[node]; parent != kNoNode && stateOf( parent ).isComplete;
+			  parent = m_octree.parent[node] )
 		{
 			node = parent;
 		}
-		return std::exchange( stateOf( node ).isNamed, true ) ? kNoNode : node;
+		return std::exchange( stateOf( node ).isListed, true ) ? kNoNode : node;
 	}
 
 private:
 	struct State
 	{
 		std::uint32_t round = 0;
-		std::uint16_t wholeChildren = 0;
-		bool isWhole = false;
-		bool isNamed = false;
+		std::uint16_t completeChildren = 0;
+		bool isComplete = false;
+		bool isListed = false;
 	};
 
 	State& stateOf( std::uint32_t node )
@@ -86,6 +87,6 @@ struct Rows
 Rows searchRows( const IntervalInput& input, const IntervalRegions& regions, const std::vector<std::uint32_t>& slots, TaskRunner* runner );
 
 /// Appends the largest octree nodes whose simulation nodes are all in `slots` (ascending), in depth-first order.
-void nameLargest( const IntervalInput& input, const std::vector<std::uint32_t>& slots, Cover& cover, std::vector<std::uint32_t>& named );
+void appendLargest( const IntervalInput& input, const std::vector<std::uint32_t>& slots, Cover& cover, std::vector<std::uint32_t>& nodes );
 
 } // namespace pliant

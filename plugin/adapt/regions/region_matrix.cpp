@@ -120,7 +120,7 @@ public:
 			}
 			else
 			{
-				takeOld( slot, firstOld, result );
+				appendChanged( slot, firstOld, result );
 			}
 			result.unit.push_back( unitOf( m_octree.mass[m_to.node[slot]], result, slot ) );
 			++slot;
@@ -169,7 +169,7 @@ private:
 			}
 		}
 		const std::vector<std::uint32_t> moved = slotsOutOfOrder( m_change.now );
-		m_isMixed.assign( moved.empty() ? 0 : m_to.node.size(), 0 );
+		m_isReordered.assign( moved.empty() ? 0 : m_to.node.size(), 0 );
 		for ( const std::uint32_t i : moved )
 		{
 			touchMembers( i );
@@ -177,7 +177,7 @@ private:
 			{
 				if ( const std::uint32_t now = m_change.now[m_old.member[k]]; now != kNoNode )
 				{
-					m_isMixed[now] = 1;
+					m_isReordered[now] = 1;
 				}
 			}
 		}
@@ -270,14 +270,14 @@ private:
 	}
 
 	/// Appends rows of kept or merged nodes: sums of the old rows. Where a member was split, its children's entries are in the column.
-	void takeOld( std::uint32_t slot, std::uint32_t& firstOld, RegionMatrix& result )
+	void appendChanged( std::uint32_t slot, std::uint32_t& firstOld, RegionMatrix& result )
 	{
 		const Entry* next = m_column.data() + m_columnStart[slot];
 		const Entry* const last = m_column.data() + m_columnStart[slot + 1];
 		const bool wasMerged = m_change.wasMerged[slot] != 0;
-		if ( !wasMerged && ( m_isMixed.empty() || m_isMixed[slot] == 0 ) )
+		if ( !wasMerged && ( m_isReordered.empty() || m_isReordered[slot] == 0 ) )
 		{
-			takeOne( m_change.before[slot], next, last, result );
+			appendMerged( m_change.before[slot], next, last, result );
 			return;
 		}
 		if ( !wasMerged )
@@ -309,7 +309,7 @@ private:
 	}
 
 	/// New numbers are in the order of the old ones, equal where members were merged; children are inserted at their parent's position.
-	void takeOne( std::uint32_t old, const Entry* next, const Entry* last, RegionMatrix& result ) const
+	void appendMerged( std::uint32_t old, const Entry* next, const Entry* last, RegionMatrix& result ) const
 	{
 		const std::size_t first = result.member.size();
 		const auto append = [&result]( const Entry& entry ) {
@@ -352,7 +352,7 @@ private:
 	RegionMatrix m_counted;                   ///< rows of the nodes created by splits
 	std::vector<std::uint32_t> m_childRow;    ///< of each new slot: its row there, or kNoNode
 	std::vector<std::uint32_t> m_untouched;   ///< of each new slot: its old one, where its row is only renumbered
-	std::vector<std::uint8_t> m_isMixed;      ///< of each new slot: 1 where the members of its row change order; empty: none do
+	std::vector<std::uint8_t> m_isReordered;  ///< of each new slot: 1 where the members of its row change order; empty: none do
 	std::vector<std::uint32_t> m_columnStart; ///< of each new slot
 	std::vector<Entry> m_column;              ///< ascending by slot
 };
