@@ -29,12 +29,12 @@ bool crosses( const SphereCut& cut, const Vec3d& a, const Vec3d& b )
 	{
 		return !( isInA && isInB );
 	}
-	// Both outside: in and out again, if the point of the link that is nearest to the centre is inside.
+	// Both outside: the link enters and leaves the sphere if its point closest to the centre is inside.
 	const double length2 = along.squaredNorm(), reach = fromA.dot( along );
 	return reach > 0.0 && reach < length2 && ( fromA - reach / length2 * along ).squaredNorm() < r2;
 }
 
-/// On which side the line from a along `way` passes the edge u v: the volume they span. Of opposite sign, to the bit, for the edge v u.
+/// The side on which the line from a along `way` passes the edge u v: the volume they span. For the edge v u it is exactly the negative.
 double sideOfEdge( const Vec3d& a, const Vec3d& way, const Vec3d& u, const Vec3d& v )
 {
 	return ( u - a ).cross( v - a ).dot( way );
@@ -71,7 +71,8 @@ bool isSomething( const BladeCut& cut )
 	return cut.p0.allFinite() && cut.p1.allFinite() && cut.q0.allFinite() && cut.q1.allFinite();
 }
 
-/// Where each place lies beyond the blade's box: a bit a side. What has its both ends beyond one side is not cut.
+/// Returns the sides of the blade's bounding box that each position lies beyond, one bit per side. A link with both ends beyond one side is
+/// not cut.
 std::vector<std::uint8_t> sidesBeyond( const std::vector<Vec3d>& positions, const BladeCut& cut )
 {
 	const Vec3d low = cut.p0.cwiseMin( cut.p1 ).cwiseMin( cut.q0.cwiseMin( cut.q1 ) ),
@@ -96,8 +97,7 @@ std::vector<std::uint8_t> sidesBeyond( const std::vector<Vec3d>& positions, cons
 	return std::vector<std::uint8_t>( positions.size(), 0 );
 }
 
-/// Whether a cell and all it is linked to lie beyond one side: most do, and no link of theirs is looked at. So nothing is gained by
-/// stopping early.
+/// True where a cell and all linked cells lie beyond one side. This holds for most cells, so the loop has no early exit.
 bool isBeyond( const Lattice& lattice, const std::vector<std::uint8_t>& beyond, std::uint32_t cell )
 {
 	unsigned all = beyond[cell];

@@ -149,7 +149,7 @@ void findOverstretched( const LinkLimits& limits, const NodeState& nodes, std::v
 
 namespace {
 
-/// ( L + b ( M - L ) )^2 of two cells L apart at rest whose link bears M where b is 1.
+/// ( L + b ( M - L ) )^2 for two cells with rest distance L whose link has the limit M at b = 1.
 float borneSquared( float limitSquared, const CellPositions& positions, std::uint32_t i, std::uint32_t j )
 {
 	const float bears = std::max( positions.bears( i ), positions.bears( j ) ),

@@ -10,7 +10,7 @@ namespace pliant {
 
 namespace {
 
-/// What an excess, a float, may be off by.
+/// Rounding error of an excess, a float.
 constexpr double kRoundedFraction = 1e-6;
 
 /// Toughness of the link from the lower cell to the higher.
@@ -40,8 +40,8 @@ void PlaneCracks::placeAtRest( const Lattice& lattice )
 	}
 }
 
-// Links are cheap to look at and single out the few cells for which the deformation of all that is around them is worth measuring. Where
-// most are stretched, most links join two of which that is known.
+// Checking links is cheap and selects the few cells for which the deformation of their surroundings is worth measuring. Where most cells
+// are stretched, most links join two that are already known to be and are skipped.
 void PlaneCracks::findStretched( const LinkLimits& limits, const CellPositions& positions )
 {
 	std::vector<std::uint8_t>&isStretched = m_scratch.mark, &isSought = m_scratch.isSought;
@@ -61,7 +61,7 @@ void PlaneCracks::findStretched( const LinkLimits& limits, const CellPositions& 
 			}
 		}
 		if ( isStretched[i] != 0 && m_scratch.isOpen[i] != 0 &&
-			positions.mayBreak( i ) ) // all links of i have been looked at: those to lower cells were theirs
+			positions.mayBreak( i ) ) // all links of i have been checked: those to lower cells in the lower cells' rows
 		{
 			m_scratch.stretched.push_back( i );
 		}
@@ -89,12 +89,12 @@ void PlaneCracks::findOverloads( const Lattice& lattice, const LinkLimits& limit
 		const Eigen::Matrix3d around = m_scratch.moments.of( i ).deformation();
 		if ( !m_looksEverywhere && isStretchedLess( around, least * ( 1.0 - kRoundedFraction ) ) )
 		{
-			continue; // no crack would go on or begin
+			continue; // no crack would grow or start
 		}
 		Overload overload{ i, positions.bears( i ), {}, {}, 0 };
 		overload.near = measure( lattice, limits, around, overload );
 		overload.planes = goesOnOnly ? planesOf( i, overload.near, lattice.cellSize ) : 0;
-		if ( overload.near.excess > m_growthFraction && ( !goesOnOnly || overload.planes != 0 ) ) // else it would do nothing
+		if ( overload.near.excess > m_growthFraction && ( !goesOnOnly || overload.planes != 0 ) ) // otherwise it has no effect
 		{
 			found.push_back( overload );
 		}
@@ -102,7 +102,7 @@ void PlaneCracks::findOverloads( const Lattice& lattice, const LinkLimits& limit
 	const std::uint64_t unreached = goesOnOnly ? planesToReach( lattice.cellSize ) : 0;
 	for ( Overload& overload : found )
 	{
-		if ( !goesOnOnly || ( overload.planes & unreached ) != 0 ) // else when its turn comes makes no difference
+		if ( !goesOnOnly || ( overload.planes & unreached ) != 0 ) // otherwise the order of processing has no effect
 		{
 			measureWide( lattice, limits, overload );
 		}
@@ -121,12 +121,12 @@ PlaneCracks::Pull PlaneCracks::measure(
 	found.normal = stretch.axis;
 	if ( found.normal.dot( Vec3d( 1.0, 1e-3, 1e-6 ) ) < 0.0 )
 	{
-		found.normal = -found.normal; // either would do; one must
+		found.normal = -found.normal; // both signs are valid; one is chosen
 	}
 	double toughness = 1.0;
 	if ( !limits.toughness.empty() )
 	{
-		// What is to break is as tough as its links are, those weighed most that lie along the pull.
+		// The toughness is the mean over the links, weighted by their alignment with the pull.
 		double sum = 0.0, weights = 0.0;
 		for ( std::uint32_t k = lattice.linkStart[i]; k < lattice.linkStart[i + 1]; ++k )
 		{
@@ -163,7 +163,7 @@ PlaneCracks::Plane* PlaneCracks::planeFor( const Overload& found, const Vec3d& a
 			least = height;
 			nearest = &plane;
 		}
-		// A crack takes the load off what is beside it, as far as it is long; it need not have been felt there yet.
+		// A crack unloads the material beside it over a distance of its length, even before the unloading has arrived there.
 		isShielded = isShielded || outside < kCrackShield * cellSize + 0.5 * ( plane.high - plane.low ).norm();
 	}
 	return nearest;
@@ -186,7 +186,7 @@ bool PlaneCracks::breakAcross( const Lattice& lattice, const LinkLimits& limits,
 		plane.high = plane.high.cwiseMax( at );
 	}
 	bool breaks = false;
-	for ( std::size_t m = 0; m < members.size() && sides == 3; ++m ) // else all are on one side
+	for ( std::size_t m = 0; m < members.size() && sides == 3; ++m ) // otherwise all are on one side
 	{
 		const std::uint32_t a = members[m];
 		bool breaksHere = false;
@@ -213,7 +213,7 @@ bool PlaneCracks::breakAcross( const Lattice& lattice, const LinkLimits& limits,
 	return breaks;
 }
 
-/// Those that have been marked, ascending, as limits list them: links are met by many of the cells along a crack.
+/// Collects the marked links, ascending, in the order of the limits: many links are visited by several cells along a crack.
 void PlaneCracks::takeBroken( const LinkLimits& limits, std::vector<CellLink>& broken )
 {
 	const bool areMore = !broken.empty();

@@ -1,4 +1,4 @@
-// Cracks that go on only: which cells they can get to and do something at, told without measuring what is strained there.
+// Determines, without measuring strain, the cells where existing cracks can grow.
 
 #include "fracture/plane_cracks.h"
 
@@ -15,13 +15,13 @@ double PlaneCracks::Plane::distanceOf( const Vec3d& at ) const
 	return std::sqrt( ( at - at.cwiseMax( low ).cwiseMin( high ) ).squaredNorm() );
 }
 
-// Where no crack may begin, a cell does something by a crack only within whose thickness it lies, and where some of its links cross the
-// plane or it widens the box that the crack has run through. Late in a break, most cells along a crack do neither.
+// Where no crack may start, a cell matters only to a crack within whose thickness it lies, and only if some of its links cross the plane or
+// it extends the crack's box. Late in a fracture, most cells along a crack do neither.
 void PlaneCracks::findOpen( const Lattice& lattice )
 {
 	if ( m_planes.size() > kMostBits )
 	{
-		return; // any may do something
+		return; // all cells are open
 	}
 	const double most = kCrackThickness * lattice.cellSize;
 	m_scratch.above.assign( m_scratch.rest.size(), 0 );
@@ -62,14 +62,14 @@ bool PlaneCracks::doesSomething( const Lattice& lattice, std::uint32_t cell ) co
 	return does;
 }
 
-// Only those can break links that a crack gets to: they lie within its plane's thickness, and near to where it has been or to another such
-// cell that it then has been at.
+// Only cells that a crack reaches can break links: they lie within its plane's thickness and near its box, or near another such cell that
+// extends the box.
 void PlaneCracks::dropUnreachable( const Lattice& lattice )
 {
 	std::vector<std::uint8_t>& isReached = m_scratch.mark;
 	isReached.assign( std::size_t( lattice.cellCount() ), 0 );
 	const double reach = kCrackReach * lattice.cellSize, most = kCrackThickness * lattice.cellSize;
-	const Vec3d ring = Vec3d::Constant( 2.0 * lattice.cellSize ); // middles of material in neighbouring cells are no further apart
+	const Vec3d ring = Vec3d::Constant( 2.0 * lattice.cellSize ); // centres of material in neighbouring cells are no farther apart
 	for ( const Plane& plane : m_planes )
 	{
 		m_scratch.inSlab.clear();
@@ -102,7 +102,7 @@ void PlaneCracks::dropUnreachable( const Lattice& lattice )
 	cells.erase( std::remove_if( cells.begin(), cells.end(), [&]( std::uint32_t cell ) { return isReached[cell] == 0; } ), cells.end() );
 }
 
-/// In which cracks' planes the cell lies and is pulled across, a bit each; of more planes than a word has bits: all bits, where there is
+/// Returns the cracks in whose planes the cell lies and is pulled across, a bit each; with more planes than bits: all bits, where there is
 /// one.
 std::uint64_t PlaneCracks::planesOf( std::uint32_t cell, const Pull& near, double cellSize ) const
 {
@@ -118,8 +118,8 @@ std::uint64_t PlaneCracks::planesOf( std::uint32_t cell, const Pull& near, doubl
 	return planes;
 }
 
-/// Planes with a cell that has been found and is too far away as yet. Which crack a cell goes with depends on which others have had their
-/// turn only where one of these is among its planes, and only on those that are so too.
+/// Returns the planes with an overloaded cell that is still out of reach. The order of processing affects a cell's assignment only if one
+/// of these is among its planes, and only relative to other such cells.
 std::uint64_t PlaneCracks::planesToReach( double cellSize ) const
 {
 	if ( m_planes.size() > kMostBits )

@@ -33,7 +33,7 @@ struct Symmetric
 	Vec3d row( int k ) const { return k == 0 ? Vec3d( xx, xy, xz ) : k == 1 ? Vec3d( xy, yy, yz ) : Vec3d( xz, yz, zz ); }
 };
 
-/// A unit vector that a singular symmetric matrix takes to nothing: at right angles to its rows, by the two that tell it best.
+/// Returns a unit vector in the kernel of a singular symmetric matrix: perpendicular to the two rows that determine it best.
 Vec3d kernelOf( const Symmetric& matrix )
 {
 	const Vec3d row[3] = { matrix.row( 0 ), matrix.row( 1 ), matrix.row( 2 ) };
@@ -53,7 +53,7 @@ Vec3d kernelOf( const Symmetric& matrix )
 			size = row[k].squaredNorm();
 		}
 	}
-	// Rows along one line: whatever lies across it is stretched alike, and which way the crosses point is rounding.
+	// If the rows are collinear, all perpendicular directions have the same stretch and the cross products' directions are rounding.
 	if ( most > kAlikeStretches * kAlikeStretches * size * size )
 	{
 		return best / std::sqrt( most );
@@ -63,10 +63,10 @@ Vec3d kernelOf( const Symmetric& matrix )
 
 } // namespace
 
-// E = F^T F - 1 has the mean m and, about it, S = p B with |B|^2 = 6. The largest eigenvalue of B is 1 + y with
+// E = F^T F - 1 has the mean m and the deviator S = p B with |B|^2 = 6. The largest eigenvalue of B is 1 + y with
 //   y^3 + 3 y^2 = 2 + det B =: s,  0 <= y <= 1.
-// y = z sqrt( s / 3 ) leaves k z^3 + z^2 = 1 with k = sqrt( s / 27 ) <= 0.39: Newton's steps from z = 1 come down to it quadratically, four
-// of them to the last bit.
+// y = z sqrt( s / 3 ) yields k z^3 + z^2 = 1 with k = sqrt( s / 27 ) <= 0.39: Newton's method from z = 1 converges monotonically and
+// quadratically, to the last bit in four steps.
 Stretch largestStretch( const Eigen::Matrix3d& deformation )
 {
 	Symmetric strain( deformation );
@@ -93,8 +93,8 @@ Stretch largestStretch( const Eigen::Matrix3d& deformation )
 	return found;
 }
 
-// The largest eigenvalue of E is at most m + 2 sqrt( |S|^2 / 6 ), and is that where the two others are alike, as in a pull. Left half open
-// by what rounding could make of it.
+// The largest eigenvalue of E is at most m + 2 sqrt( |S|^2 / 6 ), with equality where the two others are equal, as in a pull. The margin
+// covers rounding.
 bool isStretchedLess( const Eigen::Matrix3d& deformation, double strain )
 {
 	constexpr double kRounding = 1e-9;

@@ -1,11 +1,11 @@
-// A small pool of threads that share out one run of tasks after the other. Nothing is allocated in a run.
+// A small pool of threads that executes runs of tasks. A run allocates no memory.
 //
-// One atomic number, the ticket, holds the run's number and which of its tasks nobody has taken yet. Taking a task is one
-// compare-and-swap on it, so that a thread that wakes late can neither miss nor mix up a run: no task is left, or the number has changed.
-// For the same reason nobody waits for threads that sleep through a run.
+// One atomic number, the ticket, holds the run's number and the range of tasks not yet taken. Taking a task is one compare-and-swap on it,
+// so that a thread that wakes late can neither miss nor confuse a run: no task is left, or the number has changed. For the same reason
+// nobody waits for threads that sleep through a run.
 //
-// Half of the threads take tasks from the front, half from the back. The stages of a step cut the same arrays into the same tasks, and so
-// each of two threads mostly finds what it wrote itself a stage ago: in its own cache and not in the other's.
+// Half of the threads take tasks from the front, half from the back. The stages of a step divide the same arrays into the same tasks, so
+// each of two threads mostly finds the data of the previous stage in its own cache.
 
 #include "pliant/task_runner.h"
 
@@ -28,10 +28,10 @@ namespace {
 
 constexpr int kMostThreads = 64;
 
-/// The ticket, from the highest bits down: the run's number, 24 bits; the first task that is left and the one behind the last, 20 bits
+/// The ticket, from the highest bits down: the run's number, 24 bits; the first remaining task and the end of the remaining ones, 20 bits
 /// each.
 constexpr int kTaskBits = 20;
-constexpr int kMostTasks = ( 1 << kTaskBits ) - 1; // of one run
+constexpr int kMostTasks = ( 1 << kTaskBits ) - 1; // per run
 
 struct Ticket
 {
@@ -45,11 +45,11 @@ struct Ticket
 	std::uint64_t withoutLast() const { return bits - 1; }
 };
 
-/// How long a thread looks for work, or for the end of a run, before it sleeps: about what waking up costs. The stages of a step
-/// follow one another faster than this.
+/// Time that a thread spins for work, or for the end of a run, before it sleeps: about the cost of waking up. The stages of a step follow
+/// one another faster than this.
 constexpr std::chrono::microseconds kPatience( 20 );
 
-/// Looks at the clock after this many looks at the work.
+/// Number of checks between two reads of the clock.
 constexpr int kLooksPerGlance = 64;
 
 class SerialRunner : public TaskRunner
@@ -80,9 +80,9 @@ public:
 		}
 		catch ( const std::exception& )
 		{
-			// The system gives no more threads, or no memory for them: those there are will do.
+			// The system provides no more threads, or no memory for them: the pool works with fewer.
 		}
-		// Where threads share a core, one that spins keeps another from its work.
+		// Where threads share a core, a spinning thread blocks another.
 		m_maySpin = m_threads.size() < std::thread::hardware_concurrency();
 	}
 
@@ -120,7 +120,7 @@ public:
 	int threadCount() const override { return int( m_threads.size() ) + 1; }
 
 private:
-	/// Of a run of more tasks than a ticket can name.
+	/// Part of a run with more tasks than a ticket can count.
 	struct Slice
 	{
 		Task task;
@@ -136,7 +136,7 @@ private:
 
 	void fraction( int count, Task task, void* context )
 	{
-		// No task of the last run is left and none is under way, so nobody uses these. The ticket makes them known.
+		// No task of the last run remains or is running, so these are unused. The ticket publishes them.
 		m_task.store( task, std::memory_order_relaxed );
 		m_context.store( context, std::memory_order_relaxed );
 		m_count.store( count, std::memory_order_relaxed );
@@ -151,14 +151,14 @@ private:
 
 	bool hasWork() const { return Ticket{ m_ticket.load() }.hasTask(); }
 
-	/// Takes and does tasks until none is left.
+	/// Takes and executes tasks until none is left.
 	void work( bool isFromBack )
 	{
 		int done = 0;
 		Ticket ticket{ m_ticket.load() };
 		while ( ticket.hasTask() )
 		{
-			// Read before the swap: should they belong to a later run, the ticket has changed and the swap fails.
+			// Read before the swap: if they belong to a later run, the ticket has changed and the swap fails.
 			const Task task = m_task.load( std::memory_order_relaxed );
 			void* const context = m_context.load( std::memory_order_relaxed );
 			const int index = isFromBack ? ticket.end() - 1 : ticket.first();
@@ -187,7 +187,7 @@ private:
 		{
 			return;
 		}
-		const std::lock_guard<std::mutex> lock( m_mutex ); // a helper is either before its last look at the ticket, or asleep
+		const std::lock_guard<std::mutex> lock( m_mutex ); // a helper is either before its last check of the ticket, or asleep
 		for ( int i = std::min( most, m_sleepers.load() ); i > 0; --i )
 		{
 			m_wake.notify_one();
@@ -227,7 +227,7 @@ private:
 		}
 	}
 
-	/// Whether the condition came true before patience ran out.
+	/// Returns true where the condition became true within the spin time.
 	template <class F>
 	bool spinUntil( const F& condition ) const
 	{
@@ -253,20 +253,20 @@ private:
 		return false;
 	}
 
-	// What all threads write often stands on lines of its own.
+	// Variables that all threads write often have cache lines of their own.
 	alignas( 64 ) std::atomic<std::uint64_t> m_ticket{ 0 }; ///< see Ticket
-	alignas( 64 ) std::atomic<int> m_finished{ 0 };         ///< tasks of this run that are done
+	alignas( 64 ) std::atomic<int> m_finished{ 0 };         ///< completed tasks of this run
 	alignas( 64 ) std::atomic<Task> m_task{ nullptr };
 	std::atomic<void*> m_context{ nullptr };
 	std::atomic<int> m_count{ 0 };
-	std::atomic<int> m_sleepers{ 0 }; ///< helpers that wait for m_wake; changes under the mutex
+	std::atomic<int> m_sleepers{ 0 }; ///< helpers that wait for m_wake; modified under the mutex
 	std::atomic<bool> m_callerSleeps{ false };
 	std::atomic<bool> m_isEnding{ false };
 	std::atomic<bool> m_maySpin{ false };
-	std::uint32_t m_run = 0; ///< the caller's own
+	std::uint32_t m_run = 0; ///< used only by the caller
 	std::mutex m_mutex;
 	std::condition_variable m_wake, m_end;
-	std::vector<std::thread> m_threads; ///< last: they use all the rest
+	std::vector<std::thread> m_threads; ///< last: they use all other members
 };
 
 } // namespace
