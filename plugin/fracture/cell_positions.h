@@ -14,9 +14,9 @@ namespace pliant {
 /// State of a finest cell in the current cut.
 enum class CellRefinementState : std::uint8_t
 {
-	InBig,     ///< part of a coarse node: it cannot break, since coarse nodes are split long before their cells could (kRefineBeforeBreak)
-	BesideBig, ///< a node by itself, linked to some cells that are not
-	AmongFine  ///< a node by itself, as are all linked cells
+	InCoarse, ///< part of a coarse node: it cannot break, since coarse nodes are split long before their cells could (kRefineBeforeBreak)
+	NextToCoarse, ///< a node by itself, linked to some cells that are not
+	AmongFine     ///< a node by itself, as are all linked cells
 };
 
 /// The states of all finest cells, updated only where they may have changed.
@@ -37,17 +37,20 @@ class CellPositions
 {
 public:
 	explicit CellPositions( const NodeState& nodes ) : m_nodes( nodes ) {}
-	CellPositions( const NodeState& nodes, const Cut& cut, const std::vector<CellRefinementState>& standing ) :
-		m_nodes( nodes ), m_cut( &cut ), m_refinementState( &standing )
+	CellPositions( const NodeState& nodes, const Cut& cut, const std::vector<CellRefinementState>& states ) :
+		m_nodes( nodes ), m_cut( &cut ), m_refinementState( &states )
 	{}
 
 	/// True where the cell is a node by itself, and not part of a coarse one.
-	bool has( std::uint32_t cell ) const { return !m_cut || m_cut->node[m_cut->slotOfCell[cell]] == cell; }
-	bool mayBreak( std::uint32_t cell ) const { return !m_refinementState || ( *m_refinementState )[cell] != CellRefinementState::InBig; }
-	/// Factor on the break strain at which the cell breaks.
-	float bears( std::uint32_t cell ) const
+	bool isNode( std::uint32_t cell ) const { return !m_cut || m_cut->node[m_cut->slotOfCell[cell]] == cell; }
+	bool mayBreak( std::uint32_t cell ) const
 	{
-		return m_refinementState && ( *m_refinementState )[cell] == CellRefinementState::BesideBig ? kBearsBesideBig : 1.0f;
+		return !m_refinementState || ( *m_refinementState )[cell] != CellRefinementState::InCoarse;
+	}
+	/// Factor on the break strain at which the cell breaks.
+	float strainFactor( std::uint32_t cell ) const
+	{
+		return m_refinementState && ( *m_refinementState )[cell] == CellRefinementState::NextToCoarse ? kStrainFactorNextToCoarse : 1.0f;
 	}
 	Vec3 at( std::uint32_t cell ) const { return m_nodes.x.get( nodeOf( cell ) ); }
 	/// At rest, in the body's own frame.

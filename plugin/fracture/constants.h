@@ -9,7 +9,7 @@ inline constexpr float kLargestStrength = 1e12f;   // Pa
 inline constexpr float kLongestCoolDown = 10.0f;   // s
 inline constexpr int kLargestSmallPiece = 1000000; // cells
 inline constexpr float kLongestFade = 3600.0f;     // s
-inline constexpr int kMostPieces = 100000;
+inline constexpr int kMaxPieces = 100000;
 
 /// Bodies with levels that can break are refined at this fraction of their breaking stretch, so that only finest cells break.
 inline constexpr float kRefineBeforeBreak = 0.5f;
@@ -21,7 +21,7 @@ inline constexpr float kRefineTogether = 0.6f;
 /// Where coarse nodes meet fine ones, strains have errors of up to a half: a fine node linked to a coarse one breaks at this multiple of
 /// the break strain. Forbidding fractures within some links of a coarse node is no alternative: impacts are over before all of these are
 /// split, and only a half to a thirtieth of what breaks on the uniform lattice would break.
-inline constexpr float kBearsBesideBig = 2.0f;
+inline constexpr float kStrainFactorNextToCoarse = 2.0f;
 
 /// For a pull in any direction some link has a cosine with it of at least 0.85 (worst between an axis, a face's and a cell's diagonal): its
 /// strain exceeds this fraction of the material's.
@@ -29,9 +29,9 @@ inline constexpr float kCandidateFraction = 0.6f;
 /// Axes along which a cell's neighbours spread less than this fraction of the widest are excluded from its deformation.
 inline constexpr double kFlatNeighbourhood = 1e-3;
 /// Two stretches whose difference is below this fraction of that to the third are equal: their directions are arbitrary.
-inline constexpr double kAlikeStretches = 1e-6;
+inline constexpr double kEqualStretches = 1e-6;
 /// A cell whose own links reach this multiple of the break strain starts a crack whatever its neighbours' strain: a neck.
-inline constexpr float kNeck = 2.0f;
+inline constexpr float kNeckFactor = 2.0f;
 /// A crack grows in its plane where the pull is within 40 degrees of its normal, ...
 inline constexpr double kSameCrackCosine = 0.77;
 /// ... the cell is this close to the plane and this close to the broken cells, in cells; ...

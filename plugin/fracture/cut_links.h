@@ -34,8 +34,7 @@ struct BladeCut
 	Vec3d p0 = Vec3d::Zero(), p1 = Vec3d::Zero(), q0 = Vec3d::Zero(), q1 = Vec3d::Zero();
 };
 
-/// Returns the links of the lattice that are cut, ascending, each once; `positions`: of each cell. Empty where the cut is degenerate or not
-/// finite.
+/// Returns the cut links of the lattice, ascending, each once; `positions`: of each cell. Empty where the cut is invalid.
 std::vector<CellLink> linksCut( const Lattice& lattice, const std::vector<Vec3d>& positions, const PlaneCut& cut );
 std::vector<CellLink> linksCut( const Lattice& lattice, const std::vector<Vec3d>& positions, const SphereCut& cut );
 std::vector<CellLink> linksCut( const Lattice& lattice, const std::vector<Vec3d>& positions, const BladeCut& cut );
@@ -56,9 +55,9 @@ std::vector<CutTrace> tracesOf( const Lattice& lattice, const std::vector<Vec3d>
 std::vector<CutTrace> tracesOf( const Lattice& lattice, const std::vector<Vec3d>& positions, const std::vector<CellLink>& links,
 	const BladeCut& cut, const std::vector<Eigen::Quaternionf>& rotations );
 
-/// Returns the links of `whole` that are missing in `part`, between cells of `part` whose distance is at most `most` times their rest
+/// Returns the links of `whole` that are missing in `part`, between cells of `part` whose distance is at most `maxStretch` times their rest
 /// length: these may heal. `cellInWhole`: of each cell of the part, ascending; empty: identical. Ascending, each once.
 std::vector<CellLink> linksToHeal( const Lattice& whole, const Lattice& part, const std::vector<std::uint32_t>& cellInWhole,
-	const std::vector<Vec3d>& positions, double most );
+	const std::vector<Vec3d>& positions, double maxStretch );
 
 } // namespace pliant

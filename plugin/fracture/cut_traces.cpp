@@ -31,13 +31,13 @@ Crossing crossingOf( const PlaneCut& cut, const Vec3d& a, const Vec3d& b )
 Crossing crossingOf( const SphereCut& cut, const Vec3d& a, const Vec3d& b )
 {
 	// | a + t ( b - a ) - c |^2 = r^2; where the link enters and leaves the sphere, its deepest point.
-	const Vec3d way = b - a, from = a - cut.centre;
-	const double square = way.squaredNorm(), half = from.dot( way ), rest = from.squaredNorm() - cut.radius * cut.radius;
+	const Vec3d direction = b - a, from = a - cut.centre;
+	const double square = direction.squaredNorm(), half = from.dot( direction ), rest = from.squaredNorm() - cut.radius * cut.radius;
 	const double root = std::sqrt( std::max( 0.0, half * half - square * rest ) );
 	const bool isInA = rest < 0.0, isInB = ( b - cut.centre ).squaredNorm() < cut.radius * cut.radius;
 	const double fraction = isInA == isInB ? -half / square : ( isInA ? -half + root : -half - root ) / square;
-	const Vec3d out = from + fraction * way;
-	return Crossing{ fraction, out.isZero( 0.0 ) ? Vec3d( way.normalized() ) : Vec3d( out.normalized() ) };
+	const Vec3d out = from + fraction * direction;
+	return Crossing{ fraction, out.isZero( 0.0 ) ? Vec3d( direction.normalized() ) : Vec3d( out.normalized() ) };
 }
 
 Crossing crossingOf( const BladeCut& cut, const Vec3d& a, const Vec3d& b )

@@ -34,7 +34,7 @@ Status check( const Fracture& fracture )
 	}
 	if ( !( fracture.growthFraction > 0.0f ) || !within( fracture.growthFraction, 0.0f, 1.0f ) )
 	{
-		return refuse( "Fracture::growthShare must be above 0 and at most 1." );
+		return refuse( "Fracture::growthFraction must be above 0 and at most 1." );
 	}
 	if ( fracture.smallCells < 0 || fracture.smallCells > kLargestSmallPiece )
 	{
@@ -44,7 +44,7 @@ Status check( const Fracture& fracture )
 	{
 		return refuse( "Fracture::fadeTime must be above 0 and at most 3600 s." );
 	}
-	if ( fracture.maxPieces < 1 || fracture.maxPieces > kMostPieces )
+	if ( fracture.maxPieces < 1 || fracture.maxPieces > kMaxPieces )
 	{
 		return refuse( "Fracture::maxPieces must lie in 1 to 100 000." );
 	}

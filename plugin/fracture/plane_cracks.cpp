@@ -31,7 +31,7 @@ float PlaneCracks::candidateStrain() const
 	return kCandidateFraction * m_growthFraction * m_breakStrain;
 }
 
-void PlaneCracks::placeAtRest( const Lattice& lattice )
+void PlaneCracks::findRestPositions( const Lattice& lattice )
 {
 	m_scratch.rest.resize( std::size_t( lattice.cellCount() ) );
 	for ( std::size_t cell = 0; cell < m_scratch.rest.size(); ++cell )
@@ -44,23 +44,24 @@ void PlaneCracks::placeAtRest( const Lattice& lattice )
 // are stretched, most links join two that are already known to be and are skipped.
 void PlaneCracks::findStretched( const LinkLimits& limits, const CellPositions& positions )
 {
-	std::vector<std::uint8_t>&isStretched = m_scratch.mark, &isSought = m_scratch.isSought;
-	isStretched.assign( m_scratch.isOpen.size(), 0 );
-	isSought = m_scratch.isOpen;
+	std::vector<std::uint8_t>&isStretched = m_scratch.mark, &isUnresolved = m_scratch.isUnresolved;
+	isStretched.assign( m_scratch.isActive.size(), 0 );
+	isUnresolved = m_scratch.isActive;
 	m_scratch.stretched.clear();
 	const LinkMoments& cells = m_scratch.moments;
 	for ( std::uint32_t i = 0; i < std::uint32_t( isStretched.size() ); ++i )
 	{
-		for ( std::uint32_t k = limits.start[i]; cells.has( i ) && k < limits.start[i + 1]; ++k )
+		for ( std::uint32_t k = limits.start[i]; cells.isNode( i ) && k < limits.start[i + 1]; ++k )
 		{
 			const std::uint32_t j = limits.to[k];
-			if ( ( isSought[i] | isSought[j] ) != 0 && cells.has( j ) && cells.distanceSquared( i, j ) > limits.lengthSquared[k] )
+			if ( ( isUnresolved[i] | isUnresolved[j] ) != 0 && cells.isNode( j ) &&
+				cells.distanceSquared( i, j ) > limits.lengthSquared[k] )
 			{
 				isStretched[i] = isStretched[j] = 1;
-				isSought[i] = isSought[j] = 0;
+				isUnresolved[i] = isUnresolved[j] = 0;
 			}
 		}
-		if ( isStretched[i] != 0 && m_scratch.isOpen[i] != 0 &&
+		if ( isStretched[i] != 0 && m_scratch.isActive[i] != 0 &&
 			positions.mayBreak( i ) ) // all links of i have been checked: those to lower cells in the lower cells' rows
 		{
 			m_scratch.stretched.push_back( i );
@@ -73,8 +74,9 @@ void PlaneCracks::measureWide( const Lattice& lattice, const LinkLimits& limits,
 	if ( overload.near.excess > 1.0f )
 	{
 		overload.wide = measure( lattice, limits, m_scratch.moments.around( overload.cell ).deformation(), overload );
-		overload.wide.excess = overload.near.excess > kNeck ? std::max( overload.wide.excess, 1.0f + overload.near.excess - kNeck )
-															: overload.wide.excess;
+		overload.wide.excess = overload.near.excess > kNeckFactor
+			? std::max( overload.wide.excess, 1.0f + overload.near.excess - kNeckFactor )
+			: overload.wide.excess;
 	}
 }
 
@@ -82,27 +84,27 @@ void PlaneCracks::findOverloads( const Lattice& lattice, const LinkLimits& limit
 {
 	std::vector<Overload>& found = m_scratch.found;
 	found.clear();
-	const bool goesOnOnly = !mayBegin && !m_looksEverywhere;
+	const bool growsOnly = !mayBegin && !m_checksEveryCell;
 	const double least = double( m_growthFraction ) * double( m_breakStrain ) * double( limits.weakest );
 	for ( const std::uint32_t i : m_scratch.stretched )
 	{
 		const Eigen::Matrix3d around = m_scratch.moments.of( i ).deformation();
-		if ( !m_looksEverywhere && isStretchedLess( around, least * ( 1.0 - kRoundedFraction ) ) )
+		if ( !m_checksEveryCell && isStretchedLess( around, least * ( 1.0 - kRoundedFraction ) ) )
 		{
 			continue; // no crack would grow or start
 		}
-		Overload overload{ i, positions.bears( i ), {}, {}, 0 };
+		Overload overload{ i, positions.strainFactor( i ), {}, {}, 0 };
 		overload.near = measure( lattice, limits, around, overload );
-		overload.planes = goesOnOnly ? planesOf( i, overload.near, lattice.cellSize ) : 0;
-		if ( overload.near.excess > m_growthFraction && ( !goesOnOnly || overload.planes != 0 ) ) // otherwise it has no effect
+		overload.planes = growsOnly ? planesOf( i, overload.near, lattice.cellSize ) : 0;
+		if ( overload.near.excess > m_growthFraction && ( !growsOnly || overload.planes != 0 ) ) // otherwise it has no effect
 		{
 			found.push_back( overload );
 		}
 	}
-	const std::uint64_t unreached = goesOnOnly ? planesToReach( lattice.cellSize ) : 0;
+	const std::uint64_t unreached = growsOnly ? unreachedPlanes( lattice.cellSize ) : 0;
 	for ( Overload& overload : found )
 	{
-		if ( !goesOnOnly || ( overload.planes & unreached ) != 0 ) // otherwise the order of processing has no effect
+		if ( !growsOnly || ( overload.planes & unreached ) != 0 ) // otherwise the order of processing has no effect
 		{
 			measureWide( lattice, limits, overload );
 		}
@@ -137,7 +139,7 @@ PlaneCracks::Pull PlaneCracks::measure(
 		}
 		toughness = sum / weights;
 	}
-	found.excess = float( stretch.strain / ( double( m_breakStrain ) * toughness * double( overload.bears ) ) );
+	found.excess = float( stretch.strain / ( double( m_breakStrain ) * toughness * double( overload.strainFactor ) ) );
 	return found;
 }
 
@@ -214,9 +216,9 @@ bool PlaneCracks::breakAcross( const Lattice& lattice, const LinkLimits& limits,
 }
 
 /// Collects the marked links, ascending, in the order of the limits: many links are visited by several cells along a crack.
-void PlaneCracks::takeBroken( const LinkLimits& limits, std::vector<CellLink>& broken )
+void PlaneCracks::collectBroken( const LinkLimits& limits, std::vector<CellLink>& broken )
 {
-	const bool areMore = !broken.empty();
+	const bool hadBroken = !broken.empty();
 	for ( std::uint32_t a = 0; a < std::uint32_t( m_scratch.mark.size() ); ++a )
 	{
 		for ( std::uint32_t k = limits.start[a]; m_scratch.mark[a] != 0 && k < limits.start[a + 1]; ++k )
@@ -228,7 +230,7 @@ void PlaneCracks::takeBroken( const LinkLimits& limits, std::vector<CellLink>& b
 			}
 		}
 	}
-	if ( areMore )
+	if ( hadBroken )
 	{
 		std::sort( broken.begin(), broken.end() );
 		broken.erase( std::unique( broken.begin(), broken.end() ), broken.end() );
@@ -248,31 +250,31 @@ bool PlaneCracks::find( const Lattice& lattice, const LinkLimits& limits, const 
 	{
 		return false;
 	}
-	m_scratch.moments.look( lattice, positions );
-	const bool goesOnOnly = !mayBegin && !m_looksEverywhere;
-	m_scratch.isOpen.assign( std::size_t( lattice.cellCount() ), 1 );
-	if ( goesOnOnly )
+	m_scratch.moments.update( lattice, positions );
+	const bool growsOnly = !mayBegin && !m_checksEveryCell;
+	m_scratch.isActive.assign( std::size_t( lattice.cellCount() ), 1 );
+	if ( growsOnly )
 	{
-		placeAtRest( lattice );
-		findOpen( lattice );
+		findRestPositions( lattice );
+		findActive( lattice );
 	}
 	findStretched( limits, positions );
 	if ( m_scratch.stretched.empty() )
 	{
 		return false; // as in most substeps of most bodies
 	}
-	if ( goesOnOnly )
+	if ( growsOnly )
 	{
 		dropUnreachable( lattice );
 	}
 	else
 	{
-		placeAtRest( lattice );
+		findRestPositions( lattice );
 	}
 	findOverloads( lattice, limits, positions, mayBegin );
 	m_scratch.mark.assign( std::size_t( lattice.cellCount() ), 0 );
 	m_scratch.isBroken.resize( std::max( m_scratch.isBroken.size(), limits.to.size() ), 0 );
-	bool hasBegun = false;
+	bool hasStarted = false;
 	for ( const Overload& overload : m_scratch.found )
 	{
 		const Vec3d& at = m_scratch.rest[overload.cell];
@@ -282,15 +284,15 @@ bool PlaneCracks::find( const Lattice& lattice, const LinkLimits& limits, const 
 		{
 			m_planes.push_back( Plane{ at + 0.5 * double( lattice.cellSize ) * overload.wide.normal, overload.wide.normal, at, at, 0.0f } );
 			plane = &m_planes.back();
-			hasBegun = true;
+			hasStarted = true;
 		}
 		if ( plane )
 		{
 			plane->age = breakAcross( lattice, limits, overload.cell, *plane ) ? 0.0f : plane->age;
 		}
 	}
-	takeBroken( limits, broken );
-	return hasBegun;
+	collectBroken( limits, broken );
+	return hasStarted;
 }
 
 } // namespace pliant

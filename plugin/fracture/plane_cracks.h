@@ -30,7 +30,7 @@ public:
 
 	/// Switches to the reference implementation of find(): measures every stretched cell, whether or not a crack can reach it, and however
 	/// small the stretch.
-	void lookEverywhere() { m_looksEverywhere = true; }
+	void checkEveryCell() { m_checksEveryCell = true; }
 
 	std::size_t count() const { return m_planes.size(); }
 
@@ -55,7 +55,7 @@ private:
 	struct Overload
 	{
 		std::uint32_t cell;
-		float bears; ///< CellPositions::bears
+		float strainFactor; ///< CellPositions::strainFactor
 		Pull near, wide;
 		std::uint64_t planes = 0; ///< planesOf(), where cracks only grow
 	};
@@ -76,31 +76,31 @@ private:
 		std::vector<std::uint8_t> isBroken; ///< by link of the limits, in this call
 		std::vector<std::uint8_t> sideOf;   ///< by cell, while a crack passes it: 1 below, 2 above; else 0
 		std::vector<std::uint64_t> above,
-			inSlabs;                        ///< by cell, a bit per plane: on its upper side, and within its thickness
-		std::vector<std::uint8_t> isOpen;   ///< by cell: it may have an effect
-		std::vector<std::uint8_t> isSought; ///< by cell: an open one not yet known to be stretched
+			inSlabs;                            ///< by cell, a bit per plane: on its upper side, and within its thickness
+		std::vector<std::uint8_t> isActive;     ///< by cell: it may have an effect
+		std::vector<std::uint8_t> isUnresolved; ///< by cell: an active one not yet known to be stretched
 	};
 
-	/// Planes that fit in the bits of a word; with more of them all cells are open.
-	static constexpr std::size_t kMostBits = 64;
+	/// Planes that fit in the bits of a word; with more of them all cells are active.
+	static constexpr std::size_t kMaxPlaneBits = 64;
 	double heightOver( const Plane& plane, std::uint32_t cell ) const { return plane.normal.dot( m_scratch.rest[cell] - plane.point ); }
 
-	void findOpen( const Lattice& lattice );
-	bool doesSomething( const Lattice& lattice, std::uint32_t cell ) const;
+	void findActive( const Lattice& lattice );
+	bool hasEffect( const Lattice& lattice, std::uint32_t cell ) const;
 	void findStretched( const LinkLimits& limits, const CellPositions& positions );
 	void dropUnreachable( const Lattice& lattice );
 	void findOverloads( const Lattice& lattice, const LinkLimits& limits, const CellPositions& positions, bool mayBegin );
 	void measureWide( const Lattice& lattice, const LinkLimits& limits, Overload& overload );
-	void placeAtRest( const Lattice& lattice );
+	void findRestPositions( const Lattice& lattice );
 	std::uint64_t planesOf( std::uint32_t cell, const Pull& near, double cellSize ) const;
-	std::uint64_t planesToReach( double cellSize ) const;
+	std::uint64_t unreachedPlanes( double cellSize ) const;
 	Pull measure( const Lattice& lattice, const LinkLimits& limits, const Eigen::Matrix3d& around, const Overload& overload ) const;
 	Plane* planeFor( const Overload& found, const Vec3d& at, double cellSize, bool mayBegin, bool& isShielded );
 	bool breakAcross( const Lattice& lattice, const LinkLimits& limits, std::uint32_t cell, Plane& plane );
-	void takeBroken( const LinkLimits& limits, std::vector<CellLink>& broken );
+	void collectBroken( const LinkLimits& limits, std::vector<CellLink>& broken );
 
 	float m_breakStrain, m_growthFraction;
-	bool m_looksEverywhere = false;
+	bool m_checksEveryCell = false;
 	std::vector<Plane> m_planes;
 	Scratch m_scratch;
 };

@@ -17,11 +17,11 @@ double PlaneCracks::Plane::distanceOf( const Vec3d& at ) const
 
 // Where no crack may start, a cell matters only to a crack within whose thickness it lies, and only if some of its links cross the plane or
 // it extends the crack's box. Late in a fracture, most cells along a crack do neither.
-void PlaneCracks::findOpen( const Lattice& lattice )
+void PlaneCracks::findActive( const Lattice& lattice )
 {
-	if ( m_planes.size() > kMostBits )
+	if ( m_planes.size() > kMaxPlaneBits )
 	{
-		return; // all cells are open
+		return; // all cells are active
 	}
 	const double most = kCrackThickness * lattice.cellSize;
 	m_scratch.above.assign( m_scratch.rest.size(), 0 );
@@ -37,11 +37,11 @@ void PlaneCracks::findOpen( const Lattice& lattice )
 	}
 	for ( std::uint32_t cell = 0; cell < std::uint32_t( m_scratch.rest.size() ); ++cell )
 	{
-		m_scratch.isOpen[cell] = m_scratch.inSlabs[cell] != 0 && doesSomething( lattice, cell ) ? 1 : 0;
+		m_scratch.isActive[cell] = m_scratch.inSlabs[cell] != 0 && hasEffect( lattice, cell ) ? 1 : 0;
 	}
 }
 
-bool PlaneCracks::doesSomething( const Lattice& lattice, std::uint32_t cell ) const
+bool PlaneCracks::hasEffect( const Lattice& lattice, std::uint32_t cell ) const
 {
 	const std::uint64_t inSlabs = m_scratch.inSlabs[cell];
 	std::uint64_t crossed = 0;
@@ -53,13 +53,13 @@ bool PlaneCracks::doesSomething( const Lattice& lattice, std::uint32_t cell ) co
 		low = low.cwiseMin( m_scratch.rest[j] );
 		high = high.cwiseMax( m_scratch.rest[j] );
 	}
-	bool does = ( crossed & inSlabs ) != 0;
-	for ( std::uint64_t open = inSlabs; open != 0 && !does; open &= open - 1 )
+	bool result = ( crossed & inSlabs ) != 0;
+	for ( std::uint64_t open = inSlabs; open != 0 && !result; open &= open - 1 )
 	{
 		const Plane& plane = m_planes[std::size_t( std::countr_zero( open ) )];
-		does = ( low.array() < plane.low.array() ).any() || ( high.array() > plane.high.array() ).any();
+		result = ( low.array() < plane.low.array() ).any() || ( high.array() > plane.high.array() ).any();
 	}
-	return does;
+	return result;
 }
 
 // Only cells that a crack reaches can break links: they lie within its plane's thickness and near its box, or near another such cell that
@@ -112,7 +112,7 @@ std::uint64_t PlaneCracks::planesOf( std::uint32_t cell, const Pull& near, doubl
 		if ( std::fabs( heightOver( m_planes[p], cell ) ) <= kCrackThickness * cellSize &&
 			std::fabs( m_planes[p].normal.dot( near.normal ) ) >= kSameCrackCosine )
 		{
-			planes |= m_planes.size() > kMostBits ? ~std::uint64_t( 0 ) : std::uint64_t( 1 ) << p;
+			planes |= m_planes.size() > kMaxPlaneBits ? ~std::uint64_t( 0 ) : std::uint64_t( 1 ) << p;
 		}
 	}
 	return planes;
@@ -120,9 +120,9 @@ std::uint64_t PlaneCracks::planesOf( std::uint32_t cell, const Pull& near, doubl
 
 /// Returns the planes with an overloaded cell that is still out of reach. The order of processing affects a cell's assignment only if one
 /// of these is among its planes, and only relative to other such cells.
-std::uint64_t PlaneCracks::planesToReach( double cellSize ) const
+std::uint64_t PlaneCracks::unreachedPlanes( double cellSize ) const
 {
-	if ( m_planes.size() > kMostBits )
+	if ( m_planes.size() > kMaxPlaneBits )
 	{
 		return ~std::uint64_t( 0 );
 	}

@@ -54,7 +54,7 @@ Vec3d kernelOf( const Symmetric& matrix )
 		}
 	}
 	// If the rows are collinear, all perpendicular directions have the same stretch and the cross products' directions are rounding.
-	if ( most > kAlikeStretches * kAlikeStretches * size * size )
+	if ( most > kEqualStretches * kEqualStretches * size * size )
 	{
 		return best / std::sqrt( most );
 	}
@@ -128,19 +128,19 @@ Eigen::Matrix3d LinkMoments::Moment::deformation() const
 	return p * inverseOfRest( q );
 }
 
-void LinkMoments::look( const Lattice& lattice, const CellPositions& positions )
+void LinkMoments::update( const Lattice& lattice, const CellPositions& positions )
 {
 	m_lattice = &lattice;
 	const std::size_t cells = std::size_t( lattice.cellCount() );
 	m_position.resize( cells );
-	m_has.resize( cells );
+	m_isNode.resize( cells );
 	m_slot.clear();
-	m_made.clear();
+	m_moments.clear();
 	for ( std::uint32_t i = 0; i < std::uint32_t( cells ); ++i )
 	{
 		const Vec3 at = positions.at( i );
 		m_position[i] = Eigen::Array4f( at.x(), at.y(), at.z(), 0.0f );
-		m_has[i] = positions.has( i ) ? 1 : 0;
+		m_isNode[i] = positions.isNode( i ) ? 1 : 0;
 	}
 }
 
@@ -164,13 +164,13 @@ LinkMoments::Moment LinkMoments::measure( std::uint32_t cell ) const
 		sum.now[row].setZero();
 		sum.rest[row].setZero();
 	}
-	const Eigen::Array4f place = m_position[cell], rest = m_rest[cell];
-	for ( std::uint32_t k = m_lattice->linkStart[cell]; k < m_lattice->linkStart[cell + 1] && has( cell ); ++k )
+	const Eigen::Array4f position = m_position[cell], rest = m_rest[cell];
+	for ( std::uint32_t k = m_lattice->linkStart[cell]; k < m_lattice->linkStart[cell + 1] && isNode( cell ); ++k )
 	{
 		const std::uint32_t j = m_lattice->linkTo[k];
-		if ( has( j ) )
+		if ( isNode( j ) )
 		{
-			const Eigen::Array4f p = m_position[j] - place, q = m_rest[j] - rest;
+			const Eigen::Array4f p = m_position[j] - position, q = m_rest[j] - rest;
 			for ( int row = 0; row < 3; ++row )
 			{
 				sum.now[row] += p[row] * q;
@@ -189,10 +189,10 @@ const LinkMoments::Moment& LinkMoments::of( std::uint32_t cell )
 	}
 	if ( m_slot[cell] == kNone )
 	{
-		m_slot[cell] = std::uint32_t( m_made.size() );
-		m_made.push_back( measure( cell ) );
+		m_slot[cell] = std::uint32_t( m_moments.size() );
+		m_moments.push_back( measure( cell ) );
 	}
-	return m_made[m_slot[cell]];
+	return m_moments[m_slot[cell]];
 }
 
 LinkMoments::Moment LinkMoments::around( std::uint32_t cell )

@@ -41,9 +41,9 @@ public:
 	};
 
 	/// Sets a new lattice or state. Both arguments must outlive the queries.
-	void look( const Lattice& lattice, const CellPositions& positions );
+	void update( const Lattice& lattice, const CellPositions& positions );
 
-	bool has( std::uint32_t cell ) const { return m_has[cell] != 0; }
+	bool isNode( std::uint32_t cell ) const { return m_isNode[cell] != 0; }
 	/// Squared distance between two cells.
 	float distanceSquared( std::uint32_t a, std::uint32_t b ) const
 	{
@@ -55,15 +55,15 @@ public:
 	Moment around( std::uint32_t cell );
 
 private:
-	void prepare(); ///< for `of`: most calls of `look` are followed only by distance queries
+	void prepare(); ///< for `of`: most calls of `update` are followed only by distance queries
 	Moment measure( std::uint32_t cell ) const;
 
 	static constexpr std::uint32_t kNone = 0xffffffffu;
 	const Lattice* m_lattice = nullptr;
 	std::vector<Eigen::Array4f> m_position, m_rest; ///< by cell
-	std::vector<std::uint8_t> m_has;                ///< by cell: a node by itself
-	std::vector<std::uint32_t> m_slot;              ///< by cell, index in m_made; empty: nothing computed yet
-	std::vector<Moment> m_made;
+	std::vector<std::uint8_t> m_isNode;             ///< by cell: a node by itself
+	std::vector<std::uint32_t> m_slot;              ///< by cell, index in m_moments; empty: nothing computed yet
+	std::vector<Moment> m_moments;
 };
 
 } // namespace pliant

@@ -26,32 +26,32 @@ void runTasks( TaskRunner* runner, int count, F& task )
 }
 
 /// Maximum number of chunks of a range. Sums over each chunk, added in the order of chunks, are the same for any number of threads.
-constexpr int kMostShares = 16;
+constexpr int kMaxChunks = 16;
 /// Minimum chunk size: some microseconds of work, comparable to the cost of starting a task.
-constexpr int kLeastShare = 1024;
+constexpr int kMinChunkSize = 1024;
 
 /// A value per chunk, without heap memory.
 template <class T>
-using OfFractions = std::array<T, kMostShares>;
+using PerChunk = std::array<T, kMaxChunks>;
 
 /// 0 .. count - 1, divided into chunks depending only on the count.
-struct Shares
+struct ChunkedRange
 {
 	int count;
 
 	/// A multiple of 16, so that no two chunks write to the same cache line.
-	int size() const { return std::max( kLeastShare, ( ( count + kMostShares - 1 ) / kMostShares + 15 ) / 16 * 16 ); }
-	int fractions() const { return ( count + size() - 1 ) / size(); }
-	int begin( int fraction ) const { return fraction * size(); }
-	int end( int fraction ) const { return std::min( count, ( fraction + 1 ) * size() ); }
+	int size() const { return std::max( kMinChunkSize, ( ( count + kMaxChunks - 1 ) / kMaxChunks + 15 ) / 16 * 16 ); }
+	int chunks() const { return ( count + size() - 1 ) / size(); }
+	int begin( int chunk ) const { return chunk * size(); }
+	int end( int chunk ) const { return std::min( count, ( chunk + 1 ) * size() ); }
 };
 
 /// Calls work( chunk, begin, end ) for each chunk.
 template <class F>
-void runShares( TaskRunner* runner, const Shares& range, F&& work )
+void runChunks( TaskRunner* runner, const ChunkedRange& range, F&& work )
 {
-	auto task = [&]( int fraction ) { work( fraction, range.begin( fraction ), range.end( fraction ) ); };
-	runTasks( runner, range.fractions(), task );
+	auto task = [&]( int chunk ) { work( chunk, range.begin( chunk ), range.end( chunk ) ); };
+	runTasks( runner, range.chunks(), task );
 }
 
 } // namespace pliant

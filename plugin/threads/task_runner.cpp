@@ -26,20 +26,20 @@ TaskRunner::~TaskRunner() = default;
 
 namespace {
 
-constexpr int kMostThreads = 64;
+constexpr int kMaxThreads = 64;
 
 /// The ticket, from the highest bits down: the run's number, 24 bits; the first remaining task and the end of the remaining ones, 20 bits
 /// each.
 constexpr int kTaskBits = 20;
-constexpr int kMostTasks = ( 1 << kTaskBits ) - 1; // per run
+constexpr int kMaxTasks = ( 1 << kTaskBits ) - 1; // per run
 
 struct Ticket
 {
 	std::uint64_t bits;
 
 	static Ticket of( std::uint32_t run, int count ) { return { std::uint64_t( run ) << ( 2 * kTaskBits ) | std::uint64_t( count ) }; }
-	int first() const { return int( bits >> kTaskBits & kMostTasks ); }
-	int end() const { return int( bits & kMostTasks ); }
+	int first() const { return int( bits >> kTaskBits & kMaxTasks ); }
+	int end() const { return int( bits & kMaxTasks ); }
 	bool hasTask() const { return first() != end(); }
 	std::uint64_t withoutFirst() const { return bits + ( std::uint64_t( 1 ) << kTaskBits ); }
 	std::uint64_t withoutLast() const { return bits - 1; }
@@ -47,10 +47,10 @@ struct Ticket
 
 /// Time that a thread spins for work, or for the end of a run, before it sleeps: about the cost of waking up. The stages of a step follow
 /// one another faster than this.
-constexpr std::chrono::microseconds kPatience( 20 );
+constexpr std::chrono::microseconds kSpinTime( 20 );
 
 /// Number of checks between two reads of the clock.
-constexpr int kLooksPerGlance = 64;
+constexpr int kChecksPerClockRead = 64;
 
 class SerialRunner : public TaskRunner
 {
@@ -110,11 +110,11 @@ public:
 			return;
 		}
 		Slice slice{ task, context, 0 };
-		for ( ; slice.first + kMostTasks < count; slice.first += kMostTasks )
+		for ( ; slice.first + kMaxTasks < count; slice.first += kMaxTasks )
 		{
-			fraction( kMostTasks, Slice::call, &slice );
+			distribute( kMaxTasks, Slice::call, &slice );
 		}
-		slice.first > 0 ? fraction( count - slice.first, Slice::call, &slice ) : fraction( count, task, context );
+		slice.first > 0 ? distribute( count - slice.first, Slice::call, &slice ) : distribute( count, task, context );
 	}
 
 	int threadCount() const override { return int( m_threads.size() ) + 1; }
@@ -134,7 +134,7 @@ private:
 		}
 	};
 
-	void fraction( int count, Task task, void* context )
+	void distribute( int count, Task task, void* context )
 	{
 		// No task of the last run remains or is running, so these are unused. The ticket publishes them.
 		m_task.store( task, std::memory_order_relaxed );
@@ -181,14 +181,14 @@ private:
 		}
 	}
 
-	void wakeHelpers( int most )
+	void wakeHelpers( int maxCount )
 	{
 		if ( m_sleepers.load() == 0 )
 		{
 			return;
 		}
 		const std::lock_guard<std::mutex> lock( m_mutex ); // a helper is either before its last check of the ticket, or asleep
-		for ( int i = std::min( most, m_sleepers.load() ); i > 0; --i )
+		for ( int i = std::min( maxCount, m_sleepers.load() ); i > 0; --i )
 		{
 			m_wake.notify_one();
 		}
@@ -239,10 +239,10 @@ private:
 		{
 			return false;
 		}
-		const auto limit = std::chrono::steady_clock::now() + kPatience;
+		const auto limit = std::chrono::steady_clock::now() + kSpinTime;
 		do
 		{
-			for ( int look = 0; look < kLooksPerGlance; ++look )
+			for ( int check = 0; check < kChecksPerClockRead; ++check )
 			{
 				if ( condition() )
 				{
@@ -275,7 +275,7 @@ std::unique_ptr<TaskRunner> createThreadPool( int threadCount )
 {
 	try
 	{
-		const int threads = std::clamp( threadCount, 1, kMostThreads );
+		const int threads = std::clamp( threadCount, 1, kMaxThreads );
 		if ( threads == 1 )
 		{
 			return std::make_unique<SerialRunner>();
