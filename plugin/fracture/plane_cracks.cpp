@@ -85,11 +85,11 @@ void PlaneCracks::findOverloads( const Lattice& lattice, const LinkLimits& limit
 	std::vector<Overload>& found = m_scratch.found;
 	found.clear();
 	const bool growsOnly = !mayBegin && !m_checksEveryCell;
-	const double least = double( m_growthFraction ) * double( m_breakStrain ) * double( limits.weakest );
+	const double minStrain = double( m_growthFraction ) * double( m_breakStrain ) * double( limits.weakest );
 	for ( const std::uint32_t i : m_scratch.stretched )
 	{
 		const Eigen::Matrix3d around = m_scratch.moments.of( i ).deformation();
-		if ( !m_checksEveryCell && isStretchedLess( around, least * ( 1.0 - kRoundedFraction ) ) )
+		if ( !m_checksEveryCell && isStretchedLess( around, minStrain * ( 1.0 - kRoundedFraction ) ) )
 		{
 			continue; // no crack would grow or start
 		}
@@ -147,7 +147,7 @@ PlaneCracks::Plane* PlaneCracks::planeFor( const Overload& found, const Vec3d& a
 {
 	isShielded = false;
 	Plane* nearest = nullptr;
-	double least = kCrackThickness * cellSize;
+	double nearestHeight = kCrackThickness * cellSize;
 	for ( Plane& plane : m_planes )
 	{
 		if ( std::fabs( plane.normal.dot( found.near.normal ) ) < kSameCrackCosine )
@@ -155,14 +155,14 @@ PlaneCracks::Plane* PlaneCracks::planeFor( const Overload& found, const Vec3d& a
 			continue;
 		}
 		const double height = std::fabs( heightOver( plane, found.cell ) );
-		if ( height > least && !mayBegin )
+		if ( height > nearestHeight && !mayBegin )
 		{
 			continue;
 		}
 		const double outside = plane.distanceOf( at );
-		if ( outside <= kCrackReach * cellSize && height <= least )
+		if ( outside <= kCrackReach * cellSize && height <= nearestHeight )
 		{
-			least = height;
+			nearestHeight = height;
 			nearest = &plane;
 		}
 		// A crack unloads the material beside it over a distance of its length, even before the unloading has arrived there.

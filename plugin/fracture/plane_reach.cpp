@@ -23,7 +23,7 @@ void PlaneCracks::findActive( const Lattice& lattice )
 	{
 		return; // all cells are active
 	}
-	const double most = kCrackThickness * lattice.cellSize;
+	const double thickness = kCrackThickness * lattice.cellSize;
 	m_scratch.above.assign( m_scratch.rest.size(), 0 );
 	m_scratch.inSlabs.assign( m_scratch.rest.size(), 0 );
 	for ( std::size_t p = 0; p < m_planes.size(); ++p )
@@ -32,7 +32,7 @@ void PlaneCracks::findActive( const Lattice& lattice )
 		{
 			const double height = heightOver( m_planes[p], cell );
 			m_scratch.above[cell] |= std::uint64_t( height >= 0.0 ? 1 : 0 ) << p;
-			m_scratch.inSlabs[cell] |= std::uint64_t( std::fabs( height ) <= most ? 1 : 0 ) << p;
+			m_scratch.inSlabs[cell] |= std::uint64_t( std::fabs( height ) <= thickness ? 1 : 0 ) << p;
 		}
 	}
 	for ( std::uint32_t cell = 0; cell < std::uint32_t( m_scratch.rest.size() ); ++cell )
@@ -68,14 +68,14 @@ void PlaneCracks::dropUnreachable( const Lattice& lattice )
 {
 	std::vector<std::uint8_t>& isReached = m_scratch.mark;
 	isReached.assign( std::size_t( lattice.cellCount() ), 0 );
-	const double reach = kCrackReach * lattice.cellSize, most = kCrackThickness * lattice.cellSize;
+	const double reach = kCrackReach * lattice.cellSize, thickness = kCrackThickness * lattice.cellSize;
 	const Vec3d ring = Vec3d::Constant( 2.0 * lattice.cellSize ); // centres of material in neighbouring cells are no farther apart
 	for ( const Plane& plane : m_planes )
 	{
 		m_scratch.inSlab.clear();
 		for ( const std::uint32_t cell : m_scratch.stretched )
 		{
-			if ( std::fabs( heightOver( plane, cell ) ) <= most )
+			if ( std::fabs( heightOver( plane, cell ) ) <= thickness )
 			{
 				m_scratch.inSlab.push_back( cell );
 			}

@@ -38,14 +38,14 @@ Vec3d kernelOf( const Symmetric& matrix )
 {
 	const Vec3d row[3] = { matrix.row( 0 ), matrix.row( 1 ), matrix.row( 2 ) };
 	Vec3d best = Vec3d::Zero(), line = Vec3d::Zero();
-	double most = 0.0, size = 0.0;
+	double largestSquare = 0.0, size = 0.0;
 	for ( int k = 0; k < 3; ++k )
 	{
 		const Vec3d normal = row[k].cross( row[( k + 1 ) % 3] );
-		if ( normal.squaredNorm() > most )
+		if ( normal.squaredNorm() > largestSquare )
 		{
 			best = normal;
-			most = normal.squaredNorm();
+			largestSquare = normal.squaredNorm();
 		}
 		if ( row[k].squaredNorm() > size )
 		{
@@ -54,9 +54,9 @@ Vec3d kernelOf( const Symmetric& matrix )
 		}
 	}
 	// If the rows are collinear, all perpendicular directions have the same stretch and the cross products' directions are rounding.
-	if ( most > kEqualStretches * kEqualStretches * size * size )
+	if ( largestSquare > kEqualStretches * kEqualStretches * size * size )
 	{
-		return best / std::sqrt( most );
+		return best / std::sqrt( largestSquare );
 	}
 	return size > 0.0 ? Vec3d( line.unitOrthogonal() ) : Vec3d( Vec3d::UnitX() );
 }

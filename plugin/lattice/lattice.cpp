@@ -52,7 +52,7 @@ Status validateSizes( const Lattice& lattice )
 	}
 	if ( !lattice.patch.empty() && lattice.patch.size() != count )
 	{
-		return broken( "the patches are not one a cell" );
+		return broken( "the number of patches is not the number of cells" );
 	}
 	if ( lattice.linkStart.size() != count + 1 || lattice.linkStart.front() != 0 || lattice.linkStart.back() != lattice.linkTo.size() )
 	{
@@ -93,7 +93,7 @@ Status validateCell( const Lattice& lattice, std::size_t i )
 	const double slack = kRoundingFraction * ( lattice.extent.maxCoeff() + lattice.corner.cwiseAbs().maxCoeff() / d );
 	if ( !( inCell.minCoeff() >= -slack && inCell.maxCoeff() <= 1.0 + slack ) )
 	{
-		return broken( cellName( i ) + " has its rest centre outside itself" );
+		return broken( cellName( i ) + " has a rest centre outside the cell" );
 	}
 	return {};
 }
@@ -109,7 +109,7 @@ Status validateLinks( const Lattice& lattice, std::size_t i )
 	{
 		if ( *link >= lattice.fill.size() || !areNeighbours( lattice.coordinate[i], lattice.coordinate[*link] ) )
 		{
-			return broken( cellName( i ) + " is linked to what is not its neighbour" );
+			return broken( cellName( i ) + " is linked to a cell that is not its neighbour" );
 		}
 		if ( link != rowOf( i ) && *( link - 1 ) >= *link )
 		{
@@ -118,7 +118,7 @@ Status validateLinks( const Lattice& lattice, std::size_t i )
 		if ( lattice.linkStart[*link] > lattice.linkStart[*link + 1] || lattice.linkStart[*link + 1] > lattice.linkTo.size() ||
 			!std::binary_search( rowOf( *link ), rowOf( *link + 1 ), std::uint32_t( i ) ) )
 		{
-			return broken( cellName( i ) + " has a link that does not lead back" );
+			return broken( cellName( i ) + " has a link that is not symmetric" );
 		}
 	}
 	const std::uint32_t links = lattice.linkStart[i + 1] - lattice.linkStart[i];

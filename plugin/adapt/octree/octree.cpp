@@ -251,7 +251,7 @@ Status validate( const Octree& octree, const Lattice& lattice )
 		const bool isTop = octree.levelOf( n ) == octree.levels - 1;
 		if ( isTop != ( parent == kNoNode ) || ( !isTop && octree.coordinate[parent] != blockAbove( octree.coordinate[n] ) ) )
 		{
-			return broken( "Octree: a parent does not stand one level above its child's block." );
+			return broken( "Octree: a parent is not one level above its child's block." );
 		}
 	}
 	return {};

@@ -78,7 +78,7 @@ private:
 			const bool isSheet = isThin && !m_field->isClosed() && !m_field->isSoup();
 			if ( isSheet && !mayHaveShell() )
 			{
-				return noInside( "The mesh is a flat sheet: closed along its rims it holds nothing" );
+				return noInside( "The mesh is a flat sheet: closed along its rims it has no inside" );
 			}
 			m_isShellOnly = isSheet || ( mayHaveShell() && m_survey.opposed > kMaxOpposedFraction * m_survey.volume );
 		}
@@ -216,7 +216,7 @@ private:
 		const double farthest = std::max( m_mesh.low.cwiseAbs().maxCoeff(), m_mesh.high.cwiseAbs().maxCoeff() );
 		if ( d > kLargestDiagonal )
 		{
-			return { ResultCode::ExtentOutOfRange, "LatticeSettings::cellSize is above the 1e7 m that float arithmetic bears." };
+			return { ResultCode::ExtentOutOfRange, "LatticeSettings::cellSize is above the 1e7 m that float arithmetic supports." };
 		}
 		if ( !( d > kRoundingFraction * farthest ) )
 		{
@@ -327,7 +327,8 @@ private:
 			cells = parts->cells();
 			const bool hasSmallParts = std::size_t( kMinCellsPerPart * countComponents( m_out.lattice ) ) > cells.size();
 			const bool isFragmented = hasSmallParts && mayHaveShell() && !m_field->isClosed();
-			return isFragmented && cells.size() > std::size_t( kMinCellsPerPart ) ? noInside( "The inside falls into crumbs" ) : Status{};
+			return isFragmented && cells.size() > std::size_t( kMinCellsPerPart ) ? noInside( "The inside consists of small fragments" )
+																				  : Status{};
 		}
 		cells = findSliverCells( m_mesh, *m_field, grid, maxCrossings() );
 		if ( cells.empty() )

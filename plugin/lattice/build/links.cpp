@@ -91,11 +91,11 @@ private:
 		}
 	}
 
-	void linkAcrossFace( std::size_t i, const Eigen::Vector3i& to, int axis, std::size_t most, std::vector<Pair>& out ) const
+	void linkAcrossFace( std::size_t i, const Eigen::Vector3i& to, int axis, std::size_t maxLinks, std::vector<Pair>& out ) const
 	{
 		const int s = m_grid.samples;
 		const std::size_t before = out.size();
-		for ( int code = 0; code < s * s && out.size() - before < most; ++code )
+		for ( int code = 0; code < s * s && out.size() - before < maxLinks; ++code )
 		{
 			Eigen::Vector3i here;
 			here[axis] = s - 1;

@@ -167,8 +167,8 @@ double positionsPassed( const WeldedMesh& mesh, const Grid& grid, double area )
 double densityOf( const ShellOptions& options, double positions )
 {
 	constexpr double kDensity = kAreaDensity * kShellSamples;
-	const double most = std::max( kShellPoints, kDensity * kDensity * std::min( { options.area, options.maxCells, positions } ) );
-	return kDensity * std::min( 1.0, std::sqrt( most / ( kDensity * kDensity * options.area ) ) );
+	const double maxPoints = std::max( kShellPoints, kDensity * kDensity * std::min( { options.area, options.maxCells, positions } ) );
+	return kDensity * std::min( 1.0, std::sqrt( maxPoints / ( kDensity * kDensity * options.area ) ) );
 }
 
 /// Returns the positions that need a cell of the shell.

@@ -75,7 +75,7 @@ struct View
 {
 	std::array<Flat, 3> corner;
 	std::array<std::int64_t, 3> depth;
-	int turn;          ///< -1 when sorting the corners reversed the orientation
+	int orientation;   ///< -1 when sorting the corners reversed the orientation
 	double nu, nv, na; ///< normal
 
 	/// +1 or -1: the row passes through, along or against the normal; 0: the row misses the triangle.
@@ -84,7 +84,7 @@ struct View
 		const int ab = sideOf( corner[0], corner[1], row );
 		const int bc = sideOf( corner[1], corner[2], row );
 		const int ca = -sideOf( corner[0], corner[2], row );
-		return ab == bc && bc == ca ? ab * turn : 0;
+		return ab == bc && bc == ca ? ab * orientation : 0;
 	}
 
 	double coordinateOn( const Flat& row ) const
@@ -118,11 +118,11 @@ SnappedSurface::SnappedSurface( const WeldedMesh& mesh, const InsideField& field
 {
 	const double perQuantum = 1.0 / grid.quantum();
 	m_point.resize( mesh.position.size() );
-	const double most = double( std::int64_t( 1 ) << kCoordinateBits );
+	const double limit = double( std::int64_t( 1 ) << kCoordinateBits );
 	for ( std::size_t i = 0; i < mesh.position.size(); ++i )
 	{
 		// Vertices that no triangle uses may lie anywhere; clamping makes them harmless.
-		const Vec3d p = ( ( mesh.position[i] - grid.corner ) * perQuantum ).array().round().max( -most ).min( most );
+		const Vec3d p = ( ( mesh.position[i] - grid.corner ) * perQuantum ).array().round().max( -limit ).min( limit );
 		m_point[i] = { std::int32_t( p.x() ), std::int32_t( p.y() ), std::int32_t( p.z() ) };
 	}
 }
@@ -165,13 +165,13 @@ void SnappedSurface::cross( const Triangle& triangle, bool isCap, int axis, std:
 	}
 	Triangle sorted = triangle;
 	View view;
-	view.turn = 1;
+	view.orientation = 1;
 	for ( const auto& [a, b] : { std::pair{ 0, 1 }, std::pair{ 1, 2 }, std::pair{ 0, 1 } } )
 	{
 		if ( sorted[std::size_t( a )] > sorted[std::size_t( b )] )
 		{
 			std::swap( sorted[std::size_t( a )], sorted[std::size_t( b )] );
-			view.turn = -view.turn;
+			view.orientation = -view.orientation;
 		}
 	}
 	for ( std::size_t k = 0; k < 3; ++k )

@@ -112,11 +112,11 @@ private:
 		std::vector<std::uint64_t>& cut = m_out.cut;
 		for ( const RowSet& rows : m_rows )
 		{
-			const int most = m_grid.sampleCount( rows.axis );
+			const int sampleCount = m_grid.sampleCount( rows.axis );
 			for ( const Crossing& c : rows.crossing )
 			{
 				const int above = m_grid.firstAbove( rows.axis, c.at );
-				for ( int along = std::max( above - 1, 0 ); along < std::min( above + 1, most ); ++along )
+				for ( int along = std::max( above - 1, 0 ); along < std::min( above + 1, sampleCount ); ++along )
 				{
 					const std::uint64_t key = sampleIndex( rows.axis, c.u(), c.v(), along ).key;
 					if ( cut.empty() || cut.back() != key )
@@ -352,9 +352,9 @@ private:
 			}
 			return;
 		}
-		const int most = m_grid.sampleCount( axis );
+		const int sampleCount = m_grid.sampleCount( axis );
 		std::uint8_t* low = above > 0 ? flagsAt( sampleIndex( axis, from.u(), from.v(), above - 1 ) ) : nullptr;
-		const std::uint8_t* high = above < most ? flagsAt( sampleIndex( axis, from.u(), from.v(), above ) ) : nullptr;
+		const std::uint8_t* high = above < sampleCount ? flagsAt( sampleIndex( axis, from.u(), from.v(), above ) ) : nullptr;
 		const bool isLowInside = low && ( *low & kInside );
 		const bool isHighInside = high && ( *high & kInside );
 		if ( isLowInside && isHighInside && !isInside && length > m_options.gap )
@@ -366,7 +366,7 @@ private:
 			return;
 		}
 		const double edge = double( std::int64_t( 1 ) << m_grid.bits );
-		addSliver( axis, from, std::min( int( middle / edge * m_grid.samples ), most - 1 ), { middle, length, false }, slivers );
+		addSliver( axis, from, std::min( int( middle / edge * m_grid.samples ), sampleCount - 1 ), { middle, length, false }, slivers );
 	}
 
 	struct Run

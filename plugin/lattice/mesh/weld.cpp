@@ -54,7 +54,7 @@ Status checkNumbers( const MeshView& mesh )
 		if ( mesh.indices[k] >= mesh.vertexCount )
 		{
 			return { ResultCode::IndexOutOfRange,
-				"Triangle " + std::to_string( k / 3 ) + " names vertex " + std::to_string( mesh.indices[k] ) + " of " +
+				"Triangle " + std::to_string( k / 3 ) + " refers to vertex " + std::to_string( mesh.indices[k] ) + " of " +
 					std::to_string( mesh.vertexCount ) + "." };
 		}
 	}
@@ -80,7 +80,7 @@ Status boundingBox( const MeshView& mesh, WeldedMesh& out )
 	if ( diagonal > kLargestDiagonal )
 	{
 		return { ResultCode::ExtentOutOfRange,
-			"The mesh is " + std::to_string( diagonal ) + " m across, more than the 1e7 m that float arithmetic bears." };
+			"The mesh is " + std::to_string( diagonal ) + " m across, more than the 1e7 m that float arithmetic supports." };
 	}
 	if ( diagonal == 0.0 )
 	{
