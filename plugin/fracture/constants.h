@@ -14,8 +14,8 @@ inline constexpr int kMaxPieces = 100000;
 /// Bodies with levels that can break are refined at this fraction of their breaking stretch, so that only finest cells break.
 inline constexpr float kRefineBeforeBreak = 0.5f;
 
-/// Neighbours of a split node are split too if strained by this fraction of that: this gives one border between sizes instead of successive
-/// ones, each of which would excite vibrations.
+/// Neighbours of a split node are split too if strained by this fraction of the threshold: one border between sizes results instead of
+/// successive ones, each of which would excite vibrations.
 inline constexpr float kRefineTogether = 0.6f;
 
 /// Where coarse nodes meet fine ones, strains have errors of up to a half: a fine node linked to a coarse one breaks at this multiple of

@@ -19,8 +19,8 @@ public:
 	/// Strain at which a cell of toughness 1 cracks, and the fraction of it at which an existing crack grows.
 	PlaneCracks( float breakStrain, float growthFraction ) : m_breakStrain( breakStrain ), m_growthFraction( growthFraction ) {}
 
-	/// Strain for `limitLinks` that finds candidates. A body strained by e has a link strained by at least this fraction of e, whatever the
-	/// direction.
+	/// Strain for `limitLinks` that finds candidates. A body strained by e in any direction has a link strained by at least
+	/// kCandidateFraction e.
 	float candidateStrain() const;
 
 	/// Adds the links that break in this substep of length h, ascending. `limits` made for candidateStrain(). `mayBegin`: new cracks may

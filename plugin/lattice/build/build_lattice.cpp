@@ -327,8 +327,7 @@ private:
 			cells = parts->cells();
 			const bool hasSmallParts = std::size_t( kMinCellsPerPart * countComponents( m_out.lattice ) ) > cells.size();
 			const bool isFragmented = hasSmallParts && mayHaveShell() && !m_field->isClosed();
-			return isFragmented && cells.size() > std::size_t( kMinCellsPerPart ) ? noInside( "The inside consists of small fragments" )
-																				  : Status{};
+			return isFragmented && cells.size() > std::size_t( kMinCellsPerPart ) ? noInside( "The inside is fragmented" ) : Status{};
 		}
 		cells = findSliverCells( m_mesh, *m_field, grid, maxCrossings() );
 		if ( cells.empty() )
