@@ -34,8 +34,7 @@ bool crosses( const SphereCut& cut, const Vec3d& a, const Vec3d& b )
 	return reach > 0.0 && reach < length2 && ( fromA - reach / length2 * along ).squaredNorm() < r2;
 }
 
-/// The side on which the line from a along `direction` passes the edge u v: the volume they span. For the edge v u it is exactly the
-/// negative.
+/// The side on which the line from a along `direction` passes the edge u v: the volume they span. Exactly negated for the edge v u.
 double sideOfEdge( const Vec3d& a, const Vec3d& direction, const Vec3d& u, const Vec3d& v )
 {
 	return ( u - a ).cross( v - a ).dot( direction );

@@ -62,7 +62,7 @@ void PlaneCracks::findStretched( const LinkLimits& limits, const CellPositions& 
 			}
 		}
 		if ( isStretched[i] != 0 && m_scratch.isActive[i] != 0 &&
-			positions.mayBreak( i ) ) // all links of i have been checked: those to lower cells in the lower cells' rows
+			positions.mayBreak( i ) ) // all links of i are checked: those to lower cells in their rows
 		{
 			m_scratch.stretched.push_back( i );
 		}

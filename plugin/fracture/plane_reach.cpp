@@ -102,8 +102,7 @@ void PlaneCracks::dropUnreachable( const Lattice& lattice )
 	cells.erase( std::remove_if( cells.begin(), cells.end(), [&]( std::uint32_t cell ) { return isReached[cell] == 0; } ), cells.end() );
 }
 
-/// Returns the cracks in whose planes the cell lies and is pulled across, a bit each; with more planes than bits: all bits, where there is
-/// one.
+/// Returns the cracks in whose planes the cell lies and is pulled across, a bit each; all bits if there are more planes than bits.
 std::uint64_t PlaneCracks::planesOf( std::uint32_t cell, const Pull& near, double cellSize ) const
 {
 	std::uint64_t planes = 0;

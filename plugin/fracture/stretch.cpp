@@ -93,8 +93,7 @@ Stretch largestStretch( const Eigen::Matrix3d& deformation )
 	return found;
 }
 
-// The largest eigenvalue of E is at most m + 2 sqrt( |S|^2 / 6 ), with equality where the two others are equal, as in a pull. The margin
-// covers rounding.
+// The largest eigenvalue of E is at most m + 2 sqrt( |S|^2 / 6 ), with equality if the two others are equal. The margin covers rounding.
 bool isStretchedLess( const Eigen::Matrix3d& deformation, double strain )
 {
 	constexpr double kRounding = 1e-9;

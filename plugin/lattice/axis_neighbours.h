@@ -1,7 +1,6 @@
 #pragma once
 
-// Finds the cells that are adjacent and linked to a cell along the lattice axes. Used to measure the stretch and rotation of the material
-// around a node.
+// Finds the cells that are adjacent and linked to a cell along the lattice axes. Used to measure stretch and rotation around a node.
 
 #include "lattice/lattice.h"
 

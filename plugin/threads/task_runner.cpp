@@ -28,8 +28,7 @@ namespace {
 
 constexpr int kMaxThreads = 64;
 
-/// The ticket, from the highest bits down: the run's number, 24 bits; the first remaining task and the end of the remaining ones, 20 bits
-/// each.
+/// The ticket, from the highest bits down: the run's number, 24 bits; the first remaining task and the end of those, 20 bits each.
 constexpr int kTaskBits = 20;
 constexpr int kMaxTasks = ( 1 << kTaskBits ) - 1; // per run
 

@@ -17,8 +17,7 @@ void appendRows( const FineRegions& before, const CellChange& change, const Octr
 	if ( change.isWhole() ) // same numbers: copied in one run
 	{
 		const RegionSet& set = before.set;
-		const std::uint32_t moved = std::uint32_t( fine.set.member.size() ) -
-			set.start[cell]; // wraps around where preceding rows became shorter
+		const std::uint32_t moved = std::uint32_t( fine.set.member.size() ) - set.start[cell]; // wraps where preceding rows shrank
 		const auto from = []( const auto& array, std::uint32_t k ) { return array.begin() + std::ptrdiff_t( k ); };
 		fine.set.member.insert( fine.set.member.end(), from( set.member, set.start[cell] ), from( set.member, set.start[end] ) );
 		fine.set.size.insert( fine.set.size.end(), from( set.size, cell ), from( set.size, end ) );
@@ -107,7 +106,7 @@ FineMoments moveMoments( const FineMoments& before, FineMoments reused, const Ce
 	}
 	const auto& old = isInPlace ? above : from;
 	const std::size_t first = moments.covariance.size(), oldFirst = isInPlace ? cellsBefore : 0;
-	if ( moments.covariance.capacity() < nodes ) // fragmentation adds nodes in nearly every update, and each reallocation copies everything
+	if ( moments.covariance.capacity() < nodes ) // nearly every update adds nodes, and a reallocation copies all
 	{
 		moments.covariance.reserve( std::size_t( kMomentsCapacity * double( nodes ) ) );
 	}
@@ -136,8 +135,7 @@ FineMoments updateFineMoments(
 	std::vector<std::uint8_t> isOld( octree.parent.size(), 1 ); // 0: to be measured again
 	for ( const std::uint32_t cell : update.collected )
 	{
-		for ( std::uint32_t k = set.start[cell]; k < set.start[cell + 1];
-			  ++k ) // the cell itself, and all cells in whose regions its weight changed
+		for ( std::uint32_t k = set.start[cell]; k < set.start[cell + 1]; ++k ) // the cell, and all in whose regions its weight changed
 		{
 			isOld[set.member[k]] = 0;
 		}

@@ -74,8 +74,7 @@ RegionMatrix buildUnionRegions( const Octree& octree, const Cut& cut, const Fine
 		{
 			const std::uint32_t a = matrix.member[k];
 			const auto first = matrix.member.begin() + matrix.start[a], last = matrix.member.begin() + matrix.start[a + 1];
-			const std::size_t back = std::size_t(
-				std::lower_bound( first, last, r ) - matrix.member.begin() ); // exists, since membership is symmetric
+			const std::size_t back = std::size_t( std::lower_bound( first, last, r ) - matrix.member.begin() ); // exists by symmetry
 			if ( weights == UnionWeights::Conserving )
 			{
 				matrix.mass[k] = inMassUnits( ofRegion * pattern.value[k] / pattern.cover[a] );

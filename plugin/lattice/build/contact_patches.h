@@ -8,9 +8,8 @@
 
 namespace pliant {
 
-/// Fills Lattice::patch. `lattice`: complete except for the patches, with rest centres relative to its mass centre; `mesh`: oriented. A
-/// cell has no patch where the nearby surface is not a smooth sheet in front of it: at edges, in thin parts, in shells of one cell, within
-/// the body.
+/// Fills Lattice::patch. `lattice`: complete otherwise, with rest centres relative to its mass centre; `mesh`: oriented. A cell has no
+/// patch where the nearby surface is not a smooth sheet in front of it: at edges, in thin parts, in shells of one cell, within the body.
 void fitContactPatches( const WeldedMesh& mesh, const Grid& grid, Lattice& lattice );
 
 } // namespace pliant

@@ -8,11 +8,10 @@ namespace pliant {
 
 struct ShellOptions
 {
-	double thickness = 1.0; ///< of the surface's material, in cells
-	double area = 0.0;      ///< of the surface, in faces of a cell
-	bool hasKnownInside =
-		false; ///< the material behind the surface is known and too thin for a cell: the minimum fill is used instead of the area
-	double maxCells = 0.0; ///< limit above which nothing is added
+	double thickness = 1.0;      ///< of the surface's material, in cells
+	double area = 0.0;           ///< of the surface, in faces of a cell
+	bool hasKnownInside = false; ///< the material behind the surface is too thin for a cell: the minimum fill replaces the area
+	double maxCells = 0.0;       ///< limit above which nothing is added
 };
 
 /// Adds cells where the surface is farther than kShellReach from every cell's ball, or everywhere when there are no cells yet. `cells` and

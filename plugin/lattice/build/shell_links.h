@@ -1,7 +1,6 @@
 #pragma once
 
-// Determines the links of a shell's cells. Separate from links.h because a shell has no samples of material, only the positions on its
-// surface.
+// Determines the links of a shell's cells. Separate from links.h because a shell has no samples, only positions on its surface.
 
 #include "lattice/build/parts.h"
 

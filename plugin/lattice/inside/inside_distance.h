@@ -10,8 +10,7 @@
 
 namespace pliant {
 
-/// Lengths of links along one, two and three axes, tenths of a cell: 1, sqrt( 2 ), sqrt( 3 ) as integers, so that the result of a flood is
-/// unique.
+/// Lengths of links along one, two and three axes, tenths of a cell: 1, sqrt( 2 ), sqrt( 3 ) as integers, so that results are unique.
 inline constexpr std::uint32_t kLinkTenths[4] = { 0, 10, 14, 17 };
 
 /// Returns the distances along the links to the nearest surface cell (Lattice::isSurface), tenths of a cell; 0 for surface cells. Every
