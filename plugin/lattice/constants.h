@@ -63,7 +63,7 @@ inline constexpr double kCellsPerArea = 0.6;
 /// Limit of the area over the square of the diagonal. A ball has 0.8, a tree with all its leaves some tens.
 inline constexpr double kMaxFolds = 2000.0;
 
-/// An open surface needs a winding number per sample. Limit of triangles and clusters visited per requested cell, some seconds.
+/// An open surface needs a winding number per sample. Limit of triangles and clusters visited per requested cell: more takes seconds.
 inline constexpr double kMaxWorkPerCell = 25000.0;
 
 /// Points per axis for estimating an open surface's query cost and volume; work limit of the volume estimate.
