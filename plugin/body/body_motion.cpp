@@ -95,7 +95,7 @@ void Body::keepVelocities( TaskRunner* runner )
 	{
 		component->resize( std::size_t( m_nodes.padded ) );
 	}
-	runShares( runner, Shares{ m_nodes.padded }, [&]( int, int begin, int end ) {
+	runChunks( runner, ChunkedRange{ m_nodes.padded }, [&]( int, int begin, int end ) {
 		for ( int k = 0; k < 3; ++k )
 		{
 			std::copy( from[k]->begin() + begin, from[k]->begin() + end, to[k]->begin() + begin );
@@ -108,13 +108,13 @@ void Body::applyForces( float h, const Vec3& gravity, TaskRunner* runner )
 	const Kernels& kernels = bestKernels();
 	const MotionView view = viewOf( m_nodes, m_positionScratch.data() );
 	const bool hasForce = !m_nodes.force.x.empty();
-	OfFractions<VelocityBounds> partial;
-	runShares( runner, Shares{ m_nodes.padded }, [&]( int fraction, int begin, int end ) {
+	PerChunk<VelocityBounds> partial;
+	runChunks( runner, ChunkedRange{ m_nodes.padded }, [&]( int chunk, int begin, int end ) {
 		for ( int i = begin; hasForce && i < std::min( end, m_nodes.count ); ++i )
 		{
 			m_nodes.v.set( i, m_nodes.v.get( i ) + ( h * m_nodes.freedom[i] / m_nodes.mass[i] ) * m_nodes.force.get( i ) );
 		}
-		kernels.push( view, gravity.data(), h, begin, end, partial[std::size_t( fraction )] );
+		kernels.push( view, gravity.data(), h, begin, end, partial[std::size_t( chunk )] );
 	} );
 	m_velocities = VelocityBounds{};
 	for ( const VelocityBounds& part : partial )
@@ -134,9 +134,9 @@ BodyHealth Body::integrate( float h, TaskRunner* runner )
 {
 	const Kernels& kernels = bestKernels();
 	const MotionView view = viewOf( m_nodes, m_positionScratch.data() );
-	OfFractions<MotionSums> sums;
-	runShares( runner, Shares{ m_nodes.padded },
-		[&]( int fraction, int begin, int end ) { kernels.advance( view, h, begin, end, sums[std::size_t( fraction )] ); } );
+	PerChunk<MotionSums> sums;
+	runChunks( runner, ChunkedRange{ m_nodes.padded },
+		[&]( int chunk, int begin, int end ) { kernels.advance( view, h, begin, end, sums[std::size_t( chunk )] ); } );
 	m_motion = MotionSums{};
 	for ( const MotionSums& sum : sums )
 	{

@@ -80,7 +80,7 @@ Result<std::shared_ptr<const BodyTemplate>> BodyTemplate::build( const MeshView&
 	{
 		return Answer{ std::move( status ), nullptr };
 	}
-	if ( Status status = settings.skinning != Skinning::None ? needFeature( Feature::Surface ) : Status{}; !status.ok() )
+	if ( Status status = settings.skinning != Skinning::None ? requireFeature( Feature::Surface ) : Status{}; !status.ok() )
 	{
 		return Answer{ Status{ status.code, status.sentence + " Ask for Skinning::None." }, nullptr };
 	}

@@ -14,7 +14,7 @@ bool Body::canStepImplicitly() const
 
 Status Body::implicitStatus() const
 {
-	return needFeature( Feature::Implicit );
+	return requireFeature( Feature::Implicit );
 }
 
 void Body::pushImplicitly( float, float, const Vec3&, TaskRunner* ) {}

@@ -19,8 +19,8 @@ const std::vector<CellRefinementState>& CellRefinementStates::update( const Latt
 		const auto first = lattice.linkTo.begin() + lattice.linkStart[i], last = lattice.linkTo.begin() + lattice.linkStart[i + 1];
 		const bool isAmongFine = isNode( i ) && std::all_of( first, last, isNode );
 		m_refinementState[i] = isAmongFine ? CellRefinementState::AmongFine
-			: isNode( i )                  ? CellRefinementState::BesideBig
-										   : CellRefinementState::InBig;
+			: isNode( i )                  ? CellRefinementState::NextToCoarse
+										   : CellRefinementState::InCoarse;
 	}
 	return m_refinementState;
 }

@@ -1,6 +1,6 @@
 #pragma once
 
-// Where the finest cells are now, and which of them may be asked about breaking: those that are nodes by themselves.
+// Positions of the finest cells, and which of them can break: those that are nodes by themselves.
 
 #include "adapt/octree/cut.h"
 #include "fracture/constants.h"
@@ -11,25 +11,25 @@
 
 namespace pliant {
 
-/// What a finest cell is in the cut of now.
+/// State of a finest cell in the current cut.
 enum class CellRefinementState : std::uint8_t
 {
-	InBig, ///< a part of a bigger node: it does not break, for big nodes are split long before what is in them could (kRefineBeforeBreak)
-	BesideBig, ///< a node by itself, linked to some that are not
-	AmongFine  ///< a node by itself, as all are that it is linked to
+	InCoarse, ///< part of a coarse node: it cannot break, since coarse nodes are split long before their cells could (kRefineBeforeBreak)
+	NextToCoarse, ///< a node by itself, linked to some cells that are not
+	AmongFine     ///< a node by itself, as are all linked cells
 };
 
-/// The standing of all finest cells, looked at anew only where it may have changed.
+/// The states of all finest cells, updated only where they may have changed.
 class CellRefinementStates
 {
 public:
-	/// `version`: another one where the cut is another.
+	/// `version`: changes with every change of the cut.
 	const std::vector<CellRefinementState>& update( const Lattice& lattice, const Cut& cut, unsigned version );
-	/// Links have changed: the cells around others are no more what they were.
+	/// Links have changed: all states are outdated.
 	void forget() { m_refinementState.clear(); }
 
 private:
-	std::vector<CellRefinementState> m_refinementState; ///< by cell; empty: not known
+	std::vector<CellRefinementState> m_refinementState; ///< by cell; empty: outdated
 	unsigned m_version = 0;
 };
 
@@ -37,17 +37,20 @@ class CellPositions
 {
 public:
 	explicit CellPositions( const NodeState& nodes ) : m_nodes( nodes ) {}
-	CellPositions( const NodeState& nodes, const Cut& cut, const std::vector<CellRefinementState>& standing ) :
-		m_nodes( nodes ), m_cut( &cut ), m_refinementState( &standing )
+	CellPositions( const NodeState& nodes, const Cut& cut, const std::vector<CellRefinementState>& states ) :
+		m_nodes( nodes ), m_cut( &cut ), m_refinementState( &states )
 	{}
 
-	/// Whether the cell is a node by itself, and not a part of a bigger one.
-	bool has( std::uint32_t cell ) const { return !m_cut || m_cut->node[m_cut->slotOfCell[cell]] == cell; }
-	bool mayBreak( std::uint32_t cell ) const { return !m_refinementState || ( *m_refinementState )[cell] != CellRefinementState::InBig; }
-	/// How many times the strain that was set it must be stretched by to break.
-	float bears( std::uint32_t cell ) const
+	/// True where the cell is a node by itself, and not part of a coarse one.
+	bool isNode( std::uint32_t cell ) const { return !m_cut || m_cut->node[m_cut->slotOfCell[cell]] == cell; }
+	bool mayBreak( std::uint32_t cell ) const
 	{
-		return m_refinementState && ( *m_refinementState )[cell] == CellRefinementState::BesideBig ? kBearsBesideBig : 1.0f;
+		return !m_refinementState || ( *m_refinementState )[cell] != CellRefinementState::InCoarse;
+	}
+	/// Factor on the break strain at which the cell breaks.
+	float strainFactor( std::uint32_t cell ) const
+	{
+		return m_refinementState && ( *m_refinementState )[cell] == CellRefinementState::NextToCoarse ? kStrainFactorNextToCoarse : 1.0f;
 	}
 	Vec3 at( std::uint32_t cell ) const { return m_nodes.x.get( nodeOf( cell ) ); }
 	/// At rest, in the body's own frame.

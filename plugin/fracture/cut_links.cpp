@@ -29,25 +29,25 @@ bool crosses( const SphereCut& cut, const Vec3d& a, const Vec3d& b )
 	{
 		return !( isInA && isInB );
 	}
-	// Both outside: in and out again, if the point of the link that is nearest to the centre is inside.
+	// Both outside: the link enters and leaves the sphere if its point closest to the centre is inside.
 	const double length2 = along.squaredNorm(), reach = fromA.dot( along );
 	return reach > 0.0 && reach < length2 && ( fromA - reach / length2 * along ).squaredNorm() < r2;
 }
 
-/// On which side the line from a along `way` passes the edge u v: the volume they span. Of opposite sign, to the bit, for the edge v u.
-double sideOfEdge( const Vec3d& a, const Vec3d& way, const Vec3d& u, const Vec3d& v )
+/// The side on which the line from a along `direction` passes the edge u v: the volume they span. Exactly negated for the edge v u.
+double sideOfEdge( const Vec3d& a, const Vec3d& direction, const Vec3d& u, const Vec3d& v )
 {
-	return ( u - a ).cross( v - a ).dot( way );
+	return ( u - a ).cross( v - a ).dot( direction );
 }
 
 bool crossesTriangle( const Vec3d& a, const Vec3d& b, const Vec3d& u, const Vec3d& v, const Vec3d& w )
 {
-	const Vec3d normal = ( v - u ).cross( w - u ), way = b - a;
+	const Vec3d normal = ( v - u ).cross( w - u ), direction = b - a;
 	if ( ( normal.dot( a - u ) < 0.0 ) == ( normal.dot( b - u ) < 0.0 ) )
 	{
 		return false;
 	}
-	const double uv = sideOfEdge( a, way, u, v ), vw = sideOfEdge( a, way, v, w ), wu = sideOfEdge( a, way, w, u );
+	const double uv = sideOfEdge( a, direction, u, v ), vw = sideOfEdge( a, direction, v, w ), wu = sideOfEdge( a, direction, w, u );
 	return ( uv >= 0.0 && vw >= 0.0 && wu >= 0.0 ) || ( uv <= 0.0 && vw <= 0.0 && wu <= 0.0 );
 }
 
@@ -56,22 +56,22 @@ bool crosses( const BladeCut& cut, const Vec3d& a, const Vec3d& b )
 	return crossesTriangle( a, b, cut.p0, cut.p1, cut.q0 ) || crossesTriangle( a, b, cut.q0, cut.p1, cut.q1 );
 }
 
-bool isSomething( const PlaneCut& cut )
+bool isValid( const PlaneCut& cut )
 {
 	return cut.point.allFinite() && cut.normal.allFinite() && !cut.normal.isZero( 0.0 ) && cut.radius > 0.0;
 }
 
-bool isSomething( const SphereCut& cut )
+bool isValid( const SphereCut& cut )
 {
 	return cut.centre.allFinite() && cut.radius > 0.0;
 }
 
-bool isSomething( const BladeCut& cut )
+bool isValid( const BladeCut& cut )
 {
 	return cut.p0.allFinite() && cut.p1.allFinite() && cut.q0.allFinite() && cut.q1.allFinite();
 }
 
-/// Where each place lies beyond the blade's box: a bit a side. What has its both ends beyond one side is not cut.
+/// Returns, per position, one bit for each side of the blade's box that it lies beyond. Links with both ends beyond one are not cut.
 std::vector<std::uint8_t> sidesBeyond( const std::vector<Vec3d>& positions, const BladeCut& cut )
 {
 	const Vec3d low = cut.p0.cwiseMin( cut.p1 ).cwiseMin( cut.q0.cwiseMin( cut.q1 ) ),
@@ -96,8 +96,7 @@ std::vector<std::uint8_t> sidesBeyond( const std::vector<Vec3d>& positions, cons
 	return std::vector<std::uint8_t>( positions.size(), 0 );
 }
 
-/// Whether a cell and all it is linked to lie beyond one side: most do, and no link of theirs is looked at. So nothing is gained by
-/// stopping early.
+/// True where a cell and all linked cells lie beyond one side. This holds for most cells, so the loop has no early exit.
 bool isBeyond( const Lattice& lattice, const std::vector<std::uint8_t>& beyond, std::uint32_t cell )
 {
 	unsigned all = beyond[cell];
@@ -113,7 +112,7 @@ template <class Cut>
 std::vector<CellLink> findCut( const Lattice& lattice, const std::vector<Vec3d>& positions, const Cut& cut )
 {
 	std::vector<CellLink> links;
-	if ( !isSomething( cut ) )
+	if ( !isValid( cut ) )
 	{
 		return links;
 	}
@@ -154,7 +153,7 @@ std::vector<CellLink> linksCut( const Lattice& lattice, const std::vector<Vec3d>
 }
 
 std::vector<CellLink> linksToHeal( const Lattice& whole, const Lattice& part, const std::vector<std::uint32_t>& cellInWhole,
-	const std::vector<Vec3d>& positions, double most )
+	const std::vector<Vec3d>& positions, double maxStretch )
 {
 	std::vector<CellLink> links;
 	for ( std::uint32_t i = 0; i < std::uint32_t( part.cellCount() ); ++i )
@@ -171,7 +170,7 @@ std::vector<CellLink> linksToHeal( const Lattice& whole, const Lattice& part, co
 				continue;
 			}
 			const double rest = ( part.restCentre[i] - part.restCentre[j] ).cast<double>().norm();
-			if ( ( positions[i] - positions[j] ).norm() <= most * rest )
+			if ( ( positions[i] - positions[j] ).norm() <= maxStretch * rest )
 			{
 				links.push_back( CellLink{ i, j } );
 			}

@@ -1,4 +1,4 @@
-// Where cuts go through links: a drawn cut follows these, not the borders of cells. Steinemann et al. 2008, section 7.
+// Intersections of cuts with links: a drawn cut follows these, not the cells' borders. Steinemann et al. 2008, section 7.
 
 #include "fracture/cut_links.h"
 
@@ -9,14 +9,14 @@ namespace pliant {
 
 namespace {
 
-/// A place on a link, as the share of the way from a to b, and the cut's normal there, both as the body is now.
+/// A position on a link, as the fraction of the distance from a to b, and the cut's normal there, both in the current state.
 struct Crossing
 {
 	double fraction = 0.5;
 	Vec3d normal = Vec3d::UnitX();
 };
 
-/// The sides of the two ends differ: s_a / ( s_a - s_b ).
+/// The ends lie on different sides: s_a / ( s_a - s_b ).
 Crossing acrossPlane( const Vec3d& point, const Vec3d& normal, const Vec3d& a, const Vec3d& b )
 {
 	const double sideA = normal.dot( a - point ), sideB = normal.dot( b - point );
@@ -30,14 +30,14 @@ Crossing crossingOf( const PlaneCut& cut, const Vec3d& a, const Vec3d& b )
 
 Crossing crossingOf( const SphereCut& cut, const Vec3d& a, const Vec3d& b )
 {
-	// | a + t ( b - a ) - c |^2 = r^2; in and out again: where it is deepest.
-	const Vec3d way = b - a, from = a - cut.centre;
-	const double square = way.squaredNorm(), half = from.dot( way ), rest = from.squaredNorm() - cut.radius * cut.radius;
+	// | a + t ( b - a ) - c |^2 = r^2; where the link enters and leaves the sphere, its deepest point.
+	const Vec3d direction = b - a, from = a - cut.centre;
+	const double square = direction.squaredNorm(), half = from.dot( direction ), rest = from.squaredNorm() - cut.radius * cut.radius;
 	const double root = std::sqrt( std::max( 0.0, half * half - square * rest ) );
 	const bool isInA = rest < 0.0, isInB = ( b - cut.centre ).squaredNorm() < cut.radius * cut.radius;
 	const double fraction = isInA == isInB ? -half / square : ( isInA ? -half + root : -half - root ) / square;
-	const Vec3d out = from + fraction * way;
-	return Crossing{ fraction, out.isZero( 0.0 ) ? Vec3d( way.normalized() ) : Vec3d( out.normalized() ) };
+	const Vec3d out = from + fraction * direction;
+	return Crossing{ fraction, out.isZero( 0.0 ) ? Vec3d( direction.normalized() ) : Vec3d( out.normalized() ) };
 }
 
 Crossing crossingOf( const BladeCut& cut, const Vec3d& a, const Vec3d& b )
@@ -50,7 +50,7 @@ Crossing crossingOf( const BladeCut& cut, const Vec3d& a, const Vec3d& b )
 	const bool isSecond = second.squaredNorm() > 0.0 && differs( cut.q0, second );
 	if ( isFirst && isSecond )
 	{
-		// Both planes part the link, but it passes through one triangle: the one whose side of their common line it is on.
+		// Both planes separate the ends, but the link crosses one triangle: the one on its side of their common line.
 		const Crossing one = acrossPlane( cut.p0, first, a, b );
 		const Vec3d at = a + one.fraction * ( b - a ), edge = cut.q0 - cut.p1;
 		const bool isOnSide = edge.cross( at - cut.p1 ).dot( edge.cross( cut.p0 - cut.p1 ) ) >= 0.0;

@@ -44,7 +44,7 @@ Status check( const Fracture& fracture )
 	{
 		return refuse( "Fracture::fadeTime must be above 0 and at most 3600 s." );
 	}
-	if ( fracture.maxPieces < 1 || fracture.maxPieces > kMostPieces )
+	if ( fracture.maxPieces < 1 || fracture.maxPieces > kMaxPieces )
 	{
 		return refuse( "Fracture::maxPieces must lie in 1 to 100 000." );
 	}

@@ -118,7 +118,7 @@ std::vector<float> inheritToughness( const LinkLimits& before, const Lattice& pa
 
 namespace {
 
-struct Places
+struct Positions
 {
 	const float *x, *y, *z;
 
@@ -133,7 +133,7 @@ struct Places
 
 void findOverstretched( const LinkLimits& limits, const NodeState& nodes, std::vector<CellLink>& found )
 {
-	const Places positions{ nodes.x.x.data(), nodes.x.y.data(), nodes.x.z.data() };
+	const Positions positions{ nodes.x.x.data(), nodes.x.y.data(), nodes.x.z.data() };
 	const std::uint32_t count = std::uint32_t( limits.start.size() ) - 1;
 	for ( std::uint32_t i = 0; i < count; ++i )
 	{
@@ -149,13 +149,13 @@ void findOverstretched( const LinkLimits& limits, const NodeState& nodes, std::v
 
 namespace {
 
-/// ( L + b ( M - L ) )^2 of two cells L apart at rest whose link bears M where b is 1.
-float borneSquared( float limitSquared, const CellPositions& positions, std::uint32_t i, std::uint32_t j )
+/// ( L + b ( M - L ) )^2 for two cells with rest distance L whose link has the limit M at b = 1.
+float breakingSquared( float limitSquared, const CellPositions& positions, std::uint32_t i, std::uint32_t j )
 {
-	const float bears = std::max( positions.bears( i ), positions.bears( j ) ),
+	const float strainFactor = std::max( positions.strainFactor( i ), positions.strainFactor( j ) ),
 				rest = ( positions.restOf( i ) - positions.restOf( j ) ).norm();
-	const float borne = rest + bears * ( std::sqrt( limitSquared ) - rest );
-	return bears == 1.0f ? limitSquared : borne * borne;
+	const float breaking = rest + strainFactor * ( std::sqrt( limitSquared ) - rest );
+	return strainFactor == 1.0f ? limitSquared : breaking * breaking;
 }
 
 } // namespace
@@ -170,7 +170,7 @@ void findOverstretched( const LinkLimits& limits, const CellPositions& positions
 			const std::uint32_t j = limits.to[k];
 			const float squared = ( positions.at( i ) - positions.at( j ) ).squaredNorm();
 			if ( positions.mayBreak( j ) && squared > limits.lengthSquared[k] &&
-				squared > borneSquared( limits.lengthSquared[k], positions, i, j ) )
+				squared > breakingSquared( limits.lengthSquared[k], positions, i, j ) )
 			{
 				found.push_back( CellLink{ i, j } );
 			}

@@ -10,7 +10,7 @@ namespace pliant {
 
 namespace {
 
-/// What an excess, a float, may be off by.
+/// Rounding error of an excess, a float.
 constexpr double kRoundedFraction = 1e-6;
 
 /// Toughness of the link from the lower cell to the higher.
@@ -31,7 +31,7 @@ float PlaneCracks::candidateStrain() const
 	return kCandidateFraction * m_growthFraction * m_breakStrain;
 }
 
-void PlaneCracks::placeAtRest( const Lattice& lattice )
+void PlaneCracks::findRestPositions( const Lattice& lattice )
 {
 	m_scratch.rest.resize( std::size_t( lattice.cellCount() ) );
 	for ( std::size_t cell = 0; cell < m_scratch.rest.size(); ++cell )
@@ -40,28 +40,29 @@ void PlaneCracks::placeAtRest( const Lattice& lattice )
 	}
 }
 
-// Links are cheap to look at and single out the few cells for which the deformation of all that is around them is worth measuring. Where
-// most are stretched, most links join two of which that is known.
+// Checking links is cheap and selects the few cells for which the deformation of their surroundings is worth measuring. Where most cells
+// are stretched, most links join two that are already known to be and are skipped.
 void PlaneCracks::findStretched( const LinkLimits& limits, const CellPositions& positions )
 {
-	std::vector<std::uint8_t>&isStretched = m_scratch.mark, &isSought = m_scratch.isSought;
-	isStretched.assign( m_scratch.isOpen.size(), 0 );
-	isSought = m_scratch.isOpen;
+	std::vector<std::uint8_t>&isStretched = m_scratch.mark, &isUnresolved = m_scratch.isUnresolved;
+	isStretched.assign( m_scratch.isActive.size(), 0 );
+	isUnresolved = m_scratch.isActive;
 	m_scratch.stretched.clear();
 	const LinkMoments& cells = m_scratch.moments;
 	for ( std::uint32_t i = 0; i < std::uint32_t( isStretched.size() ); ++i )
 	{
-		for ( std::uint32_t k = limits.start[i]; cells.has( i ) && k < limits.start[i + 1]; ++k )
+		for ( std::uint32_t k = limits.start[i]; cells.isNode( i ) && k < limits.start[i + 1]; ++k )
 		{
 			const std::uint32_t j = limits.to[k];
-			if ( ( isSought[i] | isSought[j] ) != 0 && cells.has( j ) && cells.distanceSquared( i, j ) > limits.lengthSquared[k] )
+			if ( ( isUnresolved[i] | isUnresolved[j] ) != 0 && cells.isNode( j ) &&
+				cells.distanceSquared( i, j ) > limits.lengthSquared[k] )
 			{
 				isStretched[i] = isStretched[j] = 1;
-				isSought[i] = isSought[j] = 0;
+				isUnresolved[i] = isUnresolved[j] = 0;
 			}
 		}
-		if ( isStretched[i] != 0 && m_scratch.isOpen[i] != 0 &&
-			positions.mayBreak( i ) ) // all links of i have been looked at: those to lower cells were theirs
+		if ( isStretched[i] != 0 && m_scratch.isActive[i] != 0 &&
+			positions.mayBreak( i ) ) // all links of i are checked: those to lower cells in their rows
 		{
 			m_scratch.stretched.push_back( i );
 		}
@@ -73,8 +74,9 @@ void PlaneCracks::measureWide( const Lattice& lattice, const LinkLimits& limits,
 	if ( overload.near.excess > 1.0f )
 	{
 		overload.wide = measure( lattice, limits, m_scratch.moments.around( overload.cell ).deformation(), overload );
-		overload.wide.excess = overload.near.excess > kNeck ? std::max( overload.wide.excess, 1.0f + overload.near.excess - kNeck )
-															: overload.wide.excess;
+		overload.wide.excess = overload.near.excess > kNeckFactor
+			? std::max( overload.wide.excess, 1.0f + overload.near.excess - kNeckFactor )
+			: overload.wide.excess;
 	}
 }
 
@@ -82,27 +84,27 @@ void PlaneCracks::findOverloads( const Lattice& lattice, const LinkLimits& limit
 {
 	std::vector<Overload>& found = m_scratch.found;
 	found.clear();
-	const bool goesOnOnly = !mayBegin && !m_looksEverywhere;
-	const double least = double( m_growthFraction ) * double( m_breakStrain ) * double( limits.weakest );
+	const bool growsOnly = !mayBegin && !m_checksEveryCell;
+	const double minStrain = double( m_growthFraction ) * double( m_breakStrain ) * double( limits.weakest );
 	for ( const std::uint32_t i : m_scratch.stretched )
 	{
 		const Eigen::Matrix3d around = m_scratch.moments.of( i ).deformation();
-		if ( !m_looksEverywhere && isStretchedLess( around, least * ( 1.0 - kRoundedFraction ) ) )
+		if ( !m_checksEveryCell && isStretchedLess( around, minStrain * ( 1.0 - kRoundedFraction ) ) )
 		{
-			continue; // no crack would go on or begin
+			continue; // no crack would grow or start
 		}
-		Overload overload{ i, positions.bears( i ), {}, {}, 0 };
+		Overload overload{ i, positions.strainFactor( i ), {}, {}, 0 };
 		overload.near = measure( lattice, limits, around, overload );
-		overload.planes = goesOnOnly ? planesOf( i, overload.near, lattice.cellSize ) : 0;
-		if ( overload.near.excess > m_growthFraction && ( !goesOnOnly || overload.planes != 0 ) ) // else it would do nothing
+		overload.planes = growsOnly ? planesOf( i, overload.near, lattice.cellSize ) : 0;
+		if ( overload.near.excess > m_growthFraction && ( !growsOnly || overload.planes != 0 ) ) // otherwise it has no effect
 		{
 			found.push_back( overload );
 		}
 	}
-	const std::uint64_t unreached = goesOnOnly ? planesToReach( lattice.cellSize ) : 0;
+	const std::uint64_t unreached = growsOnly ? unreachedPlanes( lattice.cellSize ) : 0;
 	for ( Overload& overload : found )
 	{
-		if ( !goesOnOnly || ( overload.planes & unreached ) != 0 ) // else when its turn comes makes no difference
+		if ( !growsOnly || ( overload.planes & unreached ) != 0 ) // otherwise the order of processing has no effect
 		{
 			measureWide( lattice, limits, overload );
 		}
@@ -121,12 +123,12 @@ PlaneCracks::Pull PlaneCracks::measure(
 	found.normal = stretch.axis;
 	if ( found.normal.dot( Vec3d( 1.0, 1e-3, 1e-6 ) ) < 0.0 )
 	{
-		found.normal = -found.normal; // either would do; one must
+		found.normal = -found.normal; // both signs are valid; one is chosen
 	}
 	double toughness = 1.0;
 	if ( !limits.toughness.empty() )
 	{
-		// What is to break is as tough as its links are, those weighed most that lie along the pull.
+		// The toughness is the mean over the links, weighted by their alignment with the pull.
 		double sum = 0.0, weights = 0.0;
 		for ( std::uint32_t k = lattice.linkStart[i]; k < lattice.linkStart[i + 1]; ++k )
 		{
@@ -137,7 +139,7 @@ PlaneCracks::Pull PlaneCracks::measure(
 		}
 		toughness = sum / weights;
 	}
-	found.excess = float( stretch.strain / ( double( m_breakStrain ) * toughness * double( overload.bears ) ) );
+	found.excess = float( stretch.strain / ( double( m_breakStrain ) * toughness * double( overload.strainFactor ) ) );
 	return found;
 }
 
@@ -145,7 +147,7 @@ PlaneCracks::Plane* PlaneCracks::planeFor( const Overload& found, const Vec3d& a
 {
 	isShielded = false;
 	Plane* nearest = nullptr;
-	double least = kCrackThickness * cellSize;
+	double nearestHeight = kCrackThickness * cellSize;
 	for ( Plane& plane : m_planes )
 	{
 		if ( std::fabs( plane.normal.dot( found.near.normal ) ) < kSameCrackCosine )
@@ -153,17 +155,17 @@ PlaneCracks::Plane* PlaneCracks::planeFor( const Overload& found, const Vec3d& a
 			continue;
 		}
 		const double height = std::fabs( heightOver( plane, found.cell ) );
-		if ( height > least && !mayBegin )
+		if ( height > nearestHeight && !mayBegin )
 		{
 			continue;
 		}
 		const double outside = plane.distanceOf( at );
-		if ( outside <= kCrackReach * cellSize && height <= least )
+		if ( outside <= kCrackReach * cellSize && height <= nearestHeight )
 		{
-			least = height;
+			nearestHeight = height;
 			nearest = &plane;
 		}
-		// A crack takes the load off what is beside it, as far as it is long; it need not have been felt there yet.
+		// A crack unloads the material beside it over a distance of its length, even before the unloading has arrived there.
 		isShielded = isShielded || outside < kCrackShield * cellSize + 0.5 * ( plane.high - plane.low ).norm();
 	}
 	return nearest;
@@ -186,7 +188,7 @@ bool PlaneCracks::breakAcross( const Lattice& lattice, const LinkLimits& limits,
 		plane.high = plane.high.cwiseMax( at );
 	}
 	bool breaks = false;
-	for ( std::size_t m = 0; m < members.size() && sides == 3; ++m ) // else all are on one side
+	for ( std::size_t m = 0; m < members.size() && sides == 3; ++m ) // otherwise all are on one side
 	{
 		const std::uint32_t a = members[m];
 		bool breaksHere = false;
@@ -213,10 +215,10 @@ bool PlaneCracks::breakAcross( const Lattice& lattice, const LinkLimits& limits,
 	return breaks;
 }
 
-/// Those that have been marked, ascending, as limits list them: links are met by many of the cells along a crack.
-void PlaneCracks::takeBroken( const LinkLimits& limits, std::vector<CellLink>& broken )
+/// Collects the marked links, ascending, in the order of the limits: many links are visited by several cells along a crack.
+void PlaneCracks::collectBroken( const LinkLimits& limits, std::vector<CellLink>& broken )
 {
-	const bool areMore = !broken.empty();
+	const bool hadBroken = !broken.empty();
 	for ( std::uint32_t a = 0; a < std::uint32_t( m_scratch.mark.size() ); ++a )
 	{
 		for ( std::uint32_t k = limits.start[a]; m_scratch.mark[a] != 0 && k < limits.start[a + 1]; ++k )
@@ -228,7 +230,7 @@ void PlaneCracks::takeBroken( const LinkLimits& limits, std::vector<CellLink>& b
 			}
 		}
 	}
-	if ( areMore )
+	if ( hadBroken )
 	{
 		std::sort( broken.begin(), broken.end() );
 		broken.erase( std::unique( broken.begin(), broken.end() ), broken.end() );
@@ -248,31 +250,31 @@ bool PlaneCracks::find( const Lattice& lattice, const LinkLimits& limits, const 
 	{
 		return false;
 	}
-	m_scratch.moments.look( lattice, positions );
-	const bool goesOnOnly = !mayBegin && !m_looksEverywhere;
-	m_scratch.isOpen.assign( std::size_t( lattice.cellCount() ), 1 );
-	if ( goesOnOnly )
+	m_scratch.moments.update( lattice, positions );
+	const bool growsOnly = !mayBegin && !m_checksEveryCell;
+	m_scratch.isActive.assign( std::size_t( lattice.cellCount() ), 1 );
+	if ( growsOnly )
 	{
-		placeAtRest( lattice );
-		findOpen( lattice );
+		findRestPositions( lattice );
+		findActive( lattice );
 	}
 	findStretched( limits, positions );
 	if ( m_scratch.stretched.empty() )
 	{
 		return false; // as in most substeps of most bodies
 	}
-	if ( goesOnOnly )
+	if ( growsOnly )
 	{
 		dropUnreachable( lattice );
 	}
 	else
 	{
-		placeAtRest( lattice );
+		findRestPositions( lattice );
 	}
 	findOverloads( lattice, limits, positions, mayBegin );
 	m_scratch.mark.assign( std::size_t( lattice.cellCount() ), 0 );
 	m_scratch.isBroken.resize( std::max( m_scratch.isBroken.size(), limits.to.size() ), 0 );
-	bool hasBegun = false;
+	bool hasStarted = false;
 	for ( const Overload& overload : m_scratch.found )
 	{
 		const Vec3d& at = m_scratch.rest[overload.cell];
@@ -282,15 +284,15 @@ bool PlaneCracks::find( const Lattice& lattice, const LinkLimits& limits, const 
 		{
 			m_planes.push_back( Plane{ at + 0.5 * double( lattice.cellSize ) * overload.wide.normal, overload.wide.normal, at, at, 0.0f } );
 			plane = &m_planes.back();
-			hasBegun = true;
+			hasStarted = true;
 		}
 		if ( plane )
 		{
 			plane->age = breakAcross( lattice, limits, overload.cell, *plane ) ? 0.0f : plane->age;
 		}
 	}
-	takeBroken( limits, broken );
-	return hasBegun;
+	collectBroken( limits, broken );
+	return hasStarted;
 }
 
 } // namespace pliant

@@ -1,9 +1,9 @@
 #pragma once
 
 // Cracks as planes: where the material around a cell is stretched too far, all links that cross the plane normal to the largest stretch
-// break together, and a crack goes on in the plane it began in. Beyond Ohta et al. 2009, "Fracturing": distances between neighbours depend
-// on how the lattice lies (a pull between two of the 26 directions stretches no link by the whole of it), and cracks of single links follow
-// it.
+// break together, and a crack grows in the plane in which it started. An extension of Ohta et al. 2009, "Fracturing": distances between
+// neighbours depend on the orientation of the lattice (a pull between two of the 26 directions stretches no link fully), and cracks of
+// single links follow it.
 
 #include "fracture/cell_positions.h"
 #include "fracture/link_limits.h"
@@ -16,21 +16,21 @@ namespace pliant {
 class PlaneCracks
 {
 public:
-	/// Strain at which a cell of toughness 1 cracks; the share of it at which a crack that is there goes on.
+	/// Strain at which a cell of toughness 1 cracks, and the fraction of it at which an existing crack grows.
 	PlaneCracks( float breakStrain, float growthFraction ) : m_breakStrain( breakStrain ), m_growthFraction( growthFraction ) {}
 
-	/// Links for `limitLinks`: what may be the start of something. A body strained by e has a link strained by this share of it at least,
-	/// whatever the direction.
+	/// Strain for `limitLinks` that finds candidates. A body strained by e in any direction has a link strained by at least
+	/// kCandidateFraction e.
 	float candidateStrain() const;
 
-	/// Adds the links that break in this substep of length h, ascending. `limits` made for candidateStrain(). `mayBegin`: new cracks may,
-	/// else the ones there are go on only. True when one has begun.
+	/// Adds the links that break in this substep of length h, ascending. `limits` made for candidateStrain(). `mayBegin`: new cracks may
+	/// start, otherwise only existing ones grow. Returns true when one has started.
 	bool find( const Lattice& lattice, const LinkLimits& limits, const CellPositions& positions, float h, bool mayBegin,
 		std::vector<CellLink>& broken );
 
-	/// The slow twin of what find() does: measures around every stretched cell, whether a crack can get there or not, and however little it
-	/// may be.
-	void lookEverywhere() { m_looksEverywhere = true; }
+	/// Switches to the reference implementation of find(): measures every stretched cell, whether or not a crack can reach it, and however
+	/// small the stretch.
+	void checkEveryCell() { m_checksEveryCell = true; }
 
 	std::size_t count() const { return m_planes.size(); }
 
@@ -38,7 +38,7 @@ private:
 	struct Plane
 	{
 		Vec3d point, normal; ///< at rest, in the mesh's coordinates
-		Vec3d low, high;     ///< box around the cells it has run through
+		Vec3d low, high;     ///< bounding box of the cells it has run through
 		float age;           ///< s since it last grew
 
 		double distanceOf( const Vec3d& at ) const; ///< from the box
@@ -46,20 +46,20 @@ private:
 	/// The largest stretch around a cell.
 	struct Pull
 	{
-		float excess = 0.0f; ///< strain over what the cell bears
+		float excess = 0.0f; ///< strain relative to the cell's break strain
 		Vec3d normal = Vec3d::Zero();
 	};
-	/// A crack that is there is asked about the cell's own links, for at its tip the stretch is high and the place small. Where one is to
-	/// begin, those of its neighbours count as well: else every step of a slanted surface is a notch, and bars at 5 degrees to the lattice
-	/// broke at 0.87 of what was set.
+	/// The growth of an existing crack depends on the cell's own links, since the region of high stretch at its tip is small. The start of
+	/// a crack also depends on its neighbours' links: otherwise every step of a slanted surface acts as a notch, and bars at 5 degrees to
+	/// the lattice break at 0.87 of the break strain.
 	struct Overload
 	{
 		std::uint32_t cell;
-		float bears; ///< CellPositions::bears
+		float strainFactor; ///< CellPositions::strainFactor
 		Pull near, wide;
-		std::uint64_t planes = 0; ///< planesOf(), where cracks go on only
+		std::uint64_t planes = 0; ///< planesOf(), where cracks only grow
 	};
-	/// Kept between calls; a piece makes its own.
+	/// Memory reused between calls; not copied with the object.
 	struct Scratch
 	{
 		Scratch() = default;
@@ -73,34 +73,34 @@ private:
 		std::vector<Overload> found;
 		std::vector<Vec3d> rest; ///< by cell, in the mesh's coordinates
 		std::vector<std::uint32_t> members;
-		std::vector<std::uint8_t> isBroken; ///< by link of the limits, in this look
-		std::vector<std::uint8_t> sideOf;   ///< by cell, while a crack goes on by it: 1 below, 2 above; else 0
+		std::vector<std::uint8_t> isBroken; ///< by link of the limits, in this call
+		std::vector<std::uint8_t> sideOf;   ///< by cell, while a crack passes it: 1 below, 2 above; else 0
 		std::vector<std::uint64_t> above,
-			inSlabs;                        ///< by cell, a bit a plane: whether it lies on the upper side, and within the plane's thickness
-		std::vector<std::uint8_t> isOpen;   ///< by cell: it may do something
-		std::vector<std::uint8_t> isSought; ///< by cell: an open one not known to be stretched so far
+			inSlabs;                            ///< by cell, a bit per plane: on its upper side, and within its thickness
+		std::vector<std::uint8_t> isActive;     ///< by cell: it may have an effect
+		std::vector<std::uint8_t> isUnresolved; ///< by cell: an active one not yet known to be stretched
 	};
 
-	/// Bits that a word has for planes; more of them, and all cells are open.
-	static constexpr std::size_t kMostBits = 64;
+	/// Planes that fit in the bits of a word; with more of them all cells are active.
+	static constexpr std::size_t kMaxPlaneBits = 64;
 	double heightOver( const Plane& plane, std::uint32_t cell ) const { return plane.normal.dot( m_scratch.rest[cell] - plane.point ); }
 
-	void findOpen( const Lattice& lattice );
-	bool doesSomething( const Lattice& lattice, std::uint32_t cell ) const;
+	void findActive( const Lattice& lattice );
+	bool hasEffect( const Lattice& lattice, std::uint32_t cell ) const;
 	void findStretched( const LinkLimits& limits, const CellPositions& positions );
 	void dropUnreachable( const Lattice& lattice );
 	void findOverloads( const Lattice& lattice, const LinkLimits& limits, const CellPositions& positions, bool mayBegin );
 	void measureWide( const Lattice& lattice, const LinkLimits& limits, Overload& overload );
-	void placeAtRest( const Lattice& lattice );
+	void findRestPositions( const Lattice& lattice );
 	std::uint64_t planesOf( std::uint32_t cell, const Pull& near, double cellSize ) const;
-	std::uint64_t planesToReach( double cellSize ) const;
+	std::uint64_t unreachedPlanes( double cellSize ) const;
 	Pull measure( const Lattice& lattice, const LinkLimits& limits, const Eigen::Matrix3d& around, const Overload& overload ) const;
 	Plane* planeFor( const Overload& found, const Vec3d& at, double cellSize, bool mayBegin, bool& isShielded );
 	bool breakAcross( const Lattice& lattice, const LinkLimits& limits, std::uint32_t cell, Plane& plane );
-	void takeBroken( const LinkLimits& limits, std::vector<CellLink>& broken );
+	void collectBroken( const LinkLimits& limits, std::vector<CellLink>& broken );
 
 	float m_breakStrain, m_growthFraction;
-	bool m_looksEverywhere = false;
+	bool m_checksEveryCell = false;
 	std::vector<Plane> m_planes;
 	Scratch m_scratch;
 };

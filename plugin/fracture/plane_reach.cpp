@@ -1,4 +1,4 @@
-// Cracks that go on only: which cells they can get to and do something at, told without measuring what is strained there.
+// Determines, without measuring strain, the cells where existing cracks can grow.
 
 #include "fracture/plane_cracks.h"
 
@@ -15,15 +15,15 @@ double PlaneCracks::Plane::distanceOf( const Vec3d& at ) const
 	return std::sqrt( ( at - at.cwiseMax( low ).cwiseMin( high ) ).squaredNorm() );
 }
 
-// Where no crack may begin, a cell does something by a crack only within whose thickness it lies, and where some of its links cross the
-// plane or it widens the box that the crack has run through. Late in a break, most cells along a crack do neither.
-void PlaneCracks::findOpen( const Lattice& lattice )
+// Where no crack may start, a cell matters only to a crack within whose thickness it lies, and only if some of its links cross the plane or
+// it extends the crack's box. Late in a fracture, most cells along a crack do neither.
+void PlaneCracks::findActive( const Lattice& lattice )
 {
-	if ( m_planes.size() > kMostBits )
+	if ( m_planes.size() > kMaxPlaneBits )
 	{
-		return; // any may do something
+		return; // all cells are active
 	}
-	const double most = kCrackThickness * lattice.cellSize;
+	const double thickness = kCrackThickness * lattice.cellSize;
 	m_scratch.above.assign( m_scratch.rest.size(), 0 );
 	m_scratch.inSlabs.assign( m_scratch.rest.size(), 0 );
 	for ( std::size_t p = 0; p < m_planes.size(); ++p )
@@ -32,16 +32,16 @@ void PlaneCracks::findOpen( const Lattice& lattice )
 		{
 			const double height = heightOver( m_planes[p], cell );
 			m_scratch.above[cell] |= std::uint64_t( height >= 0.0 ? 1 : 0 ) << p;
-			m_scratch.inSlabs[cell] |= std::uint64_t( std::fabs( height ) <= most ? 1 : 0 ) << p;
+			m_scratch.inSlabs[cell] |= std::uint64_t( std::fabs( height ) <= thickness ? 1 : 0 ) << p;
 		}
 	}
 	for ( std::uint32_t cell = 0; cell < std::uint32_t( m_scratch.rest.size() ); ++cell )
 	{
-		m_scratch.isOpen[cell] = m_scratch.inSlabs[cell] != 0 && doesSomething( lattice, cell ) ? 1 : 0;
+		m_scratch.isActive[cell] = m_scratch.inSlabs[cell] != 0 && hasEffect( lattice, cell ) ? 1 : 0;
 	}
 }
 
-bool PlaneCracks::doesSomething( const Lattice& lattice, std::uint32_t cell ) const
+bool PlaneCracks::hasEffect( const Lattice& lattice, std::uint32_t cell ) const
 {
 	const std::uint64_t inSlabs = m_scratch.inSlabs[cell];
 	std::uint64_t crossed = 0;
@@ -53,29 +53,29 @@ bool PlaneCracks::doesSomething( const Lattice& lattice, std::uint32_t cell ) co
 		low = low.cwiseMin( m_scratch.rest[j] );
 		high = high.cwiseMax( m_scratch.rest[j] );
 	}
-	bool does = ( crossed & inSlabs ) != 0;
-	for ( std::uint64_t open = inSlabs; open != 0 && !does; open &= open - 1 )
+	bool result = ( crossed & inSlabs ) != 0;
+	for ( std::uint64_t open = inSlabs; open != 0 && !result; open &= open - 1 )
 	{
 		const Plane& plane = m_planes[std::size_t( std::countr_zero( open ) )];
-		does = ( low.array() < plane.low.array() ).any() || ( high.array() > plane.high.array() ).any();
+		result = ( low.array() < plane.low.array() ).any() || ( high.array() > plane.high.array() ).any();
 	}
-	return does;
+	return result;
 }
 
-// Only those can break links that a crack gets to: they lie within its plane's thickness, and near to where it has been or to another such
-// cell that it then has been at.
+// Only cells that a crack reaches can break links: they lie within its plane's thickness and near its box, or near another such cell that
+// extends the box.
 void PlaneCracks::dropUnreachable( const Lattice& lattice )
 {
 	std::vector<std::uint8_t>& isReached = m_scratch.mark;
 	isReached.assign( std::size_t( lattice.cellCount() ), 0 );
-	const double reach = kCrackReach * lattice.cellSize, most = kCrackThickness * lattice.cellSize;
-	const Vec3d ring = Vec3d::Constant( 2.0 * lattice.cellSize ); // middles of material in neighbouring cells are no further apart
+	const double reach = kCrackReach * lattice.cellSize, thickness = kCrackThickness * lattice.cellSize;
+	const Vec3d ring = Vec3d::Constant( 2.0 * lattice.cellSize ); // centres of material in neighbouring cells are no farther apart
 	for ( const Plane& plane : m_planes )
 	{
 		m_scratch.inSlab.clear();
 		for ( const std::uint32_t cell : m_scratch.stretched )
 		{
-			if ( std::fabs( heightOver( plane, cell ) ) <= most )
+			if ( std::fabs( heightOver( plane, cell ) ) <= thickness )
 			{
 				m_scratch.inSlab.push_back( cell );
 			}
@@ -102,8 +102,7 @@ void PlaneCracks::dropUnreachable( const Lattice& lattice )
 	cells.erase( std::remove_if( cells.begin(), cells.end(), [&]( std::uint32_t cell ) { return isReached[cell] == 0; } ), cells.end() );
 }
 
-/// In which cracks' planes the cell lies and is pulled across, a bit each; of more planes than a word has bits: all bits, where there is
-/// one.
+/// Returns the cracks in whose planes the cell lies and is pulled across, a bit each; all bits if there are more planes than bits.
 std::uint64_t PlaneCracks::planesOf( std::uint32_t cell, const Pull& near, double cellSize ) const
 {
 	std::uint64_t planes = 0;
@@ -112,17 +111,17 @@ std::uint64_t PlaneCracks::planesOf( std::uint32_t cell, const Pull& near, doubl
 		if ( std::fabs( heightOver( m_planes[p], cell ) ) <= kCrackThickness * cellSize &&
 			std::fabs( m_planes[p].normal.dot( near.normal ) ) >= kSameCrackCosine )
 		{
-			planes |= m_planes.size() > kMostBits ? ~std::uint64_t( 0 ) : std::uint64_t( 1 ) << p;
+			planes |= m_planes.size() > kMaxPlaneBits ? ~std::uint64_t( 0 ) : std::uint64_t( 1 ) << p;
 		}
 	}
 	return planes;
 }
 
-/// Planes with a cell that has been found and is too far away as yet. Which crack a cell goes with depends on which others have had their
-/// turn only where one of these is among its planes, and only on those that are so too.
-std::uint64_t PlaneCracks::planesToReach( double cellSize ) const
+/// Returns the planes with an overloaded cell that is still out of reach. The order of processing affects a cell's assignment only if one
+/// of these is among its planes, and only relative to other such cells.
+std::uint64_t PlaneCracks::unreachedPlanes( double cellSize ) const
 {
-	if ( m_planes.size() > kMostBits )
+	if ( m_planes.size() > kMaxPlaneBits )
 	{
 		return ~std::uint64_t( 0 );
 	}

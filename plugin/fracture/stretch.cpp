@@ -33,19 +33,19 @@ struct Symmetric
 	Vec3d row( int k ) const { return k == 0 ? Vec3d( xx, xy, xz ) : k == 1 ? Vec3d( xy, yy, yz ) : Vec3d( xz, yz, zz ); }
 };
 
-/// A unit vector that a singular symmetric matrix takes to nothing: at right angles to its rows, by the two that tell it best.
+/// Returns a unit vector in the kernel of a singular symmetric matrix: perpendicular to the two rows that determine it best.
 Vec3d kernelOf( const Symmetric& matrix )
 {
 	const Vec3d row[3] = { matrix.row( 0 ), matrix.row( 1 ), matrix.row( 2 ) };
 	Vec3d best = Vec3d::Zero(), line = Vec3d::Zero();
-	double most = 0.0, size = 0.0;
+	double largestSquare = 0.0, size = 0.0;
 	for ( int k = 0; k < 3; ++k )
 	{
 		const Vec3d normal = row[k].cross( row[( k + 1 ) % 3] );
-		if ( normal.squaredNorm() > most )
+		if ( normal.squaredNorm() > largestSquare )
 		{
 			best = normal;
-			most = normal.squaredNorm();
+			largestSquare = normal.squaredNorm();
 		}
 		if ( row[k].squaredNorm() > size )
 		{
@@ -53,20 +53,20 @@ Vec3d kernelOf( const Symmetric& matrix )
 			size = row[k].squaredNorm();
 		}
 	}
-	// Rows along one line: whatever lies across it is stretched alike, and which way the crosses point is rounding.
-	if ( most > kAlikeStretches * kAlikeStretches * size * size )
+	// If the rows are collinear, all perpendicular directions have the same stretch and the cross products' directions are rounding.
+	if ( largestSquare > kEqualStretches * kEqualStretches * size * size )
 	{
-		return best / std::sqrt( most );
+		return best / std::sqrt( largestSquare );
 	}
 	return size > 0.0 ? Vec3d( line.unitOrthogonal() ) : Vec3d( Vec3d::UnitX() );
 }
 
 } // namespace
 
-// E = F^T F - 1 has the mean m and, about it, S = p B with |B|^2 = 6. The largest eigenvalue of B is 1 + y with
+// E = F^T F - 1 has the mean m and the deviator S = p B with |B|^2 = 6. The largest eigenvalue of B is 1 + y with
 //   y^3 + 3 y^2 = 2 + det B =: s,  0 <= y <= 1.
-// y = z sqrt( s / 3 ) leaves k z^3 + z^2 = 1 with k = sqrt( s / 27 ) <= 0.39: Newton's steps from z = 1 come down to it quadratically, four
-// of them to the last bit.
+// y = z sqrt( s / 3 ) yields k z^3 + z^2 = 1 with k = sqrt( s / 27 ) <= 0.39: Newton's method from z = 1 converges monotonically and
+// quadratically, to the last bit in four steps.
 Stretch largestStretch( const Eigen::Matrix3d& deformation )
 {
 	Symmetric strain( deformation );
@@ -93,8 +93,7 @@ Stretch largestStretch( const Eigen::Matrix3d& deformation )
 	return found;
 }
 
-// The largest eigenvalue of E is at most m + 2 sqrt( |S|^2 / 6 ), and is that where the two others are alike, as in a pull. Left half open
-// by what rounding could make of it.
+// The largest eigenvalue of E is at most m + 2 sqrt( |S|^2 / 6 ), with equality if the two others are equal. The margin covers rounding.
 bool isStretchedLess( const Eigen::Matrix3d& deformation, double strain )
 {
 	constexpr double kRounding = 1e-9;
@@ -128,19 +127,19 @@ Eigen::Matrix3d LinkMoments::Moment::deformation() const
 	return p * inverseOfRest( q );
 }
 
-void LinkMoments::look( const Lattice& lattice, const CellPositions& positions )
+void LinkMoments::update( const Lattice& lattice, const CellPositions& positions )
 {
 	m_lattice = &lattice;
 	const std::size_t cells = std::size_t( lattice.cellCount() );
 	m_position.resize( cells );
-	m_has.resize( cells );
+	m_isNode.resize( cells );
 	m_slot.clear();
-	m_made.clear();
+	m_moments.clear();
 	for ( std::uint32_t i = 0; i < std::uint32_t( cells ); ++i )
 	{
 		const Vec3 at = positions.at( i );
 		m_position[i] = Eigen::Array4f( at.x(), at.y(), at.z(), 0.0f );
-		m_has[i] = positions.has( i ) ? 1 : 0;
+		m_isNode[i] = positions.isNode( i ) ? 1 : 0;
 	}
 }
 
@@ -164,13 +163,13 @@ LinkMoments::Moment LinkMoments::measure( std::uint32_t cell ) const
 		sum.now[row].setZero();
 		sum.rest[row].setZero();
 	}
-	const Eigen::Array4f place = m_position[cell], rest = m_rest[cell];
-	for ( std::uint32_t k = m_lattice->linkStart[cell]; k < m_lattice->linkStart[cell + 1] && has( cell ); ++k )
+	const Eigen::Array4f position = m_position[cell], rest = m_rest[cell];
+	for ( std::uint32_t k = m_lattice->linkStart[cell]; k < m_lattice->linkStart[cell + 1] && isNode( cell ); ++k )
 	{
 		const std::uint32_t j = m_lattice->linkTo[k];
-		if ( has( j ) )
+		if ( isNode( j ) )
 		{
-			const Eigen::Array4f p = m_position[j] - place, q = m_rest[j] - rest;
+			const Eigen::Array4f p = m_position[j] - position, q = m_rest[j] - rest;
 			for ( int row = 0; row < 3; ++row )
 			{
 				sum.now[row] += p[row] * q;
@@ -189,10 +188,10 @@ const LinkMoments::Moment& LinkMoments::of( std::uint32_t cell )
 	}
 	if ( m_slot[cell] == kNone )
 	{
-		m_slot[cell] = std::uint32_t( m_made.size() );
-		m_made.push_back( measure( cell ) );
+		m_slot[cell] = std::uint32_t( m_moments.size() );
+		m_moments.push_back( measure( cell ) );
 	}
-	return m_made[m_slot[cell]];
+	return m_moments[m_slot[cell]];
 }
 
 LinkMoments::Moment LinkMoments::around( std::uint32_t cell )

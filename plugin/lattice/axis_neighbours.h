@@ -1,7 +1,6 @@
 #pragma once
 
-// Which cells lie right beside a cell along the lattice's axes, linked to it. For who asks how the material around a node is stretched and
-// turned.
+// Finds the cells that are adjacent and linked to a cell along the lattice axes. Used to measure stretch and rotation around a node.
 
 #include "lattice/lattice.h"
 
@@ -11,7 +10,7 @@
 
 namespace pliant {
 
-/// By cell: its neighbours on the low and the high side of x, y and z; -1: nothing is linked there.
+/// Per cell: its neighbours on the low and the high side of x, y and z; -1 where no linked neighbour exists.
 using AxisNeighbours = std::vector<std::array<std::int32_t, 6>>;
 
 AxisNeighbours findAxisNeighbours( const Lattice& lattice );

@@ -1,4 +1,4 @@
-// What this build has: the one file that is compiled with the options.
+// The features of this build: the only file that is compiled with the options.
 
 #include "lattice/features.h"
 
@@ -10,7 +10,7 @@ struct FeatureInfo
 {
 	const char* name;
 	const char* option;
-	bool isThere;
+	bool isEnabled;
 };
 
 const FeatureInfo kFeatures[kFeatureCount] = {
@@ -33,7 +33,7 @@ bool isKnown( Feature feature )
 
 bool hasFeature( Feature feature )
 {
-	return isKnown( feature ) && kFeatures[int( feature )].isThere;
+	return isKnown( feature ) && kFeatures[int( feature )].isEnabled;
 }
 
 const char* toString( Feature feature )
@@ -41,7 +41,7 @@ const char* toString( Feature feature )
 	return isKnown( feature ) ? kFeatures[int( feature )].name : "unknown";
 }
 
-Status needFeature( Feature feature )
+Status requireFeature( Feature feature )
 {
 	if ( hasFeature( feature ) )
 	{

@@ -1,13 +1,13 @@
 #pragma once
 
-// Refusing what this build has been made without.
+// Rejects features that this build does not contain.
 
 #include "pliant/build.h"
 #include "pliant/result.h"
 
 namespace pliant {
 
-/// Ok, or the sentence that says that this build is without it.
-Status needFeature( Feature feature );
+/// Ok, or an error that names the missing feature.
+Status requireFeature( Feature feature );
 
 } // namespace pliant

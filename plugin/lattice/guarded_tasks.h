@@ -1,6 +1,6 @@
 #pragma once
 
-// Tasks that may run out of memory: what a pool's thread must not throw is thrown again in the building thread.
+// Tasks that may run out of memory: pool threads must not throw, so the exception is rethrown in the building thread.
 
 #include "threads/parallel.h"
 
@@ -31,7 +31,7 @@ void runGuarded( TaskRunner* runner, int count, F& task )
 	}
 }
 
-/// Appends what each task found, in the order of the tasks, and frees it.
+/// Appends the results of each task, in the order of the tasks, and frees them.
 template <class T>
 void appendAll( std::vector<std::vector<T>>& parts, std::vector<T>& out )
 {

@@ -1,4 +1,4 @@
-// A lattice made of whole cells, and the law every lattice keeps. Ohta et al. 2009, "Preprocessing".
+// Block lattices and the invariants of every lattice. Ohta et al. 2009, "Preprocessing".
 
 #include "lattice/lattice.h"
 
@@ -24,7 +24,7 @@ std::string cellName( std::size_t i )
 	return "cell " + std::to_string( i );
 }
 
-/// z, then y, then x: below zero when a comes before b, zero at one position.
+/// Compares by z, then y, then x: negative when a comes before b, zero at the same position.
 int compareOrder( const Cell& a, const Cell& b )
 {
 	for ( int axis = 2; axis >= 0; --axis )
@@ -52,7 +52,7 @@ Status validateSizes( const Lattice& lattice )
 	}
 	if ( !lattice.patch.empty() && lattice.patch.size() != count )
 	{
-		return broken( "the patches are not one a cell" );
+		return broken( "the number of patches is not the number of cells" );
 	}
 	if ( lattice.linkStart.size() != count + 1 || lattice.linkStart.front() != 0 || lattice.linkStart.back() != lattice.linkTo.size() )
 	{
@@ -93,7 +93,7 @@ Status validateCell( const Lattice& lattice, std::size_t i )
 	const double slack = kRoundingFraction * ( lattice.extent.maxCoeff() + lattice.corner.cwiseAbs().maxCoeff() / d );
 	if ( !( inCell.minCoeff() >= -slack && inCell.maxCoeff() <= 1.0 + slack ) )
 	{
-		return broken( cellName( i ) + " has its rest centre outside itself" );
+		return broken( cellName( i ) + " has a rest centre outside the cell" );
 	}
 	return {};
 }
@@ -109,7 +109,7 @@ Status validateLinks( const Lattice& lattice, std::size_t i )
 	{
 		if ( *link >= lattice.fill.size() || !areNeighbours( lattice.coordinate[i], lattice.coordinate[*link] ) )
 		{
-			return broken( cellName( i ) + " is linked to what is not its neighbour" );
+			return broken( cellName( i ) + " is linked to a cell that is not its neighbour" );
 		}
 		if ( link != rowOf( i ) && *( link - 1 ) >= *link )
 		{
@@ -118,7 +118,7 @@ Status validateLinks( const Lattice& lattice, std::size_t i )
 		if ( lattice.linkStart[*link] > lattice.linkStart[*link + 1] || lattice.linkStart[*link + 1] > lattice.linkTo.size() ||
 			!std::binary_search( rowOf( *link ), rowOf( *link + 1 ), std::uint32_t( i ) ) )
 		{
-			return broken( cellName( i ) + " has a link that does not lead back" );
+			return broken( cellName( i ) + " has a link that is not symmetric" );
 		}
 	}
 	const std::uint32_t links = lattice.linkStart[i + 1] - lattice.linkStart[i];

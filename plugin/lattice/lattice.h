@@ -1,6 +1,6 @@
 #pragma once
 
-// The finest cells of a body at rest and the links between them: what preprocessing leaves behind.
+// The finest cells of a body at rest and the links between them: the result of preprocessing.
 // Ohta et al. 2009, "Preprocessing"; Steinemann et al. 2008, section 4.1. Immutable once built; bodies share it.
 
 #include "pliant/result.h"
@@ -15,16 +15,14 @@ namespace pliant {
 using Vec3 = Eigen::Vector3f;
 using Vec3d = Eigen::Vector3d;
 
-/// Flat arrays, one entry a cell, in the order of z, then y, then x, then material part.
-/// Two cells may stand at one lattice position: they are two material parts the surface keeps apart.
-/// The drawn surface in front of a cell: the sphere that fits it best there, its centre on the line from the node along `normal`.
+/// The drawn surface in front of a cell: the best fitting sphere, whose centre lies on the line from the node along `normal`. See
 /// contact_patches.h.
 struct ContactPatch
 {
 	Vec3 normal = Vec3::Zero(); ///< outwards, of unit length, in the rest frame
-	float height = 0.0f;        ///< from the node along the normal to the surface, m
-	float radius = 0.0f;        ///< of the sphere, m, at least `height`; 0: there is none, as at edges and in thin parts
-	std::uint8_t links = 0;     ///< of the cell when it was fitted: with fewer now, a crack has opened other faces
+	float height = 0.0f;        ///< of the surface above the node along the normal, m
+	float radius = 0.0f;        ///< of the sphere, m, at least `height`; 0 where no patch exists, as at edges and in thin parts
+	std::uint8_t links = 0;     ///< of the cell at the time of the fit: with fewer links, a crack has opened other faces
 };
 
 struct Lattice
@@ -35,15 +33,15 @@ struct Lattice
 	Eigen::Vector3i extent = Eigen::Vector3i::Zero(); ///< lattice positions along x, y, z; each coordinate is in [0, extent)
 
 	std::vector<Eigen::Matrix<std::int16_t, 3, 1>> coordinate; ///< lattice position of a cell
-	std::vector<float> fill;                                   ///< share of the cell that is material, (0, 1]
+	std::vector<float> fill;                                   ///< material fraction of the cell, (0, 1]
 	std::vector<Vec3> restCentre;                              ///< centre of mass of the cell's material, relative to massCentre, m
 	std::vector<std::uint8_t> isSurface;                       ///< 1 where the cell is not full or lacks one of its 26 links
 
-	/// By cell; empty where nobody has looked at the drawn surface.
+	/// By cell; empty where no patches were fitted.
 	std::vector<ContactPatch> patch;
 
-	/// The 26-neighbour links as compressed rows: cell i is linked to linkTo[ linkStart[i] .. linkStart[i + 1] ), ascending,
-	/// both directions stored, never itself.
+	/// The 26-neighbour links as compressed rows: cell i is linked to linkTo[ linkStart[i] .. linkStart[i + 1] ), ascending, both
+	/// directions stored, without self-links.
 	std::vector<std::uint32_t> linkStart;
 	std::vector<std::uint32_t> linkTo;
 
@@ -57,11 +55,11 @@ struct Lattice
 	}
 };
 
-/// A full box of nx x ny x nz cells of edge `cellSize`, every link in place. Counts at least 1.
+/// Returns a full box of nx x ny x nz cells of edge `cellSize` with all links. Counts are at least 1.
 Lattice makeBlockLattice( int nx, int ny, int nz, float cellSize );
 
-/// Every invariant of a lattice: sizes agree, order holds, links are symmetric, sorted and between 26-neighbours,
-/// fills in (0, 1], mass centre at zero. The sentence names the first one broken.
+/// Checks every invariant of a lattice: sizes agree, cells are ordered, links are symmetric, sorted and between 26-neighbours, fills lie in
+/// (0, 1], the mass centre is at zero. The message names the first violation.
 Status validate( const Lattice& lattice );
 
 } // namespace pliant

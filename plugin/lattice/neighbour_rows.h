@@ -22,7 +22,7 @@ struct NeighbourRows
 	bool has( std::size_t i, std::uint32_t j ) const { return std::binary_search( begin( i ), end( i ), j ); }
 };
 
-/// `pairs`: each once, in any order.
+/// Each pair occurs once in `pairs`, in any order.
 NeighbourRows makeNeighbourRows( const std::vector<std::vector<CellPair>>& pairs, std::size_t count );
 
 } // namespace pliant

@@ -9,9 +9,9 @@ namespace pliant {
 
 namespace {
 
-/// Both directions of every link, ascending: the order in which the rows list them. `links` ascend, so that those to one cell from lower
-/// ones stand in order, and before those from it: counting sorts them.
-std::vector<CellLink> bothWays( const std::vector<CellLink>& links, std::size_t cells )
+/// Returns both directions of every link in the order of the rows, by counting sort. `links` ascend, so that the links to a cell from lower
+/// cells are in order and precede the links from it.
+std::vector<CellLink> bothDirections( const std::vector<CellLink>& links, std::size_t cells )
 {
 	std::vector<std::uint32_t> next( cells + 1, 0 );
 	for ( const CellLink& link : links )
@@ -44,78 +44,78 @@ bool isSurfaceCell( const Lattice& lattice, std::size_t cell )
 
 Lattice withoutLinks( const Lattice& lattice, const std::vector<CellLink>& links )
 {
-	const std::vector<CellLink> gone = bothWays( links, lattice.fill.size() );
-	Lattice now = lattice;
-	auto next = gone.begin();
+	const std::vector<CellLink> removed = bothDirections( links, lattice.fill.size() );
+	Lattice result = lattice;
+	auto next = removed.begin();
 	std::uint32_t kept = 0;
 	const std::uint32_t cells = std::uint32_t( lattice.cellCount() );
 	for ( std::uint32_t i = 0; i < cells; ++i )
 	{
-		// Rows that lose nothing, all up to the next that does.
-		const std::uint32_t end = next == gone.end() ? cells : next->a, first = lattice.linkStart[i], lost = first - kept;
-		std::copy( lattice.linkTo.begin() + first, lattice.linkTo.begin() + lattice.linkStart[end], now.linkTo.begin() + kept );
+		// Copies the rows without losses up to the next row with one.
+		const std::uint32_t end = next == removed.end() ? cells : next->a, first = lattice.linkStart[i], lost = first - kept;
+		std::copy( lattice.linkTo.begin() + first, lattice.linkTo.begin() + lattice.linkStart[end], result.linkTo.begin() + kept );
 		kept += lattice.linkStart[end] - first;
 		for ( ; i < end; ++i )
 		{
-			now.linkStart[i] -= lost;
+			result.linkStart[i] -= lost;
 		}
 		if ( i == cells )
 		{
 			break;
 		}
-		now.linkStart[i] = kept;
+		result.linkStart[i] = kept;
 		for ( std::uint32_t k = lattice.linkStart[i]; k < lattice.linkStart[i + 1]; ++k )
 		{
-			if ( next != gone.end() && next->a == i && next->b == lattice.linkTo[k] )
+			if ( next != removed.end() && next->a == i && next->b == lattice.linkTo[k] )
 			{
 				++next;
 				continue;
 			}
-			now.linkTo[kept++] = lattice.linkTo[k];
+			result.linkTo[kept++] = lattice.linkTo[k];
 		}
 	}
-	now.linkStart.back() = kept;
-	now.linkTo.resize( kept );
-	for ( const CellLink& link : gone )
+	result.linkStart.back() = kept;
+	result.linkTo.resize( kept );
+	for ( const CellLink& link : removed )
 	{
-		now.isSurface[link.a] = 1;
+		result.isSurface[link.a] = 1;
 	}
-	return now;
+	return result;
 }
 
 Lattice withLinks( const Lattice& lattice, const std::vector<CellLink>& links )
 {
-	const std::vector<CellLink> added = bothWays( links, lattice.fill.size() );
-	Lattice now = lattice;
-	now.linkTo.clear();
-	now.linkTo.reserve( lattice.linkTo.size() + added.size() );
+	const std::vector<CellLink> added = bothDirections( links, lattice.fill.size() );
+	Lattice result = lattice;
+	result.linkTo.clear();
+	result.linkTo.reserve( lattice.linkTo.size() + added.size() );
 	auto next = added.begin();
 	for ( std::uint32_t i = 0; i < std::uint32_t( lattice.cellCount() ); ++i )
 	{
-		now.linkStart[i] = std::uint32_t( now.linkTo.size() );
+		result.linkStart[i] = std::uint32_t( result.linkTo.size() );
 		std::uint32_t k = lattice.linkStart[i];
 		for ( ; next != added.end() && next->a == i; ++next )
 		{
 			for ( ; k < lattice.linkStart[i + 1] && lattice.linkTo[k] < next->b; ++k )
 			{
-				now.linkTo.push_back( lattice.linkTo[k] );
+				result.linkTo.push_back( lattice.linkTo[k] );
 			}
-			now.linkTo.push_back( next->b );
+			result.linkTo.push_back( next->b );
 		}
-		now.linkTo.insert( now.linkTo.end(), lattice.linkTo.begin() + k, lattice.linkTo.begin() + lattice.linkStart[i + 1] );
+		result.linkTo.insert( result.linkTo.end(), lattice.linkTo.begin() + k, lattice.linkTo.begin() + lattice.linkStart[i + 1] );
 	}
-	now.linkStart.back() = std::uint32_t( now.linkTo.size() );
+	result.linkStart.back() = std::uint32_t( result.linkTo.size() );
 	for ( const CellLink& link : added )
 	{
-		now.isSurface[link.a] = isSurfaceCell( now, link.a ) ? 1 : 0;
+		result.isSurface[link.a] = isSurfaceCell( result, link.a ) ? 1 : 0;
 	}
-	return now;
+	return result;
 }
 
 namespace {
 
-/// Cells by the set they are of, which are numbered as they like.
-std::vector<std::vector<std::uint32_t>> partsOf( const std::vector<std::uint32_t>& sets )
+/// Groups cells by their set; set numbers are arbitrary.
+std::vector<std::vector<std::uint32_t>> groupBySet( const std::vector<std::uint32_t>& sets )
 {
 	constexpr std::uint32_t kNone = ~0u;
 	std::vector<std::uint32_t> partOf( sets.size(), kNone );
@@ -135,7 +135,7 @@ std::vector<std::vector<std::uint32_t>> partsOf( const std::vector<std::uint32_t
 
 } // namespace
 
-// Rows go both ways: each cell looks at those before it alone.
+// Rows store both directions: each cell considers only lower neighbours.
 std::vector<std::vector<std::uint32_t>> connectedParts( const Lattice& lattice )
 {
 	const std::uint32_t count = std::uint32_t( lattice.cellCount() );
@@ -157,18 +157,18 @@ std::vector<std::vector<std::uint32_t>> connectedParts( const Lattice& lattice )
 	{
 		setOf[i] = sets.find( i );
 	}
-	return partsOf( setOf );
+	return groupBySet( setOf );
 }
 
 namespace {
 
-/// Some cells' surroundings, growing side by side.
-class SideBySide
+/// Breadth-first searches from several seeds in lockstep.
+class LockstepSearch
 {
 public:
-	SideBySide( const Lattice& lattice, const std::vector<std::uint32_t>& seeds ) :
-		m_lattice( lattice ), m_own( std::size_t( lattice.cellCount() ), kNone ), m_sets( seeds.size() ), m_waiting( seeds.size(), 1 ),
-		m_growing( seeds.size() ), m_queue( seeds )
+	LockstepSearch( const Lattice& lattice, const std::vector<std::uint32_t>& seeds ) :
+		m_lattice( lattice ), m_own( std::size_t( lattice.cellCount() ), kNone ), m_sets( seeds.size() ), m_pending( seeds.size(), 1 ),
+		m_active( seeds.size() ), m_queue( seeds )
 	{
 		for ( std::size_t k = 0; k < seeds.size(); ++k )
 		{
@@ -176,10 +176,10 @@ public:
 		}
 	}
 
-	/// Until one alone could go on: what nobody has come to is its own.
+	/// Runs until a single search remains, which owns all cells not reached.
 	void grow()
 	{
-		for ( std::size_t at = 0; m_growing > 1 && at < m_queue.size(); ++at )
+		for ( std::size_t at = 0; m_active > 1 && at < m_queue.size(); ++at )
 		{
 			const std::uint32_t cell = m_queue[at];
 			std::uint32_t own = m_sets.find( m_own[cell] );
@@ -190,28 +190,28 @@ public:
 				{
 					m_own[to] = own;
 					m_queue.push_back( to );
-					++m_waiting[own];
+					++m_pending[own];
 				}
 				else if ( const std::uint32_t other = m_sets.find( m_own[to] ); other != own )
 				{
 					m_sets.join( own, other );
-					const int both = m_waiting[own] + m_waiting[other];
-					m_growing -= m_waiting[other] > 0 ? 1 : 0; // its own still has this cell to do
+					const int both = m_pending[own] + m_pending[other];
+					m_active -= m_pending[other] > 0 ? 1 : 0; // this cell is still pending in its own set
 					own = m_sets.find( own );
-					m_waiting[own] = both;
+					m_pending[own] = both;
 				}
 			}
-			m_growing -= --m_waiting[own] == 0 ? 1 : 0;
+			m_active -= --m_pending[own] == 0 ? 1 : 0;
 		}
 	}
 
-	/// Of each cell: the set it is of. Those that nobody has come to are of the one that could go on.
+	/// Returns the set of each cell. Cells that no search has reached belong to the remaining search.
 	std::vector<std::uint32_t> sets()
 	{
 		std::uint32_t rest = 0;
-		for ( std::uint32_t set = 0; set < std::uint32_t( m_waiting.size() ); ++set )
+		for ( std::uint32_t set = 0; set < std::uint32_t( m_pending.size() ); ++set )
 		{
-			rest = m_sets.find( set ) == set && m_waiting[set] > 0 ? set : rest;
+			rest = m_sets.find( set ) == set && m_pending[set] > 0 ? set : rest;
 		}
 		std::vector<std::uint32_t> of;
 		of.reserve( m_own.size() );
@@ -226,10 +226,10 @@ private:
 	static constexpr std::uint32_t kNone = ~0u;
 
 	const Lattice& m_lattice;
-	std::vector<std::uint32_t> m_own; ///< of each cell: the seed it was come to from
+	std::vector<std::uint32_t> m_own; ///< of each cell: the seed from which it was reached
 	UnionFind m_sets;                 ///< of seeds
-	std::vector<int> m_waiting;       ///< of each set: cells in the queue
-	std::size_t m_growing;            ///< sets that have any
+	std::vector<int> m_pending;       ///< of each set: cells in the queue
+	std::size_t m_active;             ///< number of sets with cells in the queue
 	std::vector<std::uint32_t> m_queue;
 };
 
@@ -237,9 +237,9 @@ private:
 
 std::vector<std::vector<std::uint32_t>> connectedParts( const Lattice& lattice, const std::vector<std::uint32_t>& seeds )
 {
-	SideBySide search( lattice, seeds );
+	LockstepSearch search( lattice, seeds );
 	search.grow();
-	return partsOf( search.sets() );
+	return groupBySet( search.sets() );
 }
 
 Lattice extractCells( const Lattice& lattice, const std::vector<std::uint32_t>& cells )

@@ -1,6 +1,6 @@
 #pragma once
 
-// What can be reached over the links. Rivers and James 2007, section 3.
+// Finds the cells that are reachable over the links. Rivers and James 2007, section 3.
 
 #include "lattice/lattice.h"
 
@@ -14,14 +14,14 @@ class Reach
 public:
 	explicit Reach( const Lattice& lattice ) : m_lattice( lattice ), m_mark( lattice.cellCount(), 0 ) {}
 
-	/// Ascending; the cell itself among them. Good until the next search.
+	/// Ascending and including the cell itself. Valid until the next search.
 	const std::vector<std::uint32_t>& from( std::uint32_t owner, int rounds )
 	{
 		m_found.assign( 1, owner );
 		return spread( rounds );
 	}
 
-	/// The same from several cells, each named once.
+	/// The same from several distinct cells.
 	const std::vector<std::uint32_t>& from( const std::vector<std::uint32_t>& owners, int rounds )
 	{
 		m_found = owners;

@@ -12,16 +12,16 @@ namespace {
 
 constexpr int kCellsPerTask = 512;
 
-/// Cells within the cube of half-width w around each cell, whatever their links, by box counts over the grid.
-/// Empty when a lattice position holds two cells or the grid would be much larger than the body.
+/// Returns the number of cells within the cube of half-width w around each cell, regardless of links, by box counts over the grid. Empty
+/// when a lattice position holds two cells or the grid is much larger than the body.
 std::vector<std::uint32_t> cubeCounts( const Lattice& lattice, int w )
 {
-	constexpr std::size_t kMostPositionsPerCell = 64;
-	if ( std::size_t( lattice.extent.x() ) * lattice.extent.y() * lattice.extent.z() > kMostPositionsPerCell * lattice.fill.size() + 4096 )
+	constexpr std::size_t kMaxPositionsPerCell = 64;
+	if ( std::size_t( lattice.extent.x() ) * lattice.extent.y() * lattice.extent.z() > kMaxPositionsPerCell * lattice.fill.size() + 4096 )
 	{
 		return {};
 	}
-	// Pieces keep the coordinates of what they came off: the box they fill is what counts.
+	// Pieces keep the coordinates of the body they broke off: only their own bounding box counts.
 	Eigen::Matrix<std::int16_t, 3, 1> low = lattice.coordinate[0], high = low;
 	for ( const auto& c : lattice.coordinate )
 	{
@@ -77,7 +77,7 @@ struct SearchJob
 {
 	const Lattice* lattice = nullptr;
 	int halfWidth = 1;
-	std::vector<std::vector<std::uint32_t>> members; // one list a task, regions one after the other
+	std::vector<std::vector<std::uint32_t>> members; // one list per task, regions in sequence
 	std::vector<std::uint16_t>* size = nullptr;
 
 	static void run( void* context, int task )
@@ -94,7 +94,7 @@ struct SearchJob
 	}
 };
 
-/// Half-width 1: a cell and what it is linked to, in order.
+/// Half-width 1: each cell and its linked cells, in order.
 void takeLinkRows( const Lattice& lattice, RegionSet& regions )
 {
 	regions.member.reserve( lattice.linkTo.size() + lattice.fill.size() );

@@ -1,6 +1,6 @@
 #pragma once
 
-// Disjoint sets; the lowest member stands for its set, so that the outcome does not depend on the order of joining.
+// Disjoint sets, each represented by its lowest member, so that the result does not depend on the order of joining.
 
 #include <cstdint>
 #include <numeric>

@@ -99,7 +99,7 @@ Status checkBuild( const Material& material )
 		{ material.farLevels > 0, Feature::FarLevels }, { material.elasticity == Elasticity::Implicit, Feature::Implicit } };
 	for ( const auto& [isUsed, feature] : features )
 	{
-		if ( Status status = isUsed ? needFeature( feature ) : Status{}; !status.ok() )
+		if ( Status status = isUsed ? requireFeature( feature ) : Status{}; !status.ok() )
 		{
 			return status;
 		}

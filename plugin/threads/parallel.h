@@ -1,7 +1,7 @@
 #pragma once
 
-// One loop over independent tasks, in the calling thread or through a TaskRunner. Tasks write to their own places only, so that
-// results do not depend on how they are spread.
+// A loop over independent tasks, in the calling thread or through a TaskRunner. Each task writes only its own data, so that results do not
+// depend on the distribution over threads.
 
 #include "pliant/task_runner.h"
 
@@ -25,33 +25,33 @@ void runTasks( TaskRunner* runner, int count, F& task )
 	}
 }
 
-/// Shares a range is cut into at most. What is summed up share by share, and the shares in order, is the same for any number of threads.
-constexpr int kMostShares = 16;
-/// Entries a share has at least: some microseconds of work, which is what handing out a task costs.
-constexpr int kLeastShare = 1024;
+/// Maximum number of chunks of a range. Sums over each chunk, added in the order of chunks, are the same for any number of threads.
+constexpr int kMaxChunks = 16;
+/// Minimum chunk size: some microseconds of work, comparable to the cost of starting a task.
+constexpr int kMinChunkSize = 1024;
 
-/// A value for each share, without memory from the heap.
+/// A value per chunk, without heap memory.
 template <class T>
-using OfFractions = std::array<T, kMostShares>;
+using PerChunk = std::array<T, kMaxChunks>;
 
-/// 0 .. count - 1, cut into shares by nothing but how many there are.
-struct Shares
+/// 0 .. count - 1, divided into chunks depending only on the count.
+struct ChunkedRange
 {
 	int count;
 
-	/// A multiple of 16, so that no two shares write to one line of the cache.
-	int size() const { return std::max( kLeastShare, ( ( count + kMostShares - 1 ) / kMostShares + 15 ) / 16 * 16 ); }
-	int fractions() const { return ( count + size() - 1 ) / size(); }
-	int begin( int fraction ) const { return fraction * size(); }
-	int end( int fraction ) const { return std::min( count, ( fraction + 1 ) * size() ); }
+	/// A multiple of 16, so that no two chunks write to the same cache line.
+	int size() const { return std::max( kMinChunkSize, ( ( count + kMaxChunks - 1 ) / kMaxChunks + 15 ) / 16 * 16 ); }
+	int chunks() const { return ( count + size() - 1 ) / size(); }
+	int begin( int chunk ) const { return chunk * size(); }
+	int end( int chunk ) const { return std::min( count, ( chunk + 1 ) * size() ); }
 };
 
-/// work( share, begin, end ) for each.
+/// Calls work( chunk, begin, end ) for each chunk.
 template <class F>
-void runShares( TaskRunner* runner, const Shares& range, F&& work )
+void runChunks( TaskRunner* runner, const ChunkedRange& range, F&& work )
 {
-	auto task = [&]( int fraction ) { work( fraction, range.begin( fraction ), range.end( fraction ) ); };
-	runTasks( runner, range.fractions(), task );
+	auto task = [&]( int chunk ) { work( chunk, range.begin( chunk ), range.end( chunk ) ); };
+	runTasks( runner, range.chunks(), task );
 }
 
 } // namespace pliant

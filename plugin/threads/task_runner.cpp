@@ -1,11 +1,11 @@
-// A small pool of threads that share out one run of tasks after the other. Nothing is allocated in a run.
+// A small pool of threads that executes runs of tasks. A run allocates no memory.
 //
-// One atomic number, the ticket, holds the run's number and which of its tasks nobody has taken yet. Taking a task is one
-// compare-and-swap on it, so that a thread that wakes late can neither miss nor mix up a run: no task is left, or the number has changed.
-// For the same reason nobody waits for threads that sleep through a run.
+// One atomic number, the ticket, holds the run's number and the range of tasks not yet taken. Taking a task is one compare-and-swap on it,
+// so that a thread that wakes late can neither miss nor confuse a run: no task is left, or the number has changed. For the same reason
+// nobody waits for threads that sleep through a run.
 //
-// Half of the threads take tasks from the front, half from the back. The stages of a step cut the same arrays into the same tasks, and so
-// each of two threads mostly finds what it wrote itself a stage ago: in its own cache and not in the other's.
+// Half of the threads take tasks from the front, half from the back. The stages of a step divide the same arrays into the same tasks, so
+// each of two threads mostly finds the data of the previous stage in its own cache.
 
 #include "pliant/task_runner.h"
 
@@ -26,31 +26,30 @@ TaskRunner::~TaskRunner() = default;
 
 namespace {
 
-constexpr int kMostThreads = 64;
+constexpr int kMaxThreads = 64;
 
-/// The ticket, from the highest bits down: the run's number, 24 bits; the first task that is left and the one behind the last, 20 bits
-/// each.
+/// The ticket, from the highest bits down: the run's number, 24 bits; the first remaining task and the end of those, 20 bits each.
 constexpr int kTaskBits = 20;
-constexpr int kMostTasks = ( 1 << kTaskBits ) - 1; // of one run
+constexpr int kMaxTasks = ( 1 << kTaskBits ) - 1; // per run
 
 struct Ticket
 {
 	std::uint64_t bits;
 
 	static Ticket of( std::uint32_t run, int count ) { return { std::uint64_t( run ) << ( 2 * kTaskBits ) | std::uint64_t( count ) }; }
-	int first() const { return int( bits >> kTaskBits & kMostTasks ); }
-	int end() const { return int( bits & kMostTasks ); }
+	int first() const { return int( bits >> kTaskBits & kMaxTasks ); }
+	int end() const { return int( bits & kMaxTasks ); }
 	bool hasTask() const { return first() != end(); }
 	std::uint64_t withoutFirst() const { return bits + ( std::uint64_t( 1 ) << kTaskBits ); }
 	std::uint64_t withoutLast() const { return bits - 1; }
 };
 
-/// How long a thread looks for work, or for the end of a run, before it sleeps: about what waking up costs. The stages of a step
-/// follow one another faster than this.
-constexpr std::chrono::microseconds kPatience( 20 );
+/// Time that a thread spins for work, or for the end of a run, before it sleeps: about the cost of waking up. The stages of a step follow
+/// one another faster than this.
+constexpr std::chrono::microseconds kSpinTime( 20 );
 
-/// Looks at the clock after this many looks at the work.
-constexpr int kLooksPerGlance = 64;
+/// Number of checks between two reads of the clock.
+constexpr int kChecksPerClockRead = 64;
 
 class SerialRunner : public TaskRunner
 {
@@ -80,9 +79,9 @@ public:
 		}
 		catch ( const std::exception& )
 		{
-			// The system gives no more threads, or no memory for them: those there are will do.
+			// The system provides no more threads, or no memory for them: the pool works with fewer.
 		}
-		// Where threads share a core, one that spins keeps another from its work.
+		// Where threads share a core, a spinning thread blocks another.
 		m_maySpin = m_threads.size() < std::thread::hardware_concurrency();
 	}
 
@@ -110,17 +109,17 @@ public:
 			return;
 		}
 		Slice slice{ task, context, 0 };
-		for ( ; slice.first + kMostTasks < count; slice.first += kMostTasks )
+		for ( ; slice.first + kMaxTasks < count; slice.first += kMaxTasks )
 		{
-			fraction( kMostTasks, Slice::call, &slice );
+			distribute( kMaxTasks, Slice::call, &slice );
 		}
-		slice.first > 0 ? fraction( count - slice.first, Slice::call, &slice ) : fraction( count, task, context );
+		slice.first > 0 ? distribute( count - slice.first, Slice::call, &slice ) : distribute( count, task, context );
 	}
 
 	int threadCount() const override { return int( m_threads.size() ) + 1; }
 
 private:
-	/// Of a run of more tasks than a ticket can name.
+	/// Part of a run with more tasks than a ticket can count.
 	struct Slice
 	{
 		Task task;
@@ -134,9 +133,9 @@ private:
 		}
 	};
 
-	void fraction( int count, Task task, void* context )
+	void distribute( int count, Task task, void* context )
 	{
-		// No task of the last run is left and none is under way, so nobody uses these. The ticket makes them known.
+		// No task of the last run remains or is running, so these are unused. The ticket publishes them.
 		m_task.store( task, std::memory_order_relaxed );
 		m_context.store( context, std::memory_order_relaxed );
 		m_count.store( count, std::memory_order_relaxed );
@@ -151,14 +150,14 @@ private:
 
 	bool hasWork() const { return Ticket{ m_ticket.load() }.hasTask(); }
 
-	/// Takes and does tasks until none is left.
+	/// Takes and executes tasks until none is left.
 	void work( bool isFromBack )
 	{
 		int done = 0;
 		Ticket ticket{ m_ticket.load() };
 		while ( ticket.hasTask() )
 		{
-			// Read before the swap: should they belong to a later run, the ticket has changed and the swap fails.
+			// Read before the swap: if they belong to a later run, the ticket has changed and the swap fails.
 			const Task task = m_task.load( std::memory_order_relaxed );
 			void* const context = m_context.load( std::memory_order_relaxed );
 			const int index = isFromBack ? ticket.end() - 1 : ticket.first();
@@ -181,14 +180,14 @@ private:
 		}
 	}
 
-	void wakeHelpers( int most )
+	void wakeHelpers( int maxCount )
 	{
 		if ( m_sleepers.load() == 0 )
 		{
 			return;
 		}
-		const std::lock_guard<std::mutex> lock( m_mutex ); // a helper is either before its last look at the ticket, or asleep
-		for ( int i = std::min( most, m_sleepers.load() ); i > 0; --i )
+		const std::lock_guard<std::mutex> lock( m_mutex ); // a helper is either before its last check of the ticket, or asleep
+		for ( int i = std::min( maxCount, m_sleepers.load() ); i > 0; --i )
 		{
 			m_wake.notify_one();
 		}
@@ -227,7 +226,7 @@ private:
 		}
 	}
 
-	/// Whether the condition came true before patience ran out.
+	/// Returns true where the condition became true within the spin time.
 	template <class F>
 	bool spinUntil( const F& condition ) const
 	{
@@ -239,10 +238,10 @@ private:
 		{
 			return false;
 		}
-		const auto limit = std::chrono::steady_clock::now() + kPatience;
+		const auto limit = std::chrono::steady_clock::now() + kSpinTime;
 		do
 		{
-			for ( int look = 0; look < kLooksPerGlance; ++look )
+			for ( int check = 0; check < kChecksPerClockRead; ++check )
 			{
 				if ( condition() )
 				{
@@ -253,20 +252,20 @@ private:
 		return false;
 	}
 
-	// What all threads write often stands on lines of its own.
+	// Variables that all threads write often have cache lines of their own.
 	alignas( 64 ) std::atomic<std::uint64_t> m_ticket{ 0 }; ///< see Ticket
-	alignas( 64 ) std::atomic<int> m_finished{ 0 };         ///< tasks of this run that are done
+	alignas( 64 ) std::atomic<int> m_finished{ 0 };         ///< completed tasks of this run
 	alignas( 64 ) std::atomic<Task> m_task{ nullptr };
 	std::atomic<void*> m_context{ nullptr };
 	std::atomic<int> m_count{ 0 };
-	std::atomic<int> m_sleepers{ 0 }; ///< helpers that wait for m_wake; changes under the mutex
+	std::atomic<int> m_sleepers{ 0 }; ///< helpers that wait for m_wake; modified under the mutex
 	std::atomic<bool> m_callerSleeps{ false };
 	std::atomic<bool> m_isEnding{ false };
 	std::atomic<bool> m_maySpin{ false };
-	std::uint32_t m_run = 0; ///< the caller's own
+	std::uint32_t m_run = 0; ///< used only by the caller
 	std::mutex m_mutex;
 	std::condition_variable m_wake, m_end;
-	std::vector<std::thread> m_threads; ///< last: they use all the rest
+	std::vector<std::thread> m_threads; ///< last: they use all other members
 };
 
 } // namespace
@@ -275,7 +274,7 @@ std::unique_ptr<TaskRunner> createThreadPool( int threadCount )
 {
 	try
 	{
-		const int threads = std::clamp( threadCount, 1, kMostThreads );
+		const int threads = std::clamp( threadCount, 1, kMaxThreads );
 		if ( threads == 1 )
 		{
 			return std::make_unique<SerialRunner>();

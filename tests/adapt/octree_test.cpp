@@ -20,7 +20,7 @@ TEST( Octree, KeepsItsInvariantsOnShapesWithCutLinks )
 		std::mt19937 random( seed );
 		const Lattice lattice = makeBlobLattice( 15, 0.1f, seed, 6, [&random]( int, int ) { return random() % 4 != 0; } );
 		ASSERT_TRUE( validate( lattice ).ok() );
-		for ( int levels = 0; levels <= kMostCoarseLevels; ++levels )
+		for ( int levels = 0; levels <= kMaxCoarseLevels; ++levels )
 		{
 			const Octree octree = buildOctree( lattice, levels );
 			EXPECT_TRUE( validate( octree, lattice ).ok() ) << validate( octree, lattice ).sentence;

@@ -59,7 +59,7 @@ Adaptivity nearestToPaper( const Lattice& lattice )
 {
 	Adaptivity best;
 	int distance = lattice.cellCount();
-	for ( int levels = 1; levels <= kMostCoarseLevels; ++levels )
+	for ( int levels = 1; levels <= kMaxCoarseLevels; ++levels )
 	{
 		const Octree octree = buildOctree( lattice, levels );
 		for ( int twentieths = 1; twentieths <= 20; ++twentieths )

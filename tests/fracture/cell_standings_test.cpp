@@ -86,8 +86,8 @@ TEST( CellRefinementStates, SayWhatACellIsAndWhatIsBesideIt )
 	{
 		const float x = bar.lattice.restCentre[cell].x();
 		EXPECT_EQ( standing[cell],
-			x < 0.0f       ? CellRefinementState::InBig
-				: x < 1.0f ? CellRefinementState::BesideBig
+			x < 0.0f       ? CellRefinementState::InCoarse
+				: x < 1.0f ? CellRefinementState::NextToCoarse
 						   : CellRefinementState::AmongFine )
 			<< x;
 	}
@@ -115,9 +115,10 @@ TEST( CellRefinementStates, LinksBesideBigNodesBearTwiceTheStrain )
 		int alongHere = 0, alongBeside = 0;
 		for ( const CellLink& link : found )
 		{
-			ASSERT_TRUE( standing[link.a] != CellRefinementState::InBig && standing[link.b] != CellRefinementState::InBig );
+			ASSERT_TRUE( standing[link.a] != CellRefinementState::InCoarse && standing[link.b] != CellRefinementState::InCoarse );
 			const Vec3 along = bar.lattice.restCentre[link.b] - bar.lattice.restCentre[link.a];
-			const bool isBeside = standing[link.a] == CellRefinementState::BesideBig || standing[link.b] == CellRefinementState::BesideBig;
+			const bool isBeside = standing[link.a] == CellRefinementState::NextToCoarse ||
+				standing[link.b] == CellRefinementState::NextToCoarse;
 			( isBeside ? alongBeside : alongHere ) += along.cwiseAbs().sum() < 1.5f ? 1 : 0;
 		}
 		EXPECT_EQ( alongHere, strain > 0.1f ? 8 : 0 ) << strain;   // four a layer, between the third fine layer and the fourth, and ...

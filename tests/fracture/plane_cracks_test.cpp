@@ -95,7 +95,7 @@ std::vector<std::vector<CellLink>> breakInWaves( unsigned seed, float growthFrac
 	PlaneCracks cracks( kBreakStrain, growthFraction );
 	if ( everywhere )
 	{
-		cracks.lookEverywhere();
+		cracks.checkEveryCell();
 	}
 	std::vector<float> toughness( isTough ? lattice.linkTo.size() / 2 : 0 );
 	std::generate( toughness.begin(), toughness.end(), [&] { return any( random ) < 0.985f ? 2.0f : 0.01f; } ); // weak spots, far apart

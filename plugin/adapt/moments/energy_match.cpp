@@ -11,11 +11,11 @@ namespace pliant {
 
 namespace {
 
-constexpr double kLargestSoftness = 0.95; ///< of beta and eta: some stiffness is always left
-constexpr double kMomentFraction = 1e-2;  ///< eigenvalues of J below this share of its largest count as none
+constexpr double kLargestSoftness = 0.95; ///< of beta and eta: some stiffness always remains
+constexpr double kMomentFraction = 1e-2;  ///< eigenvalues of J below this fraction of the largest are treated as zero
 
-/// sum E_k: variance of the six quadratics about a place `t` away from the monomials' own, over the finest regions. With the row of
-/// shiftedQuadratic, e_q + t_a e_b + t_b e_a, each is
+/// sum E_k: variance of the six quadratics about a position offset by `t` from the monomials' origin, over the finest regions. With the row
+/// of the shifted quadratic, e_q + t_a e_b + t_b e_a, each is
 ///   C_qq + 2 ( t_a C_qb + t_b C_qa ) + t_a^2 C_bb + 2 t_a t_b C_ab + t_b^2 C_aa.
 double quadraticVariance( const std::array<float, 45>& packed, const Vec3d& t )
 {
@@ -30,8 +30,8 @@ double quadraticVariance( const std::array<float, 45>& packed, const Vec3d& t )
 	return sum;
 }
 
-/// A matrix whose determinant is this share of the largest its trace allows has no eigenvalue below kMomentFraction of its largest:
-/// with eigenvalues a >= b >= c, det = a b c <= a^2 c and ( tr / 3 )^3 >= ( a / 3 )^3, so c / a >= share / 27.
+/// A matrix whose determinant is at least this fraction of the maximum for its trace has no eigenvalue below kMomentFraction of its
+/// largest: with eigenvalues a >= b >= c, det = a b c <= a^2 c and ( tr / 3 )^3 >= ( a / 3 )^3, so c / a >= fraction / 27.
 constexpr double kSolidFraction = 27.0 * kMomentFraction;
 
 bool isSolid( const Eigen::Matrix3d& moment )
@@ -40,7 +40,7 @@ bool isSolid( const Eigen::Matrix3d& moment )
 	return moment.determinant() > kSolidFraction * third * third * third;
 }
 
-/// Sylvester: every leading minor of a symmetric matrix is above zero.
+/// Sylvester's criterion: every leading minor of a symmetric matrix is positive.
 bool isPositive( const Eigen::Matrix3d& m )
 {
 	return m( 0, 0 ) > 0.0 && m( 0, 0 ) * m( 1, 1 ) - m( 0, 1 ) * m( 0, 1 ) > 0.0 && m.determinant() > 0.0;
@@ -119,7 +119,7 @@ double energyBeta( const Eigen::Matrix3d& fineMoment, const Eigen::Matrix3d& mom
 
 Eigen::Matrix3d energyBlend( const Eigen::Matrix3d& fineMoment, const Eigen::Matrix3d& moment )
 {
-	// Where no direction meets a limit, C is the product itself.
+	// Where no direction reaches a limit, C is the product itself.
 	if ( isSolid( moment ) && isPositive( moment - fineMoment ) && isPositive( fineMoment - ( 1.0 - kLargestSoftness ) * moment ) )
 	{
 		return moment.inverse() * fineMoment;
@@ -129,7 +129,7 @@ Eigen::Matrix3d energyBlend( const Eigen::Matrix3d& fineMoment, const Eigen::Mat
 
 Eigen::Matrix3d energyBlendByDirections( const Eigen::Matrix3d& fineMoment, const Eigen::Matrix3d& moment )
 {
-	// In coordinates where J_r is the identity, J_fine is symmetric: its eigenvalues are the shares 1 - beta, one a direction.
+	// In coordinates where J_r is the identity, J_fine is symmetric: its eigenvalues are the fractions 1 - beta, one per direction.
 	const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver( moment );
 	const double largest = solver.eigenvalues()[2];
 	if ( !( largest > 0.0 ) )
@@ -148,7 +148,7 @@ Eigen::Matrix3d energyBlendByDirections( const Eigen::Matrix3d& fineMoment, cons
 			root[i] = std::sqrt( value );
 			continue;
 		}
-		// Out of a flat region's plane its nodes say nothing: what the cells under them do there must not turn what lies in the plane.
+		// A flat region's nodes carry no information normal to its plane: the cells' motion there must not affect its plane.
 		fine.row( i ).setZero();
 		fine.col( i ).setZero();
 		fine( i, i ) = 1.0;
@@ -169,8 +169,8 @@ double quadraticEta( const Octree& octree, const Cut& cut, const RegionMatrix& m
 	const Vec3d t = octree.restCentre[node].cast<double>() / double( cellSize ) - rest.centre;
 	const double wanted = quadraticVariance( fine.covariance[node], t );
 
-	// The same quadratics, averaged over each node's cells, as the region sees them: variance = affine part a_k + residual rho_k.
-	// A fourth coordinate of 1 sums the means beside the slopes, in whole vector registers.
+	// The same quadratics, averaged over each node's cells, as the region samples them: variance = affine part a_k + residual rho_k. A
+	// fourth coordinate of 1 sums the means together with the slopes, in whole vector registers.
 	Eigen::Matrix<double, 4, 6> sums = Eigen::Matrix<double, 4, 6>::Zero();
 	double square = 0.0;
 	for ( std::uint32_t m = matrix.start[region]; m < matrix.start[region + 1]; ++m )

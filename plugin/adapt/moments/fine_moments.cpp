@@ -11,13 +11,13 @@ constexpr int kMonomials = 9;
 /// A symmetric matrix over the monomials, or its lower triangle.
 using Covariance = std::array<std::array<double, kMonomials>, kMonomials>;
 
-/// Two numbers side by side, as every compiler we build with has them.
+/// Two doubles in a vector register, as all supported compilers provide them.
 using D2 = double __attribute__( ( vector_size( 16 ) ) );
 constexpr std::size_t kPairs = ( kMonomials + 1 ) / 2;
 
-/// The monomials in pairs, of which the last has nothing in its second place.
+/// The monomials in pairs; the second element of the last pair is unused.
 using Monomials = std::array<D2, kPairs>;
-/// Rows in pairs: of row i the first i / 2 + 1 count. What stands above the diagonal does not.
+/// Rows in pairs: the first i / 2 + 1 of row i are used. Values above the diagonal are ignored.
 using Squares = std::array<std::array<D2, kPairs>, kMonomials>;
 
 Monomials monomials( const Vec3d& s )
@@ -41,7 +41,7 @@ void addSquare( const Monomials& m, double weight, Squares& sum )
 	}
 }
 
-/// The lower triangle, row by row.
+/// Packs the lower triangle, row by row.
 template <class Entry>
 void pack( Entry&& entry, std::array<float, 45>& packed )
 {
@@ -67,7 +67,7 @@ Covariance unpack( const std::array<float, 45>& packed )
 	return covariance;
 }
 
-/// The same about a place `t` away: ( s + t )_a ( s + t )_b = s_a s_b + t_a s_b + t_b s_a + constant, rows first, then columns.
+/// Moves the origin by `t`: ( s + t )_a ( s + t )_b = s_a s_b + t_a s_b + t_b s_a + constant, rows first, then columns.
 void shift( const Vec3d& t, Covariance& c )
 {
 	for ( std::size_t k = 0; k < 6; ++k )
@@ -90,7 +90,7 @@ void shift( const Vec3d& t, Covariance& c )
 
 } // namespace
 
-// About its own mean, monomials about its owner's rest centre.
+// About the region's own mean, with monomials about its owner's rest centre.
 void measureFineRegion( const Lattice& lattice, const FineRegions& fine, std::uint32_t cell, FineMoments& moments )
 {
 	const Vec3d at = lattice.restCentre[cell].cast<double>();
@@ -113,7 +113,7 @@ void measureFineRegion( const Lattice& lattice, const FineRegions& fine, std::ui
 	pack( [&second]( std::size_t i, std::size_t j ) { return second[i][j / 2][j % 2]; }, moments.covariance[cell] );
 }
 
-// Of what the children have as it is stored: where few of them change, few are measured again.
+// Sums the children's stored moments: where few of them change, few are measured again.
 void sumFineMoments( const Octree& octree, const Lattice& lattice, std::uint32_t node, FineMoments& moments )
 {
 	Covariance sum{};
@@ -137,7 +137,7 @@ FineMoments buildFineMoments( const Octree& octree, const Lattice& lattice, cons
 {
 	FineMoments moments;
 	moments.covariance.resize( octree.parent.size() );
-	for ( std::uint32_t n = 0; n < std::uint32_t( octree.nodeCount() ); ++n ) // children stand before their parents
+	for ( std::uint32_t n = 0; n < std::uint32_t( octree.nodeCount() ); ++n ) // children precede their parents
 	{
 		if ( n < octree.levelStart[1] )
 		{

@@ -1,7 +1,7 @@
 #pragma once
 
-// Second and fourth moments of what lies under each node of the octree: what the finest regions there hold. Beyond Ohta et al. 2009, eq.
-// 7-10, which go by size alone.
+// Second and fourth moments of the finest regions under each node of the octree. An extension of Ohta et al. 2009, eq. 7-10, which depend
+// on size alone.
 
 #include "adapt/regions/region_matrix.h"
 
@@ -21,7 +21,7 @@ struct FineMoments
 
 FineMoments buildFineMoments( const Octree& octree, const Lattice& lattice, const FineRegions& fine );
 
-/// The moments of one finest region, and of a node above them from those of its children: what buildFineMoments is made of.
+/// Compute the moments of one finest region, and those of a node above from its children: the steps of buildFineMoments.
 void measureFineRegion( const Lattice& lattice, const FineRegions& fine, std::uint32_t cell, FineMoments& moments );
 void sumFineMoments( const Octree& octree, const Lattice& lattice, std::uint32_t node, FineMoments& moments );
 

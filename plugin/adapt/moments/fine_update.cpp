@@ -10,14 +10,14 @@ namespace pliant {
 
 namespace {
 
-/// Appends the rows of cells `cell` to `end` - 1, which are what they were.
+/// Appends the rows of cells `cell` to `end` - 1, which are unchanged.
 void appendRows( const FineRegions& before, const CellChange& change, const OctreeUpdate& tree, std::uint32_t cell, std::uint32_t end,
 	FineRegions& fine )
 {
-	if ( change.isWhole() ) // under the same numbers: in one run
+	if ( change.isWhole() ) // same numbers: copied in one run
 	{
 		const RegionSet& set = before.set;
-		const std::uint32_t moved = std::uint32_t( fine.set.member.size() ) - set.start[cell]; // wraps where rows before are shorter now
+		const std::uint32_t moved = std::uint32_t( fine.set.member.size() ) - set.start[cell]; // wraps where preceding rows shrank
 		const auto from = []( const auto& array, std::uint32_t k ) { return array.begin() + std::ptrdiff_t( k ); };
 		fine.set.member.insert( fine.set.member.end(), from( set.member, set.start[cell] ), from( set.member, set.start[end] ) );
 		fine.set.size.insert( fine.set.size.end(), from( set.size, cell ), from( set.size, end ) );
@@ -55,8 +55,8 @@ FineUpdate updateFineRegions( const FineRegions& before, const CellChange& chang
 	fine.mass.clear();
 	const std::uint32_t cells = std::uint32_t( change.now.cellCount() );
 	Reach reach( change.now );
-	// A region of w links changes where a link did that starts within w - 1 of them. As they are: of a way that is no more, the first link
-	// that broke is to be come at still.
+	// A region of w links changes where a link changed that starts within w - 1 current links: on a path that no longer exists, the first
+	// broken link is still reachable.
 	update.collected = reach.from( change.touched, before.set.halfWidth - 1 );
 	fine.set.halfWidth = before.set.halfWidth;
 	fine.set.start.reserve( std::size_t( cells ) + 1 );
@@ -81,32 +81,32 @@ FineUpdate updateFineRegions( const FineRegions& before, const CellChange& chang
 
 namespace {
 
-/// Moments there is room for, of those there are.
+/// Capacity of the moments array relative to its size.
 constexpr double kMomentsCapacity = 1.25;
 
-/// Nodes go where they are now. Those of cells are most of what an update would copy: a cell's number never grows, and they may go in
-/// place.
-FineMoments takeOver( const FineMoments& before, FineMoments taken, const CellChange& change, const OctreeUpdate& tree )
+/// Moves the moments of nodes to their new indices. Those of cells are most of the data; a cell's number never increases, so they can be
+/// moved in place.
+FineMoments moveMoments( const FineMoments& before, FineMoments reused, const CellChange& change, const OctreeUpdate& tree )
 {
 	const std::size_t nodes = tree.octree.parent.size(), cells = tree.octree.levelStart[1],
 					  cellsBefore = std::size_t( change.before.cellCount() );
-	const bool staysInPlace = !taken.covariance.empty();
-	const auto& from = taken.covariance.empty() ? before.covariance : taken.covariance;
+	const bool isInPlace = !reused.covariance.empty();
+	const auto& from = reused.covariance.empty() ? before.covariance : reused.covariance;
 	FineMoments moments;
 	decltype( moments.covariance ) above;
-	if ( staysInPlace )
+	if ( isInPlace )
 	{
 		above.assign( from.begin() + std::ptrdiff_t( cellsBefore ), from.end() );
-		moments = std::move( taken );
+		moments = std::move( reused );
 		for ( std::size_t n = 0; n < cells && !change.isWhole(); ++n )
 		{
 			moments.covariance[n] = moments.covariance[tree.nodeBefore[n]];
 		}
 		moments.covariance.resize( cells );
 	}
-	const auto& old = staysInPlace ? above : from;
-	const std::size_t first = moments.covariance.size(), oldFirst = staysInPlace ? cellsBefore : 0;
-	if ( moments.covariance.capacity() < nodes ) // as more comes apart nodes become more with nearly every update, and all would be copied
+	const auto& old = isInPlace ? above : from;
+	const std::size_t first = moments.covariance.size(), oldFirst = isInPlace ? cellsBefore : 0;
+	if ( moments.covariance.capacity() < nodes ) // nearly every update adds nodes, and a reallocation copies all
 	{
 		moments.covariance.reserve( std::size_t( kMomentsCapacity * double( nodes ) ) );
 	}
@@ -127,20 +127,20 @@ FineMoments takeOver( const FineMoments& before, FineMoments taken, const CellCh
 } // namespace
 
 FineMoments updateFineMoments(
-	const FineMoments& before, FineMoments taken, const CellChange& change, const OctreeUpdate& tree, const FineUpdate& update )
+	const FineMoments& before, FineMoments reused, const CellChange& change, const OctreeUpdate& tree, const FineUpdate& update )
 {
 	const Octree& octree = tree.octree;
 	const RegionSet& set = update.fine.set;
-	FineMoments moments = takeOver( before, std::move( taken ), change, tree );
+	FineMoments moments = moveMoments( before, std::move( reused ), change, tree );
 	std::vector<std::uint8_t> isOld( octree.parent.size(), 1 ); // 0: to be measured again
 	for ( const std::uint32_t cell : update.collected )
 	{
-		for ( std::uint32_t k = set.start[cell]; k < set.start[cell + 1]; ++k ) // itself, and all in whose regions it weighs something else
+		for ( std::uint32_t k = set.start[cell]; k < set.start[cell + 1]; ++k ) // the cell, and all in whose regions its weight changed
 		{
 			isOld[set.member[k]] = 0;
 		}
 	}
-	for ( std::uint32_t n = 0; n < std::uint32_t( octree.nodeCount() ); ++n ) // children stand before their parents
+	for ( std::uint32_t n = 0; n < std::uint32_t( octree.nodeCount() ); ++n ) // children precede their parents
 	{
 		if ( isOld[n] != 0 && tree.nodeBefore[n] != kNoNode )
 		{

@@ -1,7 +1,7 @@
 #pragma once
 
-// Finest regions and their moments after links have gone or come back: those near such links are made anew, the others taken over.
-// buildFineRegions and buildFineMoments are the slow twins.
+// Updates the finest regions and their moments after links were removed or added: those near such links are rebuilt, the others reused.
+// buildFineRegions and buildFineMoments are the reference implementations.
 
 #include "adapt/moments/fine_moments.h"
 #include "adapt/octree/octree_update.h"
@@ -10,16 +10,16 @@ namespace pliant {
 
 struct FineUpdate
 {
-	FineRegions fine; ///< but for RegionSet::isFullCubes, which nobody asks of them
-	std::vector<std::uint32_t>
-		collected; ///< cells whose regions were made anew, ascending: all whose regions hold other cells, and all that weigh other shares
+	FineRegions fine; ///< without RegionSet::isFullCubes, which is not needed for them
+	/// Cells whose regions were rebuilt, ascending: those whose regions hold other cells or whose weight changed.
+	std::vector<std::uint32_t> collected;
 };
 
-/// `tree`: of the same change. `room`: regions that nobody uses any more, to be written over.
+/// `tree`: of the same change. `scratch`: unused regions whose memory is overwritten.
 FineUpdate updateFineRegions( const FineRegions& before, const CellChange& change, const OctreeUpdate& tree, FineRegions scratch = {} );
 
-/// `taken`: those before, which then change in place; empty: they stay where they are.
+/// `reused`: the former moments, which are modified in place; if empty, `before` is copied instead.
 FineMoments updateFineMoments(
-	const FineMoments& before, FineMoments taken, const CellChange& change, const OctreeUpdate& tree, const FineUpdate& fine );
+	const FineMoments& before, FineMoments reused, const CellChange& change, const OctreeUpdate& tree, const FineUpdate& fine );
 
 } // namespace pliant

@@ -43,11 +43,11 @@ Adaptivity ohtaAdaptivity( int coarseLevels )
 
 Status check( const Adaptivity& settings )
 {
-	if ( Status status = settings.coarseLevels > 0 ? needFeature( Feature::Levels ) : Status{}; !status.ok() )
+	if ( Status status = settings.coarseLevels > 0 ? requireFeature( Feature::Levels ) : Status{}; !status.ok() )
 	{
 		return status;
 	}
-	if ( settings.coarseLevels < 0 || settings.coarseLevels > kMostCoarseLevels )
+	if ( settings.coarseLevels < 0 || settings.coarseLevels > kMaxCoarseLevels )
 	{
 		return refuse( "Adaptivity: coarseLevels must be 0 to 4." );
 	}

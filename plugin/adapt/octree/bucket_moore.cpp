@@ -9,7 +9,7 @@ const std::vector<BucketMoore::Reached>& BucketMoore::from( const VisibilityGrap
 	begin( graph );
 	if ( limit > 0 )
 	{
-		place( source, 0, 0 );
+		insert( source, 0, 0 );
 		run( graph, limit );
 	}
 	return m_reached;
@@ -23,7 +23,7 @@ const std::vector<BucketMoore::Reached>& BucketMoore::fromAll(
 	{
 		for ( const std::uint32_t source : sources )
 		{
-			place( source, 0, 0 );
+			insert( source, 0, 0 );
 		}
 		run( graph, limit );
 	}
@@ -41,34 +41,34 @@ void BucketMoore::begin( const VisibilityGraph& graph )
 	{
 		m_buckets.resize( std::size_t( graph.longest ) + 1 );
 	}
-	if ( ++m_search == 0 ) // the count came round: what old searches wrote must not look new
+	if ( ++m_search == 0 ) // counter overflow: entries of old searches must not appear current
 	{
 		std::fill( m_tentative.begin(), m_tentative.end(), Tentative{} );
 		m_search = 1;
 	}
 	m_reached.clear();
-	m_waiting = 0;
+	m_pending = 0;
 }
 
-void BucketMoore::place( std::uint32_t node, std::uint32_t distance, std::size_t bucket )
+void BucketMoore::insert( std::uint32_t node, std::uint32_t distance, std::size_t bucket )
 {
 	m_tentative[node] = { m_search, distance, false };
 	m_buckets[bucket].push_back( node );
-	++m_waiting;
+	++m_pending;
 }
 
-/// Steps 2 to 4. Every entry lies at most d_max ahead of k, so a ring of d_max + 1 buckets keeps distances apart.
+/// Steps 2 to 4. Every entry is at most d_max ahead of k, so a ring of d_max + 1 buckets keeps distances apart.
 void BucketMoore::run( const VisibilityGraph& graph, std::uint32_t limit )
 {
 	std::size_t front = 0;
-	for ( std::uint32_t k = 0; k < limit && m_waiting > 0; ++k )
+	for ( std::uint32_t k = 0; k < limit && m_pending > 0; ++k )
 	{
-		// No edge has length 0: the front does not grow while it is emptied.
+		// No edge has length 0, so the front bucket does not grow while it is processed.
 		for ( const std::uint32_t node : m_buckets[front] )
 		{
 			visit( graph, node, { k, front, limit } );
 		}
-		m_waiting -= m_buckets[front].size();
+		m_pending -= m_buckets[front].size();
 		m_buckets[front].clear();
 		front = front + 1 == m_buckets.size() ? 0 : front + 1;
 	}
@@ -76,7 +76,7 @@ void BucketMoore::run( const VisibilityGraph& graph, std::uint32_t limit )
 
 void BucketMoore::visit( const VisibilityGraph& graph, std::uint32_t node, const Front& front )
 {
-	if ( m_tentative[node].isMarked ) // reached earlier on a shorter way
+	if ( m_tentative[node].isMarked ) // already reached on a shorter path
 	{
 		return;
 	}
@@ -86,15 +86,15 @@ void BucketMoore::visit( const VisibilityGraph& graph, std::uint32_t node, const
 	for ( std::uint32_t e = graph.start[node]; e < graph.start[node + 1]; ++e )
 	{
 		const std::uint32_t d = front.k + graph.length[e];
-		if ( d >= front.limit ) // rows are in order of length: all that follow are too far as well
+		if ( d >= front.limit ) // rows are ordered by length: all remaining edges are too long as well
 		{
 			return;
 		}
 		const std::uint32_t next = graph.to[e];
-		if ( m_tentative[next].search != m_search || d < m_tentative[next].least )
+		if ( m_tentative[next].search != m_search || d < m_tentative[next].shortest )
 		{
 			const std::size_t ahead = front.bucket + graph.length[e];
-			place( next, d, ahead < ring ? ahead : ahead - ring );
+			insert( next, d, ahead < ring ? ahead : ahead - ring );
 		}
 	}
 }

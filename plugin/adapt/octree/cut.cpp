@@ -101,18 +101,18 @@ Status validate( const Cut& cut, const Octree& octree )
 		const std::uint32_t node = cut.node[slot];
 		if ( node >= std::uint32_t( octree.nodeCount() ) || octree.cellStart[node] != next )
 		{
-			return Status{ ResultCode::BadArgument, "Cut: nodes overlap, leave cells out, or stand out of order." };
+			return Status{ ResultCode::BadArgument, "Cut: nodes overlap, omit cells, or are out of order." };
 		}
 		for ( std::uint32_t k = next; k < next + octree.cellCount[node]; ++k )
 		{
 			if ( cut.slotOfCell[octree.cells[k]] != std::uint32_t( slot ) )
 			{
-				return Status{ ResultCode::BadArgument, "Cut: a cell names another slot than the one that covers it." };
+				return Status{ ResultCode::BadArgument, "Cut: a cell's slot is not the one that covers it." };
 			}
 		}
 		next += octree.cellCount[node];
 	}
-	return next == octree.cells.size() ? Status{} : Status{ ResultCode::BadArgument, "Cut: cells are left out." };
+	return next == octree.cells.size() ? Status{} : Status{ ResultCode::BadArgument, "Cut: cells are omitted." };
 }
 
 } // namespace pliant

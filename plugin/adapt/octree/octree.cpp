@@ -18,7 +18,7 @@ bool isBefore( const Coordinate& a, const Coordinate& b )
 	return a.z() != b.z() ? a.z() < b.z() : a.y() != b.y() ? a.y() < b.y() : a.x() < b.x();
 }
 
-/// Joins nodes of one level that share a block of the level above and a link between two of their cells.
+/// Joins nodes of one level that share a block of the next coarser level and a link between two of their cells.
 UnionFind joinWithinBlocks(
 	const Octree& octree, const Lattice& lattice, const std::vector<std::uint32_t>& nodeOfCell, std::uint32_t first, std::uint32_t count )
 {
@@ -38,13 +38,13 @@ UnionFind joinWithinBlocks(
 	return parts;
 }
 
-/// Appends the level above the one that begins at `first`.
+/// Appends the level above the one that starts at `first`.
 void addLevel( Octree& octree, const Lattice& lattice, std::vector<std::uint32_t>& nodeOfCell, std::uint32_t first )
 {
 	const std::uint32_t count = std::uint32_t( octree.parent.size() ) - first;
 	UnionFind parts = joinWithinBlocks( octree, lattice, nodeOfCell, first, count );
 
-	// One node a part, by block, then by lowest child.
+	// One node per part, by block, then by lowest child.
 	std::vector<std::uint32_t> lowest;
 	for ( std::uint32_t i = 0; i < count; ++i )
 	{
@@ -122,7 +122,7 @@ void orderCells( Octree& octree )
 			stack.push_back( octree.child[k] );
 		}
 	}
-	for ( std::uint32_t i = 0; i < std::uint32_t( octree.parent.size() ); ++i ) // children stand before their parents
+	for ( std::uint32_t i = 0; i < std::uint32_t( octree.parent.size() ); ++i ) // children precede their parents
 	{
 		if ( octree.parent[i] != kNoNode )
 		{
@@ -219,7 +219,7 @@ Octree buildOctree( const Lattice& lattice, int coarseLevels )
 	octree.parent.assign( cells, kNoNode );
 	std::vector<std::uint32_t> nodeOfCell( cells );
 	std::iota( nodeOfCell.begin(), nodeOfCell.end(), 0u );
-	for ( int level = 0; level < std::min( coarseLevels, kMostCoarseLevels ); ++level )
+	for ( int level = 0; level < std::min( coarseLevels, kMaxCoarseLevels ); ++level )
 	{
 		addLevel( octree, lattice, nodeOfCell, octree.levelStart[level] );
 	}
@@ -251,7 +251,7 @@ Status validate( const Octree& octree, const Lattice& lattice )
 		const bool isTop = octree.levelOf( n ) == octree.levels - 1;
 		if ( isTop != ( parent == kNoNode ) || ( !isTop && octree.coordinate[parent] != blockAbove( octree.coordinate[n] ) ) )
 		{
-			return broken( "Octree: a parent does not stand one level above its child's block." );
+			return broken( "Octree: a parent is not one level above its child's block." );
 		}
 	}
 	return {};

@@ -9,8 +9,8 @@ namespace pliant {
 
 namespace {
 
-/// Level by level: blocks that hold no touched cell have the nodes they had, under new numbers; in the others, what touched nodes held is
-/// joined again by the links that are left.
+/// Level by level: blocks without a touched cell keep their nodes under new numbers; in the others, the cells of touched nodes are joined
+/// again by the remaining links.
 class Updater
 {
 public:
@@ -18,7 +18,7 @@ public:
 
 	OctreeUpdate run()
 	{
-		takeCells();
+		copyCells();
 		markTouched();
 		for ( int level = 1; level < m_old.levels; ++level )
 		{
@@ -31,15 +31,15 @@ public:
 	}
 
 private:
-	/// A node of the level in the making.
+	/// A node of the level under construction.
 	struct Entry
 	{
 		std::uint32_t lowest; ///< its first child
-		std::uint32_t old;    ///< kNoNode: it has m_child[ first ] to m_child[ last - 1 ]
+		std::uint32_t old;    ///< kNoNode: its children are m_child[ first ] to m_child[ last - 1 ]
 		std::size_t first, last;
 	};
 
-	void takeCells()
+	void copyCells()
 	{
 		const std::uint32_t cells = std::uint32_t( m_change.now.cellCount() );
 		m_now.levelStart = { 0, cells };
@@ -83,7 +83,7 @@ private:
 				{
 					touched.push_back( end );
 				}
-				else if ( lowest != kNoNode ) // a node whose links are all there is here or elsewhere, whole
+				else if ( lowest != kNoNode ) // an untouched node is part of the new lattice entirely or not at all
 				{
 					m_entries.push_back( Entry{ lowest, end, 0, 0 } );
 				}
@@ -98,7 +98,7 @@ private:
 		}
 	}
 
-	/// What is left, of this piece, of some nodes of one block.
+	/// Adds the parts formed by those cells of touched nodes of one block that are in the new lattice.
 	void addParts( const std::vector<std::uint32_t>& touched, int level )
 	{
 		m_cells.clear();
@@ -124,7 +124,7 @@ private:
 		listParts( children, parts );
 	}
 
-	/// All of one block. Most are in one part still, which a few links show.
+	/// All children are of one block. Most are still in one part, which a few links suffice to show.
 	void joinParts( const std::vector<std::uint32_t>& children, int level, UnionFind& parts )
 	{
 		m_index.resize( m_now.parent.size(), kNoNode );
@@ -140,7 +140,7 @@ private:
 			for ( std::uint32_t k = lattice.linkStart[cell]; k < lattice.linkStart[cell + 1]; ++k )
 			{
 				const std::uint32_t other = above( lattice.linkTo[k], level - 1 );
-				// What of the block is not among them has lost no link, and got none: none leads there.
+				// Untouched nodes of the block have unchanged links, so no link leads to them.
 				if ( other > own && m_index[other] != kNoNode && parts.find( m_index[own] ) != parts.find( m_index[other] ) )
 				{
 					parts.join( m_index[own], m_index[other] );
@@ -245,7 +245,7 @@ private:
 	std::vector<std::uint8_t> m_isTouched; ///< of each old node above the cells
 	std::vector<Entry> m_entries;
 	std::vector<std::uint32_t> m_child, m_cells;
-	std::vector<std::uint32_t> m_index; ///< of each node below: its place among those that are being joined; kNoNode: it is none of them
+	std::vector<std::uint32_t> m_index; ///< of each node of the level below: its index among those being joined, or kNoNode
 };
 
 } // namespace

@@ -7,7 +7,7 @@ namespace pliant {
 
 namespace {
 
-/// Makes rows of edges one after the other.
+/// Builds rows of edges one after the other.
 class Rows
 {
 public:
@@ -23,7 +23,7 @@ public:
 		graph.start.push_back( 0 );
 	}
 
-	/// The row of a slot, from the links of its cells.
+	/// Appends the row of a slot, from the links of its cells.
 	void appendFromLinks( std::uint32_t slot )
 	{
 		const std::uint32_t node = m_cut.node[slot];
@@ -75,17 +75,17 @@ private:
 	const Cut& m_cut;
 	VisibilityGraph& m_graph;
 	std::vector<NodeBlock> m_blocks;
-	std::vector<std::uint32_t> m_seenFrom; ///< the last slot from which a slot was met
+	std::vector<std::uint32_t> m_seenFrom; ///< of each slot: the last slot from which it was visited
 	std::vector<std::pair<std::uint16_t, std::uint32_t>> m_row;
 };
 
-/// An edge from a node that stayed to a new one.
+/// An edge from a kept node to a new one.
 struct NewEdge
 {
 	std::uint32_t from, to;
 };
 
-/// Rows of new nodes, and what they add to those of others, by slot.
+/// Returns the edges from kept nodes to new ones, by slot, given the rows of new nodes.
 std::vector<NewEdge> edgesToNewNodes( const VisibilityGraph& fresh, const std::vector<std::uint32_t>& before )
 {
 	std::vector<NewEdge> edges;
@@ -152,7 +152,7 @@ VisibilityUpdate updateVisibilityGraph(
 	const std::vector<std::uint32_t>& before = update.change.before;
 	const std::uint32_t count = std::uint32_t( to.count() );
 
-	VisibilityGraph fresh; // rows of new nodes; those of others are empty
+	VisibilityGraph fresh; // rows of new nodes; the rows of others are empty
 	Rows freshRows( lattice, octree, to, fresh );
 	for ( std::uint32_t slot = 0; slot < count; ++slot )
 	{
@@ -170,7 +170,7 @@ VisibilityUpdate updateVisibilityGraph(
 		const bool isNew = before[slot] == kNoNode;
 		const VisibilityGraph& source = isNew ? fresh : graph;
 		const std::uint32_t row = isNew ? slot : before[slot];
-		if ( isNew || next == toNew.end() || next->from != slot ) // as it is; new numbers keep the order of the old ones
+		if ( isNew || next == toNew.end() || next->from != slot ) // unchanged: new numbers keep the order of the old ones
 		{
 			for ( std::uint32_t e = source.start[row]; e < source.start[row + 1]; ++e )
 			{

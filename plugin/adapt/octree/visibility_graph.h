@@ -1,17 +1,17 @@
 #pragma once
 
-// Which nodes of a cut see one another, and how far apart they stand. Steinemann et al. 2008, section 6.1.
+// Determines which nodes of a cut see one another, and their distances. Steinemann et al. 2008, section 6.1.
 //
-// The paper joins a node of level l to all others within d = 2^l finest cells, in max norm between centres, and then cuts the "edges
-// that cross the surface at concave regions". Which those are is read off the links here, and the graph holds one edge for each pair of
-// nodes with a finest link between their cells, no other:
-//   - linked nodes have blocks that touch, so their centres are half an edge of each apart, which is within d;
-//   - a pair within d whose blocks do not touch has, in full material, a chain of linked nodes between that is no longer than the edge
-//     (the nodes between fill the gap exactly, and max norm leaves them free sideways): the edge would change no distance;
-//   - where there is no such chain the edge crosses the surface, or a crack, and must go.
+// The paper joins a node of level l to all others within d = 2^l finest cells, in max norm between centres, and then cuts the "edges that
+// cross the surface at concave regions". Here the links determine them: the graph has exactly one edge for each pair of nodes with a finest
+// link between their cells:
+//   - linked nodes have touching blocks, so their centres are half an edge of each apart, which is within d;
+//   - a pair within d whose blocks do not touch has, in full material, a chain of linked nodes in between that is no longer than the edge
+//     (these nodes fill the gap exactly, and max norm ignores lateral offsets): the edge would change no distance;
+//   - where there is no such chain, the edge crosses the surface or a crack and must be removed.
 // So the graph is connected where the material is, distances are those of the paper's graph, and at the finest level edges are the links.
 //
-// Centres of different levels differ by half cells: lengths are counted in half cells, exact integers, the same from both sides.
+// Centres of different levels differ by half cells: lengths are integers in half cells, exact and equal from both sides.
 
 #include "adapt/octree/cut.h"
 
@@ -24,7 +24,7 @@ inline constexpr int kUnitsPerCell = 2;
 
 struct VisibilityGraph
 {
-	/// Edges of slot i: start[i] .. start[i + 1], each stored from both sides, none twice, by length, then by slot.
+	/// Edges of slot i: start[i] .. start[i + 1], each stored once from either side, by length, then by slot.
 	std::vector<std::uint32_t> start, to;
 	std::vector<std::uint16_t> length; ///< half cells, at least 2
 	int longest = 0;                   ///< of all edges
@@ -35,22 +35,22 @@ struct VisibilityGraph
 
 VisibilityGraph buildVisibilityGraph( const Lattice& lattice, const Octree& octree, const Cut& cut );
 
-/// Which slots of two cuts are the same node.
+/// Maps the slots of two cuts that have the same node.
 struct CutChange
 {
-	std::vector<std::uint32_t> before; ///< of each slot now: the one it had, or kNoNode
-	std::vector<std::uint32_t> after;  ///< of each slot before: the one it has now, or kNoNode
+	std::vector<std::uint32_t> before; ///< of each slot now: its former one, or kNoNode
+	std::vector<std::uint32_t> after;  ///< of each former slot: its slot now, or kNoNode
 };
 
 CutChange compareCuts( const Octree& octree, const Cut& from, const Cut& to );
 
 struct VisibilityUpdate
 {
-	VisibilityGraph graph; ///< equal to the one built from nothing
+	VisibilityGraph graph; ///< equal to the one built from scratch
 	CutChange change;
 };
 
-/// Steinemann et al. 2008, section 5.2: edges at removed nodes go, those of new nodes come; all else is renumbered.
+/// Steinemann et al. 2008, section 5.2: removes edges at removed nodes, adds those of new nodes and renumbers all others.
 VisibilityUpdate updateVisibilityGraph(
 	const Lattice& lattice, const Octree& octree, const Cut& from, const VisibilityGraph& graph, const Cut& to );
 

@@ -23,7 +23,7 @@ inline void addRecords( const float* records, const std::uint32_t* term, const s
 }
 
 template <int floats>
-void addUp( const SumPlan& plan, float* records )
+void sumVirtualNodes( const SumPlan& plan, float* records )
 {
 	for ( int v = 0; v < plan.virtualNodes; ++v )
 	{
@@ -38,7 +38,7 @@ bool isSimulated( const Cut& cut, std::uint32_t slot, std::uint32_t node )
 	return cut.node[slot] == node;
 }
 
-/// Virtual nodes that some region names, and those below them.
+/// Marks the virtual nodes that occur in a region, and those below them.
 std::vector<std::uint8_t> findNeeded( const Octree& octree, const Cut& cut, const IntervalRegions& intervals )
 {
 	std::vector<std::uint8_t> isNeeded( octree.parent.size(), 0 );
@@ -46,7 +46,7 @@ std::vector<std::uint8_t> findNeeded( const Octree& octree, const Cut& cut, cons
 	{
 		isNeeded[node] = !isSimulated( cut, slotsUnder( octree, cut, node ).first, node );
 	}
-	// Parents have larger ids than their children. Below a simulation node nothing is needed.
+	// Parents have larger ids than their children. Nothing below a simulation node is needed.
 	for ( std::uint32_t node = std::uint32_t( octree.nodeCount() ); node-- > octree.levelStart[1]; )
 	{
 		for ( std::uint32_t k = octree.childStart[node]; k < octree.childStart[node + 1] && isNeeded[node] != 0; ++k )
@@ -96,12 +96,12 @@ SumPlan planSums( const Octree& octree, const Cut& cut, const IntervalRegions& i
 
 void depthSum( const SumPlan& plan, float* records )
 {
-	addUp<kSumFloats>( plan, records );
+	sumVirtualNodes<kSumFloats>( plan, records );
 }
 
 void depthSumHalf( const SumPlan& plan, float* records )
 {
-	addUp<kSumFloats / 2>( plan, records );
+	sumVirtualNodes<kSumFloats / 2>( plan, records );
 }
 
 void breadthSum( const SumPlan& plan, const float* records, float* sums, int first, int end )

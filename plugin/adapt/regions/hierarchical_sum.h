@@ -1,17 +1,16 @@
 #pragma once
 
-// Sums over regions by way of the octree. Steinemann et al. 2008, section 4.3: the operator HF, a depth pass and a breadth pass.
-//
-// It serves both ways: regions gather from nodes (eq. 6 and 7), and, membership being symmetric, nodes gather from regions (eq. 8).
+// Sums over regions through the octree. Steinemann et al. 2008, section 4.3: the operator HF, a depth pass and a breadth pass. It serves
+// both directions: regions gather from nodes (eq. 6 and 7), and, membership being symmetric, nodes gather from regions (eq. 8).
 
 #include "adapt/regions/interval_regions.h"
 
 namespace pliant {
 
-/// Floats in a record: 12 of payload (a 3 x 3 matrix and a vector), filled up to a whole cache line. As in the step's kernels.
+/// Floats in a record: 12 of payload (a 3 x 3 matrix and a vector), padded to a cache line as in the step's kernels.
 inline constexpr int kSumFloats = 16;
 
-/// What to add to what. Records of the slots come first, then those of the virtual nodes that regions name and of all below them,
+/// The order of summation. Records of the slots come first, then those of the virtual nodes in regions and of all virtual nodes below them,
 /// children before parents.
 struct SumPlan
 {
@@ -28,10 +27,10 @@ SumPlan planSums( const Octree& octree, const Cut& cut, const IntervalRegions& i
 
 /// Fills the records of virtual nodes from those of the slots. `records`: plan.records() of kSumFloats floats.
 void depthSum( const SumPlan& plan, float* records );
-/// The same of records of half as many floats.
+/// The same for records of half as many floats.
 void depthSumHalf( const SumPlan& plan, float* records );
 
-/// The sums of regions first .. end - 1, written to sums + r kSumFloats. Regions are independent of one another.
+/// Writes the sums of regions first .. end - 1 to sums + r kSumFloats. Regions are independent of one another.
 void breadthSum( const SumPlan& plan, const float* records, float* sums, int first, int end );
 
 } // namespace pliant

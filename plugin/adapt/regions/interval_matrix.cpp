@@ -33,7 +33,7 @@ void listMembers( const Octree& octree, const Cut& cut, const IntervalRegions& i
 	matrix.fraction.resize( matrix.member.size() );
 }
 
-/// u( a, r ) of all pairs, and its transpose beside it. `weight( a, r )` must depend on nothing else.
+/// Stores u( a, r ) of all pairs together with its transpose. `weight( a, r )` must depend only on its arguments.
 template <class F>
 void setConserving( RegionMatrix& matrix, const F& weight )
 {

@@ -14,7 +14,7 @@ double spacingOf( const Octree& octree, std::uint32_t node )
 	return kUnitsPerCell * std::ldexp( 1.0, octree.levelOf( node ) );
 }
 
-/// Simulation nodes of each row. Rows are in depth-first order and slots are too: they come ascending.
+/// Returns the simulation nodes of each row. Rows and slots are in depth-first order, so the result is ascending.
 Rows spread( const IntervalInput& input, const std::vector<std::uint32_t>& start, const std::vector<std::uint32_t>& node )
 {
 	Rows rows;
@@ -35,7 +35,7 @@ Rows spread( const IntervalInput& input, const std::vector<std::uint32_t>& start
 	return rows;
 }
 
-/// Which rows hold each slot, ascending.
+/// Returns the rows that hold each slot, ascending.
 Rows transposed( const Rows& rows )
 {
 	Rows result;
@@ -61,7 +61,7 @@ Rows transposed( const Rows& rows )
 	return result;
 }
 
-/// Step 3. A row that is its own column stays; else both together are named by the largest whole nodes.
+/// Step 3. A row that includes its column is kept; otherwise their union is expressed by the largest complete nodes.
 void symmetrize( const IntervalInput& input, IntervalRegions& regions )
 {
 	const Rows in = spread( input, regions.ownStart, regions.own );
@@ -83,7 +83,7 @@ void symmetrize( const IntervalInput& input, IntervalRegions& regions )
 		}
 		both.clear();
 		std::set_union( inFirst, inEnd, byFirst, byEnd, std::back_inserter( both ) );
-		nameLargest( input, both, cover, regions.node );
+		appendLargest( input, both, cover, regions.node );
 		regions.start.push_back( std::uint32_t( regions.node.size() ) );
 	}
 }

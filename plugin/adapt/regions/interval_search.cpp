@@ -7,14 +7,14 @@ namespace pliant {
 
 namespace {
 
-/// Searches of one task: enough to be worth its scratch.
+/// Searches per task: enough to justify its scratch.
 constexpr std::uint32_t kRegionsPerTask = 256;
 
 /// Steps 1 and 2 for one owner after another.
 ///
-/// Distances come in ascending order. A virtual node's interval [a, b] so begins at its first simulation node reached and ends at its
-/// last; nothing is reached from ( 1 + eps ) w on, hence b < ( 1 + eps ) w exactly for nodes that are whole. Going top-down, the paper
-/// inserts the first node with a <= w and b < ( 1 + eps ) w: the largest whole one above a simulation node within w.
+/// Distances are ascending, so a virtual node's interval [a, b] starts at its first simulation node reached and ends at its last. Nothing
+/// is reached from ( 1 + eps ) w on, hence b < ( 1 + eps ) w exactly for complete nodes. Top-down, the paper inserts the first node with a
+/// <= w and b < ( 1 + eps ) w: the largest complete one above a simulation node within w.
 class RegionSearch
 {
 public:
@@ -80,7 +80,7 @@ Rows searchRows( const IntervalInput& input, const IntervalRegions& regions, con
 	return all;
 }
 
-void nameLargest( const IntervalInput& input, const std::vector<std::uint32_t>& slots, Cover& cover, std::vector<std::uint32_t>& named )
+void appendLargest( const IntervalInput& input, const std::vector<std::uint32_t>& slots, Cover& cover, std::vector<std::uint32_t>& nodes )
 {
 	cover.clear();
 	for ( const std::uint32_t slot : slots )
@@ -91,7 +91,7 @@ void nameLargest( const IntervalInput& input, const std::vector<std::uint32_t>& 
 	{
 		if ( const std::uint32_t node = cover.largestAbove( input.cut.node[slot] ); node != kNoNode )
 		{
-			named.push_back( node );
+			nodes.push_back( node );
 		}
 	}
 }

@@ -1,6 +1,6 @@
 #pragma once
 
-// Steps 1 and 2 of Steinemann et al. 2008, section 4.2, for any slots: what finding regions and changing them share.
+// Steps 1 and 2 of Steinemann et al. 2008, section 4.2, for any slots: shared by the construction and the update of regions.
 
 #include "adapt/regions/interval_regions.h"
 
@@ -16,7 +16,7 @@ inline std::uint32_t limitOf( std::uint32_t width, float eps )
 	return std::max( width + 1, std::uint32_t( std::ceil( ( 1.0 + double( eps ) ) * width ) ) );
 }
 
-/// Which octree nodes have all their simulation nodes among those added.
+/// Finds the octree nodes whose simulation nodes have all been added: the complete ones.
 class Cover
 {
 public:
@@ -27,36 +27,37 @@ public:
 	void add( std::uint32_t simulationNode )
 	{
 		std::uint32_t node = simulationNode;
-		stateOf( node ).isWhole = true;
+		stateOf( node ).isComplete = true;
 		for ( std::uint32_t parent = m_octree.parent[node]; parent != kNoNode; parent = m_octree.parent[parent] )
 		{
 			State& state = stateOf( parent );
-			if ( ++state.wholeChildren < m_octree.childStart[parent + 1] - m_octree.childStart[parent] )
+			if ( ++state.completeChildren < m_octree.childStart[parent + 1] - m_octree.childStart[parent] )
 			{
 				return;
 			}
-			state.isWhole = true;
+			state.isComplete = true;
 		}
 	}
 
-	/// The largest node above one added that is whole, or kNoNode where it was named already.
+	/// Returns the largest complete node above an added one, or kNoNode where it was returned before.
 	std::uint32_t largestAbove( std::uint32_t simulationNode )
 	{
 		std::uint32_t node = simulationNode;
-		for ( std::uint32_t parent = m_octree.parent[node]; parent != kNoNode && stateOf( parent ).isWhole; parent = m_octree.parent[node] )
+		for ( std::uint32_t parent = m_octree.parent[node]; parent != kNoNode && stateOf( parent ).isComplete;
+			  parent = m_octree.parent[node] )
 		{
 			node = parent;
 		}
-		return std::exchange( stateOf( node ).isNamed, true ) ? kNoNode : node;
+		return std::exchange( stateOf( node ).isListed, true ) ? kNoNode : node;
 	}
 
 private:
 	struct State
 	{
 		std::uint32_t round = 0;
-		std::uint16_t wholeChildren = 0;
-		bool isWhole = false;
-		bool isNamed = false;
+		std::uint16_t completeChildren = 0;
+		bool isComplete = false;
+		bool isListed = false;
 	};
 
 	State& stateOf( std::uint32_t node )
@@ -82,10 +83,10 @@ struct Rows
 	void close() { start.push_back( std::uint32_t( entry.size() ) ); }
 };
 
-/// Own rows of some slots, in parallel, in their order.
+/// Own rows of some slots, computed in parallel, in their order.
 Rows searchRows( const IntervalInput& input, const IntervalRegions& regions, const std::vector<std::uint32_t>& slots, TaskRunner* runner );
 
-/// Appends the largest octree nodes all of whose simulation nodes are in a set of slots, ascending, in depth-first order.
-void nameLargest( const IntervalInput& input, const std::vector<std::uint32_t>& slots, Cover& cover, std::vector<std::uint32_t>& named );
+/// Appends the largest octree nodes whose simulation nodes are all in `slots` (ascending), in depth-first order.
+void appendLargest( const IntervalInput& input, const std::vector<std::uint32_t>& slots, Cover& cover, std::vector<std::uint32_t>& nodes );
 
 } // namespace pliant

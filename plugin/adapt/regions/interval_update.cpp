@@ -5,19 +5,19 @@ namespace pliant {
 
 namespace {
 
-/// Slots of nodes that stayed and must be searched anew, besides the new ones.
+/// Returns the new slots and the kept ones that must be searched again.
 std::vector<std::uint32_t> slotsToSearch( const IntervalInput& from, const IntervalInput& to, const CutChange& change,
 	const IntervalRegions& old, const IntervalRegions& regions )
 {
 	const std::vector<std::uint32_t>& before = change.before;
 	const std::vector<std::uint32_t>& after = change.after;
 	std::vector<std::uint8_t> isDirty( before.size(), 0 );
-	std::vector<std::uint32_t> gone, come;
+	std::vector<std::uint32_t> removed, added;
 	for ( std::uint32_t slot = 0; slot < std::uint32_t( after.size() ); ++slot )
 	{
 		if ( after[slot] == kNoNode )
 		{
-			gone.push_back( slot );
+			removed.push_back( slot );
 		}
 	}
 	std::uint32_t limit = 0;
@@ -25,7 +25,7 @@ std::vector<std::uint32_t> slotsToSearch( const IntervalInput& from, const Inter
 	{
 		if ( before[slot] == kNoNode )
 		{
-			come.push_back( slot );
+			added.push_back( slot );
 		}
 		isDirty[slot] = before[slot] == kNoNode || old.width[before[slot]] != regions.width[slot];
 		limit = std::max( limit, limitOf( regions.width[slot], regions.eps ) );
@@ -35,14 +35,14 @@ std::vector<std::uint32_t> slotsToSearch( const IntervalInput& from, const Inter
 		limit = std::max( limit, limitOf( width, old.eps ) );
 	}
 	BucketMoore search;
-	for ( const BucketMoore::Reached& r : search.fromAll( from.graph, gone, limit ) )
+	for ( const BucketMoore::Reached& r : search.fromAll( from.graph, removed, limit ) )
 	{
 		if ( after[r.node] != kNoNode && r.distance < limitOf( old.width[r.node], old.eps ) )
 		{
 			isDirty[after[r.node]] = 1;
 		}
 	}
-	for ( const BucketMoore::Reached& r : search.fromAll( to.graph, come, limit ) )
+	for ( const BucketMoore::Reached& r : search.fromAll( to.graph, added, limit ) )
 	{
 		isDirty[r.node] |= r.distance < limitOf( regions.width[r.node], regions.eps );
 	}
@@ -57,7 +57,7 @@ std::vector<std::uint32_t> slotsToSearch( const IntervalInput& from, const Inter
 	return slots;
 }
 
-/// Step 3 for the rows that can have changed; all others are copied.
+/// Step 3 for the rows that may have changed; all others are copied.
 class SymmetryUpdate
 {
 public:
@@ -65,7 +65,7 @@ public:
 		const IntervalInput& from, const IntervalInput& to, const CutChange& change, const IntervalRegions& old, IntervalUpdate& update ) :
 		m_to( to ),
 		m_spans( slotSpans( to.octree, to.cut ) ), m_oldSpans( slotSpans( from.octree, from.cut ) ),
-		m_metFor( change.before.size(), kNoNode ), m_change( change ), m_old( old ), m_regions( update.regions ),
+		m_collectedFor( change.before.size(), kNoNode ), m_change( change ), m_old( old ), m_regions( update.regions ),
 		m_isSearched( change.before.size(), 0 ), m_isAffected( change.before.size(), 0 ), m_heldStart( change.before.size() + 1, 0 )
 	{
 		for ( const std::uint32_t slot : update.searched )
@@ -96,7 +96,7 @@ public:
 				}
 				else
 				{
-					nameLargest( m_to, m_both, cover, m_regions.node );
+					appendLargest( m_to, m_both, cover, m_regions.node );
 				}
 			}
 			m_regions.start.push_back( std::uint32_t( m_regions.node.size() ) );
@@ -105,25 +105,25 @@ public:
 
 private:
 	template <class F>
-	static void forEachSlot( const std::vector<SlotSpan>& spans, const std::uint32_t* node, const std::uint32_t* end, const F& what )
+	static void forEachSlot( const std::vector<SlotSpan>& spans, const std::uint32_t* node, const std::uint32_t* end, const F& visit )
 	{
 		for ( ; node != end; ++node )
 		{
 			for ( std::uint32_t slot = spans[*node].first; slot < spans[*node].end; ++slot )
 			{
-				what( slot );
+				visit( slot );
 			}
 		}
 	}
 
 	template <class F>
-	void forEachOwn( std::uint32_t slot, const F& what ) const
+	void forEachOwn( std::uint32_t slot, const F& visit ) const
 	{
 		const std::uint32_t* const own = m_regions.own.data();
-		forEachSlot( m_spans, own + m_regions.ownStart[slot], own + m_regions.ownStart[slot + 1], what );
+		forEachSlot( m_spans, own + m_regions.ownStart[slot], own + m_regions.ownStart[slot + 1], visit );
 	}
 
-	/// Whoever was in a row that is gone or was searched anew.
+	/// Marks the members of rows that were removed or searched again.
 	void findAffected()
 	{
 		for ( std::uint32_t before = 0; before < std::uint32_t( m_change.after.size() ); ++before )
@@ -143,7 +143,7 @@ private:
 		}
 	}
 
-	/// For each slot, the searched ones whose rows hold it now; it is affected.
+	/// Lists, for each slot, the searched slots whose rows hold it now, and marks it as affected.
 	void listHolders( const std::vector<std::uint32_t>& searched )
 	{
 		for ( const std::uint32_t holder : searched )
@@ -165,31 +165,31 @@ private:
 		}
 	}
 
-	/// Row and column of a slot together, ascending; returns how many the row has alone.
+	/// Collects the union of a slot's row and column, ascending; returns the size of the row alone.
 	std::size_t collect( std::uint32_t slot )
 	{
 		m_both.clear();
 		forEachOwn( slot, [this, slot]( std::uint32_t member ) {
-			m_metFor[member] = slot;
+			m_collectedFor[member] = slot;
 			m_both.push_back( member );
 		} );
 		const std::size_t members = m_both.size();
-		const auto meet = [this, slot]( std::uint32_t other ) {
-			if ( std::exchange( m_metFor[other], slot ) != slot )
+		const auto addOther = [this, slot]( std::uint32_t other ) {
+			if ( std::exchange( m_collectedFor[other], slot ) != slot )
 			{
 				m_both.push_back( other );
 			}
 		};
-		std::for_each( m_heldBy.begin() + m_heldStart[slot], m_heldBy.begin() + m_heldStart[slot + 1], meet );
-		// Rows that were not searched held it before if they do now, so its old row names them all.
+		std::for_each( m_heldBy.begin() + m_heldStart[slot], m_heldBy.begin() + m_heldStart[slot + 1], addOther );
+		// Rows that were not searched hold the slot now only if they held it before, so its old row lists them all.
 		if ( const std::uint32_t before = m_change.before[slot]; before != kNoNode )
 		{
 			const std::uint32_t* const row = m_old.node.data();
 			forEachSlot( m_oldSpans, row + m_old.start[before], row + m_old.start[before + 1], [&]( std::uint32_t other ) {
 				const std::uint32_t now = m_change.after[other];
-				if ( now != kNoNode && m_isSearched[now] == 0 && m_metFor[now] != slot && holds( now, slot ) )
+				if ( now != kNoNode && m_isSearched[now] == 0 && m_collectedFor[now] != slot && holds( now, slot ) )
 				{
-					meet( now );
+					addOther( now );
 				}
 			} );
 		}
@@ -200,7 +200,7 @@ private:
 		return members;
 	}
 
-	/// Whether the own row of one slot holds another: the last of its nodes that begins at or before it does.
+	/// True where the own row of one slot holds another: tests the last of its nodes that starts at or before it.
 	bool holds( std::uint32_t holder, std::uint32_t slot ) const
 	{
 		const auto first = m_regions.own.begin() + m_regions.ownStart[holder], end = m_regions.own.begin() + m_regions.ownStart[holder + 1];
@@ -216,7 +216,7 @@ private:
 
 	const IntervalInput& m_to;
 	std::vector<SlotSpan> m_spans, m_oldSpans;
-	std::vector<std::uint32_t> m_metFor; ///< the last slot a slot was collected for
+	std::vector<std::uint32_t> m_collectedFor; ///< of each slot: the last slot for which it was collected
 	const CutChange& m_change;
 	const IntervalRegions& m_old;
 	IntervalRegions& m_regions;
@@ -240,11 +240,11 @@ IntervalUpdate updateIntervalRegions( const IntervalInput& from, const IntervalI
 	std::size_t next = 0;
 	for ( std::uint32_t slot = 0; slot < std::uint32_t( to.cut.count() ); ++slot )
 	{
-		// Octree nodes keep their ids: a row that no change has touched stays as it is.
-		const bool isAnew = next < update.searched.size() && update.searched[next] == slot;
-		const std::size_t row = isAnew ? next++ : change.before[slot];
-		const std::vector<std::uint32_t>& start = isAnew ? rows.start : old.ownStart;
-		const std::vector<std::uint32_t>& entry = isAnew ? rows.entry : old.own;
+		// Octree nodes keep their ids, so rows that were not searched again are copied.
+		const bool wasSearched = next < update.searched.size() && update.searched[next] == slot;
+		const std::size_t row = wasSearched ? next++ : change.before[slot];
+		const std::vector<std::uint32_t>& start = wasSearched ? rows.start : old.ownStart;
+		const std::vector<std::uint32_t>& entry = wasSearched ? rows.entry : old.own;
 		regions.own.insert( regions.own.end(), entry.begin() + start[row], entry.begin() + start[row + 1] );
 		regions.ownStart.push_back( std::uint32_t( regions.own.size() ) );
 	}

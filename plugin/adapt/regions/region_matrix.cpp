@@ -9,13 +9,13 @@ namespace pliant {
 
 namespace {
 
-/// One row in the making: sums by slot, and the slots that have any.
+/// One row under construction: sums by slot, and the slots with any.
 class Row
 {
 public:
 	explicit Row( int slots ) : m_sum( static_cast<std::size_t>( slots ) ) {}
 
-	/// Shares are at least 1: a slot without any is not listed yet.
+	/// Fractions are at least 1: a slot with 0 is not listed yet.
 	void add( std::uint32_t slot, std::uint32_t mass, std::uint32_t fraction )
 	{
 		Entry& entry = m_sum[slot];
@@ -27,7 +27,7 @@ public:
 		entry.fraction += fraction;
 	}
 
-	/// Appends the row to the matrix, ascending, and is empty again.
+	/// Appends the row to the matrix, ascending, and clears it.
 	void appendTo( RegionMatrix& matrix )
 	{
 		std::sort( m_members.begin(), m_members.end() );
@@ -52,8 +52,8 @@ private:
 	std::vector<std::uint32_t> m_members;
 };
 
-/// u( a, r ) = sum over cells c under a and fine regions f under r with c in f of m_c / n_c. Membership is symmetric: one walk over the
-/// cells of the fine regions under a node finds both its row (what lies in its region) and its column (whose regions it lies in).
+/// u( a, r ) = sum over cells c under a and fine regions f under r with c in f of m_c / n_c. Membership is symmetric: one traversal of the
+/// cells of the fine regions under a node yields both its row (the members of its region) and its column (the regions that hold it).
 void countFromCells( const Octree& octree, const Cut& cut, const FineRegions& fine, std::uint32_t slot, Row& row )
 {
 	const std::uint32_t node = cut.node[slot];
@@ -68,7 +68,7 @@ void countFromCells( const Octree& octree, const Cut& cut, const FineRegions& fi
 	}
 }
 
-/// What one unit of a node's mass weighs.
+/// The weight of one unit of a node's mass.
 double unitOf( double mass, const RegionMatrix& matrix, std::uint32_t row )
 {
 	std::uint64_t sum = 0;
@@ -79,7 +79,7 @@ double unitOf( double mass, const RegionMatrix& matrix, std::uint32_t row )
 	return mass / double( sum );
 }
 
-/// Makes the rows of a changed cut: those that nothing touched in runs, the others one after the other.
+/// Builds the rows of a changed cut: runs of untouched rows at once, the others one after the other.
 class Updater
 {
 public:
@@ -120,7 +120,7 @@ public:
 			}
 			else
 			{
-				takeOld( slot, firstOld, result );
+				appendChanged( slot, firstOld, result );
 			}
 			result.unit.push_back( unitOf( m_octree.mass[m_to.node[slot]], result, slot ) );
 			++slot;
@@ -156,7 +156,7 @@ private:
 		}
 	}
 
-	/// Membership is symmetric: whoever has a changed node in its row stands in that node's.
+	/// Membership is symmetric: a changed node's row lists all nodes whose rows hold it.
 	void findUntouched()
 	{
 		m_untouched = m_change.before;
@@ -169,7 +169,7 @@ private:
 			}
 		}
 		const std::vector<std::uint32_t> moved = slotsOutOfOrder( m_change.now );
-		m_isMixed.assign( moved.empty() ? 0 : m_to.node.size(), 0 );
+		m_isReordered.assign( moved.empty() ? 0 : m_to.node.size(), 0 );
 		for ( const std::uint32_t i : moved )
 		{
 			touchMembers( i );
@@ -177,7 +177,7 @@ private:
 			{
 				if ( const std::uint32_t now = m_change.now[m_old.member[k]]; now != kNoNode )
 				{
-					m_isMixed[now] = 1;
+					m_isReordered[now] = 1;
 				}
 			}
 		}
@@ -209,7 +209,7 @@ private:
 		listColumns();
 	}
 
-	/// For each slot that is not counted: what it has in common with the nodes that splits brought. It stands in their rows; membership is
+	/// For each slot that is not counted: its entries with the nodes created by splits, read from their rows, since membership is
 	/// symmetric.
 	void listColumns()
 	{
@@ -251,7 +251,7 @@ private:
 		result.fraction.insert( result.fraction.end(), of.fraction.begin() + first, of.fraction.begin() + last );
 	}
 
-	/// Rows that keep all their members, under other numbers, which rise as the old ones did.
+	/// Appends rows that keep all their members, under new numbers in the old order.
 	void appendUntouched( std::uint32_t slot, std::uint32_t end, RegionMatrix& result ) const
 	{
 		const std::uint32_t old = m_untouched[slot], oldEnd = old + ( end - slot );
@@ -269,15 +269,15 @@ private:
 		result.unit.insert( result.unit.end(), m_old.unit.begin() + old, m_old.unit.begin() + oldEnd );
 	}
 
-	/// Rows of nodes that stayed or were merged: sums of the old rows. Where a member was split, its children stand in the column.
-	void takeOld( std::uint32_t slot, std::uint32_t& firstOld, RegionMatrix& result )
+	/// Appends rows of kept or merged nodes: sums of the old rows. Where a member was split, its children's entries are in the column.
+	void appendChanged( std::uint32_t slot, std::uint32_t& firstOld, RegionMatrix& result )
 	{
 		const Entry* next = m_column.data() + m_columnStart[slot];
 		const Entry* const last = m_column.data() + m_columnStart[slot + 1];
 		const bool wasMerged = m_change.wasMerged[slot] != 0;
-		if ( !wasMerged && ( m_isMixed.empty() || m_isMixed[slot] == 0 ) )
+		if ( !wasMerged && ( m_isReordered.empty() || m_isReordered[slot] == 0 ) )
 		{
-			takeOne( m_change.before[slot], next, last, result );
+			appendMerged( m_change.before[slot], next, last, result );
 			return;
 		}
 		if ( !wasMerged )
@@ -308,8 +308,8 @@ private:
 		}
 	}
 
-	/// New numbers rise as the old ones did, equals where members were merged; children come between those beside their parent.
-	void takeOne( std::uint32_t old, const Entry* next, const Entry* last, RegionMatrix& result ) const
+	/// New numbers are in the order of the old ones, equal where members were merged; children are inserted at their parent's position.
+	void appendMerged( std::uint32_t old, const Entry* next, const Entry* last, RegionMatrix& result ) const
 	{
 		const std::size_t first = result.member.size();
 		const auto append = [&result]( const Entry& entry ) {
@@ -349,10 +349,10 @@ private:
 	const FineRegions& m_fine;
 	SlotChange m_change;
 	Row m_row, m_children;
-	RegionMatrix m_counted;                 ///< rows of the nodes that splits brought
-	std::vector<std::uint32_t> m_childRow;  ///< of each new slot: its row there, or kNoNode
-	std::vector<std::uint32_t> m_untouched; ///< of each new slot: its old one, where its row is to be renumbered and no more
-	std::vector<std::uint8_t> m_isMixed; ///< of each new slot: 1 where members of its row stand in another order than before; empty: none
+	RegionMatrix m_counted;                   ///< rows of the nodes created by splits
+	std::vector<std::uint32_t> m_childRow;    ///< of each new slot: its row there, or kNoNode
+	std::vector<std::uint32_t> m_untouched;   ///< of each new slot: its old one, where its row is only renumbered
+	std::vector<std::uint8_t> m_isReordered;  ///< of each new slot: 1 where the members of its row change order; empty: none do
 	std::vector<std::uint32_t> m_columnStart; ///< of each new slot
 	std::vector<Entry> m_column;              ///< ascending by slot
 };

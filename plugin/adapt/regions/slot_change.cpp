@@ -20,7 +20,7 @@ SlotChange slotChange( const Octree& octree, const Cut& from, const Cut& to )
 			change.now[i] = std::uint32_t( j );
 			change.before[j] = std::uint32_t( i );
 		}
-		else if ( octree.cellCount[now] >= octree.cellCount[old] ) // taken in
+		else if ( octree.cellCount[now] >= octree.cellCount[old] ) // merged
 		{
 			change.now[i] = std::uint32_t( j );
 			change.wasMerged[j] = 1;
@@ -50,21 +50,21 @@ SlotChange slotChange( const RelinkedNodes& nodes )
 
 std::vector<std::uint32_t> slotsOutOfOrder( const std::vector<std::uint32_t>& now )
 {
-	std::vector<std::uint32_t> least( now.size() + 1, kNoNode ), moved; // least number of those from here on; kNoNode is above all
+	std::vector<std::uint32_t> lowest( now.size() + 1, kNoNode ), moved; // lowest[i]: minimum of the numbers from i on; kNoNode exceeds all
 	for ( std::size_t i = now.size(); i-- > 0; )
 	{
-		least[i] = std::min( least[i + 1], now[i] );
+		lowest[i] = std::min( lowest[i + 1], now[i] );
 	}
-	std::uint32_t most = 0;
+	std::uint32_t highest = 0;
 	for ( std::size_t i = 0; i < now.size(); ++i )
 	{
 		if ( now[i] != kNoNode )
 		{
-			if ( now[i] < most || now[i] > least[i] )
+			if ( now[i] < highest || now[i] > lowest[i] )
 			{
 				moved.push_back( std::uint32_t( i ) );
 			}
-			most = std::max( most, now[i] );
+			highest = std::max( highest, now[i] );
 		}
 	}
 	return moved;

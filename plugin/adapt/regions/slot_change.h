@@ -1,26 +1,26 @@
 #pragma once
 
-// What becomes of the slots of a cut when it changes, or when links do.
+// Maps the slots of a cut to those after a change of the cut or of the links.
 
 #include "adapt/regions/region_matrix.h"
 
 namespace pliant {
 
-/// What the change of a cut means for its slots.
+/// The effect of a cut's change on its slots.
 struct SlotChange
 {
-	std::vector<std::uint32_t>
-		now; ///< of each old slot: its slot, or that of the merged node that took it in; kNoNode where it was split or went
+	/// Of each old slot: its slot, or that of the merged node that contains it; kNoNode where it was split or removed.
+	std::vector<std::uint32_t> now;
 	std::vector<std::uint32_t> before;   ///< of each new slot: its old slot; kNoNode where it is new
 	std::vector<std::uint8_t> wasMerged; ///< of each new slot
 };
 
 SlotChange slotChange( const Octree& octree, const Cut& from, const Cut& to );
 
-/// Nodes in whose finest regions something changed count as split, each into itself.
+/// Nodes whose finest regions changed count as split, each into itself.
 SlotChange slotChange( const RelinkedNodes& nodes );
 
-/// Old slots whose new numbers do not stand in the order of the old ones.
+/// Returns the old slots whose new numbers are not in the order of the old ones.
 std::vector<std::uint32_t> slotsOutOfOrder( const std::vector<std::uint32_t>& now );
 
 } // namespace pliant

@@ -17,7 +17,7 @@ struct UnionPattern
 
 UnionPattern findUnions( const Octree& octree, const Cut& cut, const FineRegions& fine )
 {
-	// Each cell counts once, however many of the fine regions under r hold it.
+	// Each cell counts once, regardless of the number of fine regions under r that hold it.
 	const std::uint32_t count = std::uint32_t( cut.count() );
 	UnionPattern pattern;
 	pattern.matrix.start.push_back( 0 );
@@ -74,7 +74,7 @@ RegionMatrix buildUnionRegions( const Octree& octree, const Cut& cut, const Fine
 		{
 			const std::uint32_t a = matrix.member[k];
 			const auto first = matrix.member.begin() + matrix.start[a], last = matrix.member.begin() + matrix.start[a + 1];
-			const std::size_t back = std::size_t( std::lower_bound( first, last, r ) - matrix.member.begin() ); // symmetric: it is there
+			const std::size_t back = std::size_t( std::lower_bound( first, last, r ) - matrix.member.begin() ); // exists by symmetry
 			if ( weights == UnionWeights::Conserving )
 			{
 				matrix.mass[k] = inMassUnits( ofRegion * pattern.value[k] / pattern.cover[a] );

@@ -54,7 +54,7 @@ public:
 	const std::shared_ptr<const RegionTables>& tables() const { return m_tables; }
 	int levelOf( int node ) const { return m_base->octree.levelOf( m_cut.node[node] ); }
 	/// Nodes on each level.
-	const std::array<int, kMostCoarseLevels + 1>& nodesOnLevel() const { return m_nodesOnLevel; }
+	const std::array<int, kMaxCoarseLevels + 1>& nodesOnLevel() const { return m_nodesOnLevel; }
 
 	/// Incremented with each change; initially 0.
 	unsigned version() const { return m_version; }
@@ -218,7 +218,7 @@ private:
 	LevelChange m_change;
 	int m_finestLevel = 0;
 	float m_refineStretch = 0.0f, m_together = 1.0f;
-	std::array<int, kMostCoarseLevels + 1> m_nodesOnLevel{};
+	std::array<int, kMaxCoarseLevels + 1> m_nodesOnLevel{};
 
 	/// Memory of the change before the last, reused by the next.
 	struct Scratch

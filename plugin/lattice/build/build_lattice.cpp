@@ -1,4 +1,4 @@
-// The table of contents of preprocessing: weld, orient, close, cut into cells, link, centre.
+// The steps of preprocessing: weld, orient, close, cut into cells, link, centre.
 
 #include "lattice/build/build_lattice.h"
 
@@ -73,35 +73,35 @@ private:
 		if ( !m_isShellOnly )
 		{
 			m_field.emplace( m_mesh, rim );
-			m_survey = m_field->isWhole() ? InsideField::Survey{} : m_field->survey();
+			m_survey = m_field->isClosed() ? InsideField::Survey{} : m_field->survey();
 			const bool isThin = m_survey.volume <= kRoundingFraction * m_area * ( m_mesh.high - m_mesh.low ).norm();
-			const bool isSheet = isThin && !m_field->isWhole() && !m_field->isSoup();
+			const bool isSheet = isThin && !m_field->isClosed() && !m_field->isSoup();
 			if ( isSheet && !mayHaveShell() )
 			{
-				return noInside( "The mesh is a flat sheet: closed along its rims it holds nothing" );
+				return noInside( "The mesh is a flat sheet: closed along its rims it has no inside" );
 			}
-			m_isShellOnly = isSheet || ( mayHaveShell() && m_survey.opposed > kMostOpposedFraction * m_survey.volume );
+			m_isShellOnly = isSheet || ( mayHaveShell() && m_survey.opposed > kMaxOpposedFraction * m_survey.volume );
 		}
 		return m_progress.report( 0.3f ) ? Status{} : cancelled();
 	}
 
-	static Status noInside( const std::string& why )
+	static Status noInside( const std::string& reason )
 	{
-		return { ResultCode::ZeroVolume, why + ". With LatticeSettings::shell other than Never the surface itself becomes material." };
+		return { ResultCode::ZeroVolume, reason + ". With LatticeSettings::shell other than Never the surface itself becomes material." };
 	}
 
-	double cellsAskedFor() const { return m_settings.cellSize > 0.0f ? m_settings.maxCells : m_settings.targetCells; }
-	double mostCrossings() const { return kMostCrossingsAtLeast + kMostCrossingsPerCell * cellsAskedFor(); }
+	double requestedCells() const { return m_settings.cellSize > 0.0f ? m_settings.maxCells : m_settings.targetCells; }
+	double maxCrossings() const { return kBaseCrossings + kMaxCrossingsPerCell * requestedCells(); }
 
-	/// Winding numbers asked for, each position once, each sample of a cut one, and each run between crossings.
+	/// Winding number queries: one per position, one per sample of a cut position, and one per run between crossings.
 	bool isTooMuchWork( const Grid& grid, double crossings ) const
 	{
 		const double positions = double( grid.positions() );
 		const double cut = std::min( positions, 2.0 * m_area / ( grid.cellSize * grid.cellSize ) );
 		const double answers = positions + cut * grid.samplesPerCell() + crossings;
 		const double expected = m_survey.volume / ( grid.cellSize * grid.cellSize * grid.cellSize ) + 0.5 * kCellsPerArea * cut;
-		const double cells = m_settings.cellSize > 0.0f ? std::min( cellsAskedFor(), expected ) : cellsAskedFor();
-		return !m_field->isWhole() && answers * m_survey.work > kMostWorkPerCell * std::max( cells, 1000.0 );
+		const double cells = m_settings.cellSize > 0.0f ? std::min( requestedCells(), expected ) : requestedCells();
+		return !m_field->isClosed() && answers * m_survey.work > kMaxWorkPerCell * std::max( cells, 1000.0 );
 	}
 
 	Status tooFolded() const
@@ -116,16 +116,16 @@ private:
 	{
 		if ( !m_volume )
 		{
-			m_volume = m_field->isWhole() ? estimateVolume( m_mesh, *m_field, mostCrossings() ) : m_survey.volume;
+			m_volume = m_field->isClosed() ? estimateVolume( m_mesh, *m_field, maxCrossings() ) : m_survey.volume;
 		}
 		return *m_volume;
 	}
 
-	/// The mesh spans no more of these than there are coordinates for.
+	/// At this cell size the mesh spans the maximum number of lattice coordinates.
 	double smallestSize() const { return ( m_mesh.high - m_mesh.low ).maxCoeff() / ( kMaxExtent - 2 ); }
 
-	/// The cell edge that gives about so many cells: N = V / d^3 + c A / d^2, solved by halving. Of a shell N = c A / d^2, and a line of
-	/// cells at least.
+	/// Returns the cell edge that gives about `cells` cells: N = V / d^3 + c A / d^2, solved by bisection. For a shell N = c A / d^2, with
+	/// at least a line of cells.
 	double sizeForCells( double cells )
 	{
 		const double longest = ( m_mesh.high - m_mesh.low ).maxCoeff();
@@ -157,8 +157,8 @@ private:
 				return buildShellNearTarget(); // no inside was found
 			}
 			const double ratio = countForTarget() / target;
-			const bool isNear = std::abs( ratio - 1.0 ) <= ( m_field->isWhole() ? kTargetSlack : kTargetSlackWhenOpen );
-			if ( !status.ok() || isNear || attempt == ( m_field->isWhole() ? kTargetTries : kTargetTriesWhenOpen ) )
+			const bool isNear = std::abs( ratio - 1.0 ) <= ( m_field->isClosed() ? kTargetSlack : kTargetSlackWhenOpen );
+			if ( !status.ok() || isNear || attempt == ( m_field->isClosed() ? kTargetTries : kTargetTriesWhenOpen ) )
 			{
 				return status;
 			}
@@ -166,14 +166,14 @@ private:
 		}
 	}
 
-	/// A few cells on thin parts do not change the size of all others.
+	/// A few cells on thin parts must not change the size of all others.
 	double countForTarget() const
 	{
 		const int shell = m_out.report.shellCells, all = m_out.lattice.cellCount();
-		return shell <= kMostShellFraction * all ? all - shell : all;
+		return shell <= kMaxShellFraction * all ? all - shell : all;
 	}
 
-	/// How the count goes with the cell size hangs on the shape: it is learnt on the way.
+	/// The exponent of the cell count in the cell size depends on the shape: it is estimated from successive attempts.
 	Status buildShellNearTarget()
 	{
 		const double target = m_settings.targetCells;
@@ -194,7 +194,7 @@ private:
 			}
 			if ( lastCells > 0.0 && lastSize != d )
 			{
-				power = std::clamp( std::log( cells / lastCells ) / std::log( lastSize / d ), kLeastShellPower, kMostShellPower );
+				power = std::clamp( std::log( cells / lastCells ) / std::log( lastSize / d ), kMinShellPower, kMaxShellPower );
 			}
 			lastSize = d;
 			lastCells = cells;
@@ -204,7 +204,7 @@ private:
 
 	Status tooManyCells( double d )
 	{
-		// A tenth to spare, so that the proposal does fit; of a shell as much as it may stand aslant.
+		// A margin of a tenth, so that the proposed size fits; larger for a shell, whose count depends on its orientation.
 		const double fits = sizeForCells( m_settings.maxCells / ( 1.0 + ( m_isShellOnly ? kTargetSlackWhenOpen : kTargetSlack ) ) );
 		return { ResultCode::TooManyCells,
 			sentence( "With cells of ", d, " m the mesh fills more than LatticeSettings::maxCells = ", m_settings.maxCells,
@@ -216,7 +216,7 @@ private:
 		const double farthest = std::max( m_mesh.low.cwiseAbs().maxCoeff(), m_mesh.high.cwiseAbs().maxCoeff() );
 		if ( d > kLargestDiagonal )
 		{
-			return { ResultCode::ExtentOutOfRange, "LatticeSettings::cellSize is above the 1e7 m that float arithmetic bears." };
+			return { ResultCode::ExtentOutOfRange, "LatticeSettings::cellSize is above the 1e7 m that float arithmetic supports." };
 		}
 		if ( !( d > kRoundingFraction * farthest ) )
 		{
@@ -258,7 +258,7 @@ private:
 			m_out.lattice = Lattice{};
 			m_out.report.samplesPerEdge = m_out.report.cutLinks = 0;
 		}
-		if ( Status status = mayHaveShell() ? putShell( grid, cells ) : Status{}; !status.ok() )
+		if ( Status status = mayHaveShell() ? addShellCells( grid, cells ) : Status{}; !status.ok() )
 		{
 			return status;
 		}
@@ -266,17 +266,17 @@ private:
 		return m_progress.report( 1.0f ) ? Status{} : cancelled();
 	}
 
-	Status putShell( const Grid& grid, std::vector<CellDraft>& cells )
+	Status addShellCells( const Grid& grid, std::vector<CellDraft>& cells )
 	{
-		const double d = grid.cellSize, mostCells = m_settings.maxCells;
+		const double d = grid.cellSize, maxCells = m_settings.maxCells;
 		const double thickness = m_settings.shellThickness > 0.0f ? double( m_settings.shellThickness ) / d : 1.0;
-		const bool isWhole = !m_isShellOnly && m_field->isWhole();
-		const int added = addShell( m_mesh, grid, { thickness, m_drawnArea / ( d * d ), isWhole, mostCells }, cells, m_out.lattice );
+		const bool hasKnownInside = !m_isShellOnly && m_field->isClosed();
+		const int added = addShell( m_mesh, grid, { thickness, m_drawnArea / ( d * d ), hasKnownInside, maxCells }, cells, m_out.lattice );
 		m_out.report.shellCells = std::max( added, 0 );
 		return added < 0 ? tooManyCells( d ) : Status{};
 	}
 
-	/// Fewer samples where they would take too long: a fraction of a second is what inside may cost.
+	/// Uses fewer samples where the requested number would take too long: finding the inside should take a fraction of a second.
 	Status fillInside( double d, std::vector<CellDraft>& cells )
 	{
 		for ( int samples = m_settings.samplesPerEdge; samples > 0; --samples )
@@ -288,11 +288,11 @@ private:
 			}
 			const SnappedSurface surface( m_mesh, *m_field, grid );
 			const double crossings = surface.expectedCrossings();
-			if ( crossings > mostCrossings() && m_settings.cellSize > 0.0f && sizeForCells( m_settings.maxCells ) > d )
+			if ( crossings > maxCrossings() && m_settings.cellSize > 0.0f && sizeForCells( m_settings.maxCells ) > d )
 			{
 				return tooManyCells( d );
 			}
-			if ( crossings <= mostCrossings() && !isTooMuchWork( grid, crossings ) )
+			if ( crossings <= maxCrossings() && !isTooMuchWork( grid, crossings ) )
 			{
 				m_out.report.samplesPerEdge = samples;
 				return fillCells( surface, cells );
@@ -315,7 +315,7 @@ private:
 		std::optional<Parts> parts( std::in_place, voxels, *m_field, m_settings.minimumFill, m_settings.runner );
 		if ( parts->cells().empty() )
 		{
-			parts.emplace( voxels, *m_field, 0.0f, m_settings.runner ); // thin everywhere: better thin cells than none
+			parts.emplace( voxels, *m_field, 0.0f, m_settings.runner ); // thin everywhere: thin cells are better than none
 		}
 		if ( parts->cells().size() > std::size_t( m_settings.maxCells ) )
 		{
@@ -325,11 +325,11 @@ private:
 		{
 			m_out.report.cutLinks = linkCells( *parts, *m_field, m_settings.runner, m_out.lattice );
 			cells = parts->cells();
-			const bool areMany = std::size_t( kLeastCellsPerPart * countComponents( m_out.lattice ) ) > cells.size();
-			const bool isDust = areMany && mayHaveShell() && !m_field->isWhole();
-			return isDust && cells.size() > std::size_t( kLeastCellsPerPart ) ? noInside( "The inside falls into crumbs" ) : Status{};
+			const bool hasSmallParts = std::size_t( kMinCellsPerPart * countComponents( m_out.lattice ) ) > cells.size();
+			const bool isFragmented = hasSmallParts && mayHaveShell() && !m_field->isClosed();
+			return isFragmented && cells.size() > std::size_t( kMinCellsPerPart ) ? noInside( "The inside is fragmented" ) : Status{};
 		}
-		cells = findSliverCells( m_mesh, *m_field, grid, mostCrossings() );
+		cells = findSliverCells( m_mesh, *m_field, grid, maxCrossings() );
 		if ( cells.empty() )
 		{
 			return noInside( sentence( "With cells of ", grid.cellSize, " m there is no inside: the mesh is flat or open too widely" ) );
@@ -382,12 +382,12 @@ private:
 	LatticeBuild& m_out;
 	Progress m_progress;
 	WeldedMesh m_mesh;
-	std::optional<InsideField> m_field; ///< empty where the surface alone is material from the start
+	std::optional<InsideField> m_field; ///< empty where only the surface is material from the start
 	std::optional<double> m_volume;
 	InsideField::Survey m_survey; ///< of an open surface
-	bool m_isShellOnly = false;   ///< asked for, or no inside was found
+	bool m_isShellOnly = false;   ///< requested, or no inside was found
 	double m_area = 0.0;
-	double m_drawnArea = 0.0; ///< with what bounds no inside
+	double m_drawnArea = 0.0; ///< including triangles that bound no inside
 };
 
 } // namespace

@@ -1,6 +1,6 @@
 #pragma once
 
-// From a triangle mesh to cells and links: the whole of Ohta et al. 2009, "Preprocessing", at the finest level.
+// Builds cells and links from a triangle mesh: the whole of Ohta et al. 2009, "Preprocessing", at the finest level.
 
 #include "lattice/lattice.h"
 #include "pliant/body_template.h"
@@ -13,17 +13,17 @@ namespace pliant {
 struct LatticeBuild
 {
 	Lattice lattice;
-	std::vector<std::uint32_t> weldedVertex; ///< per input vertex; vertices with one number are one place
+	std::vector<std::uint32_t> weldedVertex; ///< per input vertex; vertices with the same number share a position
 	BuildReport report;
 };
 
-/// The first knob out of its range, or Ok. Rejects NaN.
+/// Returns an error for the first setting out of its range, or Ok. Rejects NaN.
 Status checkSettings( const LatticeSettings& settings );
 
-/// The answer when memory runs out; itself content with none.
+/// The status when memory runs out; needs no memory itself.
 Status outOfMemory() noexcept;
 
-/// Does not throw: what goes wrong is in the status.
+/// Does not throw: errors are reported in the status.
 Result<LatticeBuild> buildLattice( const MeshView& mesh, const LatticeSettings& settings );
 
 } // namespace pliant

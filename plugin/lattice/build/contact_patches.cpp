@@ -13,7 +13,7 @@ namespace pliant {
 
 namespace {
 
-/// A point of the surface, in cells from the grid's low corner, with the normal there and the area it stands for.
+/// A point of the surface, in cells from the grid's low corner, with its normal and the area it represents.
 struct Sample
 {
 	std::uint64_t key;
@@ -21,11 +21,11 @@ struct Sample
 	double area;
 };
 
-/// Of each triangle, or of every so many of a very fine mesh, in the order of their lattice positions.
+/// Samples every triangle, or every n-th of a very fine mesh, in the order of their lattice positions.
 std::vector<Sample> sampleSurface( const WeldedMesh& mesh, const Grid& grid )
 {
 	std::vector<Sample> samples;
-	const std::size_t stride = 1 + mesh.triangle.size() / kMostPatchTriangles;
+	const std::size_t stride = 1 + mesh.triangle.size() / kMaxPatchTriangles;
 	for ( std::size_t t = 0; t < mesh.triangle.size(); t += stride )
 	{
 		std::array<Vec3d, 3> corner;
@@ -51,7 +51,7 @@ std::vector<Sample> sampleSurface( const WeldedMesh& mesh, const Grid& grid )
 	return samples;
 }
 
-/// The samples near one cell, each with its weight: its area, less with the distance from the node.
+/// The samples near one cell, weighted by area and by a falloff with the distance from the node.
 class Neighbourhood
 {
 public:
@@ -71,7 +71,7 @@ public:
 		}
 	}
 
-	/// The mean normal of those nearest, not of unit length: shorter, the more they differ.
+	/// The mean normal of the nearest samples, not of unit length: shorter, the more they differ.
 	Vec3d meanNormal( const Vec3d& node ) const
 	{
 		Vec3d sum = Vec3d::Zero();
@@ -88,8 +88,8 @@ public:
 		return weight > 0.0 ? Vec3d( sum / weight ) : Vec3d( Vec3d::Zero() );
 	}
 
-	/// Height above the node along n as a + g.l - k ( |l|^2 + ( h - a )^2 ) / 2, l across n, by least squares; false where they do not
-	/// determine it. That is a sphere if g is zero; the a in it is that of `out` as it comes.
+	/// Fits the height above the node along n as a + g.l - k ( |l|^2 + ( h - a )^2 ) / 2, l across n, by least squares; false where the
+	/// samples do not determine it. The surface is a sphere if g is zero; the a inside the square is the input value of `out.height`.
 	struct Fit
 	{
 		double height = 0.0, curvature = 0.0, error = 0.0;
@@ -104,7 +104,7 @@ public:
 		const double before = out.height;
 		for ( const auto& [sample, fraction] : m_near )
 		{
-			if ( sample->normal.dot( n ) <= kLeastPatchCosine )
+			if ( sample->normal.dot( n ) <= kMinPatchCosine )
 			{
 				continue;
 			}
@@ -148,12 +148,12 @@ private:
 	std::vector<std::pair<const Sample*, double>> m_near;
 };
 
-/// In cells; radius 0: there is none.
+/// In cells; radius 0 where no patch exists.
 ContactPatch patchOf( const Neighbourhood& near, const Vec3d& node )
 {
 	const Vec3d all = near.meanNormal( node );
 	ContactPatch patch;
-	if ( all.norm() < kLeastPatchAgreement )
+	if ( all.norm() < kMinPatchAgreement )
 	{
 		return patch;
 	}
@@ -168,13 +168,13 @@ ContactPatch patchOf( const Neighbourhood& near, const Vec3d& node )
 		// h = a + g.l: the surface's normal is along n - g.
 		n = ( n - fit.slope ).normalized();
 	}
-	if ( !near.fit( node, n, fit ) || fit.error > kMostPatchError || !( fit.height > kLeastPatchHeight && fit.height < kMostPatchHeight ) )
+	if ( !near.fit( node, n, fit ) || fit.error > kMaxPatchError || !( fit.height > kMinPatchHeight && fit.height < kMaxPatchHeight ) )
 	{
 		return patch;
 	}
 	patch.normal = n.cast<float>();
 	patch.height = float( fit.height );
-	patch.radius = float( std::max( fit.height, fit.curvature * kMostPatchRadius > 1.0 ? 1.0 / fit.curvature : kMostPatchRadius ) );
+	patch.radius = float( std::max( fit.height, fit.curvature * kMaxPatchRadius > 1.0 ? 1.0 / fit.curvature : kMaxPatchRadius ) );
 	return patch;
 }
 

@@ -1,5 +1,5 @@
-// Across a face: linked when some way from sample to sample leads across it through material. Across an edge or a corner: linked when
-// links lead there through the cells around that edge or corner, or a slanted way leads straight across.
+// Across a face, cells are linked when a path from sample to sample crosses it through material. Across an edge or a corner, they are
+// linked when links through the cells around it connect them, or when a diagonal path leads straight across.
 
 #include "lattice/build/links.h"
 
@@ -35,13 +35,13 @@ public:
 	int link( Lattice& lattice )
 	{
 		m_face = makeNeighbourRows( forCells( [this]( std::size_t i, std::vector<Pair>& out ) { linkFaces( i, out ); } ), m_count );
-		sortOut( forCells( [this]( std::size_t i, std::vector<Pair>& out ) { linkSlantwise( i, out ); } ) );
+		sortDiagonalLinks( forCells( [this]( std::size_t i, std::vector<Pair>& out ) { linkDiagonals( i, out ); } ) );
 		m_edge = makeNeighbourRows( forCells( [this]( std::size_t i, std::vector<Pair>& out ) { linkEdges( i, out ); } ), m_count );
 		return writeLinks( lattice );
 	}
 
 private:
-	std::size_t taskCount() const { return std::min( kMostTasks, m_count ); }
+	std::size_t taskCount() const { return std::min( kMaxTasks, m_count ); }
 
 	template <class F>
 	std::vector<std::vector<Pair>> forCells( F&& perCell ) const
@@ -60,7 +60,7 @@ private:
 
 	bool isFull( std::size_t i ) const { return m_parts.cells()[i].cutCell == Parts::kNone; }
 
-	/// 1, 2 or 3 for neighbours across a face, an edge, a corner; 0 for anything else.
+	/// 1, 2 or 3 for neighbours across a face, an edge, a corner; 0 otherwise.
 	int kindOf( std::size_t i, std::size_t j ) const
 	{
 		const Eigen::Vector3i step = ( m_at[i] - m_at[j] ).cwiseAbs();
@@ -91,11 +91,11 @@ private:
 		}
 	}
 
-	void linkAcrossFace( std::size_t i, const Eigen::Vector3i& to, int axis, std::size_t most, std::vector<Pair>& out ) const
+	void linkAcrossFace( std::size_t i, const Eigen::Vector3i& to, int axis, std::size_t maxLinks, std::vector<Pair>& out ) const
 	{
 		const int s = m_grid.samples;
 		const std::size_t before = out.size();
-		for ( int code = 0; code < s * s && out.size() - before < most; ++code )
+		for ( int code = 0; code < s * s && out.size() - before < maxLinks; ++code )
 		{
 			Eigen::Vector3i here;
 			here[axis] = s - 1;
@@ -127,8 +127,8 @@ private:
 		return ( voxels.flags[first + m_parts.sampleNumber( sample )] & kBlocked[std::size_t( axis )] ) != 0;
 	}
 
-	/// Slanted ways over the border of a cut cell. Both cells are cut then: a full one has no outside sample next to it.
-	void linkSlantwise( std::size_t i, std::vector<Pair>& out ) const
+	/// Diagonal paths across the border of a cut cell. Both cells are cut then: a full one has no outside sample next to it.
+	void linkDiagonals( std::size_t i, std::vector<Pair>& out ) const
 	{
 		const int s = m_grid.samples;
 		if ( isFull( i ) )
@@ -154,7 +154,7 @@ private:
 		}
 	}
 
-	/// The cell a sample of the whole grid belongs to.
+	/// The cell that contains a sample of the whole grid.
 	std::int32_t cellOf( const Eigen::Vector3i& sample ) const
 	{
 		const int s = m_grid.samples;
@@ -181,7 +181,7 @@ private:
 				return;
 			}
 		}
-		if ( isSliver( from ) || isSliver( from + step ) || leadsAcross( m_field, m_grid, from, step ) )
+		if ( isSliver( from ) || isSliver( from + step ) || isUnobstructed( m_field, m_grid, from, step ) )
 		{
 			out.emplace_back( std::uint32_t( i ), std::uint32_t( other ) );
 		}
@@ -200,11 +200,11 @@ private:
 		return ( voxels.flags[first + m_parts.sampleNumber( sample - m_grid.samples * position )] & kSliver ) != 0;
 	}
 
-	/// Slanted links across faces join the face links; the others wait for their turn.
-	void sortOut( std::vector<std::vector<Pair>> slanted )
+	/// Merges diagonal links across faces into the face links and keeps the others for the edge and corner links.
+	void sortDiagonalLinks( std::vector<std::vector<Pair>> diagonal )
 	{
 		std::vector<std::vector<Pair>> faces( 1 );
-		for ( auto& some : slanted )
+		for ( auto& some : diagonal )
 		{
 			for ( Pair& p : some )
 			{
@@ -213,19 +213,19 @@ private:
 					std::swap( p.first, p.second );
 				}
 				const int kind = kindOf( p.first, p.second );
-				( kind == 1 ? faces[0] : kind == 2 ? m_slantedEdges : m_slantedCorners ).push_back( p );
+				( kind == 1 ? faces[0] : kind == 2 ? m_diagonalEdges : m_diagonalCorners ).push_back( p );
 			}
 		}
-		for ( std::vector<Pair>* pairs : { &faces[0], &m_slantedEdges, &m_slantedCorners } )
+		for ( std::vector<Pair>* pairs : { &faces[0], &m_diagonalEdges, &m_diagonalCorners } )
 		{
 			std::sort( pairs->begin(), pairs->end() );
 			pairs->erase( std::unique( pairs->begin(), pairs->end() ), pairs->end() );
 		}
-		for ( const Pair& p : m_slantedCorners )
+		for ( const Pair& p : m_diagonalCorners )
 		{
-			m_turnedCorners.emplace_back( p.second, p.first );
+			m_reversedCorners.emplace_back( p.second, p.first );
 		}
-		std::sort( m_turnedCorners.begin(), m_turnedCorners.end() );
+		std::sort( m_reversedCorners.begin(), m_reversedCorners.end() );
 		const auto isKnown = [this]( const Pair& p ) { return m_face.has( p.first, p.second ); };
 		faces[0].erase( std::remove_if( faces[0].begin(), faces[0].end(), isKnown ), faces[0].end() );
 		if ( !faces[0].empty() )
@@ -243,7 +243,7 @@ private:
 		}
 	}
 
-	/// Every pair once, from its lower cell.
+	/// Each pair once, from its lower cell.
 	void linkEdges( std::size_t i, std::vector<Pair>& out ) const
 	{
 		const std::size_t before = out.size();
@@ -264,7 +264,7 @@ private:
 				}
 			}
 		}
-		forPartners( m_slantedEdges, i, add );
+		forPartners( m_diagonalEdges, i, add );
 	}
 
 	template <class F>
@@ -277,7 +277,7 @@ private:
 		}
 	}
 
-	/// A full cell among 26 full cells is linked to all of them: most cells, and no search.
+	/// A full cell among 26 full cells is linked to all of them without a search; most cells are of this kind.
 	bool linkInner( std::size_t i, std::vector<std::uint32_t>& row ) const
 	{
 		const Eigen::Vector3i p = m_at[i];
@@ -323,13 +323,13 @@ private:
 		};
 		addCorners( m_face, m_edge );
 		addCorners( m_edge, m_face );
-		forPartners( m_slantedCorners, i, [&]( std::uint32_t j ) { row.push_back( j ); } );
-		forPartners( m_turnedCorners, i, [&]( std::uint32_t j ) { row.push_back( j ); } );
+		forPartners( m_diagonalCorners, i, [&]( std::uint32_t j ) { row.push_back( j ); } );
+		forPartners( m_reversedCorners, i, [&]( std::uint32_t j ) { row.push_back( j ); } );
 		std::sort( row.begin(), row.end() );
 		row.erase( std::unique( row.begin(), row.end() ), row.end() );
 	}
 
-	/// Pairs of neighbours, linked or not, seen from one cell.
+	/// Number of neighbours of a cell, linked or not.
 	int countNeighbours( std::size_t i ) const
 	{
 		int count = 0;
@@ -393,9 +393,9 @@ private:
 	std::vector<Eigen::Vector3i> m_at;
 	Rows m_face;
 	Rows m_edge;
-	std::vector<Pair> m_slantedEdges;
-	std::vector<Pair> m_slantedCorners;
-	std::vector<Pair> m_turnedCorners;
+	std::vector<Pair> m_diagonalEdges;
+	std::vector<Pair> m_diagonalCorners;
+	std::vector<Pair> m_reversedCorners;
 };
 
 } // namespace

@@ -1,13 +1,13 @@
 #pragma once
 
-// Which of its 26 neighbours a cell is linked to. Steinemann et al. 2008, section 4.1; Rivers and James 2007, section 3.
+// Determines the links of a cell to its 26 neighbours. Steinemann et al. 2008, section 4.1; Rivers and James 2007, section 3.
 
 #include "lattice/build/parts.h"
 #include "lattice/lattice.h"
 
 namespace pliant {
 
-/// Fills linkStart, linkTo and isSurface. Returns the pairs of neighbouring cells that got no link.
+/// Fills linkStart, linkTo and isSurface. Returns the number of neighbouring pairs without a link.
 int linkCells( const Parts& parts, const InsideField& field, TaskRunner* runner, Lattice& lattice );
 
 } // namespace pliant

@@ -1,5 +1,5 @@
-// Samples of a cut cell are one piece when a way from sample to next sample leads through material: straight along the axes where no gap
-// was found, and slantwise where nothing beside the way is inside (a slanted sheet thinner than two samples).
+// Samples of a cut cell belong to one piece when a path between adjacent samples leads through material: straight along the axes where no
+// gap was found, and diagonally where no sample beside the path is inside (a slanted sheet thinner than two samples).
 
 #include "lattice/build/parts.h"
 
@@ -39,7 +39,7 @@ const std::vector<Eigen::Vector3i>& diagonalSteps()
 	return steps;
 }
 
-bool leadsAcross( const InsideField& field, const Grid& grid, const Eigen::Vector3i& sample, const Eigen::Vector3i& step )
+bool isUnobstructed( const InsideField& field, const Grid& grid, const Eigen::Vector3i& sample, const Eigen::Vector3i& step )
 {
 	const double spacing = grid.cellSize / grid.samples;
 	const Vec3d from = grid.corner + spacing * ( sample.cast<double>() + Vec3d::Constant( 0.5 ) );
@@ -49,7 +49,7 @@ bool leadsAcross( const InsideField& field, const Grid& grid, const Eigen::Vecto
 Parts::Parts( const Voxels& voxels, const InsideField& field, float minimumFill, TaskRunner* runner ) : m_voxels( voxels )
 {
 	const std::size_t count = voxels.cut.size();
-	const std::size_t tasks = std::min( kMostTasks, count );
+	const std::size_t tasks = std::min( kMaxTasks, count );
 	std::vector<Pieces> pieces( tasks );
 	auto cutSome = [&]( int task ) {
 		for ( std::size_t k = count * std::size_t( task ) / tasks; k < count * ( std::size_t( task ) + 1 ) / tasks; ++k )
@@ -122,12 +122,12 @@ void Parts::joinDiagonally( std::size_t cutCell, const InsideField& field, Union
 			bool isFree = sets.find( a ) != sets.find( b );
 			for ( int corner = 1; corner < 7 && isFree; ++corner )
 			{
-				// Corners of the box that the step spans, but for its ends.
+				// Corners of the box that the step spans, except its ends.
 				const Eigen::Vector3i r = p + step.cwiseProduct( Eigen::Vector3i( corner & 1, corner >> 1 & 1, corner >> 2 ) );
 				isFree = r == p || r == q || !isSolid( r );
 			}
 			const bool isSliver = ( ( flags[a] | flags[b] ) & kSliver ) != 0;
-			if ( isFree && ( isSliver || leadsAcross( field, m_voxels.grid, origin + p, step ) ) )
+			if ( isFree && ( isSliver || isUnobstructed( field, m_voxels.grid, origin + p, step ) ) )
 			{
 				sets.join( a, b );
 			}
@@ -143,7 +143,7 @@ void Parts::cutPieces( std::size_t cutCell, float minimumFill, const InsideField
 	std::vector<std::uint16_t> label;
 	const std::uint32_t groups = labelSamples( cutCell, field, label );
 
-	// Whole samples are counted, so that a full cell is exactly full; thin runs bring their own shares.
+	// Samples are counted as integers, so that a full cell is exactly full; thin runs contribute their own fractions.
 	std::vector<Vec3d> sum( groups, Vec3d::Zero() );
 	std::vector<double> weight( groups, 0.0 );
 	std::vector<std::uint8_t> isReplaced( perCell, 0 );

@@ -1,13 +1,13 @@
 #pragma once
 
-// Sentences for the person who reads a Status.
+// Composes messages for a Status.
 
 #include <sstream>
 #include <string>
 
 namespace pliant {
 
-/// Words and numbers one after the other, numbers as streams write them.
+/// Concatenates words and numbers, with stream formatting.
 template <class... Words>
 std::string sentence( const Words&... words )
 {

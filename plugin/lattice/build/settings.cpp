@@ -1,4 +1,4 @@
-// Which knobs are in their ranges.
+// Checks the ranges of the settings.
 
 #include "lattice/build/build_lattice.h"
 
@@ -12,12 +12,12 @@ namespace pliant {
 
 namespace {
 
-constexpr int kMostMaxCells = 10000000;
-constexpr int kMostMaxTriangles = 100000000;
-constexpr int kMostSamplesPerEdge = 8;
-constexpr float kMostWeldTolerance = 0.01f;
-constexpr float kMostMinimumFill = 0.5f;
-constexpr float kMostShellThickness = 1.0e7f;
+constexpr int kMaxCellsLimit = 10000000;
+constexpr int kMaxTrianglesLimit = 100000000;
+constexpr int kMaxSamplesPerEdge = 8;
+constexpr float kMaxWeldTolerance = 0.01f;
+constexpr float kMaxMinimumFill = 0.5f;
+constexpr float kMaxShellThickness = 1.0e7f;
 
 template <class T>
 bool isWithin( T value, T low, T high )
@@ -34,31 +34,31 @@ Status checkSettings( const LatticeSettings& settings )
 	{
 		return bad( "LatticeSettings::cellSize must be 0 (chosen from targetCells) or above." );
 	}
-	if ( !isWithin( settings.maxCells, 1, kMostMaxCells ) )
+	if ( !isWithin( settings.maxCells, 1, kMaxCellsLimit ) )
 	{
-		return bad( sentence( "LatticeSettings::maxCells must be 1 to ", kMostMaxCells, "." ) );
+		return bad( sentence( "LatticeSettings::maxCells must be 1 to ", kMaxCellsLimit, "." ) );
 	}
 	if ( settings.cellSize == 0.0f && !isWithin( settings.targetCells, 1, settings.maxCells ) )
 	{
 		return bad( "LatticeSettings::targetCells must be 1 to maxCells." );
 	}
-	if ( !isWithin( settings.maxTriangles, 1, kMostMaxTriangles ) )
+	if ( !isWithin( settings.maxTriangles, 1, kMaxTrianglesLimit ) )
 	{
-		return bad( sentence( "LatticeSettings::maxTriangles must be 1 to ", kMostMaxTriangles, "." ) );
+		return bad( sentence( "LatticeSettings::maxTriangles must be 1 to ", kMaxTrianglesLimit, "." ) );
 	}
-	if ( !isWithin( settings.samplesPerEdge, 1, kMostSamplesPerEdge ) )
+	if ( !isWithin( settings.samplesPerEdge, 1, kMaxSamplesPerEdge ) )
 	{
-		return bad( sentence( "LatticeSettings::samplesPerEdge must be 1 to ", kMostSamplesPerEdge, "." ) );
+		return bad( sentence( "LatticeSettings::samplesPerEdge must be 1 to ", kMaxSamplesPerEdge, "." ) );
 	}
-	if ( !isWithin( settings.weldTolerance, 0.0f, kMostWeldTolerance ) )
+	if ( !isWithin( settings.weldTolerance, 0.0f, kMaxWeldTolerance ) )
 	{
-		return bad( sentence( "LatticeSettings::weldTolerance must be 0 to ", kMostWeldTolerance, "." ) );
+		return bad( sentence( "LatticeSettings::weldTolerance must be 0 to ", kMaxWeldTolerance, "." ) );
 	}
-	if ( !isWithin( settings.minimumFill, 0.0f, kMostMinimumFill ) )
+	if ( !isWithin( settings.minimumFill, 0.0f, kMaxMinimumFill ) )
 	{
-		return bad( sentence( "LatticeSettings::minimumFill must be 0 to ", kMostMinimumFill, "." ) );
+		return bad( sentence( "LatticeSettings::minimumFill must be 0 to ", kMaxMinimumFill, "." ) );
 	}
-	if ( !isWithin( settings.shellThickness, 0.0f, kMostShellThickness ) )
+	if ( !isWithin( settings.shellThickness, 0.0f, kMaxShellThickness ) )
 	{
 		return bad( "LatticeSettings::shellThickness must be 0 (a cell's edge) to 1e7 m." );
 	}
@@ -83,7 +83,7 @@ Status outOfMemory() noexcept
 	}
 	catch ( const std::bad_alloc& )
 	{
-		status.sentence = "Out of memory."; // short enough to be kept without an allocation
+		status.sentence = "Out of memory."; // short enough to be stored without an allocation
 	}
 	return status;
 }

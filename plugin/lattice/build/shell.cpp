@@ -1,4 +1,4 @@
-// First what no cell of the inside carries is found, then the surface in those positions is measured, then its cells are linked.
+// Finds the surface that no cell of the inside covers, measures it in those positions, then links its cells.
 
 #include "lattice/build/shell.h"
 
@@ -50,7 +50,7 @@ Keys keysOf( const std::vector<CellDraft>& cells )
 	return keys;
 }
 
-/// Collects keys, most of which come many times on end.
+/// Collects keys that often repeat in sequence.
 class KeySet
 {
 public:
@@ -62,7 +62,7 @@ public:
 			if ( m_keys.size() >= m_next )
 			{
 				sortOnce( m_keys );
-				m_next = std::max( kLeast, 2 * m_keys.size() );
+				m_next = std::max( kMinSize, 2 * m_keys.size() );
 			}
 		}
 	}
@@ -76,12 +76,12 @@ public:
 	std::size_t size() const { return m_keys.size(); }
 
 private:
-	static constexpr std::size_t kLeast = 65536;
+	static constexpr std::size_t kMinSize = 65536;
 	Keys m_keys;
-	std::size_t m_next = kLeast;
+	std::size_t m_next = kMinSize;
 };
 
-/// Which points of the surface the inside's cells carry.
+/// Determines which points of the surface are covered by the inside's cells.
 class Cover
 {
 public:
@@ -91,14 +91,13 @@ public:
 		m_reach.reserve( cells.size() );
 		for ( const CellDraft& cell : cells )
 		{
-			const double reach = kShellReach +
-				0.5 * std::cbrt( double( cell.fill ) ); // radius of what collides: world/shape/node_colliders.h
+			const double reach = kShellReach + 0.5 * std::cbrt( double( cell.fill ) ); // collision radius: world/shape/node_colliders.h
 			m_reach.push_back( reach * reach );
 		}
 	}
 
-	/// Whether the point is in a position without a cell, and not just across the border of one with a cell: there the inside's own surface
-	/// sticks out.
+	/// True where the point is in a position without a cell and not just across the border of one with a cell, where the inside's own
+	/// surface protrudes.
 	bool isBeyond( std::uint64_t key, const Vec3d& point ) const
 	{
 		bool isOut = !hasCell( key );
@@ -145,17 +144,17 @@ private:
 	std::vector<double> m_reach; ///< squared, cells
 };
 
-/// How many positions the surface passes through, at most some times as many, out of few points: where those fall into fewer positions than
-/// a quarter of their number, it is folded many times into the same ones.
+/// Estimates the number of positions that the surface passes through from few points; too high by a bounded factor at most. Where the
+/// points fall into fewer positions than a quarter of their number, the surface is folded repeatedly into the same ones.
 double positionsPassed( const WeldedMesh& mesh, const Grid& grid, double area )
 {
-	if ( double( mesh.triangle.size() + mesh.leftOut.size() ) > kMostSurveyPoints )
+	if ( double( mesh.triangle.size() + mesh.leftOut.size() ) > kMaxSurveyPoints )
 	{
-		return area; // each triangle is one point at least
+		return area; // each triangle has at least one point
 	}
 	KeySet passed;
 	double points = 0.0;
-	visitSurface( mesh, grid, std::min( 1.0, std::sqrt( kMostSurveyPoints / area ) ), [&]( const Vec3d& point, double ) {
+	visitSurface( mesh, grid, std::min( 1.0, std::sqrt( kMaxSurveyPoints / area ) ), [&]( const Vec3d& point, double ) {
 		passed.add( keyOf( grid, positionOfPoint( grid, point ) ) );
 		points += 1.0;
 	} );
@@ -163,16 +162,16 @@ double positionsPassed( const WeldedMesh& mesh, const Grid& grid, double area )
 	return kFoldedFraction * points > count ? count / kFoldedFraction : std::max( count, area );
 }
 
-/// Points of the surface for a cell's edge: so many that the surface cannot slip between them, but a surface that is folded many times into
-/// its cells passes everywhere anyway, and is asked more coarsely.
+/// Points per cell edge: dense enough that no part of the surface is missed. A surface folded many times into its cells passes through all
+/// of them anyway and is sampled more coarsely.
 double densityOf( const ShellOptions& options, double positions )
 {
 	constexpr double kDensity = kAreaDensity * kShellSamples;
-	const double most = std::max( kMostShellPoints, kDensity * kDensity * std::min( { options.area, options.mostCells, positions } ) );
-	return kDensity * std::min( 1.0, std::sqrt( most / ( kDensity * kDensity * options.area ) ) );
+	const double maxPoints = std::max( kShellPoints, kDensity * kDensity * std::min( { options.area, options.maxCells, positions } ) );
+	return kDensity * std::min( 1.0, std::sqrt( maxPoints / ( kDensity * kDensity * options.area ) ) );
 }
 
-/// Positions that need a cell of the shell.
+/// Returns the positions that need a cell of the shell.
 Keys findNeeded( const WeldedMesh& mesh, const Grid& grid, double density, const std::vector<CellDraft>& cells, const Keys& keys )
 {
 	KeySet needed, passed;
@@ -195,8 +194,8 @@ Keys findNeeded( const WeldedMesh& mesh, const Grid& grid, double density, const
 	{
 		return out;
 	}
-	// Between these and the inside may lie positions that its outermost cells do carry. Without cells there the shell would hang in the
-	// air.
+	// Positions between these and the inside may be covered by its outermost cells. They need cells too, otherwise the shell would be
+	// disconnected from the inside.
 	visitSurface( mesh, grid, density, [&]( const Vec3d& point, double ) {
 		const std::uint64_t key = keyOf( grid, positionOfPoint( grid, point ) );
 		if ( cover.isBeyond( key, point ) )
@@ -220,7 +219,7 @@ Keys findNeeded( const WeldedMesh& mesh, const Grid& grid, double density, const
 	return out;
 }
 
-/// The surface in those positions, and in those next to them that have cells of the inside.
+/// Measures the surface in the needed positions, and in adjacent positions with cells of the inside.
 std::vector<SurfacePatch> measure( const WeldedMesh& mesh, const Grid& grid, double density, const Keys& needed, const Keys& inside )
 {
 	Keys keys = needed;
@@ -262,18 +261,18 @@ std::vector<SurfacePatch> measure( const WeldedMesh& mesh, const Grid& grid, dou
 
 CellDraft makeCell( const Grid& grid, const SurfacePatch& patch, const ShellOptions& options )
 {
-	// What sticks out of the grid is rounding.
+	// Points outside the grid are rounding errors.
 	const Vec3d low = grid.at( patch.key ).cast<double>(), high = low + Vec3d::Ones();
 	const Vec3d middle = 0.5 * ( patch.low + patch.high );
 	Vec3d centre = patch.area > 0.0 ? Vec3d( patch.moment / patch.area ) : middle;
-	// A surface that is crowded at one end of the position is carried from the middle of its box, from where all of it is near.
+	// If the surface is concentrated at one end of the position, the cell's centre is the middle of its box, which is near all of it.
 	const Vec3d farthest = ( patch.high - centre ).cwiseMax( centre - patch.low );
 	if ( farthest.squaredNorm() > kShellReach * kShellReach )
 	{
 		centre = middle;
 	}
-	const double fill = options.isWhole ? 0.0 : std::min( 1.0, patch.area * options.thickness );
-	return { patch.key, Parts::kNone, float( std::max( fill, kLeastShellFill ) ), centre.cwiseMax( low ).cwiseMin( high ) };
+	const double fill = options.hasKnownInside ? 0.0 : std::min( 1.0, patch.area * options.thickness );
+	return { patch.key, Parts::kNone, float( std::max( fill, kMinShellFill ) ), centre.cwiseMax( low ).cwiseMin( high ) };
 }
 
 } // namespace
@@ -282,13 +281,13 @@ int addShell( const WeldedMesh& mesh, const Grid& grid, const ShellOptions& opti
 {
 	const Keys inside = keysOf( cells );
 	const double positions = positionsPassed( mesh, grid, options.area );
-	if ( cells.empty() && positions > kMostOverCounted * options.mostCells )
+	if ( cells.empty() && positions > kMaxOvercount * options.maxCells )
 	{
 		return -1;
 	}
 	const double density = densityOf( options, positions );
 	const Keys needed = findNeeded( mesh, grid, density, cells, inside );
-	if ( double( needed.size() + cells.size() ) > options.mostCells )
+	if ( double( needed.size() + cells.size() ) > options.maxCells )
 	{
 		return -1;
 	}

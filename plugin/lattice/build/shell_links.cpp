@@ -1,4 +1,4 @@
-// First the pairs that the surface itself joins, then, as for the inside, what links around an edge or a corner join.
+// Joins the pairs that the surface itself connects, then, as for the inside, those connected by links around an edge or a corner.
 
 #include "lattice/build/shell_links.h"
 
@@ -27,8 +27,8 @@ public:
 
 	void merge( const std::vector<CellDraft>& shell, std::vector<CellDraft>& cells, Lattice& lattice )
 	{
-		placeAmong( shell, cells );
-		takeOver( lattice );
+		mergeCells( shell, cells );
+		addInsideLinks( lattice );
 		joinAlongSurface();
 		joinAroundEdges();
 		write( lattice );
@@ -42,8 +42,8 @@ private:
 	static constexpr std::array<std::uint64_t, 3> kLowParts = { 0x1111111111111111u, 0x000f000f000f000fu, 0x000000000000ffffu };
 	static constexpr std::array<std::uint64_t, 3> kHighParts = { 0x8888888888888888u, 0xf000f000f000f000u, 0xffff000000000000u };
 
-	/// One list of cells; those of the inside stand before the shell's at one position.
-	void placeAmong( const std::vector<CellDraft>& shell, const std::vector<CellDraft>& inside )
+	/// Merges both lists of cells; at the same position those of the inside come first.
+	void mergeCells( const std::vector<CellDraft>& shell, const std::vector<CellDraft>& inside )
 	{
 		m_cells.reserve( shell.size() + inside.size() );
 		m_cellOfPatch.assign( m_patches.size(), kNone );
@@ -73,7 +73,7 @@ private:
 		}
 	}
 
-	void takeOver( const Lattice& lattice )
+	void addInsideLinks( const Lattice& lattice )
 	{
 		for ( std::uint32_t i = 0; i < std::uint32_t( m_numberOfInside.size() ); ++i )
 		{
@@ -87,7 +87,7 @@ private:
 		}
 	}
 
-	/// 1, 2 or 3 for neighbours across a face, an edge, a corner; 0 for anything else.
+	/// 1, 2 or 3 for neighbours across a face, an edge, a corner; 0 otherwise.
 	std::size_t kindOf( std::uint32_t a, std::uint32_t b ) const
 	{
 		const Eigen::Vector3i step = ( m_at[a] - m_at[b] ).cwiseAbs();
@@ -119,31 +119,31 @@ private:
 					join( m_cellOfPatch[p], m_cellOfPatch[std::size_t( patch )] );
 				}
 				const std::uint32_t inside = nearestInside( cells, key, Vec3d::Zero() );
-				// Up to the border of a full cell there is material everywhere.
+				// A full cell has material everywhere up to its border.
 				const bool isFull = inside != kNone && m_cells[inside].fill == 1.0f;
 				if ( inside != kNone && touches( m_patches[p].passed, isFull ? ~std::uint64_t( 0 ) : passed, step, contact ) )
 				{
-					const Vec3d place = m_grid.at( m_patches[p].key ).cast<double>() + contact;
-					join( m_cellOfPatch[p], nearestInside( cells, key, place ) );
+					const Vec3d position = m_grid.at( m_patches[p].key ).cast<double>() + contact;
+					join( m_cellOfPatch[p], nearestInside( cells, key, position ) );
 				}
 			}
 		}
 	}
 
-	std::uint32_t nearestInside( const PositionIndex& cells, std::uint64_t key, const Vec3d& place ) const
+	std::uint32_t nearestInside( const PositionIndex& cells, std::uint64_t key, const Vec3d& position ) const
 	{
 		std::uint32_t best = kNone;
 		const std::int32_t first = cells.find( key );
 		for ( std::size_t i = std::size_t( first ); first >= 0 && i < m_keys.size() && m_keys[i] == key; ++i )
 		{
 			const bool isNearer = best == kNone ||
-				( m_cells[i].centre - place ).squaredNorm() < ( m_cells[best].centre - place ).squaredNorm();
+				( m_cells[i].centre - position ).squaredNorm() < ( m_cells[best].centre - position ).squaredNorm();
 			best = !m_isShell[i] && isNearer ? std::uint32_t( i ) : best;
 		}
 		return best;
 	}
 
-	/// The parts of a position that have neighbours in the one that is a step away.
+	/// The parts of a position that are adjacent to the position one step away.
 	static std::uint64_t borderTowards( const Eigen::Vector3i& step )
 	{
 		std::uint64_t border = ~std::uint64_t( 0 );
@@ -154,8 +154,8 @@ private:
 		return border;
 	}
 
-	/// Whether the surface passes through a part of one position and through one next to it in the position that is a step away; and where,
-	/// in cells.
+	/// True where the surface passes through adjacent parts of this position and the one a step away; `contact` is the mean position of
+	/// these parts, in cells.
 	static bool touches( std::uint64_t here, std::uint64_t there, const Eigen::Vector3i& step, Vec3d& contact )
 	{
 		Vec3d sum = Vec3d::Zero();
@@ -182,7 +182,7 @@ private:
 		return count > 0;
 	}
 
-	/// What links across two faces, or a face and an edge, join: as in links.cpp.
+	/// Joins cells that are connected by links across two faces, or a face and an edge: as in links.cpp.
 	void joinAroundEdges()
 	{
 		const auto addOver = [this]( const NeighbourRows& near, const NeighbourRows& far, std::size_t kind ) {
@@ -217,7 +217,7 @@ private:
 
 	void write( Lattice& lattice )
 	{
-		rowsOf( 3 ); // each once
+		rowsOf( 3 ); // removes duplicates
 		const NeighbourRows rows = makeNeighbourRows( { m_pairs[0], m_pairs[1], m_pairs[2] }, m_cells.size() );
 		lattice.linkStart = rows.start;
 		lattice.linkTo = rows.to;

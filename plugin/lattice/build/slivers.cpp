@@ -1,4 +1,4 @@
-// Volumes as sums over thin rows: length inside times the row's cross-section.
+// Computes volumes as sums over thin rows: length inside times the row's cross-section.
 
 #include "lattice/build/slivers.h"
 
@@ -11,7 +11,7 @@ namespace pliant {
 
 namespace {
 
-/// What one run leaves in one cell.
+/// The contribution of one run to one cell.
 struct Piece
 {
 	std::uint64_t key;
@@ -19,7 +19,7 @@ struct Piece
 	Vec3d middle;  ///< in cells, from the grid's low corner
 };
 
-/// Rows across the mesh's box, `rows` along its longest side, and what area each stands for.
+/// Rows across the mesh's box, `rows` along its longest side, and the cross-section of each.
 struct FineRows
 {
 	Grid grid;
@@ -27,7 +27,7 @@ struct FineRows
 	double area = 0.0;
 };
 
-bool makeFineRows( const WeldedMesh& mesh, const InsideField& field, int rows, int axis, double mostCrossings, FineRows& out )
+bool makeFineRows( const WeldedMesh& mesh, const InsideField& field, int rows, int axis, double maxCrossings, FineRows& out )
 {
 	const Vec3d size = mesh.high - mesh.low;
 	if ( !makeGrid( mesh.low, mesh.high, size.maxCoeff() / rows, 1, out.grid ) )
@@ -35,12 +35,12 @@ bool makeFineRows( const WeldedMesh& mesh, const InsideField& field, int rows, i
 		return false;
 	}
 	const SnappedSurface surface( mesh, field, out.grid );
-	if ( surface.expectedCrossings() > mostCrossings )
+	if ( surface.expectedCrossings() > maxCrossings )
 	{
 		return false;
 	}
 	out.runs = insideRuns( surface, surface.makeRows( axis, nullptr ) );
-	// What is thinner than the welding tolerance is rounding.
+	// Runs shorter than the welding tolerance are rounding errors.
 	const auto isNothing = [&mesh]( const InsideRun& run ) { return run.to - run.from <= mesh.tolerance; };
 	out.runs.erase( std::remove_if( out.runs.begin(), out.runs.end(), isNothing ), out.runs.end() );
 	const int u = ( axis + 1 ) % 3;
@@ -49,7 +49,7 @@ bool makeFineRows( const WeldedMesh& mesh, const InsideField& field, int rows, i
 	return true;
 }
 
-/// A run, cut where it passes from cell to cell.
+/// Splits a run at cell borders.
 void cutRun( const FineRows& fine, const InsideRun& run, int axis, const Grid& grid, std::vector<Piece>& out )
 {
 	Vec3d at;
@@ -65,7 +65,7 @@ void cutRun( const FineRows& fine, const InsideRun& run, int axis, const Grid& g
 		const double high = std::min( to, cell + 1.0 );
 		at[axis] = grid.corner[axis] + 0.5 * ( low + high ) * d;
 		const Vec3d middle = ( at - grid.corner ) / d;
-		// A mesh may stick out of its grid by a hair.
+		// A mesh may protrude minimally from its grid.
 		const Eigen::Vector3i position = middle.array().floor().cast<int>().max( 0 ).min( grid.extent.array() - 1 );
 		const double volume = ( high - low ) * fine.area / ( d * d );
 		if ( volume > 0.0 )
@@ -100,10 +100,10 @@ std::vector<CellDraft> gather( std::vector<Piece>& pieces )
 
 } // namespace
 
-std::vector<CellDraft> findSliverCells( const WeldedMesh& mesh, const InsideField& field, const Grid& grid, double mostCrossings )
+std::vector<CellDraft> findSliverCells( const WeldedMesh& mesh, const InsideField& field, const Grid& grid, double maxCrossings )
 {
-	// Where each interval has to ask for its winding number, fine rows would take too long; and what is open and holds nothing is a sheet.
-	if ( !field.isWhole() )
+	// With a winding number query per interval, fine rows would take too long; an open surface without an inside is a sheet.
+	if ( !field.isClosed() )
 	{
 		return {};
 	}
@@ -112,7 +112,7 @@ std::vector<CellDraft> findSliverCells( const WeldedMesh& mesh, const InsideFiel
 		for ( int axis = 0; axis < 3; ++axis )
 		{
 			FineRows fine;
-			if ( !makeFineRows( mesh, field, rows, axis, mostCrossings, fine ) || fine.runs.empty() )
+			if ( !makeFineRows( mesh, field, rows, axis, maxCrossings, fine ) || fine.runs.empty() )
 			{
 				continue;
 			}
@@ -157,14 +157,14 @@ void linkAllNeighbours( const std::vector<CellDraft>& cells, const Grid& grid, L
 	}
 }
 
-double estimateVolume( const WeldedMesh& mesh, const InsideField& field, double mostCrossings )
+double estimateVolume( const WeldedMesh& mesh, const InsideField& field, double maxCrossings )
 {
 	double volume = 0.0;
 	int axes = 0;
 	for ( int axis = 0; axis < 3; ++axis )
 	{
 		FineRows fine;
-		if ( makeFineRows( mesh, field, kEstimateRows, axis, mostCrossings, fine ) )
+		if ( makeFineRows( mesh, field, kEstimateRows, axis, maxCrossings, fine ) )
 		{
 			++axes;
 			for ( const InsideRun& run : fine.runs )

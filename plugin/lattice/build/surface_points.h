@@ -1,6 +1,6 @@
 #pragma once
 
-// Points all over a surface, close enough that none of its parts slips between them.
+// Samples a surface densely enough that none of its parts is missed.
 
 #include "lattice/constants.h"
 #include "lattice/inside/grid.h"
@@ -12,12 +12,12 @@
 namespace pliant {
 
 /// Calls visit( point, area ) for points of a triangle, both in cells of the grid (a point from its low corner). Neighbouring points are at
-/// most 1 / `density` apart along each axis, within a triangle and across an edge that two share; the areas sum to the triangle's. The
-/// corners of all but the smallest are visited too, with no area: they are what is drawn furthest out.
+/// most 1 / `density` apart along each axis, within a triangle and across a shared edge; the areas sum to the triangle's. The corners of
+/// all but the smallest triangles are visited too, with zero area: they are the outermost points of the drawn surface.
 template <class F>
 void visitTriangle( const std::array<Vec3d, 3>& corner, double density, F&& visit )
 {
-	std::size_t first = 0; // the longest edge runs from this corner
+	std::size_t first = 0; // start of the longest edge
 	double longest = 0.0;
 	for ( std::size_t k = 0; k < 3; ++k )
 	{
@@ -34,7 +34,7 @@ void visitTriangle( const std::array<Vec3d, 3>& corner, double density, F&& visi
 	}
 	const Vec3d &a = corner[first], &b = corner[( first + 1 ) % 3], &c = corner[( first + 2 ) % 3];
 	const double height = longest > 0.0 ? ( b - a ).cross( c - a ).norm() / longest : 0.0;
-	// Strips along the longest edge, each cut into pieces: a needle has one strip.
+	// Strips along the longest edge, each divided into pieces: a needle has one strip.
 	const int strips = std::max( 1, int( std::ceil( density * height ) ) );
 	for ( int strip = 0; strip < strips; ++strip )
 	{
@@ -50,7 +50,7 @@ void visitTriangle( const std::array<Vec3d, 3>& corner, double density, F&& visi
 	}
 }
 
-/// Every triangle that is drawn: those that bound the inside, and those that were left out because they do not.
+/// Every drawn triangle: those that bound the inside, and those left out because they do not.
 template <class F>
 void visitSurface( const WeldedMesh& mesh, const Grid& grid, double density, F&& visit )
 {
@@ -68,7 +68,7 @@ void visitSurface( const WeldedMesh& mesh, const Grid& grid, double density, F&&
 	}
 }
 
-/// The lattice position of a point; what sticks out belongs to the outermost.
+/// The lattice position of a point; points outside the grid belong to the outermost positions.
 inline Eigen::Vector3i positionOfPoint( const Grid& grid, const Vec3d& point )
 {
 	return point.array().max( 0.0 ).min( ( grid.extent.array() - 1 ).cast<double>() ).cast<int>();

@@ -1,4 +1,4 @@
-// The grid that cells are cut from. Ohta et al. 2009, "Preprocessing": the finest lattice.
+// The grid from which cells are cut. Ohta et al. 2009, "Preprocessing": the finest lattice.
 
 #include "lattice/inside/grid.h"
 
@@ -36,23 +36,23 @@ bool makeGrid( const Vec3d& low, const Vec3d& high, double cellSize, int samples
 	return true;
 }
 
-int Grid::firstAbove( int axis, double place ) const
+int Grid::firstAbove( int axis, double coordinate ) const
 {
-	// Samples stand at whole quanta. What lies outside may be farther than an integer reaches.
+	// Samples have whole quanta as coordinates. Coordinates outside the grid may exceed an integer's range.
 	const double end = double( std::int64_t( extent[axis] ) << bits );
-	return place < 0.0 ? 0 : place >= end ? sampleCount( axis ) : firstAbove( axis, std::int64_t( place ) );
+	return coordinate < 0.0 ? 0 : coordinate >= end ? sampleCount( axis ) : firstAbove( axis, std::int64_t( coordinate ) );
 }
 
 namespace {
 
-/// A table of this many positions costs 16 MB at most.
-constexpr std::uint64_t kMostTableEntries = std::uint64_t( 1 ) << 22;
+/// A table of this size costs 16 MB at most.
+constexpr std::uint64_t kMaxTableEntries = std::uint64_t( 1 ) << 22;
 
 } // namespace
 
 PositionIndex::PositionIndex( const Grid& grid, const std::vector<std::uint64_t>& keys ) : m_keys( keys )
 {
-	if ( grid.positions() <= kMostTableEntries )
+	if ( grid.positions() <= kMaxTableEntries )
 	{
 		m_table.assign( std::size_t( grid.positions() ), kNone );
 		for ( std::size_t k = keys.size(); k-- > 0; )

@@ -1,6 +1,6 @@
 #pragma once
 
-// Lattice positions, the samples in them, and the integers both are counted in.
+// Lattice positions, their samples, and the integer coordinates of both.
 
 #include "lattice/lattice.h"
 
@@ -11,7 +11,7 @@
 namespace pliant {
 
 /// n cells of edge d along each axis, `samples` samples along each edge of a cell. A cell's edge is 2^bits quanta; quantum 0 is the low
-/// corner. Samples stand at odd multiples of 1 / (2 samples) of an edge.
+/// corner. Samples lie at odd multiples of 1 / (2 samples) of an edge.
 struct Grid
 {
 	double cellSize = 0.0;
@@ -24,17 +24,17 @@ struct Grid
 	std::int32_t sampleAt( int index ) const { return ( ( index / samples ) << bits ) + offset[std::size_t( index % samples )]; }
 	int sampleCount( int axis ) const { return extent[axis] * samples; }
 
-	/// Samples at or below a place, quanta, in [0, sampleCount]: the first sample above it.
-	int firstAbove( int axis, double place ) const;
-	/// The same of a whole number of quanta, as corners are: asked for each triangle of a mesh three times.
-	int firstAbove( int axis, std::int64_t place ) const
+	/// Number of samples at or below a coordinate, quanta, in [0, sampleCount]: the index of the first sample above it.
+	int firstAbove( int axis, double coordinate ) const;
+	/// The same for a whole number of quanta, as corners have: called three times per triangle of a mesh.
+	int firstAbove( int axis, std::int64_t coordinate ) const
 	{
-		const std::int64_t cell = place >> bits;
-		if ( place < 0 || cell >= extent[axis] )
+		const std::int64_t cell = coordinate >> bits;
+		if ( coordinate < 0 || cell >= extent[axis] )
 		{
-			return place < 0 ? 0 : sampleCount( axis );
+			return coordinate < 0 ? 0 : sampleCount( axis );
 		}
-		const std::int64_t within = place - ( cell << bits );
+		const std::int64_t within = coordinate - ( cell << bits );
 		int k = 0;
 		while ( k < samples && offset[std::size_t( k )] <= within )
 		{
@@ -60,10 +60,10 @@ struct Grid
 	bool holds( const Eigen::Vector3i& p ) const { return p.minCoeff() >= 0 && ( extent - p ).minCoeff() >= 1; }
 };
 
-/// Cells of edge d centred on the box. False when that is more than kMaxExtent along an axis.
+/// Cells of edge d centred on the box. False when more than kMaxExtent cells are needed along an axis.
 bool makeGrid( const Vec3d& low, const Vec3d& high, double cellSize, int samples, Grid& out );
 
-/// Lattice position -> number of an entry, by a table where the grid is small and by search where it is sparse.
+/// Maps a lattice position to an entry's index, by a table where the grid is small and by search where it is sparse.
 class PositionIndex
 {
 public:

@@ -21,13 +21,13 @@ std::uint32_t linkTenths( const Lattice& lattice, std::uint32_t a, std::uint32_t
 
 namespace {
 
-/// Moore's search, with a ring of buckets as in adapt/octree/bucket_moore.h: no tentative distance is further ahead than the longest link.
+/// Moore's search, with a ring of buckets as in adapt/octree/bucket_moore.h: no tentative distance is ahead by more than the longest link.
 class Flood
 {
 public:
 	Flood( const Lattice& lattice, std::vector<std::uint32_t>& depth ) : m_lattice( lattice ), m_depth( depth ) {}
 
-	/// From there the cell's own depth counts.
+	/// Adds a cell at its current depth.
 	void add( std::uint32_t cell )
 	{
 		m_buckets[m_depth[cell] % m_buckets.size()].push_back( cell );
@@ -44,7 +44,7 @@ public:
 			m_waiting -= front.size();
 			for ( const std::uint32_t cell : front )
 			{
-				if ( m_depth[cell] == reached ) // else it was found again by a shorter way
+				if ( m_depth[cell] == reached ) // otherwise a shorter path has reached it
 				{
 					spread( cell );
 				}
@@ -79,8 +79,8 @@ private:
 
 } // namespace
 
-// From all surface cells at once. What is linked to the surface asks it, and not the other way round: most of a cut body's cells are
-// surface, and no way by a second link is as short as one link.
+// Floods from all surface cells at once. Inner cells next to the surface read it, rather than surface cells spreading: most cells of a cut
+// body are surface, and no path of two links is as short as one link.
 std::vector<std::uint32_t> floodInside( const Lattice& lattice )
 {
 	std::vector<std::uint32_t> depth( std::size_t( lattice.cellCount() ), kUnreached );
@@ -108,7 +108,7 @@ std::vector<std::uint32_t> floodInside( const Lattice& lattice )
 	return depth;
 }
 
-bool followInside( const Lattice& lattice, const std::vector<std::uint32_t>& touched, std::vector<std::uint32_t>& depth )
+bool updateInside( const Lattice& lattice, const std::vector<std::uint32_t>& touched, std::vector<std::uint32_t>& depth )
 {
 	if ( touched.empty() ||
 		std::any_of( touched.begin(), touched.end(), [&lattice]( std::uint32_t cell ) { return lattice.isSurface[cell] == 0; } ) )

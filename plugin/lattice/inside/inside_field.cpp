@@ -1,5 +1,5 @@
-// Closes rims so that counting along rows works, and remembers how to take the caps away again.
-// The unpaired edges of a surface form closed loops (the boundary of a boundary is nothing), so a fan over each set of them closes it.
+// Closes rims with caps so that counting along rows works, and stores how to subtract the caps again. The unpaired edges of a surface form
+// closed loops (the boundary of a boundary is empty), so a fan over each connected set of them closes it.
 
 #include "lattice/inside/inside_field.h"
 
@@ -17,7 +17,7 @@ InsideField::InsideField( WeldedMesh& mesh, const std::vector<RimEdge>& rim ) : 
 	{
 		return;
 	}
-	if ( double( rim.size() ) > kMostRimFraction * double( mesh.triangle.size() ) )
+	if ( double( rim.size() ) > kMaxRimFraction * double( mesh.triangle.size() ) )
 	{
 		m_isSoup = true;
 		m_smooth = std::make_unique<WindingTree>( mesh.position, mesh.triangle );
@@ -29,7 +29,7 @@ InsideField::InsideField( WeldedMesh& mesh, const std::vector<RimEdge>& rim ) : 
 	{
 		loops.join( edge.from, edge.to );
 	}
-	std::vector<std::uint32_t> apexOf( vertices, 0 ); // 0 is never an apex: those stand behind the vertices
+	std::vector<std::uint32_t> apexOf( vertices, 0 ); // 0 is never an apex: apexes follow the vertices
 	std::vector<Vec3d> middle;
 	std::vector<double> weight;
 	for ( const RimEdge& edge : rim )
@@ -48,17 +48,17 @@ InsideField::InsideField( WeldedMesh& mesh, const std::vector<RimEdge>& rim ) : 
 	{
 		mesh.position.push_back( middle[k] / weight[k] );
 	}
-	std::vector<Triangle> turnedCaps;
+	std::vector<Triangle> reversedCaps;
 	for ( const RimEdge& edge : rim )
 	{
 		const std::uint32_t apex = apexOf[loops.find( edge.from )];
 		for ( int k = 0; k < edge.count; ++k )
 		{
 			m_caps.push_back( { edge.to, edge.from, apex } );
-			turnedCaps.push_back( { edge.from, edge.to, apex } );
+			reversedCaps.push_back( { edge.from, edge.to, apex } );
 		}
 	}
-	m_smooth = std::make_unique<WindingTree>( mesh.position, std::move( turnedCaps ) );
+	m_smooth = std::make_unique<WindingTree>( mesh.position, std::move( reversedCaps ) );
 }
 
 bool InsideField::isInside( int count, const Vec3d& point ) const
@@ -72,8 +72,8 @@ bool InsideField::isCrossed( const Vec3d& from, const Vec3d& to ) const
 	{
 		return m_smooth->isCrossed( from, to );
 	}
-	std::call_once( m_wholeOnce, [this]() { m_whole = std::make_unique<WindingTree>( m_mesh.position, m_mesh.triangle ); } );
-	return m_whole->isCrossed( from, to );
+	std::call_once( m_fullTreeOnce, [this]() { m_fullTree = std::make_unique<WindingTree>( m_mesh.position, m_mesh.triangle ); } );
+	return m_fullTree->isCrossed( from, to );
 }
 
 InsideField::Survey InsideField::survey() const
@@ -89,7 +89,7 @@ InsideField::Survey InsideField::survey() const
 		survey.work += m_smooth->workAt( probe( kWorkProbes, code ) ) / ( kWorkProbes * kWorkProbes * kWorkProbes );
 	}
 	constexpr int kProbes = kVolumeProbes * kVolumeProbes * kVolumeProbes;
-	if ( m_isSoup && survey.work * kProbes < kMostSurveyWork )
+	if ( m_isSoup && survey.work * kProbes < kMaxSurveyWork )
 	{
 		for ( int code = 0; code < kProbes; ++code )
 		{

@@ -1,5 +1,5 @@
-// Crossings of axis-parallel rows with triangles. A row that meets an edge or a corner is moved aside by an infinitesimal step, the same
-// for every triangle (simulation of simplicity, Edelsbrunner and Mücke 1990), and all signs are those of exact integers.
+// Crossings of axis-parallel rows with triangles. A row that meets an edge or a corner is displaced by an infinitesimal step, the same for
+// every triangle (simulation of simplicity, Edelsbrunner and Mücke 1990), and all signs are those of exact integers.
 
 #include "lattice/inside/rows.h"
 
@@ -13,7 +13,7 @@ namespace pliant {
 
 namespace {
 
-/// A row's place between the two other axes, and a corner seen along the row.
+/// The position of a row, or of a corner projected along the row, in the two other axes.
 struct Flat
 {
 	std::int64_t u;
@@ -25,8 +25,8 @@ int signOf( std::int64_t x )
 	return x > 0 ? 1 : x < 0 ? -1 : 0;
 }
 
-/// On which side of the line from `low` to `high` the row passes; never 0 but for a line seen end on.
-/// sign of (high - low) x (row - low), the row moved by (e, e^2).
+/// The side of the line from `low` to `high` on which the row passes; 0 only for a line parallel to the row. sign of (high - low) x (row -
+/// low), the row displaced by (e, e^2).
 int sideOf( const Flat& low, const Flat& high, const Flat& row )
 {
 	const std::int64_t du = high.u - low.u;
@@ -41,7 +41,7 @@ struct Span
 	double high;
 };
 
-/// Where a triangle meets the line v, widened by a quantum for rounding. The exact test follows.
+/// The range in which a triangle meets the line v, widened by a quantum for rounding. The exact test follows.
 Span spanAt( const std::array<Flat, 3>& corner, std::int64_t v )
 {
 	Span span{ 1e300, -1e300 };
@@ -70,29 +70,29 @@ Span spanAt( const std::array<Flat, 3>& corner, std::int64_t v )
 	return span;
 }
 
-/// A triangle seen along a row, corners by ascending vertex number so that its neighbours see the same edges.
+/// A triangle projected along a row, with corners by ascending vertex index so that its neighbours have the same edges.
 struct View
 {
 	std::array<Flat, 3> corner;
 	std::array<std::int64_t, 3> depth;
-	int turn;          ///< -1 when sorting the corners turned it over
+	int orientation;   ///< -1 when sorting the corners reversed the orientation
 	double nu, nv, na; ///< normal
 
-	/// +1 or -1: the row passes through, along or against the normal; 0: it passes by.
+	/// +1 or -1: the row passes through, along or against the normal; 0: the row misses the triangle.
 	int hit( const Flat& row ) const
 	{
 		const int ab = sideOf( corner[0], corner[1], row );
 		const int bc = sideOf( corner[1], corner[2], row );
 		const int ca = -sideOf( corner[0], corner[2], row );
-		return ab == bc && bc == ca ? ab * turn : 0;
+		return ab == bc && bc == ca ? ab * orientation : 0;
 	}
 
-	double placeOn( const Flat& row ) const
+	double coordinateOn( const Flat& row ) const
 	{
 		// n . ( p - a ) = 0
-		const double place = double( depth[0] ) - ( nu * double( row.u - corner[0].u ) + nv * double( row.v - corner[0].v ) ) / na;
+		const double coordinate = double( depth[0] ) - ( nu * double( row.u - corner[0].u ) + nv * double( row.v - corner[0].v ) ) / na;
 		const auto [low, high] = std::minmax( { depth[0], depth[1], depth[2] } );
-		return std::clamp( place, double( low ), double( high ) );
+		return std::clamp( coordinate, double( low ), double( high ) );
 	}
 };
 
@@ -118,11 +118,11 @@ SnappedSurface::SnappedSurface( const WeldedMesh& mesh, const InsideField& field
 {
 	const double perQuantum = 1.0 / grid.quantum();
 	m_point.resize( mesh.position.size() );
-	const double most = double( std::int64_t( 1 ) << kCoordinateBits );
+	const double limit = double( std::int64_t( 1 ) << kCoordinateBits );
 	for ( std::size_t i = 0; i < mesh.position.size(); ++i )
 	{
-		// Vertices that no triangle uses may lie anywhere: clamped, they are harmless.
-		const Vec3d p = ( ( mesh.position[i] - grid.corner ) * perQuantum ).array().round().max( -most ).min( most );
+		// Vertices that no triangle uses may lie anywhere; clamping makes them harmless.
+		const Vec3d p = ( ( mesh.position[i] - grid.corner ) * perQuantum ).array().round().max( -limit ).min( limit );
 		m_point[i] = { std::int32_t( p.x() ), std::int32_t( p.y() ), std::int32_t( p.z() ) };
 	}
 }
@@ -165,13 +165,13 @@ void SnappedSurface::cross( const Triangle& triangle, bool isCap, int axis, std:
 	}
 	Triangle sorted = triangle;
 	View view;
-	view.turn = 1;
+	view.orientation = 1;
 	for ( const auto& [a, b] : { std::pair{ 0, 1 }, std::pair{ 1, 2 }, std::pair{ 0, 1 } } )
 	{
 		if ( sorted[std::size_t( a )] > sorted[std::size_t( b )] )
 		{
 			std::swap( sorted[std::size_t( a )], sorted[std::size_t( b )] );
-			view.turn = -view.turn;
+			view.orientation = -view.orientation;
 		}
 	}
 	for ( std::size_t k = 0; k < 3; ++k )
@@ -197,9 +197,9 @@ void SnappedSurface::cross( const Triangle& triangle, bool isCap, int axis, std:
 			const Flat row{ m_grid.sampleAt( u ), rowV };
 			if ( const int hit = view.hit( row ); hit != 0 )
 			{
-				// Along the outward normal is out of the material: the winding number goes down.
+				// Crossing along the outward normal leaves the material: the winding number decreases.
 				const std::uint64_t flags = ( isCap ? 2u : 0u ) | ( hit < 0 ? 1u : 0u );
-				out.push_back( { Crossing::packRow( u, v ) | flags, view.placeOn( row ) } );
+				out.push_back( { Crossing::packRow( u, v ) | flags, view.coordinateOn( row ) } );
 			}
 		}
 	}
@@ -209,7 +209,7 @@ RowSet SnappedSurface::makeRows( int axis, TaskRunner* runner ) const
 {
 	const std::vector<Triangle>& caps = m_field.caps();
 	const std::size_t triangles = m_mesh.triangle.size() + caps.size();
-	const std::size_t tasks = std::min( kMostTasks, triangles );
+	const std::size_t tasks = std::min( kMaxTasks, triangles );
 	std::vector<std::vector<Crossing>> found( tasks );
 	auto crossSome = [&]( int task ) {
 		const std::size_t last = triangles * std::size_t( task + 1 ) / tasks;

@@ -1,7 +1,7 @@
 #pragma once
 
-// Rows of samples and where the surface crosses them: exact in integers, so that a closed surface is crossed as often one way as the
-// other whatever edges and corners a row meets.
+// Rows of samples and their crossings with the surface: exact in integers, so that a row crosses a closed surface equally often in both
+// directions whatever edges and corners it meets.
 
 #include "lattice/inside/grid.h"
 #include "lattice/inside/inside_field.h"
@@ -13,7 +13,7 @@ class TaskRunner;
 /// One crossing. Rows along axis a are numbered by their samples u along axis a + 1 and v along axis a + 2 (mod 3).
 struct Crossing
 {
-	std::uint64_t packed; ///< v, u, whether a cap, whether the winding number goes up
+	std::uint64_t packed; ///< v, u, whether it is a cap, whether the winding number increases
 	double at;            ///< quanta along the row
 
 	static std::uint64_t packRow( int u, int v ) { return ( std::uint64_t( v ) << 26 ) | ( std::uint64_t( u ) << 2 ); }
@@ -24,7 +24,7 @@ struct Crossing
 	int jump() const { return ( packed & 1 ) != 0 ? 1 : -1; }
 };
 
-/// All crossings of the rows along one axis, by v, then u, then place. Slab k holds the rows of cell layer k along v's axis.
+/// All crossings of the rows along one axis, by v, then u, then position. Slab k holds the rows of cell layer k along v's axis.
 struct RowSet
 {
 	int axis = 0;
@@ -36,7 +36,7 @@ struct RowSet
 	std::pair<const Crossing*, const Crossing*> row( int u, int v, int samples ) const;
 };
 
-/// The surface and its caps in a grid's integers.
+/// The surface and its caps in a grid's integer coordinates.
 class SnappedSurface
 {
 public:
@@ -45,15 +45,15 @@ public:
 	const Grid& grid() const { return m_grid; }
 	const InsideField& field() const { return m_field; }
 
-	/// How many crossings the rows of all axes will have, nearly.
+	/// Approximate number of crossings of the rows of all axes.
 	double expectedCrossings() const;
 
 	RowSet makeRows( int axis, TaskRunner* runner ) const;
 
-	/// What a crossing adds to the count along rows.
+	/// Change of the count along rows at a crossing.
 	int counted( const Crossing& c ) const { return m_field.isSoup() ? 0 : c.jump(); }
 
-	/// A place along a row, in the mesh's coordinates.
+	/// A point on a row, in the mesh's coordinates.
 	Vec3d pointOn( int axis, const Crossing& row, double at ) const;
 
 private:
@@ -67,7 +67,7 @@ private:
 	std::vector<Point> m_point;
 };
 
-/// A piece of a row inside the material, in the mesh's coordinates along the row.
+/// A segment of a row inside the material, in the mesh's coordinates along the row.
 struct InsideRun
 {
 	int u;

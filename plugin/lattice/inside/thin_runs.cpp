@@ -1,4 +1,4 @@
-// Thin material is weighed by what rows across it measure.
+// Weighs thin material by the lengths that rows across it measure.
 
 #include "lattice/inside/thin_runs.h"
 

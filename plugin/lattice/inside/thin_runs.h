@@ -1,14 +1,14 @@
 #pragma once
 
-// Which cells are thin, so that lengths of runs weigh their material and not samples.
+// Finds thin cells, whose material is weighed by the lengths of runs rather than by samples.
 
 #include "lattice/inside/voxelize.h"
 
 namespace pliant {
 
-/// Only where the material is thin: where no more than one sample stands in most runs. Rows along each axis measure the same material;
-/// the axis with most rows through it looks across it. (Choosing by what the samples happened to see would favour lucky estimates.)
-/// Sorts `slivers`; those kept go to `voxels`, with their samples marked.
+/// Keeps runs only in thin cells, where most runs contain at most one sample. Rows along each axis measure the same material; the axis with
+/// most rows through it is the one across it. (Choosing by the samples that happen to hit would favour high estimates.) Sorts `slivers`;
+/// the kept ones go to `voxels`, with their samples marked.
 void keepThinRuns( std::vector<Sliver>& slivers, Voxels& voxels );
 
 } // namespace pliant

@@ -1,5 +1,5 @@
-// Positions without a crossing on or next to any of their rows are wholly inside or wholly outside and asked once; in the others every
-// sample is asked. So the cost follows the surface.
+// Positions without a crossing on or next to any of their rows are wholly inside or wholly outside and need one test; in the others every
+// sample is tested. The cost is therefore proportional to the surface.
 
 #include "lattice/inside/voxelize.h"
 
@@ -50,7 +50,7 @@ public:
 		}
 		markCutCells();
 		classifyTheRest();
-		if ( double( m_out.full.size() ) > m_options.mostCells || double( m_out.cut.size() ) > kMostPositionsPerCell * m_options.mostCells )
+		if ( double( m_out.full.size() ) > m_options.maxCells || double( m_out.cut.size() ) > kMaxPositionsPerCell * m_options.maxCells )
 		{
 			return ResultCode::TooManyCells;
 		}
@@ -72,14 +72,14 @@ public:
 	}
 
 private:
-	/// A sample by its row and its number along it.
-	struct Place
+	/// A sample as its cell's key and its index in the cell.
+	struct SampleIndex
 	{
 		std::uint64_t key;
 		std::size_t sample;
 	};
 
-	Place place( int axis, int u, int v, int along ) const
+	SampleIndex sampleIndex( int axis, int u, int v, int along ) const
 	{
 		const int s = m_grid.samples;
 		Eigen::Vector3i at;
@@ -91,12 +91,12 @@ private:
 		return { m_grid.key( cell.x(), cell.y(), cell.z() ), std::size_t( ( in.z() * s + in.y() ) * s + in.x() ) };
 	}
 
-	/// The volume along the rows is known before any cell is made; and where the surface is open, every position will be asked.
+	/// The volume along the rows is known before any cell is created; where the surface is open, every position needs a test.
 	bool isTooMuch() const
 	{
-		if ( !m_surface.field().isWhole() )
+		if ( !m_surface.field().isClosed() )
 		{
-			return double( m_grid.positions() ) > kMostPositionsPerCell * m_options.mostCells;
+			return double( m_grid.positions() ) > kMaxPositionsPerCell * m_options.maxCells;
 		}
 		double length = 0.0;
 		for ( const InsideRun& run : insideRuns( m_surface, m_rows[0] ) )
@@ -104,7 +104,7 @@ private:
 			length += run.to - run.from;
 		}
 		const double cells = length / ( m_grid.cellSize * m_grid.samples * m_grid.samples );
-		return cells > ( 1.0 + kTargetSlack ) * m_options.mostCells;
+		return cells > ( 1.0 + kTargetSlack ) * m_options.maxCells;
 	}
 
 	void markCutCells()
@@ -112,13 +112,13 @@ private:
 		std::vector<std::uint64_t>& cut = m_out.cut;
 		for ( const RowSet& rows : m_rows )
 		{
-			const int most = m_grid.sampleCount( rows.axis );
+			const int sampleCount = m_grid.sampleCount( rows.axis );
 			for ( const Crossing& c : rows.crossing )
 			{
 				const int above = m_grid.firstAbove( rows.axis, c.at );
-				for ( int along = std::max( above - 1, 0 ); along < std::min( above + 1, most ); ++along )
+				for ( int along = std::max( above - 1, 0 ); along < std::min( above + 1, sampleCount ); ++along )
 				{
-					const std::uint64_t key = place( rows.axis, c.u(), c.v(), along ).key;
+					const std::uint64_t key = sampleIndex( rows.axis, c.u(), c.v(), along ).key;
 					if ( cut.empty() || cut.back() != key )
 					{
 						cut.push_back( key );
@@ -130,10 +130,10 @@ private:
 		}
 	}
 
-	/// Every position that is not cut, layer by layer.
+	/// Classifies every position that is not cut, layer by layer.
 	void classifyTheRest()
 	{
-		if ( !m_surface.field().isWhole() )
+		if ( !m_surface.field().isClosed() )
 		{
 			classifyOpen();
 			return;
@@ -144,7 +144,7 @@ private:
 		appendAll( full, m_out.full );
 	}
 
-	/// Where counting says it all, a row of cells without any crossing is outside: only the others are walked.
+	/// For a closed surface, rows of cells without any crossing are outside: only the others are traversed.
 	void classifyCrossedRows( int z, std::vector<std::uint64_t>& full ) const
 	{
 		const RowSet& rows = m_rows[0];
@@ -160,7 +160,7 @@ private:
 			const Crossing& c = rows.crossing[k];
 			if ( c.v() != z * m_grid.samples )
 			{
-				break; // the cells' first rows stand first in the slab
+				break; // the first rows of the cells come first in the slab
 			}
 			if ( c.u() % m_grid.samples == 0 && c.u() / m_grid.samples != done )
 			{
@@ -170,7 +170,7 @@ private:
 		}
 	}
 
-	/// Positions between samples of a row of cells share the row's count; cut cells are passed over.
+	/// Positions between samples of a row of cells share the row's count; cut cells are skipped.
 	template <class F>
 	void classifyRow( int y, int z, F&& keep ) const
 	{
@@ -194,7 +194,7 @@ private:
 		}
 	}
 
-	/// Through a hole the inside ends without a crossing: where a position and its neighbour differ, both are sampled like cut ones.
+	/// At a hole the inside ends without a crossing: where a position and its neighbour differ, both are sampled like cut ones.
 	void classifyOpen()
 	{
 		constexpr std::uint8_t kCutHere = 0, kOutside = 1, kFullHere = 2;
@@ -234,8 +234,8 @@ private:
 				rim.push_back( key );
 			}
 		}
-		// A hole is smaller than the surface around it. Where the winding number hangs in the middle everywhere, samples would tell no more
-		// than the position's own middle.
+		// A hole is smaller than the surface around it. Where the winding number is close to one half everywhere, samples carry no more
+		// information than the position's centre.
 		if ( rim.size() > m_out.cut.size() )
 		{
 			rim.clear();
@@ -260,7 +260,7 @@ private:
 		}
 		start.push_back( m_out.cut.size() );
 		const std::size_t count = start.size() - 1;
-		const std::size_t tasks = std::min( kMostTasks, count );
+		const std::size_t tasks = std::min( kMaxTasks, count );
 		auto sampleSome = [&]( int task ) {
 			for ( std::size_t k = count * std::size_t( task ) / tasks; k < count * ( std::size_t( task ) + 1 ) / tasks; ++k )
 			{
@@ -287,23 +287,23 @@ private:
 				std::uint8_t* flags = &m_out.flags[k * m_out.samplesPerCell() + std::size_t( inRow * s )];
 				for ( int i = 0; i < s; ++i )
 				{
-					const double place = m_grid.sampleAt( x * s + i );
-					while ( next != last && next->at <= place )
+					const double coordinate = m_grid.sampleAt( x * s + i );
+					while ( next != last && next->at <= coordinate )
 					{
 						count += m_surface.counted( *next++ );
 					}
 					const InsideField& field = m_surface.field();
-					const bool isIn = field.isWhole() ? count != 0 : field.isInside( count, m_surface.pointOn( 0, row, place ) );
+					const bool isIn = field.isClosed() ? count != 0 : field.isInside( count, m_surface.pointOn( 0, row, coordinate ) );
 					flags[i] = std::uint8_t( isIn ? kInside : 0 );
 				}
 			}
 		}
 	}
 
-	std::uint8_t* flagsAt( const Place& place )
+	std::uint8_t* flagsAt( const SampleIndex& index )
 	{
-		const std::int32_t cell = m_index->find( place.key );
-		return cell == PositionIndex::kNone ? nullptr : &m_out.flags[std::size_t( cell ) * m_out.samplesPerCell() + place.sample];
+		const std::int32_t cell = m_index->find( index.key );
+		return cell == PositionIndex::kNone ? nullptr : &m_out.flags[std::size_t( cell ) * m_out.samplesPerCell() + index.sample];
 	}
 
 	void searchBetweenSamples( const RowSet& rows, std::vector<Sliver>& slivers )
@@ -330,8 +330,8 @@ private:
 		appendAll( found, slivers );
 	}
 
-	/// The piece of a row between two crossings. Without a sample in it, it is a gap between inside samples or a sliver between outside
-	/// ones; with one, it is a thin run, whose length says more than the sample.
+	/// Classifies the segment of a row between two crossings. Without a sample in it, it is a gap between inside samples or a sliver
+	/// between outside ones; with one, it is a thin run, whose length is more accurate than the sample.
 	void inspect( int axis, const Crossing& from, double to, int count, std::vector<Sliver>& slivers )
 	{
 		const int above = m_grid.firstAbove( axis, from.at );
@@ -345,16 +345,16 @@ private:
 		const double length = ( to - from.at ) * m_grid.quantum();
 		if ( samplesWithin == 1 )
 		{
-			const std::uint8_t* flags = flagsAt( place( axis, from.u(), from.v(), above ) );
+			const std::uint8_t* flags = flagsAt( sampleIndex( axis, from.u(), from.v(), above ) );
 			if ( isInside && flags && ( *flags & kInside ) )
 			{
 				addSliver( axis, from, above, { middle, length, true }, slivers );
 			}
 			return;
 		}
-		const int most = m_grid.sampleCount( axis );
-		std::uint8_t* low = above > 0 ? flagsAt( place( axis, from.u(), from.v(), above - 1 ) ) : nullptr;
-		const std::uint8_t* high = above < most ? flagsAt( place( axis, from.u(), from.v(), above ) ) : nullptr;
+		const int sampleCount = m_grid.sampleCount( axis );
+		std::uint8_t* low = above > 0 ? flagsAt( sampleIndex( axis, from.u(), from.v(), above - 1 ) ) : nullptr;
+		const std::uint8_t* high = above < sampleCount ? flagsAt( sampleIndex( axis, from.u(), from.v(), above ) ) : nullptr;
 		const bool isLowInside = low && ( *low & kInside );
 		const bool isHighInside = high && ( *high & kInside );
 		if ( isLowInside && isHighInside && !isInside && length > m_options.gap )
@@ -366,7 +366,7 @@ private:
 			return;
 		}
 		const double edge = double( std::int64_t( 1 ) << m_grid.bits );
-		addSliver( axis, from, std::min( int( middle / edge * m_grid.samples ), most - 1 ), { middle, length, false }, slivers );
+		addSliver( axis, from, std::min( int( middle / edge * m_grid.samples ), sampleCount - 1 ), { middle, length, false }, slivers );
 	}
 
 	struct Run
@@ -378,7 +378,7 @@ private:
 
 	void addSliver( int axis, const Crossing& row, int along, const Run& run, std::vector<Sliver>& slivers ) const
 	{
-		const Place at = place( axis, row.u(), row.v(), along );
+		const SampleIndex at = sampleIndex( axis, row.u(), row.v(), along );
 		const std::int32_t cell = m_index->find( at.key );
 		const float fraction = float( run.length / m_grid.cellSize / ( m_grid.samples * m_grid.samples ) );
 		if ( cell != PositionIndex::kNone && fraction > 0.0f )

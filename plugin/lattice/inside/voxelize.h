@@ -1,7 +1,7 @@
 #pragma once
 
-// Which lattice positions hold material, and for those the surface passes through, which of their samples do.
-// Ohta et al. 2009, "Preprocessing".
+// Determines which lattice positions hold material, and which samples do in those that the surface passes through. Ohta et al. 2009,
+// "Preprocessing".
 
 #include "lattice/inside/grid.h"
 #include "lattice/inside/rows.h"
@@ -11,7 +11,7 @@
 
 namespace pliant {
 
-/// What is known of one sample of a cut cell.
+/// State of one sample of a cut cell.
 enum SampleFlag : std::uint8_t
 {
 	kInside = 1,
@@ -21,18 +21,18 @@ enum SampleFlag : std::uint8_t
 	kSliver = 16 ///< outside, but material thinner than the sample spacing passes close by
 };
 
-/// Material that no sample hits, or just one, found where a row passes in and out of it.
+/// Material that contains at most one sample, found where a row enters and leaves it.
 struct Sliver
 {
 	std::int32_t cutCell;
 	std::uint16_t sample;
 	std::uint8_t axis;
-	bool hasSample; ///< takes that sample's place in the sums
+	bool hasSample; ///< replaces that sample in the sums
 	float fraction; ///< of a whole cell
 	Vec3d point;    ///< in cells, from the low corner of the grid
 };
 
-/// Lattice positions by kind. Anything not listed is outside. All lists ascend.
+/// Lattice positions by kind. Positions not listed are outside. All lists ascend.
 struct Voxels
 {
 	Grid grid;
@@ -44,13 +44,13 @@ struct Voxels
 	std::size_t samplesPerCell() const { return std::size_t( grid.samplesPerCell() ); }
 };
 
-/// Tells the game how far building has come, never going back.
+/// Reports the progress of building to the game; it never decreases.
 class Progress
 {
 public:
 	explicit Progress( const LatticeSettings& settings ) : m_settings( settings ) {}
 
-	/// False: the game wants to stop.
+	/// Returns false where the game cancels.
 	bool report( float fraction );
 
 private:
@@ -60,13 +60,13 @@ private:
 
 struct VoxelizeOptions
 {
-	double gap = 0.0;       ///< m; material parted by less than this is not parted
-	double mostCells = 0.0; ///< gives up above it
+	double gap = 0.0;      ///< m; narrower gaps are ignored
+	double maxCells = 0.0; ///< limit above which voxelizing is abandoned
 	TaskRunner* runner = nullptr;
 	Progress& progress;
 };
 
-/// Fails with TooManyCells or Cancelled; the sentence is the caller's.
+/// Fails with TooManyCells or Cancelled; the caller adds the message.
 ResultCode voxelize( const SnappedSurface& surface, const VoxelizeOptions& options, Voxels& out );
 
 } // namespace pliant

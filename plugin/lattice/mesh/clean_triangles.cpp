@@ -1,4 +1,4 @@
-// Triangles that are no surface, or the same surface twice, go.
+// Removes degenerate and duplicate triangles.
 
 #include "lattice/mesh/weld.h"
 
@@ -69,8 +69,8 @@ bool isForward( const Triangle& t )
 	return t[1] < t[2];
 }
 
-/// Lowest vertex first; the turn stays.
-Triangle turned( const Triangle& t )
+/// Rotates the lowest vertex to the front; the orientation is kept.
+Triangle withLowestFirst( const Triangle& t )
 {
 	const std::size_t first = std::size_t( std::min_element( t.begin(), t.end() ) - t.begin() );
 	return { t[first], t[( first + 1 ) % 3], t[( first + 2 ) % 3] };
@@ -106,8 +106,8 @@ void sortTriangles( std::vector<Triangle>& triangles, std::size_t vertexCount )
 	triangles.swap( sorted );
 }
 
-/// A wall drawn from both sides. Where it closes off a part of the surface (its border runs along edges that are paired without it) it
-/// divides a body in two that was meant to be one: it goes. Elsewhere it is the surface itself, drawn twice: one side stays.
+/// A wall drawn from both sides. Where its border runs along edges that are paired without it, it closes off a part of the surface and
+/// would divide one body in two: it is removed. Elsewhere it is the surface itself, drawn twice: one side is kept.
 class DoubledWalls
 {
 public:
@@ -184,7 +184,7 @@ void cleanTriangles( WeldedMesh& mesh, BuildReport& report )
 	{
 		if ( t[0] != t[1] && t[1] != t[2] && t[2] != t[0] )
 		{
-			triangles.push_back( turned( t ) );
+			triangles.push_back( withLowestFirst( t ) );
 		}
 		else if ( t[0] != t[1] || t[1] != t[2] )
 		{
@@ -203,7 +203,7 @@ void cleanTriangles( WeldedMesh& mesh, BuildReport& report )
 		{
 			forward += isForward( triangles[last++] ) ? 1 : -1;
 		}
-		// Most of the doubles say which way round; a tie is broken by the numbers. Forward ones stand first.
+		// The majority of the duplicates decides the orientation; a tie is broken by vertex order. Forward triangles come first.
 		const bool areMixed = std::size_t( std::abs( forward ) ) != last - first;
 		mesh.triangle.push_back( forward >= 0 ? triangles[first] : triangles[last - 1] );
 		isDoubled.push_back( areMixed && forward == 0 );

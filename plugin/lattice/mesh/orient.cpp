@@ -1,6 +1,6 @@
-// Triangles are turned to agree, first with their neighbours, then with the outside.
-// A shell that is inside out is turned, together with the shells inside it: a shell within another keeps its sense relative to it, so
-// that one drawn the other way round stays a cavity and one drawn the same way round stays part of the union.
+// Orients triangles consistently, first with their neighbours, then outwards. A shell that is inside out is flipped together with the
+// shells inside it: a nested shell keeps its orientation relative to its container, so that an oppositely oriented one stays a cavity and
+// an equally oriented one stays part of the union.
 
 #include "lattice/mesh/weld.h"
 
@@ -17,14 +17,14 @@ namespace pliant {
 
 namespace {
 
-/// Triangles connected through edges of exactly two: over these the sense of one is the sense of all. A soup has as many patches as
-/// triangles, so they are kept small.
+/// Triangles connected through edges with exactly two triangles: the orientation of one determines that of all. A soup has as many patches
+/// as triangles, so the struct is kept small.
 struct Patch
 {
 	std::uint32_t first = 0; ///< of its triangles in Patches::triangle
 	std::uint32_t last = 0;
 	bool isNearlyClosed = false;
-	double volume = 0.0; ///< signed; about the patch's own middle, so that a few holes do little
+	double volume = 0.0; ///< signed; about the patch's own centroid, so that a few holes have little effect
 };
 
 struct Patches
@@ -40,7 +40,7 @@ Vec3d areaVector( const WeldedMesh& mesh, const Triangle& t )
 	return 0.5 * ( mesh.position[t[1]] - mesh.position[t[0]] ).cross( mesh.position[t[2]] - mesh.position[t[0]] );
 }
 
-void turn( Triangle& t )
+void flip( Triangle& t )
 {
 	std::swap( t[1], t[2] );
 }
@@ -75,14 +75,14 @@ Neighbours findNeighbours( const EdgeTable& edges, std::size_t triangles )
 	return neighbours;
 }
 
-/// Walks each patch from its first triangle and makes neighbours agree; what the larger area says stays.
+/// Traverses each patch from its first triangle and makes neighbours agree; the orientation with the larger area is kept.
 Patches collectPatches( WeldedMesh& mesh, const EdgeTable& edges )
 {
 	const Neighbours neighbours = findNeighbours( edges, mesh.triangle.size() );
 	Patches patches;
 	patches.triangle.reserve( mesh.triangle.size() );
 	std::vector<std::uint8_t> isReached( mesh.triangle.size(), 0 );
-	std::vector<std::uint8_t> isTurned( mesh.triangle.size(), 0 );
+	std::vector<std::uint8_t> isFlipped( mesh.triangle.size(), 0 );
 	for ( std::uint32_t seed = 0; seed < mesh.triangle.size(); ++seed )
 	{
 		if ( isReached[seed] )
@@ -93,17 +93,17 @@ Patches collectPatches( WeldedMesh& mesh, const EdgeTable& edges )
 		patch.first = std::uint32_t( patches.triangle.size() );
 		patches.triangle.push_back( seed );
 		isReached[seed] = 1;
-		double turnedArea = 0.0; // minus what is not turned
+		double flippedArea = 0.0; // minus the area that keeps its orientation
 		for ( std::size_t k = patch.first; k < patches.triangle.size(); ++k )
 		{
 			const std::uint32_t t = patches.triangle[k];
-			turnedArea += ( isTurned[t] ? 1.0 : -1.0 ) * areaVector( mesh, mesh.triangle[t] ).norm();
+			flippedArea += ( isFlipped[t] ? 1.0 : -1.0 ) * areaVector( mesh, mesh.triangle[t] ).norm();
 			for ( const Neighbour& next : neighbours[t] )
 			{
 				if ( next.triangle != kNone && !isReached[next.triangle] )
 				{
 					isReached[next.triangle] = 1;
-					isTurned[next.triangle] = isTurned[t] ^ std::uint8_t( next.agrees ? 0 : 1 );
+					isFlipped[next.triangle] = isFlipped[t] ^ std::uint8_t( next.agrees ? 0 : 1 );
 					patches.triangle.push_back( next.triangle );
 				}
 			}
@@ -111,9 +111,9 @@ Patches collectPatches( WeldedMesh& mesh, const EdgeTable& edges )
 		patch.last = std::uint32_t( patches.triangle.size() );
 		for ( const std::uint32_t t : patches.of( patch ) )
 		{
-			if ( ( isTurned[t] != 0 ) == ( turnedArea <= 0.0 ) )
+			if ( ( isFlipped[t] != 0 ) == ( flippedArea <= 0.0 ) )
 			{
-				turn( mesh.triangle[t] );
+				flip( mesh.triangle[t] );
 			}
 		}
 		patches.patch.push_back( patch );
@@ -149,7 +149,7 @@ void measurePatch( const WeldedMesh& mesh, const Patches& patches, Patch& patch 
 	patch.isNearlyClosed = vectorArea.norm() < kNearlyClosed * area;
 }
 
-/// Which shells stand inside which, for meshes whose shells do not agree.
+/// Determines which shells contain which, for meshes whose shells differ in orientation.
 class Nesting
 {
 public:
@@ -167,11 +167,11 @@ public:
 			const double vb = std::abs( patches.patch[b].volume );
 			return va != vb ? va > vb : a < b;
 		} );
-		m_containers.resize( std::min( m_containers.size(), kMostContainers ) );
+		m_containers.resize( std::min( m_containers.size(), kMaxContainers ) );
 		m_trees.resize( m_containers.size() );
 	}
 
-	/// The outermost shell around a patch: the largest that holds it, or the patch itself.
+	/// Returns the outermost shell around a patch: the largest that contains it, or the patch itself.
 	std::uint32_t outermost( std::uint32_t patch )
 	{
 		for ( std::size_t k = 0; k < m_containers.size() && m_containers[k] != patch; ++k )
@@ -216,7 +216,7 @@ private:
 	std::vector<std::unique_ptr<WindingTree>> m_trees;
 };
 
-void turnInsideOut( WeldedMesh& mesh, const Patches& patches )
+void flipInsideOut( WeldedMesh& mesh, const Patches& patches )
 {
 	bool anyPositive = false;
 	bool anyNegative = false;
@@ -241,7 +241,7 @@ void turnInsideOut( WeldedMesh& mesh, const Patches& patches )
 		{
 			for ( const std::uint32_t t : patches.of( patches.patch[i] ) )
 			{
-				turn( mesh.triangle[t] );
+				flip( mesh.triangle[t] );
 			}
 		}
 	}
@@ -277,13 +277,13 @@ std::vector<RimEdge> orientTriangles( WeldedMesh& mesh, BuildReport& report )
 		{
 			measurePatch( mesh, patches, patch );
 		}
-		turnInsideOut( mesh, patches );
+		flipInsideOut( mesh, patches );
 	}
-	std::vector<std::uint8_t> isTurned( mesh.triangle.size() );
+	std::vector<std::uint8_t> isFlipped( mesh.triangle.size() );
 	for ( std::size_t t = 0; t < mesh.triangle.size(); ++t )
 	{
-		isTurned[t] = mesh.triangle[t] != before[t];
-		report.flippedTriangles += isTurned[t];
+		isFlipped[t] = mesh.triangle[t] != before[t];
+		report.flippedTriangles += isFlipped[t];
 	}
 
 	report.shells = countShells( edges, mesh.triangle.size() );
@@ -293,7 +293,7 @@ std::vector<RimEdge> orientTriangles( WeldedMesh& mesh, BuildReport& report )
 		int forward = 0;
 		for ( std::size_t k = edges.start[e]; k < edges.start[e + 1]; ++k )
 		{
-			forward += edges.entry[k].isForward != ( isTurned[edges.entry[k].triangle] != 0 ) ? 1 : -1;
+			forward += edges.entry[k].isForward != ( isFlipped[edges.entry[k].triangle] != 0 ) ? 1 : -1;
 		}
 		const EdgeTable::Entry& edge = edges.entry[edges.start[e]];
 		if ( forward != 0 )

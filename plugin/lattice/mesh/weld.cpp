@@ -1,4 +1,4 @@
-// Vertices at one place become one, found through a sorted grid of buckets with looks across the borders.
+// Welds coincident vertices, found through a sorted grid of buckets and a search across bucket borders.
 
 #include "lattice/mesh/weld.h"
 
@@ -29,7 +29,7 @@ Status checkCounts( const MeshView& mesh, const LatticeSettings& settings )
 			"The mesh has " + std::to_string( mesh.triangleCount ) + " triangles; LatticeSettings::maxTriangles allows " +
 				std::to_string( settings.maxTriangles ) + "." };
 	}
-	// A triangle uses three vertices at most; far more vertices than that are a mistake, and would cost memory for nothing.
+	// A triangle uses at most three vertices; far more vertices are an error and would waste memory.
 	if ( mesh.vertexCount > 3 * std::size_t( settings.maxTriangles ) )
 	{
 		return { ResultCode::TooManyTriangles,
@@ -54,7 +54,7 @@ Status checkNumbers( const MeshView& mesh )
 		if ( mesh.indices[k] >= mesh.vertexCount )
 		{
 			return { ResultCode::IndexOutOfRange,
-				"Triangle " + std::to_string( k / 3 ) + " names vertex " + std::to_string( mesh.indices[k] ) + " of " +
+				"Triangle " + std::to_string( k / 3 ) + " refers to vertex " + std::to_string( mesh.indices[k] ) + " of " +
 					std::to_string( mesh.vertexCount ) + "." };
 		}
 	}
@@ -80,7 +80,7 @@ Status boundingBox( const MeshView& mesh, WeldedMesh& out )
 	if ( diagonal > kLargestDiagonal )
 	{
 		return { ResultCode::ExtentOutOfRange,
-			"The mesh is " + std::to_string( diagonal ) + " m across, more than the 1e7 m that float arithmetic bears." };
+			"The mesh is " + std::to_string( diagonal ) + " m across, more than the 1e7 m that float arithmetic supports." };
 	}
 	if ( diagonal == 0.0 )
 	{
@@ -93,7 +93,7 @@ Status boundingBox( const MeshView& mesh, WeldedMesh& out )
 	return {};
 }
 
-/// A surface so crumpled that no cell size can tell its layers apart is refused before the dear part begins.
+/// Rejects a surface so crumpled that no cell size can resolve its layers, before the expensive part begins.
 Status checkFolds( const MeshView& mesh, const WeldedMesh& box )
 {
 	double area = 0.0;
@@ -103,7 +103,7 @@ Status checkFolds( const MeshView& mesh, const WeldedMesh& box )
 		const Vec3d a = positionOf( mesh, corner[0] );
 		area += 0.5 * ( positionOf( mesh, corner[1] ) - a ).cross( positionOf( mesh, corner[2] ) - a ).norm();
 	}
-	if ( area > kMostFolds * ( box.high - box.low ).squaredNorm() )
+	if ( area > kMaxFolds * ( box.high - box.low ).squaredNorm() )
 	{
 		return { ResultCode::TooFolded,
 			"The surface is folded thousands of times into its bounding box: no cell size can tell its layers apart." };
@@ -111,7 +111,7 @@ Status checkFolds( const MeshView& mesh, const WeldedMesh& box )
 	return {};
 }
 
-/// A vertex and the bucket it falls into. Outliers that no triangle uses are clamped to the border buckets; distances still decide.
+/// A vertex and its bucket. Outliers that no triangle uses are clamped to the border buckets; welding still depends on distances.
 struct Slot
 {
 	std::uint64_t bucket;
@@ -124,7 +124,7 @@ public:
 	Welder( const MeshView& mesh, const WeldedMesh& box ) :
 		m_mesh( mesh ), m_low( box.low ), m_tolerance( box.tolerance ), m_sets( mesh.vertexCount )
 	{
-		m_width = std::max( kTolerancesPerBucket * m_tolerance, ( box.high - box.low ).norm() / kMostBuckets );
+		m_width = std::max( kTolerancesPerBucket * m_tolerance, ( box.high - box.low ).norm() / kMaxBuckets );
 		m_slots.reserve( mesh.vertexCount );
 		for ( std::size_t i = 0; i < mesh.vertexCount; ++i )
 		{
@@ -162,7 +162,7 @@ private:
 
 	Bucket bucketOf( const Vec3d& p ) const
 	{
-		return ( ( p - m_low ) / m_width ).array().floor().max( 0.0 ).min( kMostBuckets - 1.0 ).cast<std::int64_t>();
+		return ( ( p - m_low ) / m_width ).array().floor().max( 0.0 ).min( kMaxBuckets - 1.0 ).cast<std::int64_t>();
 	}
 
 	static std::uint64_t pack( const Bucket& b )
@@ -170,7 +170,7 @@ private:
 		return ( std::uint64_t( b.z() ) << 40 ) | ( std::uint64_t( b.y() ) << 20 ) | std::uint64_t( b.x() );
 	}
 
-	bool areOne( std::uint32_t a, std::uint32_t b ) const
+	bool areCoincident( std::uint32_t a, std::uint32_t b ) const
 	{
 		return ( positionOf( m_mesh, a ) - positionOf( m_mesh, b ) ).squaredNorm() <= m_tolerance * m_tolerance;
 	}
@@ -186,7 +186,7 @@ private:
 		{
 			for ( std::size_t j = i + 1; j < ( isCrowded ? std::min( i + 2, last ) : last ); ++j )
 			{
-				if ( isCrowded || areOne( m_slots[i].vertex, m_slots[j].vertex ) )
+				if ( isCrowded || areCoincident( m_slots[i].vertex, m_slots[j].vertex ) )
 				{
 					m_sets.join( m_slots[i].vertex, m_slots[j].vertex );
 				}
@@ -194,7 +194,7 @@ private:
 		}
 	}
 
-	/// Joins exact doubles and moves one of each to the end of the bucket's range; returns where those begin.
+	/// Joins exact duplicates and moves one of each to the end of the bucket's range; returns where those begin.
 	std::size_t joinEqual( std::size_t first, std::size_t last )
 	{
 		const auto key = [this]( const Slot& s ) {
@@ -219,7 +219,7 @@ private:
 		return out;
 	}
 
-	/// Looks into the buckets that a ball of one tolerance around the vertex touches, beyond its own.
+	/// Searches the other buckets that a ball of one tolerance around the vertex touches.
 	void weldAcross( std::size_t k )
 	{
 		const Vec3d p = positionOf( m_mesh, m_slots[k].vertex );
@@ -232,7 +232,7 @@ private:
 			{
 				for ( std::int64_t x = low.x(); x <= high.x(); ++x )
 				{
-					// Pairs are seen from both sides; one is enough.
+					// Each pair is visited from both sides; one is enough.
 					if ( const std::uint64_t bucket = pack( Bucket( x, y, z ) ); bucket > m_slots[k].bucket )
 					{
 						weldWith( k, bucket );
@@ -246,10 +246,10 @@ private:
 	{
 		auto other = std::lower_bound(
 			m_slots.begin(), m_slots.end(), bucket, []( const Slot& slot, std::uint64_t wanted ) { return slot.bucket < wanted; } );
-		std::size_t looked = 0;
-		for ( ; other != m_slots.end() && other->bucket == bucket && looked <= kCrowdedBucket; ++other, ++looked )
+		std::size_t visited = 0;
+		for ( ; other != m_slots.end() && other->bucket == bucket && visited <= kCrowdedBucket; ++other, ++visited )
 		{
-			if ( areOne( m_slots[k].vertex, other->vertex ) )
+			if ( areCoincident( m_slots[k].vertex, other->vertex ) )
 			{
 				m_sets.join( m_slots[k].vertex, other->vertex );
 			}
@@ -292,7 +292,7 @@ Status weldMesh( const MeshView& mesh, const LatticeSettings& settings, WeldedMe
 	out.position.clear();
 	for ( std::size_t i = 0; i < mesh.vertexCount; ++i )
 	{
-		// The lowest vertex stands for its set and comes first.
+		// The lowest vertex represents its set and comes first.
 		const std::uint32_t root = welder.rootOf( i );
 		if ( root == i )
 		{

@@ -12,8 +12,8 @@ namespace pliant {
 
 namespace {
 
-/// Halving at the median keeps the depth below log2 of the triangles that 32 bits can count.
-constexpr int kMostDepth = 64;
+/// Median splits keep the depth below log2 of the number of triangles that 32 bits can count.
+constexpr int kMaxDepth = 64;
 
 constexpr double kWholeSphere = 4.0 * std::numbers::pi;
 
@@ -102,7 +102,7 @@ void WindingTree::build( std::uint32_t first, std::uint32_t last )
 
 namespace {
 
-/// Adds angles by multiplying complex numbers, so that a sum costs one arc tangent. Turns past half a circle are counted.
+/// Adds angles by multiplying complex numbers, so that a sum costs one arc tangent. Turns beyond half a circle are counted.
 class AngleSum
 {
 public:
@@ -111,9 +111,9 @@ public:
 	{
 		const double nextX = m_x * x - m_y * y;
 		const double nextY = m_x * y + m_y * x;
-		// Two angles of one sign whose sum shows the other sign have passed pi.
+		// Two angles of the same sign whose sum has the other sign have passed pi.
 		m_turns += m_y >= 0.0 && y > 0.0 && nextY < 0.0 ? 1 : m_y < 0.0 && y < 0.0 && nextY >= 0.0 ? -1 : 0;
-		// One division by the larger part keeps the product within range.
+		// Dividing by the larger component keeps the product within range.
 		const double scale = 1.0 / std::max( std::abs( nextX ), std::abs( nextY ) );
 		m_x = nextX * scale;
 		m_y = nextY * scale;
@@ -138,7 +138,7 @@ void addHalfSolidAngle( const std::array<Vec3d, 3>& corner, const Vec3d& point, 
 	const double lc = c.norm();
 	const double above = a.dot( b.cross( c ) );
 	const double below = la * lb * lc + a.dot( b ) * lc + b.dot( c ) * la + c.dot( a ) * lb;
-	// In the triangle's own plane it covers nothing from one side and everything from the other: call it nothing.
+	// The solid angle is discontinuous in the triangle's own plane; its mean, zero, is used.
 	if ( above != 0.0 )
 	{
 		sum.add( below, above );
@@ -153,7 +153,7 @@ double WindingTree::at( const Vec3d& point ) const
 	{
 		return 0.0;
 	}
-	std::uint32_t stack[kMostDepth];
+	std::uint32_t stack[kMaxDepth];
 	int depth = 0;
 	stack[depth++] = 0;
 	double angle = 0.0;
@@ -190,7 +190,7 @@ double WindingTree::workAt( const Vec3d& point ) const
 	double work = 0.0;
 	for ( std::size_t here = 0; here < m_nodes.size(); )
 	{
-		// The first child follows its node, so that a walk in order visits what the search would; a far node's children are skipped.
+		// The first child follows its node: sequential traversal visits the nodes of the search; a far node's children are skipped.
 		const Node& node = m_nodes[here];
 		const bool isFar = ( node.centre - point ).squaredNorm() > node.farSquared;
 		work += 1.0 + ( isFar ? 0.0 : double( node.count ) );
@@ -211,21 +211,21 @@ double WindingTree::exactlyAt( const Vec3d& point ) const
 
 namespace {
 
-/// Signs of the volumes that the way spans with the triangle's edges, and that its ends span with the triangle.
-bool meets( const std::array<Vec3d, 3>& corner, const Vec3d& from, const Vec3d& to )
+/// Compares the signs of the volumes that the segment spans with the triangle's edges and that its ends span with the triangle.
+bool intersects( const std::array<Vec3d, 3>& corner, const Vec3d& from, const Vec3d& to )
 {
-	const Vec3d way = to - from;
+	const Vec3d segment = to - from;
 	const Vec3d a = corner[0] - from;
 	const Vec3d b = corner[1] - from;
 	const Vec3d c = corner[2] - from;
 	const Vec3d normal = ( b - a ).cross( c - a );
-	if ( a.dot( normal ) * ( a - way ).dot( normal ) > 0.0 )
+	if ( a.dot( normal ) * ( a - segment ).dot( normal ) > 0.0 )
 	{
 		return false;
 	}
-	const double ab = way.dot( a.cross( b ) );
-	const double bc = way.dot( b.cross( c ) );
-	const double ca = way.dot( c.cross( a ) );
+	const double ab = segment.dot( a.cross( b ) );
+	const double bc = segment.dot( b.cross( c ) );
+	const double ca = segment.dot( c.cross( a ) );
 	return ( ab >= 0.0 && bc >= 0.0 && ca >= 0.0 ) || ( ab <= 0.0 && bc <= 0.0 && ca <= 0.0 );
 }
 
@@ -233,8 +233,8 @@ bool meets( const std::array<Vec3d, 3>& corner, const Vec3d& from, const Vec3d& 
 
 bool WindingTree::isCrossed( const Vec3d& from, const Vec3d& to ) const
 {
-	const Vec3d way = to - from;
-	std::uint32_t stack[kMostDepth];
+	const Vec3d segment = to - from;
+	std::uint32_t stack[kMaxDepth];
 	int depth = 0;
 	if ( !m_nodes.empty() )
 	{
@@ -244,8 +244,9 @@ bool WindingTree::isCrossed( const Vec3d& from, const Vec3d& to ) const
 	{
 		const std::uint32_t here = stack[--depth];
 		const Node& node = m_nodes[here];
-		const double along = std::clamp( ( node.centre - from ).dot( way ) / way.squaredNorm(), 0.0, 1.0 );
-		if ( ( from + along * way - node.centre ).squaredNorm() * kFarField * kFarField > node.farSquared * ( 1.0 + kRoundingFraction ) )
+		const double along = std::clamp( ( node.centre - from ).dot( segment ) / segment.squaredNorm(), 0.0, 1.0 );
+		if ( ( from + along * segment - node.centre ).squaredNorm() * kFarField * kFarField >
+			node.farSquared * ( 1.0 + kRoundingFraction ) )
 		{
 			continue;
 		}
@@ -257,7 +258,7 @@ bool WindingTree::isCrossed( const Vec3d& from, const Vec3d& to ) const
 		}
 		for ( std::uint32_t i = node.first; i < node.first + node.count; ++i )
 		{
-			if ( meets( m_corners[i], from, to ) )
+			if ( intersects( m_corners[i], from, to ) )
 			{
 				return true;
 			}

@@ -1,6 +1,6 @@
 #pragma once
 
-// How often a surface winds around a point: 1 inside a closed mesh, 0 outside, in between near the holes of an open one.
+// The number of times a surface winds around a point: 1 inside a closed mesh, 0 outside, in between near the holes of an open one.
 // Jacobson et al. 2013; the far field by dipoles after Barill et al. 2018.
 
 #include "lattice/mesh/weld.h"
@@ -16,16 +16,16 @@ class WindingTree
 public:
 	WindingTree( const std::vector<Vec3d>& position, std::vector<Triangle> triangles );
 
-	/// Error below 0.05, from the far field. Safe to call from many threads.
+	/// Error below 0.05, from the far field. Thread-safe.
 	double at( const Vec3d& point ) const;
 
-	/// Triangles and clusters that at() looks at.
+	/// Number of triangles and clusters that at() visits.
 	double workAt( const Vec3d& point ) const;
 
-	/// The sum over every triangle, without the tree: the slow twin.
+	/// The sum over every triangle, without the tree: the reference implementation.
 	double exactlyAt( const Vec3d& point ) const;
 
-	/// Whether any triangle meets the way from one point to another.
+	/// True where any triangle meets the segment between two points.
 	bool isCrossed( const Vec3d& from, const Vec3d& to ) const;
 
 private:
@@ -35,10 +35,10 @@ private:
 	{
 		Vec3d centre = Vec3d::Zero(); ///< area-weighted
 		Vec3d dipole = Vec3d::Zero(); ///< sum of the triangles' area vectors
-		double farSquared = 0.0;      ///< from here on the dipole will do, m^2
-		std::uint32_t first = 0;      ///< triangles of a leaf; for an inner node the second child, the first follows the node
+		double farSquared = 0.0;      ///< squared distance from which the dipole is accurate enough, m^2
+		std::uint32_t first = 0;      ///< first triangle of a leaf; second child of an inner node, whose first child follows it
 		std::uint32_t count = 0;      ///< 0 for an inner node
-		std::uint32_t end = 0;        ///< the first node that is not below this one
+		std::uint32_t end = 0;        ///< the first node outside this subtree
 	};
 
 	void build( std::uint32_t first, std::uint32_t last );

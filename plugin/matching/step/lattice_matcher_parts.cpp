@@ -98,14 +98,14 @@ void LatticeMatcher::applyToPart( const MatchView& view, const MatchStep& step, 
 
 void LatticeMatcher::applyToParts( const MatchView& view, const MatchStep& step, TaskRunner* runner )
 {
-	const int count = m_parts.count(), tasks = std::min( count, kMostShares );
+	const int count = m_parts.count(), tasks = std::min( count, kMaxChunks );
 	auto task = [&]( int k ) {
 		for ( int part = k * count / tasks; part < ( k + 1 ) * count / tasks; ++part )
 		{
 			applyToPart( view, step, part );
 		}
 	};
-	runTasks( view.nodeCount < kLeastShare ? nullptr : runner, tasks, task );
+	runTasks( view.nodeCount < kMinChunkSize ? nullptr : runner, tasks, task );
 }
 
 } // namespace pliant

@@ -130,7 +130,7 @@ void CrackSurface::addPanelsAt( std::uint32_t point, std::vector<std::uint32_t>&
 void CrackGatherer::listPlaced( SkinBinding& to, TaskRunner* runner ) const
 {
 	resizeForOverwrite( to.placed, m_placedCount );
-	runShares( runner, Shares{ int( m_placedCount ) }, [&]( int, int begin, int end ) {
+	runChunks( runner, ChunkedRange{ int( m_placedCount ) }, [&]( int, int begin, int end ) {
 		const auto appearanceAt = [&]( int k ) {
 			return &m_sides->patches().appearance[m_made[m_placed[std::size_t( std::min( k, end - 1 ) )]].vertex];
 		};

@@ -171,7 +171,7 @@ void CrackGatherer::append( std::array<std::uint32_t, 3>* triangles, std::size_t
 	constexpr std::uint32_t kOuter = 1u << 31;
 	CrackGatherer& inner = *m_inner;
 	const std::vector<SharedRow>& shared = inner.m_sharedRow;
-	runShares( runner, Shares{ int( shared.size() ) }, [&]( int, int begin, int end ) {
+	runChunks( runner, ChunkedRange{ int( shared.size() ) }, [&]( int, int begin, int end ) {
 		for ( int k = begin; k < end; ++k )
 		{
 			__builtin_prefetch( &m_number[shared[std::min( std::size_t( k ) + kFar, shared.size() - 1 )].number] );
@@ -192,7 +192,7 @@ void CrackGatherer::append( std::array<std::uint32_t, 3>* triangles, std::size_t
 			m_row.push_back( { row.vertex + vertices, row.side, 0 } );
 		}
 	}
-	runShares( runner, Shares{ int( inner.m_count ) }, [&]( int, int begin, int end ) {
+	runChunks( runner, ChunkedRange{ int( inner.m_count ) }, [&]( int, int begin, int end ) {
 		for ( int k = begin; k < end; ++k )
 		{
 			const Made& made = inner.m_made[std::size_t( k )];
@@ -201,7 +201,7 @@ void CrackGatherer::append( std::array<std::uint32_t, 3>* triangles, std::size_t
 				made.vertex, ( carrier & kOuter ) != 0 ? carrier ^ kOuter : carrier + vertices, made.normalGroup + groups };
 		}
 	} );
-	runShares( runner, Shares{ int( count ) }, [&]( int, int begin, int end ) {
+	runChunks( runner, ChunkedRange{ int( count ) }, [&]( int, int begin, int end ) {
 		for ( int t = begin; t < end; ++t )
 		{
 			std::array<std::uint32_t, 3>& corner = triangles[t];

@@ -27,9 +27,9 @@ void CrackGatherer::write( const std::vector<std::uint32_t>& cells, const Vec3& 
 	{
 		m_cellInBody[cells[k]] = k;
 	}
-	const Shares rows{ int( m_row.size() ) }, vertices{ int( m_count ) };
-	OfFractions<std::uint32_t> entries{};
-	runShares( runner, rows, [&]( int fraction, int begin, int end ) {
+	const ChunkedRange rows{ int( m_row.size() ) }, vertices{ int( m_count ) };
+	PerChunk<std::uint32_t> entries{};
+	runChunks( runner, rows, [&]( int fraction, int begin, int end ) {
 		entries[std::size_t( fraction )] = takeCarriers( std::size_t( begin ), std::size_t( end ) );
 	} );
 	std::uint32_t sum = 0;
@@ -42,12 +42,12 @@ void CrackGatherer::write( const std::vector<std::uint32_t>& cells, const Vec3& 
 	resizeForOverwrite( to.node, sum );
 	resizeForOverwrite( to.weight, sum );
 	auto task = [&]( int k ) {
-		const int fraction = k < rows.fractions() ? k : k - rows.fractions();
-		if ( k < rows.fractions() )
+		const int fraction = k < rows.chunks() ? k : k - rows.chunks();
+		if ( k < rows.chunks() )
 		{
 			writeRows( to, std::size_t( rows.begin( fraction ) ), std::size_t( rows.end( fraction ) ), entries[std::size_t( fraction )] );
 		}
-		else if ( fraction < vertices.fractions() )
+		else if ( fraction < vertices.chunks() )
 		{
 			writeVertices( shift, view, std::size_t( vertices.begin( fraction ) ), std::size_t( vertices.end( fraction ) ) );
 		}
@@ -56,7 +56,7 @@ void CrackGatherer::write( const std::vector<std::uint32_t>& cells, const Vec3& 
 			takeSources( cells, view );
 		}
 	};
-	runTasks( runner, rows.fractions() + vertices.fractions() + 1, task );
+	runTasks( runner, rows.chunks() + vertices.chunks() + 1, task );
 	view.ownSources.pop_back();
 	listPlaced( to, runner );
 	const std::uint32_t last = m_row.empty() ? 0 : m_row.back().vertex + 1;

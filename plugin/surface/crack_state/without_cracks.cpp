@@ -11,7 +11,7 @@ Result<std::shared_ptr<const CellComplex>> CellComplex::build(
 	const MeshView&, const Lattice&, const SkinBinding&, const LatticeSettings&, const CrackSettings& )
 {
 	const Feature missing = hasFeature( Feature::Surface ) ? Feature::Fracture : Feature::Surface;
-	return { needFeature( missing ), nullptr };
+	return { requireFeature( missing ), nullptr };
 }
 
 IntactPanels::IntactPanels( const Panels& panels ) : m_panels( &panels ) {}

@@ -25,7 +25,7 @@ void SoftBody::Impl::noteCracks( const BreakReport& )
 
 Status SoftBody::prepareCracks()
 {
-	return needFeature( hasFeature( Feature::Fracture ) ? Feature::Surface : Feature::Fracture );
+	return requireFeature( hasFeature( Feature::Fracture ) ? Feature::Surface : Feature::Fracture );
 }
 
 } // namespace pliant

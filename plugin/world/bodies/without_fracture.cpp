@@ -8,7 +8,7 @@ namespace pliant {
 
 Status SoftBody::setFracture( const Fracture& fracture, const ToughnessField& )
 {
-	return fracture.rule == BreakRule::Never ? Status{} : needFeature( Feature::Fracture );
+	return fracture.rule == BreakRule::Never ? Status{} : requireFeature( Feature::Fracture );
 }
 
 Fracture SoftBody::fracture() const

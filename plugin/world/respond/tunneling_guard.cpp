@@ -329,8 +329,8 @@ private:
 /// Largest absolute velocity component of any node; whole lanes at a time, since it is computed for every awake body.
 float largest( const NodeState& nodes, TaskRunner* runner )
 {
-	OfFractions<float> most{};
-	runShares( runner, Shares{ nodes.padded }, [&]( int fraction, int begin, int end ) {
+	PerChunk<float> most{};
+	runChunks( runner, ChunkedRange{ nodes.padded }, [&]( int fraction, int begin, int end ) {
 		const auto of = [&]( const AlignedArray<float>& v ) {
 			return Eigen::Map<const Eigen::ArrayXf>( v.data() + begin, end - begin ).abs().maxCoeff();
 		};

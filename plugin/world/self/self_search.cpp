@@ -31,7 +31,7 @@ void SelfSearch::relink( const std::vector<std::uint32_t>& nodeNow, const CellsN
 			depth.push_back( m_depth[cell] );
 		}
 		m_depth.swap( depth );
-		if ( !followInside( cells.lattice, cells.touched, m_depth ) )
+		if ( !updateInside( cells.lattice, cells.touched, m_depth ) )
 		{
 			m_depth.clear();
 		}

@@ -285,7 +285,7 @@ void NodeShape::freshen( TaskRunner* runner )
 		m_refit.collect( m_dynamicAabbTree->m_root );
 		m_isRefitKnown = true;
 	}
-	runShares( runner, Shares{ m_rows.count() }, [&]( int, int begin, int end ) {
+	runChunks( runner, ChunkedRange{ m_rows.count() }, [&]( int, int begin, int end ) {
 		m_rows.visitPositions( begin, end, [&]( int node, const btVector3& at ) {
 			const int child = m_childOfNode[std::size_t( node )];
 			m_children[child].m_transform.setOrigin( at );

@@ -132,7 +132,7 @@ void TreeRefit::collect( btDbvtNode* root )
 	m_branch.assign( 1, 0 );
 	// Descends from the root to the widest rank that has no more nodes than there may be branches.
 	std::vector<btDbvtNode*> above, rank, next;
-	for ( next.assign( root && root->isinternal() ? 1 : 0, root ); !next.empty() && int( next.size() ) <= kMostShares; )
+	for ( next.assign( root && root->isinternal() ? 1 : 0, root ); !next.empty() && int( next.size() ) <= kMaxChunks; )
 	{
 		above.insert( above.end(), rank.begin(), rank.end() );
 		rank.swap( next );
@@ -171,7 +171,7 @@ void TreeRefit::run( TaskRunner* runner ) const
 	const int branches = int( m_branch.size() ) - 1;
 	run( 0, m_branch.front() );
 	auto refitBranch = [&]( int k ) { run( m_branch[std::size_t( k )], m_branch[std::size_t( k ) + 1] ); };
-	runTasks( m_branch.back() - m_branch.front() < kLeastShare ? nullptr : runner, branches, refitBranch );
+	runTasks( m_branch.back() - m_branch.front() < kMinChunkSize ? nullptr : runner, branches, refitBranch );
 	run( m_branch.back(), int( m_inner.size() ) );
 }
 

@@ -139,7 +139,7 @@ void SphereRows::placeRows( int first, int last, const NodeState& nodes, const V
 void SphereRows::place( const NodeState& nodes, const Vec3& shift, TaskRunner* runner )
 {
 	// Ranges are whole rows: multiples of 16 spheres.
-	runShares( runner, Shares{ int( m_rows.size() ) * kWide },
+	runChunks( runner, ChunkedRange{ int( m_rows.size() ) * kWide },
 		[&]( int, int begin, int end ) { placeRows( begin / kWide, end / kWide, nodes, shift ); } );
 	for ( std::size_t rank = 1; rank < m_rank.size(); ++rank )
 	{

@@ -136,7 +136,7 @@ void SoftBodySystem::gatherAwake()
 	for ( SoftBody* body : m_awake )
 	{
 		const int count = body->nodeCount();
-		const bool isMoreThanAShare = count >= 2 * kLeastShare && (long long)(count)*tasks()->threadCount() > nodes;
+		const bool isMoreThanAShare = count >= 2 * kMinChunkSize && (long long)(count)*tasks()->threadCount() > nodes;
 		( isMoreThanAShare ? m_sharedOut : m_whole ).push_back( body );
 	}
 }

@@ -73,7 +73,7 @@ void compareInside( const BodyPiece& piece, const Lattice& before, int& followed
 	{
 		depth.push_back( then[cell] );
 	}
-	if ( followInside( piece.body->lattice(), piece.touched, depth ) )
+	if ( updateInside( piece.body->lattice(), piece.touched, depth ) )
 	{
 		++followed;
 		EXPECT_EQ( depth, floodInside( piece.body->lattice() ) );
