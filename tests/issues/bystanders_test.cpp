@@ -353,7 +353,7 @@ struct LadenCube
 };
 
 /// All in one block.
-struct OneBlock : BlockPositions
+struct OneBlock : BlockLookup
 {
 	int blockOf( const SoftBody& ) const override { return 0; }
 	int blockOfIsland( int tag ) const override { return tag >= 0 ? 0 : -1; }
