@@ -146,11 +146,10 @@ void ImplicitBlock::chooseStiffness()
 	}
 }
 
-// In the first pass the velocities are those of the last substep, for which the law's impulses mean little: contacts with an impulse from
-// the last substep keep it.
+// In the first pass the velocities are the last substep's, for which the law's impulses mean little: contacts keep their last impulses.
 //
 // Friction limits are mu times the last solved normal impulse, not the law's impulse at the current velocities: k is ten times the nodes'
-// resistance, so for a new contact or after a partial step the law's impulse is ten times too large or more and would stop light objects.
+// resistance, so after a partial step or for a new contact the law's impulse is ten times too large or more and would stop light objects.
 // New contacts therefore have no friction in the first pass, and contacts that were active keep their limits after an unphysical pass, up
 // to kMostFairPasses: limits that are too high can themselves keep passes unphysical.
 void ImplicitBlock::linearise( const float* v, int passes )
@@ -269,10 +268,9 @@ double ImplicitBlock::stepTowards()
 	for ( const BlockContact& contact : contacts )
 	{
 		const Vec3d u = relativeVelocity( contact, m_v.data() ),
-					relativeChange = velocityOf( contact.side[0], contact.normal, d.data() ) -
-			velocityOf( contact.side[1], contact.normal, d.data() );
-		const double un = contact.normal.dot( u ), dn = contact.normal.dot( relativeChange );
-		const Vec3d ut = u - un * contact.normal, dt = relativeChange - dn * contact.normal, scaled = applyFrictionScale( contact, dt );
+					du = velocityOf( contact.side[0], contact.normal, d.data() ) - velocityOf( contact.side[1], contact.normal, d.data() );
+		const double un = contact.normal.dot( u ), dn = contact.normal.dot( du );
+		const Vec3d ut = u - un * contact.normal, dt = du - dn * contact.normal, scaled = applyFrictionScale( contact, dt );
 		const double slideStart = contact.scaledMultiplier.dot( scaled ) - contact.tangentStiffness * ut.dot( scaled ),
 					 slideChange = -contact.tangentStiffness * dt.dot( scaled );
 		const bool isActive = contact.isActive;

@@ -88,9 +88,9 @@ void ImplicitBlock::reconcileTargets()
 	}
 }
 
-// There is no conflict where some velocity satisfies all constraints and is not much larger than they require; between two walls that
-// almost face each other it would be arbitrarily large. Otherwise the compromise is the velocity of least squared violation, with a small
-// weight on the mean velocity of the objects.
+// There is no conflict where some velocity satisfies all constraints and is not much larger than they require (between two walls that
+// almost face each other it would be). Otherwise the compromise minimises the squared violations, with a small weight on the objects' mean
+// velocity.
 void ImplicitBlock::reconcileTargets( std::size_t first, std::size_t end )
 {
 	const auto constraint = [this]( std::size_t k ) { return constraintOf( contacts[m_prescribed[k].contact], m_prescribed[k].side ); };
@@ -154,9 +154,9 @@ void ImplicitBlock::reconcileTargets( std::size_t first, std::size_t end )
 	}
 }
 
-// A block may also be squeezed with other bodies in between (a box, the nodes of another body), so that no single node has conflicting
-// contacts. A contact that is stuck there violates its target in every substep without changing; its carried impulse decays. A body that
-// needs the impulse for support then moves, is no longer stuck, and keeps the impulse.
+// A block may also be squeezed with other bodies in between, so that no single node has conflicting contacts. A stuck contact there
+// violates its target in every substep without changing; its carried impulse decays. If that removes support, the body moves and the decay
+// ends.
 void ImplicitBlock::carryImpulses()
 {
 	const bool isBlockSqueezed = isSqueezed( contacts );

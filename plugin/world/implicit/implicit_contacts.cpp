@@ -203,12 +203,11 @@ void setTarget( BlockContact& contact, const btContactSolverInfo& info, double a
 	contact.targetWithoutBounce = gap > 0.0 ? -gap / h : std::min( -gap * double( info.m_erp2 ) / h, kPushOutSpeed );
 	contact.targetWithoutBounce += rollingLag;
 	contact.target = contact.targetWithoutBounce;
-	const double approachBefore = -contact.normal.dot( contact.velocityBefore );
-	contact.bounces = gap < approach * h && point.m_combinedRestitution > 0 &&
-		approachBefore > double( info.m_restitutionVelocityThreshold );
+	const double impact = -contact.normal.dot( contact.velocityBefore );
+	contact.bounces = gap < approach * h && point.m_combinedRestitution > 0 && impact > double( info.m_restitutionVelocityThreshold );
 	if ( contact.bounces )
 	{
-		contact.target = std::max( contact.targetWithoutBounce, double( point.m_combinedRestitution ) * approachBefore );
+		contact.target = std::max( contact.targetWithoutBounce, double( point.m_combinedRestitution ) * impact );
 	}
 }
 
@@ -278,8 +277,8 @@ void ImplicitContacts::gatherFrom(
 			double( point.m_appliedImpulseLateral2 ) * toVec3d( point.m_lateralFrictionDir2 );
 		ImplicitBlock& own = blocks[std::size_t( block )];
 		contact.velocityBefore = own.velocityBefore( contact );
-		const double lag = contact.isDrawn ? rollingLag( nodes, contact, own, double( info.m_timeStep ) ) : 0.0;
-		setTarget( contact, info, -contact.normal.dot( own.freeVelocity( contact ) ), lag );
+		const double rolling = contact.isDrawn ? rollingLag( nodes, contact, own, double( info.m_timeStep ) ) : 0.0;
+		setTarget( contact, info, -contact.normal.dot( own.freeVelocity( contact ) ), rolling );
 		blocks[std::size_t( block )].contacts.push_back( contact );
 		++m_count;
 	}

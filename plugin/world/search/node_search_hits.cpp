@@ -38,7 +38,7 @@ void NodeSearch::meetCharacter()
 // New nodes that stand in what they touch touch it just so.
 void NodeSearch::giveLeave( const SoftBody& first, const SoftBody* second )
 {
-	PenetrationAllowance &own = first.impl().born, &others = second ? second->impl().born : own;
+	PenetrationAllowance &own = first.impl().allowance, &others = second ? second->impl().allowance : own;
 	if ( !own.isAny() && !others.isAny() )
 	{
 		return;

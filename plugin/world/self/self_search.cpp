@@ -183,7 +183,7 @@ void SelfSearch::giveSlack()
 		}
 		else if ( depth > 0.0 )
 		{
-			hit.touch.distance += std::max( impl.born.leave( hit.node(), depth ), impl.born.leave( hit.other(), depth ) );
+			hit.touch.distance += std::max( impl.allowance.leave( hit.node(), depth ), impl.allowance.leave( hit.other(), depth ) );
 		}
 	}
 	m_slack.swap( m_slackNext );
