@@ -114,7 +114,7 @@ TEST( Body, PinnedNodesKeepTheVelocityTheyAreGiven )
 
 TEST( Body, ComputesFarOutAsAtHome )
 {
-	// 100 km from the origin every node does what it does at home, to the bit: the state is kept relative to the body.
+	// 100 km from the origin every node computes bit-identical results, because the state is relative to the body.
 	const auto home = test::makeBlock( 5, 5, 5, 0.1f ), away = test::makeBlock( 5, 5, 5, 0.1f );
 	away->place( Placement{ Eigen::Quaterniond::Identity(), Vec3d( 1e5, -1e5, 1e5 ) } );
 	for ( Body* body : { home.get(), away.get() } )
@@ -123,7 +123,7 @@ TEST( Body, ComputesFarOutAsAtHome )
 		{
 			body->nodes().v.set( i, Vec3( 3, 1, 2 ) + Vec3( 0, 4, 0 ).cross( body->nodes().x.get( i ) ) );
 		}
-		for ( int k = 0; k < 2400; ++k ) // travels 37 m: the origin follows several times
+		for ( int k = 0; k < 2400; ++k ) // travels 37 m; the origin follows several times
 		{
 			test::substep( *body, kStep, 0.4f );
 		}
@@ -163,7 +163,7 @@ TEST( Body, IsPutBackAndStoppedWhenANumberStopsBeingFinite )
 			const BodySums sums = body->sums();
 			EXPECT_EQ( sums.kineticEnergy, 0.0 );
 			EXPECT_LT( ( body->bestFit().position - before ).norm(), 1e-6 );
-			EXPECT_EQ( test::substep( *body, kStep, 0.5f ), BodyHealth::Good ); // and it can go on from there
+			EXPECT_EQ( test::substep( *body, kStep, 0.5f ), BodyHealth::Good ); // the simulation can continue
 		}
 	}
 }

@@ -1,5 +1,4 @@
-// Bodies with levels whose links break and heal: what is taken over from before is what would be made from nothing. Steinemann et al.
-// 2008, 5.1.
+// Bodies with levels whose links break and heal: data reused from before equals data built anew. Steinemann et al. 2008, 5.1.
 
 #include "adapt/moments/fine_update.h"
 #include "body/breaking.h"
@@ -36,7 +35,7 @@ void expectNearNodes( const NodeState& got, const NodeState& wanted, float allow
 	}
 }
 
-/// Two bodies with the same past; one takes over, the other is made from nothing.
+/// Two bodies with the same history; one reuses data, the other is built anew.
 struct Twins
 {
 	std::unique_ptr<Body> body, slow;
@@ -87,7 +86,7 @@ Twins makeTwins( unsigned seed, int coarseLevels, int halfWidth, bool isSoftInPa
 	return twins;
 }
 
-/// Links through a ball or a disc, not all of them, and some of those that went before.
+/// Returns random links through a ball or a disc, and some of those cut before.
 void cutByChance( Twins& twins, std::mt19937& random, std::vector<CellLink>& gone )
 {
 	const Lattice& lattice = twins.body->lattice();
@@ -151,7 +150,7 @@ void expectNear( const Body& got, const Body& wanted, float allowed )
 	EXPECT_EQ( got.firstCells(), wanted.firstCells() );
 }
 
-/// A piece's places are those of the whole, moved: a rounding each.
+/// A piece's positions are those of the whole, translated: one rounding each.
 constexpr float kRounding = 2e-5f;
 
 struct Count
@@ -166,7 +165,7 @@ void breakAndCompare( Twins& twins, std::mt19937& random, std::vector<CellLink>&
 	std::vector<BodyPiece> got = twins.body->breakApart( report, 1000 );
 	std::vector<BodyPiece> wanted = twins.slow->breakApart( report, 1000, PieceRoad::FromNothing );
 	ASSERT_EQ( got.size(), wanted.size() );
-	EXPECT_EQ( twins.body->firstCells(), twins.slow->firstCells() ); // the report's numbers
+	EXPECT_EQ( twins.body->firstCells(), twins.slow->firstCells() ); // indices in the report
 	EXPECT_EQ( twins.body->nodeCount(), twins.slow->nodeCount() );
 	const bool isWhole = got.size() == 1;
 	( isWhole ? count.whole : count.pieces ) += int( got.size() );
@@ -214,8 +213,8 @@ TEST( LevelPieces, OfAWholeWhoseLinksChangeAreThoseFromNothingToTheBit )
 	EXPECT_GT( count.flowed, 20 );
 }
 
-// Two arms in one block hang together at their ends, and by a cell of the block above them: when the ends part, cells of the one come
-// before those of the other that they had come after, and that cell's row, in which nothing else changed, must follow.
+// Two arms in one block are connected at their ends, and through a cell of the block above. When the ends separate, the order of the two
+// arms' cells is swapped, and the row of the connecting cell, in which nothing else has changed, must be updated.
 TEST( LevelPieces, RowsFollowCellsThatChangeTheirOrder )
 {
 	const Eigen::Vector3i cells[] = {
@@ -240,7 +239,7 @@ TEST( LevelPieces, RowsFollowCellsThatChangeTheirOrder )
 	expectNearNodes( got[0].body->nodes(), wanted[0].body->nodes(), 0.0f );
 }
 
-/// Links across a plane through the body.
+/// Returns the links across a plane through the body.
 std::vector<CellLink> slabOf( const Lattice& lattice, const Vec3& normal )
 {
 	std::vector<CellLink> slab;
@@ -278,7 +277,8 @@ TEST( LevelPieces, ThatCameOffAreThoseFromNothingButForRounding )
 	EXPECT_GE( count.pieces, 16 );
 }
 
-// From the first event on, what had cracked or come off was refined node by node again: bars on coarse levels break too early then.
+// Cracked bodies and fragments are refined in groups like the intact body; refined node by node, bars on coarse levels would break too
+// early.
 TEST( LevelPieces, AreRefinedTogetherAsTheWholeWas )
 {
 	for ( const PieceRoad road : { PieceRoad::TakeOver, PieceRoad::FromNothing } )
@@ -311,12 +311,12 @@ TEST( LevelPieces, AreRefinedTogetherAsTheWholeWas )
 	}
 }
 
-// Requests were lost with every event: a game that cuts in each frame and asks for finer nodes ahead of the blade got none.
+// Requests survive fracture events: a game that cuts in each frame may request finer nodes ahead of the blade.
 TEST( LevelPieces, AreSplitWhereTheWholeWasAskedToBe )
 {
 	for ( const PieceRoad road : { PieceRoad::TakeOver, PieceRoad::FromNothing } )
 	{
-		for ( const int most : { 4, 1 } ) // through all of it; a notch
+		for ( const int most : { 4, 1 } ) // a full cut; a notch
 		{
 			Adaptivity settings;
 			settings.coarseLevels = 1;
@@ -356,12 +356,12 @@ TEST( LevelPieces, AreSplitWhereTheWholeWasAskedToBe )
 	}
 }
 
-// What has been quiet for most of the delay when a crack opens need not wait for all of it anew.
+// The time that nodes have been quiet before a crack opens counts towards the delay of merging.
 TEST( LevelPieces, AreMergedWhenTheWholeWouldHaveBeen )
 {
 	for ( const PieceRoad road : { PieceRoad::TakeOver, PieceRoad::FromNothing } )
 	{
-		for ( const int most : { 4, 1 } ) // through all of it; a notch
+		for ( const int most : { 4, 1 } ) // a full cut; a notch
 		{
 			Adaptivity settings;
 			settings.coarseLevels = 1;

@@ -1,4 +1,4 @@
-// Pinned nodes: still, following a rigid body, moved by the game. Exactly where they should be, every frame.
+// Pinned nodes: fixed, following a rigid body, driven by the game. They are exactly at their targets in every frame.
 
 #include "world/test_world.h"
 

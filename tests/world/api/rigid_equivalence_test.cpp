@@ -1,4 +1,4 @@
-// Without a soft body the world is Bullet's own, bit for bit: a dozen kinds of scenes, 1 000 steps each, in both.
+// Without soft bodies the world is bit-identical to Bullet's own: a dozen kinds of scenes, 1 000 steps each, in both.
 
 #include "world/test_world.h"
 
@@ -17,7 +17,7 @@ namespace {
 
 using test::at;
 
-/// A rigid scene in any world. Everything it holds dies after the world has let it go.
+/// A rigid scene in any world. Its contents outlive the world.
 struct Scene
 {
 	explicit Scene( btDiscreteDynamicsWorld& w ) : world( w ) { world.setGravity( btVector3( 0, btScalar( -9.81 ), 0 ) ); }

@@ -1,4 +1,4 @@
-// What two bodies do to each other: momentum, fast bodies, every kind of shape, callbacks, filters.
+// Collisions of two bodies: momentum, fast bodies, all kinds of shapes, callbacks, filters.
 
 #include "world/test_world.h"
 
@@ -28,7 +28,7 @@ Momentum momentumOf( const btRigidBody& rigid, const SoftBody& soft )
 	return sum;
 }
 
-/// Of soft bodies alone.
+/// Of the soft bodies only.
 Momentum momentumOf( const TestWorld& t )
 {
 	Momentum sum;
@@ -49,7 +49,7 @@ double motionOf( const TestWorld& t )
 	return sum;
 }
 
-// Friction moves two nodes at their middles, which are apart: half of the spin was lost, and a thousandth where nothing rubs.
+// Friction acts on two nodes at their centres, which are apart. Uncorrected it would lose half of the angular momentum.
 TEST( Collision, OfTwoSoftBodiesKeepsSpinHoweverTheyRub )
 {
 	ContactSolver solver;
@@ -78,7 +78,7 @@ TEST( Collision, OfTwoSoftBodiesKeepsSpinHoweverTheyRub )
 					EXPECT_LT( motionOf( t ), 1.0001 * motion );
 				}
 				const Momentum after = momentumOf( t );
-				EXPECT_GT( still->linearVelocity().length(), btScalar( 0.5 ) ); // they did meet
+				EXPECT_GT( still->linearVelocity().length(), btScalar( 0.5 ) ); // they did touch
 				const double linear = double( ( after.linear - before.linear ).length() / before.linear.length() );
 				const double angular = double( ( after.angular - before.angular ).length() / before.angular.length() );
 				std::printf( "%s, friction %.1f: momentum lost %.1e, spin %.1e\n",
@@ -90,9 +90,8 @@ TEST( Collision, OfTwoSoftBodiesKeepsSpinHoweverTheyRub )
 	}
 }
 
-// An implicit body between two explicit ones makes their contact with each other an implicit block's, which rubs in two directions. When it
-// had left, Bullet's solver, with one, let the other impulse lie, and the spin that it had made was given to the two in each step: up to a
-// fiftieth of all.
+// An implicit body between two explicit ones makes their mutual contact part of an implicit block, with friction in two directions. When it
+// leaves, Bullet's solver with one direction must not reuse the other direction's impulse for the angular momentum correction.
 TEST( Collision, KeepsSpinWhereAnImplicitBodyLeavesTwoExplicitOnes )
 {
 	double lost = 0.0;
@@ -114,7 +113,7 @@ TEST( Collision, KeepsSpinWhereAnImplicitBodyLeavesTwoExplicitOnes )
 		}
 		const Momentum before = momentumOf( t );
 		t.run( 60 );
-		double spins = 0.0; // of each by itself
+		double spins = 0.0; // sum of the spins of each body
 		for ( const auto& body : t.soft )
 		{
 			spins += double( body->angularMomentum().length() );
@@ -125,7 +124,7 @@ TEST( Collision, KeepsSpinWhereAnImplicitBodyLeavesTwoExplicitOnes )
 	EXPECT_LT( lost, 1e-4 );
 }
 
-// Stand-ins live as long as their contacts: what the game sets on a body that lies there must reach them.
+// Contact proxies live as long as their contacts, so changed settings of a body at rest must reach them.
 TEST( Collision, FrictionSetOnABodyThatLiesThereHoldsFromTheNextStepOn )
 {
 	TestWorld t;
@@ -180,7 +179,7 @@ TEST( Collision, TwoSoftBodiesKeepMomentum )
 
 TEST( Collision, FastBulletGivesItsMomentum )
 {
-	// With Bullet's own continuous detection and without, slow and fast: what the bullet loses the body gains.
+	// With and without Bullet's continuous detection, slow and fast: the momentum that the bullet loses goes to the body.
 	for ( const bool continuous : { false, true } )
 	{
 		for ( const btScalar speed : { btScalar( 30 ), btScalar( 100 ), btScalar( 300 ) } )

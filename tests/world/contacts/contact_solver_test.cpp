@@ -1,5 +1,5 @@
-// ContactSolver is Bullet's solver to the bits: in heaps, with what stands, is driven, pinned, bounces, slips by direction and rolls, with
-// joints, and in modes that it leaves to Bullet.
+// ContactSolver is bit-identical to Bullet's solver: in heaps, with static, driven and pinned bodies, restitution, anisotropic and rolling
+// friction, joints, and in modes that it delegates to Bullet.
 
 #include "support/test_world.h"
 
@@ -17,7 +17,7 @@ namespace {
 
 using Change = std::function<void( SoftWorld& )>;
 
-/// Soft cubes and rigid boxes that fall on each other and on a floor, and lie there.
+/// Soft cubes and rigid boxes that fall on each other and on a floor, and come to rest.
 struct Heap
 {
 	std::unique_ptr<btConstraintSolver> solver; // outlives the world
@@ -92,7 +92,7 @@ TEST( ContactSolver, IsBulletsInAHeap )
 	compare( []( SoftWorld& ) {} );
 }
 
-/// Nodes of bodies that touch nothing that stands turn as their bodies do.
+/// Contacts between bodies in free flight, whose nodes rotate with their bodies.
 TEST( ContactSolver, IsBulletsWhereBodiesRubInTheAir )
 {
 	compare(
@@ -163,7 +163,7 @@ TEST( ContactSolver, IsBulletsInOtherModes )
 
 TEST( ContactSolver, IsBulletsWhereDepthIsPushedOut )
 {
-	// Default settings split what is deeper than 4 cm only.
+	// Default settings use split impulses only beyond 4 cm.
 	compare( []( SoftWorld& scene ) {
 		scene.world.getSolverInfo().m_splitImpulsePenetrationThreshold = 0;
 		scene.rigid[0]->setMassProps( 200, btVector3( 2, 2, 2 ) );
@@ -195,7 +195,7 @@ TEST( ContactSolver, IsBulletsWithSoftAnchoredContacts )
 	}
 }
 
-/// What a callback does, while it is there.
+/// Installs a callback during its lifetime.
 struct Callback
 {
 	explicit Callback( ContactAddedCallback callback ) { gContactAddedCallback = callback; }
@@ -255,7 +255,7 @@ TEST( ContactSolver, IsBulletsWhereCallbacksStrikeAndPushNodes )
 			} );
 		compare( askForCallbacks, 60 );
 	}
-	// A stand-in that forces act on is none that is known: the island goes Bullet's way.
+	// A contact proxy with forces on it is unsupported: the island is solved by Bullet.
 	const Callback pushes(
 		[]( btManifoldPoint&, const btCollisionObjectWrapper* one, int, int index, const btCollisionObjectWrapper*, int, int ) {
 			btRigidBody& body = *bodyOf( one );
@@ -268,10 +268,10 @@ TEST( ContactSolver, IsBulletsWhereCallbacksStrikeAndPushNodes )
 	compare( askForCallbacks, 60 );
 }
 
-// Forces on a stand-in stayed for ever, on whichever node came to have it: nobody cleared them, as the world does with those on its bodies.
+// Forces on a contact proxy are cleared after the step, as the world does for its bodies; the proxy may serve another node later.
 TEST( ContactCallbacks, ForcesOnNodesEndWithTheStep )
 {
-	static std::map<const btRigidBody*, int> frameOf; // the last that it was met in
+	static std::map<const btRigidBody*, int> frameOf; // frame in which each proxy was last seen
 	static int frame, left, pushes;
 	frameOf.clear();
 	frame = left = pushes = 0;
@@ -297,7 +297,7 @@ TEST( ContactCallbacks, ForcesOnNodesEndWithTheStep )
 	EXPECT_EQ( left, 0 );
 }
 
-/// Counts the rows that Bullet has for contacts.
+/// Counts Bullet's rows for contacts.
 class CountingSolver : public ContactSolver
 {
 public:
@@ -337,7 +337,7 @@ TEST( ContactSolver, IsBulletsWithJoints )
 			*scene.rigid[1], *scene.rigid[2], btVector3( 0, btScalar( 0.25 ), 0 ), btVector3( 0, btScalar( -0.25 ), 0 ) );
 		scene.world.addConstraint( joints[made++] );
 	} );
-	// Worlds are gone by now; they do not own joints.
+	// The worlds are destroyed by now; they do not own joints.
 	delete joints[0];
 	delete joints[1];
 }

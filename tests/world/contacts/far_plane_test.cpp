@@ -1,4 +1,4 @@
-// What is told to be clear of a plane does not touch it.
+// A sphere that is reported clear of a plane does not touch it.
 
 #include "world/constants.h"
 #include "world/touch/node_touch.h"
@@ -14,10 +14,10 @@ namespace {
 
 struct Count
 {
-	int clear = 0, touching = 0, neither = 0; ///< neither: within rounding of touching, or wrongly asked
+	int clear = 0, touching = 0, neither = 0; ///< neither: within rounding of touching, or an invalid query
 };
 
-/// Spheres about a plane whose foot is `away` from the origin; ways towards it, along it and away from it.
+/// Spheres around a plane whose foot is `away` from the origin; displacements towards it, along it and away from it.
 Count askBoth( double away, double spread )
 {
 	std::mt19937 random( 11 );

@@ -1,4 +1,4 @@
-// Bodies that break in a world: pieces are bodies like any other, belong to somebody, and keep what the whole had.
+// Bodies that break in a world: fragments are ordinary bodies with an owner, and conserve the totals of the whole.
 
 #include "world/bodies/soft_body_impl.h"
 #include "world/test_world.h"
@@ -56,7 +56,7 @@ Totals totals( SoftBodyWorld& world )
 	return sum;
 }
 
-/// Leaning a little, so that an edge comes first: what falls flat is pressed evenly, and hardly breaks.
+/// Tilted a little, so that an edge hits first: a flat impact compresses evenly and hardly breaks anything.
 btTransform tilted( btScalar y )
 {
 	return btTransform( btQuaternion( btVector3( 0, 0, 1 ), btScalar( 0.3 ) ), btVector3( 0, y, 0 ) );
@@ -103,7 +103,7 @@ TEST( Fracture, ThrownAtTheFloorItShattersIntoBodies )
 
 TEST( Fracture, InFreeFlightKeepsMomentumAndSpin )
 {
-	// Far from everything a spinning block tears itself apart.
+	// In empty space a spinning block tears itself apart.
 	TestWorld test;
 	test.world.setGravity( btVector3( 0, 0, 0 ) );
 	SoftBody* soft = test.addSoft( block( 10, 4, 4, 0.1f ), at( 3, 2, 1 ), stiff( 1e5f ) );
@@ -204,10 +204,10 @@ TEST( Fracture, FragmentsAreTheWorldsUntilTheyAreTakenOver )
 		taken.reset( fragments[0] );
 		EXPECT_EQ( test.world.fragmentCount(), count - 1 );
 		deleted = fragments[1];
-		delete deleted; // as a game's loop over all objects would
+		delete deleted; // as in a game's loop over all objects
 		EXPECT_EQ( test.world.fragmentCount(), count - 2 );
 		test.run( 5 );
-		test.world.removeSoftBody( fragments[2] ); // now the test's
+		test.world.removeSoftBody( fragments[2] ); // now owned by the test
 		EXPECT_EQ( test.world.fragmentCount(), count - 3 );
 		delete fragments[2];
 		test.run( 5 );
@@ -287,7 +287,7 @@ TEST( Fracture, PiecesComeToRestOnEachOther )
 	soft->setVelocities( btVector3( 0, -8, 0 ), btVector3( 0, 0, 0 ) );
 	test.run( 600 );
 	ASSERT_GE( test.world.softBodyCount(), 2 );
-	// No piece has sunk into another or through the floor: nodes of different bodies are apart.
+	// No fragment has sunk into another or through the floor: nodes of different bodies are apart.
 	const std::vector<SoftBody*> bodies = allSoft( test.world );
 	double closest = 1.0;
 	for ( std::size_t a = 0; a < bodies.size(); ++a )
@@ -308,7 +308,7 @@ TEST( Fracture, PiecesComeToRestOnEachOther )
 	EXPECT_GT( closest, 0.5 * 0.05 );
 }
 
-/// Of what the surface encloses, m^3; right only where it is closed.
+/// The enclosed volume, m^3; valid only for closed surfaces.
 double enclosedVolume( const SurfaceView& view )
 {
 	double six = 0.0;
@@ -359,10 +359,10 @@ TEST( Fracture, SurfacesOfPiecesAreClosedAndShowEachItsOwn )
 			EXPECT_LT( body->nodePosition( node ).distance( place ), btScalar( 0.2 ) );
 		}
 	}
-	EXPECT_NEAR( volume, 0.16, 0.16 * 0.05 ); // they still pulse a little
+	EXPECT_NEAR( volume, 0.16, 0.16 * 0.05 ); // they still pulsate a little
 }
 
-/// Looked at in every frame, bodies draw what their family's cracks are; looked at once, after all is over, what their own links are.
+/// Drawn in every frame, bodies show the cracks of their family; drawn once at the end, those of their own links.
 TEST( Fracture, ABodyLooksTheSameHoweverOftenItIsLookedAt )
 {
 	enum Way
@@ -378,7 +378,7 @@ TEST( Fracture, ABodyLooksTheSameHoweverOftenItIsLookedAt )
 		test.world.setGravity( btVector3( 0, 0, 0 ) );
 		SoftBody* soft = test.addSoft( block( 10, 4, 4, 0.1f ), at( 0, 1, 0 ), stiff( 1e5f ) );
 		ASSERT_TRUE( soft->setFracture( breaksAt( 0.03f ) ).ok() );
-		soft->setSurfaceTolerance( 0 ); // to the bit
+		soft->setSurfaceTolerance( 0 ); // bit-identical
 		EXPECT_TRUE( way != Prepared || soft->prepareCracks().ok() );
 		EXPECT_EQ( soft->impl().crackFamily != nullptr, way == Prepared );
 		soft->setVelocities( btVector3( 0, 0, 0 ), btVector3( 0, 14, 0 ) );
