@@ -19,9 +19,8 @@ using test::levels;
 using test::stiff;
 using test::TestWorld;
 
-/// A stiff block of big nodes fell on a corner and split when its balls had touched: the cells at the corners, which no ball had stood for,
-/// were born inside the floor, and Bullet shot them out at depth erp / h, with fifteen substeps at metres a second. It flew up to five
-/// times as high as it had come from.
+/// A stiff block of big nodes falls on a corner. If it split only when its spheres touch, the cells at the corners would appear inside the
+/// floor, and Bullet would push them out at depth erp / h, many metres a second in small substeps.
 TEST( AdaptiveImpact, WhatSplitsOnTheFloorIsNotShotUp )
 {
 	const btQuaternion onCorner( btVector3( 1, 0, -1 ).normalized(), btScalar( 0.9 ) );
@@ -35,7 +34,7 @@ TEST( AdaptiveImpact, WhatSplitsOnTheFloorIsNotShotUp )
 			block( 8, 8, 8, 0.1f ), btTransform( onCorner, btVector3( 0, btScalar( 1.2 ), 0 ) ), stiff( modulus ), settings );
 		const btScalar start = soft->massCentre().y(), gravity = -test.world.getGravity().y();
 		int splits = 0;
-		btScalar highest = 0; // m, by what it has of energy
+		btScalar highest = 0; // m, from its energy
 		for ( int frame = 0; frame < 90; ++frame )
 		{
 			test.run( 1 );
@@ -66,14 +65,14 @@ struct Impact
 {
 	Ground ground;
 	float modulus; // Pa
-	int cells;     // of the block's edge: 6 leaves nodes of level 2 half empty
-	bool byStrain; // what splits is what is strained; else what nears the ground
+	int cells;     // along the block's edge: 6 leaves nodes of level 2 half empty
+	bool byStrain; // nodes split by strain; otherwise near the ground
 	Elasticity elasticity = Elasticity::Explicit;
 	btScalar speed = btScalar( 1.2 ); // m/s
 	int levels = 2;
 };
 
-/// The most that all bodies' energy of motion comes to, as a share of what a block came with: tilted, no weight, nothing damps it.
+/// Returns the maximum kinetic energy of all bodies as a ratio to the initial one: a rotated block without gravity and damping.
 double mostEnergy( const Impact& impact, const btQuaternion& turn, int& splits )
 {
 	TestWorld test;
@@ -116,16 +115,15 @@ double mostEnergy( const Impact& impact, const btQuaternion& turn, int& splits )
 	return most;
 }
 
-/// Some turns, as good as any.
+/// Arbitrary rotations.
 btQuaternion turnOf( int k )
 {
 	return btQuaternion(
 		btVector3( std::cos( btScalar( k ) ), btScalar( 0.4 ), std::sin( btScalar( 2 * k ) ) ).normalized(), btScalar( 0.3 + 0.5 * k ) );
 }
 
-/// The balls of big nodes leave out their cubes' corners, and the nodes there, new in the world, stood in what the big ones had touched.
-/// Bullet pushed them out of it within some substeps. A stiff block came back off a floor with many times the energy that it had come with,
-/// and off a soft body, which nodes do not see coming as they see a floor, with more than thirty times as much.
+/// The spheres of big nodes leave out their cubes' corners, so nodes that appear there are inside the touched object. Pushed out within a
+/// few substeps they would add many times the initial energy, most of all on soft bodies, whose nodes are not predicted.
 TEST( AdaptiveImpact, BringsNoEnergyIn )
 {
 	const Impact impacts[] = { { Ground::Floor, 1e8f, 6, false }, { Ground::Floor, 3e6f, 8, true, Elasticity::Explicit, 4 },
@@ -149,8 +147,8 @@ TEST( AdaptiveImpact, BringsNoEnergyIn )
 	}
 }
 
-/// What it touched at first, by a corner, had split before; then the corners beside it came near the floor, where the block stood still for
-/// a moment and held all that it had come with: the nodes there split, and held up to 13 % more.
+/// After the first corner has touched and split, the neighbouring corners come near the floor at the turning point, where the block stores
+/// all of its energy. Splitting their nodes there would add up to 13 %.
 TEST( AdaptiveImpact, WhatIsPressedTogetherWaits )
 {
 	const btQuaternion onCorner( btVector3( 1, 0, -1 ).normalized(), btScalar( 0.9 ) );
@@ -167,7 +165,7 @@ TEST( AdaptiveImpact, WhatIsPressedTogetherWaits )
 	}
 }
 
-/// What stands in something and may go on doing so must not stay there: it would lie sunk into the floor, or be kept awake by it.
+/// A node with an allowance must come out eventually: otherwise the body would rest sunk into the floor, or be kept awake by it.
 TEST( AdaptiveImpact, WhatIsBornInTheFloorComesOutOfIt )
 {
 	for ( const Elasticity elasticity : { Elasticity::Explicit, Elasticity::Implicit } )
@@ -211,12 +209,12 @@ TEST( PenetrationAllowance, MayStandAsDeepAsAtFirstAndNoDeeper )
 	PenetrationAllowance born;
 	EXPECT_FALSE( born.isAny() );
 	EXPECT_EQ( born.leave( 0, 1.0 ), 0.0 );
-	// Of three nodes the middle one gave way to two.
+	// Of three nodes the middle one was split into two.
 	born.follow( { 0, gone, 3 }, 4 );
 	ASSERT_TRUE( born.isAny() );
-	EXPECT_EQ( born.leave( 0, 0.5 ), 0.0 ); // who was there has none
+	EXPECT_EQ( born.leave( 0, 0.5 ), 0.0 ); // existing nodes have no allowance
 	EXPECT_EQ( born.leave( 1, 0.25 ), 0.25 );
-	EXPECT_EQ( born.leave( 1, 0.5 ), 0.5 ); // the deepest of what it stands in
+	EXPECT_EQ( born.leave( 1, 0.5 ), 0.5 ); // the deepest of its penetrations
 	born.endPhase( 0.0 );
 	EXPECT_EQ( born.leave( 2, 0.5 ), 0.0 ) << "stood in nothing";
 	EXPECT_EQ( born.leave( 1, 2.0 ), 0.5 ) << "no deeper";
@@ -227,7 +225,7 @@ TEST( PenetrationAllowance, MayStandAsDeepAsAtFirstAndNoDeeper )
 	born.endPhase( 0.125 );
 	EXPECT_EQ( born.leave( 1, 0.5 ), 0.125 ) << "let out";
 
-	// Other numbers, of a change and of a piece.
+	// Renumbered by a change of levels and by fracture.
 	born.follow( { gone, 0, gone, gone }, 2 );
 	EXPECT_EQ( born.leave( 0, 0.5 ), 0.125 );
 	EXPECT_EQ( born.leave( 1, 0.5 ), 0.5 ) << "new";

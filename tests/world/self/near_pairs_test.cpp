@@ -1,4 +1,4 @@
-// Pairs kept from step to step, through motion, changes of levels and cuts, are those that a search finds that knows nothing yet.
+// Pairs kept from step to step, through motion, changes of levels and cuts, equal those of a new search.
 
 #include "world/levels/adaptive_bodies.h"
 
@@ -23,7 +23,8 @@ std::vector<std::uint64_t> keysOf( const std::vector<NodeHit>& hits )
 	return keys;
 }
 
-/// Of the body's own search, which goes on, and of one that begins; where nodes are: of what is fast it sees half a margin ahead, or more.
+/// Compares the pairs of the body's continuing search with those of a new one, at the nodes' positions; a fast node is predicted by half a
+/// margin or more.
 std::size_t compare( SoftBody& soft, const char* after )
 {
 	SelfSearch fresh;
@@ -33,7 +34,7 @@ std::size_t compare( SoftBody& soft, const char* after )
 	return found.size();
 }
 
-/// A layer of nodes here, and its neighbours, go somewhere: some far, most not.
+/// Pushes a layer of nodes, and its neighbours, at random: some far, most not.
 void push( SoftBody& soft, std::mt19937& random )
 {
 	NodeState& nodes = soft.impl().body->nodes();
@@ -91,13 +92,13 @@ TEST_P( NearPairsOf, ABodyThatIsCutAndSplitAreThoseOfOneThatBegins )
 		found += compare( *soft, "a step" );
 	}
 	EXPECT_GT( found, 300u );
-	EXPECT_GT( test.world.softBodyCount(), 1 ); // pieces came off
+	EXPECT_GT( test.world.softBodyCount(), 1 ); // fragments have separated
 	EXPECT_GT( splits, GetParam() > 0 ? 20 : -1 );
 }
 
 INSTANTIATE_TEST_SUITE_P( Levels, NearPairsOf, testing::Values( 0, 1, 2 ) );
 
-/// Where nothing moves, what was held together and is not any more asks again.
+/// Without motion, pairs that were connected before a cut are searched again.
 TEST_P( NearPairsOf, TheSidesOfACutAreFound )
 {
 	TestWorld test;
@@ -113,7 +114,7 @@ TEST_P( NearPairsOf, TheSidesOfACutAreFound )
 	EXPECT_GT( compare( *soft, "a cut" ), 20u );
 }
 
-/// Where little moves, little is asked.
+/// Little motion requires few new searches.
 TEST( NearPairs, AskAgainOnlyWhereNodesHaveMoved )
 {
 	TestWorld test;
@@ -133,7 +134,7 @@ TEST( NearPairs, AskAgainOnlyWhereNodesHaveMoved )
 	EXPECT_EQ( pairs.asked(), all + 5 );
 }
 
-/// Two changes of levels before anybody looks: rows that hold the nodes they held, under whatever numbers, do not ask.
+/// Two changes of levels without a search in between: rows with the same nodes, whatever their indices, are not searched again.
 TEST( NearPairs, AskAgainOnlyWhereNodesWereSplit )
 {
 	TestWorld test;

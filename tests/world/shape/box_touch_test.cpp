@@ -1,4 +1,4 @@
-// A box that is asked for many spheres says what it says to one; and marked nodes come in their order.
+// A box gives the same contacts to a batch of spheres as to single ones; marked nodes are returned in order.
 
 #include "world/constants.h"
 #include "world/shape/node_marks.h"
@@ -20,7 +20,7 @@ struct Count
 	int clear = 0, outside = 0, inside = 0, swept = 0;
 };
 
-/// Spheres about boxes whose middle is up to `away` from the origin; ways up to `fastest`, m.
+/// Spheres around boxes whose centre is up to `away` from the origin; displacements up to `fastest`, m.
 Count askBoth( double away, double fastest )
 {
 	std::mt19937 random( 5 );

@@ -1,4 +1,4 @@
-// The spheres of a body that cracks: its shape is kept, unless many nodes leave it, and has those that a new one would have.
+// The spheres of a cracking body: its shape is kept unless many nodes leave it, and equals a newly built one.
 
 #include "world/test_world.h"
 
@@ -48,7 +48,7 @@ void expectSpheresOfANewOne( const SoftBody& soft )
 	}
 }
 
-// r = ( d / 2 ) cbrt( fill ) to half a step of the radii there are, of cells alike in stretches and one by one.
+// r = ( d / 2 ) cbrt( fill ) to half a radius step, for runs of equal cells and for single ones.
 TEST( NodeSpheres, GrowWithWhatFillsTheirCells )
 {
 	auto lattice = std::make_shared<Lattice>( makeBlockLattice( 6, 4, 3, 0.1f ) );
@@ -65,7 +65,7 @@ TEST( NodeSpheres, GrowWithWhatFillsTheirCells )
 	}
 }
 
-/// A cube in the air, of finest nodes all through.
+/// A cube in free flight, of finest nodes throughout.
 class CrackedShape : public testing::TestWithParam<int>
 {
 protected:
@@ -84,12 +84,12 @@ protected:
 	SoftBody* soft;
 };
 
-/// On one level, and on three. Nodes that have a cell no more links below the surface than they are cells wide.
+/// On one level, and on three: nodes with a cell within as many links of the surface as the node is cells wide.
 TEST_P( CrackedShape, HasSpheresAtTheSurfaceAndOneLayerBelow )
 {
 	for ( int k = 0; k < 2; ++k )
 	{
-		soft->requestRefinement( btVector3( -1, 1, -1 ), btVector3( 0, 3, 1 ) ); // the rest stays as it is
+		soft->requestRefinement( btVector3( -1, 1, -1 ), btVector3( 0, 3, 1 ) ); // the rest remains as it is
 		test.run( 2 );
 	}
 	const Body& body = *soft->impl().body;
@@ -113,7 +113,7 @@ TEST_P( CrackedShape, HasTheSpheresOfANewOne )
 	{
 		const NodeShape* const before = soft->impl().shape.get();
 		const int spheres = before->getNumChildShapes();
-		// A disc of a cut that ends inside: the body hangs together.
+		// The disc of a cut that ends inside: the body stays connected.
 		const btVector3 middle( btScalar( 0.07 * ( cut - 6 ) ), btScalar( 2 + 0.02 * cut ), 0 ),
 			normal( 1, btScalar( 0.3 ), btScalar( 0.1 * cut ) );
 		ASSERT_GT( soft->cutPlane( middle, normal, btScalar( 0.16 ) ), 0 );
@@ -129,7 +129,7 @@ TEST_P( CrackedShape, HasTheSpheresOfANewOne )
 	EXPECT_GT( added, 20 );
 }
 
-// Corners are cut off one after the other, then half of what is left.
+// Corners are cut off one after the other, then half of the rest.
 TEST_P( CrackedShape, LetsGoOfNodesThatLeave )
 {
 	int kept = 0;

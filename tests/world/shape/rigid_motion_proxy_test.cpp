@@ -1,4 +1,4 @@
-// Bodies that turn as wholes: what is nearly a line is not spun about it.
+// Bodies that rotate as a whole: nearly collinear fragments receive no spin about their axis.
 
 #include "support/test_world.h"
 #include "world/bodies/soft_body_impl.h"
@@ -13,7 +13,7 @@
 namespace pliant::test {
 namespace {
 
-/// A bar of three cells of .1 m, its middle node so many cells beside the line through the others.
+/// A bar of three cells of .1 m, its middle node offset by so many cells from the line through the others.
 struct BentBar
 {
 	SoftWorld world;
@@ -33,12 +33,12 @@ struct BentBar
 		}
 		return most;
 	}
-	/// About the line, N m s: as much as gives nodes that are half a cell beside it 1 m/s.
+	/// Angular impulse about the line, N m s: enough to give nodes half a cell off the line 1 m/s.
 	double impulse() const { return double( body->mass() ) * 0.05; }
 };
 
-/// A crumb of three nodes that stood a fiftieth of a cell beside a line was given what rubbing lacked of its spin, and had none of the
-/// inertia about it that its cells would have: it was spun until it flew apart.
+/// A fragment of three nodes a fiftieth of a cell off a line has none of the inertia about it that its cells would have. The friction
+/// torque correction must not spin it until it flies apart.
 TEST( RigidMotionProxy, DoesNotSpinWhatIsNearlyALine )
 {
 	for ( const float beside : { 0.0f, 0.001f, 0.02f, 0.1f } )

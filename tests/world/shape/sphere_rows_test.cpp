@@ -1,4 +1,4 @@
-// What a substep's searches find by rows of spheres is what asking every sphere finds.
+// Searches by rows of spheres find the same as a test of every sphere.
 
 #include "world/levels/adaptive_bodies.h"
 #include "world/test_world.h"
@@ -25,7 +25,7 @@ double uniform( std::mt19937& random, double low, double high )
 	return low + ( high - low ) * double( random() % 10000 ) / 1e4;
 }
 
-/// Nodes go anywhere within `by`, and at any speed up to `speed`.
+/// Moves nodes at random within `by` and gives them speeds up to `speed`.
 void shake( SoftBody& soft, std::mt19937& random, double by, double speed )
 {
 	SoftBody::Impl& impl = soft.impl();
@@ -45,7 +45,7 @@ void shake( SoftBody& soft, std::mt19937& random, double by, double speed )
 	impl.shape->setSweep( toBt( kSubstep * low.cast<double>() ), toBt( kSubstep * high.cast<double>() ) );
 }
 
-/// A place in the shape's own coordinates.
+/// Returns a node's position in the shape's own coordinates.
 Vec3 placeOf( const SoftBody& soft, int node )
 {
 	return soft.impl().body->nodes().x.get( node ) - soft.impl().shapeShift;
@@ -56,7 +56,7 @@ float reachOf( const SoftBody& soft, int node )
 	return float( soft.impl().shape->sphereOfNode( node )->getRadius() * ( 1 + kContactSlop ) );
 }
 
-/// On one level; and on three, after nodes here and there have been split.
+/// On one level, and on three with nodes split at random.
 class SphereRowsOf : public testing::TestWithParam<int>
 {
 protected:
@@ -148,7 +148,7 @@ TEST_P( SphereRowsOf, TwoBodiesFindThePairsThatMayTouch )
 				const bool collide = soft[0]->impl().shape->childOfNode( a ) >= 0 && soft[1]->impl().shape->childOfNode( b ) >= 0;
 				const Vec3d apart = placeOf( *soft[0], a ).cast<double>() + toVec3d( approach.shift ) -
 					placeOf( *soft[1], b ).cast<double>();
-				const Vec3d nearest = ( apart.cwiseAbs() - toVec3d( way ) ).cwiseMax( 0.0 ); // wherever in the approach they come
+				const Vec3d nearest = ( apart.cwiseAbs() - toVec3d( way ) ).cwiseMax( 0.0 ); // at any time during the approach
 				const double touching = double( reachOf( *soft[0], a ) + soft[1]->impl().shape->sphereOfNode( b )->getRadius() );
 				const double slack = double( kContactSlop * soft[1]->impl().shape->sphereOfNode( b )->getRadius() ) + 1e-6;
 				const bool isFound = std::binary_search( found.begin(), found.end(), std::make_pair( a, b ) );
@@ -171,7 +171,7 @@ std::set<int> nodesOf( const std::vector<NodeHit>& hits )
 	return nodes;
 }
 
-/// The node's sphere and how it moves against what stands.
+/// Returns the node's sphere and its motion relative to a fixed object.
 MovingSphere movingSphere( const SoftBody& soft, int node )
 {
 	const NodeState& nodes = soft.impl().body->nodes();
