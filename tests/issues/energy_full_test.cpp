@@ -1,4 +1,4 @@
-// The same scenes over the ranges of their settings.
+// The same scenes over the full ranges of their settings.
 
 #include "support/plastic_scenes.h"
 #include "support/put_inside.h"

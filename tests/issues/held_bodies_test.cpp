@@ -1,5 +1,4 @@
-// Soft bodies that bear Bullet's static or kinematic flag are held as a whole. Such a flag on one of them once ended all contacts of the
-// world: a rigid box that lay elsewhere fell through its floor.
+// Soft bodies with Bullet's static or kinematic flag are held as a whole, and do not affect the contacts of other bodies in the world.
 
 #include "twin_worlds.h"
 
@@ -67,7 +66,7 @@ TEST_P( HeldBodies, CarryWhatFallsOnThem )
 	EXPECT_LT( m_cube->massCentre().y(), 0.7 ); // it falls again
 }
 
-// A soft lift, moved by `teleport` a centimetre a frame.
+// A soft lift, moved by `teleport` at a centimetre per frame.
 TEST_P( HeldBodies, LiftWhatLiesOnThem )
 {
 	hold( btCollisionObject::CF_KINEMATIC_OBJECT );
@@ -83,7 +82,7 @@ TEST_P( HeldBodies, LiftWhatLiesOnThem )
 	EXPECT_NEAR( box->getWorldTransform().getOrigin().y() - from, 1, 0.03 );
 }
 
-// Its surface is the game's too: nodes are driven one by one.
+// The game controls its shape too: nodes are driven one by one.
 TEST_P( HeldBodies, BendAsTheGameDrivesThem )
 {
 	hold( btCollisionObject::CF_KINEMATIC_OBJECT );

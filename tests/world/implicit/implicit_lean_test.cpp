@@ -18,7 +18,7 @@ using test::TestWorld;
 constexpr double kWeight = 216.0 * kGravity, kArea = 0.36;
 constexpr int kFineSubsteps = 64;
 
-/// A box on a block of 6 cells: mass ratio, size and offset; lengths in m and as fractions of the edge.
+/// A box on a block of 6 cells: mass ratio, dimensions and offset in m.
 struct Order
 {
 	double ratio = 1.0;
