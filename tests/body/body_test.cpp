@@ -23,7 +23,7 @@ TEST( Body, RefusesAnEmptyLatticeAndABadMaterial )
 	EXPECT_FALSE( made.value );
 }
 
-TEST( Body, WeighsWhatItsMaterialSays )
+TEST( Body, HasTheMassOfItsMaterial )
 {
 	Material material;
 	material.density = 500.0f;
@@ -34,7 +34,7 @@ TEST( Body, WeighsWhatItsMaterialSays )
 	EXPECT_NEAR( body->sums().mass, 1000.0 * 0.5 * 0.4 * 0.3, 1e-4 );
 }
 
-TEST( Body, StandsWhereItIsPlaced )
+TEST( Body, IsWhereItIsPlaced )
 {
 	const auto body = test::makeBlock( 5, 4, 3, 0.1f );
 	const Placement placement{ Eigen::Quaterniond( Eigen::AngleAxisd( 1.0, Vec3d( 1, 1, 0 ).normalized() ) ), Vec3d( 1000, -2, 3 ) };
@@ -69,7 +69,7 @@ TEST( Body, ForgetsItsHistoryWhenPlacedAgain )
 	EXPECT_EQ( std::memcmp( fresh->nodes().x.x.data(), used->nodes().x.x.data(), sizeof( float ) * fresh->nodeCount() ), 0 );
 }
 
-TEST( Body, TurnsItsVelocitiesAndResidualsAlongWhenTeleported )
+TEST( Body, RotatesVelocitiesAndResidualsWhenTeleported )
 {
 	const auto home = test::makeBlock( 5, 4, 3, 0.1f ), away = test::makeBlock( 5, 4, 3, 0.1f );
 	const Placement by{ Eigen::Quaterniond( Eigen::AngleAxisd( 2.0, Vec3d( 1, 2, 3 ).normalized() ) ), Vec3d( 7, 8, 9 ) };
@@ -112,7 +112,7 @@ TEST( Body, PinnedNodesKeepTheVelocityTheyAreGiven )
 	EXPECT_NEAR( body->nodes().x.get( 3 ).x() - moving.x(), 0.25f, 1e-5f );
 }
 
-TEST( Body, ComputesFarOutAsAtHome )
+TEST( Body, ComputesFarOutAsAtTheOrigin )
 {
 	// 100 km from the origin every node computes bit-identical results, because the state is relative to the body.
 	const auto home = test::makeBlock( 5, 5, 5, 0.1f ), away = test::makeBlock( 5, 5, 5, 0.1f );
@@ -133,7 +133,7 @@ TEST( Body, ComputesFarOutAsAtHome )
 	EXPECT_EQ( std::memcmp( home->nodes().v.z.data(), away->nodes().v.z.data(), sizeof( float ) * home->nodeCount() ), 0 );
 }
 
-TEST( Body, IsPutBackAndStoppedWhenANumberStopsBeingFinite )
+TEST( Body, IsResetAndStoppedAtANonFiniteNumber )
 {
 	const auto body = test::makeBlock( 5, 5, 5, 0.1f );
 	for ( float bad : { std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity() } )
@@ -168,7 +168,7 @@ TEST( Body, IsPutBackAndStoppedWhenANumberStopsBeingFinite )
 	}
 }
 
-TEST( Body, TakesASingleCell )
+TEST( Body, SupportsASingleCell )
 {
 	const auto body = test::makeBlock( 1, 1, 1, 0.1f );
 	for ( int k = 0; k < 240; ++k )

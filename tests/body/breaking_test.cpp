@@ -70,7 +70,7 @@ void add( Whole& whole, const Body& body )
 	whole.spin += sums.spin + ( body.nodes().origin + sums.centre ).cross( sums.momentum );
 }
 
-TEST( Breaking, RefusesWhatMakesNoSense )
+TEST( Breaking, RefusesInvalidSettings )
 {
 	const auto lattice = std::make_shared<const Lattice>( makeBlockLattice( 3, 3, 3, 0.1f ) );
 	auto body = makeBody( lattice );
@@ -153,7 +153,7 @@ TEST( Breaking, PiecesKeepMassMomentumSpinAndEnergy )
 	}
 }
 
-TEST( Breaking, PiecesGoOnLikeBodiesOfTheirOwn )
+TEST( Breaking, PiecesAreIndependentBodies )
 {
 	// A bar is cut in two. At rest nothing moves. Stirred, each half keeps its momentum and angular momentum and returns to its rest shape.
 	const auto lattice = std::make_shared<const Lattice>( makeBlockLattice( 12, 4, 4, 0.05f ) );
@@ -195,7 +195,7 @@ TEST( Breaking, PiecesGoOnLikeBodiesOfTheirOwn )
 	}
 }
 
-TEST( Breaking, WhatIsPulledTooFarBreaksWhereItIsWeakest )
+TEST( Breaking, ABarPulledTooFarBreaksAtItsWeakestLayer )
 {
 	// Both ends are pulled apart slowly; the middle layer has half the toughness.
 	for ( const int coarse : { 0, 1 } )
@@ -245,7 +245,7 @@ TEST( Breaking, WhatIsPulledTooFarBreaksWhereItIsWeakest )
 	}
 }
 
-TEST( Breaking, PiecesAreMergedAsFarAsTheWholeWas )
+TEST( Breaking, PiecesAreMergedAsFarAsTheBodyWas )
 {
 	// Blocks of four cells: the slice has a quarter of each of four blocks, too little for nodes of its own.
 	const auto lattice = std::make_shared<const Lattice>( makeBlockLattice( 8, 8, 8, 0.1f ) );
@@ -273,7 +273,7 @@ TEST( Breaking, PiecesAreMergedAsFarAsTheWholeWas )
 	}
 }
 
-TEST( Breaking, PiecesHaveAsManyFarLevelsAsTheyAreLongEnoughFor )
+TEST( Breaking, PiecesHaveTheFarLevelsOfTheirLength )
 {
 	Material material;
 	material.youngsModulus = 1e7f; // beyond the reach of the finest level
@@ -300,7 +300,7 @@ TEST( Breaking, PiecesHaveAsManyFarLevelsAsTheyAreLongEnoughFor )
 	EXPECT_LT( ( after.momentum - before.momentum ).norm(), 1e-5 * before.momentum.norm() );
 }
 
-TEST( Breaking, InPlaneModeABarPartsAcrossThePullAtWhatWasSet )
+TEST( Breaking, InPlaneModeABarBreaksAcrossThePullAtTheSetStrain )
 {
 	// More angles: pliant_experiments pull. At 10 degrees, on one level, cells beside big nodes are stretched nearly twice as far.
 	for ( const int coarse : { 0, 1, 2 } )
@@ -315,7 +315,7 @@ TEST( Breaking, InPlaneModeABarPartsAcrossThePullAtWhatWasSet )
 	}
 }
 
-TEST( Breaking, MoreThanTheMostPiecesStayWithTheHeaviest )
+TEST( Breaking, PiecesBeyondTheLimitStayWithTheHeaviest )
 {
 	const auto lattice = std::make_shared<const Lattice>( makeBlockLattice( 9, 2, 2, 0.1f ) );
 	auto body = makeBody( lattice );
@@ -343,7 +343,7 @@ TEST( Breaking, MoreThanTheMostPiecesStayWithTheHeaviest )
 }
 
 // Compares a piece's region tables, which reuse unchanged data, with the reference implementation that builds them anew.
-TEST( Breaking, TablesOfPiecesAreThoseFromNothing )
+TEST( Breaking, TablesOfPiecesEqualNewOnes )
 {
 	for ( unsigned seed = 1; seed <= 12; ++seed )
 	{
@@ -385,7 +385,7 @@ TEST( Breaking, TablesOfPiecesAreThoseFromNothing )
 	}
 }
 
-TEST( Breaking, FlowedShapesGoAlong )
+TEST( Breaking, PiecesKeepPlasticShapes )
 {
 	Material material;
 	material.yieldStrain = 0.01f;

@@ -54,14 +54,14 @@ std::unique_ptr<Body> cracked( std::unique_ptr<Body> body )
 	return std::move( pieces[0].body );
 }
 
-TEST( CrackSpeed, IsHalfOfWhatWavesHave )
+TEST( CrackSpeed, IsHalfTheWaveSpeed )
 {
 	std::unique_ptr<Body> body = cracked( pulledSlab( Stiffness::YoungsModulus ) );
 	EXPECT_EQ( untilLook( *body ), 10 ); // 41.7 ms; nine substeps are more than half a substep short of 40 ms
 	EXPECT_EQ( untilLook( *body ), 10 );
 }
 
-TEST( CrackSpeed, WhatIsSoundIsLookedAtInEverySubstep )
+TEST( CrackSpeed, IntactBodiesAreTestedInEverySubstep )
 {
 	std::unique_ptr<Body> body = pulledSlab( Stiffness::YoungsModulus );
 	for ( int i = 0; i < body->nodeCount(); ++i )
@@ -75,7 +75,7 @@ TEST( CrackSpeed, WhatIsSoundIsLookedAtInEverySubstep )
 }
 
 /// The wave speed is unknown where the stiffness is a bare alpha.
-TEST( CrackSpeed, IsNotKnownOfRawAlpha )
+TEST( CrackSpeed, IsUnknownForRawAlpha )
 {
 	std::unique_ptr<Body> body = cracked( pulledSlab( Stiffness::RawAlpha ) );
 	EXPECT_EQ( untilLook( *body ), 1 );

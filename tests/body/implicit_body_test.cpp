@@ -69,7 +69,7 @@ TEST( ImplicitBody, ComesToRestFromAnyStretchAndNeverGainsEnergy )
 	}
 }
 
-TEST( ImplicitBody, ComesBackFromOnePoint )
+TEST( ImplicitBody, RecoversFromASinglePoint )
 {
 	for ( const float alpha : { 0.5f, 300.0f } )
 	{
@@ -131,7 +131,7 @@ std::pair<double, double> ringing( const Material& m )
 	return { most, last };
 }
 
-TEST( ImplicitBody, IsDampedAsItAsks )
+TEST( ImplicitBody, HasTheSetDamping )
 {
 	Material m = material( 0.5f, 0.0f );
 	const double undamped = ringing( m ).second;
@@ -153,7 +153,7 @@ TEST( ImplicitBody, WithKeptVolumeIsSafeHoweverStiff )
 	}
 }
 
-TEST( ImplicitBody, HangsAsLongAsElasticityTellsWhateverTheStep )
+TEST( ImplicitBody, SagsByTheoryAtAnyStep )
 {
 	// A bar of 16 cells, held at its top layer; sag of the free end rho g L^2 / ( 2 E ).
 	for ( const int w : { 1, 2 } )
@@ -195,7 +195,7 @@ TEST( ImplicitBody, HangsAsLongAsElasticityTellsWhateverTheStep )
 	}
 }
 
-TEST( ImplicitBody, RingsOnWhereItAsksForNoDamping )
+TEST( ImplicitBody, OscillatesFreelyWithoutDamping )
 {
 	// Free bending of a bar: the remaining amplitude after five periods, and the period.
 	for ( const float sigma : { 0.0f, 1.0f } )

@@ -44,7 +44,7 @@ Lattice tornBlock()
 
 // The preconditioner is built from this diagonal. An estimate that makes nodes up to 23 times too easy to move costs an eighth more
 // products with fifteen breaking elephants.
-TEST( ImplicitLevels, NameTheirDiagonal )
+TEST( ImplicitLevels, ComputeTheirDiagonal )
 {
 	for ( const Rule& rule : rules() )
 	{

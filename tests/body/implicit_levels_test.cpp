@@ -193,7 +193,7 @@ TEST( ImplicitLevels, GiveTheSameBitsOnEveryInstructionSet )
 }
 
 // Nodes of all sizes have rows of all lengths; 12 x 8 x 8 cells make several tiles, the last one partial.
-TEST( ImplicitLevels, SumTheirRowsSideBySideAsOneByOne )
+TEST( ImplicitLevels, SumRowsInBatchesToTheSameBits )
 {
 	for ( const Rule& rule : rules() )
 	{

@@ -88,7 +88,7 @@ void expectChangesAsFromNothing( const Adaptivity& settings, Material material )
 	}
 }
 
-TEST( Levels, OfEveryRegionRuleChangeAsIfMadeFromNothingOnAnyNumberOfThreads )
+TEST( Levels, OfEveryRegionRuleChangeToTheTablesOfANewBodyOnAnyNumberOfThreads )
 {
 	Adaptivity ours;
 	ours.coarseLevels = 3;
@@ -107,7 +107,7 @@ TEST( Levels, OfEveryRegionRuleChangeAsIfMadeFromNothingOnAnyNumberOfThreads )
 
 /// The deformation of regions, as the skin reads it around a change: computed for a few regions it is bit-identical to that of all at once,
 /// and a region that a change has not measured again keeps its deformation.
-TEST( Levels, StretchOfAFewRegionsIsThatOfAllAndStaysWhereNothingChanged )
+TEST( Levels, StretchOfAFewRegionsEqualsThatOfAllAndIsKept )
 {
 	const auto lattice = std::make_shared<const Lattice>( test::makeBlobLattice( 18, 0.05f, 6 ) );
 	const Material material;
@@ -198,7 +198,7 @@ TEST( Levels, StretchOfAFewRegionsIsTheSameInAnyOrder )
 	}
 }
 
-TEST( Levels, BlendsByTheShortWayAreThoseByDirections )
+TEST( Levels, FastBlendsEqualThoseByEigenvalues )
 {
 	std::mt19937 random( 9 );
 	std::normal_distribution<double> normal;
@@ -218,7 +218,7 @@ TEST( Levels, BlendsByTheShortWayAreThoseByDirections )
 }
 
 /// x + F ( x0_c - x0 ), though F is measured only where a node has more than one cell.
-TEST( LevelChanges, CellsLieWhereTheirNodesRegionsPutThem )
+TEST( LevelChanges, CellsFollowTheirNodesRegions )
 {
 	for ( int count = 1; count < 4; ++count )
 	{

@@ -1,4 +1,4 @@
-// Limits on the change of a body's energy by a change of levels, part by part. Whole impacts: RandomImpacts.WhatSplitsByStrain*.
+// Limits on the change of a body's energy by a change of levels, part by part. Whole impacts: RandomImpacts.SplitsByStrainAddNoEnergy.
 
 #include "body/body.h"
 #include "body/levels/level_nodes.h"
@@ -89,7 +89,7 @@ Material withoutVolume()
 }
 
 /// dU / dt = - power for any motion of the nodes.
-TEST( LevelEnergy, SpringsHoldWhatTheirPullsTakeUp )
+TEST( LevelEnergy, ItsChangeIsTheWorkOfTheForces )
 {
 	Lump lump( withoutVolume() );
 	lump.splitAll(); // nodes of levels 0 and 1
@@ -118,7 +118,7 @@ TEST( LevelEnergy, SpringsHoldWhatTheirPullsTakeUp )
 }
 
 /// H = K + U + h / 2 f.v of an oscillating body: of a soft one from its regions alone, and of one so stiff that it follows its rigid fit.
-TEST( LevelEnergy, IsWhatExplicitStepsKeep )
+TEST( LevelEnergy, IsConservedByExplicitSteps )
 {
 	const auto lattice = std::make_shared<const Lattice>( test::makeBlobLattice( 18, 0.05f, 6 ) );
 	for ( const float youngsModulus : { 2e4f, 1e6f, 1e8f } )
@@ -160,7 +160,7 @@ TEST( LevelEnergy, IsWhatExplicitStepsKeep )
 }
 
 /// Children placed by their own parent's F alone would be inconsistent with their neighbours, which adds energy.
-TEST( LevelEnergy, PartsOfABentBodyStandAtFewOdds )
+TEST( LevelEnergy, ChildrenInABentBodyAreConsistent )
 {
 	Lump lump;
 	lump.bend( bent );
@@ -207,7 +207,7 @@ TEST( LevelEnergy, PartsOfABentBodyStandAtFewOdds )
 	EXPECT_LT( eased, 0.7 * left );
 }
 
-TEST( LevelEnergy, WhatIsTakenIsTheirOwnMotionAlone )
+TEST( LevelEnergy, OnlyInternalMotionIsRemoved )
 {
 	Lump lump;
 	std::mt19937 random( 9 );

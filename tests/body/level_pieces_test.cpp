@@ -180,7 +180,7 @@ void breakAndCompare( Twins& twins, std::mt19937& random, std::vector<CellLink>&
 	twins.slow = std::move( wanted[0].body );
 }
 
-TEST( LevelPieces, OfAWholeWhoseLinksChangeAreThoseFromNothingToTheBit )
+TEST( LevelPieces, OfABodyWithChangedLinksEqualNewOnesToTheBit )
 {
 	Count count;
 	for ( unsigned seed = 1; seed <= 8; ++seed )
@@ -257,7 +257,7 @@ std::vector<CellLink> slabOf( const Lattice& lattice, const Vec3& normal )
 	return slab;
 }
 
-TEST( LevelPieces, ThatCameOffAreThoseFromNothingButForRounding )
+TEST( LevelPieces, ThatBrokeOffEqualNewOnesUpToRounding )
 {
 	Count count;
 	for ( unsigned seed = 11; seed <= 18; ++seed )
@@ -279,7 +279,7 @@ TEST( LevelPieces, ThatCameOffAreThoseFromNothingButForRounding )
 
 // Cracked bodies and fragments are refined in groups like the intact body; refined node by node, bars on coarse levels would break too
 // early.
-TEST( LevelPieces, AreRefinedTogetherAsTheWholeWas )
+TEST( LevelPieces, AreRefinedTogetherLikeTheBody )
 {
 	for ( const PieceRoad road : { PieceRoad::TakeOver, PieceRoad::FromNothing } )
 	{
@@ -312,7 +312,7 @@ TEST( LevelPieces, AreRefinedTogetherAsTheWholeWas )
 }
 
 // Requests survive fracture events: a game that cuts in each frame may request finer nodes ahead of the blade.
-TEST( LevelPieces, AreSplitWhereTheWholeWasAskedToBe )
+TEST( LevelPieces, KeepTheRequestsOfTheBody )
 {
 	for ( const PieceRoad road : { PieceRoad::TakeOver, PieceRoad::FromNothing } )
 	{
@@ -357,7 +357,7 @@ TEST( LevelPieces, AreSplitWhereTheWholeWasAskedToBe )
 }
 
 // The time that nodes have been quiet before a crack opens counts towards the delay of merging.
-TEST( LevelPieces, AreMergedWhenTheWholeWouldHaveBeen )
+TEST( LevelPieces, AreMergedWhenTheBodyWouldBe )
 {
 	for ( const PieceRoad road : { PieceRoad::TakeOver, PieceRoad::FromNothing } )
 	{

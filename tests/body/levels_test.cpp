@@ -42,7 +42,7 @@ std::vector<std::uint32_t> coarseNodes( const Body& body, std::size_t most )
 	return nodes;
 }
 
-TEST( Levels, AreRefusedWhereTheyMakeNoSense )
+TEST( Levels, RefuseInvalidSettings )
 {
 	const auto lattice = std::make_shared<const Lattice>( makeBlockLattice( 4, 4, 4, 0.1f ) );
 	Adaptivity settings = levels( 9 );
@@ -157,7 +157,7 @@ TEST( Levels, OfARoundTripHaveTheSameRegionsToTheBit )
 	}
 }
 
-TEST( Levels, TablesChangedPieceByPieceAreThoseMadeFromNothing )
+TEST( Levels, IncrementalTablesEqualNewOnes )
 {
 	const auto lattice = std::make_shared<const Lattice>( test::makeBlobLattice( 18, 0.05f, 6 ) );
 	Adaptivity settings = levels( 3 );
@@ -191,7 +191,7 @@ TEST( Levels, TablesChangedPieceByPieceAreThoseMadeFromNothing )
 	}
 }
 
-TEST( Levels, ASplitNodesChildrenLieWhereItsRegionPutsThem )
+TEST( Levels, ChildrenFollowTheirParentsRegion )
 {
 	// A uniformly stretched body stays uniformly stretched when all of it is split: no node jumps.
 	const auto lattice = std::make_shared<const Lattice>( makeBlockLattice( 8, 8, 8, 0.1f ) );
@@ -240,7 +240,7 @@ TEST( Levels, FollowStrainUpAndDown )
 
 // Compression does not break a body, so compressed nodes need no refinement and may be merged. Stretched nodes stay fine while the rest is
 // merged; without any delay they would be merged and split again in turn.
-TEST( Levels, OfABodyThatCanBreakFollowStretchAndNotSqueeze )
+TEST( Levels, OfABreakableBodyFollowTensionNotCompression )
 {
 	const auto lattice = std::make_shared<const Lattice>( makeBlockLattice( 8, 8, 8, 0.05f ) );
 	for ( const float delay : { 0.05f, 0.0f } )
@@ -275,7 +275,7 @@ TEST( Levels, OfABodyThatCanBreakFollowStretchAndNotSqueeze )
 }
 
 // Nodes that come to rest one by one are merged a few times a second, not at every review.
-TEST( Levels, MergeTogetherWhatComesToRestOneByOne )
+TEST( Levels, MergeNodesTogetherThatComeToRestOneByOne )
 {
 	const auto lattice = std::make_shared<const Lattice>( makeBlockLattice( 16, 8, 8, 0.05f ) );
 	Adaptivity settings = levels( 1 );
@@ -327,7 +327,7 @@ void distort( NodeState& nodes, Start start )
 	}
 }
 
-TEST( Levels, ComeBackFromAnyShapeWithTheNodesTheyBeganWith )
+TEST( Levels, RecoverFromAnyShapeWithTheInitialNodes )
 {
 	const auto lattice = std::make_shared<const Lattice>( test::makeBlobLattice( 18, 0.1f, 2 ) );
 	for ( const float kappa : { 0.0f, 0.8f } )

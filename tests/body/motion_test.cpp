@@ -38,7 +38,7 @@ bool haveEqualBits( const Vec3Array& a, const Vec3Array& b )
 	return a.x == b.x && a.y == b.y && a.z == b.z;
 }
 
-TEST( Motion, SumsAreThoseOfTheSlowTwin )
+TEST( Motion, SumsEqualTheReferenceImplementation )
 {
 	const auto body = makeMoving( 1 );
 	for ( int k = 0; k < 3; ++k )
@@ -104,7 +104,7 @@ TEST( Motion, IsTheSameToTheBitOnAnyThreadCount )
 
 // The last finite state is one of two buffers, which are swapped in each substep: the body must not return to a state that the task with
 // the bad number has written in part.
-TEST( Motion, GoesBackToTheLastFinitePlacesWhereverTheBadNumberWas )
+TEST( Motion, RestoresTheLastFinitePositionsForABadNumberAnywhere )
 {
 	const auto body = makeMoving( 4 );
 	for ( const int bad : { 0, 640, body->nodeCount() - 1 } )

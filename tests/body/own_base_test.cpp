@@ -65,7 +65,7 @@ TEST_F( OwnBase, ChangesInPlaceWhenSomethingComesOff )
 	expectSamePieces( got, wanted, kRounding );
 }
 
-TEST_F( OwnBase, LeavesWhatOthersOfTheTemplateHave )
+TEST_F( OwnBase, KeepsTheBaseOfOtherBodies )
 {
 	const std::unique_ptr<Body> whole = body(), first = body(), second = body();
 	cutTwice( *first );
@@ -78,7 +78,7 @@ TEST_F( OwnBase, LeavesWhatOthersOfTheTemplateHave )
 }
 
 /// Also with a single body: the template can find its base as long as the body exists.
-TEST_F( OwnBase, OfTheOnlyBodyIsTheTemplatesUntilThen )
+TEST_F( OwnBase, OfASingleBodyIsTheTemplatesAtFirst )
 {
 	const std::unique_ptr<Body> only = body();
 	const std::vector<BodyPiece> notched = cutAtFour( *only, 3 );

@@ -124,7 +124,7 @@ INSTANTIATE_TEST_SUITE_P( Pulls, PulledBar,
 	testing::Values( Pull{ 1.3f, 0.05f, 2.0f, 0.5f, 0 }, Pull{ 1.3f, 0.05f, 40.0f, 0.5f, 0 }, Pull{ 1.15f, 0.02f, 10.0f, 1.0f, 0 },
 		Pull{ 1.3f, 0.05f, 2.0f, 0.5f, 1 }, Pull{ 1.3f, 0.05f, 40.0f, 0.5f, 1 } ) );
 
-TEST( PlasticBody, BelowYieldNothingStays )
+TEST( PlasticBody, BelowYieldNoSetRemains )
 {
 	for ( const int levels : { 0, 1 } )
 	{
@@ -164,7 +164,7 @@ TEST( PlasticBody, FlowIsInheritedWhenLevelsChange )
 	EXPECT_NEAR( stretchOf( *body, 0 ), set, 0.02 * ( set - 1.0 ) );
 }
 
-TEST( PlasticBody, PlacingItAnewGivesTheFirstShapeBack )
+TEST( PlasticBody, PlacingItRestoresTheInitialShape )
 {
 	const std::unique_ptr<Body> body = pullBar( Pull{ 1.3f, 0.05f, 40.0f, 0.3f, 0 } );
 	body->place( {} );

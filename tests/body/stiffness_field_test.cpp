@@ -58,7 +58,7 @@ double strainBetween( const Body& body, float from, float to )
 	return ( sum[1] / mass[1] - sum[0] / mass[0] ) / ( rest[1] / mass[1] - rest[0] / mass[0] ) - 1.0;
 }
 
-TEST( StiffnessField, SharesOutOfRangeAreRefused )
+TEST( StiffnessField, FactorsOutOfRangeAreRefused )
 {
 	auto lattice = std::make_shared<const Lattice>( makeBlockLattice( 4, 4, 4, 0.1f ) );
 	EXPECT_EQ( Body::create( lattice, {}, {}, nullptr, {}, StiffnessField{ &nothing, nullptr } ).status.code, ResultCode::BadArgument );

@@ -48,7 +48,7 @@ void expectEqual( const std::vector<btVector3>& a, const std::vector<btVector3>&
 }
 
 // Results of a division by zero may reach the body's calls; the body must continue bit-identically.
-TEST( BadNumbers, AreRefusedByTheCallAndTheBodyGoesOnToTheBit )
+TEST( BadNumbers, AreRefusedByTheCallAndTheBodyContinuesBitIdentically )
 {
 	const std::vector<btVector3> alone = fallen( []( SoftBody& ) {} );
 	const std::vector<btVector3> asked = fallen( []( SoftBody& body ) {
@@ -82,7 +82,7 @@ TEST( BadNumbers, AreRefusedByTheCallAndTheBodyGoesOnToTheBit )
 }
 
 // A node index kept across a cut may be out of range.
-TEST( BadNumbers, NodesThatAreNotThereAreRefused )
+TEST( BadNumbers, NodeIndicesOutOfRangeAreRefused )
 {
 	const std::vector<btVector3> alone = fallen( []( SoftBody& ) {} );
 	const std::vector<btVector3> asked = fallen( []( SoftBody& body ) {
@@ -135,7 +135,7 @@ TEST( BadNumbers, AScaleInATransformIsRefusedWithACode )
 }
 
 // A drag target far outside the window must not move a node out of the simulated range.
-TEST( BadNumbers, ANodeIsNotDrivenToTheEndOfTheWorld )
+TEST( BadNumbers, ANodeIsNotDrivenArbitrarilyFar )
 {
 	TestWorld t;
 	SoftBody* cube = t.addSoft( block( 3, 3, 3, 0.1f ), at( 0, 1, 0 ) );
@@ -204,7 +204,7 @@ TEST( BadNumbers, OddTimeStepsAreRefusedOrCutShort )
 	}
 }
 
-TEST( BadNumbers, AFixedTimeStepThatIsNoneDoesNothing )
+TEST( BadNumbers, AnInvalidFixedTimeStepDoesNothing )
 {
 	TestWorld t;
 	SoftBody* cube = t.addSoft( block( 2, 2, 2, 0.1f ), at( 0, 1, 0 ) );

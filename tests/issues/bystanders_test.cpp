@@ -363,7 +363,7 @@ struct OneBlock : BlockLookup
 };
 
 // A cube in a heap of 3 000: the number of rigid bodies in a block is bounded, and those nearest to the soft body are chosen first.
-TEST( LargeIslands, TakePartAsFarAsThereIsRoomNearestFirst )
+TEST( LargeIslands, TakePartUpToTheLimitNearestFirst )
 {
 	for ( const int count : { 60, 95, 96, 144 } )
 	{
@@ -382,7 +382,7 @@ TEST( LargeIslands, TakePartAsFarAsThereIsRoomNearestFirst )
 }
 
 // Bullet solves the remaining bodies; their weight still acts in full.
-TEST( LargeIslands, AreBorneAsAWhole )
+TEST( LargeIslands, CarryTheirWholeWeight )
 {
 	LadenCube lump( 144, true ), scene( 144 );
 	for ( LadenCube* all : { &lump, &scene } )

@@ -56,7 +56,7 @@ struct Shooting
 
 // A block of half a metre, broken by a ball of 20 kg at 30 m/s: fragments of one cell in particular must fall asleep, because they keep the
 // bodies they touch awake.
-TEST( FallsAsleep, WhatAShotBlockFellInto )
+TEST( FallsAsleep, TheFragmentsOfAShotBlock )
 {
 	for ( const Shooting& shooting :
 		{ Shooting{ BreakRule::Distance, 40, 0 }, Shooting{ BreakRule::Plane, 50, 0 }, Shooting{ BreakRule::Plane, 50, 1 } } )

@@ -29,7 +29,7 @@ double asleepAfter( SoftWorld& t, double most )
 
 // A block cut into single cells. The residual errors of a solver of ten iterations keep a heap of points in motion, so that of two hundred
 // one is always faster than 3 cm/s, and bodies in contact sleep together or not at all.
-TEST( FallsAsleep, ABlockCutIntoCrumbs )
+TEST( FallsAsleep, ABlockCutIntoSingleCells )
 {
 	for ( const Elasticity elasticity : kSteps )
 	{

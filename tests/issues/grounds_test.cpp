@@ -56,7 +56,7 @@ struct Terrain
 };
 
 // Frames of 1.7, 17 or 50 ms in turn: bodies at rest must neither hop nor sink at a change.
-TEST_P( Grounds, StepsOfAnyLengthInTurnLeaveWhatLiesThereAtItsHeight )
+TEST_P( Grounds, StepsOfVaryingLengthKeepTheRestHeight )
 {
 	TestWorld t;
 	t.addFloor();
@@ -150,7 +150,7 @@ TEST_P( Grounds, ImpulsesInTheTickCallbackSumToTheWeight )
 }
 
 // One mesh with several instances, scaled by a different factor along each axis.
-TEST_P( Grounds, AScaledMeshBearsAsItsRigidTwinSays )
+TEST_P( Grounds, AScaledMeshCarriesSoftBodiesLikeRigidOnes )
 {
 	const auto height = []( btScalar x, btScalar ) { return btScalar( 0.4 ) * x; }; // scaled: .1 for 1
 	Terrain terrain( 10, 4, height );
@@ -171,7 +171,7 @@ TEST_P( Grounds, AScaledMeshBearsAsItsRigidTwinSays )
 
 // At the last row of a heightfield bodies must not fall through or be thrown away. A soft body leans over an edge where a rigid one stands,
 // but equally over the edge of a box.
-TEST_P( Grounds, AtTheBorderOfAHeightfieldBodiesAreAsAtTheBorderOfABox )
+TEST_P( Grounds, TheBorderOfAHeightfieldActsLikeThatOfABox )
 {
 	constexpr int kPosts = 11; // 10 m by 10 m about the origin
 	std::vector<float> heights( kPosts * kPosts, 0.0f );
@@ -206,7 +206,7 @@ TEST_P( Grounds, AtTheBorderOfAHeightfieldBodiesAreAsAtTheBorderOfABox )
 }
 
 // A heightfield that rises under a body by half a cell per frame: nodes below the field must be pushed up, not down.
-TEST_P( Grounds, AHeightfieldThatRisesLiftsWhatLiesOnIt )
+TEST_P( Grounds, ARisingHeightfieldLiftsBodies )
 {
 	static constexpr int kPosts = 21, kRise = 10; // frames
 	const auto risen = []( const std::function<btScalar( TestWorld& )>& centre ) {
@@ -251,7 +251,7 @@ TEST_P( Grounds, AHeightfieldThatRisesLiftsWhatLiesOnIt )
 }
 
 // A sheet of triangles, which has no inside, or a heightfield over a cave: a cube rests on it, and an object from below stays below.
-TEST_P( Grounds, WhatHasNoThicknessHoldsFromBothSides )
+TEST_P( Grounds, SurfacesWithoutThicknessHoldFromBothSides )
 {
 	Terrain terrain( 4, 8, []( btScalar, btScalar ) { return btScalar( 0 ); } );
 	std::vector<float> heights( 81, 0.0f );

@@ -31,7 +31,7 @@ std::vector<btVector3> nodesOf( const SoftBody& body )
 }
 
 // A soft flag on a vehicle: the drawn surface of the held end must not lag behind its mast by a step, .17 m at 10 m/s.
-TEST( Handling, TheSurfaceOfPinnedCellsIsWhereTheBoxThatCarriesThemIs )
+TEST( Handling, TheSurfaceOfPinnedCellsFollowsTheirBox )
 {
 	for ( const Elasticity elasticity : { Elasticity::Explicit, Elasticity::Implicit } )
 	{
@@ -73,7 +73,7 @@ TEST( Handling, TheSurfaceOfPinnedCellsIsWhereTheBoxThatCarriesThemIs )
 }
 
 // A node driven at 20 Hz must stand still between two calls.
-TEST( Handling, ANodeDrivenEveryThirdFrameStandsBetween )
+TEST( Handling, ANodeDrivenEveryThirdFrameStandsStillInBetween )
 {
 	for ( const Elasticity elasticity : { Elasticity::Explicit, Elasticity::Implicit } )
 	{
@@ -101,7 +101,7 @@ TEST( Handling, ANodeDrivenEveryThirdFrameStandsBetween )
 }
 
 // A body that is removed and added again, as in level streaming, keeps its shape and its pins.
-TEST( Handling, OutForASecondAndInAgainABodyIsAsItWas )
+TEST( Handling, ABodyRemovedAndAddedAgainIsUnchanged )
 {
 	TestWorld t;
 	SoftBody* const bar = t.addSoft( block( 8, 2, 2, 0.1f ), at( 0, 1, 0 ), test::stiff( 1e5f ) );
@@ -125,7 +125,7 @@ TEST( Handling, OutForASecondAndInAgainABodyIsAsItWas )
 }
 
 // Respawning: the surface drawn in the same frame is at the new position, and the next step does not move it again.
-TEST( Handling, WhatIsTeleportedIsDrawnMovedOnceAtOnce )
+TEST( Handling, ATeleportMovesTheDrawnSurfaceOnceAndAtOnce )
 {
 	for ( const bool isAsleep : { false, true } )
 	{
@@ -155,7 +155,7 @@ TEST( Handling, WhatIsTeleportedIsDrawnMovedOnceAtOnce )
 }
 
 // Partial cuts, then partial cuts of all their pieces: cell indices of separated pieces differ from those of the last cut.
-TEST( Handling, CutHalfWayFiftyTimesNothingIsLost )
+TEST( Handling, FiftyPartialCutsLoseNothing )
 {
 	TestWorld t;
 	t.world.setGravity( btVector3( 0, 0, 0 ) );
@@ -224,7 +224,7 @@ TEST( Handling, BodiesOfThreeCubesHaveBoundsWhereTheyArePlaced )
 
 // Culling by the body's box: the drawn surface must not protrude from it. The spheres of cells leave out the cells' corners, so the box is
 // grown by ( sqrt 3 - 1 ) / 2 of an edge.
-TEST( Handling, TheBodysBoxGrownByItsCellsCornersHoldsAllThatIsDrawn )
+TEST( Handling, TheBodysBoxGrownByItsCellsCornersEnclosesItsSurface )
 {
 	constexpr btScalar kCell = btScalar( 0.1 ), kCorner = btScalar( 0.37 ) * kCell;
 	for ( const Elasticity elasticity : { Elasticity::Explicit, Elasticity::Implicit } )
@@ -359,7 +359,7 @@ TEST( Handling, AtHalfItsStrengthNothingBreaksInAMinute )
 }
 
 // Panes break one after the other for a minute; their remains must not keep costing time.
-TEST( Handling, PanesThatBreakAllTheTimeLeaveNothingBehind )
+TEST( Handling, BreakingPanesLeaveNoCostBehind )
 {
 	constexpr int kPanes = 20, kEvery = 15; // frames
 	TestWorld t;

@@ -29,7 +29,7 @@ protected:
 INSTANTIATE_TEST_SUITE_P( Steps, HeldBodies, testing::Values( Elasticity::Explicit, Elasticity::Implicit ),
 	[]( const auto& with ) { return with.param == Elasticity::Explicit ? "Explicit" : "Implicit"; } );
 
-TEST_P( HeldBodies, LeaveTheWorldItsContacts )
+TEST_P( HeldBodies, DoNotAffectOtherContacts )
 {
 	btRigidBody* const far = m_own.addBox(
 		10, btVector3( btScalar( 0.3 ), btScalar( 0.3 ), btScalar( 0.3 ) ), at( 4, btScalar( 0.3 ), 0 ) );
@@ -48,7 +48,7 @@ TEST_P( HeldBodies, LeaveTheWorldItsContacts )
 	}
 }
 
-TEST_P( HeldBodies, CarryWhatFallsOnThem )
+TEST_P( HeldBodies, CarryFallingBodies )
 {
 	hold( btCollisionObject::CF_STATIC_OBJECT );
 	m_cube->teleport( at( 0, 2, 0 ) );
@@ -67,7 +67,7 @@ TEST_P( HeldBodies, CarryWhatFallsOnThem )
 }
 
 // A soft lift, moved by `teleport` at a centimetre per frame.
-TEST_P( HeldBodies, LiftWhatLiesOnThem )
+TEST_P( HeldBodies, LiftBodiesOnThem )
 {
 	hold( btCollisionObject::CF_KINEMATIC_OBJECT );
 	btRigidBody* const box = m_own.addBox(

@@ -45,7 +45,7 @@ TEST( Membership, AddCollisionObjectAddsASoftBody )
 }
 
 // The usual way to change an object's collision filter: remove it, and add it again with another mask.
-TEST( Membership, OutAndInAgainChangesTheFilterAndTheBodyGoesOn )
+TEST( Membership, ABodyRemovedAndAddedAgainHasTheNewFilter )
 {
 	TestWorld t;
 	t.addFloor();
@@ -64,7 +64,7 @@ TEST( Membership, OutAndInAgainChangesTheFilterAndTheBodyGoesOn )
 }
 
 // Compared with a rigid body: Bullet has no call of its own for this either.
-TEST( Membership, AMaskChangedWhileAsleepCountsFromWhenTheBodyWakes )
+TEST( Membership, AMaskChangedWhileAsleepActsWhenTheBodyWakes )
 {
 	TestWorld t;
 	t.addFloor();
@@ -117,7 +117,7 @@ TEST( Membership, APairThatIsIgnoredWhileItTouchesFallsApart )
 
 // The same beside a rigid body that moves on its own, so that the step makes several passes. Each pass has its own list of contacts, which
 // must not contain contacts that have just ended. Bullet keeps the memory of the first 4 096; others are freed, which a sanitizer detects.
-TEST( Membership, WhatIsIgnoredWhileOthersMoveIsForgottenAtOnce )
+TEST( Membership, IgnoredContactsAreDroppedInEveryPass )
 {
 	for ( const Elasticity step : { Elasticity::Explicit, Elasticity::Implicit } )
 	{
@@ -242,7 +242,7 @@ TEST( Membership, ABodyThatVanishesFromBulletsListHasLeft )
 }
 
 // A split screen: two worlds with one dispatcher. When the second is destroyed, the first one's soft bodies still need their algorithm.
-TEST( Membership, TwoWorldsFractionADispatcher )
+TEST( Membership, TwoWorldsShareADispatcher )
 {
 	test::BulletParts parts;
 	btDbvtBroadphase secondBroadphase;
@@ -349,7 +349,7 @@ TEST( Membership, AlgorithmsThatTheGameRegistersServeItsCompoundsWheneverItDoesS
 }
 
 // Other libraries mark their subclasses by CO_USER_TYPE and test individual bits.
-TEST( Membership, TheInternalTypeMatchesNobodyElsesTest )
+TEST( Membership, TheInternalTypeMatchesNoOtherLibrarysTest )
 {
 	const std::unique_ptr<SoftBody> body = cube( 1 );
 	const int type = body->getInternalType();
@@ -373,7 +373,7 @@ std::size_t memoryInUse()
 }
 
 // A game that loads and frees the same model repeatedly, together with the bodies made of it.
-TEST( Membership, LoadedAndFreedOverAndOverNothingStays )
+TEST( Membership, RepeatedLoadingLeaksNothing )
 {
 	TestWorld t;
 	t.addFloor();

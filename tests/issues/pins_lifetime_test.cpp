@@ -17,7 +17,7 @@ struct Handle
 };
 
 // A lamp on a rope is removed from the scene, its hook is deleted meanwhile, and the lamp is added again: the pin must be gone.
-TEST( PinsLifetime, ABodyOutOfTheWorldIsNotPinnedToWhatWasDeletedMeanwhile )
+TEST( PinsLifetime, ARemovedBodyIsNotPinnedToADeletedOne )
 {
 	TestWorld t;
 	SoftBody* lamp = t.addSoft( block( 2, 4, 2, 0.1f ), at( 0, 1, 0 ) );
@@ -48,7 +48,7 @@ TEST( PinsLifetime, ABodyOutOfTheWorldIsNotPinnedToWhatWasDeletedMeanwhile )
 }
 
 // If the hook still exists, the lamp is pinned to it as before.
-TEST( PinsLifetime, ABodyThatComesBackIsPinnedToWhatIsStillThere )
+TEST( PinsLifetime, ABodyAddedAgainKeepsPinsToExistingBodies )
 {
 	TestWorld t;
 	Handle hook;
@@ -75,7 +75,7 @@ TEST( PinsLifetime, ABodyThatComesBackIsPinnedToWhatIsStillThere )
 	EXPECT_FALSE( lamp->isPinned( 0 ) );
 }
 
-TEST( PinsLifetime, ARigidBodyInNoWorldOrAnotherIsRefusedWithASentence )
+TEST( PinsLifetime, ARigidBodyInNoWorldOrAnotherIsRefusedWithAMessage )
 {
 	TestWorld t, other;
 	Handle hook;

@@ -43,7 +43,7 @@ Lying lying( const btVector3& centre, Elasticity elasticity, bool onPlane )
 }
 
 // An open world with coordinates in metres: 5 km out a cube of half a metre must keep its size.
-TEST( Places, ACubeFiveKilometresOutIsAsLargeAsAtHome )
+TEST( Places, ACubeFiveKilometresOutIsAsLargeAsAtTheOrigin )
 {
 	const btScalar far = btScalar( 5000 ) * ( sizeof( btScalar ) == 4 ? 1 : 100 );
 	for ( const Elasticity elasticity : { Elasticity::Explicit, Elasticity::Implicit } )

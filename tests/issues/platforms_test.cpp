@@ -117,23 +117,23 @@ INSTANTIATE_TEST_SUITE_P( Cargo, Platforms,
 		Cargo{ "ImplicitBroken", Elasticity::Implicit, false, true } ),
 	[]( const auto& with ) { return std::string( with.param.name ); } );
 
-TEST_P( Platforms, CarryAlongTheirWay )
+TEST_P( Platforms, CarryBodiesAlongTheirPath )
 {
 	expectCarried( []( btScalar t ) { return at( t, 0, 0 ); } );
 }
 
-TEST_P( Platforms, LiftWhatLiesOnThem )
+TEST_P( Platforms, LiftBodiesOnThem )
 {
 	expectCarried( []( btScalar t ) { return at( 0, t, 0 ); } );
 }
 
-TEST_P( Platforms, TurnWhatLiesInTheirMiddle )
+TEST_P( Platforms, RotateBodiesAtTheirCentre )
 {
 	expectCarried( []( btScalar t ) { return btTransform( btQuaternion( btVector3( 0, 1, 0 ), t ), btVector3( 0, 0, 0 ) ); }, true );
 }
 
 // Oscillation by 5 cm from rest, at an acceleration that friction can transmit: 0.05 (2 pi 1.5)^2 = 4.4 m/s^2.
-TEST_P( Platforms, ShakeWhatLiesOnThem )
+TEST_P( Platforms, ShakeBodiesOnThem )
 {
 	const Course course = []( btScalar t ) { return at( btScalar( 0.05 ) * ( 1 - btCos( SIMD_2_PI * btScalar( 1.5 ) * t ) ), 0, 0 ); };
 	const Carried twin = rigid( course );
@@ -191,7 +191,7 @@ bool rubAlongTheBelt( btManifoldPoint& point, const btCollisionObjectWrapper* a,
 }
 
 // A conveyor by callback carries soft bodies too.
-TEST_P( Platforms, ConveyWithTheVelocityThatCallbacksAskFor )
+TEST_P( Platforms, ConveyWithTheVelocityFromCallbacks )
 {
 	struct Callback
 	{
@@ -233,7 +233,7 @@ TEST_P( Platforms, ConveyWithTheVelocityThatCallbacksAskFor )
 }
 
 // A body that sleeps on a lift wakes when the lift starts to move.
-TEST_P( Platforms, WakeWhatSleepsOnThem )
+TEST_P( Platforms, WakeBodiesThatSleepOnThem )
 {
 	test::TestWorld own;
 	RigidScene scene( own.world );

@@ -16,7 +16,7 @@ int numberFrom( const char* name, int otherwise )
 	return text ? std::atoi( text ) : otherwise;
 }
 
-TEST( RandomCalls, InAnyOrderLeaveEverythingSound )
+TEST( RandomCalls, InAnyOrderKeepTheStateValid )
 {
 	const int count = numberFrom( "PLIANT_RANDOM_SEQUENCES", 200 ), first = numberFrom( "PLIANT_RANDOM_FIRST", 0 );
 	int compared = 0, calls = 0, removed = 0;

@@ -81,7 +81,7 @@ void forgetCallbacks()
 }
 
 // An object that disappears on contact is removed, and deleted, in the contact callback. The step must not use its memory afterwards.
-TEST( Telling, WhatTouchesMayBeRemovedAndDeletedInTheCallbackThatSaysSo )
+TEST( Telling, TouchingBodiesMayBeRemovedAndDeletedInContactCallbacks )
 {
 	for ( int variant = 0; variant < 72; ++variant )
 	{

@@ -129,7 +129,7 @@ float lowestDrawn( const SoftBody& body, const Mesh& mesh )
 	return low + float( view.origin.y() );
 }
 
-TEST_P( ThinModels, CarryAllThatIsDrawn )
+TEST_P( ThinModels, CarryTheirWholeSurface )
 {
 	const Mesh mesh = GetParam().make();
 	const auto shape = templateOf( mesh );

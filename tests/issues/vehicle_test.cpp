@@ -180,7 +180,7 @@ TEST( Vehicle, DrivesOverASoftHumpAsOverARigidOne )
 	}
 }
 
-TEST( Vehicle, RigidThingsAreSeenAsByBulletsOwn )
+TEST( Vehicle, RigidBodiesAreSeenAsByBulletsRaycaster )
 {
 	TestWorld t;
 	btRigidBody* floor = t.addFloor( 1 );

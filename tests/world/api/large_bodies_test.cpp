@@ -50,7 +50,7 @@ TEST( LargeBodies, AreTheSameForAnyNumberOfThreads )
 	EXPECT_EQ( fall( 5 ), one );
 }
 
-TEST( LargeBodies, StopAtABadNumberWhereverItStands )
+TEST( LargeBodies, StopAtABadNumberInAnyNode )
 {
 	for ( const int node : { 0, 1500, 4095 } )
 	{

@@ -26,7 +26,7 @@ void stepFor( SoftBodyWorld& world, int frames )
 	}
 }
 
-TEST( Lifetime, BodiesAndWorldsGoInAnyOrder )
+TEST( Lifetime, BodiesAndWorldsAreDestroyedInAnyOrder )
 {
 	const auto shape = block( 3, 3, 3, 0.1f );
 	BulletParts parts;
@@ -182,7 +182,7 @@ TEST( Lifetime, ABodyWithABadNumberStopsAndItsNeighboursGoOnBitForBit )
 }
 
 // Activation states that the game has set permanently survive a reset.
-TEST( Lifetime, ResetWakesABodyAndKeepsWhatTheGameSetForGood )
+TEST( Lifetime, ResetWakesABodyAndKeepsPermanentStates )
 {
 	TestWorld t;
 	const auto shape = block( 2, 2, 2, 0.1f );
@@ -267,7 +267,7 @@ void countedFree( void* memory )
 	}
 }
 
-TEST( Lifetime, BulletsSideTakesFewBytesANodeAndAWarmStepTakesNone )
+TEST( Lifetime, BulletsMemoryPerNodeIsSmallAndAWarmStepAllocatesNone )
 {
 	const auto shape = block( 13, 13, 13, 0.1f );
 	btAlignedAllocSetCustomAligned( countedAlloc, countedFree );
@@ -290,7 +290,7 @@ TEST( Lifetime, BulletsSideTakesFewBytesANodeAndAWarmStepTakesNone )
 	btAlignedAllocSetCustomAligned( nullptr, nullptr );
 }
 
-TEST( Lifetime, RefusesWhatCannotBe )
+TEST( Lifetime, RefusesInvalidArguments )
 {
 	EXPECT_EQ( SoftBody::create( nullptr, at( 0, 0, 0 ) ).status.code, ResultCode::BadArgument );
 	btTransform bad = at( 0, 0, 0 );

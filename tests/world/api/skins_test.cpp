@@ -87,7 +87,7 @@ TEST_F( Skins, AreTheSameForAnyNumberOfThreads )
 	EXPECT_EQ( seen[2], seen[0] );
 }
 
-TEST_F( Skins, OfThoseLookedAtAreDrawnWithTheFirst )
+TEST_F( Skins, OfDrawnBodiesAreComputedWithTheFirst )
 {
 	fill( 2 );
 	run( 3, { 0, 2, 3, 4 } );
@@ -221,7 +221,7 @@ TEST( SurfaceTolerance, KeepsTheSurfaceNearTheOneSkinnedInFull )
 	EXPECT_LT( turnedFrames, fullFrames ) << "nothing was left alone";
 }
 
-TEST( SurfaceTolerance, LeavesTheViewAloneWhereNothingMoved )
+TEST( SurfaceTolerance, KeepsTheViewWhereNothingMoved )
 {
 	TestWorld test;
 	test.world.setGravity( btVector3( 0, 0, 0 ) );
@@ -240,7 +240,7 @@ TEST( SurfaceTolerance, LeavesTheViewAloneWhereNothingMoved )
 }
 
 // Where many nodes carry few vertices, the rigidity test would cost more than skinning: a seventh of a step at 19 683 nodes.
-TEST( SurfaceTolerance, IsNotAskedForWhereManyNodesCarryFewVertices )
+TEST( SurfaceTolerance, IsNotTestedWhereManyNodesCarryFewVertices )
 {
 	TestWorld test;
 	test.world.setGravity( btVector3( 0, 0, 0 ) );
@@ -251,7 +251,7 @@ TEST( SurfaceTolerance, IsNotAskedForWhereManyNodesCarryFewVertices )
 }
 
 // Rotated skins are computed from the last full one, which is not overwritten while in use.
-TEST( SurfaceTolerance, ViewsOfATurnedBodyStayReadableUntilTheStepAfterNext )
+TEST( SurfaceTolerance, ViewsOfARotatedBodyStayReadableUntilTheStepAfterNext )
 {
 	TestWorld test;
 	test.world.setGravity( btVector3( 0, 0, 0 ) );

@@ -153,12 +153,12 @@ void shoot( Elasticity elasticity )
 	EXPECT_GE( meets, int( kShots ) - 1 );
 }
 
-TEST( Bullets, GiveTheirMomentumToExplicitBodiesAndDoNotPass )
+TEST( Bullets, TransferMomentumToExplicitBodiesAndDoNotPass )
 {
 	shoot( Elasticity::Explicit );
 }
 
-TEST( Bullets, GiveTheirMomentumToImplicitBodiesAndDoNotPass )
+TEST( Bullets, TransferMomentumToImplicitBodiesAndDoNotPass )
 {
 	shoot( Elasticity::Implicit );
 }
@@ -166,7 +166,7 @@ TEST( Bullets, GiveTheirMomentumToImplicitBodiesAndDoNotPass )
 // Shots in which contacts could add energy: repeated bounces of nodes in each substep under pressure (explicit, mostly without friction),
 // solutions that end with pulling contacts (implicit), and bounces off velocities that matching has just changed, several of one ball at
 // once.
-TEST( Bullets, BringNoEnergyInHoweverTheyBounceAndRub )
+TEST( Bullets, AddNoEnergyForAnyRestitutionAndFriction )
 {
 	const unsigned hard[] = { 4, 22, 24, 30, 36, 68, 82, 89, 90, 133, 164, 218, 240, 260, 274 };
 	for ( const Elasticity elasticity : { Elasticity::Explicit, Elasticity::Implicit } )
@@ -190,7 +190,7 @@ TEST( Bullets, BringNoEnergyInHoweverTheyBounceAndRub )
 }
 
 // A nearly rigid block returns the approach velocity scaled by the restitution.
-TEST( Bullets, ComeBackFromStiffImplicitBodiesAsRestitutionAsks )
+TEST( Bullets, ReboundFromStiffImplicitBodiesByRestitution )
 {
 	for ( const double restitution : { 0.5, 0.8 } )
 	{

@@ -50,7 +50,7 @@ double motionOf( const TestWorld& t )
 }
 
 // Friction acts on two nodes at their centres, which are apart. Uncorrected it would lose half of the angular momentum.
-TEST( Collision, OfTwoSoftBodiesKeepsSpinHoweverTheyRub )
+TEST( Collision, OfTwoSoftBodiesKeepsSpinForAnyFriction )
 {
 	ContactSolver solver;
 	for ( const Elasticity elasticity : { Elasticity::Explicit, Elasticity::Implicit } )
@@ -125,7 +125,7 @@ TEST( Collision, KeepsSpinWhereAnImplicitBodyLeavesTwoExplicitOnes )
 }
 
 // Contact proxies live as long as their contacts, so changed settings of a body at rest must reach them.
-TEST( Collision, FrictionSetOnABodyThatLiesThereHoldsFromTheNextStepOn )
+TEST( Collision, FrictionSetOnARestingBodyActsFromTheNextStep )
 {
 	TestWorld t;
 	t.addPlane();
@@ -177,7 +177,7 @@ TEST( Collision, TwoSoftBodiesKeepMomentum )
 	EXPECT_LT( ( after - before ).length() / before.length(), btScalar( 1e-5 ) );
 }
 
-TEST( Collision, FastBulletGivesItsMomentum )
+TEST( Collision, FastBulletTransfersItsMomentum )
 {
 	// With and without Bullet's continuous detection, slow and fast: the momentum that the bullet loses goes to the body.
 	for ( const bool continuous : { false, true } )
@@ -294,7 +294,7 @@ INSTANTIATE_TEST_SUITE_P( All, CollisionWith,
 		Ground{ "Hull", btScalar( 0.01 ), makeHull }, Ground{ "Cylinder", btScalar( 0.5 ), makeCylinder } ),
 	[]( const testing::TestParamInfo<Ground>& ground ) { return std::string( ground.param.name ); } );
 
-TEST( Collision, SeamsOfAFlatMeshDoNotTripWhatSlidesOverThem )
+TEST( Collision, SeamsOfAFlatMeshDoNotStopSlidingBodies )
 {
 	std::vector<std::unique_ptr<btStridingMeshInterface>> meshes;
 	std::vector<float> heights;
@@ -309,7 +309,7 @@ TEST( Collision, SeamsOfAFlatMeshDoNotTripWhatSlidesOverThem )
 	EXPECT_NEAR( cube->massCentre().x(), 0.5, 0.02 );
 }
 
-TEST( Collision, RollingFrictionDoesNotBreakTheNumbers )
+TEST( Collision, RollingFrictionStaysFinite )
 {
 	TestWorld t;
 	t.addFloor()->setRollingFriction( btScalar( 0.5 ) );

@@ -87,13 +87,13 @@ void compare( const Change& change, int frames = 90, int contacts = 60 )
 	EXPECT_GT( most, contacts );
 }
 
-TEST( ContactSolver, IsBulletsInAHeap )
+TEST( ContactSolver, EqualsBulletsInAHeap )
 {
 	compare( []( SoftWorld& ) {} );
 }
 
 /// Contacts between bodies in free flight, whose nodes rotate with their bodies.
-TEST( ContactSolver, IsBulletsWhereBodiesRubInTheAir )
+TEST( ContactSolver, EqualsBulletsWithFrictionInFreeFlight )
 {
 	compare(
 		[]( SoftWorld& scene ) {
@@ -109,7 +109,7 @@ TEST( ContactSolver, IsBulletsWhereBodiesRubInTheAir )
 		40, 20 );
 }
 
-TEST( ContactSolver, IsBulletsWhereThingsBounceAndSlipByDirection )
+TEST( ContactSolver, EqualsBulletsWithRestitutionAndAnisotropicFriction )
 {
 	compare( []( SoftWorld& scene ) {
 		for ( int b = 0; b < scene.world.softBodyCount(); ++b )
@@ -124,7 +124,7 @@ TEST( ContactSolver, IsBulletsWhereThingsBounceAndSlipByDirection )
 	} );
 }
 
-TEST( ContactSolver, IsBulletsWhereSomeIsHeldAndSomeIsDriven )
+TEST( ContactSolver, EqualsBulletsWithHeldAndDrivenBodies )
 {
 	compare( []( SoftWorld& scene ) {
 		scene.world.softBody( 0 )->pinNode( 3 );
@@ -139,7 +139,7 @@ TEST( ContactSolver, IsBulletsWhereSomeIsHeldAndSomeIsDriven )
 	} );
 }
 
-TEST( ContactSolver, IsBulletsWithStiffContactsAndRolling )
+TEST( ContactSolver, EqualsBulletsWithStiffContactsAndRolling )
 {
 	compare( []( SoftWorld& scene ) {
 		scene.world.softBody( 1 )->setContactStiffnessAndDamping( 1000, 10 );
@@ -149,7 +149,7 @@ TEST( ContactSolver, IsBulletsWithStiffContactsAndRolling )
 	} );
 }
 
-TEST( ContactSolver, IsBulletsInOtherModes )
+TEST( ContactSolver, EqualsBulletsInOtherModes )
 {
 	for ( const int mode : { int( SOLVER_USE_2_FRICTION_DIRECTIONS ), int( SOLVER_RANDMIZE_ORDER ),
 			  int( SOLVER_INTERLEAVE_CONTACT_AND_FRICTION_CONSTRAINTS ) } )
@@ -161,7 +161,7 @@ TEST( ContactSolver, IsBulletsInOtherModes )
 	compare( []( SoftWorld& scene ) { scene.world.getSolverInfo().m_solverMode &= ~SOLVER_USE_WARMSTARTING; }, 60 );
 }
 
-TEST( ContactSolver, IsBulletsWhereDepthIsPushedOut )
+TEST( ContactSolver, EqualsBulletsWherePenetrationIsPushedOut )
 {
 	// Default settings use split impulses only beyond 4 cm.
 	compare( []( SoftWorld& scene ) {
@@ -172,7 +172,7 @@ TEST( ContactSolver, IsBulletsWhereDepthIsPushedOut )
 	} );
 }
 
-TEST( ContactSolver, IsBulletsWithSoftAnchoredContacts )
+TEST( ContactSolver, EqualsBulletsWithSoftAnchoredContacts )
 {
 	for ( const int mode : { 0, int( SOLVER_USE_2_FRICTION_DIRECTIONS ),
 			  int( SOLVER_USE_2_FRICTION_DIRECTIONS ) | int( SOLVER_DISABLE_VELOCITY_DEPENDENT_FRICTION_DIRECTION ) } )
@@ -211,7 +211,7 @@ void askForCallbacks( SoftWorld& scene )
 	}
 }
 
-TEST( ContactSolver, IsBulletsOnBelts )
+TEST( ContactSolver, EqualsBulletsOnBelts )
 {
 	const Callback belts(
 		[]( btManifoldPoint& point, const btCollisionObjectWrapper*, int, int, const btCollisionObjectWrapper*, int, int ) {
@@ -242,7 +242,7 @@ btRigidBody* bodyOf( const btCollisionObjectWrapper* wrapper )
 	return btRigidBody::upcast( const_cast<btCollisionObject*>( wrapper->getCollisionObject() ) );
 }
 
-TEST( ContactSolver, IsBulletsWhereCallbacksStrikeAndPushNodes )
+TEST( ContactSolver, EqualsBulletsWithCallbacksThatPushNodes )
 {
 	{
 		const Callback strikes(
@@ -313,7 +313,7 @@ protected:
 	}
 };
 
-TEST( ContactSolver, NodesNeedNoRowsOfBullets )
+TEST( ContactSolver, NodesTakeNoRowsOfBullet )
 {
 	auto made = std::make_unique<CountingSolver>();
 	const CountingSolver& solver = *made;
@@ -328,7 +328,7 @@ TEST( ContactSolver, NodesNeedNoRowsOfBullets )
 	EXPECT_LT( solver.most, 40 ); // six boxes among themselves and on the floor
 }
 
-TEST( ContactSolver, IsBulletsWithJoints )
+TEST( ContactSolver, EqualsBulletsWithJoints )
 {
 	btPoint2PointConstraint* joints[2] = {};
 	int made = 0;

@@ -49,7 +49,7 @@ Count askBoth( double away, double spread )
 	return count;
 }
 
-TEST( FarPlane, IsNeverClearOfWhatTouchesIt )
+TEST( FarPlane, IsNeverClearOfTouchingSpheres )
 {
 	const Count count = askBoth( 5.0, 1.0 );
 	EXPECT_GT( count.clear, 3000 );
@@ -57,7 +57,7 @@ TEST( FarPlane, IsNeverClearOfWhatTouchesIt )
 	EXPECT_EQ( count.neither, 0 );
 }
 
-TEST( FarPlane, HoldsAThousandKilometresOut )
+TEST( FarPlane, WorksAThousandKilometresOut )
 {
 	const Count count = askBoth( 1e6, 0.7 );
 	EXPECT_GT( count.clear, 2000 );

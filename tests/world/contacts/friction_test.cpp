@@ -183,7 +183,7 @@ btVector3 slideDirected( Elasticity elasticity, double turn, double slope, const
 	return ( cube->linearVelocity() - before ) / btScalar( 0.5 );
 }
 
-TEST( Friction, ByDirectionGoesByTheBodysOwnAxes )
+TEST( Friction, ByDirectionUsesTheBodysOwnAxes )
 {
 	const btVector3 scales( btScalar( 0.2 ), 1, 1 );
 	const double down = 9.81 * std::sin( kSlope ), press = 9.81 * std::cos( kSlope );
@@ -232,7 +232,7 @@ LocalPoints* localPoints = nullptr; // Bullet's callback is a function without a
 
 // A contact proxy has the material's axes with anisotropic friction, and the world's otherwise; local positions of points are in those
 // axes.
-TEST( Friction, ByDirectionTurnsTheLocalPlacesOfContacts )
+TEST( Friction, ByDirectionRotatesTheLocalPositionsOfContacts )
 {
 	for ( const bool isDirected : { false, true } )
 	{
@@ -257,7 +257,7 @@ TEST( Friction, ByDirectionTurnsTheLocalPlacesOfContacts )
 }
 
 // Contact proxies copy a body's surface parameters when they change, and only then.
-TEST( Friction, ThatIsSetUnderwayActsOnWhatTouchesAlready )
+TEST( Friction, SetDuringAContactActsAtOnce )
 {
 	for ( const Elasticity elasticity : { Elasticity::Explicit, Elasticity::Implicit } )
 	{

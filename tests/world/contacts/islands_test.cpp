@@ -30,7 +30,7 @@ struct RodAndCube
 	}
 };
 
-TEST( Islands, WhatLiesInABoxAndIsNotTouchedSleeps )
+TEST( Islands, BodiesInTheBoxWithoutContactSleep )
 {
 	RodAndCube t( btScalar( 0.5 ) );
 	ASSERT_TRUE( t.boxesOverlap() );
@@ -40,7 +40,7 @@ TEST( Islands, WhatLiesInABoxAndIsNotTouchedSleeps )
 	EXPECT_NE( t.cube->getIslandTag(), t.rod->getIslandTag() );
 }
 
-TEST( Islands, WhatIsTouchedStaysAwakeWithIt )
+TEST( Islands, TouchedBodiesStayAwake )
 {
 	RodAndCube t( btScalar( 0.2 ) );
 	t.rod->pinNodesInside( btVector3( -2, -2, -2 ), btVector3( 2, 2, 2 ) );
@@ -50,7 +50,7 @@ TEST( Islands, WhatIsTouchedStaysAwakeWithIt )
 	EXPECT_EQ( t.cube->getIslandTag(), t.rod->getIslandTag() );
 }
 
-TEST( Islands, WhatSleepsIsWokenByATouch )
+TEST( Islands, AContactWakesASleepingBody )
 {
 	RodAndCube t( btScalar( 0.5 ) );
 	t.test.run( 180 );

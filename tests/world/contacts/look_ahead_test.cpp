@@ -70,7 +70,7 @@ TEST( LookAhead, AnEdgeThatWillNotHavePassedStaysAslant )
 }
 
 // Without the displacement the edge would be hit on the way to the position where it passes.
-TEST( LookAhead, WhatPassesAboveIsNotTouched )
+TEST( LookAhead, ObjectsThatPassAboveAreNotTouched )
 {
 	Touch touch;
 	const Scene scene = sliding( 0.02, 1.5, -0.003 );
@@ -79,7 +79,7 @@ TEST( LookAhead, WhatPassesAboveIsNotTouched )
 }
 
 // The normal must not rotate with the ball.
-TEST( LookAhead, ABallThatSpinsPressesAsOneThatDoesNot )
+TEST( LookAhead, ASpinningBallPressesLikeOneThatDoesNotSpin )
 {
 	const btSphereShape ball( btScalar( 0.2 ) );
 	Scene scene( ball, Vec3d( 0, 0.249, 0 ) );
@@ -90,7 +90,7 @@ TEST( LookAhead, ABallThatSpinsPressesAsOneThatDoesNot )
 	EXPECT_NEAR( touch.distance, 0.049, 1e-6 );
 }
 
-TEST( LookAhead, ABoxThatTipsTurnsItsFace )
+TEST( LookAhead, ATippingBoxRotatesItsFace )
 {
 	Scene scene( kBox, Vec3d( 0, 0.149, 0 ) );
 	scene.motion.angular = Vec3d( 0, 0, 6 );
@@ -100,7 +100,7 @@ TEST( LookAhead, ABoxThatTipsTurnsItsFace )
 }
 
 // An object so fast that the sphere would end up in its middle or behind it is met on its near side.
-TEST( LookAhead, WhatWouldGoThroughIsMetInFront )
+TEST( LookAhead, ObjectsThatWouldPassThroughAreMetInFront )
 {
 	const btBoxShape wall( btVector3( 0.01f, 1, 1 ) );
 	for ( const double speed : { 1.0, 5.0, 8.0, 50.0 } )

@@ -18,7 +18,7 @@ void expectNoGain( Ground ground, Elasticity elasticity, unsigned seed, float st
 
 /// Friction at the centres of big nodes, half a body away from the contact, must see the rotation that FrictionTorqueCorrection adds;
 /// otherwise friction accelerates the rotation and adds up to 7 % of the energy.
-TEST( RandomImpacts, FrictionSeesHowBodiesTurn )
+TEST( RandomImpacts, FrictionSeesTheRotationOfBodies )
 {
 	for ( const unsigned seed : { 142u, 469u, 599u, 755u } )
 	{
@@ -29,7 +29,7 @@ TEST( RandomImpacts, FrictionSeesHowBodiesTurn )
 /// Nodes of a compressed body are not split on contact, because their children may store more energy. This holds for a corner without
 /// contact yet, for a body at its turning point, which must not pass for one at rest, and for impacts on soft bodies, whose nodes are not
 /// predicted.
-TEST( RandomImpacts, WhatIsPressedTogetherWaits )
+TEST( RandomImpacts, CompressedNodesAreNotSplit )
 {
 	expectNoGain( Ground::Box, Elasticity::Explicit, 880 );
 	expectNoGain( Ground::Floor, Elasticity::Explicit, 3068 );
@@ -38,7 +38,7 @@ TEST( RandomImpacts, WhatIsPressedTogetherWaits )
 
 /// Nodes that split by strain cannot wait until they are unstrained. The energy that their regions gain, up to 18 % of the initial one, and
 /// the energy of children that are kept out of the floor (seed 2086) is subtracted.
-TEST( RandomImpacts, WhatSplitsByStrainPaysForIt )
+TEST( RandomImpacts, SplitsByStrainAddNoEnergy )
 {
 	for ( const unsigned seed : { 30u, 203u, 280u, 2086u } )
 	{
@@ -49,7 +49,7 @@ TEST( RandomImpacts, WhatSplitsByStrainPaysForIt )
 
 /// Cracks release the energy of links and split big nodes first; neither may add kinetic energy. A nearly collinear fragment must not be
 /// spun about its axis (RigidMotionProxy).
-TEST( RandomImpacts, WhatBreaksGainsNothing )
+TEST( RandomImpacts, BreakingAddsNoEnergy )
 {
 	const double crumbs = shatter( Ground::Soft, Elasticity::Explicit, BreakRule::Plane, 2, 69 ).most;
 	std::printf( "soft cube, seed 69: at most %.4f of the energy\n", crumbs );
@@ -74,7 +74,7 @@ TEST( RandomImpacts, WhatBreaksGainsNothing )
 
 /// Five contacts of one stiff spinning body, each of which would bounce off its initial velocity: together they would add more than the
 /// body's energy, and half of their impulses still would.
-TEST( RandomImpacts, BouncesThatBringMuchInAreLess )
+TEST( RandomImpacts, BouncesThatAddEnergyAreReduced )
 {
 	expectNoGain( Ground::Box, Elasticity::Implicit, 275 );
 }

@@ -184,7 +184,7 @@ TEST( Resting, NoNodeEverGoesThroughAPlane )
 
 /// Ten thousand times its mass is more than a body can bear; its nodes must not be moved through the floor, a little in each step, by
 /// Bullet's split impulse.
-TEST( Resting, WhatIsCrushedStaysAboveTheFloor )
+TEST( Resting, CrushedBodiesStayAboveTheFloor )
 {
 	TestWorld t;
 	t.addPlane();

@@ -174,12 +174,12 @@ void impacts( Elasticity elasticity )
 	}
 }
 
-TEST( Bounce, BringsNoEnergyIntoExplicitBodies )
+TEST( Bounce, AddsNoEnergyToExplicitBodies )
 {
 	impacts( Elasticity::Explicit );
 }
 
-TEST( Bounce, BringsNoEnergyIntoImplicitBodies )
+TEST( Bounce, AddsNoEnergyToImplicitBodies )
 {
 	impacts( Elasticity::Implicit );
 }

@@ -69,7 +69,7 @@ TEST( Sinking, NothingSinksInAHeap )
 }
 
 // A box of ten times the mass falls on soft foam and presses it flat. With one layer 16 and 20 nodes would be in it afterwards.
-TEST( Sinking, AHeavyBoxDoesNot )
+TEST( Sinking, AHeavyBoxDoesNotSink )
 {
 	for ( const Elasticity elasticity : { Elasticity::Explicit, Elasticity::Implicit } )
 	{
@@ -88,7 +88,7 @@ TEST( Sinking, AHeavyBoxDoesNot )
 }
 
 // Cubes of 1e5 Pa shot at each other at up to 60 m/s; most separate. With one layer up to 54 nodes of one would stay in the other.
-TEST( Sinking, TwoFastBodiesDoNot )
+TEST( Sinking, TwoFastBodiesDoNotSink )
 {
 	std::mt19937 random( 3 );
 	int worst = 0;

@@ -120,7 +120,7 @@ std::shared_ptr<const BodyTemplate> fineBlock()
 }
 
 // Where triangles are smaller than cells, vertices beyond the blade are moved back to it, so that neither half protrudes from its cut.
-TEST( Blade, NothingStandsOutOfACutHoweverFineTheMesh )
+TEST( Blade, NothingProtrudesFromACutHoweverFineTheMesh )
 {
 	const btVector3 normal = btVector3( 1, btScalar( 0.5 ), btScalar( 0.3 ) ).normalized(), middle( btScalar( 0.013 ), 1, 0 );
 	TestWorld test;
@@ -146,7 +146,7 @@ TEST( Blade, NothingStandsOutOfACutHoweverFineTheMesh )
 }
 
 // A healed slit is not drawn: the vertices that were beyond the blade are back at their positions.
-TEST( Blade, WhatHasHealedIsDrawnAsItWas )
+TEST( Blade, AHealedSlitIsDrawnIntact )
 {
 	TestWorld test;
 	test.world.setGravity( btVector3( 0, 0, 0 ) );
@@ -208,7 +208,7 @@ TEST( Blade, ASaggingBodyIsCutWhereTheBladeIs )
 }
 
 // Several strokes, two cuts across each other: drawing every frame gives the same result as drawing only the last one.
-TEST( Blade, IsDrawnTheSameHoweverOftenItIsLookedAt )
+TEST( Blade, DoesNotDependOnHowOftenTheBodyIsDrawn )
 {
 	std::vector<std::vector<std::array<float, 10>>> drawn[2];
 	for ( const bool looks : { false, true } )

@@ -56,7 +56,7 @@ Fracture smallOnes( SmallPieces policy, int cells )
 }
 
 // Uniform and with levels, tumbling, in one substep: the totals of the halves equal those of the whole.
-TEST( Cutting, ABarIsTwoBodiesAfterwardsAndKeepsWhatItHad )
+TEST( Cutting, ABarBecomesTwoBodiesAndKeepsItsTotals )
 {
 	for ( const int coarse : { 0, 2 } )
 	{
@@ -111,7 +111,7 @@ TEST( Cutting, ASleepingBodyWakesAndComesApart )
 	EXPECT_GT( test::lowestNode( *soft ), 0 );
 }
 
-TEST( Cutting, ABallAndABladeTakeOutWhatTheyGoAround )
+TEST( Cutting, ABallAndABladeCutOutTheEnclosedCells )
 {
 	TestWorld test;
 	test.world.setGravity( kOrigin );
@@ -175,7 +175,7 @@ TEST( Cutting, IsTheSameOnAnyNumberOfThreads )
 	}
 }
 
-TEST( Cutting, ASlitHealsAndTheBodyIsAsItWas )
+TEST( Cutting, ASlitHealsCompletely )
 {
 	for ( const int coarse : { 0, 1 } )
 	{

@@ -120,7 +120,7 @@ TEST( Fracture, InFreeFlightKeepsMomentumAndSpin )
 	EXPECT_LT( ( after.spin - before.spin ).length() / before.spin.length(), 1e-4 );
 }
 
-TEST( Fracture, PiecesTakeOverWhatTheUserSetOnTheWhole )
+TEST( Fracture, PiecesInheritTheUsersSettings )
 {
 	TestWorld test;
 	int mine = 0;
@@ -176,7 +176,7 @@ TEST( Fracture, PiecesTakeOverWhatTheUserSetOnTheWhole )
 	}
 }
 
-TEST( Fracture, FragmentsAreTheWorldsUntilTheyAreTakenOver )
+TEST( Fracture, FragmentsAreOwnedByTheWorldUntilReleased )
 {
 	std::unique_ptr<SoftBody> taken;
 	SoftBody* deleted = nullptr;
@@ -325,7 +325,7 @@ double enclosedVolume( const SurfaceView& view )
 	return six / 6.0;
 }
 
-TEST( Fracture, SurfacesOfPiecesAreClosedAndShowEachItsOwn )
+TEST( Fracture, SurfacesOfPiecesAreClosedAndSeparate )
 {
 	TestWorld test;
 	test.world.setGravity( btVector3( 0, 0, 0 ) );
@@ -363,7 +363,7 @@ TEST( Fracture, SurfacesOfPiecesAreClosedAndShowEachItsOwn )
 }
 
 /// Drawn in every frame, bodies show the cracks of their family; drawn once at the end, those of their own links.
-TEST( Fracture, ABodyLooksTheSameHoweverOftenItIsLookedAt )
+TEST( Fracture, TheSurfaceDoesNotDependOnHowOftenItIsDrawn )
 {
 	enum Way
 	{

@@ -63,7 +63,7 @@ void solveRow( CoarseSystem& system, int bodies, int far )
 	}
 }
 
-TEST( ImplicitCoarseSystem, IsSolvedAsAWholeMatrix )
+TEST( ImplicitCoarseSystem, EqualsTheDenseSolution )
 {
 	for ( const int bodies : { 1, 2, 4, 11, 40 } )
 	{
@@ -73,7 +73,7 @@ TEST( ImplicitCoarseSystem, IsSolvedAsAWholeMatrix )
 }
 
 /// As in a heap: mostly the couplings are those of the step before, and now and then they change.
-TEST( ImplicitCoarseSystem, IsLaidOutAgainWhereOthersFeelEachOther )
+TEST( ImplicitCoarseSystem, IsLaidOutAgainWhenTheCouplingChanges )
 {
 	CoarseSystem system;
 	for ( const int far : { 3, 3, 2, 5, 5, 3 } )
@@ -84,7 +84,7 @@ TEST( ImplicitCoarseSystem, IsLaidOutAgainWhereOthersFeelEachOther )
 	solveRow( system, 11, 3 );
 }
 
-TEST( ImplicitCoarseSystem, WhatIsNotPositiveGivesNothing )
+TEST( ImplicitCoarseSystem, IndefiniteMatricesYieldZero )
 {
 	for ( const int bodies : { 2, 20 } )
 	{

@@ -75,7 +75,7 @@ struct Listening
 	}
 };
 
-TEST( ImplicitCallbacks, MayChangeFrictionAndAreToldOfEachContact )
+TEST( ImplicitCallbacks, MayChangeFrictionAndSeeEachContact )
 {
 	double slid[2];
 	for ( const int isSlippery : { 0, 1 } )
@@ -149,7 +149,7 @@ btVector3 impulseOn( TestWorld& t, const btCollisionObject* object, bool isOfNod
 }
 
 // At rest on a slope: the cube carries the box, and the floor carries both, by normal and friction impulses.
-TEST( ImplicitCallbacks, AppliedImpulsesBearWhatLiesThere )
+TEST( ImplicitCallbacks, AppliedImpulsesCarryTheLoad )
 {
 	TestWorld t;
 	const btVector3 gravity( 2, btScalar( -kGravity ), 1 );

@@ -50,7 +50,7 @@ double height( const SoftBody& cube )
 	return high - low;
 }
 
-TEST( Automatic, LeavesSoftBodiesWithLightLoadsAsTheyWereToTheBit )
+TEST( Automatic, KeepsSoftBodiesWithLightLoadsBitIdentical )
 {
 	std::vector<Vec3> found[2];
 	for ( const Elasticity elasticity : { Elasticity::Explicit, Elasticity::Automatic } )
@@ -97,7 +97,7 @@ TEST( Automatic, TakesTheImplicitStepWhereStiffnessIsOutOfReach )
 }
 
 // A fragment of one cell cannot step implicitly, and must not raise the substeps of the bodies it broke off from to sixteen.
-TEST( Automatic, OneNodeHasNothingElasticAndAsksForNoSubsteps )
+TEST( Automatic, ASingleNodeNeedsNoSubsteps )
 {
 	for ( const Elasticity elasticity : { Elasticity::Explicit, Elasticity::Implicit, Elasticity::Automatic } )
 	{
@@ -116,7 +116,7 @@ TEST( Automatic, OneNodeHasNothingElasticAndAsksForNoSubsteps )
 	}
 }
 
-TEST( Automatic, TakesTheImplicitStepUnderAHeavyLoadAndGoesBackWhenItIsGone )
+TEST( Automatic, TakesTheImplicitStepUnderAHeavyLoadAndGoesBackAfterwards )
 {
 	TestWorld t;
 	t.addPlane();
@@ -157,7 +157,7 @@ TEST( Automatic, TakesTheImplicitStepUnderAHeavyLoadAndGoesBackWhenItIsGone )
 }
 
 // A face of 36 nodes of a kilogram and ten iterations bear 360 kg; half of that is enough to keep the implicit step.
-TEST( Automatic, StaysUnderALoadThatWouldNotHaveAskedForIt )
+TEST( Automatic, KeepsTheImplicitStepUnderAReducedLoad )
 {
 	for ( const bool wasHeavier : { false, true } )
 	{
@@ -178,7 +178,7 @@ TEST( Automatic, StaysUnderALoadThatWouldNotHaveAskedForIt )
 	}
 }
 
-TEST( Automatic, IsNotAskedForByWhatTheBodyLiesOn )
+TEST( Automatic, IgnoresTheMassOfTheGround )
 {
 	TestWorld t;
 	t.addPlane();
@@ -192,7 +192,7 @@ TEST( Automatic, IsNotAskedForByWhatTheBodyLiesOn )
 	EXPECT_NEAR( cube->massCentre().y(), 0.7, 0.02 );
 }
 
-TEST( Automatic, StacksAskForItByWhatTheirNodesCarry )
+TEST( Automatic, TakesTheImplicitStepInStacksByTheLoadOfTheirNodes )
 {
 	TestWorld t;
 	t.addFloor();
@@ -217,7 +217,7 @@ TEST( Automatic, StacksAskForItByWhatTheirNodesCarry )
 }
 
 // Momentum and shape are state of the nodes and are kept; contact impulses are scaled with the length of the substep.
-TEST( Automatic, AChangeOfTheStepIsNotSeen )
+TEST( Automatic, AChangeOfTheStepIsInvisible )
 {
 	TestWorld t;
 	t.addFloor();
@@ -299,7 +299,7 @@ TEST( Automatic, GivesTheSameBitsForAnyThreadCount )
 }
 
 // The block takes up the impulses of Bullet's joints with a delay, but completely: a box of equal weight hangs from the one on the cube.
-TEST( ImplicitBeside, AJointLoadsWhatTheCubeBears )
+TEST( ImplicitBeside, AJointAddsToTheLoad )
 {
 	TestWorld t;
 	t.addFloor();

@@ -88,7 +88,7 @@ double columnLean( const Order& order )
 	return std::atan( shifted * q * std::sin( q * length ) ) * 180.0 / SIMD_PI;
 }
 
-TEST( ImplicitLean, OfABoxOffTheMiddleIsThatOfAColumnWhateverItWeighs )
+TEST( ImplicitLean, OfAnEccentricBoxOfAnyMassIsThatOfAColumn )
 {
 	for ( const double strain : { 0.005, 0.01, 0.02 } )
 	{
@@ -140,7 +140,7 @@ TEST( ImplicitLean, OfABoxPutDownOnAnEdgeIsThatOfTheSameLatticeInManySubsteps )
 
 // Released at once, the load swings beyond its lean at rest and tips. The finely stepped explicit lattice falls like the implicit step in
 // fine steps without numerical damping.
-TEST( ImplicitLean, WhatTipsWhenItIsLetGoAtOnceTipsInManySubstepsToo )
+TEST( ImplicitLean, ReleasedLoadsTipAsInManySubsteps )
 {
 	for ( const double ratio : { 10.0, 30.0 } )
 	{

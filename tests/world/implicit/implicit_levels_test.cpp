@@ -99,7 +99,7 @@ std::vector<Kind> kinds()
 		{ "split by strain", 8, strained }, { "split by touch", 8, touched }, { "intervals", 6, intervals } };
 }
 
-TEST( ImplicitLevels, BearABoxOfAnyWeightAsElasticityTellsAndSleep )
+TEST( ImplicitLevels, CarryABoxOfAnyMassByTheoryAndSleep )
 {
 	for ( const Kind& kind : kinds() )
 	{
@@ -151,7 +151,7 @@ Sums sumsOf( const TestWorld& t )
 	return sums;
 }
 
-TEST( ImplicitLevels, CollisionsThatSplitAndMergeNodesKeepMomentumAndBringNoEnergy )
+TEST( ImplicitLevels, CollisionsThatSplitAndMergeNodesKeepMomentumAndAddNoEnergy )
 {
 	for ( const float youngsModulus : { 3e3f, 3e5f, 3e7f } )
 	{
@@ -190,7 +190,7 @@ TEST( ImplicitLevels, CollisionsThatSplitAndMergeNodesKeepMomentumAndBringNoEner
 }
 
 // A change of levels moves the load on the body by less than a twentieth of a cell.
-TEST( ImplicitLevels, AChangeOfLevelsUnderALoadIsHardlyFelt )
+TEST( ImplicitLevels, AChangeOfLevelsHardlyMovesTheLoad )
 {
 	TestWorld t;
 	t.addPlane();
@@ -325,7 +325,7 @@ std::vector<btScalar> placesAfterBreaking( int threads )
 
 // A falling body touches nothing and, unstrained, needs no solving. With the tolerance of contacts and without the frame's gravity in the
 // initial guess it would take 25 products a frame, as many as a pile.
-TEST( ImplicitLevels, ABodyThatFallsIsDoneAtOnce )
+TEST( ImplicitLevels, AFallingBodyNeedsFewProducts )
 {
 	for ( const int levels : { 0, 1 } )
 	{
@@ -346,7 +346,7 @@ TEST( ImplicitLevels, ABodyThatFallsIsDoneAtOnce )
 
 // A body that hangs from held nodes does not fall: starting from free flight it would take 25 to 31 products a frame at rest. A swinging
 // one converges faster with its affine motions in the preconditioner, in which held nodes add resistance.
-TEST( ImplicitLevels, ABodyThatHangsStillIsDoneAtOnce )
+TEST( ImplicitLevels, AHangingBodyNeedsFewProducts )
 {
 	for ( const int levels : { 0, 1 } )
 	{
@@ -377,7 +377,7 @@ TEST( ImplicitLevels, ABodyThatHangsStillIsDoneAtOnce )
 
 // A fragment of one node takes part in an implicit body's island with its mass alone. It has no inertia, so the restoration of momentum
 // must not divide by it while it has no active contact.
-TEST( ImplicitLevels, ACrumbBesideAnImplicitBodyGoesOn )
+TEST( ImplicitLevels, AFragmentBesideAnImplicitBodyStaysHealthy )
 {
 	TestWorld t;
 	t.world.setGravity( btVector3( 0, 0, 0 ) );

@@ -108,7 +108,7 @@ void expectTruth( const Slider& slider, const char* name )
 }
 
 // The edge of the slider must not meet the next sphere with a slanted plane: .9 of 1.5 m/s would remain after half a second.
-TEST( ImplicitSlides, WithoutFrictionAreNotBrakedByEdgesOfWhatSlides )
+TEST( ImplicitSlides, EdgesDoNotBrakeFrictionlessBodies )
 {
 	for ( const float youngsModulus : { 1e5f, 3e5f, 3e6f } )
 	{
@@ -123,7 +123,7 @@ TEST( ImplicitSlides, WithoutFrictionAreNotBrakedByEdgesOfWhatSlides )
 
 // The slab of 400 kg has friction with the floor as well, beside which the friction on the box is negligible; the box's friction must be
 // accurate all the same.
-TEST( ImplicitSlides, AreBrakedByFrictionAloneHoweverLight )
+TEST( ImplicitSlides, LightBodiesAreBrakedByFrictionAlone )
 {
 	for ( const float youngsModulus : { 1e5f, 3e5f, 3e6f } )
 	{
@@ -139,7 +139,7 @@ TEST( ImplicitSlides, AreBrakedByFrictionAloneHoweverLight )
 }
 
 // With alpha of 1e4 to 5e6, the error of the velocities times k could be many times the cube's weight, and the cube would slide too slowly.
-TEST( ImplicitSlides, DownASlopeDoWhatIsLightStiffAndFine )
+TEST( ImplicitSlides, LightStiffFineCubesFollowTheoryOnASlope )
 {
 	const double slope = 0.25, friction = 0.15, cell = 0.02, wanted = 9.81 * ( std::sin( slope ) - friction * std::cos( slope ) );
 	for ( const float density : { 20.0f, 100.0f, 1000.0f } )

@@ -68,7 +68,7 @@ TEST( ImplicitStacks, OfTwoFourAndEightCubesStandAndSleep )
 }
 
 // At Bullet's default friction too: two surfaces of spheres would slide into each other's hollows for seconds.
-TEST( ImplicitStacks, OfEightCostAtMostFourTimesWhatFourDo )
+TEST( ImplicitStacks, OfEightCostAtMostFourTimesAsMuchAsOfFour )
 {
 	for ( const double friction : { 0.5, 0.8 } )
 	{

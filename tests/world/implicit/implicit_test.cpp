@@ -73,7 +73,7 @@ Loaded load( double ratio, int halfWidth )
 class ImplicitWidth : public testing::TestWithParam<int>
 {};
 
-TEST_P( ImplicitWidth, BearsABoxOfAnyWeightAsElasticityTellsAndSleeps )
+TEST_P( ImplicitWidth, CarriesABoxOfAnyMassByTheoryAndSleeps )
 {
 	for ( const double ratio : { 1.0, 10.0, 100.0, 1000.0 } )
 	{
@@ -185,7 +185,7 @@ Sums sumsOf( const TestWorld& t )
 	return sums;
 }
 
-TEST( Implicit, CollisionsKeepMomentumAndBringNoEnergy )
+TEST( Implicit, CollisionsKeepMomentumAndAddNoEnergy )
 {
 	for ( const double ratio : { 0.1, 5.0, 0.0 } )
 	{
@@ -224,7 +224,7 @@ TEST( Implicit, CollisionsKeepMomentumAndBringNoEnergy )
 	}
 }
 
-TEST( Implicit, ContactPointsTellTheImpulsesThatWereFound )
+TEST( Implicit, ContactPointsHoldTheSolvedImpulses )
 {
 	TestWorld t;
 	t.addPlane();
@@ -245,7 +245,7 @@ TEST( Implicit, ContactPointsTellTheImpulsesThatWereFound )
 }
 
 // A fast body is met before it touches; the contact must close the gap and not keep it open.
-TEST( Implicit, WhatFallsComesDownToTouch )
+TEST( Implicit, FallingBodiesCloseTheGap )
 {
 	TestWorld t;
 	t.addFloor();
@@ -256,7 +256,7 @@ TEST( Implicit, WhatFallsComesDownToTouch )
 	EXPECT_NEAR( box->getWorldTransform().getOrigin().y() - 0.1 - layer( *cube, 5 ) - cube->nodeRadius( 0 ), 0, 2e-4 );
 }
 
-TEST( Implicit, BouncesAsRestitutionAsks )
+TEST( Implicit, BouncesByRestitution )
 {
 	const auto highest = []( btScalar restitution ) {
 		TestWorld t;
@@ -295,7 +295,7 @@ TEST( Implicit, HoldsPinnedNodesAndBodiesThatStepExplicitly )
 }
 
 // A body that has fallen asleep must not keep its index in a system that belongs to another island.
-TEST( Implicit, ABodyThatSleepsHasNoPartInAnotherIsland )
+TEST( Implicit, ASleepingBodyTakesNoPartInAnotherIsland )
 {
 	std::vector<Vec3> positions[2];
 	for ( const bool isThere : { false, true } )

@@ -21,7 +21,7 @@ using test::TestWorld;
 
 /// A stiff block of big nodes falls on a corner. If it split only when its spheres touch, the cells at the corners would appear inside the
 /// floor, and Bullet would push them out at depth erp / h, many metres a second in small substeps.
-TEST( AdaptiveImpact, WhatSplitsOnTheFloorIsNotShotUp )
+TEST( AdaptiveImpact, NodesSplitOnTheFloorAreNotShotUp )
 {
 	const btQuaternion onCorner( btVector3( 1, 0, -1 ).normalized(), btScalar( 0.9 ) );
 	for ( const float modulus : { 1e7f, 1e8f } )
@@ -124,7 +124,7 @@ btQuaternion turnOf( int k )
 
 /// The spheres of big nodes leave out their cubes' corners, so nodes that appear there are inside the touched object. Pushed out within a
 /// few substeps they would add many times the initial energy, most of all on soft bodies, whose nodes are not predicted.
-TEST( AdaptiveImpact, BringsNoEnergyIn )
+TEST( AdaptiveImpact, AddsNoEnergy )
 {
 	const Impact impacts[] = { { Ground::Floor, 1e8f, 6, false }, { Ground::Floor, 3e6f, 8, true, Elasticity::Explicit, 4 },
 		{ Ground::Box, 1e8f, 6, false }, { Ground::Soft, 1e7f, 8, false }, { Ground::Soft, 1e8f, 6, false },
@@ -149,7 +149,7 @@ TEST( AdaptiveImpact, BringsNoEnergyIn )
 
 /// After the first corner has touched and split, the neighbouring corners come near the floor at the turning point, where the block stores
 /// all of its energy. Splitting their nodes there would add up to 13 %.
-TEST( AdaptiveImpact, WhatIsPressedTogetherWaits )
+TEST( AdaptiveImpact, CompressedNodesAreNotSplit )
 {
 	const btQuaternion onCorner( btVector3( 1, 0, -1 ).normalized(), btScalar( 0.9 ) );
 	for ( const float modulus : { 3e6f, 1e7f } )
@@ -166,7 +166,7 @@ TEST( AdaptiveImpact, WhatIsPressedTogetherWaits )
 }
 
 /// A node with an allowance must come out eventually: otherwise the body would rest sunk into the floor, or be kept awake by it.
-TEST( AdaptiveImpact, WhatIsBornInTheFloorComesOutOfIt )
+TEST( AdaptiveImpact, NodesCreatedInTheFloorComeOut )
 {
 	for ( const Elasticity elasticity : { Elasticity::Explicit, Elasticity::Implicit } )
 	{
@@ -203,7 +203,7 @@ TEST( AdaptiveImpact, WhatIsBornInTheFloorComesOutOfIt )
 	}
 }
 
-TEST( PenetrationAllowance, MayStandAsDeepAsAtFirstAndNoDeeper )
+TEST( PenetrationAllowance, IsTheInitialDepthAndNeverGrows )
 {
 	const std::uint32_t gone = std::numeric_limits<std::uint32_t>::max();
 	PenetrationAllowance born;

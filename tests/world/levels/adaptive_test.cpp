@@ -28,7 +28,7 @@ btScalar lowestPoint( const SoftBody& body )
 	return low;
 }
 
-TEST( Adaptive, UniformBodiesHaveOneLevelAndAskForNothing )
+TEST( Adaptive, UniformBodiesHaveOneLevelAndRequestNoChanges )
 {
 	TestWorld test;
 	SoftBody* soft = test.addSoft( block( 3, 3, 3, 0.2f ), at( 0, 1, 0 ) );
@@ -68,7 +68,7 @@ TEST( Adaptive, BlockRestsAndCarriesAtTheHeightOfTheUniformOne )
 	}
 }
 
-TEST( Adaptive, ContactRefinesWhereItIsAndMergesBackWhenItIsGone )
+TEST( Adaptive, ContactRefinesLocallyAndMergesAfterwards )
 {
 	TestWorld test;
 	btRigidBody* floor = test.addFloor();
@@ -164,7 +164,7 @@ TEST( Adaptive, ContactsOfNodesThatStayKeepTheirImpulses )
 	EXPECT_NEAR( soft->massCentre().y(), restsAt, 0.01 );
 }
 
-TEST( Adaptive, SpheresAreThoseOfABodyMadeThisWay )
+TEST( Adaptive, SpheresEqualThoseOfANewBodyWithTheSameLevels )
 {
 	TestWorld test;
 	SoftBody* soft = test.addSoft( block( 10, 12, 8, 0.1f ), at( 0, 1, 0 ), stiff( 1e5f ), levels( 2 ) );
@@ -269,7 +269,7 @@ TEST( Adaptive, PinsFollowTheirNodes )
 }
 
 // A node that was pinned as a whole is merged again when its children are no longer requested, with the same pin.
-TEST( Adaptive, WhatWasPinnedAsOneIsMergedAgain )
+TEST( Adaptive, NodesPinnedAsOneAreMergedAgain )
 {
 	HeldPost post;
 	SoftBody* const soft = post.soft;
@@ -287,7 +287,7 @@ TEST( Adaptive, WhatWasPinnedAsOneIsMergedAgain )
 }
 
 // But not where one of the children was released since, or pinned by itself: a pin holds one node only.
-TEST( Adaptive, WhatIsPinnedInPartsStaysInParts )
+TEST( Adaptive, NodesPinnedInPartsAreNotMerged )
 {
 	HeldPost post;
 	SoftBody* const soft = post.soft;
@@ -367,7 +367,7 @@ TEST( Adaptive, SameBitsOnAnyNumberOfThreads )
 	EXPECT_EQ( heap( 4 ), one );
 }
 
-TEST( Adaptive, QuarantineAndResetOnWhateverLevels )
+TEST( Adaptive, QuarantineAndResetWorkOnAllLevels )
 {
 	TestWorld test;
 	test.addFloor();

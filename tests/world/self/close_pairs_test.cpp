@@ -83,7 +83,7 @@ Spheres someSpheres( std::mt19937& random, int count, int sizes, const Vec3& box
 	return spheres;
 }
 
-TEST( ClosePairs, AreThoseOfAskingAll )
+TEST( ClosePairs, EqualTheTestOfAllPairs )
 {
 	std::mt19937 random( 7 );
 	ClosePairs finder;
@@ -102,7 +102,7 @@ TEST( ClosePairs, AreThoseOfAskingAll )
 	EXPECT_GT( found, 5000u );
 }
 
-TEST( ClosePairs, LeaveOutWhatIsHeldTogether )
+TEST( ClosePairs, ExcludeConnectedPairs )
 {
 	std::mt19937 random( 9 );
 	ClosePairs finder;
@@ -132,7 +132,7 @@ TEST( ClosePairs, LeaveOutWhatIsHeldTogether )
 	EXPECT_GT( heldBack, 100u );
 }
 
-TEST( ClosePairs, OfSomeAreThoseOfAllThatHaveOneOfThem )
+TEST( ClosePairs, OfASubsetAreThePairsThatContainItsMembers )
 {
 	std::mt19937 random( 10 );
 	ClosePairs finder;
@@ -158,7 +158,7 @@ TEST( ClosePairs, OfSomeAreThoseOfAllThatHaveOneOfThem )
 }
 
 /// One sphere has flown beyond the range of cell indices; the others' grid remains valid.
-TEST( ClosePairs, AreFoundBesideOneThatHasFlownOff )
+TEST( ClosePairs, AreFoundDespiteADistantSphere )
 {
 	std::mt19937 random( 8 );
 	for ( const float radius : { 0.1f, 0.4f } ) // in the others' grid, and in a grid of its own

@@ -62,7 +62,7 @@ void cut( SoftBody& soft, std::mt19937& random )
 class NearPairsOf : public testing::TestWithParam<int>
 {};
 
-TEST_P( NearPairsOf, ABodyThatIsCutAndSplitAreThoseOfOneThatBegins )
+TEST_P( NearPairsOf, ACutAndSplitBodyEqualThoseOfANewSearch )
 {
 	TestWorld test;
 	test.world.setGravity( btVector3( 0, 0, 0 ) );
@@ -115,7 +115,7 @@ TEST_P( NearPairsOf, TheSidesOfACutAreFound )
 }
 
 /// Little motion requires few new searches.
-TEST( NearPairs, AskAgainOnlyWhereNodesHaveMoved )
+TEST( NearPairs, AreSearchedAgainOnlyWhereNodesHaveMoved )
 {
 	TestWorld test;
 	SoftBody* const soft = test.addSoft( block( 16, 8, 4, kCell ), at( 0, 0, 0 ), stiff( 2e4f ) );
@@ -135,7 +135,7 @@ TEST( NearPairs, AskAgainOnlyWhereNodesHaveMoved )
 }
 
 /// Two changes of levels without a search in between: rows with the same nodes, whatever their indices, are not searched again.
-TEST( NearPairs, AskAgainOnlyWhereNodesWereSplit )
+TEST( NearPairs, AreSearchedAgainOnlyWhereNodesWereSplit )
 {
 	TestWorld test;
 	SoftBody* const soft = test.addSoft( block( 48, 8, 4, kCell ), at( 0, 0, 0 ), stiff( 2e4f ), levels( 2 ) );

@@ -105,7 +105,7 @@ Swing swing( TestWorld& test, const SoftBody& soft )
 	return seen;
 }
 
-TEST( InsideDistance, IsTheShortestWayAlongLinksToTheSurface )
+TEST( InsideDistance, IsTheShortestPathAlongLinksToTheSurface )
 {
 	for ( const unsigned seed : { 1u, 2u, 3u } )
 	{
@@ -164,7 +164,7 @@ TEST( SelfCollision, ArmsThatSwingTogetherDoNotGoThroughEachOther )
 }
 
 // Too deep for the spheres to tell the side; the outward direction of the material does.
-TEST( SelfCollision, ArmsThatHaveGoneThroughEachOtherComeBackTheWayTheyWent )
+TEST( SelfCollision, ArmsThatHavePassedThroughEachOtherComeBack )
 {
 	TestWorld test;
 	SoftBody* const soft = addSlitBlock( test );
@@ -185,7 +185,7 @@ TEST( SelfCollision, ArmsThatHaveGoneThroughEachOtherComeBackTheWayTheyWent )
 }
 
 // Reference implementation: all pairs of spheres, in every frame.
-TEST( SelfCollision, FindsWhatAllPairsFind )
+TEST( SelfCollision, EqualsTheTestOfAllPairs )
 {
 	for ( const int coarse : { 0, 1 } )
 	{
@@ -280,7 +280,7 @@ TEST( SelfCollision, ACrushedSlabUnfoldsAgain )
 	}
 }
 
-TEST( SelfCollision, PiecesTakeItOverAndTheWorldLetsGoOfIt )
+TEST( SelfCollision, PiecesInheritItAndTheWorldReleasesIt )
 {
 	TestWorld test;
 	SoftBody* const soft = addSlitBlock( test );

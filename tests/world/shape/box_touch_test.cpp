@@ -63,7 +63,7 @@ Count askBoth( double away, double fastest )
 	return count;
 }
 
-TEST( BoxTouch, SaysToManyWhatItSaysToOne )
+TEST( BoxTouch, BatchesEqualSingleQueries )
 {
 	const Count slow = askBoth( 5.0, 0.03 );
 	EXPECT_GT( slow.clear, 5000 );
@@ -74,12 +74,12 @@ TEST( BoxTouch, SaysToManyWhatItSaysToOne )
 	EXPECT_GT( fast.swept, 500 );
 }
 
-TEST( BoxTouch, HoldsAThousandKilometresOut )
+TEST( BoxTouch, WorksAThousandKilometresOut )
 {
 	askBoth( 1e6, 0.3 );
 }
 
-TEST( NodeMarks, AreTakenInTheirOrderAndOnce )
+TEST( NodeMarks, AreReturnedInOrderAndOnce )
 {
 	std::mt19937 random( 3 );
 	NodeMarks marks;

@@ -49,7 +49,7 @@ void expectSpheresOfANewOne( const SoftBody& soft )
 }
 
 // r = ( d / 2 ) cbrt( fill ) to half a radius step, for runs of equal cells and for single ones.
-TEST( NodeSpheres, GrowWithWhatFillsTheirCells )
+TEST( NodeSpheres, GrowWithTheFillOfTheirCells )
 {
 	auto lattice = std::make_shared<Lattice>( makeBlockLattice( 6, 4, 3, 0.1f ) );
 	for ( std::size_t i = 0; i < lattice->fill.size(); ++i )
@@ -106,7 +106,7 @@ TEST_P( CrackedShape, HasSpheresAtTheSurfaceAndOneLayerBelow )
 	}
 }
 
-TEST_P( CrackedShape, HasTheSpheresOfANewOne )
+TEST_P( CrackedShape, EqualsANewShape )
 {
 	int kept = 0, added = 0;
 	for ( int cut = 0; cut < 12; ++cut )
@@ -130,7 +130,7 @@ TEST_P( CrackedShape, HasTheSpheresOfANewOne )
 }
 
 // Corners are cut off one after the other, then half of the rest.
-TEST_P( CrackedShape, LetsGoOfNodesThatLeave )
+TEST_P( CrackedShape, DropsNodesThatLeave )
 {
 	int kept = 0;
 	for ( int corner = 0; corner < 8; ++corner )

@@ -80,7 +80,7 @@ void compareInside( const BodyPiece& piece, const Lattice& before, int& followed
 	}
 }
 
-TEST( NodeColliders, FollowWhatIsCutAndHeals )
+TEST( NodeColliders, FollowCutsAndHealing )
 {
 	Counts counts;
 	int followed = 0;

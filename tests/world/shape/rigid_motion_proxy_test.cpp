@@ -39,7 +39,7 @@ struct BentBar
 
 /// A fragment of three nodes a fiftieth of a cell off a line has none of the inertia about it that its cells would have. The friction
 /// torque correction must not spin it until it flies apart.
-TEST( RigidMotionProxy, DoesNotSpinWhatIsNearlyALine )
+TEST( RigidMotionProxy, DoesNotSpinNearlyCollinearFragments )
 {
 	for ( const float beside : { 0.0f, 0.001f, 0.02f, 0.1f } )
 	{
@@ -52,7 +52,7 @@ TEST( RigidMotionProxy, DoesNotSpinWhatIsNearlyALine )
 	}
 }
 
-TEST( RigidMotionProxy, GivesWhatIsThickEnoughAllThatItIsGiven )
+TEST( RigidMotionProxy, PassesTheFullImpulseToThickBodies )
 {
 	BentBar bar( 0.6f );
 	const Vec3d impulse( 0.3 * bar.impulse(), -0.1 * bar.impulse(), 0.2 * bar.impulse() );

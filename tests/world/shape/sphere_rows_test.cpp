@@ -183,7 +183,7 @@ MovingSphere movingSphere( const SoftBody& soft, int node )
 	return sphere;
 }
 
-TEST_P( SphereRowsOf, AThingFindTheNodesThatItMeets )
+TEST_P( SphereRowsOf, AnObjectFindTheNodesThatItMeets )
 {
 	btBoxShape box( btVector3( btScalar( 0.3 ), btScalar( 0.2 ), btScalar( 0.25 ) ) );
 	btSphereShape ball( btScalar( 0.3 ) );
