@@ -256,9 +256,9 @@ TEST( ImplicitLevels, HangAsTheyDoExplicitly )
 		double sag = 0.0, apart = 0.0;
 		for ( int i = 0; i < explicitOne->nodeCount(); ++i )
 		{
-			const Vec3d place = explicitOne->nodes().worldPosition( i );
-			sag = std::max( sag, ( place - explicitOne->nodes().x0.get( i ).cast<double>() ).norm() );
-			apart = std::max( apart, ( place - implicitOne->nodes().worldPosition( i ) ).norm() );
+			const Vec3d position = explicitOne->nodes().worldPosition( i );
+			sag = std::max( sag, ( position - explicitOne->nodes().x0.get( i ).cast<double>() ).norm() );
+			apart = std::max( apart, ( position - implicitOne->nodes().worldPosition( i ) ).norm() );
 		}
 		std::printf( "%s: sag %.5f m, nodes %.1e m apart\n", rule.name, sag, apart );
 		EXPECT_GT( sag, 0.004 ) << rule.name;

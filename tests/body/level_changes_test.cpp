@@ -241,8 +241,8 @@ TEST( LevelChanges, CellsFollowTheirNodesRegions )
 			const int node = body->nodeOfCell( cell );
 			const Vec3 arm = lattice->restCentre[cell] - body->nodes().x0.get( node );
 			const Eigen::Map<const Eigen::Matrix<float, 3, 3, Eigen::RowMajor>> f( gradients.data() + 9 * std::size_t( node ) );
-			const Vec3 place = body->nodes().x.get( node ) + f * arm;
-			EXPECT_EQ( positions[cell], place.cast<double>() );
+			const Vec3 position = body->nodes().x.get( node ) + f * arm;
+			EXPECT_EQ( positions[cell], position.cast<double>() );
 			moved += arm.isZero( 0.0f ) ? 0 : 1;
 		}
 		EXPECT_GT( moved, 100 );

@@ -36,19 +36,19 @@ void expectNearNodes( const NodeState& got, const NodeState& wanted, float allow
 }
 
 /// Two bodies with the same history; one reuses data, the other is built anew.
-struct Twins
+struct BodyPair
 {
-	std::unique_ptr<Body> body, slow;
+	std::unique_ptr<Body> body, reference;
 
 	template <class Act>
 	void both( Act&& act )
 	{
 		act( *body );
-		act( *slow );
+		act( *reference );
 	}
 };
 
-Twins makeTwins( unsigned seed, int coarseLevels, int halfWidth, bool isSoftInParts )
+BodyPair makePair( unsigned seed, int coarseLevels, int halfWidth, bool isSoftInParts )
 {
 	std::mt19937 random( seed );
 	const auto lattice = std::make_shared<const Lattice>(
@@ -67,8 +67,8 @@ Twins makeTwins( unsigned seed, int coarseLevels, int halfWidth, bool isSoftInPa
 		field.fraction = []( const float* p, void* ) { return p[0] > 0.4f ? 0.5f : 1.0f; };
 	}
 	const auto make = [&] { return std::move( Body::create( lattice, material, {}, nullptr, settings, field ).value ); };
-	Twins twins{ make(), make() };
-	twins.both( [seed]( Body& body ) {
+	BodyPair pair{ make(), make() };
+	pair.both( [seed]( Body& body ) {
 		test::Seeded shake( seed );
 		for ( int i = 0; i < body.nodeCount(); ++i )
 		{
@@ -83,13 +83,13 @@ Twins makeTwins( unsigned seed, int coarseLevels, int halfWidth, bool isSoftInPa
 			return f;
 		}() );
 	} );
-	return twins;
+	return pair;
 }
 
 /// Returns random links through a ball or a disc, and some of those cut before.
-void cutByChance( Twins& twins, std::mt19937& random, std::vector<CellLink>& gone )
+void cutByChance( BodyPair& pair, std::mt19937& random, std::vector<CellLink>& gone )
 {
-	const Lattice& lattice = twins.body->lattice();
+	const Lattice& lattice = pair.body->lattice();
 	const Vec3 middle = lattice.restCentre[random() % lattice.restCentre.size()];
 	const float reach = lattice.cellSize * float( 1 + random() % 4 );
 	const int axis = int( random() % 3 );
@@ -119,7 +119,7 @@ void cutByChance( Twins& twins, std::mt19937& random, std::vector<CellLink>& gon
 	gone.insert( gone.end(), broken.begin(), broken.end() );
 	std::sort( gone.begin(), gone.end() );
 	std::sort( healed.begin(), healed.end() );
-	twins.both( [&]( Body& body ) {
+	pair.both( [&]( Body& body ) {
 		body.breakLinks( broken );
 		body.healLinks( healed );
 		while ( body.mustRefineToBreak() )
@@ -158,15 +158,15 @@ struct Count
 	int whole = 0, pieces = 0, reordered = 0, refined = 0, flowed = 0;
 };
 
-void breakAndCompare( Twins& twins, std::mt19937& random, std::vector<CellLink>& gone, Count& count )
+void breakAndCompare( BodyPair& pair, std::mt19937& random, std::vector<CellLink>& gone, Count& count )
 {
-	cutByChance( twins, random, gone );
+	cutByChance( pair, random, gone );
 	BreakReport report;
-	std::vector<BodyPiece> got = twins.body->breakApart( report, 1000 );
-	std::vector<BodyPiece> wanted = twins.slow->breakApart( report, 1000, PieceRoad::FromNothing );
+	std::vector<BodyPiece> got = pair.body->breakApart( report, 1000 );
+	std::vector<BodyPiece> wanted = pair.reference->breakApart( report, 1000, PieceRoad::FromNothing );
 	ASSERT_EQ( got.size(), wanted.size() );
-	EXPECT_EQ( twins.body->firstCells(), twins.slow->firstCells() ); // indices in the report
-	EXPECT_EQ( twins.body->nodeCount(), twins.slow->nodeCount() );
+	EXPECT_EQ( pair.body->firstCells(), pair.reference->firstCells() ); // indices in the report
+	EXPECT_EQ( pair.body->nodeCount(), pair.reference->nodeCount() );
 	const bool isWhole = got.size() == 1;
 	( isWhole ? count.whole : count.pieces ) += int( got.size() );
 	for ( std::size_t k = 0; k < got.size(); ++k )
@@ -176,8 +176,8 @@ void breakAndCompare( Twins& twins, std::mt19937& random, std::vector<CellLink>&
 		count.reordered += std::is_sorted( got[k].nodeBefore.begin(), got[k].nodeBefore.end() ) ? 0 : 1;
 		expectNear( *got[k].body, *wanted[k].body, isWhole ? 0.0f : kRounding );
 	}
-	twins.body = std::move( got[0].body );
-	twins.slow = std::move( wanted[0].body );
+	pair.body = std::move( got[0].body );
+	pair.reference = std::move( wanted[0].body );
 }
 
 TEST( LevelPieces, OfABodyWithChangedLinksEqualNewOnesToTheBit )
@@ -186,22 +186,22 @@ TEST( LevelPieces, OfABodyWithChangedLinksEqualNewOnesToTheBit )
 	for ( unsigned seed = 1; seed <= 8; ++seed )
 	{
 		std::mt19937 random( seed );
-		Twins twins = makeTwins( seed, 1 + int( seed % 3 ), 1 + int( seed / 2 % 2 ), seed % 4 == 0 );
+		BodyPair pair = makePair( seed, 1 + int( seed % 3 ), 1 + int( seed / 2 % 2 ), seed % 4 == 0 );
 		std::vector<CellLink> gone;
-		twins.both( []( Body& body ) { run( body, 6 ); } );
+		pair.both( []( Body& body ) { run( body, 6 ); } );
 		for ( int round = 0; round < 12; ++round )
 		{
 			const int before = count.pieces;
-			breakAndCompare( twins, random, gone, count );
+			breakAndCompare( pair, random, gone, count );
 			if ( HasFailure() || count.pieces > before )
 			{
 				break; // pieces are compared below
 			}
-			twins.both( []( Body& body ) { run( body, 8 ); } );
-			expectNear( *twins.body, *twins.slow, 0.0f );
-			EXPECT_EQ( twins.body->hasFlowed(), twins.slow->hasFlowed() );
-			count.flowed += twins.body->hasFlowed() ? 1 : 0;
-			count.refined += int( twins.body->levels()->lastChange().source.size() > 0 );
+			pair.both( []( Body& body ) { run( body, 8 ); } );
+			expectNear( *pair.body, *pair.reference, 0.0f );
+			EXPECT_EQ( pair.body->hasFlowed(), pair.reference->hasFlowed() );
+			count.flowed += pair.body->hasFlowed() ? 1 : 0;
+			count.refined += int( pair.body->levels()->lastChange().source.size() > 0 );
 			ASSERT_FALSE( HasFailure() ) << "seed " << seed << " round " << round;
 		}
 	}
@@ -263,14 +263,14 @@ TEST( LevelPieces, ThatBrokeOffEqualNewOnesUpToRounding )
 	for ( unsigned seed = 11; seed <= 18; ++seed )
 	{
 		std::mt19937 random( seed );
-		Twins twins = makeTwins( seed, 1 + int( seed % 3 ), 1 + int( seed / 2 % 2 ), seed % 4 == 0 );
-		const std::vector<CellLink> slab = slabOf( twins.body->lattice(), Vec3( 1.0f, 0.4f, -0.3f ).normalized() );
-		twins.both( [&slab]( Body& body ) {
+		BodyPair pair = makePair( seed, 1 + int( seed % 3 ), 1 + int( seed / 2 % 2 ), seed % 4 == 0 );
+		const std::vector<CellLink> slab = slabOf( pair.body->lattice(), Vec3( 1.0f, 0.4f, -0.3f ).normalized() );
+		pair.both( [&slab]( Body& body ) {
 			run( body, 6 );
 			body.breakLinks( slab );
 		} );
 		std::vector<CellLink> gone;
-		breakAndCompare( twins, random, gone, count );
+		breakAndCompare( pair, random, gone, count );
 		ASSERT_FALSE( HasFailure() ) << "seed " << seed;
 	}
 	std::printf( "%d pieces\n", count.pieces );

@@ -15,7 +15,7 @@ using test::TestWorld;
 
 const btScalar kNan = std::numeric_limits<btScalar>::quiet_NaN(), kInfinity = std::numeric_limits<btScalar>::infinity();
 
-std::vector<btVector3> placesOf( const SoftBody& body )
+std::vector<btVector3> positionsOf( const SoftBody& body )
 {
 	std::vector<btVector3> positions;
 	for ( int i = 0; i < body.nodeCount(); ++i )
@@ -26,16 +26,16 @@ std::vector<btVector3> placesOf( const SoftBody& body )
 }
 
 /// Returns the positions of a cube, one second after it began to fall on the floor, with the calls of `ask` on the way.
-std::vector<btVector3> fallen( const std::function<void( SoftBody& )>& ask )
+std::vector<btVector3> fallen( const std::function<void( SoftBody& )>& call )
 {
 	TestWorld t;
 	t.addFloor();
 	SoftBody* cube = t.addSoft( block( 4, 4, 4, 0.1f ), at( 0, btScalar( 0.5 ), 0 ) );
 	t.run( 20 );
-	ask( *cube );
+	call( *cube );
 	t.run( 40 );
 	EXPECT_TRUE( cube->isHealthy() );
-	return placesOf( *cube );
+	return positionsOf( *cube );
 }
 
 void expectEqual( const std::vector<btVector3>& a, const std::vector<btVector3>& b, const char* what )
@@ -114,7 +114,7 @@ TEST( BadNumbers, AScaleInATransformIsRefusedWithACode )
 	TestWorld t;
 	const auto shape = block( 3, 3, 3, 0.1f );
 	SoftBody* cube = t.addSoft( shape, at( 0, 1, 0 ) );
-	const std::vector<btVector3> before = placesOf( *cube );
+	const std::vector<btVector3> before = positionsOf( *cube );
 	btTransform scaled = at( 0, 2, 0 ), sheared = at( 0, 2, 0 ), mirrored = at( 0, 2, 0 ),
 				drifted( btQuaternion( btVector3( 0, 1, 0 ), 1 ), btVector3( 0, 2, 0 ) );
 	scaled.setBasis( scaled.getBasis().scaled( btVector3( 2, 2, 2 ) ) );
@@ -128,7 +128,7 @@ TEST( BadNumbers, AScaleInATransformIsRefusedWithACode )
 		EXPECT_EQ( cube->teleport( bad ).code, ResultCode::BadArgument );
 		EXPECT_EQ( cube->reset( bad ).code, ResultCode::BadArgument );
 	}
-	expectEqual( placesOf( *cube ), before, "a refused place" );
+	expectEqual( positionsOf( *cube ), before, "a refused position" );
 	drifted.setBasis( drifted.getBasis().scaled( btVector3( 1, btScalar( 1.001 ), 1 ) ) ); // rounding error of many products
 	EXPECT_TRUE( cube->teleport( drifted ).ok() );
 	EXPECT_TRUE( cube->reset( drifted ).ok() );
@@ -154,7 +154,7 @@ TEST( BadNumbers, ANodeIsNotDrivenArbitrarilyFar )
 		t.run( 1 );
 		EXPECT_LT( ( cube->nodePosition( 13 ) - btVector3( 40, 1, 0 ) ).length(), btScalar( 1e-4 ) );
 		t.run( 300 );
-		EXPECT_TRUE( cube->isHealthy() ) << "as far as a hundred of its sizes";
+		EXPECT_TRUE( cube->isHealthy() ) << "up to a hundred body sizes";
 		cube->releaseNode( 13 );
 		t.run( 5 );
 		EXPECT_TRUE( cube->isHealthy() );

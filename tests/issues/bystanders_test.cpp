@@ -391,9 +391,9 @@ TEST( LargeIslands, CarryTheirWholeWeight )
 		all->t.run( 180 );
 	}
 	const btScalar height = scene.plate->getWorldTransform().getOrigin().y(), wanted = lump.plate->getWorldTransform().getOrigin().y();
-	EXPECT_LT( wanted, btScalar( 1.01 ) ) << "the cube is pressed";
+	EXPECT_LT( wanted, btScalar( 1.01 ) ) << "the cube is compressed";
 	EXPECT_NEAR( height, wanted, 0.003 );
-	EXPECT_GT( scene.plate->getWorldTransform().getBasis()[1][1], btScalar( 0.9999 ) ) << "it lies level";
+	EXPECT_GT( scene.plate->getWorldTransform().getBasis()[1][1], btScalar( 0.9999 ) ) << "the plate is level";
 	for ( std::size_t k = 0; k < scene.boxes.size(); ++k )
 	{
 		const btVector3 went = scene.boxes[k]->getWorldTransform().getOrigin() - scene.from[k];

@@ -191,7 +191,7 @@ TEST_P( Characters, PushSoftBlocksAsFarAsRigidOnes )
 {
 	if ( GetParam().youngsModulus < 1e5f )
 	{
-		GTEST_SKIP() << "what is so soft is bent, and not pushed";
+		GTEST_SKIP() << "such a soft block is bent, not pushed";
 	}
 	const auto push = []( Walker& walker ) {
 		walker.run( 10 );

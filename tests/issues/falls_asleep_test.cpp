@@ -101,8 +101,8 @@ struct Twins : SoftWorld
 		softFrom = softOne->massCentre();
 		rigidFrom = rigidOne->getCenterOfMassPosition();
 	}
-	btScalar softWay() const { return ( softOne->massCentre() - softFrom ).length(); }
-	btScalar rigidWay() const { return ( rigidOne->getCenterOfMassPosition() - rigidFrom ).length(); }
+	btScalar softDistance() const { return ( softOne->massCentre() - softFrom ).length(); }
+	btScalar rigidDistance() const { return ( rigidOne->getCenterOfMassPosition() - rigidFrom ).length(); }
 };
 
 // On ice at 6 cm/s, for ten seconds. Bullet puts the rigid one to sleep after two.
@@ -114,8 +114,8 @@ TEST( FallsAsleep, NothingThatSlidesSlowly )
 		t.softOne->setFriction( 0 );
 		t.rigidOne->setFriction( 0 );
 		t.step( 600 );
-		EXPECT_NEAR( t.softWay(), 0.6, 0.03 );
-		EXPECT_GE( t.softWay(), 0.95 * t.rigidWay() );
+		EXPECT_NEAR( t.softDistance(), 0.6, 0.03 );
+		EXPECT_GE( t.softDistance(), 0.95 * t.rigidDistance() );
 	}
 }
 

@@ -177,7 +177,7 @@ TEST_P( Grounds, TheBorderOfAHeightfieldActsLikeThatOfABox )
 	std::vector<float> heights( kPosts * kPosts, 0.0f );
 	for ( const btScalar x : { btScalar( 4.4 ), btScalar( 4.8 ), btScalar( 5.2 ) } )
 	{
-		btVector3 place[3]; // on the field, on the box, and a rigid one on the field
+		btVector3 position[3]; // on the field, on the box, and a rigid one on the field
 		for ( int k = 0; k < 3; ++k )
 		{
 			TestWorld t;
@@ -193,15 +193,15 @@ TEST_P( Grounds, TheBorderOfAHeightfieldActsLikeThatOfABox )
 				? nullptr
 				: t.addSoft( test::cubeTemplate( 1.0f, 8 ), at( x, btScalar( 0.55 ), 0 ), stepping( GetParam(), 3e5f ) );
 			t.run( 120 );
-			place[k] = cube ? cube->massCentre() : box->getWorldTransform().getOrigin();
+			position[k] = cube ? cube->massCentre() : box->getWorldTransform().getOrigin();
 		}
-		EXPECT_EQ( place[0].y() > 0, place[2].y() > 0 ) << x;
-		if ( place[2].y() > 0 )
+		EXPECT_EQ( position[0].y() > 0, position[2].y() > 0 ) << x;
+		if ( position[2].y() > 0 )
 		{
-			EXPECT_LT( ( place[0] - place[1] ).length(), 0.01 ) << x;
-			EXPECT_LT( ( place[0] - place[2] ).length(), 0.1 ) << x;
+			EXPECT_LT( ( position[0] - position[1] ).length(), 0.01 ) << x;
+			EXPECT_LT( ( position[0] - position[2] ).length(), 0.1 ) << x;
 		}
-		EXPECT_LT( btFabs( place[0].x() - place[2].x() ), 2 ) << "it is not flung away";
+		EXPECT_LT( btFabs( position[0].x() - position[2].x() ), 2 ) << "it is not thrown away";
 	}
 }
 
@@ -273,7 +273,7 @@ TEST_P( Grounds, SurfacesWithoutThicknessHoldFromBothSides )
 		}
 		EXPECT_NEAR( above->massCentre().y(), 0.5, 0.03 ) << isField;
 		EXPECT_LT( highest, btScalar( -0.3 ) ) << isField;
-		EXPECT_GT( highest, btScalar( -0.6 ) ) << "it came up to the sheet";
+		EXPECT_GT( highest, btScalar( -0.6 ) ) << "it reached the sheet";
 		EXPECT_LT( below->massCentre().y(), -5 ) << isField;
 	}
 }

@@ -82,16 +82,16 @@ TEST( Handling, ANodeDrivenEveryThirdFrameStandsStillInBetween )
 		material.elasticity = elasticity;
 		SoftBody* const cube = t.addSoft( block( 4, 4, 4, 0.1f ), at( 0, 0, 0 ), material );
 		const int node = cube->nearestNode( btVector3( 0, 1, 0 ) );
-		btVector3 place = cube->nodePosition( node );
+		btVector3 position = cube->nodePosition( node );
 		for ( int k = 0; k < 60; ++k )
 		{
 			if ( k % 3 == 0 )
 			{
-				place += btVector3( btScalar( 0.05 ), 0, 0 );
-				ASSERT_TRUE( cube->driveNode( node, place ).ok() );
+				position += btVector3( btScalar( 0.05 ), 0, 0 );
+				ASSERT_TRUE( cube->driveNode( node, position ).ok() );
 			}
 			t.run( 1 );
-			ASSERT_LT( ( cube->nodePosition( node ) - place ).length(), 2e-6 ) << k;
+			ASSERT_LT( ( cube->nodePosition( node ) - position ).length(), 2e-6 ) << k;
 			if ( k % 3 != 0 )
 			{
 				ASSERT_EQ( cube->nodeVelocity( node ).length(), 0 ) << k;
@@ -140,14 +140,14 @@ TEST( Handling, ATeleportMovesTheDrawnSurfaceOnceAndAtOnce )
 		{
 			before.push_back( vertex( first, v ) );
 		}
-		const btTransform way( btQuaternion( btVector3( 0, 0, 1 ), btScalar( 0.5 ) ), btVector3( 3, -2, 1 ) );
-		ASSERT_TRUE( cube->teleport( way ).ok() );
+		const btTransform motion( btQuaternion( btVector3( 0, 0, 1 ), btScalar( 0.5 ) ), btVector3( 3, -2, 1 ) );
+		ASSERT_TRUE( cube->teleport( motion ).ok() );
 		for ( int k = 0; k < 3; ++k )
 		{
 			const SurfaceView now = cube->surface();
 			for ( int v = 0; v < now.vertexCount; ++v )
 			{
-				ASSERT_LT( ( vertex( now, v ) - way * before[std::size_t( v )] ).length(), 2e-6 ) << "after " << k << " steps";
+				ASSERT_LT( ( vertex( now, v ) - motion * before[std::size_t( v )] ).length(), 2e-6 ) << "after " << k << " steps";
 			}
 			t.run( 1 );
 		}
@@ -214,9 +214,9 @@ TEST( Handling, BodiesOfThreeCubesHaveBoundsWhereTheyArePlaced )
 		btVector3 low, high;
 		SoftBody& body = *t.soft[std::size_t( k )];
 		body.getCollisionShape()->getAabb( body.getWorldTransform(), low, high );
-		const btVector3 place( btScalar( 5 * k ), btScalar( k ), 0 );
-		EXPECT_LT( ( low - place - btVector3( btScalar( -1.2 ), btScalar( -0.2 ), btScalar( -0.2 ) ) ).length(), 0.01 );
-		EXPECT_LT( ( high - place - btVector3( btScalar( 1.2 ), btScalar( 1.2 ), btScalar( 0.2 ) ) ).length(), 0.01 );
+		const btVector3 position( btScalar( 5 * k ), btScalar( k ), 0 );
+		EXPECT_LT( ( low - position - btVector3( btScalar( -1.2 ), btScalar( -0.2 ), btScalar( -0.2 ) ) ).length(), 0.01 );
+		EXPECT_LT( ( high - position - btVector3( btScalar( 1.2 ), btScalar( 1.2 ), btScalar( 0.2 ) ) ).length(), 0.01 );
 		EXPECT_LT( ( body.getBroadphaseHandle()->m_aabbMax - high ).length(), 0.1 );
 		EXPECT_LT( ( body.getBroadphaseHandle()->m_aabbMin - low ).length(), 0.1 );
 	}
@@ -389,7 +389,7 @@ TEST( Handling, BreakingPanesLeaveNoCostBehind )
 		most = std::max( most, t.world.fragmentCount() );
 	}
 	EXPECT_GT( broken, 2 * kPanes );
-	EXPECT_LT( most, broken ) << "they go while others come";
+	EXPECT_LT( most, broken ) << "faded pieces are removed while new ones appear";
 	EXPECT_EQ( t.world.fragmentCount(), 0 );
 	EXPECT_LE( t.world.softBodyCount(), kPanes );
 }

@@ -26,19 +26,19 @@ std::unique_ptr<SoftBody> cube( btScalar y )
 // Generic code adds every collision object by addCollisionObject().
 TEST( Membership, AddCollisionObjectAddsASoftBody )
 {
-	for ( const int way : { 0, 1, 2 } )
+	for ( const int method : { 0, 1, 2 } )
 	{
 		TestWorld t;
 		t.addFloor();
 		const std::unique_ptr<SoftBody> body = cube( btScalar( 0.5 ) );
 		btCollisionWorld& plain = t.world;
 		btDiscreteDynamicsWorld& dynamic = t.world;
-		way == 0       ? plain.addCollisionObject( body.get() )
-			: way == 1 ? dynamic.addCollisionObject( body.get() )
-					   : t.world.addCollisionObject( body.get() );
+		method == 0       ? plain.addCollisionObject( body.get() )
+			: method == 1 ? dynamic.addCollisionObject( body.get() )
+						  : t.world.addCollisionObject( body.get() );
 		EXPECT_EQ( t.world.softBodyCount(), 1 );
 		t.run( 120 );
-		EXPECT_NEAR( body->massCentre().y(), kHalf, 0.03 ) << "way " << way;
+		EXPECT_NEAR( body->massCentre().y(), kHalf, 0.03 ) << "method " << method;
 		plain.removeCollisionObject( body.get() );
 		EXPECT_EQ( t.world.softBodyCount(), 0 );
 	}
@@ -57,7 +57,7 @@ TEST( Membership, ABodyRemovedAndAddedAgainHasTheNewFilter )
 	plain.addCollisionObject(
 		body.get(), btBroadphaseProxy::DefaultFilter, btBroadphaseProxy::AllFilter ^ btBroadphaseProxy::StaticFilter );
 	t.run( 60 );
-	EXPECT_LT( body->massCentre().y(), -2 ) << "static objects are no concern of it now";
+	EXPECT_LT( body->massCentre().y(), -2 ) << "static objects are filtered out";
 	body.reset();
 	EXPECT_EQ( t.world.softBodyCount(), 0 );
 	t.run( 2 );
@@ -199,7 +199,7 @@ TEST( Membership, TheRigidBodyThatAManifoldNamesIsRemovedAsItsSoftBody )
 		t.world.addRigidBody( named );
 		t.world.addRigidBody( named, 1, -1 );
 		t.world.addCollisionObject( named );
-		EXPECT_EQ( t.world.getNumCollisionObjects(), 2 ) << "it is in no world, and comes in none";
+		EXPECT_EQ( t.world.getNumCollisionObjects(), 2 ) << "it is in no world";
 		t.world.removeRigidBody( named );
 		EXPECT_EQ( t.world.softBodyCount(), 0 );
 		EXPECT_EQ( body->getBroadphaseHandle(), nullptr );

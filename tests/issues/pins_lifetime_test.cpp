@@ -34,7 +34,7 @@ TEST( PinsLifetime, ARemovedBodyIsNotPinnedToADeletedOne )
 			hook.body = std::make_unique<btRigidBody>( btRigidBody::btRigidBodyConstructionInfo( 0, nullptr, &hook.shape ) );
 			t.world.addRigidBody( hook.body.get() );
 		}
-		EXPECT_TRUE( lamp->isPinned( 0 ) ) << "nobody has asked yet";
+		EXPECT_TRUE( lamp->isPinned( 0 ) ) << "the pin has not been checked yet";
 		t.world.addSoftBody( lamp );
 		EXPECT_FALSE( lamp->isPinned( 0 ) );
 		t.run( 10 );

@@ -34,9 +34,9 @@ Lying lying( const btVector3& centre, Elasticity elasticity, bool onPlane )
 	btVector3 low( 1e9f, 1e9f, 1e9f ), high = -low;
 	for ( int i = 0; i < cube->nodeCount(); ++i )
 	{
-		const btVector3 place = cube->nodePosition( i ) - centre;
-		low.setMin( place );
-		high.setMax( place );
+		const btVector3 position = cube->nodePosition( i ) - centre;
+		low.setMin( position );
+		high.setMax( position );
 	}
 	const btVector3 extent = high - low + btVector3( btScalar( 0.1 ), btScalar( 0.1 ), btScalar( 0.1 ) );
 	return { extent, extent.x() * extent.y() * extent.z() / btScalar( 0.125 ) };

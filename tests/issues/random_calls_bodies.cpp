@@ -77,14 +77,14 @@ void RandomCalls::removeByManifold()
 	const bool isFirst = manifold && SoftBody::upcast( manifold->getBody0() );
 	const btCollisionObject* const named = !manifold ? nullptr : isFirst ? manifold->getBody0() : manifold->getBody1();
 	SoftBody* const soft = SoftBody::upcast( const_cast<btCollisionObject*>( named ) );
-	btRigidBody* const stand = named ? const_cast<btRigidBody*>( btRigidBody::upcast( named ) ) : nullptr;
-	if ( soft && owns( soft ) && stand )
+	btRigidBody* const proxy = named ? const_cast<btRigidBody*>( btRigidBody::upcast( named ) ) : nullptr;
+	if ( soft && owns( soft ) && proxy )
 	{
-		world.removeRigidBody( stand );
-		oneIn( 2 ) ? world.addRigidBody( stand ) : world.removeRigidBody( stand );
+		world.removeRigidBody( proxy );
+		oneIn( 2 ) ? world.addRigidBody( proxy ) : world.removeRigidBody( proxy );
 		if ( oneIn( 3 ) && !soft->getBroadphaseHandle() )
 		{
-			delete stand;
+			delete proxy;
 		}
 	}
 }

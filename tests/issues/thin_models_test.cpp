@@ -45,11 +45,11 @@ Mesh sheetOf( int n )
 }
 
 template <class F>
-Mesh bent( Mesh mesh, F&& place )
+Mesh bent( Mesh mesh, F&& map )
 {
 	for ( std::size_t i = 0; i < mesh.positions.size(); i += 3 )
 	{
-		const Point p = place( double( mesh.positions[i] ), double( mesh.positions[i + 1] ), double( mesh.positions[i + 2] ) );
+		const Point p = map( double( mesh.positions[i] ), double( mesh.positions[i + 1] ), double( mesh.positions[i + 2] ) );
 		std::copy( p.begin(), p.end(), mesh.positions.begin() + std::ptrdiff_t( i ) );
 	}
 	return mesh;

@@ -92,7 +92,7 @@ TEST( Vehicle, StandsOnASoftBodyAsOnARigidOneAndPressesOnIt )
 			}
 		}
 		EXPECT_NEAR( borne / 10, ground->mass() + 400, 0.15 * ( ground->mass() + 400 ) ) << "the ground's mass is " << ground->mass();
-		EXPECT_LT( ground->massCentre().y(), alone ) << "it gives way";
+		EXPECT_LT( ground->massCentre().y(), alone ) << "it yields";
 	}
 }
 
@@ -174,7 +174,7 @@ TEST( Vehicle, DrivesOverASoftHumpAsOverARigidOne )
 			EXPECT_NEAR( found.distance, twin.distance, btScalar( 0.1 ) * twin.distance );
 			EXPECT_NEAR( found.highest, twin.highest, 0.1 ) << "a cell";
 			EXPECT_NEAR( found.sideways, 0, 0.1 );
-			EXPECT_NEAR( hump->massCentre().z(), 0, 0.1 ) << "it stays where it lies";
+			EXPECT_NEAR( hump->massCentre().z(), 0, 0.1 ) << "it stays in place";
 			EXPECT_NEAR( hump->massCentre().y(), 0.09, 0.03 );
 		}
 	}
@@ -198,7 +198,7 @@ TEST( Vehicle, RigidBodiesAreSeenAsByBulletsRaycaster )
 	EXPECT_EQ( ours.softBodyAt( btVector3( 0, 3, 0 ), btVector3( 0, -3, 0 ) ), below );
 	auto* const ground = static_cast<btRigidBody*>( ours.castRay( btVector3( 0, 3, 0 ), btVector3( 0, -3, 0 ), a ) );
 	ASSERT_NE( ground, nullptr );
-	EXPECT_EQ( ground->getInvMass(), 0 ) << "what programs may read as a rigid body";
+	EXPECT_EQ( ground->getInvMass(), 0 ) << "callers may cast it to a rigid body";
 	// Between four nodes too, where a ray meets no sphere.
 	for ( int k = 0; k < 100; ++k )
 	{

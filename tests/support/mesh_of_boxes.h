@@ -68,9 +68,9 @@ inline std::shared_ptr<const BodyTemplate> looseBoxes( int count, const Cells& c
 	const btVector3 half = btVector3( btScalar( cells.x ), btScalar( cells.y ), btScalar( cells.z ) ) * cell / 2;
 	for ( int k = 0; k < count; ++k )
 	{
-		const btVector3 place( btScalar( k % along * ( cells.x + 1 ) ), btScalar( k / along % along * ( cells.y + 1 ) ),
+		const btVector3 position( btScalar( k % along * ( cells.x + 1 ) ), btScalar( k / along % along * ( cells.y + 1 ) ),
 			btScalar( k / along / along * ( cells.z + 1 ) ) );
-		mesh.add( place * cell + half, half );
+		mesh.add( position * cell + half, half );
 	}
 	return mesh.build( cell );
 }

@@ -79,8 +79,8 @@ inline PlasticEnergy run( const PlasticScene& scene, int seconds )
 	std::uniform_real_distribution<double> fraction( -0.5, 0.5 );
 	for ( int i = 0; i < body->nodeCount() && !scene.isDropped; ++i )
 	{
-		const btVector3 way( btScalar( fraction( random ) ), btScalar( fraction( random ) ), btScalar( fraction( random ) ) );
-		body->applyImpulse( btScalar( scene.speed ) * body->nodeMass( i ) * way, i );
+		const btVector3 direction( btScalar( fraction( random ) ), btScalar( fraction( random ) ), btScalar( fraction( random ) ) );
+		body->applyImpulse( btScalar( scene.speed ) * body->nodeMass( i ) * direction, i );
 	}
 	// From the floor to the lowest possible height of the centre.
 	energy.brought = scene.isDropped ? double( body->mass() ) * 9.81 * 0.6 : energyOfMotion( *body );

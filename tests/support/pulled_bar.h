@@ -91,7 +91,7 @@ public:
 		setFracture( bar );
 		for ( int i = 0; i < m_body->nodeCount(); ++i )
 		{
-			m_body->nodes().v.set( i, ( m_along * kRate * std::clamp( place( i ), -kFree, kFree ) ).cast<float>() );
+			m_body->nodes().v.set( i, ( m_along * kRate * std::clamp( positionAlong( i ), -kFree, kFree ) ).cast<float>() );
 		}
 	}
 
@@ -124,7 +124,7 @@ private:
 	static constexpr double kRate = 0.05; // strain per second; sound takes 0.2 s from end to end
 	static constexpr float kStep = 1.0f / 240.0f;
 
-	double place( int node ) const { return m_body->nodes().x0.get( node ).cast<double>().dot( m_along ); }
+	double positionAlong( int node ) const { return m_body->nodes().x0.get( node ).cast<double>().dot( m_along ); }
 
 	// A node is pinned as a whole. One that reached out of its grip would shorten the free length on which the strain is based, and release
 	// it with a jerk when split.
@@ -136,7 +136,7 @@ private:
 			for ( int i = 0; i < m_body->nodeCount(); ++i )
 			{
 				const double half = 0.5 * kCell * double( 1 << m_body->levels()->levelOf( i ) ) * reach;
-				if ( std::fabs( std::fabs( place( i ) ) - kFree ) < half )
+				if ( std::fabs( std::fabs( positionAlong( i ) ) - kFree ) < half )
 				{
 					m_body->requestSplit( i );
 				}
@@ -171,10 +171,10 @@ private:
 	{
 		for ( int i = 0; i < m_body->nodeCount(); ++i )
 		{
-			if ( std::fabs( place( i ) ) > kFree )
+			if ( std::fabs( positionAlong( i ) ) > kFree )
 			{
 				m_body->setPinned( i, true );
-				m_body->nodes().v.set( i, ( m_along * kRate * std::copysign( kFree, place( i ) ) ).cast<float>() );
+				m_body->nodes().v.set( i, ( m_along * kRate * std::copysign( kFree, positionAlong( i ) ) ).cast<float>() );
 			}
 		}
 		m_body->adaptLevels( kStep );

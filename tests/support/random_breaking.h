@@ -172,9 +172,9 @@ private:
 			EXPECT_TRUE( octree.ok() ) << octree.sentence;
 			EXPECT_TRUE( cut.ok() ) << cut.sentence;
 		}
-		for ( const Vec3d& place : body.cellPositions() )
+		for ( const Vec3d& position : body.cellPositions() )
 		{
-			EXPECT_TRUE( place.allFinite() );
+			EXPECT_TRUE( position.allFinite() );
 		}
 		EXPECT_TRUE( std::is_sorted( body.firstCells().begin(), body.firstCells().end() ) );
 	}

@@ -98,10 +98,10 @@ public:
 		t.world.updateSingleAabb( standing );
 
 		const double tilt = fraction() * 60.0 * SIMD_PI / 180.0, round = fraction() * 2.0 * SIMD_PI;
-		const btVector3 way( btScalar( std::sin( tilt ) * std::cos( round ) ), btScalar( -std::cos( tilt ) ),
+		const btVector3 direction( btScalar( std::sin( tilt ) * std::cos( round ) ), btScalar( -std::cos( tilt ) ),
 			btScalar( std::sin( tilt ) * std::sin( round ) ) );
 		const btVector3 start = btVector3( btScalar( fraction() - 0.5 ), btScalar( 0.3 ), btScalar( fraction() - 0.5 ) ) -
-			way * btScalar( 0.6 + 2.0 * fraction() );
+			direction * btScalar( 0.6 + 2.0 * fraction() );
 		SoftBody* body = t.add( m_templates[std::size_t( result.shot )], start, materialOf( result, elasticity ),
 			turn( fraction(), fraction(), fraction() ), adaptivityOf( result.shot ) );
 		if ( !body )
@@ -110,7 +110,7 @@ public:
 		}
 		body->teleport( wall );
 		const btVector3 spin( btScalar( fraction() - 0.5 ), btScalar( fraction() - 0.5 ), btScalar( fraction() - 0.5 ) );
-		body->setVelocities( wall.getBasis() * way * btScalar( result.speed ), spin * btScalar( 60.0 * fraction() ) );
+		body->setVelocities( wall.getBasis() * direction * btScalar( result.speed ), spin * btScalar( 60.0 * fraction() ) );
 		body->setRestitution( btScalar( fraction() < 0.5 ? 0.0 : fraction() ) );
 		// Nodes that slide off the wall's edge have not passed through it.
 		const auto isOver = [&]( const btVector3& at ) { return btMax( btFabs( at.x() ), btFabs( at.z() ) ) < kHalfWidth - 1; };

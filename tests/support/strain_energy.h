@@ -23,7 +23,7 @@ public:
 		const int count = body.nodeCount();
 		for ( int i = 0; i < count; ++i )
 		{
-			m_rest.push_back( placeOf( body, i ) );
+			m_rest.push_back( positionOf( body, i ) );
 			m_mass.push_back( double( body.nodeMass( i ) ) );
 		}
 		m_regions.resize( std::size_t( count ) );
@@ -50,7 +50,7 @@ public:
 		for ( int i = 0; i < body.nodeCount(); ++i )
 		{
 			const btVector3 v = body.nodeVelocity( i );
-			x.push_back( placeOf( body, i ) - back * Eigen::Vector3d( double( v.x() ), double( v.y() ), double( v.z() ) ) );
+			x.push_back( positionOf( body, i ) - back * Eigen::Vector3d( double( v.x() ), double( v.y() ), double( v.z() ) ) );
 		}
 		return x;
 	}
@@ -83,7 +83,7 @@ public:
 	}
 
 private:
-	static Eigen::Vector3d placeOf( const SoftBody& body, int node )
+	static Eigen::Vector3d positionOf( const SoftBody& body, int node )
 	{
 		const btVector3 x = body.nodePosition( node );
 		return { double( x.x() ), double( x.y() ), double( x.z() ) };

@@ -74,9 +74,9 @@ struct WorldOf
 			shape->calculateLocalInertia( mass, inertia );
 		}
 		rigid.push_back( std::make_unique<btRigidBody>( btRigidBody::btRigidBodyConstructionInfo( mass, nullptr, shape, inertia ) ) );
-		const btTransform place( btQuaternion::getIdentity(), at );
-		rigid.back()->setWorldTransform( place );
-		rigid.back()->setInterpolationWorldTransform( place );
+		const btTransform transform( btQuaternion::getIdentity(), at );
+		rigid.back()->setWorldTransform( transform );
+		rigid.back()->setInterpolationWorldTransform( transform );
 		world.addRigidBody( rigid.back().get() );
 		return rigid.back().get();
 	}

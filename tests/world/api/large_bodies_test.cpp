@@ -141,7 +141,7 @@ TEST( LargeBodies, TreesFollowTheirNodesOnAllThreads )
 		expectTight( *soft->impl().shape, inner );
 		most = std::max( most, inner );
 	}
-	EXPECT_GT( most, 2048 ) << "too few for threads to share";
+	EXPECT_GT( most, 2048 ) << "too few nodes to divide among threads";
 }
 
 } // namespace

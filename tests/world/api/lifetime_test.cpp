@@ -247,12 +247,12 @@ int g_allocations = 0;
 
 void* countedAlloc( std::size_t size, int )
 {
-	constexpr std::size_t kRoom = 64; // keeps every alignment that Bullet requests, and stores the size in front
-	char* block = static_cast<char*>( std::aligned_alloc( kRoom, ( size + 2 * kRoom - 1 ) / kRoom * kRoom ) );
+	constexpr std::size_t kHeader = 64; // keeps every alignment that Bullet requests, and stores the size in front
+	char* block = static_cast<char*>( std::aligned_alloc( kHeader, ( size + 2 * kHeader - 1 ) / kHeader * kHeader ) );
 	std::memcpy( block, &size, sizeof size );
 	g_bytes += size;
 	++g_allocations;
-	return block + kRoom;
+	return block + kHeader;
 }
 
 void countedFree( void* memory )

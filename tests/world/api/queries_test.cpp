@@ -153,7 +153,7 @@ TEST( Queries, AGhostSeesOneObject )
 	t.run( 1 );
 	ASSERT_EQ( ghost.getNumOverlappingObjects(), 1 );
 	EXPECT_EQ( ghost.getOverlappingObject( 0 ), cube );
-	EXPECT_NEAR( cube->linearVelocity().y(), t.world.getGravity().y() / 60, 1e-3 ) << "a ghost does not hold";
+	EXPECT_NEAR( cube->linearVelocity().y(), t.world.getGravity().y() / 60, 1e-3 ) << "a ghost does not stop the body";
 	// Trigger code reads the pair's manifolds: one per touching node.
 	btBroadphasePair* pair = t.world.getPairCache()->findPair( cube->getBroadphaseHandle(), ghost.getBroadphaseHandle() );
 	ASSERT_TRUE( pair && pair->m_algorithm );

@@ -210,7 +210,7 @@ TEST( SurfaceTolerance, KeepsTheSurfaceNearTheOneSkinnedInFull )
 		for ( int k = 0; k < full.test.world.softBodyCount(); ++k )
 		{
 			SoftBody &a = *full.test.world.softBody( k ), &b = *turned.test.world.softBody( k );
-			EXPECT_EQ( b.surfaceTolerance(), kTolerance ) << "a piece takes it over";
+			EXPECT_EQ( b.surfaceTolerance(), kTolerance ) << "a piece inherits it";
 			const SurfaceView wanted = a.surface(), shown = b.surface();
 			EXPECT_LE( apart( shown, wanted ), double( kTolerance ) * 0.1 + 2e-6 ) << "frame " << frame << ", body " << k;
 			fullFrames = frame == 239 ? fullFrames + wanted.frame : fullFrames;
@@ -218,7 +218,7 @@ TEST( SurfaceTolerance, KeepsTheSurfaceNearTheOneSkinnedInFull )
 		}
 	}
 	EXPECT_GT( full.test.world.softBodyCount(), Falling::kCount ) << "nothing came off";
-	EXPECT_LT( turnedFrames, fullFrames ) << "nothing was left alone";
+	EXPECT_LT( turnedFrames, fullFrames ) << "no skin was reused";
 }
 
 TEST( SurfaceTolerance, KeepsTheViewWhereNothingMoved )

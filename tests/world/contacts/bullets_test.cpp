@@ -41,12 +41,12 @@ public:
 		Material material = test::stiff( float( std::pow( 10.0, 4.0 + 2.0 * fraction() ) ) );
 		material.elasticity = elasticity;
 		material.damping = material.wobbleDamping = 0.0f;
-		btTransform place = at( 0, 0, 0 );
-		place.setRotation( isPlate
+		btTransform transform = at( 0, 0, 0 );
+		transform.setRotation( isPlate
 				? btQuaternion::getIdentity()
 				: btQuaternion( btScalar( fraction() - 0.5 ), btScalar( fraction() - 0.5 ), btScalar( fraction() - 0.5 ), btScalar( 0.5 ) )
 					  .normalized() );
-		m_soft = m_world.addSoft( isPlate ? block( 8, 8, 3, 0.05f ) : block( 6, 6, 6, 0.1f ), place, material );
+		m_soft = m_world.addSoft( isPlate ? block( 8, 8, 3, 0.05f ) : block( 6, 6, 6, 0.1f ), transform, material );
 
 		m_radius = 0.04 + 0.06 * fraction();
 		m_speed = 10.0 * std::pow( 10.0, fraction() );

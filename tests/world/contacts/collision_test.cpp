@@ -157,7 +157,7 @@ TEST( Collision, KeepsMomentum )
 	const btScalar linear = ( after.linear - before.linear ).length() / before.linear.length();
 	const btScalar angular = ( after.angular - before.angular ).length() / before.angular.length();
 	std::printf( "momentum in a collision: linear %.1e, angular %.1e of what there was\n", double( linear ), double( angular ) );
-	EXPECT_LT( box->getLinearVelocity().x(), btScalar( 2 ) ) << "they did not meet";
+	EXPECT_LT( box->getLinearVelocity().x(), btScalar( 2 ) ) << "they did not touch";
 	EXPECT_LT( linear, btScalar( 1e-5 ) );
 	EXPECT_LT( angular, btScalar( 1e-4 ) );
 }

@@ -202,7 +202,7 @@ struct Callback
 	~Callback() { gContactAddedCallback = nullptr; }
 };
 
-void askForCallbacks( SoftWorld& scene )
+void requestCallbacks( SoftWorld& scene )
 {
 	for ( int b = 0; b < scene.world.softBodyCount(); ++b )
 	{
@@ -231,7 +231,7 @@ TEST( ContactSolver, EqualsBulletsOnBelts )
 		compare(
 			[mode]( SoftWorld& scene ) {
 				scene.world.getSolverInfo().m_solverMode |= mode;
-				askForCallbacks( scene );
+				requestCallbacks( scene );
 			},
 			60 );
 	}
@@ -253,7 +253,7 @@ TEST( ContactSolver, EqualsBulletsWithCallbacksThatPushNodes )
 				}
 				return true;
 			} );
-		compare( askForCallbacks, 60 );
+		compare( requestCallbacks, 60 );
 	}
 	// A contact proxy with forces on it is unsupported: the island is solved by Bullet.
 	const Callback pushes(
@@ -265,7 +265,7 @@ TEST( ContactSolver, EqualsBulletsWithCallbacksThatPushNodes )
 			}
 			return true;
 		} );
-	compare( askForCallbacks, 60 );
+	compare( requestCallbacks, 60 );
 }
 
 // Forces on a contact proxy are cleared after the step, as the world does for its bodies; the proxy may serve another node later.
@@ -288,7 +288,7 @@ TEST( ContactCallbacks, ForcesOnNodesEndWithTheStep )
 			}
 			return true;
 		} );
-	Heap heap( std::make_unique<ContactSolver>(), askForCallbacks );
+	Heap heap( std::make_unique<ContactSolver>(), requestCallbacks );
 	for ( frame = 1; frame < 60; ++frame )
 	{
 		heap.scene.step( 1 );

@@ -18,7 +18,7 @@ struct Count
 };
 
 /// Spheres around a plane whose foot is `away` from the origin; displacements towards it, along it and away from it.
-Count askBoth( double away, double spread )
+Count compareBoth( double away, double spread )
 {
 	std::mt19937 random( 11 );
 	std::uniform_real_distribution<double> any( -1.0, 1.0 );
@@ -51,7 +51,7 @@ Count askBoth( double away, double spread )
 
 TEST( FarPlane, IsNeverClearOfTouchingSpheres )
 {
-	const Count count = askBoth( 5.0, 1.0 );
+	const Count count = compareBoth( 5.0, 1.0 );
 	EXPECT_GT( count.clear, 3000 );
 	EXPECT_GT( count.touching, 3000 );
 	EXPECT_EQ( count.neither, 0 );
@@ -59,7 +59,7 @@ TEST( FarPlane, IsNeverClearOfTouchingSpheres )
 
 TEST( FarPlane, WorksAThousandKilometresOut )
 {
-	const Count count = askBoth( 1e6, 0.7 );
+	const Count count = compareBoth( 1e6, 0.7 );
 	EXPECT_GT( count.clear, 2000 );
 	EXPECT_GT( count.touching, 2000 );
 	EXPECT_LT( count.neither, 3 );

@@ -279,9 +279,10 @@ TEST( Friction, SetDuringAContactActsAtOnce )
 				const btPersistentManifold& manifold = *t.parts.dispatcher.getManifoldByIndexInternal( m );
 				for ( const btCollisionObject* const object : { manifold.getBody0(), manifold.getBody1() } )
 				{
-					const bool isStandIn = SoftBody::upcast( object ) && object != cube;
-					touching += isStandIn ? 1 : 0;
-					EXPECT_TRUE( !isStandIn || ( object->getFriction() == friction && object->getUserIndex() == cube->getUserIndex() ) );
+					const bool isContactProxy = SoftBody::upcast( object ) && object != cube;
+					touching += isContactProxy ? 1 : 0;
+					EXPECT_TRUE(
+						!isContactProxy || ( object->getFriction() == friction && object->getUserIndex() == cube->getUserIndex() ) );
 				}
 			}
 			EXPECT_GT( touching, 4 );

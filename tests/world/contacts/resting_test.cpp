@@ -198,7 +198,7 @@ TEST( Resting, CrushedBodiesStayAboveTheFloor )
 		lowest = btMin( lowest, test::lowestNode( *cube ) );
 	}
 	EXPECT_GT( lowest, 0 );
-	EXPECT_LT( box->getWorldTransform().getOrigin().y(), btScalar( 0.3 ) ) << "it was not crushed: this shows nothing";
+	EXPECT_LT( box->getWorldTransform().getOrigin().y(), btScalar( 0.3 ) ) << "it was not crushed, so the test shows nothing";
 	EXPECT_TRUE( cube->isHealthy() );
 }
 

@@ -354,9 +354,9 @@ TEST( Fracture, SurfacesOfPiecesAreClosedAndSeparate )
 		for ( int k = 0; k < 3 * view.triangleCount; ++k )
 		{
 			const float* p = view.positions + 3 * std::size_t( view.indices[k] );
-			const btVector3 place = view.origin + btVector3( p[0], p[1], p[2] );
-			const int node = body->nearestNode( place );
-			EXPECT_LT( body->nodePosition( node ).distance( place ), btScalar( 0.2 ) );
+			const btVector3 position = view.origin + btVector3( p[0], p[1], p[2] );
+			const int node = body->nearestNode( position );
+			EXPECT_LT( body->nodePosition( node ).distance( position ), btScalar( 0.2 ) );
 		}
 	}
 	EXPECT_NEAR( volume, 0.16, 0.16 * 0.05 ); // they still pulsate a little
@@ -365,36 +365,36 @@ TEST( Fracture, SurfacesOfPiecesAreClosedAndSeparate )
 /// Drawn in every frame, bodies show the cracks of their family; drawn once at the end, those of their own links.
 TEST( Fracture, TheSurfaceDoesNotDependOnHowOftenItIsDrawn )
 {
-	enum Way
+	enum Drawing
 	{
 		Once,
 		Always,
 		Prepared
 	};
 	std::vector<std::vector<std::array<float, 10>>> drawn[3];
-	for ( const Way way : { Once, Always, Prepared } )
+	for ( const Drawing drawing : { Once, Always, Prepared } )
 	{
 		TestWorld test;
 		test.world.setGravity( btVector3( 0, 0, 0 ) );
 		SoftBody* soft = test.addSoft( block( 10, 4, 4, 0.1f ), at( 0, 1, 0 ), stiff( 1e5f ) );
 		ASSERT_TRUE( soft->setFracture( breaksAt( 0.03f ) ).ok() );
 		soft->setSurfaceTolerance( 0 ); // bit-identical
-		EXPECT_TRUE( way != Prepared || soft->prepareCracks().ok() );
-		EXPECT_EQ( soft->impl().crackFamily != nullptr, way == Prepared );
+		EXPECT_TRUE( drawing != Prepared || soft->prepareCracks().ok() );
+		EXPECT_EQ( soft->impl().crackFamily != nullptr, drawing == Prepared );
 		soft->setVelocities( btVector3( 0, 0, 0 ), btVector3( 0, 14, 0 ) );
 		for ( int frame = 0; frame < 60; ++frame )
 		{
 			for ( const SoftBody* body : allSoft( test.world ) )
 			{
-				way == Always ? void( body->surface() ) : void();
+				drawing == Always ? void( body->surface() ) : void();
 			}
 			test.run( 1 );
 		}
 		ASSERT_GE( test.world.softBodyCount(), 3 );
 		for ( const SoftBody* body : allSoft( test.world ) )
 		{
-			EXPECT_EQ( body->impl().crackFamily != nullptr, way != Once );
-			drawn[way].push_back( test::trianglesOf( body->surface() ) );
+			EXPECT_EQ( body->impl().crackFamily != nullptr, drawing != Once );
+			drawn[drawing].push_back( test::trianglesOf( body->surface() ) );
 		}
 	}
 	EXPECT_EQ( drawn[Once], drawn[Always] );

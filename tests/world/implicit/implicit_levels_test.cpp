@@ -285,7 +285,7 @@ TEST( ImplicitLevels, ABodyThatBreaksInFreeFlightKeepsMomentumAndSpin )
 	}
 }
 
-std::vector<btScalar> placesAfterBreaking( int threads )
+std::vector<btScalar> positionsAfterBreaking( int threads )
 {
 	TestWorld t;
 	t.addFloor();
@@ -399,9 +399,9 @@ TEST( ImplicitLevels, AFragmentBesideAnImplicitBodyStaysHealthy )
 
 TEST( ImplicitLevels, SplitAndBreakToTheSameBitsForAnyThreadCount )
 {
-	const auto once = placesAfterBreaking( 1 );
-	EXPECT_EQ( placesAfterBreaking( 1 ), once );
-	EXPECT_EQ( placesAfterBreaking( 3 ), once );
+	const auto once = positionsAfterBreaking( 1 );
+	EXPECT_EQ( positionsAfterBreaking( 1 ), once );
+	EXPECT_EQ( positionsAfterBreaking( 3 ), once );
 }
 
 } // namespace

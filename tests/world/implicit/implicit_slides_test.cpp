@@ -189,8 +189,8 @@ TEST( ImplicitSlides, HeapsThatFallAreSettledInFewPasses )
 		{
 			const btVector3 axis = direction( 1 ).normalized();
 			const btScalar angle = between( 0, 3 ), aside = between( -0.15, 0.15 );
-			const btVector3 place( aside, btScalar( 0.35 + 0.45 * k ), between( -0.15, 0.15 ) );
-			SoftBody* soft = t.addSoft( block( 3, 3, 3, 0.1f ), btTransform( btQuaternion( axis, angle ), place ),
+			const btVector3 position( aside, btScalar( 0.35 + 0.45 * k ), between( -0.15, 0.15 ) );
+			SoftBody* soft = t.addSoft( block( 3, 3, 3, 0.1f ), btTransform( btQuaternion( axis, angle ), position ),
 				test::implicit( float( std::pow( 10.0, double( between( 4, 6 ) ) ) ) ) );
 			soft->setFriction( 1 );
 			soft->setVelocities( btVector3( 0, -4, 0 ), direction( 5 ) );

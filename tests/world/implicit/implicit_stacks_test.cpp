@@ -100,7 +100,7 @@ TEST( ImplicitStacks, OfEightCostAtMostFourTimesAsMuchAsOfFour )
 // per cube.
 TEST( ExplicitStacks, OfFourAndEightCubesStandAndSleep )
 {
-	const auto stand = []( const Stack& stack ) {
+	const auto expectStands = []( const Stack& stack ) {
 		const Stood stood = build( stack );
 		EXPECT_TRUE( stood.sleeps ) << stack.cubes;
 		EXPECT_NEAR( stood.aside, 0.02, 0.06 ) << stack.cubes;
@@ -109,10 +109,10 @@ TEST( ExplicitStacks, OfFourAndEightCubesStandAndSleep )
 			stack.hasBoxes ? " and boxes" : "", stood.frames, stood.work / stood.frames, stood.sunk );
 		return stood.work / stood.frames;
 	};
-	stand( Stack{ 2, true, 4e7f, 0.5, 0.01, Elasticity::Explicit } );
-	stand( Stack{ 4, true, 4e7f, 0.5, 0.01, Elasticity::Explicit } );
-	const double four = stand( Stack{ 4, false, 4e7f, 0.5, 0.01, Elasticity::Explicit } ),
-				 eight = stand( Stack{ 8, false, 4e7f, 0.5, 0.01, Elasticity::Explicit } );
+	expectStands( Stack{ 2, true, 4e7f, 0.5, 0.01, Elasticity::Explicit } );
+	expectStands( Stack{ 4, true, 4e7f, 0.5, 0.01, Elasticity::Explicit } );
+	const double four = expectStands( Stack{ 4, false, 4e7f, 0.5, 0.01, Elasticity::Explicit } ),
+				 eight = expectStands( Stack{ 8, false, 4e7f, 0.5, 0.01, Elasticity::Explicit } );
 	std::printf( "contacts and substeps a frame, eight over four %.2f\n", eight / four );
 	EXPECT_LT( eight, 4.0 * four );
 }

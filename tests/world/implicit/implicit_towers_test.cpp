@@ -73,13 +73,13 @@ void expectStands( const std::vector<Storey>& storeys, double density, double yo
 	double lean = 0.0;
 	for ( std::size_t k = 0; k < boxes.size(); ++k )
 	{
-		const btTransform& place = boxes[k]->getWorldTransform();
-		lean = std::max( lean, double( btAcos( btMin( btScalar( 1 ), place.getBasis()[1].y() ) ) ) * 180.0 / SIMD_PI );
+		const btTransform& transform = boxes[k]->getWorldTransform();
+		lean = std::max( lean, double( btAcos( btMin( btScalar( 1 ), transform.getBasis()[1].y() ) ) ) * 180.0 / SIMD_PI );
 		EXPECT_EQ( boxes[k]->getActivationState(), ISLAND_SLEEPING ) << what << ", box " << k;
 		if ( k > 0 )
 		{
 			// Relative to the storey below only the height differs: neither sunk in nor moved sideways.
-			const btVector3 up = boxes[k - 1]->getWorldTransform().invXform( place.getOrigin() );
+			const btVector3 up = boxes[k - 1]->getWorldTransform().invXform( transform.getOrigin() );
 			EXPECT_NEAR( up.y(), storeys[k].half.y() + storeys[k - 1].half.y(), 2e-3 ) << what << ", box " << k;
 			EXPECT_NEAR( up.x(), storeys[k].x - storeys[k - 1].x, 5e-3 ) << what << ", box " << k;
 			EXPECT_NEAR( up.z(), storeys[k].z - storeys[k - 1].z, 5e-3 ) << what << ", box " << k;

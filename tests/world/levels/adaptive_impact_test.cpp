@@ -206,34 +206,34 @@ TEST( AdaptiveImpact, NodesCreatedInTheFloorComeOut )
 TEST( PenetrationAllowance, IsTheInitialDepthAndNeverGrows )
 {
 	const std::uint32_t gone = std::numeric_limits<std::uint32_t>::max();
-	PenetrationAllowance born;
-	EXPECT_FALSE( born.isAny() );
-	EXPECT_EQ( born.leave( 0, 1.0 ), 0.0 );
+	PenetrationAllowance allowance;
+	EXPECT_FALSE( allowance.isAny() );
+	EXPECT_EQ( allowance.leave( 0, 1.0 ), 0.0 );
 	// Of three nodes the middle one was split into two.
-	born.follow( { 0, gone, 3 }, 4 );
-	ASSERT_TRUE( born.isAny() );
-	EXPECT_EQ( born.leave( 0, 0.5 ), 0.0 ); // existing nodes have no allowance
-	EXPECT_EQ( born.leave( 1, 0.25 ), 0.25 );
-	EXPECT_EQ( born.leave( 1, 0.5 ), 0.5 ); // the deepest of its penetrations
-	born.endPhase( 0.0 );
-	EXPECT_EQ( born.leave( 2, 0.5 ), 0.0 ) << "stood in nothing";
-	EXPECT_EQ( born.leave( 1, 2.0 ), 0.5 ) << "no deeper";
-	born.endPhase( 0.0 );
-	EXPECT_EQ( born.leave( 1, 0.25 ), 0.25 ) << "on its way out";
-	born.endPhase( 0.0 );
-	EXPECT_EQ( born.leave( 1, 0.5 ), 0.25 ) << "and not back";
-	born.endPhase( 0.125 );
-	EXPECT_EQ( born.leave( 1, 0.5 ), 0.125 ) << "let out";
+	allowance.follow( { 0, gone, 3 }, 4 );
+	ASSERT_TRUE( allowance.isAny() );
+	EXPECT_EQ( allowance.leave( 0, 0.5 ), 0.0 ); // existing nodes have no allowance
+	EXPECT_EQ( allowance.leave( 1, 0.25 ), 0.25 );
+	EXPECT_EQ( allowance.leave( 1, 0.5 ), 0.5 ); // the deepest of its penetrations
+	allowance.endPhase( 0.0 );
+	EXPECT_EQ( allowance.leave( 2, 0.5 ), 0.0 ) << "was never inside";
+	EXPECT_EQ( allowance.leave( 1, 2.0 ), 0.5 ) << "no deeper";
+	allowance.endPhase( 0.0 );
+	EXPECT_EQ( allowance.leave( 1, 0.25 ), 0.25 ) << "coming out";
+	allowance.endPhase( 0.0 );
+	EXPECT_EQ( allowance.leave( 1, 0.5 ), 0.25 ) << "not back in";
+	allowance.endPhase( 0.125 );
+	EXPECT_EQ( allowance.leave( 1, 0.5 ), 0.125 ) << "reduced over time";
 
 	// Renumbered by a change of levels and by fracture.
-	born.follow( { gone, 0, gone, gone }, 2 );
-	EXPECT_EQ( born.leave( 0, 0.5 ), 0.125 );
-	EXPECT_EQ( born.leave( 1, 0.5 ), 0.5 ) << "new";
-	born.endPhase( 0.0 );
-	PenetrationAllowance piece = PenetrationAllowance::of( born, { 1 } );
+	allowance.follow( { gone, 0, gone, gone }, 2 );
+	EXPECT_EQ( allowance.leave( 0, 0.5 ), 0.125 );
+	EXPECT_EQ( allowance.leave( 1, 0.5 ), 0.5 ) << "new";
+	allowance.endPhase( 0.0 );
+	PenetrationAllowance piece = PenetrationAllowance::of( allowance, { 1 } );
 	EXPECT_EQ( piece.leave( 0, 1.0 ), 0.5 );
 	piece.endPhase( 1.0 );
-	EXPECT_FALSE( piece.isAny() ) << "is out";
+	EXPECT_FALSE( piece.isAny() ) << "has come out";
 	EXPECT_FALSE( PenetrationAllowance::of( piece, { 0 } ).isAny() );
 }
 

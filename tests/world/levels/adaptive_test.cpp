@@ -305,7 +305,7 @@ TEST( Adaptive, NodesPinnedInPartsAreNotMerged )
 	{}
 	post.test.run( 30 );
 	EXPECT_EQ( soft->nodeCount(), 4 );
-	EXPECT_LT( soft->massCentre().y(), 1.9 ) << "what is released falls";
+	EXPECT_LT( soft->massCentre().y(), 1.9 ) << "released nodes fall";
 }
 
 TEST( Adaptive, ViewDistanceMergesAndSplitsAgain )

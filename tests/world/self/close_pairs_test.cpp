@@ -75,9 +75,9 @@ Spheres someSpheres( std::mt19937& random, int count, int sizes, const Vec3& box
 	Spheres spheres;
 	for ( int i = 0; i < count; ++i )
 	{
-		const Vec3 place( any( random ), any( random ), any( random ) );
+		const Vec3 position( any( random ), any( random ), any( random ) );
 		const float full = std::ldexp( 0.1f, -int( random() % unsigned( sizes ) ) );
-		spheres.push_back( { place.cwiseProduct( box ), full * ( 1.0f - 0.4f * std::abs( any( random ) ) ), std::uint32_t( 3 * i ) } );
+		spheres.push_back( { position.cwiseProduct( box ), full * ( 1.0f - 0.4f * std::abs( any( random ) ) ), std::uint32_t( 3 * i ) } );
 	}
 	std::shuffle( spheres.begin(), spheres.end(), random );
 	return spheres;

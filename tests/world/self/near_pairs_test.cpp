@@ -40,12 +40,12 @@ void push( SoftBody& soft, std::mt19937& random )
 	NodeState& nodes = soft.impl().body->nodes();
 	const auto any = [&random] { return float( random() % 1000 ) / 500.0f - 1.0f; };
 	const float at = 8.0f * kCell * any(), wide = 2.0f * kCell;
-	const Vec3 way = Vec3( any(), any(), any() ) * kCell;
+	const Vec3 displacement = Vec3( any(), any(), any() ) * kCell;
 	for ( int i = 0; i < nodes.count; ++i )
 	{
 		if ( std::abs( nodes.x0.x[i] - at ) < wide && nodes.freedom[i] != 0.0f )
 		{
-			nodes.x.set( i, nodes.x.get( i ) + way );
+			nodes.x.set( i, nodes.x.get( i ) + displacement );
 		}
 	}
 	soft.impl().shape->place( nodes, soft.impl().shapeShift );

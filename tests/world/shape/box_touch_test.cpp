@@ -21,7 +21,7 @@ struct Count
 };
 
 /// Spheres around boxes whose centre is up to `away` from the origin; displacements up to `fastest`, m.
-Count askBoth( double away, double fastest )
+Count compareBoth( double away, double fastest )
 {
 	std::mt19937 random( 5 );
 	std::uniform_real_distribution<double> any( -1.0, 1.0 );
@@ -65,18 +65,18 @@ Count askBoth( double away, double fastest )
 
 TEST( BoxTouch, BatchesEqualSingleQueries )
 {
-	const Count slow = askBoth( 5.0, 0.03 );
+	const Count slow = compareBoth( 5.0, 0.03 );
 	EXPECT_GT( slow.clear, 5000 );
 	EXPECT_GT( slow.outside, 1500 );
 	EXPECT_GT( slow.inside, 1500 );
-	const Count fast = askBoth( 5.0, 0.6 );
+	const Count fast = compareBoth( 5.0, 0.6 );
 	EXPECT_GT( fast.clear, 5000 );
 	EXPECT_GT( fast.swept, 500 );
 }
 
 TEST( BoxTouch, WorksAThousandKilometresOut )
 {
-	askBoth( 1e6, 0.3 );
+	compareBoth( 1e6, 0.3 );
 }
 
 TEST( NodeMarks, AreReturnedInOrderAndOnce )

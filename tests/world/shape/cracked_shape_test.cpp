@@ -38,9 +38,9 @@ void expectSpheresOfANewOne( const SoftBody& soft )
 		EXPECT_TRUE( now.tree().m_root->volume.Contain( leaf->volume ) );
 	}
 	std::vector<int> inRows( std::size_t( soft.nodeCount() ), 0 );
-	now.rows().visitPositions( 0, now.rows().count(), [&]( int node, const btVector3& place ) {
+	now.rows().visitPositions( 0, now.rows().count(), [&]( int node, const btVector3& position ) {
 		++inRows[std::size_t( node )];
-		EXPECT_LT( place.distance( soft.nodePosition( node ) - soft.getWorldTransform().getOrigin() ), btScalar( 1e-4 ) );
+		EXPECT_LT( position.distance( soft.nodePosition( node ) - soft.getWorldTransform().getOrigin() ), btScalar( 1e-4 ) );
 	} );
 	for ( int node = 0; node < soft.nodeCount(); ++node )
 	{
@@ -136,8 +136,8 @@ TEST_P( CrackedShape, DropsNodesThatLeave )
 	for ( int corner = 0; corner < 8; ++corner )
 	{
 		const NodeShape* const before = soft->impl().shape.get();
-		const btVector3 way( btScalar( corner & 1 ? 1 : -1 ), btScalar( corner & 2 ? 1 : -1 ), btScalar( corner & 4 ? 1 : -1 ) );
-		ASSERT_GT( soft->cutPlane( btVector3( 0, 2, 0 ) + btScalar( 0.33 ) * way, way ), 0 );
+		const btVector3 direction( btScalar( corner & 1 ? 1 : -1 ), btScalar( corner & 2 ? 1 : -1 ), btScalar( corner & 4 ? 1 : -1 ) );
+		ASSERT_GT( soft->cutPlane( btVector3( 0, 2, 0 ) + btScalar( 0.33 ) * direction, direction ), 0 );
 		test.run( 1 );
 		ASSERT_EQ( test.world.softBodyCount(), corner + 2 );
 		kept += soft->impl().shape.get() == before ? 1 : 0;

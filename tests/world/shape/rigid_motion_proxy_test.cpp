@@ -48,7 +48,7 @@ TEST( RigidMotionProxy, DoesNotSpinNearlyCollinearFragments )
 		std::printf( "%g cells beside a line: %.1f m/s\n", double( beside ), bar.fastest() );
 		EXPECT_LT( bar.fastest(), 1.0 ) << beside;
 		RigidMotionProxy( bar.body ).turn( Vec3d( 0, 0, bar.impulse() ) );
-		EXPECT_GT( bar.fastest(), 0.1 ) << "about other axes it turns";
+		EXPECT_GT( bar.fastest(), 0.1 ) << "it rotates about other axes";
 	}
 }
 
