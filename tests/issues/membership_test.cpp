@@ -199,7 +199,7 @@ TEST( Membership, TheRigidBodyThatAManifoldNamesIsRemovedAsItsSoftBody )
 		t.world.addRigidBody( named );
 		t.world.addRigidBody( named, 1, -1 );
 		t.world.addCollisionObject( named );
-		EXPECT_EQ( t.world.getNumCollisionObjects(), 2 ) << "it is in no world";
+		EXPECT_EQ( t.world.getNumCollisionObjects(), 2 ) << "a contact proxy is not added to the world";
 		t.world.removeRigidBody( named );
 		EXPECT_EQ( t.world.softBodyCount(), 0 );
 		EXPECT_EQ( body->getBroadphaseHandle(), nullptr );

@@ -91,14 +91,14 @@ protected:
 		return run( own.world, *plate, course, [body] { return btTransform( body->bestFitTransform().getBasis(), body->massCentre() ); } );
 	}
 
-	static void expectCarried( const Course& course, bool isTurned = false )
+	static void expectCarried( const Course& course, bool isRotated = false )
 	{
 		const Carried twin = rigid( course );
 		for ( const float youngsModulus : { 5e4f, 1e6f } )
 		{
 			const Carried found = soft( course, youngsModulus );
 			SCOPED_TRACE( youngsModulus );
-			if ( isTurned )
+			if ( isRotated )
 			{
 				EXPECT_NEAR( found.angle, twin.angle, btScalar( 0.03 ) * btFabs( twin.angle ) );
 				continue;

@@ -41,7 +41,7 @@ TEST( PutInside, OneAnother )
 		test::PutInside how;
 		how.what = test::Inside::Cube;
 		how.depth = apart;
-		how.isTurned = apart == 0.33;
+		how.isRotated = apart == 0.33;
 		expectOut( how );
 	}
 }

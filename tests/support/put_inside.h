@@ -24,7 +24,7 @@ struct PutInside
 	double depth = 0.1; ///< m
 	Elasticity elasticity = Elasticity::Explicit;
 	double youngsModulus = 1e6;
-	bool isTurned = false;
+	bool isRotated = false;
 	int coarseLevels = 0;
 };
 
@@ -70,7 +70,7 @@ inline CameOut putInside( const PutInside& how )
 	Adaptivity adaptivity;
 	adaptivity.coarseLevels = how.coarseLevels;
 	const auto shape = cubeTemplate( 0.6f, 6 );
-	const btQuaternion turn = how.isTurned ? btQuaternion( btVector3( 0, 1, 0 ), btScalar( 0.5 ) ) : btQuaternion::getIdentity();
+	const btQuaternion turn = how.isRotated ? btQuaternion( btVector3( 0, 1, 0 ), btScalar( 0.5 ) ) : btQuaternion::getIdentity();
 	const btVector3 centre( 0, 1, 0 );
 	std::vector<SoftBody*> bodies;
 	if ( how.what == Inside::StaticBox )
@@ -106,8 +106,8 @@ inline CameOut putInside( const PutInside& how )
 		how.what == Inside::Floor      ? "sunk into a floor"
 			: how.what == Inside::Cube ? "another cube"
 									   : "a static box",
-		how.depth, how.elasticity == Elasticity::Implicit ? "implicit" : "explicit", how.youngsModulus, how.isTurned ? "turned" : "aligned",
-		how.coarseLevels, out.fastest, out.highest, out.nearest );
+		how.depth, how.elasticity == Elasticity::Implicit ? "implicit" : "explicit", how.youngsModulus,
+		how.isRotated ? "turned" : "aligned", how.coarseLevels, out.fastest, out.highest, out.nearest );
 	return out;
 }
 

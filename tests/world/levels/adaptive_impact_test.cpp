@@ -116,7 +116,7 @@ double mostEnergy( const Impact& impact, const btQuaternion& turn, int& splits )
 }
 
 /// Arbitrary rotations.
-btQuaternion turnOf( int k )
+btQuaternion rotationOf( int k )
 {
 	return btQuaternion(
 		btVector3( std::cos( btScalar( k ) ), btScalar( 0.4 ), std::sin( btScalar( 2 * k ) ) ).normalized(), btScalar( 0.3 + 0.5 * k ) );
@@ -137,7 +137,7 @@ TEST( AdaptiveImpact, AddsNoEnergy )
 		int splits = 0;
 		for ( int k = 0; k < 10; ++k )
 		{
-			most = std::max( most, mostEnergy( impact, turnOf( k ), splits ) );
+			most = std::max( most, mostEnergy( impact, rotationOf( k ), splits ) );
 		}
 		EXPECT_GT( splits, 0 );
 		EXPECT_LT( most, 1.001 ) << "ground " << int( impact.ground ) << ", E " << impact.modulus
@@ -180,7 +180,7 @@ TEST( AdaptiveImpact, NodesCreatedInTheFloorComeOut )
 			settings.refinesOnContact = k % 2 == 1;
 			settings.refineStrain = k % 2 == 1 ? 0.0f : 0.03f;
 			SoftBody* const soft = test.addSoft(
-				block( 6, 6, 6, 0.1f ), btTransform( turnOf( k ), btVector3( 0, 1, 0 ) ), material, settings );
+				block( 6, 6, 6, 0.1f ), btTransform( rotationOf( k ), btVector3( 0, 1, 0 ) ), material, settings );
 			btScalar deepest = 0; // m
 			const auto depth = [soft] {
 				btScalar most = 0;
