@@ -23,7 +23,7 @@ TEST( Body, RefusesAnEmptyLatticeAndABadMaterial )
 	EXPECT_FALSE( made.value );
 }
 
-TEST( Body, WeighsWhatItsMaterialSays )
+TEST( Body, HasTheMassOfItsMaterial )
 {
 	Material material;
 	material.density = 500.0f;
@@ -34,7 +34,7 @@ TEST( Body, WeighsWhatItsMaterialSays )
 	EXPECT_NEAR( body->sums().mass, 1000.0 * 0.5 * 0.4 * 0.3, 1e-4 );
 }
 
-TEST( Body, StandsWhereItIsPlaced )
+TEST( Body, IsWhereItIsPlaced )
 {
 	const auto body = test::makeBlock( 5, 4, 3, 0.1f );
 	const Placement placement{ Eigen::Quaterniond( Eigen::AngleAxisd( 1.0, Vec3d( 1, 1, 0 ).normalized() ) ), Vec3d( 1000, -2, 3 ) };
@@ -69,7 +69,7 @@ TEST( Body, ForgetsItsHistoryWhenPlacedAgain )
 	EXPECT_EQ( std::memcmp( fresh->nodes().x.x.data(), used->nodes().x.x.data(), sizeof( float ) * fresh->nodeCount() ), 0 );
 }
 
-TEST( Body, TurnsItsVelocitiesAndResidualsAlongWhenTeleported )
+TEST( Body, RotatesVelocitiesAndResidualsWhenTeleported )
 {
 	const auto home = test::makeBlock( 5, 4, 3, 0.1f ), away = test::makeBlock( 5, 4, 3, 0.1f );
 	const Placement by{ Eigen::Quaterniond( Eigen::AngleAxisd( 2.0, Vec3d( 1, 2, 3 ).normalized() ) ), Vec3d( 7, 8, 9 ) };
@@ -112,9 +112,9 @@ TEST( Body, PinnedNodesKeepTheVelocityTheyAreGiven )
 	EXPECT_NEAR( body->nodes().x.get( 3 ).x() - moving.x(), 0.25f, 1e-5f );
 }
 
-TEST( Body, ComputesFarOutAsAtHome )
+TEST( Body, ComputesFarOutAsAtTheOrigin )
 {
-	// 100 km from the origin every node does what it does at home, to the bit: the state is kept relative to the body.
+	// 100 km from the origin every node computes bit-identical results, because the state is relative to the body.
 	const auto home = test::makeBlock( 5, 5, 5, 0.1f ), away = test::makeBlock( 5, 5, 5, 0.1f );
 	away->place( Placement{ Eigen::Quaterniond::Identity(), Vec3d( 1e5, -1e5, 1e5 ) } );
 	for ( Body* body : { home.get(), away.get() } )
@@ -123,7 +123,7 @@ TEST( Body, ComputesFarOutAsAtHome )
 		{
 			body->nodes().v.set( i, Vec3( 3, 1, 2 ) + Vec3( 0, 4, 0 ).cross( body->nodes().x.get( i ) ) );
 		}
-		for ( int k = 0; k < 2400; ++k ) // travels 37 m: the origin follows several times
+		for ( int k = 0; k < 2400; ++k ) // travels 37 m; the origin follows several times
 		{
 			test::substep( *body, kStep, 0.4f );
 		}
@@ -133,7 +133,7 @@ TEST( Body, ComputesFarOutAsAtHome )
 	EXPECT_EQ( std::memcmp( home->nodes().v.z.data(), away->nodes().v.z.data(), sizeof( float ) * home->nodeCount() ), 0 );
 }
 
-TEST( Body, IsPutBackAndStoppedWhenANumberStopsBeingFinite )
+TEST( Body, IsResetAndStoppedAtANonFiniteNumber )
 {
 	const auto body = test::makeBlock( 5, 5, 5, 0.1f );
 	for ( float bad : { std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity() } )
@@ -163,12 +163,12 @@ TEST( Body, IsPutBackAndStoppedWhenANumberStopsBeingFinite )
 			const BodySums sums = body->sums();
 			EXPECT_EQ( sums.kineticEnergy, 0.0 );
 			EXPECT_LT( ( body->bestFit().position - before ).norm(), 1e-6 );
-			EXPECT_EQ( test::substep( *body, kStep, 0.5f ), BodyHealth::Good ); // and it can go on from there
+			EXPECT_EQ( test::substep( *body, kStep, 0.5f ), BodyHealth::Good ); // the simulation can continue
 		}
 	}
 }
 
-TEST( Body, TakesASingleCell )
+TEST( Body, SupportsASingleCell )
 {
 	const auto body = test::makeBlock( 1, 1, 1, 0.1f );
 	for ( int k = 0; k < 240; ++k )

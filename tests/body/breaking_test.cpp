@@ -1,4 +1,4 @@
-// A body that breaks: what its pieces have together, and that each is a body like any other. Ohta et al. 2009, "Fracturing".
+// A body that breaks: conserved totals over its pieces, and each piece as an independent body. Ohta et al. 2009, "Fracturing".
 
 #include "body/breaking.h"
 #include "body/levels/levels.h"
@@ -40,7 +40,7 @@ std::vector<CellLink> linksAcross( const Lattice& lattice, const Vec3& normal, f
 	return links;
 }
 
-/// Turning, pulsing, thrown: everything moves.
+/// Adds rotation, pulsation and translation.
 void stir( Body& body, unsigned seed )
 {
 	test::Seeded random( seed );
@@ -70,7 +70,7 @@ void add( Whole& whole, const Body& body )
 	whole.spin += sums.spin + ( body.nodes().origin + sums.centre ).cross( sums.momentum );
 }
 
-TEST( Breaking, RefusesWhatMakesNoSense )
+TEST( Breaking, RefusesInvalidSettings )
 {
 	const auto lattice = std::make_shared<const Lattice>( makeBlockLattice( 3, 3, 3, 0.1f ) );
 	auto body = makeBody( lattice );
@@ -89,7 +89,7 @@ TEST( Breaking, RefusesWhatMakesNoSense )
 	ToughnessField field;
 	field.fraction = []( const float*, const float*, void* ) { return 0.0f; };
 	EXPECT_EQ( body->setFracture( fracture, field ).code, ResultCode::BadArgument );
-	EXPECT_NE( body->breaking(), nullptr ); // what was there before stays
+	EXPECT_NE( body->breaking(), nullptr ); // the settings stay as they were
 	Material cluster;
 	cluster.method = Method::SingleCluster;
 	EXPECT_EQ( makeBody( lattice, {}, cluster )->setFracture( fracture ).code, ResultCode::BadArgument );
@@ -109,7 +109,7 @@ TEST( Breaking, RefusesWhatMakesNoSense )
 	EXPECT_EQ( body->breaking(), nullptr );
 }
 
-// Uniform and on levels, through a shape of any form, cut in half by a slanted plane while it tumbles.
+// Uniform bodies and bodies with levels, cut in half by a slanted plane while tumbling.
 TEST( Breaking, PiecesKeepMassMomentumSpinAndEnergy )
 {
 	for ( const int coarse : { 0, 2 } )
@@ -153,9 +153,9 @@ TEST( Breaking, PiecesKeepMassMomentumSpinAndEnergy )
 	}
 }
 
-TEST( Breaking, PiecesGoOnLikeBodiesOfTheirOwn )
+TEST( Breaking, PiecesAreIndependentBodies )
 {
-	// A bar at rest, cut in two: nothing moves. Stirred: each half keeps its own momentum and spin, and comes back to its rest shape.
+	// A bar is cut in two. At rest nothing moves. Stirred, each half keeps its momentum and angular momentum and returns to its rest shape.
 	const auto lattice = std::make_shared<const Lattice>( makeBlockLattice( 12, 4, 4, 0.05f ) );
 	for ( const int coarse : { 0, 1 } )
 	{
@@ -182,7 +182,7 @@ TEST( Breaking, PiecesGoOnLikeBodiesOfTheirOwn )
 			add( after, *piece.body );
 			EXPECT_NEAR( ( after.momentum - before.momentum ).norm() / before.momentum.norm(), 0.0, 1e-5 );
 			EXPECT_NEAR( ( after.spin - before.spin ).norm() / before.spin.norm(), 0.0, 1e-4 );
-			EXPECT_LE( after.energy, before.energy * 1.001 + 0.5 * before.energy ); // what was stretched may come out
+			EXPECT_LE( after.energy, before.energy * 1.001 + 0.5 * before.energy ); // stored elastic energy may be released
 			const Placement fit = piece.body->bestFit();
 			double worst = 0.0;
 			for ( int i = 0; i < piece.body->nodeCount(); ++i )
@@ -190,14 +190,14 @@ TEST( Breaking, PiecesGoOnLikeBodiesOfTheirOwn )
 				const Vec3d at = fit.position + fit.rotation * piece.body->nodes().x0.get( i ).cast<double>();
 				worst = std::max( worst, ( piece.body->nodes().worldPosition( i ) - at ).norm() );
 			}
-			EXPECT_LT( worst, 0.02 ); // it still turns
+			EXPECT_LT( worst, 0.02 ); // it still rotates
 		}
 	}
 }
 
-TEST( Breaking, WhatIsPulledTooFarBreaksWhereItIsWeakest )
+TEST( Breaking, ABarPulledTooFarBreaksAtItsWeakestLayer )
 {
-	// Both ends are pulled apart slowly; the middle layer is half as tough.
+	// Both ends are pulled apart slowly; the middle layer has half the toughness.
 	for ( const int coarse : { 0, 1 } )
 	{
 		const auto lattice = std::make_shared<const Lattice>( makeBlockLattice( 16, 4, 4, 0.05f ) );
@@ -245,9 +245,9 @@ TEST( Breaking, WhatIsPulledTooFarBreaksWhereItIsWeakest )
 	}
 }
 
-TEST( Breaking, PiecesAreMergedAsFarAsTheWholeWas )
+TEST( Breaking, PiecesAreMergedAsFarAsTheBodyWas )
 {
-	// Blocks of four cells: the slice has a quarter of four of them, too little to be nodes of a body of its own.
+	// Blocks of four cells: the slice has a quarter of each of four blocks, too little for nodes of its own.
 	const auto lattice = std::make_shared<const Lattice>( makeBlockLattice( 8, 8, 8, 0.1f ) );
 	Adaptivity settings;
 	settings.coarseLevels = 2;
@@ -273,15 +273,15 @@ TEST( Breaking, PiecesAreMergedAsFarAsTheWholeWas )
 	}
 }
 
-TEST( Breaking, PiecesHaveAsManyFarLevelsAsTheyAreLongEnoughFor )
+TEST( Breaking, PiecesHaveTheFarLevelsOfTheirLength )
 {
 	Material material;
-	material.youngsModulus = 1e7f; // out of the finest level's reach
+	material.youngsModulus = 1e7f; // beyond the reach of the finest level
 	material.farLevels = 3;
 	const auto lattice = std::make_shared<const Lattice>( makeBlockLattice( 48, 4, 4, 0.1f ) );
 	auto body = makeBody( lattice, {}, material );
 	stir( *body, 7 );
-	body->breakLinks( linksAcross( *lattice, Vec3::UnitX(), -0.8f ) ); // 16 and 32 cells
+	body->breakLinks( linksAcross( *lattice, Vec3::UnitX(), -0.8f ) ); // pieces of 16 and 32 cells
 	BreakReport report;
 	Whole before, after;
 	add( before, *body );
@@ -300,7 +300,7 @@ TEST( Breaking, PiecesHaveAsManyFarLevelsAsTheyAreLongEnoughFor )
 	EXPECT_LT( ( after.momentum - before.momentum ).norm(), 1e-5 * before.momentum.norm() );
 }
 
-TEST( Breaking, InPlaneModeABarPartsAcrossThePullAtWhatWasSet )
+TEST( Breaking, InPlaneModeABarBreaksAcrossThePullAtTheSetStrain )
 {
 	// More angles: pliant_experiments pull. At 10 degrees, on one level, cells beside big nodes are stretched nearly twice as far.
 	for ( const int coarse : { 0, 1, 2 } )
@@ -315,7 +315,7 @@ TEST( Breaking, InPlaneModeABarPartsAcrossThePullAtWhatWasSet )
 	}
 }
 
-TEST( Breaking, MoreThanTheMostPiecesStayWithTheHeaviest )
+TEST( Breaking, PiecesBeyondTheLimitStayWithTheHeaviest )
 {
 	const auto lattice = std::make_shared<const Lattice>( makeBlockLattice( 9, 2, 2, 0.1f ) );
 	auto body = makeBody( lattice );
@@ -342,8 +342,8 @@ TEST( Breaking, MoreThanTheMostPiecesStayWithTheHeaviest )
 	EXPECT_NEAR( pieces[0].body->sums().momentum.norm(), 0.0, 1e-9 );
 }
 
-// The slow twin: what a piece's regions know, taken over where nothing changed, against the same from nothing.
-TEST( Breaking, TablesOfPiecesAreThoseFromNothing )
+// Compares a piece's region tables, which reuse unchanged data, with the reference implementation that builds them anew.
+TEST( Breaking, TablesOfPiecesEqualNewOnes )
 {
 	for ( unsigned seed = 1; seed <= 12; ++seed )
 	{
@@ -385,7 +385,7 @@ TEST( Breaking, TablesOfPiecesAreThoseFromNothing )
 	}
 }
 
-TEST( Breaking, FlowedShapesGoAlong )
+TEST( Breaking, PiecesKeepPlasticShapes )
 {
 	Material material;
 	material.yieldStrain = 0.01f;
@@ -402,7 +402,7 @@ TEST( Breaking, FlowedShapesGoAlong )
 		substep( *body, 1.0f / 240.0f, 0.5f );
 	}
 	const float longer = body->nodes().x.get( 7 ).x() - body->nodes().x.get( 0 ).x();
-	ASSERT_GT( longer, 1.1f * 0.35f ); // some of it stays
+	ASSERT_GT( longer, 1.1f * 0.35f ); // part of the stretch is permanent
 	body->breakLinks( linksAcross( *lattice, Vec3::UnitX(), 0.0f ) );
 	BreakReport report;
 	std::vector<BodyPiece> pieces = body->breakApart( report, 10 );

@@ -1,4 +1,4 @@
-// How often a body with cracks is looked at: cracks run no faster than half of what waves do.
+// The interval between break tests of a cracked body: cracks propagate at half the wave speed at most.
 
 #include "body/body.h"
 #include "body/breaking.h"
@@ -10,11 +10,11 @@ namespace {
 
 constexpr float kStep = 1.0f / 240.0f;
 
-/// A slab that is weak in the middle of one side, drawn out by hand.
+/// A slab that is weak in the middle of one side, stretched by displacing its nodes.
 std::unique_ptr<Body> pulledSlab( Stiffness stiffness )
 {
 	Material material;
-	material.youngsModulus = 2.5e4f; // waves: 5 m/s, so that a cell takes a crack 40 ms
+	material.youngsModulus = 2.5e4f; // wave speed 5 m/s, so that a crack crosses a cell in 40 ms
 	material.stiffness = stiffness;
 	auto made = Body::create( std::make_shared<const Lattice>( makeBlockLattice( 8, 12, 3, 0.1f ) ), material, {}, nullptr, {} );
 	EXPECT_TRUE( made.ok() );
@@ -32,7 +32,7 @@ std::unique_ptr<Body> pulledSlab( Stiffness stiffness )
 	return std::move( made.value );
 }
 
-/// Substeps until the next look.
+/// Returns the number of substeps until the next break test.
 int untilLook( Body& body )
 {
 	int steps = 0;
@@ -54,14 +54,14 @@ std::unique_ptr<Body> cracked( std::unique_ptr<Body> body )
 	return std::move( pieces[0].body );
 }
 
-TEST( CrackSpeed, IsHalfOfWhatWavesHave )
+TEST( CrackSpeed, IsHalfTheWaveSpeed )
 {
 	std::unique_ptr<Body> body = cracked( pulledSlab( Stiffness::YoungsModulus ) );
-	EXPECT_EQ( untilLook( *body ), 10 ); // 41.7 ms; nine substeps are more than half a substep short of 40
+	EXPECT_EQ( untilLook( *body ), 10 ); // 41.7 ms; nine substeps are more than half a substep short of 40 ms
 	EXPECT_EQ( untilLook( *body ), 10 );
 }
 
-TEST( CrackSpeed, WhatIsSoundIsLookedAtInEverySubstep )
+TEST( CrackSpeed, IntactBodiesAreTestedInEverySubstep )
 {
 	std::unique_ptr<Body> body = pulledSlab( Stiffness::YoungsModulus );
 	for ( int i = 0; i < body->nodeCount(); ++i )
@@ -74,8 +74,8 @@ TEST( CrackSpeed, WhatIsSoundIsLookedAtInEverySubstep )
 	}
 }
 
-/// Nothing is known of waves where the stiffness is a bare number.
-TEST( CrackSpeed, IsNotKnownOfRawAlpha )
+/// The wave speed is unknown where the stiffness is a bare alpha.
+TEST( CrackSpeed, IsUnknownForRawAlpha )
 {
 	std::unique_ptr<Body> body = cracked( pulledSlab( Stiffness::RawAlpha ) );
 	EXPECT_EQ( untilLook( *body ), 1 );

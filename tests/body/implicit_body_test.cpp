@@ -1,4 +1,4 @@
-// The implicit substep of a body that touches nothing.
+// The implicit substep of a body without contacts.
 
 #include "body/implicit_motion.h"
 #include "support/block_body.h"
@@ -15,7 +15,7 @@ namespace {
 
 constexpr float kStep = 1.0f / 60.0f;
 
-/// An elastic material whose alpha at a sixtieth of a second on cells of 0.1 m is about this.
+/// An elastic material with about this alpha at a sixtieth of a second and cells of 0.1 m.
 Material material( float alpha, float numericalDamping, int halfWidth = 1 )
 {
 	Material m;
@@ -37,8 +37,8 @@ int implicitSubstep( Body& body, float h, const Vec3& gravity = Vec3::Zero() )
 	return products;
 }
 
-/// Of the regions' springs, in units of the masses' energy at G: alpha / ( 2 h^2 ) sum a |x - goal|^2 is not at hand; the nodes' distance
-/// from the best rigid placement bounds it, and the kinetic energy is exact.
+/// Bounds the elastic energy, in units of the masses' energy at G: alpha / ( 2 h^2 ) sum a |x - goal|^2 is not accessible, but the nodes'
+/// distance from the best rigid placement bounds it. The kinetic energy is exact.
 double stretch( const Body& body )
 {
 	return test::shapeError( body );
@@ -69,7 +69,7 @@ TEST( ImplicitBody, ComesToRestFromAnyStretchAndNeverGainsEnergy )
 	}
 }
 
-TEST( ImplicitBody, ComesBackFromOnePoint )
+TEST( ImplicitBody, RecoversFromASinglePoint )
 {
 	for ( const float alpha : { 0.5f, 300.0f } )
 	{
@@ -113,7 +113,7 @@ TEST( ImplicitBody, KeepsMomentumAndSpinInFreeFlight )
 	}
 }
 
-/// Largest and last shape error of a block that was pressed by a fifth from all sides and let go.
+/// Returns the largest and the last shape error of a block that is compressed by a fifth from all sides and released.
 std::pair<double, double> ringing( const Material& m )
 {
 	auto body = test::makeBlock( 6, 6, 6, 0.1f, m );
@@ -131,7 +131,7 @@ std::pair<double, double> ringing( const Material& m )
 	return { most, last };
 }
 
-TEST( ImplicitBody, IsDampedAsItAsks )
+TEST( ImplicitBody, HasTheSetDamping )
 {
 	Material m = material( 0.5f, 0.0f );
 	const double undamped = ringing( m ).second;
@@ -148,14 +148,14 @@ TEST( ImplicitBody, WithKeptVolumeIsSafeHoweverStiff )
 	{
 		Material m = material( alpha, 0.0f );
 		m.volumeKeeping = 2.0f;
-		const double first = 0.2 * std::sqrt( 3.0 * 35.0 / 12.0 ) * 0.1; // pressed by a fifth: of the root mean square arm of 6 cells
+		const double first = 0.2 * std::sqrt( 3.0 * 35.0 / 12.0 ) * 0.1; // compressed by a fifth, times the root mean square arm of 6 cells
 		EXPECT_LT( ringing( m ).first, 1.5 * first ) << alpha;
 	}
 }
 
-TEST( ImplicitBody, HangsAsLongAsElasticityTellsWhateverTheStep )
+TEST( ImplicitBody, SagsByTheoryAtAnyStep )
 {
-	// A bar of 16 cells, held at its top layer: sag of the free end rho g L^2 / ( 2 E ).
+	// A bar of 16 cells, held at its top layer; sag of the free end rho g L^2 / ( 2 E ).
 	for ( const int w : { 1, 2 } )
 	{
 		for ( const float step : { 1.0f / 30.0f, 1.0f / 60.0f, 1.0f / 240.0f } )
@@ -186,7 +186,8 @@ TEST( ImplicitBody, HangsAsLongAsElasticityTellsWhateverTheStep )
 			{
 				implicitSubstep( *body, step, Vec3( 0, -9.81f, 0 ) );
 			}
-			const double length = 1.5, sag = 1000.0 * 9.81 * ( length * 1.55 - 0.5 * length * length ) / 1e6; // the last layer's middle
+			const double length = 1.5,
+						 sag = 1000.0 * 9.81 * ( length * 1.55 - 0.5 * length * length ) / 1e6; // at the middle of the last layer
 			std::printf( "w %d h 1/%.0f: sag %.5f of %.5f, %+.1f %%\n", w, 1.0 / double( step ), before - lowest(), sag,
 				100.0 * ( ( before - lowest() ) / sag - 1.0 ) );
 			EXPECT_NEAR( ( before - lowest() ) / sag, 1.0, w == 1 ? 0.02 : 0.06 );
@@ -194,9 +195,9 @@ TEST( ImplicitBody, HangsAsLongAsElasticityTellsWhateverTheStep )
 	}
 }
 
-TEST( ImplicitBody, RingsOnWhereItAsksForNoDamping )
+TEST( ImplicitBody, OscillatesFreelyWithoutDamping )
 {
-	// Free bending of a bar: amplitude left after five periods, and the period.
+	// Free bending of a bar: the remaining amplitude after five periods, and the period.
 	for ( const float sigma : { 0.0f, 1.0f } )
 	{
 		Material m = material( 1.0f, sigma );
@@ -210,7 +211,7 @@ TEST( ImplicitBody, RingsOnWhereItAsksForNoDamping )
 		{
 			body->nodes().x.y[i] += 0.01f * float( shape( i ) );
 		}
-		// Both ends against the middle.
+		// Deflection of both ends against the middle.
 		const auto bend = [&] {
 			double ends = 0.0, middle = 0.0;
 			for ( int i = 0; i < body->nodeCount(); ++i )

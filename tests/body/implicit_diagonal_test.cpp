@@ -1,4 +1,4 @@
-// The diagonal of the implicit step's operator, of nodes of all sizes in whole and in torn bodies.
+// The diagonal of the implicit operator for nodes of all sizes in intact and torn bodies.
 
 #include "body/implicit_levels_case.h"
 
@@ -14,7 +14,7 @@ namespace {
 
 using namespace implicit_case;
 
-/// A block of which four in ten links are left: regions of a few nodes, in lines and planes.
+/// A block with four tenths of its links: regions of a few nodes, in lines and planes.
 Lattice tornBlock()
 {
 	Lattice lattice = makeBlockLattice( 12, 8, 8, 0.1f );
@@ -42,9 +42,9 @@ Lattice tornBlock()
 	return lattice;
 }
 
-// What stands in front of the system is made of it. Of fifteen elephants that break, nodes were taken for up to 23 times as easy to move as
-// they are, and a solution took an eighth more products.
-TEST( ImplicitLevels, NameTheirDiagonal )
+// The preconditioner is built from this diagonal. An estimate that makes nodes up to 23 times too easy to move costs an eighth more
+// products with fifteen breaking elephants.
+TEST( ImplicitLevels, ComputeTheirDiagonal )
 {
 	for ( const Rule& rule : rules() )
 	{

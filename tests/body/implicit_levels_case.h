@@ -1,6 +1,6 @@
 #pragma once
 
-// Bodies with levels of detail that step implicitly, and their operator.
+// Implicit bodies with levels of detail, and their operator.
 
 #include "body/levels/levels.h"
 #include "matching/implicit/strain_rates.h"
@@ -43,7 +43,7 @@ inline std::unique_ptr<Body> make( int nx, int ny, int nz, const Material& m, co
 	return std::move( made.value );
 }
 
-/// Splits every node of the first cut that lies at positive x: nodes of all sizes side by side.
+/// Splits every node of the first cut at positive x, so that nodes of all sizes are neighbours.
 inline void splitHalf( Body& body )
 {
 	for ( int round = 0; round < 2; ++round )
@@ -73,7 +73,7 @@ struct Rates
 		rates.resist( in.data(), stiffness, out.data(), nullptr );
 		return std::vector<float>( out.begin(), out.end() );
 	}
-	/// What `of( node )` gives, component by component.
+	/// Returns the values of `of( node )`, component by component.
 	template <class Of>
 	std::vector<float> field( Of of ) const
 	{

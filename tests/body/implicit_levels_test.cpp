@@ -1,5 +1,4 @@
-// The implicit substep of bodies with levels of detail: the operator of their regions, and what it must keep while nodes are split and
-// merged.
+// The implicit substep of bodies with levels of detail: the operator of their regions, and conservation while nodes are split and merged.
 
 #include "body/implicit_levels_case.h"
 #include "body/implicit_motion.h"
@@ -16,8 +15,8 @@ namespace {
 
 using namespace implicit_case;
 
-/// - m dv of one explicit step of alpha from the nodes moved by `move` from rest, in the masses' and the move's units: minus the elastic
-/// force's derivative along it.
+/// Returns - m dv of one explicit step of alpha from the rest positions displaced by `move`, in units of mass and displacement: minus the
+/// directional derivative of the elastic force.
 std::vector<float> forceOf( Rates& r, const std::vector<float>& move )
 {
 	NodeState& nodes = r.body.nodes();
@@ -53,7 +52,7 @@ TEST( ImplicitLevels, TheirOperatorIsSymmetricLeavesRigidMotionsAndBoundsTheForc
 		{
 			const std::vector<float> a = noise(), b = noise(), ka = r( a, 100.0f ), kb = r( b, 100.0f );
 			EXPECT_NEAR( product( b, ka ) / product( a, kb ), 1.0, 2e-3 ) << rule.name;
-			// v . A v with the stiffness 1 less the masses', against v . f of a small move.
+			// v . A v with the stiffness 1, without the masses' part, against v . f of a small displacement.
 			std::vector<float> small = a;
 			for ( float& value : small )
 			{
@@ -66,7 +65,7 @@ TEST( ImplicitLevels, TheirOperatorIsSymmetricLeavesRigidMotionsAndBoundsTheForc
 		}
 		std::printf( "%s: the force's derivative is %.3f to %.3f of the operator\n", rule.name, least, most );
 		EXPECT_LT( most, 1.0 + 2e-3 ) << rule.name;
-		EXPECT_GT( least, 0.4 ) << rule.name; // noise is mostly what eta lets go
+		EXPECT_GT( least, 0.4 ) << rule.name; // noise is mostly what eta releases
 		const std::vector<float> turn = r.field(
 			[&]( int i ) { return Vec3( Vec3( 1, 2, -1 ) + Vec3( 0.5f, -1.0f, 2.0f ).cross( body->nodes().x.get( i ) ) ); } );
 		const std::vector<float> free = masses( turn ), stiff = r( turn, 3000.0f );
@@ -79,7 +78,7 @@ TEST( ImplicitLevels, TheirOperatorIsSymmetricLeavesRigidMotionsAndBoundsTheForc
 	}
 }
 
-// Regions of a plate differ by direction: stretched along each axis, what they ask for is bounded by the largest of it and not by the mean.
+// The regions of a plate are anisotropic: stretched along each axis, their force is bounded by the largest stretch and not by the mean.
 TEST( ImplicitLevels, TheirOperatorBoundsStretchAlongEachAxis )
 {
 	for ( const Eigen::Vector3i& size : { Eigen::Vector3i( 12, 8, 8 ), Eigen::Vector3i( 12, 12, 3 ), Eigen::Vector3i( 16, 3, 3 ) } )
@@ -96,7 +95,7 @@ TEST( ImplicitLevels, TheirOperatorBoundsStretchAlongEachAxis )
 			const double force = product( move, forceOf( r, move ) ),
 						 own = product( move, r( move, 1.0f ) ) - product( move, r( move, 0.0f ) );
 			std::printf( "%d x %d x %d along %d: %.3e of %.3e\n", size.x(), size.y(), size.z(), axis, force, own );
-			EXPECT_LE( force, ( 1.0 + 2e-3 ) * own ); // a plate of one big node has neither across itself
+			EXPECT_LE( force, ( 1.0 + 2e-3 ) * own ); // a plate of one big node has no stiffness across itself
 			EXPECT_GE( force, 0.6 * own );
 		}
 	}
@@ -155,7 +154,7 @@ TEST( ImplicitLevels, OfFinestCellsAloneAreTheUniformBody )
 			EXPECT_EQ( body->integrate( kStep ), BodyHealth::Good );
 		}
 	}
-	// Nodes stand in another order, so sums are rounded otherwise: the places, not the bits.
+	// Nodes are ordered differently, so sums round differently: positions agree, but not to the bit.
 	double apart = 0.0;
 	for ( int i = 0; i < fine->nodeCount(); ++i )
 	{
@@ -193,8 +192,8 @@ TEST( ImplicitLevels, GiveTheSameBitsOnEveryInstructionSet )
 	}
 }
 
-// Nodes of all sizes have rows of all lengths; 12 x 8 x 8 cells make several tiles, the last of them not full.
-TEST( ImplicitLevels, SumTheirRowsSideBySideAsOneByOne )
+// Nodes of all sizes have rows of all lengths; 12 x 8 x 8 cells make several tiles, the last one partial.
+TEST( ImplicitLevels, SumRowsInBatchesToTheSameBits )
 {
 	for ( const Rule& rule : rules() )
 	{
@@ -216,7 +215,7 @@ TEST( ImplicitLevels, SumTheirRowsSideBySideAsOneByOne )
 	}
 }
 
-/// A bar of 16 cells, held at its top, a while after it was let go.
+/// A bar of 16 cells, held at its top, some time after its release.
 std::unique_ptr<Body> hung( const Adaptivity& settings, Elasticity elasticity )
 {
 	Material m = material( 1.0f );
@@ -257,9 +256,9 @@ TEST( ImplicitLevels, HangAsTheyDoExplicitly )
 		double sag = 0.0, apart = 0.0;
 		for ( int i = 0; i < explicitOne->nodeCount(); ++i )
 		{
-			const Vec3d place = explicitOne->nodes().worldPosition( i );
-			sag = std::max( sag, ( place - explicitOne->nodes().x0.get( i ).cast<double>() ).norm() );
-			apart = std::max( apart, ( place - implicitOne->nodes().worldPosition( i ) ).norm() );
+			const Vec3d position = explicitOne->nodes().worldPosition( i );
+			sag = std::max( sag, ( position - explicitOne->nodes().x0.get( i ).cast<double>() ).norm() );
+			apart = std::max( apart, ( position - implicitOne->nodes().worldPosition( i ) ).norm() );
 		}
 		std::printf( "%s: sag %.5f m, nodes %.1e m apart\n", rule.name, sag, apart );
 		EXPECT_GT( sag, 0.004 ) << rule.name;
@@ -275,7 +274,7 @@ TEST( ImplicitLevels, KeepMomentumAndSpinInFreeFlightWhileNodesAreSplitAndMerged
 		settings.refineStrain = 0.02f;
 		settings.mergeDelay = 0.1f;
 		Material m = material( alpha );
-		m.numericalDamping = 0.0f; // rings on
+		m.numericalDamping = 0.0f; // undamped oscillation
 		auto body = make( 12, 8, 8, m, settings );
 		for ( int i = 0; i < body->nodeCount(); ++i )
 		{

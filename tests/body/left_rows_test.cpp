@@ -1,4 +1,4 @@
-// What is split above a cut is measured once, with the cut.
+// Rows of nodes that are split ahead of a cut are measured once, together with the cut.
 
 #include "body/breaking.h"
 #include "body/levels/levels.h"
@@ -11,16 +11,16 @@
 namespace pliant {
 namespace {
 
-/// A piece's places are those of the whole, moved: a rounding each.
+/// A piece's positions are those of the whole, translated: one rounding each.
 constexpr float kRounding = 2e-5f;
 
-/// Nodes above the links are split first, and their rows, and those of their neighbours, left to be measured with the cut: by it where one
-/// piece stays, before it where one comes off. With more than one level it is the last split that leaves them.
+/// Nodes above the cut links are split first, and their rows and those of their neighbours are deferred to the cut: measured by it where
+/// one piece remains, before it where a piece comes off. With several levels only the last split defers rows.
 TEST( LeftRows, AreMeasuredWithTheCut )
 {
 	for ( const int coarse : { 1, 2 } )
 	{
-		for ( const int most : { 8, 1 } ) // through all of it; a notch
+		for ( const int most : { 8, 1 } ) // a full cut; a notch
 		{
 			Adaptivity settings;
 			settings.coarseLevels = coarse;

@@ -1,4 +1,4 @@
-// Slow twins of what a change of levels does the short way: tables made from nothing, blends by way of eigenvalues.
+// Reference implementations for the fast paths of a change of levels: tables built anew, blends through eigenvalues.
 
 #include "body/body.h"
 #include "body/levels/levels.h"
@@ -43,7 +43,7 @@ void expectSameTables( const RegionTables& got, const RegionTables& wanted )
 	}
 }
 
-/// Random splits and merges back, with 1 and 3 threads: all tables are those from nothing.
+/// Random splits and merges with 1 and 3 threads: all tables equal those built anew.
 void expectChangesAsFromNothing( const Adaptivity& settings, Material material )
 {
 	const auto lattice = std::make_shared<const Lattice>( test::makeBlobLattice( 18, 0.05f, 6 ) );
@@ -88,7 +88,7 @@ void expectChangesAsFromNothing( const Adaptivity& settings, Material material )
 	}
 }
 
-TEST( Levels, OfEveryRegionRuleChangeAsIfMadeFromNothingOnAnyNumberOfThreads )
+TEST( Levels, OfEveryRegionRuleChangeToTheTablesOfANewBodyOnAnyNumberOfThreads )
 {
 	Adaptivity ours;
 	ours.coarseLevels = 3;
@@ -105,9 +105,9 @@ TEST( Levels, OfEveryRegionRuleChangeAsIfMadeFromNothingOnAnyNumberOfThreads )
 	}
 }
 
-/// How regions are stretched, as the skin asks for it around a change: a few at a time they are to the bit what they are all at once, and
-/// one that a change has not measured anew is stretched as before it.
-TEST( Levels, StretchOfAFewRegionsIsThatOfAllAndStaysWhereNothingChanged )
+/// The deformation of regions, as the skin reads it around a change: computed for a few regions it is bit-identical to that of all at once,
+/// and a region that a change has not measured again keeps its deformation.
+TEST( Levels, StretchOfAFewRegionsEqualsThatOfAllAndIsKept )
 {
 	const auto lattice = std::make_shared<const Lattice>( test::makeBlobLattice( 18, 0.05f, 6 ) );
 	const Material material;
@@ -163,8 +163,8 @@ TEST( Levels, StretchOfAFewRegionsIsThatOfAllAndStaysWhereNothingChanged )
 	EXPECT_EQ( next, change.measured.size() );
 }
 
-/// Big nodes that were touched came in the order of their contacts, not by number, and where one came after another of a later tile, its F
-/// was read from before what had been summed: a flower that a ball rolled over was another from run to run.
+/// Touched big nodes come in the order of their contacts, not by index. The deformations must not depend on that order, also where a node
+/// follows one of a later tile.
 TEST( Levels, StretchOfAFewRegionsIsTheSameInAnyOrder )
 {
 	const auto lattice = std::make_shared<const Lattice>( test::makeBlobLattice( 18, 0.05f, 6 ) );
@@ -198,7 +198,7 @@ TEST( Levels, StretchOfAFewRegionsIsTheSameInAnyOrder )
 	}
 }
 
-TEST( Levels, BlendsByTheShortWayAreThoseByDirections )
+TEST( Levels, FastBlendsEqualThoseByEigenvalues )
 {
 	std::mt19937 random( 9 );
 	std::normal_distribution<double> normal;
@@ -213,12 +213,12 @@ TEST( Levels, BlendsByTheShortWayAreThoseByDirections )
 		EXPECT_LT( difference.norm(), 1e-9 * ( moment.inverse() * fine ).norm() + 1e-9 );
 		limited += ( moment.inverse() * fine - energyBlend( fine, moment ) ).norm() > 1e-6 ? 1 : 0;
 	}
-	EXPECT_GT( limited, 50 ); // both ways were gone
+	EXPECT_GT( limited, 50 ); // both methods were exercised
 	EXPECT_LT( limited, 950 );
 }
 
-/// x + F ( x0_c - x0 ), though F is measured only where a node is more than one cell.
-TEST( LevelChanges, CellsLieWhereTheirNodesRegionsPutThem )
+/// x + F ( x0_c - x0 ), though F is measured only where a node has more than one cell.
+TEST( LevelChanges, CellsFollowTheirNodesRegions )
 {
 	for ( int count = 1; count < 4; ++count )
 	{
@@ -241,8 +241,8 @@ TEST( LevelChanges, CellsLieWhereTheirNodesRegionsPutThem )
 			const int node = body->nodeOfCell( cell );
 			const Vec3 arm = lattice->restCentre[cell] - body->nodes().x0.get( node );
 			const Eigen::Map<const Eigen::Matrix<float, 3, 3, Eigen::RowMajor>> f( gradients.data() + 9 * std::size_t( node ) );
-			const Vec3 place = body->nodes().x.get( node ) + f * arm;
-			EXPECT_EQ( positions[cell], place.cast<double>() );
+			const Vec3 position = body->nodes().x.get( node ) + f * arm;
+			EXPECT_EQ( positions[cell], position.cast<double>() );
 			moved += arm.isZero( 0.0f ) ? 0 : 1;
 		}
 		EXPECT_GT( moved, 100 );

@@ -1,4 +1,4 @@
-// What a change of levels may not do to a body's energy, piece by piece. Whole impacts: RandomImpacts.WhatSplitsByStrain*.
+// Limits on the change of a body's energy by a change of levels, part by part. Whole impacts: RandomImpacts.SplitsByStrainAddNoEnergy.
 
 #include "body/body.h"
 #include "body/levels/level_nodes.h"
@@ -15,7 +15,7 @@
 namespace pliant {
 namespace {
 
-/// A lump of big nodes, by themselves.
+/// An isolated lump of big nodes.
 struct Lump
 {
 	explicit Lump( const Material& of = {} ) :
@@ -46,7 +46,7 @@ struct Lump
 		levels.change( nodes, matcher, material, split, {} );
 	}
 
-	/// Each node where `to` has its place at rest.
+	/// Moves each node to the image of its rest position under `to`.
 	template <class Map>
 	void bend( const Map& to )
 	{
@@ -88,8 +88,8 @@ Material withoutVolume()
 	return material;
 }
 
-/// dU / dt = - power, whatever way the nodes go.
-TEST( LevelEnergy, SpringsHoldWhatTheirPullsTakeUp )
+/// dU / dt = - power for any motion of the nodes.
+TEST( LevelEnergy, ItsChangeIsTheWorkOfTheForces )
 {
 	Lump lump( withoutVolume() );
 	lump.splitAll(); // nodes of levels 0 and 1
@@ -117,8 +117,8 @@ TEST( LevelEnergy, SpringsHoldWhatTheirPullsTakeUp )
 	}
 }
 
-/// H = K + U + h / 2 f.v of a body that shakes, of a soft one by its regions alone, and of one so stiff that it follows its rigid fit.
-TEST( LevelEnergy, IsWhatExplicitStepsKeep )
+/// H = K + U + h / 2 f.v of an oscillating body: of a soft one from its regions alone, and of one so stiff that it follows its rigid fit.
+TEST( LevelEnergy, IsConservedByExplicitSteps )
 {
 	const auto lattice = std::make_shared<const Lattice>( test::makeBlobLattice( 18, 0.05f, 6 ) );
 	for ( const float youngsModulus : { 2e4f, 1e6f, 1e8f } )
@@ -135,7 +135,7 @@ TEST( LevelEnergy, IsWhatExplicitStepsKeep )
 		}
 		constexpr float kStep = 1.0f / 960.0f;
 		const float alpha = planStiffness( body->material(), lattice->cellSize, kStep, 1 ).alpha;
-		const double first = body->sums().kineticEnergy; // nothing is strained
+		const double first = body->sums().kineticEnergy; // unstrained
 		double low = HUGE_VAL, high = 0.0, least = HUGE_VAL, lowPlain = HUGE_VAL, highPlain = 0.0;
 		for ( int step = 0; step < 200; ++step )
 		{
@@ -159,8 +159,8 @@ TEST( LevelEnergy, IsWhatExplicitStepsKeep )
 	}
 }
 
-/// Parts that stood where their own parent's F had them were at odds with their neighbours, which is energy for nothing.
-TEST( LevelEnergy, PartsOfABentBodyStandAtFewOdds )
+/// Children placed by their own parent's F alone would be inconsistent with their neighbours, which adds energy.
+TEST( LevelEnergy, ChildrenInABentBodyAreConsistent )
 {
 	Lump lump;
 	lump.bend( bent );
@@ -201,13 +201,13 @@ TEST( LevelEnergy, PartsOfABentBodyStandAtFewOdds )
 	lump.matcher.offsetsOf( naive, few, ofFew.data() );
 	for ( std::size_t k = 0; k < 3 * few.size(); ++k )
 	{
-		EXPECT_NEAR( ofFew[k], ofAll[3 * few[k / 3] + k % 3], 1e-8f ); // rotations have gone on between the two
+		EXPECT_NEAR( ofFew[k], ofAll[3 * few[k / 3] + k % 3], 1e-8f ); // rotations have been iterated between the two
 	}
 	std::printf( "at odds by %.2e m, by %.2e where their parents have them\n", eased, left );
 	EXPECT_LT( eased, 0.7 * left );
 }
 
-TEST( LevelEnergy, WhatIsTakenIsTheirOwnMotionAlone )
+TEST( LevelEnergy, OnlyInternalMotionIsRemoved )
 {
 	Lump lump;
 	std::mt19937 random( 9 );
@@ -238,7 +238,7 @@ TEST( LevelEnergy, WhatIsTakenIsTheirOwnMotionAlone )
 	EXPECT_LT( ( after - before ).head<3>().norm(), 1e-5 * before.head<3>().norm() );
 	EXPECT_LT( ( after - before ).segment<3>( 3 ).norm(), 1e-5 * before.segment<3>( 3 ).norm() );
 	EXPECT_NEAR( before[6] - after[6], 2.0, 1e-3 );
-	// More than there is: what is left is rigid, and there is nothing to take any more.
+	// More than is available: the rest is rigid motion, and nothing more can be removed.
 	const double rest = removeInternalMotion( nodes, 1e9 );
 	EXPECT_GT( rest, 0.0 );
 	EXPECT_LT( removeInternalMotion( nodes, 1e9 ), 1e-6 * rest );

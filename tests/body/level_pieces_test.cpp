@@ -1,5 +1,4 @@
-// Bodies with levels whose links break and heal: what is taken over from before is what would be made from nothing. Steinemann et al.
-// 2008, 5.1.
+// Bodies with levels whose links break and heal: data reused from before equals data built anew. Steinemann et al. 2008, 5.1.
 
 #include "adapt/moments/fine_update.h"
 #include "body/breaking.h"
@@ -36,20 +35,20 @@ void expectNearNodes( const NodeState& got, const NodeState& wanted, float allow
 	}
 }
 
-/// Two bodies with the same past; one takes over, the other is made from nothing.
-struct Twins
+/// Two bodies with the same history; one reuses data, the other is built anew.
+struct BodyPair
 {
-	std::unique_ptr<Body> body, slow;
+	std::unique_ptr<Body> body, reference;
 
 	template <class Act>
 	void both( Act&& act )
 	{
 		act( *body );
-		act( *slow );
+		act( *reference );
 	}
 };
 
-Twins makeTwins( unsigned seed, int coarseLevels, int halfWidth, bool isSoftInParts )
+BodyPair makePair( unsigned seed, int coarseLevels, int halfWidth, bool isSoftInParts )
 {
 	std::mt19937 random( seed );
 	const auto lattice = std::make_shared<const Lattice>(
@@ -68,8 +67,8 @@ Twins makeTwins( unsigned seed, int coarseLevels, int halfWidth, bool isSoftInPa
 		field.fraction = []( const float* p, void* ) { return p[0] > 0.4f ? 0.5f : 1.0f; };
 	}
 	const auto make = [&] { return std::move( Body::create( lattice, material, {}, nullptr, settings, field ).value ); };
-	Twins twins{ make(), make() };
-	twins.both( [seed]( Body& body ) {
+	BodyPair pair{ make(), make() };
+	pair.both( [seed]( Body& body ) {
 		test::Seeded shake( seed );
 		for ( int i = 0; i < body.nodeCount(); ++i )
 		{
@@ -84,13 +83,13 @@ Twins makeTwins( unsigned seed, int coarseLevels, int halfWidth, bool isSoftInPa
 			return f;
 		}() );
 	} );
-	return twins;
+	return pair;
 }
 
-/// Links through a ball or a disc, not all of them, and some of those that went before.
-void cutByChance( Twins& twins, std::mt19937& random, std::vector<CellLink>& gone )
+/// Returns random links through a ball or a disc, and some of those cut before.
+void cutByChance( BodyPair& pair, std::mt19937& random, std::vector<CellLink>& gone )
 {
-	const Lattice& lattice = twins.body->lattice();
+	const Lattice& lattice = pair.body->lattice();
 	const Vec3 middle = lattice.restCentre[random() % lattice.restCentre.size()];
 	const float reach = lattice.cellSize * float( 1 + random() % 4 );
 	const int axis = int( random() % 3 );
@@ -120,7 +119,7 @@ void cutByChance( Twins& twins, std::mt19937& random, std::vector<CellLink>& gon
 	gone.insert( gone.end(), broken.begin(), broken.end() );
 	std::sort( gone.begin(), gone.end() );
 	std::sort( healed.begin(), healed.end() );
-	twins.both( [&]( Body& body ) {
+	pair.both( [&]( Body& body ) {
 		body.breakLinks( broken );
 		body.healLinks( healed );
 		while ( body.mustRefineToBreak() )
@@ -151,7 +150,7 @@ void expectNear( const Body& got, const Body& wanted, float allowed )
 	EXPECT_EQ( got.firstCells(), wanted.firstCells() );
 }
 
-/// A piece's places are those of the whole, moved: a rounding each.
+/// A piece's positions are those of the whole, translated: one rounding each.
 constexpr float kRounding = 2e-5f;
 
 struct Count
@@ -159,15 +158,15 @@ struct Count
 	int whole = 0, pieces = 0, reordered = 0, refined = 0, flowed = 0;
 };
 
-void breakAndCompare( Twins& twins, std::mt19937& random, std::vector<CellLink>& gone, Count& count )
+void breakAndCompare( BodyPair& pair, std::mt19937& random, std::vector<CellLink>& gone, Count& count )
 {
-	cutByChance( twins, random, gone );
+	cutByChance( pair, random, gone );
 	BreakReport report;
-	std::vector<BodyPiece> got = twins.body->breakApart( report, 1000 );
-	std::vector<BodyPiece> wanted = twins.slow->breakApart( report, 1000, PieceBuild::FromScratch );
+	std::vector<BodyPiece> got = pair.body->breakApart( report, 1000 );
+	std::vector<BodyPiece> wanted = pair.reference->breakApart( report, 1000, PieceBuild::FromScratch );
 	ASSERT_EQ( got.size(), wanted.size() );
-	EXPECT_EQ( twins.body->firstCells(), twins.slow->firstCells() ); // the report's numbers
-	EXPECT_EQ( twins.body->nodeCount(), twins.slow->nodeCount() );
+	EXPECT_EQ( pair.body->firstCells(), pair.reference->firstCells() ); // indices in the report
+	EXPECT_EQ( pair.body->nodeCount(), pair.reference->nodeCount() );
 	const bool isWhole = got.size() == 1;
 	( isWhole ? count.whole : count.pieces ) += int( got.size() );
 	for ( std::size_t k = 0; k < got.size(); ++k )
@@ -177,32 +176,32 @@ void breakAndCompare( Twins& twins, std::mt19937& random, std::vector<CellLink>&
 		count.reordered += std::is_sorted( got[k].nodeBefore.begin(), got[k].nodeBefore.end() ) ? 0 : 1;
 		expectNear( *got[k].body, *wanted[k].body, isWhole ? 0.0f : kRounding );
 	}
-	twins.body = std::move( got[0].body );
-	twins.slow = std::move( wanted[0].body );
+	pair.body = std::move( got[0].body );
+	pair.reference = std::move( wanted[0].body );
 }
 
-TEST( LevelPieces, OfAWholeWhoseLinksChangeAreThoseFromNothingToTheBit )
+TEST( LevelPieces, OfABodyWithChangedLinksEqualNewOnesToTheBit )
 {
 	Count count;
 	for ( unsigned seed = 1; seed <= 8; ++seed )
 	{
 		std::mt19937 random( seed );
-		Twins twins = makeTwins( seed, 1 + int( seed % 3 ), 1 + int( seed / 2 % 2 ), seed % 4 == 0 );
+		BodyPair pair = makePair( seed, 1 + int( seed % 3 ), 1 + int( seed / 2 % 2 ), seed % 4 == 0 );
 		std::vector<CellLink> gone;
-		twins.both( []( Body& body ) { run( body, 6 ); } );
+		pair.both( []( Body& body ) { run( body, 6 ); } );
 		for ( int round = 0; round < 12; ++round )
 		{
 			const int before = count.pieces;
-			breakAndCompare( twins, random, gone, count );
+			breakAndCompare( pair, random, gone, count );
 			if ( HasFailure() || count.pieces > before )
 			{
 				break; // pieces are compared below
 			}
-			twins.both( []( Body& body ) { run( body, 8 ); } );
-			expectNear( *twins.body, *twins.slow, 0.0f );
-			EXPECT_EQ( twins.body->hasFlowed(), twins.slow->hasFlowed() );
-			count.flowed += twins.body->hasFlowed() ? 1 : 0;
-			count.refined += int( twins.body->levels()->lastChange().source.size() > 0 );
+			pair.both( []( Body& body ) { run( body, 8 ); } );
+			expectNear( *pair.body, *pair.reference, 0.0f );
+			EXPECT_EQ( pair.body->hasFlowed(), pair.reference->hasFlowed() );
+			count.flowed += pair.body->hasFlowed() ? 1 : 0;
+			count.refined += int( pair.body->levels()->lastChange().source.size() > 0 );
 			ASSERT_FALSE( HasFailure() ) << "seed " << seed << " round " << round;
 		}
 	}
@@ -214,8 +213,8 @@ TEST( LevelPieces, OfAWholeWhoseLinksChangeAreThoseFromNothingToTheBit )
 	EXPECT_GT( count.flowed, 20 );
 }
 
-// Two arms in one block hang together at their ends, and by a cell of the block above them: when the ends part, cells of the one come
-// before those of the other that they had come after, and that cell's row, in which nothing else changed, must follow.
+// Two arms in one block are connected at their ends, and through a cell of the block above. When the ends separate, the order of the two
+// arms' cells is swapped, and the row of the connecting cell, in which nothing else has changed, must be updated.
 TEST( LevelPieces, RowsFollowCellsThatChangeTheirOrder )
 {
 	const Eigen::Vector3i cells[] = {
@@ -240,7 +239,7 @@ TEST( LevelPieces, RowsFollowCellsThatChangeTheirOrder )
 	expectNearNodes( got[0].body->nodes(), wanted[0].body->nodes(), 0.0f );
 }
 
-/// Links across a plane through the body.
+/// Returns the links across a plane through the body.
 std::vector<CellLink> slabOf( const Lattice& lattice, const Vec3& normal )
 {
 	std::vector<CellLink> slab;
@@ -258,28 +257,29 @@ std::vector<CellLink> slabOf( const Lattice& lattice, const Vec3& normal )
 	return slab;
 }
 
-TEST( LevelPieces, ThatCameOffAreThoseFromNothingButForRounding )
+TEST( LevelPieces, ThatBrokeOffEqualNewOnesUpToRounding )
 {
 	Count count;
 	for ( unsigned seed = 11; seed <= 18; ++seed )
 	{
 		std::mt19937 random( seed );
-		Twins twins = makeTwins( seed, 1 + int( seed % 3 ), 1 + int( seed / 2 % 2 ), seed % 4 == 0 );
-		const std::vector<CellLink> slab = slabOf( twins.body->lattice(), Vec3( 1.0f, 0.4f, -0.3f ).normalized() );
-		twins.both( [&slab]( Body& body ) {
+		BodyPair pair = makePair( seed, 1 + int( seed % 3 ), 1 + int( seed / 2 % 2 ), seed % 4 == 0 );
+		const std::vector<CellLink> slab = slabOf( pair.body->lattice(), Vec3( 1.0f, 0.4f, -0.3f ).normalized() );
+		pair.both( [&slab]( Body& body ) {
 			run( body, 6 );
 			body.breakLinks( slab );
 		} );
 		std::vector<CellLink> gone;
-		breakAndCompare( twins, random, gone, count );
+		breakAndCompare( pair, random, gone, count );
 		ASSERT_FALSE( HasFailure() ) << "seed " << seed;
 	}
 	std::printf( "%d pieces\n", count.pieces );
 	EXPECT_GE( count.pieces, 16 );
 }
 
-// From the first event on, what had cracked or come off was refined node by node again: bars on coarse levels break too early then.
-TEST( LevelPieces, AreRefinedTogetherAsTheWholeWas )
+// Cracked bodies and fragments are refined in groups like the intact body; refined node by node, bars on coarse levels would break too
+// early.
+TEST( LevelPieces, AreRefinedTogetherLikeTheBody )
 {
 	for ( const PieceBuild road : { PieceBuild::Reuse, PieceBuild::FromScratch } )
 	{
@@ -311,12 +311,12 @@ TEST( LevelPieces, AreRefinedTogetherAsTheWholeWas )
 	}
 }
 
-// Requests were lost with every event: a game that cuts in each frame and asks for finer nodes ahead of the blade got none.
-TEST( LevelPieces, AreSplitWhereTheWholeWasAskedToBe )
+// Requests survive fracture events: a game that cuts in each frame may request finer nodes ahead of the blade.
+TEST( LevelPieces, KeepTheRequestsOfTheBody )
 {
 	for ( const PieceBuild road : { PieceBuild::Reuse, PieceBuild::FromScratch } )
 	{
-		for ( const int most : { 4, 1 } ) // through all of it; a notch
+		for ( const int most : { 4, 1 } ) // a full cut; a notch
 		{
 			Adaptivity settings;
 			settings.coarseLevels = 1;
@@ -356,12 +356,12 @@ TEST( LevelPieces, AreSplitWhereTheWholeWasAskedToBe )
 	}
 }
 
-// What has been quiet for most of the delay when a crack opens need not wait for all of it anew.
-TEST( LevelPieces, AreMergedWhenTheWholeWouldHaveBeen )
+// The time that nodes have been quiet before a crack opens counts towards the delay of merging.
+TEST( LevelPieces, AreMergedWhenTheBodyWouldBe )
 {
 	for ( const PieceBuild road : { PieceBuild::Reuse, PieceBuild::FromScratch } )
 	{
-		for ( const int most : { 4, 1 } ) // through all of it; a notch
+		for ( const int most : { 4, 1 } ) // a full cut; a notch
 		{
 			Adaptivity settings;
 			settings.coarseLevels = 1;

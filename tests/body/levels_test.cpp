@@ -1,4 +1,4 @@
-// Levels that change while the body moves: what is kept, what comes back, and when nodes are split and merged.
+// Changes of levels during motion: conservation, restoration, and the criteria for splitting and merging.
 
 #include "body/levels/levels.h"
 #include "support/block_body.h"
@@ -28,7 +28,7 @@ Adaptivity levels( int count )
 	return settings;
 }
 
-/// Octree nodes of the cut above the finest level, at most `most`.
+/// Returns up to `most` octree nodes of the cut above the finest level.
 std::vector<std::uint32_t> coarseNodes( const Body& body, std::size_t most )
 {
 	std::vector<std::uint32_t> nodes;
@@ -42,7 +42,7 @@ std::vector<std::uint32_t> coarseNodes( const Body& body, std::size_t most )
 	return nodes;
 }
 
-TEST( Levels, AreRefusedWhereTheyMakeNoSense )
+TEST( Levels, RefuseInvalidSettings )
 {
 	const auto lattice = std::make_shared<const Lattice>( makeBlockLattice( 4, 4, 4, 0.1f ) );
 	Adaptivity settings = levels( 9 );
@@ -55,8 +55,8 @@ TEST( Levels, AreRefusedWhereTheyMakeNoSense )
 	EXPECT_EQ( Body::create( lattice, cluster, {}, nullptr, levels( 1 ) ).status.code, ResultCode::BadArgument );
 }
 
-// Where the surface is slanted, big nodes at its edge have regions that lie in a plane. What the cells under them do across it once turned
-// them: at rest they were strained by a third.
+// Where the surface is slanted, big nodes at its edge have planar regions. Their cells' offsets across the plane must not rotate the
+// regions, or the body would be strained by a third at rest.
 TEST( Levels, NothingStrainsAtRestHoweverSlantedTheSurface )
 {
 	for ( const double degrees : { 15.0, 30.0, 40.0 } )
@@ -157,7 +157,7 @@ TEST( Levels, OfARoundTripHaveTheSameRegionsToTheBit )
 	}
 }
 
-TEST( Levels, TablesChangedPieceByPieceAreThoseMadeFromNothing )
+TEST( Levels, IncrementalTablesEqualNewOnes )
 {
 	const auto lattice = std::make_shared<const Lattice>( test::makeBlobLattice( 18, 0.05f, 6 ) );
 	Adaptivity settings = levels( 3 );
@@ -191,9 +191,9 @@ TEST( Levels, TablesChangedPieceByPieceAreThoseMadeFromNothing )
 	}
 }
 
-TEST( Levels, ASplitNodesChildrenLieWhereItsRegionPutsThem )
+TEST( Levels, ChildrenFollowTheirParentsRegion )
 {
-	// A body stretched evenly stays stretched evenly when all of it is split: no node jumps.
+	// A uniformly stretched body stays uniformly stretched when all of it is split: no node jumps.
 	const auto lattice = std::make_shared<const Lattice>( makeBlockLattice( 8, 8, 8, 0.1f ) );
 	const std::unique_ptr<Body> body = makeAdaptive( lattice, levels( 2 ) );
 	const Vec3 stretch( 1.2f, 0.9f, 1.0f );
@@ -202,7 +202,7 @@ TEST( Levels, ASplitNodesChildrenLieWhereItsRegionPutsThem )
 	{
 		nodes.x.set( i, nodes.x0.get( i ).cwiseProduct( stretch ) );
 	}
-	body->accelerateTowardGoals( 0.01f, 1.0f, nullptr ); // measures the regions; velocities are not followed
+	body->accelerateTowardGoals( 0.01f, 1.0f, nullptr ); // measures the regions; velocities are not applied
 	body->changeLevels( coarseNodes( *body, 1000 ), {} );
 	ASSERT_GT( body->nodeCount(), 8 );
 	for ( int i = 0; i < nodes.count; ++i )
@@ -238,9 +238,9 @@ TEST( Levels, FollowStrainUpAndDown )
 	EXPECT_LT( test::shapeError( *body ), 1e-3 );
 }
 
-// What is squeezed does not break: it need not be refined for it, and may be merged. What is stretched stays as fine as it is, however soon
-// the rest is merged: with no delay at all it had been merged at every look, and split again at the next.
-TEST( Levels, OfABodyThatCanBreakFollowStretchAndNotSqueeze )
+// Compression does not break a body, so compressed nodes need no refinement and may be merged. Stretched nodes stay fine while the rest is
+// merged; without any delay they would be merged and split again in turn.
+TEST( Levels, OfABreakableBodyFollowTensionNotCompression )
 {
 	const auto lattice = std::make_shared<const Lattice>( makeBlockLattice( 8, 8, 8, 0.05f ) );
 	for ( const float delay : { 0.05f, 0.0f } )
@@ -274,8 +274,8 @@ TEST( Levels, OfABodyThatCanBreakFollowStretchAndNotSqueeze )
 	}
 }
 
-// What comes to rest node by node is merged a few times a second, and not at every look.
-TEST( Levels, MergeTogetherWhatComesToRestOneByOne )
+// Nodes that come to rest one by one are merged a few times a second, not at every review.
+TEST( Levels, MergeNodesTogetherThatComeToRestOneByOne )
 {
 	const auto lattice = std::make_shared<const Lattice>( makeBlockLattice( 16, 8, 8, 0.05f ) );
 	Adaptivity settings = levels( 1 );
@@ -285,7 +285,7 @@ TEST( Levels, MergeTogetherWhatComesToRestOneByOne )
 	body->changeLevels( blocks, {} );
 	const unsigned before = body->levels()->version();
 	constexpr int kSteps = 240;
-	for ( int k = 0; k < kSteps; ++k ) // from one end on, a block a substep is asked for no more
+	for ( int k = 0; k < kSteps; ++k ) // from one end on, the requests stop for a block per substep
 	{
 		for ( int i = 0; i < body->nodeCount() && k < int( blocks.size() ); ++i )
 		{
@@ -298,7 +298,7 @@ TEST( Levels, MergeTogetherWhatComesToRestOneByOne )
 		body->adaptLevels( 1.0f / 240.0f );
 	}
 	EXPECT_EQ( body->nodeCount(), int( blocks.size() ) );
-	EXPECT_LE( body->levels()->version() - before, 7u ); // every tenth of a second; at every look: 33
+	EXPECT_LE( body->levels()->version() - before, 7u ); // every tenth of a second; at every review it would be 33
 }
 
 enum class Start
@@ -327,7 +327,7 @@ void distort( NodeState& nodes, Start start )
 	}
 }
 
-TEST( Levels, ComeBackFromAnyShapeWithTheNodesTheyBeganWith )
+TEST( Levels, RecoverFromAnyShapeWithTheInitialNodes )
 {
 	const auto lattice = std::make_shared<const Lattice>( test::makeBlobLattice( 18, 0.1f, 2 ) );
 	for ( const float kappa : { 0.0f, 0.8f } )
@@ -382,7 +382,7 @@ TEST( Levels, ABudgetSpreadsALargeRequestOverSteps )
 	EXPECT_GT( reviews, 40 );
 }
 
-// However many reviews fall into a game step, they share its budget; what waits comes at the start of the next one.
+// All reviews within a game step share its budget; the rest waits for the next one.
 TEST( Levels, ABudgetHoldsForAWholeGameStep )
 {
 	const auto lattice = std::make_shared<const Lattice>( makeBlockLattice( 16, 16, 16, 0.05f ) );

@@ -1,4 +1,4 @@
-// Forces on a body's nodes and the way they go: against loops over one node after the other, on every instruction set, on any thread count.
+// Forces on a body's nodes and the resulting motion against scalar loops, on every instruction set and any number of threads.
 
 #include "support/block_body.h"
 
@@ -20,7 +20,7 @@ namespace {
 constexpr float kStep = 1.0f / 240.0f;
 const Vec3 kGravity( 0.5f, -9.81f, 2.0f );
 
-/// More nodes than one share has, and not a multiple of the lanes.
+/// More nodes than one task's range has, and not a multiple of the lanes.
 std::unique_ptr<Body> makeMoving( unsigned seed )
 {
 	auto body = test::makeBlock( 13, 11, 9, 0.1f );
@@ -38,7 +38,7 @@ bool haveEqualBits( const Vec3Array& a, const Vec3Array& b )
 	return a.x == b.x && a.y == b.y && a.z == b.z;
 }
 
-TEST( Motion, SumsAreThoseOfTheSlowTwin )
+TEST( Motion, SumsEqualTheReferenceImplementation )
 {
 	const auto body = makeMoving( 1 );
 	for ( int k = 0; k < 3; ++k )
@@ -102,9 +102,9 @@ TEST( Motion, IsTheSameToTheBitOnAnyThreadCount )
 	}
 }
 
-// The last finite state is one of two buffers, which change places in each substep: what a bad number in the last share has left half
-// written must not be what the body goes back to.
-TEST( Motion, GoesBackToTheLastFinitePlacesWhereverTheBadNumberWas )
+// The last finite state is one of two buffers, which are swapped in each substep: the body must not return to a state that the task with
+// the bad number has written in part.
+TEST( Motion, RestoresTheLastFinitePositionsForABadNumberAnywhere )
 {
 	const auto body = makeMoving( 4 );
 	for ( const int bad : { 0, 640, body->nodeCount() - 1 } )

@@ -1,4 +1,4 @@
-// What bodies of one template share is theirs until their links change: then each has its own, which it changes in place.
+// Bodies share their template's data until their links change; then each has a copy, which it changes in place.
 
 #include "body/breaking.h"
 #include "body/levels/levels.h"
@@ -10,7 +10,7 @@
 namespace pliant {
 namespace {
 
-/// A piece's places are those of the whole, moved: a rounding each.
+/// A piece's positions are those of the whole, translated: one rounding each.
 constexpr float kRounding = 2e-5f;
 
 std::vector<BodyPiece> cutAtFour( Body& body, int most, PieceBuild road = PieceBuild::Reuse )
@@ -24,7 +24,7 @@ std::vector<BodyPiece> cutAtFour( Body& body, int most, PieceBuild road = PieceB
 	return body.breakApart( report, 10, road );
 }
 
-/// A notch, then all of it: the lower cells come off what is left, and its own have other numbers.
+/// A notch, then a full cut: the lower cells come off, and the remaining cells are renumbered.
 std::vector<BodyPiece> cutTwice( Body& body, PieceBuild road = PieceBuild::Reuse )
 {
 	std::vector<BodyPiece> notched = cutAtFour( body, 3, road );
@@ -61,11 +61,11 @@ TEST_F( OwnBase, ChangesInPlaceWhenSomethingComesOff )
 	const std::unique_ptr<Body> one = body(), other = body();
 	const std::vector<BodyPiece> got = cutTwice( *one ), wanted = cutTwice( *other, PieceBuild::FromScratch );
 	ASSERT_EQ( got.size(), 2u );
-	ASSERT_NE( got[0].cellBefore[0], 0u ); // else nothing would have to move
+	ASSERT_NE( got[0].cellBefore[0], 0u ); // otherwise nothing would have to be renumbered
 	expectSamePieces( got, wanted, kRounding );
 }
 
-TEST_F( OwnBase, LeavesWhatOthersOfTheTemplateHave )
+TEST_F( OwnBase, KeepsTheBaseOfOtherBodies )
 {
 	const std::unique_ptr<Body> whole = body(), first = body(), second = body();
 	cutTwice( *first );
@@ -77,8 +77,8 @@ TEST_F( OwnBase, LeavesWhatOthersOfTheTemplateHave )
 	expectSamePieces( cutTwice( *second ), cutTwice( *alone ), 0.0f );
 }
 
-/// The only body of its template too: the template finds the base for as long as it stands.
-TEST_F( OwnBase, OfTheOnlyBodyIsTheTemplatesUntilThen )
+/// Also with a single body: the template can find its base as long as the body exists.
+TEST_F( OwnBase, OfASingleBodyIsTheTemplatesAtFirst )
 {
 	const std::unique_ptr<Body> only = body();
 	const std::vector<BodyPiece> notched = cutAtFour( *only, 3 );
@@ -89,7 +89,7 @@ TEST_F( OwnBase, OfTheOnlyBodyIsTheTemplatesUntilThen )
 	expectSamePieces( notched, cutAtFour( *alone, 3 ), 0.0f );
 }
 
-/// Another thread may make a body of the template while this one changes: the base that it finds is whole.
+/// Another thread may create a body of the template while this one changes: the base that it finds is complete.
 TEST_F( OwnBase, AloneIsTakenApart )
 {
 	Adaptivity settings;
@@ -111,7 +111,7 @@ TEST_F( OwnBase, IsMadeAhead )
 	EXPECT_NE( &prepared->levels()->base(), &unprepared->levels()->base() );
 	const LevelBase* const own = &prepared->levels()->base();
 	prepared->prepareToBreak();
-	EXPECT_EQ( &prepared->levels()->base(), own ); // once
+	EXPECT_EQ( &prepared->levels()->base(), own ); // created once
 	expectSamePieces( cutTwice( *prepared ), cutTwice( *unprepared ), 0.0f );
 }
 

@@ -1,5 +1,4 @@
-// Bodies that keep a dent: a pulled bar's permanent set is what the yield law says, on one level and on several, and follows when levels
-// change.
+// Plastic bodies: the permanent set of a pulled bar follows the yield law, on one level and on several, and survives changes of levels.
 
 #include "body/breaking.h"
 #include "body/levels/levels.h"
@@ -28,7 +27,7 @@ Material materialOf( const Pull& pull )
 {
 	Material material;
 	material.stiffness = Stiffness::RawAlpha;
-	material.alpha = 0.9f; // waves cross the bar within 0.02 s: quick beside what flows
+	material.alpha = 0.9f; // waves cross the bar within 0.02 s, much faster than the flow
 	material.damping = 20.0f;
 	material.wobbleDamping = 0.5f;
 	material.yieldStrain = pull.yieldStrain;
@@ -64,7 +63,7 @@ void run( Body& body, float seconds, float heldBeyond )
 	}
 }
 
-/// Stretch along an axis, fitted over all nodes.
+/// Returns the stretch along an axis, fitted over all nodes.
 double stretchOf( const Body& body, int axis )
 {
 	double moment = 0.0, rest = 0.0;
@@ -102,8 +101,8 @@ std::unique_ptr<Body> pullBar( const Pull& pull )
 class PulledBar : public testing::TestWithParam<Pull>
 {};
 
-// The law for a bar held at the stretch s: across it is free, and so without elastic strain (nu = 0); along it e = s / p - 1, where p is
-// the plastic stretch. The flow diag( 1 + h c e, 1, 1 ) scaled to det = 1 stretches by ( 1 + h c e )^( 2 / 3 ), so
+// The law for a bar held at the stretch s: it is free across, and so without elastic strain there (nu = 0); along it e = s / p - 1, where p
+// is the plastic stretch. The flow diag( 1 + h c e, 1, 1 ) scaled to det = 1 stretches by ( 1 + h c e )^( 2 / 3 ), so
 //   p' = ( 2 / 3 ) c e p = ( 2 / 3 ) c ( s - p ),   p( t ) = s - ( s - 1 ) exp( - 2 c t / 3 ),   until e = yield, p = s / ( 1 + yield )
 // and across the bar 1 / sqrt( p ).
 TEST_P( PulledBar, KeepsWhatTheYieldLawSays )
@@ -125,7 +124,7 @@ INSTANTIATE_TEST_SUITE_P( Pulls, PulledBar,
 	testing::Values( Pull{ 1.3f, 0.05f, 2.0f, 0.5f, 0 }, Pull{ 1.3f, 0.05f, 40.0f, 0.5f, 0 }, Pull{ 1.15f, 0.02f, 10.0f, 1.0f, 0 },
 		Pull{ 1.3f, 0.05f, 2.0f, 0.5f, 1 }, Pull{ 1.3f, 0.05f, 40.0f, 0.5f, 1 } ) );
 
-TEST( PlasticBody, BelowYieldNothingStays )
+TEST( PlasticBody, BelowYieldNoSetRemains )
 {
 	for ( const int levels : { 0, 1 } )
 	{
@@ -165,7 +164,7 @@ TEST( PlasticBody, FlowIsInheritedWhenLevelsChange )
 	EXPECT_NEAR( stretchOf( *body, 0 ), set, 0.02 * ( set - 1.0 ) );
 }
 
-TEST( PlasticBody, PlacingItAnewGivesTheFirstShapeBack )
+TEST( PlasticBody, PlacingItRestoresTheInitialShape )
 {
 	const std::unique_ptr<Body> body = pullBar( Pull{ 1.3f, 0.05f, 40.0f, 0.3f, 0 } );
 	body->place( {} );
@@ -185,14 +184,14 @@ TEST( PlasticBody, CanBeSwitchedOnLater )
 		run( *body, 1.0f, 1e9f );
 		const double set = stretchOf( *body, 0 );
 		EXPECT_GT( set, 1.2 );
-		pull.yieldStrain = 0.0f; // no more flow, but what has flowed stays
+		pull.yieldStrain = 0.0f; // no further flow, but the set remains
 		ASSERT_TRUE( body->setMaterial( materialOf( pull ) ).ok() );
 		run( *body, 0.2f, 1e9f );
 		EXPECT_NEAR( stretchOf( *body, 0 ), set, 1e-3 );
 	}
 }
 
-// It took the shape at rest from then on.
+// The rest shape survives.
 TEST( PlasticBody, CanBeSwitchedOffAndOnAgain )
 {
 	Pull pull{ 1.3f, 0.05f, 40.0f, 0.5f, 0 };
@@ -208,7 +207,7 @@ TEST( PlasticBody, CanBeSwitchedOffAndOnAgain )
 	}
 }
 
-// Pieces of a body that had flowed, and no longer does, read tables that were not made for them.
+// Fragments of a body whose flow was switched off need tables of their own.
 TEST( PlasticBody, KeepsItsShapeInPiecesAfterItWasSwitchedOff )
 {
 	Pull pull{ 1.3f, 0.05f, 40.0f, 0.5f, 0 };

@@ -1,4 +1,4 @@
-// The smallest body there is: what a shattered one leaves behind by the hundred.
+// The smallest body: a shattered one leaves hundreds of them.
 
 #include "matching/step/lattice_matcher.h"
 #include "support/block_body.h"
@@ -8,7 +8,7 @@
 namespace pliant {
 namespace {
 
-/// Its one goal is where it is: nothing to match, and what was asked of the matcher is what it would have found.
+/// Its single goal is its own position, so the matcher does nothing and forces alone move it.
 TEST( SingleCell, IsMovedByForcesAlone )
 {
 	const auto body = test::makeBlock( 1, 1, 1, 0.1f );

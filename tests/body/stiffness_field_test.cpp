@@ -13,7 +13,7 @@ namespace {
 
 float quarterBelow( const float* point, void* )
 {
-	return point[0] < 0.0f ? 0.25f : 1.0f; // a block stands about the origin
+	return point[0] < 0.0f ? 0.25f : 1.0f; // the block is centred on the origin
 }
 
 float one( const float*, void* )
@@ -38,7 +38,7 @@ std::unique_ptr<Body> makeBar( const Adaptivity& adaptivity, const StiffnessFiel
 	return std::move( made.value );
 }
 
-/// Stretch between two rest places, from the nodes within half a cell of the slabs there.
+/// Returns the stretch between two rest positions, from the nodes within half a cell of the slabs there.
 double strainBetween( const Body& body, float from, float to )
 {
 	double sum[2] = {}, rest[2] = {}, mass[2] = {};
@@ -58,7 +58,7 @@ double strainBetween( const Body& body, float from, float to )
 	return ( sum[1] / mass[1] - sum[0] / mass[0] ) / ( rest[1] / mass[1] - rest[0] / mass[0] ) - 1.0;
 }
 
-TEST( StiffnessField, SharesOutOfRangeAreRefused )
+TEST( StiffnessField, FactorsOutOfRangeAreRefused )
 {
 	auto lattice = std::make_shared<const Lattice>( makeBlockLattice( 4, 4, 4, 0.1f ) );
 	EXPECT_EQ( Body::create( lattice, {}, {}, nullptr, {}, StiffnessField{ &nothing, nullptr } ).status.code, ResultCode::BadArgument );
@@ -124,7 +124,8 @@ TEST( StiffnessField, OfOneEverywhereChangesNothing )
 		}
 		for ( int i = 0; i < with->nodeCount(); ++i )
 		{
-			EXPECT_LT( ( with->nodes().x.get( i ) - without->nodes().x.get( i ) ).norm(), 1e-6f ); // the pull is 1 but for rounding
+			EXPECT_LT(
+				( with->nodes().x.get( i ) - without->nodes().x.get( i ) ).norm(), 1e-6f ); // the pull differs from 1 by rounding only
 		}
 	}
 }

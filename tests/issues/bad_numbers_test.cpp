@@ -1,4 +1,4 @@
-// What a game gets wrong in a call is refused by the call: a code, a sentence, and a body that goes on as if nobody had asked.
+// Invalid arguments are refused by the call itself with a code and a message, and the body continues unaffected.
 
 #include "world/test_world.h"
 
@@ -15,7 +15,7 @@ using test::TestWorld;
 
 const btScalar kNan = std::numeric_limits<btScalar>::quiet_NaN(), kInfinity = std::numeric_limits<btScalar>::infinity();
 
-std::vector<btVector3> placesOf( const SoftBody& body )
+std::vector<btVector3> positionsOf( const SoftBody& body )
 {
 	std::vector<btVector3> positions;
 	for ( int i = 0; i < body.nodeCount(); ++i )
@@ -25,17 +25,17 @@ std::vector<btVector3> placesOf( const SoftBody& body )
 	return positions;
 }
 
-/// Where a cube that falls on the floor is after a second, with what somebody asks of it on the way.
-std::vector<btVector3> fallen( const std::function<void( SoftBody& )>& ask )
+/// Returns the positions of a cube, one second after it began to fall on the floor, with the calls of `ask` on the way.
+std::vector<btVector3> fallen( const std::function<void( SoftBody& )>& call )
 {
 	TestWorld t;
 	t.addFloor();
 	SoftBody* cube = t.addSoft( block( 4, 4, 4, 0.1f ), at( 0, btScalar( 0.5 ), 0 ) );
 	t.run( 20 );
-	ask( *cube );
+	call( *cube );
 	t.run( 40 );
 	EXPECT_TRUE( cube->isHealthy() );
-	return placesOf( *cube );
+	return positionsOf( *cube );
 }
 
 void expectEqual( const std::vector<btVector3>& a, const std::vector<btVector3>& b, const char* what )
@@ -47,8 +47,8 @@ void expectEqual( const std::vector<btVector3>& a, const std::vector<btVector3>&
 	}
 }
 
-// A game divided by the length of a vector that was zero, and handed the body what came of it: it stood still for the rest of the level.
-TEST( BadNumbers, AreRefusedByTheCallAndTheBodyGoesOnToTheBit )
+// Results of a division by zero may reach the body's calls; the body must continue bit-identically.
+TEST( BadNumbers, AreRefusedByTheCallAndTheBodyContinuesBitIdentically )
 {
 	const std::vector<btVector3> alone = fallen( []( SoftBody& ) {} );
 	const std::vector<btVector3> asked = fallen( []( SoftBody& body ) {
@@ -81,8 +81,8 @@ TEST( BadNumbers, AreRefusedByTheCallAndTheBodyGoesOnToTheBit )
 	expectEqual( alone, asked, "refused calls" );
 }
 
-// A game kept the number of a node over a cut, after which there were fewer: signal 11.
-TEST( BadNumbers, NodesThatAreNotThereAreRefused )
+// A node index kept across a cut may be out of range.
+TEST( BadNumbers, NodeIndicesOutOfRangeAreRefused )
 {
 	const std::vector<btVector3> alone = fallen( []( SoftBody& ) {} );
 	const std::vector<btVector3> asked = fallen( []( SoftBody& body ) {
@@ -97,7 +97,7 @@ TEST( BadNumbers, NodesThatAreNotThereAreRefused )
 			EXPECT_FALSE( body.isPinned( node ) );
 			EXPECT_EQ( body.nodeOfShapeIndex( node ), -1 );
 			EXPECT_EQ( body.nodeOfCell( node ), -1 );
-#ifdef NDEBUG // with assertions these end the program, where the mistake is
+#ifdef NDEBUG // with assertions these abort the program at the mistake
 			EXPECT_EQ(
 				body.nodePosition( node ).length() + body.nodeVelocity( node ).length() + body.nodeMass( node ) + body.nodeRadius( node ),
 				0 );
@@ -108,13 +108,13 @@ TEST( BadNumbers, NodesThatAreNotThereAreRefused )
 	expectEqual( alone, asked, "refused calls" );
 }
 
-// A level editor's scale in an object's matrix was dropped without a word, and the body stood there in its own size.
+// Transforms with a scale, as level editors make them, are refused with a code.
 TEST( BadNumbers, AScaleInATransformIsRefusedWithACode )
 {
 	TestWorld t;
 	const auto shape = block( 3, 3, 3, 0.1f );
 	SoftBody* cube = t.addSoft( shape, at( 0, 1, 0 ) );
-	const std::vector<btVector3> before = placesOf( *cube );
+	const std::vector<btVector3> before = positionsOf( *cube );
 	btTransform scaled = at( 0, 2, 0 ), sheared = at( 0, 2, 0 ), mirrored = at( 0, 2, 0 ),
 				drifted( btQuaternion( btVector3( 0, 1, 0 ), 1 ), btVector3( 0, 2, 0 ) );
 	scaled.setBasis( scaled.getBasis().scaled( btVector3( 2, 2, 2 ) ) );
@@ -128,14 +128,14 @@ TEST( BadNumbers, AScaleInATransformIsRefusedWithACode )
 		EXPECT_EQ( cube->teleport( bad ).code, ResultCode::BadArgument );
 		EXPECT_EQ( cube->reset( bad ).code, ResultCode::BadArgument );
 	}
-	expectEqual( placesOf( *cube ), before, "a refused place" );
-	drifted.setBasis( drifted.getBasis().scaled( btVector3( 1, btScalar( 1.001 ), 1 ) ) ); // of many products
+	expectEqual( positionsOf( *cube ), before, "a refused position" );
+	drifted.setBasis( drifted.getBasis().scaled( btVector3( 1, btScalar( 1.001 ), 1 ) ) ); // rounding error of many products
 	EXPECT_TRUE( cube->teleport( drifted ).ok() );
 	EXPECT_TRUE( cube->reset( drifted ).ok() );
 }
 
-// A mouse that left the window dragged a node to the end of the world: the body was put in quarantine.
-TEST( BadNumbers, ANodeIsNotDrivenToTheEndOfTheWorld )
+// A drag target far outside the window must not move a node out of the simulated range.
+TEST( BadNumbers, ANodeIsNotDrivenArbitrarilyFar )
 {
 	TestWorld t;
 	SoftBody* cube = t.addSoft( block( 3, 3, 3, 0.1f ), at( 0, 1, 0 ) );
@@ -154,14 +154,14 @@ TEST( BadNumbers, ANodeIsNotDrivenToTheEndOfTheWorld )
 		t.run( 1 );
 		EXPECT_LT( ( cube->nodePosition( 13 ) - btVector3( 40, 1, 0 ) ).length(), btScalar( 1e-4 ) );
 		t.run( 300 );
-		EXPECT_TRUE( cube->isHealthy() ) << "as far as a hundred of its sizes";
+		EXPECT_TRUE( cube->isHealthy() ) << "up to a hundred body sizes";
 		cube->releaseNode( 13 );
 		t.run( 5 );
 		EXPECT_TRUE( cube->isHealthy() );
 	}
 }
 
-/// The middle of a cube on the floor after steps as a game's clock gives them on a bad day; and of a rigid box beside it.
+/// The centre of a cube on the floor after steps of irregular length, and that of a rigid box beside it.
 struct Stood
 {
 	btScalar soft, rigid, side;
@@ -186,7 +186,7 @@ Stood stoodThrough( Elasticity elasticity, const std::vector<std::pair<btScalar,
 	return { cube->massCentre().y(), box->getWorldTransform().getOrigin().y(), high.x() - low.x() };
 }
 
-// A clock that gave NaN, infinity, a negative time, or the hundred seconds that a laptop had slept.
+// A clock may give NaN, infinity, negative times, or the hundred seconds that a laptop has slept.
 TEST( BadNumbers, OddTimeStepsAreRefusedOrCutShort )
 {
 	const std::vector<std::pair<btScalar, int>> odd[] = { { { kNan, 0 }, { kNan, 4 } }, { { kInfinity, 0 }, { kInfinity, 4 } },
@@ -204,7 +204,7 @@ TEST( BadNumbers, OddTimeStepsAreRefusedOrCutShort )
 	}
 }
 
-TEST( BadNumbers, AFixedTimeStepThatIsNoneDoesNothing )
+TEST( BadNumbers, AnInvalidFixedTimeStepDoesNothing )
 {
 	TestWorld t;
 	SoftBody* cube = t.addSoft( block( 2, 2, 2, 0.1f ), at( 0, 1, 0 ) );

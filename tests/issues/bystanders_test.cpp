@@ -1,6 +1,6 @@
-// A soft body changes nothing for what does not touch it. Each scene is run in Bullet's world and in ours with an awake soft body 20 m
-// away: once a step that was divided for the soft body was divided for everything, so that characters walked four times as far, actions ran
-// four times a step, motors and breaking joints meant another impulse, and callbacks saw a quarter of the impulses.
+// A soft body changes nothing for objects that it does not touch: actions run once per step, characters walk as far, motors and breakable
+// joints have the same impulses, and callbacks see the impulses of the whole step. Each scene is run in Bullet's world, and in ours with an
+// awake soft body 20 m away.
 
 #include "twin_worlds.h"
 
@@ -20,7 +20,7 @@ using test::at;
 using test::kFrame;
 using test::RigidScene;
 
-/// What a scene measures in a world; `run( frames )` steps it.
+/// Returns what a scene measures in a world; `run( frames )` steps the world.
 using Measure = std::function<std::vector<btScalar>( btDiscreteDynamicsWorld&, const std::function<void( int )>& )>;
 
 class Bystanders : public testing::TestWithParam<Elasticity>
@@ -53,7 +53,7 @@ protected:
 			}
 		} );
 	}
-	/// To the bit.
+	/// Compares bit for bit.
 	static void compare( const Measure& measure )
 	{
 		const std::vector<btScalar> expected = inBulletsWorld( measure ), found = besideASoftBody( measure );
@@ -150,7 +150,7 @@ TEST_P( Bystanders, JointsBreakAtTheSameImpulse )
 		{
 			RigidScene scene( world );
 			btRigidBody* const hung = scene.addBox(
-				1, btVector3( btScalar( 0.1 ), btScalar( 0.1 ), btScalar( 0.1 ) ), at( 0, 5, 0 ) ); // held by .17 N s a step
+				1, btVector3( btScalar( 0.1 ), btScalar( 0.1 ), btScalar( 0.1 ) ), at( 0, 5, 0 ) ); // held by .17 N s per step
 			auto* const joint = scene.join( new btPoint2PointConstraint( *hung, btVector3( 0, 0, 0 ) ) );
 			joint->setBreakingImpulseThreshold( threshold );
 			run( 20 );
@@ -190,7 +190,7 @@ TEST_P( Bystanders, CallbacksSeeTheImpulseOfTheStep )
 		world.setInternalTickCallback( lookAtImpulses );
 		run( 90 );
 		world.setInternalTickCallback( nullptr );
-		EXPECT_NEAR( seenImpulse, 10 * 10 * kFrame, 0.02 ); // it lies
+		EXPECT_NEAR( seenImpulse, 10 * 10 * kFrame, 0.02 ); // at rest
 		return std::vector<btScalar>{ seenImpulse, largestSeenImpulse };
 	} );
 }
@@ -215,7 +215,7 @@ TEST_P( Bystanders, HeapsFallAsTheyDo )
 	} );
 }
 
-/// A soft cube that hovers 3 cm beside what stands at x = 0: it touches nothing, and what is so near takes its substeps.
+/// A soft cube that hovers 3 cm beside an object at x = 0: it touches nothing, but objects so near take part in its substeps.
 void hoverBeside( test::TestWorld& scene, btScalar halfWidth, btScalar height )
 {
 	SoftBody* const cube = scene.addSoft(
@@ -224,14 +224,14 @@ void hoverBeside( test::TestWorld& scene, btScalar halfWidth, btScalar height )
 	cube->setActivationState( DISABLE_DEACTIVATION );
 }
 
-// What takes substeps has the limits and the impulses of the whole step too: a joint held .167 N s a step in parts of a quarter each, and
-// did not break at .1.
+// Objects that take part in substeps have the limits and impulses of the whole step: a joint held by .167 N s per step, a quarter in each
+// substep, must break at .1.
 TEST( Neighbours, HaveJointsThatBreakAtTheImpulseOfTheStep )
 {
 	for ( const btScalar threshold : { btScalar( 0.1 ), btScalar( 0.3 ) } )
 	{
 		test::TestWorld own;
-		own.world.setGravity( btVector3( 0, 0, -10 ) ); // along the last of the joint's rows, whose impulse Bullet shows
+		own.world.setGravity( btVector3( 0, 0, -10 ) ); // along the last of the joint's rows, whose impulse Bullet reports
 		RigidScene scene( own.world );
 		btRigidBody* const hung = scene.addBox( 1, btVector3( btScalar( 0.1 ), btScalar( 0.1 ), btScalar( 0.1 ) ), at( 0, 5, 0 ) );
 		hung->setActivationState( DISABLE_DEACTIVATION );
@@ -265,7 +265,7 @@ TEST( Neighbours, ShowTheContactImpulseOfTheStep )
 
 int ticksBefore = 0, ticksAfter = 0;
 
-// A callback that was set inside the other one was lost while a soft body was awake.
+// A callback that is set within the other callback is kept while a soft body is awake.
 TEST_P( Bystanders, CallbacksMayBeSetAtAnyTime )
 {
 	compare( []( btDiscreteDynamicsWorld& world, const auto& run ) {
@@ -284,7 +284,7 @@ TEST_P( Bystanders, CallbacksMayBeSetAtAnyTime )
 	} );
 }
 
-/// As several engines write it: their own loop over single steps, without our stepSimulation.
+/// An engine's own loop over single steps, without our stepSimulation.
 class EnginesWorld : public SoftBodyWorld
 {
 public:
@@ -300,7 +300,7 @@ public:
 	}
 };
 
-// A world that overrides stepSimulation kept all events for ever, and faded pieces stayed.
+// In a world that overrides stepSimulation events must not accumulate, and faded pieces must be removed.
 TEST( DerivedWorlds, ForgetEventsAndFadedPieces )
 {
 	test::BulletParts parts;
@@ -325,7 +325,7 @@ TEST( DerivedWorlds, ForgetEventsAndFadedPieces )
 	EXPECT_EQ( world.softBodyCount(), 1 );
 }
 
-/// A soft cube of 1 m with a plate on it and `count` boxes of 2 kg on that, none of which touch one another: one island.
+/// A soft cube of 1 m with a plate on it that carries `count` boxes of 2 kg, which do not touch one another: one island.
 struct LadenCube
 {
 	test::TestWorld t;
@@ -334,7 +334,7 @@ struct LadenCube
 	std::vector<btRigidBody*> boxes;
 	std::vector<btVector3> from;
 
-	/// `lumped`: the plate has the boxes' mass, and there are none.
+	/// `lumped`: the plate has the boxes' mass, and there are no boxes.
 	explicit LadenCube( int count, bool lumped = false )
 	{
 		t.addFloor();
@@ -352,8 +352,8 @@ struct LadenCube
 	}
 };
 
-/// All in one block.
-struct OneBlock : BlockPositions
+/// All bodies are in one block.
+struct OneBlock : BlockLookup
 {
 	int blockOf( const SoftBody& ) const override { return 0; }
 	int blockOfIsland( int tag ) const override { return tag >= 0 ? 0 : -1; }
@@ -362,9 +362,8 @@ struct OneBlock : BlockPositions
 	int rigidPart( int, btRigidBody& ) override { return 0; }
 };
 
-// A cube in a heap of 3 000: what of a large island takes part in the solution of its block is bounded, and begins with what touches the
-// soft body.
-TEST( LargeIslands, TakePartAsFarAsThereIsRoomNearestFirst )
+// A cube in a heap of 3 000: the number of rigid bodies in a block is bounded, and those nearest to the soft body are chosen first.
+TEST( LargeIslands, TakePartUpToTheLimitNearestFirst )
 {
 	for ( const int count : { 60, 95, 96, 144 } )
 	{
@@ -382,8 +381,8 @@ TEST( LargeIslands, TakePartAsFarAsThereIsRoomNearestFirst )
 	}
 }
 
-// Those without room are Bullet's own affair, and their weight is no less for it.
-TEST( LargeIslands, AreBorneAsAWhole )
+// Bullet solves the remaining bodies; their weight still acts in full.
+TEST( LargeIslands, CarryTheirWholeWeight )
 {
 	LadenCube lump( 144, true ), scene( 144 );
 	for ( LadenCube* all : { &lump, &scene } )
@@ -392,13 +391,13 @@ TEST( LargeIslands, AreBorneAsAWhole )
 		all->t.run( 180 );
 	}
 	const btScalar height = scene.plate->getWorldTransform().getOrigin().y(), wanted = lump.plate->getWorldTransform().getOrigin().y();
-	EXPECT_LT( wanted, btScalar( 1.01 ) ) << "the cube is pressed";
+	EXPECT_LT( wanted, btScalar( 1.01 ) ) << "the cube is compressed";
 	EXPECT_NEAR( height, wanted, 0.003 );
-	EXPECT_GT( scene.plate->getWorldTransform().getBasis()[1][1], btScalar( 0.9999 ) ) << "it lies level";
+	EXPECT_GT( scene.plate->getWorldTransform().getBasis()[1][1], btScalar( 0.9999 ) ) << "the plate is level";
 	for ( std::size_t k = 0; k < scene.boxes.size(); ++k )
 	{
 		const btVector3 went = scene.boxes[k]->getWorldTransform().getOrigin() - scene.from[k];
-		EXPECT_LT( btVector3( went.x(), 0, went.z() ).length(), btScalar( 0.05 ) ) << k; // on a rigid cube Bullet's go .014 m
+		EXPECT_LT( btVector3( went.x(), 0, went.z() ).length(), btScalar( 0.05 ) ) << k; // on a rigid cube Bullet's move .014 m
 		EXPECT_NEAR( scene.boxes[k]->getWorldTransform().getOrigin().y(), height + btScalar( 0.065 ), 0.01 ) << k;
 	}
 }

@@ -1,5 +1,5 @@
-// Bullet's kinematic character on soft bodies, beside its rigid twin. It presses with any force that is asked for, so that it sank through
-// soft bodies to the floor, crushed them, and was flung up when they came back.
+// Bullet's kinematic character on soft bodies, compared with the same on rigid ones. It presses with unlimited force, but must not sink
+// through soft bodies, crush them, or be thrown up by them.
 
 #include "twin_worlds.h"
 
@@ -55,7 +55,7 @@ public:
 		}
 	}
 	void watch() { lowest = highest = foot().y(); }
-	btScalar lowest = SIMD_INFINITY, highest = -SIMD_INFINITY; ///< of the foot, since watch(), m
+	btScalar lowest = SIMD_INFINITY, highest = -SIMD_INFINITY; ///< height of the foot since watch(), m
 
 private:
 	btDiscreteDynamicsWorld& m_world;
@@ -86,7 +86,7 @@ INSTANTIATE_TEST_SUITE_P( Grounds, Characters,
 		Ground{ "Automatic3e5", Elasticity::Automatic, 3e5f } ),
 	[]( const auto& with ) { return std::string( with.param.name ); } );
 
-/// The highest point of a body's nodes under a character, m.
+/// Returns the highest point of a body's nodes under a character, m.
 btScalar topUnder( const SoftBody& body, const btVector3& foot )
 {
 	btScalar high = -SIMD_INFINITY;
@@ -143,7 +143,7 @@ TEST_P( Characters, JumpAsHighAsFromTheFloor )
 	EXPECT_NEAR( jump( walker ), expected, btScalar( 0.05 ) * expected );
 }
 
-// A soft slab of .25 m, onto which the character steps, and from which it steps down behind.
+// The character steps onto a soft slab of .25 m, and down from it at the far side.
 TEST_P( Characters, WalkOverASoftStep )
 {
 	test::TestWorld own;
@@ -167,7 +167,7 @@ TEST_P( Characters, WalkOverAHeapWithoutSinking )
 {
 	test::TestWorld own;
 	own.addFloor();
-	own.addBox( 0, btVector3( 3, 1, btScalar( 0.1 ) ), at( 1, 1, btScalar( 0.65 ) ) ); // a trench, in which the cubes stay
+	own.addBox( 0, btVector3( 3, 1, btScalar( 0.1 ) ), at( 1, 1, btScalar( 0.65 ) ) ); // a trench that holds the cubes
 	own.addBox( 0, btVector3( 3, 1, btScalar( 0.1 ) ), at( 1, 1, btScalar( -0.65 ) ) );
 	const auto cube = test::cubeTemplate( 0.25f, 3 );
 	for ( int k = 0; k < 24; ++k )
@@ -186,12 +186,12 @@ TEST_P( Characters, WalkOverAHeapWithoutSinking )
 	EXPECT_GT( walker.lowest, 0.25 - 0.25 / 3 );
 }
 
-// A block on the floor is pushed along by what walks against it, about as far as a rigid one: it went five times as far.
+// A character that walks against a block on the floor pushes it about as far as a rigid one.
 TEST_P( Characters, PushSoftBlocksAsFarAsRigidOnes )
 {
 	if ( GetParam().youngsModulus < 1e5f )
 	{
-		GTEST_SKIP() << "what is so soft is bent, and not pushed";
+		GTEST_SKIP() << "such a soft block is bent, not pushed";
 	}
 	const auto push = []( Walker& walker ) {
 		walker.run( 10 );

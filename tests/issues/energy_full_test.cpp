@@ -1,4 +1,4 @@
-// The same scenes over the ranges of their settings.
+// The same scenes over the full ranges of their settings.
 
 #include "support/plastic_scenes.h"
 #include "support/put_inside.h"
@@ -62,7 +62,7 @@ TEST( EnergyFull, PutInside )
 				how.what = kind < 2 ? test::Inside::Floor : kind < 4 ? test::Inside::StaticBox : test::Inside::Cube;
 				const double apart[] = { 0.0, 0.15, 0.33, 0.47, 0.55 };
 				how.depth = kind < 2 ? ( kind == 0 ? 0.1 : 0.3 ) : kind < 4 ? 0.0 : apart[( kind - 4 ) / 2];
-				how.isTurned = kind % 2 == 1 && kind > 1;
+				how.isRotated = kind % 2 == 1 && kind > 1;
 				const test::CameOut out = test::putInside( how );
 				EXPECT_TRUE( out.isHealthy );
 				EXPECT_LT( out.fastest, 3.0 );

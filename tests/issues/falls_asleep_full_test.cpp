@@ -1,4 +1,4 @@
-// Heaps and fragments fall asleep within fifteen seconds, in either step.
+// Heaps and fragments fall asleep within fifteen seconds, explicit and implicit.
 
 #include "support/awake_bodies.h"
 #include "support/mesh_of_boxes.h"
@@ -23,7 +23,7 @@ void expectSleep( SoftWorld& t )
 	EXPECT_EQ( awakeBodies( t.world ), 0 ) << "of " << t.world.softBodyCount();
 }
 
-// Twenty cubes, bars and plates of four stiffnesses, dropped one after the other over one place.
+// Twenty cubes, bars and plates of four stiffnesses, dropped one after the other at the same position.
 TEST( FallsAsleep, AHeapOfTwenty )
 {
 	const std::shared_ptr<const BodyTemplate> made[] = { cubeTemplate( 0.5f, 5 ), boxTemplate( { 1.0f, 0.24f, 0.24f }, 0.12f ),
@@ -54,9 +54,9 @@ struct Shooting
 	int coarseLevels;
 };
 
-// A block of half a metre, shot to pieces by a ball of 20 kg at 30 m/s: crumbs of one cell above all stayed awake, and with them what they
-// touch.
-TEST( FallsAsleep, WhatAShotBlockFellInto )
+// A block of half a metre, broken by a ball of 20 kg at 30 m/s: fragments of one cell in particular must fall asleep, because they keep the
+// bodies they touch awake.
+TEST( FallsAsleep, TheFragmentsOfAShotBlock )
 {
 	for ( const Shooting& shooting :
 		{ Shooting{ BreakRule::Distance, 40, 0 }, Shooting{ BreakRule::Plane, 50, 0 }, Shooting{ BreakRule::Plane, 50, 1 } } )
@@ -93,7 +93,7 @@ TEST( FallsAsleep, WhatAShotBlockFellInto )
 			}
 			t.world.removeRigidBody( ball );
 			expectSleep( t );
-			t.world.addRigidBody( ball ); // the world takes it out again
+			t.world.addRigidBody( ball ); // removed by the world
 		}
 	}
 }

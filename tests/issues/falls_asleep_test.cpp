@@ -1,5 +1,5 @@
-// What lies still falls asleep, crumbs and bodies on terrain too, and what moves does not, however slowly: beside its rigid twin, which
-// sleeps by Bullet's rules.
+// Bodies at rest fall asleep, fragments and bodies on terrain too; moving ones do not, however slow. Compared with rigid ones, which sleep
+// by Bullet's rules.
 
 #include "support/awake_bodies.h"
 #include "support/mesh_of_boxes.h"
@@ -16,7 +16,7 @@ namespace {
 using namespace pliant;
 using namespace pliant::test;
 
-/// Seconds until all bodies sleep, at most `most`.
+/// Returns the seconds until all bodies sleep, at most `most`.
 double asleepAfter( SoftWorld& t, double most )
 {
 	int frames = 0;
@@ -27,10 +27,9 @@ double asleepAfter( SoftWorld& t, double most )
 	return frames / 60.0;
 }
 
-// A block was cut into single cells. A heap of points is pushed to and fro a little by a solver of ten iterations, and of two hundred one
-// is always faster than the 3 cm/s that were asked for: half a minute later nearly all were awake, for those that touch sleep together or
-// not at all.
-TEST( FallsAsleep, ABlockCutIntoCrumbs )
+// A block cut into single cells. The residual errors of a solver of ten iterations keep a heap of points in motion, so that of two hundred
+// one is always faster than 3 cm/s, and bodies in contact sleep together or not at all.
+TEST( FallsAsleep, ABlockCutIntoSingleCells )
 {
 	for ( const Elasticity elasticity : kSteps )
 	{
@@ -52,7 +51,7 @@ TEST( FallsAsleep, ABlockCutIntoCrumbs )
 	}
 }
 
-// Six cubes on a wavy heightfield: explicit ones never slept.
+// Six cubes on a wavy heightfield.
 TEST( FallsAsleep, CubesOnAWavyHeightfield )
 {
 	constexpr int kPosts = 41;
@@ -83,7 +82,7 @@ TEST( FallsAsleep, CubesOnAWavyHeightfield )
 	}
 }
 
-/// A soft cube of half a metre and a rigid one 3 m beside it, moved alike.
+/// A soft cube of half a metre and a rigid one 3 m beside it, with the same motion.
 struct Twins : SoftWorld
 {
 	SoftBody* softOne = nullptr;
@@ -102,8 +101,8 @@ struct Twins : SoftWorld
 		softFrom = softOne->massCentre();
 		rigidFrom = rigidOne->getCenterOfMassPosition();
 	}
-	btScalar softWay() const { return ( softOne->massCentre() - softFrom ).length(); }
-	btScalar rigidWay() const { return ( rigidOne->getCenterOfMassPosition() - rigidFrom ).length(); }
+	btScalar softDistance() const { return ( softOne->massCentre() - softFrom ).length(); }
+	btScalar rigidDistance() const { return ( rigidOne->getCenterOfMassPosition() - rigidFrom ).length(); }
 };
 
 // On ice at 6 cm/s, for ten seconds. Bullet puts the rigid one to sleep after two.
@@ -115,12 +114,12 @@ TEST( FallsAsleep, NothingThatSlidesSlowly )
 		t.softOne->setFriction( 0 );
 		t.rigidOne->setFriction( 0 );
 		t.step( 600 );
-		EXPECT_NEAR( t.softWay(), 0.6, 0.03 );
-		EXPECT_GE( t.softWay(), 0.95 * t.rigidWay() );
+		EXPECT_NEAR( t.softDistance(), 0.6, 0.03 );
+		EXPECT_GE( t.softDistance(), 0.95 * t.rigidDistance() );
 	}
 }
 
-// Thrown up on a small moon: at the top it is slower than the 3 cm/s of old for three seconds. It comes down again as thrown.
+// Thrown up on a small moon, at the top it is slower than 3 cm/s for three seconds. It must come down again as thrown.
 TEST( FallsAsleep, NothingAtItsTurningPoint )
 {
 	for ( const Elasticity elasticity : kSteps )
@@ -133,12 +132,12 @@ TEST( FallsAsleep, NothingAtItsTurningPoint )
 	}
 }
 
-/// Height of its mass centre against that of where it hangs, m, lowest first; and the longest time it slept, s.
+/// Measures the height of its centre of mass relative to that at rest, m, lowest first, and the longest time it slept, s.
 TEST( FallsAsleep, NothingThatSwings )
 {
 	for ( const Elasticity elasticity : kSteps )
 	{
-		// A bar of 2 m hung by one end's cells, let go at a tenth of a radian: a swing takes two and a half seconds.
+		// A bar of 2 m, hung by the cells of one end, released at a tenth of a radian: the period is two and a half seconds.
 		SoftWorld t;
 		SoftBody* const bar = t.add( boxTemplate( { 2.0f, 0.2f, 0.2f }, 0.2f ), btVector3( 0, 0, 0 ), materialOf( elasticity, 2e6f ),
 			btQuaternion( btVector3( 0, 0, 1 ), btScalar( -SIMD_HALF_PI + 0.1 ) ) );

@@ -1,5 +1,5 @@
-// What games do to one body by hand: carry it by its pins, drive its nodes, take it out and put it back, teleport it, draw it, cut it,
-// break it. Each scene went wrong in some engine that has soft bodies.
+// Operations on a single body: moving it by its pins, driving its nodes, removing and adding it, teleporting, drawing, cutting and breaking
+// it. Each scene fails in some engines with soft bodies.
 
 #include "support/mesh_of_boxes.h"
 #include "world/test_world.h"
@@ -30,8 +30,8 @@ std::vector<btVector3> nodesOf( const SoftBody& body )
 	return nodes;
 }
 
-// A soft flag on a vehicle: what is drawn of the held end trailed behind its mast by a step, .17 m at 10 m/s.
-TEST( Handling, TheSurfaceOfPinnedCellsIsWhereTheBoxThatCarriesThemIs )
+// A soft flag on a vehicle: the drawn surface of the held end must not lag behind its mast by a step, .17 m at 10 m/s.
+TEST( Handling, TheSurfaceOfPinnedCellsFollowsTheirBox )
 {
 	for ( const Elasticity elasticity : { Elasticity::Explicit, Elasticity::Implicit } )
 	{
@@ -43,7 +43,7 @@ TEST( Handling, TheSurfaceOfPinnedCellsIsWhereTheBoxThatCarriesThemIs )
 		material.elasticity = elasticity;
 		SoftBody* const bar = t.addSoft( block( 3, 10, 3, 0.1f ), at( 0, btScalar( 0.4 ), 0 ), material ); // from -.1 to .9 m
 		bar->setLinearVelocity( btVector3( 10, 0, 0 ) );
-		bar->setSurfaceTolerance( 0 ); // else .01 cells, 1 mm
+		bar->setSurfaceTolerance( 0 ); // otherwise .01 cells, 1 mm
 		for ( int i = 0; i < bar->nodeCount(); ++i )
 		{
 			if ( bar->nodePosition( i ).y() > btScalar( 0.6 ) )
@@ -72,8 +72,8 @@ TEST( Handling, TheSurfaceOfPinnedCellsIsWhereTheBoxThatCarriesThemIs )
 	}
 }
 
-// A game that drives a node at 20 frames a second: between two calls the node went on with the speed of the last.
-TEST( Handling, ANodeDrivenEveryThirdFrameStandsBetween )
+// A node driven at 20 Hz must stand still between two calls.
+TEST( Handling, ANodeDrivenEveryThirdFrameStandsStillInBetween )
 {
 	for ( const Elasticity elasticity : { Elasticity::Explicit, Elasticity::Implicit } )
 	{
@@ -82,16 +82,16 @@ TEST( Handling, ANodeDrivenEveryThirdFrameStandsBetween )
 		material.elasticity = elasticity;
 		SoftBody* const cube = t.addSoft( block( 4, 4, 4, 0.1f ), at( 0, 0, 0 ), material );
 		const int node = cube->nearestNode( btVector3( 0, 1, 0 ) );
-		btVector3 place = cube->nodePosition( node );
+		btVector3 position = cube->nodePosition( node );
 		for ( int k = 0; k < 60; ++k )
 		{
 			if ( k % 3 == 0 )
 			{
-				place += btVector3( btScalar( 0.05 ), 0, 0 );
-				ASSERT_TRUE( cube->driveNode( node, place ).ok() );
+				position += btVector3( btScalar( 0.05 ), 0, 0 );
+				ASSERT_TRUE( cube->driveNode( node, position ).ok() );
 			}
 			t.run( 1 );
-			ASSERT_LT( ( cube->nodePosition( node ) - place ).length(), 2e-6 ) << k;
+			ASSERT_LT( ( cube->nodePosition( node ) - position ).length(), 2e-6 ) << k;
 			if ( k % 3 != 0 )
 			{
 				ASSERT_EQ( cube->nodeVelocity( node ).length(), 0 ) << k;
@@ -100,8 +100,8 @@ TEST( Handling, ANodeDrivenEveryThirdFrameStandsBetween )
 	}
 }
 
-// A streamed-out part of a level: what was taken out came back in its first shape, or without its pins.
-TEST( Handling, OutForASecondAndInAgainABodyIsAsItWas )
+// A body that is removed and added again, as in level streaming, keeps its shape and its pins.
+TEST( Handling, ABodyRemovedAndAddedAgainIsUnchanged )
 {
 	TestWorld t;
 	SoftBody* const bar = t.addSoft( block( 8, 2, 2, 0.1f ), at( 0, 1, 0 ), test::stiff( 1e5f ) );
@@ -124,8 +124,8 @@ TEST( Handling, OutForASecondAndInAgainABodyIsAsItWas )
 	EXPECT_GT( bar->massCentre().y(), btScalar( 0.7 ) ) << "it hangs by its pins";
 }
 
-// Respawning: what was drawn in the same frame stood at the old place, or had moved twice in the next.
-TEST( Handling, WhatIsTeleportedIsDrawnMovedOnceAtOnce )
+// Respawning: the surface drawn in the same frame is at the new position, and the next step does not move it again.
+TEST( Handling, ATeleportMovesTheDrawnSurfaceOnceAndAtOnce )
 {
 	for ( const bool isAsleep : { false, true } )
 	{
@@ -140,22 +140,22 @@ TEST( Handling, WhatIsTeleportedIsDrawnMovedOnceAtOnce )
 		{
 			before.push_back( vertex( first, v ) );
 		}
-		const btTransform way( btQuaternion( btVector3( 0, 0, 1 ), btScalar( 0.5 ) ), btVector3( 3, -2, 1 ) );
-		ASSERT_TRUE( cube->teleport( way ).ok() );
+		const btTransform motion( btQuaternion( btVector3( 0, 0, 1 ), btScalar( 0.5 ) ), btVector3( 3, -2, 1 ) );
+		ASSERT_TRUE( cube->teleport( motion ).ok() );
 		for ( int k = 0; k < 3; ++k )
 		{
 			const SurfaceView now = cube->surface();
 			for ( int v = 0; v < now.vertexCount; ++v )
 			{
-				ASSERT_LT( ( vertex( now, v ) - way * before[std::size_t( v )] ).length(), 2e-6 ) << "after " << k << " steps";
+				ASSERT_LT( ( vertex( now, v ) - motion * before[std::size_t( v )] ).length(), 2e-6 ) << "after " << k << " steps";
 			}
 			t.run( 1 );
 		}
 	}
 }
 
-// Half-way cuts, and then each of what they left: numbers of pieces that have parted meanwhile are not those of the last cut.
-TEST( Handling, CutHalfWayFiftyTimesNothingIsLost )
+// Partial cuts, then partial cuts of all their pieces: cell indices of separated pieces differ from those of the last cut.
+TEST( Handling, FiftyPartialCutsLoseNothing )
 {
 	TestWorld t;
 	t.world.setGravity( btVector3( 0, 0, 0 ) );
@@ -173,7 +173,7 @@ TEST( Handling, CutHalfWayFiftyTimesNothingIsLost )
 			SoftBody* const piece = t.world.softBody( b );
 			const btScalar x = fraction(), y = fraction(), z = fraction();
 			const btVector3 normal = btVector3( x, y, z ).normalized();
-			// A disc about a point at the piece's rim goes half-way through it.
+			// A disc around a point at the piece's edge cuts half of it.
 			const btScalar size = btScalar( 0.1 * std::cbrt( double( piece->cellCount() ) ) );
 			piece->cutPlane( piece->massCentre() + normal.cross( btVector3( z, x, y ) ).normalized() * size / 2, normal, size / 2 );
 		}
@@ -193,7 +193,7 @@ TEST( Handling, CutHalfWayFiftyTimesNothingIsLost )
 	EXPECT_GT( t.world.softBodyCount(), 4 );
 }
 
-// One object of three cubes, ten times in a level: the bounds of all were those of the first.
+// One object of three cubes, ten times in a level: each must have its own bounds.
 TEST( Handling, BodiesOfThreeCubesHaveBoundsWhereTheyArePlaced )
 {
 	test::MeshOfBoxes mesh;
@@ -214,17 +214,17 @@ TEST( Handling, BodiesOfThreeCubesHaveBoundsWhereTheyArePlaced )
 		btVector3 low, high;
 		SoftBody& body = *t.soft[std::size_t( k )];
 		body.getCollisionShape()->getAabb( body.getWorldTransform(), low, high );
-		const btVector3 place( btScalar( 5 * k ), btScalar( k ), 0 );
-		EXPECT_LT( ( low - place - btVector3( btScalar( -1.2 ), btScalar( -0.2 ), btScalar( -0.2 ) ) ).length(), 0.01 );
-		EXPECT_LT( ( high - place - btVector3( btScalar( 1.2 ), btScalar( 1.2 ), btScalar( 0.2 ) ) ).length(), 0.01 );
+		const btVector3 position( btScalar( 5 * k ), btScalar( k ), 0 );
+		EXPECT_LT( ( low - position - btVector3( btScalar( -1.2 ), btScalar( -0.2 ), btScalar( -0.2 ) ) ).length(), 0.01 );
+		EXPECT_LT( ( high - position - btVector3( btScalar( 1.2 ), btScalar( 1.2 ), btScalar( 0.2 ) ) ).length(), 0.01 );
 		EXPECT_LT( ( body.getBroadphaseHandle()->m_aabbMax - high ).length(), 0.1 );
 		EXPECT_LT( ( body.getBroadphaseHandle()->m_aabbMin - low ).length(), 0.1 );
 	}
 }
 
-// Culling by the body's box: what was drawn stood out of it and vanished at the picture's border. Balls stand for cells, whose corners
-// stand out of them by ( sqrt 3 - 1 ) / 2 of an edge: by so much the box is to be grown.
-TEST( Handling, TheBodysBoxGrownByItsCellsCornersHoldsAllThatIsDrawn )
+// Culling by the body's box: the drawn surface must not protrude from it. The spheres of cells leave out the cells' corners, so the box is
+// grown by ( sqrt 3 - 1 ) / 2 of an edge.
+TEST( Handling, TheBodysBoxGrownByItsCellsCornersEnclosesItsSurface )
 {
 	constexpr btScalar kCell = btScalar( 0.1 ), kCorner = btScalar( 0.37 ) * kCell;
 	for ( const Elasticity elasticity : { Elasticity::Explicit, Elasticity::Implicit } )
@@ -284,7 +284,7 @@ std::shared_ptr<const BodyTemplate> cubeOfSixFaces()
 	return BodyTemplate::build( mesh, settings ).value;
 }
 
-// A crate: its faces bulged at rest, or came apart at its edges, where each has vertices of its own.
+// A crate: at rest its faces must be flat and meet at the edges, where each has its own vertices.
 TEST( Handling, ACrateAtRestHasFlatFacesThatMeet )
 {
 	TestWorld t;
@@ -312,8 +312,8 @@ TEST( Handling, ACrateAtRestHasFlatFacesThatMeet )
 	}
 }
 
-// Not so yet: a mesh gives no normals, so that nothing tells a hard edge from a seam of texture coordinates, and vertices at one place
-// share one, 48 to 71 degrees off.
+// Known limitation: meshes have no normals, so a hard edge cannot be told from a seam of texture coordinates, and vertices at one position
+// share a normal, 48 to 71 degrees off.
 TEST( Handling, DISABLED_ACratesEdgesAreHard )
 {
 	const std::unique_ptr<SoftBody> crate = SoftBody::create( cubeOfSixFaces(), at( 0, 0, 0 ) ).value;
@@ -325,7 +325,7 @@ TEST( Handling, DISABLED_ACratesEdgesAreHard )
 	}
 }
 
-// A sign that hangs by its upper edge at half of what it bears: small breaks added up until it fell, a minute later.
+// A sign hangs by its upper edge at half of its strength: small breaks must not accumulate until it falls.
 TEST( Handling, AtHalfItsStrengthNothingBreaksInAMinute )
 {
 	for ( const Elasticity elasticity : { Elasticity::Explicit, Elasticity::Implicit } )
@@ -340,13 +340,13 @@ TEST( Handling, AtHalfItsStrengthNothingBreaksInAMinute )
 			ASSERT_EQ( bar->pinNodesInside( btVector3( -1, btScalar( 0.4 ), -1 ), btVector3( 1, 1, 1 ) ), 9 );
 			Fracture fracture;
 			fracture.rule = rule;
-			fracture.breakStrain = 0.18f; // below the pins it is stretched by 1 000 x 10 x .9 / 1e5 = .09
+			fracture.breakStrain = 0.18f; // below the pins the stretch is 1 000 x 10 x .9 / 1e5 = .09
 			ASSERT_TRUE( bar->setFracture( fracture ).ok() );
 			bar->setActivationState( DISABLE_DEACTIVATION );
 			const int links = bar->linkCount();
 			for ( int k = 0; k < 3600; ++k )
 			{
-				bar->setGravity( btVector3( 0, -btMin( btScalar( 10 ), btScalar( k ) / 18 ), 0 ) ); // laid on over three seconds
+				bar->setGravity( btVector3( 0, -btMin( btScalar( 10 ), btScalar( k ) / 18 ), 0 ) ); // applied over three seconds
 				t.run( 1 );
 			}
 			EXPECT_EQ( bar->linkCount(), links );
@@ -358,8 +358,8 @@ TEST( Handling, AtHalfItsStrengthNothingBreaksInAMinute )
 	}
 }
 
-// A shooting gallery: panes break one after the other for a minute, and whatever they left went on costing.
-TEST( Handling, PanesThatBreakAllTheTimeLeaveNothingBehind )
+// Panes break one after the other for a minute; their remains must not keep costing time.
+TEST( Handling, BreakingPanesLeaveNoCostBehind )
 {
 	constexpr int kPanes = 20, kEvery = 15; // frames
 	TestWorld t;
@@ -389,7 +389,7 @@ TEST( Handling, PanesThatBreakAllTheTimeLeaveNothingBehind )
 		most = std::max( most, t.world.fragmentCount() );
 	}
 	EXPECT_GT( broken, 2 * kPanes );
-	EXPECT_LT( most, broken ) << "they go while others come";
+	EXPECT_LT( most, broken ) << "faded pieces are removed while new ones appear";
 	EXPECT_EQ( t.world.fragmentCount(), 0 );
 	EXPECT_LE( t.world.softBodyCount(), kPanes );
 }

@@ -1,5 +1,4 @@
-// Soft bodies that bear Bullet's static or kinematic flag are held as a whole. Such a flag on one of them once ended all contacts of the
-// world: a rigid box that lay elsewhere fell through its floor.
+// Soft bodies with Bullet's static or kinematic flag are held as a whole, and do not affect the contacts of other bodies in the world.
 
 #include "twin_worlds.h"
 
@@ -30,7 +29,7 @@ protected:
 INSTANTIATE_TEST_SUITE_P( Steps, HeldBodies, testing::Values( Elasticity::Explicit, Elasticity::Implicit ),
 	[]( const auto& with ) { return with.param == Elasticity::Explicit ? "Explicit" : "Implicit"; } );
 
-TEST_P( HeldBodies, LeaveTheWorldItsContacts )
+TEST_P( HeldBodies, DoNotAffectOtherContacts )
 {
 	btRigidBody* const far = m_own.addBox(
 		10, btVector3( btScalar( 0.3 ), btScalar( 0.3 ), btScalar( 0.3 ) ), at( 4, btScalar( 0.3 ), 0 ) );
@@ -49,7 +48,7 @@ TEST_P( HeldBodies, LeaveTheWorldItsContacts )
 	}
 }
 
-TEST_P( HeldBodies, CarryWhatFallsOnThem )
+TEST_P( HeldBodies, CarryFallingBodies )
 {
 	hold( btCollisionObject::CF_STATIC_OBJECT );
 	m_cube->teleport( at( 0, 2, 0 ) );
@@ -67,8 +66,8 @@ TEST_P( HeldBodies, CarryWhatFallsOnThem )
 	EXPECT_LT( m_cube->massCentre().y(), 0.7 ); // it falls again
 }
 
-// A soft lift, moved by `teleport` a centimetre a frame.
-TEST_P( HeldBodies, LiftWhatLiesOnThem )
+// A soft lift, moved by `teleport` at a centimetre per frame.
+TEST_P( HeldBodies, LiftBodiesOnThem )
 {
 	hold( btCollisionObject::CF_KINEMATIC_OBJECT );
 	btRigidBody* const box = m_own.addBox(
@@ -83,7 +82,7 @@ TEST_P( HeldBodies, LiftWhatLiesOnThem )
 	EXPECT_NEAR( box->getWorldTransform().getOrigin().y() - from, 1, 0.03 );
 }
 
-// Its surface is the game's too: nodes are driven one by one.
+// The game controls its shape too: nodes are driven one by one.
 TEST_P( HeldBodies, BendAsTheGameDrivesThem )
 {
 	hold( btCollisionObject::CF_KINEMATIC_OBJECT );

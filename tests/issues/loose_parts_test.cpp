@@ -1,5 +1,5 @@
-// Bodies whose cells fall into parts that nothing links: debris, leaves, the boxes of a level's model in one mesh. In the implicit step
-// they are as safe as in the explicit one, for what is done for a whole body is done for each part.
+// Bodies whose cells form several disconnected parts: debris, leaves, the boxes of a level's model in one mesh. They are as stable in the
+// implicit step as in the explicit one, because each part is handled like a whole body.
 
 #include "support/mesh_of_boxes.h"
 #include "support/test_world.h"
@@ -28,7 +28,7 @@ struct Fall
 	bool isHealthy = true;
 };
 
-/// From 1.5 m, turned by half a radian, for two and a half seconds.
+/// Dropped from 1.5 m, rotated by half a radian, for two and a half seconds.
 Fall drop( const std::shared_ptr<const BodyTemplate>& made, Elasticity elasticity, float youngsModulus )
 {
 	SoftWorld t;
@@ -49,9 +49,8 @@ Fall drop( const std::shared_ptr<const BodyTemplate>& made, Elasticity elasticit
 	return fall;
 }
 
-// A model of a level was one mesh of 64 small boxes spread through a metre, at about 800 cells: 150 cells from the middle of the whole,
-// what rounding leaves of a part's own motion is multiplied by a stiffness of a thousand. It flew apart at 1e10 m/s and was quarantined
-// within two seconds, and took 500 products a step.
+// One mesh of 64 small boxes spread through a metre, at about 800 cells. Relative to the centre of the whole, 150 cells away, the rounding
+// error of a part's motion times a stiffness of a thousand would make the body fly apart.
 TEST( LooseParts, SpreadThroughAMetreDoNotFlyApart )
 {
 	for ( const btScalar edge : { btScalar( 0.01 ), btScalar( 0.1 ) } )
@@ -71,8 +70,7 @@ struct Loose
 	Cells cells;
 };
 
-// Loose cubes, rods, plates and single cells, two to a thousand of them. Cubes of two cells an edge had moved at twice the explicit
-// velocity.
+// Loose cubes, rods, plates and single cells, two to a thousand of them.
 TEST( LooseParts, OfAnyNumberAndShapeFallAsTheyDoExplicitly )
 {
 	for ( const Loose& loose : { Loose{ 2, { 2, 2, 2 } }, Loose{ 27, { 2, 2, 2 } }, Loose{ 40, { 6, 1, 1 } }, Loose{ 20, { 4, 4, 1 } },
@@ -91,7 +89,7 @@ TEST( LooseParts, OfAnyNumberAndShapeFallAsTheyDoExplicitly )
 	}
 }
 
-/// Of all that moves, and of the sums of the sizes of what is summed.
+/// Totals over all moving bodies, and sums of absolute values as the scale of errors.
 struct Motion
 {
 	btVector3 momentum = btVector3( 0, 0, 0 ), spin = btVector3( 0, 0, 0 );
@@ -153,8 +151,8 @@ TEST( LooseParts, KeepMomentumInFlightAndWhereTheyCollide )
 	}
 }
 
-// Debris of 200 crumbs on ice, one of which still slides at 0.3 m/s. The mean over the body is 0.02 m/s, which is rest for a body in one
-// part: it froze with all others.
+// Debris of 200 fragments on ice, one of which still slides at 0.3 m/s. The mean over the body is 0.02 m/s, which counts as rest for a
+// connected body.
 TEST( LooseParts, DoNotFreezeTheOneThatStillSlides )
 {
 	for ( const Elasticity elasticity : { Elasticity::Explicit, Elasticity::Implicit } )

@@ -1,4 +1,4 @@
-// Ways in and out of a world that Bullet's users have: what works for a rigid body works for a soft one.
+// Adding and removing bodies in all ways that Bullet's users know: they work for soft bodies as for rigid ones.
 
 #include "world/test_world.h"
 
@@ -23,30 +23,29 @@ std::unique_ptr<SoftBody> cube( btScalar y )
 	return std::move( SoftBody::create( block( 4, 4, 4, 0.1f ), at( 0, y, 0 ) ).value );
 }
 
-// Everything that is a collision object was added the same way: the body hung in the air.
+// Generic code adds every collision object by addCollisionObject().
 TEST( Membership, AddCollisionObjectAddsASoftBody )
 {
-	for ( const int way : { 0, 1, 2 } )
+	for ( const int method : { 0, 1, 2 } )
 	{
 		TestWorld t;
 		t.addFloor();
 		const std::unique_ptr<SoftBody> body = cube( btScalar( 0.5 ) );
 		btCollisionWorld& plain = t.world;
 		btDiscreteDynamicsWorld& dynamic = t.world;
-		way == 0       ? plain.addCollisionObject( body.get() )
-			: way == 1 ? dynamic.addCollisionObject( body.get() )
-					   : t.world.addCollisionObject( body.get() );
+		method == 0       ? plain.addCollisionObject( body.get() )
+			: method == 1 ? dynamic.addCollisionObject( body.get() )
+						  : t.world.addCollisionObject( body.get() );
 		EXPECT_EQ( t.world.softBodyCount(), 1 );
 		t.run( 120 );
-		EXPECT_NEAR( body->massCentre().y(), kHalf, 0.03 ) << "way " << way;
+		EXPECT_NEAR( body->massCentre().y(), kHalf, 0.03 ) << "method " << method;
 		plain.removeCollisionObject( body.get() );
 		EXPECT_EQ( t.world.softBodyCount(), 0 );
 	}
 }
 
-// The way to change what an object collides with: out, and in again with another mask. The body stood still, and the world kept a pointer
-// to it.
-TEST( Membership, OutAndInAgainChangesTheFilterAndTheBodyGoesOn )
+// The usual way to change an object's collision filter: remove it, and add it again with another mask.
+TEST( Membership, ABodyRemovedAndAddedAgainHasTheNewFilter )
 {
 	TestWorld t;
 	t.addFloor();
@@ -58,14 +57,14 @@ TEST( Membership, OutAndInAgainChangesTheFilterAndTheBodyGoesOn )
 	plain.addCollisionObject(
 		body.get(), btBroadphaseProxy::DefaultFilter, btBroadphaseProxy::AllFilter ^ btBroadphaseProxy::StaticFilter );
 	t.run( 60 );
-	EXPECT_LT( body->massCentre().y(), -2 ) << "static objects are no concern of it now";
+	EXPECT_LT( body->massCentre().y(), -2 ) << "static objects are filtered out";
 	body.reset();
 	EXPECT_EQ( t.world.softBodyCount(), 0 );
 	t.run( 2 );
 }
 
-// The rigid twin of it: Bullet has no call of its own for it either.
-TEST( Membership, AMaskChangedWhileAsleepCountsFromWhenTheBodyWakes )
+// Compared with a rigid body: Bullet has no call of its own for this either.
+TEST( Membership, AMaskChangedWhileAsleepActsWhenTheBodyWakes )
 {
 	TestWorld t;
 	t.addFloor();
@@ -94,7 +93,7 @@ Ignoring ignoring( TestWorld& t, btRigidBody* floor, Top& top )
 	return { top.getWorldTransform().getOrigin().y() };
 }
 
-// A trapdoor opened by telling Bullet to ignore the pair. Whoever lay on it went on lying there.
+// A trapdoor opened by telling Bullet to ignore the pair: the body on it must fall.
 TEST( Membership, APairThatIsIgnoredWhileItTouchesFallsApart )
 {
 	TestWorld rigid;
@@ -116,10 +115,9 @@ TEST( Membership, APairThatIsIgnoredWhileItTouchesFallsApart )
 	}
 }
 
-// The same beside a rigid body that moves on its own, so that the step makes several passes: each has its list of contacts, and those that
-// had just ended stood in it. Bullet keeps the memory of the first 4 096; that of others is gone, as a sanitizer shows, and as large scenes
-// do.
-TEST( Membership, WhatIsIgnoredWhileOthersMoveIsForgottenAtOnce )
+// The same beside a rigid body that moves on its own, so that the step makes several passes. Each pass has its own list of contacts, which
+// must not contain contacts that have just ended. Bullet keeps the memory of the first 4 096; others are freed, which a sanitizer detects.
+TEST( Membership, IgnoredContactsAreDroppedInEveryPass )
 {
 	for ( const Elasticity step : { Elasticity::Explicit, Elasticity::Implicit } )
 	{
@@ -166,7 +164,7 @@ TEST( Membership, WhatIsIgnoredWhileOthersMoveIsForgottenAtOnce )
 	}
 }
 
-// Asleep, ignored, woken by nobody: both stay. The box that lay on it is woken and falls through.
+// Asleep and ignored, both stay until one is woken. The box on the soft body is woken and falls through.
 TEST( Membership, ARigidBodyThatIgnoresTheSleepingSoftBodyBelowFallsThroughIt )
 {
 	TestWorld t;
@@ -182,8 +180,8 @@ TEST( Membership, ARigidBodyThatIgnoresTheSleepingSoftBodyBelowFallsThroughIt )
 	EXPECT_LT( box->getWorldTransform().getOrigin().y(), btScalar( 0.15 ) );
 }
 
-// "Whatever the bullet hit goes": the body of a manifold, cast to a rigid one and removed. It stands for a node, and had the soft body's
-// own proxy.
+// "Remove what the bullet hit": the manifold's body is cast to a rigid body and removed. It is a contact proxy, and shares the soft body's
+// broadphase proxy.
 TEST( Membership, TheRigidBodyThatAManifoldNamesIsRemovedAsItsSoftBody )
 {
 	for ( const bool deletesIt : { false, true } )
@@ -201,7 +199,7 @@ TEST( Membership, TheRigidBodyThatAManifoldNamesIsRemovedAsItsSoftBody )
 		t.world.addRigidBody( named );
 		t.world.addRigidBody( named, 1, -1 );
 		t.world.addCollisionObject( named );
-		EXPECT_EQ( t.world.getNumCollisionObjects(), 2 ) << "it is in no world, and comes in none";
+		EXPECT_EQ( t.world.getNumCollisionObjects(), 2 ) << "a contact proxy is not added to the world";
 		t.world.removeRigidBody( named );
 		EXPECT_EQ( t.world.softBodyCount(), 0 );
 		EXPECT_EQ( body->getBroadphaseHandle(), nullptr );
@@ -220,7 +218,7 @@ TEST( Membership, TheRigidBodyThatAManifoldNamesIsRemovedAsItsSoftBody )
 	}
 }
 
-// A game's reset empties Bullet's list by its own hand. The soft body went on stepping, in no world.
+// A game's reset may empty Bullet's object list directly; the soft body has then left the world.
 TEST( Membership, ABodyThatVanishesFromBulletsListHasLeft )
 {
 	TestWorld t;
@@ -229,7 +227,7 @@ TEST( Membership, ABodyThatVanishesFromBulletsListHasLeft )
 	t.world.addSoftBody( kept.get() );
 	t.run( 2 );
 	t.world.getCollisionObjectArray().resize( 0 );
-	t.world.getCollisionObjectArray().push_back( kept.get() ); // at the place of the other
+	t.world.getCollisionObjectArray().push_back( kept.get() ); // at the index of the other
 	kept->setWorldArrayIndex( 0 );
 	t.run( 1 );
 	EXPECT_EQ( t.world.softBodyCount(), 1 );
@@ -243,8 +241,8 @@ TEST( Membership, ABodyThatVanishesFromBulletsListHasLeft )
 	EXPECT_LT( lost->massCentre().y(), stays.y() );
 }
 
-// A split screen: two worlds, one dispatcher. Once the second was gone the first one's soft bodies had no algorithm, and the memory of one.
-TEST( Membership, TwoWorldsFractionADispatcher )
+// A split screen: two worlds with one dispatcher. When the second is destroyed, the first one's soft bodies still need their algorithm.
+TEST( Membership, TwoWorldsShareADispatcher )
 {
 	test::BulletParts parts;
 	btDbvtBroadphase secondBroadphase;
@@ -282,7 +280,7 @@ TEST( Membership, TwoWorldsFractionADispatcher )
 	first.removeRigidBody( &floor );
 }
 
-// Members of a game's class that were declared the other way round: the dispatcher went before the world, which wrote into it.
+// The members of a game's class may be destroyed in any order: the dispatcher may go before an empty world.
 TEST( Membership, ADispatcherMayGoBeforeAnEmptyWorld )
 {
 	btDefaultCollisionConfiguration configuration;
@@ -297,7 +295,7 @@ TEST( Membership, ADispatcherMayGoBeforeAnEmptyWorld )
 	dispatcher.reset();
 }
 
-/// A game's own algorithm for compounds and boxes: Bullet's, counted.
+/// A game's own algorithm for compounds and boxes: Bullet's, with a counter.
 struct Counting : btCompoundCollisionAlgorithm::SwappedCreateFunc
 {
 	int made = 0;
@@ -309,7 +307,7 @@ struct Counting : btCompoundCollisionAlgorithm::SwappedCreateFunc
 	}
 };
 
-// A game with an algorithm of its own: registered before the world it was replaced without a word, after it soft bodies fell through boxes.
+// A game may register its own algorithm before or after the world is created: it serves the game's compounds, and soft bodies keep theirs.
 TEST( Membership, AlgorithmsThatTheGameRegistersServeItsCompoundsWheneverItDoesSo )
 {
 	for ( const int when : { 0, 1, 2 } ) // before the world, after it, after the first soft body
@@ -342,7 +340,7 @@ TEST( Membership, AlgorithmsThatTheGameRegistersServeItsCompoundsWheneverItDoesS
 		EXPECT_NEAR( top.getWorldTransform().getOrigin().y(), 1, 0.02 ) << when;
 		world.removeRigidBody( &top );
 		world.removeSoftBody( body.get() );
-		world.addRigidBody( &top ); // without soft bodies: the game's, which asks nobody
+		world.addRigidBody( &top ); // without soft bodies: the game's algorithm
 		world.stepSimulation( test::kFrame, 0 );
 		EXPECT_EQ( counting.made, 2 ) << when;
 		world.removeRigidBody( &top );
@@ -350,8 +348,8 @@ TEST( Membership, AlgorithmsThatTheGameRegistersServeItsCompoundsWheneverItDoesS
 	}
 }
 
-// "Objects of mine": other libraries mark their subclasses by CO_USER_TYPE and test a bit or two.
-TEST( Membership, TheInternalTypeMatchesNobodyElsesTest )
+// Other libraries mark their subclasses by CO_USER_TYPE and test individual bits.
+TEST( Membership, TheInternalTypeMatchesNoOtherLibrarysTest )
 {
 	const std::unique_ptr<SoftBody> body = cube( 1 );
 	const int type = body->getInternalType();
@@ -363,7 +361,7 @@ TEST( Membership, TheInternalTypeMatchesNobodyElsesTest )
 	EXPECT_EQ( btRigidBody::upcast( body.get() ), nullptr );
 }
 
-/// Of all memory that is in use, bytes; 0 where it is not known.
+/// Returns all memory in use, bytes; 0 where it is unknown.
 std::size_t memoryInUse()
 {
 #ifdef __GLIBC__
@@ -374,8 +372,8 @@ std::size_t memoryInUse()
 #endif
 }
 
-// A game that loads and frees the same model over and over, and what it put into the world with it.
-TEST( Membership, LoadedAndFreedOverAndOverNothingStays )
+// A game that loads and frees the same model repeatedly, together with the bodies made of it.
+TEST( Membership, RepeatedLoadingLeaksNothing )
 {
 	TestWorld t;
 	t.addFloor();

@@ -1,4 +1,4 @@
-// Pins and the rigid bodies they name: whoever goes first, nobody reads freed memory (these run under sanitizers).
+// Pins and the rigid bodies they refer to may be destroyed in any order, and no freed memory is read (these tests run under sanitizers).
 
 #include "world/test_world.h"
 
@@ -16,9 +16,8 @@ struct Handle
 	std::unique_ptr<btRigidBody> body = std::make_unique<btRigidBody>( btRigidBody::btRigidBodyConstructionInfo( 0, nullptr, &shape ) );
 };
 
-// A lamp on a rope was taken out of the scene, its hook was deleted meanwhile, and the lamp put back in: still pinned to the hook that was
-// no more.
-TEST( PinsLifetime, ABodyOutOfTheWorldIsNotPinnedToWhatWasDeletedMeanwhile )
+// A lamp on a rope is removed from the scene, its hook is deleted meanwhile, and the lamp is added again: the pin must be gone.
+TEST( PinsLifetime, ARemovedBodyIsNotPinnedToADeletedOne )
 {
 	TestWorld t;
 	SoftBody* lamp = t.addSoft( block( 2, 4, 2, 0.1f ), at( 0, 1, 0 ) );
@@ -30,12 +29,12 @@ TEST( PinsLifetime, ABodyOutOfTheWorldIsNotPinnedToWhatWasDeletedMeanwhile )
 		t.world.removeSoftBody( lamp );
 		t.world.removeRigidBody( hook.body.get() );
 		hook.body.reset();
-		if ( madeAnew ) // most likely where the other was
+		if ( madeAnew ) // most likely at the same address
 		{
 			hook.body = std::make_unique<btRigidBody>( btRigidBody::btRigidBodyConstructionInfo( 0, nullptr, &hook.shape ) );
 			t.world.addRigidBody( hook.body.get() );
 		}
-		EXPECT_TRUE( lamp->isPinned( 0 ) ) << "nobody has asked yet";
+		EXPECT_TRUE( lamp->isPinned( 0 ) ) << "the pin has not been checked yet";
 		t.world.addSoftBody( lamp );
 		EXPECT_FALSE( lamp->isPinned( 0 ) );
 		t.run( 10 );
@@ -48,8 +47,8 @@ TEST( PinsLifetime, ABodyOutOfTheWorldIsNotPinnedToWhatWasDeletedMeanwhile )
 	}
 }
 
-// And the same lamp, whose hook is still there, hangs on as it did.
-TEST( PinsLifetime, ABodyThatComesBackIsPinnedToWhatIsStillThere )
+// If the hook still exists, the lamp is pinned to it as before.
+TEST( PinsLifetime, ABodyAddedAgainKeepsPinsToExistingBodies )
 {
 	TestWorld t;
 	Handle hook;
@@ -76,7 +75,7 @@ TEST( PinsLifetime, ABodyThatComesBackIsPinnedToWhatIsStillThere )
 	EXPECT_FALSE( lamp->isPinned( 0 ) );
 }
 
-TEST( PinsLifetime, ARigidBodyInNoWorldOrAnotherIsRefusedWithASentence )
+TEST( PinsLifetime, ARigidBodyInNoWorldOrAnotherIsRefusedWithAMessage )
 {
 	TestWorld t, other;
 	Handle hook;
@@ -89,7 +88,7 @@ TEST( PinsLifetime, ARigidBodyInNoWorldOrAnotherIsRefusedWithASentence )
 	EXPECT_EQ( elsewhere.code, ResultCode::BadArgument );
 	EXPECT_NE( elsewhere.sentence.find( "another world" ), std::string::npos );
 	EXPECT_FALSE( lamp->isPinned( 0 ) );
-	// A body of no world yet may be tied to a rigid body of any; where they then do not meet the pin goes.
+	// A body in no world yet may be pinned to a rigid body of any world; the pin is removed if they do not meet in one.
 	auto made = std::move( SoftBody::create( block( 2, 4, 2, 0.1f ), at( 0, 1, 0 ) ).value );
 	ASSERT_TRUE( made->pinNodeToBody( 0, hook.body.get() ).ok() );
 	other.world.addSoftBody( made.get() );
@@ -101,12 +100,12 @@ TEST( PinsLifetime, ARigidBodyInNoWorldOrAnotherIsRefusedWithASentence )
 	t.run( 5 );
 }
 
-// A game's reset forgot its rigid bodies without a call: it emptied Bullet's list and deleted them.
+// A game's reset may drop its rigid bodies without a call, by emptying Bullet's list and deleting them.
 TEST( PinsLifetime, AHookThatVanishesFromBulletsListLetsGo )
 {
 	TestWorld t;
 	Handle hook;
-	t.world.addCollisionObject( hook.body.get() ); // a static one needs no more
+	t.world.addCollisionObject( hook.body.get() ); // sufficient for a static body
 	SoftBody* lamp = t.addSoft( block( 2, 4, 2, 0.1f ), at( 0, 1, 0 ) );
 	ASSERT_TRUE( lamp->pinNodeToBody( 0, hook.body.get() ).ok() );
 	t.run( 3 );

@@ -1,4 +1,4 @@
-// Clay that flows brings no energy in, however its settings are.
+// Plastic flow adds no energy, for any settings.
 
 #include "support/plastic_scenes.h"
 
@@ -16,8 +16,7 @@ Material clay( float limit )
 	return material;
 }
 
-// A cube of clay whose rest shape may go as far as it is allowed to, put down by a hand from .3 m: it went on flowing for ever, and within
-// a minute flew at 150 m/s with two hundred times the energy of the fall.
+// A plastic cube with the largest allowed change of rest shape, dropped from .3 m: it must stop flowing and come to rest.
 TEST( PlasticEnergy, ADroppedCubeComesToRestAtAnyLimit )
 {
 	for ( const float limit : { 1.8f, 2.0f } )

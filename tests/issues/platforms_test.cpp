@@ -1,6 +1,5 @@
-// What the game moves carries soft bodies as it carries rigid ones: platforms, turntables, lifts, conveyors and shaken plates, each beside
-// its rigid twin. Bodies that stepped implicitly were left behind by all of them: everyone sets the kinematic flag besides the static one
-// that Bullet's objects are born with.
+// Moving objects carry soft bodies as they carry rigid ones: platforms, turntables, lifts, conveyors and shaken plates, each compared with
+// a rigid body. Games set the kinematic flag in addition to the static one that every new object of Bullet's has.
 
 #include "twin_worlds.h"
 
@@ -18,7 +17,7 @@ using test::RigidScene;
 constexpr int kSettle = 90, kCarry = 120; // frames
 constexpr btScalar kTop = btScalar( 0.2 ), kHalf = btScalar( 0.25 );
 
-/// How the plate moves: its transform after so many seconds of motion.
+/// The transform of the plate after so many seconds of motion.
 using Course = std::function<btTransform( btScalar )>;
 
 struct Cargo
@@ -31,7 +30,7 @@ struct Cargo
 class Platforms : public testing::TestWithParam<Cargo>
 {
 protected:
-	/// The carried body's mass centre and the turn about y, relative to where they were when the plate began to move.
+	/// The carried body's centre of mass and its rotation about y, relative to the start of the plate's motion.
 	struct Carried
 	{
 		btVector3 displacement;
@@ -39,7 +38,7 @@ protected:
 		btScalar farthest; ///< from its first position along x, at any time, m
 	};
 
-	/// `pose()`: where the cargo is.
+	/// `pose()`: the pose of the cargo.
 	static Carried run( btDynamicsWorld& world, btRigidBody& plate, const Course& course, const std::function<btTransform()>& pose )
 	{
 		for ( int k = 0; k < kSettle; ++k )
@@ -87,19 +86,19 @@ protected:
 		body->setFriction( btScalar( 0.8 ) );
 		if ( cargo.isBroken )
 		{
-			EXPECT_GT( body->cutPlane( body->massCentre(), btVector3( 0, 1, 0 ) ), 0 ); // one half lies on the other
+			EXPECT_GT( body->cutPlane( body->massCentre(), btVector3( 0, 1, 0 ) ), 0 ); // one half rests on the other
 		}
 		return run( own.world, *plate, course, [body] { return btTransform( body->bestFitTransform().getBasis(), body->massCentre() ); } );
 	}
 
-	static void expectCarried( const Course& course, bool isTurned = false )
+	static void expectCarried( const Course& course, bool isRotated = false )
 	{
 		const Carried twin = rigid( course );
 		for ( const float youngsModulus : { 5e4f, 1e6f } )
 		{
 			const Carried found = soft( course, youngsModulus );
 			SCOPED_TRACE( youngsModulus );
-			if ( isTurned )
+			if ( isRotated )
 			{
 				EXPECT_NEAR( found.angle, twin.angle, btScalar( 0.03 ) * btFabs( twin.angle ) );
 				continue;
@@ -118,23 +117,23 @@ INSTANTIATE_TEST_SUITE_P( Cargo, Platforms,
 		Cargo{ "ImplicitBroken", Elasticity::Implicit, false, true } ),
 	[]( const auto& with ) { return std::string( with.param.name ); } );
 
-TEST_P( Platforms, CarryAlongTheirWay )
+TEST_P( Platforms, CarryBodiesAlongTheirPath )
 {
 	expectCarried( []( btScalar t ) { return at( t, 0, 0 ); } );
 }
 
-TEST_P( Platforms, LiftWhatLiesOnThem )
+TEST_P( Platforms, LiftBodiesOnThem )
 {
 	expectCarried( []( btScalar t ) { return at( 0, t, 0 ); } );
 }
 
-TEST_P( Platforms, TurnWhatLiesInTheirMiddle )
+TEST_P( Platforms, RotateBodiesAtTheirCentre )
 {
 	expectCarried( []( btScalar t ) { return btTransform( btQuaternion( btVector3( 0, 1, 0 ), t ), btVector3( 0, 0, 0 ) ); }, true );
 }
 
-// To and fro by 5 cm from rest, at an acceleration that friction holds: 0.05 (2 pi 1.5)^2 = 4.4 m/s^2.
-TEST_P( Platforms, ShakeWhatLiesOnThem )
+// Oscillation by 5 cm from rest, at an acceleration that friction can transmit: 0.05 (2 pi 1.5)^2 = 4.4 m/s^2.
+TEST_P( Platforms, ShakeBodiesOnThem )
 {
 	const Course course = []( btScalar t ) { return at( btScalar( 0.05 ) * ( 1 - btCos( SIMD_2_PI * btScalar( 1.5 ) * t ) ), 0, 0 ); };
 	const Carried twin = rigid( course );
@@ -144,7 +143,7 @@ TEST_P( Platforms, ShakeWhatLiesOnThem )
 
 btRigidBody* belt = nullptr;
 
-// A plate that does not move and whose velocity is set before each step, as conveyors are made.
+// A conveyor: a plate that does not move, whose velocity is set before each step.
 TEST_P( Platforms, ConveyWithTheVelocityTheyAreGiven )
 {
 	const auto run = []( btDynamicsWorld& world, const std::function<btScalar()>& x ) {
@@ -177,7 +176,7 @@ TEST_P( Platforms, ConveyWithTheVelocityTheyAreGiven )
 	EXPECT_NEAR( found, twin, btScalar( 0.03 ) * twin );
 }
 
-/// Contact points on `belt` ask for a velocity along x, as games make conveyors that do not move: in the callback, point by point.
+/// A stationary conveyor: the callback requests a velocity along x at each contact point on `belt`.
 bool rubAlongTheBelt( btManifoldPoint& point, const btCollisionObjectWrapper* a, int, int, const btCollisionObjectWrapper* b, int, int )
 {
 	if ( a->getCollisionObject() != belt && b->getCollisionObject() != belt )
@@ -187,12 +186,12 @@ bool rubAlongTheBelt( btManifoldPoint& point, const btCollisionObjectWrapper* a,
 	point.m_contactPointFlags |= BT_CONTACT_FLAG_LATERAL_FRICTION_INITIALIZED;
 	point.m_lateralFrictionDir1 = btVector3( 1, 0, 0 );
 	point.m_lateralFrictionDir2 = btVector3( 0, 0, 1 );
-	point.m_contactMotion1 = b->getCollisionObject() == belt ? btScalar( 1 ) : btScalar( -1 ); // of the first body against the second
+	point.m_contactMotion1 = b->getCollisionObject() == belt ? btScalar( 1 ) : btScalar( -1 ); // of the first body relative to the second
 	return true;
 }
 
-// A belt by callback: soft bodies stood still on it.
-TEST_P( Platforms, ConveyWithTheVelocityThatCallbacksAskFor )
+// A conveyor by callback carries soft bodies too.
+TEST_P( Platforms, ConveyWithTheVelocityFromCallbacks )
 {
 	struct Callback
 	{
@@ -204,7 +203,7 @@ TEST_P( Platforms, ConveyWithTheVelocityThatCallbacksAskFor )
 		belt->setFriction( btScalar( 0.8 ) );
 		belt->setCollisionFlags( belt->getCollisionFlags() | btCollisionObject::CF_CUSTOM_MATERIAL_CALLBACK );
 		world.getSolverInfo().m_solverMode |= SOLVER_ENABLE_FRICTION_DIRECTION_CACHING |
-			SOLVER_USE_2_FRICTION_DIRECTIONS; // else Bullet takes its own directions
+			SOLVER_USE_2_FRICTION_DIRECTIONS; // otherwise Bullet chooses its own directions
 		for ( int k = 0; k < kSettle + kCarry; ++k )
 		{
 			world.stepSimulation( kFrame, 0 );
@@ -233,8 +232,8 @@ TEST_P( Platforms, ConveyWithTheVelocityThatCallbacksAskFor )
 	EXPECT_NEAR( found, twin, btScalar( 0.03 ) * twin );
 }
 
-// A body that slept on a lift which then began to move stayed behind.
-TEST_P( Platforms, WakeWhatSleepsOnThem )
+// A body that sleeps on a lift wakes when the lift starts to move.
+TEST_P( Platforms, WakeBodiesThatSleepOnThem )
 {
 	test::TestWorld own;
 	RigidScene scene( own.world );

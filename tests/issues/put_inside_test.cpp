@@ -1,4 +1,4 @@
-// What is put into something comes out of it, at a walking pace, however stiff it is.
+// Bodies created inside other objects come out at a walking pace, however stiff they are.
 
 #include "support/put_inside.h"
 
@@ -7,7 +7,7 @@
 namespace pliant {
 namespace {
 
-constexpr double kFastest = 3.0, kApart = 0.75; // m/s, and shares of where the spheres touch
+constexpr double kFastest = 3.0, kApart = 0.75; // m/s, and fraction of the distance at which the spheres touch
 
 void expectOut( test::PutInside how )
 {
@@ -21,8 +21,7 @@ void expectOut( test::PutInside how )
 	}
 }
 
-// A level designer leaves a cube of hard rubber a third of a metre deep in the floor. In a rigid world it is pushed up; here it shot to ten
-// metres.
+// A cube of hard rubber a third of a metre deep in the floor must be pushed up, not shot up.
 TEST( PutInside, AFloor )
 {
 	for ( const double youngsModulus : { 1e6, 1e8 } )
@@ -34,8 +33,7 @@ TEST( PutInside, AFloor )
 	}
 }
 
-// Two cubes spawned over one another, as happens where players drop things, stayed one inside the other for good, or left at 20 m/s if they
-// had the very same place.
+// Two cubes created at overlapping or equal positions must separate, and not at high speed.
 TEST( PutInside, OneAnother )
 {
 	for ( const double apart : { 0.0, 0.33 } )
@@ -43,7 +41,7 @@ TEST( PutInside, OneAnother )
 		test::PutInside how;
 		how.what = test::Inside::Cube;
 		how.depth = apart;
-		how.isTurned = apart == 0.33;
+		how.isRotated = apart == 0.33;
 		expectOut( how );
 	}
 }

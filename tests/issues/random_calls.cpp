@@ -38,7 +38,7 @@ void onStarted( btPersistentManifold* const& manifold )
 }
 void onEnded( btPersistentManifold* const& manifold )
 {
-	// Removing pairs while a pair is removed is more than Bullet's cache bears, of rigid bodies too.
+	// Bullet's pair cache does not support removing pairs while a pair is being removed, for rigid bodies either.
 	if ( SoftBody* const soft = SoftBody::upcast( const_cast<btCollisionObject*>( manifold->getBody0() ) ) )
 	{
 		soft->activate();
@@ -207,7 +207,7 @@ SoftBody* RandomCalls::someSoft()
 	SoftBodyWorld& world = someWorld();
 	if ( oneIn( 3 ) && world.softBodyCount() > 0 )
 	{
-		return world.softBody( below( world.softBodyCount() ) ); // pieces too
+		return world.softBody( below( world.softBodyCount() ) ); // fragments too
 	}
 	return m_soft.empty() ? nullptr : m_soft[std::size_t( below( int( m_soft.size() ) ) )].get();
 }
@@ -229,7 +229,7 @@ void RandomCalls::removeRigid( btRigidBody* body )
 	}
 }
 
-// Whoever touches goes, or somebody else, or is only changed.
+// Removes or changes one of the touching bodies, or another one.
 void RandomCalls::contact( const btCollisionObject* a, const btCollisionObject* b )
 {
 	SoftBody* const soft = SoftBody::upcast( const_cast<btCollisionObject*>( SoftBody::upcast( a ) ? a : b ) );

@@ -8,7 +8,7 @@
 
 namespace pliant::test {
 
-/// Bullet's parts with pools of one: all manifolds and algorithms come from the heap, where a sanitizer sees who reads them too late.
+/// Bullet's parts with pools of size one: all manifolds and algorithms are on the heap, where a sanitizer detects reads after free.
 struct SmallParts
 {
 	SmallParts();
@@ -18,7 +18,7 @@ struct SmallParts
 	btCollisionDispatcher dispatcher;
 };
 
-/// Rigid bodies of a world that nobody touches: a box that tumbles on a floor, and one that hangs on a joint.
+/// Rigid bodies that touch no soft body: a box that tumbles on a floor, and one that hangs on a joint.
 template <class World>
 struct Bystanders
 {
@@ -38,12 +38,12 @@ public:
 	~RandomCalls();
 
 	void run();
-	/// All of its soft bodies step implicitly, and no time step is odd: then the bystanders' bits were asked for.
+	/// All of its soft bodies are implicit and no time step is irregular: then the bystanders are compared bit for bit.
 	bool comparesBystanders() const { return m_isPlain; }
 	int calls() const { return m_calls; }
 	int removedInCallbacks() const { return m_removed; }
 
-	/// Out of a contact callback, with the two objects.
+	/// Called from a contact callback with the two objects.
 	void contact( const btCollisionObject* a, const btCollisionObject* b );
 
 private:

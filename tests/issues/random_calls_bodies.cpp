@@ -1,4 +1,4 @@
-// What the sequences call.
+// The calls of the random sequences.
 
 #include "issues/random_calls.h"
 #include "issues/silent_drawer.h"
@@ -77,14 +77,14 @@ void RandomCalls::removeByManifold()
 	const bool isFirst = manifold && SoftBody::upcast( manifold->getBody0() );
 	const btCollisionObject* const named = !manifold ? nullptr : isFirst ? manifold->getBody0() : manifold->getBody1();
 	SoftBody* const soft = SoftBody::upcast( const_cast<btCollisionObject*>( named ) );
-	btRigidBody* const stand = named ? const_cast<btRigidBody*>( btRigidBody::upcast( named ) ) : nullptr;
-	if ( soft && owns( soft ) && stand )
+	btRigidBody* const proxy = named ? const_cast<btRigidBody*>( btRigidBody::upcast( named ) ) : nullptr;
+	if ( soft && owns( soft ) && proxy )
 	{
-		world.removeRigidBody( stand );
-		oneIn( 2 ) ? world.addRigidBody( stand ) : world.removeRigidBody( stand );
+		world.removeRigidBody( proxy );
+		oneIn( 2 ) ? world.addRigidBody( proxy ) : world.removeRigidBody( proxy );
 		if ( oneIn( 3 ) && !soft->getBroadphaseHandle() )
 		{
-			delete stand;
+			delete proxy;
 		}
 	}
 }
@@ -115,7 +115,8 @@ void RandomCalls::destroyWorld()
 
 void RandomCalls::forgetObjects()
 {
-	// What has a proxy is taken out of the broadphase by who empties the list, as Bullet's own reset does; soft bodies know themselves.
+	// Code that empties the object list, like Bullet's own reset, removes objects with a proxy from the broadphase; soft bodies detect this
+	// themselves.
 	SoftBodyWorld& world = someWorld();
 	btCollisionObjectArray kept;
 	for ( int k = 0; k < world.getNumCollisionObjects(); ++k )
@@ -370,7 +371,7 @@ bool RandomCalls::owns( const SoftBody* body ) const
 	return std::any_of( m_soft.begin(), m_soft.end(), [body]( const std::unique_ptr<SoftBody>& own ) { return own.get() == body; } );
 }
 
-/// A piece that has left its world is the game's.
+/// A fragment that has left its world is owned by the game.
 void RandomCalls::takeIfLeft( SoftBody* body )
 {
 	if ( !owns( body ) && !body->getBroadphaseHandle() )
@@ -401,7 +402,7 @@ void RandomCalls::settings()
 
 void RandomCalls::badNodes()
 {
-#ifdef NDEBUG // with assertions these end the program
+#ifdef NDEBUG // with assertions these abort the program
 	if ( const SoftBody* const body = someSoft() )
 	{
 		for ( const int node : { -1, body->nodeCount(), std::numeric_limits<int>::max() } )

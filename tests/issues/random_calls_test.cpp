@@ -1,6 +1,5 @@
-// Public calls in any order, valid and not, as a game of many authors makes them: nothing may dangle, no number may go bad, and rigid
-// bodies that touch no soft body do as they do in Bullet's own world. Worth most under sanitizers, where a sequence is 200 times as long in
-// company:
+// Public calls in any order, valid and invalid, as in a game of many authors: no dangling pointers, no bad numbers, and rigid bodies that
+// touch no soft body behave as in Bullet's own world. Most useful under sanitizers, with far more sequences:
 //
 //     PLIANT_RANDOM_SEQUENCES=100000 PLIANT_RANDOM_FIRST=0 issues_fuzz
 
@@ -17,7 +16,7 @@ int numberFrom( const char* name, int otherwise )
 	return text ? std::atoi( text ) : otherwise;
 }
 
-TEST( RandomCalls, InAnyOrderLeaveEverythingSound )
+TEST( RandomCalls, InAnyOrderKeepTheStateValid )
 {
 	const int count = numberFrom( "PLIANT_RANDOM_SEQUENCES", 200 ), first = numberFrom( "PLIANT_RANDOM_FIRST", 0 );
 	int compared = 0, calls = 0, removed = 0;

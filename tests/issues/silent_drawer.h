@@ -1,6 +1,6 @@
 #pragma once
 
-// A debug drawer that asks for everything and draws nothing.
+// A debug drawer that requests all modes and draws nothing.
 
 #include <LinearMath/btIDebugDraw.h>
 

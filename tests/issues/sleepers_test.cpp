@@ -1,4 +1,4 @@
-// What sleeps on a soft body wakes when the body goes, by whatever call.
+// Bodies that sleep on a soft body wake when it is removed or moved, by whatever call.
 
 #include "world/test_world.h"
 
@@ -19,7 +19,7 @@ struct Scene
 	btRigidBody* floor = nullptr;
 	SoftBody* cube = nullptr;
 	btRigidBody* box = nullptr;
-	SoftBody* top = nullptr; ///< a soft one on the same cube
+	SoftBody* top = nullptr; ///< a soft body on the same cube
 
 	explicit Scene( Elasticity elasticity )
 	{
@@ -37,8 +37,7 @@ struct Scene
 	}
 };
 
-// A barrel slept on a mattress. The mattress was taken away, or moved, or made soft, or the floor under both gone: the barrel hung in the
-// air.
+// A barrel sleeps on a mattress. When the mattress is removed, moved or softened, or the floor under both is removed, the barrel must fall.
 TEST( Sleepers, WakeWhenTheSoftBodyUnderThemGoes )
 {
 	struct Case

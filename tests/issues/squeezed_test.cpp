@@ -1,4 +1,4 @@
-// What is pressed flatter than its nodes are wide gives back no more than was put in.
+// A body squeezed flatter than the width of its nodes returns no more energy than was put in.
 
 #include "support/squeezes.h"
 
@@ -15,8 +15,8 @@ void expectBounded( const test::Squeeze& how )
 	EXPECT_LT( squeezed.motion, squeezed.strain + squeezed.out );
 }
 
-// A press comes down on a soft cube to .09 m over the floor, where its nodes are .1 m wide, waits for some seconds and goes up again. The
-// cube flew to 21 m, with eleven times the energy that its springs can hold, and the longer the press had waited the higher.
+// A press squeezes a soft cube to .09 m above the floor, less than its nodes' width of .1 m, waits for some seconds and rises. The released
+// energy must not exceed what the springs can store, and must not grow with the waiting time.
 TEST( Squeezed, ByAPlateNearerToTheFloorThanANodeIsWide )
 {
 	for ( const Elasticity elasticity : { Elasticity::Explicit, Elasticity::Implicit } )
@@ -33,8 +33,7 @@ TEST( Squeezed, ByAPlateNearerToTheFloorThanANodeIsWide )
 	expectBounded( stiff );
 }
 
-// The same cube comes into a level between two walls that stand .32 m apart: one contact alone pressed with ten thousand newton seconds a
-// step after ten seconds.
+// The same cube is created between two walls .32 m apart: contact impulses must not grow without bound.
 TEST( Squeezed, InASlotBetweenTwoWalls )
 {
 	for ( const double gap : { 0.32, 0.09 } )

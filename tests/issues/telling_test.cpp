@@ -1,4 +1,4 @@
-// What a game is told of soft bodies, and asks: contact callbacks, the debug drawer, files.
+// Information about soft bodies: contact callbacks, the debug drawer, files.
 
 #include "world/test_world.h"
 
@@ -80,8 +80,8 @@ void forgetCallbacks()
 	gContactEndedCallback = nullptr;
 }
 
-// "It is gone as soon as it touches": removed, and deleted, in the callback that says so. The step went on with the memory of it.
-TEST( Telling, WhatTouchesMayBeRemovedAndDeletedInTheCallbackThatSaysSo )
+// An object that disappears on contact is removed, and deleted, in the contact callback. The step must not use its memory afterwards.
+TEST( Telling, TouchingBodiesMayBeRemovedAndDeletedInContactCallbacks )
 {
 	for ( int variant = 0; variant < 72; ++variant )
 	{
@@ -126,7 +126,7 @@ TEST( Telling, WhatTouchesMayBeRemovedAndDeletedInTheCallbackThatSaysSo )
 	}
 }
 
-// --- what contact-added callbacks are shown -------------------------------------------------------------------------------
+// --- arguments of contact-added callbacks ---------------------------------------------------------------------------------
 
 struct Shown
 {
@@ -158,8 +158,7 @@ bool noteShown( btManifoldPoint& point, const btCollisionObjectWrapper* a, int p
 	return false;
 }
 
-// A game that smooths the inner edges of its meshes casts what it is shown to a btTriangleShape, as Bullet lets it: it read the mesh as
-// one.
+// Code that smooths the inner edges of meshes casts the shape in the callback to a btTriangleShape, as Bullet's convention allows.
 TEST( Telling, ContactAddedCallbacksAreShownTheTriangleThatIsTouched )
 {
 	TestWorld t;
@@ -244,7 +243,7 @@ struct CountingDrawer : btIDebugDraw
 	int getDebugMode() const override { return mode; }
 };
 
-// The game's wireframe view came to a halt: 30 494 lines for a cube of 216 nodes, as every sphere was drawn.
+// The debug view draws the surface, not every sphere: 30 494 lines for a cube of 216 nodes would halt it.
 TEST( Telling, TheWireframeOfASoftBodyIsItsSurface )
 {
 	TestWorld t;
@@ -271,7 +270,7 @@ TEST( Telling, TheWireframeOfASoftBodyIsItsSurface )
 
 // --- files ----------------------------------------------------------------------------------------------------------------
 
-/// How many chunks of each kind Bullet's serializer writes.
+/// Counts the chunks of each kind that Bullet's serializer writes.
 std::map<int, int> chunksOf( btDiscreteDynamicsWorld& world, int flags )
 {
 	btDefaultSerializer serializer;
@@ -286,7 +285,7 @@ std::map<int, int> chunksOf( btDiscreteDynamicsWorld& world, int flags )
 	return count;
 }
 
-// Saved with a soft body in it the world's file had 210 shapes of nobody's, and contacts of objects that it did not name.
+// A saved world must not contain the shapes and contacts of soft bodies, since their objects are not saved.
 TEST( Telling, AFileHasAllButTheSoftBodies )
 {
 	for ( const int flags : { 0, int( BT_SERIALIZE_CONTACT_MANIFOLDS ) } )

@@ -1,7 +1,5 @@
-// A user loads what games have: leaves, ribbons, capes, boxes without a lid, a hull full of holes, a fin as thin as paper on a solid body.
-// Most were refused ("no inside", or "too many triangles" for a mesh of two thousand); of the others the thin parts had no cells, hung on
-// the nearest one, and sank through the floor by up to .7 of the body's size. Each must become a body that carries all that is drawn of it,
-// lies on a floor, and can be cut.
+// Typical models of games: leaves, ribbons, capes, boxes without a lid, a hull full of holes, a fin as thin as paper on a solid body. Each
+// must become a body that carries all of its drawn surface, rests on a floor, and can be cut.
 
 #include "world/test_world.h"
 
@@ -47,17 +45,17 @@ Mesh sheetOf( int n )
 }
 
 template <class F>
-Mesh bent( Mesh mesh, F&& place )
+Mesh bent( Mesh mesh, F&& map )
 {
 	for ( std::size_t i = 0; i < mesh.positions.size(); i += 3 )
 	{
-		const Point p = place( double( mesh.positions[i] ), double( mesh.positions[i + 1] ), double( mesh.positions[i + 2] ) );
+		const Point p = map( double( mesh.positions[i] ), double( mesh.positions[i + 1] ), double( mesh.positions[i + 2] ) );
 		std::copy( p.begin(), p.end(), mesh.positions.begin() + std::ptrdiff_t( i ) );
 	}
 	return mesh;
 }
 
-/// Curved, pointed at its ends, and drawn from both sides with vertices of their own, as a leaf of a plant is.
+/// Curved, pointed at its ends, and drawn from both sides with separate vertices, like a plant's leaf.
 Mesh leaf()
 {
 	const Mesh side = bent( sheetOf( 12 ), []( double u, double v, double ) {
@@ -92,7 +90,7 @@ std::vector<ThinModel> thinModels()
 					 return without( makeBox( { -0.5, -0.3, -0.4 }, { 0.5, 0.3, 0.4 }, 8 ), []( std::size_t t ) { return t < 128; } );
 				 } },
 		{ "Sheet", []() { return sheetOf( 10 ); } }, { "SlantedSheet", []() { return rotated( sheetOf( 1 ), 0.6 ); } },
-		{ "Leaf", []() { return leaf(); }, 4 }, // its bent middle holds a thin inside, which its tips are not linked to
+		{ "Leaf", []() { return leaf(); }, 4 }, // its bent middle encloses a thin inside, which its tips are not linked to
 		{ "Ribbon", []() { return ribbon(); } },
 		{ "Triangle",
 			[]() {
@@ -131,7 +129,7 @@ float lowestDrawn( const SoftBody& body, const Mesh& mesh )
 	return low + float( view.origin.y() );
 }
 
-TEST_P( ThinModels, CarryAllThatIsDrawn )
+TEST_P( ThinModels, CarryTheirWholeSurface )
 {
 	const Mesh mesh = GetParam().make();
 	const auto shape = templateOf( mesh );
@@ -153,7 +151,7 @@ TEST_P( ThinModels, CarryAllThatIsDrawn )
 		}
 		farthest = btMax( farthest, nearest );
 	}
-	EXPECT_LE( farthest, 1.01f * shape->cellSize() ); // a thread's radius is rounded to a share of an octave
+	EXPECT_LE( farthest, 1.01f * shape->cellSize() ); // a thread's radius is rounded to a radius step
 }
 
 TEST_P( ThinModels, FallAndLieOnTheFloor )
@@ -175,7 +173,7 @@ TEST_P( ThinModels, FallAndLieOnTheFloor )
 	}
 }
 
-// Cutting asks for what cracks are drawn with: of a surface that bounds nothing there is no inside to show, but the pieces are there.
+// Cutting requests the crack surface: an open surface has no inside to show, but the pieces exist.
 TEST_P( ThinModels, AreCutInTwo )
 {
 	const Mesh mesh = GetParam().make();
@@ -200,7 +198,7 @@ TEST_P( ThinModels, AreCutInTwo )
 INSTANTIATE_TEST_SUITE_P( Shapes, ThinModels, testing::ValuesIn( thinModels() ),
 	[]( const testing::TestParamInfo<ThinModel>& model ) { return model.param.name; } );
 
-// A balloon and a full ball of the same mesh: what the setting asks for.
+// A hollow and a solid ball of the same mesh, by the setting.
 TEST( ThinModels, HollowWhereAsked )
 {
 	const Mesh ball = makeSphere( 0.5, 24, 48 );

@@ -1,6 +1,6 @@
 #pragma once
 
-// Worlds for scenes that are run beside their rigid twin: the same rigid things in Bullet's world and in ours.
+// Worlds for scenes that are compared with a rigid version: the same rigid bodies in Bullet's world and in ours.
 
 #include "world/test_world.h"
 
@@ -8,14 +8,14 @@
 
 namespace pliant::test {
 
-/// Bullet's own world with Bullet's own parts, which dies after what stands in it.
+/// Bullet's own world with Bullet's own parts; it outlives its contents.
 struct BulletWorld
 {
 	BulletParts parts;
 	btDiscreteDynamicsWorld world{ &parts.dispatcher, &parts.broadphase, &parts.solver, &parts.configuration };
 };
 
-/// Rigid things of one scene, in any world.
+/// The rigid bodies of one scene, in any world.
 class RigidScene
 {
 public:
@@ -53,7 +53,7 @@ public:
 		return add( mass, new btBoxShape( half ), where );
 	}
 	btRigidBody* addFloor() { return addBox( 0, btVector3( 50, 1, 50 ), at( 0, -1, 0 ) ); }
-	/// A box that the game moves, as games write it: the flag besides the one it was born with.
+	/// A kinematic box as games create it: with the flag in addition to the initial static one.
 	btRigidBody* addKinematic( const btVector3& half, const btTransform& where )
 	{
 		btRigidBody* const body = addBox( 0, half, where );
@@ -77,7 +77,7 @@ private:
 	std::vector<std::unique_ptr<btTypedConstraint>> m_joints;
 };
 
-/// How a body steps, for tests of each.
+/// A material for explicit or implicit stepping.
 inline Material stepping( Elasticity elasticity, float youngsModulus )
 {
 	Material material = stiff( youngsModulus );

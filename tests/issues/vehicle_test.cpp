@@ -1,4 +1,4 @@
-// A vehicle of Bullet's on soft ground: Bullet's own raycaster sees rigid bodies only, and the car fell through.
+// Bullet's vehicle on soft ground, with a raycaster that sees soft bodies; Bullet's own sees rigid bodies only.
 
 #include "world/test_world.h"
 
@@ -15,7 +15,7 @@ using test::at;
 using test::block;
 using test::TestWorld;
 
-/// A car of 400 kg whose wheels (radius .3 m) touch the ground at y 0 when it is set down.
+/// A car of 400 kg whose wheels (radius .3 m) touch the ground at y 0 when it is created.
 struct Car
 {
 	TestWorld& world;
@@ -77,7 +77,7 @@ TEST( Vehicle, StandsOnASoftBodyAsOnARigidOneAndPressesOnIt )
 			EXPECT_EQ( car.caster.softBodyAt( ray.m_hardPointWS, ray.m_hardPointWS - btVector3( 0, 1, 0 ) ), ground );
 			EXPECT_GT( ray.m_contactNormalWS.y(), btScalar( 0.99 ) );
 		}
-		// What bears the ground bears the car as well: contact points hold the impulses of the step.
+		// The ground carries the car as well: contact points hold the impulses of the step.
 		btScalar borne = 0;
 		for ( int k = 0; k < 60; ++k )
 		{
@@ -92,7 +92,7 @@ TEST( Vehicle, StandsOnASoftBodyAsOnARigidOneAndPressesOnIt )
 			}
 		}
 		EXPECT_NEAR( borne / 10, ground->mass() + 400, 0.15 * ( ground->mass() + 400 ) ) << "the ground's mass is " << ground->mass();
-		EXPECT_LT( ground->massCentre().y(), alone ) << "it gives way";
+		EXPECT_LT( ground->massCentre().y(), alone ) << "it yields";
 	}
 }
 
@@ -139,9 +139,9 @@ Drive driveOver( TestWorld& t )
 	return drive;
 }
 
-// A hump that gives way and springs back under each wheel: the car is to get over it as over one of stone, neither caught by it nor flung
-// up. Slopes are of 13 degrees; wheels meet a soft edge rounded off by a cell, so that a kerb of 27 degrees brakes the car by half of what
-// a rigid one does.
+// The car must get over a hump that yields and springs back under each wheel as over a rigid one, neither caught nor thrown up. Slopes are
+// of 13 degrees; wheels meet a soft edge rounded off by a cell, so that a kerb of 27 degrees decelerates the car by half as much as a rigid
+// one.
 TEST( Vehicle, DrivesOverASoftHumpAsOverARigidOne )
 {
 	TestWorld rigid;
@@ -174,13 +174,13 @@ TEST( Vehicle, DrivesOverASoftHumpAsOverARigidOne )
 			EXPECT_NEAR( found.distance, twin.distance, btScalar( 0.1 ) * twin.distance );
 			EXPECT_NEAR( found.highest, twin.highest, 0.1 ) << "a cell";
 			EXPECT_NEAR( found.sideways, 0, 0.1 );
-			EXPECT_NEAR( hump->massCentre().z(), 0, 0.1 ) << "it stays where it lies";
+			EXPECT_NEAR( hump->massCentre().z(), 0, 0.1 ) << "it stays in place";
 			EXPECT_NEAR( hump->massCentre().y(), 0.09, 0.03 );
 		}
 	}
 }
 
-TEST( Vehicle, RigidThingsAreSeenAsByBulletsOwn )
+TEST( Vehicle, RigidBodiesAreSeenAsByBulletsRaycaster )
 {
 	TestWorld t;
 	btRigidBody* floor = t.addFloor( 1 );
@@ -198,7 +198,7 @@ TEST( Vehicle, RigidThingsAreSeenAsByBulletsOwn )
 	EXPECT_EQ( ours.softBodyAt( btVector3( 0, 3, 0 ), btVector3( 0, -3, 0 ) ), below );
 	auto* const ground = static_cast<btRigidBody*>( ours.castRay( btVector3( 0, 3, 0 ), btVector3( 0, -3, 0 ), a ) );
 	ASSERT_NE( ground, nullptr );
-	EXPECT_EQ( ground->getInvMass(), 0 ) << "what programs may read as a rigid body";
+	EXPECT_EQ( ground->getInvMass(), 0 ) << "callers may cast it to a rigid body";
 	// Between four nodes too, where a ray meets no sphere.
 	for ( int k = 0; k < 100; ++k )
 	{

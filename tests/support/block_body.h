@@ -1,6 +1,6 @@
 #pragma once
 
-// A block of soft material in one line, for tests of the core: no mesh, no world.
+// A block of soft material for tests of the core, without mesh and world.
 
 #include "body/body.h"
 #include "lattice/pieces.h"
@@ -19,7 +19,7 @@ inline std::unique_ptr<Body> makeBlock( int nx, int ny, int nz, float cellSize, 
 	return std::move( made.value );
 }
 
-/// Links of a block between its cells 3 and 4 along x, in its lowest `most` layers.
+/// Returns the links of a block between its cells 3 and 4 along x, in its lowest `most` layers.
 inline std::vector<CellLink> linksAtFour( const Lattice& lattice, int most )
 {
 	std::vector<CellLink> links;
@@ -38,7 +38,7 @@ inline std::vector<CellLink> linksAtFour( const Lattice& lattice, int most )
 	return links;
 }
 
-/// Nodes at rest, without a body around them.
+/// Returns nodes at rest, without a body.
 inline NodeState restNodes( const Lattice& lattice, float density = 1000.0f )
 {
 	NodeState nodes;
@@ -59,7 +59,7 @@ inline NodeState restNodes( const Lattice& lattice, float density = 1000.0f )
 	return nodes;
 }
 
-/// Seeded numbers that are the same on every machine (the standard's distributions are not).
+/// Seeded random numbers that are the same on every machine (the standard's distributions are not).
 class Seeded
 {
 public:
@@ -75,7 +75,7 @@ private:
 	std::mt19937 m_engine;
 };
 
-/// Root mean square distance of the nodes from the best rigid placement of their rest shape, m.
+/// Returns the root mean square distance of the nodes from the best rigid placement of their rest shape, m.
 inline double shapeError( const Body& body )
 {
 	const Placement fit = body.bestFit();
@@ -88,7 +88,7 @@ inline double shapeError( const Body& body )
 	return std::sqrt( sum / body.nodeCount() );
 }
 
-/// One whole substep without contacts.
+/// Performs a whole substep without contacts.
 inline BodyHealth substep( Body& body, float h, float alpha, const Vec3& gravity = Vec3::Zero(), TaskRunner* runner = nullptr )
 {
 	body.accelerateTowardGoals( h, alpha, runner );

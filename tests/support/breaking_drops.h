@@ -1,13 +1,13 @@
 #pragma once
 
-// Bars that fall on the floor and break there, on so many levels: what breaks must not hang on how coarse the body was.
+// Bars that fall on the floor and break, on several levels: fracture must not depend on the coarseness of the body.
 
 #include "support/random_impacts.h"
 #include "support/test_world.h"
 
 namespace pliant::test {
 
-/// Of 20 x 10 x 10 cells of 3 cm.
+/// A bar of 20 x 10 x 10 cells of 3 cm.
 inline const std::shared_ptr<const BodyTemplate>& fallingBar()
 {
 	static const std::shared_ptr<const BodyTemplate> bar = boxTemplate( { 0.6f, 0.3f, 0.3f }, 0.03f );
@@ -23,7 +23,7 @@ struct Drop
 	bool refinesOnContact = false;
 };
 
-/// Links that break in the half second after a bar, turned by chance, strikes the floor at 6 to 9 m/s.
+/// Returns the number of links that break within half a second after a randomly rotated bar strikes the floor at 6 to 9 m/s.
 inline int linksBrokenBy( const Drop& drop, unsigned seed )
 {
 	Random random( seed );

@@ -1,6 +1,6 @@
 #pragma once
 
-// Energy of motion of soft and rigid bodies, J.
+// Kinetic energy of soft and rigid bodies, J.
 
 #include "pliant/soft_body.h"
 
@@ -18,7 +18,7 @@ inline double energyOfMotion( const SoftBody& body )
 	return sum;
 }
 
-/// Of one that moves: mass above 0.
+/// For a movable body: mass above 0.
 inline double energyOfMotion( const btRigidBody& body )
 {
 	const btVector3 turning = body.getWorldTransform().getBasis().transpose() * body.getAngularVelocity();

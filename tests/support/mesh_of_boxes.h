@@ -1,6 +1,6 @@
 #pragma once
 
-// Meshes of many closed boxes that nothing links, as one body is made of.
+// Meshes of many disconnected closed boxes that form one body.
 
 #include "pliant/body_template.h"
 
@@ -38,7 +38,7 @@ struct MeshOfBoxes
 		}
 	}
 
-	/// cellSize 0: about `targetCells` of them.
+	/// cellSize 0: about `targetCells` cells.
 	std::shared_ptr<const BodyTemplate> build( float cellSize, int targetCells = 1000 ) const
 	{
 		MeshView mesh;
@@ -54,13 +54,13 @@ struct MeshOfBoxes
 	}
 };
 
-/// Cells of a box along x, y and z.
+/// Number of cells of a box along x, y and z.
 struct Cells
 {
 	int x, y, z;
 };
 
-/// `count` boxes in a cube of them, one empty cell between any two.
+/// `count` boxes arranged in a cube, one empty cell apart.
 inline std::shared_ptr<const BodyTemplate> looseBoxes( int count, const Cells& cells, float cell )
 {
 	MeshOfBoxes mesh;
@@ -68,14 +68,14 @@ inline std::shared_ptr<const BodyTemplate> looseBoxes( int count, const Cells& c
 	const btVector3 half = btVector3( btScalar( cells.x ), btScalar( cells.y ), btScalar( cells.z ) ) * cell / 2;
 	for ( int k = 0; k < count; ++k )
 	{
-		const btVector3 place( btScalar( k % along * ( cells.x + 1 ) ), btScalar( k / along % along * ( cells.y + 1 ) ),
+		const btVector3 position( btScalar( k % along * ( cells.x + 1 ) ), btScalar( k / along % along * ( cells.y + 1 ) ),
 			btScalar( k / along / along * ( cells.z + 1 ) ) );
-		mesh.add( place * cell + half, half );
+		mesh.add( position * cell + half, half );
 	}
 	return mesh.build( cell );
 }
 
-/// `count` cubes of edge `edge` m anywhere in a unit cube, about 800 cells in all.
+/// `count` cubes of edge `edge` m at random positions in a unit cube, about 800 cells in all.
 inline std::shared_ptr<const BodyTemplate> spreadCubes( int count, btScalar edge, unsigned seed )
 {
 	std::mt19937 random( seed );

@@ -1,6 +1,6 @@
 #pragma once
 
-// Momentum and spin of soft and rigid bodies, N s and N m s, about the world's origin.
+// Momentum and angular momentum of soft and rigid bodies, N s and N m s, about the world's origin.
 
 #include "pliant/soft_body.h"
 
@@ -26,7 +26,7 @@ inline Momentum momentumOf( const SoftBody& body )
 	return Momentum{ linear, body.massCentre().cross( linear ) + body.angularMomentum() };
 }
 
-/// Of one that moves: mass above 0.
+/// For a movable body: mass above 0.
 inline Momentum momentumOf( const btRigidBody& body )
 {
 	const btVector3 linear = body.getLinearVelocity() / body.getInvMass();

@@ -1,6 +1,6 @@
 #pragma once
 
-// Plastic bodies at the ends of their settings' ranges: dropped, or shaken in empty space, for the energy they have afterwards.
+// Plastic bodies at the limits of their settings, dropped or shaken in empty space: the energy they have afterwards.
 
 #include "support/energy_of_motion.h"
 #include "support/test_world.h"
@@ -16,12 +16,12 @@ struct PlasticScene
 	Material material;
 	int coarseLevels = 0;
 	bool isThin = false;   ///< a plate of one cell; else a cube of 4 cells
-	bool isDropped = true; ///< by .3 m; else shaken: each node at its own random velocity
-	double speed = 10.0;   ///< m/s, of the shaken
+	bool isDropped = true; ///< from .3 m; else shaken: each node at its own random velocity
+	double speed = 10.0;   ///< m/s, if shaken
 	unsigned seed = 0;
 };
 
-/// Any corner of the ranges, by number.
+/// Returns the scene of an index: a random corner of the ranges.
 inline PlasticScene plasticScene( unsigned seed )
 {
 	std::mt19937 random( seed * 7919u + 1u );
@@ -48,8 +48,8 @@ inline PlasticScene plasticScene( unsigned seed )
 
 struct PlasticEnergy
 {
-	double brought = 0.0;          ///< J: of the fall, or of the shaking
-	double most = 0.0, last = 0.0; ///< of motion, J: of all frames, and of the last second's
+	double brought = 0.0;          ///< energy of the fall or of the shaking, J
+	double most = 0.0, last = 0.0; ///< kinetic energy, J: maximum over all frames, and over the last second
 	bool isHealthy = false;
 };
 
@@ -79,10 +79,10 @@ inline PlasticEnergy run( const PlasticScene& scene, int seconds )
 	std::uniform_real_distribution<double> fraction( -0.5, 0.5 );
 	for ( int i = 0; i < body->nodeCount() && !scene.isDropped; ++i )
 	{
-		const btVector3 way( btScalar( fraction( random ) ), btScalar( fraction( random ) ), btScalar( fraction( random ) ) );
-		body->applyImpulse( btScalar( scene.speed ) * body->nodeMass( i ) * way, i );
+		const btVector3 direction( btScalar( fraction( random ) ), btScalar( fraction( random ) ), btScalar( fraction( random ) ) );
+		body->applyImpulse( btScalar( scene.speed ) * body->nodeMass( i ) * direction, i );
 	}
-	// From the floor to where the middle may come to at the least.
+	// From the floor to the lowest possible height of the centre.
 	energy.brought = scene.isDropped ? double( body->mass() ) * 9.81 * 0.6 : energyOfMotion( *body );
 	for ( int second = 0; second < seconds; ++second )
 	{
@@ -98,8 +98,8 @@ inline PlasticEnergy run( const PlasticScene& scene, int seconds )
 	return energy;
 }
 
-/// What a body that rings without any damping holds in motion may be more than it was given when that is all of its energy at half steps:
-/// by 1 / ( 1 - alpha / 4 ) in the explicit step. The implicit one of numericalDamping 1 loses it.
+/// Returns the bound of the kinetic energy of a body without damping, as a ratio to the energy it was given. Where that is all of its
+/// energy at half steps, the ratio is 1 / ( 1 - alpha / 4 ) in the explicit step. The implicit one with numericalDamping 1 loses energy.
 inline double mostFraction( const PlasticScene& scene )
 {
 	return scene.material.elasticity == Elasticity::Explicit && !scene.isDropped ? 4.0 / 3.0 : 1.001;

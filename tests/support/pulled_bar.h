@@ -1,6 +1,6 @@
 #pragma once
 
-// A bar that lies in its lattice at an angle, held at both ends and drawn out until it parts: at what strain, and along which plane.
+// A bar at an angle to its lattice, held at both ends and stretched until it breaks: the strain and the plane of the crack.
 
 #include "body/body.h"
 #include "body/breaking.h"
@@ -23,19 +23,19 @@ struct PulledBar
 	int coarseLevels = 0;
 	BreakRule rule = BreakRule::Plane;
 	float breakStrain = 0.1f;
-	bool rings = false; ///< nothing damps what a change of levels sets ringing: Material::wobbleDamping 0
+	bool rings = false; ///< without Material::wobbleDamping, so that oscillations after a change of levels persist
 };
 
 struct PullResult
 {
-	double firstStrain = 0.0;  ///< of the bar between its grips, when the first links broke; 0: never
-	double partedStrain = 0.0; ///< when it was in two
-	double tilt = 0.0;         ///< between the crack's plane and the plane across the bar, degrees
-	int links = 0;             ///< of the crack
+	double firstStrain = 0.0;  ///< strain of the bar between its grips when the first links broke; 0: never
+	double partedStrain = 0.0; ///< strain when it was in two pieces
+	double tilt = 0.0;         ///< between the plane of the crack and the plane across the bar, degrees
+	int links = 0;             ///< in the crack
 	int pieces = 0;
 };
 
-/// The plane that fits the middles of the links that hang together with the first of them; its angle with `along`, degrees.
+/// Fits a plane to the midpoints of the links that are connected to the first of them; returns its angle with `along`, degrees.
 inline double crackTilt( const std::vector<Vec3d>& middles, double reach, const Vec3d& along, int& count )
 {
 	std::vector<char> isIn( middles.size(), 0 );
@@ -65,7 +65,7 @@ inline double crackTilt( const std::vector<Vec3d>& middles, double reach, const 
 	return std::acos( std::min( 1.0, std::fabs( solver.eigenvectors().col( 0 ).dot( along ) ) ) ) * 180.0 / 3.14159265358979323846;
 }
 
-/// The specimen in its machine.
+/// The specimen in its testing machine.
 class PullTest
 {
 public:
@@ -91,7 +91,7 @@ public:
 		setFracture( bar );
 		for ( int i = 0; i < m_body->nodeCount(); ++i )
 		{
-			m_body->nodes().v.set( i, ( m_along * kRate * std::clamp( place( i ), -kFree, kFree ) ).cast<float>() );
+			m_body->nodes().v.set( i, ( m_along * kRate * std::clamp( positionAlong( i ), -kFree, kFree ) ).cast<float>() );
 		}
 	}
 
@@ -121,22 +121,22 @@ private:
 	static constexpr double kLength = 40.0, kHeight = 8.0, kGrip = 4.0, kShoulder = 4.0; // cells
 	static constexpr double kCell = 0.05;                                                // m
 	static constexpr double kFree = ( kLength / 2 - kGrip ) * kCell;                     // m, from the middle to a grip
-	static constexpr double kRate = 0.05; // strain a second; sound takes 0.2 s from end to end
+	static constexpr double kRate = 0.05; // strain per second; sound takes 0.2 s from end to end
 	static constexpr float kStep = 1.0f / 240.0f;
 
-	double place( int node ) const { return m_body->nodes().x0.get( node ).cast<double>().dot( m_along ); }
+	double positionAlong( int node ) const { return m_body->nodes().x0.get( node ).cast<double>().dot( m_along ); }
 
-	// A node is pinned as a whole. One that reached out of its grip would leave less of the bar free than its strain is reckoned with, and
-	// let that go with a jerk when it is split.
+	// A node is pinned as a whole. One that reached out of its grip would shorten the free length on which the strain is based, and release
+	// it with a jerk when split.
 	void takeHold( int coarseLevels )
 	{
-		const double reach = std::fabs( m_along.x() ) + std::fabs( m_along.y() ); // of a block along the bar, in edges
+		const double reach = std::fabs( m_along.x() ) + std::fabs( m_along.y() ); // half extent of a block along the bar, in edges
 		for ( int round = 0; round < coarseLevels; ++round )
 		{
 			for ( int i = 0; i < m_body->nodeCount(); ++i )
 			{
 				const double half = 0.5 * kCell * double( 1 << m_body->levels()->levelOf( i ) ) * reach;
-				if ( std::fabs( std::fabs( place( i ) ) - kFree ) < half )
+				if ( std::fabs( std::fabs( positionAlong( i ) ) - kFree ) < half )
 				{
 					m_body->requestSplit( i );
 				}
@@ -145,7 +145,7 @@ private:
 		}
 	}
 
-	// As in a testing machine, where the specimen is thicker at its ends: what the grips do there is not what is asked about.
+	// As in a testing machine, where the specimen is thicker at its ends, so that it does not break at the grips.
 	void setFracture( const PulledBar& bar )
 	{
 		struct Shoulders
@@ -171,10 +171,10 @@ private:
 	{
 		for ( int i = 0; i < m_body->nodeCount(); ++i )
 		{
-			if ( std::fabs( place( i ) ) > kFree )
+			if ( std::fabs( positionAlong( i ) ) > kFree )
 			{
 				m_body->setPinned( i, true );
-				m_body->nodes().v.set( i, ( m_along * kRate * std::copysign( kFree, place( i ) ) ).cast<float>() );
+				m_body->nodes().v.set( i, ( m_along * kRate * std::copysign( kFree, positionAlong( i ) ) ).cast<float>() );
 			}
 		}
 		m_body->adaptLevels( kStep );

@@ -1,6 +1,6 @@
 #pragma once
 
-// Soft cubes of .6 m that come into the world inside something: how fast they come out, and whether they do.
+// Soft cubes of .6 m that are created inside another object: whether and how fast they come out.
 
 #include "support/energy_of_motion.h"
 #include "support/test_world.h"
@@ -13,9 +13,9 @@ namespace pliant::test {
 
 enum class Inside
 {
-	Floor,     ///< sunk into it by `depth`
-	StaticBox, ///< of 1 m, in its middle
-	Cube       ///< another soft one, `depth` away from it
+	Floor,     ///< penetrating it by `depth`
+	StaticBox, ///< of 1 m, at its centre
+	Cube       ///< another soft cube at the distance `depth`
 };
 
 struct PutInside
@@ -24,20 +24,19 @@ struct PutInside
 	double depth = 0.1; ///< m
 	Elasticity elasticity = Elasticity::Explicit;
 	double youngsModulus = 1e6;
-	bool isTurned = false;
+	bool isRotated = false;
 	int coarseLevels = 0;
 };
 
 struct CameOut
 {
-	double fastest = 0.0; ///< of a mass centre, m/s, in 200 frames
-	double highest = 0.0; ///< of a mass centre, m
-	double nearest =
-		0.0; ///< after three seconds: from a node's middle to the surface of the other thing, or between nodes of the two, in node radii
+	double fastest = 0.0; ///< speed of a centre of mass, m/s, in 200 frames
+	double highest = 0.0; ///< height of a centre of mass, m
+	double nearest = 0.0; ///< after three seconds: least distance of node centres from the other object's surface or nodes, in node radii
 	bool isHealthy = true;
 };
 
-/// From the nodes' middles to a floor at 0, or to a box around `centre`, or to the other's nodes; in node radii.
+/// Returns the least distance of the node centres from a floor at 0, a box around `centre` or the other body's nodes, in node radii.
 inline double nearestOf( const SoftBody& body, const PutInside& how, const btVector3& centre, const SoftBody* other )
 {
 	btScalar least = SIMD_INFINITY;
@@ -71,7 +70,7 @@ inline CameOut putInside( const PutInside& how )
 	Adaptivity adaptivity;
 	adaptivity.coarseLevels = how.coarseLevels;
 	const auto shape = cubeTemplate( 0.6f, 6 );
-	const btQuaternion turn = how.isTurned ? btQuaternion( btVector3( 0, 1, 0 ), btScalar( 0.5 ) ) : btQuaternion::getIdentity();
+	const btQuaternion turn = how.isRotated ? btQuaternion( btVector3( 0, 1, 0 ), btScalar( 0.5 ) ) : btQuaternion::getIdentity();
 	const btVector3 centre( 0, 1, 0 );
 	std::vector<SoftBody*> bodies;
 	if ( how.what == Inside::StaticBox )
@@ -95,7 +94,7 @@ inline CameOut putInside( const PutInside& how )
 		t.step( 1 );
 		for ( const SoftBody* body : bodies )
 		{
-			// What falls off a box afterwards falls faster than anything that pushes it out.
+			// Afterwards the body falls off the box faster than it was pushed out.
 			out.fastest = frame < 60 || how.what != Inside::StaticBox ? std::max( out.fastest, double( body->linearVelocity().length() ) )
 																	  : out.fastest;
 			out.highest = std::max( out.highest, double( body->massCentre().y() ) );
@@ -107,8 +106,8 @@ inline CameOut putInside( const PutInside& how )
 		how.what == Inside::Floor      ? "sunk into a floor"
 			: how.what == Inside::Cube ? "another cube"
 									   : "a static box",
-		how.depth, how.elasticity == Elasticity::Implicit ? "implicit" : "explicit", how.youngsModulus, how.isTurned ? "turned" : "aligned",
-		how.coarseLevels, out.fastest, out.highest, out.nearest );
+		how.depth, how.elasticity == Elasticity::Implicit ? "implicit" : "explicit", how.youngsModulus,
+		how.isRotated ? "turned" : "aligned", how.coarseLevels, out.fastest, out.highest, out.nearest );
 	return out;
 }
 

@@ -1,6 +1,6 @@
 #pragma once
 
-// Bodies of random shapes that are thrown, bent, cut, torn and healed at random, every structure validated after each event. Seeded.
+// Bodies of random shapes that are thrown, bent, cut, torn and healed at random; every structure is validated after each event. Seeded.
 
 #include "body/breaking.h"
 #include "body/levels/levels.h"
@@ -45,7 +45,7 @@ public:
 		m_bodies.push_back( std::move( made.value ) );
 	}
 
-	/// Until so many events have been or nothing is left to break.
+	/// Runs `events` events, or until nothing is left to break.
 	void run( int events, BreakingCounts& counts )
 	{
 		const int last = counts.events + events;
@@ -172,9 +172,9 @@ private:
 			EXPECT_TRUE( octree.ok() ) << octree.sentence;
 			EXPECT_TRUE( cut.ok() ) << cut.sentence;
 		}
-		for ( const Vec3d& place : body.cellPositions() )
+		for ( const Vec3d& position : body.cellPositions() )
 		{
-			EXPECT_TRUE( place.allFinite() );
+			EXPECT_TRUE( position.allFinite() );
 		}
 		EXPECT_TRUE( std::is_sorted( body.firstCells().begin(), body.firstCells().end() ) );
 	}

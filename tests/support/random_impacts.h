@@ -1,7 +1,6 @@
 #pragma once
 
-// Soft bodies that strike things and each other at random, where nothing damps them and nothing weighs. The same from the same seed
-// everywhere.
+// Random impacts of soft bodies without damping and gravity. The same seed gives the same impacts on every machine.
 
 #include "support/energy_of_motion.h"
 #include "support/test_world.h"
@@ -12,7 +11,7 @@
 
 namespace pliant::test {
 
-/// The same numbers everywhere, which the standard's distributions are not.
+/// Random numbers that are the same on every machine (the standard's distributions are not).
 class Random
 {
 public:
@@ -35,7 +34,7 @@ inline Material undamped( float youngsModulus, Elasticity elasticity )
 	return material;
 }
 
-/// Of all that is there, pieces of what has broken among it.
+/// Of all bodies, fragments included.
 inline double energyOfMotion( SoftWorld& world )
 {
 	double sum = 0.0;
@@ -59,14 +58,14 @@ enum class Ground : int
 };
 inline constexpr const char* kGroundNames[] = { "floor", "rigid box", "soft cube", "soft cube with levels" };
 
-/// The cubes that strike, of 6 and of 8 cells an edge: nodes of level 1 or 2 are half empty in the first.
+/// The striking cubes, of 6 and of 8 cells an edge: in the first, nodes of level 1 or 2 are half empty.
 inline const std::shared_ptr<const BodyTemplate>& strikingCube( int size )
 {
 	static const std::shared_ptr<const BodyTemplate> cubes[] = { cubeTemplate( 0.6f, 6 ), cubeTemplate( 0.8f, 8 ) };
 	return cubes[size];
 }
 
-/// What is struck. The soft body, or null.
+/// Adds the body that is struck. Returns it if soft, else null.
 inline SoftBody* addGround( SoftWorld& world, Ground ground, const btQuaternion& turn, const Material& material, const Adaptivity& levels )
 {
 	if ( ground == Ground::Floor )
@@ -86,7 +85,7 @@ inline SoftBody* addGround( SoftWorld& world, Ground ground, const btQuaternion&
 		strikingCube( 1 ), btVector3( 0, btScalar( -0.7 ), 0 ), material, turn, ground == Ground::Soft ? Adaptivity{} : levels );
 }
 
-/// Comes down at so many m/s, every other one spinning.
+/// Adds a body that approaches at `speed` m/s; every other one spins.
 inline SoftBody* addStriking(
 	SoftWorld& world, Random& random, const Material& material, const Adaptivity& levels, double fastest, double slowest )
 {
@@ -98,7 +97,7 @@ inline SoftBody* addStriking(
 	return body;
 }
 
-/// Gives all soft bodies any friction and restitution. The most that energy of motion then comes to, as a share of what it is.
+/// Gives all soft bodies random friction and restitution. Returns the maximum of the kinetic energy, as a ratio to the initial one.
 inline double mostEnergy( SoftWorld& world, Random& random )
 {
 	const btScalar restitution = std::max( btScalar( 0 ), random.between( -1, 1 ) ), friction = random.between( 0, 1 );
@@ -117,8 +116,8 @@ inline double mostEnergy( SoftWorld& world, Random& random )
 	return most;
 }
 
-/// A cube of nodes of level 1 or 2. The most that energy comes to, as a share of the first. `strain`: above 0, at which all split, and for
-/// nothing else.
+/// Strikes with a cube of nodes of level 1 or 2. Returns the maximum energy as a ratio to the initial one. `strain`: if above 0, all nodes
+/// split at this strain and for no other reason.
 inline double strike( Ground ground, Elasticity elasticity, unsigned seed, float strain = 0.0f )
 {
 	Random random( seed );
@@ -138,12 +137,12 @@ inline double strike( Ground ground, Elasticity elasticity, unsigned seed, float
 
 struct Shattered
 {
-	double most = 0.0; ///< energy of motion, as a share of the first
+	double most = 0.0; ///< maximum kinetic energy, as a ratio to the initial one
 	bool hasBroken = false;
 };
 
-/// The same of a cube that breaks at a strain of .02 to .3, with levels where `coarseLevels` is above 0: faster, and what is soft and
-/// struck breaks as well.
+/// The same with a cube that breaks at a strain of .02 to .3, with levels where `coarseLevels` is above 0: faster, and soft ground breaks
+/// as well.
 inline Shattered shatter( Ground ground, Elasticity elasticity, BreakRule rule, int coarseLevels, unsigned seed )
 {
 	Random random( seed );
@@ -185,11 +184,11 @@ inline btVector3 spinOf( const SoftWorld& world )
 
 struct Rubbed
 {
-	double lost = 0.0; ///< of the spin, as a share of what the bodies' own came to at first
-	double most = 0.0; ///< energy, as a share of the first
+	double lost = 0.0; ///< lost angular momentum, as a ratio to the sum of the bodies' initial spins
+	double most = 0.0; ///< maximum energy, as a ratio to the initial one
 };
 
-/// Two to four spinning cubes fly into each other.
+/// Two to four spinning cubes collide.
 inline Rubbed rub( bool ( *isImplicit )( int body ), unsigned seed )
 {
 	static const auto cube = cubeTemplate( 0.4f, 4 );

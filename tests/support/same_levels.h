@@ -1,6 +1,6 @@
 #pragma once
 
-// What bodies with levels are made of, compared array by array.
+// Compares the data of bodies with levels array by array.
 
 #include "matching/regions/level_tables.h"
 
@@ -25,7 +25,7 @@ inline void expectSameTree( const Octree& got, const Octree& wanted )
 	EXPECT_EQ( got.mass, wanted.mass );
 }
 
-/// `allowed`: share of what is above 1, or the number itself; 0: the same bits.
+/// `allowed`: relative error of values above 1, absolute error of others; 0: bit-identical.
 template <class Array>
 void expectNear( const Array& got, const Array& wanted, float allowed, const char* what )
 {

@@ -1,6 +1,6 @@
 #pragma once
 
-// Lattices of any shape straight from a rule, for tests and experiments that need no mesh.
+// Lattices of arbitrary shape from a rule, for tests and experiments without a mesh.
 
 #include "lattice/lattice.h"
 
@@ -11,9 +11,9 @@
 namespace pliant::test {
 
 using CellRule = std::function<bool( int x, int y, int z )>;
-using LinkRule = std::function<bool( int a, int b )>; ///< called with a < b; asked once a link
+using LinkRule = std::function<bool( int a, int b )>; ///< called with a < b, once per link
 
-/// Full cells where `isInside` says so; links between all 26-neighbours that `isLinked` lets stand.
+/// Full cells where `isInside` is true; links between all 26-neighbours for which `isLinked` is true.
 inline Lattice makeShapeLattice( const Eigen::Vector3i& extent, float cellSize, const CellRule& isInside, const LinkRule& isLinked = {} )
 {
 	Lattice lattice;
@@ -47,7 +47,7 @@ inline Lattice makeShapeLattice( const Eigen::Vector3i& extent, float cellSize, 
 		const Eigen::Vector3i c = lattice.coordinate[i].cast<int>();
 		lattice.restCentre.push_back(
 			( ( c.cast<double>() + Vec3d::Constant( 0.5 ) ) * double( cellSize ) - lattice.massCentre ).cast<float>() );
-		for ( int k = 14; k < 27; ++k ) // those neighbours that come later
+		for ( int k = 14; k < 27; ++k ) // the neighbours with a higher index
 		{
 			const Eigen::Vector3i o = c + Eigen::Vector3i( k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1 );
 			if ( ( o.array() < 0 ).any() || ( o.array() >= extent.array() ).any() )
@@ -73,7 +73,7 @@ inline Lattice makeShapeLattice( const Eigen::Vector3i& extent, float cellSize, 
 	return lattice;
 }
 
-/// Metaballs: cells where the sum of falloffs is above one half. `cells` along the longest edge; the same seed gives the same solid.
+/// Metaballs: cells where the sum of falloffs exceeds one half. `cells` along the longest edge; the same seed gives the same solid.
 inline Lattice makeBlobLattice( int cells, float cellSize, unsigned seed, int balls = 6, const LinkRule& isLinked = {} )
 {
 	std::mt19937 random( seed );

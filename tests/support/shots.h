@@ -1,6 +1,6 @@
 #pragma once
 
-// Soft bodies shot at things that stand: bodies, speeds, spins, angles and places at random, seeded. Nothing of them may end up behind.
+// Soft bodies shot at fixed walls with random (seeded) bodies, speeds, spins, angles and positions. None may end up behind the wall.
 
 #include "support/test_world.h"
 
@@ -21,7 +21,7 @@ enum class Wall : int
 	Box,
 	Mesh,
 	Heightfield,
-	Thin ///< a box of one millimetre
+	Thin ///< a box one millimetre thick
 };
 constexpr int kWalls = 5;
 inline const char* const kWallNames[kWalls] = { "plane", "box", "mesh", "heightfield", "1 mm wall" };
@@ -31,10 +31,10 @@ enum class Shot : int
 	Cube,     ///< 4 cells an edge
 	WideCube, ///< 6 cells, regions of half-width 2
 	Sheet,    ///< one cell thick
-	Rod,      ///< one cell thin
+	Rod,      ///< one cell thick and wide
 	Ball,
 	Coarse, ///< two levels, split by strain
-	Touchy  ///< a level, half-width 2, split where it touches
+	Touchy  ///< one level, half-width 2, split by contact
 };
 constexpr int kShots = 7;
 inline const char* const kShotNames[kShots] = { "cube", "cube, w = 2", "sheet", "rod", "ball", "levels", "levels, w = 2" };
@@ -45,13 +45,13 @@ struct ShotResult
 	Shot shot = Shot::Cube;
 	unsigned seed = 0;
 	double speed = 0.0, youngsModulus = 0.0; ///< m/s, Pa
-	bool hits = false;                       ///< it touched the wall at all
-	int behind = 0;                          ///< nodes whose centre is behind the wall at the end
-	double deepest = 0.0;                    ///< m, that a node's centre ever was behind the wall's face
+	bool hits = false;                       ///< touched the wall
+	int behind = 0;                          ///< number of node centres behind the wall at the end
+	double deepest = 0.0;                    ///< greatest depth of a node centre behind the wall's face, m
 	bool isHealthy = true;
 };
 
-/// Templates and walls are made once.
+/// Templates and walls are created once.
 class ShootingRange
 {
 public:
@@ -73,7 +73,7 @@ public:
 		}
 	}
 
-	/// Number `seed` of all shots; the wall and the body go round.
+	/// Fires shot number `seed`; walls and bodies alternate.
 	ShotResult shoot( unsigned seed, Elasticity elasticity ) const
 	{
 		std::mt19937 random( seed * 2654435761u + 17u );
@@ -85,7 +85,7 @@ public:
 		result.speed = 10.0 * std::pow( 10.0, fraction() );
 		result.youngsModulus = std::pow( 10.0, 3.0 + 3.0 * fraction() );
 
-		// The wall's outside is its own y; it stands at any angle.
+		// The wall's outward normal is its own y axis; its orientation is arbitrary.
 		SoftWorld t;
 		const btTransform wall( turn( fraction(), fraction(), fraction() ), btVector3( 0, 0, 0 ) );
 		t.world.setGravity( wall.getBasis() * btVector3( 0, btScalar( -9.81 ), 0 ) );
@@ -98,10 +98,10 @@ public:
 		t.world.updateSingleAabb( standing );
 
 		const double tilt = fraction() * 60.0 * SIMD_PI / 180.0, round = fraction() * 2.0 * SIMD_PI;
-		const btVector3 way( btScalar( std::sin( tilt ) * std::cos( round ) ), btScalar( -std::cos( tilt ) ),
+		const btVector3 direction( btScalar( std::sin( tilt ) * std::cos( round ) ), btScalar( -std::cos( tilt ) ),
 			btScalar( std::sin( tilt ) * std::sin( round ) ) );
 		const btVector3 start = btVector3( btScalar( fraction() - 0.5 ), btScalar( 0.3 ), btScalar( fraction() - 0.5 ) ) -
-			way * btScalar( 0.6 + 2.0 * fraction() );
+			direction * btScalar( 0.6 + 2.0 * fraction() );
 		SoftBody* body = t.add( m_templates[std::size_t( result.shot )], start, materialOf( result, elasticity ),
 			turn( fraction(), fraction(), fraction() ), adaptivityOf( result.shot ) );
 		if ( !body )
@@ -110,9 +110,9 @@ public:
 		}
 		body->teleport( wall );
 		const btVector3 spin( btScalar( fraction() - 0.5 ), btScalar( fraction() - 0.5 ), btScalar( fraction() - 0.5 ) );
-		body->setVelocities( wall.getBasis() * way * btScalar( result.speed ), spin * btScalar( 60.0 * fraction() ) );
+		body->setVelocities( wall.getBasis() * direction * btScalar( result.speed ), spin * btScalar( 60.0 * fraction() ) );
 		body->setRestitution( btScalar( fraction() < 0.5 ? 0.0 : fraction() ) );
-		// What slides off the wall's edge has not come through it.
+		// Nodes that slide off the wall's edge have not passed through it.
 		const auto isOver = [&]( const btVector3& at ) { return btMax( btFabs( at.x() ), btFabs( at.z() ) ) < kHalfWidth - 1; };
 		for ( int frame = 0; frame < kFrames && isOver( wall.invXform( body->massCentre() ) ); ++frame )
 		{
@@ -194,7 +194,7 @@ private:
 		return btVector3( kPostsApart * ( i - middle ), m_heights[std::size_t( j * kPosts + i )], kPostsApart * ( j - middle ) );
 	}
 
-	/// Its face is y = 0 but for the bumpy ones.
+	/// The face is y = 0 except for bumpy walls.
 	btCollisionShape* makeWall( Wall wall ) const
 	{
 		constexpr btScalar wide = kHalfWidth;
@@ -231,7 +231,7 @@ private:
 		return adaptivity;
 	}
 
-	/// How high the wall's face stands at a place in its own coordinates; false beside it.
+	/// Sets the height of the wall's face at a position in its own coordinates; returns false beside it.
 	static bool faceAt( const btCollisionShape& shape, const btVector3& at, btScalar& height )
 	{
 		if ( !shape.isConcave() || shape.getShapeType() == STATIC_PLANE_PROXYTYPE )
@@ -266,7 +266,7 @@ private:
 	static void look( const SoftBody& body, const btCollisionShape& shape, const btTransform& wall, ShotResult& result )
 	{
 		result.behind = 0;
-		// Of a thin wall the middle decides.
+		// For a thin wall the middle plane counts.
 		const btScalar allowed = result.wall == Wall::Thin ? thicknessOf( Wall::Thin ) / 2 : btScalar( 0 );
 		const auto depthOf = [&]( const btVector3& point ) {
 			const btVector3 at = wall.invXform( point );

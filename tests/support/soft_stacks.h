@@ -1,6 +1,6 @@
 #pragma once
 
-// Stacks of soft cubes, bare and with rigid boxes between them, each thing dropped a little: for whoever measures one.
+// Stacks of soft cubes, with or without rigid boxes between them, each element dropped from a small height.
 
 #include "support/test_world.h"
 
@@ -13,15 +13,15 @@ struct Stack
 	int cubes = 4;
 	bool hasBoxes = false;
 	float youngsModulus = 4e7f;
-	double friction = 0.5; ///< of each thing; 0.5 is Bullet's own
-	double gap = 0.01;     ///< m, by which each falls on the next
+	double friction = 0.5; ///< of each element; 0.5 is Bullet's default
+	double gap = 0.01;     ///< height from which each falls onto the next, m
 	Elasticity elasticity = Elasticity::Implicit;
 };
 
-/// Every other cube, of 6 x 6 x 6 cells of 0.1 m, stands a little aside.
+/// Every other cube, of 6 x 6 x 6 cells of 0.1 m, is offset a little.
 struct StackScene : SoftWorld
 {
-	double top = 0.0; ///< m, of the top cube's centre with no gap below it
+	double top = 0.0; ///< height of the top cube's centre without gaps below it, m
 
 	explicit StackScene( const Stack& stack )
 	{

@@ -1,6 +1,6 @@
 #pragma once
 
-// A soft cube of .6 m and 6 cells pressed flat: by a plate, or in a slot between two walls that stand nearer than it is wide.
+// A soft cube of .6 m and 6 cells pressed flat by a plate, or in a slot between two walls closer than its width.
 
 #include "support/energy_of_motion.h"
 #include "support/strain_energy.h"
@@ -19,17 +19,16 @@ struct Squeeze
 	double youngsModulus = 5e4;
 	int coarseLevels = 0;
 	float yieldStrain = 0.0f;
-	double seconds = 2.0; ///< held for
+	double seconds = 2.0; ///< duration of the squeeze
 };
 
 struct Squeezed
 {
-	double early = 0.0, late = 0.0; ///< impulse of all contacts in a step, N s: most in the first second, and in the last
-	double strain =
-		0.0;          ///< stored when it is let go, J; of bodies with levels and of such as flow what a cube of linear springs would store
-	double out = 0.0; ///< of pushing out: every node at the rate that nodes are pushed out at, J
-	double motion = 0.0; ///< after the release, at most, J
-	double top = 0.0;    ///< and how high the middle comes, m
+	double early = 0.0, late = 0.0; ///< largest impulse of all contacts in a step, N s: in the first second, and in the last
+	double strain = 0.0;            ///< elastic energy at the release, J; with levels or plasticity that of a cube of linear springs
+	double out = 0.0;               ///< bound of the energy from pushing all nodes out at the maximum rate, J
+	double motion = 0.0;            ///< maximum kinetic energy after the release, J
+	double top = 0.0;               ///< greatest height of the centre, m
 	bool isHealthy = false;
 };
 
@@ -47,10 +46,10 @@ inline double impulses( btDispatcher& dispatcher )
 	return sum;
 }
 
-/// The walls of a slot, or a plate that has come down on what is `edge` m high.
+/// Adds the walls of a slot, or a plate that has come down on a body `edge` m high.
 inline std::vector<btRigidBody*> press( SoftWorld& t, const Squeeze& how, double edge )
 {
-	constexpr double kPressing = 0.5 / 60; // m a frame
+	constexpr double kPressing = 0.5 / 60; // m per frame
 	std::vector<btRigidBody*> pressing;
 	if ( how.isSlot )
 	{
@@ -82,7 +81,7 @@ inline Squeezed squeeze( const Squeeze& how )
 	constexpr double kEdge = 0.6; // m
 	SoftWorld t;
 	t.addBoxFloor();
-	t.world.setMaxSoftSubsteps( 64 ); // so that what springs hold is in the regions alone
+	t.world.setMaxSoftSubsteps( 64 ); // all elastic energy is then in the regions
 	Material material;
 	material.elasticity = how.elasticity;
 	material.youngsModulus = float( how.youngsModulus );

@@ -1,6 +1,6 @@
 #pragma once
 
-// Energy of strain of a soft body of one level that has not flowed, J.
+// Elastic energy of a soft body of one level without plastic flow, J.
 
 #include "pliant/soft_body.h"
 
@@ -11,10 +11,10 @@
 
 namespace pliant::test {
 
-/// The energy that shape matching takes back: of a block's regions of half-width 1, computed by itself from the places of its nodes.
+/// The energy that shape matching restores: of a block's regions of half-width 1, computed independently from the node positions.
 ///
 ///   V = k / 2 sum over regions r and their nodes i of  m_i / n_i | x_i - c_r - R_r ( q_i - d_r ) |^2,   k = alpha / h^2,   n_i regions
-///   that hold i
+///   that contain i
 class StrainEnergy
 {
 public:
@@ -23,7 +23,7 @@ public:
 		const int count = body.nodeCount();
 		for ( int i = 0; i < count; ++i )
 		{
-			m_rest.push_back( placeOf( body, i ) );
+			m_rest.push_back( positionOf( body, i ) );
 			m_mass.push_back( double( body.nodeMass( i ) ) );
 		}
 		m_regions.resize( std::size_t( count ) );
@@ -37,7 +37,7 @@ public:
 				}
 			}
 		}
-		// Regions and their nodes are the same relation read both ways.
+		// "Region r contains node i" is symmetric in r and i.
 		for ( int i = 0; i < count; ++i )
 		{
 			m_mass[std::size_t( i )] /= double( m_regions[std::size_t( i )].size() );
@@ -50,7 +50,7 @@ public:
 		for ( int i = 0; i < body.nodeCount(); ++i )
 		{
 			const btVector3 v = body.nodeVelocity( i );
-			x.push_back( placeOf( body, i ) - back * Eigen::Vector3d( double( v.x() ), double( v.y() ), double( v.z() ) ) );
+			x.push_back( positionOf( body, i ) - back * Eigen::Vector3d( double( v.x() ), double( v.y() ), double( v.z() ) ) );
 		}
 		return x;
 	}
@@ -75,7 +75,7 @@ public:
 				inner += m_mass[i] * q.squaredNorm();
 				outer += m_mass[i] * p.squaredNorm();
 			}
-			// the least over R of sum m | p - R q |^2 = sum m ( p^2 + q^2 ) - 2 ( s0 + s1 +- s2 ), s the singular values of Apq
+			// the minimum over R of sum m | p - R q |^2 = sum m ( p^2 + q^2 ) - 2 ( s0 + s1 +- s2 ), s the singular values of Apq
 			const Eigen::Vector3d s = apq.jacobiSvd().singularValues();
 			sum += inner + outer - 2.0 * ( s[0] + s[1] + ( apq.determinant() < 0.0 ? -s[2] : s[2] ) );
 		}
@@ -83,7 +83,7 @@ public:
 	}
 
 private:
-	static Eigen::Vector3d placeOf( const SoftBody& body, int node )
+	static Eigen::Vector3d positionOf( const SoftBody& body, int node )
 	{
 		const btVector3 x = body.nodePosition( node );
 		return { double( x.x() ), double( x.y() ), double( x.z() ) };

@@ -1,6 +1,6 @@
 #pragma once
 
-// A world in one line, for tests and benchmarks: everything in it dies with it, in an order that is allowed.
+// A world for tests and benchmarks that destroys everything in it in a valid order.
 
 #include "pliant/soft_body_world.h"
 
@@ -14,7 +14,7 @@
 
 namespace pliant::test {
 
-/// A box around the origin, of cells of `cell` m.
+/// A box around the origin, with cells of `cell` m.
 inline std::shared_ptr<const BodyTemplate> boxTemplate( const std::array<float, 3>& edges, float cell, const CrackSettings& cracks = {} )
 {
 	std::vector<float> positions;
@@ -38,7 +38,7 @@ inline std::shared_ptr<const BodyTemplate> boxTemplate( const std::array<float, 
 	return BodyTemplate::build( mesh, settings ).value;
 }
 
-/// A cube of edge `edge` m around the origin, `cells` cells along it.
+/// A cube with edge `edge` m around the origin, `cells` cells along it.
 inline std::shared_ptr<const BodyTemplate> cubeTemplate( float edge, int cells, const CrackSettings& cracks = {} )
 {
 	return boxTemplate( { edge, edge, edge }, edge / float( cells ), cracks );
@@ -74,9 +74,9 @@ struct WorldOf
 			shape->calculateLocalInertia( mass, inertia );
 		}
 		rigid.push_back( std::make_unique<btRigidBody>( btRigidBody::btRigidBodyConstructionInfo( mass, nullptr, shape, inertia ) ) );
-		const btTransform place( btQuaternion::getIdentity(), at );
-		rigid.back()->setWorldTransform( place );
-		rigid.back()->setInterpolationWorldTransform( place );
+		const btTransform transform( btQuaternion::getIdentity(), at );
+		rigid.back()->setWorldTransform( transform );
+		rigid.back()->setInterpolationWorldTransform( transform );
 		world.addRigidBody( rigid.back().get() );
 		return rigid.back().get();
 	}

@@ -1,6 +1,6 @@
 #pragma once
 
-// A world in one line, for tests: Bullet's usual parts, a floor, boxes and soft blocks.
+// A world for tests: Bullet's usual parts, a floor, boxes and soft blocks.
 
 #include "support/test_world.h"
 
@@ -25,7 +25,7 @@ inline btTransform at( btScalar x, btScalar y, btScalar z )
 	return btTransform( btQuaternion::getIdentity(), btVector3( x, y, z ) );
 }
 
-/// A block of nx x ny x nz full cells about the origin, built from its twelve triangles as a game would.
+/// A block of nx x ny x nz full cells about the origin, built from twelve triangles as a game would do.
 inline std::shared_ptr<const BodyTemplate> block( int nx, int ny, int nz, float cell )
 {
 	std::shared_ptr<const BodyTemplate> made = boxTemplate( { cell * nx, cell * ny, cell * nz }, cell );
@@ -41,7 +41,7 @@ inline Material stiff( float youngsModulus )
 	return material;
 }
 
-/// The same in the implicit step.
+/// The same for the implicit step.
 inline Material implicit( float youngsModulus, int halfWidth = 1 )
 {
 	Material material = stiff( youngsModulus );
@@ -50,7 +50,7 @@ inline Material implicit( float youngsModulus, int halfWidth = 1 )
 	return material;
 }
 
-constexpr double kGravity = 10.0; // a world's own, m/s^2
+constexpr double kGravity = 10.0; // the world's gravity, m/s^2
 
 struct BulletParts
 {
@@ -91,7 +91,7 @@ public:
 	{
 		return add( mass, new btBoxShape( half ), where );
 	}
-	/// Top at height y.
+	/// The top is at height y.
 	btRigidBody* addFloor( btScalar y = 0 ) { return addBox( 0, btVector3( 10, 1, 10 ), at( 0, y - 1, 0 ) ); }
 	btRigidBody* addPlane( btScalar y = 0 )
 	{
@@ -133,7 +133,7 @@ inline btScalar lowestNode( const SoftBody& body )
 	return low;
 }
 
-/// Every triangle as it is drawn, beginning with its least corner; in an order of their own.
+/// Returns every drawn triangle, starting with its least corner, in a canonical order.
 inline std::vector<std::array<float, 10>> trianglesOf( const SurfaceView& view )
 {
 	std::vector<std::array<float, 10>> all;

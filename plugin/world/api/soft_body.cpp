@@ -31,7 +31,7 @@ void SoftBody::Impl::placeShape( btCollisionObject& object )
 void SoftBody::Impl::finish( SoftBody& owner )
 {
 	shape = std::make_unique<NodeShape>( *body );
-	nodeBody.assign( std::size_t( body->nodeCount() ), nullptr );
+	proxyOfNode.assign( std::size_t( body->nodeCount() ), nullptr );
 	owner.m_internalType = kInternalType;
 	owner.m_collisionFlags &= ~CF_STATIC_OBJECT; // Bullet's objects are born static
 	owner.internalSetExtensionPointer( const_cast<char*>( &kSoftBodyMark ) );

@@ -193,7 +193,7 @@ void SoftBody::Impl::wakeTouching( const SoftBody& owner ) const
 
 void SoftBody::hasMoved()
 {
-	++m_impl->placed;
+	++m_impl->placements;
 	m_impl->wakeTouching( *this );
 	m_impl->skin.nodesMoved();
 	m_impl->placeShape( *this );

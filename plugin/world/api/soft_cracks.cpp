@@ -60,7 +60,7 @@ void SoftBody::Impl::drawKin() const
 	for ( const SoftBody* soft : system->bodies() )
 	{
 		const Impl& other = soft->impl();
-		if ( other.crackFamily == crackFamily && ( &other == this || other.isLookedAt() ) && other.hasNewCracks() )
+		if ( other.crackFamily == crackFamily && ( &other == this || other.isDrawn() ) && other.hasNewCracks() )
 		{
 			kin.push_back( &other );
 			cells += other.body->firstCells().size();

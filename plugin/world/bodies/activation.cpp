@@ -1,9 +1,8 @@
-// When soft bodies fall asleep and what wakes them, by Bullet's own clock.
+// Deactivation and wake-up of soft bodies, with Bullet's timers.
 //
-// What is slow is measured by the body's size and its gravity: v^2 against 2 g r, r the radius of its smallest node. Contacts that a solver
-// of few iterations leaves a little off push what lies still to and fro, a heap of single cells most of all, and one of two hundred is
-// always faster than a limit that is to tell moving from lying: so what is not quite as slow may sleep too, as long as none of its nodes
-// goes anywhere.
+// Speed is measured against the body's size and gravity: v^2 against 2 g r, r the radius of its smallest node. The residual errors of a
+// solver with few iterations push resting bodies to and fro, most of all in heaps of single cells: one of two hundred is always faster than
+// any limit that separates moving from resting. A somewhat faster body may therefore sleep too if none of its nodes leaves its position.
 
 #include "matching/step/lattice_matcher.h"
 #include "world/bodies/soft_body_impl.h"
@@ -23,36 +22,35 @@ bool isDriven( const SoftBody& body )
 		[]( const Pin& pin ) { return pin.hasTarget || ( pin.kind == PinKind::FollowsBody && pin.body->isActive() ); } );
 }
 
-/// Whether no node is further than `way` from where it was when this was last not so, or when the body began to be looked at. If one is:
-/// from now on, from here.
-bool hasStayed( SoftBody::Impl& impl, double way )
+/// Returns true if no node is further than `displacement` from its reference position. Otherwise makes the current positions the reference.
+bool hasStayed( SoftBody::Impl& impl, double displacement )
 {
 	const NodeState& nodes = impl.body->nodes();
-	RestPosition& rest = impl.rest;
+	RestPositions& rest = impl.rest;
 	const Vec3 shift = ( nodes.origin - rest.origin ).cast<float>();
-	const float limit = float( way * way );
-	bool isThere = rest.place.size() == std::size_t( nodes.count ) && rest.numbering == impl.numbering;
-	for ( int i = 0; isThere && i < nodes.count; ++i )
+	const float limit = float( displacement * displacement );
+	bool areNear = rest.positions.size() == std::size_t( nodes.count ) && rest.numbering == impl.numbering;
+	for ( int i = 0; areNear && i < nodes.count; ++i )
 	{
-		isThere = ( nodes.x.get( i ) + shift - rest.place[std::size_t( i )] ).squaredNorm() <= limit;
+		areNear = ( nodes.x.get( i ) + shift - rest.positions[std::size_t( i )] ).squaredNorm() <= limit;
 	}
-	if ( isThere )
+	if ( areNear )
 	{
 		return true;
 	}
-	rest.place.resize( std::size_t( nodes.count ) );
+	rest.positions.resize( std::size_t( nodes.count ) );
 	for ( int i = 0; i < nodes.count; ++i )
 	{
-		rest.place[std::size_t( i )] = nodes.x.get( i );
+		rest.positions[std::size_t( i )] = nodes.x.get( i );
 	}
 	rest.origin = nodes.origin;
 	rest.numbering = impl.numbering;
 	return false;
 }
 
-/// Mean over the mass of | v |^2, m^2/s^2; of a body in several parts that nothing links, that of the fastest: one that falls among a
-/// thousand that lie is not at rest.
-double squareVelocity( const SoftBody::Impl& impl )
+/// Returns the mass-weighted mean of | v |^2, m^2/s^2; for a body of several connected parts that of the fastest part, since one that falls
+/// among a thousand at rest is not at rest.
+double largestMeanSquareSpeed( const SoftBody::Impl& impl )
 {
 	if ( impl.body->material().method != Method::Lattice )
 	{
@@ -77,20 +75,20 @@ double squareVelocity( const SoftBody::Impl& impl )
 	return fastest;
 }
 
-/// Whether the body as it moves now may be on its way to sleep.
+/// Returns true if the body's deactivation timer may run.
 bool isAtRest( SoftBody::Impl& impl, double gravity )
 {
-	const double radius = double( impl.shape->smallestRadius() ), way = kRestDisplacement * radius;
-	const double fallen = 2.0 * gravity * radius, square = squareVelocity( impl );
-	const double drift = way / double( gDeactivationTime ); // where there is no gravity
-	const bool mayStay = square < std::max( fallen * double( kContactSlop ), drift * drift );
+	const double radius = double( impl.shape->smallestRadius() ), displacement = kRestDisplacement * radius;
+	const double fallSquare = 2.0 * gravity * radius, square = largestMeanSquareSpeed( impl );
+	const double drift = displacement / double( gDeactivationTime ); // limit without gravity
+	const bool mayStay = square < std::max( fallSquare * double( kContactSlop ), drift * drift );
 	if ( !mayStay )
 	{
-		impl.rest.place.clear();
+		impl.rest.positions.clear();
 		return false;
 	}
-	const bool stays = hasStayed( impl, way );
-	return stays || square < fallen * kSleepFraction * kSleepFraction;
+	const bool stays = hasStayed( impl, displacement );
+	return stays || square < fallSquare * kSleepFraction * kSleepFraction;
 }
 
 } // namespace
@@ -117,7 +115,7 @@ void SoftBodySystem::updateActivation( btScalar h )
 		}
 		SoftBody::Impl& impl = body->impl();
 		const double calm = kAllowanceCalm * double( impl.shape->smallestRadius() );
-		impl.slowFor = impl.meanSquareSpeed < calm * calm ? impl.slowFor + double( h ) : 0.0;
+		impl.slowTime = impl.meanSquareSpeed < calm * calm ? impl.slowTime + double( h ) : 0.0;
 		const bool canSleep = state != DISABLE_DEACTIVATION && !gDisableDeactivation && gDeactivationTime > 0;
 		const btVector3 gravity = impl.hasOwnGravity ? impl.gravity : m_world.getGravity();
 		const bool maySleep = canSleep && isAtRest( impl, double( gravity.length() ) ) && !isDriven( *body );

@@ -1,5 +1,5 @@
-// Bodies that break: the heaviest part stays the game's object, the others become bodies of the world's. Only ever at the start of a
-// substep. Ohta et al. 2009, "Fracturing".
+// Breaks bodies apart at the start of a substep: the heaviest part remains the original object, the others become bodies owned by the
+// world. Ohta et al. 2009, "Fracturing".
 
 #include "body/breaking.h"
 #include "body/levels/levels.h"
@@ -17,7 +17,7 @@ namespace pliant {
 
 namespace {
 
-/// What a user may have set on any collision object, and a piece takes over.
+/// Copies the settings of a collision object that a fragment inherits.
 void copySettings( const SoftBody& from, SoftBody& to )
 {
 	to.setCollisionFlags( from.getCollisionFlags() );
@@ -46,7 +46,7 @@ void copySettings( const SoftBody& from, SoftBody& to )
 	to.forceActivationState( from.getActivationState() );
 }
 
-/// The number each node before has in the piece; kNoNode for those of other pieces.
+/// Returns the new index of each old node in the piece; kNoNode for nodes of other pieces.
 std::vector<std::uint32_t> numbersNow( const BodyPiece& piece, int nodesBefore )
 {
 	std::vector<std::uint32_t> now( std::size_t( nodesBefore ), kNoNode );
@@ -57,7 +57,7 @@ std::vector<std::uint32_t> numbersNow( const BodyPiece& piece, int nodesBefore )
 	return now;
 }
 
-/// The pins of the nodes that went into the piece.
+/// Returns the pins of the piece's nodes.
 std::vector<Pin> pinsOf( const std::vector<Pin>& before, const std::vector<std::uint32_t>& nodeNow )
 {
 	std::vector<Pin> pins;
@@ -85,16 +85,16 @@ SoftBody::Impl::Remains SoftBody::Impl::remainsOf( const BodyPiece& piece )
 	return remains;
 }
 
-// Contacts of nodes that went elsewhere are let go of in the next collision phase, which is before anything else looks at them; until then
-// their stand-ins need the spheres they were made with.
+// Contacts of lost nodes are removed in the next collision phase, before anything else reads them; until then their contact proxies need
+// the spheres they were created with.
 void SoftBody::Impl::adopt( SoftBody& owner, BodyPiece& piece, Remains remains )
 {
 	const std::vector<std::uint32_t>& nodeNow = remains.nodeNow;
 	const bool keepsNodes = nodeNow.size() == piece.nodeBefore.size() &&
 		std::find( nodeNow.begin(), nodeNow.end(), kNoNode ) == nodeNow.end();
 	pins = pinsOf( pins, nodeNow );
-	born = PenetrationAllowance::of( born, piece.nodeBefore );
-	nearby.clear();
+	allowance = PenetrationAllowance::of( allowance, piece.nodeBefore );
+	nearNodes.clear();
 	body = std::move( piece.body );
 	const bool keepsNumbers = keepsNodes && std::is_sorted( nodeNow.begin(), nodeNow.end() );
 	if ( !remains.keepsShape || !keepsNumbers )
@@ -103,12 +103,12 @@ void SoftBody::Impl::adopt( SoftBody& owner, BodyPiece& piece, Remains remains )
 	}
 	if ( !remains.keepsShape )
 	{
-		shapeBefore = std::move( shape );
+		previousShape = std::move( shape );
 		shape = std::move( remains.shape );
 		owner.setCollisionShape( shape.get() );
-		for ( ContactProxy* stand : touched )
+		for ( ContactProxy* proxy : touched )
 		{
-			stand->setCollisionShape( shape->sphereOfNode( stand->node ) );
+			proxy->setCollisionShape( shape->sphereOfNode( proxy->node ) );
 		}
 	}
 	remains.keepsShape ? placeSpheres( owner, body->measureMotion() ) : placeShape( owner );
@@ -132,14 +132,14 @@ std::unique_ptr<SoftBody> SoftBody::Impl::makeFragment( const SoftBody& parent, 
 	impl.plan = from.plan;
 	impl.elasticity = from.elasticity;
 	impl.hasOwnGravity = from.hasOwnGravity;
-	impl.born = PenetrationAllowance::of( from.born, piece.nodeBefore );
+	impl.allowance = PenetrationAllowance::of( from.allowance, piece.nodeBefore );
 	impl.gravity = from.gravity;
 	impl.hasNodeForces = from.hasNodeForces;
 	impl.pins = pinsOf( from.pins, numbersNow( piece, from.body->nodeCount() ) );
 	impl.body = std::move( piece.body );
 	impl.fractureVersion = from.fractureVersion + 1;
 	impl.crackFamily = from.crackFamily;
-	impl.wasLookedAt = from.isLookedAt();
+	impl.wasDrawn = from.isDrawn();
 	impl.cuts = from.cuts;
 	impl.skin.tolerance = from.skin.tolerance;
 	impl.fading = from.fading;
@@ -150,18 +150,18 @@ std::unique_ptr<SoftBody> SoftBody::Impl::makeFragment( const SoftBody& parent, 
 		impl.fading = Fading{ settings.fadeTime, double( settings.fadeTime ), false };
 	}
 	impl.finish( *soft );
-	impl.centralForce = from.centralForce * btScalar( impl.mass / from.mass ); // it is spread by mass
+	impl.centralForce = from.centralForce * btScalar( impl.mass / from.mass ); // distributed by mass
 	copySettings( parent, *soft );
 	return soft;
 }
 
-/// What becomes of one body.
+/// The result of breaking one body.
 struct SoftBodySystem::Broken
 {
 	SoftBody* body;
 	BreakReport report;
 	std::vector<BodyPiece> pieces;
-	std::vector<std::unique_ptr<SoftBody>> fragments; ///< by piece; not of the first, which is the body itself
+	std::vector<std::unique_ptr<SoftBody>> fragments; ///< by piece; null for the first, which is the body itself
 	SoftBody::Impl::Remains remains;
 };
 
@@ -182,18 +182,18 @@ bool SoftBodySystem::breakBodies()
 	}
 	BT_PROFILE( "pliant: fracture" );
 	Stopwatch watch( report.fracture );
-	auto apart = [&]( int k ) {
+	auto breakOne = [&]( int k ) {
 		Broken& each = broken[std::size_t( k )];
 		SoftBody::Impl& impl = each.body->impl();
 		while ( impl.body->mustRefineToBreak() )
 		{
 			impl.changeNodes(
-				*each.body, [&impl] { impl.body->refineToBreak(); }, false ); // adopt() would let go of it
+				*each.body, [&impl] { impl.body->refineToBreak(); }, false ); // no fade: adopt() would discard it
 		}
 		const int most = impl.body->fracture().maxPieces - ( impl.family ? *impl.family - 1 : 0 );
 		each.pieces = impl.body->breakApart( each.report, std::max( 1, most ) );
 	};
-	runTasks( tasks(), int( broken.size() ), apart );
+	runTasks( tasks(), int( broken.size() ), breakOne );
 	for ( const Broken& each : broken )
 	{
 		each.body->impl().noteCracks( each.report );
@@ -206,7 +206,7 @@ bool SoftBodySystem::breakBodies()
 	return true;
 }
 
-// What takes long is the pieces' spheres.
+// One task per piece, because building the spheres is expensive.
 void SoftBodySystem::makeFragments( std::vector<Broken>& broken )
 {
 	struct Task
@@ -214,21 +214,21 @@ void SoftBodySystem::makeFragments( std::vector<Broken>& broken )
 		Broken* of;
 		std::size_t piece;
 	};
-	std::vector<Task> making;
+	std::vector<Task> pending;
 	for ( Broken& each : broken )
 	{
 		each.fragments.resize( each.pieces.size() );
 		for ( std::size_t k = 0; k < each.pieces.size(); ++k )
 		{
-			making.push_back( { &each, k } );
+			pending.push_back( { &each, k } );
 		}
 	}
-	std::stable_sort( making.begin(), making.end(), []( const Task& a, const Task& b ) {
-		return a.of->pieces[a.piece].cellBefore.size() > b.of->pieces[b.piece].cellBefore.size(); // what takes longest first
+	std::stable_sort( pending.begin(), pending.end(), []( const Task& a, const Task& b ) {
+		return a.of->pieces[a.piece].cellBefore.size() > b.of->pieces[b.piece].cellBefore.size(); // longest tasks first
 	} );
-	auto make = [&making]( int k ) {
-		Broken& of = *making[std::size_t( k )].of;
-		const std::size_t piece = making[std::size_t( k )].piece;
+	auto make = [&pending]( int k ) {
+		Broken& of = *pending[std::size_t( k )].of;
+		const std::size_t piece = pending[std::size_t( k )].piece;
 		if ( piece == 0 )
 		{
 			of.remains = of.body->impl().remainsOf( of.pieces[0] );
@@ -238,7 +238,7 @@ void SoftBodySystem::makeFragments( std::vector<Broken>& broken )
 			of.fragments[piece] = SoftBody::Impl::makeFragment( *of.body, of.pieces[piece] );
 		}
 	};
-	runTasks( tasks(), int( making.size() ), make );
+	runTasks( tasks(), int( pending.size() ), make );
 }
 
 void SoftBodySystem::settlePieces( Broken& broken )
@@ -267,7 +267,7 @@ void SoftBodySystem::settlePieces( Broken& broken )
 	report.brokenLinks += event.links;
 	report.fragments += int( event.fragments.size() );
 	report.removedPieces += event.removedPieces;
-	if ( event.links > 0 ) // else links have only been put back
+	if ( event.links > 0 ) // otherwise links were only restored
 	{
 		events.push_back( std::move( event ) );
 	}
@@ -284,18 +284,18 @@ void SoftBodySystem::addFragment( SoftBody& parent, std::unique_ptr<SoftBody> fr
 	impl.isWorldOwned = true;
 	owned.push_back( piece );
 
-	// Fresh to what the parent is fresh to, with the same leave; and to the parent and what came off it before in this event.
-	impl.fresh = parent.impl().fresh;
-	const FreshPair own{ parent.impl().serial, std::numeric_limits<double>::infinity() };
-	impl.fresh.insert( std::lower_bound( impl.fresh.begin(), impl.fresh.end(), own ), own );
-	for ( const FreshPair& pair : impl.fresh )
+	// The fragment inherits the parent's separated pairs with their slack, and is paired with the parent.
+	impl.separatedPairs = parent.impl().separatedPairs;
+	const SeparatedPair own{ parent.impl().serial, std::numeric_limits<double>::infinity() };
+	impl.separatedPairs.insert( std::lower_bound( impl.separatedPairs.begin(), impl.separatedPairs.end(), own ), own );
+	for ( const SeparatedPair& pair : impl.separatedPairs )
 	{
-		// Bodies stand in the order of their serials, and this one's is the highest.
+		// m_bodies is sorted by serial, and this body's is the highest.
 		const auto other = std::lower_bound( m_bodies.begin(), m_bodies.end(), pair.other,
 			[]( const SoftBody* body, unsigned serial ) { return body->impl().serial < serial; } );
 		if ( other != m_bodies.end() && ( *other )->impl().serial == pair.other )
 		{
-			( *other )->impl().fresh.push_back( FreshPair{ impl.serial, pair.slack } );
+			( *other )->impl().separatedPairs.push_back( SeparatedPair{ impl.serial, pair.slack } );
 		}
 	}
 	if ( group.contains( parent ) )
@@ -324,7 +324,7 @@ void SoftBodySystem::advanceFading( btScalar gameStep )
 	}
 }
 
-// Between steps, where nobody holds a pointer that the last step's events do not already call perishable.
+// Called between steps, when the pointers in the last step's events have expired.
 void SoftBodySystem::removeFaded()
 {
 	removedSinceStep = 0;
@@ -377,7 +377,7 @@ Status SoftBody::setFracture( const Fracture& fracture, const ToughnessField& to
 	Status status = m_impl->body->setFracture( fracture, toughness );
 	if ( status.ok() && fracture.rule != BreakRule::Never )
 	{
-		m_impl->bodyTemplate->crackComplex(); // now, and not when the first crack opens
+		m_impl->bodyTemplate->crackComplex(); // built now, not when the first crack opens
 	}
 	return status;
 }

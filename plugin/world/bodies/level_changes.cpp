@@ -1,4 +1,4 @@
-// Levels of detail in a world: when nodes are split or merged, everything that names them follows. Only ever at the start of a substep.
+// Levels of detail in a world: nodes are split and merged at the start of a substep, and everything that refers to them is updated.
 
 #include "body/levels/levels.h"
 #include "threads/parallel.h"
@@ -19,8 +19,7 @@ namespace {
 
 using Near = SoftBody::Impl::Near;
 
-/// Where a pin's node has split, each of its children is pinned as it was; where such children have merged, the node they make up is, and
-/// stands as the first of them does.
+/// Transfers pins: all children of a split node are pinned; a merged node takes the pin of the first of its children.
 void movePins( SoftBody::Impl& impl, const LevelChange& change, const std::vector<btVector3>& positionBefore )
 {
 	if ( impl.pins.empty() )
@@ -48,15 +47,15 @@ void movePins( SoftBody::Impl& impl, const LevelChange& change, const std::vecto
 	impl.pins = std::move( moved );
 }
 
-/// And not only for the moment at which what is pressed together turns back.
+/// Returns true if the body has been slow for a while, not just at the turning point of an impact.
 bool isCalm( const SoftBody::Impl& impl )
 {
-	return impl.slowFor >= kAllowanceCalmFor;
+	return impl.slowTime >= kAllowanceCalmFor;
 }
 
-/// Whether a node that is stretched by F holds more than kSplitEnergy of what the body moves with: V E e^2 > kSplitEnergy m v^2, e = | F^T
-/// F - 1 | / 2. Its parts need not hold what it does where it is not bent as a quadratic: of a block that stood on its corner, at rest for
-/// a moment, and split there, they held 13 % more.
+/// Returns true if a node with deformation gradient F stores more than kSplitEnergy of the body's kinetic energy: V E e^2 > kSplitEnergy m
+/// v^2, e = | F^T F - 1 | / 2. The children of a split node may store a different energy where the deformation is not quadratic: 13 % more
+/// in a block split at the turning point of a fall onto its corner.
 bool isLoaded( const SoftBody::Impl& impl, int node, const Eigen::Matrix3f& f )
 {
 	const Body& body = *impl.body;
@@ -70,10 +69,10 @@ bool isLoaded( const SoftBody::Impl& impl, int node, const Eigen::Matrix3f& f )
 void SoftBodySystem::askForContacts( SoftBody::Impl& impl )
 {
 	const Levels& levels = *impl.body->levels();
-	// What steps implicitly meets what it touches in one step: there is no later.
+	// An implicit body's impact takes a single step, so its splits cannot wait.
 	const bool waits = !impl.isImplicit && !isCalm( impl );
 	m_widening.clear();
-	const auto ask = [&]( int node, bool mayWait ) {
+	const auto request = [&]( int node, bool mayWait ) {
 		if ( mayWait && waits && levels.levelOf( node ) > 0 )
 		{
 			m_widening.push_back( std::uint32_t( node ) );
@@ -81,20 +80,21 @@ void SoftBodySystem::askForContacts( SoftBody::Impl& impl )
 		}
 		impl.body->requestSplit( node );
 	};
-	for ( const ContactProxy* stand : impl.touched )
+	for ( const ContactProxy* proxy : impl.touched )
 	{
-		ask( stand->node, true );
+		request( proxy->node, true );
 	}
-	for ( const Near& near : impl.nearby )
+	for ( const Near& near : impl.nearNodes )
 	{
-		near.wish == Near::Wish::Stay ? impl.body->keepNode( near.node ) : ask( near.node, near.wish == Near::Wish::Widen );
+		near.request == Near::Request::Keep ? impl.body->keepNode( near.node )
+											: request( near.node, near.request == Near::Request::SplitLater );
 	}
-	impl.nearby.clear();
+	impl.nearNodes.clear();
 	if ( m_widening.empty() )
 	{
 		return;
 	}
-	// All at once: the whole body's sums are made for it. Each once, by number: what touches is in no order.
+	// All nodes in one call, because it computes sums over the whole body. Sorted, because contacts have no order.
 	std::sort( m_widening.begin(), m_widening.end() );
 	m_widening.erase( std::unique( m_widening.begin(), m_widening.end() ), m_widening.end() );
 	m_stretches.resize( 9 * m_widening.size() );
@@ -133,11 +133,10 @@ void SoftBodySystem::adaptLevels( btScalar h )
 	{
 		return;
 	}
-	// Each body's change touches what is its own; so do its stand-ins.
-	// Many: each in one task. Few: the threads share a body. The bits are the same.
+	// Changes of different bodies are independent. Many bodies: one task each; few: the threads share a body. Results are bit-identical.
 	Stopwatch watch( report.levels );
 	const bool oneTaskEach = int( changing.size() ) >= tasks()->threadCount();
-	std::vector<std::vector<Vec3>> positionsBefore( changing.size() ); // of those that are fast near what stands
+	std::vector<std::vector<Vec3>> positionsBefore( changing.size() ); // of bodies with isGuarded
 	auto change = [&]( int k ) {
 		SoftBody::Impl& impl = changing[std::size_t( k )]->impl();
 		TaskRunner* const within = oneTaskEach ? nullptr : tasks();
@@ -162,23 +161,23 @@ void SoftBodySystem::adaptLevels( btScalar h )
 	}
 }
 
-// What the body strikes just now would be pushed with all that it strikes with, for as far as its new nodes have to come out.
+// During an impact allowances do not decay: pushing the new nodes out would add energy.
 void SoftBodySystem::endCollision( btScalar h )
 {
 	for ( SoftBody* body : m_bodies )
 	{
 		SoftBody::Impl& impl = body->impl();
-		if ( impl.born.isAny() && moves( *body ) && isInPass( *body ) )
+		if ( impl.allowance.isAny() && moves( *body ) && isInPass( *body ) )
 		{
-			impl.born.endPhase( isCalm( impl ) ? kAllowanceOut * double( impl.shape->smallestRadius() ) * double( h ) : 0.0 );
+			impl.allowance.endPhase( isCalm( impl ) ? kAllowanceOut * double( impl.shape->smallestRadius() ) * double( h ) : 0.0 );
 		}
 	}
 }
 
-// Contacts of nodes that are gone are let go of in the next collision phase, which is before anything else looks at them.
+// Contacts of removed nodes are dropped in the next collision phase, before anything else reads them.
 void SoftBody::Impl::changeNodes( SoftBody& owner, const std::function<void()>& change, bool fades )
 {
-	nearby.clear();
+	nearNodes.clear();
 	std::vector<btVector3> positionBefore;
 	for ( const Pin& pin : pins )
 	{
@@ -191,9 +190,9 @@ void SoftBody::Impl::changeNodes( SoftBody& owner, const std::function<void()>& 
 	change();
 	const LevelChange& done = body->levels()->lastChange();
 	movePins( *this, done, positionBefore );
-	shape->followLevels( *body, shapeShift, !fades ); // before links break: adopt() places what is there then
+	shape->followLevels( *body, shapeShift, !fades ); // before links break; adopt() moves the shape afterwards
 	ContactProxyPool::renumber( owner, done.keptAs, body->nodeCount() );
-	born.follow( done.keptAs, body->nodeCount() );
+	allowance.follow( done.keptAs, body->nodeCount() );
 	if ( self )
 	{
 		self->search.renumber( done.keptAs );

@@ -1,4 +1,4 @@
-// How many nodes there are on which level, for the report.
+// Counts the nodes on each level for the report.
 
 #include "body/levels/levels.h"
 #include "world/bodies/soft_body_impl.h"

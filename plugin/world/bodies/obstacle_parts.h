@@ -1,6 +1,6 @@
 #pragma once
 
-// The simple shapes that a shape is made of.
+// Decomposition of a shape into simple shapes.
 
 #include "world/bodies/soft_body_impl.h"
 #include "world/touch/node_touch.h"
@@ -9,7 +9,7 @@
 
 namespace pliant {
 
-/// Calls visit( part ) for the obstacle, or for what it is composed of. Compounds may hold compounds; nobody nests them deep.
+/// Calls visit( part ) for the obstacle or, recursively, for each part of a compound.
 template <class Visit>
 void visitParts( const Obstacle& obstacle, const Visit& visit )
 {

@@ -1,6 +1,6 @@
 #pragma once
 
-// Where a body is put: a rigid transform of Bullet's in the core's terms, and what is refused of one.
+// Placement of a body: converts and validates Bullet's transforms.
 
 #include "body/body.h"
 #include "world/bodies/soft_body_impl.h"
@@ -15,7 +15,7 @@ inline Eigen::Quaterniond rotationOf( const btTransform& t )
 	return Eigen::Quaterniond( q.w(), q.x(), q.y(), q.z() ).normalized();
 }
 
-/// Where the lattice's mass centre goes when its mesh goes through `t`.
+/// Returns the placement of the lattice's centre of mass when its mesh is transformed by `t`.
 inline Placement placementOf( const Lattice& lattice, const btTransform& t )
 {
 	const Eigen::Quaterniond rotation = rotationOf( t );
@@ -27,10 +27,10 @@ inline Status refused( const char* call, const std::string& why )
 	return Status{ ResultCode::BadArgument, std::string( call ) + ": " + why };
 }
 
-/// Ok for a rotation and a translation to a place that Bullet can hold.
+/// Returns ok for a rotation and a translation to a position that Bullet can represent.
 Status checkTransform( const btTransform& transform, const char* call );
 
-/// Ok for three finite numbers.
+/// Returns ok for three finite numbers.
 Status checkVector( const btVector3& vector, const char* call, const char* what );
 
 } // namespace pliant

@@ -1,7 +1,7 @@
 #pragma once
 
-// Memory asked for before its turn. A heap's manifolds and stand-ins are a kilobyte each and lie anywhere: waiting for them was most of
-// what a contact cost.
+// Memory prefetching. Manifolds and contact proxies take a kilobyte each and are scattered in memory; without prefetching, cache misses are
+// most of the cost of a contact.
 
 #include <BulletCollision/BroadphaseCollision/btDispatcher.h>
 #include <BulletCollision/CollisionDispatch/btCollisionObject.h>
@@ -11,49 +11,48 @@
 
 namespace pliant {
 
-/// Bytes that the processor fetches at once.
-inline constexpr std::size_t kFetched = 64;
+/// Bytes of a cache line.
+inline constexpr std::size_t kCacheLine = 64;
 
-/// `size` bytes from `at` on: what is asked for need not be there.
+/// Prefetches `size` bytes from `at` on; the address may be invalid.
 inline void prefetch( const void* at, std::size_t size )
 {
 	const char* const from = static_cast<const char*>( at );
-	for ( std::size_t k = 0; k < size; k += kFetched )
+	for ( std::size_t k = 0; k < size; k += kCacheLine )
 	{
 		__builtin_prefetch( from + k );
 	}
 	__builtin_prefetch( from + size - 1 );
 }
 
-/// A manifold's bodies and counts, which lie behind the room for its points.
+/// Prefetches a manifold's bodies and counts, which follow its array of points.
 inline void prefetchEnd( const btPersistentManifold& manifold )
 {
 	constexpr std::size_t kBefore = 32; // the bodies, the number of points and the thresholds
 	prefetch( reinterpret_cast<const char*>( &manifold.m_companionIdA ) - kBefore, kBefore + sizeof( int ) );
 }
 
-/// The same, and its first point.
+/// Prefetches a manifold's bodies and counts and its first point.
 inline void prefetchManifold( const btPersistentManifold& manifold )
 {
 	prefetchEnd( manifold );
 	prefetch( &manifold, sizeof( btManifoldPoint ) );
 }
 
-/// Who an object is: from its shape, by its flags and island, to its surface. Of a stand-in that is a line.
-inline void askWho( const btCollisionObject& object )
+/// Prefetches the members of an object from its shape to its surface parameters; in a contact proxy they fill one cache line.
+inline void prefetchIdentity( const btCollisionObject& object )
 {
-	constexpr std::size_t kToShape = 32; // from how it slips by direction, the last before it that has an address
-	prefetch( reinterpret_cast<const char*>( &object.getAnisotropicFriction() ) + kToShape, kFetched );
+	constexpr std::size_t kToShape = 32; // from the anisotropic friction, the last accessible member before the shape
+	prefetch( reinterpret_cast<const char*>( &object.getAnisotropicFriction() ) + kToShape, kCacheLine );
 }
 
-/// And how it slips by direction, and of what type it is.
+/// Prefetches the same members, the anisotropic friction and the type.
 inline void prefetchAll( const btCollisionObject& object )
 {
-	prefetch( &object.getAnisotropicFriction(), 2 * kFetched - 2 * sizeof( btScalar ) );
+	prefetch( &object.getAnisotropicFriction(), 2 * kCacheLine - 2 * sizeof( btScalar ) );
 }
 
-/// Written at once: what is written in parts and soon read as a whole is waited for until it, and all that was written before, has reached
-/// memory.
+/// Writes a vector with a single store: a wide load soon after several narrow stores stalls until they have reached memory.
 inline void setWhole( btVector3& to, btScalar x, btScalar y, btScalar z )
 {
 	using Whole = btScalar __attribute__( ( vector_size( 4 * sizeof( btScalar ) ), may_alias, aligned( sizeof( btScalar ) ) ) );
@@ -64,23 +63,23 @@ inline void setWhole( btVector3& to, const btVector3& from )
 	setWhole( to, from.x(), from.y(), from.z() );
 }
 
-/// visit( manifold ) for all that the dispatcher has, in its order. `ask( manifold )`: for what of it is read.
-template <class Ask, class Visit>
-void forEachManifold( btDispatcher& dispatcher, const Ask& ask, Visit&& visit )
+/// Calls visit( manifold ) for all manifolds of the dispatcher in order; fetch( manifold ) prefetches what `visit` reads.
+template <class Fetch, class Visit>
+void forEachManifold( btDispatcher& dispatcher, const Fetch& fetch, Visit&& visit )
 {
-	constexpr int kManifolds = 12, kBodies = 6; // asked for so many turns ahead
+	constexpr int kManifolds = 12, kBodies = 6; // prefetched so many iterations ahead
 	btPersistentManifold** const all = dispatcher.getInternalManifoldPointer();
 	const int count = dispatcher.getNumManifolds();
 	for ( int m = 0; m < count; ++m )
 	{
 		if ( m + kManifolds < count )
 		{
-			ask( *all[m + kManifolds] );
+			fetch( *all[m + kManifolds] );
 		}
 		if ( m + kBodies < count )
 		{
-			askWho( *all[m + kBodies]->getBody0() );
-			askWho( *all[m + kBodies]->getBody1() );
+			prefetchIdentity( *all[m + kBodies]->getBody0() );
+			prefetchIdentity( *all[m + kBodies]->getBody1() );
 		}
 		visit( *all[m] );
 	}

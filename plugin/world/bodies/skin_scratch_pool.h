@@ -1,7 +1,7 @@
 #pragma once
 
-// Room for the skins that are being made: bodies borrow it from their world in turn. Where each had its own it was out of the cache
-// whenever its turn came, at a twentieth of what skins cost, and of three times what is drawn.
+// Scratch for skinning, lent to bodies by their world. One per body would be out of the cache at each use, a twentieth of the cost of
+// skinning, and take three times the memory of the skins.
 
 #include "surface/skin/skinning.h"
 
@@ -14,17 +14,17 @@ namespace pliant {
 class SkinScratchPool
 {
 public:
-	/// Goes back where it came from at its end.
+	/// Returns its scratch to the pool on destruction.
 	class Borrowed
 	{
 	public:
-		/// `from` null: of a body in no world, by itself.
-		explicit Borrowed( SkinScratchPool* from ) : m_from( from ), m_scratch( from ? from->take() : std::make_unique<SkinScratch>() ) {}
+		/// `pool` null: the body is in no world, and the scratch is allocated.
+		explicit Borrowed( SkinScratchPool* pool ) : m_pool( pool ), m_scratch( pool ? pool->take() : std::make_unique<SkinScratch>() ) {}
 		~Borrowed()
 		{
-			if ( m_from )
+			if ( m_pool )
 			{
-				m_from->giveBack( std::move( m_scratch ) );
+				m_pool->giveBack( std::move( m_scratch ) );
 			}
 		}
 		Borrowed( const Borrowed& ) = delete;
@@ -32,18 +32,18 @@ public:
 		SkinScratch& operator*() const { return *m_scratch; }
 
 	private:
-		SkinScratchPool* m_from;
+		SkinScratchPool* m_pool;
 		std::unique_ptr<SkinScratch> m_scratch;
 	};
 
 private:
-	/// The one that was given back last, which is warmest.
+	/// Returns the scratch that was given back last, which is most likely cached.
 	std::unique_ptr<SkinScratch> take()
 	{
 		const std::lock_guard lock( m_lock );
 		if ( m_free.empty() )
 		{
-			m_free.reserve( ++m_made ); // what is given back finds its place there
+			m_free.reserve( ++m_made ); // giveBack() then never allocates
 			return std::make_unique<SkinScratch>();
 		}
 		std::unique_ptr<SkinScratch> scratch = std::move( m_free.back() );
@@ -58,7 +58,7 @@ private:
 
 	std::mutex m_lock;
 	std::size_t m_made = 0;
-	std::vector<std::unique_ptr<SkinScratch>> m_free; ///< as many as threads at a time made skins
+	std::vector<std::unique_ptr<SkinScratch>> m_free; ///< at most one per thread that has made skins at a time
 };
 
 } // namespace pliant

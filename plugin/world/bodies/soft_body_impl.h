@@ -1,6 +1,6 @@
 #pragma once
 
-// What stands behind a SoftBody: the core's body, the collision shape, pins, forces and the skin's buffers.
+// The implementation of SoftBody: the core's body, the collision shape, pins, forces and skin buffers.
 
 #include "body/body.h"
 #include "body/breaking.h"
@@ -37,40 +37,40 @@ struct Pin
 {
 	int node = -1;
 	PinKind kind = PinKind::Still;
-	btRigidBody* body = nullptr;            ///< FollowsBody; in the soft body's world, as long as that is in one
-	int bodyIndex = -1;                     ///< where it was last in the world's list of objects
-	int bodyProxy = -1;                     ///< the number of its broadphase proxy when it was pinned to
+	btRigidBody* body = nullptr;            ///< FollowsBody; in the same world as the soft body, if that is in one
+	int bodyIndex = -1;                     ///< its last known index in the world's list of objects
+	int bodyProxy = -1;                     ///< the id of its broadphase proxy when it was pinned
 	btVector3 point = btVector3( 0, 0, 0 ); ///< FollowsBody: in the body's frame; Driven: target in the world
 	bool hasTarget = false;                 ///< Driven: the target has not been reached yet
 };
 
 struct SkinBuffers
 {
-	/// One is shown, one was shown before that; and of a body that moves as one, one is what was skinned last in full.
+	/// The shown skin, the one shown before it, and for rigidly moving bodies the last fully computed one.
 	static constexpr int kCount = 3;
 	std::vector<float> positions[kCount], normals[kCount];
 	btVector3 origin[kCount] = { btVector3( 0, 0, 0 ), btVector3( 0, 0, 0 ), btVector3( 0, 0, 0 ) };
 	std::vector<float> rotations, gradients, flow;
-	std::vector<float> gradientsScratch; ///< of a change of levels
-	AlignedArray<float> maps;            ///< SkinScratch::nodeMap of what is shown
-	SkinFade fade;                       ///< of bodies with levels
+	std::vector<float> gradientsScratch; ///< for changes of levels
+	AlignedArray<float> maps;            ///< SkinScratch::nodeMap of the shown skin
+	SkinFade fade;                       ///< for bodies with levels
 	RigidSkin rigid;
 	double tolerance = kSurfaceTolerance; ///< in cells
 	int current = 0;
-	int full = 0; ///< skinned last in full
+	int full = 0; ///< index of the last fully computed skin
 	unsigned frame = 0;
-	unsigned askedIn = 0; ///< the world's step after which the surface was last asked for; 0: never
+	unsigned askedIn = 0; ///< the world's step after which the surface was last requested; 0: never
 	bool isStale = true;
-	bool areTurnsKnown = false; ///< rotations and flow are those of the nodes as they are
-	bool isPoseKnown = false;   ///< gradients too
-	bool isMapKnown = false;    ///< and `maps`
+	bool areTurnsKnown = false; ///< rotations and flow are up to date
+	bool isPoseKnown = false;   ///< gradients are up to date too
+	bool isMapKnown = false;    ///< `maps` are up to date too
 
 	void nodesMoved()
 	{
 		isStale = true;
 		areTurnsKnown = isPoseKnown = isMapKnown = false;
 	}
-	/// What is kept for bodies that move as one is another's: nodes have other numbers, or what is drawn is another surface.
+	/// Discards the data kept for rigidly moving bodies: nodes were renumbered, or the drawn surface has changed.
 	void nodesChanged()
 	{
 		nodesMoved();
@@ -78,32 +78,32 @@ struct SkinBuffers
 	}
 };
 
-/// Another body that this one came apart from: as deep as their spheres overlapped then they may go on doing, and no deeper.
-struct FreshPair
+/// Another body that this one broke off from. Their spheres may overlap as deep as they did at that time, and no deeper.
+struct SeparatedPair
 {
-	unsigned other; ///< its serial
-	double slack;   ///< m, only ever smaller; infinity until it has been measured
+	unsigned other; ///< serial of the other body
+	double slack;   ///< allowed overlap, m; only decreases; infinity until measured
 
-	friend bool operator<( const FreshPair& a, const FreshPair& b ) { return a.other < b.other; }
+	friend bool operator<( const SeparatedPair& a, const SeparatedPair& b ) { return a.other < b.other; }
 };
 
-/// Where the nodes were when the body was last seen to move from there (activation.cpp).
-struct RestPosition
+/// The node positions that the body's motion is measured from before it sleeps (activation.cpp).
+struct RestPositions
 {
-	std::vector<Vec3> place; ///< relative to `origin`, m; empty: nowhere
+	std::vector<Vec3> positions; ///< relative to `origin`, m; empty: none
 	Vec3d origin = Vec3d::Zero();
-	unsigned numbering = 0; ///< SoftBody::Impl::numbering of them
+	unsigned numbering = 0; ///< SoftBody::Impl::numbering of the positions
 };
 
-/// SmallPieces::Fade. A piece that has faded has left the world once; it may be added again by who owns it.
+/// State of SmallPieces::Fade. A faded piece is removed from the world once; its owner may add it again.
 struct Fading
 {
-	float time = 0.0f; ///< s, of the whole; 0: it does not fade
-	double left = 0.0; ///< s
+	float time = 0.0f; ///< duration of the fade, s; 0: the body does not fade
+	double left = 0.0; ///< remaining time, s
 	bool isOver = false;
 };
 
-/// SoftBody::setSelfCollision.
+/// State of SoftBody::setSelfCollision.
 struct SelfCollision
 {
 	SelfSearch search;
@@ -115,72 +115,72 @@ struct SoftBody::Impl
 	std::shared_ptr<const BodyTemplate> bodyTemplate;
 	std::unique_ptr<Body> body;
 	std::unique_ptr<NodeShape> shape;
-	/// The object's transform stands at the mass centre, rounded to Bullet's precision; the shape's spheres are relative to it. This is
-	/// where that is in the nodes' own coordinates.
+	/// Origin of the object's transform in the nodes' coordinates: the centre of mass, rounded to Bullet's precision. The shape's spheres
+	/// are relative to it.
 	Vec3 shapeShift = Vec3::Zero();
 	double mass = 0.0;                ///< kg, of all nodes
 	double meanSquareSpeed = 0.0;     ///< m^2/s^2, weighted by mass, after the last substep
-	double slowFor = 0.0;             ///< s, that it has been slower than kAllowanceCalm
-	bool isBroken = false;            ///< the last substep met a number that is not finite
+	double slowTime = 0.0;            ///< time since it was last faster than kAllowanceCalm, s
+	bool isBroken = false;            ///< the last substep produced a number that is not finite
 	SoftBodySystem* system = nullptr; ///< of the world the body is in
 
 	StiffnessPlan plan;
-	ElasticityState elasticity;     ///< of Elasticity::Automatic
-	bool isImplicit = false;        ///< in this substep
-	double lastSubstep = 0.0;       ///< s; 0: there was none
-	int block = -1, blockPart = -1; ///< in this substep's implicit solution; -1: in none
-	int frictionTorque = -1;        ///< its place among FrictionTorqueCorrection's turns; -1: none
-	bool isGuarded = false;         ///< it was fast, and is near what it must not pass: it is held back though it is slow now
+	ElasticityState elasticity;     ///< for Elasticity::Automatic
+	bool isImplicit = false;        ///< takes the implicit step in this substep
+	double lastSubstep = 0.0;       ///< length of the last substep, s; 0: none yet
+	int block = -1, blockPart = -1; ///< indices in this substep's implicit solution; -1: none
+	int frictionTorque = -1;        ///< its index in FrictionTorqueCorrection; -1: none
+	bool isGuarded = false;         ///< it was fast and is near an obstacle: the tunneling guard still applies though it is slow now
 	bool isHealthy = true;
-	int stateBefore = ACTIVE_TAG; ///< of activation, before quarantine took the body out of the simulation
+	int stateBefore = ACTIVE_TAG; ///< activation state before quarantine
 	bool hasOwnGravity = false;
 	btVector3 gravity = btVector3( 0, 0, 0 );
 	btVector3 centralForce = btVector3( 0, 0, 0 );
 	bool hasNodeForces = false;
 
-	std::vector<Vec3d> heldBefore; ///< nodes of a static or kinematic body at the last game step, world, m; empty of others
+	std::vector<Vec3d> heldBefore; ///< node positions of a static or kinematic body at the last game step, world, m
 
-	unsigned serial = 0;       ///< in the world it is in, never used twice
-	bool isWorldOwned = false; ///< a fragment that nobody has released
+	unsigned serial = 0;       ///< unique in its world, never reused
+	bool isWorldOwned = false; ///< a fragment that has not been released
 	unsigned fractureVersion = 0;
-	std::shared_ptr<int> family;          ///< bodies made of the one body it all came from; null: it never came apart
-	mutable std::vector<FreshPair> fresh; ///< ascending
-	mutable PenetrationAllowance born;    ///< noted while contacts are found
+	std::shared_ptr<int> family;                       ///< number of bodies from the same original body; null: it never broke
+	mutable std::vector<SeparatedPair> separatedPairs; ///< ascending by serial
+	mutable PenetrationAllowance allowance;            ///< updated by collision detection
 	Fading fading;
-	std::unique_ptr<NodeShape> shapeBefore;        ///< stand-ins of nodes that came off point to its spheres until the next collision phase
-	std::shared_ptr<SharedCrackState> crackFamily; ///< null: nobody had looked when it broke, or links were healed
-	std::vector<CutTrace> newCuts;                 ///< their links are to break
-	std::shared_ptr<std::vector<CutTrace>> cuts;   ///< of the family, as the template's cells; null: nobody has cut it
+	std::unique_ptr<NodeShape> previousShape;      ///< contact proxies of lost nodes point to its spheres until the next collision phase
+	std::shared_ptr<SharedCrackState> crackFamily; ///< null: it was not drawn when it broke, or links were healed
+	std::vector<CutTrace> newCuts;                 ///< cuts whose links are to break
+	std::shared_ptr<std::vector<CutTrace>> cuts;   ///< cuts of the family in the template's cells; null: none
 	mutable std::unique_ptr<CrackView> crackView;  ///< null: the template's mesh is drawn as it is
-	bool wasLookedAt = false;                      ///< what it came off
-	mutable unsigned crackVersion = 0;             ///< fractureVersion that the view shows
-	mutable unsigned crackVersionBefore = 0;       ///< and that its change is from
+	bool wasDrawn = false;                         ///< the body it broke off from was drawn
+	mutable unsigned crackVersion = 0;             ///< fractureVersion shown by crackView
+	mutable unsigned crackVersionBefore = 0;       ///< fractureVersion that the view's last change started from
 
-	std::unique_ptr<SelfCollision> self; ///< null: its nodes do not meet each other
-	std::vector<Pin> pins;               ///< ascending by node
-	std::vector<ContactProxy*> nodeBody; ///< by node; null while untouched
-	mutable int parting = 0; ///< above 0: it goes apart from what it was put into (parting.h), whose nearest faces may hold it back
-	unsigned placed = 0;     ///< one more whenever it is put somewhere
-	unsigned numbering = 0;  ///< one more whenever nodes get other numbers
-	/// Nodes (with Adaptivity::refinesOnContact) that something has come near in this substep.
+	std::unique_ptr<SelfCollision> self;    ///< null: no self-collision
+	std::vector<Pin> pins;                  ///< ascending by node
+	std::vector<ContactProxy*> proxyOfNode; ///< by node; null without contacts
+	mutable int partingPhases = 0;          ///< above 0: it is being separated (parting.h), without tunneling guard
+	unsigned placements = 0;                ///< count of placements
+	unsigned numbering = 0;                 ///< count of renumberings of nodes
+	/// A node (with Adaptivity::refinesOnContact) near another object in this substep, and what is requested for it.
 	struct Near
 	{
-		enum class Wish : unsigned char
+		enum class Request : unsigned char
 		{
-			Stay,  ///< as it is, not to be merged
-			Split, ///< for what is smaller might slip between big spheres
-			Widen  ///< into its parts, for a corner of its cube may touch: it can wait
+			Keep,      ///< do not merge
+			Split,     ///< the other object is small enough to slip between big spheres
+			SplitLater ///< a corner of its cube may touch; may wait until the body is calm
 		};
 		int node;
-		Wish wish;
+		Request request;
 	};
-	mutable std::vector<Near> nearby;
-	std::vector<ContactProxy*> touched;    ///< those that are not null
-	NodeSurface surface;                   ///< of stand-ins
-	mutable ContactSurface contactSurface; ///< ask surfaceNow()
-	mutable std::vector<float> nodeAxes;   ///< rotations at the nodes (Body::nodeRotations), of bodies with friction by direction only
+	mutable std::vector<Near> nearNodes;
+	std::vector<ContactProxy*> touched;    ///< the proxies in proxyOfNode that are not null
+	NodeSurface surface;                   ///< surface parameters of the contact proxies
+	mutable ContactSurface contactSurface; ///< read through surfaceNow()
+	mutable std::vector<float> nodeAxes;   ///< rotations at the nodes (Body::nodeRotations), only with anisotropic friction
 	mutable SkinBuffers skin;
-	RestPosition rest;
+	RestPositions rest;
 
 	btVector3 worldOrigin() const
 	{
@@ -198,66 +198,65 @@ struct SoftBody::Impl
 		const Vec3Array& v = body->nodes().v;
 		return btVector3( v.x[node], v.y[node], v.z[node] );
 	}
-	/// Of the lattice as it is now.
+	/// Returns the contact surface of the current lattice.
 	const ContactSurface& surfaceNow() const
 	{
 		contactSurface.follow( *body, numbering + fractureVersion );
 		return contactSurface;
 	}
-	/// What touches it meets patches of its drawn surface: of a body that steps implicitly. Bullet's solver, which serves explicit ones,
-	/// knows bodies, not nodes that share a contact.
+	/// Returns true if contacts use patches of the drawn surface. Only implicit bodies do: Bullet's solver, which solves explicit ones, has
+	/// no contacts that are shared by several nodes.
 	bool isMetAsDrawn() const { return isImplicit && !body->lattice().patch.empty() && surfaceNow().hasPatches(); }
 	bool hasNode( int node ) const { return node >= 0 && node < body->nodeCount(); }
-	/// What rests on the body or holds it up wakes: the body is about to move in a way that contacts do not see coming.
+	/// Wakes the bodies in contact with this one before it moves in a way that contacts do not predict.
 	void wakeTouching( const SoftBody& owner ) const;
-	double farthestDrive() const; ///< from where a node is, m
+	double farthestDrive() const; ///< greatest distance that a node is driven from its position, m
 	Pin* findPin( int node );
-	/// The object's transform and the spheres go where the nodes are, and how fast those are is noted; what Bullet is asked of them is to
-	/// be freshened.
+	/// Moves the object's transform and the spheres to the nodes and records their speeds; the bounds in Bullet must then be updated.
 	void placeSpheres( btCollisionObject& object, const MotionSums& motion, TaskRunner* runner = nullptr );
 	void placeShape( btCollisionObject& object );
-	/// How the nodes carry the skin now. Valid until the next call.
+	/// Returns the node transforms that the skin follows. Valid until the next call.
 	SkinPose skinPose() const;
-	/// Before a change of levels: how the surface is carried, if anybody looks at it. After: what the change moved it by.
+	/// Call before and after a change of levels: saves the surface if it is drawn, then starts to fade out its jump.
 	void keepSurface();
 	void fadeFromKeptSurface();
-	/// Makes a change of levels and has all that names the body's nodes follow it: pins, spheres, stand-ins, skin. `fades`: what the
-	/// surface jumps by is faded out.
+	/// Performs a change of levels and updates everything that refers to nodes: pins, spheres, contact proxies, skin. `fades`: the jump of
+	/// the surface is faded out.
 	void changeNodes( SoftBody& owner, const std::function<void()>& change, bool fades = true );
 	const SkinBinding& binding() const;
-	const CrackView* shownCracks() const; ///< null: the template's mesh is shown
+	const CrackView* shownCracks() const; ///< null: the template's mesh is drawn
 	SkinTriangles shownTriangles() const;
-	/// The skin of the nodes as they are, into a buffer that nobody reads.
+	/// Computes the current skin into a buffer that is not in use.
 	void drawSkin( TaskRunner* runner ) const;
-	bool turnSkin( TaskRunner* runner ) const; ///< the same where they have moved as one. False: they have not
+	bool turnSkin( TaskRunner* runner ) const; ///< the same for nodes that have moved rigidly; returns false if they have not
 	void skinInFull( TaskRunner* runner ) const;
 	bool hasNewCracks() const;
 	void showOwnCracks() const;
 	void drawCracks( TaskRunner* runner = nullptr ) const;
 	void drawKin() const;
-	bool isLookedAt() const { return wasLookedAt || skin.frame > 0; }
-	/// Links broke that the body's lattice had so far. Before it takes the shape of what is left of it.
+	bool isDrawn() const { return wasDrawn || skin.frame > 0; }
+	/// Adds the new cuts to those of the family. Call before adopt().
 	void noteCuts();
 	void makeSharedCrackState();
 	void noteCracks( const BreakReport& report );
 
-	/// What is left of the body, and its spheres: those there were, or `shape`.
+	/// The remainder of a broken body, and its spheres: the present ones or `shape`.
 	struct Remains
 	{
-		std::vector<std::uint32_t> nodeNow; ///< by node before: its number; kNoNode for those of other pieces
+		std::vector<std::uint32_t> nodeNow; ///< by old node index: the new index; kNoNode for nodes of other pieces
 		bool keepsShape = false;
-		std::unique_ptr<NodeShape> shape; ///< null where that is kept
+		std::unique_ptr<NodeShape> shape; ///< null if the present shape is kept
 	};
-	/// Safe to use on several bodies at once, and beside makeFragment.
+	/// Thread-safe for different bodies and concurrently with makeFragment.
 	Remains remainsOf( const BodyPiece& piece );
-	/// The body takes the shape of what is left of it.
+	/// Turns the body into its remainder.
 	void adopt( SoftBody& owner, BodyPiece& piece, Remains remains );
 	static std::unique_ptr<SoftBody> makeFragment( const SoftBody& parent, BodyPiece& piece );
-	/// Everything a body needs once its core is there.
+	/// Completes a body whose core exists.
 	void finish( SoftBody& owner );
 };
 
-/// A node's place and velocity as the core keeps them.
+/// Converts to the core's single precision.
 inline Vec3 toVec3( const btVector3& a )
 {
 	return { float( a.x() ), float( a.y() ), float( a.z() ) };
@@ -292,10 +291,10 @@ inline bool isFinite( const btTransform& t )
 	return isFinite( t.getOrigin() ) && isFinite( t.getBasis()[0] ) && isFinite( t.getBasis()[1] ) && isFinite( t.getBasis()[2] );
 }
 
-/// Marks objects as ours without touching the user's pointers.
+/// Marks soft bodies without using the user's pointers.
 extern const char kSoftBodyMark;
 
-/// The object as the soft body it is, or null. Node stand-ins do not count here; SoftBody::upcast takes them too.
+/// Returns the object as a soft body, or null. Contact proxies yield null; SoftBody::upcast accepts them.
 SoftBody* asSoftBody( btCollisionObject* object );
 
 } // namespace pliant

@@ -1,4 +1,4 @@
-// In a build without fracture: what breaks or cuts is refused, and bodies stay whole.
+// Stubs for builds without fracture: breaking and cutting are refused.
 
 #include "lattice/features.h"
 #include "world/bodies/soft_body_impl.h"

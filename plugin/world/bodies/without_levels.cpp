@@ -1,4 +1,4 @@
-// In a build without levels of detail: every node is a finest cell.
+// Stubs for builds without levels of detail: every node is a finest cell.
 
 #include "world/bodies/soft_body_impl.h"
 #include "world/step/soft_body_system.h"

@@ -118,7 +118,7 @@ void PairContacts::process( const btCollisionObjectWrapper& body0, const btColli
 		m_scratch.last->m_nextPair = this;
 	}
 	m_scratch.last = this;
-	prefetch( m_contacts.data(), kFetched );
+	prefetch( m_contacts.data(), kCacheLine );
 	if ( !followNodes( soft0, soft1 ) )
 	{
 		return;

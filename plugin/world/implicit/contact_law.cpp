@@ -1,14 +1,14 @@
-// Contacts of an implicit block: how hard they press and rub at given speeds, linearised.
+// The contact law of an implicit block, linearised at given velocities.
 //
 //   jn = max( 0, ln + k ( b - u.n ) ),   ln the impulse of the last substep
 //   jt = s ( lt - ks ut ),   s = min( 1, mu jn / | lt - ks ut | ),   ks = min( k, mu jn / u_eps )
 //
-// Both are what an augmented Lagrangian with one step a substep makes of Signorini's and Coulomb's laws (Alart and Curnier 1991): a contact
-// that keeps pressing ends with u.n = b and, held, with ut = 0, however soft k is. The derivative of jt is replaced by its secant, - s ks,
-// which can only dissipate; Newton's own turned small slips round in this place and threw stacks.
+// Both follow from an augmented Lagrangian of Signorini's and Coulomb's laws with one multiplier update per substep (Alart and Curnier
+// 1991): a contact that stays active converges to u.n = b and, while it sticks, to ut = 0, however soft k is. The derivative of jt is
+// replaced by its secant, - s ks, which can only dissipate; Newton's derivative reverses small slips and makes stacks fly apart.
 //
-// Friction by direction (btCollisionObject::setAnisotropicFriction): the same law finds t, of length mu jn at most, and jt = S t, S the
-// things' scales in their own axes, without the normal. So a slide along t is braked by mu jn S t, as Bullet's solver does.
+// Anisotropic friction (btCollisionObject::setAnisotropicFriction): the same law yields t, of length mu jn at most, and jt = S t. S holds
+// the objects' scales in their own axes, without the normal. Sliding along t is resisted by mu jn S t, as in Bullet's solver.
 
 #include "world/constants.h"
 #include "world/implicit/implicit_block.h"
@@ -25,15 +25,15 @@ namespace {
 struct Law
 {
 	double tangentStiffness;
-	Vec3d held;
+	Vec3d scaledMultiplier;
 };
 
 double pressAt( const BlockContact& contact, const Vec3d& u )
 {
-	return contact.pushed + contact.stiffness * ( contact.target - contact.normal.dot( u ) );
+	return contact.normalMultiplier + contact.stiffness * ( contact.target - contact.normal.dot( u ) );
 }
 
-Vec3d speedAmong( const BlockContact& contact, const ContactSide& side, const Vec3Array& v )
+Vec3d velocityOfNodes( const BlockContact& contact, const ContactSide& side, const Vec3Array& v )
 {
 	return side.shared.velocity( contact.normal, [&]( int node ) { return Vec3d( v.get( node ).cast<double>() ); } );
 }
@@ -47,83 +47,83 @@ Law lawAt( const BlockContact& contact, const Vec3d& u, double press )
 	}
 	const double limit = contact.friction * press;
 	const double stick = std::min( contact.stiffness, limit / kSlipSpeed );
-	const Vec3d trial = contact.heldBefore - stick * ( u - along * contact.normal );
+	const Vec3d trial = contact.tangentMultiplier - stick * ( u - along * contact.normal );
 	const double size = trial.norm();
 	const double fraction = size > limit ? limit / size : 1.0;
-	return Law{ fraction * stick, fraction * contact.heldBefore };
+	return Law{ fraction * stick, fraction * contact.tangentMultiplier };
 }
 
 } // namespace
 
-Vec3d ImplicitBlock::freeSpeed( const BlockContact& contact ) const
+Vec3d ImplicitBlock::freeVelocity( const BlockContact& contact ) const
 {
-	Vec3d speed[2];
+	Vec3d velocity[2];
 	for ( int k = 0; k < 2; ++k )
 	{
 		const ContactSide& side = contact.side[k];
-		speed[k] = side.given;
+		velocity[k] = side.prescribedVelocity;
 		if ( side.soft >= 0 )
 		{
-			speed[k] += speedAmong( contact, side, soft[std::size_t( side.soft )].motion->nodes().v );
+			velocity[k] += velocityOfNodes( contact, side, soft[std::size_t( side.soft )].motion->nodes().v );
 		}
 		else if ( side.rigid >= 0 )
 		{
-			const Vector6& free = rigid[std::size_t( side.rigid )].free;
-			speed[k] += free.head<3>() + free.tail<3>().cross( side.arm );
+			const Vector6& free = rigid[std::size_t( side.rigid )].freeVelocity;
+			velocity[k] += free.head<3>() + free.tail<3>().cross( side.arm );
 		}
 	}
-	return speed[0] - speed[1];
+	return velocity[0] - velocity[1];
 }
 
-const Vec3d& ImplicitBlock::turnOf( const ContactSide& side )
+const Vec3d& ImplicitBlock::angularVelocityOf( const ContactSide& side )
 {
 	SoftPart& part = soft[std::size_t( side.soft )];
-	if ( part.turn.empty() )
+	if ( part.angularVelocity.empty() )
 	{
 		for ( int k = 0; k < part.motion->parts().count(); ++k )
 		{
-			part.turn.push_back( part.motion->hasShape( k )
+			part.angularVelocity.push_back( part.motion->hasShape( k )
 					? Vec3d( ( part.motion->rigidMass( k ).inverse() * part.motion->momentum( k ) ).tail<3>() )
 					: Vec3d( Vec3d::Zero() ) );
 		}
 	}
-	return part.turn[std::size_t( part.motion->parts().partOf( side.node ) )];
+	return part.angularVelocity[std::size_t( part.motion->parts().partOf( side.node ) )];
 }
 
 Vec3d ImplicitBlock::velocityBefore( const BlockContact& contact ) const
 {
-	Vec3d speed[2];
+	Vec3d velocity[2];
 	for ( int k = 0; k < 2; ++k )
 	{
 		const ContactSide& side = contact.side[k];
-		speed[k] = side.given;
+		velocity[k] = side.prescribedVelocity;
 		if ( side.soft >= 0 )
 		{
-			speed[k] += speedAmong( contact, side, *soft[std::size_t( side.soft )].before );
+			velocity[k] += velocityOfNodes( contact, side, *soft[std::size_t( side.soft )].velocityBefore );
 		}
 		else if ( side.rigid >= 0 )
 		{
-			const Vector6& before = rigid[std::size_t( side.rigid )].before;
-			speed[k] += before.head<3>() + before.tail<3>().cross( side.arm );
+			const Vector6& before = rigid[std::size_t( side.rigid )].velocityBefore;
+			velocity[k] += before.head<3>() + before.tail<3>().cross( side.arm );
 		}
 	}
-	return speed[0] - speed[1];
+	return velocity[0] - velocity[1];
 }
 
 // The impulse t of the last substep that has become S t: what S does not let through was none.
-Vec3d ImplicitBlock::undirected( const BlockContact& contact ) const
+Vec3d ImplicitBlock::unscaledTangentImpulse( const BlockContact& contact ) const
 {
-	if ( contact.directed < 0 )
+	if ( contact.frictionScale < 0 )
 	{
 		return contact.tangentImpulse;
 	}
-	const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes( directions[std::size_t( contact.directed )] );
+	const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes( frictionScales[std::size_t( contact.frictionScale )] );
 	const double floor = kLeastDirection * std::max( 1.0, axes.eigenvalues()[2] );
 	const Vec3d inverse = ( axes.eigenvalues().array() > floor ).select( axes.eigenvalues().array().max( floor ).inverse(), 0.0 );
 	return axes.eigenvectors() * ( inverse.asDiagonal() * ( axes.eigenvectors().transpose() * contact.tangentImpulse ) );
 }
 
-// k is as much more than the nodes' own resistance as keeps the error of a first touch small and the system easy to solve.
+// k is a multiple of the nodes' own resistance: large enough for a small error at first contact, and small enough for good conditioning.
 void ImplicitBlock::chooseStiffness()
 {
 	for ( BlockContact& contact : contacts )
@@ -133,112 +133,113 @@ void ImplicitBlock::chooseStiffness()
 		{
 			least = side.soft < 0 ? least : std::min( least, double( soft[std::size_t( side.soft )].motion->diagonal( side.node ) ) );
 		}
-		// A marble on a stiff body is a thousandth of what its nodes resist with; what is left of that when the iteration ends would be all
-		// its weight.
+		// A marble has a thousandth of the resistance of a stiff body's nodes. With k from the nodes the iteration's final error would be
+		// as large as the marble's weight.
 		const bool hasNode = contact.side[0].soft >= 0 || contact.side[1].soft >= 0;
 		for ( const ContactSide& side : contact.side )
 		{
 			least = ( hasNode && !contact.isDrawn ) || side.rigid < 0 ? least : std::min( least, rigid[std::size_t( side.rigid )].mass );
 		}
 		contact.stiffness = kContactStiffness * least;
-		contact.pushed = contact.normalImpulse;
-		contact.heldBefore = undirected( contact );
+		contact.normalMultiplier = contact.normalImpulse;
+		contact.tangentMultiplier = unscaledTangentImpulse( contact );
 	}
 }
 
-// At the start speeds are the last substep's, and k times what they are off by says little: what has pressed presses on as hard.
+// In the first pass the velocities are the last substep's, for which the law's impulses mean little: contacts keep their last impulses.
 //
-// Friction's limits are mu times what contacts were last solved to press with, not what the law makes of the speeds there are: k is ten
-// times what nodes resist with, and where a contact is new, or a way is not gone to its end, that is ten times too much and more, which
-// stopped what is light. So what is new does not rub in the first pass, and of a wild pass nothing is taken for what has pressed before;
-// not for long, for limits that were too high can be what keeps it wild.
+// Friction limits are mu times the last solved normal impulse, not the law's impulse at the current velocities: k is ten times the nodes'
+// resistance, so after a partial step or for a new contact the law's impulse is ten times too large or more and would stop light objects.
+// New contacts therefore have no friction in the first pass, and contacts that were active keep their limits after an unphysical pass, up
+// to kMostFairPasses: limits that are too high can themselves keep passes unphysical.
 void ImplicitBlock::linearise( const float* v, int passes )
 {
-	const bool isFirst = passes == 0, keeps = !isFirst && passes < kMostFairPasses && isWild();
+	const bool isFirst = passes == 0, keeps = !isFirst && passes < kMostFairPasses && isUnphysical();
 	for ( BlockContact& contact : contacts )
 	{
-		const bool hasPressed = contact.pushed > 0.0;
-		if ( !( keeps && hasPressed ) )
+		const bool wasActive = contact.normalMultiplier > 0.0;
+		if ( !( keeps && wasActive ) )
 		{
-			contact.limited = std::max( 0.0, isFirst ? contact.pushed : contact.normalImpulse );
+			contact.frictionLoad = std::max( 0.0, isFirst ? contact.normalMultiplier : contact.normalImpulse );
 		}
-		const Vec3d u = relativeSpeed( contact, v );
-		const Law law = lawAt( contact, u, contact.limited );
-		contact.presses = ( isFirst && hasPressed ) || pressAt( contact, u ) > 0.0;
+		const Vec3d u = relativeVelocity( contact, v );
+		const Law law = lawAt( contact, u, contact.frictionLoad );
+		contact.isActive = ( isFirst && wasActive ) || pressAt( contact, u ) > 0.0;
 		contact.tangentStiffness = law.tangentStiffness;
-		contact.held = law.held;
+		contact.scaledMultiplier = law.scaledMultiplier;
 	}
-	listPressing();
+	listActive();
 }
 
 ImplicitBlock::Match ImplicitBlock::matchAt( const float* v )
 {
-	double pressError = 0.0, pressed = 0.0, rubError = 0.0, rubbed = 0.0;
+	double normalError = 0.0, totalNormal = 0.0, tangentError = 0.0, totalLimit = 0.0;
 	m_partErrors.assign( soft.size() + rigid.size(), PartError{} );
 	for ( const BlockContact& contact : contacts )
 	{
-		const Vec3d u = relativeSpeed( contact, v );
+		const Vec3d u = relativeVelocity( contact, v );
 		const double along = contact.normal.dot( u );
 		const double press = std::max( 0.0, pressAt( contact, u ) ), limit = contact.friction * press;
 		const Law law = lawAt( contact, u, press );
-		const Vec3d error = directed( contact, law.held - law.tangentStiffness * ( u - along * contact.normal ) ) - contact.tangentImpulse;
-		pressError += std::abs( press - contact.normalImpulse );
-		rubError += error.norm();
-		pressed += press;
-		rubbed += limit;
+		const Vec3d error = applyFrictionScale( contact, law.scaledMultiplier - law.tangentStiffness * ( u - along * contact.normal ) ) -
+			contact.tangentImpulse;
+		normalError += std::abs( press - contact.normalImpulse );
+		tangentError += error.norm();
+		totalNormal += press;
+		totalLimit += limit;
 		for ( int k = 0; k < 2; ++k )
 		{
 			const ContactSide& side = contact.side[k];
 			if ( const int part = side.soft >= 0 ? side.soft : side.rigid >= 0 ? int( soft.size() ) + side.rigid : -1; part >= 0 )
 			{
-				m_partErrors[std::size_t( part )].rub += k == 0 ? error : Vec3d( -error );
+				m_partErrors[std::size_t( part )].tangent += k == 0 ? error : Vec3d( -error );
 				m_partErrors[std::size_t( part )].limit += limit;
 			}
 		}
 	}
-	const auto isFair = []( const PartError& part ) { return part.rub.norm() <= kPartError * part.limit; };
-	return Match{ pressError <= kImpulseError * pressed && rubError <= kImpulseError * rubbed,
-		std::all_of( m_partErrors.begin(), m_partErrors.end(), isFair ) };
+	const auto isClose = []( const PartError& part ) { return part.tangent.norm() <= kPartError * part.limit; };
+	return Match{ normalError <= kImpulseError * totalNormal && tangentError <= kImpulseError * totalLimit,
+		std::all_of( m_partErrors.begin(), m_partErrors.end(), isClose ) };
 }
 
-// A pull of what still approaches brings energy in, and so does rubbing that holds what bounces against others. A little too much or too
-// little rubbing, which is what most last passes end with, does not.
-bool ImplicitBlock::isWild() const
+// Contacts that pull while they approach add energy, and so does excessive friction on bouncing objects. A small error in friction, with
+// which most last passes end, does not.
+bool ImplicitBlock::isUnphysical() const
 {
-	double pull = 0.0, press = 0.0, rub = 0.0, limit = 0.0;
+	double pull = 0.0, press = 0.0, tangent = 0.0, limit = 0.0;
 	for ( const BlockContact& contact : contacts )
 	{
 		( contact.normalImpulse < 0.0 ? pull : press ) += std::abs( contact.normalImpulse );
-		rub += contact.tangentImpulse.norm();
+		tangent += contact.tangentImpulse.norm();
 		limit += contact.friction * std::max( 0.0, contact.normalImpulse );
 	}
-	return pull > kImpulseError * press || rub > kLargestFrictionTorque * limit;
+	return pull > kImpulseError * press || tangent > kLargestFrictionTorque * limit;
 }
 
-// With the law as it was linearised, not as it would be now: impulses that no solved system has carried would bring energy in.
+// Uses the linearised law, not the law at v: impulses that belong to no solved system would add energy.
 void ImplicitBlock::readImpulses( const float* v )
 {
 	for ( BlockContact& contact : contacts )
 	{
-		const Vec3d u = relativeSpeed( contact, v );
+		const Vec3d u = relativeVelocity( contact, v );
 		const double along = contact.normal.dot( u );
-		contact.normalImpulse = contact.presses ? contact.pushed + contact.stiffness * ( contact.target - along ) : 0.0;
-		const Vec3d rub = contact.held - contact.tangentStiffness * ( u - along * contact.normal );
-		contact.tangentImpulse = contact.presses ? directed( contact, rub ) : Vec3d( Vec3d::Zero() );
+		contact.normalImpulse = contact.isActive ? contact.normalMultiplier + contact.stiffness * ( contact.target - along ) : 0.0;
+		const Vec3d tangent = contact.scaledMultiplier - contact.tangentStiffness * ( u - along * contact.normal );
+		contact.tangentImpulse = contact.isActive ? applyFrictionScale( contact, tangent ) : Vec3d( Vec3d::Zero() );
 	}
 }
 
-// The energy that is minimised, with friction's secants as they are, is convex and quadratic in pieces: the lowest point on the way, as a
-// share of it.
-//   slope( t ) = d.( M v - b ) + t d.M d - sum over contacts of ( jn n + jt ).u( d )
+// With fixed friction secants the minimised energy is convex and piecewise quadratic. Returns the fraction t of the step d with the lowest
+// energy, where slope( t ) = d.( M v - b ) + t d.M d - sum over contacts of ( jn n + jt ).u( d ) is zero.
 double ImplicitBlock::lowestFraction( double slope, double curvature ) const
 {
 	const auto slopeAt = [&]( double t ) {
 		double sum = slope + t * curvature;
-		for ( const Way& way : m_ways )
+		for ( const LineContact& line : m_lineContacts )
 		{
-			const double press = std::max( 0.0, way.pushed + way.stiffness * ( way.target - way.start - t * way.way ) );
-			sum -= press * way.way + ( way.slideStart + t * way.slide );
+			const double press = std::max(
+				0.0, line.normalMultiplier + line.stiffness * ( line.target - line.normalStart - t * line.normalChange ) );
+			sum -= press * line.normalChange + ( line.slideStart + t * line.slideChange );
 		}
 		return sum;
 	};
@@ -257,24 +258,24 @@ double ImplicitBlock::lowestFraction( double slope, double curvature ) const
 
 double ImplicitBlock::stepTowards()
 {
-	AlignedArray<float>&d = m_scratch, &change = m_rightSide; // of v, and of M v
+	AlignedArray<float>&d = m_scratch, &change = m_rightSide; // step in v, and in M v
 	for ( int k = 0; k < m_size; ++k )
 	{
 		d[k] = m_next[k] - m_v[k];
 		change[k] = m_free[k] - m_freeNext[k];
 	}
-	m_ways.clear();
+	m_lineContacts.clear();
 	for ( const BlockContact& contact : contacts )
 	{
-		const Vec3d u = relativeSpeed( contact, m_v.data() ),
-					way = speedOf( contact.side[0], contact.normal, d.data() ) - speedOf( contact.side[1], contact.normal, d.data() );
-		const double un = contact.normal.dot( u ), dn = contact.normal.dot( way );
-		const Vec3d ut = u - un * contact.normal, dt = way - dn * contact.normal, felt = directed( contact, dt );
-		const double slideStart = contact.held.dot( felt ) - contact.tangentStiffness * ut.dot( felt ),
-					 slide = -contact.tangentStiffness * dt.dot( felt );
-		const bool presses = contact.presses;
-		m_ways.push_back(
-			Way{ un, dn, presses ? slideStart : 0.0, presses ? slide : 0.0, contact.pushed, contact.stiffness, contact.target } );
+		const Vec3d u = relativeVelocity( contact, m_v.data() ),
+					du = velocityOf( contact.side[0], contact.normal, d.data() ) - velocityOf( contact.side[1], contact.normal, d.data() );
+		const double un = contact.normal.dot( u ), dn = contact.normal.dot( du );
+		const Vec3d ut = u - un * contact.normal, dt = du - dn * contact.normal, scaled = applyFrictionScale( contact, dt );
+		const double slideStart = contact.scaledMultiplier.dot( scaled ) - contact.tangentStiffness * ut.dot( scaled ),
+					 slideChange = -contact.tangentStiffness * dt.dot( scaled );
+		const bool isActive = contact.isActive;
+		m_lineContacts.push_back( LineContact{ un, dn, isActive ? slideStart : 0.0, isActive ? slideChange : 0.0, contact.normalMultiplier,
+			contact.stiffness, contact.target } );
 	}
 	return lowestFraction( -dot( d.data(), m_free.data(), m_size ), dot( d.data(), change.data(), m_size ) );
 }

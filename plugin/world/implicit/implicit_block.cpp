@@ -12,10 +12,10 @@ void ImplicitBlock::clear()
 	soft.clear();
 	rigid.clear();
 	contacts.clear();
-	directions.clear();
+	frictionScales.clear();
 }
 
-Vec3d ImplicitBlock::speedOf( const ContactSide& side, const Vec3d& normal, const float* v ) const
+Vec3d ImplicitBlock::velocityOf( const ContactSide& side, const Vec3d& normal, const float* v ) const
 {
 	if ( side.soft >= 0 )
 	{
@@ -35,10 +35,10 @@ Vec3d ImplicitBlock::speedOf( const ContactSide& side, const Vec3d& normal, cons
 	return Vec3d::Zero();
 }
 
-Vec3d ImplicitBlock::relativeSpeed( const BlockContact& contact, const float* v ) const
+Vec3d ImplicitBlock::relativeVelocity( const BlockContact& contact, const float* v ) const
 {
-	return ( speedOf( contact.side[0], contact.normal, v ) + contact.side[0].given ) -
-		( speedOf( contact.side[1], contact.normal, v ) + contact.side[1].given );
+	return ( velocityOf( contact.side[0], contact.normal, v ) + contact.side[0].prescribedVelocity ) -
+		( velocityOf( contact.side[1], contact.normal, v ) + contact.side[1].prescribedVelocity );
 }
 
 void ImplicitBlock::addImpulse( const ContactSide& side, const Vec3d& normal, const Vec3d& impulse, float* to ) const
@@ -47,10 +47,10 @@ void ImplicitBlock::addImpulse( const ContactSide& side, const Vec3d& normal, co
 	{
 		const SoftPart& part = soft[std::size_t( side.soft )];
 		const int padded = part.motion->padded();
-		const Vec3d pressed = normal.dot( impulse ) * normal;
+		const Vec3d normalPart = normal.dot( impulse ) * normal;
 		for ( int j = 0; j < side.shared.count; ++j )
 		{
-			const Vec3d own = side.shared.rub[j] * impulse + ( side.shared.press[j] - side.shared.rub[j] ) * pressed;
+			const Vec3d own = side.shared.rub[j] * impulse + ( side.shared.press[j] - side.shared.rub[j] ) * normalPart;
 			float* const at = to + part.offset + side.shared.node[j];
 			for ( int k = 0; k < 3; ++k )
 			{
@@ -97,56 +97,56 @@ void ImplicitBlock::applyMasses( const float* v, float* to )
 	std::fill( to + used, to + m_size, 0.0f );
 }
 
-void ImplicitBlock::listPressing()
+void ImplicitBlock::listActive()
 {
-	m_pressing.clear();
+	m_active.clear();
 	for ( const BlockContact& contact : contacts )
 	{
-		if ( !contact.presses )
+		if ( !contact.isActive )
 		{
 			continue;
 		}
-		Pressing flat;
+		ActiveContact flat;
 		for ( int k = 0; k < 2; ++k )
 		{
 			const ContactSide& side = contact.side[k];
-			Pressing::Side& own = flat.side[k];
+			ActiveContact::Side& own = flat.side[k];
 			own.stride = side.soft >= 0 ? soft[std::size_t( side.soft )].motion->padded() : 0;
 			own.count = side.soft >= 0 ? side.shared.count : side.rigid >= 0 ? 1 : 0;
-			own.place[0] = side.rigid >= 0 ? rigid[std::size_t( side.rigid )].offset : -1;
+			own.index[0] = side.rigid >= 0 ? rigid[std::size_t( side.rigid )].offset : -1;
 			for ( int j = 0; side.soft >= 0 && j < own.count; ++j )
 			{
-				own.place[j] = soft[std::size_t( side.soft )].offset + side.shared.node[j];
+				own.index[j] = soft[std::size_t( side.soft )].offset + side.shared.node[j];
 				own.rub[j] = side.shared.rub[j];
-				own.more[j] = side.shared.press[j] - side.shared.rub[j];
+				own.excess[j] = side.shared.press[j] - side.shared.rub[j];
 			}
 			Eigen::Map<Vec3d>( own.arm ) = side.arm;
 		}
 		Eigen::Map<Vec3d>( flat.normal ) = contact.normal;
-		flat.along = contact.stiffness - ( contact.directed < 0 ? contact.tangentStiffness : 0.0 );
+		flat.along = contact.stiffness - ( contact.frictionScale < 0 ? contact.tangentStiffness : 0.0 );
 		flat.across = contact.tangentStiffness;
-		flat.directed = contact.directed;
-		m_pressing.push_back( flat );
+		flat.frictionScale = contact.frictionScale;
+		m_active.push_back( flat );
 	}
 }
 
 namespace {
 
 /// u += sign times the velocity of one side.
-void addVelocity( const Pressing::Side& side, const double ( &normal )[3], const float* v, double sign, double ( &u )[3] )
+void addVelocity( const ActiveContact::Side& side, const double ( &normal )[3], const float* v, double sign, double ( &u )[3] )
 {
 	if ( side.stride > 0 )
 	{
 		double along = 0.0;
 		for ( int j = 0; j < side.count; ++j )
 		{
-			const float* const at = v + side.place[j];
+			const float* const at = v + side.index[j];
 			const double x = double( at[0] ), y = double( at[side.stride] ), z = double( at[2 * side.stride] );
 			const double rub = sign * side.rub[j];
 			u[0] += rub * x;
 			u[1] += rub * y;
 			u[2] += rub * z;
-			along += side.more[j] * ( ( normal[0] * x + normal[1] * y ) + normal[2] * z );
+			along += side.excess[j] * ( ( normal[0] * x + normal[1] * y ) + normal[2] * z );
 		}
 		along *= sign;
 		u[0] += along * normal[0];
@@ -154,7 +154,7 @@ void addVelocity( const Pressing::Side& side, const double ( &normal )[3], const
 		u[2] += along * normal[2];
 		return;
 	}
-	const float* const at = v + side.place[0];
+	const float* const at = v + side.index[0];
 	const double* const r = side.arm;
 	const double w[3] = { double( at[3] ), double( at[4] ), double( at[5] ) };
 	u[0] += sign * ( double( at[0] ) + ( w[1] * r[2] - w[2] * r[1] ) );
@@ -162,23 +162,23 @@ void addVelocity( const Pressing::Side& side, const double ( &normal )[3], const
 	u[2] += sign * ( double( at[2] ) + ( w[0] * r[1] - w[1] * r[0] ) );
 }
 
-void addForce( const Pressing::Side& side, const double ( &normal )[3], const double ( &f )[3], double sign, float* to )
+void addForce( const ActiveContact::Side& side, const double ( &normal )[3], const double ( &f )[3], double sign, float* to )
 {
 	if ( side.stride > 0 )
 	{
 		const double along = ( normal[0] * f[0] + normal[1] * f[1] ) + normal[2] * f[2];
 		for ( int j = 0; j < side.count; ++j )
 		{
-			float* const at = to + side.place[j];
-			const double rub = sign * side.rub[j], more = sign * side.more[j] * along;
+			float* const at = to + side.index[j];
+			const double rub = sign * side.rub[j], excess = sign * side.excess[j] * along;
 			for ( int k = 0; k < 3; ++k )
 			{
-				at[k * side.stride] += float( rub * f[k] + more * normal[k] );
+				at[k * side.stride] += float( rub * f[k] + excess * normal[k] );
 			}
 		}
 		return;
 	}
-	float* const at = to + side.place[0];
+	float* const at = to + side.index[0];
 	const double* const r = side.arm;
 	for ( int k = 0; k < 3; ++k )
 	{
@@ -193,9 +193,9 @@ void addForce( const Pressing::Side& side, const double ( &normal )[3], const do
 
 void ImplicitBlock::apply( const float* v, float* to )
 {
-	applyMasses( v, m_massed.data() );
-	std::copy( m_massed.begin(), m_massed.begin() + m_size, to );
-	for ( const Pressing& c : m_pressing )
+	applyMasses( v, m_massProduct.data() );
+	std::copy( m_massProduct.begin(), m_massProduct.begin() + m_size, to );
+	for ( const ActiveContact& c : m_active )
 	{
 		double u[3] = {};
 		for ( int side = 0; side < 2; ++side )
@@ -206,10 +206,10 @@ void ImplicitBlock::apply( const float* v, float* to )
 			}
 		}
 		const double along = c.along * ( ( c.normal[0] * u[0] + c.normal[1] * u[1] ) + c.normal[2] * u[2] );
-		if ( c.directed >= 0 )
+		if ( c.frictionScale >= 0 )
 		{
 			Eigen::Map<Vec3d> across( u );
-			across = ( directions[std::size_t( c.directed )] * across ).eval();
+			across = ( frictionScales[std::size_t( c.frictionScale )] * across ).eval();
 		}
 		const double f[3] = {
 			along * c.normal[0] + c.across * u[0], along * c.normal[1] + c.across * u[1], along * c.normal[2] + c.across * u[2] };
@@ -221,7 +221,7 @@ void ImplicitBlock::apply( const float* v, float* to )
 			}
 		}
 	}
-	for ( const RigidPart& part : rigid ) // an axis that the game has locked stays 0
+	for ( const RigidPart& part : rigid ) // locked axes stay 0
 	{
 		for ( int k = 0; k < 3; ++k )
 		{
@@ -231,12 +231,12 @@ void ImplicitBlock::apply( const float* v, float* to )
 	}
 }
 
-// Contacts' shares of a product are as large as stiff bodies are, and cancel: what is left without them is kept by itself.
+// The contact terms of a product grow with stiffness and cancel each other, so the residual without contacts is kept separately.
 void ImplicitBlock::moved( float by )
 {
 	for ( int k = 0; k < m_size; ++k )
 	{
-		m_freeNext[k] -= by * m_massed[k];
+		m_freeNext[k] -= by * m_massProduct[k];
 	}
 }
 
@@ -245,18 +245,17 @@ BlockCount ImplicitBlock::solve( TaskRunner* runner )
 	BlockCount count;
 	m_runner = runner;
 	layOut();
-	agreeOnTargets();
+	reconcileTargets();
 	chooseStiffness();
 	solveLaw( count );
-	keepEnergy( count );
+	limitEnergy( count );
 	carryImpulses();
-	readAnswer();
-	keepMomentum();
+	readSolution();
+	restoreMomentum();
 	return count;
 }
 
-// No pass is solved to its end before it is plain that none follows: what contacts it changes is known long before. (Passes from the fourth
-// on used to be, each of them, since any might be the last: most of what a storm of impacts took.)
+// A pass is solved to full accuracy only once it is known to be the last: which contacts change is known long before convergence.
 void ImplicitBlock::solveLaw( BlockCount& count )
 {
 	int passes = 0;
@@ -271,18 +270,18 @@ void ImplicitBlock::solveLaw( BlockCount& count )
 		beginIteration();
 		++passes;
 		iterate( passes < kMostPasses ? kPassFraction : kLatePassFraction, count );
-		bool isLast = mayEnd( passes );
+		bool isLast = mayStop( passes );
 		if ( isLast )
 		{
 			beginIteration();
 			iterate( 0.0, count );
-			isLast = mayEnd( passes );
+			isLast = mayStop( passes );
 		}
 		if ( isLast )
 		{
 			break;
 		}
-		// The first step is taken whole: it brings the forces that the start lacks.
+		// The first step is taken in full: it brings in the forces that the initial guess lacks.
 		const float t = passes == 1 ? 1.0f : float( stepTowards() );
 		for ( int k = 0; k < m_size; ++k )
 		{
@@ -295,14 +294,15 @@ void ImplicitBlock::solveLaw( BlockCount& count )
 	count.passes += passes;
 }
 
-bool ImplicitBlock::mayEnd( int passes )
+bool ImplicitBlock::mayStop( int passes )
 {
 	const Match match = matchAt( m_next.data() );
 	const bool isSettled = match.all && match.each;
-	return isSettled || passes >= kMostHardPasses || ( passes >= kMostPasses && !isWild() && ( match.each || passes >= kMostFairPasses ) );
+	return isSettled || passes >= kMostHardPasses ||
+		( passes >= kMostPasses && !isUnphysical() && ( match.each || passes >= kMostFairPasses ) );
 }
 
-void ImplicitBlock::readAnswer()
+void ImplicitBlock::readSolution()
 {
 	for ( SoftPart& part : soft )
 	{
@@ -312,7 +312,7 @@ void ImplicitBlock::readAnswer()
 	{
 		for ( int k = 0; k < 6; ++k )
 		{
-			part.speed[k] = double( m_v[std::size_t( part.offset + k )] );
+			part.velocity[k] = double( m_v[std::size_t( part.offset + k )] );
 		}
 	}
 }

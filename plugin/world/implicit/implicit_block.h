@@ -1,7 +1,7 @@
 #pragma once
 
-// The linear system of one island in an implicit substep: the speeds of soft bodies' nodes and of the rigid bodies they touch, and the
-// contacts between them, unilateral and with Coulomb friction. docs/design/implicit.md has the formulas and where the numbers come from.
+// The linear system of one island in an implicit substep. Its unknowns are the velocities of the soft bodies' nodes and of the rigid bodies
+// they touch, coupled by unilateral contacts with Coulomb friction. docs/design/implicit.md derives the formulas and the constants.
 
 #include "body/implicit_motion.h"
 #include "lattice/lattice.h"
@@ -19,47 +19,47 @@ namespace pliant {
 class SoftBody;
 class TaskRunner;
 
-/// One side of a contact: a node and those beside it that share it, a rigid body, or something whose speed is given.
+/// One side of a contact: a node with the neighbours that share the contact, a rigid body, or an object of prescribed velocity.
 struct ContactSide
 {
-	int soft = -1; ///< part, or -1
+	int soft = -1; ///< index in ImplicitBlock::soft, or -1
 	int node = -1;
-	SharedNodes shared;                                 ///< of a node; the first is the node itself
-	int block[SharedNodes::kMost] = { -1, -1, -1, -1 }; ///< each among the block's nodes with contacts
-	int rigid = -1;                                     ///< part, or -1
-	Vec3d arm = Vec3d::Zero();                          ///< from the rigid body's mass centre, m
-	Vec3d given = Vec3d::Zero();                        ///< m/s: of what neither is, and of a surface that runs along itself
+	SharedNodes shared;                                 ///< of a node side; the first is `node` itself
+	int block[SharedNodes::kMost] = { -1, -1, -1, -1 }; ///< index of each shared node in m_nodeBlocks
+	int rigid = -1;                                     ///< index in ImplicitBlock::rigid, or -1
+	Vec3d arm = Vec3d::Zero();                          ///< from the rigid body's centre of mass, m
+	Vec3d prescribedVelocity = Vec3d::Zero();           ///< m/s; of objects outside the block and of conveyor surfaces
 };
 
 struct BlockContact
 {
-	ContactSide side[2]; ///< the normal points from the second to the first
+	ContactSide side[2]; ///< the normal points from the second side to the first
 	Vec3d normal = Vec3d::Zero();
-	Vec3d before = Vec3d::Zero(); ///< relative speed at the substep's start, m/s
-	double target = 0.0;          ///< b: speed of parting that is asked for at least, m/s
-	double parting = 0.0;         ///< the same, if it did not bounce
-	double friction = 0.0;        ///< mu
-	bool isDrawn = false;         ///< with a body's drawn surface, whose points several nodes share
-	int directed = -1;            ///< among the block's directions; -1: friction is the same in all
+	Vec3d velocityBefore = Vec3d::Zero(); ///< relative velocity at the start of the substep, m/s
+	double target = 0.0;                  ///< b: least separation speed required, m/s
+	double targetWithoutBounce = 0.0;     ///< b without restitution, m/s
+	double friction = 0.0;                ///< mu
+	bool isDrawn = false;                 ///< touches a drawn surface, whose points are shared by several nodes
+	int frictionScale = -1;               ///< index in frictionScales; -1: isotropic friction
 	btManifoldPoint* point = nullptr;
 
-	// Impulses, N s: at first those of the last substep, at the end those of this one.
+	// Impulses, N s: on entry those of the last substep, on return those of this one.
 	double normalImpulse = 0.0;
 	Vec3d tangentImpulse = Vec3d::Zero();
-	double carried = 0.0; ///< of the normal one, into the next substep
+	double carried = 0.0; ///< normal impulse that the next substep starts from
 
-	// The linearised law: jn = pushed + k ( b - u.n ) while it presses; jt = held - kt ut, of `limited` times mu at most.
-	double stiffness = 0.0;        ///< k, kg
-	double pushed = 0.0;           ///< ln
-	double limited = 0.0;          ///< what it presses with as far as is known, N s
-	double tangentStiffness = 0.0; ///< kt, kg
-	Vec3d held = Vec3d::Zero();
-	Vec3d heldBefore = Vec3d::Zero(); ///< lt
-	bool presses = false;
-	bool bounces = false; ///< off something that it meets fast enough
+	// The linearised law: jn = normalMultiplier + k ( b - u.n ) while active; jt = scaledMultiplier - kt ut, at most mu frictionLoad.
+	double stiffness = 0.0;                  ///< k, kg
+	double normalMultiplier = 0.0;           ///< ln
+	double frictionLoad = 0.0;               ///< normal impulse that limits friction, N s
+	double tangentStiffness = 0.0;           ///< kt, kg
+	Vec3d scaledMultiplier = Vec3d::Zero();  ///< s lt
+	Vec3d tangentMultiplier = Vec3d::Zero(); ///< lt
+	bool isActive = false;                   ///< transmits an impulse in the linearised law
+	bool bounces = false;                    ///< approaches fast enough for restitution
 
 	Vec3d impulse() const { return normalImpulse * normal + tangentImpulse; }
-	/// Whether an impulse could change anything.
+	/// Returns true if an impulse can move either side.
 	bool moves() const { return side[0].soft >= 0 || side[1].soft >= 0 || side[0].rigid >= 0 || side[1].rigid >= 0; }
 };
 
@@ -67,10 +67,10 @@ struct SoftPart
 {
 	SoftBody* owner = nullptr;
 	ImplicitMotion* motion = nullptr;
-	const Vec3Array* before = nullptr; ///< speeds at the substep's start: where the iteration begins
-	int offset = 0;                    ///< of its speeds in the vector
-	std::vector<Vec3d> turn;           ///< angular velocity of each of its parts, rad/s; empty: nobody has asked
-	int firstConnected = 0;            ///< of its parts that nothing links, in the block's list of such; one where the body is in one
+	const Vec3Array* velocityBefore = nullptr; ///< at the start of the substep: the initial guess
+	int offset = 0;                            ///< of its velocities in the vector
+	std::vector<Vec3d> angularVelocity;        ///< of each connected part, rad/s; computed on demand
+	int firstConnected = 0;                    ///< index of its first connected part in m_connected
 };
 
 struct RigidPart
@@ -79,34 +79,34 @@ struct RigidPart
 	int offset = 0;
 	double mass = 1.0;                                     ///< kg
 	Eigen::Matrix3d inertia = Eigen::Matrix3d::Identity(); ///< kg m^2, world axes
-	bool moves[3] = { true, true, true };                  ///< false: the game has locked that axis
+	bool moves[3] = { true, true, true };                  ///< false: the axis is locked
 	bool turns[3] = { true, true, true };
-	Vector6 free = Vector6::Zero(); ///< speeds without contacts: V + h F / M + e
-	Vector6 before = Vector6::Zero();
-	Vector6 speed = Vector6::Zero(); ///< the answer
-	Vector6 given = Vector6::Zero(); ///< what Bullet's solver should make of it without joints and rigid contacts
-	Vec3d centre = Vec3d::Zero();    ///< of mass, world, m
-	int coarse = -1;                 ///< body of the coarse system
+	Vector6 freeVelocity = Vector6::Zero(); ///< without contacts: V + h F / M + e
+	Vector6 velocityBefore = Vector6::Zero();
+	Vector6 velocity = Vector6::Zero();         ///< the solution
+	Vector6 expectedVelocity = Vector6::Zero(); ///< result of Bullet's solver if joints and rigid contacts do nothing
+	Vec3d centre = Vec3d::Zero();               ///< centre of mass, world, m
+	int coarse = -1;                            ///< body index in the coarse system
 };
 
-/// A contact that presses, as the iteration walks it: u.n is answered by `along` more than u, and u by `across`.
-struct Pressing
+/// An active contact in the compact form used by matrix products: the force is across u + along ( u.n ) n.
+struct ActiveContact
 {
 	struct Side
 	{
-		int count = 0;                                            ///< of nodes; 1 for a rigid body, 0 where its speed is given
-		int stride = 0;                                           ///< between a node's components; 0: six numbers of a rigid body
-		int place[SharedNodes::kMost];                            ///< of each node's first number in the vector
-		double rub[SharedNodes::kMost], more[SharedNodes::kMost]; ///< SharedNodes::rub, and by how much press is more
+		int count = 0;                                              ///< number of nodes; 1: a rigid body; 0: prescribed velocity
+		int stride = 0;                                             ///< between a node's components; 0: six components of a rigid body
+		int index[SharedNodes::kMost];                              ///< of each node's first component in the vector
+		double rub[SharedNodes::kMost], excess[SharedNodes::kMost]; ///< SharedNodes::rub, and press - rub
 		double arm[3];
 	};
 	Side side[2];
 	double normal[3];
-	double along = 0.0, across = 0.0; ///< k - kt and kt, kg; k and kt where directed
-	int directed = -1;
+	double along = 0.0, across = 0.0; ///< k - kt and kt, kg; with anisotropic friction k and kt
+	int frictionScale = -1;
 };
 
-/// What a solution took.
+/// The work of a solution.
 struct BlockCount
 {
 	int passes = 0, products = 0;
@@ -118,72 +118,71 @@ public:
 	std::vector<SoftPart> soft;
 	std::vector<RigidPart> rigid;
 	std::vector<BlockContact> contacts;
-	/// Friction by direction, S: jt = S ( held - kt ut ), symmetric, without the normal.
-	std::vector<Eigen::Matrix3d> directions;
+	/// S of anisotropic friction: jt = S ( scaledMultiplier - kt ut ), symmetric, with the normal in its null space.
+	std::vector<Eigen::Matrix3d> frictionScales;
 
-	/// Speeds of nodes and rigid parts and impulses of contacts, as they are at the end of the substep.
+	/// Computes the velocities of nodes and rigid parts and the contact impulses at the end of the substep.
 	BlockCount solve( TaskRunner* runner );
 	void clear();
-	/// Relative speed at a contact without any contact's impulse, elasticity left out, m/s.
-	Vec3d freeSpeed( const BlockContact& contact ) const;
-	/// How a node's part turns as a whole, rad/s.
-	const Vec3d& turnOf( const ContactSide& side );
-	/// And at the substep's start.
+	/// Returns the relative velocity at a contact without contact impulses and elastic forces, m/s.
+	Vec3d freeVelocity( const BlockContact& contact ) const;
+	/// Returns the angular velocity of the connected part that a node belongs to, rad/s.
+	const Vec3d& angularVelocityOf( const ContactSide& side );
+	/// Returns the relative velocity at a contact at the start of the substep, m/s.
 	Vec3d velocityBefore( const BlockContact& contact ) const;
 
 private:
 	struct NodeBlock
 	{
 		int part = -1, node = -1;
-		int place = -1; ///< of its first number in the vector
+		int index = -1; ///< of its first component in the vector
 		int cluster = -1, slot = -1;
 	};
-	/// A soft body, or one of the parts it is in: what moves as a whole.
-	struct Connected
+	/// A connected part of a soft body.
+	struct ConnectedPart
 	{
 		int soft = -1, part = 0;
-		int coarse = -1;      ///< body of the coarse system; -1: its nodes stand by themselves
-		bool touches = false; ///< some contact is one of its nodes
+		int coarse = -1;      ///< body index in the coarse system; -1: its nodes are preconditioned alone
+		bool touches = false; ///< one of its nodes has a contact
 	};
-	/// Nodes that contacts hold together: a dense piece of the preconditioner.
+	/// Nodes coupled by contacts: a dense block of the preconditioner.
 	struct Cluster
 	{
-		static constexpr int kMost = 2 * SharedNodes::kMost; ///< a contact's of two soft bodies; implicit_clusters.cpp names each size
+		static constexpr int kMost = 2 * SharedNodes::kMost; ///< nodes of a contact between two soft bodies; withSize() lists every size
 		int blocks[kMost] = {};
 		int count = 0;
-		int scratch = 0;                           ///< of its matrix in m_clusterStorage
-		int inverse = 0;                           ///< of its inverse in m_clusterInverse, column by column
-		int place[kMost] = {}, stride[kMost] = {}; ///< of each block's first number in the vector, and between its numbers
+		int scratch = 0;                           ///< offset of its matrix in m_clusterStorage
+		int inverse = 0;                           ///< offset of its inverse in m_clusterInverse, column-major
+		int index[kMost] = {}, stride[kMost] = {}; ///< of each node's first component in the vector, and between components
 	};
 
-	/// A contact on the way from m_v to somewhere, as shares of the way: u.n and its change, jt.u of the way at m_v and its change, 0 where
-	/// it does not press. And its law, which is asked for some twenty times over: contacts themselves are half a kilobyte each.
-	struct Way
+	/// A contact along the line search from m_v to m_next: u.n at m_v and its change, jt.du at m_v and its change (0 where inactive), and
+	/// the normal law. The line search reads it some twenty times; a BlockContact takes half a kilobyte.
+	struct LineContact
 	{
-		double start, way;
-		double slideStart, slide;
-		double pushed, stiffness, target;
+		double normalStart, normalChange;
+		double slideStart, slideChange;
+		double normalMultiplier, stiffness, target;
 	};
 
-	/// How far the impulses of one part are from those of the law, summed, and the limits of what rubs it, N s.
+	/// The summed error of the friction on one part against the law, and the summed friction limits of its contacts, N s.
 	struct PartError
 	{
-		Vec3d rub = Vec3d::Zero();
+		Vec3d tangent = Vec3d::Zero();
 		double limit = 0.0;
 	};
-	/// Whether impulses are those of the law at some speeds, as it was not linearised: those of all parts together, and what each is rubbed
-	/// by.
+	/// Whether the impulses satisfy the nonlinear law: `all` for the sums over all contacts, `each` for the friction on each part.
 	struct Match
 	{
 		bool all = false, each = false;
 	};
 
-	/// A contact of a node with something whose speed is given.
-	struct Between
+	/// A contact of a node with an object of prescribed velocity.
+	struct PrescribedContact
 	{
-		int node = -1; ///< among the block's nodes with contacts
+		int node = -1; ///< index in m_nodeBlocks
 		std::size_t contact = 0;
-		int side = 0; ///< the node's
+		int side = 0; ///< of the node
 	};
 
 	int size() const override { return m_size; }
@@ -193,128 +192,129 @@ private:
 
 	void layOut();
 	void listConnected();
-	/// Of a side that is a node.
-	const Connected& connectedOf( const ContactSide& side ) const
+	/// For a side that is a node.
+	const ConnectedPart& connectedOf( const ContactSide& side ) const
 	{
 		const SoftPart& part = soft[std::size_t( side.soft )];
 		return m_connected[std::size_t( part.firstConnected + part.motion->parts().partOf( side.node ) )];
 	}
-	int nameNode( int part, int node );
+	int registerNode( int part, int node );
 	void startFrom( const SoftPart& part );
-	void nameNodeBlocks();
+	void registerNodeBlocks();
 	void applyMasses( const float* v, float* to );
-	void listPressing();
-	Vec3d speedOf( const ContactSide& side, const Vec3d& normal, const float* v ) const;
-	Vec3d relativeSpeed( const BlockContact& contact, const float* v ) const;
+	void listActive();
+	Vec3d velocityOf( const ContactSide& side, const Vec3d& normal, const float* v ) const;
+	Vec3d relativeVelocity( const BlockContact& contact, const float* v ) const;
 	void addImpulse( const ContactSide& side, const Vec3d& normal, const Vec3d& impulse, float* to ) const;
 	void addPair( const BlockContact& contact, const Vec3d& impulse, float* to ) const;
-	/// S v, or v where friction is the same in all directions. v: without the normal.
-	Vec3d directed( const BlockContact& contact, const Vec3d& v ) const
+	/// Returns S v, or v where friction is isotropic; v is tangential.
+	Vec3d applyFrictionScale( const BlockContact& contact, const Vec3d& v ) const
 	{
-		return contact.directed < 0 ? v : Vec3d( directions[std::size_t( contact.directed )] * v );
+		return contact.frictionScale < 0 ? v : Vec3d( frictionScales[std::size_t( contact.frictionScale )] * v );
 	}
+	/// Returns the derivative of a contact's impulse by its velocity, kg.
 	Eigen::Matrix3d resistance( const BlockContact& contact ) const;
 	void fillFree();
-	/// From m_v on, until impulses are those of the law.
+	/// Iterates from m_v until the impulses satisfy the law.
 	void solveLaw( BlockCount& count );
-	/// Whether impulses at m_next are good enough to end with after so many passes.
-	bool mayEnd( int passes );
-	/// At m_next: b - A v with contacts as linearised, out of that without them.
+	/// Returns true if the impulses at m_next are accurate enough to stop after `passes` passes.
+	bool mayStop( int passes );
+	/// Starts the iteration at m_next: adds the linearised contacts to the residual without contacts, b - A v.
 	void beginIteration();
 	double energyLeft() const;
-	/// Improves m_next until `share` of what is off is left, or little enough, and reads its impulses.
+	/// Iterates m_next until `fraction` of the residual or energyLeft() remains, then reads the contact impulses.
 	void iterate( double fraction, BlockCount& count );
 	void fillPreconditioner();
 	void layOutCoarse();
-	void nameClusters( const BlockContact& contact );
+	void assignClusters( const BlockContact& contact );
 	Eigen::Map<Eigen::MatrixXd> matrixOf( const Cluster& cluster )
 	{
 		return { m_clusterStorage.data() + cluster.scratch, 3 * cluster.count, 3 * cluster.count };
 	}
 	void beginClusters();
-	void addToClusters( const BlockContact& contact, const Eigen::Matrix3d& resists );
+	void addToClusters( const BlockContact& contact, const Eigen::Matrix3d& contactResistance );
 	void invertClusters();
-	/// Floats of a column of an inverse: whole fours.
+	/// Floats in a column of an inverse, padded to a multiple of four.
 	static constexpr int columnOf( int count ) { return ( 3 * count + 3 ) / 4 * 4; }
 	template <int count>
 	void preconditionCluster( const Cluster& cluster, const float* r, float* z ) const;
 	void preconditionClusters( const float* r, float* z ) const;
 	void addToPreconditioner( const BlockContact& contact );
 	void lockAxes( const RigidPart& part, int body );
-	void readAnswer();
+	void readSolution();
 
 	// In implicit_conflicts.cpp.
-	/// Contacts of one node with things whose speeds are given ask for nothing that they cannot all have.
-	void agreeOnTargets();
-	/// At the end: what of each impulse the next substep begins with.
+	/// Makes the targets of each node's contacts with objects of prescribed velocity compatible.
+	void reconcileTargets();
+	/// Sets BlockContact::carried of each contact.
 	void carryImpulses();
-	void agreeOnTargets( std::size_t first, std::size_t end ); ///< of one node: [first, end) of m_between
+	void reconcileTargets( std::size_t first, std::size_t end ); ///< for one node: [first, end) of m_prescribed
 
 	// The law, in contact_law.cpp.
-	Vec3d undirected( const BlockContact& contact ) const;
+	Vec3d unscaledTangentImpulse( const BlockContact& contact ) const;
 	void chooseStiffness();
-	/// `passes`: those made so far.
+	/// `passes`: the number of passes made so far.
 	void linearise( const float* v, int passes );
-	/// Whether the impulses found are none that contacts could have: pulling, or rubbing far beyond their limits.
-	bool isWild() const;
+	/// Returns true if contacts pull, or friction exceeds its limits by far.
+	bool isUnphysical() const;
 	Match matchAt( const float* v );
 	void readImpulses( const float* v );
-	/// The lowest point on the way from m_v to m_next, as a share of the way.
+	/// Returns the fraction of the segment from m_v to m_next at which the energy is lowest.
 	double stepTowards();
 	double lowestFraction( double slope, double curvature ) const;
 
 	// In implicit_restitution.cpp.
-	/// Of the contacts' impulses, and how much they move, J.
+	/// Work of the contact impulses and the sum of its absolute parts, J.
 	struct Work
 	{
 		double sum = 0.0, moved = 0.0;
 	};
 	/// Impulses of a contact, N s.
-	struct Bounce
+	struct ContactImpulse
 	{
 		double normal;
 		Vec3d tangent;
 	};
 	Work workOfContacts() const;
-	void keepEnergy( BlockCount& count );
-	void bounceLess( BlockCount& count );
+	void limitEnergy( BlockCount& count );
+	void reduceBounce( BlockCount& count );
 
 	// In implicit_momentum.cpp.
-	void keepMomentum();
-	/// Something that moves as a whole and touches nothing fixed: a connected part of a soft body, or a rigid body.
-	struct Mover
+	void restoreMomentum();
+	/// A connected part of a soft body or a rigid body in a group that touches nothing fixed.
+	struct MovingBody
 	{
-		ImplicitMotion* motion = nullptr; ///< null: rigid
+		ImplicitMotion* motion = nullptr; ///< null: a rigid body
 		int part = 0;
 		RigidPart* rigid = nullptr;
-		Vec3d centre = Vec3d::Zero();      ///< world, m
-		Matrix6 mass = Matrix6::Zero();    ///< of rigid motions about it
-		Vector6 missing = Vector6::Zero(); ///< N s, N m s
+		Vec3d centre = Vec3d::Zero();              ///< world, m
+		Matrix6 mass = Matrix6::Zero();            ///< of rigid motions about the centre
+		Vector6 missingMomentum = Vector6::Zero(); ///< N s, N m s
 	};
-	Mover moverAt( std::uint32_t k );
-	void keepMomentumOf( const std::uint32_t* begin, const std::uint32_t* end );
+	MovingBody movingBodyAt( std::uint32_t k );
+	void restoreMomentumOf( const std::uint32_t* begin, const std::uint32_t* end );
 
 	int m_size = 0;
 	TaskRunner* m_runner = nullptr;
 	ConjugateGradients m_gradients;
 	AlignedArray<float> m_v, m_next, m_rightSide, m_scratch;
-	AlignedArray<float> m_free, m_freeNext; ///< b - A v at m_v and at m_next, without contacts
-	AlignedArray<float> m_bounced;          ///< speeds with all that bounces; scratch of bounceLess
-	std::vector<Bounce> m_bounces;          ///< by contact, with all that bounces; the same
-	AlignedArray<float> m_massed;           ///< what the last product was without contacts
-	AlignedArray<float> m_inverseDiagonal;  ///< 1 / A_ii of the soft parts' nodes, at the place of their first component
-	std::vector<Pressing> m_pressing;       ///< as last linearised
-	std::vector<Way> m_ways;                ///< by contact; scratch of stepTowards
-	std::vector<PartError> m_partErrors;    ///< soft parts', then rigid ones'; scratch of matchAt
-	std::vector<Between> m_between;         ///< by node; scratch of agreeOnTargets
-	std::vector<NodeBlock> m_nodeBlocks;    ///< of the nodes that contacts name
+	AlignedArray<float> m_free, m_freeNext;        ///< b - A v at m_v and at m_next, without contacts
+	AlignedArray<float> m_bounced;                 ///< velocities with full restitution; scratch of reduceBounce
+	std::vector<ContactImpulse> m_bouncedImpulses; ///< by contact, with full restitution; scratch of reduceBounce
+	AlignedArray<float> m_massProduct;             ///< the last product without contacts
+	AlignedArray<float> m_inverseDiagonal;         ///< 1 / A_ii of the soft parts' nodes, at the index of their first component
+	std::vector<ActiveContact> m_active;           ///< of the last linearisation
+	std::vector<LineContact> m_lineContacts;       ///< by contact; scratch of stepTowards
+	std::vector<PartError> m_partErrors;           ///< of the soft parts, then of the rigid ones; scratch of matchAt
+	std::vector<PrescribedContact> m_prescribed;   ///< by node; scratch of reconcileTargets
+	std::vector<NodeBlock> m_nodeBlocks;           ///< the nodes that contacts act on
 	std::vector<Cluster> m_clusters;
 	std::vector<double> m_clusterStorage;
 	AlignedArray<float> m_clusterInverse;
-	std::vector<Connected> m_connected;                      ///< of all soft parts, in their order
-	std::vector<std::uint32_t> m_groupStart, m_groupMembers; ///< scratch of keepMomentum
-	std::vector<Mover> m_movers;                             ///< the same of keepMomentumOf
-	std::vector<int> m_blockOf; ///< by place of the node's first component; -1: no contact names it, and so beyond the vector's end
+	std::vector<ConnectedPart> m_connected;                  ///< of all soft parts in order
+	std::vector<std::uint32_t> m_groupStart, m_groupMembers; ///< scratch of restoreMomentum
+	std::vector<MovingBody> m_movingBodies;                  ///< scratch of restoreMomentumOf
+	std::vector<int> m_blockOf; ///< by index of a node's first component: index in m_nodeBlocks; -1: no contact acts on it
 	CoarseSystem m_coarse;
 	std::vector<int> m_coarseSizes;
 	std::vector<CoarseSystem::Pair> m_coarsePairs;

@@ -14,12 +14,12 @@ namespace pliant {
 
 namespace {
 
-bool asks( const SoftBody& body )
+bool isAutomatic( const SoftBody& body )
 {
 	return body.material().elasticity == Elasticity::Automatic && body.impl().body->canStepImplicitly();
 }
 
-/// The mass that a contact's other side brings, kg; 0 for what is fixed.
+/// Returns the mass of the object on the other side of a contact, kg; 0 if it is fixed.
 double massOf( const btCollisionObject& object )
 {
 	if ( object.isStaticOrKinematicObject() )
@@ -39,32 +39,32 @@ btVector3 gravityOf( const SoftBody& body, const btDiscreteDynamicsWorld& world 
 	return body.impl().hasOwnGravity ? body.impl().gravity : world.getGravity();
 }
 
-/// What lies on the body, and what its nodes carry of things that can move.
+/// Adds a manifold's loads to the body on `side`: the heaviest object that rests on it, and the impulses its nodes carry.
 void addContact( btPersistentManifold& manifold, int side, const btDiscreteDynamicsWorld& world )
 {
 	const btCollisionObject* const objects[2] = { manifold.getBody0(), manifold.getBody1() };
 	SoftBody* const owner = ownerOfContactProxy( objects[side] );
-	if ( !owner || !owner->impl().elasticity.feelsLoads || manifold.getNumContacts() == 0 )
+	if ( !owner || !owner->impl().elasticity.checksLoads || manifold.getNumContacts() == 0 )
 	{
 		return;
 	}
-	const double other = massOf( *objects[1 - side] );
-	if ( other == 0.0 )
+	const double otherMass = massOf( *objects[1 - side] );
+	if ( otherMass == 0.0 )
 	{
 		return;
 	}
 	const ContactProxy& node = *static_cast<const ContactProxy*>( objects[side] );
 	ElasticityState& state = owner->impl().elasticity;
 	double impulse = 0.0;
-	bool liesOnIt = false;
+	bool restsOnBody = false;
 	const btVector3 gravity = gravityOf( *owner, world );
 	for ( int k = 0; k < manifold.getNumContacts(); ++k )
 	{
 		const btManifoldPoint& point = manifold.getContactPoint( k );
 		impulse += double( point.m_appliedImpulse );
-		liesOnIt = liesOnIt || ( point.m_distance1 <= 0 && ( side == 0 ? gravity : -gravity ).dot( point.m_normalWorldOnB ) > 0 );
+		restsOnBody = restsOnBody || ( point.m_distance1 <= 0 && ( side == 0 ? gravity : -gravity ).dot( point.m_normalWorldOnB ) > 0 );
 	}
-	state.heaviest = liesOnIt ? std::max( state.heaviest, other ) : state.heaviest;
+	state.heaviestLoad = restsOnBody ? std::max( state.heaviestLoad, otherMass ) : state.heaviestLoad;
 	if ( impulse > 0.0 && node.node >= 0 )
 	{
 		state.impulse += impulse;
@@ -74,18 +74,18 @@ void addContact( btPersistentManifold& manifold, int side, const btDiscreteDynam
 
 } // namespace
 
-/// Of those that take the implicit step for their loads alone: where there are none, no contact is looked at.
+// Contacts are visited only if some body could take the implicit step for its loads alone.
 void ImplicitChoice::measureLoads( btDiscreteDynamicsWorld& world )
 {
-	for ( SoftBody* body : m_asked )
+	for ( SoftBody* body : m_automatic )
 	{
 		ElasticityState& state = body->impl().elasticity;
-		state.heaviest = state.impulse = state.nodeMass = 0.0;
+		state.heaviestLoad = state.impulse = state.nodeMass = 0.0;
 	}
-	const auto feels = []( const SoftBody* body ) { return body->impl().elasticity.feelsLoads && body->impl().lastSubstep > 0.0; };
-	const bool looks = std::any_of( m_asked.begin(), m_asked.end(), feels );
+	const auto checks = []( const SoftBody* body ) { return body->impl().elasticity.checksLoads && body->impl().lastSubstep > 0.0; };
+	const bool checksAny = std::any_of( m_automatic.begin(), m_automatic.end(), checks );
 	btDispatcher& dispatcher = *world.getDispatcher();
-	for ( int m = 0; looks && m < dispatcher.getNumManifolds(); ++m )
+	for ( int m = 0; checksAny && m < dispatcher.getNumManifolds(); ++m )
 	{
 		btPersistentManifold& manifold = *dispatcher.getManifoldByIndexInternal( m );
 		addContact( manifold, 0, world );
@@ -93,7 +93,7 @@ void ImplicitChoice::measureLoads( btDiscreteDynamicsWorld& world )
 	}
 }
 
-/// More than the explicit step can do with the substeps it has; regions that are cut short answer harder (link_moments.h).
+// True where the explicit step is not stable with the given substeps; truncated regions are stiffer (link_moments.h).
 bool ImplicitChoice::isTooStiff( const SoftBody& body, btScalar gameStep, int substeps ) const
 {
 	const SoftBody::Impl& impl = body.impl();
@@ -104,61 +104,61 @@ bool ImplicitChoice::isTooStiff( const SoftBody& body, btScalar gameStep, int su
 	return !plan.reachable || double( plan.alpha ) * fraction > kLargestVolumeAlpha;
 }
 
-// One round over the contacts between a thing of mass M and n nodes of mass m brings its speed and theirs nearer by n m / M, so that I
-// rounds need n m I > M. n: what lies there at most, a face of N^(2/3) nodes; or, of what is piled up, what the touched nodes carry.
+// One iteration over the contacts between an object of mass M and n nodes of mass m reduces their relative velocity by the fraction n m /
+// M, so I iterations need n m I > M. n is at most the nodes of a face, N^(2/3). For piles the load carried by the touched nodes is used.
 bool ImplicitChoice::isTooHeavilyLoaded( SoftBody& body, const btDiscreteDynamicsWorld& world, btScalar gameStep ) const
 {
 	const SoftBody::Impl& impl = body.impl();
 	ElasticityState& state = body.impl().elasticity;
 	const double weight = state.nodeMass * double( gravityOf( body, world ).length() );
 	const double load = weight > 0.0 && impl.lastSubstep > 0.0 ? state.impulse / impl.lastSubstep / weight
-															   : 0.0; // impulses are the last substep's
+															   : 0.0; // the impulses are those of the last substep
 	state.load += ( load - state.load ) * std::min( 1.0, double( gameStep ) / kLoadTime );
 	const double count = double( impl.body->nodeCount() );
 	const double face = impl.mass / count * std::pow( count, 2.0 / 3.0 );
-	const double bears = ( state.isImplicit ? kLeaveFraction : 1.0 ) * double( world.getSolverInfo().m_numIterations );
-	return state.heaviest > bears * face || state.load > bears;
+	const double capacity = ( state.isImplicit ? kLeaveFraction : 1.0 ) * double( world.getSolverInfo().m_numIterations );
+	return state.heaviestLoad > capacity * face || state.load > capacity;
 }
 
 void ImplicitChoice::choose( const std::vector<SoftBody*>& bodies, btDiscreteDynamicsWorld& world, btScalar gameStep, int substeps )
 {
-	m_asked.clear();
+	m_automatic.clear();
 	for ( SoftBody* body : bodies )
 	{
-		if ( body->isActive() && body->isHealthy() && asks( *body ) )
+		if ( body->isActive() && body->isHealthy() && isAutomatic( *body ) )
 		{
-			m_asked.push_back( body );
+			m_automatic.push_back( body );
 		}
 	}
-	if ( m_asked.empty() )
+	if ( m_automatic.empty() )
 	{
 		return;
 	}
-	for ( SoftBody* body : m_asked )
+	for ( SoftBody* body : m_automatic )
 	{
-		body->impl().elasticity.feelsLoads = !isTooStiff( *body, gameStep, substeps );
+		body->impl().elasticity.checksLoads = !isTooStiff( *body, gameStep, substeps );
 	}
 	measureLoads( world );
-	for ( SoftBody* body : m_asked )
+	for ( SoftBody* body : m_automatic )
 	{
 		ElasticityState& state = body->impl().elasticity;
-		state.needs = !state.feelsLoads || isTooHeavilyLoaded( *body, world, gameStep );
-		state.calm = state.needs ? 0.0 : state.calm + double( gameStep );
+		state.needsImplicit = !state.checksLoads || isTooHeavilyLoaded( *body, world, gameStep );
+		state.calmTime = state.needsImplicit ? 0.0 : state.calmTime + double( gameStep );
 	}
-	std::vector<int> islands; // that need it
-	for ( const SoftBody* body : m_asked )
+	std::vector<int> islands; // in which a body needs the implicit step
+	for ( const SoftBody* body : m_automatic )
 	{
 		const ElasticityState& state = body->impl().elasticity;
-		if ( ( state.needs || ( state.isImplicit && state.calm < kCalmTime ) ) && body->getIslandTag() >= 0 )
+		if ( ( state.needsImplicit || ( state.isImplicit && state.calmTime < kCalmTime ) ) && body->getIslandTag() >= 0 )
 		{
 			islands.push_back( body->getIslandTag() );
 		}
 	}
-	for ( SoftBody* body : m_asked )
+	for ( SoftBody* body : m_automatic )
 	{
 		ElasticityState& state = body->impl().elasticity;
 		const bool isInOne = std::find( islands.begin(), islands.end(), body->getIslandTag() ) != islands.end();
-		state.isImplicit = isInOne || state.needs || ( state.isImplicit && state.calm < kCalmTime );
+		state.isImplicit = isInOne || state.needsImplicit || ( state.isImplicit && state.calmTime < kCalmTime );
 	}
 }
 

@@ -1,6 +1,6 @@
 #pragma once
 
-// Elasticity::Automatic: which bodies take the implicit step in the next game step. docs/design/implicit.md, "Automatic".
+// Elasticity::Automatic: chooses the bodies that take the implicit step in the next game step. docs/design/implicit.md, "Automatic".
 
 class btDiscreteDynamicsWorld;
 
@@ -15,7 +15,7 @@ class SoftBody;
 class ImplicitChoice
 {
 public:
-	/// Decides for all bodies with Elasticity::Automatic, an island at a time. `substeps`: those that explicit bodies would get.
+	/// Decides for all bodies with Elasticity::Automatic, island by island. `substeps`: the number that explicit bodies would get.
 	void choose( const std::vector<SoftBody*>& bodies, btDiscreteDynamicsWorld& world, btScalar gameStep, int substeps );
 
 private:
@@ -23,21 +23,21 @@ private:
 	bool isTooStiff( const SoftBody& body, btScalar gameStep, int substeps ) const;
 	bool isTooHeavilyLoaded( SoftBody& body, const btDiscreteDynamicsWorld& world, btScalar gameStep ) const;
 
-	std::vector<SoftBody*> m_asked;
+	std::vector<SoftBody*> m_automatic;
 };
 
-/// Choice of one body, as kept between steps.
+/// The choice for one body, kept between steps.
 struct ElasticityState
 {
-	bool isImplicit = false; ///< chosen
-	double calm = 0.0;       ///< s for which nothing has asked for it
-	double load = 0.0;       ///< what its touched nodes carry in units of their own weight, smoothed
+	bool isImplicit = false; ///< the choice
+	double calmTime = 0.0;   ///< time since the implicit step was last needed, s
+	double load = 0.0;       ///< on its touched nodes, in units of their own weight, smoothed
 
-	// Of this step.
-	bool feelsLoads = false; ///< its stiffness alone does not ask for it
-	bool needs = false;
-	double heaviest = 0.0;                ///< mass of the heaviest thing that lies on it, kg
-	double impulse = 0.0, nodeMass = 0.0; ///< that its nodes carry, N s, and their mass, kg
+	// Of the current game step.
+	bool checksLoads = false; ///< its stiffness alone does not need the implicit step
+	bool needsImplicit = false;
+	double heaviestLoad = 0.0;            ///< mass of the heaviest object that rests on it, kg
+	double impulse = 0.0, nodeMass = 0.0; ///< impulse on its touched nodes, N s, and their mass, kg
 };
 
 } // namespace pliant

@@ -1,7 +1,7 @@
-// What two standing things ask of one node and it cannot do: a plate over a floor, nearer to it than a node is wide, a slot between two
-// walls, a corner of one wall that reaches below another. Each asks for a speed of parting, the law's impulses carry on from substep to
-// substep, and where none of the speeds is ever reached they grow without end; whoever takes the plate away then gets all of it at once. So
-// such contacts ask for what lies between them.
+// Conflicting contacts: fixed objects may require velocities of a node that it cannot have at once, e.g. a plate nearer to the floor than a
+// node is wide, a slot between two walls, or a corner of one wall below another. Each contact has a target separation speed, and impulses
+// carry over from substep to substep. Where no target is ever reached they would grow without bound and be released at once when the plate
+// leaves. The targets of such contacts are therefore moved to a compromise.
 
 #include "world/constants.h"
 #include "world/implicit/implicit_block.h"
@@ -15,32 +15,32 @@ namespace pliant {
 
 namespace {
 
-/// A contact that lacks more than this, m/s, and comes no nearer to it or further from it by more than this share of that in a substep,
-/// gets nowhere. What rests lacks less than a tenth of a millimetre a second, and what strikes changes.
-constexpr double kOddsLack = 5e-3, kOddsChange = 1e-2;
-/// What it presses with is then taken for what others carry but for this share, substep by substep.
-constexpr double kOddsLeft = 0.1;
+/// A contact that violates its target by more than this, m/s, and whose violation changes by less than this fraction of it in a substep is
+/// stuck. Resting contacts violate theirs by less than a tenth of a millimetre per second, and impacts change.
+constexpr double kConflictViolation = 5e-3, kConflictChange = 1e-2;
+/// The fraction by which the impulse of a stuck contact decays in each substep.
+constexpr double kConflictDecay = 0.1;
 
-/// n.w >= least, w the node's speed.
-struct Demand
+/// n.w >= least, w the node's velocity.
+struct Constraint
 {
 	Vec3d normal;
 	double least;
 
-	double lack( const Vec3d& w ) const { return least - normal.dot( w ); }
+	double violation( const Vec3d& w ) const { return least - normal.dot( w ); }
 };
 
-Demand demandOf( const BlockContact& contact, int side )
+Constraint constraintOf( const BlockContact& contact, int side )
 {
 	const Vec3d normal = side == 0 ? contact.normal : Vec3d( -contact.normal );
-	return Demand{ normal, contact.target + normal.dot( contact.side[1 - side].given ) };
+	return Constraint{ normal, contact.target + normal.dot( contact.side[1 - side].prescribedVelocity ) };
 }
 
-/// Cosine to an axis from which on a contact presses along it: of any direction one axis has more.
+/// Least cosine between a normal and an axis for the contact to count as along it; every direction exceeds it for some axis.
 constexpr double kAlong = 0.5;
 
-/// Whether things whose speeds are given press on the block from two sides.
-bool isPressedBetween( const std::vector<BlockContact>& contacts )
+/// Returns true if objects of prescribed velocity press on the block from opposite sides.
+bool isSqueezed( const std::vector<BlockContact>& contacts )
 {
 	Vec3d low = Vec3d::Zero(), high = Vec3d::Zero();
 	for ( const BlockContact& contact : contacts )
@@ -48,7 +48,7 @@ bool isPressedBetween( const std::vector<BlockContact>& contacts )
 		for ( int k = 0; k < 2; ++k )
 		{
 			const ContactSide& other = contact.side[1 - k];
-			if ( contact.presses && other.soft < 0 && other.rigid < 0 )
+			if ( contact.isActive && other.soft < 0 && other.rigid < 0 )
 			{
 				const Vec3d normal = k == 0 ? contact.normal : Vec3d( -contact.normal );
 				low = low.cwiseMin( normal );
@@ -61,9 +61,9 @@ bool isPressedBetween( const std::vector<BlockContact>& contacts )
 
 } // namespace
 
-void ImplicitBlock::agreeOnTargets()
+void ImplicitBlock::reconcileTargets()
 {
-	m_between.clear();
+	m_prescribed.clear();
 	for ( std::size_t c = 0; c < contacts.size(); ++c )
 	{
 		for ( int k = 0; k < 2; ++k )
@@ -71,74 +71,75 @@ void ImplicitBlock::agreeOnTargets()
 			const ContactSide &own = contacts[c].side[k], &other = contacts[c].side[1 - k];
 			if ( own.soft >= 0 && other.soft < 0 && other.rigid < 0 )
 			{
-				m_between.push_back( Between{ own.block[0], c, k } );
+				m_prescribed.push_back( PrescribedContact{ own.block[0], c, k } );
 			}
 		}
 	}
-	std::stable_sort( m_between.begin(), m_between.end(), []( const Between& a, const Between& b ) { return a.node < b.node; } );
-	for ( std::size_t first = 0, end = 0; first < m_between.size(); first = end )
+	std::stable_sort( m_prescribed.begin(), m_prescribed.end(),
+		[]( const PrescribedContact& a, const PrescribedContact& b ) { return a.node < b.node; } );
+	for ( std::size_t first = 0, end = 0; first < m_prescribed.size(); first = end )
 	{
-		for ( end = first; end < m_between.size() && m_between[end].node == m_between[first].node; ++end )
+		for ( end = first; end < m_prescribed.size() && m_prescribed[end].node == m_prescribed[first].node; ++end )
 		{}
 		if ( end - first > 1 )
 		{
-			agreeOnTargets( first, end );
+			reconcileTargets( first, end );
 		}
 	}
 }
 
-// Where some speed does what all ask for, and is not much larger than what they ask for, there is no conflict. Else the one that lacks
-// least in squares, among those near the speed of what stands around: of two walls that all but face each other the way out between them
-// would be arbitrarily fast.
-void ImplicitBlock::agreeOnTargets( std::size_t first, std::size_t end )
+// There is no conflict where some velocity satisfies all constraints and is not much larger than they require (between two walls that
+// almost face each other it would be). Otherwise the compromise minimises the squared violations, with a small weight on the objects' mean
+// velocity.
+void ImplicitBlock::reconcileTargets( std::size_t first, std::size_t end )
 {
-	const auto demand = [this]( std::size_t k ) { return demandOf( contacts[m_between[k].contact], m_between[k].side ); };
-	Vec3d around = Vec3d::Zero();
+	const auto constraint = [this]( std::size_t k ) { return constraintOf( contacts[m_prescribed[k].contact], m_prescribed[k].side ); };
+	Vec3d mean = Vec3d::Zero();
 	for ( std::size_t k = first; k < end; ++k )
 	{
-		around += contacts[m_between[k].contact].side[1 - m_between[k].side].given / double( end - first );
+		mean += contacts[m_prescribed[k].contact].side[1 - m_prescribed[k].side].prescribedVelocity / double( end - first );
 	}
-	double most = 0.0;
+	double largest = 0.0;
 	for ( std::size_t k = first; k < end; ++k )
 	{
-		most = std::max( most, demand( k ).lack( around ) );
+		largest = std::max( largest, constraint( k ).violation( mean ) );
 	}
-	const auto lacks = [&]( const Vec3d& w, std::size_t k ) { return demand( k ).lack( w ) > kAgreedFraction * most; };
-	Vec3d way = around;
-	bool isShort = true;
-	for ( int sweep = 0; sweep < kAgreeSweeps && isShort; ++sweep )
+	const auto violates = [&]( const Vec3d& w, std::size_t k ) { return constraint( k ).violation( w ) > kAgreedFraction * largest; };
+	Vec3d velocity = mean;
+	bool isViolated = true;
+	for ( int sweep = 0; sweep < kAgreeSweeps && isViolated; ++sweep )
 	{
-		isShort = false;
+		isViolated = false;
 		for ( std::size_t k = first; k < end; ++k )
 		{
-			if ( lacks( way, k ) )
+			if ( violates( velocity, k ) )
 			{
-				const Demand asked = demand( k );
-				way += asked.lack( way ) * asked.normal;
-				isShort = true;
+				const Constraint own = constraint( k );
+				velocity += own.violation( velocity ) * own.normal;
+				isViolated = true;
 			}
 		}
 	}
-	if ( !isShort && ( way - around ).norm() <= kLargestExitDistance * most )
+	if ( !isViolated && ( velocity - mean ).norm() <= kLargestExitDistance * largest )
 	{
 		return;
 	}
-	way = around;
+	velocity = mean;
 	for ( int round = 0; round < kAgreeSweeps; ++round )
 	{
 		Eigen::Matrix3d sum = kAgreeRest * Eigen::Matrix3d::Identity();
 		Vec3d right = Vec3d::Zero();
 		for ( std::size_t k = first; k < end; ++k )
 		{
-			if ( const Demand asked = demand( k ); asked.lack( way ) > 0.0 )
+			if ( const Constraint own = constraint( k ); own.violation( velocity ) > 0.0 )
 			{
-				sum += asked.normal * asked.normal.transpose();
-				right += asked.lack( around ) * asked.normal;
+				sum += own.normal * own.normal.transpose();
+				right += own.violation( mean ) * own.normal;
 			}
 		}
-		const Vec3d next = around + sum.inverse() * right;
-		const bool isSame = ( next - way ).norm() <= kAgreedFraction * most;
-		way = next;
+		const Vec3d next = mean + sum.inverse() * right;
+		const bool isSame = ( next - velocity ).norm() <= kAgreedFraction * largest;
+		velocity = next;
 		if ( isSame )
 		{
 			break;
@@ -146,27 +147,27 @@ void ImplicitBlock::agreeOnTargets( std::size_t first, std::size_t end )
 	}
 	for ( std::size_t k = first; k < end; ++k )
 	{
-		BlockContact& contact = contacts[m_between[k].contact];
-		const double less = std::max( 0.0, demand( k ).lack( way ) );
-		contact.target -= less;
-		contact.parting = std::min( contact.parting, contact.target );
+		BlockContact& contact = contacts[m_prescribed[k].contact];
+		const double reduction = std::max( 0.0, constraint( k ).violation( velocity ) );
+		contact.target -= reduction;
+		contact.targetWithoutBounce = std::min( contact.targetWithoutBounce, contact.target );
 	}
 }
 
-// Where others stand between two things from whose two sides the block is pressed, a box, the nodes of another body, no node knows. But who
-// is pressed between them and can go nowhere stands, and lacks what it is asked for in each substep: then no more of it is carried on. What
-// is held up by what it presses is pressed further, moves, and so is carried again.
+// A block may also be squeezed with other bodies in between, so that no single node has conflicting contacts. A stuck contact there
+// violates its target in every substep without changing; its carried impulse decays. If that removes support, the body moves and the decay
+// ends.
 void ImplicitBlock::carryImpulses()
 {
-	const bool isBetween = isPressedBetween( contacts );
+	const bool isBlockSqueezed = isSqueezed( contacts );
 	for ( BlockContact& contact : contacts )
 	{
 		contact.carried = contact.normalImpulse;
-		const double along = contact.normal.dot( relativeSpeed( contact, m_v.data() ) ), lack = contact.target - along;
-		const double change = std::abs( along - contact.normal.dot( contact.before ) );
-		if ( isBetween && contact.presses && lack > kOddsLack && change < kOddsChange * lack )
+		const double along = contact.normal.dot( relativeVelocity( contact, m_v.data() ) ), violation = contact.target - along;
+		const double change = std::abs( along - contact.normal.dot( contact.velocityBefore ) );
+		if ( isBlockSqueezed && contact.isActive && violation > kConflictViolation && change < kConflictChange * violation )
 		{
-			contact.carried = std::max( 0.0, ( 1.0 - kOddsLeft ) * ( contact.normalImpulse - contact.stiffness * lack ) );
+			contact.carried = std::max( 0.0, ( 1.0 - kConflictDecay ) * ( contact.normalImpulse - contact.stiffness * violation ) );
 		}
 	}
 }

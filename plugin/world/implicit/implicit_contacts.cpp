@@ -15,14 +15,14 @@ namespace pliant {
 
 namespace {
 
-const ContactProxy* asNode( const btCollisionObject* object )
+const ContactProxy* asProxy( const btCollisionObject* object )
 {
 	return ownerOfContactProxy( object ) ? static_cast<const ContactProxy*>( object ) : nullptr;
 }
 
-/// A contact that was a block's rubs in two directions; a solver with one leaves the other's impulse as it lies, and who sums them up would
-/// take it for the last solve's.
-void forgetSecondDirection( btPersistentManifold& manifold )
+/// Contacts of a block have friction in two directions. A solver with one direction leaves the impulse of the second unchanged, so that
+/// sums of applied impulses would include a stale value.
+void clearSecondDirection( btPersistentManifold& manifold )
 {
 	for ( int k = 0; k < manifold.getNumContacts(); ++k )
 	{
@@ -30,8 +30,8 @@ void forgetSecondDirection( btPersistentManifold& manifold )
 	}
 }
 
-/// Two rigid bodies whose contacts the block can take over: nothing but friction. Between two solvers a stack would be pressed through
-/// itself.
+/// True for two rigid bodies whose contacts the block can take over: they have sliding friction only. A stack split between two solvers
+/// would be pressed through itself.
 bool isPlainRigid( const btPersistentManifold& manifold )
 {
 	for ( int k = 0; k < manifold.getNumContacts(); ++k )
@@ -45,35 +45,35 @@ bool isPlainRigid( const btPersistentManifold& manifold )
 	return btRigidBody::upcast( manifold.getBody0() ) && btRigidBody::upcast( manifold.getBody1() );
 }
 
-/// Whether both of two rigid bodies are moved by the block, or stand.
-bool takeParts( const btCollisionObject* const ( &objects )[2], int block, const BlockPositions& positions )
+/// True if each of two rigid bodies is moved by the block or fixed.
+bool areInBlock( const btCollisionObject* const ( &objects )[2], int block, const BlockLookup& lookup )
 {
 	return block >= 0 && std::all_of( std::begin( objects ), std::end( objects ), [&]( const btCollisionObject* object ) {
-		return object->isStaticOrKinematicObject() || positions.takesPart( block, *object );
+		return object->isStaticOrKinematicObject() || lookup.takesPart( block, *object );
 	} );
 }
 
-/// The block that solves a manifold's contacts; -1: they are Bullet's.
-int blockOf( const btPersistentManifold& manifold, const BlockPositions& positions )
+/// Returns the block that solves a manifold's contacts; -1: Bullet solves them.
+int blockOf( const btPersistentManifold& manifold, const BlockLookup& lookup )
 {
 	const btCollisionObject* const objects[2] = { manifold.getBody0(), manifold.getBody1() };
 	int block = -1;
 	bool hasNode = false;
 	for ( const btCollisionObject* object : objects )
 	{
-		const ContactProxy* const node = asNode( object );
+		const ContactProxy* const node = asProxy( object );
 		hasNode = hasNode || node;
-		block = node && block < 0 && node->node >= 0 ? positions.blockOf( *node->owner ) : block;
+		block = node && block < 0 && node->node >= 0 ? lookup.blockOf( *node->owner ) : block;
 	}
 	if ( !hasNode && isPlainRigid( manifold ) )
 	{
-		block = std::max( positions.blockOfIsland( objects[0]->getIslandTag() ), positions.blockOfIsland( objects[1]->getIslandTag() ) );
-		block = takeParts( objects, block, positions ) ? block : -1;
+		block = std::max( lookup.blockOfIsland( objects[0]->getIslandTag() ), lookup.blockOfIsland( objects[1]->getIslandTag() ) );
+		block = areInBlock( objects, block, lookup ) ? block : -1;
 	}
 	return block;
 }
 
-/// An object's friction by direction, the root of its scales, in world axes.
+/// Returns the square root of an object's anisotropic friction scales, in world axes.
 Eigen::Matrix3d rootOfScales( const btCollisionObject& object )
 {
 	if ( !object.hasAnisotropicFriction( btCollisionObject::CF_ANISOTROPIC_FRICTION ) )
@@ -84,8 +84,8 @@ Eigen::Matrix3d rootOfScales( const btCollisionObject& object )
 	return axes * toVec3d( object.getAnisotropicFriction() ).cwiseMax( 0.0 ).cwiseSqrt().asDiagonal() * axes.transpose();
 }
 
-/// S of a contact, where one of the two has any: their product where they have the same axes.
-void giveDirections( const btCollisionObject* const ( &objects )[2], BlockContact& contact, ImplicitBlock& block )
+/// Sets S of a contact if either object has anisotropic friction; with common axes it is the product of their scales.
+void setFrictionScale( const btCollisionObject* const ( &objects )[2], BlockContact& contact, ImplicitBlock& block )
 {
 	if ( !objects[0]->hasAnisotropicFriction( btCollisionObject::CF_ANISOTROPIC_FRICTION ) &&
 		!objects[1]->hasAnisotropicFriction( btCollisionObject::CF_ANISOTROPIC_FRICTION ) )
@@ -94,11 +94,11 @@ void giveDirections( const btCollisionObject* const ( &objects )[2], BlockContac
 	}
 	const Eigen::Matrix3d roots = rootOfScales( *objects[1] ) * rootOfScales( *objects[0] );
 	const Eigen::Matrix3d inPlane = Eigen::Matrix3d::Identity() - contact.normal * contact.normal.transpose();
-	contact.directed = int( block.directions.size() );
-	block.directions.push_back( inPlane * ( roots.transpose() * roots ) * inPlane );
+	contact.frictionScale = int( block.frictionScales.size() );
+	block.frictionScales.push_back( inPlane * ( roots.transpose() * roots ) * inPlane );
 }
 
-/// What the game lets the second surface run at along the contact (conveyors): as Bullet's solver takes it.
+/// Returns the velocity of the second surface along the contact (conveyors), as Bullet's solver interprets it.
 Vec3d surfaceVelocity( const btManifoldPoint& point, const btContactSolverInfo& info )
 {
 	const bool isGiven = ( info.m_solverMode & SOLVER_ENABLE_FRICTION_DIRECTION_CACHING ) != 0 &&
@@ -118,9 +118,9 @@ bool isDrawn( const ContactProxy* node )
 	return node && node->node >= 0 && node->owner->impl().isMetAsDrawn();
 }
 
-/// The nodes of a contact of nodes' own spheres: the node, or of two round surfaces the one behind it too. It acts at the node's centre, on
-/// both sides: so no turn is lost.
-Vec3d shareAtNodes( const ContactProxy* const ( &nodes )[2], SharedNodes ( &shared )[2] )
+/// Sets the nodes of a contact between the nodes' own spheres: the node, and between two round surfaces also the node behind it. Returns
+/// the position at which it acts, world, m: the node's centre for both sides, which conserves angular momentum.
+Vec3d distributeToNodes( const ContactProxy* const ( &nodes )[2], SharedNodes ( &shared )[2] )
 {
 	const bool isRound = nodes[0] && nodes[1] && nodes[0]->node >= 0 && nodes[1]->node >= 0 &&
 		useRoundSpheres( *nodes[0]->owner, *nodes[1]->owner );
@@ -145,14 +145,14 @@ Vec3d shareAtNodes( const ContactProxy* const ( &nodes )[2], SharedNodes ( &shar
 	return nodes[0] || nodes[1] ? toVec3d( ( nodes[0] ? nodes[0] : nodes[1] )->getWorldTransform().getOrigin() ) : Vec3d( Vec3d::Zero() );
 }
 
-/// The nodes that share a contact with a drawn surface, on each side that is a node. Returns where it acts on what else there is, world, m:
-/// where the nodes can share it, so that no spin is lost. While it is solved one side's point lies at the height of the node
-/// (MovedContacts), and friction acts in the middle between the two.
-Vec3d shareOnSurface(
+/// Sets the nodes that share a contact with a drawn surface, on each side that is a node. Returns the position at which it acts on the
+/// other side, world, m: the point that the nodes' weights reproduce, which conserves angular momentum. During the solve one side's point
+/// lies at the height of the node (MovedContacts), and friction acts midway between the two.
+Vec3d distributeOnSurface(
 	const ContactProxy* const ( &nodes )[2], const btManifoldPoint& point, const Vec3d& normal, SharedNodes ( &shared )[2] )
 {
 	const Vec3d middle = 0.5 * ( toVec3d( point.getPositionWorldOnA() ) + toVec3d( point.getPositionWorldOnB() ) );
-	Vec3d acts = middle;
+	Vec3d position = middle;
 	for ( int side = 1; side >= 0; --side )
 	{
 		if ( !nodes[side] || nodes[side]->node < 0 )
@@ -163,15 +163,15 @@ Vec3d shareOnSurface(
 		const Vec3d node = toVec3d( impl.position( nodes[side]->node ) );
 		Vec3d at = middle - node;
 		shared[side] = impl.surfaceNow().sharedNodes( impl.body->nodes(), nodes[side]->node, normal, at );
-		acts = node + at;
+		position = node + at;
 	}
-	return acts;
+	return position;
 }
 
-/// The velocity, m/s, by which the surface of a rolling sphere lags behind the velocities of its nodes: they move along chords, so that a
-/// sphere of radius R and angular velocity w comes ( h w )^2 R / 2 nearer to what it rolls on in a step of h than the point of it that
-/// touches. Without this a rolling body sinks and is lifted again, which costs its energy.
-double rolling( const ContactProxy* const ( &nodes )[2], const BlockContact& contact, ImplicitBlock& block, double h )
+/// Returns the speed, m/s, at which a rolling surface recedes from the contact: nodes move along chords, so in a step of h a sphere of
+/// radius R and angular velocity w comes ( h w )^2 R / 2 nearer to the ground than its touching point does. Without this correction a
+/// rolling body sinks and is lifted again, which costs energy.
+double rollingLag( const ContactProxy* const ( &nodes )[2], const BlockContact& contact, ImplicitBlock& block, double h )
 {
 	double sum = 0.0;
 	for ( int side = 0; side < 2; ++side )
@@ -186,55 +186,55 @@ double rolling( const ContactProxy* const ( &nodes )[2], const BlockContact& con
 			impl.body->nodes(), own.node, side == 0 ? Vec3d( -contact.normal ) : contact.normal );
 		if ( radius > 0.0 )
 		{
-			const Vec3d turn = block.turnOf( own );
-			sum += 0.5 * h * radius * ( turn - turn.dot( contact.normal ) * contact.normal ).squaredNorm();
+			const Vec3d angularVelocity = block.angularVelocityOf( own );
+			sum += 0.5 * h * radius * ( angularVelocity - angularVelocity.dot( contact.normal ) * contact.normal ).squaredNorm();
 		}
 	}
 	return sum;
 }
 
-/// b: speed of parting asked for. Before touch, whatever closes the gap within the step; then out of what is too deep, and bouncing off.
-/// `approach`: without contacts, elasticity left out; it bounces off the speed at the substep's start (implicit_restitution.cpp).
-/// `rolling`, m/s, is added.
-void aim( BlockContact& contact, const btContactSolverInfo& info, double approach, double rolling )
+/// Sets b, the target separation speed: before touch it closes the gap within the step, in penetration it pushes out, and with restitution
+/// it bounces off the velocity at the start of the substep (implicit_restitution.cpp). `approach`: approach speed without contacts and
+/// elasticity, m/s. `rollingLag`, m/s, is added.
+void setTarget( BlockContact& contact, const btContactSolverInfo& info, double approach, double rollingLag )
 {
 	const btManifoldPoint& point = *contact.point;
 	const double h = double( info.m_timeStep ), gap = double( point.m_distance1 );
-	contact.parting = gap > 0.0 ? -gap / h : std::min( -gap * double( info.m_erp2 ) / h, kPushOutSpeed );
-	contact.parting += rolling;
-	contact.target = contact.parting;
-	const double met = -contact.normal.dot( contact.before );
-	contact.bounces = gap < approach * h && point.m_combinedRestitution > 0 && met > double( info.m_restitutionVelocityThreshold );
+	contact.targetWithoutBounce = gap > 0.0 ? -gap / h : std::min( -gap * double( info.m_erp2 ) / h, kPushOutSpeed );
+	contact.targetWithoutBounce += rollingLag;
+	contact.target = contact.targetWithoutBounce;
+	const double impact = -contact.normal.dot( contact.velocityBefore );
+	contact.bounces = gap < approach * h && point.m_combinedRestitution > 0 && impact > double( info.m_restitutionVelocityThreshold );
 	if ( contact.bounces )
 	{
-		contact.target = std::max( contact.parting, double( point.m_combinedRestitution ) * met );
+		contact.target = std::max( contact.targetWithoutBounce, double( point.m_combinedRestitution ) * impact );
 	}
 }
 
 } // namespace
 
 void ImplicitContacts::gather(
-	btDispatcher& dispatcher, const btContactSolverInfo& info, BlockPositions& positions, std::deque<ImplicitBlock>& blocks )
+	btDispatcher& dispatcher, const btContactSolverInfo& info, BlockLookup& lookup, std::deque<ImplicitBlock>& blocks )
 {
 	m_count = 0;
 	m_hidden.clear();
 	for ( int m = 0; m < dispatcher.getNumManifolds(); ++m )
 	{
-		gatherFrom( *dispatcher.getManifoldByIndexInternal( m ), info, positions, blocks );
+		gatherFrom( *dispatcher.getManifoldByIndexInternal( m ), info, lookup, blocks );
 	}
 }
 
 void ImplicitContacts::gatherFrom(
-	btPersistentManifold& manifold, const btContactSolverInfo& info, BlockPositions& positions, std::deque<ImplicitBlock>& blocks )
+	btPersistentManifold& manifold, const btContactSolverInfo& info, BlockLookup& lookup, std::deque<ImplicitBlock>& blocks )
 {
 	const btCollisionObject* const objects[2] = { manifold.getBody0(), manifold.getBody1() };
-	const ContactProxy* const nodes[2] = { asNode( objects[0] ), asNode( objects[1] ) };
-	const int block = blockOf( manifold, positions );
+	const ContactProxy* const nodes[2] = { asProxy( objects[0] ), asProxy( objects[1] ) };
+	const int block = blockOf( manifold, lookup );
 	if ( block < 0 )
 	{
 		if ( ( info.m_solverMode & SOLVER_USE_2_FRICTION_DIRECTIONS ) == 0 )
 		{
-			forgetSecondDirection( manifold );
+			clearSecondDirection( manifold );
 		}
 		return;
 	}
@@ -256,46 +256,47 @@ void ImplicitContacts::gatherFrom(
 		contact.normal = toVec3d( point.m_normalWorldOnB );
 		contact.isDrawn = ( isDrawn( nodes[0] ) || isDrawn( nodes[1] ) ) && !isExplicit( nodes[0] ) && !isExplicit( nodes[1] );
 		SharedNodes shared[2];
-		const Vec3d acts = contact.isDrawn ? shareOnSurface( nodes, point, contact.normal, shared ) : shareAtNodes( nodes, shared );
+		const Vec3d position = contact.isDrawn ? distributeOnSurface( nodes, point, contact.normal, shared )
+											   : distributeToNodes( nodes, shared );
 		for ( int side = 0; side < 2; ++side )
 		{
 			const Vec3d touches = toVec3d( side == 0 ? point.getPositionWorldOnA() : point.getPositionWorldOnB() );
-			contact.side[side] = sideOf( *objects[side], block, positions, nodes[0] || nodes[1] ? acts : touches );
+			contact.side[side] = sideOf( *objects[side], block, lookup, nodes[0] || nodes[1] ? position : touches );
 			contact.side[side].shared = nodes[side] ? shared[side] : SharedNodes{};
 		}
-		contact.side[1].given += surfaceVelocity( point, info );
+		contact.side[1].prescribedVelocity += surfaceVelocity( point, info );
 		if ( !contact.moves() )
 		{
 			continue;
 		}
 		contact.friction = double( point.m_combinedFriction );
-		giveDirections( objects, contact, blocks[std::size_t( block )] );
+		setFrictionScale( objects, contact, blocks[std::size_t( block )] );
 		contact.point = &point;
 		contact.normalImpulse = double( point.m_appliedImpulse );
 		contact.tangentImpulse = double( point.m_appliedImpulseLateral1 ) * toVec3d( point.m_lateralFrictionDir1 ) +
 			double( point.m_appliedImpulseLateral2 ) * toVec3d( point.m_lateralFrictionDir2 );
 		ImplicitBlock& own = blocks[std::size_t( block )];
-		contact.before = own.velocityBefore( contact );
-		const double rolls = contact.isDrawn ? rolling( nodes, contact, own, double( info.m_timeStep ) ) : 0.0;
-		aim( contact, info, -contact.normal.dot( own.freeSpeed( contact ) ), rolls );
+		contact.velocityBefore = own.velocityBefore( contact );
+		const double rolling = contact.isDrawn ? rollingLag( nodes, contact, own, double( info.m_timeStep ) ) : 0.0;
+		setTarget( contact, info, -contact.normal.dot( own.freeVelocity( contact ) ), rolling );
 		blocks[std::size_t( block )].contacts.push_back( contact );
 		++m_count;
 	}
 }
 
-ContactSide ImplicitContacts::sideOf( const btCollisionObject& object, int block, BlockPositions& positions, const Vec3d& at ) const
+ContactSide ImplicitContacts::sideOf( const btCollisionObject& object, int block, BlockLookup& lookup, const Vec3d& at ) const
 {
 	ContactSide side;
-	if ( const ContactProxy* node = asNode( &object ) )
+	if ( const ContactProxy* node = asProxy( &object ) )
 	{
 		const NodeState& nodes = node->owner->impl().body->nodes();
-		const bool isFree = node->node >= 0 && positions.blockOf( *node->owner ) == block && nodes.freedom[node->node] != 0.0f;
-		side.soft = isFree ? positions.softPart( *node->owner ) : -1;
+		const bool isFree = node->node >= 0 && lookup.blockOf( *node->owner ) == block && nodes.freedom[node->node] != 0.0f;
+		side.soft = isFree ? lookup.softPart( *node->owner ) : -1;
 		side.node = node->node;
-		side.given = isFree ? Vec3d( Vec3d::Zero() ) : toVec3d( node->getLinearVelocity() );
+		side.prescribedVelocity = isFree ? Vec3d( Vec3d::Zero() ) : toVec3d( node->getLinearVelocity() );
 		return side;
 	}
-	// A kinematic object may bear the static flag as well: Bullet's objects are born with it.
+	// A kinematic object may have the static flag as well: Bullet sets it on every new object.
 	btRigidBody* const rigid = btRigidBody::upcast( const_cast<btCollisionObject*>( &object ) );
 	if ( !rigid || ( rigid->isStaticObject() && !rigid->isKinematicObject() ) )
 	{
@@ -304,10 +305,10 @@ ContactSide ImplicitContacts::sideOf( const btCollisionObject& object, int block
 	const Vec3d arm = at - toVec3d( rigid->getCenterOfMassPosition() );
 	if ( rigid->isKinematicObject() || rigid->getInvMass() == 0 )
 	{
-		side.given = toVec3d( rigid->getLinearVelocity() ) + toVec3d( rigid->getAngularVelocity() ).cross( arm );
+		side.prescribedVelocity = toVec3d( rigid->getLinearVelocity() ) + toVec3d( rigid->getAngularVelocity() ).cross( arm );
 		return side;
 	}
-	side.rigid = positions.rigidPart( block, *rigid );
+	side.rigid = lookup.rigidPart( block, *rigid );
 	side.arm = arm;
 	return side;
 }
@@ -323,7 +324,7 @@ void ImplicitContacts::writeBack( ImplicitBlock& block )
 	}
 }
 
-void ImplicitContacts::show()
+void ImplicitContacts::unhide()
 {
 	for ( const Hidden& hidden : m_hidden )
 	{

@@ -1,7 +1,7 @@
 #pragma once
 
-// From Bullet's manifolds to the contacts of implicit blocks and back: places, laws and the last substep's impulses come out of the contact
-// points, and the impulses found go back into them, where games look for them. docs/design/implicit.md.
+// Converts Bullet's manifolds to the contacts of implicit blocks and back: positions, friction, restitution and the last substep's impulses
+// are read from the contact points, and the solved impulses are written to them for callers. docs/design/implicit.md.
 
 #include "world/implicit/implicit_block.h"
 
@@ -19,39 +19,38 @@ namespace pliant {
 
 class ContactProxy;
 
-/// Finds which block, and which part of it, a collision object is.
-class BlockPositions
+/// Maps collision objects to blocks and their parts.
+class BlockLookup
 {
 public:
-	virtual ~BlockPositions() = default;
-	/// The block of a soft body; -1: it takes part in none.
+	virtual ~BlockLookup() = default;
+	/// Returns the block of a soft body; -1: none.
 	virtual int blockOf( const SoftBody& body ) const = 0;
-	/// The block of an island, by Bullet's tag; -1: it has none.
+	/// Returns the block of the island with Bullet's tag; -1: none.
 	virtual int blockOfIsland( int tag ) const = 0;
 	virtual int softPart( const SoftBody& body ) const = 0;
-	/// Whether a rigid body of the block's island is among those that it moves (implicit_reach.h).
+	/// Returns true if the block moves a rigid body of its island (implicit_reach.h).
 	virtual bool takesPart( int block, const btCollisionObject& rigid ) const = 0;
-	/// The part of a rigid body that can be moved in a block; made where it is missing.
+	/// Returns the part of a movable rigid body in a block, creating it if necessary.
 	virtual int rigidPart( int block, btRigidBody& body ) = 0;
 };
 
-/// The contacts of one manifold with its blocks' bodies; true when there are any: they are then no concern of Bullet's solver.
+/// Gathers the contacts that implicit blocks solve, and hides them from Bullet's solver.
 class ImplicitContacts
 {
 public:
-	/// Adds the contacts of all manifolds that name a node of a block's body, or two rigid bodies of its island, and hides them from
-	/// Bullet's solver.
-	void gather( btDispatcher& dispatcher, const btContactSolverInfo& info, BlockPositions& positions, std::deque<ImplicitBlock>& blocks );
-	/// Impulses into the contact points; sleeping bodies that are pressed wake.
+	/// Adds the contacts of all manifolds with a node of a block's body or with two rigid bodies of its island, and hides the manifolds.
+	void gather( btDispatcher& dispatcher, const btContactSolverInfo& info, BlockLookup& lookup, std::deque<ImplicitBlock>& blocks );
+	/// Writes the impulses to the contact points.
 	static void writeBack( ImplicitBlock& block );
-	/// Bullet may see them again.
-	void show();
+	/// Makes the hidden manifolds visible to Bullet again.
+	void unhide();
 	int count() const { return m_count; }
 
 private:
 	void gatherFrom(
-		btPersistentManifold& manifold, const btContactSolverInfo& info, BlockPositions& positions, std::deque<ImplicitBlock>& blocks );
-	ContactSide sideOf( const btCollisionObject& object, int block, BlockPositions& positions, const Vec3d& at ) const;
+		btPersistentManifold& manifold, const btContactSolverInfo& info, BlockLookup& lookup, std::deque<ImplicitBlock>& blocks );
+	ContactSide sideOf( const btCollisionObject& object, int block, BlockLookup& lookup, const Vec3d& at ) const;
 
 	struct Hidden
 	{

@@ -1,4 +1,4 @@
-// Where an implicit block's bodies and the nodes that contacts name stand in its vectors, and what its iteration begins with.
+// The layout of an implicit block's vectors, and the initial guess of its iteration.
 
 #include "world/implicit/implicit_block.h"
 
@@ -30,9 +30,9 @@ void ImplicitBlock::layOut()
 	m_size = ( m_size + kLanes - 1 ) / kLanes * kLanes;
 	m_v.assign( std::size_t( m_size ), 0.0f );
 	m_inverseDiagonal.assign( std::size_t( m_size ), 0.0f );
-	for ( AlignedArray<float>* array : { &m_next, &m_rightSide, &m_free, &m_freeNext, &m_massed, &m_scratch } )
+	for ( AlignedArray<float>* array : { &m_next, &m_rightSide, &m_free, &m_freeNext, &m_massProduct, &m_scratch } )
 	{
-		array->resize( std::size_t( m_size ) ); // each is written whole before it is read
+		array->resize( std::size_t( m_size ) ); // each is fully written before it is read
 	}
 	listConnected();
 	for ( const SoftPart& part : soft )
@@ -43,10 +43,10 @@ void ImplicitBlock::layOut()
 	{
 		for ( int k = 0; k < 6; ++k )
 		{
-			m_v[std::size_t( part.offset + k )] = float( part.before[k] );
+			m_v[std::size_t( part.offset + k )] = float( part.velocityBefore[k] );
 		}
 	}
-	nameNodeBlocks();
+	registerNodeBlocks();
 	layOutCoarse();
 }
 
@@ -58,7 +58,7 @@ void ImplicitBlock::listConnected()
 		soft[p].firstConnected = int( m_connected.size() );
 		for ( int part = 0; part < soft[p].motion->parts().count(); ++part )
 		{
-			m_connected.push_back( Connected{ int( p ), part, -1, false } );
+			m_connected.push_back( ConnectedPart{ int( p ), part, -1, false } );
 		}
 	}
 	for ( const BlockContact& contact : contacts )
@@ -73,13 +73,13 @@ void ImplicitBlock::listConnected()
 	}
 }
 
-/// The iteration begins with the speeds of the substep's start; what is held has its speed already. What touches nothing and hangs by
-/// nothing falls: it begins with the speeds of free flight, and where it is not strained is done. So does a part of a body that is in
-/// several, whatever the others touch.
+// The initial guess is the velocities at the start of the substep; held nodes keep their prescribed ones. A body without contacts and held
+// nodes starts from the velocities of free flight, which solve the system if it is not strained. So does each connected part without
+// contacts and held nodes.
 void ImplicitBlock::startFrom( const SoftPart& part )
 {
 	const int padded = part.motion->padded();
-	const Vec3Array& start = contacts.empty() && !part.motion->hasHeldNodes() ? part.motion->nodes().v : *part.before;
+	const Vec3Array& start = contacts.empty() && !part.motion->hasHeldNodes() ? part.motion->nodes().v : *part.velocityBefore;
 	const AlignedArray<float>* const from[3] = { &start.x, &start.y, &start.z };
 	for ( int k = 0; k < 3; ++k )
 	{
@@ -105,10 +105,10 @@ void ImplicitBlock::startFrom( const SoftPart& part )
 	}
 }
 
-void ImplicitBlock::nameNodeBlocks()
+void ImplicitBlock::registerNodeBlocks()
 {
 	std::for_each(
-		m_nodeBlocks.begin(), m_nodeBlocks.end(), [this]( const NodeBlock& named ) { m_blockOf[std::size_t( named.place )] = -1; } );
+		m_nodeBlocks.begin(), m_nodeBlocks.end(), [this]( const NodeBlock& named ) { m_blockOf[std::size_t( named.index )] = -1; } );
 	m_nodeBlocks.clear();
 	m_clusters.clear();
 	m_blockOf.resize( std::max( m_blockOf.size(), std::size_t( m_size ) ), -1 );
@@ -122,21 +122,21 @@ void ImplicitBlock::nameNodeBlocks()
 			}
 			for ( int j = 0; j < side.shared.count; ++j )
 			{
-				side.block[j] = nameNode( side.soft, side.shared.node[j] );
+				side.block[j] = registerNode( side.soft, side.shared.node[j] );
 			}
 		}
-		nameClusters( contact );
+		assignClusters( contact );
 	}
 }
 
-int ImplicitBlock::nameNode( int part, int node )
+int ImplicitBlock::registerNode( int part, int node )
 {
-	const int place = soft[std::size_t( part )].offset + node;
-	int& block = m_blockOf[std::size_t( place )];
+	const int index = soft[std::size_t( part )].offset + node;
+	int& block = m_blockOf[std::size_t( index )];
 	if ( block < 0 )
 	{
 		block = int( m_nodeBlocks.size() );
-		m_nodeBlocks.push_back( NodeBlock{ part, node, place } );
+		m_nodeBlocks.push_back( NodeBlock{ part, node, index } );
 	}
 	return block;
 }

@@ -1,4 +1,4 @@
-// Momentum that the end of the iteration must not lose.
+// Restores the momentum that the truncated iteration loses.
 
 #include "world/bodies/soft_body_impl.h"
 #include "world/implicit/implicit_block.h"
@@ -9,7 +9,7 @@ namespace pliant {
 
 namespace {
 
-/// A rigid motion's mass about `centre` of something with `mass` at `at`.
+/// Returns the mass matrix of rigid motions about `centre` of a body with `mass` and `inertia` at `at`.
 Matrix6 massAbout( const Vec3d& centre, double mass, const Eigen::Matrix3d& inertia, const Vec3d& at )
 {
 	const Vec3d arm = at - centre;
@@ -19,7 +19,7 @@ Matrix6 massAbout( const Vec3d& centre, double mass, const Eigen::Matrix3d& iner
 	return whole;
 }
 
-/// What must not be lost: a force's sum and turn, moved from `at` to `centre`.
+/// Returns a momentum and angular momentum about `at` as seen about `centre`.
 Vector6 movedTo( const Vec3d& centre, const Vector6& sums, const Vec3d& at )
 {
 	Vector6 moved = sums;
@@ -27,7 +27,7 @@ Vector6 movedTo( const Vec3d& centre, const Vector6& sums, const Vec3d& at )
 	return moved;
 }
 
-/// The rigid motion `about` centre, seen from `at`.
+/// Returns the rigid motion about `centre` expressed at `at`.
 Vector6 seenFrom( const Vec3d& at, const Vector6& motion, const Vec3d& centre )
 {
 	Vector6 seen = motion;
@@ -37,14 +37,13 @@ Vector6 seenFrom( const Vec3d& at, const Vector6& motion, const Vec3d& centre )
 
 } // namespace
 
-// The iteration ends early and in float. What is then missing of the momentum of what touches nothing fixed is given to all that touches
-// each other together, as one rigid motion: given to the light ones alone it would throw them. Parts of one soft body that nothing links
-// are as many bodies here.
-void ImplicitBlock::keepMomentum()
+// The iteration is truncated and runs in float. The missing momentum of each group of touching bodies without a fixed one is added to the
+// whole group as one rigid motion; added to light members alone it would throw them. Connected parts of a soft body are separate bodies.
+void ImplicitBlock::restoreMomentum()
 {
-	const std::size_t parts = m_connected.size(), count = 1 + parts + rigid.size(); // 0 is what is fixed
+	const std::size_t parts = m_connected.size(), count = 1 + parts + rigid.size(); // 0: the fixed group
 	UnionFind groups( count );
-	const auto placeOf = [&]( const ContactSide& side ) {
+	const auto indexOf = [&]( const ContactSide& side ) {
 		return std::uint32_t( side.soft >= 0 ? 1 + std::size_t( &connectedOf( side ) - m_connected.data() )
 				: side.rigid >= 0            ? 1 + parts + std::size_t( side.rigid )
 											 : 0 );
@@ -53,7 +52,7 @@ void ImplicitBlock::keepMomentum()
 	{
 		if ( contact.normalImpulse != 0.0 )
 		{
-			groups.join( placeOf( contact.side[0] ), placeOf( contact.side[1] ) );
+			groups.join( indexOf( contact.side[0] ), indexOf( contact.side[1] ) );
 		}
 	}
 	for ( std::size_t p = 0; p < parts; ++p )
@@ -71,7 +70,7 @@ void ImplicitBlock::keepMomentum()
 			groups.join( std::uint32_t( 1 + parts + p ), 0 );
 		}
 	}
-	// Groups in the order of their lowest, each with its members ascending.
+	// Groups in the order of their lowest member, each with its members in ascending order.
 	m_groupStart.assign( count + 1, 0 );
 	for ( std::uint32_t k = 0; k < count; ++k )
 	{
@@ -84,71 +83,71 @@ void ImplicitBlock::keepMomentum()
 	m_groupMembers.resize( count );
 	for ( std::uint32_t k = 0; k < count; ++k )
 	{
-		m_groupMembers[m_groupStart[groups.find( k )]++] = k; // which moves each start to the next one's
+		m_groupMembers[m_groupStart[groups.find( k )]++] = k; // moves each start to the start of the next group
 	}
 	for ( std::size_t group = 1; group < count; ++group )
 	{
 		if ( m_groupStart[group - 1] < m_groupStart[group] )
 		{
-			keepMomentumOf( m_groupMembers.data() + m_groupStart[group - 1], m_groupMembers.data() + m_groupStart[group] );
+			restoreMomentumOf( m_groupMembers.data() + m_groupStart[group - 1], m_groupMembers.data() + m_groupStart[group] );
 		}
 	}
 }
 
-/// Something that moves as a whole: `k` as in keepMomentum.
-ImplicitBlock::Mover ImplicitBlock::moverAt( std::uint32_t k )
+/// Returns the body of index `k` as numbered in restoreMomentum.
+ImplicitBlock::MovingBody ImplicitBlock::movingBodyAt( std::uint32_t k )
 {
-	Mover mover;
+	MovingBody moving;
 	if ( k <= m_connected.size() )
 	{
-		const Connected& own = m_connected[k - 1];
-		mover.motion = soft[std::size_t( own.soft )].motion;
-		mover.part = own.part;
-		mover.centre = mover.motion->nodes().origin + mover.motion->centre( own.part );
-		mover.mass = mover.motion->rigidMass( own.part );
-		mover.missing = mover.motion->missingMomentum( own.part );
-		return mover;
+		const ConnectedPart& own = m_connected[k - 1];
+		moving.motion = soft[std::size_t( own.soft )].motion;
+		moving.part = own.part;
+		moving.centre = moving.motion->nodes().origin + moving.motion->centre( own.part );
+		moving.mass = moving.motion->rigidMass( own.part );
+		moving.missingMomentum = moving.motion->missingMomentum( own.part );
+		return moving;
 	}
-	mover.rigid = &rigid[k - 1 - m_connected.size()];
-	const Vector6 lacks = mover.rigid->free - mover.rigid->speed;
-	mover.centre = mover.rigid->centre;
-	mover.mass( 0, 0 ) = mover.rigid->mass;
-	mover.mass.bottomRightCorner<3, 3>() = mover.rigid->inertia;
-	mover.missing << mover.rigid->mass * lacks.head<3>(), mover.rigid->inertia * lacks.tail<3>();
-	return mover;
+	moving.rigid = &rigid[k - 1 - m_connected.size()];
+	const Vector6 missingVelocity = moving.rigid->freeVelocity - moving.rigid->velocity;
+	moving.centre = moving.rigid->centre;
+	moving.mass( 0, 0 ) = moving.rigid->mass;
+	moving.mass.bottomRightCorner<3, 3>() = moving.rigid->inertia;
+	moving.missingMomentum << moving.rigid->mass * missingVelocity.head<3>(), moving.rigid->inertia * missingVelocity.tail<3>();
+	return moving;
 }
 
-void ImplicitBlock::keepMomentumOf( const std::uint32_t* begin, const std::uint32_t* end )
+void ImplicitBlock::restoreMomentumOf( const std::uint32_t* begin, const std::uint32_t* end )
 {
 	double mass = 0.0;
 	Vec3d centre = Vec3d::Zero();
-	m_movers.clear();
+	m_movingBodies.clear();
 	for ( const std::uint32_t* k = begin; k < end; ++k )
 	{
-		const Mover& mover = m_movers.emplace_back( moverAt( *k ) );
-		mass += mover.mass( 0, 0 );
-		centre += mover.mass( 0, 0 ) * mover.centre;
+		const MovingBody& moving = m_movingBodies.emplace_back( movingBodyAt( *k ) );
+		mass += moving.mass( 0, 0 );
+		centre += moving.mass( 0, 0 ) * moving.centre;
 	}
 	centre /= mass;
 
 	Matrix6 whole = Matrix6::Zero();
-	Vector6 missing = Vector6::Zero();
-	for ( const Mover& mover : m_movers )
+	Vector6 missingMomentum = Vector6::Zero();
+	for ( const MovingBody& moving : m_movingBodies )
 	{
-		whole += massAbout( centre, mover.mass( 0, 0 ), mover.mass.bottomRightCorner<3, 3>(), mover.centre );
-		missing += movedTo( centre, mover.missing, mover.centre );
+		whole += massAbout( centre, moving.mass( 0, 0 ), moving.mass.bottomRightCorner<3, 3>(), moving.centre );
+		missingMomentum += movedTo( centre, moving.missingMomentum, moving.centre );
 	}
-	const Vector6 motion = whole.inverse() * missing;
-	for ( const Mover& mover : m_movers )
+	const Vector6 motion = whole.inverse() * missingMomentum;
+	for ( const MovingBody& moving : m_movingBodies )
 	{
-		const Vector6 seen = seenFrom( mover.centre, motion, centre );
-		if ( mover.motion )
+		const Vector6 seen = seenFrom( moving.centre, motion, centre );
+		if ( moving.motion )
 		{
-			mover.motion->addMotion( seen, mover.part );
+			moving.motion->addMotion( seen, moving.part );
 		}
 		else
 		{
-			mover.rigid->speed += seen;
+			moving.rigid->velocity += seen;
 		}
 	}
 }

@@ -1,4 +1,4 @@
-// One solution of an implicit block as it is linearised: where it begins, and where it is near enough.
+// One pass over the linearised system of an implicit block: its initial residual and its stopping criterion.
 
 #include "world/constants.h"
 #include "world/implicit/implicit_block.h"
@@ -7,8 +7,8 @@
 
 namespace pliant {
 
-// One product a substep: from then on the iteration tells what a change of speeds has changed (`moved`). Told by all it takes off the
-// residual, contacts' shares among it, that is wrong in float where bodies are stiff: bullets came back at .63 of their speed for .8.
+// Costs one product per substep; from then on the iteration reports each change of M v (`moved`). Updated from the full residual, contact
+// terms included, it would be too inaccurate in float for stiff bodies: bullets would rebound at .63 of their speed instead of .8.
 void ImplicitBlock::fillFree()
 {
 	applyMasses( m_v.data(), m_free.data() );
@@ -22,46 +22,47 @@ void ImplicitBlock::fillFree()
 	}
 	for ( const RigidPart& part : rigid )
 	{
-		const Vec3d spin = part.inertia * part.free.tail<3>();
+		const Vec3d spin = part.inertia * part.freeVelocity.tail<3>();
 		for ( int k = 0; k < 3; ++k )
 		{
 			float& push = m_free[std::size_t( part.offset + k )];
 			float& turn = m_free[std::size_t( part.offset + 3 + k )];
-			push = ( part.moves[k] ? float( part.mass * part.free[k] ) : 0.0f ) - push;
+			push = ( part.moves[k] ? float( part.mass * part.freeVelocity[k] ) : 0.0f ) - push;
 			turn = ( part.turns[k] ? float( spin[k] ) : 0.0f ) - turn;
 		}
 	}
 }
 
-// At the start of a pass; and before it goes on to its end, for what the iteration has kept of the residual is not quite what there is.
+// Called at the start of a pass and again before its final stretch, because the residual kept by the iteration drifts from the true one.
 void ImplicitBlock::beginIteration()
 {
 	AlignedArray<float>& residual = m_scratch;
 	residual = m_freeNext;
 	for ( const BlockContact& contact : contacts )
 	{
-		if ( contact.presses )
+		if ( contact.isActive )
 		{
-			const Vec3d u = relativeSpeed( contact, m_next.data() );
+			const Vec3d u = relativeVelocity( contact, m_next.data() );
 			const double along = contact.normal.dot( u );
-			const Vec3d rub = contact.held - contact.tangentStiffness * ( u - along * contact.normal );
+			const Vec3d tangent = contact.scaledMultiplier - contact.tangentStiffness * ( u - along * contact.normal );
 			addPair( contact,
-				( contact.pushed + contact.stiffness * ( contact.target - along ) ) * contact.normal + directed( contact, rub ),
+				( contact.normalMultiplier + contact.stiffness * ( contact.target - along ) ) * contact.normal +
+					applyFrictionScale( contact, tangent ),
 				residual.data() );
 		}
 	}
 	m_gradients.begin( *this, residual.data() );
 }
 
-// Impulses are what must be right, and k times what a speed is off by is what they are off by: r . z, twice the energy of all that is off,
-// is small enough where it is less than kImpulseError of each impulse would store, sum of ( kImpulseError jn )^2 / k. Without contacts
-// there are none, and speeds are what a body alone is asked for.
+// The impulses must be accurate, and their error is k times that of the velocities. The criterion is r . z, twice the energy of the error:
+// it must fall below the energy of an error of kImpulseError in every impulse, sum of ( kImpulseError jn )^2 / k. Without contacts the
+// velocities must be accurate to kGradientSpeed.
 double ImplicitBlock::energyLeft() const
 {
 	double stored = 0.0;
 	for ( const BlockContact& contact : contacts )
 	{
-		stored += contact.presses ? contact.normalImpulse * contact.normalImpulse / contact.stiffness : 0.0;
+		stored += contact.isActive ? contact.normalImpulse * contact.normalImpulse / contact.stiffness : 0.0;
 	}
 	const auto atSpeed = [this]( double speed ) { return m_softMass * speed * speed; };
 	const double needed = kImpulseError * kImpulseError * stored;

@@ -21,7 +21,7 @@ bool isDynamicRigid( const btCollisionObject& object )
 	return rigid && !ownerOfContactProxy( &object ) && !object.isStaticOrKinematicObject() && rigid->getInvMass() > 0;
 }
 
-unsigned char& at( std::vector<unsigned char>& flags, int index )
+unsigned char& flagAt( std::vector<unsigned char>& flags, int index )
 {
 	if ( index >= int( flags.size() ) )
 	{
@@ -32,40 +32,40 @@ unsigned char& at( std::vector<unsigned char>& flags, int index )
 
 } // namespace
 
-void ImplicitReach::note( const btCollisionObject& rigid, int block, bool touchesSoft )
+void ImplicitReach::addBody( const btCollisionObject& rigid, int block, bool touchesSoft )
 {
 	const int index = rigid.getWorldArrayIndex();
-	unsigned char& isKnown = at( m_isKnown, index );
-	m_bodies[std::size_t( block )] += isKnown ? 0 : 1;
+	unsigned char& isKnown = flagAt( m_isKnown, index );
+	m_rigidCount[std::size_t( block )] += isKnown ? 0 : 1;
 	isKnown = 1;
-	unsigned char& isIn = at( m_isIn, index );
-	if ( touchesSoft && !isIn )
+	unsigned char& takes = flagAt( m_takesPart, index );
+	if ( touchesSoft && !takes )
 	{
-		isIn = 1;
+		takes = 1;
 		++m_taken[std::size_t( block )];
 	}
 }
 
-void ImplicitReach::look( const btPersistentManifold& manifold, const BlockPositions& positions )
+void ImplicitReach::addManifold( const btPersistentManifold& manifold, const BlockLookup& lookup )
 {
 	const btCollisionObject &a = *manifold.getBody0(), &b = *manifold.getBody1();
 	const SoftBody *const softA = ownerOfContactProxy( &a ), *const softB = ownerOfContactProxy( &b );
 	const bool isA = isDynamicRigid( a ), isB = isDynamicRigid( b ), touchesSoft = softA || softB;
-	const int block = touchesSoft ? positions.blockOf( softA ? *softA : *softB )
-								  : positions.blockOfIsland( isA ? a.getIslandTag()
-											: isB                ? b.getIslandTag()
-																 : -1 );
+	const int block = touchesSoft ? lookup.blockOf( softA ? *softA : *softB )
+								  : lookup.blockOfIsland( isA ? a.getIslandTag()
+											: isB             ? b.getIslandTag()
+															  : -1 );
 	if ( block < 0 )
 	{
 		return;
 	}
 	if ( isA )
 	{
-		note( a, block, touchesSoft );
+		addBody( a, block, touchesSoft );
 	}
 	if ( isB )
 	{
-		note( b, block, touchesSoft );
+		addBody( b, block, touchesSoft );
 	}
 	if ( isA && isB )
 	{
@@ -73,43 +73,43 @@ void ImplicitReach::look( const btPersistentManifold& manifold, const BlockPosit
 	}
 }
 
-/// What touches those that take part, in the order of the manifolds, as far as there is room. False: nothing was added.
+// Adds the bodies that touch those already taking part, in the order of the manifolds, up to the limit. Returns false if none was added.
 bool ImplicitReach::addRing()
 {
 	constexpr unsigned char kTaken = 1, kNext = 2;
 	m_next.clear();
 	for ( const Edge& edge : m_edges )
 	{
-		const bool isInA = m_isIn[std::size_t( edge.a )] == kTaken, isInB = m_isIn[std::size_t( edge.b )] == kTaken;
+		const bool isInA = m_takesPart[std::size_t( edge.a )] == kTaken, isInB = m_takesPart[std::size_t( edge.b )] == kTaken;
 		const int other = isInA ? edge.b : edge.a;
 		int& taken = m_taken[std::size_t( edge.block )];
-		if ( m_bodies[std::size_t( edge.block )] > kMostBlockRigid && isInA != isInB && m_isIn[std::size_t( other )] == 0 &&
+		if ( m_rigidCount[std::size_t( edge.block )] > kMostBlockRigid && isInA != isInB && m_takesPart[std::size_t( other )] == 0 &&
 			taken < kMostBlockRigid )
 		{
-			m_isIn[std::size_t( other )] = kNext;
+			m_takesPart[std::size_t( other )] = kNext;
 			++taken;
 			m_next.push_back( other );
 		}
 	}
 	for ( const int index : m_next )
 	{
-		m_isIn[std::size_t( index )] = kTaken;
+		m_takesPart[std::size_t( index )] = kTaken;
 	}
 	return !m_next.empty();
 }
 
-// Nearest first: what touches a soft body, then what touches that, and so on.
-void ImplicitReach::choose( btDispatcher& dispatcher, const BlockPositions& positions, int blocks )
+// Breadth first: the bodies that touch a soft body, then those that touch them, and so on.
+void ImplicitReach::choose( btDispatcher& dispatcher, const BlockLookup& lookup, int blocks )
 {
-	std::fill( m_isIn.begin(), m_isIn.end(), static_cast<unsigned char>( 0 ) );
+	std::fill( m_takesPart.begin(), m_takesPart.end(), static_cast<unsigned char>( 0 ) );
 	std::fill( m_isKnown.begin(), m_isKnown.end(), static_cast<unsigned char>( 0 ) );
-	m_bodies.assign( std::size_t( blocks ), 0 );
+	m_rigidCount.assign( std::size_t( blocks ), 0 );
 	m_taken.assign( std::size_t( blocks ), 0 );
 	m_edges.clear();
 	forEachManifold( dispatcher, prefetchEnd, [&]( const btPersistentManifold& manifold ) {
 		if ( manifold.getNumContacts() > 0 )
 		{
-			look( manifold, positions );
+			addManifold( manifold, lookup );
 		}
 	} );
 	while ( addRing() )
@@ -119,8 +119,8 @@ void ImplicitReach::choose( btDispatcher& dispatcher, const BlockPositions& posi
 bool ImplicitReach::takesPart( int block, const btCollisionObject& rigid ) const
 {
 	const int index = rigid.getWorldArrayIndex();
-	return m_bodies[std::size_t( block )] <= kMostBlockRigid ||
-		( index >= 0 && index < int( m_isIn.size() ) && m_isIn[std::size_t( index )] == 1 );
+	return m_rigidCount[std::size_t( block )] <= kMostBlockRigid ||
+		( index >= 0 && index < int( m_takesPart.size() ) && m_takesPart[std::size_t( index )] == 1 );
 }
 
 } // namespace pliant

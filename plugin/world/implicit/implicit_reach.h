@@ -1,7 +1,7 @@
 #pragma once
 
-// Which rigid bodies of an island take part in the solution of its implicit block. All of a small island; of a large one those nearest to
-// its soft bodies by contacts, for the block's coarse system grows with them. Contacts of the others are Bullet's.
+// Chooses the rigid bodies of an island that its implicit block solves: all of a small island; in a large one those nearest to its soft
+// bodies by number of contacts, because the block's coarse system grows with them. Bullet solves the contacts of the others.
 
 #include <vector>
 
@@ -11,13 +11,13 @@ class btPersistentManifold;
 
 namespace pliant {
 
-class BlockPositions;
+class BlockLookup;
 
 class ImplicitReach
 {
 public:
-	/// From the contacts there are. `blocks`: how many there are.
-	void choose( btDispatcher& dispatcher, const BlockPositions& positions, int blocks );
+	/// Chooses from the current contacts. `blocks`: the number of blocks.
+	void choose( btDispatcher& dispatcher, const BlockLookup& lookup, int blocks );
 	bool takesPart( int block, const btCollisionObject& rigid ) const;
 
 private:
@@ -25,14 +25,14 @@ private:
 	{
 		int a, b, block; ///< indices of two rigid bodies in the world
 	};
-	void look( const btPersistentManifold& manifold, const BlockPositions& positions );
-	void note( const btCollisionObject& rigid, int block, bool touchesSoft );
+	void addManifold( const btPersistentManifold& manifold, const BlockLookup& lookup );
+	void addBody( const btCollisionObject& rigid, int block, bool touchesSoft );
 	bool addRing();
 
-	std::vector<unsigned char> m_isIn, m_isKnown; ///< by a rigid body's index in the world
+	std::vector<unsigned char> m_takesPart, m_isKnown; ///< by a rigid body's index in the world
 	std::vector<Edge> m_edges;
-	std::vector<int> m_bodies, m_taken; ///< by block: rigid bodies there are, and those that take part
-	std::vector<int> m_next;            ///< scratch
+	std::vector<int> m_rigidCount, m_taken; ///< by block: number of rigid bodies, and of those that take part
+	std::vector<int> m_next;                ///< scratch
 };
 
 } // namespace pliant

@@ -1,10 +1,10 @@
-// RestitutionCorrection of an implicit block that would bring energy in.
+// Keeps restitution in an implicit block from adding energy.
 //
-// With the block's A as the masses the step is leapfrog's, and an impulse P changes its energy by P . ( u' + u ) / 2, u the speed at the
-// substep's start (restitution.cpp): nothing where all contacts bounce off what they came with. Others, which push out of a depth or are
-// driven into something while they part, may gain what those do not lose. All impulses times s do s W - s ( 1 - s ) K, K = P . A^-1 P / 2:
-// one more system, solved only where W is above zero. Where much less than all of them is left so, they no longer stop what came: less of
-// the bounce, then, and not of all.
+// With the block's A as the mass matrix the step is a leapfrog step, and an impulse P changes its energy by P . ( u' + u ) / 2, where u is
+// the velocity at the start of the substep (restitution.cpp): by nothing where all contacts rebound with restitution 1. Contacts that push
+// out of penetration, or are driven into something while they separate, may gain more than the others lose. Impulses scaled by s do the
+// work s W - s ( 1 - s ) K, K = P . A^-1 P / 2: this takes one more system, solved only where W is above zero. Where s would be too small
+// to stop the approaching bodies, only the bounce is reduced.
 
 #include "world/constants.h"
 #include "world/implicit/implicit_block.h"
@@ -20,14 +20,14 @@ ImplicitBlock::Work ImplicitBlock::workOfContacts() const
 	for ( const BlockContact& contact : contacts )
 	{
 		const Vec3d impulse = contact.impulse();
-		const double after = impulse.dot( relativeSpeed( contact, m_v.data() ) ), before = impulse.dot( contact.before );
+		const double after = impulse.dot( relativeVelocity( contact, m_v.data() ) ), before = impulse.dot( contact.velocityBefore );
 		work.sum += 0.5 * ( after + before );
 		work.moved += 0.5 * ( std::abs( after ) + std::abs( before ) );
 	}
 	return work;
 }
 
-void ImplicitBlock::keepEnergy( BlockCount& count )
+void ImplicitBlock::limitEnergy( BlockCount& count )
 {
 	if ( std::none_of( contacts.begin(), contacts.end(), []( const BlockContact& contact ) { return contact.bounces; } ) )
 	{
@@ -42,20 +42,20 @@ void ImplicitBlock::keepEnergy( BlockCount& count )
 	for ( BlockContact& contact : contacts )
 	{
 		addPair( contact, contact.impulse(), m_rightSide.data() );
-		contact.presses = false;
+		contact.isActive = false;
 	}
-	listPressing();
+	listActive();
 	fillPreconditioner();
 	std::fill( m_next.begin(), m_next.end(), 0.0f );
 	count.products += m_gradients.solve(
 						  *this, m_rightSide.data(), m_next.data(), GradientLimits{ kGradientFraction, 0.0, kMostGradients } ) +
 		1;
 
-	const double brought = 0.5 * dot( m_rightSide.data(), m_next.data(), m_size );
-	const double fraction = 1.0 - work.sum / brought;
+	const double energy = 0.5 * dot( m_rightSide.data(), m_next.data(), m_size );
+	const double fraction = 1.0 - work.sum / energy;
 	if ( fraction < kLeastBounce )
 	{
-		bounceLess( count );
+		reduceBounce( count );
 		return;
 	}
 	for ( int k = 0; k < m_size; ++k )
@@ -69,34 +69,34 @@ void ImplicitBlock::keepEnergy( BlockCount& count )
 	}
 }
 
-// Where nothing bounces contacts bring nothing in. On the way from there to where all does,  P + s dP  and  u + s du,  nothing is pressed
-// into anything and friction stays within its limits: as far as  ( P + s dP ) . ( ( u + s du ) + before ) <= 0.
-void ImplicitBlock::bounceLess( BlockCount& count )
+// Without restitution contacts add no energy. Between that solution and the one with full restitution, P + s dP and u + s du, no contact is
+// violated and friction stays within its limits. Takes the largest s with ( P + s dP ) . ( ( u + s du ) + before ) <= 0.
+void ImplicitBlock::reduceBounce( BlockCount& count )
 {
 	m_bounced = m_v;
-	m_bounces.clear();
+	m_bouncedImpulses.clear();
 	for ( BlockContact& contact : contacts )
 	{
-		m_bounces.push_back( Bounce{ contact.normalImpulse, contact.tangentImpulse } );
-		contact.target = contact.bounces ? contact.parting : contact.target;
+		m_bouncedImpulses.push_back( ContactImpulse{ contact.normalImpulse, contact.tangentImpulse } );
+		contact.target = contact.bounces ? contact.targetWithoutBounce : contact.target;
 	}
 	solveLaw( count );
-	double none = 0.0, linear = 0.0, square = 0.0;
+	double constant = 0.0, linear = 0.0, square = 0.0;
 	for ( std::size_t k = 0; k < contacts.size(); ++k )
 	{
 		const BlockContact& contact = contacts[k];
 		const Vec3d impulse = contact.impulse();
-		const Vec3d more = m_bounces[k].normal * contact.normal + m_bounces[k].tangent - impulse;
-		const Vec3d after = relativeSpeed( contact, m_v.data() ), faster = relativeSpeed( contact, m_bounced.data() ) - after;
-		none += impulse.dot( after + contact.before );
-		linear += impulse.dot( faster ) + more.dot( after + contact.before );
-		square += more.dot( faster );
+		const Vec3d impulseChange = m_bouncedImpulses[k].normal * contact.normal + m_bouncedImpulses[k].tangent - impulse;
+		const Vec3d after = relativeVelocity( contact, m_v.data() ), velocityChange = relativeVelocity( contact, m_bounced.data() ) - after;
+		constant += impulse.dot( after + contact.velocityBefore );
+		linear += impulse.dot( velocityChange ) + impulseChange.dot( after + contact.velocityBefore );
+		square += impulseChange.dot( velocityChange );
 	}
 	double fraction = 0.0;
 	for ( double step = 0.5; step > kLeastBounceStep; step *= 0.5 )
 	{
-		const double further = fraction + step;
-		fraction = none + further * ( linear + further * square ) <= 0.0 ? further : fraction;
+		const double candidate = fraction + step;
+		fraction = constant + candidate * ( linear + candidate * square ) <= 0.0 ? candidate : fraction;
 	}
 	for ( int k = 0; k < m_size; ++k )
 	{
@@ -104,8 +104,8 @@ void ImplicitBlock::bounceLess( BlockCount& count )
 	}
 	for ( std::size_t k = 0; k < contacts.size(); ++k )
 	{
-		contacts[k].normalImpulse += fraction * ( m_bounces[k].normal - contacts[k].normalImpulse );
-		contacts[k].tangentImpulse += fraction * ( m_bounces[k].tangent - contacts[k].tangentImpulse );
+		contacts[k].normalImpulse += fraction * ( m_bouncedImpulses[k].normal - contacts[k].normalImpulse );
+		contacts[k].tangentImpulse += fraction * ( m_bouncedImpulses[k].tangent - contacts[k].tangentImpulse );
 	}
 }
 

@@ -14,14 +14,14 @@ namespace pliant {
 
 namespace {
 
-Vector6 speedOf( const btRigidBody& body )
+Vector6 velocityOf( const btRigidBody& body )
 {
-	Vector6 speed;
-	speed << toVec3d( body.getLinearVelocity() ), toVec3d( body.getAngularVelocity() );
-	return speed;
+	Vector6 velocity;
+	velocity << toVec3d( body.getLinearVelocity() ), toVec3d( body.getAngularVelocity() );
+	return velocity;
 }
 
-/// What Bullet's solver adds by itself: h F / M and h I^-1 T.
+/// Returns the velocity change that Bullet's solver adds itself: h F / M and h I^-1 T.
 Vector6 forceOf( const btRigidBody& body, double h )
 {
 	Vector6 force;
@@ -30,10 +30,10 @@ Vector6 forceOf( const btRigidBody& body, double h )
 	return force;
 }
 
-void setSpeed( btRigidBody& body, const Vector6& speed )
+void setVelocity( btRigidBody& body, const Vector6& velocity )
 {
-	body.setLinearVelocity( toBt( speed.head<3>() ) );
-	body.setAngularVelocity( toBt( speed.tail<3>() ) );
+	body.setLinearVelocity( toBt( velocity.head<3>() ) );
+	body.setAngularVelocity( toBt( velocity.tail<3>() ) );
 }
 
 RigidPart makeRigid( btRigidBody& body )
@@ -57,9 +57,9 @@ RigidPart makeRigid( btRigidBody& body )
 	return part;
 }
 
-/// Whether a body wants its contacts solved in a block. A crumb of one cell has nothing elastic, but a heap of crumbs that Bullet's solver
-/// leaves a little off in each step of a sixtieth of a second flows, for ever and at millimetres a second.
-bool wantsBlock( const SoftBody& body )
+/// Returns true if a body's contacts must be solved in a block. A fragment of one cell has no elasticity, but the residual errors of
+/// Bullet's solver at a step of a sixtieth of a second would make a heap of them creep forever, at millimetres per second.
+bool needsBlock( const SoftBody& body )
 {
 	return body.impl().isImplicit || ( body.nodeCount() == 1 && body.material().elasticity != Elasticity::Explicit );
 }
@@ -68,12 +68,12 @@ bool wantsBlock( const SoftBody& body )
 
 int ImplicitSolve::blockOf( const SoftBody& body ) const
 {
-	// A body that has fallen asleep since remembers a place that is another's now.
+	// A sleeping body keeps an index that another body may have now.
 	const int block = body.impl().block;
-	const bool isThere = block >= 0 && block < int( m_tagOf.size() ) &&
+	const bool isMember = block >= 0 && block < int( m_tagOf.size() ) &&
 		std::size_t( body.impl().blockPart ) < m_blocks[std::size_t( block )].soft.size() &&
 		m_blocks[std::size_t( block )].soft[std::size_t( body.impl().blockPart )].owner == &body;
-	return isThere ? block : -1;
+	return isMember ? block : -1;
 }
 
 int ImplicitSolve::blockOfIsland( int tag ) const
@@ -100,14 +100,14 @@ int ImplicitSolve::rigidPart( int block, btRigidBody& body )
 	RigidPart part = makeRigid( body );
 	OutsideImpulse& outside = outsideOf( body );
 	outside.stamp = m_stamp;
-	part.before = speedOf( body );
-	part.free = part.before + forceOf( body, m_h ) + outside.change;
+	part.velocityBefore = velocityOf( body );
+	part.freeVelocity = part.velocityBefore + forceOf( body, m_h ) + outside.change;
 	for ( int k = 0; k < 3; ++k )
 	{
-		part.before[k] = part.moves[k] ? part.before[k] : 0.0;
-		part.before[3 + k] = part.turns[k] ? part.before[3 + k] : 0.0;
-		part.free[k] = part.moves[k] ? part.free[k] : 0.0;
-		part.free[3 + k] = part.turns[k] ? part.free[3 + k] : 0.0;
+		part.velocityBefore[k] = part.moves[k] ? part.velocityBefore[k] : 0.0;
+		part.velocityBefore[3 + k] = part.turns[k] ? part.velocityBefore[3 + k] : 0.0;
+		part.freeVelocity[k] = part.moves[k] ? part.freeVelocity[k] : 0.0;
+		part.freeVelocity[3 + k] = part.turns[k] ? part.freeVelocity[3 + k] : 0.0;
 	}
 	parts.push_back( part );
 	return int( parts.size() ) - 1;
@@ -133,14 +133,14 @@ void ImplicitSolve::forget( const btRigidBody& body )
 		m_outside.end() );
 }
 
-// One block an island with an implicit body in it, or a crumb of one; explicit bodies of the island take part with their masses, so that no
-// contact stands between two solvers.
+// Makes one block per island with an implicit body or a single-cell fragment. Explicit bodies of the island take part with their masses, so
+// that no contact is split between two solvers.
 void ImplicitSolve::makeBlocks( const std::vector<SoftBody*>& awake )
 {
 	m_tagOf.clear();
 	for ( const SoftBody* body : awake )
 	{
-		if ( wantsBlock( *body ) && std::find( m_tagOf.begin(), m_tagOf.end(), body->getIslandTag() ) == m_tagOf.end() )
+		if ( needsBlock( *body ) && std::find( m_tagOf.begin(), m_tagOf.end(), body->getIslandTag() ) == m_tagOf.end() )
 		{
 			m_tagOf.push_back( body->getIslandTag() );
 		}
@@ -168,7 +168,7 @@ void ImplicitSolve::makeBlocks( const std::vector<SoftBody*>& awake )
 		SoftPart part;
 		part.owner = body;
 		part.motion = impl.isImplicit ? impl.body->implicit() : &impl.body->joinFreely();
-		part.before = &impl.body->velocityBefore();
+		part.velocityBefore = &impl.body->velocityBefore();
 		block.soft.push_back( part );
 	}
 }
@@ -186,7 +186,7 @@ void ImplicitSolve::before(
 	{
 		if ( hadBlocks )
 		{
-			m_contacts.gather( dispatcher, info, *this, m_blocks ); // finds none, and lets go of what was theirs
+			m_contacts.gather( dispatcher, info, *this, m_blocks ); // finds none, and clears stale friction impulses
 		}
 		m_outside.clear();
 		return;
@@ -197,7 +197,7 @@ void ImplicitSolve::before(
 		std::remove_if( m_outside.begin(), m_outside.end(), [this]( const OutsideImpulse& outside ) { return outside.stamp != m_stamp; } ),
 		m_outside.end() );
 
-	// Many islands: each in one task. One: the threads share its products.
+	// Several islands: one task each. A single island: the threads share its products.
 	const int blocks = int( m_tagOf.size() );
 	std::vector<BlockCount> counts( m_tagOf.size() );
 	TaskRunner* const within = blocks > 1 ? nullptr : runner;
@@ -212,32 +212,32 @@ void ImplicitSolve::before(
 	}
 }
 
-// Bullet's solver will add the forces, and joints and rigid contacts what they did last time, as far as they do it again.
+// Subtracts what Bullet's solver will add: the forces, and the expected impulses of joints and rigid contacts.
 void ImplicitSolve::storeVelocities( ImplicitBlock& block )
 {
 	for ( RigidPart& part : block.rigid )
 	{
-		part.given = part.speed - outsideOf( *part.body ).change;
-		Vector6 speed = part.given - forceOf( *part.body, m_h );
-		const Vector6 own = speedOf( *part.body );
+		part.expectedVelocity = part.velocity - outsideOf( *part.body ).change;
+		Vector6 velocity = part.expectedVelocity - forceOf( *part.body, m_h );
+		const Vector6 own = velocityOf( *part.body );
 		for ( int k = 0; k < 6; ++k )
 		{
-			speed[k] = ( k < 3 ? part.moves[k] : part.turns[k - 3] ) ? speed[k] : own[k];
+			velocity[k] = ( k < 3 ? part.moves[k] : part.turns[k - 3] ) ? velocity[k] : own[k];
 		}
-		setSpeed( *part.body, speed );
+		setVelocity( *part.body, velocity );
 	}
 }
 
 void ImplicitSolve::after()
 {
-	m_contacts.show();
+	m_contacts.unhide();
 	for ( std::size_t k = 0; k < m_tagOf.size(); ++k )
 	{
 		for ( const RigidPart& part : m_blocks[k].rigid )
 		{
-			// e += r ( dV - e ), dV what Bullet's solver did beyond the forces
+			// e += r ( dV - e ), dV the change by Bullet's solver beyond the forces
 			Vector6& expected = outsideOf( *part.body ).change;
-			expected += kOutsideFraction * ( speedOf( *part.body ) - part.given - expected );
+			expected += kOutsideFraction * ( velocityOf( *part.body ) - part.expectedVelocity - expected );
 		}
 	}
 }

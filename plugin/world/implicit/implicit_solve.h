@@ -1,7 +1,7 @@
 #pragma once
 
-// The implicit part of a substep: one block an island that holds a body with Elasticity::Implicit, solved before Bullet's own solver, which
-// then does joints and rigid contacts. docs/design/implicit.md.
+// The implicit part of a substep: one block per island that has a body with Elasticity::Implicit, solved before Bullet's own solver, which
+// handles joints and the remaining rigid contacts. docs/design/implicit.md.
 
 #include "world/implicit/implicit_contacts.h"
 #include "world/implicit/implicit_reach.h"
@@ -13,7 +13,7 @@ namespace pliant {
 
 class SoftBodySystem;
 
-/// What a rigid body felt from the rest of the world, smoothed.
+/// The velocity change of a rigid body by joints and by contacts outside the blocks, smoothed over substeps.
 struct OutsideImpulse
 {
 	const btRigidBody* body = nullptr;
@@ -21,17 +21,17 @@ struct OutsideImpulse
 	unsigned stamp = 0;
 };
 
-class ImplicitSolve : private BlockPositions
+class ImplicitSolve : private BlockLookup
 {
 public:
-	/// `awake`: the substep's bodies. Solves, gives nodes and rigid bodies their speeds and hides the blocks' contacts from Bullet.
+	/// Solves the blocks of the `awake` bodies, sets the velocities of nodes and rigid bodies, and hides the blocks' contacts from Bullet.
 	void before( const std::vector<SoftBody*>& awake, btDispatcher& dispatcher, const btContactSolverInfo& info, TaskRunner* runner );
-	/// After Bullet's solver: what it did to the rigid bodies is expected again in the next substep.
+	/// Called after Bullet's solver: records what it did to the rigid bodies as the expectation for the next substep.
 	void after();
 	void forget( const btRigidBody& body );
 
 	int contacts() const { return m_contacts.count(); }
-	const BlockCount& count() const { return m_count; } ///< largest of all blocks
+	const BlockCount& count() const { return m_count; } ///< maximum over all blocks
 
 private:
 	int blockOf( const SoftBody& body ) const override;
@@ -44,11 +44,11 @@ private:
 	OutsideImpulse& outsideOf( const btRigidBody& body );
 	void storeVelocities( ImplicitBlock& block );
 
-	std::deque<ImplicitBlock> m_blocks; ///< as many as ever were needed
-	std::vector<int> m_tagOf;           ///< island of each block
+	std::deque<ImplicitBlock> m_blocks; ///< grows only
+	std::vector<int> m_tagOf;           ///< island tag of each block
 	ImplicitReach m_reach;
 	ImplicitContacts m_contacts;
-	std::vector<OutsideImpulse> m_outside; ///< in the order in which they were first touched
+	std::vector<OutsideImpulse> m_outside; ///< in order of first contact
 	BlockCount m_count;
 	double m_h = 0.0;
 	bool m_hadBlocks = false; ///< in the last substep

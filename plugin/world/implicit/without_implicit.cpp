@@ -1,4 +1,4 @@
-// In a build without the implicit step: Elasticity::Implicit is refused (material.cpp), and Automatic steps explicitly.
+// Stubs for builds without the implicit step: Elasticity::Implicit is refused (material.cpp), and Automatic steps explicitly.
 
 #include "world/implicit/implicit_choice.h"
 #include "world/implicit/implicit_solve.h"

@@ -13,12 +13,12 @@ namespace {
 using Block = BlockCholesky::Block;
 constexpr int kEdge = BlockCholesky::kEdge;
 
-/// The inverse of the lower factor of what lies on and below d's diagonal, in its place; false where that is not positive definite.
+/// Replaces d, given by its lower triangle, by the inverse of its Cholesky factor; returns false if d is not positive definite.
 bool invertFactor( Block& d )
 {
 	const Eigen::LLT<Block> factor( d );
 	const Block lower = factor.matrixL();
-	if ( factor.info() != Eigen::Success || !( lower.diagonal().array() > 0.0 ).all() ) // the second: it lets pass what is not a number
+	if ( factor.info() != Eigen::Success || !( lower.diagonal().array() > 0.0 ).all() ) // info() stays Success for NaN
 	{
 		return false;
 	}
@@ -41,17 +41,17 @@ void BlockCholesky::layOut( int columns, const std::vector<Pair>& blocks )
 	graph.setFromTriplets( entries.begin(), entries.end() );
 	Eigen::PermutationMatrix<Eigen::Dynamic, Eigen::Dynamic, int> order;
 	Eigen::AMDOrdering<int>()( graph, order );
-	m_from.assign( order.indices().data(), order.indices().data() + columns );
-	m_at.resize( std::size_t( columns ) );
+	m_columnAt.assign( order.indices().data(), order.indices().data() + columns );
+	m_orderOf.resize( std::size_t( columns ) );
 	for ( int k = 0; k < columns; ++k )
 	{
-		m_at[std::size_t( m_from[std::size_t( k )] )] = k;
+		m_orderOf[std::size_t( m_columnAt[std::size_t( k )] )] = k;
 	}
-	std::vector<std::vector<int>> rows( m_from.size() );
+	std::vector<std::vector<int>> rows( m_columnAt.size() );
 	for ( const auto& [row, column] : blocks )
 	{
-		const auto [first, later] = std::minmax( m_at[std::size_t( row )], m_at[std::size_t( column )] );
-		rows[std::size_t( first )].push_back( later ); // the diagonal's too, and first once they are sorted
+		const auto [first, later] = std::minmax( m_orderOf[std::size_t( row )], m_orderOf[std::size_t( column )] );
+		rows[std::size_t( first )].push_back( later ); // the diagonal too, which sorts first
 	}
 	findFill( rows );
 	findTargets();
@@ -59,7 +59,7 @@ void BlockCholesky::layOut( int columns, const std::vector<Pair>& blocks )
 	m_x.resize( std::size_t( columns ) );
 }
 
-/// What a column has below its diagonal, the next of its rows has too.
+// The column of a column's first subdiagonal row inherits the rows below it.
 void BlockCholesky::findFill( std::vector<std::vector<int>>& rows )
 {
 	m_start.assign( 1, 0 );
@@ -106,9 +106,9 @@ int BlockCholesky::find( int row, int column ) const
 	return int( std::lower_bound( begin, end, row ) - m_row.begin() );
 }
 
-BlockCholesky::Place BlockCholesky::place( int row, int column ) const
+BlockCholesky::Slot BlockCholesky::slot( int row, int column ) const
 {
-	const int r = m_at[std::size_t( row )], c = m_at[std::size_t( column )];
+	const int r = m_orderOf[std::size_t( row )], c = m_orderOf[std::size_t( column )];
 	return { find( std::max( r, c ), std::min( r, c ) ), r < c };
 }
 
@@ -117,7 +117,7 @@ void BlockCholesky::clear()
 	std::fill( m_blocks.begin(), m_blocks.end(), Block::Zero() );
 }
 
-// Of each column: L_jj, then L_aj = A_aj L_jj^-T, then A_ab -= L_aj L_bj^T.
+// For each column: L_jj, then L_aj = A_aj L_jj^-T, then A_ab -= L_aj L_bj^T.
 bool BlockCholesky::factor()
 {
 	const int* target = m_target.data();
@@ -149,12 +149,12 @@ void BlockCholesky::solve( const double* r, double* x )
 {
 	for ( int k = 0; k < m_columns; ++k )
 	{
-		m_x[std::size_t( k )] = Eigen::Map<const Six>( r + kEdge * m_from[std::size_t( k )] );
+		m_x[std::size_t( k )] = Eigen::Map<const Segment>( r + kEdge * m_columnAt[std::size_t( k )] );
 	}
 	for ( int column = 0; column < m_columns; ++column )
 	{
 		const int begin = m_start[std::size_t( column )], end = m_start[std::size_t( column ) + 1];
-		const Six own = m_blocks[std::size_t( begin )] * m_x[std::size_t( column )];
+		const Segment own = m_blocks[std::size_t( begin )] * m_x[std::size_t( column )];
 		m_x[std::size_t( column )] = own;
 		for ( int a = begin + 1; a < end; ++a )
 		{
@@ -164,7 +164,7 @@ void BlockCholesky::solve( const double* r, double* x )
 	for ( int column = m_columns - 1; column >= 0; --column )
 	{
 		const int begin = m_start[std::size_t( column )], end = m_start[std::size_t( column ) + 1];
-		Six sum = m_x[std::size_t( column )];
+		Segment sum = m_x[std::size_t( column )];
 		for ( int a = begin + 1; a < end; ++a )
 		{
 			sum.noalias() -= m_blocks[std::size_t( a )].transpose() * m_x[std::size_t( m_row[std::size_t( a )] )];
@@ -173,7 +173,7 @@ void BlockCholesky::solve( const double* r, double* x )
 	}
 	for ( int k = 0; k < m_columns; ++k )
 	{
-		Eigen::Map<Six>( x + kEdge * m_from[std::size_t( k )] ) = m_x[std::size_t( k )];
+		Eigen::Map<Segment>( x + kEdge * m_columnAt[std::size_t( k )] ) = m_x[std::size_t( k )];
 	}
 }
 

@@ -1,7 +1,7 @@
 #pragma once
 
-// A = L L^T of a symmetric matrix of 6 x 6 blocks, few of them in a row. A sparse factor that goes by single entries, as Eigen's, spends
-// its time finding them (docs/design/implicit.md has what either takes).
+// Sparse Cholesky factorisation A = L L^T of a symmetric matrix of 6 x 6 blocks. A factorisation by single entries, such as Eigen's, spends
+// its time on indices (timings of both: docs/design/implicit.md).
 
 #include <Eigen/Core>
 
@@ -15,48 +15,49 @@ class BlockCholesky
 public:
 	static constexpr int kEdge = 6;
 	using Block = Eigen::Matrix<double, kEdge, kEdge>;
-	/// Row and column of a block, the row no smaller than the column.
+	/// Row and column of a block, row >= column.
 	using Pair = std::pair<int, int>;
 
-	/// Which blocks there are on and below the diagonal, each once, all of the diagonal among them. The order of elimination is found here
-	/// (approximate minimum degree), and what fills up.
+	/// Sets the nonzero blocks on and below the diagonal, each once, with all diagonal blocks. Computes the elimination order (approximate
+	/// minimum degree) and the fill-in.
 	void layOut( int columns, const std::vector<Pair>& blocks );
-	/// Where a block of A belongs, row >= column; turned: as its transpose.
-	struct Place
+	/// Storage of a block of A, row >= column.
+	struct Slot
 	{
 		int block = 0;
-		bool isTurned = false;
+		bool isTransposed = false;
 	};
-	Place place( int row, int column ) const;
-	/// Everything zero: before A is written, by `set`, of the diagonal's blocks what lies on and below the diagonal.
+	Slot slot( int row, int column ) const;
+	/// Zeroes all blocks. Call before A is written by `set`; of diagonal blocks only the lower triangle is read.
 	void clear();
 	template <class Matrix>
-	void set( Place place, const Matrix& block );
-	/// False where A is not positive definite.
+	void set( Slot slot, const Matrix& block );
+	/// Returns false if A is not positive definite.
 	bool factor();
-	/// x = A^-1 r, both of 6 numbers a column. They may be the same.
+	/// x = A^-1 r, 6 values per column each. x and r may be the same.
 	void solve( const double* r, double* x );
 
 private:
-	using Six = Eigen::Matrix<double, kEdge, 1>;
-	int find( int row, int column ) const; ///< in order of elimination
+	using Segment = Eigen::Matrix<double, kEdge, 1>;
+	int find( int row, int column ) const; ///< both in elimination order
 	void findFill( std::vector<std::vector<int>>& rows );
 	void findTargets();
 
 	int m_columns = 0;
-	std::vector<int> m_at, m_from; ///< of each column its place in the order of elimination, and the other way round
-	std::vector<int> m_start;      ///< of each column's blocks, the diagonal's first, then by row; and their end
-	std::vector<int> m_row;        ///< of each block
-	std::vector<int> m_target; ///< of each pair of blocks below a diagonal, in the order in which `factor` meets them: what it is taken off
-	std::vector<Block, Eigen::aligned_allocator<Block>> m_blocks; ///< A, then L; of the diagonal the inverse of L's
-	std::vector<Six, Eigen::aligned_allocator<Six>> m_x;
+	std::vector<int> m_orderOf, m_columnAt; ///< the position of each column in the elimination order, and the inverse
+	std::vector<int> m_start;               ///< of each column's blocks, the diagonal first, then by row; and the end
+	std::vector<int> m_row;                 ///< of each block
+	std::vector<int>
+		m_target; ///< by pair of subdiagonal blocks of a column, in the order of `factor`: the block that their product is subtracted from
+	std::vector<Block, Eigen::aligned_allocator<Block>> m_blocks; ///< A, then L; on the diagonal the inverse of L's block
+	std::vector<Segment, Eigen::aligned_allocator<Segment>> m_x;
 };
 
 template <class Matrix>
-void BlockCholesky::set( Place place, const Matrix& block )
+void BlockCholesky::set( Slot slot, const Matrix& block )
 {
-	Block& to = m_blocks[std::size_t( place.block )];
-	if ( place.isTurned )
+	Block& to = m_blocks[std::size_t( slot.block )];
+	if ( slot.isTransposed )
 	{
 		to = block.transpose();
 	}

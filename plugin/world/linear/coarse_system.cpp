@@ -15,7 +15,7 @@ void CoarseSystem::layOut( const std::vector<int>& sizes, std::vector<Pair>& pai
 	pairs.erase( std::unique( pairs.begin(), pairs.end() ), pairs.end() );
 	if ( !m_start.empty() && sizes == m_sizes && pairs == m_pairs )
 	{
-		clear(); // who feels whom changes rarely in what lies still
+		clear(); // the coupling rarely changes at rest
 		return;
 	}
 	m_sizes = sizes;
@@ -28,20 +28,20 @@ void CoarseSystem::layOut( const std::vector<int>& sizes, std::vector<Pair>& pai
 		m_size += size;
 	}
 	m_start.assign( 1, 0 );
-	m_positions.clear();
+	m_entries.clear();
 	int values = 0;
 	for ( const auto& [row, column] : pairs )
 	{
 		m_start.resize( std::size_t( column ) + 2 );
-		m_positions.push_back( Place{ row, values } );
-		m_start.back() = int( m_positions.size() );
+		m_entries.push_back( Entry{ row, values } );
+		m_start.back() = int( m_entries.size() );
 		values += sizes[std::size_t( row )] * sizes[std::size_t( column )];
 	}
 	m_values.assign( std::size_t( values ), 0.0 );
 	layOutFactor();
 }
 
-/// Which 6 x 6 parts of the pieces lie on and below the diagonal.
+// Lists the 6 x 6 blocks of the pieces that lie on and below the diagonal.
 void CoarseSystem::layOutFactor()
 {
 	constexpr int edge = BlockCholesky::kEdge;
@@ -51,14 +51,14 @@ void CoarseSystem::layOutFactor()
 	{
 		for ( int p = m_start[std::size_t( b )]; p < m_start[std::size_t( b ) + 1]; ++p )
 		{
-			const Place& place = m_positions[std::size_t( p )];
-			const int rows = m_sizes[std::size_t( place.row )];
+			const Entry& entry = m_entries[std::size_t( p )];
+			const int rows = m_sizes[std::size_t( entry.row )];
 			for ( int j = 0; j < m_sizes[std::size_t( b )]; j += edge )
 			{
-				for ( int i = place.row == b ? j : 0; i < rows; i += edge )
+				for ( int i = entry.row == b ? j : 0; i < rows; i += edge )
 				{
-					blocks.emplace_back( ( offset( place.row ) + i ) / edge, ( offset( b ) + j ) / edge );
-					m_parts.push_back( Part{ place.value + j * rows + i, rows, {} } );
+					blocks.emplace_back( ( offset( entry.row ) + i ) / edge, ( offset( b ) + j ) / edge );
+					m_parts.push_back( Part{ entry.value + j * rows + i, rows, {} } );
 				}
 			}
 		}
@@ -66,7 +66,7 @@ void CoarseSystem::layOutFactor()
 	m_factor.layOut( m_size / edge, blocks );
 	for ( std::size_t k = 0; k < blocks.size(); ++k )
 	{
-		m_parts[k].to = m_factor.place( blocks[k].first, blocks[k].second );
+		m_parts[k].slot = m_factor.slot( blocks[k].first, blocks[k].second );
 	}
 }
 
@@ -79,9 +79,9 @@ int CoarseSystem::find( int a, int b ) const
 {
 	for ( int p = m_start[std::size_t( b )]; p < m_start[std::size_t( b ) + 1]; ++p )
 	{
-		if ( m_positions[std::size_t( p )].row == a )
+		if ( m_entries[std::size_t( p )].row == a )
 		{
-			return m_positions[std::size_t( p )].value;
+			return m_entries[std::size_t( p )].value;
 		}
 	}
 	return -1;
@@ -97,17 +97,17 @@ bool CoarseSystem::factor()
 	m_factor.clear();
 	for ( const Part& part : m_parts )
 	{
-		m_factor.set( part.to,
+		m_factor.set( part.slot,
 			Eigen::Map<const BlockCholesky::Block, 0, Eigen::OuterStride<>>(
 				m_values.data() + part.value, Eigen::OuterStride<>( part.rows ) ) );
 	}
-	return m_isGood = m_factor.factor();
+	return m_isFactored = m_factor.factor();
 }
 
 void CoarseSystem::solve( const Eigen::VectorXd& r, Eigen::VectorXd& x )
 {
 	x.setZero( m_size );
-	if ( m_isGood )
+	if ( m_isFactored )
 	{
 		m_factor.solve( r.data(), x.data() );
 	}

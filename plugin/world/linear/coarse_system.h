@@ -1,8 +1,8 @@
 #pragma once
 
-// The contacts of an island as whole bodies feel them: a small symmetric system, 6 unknowns a rigid body and 12 a soft one (its affine
-// motions). It stands in front of the large one (implicit_block.h): without it a stack would learn of its floor one contact and one product
-// at a time.
+// The coarse level of an implicit block's preconditioner (implicit_block.h): a small symmetric system in which the contacts of an island
+// act on whole bodies, 6 unknowns per rigid body and 12 per soft one (its affine motions). Without it the floor's support would propagate
+// through a stack by one contact per product.
 
 #include "world/linear/block_cholesky.h"
 
@@ -15,49 +15,49 @@ class CoarseSystem
 {
 public:
 	using Piece = Eigen::Map<Eigen::MatrixXd>;
-	/// Two bodies that feel each other, the later one first.
+	/// Two coupled bodies, the higher index first.
 	using Pair = std::pair<int, int>;
 
-	/// Unknowns of each body, a multiple of 6, and which of them feel each other, in any order and as often as it happens. The order in
-	/// which it is solved is found here, once for as many sums as follow, and not again while both are what they were.
+	/// Sets the number of unknowns of each body, a multiple of 6, and the coupled pairs, in any order and with duplicates. Computes the
+	/// elimination order unless both are unchanged.
 	void layOut( const std::vector<int>& sizes, std::vector<Pair>& pairs );
-	/// Everything zero.
+	/// Zeroes all pieces.
 	void clear();
-	/// The piece of rows of `a` and columns of `b`, a >= b, to be added to. Every body has one with itself, others as they were laid out.
+	/// Returns the piece with the rows of `a` and the columns of `b`, a >= b, to add to. Every body has one with itself.
 	Piece block( int a, int b );
 	bool has( int a, int b ) const { return find( a, b ) >= 0; }
-	/// After the last piece: false where the sum is not positive definite; `solve` then gives 0.
+	/// Call when all pieces are complete. Returns false if the matrix is not positive definite; `solve` then yields 0.
 	bool factor();
 	int size() const { return m_size; }
 	int offset( int body ) const { return m_offset[std::size_t( body )]; }
-	/// x = the inverse times r.
+	/// x = A^-1 r.
 	void solve( const Eigen::VectorXd& r, Eigen::VectorXd& x );
 
 private:
-	/// By column, then by row: what a column of the matrix goes through.
-	struct Place
+	/// A piece, sorted by column, then by row.
+	struct Entry
 	{
 		int row;   ///< body
-		int value; ///< where its piece begins, column by column
+		int value; ///< offset of the piece in m_values, column-major
 	};
-	/// A 6 x 6 part of a piece, and where the factor wants it.
+	/// A 6 x 6 block of a piece, and its slot in the factor.
 	struct Part
 	{
-		int value, rows; ///< where it begins, and how many rows its piece has
-		BlockCholesky::Place to;
+		int value, rows; ///< offset in m_values, and the number of rows of the piece
+		BlockCholesky::Slot slot;
 	};
 	int find( int a, int b ) const;
 	void layOutFactor();
 
 	std::vector<int> m_sizes, m_offset;
-	std::vector<Pair> m_pairs; ///< with m_sizes: what it was laid out for
-	std::vector<int> m_start;  ///< of each body's column among the places, and their end
-	std::vector<Place> m_positions;
+	std::vector<Pair> m_pairs; ///< with m_sizes: the current layout
+	std::vector<int> m_start;  ///< of each body's column in m_entries, and the end
+	std::vector<Entry> m_entries;
 	std::vector<double> m_values;
 	std::vector<Part> m_parts;
 	BlockCholesky m_factor;
 	int m_size = 0;
-	bool m_isGood = false;
+	bool m_isFactored = false;
 };
 
 } // namespace pliant

@@ -1,6 +1,5 @@
-// The part of an implicit block's preconditioner that stands near the contacts: the nodes that contacts press on, up to eight, with all
-// that acts among them, as one dense piece. By themselves, 3 x 3 each, two nodes pressed together are taken for far harder to move than
-// they are.
+// The dense part of an implicit block's preconditioner: each cluster of up to eight nodes coupled by contacts is one dense block. As
+// separate 3 x 3 blocks, two nodes in contact would appear much stiffer than they are together.
 
 #include "world/implicit/implicit_block.h"
 
@@ -11,8 +10,8 @@ namespace pliant {
 
 namespace {
 
-/// A contact's blocks and how they feel it: as SharedNodes, with the sign of their side.
-struct Touched
+/// The nodes of both sides of a contact with their weights as in SharedNodes, signed by side.
+struct ContactNodes
 {
 	static constexpr int kMost = 2 * SharedNodes::kMost;
 	int block[kMost] = {};
@@ -20,26 +19,26 @@ struct Touched
 	int count = 0;
 };
 
-Touched touchedBy( const BlockContact& contact )
+ContactNodes nodesOf( const BlockContact& contact )
 {
-	Touched touched;
+	ContactNodes nodes;
 	for ( int k = 0; k < 2; ++k )
 	{
 		const ContactSide& side = contact.side[k];
 		const double sign = k == 0 ? 1.0 : -1.0;
 		for ( int j = 0; side.soft >= 0 && j < side.shared.count; ++j )
 		{
-			touched.block[touched.count] = side.block[j];
-			touched.press[touched.count] = sign * side.shared.press[j];
-			touched.rub[touched.count++] = sign * side.shared.rub[j];
+			nodes.block[nodes.count] = side.block[j];
+			nodes.press[nodes.count] = sign * side.shared.press[j];
+			nodes.rub[nodes.count++] = sign * side.shared.rub[j];
 		}
 	}
-	return touched;
+	return nodes;
 }
 
-/// work( count ) with the count as a constant, 1 to 8.
+/// Calls work( count ) with the count as a compile-time constant, 1 to 8.
 template <class Work>
-void bySize( int count, Work&& work )
+void withSize( int count, Work&& work )
 {
 	switch ( count )
 	{
@@ -54,8 +53,8 @@ void bySize( int count, Work&& work )
 	}
 }
 
-/// a = -a^-1 of a positive definite matrix, by sweeps (Beaton 1964): of each pivot p, a -= a_p a_p^T / a_pp, row and column p become a_p /
-/// a_pp. Eigen's Cholesky, solved for the unit matrix, takes three times as long.
+/// Replaces a positive definite matrix by -a^-1 with the sweep operator (Beaton 1964): for each pivot p, a -= a_p a_p^T / a_pp, then row
+/// and column p become a_p / a_pp. Eigen's Cholesky solve for the identity takes three times as long.
 template <class Matrix>
 void sweep( Matrix& a )
 {
@@ -75,38 +74,38 @@ void sweep( Matrix& a )
 
 } // namespace
 
-// Nodes that have no cluster yet join the one that the contact's others have, where there is room, or make one together.
-void ImplicitBlock::nameClusters( const BlockContact& contact )
+// Nodes without a cluster join that of the contact's other nodes if it has capacity; otherwise they form a new one.
+void ImplicitBlock::assignClusters( const BlockContact& contact )
 {
-	const Touched touched = touchedBy( contact );
-	int own = -1, lacking = 0;
-	bool areMany = false;
-	for ( int k = 0; k < touched.count; ++k )
+	const ContactNodes nodes = nodesOf( contact );
+	int own = -1, unassigned = 0;
+	bool areSeveral = false;
+	for ( int k = 0; k < nodes.count; ++k )
 	{
-		const int cluster = m_nodeBlocks[std::size_t( touched.block[k] )].cluster;
-		lacking += cluster < 0 ? 1 : 0;
-		areMany = areMany || ( cluster >= 0 && own >= 0 && cluster != own );
+		const int cluster = m_nodeBlocks[std::size_t( nodes.block[k] )].cluster;
+		unassigned += cluster < 0 ? 1 : 0;
+		areSeveral = areSeveral || ( cluster >= 0 && own >= 0 && cluster != own );
 		own = cluster >= 0 ? cluster : own;
 	}
-	if ( lacking == 0 )
+	if ( unassigned == 0 )
 	{
 		return;
 	}
 	const int most = contact.isDrawn ? Cluster::kMost : Cluster::kMost / 2;
-	if ( own < 0 || areMany || m_clusters[std::size_t( own )].count + lacking > most )
+	if ( own < 0 || areSeveral || m_clusters[std::size_t( own )].count + unassigned > most )
 	{
 		own = int( m_clusters.size() );
 		m_clusters.emplace_back();
 	}
 	Cluster& cluster = m_clusters[std::size_t( own )];
-	for ( int k = 0; k < touched.count; ++k )
+	for ( int k = 0; k < nodes.count; ++k )
 	{
-		NodeBlock& block = m_nodeBlocks[std::size_t( touched.block[k] )];
+		NodeBlock& block = m_nodeBlocks[std::size_t( nodes.block[k] )];
 		if ( block.cluster < 0 )
 		{
 			block.cluster = own;
 			block.slot = cluster.count;
-			cluster.blocks[cluster.count++] = touched.block[k];
+			cluster.blocks[cluster.count++] = nodes.block[k];
 		}
 	}
 }
@@ -131,37 +130,37 @@ void ImplicitBlock::beginClusters()
 	}
 }
 
-// What lies between two clusters is left out, so each stays positive.
-void ImplicitBlock::addToClusters( const BlockContact& contact, const Eigen::Matrix3d& resists )
+// Coupling between clusters is omitted, so each cluster stays positive definite.
+void ImplicitBlock::addToClusters( const BlockContact& contact, const Eigen::Matrix3d& contactResistance )
 {
-	const Touched touched = touchedBy( contact );
-	// Where nodes share what presses otherwise than what rubs, by so much more in the direction of the normal.
-	Eigen::Matrix3d press = Eigen::Matrix3d::Zero();
+	const ContactNodes nodes = nodesOf( contact );
+	// Correction along the normal for nodes whose weights differ between normal and tangential directions.
+	Eigen::Matrix3d normalExcess = Eigen::Matrix3d::Zero();
 	if ( contact.isDrawn )
 	{
-		press = contact.stiffness * contact.normal * contact.normal.transpose();
+		normalExcess = contact.stiffness * contact.normal * contact.normal.transpose();
 	}
-	for ( int a = 0; a < touched.count; ++a )
+	for ( int a = 0; a < nodes.count; ++a )
 	{
-		for ( int b = 0; b < touched.count; ++b )
+		for ( int b = 0; b < nodes.count; ++b )
 		{
-			const NodeBlock &one = m_nodeBlocks[std::size_t( touched.block[a] )], &other = m_nodeBlocks[std::size_t( touched.block[b] )];
+			const NodeBlock &one = m_nodeBlocks[std::size_t( nodes.block[a] )], &other = m_nodeBlocks[std::size_t( nodes.block[b] )];
 			if ( one.cluster != other.cluster )
 			{
 				continue;
 			}
-			const double rubs = touched.rub[a] * touched.rub[b];
+			const double tangentWeight = nodes.rub[a] * nodes.rub[b];
 			auto piece = matrixOf( m_clusters[std::size_t( one.cluster )] ).block<3, 3>( 3 * one.slot, 3 * other.slot );
-			piece += rubs * resists;
+			piece += tangentWeight * contactResistance;
 			if ( contact.isDrawn )
 			{
-				piece += ( touched.press[a] * touched.press[b] - rubs ) * press;
+				piece += ( nodes.press[a] * nodes.press[b] - tangentWeight ) * normalExcess;
 			}
 		}
 	}
 }
 
-// What was summed in double acts in float, as the iteration's vectors are.
+// Sums and inverts in double; the inverse is stored in float like the iteration's vectors.
 void ImplicitBlock::invertClusters()
 {
 	int scratch = 0;
@@ -173,14 +172,14 @@ void ImplicitBlock::invertClusters()
 		{
 			const NodeBlock& block = m_nodeBlocks[std::size_t( cluster.blocks[k] )];
 			const SoftPart& part = soft[std::size_t( block.part )];
-			cluster.place[k] = part.offset + block.node;
+			cluster.index[k] = part.offset + block.node;
 			cluster.stride[k] = part.motion->padded();
 		}
 	}
 	m_clusterInverse.assign( std::size_t( scratch ), 0.0f );
 	for ( const Cluster& cluster : m_clusters )
 	{
-		bySize( cluster.count, [&]( auto count ) {
+		withSize( cluster.count, [&]( auto count ) {
 			constexpr int rows = 3 * count();
 			Eigen::Map<Eigen::Matrix<double, rows, rows>> matrix( m_clusterStorage.data() + cluster.scratch );
 			sweep( matrix );
@@ -200,7 +199,7 @@ void ImplicitBlock::preconditionCluster( const Cluster& cluster, const float* r,
 	{
 		for ( int k = 0; k < 3; ++k, inverse += column )
 		{
-			const float from = r[cluster.place[b] + k * cluster.stride[b]];
+			const float from = r[cluster.index[b] + k * cluster.stride[b]];
 			for ( int i = 0; i < column; ++i )
 			{
 				to[i] += inverse[i] * from;
@@ -211,7 +210,7 @@ void ImplicitBlock::preconditionCluster( const Cluster& cluster, const float* r,
 	{
 		for ( int k = 0; k < 3; ++k )
 		{
-			z[cluster.place[b] + k * cluster.stride[b]] = to[3 * b + k];
+			z[cluster.index[b] + k * cluster.stride[b]] = to[3 * b + k];
 		}
 	}
 }
@@ -220,7 +219,7 @@ void ImplicitBlock::preconditionClusters( const float* r, float* z ) const
 {
 	for ( const Cluster& cluster : m_clusters )
 	{
-		bySize( cluster.count, [&]( auto count ) { preconditionCluster<count()>( cluster, r, z ); } );
+		withSize( cluster.count, [&]( auto count ) { preconditionCluster<count()>( cluster, r, z ); } );
 	}
 }
 

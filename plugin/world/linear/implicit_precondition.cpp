@@ -1,6 +1,5 @@
-// What stands in front of an implicit block's system: nodes with their contacts (implicit_clusters.cpp), and, added to them, the contacts
-// as whole bodies feel them, each rigid body with its 6 and each soft one, or each of the parts it is in, with its 12 affine motions
-// (coarse_system.h).
+// The preconditioner of an implicit block: the diagonal and the clusters of nodes in contact (implicit_clusters.cpp), plus the coarse
+// system (coarse_system.h) with 6 unknowns per rigid body and the 12 affine motions of each connected part of a soft body.
 
 #include "world/bodies/soft_body_impl.h"
 #include "world/implicit/implicit_block.h"
@@ -18,76 +17,76 @@ Eigen::Matrix3d hat( const Vec3d& a )
 	return m;
 }
 
-/// How a whole body feels a contact: a node's u = V + L p by its arm, ( 1, p ) times the identity, a rigid body's point u = V + W x arm by
-/// `turns`.
-struct Feels
+/// The velocity of a contact point in terms of a body's coarse unknowns: of a soft body u = V + L p, with `arm` = ( 1, p ); of a rigid body
+/// u = V + W x r, with `jacobian`.
+struct CoarseSide
 {
 	int body = -1;
 	bool isSoft = false;
 	Eigen::Vector4d arm;
-	Eigen::Matrix<double, 3, 6> turns;
+	Eigen::Matrix<double, 3, 6> jacobian;
 };
 
 template <int rows, int cols>
 using Fixed = Eigen::Map<Eigen::Matrix<double, rows, cols>>;
 
-/// piece += sign Ga^T R Gb, of rows of a and columns of b. Of a soft body's own piece what lies above the diagonal's 6 x 6 parts is left
-/// out: nobody asks for it.
-void addCoarse( const Feels& a, const Feels& b, const Eigen::Matrix3d& resists, double sign, double* piece )
+/// piece += sign Ga^T R Gb, with the rows of a and the columns of b. In a soft body's own piece the blocks above the diagonal 6 x 6 blocks
+/// are omitted, since they are never read.
+void addCoarse( const CoarseSide& a, const CoarseSide& b, const Eigen::Matrix3d& contactResistance, double sign, double* piece )
 {
-	if ( a.isSoft ) // then b, which comes no later, is soft too
+	if ( a.isSoft ) // then b, which has no higher index, is soft too
 	{
-		// By whole columns: column c of R times each of a's arms, then times b's.
+		// Column by column: column c of R times each component of a's arm, then times b's.
 		Fixed<12, 12> to( piece );
 		for ( int c = 0; c < 3; ++c )
 		{
-			Eigen::Matrix<double, 12, 1> pressed;
+			Eigen::Matrix<double, 12, 1> force;
 			for ( int i = 0; i < 4; ++i )
 			{
-				pressed.segment<3>( 3 * i ) = ( sign * a.arm[i] ) * resists.col( c );
+				force.segment<3>( 3 * i ) = ( sign * a.arm[i] ) * contactResistance.col( c );
 			}
 			for ( int j = 0; j < 4; ++j )
 			{
 				if ( a.body == b.body && j >= 2 )
 				{
-					to.col( 3 * j + c ).tail<6>() += b.arm[j] * pressed.tail<6>();
+					to.col( 3 * j + c ).tail<6>() += b.arm[j] * force.tail<6>();
 				}
 				else
 				{
-					to.col( 3 * j + c ) += b.arm[j] * pressed;
+					to.col( 3 * j + c ) += b.arm[j] * force;
 				}
 			}
 		}
 		return;
 	}
-	const Eigen::Matrix<double, 6, 3> pressed = sign * a.turns.transpose() * resists;
+	const Eigen::Matrix<double, 6, 3> force = sign * a.jacobian.transpose() * contactResistance;
 	if ( !b.isSoft )
 	{
-		Fixed<6, 6>( piece ) += pressed * b.turns;
+		Fixed<6, 6>( piece ) += force * b.jacobian;
 		return;
 	}
 	Fixed<6, 12> to( piece );
 	for ( int j = 0; j < 4; ++j )
 	{
-		to.block<6, 3>( 0, 3 * j ) += b.arm[j] * pressed;
+		to.block<6, 3>( 0, 3 * j ) += b.arm[j] * force;
 	}
 }
 
 } // namespace
 
-/// k n n^T + kt S, the contact's resistance; S is 1 - n n^T where friction is the same in all directions.
+// k n n^T + kt S, with S = 1 - n n^T for isotropic friction.
 Eigen::Matrix3d ImplicitBlock::resistance( const BlockContact& contact ) const
 {
-	const Eigen::Matrix3d press = contact.normal * contact.normal.transpose();
-	const Eigen::Matrix3d rub = contact.directed < 0 ? Eigen::Matrix3d( Eigen::Matrix3d::Identity() - press )
-													 : directions[std::size_t( contact.directed )];
-	return contact.stiffness * press + contact.tangentStiffness * rub;
+	const Eigen::Matrix3d normalPart = contact.normal * contact.normal.transpose();
+	const Eigen::Matrix3d tangentPart = contact.frictionScale < 0 ? Eigen::Matrix3d( Eigen::Matrix3d::Identity() - normalPart )
+																  : frictionScales[std::size_t( contact.frictionScale )];
+	return contact.stiffness * normalPart + contact.tangentStiffness * tangentPart;
 }
 
 void ImplicitBlock::layOutCoarse()
 {
 	m_coarseSizes.clear();
-	for ( Connected& own : m_connected )
+	for ( ConnectedPart& own : m_connected )
 	{
 		const ImplicitMotion& motion = *soft[std::size_t( own.soft )].motion;
 		if ( motion.isElastic() && motion.hasShape( own.part ) )
@@ -101,7 +100,7 @@ void ImplicitBlock::layOutCoarse()
 		part.coarse = int( m_coarseSizes.size() );
 		m_coarseSizes.push_back( 6 );
 	}
-	// All contacts: which of them press is another matter in each pass.
+	// All contacts, because the active ones change from pass to pass.
 	const auto bodyOf = [this]( const ContactSide& side ) {
 		return side.soft >= 0 ? connectedOf( side ).coarse : side.rigid >= 0 ? rigid[std::size_t( side.rigid )].coarse : -1;
 	};
@@ -119,13 +118,13 @@ void ImplicitBlock::layOutCoarse()
 
 void ImplicitBlock::addToPreconditioner( const BlockContact& contact )
 {
-	const Eigen::Matrix3d resists = resistance( contact );
-	addToClusters( contact, resists );
-	Feels feels[2];
+	const Eigen::Matrix3d contactResistance = resistance( contact );
+	addToClusters( contact, contactResistance );
+	CoarseSide sides[2];
 	for ( int k = 0; k < 2; ++k )
 	{
 		const ContactSide& side = contact.side[k];
-		Feels& own = feels[k];
+		CoarseSide& own = sides[k];
 		if ( side.soft >= 0 )
 		{
 			const SoftPart& part = soft[std::size_t( side.soft )];
@@ -144,22 +143,23 @@ void ImplicitBlock::addToPreconditioner( const BlockContact& contact )
 		else if ( side.rigid >= 0 )
 		{
 			own.body = rigid[std::size_t( side.rigid )].coarse;
-			own.turns << Eigen::Matrix3d::Identity(), -hat( side.arm );
+			own.jacobian << Eigen::Matrix3d::Identity(), -hat( side.arm );
 		}
 	}
 	for ( int a = 0; a < 2; ++a )
 	{
 		for ( int b = 0; b < 2; ++b )
 		{
-			if ( feels[b].body >= 0 && feels[a].body >= feels[b].body )
+			if ( sides[b].body >= 0 && sides[a].body >= sides[b].body )
 			{
-				addCoarse( feels[a], feels[b], resists, a == b ? 1.0 : -1.0, m_coarse.block( feels[a].body, feels[b].body ).data() );
+				addCoarse(
+					sides[a], sides[b], contactResistance, a == b ? 1.0 : -1.0, m_coarse.block( sides[a].body, sides[b].body ).data() );
 			}
 		}
 	}
 }
 
-/// A rigid body's locked axes take no part.
+// Removes the locked axes of a rigid body from the coarse system.
 void ImplicitBlock::lockAxes( const RigidPart& part, int body )
 {
 	for ( int k = 0; k < 6; ++k )
@@ -191,7 +191,7 @@ void ImplicitBlock::fillPreconditioner()
 {
 	beginClusters();
 	m_coarse.clear();
-	for ( const Connected& own : m_connected )
+	for ( const ConnectedPart& own : m_connected )
 	{
 		if ( own.coarse >= 0 )
 		{
@@ -206,7 +206,7 @@ void ImplicitBlock::fillPreconditioner()
 	}
 	for ( const BlockContact& contact : contacts )
 	{
-		if ( contact.presses )
+		if ( contact.isActive )
 		{
 			addToPreconditioner( contact );
 		}
@@ -237,7 +237,7 @@ void ImplicitBlock::precondition( const float* r, float* z )
 			}
 		}
 	}
-	for ( const Connected& own : m_connected )
+	for ( const ConnectedPart& own : m_connected )
 	{
 		if ( own.coarse >= 0 )
 		{
@@ -252,7 +252,7 @@ void ImplicitBlock::precondition( const float* r, float* z )
 			m_coarse.offset( part.coarse ) ) = Eigen::Map<const Eigen::Matrix<float, 6, 1>>( r + part.offset ).cast<double>();
 	}
 	m_coarse.solve( m_coarseSums, m_coarseMotion );
-	for ( const Connected& own : m_connected )
+	for ( const ConnectedPart& own : m_connected )
 	{
 		if ( own.coarse >= 0 )
 		{

@@ -124,7 +124,7 @@ void Parting::follow(
 	const SoftBody& soft, const btCollisionObject& other, const SoftBody* otherSoft, bool isNew, double step, std::vector<NodeHit>& hits )
 {
 	const auto radiusOf = [&soft]( const NodeHit& hit ) { return double( soft.nodeRadius( hit.node() ) ); };
-	const unsigned placementCount = soft.impl().placed + ( otherSoft ? otherSoft->impl().placed : 0u );
+	const unsigned placementCount = soft.impl().placements + ( otherSoft ? otherSoft->impl().placements : 0u );
 	const bool isPlaced = isNew ? !soft.impl().family && !( otherSoft && otherSoft->impl().family ) : placementCount != m_placementCount;
 	m_placementCount = placementCount;
 	if ( !m_isParting && isPlaced )
@@ -150,7 +150,7 @@ void Parting::follow(
 	{
 		if ( each && m_isParting )
 		{
-			each->impl().parting = kPartingPhases;
+			each->impl().partingPhases = kPartingPhases;
 		}
 	}
 	for ( NodeHit& hit : hits )

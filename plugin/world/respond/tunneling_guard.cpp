@@ -360,9 +360,9 @@ void SoftBodySystem::holdBack( btScalar h )
 	{
 		SoftBody::Impl& impl = body->impl();
 		const NodeState& nodes = impl.body->nodes();
-		if ( impl.parting > 0 )
+		if ( impl.partingPhases > 0 )
 		{
-			--impl.parting;
+			--impl.partingPhases;
 			impl.isGuarded = false;
 			continue;
 		}

@@ -211,7 +211,7 @@ void NodeSearch::noteNearby( int node, btScalar size ) const
 	const btScalar diameter = 2 * impl.shape->sphereOfNode( node )->getRadius();
 	if ( size <= 2 * diameter )
 	{
-		impl.nearby.push_back( Near{ node, size <= diameter ? Near::Wish::Split : Near::Wish::Stay } );
+		impl.nearNodes.push_back( Near{ node, size <= diameter ? Near::Request::Split : Near::Request::Keep } );
 	}
 }
 
@@ -228,13 +228,13 @@ void NodeSearch::foresee( int node, const Find& find ) const
 	sphere.radius = corner;
 	if ( m_soft->nodeLevel( node ) > 0 && find( sphere, touch ) )
 	{
-		impl.nearby.push_back( Near{ node, Near::Wish::Widen } );
+		impl.nearNodes.push_back( Near{ node, Near::Request::SplitLater } );
 		return;
 	}
 	sphere.radius = 2.0 * corner;
 	if ( find( sphere, touch ) )
 	{
-		impl.nearby.push_back( Near{ node, Near::Wish::Stay } );
+		impl.nearNodes.push_back( Near{ node, Near::Request::Keep } );
 	}
 }
 

@@ -38,7 +38,7 @@ void NodeSearch::adjustForCharacter()
 // Contacts of new nodes within their allowance count as just touching.
 void NodeSearch::applyAllowances( const SoftBody& first, const SoftBody* second )
 {
-	PenetrationAllowance &own = first.impl().born, &others = second ? second->impl().born : own;
+	PenetrationAllowance &own = first.impl().allowance, &others = second ? second->impl().allowance : own;
 	if ( !own.isAny() && !others.isAny() )
 	{
 		return;

@@ -11,28 +11,28 @@ namespace pliant {
 
 namespace {
 
-std::vector<FreshPair>::iterator findFresh( std::vector<FreshPair>& fresh, unsigned other )
+std::vector<SeparatedPair>::iterator findFresh( std::vector<SeparatedPair>& fresh, unsigned other )
 {
-	const auto found = std::lower_bound( fresh.begin(), fresh.end(), FreshPair{ other, 0.0 } );
+	const auto found = std::lower_bound( fresh.begin(), fresh.end(), SeparatedPair{ other, 0.0 } );
 	return found != fresh.end() && found->other == other ? found : fresh.end();
 }
 
 /// Allowed overlap of the spheres of two bodies that came from one; 0 for all others.
 double slackOf( const SoftBody::Impl& a, const SoftBody::Impl& b )
 {
-	const auto pair = findFresh( a.fresh, b.serial );
-	return pair == a.fresh.end() ? 0.0 : pair->slack;
+	const auto pair = findFresh( a.separatedPairs, b.serial );
+	return pair == a.separatedPairs.end() ? 0.0 : pair->slack;
 }
 
 void setSlack( const SoftBody::Impl& of, unsigned other, double slack )
 {
-	const auto pair = findFresh( of.fresh, other );
-	if ( pair != of.fresh.end() )
+	const auto pair = findFresh( of.separatedPairs, other );
+	if ( pair != of.separatedPairs.end() )
 	{
 		pair->slack = slack;
 		if ( slack == 0.0 )
 		{
-			of.fresh.erase( pair ); // they have separated
+			of.separatedPairs.erase( pair ); // they have separated
 		}
 	}
 }

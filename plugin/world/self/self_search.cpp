@@ -183,7 +183,8 @@ void SelfSearch::applySlack()
 		}
 		else if ( depth > 0.0 )
 		{
-			hit.touch.distance += std::max( impl.born.allowedDepth( hit.node(), depth ), impl.born.allowedDepth( hit.other(), depth ) );
+			hit.touch.distance += std::max(
+				impl.allowance.allowedDepth( hit.node(), depth ), impl.allowance.allowedDepth( hit.other(), depth ) );
 		}
 	}
 	m_slack.swap( m_slackNext );

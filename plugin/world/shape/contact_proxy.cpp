@@ -56,7 +56,7 @@ void ContactProxyPool::detach( SoftBody& owner )
 		proxy->owner = nullptr;
 	}
 	impl.touched.clear();
-	impl.nodeBody.assign( impl.nodeBody.size(), nullptr );
+	impl.proxyOfNode.assign( impl.proxyOfNode.size(), nullptr );
 }
 
 void NodeSurface::follow( const SoftBody& owner, unsigned step )
@@ -119,7 +119,7 @@ btQuaternion axesAt( const SoftBody& owner, int node )
 ContactProxy* ContactProxyPool::acquire( SoftBody& owner, int node )
 {
 	SoftBody::Impl& impl = owner.impl();
-	ContactProxy*& slot = impl.nodeBody[node];
+	ContactProxy*& slot = impl.proxyOfNode[node];
 	if ( !slot )
 	{
 		if ( m_free.empty() )
@@ -165,7 +165,7 @@ void ContactProxyPool::release( ContactProxy* body )
 	if ( body->node >= 0 )
 	{
 		SoftBody::Impl& impl = body->owner->impl();
-		impl.nodeBody[body->node] = nullptr;
+		impl.proxyOfNode[body->node] = nullptr;
 		takeFromTouched( impl, *body );
 	}
 	body->owner = nullptr;
@@ -177,7 +177,7 @@ void ContactProxyPool::renumber( SoftBody& owner, const std::vector<std::uint32_
 {
 	SoftBody::Impl& impl = owner.impl();
 	++impl.numbering;
-	impl.nodeBody.assign( std::size_t( nodeCount ), nullptr );
+	impl.proxyOfNode.assign( std::size_t( nodeCount ), nullptr );
 	for ( std::size_t k = impl.touched.size(); k-- > 0; )
 	{
 		ContactProxy& proxy = *impl.touched[k];
@@ -189,7 +189,7 @@ void ContactProxyPool::renumber( SoftBody& owner, const std::vector<std::uint32_
 			continue;
 		}
 		proxy.node = int( now );
-		impl.nodeBody[now] = &proxy;
+		impl.proxyOfNode[now] = &proxy;
 	}
 }
 
@@ -203,7 +203,7 @@ void ContactProxyPool::prefetchVelocity( const ContactProxy& body )
 void ContactProxyPool::prefetchAhead( const ContactProxy& body )
 {
 	prefetchVelocity( body );
-	askWho( body );
+	prefetchIdentity( body );
 }
 
 void ContactProxyPool::refresh( ContactProxy& body )

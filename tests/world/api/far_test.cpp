@@ -1,4 +1,4 @@
-// Far from the world's centre a scene is what it is at home: 1 km out in a float world, 100 km in a double one.
+// Far from the world's origin a scene evolves as at the origin: 1 km out in a float world, 100 km in a double one.
 
 #include "world/test_world.h"
 
@@ -11,10 +11,10 @@ using test::at;
 using test::block;
 using test::TestWorld;
 
-// A power of two, so that Bullet's own transforms of the floor and the slope are exact out there.
+// A power of two, so that Bullet's transforms of the floor and the slope are exact there.
 constexpr btScalar kFar = sizeof( btScalar ) == 4 ? btScalar( 1024 ) : btScalar( 131072 );
 
-/// Positions relative to `centre` of two cubes, one on the other, that have fallen on a tilted box, after two seconds.
+/// Returns node positions relative to `centre` of two stacked cubes that have fallen on a tilted box, after two seconds.
 std::vector<btVector3> scene( const btVector3& centre, bool onPlane )
 {
 	TestWorld t;
@@ -36,7 +36,7 @@ std::vector<btVector3> scene( const btVector3& centre, bool onPlane )
 	{
 		for ( int i = 0; i < body->nodeCount(); ++i )
 		{
-			// Relative to the first node: what Bullet's own precision cannot hold is not asked for.
+			// Relative to `centre`, because Bullet's precision does not hold more.
 			positions.push_back( body->nodePosition( i ) - centre );
 		}
 	}

@@ -1,5 +1,5 @@
-// A body that is more than one thread's share of all nodes is shared by the threads: share by share through its nodes, branch by branch
-// through its tree. Nothing of it may depend on how many there are.
+// A body with more nodes than one task's range is divided among the threads: its nodes into ranges, its tree into branches. The results
+// must not depend on the number of threads.
 
 #include "pliant/task_runner.h"
 #include "world/levels/adaptive_bodies.h"
@@ -13,7 +13,7 @@
 namespace pliant::test {
 namespace {
 
-/// Positions to the last bit of a large body that falls on a small one and is hit, and its skin's.
+/// Returns bit-exact positions of the nodes and the skin of a large body that falls on a small one and is hit.
 std::vector<float> fall( int threads )
 {
 	TestWorld test;
@@ -50,7 +50,7 @@ TEST( LargeBodies, AreTheSameForAnyNumberOfThreads )
 	EXPECT_EQ( fall( 5 ), one );
 }
 
-TEST( LargeBodies, StopAtABadNumberWhereverItStands )
+TEST( LargeBodies, StopAtABadNumberInAnyNode )
 {
 	for ( const int node : { 0, 1500, 4095 } )
 	{
@@ -67,7 +67,7 @@ TEST( LargeBodies, StopAtABadNumberWhereverItStands )
 	}
 }
 
-// Whichever share of the nodes it is in: before a box of no size reaches the broadphase, and with it every other body.
+// The bad number may be in any range of nodes: the body stops before an invalid box reaches the broadphase and affects other bodies.
 TEST( LargeBodies, StopBeforeABadNumberReachesBullet )
 {
 	for ( const int node : { 0, 1500, 4095 } )
@@ -85,7 +85,7 @@ TEST( LargeBodies, StopBeforeABadNumberReachesBullet )
 	}
 }
 
-/// Every inner box is the union of its children's, to the bit.
+/// Expects every inner box to be the union of its children's, to the bit.
 void expectTight( const NodeShape& shape, int& inner )
 {
 	std::vector<const btDbvtNode*> stack( 1, shape.tree().m_root );
@@ -106,7 +106,7 @@ void expectTight( const NodeShape& shape, int& inner )
 	}
 }
 
-// Also where trees were put in the place of leaves, and where spheres were taken out.
+// Also where trees replaced leaves, and where spheres were removed.
 TEST( LargeBodies, TreesFollowTheirNodesOnAllThreads )
 {
 	const std::unique_ptr<TaskRunner> threads = createThreadPool( 3 );
@@ -141,7 +141,7 @@ TEST( LargeBodies, TreesFollowTheirNodesOnAllThreads )
 		expectTight( *soft->impl().shape, inner );
 		most = std::max( most, inner );
 	}
-	EXPECT_GT( most, 2048 ) << "too few for threads to share";
+	EXPECT_GT( most, 2048 ) << "too few nodes to divide among threads";
 }
 
 } // namespace

@@ -1,4 +1,4 @@
-// Who may go first: everybody. And what a bad number does: nothing to anybody else.
+// Objects may be destroyed in any order, and a bad number in one body does not affect others.
 
 #include "world/test_world.h"
 
@@ -26,7 +26,7 @@ void stepFor( SoftBodyWorld& world, int frames )
 	}
 }
 
-TEST( Lifetime, BodiesAndWorldsGoInAnyOrder )
+TEST( Lifetime, BodiesAndWorldsAreDestroyedInAnyOrder )
 {
 	const auto shape = block( 3, 3, 3, 0.1f );
 	BulletParts parts;
@@ -41,7 +41,7 @@ TEST( Lifetime, BodiesAndWorldsGoInAnyOrder )
 		auto high = std::move( SoftBody::create( shape, at( 0, btScalar( 0.46 ), 0 ) ).value );
 		world->addSoftBody( low.get() );
 		world->addSoftBody( high.get() );
-		world->addSoftBody( high.get() ); // ignored
+		world->addSoftBody( high.get() ); // no effect
 		EXPECT_EQ( world->softBodyCount(), 2 );
 		stepFor( *world, 20 );
 		EXPECT_GT( world->stepReport().softContacts, 9 );
@@ -57,7 +57,7 @@ TEST( Lifetime, BodiesAndWorldsGoInAnyOrder )
 		{
 			low.reset();
 		}
-		if ( order == 2 ) // as a game's clean-up loop does it
+		if ( order == 2 ) // as in a game's clean-up loop
 		{
 			world->removeCollisionObject( low.get() );
 			world->removeCollisionObject( low.get() );
@@ -65,7 +65,7 @@ TEST( Lifetime, BodiesAndWorldsGoInAnyOrder )
 			world->removeCollisionObject( high.get() );
 			EXPECT_EQ( world->softBodyCount(), 0 );
 		}
-		if ( order == 3 ) // out and in again
+		if ( order == 3 ) // removed and added again
 		{
 			world->removeSoftBody( low.get() );
 			low->applyCentralImpulse( btVector3( 0, 10, 0 ) );
@@ -101,7 +101,7 @@ TEST( Lifetime, AHundredWorlds )
 
 TEST( Lifetime, ADispatcherServesTheNextWorldAsBefore )
 {
-	// A soft world registers its algorithm with the dispatcher; when it goes, Bullet's own compounds must still collide.
+	// A soft world registers its algorithm with the dispatcher; after its destruction Bullet's own compounds must still collide.
 	BulletParts parts;
 	{
 		SoftBodyWorld gone( &parts.dispatcher, &parts.broadphase, &parts.solver, &parts.configuration );
@@ -124,14 +124,14 @@ TEST( Lifetime, ADispatcherServesTheNextWorldAsBefore )
 	world.removeRigidBody( &floor );
 }
 
-/// Calls refuse bad numbers: what goes wrong goes wrong in the middle of a step.
+/// Calls refuse bad numbers, so the number is set in the middle of a step.
 void poisonNode( SoftBody& body, int node, const btVector3& velocity )
 {
 	body.activate();
 	body.impl().body->nodes().v.set( node, toVec3( velocity ) );
 }
 
-/// Positions of a body beside one that is poisoned (or not).
+/// Returns the positions of a body beside one that is poisoned (or not).
 std::vector<btVector3> beside( int poison )
 {
 	TestWorld t;
@@ -181,8 +181,8 @@ TEST( Lifetime, ABodyWithABadNumberStopsAndItsNeighboursGoOnBitForBit )
 	}
 }
 
-// A game that keeps a body awake for good had to say so again after each reset.
-TEST( Lifetime, ResetWakesABodyAndKeepsWhatTheGameSetForGood )
+// Activation states that the game has set permanently survive a reset.
+TEST( Lifetime, ResetWakesABodyAndKeepsPermanentStates )
 {
 	TestWorld t;
 	const auto shape = block( 2, 2, 2, 0.1f );
@@ -241,18 +241,18 @@ TEST( Lifetime, ThreadsDoNotChangeABit )
 	}
 }
 
-// What Bullet's allocator hands out, counted. The hooks carry no context.
+// Counts the bytes from Bullet's allocator. The hooks carry no context.
 std::size_t g_bytes = 0;
 int g_allocations = 0;
 
 void* countedAlloc( std::size_t size, int )
 {
-	constexpr std::size_t kRoom = 64; // keeps every alignment Bullet asks for, and the size in front
-	char* block = static_cast<char*>( std::aligned_alloc( kRoom, ( size + 2 * kRoom - 1 ) / kRoom * kRoom ) );
+	constexpr std::size_t kHeader = 64; // keeps every alignment that Bullet requests, and stores the size in front
+	char* block = static_cast<char*>( std::aligned_alloc( kHeader, ( size + 2 * kHeader - 1 ) / kHeader * kHeader ) );
 	std::memcpy( block, &size, sizeof size );
 	g_bytes += size;
 	++g_allocations;
-	return block + kRoom;
+	return block + kHeader;
 }
 
 void countedFree( void* memory )
@@ -267,7 +267,7 @@ void countedFree( void* memory )
 	}
 }
 
-TEST( Lifetime, BulletsSideTakesFewBytesANodeAndAWarmStepTakesNone )
+TEST( Lifetime, BulletsMemoryPerNodeIsSmallAndAWarmStepAllocatesNone )
 {
 	const auto shape = block( 13, 13, 13, 0.1f );
 	btAlignedAllocSetCustomAligned( countedAlloc, countedFree );
@@ -290,7 +290,7 @@ TEST( Lifetime, BulletsSideTakesFewBytesANodeAndAWarmStepTakesNone )
 	btAlignedAllocSetCustomAligned( nullptr, nullptr );
 }
 
-TEST( Lifetime, RefusesWhatCannotBe )
+TEST( Lifetime, RefusesInvalidArguments )
 {
 	EXPECT_EQ( SoftBody::create( nullptr, at( 0, 0, 0 ) ).status.code, ResultCode::BadArgument );
 	btTransform bad = at( 0, 0, 0 );

@@ -1,4 +1,4 @@
-// Pinned nodes: still, following a rigid body, moved by the game. Exactly where they should be, every frame.
+// Pinned nodes: fixed, following a rigid body, driven by the game. They are exactly at their targets in every frame.
 
 #include "world/test_world.h"
 
@@ -55,7 +55,7 @@ TEST( Pins, ANodeFollowsItsRigidBodyExactlyUntilThatLeaves )
 	EXPECT_LT( bar->linearVelocity().y(), btScalar( -3 ) );
 }
 
-TEST( Pins, ADrivenNodeIsWhereTheGamePutItAtEachStepsEnd )
+TEST( Pins, ADrivenNodeIsAtItsTargetAtTheEndOfEachStep )
 {
 	TestWorld t;
 	SoftBody* cube = t.addSoft( block( 3, 3, 3, 0.1f ), at( 0, 0, 0 ) );
@@ -75,7 +75,7 @@ TEST( Pins, ADrivenNodeIsWhereTheGamePutItAtEachStepsEnd )
 	EXPECT_EQ( cube->pinNode( -1 ).code, ResultCode::BadArgument );
 }
 
-TEST( Pins, AMovingHandleWakesWhatHangsOnIt )
+TEST( Pins, AMovingHandleWakesTheHangingBody )
 {
 	TestWorld t;
 	btRigidBody* handle = t.addBox( 0, btVector3( 0.2f, 0.2f, 0.2f ), at( 0, 2, 0 ) );

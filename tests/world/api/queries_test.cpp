@@ -1,4 +1,4 @@
-// Rays, sweeps, contact tests, ghosts and callbacks see a soft body as they see any other, and name its nodes.
+// Rays, sweeps, contact tests, ghosts and callbacks treat a soft body like any other object, and report its nodes.
 
 #include "world/test_world.h"
 
@@ -44,7 +44,7 @@ TEST( Queries, ARayFindsTheNodeItHits )
 		EXPECT_EQ( ray.m_collisionObject, cube );
 		const int hit = cube->nodeOfShapeIndex( ray.child );
 		ASSERT_GE( hit, 0 );
-		// The ray runs along x: the node it meets stands in the same row, where it stands now.
+		// The ray runs along x, so the node that it hits is in the same row at its current position.
 		EXPECT_NEAR( cube->nodePosition( hit ).y(), target.y(), 1e-4 );
 		EXPECT_NEAR( ray.m_hitPointWorld.x(), cube->nodePosition( hit ).x() - cube->nodeRadius( hit ), 1e-3 );
 		++tried;
@@ -54,7 +54,7 @@ TEST( Queries, ARayFindsTheNodeItHits )
 	EXPECT_EQ( cube->nodeOfShapeIndex( 100000 ), -1 );
 }
 
-/// Asks in each substep, as a vehicle's wheels do.
+/// Casts rays in each substep, as a vehicle's wheels do.
 struct Asking : btActionInterface
 {
 	explicit Asking( SoftBody& body ) : cube( body ) {}
@@ -67,7 +67,7 @@ struct Asking : btActionInterface
 		const int hit = cube.nodeOfShapeIndex( ray.child );
 		ASSERT_GE( hit, 0 );
 		++hits;
-		// On the sphere of the node it says, where that stands now.
+		// The hit point is on the sphere of the reported node at its current position.
 		worst = btMax( worst, btFabs( ray.m_hitPointWorld.distance( cube.nodePosition( hit ) ) - cube.nodeRadius( hit ) ) );
 	}
 	void debugDraw( btIDebugDraw* ) override {}
@@ -81,7 +81,7 @@ TEST( Queries, AnActionSeesTheBodyWhereItIs )
 	TestWorld t;
 	t.world.setGravity( btVector3( 0, 0, 0 ) );
 	SoftBody* cube = t.addSoft( block( 5, 5, 5, 0.1f ), at( 1, 2, 3 ) );
-	for ( int node = 0; node < cube->nodeCount(); ++node ) // it spins: what moves as a whole takes its tree along
+	for ( int node = 0; node < cube->nodeCount(); ++node ) // it spins: a rigidly moving body moves its tree as a whole
 	{
 		const btVector3 speed = btVector3( 0, 0, 12 ).cross( cube->nodePosition( node ) - btVector3( 1, 2, 3 ) );
 		cube->impl().body->nodes().v.set( node, toVec3( speed ) );
@@ -90,7 +90,7 @@ TEST( Queries, AnActionSeesTheBodyWhereItIs )
 	t.world.addAction( &action );
 	t.run( 5 );
 	t.world.removeAction( &action );
-	EXPECT_EQ( action.hits, 5 ); // once a step, after the last substep
+	EXPECT_EQ( action.hits, 5 ); // once per step, after the last substep
 	EXPECT_LT( action.worst, btScalar( 1e-4 ) );
 }
 
@@ -153,8 +153,8 @@ TEST( Queries, AGhostSeesOneObject )
 	t.run( 1 );
 	ASSERT_EQ( ghost.getNumOverlappingObjects(), 1 );
 	EXPECT_EQ( ghost.getOverlappingObject( 0 ), cube );
-	EXPECT_NEAR( cube->linearVelocity().y(), t.world.getGravity().y() / 60, 1e-3 ) << "a ghost does not hold";
-	// Trigger code asks the pair for its manifolds: one a touching node.
+	EXPECT_NEAR( cube->linearVelocity().y(), t.world.getGravity().y() / 60, 1e-3 ) << "a ghost does not stop the body";
+	// Trigger code reads the pair's manifolds: one per touching node.
 	btBroadphasePair* pair = t.world.getPairCache()->findPair( cube->getBroadphaseHandle(), ghost.getBroadphaseHandle() );
 	ASSERT_TRUE( pair && pair->m_algorithm );
 	btManifoldArray manifolds;
@@ -197,7 +197,7 @@ void ended( btPersistentManifold* const& )
 	++g_ended;
 }
 
-/// Bullet orders a pair by who came first into the world: both ways round.
+/// Bullet orders a pair by the order of insertion into the world: tests both orders.
 class Callbacks : public testing::TestWithParam<bool>
 {
 protected:
@@ -242,7 +242,7 @@ TEST_P( Callbacks, CarryTheNodeAndTheUsersPointer )
 		EXPECT_EQ( g_user, &own );
 		EXPECT_EQ( g_started - g_ended, 16 );
 		EXPECT_GT( g_processed, 16 * 100 );
-		cube->setLinearVelocity( btVector3( 2, 0, 0 ) ); // the callback has taken friction away
+		cube->setLinearVelocity( btVector3( 2, 0, 0 ) ); // the callback has removed friction
 		t.run( 30 );
 		EXPECT_NEAR( cube->linearVelocity().x(), 2, 0.02 );
 	}

@@ -1,6 +1,6 @@
-// The first question for a skin after a step draws, on all threads at once, those of all bodies that were looked at after the last one.
-// What anybody sees may not depend on it: not the bits, not the counters, not how long a view may be read; and what nobody asks for is not
-// drawn.
+// The first request for a skin after a step computes, on all threads, the skins of all bodies that were drawn after the last step. Results
+// must not depend on this: neither the bits, nor the counters, nor how long a view stays readable; and bodies that are not drawn are not
+// computed.
 
 #include "world/levels/adaptive_bodies.h"
 
@@ -14,7 +14,7 @@ namespace {
 
 constexpr int kBodies = 7;
 
-/// Bodies of several sizes in the air, one of them with levels that change.
+/// Bodies of several sizes in free fall, one of them with changing levels.
 class Skins : public ::testing::Test
 {
 protected:
@@ -32,7 +32,7 @@ protected:
 		}
 	}
 
-	/// Steps, and looks at these bodies after each.
+	/// Steps, and requests the skins of these bodies after each step.
 	void run( int frames, const std::vector<int>& lookedAt )
 	{
 		for ( int frame = 0; frame < frames; ++frame )
@@ -46,7 +46,7 @@ protected:
 	}
 
 	const SoftBody& body( int k ) const { return *world->soft[std::size_t( k )]; }
-	/// Of a body that may not have been asked for.
+	/// The frame counter of a body's skin, without requesting it.
 	unsigned frameOf( int k ) const { return body( k ).impl().skin.frame; }
 
 	std::optional<TestWorld> world;
@@ -77,7 +77,7 @@ TEST_F( Skins, AreTheSameForAnyNumberOfThreads )
 			}
 			for ( int k = 0; k < kBodies; ++k )
 			{
-				// In any order, not always all, and one of them twice.
+				// In varying order, with gaps, and one of them twice.
 				const std::vector<float> copy = copyOf( body( ( k * ( 1 + frame % 5 ) + 3 ) % kBodies ).surface() );
 				seen.back().insert( seen.back().end(), copy.begin(), copy.end() );
 			}
@@ -87,7 +87,7 @@ TEST_F( Skins, AreTheSameForAnyNumberOfThreads )
 	EXPECT_EQ( seen[2], seen[0] );
 }
 
-TEST_F( Skins, OfThoseLookedAtAreDrawnWithTheFirst )
+TEST_F( Skins, OfDrawnBodiesAreComputedWithTheFirst )
 {
 	fill( 2 );
 	run( 3, { 0, 2, 3, 4 } );
@@ -98,7 +98,7 @@ TEST_F( Skins, OfThoseLookedAtAreDrawnWithTheFirst )
 		EXPECT_EQ( frameOf( k ), isLookedAt ? 4u : 0u ) << "body " << k;
 		EXPECT_EQ( body( k ).impl().skin.isStale, !isLookedAt ) << "body " << k;
 	}
-	// Only the one was asked for: after the next step the others are left alone.
+	// Only this one is requested, so after the next step the others are not computed.
 	run( 1, { 4 } );
 	EXPECT_EQ( frameOf( 4 ), 5u );
 	EXPECT_EQ( frameOf( 0 ), 4u );
@@ -128,7 +128,7 @@ TEST_F( Skins, StayReadableUntilTheStepAfterNext )
 			copies.push_back( copyOf( views.back() ) );
 		}
 		world->run( 1 );
-		body( 0 ).surface(); // draws all others, too
+		body( 0 ).surface(); // computes all others too
 		for ( int k = 0; k < kBodies; ++k )
 		{
 			EXPECT_EQ( copyOf( views[std::size_t( k )] ), copies[std::size_t( k )] ) << "body " << k;
@@ -148,7 +148,7 @@ TEST_F( Skins, OfABodyThatHasLeftAreItsOwn )
 	EXPECT_EQ( frameOf( 5 ), 3u );
 }
 
-/// Of one of two bodies that move alike: how far its vertices are from the other's, m.
+/// Returns the largest distance between corresponding vertices of two bodies that move alike, m.
 double apart( const SurfaceView& a, const SurfaceView& b )
 {
 	EXPECT_EQ( a.vertexCount, b.vertexCount );
@@ -189,8 +189,8 @@ struct Falling
 	}
 };
 
-// Measured against a twin that is skinned in full in every frame: what is turned or left alone is as near as was asked for, in flight,
-// bent, broken, at rest and after a teleport, and costs less.
+// Compares with a copy that is skinned in full in every frame: rotated or reused skins are within the tolerance in flight, bent, broken, at
+// rest and after a teleport, and cost less.
 TEST( SurfaceTolerance, KeepsTheSurfaceNearTheOneSkinnedInFull )
 {
 	constexpr btScalar kTolerance = btScalar( 0.01 );
@@ -210,7 +210,7 @@ TEST( SurfaceTolerance, KeepsTheSurfaceNearTheOneSkinnedInFull )
 		for ( int k = 0; k < full.test.world.softBodyCount(); ++k )
 		{
 			SoftBody &a = *full.test.world.softBody( k ), &b = *turned.test.world.softBody( k );
-			EXPECT_EQ( b.surfaceTolerance(), kTolerance ) << "a piece takes it over";
+			EXPECT_EQ( b.surfaceTolerance(), kTolerance ) << "a piece inherits it";
 			const SurfaceView wanted = a.surface(), shown = b.surface();
 			EXPECT_LE( apart( shown, wanted ), double( kTolerance ) * 0.1 + 2e-6 ) << "frame " << frame << ", body " << k;
 			fullFrames = frame == 239 ? fullFrames + wanted.frame : fullFrames;
@@ -218,10 +218,10 @@ TEST( SurfaceTolerance, KeepsTheSurfaceNearTheOneSkinnedInFull )
 		}
 	}
 	EXPECT_GT( full.test.world.softBodyCount(), Falling::kCount ) << "nothing came off";
-	EXPECT_LT( turnedFrames, fullFrames ) << "nothing was left alone";
+	EXPECT_LT( turnedFrames, fullFrames ) << "no skin was reused";
 }
 
-TEST( SurfaceTolerance, LeavesTheViewAloneWhereNothingMoved )
+TEST( SurfaceTolerance, KeepsTheViewWhereNothingMoved )
 {
 	TestWorld test;
 	test.world.setGravity( btVector3( 0, 0, 0 ) );
@@ -239,8 +239,8 @@ TEST( SurfaceTolerance, LeavesTheViewAloneWhereNothingMoved )
 	EXPECT_EQ( body->surfaceTolerance(), btScalar( 0 ) );
 }
 
-// To ask 1 100 nodes took longer than to skin the few vertices of a plain block: a step of 19 683 nodes had become a seventh slower by it.
-TEST( SurfaceTolerance, IsNotAskedForWhereManyNodesCarryFewVertices )
+// Where many nodes carry few vertices, the rigidity test would cost more than skinning: a seventh of a step at 19 683 nodes.
+TEST( SurfaceTolerance, IsNotTestedWhereManyNodesCarryFewVertices )
 {
 	TestWorld test;
 	test.world.setGravity( btVector3( 0, 0, 0 ) );
@@ -250,8 +250,8 @@ TEST( SurfaceTolerance, IsNotAskedForWhereManyNodesCarryFewVertices )
 	EXPECT_EQ( body->surface().frame, before.frame + 1 );
 }
 
-// Turned ones are written from what was skinned in full, which is not written to before it is out of use.
-TEST( SurfaceTolerance, ViewsOfATurnedBodyStayReadableUntilTheStepAfterNext )
+// Rotated skins are computed from the last full one, which is not overwritten while in use.
+TEST( SurfaceTolerance, ViewsOfARotatedBodyStayReadableUntilTheStepAfterNext )
 {
 	TestWorld test;
 	test.world.setGravity( btVector3( 0, 0, 0 ) );

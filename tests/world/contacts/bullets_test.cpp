@@ -1,4 +1,5 @@
-// Fast rigid bodies at soft ones: their momentum goes over, and they stay on their side, with Bullet's continuous detection and without.
+// Fast rigid bodies shot at soft ones: they transfer their momentum and do not pass through, with and without Bullet's continuous
+// detection.
 
 #include "world/test_world.h"
 
@@ -13,7 +14,7 @@ using test::at;
 using test::block;
 using test::TestWorld;
 
-/// Of both sides.
+/// Surface parameters of both sides.
 struct Surface
 {
 	double friction = 0.5, restitution = 0.0;
@@ -21,13 +22,13 @@ struct Surface
 
 struct BulletResult
 {
-	double momentum = 0.0, spin = 0.0; ///< lost or gained, of what there was
-	double energy = 0.0;               ///< of motion, at its most, of what there was
+	double momentum = 0.0, spin = 0.0; ///< lost or gained, as a ratio to the initial one
+	double energy = 0.0;               ///< maximum kinetic energy, as a ratio to the initial one
 	bool meets = false, passes = false;
 };
 
-/// A ball at a block of 6 x 6 x 6 or 8 x 8 x 3 cells, with as much energy at most as pressing its own way through takes: E times what it
-/// would sweep.
+/// A ball shot at a block of 6 x 6 x 6 or 8 x 8 x 3 cells, with at most the energy needed to displace the material in its path: E times the
+/// swept volume.
 class BulletShot
 {
 public:
@@ -40,12 +41,12 @@ public:
 		Material material = test::stiff( float( std::pow( 10.0, 4.0 + 2.0 * fraction() ) ) );
 		material.elasticity = elasticity;
 		material.damping = material.wobbleDamping = 0.0f;
-		btTransform place = at( 0, 0, 0 );
-		place.setRotation( isPlate
+		btTransform transform = at( 0, 0, 0 );
+		transform.setRotation( isPlate
 				? btQuaternion::getIdentity()
 				: btQuaternion( btScalar( fraction() - 0.5 ), btScalar( fraction() - 0.5 ), btScalar( fraction() - 0.5 ), btScalar( 0.5 ) )
 					  .normalized() );
-		m_soft = m_world.addSoft( isPlate ? block( 8, 8, 3, 0.05f ) : block( 6, 6, 6, 0.1f ), place, material );
+		m_soft = m_world.addSoft( isPlate ? block( 8, 8, 3, 0.05f ) : block( 6, 6, 6, 0.1f ), transform, material );
 
 		m_radius = 0.04 + 0.06 * fraction();
 		m_speed = 10.0 * std::pow( 10.0, fraction() );
@@ -152,20 +153,20 @@ void shoot( Elasticity elasticity )
 	EXPECT_GE( meets, int( kShots ) - 1 );
 }
 
-TEST( Bullets, GiveTheirMomentumToExplicitBodiesAndDoNotPass )
+TEST( Bullets, TransferMomentumToExplicitBodiesAndDoNotPass )
 {
 	shoot( Elasticity::Explicit );
 }
 
-TEST( Bullets, GiveTheirMomentumToImplicitBodiesAndDoNotPass )
+TEST( Bullets, TransferMomentumToImplicitBodiesAndDoNotPass )
 {
 	shoot( Elasticity::Implicit );
 }
 
-// Shots that brought energy in, by up to fourteen times what there was: nodes that bounced again in each substep while they were pressed on
-// (explicit, most of them without friction), solutions that ended with contacts taken as pressing that pulled (implicit), and bounces off
-// what matching had just made of the speeds, several of one ball at once.
-TEST( Bullets, BringNoEnergyInHoweverTheyBounceAndRub )
+// Shots in which contacts could add energy: repeated bounces of nodes in each substep under pressure (explicit, mostly without friction),
+// solutions that end with pulling contacts (implicit), and bounces off velocities that matching has just changed, several of one ball at
+// once.
+TEST( Bullets, AddNoEnergyForAnyRestitutionAndFriction )
 {
 	const unsigned hard[] = { 4, 22, 24, 30, 36, 68, 82, 89, 90, 133, 164, 218, 240, 260, 274 };
 	for ( const Elasticity elasticity : { Elasticity::Explicit, Elasticity::Implicit } )
@@ -188,8 +189,8 @@ TEST( Bullets, BringNoEnergyInHoweverTheyBounceAndRub )
 	}
 }
 
-// Nearly rigid, a block gives back what restitution asks of the speed at which a ball meets it.
-TEST( Bullets, ComeBackFromStiffImplicitBodiesAsRestitutionAsks )
+// A nearly rigid block returns the approach velocity scaled by the restitution.
+TEST( Bullets, ReboundFromStiffImplicitBodiesByRestitution )
 {
 	for ( const double restitution : { 0.5, 0.8 } )
 	{

@@ -1,4 +1,4 @@
-// What two bodies do to each other: momentum, fast bodies, every kind of shape, callbacks, filters.
+// Collisions of two bodies: momentum, fast bodies, all kinds of shapes, callbacks, filters.
 
 #include "world/test_world.h"
 
@@ -28,7 +28,7 @@ Momentum momentumOf( const btRigidBody& rigid, const SoftBody& soft )
 	return sum;
 }
 
-/// Of soft bodies alone.
+/// Of the soft bodies only.
 Momentum momentumOf( const TestWorld& t )
 {
 	Momentum sum;
@@ -49,8 +49,8 @@ double motionOf( const TestWorld& t )
 	return sum;
 }
 
-// Friction moves two nodes at their middles, which are apart: half of the spin was lost, and a thousandth where nothing rubs.
-TEST( Collision, OfTwoSoftBodiesKeepsSpinHoweverTheyRub )
+// Friction acts on two nodes at their centres, which are apart. Uncorrected it would lose half of the angular momentum.
+TEST( Collision, OfTwoSoftBodiesKeepsSpinForAnyFriction )
 {
 	ContactSolver solver;
 	for ( const Elasticity elasticity : { Elasticity::Explicit, Elasticity::Implicit } )
@@ -78,7 +78,7 @@ TEST( Collision, OfTwoSoftBodiesKeepsSpinHoweverTheyRub )
 					EXPECT_LT( motionOf( t ), 1.0001 * motion );
 				}
 				const Momentum after = momentumOf( t );
-				EXPECT_GT( still->linearVelocity().length(), btScalar( 0.5 ) ); // they did meet
+				EXPECT_GT( still->linearVelocity().length(), btScalar( 0.5 ) ); // they did touch
 				const double linear = double( ( after.linear - before.linear ).length() / before.linear.length() );
 				const double angular = double( ( after.angular - before.angular ).length() / before.angular.length() );
 				std::printf( "%s, friction %.1f: momentum lost %.1e, spin %.1e\n",
@@ -90,9 +90,8 @@ TEST( Collision, OfTwoSoftBodiesKeepsSpinHoweverTheyRub )
 	}
 }
 
-// An implicit body between two explicit ones makes their contact with each other an implicit block's, which rubs in two directions. When it
-// had left, Bullet's solver, with one, let the other impulse lie, and the spin that it had made was given to the two in each step: up to a
-// fiftieth of all.
+// An implicit body between two explicit ones makes their mutual contact part of an implicit block, with friction in two directions. When it
+// leaves, Bullet's solver with one direction must not reuse the other direction's impulse for the angular momentum correction.
 TEST( Collision, KeepsSpinWhereAnImplicitBodyLeavesTwoExplicitOnes )
 {
 	double lost = 0.0;
@@ -114,7 +113,7 @@ TEST( Collision, KeepsSpinWhereAnImplicitBodyLeavesTwoExplicitOnes )
 		}
 		const Momentum before = momentumOf( t );
 		t.run( 60 );
-		double spins = 0.0; // of each by itself
+		double spins = 0.0; // sum of the spins of each body
 		for ( const auto& body : t.soft )
 		{
 			spins += double( body->angularMomentum().length() );
@@ -125,8 +124,8 @@ TEST( Collision, KeepsSpinWhereAnImplicitBodyLeavesTwoExplicitOnes )
 	EXPECT_LT( lost, 1e-4 );
 }
 
-// Stand-ins live as long as their contacts: what the game sets on a body that lies there must reach them.
-TEST( Collision, FrictionSetOnABodyThatLiesThereHoldsFromTheNextStepOn )
+// Contact proxies live as long as their contacts, so changed settings of a body at rest must reach them.
+TEST( Collision, FrictionSetOnARestingBodyActsFromTheNextStep )
 {
 	TestWorld t;
 	t.addPlane();
@@ -158,7 +157,7 @@ TEST( Collision, KeepsMomentum )
 	const btScalar linear = ( after.linear - before.linear ).length() / before.linear.length();
 	const btScalar angular = ( after.angular - before.angular ).length() / before.angular.length();
 	std::printf( "momentum in a collision: linear %.1e, angular %.1e of what there was\n", double( linear ), double( angular ) );
-	EXPECT_LT( box->getLinearVelocity().x(), btScalar( 2 ) ) << "they did not meet";
+	EXPECT_LT( box->getLinearVelocity().x(), btScalar( 2 ) ) << "they did not touch";
 	EXPECT_LT( linear, btScalar( 1e-5 ) );
 	EXPECT_LT( angular, btScalar( 1e-4 ) );
 }
@@ -178,9 +177,9 @@ TEST( Collision, TwoSoftBodiesKeepMomentum )
 	EXPECT_LT( ( after - before ).length() / before.length(), btScalar( 1e-5 ) );
 }
 
-TEST( Collision, FastBulletGivesItsMomentum )
+TEST( Collision, FastBulletTransfersItsMomentum )
 {
-	// With Bullet's own continuous detection and without, slow and fast: what the bullet loses the body gains.
+	// With and without Bullet's continuous detection, slow and fast: the momentum that the bullet loses goes to the body.
 	for ( const bool continuous : { false, true } )
 	{
 		for ( const btScalar speed : { btScalar( 30 ), btScalar( 100 ), btScalar( 300 ) } )
@@ -295,7 +294,7 @@ INSTANTIATE_TEST_SUITE_P( All, CollisionWith,
 		Ground{ "Hull", btScalar( 0.01 ), makeHull }, Ground{ "Cylinder", btScalar( 0.5 ), makeCylinder } ),
 	[]( const testing::TestParamInfo<Ground>& ground ) { return std::string( ground.param.name ); } );
 
-TEST( Collision, SeamsOfAFlatMeshDoNotTripWhatSlidesOverThem )
+TEST( Collision, SeamsOfAFlatMeshDoNotStopSlidingBodies )
 {
 	std::vector<std::unique_ptr<btStridingMeshInterface>> meshes;
 	std::vector<float> heights;
@@ -310,7 +309,7 @@ TEST( Collision, SeamsOfAFlatMeshDoNotTripWhatSlidesOverThem )
 	EXPECT_NEAR( cube->massCentre().x(), 0.5, 0.02 );
 }
 
-TEST( Collision, RollingFrictionDoesNotBreakTheNumbers )
+TEST( Collision, RollingFrictionStaysFinite )
 {
 	TestWorld t;
 	t.addFloor()->setRollingFriction( btScalar( 0.5 ) );

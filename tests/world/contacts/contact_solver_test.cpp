@@ -1,5 +1,5 @@
-// ContactSolver is Bullet's solver to the bits: in heaps, with what stands, is driven, pinned, bounces, slips by direction and rolls, with
-// joints, and in modes that it leaves to Bullet.
+// ContactSolver is bit-identical to Bullet's solver: in heaps, with static, driven and pinned bodies, restitution, anisotropic and rolling
+// friction, joints, and in modes that it delegates to Bullet.
 
 #include "support/test_world.h"
 
@@ -17,7 +17,7 @@ namespace {
 
 using Change = std::function<void( SoftWorld& )>;
 
-/// Soft cubes and rigid boxes that fall on each other and on a floor, and lie there.
+/// Soft cubes and rigid boxes that fall on each other and on a floor, and come to rest.
 struct Heap
 {
 	std::unique_ptr<btConstraintSolver> solver; // outlives the world
@@ -87,13 +87,13 @@ void compare( const Change& change, int frames = 90, int contacts = 60 )
 	EXPECT_GT( most, contacts );
 }
 
-TEST( ContactSolver, IsBulletsInAHeap )
+TEST( ContactSolver, EqualsBulletsInAHeap )
 {
 	compare( []( SoftWorld& ) {} );
 }
 
-/// Nodes of bodies that touch nothing that stands turn as their bodies do.
-TEST( ContactSolver, IsBulletsWhereBodiesRubInTheAir )
+/// Contacts between bodies in free flight, whose nodes rotate with their bodies.
+TEST( ContactSolver, EqualsBulletsWithFrictionInFreeFlight )
 {
 	compare(
 		[]( SoftWorld& scene ) {
@@ -109,7 +109,7 @@ TEST( ContactSolver, IsBulletsWhereBodiesRubInTheAir )
 		40, 20 );
 }
 
-TEST( ContactSolver, IsBulletsWhereThingsBounceAndSlipByDirection )
+TEST( ContactSolver, EqualsBulletsWithRestitutionAndAnisotropicFriction )
 {
 	compare( []( SoftWorld& scene ) {
 		for ( int b = 0; b < scene.world.softBodyCount(); ++b )
@@ -124,7 +124,7 @@ TEST( ContactSolver, IsBulletsWhereThingsBounceAndSlipByDirection )
 	} );
 }
 
-TEST( ContactSolver, IsBulletsWhereSomeIsHeldAndSomeIsDriven )
+TEST( ContactSolver, EqualsBulletsWithHeldAndDrivenBodies )
 {
 	compare( []( SoftWorld& scene ) {
 		scene.world.softBody( 0 )->pinNode( 3 );
@@ -139,7 +139,7 @@ TEST( ContactSolver, IsBulletsWhereSomeIsHeldAndSomeIsDriven )
 	} );
 }
 
-TEST( ContactSolver, IsBulletsWithStiffContactsAndRolling )
+TEST( ContactSolver, EqualsBulletsWithStiffContactsAndRolling )
 {
 	compare( []( SoftWorld& scene ) {
 		scene.world.softBody( 1 )->setContactStiffnessAndDamping( 1000, 10 );
@@ -149,7 +149,7 @@ TEST( ContactSolver, IsBulletsWithStiffContactsAndRolling )
 	} );
 }
 
-TEST( ContactSolver, IsBulletsInOtherModes )
+TEST( ContactSolver, EqualsBulletsInOtherModes )
 {
 	for ( const int mode : { int( SOLVER_USE_2_FRICTION_DIRECTIONS ), int( SOLVER_RANDMIZE_ORDER ),
 			  int( SOLVER_INTERLEAVE_CONTACT_AND_FRICTION_CONSTRAINTS ) } )
@@ -161,9 +161,9 @@ TEST( ContactSolver, IsBulletsInOtherModes )
 	compare( []( SoftWorld& scene ) { scene.world.getSolverInfo().m_solverMode &= ~SOLVER_USE_WARMSTARTING; }, 60 );
 }
 
-TEST( ContactSolver, IsBulletsWhereDepthIsPushedOut )
+TEST( ContactSolver, EqualsBulletsWherePenetrationIsPushedOut )
 {
-	// Default settings split what is deeper than 4 cm only.
+	// Default settings use split impulses only beyond 4 cm.
 	compare( []( SoftWorld& scene ) {
 		scene.world.getSolverInfo().m_splitImpulsePenetrationThreshold = 0;
 		scene.rigid[0]->setMassProps( 200, btVector3( 2, 2, 2 ) );
@@ -172,7 +172,7 @@ TEST( ContactSolver, IsBulletsWhereDepthIsPushedOut )
 	} );
 }
 
-TEST( ContactSolver, IsBulletsWithSoftAnchoredContacts )
+TEST( ContactSolver, EqualsBulletsWithSoftAnchoredContacts )
 {
 	for ( const int mode : { 0, int( SOLVER_USE_2_FRICTION_DIRECTIONS ),
 			  int( SOLVER_USE_2_FRICTION_DIRECTIONS ) | int( SOLVER_DISABLE_VELOCITY_DEPENDENT_FRICTION_DIRECTION ) } )
@@ -195,14 +195,14 @@ TEST( ContactSolver, IsBulletsWithSoftAnchoredContacts )
 	}
 }
 
-/// What a callback does, while it is there.
+/// Installs a callback during its lifetime.
 struct Callback
 {
 	explicit Callback( ContactAddedCallback callback ) { gContactAddedCallback = callback; }
 	~Callback() { gContactAddedCallback = nullptr; }
 };
 
-void askForCallbacks( SoftWorld& scene )
+void requestCallbacks( SoftWorld& scene )
 {
 	for ( int b = 0; b < scene.world.softBodyCount(); ++b )
 	{
@@ -211,7 +211,7 @@ void askForCallbacks( SoftWorld& scene )
 	}
 }
 
-TEST( ContactSolver, IsBulletsOnBelts )
+TEST( ContactSolver, EqualsBulletsOnBelts )
 {
 	const Callback belts(
 		[]( btManifoldPoint& point, const btCollisionObjectWrapper*, int, int, const btCollisionObjectWrapper*, int, int ) {
@@ -231,7 +231,7 @@ TEST( ContactSolver, IsBulletsOnBelts )
 		compare(
 			[mode]( SoftWorld& scene ) {
 				scene.world.getSolverInfo().m_solverMode |= mode;
-				askForCallbacks( scene );
+				requestCallbacks( scene );
 			},
 			60 );
 	}
@@ -242,7 +242,7 @@ btRigidBody* bodyOf( const btCollisionObjectWrapper* wrapper )
 	return btRigidBody::upcast( const_cast<btCollisionObject*>( wrapper->getCollisionObject() ) );
 }
 
-TEST( ContactSolver, IsBulletsWhereCallbacksStrikeAndPushNodes )
+TEST( ContactSolver, EqualsBulletsWithCallbacksThatPushNodes )
 {
 	{
 		const Callback strikes(
@@ -253,9 +253,9 @@ TEST( ContactSolver, IsBulletsWhereCallbacksStrikeAndPushNodes )
 				}
 				return true;
 			} );
-		compare( askForCallbacks, 60 );
+		compare( requestCallbacks, 60 );
 	}
-	// A stand-in that forces act on is none that is known: the island goes Bullet's way.
+	// A contact proxy with forces on it is unsupported: the island is solved by Bullet.
 	const Callback pushes(
 		[]( btManifoldPoint&, const btCollisionObjectWrapper* one, int, int index, const btCollisionObjectWrapper*, int, int ) {
 			btRigidBody& body = *bodyOf( one );
@@ -265,13 +265,13 @@ TEST( ContactSolver, IsBulletsWhereCallbacksStrikeAndPushNodes )
 			}
 			return true;
 		} );
-	compare( askForCallbacks, 60 );
+	compare( requestCallbacks, 60 );
 }
 
-// Forces on a stand-in stayed for ever, on whichever node came to have it: nobody cleared them, as the world does with those on its bodies.
+// Forces on a contact proxy are cleared after the step, as the world does for its bodies; the proxy may serve another node later.
 TEST( ContactCallbacks, ForcesOnNodesEndWithTheStep )
 {
-	static std::map<const btRigidBody*, int> frameOf; // the last that it was met in
+	static std::map<const btRigidBody*, int> frameOf; // frame in which each proxy was last seen
 	static int frame, left, pushes;
 	frameOf.clear();
 	frame = left = pushes = 0;
@@ -288,7 +288,7 @@ TEST( ContactCallbacks, ForcesOnNodesEndWithTheStep )
 			}
 			return true;
 		} );
-	Heap heap( std::make_unique<ContactSolver>(), askForCallbacks );
+	Heap heap( std::make_unique<ContactSolver>(), requestCallbacks );
 	for ( frame = 1; frame < 60; ++frame )
 	{
 		heap.scene.step( 1 );
@@ -297,7 +297,7 @@ TEST( ContactCallbacks, ForcesOnNodesEndWithTheStep )
 	EXPECT_EQ( left, 0 );
 }
 
-/// Counts the rows that Bullet has for contacts.
+/// Counts Bullet's rows for contacts.
 class CountingSolver : public ContactSolver
 {
 public:
@@ -313,7 +313,7 @@ protected:
 	}
 };
 
-TEST( ContactSolver, NodesNeedNoRowsOfBullets )
+TEST( ContactSolver, NodesTakeNoRowsOfBullet )
 {
 	auto made = std::make_unique<CountingSolver>();
 	const CountingSolver& solver = *made;
@@ -328,7 +328,7 @@ TEST( ContactSolver, NodesNeedNoRowsOfBullets )
 	EXPECT_LT( solver.most, 40 ); // six boxes among themselves and on the floor
 }
 
-TEST( ContactSolver, IsBulletsWithJoints )
+TEST( ContactSolver, EqualsBulletsWithJoints )
 {
 	btPoint2PointConstraint* joints[2] = {};
 	int made = 0;
@@ -337,7 +337,7 @@ TEST( ContactSolver, IsBulletsWithJoints )
 			*scene.rigid[1], *scene.rigid[2], btVector3( 0, btScalar( 0.25 ), 0 ), btVector3( 0, btScalar( -0.25 ), 0 ) );
 		scene.world.addConstraint( joints[made++] );
 	} );
-	// Worlds are gone by now; they do not own joints.
+	// The worlds are destroyed by now; they do not own joints.
 	delete joints[0];
 	delete joints[1];
 }

@@ -1,4 +1,4 @@
-// The drawn surface as what touches a body meets it (LatticeSettings::contactSurface), beside the cells' own balls.
+// The drawn surface as contact surface (LatticeSettings::contactSurface), compared with the cells' own spheres.
 
 #include "test_meshes.h"
 #include "world/test_world.h"
@@ -30,7 +30,7 @@ Material implicit( float youngsModulus, float numericalDamping )
 	return material;
 }
 
-/// How many of nine marbles of 2 cm lie on the top face, cells of 10 cm, two seconds after they were let fall from 1 cm above it.
+/// Returns how many of nine marbles of 2 cm lie on the top face (cells of 10 cm) two seconds after they were dropped from 1 cm above it.
 int marblesOnTop( bool isDrawn )
 {
 	TestWorld t;
@@ -50,20 +50,20 @@ int marblesOnTop( bool isDrawn )
 	for ( const btRigidBody* const marble : marbles )
 	{
 		const btScalar bottom = marble->getWorldTransform().getOrigin().y() - btScalar( 0.02 );
-		count += std::abs( bottom - 0.5 ) < 0.01 ? 1 : 0; // a tenth of a cell
+		count += std::abs( bottom - 0.5 ) < 0.01 ? 1 : 0; // within a tenth of a cell
 	}
 	EXPECT_TRUE( soft->isHealthy() );
 	return count;
 }
 
-// Smaller than the gap between four balls they fell through the whole body.
+// The marbles are smaller than the gap between four spheres and would fall through the body.
 TEST( ContactSurface, CarriesMarblesSmallerThanTheGapsBetweenNodes )
 {
 	EXPECT_EQ( marblesOnTop( true ), 9 );
 	EXPECT_EQ( marblesOnTop( false ), 0 );
 }
 
-/// Speed after four seconds of a ball that starts to slide at 2 m/s, friction 0.8; a rigid one's is 10 / 7.
+/// Returns the speed after four seconds of a ball that starts sliding at 2 m/s, friction 0.8; a rigid one's is 10 / 7.
 double rolled( bool isDrawn )
 {
 	TestWorld t;
@@ -77,7 +77,7 @@ double rolled( bool isDrawn )
 	return double( soft->linearVelocity().x() );
 }
 
-// On balls of half a cell it rolls over bumps, about a radius that ends at the nodes: of 1.43 m/s .89 were left.
+// On spheres of half a cell the ball rolls over bumps, at a radius that ends at the nodes: .89 of 1.43 m/s would remain.
 TEST( ContactSurface, RollsFurtherThanBallsOfACell )
 {
 	const double drawn = rolled( true ), balls = rolled( false );
@@ -86,8 +86,8 @@ TEST( ContactSurface, RollsFurtherThanBallsOfACell )
 	EXPECT_LT( balls, 0.75 * 10.0 / 7.0 );
 }
 
-// Nodes share a point by weights that keep force and torque: two balls that meet aslant, and a rigid cube that hits one (others lose spin
-// in flight, by the end of Bullet's own gyroscopic iteration).
+// Nodes share a point by weights that conserve force and torque: two balls in an oblique collision, and a rigid cube that hits one (other
+// shapes lose angular momentum in flight, through the truncation of Bullet's gyroscopic iteration).
 TEST( ContactSurface, KeepsMomentumAndSpin )
 {
 	for ( const bool isRigid : { false, true } )
@@ -123,7 +123,7 @@ TEST( ContactSurface, KeepsMomentumAndSpin )
 		const test::Momentum before = all();
 		t.run( 60 );
 		const test::Momentum after = all();
-		EXPECT_GT( still->linearVelocity().length(), btScalar( 0.5 ) ); // they did meet
+		EXPECT_GT( still->linearVelocity().length(), btScalar( 0.5 ) ); // they did touch
 		const double linear = double( ( after.linear - before.linear ).length() / before.linear.length() );
 		const double angular = double( ( after.angular - before.angular ).length() / before.angular.length() );
 		std::printf( "%s: momentum lost %.1e, spin %.1e\n", isRigid ? "cube on ball" : "ball on ball", linear, angular );
@@ -132,7 +132,7 @@ TEST( ContactSurface, KeepsMomentumAndSpin )
 	}
 }
 
-/// Height of a ball of 0.3 m that is all but rigid, at rest.
+/// Returns the height of a nearly rigid ball of 0.3 m at rest.
 double restsAt( TestWorld& t )
 {
 	SoftBody* const ball = t.addSoft(
@@ -142,7 +142,7 @@ double restsAt( TestWorld& t )
 	return double( ball->massCentre().y() );
 }
 
-// What is drawn lies on the ground to a tenth of a cell, whatever that is made of.
+// The drawn surface rests on the ground to a tenth of a cell, for every kind of ground.
 TEST( ContactSurface, LiesOnEveryKindOfGround )
 {
 	constexpr double kTenth = 0.1 * 0.06;

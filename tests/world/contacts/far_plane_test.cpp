@@ -1,4 +1,4 @@
-// What is told to be clear of a plane does not touch it.
+// A sphere that is reported clear of a plane does not touch it.
 
 #include "world/constants.h"
 #include "world/touch/node_touch.h"
@@ -14,11 +14,11 @@ namespace {
 
 struct Count
 {
-	int clear = 0, touching = 0, neither = 0; ///< neither: within rounding of touching, or wrongly asked
+	int clear = 0, touching = 0, neither = 0; ///< neither: within rounding of touching, or an invalid query
 };
 
-/// Spheres about a plane whose foot is `away` from the origin; ways towards it, along it and away from it.
-Count askBoth( double away, double spread )
+/// Spheres around a plane whose foot is `away` from the origin; displacements towards it, along it and away from it.
+Count compareBoth( double away, double spread )
 {
 	std::mt19937 random( 11 );
 	std::uniform_real_distribution<double> any( -1.0, 1.0 );
@@ -50,17 +50,17 @@ Count askBoth( double away, double spread )
 	return count;
 }
 
-TEST( FarPlane, IsNeverClearOfWhatTouchesIt )
+TEST( FarPlane, IsNeverClearOfTouchingSpheres )
 {
-	const Count count = askBoth( 5.0, 1.0 );
+	const Count count = compareBoth( 5.0, 1.0 );
 	EXPECT_GT( count.clear, 3000 );
 	EXPECT_GT( count.touching, 3000 );
 	EXPECT_EQ( count.neither, 0 );
 }
 
-TEST( FarPlane, HoldsAThousandKilometresOut )
+TEST( FarPlane, WorksAThousandKilometresOut )
 {
-	const Count count = askBoth( 1e6, 0.7 );
+	const Count count = compareBoth( 1e6, 0.7 );
 	EXPECT_GT( count.clear, 2000 );
 	EXPECT_GT( count.touching, 2000 );
 	EXPECT_LT( count.neither, 3 );

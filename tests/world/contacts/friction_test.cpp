@@ -1,4 +1,4 @@
-// Friction on a slope at the game's own step, as a rigid box has it, whatever the body's stiffness; and without chatter.
+// Friction on a slope at the game's own step: the same as for a rigid box, whatever the body's stiffness, and without chatter.
 
 #include "world/test_world.h"
 
@@ -17,10 +17,10 @@ constexpr double kSlope = 20.0 / 180.0 * SIMD_PI;
 struct Slide
 {
 	double acceleration = 0.0; ///< down the slope, m/s^2
-	double chatter = 0.0;      ///< how much the speeds of the nodes that touch differ from the body's, root mean square, m/s
+	double chatter = 0.0;      ///< root mean square deviation of the touching nodes' velocities from the body's, m/s
 };
 
-/// Over the third and fourth second. Down is x.
+/// Measures over the third and fourth second. Down is x.
 Slide slide( double friction, float youngsModulus, Elasticity elasticity )
 {
 	TestWorld t;
@@ -66,7 +66,7 @@ TEST( Friction, OnASlopeIsThatOfARigidBoxAndDoesNotChatter )
 			std::printf( "%s, E %.0e: %+.2f %%, chatter %.1e m/s\n", elasticity == Elasticity::Explicit ? "explicit" : "implicit",
 				double( youngsModulus ), 100.0 * ( got.acceleration / wanted - 1.0 ), got.chatter );
 			EXPECT_NEAR( got.acceleration / wanted, 1.0, 0.03 );
-			EXPECT_LT( got.chatter, 0.01 ); // of three metres a second
+			EXPECT_LT( got.chatter, 0.01 ); // at three metres per second
 		}
 	}
 }
@@ -80,7 +80,7 @@ TEST( Friction, HoldsBelowTheSetAngleAndSlidesAboveIt )
 	}
 }
 
-/// Inertia of a soft body about the vertical through its mass centre, kg m^2.
+/// Moment of inertia of a soft body about the vertical through its centre of mass, kg m^2.
 double inertiaOf( const SoftBody& body )
 {
 	double sum = 0.0;
@@ -100,7 +100,7 @@ Material implicitOr( Elasticity elasticity )
 	return material;
 }
 
-// Nothing rubs (the product of frictions is 0), but what spins is braked: s f0 = 0.04 * 0.5.
+// There is no sliding friction (the product is 0), but spinning friction acts: s f0 = 0.04 * 0.5.
 TEST( Friction, SpinningFrictionBrakesASoftBodyByItsLaw )
 {
 	for ( const Elasticity elasticity : { Elasticity::Explicit, Elasticity::Implicit } )
@@ -126,11 +126,11 @@ TEST( Friction, SpinningFrictionBrakesASoftBodyByItsLaw )
 		std::printf( "spin lost: %.4f of %.4f rad/s^2\n", got, wanted );
 		EXPECT_NEAR( got / wanted, 1.0, 0.03 );
 		t.run( 240 );
-		EXPECT_NEAR( cube->angularMomentum().y(), 0, 1e-4 * inertia ); // stopped, and not turned back
+		EXPECT_NEAR( cube->angularMomentum().y(), 0, 1e-4 * inertia ); // stopped, and not reversed
 	}
 }
 
-// A ball that turns on the spot on a soft block: both axes by their law, and the block takes up what the ball loses.
+// A ball spins in place on a soft block: both axes follow their law, and the block receives the angular momentum that the ball loses.
 TEST( Friction, RollingAndSpinningFrictionTurnBothBodies )
 {
 	for ( const Elasticity elasticity : { Elasticity::Explicit, Elasticity::Implicit } )
@@ -163,8 +163,8 @@ TEST( Friction, RollingAndSpinningFrictionTurnBothBodies )
 	}
 }
 
-/// A cube that is turned about the vertical and rubs along its own x by a fifth of what it does along its own z, on a slope that is down
-/// along the world's x: its speed after a while, m/s.
+/// A cube rotated about the vertical, whose friction along its own x is a fifth of that along its own z, on a slope down the world's x.
+/// Returns its velocity after a while, m/s.
 btVector3 slideDirected( Elasticity elasticity, double turn, double slope, const btVector3& scales, bool isOfFloor = false )
 {
 	TestWorld t;
@@ -183,26 +183,26 @@ btVector3 slideDirected( Elasticity elasticity, double turn, double slope, const
 	return ( cube->linearVelocity() - before ) / btScalar( 0.5 );
 }
 
-TEST( Friction, ByDirectionGoesByTheBodysOwnAxes )
+TEST( Friction, ByDirectionUsesTheBodysOwnAxes )
 {
 	const btVector3 scales( btScalar( 0.2 ), 1, 1 );
 	const double down = 9.81 * std::sin( kSlope ), press = 9.81 * std::cos( kSlope );
 	for ( const Elasticity elasticity : { Elasticity::Explicit, Elasticity::Implicit } )
 	{
-		// mu 0.5: held across its slippery axis, braked by a fifth of that along it.
+		// mu 0.5: it sticks across its slippery axis, and along it has a fifth of the friction.
 		const double along = double( slideDirected( elasticity, 0.0, kSlope, scales ).x() ), wanted = down - 0.5 * 0.2 * press;
 		const double across = double( slideDirected( elasticity, SIMD_HALF_PI, kSlope, scales ).x() );
 		std::printf( "%s: along %.3f of %.3f m/s^2, across %.4f\n", elasticity == Elasticity::Explicit ? "explicit" : "implicit", along,
 			wanted, across );
 		EXPECT_NEAR( along / wanted, 1.0, 0.03 );
 		EXPECT_NEAR( across, 0.0, 0.01 );
-		// Oblique, it goes off to the side where it slips: both alike, and towards its own x, which is ( cos 45, 0, - sin 45 ) in the
-		// world.
+		// In oblique orientation it drifts along its slippery axis: both steps agree, and the drift is towards its own x, which is ( cos
+		// 45, 0, - sin 45 ) in the world.
 		const btVector3 oblique = slideDirected( elasticity, 0.25 * SIMD_PI, kSlope, scales );
 		std::printf( "oblique %.3f %.3f m/s^2\n", double( oblique.x() ), double( oblique.z() ) );
 		EXPECT_LT( oblique.z(), btScalar( -0.3 ) );
 		EXPECT_GT( oblique.x(), btScalar( 0.3 ) );
-		// Of what it lies on, in that thing's axes, whichever way the cube is turned.
+		// Anisotropic friction of the floor acts in the floor's axes, however the cube is rotated.
 		EXPECT_NEAR( double( slideDirected( elasticity, 0.5, kSlope, scales, true ).x() ) / wanted, 1.0, 0.03 );
 	}
 	const btVector3 explicitOne = slideDirected( Elasticity::Explicit, 0.25 * SIMD_PI, kSlope, scales );
@@ -210,8 +210,8 @@ TEST( Friction, ByDirectionGoesByTheBodysOwnAxes )
 	EXPECT_LT( ( explicitOne - implicitOne ).length(), btScalar( 0.05 ) * explicitOne.length() );
 }
 
-/// Of all points that were made or renewed: how many, and how far the furthest of their places in the two bodies' own axes is from the one
-/// in the world, m.
+/// The number of added or refreshed points, and the largest distance between a point's local position, transformed by either body, and its
+/// world position, m.
 struct LocalPoints
 {
 	int count = 0, turned = 0;
@@ -230,15 +230,16 @@ struct LocalPoints
 };
 LocalPoints* localPoints = nullptr; // Bullet's callback is a function without a context
 
-// A stand-in has the material's axes where friction goes by direction, and the world's else; a point's local place is in those it has.
-TEST( Friction, ByDirectionTurnsTheLocalPlacesOfContacts )
+// A contact proxy has the material's axes with anisotropic friction, and the world's otherwise; local positions of points are in those
+// axes.
+TEST( Friction, ByDirectionRotatesTheLocalPositionsOfContacts )
 {
 	for ( const bool isDirected : { false, true } )
 	{
 		TestWorld t;
 		t.addBox( 0, btVector3( 50, 1, 50 ), at( 0, -1, 0 ) );
 		const btTransform turned( btQuaternion( btVector3( 0, 0, 1 ), SIMD_HALF_PI ),
-			btVector3( 0, btScalar( 0.25 ), 0 ) ); // what is down is not down in its own axes
+			btVector3( 0, btScalar( 0.25 ), 0 ) ); // gravity is not vertical in the body's own axes
 		SoftBody* cube = t.addSoft( block( 5, 5, 5, 0.1f ), turned, implicitOr( Elasticity::Explicit ) );
 		cube->setAnisotropicFriction( isDirected ? btVector3( btScalar( 0.2 ), 1, 1 ) : btVector3( 1, 1, 1 ) );
 		LocalPoints points;
@@ -255,8 +256,8 @@ TEST( Friction, ByDirectionTurnsTheLocalPlacesOfContacts )
 	}
 }
 
-// Stand-ins are given a body's surface where it has changed, and only then.
-TEST( Friction, ThatIsSetUnderwayActsOnWhatTouchesAlready )
+// Contact proxies copy a body's surface parameters when they change, and only then.
+TEST( Friction, SetDuringAContactActsAtOnce )
 {
 	for ( const Elasticity elasticity : { Elasticity::Explicit, Elasticity::Implicit } )
 	{
@@ -278,9 +279,10 @@ TEST( Friction, ThatIsSetUnderwayActsOnWhatTouchesAlready )
 				const btPersistentManifold& manifold = *t.parts.dispatcher.getManifoldByIndexInternal( m );
 				for ( const btCollisionObject* const object : { manifold.getBody0(), manifold.getBody1() } )
 				{
-					const bool isStandIn = SoftBody::upcast( object ) && object != cube;
-					touching += isStandIn ? 1 : 0;
-					EXPECT_TRUE( !isStandIn || ( object->getFriction() == friction && object->getUserIndex() == cube->getUserIndex() ) );
+					const bool isContactProxy = SoftBody::upcast( object ) && object != cube;
+					touching += isContactProxy ? 1 : 0;
+					EXPECT_TRUE(
+						!isContactProxy || ( object->getFriction() == friction && object->getUserIndex() == cube->getUserIndex() ) );
 				}
 			}
 			EXPECT_GT( touching, 4 );
@@ -290,11 +292,11 @@ TEST( Friction, ThatIsSetUnderwayActsOnWhatTouchesAlready )
 		const btScalar half = btScalar( 0.5 );
 		EXPECT_NEAR( gainsIn( half ), 0.0, 0.01 );
 		EXPECT_NEAR( gainsIn( btScalar( 0 ) ), 9.81 * std::sin( kSlope ), 0.1 );
-		EXPECT_NEAR( gainsIn( half ), 9.81 * ( std::sin( kSlope ) - 0.5 * std::cos( kSlope ) ), 0.1 ); // it brakes
+		EXPECT_NEAR( gainsIn( half ), 9.81 * ( std::sin( kSlope ) - 0.5 * std::cos( kSlope ) ), 0.1 ); // friction brakes it
 	}
 }
 
-// Stand-ins go from one body to the next: what the first asked for must not stay with them.
+// Contact proxies are reused by other bodies, and must not keep the first body's anisotropic friction.
 TEST( Friction, ByDirectionIsNotHandedOnToOtherBodies )
 {
 	for ( const bool hadDirections : { false, true } )

@@ -1,11 +1,11 @@
-// What keeps what awake: a soft body is one island with what it touches, not with all that lies in its box.
+// Activation by contact: a soft body forms an island with the bodies it touches, not with all that overlap its box.
 
 #include "world/test_world.h"
 
 namespace pliant::test {
 namespace {
 
-/// A rod that lies across its box and never sleeps, and a cube in a corner of that box, or at the rod.
+/// A diagonal rod that never sleeps, and a cube in a corner of the rod's box, or at the rod.
 struct RodAndCube
 {
 	TestWorld test;
@@ -30,7 +30,7 @@ struct RodAndCube
 	}
 };
 
-TEST( Islands, WhatLiesInABoxAndIsNotTouchedSleeps )
+TEST( Islands, BodiesInTheBoxWithoutContactSleep )
 {
 	RodAndCube t( btScalar( 0.5 ) );
 	ASSERT_TRUE( t.boxesOverlap() );
@@ -40,17 +40,17 @@ TEST( Islands, WhatLiesInABoxAndIsNotTouchedSleeps )
 	EXPECT_NE( t.cube->getIslandTag(), t.rod->getIslandTag() );
 }
 
-TEST( Islands, WhatIsTouchedStaysAwakeWithIt )
+TEST( Islands, TouchedBodiesStayAwake )
 {
 	RodAndCube t( btScalar( 0.2 ) );
 	t.rod->pinNodesInside( btVector3( -2, -2, -2 ), btVector3( 2, 2, 2 ) );
-	t.cube->setGravity( btVector3( -1, 0, -1 ) ); // it lies on the rod
+	t.cube->setGravity( btVector3( -1, 0, -1 ) ); // it leans against the rod
 	t.test.run( 180 );
 	EXPECT_TRUE( t.cube->isActive() );
 	EXPECT_EQ( t.cube->getIslandTag(), t.rod->getIslandTag() );
 }
 
-TEST( Islands, WhatSleepsIsWokenByATouch )
+TEST( Islands, AContactWakesASleepingBody )
 {
 	RodAndCube t( btScalar( 0.5 ) );
 	t.test.run( 180 );

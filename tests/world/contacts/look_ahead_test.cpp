@@ -1,4 +1,4 @@
-// The plane that stands for what slides over a node is that of the place the node will be at (node_touch.h).
+// The plane that represents an object sliding over a node is that at the node's future position (node_touch.h).
 
 #include "world/touch/obstacle_motion.h"
 
@@ -12,7 +12,7 @@ namespace {
 
 constexpr double kStep = 1.0 / 60.0;
 
-/// A sphere of radius .05 that does not move, and what meets it.
+/// A fixed sphere of radius .05, and an object that meets it.
 struct Scene
 {
 	explicit Scene( const btCollisionShape& shape, const Vec3d& position )
@@ -40,7 +40,7 @@ struct Scene
 
 const btBoxShape kBox( btVector3( 0.2f, 0.1f, 0.2f ) );
 
-/// The box lies as high as the sphere, its lower edge `before` it, and comes at `speed`.
+/// The box is at the height of the sphere, its lower edge `before` it, and approaches at `speed`.
 Scene sliding( double before, double speed, double lower = 0.0 )
 {
 	Scene scene( kBox, Vec3d( -before - 0.2, 0.15 - lower, 0.0 ) );
@@ -55,7 +55,7 @@ TEST( LookAhead, AnEdgeThatWillHavePassedIsAFace )
 		Touch start, touch;
 		const Scene scene = sliding( 0.02, speed );
 		ASSERT_TRUE( findTouch( scene.obstacle, scene.sphere(), start ) );
-		EXPECT_GT( start.normal.x(), 0.15 ); // it would have to push the sphere, or turn back
+		EXPECT_GT( start.normal.x(), 0.15 ); // otherwise it would have to push the sphere or turn back
 		ASSERT_TRUE( scene.looksAhead( touch ) );
 		EXPECT_LT( ( touch.normal - Vec3d( 0, -1, 0 ) ).norm(), 1e-6 );
 		EXPECT_NEAR( touch.distance, 0.05, 1e-6 );
@@ -65,13 +65,13 @@ TEST( LookAhead, AnEdgeThatWillHavePassedIsAFace )
 TEST( LookAhead, AnEdgeThatWillNotHavePassedStaysAslant )
 {
 	Touch touch;
-	const Scene scene = sliding( 0.02, 0.6, 0.003 ); // comes as far as .01 before it
+	const Scene scene = sliding( 0.02, 0.6, 0.003 ); // comes within .01 of it
 	ASSERT_TRUE( scene.looksAhead( touch ) );
 	EXPECT_NEAR( touch.normal.x() / touch.normal.y(), 0.01 / -0.047, 1e-5 );
 }
 
-// Without it the edge is reached, on the way to where it passes.
-TEST( LookAhead, WhatPassesAboveIsNotTouched )
+// Without the displacement the edge would be hit on the way to the position where it passes.
+TEST( LookAhead, ObjectsThatPassAboveAreNotTouched )
 {
 	Touch touch;
 	const Scene scene = sliding( 0.02, 1.5, -0.003 );
@@ -79,8 +79,8 @@ TEST( LookAhead, WhatPassesAboveIsNotTouched )
 	EXPECT_FALSE( scene.looksAhead( touch ) );
 }
 
-// The first try turned the normal with the ball.
-TEST( LookAhead, ABallThatSpinsPressesAsOneThatDoesNot )
+// The normal must not rotate with the ball.
+TEST( LookAhead, ASpinningBallPressesLikeOneThatDoesNotSpin )
 {
 	const btSphereShape ball( btScalar( 0.2 ) );
 	Scene scene( ball, Vec3d( 0, 0.249, 0 ) );
@@ -91,7 +91,7 @@ TEST( LookAhead, ABallThatSpinsPressesAsOneThatDoesNot )
 	EXPECT_NEAR( touch.distance, 0.049, 1e-6 );
 }
 
-TEST( LookAhead, ABoxThatTipsTurnsItsFace )
+TEST( LookAhead, ATippingBoxRotatesItsFace )
 {
 	Scene scene( kBox, Vec3d( 0, 0.149, 0 ) );
 	scene.motion.angular = Vec3d( 0, 0, 6 );
@@ -100,8 +100,8 @@ TEST( LookAhead, ABoxThatTipsTurnsItsFace )
 	EXPECT_NEAR( touch.normal.x() / -touch.normal.y(), std::tan( 0.1 ), 1e-5 );
 }
 
-// What is so fast that the sphere would be in the middle of it, or behind it, is met where it comes from.
-TEST( LookAhead, WhatWouldGoThroughIsMetInFront )
+// An object so fast that the sphere would end up in its middle or behind it is met on its near side.
+TEST( LookAhead, ObjectsThatWouldPassThroughAreMetInFront )
 {
 	const btBoxShape wall( btVector3( 0.01f, 1, 1 ) );
 	for ( const double speed : { 1.0, 5.0, 8.0, 50.0 } )

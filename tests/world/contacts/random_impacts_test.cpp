@@ -1,4 +1,4 @@
-// Impacts of `pliant_experiments impacts` that once brought energy in, each by a way of its own.
+// Impacts of `pliant_experiments impacts`, each of which could add energy by a mechanism of its own.
 
 #include "support/random_impacts.h"
 
@@ -16,10 +16,9 @@ void expectNoGain( Ground ground, Elasticity elasticity, unsigned seed, float st
 	EXPECT_LT( most, 1.001 ) << kGroundNames[int( ground )] << ", seed " << seed;
 }
 
-/// Friction held the middles of big nodes, which are half a body away from where they touch. What is given as spin for what it presses
-/// there (FrictionTorqueCorrection) turned the bodies on, as friction did not see how they turn: of 1 000 such impacts eight came back with
-/// up to 7 % more.
-TEST( RandomImpacts, FrictionSeesHowBodiesTurn )
+/// Friction at the centres of big nodes, half a body away from the contact, must see the rotation that FrictionTorqueCorrection adds;
+/// otherwise friction accelerates the rotation and adds up to 7 % of the energy.
+TEST( RandomImpacts, FrictionSeesTheRotationOfBodies )
 {
 	for ( const unsigned seed : { 142u, 469u, 599u, 755u } )
 	{
@@ -27,20 +26,19 @@ TEST( RandomImpacts, FrictionSeesHowBodiesTurn )
 	}
 }
 
-/// What is pressed together does not split for what it touches: its parts may hold more than it did. A corner that nothing touched yet held
-/// six ten-thousandths of what its body came with, and its parts two thousandths more. A body that had come to rest for the moment at which
-/// it turns back split there as if it lay on the floor, and came back with 18 % more. Off a soft body, whose nodes are not seen coming, the
-/// first touch had split a corner, and each that was touched after it held more: 2 %.
-TEST( RandomImpacts, WhatIsPressedTogetherWaits )
+/// Nodes of a compressed body are not split on contact, because their children may store more energy. This holds for a corner without
+/// contact yet, for a body at its turning point, which must not pass for one at rest, and for impacts on soft bodies, whose nodes are not
+/// predicted.
+TEST( RandomImpacts, CompressedNodesAreNotSplit )
 {
 	expectNoGain( Ground::Box, Elasticity::Explicit, 880 );
 	expectNoGain( Ground::Floor, Elasticity::Explicit, 3068 );
 	expectNoGain( Ground::Soft, Elasticity::Explicit, 3146 );
 }
 
-/// What splits by strain cannot wait until it is not strained. Its regions hold more then, by up to 18 % of what the body came with, and so
-/// do parts that are kept out of the floor (seed 2086); nothing of it was taken off.
-TEST( RandomImpacts, WhatSplitsByStrainPaysForIt )
+/// Nodes that split by strain cannot wait until they are unstrained. The energy that their regions gain, up to 18 % of the initial one, and
+/// the energy of children that are kept out of the floor (seed 2086) is subtracted.
+TEST( RandomImpacts, SplitsByStrainAddNoEnergy )
 {
 	for ( const unsigned seed : { 30u, 203u, 280u, 2086u } )
 	{
@@ -49,9 +47,9 @@ TEST( RandomImpacts, WhatSplitsByStrainPaysForIt )
 	expectNoGain( Ground::Box, Elasticity::Explicit, 48, 0.02f );
 }
 
-/// Cracks let go of what links held, and split big nodes first: none of it may come out as motion that was not there. Of the first, a crumb
-/// nearly in one line was spun about it until it flew apart (RigidMotionProxy).
-TEST( RandomImpacts, WhatBreaksGainsNothing )
+/// Cracks release the energy of links and split big nodes first; neither may add kinetic energy. A nearly collinear fragment must not be
+/// spun about its axis (RigidMotionProxy).
+TEST( RandomImpacts, BreakingAddsNoEnergy )
 {
 	const double crumbs = shatter( Ground::Soft, Elasticity::Explicit, BreakRule::Plane, 2, 69 ).most;
 	std::printf( "soft cube, seed 69: at most %.4f of the energy\n", crumbs );
@@ -74,9 +72,9 @@ TEST( RandomImpacts, WhatBreaksGainsNothing )
 	EXPECT_GT( broken, 12 );
 }
 
-/// Five contacts of one stiff body that spins, each of which was to bounce off what it came with: they brought in more than the body had,
-/// and half of what they pressed with still did.
-TEST( RandomImpacts, BouncesThatBringMuchInAreLess )
+/// Five contacts of one stiff spinning body, each of which would bounce off its initial velocity: together they would add more than the
+/// body's energy, and half of their impulses still would.
+TEST( RandomImpacts, BouncesThatAddEnergyAreReduced )
 {
 	expectNoGain( Ground::Box, Elasticity::Implicit, 275 );
 }

@@ -1,4 +1,4 @@
-// Soft bodies at rest on things and things at rest on them.
+// Soft bodies at rest on other bodies, and other bodies at rest on them.
 
 #include "world/test_world.h"
 
@@ -27,7 +27,7 @@ TEST( Resting, CubeRestsOnABoxAndOnAPlaneAndSleepsAsAWhole )
 		EXPECT_GT( cube->massCentre().y(), btScalar( 0.26 ) );
 		const btVector3 before = cube->nodePosition( 100 );
 		t.run( 60 );
-		EXPECT_EQ( ( cube->nodePosition( 100 ) - before ).length(), 0 ); // asleep: not one bit moves
+		EXPECT_EQ( ( cube->nodePosition( 100 ) - before ).length(), 0 ); // asleep: bit-identical
 		EXPECT_EQ( t.world.stepReport().substeps, 1 );
 	}
 }
@@ -59,7 +59,7 @@ TEST( Resting, WakesWhenARigidBodyHitsIt )
 	EXPECT_GT( cube->linearVelocity().x(), btScalar( 0.1 ) );
 }
 
-/// Acceleration down a slope of 20 degrees over the third and fourth second, m/s^2.
+/// Returns the acceleration down a slope of 20 degrees over the third and fourth second, m/s^2.
 double slide( btScalar friction, int substeps = 4 )
 {
 	TestWorld t;
@@ -116,7 +116,7 @@ Loaded load( double ratio, double strain )
 	Material material = stiff( float( ratio * mass * 9.81 / area / strain ) );
 	SoftBody* cube = t.addSoft( shape, at( 0, btScalar( 0.3 ), 0 ), material );
 	t.run( 300 );
-	// Nodes come in the order of z, then y, then x: the top layer is y = 5 in every z.
+	// Nodes are ordered by z, then y, then x: the top layer is y = 5 in every z.
 	const auto topOf = [&] {
 		double top = 0.0;
 		for ( int k = 0; k < 36; ++k )
@@ -182,9 +182,9 @@ TEST( Resting, NoNodeEverGoesThroughAPlane )
 	}
 }
 
-/// Ten thousand times its mass is more than a body can bear; Bullet's split impulse then moved its nodes through the floor, a little in
-/// each step.
-TEST( Resting, WhatIsCrushedStaysAboveTheFloor )
+/// Ten thousand times its mass is more than a body can bear; its nodes must not be moved through the floor, a little in each step, by
+/// Bullet's split impulse.
+TEST( Resting, CrushedBodiesStayAboveTheFloor )
 {
 	TestWorld t;
 	t.addPlane();
@@ -198,7 +198,7 @@ TEST( Resting, WhatIsCrushedStaysAboveTheFloor )
 		lowest = btMin( lowest, test::lowestNode( *cube ) );
 	}
 	EXPECT_GT( lowest, 0 );
-	EXPECT_LT( box->getWorldTransform().getOrigin().y(), btScalar( 0.3 ) ) << "it was not crushed: this shows nothing";
+	EXPECT_LT( box->getWorldTransform().getOrigin().y(), btScalar( 0.3 ) ) << "it was not crushed, so the test shows nothing";
 	EXPECT_TRUE( cube->isHealthy() );
 }
 

@@ -1,5 +1,5 @@
-// RestitutionCorrection bring no energy in, of motion and of strain together, whatever the restitution: balls, boxes and soft cubes at soft
-// cubes, soft cubes at a floor.
+// RestitutionCorrection adds no energy, kinetic and elastic together, for any restitution: balls, boxes and soft cubes against soft cubes,
+// soft cubes against a floor.
 
 #include "world/test_world.h"
 
@@ -19,7 +19,7 @@ using test::TestWorld;
 
 struct Surface
 {
-	double friction, restitution; ///< as they combine
+	double friction, restitution; ///< combined values
 };
 
 constexpr float kCell = 0.1f;
@@ -39,7 +39,7 @@ public:
 		const btVector3 start( btScalar( 0.4 * fraction() - 0.2 ), btScalar( 0.8 ), btScalar( 0.4 * fraction() - 0.2 ) );
 		const btVector3 velocity(
 			btScalar( 0.3 * speed * ( fraction() - 0.5 ) ), btScalar( -speed ), btScalar( 0.3 * speed * ( fraction() - 0.5 ) ) );
-		// The implicit step's own energy goes up and down where something turns far in a step, contacts or not.
+		// The energy of the implicit step itself oscillates for large rotations per step, with or without contacts.
 		const double turn = elasticity == Elasticity::Implicit ? 0.0 : 20.0;
 		const btVector3 spin(
 			btScalar( turn * ( fraction() - 0.5 ) ), btScalar( turn * ( fraction() - 0.5 ) ), btScalar( turn * ( fraction() - 0.5 ) ) );
@@ -68,7 +68,7 @@ public:
 			least = std::min( least, left );
 		}
 	}
-	// Energy, as shares of what there was: at its most, at the end, and what it ever rises by from where it has been.
+	// Energy as ratios to the initial one: the maximum, the final one, and the largest rise above an earlier value.
 	double most = 0.0, left = 0.0, rise = 0.0;
 	int touches() const { return m_touches; }
 
@@ -119,7 +119,7 @@ private:
 		}
 		return sum;
 	}
-	// Of the step as it is taken, from x to x + h v: x . K ( x + h v ) / 2 in place of x . K x / 2 (leapfrog), the mean of both ends'
+	// Energy of the discrete step from x to x + h v: x . K ( x + h v ) / 2 in place of x . K x / 2 (leapfrog), the mean of both ends
 	// (implicit).
 	double strain() const
 	{
@@ -174,12 +174,12 @@ void impacts( Elasticity elasticity )
 	}
 }
 
-TEST( Bounce, BringsNoEnergyIntoExplicitBodies )
+TEST( Bounce, AddsNoEnergyToExplicitBodies )
 {
 	impacts( Elasticity::Explicit );
 }
 
-TEST( Bounce, BringsNoEnergyIntoImplicitBodies )
+TEST( Bounce, AddsNoEnergyToImplicitBodies )
 {
 	impacts( Elasticity::Implicit );
 }

@@ -1,4 +1,4 @@
-// Two thousand shots, both elasticities: a thousand that the guards were made on, and as many that nothing was tuned on.
+// Two thousand shots, explicit and implicit: a thousand that the guards were developed with, and a thousand for validation.
 
 #include "support/shots.h"
 

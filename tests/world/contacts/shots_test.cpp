@@ -1,4 +1,4 @@
-// Fast bodies: none passes through what stands, whatever its elasticity.
+// Fast bodies do not pass through fixed walls, explicit and implicit.
 
 #include "support/shots.h"
 
@@ -12,7 +12,7 @@ namespace {
 using test::ShootingRange;
 using test::ShotResult;
 
-/// Part of the shots of shots_full_test. Walls and bodies go round in 35: a step that has no divisor with it meets all of them.
+/// A subset of the shots of shots_full_test. Walls and bodies repeat with period 35: a coprime step meets all of them.
 void shootSome( Elasticity elasticity, int step )
 {
 	const ShootingRange range;

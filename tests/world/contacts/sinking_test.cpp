@@ -1,5 +1,5 @@
-// Nothing sinks into a soft body: what the second layer of spheres is for (docs/design/contacts.md). With the outermost alone each of
-// these fails.
+// Nothing sinks into a soft body, thanks to the second layer of spheres (docs/design/contacts.md). With the outermost layer alone each of
+// these tests fails.
 
 #include "bench/bench_pile.h"
 
@@ -14,7 +14,7 @@
 namespace pliant::test {
 namespace {
 
-/// Nodes of `a` whose middle is nearer than half of both radii to one of `b`.
+/// Counts the nodes of `a` whose centre is within half of the summed radii of one of `b`.
 int nodesInside( const SoftBody& a, const SoftBody& b )
 {
 	int inside = 0;
@@ -30,7 +30,7 @@ int nodesInside( const SoftBody& a, const SoftBody& b )
 	return inside;
 }
 
-/// Nodes whose middle lies in a box.
+/// Counts the nodes whose centre lies in a box.
 int nodesInside( const SoftBody& soft, const btRigidBody& box )
 {
 	const btVector3 half = static_cast<const btBoxShape*>( box.getCollisionShape() )->getHalfExtentsWithMargin();
@@ -43,7 +43,8 @@ int nodesInside( const SoftBody& soft, const btRigidBody& box )
 	return inside;
 }
 
-// 20 soft cubes of 3e4 Pa and 50 boxes, 2.4 cells wide, dropped in a heap. With one layer: 194 nodes in other bodies and 99 in boxes.
+// 20 soft cubes of 3e4 Pa and 50 boxes, 2.4 cells wide, dropped in a heap. With one layer 194 nodes would be in other bodies and 99 in
+// boxes.
 TEST( Sinking, NothingSinksInAHeap )
 {
 	SoftWorld scene;
@@ -67,8 +68,8 @@ TEST( Sinking, NothingSinksInAHeap )
 	EXPECT_LE( inBoxes, 4 ) << "of 4 320";
 }
 
-// A box of ten times the mass falls on soft foam, which it presses flat. With one layer 16 and 20 nodes are in it afterwards.
-TEST( Sinking, AHeavyBoxDoesNot )
+// A box of ten times the mass falls on soft foam and presses it flat. With one layer 16 and 20 nodes would be in it afterwards.
+TEST( Sinking, AHeavyBoxDoesNotSink )
 {
 	for ( const Elasticity elasticity : { Elasticity::Explicit, Elasticity::Implicit } )
 	{
@@ -86,8 +87,8 @@ TEST( Sinking, AHeavyBoxDoesNot )
 	}
 }
 
-// Cubes of 1e5 Pa shot at each other at up to 60 m/s; most come apart. With one layer up to 54 nodes of one stay in the other.
-TEST( Sinking, TwoFastBodiesDoNot )
+// Cubes of 1e5 Pa shot at each other at up to 60 m/s; most separate. With one layer up to 54 nodes of one would stay in the other.
+TEST( Sinking, TwoFastBodiesDoNotSink )
 {
 	std::mt19937 random( 3 );
 	int worst = 0;

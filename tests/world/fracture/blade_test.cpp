@@ -1,4 +1,4 @@
-// Cuts are drawn where the blade went, not along the cells it went through. Steinemann et al. 2008, section 7.
+// Cuts are drawn along the blade's surface, not along the faces of the cut cells. Steinemann et al. 2008, section 7.
 
 #include "world/test_world.h"
 
@@ -21,11 +21,11 @@ struct Drawn
 {
 	double area = 0.0; ///< of the cut, m^2
 	double volume = 0.0;
-	double open = 0.0;     ///< length of the sum of all triangles' areas
-	double farthest = 0.0; ///< of the cut's triangles from where it should be, m
+	double open = 0.0;     ///< length of the sum of all triangles' area vectors
+	double farthest = 0.0; ///< largest distance of the cut's triangles from the blade's surface, m
 };
 
-/// `away`: of a place in the world from the blade's surface, m.
+/// `away`: distance of a world position from the blade's surface, m.
 Drawn measure( const SoftBody& body, const std::function<double( const btVector3& )>& away )
 {
 	const SurfaceView view = body.surface();
@@ -55,7 +55,7 @@ Drawn measure( const SoftBody& body, const std::function<double( const btVector3
 	return drawn;
 }
 
-// The stairs that a slanted cut takes through the cells are half as much again as the cut itself.
+// The stair-stepped faces of the cells along a slanted cut have one and a half times the area of the cut.
 TEST( Blade, ASlantedPlaneIsDrawnAsOnePlane )
 {
 	const btVector3 normal = btVector3( 1, btScalar( 0.5 ), btScalar( 0.3 ) ).normalized(), middle( btScalar( 0.013 ), 1, 0 );
@@ -77,7 +77,7 @@ TEST( Blade, ASlantedPlaneIsDrawnAsOnePlane )
 			std::printf( "cut %.5f m^2 (%.5f), volume %.5f m^3, %.4f cells from the plane\n", drawn.area, section, drawn.volume,
 				drawn.farthest / kCell );
 			EXPECT_LT( drawn.farthest, 1e-3 * kCell );
-			EXPECT_NEAR( drawn.area, section, 1e-3 * section ); // the stairs: 1.55 of it
+			EXPECT_NEAR( drawn.area, section, 1e-3 * section ); // the stairs would be 1.55 of it
 			EXPECT_LT( drawn.open, 1e-5 * section );
 			EXPECT_NEAR( drawn.volume, drawn.volume > 0.08 ? halves[0] : halves[1], 1e-3 * 0.08 );
 			volume += drawn.volume;
@@ -88,7 +88,7 @@ TEST( Blade, ASlantedPlaneIsDrawnAsOnePlane )
 	}
 }
 
-/// A block of 8 x 4 x 4 cells about the origin, three vertices a cell along each of its sides' edges.
+/// A block of 8 x 4 x 4 cells about the origin, with three vertices per cell along its edges.
 std::shared_ptr<const BodyTemplate> fineBlock()
 {
 	constexpr int kCells[3] = { 8, 4, 4 }, kFine = 3;
@@ -119,8 +119,8 @@ std::shared_ptr<const BodyTemplate> fineBlock()
 	return BodyTemplate::build( MeshView{ positions.data(), positions.size() / 3, 3, indices.data(), indices.size() / 3 }, settings ).value;
 }
 
-// Where triangles are smaller than cells, what lies beyond the blade is drawn back to it: nothing of one half stands out of its cut.
-TEST( Blade, NothingStandsOutOfACutHoweverFineTheMesh )
+// Where triangles are smaller than cells, vertices beyond the blade are moved back to it, so that neither half protrudes from its cut.
+TEST( Blade, NothingProtrudesFromACutHoweverFineTheMesh )
 {
 	const btVector3 normal = btVector3( 1, btScalar( 0.5 ), btScalar( 0.3 ) ).normalized(), middle( btScalar( 0.013 ), 1, 0 );
 	TestWorld test;
@@ -145,8 +145,8 @@ TEST( Blade, NothingStandsOutOfACutHoweverFineTheMesh )
 	}
 }
 
-// A healed slit is drawn nowhere any more: the vertices that lay beyond the blade are where they were.
-TEST( Blade, WhatHasHealedIsDrawnAsItWas )
+// A healed slit is not drawn: the vertices that were beyond the blade are back at their positions.
+TEST( Blade, AHealedSlitIsDrawnIntact )
 {
 	TestWorld test;
 	test.world.setGravity( btVector3( 0, 0, 0 ) );
@@ -188,7 +188,7 @@ TEST( Blade, ASphereIsDrawnRound )
 	}
 }
 
-// What is cut while it is bent has its cut where the blade was then.
+// A body that is cut while bent has its cut at the blade's position in the bent state.
 TEST( Blade, ASaggingBodyIsCutWhereTheBladeIs )
 {
 	TestWorld test;
@@ -207,8 +207,8 @@ TEST( Blade, ASaggingBodyIsCutWhereTheBladeIs )
 	}
 }
 
-// A blade's way in several strokes, two cuts across each other: whoever looks at every frame sees what one sees who looks at the end.
-TEST( Blade, IsDrawnTheSameHoweverOftenItIsLookedAt )
+// Several strokes, two cuts across each other: drawing every frame gives the same result as drawing only the last one.
+TEST( Blade, DoesNotDependOnHowOftenTheBodyIsDrawn )
 {
 	std::vector<std::vector<std::array<float, 10>>> drawn[2];
 	for ( const bool looks : { false, true } )
@@ -216,7 +216,7 @@ TEST( Blade, IsDrawnTheSameHoweverOftenItIsLookedAt )
 		TestWorld test;
 		test.world.setGravity( btVector3( 0, 0, 0 ) );
 		SoftBody* soft = test.addSoft( block( 8, 6, 6, kCell ), at( 0, 1, 0 ), stiff( 1e5f ) );
-		soft->setSurfaceTolerance( 0 ); // to the bit
+		soft->setSurfaceTolerance( 0 ); // bit-identical
 		for ( int frame = 0; frame < 24; ++frame )
 		{
 			for ( int i = 0; i < test.world.softBodyCount(); ++i )

@@ -1,4 +1,4 @@
-// Cutting and healing in a world, and what becomes of small pieces.
+// Cutting and healing in a world, and the handling of small pieces.
 
 #include "world/test_world.h"
 
@@ -48,15 +48,15 @@ Adaptivity levels( int coarse )
 
 Fracture smallOnes( SmallPieces policy, int cells )
 {
-	Fracture fracture; // rule Never: cut by hand only
+	Fracture fracture; // rule Never: cut by calls only
 	fracture.smallPieces = policy;
 	fracture.smallCells = cells;
 	fracture.fadeTime = 0.25f;
 	return fracture;
 }
 
-// Uniform and on levels, tumbling, in one substep: what the whole had the halves have.
-TEST( Cutting, ABarIsTwoBodiesAfterwardsAndKeepsWhatItHad )
+// Uniform and with levels, tumbling, in one substep: the totals of the halves equal those of the whole.
+TEST( Cutting, ABarBecomesTwoBodiesAndKeepsItsTotals )
 {
 	for ( const int coarse : { 0, 2 } )
 	{
@@ -68,8 +68,8 @@ TEST( Cutting, ABarIsTwoBodiesAfterwardsAndKeepsWhatItHad )
 		const Totals before = totals( test.world );
 		const int cut = soft->cutPlane( soft->massCentre(), soft->bestFitTransform().getBasis() * kAlong );
 		EXPECT_EQ( cut, 100 );                                                                              // ( 3 * 4 - 2 )^2
-		EXPECT_EQ( soft->cutPlane( soft->massCentre(), soft->bestFitTransform().getBasis() * kAlong ), 0 ); // they are cut already
-		EXPECT_EQ( test.world.softBodyCount(), 1 );                                                         // not yet
+		EXPECT_EQ( soft->cutPlane( soft->massCentre(), soft->bestFitTransform().getBasis() * kAlong ), 0 ); // already cut
+		EXPECT_EQ( test.world.softBodyCount(), 1 );                                                         // not separated yet
 		test.run( 1 );
 		ASSERT_EQ( test.world.softBodyCount(), 2 );
 		ASSERT_EQ( test.world.fractureEvents().size(), 1u );
@@ -111,7 +111,7 @@ TEST( Cutting, ASleepingBodyWakesAndComesApart )
 	EXPECT_GT( test::lowestNode( *soft ), 0 );
 }
 
-TEST( Cutting, ABallAndABladeTakeOutWhatTheyGoAround )
+TEST( Cutting, ABallAndABladeCutOutTheEnclosedCells )
 {
 	TestWorld test;
 	test.world.setGravity( kOrigin );
@@ -119,7 +119,7 @@ TEST( Cutting, ABallAndABladeTakeOutWhatTheyGoAround )
 	EXPECT_GT( soft->cutSphere( btVector3( 0, 1, 0 ), btScalar( 0.16 ) ), 0 );
 	test.run( 1 );
 	ASSERT_EQ( test.world.softBodyCount(), 2 );
-	EXPECT_EQ( test.world.softBody( 1 )->cellCount(), 19 ); // the middle one, its 6 and its 12
+	EXPECT_EQ( test.world.softBody( 1 )->cellCount(), 19 ); // the middle cell, its 6 face and its 12 edge neighbours
 	// A blade from above in ten strokes while the body hangs still.
 	int cut = 0;
 	for ( int k = 0; k < 10; ++k )
@@ -175,7 +175,7 @@ TEST( Cutting, IsTheSameOnAnyNumberOfThreads )
 	}
 }
 
-TEST( Cutting, ASlitHealsAndTheBodyIsAsItWas )
+TEST( Cutting, ASlitHealsCompletely )
 {
 	for ( const int coarse : { 0, 1 } )
 	{
@@ -194,12 +194,12 @@ TEST( Cutting, ASlitHealsAndTheBodyIsAsItWas )
 		EXPECT_EQ( soft->heal(), 0 );
 		test.run( 2 );
 		EXPECT_TRUE( test.world.fractureEvents().empty() );
-		// As whole as before: a plane cuts as many links as it would have cut at first.
+		// As whole as before: a plane cuts as many links as in the intact body.
 		EXPECT_EQ( soft->heal(), 0 );
 		EXPECT_EQ( soft->cutPlane( btVector3( 0, 1, 0 ), kAlong ), 100 );
 		test.run( 1 );
 		EXPECT_EQ( test.world.softBodyCount(), 2 );
-		EXPECT_EQ( soft->heal(), 0 ); // what has come off has come off
+		EXPECT_EQ( soft->heal(), 0 ); // separated pieces do not heal
 	}
 }
 
@@ -213,7 +213,7 @@ TEST( SmallPiecesPolicy, RemovedOnesAreNotMadeAndAreAccountedFor )
 		ASSERT_TRUE( soft->setFracture( smallOnes( SmallPieces::Remove, 32 ) ).ok() );
 		EXPECT_EQ( soft->fracture().smallCells, 32 );
 		const double before = double( soft->mass() );
-		// 2 layers go, 3 layers are too many to be small.
+		// 2 layers are removed, 3 layers are too many to be small.
 		EXPECT_GT( soft->cutPlane( btVector3( btScalar( -0.4 ), 0, 0 ), kAlong ), 0 );
 		EXPECT_GT( soft->cutPlane( btVector3( btScalar( 0.3 ), 0, 0 ), kAlong ), 0 );
 		test.run( 1 );
@@ -226,7 +226,7 @@ TEST( SmallPiecesPolicy, RemovedOnesAreNotMadeAndAreAccountedFor )
 		const Totals after = totals( test.world );
 		EXPECT_EQ( after.cells, 160 );
 		EXPECT_NEAR( ( after.mass + event.removedMass ) / before, 1.0, 1e-6 );
-		// The body itself stays, however small it is.
+		// The body itself remains, however small it is.
 		soft->cutPlane( btVector3( btScalar( -0.2 ), 0, 0 ), kAlong );
 		soft->cutPlane( btVector3( 0, 0, 0 ), kAlong );
 		soft->cutPlane( btVector3( btScalar( 0.1 ), 0, 0 ), kAlong );
@@ -268,7 +268,7 @@ TEST( SmallPiecesPolicy, RigidOnesAreOneClusterAndKeepMomentum )
 		EXPECT_NEAR( after.mass / before.mass, 1.0, 1e-6 );
 		EXPECT_LT( ( after.momentum - before.momentum ).length(), 2e-6 * before.momentum.length() );
 		EXPECT_LT( ( after.spin - before.spin ).length(), 2e-5 * before.spin.length() );
-		// It is rigid, and can be cut further, down to one cell; all of them go on turning as they did.
+		// It is rigid and can be cut further, down to single cells; all of them keep rotating.
 		test.run( 20 );
 		EXPECT_NEAR( ( small->nodePosition( 0 ) - small->nodePosition( 47 ) ).length(), btScalar( 0.1 ) * btSqrt( btScalar( 22 ) ), 1e-3 );
 		for ( int k = 0; k < 6 && small->cellCount() > 1; ++k )
@@ -304,7 +304,7 @@ TEST( SmallPiecesPolicy, FadingOnesGoWhenTheirTimeIsUp )
 	const std::unique_ptr<SoftBody> holder( mine );
 	EXPECT_EQ( soft->fadeFraction(), 1.0f );
 	float last = 1.0f;
-	int removed = 0, frames = 1; // the frame it was cut in
+	int removed = 0, frames = 1; // the frame of the cut
 	while ( test.world.softBodyCount() > 1 && frames < 100 )
 	{
 		const float fraction = mine->fadeFraction();
@@ -317,10 +317,10 @@ TEST( SmallPiecesPolicy, FadingOnesGoWhenTheirTimeIsUp )
 	EXPECT_NEAR( frames, 16, 2 ); // a quarter of a second
 	EXPECT_EQ( removed, 2 );
 	EXPECT_EQ( test.world.softBodyCount(), 1 );
-	EXPECT_EQ( test.world.fragmentCount(), 0 ); // the world's is deleted
-	EXPECT_EQ( mine->nodeCount(), 16 );         // the test's has only left
+	EXPECT_EQ( test.world.fragmentCount(), 0 ); // the world's piece is deleted
+	EXPECT_EQ( mine->nodeCount(), 16 );         // the test's piece has only left the world
 	EXPECT_EQ( mine->fadeFraction(), 0.0f );
-	test.world.addSoftBody( mine ); // and stays if it is put back
+	test.world.addSoftBody( mine ); // it stays if it is added again
 	test.run( 5 );
 	EXPECT_EQ( test.world.softBodyCount(), 2 );
 	test.world.removeSoftBody( mine );

@@ -1,4 +1,4 @@
-// Bodies that break in a world: pieces are bodies like any other, belong to somebody, and keep what the whole had.
+// Bodies that break in a world: fragments are ordinary bodies with an owner, and conserve the totals of the whole.
 
 #include "world/bodies/soft_body_impl.h"
 #include "world/test_world.h"
@@ -56,7 +56,7 @@ Totals totals( SoftBodyWorld& world )
 	return sum;
 }
 
-/// Leaning a little, so that an edge comes first: what falls flat is pressed evenly, and hardly breaks.
+/// Tilted a little, so that an edge hits first: a flat impact compresses evenly and hardly breaks anything.
 btTransform tilted( btScalar y )
 {
 	return btTransform( btQuaternion( btVector3( 0, 0, 1 ), btScalar( 0.3 ) ), btVector3( 0, y, 0 ) );
@@ -103,7 +103,7 @@ TEST( Fracture, ThrownAtTheFloorItShattersIntoBodies )
 
 TEST( Fracture, InFreeFlightKeepsMomentumAndSpin )
 {
-	// Far from everything a spinning block tears itself apart.
+	// In empty space a spinning block tears itself apart.
 	TestWorld test;
 	test.world.setGravity( btVector3( 0, 0, 0 ) );
 	SoftBody* soft = test.addSoft( block( 10, 4, 4, 0.1f ), at( 3, 2, 1 ), stiff( 1e5f ) );
@@ -120,7 +120,7 @@ TEST( Fracture, InFreeFlightKeepsMomentumAndSpin )
 	EXPECT_LT( ( after.spin - before.spin ).length() / before.spin.length(), 1e-4 );
 }
 
-TEST( Fracture, PiecesTakeOverWhatTheUserSetOnTheWhole )
+TEST( Fracture, PiecesInheritTheUsersSettings )
 {
 	TestWorld test;
 	int mine = 0;
@@ -176,7 +176,7 @@ TEST( Fracture, PiecesTakeOverWhatTheUserSetOnTheWhole )
 	}
 }
 
-TEST( Fracture, FragmentsAreTheWorldsUntilTheyAreTakenOver )
+TEST( Fracture, FragmentsAreOwnedByTheWorldUntilReleased )
 {
 	std::unique_ptr<SoftBody> taken;
 	SoftBody* deleted = nullptr;
@@ -204,10 +204,10 @@ TEST( Fracture, FragmentsAreTheWorldsUntilTheyAreTakenOver )
 		taken.reset( fragments[0] );
 		EXPECT_EQ( test.world.fragmentCount(), count - 1 );
 		deleted = fragments[1];
-		delete deleted; // as a game's loop over all objects would
+		delete deleted; // as in a game's loop over all objects
 		EXPECT_EQ( test.world.fragmentCount(), count - 2 );
 		test.run( 5 );
-		test.world.removeSoftBody( fragments[2] ); // now the test's
+		test.world.removeSoftBody( fragments[2] ); // now owned by the test
 		EXPECT_EQ( test.world.fragmentCount(), count - 3 );
 		delete fragments[2];
 		test.run( 5 );
@@ -287,7 +287,7 @@ TEST( Fracture, PiecesComeToRestOnEachOther )
 	soft->setVelocities( btVector3( 0, -8, 0 ), btVector3( 0, 0, 0 ) );
 	test.run( 600 );
 	ASSERT_GE( test.world.softBodyCount(), 2 );
-	// No piece has sunk into another or through the floor: nodes of different bodies are apart.
+	// No fragment has sunk into another or through the floor: nodes of different bodies are apart.
 	const std::vector<SoftBody*> bodies = allSoft( test.world );
 	double closest = 1.0;
 	for ( std::size_t a = 0; a < bodies.size(); ++a )
@@ -308,7 +308,7 @@ TEST( Fracture, PiecesComeToRestOnEachOther )
 	EXPECT_GT( closest, 0.5 * 0.05 );
 }
 
-/// Of what the surface encloses, m^3; right only where it is closed.
+/// The enclosed volume, m^3; valid only for closed surfaces.
 double enclosedVolume( const SurfaceView& view )
 {
 	double six = 0.0;
@@ -325,7 +325,7 @@ double enclosedVolume( const SurfaceView& view )
 	return six / 6.0;
 }
 
-TEST( Fracture, SurfacesOfPiecesAreClosedAndShowEachItsOwn )
+TEST( Fracture, SurfacesOfPiecesAreClosedAndSeparate )
 {
 	TestWorld test;
 	test.world.setGravity( btVector3( 0, 0, 0 ) );
@@ -354,47 +354,47 @@ TEST( Fracture, SurfacesOfPiecesAreClosedAndShowEachItsOwn )
 		for ( int k = 0; k < 3 * view.triangleCount; ++k )
 		{
 			const float* p = view.positions + 3 * std::size_t( view.indices[k] );
-			const btVector3 place = view.origin + btVector3( p[0], p[1], p[2] );
-			const int node = body->nearestNode( place );
-			EXPECT_LT( body->nodePosition( node ).distance( place ), btScalar( 0.2 ) );
+			const btVector3 position = view.origin + btVector3( p[0], p[1], p[2] );
+			const int node = body->nearestNode( position );
+			EXPECT_LT( body->nodePosition( node ).distance( position ), btScalar( 0.2 ) );
 		}
 	}
-	EXPECT_NEAR( volume, 0.16, 0.16 * 0.05 ); // they still pulse a little
+	EXPECT_NEAR( volume, 0.16, 0.16 * 0.05 ); // they still pulsate a little
 }
 
-/// Looked at in every frame, bodies draw what their family's cracks are; looked at once, after all is over, what their own links are.
-TEST( Fracture, ABodyLooksTheSameHoweverOftenItIsLookedAt )
+/// Drawn in every frame, bodies show the cracks of their family; drawn once at the end, those of their own links.
+TEST( Fracture, TheSurfaceDoesNotDependOnHowOftenItIsDrawn )
 {
-	enum Way
+	enum Drawing
 	{
 		Once,
 		Always,
 		Prepared
 	};
 	std::vector<std::vector<std::array<float, 10>>> drawn[3];
-	for ( const Way way : { Once, Always, Prepared } )
+	for ( const Drawing drawing : { Once, Always, Prepared } )
 	{
 		TestWorld test;
 		test.world.setGravity( btVector3( 0, 0, 0 ) );
 		SoftBody* soft = test.addSoft( block( 10, 4, 4, 0.1f ), at( 0, 1, 0 ), stiff( 1e5f ) );
 		ASSERT_TRUE( soft->setFracture( breaksAt( 0.03f ) ).ok() );
-		soft->setSurfaceTolerance( 0 ); // to the bit
-		EXPECT_TRUE( way != Prepared || soft->prepareCracks().ok() );
-		EXPECT_EQ( soft->impl().crackFamily != nullptr, way == Prepared );
+		soft->setSurfaceTolerance( 0 ); // bit-identical
+		EXPECT_TRUE( drawing != Prepared || soft->prepareCracks().ok() );
+		EXPECT_EQ( soft->impl().crackFamily != nullptr, drawing == Prepared );
 		soft->setVelocities( btVector3( 0, 0, 0 ), btVector3( 0, 14, 0 ) );
 		for ( int frame = 0; frame < 60; ++frame )
 		{
 			for ( const SoftBody* body : allSoft( test.world ) )
 			{
-				way == Always ? void( body->surface() ) : void();
+				drawing == Always ? void( body->surface() ) : void();
 			}
 			test.run( 1 );
 		}
 		ASSERT_GE( test.world.softBodyCount(), 3 );
 		for ( const SoftBody* body : allSoft( test.world ) )
 		{
-			EXPECT_EQ( body->impl().crackFamily != nullptr, way != Once );
-			drawn[way].push_back( test::trianglesOf( body->surface() ) );
+			EXPECT_EQ( body->impl().crackFamily != nullptr, drawing != Once );
+			drawn[drawing].push_back( test::trianglesOf( body->surface() ) );
 		}
 	}
 	EXPECT_EQ( drawn[Once], drawn[Always] );

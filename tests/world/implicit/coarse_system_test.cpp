@@ -1,4 +1,4 @@
-// The small system of whole bodies is solved as one dense matrix of all its pieces would be, however often it is summed anew.
+// The coarse system gives the solution of the equivalent dense matrix, also when it is summed repeatedly.
 
 #include "world/linear/coarse_system.h"
 
@@ -10,7 +10,7 @@
 namespace pliant {
 namespace {
 
-/// Bodies in a row, of 12 and 6 unknowns in turns, each feeling the next and the one so many further on.
+/// Bodies in a row, alternately of 12 and 6 unknowns, each coupled with the next one and with the one `far` further on.
 void solveRow( CoarseSystem& system, int bodies, int far )
 {
 	std::mt19937 random( 7 );
@@ -63,7 +63,7 @@ void solveRow( CoarseSystem& system, int bodies, int far )
 	}
 }
 
-TEST( ImplicitCoarseSystem, IsSolvedAsAWholeMatrix )
+TEST( ImplicitCoarseSystem, EqualsTheDenseSolution )
 {
 	for ( const int bodies : { 1, 2, 4, 11, 40 } )
 	{
@@ -72,8 +72,8 @@ TEST( ImplicitCoarseSystem, IsSolvedAsAWholeMatrix )
 	}
 }
 
-/// As in a heap: mostly the same bodies feel each other as in the step before, and now and then others.
-TEST( ImplicitCoarseSystem, IsLaidOutAgainWhereOthersFeelEachOther )
+/// As in a heap: mostly the couplings are those of the step before, and now and then they change.
+TEST( ImplicitCoarseSystem, IsLaidOutAgainWhenTheCouplingChanges )
 {
 	CoarseSystem system;
 	for ( const int far : { 3, 3, 2, 5, 5, 3 } )
@@ -84,7 +84,7 @@ TEST( ImplicitCoarseSystem, IsLaidOutAgainWhereOthersFeelEachOther )
 	solveRow( system, 11, 3 );
 }
 
-TEST( ImplicitCoarseSystem, WhatIsNotPositiveGivesNothing )
+TEST( ImplicitCoarseSystem, IndefiniteMatricesYieldZero )
 {
 	for ( const int bodies : { 2, 20 } )
 	{

@@ -1,5 +1,5 @@
-// What a game asks of contacts that leave Bullet's rows: the callbacks, contact tests and impulses of implicit bodies are those of any
-// other.
+// Contacts of implicit bodies are not solved in Bullet's rows, but callbacks, contact tests and applied impulses work as for any other
+// body.
 
 #include "world/test_world.h"
 
@@ -54,7 +54,7 @@ void onEnded( btPersistentManifold* const& )
 	++calls->ended;
 }
 
-/// Sets Bullet's callbacks for as long as it lives.
+/// Installs Bullet's callbacks during its lifetime.
 struct Listening
 {
 	explicit Listening( Calls& own )
@@ -75,7 +75,7 @@ struct Listening
 	}
 };
 
-TEST( ImplicitCallbacks, MayChangeFrictionAndAreToldOfEachContact )
+TEST( ImplicitCallbacks, MayChangeFrictionAndSeeEachContact )
 {
 	double slid[2];
 	for ( const int isSlippery : { 0, 1 } )
@@ -102,7 +102,7 @@ TEST( ImplicitCallbacks, MayChangeFrictionAndAreToldOfEachContact )
 		EXPECT_EQ( own.ended, own.started );
 	}
 	EXPECT_NEAR( slid[0], 0.0, 1e-3 );
-	// From touching on, free of friction.
+	// Without friction from the first contact on.
 	EXPECT_NEAR( slid[1], kGravity * std::sin( 0.3 ) * 1.5, 0.01 );
 }
 
@@ -126,7 +126,7 @@ TEST( ImplicitCallbacks, MayMakeABodyBounce )
 	EXPECT_GT( high[1], 0.45 );
 }
 
-/// Sums the impulses of all contacts that name the object, on it, N s.
+/// Sums the impulses on the object of all contacts that name it, N s.
 btVector3 impulseOn( TestWorld& t, const btCollisionObject* object, bool isOfNodes )
 {
 	btVector3 sum( 0, 0, 0 );
@@ -148,8 +148,8 @@ btVector3 impulseOn( TestWorld& t, const btCollisionObject* object, bool isOfNod
 	return sum;
 }
 
-// On a slope, at rest: what lies on the cube is borne by it, and both by the floor, pressing and rubbing.
-TEST( ImplicitCallbacks, AppliedImpulsesBearWhatLiesThere )
+// At rest on a slope: the cube carries the box, and the floor carries both, by normal and friction impulses.
+TEST( ImplicitCallbacks, AppliedImpulsesCarryTheLoad )
 {
 	TestWorld t;
 	const btVector3 gravity( 2, btScalar( -kGravity ), 1 );

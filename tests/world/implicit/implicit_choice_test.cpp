@@ -1,4 +1,5 @@
-// Elasticity::Automatic: who takes the implicit step, and that nobody sees it. Bullet's other solvers beside the implicit step.
+// Elasticity::Automatic: which bodies take the implicit step, and that the change is invisible. Bullet's other solvers beside the implicit
+// step.
 
 #include "world/test_world.h"
 
@@ -49,7 +50,7 @@ double height( const SoftBody& cube )
 	return high - low;
 }
 
-TEST( Automatic, LeavesSoftBodiesWithLightLoadsAsTheyWereToTheBit )
+TEST( Automatic, KeepsSoftBodiesWithLightLoadsBitIdentical )
 {
 	std::vector<Vec3> found[2];
 	for ( const Elasticity elasticity : { Elasticity::Explicit, Elasticity::Automatic } )
@@ -82,7 +83,7 @@ TEST( Automatic, TakesTheImplicitStepWhereStiffnessIsOutOfReach )
 		EXPECT_EQ( t.world.stepReport().substeps, isStiff ? 1 : 4 );
 		EXPECT_TRUE( cube->stiffnessPlan().reachable );
 	}
-	// Two cells of regions five wide answer four times as hard as their alpha says: the explicit step is safe up to 3.5.
+	// Two cells thick with regions five wide, a body is four times as stiff as its alpha: the explicit step is stable up to 3.5.
 	for ( const int cells : { 2, 8 } )
 	{
 		TestWorld t;
@@ -95,8 +96,8 @@ TEST( Automatic, TakesTheImplicitStepWhereStiffnessIsOutOfReach )
 	}
 }
 
-// What breaks leaves crumbs of one cell, which cannot step implicitly: the whole herd they came from would take sixteen substeps for them.
-TEST( Automatic, OneNodeHasNothingElasticAndAsksForNoSubsteps )
+// A fragment of one cell cannot step implicitly, and must not raise the substeps of the bodies it broke off from to sixteen.
+TEST( Automatic, ASingleNodeNeedsNoSubsteps )
 {
 	for ( const Elasticity elasticity : { Elasticity::Explicit, Elasticity::Implicit, Elasticity::Automatic } )
 	{
@@ -115,7 +116,7 @@ TEST( Automatic, OneNodeHasNothingElasticAndAsksForNoSubsteps )
 	}
 }
 
-TEST( Automatic, TakesTheImplicitStepUnderAHeavyLoadAndGoesBackWhenItIsGone )
+TEST( Automatic, TakesTheImplicitStepUnderAHeavyLoadAndGoesBackAfterwards )
 {
 	TestWorld t;
 	t.addPlane();
@@ -129,7 +130,7 @@ TEST( Automatic, TakesTheImplicitStepUnderAHeavyLoadAndGoesBackWhenItIsGone )
 	btRigidBody* box = t.addBox( 1000, btVector3( 0.3f, 0.3f, 0.3f ), at( 0, btScalar( 0.903 ), 0 ) );
 	box->setActivationState( DISABLE_DEACTIVATION );
 	t.run( 6 );
-	EXPECT_TRUE( cube->stepsImplicitly() ); // by what lies there, long before what the nodes carry tells
+	EXPECT_TRUE( cube->stepsImplicitly() ); // from the mass on it, long before the impulses of the nodes show it
 	double most = 0.0;
 	for ( int frame = 0; frame < 600; ++frame )
 	{
@@ -137,7 +138,7 @@ TEST( Automatic, TakesTheImplicitStepUnderAHeavyLoadAndGoesBackWhenItIsGone )
 		most = frame > 500 ? std::max( most, double( box->getLinearVelocity().length() ) ) : 0.0;
 	}
 	EXPECT_TRUE( cube->stepsImplicitly() );
-	EXPECT_FALSE( other->stepsImplicitly() ); // another island
+	EXPECT_FALSE( other->stepsImplicitly() ); // in another island
 	EXPECT_LT( most, 1e-3 );
 	double theory = 0.0; // of the five layers of material between the outermost nodes
 	for ( int k = 1; k <= 5; ++k )
@@ -150,13 +151,13 @@ TEST( Automatic, TakesTheImplicitStepUnderAHeavyLoadAndGoesBackWhenItIsGone )
 	t.world.removeRigidBody( box );
 	t.rigid.erase( std::find_if( t.rigid.begin(), t.rigid.end(), [&]( const auto& own ) { return own.get() == box; } ) );
 	t.run( 90 );
-	EXPECT_TRUE( cube->stepsImplicitly() ); // not at once
+	EXPECT_TRUE( cube->stepsImplicitly() ); // not immediately
 	t.run( 120 );
 	EXPECT_FALSE( cube->stepsImplicitly() );
 }
 
-// A face of 36 nodes of a kilogram in ten rounds bears 360 kg; half of that is enough to stay.
-TEST( Automatic, StaysUnderALoadThatWouldNotHaveAskedForIt )
+// A face of 36 nodes of a kilogram and ten iterations bear 360 kg; half of that is enough to keep the implicit step.
+TEST( Automatic, KeepsTheImplicitStepUnderAReducedLoad )
 {
 	for ( const bool wasHeavier : { false, true } )
 	{
@@ -177,7 +178,7 @@ TEST( Automatic, StaysUnderALoadThatWouldNotHaveAskedForIt )
 	}
 }
 
-TEST( Automatic, IsNotAskedForByWhatTheBodyLiesOn )
+TEST( Automatic, IgnoresTheMassOfTheGround )
 {
 	TestWorld t;
 	t.addPlane();
@@ -191,7 +192,7 @@ TEST( Automatic, IsNotAskedForByWhatTheBodyLiesOn )
 	EXPECT_NEAR( cube->massCentre().y(), 0.7, 0.02 );
 }
 
-TEST( Automatic, StacksAskForItByWhatTheirNodesCarry )
+TEST( Automatic, TakesTheImplicitStepInStacksByTheLoadOfTheirNodes )
 {
 	TestWorld t;
 	t.addFloor();
@@ -215,8 +216,8 @@ TEST( Automatic, StacksAskForItByWhatTheirNodesCarry )
 	}
 }
 
-// Momentum and shape are the nodes', and they stay; impulses of contacts follow the length of the substep.
-TEST( Automatic, AChangeOfTheStepIsNotSeen )
+// Momentum and shape are state of the nodes and are kept; contact impulses are scaled with the length of the substep.
+TEST( Automatic, AChangeOfTheStepIsInvisible )
 {
 	TestWorld t;
 	t.addFloor();
@@ -284,7 +285,7 @@ TEST( Automatic, GivesTheSameBitsForAnyThreadCount )
 			most = std::max( most, t.world.stepReport().implicitBodies );
 			least = std::min( least, t.world.stepReport().implicitBodies );
 		}
-		EXPECT_GT( most, least ); // some change
+		EXPECT_GT( most, least ); // the number of implicit bodies changes
 		for ( const auto& body : t.soft )
 		{
 			const std::vector<Vec3> own = positions( *body );
@@ -297,9 +298,8 @@ TEST( Automatic, GivesTheSameBitsForAnyThreadCount )
 	EXPECT_EQ( run( 3 ), once );
 }
 
-// What Bullet's solver does by joints is felt by the block a little later, and then all of it: a box of its own weight hangs from the one
-// on the cube.
-TEST( ImplicitBeside, AJointLoadsWhatTheCubeBears )
+// The block takes up the impulses of Bullet's joints with a delay, but completely: a box of equal weight hangs from the one on the cube.
+TEST( ImplicitBeside, AJointAddsToTheLoad )
 {
 	TestWorld t;
 	t.addFloor();
@@ -335,7 +335,7 @@ TEST( ImplicitBeside, AJointLoadsWhatTheCubeBears )
 	}
 }
 
-// Bullet's solver is left joints and other islands; the block beside it must not mind which one it is.
+// Bullet's solver handles joints and other islands; the block works beside any of them.
 TEST( ImplicitBeside, EverySolverOfBullet )
 {
 	btNNCGConstraintSolver conjugate;
@@ -354,11 +354,11 @@ TEST( ImplicitBeside, EverySolverOfBullet )
 		t.addFloor();
 		SoftBody* cube = t.addSoft( block( 6, 6, 6, 0.1f ), at( 0, btScalar( 0.301 ), 0 ), automatic( 6e6f, Elasticity::Implicit ) );
 		btRigidBody* box = t.addBox( 21600, btVector3( 0.3f, 0.3f, 0.3f ), at( 0, btScalar( 0.902 ), 0 ) );
-		// Hung from the box by a joint, free of everything else.
+		// It hangs from the box by a joint, without contacts.
 		btRigidBody* hung = t.addBox( 5, btVector3( 0.1f, 0.1f, 0.1f ), at( btScalar( 0.6 ), btScalar( 0.9 ), 0 ) );
 		btPoint2PointConstraint joint( *box, *hung, btVector3( btScalar( 0.5 ), 0, 0 ), btVector3( btScalar( -0.1 ), 0, 0 ) );
 		t.world.addConstraint( &joint, true );
-		t.addBox( 10, btVector3( 0.2f, 0.2f, 0.2f ), at( 3, btScalar( 0.21 ), 0 ) ); // an island of Bullet's own
+		t.addBox( 10, btVector3( 0.2f, 0.2f, 0.2f ), at( 3, btScalar( 0.21 ), 0 ) ); // an island that Bullet solves
 		t.run( 400 );
 		bottom[k] = double( box->getWorldTransform().getOrigin().y() ) - 0.3;
 		hangs[k] = ( joint.getRigidBodyA().getWorldTransform() * joint.getPivotInA() )

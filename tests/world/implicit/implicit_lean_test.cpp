@@ -1,5 +1,5 @@
-// Loads off a soft block's middle: what leans, by how much, and what must tip. Against the theory of columns and against the same lattice
-// stepped explicitly, very finely (docs/design/implicit.md, "Leaning and tipping").
+// Eccentric loads on a soft block: which loads lean, by how much, and which must tip. Compared with the theory of columns and with the same
+// lattice in very fine explicit steps (docs/design/implicit.md, "Leaning and tipping").
 
 #include "world/test_world.h"
 
@@ -18,17 +18,17 @@ using test::TestWorld;
 constexpr double kWeight = 216.0 * kGravity, kArea = 0.36;
 constexpr int kFineSubsteps = 64;
 
-/// A box on a block of 6 cells, of as many times its weight, m and shares.
+/// A box on a block of 6 cells: mass ratio, dimensions and offset in m.
 struct Order
 {
 	double ratio = 1.0;
-	double strain = 0.02; ///< of the box's weight over E and the block's top
+	double strain = 0.02; ///< the box's weight over E and the block's top face
 	double offset = 0.0;
 	btVector3 half{ btScalar( 0.3 ), btScalar( 0.3 ), btScalar( 0.3 ) };
-	double rampTime = 0.0; ///< over which gravity comes, s
+	double rampTime = 0.0; ///< time over which gravity is ramped up, s
 	Elasticity elasticity = Elasticity::Implicit;
 	float numericalDamping = 1.0f;
-	int stepsPerFrame = 1; ///< of the game's, where implicit
+	int stepsPerFrame = 1; ///< implicit steps per frame
 };
 
 struct Outcome
@@ -59,7 +59,7 @@ Outcome lay( const Order& order, int frames )
 	btRigidBody* box = t.addBox(
 		btScalar( order.ratio * 216.0 ), order.half, at( btScalar( order.offset ), btScalar( 0.601 ) + order.half.y(), 0 ) );
 	box->setFriction( btScalar( 0.8 ) );
-	// Awake: Bullet lets a box fall asleep below 0.8 m/s, which would stop a slow sway wherever it is.
+	// Kept awake: Bullet lets a box fall asleep below 0.8 m/s, which would stop a slow sway at any angle.
 	cube->setActivationState( DISABLE_DEACTIVATION );
 	box->setActivationState( DISABLE_DEACTIVATION );
 	Outcome outcome;
@@ -78,8 +78,8 @@ Outcome lay( const Order& order, int frames )
 	return outcome;
 }
 
-// A column of length L between the outermost layers' middles, its end turned by the weight W of a rigid box whose centre is c above it and
-// e off it: EI y'' = W ( D - y ), D = e + y( L ) + c y'( L ). With q^2 = W / EI: y' = D q sin q L, D = e / ( cos q L - c q sin q L ).
+// A column of length L between the outermost layers' centres, its end rotated by the weight W of a rigid box whose centre is c above it and
+// e off the axis: EI y'' = W ( D - y ), D = e + y( L ) + c y'( L ). With q^2 = W / EI: y' = D q sin q L, D = e / ( cos q L - c q sin q L ).
 double columnLean( const Order& order )
 {
 	const double length = 0.5, above = 0.05 + double( order.half.y() );
@@ -88,7 +88,7 @@ double columnLean( const Order& order )
 	return std::atan( shifted * q * std::sin( q * length ) ) * 180.0 / SIMD_PI;
 }
 
-TEST( ImplicitLean, OfABoxOffTheMiddleIsThatOfAColumnWhateverItWeighs )
+TEST( ImplicitLean, OfAnEccentricBoxOfAnyMassIsThatOfAColumn )
 {
 	for ( const double strain : { 0.005, 0.01, 0.02 } )
 	{
@@ -138,9 +138,9 @@ TEST( ImplicitLean, OfABoxPutDownOnAnEdgeIsThatOfTheSameLatticeInManySubsteps )
 	}
 }
 
-// Let go at once, the same load swings past what it leans by at rest, and over. The finely stepped lattice falls as the implicit step does
-// in fine steps without numerical damping.
-TEST( ImplicitLean, WhatTipsWhenItIsLetGoAtOnceTipsInManySubstepsToo )
+// Released at once, the load swings beyond its lean at rest and tips. The finely stepped explicit lattice falls like the implicit step in
+// fine steps without numerical damping.
+TEST( ImplicitLean, ReleasedLoadsTipAsInManySubsteps )
 {
 	for ( const double ratio : { 10.0, 30.0 } )
 	{

@@ -1,4 +1,4 @@
-// Elasticity::Implicit for bodies with levels of detail: heavy things on them, nodes split and merged under load, and bodies that break.
+// Elasticity::Implicit for bodies with levels of detail: heavy loads, nodes split and merged under load, and bodies that break.
 
 #include "world/levels/adaptive_bodies.h"
 
@@ -15,7 +15,7 @@ using test::implicit;
 using test::kGravity;
 using test::TestWorld;
 
-/// Mean height and rest height of the nodes whose cubes reach the block's top or bottom.
+/// Mean height and mean rest height of the nodes whose cubes reach the block's top or bottom.
 struct Layer
 {
 	double now = 0.0, rest = 0.0;
@@ -46,7 +46,7 @@ struct Loaded
 	int substeps = 0, least = 1 << 20, most = 0;
 };
 
-/// A box `ratio` times as heavy as a cube of 216 kg lies on it; the modulus lets it sink in by a tenth.
+/// A box `ratio` times as heavy rests on a cube of 216 kg; the modulus allows a compression of a tenth.
 Loaded load( double ratio, int cells, const Adaptivity& settings )
 {
 	TestWorld t;
@@ -67,8 +67,8 @@ Loaded load( double ratio, int cells, const Adaptivity& settings )
 		loaded.most = std::max( loaded.most, cube->nodeCount() );
 	}
 	const Layer top = layer( *cube, true ), bottom = layer( *cube, false );
-	// Levels have the energy of the finest cells for the same strain, and those strain between the middles of their outermost layers. Where
-	// the outermost nodes are big, they have that energy and a shorter way to give it back.
+	// Levels have the energy of the finest cells for the same strain, and the finest cells are strained between the centres of their
+	// outermost layers. Big outermost nodes have that energy over a shorter distance.
 	const double length = top.rest - bottom.rest, finest = 0.6 - 0.6 / cells;
 	loaded.theory = ( ratio + 0.5 ) * weight / area / modulus * length / finest;
 	loaded.strain = 1.0 - ( top.now - bottom.now ) / length;
@@ -99,7 +99,7 @@ std::vector<Kind> kinds()
 		{ "split by strain", 8, strained }, { "split by touch", 8, touched }, { "intervals", 6, intervals } };
 }
 
-TEST( ImplicitLevels, BearABoxOfAnyWeightAsElasticityTellsAndSleep )
+TEST( ImplicitLevels, CarryABoxOfAnyMassByTheoryAndSleep )
 {
 	for ( const Kind& kind : kinds() )
 	{
@@ -151,7 +151,7 @@ Sums sumsOf( const TestWorld& t )
 	return sums;
 }
 
-TEST( ImplicitLevels, CollisionsThatSplitAndMergeNodesKeepMomentumAndBringNoEnergy )
+TEST( ImplicitLevels, CollisionsThatSplitAndMergeNodesKeepMomentumAndAddNoEnergy )
 {
 	for ( const float youngsModulus : { 3e3f, 3e5f, 3e7f } )
 	{
@@ -181,16 +181,16 @@ TEST( ImplicitLevels, CollisionsThatSplitAndMergeNodesKeepMomentumAndBringNoEner
 		std::printf( "E %.0e: %d splits, %d merges, %d nodes left, momentum %.1e, spin %.1e, energy %.4f\n", double( youngsModulus ),
 			splits, merges, cube->nodeCount(), momentum, spin, most / before.energy );
 		EXPECT_GT( splits, 0 );
-		EXPECT_TRUE( merges > 0 || youngsModulus < 1e4f ); // the softest rings on
+		EXPECT_TRUE( merges > 0 || youngsModulus < 1e4f ); // the softest keeps oscillating
 		EXPECT_LT( momentum, 1e-5 );
 		EXPECT_LT( spin, 1e-4 );
 		EXPECT_LE( most, before.energy * 1.0001 );
-		EXPECT_LT( after.energy, 0.999 * before.energy ); // they did meet
+		EXPECT_LT( after.energy, 0.999 * before.energy ); // they did touch
 	}
 }
 
-// What lies on it feels a change of levels as little as a game does: a twentieth of a cell.
-TEST( ImplicitLevels, AChangeOfLevelsUnderALoadIsHardlyFelt )
+// A change of levels moves the load on the body by less than a twentieth of a cell.
+TEST( ImplicitLevels, AChangeOfLevelsHardlyMovesTheLoad )
 {
 	TestWorld t;
 	t.addPlane();
@@ -254,7 +254,7 @@ TEST( ImplicitLevels, ABodyThatBreaksInFreeFlightKeepsMomentumAndSpin )
 {
 	for ( const bool hasLevels : { false, true } )
 	{
-		// Far from everything a spinning bar tears itself apart.
+		// In empty space a spinning bar tears itself apart.
 		TestWorld t;
 		t.world.setGravity( btVector3( 0, 0, 0 ) );
 		SoftBody* soft = t.addSoft(
@@ -285,7 +285,7 @@ TEST( ImplicitLevels, ABodyThatBreaksInFreeFlightKeepsMomentumAndSpin )
 	}
 }
 
-std::vector<btScalar> placesAfterBreaking( int threads )
+std::vector<btScalar> positionsAfterBreaking( int threads )
 {
 	TestWorld t;
 	t.addFloor();
@@ -323,9 +323,9 @@ std::vector<btScalar> placesAfterBreaking( int threads )
 	return positions;
 }
 
-// What falls touches nothing, and unstrained it needs no solving: it took 25 products a frame, as many as a pile, while it was made as
-// exact as contacts ask for and began without the frame's gravity.
-TEST( ImplicitLevels, ABodyThatFallsIsDoneAtOnce )
+// A falling body touches nothing and, unstrained, needs no solving. With the tolerance of contacts and without the frame's gravity in the
+// initial guess it would take 25 products a frame, as many as a pile.
+TEST( ImplicitLevels, AFallingBodyNeedsFewProducts )
 {
 	for ( const int levels : { 0, 1 } )
 	{
@@ -344,10 +344,9 @@ TEST( ImplicitLevels, ABodyThatFallsIsDoneAtOnce )
 	}
 }
 
-// What hangs by held nodes does not fall: it took 25 to 31 products a frame to hang still, parts of elephants that stuck to a ball, while
-// it began with free flight's speeds as what falls does. And while it swings it is solved sooner with its affine motions in front of it,
-// what is held resisting them.
-TEST( ImplicitLevels, ABodyThatHangsStillIsDoneAtOnce )
+// A body that hangs from held nodes does not fall: starting from free flight it would take 25 to 31 products a frame at rest. A swinging
+// one converges faster with its affine motions in the preconditioner, in which held nodes add resistance.
+TEST( ImplicitLevels, AHangingBodyNeedsFewProducts )
 {
 	for ( const int levels : { 0, 1 } )
 	{
@@ -376,14 +375,13 @@ TEST( ImplicitLevels, ABodyThatHangsStillIsDoneAtOnce )
 	}
 }
 
-// A crumb of one node takes part in an implicit body's island with its mass alone. Where it touched nothing yet, what was to keep its
-// momentum divided by the inertia that it does not have: it was stopped for numbers that were none, one crumb of a herd of elephants that
-// broke.
-TEST( ImplicitLevels, ACrumbBesideAnImplicitBodyGoesOn )
+// A fragment of one node takes part in an implicit body's island with its mass alone. It has no inertia, so the restoration of momentum
+// must not divide by it while it has no active contact.
+TEST( ImplicitLevels, AFragmentBesideAnImplicitBodyStaysHealthy )
 {
 	TestWorld t;
 	t.world.setGravity( btVector3( 0, 0, 0 ) );
-	// A millimetre apart: near enough for a contact, and nothing presses.
+	// A millimetre apart: near enough for a contact, which is not active.
 	SoftBody* const cube = t.addSoft( block( 4, 4, 4, 0.1f ), at( 0, 0, 0 ), implicit( 1e5f ) );
 	SoftBody* const crumb = t.addSoft(
 		block( 1, 1, 1, 0.1f ), at( btScalar( 0.05 ), btScalar( 0.251 ), btScalar( 0.05 ) ), implicit( 1e5f ) );
@@ -401,9 +399,9 @@ TEST( ImplicitLevels, ACrumbBesideAnImplicitBodyGoesOn )
 
 TEST( ImplicitLevels, SplitAndBreakToTheSameBitsForAnyThreadCount )
 {
-	const auto once = placesAfterBreaking( 1 );
-	EXPECT_EQ( placesAfterBreaking( 1 ), once );
-	EXPECT_EQ( placesAfterBreaking( 3 ), once );
+	const auto once = positionsAfterBreaking( 1 );
+	EXPECT_EQ( positionsAfterBreaking( 1 ), once );
+	EXPECT_EQ( positionsAfterBreaking( 3 ), once );
 }
 
 } // namespace

@@ -1,5 +1,5 @@
-// Rods and ropes of cells in one line, implicit, from soft to all but rigid, with a step of 1/60 s: hung up by an end, they swing, and
-// thrown and spun they land. Nothing of them is ever faster than what they fall and turn with.
+// Implicit rods and ropes of cells in one line, from soft to nearly rigid, with a step of 1/60 s. Hung by an end they swing; thrown and
+// spun they land. No node is ever faster than the motion explains.
 
 #include "world/test_world.h"
 
@@ -18,7 +18,7 @@ struct Rope
 	int cells;
 	float youngsModulus;
 	int halfWidth;
-	bool isThrown; ///< else it hangs by its first cell
+	bool isThrown; ///< otherwise it hangs by its first cell
 };
 
 struct Course
@@ -58,7 +58,7 @@ Course follow( const Rope& rope )
 	return course;
 }
 
-// Eight of these flew apart, at up to 3e13 m/s, when thin regions' inertias were left to rounding.
+// If rounding decided the inertias of thin regions, eight of these would fly apart.
 TEST( ImplicitRopes, NeitherHangingNorThrownFlyApart )
 {
 	for ( const int cells : { 5, 20, 100 } )
@@ -69,8 +69,8 @@ TEST( ImplicitRopes, NeitherHangingNorThrownFlyApart )
 			{
 				const Rope rope{ cells, youngsModulus, cells == 20 ? 2 : 1, isThrown };
 				const double length = double( kCell ) * cells;
-				// What falls by twice its length, an end of it going on like a whip's; what is thrown with all its turning in one end, and
-				// bounces up.
+				// A hanging rope falls by at most twice its length, with a whip-like free end; a thrown one may concentrate its rotation in
+				// one end and bounce upwards.
 				const double limit = isThrown ? 20.0 + 21.0 * length + 10.0 : 2.0 * std::sqrt( 2.0 * test::kGravity * 2.0 * length ) + 1.0;
 				const Course course = follow( rope );
 				std::printf( "%3d cells, E %.0e, w %d, %s: at most %.1f m/s, %.2f after 5 s\n", cells, double( youngsModulus ),

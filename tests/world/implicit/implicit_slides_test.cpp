@@ -1,5 +1,5 @@
-// What slides over a soft body that steps implicitly: friction and nothing else brakes it, though its edges pass one node's sphere after
-// another, and though it be light.
+// Objects sliding over an implicit soft body are decelerated by friction alone, although their edges pass one node's sphere after another,
+// and however light they are.
 
 #include "world/test_world.h"
 
@@ -31,8 +31,8 @@ struct Slid
 {
 	double speed = 0.0, wanted = 0.0;    ///< at the end, m/s
 	double fastest = 0.0;                ///< m/s
-	double rose = 0.0;                   ///< how much its height has changed at most, m
-	double passes = 0.0, products = 0.0; ///< a frame
+	double rose = 0.0;                   ///< largest change of its height, m
+	double passes = 0.0, products = 0.0; ///< per frame
 };
 
 btConvexHullShape* hullOf( const btVector3& half )
@@ -47,8 +47,8 @@ btConvexHullShape* hullOf( const btVector3& half )
 	return hull;
 }
 
-/// Over a slab of 40 x 2 x 5 cells of a tenth of a metre on a floor, along x, for half a second or until its end is near. The slider is .2
-/// m high.
+/// Slides along x over a slab of 40 x 2 x 5 cells of a tenth of a metre on a floor, for half a second or until the end is near. The slider
+/// is .2 m high.
 Slid slideOver( const Slider& slider )
 {
 	TestWorld t;
@@ -83,7 +83,7 @@ Slid slideOver( const Slider& slider )
 	return slid;
 }
 
-/// Beside it, what is left where the slab steps explicitly.
+/// Returns the remaining speed if the slab steps explicitly.
 double speedOverExplicit( Slider slider )
 {
 	slider.shape = new btBoxShape( btVector3( 0.2f, 0.1f, 0.2f ) );
@@ -93,7 +93,7 @@ double speedOverExplicit( Slider slider )
 
 void expectTruth( const Slider& slider, const char* name )
 {
-	const bool isBox = slider.shape->getShapeType() == BOX_SHAPE_PROXYTYPE; // the world that it slides in deletes it
+	const bool isBox = slider.shape->getShapeType() == BOX_SHAPE_PROXYTYPE; // the world it slides in deletes it
 	const Slid slid = slideOver( slider );
 	if ( isBox )
 	{
@@ -107,8 +107,8 @@ void expectTruth( const Slider& slider, const char* name )
 	EXPECT_LT( slid.rose, 0.004 );
 }
 
-// It met the next sphere with the slanted plane that its edge has before it is over it: of 1.5 m/s .9 were left after half a second.
-TEST( ImplicitSlides, WithoutFrictionAreNotBrakedByEdgesOfWhatSlides )
+// The edge of the slider must not meet the next sphere with a slanted plane: .9 of 1.5 m/s would remain after half a second.
+TEST( ImplicitSlides, EdgesDoNotBrakeFrictionlessBodies )
 {
 	for ( const float youngsModulus : { 1e5f, 3e5f, 3e6f } )
 	{
@@ -121,8 +121,9 @@ TEST( ImplicitSlides, WithoutFrictionAreNotBrakedByEdgesOfWhatSlides )
 	expectTruth( Slider{ new btCylinderShape( btVector3( 0.2f, 0.1f, 0.2f ) ), 50.0, 0.0, 4.0, 3e6f }, "cylinder" );
 }
 
-// The slab of 400 kg rubs on the floor as well: what the box is rubbed by is nothing beside that, and was up to eight times too much.
-TEST( ImplicitSlides, AreBrakedByFrictionAloneHoweverLight )
+// The slab of 400 kg has friction with the floor as well, beside which the friction on the box is negligible; the box's friction must be
+// accurate all the same.
+TEST( ImplicitSlides, LightBodiesAreBrakedByFrictionAlone )
 {
 	for ( const float youngsModulus : { 1e5f, 3e5f, 3e6f } )
 	{
@@ -137,8 +138,8 @@ TEST( ImplicitSlides, AreBrakedByFrictionAloneHoweverLight )
 	expectTruth( Slider{ hullOf( btVector3( 0.2f, 0.1f, 0.2f ) ), 20.0, 0.2, 4.0, 1e6f }, "hull" );
 }
 
-// Alpha of 1e4 to 5e6: what speeds are off by, times k, is many times the cube's weight. It slid too slowly by 16 to 98 %.
-TEST( ImplicitSlides, DownASlopeDoWhatIsLightStiffAndFine )
+// With alpha of 1e4 to 5e6, the error of the velocities times k could be many times the cube's weight, and the cube would slide too slowly.
+TEST( ImplicitSlides, LightStiffFineCubesFollowTheoryOnASlope )
 {
 	const double slope = 0.25, friction = 0.15, cell = 0.02, wanted = 9.81 * ( std::sin( slope ) - friction * std::cos( slope ) );
 	for ( const float density : { 20.0f, 100.0f, 1000.0f } )
@@ -165,9 +166,8 @@ TEST( ImplicitSlides, DownASlopeDoWhatIsLightStiffAndFine )
 	}
 }
 
-// Where a pass is wild, limits of what has pressed before are kept for a while. Kept for good, those that were too high held the passes
-// wild that kept them: of forty heaps that fell 22 had a substep that ended with the sixtieth. Nor is each pass from the fourth on, of
-// which any might be the last, solved to its end before it is known to be.
+// After an unphysical pass contacts keep their friction limits for a limited number of passes only, because limits that are too high can
+// themselves keep passes unphysical. Passes from the fourth on are solved to full accuracy only once they are known to be the last.
 TEST( ImplicitSlides, HeapsThatFallAreSettledInFewPasses )
 {
 	constexpr int kManyPasses = 6;
@@ -189,8 +189,8 @@ TEST( ImplicitSlides, HeapsThatFallAreSettledInFewPasses )
 		{
 			const btVector3 axis = direction( 1 ).normalized();
 			const btScalar angle = between( 0, 3 ), aside = between( -0.15, 0.15 );
-			const btVector3 place( aside, btScalar( 0.35 + 0.45 * k ), between( -0.15, 0.15 ) );
-			SoftBody* soft = t.addSoft( block( 3, 3, 3, 0.1f ), btTransform( btQuaternion( axis, angle ), place ),
+			const btVector3 position( aside, btScalar( 0.35 + 0.45 * k ), between( -0.15, 0.15 ) );
+			SoftBody* soft = t.addSoft( block( 3, 3, 3, 0.1f ), btTransform( btQuaternion( axis, angle ), position ),
 				test::implicit( float( std::pow( 10.0, double( between( 4, 6 ) ) ) ) ) );
 			soft->setFriction( 1 );
 			soft->setVelocities( btVector3( 0, -4, 0 ), direction( 5 ) );
@@ -208,7 +208,7 @@ TEST( ImplicitSlides, HeapsThatFallAreSettledInFewPasses )
 		"at most %d passes; where there are %d or more, %.1f products each (%.0f passes)\n", most, kManyPasses, products / passes, passes );
 	EXPECT_LE( most, 20 );
 	EXPECT_GT( passes, 100.0 );
-	EXPECT_LT( products / passes, 4.8 ); // 5.4 each solved to its end
+	EXPECT_LT( products / passes, 4.8 ); // 5.4 with every pass solved to full accuracy
 }
 
 } // namespace

@@ -1,5 +1,5 @@
-// Stacks of soft cubes, bare and with rigid boxes between them, at one step of 1/60 s: they stand, sleep, and cost as much as they have
-// cubes. Explicit ones too.
+// Stacks of soft cubes, with or without rigid boxes between them, at one step of 1/60 s: they stand, sleep, and cost in proportion to their
+// number of cubes. Explicit ones too.
 
 #include "support/soft_stacks.h"
 
@@ -16,11 +16,11 @@ struct Stood
 {
 	bool sleeps = false;
 	double sunk = 0.0, aside = 0.0; ///< of the top cube, m
-	/// Of all frames until it sleeps: products and passes times cubes; of explicit ones, contacts times substeps. A pass takes longer than
-	/// a product (its contacts are linearised, what stands in front of the system is summed and factored) and is counted as one;
-	/// `pliant_bench --benchmark_filter=stack` has the milliseconds.
+	/// Over all frames until it sleeps: products and passes times cubes; for explicit stacks, contacts times substeps. A pass takes longer
+	/// than a product (it linearises contacts and factors the preconditioner) and is counted as one; `pliant_bench
+	/// --benchmark_filter=stack` measures milliseconds.
 	double work = 0.0;
-	int frames = 0; ///< until then
+	int frames = 0; ///< until it sleeps
 };
 
 Stood build( const Stack& stack )
@@ -43,7 +43,7 @@ Stood build( const Stack& stack )
 	return stood;
 }
 
-// The cubes' surfaces are spheres, which give way to each other's hollows where friction lets them: 0.01 to 0.05 m a cube.
+// The cubes' surfaces are spheres, which sink into each other's hollows where friction lets them: 0.01 to 0.05 m per cube.
 TEST( ImplicitStacks, OfTwoFourAndEightCubesStandAndSleep )
 {
 	for ( const bool hasBoxes : { false, true } )
@@ -54,7 +54,7 @@ TEST( ImplicitStacks, OfTwoFourAndEightCubesStandAndSleep )
 			{
 				if ( cubes == 8 && hasBoxes && youngsModulus < 1e7f )
 				{
-					continue; // buckles by its own weight (docs/design/implicit.md)
+					continue; // buckles under its own weight (docs/design/implicit.md)
 				}
 				const Stood stood = build( Stack{ cubes, hasBoxes, youngsModulus } );
 				std::printf( "%d cubes%s, E %.0e: sunk by %.3f m, %.3f m aside\n", cubes, hasBoxes ? " and boxes" : "",
@@ -67,8 +67,8 @@ TEST( ImplicitStacks, OfTwoFourAndEightCubesStandAndSleep )
 	}
 }
 
-// At Bullet's own friction too: two surfaces of spheres would slide into each other's hollows, for seconds.
-TEST( ImplicitStacks, OfEightCostAtMostFourTimesWhatFourDo )
+// At Bullet's default friction too: two surfaces of spheres would slide into each other's hollows for seconds.
+TEST( ImplicitStacks, OfEightCostAtMostFourTimesAsMuchAsOfFour )
 {
 	for ( const double friction : { 0.5, 0.8 } )
 	{
@@ -83,7 +83,7 @@ TEST( ImplicitStacks, OfEightCostAtMostFourTimesWhatFourDo )
 					const Stood stood = build( Stack{ cubes, hasBoxes, 4e7f, friction, gap } );
 					cost[k] += stood.work / stood.frames;
 					EXPECT_TRUE( stood.sleeps );
-					// Nothing has slid: what is left are their own weight, and the gaps they fell by.
+					// Nothing has slid: only the compression by their weight and the gaps remain.
 					EXPECT_NEAR( stood.aside, 0.02, 0.01 );
 					EXPECT_LT( stood.sunk, gap * things + 0.002 * cubes );
 					std::printf( "friction %.1f, %d cubes %s: asleep after %d frames, %.1f products and passes a frame, sunk by %.3f m\n",
@@ -96,10 +96,11 @@ TEST( ImplicitStacks, OfEightCostAtMostFourTimesWhatFourDo )
 	}
 }
 
-// At default substeps, as stiff as eight must be to be no Euler column. Surfaces of spheres slide into each other's hollows: .03 m a cube.
+// At default substeps, stiff enough that eight do not buckle as an Euler column. Surfaces of spheres slide into each other's hollows: .03 m
+// per cube.
 TEST( ExplicitStacks, OfFourAndEightCubesStandAndSleep )
 {
-	const auto stand = []( const Stack& stack ) {
+	const auto expectStands = []( const Stack& stack ) {
 		const Stood stood = build( stack );
 		EXPECT_TRUE( stood.sleeps ) << stack.cubes;
 		EXPECT_NEAR( stood.aside, 0.02, 0.06 ) << stack.cubes;
@@ -108,10 +109,10 @@ TEST( ExplicitStacks, OfFourAndEightCubesStandAndSleep )
 			stack.hasBoxes ? " and boxes" : "", stood.frames, stood.work / stood.frames, stood.sunk );
 		return stood.work / stood.frames;
 	};
-	stand( Stack{ 2, true, 4e7f, 0.5, 0.01, Elasticity::Explicit } );
-	stand( Stack{ 4, true, 4e7f, 0.5, 0.01, Elasticity::Explicit } );
-	const double four = stand( Stack{ 4, false, 4e7f, 0.5, 0.01, Elasticity::Explicit } ),
-				 eight = stand( Stack{ 8, false, 4e7f, 0.5, 0.01, Elasticity::Explicit } );
+	expectStands( Stack{ 2, true, 4e7f, 0.5, 0.01, Elasticity::Explicit } );
+	expectStands( Stack{ 4, true, 4e7f, 0.5, 0.01, Elasticity::Explicit } );
+	const double four = expectStands( Stack{ 4, false, 4e7f, 0.5, 0.01, Elasticity::Explicit } ),
+				 eight = expectStands( Stack{ 8, false, 4e7f, 0.5, 0.01, Elasticity::Explicit } );
 	std::printf( "contacts and substeps a frame, eight over four %.2f\n", eight / four );
 	EXPECT_LT( eight, 4.0 * four );
 }

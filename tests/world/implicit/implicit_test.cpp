@@ -1,4 +1,4 @@
-// Elasticity::Implicit: heavy things on soft ones, slopes, stacks and collisions at the game's own step.
+// Elasticity::Implicit: heavy loads on soft bodies, slopes, stacks and collisions at the game's own step.
 
 #include "world/test_world.h"
 
@@ -17,7 +17,7 @@ using test::implicit;
 using test::kGravity;
 using test::TestWorld;
 
-/// Mean height of a layer of a cube of 6 cells: nodes come in the order of z, then y, then x.
+/// Returns the mean height of a layer of a cube of 6 cells; nodes are ordered by z, then y, then x.
 double layer( const SoftBody& cube, int y )
 {
 	double sum = 0.0;
@@ -35,7 +35,7 @@ struct Loaded
 	int substeps = 0;
 };
 
-/// A box `ratio` times as heavy as a cube of 216 kg lies on it; the modulus lets it sink in by a tenth.
+/// A box `ratio` times as heavy rests on a cube of 216 kg; the modulus allows a compression of a tenth.
 Loaded load( double ratio, int halfWidth )
 {
 	TestWorld t;
@@ -50,7 +50,7 @@ Loaded load( double ratio, int halfWidth )
 		loaded.substeps = std::max( loaded.substeps, t.world.stepReport().substeps );
 		loaded.speed = frame == 300 ? double( box->getLinearVelocity().length() ) : loaded.speed;
 	}
-	// Between the layers' middles: the box and the layers above.
+	// Between the layers' centres: the box and the layers above.
 	for ( int k = 0; k < 5; ++k )
 	{
 		loaded.theory += 0.1 * ( ratio + ( 5.0 - k ) / 6.0 ) * weight / area / modulus;
@@ -73,7 +73,7 @@ Loaded load( double ratio, int halfWidth )
 class ImplicitWidth : public testing::TestWithParam<int>
 {};
 
-TEST_P( ImplicitWidth, BearsABoxOfAnyWeightAsElasticityTellsAndSleeps )
+TEST_P( ImplicitWidth, CarriesABoxOfAnyMassByTheoryAndSleeps )
 {
 	for ( const double ratio : { 1.0, 10.0, 100.0, 1000.0 } )
 	{
@@ -93,7 +93,7 @@ TEST_P( ImplicitWidth, BearsABoxOfAnyWeightAsElasticityTellsAndSleeps )
 
 INSTANTIATE_TEST_SUITE_P( OneAndTwo, ImplicitWidth, testing::Values( 1, 2 ) );
 
-/// Acceleration down a slope of 20 degrees over the third and fourth second, m/s^2.
+/// Returns the acceleration down a slope of 20 degrees over the third and fourth second, m/s^2.
 double slide( double friction, float youngsModulus )
 {
 	TestWorld t;
@@ -185,7 +185,7 @@ Sums sumsOf( const TestWorld& t )
 	return sums;
 }
 
-TEST( Implicit, CollisionsKeepMomentumAndBringNoEnergy )
+TEST( Implicit, CollisionsKeepMomentumAndAddNoEnergy )
 {
 	for ( const double ratio : { 0.1, 5.0, 0.0 } )
 	{
@@ -219,12 +219,12 @@ TEST( Implicit, CollisionsKeepMomentumAndBringNoEnergy )
 			EXPECT_LT( ( after.momentum - before.momentum ).norm() / before.momentum.norm(), 1e-5 ) << ratio;
 			EXPECT_LT( ( after.spin - before.spin ).norm() / before.spin.norm(), 1e-4 ) << ratio;
 			EXPECT_LE( most, before.energy * 1.0001 ) << ratio;
-			EXPECT_LT( after.energy, 0.999 * before.energy ) << ratio; // they did meet
+			EXPECT_LT( after.energy, 0.999 * before.energy ) << ratio; // they did touch
 		}
 	}
 }
 
-TEST( Implicit, ContactPointsTellTheImpulsesThatWereFound )
+TEST( Implicit, ContactPointsHoldTheSolvedImpulses )
 {
 	TestWorld t;
 	t.addPlane();
@@ -235,7 +235,7 @@ TEST( Implicit, ContactPointsTellTheImpulsesThatWereFound )
 	for ( int m = 0; m < t.parts.dispatcher.getNumManifolds(); ++m )
 	{
 		const btPersistentManifold& manifold = *t.parts.dispatcher.getManifoldByIndexInternal( m );
-		EXPECT_GT( manifold.getContactProcessingThreshold(), 0 ); // Bullet sees it again
+		EXPECT_GT( manifold.getContactProcessingThreshold(), 0 ); // visible to Bullet again
 		for ( int k = 0; k < manifold.getNumContacts(); ++k )
 		{
 			sum += double( manifold.getContactPoint( k ).m_appliedImpulse );
@@ -244,8 +244,8 @@ TEST( Implicit, ContactPointsTellTheImpulsesThatWereFound )
 	EXPECT_NEAR( sum / ( 216.0 * kGravity / 60.0 ), 1.0, 5e-3 );
 }
 
-// Fast, it is met before it touches; that must close the gap and not keep it open.
-TEST( Implicit, WhatFallsComesDownToTouch )
+// A fast body is met before it touches; the contact must close the gap and not keep it open.
+TEST( Implicit, FallingBodiesCloseTheGap )
 {
 	TestWorld t;
 	t.addFloor();
@@ -256,7 +256,7 @@ TEST( Implicit, WhatFallsComesDownToTouch )
 	EXPECT_NEAR( box->getWorldTransform().getOrigin().y() - 0.1 - layer( *cube, 5 ) - cube->nodeRadius( 0 ), 0, 2e-4 );
 }
 
-TEST( Implicit, BouncesAsRestitutionAsks )
+TEST( Implicit, BouncesByRestitution )
 {
 	const auto highest = []( btScalar restitution ) {
 		TestWorld t;
@@ -283,7 +283,7 @@ TEST( Implicit, HoldsPinnedNodesAndBodiesThatStepExplicitly )
 {
 	TestWorld t;
 	t.addFloor();
-	// A shelf held at one end, a soft explicit cube on it.
+	// A shelf held at one end, with a soft explicit cube on it.
 	SoftBody* shelf = t.addSoft( block( 12, 2, 4, 0.1f ), at( 0, 1, 0 ), implicit( 2e8f ) );
 	EXPECT_EQ( shelf->pinNodesInside( btVector3( -1, 0, -1 ), btVector3( btScalar( -0.5 ), 2, 1 ) ), 8 );
 	SoftBody* cube = t.addSoft( block( 3, 3, 3, 0.1f ), at( btScalar( 0.2 ), btScalar( 1.26 ), 0 ), test::stiff( 5e4f ) );
@@ -294,9 +294,8 @@ TEST( Implicit, HoldsPinnedNodesAndBodiesThatStepExplicitly )
 	EXPECT_LT( cube->linearVelocity().length(), btScalar( 0.02 ) );
 }
 
-// A body that had fallen asleep kept its place in a system that was another island's by then: its contacts were written there, and past the
-// end.
-TEST( Implicit, ABodyThatSleepsHasNoPartInAnotherIsland )
+// A body that has fallen asleep must not keep its index in a system that belongs to another island.
+TEST( Implicit, ASleepingBodyTakesNoPartInAnotherIsland )
 {
 	std::vector<Vec3> positions[2];
 	for ( const bool isThere : { false, true } )
@@ -323,7 +322,7 @@ TEST( Implicit, ABodyThatSleepsHasNoPartInAnotherIsland )
 			positions[isThere ? 1 : 0].push_back( waking->impl().body->nodes().x.get( i ) );
 		}
 	}
-	float apart = 0.0f; // what is removed changes the order of Bullet's manifolds, and so the last bits
+	float apart = 0.0f; // removal changes the order of Bullet's manifolds, and so the last bits
 	for ( std::size_t i = 0; i < positions[0].size(); ++i )
 	{
 		apart = std::max( apart, ( positions[0][i] - positions[1][i] ).norm() );

@@ -1,5 +1,4 @@
-// Rigid boxes stacked on one soft body, at one step of 1/60 s: they stand and sleep, whether the body is told to step implicitly or finds
-// that it must.
+// Rigid boxes stacked on one soft body, at one step of 1/60 s: they stand and sleep, with an implicit body and with an automatic one.
 
 #include "world/test_world.h"
 
@@ -21,10 +20,10 @@ struct Storey
 {
 	double mass;         ///< kg
 	btVector3 half;      ///< m
-	double x = 0, z = 0; ///< beside the middle, m
+	double x = 0, z = 0; ///< offset from the centre, m
 };
 
-/// The modulus at which a cube of that edge would tip under the storeys: c q sin q L = cos q L, q^2 = W / E I
+/// Returns the modulus at which a cube of that edge would tip under the storeys: c q sin q L = cos q L, q^2 = W / E I
 /// (docs/design/implicit.md, Leaning).
 double tippingModulus( const std::vector<Storey>& storeys )
 {
@@ -46,7 +45,7 @@ double tippingModulus( const std::vector<Storey>& storeys )
 	return weight / ( inertia * low * low );
 }
 
-/// Six seconds after it was put down.
+/// Expects the tower to stand six seconds after it was put down.
 void expectStands( const std::vector<Storey>& storeys, double density, double youngsModulus, Elasticity elasticity, const char* what )
 {
 	TestWorld t;
@@ -74,13 +73,13 @@ void expectStands( const std::vector<Storey>& storeys, double density, double yo
 	double lean = 0.0;
 	for ( std::size_t k = 0; k < boxes.size(); ++k )
 	{
-		const btTransform& place = boxes[k]->getWorldTransform();
-		lean = std::max( lean, double( btAcos( btMin( btScalar( 1 ), place.getBasis()[1].y() ) ) ) * 180.0 / SIMD_PI );
+		const btTransform& transform = boxes[k]->getWorldTransform();
+		lean = std::max( lean, double( btAcos( btMin( btScalar( 1 ), transform.getBasis()[1].y() ) ) ) * 180.0 / SIMD_PI );
 		EXPECT_EQ( boxes[k]->getActivationState(), ISLAND_SLEEPING ) << what << ", box " << k;
 		if ( k > 0 )
 		{
-			// Of the storey below nothing but its height: neither sunk in nor gone aside.
-			const btVector3 up = boxes[k - 1]->getWorldTransform().invXform( place.getOrigin() );
+			// Relative to the storey below only the height differs: neither sunk in nor moved sideways.
+			const btVector3 up = boxes[k - 1]->getWorldTransform().invXform( transform.getOrigin() );
 			EXPECT_NEAR( up.y(), storeys[k].half.y() + storeys[k - 1].half.y(), 2e-3 ) << what << ", box " << k;
 			EXPECT_NEAR( up.x(), storeys[k].x - storeys[k - 1].x, 5e-3 ) << what << ", box " << k;
 			EXPECT_NEAR( up.z(), storeys[k].z - storeys[k - 1].z, 5e-3 ) << what << ", box " << k;

@@ -17,7 +17,7 @@ inline Adaptivity levels( int count )
 	return settings;
 }
 
-/// Splits or merges octree nodes in the place of the world, between two steps.
+/// Splits or merges octree nodes as the world does between two steps.
 inline void changeLevels( SoftBody& soft, const std::vector<std::uint32_t>& split, const std::vector<std::uint32_t>& merge )
 {
 	SoftBody::Impl& impl = soft.impl();

@@ -19,10 +19,9 @@ using test::levels;
 using test::stiff;
 using test::TestWorld;
 
-/// A stiff block of big nodes fell on a corner and split when its balls had touched: the cells at the corners, which no ball had stood for,
-/// were born inside the floor, and Bullet shot them out at depth erp / h, with fifteen substeps at metres a second. It flew up to five
-/// times as high as it had come from.
-TEST( AdaptiveImpact, WhatSplitsOnTheFloorIsNotShotUp )
+/// A stiff block of big nodes falls on a corner. If it split only when its spheres touch, the cells at the corners would appear inside the
+/// floor, and Bullet would push them out at depth erp / h, many metres a second in small substeps.
+TEST( AdaptiveImpact, NodesSplitOnTheFloorAreNotShotUp )
 {
 	const btQuaternion onCorner( btVector3( 1, 0, -1 ).normalized(), btScalar( 0.9 ) );
 	for ( const float modulus : { 1e7f, 1e8f } )
@@ -35,7 +34,7 @@ TEST( AdaptiveImpact, WhatSplitsOnTheFloorIsNotShotUp )
 			block( 8, 8, 8, 0.1f ), btTransform( onCorner, btVector3( 0, btScalar( 1.2 ), 0 ) ), stiff( modulus ), settings );
 		const btScalar start = soft->massCentre().y(), gravity = -test.world.getGravity().y();
 		int splits = 0;
-		btScalar highest = 0; // m, by what it has of energy
+		btScalar highest = 0; // m, from its energy
 		for ( int frame = 0; frame < 90; ++frame )
 		{
 			test.run( 1 );
@@ -66,14 +65,14 @@ struct Impact
 {
 	Ground ground;
 	float modulus; // Pa
-	int cells;     // of the block's edge: 6 leaves nodes of level 2 half empty
-	bool byStrain; // what splits is what is strained; else what nears the ground
+	int cells;     // along the block's edge: 6 leaves nodes of level 2 half empty
+	bool byStrain; // nodes split by strain; otherwise near the ground
 	Elasticity elasticity = Elasticity::Explicit;
 	btScalar speed = btScalar( 1.2 ); // m/s
 	int levels = 2;
 };
 
-/// The most that all bodies' energy of motion comes to, as a share of what a block came with: tilted, no weight, nothing damps it.
+/// Returns the maximum kinetic energy of all bodies as a ratio to the initial one: a rotated block without gravity and damping.
 double mostEnergy( const Impact& impact, const btQuaternion& turn, int& splits )
 {
 	TestWorld test;
@@ -116,17 +115,16 @@ double mostEnergy( const Impact& impact, const btQuaternion& turn, int& splits )
 	return most;
 }
 
-/// Some turns, as good as any.
-btQuaternion turnOf( int k )
+/// Arbitrary rotations.
+btQuaternion rotationOf( int k )
 {
 	return btQuaternion(
 		btVector3( std::cos( btScalar( k ) ), btScalar( 0.4 ), std::sin( btScalar( 2 * k ) ) ).normalized(), btScalar( 0.3 + 0.5 * k ) );
 }
 
-/// The balls of big nodes leave out their cubes' corners, and the nodes there, new in the world, stood in what the big ones had touched.
-/// Bullet pushed them out of it within some substeps. A stiff block came back off a floor with many times the energy that it had come with,
-/// and off a soft body, which nodes do not see coming as they see a floor, with more than thirty times as much.
-TEST( AdaptiveImpact, BringsNoEnergyIn )
+/// The spheres of big nodes leave out their cubes' corners, so nodes that appear there are inside the touched object. Pushed out within a
+/// few substeps they would add many times the initial energy, most of all on soft bodies, whose nodes are not predicted.
+TEST( AdaptiveImpact, AddsNoEnergy )
 {
 	const Impact impacts[] = { { Ground::Floor, 1e8f, 6, false }, { Ground::Floor, 3e6f, 8, true, Elasticity::Explicit, 4 },
 		{ Ground::Box, 1e8f, 6, false }, { Ground::Soft, 1e7f, 8, false }, { Ground::Soft, 1e8f, 6, false },
@@ -139,7 +137,7 @@ TEST( AdaptiveImpact, BringsNoEnergyIn )
 		int splits = 0;
 		for ( int k = 0; k < 10; ++k )
 		{
-			most = std::max( most, mostEnergy( impact, turnOf( k ), splits ) );
+			most = std::max( most, mostEnergy( impact, rotationOf( k ), splits ) );
 		}
 		EXPECT_GT( splits, 0 );
 		EXPECT_LT( most, 1.001 ) << "ground " << int( impact.ground ) << ", E " << impact.modulus
@@ -149,9 +147,9 @@ TEST( AdaptiveImpact, BringsNoEnergyIn )
 	}
 }
 
-/// What it touched at first, by a corner, had split before; then the corners beside it came near the floor, where the block stood still for
-/// a moment and held all that it had come with: the nodes there split, and held up to 13 % more.
-TEST( AdaptiveImpact, WhatIsPressedTogetherWaits )
+/// After the first corner has touched and split, the neighbouring corners come near the floor at the turning point, where the block stores
+/// all of its energy. Splitting their nodes there would add up to 13 %.
+TEST( AdaptiveImpact, CompressedNodesAreNotSplit )
 {
 	const btQuaternion onCorner( btVector3( 1, 0, -1 ).normalized(), btScalar( 0.9 ) );
 	for ( const float modulus : { 3e6f, 1e7f } )
@@ -167,8 +165,8 @@ TEST( AdaptiveImpact, WhatIsPressedTogetherWaits )
 	}
 }
 
-/// What stands in something and may go on doing so must not stay there: it would lie sunk into the floor, or be kept awake by it.
-TEST( AdaptiveImpact, WhatIsBornInTheFloorComesOutOfIt )
+/// A node with an allowance must come out eventually: otherwise the body would rest sunk into the floor, or be kept awake by it.
+TEST( AdaptiveImpact, NodesCreatedInTheFloorComeOut )
 {
 	for ( const Elasticity elasticity : { Elasticity::Explicit, Elasticity::Implicit } )
 	{
@@ -182,7 +180,7 @@ TEST( AdaptiveImpact, WhatIsBornInTheFloorComesOutOfIt )
 			settings.refinesOnContact = k % 2 == 1;
 			settings.refineStrain = k % 2 == 1 ? 0.0f : 0.03f;
 			SoftBody* const soft = test.addSoft(
-				block( 6, 6, 6, 0.1f ), btTransform( turnOf( k ), btVector3( 0, 1, 0 ) ), material, settings );
+				block( 6, 6, 6, 0.1f ), btTransform( rotationOf( k ), btVector3( 0, 1, 0 ) ), material, settings );
 			btScalar deepest = 0; // m
 			const auto depth = [soft] {
 				btScalar most = 0;
@@ -205,37 +203,37 @@ TEST( AdaptiveImpact, WhatIsBornInTheFloorComesOutOfIt )
 	}
 }
 
-TEST( PenetrationAllowance, MayStandAsDeepAsAtFirstAndNoDeeper )
+TEST( PenetrationAllowance, IsTheInitialDepthAndNeverGrows )
 {
 	const std::uint32_t gone = std::numeric_limits<std::uint32_t>::max();
-	PenetrationAllowance born;
-	EXPECT_FALSE( born.isAny() );
-	EXPECT_EQ( born.allowedDepth( 0, 1.0 ), 0.0 );
-	// Of three nodes the middle one gave way to two.
-	born.follow( { 0, gone, 3 }, 4 );
-	ASSERT_TRUE( born.isAny() );
-	EXPECT_EQ( born.allowedDepth( 0, 0.5 ), 0.0 ); // who was there has none
-	EXPECT_EQ( born.allowedDepth( 1, 0.25 ), 0.25 );
-	EXPECT_EQ( born.allowedDepth( 1, 0.5 ), 0.5 ); // the deepest of what it stands in
-	born.endPhase( 0.0 );
-	EXPECT_EQ( born.allowedDepth( 2, 0.5 ), 0.0 ) << "stood in nothing";
-	EXPECT_EQ( born.allowedDepth( 1, 2.0 ), 0.5 ) << "no deeper";
-	born.endPhase( 0.0 );
-	EXPECT_EQ( born.allowedDepth( 1, 0.25 ), 0.25 ) << "on its way out";
-	born.endPhase( 0.0 );
-	EXPECT_EQ( born.allowedDepth( 1, 0.5 ), 0.25 ) << "and not back";
-	born.endPhase( 0.125 );
-	EXPECT_EQ( born.allowedDepth( 1, 0.5 ), 0.125 ) << "let out";
+	PenetrationAllowance allowance;
+	EXPECT_FALSE( allowance.isAny() );
+	EXPECT_EQ( allowance.allowedDepth( 0, 1.0 ), 0.0 );
+	// Of three nodes the middle one was split into two.
+	allowance.follow( { 0, gone, 3 }, 4 );
+	ASSERT_TRUE( allowance.isAny() );
+	EXPECT_EQ( allowance.allowedDepth( 0, 0.5 ), 0.0 ); // existing nodes have no allowance
+	EXPECT_EQ( allowance.allowedDepth( 1, 0.25 ), 0.25 );
+	EXPECT_EQ( allowance.allowedDepth( 1, 0.5 ), 0.5 ); // the deepest of its penetrations
+	allowance.endPhase( 0.0 );
+	EXPECT_EQ( allowance.allowedDepth( 2, 0.5 ), 0.0 ) << "was never inside";
+	EXPECT_EQ( allowance.allowedDepth( 1, 2.0 ), 0.5 ) << "no deeper";
+	allowance.endPhase( 0.0 );
+	EXPECT_EQ( allowance.allowedDepth( 1, 0.25 ), 0.25 ) << "coming out";
+	allowance.endPhase( 0.0 );
+	EXPECT_EQ( allowance.allowedDepth( 1, 0.5 ), 0.25 ) << "not back in";
+	allowance.endPhase( 0.125 );
+	EXPECT_EQ( allowance.allowedDepth( 1, 0.5 ), 0.125 ) << "reduced over time";
 
-	// Other numbers, of a change and of a piece.
-	born.follow( { gone, 0, gone, gone }, 2 );
-	EXPECT_EQ( born.allowedDepth( 0, 0.5 ), 0.125 );
-	EXPECT_EQ( born.allowedDepth( 1, 0.5 ), 0.5 ) << "new";
-	born.endPhase( 0.0 );
-	PenetrationAllowance piece = PenetrationAllowance::of( born, { 1 } );
+	// Renumbered by a change of levels and by fracture.
+	allowance.follow( { gone, 0, gone, gone }, 2 );
+	EXPECT_EQ( allowance.allowedDepth( 0, 0.5 ), 0.125 );
+	EXPECT_EQ( allowance.allowedDepth( 1, 0.5 ), 0.5 ) << "new";
+	allowance.endPhase( 0.0 );
+	PenetrationAllowance piece = PenetrationAllowance::of( allowance, { 1 } );
 	EXPECT_EQ( piece.allowedDepth( 0, 1.0 ), 0.5 );
 	piece.endPhase( 1.0 );
-	EXPECT_FALSE( piece.isAny() ) << "is out";
+	EXPECT_FALSE( piece.isAny() ) << "has come out";
 	EXPECT_FALSE( PenetrationAllowance::of( piece, { 0 } ).isAny() );
 }
 

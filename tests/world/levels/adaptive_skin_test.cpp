@@ -16,7 +16,7 @@ using test::levels;
 using test::stiff;
 using test::TestWorld;
 
-/// A block with a vertex at each corner of each cell of its surface.
+/// A block with a vertex at each corner of each surface cell.
 std::shared_ptr<const BodyTemplate> gridBlock( const Eigen::Vector3i& cells, float cell )
 {
 	std::vector<float> points;
@@ -87,7 +87,8 @@ struct Beam
 			now.push_back( Vec3( p[0], p[1], p[2] ) + toVec3( view.origin ) );
 		}
 	}
-	/// Largest difference between a vertex's way in the last frame and its way in the other beam, as a share of the diagonal.
+	/// Returns the largest difference of a vertex's displacement in the last frame from that in the other beam, as a fraction of the
+	/// diagonal.
 	float jump( const Beam& other ) const
 	{
 		float largest = 0.0f;
@@ -122,7 +123,7 @@ TEST( AdaptiveSkin, LoadedBeamChangesLevelsWithoutAJump )
 		changing.step();
 	}
 	std::vector<std::vector<std::uint32_t>> splits;
-	// What gravity has done on the way down: the measure for energies.
+	// The work of gravity: the scale for energies.
 	const double work = -5.0 * double( changing.soft->mass() * changing.soft->massCentre().y() );
 	float worst = 0.0f, deepest = 0.0f;
 	double momentum = 0.0, energy = 0.0;
@@ -163,7 +164,7 @@ TEST( AdaptiveSkin, LoadedBeamChangesLevelsWithoutAJump )
 	EXPECT_LT( energy, 0.01 );
 }
 
-/// A bar that was pulled to 1.3 of its length, flowed, and was let go.
+/// A bar that was pulled to 1.3 of its length, flowed plastically, and was released.
 TestWorld& pullPlasticBar( TestWorld& test, int coarseLevels )
 {
 	test.world.setGravity( btVector3( 0, 0, 0 ) );
@@ -200,7 +201,7 @@ TEST( PlasticSkin, ReachesTheEndsOfABarThatWasPulled )
 		const SoftBody& soft = *pullPlasticBar( test, coarseLevels ).soft.front();
 		const NodeState& nodes = soft.impl().body->nodes();
 		ASSERT_TRUE( soft.impl().body->hasFlowed() );
-		// The set next to the ends, by which half a cell there is longer than at rest.
+		// The permanent set next to the ends, by which half a cell there is longer than at rest.
 		float inner[2] = { 0, 0 }, outer[2] = { 0, 0 };
 		for ( int i = 0; i < nodes.count; ++i )
 		{

@@ -1,4 +1,4 @@
-// Bodies with levels of detail in a world: what they rest on and carry, and that everything follows when nodes are split and merged.
+// Bodies with levels of detail in a world: resting and carrying loads, and the update of references when nodes are split and merged.
 
 #include "world/bodies/soft_body_impl.h"
 #include "world/levels/adaptive_bodies.h"
@@ -28,7 +28,7 @@ btScalar lowestPoint( const SoftBody& body )
 	return low;
 }
 
-TEST( Adaptive, UniformBodiesHaveOneLevelAndAskForNothing )
+TEST( Adaptive, UniformBodiesHaveOneLevelAndRequestNoChanges )
 {
 	TestWorld test;
 	SoftBody* soft = test.addSoft( block( 3, 3, 3, 0.2f ), at( 0, 1, 0 ) );
@@ -46,7 +46,7 @@ TEST( Adaptive, UniformBodiesHaveOneLevelAndAskForNothing )
 
 TEST( Adaptive, BlockRestsAndCarriesAtTheHeightOfTheUniformOne )
 {
-	// Blocks of full nodes, and of slabs, which fill half of their nodes only.
+	// Blocks of full nodes, and of slabs, which fill only half of their nodes.
 	for ( const int height : { 8, 2 } )
 	{
 		btScalar low[2], top[2];
@@ -68,7 +68,7 @@ TEST( Adaptive, BlockRestsAndCarriesAtTheHeightOfTheUniformOne )
 	}
 }
 
-TEST( Adaptive, ContactRefinesWhereItIsAndMergesBackWhenItIsGone )
+TEST( Adaptive, ContactRefinesLocallyAndMergesAfterwards )
 {
 	TestWorld test;
 	btRigidBody* floor = test.addFloor();
@@ -107,7 +107,7 @@ TEST( Adaptive, SmallThingsDoNotFallBetweenBigNodes )
 		settings.refinesOnContact = refines;
 		SoftBody* soft = test.addSoft( block( 8, 8, 8, 0.1f ), at( 0, btScalar( 0.4 ), 0 ), stiff( 4e5f ), settings );
 		test.run( 10 );
-		// Right above where four big spheres leave a channel down to the floor.
+		// Right above the channel between four big spheres down to the floor.
 		btRigidBody* ball = test.add( 1, new btSphereShape( btScalar( 0.07 ) ), at( 0, 1, 0 ) );
 		ball->setActivationState( DISABLE_DEACTIVATION );
 		test.run( 120 );
@@ -143,7 +143,7 @@ TEST( Adaptive, ContactsOfNodesThatStayKeepTheirImpulses )
 	const int contacts = test.world.stepReport().softContacts, age = oldest();
 	ASSERT_EQ( contacts, 4 );
 	const btScalar restsAt = soft->massCentre().y();
-	// The upper half splits, and a corner that stands on the floor.
+	// The upper half splits, and a corner on the floor.
 	const auto isHigh = []( const SoftBody& s, int i ) { return s.nodePosition( i ).y() > btScalar( 0.8 ) || i == 0; };
 	changeLevels( *soft, coarseNodes( *soft, isHigh ), {} );
 	EXPECT_TRUE( SoftBody::upcast( test.parts.dispatcher.getManifoldByIndexInternal( 0 )->getBody0() ) == soft ||
@@ -164,7 +164,7 @@ TEST( Adaptive, ContactsOfNodesThatStayKeepTheirImpulses )
 	EXPECT_NEAR( soft->massCentre().y(), restsAt, 0.01 );
 }
 
-TEST( Adaptive, SpheresAreThoseOfABodyMadeThisWay )
+TEST( Adaptive, SpheresEqualThoseOfANewBodyWithTheSameLevels )
 {
 	TestWorld test;
 	SoftBody* soft = test.addSoft( block( 10, 12, 8, 0.1f ), at( 0, 1, 0 ), stiff( 1e5f ), levels( 2 ) );
@@ -204,14 +204,14 @@ TEST( Adaptive, SpheresAreThoseOfABodyMadeThisWay )
 				EXPECT_LT( ( sphere - soft->nodePosition( i ) ).length(), 1e-5 );
 				for ( const btDbvtNode* node = shape.getChildList()[child].m_node; node->parent; node = node->parent )
 				{
-					EXPECT_TRUE( node->parent->volume.Contain( node->volume ) ); // parts stand out of the sphere they were one of
+					EXPECT_TRUE( node->parent->volume.Contain( node->volume ) ); // children protrude from their parent's sphere
 				}
 			}
 		}
 	}
 }
 
-/// A post of four big nodes, the one at the top pinned, the one at the bottom carried by a rigid body.
+/// A post of four big nodes, the top one pinned, the bottom one attached to a rigid body.
 struct HeldPost
 {
 	TestWorld test;
@@ -268,8 +268,8 @@ TEST( Adaptive, PinsFollowTheirNodes )
 	}
 }
 
-// What was pinned as one node is one again as soon as nothing asks for its parts, and is held as it was.
-TEST( Adaptive, WhatWasPinnedAsOneIsMergedAgain )
+// A node that was pinned as a whole is merged again when its children are no longer requested, with the same pin.
+TEST( Adaptive, NodesPinnedAsOneAreMergedAgain )
 {
 	HeldPost post;
 	SoftBody* const soft = post.soft;
@@ -286,8 +286,8 @@ TEST( Adaptive, WhatWasPinnedAsOneIsMergedAgain )
 	EXPECT_EQ( soft->nodePosition( held ), top );
 }
 
-// But not where one of its parts was let go of since, or pinned by itself: a pin holds one node, and no more.
-TEST( Adaptive, WhatIsPinnedInPartsStaysInParts )
+// But not where one of the children was released since, or pinned by itself: a pin holds one node only.
+TEST( Adaptive, NodesPinnedInPartsAreNotMerged )
 {
 	HeldPost post;
 	SoftBody* const soft = post.soft;
@@ -305,7 +305,7 @@ TEST( Adaptive, WhatIsPinnedInPartsStaysInParts )
 	{}
 	post.test.run( 30 );
 	EXPECT_EQ( soft->nodeCount(), 4 );
-	EXPECT_LT( soft->massCentre().y(), 1.9 ) << "what is released falls";
+	EXPECT_LT( soft->massCentre().y(), 1.9 ) << "released nodes fall";
 }
 
 TEST( Adaptive, ViewDistanceMergesAndSplitsAgain )
@@ -329,7 +329,7 @@ TEST( Adaptive, ViewDistanceMergesAndSplitsAgain )
 	EXPECT_GT( soft->nodeCount(), near );
 }
 
-/// Positions to the last bit of a heap of bodies that split and merge, after a second.
+/// Returns bit-exact positions of a heap of bodies that split and merge, after a second.
 std::vector<float> heap( int threads )
 {
 	TestWorld test;
@@ -367,7 +367,7 @@ TEST( Adaptive, SameBitsOnAnyNumberOfThreads )
 	EXPECT_EQ( heap( 4 ), one );
 }
 
-TEST( Adaptive, QuarantineAndResetOnWhateverLevels )
+TEST( Adaptive, QuarantineAndResetWorkOnAllLevels )
 {
 	TestWorld test;
 	test.addFloor();

@@ -1,4 +1,4 @@
-// Spatial hashing finds the pairs that asking all of them finds.
+// Spatial hashing finds the same pairs as a test of all pairs.
 
 #include "world/self/close_pairs.h"
 
@@ -13,7 +13,7 @@ namespace {
 
 using Spheres = std::vector<ClosePairs::Sphere>;
 
-/// Rows of what is held together, both ways.
+/// Adjacency rows of connected spheres, in both directions.
 struct Rows
 {
 	std::vector<std::uint32_t> start, to;
@@ -68,22 +68,22 @@ std::vector<std::uint64_t> allClose( const Spheres& spheres, float slop, float m
 	return pairs;
 }
 
-/// `sizes` of spheres, each half of the one before, in a box of those edges.
+/// Spheres of `sizes` radii, each half of the one before, in a box with the given edges.
 Spheres someSpheres( std::mt19937& random, int count, int sizes, const Vec3& box )
 {
 	std::uniform_real_distribution<float> any( -0.5f, 0.5f );
 	Spheres spheres;
 	for ( int i = 0; i < count; ++i )
 	{
-		const Vec3 place( any( random ), any( random ), any( random ) );
+		const Vec3 position( any( random ), any( random ), any( random ) );
 		const float full = std::ldexp( 0.1f, -int( random() % unsigned( sizes ) ) );
-		spheres.push_back( { place.cwiseProduct( box ), full * ( 1.0f - 0.4f * std::abs( any( random ) ) ), std::uint32_t( 3 * i ) } );
+		spheres.push_back( { position.cwiseProduct( box ), full * ( 1.0f - 0.4f * std::abs( any( random ) ) ), std::uint32_t( 3 * i ) } );
 	}
 	std::shuffle( spheres.begin(), spheres.end(), random );
 	return spheres;
 }
 
-TEST( ClosePairs, AreThoseOfAskingAll )
+TEST( ClosePairs, EqualTheTestOfAllPairs )
 {
 	std::mt19937 random( 7 );
 	ClosePairs finder;
@@ -102,7 +102,7 @@ TEST( ClosePairs, AreThoseOfAskingAll )
 	EXPECT_GT( found, 5000u );
 }
 
-TEST( ClosePairs, LeaveOutWhatIsHeldTogether )
+TEST( ClosePairs, ExcludeConnectedPairs )
 {
 	std::mt19937 random( 9 );
 	ClosePairs finder;
@@ -110,7 +110,7 @@ TEST( ClosePairs, LeaveOutWhatIsHeldTogether )
 	for ( int round = 0; round < 30; ++round )
 	{
 		const Spheres spheres = someSpheres( random, 300, 1 + round % 3, Vec3( 1.5f, 1.5f, 1.5f ) );
-		const Rows rows = someRows( random, 900 ); // numbers go in threes
+		const Rows rows = someRows( random, 900 ); // indices in groups of three
 		std::vector<std::uint64_t> expected;
 		for ( const std::uint64_t pair : allClose( spheres, 0.04f, 0.03f ) )
 		{
@@ -132,7 +132,7 @@ TEST( ClosePairs, LeaveOutWhatIsHeldTogether )
 	EXPECT_GT( heldBack, 100u );
 }
 
-TEST( ClosePairs, OfSomeAreThoseOfAllThatHaveOneOfThem )
+TEST( ClosePairs, OfASubsetAreThePairsThatContainItsMembers )
 {
 	std::mt19937 random( 10 );
 	ClosePairs finder;
@@ -157,11 +157,11 @@ TEST( ClosePairs, OfSomeAreThoseOfAllThatHaveOneOfThem )
 	EXPECT_GT( found, 1000u );
 }
 
-/// One has flown off farther than there are numbers for cells: the others' grid still holds.
-TEST( ClosePairs, AreFoundBesideOneThatHasFlownOff )
+/// One sphere has flown beyond the range of cell indices; the others' grid remains valid.
+TEST( ClosePairs, AreFoundDespiteADistantSphere )
 {
 	std::mt19937 random( 8 );
-	for ( const float radius : { 0.1f, 0.4f } ) // in the others' grid, and in its own
+	for ( const float radius : { 0.1f, 0.4f } ) // in the others' grid, and in a grid of its own
 	{
 		Spheres spheres = someSpheres( random, 200, 1, Vec3( 1.0f, 1.0f, 1.0f ) );
 		spheres.push_back( { Vec3( 1e12f, -1e12f, 0.0f ), radius, 1000 } );

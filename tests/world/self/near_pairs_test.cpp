@@ -1,4 +1,4 @@
-// Pairs kept from step to step, through motion, changes of levels and cuts, are those that a search finds that knows nothing yet.
+// Pairs kept from step to step, through motion, changes of levels and cuts, equal those of a new search.
 
 #include "world/levels/adaptive_bodies.h"
 
@@ -23,7 +23,8 @@ std::vector<std::uint64_t> keysOf( const std::vector<NodeHit>& hits )
 	return keys;
 }
 
-/// Of the body's own search, which goes on, and of one that begins; where nodes are: of what is fast it sees half a margin ahead, or more.
+/// Compares the pairs of the body's continuing search with those of a new one, at the nodes' positions; a fast node is predicted by half a
+/// margin or more.
 std::size_t compare( SoftBody& soft, const char* after )
 {
 	SelfSearch fresh;
@@ -33,18 +34,18 @@ std::size_t compare( SoftBody& soft, const char* after )
 	return found.size();
 }
 
-/// A layer of nodes here, and its neighbours, go somewhere: some far, most not.
+/// Pushes a layer of nodes, and its neighbours, at random: some far, most not.
 void push( SoftBody& soft, std::mt19937& random )
 {
 	NodeState& nodes = soft.impl().body->nodes();
 	const auto any = [&random] { return float( random() % 1000 ) / 500.0f - 1.0f; };
 	const float at = 8.0f * kCell * any(), wide = 2.0f * kCell;
-	const Vec3 way = Vec3( any(), any(), any() ) * kCell;
+	const Vec3 displacement = Vec3( any(), any(), any() ) * kCell;
 	for ( int i = 0; i < nodes.count; ++i )
 	{
 		if ( std::abs( nodes.x0.x[i] - at ) < wide && nodes.freedom[i] != 0.0f )
 		{
-			nodes.x.set( i, nodes.x.get( i ) + way );
+			nodes.x.set( i, nodes.x.get( i ) + displacement );
 		}
 	}
 	soft.impl().shape->place( nodes, soft.impl().shapeShift );
@@ -61,7 +62,7 @@ void cut( SoftBody& soft, std::mt19937& random )
 class NearPairsOf : public testing::TestWithParam<int>
 {};
 
-TEST_P( NearPairsOf, ABodyThatIsCutAndSplitAreThoseOfOneThatBegins )
+TEST_P( NearPairsOf, ACutAndSplitBodyEqualThoseOfANewSearch )
 {
 	TestWorld test;
 	test.world.setGravity( btVector3( 0, 0, 0 ) );
@@ -91,13 +92,13 @@ TEST_P( NearPairsOf, ABodyThatIsCutAndSplitAreThoseOfOneThatBegins )
 		found += compare( *soft, "a step" );
 	}
 	EXPECT_GT( found, 300u );
-	EXPECT_GT( test.world.softBodyCount(), 1 ); // pieces came off
+	EXPECT_GT( test.world.softBodyCount(), 1 ); // fragments have separated
 	EXPECT_GT( splits, GetParam() > 0 ? 20 : -1 );
 }
 
 INSTANTIATE_TEST_SUITE_P( Levels, NearPairsOf, testing::Values( 0, 1, 2 ) );
 
-/// Where nothing moves, what was held together and is not any more asks again.
+/// Without motion, pairs that were connected before a cut are searched again.
 TEST_P( NearPairsOf, TheSidesOfACutAreFound )
 {
 	TestWorld test;
@@ -113,8 +114,8 @@ TEST_P( NearPairsOf, TheSidesOfACutAreFound )
 	EXPECT_GT( compare( *soft, "a cut" ), 20u );
 }
 
-/// Where little moves, little is asked.
-TEST( NearPairs, AskAgainOnlyWhereNodesHaveMoved )
+/// Little motion requires few new searches.
+TEST( NearPairs, AreSearchedAgainOnlyWhereNodesHaveMoved )
 {
 	TestWorld test;
 	SoftBody* const soft = test.addSoft( block( 16, 8, 4, kCell ), at( 0, 0, 0 ), stiff( 2e4f ) );
@@ -133,8 +134,8 @@ TEST( NearPairs, AskAgainOnlyWhereNodesHaveMoved )
 	EXPECT_EQ( pairs.queryCount(), all + 5 );
 }
 
-/// Two changes of levels before anybody looks: rows that hold the nodes they held, under whatever numbers, do not ask.
-TEST( NearPairs, AskAgainOnlyWhereNodesWereSplit )
+/// Two changes of levels without a search in between: rows with the same nodes, whatever their indices, are not searched again.
+TEST( NearPairs, AreSearchedAgainOnlyWhereNodesWereSplit )
 {
 	TestWorld test;
 	SoftBody* const soft = test.addSoft( block( 48, 8, 4, kCell ), at( 0, 0, 0 ), stiff( 2e4f ), levels( 2 ) );

@@ -1,4 +1,4 @@
-// Bodies whose own parts collide: sides of a cut, arms that swing together. Steinemann et al. 2008, section 7.
+// Bodies whose parts collide with each other: sides of a cut, arms that swing together. Steinemann et al. 2008, section 7.
 
 #include "world/levels/adaptive_bodies.h"
 
@@ -21,7 +21,7 @@ constexpr float kCell = 0.05f;               // m
 constexpr float kBack = -4.0f * kCell;       // the cut ends here
 constexpr btScalar kSwing = btScalar( 0.8 ); // m/s of the arms' ends, towards each other
 
-/// A block of 16 x 8 x 4 cells, slit along its middle but for the first four layers: two arms on a back.
+/// speed of the arms' ends towards each other, m/s
 SoftBody* addSlitBlock( TestWorld& test, const Adaptivity& adaptivity = {} )
 {
 	SoftBody* soft = test.addSoft( block( 16, 8, 4, kCell ), at( 0, 0, 0 ), stiff( 2e4f ), adaptivity );
@@ -48,8 +48,8 @@ void swingTogether( SoftBody& soft )
 	}
 }
 
-/// Of one arm's nodes from the other's, as a share of how far apart such nodes are at rest or as their spheres want them, whichever is
-/// less.
+/// Returns the least distance between nodes of the two arms, as a ratio to their distance at rest or to the sum of their radii, whichever
+/// is less.
 double closest( const SoftBody& soft )
 {
 	const NodeState& nodes = soft.impl().body->nodes();
@@ -70,7 +70,7 @@ double closest( const SoftBody& soft )
 	return least;
 }
 
-/// Mean height of the upper arm's end over the lower's, m.
+/// Returns the mean height of the upper arm's end above the lower's, m.
 double gap( const SoftBody& soft )
 {
 	const NodeState& nodes = soft.impl().body->nodes();
@@ -105,7 +105,7 @@ Swing swing( TestWorld& test, const SoftBody& soft )
 	return seen;
 }
 
-TEST( InsideDistance, IsTheShortestWayAlongLinksToTheSurface )
+TEST( InsideDistance, IsTheShortestPathAlongLinksToTheSurface )
 {
 	for ( const unsigned seed : { 1u, 2u, 3u } )
 	{
@@ -114,7 +114,7 @@ TEST( InsideDistance, IsTheShortestWayAlongLinksToTheSurface )
 		std::uint32_t deepest = 0;
 		for ( std::uint32_t i = 0; i < depth.size(); ++i )
 		{
-			// Zero on the surface; elsewhere one link more than the nearest of its neighbours: only one such function exists.
+			// Zero at the surface; elsewhere one link more than the least of its neighbours. The function is unique.
 			std::uint32_t least = lattice.isSurface[i] ? 0 : 0xffffffffu;
 			for ( std::uint32_t k = lattice.linkStart[i]; k < lattice.linkStart[i + 1] && !lattice.isSurface[i]; ++k )
 			{
@@ -163,8 +163,8 @@ TEST( SelfCollision, ArmsThatSwingTogetherDoNotGoThroughEachOther )
 	}
 }
 
-// Too deep for the spheres to know the side: the way out of the material does.
-TEST( SelfCollision, ArmsThatHaveGoneThroughEachOtherComeBackTheWayTheyWent )
+// Too deep for the spheres to tell the side; the outward direction of the material does.
+TEST( SelfCollision, ArmsThatHavePassedThroughEachOtherComeBack )
 {
 	TestWorld test;
 	SoftBody* const soft = addSlitBlock( test );
@@ -184,8 +184,8 @@ TEST( SelfCollision, ArmsThatHaveGoneThroughEachOtherComeBackTheWayTheyWent )
 	EXPECT_LT( soft->impl().body->sums().kineticEnergy, 1e-3 );
 }
 
-// The slow twin: all pairs of spheres, in every frame.
-TEST( SelfCollision, FindsWhatAllPairsFind )
+// Reference implementation: all pairs of spheres, in every frame.
+TEST( SelfCollision, EqualsTheTestOfAllPairs )
 {
 	for ( const int coarse : { 0, 1 } )
 	{
@@ -193,7 +193,7 @@ TEST( SelfCollision, FindsWhatAllPairsFind )
 		SoftBody* const soft = addSlitBlock( test, test::levels( coarse ) );
 		soft->setSelfCollision( true );
 		swingTogether( *soft );
-		SelfSearch search; // one that goes on: what it gathered long ago must still do
+		SelfSearch search; // a continuing search: pairs gathered long ago must still be sufficient
 		int touching = 0;
 		for ( int frame = 0; frame < 40; ++frame )
 		{
@@ -257,7 +257,7 @@ TEST( SelfCollision, ABodyInOnePieceMovesAsIfItWereOff )
 	EXPECT_FALSE( without.soft[0]->selfCollision() );
 }
 
-// Top and bottom of a slab come near each other through the material, and not round it.
+// Top and bottom of a slab approach each other through the material, not around it.
 TEST( SelfCollision, ACrushedSlabUnfoldsAgain )
 {
 	TestWorld test;
@@ -280,7 +280,7 @@ TEST( SelfCollision, ACrushedSlabUnfoldsAgain )
 	}
 }
 
-TEST( SelfCollision, PiecesTakeItOverAndTheWorldLetsGoOfIt )
+TEST( SelfCollision, PiecesInheritItAndTheWorldReleasesIt )
 {
 	TestWorld test;
 	SoftBody* const soft = addSlitBlock( test );

@@ -1,4 +1,4 @@
-// A box that is asked for many spheres says what it says to one; and marked nodes come in their order.
+// A box gives the same contacts to a batch of spheres as to single ones; marked nodes are returned in order.
 
 #include "world/constants.h"
 #include "world/shape/node_marks.h"
@@ -20,8 +20,8 @@ struct Count
 	int clear = 0, outside = 0, inside = 0, swept = 0;
 };
 
-/// Spheres about boxes whose middle is up to `away` from the origin; ways up to `fastest`, m.
-Count askBoth( double away, double fastest )
+/// Spheres around boxes whose centre is up to `away` from the origin; displacements up to `fastest`, m.
+Count compareBoth( double away, double fastest )
 {
 	std::mt19937 random( 5 );
 	std::uniform_real_distribution<double> any( -1.0, 1.0 );
@@ -63,23 +63,23 @@ Count askBoth( double away, double fastest )
 	return count;
 }
 
-TEST( BoxTouch, SaysToManyWhatItSaysToOne )
+TEST( BoxTouch, BatchesEqualSingleQueries )
 {
-	const Count slow = askBoth( 5.0, 0.03 );
+	const Count slow = compareBoth( 5.0, 0.03 );
 	EXPECT_GT( slow.clear, 5000 );
 	EXPECT_GT( slow.outside, 1500 );
 	EXPECT_GT( slow.inside, 1500 );
-	const Count fast = askBoth( 5.0, 0.6 );
+	const Count fast = compareBoth( 5.0, 0.6 );
 	EXPECT_GT( fast.clear, 5000 );
 	EXPECT_GT( fast.swept, 500 );
 }
 
-TEST( BoxTouch, HoldsAThousandKilometresOut )
+TEST( BoxTouch, WorksAThousandKilometresOut )
 {
-	askBoth( 1e6, 0.3 );
+	compareBoth( 1e6, 0.3 );
 }
 
-TEST( NodeMarks, AreTakenInTheirOrderAndOnce )
+TEST( NodeMarks, AreReturnedInOrderAndOnce )
 {
 	std::mt19937 random( 3 );
 	NodeMarks marks;

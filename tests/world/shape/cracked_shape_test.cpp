@@ -1,4 +1,4 @@
-// The spheres of a body that cracks: its shape is kept, unless many nodes leave it, and has those that a new one would have.
+// The spheres of a cracking body: its shape is kept unless many nodes leave it, and equals a newly built one.
 
 #include "world/test_world.h"
 
@@ -38,9 +38,9 @@ void expectSpheresOfANewOne( const SoftBody& soft )
 		EXPECT_TRUE( now.tree().m_root->volume.Contain( leaf->volume ) );
 	}
 	std::vector<int> inRows( std::size_t( soft.nodeCount() ), 0 );
-	now.rows().visitPositions( 0, now.rows().count(), [&]( int node, const btVector3& place ) {
+	now.rows().visitPositions( 0, now.rows().count(), [&]( int node, const btVector3& position ) {
 		++inRows[std::size_t( node )];
-		EXPECT_LT( place.distance( soft.nodePosition( node ) - soft.getWorldTransform().getOrigin() ), btScalar( 1e-4 ) );
+		EXPECT_LT( position.distance( soft.nodePosition( node ) - soft.getWorldTransform().getOrigin() ), btScalar( 1e-4 ) );
 	} );
 	for ( int node = 0; node < soft.nodeCount(); ++node )
 	{
@@ -48,8 +48,8 @@ void expectSpheresOfANewOne( const SoftBody& soft )
 	}
 }
 
-// r = ( d / 2 ) cbrt( fill ) to half a step of the radii there are, of cells alike in stretches and one by one.
-TEST( NodeSpheres, GrowWithWhatFillsTheirCells )
+// r = ( d / 2 ) cbrt( fill ) to half a radius step, for runs of equal cells and for single ones.
+TEST( NodeSpheres, GrowWithTheFillOfTheirCells )
 {
 	auto lattice = std::make_shared<Lattice>( makeBlockLattice( 6, 4, 3, 0.1f ) );
 	for ( std::size_t i = 0; i < lattice->fill.size(); ++i )
@@ -65,7 +65,7 @@ TEST( NodeSpheres, GrowWithWhatFillsTheirCells )
 	}
 }
 
-/// A cube in the air, of finest nodes all through.
+/// A cube in free flight, of finest nodes throughout.
 class CrackedShape : public testing::TestWithParam<int>
 {
 protected:
@@ -84,12 +84,12 @@ protected:
 	SoftBody* soft;
 };
 
-/// On one level, and on three. Nodes that have a cell no more links below the surface than they are cells wide.
+/// On one level, and on three: nodes with a cell within as many links of the surface as the node is cells wide.
 TEST_P( CrackedShape, HasSpheresAtTheSurfaceAndOneLayerBelow )
 {
 	for ( int k = 0; k < 2; ++k )
 	{
-		soft->requestRefinement( btVector3( -1, 1, -1 ), btVector3( 0, 3, 1 ) ); // the rest stays as it is
+		soft->requestRefinement( btVector3( -1, 1, -1 ), btVector3( 0, 3, 1 ) ); // the rest remains as it is
 		test.run( 2 );
 	}
 	const Body& body = *soft->impl().body;
@@ -106,14 +106,14 @@ TEST_P( CrackedShape, HasSpheresAtTheSurfaceAndOneLayerBelow )
 	}
 }
 
-TEST_P( CrackedShape, HasTheSpheresOfANewOne )
+TEST_P( CrackedShape, EqualsANewShape )
 {
 	int kept = 0, added = 0;
 	for ( int cut = 0; cut < 12; ++cut )
 	{
 		const NodeShape* const before = soft->impl().shape.get();
 		const int spheres = before->getNumChildShapes();
-		// A disc of a cut that ends inside: the body hangs together.
+		// The disc of a cut that ends inside: the body stays connected.
 		const btVector3 middle( btScalar( 0.07 * ( cut - 6 ) ), btScalar( 2 + 0.02 * cut ), 0 ),
 			normal( 1, btScalar( 0.3 ), btScalar( 0.1 * cut ) );
 		ASSERT_GT( soft->cutPlane( middle, normal, btScalar( 0.16 ) ), 0 );
@@ -129,15 +129,15 @@ TEST_P( CrackedShape, HasTheSpheresOfANewOne )
 	EXPECT_GT( added, 20 );
 }
 
-// Corners are cut off one after the other, then half of what is left.
-TEST_P( CrackedShape, LetsGoOfNodesThatLeave )
+// Corners are cut off one after the other, then half of the rest.
+TEST_P( CrackedShape, DropsNodesThatLeave )
 {
 	int kept = 0;
 	for ( int corner = 0; corner < 8; ++corner )
 	{
 		const NodeShape* const before = soft->impl().shape.get();
-		const btVector3 way( btScalar( corner & 1 ? 1 : -1 ), btScalar( corner & 2 ? 1 : -1 ), btScalar( corner & 4 ? 1 : -1 ) );
-		ASSERT_GT( soft->cutPlane( btVector3( 0, 2, 0 ) + btScalar( 0.33 ) * way, way ), 0 );
+		const btVector3 direction( btScalar( corner & 1 ? 1 : -1 ), btScalar( corner & 2 ? 1 : -1 ), btScalar( corner & 4 ? 1 : -1 ) );
+		ASSERT_GT( soft->cutPlane( btVector3( 0, 2, 0 ) + btScalar( 0.33 ) * direction, direction ), 0 );
 		test.run( 1 );
 		ASSERT_EQ( test.world.softBodyCount(), corner + 2 );
 		kept += soft->impl().shape.get() == before ? 1 : 0;

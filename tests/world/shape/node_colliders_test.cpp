@@ -1,4 +1,4 @@
-// Which nodes collide, and how large they are, after links have gone or come back: as measured from nothing.
+// The set of colliding nodes and their sizes after links are broken or healed: equal to those computed anew.
 
 #include "body/breaking.h"
 #include "body/levels/levels.h"
@@ -20,7 +20,7 @@ struct Counts
 	int whole = 0, pieces = 0, deeper = 0, nearer = 0;
 };
 
-/// A disc through some cell, or a ball; now and then what went before comes back.
+/// Cuts a disc through some cell, or a ball; now and then restores earlier cuts.
 void cutByChance( Body& body, const Lattice& whole, test::Seeded& random )
 {
 	const std::vector<Vec3d> positions = body.cellPositions();
@@ -64,7 +64,7 @@ void compare( const BodyPiece& piece, const NodeColliders& before, bool isWhole,
 	( isWhole ? counts.whole : counts.pieces ) += 1;
 }
 
-/// Which way out is told by the same depths as a flood of all cells has.
+/// The inside distances equal those of a flood fill over all cells.
 void compareInside( const BodyPiece& piece, const Lattice& before, int& followed )
 {
 	const std::vector<std::uint32_t> then = floodInside( before );
@@ -80,7 +80,7 @@ void compareInside( const BodyPiece& piece, const Lattice& before, int& followed
 	}
 }
 
-TEST( NodeColliders, FollowWhatIsCutAndHeals )
+TEST( NodeColliders, FollowCutsAndHealing )
 {
 	Counts counts;
 	int followed = 0;

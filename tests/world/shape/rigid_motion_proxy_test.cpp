@@ -1,4 +1,4 @@
-// Bodies that turn as wholes: what is nearly a line is not spun about it.
+// Bodies that rotate as a whole: nearly collinear fragments receive no spin about their axis.
 
 #include "support/test_world.h"
 #include "world/bodies/soft_body_impl.h"
@@ -13,7 +13,7 @@
 namespace pliant::test {
 namespace {
 
-/// A bar of three cells of .1 m, its middle node so many cells beside the line through the others.
+/// A bar of three cells of .1 m, its middle node offset by so many cells from the line through the others.
 struct BentBar
 {
 	SoftWorld world;
@@ -33,13 +33,13 @@ struct BentBar
 		}
 		return most;
 	}
-	/// About the line, N m s: as much as gives nodes that are half a cell beside it 1 m/s.
+	/// Angular impulse about the line, N m s: enough to give nodes half a cell off the line 1 m/s.
 	double impulse() const { return double( body->mass() ) * 0.05; }
 };
 
-/// A crumb of three nodes that stood a fiftieth of a cell beside a line was given what rubbing lacked of its spin, and had none of the
-/// inertia about it that its cells would have: it was spun until it flew apart.
-TEST( RigidMotionProxy, DoesNotSpinWhatIsNearlyALine )
+/// A fragment of three nodes a fiftieth of a cell off a line has none of the inertia about it that its cells would have. The friction
+/// torque correction must not spin it until it flies apart.
+TEST( RigidMotionProxy, DoesNotSpinNearlyCollinearFragments )
 {
 	for ( const float beside : { 0.0f, 0.001f, 0.02f, 0.1f } )
 	{
@@ -48,11 +48,11 @@ TEST( RigidMotionProxy, DoesNotSpinWhatIsNearlyALine )
 		std::printf( "%g cells beside a line: %.1f m/s\n", double( beside ), bar.fastest() );
 		EXPECT_LT( bar.fastest(), 1.0 ) << beside;
 		RigidMotionProxy( bar.body ).turn( Vec3d( 0, 0, bar.impulse() ) );
-		EXPECT_GT( bar.fastest(), 0.1 ) << "about other axes it turns";
+		EXPECT_GT( bar.fastest(), 0.1 ) << "it rotates about other axes";
 	}
 }
 
-TEST( RigidMotionProxy, GivesWhatIsThickEnoughAllThatItIsGiven )
+TEST( RigidMotionProxy, PassesTheFullImpulseToThickBodies )
 {
 	BentBar bar( 0.6f );
 	const Vec3d impulse( 0.3 * bar.impulse(), -0.1 * bar.impulse(), 0.2 * bar.impulse() );

@@ -1,4 +1,4 @@
-// What a substep's searches find by rows of spheres is what asking every sphere finds.
+// Searches by rows of spheres find the same as a test of every sphere.
 
 #include "world/levels/adaptive_bodies.h"
 #include "world/test_world.h"
@@ -25,7 +25,7 @@ double uniform( std::mt19937& random, double low, double high )
 	return low + ( high - low ) * double( random() % 10000 ) / 1e4;
 }
 
-/// Nodes go anywhere within `by`, and at any speed up to `speed`.
+/// Moves nodes at random within `by` and gives them speeds up to `speed`.
 void shake( SoftBody& soft, std::mt19937& random, double by, double speed )
 {
 	SoftBody::Impl& impl = soft.impl();
@@ -45,8 +45,8 @@ void shake( SoftBody& soft, std::mt19937& random, double by, double speed )
 	impl.shape->setSweep( toBt( kSubstep * low.cast<double>() ), toBt( kSubstep * high.cast<double>() ) );
 }
 
-/// A place in the shape's own coordinates.
-Vec3 placeOf( const SoftBody& soft, int node )
+/// Returns a node's position in the shape's own coordinates.
+Vec3 positionOf( const SoftBody& soft, int node )
 {
 	return soft.impl().body->nodes().x.get( node ) - soft.impl().shapeShift;
 }
@@ -56,7 +56,7 @@ float reachOf( const SoftBody& soft, int node )
 	return float( soft.impl().shape->sphereOfNode( node )->getRadius() * ( 1 + kContactSlop ) );
 }
 
-/// On one level; and on three, after nodes here and there have been split.
+/// On one level, and on three with nodes split at random.
 class SphereRowsOf : public testing::TestWithParam<int>
 {
 protected:
@@ -98,7 +98,7 @@ TEST_P( SphereRowsOf, ABodyFindTheSpheresThatMeetABox )
 		soft[0]->impl().shape->rows().visitOverlaps( box, [&found]( int node ) { found.push_back( node ); } );
 		for ( int node = 0; node < soft[0]->nodeCount(); ++node )
 		{
-			const Vec3 x = placeOf( *soft[0], node );
+			const Vec3 x = positionOf( *soft[0], node );
 			const float reach = reachOf( *soft[0], node );
 			bool meets = soft[0]->impl().shape->childOfNode( node ) >= 0;
 			for ( int axis = 0; axis < 3; ++axis )
@@ -126,15 +126,16 @@ TEST_P( SphereRowsOf, TwoBodiesFindThePairsThatMayTouch )
 		shake( *soft[0], random, 0.01, 0.0 );
 		shake( *soft[1], random, 0.01, 0.0 );
 		const double fast = round % 2 == 0 ? 0.0 : 0.05;
-		const btVector3 way(
+		const btVector3 displacement(
 			btScalar( uniform( random, 0, fast ) ), btScalar( uniform( random, 0, fast ) ), btScalar( uniform( random, 0, fast ) ) );
 		const SphereRows::Approach approach{
-			btVector3( btScalar( uniform( random, -0.3, 0.3 ) ), btScalar( uniform( random, -0.75, -0.6 ) ), 0 ), -way, way };
+			btVector3( btScalar( uniform( random, -0.3, 0.3 ) ), btScalar( uniform( random, -0.75, -0.6 ) ), 0 ), -displacement,
+			displacement };
 		std::vector<std::pair<int, int>> found;
 		SphereRows::findPairs( soft[0]->impl().shape->rows(), soft[1]->impl().shape->rows(), approach, pairs );
 		for ( const SphereRows::NearSpheres& pair : pairs.found )
 		{
-			const Vec3 apart = placeOf( *soft[0], pair.nodeA ) + toVec3( approach.shift ) - placeOf( *soft[1], pair.nodeB );
+			const Vec3 apart = positionOf( *soft[0], pair.nodeA ) + toVec3( approach.shift ) - positionOf( *soft[1], pair.nodeB );
 			ASSERT_NEAR( pair.squaredDistance, apart.squaredNorm(), 1e-6f );
 			ASSERT_EQ( pair.reach, reachOf( *soft[0], pair.nodeA ) + reachOf( *soft[1], pair.nodeB ) );
 			found.push_back( { pair.nodeA, pair.nodeB } );
@@ -146,14 +147,15 @@ TEST_P( SphereRowsOf, TwoBodiesFindThePairsThatMayTouch )
 			for ( int b = 0; b < soft[1]->nodeCount(); ++b )
 			{
 				const bool collide = soft[0]->impl().shape->childOfNode( a ) >= 0 && soft[1]->impl().shape->childOfNode( b ) >= 0;
-				const Vec3d apart = placeOf( *soft[0], a ).cast<double>() + toVec3d( approach.shift ) -
-					placeOf( *soft[1], b ).cast<double>();
-				const Vec3d nearest = ( apart.cwiseAbs() - toVec3d( way ) ).cwiseMax( 0.0 ); // wherever in the approach they come
+				const Vec3d apart = positionOf( *soft[0], a ).cast<double>() + toVec3d( approach.shift ) -
+					positionOf( *soft[1], b ).cast<double>();
+				const Vec3d nearest = ( apart.cwiseAbs() - toVec3d( displacement ) ).cwiseMax( 0.0 ); // at any time during the approach
 				const double touching = double( reachOf( *soft[0], a ) + soft[1]->impl().shape->sphereOfNode( b )->getRadius() );
 				const double slack = double( kContactSlop * soft[1]->impl().shape->sphereOfNode( b )->getRadius() ) + 1e-6;
 				const bool isFound = std::binary_search( found.begin(), found.end(), std::make_pair( a, b ) );
 				ASSERT_TRUE( isFound || !collide || nearest.norm() > touching ) << "missed by " << touching - nearest.norm();
-				ASSERT_TRUE( !isFound || ( collide && apart.norm() <= touching + double( way.length() ) + slack ) ) << "for nothing";
+				ASSERT_TRUE( !isFound || ( collide && apart.norm() <= touching + double( displacement.length() ) + slack ) )
+					<< "a false candidate";
 			}
 		}
 		all += found.size();
@@ -171,7 +173,7 @@ std::set<int> nodesOf( const std::vector<NodeHit>& hits )
 	return nodes;
 }
 
-/// The node's sphere and how it moves against what stands.
+/// Returns the node's sphere and its motion relative to a fixed object.
 MovingSphere movingSphere( const SoftBody& soft, int node )
 {
 	const NodeState& nodes = soft.impl().body->nodes();
@@ -183,7 +185,7 @@ MovingSphere movingSphere( const SoftBody& soft, int node )
 	return sphere;
 }
 
-TEST_P( SphereRowsOf, AThingFindTheNodesThatItMeets )
+TEST_P( SphereRowsOf, AnObjectFindTheNodesThatItMeets )
 {
 	btBoxShape box( btVector3( btScalar( 0.3 ), btScalar( 0.2 ), btScalar( 0.25 ) ) );
 	btSphereShape ball( btScalar( 0.3 ) );
@@ -198,8 +200,8 @@ TEST_P( SphereRowsOf, AThingFindTheNodesThatItMeets )
 			shake( *soft[0], random, 0.005, round % 2 == 0 ? 0.5 : 25.0 );
 			btCollisionObject object;
 			object.setCollisionShape( shape );
-			const btVector3 place( btScalar( uniform( random, -0.6, 0.6 ) ), btScalar( 0.5 ), btScalar( uniform( random, -0.5, 0.5 ) ) );
-			object.setWorldTransform( btTransform( btQuaternion( btVector3( 1, 2, 3 ).normalized(), btScalar( round ) ), place ) );
+			const btVector3 position( btScalar( uniform( random, -0.6, 0.6 ) ), btScalar( 0.5 ), btScalar( uniform( random, -0.5, 0.5 ) ) );
+			object.setWorldTransform( btTransform( btQuaternion( btVector3( 1, 2, 3 ).normalized(), btScalar( round ) ), position ) );
 			const btCollisionObjectWrapper wrapper( nullptr, shape, &object, object.getWorldTransform(), -1, -1 );
 			const std::set<int> found = nodesOf( search.againstRigid( *soft[0], wrapper, kSubstep ) );
 			Obstacle obstacle;
