@@ -123,6 +123,12 @@ TEST( House, TopLevelHoldsWhatBelongsThere )
 	EXPECT_TRUE( complaints.empty() ) << listOf( complaints );
 }
 
+TEST( House, DocumentsNameWhatIsThere )
+{
+	const Complaints complaints = checkDocuments( ours() );
+	EXPECT_TRUE( complaints.empty() ) << listOf( complaints );
+}
+
 TEST( House, HasOneVersion )
 {
 	const Complaints complaints = checkVersion( PLIANT_ROOT );
@@ -297,6 +303,20 @@ TEST_F( SmallHouse, TopLevelIsSeen )
 	put( "scripts/a", "" );
 	fs::remove( m_root / "LICENSE" );
 	EXPECT_EQ( checkTopLevel( m_root ).size(), 2u );
+}
+
+TEST_F( SmallHouse, WrongNamesInDocumentsAreSeen )
+{
+	put( "plugin/body/a.cpp", "" );
+	put( "tests/body/a_test.cpp", "TEST( Body, Falls )\nTEST_P( Cube, Rests )\nINSTANTIATE_TEST_SUITE_P( All, Cube, values );\n" );
+	put( "docs/design/b.md", "" );
+	put( "docs/guide/c.md",
+		"[b](../design/b.md#part), `body/a.cpp`, `a.cpp` `f`, `./plugin/body/`, `g/*.cpp`, `out/`, `Body.Falls`, `Cube.*`\n"
+		"`body_test --gtest_filter=Body.*:*Cube.Rests/Small*`\n```\n`none.cpp`\n```\n" );
+	EXPECT_TRUE( checkDocuments( tree() ).empty() ) << listOf( checkDocuments( tree() ) );
+	put( "README.md",
+		"[d](docs/d.md) `world/a.cpp` `plugin/world/` `body_test --gtest_filter='Body.*:Cube.*'` `Body.Flies`\n```\nworld/a.cpp\n```\n" );
+	EXPECT_EQ( checkDocuments( tree() ).size(), 6u ) << listOf( checkDocuments( tree() ) );
 }
 
 TEST_F( SmallHouse, VersionsAreSeen )

@@ -73,6 +73,9 @@ Complaints checkConstants( const SourceTree& tree );
 /// Nothing at the top level but what belongs there.
 Complaints checkTopLevel( const std::filesystem::path& root );
 
+/// Documents name files, folders and tests that are there, and their links lead somewhere.
+Complaints checkDocuments( const SourceTree& tree );
+
 /// One version everywhere.
 Complaints checkVersion( const std::filesystem::path& root );
 
