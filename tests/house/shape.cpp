@@ -267,7 +267,7 @@ Complaints checkStages( const SourceTree& tree )
 Complaints checkTopLevel( const fs::path& root )
 {
 	static const std::set<std::string> kBelongs = { "CMakeLists.txt", "plugin", "demos", "third_party_glue", "tests", "docs", "README.md",
-		"LICENSE", "CHANGELOG.md", "CMakePresets.json", "vcpkg.json" };
+		"LICENSE", "CHANGELOG.md", "CONTRIBUTING.md", "CMakePresets.json", "vcpkg.json" };
 	// Made by the two commands or by tools, and ignored by git.
 	static const std::regex kMade( R"(build.*|out|models|compile_commands\.json|CMakeUserPresets\.json|Testing)" );
 
