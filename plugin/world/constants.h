@@ -217,8 +217,8 @@ inline constexpr btScalar kFarthestPosition = btScalar( 1e9 );
 /// else pulls on the points.
 inline constexpr double kAttachmentReturn = 0.5;
 
-/// Stiffness k of an attachment of a body that steps explicitly, as a multiple of its nodes' mass: its points stay within F h^2 / ( r k ) of
-/// each other under a force F.
+/// Stiffness k of an attachment of a body that steps explicitly, as a multiple of its nodes' mass: its points stay within F h^2 / ( r k )
+/// of each other under a force F.
 inline constexpr double kExplicitAttachmentStiffness = 1000.0;
 
 /// A point nearer than this to a node's centre, in cells, moves with that node alone.
