@@ -2,6 +2,7 @@
 
 // The soft bodies of a world: what a game calls, whichever of Bullet's worlds they sit in (soft_body_world_over.h).
 
+#include "pliant/attachment.h"
 #include "pliant/export.h"
 #include "pliant/precision.h"
 #include "pliant/soft_body.h"
@@ -101,6 +102,27 @@ public:
 	void setTaskRunner( TaskRunner* runner );
 
 	const StepReport& stepReport() const;
+
+	/// Attaches a node of a soft body, where it is now, to a rigid body: both pull on each other, as by a ball joint. Static and kinematic
+	/// bodies hold and carry it. The attachment follows changes of levels and stays with the piece that has the node when the body breaks;
+	/// it goes when either body leaves the world. Returns its id. BadArgument for a node that is not there, for bodies that are not in this
+	/// world, and for bad settings; also without PLIANT_WITH_IMPLICIT.
+	Result<int> attach( SoftBody& body, int node, btRigidBody& to, const AttachmentSettings& settings = {} );
+	/// The same for a world position, m, in or near the body: it moves with the nearest node and its neighbours. On bodies with levels it
+	/// is the node's centre that is held.
+	Result<int> attach( SoftBody& body, const btVector3& position, btRigidBody& to, const AttachmentSettings& settings = {} );
+	/// Attaches two soft bodies at a world position, m, of both.
+	Result<int> attach( SoftBody& body, SoftBody& to, const btVector3& position, const AttachmentSettings& settings = {} );
+	/// Attaches each node of `body` within `distance`, m, of a node of `to` half-way between the two: faces that touch become one. Returns
+	/// the number of attachments.
+	Result<int> weld( SoftBody& body, SoftBody& to, btScalar distance, const AttachmentSettings& settings = {} );
+	/// Removes an attachment; false for an id that is not there.
+	bool detach( int id );
+	int attachmentCount() const;
+	/// The force of an attachment on its first body, N, the mean over the last step; zero for an id that is not there.
+	btVector3 attachmentForce( int id ) const;
+	/// The attachments that broke in the last stepSimulation, in order.
+	const std::vector<AttachmentEvent>& attachmentEvents() const;
 
 	/// The Bullet world that the soft bodies are in.
 	btDiscreteDynamicsWorld& bulletWorld() const;
