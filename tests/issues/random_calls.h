@@ -76,6 +76,7 @@ private:
 	void flags();
 	void ignore();
 	void pins();
+	void attach();
 	void cuts();
 	void breaking();
 	void material();

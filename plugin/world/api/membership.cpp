@@ -123,6 +123,8 @@ SoftBody* SoftBodySystem::bodyAfter( unsigned serial ) const
 // Games that reset themselves may empty Bullet's list of objects by their own hand.
 void SoftBodySystem::removeLost()
 {
+	std::erase_if( attachments.all(),
+		[this]( Attachment& attachment ) { return attachment.rigid && !holds( attachment.rigid, attachment.rigidIndex ); } );
 	unsigned serial = 0;
 	while ( SoftBody* const body = bodyAfter( serial ) )
 	{

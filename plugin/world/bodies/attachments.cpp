@@ -97,6 +97,7 @@ int Attachments::add( SoftBody& body, int node, const Vec3d& at, btRigidBody& ri
 	made.settings = settings;
 	made.first = pointAt( body, node, at );
 	made.rigid = &rigid;
+	made.rigidIndex = rigid.getWorldArrayIndex();
 	made.rigidPoint = toVec3d( rigid.getWorldTransform().invXform( toBt( positionOf( made.first ) ) ) );
 	m_attachments.push_back( made );
 	return made.id;

@@ -27,6 +27,7 @@ struct Attachment
 	AttachmentSettings settings;
 	AttachedPoint first, second; ///< second.body null: the second end is rigid
 	btRigidBody* rigid = nullptr;
+	int rigidIndex = -1;               ///< where it was last in the world's list of objects
 	Vec3d rigidPoint = Vec3d::Zero();  ///< in the rigid body's frame, m
 	Vec3d lastForce = Vec3d::Zero();   ///< on the first body in the last substep, N
 	Vec3d stepImpulse = Vec3d::Zero(); ///< in the game step so far, N s

@@ -191,16 +191,13 @@ bool SoftBodySystem::breakBodies()
 				*each.body, [&impl] { impl.body->refineToBreak(); }, false ); // no fade: adopt() would discard it
 		}
 		const int most = impl.body->fracture().maxPieces - ( impl.family ? *impl.family - 1 : 0 );
+		attachments.noteChange( *each.body ); // breakApart leaves no positions
 		each.pieces = impl.body->breakApart( each.report, std::max( 1, most ) );
 	};
 	runTasks( tasks(), int( broken.size() ), breakOne );
 	for ( const Broken& each : broken )
 	{
 		each.body->impl().noteCracks( each.report );
-	}
-	for ( const Broken& each : broken )
-	{
-		attachments.noteChange( *each.body );
 	}
 	makeFragments( broken );
 	for ( Broken& each : broken )

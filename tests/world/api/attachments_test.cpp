@@ -291,6 +291,25 @@ TEST( Attachments, FollowLevels )
 	}
 }
 
+TEST( Attachments, SurviveFractureOfABodyWithLevels )
+{
+	TestWorld test;
+	Adaptivity settings;
+	settings.coarseLevels = 1;
+	SoftBody* const bar = test.addSoft( block( 12, 4, 4, 0.1f ), at( 0, 3, 0 ), material( Elasticity::Explicit ), settings );
+	btRigidBody* const hook = test.addBox( 0, btVector3( 0.05f, 0.05f, 0.05f ), at( btScalar( -0.5 ), btScalar( 3.5 ), 0 ) );
+	btRigidBody* const load = test.addBox( 1, btVector3( 0.05f, 0.05f, 0.05f ), at( btScalar( 0.5 ), btScalar( 3.5 ), 0 ) );
+	ASSERT_TRUE( test.world.attach( *bar, btVector3( btScalar( -0.5 ), 3, 0 ), *hook ).ok() );
+	ASSERT_TRUE( test.world.attach( *bar, btVector3( btScalar( 0.5 ), 3, 0 ), *load ).ok() );
+	test.run( 5 );
+	ASSERT_GT( bar->cutPlane( bar->massCentre(), btVector3( 1, 0, 0 ) ), 0 );
+	test.run( 60 );
+	EXPECT_EQ( test.world.softBodyCount(), 2 );
+	EXPECT_EQ( test.world.attachmentCount(), 2 );
+	EXPECT_LT( load->getWorldTransform().getOrigin().y(), 1 );
+	EXPECT_GT( std::max( test.world.softBody( 0 )->massCentre().y(), test.world.softBody( 1 )->massCentre().y() ), 2 );
+}
+
 TEST( Attachments, RefuseBadArguments )
 {
 	TestWorld test, elsewhere;
