@@ -47,8 +47,11 @@ struct Adaptivity
 	/// Whether cells at the surface always stay on the finest level, regardless of keepMass.
 	bool isSurfaceFine = false;
 
+	/// How the regions of nodes of different sizes are built.
 	RegionRule regions = RegionRule::Multiplicity;
+	/// How much softer coarse regions are made.
 	Softening softening = Softening::EnergyTensor;
+	/// How much of the non-affine deformation coarse regions leave uncorrected.
 	ResidualRule residual = ResidualRule::Larger;
 	/// Factor on 1 - beta and 1 - eta of coarse regions, (0, 1]. Below 1 coarse regions yield more in violent impacts.
 	float coarseStiffness = 1.0f;

@@ -39,9 +39,10 @@ PLIANT_API const char* toString( ResultCode code );
 /// The outcome of a call: a code, and a sentence that names the cause and, where there is one, the setting to change. Empty for Ok.
 struct Status
 {
-	ResultCode code = ResultCode::Ok;
-	std::string sentence;
+	ResultCode code = ResultCode::Ok; ///< why the call was refused
+	std::string sentence;             ///< in English, for the developer; empty for Ok
 
+	/// Whether the call was carried out.
 	bool ok() const { return code == ResultCode::Ok; }
 };
 
@@ -49,13 +50,17 @@ struct Status
 template <class T>
 struct Result
 {
-	Status status;
-	T value{};
+	Status status; ///< the outcome
+	T value{};     ///< what was asked for; default-constructed (null for pointers) unless ok()
 
+	/// Whether there is a value.
 	bool ok() const { return status.ok(); }
+	/// The same.
 	explicit operator bool() const { return ok(); }
 
+	/// A result with a value.
 	static Result success( T made ) { return Result{ Status{}, std::move( made ) }; }
+	/// A result without one. `code`: not Ok.
 	static Result failure( ResultCode code, std::string sentence ) { return Result{ Status{ code, std::move( sentence ) }, T{} }; }
 };
 

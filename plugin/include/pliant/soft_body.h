@@ -35,15 +35,19 @@ struct SurfaceView
 	/// For each triangle the index of the input triangle that it is part of, or kInside for a crack face. Null: triangle i is the input's
 	/// triangle i.
 	const std::uint32_t* triangleSource = nullptr;
+	/// Value of triangleSource for a triangle of a crack face.
 	static constexpr std::uint32_t kInside = 0xffffffffu;
-	int vertexCount = 0;
-	int triangleCount = 0;
+	int vertexCount = 0;          ///< vertices in `positions` and `normals`
+	int triangleCount = 0;        ///< triangles in `indices`
 	unsigned topologyVersion = 0; ///< changes when indices or counts change
 	/// A renderer that holds topology version `changedSince` only needs the vertices from firstNewVertex on, the triangles from
 	/// firstNewTriangle on, and the triangles firstChangedTriangle to lastChangedTriangle - 1. With any other version it needs everything.
 	unsigned changedSince = 0;
-	int firstNewVertex = 0, firstNewTriangle = 0, firstChangedTriangle = 0, lastChangedTriangle = 0;
-	unsigned frame = 0; ///< changes when positions change
+	int firstNewVertex = 0;       ///< see changedSince
+	int firstNewTriangle = 0;     ///< see changedSince
+	int firstChangedTriangle = 0; ///< see changedSince
+	int lastChangedTriangle = 0;  ///< see changedSince; one past the last
+	unsigned frame = 0;           ///< changes when positions change
 };
 
 /// A soft body. The game owns the bodies that it creates; the world never deletes them. Contact properties and flags are set as on any
@@ -68,9 +72,11 @@ public:
 
 	/// The soft body that a collision object is, or whose node it represents in a manifold. Null for other objects and for null.
 	static SoftBody* upcast( btCollisionObject* object );
+	/// The same for const objects.
 	static const SoftBody* upcast( const btCollisionObject* object );
 
 	// --- nodes, 0 to nodeCount() - 1. For an index out of range: an assertion; without assertions zero ---------------------------------
+	/// Number of nodes, at least 1. Changes with levels of detail and when the body breaks (levelVersion, fractureVersion).
 	int nodeCount() const;
 	btVector3 nodePosition( int node ) const; ///< world, m
 	btVector3 nodeVelocity( int node ) const; ///< m/s
@@ -146,6 +152,7 @@ public:
 	Status applyImpulse( const btVector3& impulse, int node );                 ///< N s, on one node
 	/// Replaces the world's gravity for this body, m/s^2; `clearGravity` restores the world's.
 	Status setGravity( const btVector3& gravity );
+	/// Restores the world's gravity. Wakes the body.
 	void clearGravity();
 	/// Moves the whole body by a rigid transform; keeps its deformation and turns its velocities. Wakes what the body touches. Refused
 	/// (BadArgument) where the transform holds a bad number, where it or the body's new position is further out than 1e9 m, or where it
@@ -158,12 +165,14 @@ public:
 	/// Whether the parts of the body collide with each other, sides of cuts included. Default off, at no cost. Nodes of one region never
 	/// collide. Pieces inherit the setting. Steinemann et al. 2008, section 7.
 	void setSelfCollision( bool isOn );
+	/// Whether they do.
 	bool selfCollision() const;
 
 	/// Changes the material at any time; positions and velocities stay as they are. A change of the method or of its regions (weights,
 	/// beta, half-width, `farLevels`, `volumeKeeping`) discards plastic deformation, and is refused for a body with levels of detail.
 	/// Errors: BadMaterial; BadArgument, also for another method than Method::Lattice where the body can break; OutOfMemory.
 	Status setMaterial( const Material& material );
+	/// The material. Valid as long as the body; Material::farLevels may be fewer than were set, where the body is too small for them.
 	const Material& material() const;
 	/// Whether the last step was the implicit one (Material::elasticity).
 	bool stepsImplicitly() const;
@@ -187,6 +196,7 @@ public:
 	/// Pins every node whose position is inside a world box (corners, m); returns their number. A node of a body with levels of detail is
 	/// pinned as a whole: for a pin exact to the cell, call `requestRefinement` for the box and pin after the next step.
 	int pinNodesInside( const btVector3& low, const btVector3& high );
+	/// Whether a node is pinned, in whichever way; false for an index out of range.
 	bool isPinned( int node ) const;
 
 	// --- rendering --------------------------------------------------------------------------------------------------------------------
@@ -201,16 +211,20 @@ public:
 	/// do not accumulate: they are measured from the last full skinning. 0: every motion is skinned in full. Default 0.01; a negative value
 	/// or NaN counts as 0. Pieces inherit the setting. No effect on bodies of 1 024 or more nodes with fewer than four vertices per node.
 	void setSurfaceTolerance( btScalar cells );
+	/// The error last set, cells; 0 and above.
 	btScalar surfaceTolerance() const;
 
 	/// False after a number in the body has become NaN or infinite: the body stays in its last finite state until `reset`.
 	bool isHealthy() const;
+	/// The template that the body was made of; for a piece that of the body that broke. Valid as long as the body.
 	const BodyTemplate& bodyTemplate() const;
 
+	/// @cond INTERNAL
 	struct Impl;
 	/// For Pliant's own sources only.
 	Impl& impl() { return *m_impl; }
 	const Impl& impl() const { return *m_impl; }
+	/// @endcond
 
 private:
 	struct PinRequest

@@ -17,6 +17,7 @@ namespace pliant {
 
 class WorldStep;
 
+/// @cond INTERNAL
 /// The stages of a step of the Bullet world that soft bodies sit in. SoftBodyWorldOver implements it; games need not know it.
 class PLIANT_API BulletStages
 {
@@ -66,7 +67,10 @@ public:
 	virtual void baseRemove( btCollisionObject* object ) = 0;
 	virtual void baseSerialize( btSerializer* serializer ) = 0;
 };
+/// @endcond
 
+/// What games call of a world with soft bodies, beyond Bullet's own calls: SoftBodyWorld and SoftBodyWorldOver derive from it. Callable
+/// from one thread at a time. Fragments of the world (FractureEvent) are deleted with it, other bodies are not.
 class PLIANT_API SoftBodyHost
 {
 public:
@@ -74,37 +78,48 @@ public:
 	/// change group and mask remove the body and add it again: it goes on as it was, its pins too.
 	void addSoftBody( SoftBody* body, int group = btBroadphaseProxy::DefaultFilter, int mask = btBroadphaseProxy::AllFilter );
 	/// At any time, out of contact and tick callbacks too; the body may be deleted then. What it touched wakes. Ignored for a body of no or
-	/// another world.
+	/// another world and for null.
 	void removeSoftBody( SoftBody* body );
+	/// Number of soft bodies in the world, fragments included.
 	int softBodyCount() const;
-	/// Null for an index that is not there.
+	/// The soft body of an index, 0 to softBodyCount() - 1, in the order in which they were added; null for an index out of range.
 	SoftBody* softBody( int index ) const;
 
 	/// What broke in the last stepSimulation, in order. Pointers stay good until a body they name is deleted; the world itself deletes
 	/// small pieces that have faded, at the start of a stepSimulation.
 	const std::vector<FractureEvent>& fractureEvents() const;
-	/// Fragments that belong to the world.
+	/// Number of fragments that belong to the world.
 	int fragmentCount() const;
 	/// Makes the fragment the game's to delete; it stays in the world. So does removing it from the world. Deleting a fragment that
 	/// belongs to the world is legal too. False for what is no fragment of this world's.
 	bool releaseFragment( SoftBody* fragment );
 
-	/// Soft substeps per game step while a soft body is awake, 1 to 64, default 4. Stiff materials raise it by themselves up to
-	/// maxSoftSubsteps (default 16).
+	/// Sets the soft substeps per step of 1/60 s while an explicit soft body is awake, clamped to 1 to 64, default 4. Stiff materials and
+	/// longer steps raise their number by themselves up to maxSoftSubsteps.
 	void setSoftSubsteps( int count );
+	/// The number last set, 1 to 64.
 	int softSubsteps() const;
+	/// Sets the largest number that they are raised to, clamped to 1 to 64, default 16. setSoftSubsteps may set more.
 	void setMaxSoftSubsteps( int count );
+	/// The number last set, 1 to 64.
 	int maxSoftSubsteps() const;
 
-	/// Own pool of that many threads, default 1; or the game's runner (not owned; null goes back to the own pool).
+	/// Makes the world's own pool of that many threads, the calling one included; clamped to 1 to 64, default 1. Out of memory: the present
+	/// pool stays. Not during a step.
 	void setThreadCount( int count );
+	/// Sets a task runner of the game to be used instead of the own pool; null (the default): the own pool. Not owned: it must outlive its
+	/// use. Not during a step.
 	void setTaskRunner( TaskRunner* runner );
+	/// Number of tasks that can run at the same time, by the game's runner or by the own pool: at least 1.
+	int threadCount() const;
 
+	/// Times and counts of the last step. Valid as long as the world; changes with each step.
 	const StepReport& stepReport() const;
 
 	/// The Bullet world that the soft bodies are in.
 	btDiscreteDynamicsWorld& bulletWorld() const;
 
+	/// @cond INTERNAL
 protected:
 	SoftBodyHost();
 	~SoftBodyHost();
@@ -140,6 +155,7 @@ protected:
 	/// False where the shape is no soft body's.
 	bool hostDrawShape( const btCollisionShape* shape, const btVector3& colour );
 	void hostSerialize( btSerializer& serializer );
+	/// @endcond
 
 private:
 	std::unique_ptr<WorldStep> m_step;

@@ -12,6 +12,7 @@ namespace pliant {
 class PLIANT_API TaskRunner
 {
 public:
+	/// One task: `context` as given to `run`, `index` its number.
 	using Task = void ( * )( void* context, int index );
 
 	virtual ~TaskRunner();

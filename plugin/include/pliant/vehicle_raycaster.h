@@ -36,7 +36,9 @@ public:
 	/// Sets the vehicle whose wheels press on soft bodies: each suspension force acts on the nodes within the wheel's radius, or within two
 	/// node radii if that is more. Not owned; null (the default): none. A sleeping vehicle does not press.
 	void setVehicle( const btRaycastVehicle* vehicle ) { m_vehicle = vehicle; }
+	/// Called by the world once per step, `step` in s: presses the wheels of the vehicle on soft bodies.
 	void updateAction( btCollisionWorld* world, btScalar step ) override;
+	/// As Bullet's; draws nothing.
 	void debugDraw( btIDebugDraw* ) override {}
 
 private:
