@@ -75,12 +75,12 @@ struct Adaptivity
 };
 
 /// Settings that reproduce Steinemann et al. 2008, for comparison.
-PLIANT_API Adaptivity steinemannAdaptivity( int coarseLevels );
+[[nodiscard]] PLIANT_API Adaptivity steinemannAdaptivity( int coarseLevels );
 /// Settings that reproduce Ohta et al. 2009, for comparison.
-PLIANT_API Adaptivity ohtaAdaptivity( int coarseLevels );
+[[nodiscard]] PLIANT_API Adaptivity ohtaAdaptivity( int coarseLevels );
 
-/// Returns Ok, or BadArgument with a sentence about the first setting that is out of its range (NaN included). BadArgument too where this
-/// build lacks Feature::Levels and coarseLevels is above 0.
+/// Returns Ok, or BadSettings with a sentence about the first setting that is out of its range (NaN included). BadArgument where this build
+/// lacks Feature::Levels and coarseLevels is above 0.
 PLIANT_API Status check( const Adaptivity& adaptivity );
 
 } // namespace pliant

@@ -122,28 +122,28 @@ public:
 	BodyTemplate& operator=( const BodyTemplate& ) = delete;
 
 	/// Number of finest cells.
-	int cellCount() const;
+	[[nodiscard]] int cellCount() const;
 	/// Number of links between cells, each counted once.
-	int linkCount() const;
+	[[nodiscard]] int linkCount() const;
 	/// Edge length of a cell, m.
-	float cellSize() const;
+	[[nodiscard]] float cellSize() const;
 	/// Centre of mass in mesh coordinates, m: 3 doubles.
-	const double* massCentre() const;
+	[[nodiscard]] const double* massCentre() const;
 	/// What the build found and changed. Valid as long as the template.
-	const BuildReport& report() const;
+	[[nodiscard]] const BuildReport& report() const;
 
 	// The render mesh: vertex i is the input's vertex i. Arrays are valid as long as the template. With Skinning::None counts are 0 and
 	// arrays null.
 	/// Number of vertices of the render mesh, as in the input.
-	int vertexCount() const;
+	[[nodiscard]] int vertexCount() const;
 	/// Number of triangles of the render mesh, as in the input.
-	int triangleCount() const;
+	[[nodiscard]] int triangleCount() const;
 	/// 3 vertex indices per triangle.
-	const std::uint32_t* indices() const;
+	[[nodiscard]] const std::uint32_t* indices() const;
 	/// 2 floats per vertex; null where the input had none.
-	const float* textureCoordinates() const;
+	[[nodiscard]] const float* textureCoordinates() const;
 	/// The submesh number of each triangle; null where the input had none.
-	const std::uint32_t* submeshOfTriangle() const;
+	[[nodiscard]] const std::uint32_t* submeshOfTriangle() const;
 
 	/// @cond INTERNAL
 	/// For Pliant's own sources only (the types are not public).

@@ -70,7 +70,7 @@ struct ToughnessField
 	void* context = nullptr; ///< passed to `fraction`; used only during the call that sets the field
 };
 
-/// Returns Ok, or BadArgument with a sentence about the first setting that is out of its range (NaN included).
+/// Returns Ok, or BadSettings with a sentence about the first setting that is out of its range (NaN included).
 PLIANT_API Status check( const Fracture& fracture );
 
 } // namespace pliant

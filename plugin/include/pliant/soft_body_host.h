@@ -74,22 +74,22 @@ public:
 class PLIANT_API SoftBodyHost
 {
 public:
-	/// Group and mask as for any Bullet object. The world does not own the body. Adding twice, or what is in another world, is ignored. To
-	/// change group and mask remove the body and add it again: it goes on as it was, its pins too.
+	/// Group and mask as for any Bullet object. The world does not own the body. Adding twice, or what is in another world, or null, is
+	/// ignored. To change group and mask remove the body and add it again: it goes on as it was, its pins too.
 	void addSoftBody( SoftBody* body, int group = btBroadphaseProxy::DefaultFilter, int mask = btBroadphaseProxy::AllFilter );
 	/// At any time, out of contact and tick callbacks too; the body may be deleted then. What it touched wakes. Ignored for a body of no or
 	/// another world and for null.
 	void removeSoftBody( SoftBody* body );
 	/// Number of soft bodies in the world, fragments included.
-	int softBodyCount() const;
+	[[nodiscard]] int softBodyCount() const;
 	/// The soft body of an index, 0 to softBodyCount() - 1, in the order in which they were added; null for an index out of range.
-	SoftBody* softBody( int index ) const;
+	[[nodiscard]] SoftBody* softBody( int index ) const;
 
 	/// What broke in the last stepSimulation, in order. Pointers stay good until a body they name is deleted; the world itself deletes
 	/// small pieces that have faded, at the start of a stepSimulation.
-	const std::vector<FractureEvent>& fractureEvents() const;
+	[[nodiscard]] const std::vector<FractureEvent>& fractureEvents() const;
 	/// Number of fragments that belong to the world.
-	int fragmentCount() const;
+	[[nodiscard]] int fragmentCount() const;
 	/// Makes the fragment the game's to delete; it stays in the world. So does removing it from the world. Deleting a fragment that
 	/// belongs to the world is legal too. False for what is no fragment of this world's.
 	bool releaseFragment( SoftBody* fragment );
@@ -98,11 +98,11 @@ public:
 	/// longer steps raise their number by themselves up to maxSoftSubsteps.
 	void setSoftSubsteps( int count );
 	/// The number last set, 1 to 64.
-	int softSubsteps() const;
+	[[nodiscard]] int softSubsteps() const;
 	/// Sets the largest number that they are raised to, clamped to 1 to 64, default 16. setSoftSubsteps may set more.
 	void setMaxSoftSubsteps( int count );
 	/// The number last set, 1 to 64.
-	int maxSoftSubsteps() const;
+	[[nodiscard]] int maxSoftSubsteps() const;
 
 	/// Makes the world's own pool of that many threads, the calling one included; clamped to 1 to 64, default 1. Out of memory: the present
 	/// pool stays. Not during a step.
@@ -111,13 +111,13 @@ public:
 	/// use. Not during a step.
 	void setTaskRunner( TaskRunner* runner );
 	/// Number of tasks that can run at the same time, by the game's runner or by the own pool: at least 1.
-	int threadCount() const;
+	[[nodiscard]] int threadCount() const;
 
 	/// Times and counts of the last step. Valid as long as the world; changes with each step.
-	const StepReport& stepReport() const;
+	[[nodiscard]] const StepReport& stepReport() const;
 
 	/// The Bullet world that the soft bodies are in.
-	btDiscreteDynamicsWorld& bulletWorld() const;
+	[[nodiscard]] btDiscreteDynamicsWorld& bulletWorld() const;
 
 	/// @cond INTERNAL
 protected:
