@@ -211,4 +211,20 @@ inline constexpr double kFarthestDrive = 100.0;
 /// Bodies are placed no farther from the origin than this along any axis, m: a float's last bit is 64 m there.
 inline constexpr btScalar kFarthestPosition = btScalar( 1e9 );
 
+// --- Attachments ---
+
+/// Fraction of the distance between the two points of an attachment that is to be closed within a substep. All of it overshoots with what
+/// else pulls on the points.
+inline constexpr double kAttachmentReturn = 0.5;
+
+/// Stiffness k of an attachment of a body that steps explicitly, as a multiple of its nodes' mass: its points stay within F h^2 / ( r k )
+/// of each other under a force F.
+inline constexpr double kExplicitAttachmentStiffness = 1000.0;
+
+/// A point nearer than this to a node's centre, in cells, moves with that node alone.
+inline constexpr double kAttachedCentre = 1e-3;
+
+/// A neighbour shares a point if at least this fraction of its offset is across those of the neighbours before it.
+inline constexpr double kLeastAttachedSpan = 0.5;
+
 } // namespace pliant

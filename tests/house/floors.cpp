@@ -33,7 +33,7 @@ const std::vector<std::vector<const char*>> kRooms = {
 	{ "plugin/lattice/", "plugin/lattice/mesh/", "plugin/lattice/inside/", "plugin/lattice/build/" },
 	{ "plugin/adapt/octree/", "plugin/adapt/regions/", "plugin/adapt/moments/" },
 	{ "plugin/matching/kernels/", "plugin/matching/", "plugin/matching/regions/", "plugin/matching/clusters/", "plugin/matching/step/",
-		"plugin/matching/implicit/", "plugin/matching/reference/" },
+		"plugin/matching/implicit/" },
 	{ "plugin/surface/kernels/", "plugin/surface/skin/", "plugin/surface/crack_shapes/", "plugin/surface/crack_complex/",
 		"plugin/surface/crack_state/", "plugin/surface/crack_mesh/" },
 	{ "plugin/body/levels/", "plugin/body/" },

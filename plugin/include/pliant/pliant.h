@@ -8,8 +8,8 @@
 //     pliant/build.h, version.h        which features and which version this is
 //
 // Included here, and there to be included alone where less is wanted: mesh.h, crack.h and body_template.h (meshes), material.h,
-// adaptivity.h (levels of detail), fracture.h, soft_body.h, soft_body_host.h (what a world is asked), step_report.h (times, what broke),
-// task_runner.h (threads), result.h (why a call was refused).
+// adaptivity.h (levels of detail), fracture.h, attachment.h, soft_body.h, soft_body_host.h (what a world is asked), step_report.h (times,
+// what broke), task_runner.h (threads), result.h (why a call was refused).
 
 #include "pliant/body_template.h"
 #include "pliant/material.h"

@@ -24,12 +24,12 @@ enum class ResultCode : int
 	TooManyCells,     ///< more cells than LatticeSettings::maxCells
 	OutOfMemory,      ///< memory did not suffice; nothing has changed
 	Cancelled,        ///< the progress callback returned false
-	BadSettings,      ///< a value of LatticeSettings, CrackSettings, Adaptivity or Fracture is out of its range, or does not go with the
-					  ///< material
-	BadMaterial,      ///< a value of Material is out of its range, or does not go with another one or with the body
-	BadArgument,      ///< any other argument is invalid (a number, an index, a pointer, a field), or this build lacks a feature (build.h)
-	TooFolded ///< the surface is folded so often within its bounding box that no cell size separates its layers; or, with Shell::Never,
-			  ///< it is so folded or so widely open that telling inside from outside takes too long
+	BadSettings, ///< a value of LatticeSettings, CrackSettings, Adaptivity, Fracture or AttachmentSettings is out of its range, or does
+				 ///< not go with the material
+	BadMaterial, ///< a value of Material is out of its range, or does not go with another one or with the body
+	BadArgument, ///< any other argument is invalid (a number, an index, a pointer, a field), or this build lacks a feature (build.h)
+	TooFolded    ///< the surface is folded so often within its bounding box that no cell size separates its layers; or, with Shell::Never,
+				 ///< it is so folded or so widely open that telling inside from outside takes too long
 };
 
 /// The code's name, e.g. "TooManyCells"; "unknown" for a value that is no ResultCode. Never null.

@@ -2,8 +2,8 @@
 
 // The soft bodies of a world: what a game calls, whichever of Bullet's worlds they sit in (soft_body_world_over.h).
 
+#include "pliant/attachment.h"
 #include "pliant/export.h"
-#include "pliant/precision.h"
 #include "pliant/soft_body.h"
 #include "pliant/step_report.h"
 #include "pliant/task_runner.h"
@@ -18,6 +18,20 @@ namespace pliant {
 class WorldStep;
 
 /// @cond INTERNAL
+// Bullet's precision as a parameter type and so in a mangled name: a program compiled for double precision does not link with a library
+// built for float, and vice versa. Most of Bullet's own symbols are equal in both, so such a program would link and then crash.
+struct BuiltForFloatBullet
+{};
+
+struct BuiltForDoubleBullet
+{};
+
+#if defined( BT_USE_DOUBLE_PRECISION )
+using BulletPrecision = BuiltForDoubleBullet;
+#else
+using BulletPrecision = BuiltForFloatBullet;
+#endif
+
 /// The stages of a step of the Bullet world that soft bodies sit in. SoftBodyWorldOver implements it; games need not know it.
 class PLIANT_API BulletStages
 {
@@ -116,6 +130,28 @@ public:
 	/// Times and counts of the last step. Valid as long as the world; changes with each step.
 	[[nodiscard]] const StepReport& stepReport() const;
 
+	/// Attaches a node of a soft body, where it is now, to a rigid body: both pull on each other, as by a ball joint. Static and kinematic
+	/// bodies hold and carry it. The attachment follows changes of levels and stays with the piece that has the node when the body breaks;
+	/// it goes when either body leaves the world. Returns its id. BadArgument for a node that is not there, for bodies that are not in this
+	/// world, and in a build without Feature::Implicit; BadSettings for `settings`.
+	Result<int> attach( SoftBody& body, int node, btRigidBody& to, const AttachmentSettings& settings = {} );
+	/// The same for a world position, m, in or near the body: it moves with the nearest node and its neighbours. On bodies with levels it
+	/// is the node's centre that is held.
+	Result<int> attach( SoftBody& body, const btVector3& position, btRigidBody& to, const AttachmentSettings& settings = {} );
+	/// Attaches two soft bodies at a world position, m, of both.
+	Result<int> attach( SoftBody& body, SoftBody& to, const btVector3& position, const AttachmentSettings& settings = {} );
+	/// Attaches each node of `body` within `distance`, m, of a node of `to` half-way between the two: faces that touch become one. Returns
+	/// the number of attachments.
+	Result<int> weld( SoftBody& body, SoftBody& to, btScalar distance, const AttachmentSettings& settings = {} );
+	/// Removes an attachment; false for an id that is not there.
+	bool detach( int id );
+	/// Number of attachments in the world.
+	[[nodiscard]] int attachmentCount() const;
+	/// The force of an attachment on its first body, N, the mean over the last step; zero for an id that is not there.
+	[[nodiscard]] btVector3 attachmentForce( int id ) const;
+	/// The attachments that broke in the last stepSimulation, in order.
+	[[nodiscard]] const std::vector<AttachmentEvent>& attachmentEvents() const;
+
 	/// The Bullet world that the soft bodies are in.
 	[[nodiscard]] btDiscreteDynamicsWorld& bulletWorld() const;
 
@@ -127,7 +163,7 @@ protected:
 	SoftBodyHost& operator=( const SoftBodyHost& ) = delete;
 
 	/// At the end of the world's constructor. Leave the last parameter alone: it makes a program that disagrees with the library about
-	/// Bullet's precision fail to link (precision.h).
+	/// Bullet's precision fail to link (BulletPrecision).
 	void hostAttach( BulletStages& stages, const BulletStages::Parts& parts, BulletPrecision = {} );
 	/// At the start of the world's destructor: soft bodies leave, fragments that nobody has taken over are deleted.
 	void hostDetach();

@@ -60,6 +60,7 @@ bool SoftBodySystem::remove( SoftBody& body )
 		impl.self->contacts.reset();
 	}
 	ContactProxyPool::detach( body );
+	attachments.removeAllOf( body );
 	impl.system = nullptr;
 	impl.block = -1;
 	impl.frictionTorque = -1;

@@ -198,6 +198,10 @@ bool SoftBodySystem::breakBodies()
 	{
 		each.body->impl().noteCracks( each.report );
 	}
+	for ( const Broken& each : broken )
+	{
+		attachments.noteChange( *each.body );
+	}
 	makeFragments( broken );
 	for ( Broken& each : broken )
 	{
@@ -257,7 +261,13 @@ void SoftBodySystem::settlePieces( Broken& broken )
 		impl.family = std::make_shared<int>( 1 );
 	}
 	const double massBefore = impl.mass;
+	for ( std::size_t k = 1; k < broken.fragments.size() && !attachments.isEmpty(); ++k )
+	{
+		attachments.moveToPiece( body, *broken.fragments[k], numbersNow( broken.pieces[k], impl.body->nodeCount() ) );
+	}
+	const std::vector<std::uint32_t> nodeNow = attachments.isEmpty() ? std::vector<std::uint32_t>() : broken.remains.nodeNow;
 	impl.adopt( body, broken.pieces[0], std::move( broken.remains ) );
+	attachments.followRemains( body, nodeNow );
 	impl.centralForce *= btScalar( impl.mass / massBefore );
 	for ( std::size_t k = 1; k < broken.fragments.size(); ++k )
 	{

@@ -187,9 +187,17 @@ void SoftBody::Impl::changeNodes( SoftBody& owner, const std::function<void()>& 
 	{
 		keepSurface();
 	}
+	if ( system )
+	{
+		system->attachments.noteChange( owner );
+	}
 	change();
 	const LevelChange& done = body->levels()->lastChange();
 	movePins( *this, done, positionBefore );
+	if ( system )
+	{
+		system->attachments.follow( owner, done.keptAs );
+	}
 	shape->followLevels( *body, shapeShift, !fades ); // before links break; adopt() moves the shape afterwards
 	ContactProxyPool::renumber( owner, done.keptAs, body->nodeCount() );
 	allowance.follow( done.keptAs, body->nodeCount() );

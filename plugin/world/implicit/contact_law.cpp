@@ -40,6 +40,10 @@ Vec3d velocityOfNodes( const BlockContact& contact, const ContactSide& side, con
 
 Law lawAt( const BlockContact& contact, const Vec3d& u, double press )
 {
+	if ( contact.isAttachment() )
+	{
+		return Law{ contact.stiffness, contact.tangentMultiplier };
+	}
 	const double along = contact.normal.dot( u );
 	if ( !( press > 0.0 ) )
 	{
@@ -138,11 +142,21 @@ void ImplicitBlock::chooseStiffness()
 		const bool hasNode = contact.side[0].soft >= 0 || contact.side[1].soft >= 0;
 		for ( const ContactSide& side : contact.side )
 		{
-			least = ( hasNode && !contact.isDrawn ) || side.rigid < 0 ? least : std::min( least, rigid[std::size_t( side.rigid )].mass );
+			least = ( hasNode && !contact.isDrawn && !contact.isAttachment() ) || side.rigid < 0
+				? least
+				: std::min( least, rigid[std::size_t( side.rigid )].mass );
 		}
-		contact.stiffness = kContactStiffness * least;
+		contact.stiffness = ( contact.hasExplicitSide ? kExplicitAttachmentStiffness : kContactStiffness ) * least;
 		contact.normalMultiplier = contact.normalImpulse;
 		contact.tangentMultiplier = unscaledTangentImpulse( contact );
+		if ( contact.compliance > 0.0 )
+		{
+			contact.stiffness = contact.timeStep * contact.timeStep / contact.compliance;
+		}
+		if ( contact.isAttachment() )
+		{
+			contact.tangentMultiplier += contact.stiffness * contact.tangentTarget;
+		}
 	}
 }
 
@@ -164,7 +178,7 @@ void ImplicitBlock::linearise( const float* v, int passes )
 		}
 		const Vec3d u = relativeVelocity( contact, v );
 		const Law law = lawAt( contact, u, contact.frictionLoad );
-		contact.isActive = ( isFirst && wasActive ) || pressAt( contact, u ) > 0.0;
+		contact.isActive = contact.isAttachment() || ( isFirst && wasActive ) || pressAt( contact, u ) > 0.0;
 		contact.tangentStiffness = law.tangentStiffness;
 		contact.scaledMultiplier = law.scaledMultiplier;
 	}
@@ -177,6 +191,10 @@ ImplicitBlock::Match ImplicitBlock::matchAt( const float* v )
 	m_partErrors.assign( soft.size() + rigid.size(), PartError{} );
 	for ( const BlockContact& contact : contacts )
 	{
+		if ( contact.isAttachment() )
+		{
+			continue; // its law is linear
+		}
 		const Vec3d u = relativeVelocity( contact, v );
 		const double along = contact.normal.dot( u );
 		const double press = std::max( 0.0, pressAt( contact, u ) ), limit = contact.friction * press;
@@ -209,6 +227,10 @@ bool ImplicitBlock::isUnphysical() const
 	double pull = 0.0, press = 0.0, tangent = 0.0, limit = 0.0;
 	for ( const BlockContact& contact : contacts )
 	{
+		if ( contact.isAttachment() )
+		{
+			continue;
+		}
 		( contact.normalImpulse < 0.0 ? pull : press ) += std::abs( contact.normalImpulse );
 		tangent += contact.tangentImpulse.norm();
 		limit += contact.friction * std::max( 0.0, contact.normalImpulse );
@@ -237,9 +259,8 @@ double ImplicitBlock::lowestFraction( double slope, double curvature ) const
 		double sum = slope + t * curvature;
 		for ( const LineContact& line : m_lineContacts )
 		{
-			const double press = std::max(
-				0.0, line.normalMultiplier + line.stiffness * ( line.target - line.normalStart - t * line.normalChange ) );
-			sum -= press * line.normalChange + ( line.slideStart + t * line.slideChange );
+			const double law = line.normalMultiplier + line.stiffness * ( line.target - line.normalStart - t * line.normalChange );
+			sum -= ( line.pulls ? law : std::max( 0.0, law ) ) * line.normalChange + ( line.slideStart + t * line.slideChange );
 		}
 		return sum;
 	};
@@ -275,7 +296,7 @@ double ImplicitBlock::stepTowards()
 					 slideChange = -contact.tangentStiffness * dt.dot( scaled );
 		const bool isActive = contact.isActive;
 		m_lineContacts.push_back( LineContact{ un, dn, isActive ? slideStart : 0.0, isActive ? slideChange : 0.0, contact.normalMultiplier,
-			contact.stiffness, contact.target } );
+			contact.stiffness, contact.target, contact.isAttachment() } );
 	}
 	return lowestFraction( -dot( d.data(), m_free.data(), m_size ), dot( d.data(), change.data(), m_size ) );
 }

@@ -41,7 +41,15 @@ struct BlockContact
 	double friction = 0.0;                ///< mu
 	bool isDrawn = false;                 ///< touches a drawn surface, whose points are shared by several nodes
 	int frictionScale = -1;               ///< index in frictionScales; -1: isotropic friction
-	btManifoldPoint* point = nullptr;
+	btManifoldPoint* point = nullptr;     ///< null: an attachment
+
+	// Of an attachment only, which pulls as well as presses and holds across the normal as along it (implicit_attachments.cpp).
+	int attachment = -1;                 ///< its id
+	bool hasExplicitSide = false;        ///< a body that steps explicitly
+	double compliance = 0.0;             ///< m/N
+	double timeStep = 0.0;               ///< h, s
+	Vec3d tangentTarget = Vec3d::Zero(); ///< b across the normal, m/s
+	bool isAttachment() const { return attachment >= 0; }
 
 	// Impulses, N s: on entry those of the last substep, on return those of this one.
 	double normalImpulse = 0.0;
@@ -163,6 +171,7 @@ private:
 		double normalStart, normalChange;
 		double slideStart, slideChange;
 		double normalMultiplier, stiffness, target;
+		bool pulls; ///< an attachment
 	};
 
 	/// The summed error of the friction on one part against the law, and the summed friction limits of its contacts, N s.

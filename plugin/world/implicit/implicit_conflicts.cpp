@@ -48,7 +48,7 @@ bool isSqueezed( const std::vector<BlockContact>& contacts )
 		for ( int k = 0; k < 2; ++k )
 		{
 			const ContactSide& other = contact.side[1 - k];
-			if ( contact.isActive && other.soft < 0 && other.rigid < 0 )
+			if ( contact.isActive && !contact.isAttachment() && other.soft < 0 && other.rigid < 0 )
 			{
 				const Vec3d normal = k == 0 ? contact.normal : Vec3d( -contact.normal );
 				low = low.cwiseMin( normal );
@@ -69,7 +69,7 @@ void ImplicitBlock::reconcileTargets()
 		for ( int k = 0; k < 2; ++k )
 		{
 			const ContactSide &own = contacts[c].side[k], &other = contacts[c].side[1 - k];
-			if ( own.soft >= 0 && other.soft < 0 && other.rigid < 0 )
+			if ( own.soft >= 0 && other.soft < 0 && other.rigid < 0 && !contacts[c].isAttachment() )
 			{
 				m_prescribed.push_back( PrescribedContact{ own.block[0], c, k } );
 			}
@@ -165,7 +165,8 @@ void ImplicitBlock::carryImpulses()
 		contact.carried = contact.normalImpulse;
 		const double along = contact.normal.dot( relativeVelocity( contact, m_v.data() ) ), violation = contact.target - along;
 		const double change = std::abs( along - contact.normal.dot( contact.velocityBefore ) );
-		if ( isBlockSqueezed && contact.isActive && violation > kConflictViolation && change < kConflictChange * violation )
+		if ( isBlockSqueezed && contact.isActive && !contact.isAttachment() && violation > kConflictViolation &&
+			change < kConflictChange * violation )
 		{
 			contact.carried = std::max( 0.0, ( 1.0 - kConflictDecay ) * ( contact.normalImpulse - contact.stiffness * violation ) );
 		}

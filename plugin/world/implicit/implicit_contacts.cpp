@@ -317,6 +317,10 @@ void ImplicitContacts::writeBack( ImplicitBlock& block )
 {
 	for ( BlockContact& contact : block.contacts )
 	{
+		if ( contact.isAttachment() )
+		{
+			continue;
+		}
 		btManifoldPoint& point = *contact.point;
 		point.m_appliedImpulse = btScalar( std::max( 0.0, contact.carried ) );
 		point.m_appliedImpulseLateral1 = btScalar( contact.tangentImpulse.dot( toVec3d( point.m_lateralFrictionDir1 ) ) );

@@ -17,6 +17,7 @@ struct btContactSolverInfo;
 
 namespace pliant {
 
+class Attachments;
 class ContactProxy;
 
 /// Maps collision objects to blocks and their parts.
@@ -41,6 +42,10 @@ class ImplicitContacts
 public:
 	/// Adds the contacts of all manifolds with a node of a block's body or with two rigid bodies of its island, and hides the manifolds.
 	void gather( btDispatcher& dispatcher, const btContactSolverInfo& info, BlockLookup& lookup, std::deque<ImplicitBlock>& blocks );
+	/// Adds the attachments of the blocks' bodies. `h` in s.
+	void gatherAttachments( Attachments& attachments, double h, BlockLookup& lookup, std::deque<ImplicitBlock>& blocks );
+	/// Stores the forces of a block's attachments.
+	static void storeForces( const ImplicitBlock& block, Attachments& attachments );
 	/// Writes the impulses to the contact points.
 	static void writeBack( ImplicitBlock& block );
 	/// Makes the hidden manifolds visible to Bullet again.

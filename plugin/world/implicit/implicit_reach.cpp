@@ -1,5 +1,6 @@
 #include "world/implicit/implicit_reach.h"
 
+#include "world/bodies/attachments.h"
 #include "world/bodies/prefetch.h"
 #include "world/bodies/soft_body_impl.h"
 #include "world/constants.h"
@@ -99,7 +100,7 @@ bool ImplicitReach::addRing()
 }
 
 // Breadth first: the bodies that touch a soft body, then those that touch them, and so on.
-void ImplicitReach::choose( btDispatcher& dispatcher, const BlockLookup& lookup, int blocks )
+void ImplicitReach::choose( btDispatcher& dispatcher, const Attachments& attachments, const BlockLookup& lookup, int blocks )
 {
 	std::fill( m_takesPart.begin(), m_takesPart.end(), static_cast<unsigned char>( 0 ) );
 	std::fill( m_isKnown.begin(), m_isKnown.end(), static_cast<unsigned char>( 0 ) );
@@ -112,6 +113,14 @@ void ImplicitReach::choose( btDispatcher& dispatcher, const BlockLookup& lookup,
 			addManifold( manifold, lookup );
 		}
 	} );
+	for ( const Attachment& attachment : attachments.all() )
+	{
+		const int block = lookup.blockOf( *attachment.first.body );
+		if ( block >= 0 && attachment.rigid && isDynamicRigid( *attachment.rigid ) )
+		{
+			addBody( *attachment.rigid, block, true );
+		}
+	}
 	while ( addRing() )
 	{}
 }

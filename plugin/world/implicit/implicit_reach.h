@@ -13,11 +13,13 @@ namespace pliant {
 
 class BlockLookup;
 
+class Attachments;
+
 class ImplicitReach
 {
 public:
 	/// Chooses from the current contacts. `blocks`: the number of blocks.
-	void choose( btDispatcher& dispatcher, const BlockLookup& lookup, int blocks );
+	void choose( btDispatcher& dispatcher, const Attachments& attachments, const BlockLookup& lookup, int blocks );
 	bool takesPart( int block, const btCollisionObject& rigid ) const;
 
 private:

@@ -1,6 +1,7 @@
 #include "world/implicit/implicit_solve.h"
 
 #include "threads/parallel.h"
+#include "world/bodies/attachments.h"
 #include "world/bodies/soft_body_impl.h"
 #include "world/constants.h"
 
@@ -57,11 +58,12 @@ RigidPart makeRigid( btRigidBody& body )
 	return part;
 }
 
-/// Returns true if a body's contacts must be solved in a block. A fragment of one cell has no elasticity, but the residual errors of
-/// Bullet's solver at a step of a sixtieth of a second would make a heap of them creep forever, at millimetres per second.
-bool needsBlock( const SoftBody& body )
+/// Returns true if a body's contacts or attachments must be solved in a block. A fragment of one cell has no elasticity, but the residual
+/// errors of Bullet's solver at a step of a sixtieth of a second would make a heap of them creep forever, at millimetres per second.
+bool needsBlock( const SoftBody& body, const Attachments& attachments )
 {
-	return body.impl().isImplicit || ( body.nodeCount() == 1 && body.material().elasticity != Elasticity::Explicit );
+	return ( !attachments.isEmpty() && attachments.hold( body ) ) || body.impl().isImplicit ||
+		( body.nodeCount() == 1 && body.material().elasticity != Elasticity::Explicit );
 }
 
 } // namespace
@@ -135,12 +137,12 @@ void ImplicitSolve::forget( const btRigidBody& body )
 
 // Makes one block per island with an implicit body or a single-cell fragment. Explicit bodies of the island take part with their masses, so
 // that no contact is split between two solvers.
-void ImplicitSolve::makeBlocks( const std::vector<SoftBody*>& awake )
+void ImplicitSolve::makeBlocks( const std::vector<SoftBody*>& awake, const Attachments& attachments )
 {
 	m_tagOf.clear();
 	for ( const SoftBody* body : awake )
 	{
-		if ( needsBlock( *body ) && std::find( m_tagOf.begin(), m_tagOf.end(), body->getIslandTag() ) == m_tagOf.end() )
+		if ( needsBlock( *body, attachments ) && std::find( m_tagOf.begin(), m_tagOf.end(), body->getIslandTag() ) == m_tagOf.end() )
 		{
 			m_tagOf.push_back( body->getIslandTag() );
 		}
@@ -173,13 +175,13 @@ void ImplicitSolve::makeBlocks( const std::vector<SoftBody*>& awake )
 	}
 }
 
-void ImplicitSolve::before(
-	const std::vector<SoftBody*>& awake, btDispatcher& dispatcher, const btContactSolverInfo& info, TaskRunner* runner )
+void ImplicitSolve::before( const std::vector<SoftBody*>& awake, Attachments& attachments, btDispatcher& dispatcher,
+	const btContactSolverInfo& info, TaskRunner* runner )
 {
 	m_count = BlockCount{};
 	m_h = double( info.m_timeStep );
 	++m_stamp;
-	makeBlocks( awake );
+	makeBlocks( awake, attachments );
 	const bool hadBlocks = m_hadBlocks;
 	m_hadBlocks = !m_tagOf.empty();
 	if ( m_tagOf.empty() )
@@ -191,8 +193,9 @@ void ImplicitSolve::before(
 		m_outside.clear();
 		return;
 	}
-	m_reach.choose( dispatcher, *this, int( m_tagOf.size() ) );
+	m_reach.choose( dispatcher, attachments, *this, int( m_tagOf.size() ) );
 	m_contacts.gather( dispatcher, info, *this, m_blocks );
+	m_contacts.gatherAttachments( attachments, m_h, *this, m_blocks );
 	m_outside.erase(
 		std::remove_if( m_outside.begin(), m_outside.end(), [this]( const OutsideImpulse& outside ) { return outside.stamp != m_stamp; } ),
 		m_outside.end() );
@@ -209,6 +212,7 @@ void ImplicitSolve::before(
 		m_count.products = std::max( m_count.products, counts[std::size_t( k )].products );
 		storeVelocities( m_blocks[std::size_t( k )] );
 		ImplicitContacts::writeBack( m_blocks[std::size_t( k )] );
+		ImplicitContacts::storeForces( m_blocks[std::size_t( k )], attachments );
 	}
 }
 

@@ -25,7 +25,8 @@ class ImplicitSolve : private BlockLookup
 {
 public:
 	/// Solves the blocks of the `awake` bodies, sets the velocities of nodes and rigid bodies, and hides the blocks' contacts from Bullet.
-	void before( const std::vector<SoftBody*>& awake, btDispatcher& dispatcher, const btContactSolverInfo& info, TaskRunner* runner );
+	void before( const std::vector<SoftBody*>& awake, Attachments& attachments, btDispatcher& dispatcher, const btContactSolverInfo& info,
+		TaskRunner* runner );
 	/// Called after Bullet's solver: records what it did to the rigid bodies as the expectation for the next substep.
 	void after();
 	void forget( const btRigidBody& body );
@@ -40,7 +41,7 @@ private:
 	bool takesPart( int block, const btCollisionObject& rigid ) const override { return m_reach.takesPart( block, rigid ); }
 	int rigidPart( int block, btRigidBody& body ) override;
 
-	void makeBlocks( const std::vector<SoftBody*>& awake );
+	void makeBlocks( const std::vector<SoftBody*>& awake, const Attachments& attachments );
 	OutsideImpulse& outsideOf( const btRigidBody& body );
 	void storeVelocities( ImplicitBlock& block );
 

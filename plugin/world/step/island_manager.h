@@ -59,6 +59,7 @@ public:
 		m_frictionTorque.clear();
 		uniteByBoxes( *world->getPairCache() );
 		uniteByContacts( *dispatcher, world->getCollisionObjectArray() );
+		uniteByAttachments();
 		m_bodies.copyIslandTags();
 	}
 	void storeIslandActivationState( btCollisionWorld* world ) override
@@ -127,6 +128,18 @@ private:
 	{
 		const int index = object->getWorldArrayIndex();
 		return index >= 0 && index < objects.size() && objects[index] == object;
+	}
+
+	void uniteByAttachments()
+	{
+		for ( const Attachment& attachment : m_bodies.attachments.all() )
+		{
+			const btCollisionObject &a = *attachment.first.body, &b = attachment.secondObject();
+			if ( !a.isStaticOrKinematicObject() && !b.isStaticOrKinematicObject() && m_bodies.isInPass( a ) && m_bodies.isInPass( b ) )
+			{
+				unite( &a, &b );
+			}
+		}
 	}
 
 	void uniteByContacts( btDispatcher& dispatcher, const btCollisionObjectArray& objects )

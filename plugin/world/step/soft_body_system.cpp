@@ -46,7 +46,7 @@ int SoftBodySystem::planSubsteps( btScalar gameStep, const btAlignedObjectArray<
 			count = std::max( count, std::min( planOf( *body, gameStep, count ).substepsNeeded, maxSubsteps ) );
 		}
 	}
-	group.choose( SubstepGroup::Scene{ m_world, m_bodies, rigid, constraints, canSplit }, m_substepped, gameStep );
+	group.choose( SubstepGroup::Scene{ m_world, m_bodies, rigid, constraints, attachments, canSplit }, m_substepped, gameStep );
 	return std::min( count, kLargestSubsteps );
 }
 
@@ -268,7 +268,7 @@ void SoftBodySystem::solveImplicit( btDispatcher& dispatcher, const btContactSol
 	double spent = 0.0; // ours, not Bullet's solver's
 	{
 		Stopwatch watch( spent );
-		implicitSolve().before( m_awake, dispatcher, info, tasks() );
+		implicitSolve().before( m_awake, attachments, dispatcher, info, tasks() );
 	}
 	report.matching += spent;
 	report.solve -= spent; // which is being timed around this
@@ -309,6 +309,7 @@ void SoftBodySystem::freshenShapes()
 void SoftBodySystem::endStep()
 {
 	freshenShapes();
+	attachments.endStep();
 	countNodes();
 	noteSleepers();
 	for ( SoftBody* body : m_bodies )

@@ -5,6 +5,7 @@
 #include "pliant/soft_body.h"
 #include "pliant/step_report.h"
 #include "pliant/task_runner.h"
+#include "world/bodies/attachments.h"
 #include "world/bodies/skin_scratch_pool.h"
 #include "world/detect/node_algorithm.h"
 #include "world/detect/node_contacts.h"
@@ -106,6 +107,7 @@ public:
 	/// False for what is no fragment of this world's.
 	bool release( SoftBody& fragment );
 	std::vector<FractureEvent> events;
+	Attachments attachments;
 	std::vector<SoftBody*> owned; ///< fragments that nobody has released
 
 	void releasePinsTo( const btRigidBody& body );

@@ -1,5 +1,6 @@
 #include "world/step/substep_group.h"
 
+#include "world/bodies/attachments.h"
 #include "world/bodies/soft_body_impl.h"
 #include "world/constants.h"
 
@@ -290,6 +291,14 @@ bool SubstepGroup::includeJoined( const Scene& scene )
 		const btTypedConstraint& joint = *scene.constraints[i];
 		const btRigidBody &a = joint.getRigidBodyA(), &b = joint.getRigidBodyB();
 		if ( joint.isEnabled() && contains( a ) != contains( b ) )
+		{
+			isChanged = include( contains( a ) ? b : a ) || isChanged;
+		}
+	}
+	for ( const Attachment& attachment : scene.attachments.all() )
+	{
+		const btCollisionObject &a = *attachment.first.body, &b = attachment.secondObject();
+		if ( contains( a ) != contains( b ) )
 		{
 			isChanged = include( contains( a ) ? b : a ) || isChanged;
 		}

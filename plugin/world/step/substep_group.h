@@ -23,6 +23,8 @@ enum class StepPass
 	Substeps ///< by one soft substep
 };
 
+class Attachments;
+
 class SubstepGroup
 {
 public:
@@ -42,6 +44,7 @@ public:
 		const std::vector<SoftBody*>& soft;
 		const btAlignedObjectArray<btRigidBody*>& rigid; ///< that are not static
 		const btAlignedObjectArray<btTypedConstraint*>& constraints;
+		const Attachments& attachments;
 		bool canSplit; ///< else all that moves is in the group, or nothing
 	};
 

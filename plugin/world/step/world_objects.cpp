@@ -125,6 +125,7 @@ void WorldStep::forgetObject( btCollisionObject& object )
 void WorldStep::forget( btRigidBody& body )
 {
 	bodies.releasePinsTo( body );
+	bodies.attachments.removeAllOf( body );
 	forgetObject( body );
 }
 

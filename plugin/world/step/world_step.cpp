@@ -41,6 +41,7 @@ bool WorldStep::beginTick( btScalar& timeStep, int maxSubSteps, btScalar fixedTi
 {
 	m_isTickOver = false;
 	bodies.events.clear();
+	bodies.attachments.events.clear();
 	bodies.removeFaded();
 	return bodies.acceptsSteps( timeStep, maxSubSteps, fixedTimeStep );
 }
@@ -52,6 +53,7 @@ void WorldStep::singleStep( btScalar timeStep )
 		// The game, or a class that derives from the world, steps it by itself.
 		m_isTickOver = false;
 		bodies.events.clear();
+		bodies.attachments.events.clear();
 		bodies.removeFaded();
 	}
 	if ( !bodies.openStep( timeStep ) )

@@ -1,0 +1,141 @@
+// Attachments as games make them: checks, and the nodes that are attached.
+
+#include "lattice/features.h"
+#include "pliant/soft_body_host.h"
+#include "world/bodies/placing.h"
+#include "world/step/world_step.h"
+
+#include <cmath>
+
+namespace pliant {
+
+namespace {
+
+Status checkAttachment( const SoftBodySystem& bodies, const SoftBody& body, const AttachmentSettings& settings )
+{
+	if ( Status status = requireFeature( Feature::Implicit ); !status.ok() )
+	{
+		return status;
+	}
+	if ( body.impl().system != &bodies )
+	{
+		return refused( "attach", "the soft body is not in this world." );
+	}
+	if ( !std::isfinite( settings.compliance ) || settings.compliance < 0 || !( settings.breakingForce > 0 ) )
+	{
+		return Status{ ResultCode::BadSettings, "attach: the compliance must be finite and not negative, and the breaking force above 0." };
+	}
+	return {};
+}
+
+Status checkRigid( const SoftBodySystem& bodies, const btRigidBody& rigid )
+{
+	int index = rigid.getWorldArrayIndex();
+	return bodies.holds( &rigid, index ) ? Status{} : refused( "attach", "the rigid body is not in this world." );
+}
+
+} // namespace
+
+Result<int> SoftBodyHost::attach( SoftBody& body, int node, btRigidBody& to, const AttachmentSettings& settings )
+{
+	if ( !body.impl().hasNode( node ) )
+	{
+		return Result<int>::failure( ResultCode::BadArgument, "attach: there is no node of this number." );
+	}
+	Status status = checkAttachment( m_step->bodies, body, settings );
+	status = status.ok() ? checkRigid( m_step->bodies, to ) : status;
+	if ( !status.ok() )
+	{
+		return Result<int>{ status, -1 };
+	}
+	body.activate( true );
+	to.activate( true );
+	return Result<int>::success( m_step->bodies.attachments.add( body, node, toVec3d( body.nodePosition( node ) ), to, settings ) );
+}
+
+Result<int> SoftBodyHost::attach( SoftBody& body, const btVector3& position, btRigidBody& to, const AttachmentSettings& settings )
+{
+	Status status = checkVector( position, "attach", "position" );
+	status = status.ok() ? checkAttachment( m_step->bodies, body, settings ) : status;
+	status = status.ok() ? checkRigid( m_step->bodies, to ) : status;
+	if ( !status.ok() )
+	{
+		return Result<int>{ status, -1 };
+	}
+	body.activate( true );
+	to.activate( true );
+	const Vec3d at = toVec3d( position );
+	return Result<int>::success( m_step->bodies.attachments.add( body, nearestNode( body, at ), at, to, settings ) );
+}
+
+Result<int> SoftBodyHost::attach( SoftBody& body, SoftBody& to, const btVector3& position, const AttachmentSettings& settings )
+{
+	Status status = checkVector( position, "attach", "position" );
+	status = status.ok() ? checkAttachment( m_step->bodies, body, settings ) : status;
+	status = status.ok() ? checkAttachment( m_step->bodies, to, settings ) : status;
+	status = status.ok() && &body == &to ? refused( "attach", "a body cannot be attached to itself." ) : status;
+	if ( !status.ok() )
+	{
+		return Result<int>{ status, -1 };
+	}
+	body.activate( true );
+	to.activate( true );
+	const Vec3d at = toVec3d( position );
+	return Result<int>::success( m_step->bodies.attachments.add( body, nearestNode( body, at ), to, nearestNode( to, at ), at, settings ) );
+}
+
+Result<int> SoftBodyHost::weld( SoftBody& body, SoftBody& to, btScalar distance, const AttachmentSettings& settings )
+{
+	Status status = checkAttachment( m_step->bodies, body, settings );
+	status = status.ok() ? checkAttachment( m_step->bodies, to, settings ) : status;
+	status = status.ok() && ( &body == &to || !( distance >= 0 ) ) ? refused( "weld", "it needs two bodies and a distance." ) : status;
+	if ( !status.ok() )
+	{
+		return Result<int>{ status, 0 };
+	}
+	int count = 0;
+	for ( int node = 0; node < body.nodeCount(); ++node )
+	{
+		const Vec3d own = toVec3d( body.nodePosition( node ) );
+		const int other = nearestNode( to, own );
+		const Vec3d there = toVec3d( to.nodePosition( other ) );
+		if ( ( there - own ).norm() <= double( distance ) )
+		{
+			m_step->bodies.attachments.add( body, node, to, other, 0.5 * ( own + there ), settings );
+			++count;
+		}
+	}
+	body.activate( true );
+	to.activate( true );
+	return Result<int>::success( count );
+}
+
+bool SoftBodyHost::detach( int id )
+{
+	const Attachment* const attachment = m_step->bodies.attachments.find( id );
+	if ( !attachment )
+	{
+		return false;
+	}
+	attachment->first.body->activate( true );
+	const_cast<btCollisionObject&>( attachment->secondObject() ).activate( true );
+	return m_step->bodies.attachments.remove( id );
+}
+
+int SoftBodyHost::attachmentCount() const
+{
+	return int( m_step->bodies.attachments.all().size() );
+}
+
+btVector3 SoftBodyHost::attachmentForce( int id ) const
+{
+	const Attachment* const attachment = m_step->bodies.attachments.find( id );
+	return attachment ? toBt( attachment->force ) : btVector3( 0, 0, 0 );
+}
+
+const std::vector<AttachmentEvent>& SoftBodyHost::attachmentEvents() const
+{
+	return m_step->bodies.attachments.events;
+}
+
+} // namespace pliant

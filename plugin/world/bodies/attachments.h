@@ -1,0 +1,81 @@
+#pragma once
+
+// The attachments of a world. Each end is a point of a soft body, moved by up to four of its nodes, or of a rigid body. The implicit block
+// of the island solves them as contacts that pull as well as press (implicit_attachments.cpp); explicit bodies take part with their masses.
+
+#include "lattice/lattice.h"
+#include "pliant/attachment.h"
+#include "world/touch/shared_nodes.h"
+
+#include <vector>
+
+class btCollisionObject;
+
+namespace pliant {
+
+/// A point of a soft body.
+struct AttachedPoint
+{
+	SoftBody* body = nullptr;
+	SharedNodes nodes;        ///< the first is the node that decides which piece keeps the point
+	Vec3d at = Vec3d::Zero(); ///< world, m; valid from noteChange to follow
+};
+
+struct Attachment
+{
+	int id = -1;
+	AttachmentSettings settings;
+	AttachedPoint first, second; ///< second.body null: the second end is rigid
+	btRigidBody* rigid = nullptr;
+	Vec3d rigidPoint = Vec3d::Zero();  ///< in the rigid body's frame, m
+	Vec3d lastForce = Vec3d::Zero();   ///< on the first body in the last substep, N
+	Vec3d stepImpulse = Vec3d::Zero(); ///< in the game step so far, N s
+	double stepTime = 0.0;             ///< of the substeps in stepImpulse, s
+	Vec3d force = Vec3d::Zero();       ///< the mean over the last game step in which it was awake, N
+
+	const btCollisionObject& secondObject() const;
+};
+
+class Attachments
+{
+public:
+	/// Attaches a body at the world position `at`, m, carried by `node` and its neighbours, to a rigid body or another soft one. Returns
+	/// the id.
+	int add( SoftBody& body, int node, const Vec3d& at, btRigidBody& rigid, const AttachmentSettings& settings );
+	int add( SoftBody& body, int node, SoftBody& other, int otherNode, const Vec3d& at, const AttachmentSettings& settings );
+	/// False for an id that is not there.
+	bool remove( int id );
+	/// An object leaves the world.
+	void removeAllOf( const btCollisionObject& object );
+	bool isEmpty() const { return m_attachments.empty(); }
+	bool hold( const SoftBody& body ) const;
+	const Attachment* find( int id ) const;
+	std::vector<Attachment>& all() { return m_attachments; }
+	const std::vector<Attachment>& all() const { return m_attachments; }
+
+	/// Before a body's nodes are renumbered: notes where its points are.
+	void noteChange( const SoftBody& body );
+	/// After a change of levels. `nodeNow`: by old node; kNoNode: gone. Its points keep their positions; those on nodes that are gone are
+	/// carried by the nearest node. Threads may call it at once for different bodies.
+	void follow( const SoftBody& body, const std::vector<std::uint32_t>& nodeNow );
+	/// After pieces have come off a body and taken their points: the same for what is left of it. Points on nodes that are gone (pieces
+	/// that were not made) lose their attachments.
+	void followRemains( const SoftBody& body, const std::vector<std::uint32_t>& nodeNow );
+	/// Points on nodes of a piece that came off belong to the piece. `nodeNow`: by node of the parent; kNoNode: not of the piece.
+	void moveToPiece( const SoftBody& parent, SoftBody& piece, const std::vector<std::uint32_t>& nodeNow );
+
+	/// At the end of a game step: takes the mean forces of its substeps; what exceeds its breaking force breaks.
+	void endStep();
+	std::vector<AttachmentEvent> events;
+
+private:
+	std::vector<Attachment> m_attachments; ///< ascending by id
+	int m_nextId = 0;
+};
+
+/// Returns the position of a point, world, m.
+Vec3d positionOf( const AttachedPoint& point );
+/// Returns the node of a body whose centre is nearest to a position, world, m.
+int nearestNode( const SoftBody& body, const Vec3d& at );
+
+} // namespace pliant

@@ -1,0 +1,118 @@
+// Attachments as contacts of an implicit block that pull as well as press, across the normal as along it:
+//
+//   j = l + k ( b - u ),   b = - r e / h,   e the distance of the two points, u the relative velocity, r = kAttachmentReturn
+//
+// with the last substep's impulse l as the multiplier, so that b is met however soft k is. With a compliance c it is a damped spring
+// instead: l = 0, k = h^2 / c and b = - e / h give j = - h ( e + h u ) / c, the force of the spring at the end of the step.
+
+#include "world/bodies/attachments.h"
+#include "world/bodies/soft_body_impl.h"
+#include "world/constants.h"
+#include "world/implicit/implicit_solve.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace pliant {
+
+namespace {
+
+/// The side of a soft body's point; of prescribed velocity if its node is held or the body is in no block.
+ContactSide softSide( const AttachedPoint& point, int block, const BlockLookup& lookup )
+{
+	ContactSide side;
+	const SoftBody::Impl& impl = point.body->impl();
+	const NodeState& nodes = impl.body->nodes();
+	side.shared = point.nodes;
+	side.node = point.nodes.node[0];
+	if ( lookup.blockOf( *point.body ) != block )
+	{
+		return side;
+	}
+	const bool isHeld = std::any_of( std::begin( point.nodes.node ), std::begin( point.nodes.node ) + point.nodes.count,
+		[&nodes]( int node ) { return nodes.freedom[node] == 0.0f; } );
+	side.soft = isHeld ? -1 : lookup.softPart( *point.body );
+	if ( isHeld )
+	{
+		side.prescribedVelocity = toVec3d( impl.velocity( side.node ) );
+	}
+	return side;
+}
+
+bool isExplicit( const ContactSide& side, const AttachedPoint& point )
+{
+	return side.soft >= 0 && !point.body->impl().isImplicit;
+}
+
+} // namespace
+
+void ImplicitContacts::gatherAttachments( Attachments& attachments, double h, BlockLookup& lookup, std::deque<ImplicitBlock>& blocks )
+{
+	for ( Attachment& attachment : attachments.all() )
+	{
+		const int first = lookup.blockOf( *attachment.first.body );
+		const int block = first < 0 && attachment.second.body ? lookup.blockOf( *attachment.second.body ) : first;
+		if ( block < 0 )
+		{
+			continue;
+		}
+		BlockContact contact;
+		contact.attachment = attachment.id;
+		const Vec3d at = positionOf( attachment.first );
+		Vec3d other;
+		contact.side[0] = softSide( attachment.first, block, lookup );
+		if ( attachment.second.body )
+		{
+			other = positionOf( attachment.second );
+			contact.side[1] = softSide( attachment.second, block, lookup );
+		}
+		else
+		{
+			other = toVec3d( attachment.rigid->getWorldTransform() * toBt( attachment.rigidPoint ) );
+			contact.side[1] = sideOf( *attachment.rigid, block, lookup, other );
+		}
+		if ( !contact.moves() )
+		{
+			continue;
+		}
+		const Vec3d impulse = h * attachment.lastForce;
+		contact.normal = impulse.norm() > 0.0 ? Vec3d( impulse.normalized() ) : Vec3d( Vec3d::UnitY() );
+		contact.compliance = double( attachment.settings.compliance );
+		Vec3d wanted = ( other - at ) / h;
+		if ( contact.compliance == 0.0 )
+		{
+			wanted *= kAttachmentReturn;
+			wanted *= std::min( 1.0, kPushOutSpeed / std::max( wanted.norm(), kPushOutSpeed ) );
+			// An explicit body's nodes resist with their masses alone: k may be large, and a multiplier, which lags, would drive
+			// vibrations.
+			contact.hasExplicitSide = isExplicit( contact.side[0], attachment.first ) || isExplicit( contact.side[1], attachment.second );
+			contact.normalImpulse = contact.hasExplicitSide ? 0.0 : impulse.dot( contact.normal );
+			contact.tangentImpulse = contact.hasExplicitSide ? Vec3d( Vec3d::Zero() )
+															 : Vec3d( impulse - contact.normalImpulse * contact.normal );
+		}
+		contact.target = contact.targetWithoutBounce = wanted.dot( contact.normal );
+		contact.tangentTarget = wanted - contact.target * contact.normal;
+		contact.timeStep = h;
+		ImplicitBlock& own = blocks[std::size_t( block )];
+		contact.velocityBefore = own.velocityBefore( contact );
+		own.contacts.push_back( contact );
+	}
+}
+
+void ImplicitContacts::storeForces( const ImplicitBlock& block, Attachments& attachments )
+{
+	for ( const BlockContact& contact : block.contacts )
+	{
+		if ( !contact.isAttachment() )
+		{
+			continue;
+		}
+		const auto found = std::lower_bound( attachments.all().begin(), attachments.all().end(), contact.attachment,
+			[]( const Attachment& attachment, int id ) { return attachment.id < id; } );
+		found->lastForce = contact.impulse() / contact.timeStep;
+		found->stepImpulse += contact.impulse();
+		found->stepTime += contact.timeStep;
+	}
+}
+
+} // namespace pliant
