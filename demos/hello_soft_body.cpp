@@ -1,5 +1,5 @@
 // A soft cube falls on a rigid box: a whole program. Build it with find_package( pliant ) and the target pliant::pliant.
-#include <pliant/soft_body_world.h>
+#include <pliant/pliant.h>
 
 #include <btBulletDynamicsCommon.h>
 

@@ -100,7 +100,7 @@ void MouseGrab::apply()
 		if ( ( m_soft->nodePosition( i ) - centre ).length() < radius )
 		{
 			const btVector3 pull = ( m_target - centre ) * ( kFrequency * kFrequency ) - m_soft->linearVelocity() * ( 2 * kFrequency );
-			m_soft->applyForce( pull * ( m_soft->nodeMass( i ) * fraction ), i );
+			static_cast<void>( m_soft->applyForce( pull * ( m_soft->nodeMass( i ) * fraction ), i ) ); // too strong a pull is left out
 		}
 	}
 }

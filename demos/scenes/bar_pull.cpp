@@ -4,6 +4,7 @@
 // | they break at should be what was set, whatever the angle.                                                        |
 // +-----------------------------------------------------------------------------------------------------------------+
 
+#include "demos/must_succeed.h"
 #include "demos/palette.h"
 #include "demos/scene.h"
 #include "demos/shapes.h"
@@ -167,7 +168,7 @@ private:
 			return false;
 		}
 		bar.body->setUserIndex2( int( &bar - m_bars.data() ) );
-		bar.body->setGravity( btVector3( 0, 0, 0 ) );
+		mustSucceed( bar.body->setGravity( btVector3( 0, 0, 0 ) ) );
 		bar.body->setActivationState( DISABLE_DEACTIVATION );
 		const btScalar z = btScalar( bar.z ), high = 1;
 		bar.body->pinNodesInside(
@@ -178,7 +179,7 @@ private:
 		{
 			// Begins in even motion: nothing runs to and fro in it.
 			const btScalar speed = btScalar( kRate ) * bar.body->nodePosition( i ).x();
-			bar.body->applyImpulse( btVector3( speed * bar.body->nodeMass( i ), 0, 0 ), i );
+			mustSucceed( bar.body->applyImpulse( btVector3( speed * bar.body->nodeMass( i ), 0, 0 ), i ) );
 		}
 		return true;
 	}
@@ -194,7 +195,7 @@ private:
 				if ( piece.isPinned( i ) )
 				{
 					const btVector3 at = piece.nodePosition( i );
-					piece.driveNode( i, at + btVector3( at.x() > 0 ? far : -far, 0, 0 ) );
+					mustSucceed( piece.driveNode( i, at + btVector3( at.x() > 0 ? far : -far, 0, 0 ) ) );
 				}
 			}
 		}

@@ -4,6 +4,7 @@
 // | docs/design/contacts.md.                                                                                        |
 // +-----------------------------------------------------------------------------------------------------------------+
 
+#include "demos/must_succeed.h"
 #include "demos/palette.h"
 #include "demos/scene.h"
 #include "demos/shapes.h"
@@ -59,7 +60,7 @@ public:
 		{
 			return false;
 		}
-		m_softBall->setVelocities( btVector3( kSpeed, 1, 0 ), btVector3( 0, 5, -10 ) );
+		mustSucceed( m_softBall->setVelocities( btVector3( kSpeed, 1, 0 ), btVector3( 0, 5, -10 ) ) );
 		stage.addBox( btVector3( kWallThick, btScalar( 1.4 ), btScalar( 1.2 ) ), at( kWallX, btScalar( 0.7 ), kLane ), 0, kSlate )
 			->setRestitution( btScalar( 0.4 ) );
 

@@ -2,6 +2,7 @@
 // | bunny_pile, the main scene: soft and rigid bodies meet, roll and pile up, and a joint is in their way.            |
 // +-----------------------------------------------------------------------------------------------------------------+
 
+#include "demos/must_succeed.h"
 #include "demos/palette.h"
 #include "demos/scene.h"
 #include "demos/shapes.h"
@@ -132,7 +133,7 @@ private:
 		pliant::SoftBody* bunny = stage.addSoft( order );
 		if ( bunny != nullptr )
 		{
-			bunny->setVelocities( btVector3( btScalar( 1.4 ), 0, 0 ), btVector3( 0, 0, -2 ) );
+			mustSucceed( bunny->setVelocities( btVector3( btScalar( 1.4 ), 0, 0 ), btVector3( 0, 0, -2 ) ) );
 		}
 		return bunny != nullptr;
 	}
@@ -153,7 +154,7 @@ private:
 		pliant::SoftBody* glob = stage.addSoft( order );
 		if ( glob != nullptr )
 		{
-			glob->setVelocities( btVector3( 1, 0, 0 ), btVector3( 0, 0, -3 ) );
+			mustSucceed( glob->setVelocities( btVector3( 1, 0, 0 ), btVector3( 0, 0, -3 ) ) );
 		}
 		return glob != nullptr;
 	}

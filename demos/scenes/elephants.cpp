@@ -4,6 +4,7 @@
 // | known; fifteen are in the picture.                                                                               |
 // +-----------------------------------------------------------------------------------------------------------------+
 
+#include "demos/must_succeed.h"
 #include "demos/palette.h"
 #include "demos/scene.h"
 #include "demos/shapes.h"
@@ -198,7 +199,8 @@ private:
 			// As fast as if it had fallen from the top layer of fifteen, whatever layer it begins in: each of five brings as much energy as
 			// each of fifteen. Thrown alike, what more bodies cost would be mixed up with what higher falls do.
 			const btScalar fallen = kLayer * btScalar( kTopLayer - layer );
-			elephant->setLinearVelocity( btVector3( 0, -std::sqrt( -2 * herd.stage->world().getGravity().y() * fallen ), 0 ) );
+			mustSucceed(
+				elephant->setLinearVelocity( btVector3( 0, -std::sqrt( -2 * herd.stage->world().getGravity().y() * fallen ), 0 ) ) );
 		}
 		return true;
 	}

@@ -4,6 +4,7 @@
 // +-----------------------------------------------------------------------------------------------------------------+
 
 #include "demos/creatures.h"
+#include "demos/must_succeed.h"
 #include "demos/palette.h"
 #include "demos/scene.h"
 
@@ -75,7 +76,7 @@ public:
 				const btScalar exposed = std::clamp(
 					flower->nodePosition( i ).y() / btScalar( kFlowerHeadMiddle ), btScalar( 0 ), btScalar( 1 ) );
 				const btScalar force = gust * exposed * flower->nodeMass( i );
-				flower->applyForce( btVector3( force, 0, force * btScalar( 0.35 * std::sin( 1.7 * phase ) ) ), i );
+				mustSucceed( flower->applyForce( btVector3( force, 0, force * btScalar( 0.35 * std::sin( 1.7 * phase ) ) ), i ) );
 			}
 		}
 	}
@@ -131,7 +132,7 @@ private:
 		{
 			return;
 		}
-		flower->setGravity( btVector3( 0, 0, 0 ) ); // growing things have grown against it
+		mustSucceed( flower->setGravity( btVector3( 0, 0, 0 ) ) ); // growing things have grown against it
 		flower->pinNodesInside( btVector3( x - 1, -1, z - 1 ), btVector3( x + 1, kFootHeight, z + 1 ) );
 		const pliant_glue::Colour petals[] = { kBrick, kOchre, kPlum, kTerracotta };
 		std::vector<float> colours;

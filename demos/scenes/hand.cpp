@@ -5,6 +5,7 @@
 // +-----------------------------------------------------------------------------------------------------------------+
 
 #include "demos/creatures.h"
+#include "demos/must_succeed.h"
 #include "demos/palette.h"
 #include "demos/scene.h"
 
@@ -106,7 +107,7 @@ public:
 			{
 				for ( const int node : tip.nodes )
 				{
-					hand->body->applyForce( btVector3( 0, 0, m_pull * hand->body->nodeMass( node ) / tip.mass ), node );
+					mustSucceed( hand->body->applyForce( btVector3( 0, 0, m_pull * hand->body->nodeMass( node ) / tip.mass ), node ) );
 				}
 			}
 		}
@@ -187,8 +188,8 @@ private:
 		{
 			return false;
 		}
-		hand.body->setGravity(
-			btVector3( 0, 0, 0 ) ); // upright fingers this soft are near buckling under their weight, which hides their stiffness
+		mustSucceed( hand.body->setGravity(
+			btVector3( 0, 0, 0 ) ) ); // upright fingers this soft are near buckling under their weight, which hides their stiffness
 		hand.body->pinNodesInside( btVector3( kThumbSide, -1, -1 ), btVector3( 1, kHeldTo, 1 ) );
 		for ( const Digit& digit : handDigits() )
 		{

@@ -4,6 +4,7 @@
 // +-----------------------------------------------------------------------------------------------------------------+
 
 #include "demos/liver.h"
+#include "demos/must_succeed.h"
 #include "demos/palette.h"
 #include "demos/scene.h"
 #include "demos/shapes.h"
@@ -87,7 +88,7 @@ public:
 		{
 			return false;
 		}
-		m_liver->setSelfCollision( true );
+		mustSucceed( m_liver->setSelfCollision( true ) );
 		m_liver->setActivationState( DISABLE_DEACTIVATION ); // asleep it would cost nothing
 		return m_liver->pinNodesInside( btVector3( -2, kLift + kHeldFrom, -2 ), btVector3( 2, kLift + 2, 2 ) ) > 0;
 	}

@@ -3,6 +3,7 @@
 // | as exact faces and as exact faces with noise. They are pulled apart in the air and then fall.                    |
 // +-----------------------------------------------------------------------------------------------------------------+
 
+#include "demos/must_succeed.h"
 #include "demos/palette.h"
 #include "demos/scene.h"
 #include "demos/shapes.h"
@@ -69,7 +70,7 @@ public:
 				return false;
 			}
 			way.body->setUserIndex2( int( i ) );
-			way.body->setGravity( btVector3( 0, 0, 0 ) ); // pieces take it over
+			mustSucceed( way.body->setGravity( btVector3( 0, 0, 0 ) ) ); // pieces take it over
 		}
 		return true;
 	}
@@ -87,11 +88,11 @@ public:
 			if ( isAt( kCracksAt + 1.0 / 60 ) )
 			{
 				const btVector3 middle( placeOf( std::size_t( piece.getUserIndex2() ) ), kHeight, 0 );
-				piece.setLinearVelocity( ( piece.massCentre() - middle ) * kPull );
+				mustSucceed( piece.setLinearVelocity( ( piece.massCentre() - middle ) * kPull ) );
 			}
 			else if ( isAt( kStopsAt ) )
 			{
-				piece.setLinearVelocity( btVector3( 0, 0, 0 ) );
+				mustSucceed( piece.setLinearVelocity( btVector3( 0, 0, 0 ) ) );
 			}
 			else if ( isAt( kFallsAt ) )
 			{

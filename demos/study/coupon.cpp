@@ -3,6 +3,7 @@
 // +-----------------------------------------------------------------------------------------------------------------+
 
 #include "demos/study/coupon.h"
+#include "demos/must_succeed.h"
 
 #include "demos/shapes.h"
 #include "demos/study/subject.h"
@@ -72,7 +73,7 @@ Coupon::Coupon( const CouponOrder& order ) : m_order( order )
 		throw std::runtime_error( "a testing piece was refused" );
 	}
 	// Bodies stand as their mesh does: back by the angle that the lattice was turned by.
-	m_body->reset( btTransform( btQuaternion( btVector3( 0, 0, 1 ), btScalar( -order.degrees * kRadian ) ) ) );
+	pliant_demos::mustSucceed( m_body->reset( btTransform( btQuaternion( btVector3( 0, 0, 1 ), btScalar( -order.degrees * kRadian ) ) ) ) );
 	m_body->setActivationState( DISABLE_DEACTIVATION ); // to be put anew makes it an ordinary body
 	for ( int i = 0; i < m_body->nodeCount(); ++i )
 	{
@@ -104,7 +105,7 @@ int Coupon::hold( const Where& where )
 	const std::vector<int> nodes = nodesIn( where );
 	for ( const int i : nodes )
 	{
-		m_body->pinNode( i );
+		pliant_demos::mustSucceed( m_body->pinNode( i ) );
 	}
 	return int( nodes.size() );
 }
@@ -115,7 +116,7 @@ void Coupon::drive( const Field& to )
 	{
 		if ( m_body->isPinned( i ) )
 		{
-			m_body->driveNode( i, toBullet( to( rest( i ) ) ) );
+			pliant_demos::mustSucceed( m_body->driveNode( i, toBullet( to( rest( i ) ) ) ) );
 		}
 	}
 }
@@ -174,7 +175,7 @@ void Coupon::applyForces()
 	{
 		if ( !m_force[std::size_t( i )].isZero( 0 ) )
 		{
-			m_body->applyForce( toBullet( m_force[std::size_t( i )] ), i );
+			pliant_demos::mustSucceed( m_body->applyForce( toBullet( m_force[std::size_t( i )] ), i ) );
 		}
 	}
 	for ( const Couple& couple : m_couples )
@@ -195,7 +196,8 @@ void Coupon::applyForces()
 		const Eigen::Vector3d along = Eigen::Vector3d( c, s, 0 ).normalized();
 		for ( const int i : couple.nodes )
 		{
-			m_body->applyForce( toBullet( couple.perMass * mass( i ) * ( rest( i ).y() - couple.middle ) * along ), i );
+			pliant_demos::mustSucceed(
+				m_body->applyForce( toBullet( couple.perMass * mass( i ) * ( rest( i ).y() - couple.middle ) * along ), i ) );
 		}
 	}
 }
@@ -206,7 +208,7 @@ void Coupon::put( const Field& to )
 	for ( int i = 0; i < count(); ++i )
 	{
 		wasHeld.push_back( m_body->isPinned( i ) );
-		m_body->driveNode( i, toBullet( to( rest( i ) ) ) );
+		pliant_demos::mustSucceed( m_body->driveNode( i, toBullet( to( rest( i ) ) ) ) );
 	}
 	m_world.world().stepSimulation( btScalar( m_order.gameStep ), 0 );
 	for ( int i = 0; i < count(); ++i )
@@ -216,7 +218,7 @@ void Coupon::put( const Field& to )
 			m_body->releaseNode( i );
 		}
 	}
-	m_body->setLinearVelocity( btVector3( 0, 0, 0 ) );
+	pliant_demos::mustSucceed( m_body->setLinearVelocity( btVector3( 0, 0, 0 ) ) );
 }
 
 void Coupon::step()
@@ -254,7 +256,7 @@ bool Coupon::settle( int most )
 			{
 				return true;
 			}
-			m_body->setLinearVelocity( btVector3( 0, 0, 0 ) );
+			pliant_demos::mustSucceed( m_body->setLinearVelocity( btVector3( 0, 0, 0 ) ) );
 			peak = 0;
 		}
 	}

@@ -72,14 +72,18 @@ private:
 
 	void addBreaking()
 	{
-		add( "fracture", "idle: strong" ).prepare = []( pliant::SoftBody& body ) { body.setFracture( breaking( 10.0f ) ); };
+		add( "fracture", "idle: strong" ).prepare = []( pliant::SoftBody& body ) {
+			static_cast<void>( body.setFracture( breaking( 10.0f ) ) );
+		};
 		add( "fracture", "working: cut in two" ).prepare = []( pliant::SoftBody& body ) {
-			body.setFracture( breaking( 10.0f ) );
+			static_cast<void>( body.setFracture( breaking( 10.0f ) ) );
 			body.cutPlane( body.massCentre(), btVector3( 1, 0, 0 ) );
 		};
-		add( "self-collision", "idle: whole" ).prepare = []( pliant::SoftBody& body ) { body.setSelfCollision( true ); };
+		add( "self-collision", "idle: whole" ).prepare = []( pliant::SoftBody& body ) {
+			static_cast<void>( body.setSelfCollision( true ) );
+		};
 		add( "self-collision", "working: a deep cut" ).prepare = []( pliant::SoftBody& body ) {
-			body.setSelfCollision( true );
+			static_cast<void>( body.setSelfCollision( true ) );
 			body.cutPlane( body.massCentre() + btVector3( 0, btScalar( 0.3 ), 0 ), btVector3( 1, 0, 0 ), btScalar( 0.7 ) );
 		};
 	}

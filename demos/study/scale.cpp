@@ -3,6 +3,7 @@
 // +-----------------------------------------------------------------------------------------------------------------+
 
 #include "demos/study/scale.h"
+#include "demos/must_succeed.h"
 
 #include "demos/study/small_world.h"
 #include "demos/study/subject.h"
@@ -81,7 +82,8 @@ void addFlying( SmallWorld& world, int bodies, int nodesEach )
 	for ( int k = 0; k < bodies; ++k )
 	{
 		pliant::SoftBody* body = world.add( shape, btVector3( btScalar( 2 * edge * kCell * k ), 0, 0 ), stiffEnough() );
-		body->setVelocities( btVector3( 0, 0, 0 ), btVector3( btScalar( 0.1 ), btScalar( 0.3 ), btScalar( 0.2 ) ) );
+		pliant_demos::mustSucceed(
+			body->setVelocities( btVector3( 0, 0, 0 ), btVector3( btScalar( 0.1 ), btScalar( 0.3 ), btScalar( 0.2 ) ) ) );
 	}
 }
 

@@ -2,6 +2,7 @@
 // | A body of Pliant's under study, through the public face alone.                                                   |
 // +-----------------------------------------------------------------------------------------------------------------+
 
+#include "demos/must_succeed.h"
 #include "demos/study/small_world.h"
 #include "demos/study/subject.h"
 
@@ -130,7 +131,10 @@ public:
 		return sum;
 	}
 
-	void setVelocities( const btVector3& linear, const btVector3& angular ) override { m_body->setVelocities( linear, angular ); }
+	void setVelocities( const btVector3& linear, const btVector3& angular ) override
+	{
+		pliant_demos::mustSucceed( m_body->setVelocities( linear, angular ) );
+	}
 
 	int hold( const btVector3& low, const btVector3& high ) override
 	{
@@ -153,7 +157,7 @@ public:
 				const btVector3 at = body.isPinned( i ) ? body.nodePosition( i ) : btVector3( 0, 0, 0 );
 				if ( body.isPinned( i ) && ( double( at.y() ) > height ) == upper )
 				{
-					body.driveNode( i, to( at ) );
+					pliant_demos::mustSucceed( body.driveNode( i, to( at ) ) );
 				}
 			}
 		}
@@ -192,11 +196,11 @@ public:
 	{
 		for ( int i = 0; i < m_body->nodeCount(); ++i )
 		{
-			m_body->driveNode( i, to( i, m_body->nodePosition( i ) ) );
+			pliant_demos::mustSucceed( m_body->driveNode( i, to( i, m_body->nodePosition( i ) ) ) );
 		}
 		step( seconds );
 		release();
-		m_body->setVelocities( btVector3( 0, 0, 0 ), btVector3( 0, 0, 0 ) );
+		pliant_demos::mustSucceed( m_body->setVelocities( btVector3( 0, 0, 0 ), btVector3( 0, 0, 0 ) ) );
 	}
 
 	int substepsNeeded() const override { return m_body->stiffnessPlan().substepsNeeded; }

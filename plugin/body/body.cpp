@@ -74,11 +74,11 @@ Result<std::unique_ptr<Body>> Body::create( std::shared_ptr<const Lattice> latti
 	}
 	if ( adaptivity.coarseLevels > 0 && material.method != Method::Lattice )
 	{
-		return Made::failure( ResultCode::BadArgument, "Adaptivity: levels need Method::Lattice." );
+		return Made::failure( ResultCode::BadSettings, "Adaptivity: levels need Method::Lattice." );
 	}
 	if ( adaptivity.coarseLevels > 0 && material.farLevels > 0 )
 	{
-		return Made::failure( ResultCode::BadArgument, "Adaptivity: a body with levels of detail takes no Material::farLevels." );
+		return Made::failure( ResultCode::BadSettings, "Adaptivity: a body with levels of detail takes no Material::farLevels." );
 	}
 	try
 	{
@@ -119,7 +119,7 @@ Status Body::setMaterial( const Material& wanted )
 	}
 	if ( m_breaking && wanted.method != Method::Lattice )
 	{
-		return Status{ ResultCode::BadArgument, "A body that can break needs Method::Lattice." };
+		return Status{ ResultCode::BadMaterial, "A body that can break needs Method::Lattice." };
 	}
 	Material material = wanted;
 	material.farLevels = usefulFarLevels( *m_lattice, wanted.farLevels );
@@ -132,7 +132,7 @@ Status Body::setMaterial( const Material& wanted )
 		{
 			if ( m_levels )
 			{
-				return Status{ ResultCode::BadArgument,
+				return Status{ ResultCode::BadMaterial,
 					"Method, weights, beta, half-width and far levels of a body with levels are fixed when it is made." };
 			}
 			matcher = makeMatcher( material );

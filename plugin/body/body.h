@@ -156,6 +156,8 @@ public:
 	const std::vector<std::uint32_t>& firstCells() const { return m_firstCell; }
 	/// The inverse: index in this body of a cell of that lattice; kNoNode where this body does not contain it.
 	std::uint32_t ownCell( std::uint32_t first ) const;
+	/// Index in that lattice of the first of the cells that a node contains.
+	std::uint32_t firstCellOfNode( int node ) const;
 
 	// --- one substep of length h, s ---------------------------------------------------------------------------------
 	/// Shape matching and damping: v += (alpha e + k de) / h, and wobble damping of v. `runner` may be null (calling thread only).
@@ -193,6 +195,8 @@ public:
 
 	// --- measures ---------------------------------------------------------------------------------------------------
 	BodySums sums() const;
+	/// The spin over the inertia of all nodes as mass points, rad/s; zero about an axis on which all nodes lie.
+	Vec3d angularVelocity() const;
 	/// The rigid motion that fits the body best (mass centre in world coordinates, rotation of all nodes together). `guess`: the rotation
 	/// where the nodes leave it undetermined (few of them, or collinear ones).
 	Placement bestFit( const Eigen::Quaterniond& guess = Eigen::Quaterniond::Identity() ) const;

@@ -79,7 +79,7 @@ Status Body::setFracture( const Fracture& fracture, const ToughnessField& field 
 	}
 	if ( m_material.method != Method::Lattice )
 	{
-		return Status{ ResultCode::BadArgument, "Fracture needs Method::Lattice." };
+		return Status{ ResultCode::BadSettings, "Fracture needs Method::Lattice." };
 	}
 	try
 	{

@@ -4,7 +4,10 @@
 #include "body/levels/levels.h"
 
 #include "matching/matcher.h"
+#include "matching/regions/region_moments.h"
 #include "matching/rotation.h"
+
+#include <algorithm>
 
 namespace pliant {
 
@@ -26,6 +29,18 @@ BodySums Body::sums() const
 		sums.spin += double( m_nodes.mass[i] ) * arm.cross( m_nodes.v.get( i ).cast<double>() );
 	}
 	return sums;
+}
+
+Vec3d Body::angularVelocity() const
+{
+	const BodySums whole = sums();
+	Eigen::Matrix3d second = Eigen::Matrix3d::Zero();
+	for ( int i = 0; i < m_nodes.count; ++i )
+	{
+		const Vec3d arm = m_nodes.x.get( i ).cast<double>() - whole.centre;
+		second += double( m_nodes.mass[i] ) * arm * arm.transpose();
+	}
+	return inverseOfPart( second.trace() * Eigen::Matrix3d::Identity() - second, whole.mass ) * whole.spin;
 }
 
 Placement Body::bestFit( const Eigen::Quaterniond& guess ) const
@@ -56,6 +71,19 @@ std::uint32_t Body::ownCell( std::uint32_t first ) const
 	}
 	const auto found = std::lower_bound( m_firstCell.begin(), m_firstCell.end(), first );
 	return found != m_firstCell.end() && *found == first ? std::uint32_t( found - m_firstCell.begin() ) : kNoNode;
+}
+
+std::uint32_t Body::firstCellOfNode( int node ) const
+{
+	std::uint32_t cell = std::uint32_t( node );
+	if ( m_levels )
+	{
+		const Octree& octree = m_levels->octree();
+		const std::uint32_t above = m_levels->cut().node[std::size_t( node )];
+		const auto begin = octree.cells.begin() + octree.cellStart[above];
+		cell = *std::min_element( begin, begin + octree.cellCount[above] );
+	}
+	return m_firstCell.empty() ? cell : m_firstCell[cell];
 }
 
 int Body::nodeOfCell( std::uint32_t cell ) const

@@ -13,7 +13,7 @@ bool within( float value, float low, float high )
 
 Status refuse( const char* sentence )
 {
-	return Status{ ResultCode::BadArgument, sentence };
+	return Status{ ResultCode::BadSettings, sentence };
 }
 
 } // namespace

@@ -21,10 +21,6 @@ const char* toString( ResultCode code )
 		case ResultCode::BadSettings: return "BadSettings";
 		case ResultCode::BadMaterial: return "BadMaterial";
 		case ResultCode::BadArgument: return "BadArgument";
-		case ResultCode::FileNotFound: return "FileNotFound";
-		case ResultCode::FileUnreadable: return "FileUnreadable";
-		case ResultCode::FileTooLarge: return "FileTooLarge";
-		case ResultCode::TimeLimit: return "TimeLimit";
 		case ResultCode::TooFolded: return "TooFolded";
 	}
 	return "unknown";

@@ -5,6 +5,7 @@
 #include "matching/stiffness.h"
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 
 namespace pliant {
@@ -172,6 +173,7 @@ Status check( const Material& material )
 
 StiffnessPlan planStiffness( const Material& material, float cellSize, float gameStep, int substeps )
 {
+	assert( cellSize > 0.0f && gameStep > 0.0f && substeps >= 1 );
 	StiffnessPlan plan;
 	const double h = double( gameStep ) / std::max( substeps, 1 );
 

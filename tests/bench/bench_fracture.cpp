@@ -45,7 +45,7 @@ void fractureTest( benchmark::State& state )
 	const std::unique_ptr<Body> body = block( state );
 	Fracture fracture;
 	fracture.rule = BreakRule::Distance;
-	body->setFracture( fracture );
+	static_cast<void>( body->setFracture( fracture ) );
 	for ( auto _ : state )
 	{
 		body->testLinks( kStep );
@@ -120,8 +120,8 @@ void fractureThrown( benchmark::State& state )
 		Fracture fracture;
 		fracture.rule = BreakRule( state.range( 0 ) );
 		fracture.breakStrain = 1e-3f * float( state.range( 1 ) );
-		body->setFracture( fracture );
-		body->setVelocities( btVector3( 1, -20, 0 ), btVector3( 1, 2, 1 ) );
+		static_cast<void>( body->setFracture( fracture ) );
+		static_cast<void>( body->setVelocities( btVector3( 1, -20, 0 ), btVector3( 1, 2, 1 ) ) );
 		body->surface();
 		links = 0;
 		for ( int frame = 0; frame < kFrames; ++frame )

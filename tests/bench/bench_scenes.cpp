@@ -49,7 +49,7 @@ void selfCollision( benchmark::State& state )
 	material.youngsModulus = 1e5f;
 	SoftBody* body = scene.add( test::cubeTemplate( 1.0f, 13 ), btVector3( 0, btScalar( 0.51 ), 0 ), material );
 	body->setActivationState( DISABLE_DEACTIVATION );
-	body->setSelfCollision( state.range( 0 ) != 0 );
+	static_cast<void>( body->setSelfCollision( state.range( 0 ) != 0 ) );
 	scene.step( 60 );
 	for ( auto _ : state )
 	{

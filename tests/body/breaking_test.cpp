@@ -81,19 +81,19 @@ TEST( Breaking, RefusesInvalidSettings )
 	{
 		Fracture wrong = fracture;
 		wrong.breakStrain = bad;
-		EXPECT_EQ( body->setFracture( wrong ).code, ResultCode::BadArgument );
+		EXPECT_EQ( body->setFracture( wrong ).code, ResultCode::BadSettings );
 	}
 	Fracture wrong = fracture;
 	wrong.maxPieces = 0;
-	EXPECT_EQ( body->setFracture( wrong ).code, ResultCode::BadArgument );
+	EXPECT_EQ( body->setFracture( wrong ).code, ResultCode::BadSettings );
 	ToughnessField field;
 	field.fraction = []( const float*, const float*, void* ) { return 0.0f; };
 	EXPECT_EQ( body->setFracture( fracture, field ).code, ResultCode::BadArgument );
 	EXPECT_NE( body->breaking(), nullptr ); // the settings stay as they were
 	Material cluster;
 	cluster.method = Method::SingleCluster;
-	EXPECT_EQ( makeBody( lattice, {}, cluster )->setFracture( fracture ).code, ResultCode::BadArgument );
-	EXPECT_EQ( body->setMaterial( cluster ).code, ResultCode::BadArgument );
+	EXPECT_EQ( makeBody( lattice, {}, cluster )->setFracture( fracture ).code, ResultCode::BadSettings );
+	EXPECT_EQ( body->setMaterial( cluster ).code, ResultCode::BadMaterial );
 
 	// Strength is in pascals: a stiffer body breaks at less strain.
 	fracture.strength = 1e4f;

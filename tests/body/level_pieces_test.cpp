@@ -76,12 +76,13 @@ BodyPair makePair( unsigned seed, int coarseLevels, int halfWidth, bool isSoftIn
 			body.nodes().v.set(
 				i, Vec3( 3.0f, -1.0f, 2.0f ).cross( x0 ) + 2.0f * Vec3( x0.x(), -x0.y(), 0.5f * x0.z() ) + shake.inBox( 0.5f ) );
 		}
-		body.setFracture( [] {
-			Fracture f;
-			f.rule = BreakRule::Distance;
-			f.breakStrain = 5.0f;
-			return f;
-		}() );
+		EXPECT_TRUE( body.setFracture( [] {
+							 Fracture f;
+							 f.rule = BreakRule::Distance;
+							 f.breakStrain = 5.0f;
+							 return f;
+						 }() )
+						 .ok() );
 	} );
 	return pair;
 }

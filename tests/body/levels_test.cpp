@@ -46,13 +46,13 @@ TEST( Levels, RefuseInvalidSettings )
 {
 	const auto lattice = std::make_shared<const Lattice>( makeBlockLattice( 4, 4, 4, 0.1f ) );
 	Adaptivity settings = levels( 9 );
-	EXPECT_EQ( Body::create( lattice, {}, {}, nullptr, settings ).status.code, ResultCode::BadArgument );
+	EXPECT_EQ( Body::create( lattice, {}, {}, nullptr, settings ).status.code, ResultCode::BadSettings );
 	settings = levels( 1 );
 	settings.refineStrain = std::nanf( "" );
-	EXPECT_EQ( Body::create( lattice, {}, {}, nullptr, settings ).status.code, ResultCode::BadArgument );
+	EXPECT_EQ( Body::create( lattice, {}, {}, nullptr, settings ).status.code, ResultCode::BadSettings );
 	Material cluster;
 	cluster.method = Method::SingleCluster;
-	EXPECT_EQ( Body::create( lattice, cluster, {}, nullptr, levels( 1 ) ).status.code, ResultCode::BadArgument );
+	EXPECT_EQ( Body::create( lattice, cluster, {}, nullptr, levels( 1 ) ).status.code, ResultCode::BadSettings );
 }
 
 // Where the surface is slanted, big nodes at its edge have planar regions. Their cells' offsets across the plane must not rotate the

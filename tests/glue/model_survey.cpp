@@ -99,7 +99,8 @@ double dropOnFloor( const std::shared_ptr<const pliant::BodyTemplate>& shape, co
 	{
 		pliant::SoftBodyResult made = pliant::SoftBody::create( shape, btTransform::getIdentity() );
 		pliant::SoftBody& body = *made.value;
-		body.teleport( btTransform( btQuaternion::getIdentity(), btVector3( 0, btScalar( kDropHeight - lowestDrawn( body, mesh ) ), 0 ) ) );
+		static_cast<void>( body.teleport(
+			btTransform( btQuaternion::getIdentity(), btVector3( 0, btScalar( kDropHeight - lowestDrawn( body, mesh ) ), 0 ) ) ) );
 		world.addSoftBody( &body );
 		for ( int frame = 0; frame < kSurveyFrames; ++frame )
 		{

@@ -46,7 +46,7 @@ protected:
 			{
 				if ( body->massCentre().y() < 2 )
 				{
-					body->setLinearVelocity( btVector3( 0, 5, 0 ) );
+					EXPECT_TRUE( body->setLinearVelocity( btVector3( 0, 5, 0 ) ).ok() );
 				}
 				scene.world.stepSimulation( kFrame, 0 );
 				EXPECT_TRUE( body->isActive() );
@@ -220,7 +220,7 @@ void hoverBeside( test::TestWorld& scene, btScalar halfWidth, btScalar height )
 {
 	SoftBody* const cube = scene.addSoft(
 		test::block( 4, 4, 4, 0.1f ), at( halfWidth + btScalar( 0.23 ), height, 0 ), test::stepping( Elasticity::Explicit, 1e5f ) );
-	cube->setGravity( btVector3( 0, 0, 0 ) );
+	EXPECT_TRUE( cube->setGravity( btVector3( 0, 0, 0 ) ).ok() );
 	cube->setActivationState( DISABLE_DEACTIVATION );
 }
 

@@ -96,7 +96,7 @@ struct Twins : SoftWorld
 		floor->setFriction( 0 );
 		softOne = add( cubeTemplate( 0.5f, 5 ), btVector3( 0, height, 0 ), materialOf( elasticity, 1e5f ) );
 		rigidOne = WorldOf<SoftBodyWorld>::add( 125, new btBoxShape( btVector3( 1, 1, 1 ) * btScalar( 0.25 ) ), btVector3( 0, height, 3 ) );
-		softOne->setLinearVelocity( velocity );
+		EXPECT_TRUE( softOne->setLinearVelocity( velocity ).ok() );
 		rigidOne->setLinearVelocity( velocity );
 		softFrom = softOne->massCentre();
 		rigidFrom = rigidOne->getCenterOfMassPosition();

@@ -51,7 +51,7 @@ TEST_P( HeldBodies, DoNotAffectOtherContacts )
 TEST_P( HeldBodies, CarryFallingBodies )
 {
 	hold( btCollisionObject::CF_STATIC_OBJECT );
-	m_cube->teleport( at( 0, 2, 0 ) );
+	EXPECT_TRUE( m_cube->teleport( at( 0, 2, 0 ) ).ok() );
 	btRigidBody* const box = m_own.addBox(
 		200, btVector3( btScalar( 0.3 ), btScalar( 0.3 ), btScalar( 0.3 ) ), at( 0, btScalar( 3.5 ), 0 ) );
 	SoftBody* const ball = m_own.addSoft(
@@ -76,7 +76,7 @@ TEST_P( HeldBodies, LiftBodiesOnThem )
 	const btScalar from = box->getWorldTransform().getOrigin().y();
 	for ( int k = 0; k < 100; ++k )
 	{
-		m_cube->teleport( at( 0, btScalar( 0.01 ), 0 ) );
+		EXPECT_TRUE( m_cube->teleport( at( 0, btScalar( 0.01 ), 0 ) ).ok() );
 		m_own.run( 1 );
 	}
 	EXPECT_NEAR( box->getWorldTransform().getOrigin().y() - from, 1, 0.03 );

@@ -109,7 +109,7 @@ TEST( Membership, APairThatIsIgnoredWhileItTouchesFallsApart )
 		SoftBody* body = t.addSoft( block( 4, 4, 4, 0.1f ), at( 0, kHalf, 0 ), material );
 		EXPECT_NEAR( ignoring( t, floor, *body ).y, kHalf - 10 * 0.25 / 2, 0.15 ) << "it falls freely";
 		floor->setIgnoreCollisionCheck( body, false );
-		body->reset( at( 0, kHalf, 0 ) );
+		EXPECT_TRUE( body->reset( at( 0, kHalf, 0 ) ).ok() );
 		t.run( 60 );
 		EXPECT_NEAR( body->massCentre().y(), kHalf, 0.02 );
 	}

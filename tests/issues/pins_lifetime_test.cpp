@@ -39,7 +39,7 @@ TEST( PinsLifetime, ARemovedBodyIsNotPinnedToADeletedOne )
 		EXPECT_FALSE( lamp->isPinned( 0 ) );
 		t.run( 10 );
 		EXPECT_LT( lamp->linearVelocity().y(), btScalar( -0.5 ) );
-		lamp->reset( at( 0, 1, 0 ) );
+		EXPECT_TRUE( lamp->reset( at( 0, 1, 0 ) ).ok() );
 		if ( madeAnew )
 		{
 			t.world.removeRigidBody( hook.body.get() );

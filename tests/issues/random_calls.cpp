@@ -256,8 +256,10 @@ void RandomCalls::contact( const btCollisionObject* a, const btCollisionObject* 
 			removeRigid( const_cast<btRigidBody*>( btRigidBody::upcast( other ) ) );
 			std::erase_if( m_rigid, [other]( const Rigid& rigid ) { return rigid.body.get() == other && !rigid.world; } );
 			break;
-		case 3: soft->setSelfCollision( oneIn( 2 ) ); break;
-		default: soft->applyImpulse( someVector( 1 ), someNode( *soft ) ); soft->teleport( someTransform() );
+		case 3: static_cast<void>( soft->setSelfCollision( oneIn( 2 ) ) ); break;
+		default:
+			static_cast<void>( soft->applyImpulse( someVector( 1 ), someNode( *soft ) ) );
+			static_cast<void>( soft->teleport( someTransform() ) );
 	}
 }
 

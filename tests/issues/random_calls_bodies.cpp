@@ -36,7 +36,7 @@ void RandomCalls::create()
 			oneIn( 2 ) ? someWorld().addSoftBody( m_soft.back().get() ) : void();
 		}
 	}
-	SoftBody::create( someTemplate( below( 4 ) ), someTransform(), someMaterial() );
+	static_cast<void>( SoftBody::create( someTemplate( below( 4 ) ), someTransform(), someMaterial() ) );
 }
 
 void RandomCalls::add()
@@ -180,11 +180,11 @@ void RandomCalls::pins()
 	const int node = someNode( *body );
 	switch ( below( 6 ) )
 	{
-		case 0: body->pinNode( node ); break;
+		case 0: static_cast<void>( body->pinNode( node ) ); break;
 		case 1: body->releaseNode( node ); break;
-		case 2: body->driveNode( node, oneIn( 4 ) ? someVector( 1e6f ) : body->massCentre() + someVector( 1 ) ); break;
+		case 2: static_cast<void>( body->driveNode( node, oneIn( 4 ) ? someVector( 1e6f ) : body->massCentre() + someVector( 1 ) ) ); break;
 		case 3: body->pinNodesInside( body->massCentre() - someVector( 1 ), body->massCentre() + someVector( 1 ) ); break;
-		default: body->pinNodeToBody( node, someRigid() );
+		default: static_cast<void>( body->pinNodeToBody( node, someRigid() ) );
 	}
 }
 
@@ -220,7 +220,7 @@ void RandomCalls::breaking()
 	fracture.breakStrain = float( some( -1, 1 ) ) / 4;
 	fracture.smallPieces = small[below( 3 )];
 	fracture.fadeTime = float( some( 0, 1 ) ) / 10;
-	body->setFracture( fracture );
+	static_cast<void>( body->setFracture( fracture ) );
 	oneIn( 4 ) ? void( body->prepareCracks() ) : void();
 }
 
@@ -228,7 +228,7 @@ void RandomCalls::material()
 {
 	if ( SoftBody* const body = someSoft() )
 	{
-		body->setMaterial( someMaterial() );
+		static_cast<void>( body->setMaterial( someMaterial() ) );
 	}
 }
 
@@ -252,13 +252,13 @@ void RandomCalls::push()
 	const btScalar size = oneIn( 10 ) ? btScalar( 1e30 ) : btScalar( 5 );
 	switch ( below( 8 ) )
 	{
-		case 0: body->setLinearVelocity( someVector( size ) ); break;
-		case 1: body->setVelocities( someVector( size ), someVector( size ) ); break;
-		case 2: body->applyCentralForce( someVector( size * 100 ) ); break;
-		case 3: body->applyForce( someVector( size * 10 ), someNode( *body ) ); break;
-		case 4: body->applyCentralImpulse( someVector( size ) ); break;
-		case 5: body->applyImpulse( someVector( size / 10 ), someNode( *body ) ); break;
-		case 6: body->setGravity( someVector( size ) ); break;
+		case 0: static_cast<void>( body->setLinearVelocity( someVector( size ) ) ); break;
+		case 1: static_cast<void>( body->setVelocities( someVector( size ), someVector( size ) ) ); break;
+		case 2: static_cast<void>( body->applyCentralForce( someVector( size * 100 ) ) ); break;
+		case 3: static_cast<void>( body->applyForce( someVector( size * 10 ), someNode( *body ) ) ); break;
+		case 4: static_cast<void>( body->applyCentralImpulse( someVector( size ) ) ); break;
+		case 5: static_cast<void>( body->applyImpulse( someVector( size / 10 ), someNode( *body ) ) ); break;
+		case 6: static_cast<void>( body->setGravity( someVector( size ) ) ); break;
 		default: body->clearGravity();
 	}
 }
@@ -295,7 +295,7 @@ void RandomCalls::features()
 {
 	if ( SoftBody* const body = someSoft() )
 	{
-		body->setSelfCollision( oneIn( 2 ) );
+		static_cast<void>( body->setSelfCollision( oneIn( 2 ) ) );
 		body->setFinestLevel( below( 8 ) - 2 );
 		body->requestRefinement( someVector( 1 ), someVector( 2 ) );
 		body->setSurfaceTolerance( oneIn( 5 ) ? std::numeric_limits<btScalar>::quiet_NaN() : some( -1, 1 ) );

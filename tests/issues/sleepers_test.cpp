@@ -47,9 +47,10 @@ TEST( Sleepers, WakeWhenTheSoftBodyUnderThemGoes )
 		btScalar fall; ///< m within half a second, at least
 	};
 	const Case cases[] = {
-		{ "teleported", []( Scene& s ) { s.cube->teleport( at( 0, 0, 5 ) ); }, btScalar( 0.3 ) },
-		{ "teleported a little aside", []( Scene& s ) { s.cube->teleport( at( 0, 0, btScalar( 0.33 ) ) ); }, btScalar( 0.3 ) },
-		{ "reset elsewhere", []( Scene& s ) { s.cube->reset( at( 0, kHalf, 5 ) ); }, btScalar( 0.3 ) },
+		{ "teleported", []( Scene& s ) { EXPECT_TRUE( s.cube->teleport( at( 0, 0, 5 ) ).ok() ); }, btScalar( 0.3 ) },
+		{ "teleported a little aside", []( Scene& s ) { EXPECT_TRUE( s.cube->teleport( at( 0, 0, btScalar( 0.33 ) ) ).ok() ); },
+			btScalar( 0.3 ) },
+		{ "reset elsewhere", []( Scene& s ) { EXPECT_TRUE( s.cube->reset( at( 0, kHalf, 5 ) ).ok() ); }, btScalar( 0.3 ) },
 		{ "softened",
 			[]( Scene& s ) {
 				Material material = s.cube->material();
@@ -59,7 +60,7 @@ TEST( Sleepers, WakeWhenTheSoftBodyUnderThemGoes )
 			btScalar( 0.01 ) },
 		{ "removed", []( Scene& s ) { s.world.world.removeSoftBody( s.cube ); }, btScalar( 0.3 ) },
 		{ "removed as any object", []( Scene& s ) { s.world.world.removeCollisionObject( s.cube ); }, btScalar( 0.3 ) },
-		{ "given a speed", []( Scene& s ) { s.cube->setLinearVelocity( btVector3( 0, 0, 8 ) ); }, btScalar( 0.01 ) },
+		{ "given a speed", []( Scene& s ) { EXPECT_TRUE( s.cube->setLinearVelocity( btVector3( 0, 0, 8 ) ).ok() ); }, btScalar( 0.01 ) },
 		{ "without its floor", []( Scene& s ) { s.world.world.removeRigidBody( s.floor ); }, btScalar( 0.8 ) },
 		{ "with its floor turned off",
 			[]( Scene& s ) {

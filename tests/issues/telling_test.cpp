@@ -95,7 +95,7 @@ TEST( Telling, TouchingBodiesMayBeRemovedAndDeletedInContactCallbacks )
 			SoftBody* body = t.addSoft( block( 3, 3, 3, 0.1f ), at( 0, btScalar( 0.16 ) + btScalar( 0.31 ) * btScalar( k ), 0 ),
 				k == 0 ? test::stiff( 1e5f ) : test::implicit( 1e5f ) );
 			body->setCollisionFlags( body->getCollisionFlags() | btCollisionObject::CF_CUSTOM_MATERIAL_CALLBACK );
-			body->setSelfCollision( isSelf != 0 );
+			EXPECT_TRUE( body->setSelfCollision( isSelf != 0 ).ok() );
 		}
 		callback == 0       ? void( gContactAddedCallback = onAdded )
 			: callback == 1 ? void( gContactProcessedCallback = onProcessed )
@@ -105,7 +105,7 @@ TEST( Telling, TouchingBodiesMayBeRemovedAndDeletedInContactCallbacks )
 		if ( callback == 3 ) // contacts end where a body is thrown off
 		{
 			gContactEndedCallback = onEnded;
-			t.soft[1]->setLinearVelocity( btVector3( 0, 10, 0 ) );
+			EXPECT_TRUE( t.soft[1]->setLinearVelocity( btVector3( 0, 10, 0 ) ).ok() );
 		}
 		t.run( 10 );
 		forgetCallbacks();

@@ -80,9 +80,9 @@ TEST( ResultCodes, EveryCodeHasItsName )
 {
 	EXPECT_STREQ( toString( ResultCode::Ok ), "Ok" );
 	EXPECT_STREQ( toString( ResultCode::TooManyCells ), "TooManyCells" );
-	EXPECT_STREQ( toString( ResultCode::TimeLimit ), "TimeLimit" );
+	EXPECT_STREQ( toString( ResultCode::TooFolded ), "TooFolded" );
 	EXPECT_STREQ( toString( ResultCode( 12345 ) ), "unknown" );
-	for ( int code = 0; code <= int( ResultCode::TimeLimit ); ++code )
+	for ( int code = 0; code <= int( ResultCode::TooFolded ); ++code )
 	{
 		EXPECT_STRNE( toString( ResultCode( code ) ), "unknown" ) << code;
 	}

@@ -95,7 +95,7 @@ void fall( Checks& checks, const Template& shape, const pliant::Material& materi
 	pliant::Fracture fracture;
 	fracture.rule = pliant::BreakRule::Distance;
 	checks.expectAnswer( pliant::Feature::Fracture, body.setFracture( fracture ) );
-	body.setSelfCollision( true );
+	checks.expectAnswer( pliant::Feature::SelfCollision, body.setSelfCollision( true ) );
 	checks.expect( body.selfCollision() == pliant::hasFeature( pliant::Feature::SelfCollision ), "self-collision is on where it is there" );
 	for ( int k = 0; k < 120; ++k )
 	{

@@ -38,11 +38,11 @@ inline int linksBrokenBy( const Drop& drop, unsigned seed )
 	levels.coarseLevels = drop.coarseLevels;
 	levels.refinesOnContact = drop.refinesOnContact;
 	SoftBody* const body = world.add( fallingBar(), btVector3( 0, btScalar( 0.45 ), 0 ), material, random.turn(), levels );
-	body->setVelocities( btVector3( 0, random.between( -9, -6 ), 0 ), btVector3( 0, 0, 0 ) );
+	static_cast<void>( body->setVelocities( btVector3( 0, random.between( -9, -6 ), 0 ), btVector3( 0, 0, 0 ) ) );
 	Fracture fracture;
 	fracture.rule = drop.rule;
 	fracture.breakStrain = drop.breakStrain;
-	body->setFracture( fracture );
+	static_cast<void>( body->setFracture( fracture ) );
 	int links = 0;
 	for ( int frame = 0; frame < 30; ++frame )
 	{

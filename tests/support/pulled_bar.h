@@ -164,7 +164,7 @@ private:
 		Fracture fracture;
 		fracture.rule = bar.rule;
 		fracture.breakStrain = bar.breakStrain;
-		m_body->setFracture( fracture, field );
+		static_cast<void>( m_body->setFracture( fracture, field ) );
 	}
 
 	void draw()

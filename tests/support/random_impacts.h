@@ -93,7 +93,7 @@ inline SoftBody* addStriking(
 	const btScalar aside = random.between( -0.3, 0.3 );
 	SoftBody* const body = world.add( strikingCube( size ), btVector3( aside, btScalar( 0.95 ), 0 ), material, random.turn(), levels );
 	const btVector3 spin = random.upTo( 2 ) == 0 ? btVector3( 0, 0, 0 ) : random.within( 3 );
-	body->setVelocities( btVector3( 0, random.between( fastest, slowest ), 0 ), spin );
+	static_cast<void>( body->setVelocities( btVector3( 0, random.between( fastest, slowest ), 0 ), spin ) );
 	return body;
 }
 
@@ -164,7 +164,7 @@ inline Shattered shatter( Ground ground, Elasticity elasticity, BreakRule rule, 
 	{
 		if ( each )
 		{
-			each->setFracture( fracture );
+			static_cast<void>( each->setFracture( fracture ) );
 		}
 	}
 	const int whole = world.world.softBodyCount();
@@ -203,7 +203,7 @@ inline Rubbed rub( bool ( *isImplicit )( int body ), unsigned seed )
 		const btVector3 at( btScalar( 0.7 ) * std::cos( angle ), random.between( -0.1, 0.1 ), btScalar( 0.7 ) * std::sin( angle ) );
 		SoftBody* const body = world.add(
 			cube, at, undamped( 1e5f, isImplicit( k ) ? Elasticity::Implicit : Elasticity::Explicit ), random.turn() );
-		body->setVelocities( -speed * at.normalized(), random.within( 5 ) );
+		static_cast<void>( body->setVelocities( -speed * at.normalized(), random.within( 5 ) ) );
 		body->setFriction( friction );
 	}
 	double own = 0.0;

@@ -108,9 +108,10 @@ public:
 		{
 			return result;
 		}
-		body->teleport( wall );
+		static_cast<void>( body->teleport( wall ) );
 		const btVector3 spin( btScalar( fraction() - 0.5 ), btScalar( fraction() - 0.5 ), btScalar( fraction() - 0.5 ) );
-		body->setVelocities( wall.getBasis() * direction * btScalar( result.speed ), spin * btScalar( 60.0 * fraction() ) );
+		static_cast<void>(
+			body->setVelocities( wall.getBasis() * direction * btScalar( result.speed ), spin * btScalar( 60.0 * fraction() ) ) );
 		body->setRestitution( btScalar( fraction() < 0.5 ? 0.0 : fraction() ) );
 		// Nodes that slide off the wall's edge have not passed through it.
 		const auto isOver = [&]( const btVector3& at ) { return btMax( btFabs( at.x() ), btFabs( at.z() ) ) < kHalfWidth - 1; };

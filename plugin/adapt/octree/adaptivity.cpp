@@ -11,7 +11,7 @@ namespace {
 
 Status refuse( const char* sentence )
 {
-	return Status{ ResultCode::BadArgument, sentence };
+	return Status{ ResultCode::BadSettings, sentence };
 }
 
 bool isWithin( float value, float low, float high )

@@ -47,8 +47,11 @@ struct Adaptivity
 	/// Whether cells at the surface always stay on the finest level, regardless of keepMass.
 	bool isSurfaceFine = false;
 
+	/// How the regions of nodes of different sizes are built.
 	RegionRule regions = RegionRule::Multiplicity;
+	/// How much softer coarse regions are made.
 	Softening softening = Softening::EnergyTensor;
+	/// How much of the non-affine deformation coarse regions leave uncorrected.
 	ResidualRule residual = ResidualRule::Larger;
 	/// Factor on 1 - beta and 1 - eta of coarse regions, (0, 1]. Below 1 coarse regions yield more in violent impacts.
 	float coarseStiffness = 1.0f;
@@ -72,12 +75,12 @@ struct Adaptivity
 };
 
 /// Settings that reproduce Steinemann et al. 2008, for comparison.
-PLIANT_API Adaptivity steinemannAdaptivity( int coarseLevels );
+[[nodiscard]] PLIANT_API Adaptivity steinemannAdaptivity( int coarseLevels );
 /// Settings that reproduce Ohta et al. 2009, for comparison.
-PLIANT_API Adaptivity ohtaAdaptivity( int coarseLevels );
+[[nodiscard]] PLIANT_API Adaptivity ohtaAdaptivity( int coarseLevels );
 
-/// Returns Ok, or BadArgument with a sentence about the first setting that is out of its range (NaN included). BadArgument too where this
-/// build lacks Feature::Levels and coarseLevels is above 0.
+/// Returns Ok, or BadSettings with a sentence about the first setting that is out of its range (NaN included). BadArgument where this build
+/// lacks Feature::Levels and coarseLevels is above 0.
 PLIANT_API Status check( const Adaptivity& adaptivity );
 
 } // namespace pliant

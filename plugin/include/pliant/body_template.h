@@ -62,6 +62,7 @@ struct LatticeSettings
 	/// Cells that are filled with material to less than this fraction are dropped with their material, [0, 0.5].
 	float minimumFill = 0.03f;
 
+	/// When the surface of the mesh itself becomes material.
 	Shell shell = Shell::WhereNeeded;
 
 	/// Thickness of a shell's material, m, 0 to 1e7. 0: the edge of a cell. The mass of a shell cell is density x thickness x the surface
@@ -70,6 +71,7 @@ struct LatticeSettings
 	/// not on the thickness.
 	float shellThickness = 0.0f;
 
+	/// How the render mesh follows the nodes. A build without Feature::Surface takes Skinning::None alone (BadArgument).
 	Skinning skinning = Skinning::NearbyNodes;
 
 	/// Whether objects collide with the drawn surface of bodies that step implicitly, where it is smooth, instead of with one sphere per
@@ -97,14 +99,14 @@ struct BuildReport
 	int openEdges = 0;        ///< edges with one triangle: the mesh is not closed, and the winding number defines the inside
 	int nonManifoldEdges = 0; ///< edges with three or more triangles
 	int shells = 0;           ///< connected parts of the mesh
-	int cells = 0;
-	int shellCells = 0;     ///< those of `cells` that contain surface and no inside (LatticeSettings::shell)
-	int samplesPerEdge = 0; ///< as used; fewer than set where inside tests of an open mesh are expensive; 0: no inside was sampled
-	int splitCells = 0;     ///< lattice positions that hold more than one material part
-	int cutLinks = 0;       ///< links left out because the surface separates the material
-	int components = 0;     ///< connected parts of the lattice
-	double volume = 0.0;    ///< volume of the material in the cells, m^3
-	double seconds = 0.0;   ///< duration of the build, s
+	int cells = 0;            ///< finest cells that were filled
+	int shellCells = 0;       ///< those of `cells` that contain surface and no inside (LatticeSettings::shell)
+	int samplesPerEdge = 0;   ///< as used; fewer than set where inside tests of an open mesh are expensive; 0: no inside was sampled
+	int splitCells = 0;       ///< lattice positions that hold more than one material part
+	int cutLinks = 0;         ///< links left out because the surface separates the material
+	int components = 0;       ///< connected parts of the lattice
+	double volume = 0.0;      ///< volume of the material in the cells, m^3
+	double seconds = 0.0;     ///< duration of the build, s
 };
 
 /// The immutable data that bodies of one mesh share. Reference-counted: each body holds a std::shared_ptr to it.
@@ -120,23 +122,30 @@ public:
 	BodyTemplate& operator=( const BodyTemplate& ) = delete;
 
 	/// Number of finest cells.
-	int cellCount() const;
+	[[nodiscard]] int cellCount() const;
 	/// Number of links between cells, each counted once.
-	int linkCount() const;
+	[[nodiscard]] int linkCount() const;
 	/// Edge length of a cell, m.
-	float cellSize() const;
+	[[nodiscard]] float cellSize() const;
 	/// Centre of mass in mesh coordinates, m: 3 doubles.
-	const double* massCentre() const;
-	const BuildReport& report() const;
+	[[nodiscard]] const double* massCentre() const;
+	/// What the build found and changed. Valid as long as the template.
+	[[nodiscard]] const BuildReport& report() const;
 
-	/// The render mesh: vertex i is the input's vertex i; array sizes as in MeshView. With Skinning::None counts are 0 and arrays null;
-	/// arrays that the input lacked are null.
-	int vertexCount() const;
-	int triangleCount() const;
-	const std::uint32_t* indices() const;
-	const float* textureCoordinates() const;
-	const std::uint32_t* submeshOfTriangle() const;
+	// The render mesh: vertex i is the input's vertex i. Arrays are valid as long as the template. With Skinning::None counts are 0 and
+	// arrays null.
+	/// Number of vertices of the render mesh, as in the input.
+	[[nodiscard]] int vertexCount() const;
+	/// Number of triangles of the render mesh, as in the input.
+	[[nodiscard]] int triangleCount() const;
+	/// 3 vertex indices per triangle.
+	[[nodiscard]] const std::uint32_t* indices() const;
+	/// 2 floats per vertex; null where the input had none.
+	[[nodiscard]] const float* textureCoordinates() const;
+	/// The submesh number of each triangle; null where the input had none.
+	[[nodiscard]] const std::uint32_t* submeshOfTriangle() const;
 
+	/// @cond INTERNAL
 	/// For Pliant's own sources only (the types are not public).
 	const Lattice& lattice() const;
 	std::shared_ptr<const Lattice> sharedLattice() const;
@@ -148,6 +157,7 @@ public:
 	/// The surface of an uncracked body; computed together with crackComplex, as are the patches.
 	std::shared_ptr<const CrackSurface> crackSurface() const;
 	std::shared_ptr<const CrackPatches> crackPatches() const;
+	/// @endcond
 
 private:
 	BodyTemplate();

@@ -1,12 +1,14 @@
 #pragma once
 
 // Which features this build of the library has. Each can be left out by a CMake option (PLIANT_WITH_FRACTURE=OFF and so on); calls that
-// need a missing feature are refused with ResultCode::BadArgument and a sentence that names the option.
+// need a missing feature are refused with ResultCode::BadArgument and a sentence that names the option; those that return no Status do
+// nothing, as stated at each.
 
 #include "pliant/export.h"
 
 namespace pliant {
 
+/// A part of the library that can be left out.
 enum class Feature : int
 {
 	Fracture,     ///< breaking and cutting: Fracture with a rule, SoftBody::cutPlane, cutSphere and cutSweep
@@ -19,12 +21,13 @@ enum class Feature : int
 	SelfCollision ///< SoftBody::setSelfCollision
 };
 
+/// Number of features.
 constexpr int kFeatureCount = 8;
 
 /// True where this build has the feature; false for a value that is no Feature.
-PLIANT_API bool hasFeature( Feature feature );
+[[nodiscard]] PLIANT_API bool hasFeature( Feature feature );
 
 /// The feature's name, e.g. "SelfCollision"; "unknown" for a value that is no Feature. Never null.
-PLIANT_API const char* toString( Feature feature );
+[[nodiscard]] PLIANT_API const char* toString( Feature feature );
 
 } // namespace pliant

@@ -28,13 +28,18 @@ public:
 	ContactSolver& operator=( const ContactSolver& ) = delete;
 
 protected:
+	/// As Bullet's, with its own rows where the island allows them; so are the following.
 	void convertContacts( btPersistentManifold** manifolds, int count, const btContactSolverInfo& info ) override;
+	/// As Bullet's.
 	btScalar solveGroupCacheFriendlySetup( btCollisionObject** bodies, int bodyCount, btPersistentManifold** manifolds, int manifoldCount,
 		btTypedConstraint** joints, int jointCount, const btContactSolverInfo& info, btIDebugDraw* drawer ) override;
+	/// As Bullet's.
 	void solveGroupCacheFriendlySplitImpulseIterations( btCollisionObject** bodies, int bodyCount, btPersistentManifold** manifolds,
 		int manifoldCount, btTypedConstraint** joints, int jointCount, const btContactSolverInfo& info, btIDebugDraw* drawer ) override;
+	/// As Bullet's.
 	btScalar solveSingleIteration( int iteration, btCollisionObject** bodies, int bodyCount, btPersistentManifold** manifolds,
 		int manifoldCount, btTypedConstraint** joints, int jointCount, const btContactSolverInfo& info, btIDebugDraw* drawer ) override;
+	/// As Bullet's.
 	btScalar solveGroupCacheFriendlyFinish( btCollisionObject** bodies, int bodyCount, const btContactSolverInfo& info ) override;
 
 private:

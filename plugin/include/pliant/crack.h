@@ -17,12 +17,14 @@ enum class CrackFaces : int
 /// Shape of the crack faces. Values out of range are refused by BodyTemplate::build (ResultCode::BadSettings).
 struct CrackSettings
 {
+	/// How the faces are bounded.
 	CrackFaces faces = CrackFaces::Exact;
 
 	/// Largest distance of crack faces from the planes of the lattice, cells, 0 (flat) to kMostNoise.
 	float noiseAmplitude = 0.3f;
 	/// Wavelength of the noise, cells, 1 to 100.
 	float noiseWavelength = 1.6f;
+	/// Seed of the noise, any number. The same seed gives the same crack faces.
 	std::uint32_t noiseSeed = 1;
 
 	/// Number of segments per edge of a face, 1 to 8.

@@ -12,7 +12,7 @@ struct Material;
 /// When a link between two finest cells breaks.
 enum class BreakRule : int
 {
-	Never,
+	Never, ///< no link breaks by itself. Default.
 	/// A link breaks when the distance of its two cells exceeds ( 1 + breakStrain ) times its rest length (Ohta et al. 2009). Cheap; cracks
 	/// follow the lattice.
 	Distance,
@@ -34,6 +34,7 @@ enum class SmallPieces : int
 /// also apply to cuts, with any rule.
 struct Fracture
 {
+	/// When a link breaks. BreakRule::Never: the body can still be cut.
 	BreakRule rule = BreakRule::Never;
 
 	/// Strain at which the material breaks, (0, 10]: a link breaks at ( 1 + breakStrain ) times its rest length. Unused if strength is set.
@@ -50,6 +51,7 @@ struct Fracture
 
 	/// Pieces of at most this many finest cells are small, 0 to 1 000 000.
 	int smallCells = 0;
+	/// What happens to them.
 	SmallPieces smallPieces = SmallPieces::Keep;
 	float fadeTime = 2.0f; ///< lifetime of a piece with SmallPieces::Fade, s, (0, 3600]
 
@@ -68,7 +70,7 @@ struct ToughnessField
 	void* context = nullptr; ///< passed to `fraction`; used only during the call that sets the field
 };
 
-/// Returns Ok, or BadArgument with a sentence about the first setting that is out of its range (NaN included).
+/// Returns Ok, or BadSettings with a sentence about the first setting that is out of its range (NaN included).
 PLIANT_API Status check( const Fracture& fracture );
 
 } // namespace pliant

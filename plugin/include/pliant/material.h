@@ -18,9 +18,9 @@ enum class Method : int
 /// Deformation modes of a cluster (Müller et al. 2005, sections 3.3, 4.2, 4.3). Used by Method::SingleCluster and Method::Clusters.
 enum class ClusterMode : int
 {
-	Rigid,
-	Linear,
-	Quadratic
+	Rigid,    ///< rotation and translation only
+	Linear,   ///< all affine deformations, as far as `beta` allows. Default.
+	Quadratic ///< bending and twisting too
 };
 
 /// How masses enter region sums and goals.
@@ -65,6 +65,7 @@ struct Material
 	/// StepReport::unreachableStiffness). Not used by Method::SingleCluster, whose stiffness is `alpha`.
 	float youngsModulus = 2.0e4f;
 
+	/// Whether `youngsModulus` or `alpha` sets the stiffness.
 	Stiffness stiffness = Stiffness::YoungsModulus;
 
 	/// Fraction of the displacement to its goal that a node makes in a substep, (0, 1]. Used with Stiffness::RawAlpha and
@@ -110,19 +111,24 @@ struct Material
 	/// damped by its own slowest vibration (Method::Lattice; other methods: not at all).
 	float wobbleDamping = 0.15f;
 
+	/// How elasticity is integrated in time. A build without Feature::Implicit refuses Elasticity::Implicit (BadArgument).
 	Elasticity elasticity = Elasticity::Explicit;
 
 	/// Numerical damping of the implicit step, [0, 1]: 1 stops vibrations within a few periods at a step of 1/60 s and is the most robust;
 	/// 0 leaves damping to `damping` and `wobbleDamping`. Rigid motion and momentum are not affected. Implicit step only.
 	float numericalDamping = 1.0f;
 
+	/// How nodes are grouped into regions. A build without Feature::Clusters takes Method::Lattice alone (BadArgument).
 	Method method = Method::Lattice;
+	/// Deformation modes of a cluster; used by Method::SingleCluster and Method::Clusters.
 	ClusterMode clusterMode = ClusterMode::Linear;
 
 	/// Edge length of a cluster's box, cells, 2 to 64, for Method::Clusters; neighbouring boxes overlap by half.
 	int clusterEdge = 4;
 
+	/// How masses enter region sums and goals.
 	Weights weights = Weights::Conserving;
+	/// The matrix from which a region's rotation is extracted.
 	RotationFrom rotationFrom = RotationFrom::Apq;
 };
 
@@ -149,7 +155,8 @@ struct StiffnessPlan
 };
 
 /// Computes alpha = 3 E h^2 / ( rho d^2 w ( w + 1 ) ), limited to 1; far levels contribute the rest (docs/design/step.md). h: one substep,
-/// s; d: `cellSize`, m. For clusters of edge e, ( e^2 - 1 ) / 4 replaces w ( w + 1 ). `gameStep`: s; `substeps`: per game step, at least 1.
-PLIANT_API StiffnessPlan planStiffness( const Material& material, float cellSize, float gameStep, int substeps );
+/// s; d: `cellSize`, m. For clusters of edge e, ( e^2 - 1 ) / 4 replaces w ( w + 1 ). `gameStep`: s; `substeps`: per game step. The
+/// material must pass `check`, cellSize and gameStep be above 0 and substeps at least 1: an assertion.
+[[nodiscard]] PLIANT_API StiffnessPlan planStiffness( const Material& material, float cellSize, float gameStep, int substeps );
 
 } // namespace pliant

@@ -35,15 +35,19 @@ struct SurfaceView
 	/// For each triangle the index of the input triangle that it is part of, or kInside for a crack face. Null: triangle i is the input's
 	/// triangle i.
 	const std::uint32_t* triangleSource = nullptr;
+	/// Value of triangleSource for a triangle of a crack face.
 	static constexpr std::uint32_t kInside = 0xffffffffu;
-	int vertexCount = 0;
-	int triangleCount = 0;
+	int vertexCount = 0;          ///< vertices in `positions` and `normals`
+	int triangleCount = 0;        ///< triangles in `indices`
 	unsigned topologyVersion = 0; ///< changes when indices or counts change
 	/// A renderer that holds topology version `changedSince` only needs the vertices from firstNewVertex on, the triangles from
 	/// firstNewTriangle on, and the triangles firstChangedTriangle to lastChangedTriangle - 1. With any other version it needs everything.
 	unsigned changedSince = 0;
-	int firstNewVertex = 0, firstNewTriangle = 0, firstChangedTriangle = 0, lastChangedTriangle = 0;
-	unsigned frame = 0; ///< changes when positions change
+	int firstNewVertex = 0;       ///< see changedSince
+	int firstNewTriangle = 0;     ///< see changedSince
+	int firstChangedTriangle = 0; ///< see changedSince
+	int lastChangedTriangle = 0;  ///< see changedSince; one past the last
+	unsigned frame = 0;           ///< changes when positions change
 };
 
 /// A soft body. The game owns the bodies that it creates; the world never deletes them. Contact properties and flags are set as on any
@@ -61,68 +65,84 @@ public:
 
 	/// Creates a body at rest in the undeformed shape; `transform` maps mesh coordinates to the world. Errors: BadArgument for a null
 	/// template, for a transform with a bad number, that leads further out than 1e9 m or that scales, shears or mirrors by more than 1 %
-	/// (scale the mesh instead), or for bad `adaptivity` or `stiffness`; BadMaterial; OutOfMemory.
+	/// (scale the mesh instead), or for a bad `stiffness`; BadMaterial; BadSettings for `adaptivity`, also where it has levels and the
+	/// material does not allow them; OutOfMemory.
 	static SoftBodyResult create( std::shared_ptr<const BodyTemplate> bodyTemplate, const btTransform& transform,
 		const Material& material = {}, const Adaptivity& adaptivity = {}, const StiffnessField& stiffness = {} );
 	~SoftBody() override;
 
 	/// The soft body that a collision object is, or whose node it represents in a manifold. Null for other objects and for null.
-	static SoftBody* upcast( btCollisionObject* object );
-	static const SoftBody* upcast( const btCollisionObject* object );
+	[[nodiscard]] static SoftBody* upcast( btCollisionObject* object );
+	/// The same for const objects.
+	[[nodiscard]] static const SoftBody* upcast( const btCollisionObject* object );
 
 	// --- nodes, 0 to nodeCount() - 1. For an index out of range: an assertion; without assertions zero ---------------------------------
-	int nodeCount() const;
-	btVector3 nodePosition( int node ) const; ///< world, m
-	btVector3 nodeVelocity( int node ) const; ///< m/s
-	btScalar nodeMass( int node ) const;      ///< kg
-	btScalar nodeRadius( int node ) const;    ///< of the collision sphere, m
+	/// Number of nodes, at least 1. Changes with levels of detail and when the body breaks (levelVersion, fractureVersion).
+	[[nodiscard]] int nodeCount() const;
+	[[nodiscard]] btVector3 nodePosition( int node ) const; ///< world, m
+	[[nodiscard]] btVector3 nodeVelocity( int node ) const; ///< m/s
+	[[nodiscard]] btScalar nodeMass( int node ) const;      ///< kg
+	[[nodiscard]] btScalar nodeRadius( int node ) const;    ///< of the collision sphere, m
 	/// The node of a child shape's index, as ray, sweep and contact tests report it; -1 for an index out of range. Only nodes of the
 	/// surface and of one layer below it have child shapes. Contact points hold the node's index instead.
-	int nodeOfShapeIndex( int shapeIndex ) const;
+	[[nodiscard]] int nodeOfShapeIndex( int shapeIndex ) const;
 	/// The node nearest to a world position, m; with levels of detail the one whose sphere is nearest. Never -1: every body has a node.
-	int nearestNode( const btVector3& worldPoint ) const;
+	/// Node 0 for bad numbers.
+	[[nodiscard]] int nearestNode( const btVector3& worldPoint ) const;
 
-	btScalar mass() const;             ///< kg
-	btVector3 massCentre() const;      ///< world, m
-	btVector3 linearVelocity() const;  ///< of the centre of mass, m/s
-	btVector3 angularMomentum() const; ///< about the centre of mass, kg m^2/s
+	[[nodiscard]] btScalar mass() const;             ///< kg
+	[[nodiscard]] btVector3 massCentre() const;      ///< world, m
+	[[nodiscard]] btVector3 linearVelocity() const;  ///< of the centre of mass, m/s
+	[[nodiscard]] btVector3 angularMomentum() const; ///< about the centre of mass, kg m^2/s
+	/// Of the rigid part of the motion, rad/s: what a rigid body of these nodes would have with the same angular momentum. No spin about an
+	/// axis on which all nodes lie; zero for a body of one node.
+	[[nodiscard]] btVector3 angularVelocity() const;
 	/// The rigid transform that fits the deformed body best; maps mesh coordinates to the world.
-	btTransform bestFitTransform() const;
+	[[nodiscard]] btTransform bestFitTransform() const;
 
 	// --- levels of detail (Adaptivity); without them every node is on level 0 and the functions that change levels do nothing ---------
+	/// The settings given to `create`; for a body without levels of detail the default ones, with coarseLevels 0.
+	[[nodiscard]] Adaptivity adaptivity() const;
 	/// Level of a node: 0 for a finest cell; a node of level l holds up to 8^l cells.
-	int nodeLevel( int node ) const;
+	[[nodiscard]] int nodeLevel( int node ) const;
 	/// The node that holds a finest cell of the template (without levels of detail each cell is a node). -1 for an index out of range or a
 	/// cell of another piece.
-	int nodeOfCell( int cell ) const;
+	[[nodiscard]] int nodeOfCell( int cell ) const;
+	/// The inverse: the finest cell of the template that a node stands for; for a node of several cells the one of them with the lowest
+	/// number. -1 for an index out of range.
+	[[nodiscard]] int cellOfNode( int node ) const;
 	/// Changes when nodes are split or merged, which renumbers the nodes. Pins are kept.
-	unsigned levelVersion() const;
+	[[nodiscard]] unsigned levelVersion() const;
 	/// Splits all nodes that overlap a world box (corners, m), level by level within the budget Adaptivity::nodesPerStep, and keeps them
 	/// split for Adaptivity::mergeDelay; call it as long as the detail is needed. Does not wake the body. Ignored for bad numbers.
 	void requestRefinement( const btVector3& low, const btVector3& high );
 	/// Sets the finest level in use, 0 to Adaptivity::coarseLevels (clamped); finer nodes are merged. For bodies far from the viewer.
 	void setFinestLevel( int level );
+	/// The level last set; 0: all levels may be used. Default.
+	[[nodiscard]] int finestLevel() const;
 
 	// --- breaking (Fracture); off by default; pieces inherit the settings of their body -----------------------------------------------
-	/// Sets whether and how links between cells break. `toughness` is called once for every link. Errors: BadArgument for settings out of
-	/// range, a toughness not above 0, another method than Method::Lattice, or a build without Feature::Fracture; OutOfMemory.
+	/// Sets whether and how links between cells break. `toughness` is called once for every link. Errors: BadSettings for settings out of
+	/// range and for another method than Method::Lattice; BadArgument for a toughness not above 0; OutOfMemory. A build without
+	/// Feature::Fracture ignores settings with BreakRule::Never and refuses all others (BadArgument).
 	Status setFracture( const Fracture& fracture, const ToughnessField& toughness = {} );
 	/// The settings of the last setFracture; BreakRule::Never when there was none.
-	Fracture fracture() const;
+	[[nodiscard]] Fracture fracture() const;
 	/// Makes ahead of time what the first crack of a body has to make, which is most of its cost: data that bodies of one template share
 	/// until then and, for a drawn body, the crack faces. Takes the memory of a cracked body. For whole bodies, before or after
-	/// setFracture; changes nothing visible. Error: OutOfMemory.
+	/// setFracture; changes nothing visible. Errors: OutOfMemory; BadArgument in a build without Feature::Fracture or Feature::Surface.
 	Status prepareCracks();
 	/// Number of finest cells of this body; equals the number of nodes without levels of detail.
-	int cellCount() const;
+	[[nodiscard]] int cellCount() const;
 	/// Number of unbroken links between them, each counted once.
-	int linkCount() const;
+	[[nodiscard]] int linkCount() const;
 	/// Changes when links break, which renumbers nodes and cells. Pins are kept.
-	unsigned fractureVersion() const;
+	[[nodiscard]] unsigned fractureVersion() const;
 
 	// --- cutting, also of bodies whose rule is Never. A link is cut where the straight line between the current positions of its two cells
 	// --- crosses the cut. Parts separate at the start of the next substep and become fragments like any other. All return the number of
-	// --- links that were newly cut, and wake the body if there are any; 0 for bad numbers or when out of memory. World coordinates, m.
+	// --- links that were newly cut, and wake the body if there are any; 0 for bad numbers, when out of memory, and in a build without
+	// --- Feature::Fracture. World coordinates, m.
 	/// Cuts by a plane, or by a disc about `point`. `normal` of any length above 0; a cell in the plane counts as on the side that it
 	/// points to.
 	int cutPlane( const btVector3& point, const btVector3& normal, btScalar radius = SIMD_INFINITY );
@@ -134,7 +154,7 @@ public:
 	/// distance apart, from the next substep on. Returns their number. Restored links have toughness 1.
 	int heal( btScalar reach = btScalar( 1.2 ) );
 	/// SmallPieces::Fade: falls from 1 when the piece separates to 0 when its time is up. 1 for all other bodies.
-	float fadeFraction() const;
+	[[nodiscard]] float fadeFraction() const;
 
 	// --- motion. Refused with BadArgument: bad numbers, a node index out of range, and what would give a node more than 1e5 m/s along an
 	// --- axis: at once by velocities and impulses, within 1/60 s by forces and gravity.
@@ -146,6 +166,11 @@ public:
 	Status applyImpulse( const btVector3& impulse, int node );                 ///< N s, on one node
 	/// Replaces the world's gravity for this body, m/s^2; `clearGravity` restores the world's.
 	Status setGravity( const btVector3& gravity );
+	/// The gravity that acts on the body, m/s^2: its own where one was set, else the world's; zero for a body without its own in no world.
+	[[nodiscard]] btVector3 gravity() const;
+	/// Whether setGravity has set one.
+	[[nodiscard]] bool hasOwnGravity() const;
+	/// Restores the world's gravity. Wakes the body.
 	void clearGravity();
 	/// Moves the whole body by a rigid transform; keeps its deformation and turns its velocities. Wakes what the body touches. Refused
 	/// (BadArgument) where the transform holds a bad number, where it or the body's new position is further out than 1e9 m, or where it
@@ -156,21 +181,25 @@ public:
 	Status reset( const btTransform& transform );
 
 	/// Whether the parts of the body collide with each other, sides of cuts included. Default off, at no cost. Nodes of one region never
-	/// collide. Pieces inherit the setting. Steinemann et al. 2008, section 7.
-	void setSelfCollision( bool isOn );
-	bool selfCollision() const;
+	/// collide. Pieces inherit the setting. Steinemann et al. 2008, section 7. Errors: BadArgument in a build without
+	/// Feature::SelfCollision; OutOfMemory.
+	Status setSelfCollision( bool isOn );
+	/// Whether they do.
+	[[nodiscard]] bool selfCollision() const;
 
 	/// Changes the material at any time; positions and velocities stay as they are. A change of the method or of its regions (weights,
 	/// beta, half-width, `farLevels`, `volumeKeeping`) discards plastic deformation, and is refused for a body with levels of detail.
-	/// Errors: BadMaterial; BadArgument, also for another method than Method::Lattice where the body can break; OutOfMemory.
+	/// Errors: BadMaterial, also for another method than Method::Lattice where the body can break; BadArgument where the build lacks a
+	/// feature; OutOfMemory.
 	Status setMaterial( const Material& material );
-	const Material& material() const;
+	/// The material. Valid as long as the body; Material::farLevels may be fewer than were set, where the body is too small for them.
+	[[nodiscard]] const Material& material() const;
 	/// Whether the last step was the implicit one (Material::elasticity).
-	bool stepsImplicitly() const;
+	[[nodiscard]] bool stepsImplicitly() const;
 	/// Ok where this body can take the implicit step; else BadMaterial or BadArgument with the reason.
 	Status implicitStatus() const;
 	/// The stiffness that the last step reached.
-	const StiffnessPlan& stiffnessPlan() const;
+	[[nodiscard]] const StiffnessPlan& stiffnessPlan() const;
 
 	// --- pins: nodes that forces do not move. Errors: BadArgument -----------------------------------------------------------------------
 	/// Holds a node at its current position until it is released.
@@ -185,9 +214,10 @@ public:
 	/// Ignored for a node that is not pinned.
 	void releaseNode( int node );
 	/// Pins every node whose position is inside a world box (corners, m); returns their number. A node of a body with levels of detail is
-	/// pinned as a whole: for a pin exact to the cell, call `requestRefinement` for the box and pin after the next step.
+	/// pinned as a whole: for a pin exact to the cell, call `requestRefinement` for the box and pin after the next step. 0 for bad numbers.
 	int pinNodesInside( const btVector3& low, const btVector3& high );
-	bool isPinned( int node ) const;
+	/// Whether a node is pinned, in whichever way; false for an index out of range.
+	[[nodiscard]] bool isPinned( int node ) const;
 
 	// --- rendering --------------------------------------------------------------------------------------------------------------------
 	/// Returns the skin, after computing it if the body has moved. Results are written to alternating buffers, so the pointers stay valid
@@ -199,18 +229,23 @@ public:
 	/// Sets the largest error of a reused skin, in finest cells. Where all nodes have moved as one rigid body since the last full skinning,
 	/// up to this error, that skin is transformed rigidly; where they have not moved, the view and SurfaceView::frame stay the same. Errors
 	/// do not accumulate: they are measured from the last full skinning. 0: every motion is skinned in full. Default 0.01; a negative value
-	/// or NaN counts as 0. Pieces inherit the setting. No effect on bodies of 1 024 or more nodes with fewer than four vertices per node.
+	/// or NaN counts as 0. Pieces inherit the setting. No effect without a skin, and on bodies of 1 024 or more nodes with fewer than four
+	/// vertices per node.
 	void setSurfaceTolerance( btScalar cells );
-	btScalar surfaceTolerance() const;
+	/// The error last set, cells; 0 and above.
+	[[nodiscard]] btScalar surfaceTolerance() const;
 
 	/// False after a number in the body has become NaN or infinite: the body stays in its last finite state until `reset`.
-	bool isHealthy() const;
-	const BodyTemplate& bodyTemplate() const;
+	[[nodiscard]] bool isHealthy() const;
+	/// The template that the body was made of; for a piece that of the body that broke. Valid as long as the body.
+	[[nodiscard]] const BodyTemplate& bodyTemplate() const;
 
+	/// @cond INTERNAL
 	struct Impl;
 	/// For Pliant's own sources only.
 	Impl& impl() { return *m_impl; }
 	const Impl& impl() const { return *m_impl; }
+	/// @endcond
 
 private:
 	struct PinRequest

@@ -4,7 +4,6 @@
 
 #include "pliant/attachment.h"
 #include "pliant/export.h"
-#include "pliant/precision.h"
 #include "pliant/soft_body.h"
 #include "pliant/step_report.h"
 #include "pliant/task_runner.h"
@@ -17,6 +16,21 @@
 namespace pliant {
 
 class WorldStep;
+
+/// @cond INTERNAL
+// Bullet's precision as a parameter type and so in a mangled name: a program compiled for double precision does not link with a library
+// built for float, and vice versa. Most of Bullet's own symbols are equal in both, so such a program would link and then crash.
+struct BuiltForFloatBullet
+{};
+
+struct BuiltForDoubleBullet
+{};
+
+#if defined( BT_USE_DOUBLE_PRECISION )
+using BulletPrecision = BuiltForDoubleBullet;
+#else
+using BulletPrecision = BuiltForFloatBullet;
+#endif
 
 /// The stages of a step of the Bullet world that soft bodies sit in. SoftBodyWorldOver implements it; games need not know it.
 class PLIANT_API BulletStages
@@ -67,46 +81,59 @@ public:
 	virtual void baseRemove( btCollisionObject* object ) = 0;
 	virtual void baseSerialize( btSerializer* serializer ) = 0;
 };
+/// @endcond
 
+/// What games call of a world with soft bodies, beyond Bullet's own calls: SoftBodyWorld and SoftBodyWorldOver derive from it. Callable
+/// from one thread at a time. Fragments of the world (FractureEvent) are deleted with it, other bodies are not.
 class PLIANT_API SoftBodyHost
 {
 public:
-	/// Group and mask as for any Bullet object. The world does not own the body. Adding twice, or what is in another world, is ignored. To
-	/// change group and mask remove the body and add it again: it goes on as it was, its pins too.
+	/// Group and mask as for any Bullet object. The world does not own the body. Adding twice, or what is in another world, or null, is
+	/// ignored. To change group and mask remove the body and add it again: it goes on as it was, its pins too.
 	void addSoftBody( SoftBody* body, int group = btBroadphaseProxy::DefaultFilter, int mask = btBroadphaseProxy::AllFilter );
 	/// At any time, out of contact and tick callbacks too; the body may be deleted then. What it touched wakes. Ignored for a body of no or
-	/// another world.
+	/// another world and for null.
 	void removeSoftBody( SoftBody* body );
-	int softBodyCount() const;
-	/// Null for an index that is not there.
-	SoftBody* softBody( int index ) const;
+	/// Number of soft bodies in the world, fragments included.
+	[[nodiscard]] int softBodyCount() const;
+	/// The soft body of an index, 0 to softBodyCount() - 1, in the order in which they were added; null for an index out of range.
+	[[nodiscard]] SoftBody* softBody( int index ) const;
 
 	/// What broke in the last stepSimulation, in order. Pointers stay good until a body they name is deleted; the world itself deletes
 	/// small pieces that have faded, at the start of a stepSimulation.
-	const std::vector<FractureEvent>& fractureEvents() const;
-	/// Fragments that belong to the world.
-	int fragmentCount() const;
+	[[nodiscard]] const std::vector<FractureEvent>& fractureEvents() const;
+	/// Number of fragments that belong to the world.
+	[[nodiscard]] int fragmentCount() const;
 	/// Makes the fragment the game's to delete; it stays in the world. So does removing it from the world. Deleting a fragment that
 	/// belongs to the world is legal too. False for what is no fragment of this world's.
 	bool releaseFragment( SoftBody* fragment );
 
-	/// Soft substeps per game step while a soft body is awake, 1 to 64, default 4. Stiff materials raise it by themselves up to
-	/// maxSoftSubsteps (default 16).
+	/// Sets the soft substeps per step of 1/60 s while an explicit soft body is awake, clamped to 1 to 64, default 4. Stiff materials and
+	/// longer steps raise their number by themselves up to maxSoftSubsteps.
 	void setSoftSubsteps( int count );
-	int softSubsteps() const;
+	/// The number last set, 1 to 64.
+	[[nodiscard]] int softSubsteps() const;
+	/// Sets the largest number that they are raised to, clamped to 1 to 64, default 16. setSoftSubsteps may set more.
 	void setMaxSoftSubsteps( int count );
-	int maxSoftSubsteps() const;
+	/// The number last set, 1 to 64.
+	[[nodiscard]] int maxSoftSubsteps() const;
 
-	/// Own pool of that many threads, default 1; or the game's runner (not owned; null goes back to the own pool).
+	/// Makes the world's own pool of that many threads, the calling one included; clamped to 1 to 64, default 1. Out of memory: the present
+	/// pool stays. Not during a step.
 	void setThreadCount( int count );
+	/// Sets a task runner of the game to be used instead of the own pool; null (the default): the own pool. Not owned: it must outlive its
+	/// use. Not during a step.
 	void setTaskRunner( TaskRunner* runner );
+	/// Number of tasks that can run at the same time, by the game's runner or by the own pool: at least 1.
+	[[nodiscard]] int threadCount() const;
 
-	const StepReport& stepReport() const;
+	/// Times and counts of the last step. Valid as long as the world; changes with each step.
+	[[nodiscard]] const StepReport& stepReport() const;
 
 	/// Attaches a node of a soft body, where it is now, to a rigid body: both pull on each other, as by a ball joint. Static and kinematic
 	/// bodies hold and carry it. The attachment follows changes of levels and stays with the piece that has the node when the body breaks;
 	/// it goes when either body leaves the world. Returns its id. BadArgument for a node that is not there, for bodies that are not in this
-	/// world, and for bad settings; also without PLIANT_WITH_IMPLICIT.
+	/// world, and in a build without Feature::Implicit; BadSettings for `settings`.
 	Result<int> attach( SoftBody& body, int node, btRigidBody& to, const AttachmentSettings& settings = {} );
 	/// The same for a world position, m, in or near the body: it moves with the nearest node and its neighbours. On bodies with levels it
 	/// is the node's centre that is held.
@@ -118,15 +145,17 @@ public:
 	Result<int> weld( SoftBody& body, SoftBody& to, btScalar distance, const AttachmentSettings& settings = {} );
 	/// Removes an attachment; false for an id that is not there.
 	bool detach( int id );
-	int attachmentCount() const;
+	/// Number of attachments in the world.
+	[[nodiscard]] int attachmentCount() const;
 	/// The force of an attachment on its first body, N, the mean over the last step; zero for an id that is not there.
-	btVector3 attachmentForce( int id ) const;
+	[[nodiscard]] btVector3 attachmentForce( int id ) const;
 	/// The attachments that broke in the last stepSimulation, in order.
-	const std::vector<AttachmentEvent>& attachmentEvents() const;
+	[[nodiscard]] const std::vector<AttachmentEvent>& attachmentEvents() const;
 
 	/// The Bullet world that the soft bodies are in.
-	btDiscreteDynamicsWorld& bulletWorld() const;
+	[[nodiscard]] btDiscreteDynamicsWorld& bulletWorld() const;
 
+	/// @cond INTERNAL
 protected:
 	SoftBodyHost();
 	~SoftBodyHost();
@@ -134,7 +163,7 @@ protected:
 	SoftBodyHost& operator=( const SoftBodyHost& ) = delete;
 
 	/// At the end of the world's constructor. Leave the last parameter alone: it makes a program that disagrees with the library about
-	/// Bullet's precision fail to link (precision.h).
+	/// Bullet's precision fail to link (BulletPrecision).
 	void hostAttach( BulletStages& stages, const BulletStages::Parts& parts, BulletPrecision = {} );
 	/// At the start of the world's destructor: soft bodies leave, fragments that nobody has taken over are deleted.
 	void hostDetach();
@@ -162,6 +191,7 @@ protected:
 	/// False where the shape is no soft body's.
 	bool hostDrawShape( const btCollisionShape* shape, const btVector3& colour );
 	void hostSerialize( btSerializer& serializer );
+	/// @endcond
 
 private:
 	std::unique_ptr<WorldStep> m_step;

@@ -7,6 +7,7 @@
 
 namespace pliant {
 
+/// A btDiscreteDynamicsWorld that holds soft bodies too. What games call of it beyond Bullet's own calls is declared in SoftBodyHost.
 class PLIANT_API SoftBodyWorld : public SoftBodyWorldOver<btDiscreteDynamicsWorld>
 {
 public:

@@ -16,6 +16,8 @@
 
 namespace pliant {
 
+/// A world of class `Base`, which is btDiscreteDynamicsWorld or derived from it, that holds soft bodies too. What games call of it beyond
+/// Bullet's own calls is declared in SoftBodyHost.
 template <class Base>
 class SoftBodyWorldOver : public Base, public SoftBodyHost, private BulletStages
 {
@@ -39,18 +41,21 @@ public:
 	}
 	~SoftBodyWorldOver() override { hostDetach(); }
 
-	/// Of SoftBodyHost; and the base's own, where it has one for Bullet's soft bodies.
+	/// As SoftBodyHost::addSoftBody.
 	void addSoftBody( SoftBody* body, int group = btBroadphaseProxy::DefaultFilter, int mask = btBroadphaseProxy::AllFilter )
 	{
 		SoftBodyHost::addSoftBody( body, group, mask );
 	}
+	/// The base's own, where it has one for Bullet's soft bodies (btSoftRigidDynamicsWorld).
 	template <class Body, class World = Base>
 	auto addSoftBody( Body* body, int group = btBroadphaseProxy::DefaultFilter, int mask = btBroadphaseProxy::AllFilter )
 		-> decltype( std::declval<World&>().addSoftBody( body, group, mask ) )
 	{
 		World::addSoftBody( body, group, mask );
 	}
+	/// As SoftBodyHost::removeSoftBody.
 	void removeSoftBody( SoftBody* body ) { SoftBodyHost::removeSoftBody( body ); }
+	/// The base's own, where it has one for Bullet's soft bodies.
 	template <class Body, class World = Base>
 	auto removeSoftBody( Body* body ) -> decltype( std::declval<World&>().removeSoftBody( body ) )
 	{
@@ -70,6 +75,7 @@ public:
 	{
 		hostAdd( object, group, mask );
 	}
+	/// As Bullet's. What represents a soft body's node in a manifold is ignored: it is in no world.
 	void addRigidBody( btRigidBody* body ) override
 	{
 		if ( hostMayAdd( body ) )
@@ -77,6 +83,7 @@ public:
 			Base::addRigidBody( body );
 		}
 	}
+	/// As Bullet's; ignores what the other overload ignores.
 	void addRigidBody( btRigidBody* body, int group, int mask ) override
 	{
 		if ( hostMayAdd( body ) )
@@ -86,6 +93,8 @@ public:
 	}
 	/// A soft body leaves as by removeSoftBody, also where it is named by what stands for one of its nodes in a manifold.
 	void removeCollisionObject( btCollisionObject* object ) override { hostRemove( object ); }
+	/// As Bullet's. Releases the pins to the body and wakes what touches it. What represents a soft body's node in a manifold removes that
+	/// soft body.
 	void removeRigidBody( btRigidBody* body ) override
 	{
 		if ( !hostMayAdd( body ) )
@@ -96,11 +105,13 @@ public:
 		hostForget( *body );
 		Base::removeRigidBody( body );
 	}
+	/// As Bullet's.
 	void removeConstraint( btTypedConstraint* constraint ) override
 	{
 		hostForget( *constraint );
 		Base::removeConstraint( constraint );
 	}
+	/// As Bullet's, and the forces on soft bodies. Ends the game step: FractureEvents of the next one replace the present ones.
 	void clearForces() override
 	{
 		Base::clearForces();
@@ -112,6 +123,7 @@ public:
 		Base::debugDrawWorld();
 		hostDrawPins();
 	}
+	/// As Bullet's; soft bodies as stated at debugDrawWorld.
 	void debugDrawObject( const btTransform& transform, const btCollisionShape* shape, const btVector3& colour ) override
 	{
 		if ( !hostDrawShape( shape, colour ) )
@@ -122,15 +134,24 @@ public:
 	/// Writes what Bullet's world writes, without soft bodies, their shapes and their contacts: a file with all else in it, as if they were
 	/// not there.
 	void serialize( btSerializer* serializer ) override { hostSerialize( *serializer ); }
+	/// As Bullet's, contacts of soft bodies included.
 	void solveConstraints( btContactSolverInfo& info ) override { solveStage( info ); }
 
 protected:
+	// The stages of a step, in Bullet's order. timeStep in s.
+	/// As Bullet's, with soft substeps where soft bodies need them. The following stages may be called several times per step then.
 	void internalSingleStepSimulation( btScalar timeStep ) override { singleStep( timeStep ); }
+	/// As Bullet's; for soft bodies shape matching, forces, pins, breaking and levels of detail.
 	void predictUnconstraintMotion( btScalar timeStep ) override { predictStage( timeStep ); }
+	/// As Bullet's; finds contacts of fast rigid bodies with nodes too.
 	void createPredictiveContacts( btScalar timeStep ) override { predictiveContactsStage( timeStep ); }
+	/// As Bullet's, contacts of soft bodies included.
 	void performDiscreteCollisionDetection() override { detectStage(); }
+	/// As Bullet's, with soft bodies as members of islands.
 	void calculateSimulationIslands() override { islandsStage(); }
+	/// As Bullet's; moves the nodes of soft bodies too.
 	void integrateTransforms( btScalar timeStep ) override { integrateStage( timeStep ); }
+	/// As Bullet's; soft bodies fall asleep too.
 	void updateActivationState( btScalar timeStep ) override { activationStage( timeStep ); }
 
 private:

@@ -11,11 +11,19 @@ class SoftBody;
 /// Where one game step's time went, s, and what it met. All zero for a world without soft bodies.
 struct StepReport
 {
-	double forces = 0, matching = 0, spheres = 0, collision = 0, solve = 0, integrate = 0, skinning = 0, levels = 0, fracture = 0,
-		   total = 0;   ///< s; the implicit solution is matching's
-	int substeps = 0;   ///< soft substeps made in the last game step
-	int softBodies = 0; ///< in the world
-	int awakeSoftBodies = 0;
+	double forces = 0;            ///< forces and gravity
+	double matching = 0;          ///< shape matching, and the implicit solution
+	double spheres = 0;           ///< bounds of collision spheres brought up to date, for rays and sweeps
+	double collision = 0;         ///< search for contacts of all objects, rigid ones too
+	double solve = 0;             ///< Bullet's solver, for all objects
+	double integrate = 0;         ///< positions from velocities, and the guard of fast nodes
+	double skinning = 0;          ///< skins computed since the step before (SoftBody::surface)
+	double levels = 0;            ///< changes of levels of detail
+	double fracture = 0;          ///< links tested and broken, pieces and crack faces made
+	double total = 0;             ///< the whole step, rigid bodies included, skins not
+	int substeps = 0;             ///< soft substeps made in the last game step
+	int softBodies = 0;           ///< in the world
+	int awakeSoftBodies = 0;      ///< those of them that are awake
 	int nodes = 0;                ///< in all soft bodies
 	int softContacts = 0;         ///< contact points between nodes and anything, last substep
 	int implicitBodies = 0;       ///< awake bodies that took the implicit step
@@ -38,7 +46,7 @@ struct StepReport
 /// surface, user pointer and indices. They belong to the world, which deletes them when it is destroyed; see releaseFragment.
 struct FractureEvent
 {
-	SoftBody* parent = nullptr;
+	SoftBody* parent = nullptr;       ///< the body that broke; never null
 	std::vector<SoftBody*> fragments; ///< heaviest first; empty where the body cracked and holds together
 	int links = 0;                    ///< broken, between finest cells
 	double area = 0;                  ///< of the crack, one side, m^2

@@ -12,6 +12,7 @@ namespace pliant {
 class PLIANT_API TaskRunner
 {
 public:
+	/// One task: `context` as given to `run`, `index` its number.
 	using Task = void ( * )( void* context, int index );
 
 	virtual ~TaskRunner();
@@ -26,6 +27,6 @@ public:
 
 /// Creates a pool of `threadCount` threads including the calling one, clamped to [1, 64]. With 1 no thread is started and tasks run in the
 /// caller. Null only when out of memory.
-PLIANT_API std::unique_ptr<TaskRunner> createThreadPool( int threadCount );
+[[nodiscard]] PLIANT_API std::unique_ptr<TaskRunner> createThreadPool( int threadCount );
 
 } // namespace pliant

@@ -31,12 +31,16 @@ public:
 	/// body is hit (callers read the result as a btRigidBody), or null where nothing is hit; then `result` is unchanged.
 	void* castRay( const btVector3& from, const btVector3& to, btVehicleRaycasterResult& result ) override;
 	/// The soft body that castRay would hit; null where there is none or a rigid body is nearer.
-	SoftBody* softBodyAt( const btVector3& from, const btVector3& to );
+	[[nodiscard]] SoftBody* softBodyAt( const btVector3& from, const btVector3& to );
 
 	/// Sets the vehicle whose wheels press on soft bodies: each suspension force acts on the nodes within the wheel's radius, or within two
 	/// node radii if that is more. Not owned; null (the default): none. A sleeping vehicle does not press.
 	void setVehicle( const btRaycastVehicle* vehicle ) { m_vehicle = vehicle; }
+	/// The vehicle last set; null: none.
+	[[nodiscard]] const btRaycastVehicle* vehicle() const { return m_vehicle; }
+	/// Called by the world once per step, `step` in s: presses the wheels of the vehicle on soft bodies.
 	void updateAction( btCollisionWorld* world, btScalar step ) override;
+	/// As Bullet's; draws nothing.
 	void debugDraw( btIDebugDraw* ) override {}
 
 private:

@@ -23,7 +23,7 @@ Status checkAttachment( const SoftBodySystem& bodies, const SoftBody& body, cons
 	}
 	if ( !std::isfinite( settings.compliance ) || settings.compliance < 0 || !( settings.breakingForce > 0 ) )
 	{
-		return refused( "attach", "the compliance must be finite and not negative, and the breaking force above 0." );
+		return Status{ ResultCode::BadSettings, "attach: the compliance must be finite and not negative, and the breaking force above 0." };
 	}
 	return {};
 }

@@ -178,6 +178,11 @@ btVector3 SoftBody::angularMomentum() const
 	return toBt( m_impl->body->sums().spin );
 }
 
+btVector3 SoftBody::angularVelocity() const
+{
+	return toBt( m_impl->body->angularVelocity() );
+}
+
 btTransform SoftBody::bestFitTransform() const
 {
 	const Placement fit = m_impl->body->bestFit();
@@ -250,6 +255,11 @@ int SoftBody::nodeOfCell( int cell ) const
 	const Body& body = *m_impl->body;
 	const std::uint32_t own = cell < 0 ? kNoNode : body.ownCell( std::uint32_t( cell ) );
 	return own == kNoNode ? -1 : body.nodeOfCell( own );
+}
+
+int SoftBody::cellOfNode( int node ) const
+{
+	return m_impl->hasNode( node ) ? int( m_impl->body->firstCellOfNode( node ) ) : -1;
 }
 
 } // namespace pliant

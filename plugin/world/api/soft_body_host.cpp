@@ -81,6 +81,11 @@ void SoftBodyHost::setTaskRunner( TaskRunner* runner )
 	m_step->bodies.runner = runner;
 }
 
+int SoftBodyHost::threadCount() const
+{
+	return m_step->bodies.tasks()->threadCount();
+}
+
 const StepReport& SoftBodyHost::stepReport() const
 {
 	return m_step->bodies.report;

@@ -183,6 +183,17 @@ void SoftBody::clearGravity()
 	activate( true );
 }
 
+btVector3 SoftBody::gravity() const
+{
+	const btVector3 ofWorld = m_impl->system ? m_impl->system->world().getGravity() : btVector3( 0, 0, 0 );
+	return m_impl->hasOwnGravity ? m_impl->gravity : ofWorld;
+}
+
+bool SoftBody::hasOwnGravity() const
+{
+	return m_impl->hasOwnGravity;
+}
+
 void SoftBody::Impl::wakeTouching( const SoftBody& owner ) const
 {
 	if ( system && !touched.empty() )

@@ -210,7 +210,9 @@ void VehicleRaycaster::updateAction( btCollisionWorld*, btScalar step )
 		}
 		for ( const int node : under )
 		{
-			soft->applyImpulse( ray.m_contactNormalWS * ( -wheel.m_wheelsSuspensionForce * step * soft->nodeMass( node ) / mass ), node );
+			// What would make a node too fast is refused: that node is then not pressed on.
+			static_cast<void>( soft->applyImpulse(
+				ray.m_contactNormalWS * ( -wheel.m_wheelsSuspensionForce * step * soft->nodeMass( node ) / mass ), node ) );
 		}
 	}
 }

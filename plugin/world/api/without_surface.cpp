@@ -9,7 +9,10 @@ SurfaceView SoftBody::surface() const
 	return {};
 }
 
-void SoftBody::setSurfaceTolerance( btScalar ) {}
+void SoftBody::setSurfaceTolerance( btScalar cells )
+{
+	m_impl->skin.tolerance = cells > 0 ? double( cells ) : 0.0; // as with skins, so that it can be read back
+}
 
 btScalar SoftBody::surfaceTolerance() const
 {

@@ -222,6 +222,12 @@ int SoftBody::nodeLevel( int node ) const
 	return levels && m_impl->hasNode( node ) ? levels->levelOf( node ) : 0;
 }
 
+Adaptivity SoftBody::adaptivity() const
+{
+	const Levels* levels = m_impl->body->levels();
+	return levels ? levels->settings() : Adaptivity{};
+}
+
 unsigned SoftBody::levelVersion() const
 {
 	const Levels* levels = m_impl->body->levels();
@@ -249,7 +255,13 @@ void SoftBody::requestRefinement( const btVector3& low, const btVector3& high )
 
 void SoftBody::setFinestLevel( int level )
 {
-	m_impl->body->setFinestLevel( std::clamp( level, 0, 4 ) );
+	m_impl->body->setFinestLevel( std::clamp( level, 0, adaptivity().coarseLevels ) );
+}
+
+int SoftBody::finestLevel() const
+{
+	const Levels* levels = m_impl->body->levels();
+	return levels ? levels->finestLevel() : 0;
 }
 
 } // namespace pliant

@@ -16,6 +16,11 @@ int SoftBody::nodeLevel( int ) const
 	return 0;
 }
 
+Adaptivity SoftBody::adaptivity() const
+{
+	return {};
+}
+
 unsigned SoftBody::levelVersion() const
 {
 	return 0;
@@ -23,5 +28,10 @@ unsigned SoftBody::levelVersion() const
 
 void SoftBody::requestRefinement( const btVector3&, const btVector3& ) {}
 void SoftBody::setFinestLevel( int ) {}
+
+int SoftBody::finestLevel() const
+{
+	return 0;
+}
 
 } // namespace pliant

@@ -3,7 +3,10 @@
 #include "world/bodies/soft_body_impl.h"
 #include "world/step/soft_body_system.h"
 
+#include <BulletCollision/CollisionDispatch/btCollisionDispatcher.h>
 #include <LinearMath/btQuickprof.h>
+
+#include <new>
 
 namespace pliant {
 
@@ -41,14 +44,20 @@ void SoftBodySystem::collideWithThemselves( btScalar h )
 	}
 }
 
-void SoftBody::setSelfCollision( bool isOn )
+Status SoftBody::setSelfCollision( bool isOn )
 {
 	if ( isOn == selfCollision() )
 	{
-		return;
+		return {};
 	}
-	m_impl->self = isOn ? std::make_unique<SelfCollision>() : nullptr;
+	std::unique_ptr<SelfCollision> made( isOn ? new ( std::nothrow ) SelfCollision : nullptr );
+	if ( isOn && !made )
+	{
+		return Status{ ResultCode::OutOfMemory, "Not enough memory for self-collision." };
+	}
+	m_impl->self = std::move( made );
 	activate();
+	return {};
 }
 
 bool SoftBody::selfCollision() const

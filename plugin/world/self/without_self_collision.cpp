@@ -1,5 +1,6 @@
 // In a build without self-collision it cannot be enabled.
 
+#include "lattice/features.h"
 #include "world/bodies/soft_body_impl.h"
 #include "world/step/soft_body_system.h"
 
@@ -10,7 +11,10 @@ void SoftBodySystem::collideWithThemselves( btScalar )
 	report.selfContacts = 0;
 }
 
-void SoftBody::setSelfCollision( bool ) {}
+Status SoftBody::setSelfCollision( bool isOn )
+{
+	return isOn ? requireFeature( Feature::SelfCollision ) : Status{};
+}
 
 bool SoftBody::selfCollision() const
 {

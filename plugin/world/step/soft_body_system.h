@@ -15,6 +15,8 @@
 #include "world/shape/contact_proxy.h"
 #include "world/step/substep_group.h"
 
+#include <BulletDynamics/Dynamics/btDiscreteDynamicsWorld.h>
+
 #include <memory>
 #include <vector>
 
@@ -125,6 +127,7 @@ public:
 	TaskRunner* runner = nullptr; ///< the game's, or null
 	/// The game's, or the own.
 	TaskRunner* tasks() const;
+	const btDiscreteDynamicsWorld& world() const { return m_world; }
 
 private:
 	bool moves( const SoftBody& body ) const;

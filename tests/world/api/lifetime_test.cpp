@@ -68,9 +68,9 @@ TEST( Lifetime, BodiesAndWorldsAreDestroyedInAnyOrder )
 		if ( order == 3 ) // removed and added again
 		{
 			world->removeSoftBody( low.get() );
-			low->applyCentralImpulse( btVector3( 0, 10, 0 ) );
-			low->teleport( at( 3, 0, 0 ) );
-			low->reset( at( 3, 1, 0 ) );
+			EXPECT_TRUE( low->applyCentralImpulse( btVector3( 0, 10, 0 ) ).ok() );
+			EXPECT_TRUE( low->teleport( at( 3, 0, 0 ) ).ok() );
+			EXPECT_TRUE( low->reset( at( 3, 1, 0 ) ).ok() );
 			EXPECT_TRUE( low->pinNode( 0 ).ok() );
 			world->addSoftBody( low.get() );
 		}
@@ -160,7 +160,7 @@ std::vector<btVector3> beside( int poison )
 	positions.push_back( box->getWorldTransform().getOrigin() );
 	if ( poison > 0 )
 	{
-		bad->reset( at( 0, 1, 0 ) );
+		EXPECT_TRUE( bad->reset( at( 0, 1, 0 ) ).ok() );
 		t.run( 10 );
 		EXPECT_TRUE( bad->isHealthy() );
 		EXPECT_LT( bad->massCentre().y(), 1 ) << "it falls again";
@@ -189,10 +189,10 @@ TEST( Lifetime, ResetWakesABodyAndKeepsPermanentStates )
 	SoftBody* awake = t.addSoft( shape, at( 0, 1, 0 ) );
 	SoftBody* asleep = t.addSoft( shape, at( 2, 1, 0 ) );
 	awake->setActivationState( DISABLE_DEACTIVATION );
-	awake->reset( at( 0, 2, 0 ) );
+	EXPECT_TRUE( awake->reset( at( 0, 2, 0 ) ).ok() );
 	EXPECT_EQ( awake->getActivationState(), DISABLE_DEACTIVATION );
 	asleep->forceActivationState( ISLAND_SLEEPING );
-	asleep->reset( at( 2, 2, 0 ) );
+	EXPECT_TRUE( asleep->reset( at( 2, 2, 0 ) ).ok() );
 	EXPECT_EQ( asleep->getActivationState(), ACTIVE_TAG );
 	for ( SoftBody* body : { awake, asleep } )
 	{
@@ -202,7 +202,7 @@ TEST( Lifetime, ResetWakesABodyAndKeepsPermanentStates )
 	for ( SoftBody* body : { awake, asleep } )
 	{
 		EXPECT_EQ( body->getActivationState(), DISABLE_SIMULATION );
-		body->reset( at( body == awake ? 0 : 2, 2, 0 ) );
+		EXPECT_TRUE( body->reset( at( body == awake ? 0 : 2, 2, 0 ) ).ok() );
 	}
 	EXPECT_EQ( awake->getActivationState(), DISABLE_DEACTIVATION );
 	EXPECT_EQ( asleep->getActivationState(), ACTIVE_TAG );

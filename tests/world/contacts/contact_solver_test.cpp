@@ -103,7 +103,8 @@ TEST( ContactSolver, EqualsBulletsWithFrictionInFreeFlight )
 				SoftBody& body = *scene.world.softBody( b );
 				body.setFriction( btScalar( 0.9 ) );
 				body.setRestitution( btScalar( 0.3 * ( b % 2 ) ) );
-				body.setVelocities( btVector3( 0, btScalar( 2 - b ), 0 ), btVector3( btScalar( b ), btScalar( 6 - 4 * b ), 1 ) );
+				EXPECT_TRUE(
+					body.setVelocities( btVector3( 0, btScalar( 2 - b ), 0 ), btVector3( btScalar( b ), btScalar( 6 - 4 * b ), 1 ) ).ok() );
 			}
 		},
 		40, 20 );
@@ -127,8 +128,8 @@ TEST( ContactSolver, EqualsBulletsWithRestitutionAndAnisotropicFriction )
 TEST( ContactSolver, EqualsBulletsWithHeldAndDrivenBodies )
 {
 	compare( []( SoftWorld& scene ) {
-		scene.world.softBody( 0 )->pinNode( 3 );
-		scene.world.softBody( 2 )->pinNode( 0 );
+		EXPECT_TRUE( scene.world.softBody( 0 )->pinNode( 3 ).ok() );
+		EXPECT_TRUE( scene.world.softBody( 2 )->pinNode( 0 ).ok() );
 		btRigidBody* const driven = scene.rigid[1].get();
 		driven->setCollisionFlags( driven->getCollisionFlags() | btCollisionObject::CF_KINEMATIC_OBJECT );
 		driven->setLinearVelocity( btVector3( 0, btScalar( -0.5 ), 0 ) );
@@ -168,7 +169,7 @@ TEST( ContactSolver, EqualsBulletsWherePenetrationIsPushedOut )
 		scene.world.getSolverInfo().m_splitImpulsePenetrationThreshold = 0;
 		scene.rigid[0]->setMassProps( 200, btVector3( 2, 2, 2 ) );
 		scene.world.softBody( 2 )->setAnisotropicFriction( btVector3( btScalar( 0.2 ), 1, 1 ) );
-		scene.world.softBody( 1 )->pinNode( 5 );
+		EXPECT_TRUE( scene.world.softBody( 1 )->pinNode( 5 ).ok() );
 	} );
 }
 

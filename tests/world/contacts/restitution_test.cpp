@@ -47,9 +47,9 @@ public:
 		{
 			case 0: throwRigid( new btSphereShape( btScalar( 0.15 ) ), start, velocity, spin ); break;
 			case 1: throwRigid( new btBoxShape( btVector3( 0.2f, 0.1f, 0.15f ) ), start, velocity, spin ); break;
-			case 2: addCube( start )->setVelocities( velocity, spin ); break;
+			case 2: EXPECT_TRUE( addCube( start )->setVelocities( velocity, spin ).ok() ); break;
 			default:
-				m_soft.front()->setVelocities( velocity, spin );
+				EXPECT_TRUE( m_soft.front()->setVelocities( velocity, spin ).ok() );
 				give( m_world.addBox( 0, btVector3( 3, 1, 3 ), at( 0, btScalar( -1.6 ), 0 ) ) );
 		}
 	}

@@ -102,8 +102,8 @@ TEST( Sinking, TwoFastBodiesDoNotSink )
 		SoftBody* const one = scene.add( cube, btVector3( -1, 0, 0 ), material );
 		SoftBody* const other = scene.add( cube, btVector3( 1, btScalar( random() % 100 ) * btScalar( 0.002 ), 0 ), material );
 		const btScalar speed = btScalar( 5 + 55.0 * shot / 15 );
-		one->setLinearVelocity( btVector3( speed / 2, 0, 0 ) );
-		other->setLinearVelocity( btVector3( -speed / 2, 0, 0 ) );
+		EXPECT_TRUE( one->setLinearVelocity( btVector3( speed / 2, 0, 0 ) ).ok() );
+		EXPECT_TRUE( other->setLinearVelocity( btVector3( -speed / 2, 0, 0 ) ).ok() );
 		scene.step( 60 );
 		worst = std::max( worst, nodesInside( *one, *other ) );
 	}

@@ -97,7 +97,7 @@ TEST( ImplicitCallbacks, MayChangeFrictionAndSeeEachContact )
 		EXPECT_GE( own.added, 16 * 80 );
 		EXPECT_GE( own.processed, 16 * 80 );
 		EXPECT_TRUE( own.namesTheBody );
-		cube->setVelocities( btVector3( 0, 5, 0 ), btVector3( 0, 0, 0 ) );
+		EXPECT_TRUE( cube->setVelocities( btVector3( 0, 5, 0 ), btVector3( 0, 0, 0 ) ).ok() );
 		t.run( 10 );
 		EXPECT_EQ( own.ended, own.started );
 	}

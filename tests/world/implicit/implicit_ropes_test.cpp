@@ -37,7 +37,7 @@ Course follow( const Rope& rope )
 	SoftBody* body = t.addSoft( test::block( rope.cells, 1, 1, kCell ), where, test::implicit( rope.youngsModulus, rope.halfWidth ) );
 	if ( rope.isThrown )
 	{
-		body->setVelocities( btVector3( 1, -20, 0 ), btVector3( 3, 20, 1 ) );
+		EXPECT_TRUE( body->setVelocities( btVector3( 1, -20, 0 ), btVector3( 3, 20, 1 ) ).ok() );
 	}
 	else
 	{

@@ -180,7 +180,7 @@ TestWorld& pullPlasticBar( TestWorld& test, int coarseLevels )
 		nodes.x.x[i] += 0.3f * nodes.x0.x[i];
 		if ( std::abs( nodes.x0.x[i] ) > 0.65f )
 		{
-			soft->pinNode( i );
+			EXPECT_TRUE( soft->pinNode( i ).ok() );
 			ends.push_back( i );
 		}
 	}

@@ -385,7 +385,7 @@ TEST( Adaptive, QuarantineAndResetWorkOnAllLevels )
 	{
 		ASSERT_TRUE( isFinite( soft->nodePosition( i ) ) );
 	}
-	soft->reset( at( 0, 2, 0 ) );
+	EXPECT_TRUE( soft->reset( at( 0, 2, 0 ) ).ok() );
 	EXPECT_TRUE( soft->isHealthy() );
 	EXPECT_NEAR( soft->massCentre().y(), 2, 1e-5 );
 	const SurfaceView skin = soft->surface();

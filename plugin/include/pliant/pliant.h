@@ -1,0 +1,19 @@
+#pragma once
+
+// What most programs need: a world, templates of meshes, materials, bodies. The further headers, by subject:
+//
+//     pliant/soft_body_world_over.h    soft bodies in Bullet's other worlds, or in the game's own
+//     pliant/contact_solver.h          Bullet's contact solver, faster with soft bodies
+//     pliant/vehicle_raycaster.h       wheels of Bullet's vehicle on soft bodies
+//     pliant/build.h, version.h        which features and which version this is
+//
+// Included here, and there to be included alone where less is wanted: mesh.h, crack.h and body_template.h (meshes), material.h,
+// adaptivity.h (levels of detail), fracture.h, attachment.h, soft_body.h, soft_body_host.h (what a world is asked), step_report.h (times,
+// what broke), task_runner.h (threads), result.h (why a call was refused).
+
+#include "pliant/body_template.h"
+#include "pliant/material.h"
+#include "pliant/mesh.h"
+#include "pliant/result.h"
+#include "pliant/soft_body.h"
+#include "pliant/soft_body_world.h"
