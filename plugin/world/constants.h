@@ -211,6 +211,14 @@ inline constexpr double kFarthestDrive = 100.0;
 /// Bodies are placed no farther from the origin than this along any axis, m: a float's last bit is 64 m there.
 inline constexpr btScalar kFarthestPosition = btScalar( 1e9 );
 
+// --- Links of multibodies ---
+
+/// A link with less mean mobility than this, 1/kg, is held by its joints or its base.
+inline constexpr double kLeastLinkMobility = 1e-9;
+
+/// About an axis that a link's joints lock it counts as turning this much less than about its freest one.
+inline constexpr double kLeastLinkTurning = 1e-3;
+
 // --- Attachments ---
 
 /// Fraction of the distance between the two points of an attachment that is to be closed within a substep. All of it overshoots with what

@@ -12,7 +12,7 @@
 #include <vector>
 
 class btManifoldPoint;
-class btRigidBody;
+class btCollisionObject;
 
 namespace pliant {
 
@@ -81,9 +81,10 @@ struct SoftPart
 	int firstConnected = 0;                    ///< index of its first connected part in m_connected
 };
 
+/// A rigid body, or a link of a multibody (moved_object.h).
 struct RigidPart
 {
-	btRigidBody* body = nullptr;
+	btCollisionObject* object = nullptr;
 	int offset = 0;
 	double mass = 1.0;                                     ///< kg
 	Eigen::Matrix3d inertia = Eigen::Matrix3d::Identity(); ///< kg m^2, world axes

@@ -2,6 +2,7 @@
 
 #include "world/bodies/soft_body_impl.h"
 #include "world/constants.h"
+#include "world/implicit/moved_object.h"
 #include "world/touch/round_surface.h"
 
 #include <BulletCollision/BroadphaseCollision/btDispatcher.h>
@@ -294,6 +295,12 @@ ContactSide ImplicitContacts::sideOf( const btCollisionObject& object, int block
 		side.soft = isFree ? lookup.softPart( *node->owner ) : -1;
 		side.node = node->node;
 		side.prescribedVelocity = isFree ? Vec3d( Vec3d::Zero() ) : toVec3d( node->getLinearVelocity() );
+		return side;
+	}
+	if ( isLink( object ) )
+	{
+		side.rigid = lookup.rigidPart( block, const_cast<btCollisionObject&>( object ) );
+		side.arm = at - toVec3d( object.getWorldTransform().getOrigin() );
 		return side;
 	}
 	// A kinematic object may have the static flag as well: Bullet sets it on every new object.

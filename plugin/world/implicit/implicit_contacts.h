@@ -32,8 +32,8 @@ public:
 	virtual int softPart( const SoftBody& body ) const = 0;
 	/// Returns true if the block moves a rigid body of its island (implicit_reach.h).
 	virtual bool takesPart( int block, const btCollisionObject& rigid ) const = 0;
-	/// Returns the part of a movable rigid body in a block, creating it if necessary.
-	virtual int rigidPart( int block, btRigidBody& body ) = 0;
+	/// Returns the part of a movable rigid body or link in a block, creating it if necessary; -1 for a link that is held.
+	virtual int rigidPart( int block, btCollisionObject& object ) = 0;
 };
 
 /// Gathers the contacts that implicit blocks solve, and hides them from Bullet's solver.

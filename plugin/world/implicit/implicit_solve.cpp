@@ -15,49 +15,6 @@ namespace pliant {
 
 namespace {
 
-Vector6 velocityOf( const btRigidBody& body )
-{
-	Vector6 velocity;
-	velocity << toVec3d( body.getLinearVelocity() ), toVec3d( body.getAngularVelocity() );
-	return velocity;
-}
-
-/// Returns the velocity change that Bullet's solver adds itself: h F / M and h I^-1 T.
-Vector6 forceOf( const btRigidBody& body, double h )
-{
-	Vector6 force;
-	force << h * double( body.getInvMass() ) * toVec3d( body.getTotalForce() ),
-		h * toVec3d( body.getInvInertiaTensorWorld() * body.getTotalTorque() );
-	return force;
-}
-
-void setVelocity( btRigidBody& body, const Vector6& velocity )
-{
-	body.setLinearVelocity( toBt( velocity.head<3>() ) );
-	body.setAngularVelocity( toBt( velocity.tail<3>() ) );
-}
-
-RigidPart makeRigid( btRigidBody& body )
-{
-	RigidPart part;
-	part.body = &body;
-	part.mass = 1.0 / double( body.getInvMass() );
-	part.centre = toVec3d( body.getCenterOfMassPosition() );
-	const Vec3d inverse = toVec3d( body.getInvInertiaDiagLocal() );
-	const bool canTurn = inverse.minCoeff() > 0.0;
-	if ( canTurn )
-	{
-		const Eigen::Matrix3d axes = toMatrix3d( body.getWorldTransform().getBasis() );
-		part.inertia = axes * inverse.cwiseInverse().asDiagonal() * axes.transpose();
-	}
-	for ( int k = 0; k < 3; ++k )
-	{
-		part.moves[k] = body.getLinearFactor()[k] != 0;
-		part.turns[k] = canTurn && body.getAngularFactor()[k] != 0;
-	}
-	return part;
-}
-
 /// Returns true if a body's contacts or attachments must be solved in a block. A fragment of one cell has no elasticity, but the residual
 /// errors of Bullet's solver at a step of a sixtieth of a second would make a heap of them creep forever, at millimetres per second.
 bool needsBlock( const SoftBody& body, const Attachments& attachments )
@@ -89,21 +46,26 @@ int ImplicitSolve::softPart( const SoftBody& body ) const
 	return body.impl().blockPart;
 }
 
-int ImplicitSolve::rigidPart( int block, btRigidBody& body )
+int ImplicitSolve::rigidPart( int block, btCollisionObject& object )
 {
 	std::vector<RigidPart>& parts = m_blocks[std::size_t( block )].rigid;
 	for ( std::size_t k = 0; k < parts.size(); ++k )
 	{
-		if ( parts[k].body == &body )
+		if ( parts[k].object == &object )
 		{
 			return int( k );
 		}
 	}
-	RigidPart part = makeRigid( body );
-	OutsideImpulse& outside = outsideOf( body );
+	RigidPart part;
+	part.object = &object;
+	if ( !m_moved.measure( object, part ) )
+	{
+		return -1;
+	}
+	OutsideImpulse& outside = outsideOf( object );
 	outside.stamp = m_stamp;
-	part.velocityBefore = velocityOf( body );
-	part.freeVelocity = part.velocityBefore + forceOf( body, m_h ) + outside.change;
+	part.velocityBefore = m_moved.velocityOf( object );
+	part.freeVelocity = part.velocityBefore + MovedObjects::forceOf( object, m_h ) + outside.change;
 	for ( int k = 0; k < 3; ++k )
 	{
 		part.velocityBefore[k] = part.moves[k] ? part.velocityBefore[k] : 0.0;
@@ -115,24 +77,22 @@ int ImplicitSolve::rigidPart( int block, btRigidBody& body )
 	return int( parts.size() ) - 1;
 }
 
-OutsideImpulse& ImplicitSolve::outsideOf( const btRigidBody& body )
+OutsideImpulse& ImplicitSolve::outsideOf( const btCollisionObject& object )
 {
 	for ( OutsideImpulse& outside : m_outside )
 	{
-		if ( outside.body == &body )
+		if ( outside.object == &object )
 		{
 			return outside;
 		}
 	}
-	m_outside.push_back( OutsideImpulse{ &body } );
+	m_outside.push_back( OutsideImpulse{ &object } );
 	return m_outside.back();
 }
 
-void ImplicitSolve::forget( const btRigidBody& body )
+void ImplicitSolve::forget( const btCollisionObject& object )
 {
-	m_outside.erase(
-		std::remove_if( m_outside.begin(), m_outside.end(), [&]( const OutsideImpulse& outside ) { return outside.body == &body; } ),
-		m_outside.end() );
+	std::erase_if( m_outside, [&]( const OutsideImpulse& outside ) { return outside.object == &object; } );
 }
 
 // Makes one block per island with an implicit body or a single-cell fragment. Explicit bodies of the island take part with their masses, so
@@ -221,14 +181,8 @@ void ImplicitSolve::storeVelocities( ImplicitBlock& block )
 {
 	for ( RigidPart& part : block.rigid )
 	{
-		part.expectedVelocity = part.velocity - outsideOf( *part.body ).change;
-		Vector6 velocity = part.expectedVelocity - forceOf( *part.body, m_h );
-		const Vector6 own = velocityOf( *part.body );
-		for ( int k = 0; k < 6; ++k )
-		{
-			velocity[k] = ( k < 3 ? part.moves[k] : part.turns[k - 3] ) ? velocity[k] : own[k];
-		}
-		setVelocity( *part.body, velocity );
+		const Vector6 force = MovedObjects::forceOf( *part.object, m_h );
+		part.expectedVelocity = m_moved.move( part, outsideOf( *part.object ).change + force ) + force;
 	}
 }
 
@@ -240,8 +194,8 @@ void ImplicitSolve::after()
 		for ( const RigidPart& part : m_blocks[k].rigid )
 		{
 			// e += r ( dV - e ), dV the change by Bullet's solver beyond the forces
-			Vector6& expected = outsideOf( *part.body ).change;
-			expected += kOutsideFraction * ( velocityOf( *part.body ) - part.expectedVelocity - expected );
+			Vector6& expected = outsideOf( *part.object ).change;
+			expected += kOutsideFraction * ( m_moved.velocityOf( *part.object ) - part.expectedVelocity - expected );
 		}
 	}
 }

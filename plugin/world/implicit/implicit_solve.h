@@ -5,6 +5,7 @@
 
 #include "world/implicit/implicit_contacts.h"
 #include "world/implicit/implicit_reach.h"
+#include "world/implicit/moved_object.h"
 
 #include <deque>
 #include <vector>
@@ -16,7 +17,7 @@ class SoftBodySystem;
 /// The velocity change of a rigid body by joints and by contacts outside the blocks, smoothed over substeps.
 struct OutsideImpulse
 {
-	const btRigidBody* body = nullptr;
+	const btCollisionObject* object = nullptr;
 	Vector6 change = Vector6::Zero(); ///< e, m/s and rad/s
 	unsigned stamp = 0;
 };
@@ -29,7 +30,7 @@ public:
 		TaskRunner* runner );
 	/// Called after Bullet's solver: records what it did to the rigid bodies as the expectation for the next substep.
 	void after();
-	void forget( const btRigidBody& body );
+	void forget( const btCollisionObject& object );
 
 	int contacts() const { return m_contacts.count(); }
 	const BlockCount& count() const { return m_count; } ///< maximum over all blocks
@@ -39,16 +40,17 @@ private:
 	int blockOfIsland( int tag ) const override;
 	int softPart( const SoftBody& body ) const override;
 	bool takesPart( int block, const btCollisionObject& rigid ) const override { return m_reach.takesPart( block, rigid ); }
-	int rigidPart( int block, btRigidBody& body ) override;
+	int rigidPart( int block, btCollisionObject& object ) override;
 
 	void makeBlocks( const std::vector<SoftBody*>& awake, const Attachments& attachments );
-	OutsideImpulse& outsideOf( const btRigidBody& body );
+	OutsideImpulse& outsideOf( const btCollisionObject& object );
 	void storeVelocities( ImplicitBlock& block );
 
 	std::deque<ImplicitBlock> m_blocks; ///< grows only
 	std::vector<int> m_tagOf;           ///< island tag of each block
 	ImplicitReach m_reach;
 	ImplicitContacts m_contacts;
+	MovedObjects m_moved;
 	std::vector<OutsideImpulse> m_outside; ///< in order of first contact
 	BlockCount m_count;
 	double m_h = 0.0;

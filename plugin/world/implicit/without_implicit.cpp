@@ -9,7 +9,7 @@ void ImplicitChoice::choose( const std::vector<SoftBody*>&, btDiscreteDynamicsWo
 
 void ImplicitSolve::before( const std::vector<SoftBody*>&, Attachments&, btDispatcher&, const btContactSolverInfo&, TaskRunner* ) {}
 void ImplicitSolve::after() {}
-void ImplicitSolve::forget( const btRigidBody& ) {}
+void ImplicitSolve::forget( const btCollisionObject& ) {}
 
 int ImplicitSolve::blockOf( const SoftBody& ) const
 {
@@ -26,7 +26,7 @@ int ImplicitSolve::softPart( const SoftBody& ) const
 	return -1;
 }
 
-int ImplicitSolve::rigidPart( int, btRigidBody& )
+int ImplicitSolve::rigidPart( int, btCollisionObject& )
 {
 	return -1;
 }

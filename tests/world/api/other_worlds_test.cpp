@@ -257,8 +257,7 @@ TEST( OtherWorlds, MultiBodyRestsOnAnExplicitCube )
 	restMultiBody( Elasticity::Explicit );
 }
 
-// The implicit block moves rigid bodies only: the link falls through the cube. A limit of SoftBodyWorldOver (docs/guide/limits.md).
-TEST( OtherWorlds, DISABLED_MultiBodyRestsOnAnImplicitCube )
+TEST( OtherWorlds, MultiBodyRestsOnAnImplicitCube )
 {
 	restMultiBody( Elasticity::Implicit );
 }

@@ -1,0 +1,188 @@
+#include "world/implicit/moved_object.h"
+
+#include "world/bodies/soft_body_impl.h"
+#include "world/constants.h"
+
+#include <BulletDynamics/Featherstone/btMultiBody.h>
+#include <BulletDynamics/Featherstone/btMultiBodyLinkCollider.h>
+
+#include <Eigen/Eigenvalues>
+
+namespace pliant {
+
+namespace {
+
+void measureRigid( const btRigidBody& body, RigidPart& part )
+{
+	part.mass = 1.0 / double( body.getInvMass() );
+	part.centre = toVec3d( body.getCenterOfMassPosition() );
+	const Vec3d inverse = toVec3d( body.getInvInertiaDiagLocal() );
+	const bool canTurn = inverse.minCoeff() > 0.0;
+	if ( canTurn )
+	{
+		const Eigen::Matrix3d axes = toMatrix3d( body.getWorldTransform().getBasis() );
+		part.inertia = axes * inverse.cwiseInverse().asDiagonal() * axes.transpose();
+	}
+	for ( int k = 0; k < 3; ++k )
+	{
+		part.moves[k] = body.getLinearFactor()[k] != 0;
+		part.turns[k] = canTurn && body.getAngularFactor()[k] != 0;
+	}
+}
+
+const btMultiBodyLinkCollider& asLink( const btCollisionObject& object )
+{
+	return static_cast<const btMultiBodyLinkCollider&>( object );
+}
+
+} // namespace
+
+bool isLink( const btCollisionObject& object )
+{
+	return btMultiBodyLinkCollider::upcast( &object ) != nullptr;
+}
+
+bool isMovable( const btCollisionObject& object )
+{
+	const btRigidBody* const rigid = btRigidBody::upcast( &object );
+	return rigid ? !rigid->isStaticOrKinematicObject() && rigid->getInvMass() != 0 : isLink( object );
+}
+
+// J v is the velocity at the centre, and J^T p the generalised force of an impulse p there.
+void MovedObjects::fillJacobian( const btMultiBodyLinkCollider& link )
+{
+	const btMultiBody& body = *link.m_multiBody;
+	for ( int k = 0; k < 6; ++k )
+	{
+		btVector3 linear( 0, 0, 0 ), angular( 0, 0, 0 );
+		( k < 3 ? linear : angular )[k % 3] = 1;
+		m_jacobian[k].resize( 6 + body.getNumDofs() );
+		body.fillConstraintJacobianMultiDof(
+			link.m_link, link.getWorldTransform().getOrigin(), angular, linear, &m_jacobian[k][0], m_scratch, m_vectors, m_matrices );
+	}
+}
+
+void MovedObjects::respond( const btMultiBodyLinkCollider& link, const Vector6& impulse )
+{
+	const int count = 6 + link.m_multiBody->getNumDofs();
+	m_force.resize( count );
+	m_change.resize( count );
+	for ( int i = 0; i < count; ++i )
+	{
+		double sum = 0.0;
+		for ( int k = 0; k < 6; ++k )
+		{
+			sum += double( m_jacobian[k][i] ) * impulse[k];
+		}
+		m_force[i] = btScalar( sum );
+		m_change[i] = 0;
+	}
+	link.m_multiBody->calcAccelerationDeltasMultiDof( &m_force[0], &m_change[0], m_scratch, m_vectors );
+}
+
+// W = J M^-1 J^T, the mobility. Mass and inertia of a free body with its mean linear mobility and its angular one.
+bool MovedObjects::measure( btCollisionObject& object, RigidPart& part )
+{
+	if ( const btRigidBody* const body = btRigidBody::upcast( &object ) )
+	{
+		measureRigid( *body, part );
+		return true;
+	}
+	const btMultiBodyLinkCollider& link = asLink( object );
+	part.centre = toVec3d( link.getWorldTransform().getOrigin() );
+	fillJacobian( link );
+	Eigen::Matrix<double, 6, 6> mobility;
+	for ( int k = 0; k < 6; ++k )
+	{
+		respond( link, Vector6::Unit( k ) );
+		for ( int j = 0; j < 6; ++j )
+		{
+			double sum = 0.0;
+			for ( int i = 0; i < m_change.size(); ++i )
+			{
+				sum += double( m_jacobian[j][i] ) * double( m_change[i] );
+			}
+			mobility( j, k ) = sum;
+		}
+	}
+	const double linear = mobility.topLeftCorner<3, 3>().trace() / 3.0;
+	if ( !( linear > kLeastLinkMobility ) )
+	{
+		return false;
+	}
+	part.mass = 1.0 / linear;
+	const Eigen::Matrix3d angular = 0.5 * ( mobility.bottomRightCorner<3, 3>() + mobility.bottomRightCorner<3, 3>().transpose() );
+	const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes( angular );
+	const double most = axes.eigenvalues()[2];
+	for ( bool& turns : part.turns )
+	{
+		turns = most > 0.0;
+	}
+	if ( most > 0.0 )
+	{
+		const Vec3d inverse = axes.eigenvalues().cwiseMax( kLeastLinkTurning * most ).cwiseInverse();
+		part.inertia = axes.eigenvectors() * inverse.asDiagonal() * axes.eigenvectors().transpose();
+	}
+	return true;
+}
+
+Vector6 MovedObjects::velocityOf( const btCollisionObject& object )
+{
+	Vector6 velocity;
+	if ( const btRigidBody* const body = btRigidBody::upcast( &object ) )
+	{
+		velocity << toVec3d( body->getLinearVelocity() ), toVec3d( body->getAngularVelocity() );
+		return velocity;
+	}
+	const btMultiBodyLinkCollider& link = asLink( object );
+	fillJacobian( link );
+	const btScalar* const v = link.m_multiBody->getVelocityVector();
+	for ( int k = 0; k < 6; ++k )
+	{
+		velocity[k] = 0.0;
+		for ( int i = 0; i < m_jacobian[k].size(); ++i )
+		{
+			velocity[k] += double( m_jacobian[k][i] ) * double( v[i] );
+		}
+	}
+	return velocity;
+}
+
+// h F / M and h I^-1 T.
+Vector6 MovedObjects::forceOf( const btCollisionObject& object, double h )
+{
+	Vector6 force = Vector6::Zero();
+	if ( const btRigidBody* const body = btRigidBody::upcast( &object ) )
+	{
+		force << h * double( body->getInvMass() ) * toVec3d( body->getTotalForce() ),
+			h * toVec3d( body->getInvInertiaTensorWorld() * body->getTotalTorque() );
+	}
+	return force;
+}
+
+Vector6 MovedObjects::move( const RigidPart& part, const Vector6& ahead )
+{
+	if ( btRigidBody* const body = btRigidBody::upcast( part.object ) )
+	{
+		const Vector6 velocity = part.velocity - ahead, own = velocityOf( *body );
+		Vec3d linear, angular;
+		for ( int k = 0; k < 3; ++k )
+		{
+			linear[k] = part.moves[k] ? velocity[k] : own[k];
+			angular[k] = part.turns[k] ? velocity[3 + k] : own[3 + k];
+		}
+		body->setLinearVelocity( toBt( linear ) );
+		body->setAngularVelocity( toBt( angular ) );
+		return velocity;
+	}
+	const btMultiBodyLinkCollider& link = asLink( *part.object );
+	Vector6 impulse;
+	const Vector6 change = part.velocity - part.freeVelocity;
+	impulse << part.mass * change.head<3>(), part.inertia * change.tail<3>();
+	fillJacobian( link );
+	respond( link, impulse );
+	link.m_multiBody->applyDeltaVeeMultiDof( &m_change[0], 1 );
+	return velocityOf( link );
+}
+
+} // namespace pliant
