@@ -12,7 +12,7 @@ namespace {
 
 const btVector3 kPinColour( btScalar( 1.0 ), btScalar( 0.3 ), btScalar( 0.2 ) );
 
-/// Draws the links through faces between cells at the surface; all 26 links, or those inside, would be too dense to see.
+/// Draws the links through faces between cells at the surface: the other links of a cell, and those inside, would only hide them.
 void drawSurfaceLinks( const SoftBody::Impl& impl, const btVector3& colour, btIDebugDraw& drawer )
 {
 	const Levels* levels = impl.body->levels();

@@ -168,7 +168,7 @@ void SoftBodySystem::releaseLostPins( SoftBody& body, bool isAdded )
 	}
 }
 
-// Gives each pinned node the velocity that takes it to its target by the end of the substep.
+// Gives each pinned node the velocity of its point of the rigid body, or the one that reaches its target by the end of the game step.
 void SoftBodySystem::drivePins( SoftBody& body, btScalar h, int substep )
 {
 	SoftBody::Impl& impl = body.impl();

@@ -65,7 +65,7 @@ private:
 };
 
 /// Objects outside the pass that touch objects of it. They have moved already: contacts change their velocities, but forces must not act
-/// twice. They belong to the island of the objects they touch.
+/// twice. Their contacts belong to the island of the object of the pass.
 class OutsideObjects
 {
 public:

@@ -87,8 +87,7 @@ void WorldStep::endPass()
 }
 
 // Start impulses solved in a step of another length are scaled to this one, so that they represent the same force. This applies to islands
-// with an awake soft body and to contacts of objects that have entered or left the group; all others stay as in Bullet, which does not
-// scale.
+// with an awake soft body and to contacts of objects that have entered or left the group; others are left as Bullet has them.
 void WorldStep::carryImpulses( btScalar h )
 {
 	const Lengths before = m_lengths;

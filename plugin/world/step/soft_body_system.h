@@ -37,8 +37,7 @@ public:
 	void wakeTouching( const SoftBody& body );
 	/// Sets the body's index in the world's list, because Bullet removes whichever object is at that index.
 	void updateWorldIndex( SoftBody& body ) const;
-	/// Checks the arguments of stepSimulation and limits the time to a number of steps that can be counted. Returns false if they are
-	/// invalid.
+	/// Limits the time of stepSimulation to a number of steps that can be counted. Returns false if its arguments are invalid.
 	bool acceptsSteps( btScalar& timeStep, int maxSubSteps, btScalar fixedTimeStep ) const;
 	/// Prepares a step and limits its length to kLongestStep. Returns false if a step of that length must be skipped.
 	bool openStep( btScalar& timeStep );
@@ -87,7 +86,7 @@ public:
 	void solveImplicit( btDispatcher& dispatcher, const btContactSolverInfo& info );
 	void noteSolved() { implicitSolve().after(); }
 	void readBack();             ///< the solver's results for touched nodes
-	void holdBack( btScalar h ); ///< keeps fast nodes from passing through static objects
+	void holdBack( btScalar h ); ///< keeps fast nodes from passing through static and kinematic objects
 	void integrate( btScalar h, int substep );
 	/// Updates the shapes for queries (rays, sweeps, contact tests) before the step has ended.
 	void freshenShapes();
@@ -156,7 +155,8 @@ private:
 	void requestContactSplits( SoftBody::Impl& impl ); ///< Adaptivity::refinesOnContact
 	void changeLevels( SoftBody& body );
 	void countNodes();
-	/// Returns the static objects within `reach` of a body's nodes that collide with it, in the order in which Bullet received them.
+	/// Returns the static and kinematic objects within `reach` of a body's nodes that collide with it, in the order of their broadphase
+	/// ids.
 	std::vector<const btCollisionObject*> wallsAround( SoftBody& body, double reach );
 	void keepNewNodesOut( SoftBody& body, const std::vector<Vec3>& positionBefore );
 	void keepPushedNodesOut( SoftBody& body, const std::vector<Vec3>& positionBefore );

@@ -119,8 +119,7 @@ void StepImpulses::add( btDispatcher& dispatcher )
 	}
 }
 
-// Divides a contact's sum among its points in proportion to the impulses of the last substep. If those are zero the first point gets it
-// all.
+// Divides a contact's sum among its points in proportion to the last substep's impulses; if those are zero, gives it to the first point.
 void StepImpulses::end( btDispatcher& dispatcher )
 {
 	for ( int m = 0; m < dispatcher.getNumManifolds(); ++m )
