@@ -155,8 +155,7 @@ private:
 	void requestContactSplits( SoftBody::Impl& impl ); ///< Adaptivity::refinesOnContact
 	void changeLevels( SoftBody& body );
 	void countNodes();
-	/// Returns the static and kinematic objects within `reach` of a body's nodes that collide with it, in the order of their broadphase
-	/// ids.
+	/// Returns the static and kinematic objects within `reach` of a body's nodes that collide with it, by ascending broadphase id.
 	std::vector<const btCollisionObject*> wallsAround( SoftBody& body, double reach );
 	void keepNewNodesOut( SoftBody& body, const std::vector<Vec3>& positionBefore );
 	void keepPushedNodesOut( SoftBody& body, const std::vector<Vec3>& positionBefore );
