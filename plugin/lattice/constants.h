@@ -46,7 +46,7 @@ inline constexpr double kMaxRimFraction = 0.2;
 inline constexpr double kFarField = 2.6;
 inline constexpr int kTrianglesPerLeaf = 8;
 
-/// A point with |W| above this is inside: half way between 0 and 1, and independent of the mesh's orientation.
+/// A point with |W| above this is inside: midway between 0 and 1, and independent of the mesh's orientation.
 inline constexpr double kInsideWinding = 0.5;
 
 /// Limit of row crossings, 16 bytes each, per requested cell; above it the surface is too folded to be resolved.
@@ -125,7 +125,7 @@ inline constexpr double kShellOverhang = 0.25;
 /// Triangles smaller than this, in cells, are not sampled at their corners: their centroid suffices.
 inline constexpr double kSmallestVisited = 0.1;
 
-/// A soup with this fraction of its apparent volume oriented the other way has no inside: it consists of stacked sheets.
+/// A soup with this fraction of its apparent volume oppositely oriented has no inside: it consists of stacked sheets.
 inline constexpr double kMaxOpposedFraction = 0.25;
 
 /// An open surface whose inside consists of parts with fewer cells than this has no inside: its winding number is close to one half.

@@ -2,7 +2,7 @@
 //
 // One atomic number, the ticket, holds the run's number and the range of tasks not yet taken. Taking a task is one compare-and-swap on it,
 // so that a thread that wakes late can neither miss nor confuse a run: no task is left, or the number has changed. For the same reason
-// nobody waits for threads that sleep through a run.
+// a run does not wait for threads that are asleep.
 //
 // Half of the threads take tasks from the front, half from the back. The stages of a step divide the same arrays into the same tasks, so
 // each of two threads mostly finds the data of the previous stage in its own cache.

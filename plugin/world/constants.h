@@ -61,7 +61,7 @@ inline constexpr double kAllowanceOut = 10.0, kAllowanceCalm = 2.0, kAllowanceCa
 /// Nodes of a faster body that hold more than this fraction of its kinetic energy are not split where they touch something.
 inline constexpr double kSplitEnergy = 5e-4;
 
-/// Self-collision. Two outward unit vectors that differ by less than this do not tell which side is which.
+/// Self-collision. Two outward unit vectors that differ by less than this do not determine the sides.
 inline constexpr double kLeastFacing = 0.5;
 /// A sum of outward vectors shorter than this is rounding error: the material continues equally in all directions.
 inline constexpr float kLeastOutward = 1e-3f;
@@ -202,7 +202,7 @@ inline constexpr btScalar kMostFrames = btScalar( 1e6 );
 inline constexpr btScalar kNominalStep = btScalar( 1 ) / 60;
 
 /// How far a transform's axes may deviate from unit length and right angles, as a fraction, to count as a rotation: products of many float
-/// rotations stay within a tenth of it, and nobody scales by so little.
+/// rotations stay within a tenth of it, and no realistic scaling is smaller.
 inline constexpr double kMostScale = 1e-2;
 /// Margin around a contact within which its triangle is sought, as a fraction of the mesh's box: rounding error.
 inline constexpr btScalar kTriangleMargin = btScalar( 1e-5 );

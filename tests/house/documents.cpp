@@ -65,7 +65,7 @@ std::vector<fs::path> documentsOf( const fs::path& root )
 	return documents;
 }
 
-/// A test as --gtest_filter sees it; where it has a parameter up to the name of that, which the text does not tell.
+/// A test's name as in --gtest_filter; without the parameter's name where it has one, because the source does not contain it.
 struct TestName
 {
 	std::string name;

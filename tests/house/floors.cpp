@@ -27,9 +27,9 @@ const Floor kFloors[] = {
 	{ "plugin/world/", 8 },
 };
 
-// The rooms of a floor, from the ground up. A header includes headers of its own room and of rooms below; a source file, which
-// implements what its room declares on the state that all rooms share, may include any header of its floor.
-const std::vector<std::vector<const char*>> kRooms = {
+// The sub-folders of a floor, from the lowest up. A header includes headers of its own sub-folder and of lower ones. A source file may
+// include any header of its floor, because it implements its sub-folder's functions on state that all sub-folders share.
+const std::vector<std::vector<const char*>> kSubfolders = {
 	{ "plugin/lattice/", "plugin/lattice/mesh/", "plugin/lattice/inside/", "plugin/lattice/build/" },
 	{ "plugin/adapt/octree/", "plugin/adapt/regions/", "plugin/adapt/moments/" },
 	{ "plugin/matching/kernels/", "plugin/matching/", "plugin/matching/regions/", "plugin/matching/clusters/", "plugin/matching/step/",
@@ -44,12 +44,12 @@ const std::vector<std::vector<const char*>> kRooms = {
 
 constexpr std::size_t kMostFilesOfAFolder = 20;
 
-// Where a file's room stands on its floor; -1 for a folder that no floor lists.
-int roomOf( const std::vector<const char*>& rooms, const std::string& path )
+// Returns the index of a file's sub-folder on its floor; -1 for a folder that no floor lists.
+int indexOf( const std::vector<const char*>& subfolders, const std::string& path )
 {
 	const std::string folder = path.substr( 0, path.rfind( '/' ) + 1 );
-	const auto found = std::ranges::find( rooms, folder );
-	return found == rooms.end() ? -1 : int( found - rooms.begin() );
+	const auto found = std::ranges::find( subfolders, folder );
+	return found == subfolders.end() ? -1 : int( found - subfolders.begin() );
 }
 
 constexpr int kFace = 0;
@@ -146,7 +146,7 @@ std::optional<std::string> wrongElsewhere( const SourceFile& file, const Include
 	return std::nullopt;
 }
 
-// Depth first through the includes; `path` is the way from the start.
+// Depth first through the includes; `path` is the chain of files from the start.
 class CircleSearch
 {
 public:
@@ -236,7 +236,7 @@ Complaints checkFloors( const SourceTree& tree )
 	return complaints;
 }
 
-Complaints checkRooms( const SourceTree& tree )
+Complaints checkSubfolders( const SourceTree& tree )
 {
 	Complaints complaints;
 	std::map<std::string, std::size_t> files;
@@ -247,19 +247,20 @@ Complaints checkRooms( const SourceTree& tree )
 			continue;
 		}
 		++files[path.substr( 0, path.rfind( '/' ) + 1 )];
-		for ( const std::vector<const char*>& rooms : kRooms )
+		for ( const std::vector<const char*>& subfolders : kSubfolders )
 		{
-			const int from = roomOf( rooms, path );
+			const int from = indexOf( subfolders, path );
 			const Floor* floor = floorOf( path );
-			if ( from < 0 && floor != nullptr && floor == floorOf( rooms[0] ) )
+			if ( from < 0 && floor != nullptr && floor == floorOf( subfolders[0] ) )
 			{
-				complaints.push_back( path + ": stands in no room that house/floors.cpp lists" );
+				complaints.push_back( path + ": is in no sub-folder that house/floors.cpp lists" );
 			}
 			for ( const Include& include : file.includes )
 			{
-				if ( file.isHeader() && from >= 0 && roomOf( rooms, include.resolved ) > from )
+				if ( file.isHeader() && from >= 0 && indexOf( subfolders, include.resolved ) > from )
 				{
-					complaints.push_back( locationOf( file, include ) + "an arrow that does not run down the rooms of its floor" );
+					complaints.push_back(
+						locationOf( file, include ) + "an include that does not point to a lower sub-folder of its floor" );
 				}
 			}
 		}

@@ -81,9 +81,9 @@ TEST( House, ArrowsRunDownTheFloors )
 	EXPECT_TRUE( complaints.empty() ) << listOf( complaints );
 }
 
-TEST( House, ArrowsOfHeadersRunDownTheRooms )
+TEST( House, HeadersIncludeLowerSubfoldersOnly )
 {
-	const Complaints complaints = checkRooms( ours() );
+	const Complaints complaints = checkSubfolders( ours() );
 	EXPECT_TRUE( complaints.empty() ) << listOf( complaints );
 }
 
@@ -186,13 +186,13 @@ const Breach kBreaches[] = {
 
 INSTANTIATE_TEST_SUITE_P( House, FloorBreach, testing::ValuesIn( kBreaches ), []( const auto& breach ) { return breach.param.name; } );
 
-TEST_F( SmallHouse, RoomsAreSeen )
+TEST_F( SmallHouse, WrongSubfoldersAreSeen )
 {
 	put( "plugin/world/shape/a.h", "#pragma once\n#include \"world/constants.h\"\n" );
 	put( "plugin/world/constants.h", "#pragma once\n" );
 	put( "plugin/world/step/b.h", "#pragma once\n#include \"world/shape/a.h\"\n" );
 	put( "plugin/world/shape/a.cpp", "#include \"world/step/b.h\"\n" );
-	EXPECT_TRUE( checkRooms( tree() ).empty() ) << listOf( checkRooms( tree() ) );
+	EXPECT_TRUE( checkSubfolders( tree() ).empty() ) << listOf( checkSubfolders( tree() ) );
 
 	put( "plugin/world/touch/c.h", "#pragma once\n#include \"world/step/b.h\"\n" );
 	put( "plugin/world/attic/d.cpp", "int d;\n" );
@@ -200,7 +200,7 @@ TEST_F( SmallHouse, RoomsAreSeen )
 	{
 		put( "plugin/threads/e" + std::to_string( i ) + ".cpp", "int e;\n" );
 	}
-	EXPECT_EQ( checkRooms( tree() ).size(), 3u ) << listOf( checkRooms( tree() ) );
+	EXPECT_EQ( checkSubfolders( tree() ).size(), 3u ) << listOf( checkSubfolders( tree() ) );
 }
 
 TEST_F( SmallHouse, StagesCalledElsewhereAreSeen )

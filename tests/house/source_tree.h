@@ -52,8 +52,8 @@ private:
 /// Arrows only run down the floors of the plugin, and foreign libraries stay behind their doors.
 Complaints checkFloors( const SourceTree& tree );
 
-/// Within a floor of the plugin: headers' arrows only run down its rooms; every folder has a room, and none holds too many files.
-Complaints checkRooms( const SourceTree& tree );
+/// Within a floor of the plugin: headers include lower sub-folders only, every folder is listed, and none has too many files.
+Complaints checkSubfolders( const SourceTree& tree );
 
 /// The stages of a step are called in plugin/world/step/world_step.cpp, each of them, and from no other file.
 Complaints checkStages( const SourceTree& tree );

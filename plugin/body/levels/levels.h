@@ -195,8 +195,8 @@ private:
 	std::vector<std::uint32_t> splitNodes( const Cut& next ) const;
 	void numberSources( const Cut& next );
 	void countLevels();
-	/// Whether the first cut of the whole body has finer nodes there: nodes are merged on the way back to that cut which keepMass would not
-	/// select. A piece's part of a block may weigh too little for keepMass, although it was merged with the rest before.
+	/// Whether the node is coarser than the first cut of the whole body there. Merging back to that cut includes nodes that keepMass would
+	/// not select: a piece's part of a block may weigh too little for keepMass although the whole block was merged.
 	bool isTooCoarse( std::uint32_t node ) const
 	{
 		return octree().levelOf( node ) > int( m_coarsest[octree().cells[octree().cellStart[node]]] );

@@ -106,7 +106,7 @@ Status checkFolds( const MeshView& mesh, const WeldedMesh& box )
 	if ( area > kMaxFolds * ( box.high - box.low ).squaredNorm() )
 	{
 		return { ResultCode::TooFolded,
-			"The surface is folded thousands of times into its bounding box: no cell size can tell its layers apart." };
+			"The surface is folded thousands of times into its bounding box: no cell size can separate its layers." };
 	}
 	return {};
 }

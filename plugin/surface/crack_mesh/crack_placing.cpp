@@ -15,7 +15,7 @@ constexpr int kFar = 24, kNear = 8;
 
 } // namespace
 
-// // === A body whose surface grows with its cracks ===
+// === A body whose surface grows with its cracks ===
 
 /// Separates the panels at a local point where several sides meet, where cells belong to another body, or near a blade.
 void CrackSurface::separate( std::uint32_t point, bool isByBlade )
@@ -124,7 +124,7 @@ void CrackSurface::addPanelsAt( std::uint32_t point, std::vector<std::uint32_t>&
 	}
 }
 
-// // === A body assembled from its cells' patches ===
+// === A body assembled from its cells' patches ===
 
 /// Lists in the same order as CrackSurface.
 void CrackGatherer::listPlaced( SkinBinding& to, TaskRunner* runner ) const

@@ -95,7 +95,7 @@ CrackSurface CrackSurface::piece( std::vector<std::uint32_t> cells, const Vec3& 
 	return CrackSurface( m_complex, std::move( cells ), isBroken, shift );
 }
 
-// // === Selection ===
+// === Selection ===
 
 void CrackSurface::selectFaces( const std::vector<std::uint8_t>& isBroken )
 {

@@ -247,7 +247,7 @@ Status validate( const CrackSurface& surface )
 	return {};
 }
 
-// // === Sides of a family's cracks ===
+// === Sides of a family's cracks ===
 
 namespace {
 

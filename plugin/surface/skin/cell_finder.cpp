@@ -11,7 +11,7 @@ namespace {
 /// front of the tangent plane.
 constexpr double kFrontSlack = 0.1;
 
-/// Points further out than this, cells, are clamped: they have no cell around them either way.
+/// Points further out than this, cells, are clamped: they have no cell around them in any case.
 constexpr double kFarOut = 4.0;
 
 Grid gridOf( const Lattice& lattice )

@@ -60,7 +60,7 @@ struct SkinBinding
 };
 
 /// Binds a mesh to a lattice. `weldedVertex`: by vertex, the vertex that it was welded to (itself if none); empty: none were. The input has
-/// no normals, so hard edges cannot be told from seams of texture coordinates: coincident vertices share one normal.
+/// no normals, so hard edges cannot be distinguished from seams of texture coordinates: coincident vertices share one normal.
 ///
 /// NearbyNodes: cells whose centres are within 1.4 edges of the vertex, with weights that fall smoothly to zero there.
 /// Trilinear: the eight cells whose centres form the cube around the vertex. Rivers and James embed in a grid whose corners are nodes; here

@@ -1,4 +1,4 @@
-// Attachments as games make them: checks, and the nodes that are attached.
+// The public functions of attachments: argument checks, and the choice of the attached nodes.
 
 #include "lattice/features.h"
 #include "pliant/soft_body_host.h"

@@ -1,4 +1,4 @@
-// Cutting and healing: what the game names in the world's coordinates, the body's links by name. Steinemann et al. 2008, section 5.1.
+// Cutting and healing: converts cuts in world coordinates to the links that they break. Steinemann et al. 2008, section 5.1.
 
 #include "fracture/cut_links.h"
 #include "pliant/body_template.h"
@@ -11,7 +11,7 @@ namespace pliant {
 
 namespace {
 
-/// The cut in the nodes' own coordinates.
+/// Returns the cut relative to the nodes' origin.
 PlaneCut moved( PlaneCut cut, const Vec3d& origin )
 {
 	cut.point -= origin;
@@ -29,7 +29,7 @@ BladeCut moved( const BladeCut& cut, const Vec3d& origin )
 	return BladeCut{ cut.p0 - origin, cut.p1 - origin, cut.q0 - origin, cut.q1 - origin };
 }
 
-/// x y z w of each cell at the end of a link, of the node that holds it; of others nothing.
+/// Returns, for each cell at an end of a link, the rotation of its node; other cells are not set.
 std::vector<Eigen::Quaternionf> cellRotations( const Body& body, const std::vector<CellLink>& links )
 {
 	std::vector<float> ofNode( 4 * std::size_t( body.nodeCount() ) );
@@ -45,7 +45,7 @@ std::vector<Eigen::Quaternionf> cellRotations( const Body& body, const std::vect
 	return rotations;
 }
 
-/// As the template's cells, in its rest shape.
+/// Stores the traces in terms of the template's cells and rest shape.
 void noteTraces( SoftBody::Impl& impl, std::vector<CutTrace> traces )
 {
 	const std::vector<std::uint32_t>& first = impl.body->firstCells();
@@ -65,14 +65,14 @@ int cutBody( SoftBody& soft, const Cut& cut )
 	{
 		Body& body = *soft.impl().body;
 		const std::vector<Vec3d> positions = body.cellPositions();
-		const Cut here = moved( cut, body.nodes().origin );
-		const std::vector<CellLink> links = linksCut( body.lattice(), positions, here );
+		const Cut local = moved( cut, body.nodes().origin );
+		const std::vector<CellLink> links = linksCut( body.lattice(), positions, local );
 		const int count = body.breakLinks( links );
 		if ( count > 0 )
 		{
 			if ( soft.impl().bodyTemplate->skin().kind != Skinning::None )
 			{
-				noteTraces( soft.impl(), tracesOf( body.lattice(), positions, links, here, cellRotations( body, links ) ) );
+				noteTraces( soft.impl(), tracesOf( body.lattice(), positions, links, local, cellRotations( body, links ) ) );
 			}
 			soft.activate( true );
 		}

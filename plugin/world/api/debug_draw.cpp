@@ -12,7 +12,7 @@ namespace {
 
 const btVector3 kPinColour( btScalar( 1.0 ), btScalar( 0.3 ), btScalar( 0.2 ) );
 
-/// Of cells at the surface, the links through faces: all 26 hide one another, and so do those inside.
+/// Draws the links through faces between cells at the surface: the other links of a cell, and those inside, would only hide them.
 void drawSurfaceLinks( const SoftBody::Impl& impl, const btVector3& colour, btIDebugDraw& drawer )
 {
 	const Levels* levels = impl.body->levels();

@@ -1,6 +1,6 @@
 #pragma once
 
-// What Bullet's debug drawer is shown of soft bodies.
+// Draws soft bodies with Bullet's debug drawer.
 
 class btCollisionShape;
 class btIDebugDraw;
@@ -10,10 +10,10 @@ namespace pliant {
 
 class SoftBodySystem;
 
-/// The soft body whose shape that is, in wireframe: the links of its surface. False where the shape is no soft body's.
+/// Draws the soft body that has this shape in wireframe: the links of its surface. Returns false if no soft body has it.
 bool drawSoftBody( const SoftBodySystem& bodies, const btCollisionShape* shape, const btVector3& colour, btIDebugDraw& drawer );
 
-/// A cross at each pinned node, with DBG_DrawConstraints.
+/// Draws a cross at each pinned node, with DBG_DrawConstraints.
 void drawPins( const SoftBodySystem& bodies, btIDebugDraw& drawer );
 
 } // namespace pliant

@@ -1,4 +1,4 @@
-// Who is in the world: bodies that come and go, by Bullet's calls and by ours, in any order and at any time.
+// Adds and removes bodies, through Bullet's functions or ours, in any order and at any time.
 
 #include "world/bodies/soft_body_impl.h"
 #include "world/constants.h"
@@ -43,14 +43,14 @@ bool SoftBodySystem::add( SoftBody& body )
 	return true;
 }
 
-// A callback in the middle of a step may have removed it: no list of the step's names it any more.
+// A callback may remove a body in the middle of a step, so it is erased from all lists of the step.
 bool SoftBodySystem::remove( SoftBody& body )
 {
 	if ( std::erase( m_bodies, &body ) == 0 )
 	{
 		return false;
 	}
-	for ( std::vector<SoftBody*>* list : { &m_awake, &m_asleep, &m_substepped, &m_sharedOut, &m_whole, &m_stale, &m_staleShapes } )
+	for ( std::vector<SoftBody*>* list : { &m_awake, &m_asleep, &m_substepped, &m_parallel, &m_serial, &m_stale, &m_staleShapes } )
 	{
 		std::erase( *list, &body );
 	}
@@ -67,7 +67,7 @@ bool SoftBodySystem::remove( SoftBody& body )
 	release( body );
 	if ( m_bodies.empty() )
 	{
-		m_algorithms.reset(); // the dispatcher may go before the world does
+		m_algorithms.reset(); // the dispatcher may be destroyed before the world
 	}
 	return true;
 }
@@ -92,7 +92,7 @@ bool SoftBodySystem::holds( const btCollisionObject* object, int& index ) const
 	return index < all.size();
 }
 
-void SoftBodySystem::findPlace( SoftBody& body ) const
+void SoftBodySystem::updateWorldIndex( SoftBody& body ) const
 {
 	int index = body.getWorldArrayIndex();
 	body.setWorldArrayIndex( holds( &body, index ) ? index : -1 );
@@ -120,7 +120,7 @@ SoftBody* SoftBodySystem::bodyAfter( unsigned serial ) const
 	return next == m_bodies.end() ? nullptr : *next;
 }
 
-// Games that reset themselves may empty Bullet's list of objects by their own hand.
+// A game that resets itself may have emptied Bullet's list of objects directly.
 void SoftBodySystem::removeLost()
 {
 	std::erase_if( attachments.all(),
@@ -157,7 +157,7 @@ bool SoftBodySystem::openStep( btScalar& timeStep )
 	{
 		m_algorithms->check();
 	}
-	wakeOnTheWoken();
+	wakeRestingOnWoken();
 	return true;
 }
 
@@ -168,9 +168,9 @@ void SoftBodySystem::noteSleepers()
 		m_bodies.begin(), m_bodies.end(), std::back_inserter( m_asleep ), []( const SoftBody* body ) { return !body->isActive(); } );
 }
 
-// A body that something has woken since the last step takes what rests on it along. Bullet's islands would come to it too, after the step
-// in which the body has moved off, and let what has no contact any more sleep on where it is.
-void SoftBodySystem::wakeOnTheWoken()
+// A body that was woken since the last step wakes the bodies in contact with it. Bullet's islands would do so only after the step in which
+// the body has moved away, and bodies that have lost contact by then would stay asleep in mid-air.
+void SoftBodySystem::wakeRestingOnWoken()
 {
 	for ( const SoftBody* body : m_asleep )
 	{
@@ -186,7 +186,7 @@ void SoftBodySystem::releaseRefusedPairs()
 {
 	for ( std::size_t k = pairScratch.all.size(); k-- > 0; )
 	{
-		if ( k >= pairScratch.all.size() ) // the game is told of contacts that end, and may remove bodies
+		if ( k >= pairScratch.all.size() ) // callbacks for ended contacts may remove bodies
 		{
 			continue;
 		}

@@ -1,4 +1,4 @@
-// Nodes that forces do not move: pinned in place, tied to a rigid body, driven by the game, and those of static and kinematic bodies.
+// Nodes that forces do not move: fixed, following a rigid body, driven by the game, and those of static and kinematic bodies.
 
 #include "matching/constants.h"
 #include "world/bodies/placing.h"
@@ -26,9 +26,9 @@ Status SoftBody::pin( const PinRequest& request )
 	Pin* pin = impl.findPin( request.node );
 	if ( !pin )
 	{
-		const auto place = std::lower_bound(
+		const auto slot = std::lower_bound(
 			impl.pins.begin(), impl.pins.end(), request.node, []( const Pin& p, int n ) { return p.node < n; } );
-		pin = &*impl.pins.insert( place, Pin{} );
+		pin = &*impl.pins.insert( slot, Pin{} );
 	}
 	pin->node = request.node;
 	pin->kind = PinKind( request.kind );
@@ -48,9 +48,8 @@ Status SoftBody::pinNode( int node )
 	return pin( PinRequest{ node, int( PinKind::Still ), nullptr, btVector3( 0, 0, 0 ) } );
 }
 
-// A pin keeps a pointer to its rigid body, so it must hear of that body's end. The world hears of it: hence the body must be in the world
-// that this one is in, and the pin goes when it leaves. Where this body is in no world yet, or has left its own, the pin is asked again
-// when it is added.
+// A pin keeps a pointer to its rigid body, so it must be released before that body is deleted. The world does this when the rigid body is
+// removed, so both bodies must be in the same world. If this body is in no world, the pin is checked again when the body is added.
 Status SoftBody::pinNodeToBody( int node, btRigidBody* body )
 {
 	if ( !body || !m_impl->hasNode( node ) )
@@ -87,7 +86,7 @@ Status SoftBody::driveNode( int node, const btVector3& worldPosition )
 	if ( ( toVec3d( worldPosition ) - m_impl->body->nodes().worldPosition( node ) ).norm() > m_impl->farthestDrive() )
 	{
 		return refused( "driveNode",
-			"the position is further than a hundred of the body's sizes from the node; teleport the body, or go there in steps." );
+			"the position is more than 100 times the body's size from the node; teleport the body, or move the node in steps." );
 	}
 	return pin( PinRequest{ node, int( PinKind::Driven ), nullptr, worldPosition } );
 }
@@ -102,9 +101,9 @@ double SoftBody::Impl::farthestDrive() const
 void SoftBody::releaseNode( int node )
 {
 	Impl& impl = *m_impl;
-	if ( Pin* pinned = impl.findPin( node ) )
+	if ( Pin* found = impl.findPin( node ) )
 	{
-		impl.pins.erase( impl.pins.begin() + ( pinned - impl.pins.data() ) );
+		impl.pins.erase( impl.pins.begin() + ( found - impl.pins.data() ) );
 		impl.body->setPinned( node, false );
 		activate( true );
 	}
@@ -150,8 +149,8 @@ void SoftBodySystem::releasePinsTo( const btRigidBody& body )
 	}
 }
 
-// By pointer; and by the number of the broadphase's proxy, which no two objects of a world have in turn: a rigid body made where another
-// was deleted is not the one that was pinned to.
+// Compares the pointer and the id of the broadphase proxy, which a world does not reuse: a rigid body may be created at the address of a
+// deleted one.
 void SoftBodySystem::releaseLostPins( SoftBody& body, bool isAdded )
 {
 	std::vector<Pin>& pins = body.impl().pins;
@@ -169,27 +168,27 @@ void SoftBodySystem::releaseLostPins( SoftBody& body, bool isAdded )
 	}
 }
 
-// A pinned node's speed is what takes it where it must be at the substep's end.
+// Gives each pinned node the velocity of its point of the rigid body, or the one that reaches its target by the end of the game step.
 void SoftBodySystem::drivePins( SoftBody& body, btScalar h, int substep )
 {
 	SoftBody::Impl& impl = body.impl();
 	NodeState& nodes = impl.body->nodes();
 	for ( const Pin& pin : impl.pins )
 	{
-		btVector3 speed( 0, 0, 0 );
+		btVector3 velocity( 0, 0, 0 );
 		if ( pin.kind == PinKind::FollowsBody )
 		{
-			speed = pin.body->getVelocityInLocalPoint( pin.body->getWorldTransform().getBasis() * pin.point );
+			velocity = pin.body->getVelocityInLocalPoint( pin.body->getWorldTransform().getBasis() * pin.point );
 		}
 		if ( pin.kind == PinKind::Driven && pin.hasTarget )
 		{
-			speed = ( pin.point - impl.position( pin.node ) ) / ( h * btScalar( substepsOf( body ) - substep ) );
+			velocity = ( pin.point - impl.position( pin.node ) ) / ( h * btScalar( substepsOf( body ) - substep ) );
 		}
-		nodes.v.set( pin.node, toVec3( speed ) );
+		nodes.v.set( pin.node, toVec3( velocity ) );
 	}
 }
 
-// After all has moved: a node that follows a body stands exactly where the body has taken it.
+// Call after rigid bodies have moved: corrects the velocities so that pinned nodes reach their targets exactly.
 void SoftBodySystem::settlePins( SoftBody& body, btScalar h, int substep )
 {
 	SoftBody::Impl& impl = body.impl();
@@ -203,14 +202,14 @@ void SoftBodySystem::settlePins( SoftBody& body, btScalar h, int substep )
 		}
 		if ( pin.kind == PinKind::Driven && pin.hasTarget && substep + 1 == substepsOf( body ) )
 		{
-			const Vec3d way = toVec3d( pin.point ) - nodes.worldPosition( pin.node );
-			nodes.v.set( pin.node, ( way / double( h ) ).cast<float>() );
+			const Vec3d displacement = toVec3d( pin.point ) - nodes.worldPosition( pin.node );
+			nodes.v.set( pin.node, ( displacement / double( h ) ).cast<float>() );
 			pin.hasTarget = false;
 		}
 	}
 }
 
-// A kinematic body stands where the game has put it, by `teleport` or by its pins, and moves at what took it there; a static one stands.
+// A kinematic body is where the game put it, by `teleport` or pins, with the velocity of that displacement; a static one is at rest.
 void SoftBodySystem::moveHeldBodies()
 {
 	for ( SoftBody* body : m_bodies )

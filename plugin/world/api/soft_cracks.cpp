@@ -1,4 +1,4 @@
-// Cracks in the skin: what is drawn of them, and what is kept for it.
+// Cracks in the skin: the crack faces that are drawn, and the state kept for them.
 
 #include "lattice/guarded_tasks.h"
 #include "surface/crack_shapes/cell_owners.h"
@@ -12,7 +12,7 @@ namespace pliant {
 
 namespace {
 
-/// Those that are still there: what has healed follows no blade.
+/// Returns the cuts whose links are still broken; healed ones do not shape crack faces.
 std::vector<CutTrace> openCuts( const std::vector<CutTrace>& cuts, const Body& body )
 {
 	std::vector<CutTrace> open;
@@ -35,8 +35,7 @@ bool SoftBody::Impl::hasNewCracks() const
 	return !isKnown && bodyTemplate->crackComplex();
 }
 
-// With a family, cracks are drawn once for all that came from one body. Else, where nobody looked before it broke, from the body's own
-// links.
+// Pieces of one body share their crack state if its skin was read before it broke. Otherwise cracks are drawn from each body's own links.
 const SkinBinding& SoftBody::Impl::binding() const
 {
 	if ( !hasNewCracks() )
@@ -47,36 +46,36 @@ const SkinBinding& SoftBody::Impl::binding() const
 	return *crackView->binding;
 }
 
-// What came from the same body is asked for next: where there are threads to share the work, all of it is drawn at once.
-void SoftBody::Impl::drawKin() const
+// The skins of pieces of the same body are usually read next, so with several threads the cracks of all are drawn at once.
+void SoftBody::Impl::drawFamilyCracks() const
 {
 	TaskRunner* const runner = system ? system->tasks() : nullptr;
 	if ( !crackFamily || !runner || runner->threadCount() < 2 )
 	{
 		return;
 	}
-	std::vector<const Impl*> kin;
+	std::vector<const Impl*> siblings;
 	std::size_t cells = 0;
 	for ( const SoftBody* soft : system->bodies() )
 	{
 		const Impl& other = soft->impl();
 		if ( other.crackFamily == crackFamily && ( &other == this || other.isDrawn() ) && other.hasNewCracks() )
 		{
-			kin.push_back( &other );
+			siblings.push_back( &other );
 			cells += other.body->firstCells().size();
 		}
 	}
-	std::stable_sort( kin.begin(), kin.end(),
+	std::stable_sort( siblings.begin(), siblings.end(),
 		[]( const Impl* a, const Impl* b ) { return a->body->firstCells().size() > b->body->firstCells().size(); } );
-	crackFamily->catchUp( kin.front()->body->firstCells().size(), runner );
-	// All threads draw what is more than a thread's share, body after body.
-	auto shared = kin.begin();
-	for ( ; shared != kin.end() && ( *shared )->body->firstCells().size() * std::size_t( runner->threadCount() ) > cells; ++shared )
+	crackFamily->catchUp( siblings.front()->body->firstCells().size(), runner );
+	// Bodies with more cells than the mean per thread are drawn one after another by all threads together.
+	auto next = siblings.begin();
+	for ( ; next != siblings.end() && ( *next )->body->firstCells().size() * std::size_t( runner->threadCount() ) > cells; ++next )
 	{
-		( *shared )->drawCracks( runner );
+		( *next )->drawCracks( runner );
 	}
-	auto draw = [&shared]( int k ) { shared[k]->drawCracks(); };
-	runGuarded( runner, int( kin.end() - shared ), draw );
+	auto draw = [&next]( int k ) { next[k]->drawCracks(); };
+	runGuarded( runner, int( siblings.end() - next ), draw );
 }
 
 void SoftBody::Impl::drawCracks( TaskRunner* runner ) const
@@ -111,7 +110,7 @@ void SoftBody::Impl::showOwnCracks() const
 	cracks.showPanelsAsOne( texture.data(), *crackView );
 }
 
-/// What was cut is known to all that came from one body: a point is drawn at one place on every side.
+/// All pieces of one body share the cuts, so that both sides of a crack draw a point at the same position.
 void SoftBody::Impl::noteCuts()
 {
 	if ( !newCuts.empty() )
@@ -149,14 +148,14 @@ Status SoftBody::prepareCracks()
 	}
 	catch ( const std::bad_alloc& )
 	{
-		return Status{ ResultCode::OutOfMemory, "Not enough memory for what the body's cracks are drawn with." };
+		return Status{ ResultCode::OutOfMemory, "Not enough memory for the body's crack surfaces." };
 	}
 }
 
 void SoftBody::Impl::noteCracks( const BreakReport& report )
 {
 	const std::vector<std::uint32_t>& first = body->firstCells();
-	if ( skin.frame > 0 ) // somebody looks at it
+	if ( skin.frame > 0 ) // its skin has been read
 	{
 		makeSharedCrackState();
 	}

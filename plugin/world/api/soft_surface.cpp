@@ -1,4 +1,4 @@
-// The skin, made when it is asked for, in one of two buffers. Steinemann et al. 2008, section 7.
+// The skin, computed on request into alternating buffers. Steinemann et al. 2008, section 7.
 
 #include "body/levels/levels.h"
 #include "lattice/guarded_tasks.h"
@@ -13,21 +13,21 @@ namespace pliant {
 
 namespace {
 
-/// Many nodes under few vertices, to ask all of which takes longer than to skin those few anew: a node takes some 40 ns, a vertex 30.
+/// Whether classifying all nodes takes longer than skinning the vertices again: a node takes some 40 ns, a vertex 30.
 bool isSparselyDrawn( int nodes, std::size_t vertices )
 {
-	constexpr int kManyNodes = 1024, kFewVertices = 4; // a node
+	constexpr int kManyNodes = 1024, kFewVertices = 4; // per node
 	return nodes >= kManyNodes && vertices < std::size_t( kFewVertices ) * std::size_t( nodes );
 }
 
-/// What of the pose is cheap, or a node's own: everything but the gradients.
-void measureTurns( const Body& body, SkinBuffers& skin )
+/// Updates the pose except for the gradients: rotations and plastic flow.
+void measureRotations( const Body& body, SkinBuffers& skin )
 {
-	if ( skin.areTurnsKnown )
+	if ( skin.areRotationsKnown )
 	{
 		return;
 	}
-	skin.areTurnsKnown = true;
+	skin.areRotationsKnown = true;
 	skin.rotations.resize( std::size_t( body.nodeCount() ) * 4 );
 	body.nodeRotations( skin.rotations.data() );
 	if ( body.hasFlowed() )
@@ -37,7 +37,7 @@ void measureTurns( const Body& body, SkinBuffers& skin )
 	}
 }
 
-/// For as many nodes as the body has room for.
+/// Reserves memory for as many nodes as the body has capacity for.
 void makeSkinScratch( const Body& body, SkinBuffers& skin )
 {
 	const std::size_t reserved = std::size_t( body.levels()->scratchNodes() + kLanes ),
@@ -49,7 +49,7 @@ void makeSkinScratch( const Body& body, SkinBuffers& skin )
 	skin.fade.reserveNodes( int( reserved ), now, body.lattice().cellCount() );
 }
 
-/// After a change of levels, with nothing moved: a region that holds what it held is stretched as it was.
+/// Updates the gradients after a change of levels at unchanged positions: unchanged regions keep theirs, the others are measured.
 void followGradients( const Body& body, SkinBuffers& skin )
 {
 	const LevelChange& change = body.levels()->lastChange();
@@ -74,7 +74,7 @@ SkinPose SoftBody::Impl::skinPose() const
 	const Levels* const levels = body->levels();
 	if ( !skin.isPoseKnown )
 	{
-		measureTurns( *body, skin );
+		measureRotations( *body, skin );
 		if ( levels )
 		{
 			const std::size_t count = std::size_t( body->nodes().padded ) * 9;
@@ -101,15 +101,14 @@ SkinPose SoftBody::Impl::skinPose() const
 
 void SoftBody::Impl::keepSurface()
 {
-	if ( skin.frame > 0 ) // else nobody has ever looked
+	if ( skin.frame > 0 ) // else the skin has never been read
 	{
 		const bool areMapsThere = !skin.isStale && skin.isMapKnown;
 		skin.fade.keep( body->nodes(), skinPose(), body->lattice().cellCount(), areMapsThere ? &skin.maps : nullptr );
 	}
 }
 
-// Where it has cracked since anybody looked there is no surface to go on from: the new one is drawn when it is asked for, and jumps with
-// its cracks.
+// If the body has cracked since its skin was last read there is no matching surface to fade from: the skin then changes at once.
 void SoftBody::Impl::fadeFromKeptSurface()
 {
 	if ( skin.frame > 0 && hasNewCracks() )
@@ -120,7 +119,7 @@ void SoftBody::Impl::fadeFromKeptSurface()
 	{
 		const LevelChange& change = body->levels()->lastChange();
 		skin.nodesChanged();
-		measureTurns( *body, skin );
+		measureRotations( *body, skin );
 		followGradients( *body, skin );
 		skin.isPoseKnown = true;
 		const SkinBinding& shown = binding();
@@ -165,20 +164,20 @@ SkinTriangles SoftBody::Impl::shownTriangles() const
 
 void SoftBody::Impl::drawSkin( TaskRunner* runner ) const
 {
-	if ( !turnSkin( runner ) )
+	if ( !rotateSkin( runner ) )
 	{
 		skinInFull( runner );
 	}
 	skin.isStale = false;
 }
 
-bool SoftBody::Impl::turnSkin( TaskRunner* runner ) const
+bool SoftBody::Impl::rotateSkin( TaskRunner* runner ) const
 {
 	if ( !skin.rigid.isKept() || skin.fade.isActive() )
 	{
 		return false;
 	}
-	measureTurns( *body, skin );
+	measureRotations( *body, skin );
 	const double cell = double( bodyTemplate->cellSize() );
 	const float* const flow = body->hasFlowed() ? skin.flow.data() : nullptr;
 	const RigidSkin::Change change = skin.rigid.classify( body->nodes(), skin.rotations.data(), flow, skin.tolerance * cell, cell );
@@ -234,10 +233,10 @@ SurfaceView SoftBody::surface() const
 {
 	SurfaceView view;
 	const Impl& impl = *m_impl;
-	double unheard = 0.0; // a body in no world has nobody to tell
+	double discarded = 0.0; // times of a body that is in no world
 	const auto drawnCracks = [&]() -> const SkinBinding& {
-		Stopwatch watch( impl.system ? impl.system->report.fracture : unheard );
-		impl.drawKin();
+		Stopwatch watch( impl.system ? impl.system->report.fracture : discarded );
+		impl.drawFamilyCracks();
 		return impl.binding();
 	};
 	const SkinBinding& binding = impl.hasNewCracks() ? drawnCracks() : impl.binding();
@@ -250,12 +249,11 @@ SurfaceView SoftBody::surface() const
 	const SkinBuffers& skinBuffers = impl.skin;
 	if ( impl.system )
 	{
-		impl.system->noteAsked( *this );
+		impl.system->noteSkinRequest( *this );
 	}
 	if ( skinBuffers.isStale )
 	{
-		double untold = 0.0; // a body in no world has nobody to tell
-		Stopwatch watch( impl.system ? impl.system->report.skinning : untold );
+		Stopwatch watch( impl.system ? impl.system->report.skinning : discarded );
 		impl.drawSkin( impl.system ? impl.system->tasks() : nullptr );
 	}
 	view.origin = skinBuffers.origin[skinBuffers.current];
@@ -275,13 +273,13 @@ SurfaceView SoftBody::surface() const
 	return view;
 }
 
-// Who was looked at after the last step will be looked at after this one: with threads to share the work, the first question draws them
-// all. What nobody asks for any more is drawn once in vain.
-void SoftBodySystem::noteAsked( const SoftBody& asked )
+// Skins read after the last step will likely be read after this one too: with several threads, the first request of a step computes them
+// all. A skin that is no longer read is computed once more than needed.
+void SoftBodySystem::noteSkinRequest( const SoftBody& requested )
 {
-	SkinBuffers& own = asked.impl().skin;
-	const unsigned before = m_askedIn;
-	own.askedIn = m_askedIn = m_steps;
+	SkinBuffers& own = requested.impl().skin;
+	const unsigned before = m_requestedIn;
+	own.requestedIn = m_requestedIn = m_steps;
 	if ( before == m_steps || tasks()->threadCount() < 2 )
 	{
 		return;
@@ -291,8 +289,8 @@ void SoftBodySystem::noteAsked( const SoftBody& asked )
 	for ( SoftBody* body : m_bodies )
 	{
 		const SoftBody::Impl& impl = body->impl();
-		// New cracks are not drawn ahead: that takes memory, and its time counts as the break's.
-		const bool isWanted = body == &asked || ( before > 0 && impl.skin.askedIn == before );
+		// New cracks are not drawn in advance: that takes memory, and its time is counted as fracture.
+		const bool isWanted = body == &requested || ( before > 0 && impl.skin.requestedIn == before );
 		if ( isWanted && impl.skin.isStale && !impl.hasNewCracks() && impl.binding().kind != Skinning::None )
 		{
 			m_stale.push_back( body );
@@ -303,13 +301,13 @@ void SoftBodySystem::noteAsked( const SoftBody& asked )
 	drawSkins( vertices );
 }
 
-// As forAwake: all threads do what is more than a thread's share, body after body.
+// As in forAwake: bodies above the mean per thread are processed one after another by all threads together.
 void SoftBodySystem::drawSkins( long long vertices )
 {
-	const auto isMoreThanAShare = [&]( const SoftBody* body ) {
+	const auto exceedsMean = [&]( const SoftBody* body ) {
 		return (long long)( body->impl().binding().restPosition.size() ) * tasks()->threadCount() > vertices;
 	};
-	const auto whole = std::partition( m_stale.begin(), m_stale.end(), isMoreThanAShare );
+	const auto whole = std::partition( m_stale.begin(), m_stale.end(), exceedsMean );
 	std::for_each( m_stale.begin(), whole, [this]( const SoftBody* body ) { body->impl().drawSkin( tasks() ); } );
 	auto alone = [&whole]( int k ) { whole[k]->impl().drawSkin( nullptr ); };
 	runGuarded( tasks(), int( m_stale.end() - whole ), alone );

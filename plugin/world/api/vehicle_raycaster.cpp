@@ -23,26 +23,26 @@ struct VehicleRaycaster::Hit
 
 namespace {
 
-/// A ray in a body's own coordinates, m.
+/// A ray relative to the origin of a body's nodes, m.
 struct Ray
 {
-	Vec3d from, way;
+	Vec3d from, direction;
 	double length;
 };
 
 struct NearNode
 {
-	Vec3d place;
+	Vec3d position;
 	double radius;
-	double along; ///< of the ray, to the node's middle, m
+	double along; ///< coordinate of the node's centre along the ray, m
 };
 
-/// Nodes whose spheres are within kWheelReach of their radii of the ray, ordered by nothing but their numbers.
+/// Returns the nodes within kWheelReach of their radii of the ray, by ascending index.
 std::vector<NearNode> nodesNear( const SoftBody& body, const Ray& ray )
 {
 	const SoftBody::Impl& impl = body.impl();
 	const double reach = kWheelReach * double( impl.shape->largestRadius() );
-	const Vec3d shift = impl.shapeShift.cast<double>(), end = ray.from + ray.length * ray.way;
+	const Vec3d shift = impl.shapeShift.cast<double>(), end = ray.from + ray.length * ray.direction;
 	const Vec3d margin( reach, reach, reach );
 	std::vector<int> found;
 	impl.shape->rows().visitOverlaps(
@@ -52,17 +52,17 @@ std::vector<NearNode> nodesNear( const SoftBody& body, const Ray& ray )
 	std::vector<NearNode> near;
 	for ( const int node : found )
 	{
-		const Vec3d place = impl.body->nodes().x.get( node ).cast<double>();
-		const double radius = double( impl.shape->sphereOfNode( node )->getRadius() ), along = ( place - ray.from ).dot( ray.way );
-		if ( along > -radius && ( place - ray.from - along * ray.way ).norm() < kWheelReach * radius )
+		const Vec3d position = impl.body->nodes().x.get( node ).cast<double>();
+		const double radius = double( impl.shape->sphereOfNode( node )->getRadius() ), along = ( position - ray.from ).dot( ray.direction );
+		if ( along > -radius && ( position - ray.from - along * ray.direction ).norm() < kWheelReach * radius )
 		{
-			near.push_back( NearNode{ place, radius, along } );
+			near.push_back( NearNode{ position, radius, along } );
 		}
 	}
 	return near;
 }
 
-/// The plane that fits the outermost of them best, as the ray comes to them: its normal, towards the ray.
+/// Returns the normal, against the ray, of the plane fitted to the nodes that the ray meets first.
 Vec3d normalOf( const std::vector<NearNode>& near, const Ray& ray, double first )
 {
 	Vec3d mean = Vec3d::Zero();
@@ -71,24 +71,24 @@ Vec3d normalOf( const std::vector<NearNode>& near, const Ray& ray, double first 
 	{
 		if ( node.along - node.radius < first + kWheelDepth * node.radius )
 		{
-			top.push_back( node.place );
-			mean += node.place;
+			top.push_back( node.position );
+			mean += node.position;
 		}
 	}
 	mean /= double( top.size() );
 	Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
-	for ( const Vec3d& place : top )
+	for ( const Vec3d& position : top )
 	{
-		spread += ( place - mean ) * ( place - mean ).transpose();
+		spread += ( position - mean ) * ( position - mean ).transpose();
 	}
 	Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes;
 	axes.computeDirect( spread );
-	const Vec3d normal = axes.eigenvectors().col( 0 ) * ( axes.eigenvectors().col( 0 ).dot( ray.way ) > 0.0 ? -1.0 : 1.0 );
+	const Vec3d normal = axes.eigenvectors().col( 0 ) * ( axes.eigenvectors().col( 0 ).dot( ray.direction ) > 0.0 ? -1.0 : 1.0 );
 	const bool isFlat = top.size() >= 3 && axes.eigenvalues()[0] < kWheelFlat * axes.eigenvalues()[1];
-	return isFlat && -normal.dot( ray.way ) > kWheelSlope ? normal : Vec3d( -ray.way );
+	return isFlat && -normal.dot( ray.direction ) > kWheelSlope ? normal : Vec3d( -ray.direction );
 }
 
-/// How far along the ray the body begins, and the way out of it there. False: the ray ends before.
+/// Computes the distance along the ray to the body's surface and the outward normal there. Returns false if the ray ends before it.
 bool cast( const SoftBody& body, const Ray& ray, double& along, Vec3d& normal )
 {
 	const std::vector<NearNode> near = nodesNear( body, ray );
@@ -96,15 +96,15 @@ bool cast( const SoftBody& body, const Ray& ray, double& along, Vec3d& normal )
 	along = ray.length;
 	for ( const NearNode& node : near )
 	{
-		// A disc as wide as the gaps between nodes: what is beside the ray by less holds the wheel up.
-		const bool isUnder = ( node.place - ray.from - node.along * ray.way ).norm() < kWheelGap * node.radius;
+		// Like a disc as wide as the gaps between nodes: nodes closer to the ray than that support the wheel.
+		const bool isUnder = ( node.position - ray.from - node.along * ray.direction ).norm() < kWheelGap * node.radius;
 		if ( isUnder && node.along - node.radius < along )
 		{
 			along = std::max( 0.0, node.along - node.radius );
 			isHit = true;
 		}
 	}
-	normal = isHit ? normalOf( near, ray, along ) : Vec3d( -ray.way );
+	normal = isHit ? normalOf( near, ray, along ) : Vec3d( -ray.direction );
 	return isHit;
 }
 
@@ -147,14 +147,15 @@ VehicleRaycaster::Hit VehicleRaycaster::nearest( const btVector3& from, const bt
 		{
 			continue;
 		}
-		const Vec3d way = toVec3d( to - from );
-		const Ray ray{ toVec3d( from ) - body.impl().body->nodes().origin, way.normalized(), double( hit.fraction ) * way.norm() };
+		const Vec3d displacement = toVec3d( to - from );
+		const Ray ray{
+			toVec3d( from ) - body.impl().body->nodes().origin, displacement.normalized(), double( hit.fraction ) * displacement.norm() };
 		double along = 0.0;
 		Vec3d normal;
 		if ( cast( body, ray, along, normal ) )
 		{
 			hit.soft = &body;
-			hit.fraction = btScalar( along / way.norm() );
+			hit.fraction = btScalar( along / displacement.norm() );
 			hit.normal = toBt( normal );
 		}
 	}
@@ -179,7 +180,7 @@ SoftBody* VehicleRaycaster::softBodyAt( const btVector3& from, const btVector3& 
 	return nearest( from, to ).soft;
 }
 
-// As Bullet's vehicle pushes its chassis: by the suspension's force for the step's time.
+// Applies to the ground the reaction of what btRaycastVehicle applies to the chassis: the suspension's force times the step.
 void VehicleRaycaster::updateAction( btCollisionWorld*, btScalar step )
 {
 	if ( !m_vehicle || !const_cast<btRaycastVehicle*>( m_vehicle )->getRigidBody()->isActive() )

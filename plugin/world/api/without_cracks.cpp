@@ -1,4 +1,4 @@
-// In a build without fracture or without skins no crack is ever drawn: a body's skin is its template's.
+// A build without fracture or without skins draws no cracks: a body's skin is its template's.
 
 #include "body/breaking.h"
 #include "lattice/features.h"
@@ -16,7 +16,7 @@ const SkinBinding& SoftBody::Impl::binding() const
 	return bodyTemplate->skin();
 }
 
-void SoftBody::Impl::drawKin() const {}
+void SoftBody::Impl::drawFamilyCracks() const {}
 
 void SoftBody::Impl::noteCracks( const BreakReport& )
 {

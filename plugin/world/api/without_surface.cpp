@@ -1,4 +1,4 @@
-// In a build without skins a body has no surface, as with Skinning::None.
+// A build without skins: bodies have no surface, as with Skinning::None.
 
 #include "world/bodies/soft_body_impl.h"
 

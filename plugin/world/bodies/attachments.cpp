@@ -17,9 +17,9 @@ Vec3d nodeAt( const SoftBody& body, int node )
 	return nodes.origin + nodes.x.get( node ).cast<double>();
 }
 
-/// Shares a point between a node and up to three linked neighbours so that their positions, weighted, give the point: forces at it then
-/// have the right torque. On bodies with levels, and where no neighbours span a direction, the node carries what is left.
-SharedNodes sharesOf( const SoftBody& body, int node, const Vec3d& at )
+/// Represents a point by a node and up to three linked neighbours, with weights such that the weighted positions give the point: forces at
+/// it then have the right torque. On bodies with levels, and along directions that no neighbours span, the node alone is used.
+SharedNodes weightsOf( const SoftBody& body, int node, const Vec3d& at )
 {
 	SharedNodes shared = SharedNodes::only( node );
 	const Body& core = *body.impl().body;
@@ -30,7 +30,7 @@ SharedNodes sharesOf( const SoftBody& body, int node, const Vec3d& at )
 		return shared;
 	}
 	const Lattice& lattice = core.lattice();
-	Vec3d left = at - centre;
+	const Vec3d offset = at - centre;
 	std::vector<Vec3d> axes;
 	for ( std::uint32_t k = lattice.linkStart[std::size_t( node )]; k < lattice.linkStart[std::size_t( node ) + 1]; ++k )
 	{
@@ -52,7 +52,7 @@ SharedNodes sharesOf( const SoftBody& body, int node, const Vec3d& at )
 	{
 		spans.col( j - 1 ) = nodeAt( body, shared.node[j] ) - centre;
 	}
-	const Vec3d weight = spans.colPivHouseholderQr().solve( left );
+	const Vec3d weight = spans.colPivHouseholderQr().solve( offset );
 	shared.press[0] = 1.0;
 	for ( int j = 1; j < shared.count; ++j )
 	{
@@ -65,7 +65,7 @@ SharedNodes sharesOf( const SoftBody& body, int node, const Vec3d& at )
 
 AttachedPoint pointAt( SoftBody& body, int node, const Vec3d& at )
 {
-	return AttachedPoint{ &body, sharesOf( body, node, at ), at };
+	return AttachedPoint{ &body, weightsOf( body, node, at ), at };
 }
 
 } // namespace
@@ -121,17 +121,17 @@ bool Attachments::remove( int id )
 
 void Attachments::removeAllOf( const btCollisionObject& object )
 {
-	const auto isOf = [&object]( const Attachment& attachment ) {
+	const auto refersTo = [&object]( const Attachment& attachment ) {
 		return static_cast<const btCollisionObject*>( attachment.first.body ) == &object || &attachment.secondObject() == &object;
 	};
-	std::erase_if( m_attachments, isOf );
+	std::erase_if( m_attachments, refersTo );
 	std::erase_if( events, [&object]( const AttachmentEvent& event ) {
 		return event.rigid == &object || static_cast<const btCollisionObject*>( event.body ) == &object ||
 			static_cast<const btCollisionObject*>( event.other ) == &object;
 	} );
 }
 
-bool Attachments::hold( const SoftBody& body ) const
+bool Attachments::contain( const SoftBody& body ) const
 {
 	return std::any_of( m_attachments.begin(), m_attachments.end(),
 		[&body]( const Attachment& attachment ) { return attachment.first.body == &body || attachment.second.body == &body; } );
@@ -168,7 +168,7 @@ void Attachments::follow( const SoftBody& body, const std::vector<std::uint32_t>
 			{
 				const std::uint32_t now = nodeNow[std::size_t( point->nodes.node[0] )];
 				*point = pointAt( *point->body, now == kNoNode ? nearestNode( body, point->at ) : int( now ), point->at );
-				// What the nodes cannot give is not pulled in: the rigid end moves to where the point is now.
+				// Where the new nodes cannot represent the point exactly, the rigid end moves to it, so that no force arises.
 				if ( !attachment.second.body )
 				{
 					const btTransform& frame = attachment.rigid->getWorldTransform();

@@ -1,7 +1,7 @@
 #pragma once
 
 // The attachments of a world. Each end is a point of a soft body, moved by up to four of its nodes, or of a rigid body. The implicit block
-// of the island solves them as contacts that pull as well as press (implicit_attachments.cpp); explicit bodies take part with their masses.
+// of the island solves them as bilateral contacts (implicit_attachments.cpp); explicit bodies take part with their masses.
 
 #include "lattice/lattice.h"
 #include "pliant/attachment.h"
@@ -17,7 +17,7 @@ namespace pliant {
 struct AttachedPoint
 {
 	SoftBody* body = nullptr;
-	SharedNodes nodes;        ///< the first is the node that decides which piece keeps the point
+	SharedNodes nodes;        ///< the piece that has the first node keeps the point
 	Vec3d at = Vec3d::Zero(); ///< world, m; valid from noteChange to follow
 };
 
@@ -27,7 +27,7 @@ struct Attachment
 	AttachmentSettings settings;
 	AttachedPoint first, second; ///< second.body null: the second end is rigid
 	btRigidBody* rigid = nullptr;
-	int rigidIndex = -1;               ///< where it was last in the world's list of objects
+	int rigidIndex = -1;               ///< last known index in the world's list of objects
 	Vec3d rigidPoint = Vec3d::Zero();  ///< in the rigid body's frame, m
 	Vec3d lastForce = Vec3d::Zero();   ///< on the first body in the last substep, N
 	Vec3d stepImpulse = Vec3d::Zero(); ///< in the game step so far, N s
@@ -44,28 +44,28 @@ public:
 	/// the id.
 	int add( SoftBody& body, int node, const Vec3d& at, btRigidBody& rigid, const AttachmentSettings& settings );
 	int add( SoftBody& body, int node, SoftBody& other, int otherNode, const Vec3d& at, const AttachmentSettings& settings );
-	/// False for an id that is not there.
+	/// Returns false if there is no attachment with this id.
 	bool remove( int id );
-	/// An object leaves the world.
+	/// Removes the attachments and events of an object that leaves the world.
 	void removeAllOf( const btCollisionObject& object );
 	bool isEmpty() const { return m_attachments.empty(); }
-	bool hold( const SoftBody& body ) const;
+	bool contain( const SoftBody& body ) const;
 	const Attachment* find( int id ) const;
 	std::vector<Attachment>& all() { return m_attachments; }
 	const std::vector<Attachment>& all() const { return m_attachments; }
 
-	/// Before a body's nodes are renumbered: notes where its points are.
+	/// Before a body's nodes are renumbered: stores the positions of its points.
 	void noteChange( const SoftBody& body );
-	/// After a change of levels. `nodeNow`: by old node; kNoNode: gone. Its points keep their positions; those on nodes that are gone are
-	/// carried by the nearest node. Threads may call it at once for different bodies.
+	/// After a change of levels: assigns points to the new nodes at unchanged positions, and those of removed nodes to the nearest node.
+	/// `nodeNow`: by old node; kNoNode: removed. Thread-safe for different bodies.
 	void follow( const SoftBody& body, const std::vector<std::uint32_t>& nodeNow );
-	/// After pieces have come off a body and taken their points: the same for what is left of it. Points on nodes that are gone (pieces
-	/// that were not made) lose their attachments.
+	/// The same for the remaining body, after moveToPiece() for all pieces. Attachments to removed nodes (of pieces that were not created)
+	/// are removed.
 	void followRemains( const SoftBody& body, const std::vector<std::uint32_t>& nodeNow );
-	/// Points on nodes of a piece that came off belong to the piece. `nodeNow`: by node of the parent; kNoNode: not of the piece.
+	/// Moves points on nodes of a separated piece to that piece. `nodeNow`: by node of the parent; kNoNode: not in the piece.
 	void moveToPiece( const SoftBody& parent, SoftBody& piece, const std::vector<std::uint32_t>& nodeNow );
 
-	/// At the end of a game step: takes the mean forces of its substeps; what exceeds its breaking force breaks.
+	/// At the end of a game step: computes the mean forces over its substeps and removes attachments above their breaking force.
 	void endStep();
 	std::vector<AttachmentEvent> events;
 

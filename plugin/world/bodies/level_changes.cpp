@@ -66,16 +66,16 @@ bool isLoaded( const SoftBody::Impl& impl, int node, const Eigen::Matrix3f& f )
 
 } // namespace
 
-void SoftBodySystem::askForContacts( SoftBody::Impl& impl )
+void SoftBodySystem::requestContactSplits( SoftBody::Impl& impl )
 {
 	const Levels& levels = *impl.body->levels();
 	// An implicit body's impact takes a single step, so its splits cannot wait.
 	const bool waits = !impl.isImplicit && !isCalm( impl );
-	m_widening.clear();
+	m_contactNodes.clear();
 	const auto request = [&]( int node, bool mayWait ) {
 		if ( mayWait && waits && levels.levelOf( node ) > 0 )
 		{
-			m_widening.push_back( std::uint32_t( node ) );
+			m_contactNodes.push_back( std::uint32_t( node ) );
 			return;
 		}
 		impl.body->requestSplit( node );
@@ -90,19 +90,19 @@ void SoftBodySystem::askForContacts( SoftBody::Impl& impl )
 											: request( near.node, near.request == Near::Request::SplitLater );
 	}
 	impl.nearNodes.clear();
-	if ( m_widening.empty() )
+	if ( m_contactNodes.empty() )
 	{
 		return;
 	}
 	// All nodes in one call, because it computes sums over the whole body. Sorted, because contacts have no order.
-	std::sort( m_widening.begin(), m_widening.end() );
-	m_widening.erase( std::unique( m_widening.begin(), m_widening.end() ), m_widening.end() );
-	m_stretches.resize( 9 * m_widening.size() );
-	impl.body->nodeDeformationsOf( m_widening, m_stretches.data() );
-	for ( std::size_t k = 0; k < m_widening.size(); ++k )
+	std::sort( m_contactNodes.begin(), m_contactNodes.end() );
+	m_contactNodes.erase( std::unique( m_contactNodes.begin(), m_contactNodes.end() ), m_contactNodes.end() );
+	m_stretches.resize( 9 * m_contactNodes.size() );
+	impl.body->nodeDeformationsOf( m_contactNodes, m_stretches.data() );
+	for ( std::size_t k = 0; k < m_contactNodes.size(); ++k )
 	{
 		const Eigen::Map<const Eigen::Matrix<float, 3, 3, Eigen::RowMajor>> f( m_stretches.data() + 9 * k );
-		const int node = int( m_widening[k] );
+		const int node = int( m_contactNodes[k] );
 		isLoaded( impl, node, f ) ? impl.body->keepNode( node ) : impl.body->requestSplit( node );
 	}
 }
@@ -122,7 +122,7 @@ void SoftBodySystem::adaptLevels( btScalar h )
 		Stopwatch watch( report.levels );
 		if ( levels->settings().refinesOnContact )
 		{
-			askForContacts( impl );
+			requestContactSplits( impl );
 		}
 		if ( impl.body->reviewLevels( float( h ) ) )
 		{

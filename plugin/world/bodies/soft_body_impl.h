@@ -59,16 +59,16 @@ struct SkinBuffers
 	int current = 0;
 	int full = 0; ///< index of the last fully computed skin
 	unsigned frame = 0;
-	unsigned askedIn = 0; ///< the world's step after which the surface was last requested; 0: never
+	unsigned requestedIn = 0; ///< the world's step after which the surface was last requested; 0: never
 	bool isStale = true;
-	bool areTurnsKnown = false; ///< rotations and flow are up to date
-	bool isPoseKnown = false;   ///< gradients are up to date too
-	bool isMapKnown = false;    ///< `maps` are up to date too
+	bool areRotationsKnown = false; ///< rotations and flow are up to date
+	bool isPoseKnown = false;       ///< gradients are up to date too
+	bool isMapKnown = false;        ///< `maps` are up to date too
 
 	void nodesMoved()
 	{
 		isStale = true;
-		areTurnsKnown = isPoseKnown = isMapKnown = false;
+		areRotationsKnown = isPoseKnown = isMapKnown = false;
 	}
 	/// Discards the data kept for rigidly moving bodies: nodes were renumbered, or the drawn surface has changed.
 	void nodesChanged()
@@ -228,12 +228,12 @@ struct SoftBody::Impl
 	SkinTriangles shownTriangles() const;
 	/// Computes the current skin into a buffer that is not in use.
 	void drawSkin( TaskRunner* runner ) const;
-	bool turnSkin( TaskRunner* runner ) const; ///< the same for nodes that have moved rigidly; returns false if they have not
+	bool rotateSkin( TaskRunner* runner ) const; ///< the same for nodes that have moved rigidly; returns false if they have not
 	void skinInFull( TaskRunner* runner ) const;
 	bool hasNewCracks() const;
 	void showOwnCracks() const;
 	void drawCracks( TaskRunner* runner = nullptr ) const;
-	void drawKin() const;
+	void drawFamilyCracks() const;
 	bool isDrawn() const { return wasDrawn || skin.frame > 0; }
 	/// Adds the new cuts to those of the family. Call before adopt().
 	void noteCuts();

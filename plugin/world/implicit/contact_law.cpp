@@ -114,7 +114,7 @@ Vec3d ImplicitBlock::velocityBefore( const BlockContact& contact ) const
 	return velocity[0] - velocity[1];
 }
 
-// The impulse t of the last substep that has become S t: what S does not let through was none.
+// Returns the last substep's impulse t from the stored S t; components that S suppresses are zero.
 Vec3d ImplicitBlock::unscaledTangentImpulse( const BlockContact& contact ) const
 {
 	if ( contact.frictionScale < 0 )

@@ -1,9 +1,9 @@
-// Attachments as contacts of an implicit block that pull as well as press, across the normal as along it:
+// Attachments as bilateral contacts of an implicit block, with the same law along the normal and across it:
 //
 //   j = l + k ( b - u ),   b = - r e / h,   e the distance of the two points, u the relative velocity, r = kAttachmentReturn
 //
-// with the last substep's impulse l as the multiplier, so that b is met however soft k is. With a compliance c it is a damped spring
-// instead: l = 0, k = h^2 / c and b = - e / h give j = - h ( e + h u ) / c, the force of the spring at the end of the step.
+// with the last substep's impulse l as the multiplier, so that b is reached even for small k. With a compliance c it is a damped spring
+// instead: l = 0, k = h^2 / c and b = - e / h give j = - h ( e + h u ) / c, the impulse of the spring force at the end of the step.
 
 #include "world/bodies/attachments.h"
 #include "world/bodies/soft_body_impl.h"
@@ -17,7 +17,7 @@ namespace pliant {
 
 namespace {
 
-/// The side of a soft body's point; of prescribed velocity if its node is held or the body is in no block.
+/// Returns the contact side of a soft body's point, with prescribed velocity if one of its nodes is held or the body is not in the block.
 ContactSide softSide( const AttachedPoint& point, int block, const BlockLookup& lookup )
 {
 	ContactSide side;
@@ -78,11 +78,11 @@ void ImplicitContacts::gatherAttachments( Attachments& attachments, double h, Bl
 		const Vec3d impulse = h * attachment.lastForce;
 		contact.normal = impulse.norm() > 0.0 ? Vec3d( impulse.normalized() ) : Vec3d( Vec3d::UnitY() );
 		contact.compliance = double( attachment.settings.compliance );
-		Vec3d wanted = ( other - at ) / h;
+		Vec3d targetVelocity = ( other - at ) / h;
 		if ( contact.compliance == 0.0 )
 		{
-			wanted *= kAttachmentReturn;
-			wanted *= std::min( 1.0, kPushOutSpeed / std::max( wanted.norm(), kPushOutSpeed ) );
+			targetVelocity *= kAttachmentReturn;
+			targetVelocity *= std::min( 1.0, kPushOutSpeed / std::max( targetVelocity.norm(), kPushOutSpeed ) );
 			// An explicit body's nodes resist with their masses alone: k may be large, and a multiplier, which lags, would drive
 			// vibrations.
 			contact.hasExplicitSide = isExplicit( contact.side[0], attachment.first ) || isExplicit( contact.side[1], attachment.second );
@@ -90,8 +90,8 @@ void ImplicitContacts::gatherAttachments( Attachments& attachments, double h, Bl
 			contact.tangentImpulse = contact.hasExplicitSide ? Vec3d( Vec3d::Zero() )
 															 : Vec3d( impulse - contact.normalImpulse * contact.normal );
 		}
-		contact.target = contact.targetWithoutBounce = wanted.dot( contact.normal );
-		contact.tangentTarget = wanted - contact.target * contact.normal;
+		contact.target = contact.targetWithoutBounce = targetVelocity.dot( contact.normal );
+		contact.tangentTarget = targetVelocity - contact.target * contact.normal;
 		contact.timeStep = h;
 		ImplicitBlock& own = blocks[std::size_t( block )];
 		contact.velocityBefore = own.velocityBefore( contact );

@@ -19,7 +19,7 @@ namespace {
 /// errors of Bullet's solver at a step of a sixtieth of a second would make a heap of them creep forever, at millimetres per second.
 bool needsBlock( const SoftBody& body, const Attachments& attachments )
 {
-	return ( !attachments.isEmpty() && attachments.hold( body ) ) || body.impl().isImplicit ||
+	return ( !attachments.isEmpty() && attachments.contain( body ) ) || body.impl().isImplicit ||
 		( body.nodeCount() == 1 && body.material().elasticity != Elasticity::Explicit );
 }
 

@@ -246,7 +246,7 @@ void ContactProxyPool::refresh( ContactProxy& body )
 	}
 	body.isDirected = isDirected;
 	setWhole( const_cast<btVector3&>( body.getLinearVelocity() ), velocity );
-	if ( body.step != m_step ) // otherwise cache lines that nobody reads stay untouched; a callback of the game may have set them
+	if ( body.step != m_step ) // otherwise cache lines that are not read stay untouched; a callback of the game may have set them
 	{
 		body.step = m_step;
 		impl.surface.follow( owner, m_step );

@@ -18,7 +18,7 @@ class SoftBody;
 class ContactProxy : public btRigidBody
 {
 public:
-	/// The offset places what each stage reads in few cache lines: position; identity; velocity and mass; the members below.
+	/// The offset keeps the data that each stage reads in few cache lines: position; identity; velocity and mass; the members below.
 	static void* operator new( std::size_t size ) { return static_cast<char*>( btAlignedAlloc( size + kOffset, kLine ) ) + kOffset; }
 	static void operator delete( void* body ) { btAlignedFree( static_cast<char*>( body ) - kOffset ); }
 

@@ -1,13 +1,13 @@
 #pragma once
 
-// Bullet's island manager, which also tells the nodes' stand-ins which island their body is in. It is asked twice a step: once for the
-// union-find's index, once for the final tag.
+// Bullet's island manager, which also copies the island tag of each soft body to its contact proxies. This happens twice a step: after the
+// union-find's indices are assigned and after the final tags are.
 //
-// Bullet makes one island of all whose boxes overlap. A soft body's box is large for what is in it, and pieces of what broke lie in one
-// another's boxes: they are one island with what they touch. Otherwise nothing of a heap would sleep as long as one in it swings.
+// Bullet unites all objects whose bounding boxes overlap. A soft body's box is large compared to its material, and the boxes of fragments
+// overlap one another. Soft bodies are therefore united with the objects they touch only; otherwise no body of a heap could sleep while
+// one of them moves.
 //
-// Where the step makes several passes (substep_group.h), islands are of the objects that the pass moves; the others keep the tags they
-// have.
+// Where the step makes several passes (substep_group.h), islands consist of the objects that the pass moves; the others keep their tags.
 
 #include "pliant/soft_body.h"
 #include "world/bodies/prefetch.h"
@@ -19,7 +19,7 @@
 
 namespace pliant {
 
-/// `Base`: btSimulationIslandManager, or that of btDiscreteDynamicsWorldMt.
+/// `Base`: btSimulationIslandManager or btSimulationIslandManagerMt.
 template <class Base>
 class IslandManager : public Base
 {
@@ -39,7 +39,7 @@ public:
 		for ( int i = 0; i < world->getNumCollisionObjects(); ++i )
 		{
 			btCollisionObject* const object = world->getCollisionObjectArray()[i];
-			// A body that has just been made static would keep a tag of the last step's.
+			// A body that has just been made static would keep its tag of the last step.
 			if ( object->isStaticOrKinematicObject() )
 			{
 				object->setIslandTag( -1 );
@@ -77,10 +77,10 @@ public:
 	}
 
 private:
-	/// As Bullet does it for all objects.
+	/// Bullet's storeIslandActivationState, for the objects of the pass.
 	void storePass( btCollisionWorld& world )
 	{
-		constexpr int kFixed = -2; // Bullet's companion of what stands
+		constexpr int kFixed = -2; // Bullet's companion id of static objects
 		int index = 0;
 		for ( int i = 0; i < world.getNumCollisionObjects(); ++i )
 		{
@@ -108,7 +108,7 @@ private:
 	}
 	static bool isSoft( const btCollisionObject* object ) { return object && SoftBody::upcast( object ); }
 
-	/// Rigid bodies among themselves: as Bullet does.
+	/// Unites pairs of rigid bodies, as Bullet does.
 	void uniteByBoxes( btOverlappingPairCache& pairs )
 	{
 		for ( int i = 0; i < pairs.getNumOverlappingPairs(); ++i )
@@ -123,7 +123,7 @@ private:
 		}
 	}
 
-	/// Another world may share the dispatcher: its objects' tags are none of this one's.
+	/// Another world may share the dispatcher; the tags of its objects do not apply here.
 	static bool isIn( const btCollisionObjectArray& objects, const btCollisionObject* object )
 	{
 		const int index = object->getWorldArrayIndex();
@@ -164,7 +164,7 @@ private:
 			}
 			if ( a && b && a->hasContactResponse() && b->hasContactResponse() )
 			{
-				const bool bothMove = a->getIslandTag() >= 0 && b->getIslandTag() >= 0; // else one of them is a soft body that stands
+				const bool bothMove = a->getIslandTag() >= 0 && b->getIslandTag() >= 0; // else one is a static or kinematic soft body
 				m_frictionTorque.touch( a->getIslandTag(), b->getIslandTag(), bothMove && ownerA && ownerB && ownerA != ownerB );
 			}
 		} );

@@ -1,6 +1,6 @@
 #pragma once
 
-// What Bullet's stages see of a world during one pass over the step (substep_group.h).
+// Restricts what Bullet's stages see of a world during one pass over the step (substep_group.h).
 
 #include <BulletDynamics/Dynamics/btRigidBody.h>
 #include <LinearMath/btAlignedObjectArray.h>
@@ -10,13 +10,13 @@
 
 namespace pliant {
 
-/// One of the world's arrays, of which a pass sees a part. What the game adds or removes meanwhile (in a callback) is added to or removed
-/// from the whole.
+/// One of the world's arrays, reduced to the objects of the pass. Objects that the game adds or removes meanwhile (in a callback) are added
+/// to or removed from the full array.
 template <class T>
 class PassObjects
 {
 public:
-	/// `belongs( object )`: to the pass.
+	/// `belongs( object )`: whether the object is in the pass.
 	template <class Belongs>
 	void hide( btAlignedObjectArray<T*>& world, const Belongs& belongs )
 	{
@@ -57,62 +57,63 @@ public:
 		m_all.clear();
 		m_shown.clear();
 	}
-	/// The world removes an object that the pass may not see.
+	/// Call when the world removes an object that may be hidden from the pass.
 	void forget( T* object ) { m_all.erase( std::remove( m_all.begin(), m_all.end(), object ), m_all.end() ); }
 
 private:
 	std::vector<T*> m_all, m_shown;
 };
 
-/// Objects that a pass touches and does not move, for they have moved already: their velocities change and forces do not act twice. Their
-/// island is that of what they touch.
-class LentObjects
+/// Objects outside the pass that touch objects of it. They have moved already: contacts change their velocities, but forces must not act
+/// twice. Their contacts belong to the island of the object of the pass.
+class OutsideObjects
 {
 public:
-	void lend( btCollisionObject& object )
+	void add( btCollisionObject& object )
 	{
-		if ( std::any_of( m_lent.begin(), m_lent.end(), [&object]( const Lent& lent ) { return lent.object == &object; } ) )
+		if ( std::any_of( m_saved.begin(), m_saved.end(), [&object]( const Saved& saved ) { return saved.object == &object; } ) )
 		{
 			return;
 		}
-		Lent lent{ &object, object.getIslandTag(), btVector3( 0, 0, 0 ), btVector3( 0, 0, 0 ) };
+		Saved saved{ &object, object.getIslandTag(), btVector3( 0, 0, 0 ), btVector3( 0, 0, 0 ) };
 		if ( btRigidBody* const rigid = btRigidBody::upcast( &object ) )
 		{
-			lent.force = rigid->getTotalForce();
-			lent.torque = rigid->getTotalTorque();
+			saved.force = rigid->getTotalForce();
+			saved.torque = rigid->getTotalTorque();
 			rigid->clearForces();
 		}
 		object.setIslandTag( -1 );
-		m_lent.push_back( lent );
+		m_saved.push_back( saved );
 	}
 	void forget( const btCollisionObject& object )
 	{
-		m_lent.erase( std::remove_if( m_lent.begin(), m_lent.end(), [&object]( const Lent& lent ) { return lent.object == &object; } ),
-			m_lent.end() );
+		m_saved.erase(
+			std::remove_if( m_saved.begin(), m_saved.end(), [&object]( const Saved& saved ) { return saved.object == &object; } ),
+			m_saved.end() );
 	}
-	void giveBack()
+	void restore()
 	{
-		for ( const Lent& lent : m_lent )
+		for ( const Saved& saved : m_saved )
 		{
-			lent.object->setIslandTag( lent.tag );
-			if ( btRigidBody* const rigid = btRigidBody::upcast( lent.object ) )
+			saved.object->setIslandTag( saved.tag );
+			if ( btRigidBody* const rigid = btRigidBody::upcast( saved.object ) )
 			{
-				addForces( *rigid, lent );
+				addForces( *rigid, saved );
 			}
 		}
-		m_lent.clear();
+		m_saved.clear();
 	}
 
 private:
-	struct Lent
+	struct Saved
 	{
 		btCollisionObject* object;
 		int tag;
 		btVector3 force, torque; ///< N, N m
 	};
 
-	/// Bullet scales what is applied by the body's factors, which these have been scaled by already.
-	static void addForces( btRigidBody& body, const Lent& lent )
+	/// Bullet multiplies applied forces by the body's factors; these forces are already multiplied by them.
+	static void addForces( btRigidBody& body, const Saved& saved )
 	{
 		const btVector3 linear = body.getLinearFactor(), angular = body.getAngularFactor(), one( 1, 1, 1 );
 		if ( linear != one )
@@ -120,8 +121,8 @@ private:
 			body.setLinearFactor( one );
 		}
 		body.setAngularFactor( one );
-		body.applyCentralForce( lent.force );
-		body.applyTorque( lent.torque );
+		body.applyCentralForce( saved.force );
+		body.applyTorque( saved.torque );
 		body.setAngularFactor( angular );
 		if ( linear != one )
 		{
@@ -129,7 +130,7 @@ private:
 		}
 	}
 
-	std::vector<Lent> m_lent;
+	std::vector<Saved> m_saved;
 };
 
 } // namespace pliant

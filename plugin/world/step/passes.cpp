@@ -1,4 +1,4 @@
-// What Bullet's stages see of the world in one pass over the step (substep_group.h): arrays, boxes, pairs, manifolds, islands.
+// One pass over the step (substep_group.h): the arrays, boxes, pairs, manifolds and islands that Bullet's stages see.
 
 #include "world/step/world_step.h"
 
@@ -14,11 +14,11 @@ namespace pliant {
 
 namespace {
 
-/// The pairs of one pass, handed to the game's or Bullet's own near callback.
+/// Passes the pairs of one pass to the dispatcher's near callback, the game's or Bullet's own.
 struct PassPairs : btOverlapCallback
 {
-	PassPairs( btCollisionDispatcher& to, const btDispatcherInfo& how, const SoftBodySystem& whose ) :
-		dispatcher( to ), info( how ), bodies( whose )
+	PassPairs( btCollisionDispatcher& target, const btDispatcherInfo& dispatchInfo, const SoftBodySystem& system ) :
+		dispatcher( target ), info( dispatchInfo ), bodies( system )
 	{}
 
 	bool processOverlap( btBroadphasePair& pair ) override
@@ -42,21 +42,21 @@ bool isDynamic( const btCollisionObject& object )
 	return !object.isStaticOrKinematicObject();
 }
 
-/// The object of a contact: of a node's body, the soft body behind it.
+/// Returns the object of a contact, for a contact proxy its soft body.
 btCollisionObject& ownerOf( const btCollisionObject& object )
 {
 	SoftBody* const owner = ownerOfContactProxy( &object );
 	return owner ? static_cast<btCollisionObject&>( *owner ) : const_cast<btCollisionObject&>( object );
 }
 
-void scaleImpulses( btPersistentManifold& manifold, btScalar by )
+void scaleImpulses( btPersistentManifold& manifold, btScalar factor )
 {
 	for ( int k = 0; k < manifold.getNumContacts(); ++k )
 	{
 		btManifoldPoint& point = manifold.getContactPoint( k );
-		point.m_appliedImpulse *= by;
-		point.m_appliedImpulseLateral1 *= by;
-		point.m_appliedImpulseLateral2 *= by;
+		point.m_appliedImpulse *= factor;
+		point.m_appliedImpulseLateral1 *= factor;
+		point.m_appliedImpulseLateral2 *= factor;
 	}
 }
 
@@ -86,8 +86,8 @@ void WorldStep::endPass()
 	}
 }
 
-// Impulses that were found in a step of another length start the solver as hard as they pressed, in islands with an awake soft body and
-// where something has entered the group or left it. Else they are Bullet's, which leaves them alone.
+// Start impulses solved in a step of another length are scaled to this one, so that they represent the same force. This applies to islands
+// with an awake soft body and to contacts of objects that have entered or left the group; others are left as Bullet has them.
 void WorldStep::carryImpulses( btScalar h )
 {
 	const Lengths before = m_lengths;
@@ -98,12 +98,12 @@ void WorldStep::carryImpulses( btScalar h )
 	forEachManifold( *m_parts.dispatcher, prefetchEnd, [&]( btPersistentManifold& manifold ) {
 		const bool wasSubstep = bodies.group.didContain( *manifold.getBody0() ) || bodies.group.didContain( *manifold.getBody1() );
 		const bool hasChanged = wasSubstep != ( bodies.pass() == StepPass::Substeps );
-		const btScalar then = wasSubstep ? before.substep : before.whole;
+		const btScalar lengthBefore = wasSubstep ? before.substep : before.whole;
 		const int island = std::max( manifold.getBody0()->getIslandTag(), manifold.getBody1()->getIslandTag() );
-		if ( then != h &&
+		if ( lengthBefore != h &&
 			( hasChanged || isContactProxy( manifold.getBody0() ) || isContactProxy( manifold.getBody1() ) || bodies.isAwakeIn( island ) ) )
 		{
-			scaleImpulses( manifold, h / then );
+			scaleImpulses( manifold, h / lengthBefore );
 		}
 	} );
 }
@@ -131,18 +131,18 @@ void WorldStep::showPass()
 			}
 			if ( manifold.getNumContacts() == 0 )
 			{
-				return false; // it is in no island of this pass
+				return false; // the object is in no island of this pass
 			}
 			bodies.group.noteContact( other, ownerOf( *objects[1 - side] ) );
-			m_lent.lend( other );
+			m_outside.add( other );
 		}
 		return true;
 	} );
 	m_parts.dispatcher = &m_view;
 }
 
-// The broadphase runs once a game step, as in Bullet's world: objects of the group have boxes that hold what they may sweep in all
-// substeps. Should one leave its box it runs again.
+// The broadphase runs once a game step, as in Bullet's world: boxes of objects in the group contain what they may sweep in all substeps.
+// It runs again if an object leaves its box.
 void WorldStep::updateBoxes()
 {
 	bool isOutdated = bodies.pass() == StepPass::Whole;
@@ -167,7 +167,7 @@ void WorldStep::updateBoxes()
 	}
 }
 
-// As btCollisionWorld does it for all objects.
+// btCollisionWorld::performDiscreteCollisionDetection, for the objects of the pass.
 void WorldStep::detectPass()
 {
 	updateBoxes();
@@ -176,7 +176,7 @@ void WorldStep::detectPass()
 		&pairs, m_parts.dispatcher, m_parts.world.getDispatchInfo() );
 }
 
-// Bullet's, for the objects of the pass.
+// btDiscreteDynamicsWorld::calculateSimulationIslands, for the objects of the pass.
 void WorldStep::findPassIslands()
 {
 	BT_PROFILE( "calculateSimulationIslands" );

@@ -1,4 +1,4 @@
-// What Bullet's solver made of the stand-ins' speeds and places goes back to their nodes.
+// Copies the velocities and positions that Bullet's solver gave contact proxies back to their nodes.
 
 #include "world/bodies/soft_body_impl.h"
 #include "world/constants.h"
@@ -28,24 +28,24 @@ void SoftBodySystem::readBack()
 		}
 		for ( std::size_t k = 0; k < impl.touched.size(); ++k )
 		{
-			ContactProxy* const stand = impl.touched[k];
+			ContactProxy* const proxy = impl.touched[k];
 			ContactProxyPool::prefetchVelocity( *impl.touched[std::min( k + kProxiesAhead, impl.touched.size() - 1 )] );
-			wakes = wakes || ( stand->wasAsleep && stand->isActive() );
+			wakes = wakes || ( proxy->wasAsleep && proxy->isActive() );
 			if ( !body->isActive() )
 			{
-				stand->forceActivationState( body->getActivationState() );
-				stand->wasAsleep = true;
+				proxy->forceActivationState( body->getActivationState() );
+				proxy->wasAsleep = true;
 			}
-			if ( !pool.isFresh( *stand ) || nodes.freedom[stand->node] == 0.0f || impl.block >= 0 || !moves( *body ) ||
+			if ( !pool.isFresh( *proxy ) || nodes.freedom[proxy->node] == 0.0f || impl.block >= 0 || !moves( *body ) ||
 				body->getCollisionFlags() & btCollisionObject::CF_NO_CONTACT_RESPONSE )
 			{
 				continue;
 			}
-			nodes.v.set( stand->node, toVec3( stand->getLinearVelocity() ) );
-			const btVector3 pushed = stand->getWorldTransform().getOrigin() - stand->written; // split impulse moves positions
+			nodes.v.set( proxy->node, toVec3( proxy->getLinearVelocity() ) );
+			const btVector3 pushed = proxy->getWorldTransform().getOrigin() - proxy->written; // split impulse moves positions
 			if ( !pushed.isZero() )
 			{
-				nodes.x.set( stand->node, nodes.x.get( stand->node ) + toVec3( pushed ) );
+				nodes.x.set( proxy->node, nodes.x.get( proxy->node ) + toVec3( pushed ) );
 				isPushed = true;
 			}
 		}

@@ -30,12 +30,12 @@ bool SoftBodySystem::hasAwakeBody() const
 int SoftBodySystem::planSubsteps( btScalar gameStep, const btAlignedObjectArray<btRigidBody*>& rigid,
 	const btAlignedObjectArray<btTypedConstraint*>& constraints, bool canSplit )
 {
-	// The user counts substeps for a sixtieth of a second; a longer step gets as many more, so that behaviour does not follow the frame
+	// The user's number of substeps is per 1/60 s; a longer step gets proportionally more, so that behaviour does not depend on the frame
 	// rate.
 	const int nominal = int( std::ceil( double( substeps ) * gameStep / kNominalStep - 1e-3 ) );
 	const int usual = std::max( substeps, std::min( nominal, std::max( substeps, maxSubsteps ) ) );
 	m_choice.choose( m_bodies, m_world, gameStep, usual );
-	int count = 1; // what is implicit needs no more
+	int count = 1; // enough for implicit bodies
 	m_substepped.clear();
 	for ( SoftBody* body : m_bodies )
 	{
@@ -131,27 +131,27 @@ void SoftBodySystem::gatherAwake()
 			nodes += body->nodeCount();
 		}
 	}
-	m_sharedOut.clear();
-	m_whole.clear();
+	m_parallel.clear();
+	m_serial.clear();
 	for ( SoftBody* body : m_awake )
 	{
 		const int count = body->nodeCount();
-		const bool isMoreThanAShare = count >= 2 * kMinChunkSize && (long long)(count)*tasks()->threadCount() > nodes;
-		( isMoreThanAShare ? m_sharedOut : m_whole ).push_back( body );
+		const bool exceedsMean = count >= 2 * kMinChunkSize && (long long)(count)*tasks()->threadCount() > nodes;
+		( exceedsMean ? m_parallel : m_serial ).push_back( body );
 	}
 }
 
-// A body that is more than one thread's share of all nodes is done by all threads together, after each other; the others are a task each.
-// The bits are the same.
+// Bodies with more nodes than the mean per thread are processed one after another by all threads together; each other body is one task.
+// Results are bit-identical.
 template <class F>
 void SoftBodySystem::forAwake( F&& work )
 {
-	for ( SoftBody* body : m_sharedOut )
+	for ( SoftBody* body : m_parallel )
 	{
 		work( *body, tasks() );
 	}
-	auto alone = [&]( int k ) { work( *m_whole[std::size_t( k )], nullptr ); };
-	runTasks( tasks(), int( m_whole.size() ), alone );
+	auto alone = [&]( int k ) { work( *m_serial[std::size_t( k )], nullptr ); };
+	runTasks( tasks(), int( m_serial.size() ), alone );
 }
 
 Vec3 SoftBodySystem::ownAcceleration( const SoftBody& body ) const
@@ -189,8 +189,7 @@ void SoftBodySystem::accelerate( btScalar h, int substep )
 		} );
 	}
 	{
-		// After matching, which looks at places and at the speeds the last substep left: damping must not take a share of this one's
-		// forces.
+		// After matching, which uses the positions and velocities of the last substep: damping must not reduce this substep's forces.
 		Stopwatch watch( report.forces );
 		forAwake( [&]( SoftBody& body, TaskRunner* within ) {
 			if ( !body.impl().isImplicit )
@@ -201,14 +200,14 @@ void SoftBodySystem::accelerate( btScalar h, int substep )
 	}
 	for ( SoftBody* body : m_awake )
 	{
-		body->impl().nodeAxes.clear(); // those that are asked for are measured anew
+		body->impl().nodeAxes.clear(); // measured again on request
 		body->impl().isBroken = !sweepBox( *body, h );
 	}
 	quarantineBroken();
 }
 
-// The body's box must hold what its nodes sweep in this step; it is also the last place where a bad number can be caught before it
-// reaches Bullet's broadphase, and with it every other body.
+// The body's box must contain what its nodes sweep in this step. This is also the last point where a number that is not finite can be
+// caught before it reaches Bullet's broadphase, and with it every other body.
 bool SoftBodySystem::sweepBox( SoftBody& body, btScalar h ) const
 {
 	SoftBody::Impl& impl = body.impl();
@@ -239,7 +238,7 @@ void SoftBodySystem::quarantine( SoftBody& body )
 {
 	SoftBody::Impl& impl = body.impl();
 	NodeState& nodes = impl.body->nodes();
-	nodes.v.x[0] = std::numeric_limits<float>::quiet_NaN(); // whatever was wrong, the body now goes back to its last finite state
+	nodes.v.x[0] = std::numeric_limits<float>::quiet_NaN(); // makes integrate() restore the last finite state, whatever was wrong
 	impl.body->integrate( 0.0f );
 	impl.isHealthy = false;
 	impl.stateBefore = body.getActivationState();
@@ -252,9 +251,9 @@ void SoftBodySystem::copyIslandTags()
 {
 	for ( SoftBody* body : m_bodies )
 	{
-		for ( ContactProxy* stand : body->impl().touched )
+		for ( ContactProxy* proxy : body->impl().touched )
 		{
-			stand->setIslandTag( body->getIslandTag() );
+			proxy->setIslandTag( body->getIslandTag() );
 		}
 	}
 }
@@ -263,15 +262,15 @@ void SoftBodySystem::solveImplicit( btDispatcher& dispatcher, const btContactSol
 {
 	for ( SoftBody* body : m_bodies )
 	{
-		body->impl().block = -1; // of the other pass
+		body->impl().block = -1; // may be the other pass's
 	}
-	double spent = 0.0; // ours, not Bullet's solver's
+	double spent = 0.0; // s, counted as matching and not as Bullet's solver
 	{
 		Stopwatch watch( spent );
 		implicitSolve().before( m_awake, attachments, dispatcher, info, tasks() );
 	}
 	report.matching += spent;
-	report.solve -= spent; // which is being timed around this
+	report.solve -= spent; // the caller's stopwatch includes it
 	report.implicitPasses = std::max( report.implicitPasses, implicitSolve().count().passes );
 	report.implicitProducts = std::max( report.implicitProducts, implicitSolve().count().products );
 }
@@ -284,7 +283,7 @@ void SoftBodySystem::integrate( btScalar h, int substep )
 		impl.isBroken = false;
 		if ( !moves( body ) )
 		{
-			return; // it has fallen asleep in this substep
+			return; // fell asleep in this substep
 		}
 		settlePins( body, h, substep );
 		impl.isBroken = impl.body->integrate( float( h ), within ) == BodyHealth::Quarantined;
@@ -300,7 +299,7 @@ void SoftBodySystem::freshenShapes()
 	m_staleShapes.clear();
 	std::copy_if( m_bodies.begin(), m_bodies.end(), std::back_inserter( m_staleShapes ),
 		[]( const SoftBody* body ) { return body->impl().shape->isStale(); } );
-	// Many: each in one task. Few: the threads share a body.
+	// Many bodies: one task each; few: the threads share a body.
 	const bool oneTaskEach = int( m_staleShapes.size() ) >= tasks()->threadCount();
 	auto freshen = [&]( int k ) { m_staleShapes[std::size_t( k )]->impl().shape->freshen( oneTaskEach ? nullptr : tasks() ); };
 	runTasks( oneTaskEach ? tasks() : nullptr, int( m_staleShapes.size() ), freshen );
@@ -317,7 +316,7 @@ void SoftBodySystem::endStep()
 		if ( body->getActivationState() == ISLAND_SLEEPING )
 		{
 			NodeState& nodes = body->impl().body->nodes();
-			nodes.v.resize( nodes.padded ); // a sleeping body stands still, every node of it
+			nodes.v.resize( nodes.padded ); // all nodes of a sleeping body are at rest
 		}
 	}
 }

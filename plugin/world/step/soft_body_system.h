@@ -1,6 +1,6 @@
 #pragma once
 
-// The soft bodies of one world. WorldStep calls its stages, in the order of world_step.cpp.
+// The soft bodies of one world. WorldStep calls the stages in the order given in world_step.cpp.
 
 #include "pliant/soft_body.h"
 #include "pliant/step_report.h"
@@ -30,37 +30,36 @@ public:
 	SoftBodySystem( btDiscreteDynamicsWorld& world, btDispatcher* dispatcher );
 	~SoftBodySystem();
 
-	bool add( SoftBody& body );    ///< false when it is there already or belongs to another world
-	bool remove( SoftBody& body ); ///< after it has left the world; false when it is not there
-	/// Whether an object is in the world: asks the world's list for the pointer, not the object, which may be gone. `index`: where it was
-	/// last; where it is.
+	bool add( SoftBody& body );    ///< returns false if it is in this or another world already
+	bool remove( SoftBody& body ); ///< after it has left Bullet's world; returns false if it is not in this one
+	/// Whether an object is in the world. Searches the world's list for the pointer and does not dereference it, since the object may be
+	/// deleted. `index`: in: where it was last; out: where it is.
 	bool holds( const btCollisionObject* object, int& index ) const;
-	/// Objects that rest on the body or hold it up.
+	/// Wakes the objects in contact with the body.
 	void wakeTouching( const SoftBody& body );
-	/// Notes where the body stands in the world's list, for Bullet takes out whatever stands there.
-	void findPlace( SoftBody& body ) const;
-	/// What stepSimulation is asked for. False where it cannot be done; a time of more steps than can be counted is cut.
+	/// Sets the body's index in the world's list, because Bullet removes whichever object is at that index.
+	void updateWorldIndex( SoftBody& body ) const;
+	/// Limits the time of stepSimulation to a number of steps that can be counted. Returns false if its arguments are invalid.
 	bool acceptsSteps( btScalar& timeStep, int maxSubSteps, btScalar fixedTimeStep ) const;
-	/// Before a step. False where there is nothing to be done for a step of that length; one that is longer than soft bodies can bear is
-	/// cut short.
+	/// Prepares a step and limits its length to kLongestStep. Returns false if a step of that length must be skipped.
 	bool openStep( btScalar& timeStep );
-	/// With all pairs processed: those that the game has refused let go of their contacts.
+	/// Releases the contacts of pairs that the game has refused. Call when all pairs are processed.
 	void releaseRefusedPairs();
-	/// A body is being destroyed while it is in the world.
+	/// Removes a body that is destroyed while it is in the world.
 	void forget( SoftBody& body );
 	void refreshBox( SoftBody& body );
 	const std::vector<SoftBody*>& bodies() const { return m_bodies; }
 
 	bool hasAwakeBody() const;
-	/// Chooses what takes soft substeps in a game step of this length, and how many: the user's, or as many more as the stiffest awake
-	/// material needs. 1 where nothing does. `canSplit`: else the whole world takes substeps where anything does.
+	/// Chooses the objects that take soft substeps in a game step of this length. Returns the number of substeps: the user's, or more if
+	/// the stiffest awake material needs them; 1 if no body takes substeps. `canSplit`: if false, either all objects take substeps or none.
 	int planSubsteps( btScalar gameStep, const btAlignedObjectArray<btRigidBody*>& rigid,
 		const btAlignedObjectArray<btTypedConstraint*>& constraints, bool canSplit );
 	SubstepGroup group;
 
 	void wakeDriven(); ///< sleeping bodies whose pins move
 	void beginStep( btScalar gameStep, int substeps );
-	/// What follows, up to updateActivation, is for the bodies that this pass moves.
+	/// The stages up to updateActivation then apply to the bodies that this pass moves.
 	void beginPass( StepPass pass );
 	StepPass pass() const { return m_pass; }
 	void endSubsteps()
@@ -68,7 +67,7 @@ public:
 		group.endSubsteps( m_world );
 		copyIslandTags();
 	}
-	/// An awake body of the pass is in the island.
+	/// Whether an awake body of the pass is in the island.
 	bool isAwakeIn( int island ) const;
 	bool isInPass( const btCollisionObject& object ) const { return group.moves( m_pass, object ); }
 	/// Whether the pass looks for contacts of two objects.
@@ -78,45 +77,45 @@ public:
 	}
 
 	// One pass, in the order of world_step.cpp.
-	void accelerate( btScalar h, int substep ); ///< forces, pins' speeds, shape matching, the boxes' sweep
-	void collideWithThemselves( btScalar h );   ///< with the broadphase's pairs done
-	void endCollision( btScalar h );            ///< with all contacts found
+	void accelerate( btScalar h, int substep ); ///< forces, velocities of pins, shape matching, swept boxes
+	void collideWithThemselves( btScalar h );   ///< after the broadphase's pairs
+	void endCollision( btScalar h );            ///< when all contacts are found
 	void holdPredictiveContacts( btAlignedObjectArray<btPersistentManifold*>& manifolds );
 	void dropPredictiveContacts();
 	void copyIslandTags();
 	bool isEmpty() const { return m_bodies.empty(); }
-	/// Implicit bodies and what they touch, before Bullet's solver; and what that says to them afterwards.
+	/// Solves implicit bodies and what they touch before Bullet's solver; noteSolved() then reads that solver's results.
 	void solveImplicit( btDispatcher& dispatcher, const btContactSolverInfo& info );
 	void noteSolved() { implicitSolve().after(); }
-	void readBack();             ///< what the solver made of the touched nodes
-	void holdBack( btScalar h ); ///< fast nodes, from passing through what stands
+	void readBack();             ///< the solver's results for touched nodes
+	void holdBack( btScalar h ); ///< keeps fast nodes from passing through static and kinematic objects
 	void integrate( btScalar h, int substep );
-	/// For what asks Bullet where the bodies are (rays, sweeps, contact tests) before the step has ended.
+	/// Updates the shapes for queries (rays, sweeps, contact tests) before the step has ended.
 	void freshenShapes();
 	void updateActivation( btScalar h );
 	void endStep();
 	void clearForces();
-	/// Somebody is about to read this body's skin.
-	void noteAsked( const SoftBody& asked );
+	/// Notes that this body's skin is about to be read.
+	void noteSkinRequest( const SoftBody& requested );
 
-	/// Links that are stretched too far, found after the nodes have moved; they break at the start of the next substep.
+	/// Finds links that are stretched too far, after the nodes have moved. They break at the start of the next substep.
 	void testLinks( btScalar h );
-	/// Small pieces that have faded leave the world; to be called between game steps.
+	/// Removes small pieces that have faded. Call between game steps.
 	void removeFaded();
 	int removedSinceStep = 0; ///< by the last call
-	/// False for what is no fragment of this world's.
+	/// Gives up ownership of a fragment. Returns false if it is not owned by this world.
 	bool release( SoftBody& fragment );
 	std::vector<FractureEvent> events;
 	Attachments attachments;
-	std::vector<SoftBody*> owned; ///< fragments that nobody has released
+	std::vector<SoftBody*> owned; ///< fragments that the game has not released
 
 	void releasePinsTo( const btRigidBody& body );
 	void releaseLostPins( SoftBody& body, bool isAdded );
 
-	/// Contacts of soft bodies that the pass's last substep met.
+	/// Sets the number of contacts of soft bodies in the pass's last substep.
 	void countContacts( int count ) { report.softContacts = m_contactsBefore + count; }
 
-	/// Seconds and counts of the game step, and the knobs.
+	/// Times and counts of the game step; below it the settings.
 	StepReport report;
 	int substeps;
 	int maxSubsteps;
@@ -125,7 +124,7 @@ public:
 	SkinScratchPool skinScratch;
 	std::unique_ptr<TaskRunner> ownRunner;
 	TaskRunner* runner = nullptr; ///< the game's, or null
-	/// The game's, or the own.
+	/// Returns the game's runner, or this world's own if the game has set none.
 	TaskRunner* tasks() const;
 	const btDiscreteDynamicsWorld& world() const { return m_world; }
 
@@ -133,19 +132,19 @@ private:
 	bool moves( const SoftBody& body ) const;
 	void moveHeldBodies();
 	ImplicitSolve& implicitSolve() { return m_implicit[int( m_pass )]; }
-	/// Substeps that the body takes of the game step.
+	/// Returns the number of substeps that the body takes in the game step.
 	int substepsOf( const SoftBody& body ) const;
 	bool stepsImplicitly( const SoftBody& body ) const;
-	/// A crumb of one node, of what may step implicitly: nothing in it is elastic, so it asks for no substeps.
+	/// Whether the body has a single node and may step implicitly: nothing in it is elastic, so it needs no substeps.
 	bool isImplicitPoint( const SoftBody& body ) const;
 	StiffnessPlan planOf( const SoftBody& body, btScalar gameStep, int count ) const;
 	Vec3 ownAcceleration( const SoftBody& body ) const; ///< gravity and the game's force, m/s^2
-	/// False where a number is not finite, or a node beyond the limit of speed.
+	/// Returns false if a number is not finite or a node is faster than kSpeedLimit.
 	bool sweepBox( SoftBody& body, btScalar h ) const;
 	void quarantine( SoftBody& body );
 	void quarantineBroken();
 	void gatherAwake();
-	/// work( body, runner for its own loops or null ) for each that is awake.
+	/// Calls work( body, runner for its own loops or null ) for each awake body.
 	template <class F>
 	void forAwake( F&& work );
 	void drawSkins( long long vertices );
@@ -156,23 +155,23 @@ private:
 	void advanceFading( btScalar gameStep );
 	void addFragment( SoftBody& parent, std::unique_ptr<SoftBody> fragment );
 	void adaptLevels( btScalar h );
-	void askForContacts( SoftBody::Impl& impl ); ///< Adaptivity::refinesOnContact
+	void requestContactSplits( SoftBody::Impl& impl ); ///< Adaptivity::refinesOnContact
 	void changeLevels( SoftBody& body );
 	void countNodes();
-	/// What stands within `reach` of a body's nodes and collides with it, ascending by the order in which Bullet came to know it.
+	/// Returns the static and kinematic objects within `reach` of a body's nodes that collide with it, by ascending broadphase id.
 	std::vector<const btCollisionObject*> wallsAround( SoftBody& body, double reach );
 	void keepNewNodesOut( SoftBody& body, const std::vector<Vec3>& positionBefore );
 	void keepPushedNodesOut( SoftBody& body, const std::vector<Vec3>& positionBefore );
 	SoftBody* bodyAfter( unsigned serial ) const;
 	void removeLost();
 	void noteSleepers();
-	void wakeOnTheWoken();
+	void wakeRestingOnWoken();
 	void drivePins( SoftBody& body, btScalar h, int substep );
 	void settlePins( SoftBody& body, btScalar h, int substep );
 
 	btDiscreteDynamicsWorld& m_world;
 	btCollisionDispatcher& m_dispatcher;
-	std::shared_ptr<AlgorithmTable> m_algorithms; ///< null while there is no body
+	std::shared_ptr<AlgorithmTable> m_algorithms; ///< null while there is no soft body
 	std::vector<SoftBody*> m_bodies;              ///< ascending by serial
 	std::vector<ContactProxy*> m_predictive;
 	ImplicitSolve m_implicit[2]; ///< by pass
@@ -182,15 +181,15 @@ private:
 	std::vector<SoftBody*> m_awake;              ///< in this substep
 	std::vector<SoftBody*> m_asleep;             ///< when the last step ended
 	std::vector<SoftBody*> m_staleShapes;        ///< scratch of freshenShapes
-	std::vector<SoftBody*> m_sharedOut, m_whole; ///< those of them that all threads do together, and that one does
-	std::vector<SoftBody*> m_stale;              ///< scratch of noteAsked
-	std::vector<std::uint32_t> m_widening;       ///< scratch of askForContacts, and the nodes' F
+	std::vector<SoftBody*> m_parallel, m_serial; ///< awake bodies processed by all threads together; by one thread each
+	std::vector<SoftBody*> m_stale;              ///< scratch of noteSkinRequest
+	std::vector<std::uint32_t> m_contactNodes;   ///< scratch of requestContactSplits: nodes and their F
 	std::vector<float> m_stretches;
-	unsigned m_steps = 1, m_askedIn = 0; ///< game steps so far, from 1; after which of them a skin was last asked for (0: never)
+	unsigned m_steps = 1, m_requestedIn = 0; ///< game steps so far, from 1; the step after which a skin was last requested (0: never)
 	btScalar m_gameStep = btScalar( 0 );
-	int m_substepCount = 1; ///< of the group that takes substeps
+	int m_substepCount = 1; ///< of the substep group
 	StepPass m_pass = StepPass::Whole;
-	int m_contactsBefore = 0;            ///< StepReport::softContacts of the pass before
+	int m_contactsBefore = 0;            ///< StepReport::softContacts of the previous pass
 	std::vector<SoftBody*> m_substepped; ///< scratch of planSubsteps
 	unsigned m_serials = 0;
 };

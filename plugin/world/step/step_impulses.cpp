@@ -12,7 +12,7 @@ namespace pliant {
 
 namespace {
 
-/// The largest impulse a step of the joints that limit impulses and not forces; 0 for the others, and for those without a limit.
+/// Returns the largest impulse per step of joints that limit impulses instead of forces; 0 for other joints and where there is no limit.
 btScalar largestImpulse( btTypedConstraint& joint )
 {
 	switch ( joint.getConstraintType() )
@@ -41,22 +41,22 @@ void setLargestImpulse( btTypedConstraint& joint, btScalar impulse )
 
 } // namespace
 
-/// The manifold keeps the place of its contact here: Bullet's sequential solvers leave that number to whom it serves.
+/// m_companionIdA of a manifold is the index of its contact here, plus 1: Bullet's sequential solvers do not use it.
 StepImpulses::Contact* StepImpulses::find( const btPersistentManifold& manifold )
 {
-	const int place = manifold.m_companionIdA - 1;
-	if ( place < 0 || place >= int( m_contacts.size() ) )
+	const int index = manifold.m_companionIdA - 1;
+	if ( index < 0 || index >= int( m_contacts.size() ) )
 	{
 		return nullptr;
 	}
-	Contact& contact = m_contacts[std::size_t( place )];
-	const bool isIts = contact.manifold == &manifold && contact.bodies[0] == manifold.getBody0() &&
+	Contact& contact = m_contacts[std::size_t( index )];
+	const bool isSame = contact.manifold == &manifold && contact.bodies[0] == manifold.getBody0() &&
 		contact.bodies[1] == manifold.getBody1();
-	return isIts ? &contact : nullptr;
+	return isSame ? &contact : nullptr;
 }
 
-// What the game has changed since the last step stays as the game wants it.
-void StepImpulses::giveBack( btDispatcher& dispatcher )
+// Impulses that the game has changed since the last step stay unchanged.
+void StepImpulses::restoreLastSubstep( btDispatcher& dispatcher )
 {
 	for ( int m = 0; m < dispatcher.getNumManifolds() && !m_contacts.empty(); ++m )
 	{
@@ -119,7 +119,7 @@ void StepImpulses::add( btDispatcher& dispatcher )
 	}
 }
 
-// Each point's impulse in proportion to that of the last substep; of a contact that no longer presses, all on its first point.
+// Divides a contact's sum among its points in proportion to the last substep's impulses; if those are zero, gives it to the first point.
 void StepImpulses::end( btDispatcher& dispatcher )
 {
 	for ( int m = 0; m < dispatcher.getNumManifolds(); ++m )

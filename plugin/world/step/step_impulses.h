@@ -1,7 +1,7 @@
 #pragma once
 
-// Impulses of a game step that was made in soft substeps: what Bullet keeps and limits by the step (a contact's and a joint's applied
-// impulse, a joint's breaking threshold, a motor's largest impulse) means the whole game step, as without soft bodies.
+// Impulses of a game step that was divided into soft substeps. Values that Bullet stores or limits per step (the applied impulses of
+// contacts and joints, a joint's breaking threshold, a motor's largest impulse) apply to the whole game step, as without soft bodies.
 
 #include <LinearMath/btAlignedObjectArray.h>
 #include <LinearMath/btScalar.h>
@@ -18,19 +18,19 @@ namespace pliant {
 class StepImpulses
 {
 public:
-	/// Before a game step: contacts get back the impulses of the last substep, which the solver starts from.
-	void giveBack( btDispatcher& dispatcher );
-	/// Before the first of several substeps: joints get their part of what they may do in the whole step.
+	/// Before a game step: restores the contacts' impulses of the last substep, from which the solver starts.
+	void restoreLastSubstep( btDispatcher& dispatcher );
+	/// Before the first of several substeps: divides the joints' limits by the number of substeps.
 	void begin( const btAlignedObjectArray<btTypedConstraint*>& joints, int substeps );
-	/// After each substep's solution: `dispatcher` shows the manifolds that were solved.
+	/// After each substep is solved: adds up its impulses. `dispatcher` lists the manifolds that were solved.
 	void add( btDispatcher& dispatcher );
-	/// After the last one.
+	/// After the last substep: writes the sums to contacts and joints and restores the joints' limits.
 	void end( btDispatcher& dispatcher );
-	/// The world removes a joint.
+	/// Call when the world removes a joint.
 	void forget( const btTypedConstraint* joint );
 
 private:
-	static constexpr int kMostPoints = 4; ///< of a manifold
+	static constexpr int kMostPoints = 4; ///< per manifold
 	struct PointImpulse
 	{
 		btScalar normal, lateral1, lateral2; ///< N s
@@ -40,16 +40,16 @@ private:
 		btPersistentManifold* manifold;
 		const btCollisionObject* bodies[2];
 		double sum;                     ///< of the step's substeps, N s
-		int points = 0;                 ///< those there were at its end
-		PointImpulse last[kMostPoints]; ///< their impulses in its last substep
-		btScalar shown[kMostPoints];    ///< what was written instead, N s
+		int points = 0;                 ///< at the end of the step
+		PointImpulse last[kMostPoints]; ///< of each point, in the last substep
+		btScalar shown[kMostPoints];    ///< normal impulses written to the points instead, N s
 	};
 	struct Joint
 	{
 		btTypedConstraint* joint;
 		btScalar threshold, scaledThreshold; ///< N s
 		btScalar motor, scaledMotor;         ///< N s
-		double sum;                          ///< N s
+		double sum;                          ///< of the step's substeps, N s
 	};
 
 	Contact* find( const btPersistentManifold& manifold );

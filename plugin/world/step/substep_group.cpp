@@ -17,22 +17,22 @@ struct SweptBox : SubstepGroup::Box
 {
 	void include( const btVector3& displacement )
 	{
-		btVector3 back = displacement, forth = displacement;
-		back.setMin( btVector3( 0, 0, 0 ) );
-		forth.setMax( btVector3( 0, 0, 0 ) );
-		low += back;
-		high += forth;
+		btVector3 negative = displacement, positive = displacement;
+		negative.setMin( btVector3( 0, 0, 0 ) );
+		positive.setMax( btVector3( 0, 0, 0 ) );
+		low += negative;
+		high += positive;
 	}
-	void grow( btScalar by )
+	void grow( btScalar distance )
 	{
-		const btVector3 aside( by, by, by );
-		low -= aside;
-		high += aside;
+		const btVector3 margin( distance, distance, distance );
+		low -= margin;
+		high += margin;
 	}
 	bool overlaps( const SweptBox& other ) const { return TestAabbAgainstAabb2( low, high, other.low, other.high ); }
 };
 
-/// What a rigid body's box may sweep within the step: its velocities, and what gravity and forces add to them.
+/// Returns what a rigid body's box may sweep within the step, from its velocities and the changes by gravity and forces.
 SweptBox boxOf( const btRigidBody& body, btScalar step )
 {
 	SweptBox box;
@@ -43,7 +43,7 @@ SweptBox boxOf( const btRigidBody& body, btScalar step )
 	return box;
 }
 
-/// Displacement of a soft body's nodes within the step, between the returned corners.
+/// Returns the bounds of the displacements of a soft body's nodes within the step, m.
 SweptBox sweepOf( const SoftBody& body, const btVector3& gravity, btScalar step )
 {
 	const NodeState& nodes = body.impl().body->nodes();
@@ -167,7 +167,7 @@ void SubstepGroup::endSubsteps( btCollisionWorld& world )
 	{
 		if ( contains( *objects[i] ) && objects[i]->getIslandTag() >= 0 )
 		{
-			objects[i]->setIslandTag( objects[i]->getIslandTag() + objects.size() ); // the whole pass has numbered the others from 0
+			objects[i]->setIslandTag( objects[i]->getIslandTag() + objects.size() ); // the whole-step pass numbers its islands from 0
 		}
 	}
 	for ( const Touching& touching : m_touching )
@@ -180,7 +180,7 @@ void SubstepGroup::endSubsteps( btCollisionWorld& world )
 	m_touching.clear();
 }
 
-/// True where that is news.
+/// Returns true if the object was not in the group yet.
 bool SubstepGroup::include( const btCollisionObject& object )
 {
 	const int index = object.getWorldArrayIndex();
@@ -200,7 +200,7 @@ bool SubstepGroup::include( const btCollisionObject& object )
 	return isNew;
 }
 
-// Boxes first, then the nodes' spheres: a large body that is hollow or bent touches little of its box.
+// Tests boxes first, then the nodes' spheres: a large hollow or bent body fills little of its box.
 void SubstepGroup::includeNearby( const Scene& scene, const std::vector<SoftBody*>& substepped, btScalar gameStep )
 {
 	std::vector<SweptBox> sweeps, boxes;
@@ -210,7 +210,7 @@ void SubstepGroup::includeNearby( const Scene& scene, const std::vector<SoftBody
 	{
 		sweeps.push_back( sweepOf( *body, scene.world.getGravity(), gameStep ) );
 		SweptBox box = boxOf( *body, scene.world.getGravity(), gameStep );
-		box.grow( body->impl().shape->largestRadius() ); // nodes split into what fills their cubes
+		box.grow( body->impl().shape->largestRadius() ); // a split node is replaced by nodes that fill its cube
 		boxes.push_back( box );
 		all.low.setMin( box.low );
 		all.high.setMax( box.high );
@@ -334,7 +334,7 @@ void SubstepGroup::choose( const Scene& scene, const std::vector<SoftBody*>& sub
 	}
 	if ( !m_isSplit )
 	{
-		// What sleeps may be woken within the step, and then belongs to it.
+		// Sleeping objects too, because they may be woken within the step.
 		for ( int i = 0; i < objects.size(); ++i )
 		{
 			m_isMember[std::size_t( i )] = canMove( *objects[i] ) ? 1 : 0;

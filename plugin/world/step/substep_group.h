@@ -1,8 +1,8 @@
 #pragma once
 
-// Which objects of a world take soft substeps in a game step: awake soft bodies that step explicitly, what touches them or may touch them
-// within the step, and what is in an island with that or joined to it. Everything else takes the game step whole, as in Bullet's own world:
-// a soft body changes nothing for what does not touch it.
+// Selects the objects of a world that take soft substeps in a game step: awake explicit soft bodies, objects that touch them or may touch
+// them within the step, and objects in the same islands or joined to those. All others take the game step whole, as in Bullet's own world,
+// so that a soft body does not affect objects it does not touch.
 
 #include "world/shape/contact_proxy.h"
 
@@ -16,11 +16,11 @@ class btTypedConstraint;
 
 namespace pliant {
 
-/// A pass over the step's stages: which objects it moves.
+/// A pass over the step's stages. It moves the objects that take
 enum class StepPass
 {
-	Whole,   ///< by the whole game step
-	Substeps ///< by one soft substep
+	Whole,   ///< the game step whole
+	Substeps ///< soft substeps, by one of them
 };
 
 class Attachments;
@@ -32,29 +32,29 @@ public:
 	{
 		btVector3 low, high; ///< m
 	};
-	/// What an object that moves may sweep within a step of so many seconds.
+	/// Returns the box that a moving object may sweep within a step of `step` seconds.
 	static Box sweptBox( const btCollisionObject& object, const btVector3& gravity, btScalar step );
-	/// Whether an object is in the box that the broadphase has of it.
+	/// Whether an object is inside its box in the broadphase.
 	static bool isInBox( const btCollisionObject& object );
 
-	/// What the group is made from.
+	/// The input of choose().
 	struct Scene
 	{
 		const btDiscreteDynamicsWorld& world;
 		const std::vector<SoftBody*>& soft;
-		const btAlignedObjectArray<btRigidBody*>& rigid; ///< that are not static
+		const btAlignedObjectArray<btRigidBody*>& rigid; ///< without static ones
 		const btAlignedObjectArray<btTypedConstraint*>& constraints;
 		const Attachments& attachments;
-		bool canSplit; ///< else all that moves is in the group, or nothing
+		bool canSplit; ///< false: the group has all movable objects or none
 	};
 
-	/// `substepped`: the awake soft bodies that step explicitly. Empty: so is the group. `gameStep` in s.
+	/// Selects the group. `substepped`: the awake explicit soft bodies; if empty, so is the group. `gameStep` in s.
 	void choose( const Scene& scene, const std::vector<SoftBody*>& substepped, btScalar gameStep );
 	bool isEmpty() const { return m_isEmpty; }
-	/// Objects that move are outside the group as well as in it.
+	/// Whether there are awake objects outside a group that is not empty.
 	bool isSplit() const { return m_isSplit; }
 
-	/// Of the object itself, or of the soft body behind a node's body. False for static and kinematic objects.
+	/// For a contact proxy, whether its soft body is in the group. False for static and kinematic objects.
 	bool contains( const btCollisionObject& object ) const { return isMember( m_isMember, object ); }
 	/// Whether the object was in the group in the last game step.
 	bool didContain( const btCollisionObject& object ) const { return isMember( m_wasMember, object ); }
@@ -64,13 +64,13 @@ public:
 		return !m_isSplit || contains( object ) == ( pass == StepPass::Substeps );
 	}
 
-	/// A body came off one in the group during the step.
+	/// Adds a fragment that separated from a body of the group during the step.
 	void add( const btCollisionObject& object );
-	/// The world is about to remove an object: Bullet then gives the last object its index.
+	/// Call before the world removes an object: Bullet then gives the last object its index.
 	void noteRemoval( const btCollisionObject& object, int objectCount );
-	/// Two objects touched, one of them outside the group: their islands are one in the next step.
+	/// Notes a contact with an object outside the group: the two islands are united in the next step.
 	void noteContact( const btCollisionObject& a, const btCollisionObject& b );
-	/// After the last substep: gives the islands of the group tags that no others have.
+	/// After the last substep: gives the islands of the group tags that no other island has.
 	void endSubsteps( btCollisionWorld& world );
 
 private:
@@ -85,14 +85,14 @@ private:
 		int a, b;
 	};
 
-	std::vector<unsigned char> m_isMember, m_wasMember; ///< by the object's index in the world
-	std::vector<unsigned char> m_tags;                  ///< islands that are in the group, by Bullet's tag
+	std::vector<unsigned char> m_isMember, m_wasMember; ///< by object index in the world; in this and the last game step
+	std::vector<unsigned char> m_tags;                  ///< whether an island is in the group, by Bullet's tag
 	struct Touching
 	{
 		const btCollisionObject *a, *b;
 	};
-	std::vector<Touching> m_touching;  ///< noteContact, in this step
-	std::vector<TagPair> m_joinedTags; ///< the islands of those of the last step
+	std::vector<Touching> m_touching;  ///< from noteContact, in this step
+	std::vector<TagPair> m_joinedTags; ///< the islands of the last step's contacts
 	bool m_isEmpty = true, m_isSplit = false;
 };
 

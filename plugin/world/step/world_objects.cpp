@@ -1,4 +1,4 @@
-// What comes into a world and leaves it, and what of it is written to a file.
+// Objects that enter and leave a world, and its serialization.
 
 #include "world/bodies/soft_body_impl.h"
 #include "world/step/island_manager.h"
@@ -13,7 +13,7 @@ namespace pliant {
 
 namespace {
 
-// As btDiscreteDynamicsWorldMt does it: the base made a manager and owns it; ours takes its place and is owned in turn.
+// Replaces the base's island manager, as btDiscreteDynamicsWorldMt does; the base owns the new one.
 template <class Base>
 btSimulationIslandManager* replaced( btSimulationIslandManager* base, SoftBodySystem& bodies, FrictionTorqueCorrection& torques )
 {
@@ -46,7 +46,8 @@ WorldStep::WorldStep( BulletStages& stages, const BulletStages::Parts& parts ) :
 													 : replaced<btSimulationIslandManager>( parts.islandManager, bodies, frictionTorque );
 }
 
-// What the game added stays the game's: the bodies leave, and take their contacts along while the pool still stands.
+// Deletes the fragments that the game has not released, and removes all other bodies, which the game owns, with their contacts while the
+// pool still exists.
 void WorldStep::leave()
 {
 	while ( !bodies.owned.empty() )
@@ -102,9 +103,9 @@ void WorldStep::remove( btCollisionObject* object )
 	{
 		return;
 	}
-	bodies.findPlace( *soft );
-	// Predictive contacts may still name its nodes; then the pair cache lets the algorithms go, and with them manifolds and contact
-	// proxies.
+	bodies.updateWorldIndex( *soft );
+	// Predictive contacts may still refer to its nodes, so they are released first. The pair cache then frees the algorithms with their
+	// manifolds and contact proxies.
 	m_stages.releasePredictiveContacts();
 	bodies.dropPredictiveContacts();
 	forgetObject( *soft );
@@ -115,7 +116,7 @@ void WorldStep::remove( btCollisionObject* object )
 void WorldStep::forgetObject( btCollisionObject& object )
 {
 	bodies.group.noteRemoval( object, m_parts.world.getNumCollisionObjects() );
-	m_lent.forget( object );
+	m_outside.forget( object );
 	if ( btRigidBody* const body = btRigidBody::upcast( &object ) )
 	{
 		m_rigid.forget( body );
@@ -135,7 +136,7 @@ void WorldStep::forget( btTypedConstraint& joint )
 	m_impulses.forget( &joint );
 }
 
-// The base writes the objects and contacts that it finds: soft bodies and theirs are kept from it.
+// The base writes all objects and contacts that it sees; soft bodies and their contacts are hidden from it.
 void WorldStep::serialize( btSerializer& serializer )
 {
 	const btCollisionObjectArray all( m_parts.objects );

@@ -1,20 +1,20 @@
 // The order of a step.
 //
-// A game step is at most two passes over the same stages: one by the whole step for all that no explicit soft body touches, and then as
-// many substeps as explicit soft bodies need for those and for what touches them (substep_group.h). Actions and tick callbacks run once, as
-// in Bullet's world. A pass of length h:
+// A game step makes one pass over the stages by the whole step, for all objects that no explicit soft body touches, and then one pass per
+// substep for the explicit soft bodies and what touches them (substep_group.h). Actions and tick callbacks run once, as in Bullet's world.
+// A pass of length h:
 //
 //   stage                    reads                                    writes
-//   predict                  x, v, F, pins, forces, strain            v; topology: pieces come off, levels change; boxes' sweep
+//   predict                  x, v, F, pins, forces, strain            v; topology: pieces come off, levels change; swept boxes
 //   findPredictiveContacts   fast rigid bodies                        their contacts with nodes
-//   detect                   x, v, boxes, shapes                      contacts, of bodies with themselves too
+//   detect                   x, v, boxes, shapes                      contacts, including those of bodies with themselves
 //   findIslands              contacts, joints                         island tags, start impulses
 //   solve                    contacts, v                              v of nodes and rigid bodies, impulses
-//   integrate                v                                        x, spheres; which links break next
-//   updateActivation         v, x                                     what sleeps
+//   integrate                v                                        x, spheres; the links that break next
+//   updateActivation         v, x                                     sleep states
 //
-// Bullet calls a stage once a pass through the world's virtual functions, so that a game's subclass may add to it. Nothing else calls what
-// the stages below call: tests/house (StagesAreCalledInOnePlace) holds the code to it.
+// Each stage is called once a pass through the world's virtual functions, so that a game's subclass may extend it. The functions that the
+// stages below call are called nowhere else; tests/house (StagesAreCalledInOnePlace) checks this.
 
 #include "world/step/world_step.h"
 
@@ -25,7 +25,7 @@
 
 namespace pliant {
 
-bool WorldStep::isAsked() const
+bool WorldStep::needsFreshShapes() const
 {
 	bool isSwept = false;
 	for ( int i = 0; m_parts.world.getDispatchInfo().m_useContinuous && !isSwept && i < m_parts.rigidBodies.size(); ++i )
@@ -50,7 +50,7 @@ void WorldStep::singleStep( btScalar timeStep )
 {
 	if ( m_isTickOver )
 	{
-		// The game, or a class that derives from the world, steps it by itself.
+		// The game, or a class derived from the world, calls single steps itself.
 		m_isTickOver = false;
 		bodies.events.clear();
 		bodies.attachments.events.clear();
@@ -72,7 +72,7 @@ void WorldStep::singleStep( btScalar timeStep )
 	{
 		m_parts.preTick( &m_parts.world, timeStep );
 	}
-	m_impulses.giveBack( *m_parts.dispatcher );
+	m_impulses.restoreLastSubstep( *m_parts.dispatcher );
 	bodies.wakeDriven();
 	m_isStepping = bodies.hasAwakeBody();
 	const bool canSplit = !m_parts.hasOwnSingleStep && !m_parts.hasOwnIslands;
@@ -82,7 +82,7 @@ void WorldStep::singleStep( btScalar timeStep )
 		Stopwatch watch( bodies.report.total );
 		makePasses( timeStep, substeps );
 	}
-	if ( m_parts.tick && !( m_parts.hasOwnSingleStep && bodies.group.isEmpty() ) ) // which has called it
+	if ( m_parts.tick && !( m_parts.hasOwnSingleStep && bodies.group.isEmpty() ) ) // else the base has called it
 	{
 		m_parts.tick( &m_parts.world, timeStep );
 	}
@@ -135,8 +135,8 @@ void WorldStep::makePasses( btScalar timeStep, int substeps )
 	m_isStepping = false;
 }
 
-// A base that replaces Bullet's single step makes the pass itself, by way of the stages. It calls callbacks and actions each time: what
-// belongs to the game step is kept from it.
+// A base that replaces Bullet's single step makes the pass itself, through the stages. It calls callbacks and actions in each pass, so
+// those that run once a game step are hidden from it.
 void WorldStep::runPass( btScalar h )
 {
 	m_passLength = h;
@@ -163,7 +163,7 @@ void WorldStep::runPass( btScalar h )
 	}
 }
 
-// As Bullet's internalSingleStepSimulation, for the objects of the pass.
+// Bullet's internalSingleStepSimulation, for the objects of the pass.
 void WorldStep::runStages( btScalar h )
 {
 	m_stages.predict( h );
@@ -174,16 +174,16 @@ void WorldStep::runStages( btScalar h )
 	m_stages.findPredictiveContacts( h );
 	m_stages.detect();
 	btDispatcher* const dispatcher = m_parts.dispatcher;
-	showPass(); // islands and solver see the manifolds of the pass
+	showPass(); // islands and solver see only the manifolds of the pass
 	m_stages.findIslands();
 	m_parts.world.getSolverInfo().m_timeStep = h;
 	m_stages.solve( m_parts.world.getSolverInfo() );
 	m_parts.dispatcher = dispatcher;
-	m_lent.giveBack();
+	m_outside.restore();
 	m_stages.integrate( h );
 }
 
-// The end of a game's step, whoever made it: Bullet's stepSimulation, ours, or that of a class which derives from this one.
+// The end of a game step, whether Bullet's stepSimulation, ours or a derived class's made it.
 void WorldStep::endTick()
 {
 	m_isTickOver = true;
@@ -198,7 +198,7 @@ void WorldStep::predict( btScalar h )
 	m_isNewStep = false;
 	if ( m_isStepping )
 	{
-		bodies.accelerate( h, m_substep ); // breaks, changes levels, drives pins; matching, forces, boxes
+		bodies.accelerate( h, m_substep ); // breaking, levels, pins, matching, forces, boxes
 	}
 	m_stages.basePredict( h );
 }
@@ -210,7 +210,7 @@ void WorldStep::findPredictiveContacts( btScalar h )
 		m_stages.baseFindPredictiveContacts( h );
 		return;
 	}
-	m_stages.releasePredictiveContacts(); // before the contact proxies they name
+	m_stages.releasePredictiveContacts(); // before the contact proxies they refer to
 	bodies.dropPredictiveContacts();
 	m_stages.baseFindPredictiveContacts( h );
 	bodies.holdPredictiveContacts( m_parts.predictiveManifolds );
@@ -236,7 +236,7 @@ void WorldStep::detect()
 	const btScalar h = m_parts.world.getDispatchInfo().m_timeStep;
 	bodies.collideWithThemselves( h );
 	bodies.endCollision( h );
-	bodies.releaseRefusedPairs(); // before anybody lists manifolds
+	bodies.releaseRefusedPairs(); // before manifolds are listed
 }
 
 void WorldStep::findIslands()
@@ -262,7 +262,7 @@ void WorldStep::solve( btContactSolverInfo& info )
 		m_stages.baseSolve( info );
 		return;
 	}
-	// Sleeping bodies too: a rigid body may have hit one of them and woken it in this very step.
+	// Sleeping bodies too: a rigid body may have hit and woken one in this step.
 	Stopwatch watch( bodies.report.solve );
 	btDispatcher& dispatcher = *m_parts.dispatcher;
 	m_moved.moveToNodes( dispatcher, info );
@@ -315,7 +315,7 @@ void WorldStep::integrate( btScalar h )
 		bodies.integrate( h, m_substep );
 		frictionTorque.give();
 	}
-	if ( isAsked() )
+	if ( needsFreshShapes() )
 	{
 		bodies.freshenShapes();
 	}

@@ -1,7 +1,7 @@
 #pragma once
 
-// One world's step: the soft bodies, all corrections around Bullet's solver, and the order in which they take their turns
-// (world_step.cpp). SoftBodyHost calls it from the world's overrides of Bullet's stages.
+// One world's step: the soft bodies, all corrections around Bullet's solver, and the order in which they are called (world_step.cpp).
+// SoftBodyHost calls it from the world's overrides of Bullet's stages.
 
 #include "pliant/soft_body_host.h"
 #include "world/respond/friction_torque_correction.h"
@@ -21,13 +21,13 @@ class WorldStep
 {
 public:
 	WorldStep( BulletStages& stages, const BulletStages::Parts& parts );
-	/// Before the world goes: soft bodies leave it; fragments that nobody has taken over are deleted.
+	/// Before the world is destroyed: removes its soft bodies and deletes fragments that the game has not released.
 	void leave();
 
 	SoftBodySystem bodies;
 	FrictionTorqueCorrection frictionTorque;
 
-	// The world's calls (soft_body_host.h), in the order of a step.
+	// Called by the world (soft_body_host.h), in the order of a step.
 	bool beginTick( btScalar& timeStep, int maxSubSteps, btScalar fixedTimeStep );
 	void singleStep( btScalar timeStep );
 	void predict( btScalar h );
@@ -53,7 +53,7 @@ private:
 	void makePasses( btScalar timeStep, int substeps );
 	void runPass( btScalar h );
 	void runStages( btScalar h );
-	/// The world's arrays hold what the pass moves, and its dispatcher shows the manifolds of that.
+	/// Reduces the world's arrays to the objects of the pass; showPass() does so for the dispatcher's manifolds.
 	void beginPass( StepPass pass );
 	void endPass();
 	void showPass();
@@ -61,9 +61,9 @@ private:
 	void updateBoxes();
 	void detectPass();
 	void findPassIslands();
-	/// Something asks Bullet between substeps where soft bodies are. Actions may ask anything (a vehicle's wheels cast rays), and Bullet's
-	/// continuous detection sweeps bodies against all that is there.
-	bool isAsked() const;
+	/// Whether Bullet is queried between substeps for the shapes of soft bodies: by actions (a vehicle's wheels cast rays) or by continuous
+	/// detection, which sweeps bodies against all objects.
+	bool needsFreshShapes() const;
 	void forgetObject( btCollisionObject& object );
 
 	BulletStages& m_stages;
@@ -72,11 +72,11 @@ private:
 	RestitutionCorrection m_restitution;
 	MovedContacts m_moved;
 	ManifoldView m_view;              ///< the manifolds of a pass
-	PassObjects<btRigidBody> m_rigid; ///< the world's own arrays, while a pass sees its part of them
+	PassObjects<btRigidBody> m_rigid; ///< the world's full arrays, while a pass sees a part of them
 	PassObjects<btTypedConstraint> m_joints;
-	LentObjects m_lent;
+	OutsideObjects m_outside;
 	StepImpulses m_impulses;
-	/// Of the last game step's passes, s; the same where there was one pass only; 0: there was no step.
+	/// Step lengths of the last game step's passes, s; equal if there was one kind of pass only; 0: there was no step.
 	struct Lengths
 	{
 		btScalar whole = btScalar( 0 ), substep = btScalar( 0 );
@@ -85,8 +85,8 @@ private:
 	int m_substep = 0;
 	btScalar m_gameStep = btScalar( 0 ), m_passLength = btScalar( 0 ); ///< s
 	bool m_isNewStep = false;                                          ///< no pass of the game step has begun
-	bool m_isStepping = false;                                         ///< a soft body is awake: the stages do their part
-	bool m_isTickOver = false;                                         ///< the game's step has ended: the next one begins with no events
+	bool m_isStepping = false;                                         ///< a soft body is awake: the stages process soft bodies
+	bool m_isTickOver = false;                                         ///< the game step has ended: the next one clears the events
 };
 
 } // namespace pliant
