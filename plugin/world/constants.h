@@ -213,11 +213,8 @@ inline constexpr btScalar kFarthestPosition = btScalar( 1e9 );
 
 // --- Links of multibodies ---
 
-/// A link with less mean mobility than this, 1/kg, is held by its joints or its base.
-inline constexpr double kLeastLinkMobility = 1e-9;
-
-/// About an axis that a link's joints lock it counts as turning this much less than about its freest one.
-inline constexpr double kLeastLinkTurning = 1e-3;
+/// A link whose mobility is less than this fraction of that of a free body of its mass is held by its joints or its base.
+inline constexpr double kLeastLinkMobility = 1e-6;
 
 // --- Attachments ---
 

@@ -4,6 +4,7 @@
 
 #include "twin_worlds.h"
 
+#include "world/bodies/attachments.h"
 #include "world/constants.h"
 #include "world/implicit/implicit_contacts.h"
 #include "world/implicit/implicit_reach.h"
@@ -359,7 +360,7 @@ struct OneBlock : BlockLookup
 	int blockOfIsland( int tag ) const override { return tag >= 0 ? 0 : -1; }
 	int softPart( const SoftBody& ) const override { return 0; }
 	bool takesPart( int, const btCollisionObject& ) const override { return true; }
-	int rigidPart( int, btRigidBody& ) override { return 0; }
+	int rigidPart( int, btCollisionObject& ) override { return 0; }
 };
 
 // A cube in a heap of 3 000: the number of rigid bodies in a block is bounded, and those nearest to the soft body are chosen first.
@@ -370,7 +371,7 @@ TEST( LargeIslands, TakePartUpToTheLimitNearestFirst )
 		LadenCube scene( count );
 		scene.t.run( 10 );
 		ImplicitReach reach;
-		reach.choose( scene.t.parts.dispatcher, OneBlock(), 1 );
+		reach.choose( scene.t.parts.dispatcher, Attachments(), OneBlock(), 1 );
 		int taking = 0;
 		for ( const btRigidBody* box : scene.boxes )
 		{

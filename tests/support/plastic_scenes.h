@@ -80,7 +80,7 @@ inline PlasticEnergy run( const PlasticScene& scene, int seconds )
 	for ( int i = 0; i < body->nodeCount() && !scene.isDropped; ++i )
 	{
 		const btVector3 direction( btScalar( fraction( random ) ), btScalar( fraction( random ) ), btScalar( fraction( random ) ) );
-		body->applyImpulse( btScalar( scene.speed ) * body->nodeMass( i ) * direction, i );
+		EXPECT_TRUE( body->applyImpulse( btScalar( scene.speed ) * body->nodeMass( i ) * direction, i ).ok() );
 	}
 	// From the floor to the lowest possible height of the centre.
 	energy.brought = scene.isDropped ? double( body->mass() ) * 9.81 * 0.6 : energyOfMotion( *body );

@@ -184,6 +184,11 @@ void ImplicitSolve::storeVelocities( ImplicitBlock& block )
 		const Vector6 force = MovedObjects::forceOf( *part.object, m_h );
 		part.expectedVelocity = m_moved.move( part, outsideOf( *part.object ).change + force ) + force;
 	}
+	for ( RigidPart& part : block.rigid )
+	{
+		// Impulses on the other links of its multibody have moved it too.
+		part.expectedVelocity = isLink( *part.object ) ? m_moved.velocityOf( *part.object ) : part.expectedVelocity;
+	}
 }
 
 void ImplicitSolve::after()

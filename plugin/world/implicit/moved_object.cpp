@@ -6,8 +6,6 @@
 #include <BulletDynamics/Featherstone/btMultiBody.h>
 #include <BulletDynamics/Featherstone/btMultiBodyLinkCollider.h>
 
-#include <Eigen/Eigenvalues>
-
 namespace pliant {
 
 namespace {
@@ -80,7 +78,8 @@ void MovedObjects::respond( const btMultiBodyLinkCollider& link, const Vector6& 
 	link.m_multiBody->calcAccelerationDeltasMultiDof( &m_force[0], &m_change[0], m_scratch, m_vectors );
 }
 
-// W = J M^-1 J^T, the mobility. Mass and inertia of a free body with its mean linear mobility and its angular one.
+// A link counts with its own mass and inertia. With what it shows at its centre, its neighbours' too, several links that land together
+// would bounce off: their impulses would add up to more than the multibody's momentum.
 bool MovedObjects::measure( btCollisionObject& object, RigidPart& part )
 {
 	if ( const btRigidBody* const body = btRigidBody::upcast( &object ) )
@@ -89,40 +88,33 @@ bool MovedObjects::measure( btCollisionObject& object, RigidPart& part )
 		return true;
 	}
 	const btMultiBodyLinkCollider& link = asLink( object );
-	part.centre = toVec3d( link.getWorldTransform().getOrigin() );
+	const btMultiBody& body = *link.m_multiBody;
 	fillJacobian( link );
-	Eigen::Matrix<double, 6, 6> mobility;
-	for ( int k = 0; k < 6; ++k )
+	double mobility = 0.0; // 1/kg: the sum over the axes of the velocity that a unit impulse gives
+	for ( int k = 0; k < 3; ++k )
 	{
 		respond( link, Vector6::Unit( k ) );
-		for ( int j = 0; j < 6; ++j )
+		for ( int i = 0; i < m_change.size(); ++i )
 		{
-			double sum = 0.0;
-			for ( int i = 0; i < m_change.size(); ++i )
-			{
-				sum += double( m_jacobian[j][i] ) * double( m_change[i] );
-			}
-			mobility( j, k ) = sum;
+			mobility += double( m_jacobian[k][i] ) * double( m_change[i] );
 		}
 	}
-	const double linear = mobility.topLeftCorner<3, 3>().trace() / 3.0;
-	if ( !( linear > kLeastLinkMobility ) )
+	const bool isBase = link.m_link < 0;
+	const double mass = double( isBase ? body.getBaseMass() : body.getLinkMass( link.m_link ) );
+	const Vec3d inertia = toVec3d( isBase ? body.getBaseInertia() : body.getLinkInertia( link.m_link ) );
+	if ( !( mobility * mass > kLeastLinkMobility ) )
 	{
 		return false;
 	}
-	part.mass = 1.0 / linear;
-	const Eigen::Matrix3d angular = 0.5 * ( mobility.bottomRightCorner<3, 3>() + mobility.bottomRightCorner<3, 3>().transpose() );
-	const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes( angular );
-	const double most = axes.eigenvalues()[2];
+	part.mass = mass;
+	part.centre = toVec3d( link.getWorldTransform().getOrigin() );
+	const bool canTurn = inertia.minCoeff() > 0.0;
+	const Eigen::Matrix3d axes = toMatrix3d( link.getWorldTransform().getBasis() );
 	for ( bool& turns : part.turns )
 	{
-		turns = most > 0.0;
+		turns = canTurn;
 	}
-	if ( most > 0.0 )
-	{
-		const Vec3d inverse = axes.eigenvalues().cwiseMax( kLeastLinkTurning * most ).cwiseInverse();
-		part.inertia = axes.eigenvectors() * inverse.asDiagonal() * axes.eigenvectors().transpose();
-	}
+	part.inertia = canTurn ? Eigen::Matrix3d( axes * inertia.asDiagonal() * axes.transpose() ) : part.inertia;
 	return true;
 }
 

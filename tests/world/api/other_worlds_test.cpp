@@ -262,5 +262,55 @@ TEST( OtherWorlds, MultiBodyRestsOnAnImplicitCube )
 	restMultiBody( Elasticity::Implicit );
 }
 
+/// Six links of 2 kg, hinged to each other and longer than the cube, fall on it and drape over it.
+void drapeChain( Elasticity elasticity )
+{
+	constexpr int kHinges = 5;
+	Stage<btMultiBodyDynamicsWorld> stage;
+	SoftBody* const cube = stage.addCube( at( 0, btScalar( 0.5 ), 0 ), material( elasticity ) );
+	btBoxShape shape( btVector3( btScalar( 0.18 ), btScalar( 0.06 ), btScalar( 0.1 ) ) );
+	btVector3 inertia;
+	shape.calculateLocalInertia( 2, inertia );
+	btMultiBody chain( kHinges, 2, inertia, false, false );
+	chain.setBasePos( btVector3( -1, btScalar( 1.5 ), 0 ) );
+	const btVector3 half( btScalar( 0.2 ), 0, 0 );
+	for ( int link = 0; link < kHinges; ++link )
+	{
+		chain.setupRevolute( link, 2, inertia, link - 1, btQuaternion::getIdentity(), btVector3( 0, 0, 1 ), half, half, true );
+	}
+	chain.finalizeMultiDof();
+	stage.world->addMultiBody( &chain );
+	std::vector<std::unique_ptr<btMultiBodyLinkCollider>> colliders;
+	for ( int link = -1; link < kHinges; ++link )
+	{
+		colliders.push_back( std::make_unique<btMultiBodyLinkCollider>( &chain, link ) );
+		btMultiBodyLinkCollider* const collider = colliders.back().get();
+		collider->setCollisionShape( &shape );
+		collider->setWorldTransform( at( btScalar( -1 ) + btScalar( 0.4 ) * btScalar( link + 1 ), btScalar( 1.5 ), 0 ) );
+		stage.world->addCollisionObject( collider, btBroadphaseProxy::DefaultFilter, btBroadphaseProxy::AllFilter );
+		link < 0 ? chain.setBaseCollider( collider ) : void( chain.getLink( link ).m_collider = collider );
+	}
+	stage.run( 420 );
+	EXPECT_NEAR( colliders[2]->getWorldTransform().getOrigin().y(), 1.06, 0.04 );
+	EXPECT_NEAR( colliders[3]->getWorldTransform().getOrigin().y(), 1.06, 0.06 );
+	for ( const auto& collider : colliders )
+	{
+		EXPECT_GT( collider->getWorldTransform().getOrigin().y(), 0.3 );
+		stage.world->removeCollisionObject( collider.get() );
+	}
+	EXPECT_TRUE( cube->isHealthy() );
+	stage.world->removeMultiBody( &chain );
+}
+
+TEST( OtherWorlds, ChainDrapesOverAnExplicitCube )
+{
+	drapeChain( Elasticity::Explicit );
+}
+
+TEST( OtherWorlds, ChainDrapesOverAnImplicitCube )
+{
+	drapeChain( Elasticity::Implicit );
+}
+
 } // namespace
 } // namespace pliant
