@@ -5,7 +5,7 @@
 #include <LinearMath/btScalar.h>
 #include <LinearMath/btVector3.h>
 
-class btRigidBody;
+class btCollisionObject;
 
 namespace pliant {
 
@@ -26,7 +26,7 @@ struct AttachmentEvent
 	int id = -1;                               ///< as attach returned it
 	SoftBody* body = nullptr;                  ///< the first body
 	SoftBody* other = nullptr;                 ///< the second, if it is soft
-	btRigidBody* rigid = nullptr;              ///< the second, if it is rigid
+	btCollisionObject* rigid = nullptr;        ///< the second, if it is a rigid body or a multibody's link
 	btVector3 force = btVector3( 0, 0, 0 );    ///< on the first body when it broke, N
 	btVector3 position = btVector3( 0, 0, 0 ); ///< where it held the first body, world, m
 };

@@ -130,14 +130,14 @@ public:
 	/// Times and counts of the last step. Valid as long as the world; changes with each step.
 	[[nodiscard]] const StepReport& stepReport() const;
 
-	/// Attaches a node of a soft body, where it is now, to a rigid body: both pull on each other, as by a ball joint. Static and kinematic
-	/// bodies hold and carry it. The attachment follows changes of levels and stays with the piece that has the node when the body breaks;
-	/// it goes when either body leaves the world. Returns its id. BadArgument for a node that is not there, for bodies that are not in this
-	/// world, and in a build without Feature::Implicit; BadSettings for `settings`.
-	Result<int> attach( SoftBody& body, int node, btRigidBody& to, const AttachmentSettings& settings = {} );
+	/// Attaches a node of a soft body, where it is now, to a rigid body or a multibody's link (btMultiBodyLinkCollider): both pull on
+	/// each other, as by a ball joint. Static and kinematic bodies hold and carry it. The attachment follows changes of levels and stays
+	/// with the piece that has the node when the body breaks; it goes when either body leaves the world. Returns its id. BadArgument for a
+	/// node that is not there, for bodies that are not in this world, and in a build without Feature::Implicit; BadSettings for `settings`.
+	Result<int> attach( SoftBody& body, int node, btCollisionObject& to, const AttachmentSettings& settings = {} );
 	/// The same for a world position, m, in or near the body: it moves with the nearest node and its neighbours. On bodies with levels it
 	/// is the node's centre that is held.
-	Result<int> attach( SoftBody& body, const btVector3& position, btRigidBody& to, const AttachmentSettings& settings = {} );
+	Result<int> attach( SoftBody& body, const btVector3& position, btCollisionObject& to, const AttachmentSettings& settings = {} );
 	/// Attaches two soft bodies at a world position, m, of both.
 	Result<int> attach( SoftBody& body, SoftBody& to, const btVector3& position, const AttachmentSettings& settings = {} );
 	/// Attaches each node of `body` within `distance`, m, of a node of `to` half-way between the two: faces that touch become one. Returns

@@ -5,6 +5,8 @@
 #include "world/bodies/placing.h"
 #include "world/step/world_step.h"
 
+#include <BulletDynamics/Featherstone/btMultiBodyLinkCollider.h>
+
 #include <cmath>
 
 namespace pliant {
@@ -28,15 +30,20 @@ Status checkAttachment( const SoftBodySystem& bodies, const SoftBody& body, cons
 	return {};
 }
 
-Status checkRigid( const SoftBodySystem& bodies, const btRigidBody& rigid )
+Status checkRigid( const SoftBodySystem& bodies, const btCollisionObject& object )
 {
-	int index = rigid.getWorldArrayIndex();
-	return bodies.holds( &rigid, index ) ? Status{} : refused( "attach", "the rigid body is not in this world." );
+	const bool isRigid = btRigidBody::upcast( &object ) && !isContactProxy( &object );
+	if ( !isRigid && !btMultiBodyLinkCollider::upcast( &object ) )
+	{
+		return refused( "attach", "the object is neither a rigid body nor a multibody's link." );
+	}
+	int index = object.getWorldArrayIndex();
+	return bodies.holds( &object, index ) ? Status{} : refused( "attach", "the object is not in this world." );
 }
 
 } // namespace
 
-Result<int> SoftBodyHost::attach( SoftBody& body, int node, btRigidBody& to, const AttachmentSettings& settings )
+Result<int> SoftBodyHost::attach( SoftBody& body, int node, btCollisionObject& to, const AttachmentSettings& settings )
 {
 	if ( !body.impl().hasNode( node ) )
 	{
@@ -46,21 +53,21 @@ Result<int> SoftBodyHost::attach( SoftBody& body, int node, btRigidBody& to, con
 	status = status.ok() ? checkRigid( m_step->bodies, to ) : status;
 	if ( !status.ok() )
 	{
-		return Result<int>{ status, -1 };
+		return Result<int>::failure( status.code, status.sentence );
 	}
 	body.activate( true );
 	to.activate( true );
 	return Result<int>::success( m_step->bodies.attachments.add( body, node, toVec3d( body.nodePosition( node ) ), to, settings ) );
 }
 
-Result<int> SoftBodyHost::attach( SoftBody& body, const btVector3& position, btRigidBody& to, const AttachmentSettings& settings )
+Result<int> SoftBodyHost::attach( SoftBody& body, const btVector3& position, btCollisionObject& to, const AttachmentSettings& settings )
 {
 	Status status = checkVector( position, "attach", "position" );
 	status = status.ok() ? checkAttachment( m_step->bodies, body, settings ) : status;
 	status = status.ok() ? checkRigid( m_step->bodies, to ) : status;
 	if ( !status.ok() )
 	{
-		return Result<int>{ status, -1 };
+		return Result<int>::failure( status.code, status.sentence );
 	}
 	body.activate( true );
 	to.activate( true );
@@ -76,7 +83,7 @@ Result<int> SoftBodyHost::attach( SoftBody& body, SoftBody& to, const btVector3&
 	status = status.ok() && &body == &to ? refused( "attach", "a body cannot be attached to itself." ) : status;
 	if ( !status.ok() )
 	{
-		return Result<int>{ status, -1 };
+		return Result<int>::failure( status.code, status.sentence );
 	}
 	body.activate( true );
 	to.activate( true );
@@ -91,7 +98,7 @@ Result<int> SoftBodyHost::weld( SoftBody& body, SoftBody& to, btScalar distance,
 	status = status.ok() && ( &body == &to || !( distance >= 0 ) ) ? refused( "weld", "it needs two bodies and a distance." ) : status;
 	if ( !status.ok() )
 	{
-		return Result<int>{ status, 0 };
+		return Result<int>::failure( status.code, status.sentence );
 	}
 	int count = 0;
 	for ( int node = 0; node < body.nodeCount(); ++node )

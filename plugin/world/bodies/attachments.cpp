@@ -90,7 +90,7 @@ int nearestNode( const SoftBody& body, const Vec3d& at )
 	return nearest;
 }
 
-int Attachments::add( SoftBody& body, int node, const Vec3d& at, btRigidBody& rigid, const AttachmentSettings& settings )
+int Attachments::add( SoftBody& body, int node, const Vec3d& at, btCollisionObject& rigid, const AttachmentSettings& settings )
 {
 	Attachment made;
 	made.id = m_nextId++;

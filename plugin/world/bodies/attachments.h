@@ -26,7 +26,7 @@ struct Attachment
 	int id = -1;
 	AttachmentSettings settings;
 	AttachedPoint first, second; ///< second.body null: the second end is rigid
-	btRigidBody* rigid = nullptr;
+	btCollisionObject* rigid = nullptr;
 	int rigidIndex = -1;               ///< last known index in the world's list of objects
 	Vec3d rigidPoint = Vec3d::Zero();  ///< in the rigid body's frame, m
 	Vec3d lastForce = Vec3d::Zero();   ///< on the first body in the last substep, N
@@ -42,7 +42,7 @@ class Attachments
 public:
 	/// Attaches a body at the world position `at`, m, carried by `node` and its neighbours, to a rigid body or another soft one. Returns
 	/// the id.
-	int add( SoftBody& body, int node, const Vec3d& at, btRigidBody& rigid, const AttachmentSettings& settings );
+	int add( SoftBody& body, int node, const Vec3d& at, btCollisionObject& rigid, const AttachmentSettings& settings );
 	int add( SoftBody& body, int node, SoftBody& other, int otherNode, const Vec3d& at, const AttachmentSettings& settings );
 	/// Returns false if there is no attachment with this id.
 	bool remove( int id );

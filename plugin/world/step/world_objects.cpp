@@ -115,6 +115,7 @@ void WorldStep::remove( btCollisionObject* object )
 
 void WorldStep::forgetObject( btCollisionObject& object )
 {
+	bodies.attachments.removeAllOf( object );
 	bodies.group.noteRemoval( object, m_parts.world.getNumCollisionObjects() );
 	m_outside.forget( object );
 	if ( btRigidBody* const body = btRigidBody::upcast( &object ) )
@@ -126,7 +127,6 @@ void WorldStep::forgetObject( btCollisionObject& object )
 void WorldStep::forget( btRigidBody& body )
 {
 	bodies.releasePinsTo( body );
-	bodies.attachments.removeAllOf( body );
 	forgetObject( body );
 }
 

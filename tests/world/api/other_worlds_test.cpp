@@ -312,5 +312,49 @@ TEST( OtherWorlds, ChainDrapesOverAnImplicitCube )
 	drapeChain( Elasticity::Implicit );
 }
 
+// A pendulum of a multibody swings with a soft cube at its end.
+TEST( OtherWorlds, ALinkCarriesACube )
+{
+	for ( const Elasticity elasticity : { Elasticity::Explicit, Elasticity::Implicit } )
+	{
+		Stage<btMultiBodyDynamicsWorld> stage;
+		btBoxShape shape( btVector3( btScalar( 0.5 ), btScalar( 0.05 ), btScalar( 0.05 ) ) );
+		btVector3 inertia;
+		shape.calculateLocalInertia( 500, inertia );
+		btMultiBody arm( 1, 0, btVector3( 0, 0, 0 ), true, false );
+		arm.setBasePos( btVector3( 0, 6, 0 ) );
+		const btVector3 half( btScalar( 0.5 ), 0, 0 );
+		arm.setupRevolute( 0, 500, inertia, -1, btQuaternion::getIdentity(), btVector3( 0, 0, 1 ), btVector3( 0, 0, 0 ), half, true );
+		arm.finalizeMultiDof();
+		stage.world->addMultiBody( &arm );
+		btMultiBodyLinkCollider link( &arm, 0 );
+		link.setCollisionShape( &shape );
+		link.setWorldTransform( at( btScalar( 0.5 ), 6, 0 ) );
+		arm.getLink( 0 ).m_collider = &link;
+		stage.world->addCollisionObject( &link, btBroadphaseProxy::DefaultFilter, btBroadphaseProxy::AllFilter );
+		SoftBody* const cube = stage.addCube( at( btScalar( 1.5 ), btScalar( 5.4 ), 0 ), material( elasticity ) );
+		const btVector3 corner( btScalar( 1.1 ), btScalar( 5.8 ), 0 );
+		const Result<int> made = stage.world->attach( *cube, corner, link );
+		ASSERT_TRUE( made.ok() ) << made.status.sentence;
+		EXPECT_EQ( stage.world->attach( *cube, 0, *cube ).status.code, ResultCode::BadArgument );
+		stage.run( 2 );
+		const btScalar before = ( cube->massCentre() - link.getWorldTransform().getOrigin() ).length();
+		btScalar lowest = 9, farthest = 0;
+		for ( int frame = 0; frame < 90; ++frame )
+		{
+			stage.run( 1 );
+			lowest = std::min( lowest, cube->massCentre().y() );
+			farthest = std::max( farthest, cube->massCentre().length() );
+		}
+		EXPECT_LT( before, 2 );
+		EXPECT_LT( lowest, 4.6 ) << "it swings down";
+		EXPECT_GT( lowest, 3.5 ) << "it stays on the arm";
+		EXPECT_TRUE( cube->isHealthy() );
+		stage.world->removeCollisionObject( &link );
+		EXPECT_EQ( stage.world->attachmentCount(), 0 );
+		stage.world->removeMultiBody( &arm );
+	}
+}
+
 } // namespace
 } // namespace pliant
