@@ -11,6 +11,11 @@ void ImplicitSolve::before( const std::vector<SoftBody*>&, Attachments&, btDispa
 void ImplicitSolve::after() {}
 void ImplicitSolve::forget( const btCollisionObject& ) {}
 
+bool ImplicitReach::takesPart( int, const btCollisionObject& ) const
+{
+	return false;
+}
+
 int ImplicitSolve::blockOf( const SoftBody& ) const
 {
 	return -1;
