@@ -32,14 +32,14 @@ protected:
 	}
 };
 
-/// What `Base` is made from. `make<World>()`: the base itself, or a world over it.
-template <class Base>
-struct PartsOf
+/// Bullet's parts; `make<World>()`: a world made from them.
+template <class Configuration, class Solver>
+struct PartsWith
 {
-	btDefaultCollisionConfiguration configuration;
+	Configuration configuration;
 	btCollisionDispatcher dispatcher{ &configuration };
 	btDbvtBroadphase broadphase;
-	btSequentialImpulseConstraintSolver solver;
+	Solver solver;
 	template <class World>
 	std::unique_ptr<World> make()
 	{
@@ -47,46 +47,33 @@ struct PartsOf
 	}
 };
 
-template <>
-struct PartsOf<btDiscreteDynamicsWorldMt>
+/// A pool of two solvers.
+struct SolverPool : btConstraintSolverPoolMt
 {
-	btDefaultCollisionConfiguration configuration;
-	btCollisionDispatcher dispatcher{ &configuration };
-	btDbvtBroadphase broadphase;
-	btConstraintSolverPoolMt solver{ 2 };
+	SolverPool() : btConstraintSolverPoolMt( 2 ) {}
+};
+
+/// What `Base` is made from.
+template <class Base>
+struct PartsOf : PartsWith<btDefaultCollisionConfiguration, btSequentialImpulseConstraintSolver>
+{};
+
+template <>
+struct PartsOf<btMultiBodyDynamicsWorld> : PartsWith<btDefaultCollisionConfiguration, btMultiBodyConstraintSolver>
+{};
+
+template <>
+struct PartsOf<btSoftRigidDynamicsWorld> : PartsWith<btSoftBodyRigidBodyCollisionConfiguration, btSequentialImpulseConstraintSolver>
+{};
+
+template <>
+struct PartsOf<btDiscreteDynamicsWorldMt> : PartsWith<btDefaultCollisionConfiguration, SolverPool>
+{
 	template <class World>
 	std::unique_ptr<World> make()
 	{
 		btConstraintSolver* const ofLargeIslands = nullptr;
 		return std::make_unique<World>( &dispatcher, &broadphase, &solver, ofLargeIslands, &configuration );
-	}
-};
-
-template <>
-struct PartsOf<btMultiBodyDynamicsWorld>
-{
-	btDefaultCollisionConfiguration configuration;
-	btCollisionDispatcher dispatcher{ &configuration };
-	btDbvtBroadphase broadphase;
-	btMultiBodyConstraintSolver solver;
-	template <class World>
-	std::unique_ptr<World> make()
-	{
-		return std::make_unique<World>( &dispatcher, &broadphase, &solver, &configuration );
-	}
-};
-
-template <>
-struct PartsOf<btSoftRigidDynamicsWorld>
-{
-	btSoftBodyRigidBodyCollisionConfiguration configuration;
-	btCollisionDispatcher dispatcher{ &configuration };
-	btDbvtBroadphase broadphase;
-	btSequentialImpulseConstraintSolver solver;
-	template <class World>
-	std::unique_ptr<World> make()
-	{
-		return std::make_unique<World>( &dispatcher, &broadphase, &solver, &configuration );
 	}
 };
 

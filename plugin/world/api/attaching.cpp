@@ -41,6 +41,20 @@ Status checkRigid( const SoftBodySystem& bodies, const btCollisionObject& object
 	return bodies.holds( &object, index ) ? Status{} : refused( "attach", "the object is not in this world." );
 }
 
+Result<int> attachTo(
+	SoftBodySystem& bodies, SoftBody& body, int node, const Vec3d& at, btCollisionObject& to, const AttachmentSettings& settings )
+{
+	Status status = checkAttachment( bodies, body, settings );
+	status = status.ok() ? checkRigid( bodies, to ) : status;
+	if ( !status.ok() )
+	{
+		return Result<int>::failure( status.code, status.sentence );
+	}
+	body.activate( true );
+	to.activate( true );
+	return Result<int>::success( bodies.attachments.add( body, node, at, to, settings ) );
+}
+
 } // namespace
 
 Result<int> SoftBodyHost::attach( SoftBody& body, int node, btCollisionObject& to, const AttachmentSettings& settings )
@@ -49,30 +63,17 @@ Result<int> SoftBodyHost::attach( SoftBody& body, int node, btCollisionObject& t
 	{
 		return Result<int>::failure( ResultCode::BadArgument, "attach: there is no node of this number." );
 	}
-	Status status = checkAttachment( m_step->bodies, body, settings );
-	status = status.ok() ? checkRigid( m_step->bodies, to ) : status;
-	if ( !status.ok() )
-	{
-		return Result<int>::failure( status.code, status.sentence );
-	}
-	body.activate( true );
-	to.activate( true );
-	return Result<int>::success( m_step->bodies.attachments.add( body, node, toVec3d( body.nodePosition( node ) ), to, settings ) );
+	return attachTo( m_step->bodies, body, node, toVec3d( body.nodePosition( node ) ), to, settings );
 }
 
 Result<int> SoftBodyHost::attach( SoftBody& body, const btVector3& position, btCollisionObject& to, const AttachmentSettings& settings )
 {
-	Status status = checkVector( position, "attach", "position" );
-	status = status.ok() ? checkAttachment( m_step->bodies, body, settings ) : status;
-	status = status.ok() ? checkRigid( m_step->bodies, to ) : status;
-	if ( !status.ok() )
+	if ( const Status status = checkVector( position, "attach", "position" ); !status.ok() )
 	{
 		return Result<int>::failure( status.code, status.sentence );
 	}
-	body.activate( true );
-	to.activate( true );
 	const Vec3d at = toVec3d( position );
-	return Result<int>::success( m_step->bodies.attachments.add( body, nearestNode( body, at ), at, to, settings ) );
+	return attachTo( m_step->bodies, body, nearestNode( body, at ), at, to, settings );
 }
 
 Result<int> SoftBodyHost::attach( SoftBody& body, SoftBody& to, const btVector3& position, const AttachmentSettings& settings )

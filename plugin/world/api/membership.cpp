@@ -60,7 +60,6 @@ bool SoftBodySystem::remove( SoftBody& body )
 		impl.self->contacts.reset();
 	}
 	ContactProxyPool::detach( body );
-	attachments.removeAllOf( body );
 	impl.system = nullptr;
 	impl.block = -1;
 	impl.frictionTorque = -1;

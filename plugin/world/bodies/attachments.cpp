@@ -13,8 +13,7 @@ namespace {
 
 Vec3d nodeAt( const SoftBody& body, int node )
 {
-	const NodeState& nodes = body.impl().body->nodes();
-	return nodes.origin + nodes.x.get( node ).cast<double>();
+	return body.impl().body->nodes().worldPosition( node );
 }
 
 /// Represents a point by a node and up to three linked neighbours, with weights such that the weighted positions give the point: forces at
@@ -137,46 +136,45 @@ bool Attachments::contain( const SoftBody& body ) const
 		[&body]( const Attachment& attachment ) { return attachment.first.body == &body || attachment.second.body == &body; } );
 }
 
-const Attachment* Attachments::find( int id ) const
+Attachment* Attachments::find( int id )
 {
-	const auto found = std::find_if(
-		m_attachments.begin(), m_attachments.end(), [id]( const Attachment& attachment ) { return attachment.id == id; } );
-	return found == m_attachments.end() ? nullptr : &*found;
+	const auto found = std::lower_bound(
+		m_attachments.begin(), m_attachments.end(), id, []( const Attachment& attachment, int wanted ) { return attachment.id < wanted; } );
+	return found != m_attachments.end() && found->id == id ? &*found : nullptr;
+}
+
+template <class F>
+void Attachments::forPointsOf( const SoftBody& body, F&& visit )
+{
+	for ( Attachment& attachment : m_attachments )
+	{
+		for ( AttachedPoint* point : { &attachment.first, &attachment.second } )
+		{
+			if ( point->body == &body )
+			{
+				visit( attachment, *point );
+			}
+		}
+	}
 }
 
 void Attachments::noteChange( const SoftBody& body )
 {
-	for ( Attachment& attachment : m_attachments )
-	{
-		for ( AttachedPoint* point : { &attachment.first, &attachment.second } )
-		{
-			if ( point->body == &body )
-			{
-				point->at = positionOf( *point );
-			}
-		}
-	}
+	forPointsOf( body, []( Attachment&, AttachedPoint& point ) { point.at = positionOf( point ); } );
 }
 
 void Attachments::follow( const SoftBody& body, const std::vector<std::uint32_t>& nodeNow )
 {
-	for ( Attachment& attachment : m_attachments )
-	{
-		for ( AttachedPoint* point : { &attachment.first, &attachment.second } )
+	forPointsOf( body, [&]( Attachment& attachment, AttachedPoint& point ) {
+		const std::uint32_t now = nodeNow[std::size_t( point.nodes.node[0] )];
+		point = pointAt( *point.body, now == kNoNode ? nearestNode( body, point.at ) : int( now ), point.at );
+		// Where the new nodes cannot represent the point exactly, the rigid end moves to it, so that no force arises.
+		if ( !attachment.second.body )
 		{
-			if ( point->body == &body )
-			{
-				const std::uint32_t now = nodeNow[std::size_t( point->nodes.node[0] )];
-				*point = pointAt( *point->body, now == kNoNode ? nearestNode( body, point->at ) : int( now ), point->at );
-				// Where the new nodes cannot represent the point exactly, the rigid end moves to it, so that no force arises.
-				if ( !attachment.second.body )
-				{
-					const btTransform& frame = attachment.rigid->getWorldTransform();
-					attachment.rigidPoint += toMatrix3d( frame.getBasis() ).transpose() * ( positionOf( *point ) - point->at );
-				}
-			}
+			const btTransform& frame = attachment.rigid->getWorldTransform();
+			attachment.rigidPoint += toMatrix3d( frame.getBasis() ).transpose() * ( positionOf( point ) - point.at );
 		}
-	}
+	} );
 }
 
 void Attachments::followRemains( const SoftBody& body, const std::vector<std::uint32_t>& nodeNow )
@@ -191,20 +189,12 @@ void Attachments::followRemains( const SoftBody& body, const std::vector<std::ui
 
 void Attachments::moveToPiece( const SoftBody& parent, SoftBody& piece, const std::vector<std::uint32_t>& nodeNow )
 {
-	for ( Attachment& attachment : m_attachments )
-	{
-		for ( AttachedPoint* point : { &attachment.first, &attachment.second } )
+	forPointsOf( parent, [&]( Attachment&, AttachedPoint& point ) {
+		if ( const std::uint32_t now = nodeNow[std::size_t( point.nodes.node[0] )]; now != kNoNode )
 		{
-			if ( point->body != &parent )
-			{
-				continue;
-			}
-			if ( const std::uint32_t now = nodeNow[std::size_t( point->nodes.node[0] )]; now != kNoNode )
-			{
-				*point = pointAt( piece, int( now ), point->at );
-			}
+			point = pointAt( piece, int( now ), point.at );
 		}
-	}
+	} );
 }
 
 void Attachments::endStep()
@@ -215,16 +205,18 @@ void Attachments::endStep()
 		attachment.stepImpulse.setZero();
 		attachment.stepTime = 0.0;
 	}
+	const auto isOverloaded = []( const Attachment& attachment ) {
+		return attachment.force.norm() > double( attachment.settings.breakingForce );
+	};
 	for ( const Attachment& attachment : m_attachments )
 	{
-		if ( attachment.force.norm() > double( attachment.settings.breakingForce ) )
+		if ( isOverloaded( attachment ) )
 		{
 			events.push_back( AttachmentEvent{ attachment.id, attachment.first.body, attachment.second.body, attachment.rigid,
 				toBt( attachment.force ), toBt( positionOf( attachment.first ) ) } );
 		}
 	}
-	std::erase_if( m_attachments,
-		[]( const Attachment& attachment ) { return attachment.force.norm() > double( attachment.settings.breakingForce ); } );
+	std::erase_if( m_attachments, isOverloaded );
 }
 
 } // namespace pliant

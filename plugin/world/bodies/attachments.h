@@ -50,7 +50,8 @@ public:
 	void removeAllOf( const btCollisionObject& object );
 	bool isEmpty() const { return m_attachments.empty(); }
 	bool contain( const SoftBody& body ) const;
-	const Attachment* find( int id ) const;
+	/// Returns null if there is no attachment with this id.
+	Attachment* find( int id );
 	std::vector<Attachment>& all() { return m_attachments; }
 	const std::vector<Attachment>& all() const { return m_attachments; }
 
@@ -70,6 +71,10 @@ public:
 	std::vector<AttachmentEvent> events;
 
 private:
+	/// Calls visit( attachment, point ) for each point of a body.
+	template <class F>
+	void forPointsOf( const SoftBody& body, F&& visit );
+
 	std::vector<Attachment> m_attachments; ///< ascending by id
 	int m_nextId = 0;
 };

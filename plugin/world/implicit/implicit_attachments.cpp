@@ -11,13 +11,13 @@
 #include "world/implicit/implicit_solve.h"
 
 #include <algorithm>
-#include <cmath>
 
 namespace pliant {
 
 namespace {
 
-/// Returns the contact side of a soft body's point, with prescribed velocity if one of its nodes is held or the body is not in the block.
+/// Returns the contact side of a soft body's point. If one of its nodes is held or the body is not in the block, the node's velocity is
+/// prescribed.
 ContactSide softSide( const AttachedPoint& point, int block, const BlockLookup& lookup )
 {
 	ContactSide side;
@@ -25,17 +25,11 @@ ContactSide softSide( const AttachedPoint& point, int block, const BlockLookup& 
 	const NodeState& nodes = impl.body->nodes();
 	side.shared = point.nodes;
 	side.node = point.nodes.node[0];
-	if ( lookup.blockOf( *point.body ) != block )
-	{
-		return side;
-	}
-	const bool isHeld = std::any_of( std::begin( point.nodes.node ), std::begin( point.nodes.node ) + point.nodes.count,
-		[&nodes]( int node ) { return nodes.freedom[node] == 0.0f; } );
-	side.soft = isHeld ? -1 : lookup.softPart( *point.body );
-	if ( isHeld )
-	{
-		side.prescribedVelocity = toVec3d( impl.velocity( side.node ) );
-	}
+	const bool isFree = lookup.blockOf( *point.body ) == block &&
+		std::none_of(
+			point.nodes.node, point.nodes.node + point.nodes.count, [&nodes]( int node ) { return nodes.freedom[node] == 0.0f; } );
+	side.soft = isFree ? lookup.softPart( *point.body ) : -1;
+	side.prescribedVelocity = isFree ? Vec3d( Vec3d::Zero() ) : toVec3d( impl.velocity( side.node ) );
 	return side;
 }
 
@@ -107,11 +101,10 @@ void ImplicitContacts::storeForces( const ImplicitBlock& block, Attachments& att
 		{
 			continue;
 		}
-		const auto found = std::lower_bound( attachments.all().begin(), attachments.all().end(), contact.attachment,
-			[]( const Attachment& attachment, int id ) { return attachment.id < id; } );
-		found->lastForce = contact.impulse() / contact.timeStep;
-		found->stepImpulse += contact.impulse();
-		found->stepTime += contact.timeStep;
+		Attachment& attachment = *attachments.find( contact.attachment );
+		attachment.lastForce = contact.impulse() / contact.timeStep;
+		attachment.stepImpulse += contact.impulse();
+		attachment.stepTime += contact.timeStep;
 	}
 }
 

@@ -181,13 +181,15 @@ void ImplicitSolve::storeVelocities( ImplicitBlock& block )
 {
 	for ( RigidPart& part : block.rigid )
 	{
-		const Vector6 force = MovedObjects::forceOf( *part.object, m_h );
-		part.expectedVelocity = m_moved.move( part, outsideOf( *part.object ).change + force ) + force;
+		part.expectedVelocity = part.velocity - outsideOf( *part.object ).change;
+		m_moved.move( part, part.expectedVelocity - MovedObjects::forceOf( *part.object, m_h ) );
 	}
 	for ( RigidPart& part : block.rigid )
 	{
-		// Impulses on the other links of its multibody have moved it too.
-		part.expectedVelocity = isLink( *part.object ) ? m_moved.velocityOf( *part.object ) : part.expectedVelocity;
+		if ( isLink( *part.object ) ) // impulses on the other links of its multibody have moved it too
+		{
+			part.expectedVelocity = m_moved.velocityOf( *part.object );
+		}
 	}
 }
 

@@ -40,12 +40,6 @@ bool isLink( const btCollisionObject& object )
 	return btMultiBodyLinkCollider::upcast( &object ) != nullptr;
 }
 
-bool isMovable( const btCollisionObject& object )
-{
-	const btRigidBody* const rigid = btRigidBody::upcast( &object );
-	return rigid ? !rigid->isStaticOrKinematicObject() && rigid->getInvMass() != 0 : isLink( object );
-}
-
 // J v is the velocity at the centre, and J^T p the generalised force of an impulse p there.
 void MovedObjects::fillJacobian( const btMultiBodyLinkCollider& link )
 {
@@ -152,11 +146,11 @@ Vector6 MovedObjects::forceOf( const btCollisionObject& object, double h )
 	return force;
 }
 
-Vector6 MovedObjects::move( const RigidPart& part, const Vector6& ahead )
+void MovedObjects::move( const RigidPart& part, const Vector6& velocity )
 {
 	if ( btRigidBody* const body = btRigidBody::upcast( part.object ) )
 	{
-		const Vector6 velocity = part.velocity - ahead, own = velocityOf( *body );
+		const Vector6 own = velocityOf( *body );
 		Vec3d linear, angular;
 		for ( int k = 0; k < 3; ++k )
 		{
@@ -165,7 +159,7 @@ Vector6 MovedObjects::move( const RigidPart& part, const Vector6& ahead )
 		}
 		body->setLinearVelocity( toBt( linear ) );
 		body->setAngularVelocity( toBt( angular ) );
-		return velocity;
+		return;
 	}
 	const btMultiBodyLinkCollider& link = asLink( *part.object );
 	Vector6 impulse;
@@ -174,7 +168,6 @@ Vector6 MovedObjects::move( const RigidPart& part, const Vector6& ahead )
 	fillJacobian( link );
 	respond( link, impulse );
 	link.m_multiBody->applyDeltaVeeMultiDof( &m_change[0], 1 );
-	return velocityOf( link );
 }
 
 } // namespace pliant

@@ -13,8 +13,6 @@ class btMultiBodyLinkCollider;
 
 namespace pliant {
 
-/// Returns true for a rigid body or link that impulses can move.
-bool isMovable( const btCollisionObject& object );
 /// Returns true for a link of a multibody.
 bool isLink( const btCollisionObject& object );
 
@@ -27,8 +25,9 @@ public:
 	Vector6 velocityOf( const btCollisionObject& object );
 	/// Returns the velocity change within h, s, that Bullet's solver adds for applied forces; of a link zero: it counts as a joint's.
 	static Vector6 forceOf( const btCollisionObject& object, double h );
-	/// Moves a part to its solved velocity less `ahead`, which Bullet's solver will add. Returns the velocity that the part then has.
-	Vector6 move( const RigidPart& part, const Vector6& ahead );
+	/// Sets a rigid body's velocity where its axes are free. Gives a link's multibody the impulse that the block's solution has for the
+	/// link instead, whatever `velocity` is.
+	void move( const RigidPart& part, const Vector6& velocity );
 
 private:
 	void fillJacobian( const btMultiBodyLinkCollider& link );

@@ -37,12 +37,18 @@ bool WorldStep::needsFreshShapes() const
 
 // === The game step ===
 
-bool WorldStep::beginTick( btScalar& timeStep, int maxSubSteps, btScalar fixedTimeStep )
+// Events are those of the last tick, and small pieces that have faded leave between ticks.
+void WorldStep::openTick()
 {
 	m_isTickOver = false;
 	bodies.events.clear();
 	bodies.attachments.events.clear();
 	bodies.removeFaded();
+}
+
+bool WorldStep::beginTick( btScalar& timeStep, int maxSubSteps, btScalar fixedTimeStep )
+{
+	openTick();
 	return bodies.acceptsSteps( timeStep, maxSubSteps, fixedTimeStep );
 }
 
@@ -50,11 +56,7 @@ void WorldStep::singleStep( btScalar timeStep )
 {
 	if ( m_isTickOver )
 	{
-		// The game, or a class derived from the world, calls single steps itself.
-		m_isTickOver = false;
-		bodies.events.clear();
-		bodies.attachments.events.clear();
-		bodies.removeFaded();
+		openTick(); // the game, or a class derived from the world, calls single steps itself
 	}
 	if ( !bodies.openStep( timeStep ) )
 	{

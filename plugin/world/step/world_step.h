@@ -50,6 +50,7 @@ public:
 	btDiscreteDynamicsWorld& world() const { return m_parts.world; }
 
 private:
+	void openTick();
 	void makePasses( btScalar timeStep, int substeps );
 	void runPass( btScalar h );
 	void runStages( btScalar h );
