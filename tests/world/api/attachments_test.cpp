@@ -4,6 +4,8 @@
 #include "world/test_world.h"
 
 #include <cmath>
+#include <utility>
+#include <vector>
 
 namespace pliant {
 namespace {
@@ -158,6 +160,34 @@ TEST_P( Attached, WeldedCubesKeepMomentumAndSpin )
 	EXPECT_LT( ( after.linear - before.linear ).length(), 2e-5 * before.linear.length() );
 	EXPECT_LT( ( after.angular - before.angular ).length(), 1e-4 * before.angular.length() );
 	EXPECT_LT( ( upper->massCentre() - lower->massCentre() ).length(), 0.45 );
+}
+
+// Points stay together under a load of twenty times the cube's mass, in the implicit step of two hundred times.
+TEST_P( Attached, HoldsHeavyLoads )
+{
+	TestWorld test;
+	SoftBody* const cube = addCube( test, btVector3( 0, 4, 0 ), material( GetParam() ) );
+	const btScalar mass = GetParam() == Elasticity::Implicit ? btScalar( 200 ) : btScalar( 20 );
+	btRigidBody* const box = test.addBox( mass, btVector3( 0.1f, 0.1f, 0.1f ), at( 0, btScalar( 3.6 ), 0 ) );
+	std::vector<std::pair<int, btVector3>> held;
+	for ( int node = 0; node < cube->nodeCount(); ++node )
+	{
+		const btVector3 where = cube->nodePosition( node ) - cube->massCentre();
+		if ( where.y() > btScalar( 0.14 ) )
+		{
+			ASSERT_TRUE( cube->pinNode( node ).ok() );
+		}
+		else if ( where.y() < btScalar( -0.14 ) )
+		{
+			held.emplace_back( node, box->getWorldTransform().invXform( cube->nodePosition( node ) ) );
+			ASSERT_TRUE( test.world.attach( *cube, node, *box ).ok() );
+		}
+	}
+	test.run( 300 );
+	for ( const auto& [node, point] : held )
+	{
+		EXPECT_LT( ( box->getWorldTransform() * point - cube->nodePosition( node ) ).length(), 3e-5 );
+	}
 }
 
 TEST_P( Attached, AKinematicBodyCarriesACube )

@@ -227,6 +227,64 @@ TEST( OtherWorlds, BulletsClothKeepsItsBitsBesideACube )
 	EXPECT_EQ( differences, 0u );
 }
 
+// Where the base's step cannot be divided by objects, the whole world takes the substeps of an awake explicit body: no object takes two
+// steps in one.
+TEST( OtherWorlds, AMultiBodyFallsAsFastBesideAnExplicitCube )
+{
+	btScalar height[2];
+	for ( int with = 0; with < 2; ++with )
+	{
+		Stage<btMultiBodyDynamicsWorld> stage;
+		if ( with == 1 )
+		{
+			stage.addCube( at( 20, 5, 0 ), material( Elasticity::Explicit ) );
+		}
+		btBoxShape shape( btVector3( btScalar( 0.1 ), btScalar( 0.1 ), btScalar( 0.1 ) ) );
+		btVector3 inertia;
+		shape.calculateLocalInertia( 1, inertia );
+		btMultiBody body( 0, 1, inertia, false, false );
+		body.setBasePos( btVector3( 0, 9, 0 ) );
+		body.finalizeMultiDof();
+		btMultiBodyLinkCollider collider( &body, -1 );
+		collider.setCollisionShape( &shape );
+		collider.setWorldTransform( at( 0, 9, 0 ) );
+		body.setBaseCollider( &collider );
+		stage.world->addMultiBody( &body );
+		stage.world->addCollisionObject( &collider, btBroadphaseProxy::DefaultFilter, btBroadphaseProxy::AllFilter );
+		stage.run( 45 );
+		height[with] = body.getBasePos().y();
+		stage.world->removeCollisionObject( &collider );
+		stage.world->removeMultiBody( &body );
+	}
+	EXPECT_NEAR( height[1], height[0], 0.1 );
+}
+
+TEST( OtherWorlds, BulletsClothFallsAsFastBesideAnExplicitCube )
+{
+	btScalar height[2];
+	for ( int with = 0; with < 2; ++with )
+	{
+		Stage<btSoftRigidDynamicsWorld> stage;
+		stage.addBox( 1, btVector3( btScalar( 0.1 ), btScalar( 0.1 ), btScalar( 0.1 ) ), at( -20, 9, 0 ) );
+		btSoftBodyWorldInfo& info = stage.world->getWorldInfo();
+		info.m_broadphase = &stage.parts.broadphase;
+		info.m_dispatcher = &stage.parts.dispatcher;
+		info.m_gravity = stage.world->getGravity();
+		btSoftBody* const cloth = btSoftBodyHelpers::CreatePatch(
+			info, btVector3( 0, 9, 0 ), btVector3( 2, 9, 0 ), btVector3( 0, 9, 2 ), btVector3( 2, 9, 2 ), 5, 5, 0, true );
+		stage.world->addSoftBody( cloth );
+		if ( with == 1 )
+		{
+			stage.addCube( at( 20, 5, 0 ), material( Elasticity::Explicit ) );
+		}
+		stage.run( 45 );
+		height[with] = cloth->m_nodes[12].m_x.y();
+		stage.world->removeSoftBody( cloth );
+		delete cloth;
+	}
+	EXPECT_NEAR( height[1], height[0], 0.1 );
+}
+
 /// A multibody with a free base of 20 kg on a soft cube.
 void restMultiBody( Elasticity elasticity )
 {
