@@ -1,4 +1,4 @@
-// What the game does to a body: velocities, forces, impulses, gravity, places. Each is refused where a number is bad, and then changes
+// What the game does to a body: velocities, forces, impulses, gravity, positions. Each is refused if a number is bad, and then changes
 // nothing.
 
 #include "matching/constants.h"

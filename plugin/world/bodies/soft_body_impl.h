@@ -212,7 +212,7 @@ struct SoftBody::Impl
 	void wakeTouching( const SoftBody& owner ) const;
 	double farthestDrive() const; ///< greatest distance that a node is driven from its position, m
 	Pin* findPin( int node );
-	/// Moves the object's transform and the spheres to the nodes and records their speeds; the bounds in Bullet must then be updated.
+	/// Moves the object's transform and the spheres to the nodes and records their velocities; the bounds in Bullet must then be updated.
 	void placeSpheres( btCollisionObject& object, const MotionSums& motion, TaskRunner* runner = nullptr );
 	void placeShape( btCollisionObject& object );
 	/// Returns the node transforms that the skin follows. Valid until the next call.

@@ -72,8 +72,8 @@ void MovedObjects::respond( const btMultiBodyLinkCollider& link, const Vector6& 
 	link.m_multiBody->calcAccelerationDeltasMultiDof( &m_force[0], &m_change[0], m_scratch, m_vectors );
 }
 
-// A link counts with its own mass and inertia. With what it shows at its centre, its neighbours' too, several links that land together
-// would bounce off: their impulses would add up to more than the multibody's momentum.
+// A link has its own mass and inertia, not the effective ones at its centre, which include its neighbours: the impulses of several links
+// that land together would then add up to more than the multibody's momentum, and the links would bounce.
 bool MovedObjects::measure( btCollisionObject& object, RigidPart& part )
 {
 	if ( const btRigidBody* const body = btRigidBody::upcast( &object ) )

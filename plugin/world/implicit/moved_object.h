@@ -1,7 +1,8 @@
 #pragma once
 
 // What an implicit block moves beside soft bodies: rigid bodies, and links of multibodies. A link is a rigid body with its own mass and
-// inertia; its impulses move the whole multibody, and what its joints do the block learns as it does for a rigid body on a joint.
+// inertia; its impulses move the whole multibody, and what its joints add is estimated from the last substeps, as for a rigid body on a
+// joint.
 
 #include "world/implicit/implicit_block.h"
 
