@@ -3,6 +3,7 @@
 #include "body/breaking.h"
 #include "body/implicit_motion.h"
 #include "body/levels/levels.h"
+#include "body/rigid_state.h"
 #include "matching/clusters/cluster_matcher.h"
 #include "matching/regions/link_moments.h"
 #include "matching/rotation.h"

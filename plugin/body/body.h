@@ -31,6 +31,8 @@ struct BreakReport;
 struct CellLink;
 struct PieceOfLevels;
 struct LinkLimits;
+struct RigidMotion;
+struct RigidState;
 
 /// A rigid placement in double precision.
 struct Placement
@@ -55,6 +57,9 @@ enum class PieceBuild : int
 	Reuse,      ///< from those of the whole, kept where no link changed
 	FromScratch ///< from its lattice: the reference implementation
 };
+
+/// Returns the nearest possible origin of a body's nodes. Origins lie on a grid, so that they are the same number in float and in double.
+Vec3d snapped( const Vec3d& position );
 
 enum class BodyHealth : int
 {
@@ -159,6 +164,26 @@ public:
 	/// Index in that lattice of the first of the cells that a node contains.
 	std::uint32_t firstCellOfNode( int node ) const;
 
+	// --- rigid while stiff (Material::rigidStrain) -----------------------------------------------------------------------
+	/// Null while the body deforms.
+	const RigidState* rigidState() const { return m_rigid.get(); }
+	/// Whether its strains and vibrations are below `largestInvisibleStrain`, and nothing else keeps it from being rigid: pinned nodes,
+	/// several parts, plastic flow, broken links.
+	bool canBecomeRigid() const;
+	/// From now on nodes keep their positions relative to each other; momentum and spin stay as they are, vibrations end.
+	void becomeRigid();
+	/// Sets the nodes' positions and velocities to those of the rigid motion. Only for rigid bodies.
+	void moveAsRigid( const RigidMotion& motion );
+	/// Sets the motion that the nodes will have from the next moveAsRigid on, m/s and rad/s. Only for rigid bodies.
+	void setRigidVelocities( const Vec3d& linear, const Vec3d& angular );
+	/// Applies an impulse, N s, at a node's position. Only for rigid bodies.
+	void applyRigidImpulse( const Vec3d& impulse, int node );
+	/// Nodes keep positions and velocities.
+	void becomeDeformable();
+	/// The smaller of Material::rigidStrain and a part of the strain at which the weakest link breaks.
+	double largestInvisibleStrain() const;
+	double speedOfSound() const; ///< sqrt( E / rho ), m/s
+
 	// --- one substep of length h, s ---------------------------------------------------------------------------------
 	/// Shape matching and damping: v += (alpha e + k de) / h, and wobble damping of v. `runner` may be null (calling thread only).
 	void accelerateTowardGoals( float h, float alpha, TaskRunner* runner );
@@ -242,6 +267,8 @@ private:
 	void inheritBreaking( const Breaking& from, const BodyPiece& piece );
 	void reserveMotionScratch();
 	void keepVelocities( TaskRunner* runner );
+	bool movesRigidly() const;
+	bool isHardlyStrained() const;
 	void keepFiniteState();
 	void restoreFiniteState();
 
@@ -257,6 +284,7 @@ private:
 	std::unique_ptr<Levels> m_levels;
 	LatticeMatcher* m_levelMatcher = nullptr; ///< m_matcher where there are levels
 	std::unique_ptr<Breaking> m_breaking;     ///< null: cannot break
+	std::unique_ptr<RigidState> m_rigid;      ///< null: deforms
 	Fracture m_fracture;
 	std::vector<CellLink> m_cutLinks, m_healedLinks; ///< ascending
 	std::vector<std::uint32_t> m_firstCell;

@@ -3,6 +3,7 @@
 #include "body/body.h"
 #include "body/breaking.h"
 #include "body/levels/levels.h"
+#include "body/rigid_state.h"
 
 #include "matching/kernels/kernels.h"
 #include "matching/matcher.h"
@@ -13,12 +14,6 @@
 namespace pliant {
 
 namespace {
-
-/// The grid point nearest to a position. Origins lie on this grid, so that they are the same number in float and in double.
-Vec3d snapped( const Vec3d& position )
-{
-	return ( position / kOriginGrid ).array().round() * kOriginGrid;
-}
 
 MotionView viewOf( NodeState& nodes, float* kept )
 {
@@ -38,8 +33,22 @@ MotionView viewOf( NodeState& nodes, float* kept )
 
 } // namespace
 
+Vec3d snapped( const Vec3d& position )
+{
+	return ( position / kOriginGrid ).array().round() * kOriginGrid;
+}
+
 void Body::place( const Placement& placement )
 {
+	if ( m_rigid )
+	{
+		// The rest shape is a rigid shape, too, but another one; the world gives the body its deformable shape at the next step.
+		teleport( Placement{ placement.rotation * bestFit().rotation.conjugate(), Vec3d::Zero() } );
+		teleport( Placement{ Eigen::Quaterniond::Identity(), placement.position - m_rigid->motion.centre } );
+		setRigidVelocities( Vec3d::Zero(), Vec3d::Zero() );
+		moveAsRigid( m_rigid->motion );
+		return;
+	}
 	m_nodes.origin = snapped( placement.position );
 	const Vec3d centre = placement.position - m_nodes.origin;
 	const Eigen::Matrix3d rotation = placement.rotation.normalized().toRotationMatrix();
@@ -62,6 +71,13 @@ void Body::place( const Placement& placement )
 
 void Body::teleport( const Placement& by )
 {
+	if ( m_rigid )
+	{
+		const RigidMotion& now = m_rigid->motion;
+		moveAsRigid( RigidMotion{ by.rotation * now.centre + by.position, ( by.rotation * now.rotation ).normalized(),
+			by.rotation * now.velocity, by.rotation * now.angularVelocity } );
+		return;
+	}
 	const Eigen::Matrix3d rotation = by.rotation.normalized().toRotationMatrix();
 	const Vec3d moved = rotation * m_nodes.origin + by.position;
 	m_nodes.origin = snapped( moved );

@@ -128,6 +128,10 @@ Status check( const Material& material )
 	{
 		return refuse( "Material::alpha must be above 0 and at most 1." );
 	}
+	if ( !within( material.rigidStrain, 0.0f, kLargestRigidStrain ) )
+	{
+		return refuse( "Material::rigidStrain must lie in [0, 0.1]." );
+	}
 	if ( !within( material.beta, 0.0f, kLargestBeta ) )
 	{
 		return refuse( "Material::beta must lie in [0, 0.95]." );

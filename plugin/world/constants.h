@@ -216,6 +216,19 @@ inline constexpr btScalar kFarthestPosition = btScalar( 1e9 );
 /// A link whose mobility is less than this fraction of that of a free body of its mass is held by its joints or its base.
 inline constexpr double kLeastLinkMobility = 1e-6;
 
+// --- Bodies in their rigid state (Material::rigidStrain) ---
+
+/// A hull may have this multiple of the volume of its material; where it has more, its nodes are divided among two.
+inline constexpr double kConvexVolume = 1.3;
+/// Nodes that are not divided further, and the largest number of hulls of a body.
+inline constexpr int kLeastHullNodes = 12, kMostHulls = 32;
+/// Game steps: until a new body is tested for its rigid state, between two tests, and for which a body deforms at least.
+inline constexpr int kRigidStart = 2, kRigidRetry = 4, kRigidPause = 10;
+/// A body deforms again under more than this multiple of the load, N, that it became rigid under.
+inline constexpr double kRigidLoad = 2.0;
+/// Game steps over which that load is measured.
+inline constexpr int kRigidLoadSteps = 4;
+
 // --- Attachments ---
 
 /// Fraction of the distance between the two points of an attachment that is to be closed within a substep. All of it overshoots with what

@@ -118,6 +118,12 @@ struct Material
 	/// 0 leaves damping to `damping` and `wobbleDamping`. Rigid motion and momentum are not affected. Implicit step only.
 	float numericalDamping = 1.0f;
 
+	/// A body whose strains and vibrations are below this is moved as one rigid body, [0, 0.1], until an impact, a load or a call of the
+	/// game deforms it: for stiff bodies and the shards of brittle ones, which cost a fraction then. 0: never, at no cost. A body that can
+	/// break deforms from half of the strain on at which its weakest link breaks. Bodies with pins, attachments, plastic flow or several
+	/// unconnected parts always deform.
+	float rigidStrain = 0.0f;
+
 	/// How nodes are grouped into regions. A build without Feature::Clusters takes Method::Lattice alone (BadArgument).
 	Method method = Method::Lattice;
 	/// Deformation modes of a cluster; used by Method::SingleCluster and Method::Clusters.

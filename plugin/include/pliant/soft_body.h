@@ -194,6 +194,8 @@ public:
 	Status setMaterial( const Material& material );
 	/// The material. Valid as long as the body; Material::farLevels may be fewer than were set, where the body is too small for them.
 	[[nodiscard]] const Material& material() const;
+	/// Whether the body is in its rigid state (Material::rigidStrain): it does not deform now.
+	[[nodiscard]] bool isRigid() const;
 	/// Whether the last step was the implicit one (Material::elasticity).
 	[[nodiscard]] bool stepsImplicitly() const;
 	/// Ok where this body can take the implicit step; else BadMaterial or BadArgument with the reason.

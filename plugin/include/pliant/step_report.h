@@ -24,6 +24,7 @@ struct StepReport
 	int substeps = 0;             ///< soft substeps made in the last game step
 	int softBodies = 0;           ///< in the world
 	int awakeSoftBodies = 0;      ///< those of them that are awake
+	int rigidBodies = 0;          ///< those of them that are in their rigid state (Material::rigidStrain), awake or not
 	int nodes = 0;                ///< in all soft bodies
 	int softContacts = 0;         ///< contact points between nodes and anything, last substep
 	int implicitBodies = 0;       ///< awake bodies that took the implicit step

@@ -50,11 +50,16 @@ bool SoftBodySystem::remove( SoftBody& body )
 	{
 		return false;
 	}
-	for ( std::vector<SoftBody*>* list : { &m_awake, &m_asleep, &m_substepped, &m_parallel, &m_serial, &m_stale, &m_staleShapes } )
+	for ( std::vector<SoftBody*>* list : { &m_awake, &m_rigid, &m_asleep, &m_substepped, &m_parallel, &m_serial, &m_stale, &m_staleShapes } )
 	{
 		std::erase( *list, &body );
 	}
 	SoftBody::Impl& impl = body.impl();
+	if ( impl.twin )
+	{
+		implicitSolve().forget( *impl.twin );
+		impl.becomeDeformable( body );
+	}
 	if ( impl.self )
 	{
 		impl.self->contacts.reset();

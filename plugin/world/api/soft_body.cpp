@@ -91,7 +91,12 @@ SoftBody::~SoftBody()
 SoftBody* SoftBody::upcast( btCollisionObject* object )
 {
 	SoftBody* const soft = asSoftBody( object );
-	return soft ? soft : ownerOfContactProxy( object );
+	if ( soft )
+	{
+		return soft;
+	}
+	SoftBody* const ofProxy = ownerOfContactProxy( object );
+	return ofProxy ? ofProxy : ownerOfTwin( object );
 }
 
 const SoftBody* SoftBody::upcast( const btCollisionObject* object )
@@ -199,10 +204,16 @@ Status SoftBody::setMaterial( const Material& material )
 	{
 		m_impl->mass = m_impl->body->sums().mass;
 		m_impl->skin.rigid.forget(); // other regions carry the skin otherwise
+		m_impl->mustDeform = true;
 		m_impl->wakeTouching( *this );
 		activate( true );
 	}
 	return status;
+}
+
+bool SoftBody::isRigid() const
+{
+	return m_impl->twin != nullptr;
 }
 
 bool SoftBody::stepsImplicitly() const

@@ -1,6 +1,7 @@
 // What the game does to a body: velocities, forces, impulses, gravity, positions. Each is refused if a number is bad, and then changes
 // nothing.
 
+#include "body/rigid_state.h"
 #include "matching/constants.h"
 #include "world/bodies/placing.h"
 #include "world/constants.h"
@@ -89,6 +90,10 @@ Status SoftBody::setVelocities( const btVector3& linear, const btVector3& angula
 	{
 		nodes.v.set( i, velocityOf( i ) );
 	}
+	if ( m_impl->twin )
+	{
+		m_impl->body->setRigidVelocities( toVec3d( linear ), toVec3d( angular ) );
+	}
 	activate( true );
 	return {};
 }
@@ -144,6 +149,11 @@ Status SoftBody::applyCentralImpulse( const btVector3& impulse )
 	{
 		nodes.v.set( i, nodes.v.get( i ) + nodes.freedom[i] * change );
 	}
+	if ( m_impl->twin )
+	{
+		const RigidMotion& motion = m_impl->body->rigidState()->motion;
+		m_impl->body->setRigidVelocities( motion.velocity + toVec3d( impulse ) / double( mass() ), motion.angularVelocity );
+	}
 	activate( true );
 	return {};
 }
@@ -161,6 +171,11 @@ Status SoftBody::applyImpulse( const btVector3& impulse, int node )
 		return isFinite( impulse ) ? refused( "applyImpulse", kTooFast ) : refused( "applyImpulse", "a number is not finite." );
 	}
 	nodes.v.set( node, velocity );
+	if ( m_impl->twin )
+	{
+		m_impl->body->applyRigidImpulse( toVec3d( impulse ), node );
+		m_impl->mustDeform = true;
+	}
 	activate( true );
 	return {};
 }
@@ -207,7 +222,7 @@ void SoftBody::hasMoved()
 	++m_impl->placements;
 	m_impl->wakeTouching( *this );
 	m_impl->skin.nodesMoved();
-	m_impl->placeShape( *this );
+	m_impl->twin ? m_impl->placeTwin( *this ) : m_impl->placeShape( *this );
 	if ( m_impl->system )
 	{
 		m_impl->system->refreshBox( *this );

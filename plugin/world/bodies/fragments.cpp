@@ -382,6 +382,7 @@ void SoftBodySystem::testLinks( btScalar h )
 Status SoftBody::setFracture( const Fracture& fracture, const ToughnessField& toughness )
 {
 	Status status = m_impl->body->setFracture( fracture, toughness );
+	m_impl->mustDeform = true;
 	if ( status.ok() && fracture.rule != BreakRule::Never )
 	{
 		m_impl->bodyTemplate->crackComplex(); // built now, not when the first crack opens

@@ -9,6 +9,7 @@
 #include "surface/skin/rigid_skin.h"
 #include "surface/skin/skin_fade.h"
 #include "surface/skin/skinning.h"
+#include "world/bodies/rigid_twin.h"
 #include "world/constants.h"
 #include "world/detect/node_contacts.h"
 #include "world/implicit/implicit_choice.h"
@@ -138,6 +139,10 @@ struct SoftBody::Impl
 	btVector3 centralForce = btVector3( 0, 0, 0 );
 	bool hasNodeForces = false;
 
+	std::unique_ptr<RigidTwin> twin; ///< null while the body deforms
+	bool mustDeform = false;         ///< from the next step on; ignored without a twin
+	int rigidWait = kRigidStart;     ///< game steps until it is tested for its rigid state
+
 	std::vector<Vec3d> heldBefore; ///< node positions of a static or kinematic body at the last game step, world, m
 
 	unsigned serial = 0;       ///< unique in its world, never reused
@@ -215,6 +220,11 @@ struct SoftBody::Impl
 	/// Moves the object's transform and the spheres to the nodes and records their velocities; the bounds in Bullet must then be updated.
 	void placeSpheres( btCollisionObject& object, const MotionSums& motion, TaskRunner* runner = nullptr );
 	void placeShape( btCollisionObject& object );
+	/// Moves the object's transform to that of the rigid state.
+	void placeTwin( SoftBody& owner );
+	/// Between steps, and not while contacts are searched. In a world, contacts with the previous shape must be removed afterwards.
+	void becomeRigid( SoftBody& owner );
+	void becomeDeformable( SoftBody& owner );
 	/// Returns the node transforms that the skin follows. Valid until the next call.
 	SkinPose skinPose() const;
 	/// Call before and after a change of levels: saves the surface if it is drawn, then starts to fade out its jump.

@@ -16,11 +16,11 @@ namespace pliant {
 
 namespace {
 
-/// The soft body itself only: Bullet handles contact proxies that meet a compound.
+/// The soft body itself only: Bullet handles contact proxies that meet a compound, and bodies in their rigid state.
 SoftBodySystem* systemOf( const btCollisionObjectWrapper* wrapper )
 {
 	const SoftBody* const soft = asSoftBody( const_cast<btCollisionObject*>( wrapper->getCollisionObject() ) );
-	return soft ? soft->impl().system : nullptr;
+	return soft && !soft->impl().twin ? soft->impl().system : nullptr;
 }
 
 /// Reads the registered functions, for which Bullet has no accessor.

@@ -18,10 +18,11 @@ namespace {
 /// Above the key of any contact.
 constexpr std::uint64_t kAllKeys = ~std::uint64_t( 0 );
 
-/// The soft body itself only: Bullet handles contact proxies that meet a compound.
+/// The soft body itself only: Bullet handles contact proxies that meet a compound, and bodies in their rigid state.
 SoftBody* softOf( const btCollisionObjectWrapper* wrapper )
 {
-	return asSoftBody( const_cast<btCollisionObject*>( wrapper->getCollisionObject() ) );
+	SoftBody* const soft = asSoftBody( const_cast<btCollisionObject*>( wrapper->getCollisionObject() ) );
+	return soft && !soft->impl().twin ? soft : nullptr;
 }
 
 } // namespace

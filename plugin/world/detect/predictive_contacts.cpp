@@ -28,6 +28,10 @@ void SoftBodySystem::holdPredictiveContacts( btAlignedObjectArray<btPersistentMa
 			{
 				continue;
 			}
+			if ( soft->impl().twin )
+			{
+				continue; // showTwins
+			}
 			btManifoldPoint& point = manifold->getContactPoint( 0 );
 			const btVector3 at = side == 0 ? point.getPositionWorldOnA() : point.getPositionWorldOnB();
 			ContactProxy* const proxy = pool.acquire( *soft, soft->nearestNode( at ) );

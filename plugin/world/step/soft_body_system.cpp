@@ -39,7 +39,7 @@ int SoftBodySystem::planSubsteps( btScalar gameStep, const btAlignedObjectArray<
 	m_substepped.clear();
 	for ( SoftBody* body : m_bodies )
 	{
-		if ( moves( *body ) && !stepsImplicitly( *body ) && !isImplicitPoint( *body ) )
+		if ( moves( *body ) && !body->impl().twin && !stepsImplicitly( *body ) && !isImplicitPoint( *body ) )
 		{
 			m_substepped.push_back( body );
 			count = std::max( count, usual );
@@ -57,8 +57,9 @@ int SoftBodySystem::substepsOf( const SoftBody& body ) const
 
 bool SoftBodySystem::isAwakeIn( int island ) const
 {
+	const auto isIn = [island]( const SoftBody* body ) { return body->getIslandTag() == island; };
 	return island >= 0 &&
-		std::any_of( m_awake.begin(), m_awake.end(), [island]( const SoftBody* body ) { return body->getIslandTag() == island; } );
+		( std::any_of( m_awake.begin(), m_awake.end(), isIn ) || std::any_of( m_rigid.begin(), m_rigid.end(), isIn ) );
 }
 
 void SoftBodySystem::beginPass( StepPass pass )
@@ -122,11 +123,17 @@ TaskRunner* SoftBodySystem::tasks() const
 void SoftBodySystem::gatherAwake()
 {
 	m_awake.clear();
+	m_rigid.clear();
 	long long nodes = 0;
 	for ( SoftBody* body : m_bodies )
 	{
 		if ( moves( *body ) && isInPass( *body ) )
 		{
+			if ( body->impl().twin )
+			{
+				m_rigid.push_back( body );
+				continue;
+			}
 			m_awake.push_back( body );
 			nodes += body->nodeCount();
 		}
@@ -198,6 +205,7 @@ void SoftBodySystem::accelerate( btScalar h, int substep )
 			}
 		} );
 	}
+	accelerateRigid( h );
 	for ( SoftBody* body : m_awake )
 	{
 		body->impl().nodeAxes.clear(); // measured again on request
@@ -290,6 +298,7 @@ void SoftBodySystem::integrate( btScalar h, int substep )
 		impl.placeSpheres( body, impl.body->motion(), within );
 		impl.skin.nodesMoved();
 	} );
+	integrateRigid( h );
 	quarantineBroken();
 }
 
@@ -298,7 +307,7 @@ void SoftBodySystem::freshenShapes()
 	Stopwatch watch( report.spheres );
 	m_staleShapes.clear();
 	std::copy_if( m_bodies.begin(), m_bodies.end(), std::back_inserter( m_staleShapes ),
-		[]( const SoftBody* body ) { return body->impl().shape->isStale(); } );
+		[]( const SoftBody* body ) { return body->impl().shape->isStale() && !body->impl().twin; } );
 	// Many bodies: one task each; few: the threads share a body.
 	const bool oneTaskEach = int( m_staleShapes.size() ) >= tasks()->threadCount();
 	auto freshen = [&]( int k ) { m_staleShapes[std::size_t( k )]->impl().shape->freshen( oneTaskEach ? nullptr : tasks() ); };
@@ -307,6 +316,7 @@ void SoftBodySystem::freshenShapes()
 
 void SoftBodySystem::endStep()
 {
+	makeRigid( m_gameStep );
 	freshenShapes();
 	attachments.endStep();
 	countNodes();
@@ -317,6 +327,10 @@ void SoftBodySystem::endStep()
 		{
 			NodeState& nodes = body->impl().body->nodes();
 			nodes.v.resize( nodes.padded ); // all nodes of a sleeping body are at rest
+			if ( body->impl().twin )
+			{
+				body->impl().body->setRigidVelocities( Vec3d::Zero(), Vec3d::Zero() );
+			}
 		}
 	}
 }

@@ -51,6 +51,14 @@ public:
 	const std::vector<SoftBody*>& bodies() const { return m_bodies; }
 
 	bool hasAwakeBody() const;
+	/// Rigid states (Material::rigidStrain). At the start of a game step: bodies that an impact, a load or the game deforms leave it.
+	void deformLoaded( btScalar gameStep );
+	/// At the end of a game step: bodies that hardly deform enter it.
+	void makeRigid( btScalar gameStep );
+	/// Around Bullet's solver: manifolds refer to the twins of bodies in their rigid state.
+	void showTwins( btDispatcher& dispatcher );
+	void hideTwins( btDispatcher& dispatcher );
+
 	/// Chooses the objects that take soft substeps in a game step of this length. Returns the number of substeps: the user's, or more if
 	/// the stiffest awake material needs them; 1 if no body takes substeps. `canSplit`: if false, either all objects take substeps or none.
 	int planSubsteps( btScalar gameStep, const btAlignedObjectArray<btRigidBody*>& rigid,
@@ -168,6 +176,12 @@ private:
 	void wakeRestingOnWoken();
 	void drivePins( SoftBody& body, btScalar h, int substep );
 	void settlePins( SoftBody& body, btScalar h, int substep );
+	bool canBeRigid( const SoftBody& body ) const;
+	void removeContacts( SoftBody& body ); ///< after its shape was replaced
+	void forecastImpacts( btScalar h );
+	void forecastImpact( SoftBody& body, btCollisionObject& other, btScalar h );
+	void accelerateRigid( btScalar h );
+	void integrateRigid( btScalar h );
 
 	btDiscreteDynamicsWorld& m_world;
 	btCollisionDispatcher& m_dispatcher;
@@ -178,7 +192,9 @@ private:
 	TunnelingGuard m_guard;
 	std::vector<Vec3> m_positionsBefore; ///< scratch of readBack
 	ImplicitChoice m_choice;
-	std::vector<SoftBody*> m_awake;              ///< in this substep
+	std::vector<SoftBody*> m_awake;              ///< in this substep, deformable
+	std::vector<SoftBody*> m_rigid;              ///< in this substep, in their rigid state
+	bool m_hasTwins = false;                     ///< in this substep
 	std::vector<SoftBody*> m_asleep;             ///< when the last step ended
 	std::vector<SoftBody*> m_staleShapes;        ///< scratch of freshenShapes
 	std::vector<SoftBody*> m_parallel, m_serial; ///< awake bodies processed by all threads together; by one thread each

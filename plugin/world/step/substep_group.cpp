@@ -62,6 +62,12 @@ SweptBox sweepOf( const SoftBody& body, const btVector3& gravity, btScalar step 
 
 SweptBox wholeBox( const SoftBody& body )
 {
+	if ( body.impl().twin )
+	{
+		SweptBox box;
+		body.getCollisionShape()->getAabb( body.getWorldTransform(), box.low, box.high );
+		return box;
+	}
 	const SphereRows::Box& whole = body.impl().shape->rows().whole();
 	const btVector3 at = body.getWorldTransform().getOrigin();
 	return SweptBox{ { at + whole.mins(), at + whole.maxs() } };

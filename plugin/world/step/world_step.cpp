@@ -76,6 +76,7 @@ void WorldStep::singleStep( btScalar timeStep )
 	}
 	m_impulses.restoreLastSubstep( *m_parts.dispatcher );
 	bodies.wakeDriven();
+	bodies.deformLoaded( timeStep );
 	m_isStepping = bodies.hasAwakeBody();
 	const bool canSplit = !m_parts.hasOwnSingleStep && !m_parts.hasOwnIslands;
 	const int substeps = bodies.planSubsteps( timeStep, m_parts.rigidBodies, m_parts.constraints, canSplit );
@@ -267,6 +268,7 @@ void WorldStep::solve( btContactSolverInfo& info )
 	// Sleeping bodies too: a rigid body may have hit and woken one in this step.
 	Stopwatch watch( bodies.report.solve );
 	btDispatcher& dispatcher = *m_parts.dispatcher;
+	bodies.showTwins( dispatcher );
 	m_moved.moveToNodes( dispatcher, info );
 	bodies.countContacts( m_moved.count() );
 	if ( m_moved.hasRollingFriction() )
@@ -298,6 +300,7 @@ void WorldStep::solve( btContactSolverInfo& info )
 	{
 		m_rolling.apply();
 	}
+	bodies.hideTwins( dispatcher );
 	if ( bodies.pass() == StepPass::Substeps )
 	{
 		m_impulses.add( dispatcher );

@@ -1,0 +1,202 @@
+#include "body/rigid_state.h"
+
+#include "body/body.h"
+#include "body/breaking.h"
+#include "matching/constants.h"
+#include "matching/matcher.h"
+
+#include <Eigen/Eigenvalues>
+
+#include <algorithm>
+#include <cmath>
+
+namespace pliant {
+
+namespace {
+
+/// Applies the inverse of the inertia tensor in the world's axes.
+Vec3d angularVelocityOf( const Vec3d& moments, const Eigen::Quaterniond& rotation, const Vec3d& spin )
+{
+	const Vec3d own = rotation.conjugate() * spin;
+	Vec3d turning;
+	for ( int k = 0; k < 3; ++k )
+	{
+		turning[k] = moments[k] > 0.0 ? own[k] / moments[k] : 0.0;
+	}
+	return rotation * turning;
+}
+
+Vec3d spinOf( const Vec3d& moments, const Eigen::Quaterniond& rotation, const Vec3d& angularVelocity )
+{
+	return rotation * Vec3d( moments.cwiseProduct( rotation.conjugate() * angularVelocity ) );
+}
+
+/// Returns the rotation by a rotation vector, rad.
+Eigen::Quaterniond rotationBy( const Vec3d& vector )
+{
+	const double angle = vector.norm();
+	return angle > 0.0 ? Eigen::Quaterniond( Eigen::AngleAxisd( angle, vector / angle ) ) : Eigen::Quaterniond::Identity();
+}
+
+} // namespace
+
+// The midpoint rule for the rotation: L is constant in the world, w = I^-1 L changes with the axes.
+RigidMotion advanced( const RigidState& state, const RigidMotion& motion, double h )
+{
+	RigidMotion next = motion;
+	next.centre += h * motion.velocity;
+	const Vec3d spin = spinOf( state.moments, motion.rotation, motion.angularVelocity );
+	const Eigen::Quaterniond half = ( rotationBy( 0.5 * h * motion.angularVelocity ) * motion.rotation ).normalized();
+	const Vec3d middle = angularVelocityOf( state.moments, half, spin );
+	next.rotation = ( rotationBy( h * middle ) * motion.rotation ).normalized();
+	next.angularVelocity = angularVelocityOf( state.moments, next.rotation, spin );
+	return next;
+}
+
+double Body::speedOfSound() const
+{
+	return std::sqrt( double( m_material.youngsModulus ) / double( m_material.density ) );
+}
+
+double Body::largestInvisibleStrain() const
+{
+	const double invisible = double( m_material.rigidStrain );
+	const bool breaks = m_breaking && m_fracture.rule != BreakRule::Never;
+	return breaks ? std::min( invisible, kRigidBreakFraction * double( m_breaking->limits.weakest * breakStrain( m_fracture, m_material ) ) )
+				  : invisible;
+}
+
+// A vibration of velocity v strains a body by v / c, c its speed of sound.
+bool Body::movesRigidly() const
+{
+	const BodySums whole = sums();
+	const Vec3d turning = angularVelocity();
+	const double limit = largestInvisibleStrain() * speedOfSound();
+	for ( int i = 0; i < m_nodes.count; ++i )
+	{
+		const Vec3d arm = m_nodes.x.get( i ).cast<double>() - whole.centre;
+		const Vec3d rigid = whole.momentum / whole.mass + turning.cross( arm );
+		if ( ( m_nodes.v.get( i ).cast<double>() - rigid ).squaredNorm() > limit * limit || m_nodes.freedom[i] == 0.0f )
+		{
+			return false;
+		}
+	}
+	return true;
+}
+
+bool Body::isHardlyStrained() const
+{
+	const double limit = largestInvisibleStrain();
+	if ( m_levels )
+	{
+		std::vector<float> gradients( std::size_t( m_nodes.padded ) * 9 );
+		nodeDeformations( gradients.data() );
+		for ( int i = 0; i < m_nodes.count; ++i )
+		{
+			const Eigen::Map<const Eigen::Matrix3f> f( gradients.data() + 9 * std::size_t( i ) );
+			if ( ( f * f.transpose() - Eigen::Matrix3f::Identity() ).norm() > 2.0 * limit ) // Green's strain
+			{
+				return false;
+			}
+		}
+		return true;
+	}
+	for ( int i = 0; i < m_nodes.count; ++i )
+	{
+		for ( std::uint32_t k = m_lattice->linkStart[i]; k < m_lattice->linkStart[i + 1]; ++k )
+		{
+			const int j = int( m_lattice->linkTo[k] );
+			const double rest = ( m_nodes.x0.get( j ) - m_nodes.x0.get( i ) ).norm();
+			const double now = ( m_nodes.x.get( j ) - m_nodes.x.get( i ) ).norm();
+			if ( j > i && std::abs( now - rest ) > limit * rest )
+			{
+				return false;
+			}
+		}
+	}
+	return true;
+}
+
+bool Body::canBecomeRigid() const
+{
+	return !m_rigid && m_material.rigidStrain > 0.0f && m_isOnePart && !hasBrokenLinks() && !hasFlowed() && movesRigidly() && isHardlyStrained();
+}
+
+void Body::becomeRigid()
+{
+	m_rigid = std::make_unique<RigidState>();
+	RigidState& state = *m_rigid;
+	const BodySums whole = sums();
+	Eigen::Matrix3d second = Eigen::Matrix3d::Zero();
+	for ( int i = 0; i < m_nodes.count; ++i )
+	{
+		const Vec3d arm = m_nodes.x.get( i ).cast<double>() - whole.centre;
+		second += double( m_nodes.mass[i] ) * arm * arm.transpose();
+	}
+	const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes( second.trace() * Eigen::Matrix3d::Identity() - second );
+	Eigen::Matrix3d frame = axes.eigenvectors();
+	if ( frame.determinant() < 0.0 )
+	{
+		frame.col( 2 ) = -frame.col( 2 );
+	}
+	const double thin = kInertiaFloor * axes.eigenvalues()[2];
+	state.mass = whole.mass;
+	state.moments = axes.eigenvalues().unaryExpr( [thin]( double moment ) { return moment > thin ? moment : 0.0; } );
+	state.motion.rotation = Eigen::Quaterniond( frame ).normalized();
+	state.motion.centre = m_nodes.origin + whole.centre;
+	state.motion.velocity = whole.momentum / whole.mass;
+	state.motion.angularVelocity = angularVelocityOf( state.moments, state.motion.rotation, whole.spin );
+	state.arm.resize( m_nodes.padded );
+	for ( int i = 0; i < m_nodes.count; ++i )
+	{
+		const Vec3d arm = m_nodes.x.get( i ).cast<double>() - whole.centre;
+		state.arm.set( i, ( state.motion.rotation.conjugate() * arm ).cast<float>() );
+	}
+	moveAsRigid( state.motion );
+}
+
+// x_i = c + R q_i,   v_i = V + w x R q_i
+void Body::moveAsRigid( const RigidMotion& motion )
+{
+	m_matcher->turn( ( motion.rotation * m_rigid->motion.rotation.conjugate() ).normalized() );
+	m_rigid->motion = motion;
+	m_nodes.origin = snapped( motion.centre );
+	const Eigen::Matrix3f rotation = motion.rotation.toRotationMatrix().cast<float>();
+	const Vec3 centre = ( motion.centre - m_nodes.origin ).cast<float>();
+	const Vec3 velocity = motion.velocity.cast<float>(), turning = motion.angularVelocity.cast<float>();
+	m_motion = MotionSums{};
+	for ( int i = 0; i < m_nodes.count; ++i )
+	{
+		const Vec3 arm = rotation * m_rigid->arm.get( i );
+		m_nodes.x.set( i, centre + arm );
+		m_nodes.v.set( i, velocity + turning.cross( arm ) );
+		m_motion.squareSpeed += double( m_nodes.mass[i] ) * double( m_nodes.v.get( i ).squaredNorm() );
+	}
+	m_motion.mass = m_rigid->mass;
+	for ( int k = 0; k < 3; ++k )
+	{
+		m_motion.moment[k] = m_rigid->mass * double( centre[k] );
+	}
+}
+
+void Body::setRigidVelocities( const Vec3d& linear, const Vec3d& angular )
+{
+	m_rigid->motion.velocity = linear;
+	m_rigid->motion.angularVelocity = angular;
+}
+
+void Body::applyRigidImpulse( const Vec3d& impulse, int node )
+{
+	RigidMotion& motion = m_rigid->motion;
+	const Vec3d arm = motion.rotation * m_rigid->arm.get( node ).cast<double>();
+	motion.velocity += impulse / m_rigid->mass;
+	motion.angularVelocity += angularVelocityOf( m_rigid->moments, motion.rotation, arm.cross( impulse ) );
+}
+
+void Body::becomeDeformable()
+{
+	m_rigid.reset();
+	keepFiniteState();
+}
+
+} // namespace pliant

@@ -1,0 +1,201 @@
+// Soft bodies in their rigid state: when they enter and leave it, and how they are moved.
+
+#include "body/rigid_state.h"
+#include "world/bodies/prefetch.h"
+#include "world/bodies/soft_body_impl.h"
+#include "world/step/soft_body_system.h"
+
+#include <BulletCollision/BroadphaseCollision/btOverlappingPairCache.h>
+#include <LinearMath/btQuickprof.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace pliant {
+
+namespace {
+
+/// The load that strains a body of this size by as much as must not be seen, N: E e V^( 2 / 3 ).
+double largestLoad( const Body& body )
+{
+	const double volume = body.rigidState()->mass / double( body.material().density );
+	return double( body.material().youngsModulus ) * body.largestInvisibleStrain() * std::pow( volume, 2.0 / 3.0 );
+}
+
+bool isOverloaded( const SoftBody::Impl& impl )
+{
+	const RigidTwin& twin = *impl.twin;
+	return twin.steps > kRigidLoadSteps && twin.load > std::max( kRigidLoad * twin.firstLoad, largestLoad( *impl.body ) );
+}
+
+} // namespace
+
+bool SoftBodySystem::canBeRigid( const SoftBody& body ) const
+{
+	const SoftBody::Impl& impl = body.impl();
+	return body.material().rigidStrain > 0.0f && impl.pins.empty() && !impl.self && !impl.hasNodeForces && impl.newCuts.empty() &&
+		!body.isStaticOrKinematicObject() && impl.isHealthy && !impl.body->hasBrokenLinks() &&
+		( attachments.isEmpty() || !attachments.contain( body ) );
+}
+
+void SoftBodySystem::removeContacts( SoftBody& body )
+{
+	if ( btBroadphaseProxy* const proxy = body.getBroadphaseHandle() )
+	{
+		m_world.getPairCache()->cleanProxyFromPairs( proxy, &m_dispatcher );
+		m_world.updateSingleAabb( &body );
+	}
+}
+
+// At the start of a game step.
+void SoftBodySystem::deformLoaded( btScalar gameStep )
+{
+	const bool isAny = std::any_of( m_bodies.begin(), m_bodies.end(), []( const SoftBody* body ) { return body->impl().twin != nullptr; } );
+	if ( !isAny )
+	{
+		return;
+	}
+	BT_PROFILE( "pliant: rigid states" );
+	forecastImpacts( gameStep );
+	for ( SoftBody* body : m_bodies )
+	{
+		SoftBody::Impl& impl = body->impl();
+		if ( impl.twin && ( impl.mustDeform || !canBeRigid( *body ) || isOverloaded( impl ) ) )
+		{
+			impl.becomeDeformable( *body );
+			removeContacts( *body );
+			body->activate();
+		}
+	}
+}
+
+// At the end of a game step.
+void SoftBodySystem::makeRigid( btScalar gameStep )
+{
+	report.rigidBodies = 0;
+	for ( SoftBody* body : m_bodies )
+	{
+		SoftBody::Impl& impl = body->impl();
+		if ( impl.twin )
+		{
+			++report.rigidBodies;
+			RigidTwin& twin = *impl.twin;
+			twin.load = twin.impulse / double( gameStep );
+			twin.impulse = 0.0;
+			twin.firstLoad = twin.steps < kRigidLoadSteps ? std::max( twin.firstLoad, twin.load ) : twin.firstLoad;
+			twin.steps += body->isActive() ? 1 : 0;
+			continue;
+		}
+		if ( body->material().rigidStrain <= 0.0f || !moves( *body ) || --impl.rigidWait > 0 )
+		{
+			continue;
+		}
+		impl.rigidWait = kRigidRetry;
+		if ( canBeRigid( *body ) && impl.body->canBecomeRigid() )
+		{
+			impl.becomeRigid( *body );
+			removeContacts( *body );
+		}
+	}
+}
+
+// v += h ( g + f / m )
+void SoftBodySystem::accelerateRigid( btScalar h )
+{
+	for ( SoftBody* body : m_rigid )
+	{
+		SoftBody::Impl& impl = body->impl();
+		const RigidMotion& motion = impl.body->rigidState()->motion;
+		impl.isImplicit = false;
+		impl.lastSubstep = double( h );
+		impl.body->setRigidVelocities( motion.velocity + double( h ) * ownAcceleration( *body ).cast<double>(), motion.angularVelocity );
+	}
+}
+
+// Bullet's solver moves the twins in place of the soft bodies.
+void SoftBodySystem::showTwins( btDispatcher& dispatcher )
+{
+	m_hasTwins = false;
+	for ( SoftBody* body : m_bodies )
+	{
+		if ( body->impl().twin )
+		{
+			m_hasTwins = true;
+			body->impl().twin->follow();
+		}
+	}
+	if ( !m_hasTwins )
+	{
+		return;
+	}
+	forEachManifold( dispatcher, prefetchEnd, []( btPersistentManifold& manifold ) {
+		const btCollisionObject* sides[2] = { manifold.getBody0(), manifold.getBody1() };
+		bool isShown = false;
+		for ( const btCollisionObject*& side : sides )
+		{
+			SoftBody* const soft = asSoftBody( const_cast<btCollisionObject*>( side ) );
+			if ( soft && soft->impl().twin )
+			{
+				side = soft->impl().twin.get();
+				isShown = true;
+			}
+		}
+		if ( isShown )
+		{
+			manifold.setBodies( sides[0], sides[1] );
+		}
+	} );
+}
+
+void SoftBodySystem::hideTwins( btDispatcher& dispatcher )
+{
+	if ( !m_hasTwins )
+	{
+		return;
+	}
+	forEachManifold( dispatcher, prefetchEnd, []( btPersistentManifold& manifold ) {
+		const btCollisionObject* sides[2] = { manifold.getBody0(), manifold.getBody1() };
+		bool isShown = false;
+		for ( const btCollisionObject*& side : sides )
+		{
+			if ( SoftBody* const owner = ownerOfTwin( side ) )
+			{
+				for ( int k = 0; k < manifold.getNumContacts(); ++k )
+				{
+					owner->impl().twin->impulse += std::abs( double( manifold.getContactPoint( k ).m_appliedImpulse ) );
+				}
+				side = owner;
+				isShown = true;
+			}
+		}
+		if ( isShown )
+		{
+			manifold.setBodies( sides[0], sides[1] );
+		}
+	} );
+	for ( SoftBody* body : m_bodies ) // bodies of the other pass may have been touched too
+	{
+		if ( const RigidTwin* const twin = body->impl().twin.get(); twin && body->isActive() )
+		{
+			body->impl().body->setRigidVelocities( toVec3d( twin->getLinearVelocity() ), toVec3d( twin->getAngularVelocity() ) );
+		}
+	}
+}
+
+void SoftBodySystem::integrateRigid( btScalar h )
+{
+	for ( SoftBody* body : m_rigid )
+	{
+		SoftBody::Impl& impl = body->impl();
+		if ( !moves( *body ) )
+		{
+			continue; // fell asleep in this substep
+		}
+		const RigidState& state = *impl.body->rigidState();
+		impl.body->moveAsRigid( advanced( state, impl.twin->pushed( state.motion ), double( h ) ) );
+		impl.placeTwin( *body );
+		impl.skin.nodesMoved();
+	}
+}
+
+} // namespace pliant

@@ -1,0 +1,95 @@
+#include "world/bodies/rigid_twin.h"
+
+#include "body/rigid_state.h"
+#include "world/bodies/soft_body_impl.h"
+#include "world/step/soft_body_system.h"
+
+namespace pliant {
+
+namespace {
+
+const char kRigidTwinMark = 0;
+
+btTransform transformOf( const RigidMotion& motion )
+{
+	const Eigen::Quaterniond& q = motion.rotation;
+	return btTransform( btQuaternion( btScalar( q.x() ), btScalar( q.y() ), btScalar( q.z() ), btScalar( q.w() ) ), toBt( motion.centre ) );
+}
+
+} // namespace
+
+RigidTwin::RigidTwin( SoftBody& owner, std::unique_ptr<RigidShape> hulls ) :
+	btRigidBody( btRigidBodyConstructionInfo( btScalar( owner.impl().body->rigidState()->mass ), nullptr, &hulls->shape(),
+		toBt( owner.impl().body->rigidState()->moments ) ) ),
+	m_owner( owner ), m_hulls( std::move( hulls ) )
+{
+	internalSetExtensionPointer( const_cast<char*>( &kRigidTwinMark ) );
+	setFlags( BT_DISABLE_WORLD_GRAVITY ); // gyroscopic torque too: the core keeps the angular momentum
+	follow();
+}
+
+void RigidTwin::follow()
+{
+	const RigidMotion& motion = m_owner.impl().body->rigidState()->motion;
+	m_followed = transformOf( motion );
+	setWorldTransform( m_followed );
+	updateInertiaTensor();
+	setLinearVelocity( toBt( motion.velocity ) );
+	setAngularVelocity( toBt( motion.angularVelocity ) );
+	setCollisionFlags( m_owner.getCollisionFlags() );
+	setIslandTag( m_owner.getIslandTag() );
+	setWorldArrayIndex( static_cast<const btCollisionObject&>( m_owner ).getWorldArrayIndex() );
+	setBroadphaseHandle( m_owner.getBroadphaseHandle() );
+	forceActivationState( m_owner.getActivationState() );
+	setCompanionId( -1 );
+}
+
+RigidMotion RigidTwin::pushed( const RigidMotion& motion ) const
+{
+	const btTransform& now = getWorldTransform();
+	if ( now == m_followed )
+	{
+		return motion;
+	}
+	RigidMotion pushed = motion;
+	pushed.centre += toVec3d( now.getOrigin() ) - toVec3d( m_followed.getOrigin() );
+	const Eigen::Matrix3d turn = toMatrix3d( now.getBasis() ) * toMatrix3d( m_followed.getBasis() ).transpose();
+	pushed.rotation = ( Eigen::Quaterniond( turn ) * motion.rotation ).normalized();
+	return pushed;
+}
+
+SoftBody* ownerOfTwin( const btCollisionObject* object )
+{
+	const bool isTwin = object && object->internalGetExtensionPointer() == &kRigidTwinMark;
+	return isTwin ? &static_cast<const RigidTwin*>( object )->owner() : nullptr;
+}
+
+void SoftBody::Impl::placeTwin( SoftBody& owner )
+{
+	const btTransform at = transformOf( body->rigidState()->motion );
+	mass = body->motion().mass;
+	meanSquareSpeed = body->motion().squareSpeed / mass;
+	owner.setWorldTransform( at );
+	owner.setInterpolationWorldTransform( at );
+}
+
+void SoftBody::Impl::becomeRigid( SoftBody& owner )
+{
+	body->becomeRigid();
+	twin = std::make_unique<RigidTwin>( owner, std::make_unique<RigidShape>( *body, *shape ) );
+	owner.setCollisionShape( twin->getCollisionShape() );
+	placeTwin( owner );
+	mustDeform = false;
+}
+
+void SoftBody::Impl::becomeDeformable( SoftBody& owner )
+{
+	owner.setCollisionShape( shape.get() );
+	twin.reset();
+	body->becomeDeformable();
+	placeShape( owner );
+	rigidWait = kRigidPause;
+	mustDeform = false;
+}
+
+} // namespace pliant

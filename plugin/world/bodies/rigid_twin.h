@@ -1,0 +1,44 @@
+#pragma once
+
+// The rigid body through which Bullet's solver moves a soft body in its rigid state. It belongs to no world: the soft body stays the
+// collision object, with hulls for a shape, and its manifolds refer to the twin while they are solved.
+
+#include "body/rigid_state.h"
+#include "world/shape/rigid_shape.h"
+
+#include <BulletDynamics/Dynamics/btRigidBody.h>
+
+namespace pliant {
+
+class SoftBody;
+
+class RigidTwin : public btRigidBody
+{
+public:
+	BT_DECLARE_ALIGNED_ALLOCATOR();
+
+	/// For a body whose core is in its rigid state. `hulls` must be kept as long as the twin.
+	RigidTwin( SoftBody& owner, std::unique_ptr<RigidShape> hulls );
+
+	/// Copies the motion of the body, and what the solver reads of its collision object.
+	void follow();
+	SoftBody& owner() const { return m_owner; }
+
+	/// The motion with the displacement by which the solver has pushed the twin out of penetrations since follow().
+	RigidMotion pushed( const RigidMotion& motion ) const;
+
+	double impulse = 0.0;   ///< of all contacts in this game step, N s
+	double load = 0.0;      ///< the same per time in the last one, N
+	double firstLoad = 0.0; ///< the largest in the first steps
+	int steps = 0;          ///< game steps so far
+
+private:
+	SoftBody& m_owner;
+	btTransform m_followed;
+	std::unique_ptr<RigidShape> m_hulls;
+};
+
+/// The soft body of a twin, or null for any other object.
+SoftBody* ownerOfTwin( const btCollisionObject* object );
+
+} // namespace pliant
