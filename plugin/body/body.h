@@ -267,6 +267,8 @@ private:
 	void inheritBreaking( const Breaking& from, const BodyPiece& piece );
 	void reserveMotionScratch();
 	void keepVelocities( TaskRunner* runner );
+	/// Nothing in it deforms: a single node, or a small piece of SmallPieces::Rigid.
+	bool isInelastic() const;
 	bool movesRigidly() const;
 	bool isHardlyStrained() const;
 	void keepFiniteState();

@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace pliant {
 
@@ -58,8 +59,18 @@ double Body::speedOfSound() const
 	return std::sqrt( double( m_material.youngsModulus ) / double( m_material.density ) );
 }
 
+bool Body::isInelastic() const
+{
+	const bool isRigidCluster = m_material.method == Method::SingleCluster && m_material.clusterMode == ClusterMode::Rigid;
+	return m_nodes.count == 1 || isRigidCluster;
+}
+
 double Body::largestInvisibleStrain() const
 {
+	if ( isInelastic() )
+	{
+		return std::numeric_limits<double>::infinity();
+	}
 	const double invisible = double( m_material.rigidStrain );
 	const bool breaks = m_breaking && m_fracture.rule != BreakRule::Never;
 	return breaks ? std::min( invisible, kRigidBreakFraction * double( m_breaking->limits.weakest * breakStrain( m_fracture, m_material ) ) )

@@ -226,8 +226,6 @@ inline constexpr int kLeastHullNodes = 12, kMostHulls = 32;
 inline constexpr int kRigidStart = 2, kRigidRetry = 4, kRigidPause = 10;
 /// A body deforms again under more than this multiple of the load, N, that it became rigid under.
 inline constexpr double kRigidLoad = 2.0;
-/// Game steps over which that load is measured.
-inline constexpr int kRigidLoadSteps = 4;
 
 // --- Attachments ---
 

@@ -190,6 +190,7 @@ Material RandomCalls::someMaterial()
 {
 	Material material = stiff( std::pow( 10.0f, float( some( 3, 7 ) ) ) );
 	material.elasticity = m_isPlain || oneIn( 3 ) ? Elasticity::Implicit : oneIn( 3 ) ? Elasticity::Automatic : Elasticity::Explicit;
+	material.rigidStrain = oneIn( 3 ) ? 0.05f : 0.0f;
 	if ( oneIn( 10 ) )
 	{
 		material.youngsModulus = oneIn( 2 ) ? -1.0f : std::numeric_limits<float>::quiet_NaN();

@@ -25,7 +25,7 @@ double largestLoad( const Body& body )
 bool isOverloaded( const SoftBody::Impl& impl )
 {
 	const RigidTwin& twin = *impl.twin;
-	return twin.steps > kRigidLoadSteps && twin.load > std::max( kRigidLoad * twin.firstLoad, largestLoad( *impl.body ) );
+	return twin.load > std::max( kRigidLoad * twin.firstLoad, largestLoad( *impl.body ) );
 }
 
 } // namespace
@@ -69,21 +69,30 @@ void SoftBodySystem::deformLoaded( btScalar gameStep )
 	}
 }
 
+double SoftBodySystem::loadOn( const SoftBody& body ) const
+{
+	double impulse = 0.0;
+	forEachManifold( m_dispatcher, prefetchEnd, [&]( const btPersistentManifold& manifold ) {
+		const bool isOn = ownerOfContactProxy( manifold.getBody0() ) == &body || ownerOfContactProxy( manifold.getBody1() ) == &body;
+		for ( int k = 0; isOn && k < manifold.getNumContacts(); ++k )
+		{
+			impulse += std::abs( double( manifold.getContactPoint( k ).m_appliedImpulse ) );
+		}
+	} );
+	return impulse / double( m_gameStep );
+}
+
 // At the end of a game step.
 void SoftBodySystem::makeRigid( btScalar gameStep )
 {
-	report.rigidBodies = 0;
 	for ( SoftBody* body : m_bodies )
 	{
 		SoftBody::Impl& impl = body->impl();
 		if ( impl.twin )
 		{
-			++report.rigidBodies;
 			RigidTwin& twin = *impl.twin;
 			twin.load = twin.impulse / double( gameStep );
 			twin.impulse = 0.0;
-			twin.firstLoad = twin.steps < kRigidLoadSteps ? std::max( twin.firstLoad, twin.load ) : twin.firstLoad;
-			twin.steps += body->isActive() ? 1 : 0;
 			continue;
 		}
 		if ( body->material().rigidStrain <= 0.0f || !moves( *body ) || --impl.rigidWait > 0 )
@@ -93,7 +102,9 @@ void SoftBodySystem::makeRigid( btScalar gameStep )
 		impl.rigidWait = kRigidRetry;
 		if ( canBeRigid( *body ) && impl.body->canBecomeRigid() )
 		{
+			const double load = loadOn( *body );
 			impl.becomeRigid( *body );
+			impl.twin->firstLoad = load;
 			removeContacts( *body );
 		}
 	}

@@ -29,8 +29,7 @@ public:
 
 	double impulse = 0.0;   ///< of all contacts in this game step, N s
 	double load = 0.0;      ///< the same per time in the last one, N
-	double firstLoad = 0.0; ///< the largest in the first steps
-	int steps = 0;          ///< game steps so far
+	double firstLoad = 0.0; ///< when the body became rigid, N
 
 private:
 	SoftBody& m_owner;

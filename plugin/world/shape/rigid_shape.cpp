@@ -103,23 +103,60 @@ bool isConvex( const std::vector<Sphere>& spheres, const std::vector<int>& part 
 	return hullVolume( hullPoints( spheres, part, 0.0f ) ) <= kConvexVolume * volume;
 }
 
-/// Halves a part across its longest extent.
-std::pair<std::vector<int>, std::vector<int>> halves( const std::vector<Sphere>& spheres, const std::vector<int>& part )
+/// A box in the frame's axes around some nodes.
+struct Box
 {
-	Vec3 low = spheres[std::size_t( part.front() )].centre, high = low;
-	for ( const int k : part )
+	Vec3 low = Vec3::Constant( FLT_MAX ), high = Vec3::Constant( -FLT_MAX );
+	float material = 0.0f; ///< m^3
+
+	void include( const Sphere& sphere )
 	{
-		low = low.cwiseMin( spheres[std::size_t( k )].centre );
-		high = high.cwiseMax( spheres[std::size_t( k )].centre );
+		low = low.cwiseMin( sphere.centre - Vec3::Constant( sphere.radius ) );
+		high = high.cwiseMax( sphere.centre + Vec3::Constant( sphere.radius ) );
+		material += sphere.volume;
 	}
-	int axis = 0;
-	( high - low ).maxCoeff( &axis );
-	std::vector<int> sorted = part;
-	std::stable_sort( sorted.begin(), sorted.end(), [&]( int a, int b ) {
-		return spheres[std::size_t( a )].centre[axis] < spheres[std::size_t( b )].centre[axis];
-	} );
-	const auto middle = sorted.begin() + std::ptrdiff_t( sorted.size() / 2 );
-	return { std::vector<int>( sorted.begin(), middle ), std::vector<int>( middle, sorted.end() ) };
+	/// The material that a part may still have to be divided for: its volume times that of the box it leaves empty.
+	float cost() const { return std::max( 0.0f, ( high - low ).prod() - material ) * material; }
+};
+
+/// Divides a part by the plane across an axis that leaves the least cost.
+std::pair<std::vector<int>, std::vector<int>> divided( const std::vector<Sphere>& spheres, const std::vector<int>& part )
+{
+	std::vector<int> best, sorted = part;
+	std::size_t bestSize = part.size() / 2;
+	float least = FLT_MAX;
+	std::vector<float> behind( part.size() );
+	for ( int axis = 0; axis < 3; ++axis )
+	{
+		std::sort( sorted.begin(), sorted.end(), [&]( int a, int b ) {
+			const float first = spheres[std::size_t( a )].centre[axis], second = spheres[std::size_t( b )].centre[axis];
+			return first < second || ( first == second && a < b );
+		} );
+		Box box;
+		for ( std::size_t k = sorted.size(); k-- > 0; )
+		{
+			box.include( spheres[std::size_t( sorted[k] )] );
+			behind[k] = box.cost();
+		}
+		box = Box{};
+		bool isBest = false;
+		for ( std::size_t k = 0; k + 1 < sorted.size(); ++k )
+		{
+			box.include( spheres[std::size_t( sorted[k] )] );
+			if ( const float sum = box.cost() + behind[k + 1]; sum < least )
+			{
+				least = sum;
+				bestSize = k + 1;
+				isBest = true;
+			}
+		}
+		if ( isBest )
+		{
+			best = sorted;
+		}
+	}
+	const auto middle = best.begin() + std::ptrdiff_t( bestSize );
+	return { std::vector<int>( best.begin(), middle ), std::vector<int>( middle, best.end() ) };
 }
 
 /// Divides the nodes until each part is nearly convex, few nodes, or there are as many parts as allowed. The parts with most nodes first.
@@ -140,7 +177,7 @@ std::vector<std::vector<int>> convexParts( const std::vector<Sphere>& spheres )
 			done.push_back( std::move( part ) );
 			continue;
 		}
-		auto [first, second] = halves( spheres, part );
+		auto [first, second] = divided( spheres, part );
 		open.push_back( std::move( first ) );
 		open.push_back( std::move( second ) );
 	}

@@ -91,6 +91,7 @@ void SoftBodySystem::beginStep( btScalar gameStep, int substepCount )
 		impl.skin.isStale = impl.skin.fade.advance() || impl.skin.isStale;
 		report.awakeSoftBodies += moves( *body ) ? 1 : 0;
 		report.implicitBodies += moves( *body ) && stepsImplicitly( *body ) ? 1 : 0;
+		report.rigidBodies += impl.twin ? 1 : 0;
 		report.quarantined += impl.isHealthy ? 0 : 1;
 		report.unreachableStiffness += impl.plan.reachable ? 0 : 1;
 	}

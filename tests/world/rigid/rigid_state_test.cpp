@@ -127,7 +127,7 @@ TEST_P( RigidState, RestsWhereADeformableBodyRests )
 		EXPECT_EQ( test.world.stepReport().rigidBodies, isRigid ? 2 : 0 );
 		height[isRigid] = double( upper->massCentre().y() );
 	}
-	EXPECT_NEAR( height[1], height[0], 0.1 * 0.1 );
+	EXPECT_NEAR( height[1], height[0], 0.15 * 0.1 ); // of which most is the sag of the deformable ones
 }
 
 TEST_P( RigidState, DeformsBeforeItIsHit )
@@ -141,10 +141,11 @@ TEST_P( RigidState, DeformsBeforeItIsHit )
 	ball->setLinearVelocity( btVector3( 0, -8, 0 ) );
 	double lowest = 1.0;
 	bool wasRigidWhileApart = true, wasRigidInContact = false;
-	for ( int frame = 0; frame < 20; ++frame )
+	for ( int frame = 0; frame < 12; ++frame )
 	{
 		test.run( 1 );
 		const bool touches = ball->getLinearVelocity().y() > btScalar( -8 );
+		wasRigidWhileApart = wasRigidWhileApart && ( frame > 3 || body->isRigid() );
 		wasRigidInContact = wasRigidInContact || ( touches && body->isRigid() );
 		lowest = std::min( lowest, double( body->nodePosition( body->nearestNode( btVector3( 0, 0.4f, 0 ) ) ).y() ) );
 	}
@@ -202,10 +203,11 @@ TEST_P( RigidState, ObeysTheGame )
 	body->releaseNode( 0 );
 	test.run( 60 );
 	ASSERT_TRUE( body->isRigid() );
-	ASSERT_TRUE( body->applyImpulse( btVector3( 0, mass, 0 ), 0 ).ok() );
+	ASSERT_TRUE( body->setLinearVelocity( btVector3( 0, 0, 0 ) ).ok() );
+	ASSERT_TRUE( body->applyImpulse( mass * btVector3( 0, 0.02f, 0 ), 0 ).ok() );
 	test.run( 1 );
 	EXPECT_FALSE( body->isRigid() );
-	EXPECT_NEAR( body->linearVelocity().y(), 1, 1e-3 );
+	EXPECT_NEAR( body->linearVelocity().y(), 0.02, 1e-5 );
 	test.run( 60 );
 	ASSERT_TRUE( body->isRigid() );
 	EXPECT_GT( body->cutPlane( body->massCentre(), btVector3( 0, 1, 0 ) ), 0 );
@@ -283,7 +285,7 @@ TEST_P( RigidState, ShapeFollowsTheMaterial )
 	test.run( 100 );
 	ASSERT_TRUE( body->isRigid() );
 	btRigidBody* const ball = test.add( 1, new btSphereShape( btScalar( 0.15 ) ), at( 0, 0.6f, 0 ) );
-	test.run( 120 );
+	test.run( 30 );
 	EXPECT_NEAR( ball->getWorldTransform().getOrigin().y(), 0.35, 0.03 );
 }
 
@@ -297,17 +299,17 @@ TEST( RigidStateBreaks, AsIfItHadNeverBeenRigid )
 	{
 		TestWorld test;
 		test.addFloor();
-		Material material = test::implicit( 5e6f );
+		Material material = test::implicit( 2e6f );
 		material.rigidStrain = isRigid ? 0.05f : 0.0f;
 		SoftBody* const body = test.addSoft( block( 10, 10, 2, 0.1f ), at( 0, 0.505f, 0 ), material );
 		Fracture fracture;
 		fracture.rule = BreakRule::Plane;
-		fracture.breakStrain = 0.02f;
+		fracture.breakStrain = 0.01f;
 		ASSERT_TRUE( body->setFracture( fracture ).ok() );
 		test.run( 30 );
 		EXPECT_EQ( body->isRigid(), isRigid );
-		btRigidBody* const ball = test.add( 30, new btSphereShape( btScalar( 0.15 ) ), at( 0, 0.5f, 1.2f ) );
-		ball->setLinearVelocity( btVector3( 0, 0, -15 ) );
+		btRigidBody* const ball = test.add( 50, new btSphereShape( btScalar( 0.15 ) ), at( 0, 0.5f, 1.2f ) );
+		ball->setLinearVelocity( btVector3( 0, 0, -20 ) );
 		links[isRigid] = 0;
 		for ( int frame = 0; frame < 60; ++frame )
 		{
