@@ -73,8 +73,9 @@ double Body::largestInvisibleStrain() const
 	}
 	const double invisible = double( m_material.rigidStrain );
 	const bool breaks = m_breaking && m_fracture.rule != BreakRule::Never;
-	return breaks ? std::min( invisible, kRigidBreakFraction * double( m_breaking->limits.weakest * breakStrain( m_fracture, m_material ) ) )
-				  : invisible;
+	return breaks
+		? std::min( invisible, kRigidBreakFraction * double( m_breaking->limits.weakest * breakStrain( m_fracture, m_material ) ) )
+		: invisible;
 }
 
 // A vibration of velocity v strains a body by v / c, c its speed of sound.
@@ -130,7 +131,8 @@ bool Body::isHardlyStrained() const
 
 bool Body::canBecomeRigid() const
 {
-	return !m_rigid && m_material.rigidStrain > 0.0f && m_isOnePart && !hasBrokenLinks() && !hasFlowed() && movesRigidly() && isHardlyStrained();
+	return !m_rigid && m_material.rigidStrain > 0.0f && m_isOnePart && !hasBrokenLinks() && !hasFlowed() && movesRigidly() &&
+		isHardlyStrained();
 }
 
 void Body::becomeRigid()

@@ -21,7 +21,7 @@ inline constexpr double kOpenRotationGap = 1e-7;
 /// Floor of a body's inertia where net angular velocity is removed, as a fraction of its largest moment: a rod has none about its own axis.
 inline constexpr double kInertiaFloor = 1e-6;
 /// A body that breaks is rigid up to this fraction of the strain at which its weakest link breaks.
-inline constexpr double kRigidBreakFraction = 0.5;
+inline constexpr double kRigidBreakFraction = 0.8;
 /// Largest Material::rigidStrain: more could be seen.
 inline constexpr float kLargestRigidStrain = 0.1f;
 

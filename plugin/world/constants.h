@@ -223,7 +223,7 @@ inline constexpr double kConvexVolume = 1.3;
 /// Nodes that are not divided further, and the largest number of hulls of a body.
 inline constexpr int kLeastHullNodes = 12, kMostHulls = 32;
 /// Game steps: until a new body is tested for its rigid state, between two tests, and for which a body deforms at least.
-inline constexpr int kRigidStart = 2, kRigidRetry = 4, kRigidPause = 10;
+inline constexpr int kRigidStart = 2, kRigidRetry = 3, kRigidPause = 6;
 /// A body deforms again under more than this multiple of the load, N, that it became rigid under.
 inline constexpr double kRigidLoad = 2.0;
 

@@ -4,6 +4,7 @@
 // solver with few iterations push resting bodies to and fro, most of all in heaps of single cells: one of two hundred is always faster than
 // any limit that separates moving from resting. A somewhat faster body may therefore sleep too if none of its nodes leaves its position.
 
+#include "body/rigid_state.h"
 #include "matching/step/lattice_matcher.h"
 #include "world/bodies/soft_body_impl.h"
 #include "world/constants.h"
@@ -78,6 +79,12 @@ double largestMeanSquareSpeed( const SoftBody::Impl& impl )
 /// Returns true if the body's deactivation timer may run.
 bool isAtRest( SoftBody::Impl& impl, double gravity )
 {
+	if ( impl.twin ) // as Bullet's rigid bodies
+	{
+		const RigidMotion& motion = impl.body->rigidState()->motion;
+		return motion.velocity.norm() < double( impl.twin->getLinearSleepingThreshold() ) &&
+			motion.angularVelocity.norm() < double( impl.twin->getAngularSleepingThreshold() );
+	}
 	const double radius = double( impl.shape->smallestRadius() ), displacement = kRestDisplacement * radius;
 	const double fallSquare = 2.0 * gravity * radius, square = largestMeanSquareSpeed( impl );
 	const double drift = displacement / double( gDeactivationTime ); // limit without gravity

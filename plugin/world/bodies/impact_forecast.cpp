@@ -65,7 +65,8 @@ struct FastContact : btCollisionWorld::ContactResultCallback
 	FastContact( const Motion& ofFirst, const Motion& ofSecond, btScalar h, btScalar fastestAllowed ) :
 		first( ofFirst ), second( ofSecond ), step( h ), limit( fastestAllowed )
 	{}
-	btScalar addSingleResult( btManifoldPoint& point, const btCollisionObjectWrapper*, int, int, const btCollisionObjectWrapper*, int, int ) override
+	btScalar addSingleResult(
+		btManifoldPoint& point, const btCollisionObjectWrapper*, int, int, const btCollisionObjectWrapper*, int, int ) override
 	{
 		const btScalar approach = -( first.at( point.getPositionWorldOnA() ) - second.at( point.getPositionWorldOnB() ) )
 									   .dot( point.m_normalWorldOnB );
@@ -98,7 +99,8 @@ btScalar largestApproach( const SoftBody& body, const btCollisionObject& other )
 void SoftBodySystem::forecastImpact( SoftBody& body, btCollisionObject& other, btScalar h )
 {
 	if ( body.impl().mustDeform || !body.hasContactResponse() || !other.hasContactResponse() ||
-		!m_dispatcher.needsCollision( &body, &other ) || !m_world.getPairCache()->needsBroadphaseCollision( body.getBroadphaseHandle(), other.getBroadphaseHandle() ) )
+		!m_dispatcher.needsCollision( &body, &other ) ||
+		!m_world.getPairCache()->needsBroadphaseCollision( body.getBroadphaseHandle(), other.getBroadphaseHandle() ) )
 	{
 		return;
 	}

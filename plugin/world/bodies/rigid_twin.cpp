@@ -19,8 +19,8 @@ btTransform transformOf( const RigidMotion& motion )
 } // namespace
 
 RigidTwin::RigidTwin( SoftBody& owner, std::unique_ptr<RigidShape> hulls ) :
-	btRigidBody( btRigidBodyConstructionInfo( btScalar( owner.impl().body->rigidState()->mass ), nullptr, &hulls->shape(),
-		toBt( owner.impl().body->rigidState()->moments ) ) ),
+	btRigidBody( btRigidBodyConstructionInfo(
+		btScalar( owner.impl().body->rigidState()->mass ), nullptr, &hulls->shape(), toBt( owner.impl().body->rigidState()->moments ) ) ),
 	m_owner( owner ), m_hulls( std::move( hulls ) )
 {
 	internalSetExtensionPointer( const_cast<char*>( &kRigidTwinMark ) );

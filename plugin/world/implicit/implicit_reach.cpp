@@ -68,7 +68,7 @@ void ImplicitReach::addManifold( const btPersistentManifold& manifold, const Blo
 	{
 		addBody( b, block, touchesSoft );
 	}
-	if ( isA && isB )
+	if ( isA && isB && !ownerOfTwin( &a ) && !ownerOfTwin( &b ) )
 	{
 		m_edges.push_back( Edge{ a.getWorldArrayIndex(), b.getWorldArrayIndex(), block } );
 	}
@@ -128,7 +128,8 @@ void ImplicitReach::choose( btDispatcher& dispatcher, const Attachments& attachm
 bool ImplicitReach::takesPart( int block, const btCollisionObject& rigid ) const
 {
 	const int index = rigid.getWorldArrayIndex();
-	return m_rigidCount[std::size_t( block )] <= kMostBlockRigid ||
+	// Soft bodies in their rigid state often lie in heaps: those that touch a deformable body take part, the others do not.
+	return ( m_rigidCount[std::size_t( block )] <= kMostBlockRigid && !ownerOfTwin( &rigid ) ) ||
 		( index >= 0 && index < int( m_takesPart.size() ) && m_takesPart[std::size_t( index )] == 1 );
 }
 

@@ -167,7 +167,8 @@ std::vector<std::vector<int>> convexParts( const std::vector<Sphere>& spheres )
 	std::vector<std::vector<int>> done, open( 1, std::move( all ) );
 	while ( !open.empty() )
 	{
-		const auto largest = std::max_element( open.begin(), open.end(), []( const auto& a, const auto& b ) { return a.size() < b.size(); } );
+		const auto largest = std::max_element(
+			open.begin(), open.end(), []( const auto& a, const auto& b ) { return a.size() < b.size(); } );
 		std::vector<int> part = std::move( *largest );
 		open.erase( largest );
 		const bool isWhole = int( part.size() ) < kLeastHullNodes || int( done.size() + open.size() ) + 1 >= kMostHulls ||
@@ -192,8 +193,8 @@ RigidShape::RigidShape( const Body& body, const NodeShape& nodes )
 	std::vector<Sphere> spheres;
 	for ( int i = 0; i < state.count; ++i )
 	{
-		spheres.push_back( Sphere{ body.rigidState()->arm.get( i ), float( nodes.sphereOfNode( i )->getRadius() ),
-			state.mass[i] / body.material().density } );
+		spheres.push_back( Sphere{
+			body.rigidState()->arm.get( i ), float( nodes.sphereOfNode( i )->getRadius() ), state.mass[i] / body.material().density } );
 	}
 	const float margin = float( nodes.smallestRadius() );
 	for ( const std::vector<int>& part : convexParts( spheres ) )

@@ -58,8 +58,7 @@ int SoftBodySystem::substepsOf( const SoftBody& body ) const
 bool SoftBodySystem::isAwakeIn( int island ) const
 {
 	const auto isIn = [island]( const SoftBody* body ) { return body->getIslandTag() == island; };
-	return island >= 0 &&
-		( std::any_of( m_awake.begin(), m_awake.end(), isIn ) || std::any_of( m_rigid.begin(), m_rigid.end(), isIn ) );
+	return island >= 0 && ( std::any_of( m_awake.begin(), m_awake.end(), isIn ) || std::any_of( m_rigid.begin(), m_rigid.end(), isIn ) );
 }
 
 void SoftBodySystem::beginPass( StepPass pass )

@@ -178,7 +178,7 @@ private:
 	void settlePins( SoftBody& body, btScalar h, int substep );
 	bool canBeRigid( const SoftBody& body ) const;
 	double loadOn( const SoftBody& body ) const; ///< sum of the contact forces on a deformable body, N
-	void removeContacts( SoftBody& body ); ///< after its shape was replaced
+	void removeContacts( SoftBody& body );       ///< after its shape was replaced
 	void forecastImpacts( btScalar h );
 	void forecastImpact( SoftBody& body, btCollisionObject& other, btScalar h );
 	void accelerateRigid( btScalar h );

@@ -306,7 +306,7 @@ TEST( RigidStateBreaks, AsIfItHadNeverBeenRigid )
 		fracture.rule = BreakRule::Plane;
 		fracture.breakStrain = 0.01f;
 		ASSERT_TRUE( body->setFracture( fracture ).ok() );
-		test.run( 30 );
+		test.run( 90 );
 		EXPECT_EQ( body->isRigid(), isRigid );
 		btRigidBody* const ball = test.add( 50, new btSphereShape( btScalar( 0.15 ) ), at( 0, 0.5f, 1.2f ) );
 		ball->setLinearVelocity( btVector3( 0, 0, -20 ) );
