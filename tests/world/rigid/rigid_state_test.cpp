@@ -141,7 +141,7 @@ TEST_P( RigidState, DeformsBeforeItIsHit )
 	ball->setLinearVelocity( btVector3( 0, -8, 0 ) );
 	double lowest = 1.0;
 	bool wasRigidWhileApart = true, wasRigidInContact = false;
-	for ( int frame = 0; frame < 12; ++frame )
+	for ( int frame = 0; frame < 10; ++frame )
 	{
 		test.run( 1 );
 		const bool touches = ball->getLinearVelocity().y() > btScalar( -8 );
