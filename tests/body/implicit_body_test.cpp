@@ -13,7 +13,7 @@
 namespace pliant {
 namespace {
 
-constexpr float kStep = 1.0f / 60.0f;
+constexpr float kFrame = 1.0f / 60.0f;
 
 /// An elastic material with about this alpha at a sixtieth of a second and cells of 0.1 m.
 Material material( float alpha, float numericalDamping, int halfWidth = 1 )
@@ -24,7 +24,7 @@ Material material( float alpha, float numericalDamping, int halfWidth = 1 )
 	m.damping = 0.0f;
 	m.wobbleDamping = 0.0f;
 	m.regionHalfWidth = halfWidth;
-	m.youngsModulus = alpha * m.density * 0.01f * float( halfWidth * ( halfWidth + 1 ) ) / ( 3.0f * kStep * kStep );
+	m.youngsModulus = alpha * m.density * 0.01f * float( halfWidth * ( halfWidth + 1 ) ) / ( 3.0f * kFrame * kFrame );
 	return m;
 }
 
@@ -59,7 +59,7 @@ TEST( ImplicitBody, ComesToRestFromAnyStretchAndNeverGainsEnergy )
 			double most = 0.0;
 			for ( int k = 0; k < 240; ++k )
 			{
-				implicitSubstep( *body, kStep );
+				implicitSubstep( *body, kFrame );
 				most = std::max( most, stretch( *body ) );
 			}
 			EXPECT_LE( most, first * 1.0001 ) << alpha << " w " << w;
@@ -80,7 +80,7 @@ TEST( ImplicitBody, RecoversFromASinglePoint )
 		}
 		for ( int k = 0; k < 600; ++k )
 		{
-			implicitSubstep( *body, kStep );
+			implicitSubstep( *body, kFrame );
 		}
 		EXPECT_LT( stretch( *body ), 1e-3 ) << alpha;
 		EXPECT_EQ( body->invertedFraction(), 0.0f ) << alpha;
@@ -101,7 +101,7 @@ TEST( ImplicitBody, KeepsMomentumAndSpinInFreeFlight )
 			const BodySums before = body->sums();
 			for ( int k = 0; k < 600; ++k )
 			{
-				implicitSubstep( *body, kStep );
+				implicitSubstep( *body, kFrame );
 			}
 			const BodySums after = body->sums();
 			EXPECT_LT( ( after.momentum - before.momentum ).norm() / before.momentum.norm(), 1e-5 ) << alpha << " " << sigma;
@@ -124,7 +124,7 @@ std::pair<double, double> ringing( const Material& m )
 	double most = 0.0, last = 0.0;
 	for ( int k = 0; k < 120; ++k )
 	{
-		implicitSubstep( *body, kStep );
+		implicitSubstep( *body, kFrame );
 		most = std::max( most, stretch( *body ) );
 		last = k >= 100 ? std::max( last, stretch( *body ) ) : 0.0;
 	}
@@ -227,7 +227,7 @@ TEST( ImplicitBody, OscillatesFreelyWithoutDamping )
 		for ( int k = 0; k < 400; ++k )
 		{
 			at.push_back( bend() );
-			implicitSubstep( *body, kStep );
+			implicitSubstep( *body, kFrame );
 		}
 		int crossings = 0;
 		double first = -1.0, last = -1.0, tail = 0.0;
@@ -245,7 +245,7 @@ TEST( ImplicitBody, OscillatesFreelyWithoutDamping )
 			}
 		}
 		std::printf( "sigma %.0f: period %.3f s, left after five %.2f\n", double( sigma ),
-			2.0 * ( last - first ) / std::max( 1, crossings - 1 ) * double( kStep ), tail / at[0] );
+			2.0 * ( last - first ) / std::max( 1, crossings - 1 ) * double( kFrame ), tail / at[0] );
 		if ( sigma == 0.0f )
 		{
 			EXPECT_GE( tail / at[0], 0.7 );
